@@ -1,0 +1,82 @@
+# cairn_library(NAME storage SOURCES a.cc b.cc PUBLIC dep... PRIVATE dep...)
+#
+# The static library of a room, `cairn_NAME`. Its headers are visible to others only through the
+# target: each room has an include root of its own that holds nothing but a link to its folder, so an
+# #include against the arrows of docs/architecture.md does not compile.
+# ROOM names the folder when a room has several targets (default: NAME).
+function(cairn_library)
+  cmake_parse_arguments(ARG "" "NAME;ROOM" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  if(NOT ARG_ROOM)
+    set(ARG_ROOM ${ARG_NAME})
+  endif()
+  set(target cairn_${ARG_NAME})
+  set(include_root ${CMAKE_BINARY_DIR}/include/${ARG_ROOM})
+  file(MAKE_DIRECTORY ${include_root})
+  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${ARG_ROOM} ${include_root}/${ARG_ROOM} SYMBOLIC)
+
+  add_library(${target} STATIC ${ARG_SOURCES})
+  add_library(cairn::${ARG_NAME} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${ARG_NAME})
+  target_include_directories(${target} PUBLIC
+    $<BUILD_INTERFACE:${include_root}> $<INSTALL_INTERFACE:include/cairn>)
+  target_link_libraries(${target}
+    PUBLIC ${ARG_PUBLIC}
+    PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:cairn_compiler_options>)
+  set_property(GLOBAL APPEND PROPERTY CAIRN_LIBRARIES ${target})
+endfunction()
+
+# cairn_test(NAME storage SOURCES a_test.cc DEPENDS cairn::storage)
+#
+# One test binary a room, `cairn_NAME_test`; every TEST in it is a ctest of its own. Tests may
+# include anything their DEPENDS offer, and tests/support/.
+function(cairn_test)
+  cmake_parse_arguments(ARG "" "NAME;TIMEOUT" "SOURCES;DEPENDS" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 600)
+  endif()
+  set(target cairn_${ARG_NAME}_test)
+  add_executable(${target} ${ARG_SOURCES})
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  target_compile_definitions(${target} PRIVATE
+    CAIRN_SOURCE_DIR="${PROJECT_SOURCE_DIR}" CAIRN_BINARY_DIR="${CMAKE_BINARY_DIR}")
+  target_link_libraries(${target} PRIVATE
+    ${ARG_DEPENDS} GTest::gmock GTest::gtest_main cairn_compiler_options)
+  gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${ARG_TIMEOUT})
+endfunction()
+
+# cairn_benchmark(NAME matching SOURCES x_bench.cc DEPENDS cairn::engine)
+function(cairn_benchmark)
+  if(NOT CAIRN_BUILD_BENCHMARKS)
+    return()
+  endif()
+  cmake_parse_arguments(ARG "" "NAME" "SOURCES;DEPENDS" ${ARGN})
+  set(target cairn_${ARG_NAME}_bench)
+  add_executable(${target} ${ARG_SOURCES})
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  target_link_libraries(${target} PRIVATE
+    ${ARG_DEPENDS} benchmark::benchmark_main cairn_compiler_options)
+endfunction()
+
+# cairn_embed(TARGET cairn_sql HEADER sql/schema.h NAMESPACE cairn::sql FILES a.sql b.sql)
+#
+# Makes each file a `std::string_view k_<name>` (dots and dashes become underscores) in a generated
+# header that the target exports.
+function(cairn_embed)
+  cmake_parse_arguments(ARG "" "TARGET;HEADER;NAMESPACE" "FILES" ${ARGN})
+  set(out ${CMAKE_BINARY_DIR}/generated/${ARG_TARGET}/${ARG_HEADER})
+  set(files)
+  foreach(file ${ARG_FILES})
+    list(APPEND files ${CMAKE_CURRENT_SOURCE_DIR}/${file})
+  endforeach()
+  string(REPLACE ";" "," file_list "${files}")
+  add_custom_command(OUTPUT ${out}
+    COMMAND ${CMAKE_COMMAND} -DOUT=${out} -DNAMESPACE=${ARG_NAMESPACE} -DFILES=${file_list}
+            -P ${PROJECT_SOURCE_DIR}/cmake/Embed.cmake
+    DEPENDS ${files} ${PROJECT_SOURCE_DIR}/cmake/Embed.cmake
+    COMMENT "Embedding ${ARG_HEADER}" VERBATIM)
+  add_custom_target(${ARG_TARGET}_generate DEPENDS ${out})
+  add_library(${ARG_TARGET} INTERFACE)
+  add_dependencies(${ARG_TARGET} ${ARG_TARGET}_generate)
+  target_include_directories(${ARG_TARGET} INTERFACE
+    $<BUILD_INTERFACE:${CMAKE_BINARY_DIR}/generated/${ARG_TARGET}>)
+endfunction()

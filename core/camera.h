@@ -1,0 +1,89 @@
+// Pinhole and fisheye camera models with COLMAP's names, parameter order and pixel convention: the
+// centre of the upper left pixel is (0.5, 0.5).
+#ifndef CAIRN_CORE_CAMERA_H_
+#define CAIRN_CORE_CAMERA_H_
+
+#include <Eigen/Core>
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cairn {
+
+// Values are COLMAP's model ids. Parameters, in order:
+//   SIMPLE_PINHOLE  f, cx, cy                    PINHOLE  fx, fy, cx, cy
+//   SIMPLE_RADIAL   f, cx, cy, k                 RADIAL   f, cx, cy, k1, k2
+//   OPENCV          fx, fy, cx, cy, k1, k2, p1, p2
+//   OPENCV_FISHEYE  fx, fy, cx, cy, k1, k2, k3, k4
+enum class CameraModel {
+  kSimplePinhole = 0,
+  kPinhole = 1,
+  kSimpleRadial = 2,
+  kRadial = 3,
+  kOpenCv = 4,
+  kOpenCvFisheye = 5,
+};
+
+// COLMAP's name of a model, e.g. "SIMPLE_RADIAL".
+const char* CameraModelName(CameraModel model);
+
+// Throws Error(kBadInput) naming the supported models if `name` or `colmap_id` is not one of them.
+CameraModel CameraModelFromName(std::string_view name);
+CameraModel CameraModelFromColmapId(int colmap_id);
+
+// Number of parameters of a model.
+int NumCameraParams(CameraModel model);
+
+// Intrinsics of one camera. Immutable after construction; safe to use from any thread.
+class Camera {
+ public:
+  // A 640 x 480 pinhole camera; exists so that Camera can be a plain struct member.
+  Camera();
+
+  // Throws Error(kBadInput) on a wrong number of parameters, a size outside [1, 100000], a focal
+  // length that is not positive and finite, or any parameter that is not finite.
+  Camera(CameraModel model, int width_px, int height_px, std::vector<double> params);
+
+  CameraModel model() const { return model_; }
+  int width_px() const { return width_px_; }
+  int height_px() const { return height_px_; }
+  const std::vector<double>& params() const { return params_; }
+
+  // Mean of fx and fy.
+  double focal_px() const { return 0.5 * (fx_ + fy_); }
+
+  // Pixel of a point in the camera frame; nothing if the point is not in front of the camera, or
+  // outside the field of view in which the distortion is invertible.
+  std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& x_in_cam) const;
+
+  // As Project, and the 2x3 Jacobian of the pixel by the point.
+  std::optional<Eigen::Vector2d> ProjectWithJacobian(const Eigen::Vector3d& x_in_cam,
+                                                     Eigen::Matrix<double, 2, 3>* jacobian) const;
+
+  // Unit ray through a pixel, in the camera frame; nothing if the distortion cannot be inverted
+  // there. Inverse of Project to 1e-8 px.
+  std::optional<Eigen::Vector3d> Unproject(const Eigen::Vector2d& pixel) const;
+
+  // True if the pixel lies in [0, width] x [0, height].
+  bool Contains(const Eigen::Vector2d& pixel) const;
+
+ private:
+  // Distorts normalised coordinates; `jacobian` (2x2, may be null) is d(distorted)/d(undistorted).
+  Eigen::Vector2d Distort(const Eigen::Vector2d& normalized, Eigen::Matrix2d* jacobian) const;
+  std::optional<Eigen::Vector2d> Undistort(const Eigen::Vector2d& distorted) const;
+
+  CameraModel model_;
+  int width_px_;
+  int height_px_;
+  std::vector<double> params_;
+  double fx_ = 0.0, fy_ = 0.0, cx_ = 0.0, cy_ = 0.0;
+  double k1_ = 0.0, k2_ = 0.0, k3_ = 0.0, k4_ = 0.0;  // Radial or fisheye coefficients.
+  double p1_ = 0.0, p2_ = 0.0;                        // Tangential coefficients.
+  double max_sq_radius_ = 0.0;  // Largest squared normalised radius (fisheye: squared angle).
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_CORE_CAMERA_H_

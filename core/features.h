@@ -1,0 +1,54 @@
+// Local image features as every room exchanges them.
+#ifndef CAIRN_CORE_FEATURES_H_
+#define CAIRN_CORE_FEATURES_H_
+
+#include <Eigen/Core>
+
+#include <optional>
+#include <vector>
+
+#include "core/camera.h"
+
+namespace cairn {
+
+// num_features x descriptor_dim, row-major.
+using DescriptorMatrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// A keypoint in pixels; (0.5, 0.5) is the centre of the upper left pixel.
+struct Keypoint {
+  float x_px = 0.0f;
+  float y_px = 0.0f;
+  float scale_px = 1.0f;         // Standard deviation of the detector's Gaussian.
+  float orientation_rad = 0.0f;  // Direction of the dominant gradient; x axis is 0, y axis pi/2.
+};
+
+// In which space descriptors live.
+enum class DescriptorSpace {
+  kRaw,        // As the extractor made them, e.g. 128-D SIFT.
+  kProjected,  // Normalised and projected by a map's codebook, e.g. 16-D.
+};
+
+// Features of one image: keypoints[i] belongs to descriptors.row(i).
+struct FeatureSet {
+  std::vector<Keypoint> keypoints;
+  DescriptorMatrix descriptors;
+  DescriptorSpace space = DescriptorSpace::kRaw;
+
+  int size() const { return static_cast<int>(keypoints.size()); }
+};
+
+// Throws Error(kBadInput) if counts differ or any number is not finite. Names `what`.
+void ValidateFeatures(const FeatureSet& features, const char* what);
+
+// Gravity-rectified orientation (Kurz and Benhimane 2011): the keypoint's direction relative to the
+// image of the gravity direction at the keypoint, in (-pi, pi]. Nothing where the viewing ray is
+// within 3 degrees of the vertical and the direction is meaningless. `down_in_cam` is a unit vector.
+std::optional<double> GravityRectifiedOrientationRad(const Camera& camera, const Keypoint& keypoint,
+                                                     const Eigen::Vector3d& down_in_cam);
+
+// Wraps an angle to (-pi, pi].
+double WrapAngleRad(double angle_rad);
+
+}  // namespace cairn
+
+#endif  // CAIRN_CORE_FEATURES_H_

@@ -1,0 +1,37 @@
+// Every knob of a query, nested by stage.
+#ifndef CAIRN_ENGINE_LOCALIZER_OPTIONS_H_
+#define CAIRN_ENGINE_LOCALIZER_OPTIONS_H_
+
+#include <cstddef>
+#include <cstdint>
+
+#include "engine/matching/matching_options.h"
+#include "engine/pose/pose_options.h"
+#include "engine/prior/prior_options.h"
+#include "engine/refinement/refinement_options.h"
+#include "engine/tiles/tiles_options.h"
+#include "engine/voting/voting_options.h"
+
+namespace cairn {
+
+struct LocalizerOptions {
+  PriorOptions prior;
+  TilesOptions tiles;
+  MatchingOptions matching;
+  VotingOptions voting;
+  PoseOptions pose;
+  RefinementOptions refinement;
+
+  // Seed of everything random in a query; the same seed gives the same answer.
+  uint64_t seed = 1;
+
+  // A pose with fewer effective inliers is no answer.
+  double min_effective_inliers = 8.0;
+
+  // Throws Error(kInvalidArgument) naming the field.
+  void Validate() const;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_LOCALIZER_OPTIONS_H_

@@ -1,0 +1,36 @@
+// Stage `matching`: 2D-3D correspondences of a query against tiles.
+#ifndef CAIRN_ENGINE_MATCHING_MATCH_FEATURES_H_
+#define CAIRN_ENGINE_MATCHING_MATCH_FEATURES_H_
+
+#include <vector>
+
+#include "engine/localize_result.h"
+#include "engine/matching/matching_options.h"
+#include "engine/query_context.h"
+#include "engine/tiles/searchable_tile.h"
+
+namespace cairn {
+
+// The k best landmarks of each keypoint over all tiles, below the threshold; a landmark that lies in
+// several tiles counts once (its nearest copy). Ordered by keypoint, then distance. Sets the matching
+// counters.
+std::vector<Correspondence> MatchFeatures(const QueryContext& query,
+                                          const std::vector<TileView>& tiles,
+                                          const MatchingOptions& options, StageCounters* counters);
+
+// For the refinement stage: matches all keypoints against just the landmarks that the given
+// keyframes saw, exhaustively, with the threshold at `distance_quantile`. Each entry of `keyframes`
+// is (tile_idx, keyframe_idx). Same order and rules as MatchFeatures.
+struct KeyframeRef {
+  int tile_idx = 0;
+  uint32_t keyframe_idx = 0;
+};
+std::vector<Correspondence> MatchAgainstKeyframes(const QueryContext& query,
+                                                  const std::vector<TileView>& tiles,
+                                                  const std::vector<KeyframeRef>& keyframes,
+                                                  double distance_quantile,
+                                                  const MatchingOptions& options);
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_MATCHING_MATCH_FEATURES_H_

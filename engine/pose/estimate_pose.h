@@ -1,0 +1,25 @@
+// Stage `pose`: LO-RANSAC over gravity two-point or P3P models, then robust 6-DoF refinement.
+#ifndef CAIRN_ENGINE_POSE_ESTIMATE_POSE_H_
+#define CAIRN_ENGINE_POSE_ESTIMATE_POSE_H_
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "engine/pose/pose_options.h"
+#include "engine/pose_candidate.h"
+#include "engine/query_context.h"
+
+namespace cairn {
+
+// Estimates the pose from `subset` (indices into `correspondences`; samples are drawn from it), then
+// gathers inliers among all correspondences, one per keypoint, and refines on them. Uses gravity if
+// the query has it, else P3P. Nothing if no model has enough inliers. Deterministic by seed.
+std::optional<PoseEstimate> EstimatePose(const QueryContext& query,
+                                         const std::vector<Correspondence>& correspondences,
+                                         const std::vector<int>& subset, const PoseOptions& options,
+                                         uint64_t seed);
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_POSE_ESTIMATE_POSE_H_

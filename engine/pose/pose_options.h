@@ -1,0 +1,25 @@
+// Options of the pose stage.
+#ifndef CAIRN_ENGINE_POSE_POSE_OPTIONS_H_
+#define CAIRN_ENGINE_POSE_POSE_OPTIONS_H_
+
+namespace cairn {
+
+struct PoseOptions {
+  // Reprojection error of an inlier, as an angle: pixels at a focal length of 500. A camera of focal
+  // length f uses max_error_px * f / 500, at least 2 px.
+  double max_error_px = 4.0;
+  int min_iterations = 50;
+  int max_iterations = 2000;
+  double success_probability = 0.999;  // Stop when an all-inlier sample was drawn with this.
+  int num_local_optimizations = 2;     // Refinements each time a minimal model improves the score.
+  int min_inliers = 6;                 // Distinct keypoints; fewer is no estimate.
+  // How far the direction of gravity may be off, radians (1 standard deviation): a minimal model's
+  // threshold is widened by it, the final refinement uses it as a weak prior.
+  double gravity_sigma_rad = 0.0175;
+
+  void Validate() const;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_POSE_POSE_OPTIONS_H_

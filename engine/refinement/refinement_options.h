@@ -1,0 +1,19 @@
+// Options of the refinement stage.
+#ifndef CAIRN_ENGINE_REFINEMENT_REFINEMENT_OPTIONS_H_
+#define CAIRN_ENGINE_REFINEMENT_REFINEMENT_OPTIONS_H_
+
+namespace cairn {
+
+struct RefinementOptions {
+  // A best candidate with at least this many effective inliers needs no keyframe re-matching.
+  double good_effective_inliers = 25.0;
+  int max_keyframes = 5;            // M: keyframes whose neighbourhoods are matched again.
+  int neighbors_per_keyframe = 4;   // Keyframes that share most landmarks with it, matched along.
+  double relaxed_distance_quantile = 0.95;  // Threshold of the re-matching.
+
+  void Validate() const;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_REFINEMENT_REFINEMENT_OPTIONS_H_

@@ -1,0 +1,49 @@
+// A tile in the form the engine searches: decoded, with its matching index built.
+#ifndef CAIRN_ENGINE_TILES_SEARCHABLE_TILE_H_
+#define CAIRN_ENGINE_TILES_SEARCHABLE_TILE_H_
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "core/geodesy.h"
+#include "engine/matching/random_grids.h"
+#include "storage/codebook.h"
+#include "storage/tile.h"
+#include "storage/tile_cache.h"
+
+namespace cairn {
+
+// Immutable after construction; shared by queries through the cache.
+class SearchableTile : public CachedTile {
+ public:
+  // Builds the index. `codebook` must be the tile's.
+  SearchableTile(Tile tile, std::shared_ptr<const Codebook> codebook,
+                 const RandomGridsOptions& options);
+
+  const Tile& tile() const { return tile_; }
+  const Codebook& codebook() const { return *codebook_; }
+  const RandomGrids& index() const { return index_; }
+  const Rigid3d& ecef_from_tile() const { return ecef_from_tile_; }
+  // Landmark of each descriptor.
+  const std::vector<uint32_t>& landmark_of_descriptor() const { return landmark_of_descriptor_; }
+
+  size_t MemoryBytes() const override;
+
+ private:
+  Tile tile_;
+  std::shared_ptr<const Codebook> codebook_;
+  Rigid3d ecef_from_tile_;
+  std::vector<uint32_t> landmark_of_descriptor_;
+  RandomGrids index_;
+};
+
+// A tile as one query sees it.
+struct TileView {
+  std::shared_ptr<const SearchableTile> tile;
+  Rigid3d anchor_from_tile;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_TILES_SEARCHABLE_TILE_H_

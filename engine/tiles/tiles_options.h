@@ -1,0 +1,20 @@
+// Options of the tiles stage.
+#ifndef CAIRN_ENGINE_TILES_TILES_OPTIONS_H_
+#define CAIRN_ENGINE_TILES_TILES_OPTIONS_H_
+
+namespace cairn {
+
+struct TilesOptions {
+  // At most this many tiles are searched, nearest to the prior first. A 50 m prior (3 sigma: a disc
+  // of 200 m diameter) meets at most 9 squares of 150 m.
+  int max_tiles = 16;
+  // A camera may be this much lower or higher than the lowest and highest keyframe of the tiles,
+  // metres: phones below a car's roof rig, balconies, steep streets.
+  double height_margin_m = 8.0;
+
+  void Validate() const;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_TILES_TILES_OPTIONS_H_

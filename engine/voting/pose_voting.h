@@ -1,0 +1,24 @@
+// Stage `voting`: 4D pose voting with known gravity (paper, section "Co-Visibility-Based and
+// Geometric Outlier Filtering"; Zeisl, Sattler, Pollefeys, ICCV 2015).
+#ifndef CAIRN_ENGINE_VOTING_POSE_VOTING_H_
+#define CAIRN_ENGINE_VOTING_POSE_VOTING_H_
+
+#include <vector>
+
+#include "engine/localize_result.h"
+#include "engine/pose_candidate.h"
+#include "engine/query_context.h"
+#include "engine/voting/voting_options.h"
+
+namespace cairn {
+
+// Votes of all correspondences over (x, y, z, yaw) within the region; returns the best maxima,
+// highest score first, each with the correspondences that agree with it. A keypoint counts at most
+// once in a cell. Needs gravity (query.level_from_cam). Sets the voting counters.
+std::vector<PoseCandidate> VoteForPoses(const QueryContext& query,
+                                        const std::vector<Correspondence>& correspondences,
+                                        const VotingOptions& options, StageCounters* counters);
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_VOTING_POSE_VOTING_H_

@@ -1,0 +1,50 @@
+// Queries with reference poses, and how they are made and stored.
+#ifndef CAIRN_EVAL_EVAL_QUERY_H_
+#define CAIRN_EVAL_EVAL_QUERY_H_
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/rigid3.h"
+#include "engine/localize_query.h"
+#include "ingest/reconstruction.h"
+
+namespace cairn {
+
+struct EvalQuery {
+  std::string name;          // Image name.
+  std::string image_path;    // Empty if there is only the feature set.
+  LocalizeQuery query;       // Features may be empty if image_path is set.
+  Rigid3d cam_from_ecef;     // Reference pose.
+};
+
+// Noise that turns reference poses into what a phone would send.
+struct PriorNoiseOptions {
+  double position_sigma_m = 10.0;   // Per horizontal axis; reported accuracy is its 68 % radius.
+  double height_sigma_m = 5.0;
+  double gravity_sigma_rad = 0.0174532925;
+  bool with_prior = true;
+  bool with_gravity = true;
+  uint64_t seed = 1;
+
+  void Validate() const;
+};
+
+// Fills prior and gravity of each query from its reference pose plus noise.
+void AddNoisyPriors(const PriorNoiseOptions& options, std::vector<EvalQuery>* queries);
+
+// Queries from the images of a georeferenced reconstruction: features from the reconstruction,
+// reference poses from it. `image_dir` may be empty.
+std::vector<EvalQuery> QueriesFromReconstruction(const Reconstruction& reconstruction,
+                                                 const Sim3d& ecef_from_world,
+                                                 const std::string& image_dir);
+
+// JSON file of queries whose features come from images; docs/formats/query_list_v1.md. Paths are
+// relative to the file. Throws Error(kBadInput) naming file and field.
+std::vector<EvalQuery> ReadQueryList(const std::string& path);
+void WriteQueryList(const std::string& path, const std::vector<EvalQuery>& queries);
+
+}  // namespace cairn
+
+#endif  // CAIRN_EVAL_EVAL_QUERY_H_

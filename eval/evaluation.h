@@ -1,0 +1,65 @@
+// Runs queries and measures the answers: recall, medians, average precision, latency.
+#ifndef CAIRN_EVAL_EVALUATION_H_
+#define CAIRN_EVAL_EVALUATION_H_
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "engine/localize_result.h"
+#include "eval/eval_query.h"
+
+namespace cairn {
+
+// One answer against its reference.
+struct EvalAnswer {
+  std::string name;
+  LocalizeResult result;
+  double position_error_m = 0.0;    // Distance of camera centres; infinite if not localized.
+  double rotation_error_rad = 0.0;  // Infinite if not localized.
+};
+
+struct RecallThreshold {
+  double position_m;
+  double rotation_rad;
+};
+
+// Value with a 95 % bootstrap interval.
+struct Interval {
+  double value = 0.0, low = 0.0, high = 0.0;
+};
+
+struct Percentiles {
+  double p50 = 0.0, p90 = 0.0, p99 = 0.0, max = 0.0;
+};
+
+struct EvalReport {
+  std::vector<EvalAnswer> answers;
+  int num_queries = 0;
+  int num_localized = 0;
+  // At (0.25 m, 2 deg), (0.5 m, 5 deg), (3 m, 10 deg), (5 m, 10 deg).
+  std::vector<std::pair<RecallThreshold, Interval>> recalls;
+  Interval median_position_error_m;  // Over localized queries.
+  Interval median_rotation_error_rad;
+  Interval average_precision;        // Correct within 3 m and 10 degrees, ranked by score.
+  std::vector<Percentiles> stage_seconds;  // Indexed by Stage.
+  Percentiles total_seconds;
+};
+
+// Average precision as the paper defines it: the area under precision over recall, responses ranked
+// by score, recall counted over `num_queries` (a query without an answer is never recalled).
+double AveragePrecision(const std::vector<std::pair<double, bool>>& score_and_correct,
+                        int num_queries);
+
+using Localize = std::function<LocalizeResult(const EvalQuery&)>;
+
+EvalReport Evaluate(const std::vector<EvalQuery>& queries, const Localize& localize,
+                    const std::function<void(int done, int total)>& progress);
+
+std::string ReportAsText(const EvalReport& report);
+std::string ReportAsJson(const EvalReport& report);
+std::string ReportAsCsv(const EvalReport& report);  // One line an answer.
+
+}  // namespace cairn
+
+#endif  // CAIRN_EVAL_EVALUATION_H_

@@ -1,0 +1,39 @@
+// Pictures of an answer: matched keypoints on the photo, and a top view of map, prior and pose.
+#ifndef CAIRN_EVAL_PICTURES_PICTURES_H_
+#define CAIRN_EVAL_PICTURES_PICTURES_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/geodesy.h"
+#include "core/rigid3.h"
+#include "engine/localize_query.h"
+#include "engine/localize_result.h"
+#include "ingest/features/sift_extractor.h"
+#include "storage/map_store.h"
+
+namespace cairn {
+
+// Photo with all keypoints (small, grey) and inliers (coloured by landmark distance), with a caption
+// of what was found. PNG by extension. Throws Error(kIo).
+void DrawMatches(const std::string& path, const GrayImage& photo, const LocalizeQuery& query,
+                 const LocalizeResult& result);
+
+// One pose on the top view.
+struct TopViewPose {
+  std::string label;
+  std::optional<Geodetic> prior;
+  double prior_accuracy_m = 0.0;
+  std::optional<Rigid3d> estimated_cam_from_ecef;
+  std::optional<Rigid3d> reference_cam_from_ecef;
+};
+
+// North-up plan in metres with a scale bar and a legend: tiles, landmarks, keyframes, priors with
+// their accuracy circle, estimated and true poses with viewing direction.
+void DrawTopView(const std::string& path, const MapStore& store,
+                 const std::vector<TopViewPose>& poses);
+
+}  // namespace cairn
+
+#endif  // CAIRN_EVAL_PICTURES_PICTURES_H_

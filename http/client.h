@@ -1,0 +1,47 @@
+// A synchronous client for the server's own API: `cairn localize --server`, `cairn eval --server`.
+#ifndef CAIRN_HTTP_CLIENT_H_
+#define CAIRN_HTTP_CLIENT_H_
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/localize_query.h"
+#include "engine/localize_result.h"
+
+namespace cairn {
+
+struct ClientOptions {
+  std::string url;            // "http://host:port".
+  int timeout_ms = 30'000;    // Connect and read.
+  bool want_matches = true;
+};
+
+// One thread per client; it keeps its connection alive.
+class LocalizeClient {
+ public:
+  // Throws Error(kInvalidArgument) if the URL makes no sense.
+  explicit LocalizeClient(const ClientOptions& options);
+  ~LocalizeClient();
+
+  // Send one query, as encoded image bytes (the features of `query` are ignored) or as the query's
+  // features. The result has what the wire carries: pose, position, covariance, confidence, tiles,
+  // counters, times, matches. Throws Error(kUnavailable) if no server answers, Error(kBadInput) with
+  // the server's own explanation if it refuses the request.
+  LocalizeResult LocalizeImage(const LocalizeQuery& query, std::span<const uint8_t> image_bytes);
+  LocalizeResult LocalizeFeatures(const LocalizeQuery& query);
+
+  // The body of a GET, for scripts and tests; throws as above.
+  std::string Get(const std::string& path);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_HTTP_CLIENT_H_

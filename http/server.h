@@ -1,0 +1,54 @@
+// The REST server. cpp-httplib is hidden behind it.
+#ifndef CAIRN_HTTP_SERVER_H_
+#define CAIRN_HTTP_SERVER_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "engine/localizer_options.h"
+
+namespace cairn {
+
+struct ServerOptions {
+  std::string map_path;
+  std::string host = "127.0.0.1";
+  int port = 8080;                  // 0 picks a free one; see Server::port.
+  std::string admin_host = "127.0.0.1";
+  int admin_port = -1;              // Health and metrics apart; 0 picks a free one, -1: same listener.
+  int num_threads = 0;              // Workers; 0 is twice the cores, at least 8.
+  size_t cache_bytes = size_t{1} << 30;
+  size_t max_body_bytes = size_t{2} << 20;
+  int64_t max_image_pixels = 12'000'000;
+  int max_features = 5000;
+  int default_timeout_ms = 2000;
+  LocalizerOptions localizer;
+
+  // Throws Error(kInvalidArgument) naming the field.
+  void Validate() const;
+};
+
+// Opens the map and serves it. Start and Stop from one thread.
+class Server {
+ public:
+  // Throws as MapStore::Open, and Error(kConflict) if a port is taken.
+  explicit Server(const ServerOptions& options);
+  ~Server();  // Stops.
+
+  // Binds, then returns; requests are answered by background threads from then on.
+  void Start();
+  // Lets running requests finish; returns when all threads have ended. Idempotent.
+  void Stop();
+
+  int port() const;        // Bound ports, valid after Start.
+  int admin_port() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_HTTP_SERVER_H_

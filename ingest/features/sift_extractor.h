@@ -1,0 +1,48 @@
+// SIFT features of an image, by OpenCV.
+#ifndef CAIRN_INGEST_FEATURES_SIFT_EXTRACTOR_H_
+#define CAIRN_INGEST_FEATURES_SIFT_EXTRACTOR_H_
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/features.h"
+
+namespace cairn {
+
+// An 8-bit grey image, row-major.
+struct GrayImage {
+  int width_px = 0;
+  int height_px = 0;
+  std::vector<uint8_t> pixels;  // width * height.
+};
+
+struct SiftOptions {
+  int max_features = 2000;     // Strongest first.
+  double contrast_threshold = 0.02;  // OpenCV's; below its default of 0.04 for dim facades.
+  // Images with more pixels are halved until they fit before extraction; keypoints are in pixels of
+  // the original image.
+  int max_pixels = 3'000'000;
+
+  void Validate() const;
+};
+
+struct ImageDecodeLimits {
+  int64_t max_pixels = 12'000'000;
+};
+
+// Decodes JPEG, PNG and what else OpenCV reads, ignoring EXIF rotation (camera intrinsics refer to
+// the stored pixels). Throws Error(kBadInput) if the bytes do not decode or the header claims more
+// pixels than the limit (checked before decoding).
+GrayImage DecodeGrayImage(std::span<const uint8_t> image_bytes, const ImageDecodeLimits& limits = {});
+
+// Reads and decodes a file; throws Error(kNotFound) or as DecodeGrayImage, naming the path.
+GrayImage ReadGrayImage(const std::string& path, const ImageDecodeLimits& limits = {});
+
+// Raw 128-D descriptors, compatible with those in COLMAP databases. Thread-safe.
+FeatureSet ExtractSift(const GrayImage& image, const SiftOptions& options = {});
+
+}  // namespace cairn
+
+#endif  // CAIRN_INGEST_FEATURES_SIFT_EXTRACTOR_H_

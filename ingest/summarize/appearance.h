@@ -1,0 +1,42 @@
+// Which descriptors represent a landmark (paper, section "Appearance Summarization").
+#ifndef CAIRN_INGEST_SUMMARIZE_APPEARANCE_H_
+#define CAIRN_INGEST_SUMMARIZE_APPEARANCE_H_
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/features.h"
+
+namespace cairn {
+
+struct AppearanceOptions {
+  double ratio = 0.25;        // Of the landmark's descriptors (paper: 25 %), at least min_count.
+  int min_count = 1;
+  int max_count = 16;
+  uint64_t seed = 1;
+
+  void Validate() const;
+};
+
+// The chosen appearances of one landmark.
+struct AppearanceModes {
+  DescriptorMatrix centers;             // num_modes x dim.
+  std::vector<int> mode_of_descriptor;  // Parallel to the input rows.
+};
+
+// Interface of all summarizers. Thread-safe.
+class AppearanceSummarizer {
+ public:
+  virtual ~AppearanceSummarizer() = default;
+  // Number of modes for a landmark with that many descriptors.
+  virtual int NumModes(int num_descriptors) const = 0;
+  // descriptors: n x dim, projected. Deterministic: depends on the descriptors and options only.
+  virtual AppearanceModes Summarize(const DescriptorMatrix& descriptors) const = 0;
+};
+
+std::unique_ptr<AppearanceSummarizer> MakeKMeansSummarizer(const AppearanceOptions& options);
+
+}  // namespace cairn
+
+#endif  // CAIRN_INGEST_SUMMARIZE_APPEARANCE_H_

@@ -1,0 +1,30 @@
+// Read-only SQL over a map for people: `cairn sql`.
+#ifndef CAIRN_STORAGE_SQL_SHELL_H_
+#define CAIRN_STORAGE_SQL_SHELL_H_
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace cairn {
+
+// A printable result row; NULL is an empty optional-like marker handled by the sink's flag.
+struct SqlCell {
+  std::string text;
+  bool is_null = false;
+  bool is_number = false;
+};
+
+struct SqlSink {
+  std::function<void(const std::vector<std::string>& column_names)> on_columns;
+  std::function<void(const std::vector<SqlCell>& row)> on_row;
+};
+
+// Opens the map read-only with all inspection functions and virtual tables registered and runs every
+// statement of `sql`. Throws Error(kBadInput) with SQLite's message on an SQL error or an attempt to
+// write, and as MapStore::Open.
+void RunSql(const std::string& map_path, const std::string& sql, const SqlSink& sink);
+
+}  // namespace cairn
+
+#endif  // CAIRN_STORAGE_SQL_SHELL_H_
