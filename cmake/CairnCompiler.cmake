@@ -1,7 +1,7 @@
 # Flags that hold for every target.
 add_library(cairn_compiler_options INTERFACE)
 target_compile_options(cairn_compiler_options INTERFACE
-  -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wno-unused-parameter
+  -Wall -Wextra -Wshadow=local -Wnon-virtual-dtor -Woverloaded-virtual -Wno-unused-parameter
   $<$<BOOL:$ENV{CI}>:-Werror>)
 
 if(NOT CMAKE_BUILD_TYPE)

@@ -4,7 +4,6 @@
 #define CAIRN_CORE_CAMERA_H_
 
 #include <Eigen/Core>
-
 #include <optional>
 #include <string>
 #include <string_view>

@@ -7,7 +7,8 @@
 
 namespace cairn {
 
-// What kind of failure an Error reports. `http/` maps each code to a status, `cli/` to an exit code.
+// What kind of failure an Error reports. `http/` maps each code to a status, `cli/` to an exit
+// code.
 enum class ErrorCode {
   kInternal,         // A library misbehaved or an invariant outside our control broke.
   kInvalidArgument,  // Options or command line that make no sense.

@@ -3,7 +3,6 @@
 #define CAIRN_CORE_FEATURES_H_
 
 #include <Eigen/Core>
-
 #include <optional>
 #include <vector>
 
@@ -42,7 +41,8 @@ void ValidateFeatures(const FeatureSet& features, const char* what);
 
 // Gravity-rectified orientation (Kurz and Benhimane 2011): the keypoint's direction relative to the
 // image of the gravity direction at the keypoint, in (-pi, pi]. Nothing where the viewing ray is
-// within 3 degrees of the vertical and the direction is meaningless. `down_in_cam` is a unit vector.
+// within 3 degrees of the vertical and the direction is meaningless. `down_in_cam` is a unit
+// vector.
 std::optional<double> GravityRectifiedOrientationRad(const Camera& camera, const Keypoint& keypoint,
                                                      const Eigen::Vector3d& down_in_cam);
 

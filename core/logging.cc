@@ -1,0 +1,51 @@
+#include "core/logging.h"
+
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <memory>
+
+namespace cairn {
+namespace {
+
+spdlog::level::level_enum SpdlogLevel(LogLevel level) {
+  switch (level) {
+    case LogLevel::kDebug:
+      return spdlog::level::debug;
+    case LogLevel::kInfo:
+      return spdlog::level::info;
+    case LogLevel::kWarning:
+      return spdlog::level::warn;
+    case LogLevel::kError:
+      return spdlog::level::err;
+    case LogLevel::kOff:
+      break;
+  }
+  return spdlog::level::off;
+}
+
+spdlog::logger& Logger() {
+  static const std::shared_ptr<spdlog::logger> logger = [] {
+    auto made = std::make_shared<spdlog::logger>("cairn",
+                                                 std::make_shared<spdlog::sinks::stderr_sink_mt>());
+    made->set_pattern("%Y-%m-%dT%H:%M:%S.%e %l %v");
+    return made;
+  }();
+  return *logger;
+}
+
+}  // namespace
+
+void SetLogLevel(LogLevel level) { Logger().set_level(SpdlogLevel(level)); }
+
+bool LogEnabled(LogLevel level) { return Logger().should_log(SpdlogLevel(level)); }
+
+void WriteLog(LogLevel level, std::string_view message) noexcept {
+  try {
+    Logger().log(SpdlogLevel(level), spdlog::string_view_t(message.data(), message.size()));
+  } catch (...) {
+    // A log line that cannot be written must not stop the work it describes.
+  }
+}
+
+}  // namespace cairn
