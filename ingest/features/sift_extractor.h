@@ -19,7 +19,7 @@ struct GrayImage {
 };
 
 struct SiftOptions {
-  int max_features = 2000;     // Strongest first.
+  int max_features = 2000;           // Strongest first.
   double contrast_threshold = 0.02;  // OpenCV's; below its default of 0.04 for dim facades.
   // Images with more pixels are halved until they fit before extraction; keypoints are in pixels of
   // the original image.
@@ -32,10 +32,11 @@ struct ImageDecodeLimits {
   int64_t max_pixels = 12'000'000;
 };
 
-// Decodes JPEG, PNG and what else OpenCV reads, ignoring EXIF rotation (camera intrinsics refer to
-// the stored pixels). Throws Error(kBadInput) if the bytes do not decode or the header claims more
-// pixels than the limit (checked before decoding).
-GrayImage DecodeGrayImage(std::span<const uint8_t> image_bytes, const ImageDecodeLimits& limits = {});
+// Decodes JPEG, PNG and binary PGM/PPM, ignoring EXIF rotation (camera intrinsics refer to the
+// stored pixels). Throws Error(kBadInput) if the bytes are none of these, do not decode or are cut
+// short, or if the header claims more pixels than the limit (checked before decoding).
+GrayImage DecodeGrayImage(std::span<const uint8_t> image_bytes,
+                          const ImageDecodeLimits& limits = {});
 
 // Reads and decodes a file; throws Error(kNotFound) or as DecodeGrayImage, naming the path.
 GrayImage ReadGrayImage(const std::string& path, const ImageDecodeLimits& limits = {});

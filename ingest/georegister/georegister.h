@@ -29,8 +29,8 @@ struct GeoregisterOptions {
   int min_positions = 3;
   // Robust loss scale in units of each position's accuracy.
   double loss_scale_sigmas = 2.0;
-  // Camera positions along a line leave the roll about it free, and GPS heights are poor: people and
-  // rigs hold cameras upright, so the image x axis is taken as horizontal with this standard
+  // Camera positions along a line leave the roll about it free, and GPS heights are poor: people
+  // and rigs hold cameras upright, so the image x axis is taken as horizontal with this standard
   // deviation, radians; 0 switches it off.
   double upright_sigma_rad = 0.1;
   // Refused above: the median residual in units of the accuracy, and in metres.
@@ -42,8 +42,8 @@ struct GeoregisterOptions {
 
 struct Georegistration {
   Sim3d ecef_from_world;
-  int num_positions = 0;         // With an image in the reconstruction.
-  int num_inliers = 0;           // Within three times the loss scale.
+  int num_positions = 0;  // With an image in the reconstruction.
+  int num_inliers = 0;    // Within three times the loss scale.
   double median_residual_m = 0.0;
   double max_residual_m = 0.0;
   std::vector<double> residuals_m;  // Per position used, in input order.

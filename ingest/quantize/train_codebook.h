@@ -10,8 +10,8 @@
 namespace cairn {
 
 struct CodebookOptions {
-  int projected_dim = 16;   // Paper: diminishing returns above 16.
-  int num_subspaces = 8;    // Bytes a descriptor; 8 x 256 words lose 2 % recall, 4 lose 17 %.
+  int projected_dim = 16;  // Paper: diminishing returns above 16.
+  int num_subspaces = 8;   // Bytes a descriptor; 8 x 256 words lose 2 % recall, 4 lose 17 %.
   int max_training_descriptors = 100'000;
   uint64_t seed = 1;
 

@@ -1,4 +1,5 @@
-// Reads COLMAP sparse models (binary and text) with the keypoints and descriptors of their database.
+// Reads COLMAP sparse models (binary and text) with the keypoints and descriptors of their
+// database.
 #ifndef CAIRN_INGEST_READERS_COLMAP_READER_H_
 #define CAIRN_INGEST_READERS_COLMAP_READER_H_
 
@@ -10,8 +11,8 @@
 namespace cairn {
 
 struct ColmapInput {
-  std::string model_dir;       // Holds {cameras,images,points3D}.{bin,txt}; .bin is preferred.
-  std::string database_path;   // database.db with keypoints, descriptors and, if any, GPS priors.
+  std::string model_dir;      // Holds {cameras,images,points3D}.{bin,txt}; .bin is preferred.
+  std::string database_path;  // database.db with keypoints, descriptors and, if any, GPS priors.
   // If not empty: only these images (by name) are read; observations in others do not leak in.
   // Landmarks seen by fewer than two of them are dropped and the rest are triangulated again from
   // the remaining observations alone.

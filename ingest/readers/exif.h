@@ -12,10 +12,10 @@
 namespace cairn {
 
 struct ExifInfo {
-  std::optional<Geodetic> gps;               // Height as written, usually above sea level.
+  std::optional<Geodetic> gps;  // Height as written, usually above sea level.
   bool has_altitude = false;
-  std::optional<double> focal_35mm;          // 35 mm equivalent focal length, millimetres.
-  int width_px = 0, height_px = 0;           // 0 if unknown.
+  std::optional<double> focal_35mm;  // 35 mm equivalent focal length, millimetres.
+  int width_px = 0, height_px = 0;   // 0 if unknown.
 };
 
 // Photos without EXIF give an empty ExifInfo. Throws Error(kBadInput) if the bytes are no image.

@@ -11,7 +11,7 @@
 namespace cairn {
 
 struct AppearanceOptions {
-  double ratio = 0.25;        // Of the landmark's descriptors (paper: 25 %), at least min_count.
+  double ratio = 0.25;  // Of the landmark's descriptors (paper: 25 %), at least min_count.
   int min_count = 1;
   int max_count = 16;
   uint64_t seed = 1;

@@ -10,7 +10,7 @@ namespace cairn {
 
 // The bipartite visibility graph of one tile.
 struct VisibilityGraph {
-  std::vector<int> num_observations;               // Per landmark, over the whole reconstruction.
+  std::vector<int> num_observations;  // Per landmark, over the whole reconstruction.
   std::vector<std::vector<uint32_t>> landmarks_of_keyframe;
   size_t num_landmarks() const { return num_observations.size(); }
 };
@@ -31,8 +31,9 @@ class LandmarkSelector {
                                        const std::vector<int>& num_descriptors) const = 0;
 };
 
-// The paper's heuristic: each keyframe gets an equal share of the budget and keeps its most observed
-// landmarks until the share is spent; what is left over goes to the most observed of the rest.
+// The paper's heuristic: each keyframe gets an equal share of the budget and keeps its most
+// observed landmarks until the share is spent; what is left over goes to the most observed of the
+// rest.
 std::unique_ptr<LandmarkSelector> MakeObservationCountSelector(
     const LandmarkSelectionOptions& options);
 

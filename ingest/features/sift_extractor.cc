@@ -1,0 +1,145 @@
+#include "ingest/features/sift_extractor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <opencv2/features2d.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <tuple>
+
+#include "core/error.h"
+#include "ingest/features/image_header.h"
+#include "ingest/readers/file_bytes.h"
+
+namespace cairn {
+namespace {
+
+constexpr uint64_t kMaxImageFileBytes = uint64_t{256} << 20;
+
+// Offset from OpenCV's keypoint coordinates to ours.
+constexpr float kPixelOffset = 0.5f;
+
+// Wraps the caller's pixels; OpenCV only reads them.
+cv::Mat AsMat(const GrayImage& image) {
+  return cv::Mat(image.height_px, image.width_px, CV_8UC1,
+                 const_cast<uint8_t*>(image.pixels.data()));
+}
+
+cv::Mat HalveUntilItFits(cv::Mat image, int64_t max_pixels) {
+  while (static_cast<int64_t>(image.total()) > max_pixels && image.cols > 1 && image.rows > 1) {
+    cv::Mat half;
+    cv::resize(image, half, cv::Size(image.cols / 2, image.rows / 2), 0.0, 0.0, cv::INTER_AREA);
+    image = half;
+  }
+  return image;
+}
+
+// Indices of the keypoints, strongest first; the rest of the key makes the order independent of the
+// detector's threads.
+std::vector<int> StrongestFirst(const std::vector<cv::KeyPoint>& keypoints, int max_features) {
+  const auto key = [&](int i) {
+    const cv::KeyPoint& k = keypoints[i];
+    return std::make_tuple(-k.response, k.pt.y, k.pt.x, k.size, k.angle);
+  };
+  std::vector<int> order(keypoints.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
+  order.resize(std::min(order.size(), static_cast<size_t>(max_features)));
+  return order;
+}
+
+Keypoint ToKeypoint(const cv::KeyPoint& keypoint, double scale_x, double scale_y) {
+  const double angle_rad = keypoint.angle * std::numbers::pi / 180.0;
+  return {.x_px = static_cast<float>((keypoint.pt.x + kPixelOffset) * scale_x),
+          .y_px = static_cast<float>((keypoint.pt.y + kPixelOffset) * scale_y),
+          .scale_px = static_cast<float>(0.5 * keypoint.size * std::sqrt(scale_x * scale_y)),
+          .orientation_rad = static_cast<float>(WrapAngleRad(angle_rad))};
+}
+
+FeatureSet DetectAndDescribe(const GrayImage& image, const SiftOptions& options) {
+  const cv::Mat scaled = HalveUntilItFits(AsMat(image), options.max_pixels);
+  const double scale_x = static_cast<double>(image.width_px) / scaled.cols;
+  const double scale_y = static_cast<double>(image.height_px) / scaled.rows;
+  const auto sift = cv::SIFT::create(options.max_features, 3, options.contrast_threshold);
+  std::vector<cv::KeyPoint> keypoints;
+  cv::Mat descriptors;
+  sift->detectAndCompute(scaled, cv::noArray(), keypoints, descriptors);
+
+  const std::vector<int> order = StrongestFirst(keypoints, options.max_features);
+  FeatureSet features;
+  features.keypoints.reserve(order.size());
+  features.descriptors.resize(order.size(), sift->descriptorSize());
+  for (size_t i = 0; i < order.size(); ++i) {
+    features.keypoints.push_back(ToKeypoint(keypoints[order[i]], scale_x, scale_y));
+    features.descriptors.row(i) = Eigen::Map<const Eigen::RowVectorXf>(
+        descriptors.ptr<float>(order[i]), sift->descriptorSize());
+  }
+  return features;
+}
+
+}  // namespace
+
+void SiftOptions::Validate() const {
+  const auto require = [](bool ok, const char* what) {
+    if (!ok) throw Error(ErrorCode::kInvalidArgument, fmt::format("SiftOptions: {}", what));
+  };
+  require(max_features >= 1, "max_features must be at least 1");
+  require(contrast_threshold >= 0.0 && contrast_threshold < 1.0,
+          "contrast_threshold must lie in [0, 1)");
+  require(max_pixels >= 1024, "max_pixels must be at least 1024");
+}
+
+GrayImage DecodeGrayImage(std::span<const uint8_t> image_bytes, const ImageDecodeLimits& limits) {
+  const ImageHeader header = ParseImageHeader(image_bytes);
+  if (header.width_px > limits.max_pixels / header.height_px) {
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("the image is {} x {} pixels, more than the limit of {}; scale it down",
+                            header.width_px, header.height_px, limits.max_pixels));
+  }
+  if (image_bytes.size() > static_cast<size_t>(std::numeric_limits<int>::max())) {
+    throw Error(ErrorCode::kBadInput, "the image file is larger than 2 GiB");
+  }
+  cv::Mat decoded;
+  try {
+    const cv::Mat buffer(1, static_cast<int>(image_bytes.size()), CV_8UC1,
+                         const_cast<uint8_t*>(image_bytes.data()));
+    decoded = cv::imdecode(buffer, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+  } catch (const cv::Exception& e) {
+    throw Error(ErrorCode::kBadInput, fmt::format("the image does not decode: {}", e.err));
+  }
+  if (decoded.empty() || decoded.type() != CV_8UC1) {
+    throw Error(ErrorCode::kBadInput, "the image does not decode; its file is damaged");
+  }
+  GrayImage image{.width_px = decoded.cols, .height_px = decoded.rows, .pixels = {}};
+  image.pixels.assign(decoded.begin<uint8_t>(), decoded.end<uint8_t>());
+  return image;
+}
+
+GrayImage ReadGrayImage(const std::string& path, const ImageDecodeLimits& limits) {
+  const std::vector<uint8_t> bytes = ReadFileBytes(path, kMaxImageFileBytes);
+  try {
+    return DecodeGrayImage(bytes, limits);
+  } catch (const Error& e) {
+    throw Error(e.code(), fmt::format("{}: {}", path, e.what()));
+  }
+}
+
+FeatureSet ExtractSift(const GrayImage& image, const SiftOptions& options) {
+  options.Validate();
+  const bool sized = image.width_px > 0 && image.height_px > 0;
+  if (!sized || image.pixels.size() != static_cast<size_t>(image.width_px) * image.height_px) {
+    throw Error(ErrorCode::kBadInput, "the grey image's size is not that of its pixels");
+  }
+  try {
+    return DetectAndDescribe(image, options);
+  } catch (const cv::Exception& e) {
+    throw Error(ErrorCode::kInternal, fmt::format("OpenCV's SIFT failed: {}", e.what()));
+  }
+}
+
+}  // namespace cairn
