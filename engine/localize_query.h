@@ -3,7 +3,6 @@
 #define CAIRN_ENGINE_LOCALIZE_QUERY_H_
 
 #include <Eigen/Core>
-
 #include <chrono>
 #include <optional>
 #include <string>
@@ -28,13 +27,13 @@ struct LocalizeQuery {
   FeatureSet features;  // Raw or projected; see DescriptorSpace.
   // Wire codec of projected features; must be the map's (Codebook::CodecName). Unused for raw ones.
   std::string codec;
-  std::optional<PositionPrior> prior;           // Without it the whole map is searched.
-  std::optional<Eigen::Vector3d> down_in_cam;   // Unit vector; without it P3P replaces two points.
+  std::optional<PositionPrior> prior;          // Without it the whole map is searched.
+  std::optional<Eigen::Vector3d> down_in_cam;  // Unit vector; without it P3P replaces two points.
   // The best answer found by then is returned; nothing means no deadline.
   std::optional<std::chrono::steady_clock::time_point> deadline;
 
-  // Throws Error(kBadInput) naming the field on non-finite numbers, an accuracy outside (0, 100 km],
-  // a gravity vector that is not of unit length within 1e-3, or inconsistent features.
+  // Throws Error(kBadInput) naming the field on non-finite numbers, an accuracy outside (0, 100
+  // km], a gravity vector that is not of unit length within 1e-3, or inconsistent features.
   void Validate() const;
 };
 

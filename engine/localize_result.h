@@ -3,7 +3,6 @@
 #define CAIRN_ENGINE_LOCALIZE_RESULT_H_
 
 #include <Eigen/Core>
-
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -19,14 +18,14 @@ namespace cairn {
 
 // Why there is no pose. Names on the wire are the upper-case forms (NO_COVERAGE, ...).
 enum class NotLocalizedReason {
-  kNone,             // There is a pose.
-  kNoCoverage,       // No tile near the prior.
-  kTooFewFeatures,   // The query has fewer keypoints than a pose needs.
-  kTooFewMatches,    // The map knows too few of the descriptors.
-  kTooFewInliers,    // No pose explains enough of the matches.
-  kAmbiguous,        // Two poses far apart explain the image about equally well.
-  kPriorMismatch,    // The best pose lies outside the region the prior allows.
-  kTimeout,          // The deadline passed before there was an answer.
+  kNone,            // There is a pose.
+  kNoCoverage,      // No tile near the prior.
+  kTooFewFeatures,  // The query has fewer keypoints than a pose needs.
+  kTooFewMatches,   // The map knows too few of the descriptors.
+  kTooFewInliers,   // No pose explains enough of the matches.
+  kAmbiguous,       // Two poses far apart explain the image about equally well.
+  kPriorMismatch,   // The best pose lies outside the region the prior allows.
+  kTimeout,         // The deadline passed before there was an answer.
 };
 const char* NotLocalizedReasonName(NotLocalizedReason reason);
 
@@ -42,21 +41,21 @@ struct StageTimes {
 
 struct StageCounters {
   int64_t num_keypoints = 0;
-  int64_t num_tiles_found = 0;       // By the geo-query.
-  int64_t num_tiles_searched = 0;    // After the tile limit.
-  int64_t num_tiles_loaded = 0;      // Cache misses.
-  int64_t num_descriptors = 0;       // In the tiles searched.
-  int64_t num_distances = 0;         // Descriptor distances computed.
-  int64_t num_matches = 0;           // Keypoint-landmark pairs under the threshold.
+  int64_t num_tiles_found = 0;     // By the geo-query.
+  int64_t num_tiles_searched = 0;  // After the tile limit.
+  int64_t num_tiles_loaded = 0;    // Cache misses.
+  int64_t num_descriptors = 0;     // In the tiles searched.
+  int64_t num_distances = 0;       // Descriptor distances computed.
+  int64_t num_matches = 0;         // Keypoint-landmark pairs under the threshold.
   int64_t num_matched_keypoints = 0;
   int64_t num_votes = 0;
-  int64_t num_candidates = 0;        // Voting maxima handed to pose estimation.
+  int64_t num_candidates = 0;  // Voting maxima handed to pose estimation.
   int64_t num_ransac_iterations = 0;
-  int64_t num_refined_keyframes = 0; // 0 if the refinement stage was not needed.
-  int64_t num_rematches = 0;         // Matches of the refinement stage.
+  int64_t num_refined_keyframes = 0;  // 0 if the refinement stage was not needed.
+  int64_t num_rematches = 0;          // Matches of the refinement stage.
   bool used_prior = false;
   bool used_gravity = false;
-  bool tile_limit_hit = false;       // More tiles in the region than the limit: a part was not seen.
+  bool tile_limit_hit = false;  // More tiles in the region than the limit: a part was not seen.
 };
 
 // An inlier of the final pose.
@@ -64,10 +63,10 @@ struct LocalizeMatch {
   int keypoint_idx = 0;
   Eigen::Vector2d pixel;
   LandmarkId landmark_id{};
-  int tile_idx = 0;             // Into LocalizeResult::tiles.
+  int tile_idx = 0;  // Into LocalizeResult::tiles.
   Eigen::Vector3d x_in_anchor;
-  double sigma_m = 0.0;         // Landmark position standard deviation.
-  double error_px = 0.0;        // Reprojection error.
+  double sigma_m = 0.0;   // Landmark position standard deviation.
+  double error_px = 0.0;  // Reprojection error.
 };
 
 struct LocalizeResult {
@@ -75,22 +74,22 @@ struct LocalizeResult {
   NotLocalizedReason reason = NotLocalizedReason::kNone;
 
   // Below: meaningful if localized.
-  Geodetic anchor;               // Origin of the anchor frame.
+  Geodetic anchor;  // Origin of the anchor frame.
   Rigid3d cam_from_anchor;
   Rigid3d cam_from_ecef;
-  Geodetic position;             // Of the camera centre.
+  Geodetic position;  // Of the camera centre.
   // Of (rotation, translation) of the camera in the anchor frame, perturbed on the left:
   // anchor_from_cam = (Exp(rotation), translation + .) applied to the estimate; rad^2, rad m, m^2.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
-  double position_accuracy_m = 0.0;    // Radius that holds the truth with 68 % probability.
+  double position_accuracy_m = 0.0;  // Radius that holds the truth with 68 % probability.
   double rotation_accuracy_rad = 0.0;
-  double score = 0.0;            // Effective inlier count.
-  double confidence = 0.0;       // Probability that the pose is within 3 m and 10 degrees.
+  double score = 0.0;                  // Effective inlier count.
+  double confidence = 0.0;             // Probability that the pose is within 3 m and 10 degrees.
   std::vector<LocalizeMatch> matches;  // All inliers, by keypoint.
 
   // Always set.
   MapVersion map_version{};
-  std::vector<TileId> tiles;     // Searched.
+  std::vector<TileId> tiles;  // Searched.
   StageCounters counters;
   StageTimes times;
 };

@@ -12,8 +12,8 @@
 
 namespace cairn {
 
-// Answers queries against one map. Safe to call from any thread; each call pins the map version that
-// is current when it starts.
+// Answers queries against one map. Safe to call from any thread; each call pins the map version
+// that is current when it starts.
 class Localizer {
  public:
   // `store` and `cache` are shared with whoever else uses them. Validates the options.

@@ -2,7 +2,6 @@
 #ifndef CAIRN_ENGINE_LOCALIZER_OPTIONS_H_
 #define CAIRN_ENGINE_LOCALIZER_OPTIONS_H_
 
-#include <cstddef>
 #include <cstdint>
 
 #include "engine/matching/matching_options.h"
@@ -14,6 +13,19 @@
 
 namespace cairn {
 
+// When the best hypothesis is an answer.
+struct AnswerOptions {
+  // Fewer effective inliers are no answer.
+  double min_effective_inliers = 8.0;
+  // AMBIGUOUS if another hypothesis has at least this share of the best one's effective inliers,
+  double ambiguous_score_ratio = 0.8;
+  // and lies at least this far from it, metres, or is turned by at least this, radians.
+  double ambiguous_distance_m = 5.0;
+  double ambiguous_rotation_rad = 0.2617994;  // 15 degrees.
+
+  void Validate() const;
+};
+
 struct LocalizerOptions {
   PriorOptions prior;
   TilesOptions tiles;
@@ -21,12 +33,10 @@ struct LocalizerOptions {
   VotingOptions voting;
   PoseOptions pose;
   RefinementOptions refinement;
+  AnswerOptions answer;
 
   // Seed of everything random in a query; the same seed gives the same answer.
   uint64_t seed = 1;
-
-  // A pose with fewer effective inliers is no answer.
-  double min_effective_inliers = 8.0;
 
   // Throws Error(kInvalidArgument) naming the field.
   void Validate() const;

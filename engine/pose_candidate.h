@@ -3,7 +3,6 @@
 #define CAIRN_ENGINE_POSE_CANDIDATE_H_
 
 #include <Eigen/Core>
-
 #include <vector>
 
 #include "core/rigid3.h"
@@ -21,12 +20,12 @@ struct PoseCandidate {
 // A pose found from correspondences.
 struct PoseEstimate {
   Rigid3d cam_from_anchor;
-  std::vector<int> inliers;          // Indices into the correspondences given; one per keypoint.
-  double effective_inliers = 0.0;    // Inliers weighted by their spread over the image.
-  double mean_sq_error_px = 0.0;     // Over the inliers.
+  std::vector<int> inliers;        // Indices into the correspondences given; one per keypoint.
+  double effective_inliers = 0.0;  // Inliers weighted by their spread over the image.
+  double mean_sq_error_px = 0.0;   // Over the inliers.
   // As LocalizeResult::covariance.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
-  int num_iterations = 0;            // Of RANSAC.
+  int num_iterations = 0;  // Of RANSAC.
 };
 
 }  // namespace cairn

@@ -4,7 +4,6 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -18,12 +17,12 @@ namespace cairn {
 
 // Where in the world the camera may be, in the query's anchor frame: east-north-up at `origin`.
 struct SearchRegion {
-  Geodetic origin;               // Ellipsoidal height 0.
+  Geodetic origin;  // Ellipsoidal height 0.
   Rigid3d ecef_from_anchor;
-  bool has_prior = false;        // If not, the region is the whole map, up to the tile limit.
+  bool has_prior = false;  // If not, the region is the whole map, up to the tile limit.
   Eigen::Vector2d prior_xy_in_anchor = Eigen::Vector2d::Zero();  // Meaningful with a prior.
-  double prior_sigma_m = 0.0;    // Per axis, from the 68 % radius of a circular Gaussian.
-  double radius_m = 0.0;         // Horizontal bound of the search about prior_xy_in_anchor.
+  double prior_sigma_m = 0.0;  // Per axis, from the 68 % radius of a circular Gaussian.
+  double radius_m = 0.0;       // Horizontal bound of the search about prior_xy_in_anchor.
   // Heights (z in anchor) at which the camera may be. Set by `tiles` from the keyframes' heights,
   // narrowed by the prior's own height where it has one.
   double min_z_m = -1e4;
@@ -34,13 +33,13 @@ struct SearchRegion {
 struct QueryContext {
   Camera camera;
   std::vector<Keypoint> keypoints;
-  DescriptorMatrix descriptors;                  // num_keypoints x projected_dim.
-  std::vector<Eigen::Vector3d> rays_in_cam;      // Unit; a zero vector if not invertible.
+  DescriptorMatrix descriptors;              // num_keypoints x projected_dim.
+  std::vector<Eigen::Vector3d> rays_in_cam;  // Unit; a zero vector if not invertible.
   std::vector<std::optional<float>> gravity_orientations_rad;  // All empty without gravity.
   std::optional<Eigen::Vector3d> down_in_cam;
-  // Rotation that turns the camera so that down_in_cam becomes (0, 0, -1): level is z-up, its x axis
-  // is the horizontal part of the viewing direction (or, looking straight up or down, of the image's
-  // y axis). Present with gravity. anchor_from_level is a rotation by yaw about z.
+  // Rotation that turns the camera so that down_in_cam becomes (0, 0, -1): level is z-up, its x
+  // axis is the horizontal part of the viewing direction (or, looking straight up or down, of the
+  // image's y axis). Present with gravity. anchor_from_level is a rotation by yaw about z.
   std::optional<Eigen::Quaterniond> level_from_cam;
   SearchRegion region;
 
@@ -50,13 +49,13 @@ struct QueryContext {
 // A 2D-3D match: keypoint to landmark.
 struct Correspondence {
   int keypoint_idx = 0;
-  int tile_idx = 0;            // Into the query's tiles.
-  uint32_t landmark_idx = 0;   // Into that tile.
-  Eigen::Vector3d x_in_anchor; // Landmark position.
-  float sq_distance = 0.0f;    // Of the descriptors, with the weighted prior terms added.
-  float sigma_m = 0.0f;        // Landmark position standard deviation.
-  float azimuth_rad = 0.0f;    // From landmark to mapping camera of the matched descriptor.
-  float size_m = 0.0f;         // Physical size of the matched keypoint.
+  int tile_idx = 0;             // Into the query's tiles.
+  uint32_t landmark_idx = 0;    // Into that tile.
+  Eigen::Vector3d x_in_anchor;  // Landmark position.
+  float sq_distance = 0.0f;     // Of the descriptors, with the weighted prior terms added.
+  float sigma_m = 0.0f;         // Landmark position standard deviation.
+  float azimuth_rad = 0.0f;     // From landmark to mapping camera of the matched descriptor.
+  float size_m = 0.0f;          // Physical size of the matched keypoint.
 };
 
 }  // namespace cairn

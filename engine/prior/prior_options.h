@@ -7,7 +7,8 @@ namespace cairn {
 struct PriorOptions {
   // The search reaches this many standard deviations of the prior, per axis. 3 leaves 1 % outside.
   double search_sigmas = 3.0;
-  // Bounds on the search radius, metres. The lower one guards against receivers that claim too much.
+  // Bounds on the search radius, metres. The lower one guards against receivers that claim too
+  // much.
   double min_radius_m = 25.0;
   double max_radius_m = 500.0;
   // The reported accuracy is taken as at least this, metres.

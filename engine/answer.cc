@@ -1,0 +1,116 @@
+#include "engine/answer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/check.h"
+
+namespace cairn {
+namespace {
+
+bool WithinRegion(const SearchRegion& region, const Rigid3d& cam_from_anchor) {
+  const Eigen::Vector3d center_in_anchor = cam_from_anchor.Inverse().translation;
+  return !region.has_prior ||
+         (center_in_anchor.head<2>() - region.prior_xy_in_anchor).norm() <= region.radius_m;
+}
+
+bool AreFarApart(const Rigid3d& a, const Rigid3d& b, const AnswerOptions& options) {
+  return (a.Inverse().translation - b.Inverse().translation).norm() >
+             options.ambiguous_distance_m ||
+         RotationAngleRad(a.rotation, b.rotation) > options.ambiguous_rotation_rad;
+}
+
+bool IsAmbiguous(const std::vector<const PoseHypothesis*>& by_score, const AnswerOptions& options) {
+  const PoseEstimate& best = by_score.front()->estimate;
+  return std::any_of(by_score.begin() + 1, by_score.end(), [&](const PoseHypothesis* other) {
+    return other->estimate.effective_inliers >=
+               options.ambiguous_score_ratio * best.effective_inliers &&
+           AreFarApart(best.cam_from_anchor, other->estimate.cam_from_anchor, options);
+  });
+}
+
+// Radius that holds 68 % of an isotropic Gaussian with this covariance trace: the square root of
+// the 0.68 quantile of chi-squared with three degrees of freedom, 3.506.
+double Radius68(const Eigen::Matrix3d& covariance) {
+  return std::sqrt(3.506 * covariance.trace() / 3.0);
+}
+
+void FillMatches(const QueryContext& query, const std::vector<TileView>& tiles,
+                 const PoseHypothesis& hypothesis, LocalizeResult* result) {
+  for (const int inlier : hypothesis.estimate.inliers) {
+    const Correspondence& match = (*hypothesis.correspondences)[inlier];
+    const Keypoint& keypoint = query.keypoints[match.keypoint_idx];
+    LocalizeMatch out;
+    out.keypoint_idx = match.keypoint_idx;
+    out.pixel = {keypoint.x_px, keypoint.y_px};
+    out.landmark_id = tiles[match.tile_idx].tile->tile().landmark_ids[match.landmark_idx];
+    out.tile_idx = match.tile_idx;
+    out.x_in_anchor = match.x_in_anchor;
+    out.sigma_m = match.sigma_m;
+    const auto pixel =
+        query.camera.Project(hypothesis.estimate.cam_from_anchor * match.x_in_anchor);
+    CAIRN_CHECK(pixel.has_value(), "an inlier projects into the image");
+    out.error_px = (*pixel - out.pixel).norm();
+    result->matches.push_back(out);
+  }
+  std::sort(result->matches.begin(), result->matches.end(),
+            [](const LocalizeMatch& a, const LocalizeMatch& b) {
+              return a.keypoint_idx < b.keypoint_idx;
+            });
+}
+
+void FillPose(const QueryContext& query, const PoseEstimate& estimate, LocalizeResult* result) {
+  result->localized = true;
+  result->anchor = query.region.origin;
+  result->cam_from_anchor = estimate.cam_from_anchor;
+  result->cam_from_ecef = estimate.cam_from_anchor * query.region.ecef_from_anchor.Inverse();
+  result->position = GeodeticFromEcef(result->cam_from_ecef.Inverse().translation);
+  result->covariance = estimate.covariance;
+  result->rotation_accuracy_rad = Radius68(estimate.covariance.topLeftCorner<3, 3>());
+  result->position_accuracy_m = Radius68(estimate.covariance.bottomRightCorner<3, 3>());
+}
+
+}  // namespace
+
+void ConcludeAnswer(const QueryContext& query, const std::vector<TileView>& tiles,
+                    const std::vector<PoseHypothesis>& hypotheses, const AnswerOptions& options,
+                    LocalizeResult* result) {
+  CAIRN_CHECK(!hypotheses.empty(), "there is nothing to conclude from");
+  std::vector<const PoseHypothesis*> by_score;
+  bool good_one_outside = false;
+  for (const PoseHypothesis& hypothesis : hypotheses) {
+    if (WithinRegion(query.region, hypothesis.estimate.cam_from_anchor)) {
+      by_score.push_back(&hypothesis);
+    } else if (hypothesis.estimate.effective_inliers >= options.min_effective_inliers) {
+      good_one_outside = true;
+    }
+  }
+  std::stable_sort(by_score.begin(), by_score.end(),
+                   [](const PoseHypothesis* a, const PoseHypothesis* b) {
+                     return a->estimate.effective_inliers > b->estimate.effective_inliers;
+                   });
+  if (by_score.empty() ||
+      by_score.front()->estimate.effective_inliers < options.min_effective_inliers) {
+    result->reason =
+        good_one_outside ? NotLocalizedReason::kPriorMismatch : NotLocalizedReason::kTooFewInliers;
+    return;
+  }
+  if (IsAmbiguous(by_score, options)) {
+    result->reason = NotLocalizedReason::kAmbiguous;
+    return;
+  }
+  const PoseHypothesis& best = *by_score.front();
+  result->reason = NotLocalizedReason::kNone;
+  result->score = best.estimate.effective_inliers;
+  result->confidence = ConfidenceOfScore(result->score);
+  FillPose(query, best.estimate, result);
+  FillMatches(query, tiles, best, result);
+}
+
+double ConfidenceOfScore(double effective_inliers) {
+  // logit(0.7) = 0.847 at 8 and logit(0.98) = 3.892 at 30.
+  constexpr double kSlope = 2.304, kOffset = -3.944;
+  return 1.0 / (1.0 + std::exp(-(kSlope * std::log(std::max(effective_inliers, 1e-9)) + kOffset)));
+}
+
+}  // namespace cairn

@@ -1,0 +1,19 @@
+// Computes once what every stage needs of a query.
+#ifndef CAIRN_ENGINE_BUILD_QUERY_CONTEXT_H_
+#define CAIRN_ENGINE_BUILD_QUERY_CONTEXT_H_
+
+#include "engine/localize_query.h"
+#include "engine/query_context.h"
+#include "storage/descriptor_codec.h"
+
+namespace cairn {
+
+// Projects the descriptors, unprojects the keypoints, rectifies orientations and levels the camera.
+// Throws Error(kBadInput) if the descriptors do not fit the codebook: wrong dimension, or projected
+// by the codebook of another map.
+QueryContext BuildQueryContext(const LocalizeQuery& query, const DescriptorCodec& codec,
+                               const SearchRegion& region);
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_BUILD_QUERY_CONTEXT_H_

@@ -1,0 +1,217 @@
+#include "engine/localizer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "engine/answer.h"
+#include "engine/build_query_context.h"
+#include "engine/keyframe_candidates.h"
+#include "engine/matching/match_features.h"
+#include "engine/pose/estimate_pose.h"
+#include "engine/prior/search_region.h"
+#include "engine/refinement/rank_keyframes.h"
+#include "engine/tiles/fetch_tiles.h"
+#include "engine/voting/pose_voting.h"
+#include "storage/descriptor_codec.h"
+
+namespace cairn {
+
+struct Localizer::Impl {
+  std::shared_ptr<const MapStore> store;
+  std::shared_ptr<TileCache> cache;
+  LocalizerOptions options;
+};
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// One query on its way through the stages. A stage that finds that there cannot be an answer
+// returns the reason, and the ones after it do not run.
+class QueryRun {
+ public:
+  QueryRun(const MapStore& store, TileCache* cache, const LocalizerOptions& options,
+           const LocalizeQuery& query)
+      : store_(store), cache_(cache), options_(options), query_(query) {}
+
+  LocalizeResult Run();
+
+ private:
+  using StageMethod = NotLocalizedReason (QueryRun::*)();
+
+  NotLocalizedReason ResolvePrior();
+  NotLocalizedReason GatherTiles();
+  NotLocalizedReason Match();
+  NotLocalizedReason Vote();
+  NotLocalizedReason EstimatePoses();
+  NotLocalizedReason Refine();
+
+  bool DeadlinePassed() const { return query_.deadline && Clock::now() >= *query_.deadline; }
+  // Adds the pose of a subset of correspondences to the hypotheses, if there is one.
+  void AddHypothesis(const std::shared_ptr<const std::vector<Correspondence>>& correspondences,
+                     const std::vector<int>& subset);
+  double BestScore() const;
+
+  const MapStore& store_;
+  TileCache* cache_;
+  const LocalizerOptions& options_;
+  const LocalizeQuery& query_;
+
+  std::optional<MapSnapshot> snapshot_;  // Until the tiles are there.
+  QueryContext context_;
+  std::vector<TileView> tiles_;
+  std::shared_ptr<const std::vector<Correspondence>> correspondences_;
+  std::vector<PoseCandidate> candidates_;
+  std::vector<PoseHypothesis> hypotheses_;
+  LocalizeResult result_;
+};
+
+LocalizeResult QueryRun::Run() {
+  static constexpr std::pair<Stage, StageMethod> kStages[] = {
+      {Stage::kPrior, &QueryRun::ResolvePrior}, {Stage::kTiles, &QueryRun::GatherTiles},
+      {Stage::kMatching, &QueryRun::Match},     {Stage::kVoting, &QueryRun::Vote},
+      {Stage::kPose, &QueryRun::EstimatePoses}, {Stage::kRefinement, &QueryRun::Refine},
+  };
+  const Clock::time_point start = Clock::now();
+  query_.Validate();
+  for (const auto& [stage, method] : kStages) {
+    if (DeadlinePassed()) {
+      result_.reason = NotLocalizedReason::kTimeout;
+      break;
+    }
+    const Clock::time_point stage_start = Clock::now();
+    result_.reason = (this->*method)();
+    result_.times.seconds[static_cast<size_t>(stage)] = SecondsSince(stage_start);
+    if (result_.reason != NotLocalizedReason::kNone) {
+      break;
+    }
+  }
+  if (!hypotheses_.empty()) {
+    ConcludeAnswer(context_, tiles_, hypotheses_, options_.answer, &result_);
+  }
+  result_.times.total_seconds = SecondsSince(start);
+  return std::move(result_);
+}
+
+NotLocalizedReason QueryRun::ResolvePrior() {
+  result_.counters.num_keypoints = query_.features.size();
+  result_.counters.used_prior = query_.prior.has_value();
+  result_.counters.used_gravity = query_.down_in_cam.has_value();
+  snapshot_.emplace(store_.Snapshot());
+  result_.map_version = snapshot_->version();
+  const auto codebook = snapshot_->CurrentCodebook();
+  // A prior needs nothing of the map; summing it up is for queries without one.
+  const MapInfo map = query_.prior ? MapInfo{} : snapshot_->Info();
+  if (codebook == nullptr || (!query_.prior && !map.bounds)) {
+    return NotLocalizedReason::kNoCoverage;
+  }
+  const SearchRegion region = ResolveSearchRegion(query_, map, options_.prior);
+  context_ = BuildQueryContext(query_, DescriptorCodec(codebook), region);
+  return query_.features.size() < options_.pose.min_inliers ? NotLocalizedReason::kTooFewFeatures
+                                                            : NotLocalizedReason::kNone;
+}
+
+NotLocalizedReason QueryRun::GatherTiles() {
+  tiles_ = FetchTiles(*snapshot_, cache_, options_.tiles, options_.matching.grids, &context_.region,
+                      &result_.counters);
+  snapshot_.reset();
+  for (const TileView& view : tiles_) {
+    result_.tiles.push_back(view.tile->tile().id);
+  }
+  return tiles_.empty() ? NotLocalizedReason::kNoCoverage : NotLocalizedReason::kNone;
+}
+
+NotLocalizedReason QueryRun::Match() {
+  correspondences_ = std::make_shared<const std::vector<Correspondence>>(
+      MatchFeatures(context_, tiles_, options_.matching, &result_.counters));
+  return result_.counters.num_matched_keypoints < options_.pose.min_inliers
+             ? NotLocalizedReason::kTooFewMatches
+             : NotLocalizedReason::kNone;
+}
+
+NotLocalizedReason QueryRun::Vote() {
+  candidates_ = context_.level_from_cam
+                    ? VoteForPoses(context_, *correspondences_, options_.voting, &result_.counters)
+                    : KeyframeCandidates(context_, tiles_, *correspondences_, options_.refinement);
+  result_.counters.num_candidates = static_cast<int64_t>(candidates_.size());
+  return NotLocalizedReason::kNone;
+}
+
+NotLocalizedReason QueryRun::EstimatePoses() {
+  for (const PoseCandidate& candidate : candidates_) {
+    if (DeadlinePassed()) {
+      break;
+    }
+    AddHypothesis(correspondences_, candidate.correspondences);
+  }
+  return NotLocalizedReason::kNone;
+}
+
+NotLocalizedReason QueryRun::Refine() {
+  if (BestScore() < options_.refinement.good_effective_inliers) {
+    const auto ranked = RankKeyframes(context_, tiles_, *correspondences_, options_.refinement);
+    for (const RankedKeyframe& keyframe : ranked) {
+      if (DeadlinePassed()) {
+        break;
+      }
+      const auto rematches = std::make_shared<const std::vector<Correspondence>>(
+          MatchAgainstKeyframes(context_, tiles_,
+                                KeyframeNeighborhood(tiles_, keyframe.keyframe,
+                                                     options_.refinement.neighbors_per_keyframe),
+                                options_.refinement.relaxed_distance_quantile, options_.matching));
+      result_.counters.num_refined_keyframes += 1;
+      result_.counters.num_rematches += static_cast<int64_t>(rematches->size());
+      std::vector<int> all(rematches->size());
+      std::iota(all.begin(), all.end(), 0);
+      AddHypothesis(rematches, all);
+    }
+  }
+  return hypotheses_.empty() ? NotLocalizedReason::kTooFewInliers : NotLocalizedReason::kNone;
+}
+
+void QueryRun::AddHypothesis(
+    const std::shared_ptr<const std::vector<Correspondence>>& correspondences,
+    const std::vector<int>& subset) {
+  std::optional<PoseEstimate> estimate =
+      EstimatePose(context_, *correspondences, subset, options_.pose, options_.seed);
+  if (estimate) {
+    result_.counters.num_ransac_iterations += estimate->num_iterations;
+    hypotheses_.push_back({std::move(*estimate), correspondences});
+  }
+}
+
+double QueryRun::BestScore() const {
+  double best = 0.0;
+  for (const PoseHypothesis& hypothesis : hypotheses_) {
+    best = std::max(best, hypothesis.estimate.effective_inliers);
+  }
+  return best;
+}
+
+}  // namespace
+
+Localizer::Localizer(std::shared_ptr<const MapStore> store, std::shared_ptr<TileCache> cache,
+                     const LocalizerOptions& options)
+    : impl_(std::make_unique<Impl>(Impl{std::move(store), std::move(cache), options})) {
+  options.Validate();
+}
+
+Localizer::~Localizer() = default;
+
+LocalizeResult Localizer::Localize(const LocalizeQuery& query) const {
+  return QueryRun(*impl_->store, impl_->cache.get(), impl_->options, query).Run();
+}
+
+const LocalizerOptions& Localizer::options() const { return impl_->options; }
+
+}  // namespace cairn

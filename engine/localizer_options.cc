@@ -1,0 +1,29 @@
+#include "engine/localizer_options.h"
+
+#include "core/error.h"
+
+namespace cairn {
+
+void AnswerOptions::Validate() const {
+  if (!(min_effective_inliers >= 0.0)) {
+    throw Error(ErrorCode::kInvalidArgument, "answer.min_effective_inliers must not be negative");
+  }
+  if (!(ambiguous_score_ratio > 0.0 && ambiguous_score_ratio <= 1.0)) {
+    throw Error(ErrorCode::kInvalidArgument, "answer.ambiguous_score_ratio must be within (0, 1]");
+  }
+  if (!(ambiguous_distance_m > 0.0) || !(ambiguous_rotation_rad > 0.0)) {
+    throw Error(ErrorCode::kInvalidArgument, "answer: ambiguity distances must be positive");
+  }
+}
+
+void LocalizerOptions::Validate() const {
+  prior.Validate();
+  tiles.Validate();
+  matching.Validate();
+  voting.Validate();
+  pose.Validate();
+  refinement.Validate();
+  answer.Validate();
+}
+
+}  // namespace cairn

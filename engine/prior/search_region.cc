@@ -1,0 +1,74 @@
+#include "engine/prior/search_region.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/check.h"
+#include "core/error.h"
+
+namespace cairn {
+namespace {
+
+// Standard deviation per axis of the circular Gaussian whose disc of `radius_m` holds 68 %.
+double SigmaFromRadius68(double radius_m) { return radius_m / std::sqrt(-2.0 * std::log(0.32)); }
+
+SearchRegion RegionOfMap(const GeoBox& bounds) {
+  SearchRegion region;
+  double span_rad = bounds.east_rad - bounds.west_rad;
+  if (bounds.CrossesAntimeridian()) {
+    span_rad += 2.0 * std::numbers::pi;
+  }
+  region.origin = {0.5 * (bounds.south_rad + bounds.north_rad),
+                   std::remainder(bounds.west_rad + 0.5 * span_rad, 2.0 * std::numbers::pi), 0.0};
+  region.ecef_from_anchor = EcefFromEnu(region.origin);
+  for (const double lat_rad : {bounds.south_rad, bounds.north_rad}) {
+    region.radius_m =
+        std::max(region.radius_m, GroundDistanceM(region.origin, {lat_rad, bounds.west_rad, 0.0}));
+  }
+  return region;
+}
+
+}  // namespace
+
+void PriorOptions::Validate() const {
+  if (!(search_sigmas > 0.0)) {
+    throw Error(ErrorCode::kInvalidArgument, "prior.search_sigmas must be positive");
+  }
+  if (!(min_radius_m > 0.0) || !(max_radius_m >= min_radius_m)) {
+    throw Error(ErrorCode::kInvalidArgument, "prior: need 0 < min_radius_m <= max_radius_m");
+  }
+  if (!(min_accuracy_m > 0.0)) {
+    throw Error(ErrorCode::kInvalidArgument, "prior.min_accuracy_m must be positive");
+  }
+}
+
+SearchRegion ResolveSearchRegion(const LocalizeQuery& query, const MapInfo& map,
+                                 const PriorOptions& options) {
+  if (!query.prior) {
+    CAIRN_CHECK(map.bounds.has_value(), "an empty map has no region");
+    return RegionOfMap(*map.bounds);
+  }
+  const PositionPrior& prior = *query.prior;
+  SearchRegion region;
+  region.origin = {prior.position.lat_rad, prior.position.lon_rad, 0.0};
+  region.ecef_from_anchor = EcefFromEnu(region.origin);
+  region.has_prior = true;
+  region.prior_sigma_m = SigmaFromRadius68(std::max(prior.accuracy_m, options.min_accuracy_m));
+  region.radius_m = std::clamp(options.search_sigmas * region.prior_sigma_m, options.min_radius_m,
+                               options.max_radius_m);
+  if (prior.height_sigma_m) {
+    const double reach_m = options.search_sigmas * *prior.height_sigma_m;
+    region.min_z_m = prior.position.h_m - reach_m;
+    region.max_z_m = prior.position.h_m + reach_m;
+  }
+  return region;
+}
+
+GeoBox RegionBounds(const SearchRegion& region) {
+  const Eigen::Vector3d center_in_anchor(region.prior_xy_in_anchor.x(),
+                                         region.prior_xy_in_anchor.y(), 0.0);
+  return BoxAround(GeodeticFromEcef(region.ecef_from_anchor * center_in_anchor), region.radius_m);
+}
+
+}  // namespace cairn
