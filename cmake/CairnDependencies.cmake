@@ -3,17 +3,7 @@ find_package(PkgConfig REQUIRED)
 find_package(Threads REQUIRED)
 find_package(SQLite3 REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
-# OpenCV's own CMake package is only in the Debian package that pulls in every module and its GUI and
-# MPI dependencies; the few modules in use are found one by one.
-find_path(OPENCV_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
-foreach(module core imgproc imgcodecs features2d calib3d)
-  find_library(OPENCV_${module}_LIBRARY opencv_${module} REQUIRED)
-  add_library(opencv_${module} UNKNOWN IMPORTED)
-  set_target_properties(opencv_${module} PROPERTIES
-    IMPORTED_LOCATION ${OPENCV_${module}_LIBRARY}
-    INTERFACE_SYSTEM_INCLUDE_DIRECTORIES ${OPENCV_INCLUDE_DIR}
-    INTERFACE_INCLUDE_DIRECTORIES ${OPENCV_INCLUDE_DIR})
-endforeach()
+find_package(OpenCV 4 REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d)
 find_package(Ceres 2.1 REQUIRED)
 list(APPEND CMAKE_MODULE_PATH /usr/share/cmake/geographiclib)
 find_package(GeographicLib REQUIRED)

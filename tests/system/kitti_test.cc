@@ -1,0 +1,81 @@
+// The bar on a real drive: map from the even frames, query with the odd ones.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <numbers>
+
+#include "support/test_data.h"
+#include "system/real_drive.h"
+
+namespace cairn::testing {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+
+class KittiDrive : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    const auto root = TestDataDir() / "kitti_vo_2x51";
+    if (!std::filesystem::exists(root)) {
+      return;
+    }
+    RealDriveInput input;
+    input.model_dir = root / "colmap_model_seq1";
+    input.database_path = root / "database_seq1.db";
+    input.image_dir = root / "KITTI_sequence_1" / "image_l";
+    input.positions = [root](const Reconstruction&) {
+      return ReadCameraPositions((root / "georef_seq1.csv").string());
+    };
+    input.is_query = [](const std::string& name) { return std::stoi(name) % 2 == 1; };
+    drive_ = new RealDrive(input);
+  }
+  static void TearDownTestSuite() {
+    delete drive_;
+    drive_ = nullptr;
+  }
+  void SetUp() override { CAIRN_SKIP_WITHOUT_DATA("kitti_vo_2x51"); }
+
+  static RealDrive* drive_;
+};
+RealDrive* KittiDrive::drive_ = nullptr;
+
+TEST_F(KittiDrive, GeoregistersToCentimetres) {
+  EXPECT_EQ(drive_->georegistration().num_positions, 26);
+  EXPECT_LT(drive_->georegistration().median_residual_m, 0.05);
+}
+
+TEST_F(KittiDrive, LocalizesEveryOddFrame) {
+  const EvalReport report = drive_->Run(QueryRoute::kInProcessFeatures);
+  EXPECT_EQ(report.num_queries, 25);
+  EXPECT_EQ(report.num_localized, 25);
+  EXPECT_LE(report.median_position_error_m.value, 0.03);
+  EXPECT_LE(report.median_rotation_error_rad.value, 0.1 * kRadPerDeg);
+  EXPECT_DOUBLE_EQ(report.average_precision.value, 1.0);
+}
+
+TEST_F(KittiDrive, ServerAnswersFeaturesAsTheLibraryDoes) {
+  const EvalReport library = drive_->Run(QueryRoute::kInProcessFeatures);
+  const EvalReport server = drive_->Run(QueryRoute::kServerFeatures);
+  ASSERT_EQ(server.num_localized, library.num_localized);
+  for (int i = 0; i < library.num_queries; ++i) {
+    // The wire rounds keypoints to fractions of a pixel.
+    EXPECT_LT(PositionDifferenceM(library.answers[i].result, server.answers[i].result), 0.02);
+    EXPECT_LT(RotationDifferenceRad(library.answers[i].result, server.answers[i].result),
+              0.02 * kRadPerDeg);
+  }
+}
+
+TEST_F(KittiDrive, ServerAnswersPhotosAsTheLibraryDoes) {
+  const EvalReport library = drive_->Run(QueryRoute::kInProcessImage);
+  const EvalReport server = drive_->Run(QueryRoute::kServerImage);
+  EXPECT_EQ(library.num_localized, 25);
+  ASSERT_EQ(server.num_localized, library.num_localized);
+  EXPECT_LE(server.median_position_error_m.value, 0.03);
+  EXPECT_LE(server.median_rotation_error_rad.value, 0.1 * kRadPerDeg);
+  for (int i = 0; i < library.num_queries; ++i) {
+    EXPECT_LT(PositionDifferenceM(library.answers[i].result, server.answers[i].result), 1e-6);
+  }
+}
+
+}  // namespace
+}  // namespace cairn::testing

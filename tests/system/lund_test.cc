@@ -1,0 +1,78 @@
+// The bar on real phone photos: map from all but each fourth, query with the rest.
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "support/test_data.h"
+#include "system/real_drive.h"
+
+namespace cairn::testing {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+
+class LundStreet : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    const auto root = TestDataDir() / "street_lund";
+    if (!std::filesystem::exists(root)) {
+      return;
+    }
+    RealDriveInput input;
+    input.model_dir = root / "colmap_model";
+    input.database_path = root / "database.db";
+    input.image_dir = root / "images";
+    input.positions = [](const Reconstruction& reconstruction) {
+      return GpsPositions(reconstruction, 5.0);
+    };
+    input.is_query = [](const std::string& name) { return std::stoi(name) % 4 == 0; };
+    street_ = new RealDrive(input);
+  }
+  static void TearDownTestSuite() {
+    delete street_;
+    street_ = nullptr;
+  }
+  void SetUp() override { CAIRN_SKIP_WITHOUT_DATA("street_lund"); }
+
+  static RealDrive* street_;
+};
+RealDrive* LundStreet::street_ = nullptr;
+
+TEST_F(LundStreet, LocalizesHeldOutPhotos) {
+  const EvalReport report = street_->Run(QueryRoute::kInProcessFeatures);
+  EXPECT_EQ(report.num_queries, 7);
+  int num_correct = 0;
+  for (const EvalAnswer& answer : report.answers) {
+    num_correct += answer.position_error_m <= 3.0 && answer.rotation_error_rad <= 10 * kRadPerDeg;
+  }
+  EXPECT_GE(num_correct, 6);
+  EXPECT_LE(report.median_position_error_m.value, 0.1);
+  EXPECT_LE(report.median_rotation_error_rad.value, 0.2 * kRadPerDeg);
+}
+
+TEST_F(LundStreet, ServerAnswersFeaturesAsTheLibraryDoes) {
+  const EvalReport library = street_->Run(QueryRoute::kInProcessFeatures);
+  const EvalReport server = street_->Run(QueryRoute::kServerFeatures);
+  ASSERT_EQ(server.num_localized, library.num_localized);
+  for (int i = 0; i < library.num_queries; ++i) {
+    ASSERT_EQ(library.answers[i].result.localized, server.answers[i].result.localized);
+    if (library.answers[i].result.localized) {
+      EXPECT_LT(PositionDifferenceM(library.answers[i].result, server.answers[i].result), 0.05);
+    }
+  }
+}
+
+TEST_F(LundStreet, ServerAnswersPhotosAsTheLibraryDoes) {
+  const EvalReport library = street_->Run(QueryRoute::kInProcessImage);
+  const EvalReport server = street_->Run(QueryRoute::kServerImage);
+  EXPECT_GE(library.num_localized, 5);
+  ASSERT_EQ(server.num_localized, library.num_localized);
+  for (int i = 0; i < library.num_queries; ++i) {
+    if (library.answers[i].result.localized) {
+      EXPECT_LT(PositionDifferenceM(library.answers[i].result, server.answers[i].result), 1e-6);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cairn::testing
