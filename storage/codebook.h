@@ -3,7 +3,6 @@
 #define CAIRN_STORAGE_CODEBOOK_H_
 
 #include <Eigen/Core>
-
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -27,7 +26,8 @@ struct Codebook {
   static constexpr int kNumWords = 256;
 
   CodebookId id{};
-  std::string descriptor_type;  // Names the extractor, e.g. "sift"; features of another are refused.
+  std::string
+      descriptor_type;  // Names the extractor, e.g. "sift"; features of another are refused.
   DescriptorNormalization normalization = DescriptorNormalization::kRootSift;
   Eigen::VectorXf mean;         // raw_dim.
   DescriptorMatrix projection;  // projected_dim x raw_dim.

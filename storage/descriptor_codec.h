@@ -37,6 +37,7 @@ class DescriptorCodec {
 
  private:
   std::shared_ptr<const Codebook> codebook_;
+  std::vector<float> transposed_words_;  // num_subspaces x subspace_dim x 256, for Encode.
 };
 
 }  // namespace cairn

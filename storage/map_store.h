@@ -3,7 +3,6 @@
 #define CAIRN_STORAGE_MAP_STORE_H_
 
 #include <Eigen/Core>
-
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -29,20 +28,20 @@ struct TileRecord {
   int64_t num_landmarks = 0;
   int64_t num_descriptors = 0;
   int64_t num_keyframes = 0;
-  int64_t num_bytes = 0;      // Of the encoded payload.
-  double min_h_m = 0.0;       // Ellipsoidal heights of the tile's keyframes.
+  int64_t num_bytes = 0;  // Of the encoded payload.
+  double min_h_m = 0.0;   // Ellipsoidal heights of the tile's keyframes.
   double max_h_m = 0.0;
-  GeoBox landmark_bounds;     // Of the landmarks, which can reach far outside the square.
+  GeoBox landmark_bounds;  // Of the landmarks, which can reach far outside the square.
 };
 
 // One ingested reconstruction.
 struct SessionRecord {
   SessionId id{};
-  std::string name;                 // Unique; re-ingesting a name replaces the session.
-  std::string source;               // Where it came from, for people.
-  std::string created_at;           // UTC, RFC 3339; set by the store.
+  std::string name;        // Unique; re-ingesting a name replaces the session.
+  std::string source;      // Where it came from, for people.
+  std::string created_at;  // UTC, RFC 3339; set by the store.
   int64_t num_images = 0;
-  int64_t num_landmarks = 0;        // In the reconstruction, before selection.
+  int64_t num_landmarks = 0;  // In the reconstruction, before selection.
   double georef_median_residual_m = 0.0;
 };
 
@@ -50,7 +49,7 @@ struct SessionRecord {
 struct KeyframeRecord {
   KeyframeId id{};
   SessionId session_id{};
-  TileId tile_id;                   // The tile it stands in.
+  TileId tile_id;  // The tile it stands in.
   std::string image_name;
   Camera camera;
   Rigid3d cam_from_ecef;
@@ -62,11 +61,11 @@ struct MapInfo {
   int64_t num_sessions = 0;
   int64_t num_keyframes = 0;
   int64_t num_tiles = 0;
-  int64_t num_landmarks = 0;        // Sum over tiles; a landmark in two tiles counts twice.
+  int64_t num_landmarks = 0;  // Sum over tiles; a landmark in two tiles counts twice.
   int64_t num_descriptors = 0;
   int64_t payload_bytes = 0;
   int64_t file_bytes = 0;
-  std::optional<GeoBox> bounds;     // Nothing if the map is empty.
+  std::optional<GeoBox> bounds;  // Nothing if the map is empty.
 };
 
 // A consistent view of one map version for as long as it lives; holds a read transaction. Keep it
@@ -133,8 +132,8 @@ class MapUpdate {
   // Reserves `count` consecutive landmark ids and returns the first.
   LandmarkId ReserveLandmarkIds(uint64_t count);
 
-  // Inserts or replaces a tile and its payload. Ignores `payload_id` and `num_bytes` and returns the
-  // new payload id.
+  // Inserts or replaces a tile and its payload. Ignores `payload_id` and `num_bytes` and returns
+  // the new payload id.
   PayloadId PutTile(const TileRecord& tile, std::span<const uint8_t> payload);
   void RemoveTile(TileId tile_id);
 
@@ -158,7 +157,8 @@ struct CheckReport {
 // An open map file. Safe to call from any thread.
 class MapStore {
  public:
-  // Makes an empty map. Throws Error(kConflict) if the file exists, Error(kIo) if it cannot be made.
+  // Makes an empty map. Throws Error(kConflict) if the file exists, Error(kIo) if it cannot be
+  // made.
   static MapStore Create(const std::string& path);
 
   // Throws Error(kNotFound) if there is no file, Error(kBadInput) if it is not a Cairn map (says

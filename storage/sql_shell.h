@@ -20,9 +20,9 @@ struct SqlSink {
   std::function<void(const std::vector<SqlCell>& row)> on_row;
 };
 
-// Opens the map read-only with all inspection functions and virtual tables registered and runs every
-// statement of `sql`. Throws Error(kBadInput) with SQLite's message on an SQL error or an attempt to
-// write, and as MapStore::Open.
+// Opens the map read-only with all inspection functions and virtual tables registered and runs
+// every statement of `sql`. Throws Error(kBadInput) with SQLite's message on an SQL error or an
+// attempt to write, and as MapStore::Open.
 void RunSql(const std::string& map_path, const std::string& sql, const SqlSink& sink);
 
 }  // namespace cairn

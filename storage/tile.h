@@ -3,7 +3,6 @@
 #define CAIRN_STORAGE_TILE_H_
 
 #include <Eigen/Core>
-
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -21,8 +20,9 @@ struct TileKeyframe {
   Rigid3d cam_from_tile;
 };
 
-// What the keyframes standing in one tile saw. Structure of arrays; landmarks are in Morton order of
-// their quantised position, the descriptors of a landmark are contiguous.
+// What the keyframes standing in one tile saw. Structure of arrays; the descriptors of a landmark
+// are contiguous. Landmarks should be in Morton order (see MortonOrder), which is what makes the
+// encoded tile small; any order is kept.
 //
 // Positions are exact multiples of kPositionStepM and the per-descriptor bytes are stored as they
 // are, so decode(encode(tile)) == tile and a tile can be rewritten without loss.
@@ -34,22 +34,22 @@ struct Tile {
   int code_size = 0;  // Bytes of a descriptor code.
 
   // Per landmark.
-  std::vector<LandmarkId> landmark_ids;        // The same landmark keeps its id in every tile.
-  std::vector<SessionId> landmark_sessions;    // The session that made it.
-  std::vector<Eigen::Vector3f> x_in_tile;      // Metres.
-  std::vector<uint8_t> sigma_codes;            // Position uncertainty, see SigmaFromCode.
-  std::vector<uint32_t> descriptor_begin;      // num_landmarks + 1 offsets into the next arrays.
+  std::vector<LandmarkId> landmark_ids;      // The same landmark keeps its id in every tile.
+  std::vector<SessionId> landmark_sessions;  // The session that made it.
+  std::vector<Eigen::Vector3f> x_in_tile;    // Metres.
+  std::vector<uint8_t> sigma_codes;          // Position uncertainty, see SigmaFromCode.
+  std::vector<uint32_t> descriptor_begin;    // num_landmarks + 1 offsets into the next arrays.
 
   // Per descriptor.
-  std::vector<uint8_t> codes;                  // num_descriptors x code_size, row-major.
-  std::vector<uint8_t> orientation_codes;      // Gravity-rectified, see OrientationFromCode.
-  std::vector<uint8_t> size_codes;             // Physical keypoint size, see SizeFromCode.
-  std::vector<uint8_t> azimuth_codes;          // Direction from landmark to camera, as orientation.
+  std::vector<uint8_t> codes;              // num_descriptors x code_size, row-major.
+  std::vector<uint8_t> orientation_codes;  // Gravity-rectified, see OrientationFromCode.
+  std::vector<uint8_t> size_codes;         // Physical keypoint size, see SizeFromCode.
+  std::vector<uint8_t> azimuth_codes;      // Direction from landmark to camera, as orientation.
 
   // Covisibility.
   std::vector<TileKeyframe> keyframes;
-  std::vector<uint32_t> keyframe_begin;        // num_keyframes + 1 offsets into the next array.
-  std::vector<uint32_t> keyframe_landmarks;    // Landmark indices, ascending within a keyframe.
+  std::vector<uint32_t> keyframe_begin;      // num_keyframes + 1 offsets into the next array.
+  std::vector<uint32_t> keyframe_landmarks;  // Landmark indices, ascending within a keyframe.
 
   size_t num_landmarks() const { return x_in_tile.size(); }
   size_t num_descriptors() const { return orientation_codes.size(); }
@@ -68,12 +68,13 @@ struct Tile {
 };
 
 // One-byte codes of a descriptor's and landmark's attributes.
-// Angle: 256 steps of a full turn; code 0 is angle 0. kNoOrientation marks "meaningless" (the
-// viewing ray was vertical); the angle that would get this code is moved to its neighbour.
+// Angles and sizes must be numbers. Angle: 256 steps of a full turn; code 0 is angle 0.
+// kNoOrientation marks "meaningless" (the viewing ray was vertical); the angle that would get this
+// code is moved to its neighbour.
 inline constexpr uint8_t kNoOrientation = 255;
-uint8_t OrientationCode(double angle_rad);   // Never kNoOrientation.
-double OrientationFromCode(uint8_t code);    // (-pi, pi]; must not be kNoOrientation.
-uint8_t AzimuthCode(double azimuth_rad);     // All 256 codes; azimuth = atan2(north, east).
+uint8_t OrientationCode(double angle_rad);  // Never kNoOrientation.
+double OrientationFromCode(uint8_t code);   // (-pi, pi]; must not be kNoOrientation.
+uint8_t AzimuthCode(double azimuth_rad);    // All 256 codes; azimuth = atan2(north, east).
 double AzimuthFromCode(uint8_t code);
 // Physical size of a keypoint: scale_px / focal_px * distance, metres; 1 mm to 60 m in steps of
 // 4.4 % (log scale), clamped.
@@ -84,8 +85,13 @@ double SizeFromCode(uint8_t code);
 uint8_t SigmaCode(double sigma_m);
 double SigmaFromCode(uint8_t code);
 
-// The nearest position a tile can hold.
+// The nearest position a tile can hold; coordinates are clamped to [-4096 m, 4096 m). The position
+// must be finite.
 Eigen::Vector3f QuantizePosition(const Eigen::Vector3d& x_in_tile);
+
+// Indices of quantised positions in the order of the Z-shaped curve through space; equal positions
+// keep their order. Element i of the result is the position that comes i-th.
+std::vector<uint32_t> MortonOrder(std::span<const Eigen::Vector3f> x_in_tile);
 
 }  // namespace cairn
 
