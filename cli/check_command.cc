@@ -1,0 +1,48 @@
+// `cairn check`: proves that every byte of a map is sound.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+
+#include "cli/shell.h"
+#include "core/error.h"
+#include "storage/map_store.h"
+
+namespace cairn {
+namespace {
+
+ExitCode RunCheck(const std::string& map_path, ProgressMode progress_mode) {
+  const MapStore store = MapStore::Open(map_path, OpenMode::kReadOnly);
+  CheckReport report;
+  {
+    Progress progress(progress_mode);
+    report =
+        store.Check([&](int64_t done, int64_t total) { progress.Update("check", done, total); });
+  }
+  for (const std::string& problem : report.problems) {
+    fmt::print("{}\n", problem);
+  }
+  if (!report.problems.empty()) {
+    throw Error(ErrorCode::kMapDamaged,
+                fmt::format("{}: {} problems found in {} tiles; restore the file from a copy or "
+                            "ingest the sessions into a new map",
+                            map_path, report.problems.size(), report.num_tiles_checked));
+  }
+  fmt::print("{}: {} tiles, no problems\n", map_path, report.num_tiles_checked);
+  return ExitCode::kOk;
+}
+
+}  // namespace
+
+void AddCheckCommand(CLI::App* app, Shell* shell) {
+  CLI::App* command = app->add_subcommand("check", "Check every page and tile of a map for damage");
+  auto map_path = std::make_shared<std::string>();
+  command->add_option("MAP", *map_path, "Map file")->required();
+  command->footer("Example:\n  cairn check city.gpkg");
+  command->callback([shell, map_path] {
+    shell->run = [shell, map_path] { return RunCheck(*map_path, shell->progress_mode); };
+  });
+}
+
+}  // namespace cairn

@@ -1,0 +1,244 @@
+// `cairn eval`: how well and how fast a map localizes queries with known poses.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <atomic>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "cli/eval_queries.h"
+#include "cli/open_localizer.h"
+#include "cli/shell.h"
+#include "core/error.h"
+#include "eval/evaluation.h"
+#include "eval/parallel_for.h"
+#include "http/client.h"
+#include "ingest/features/sift_extractor.h"
+#include "ingest/readers/file_bytes.h"
+
+namespace cairn {
+namespace {
+
+constexpr uint64_t kMaxImageBytes = uint64_t{64} << 20;
+
+enum class SendAs { kImage, kFeatures };
+enum class FeatureSource { kModel, kExtract };
+
+struct EvalArguments {
+  std::string map_path;
+  EvalQueryArguments queries;
+  PriorNoiseOptions noise;
+  double gravity_noise_deg = 1.0;
+  bool no_prior = false;
+  bool no_gravity = false;
+  std::string server_url;
+  SendAs send_as = SendAs::kFeatures;
+  FeatureSource feature_source = FeatureSource::kModel;
+  std::string json_path;
+  std::string csv_path;
+  int num_threads = 1;
+};
+
+// Answers one query; each worker has its own.
+using Answerer = std::function<LocalizeResult(const EvalQuery&)>;
+
+bool NeedsImages(const EvalArguments& arguments, const EvalQuery& query) {
+  const bool sends_image = !arguments.server_url.empty() && arguments.send_as == SendAs::kImage;
+  return sends_image || arguments.feature_source == FeatureSource::kExtract ||
+         query.query.features.size() == 0;
+}
+
+// Replaces the features by extracted ones where that is asked for, or where there are none.
+void ExtractFeatures(const EvalArguments& arguments, Progress* progress,
+                     std::vector<EvalQuery>* queries) {
+  const auto total = static_cast<int64_t>(queries->size());
+  for (int64_t i = 0; i < total; ++i) {
+    EvalQuery& query = (*queries)[i];
+    if (!NeedsImages(arguments, query)) {
+      continue;
+    }
+    if (query.image_path.empty()) {
+      throw Error(ErrorCode::kInvalidArgument,
+                  fmt::format("query {} needs its photo; give --image-dir DIR", query.name));
+    }
+    if (arguments.server_url.empty() || arguments.send_as == SendAs::kFeatures) {
+      query.query.features = ExtractSift(ReadGrayImage(query.image_path));
+    }
+    progress->Update("extract", i + 1, total);
+  }
+}
+
+Answerer MakeAnswerer(const EvalArguments& arguments, const OpenedMap& map) {
+  if (arguments.server_url.empty()) {
+    return [&map](const EvalQuery& query) { return map.localizer->Localize(query.query); };
+  }
+  auto client = std::make_shared<LocalizeClient>(
+      ClientOptions{.url = arguments.server_url, .want_matches = false});
+  if (arguments.send_as == SendAs::kFeatures) {
+    return [client](const EvalQuery& query) { return client->LocalizeFeatures(query.query); };
+  }
+  return [client](const EvalQuery& query) {
+    return client->LocalizeImage(query.query, ReadFileBytes(query.image_path, kMaxImageBytes));
+  };
+}
+
+// Asks all queries; the results are parallel to them.
+std::vector<LocalizeResult> AnswerAll(const EvalArguments& arguments, const OpenedMap& map,
+                                      const std::vector<EvalQuery>& queries, Progress* progress) {
+  const auto num_queries = static_cast<int64_t>(queries.size());
+  std::vector<LocalizeResult> results(queries.size());
+  std::atomic<int64_t> next_query = 0;
+  std::mutex progress_mutex;
+  int64_t num_done = 0;
+  ParallelFor(arguments.num_threads, arguments.num_threads, [&](int /*worker*/) {
+    const Answerer answer = MakeAnswerer(arguments, map);
+    for (int64_t i = next_query++; i < num_queries; i = next_query++) {
+      results[i] = answer(queries[i]);
+      const std::lock_guard lock(progress_mutex);
+      progress->Update("localize", ++num_done, num_queries);
+    }
+  });
+  return results;
+}
+
+void WriteTextFile(const std::string& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  if (!file.flush()) {
+    throw Error(ErrorCode::kIo, path + ": cannot write");
+  }
+}
+
+void PrintMapSize(const MapSnapshot& map) {
+  const MapInfo info = map.Info();
+  if (info.num_tiles == 0) {
+    return;
+  }
+  const auto num_tiles = static_cast<double>(info.num_tiles);
+  fmt::print("map: {} tiles, {:.1f} kB a tile, {:.1f} bytes a landmark\n", info.num_tiles,
+             1e-3 * static_cast<double>(info.payload_bytes) / num_tiles,
+             static_cast<double>(info.payload_bytes) /
+                 static_cast<double>(std::max<int64_t>(1, info.num_landmarks)));
+}
+
+ExitCode RunEval(const EvalArguments& arguments, ProgressMode progress_mode) {
+  PriorNoiseOptions noise = arguments.noise;
+  noise.gravity_sigma_rad = arguments.gravity_noise_deg * 0.017453292519943295;
+  noise.with_prior = !arguments.no_prior;
+  noise.with_gravity = !arguments.no_gravity;
+  noise.Validate();
+
+  LocalizerOptions localizer_options;
+  localizer_options.seed = noise.seed;
+  const OpenedMap map = OpenLocalizer(arguments.map_path, localizer_options);
+  std::vector<EvalQuery> queries = LoadEvalQueries(arguments.queries, map.store->Snapshot());
+  AddNoisyPriors(noise, &queries);
+  std::vector<LocalizeResult> results;
+  {
+    Progress progress(progress_mode);
+    ExtractFeatures(arguments, &progress, &queries);
+    results = AnswerAll(arguments, map, queries, &progress);
+  }
+  const EvalReport report = Evaluate(
+      queries, [&](const EvalQuery& query) { return results[&query - queries.data()]; }, {});
+  fmt::print("{}", ReportAsText(report));
+  PrintMapSize(map.store->Snapshot());
+  if (!arguments.json_path.empty()) {
+    WriteTextFile(arguments.json_path, ReportAsJson(report));
+  }
+  if (!arguments.csv_path.empty()) {
+    WriteTextFile(arguments.csv_path, ReportAsCsv(report));
+  }
+  return ExitCode::kOk;
+}
+
+void AddQuerySourceOptions(CLI::App* command, EvalQueryArguments* arguments) {
+  static const std::map<std::string, ReferenceSource> kSources = {
+      {"auto", ReferenceSource::kAuto},
+      {"map", ReferenceSource::kMap},
+      {"positions", ReferenceSource::kPositions}};
+  CLI::Option* list = command
+                          ->add_option("--queries", arguments->query_list_path,
+                                       "Query list with reference poses (JSON)")
+                          ->type_name("FILE");
+  AddReconstructionOptions(command, &arguments->reconstruction);
+  command->get_option("--model")->excludes(list);
+  command
+      ->add_option("--align-to", arguments->reference_source,
+                   "What places the model: the images it shares with the map, or the positions")
+      ->transform(CLI::CheckedTransformer(kSources).description(""))
+      ->type_name("auto|map|positions");
+  command
+      ->add_option("--images", arguments->image_list_path,
+                   "Images of the model to query, one name a line. Default: those not in the map")
+      ->type_name("FILE");
+  command->add_option("--image-dir", arguments->image_dir, "Folder of the model's photos")
+      ->type_name("DIR");
+}
+
+void AddNoiseOptions(CLI::App* command, EvalArguments* arguments) {
+  command
+      ->add_option("--prior-noise", arguments->noise.position_sigma_m,
+                   "Standard deviation of the position prior, metres an axis")
+      ->type_name("M")
+      ->capture_default_str();
+  command
+      ->add_option("--gravity-noise-deg", arguments->gravity_noise_deg,
+                   "Standard deviation of the gravity direction, degrees")
+      ->type_name("DEG")
+      ->capture_default_str();
+  command->add_flag("--no-prior", arguments->no_prior, "Queries without position");
+  command->add_flag("--no-gravity", arguments->no_gravity, "Queries without gravity");
+  command->add_option("--seed", arguments->noise.seed, "Seed of the noise and of the localizer")
+      ->capture_default_str();
+}
+
+void AddTransportOptions(CLI::App* command, EvalArguments* arguments) {
+  static const std::map<std::string, SendAs> kSendAs = {{"image", SendAs::kImage},
+                                                        {"features", SendAs::kFeatures}};
+  static const std::map<std::string, FeatureSource> kFeatureSources = {
+      {"model", FeatureSource::kModel}, {"extract", FeatureSource::kExtract}};
+  CLI::Option* server =
+      command->add_option("--server", arguments->server_url, "Ask this server, not the map file")
+          ->type_name("URL");
+  command->add_option("--send", arguments->send_as, "What the server gets")
+      ->needs(server)
+      ->transform(CLI::CheckedTransformer(kSendAs).description(""))
+      ->type_name("image|features");
+  command
+      ->add_option("--features", arguments->feature_source,
+                   "The model's keypoints, or fresh ones from the photos")
+      ->transform(CLI::CheckedTransformer(kFeatureSources).description(""))
+      ->type_name("model|extract");
+  command->add_option("--threads", arguments->num_threads, "Queries asked at once")
+      ->check(CLI::Range(1, 256))
+      ->type_name("N")
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void AddEvalCommand(CLI::App* app, Shell* shell) {
+  CLI::App* command = app->add_subcommand("eval", "Measure accuracy and speed against known poses");
+  auto arguments = std::make_shared<EvalArguments>();
+  command->add_option("MAP", arguments->map_path, "Map file")->required();
+  AddQuerySourceOptions(command, &arguments->queries);
+  AddNoiseOptions(command, arguments.get());
+  AddTransportOptions(command, arguments.get());
+  command->add_option("--json", arguments->json_path, "Write the report")->type_name("FILE");
+  command->add_option("--csv", arguments->csv_path, "Write one line an answer")->type_name("FILE");
+  command->footer(
+      "Example:\n"
+      "  cairn eval city.gpkg --model sparse/0 --database database.db --images held_out.txt");
+  command->callback([shell, arguments] {
+    shell->run = [shell, arguments] { return RunEval(*arguments, shell->progress_mode); };
+  });
+}
+
+}  // namespace cairn

@@ -1,0 +1,139 @@
+#include "cli/eval_queries.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <set>
+
+#include "core/error.h"
+#include "core/logging.h"
+#include "eval/reference_alignment.h"
+#include "ingest/readers/colmap_reader.h"
+
+namespace cairn {
+namespace {
+
+// Images that map and model share by name but whose poses are this far apart are not the same
+// images: another drive that counts its frames alike.
+constexpr double kMaxAlignmentResidualM = 0.5;
+
+std::vector<KeyframeRecord> AllKeyframes(const MapSnapshot& map) {
+  std::vector<KeyframeRecord> keyframes;
+  for (const SessionRecord& session : map.Sessions()) {
+    const std::vector<KeyframeRecord> of_session = map.KeyframesOfSession(session.id);
+    keyframes.insert(keyframes.end(), of_session.begin(), of_session.end());
+  }
+  return keyframes;
+}
+
+// Empty, with the reason in `why_not`, if the map cannot place the model.
+std::optional<Sim3d> AlignToMap(const Reconstruction& reconstruction,
+                                const std::vector<KeyframeRecord>& keyframes,
+                                std::string* why_not) {
+  const std::optional<ReferenceAlignment> alignment = AlignToKeyframes(reconstruction, keyframes);
+  if (!alignment) {
+    *why_not = "the map holds fewer than three images of the model";
+    return std::nullopt;
+  }
+  if (alignment->median_residual_m > kMaxAlignmentResidualM) {
+    *why_not = fmt::format("the {} images that map and model share by name lie {:.2f} m apart",
+                           alignment->num_shared_images, alignment->median_residual_m);
+    return std::nullopt;
+  }
+  LogInfo(
+      "reference: the model, aligned to {} images of the map; residual {:.4f} m median, "
+      "{:.4f} m largest",
+      alignment->num_shared_images, alignment->median_residual_m, alignment->max_residual_m);
+  return alignment->ecef_from_world;
+}
+
+Sim3d PlaceReference(const Reconstruction& reconstruction, const EvalQueryArguments& arguments,
+                     const std::vector<KeyframeRecord>& keyframes) {
+  std::string why_not = "--align-to positions";
+  if (arguments.reference_source != ReferenceSource::kPositions) {
+    const std::optional<Sim3d> aligned = AlignToMap(reconstruction, keyframes, &why_not);
+    if (aligned) {
+      return *aligned;
+    }
+    if (arguments.reference_source == ReferenceSource::kMap) {
+      throw Error(ErrorCode::kBadInput, "cannot align the model to the map: " + why_not);
+    }
+  }
+  if (!arguments.reconstruction.HasPositions()) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("where are the true poses? Give --georef CSV or --gps ({})", why_not));
+  }
+  const Georegistration fit = GeoregisterByArguments(reconstruction, arguments.reconstruction);
+  LogInfo("reference: the model, fitted to {} positions ({}); residual {:.3f} m median",
+          fit.num_positions, why_not, fit.median_residual_m);
+  return fit.ecef_from_world;
+}
+
+// The names to query: the list's, or all of the model that the map does not hold.
+std::set<std::string> QueryNames(const Reconstruction& reconstruction,
+                                 const EvalQueryArguments& arguments,
+                                 const std::vector<KeyframeRecord>& keyframes) {
+  std::set<std::string> in_map;
+  for (const KeyframeRecord& keyframe : keyframes) {
+    in_map.insert(keyframe.image_name);
+  }
+  std::set<std::string> names;
+  for (const ReconImage& image : reconstruction.images) {
+    names.insert(image.name);
+  }
+  if (arguments.image_list_path.empty()) {
+    std::erase_if(names, [&](const std::string& name) { return in_map.contains(name); });
+    LogInfo("queries: {} of {} images of the model; the map holds the others", names.size(),
+            reconstruction.images.size());
+    return names;
+  }
+  std::set<std::string> listed;
+  for (const std::string& name : ReadImageList(arguments.image_list_path)) {
+    if (!names.contains(name)) {
+      throw Error(ErrorCode::kBadInput,
+                  fmt::format("{}: the model has no image '{}'", arguments.image_list_path, name));
+    }
+    if (in_map.contains(name)) {
+      LogWarning("query {} is also a mapping image: its answer is too good", name);
+    }
+    listed.insert(name);
+  }
+  return listed;
+}
+
+std::vector<EvalQuery> QueriesFromModel(const EvalQueryArguments& arguments,
+                                        const MapSnapshot& map) {
+  if (arguments.reconstruction.model_dir.empty() ||
+      arguments.reconstruction.database_path.empty()) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "what are the queries? Give --queries FILE, or --model DIR with --database FILE");
+  }
+  ColmapInput input;
+  input.model_dir = arguments.reconstruction.model_dir;
+  input.database_path = arguments.reconstruction.database_path;
+  const Reconstruction reconstruction = ReadColmap(input);
+  const std::vector<KeyframeRecord> keyframes = AllKeyframes(map);
+  const std::set<std::string> names = QueryNames(reconstruction, arguments, keyframes);
+  std::vector<EvalQuery> queries = QueriesFromReconstruction(
+      reconstruction, PlaceReference(reconstruction, arguments, keyframes), arguments.image_dir);
+  std::erase_if(queries, [&](const EvalQuery& query) { return !names.contains(query.name); });
+  return queries;
+}
+
+}  // namespace
+
+std::vector<EvalQuery> LoadEvalQueries(const EvalQueryArguments& arguments,
+                                       const MapSnapshot& map) {
+  std::vector<EvalQuery> queries = arguments.query_list_path.empty()
+                                       ? QueriesFromModel(arguments, map)
+                                       : ReadQueryList(arguments.query_list_path);
+  if (queries.empty()) {
+    throw Error(ErrorCode::kBadInput,
+                "there is no query to ask: the map holds every image of the "
+                "model, or the list is empty");
+  }
+  return queries;
+}
+
+}  // namespace cairn

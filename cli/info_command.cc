@@ -1,0 +1,97 @@
+// `cairn info`: what a map holds.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "cli/shell.h"
+#include "storage/map_store.h"
+
+namespace cairn {
+namespace {
+
+constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+
+struct InfoArguments {
+  std::string map_path;
+  bool json = false;
+};
+
+nlohmann::ordered_json BoundsJson(const MapInfo& info) {
+  if (!info.bounds) {
+    return nullptr;
+  }
+  return {{"west", info.bounds->west_rad * kDegPerRad},
+          {"south", info.bounds->south_rad * kDegPerRad},
+          {"east", info.bounds->east_rad * kDegPerRad},
+          {"north", info.bounds->north_rad * kDegPerRad}};
+}
+
+void PrintJson(const MapInfo& info, const std::vector<SessionRecord>& sessions) {
+  nlohmann::ordered_json json = {
+      {"version", Value(info.version)},  {"createdAt", info.created_at},
+      {"fileBytes", info.file_bytes},    {"payloadBytes", info.payload_bytes},
+      {"tiles", info.num_tiles},         {"keyframes", info.num_keyframes},
+      {"landmarks", info.num_landmarks}, {"descriptors", info.num_descriptors},
+      {"bounds", BoundsJson(info)},      {"sessions", nlohmann::ordered_json::array()}};
+  for (const SessionRecord& session : sessions) {
+    json["sessions"].push_back({{"name", session.name},
+                                {"createdAt", session.created_at},
+                                {"source", session.source},
+                                {"images", session.num_images},
+                                {"landmarksRead", session.num_landmarks},
+                                {"georefMedianResidualM", session.georef_median_residual_m}});
+  }
+  fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+}
+
+void PrintText(const MapInfo& info, const std::vector<SessionRecord>& sessions) {
+  fmt::print("version      {}\n", Value(info.version));
+  fmt::print("created      {}\n", info.created_at);
+  fmt::print("file         {:.1f} kB, of which tiles {:.1f} kB\n",
+             1e-3 * static_cast<double>(info.file_bytes),
+             1e-3 * static_cast<double>(info.payload_bytes));
+  fmt::print("tiles        {}\n", info.num_tiles);
+  fmt::print("keyframes    {}\n", info.num_keyframes);
+  fmt::print("landmarks    {}\n", info.num_landmarks);
+  fmt::print("descriptors  {}\n", info.num_descriptors);
+  if (info.bounds) {
+    fmt::print("bounds       {:.6f} to {:.6f} north, {:.6f} to {:.6f} east\n",
+               info.bounds->south_rad * kDegPerRad, info.bounds->north_rad * kDegPerRad,
+               info.bounds->west_rad * kDegPerRad, info.bounds->east_rad * kDegPerRad);
+  }
+  for (const SessionRecord& session : sessions) {
+    fmt::print("session      {}: {} images, {} landmarks read, {}, georegistered to {:.3f} m\n",
+               session.name, session.num_images, session.num_landmarks, session.created_at,
+               session.georef_median_residual_m);
+  }
+}
+
+ExitCode RunInfo(const InfoArguments& arguments) {
+  const MapStore store = MapStore::Open(arguments.map_path, OpenMode::kReadOnly);
+  const MapSnapshot snapshot = store.Snapshot();
+  if (arguments.json) {
+    PrintJson(snapshot.Info(), snapshot.Sessions());
+  } else {
+    PrintText(snapshot.Info(), snapshot.Sessions());
+  }
+  return ExitCode::kOk;
+}
+
+}  // namespace
+
+void AddInfoCommand(CLI::App* app, Shell* shell) {
+  CLI::App* command = app->add_subcommand("info", "Say what a map holds");
+  auto arguments = std::make_shared<InfoArguments>();
+  command->add_option("MAP", arguments->map_path, "Map file")->required();
+  command->add_flag("--json", arguments->json, "Print JSON");
+  command->footer("Example:\n  cairn info city.gpkg");
+  command->callback(
+      [shell, arguments] { shell->run = [arguments] { return RunInfo(*arguments); }; });
+}
+
+}  // namespace cairn

@@ -1,0 +1,155 @@
+// `cairn ingest`: adds a reconstruction to a map as one session.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "cli/reconstruction_arguments.h"
+#include "cli/shell.h"
+#include "core/error.h"
+#include "ingest/ingest_session.h"
+#include "ingest/readers/colmap_reader.h"
+#include "storage/map_store.h"
+
+namespace cairn {
+namespace {
+
+struct IngestArguments {
+  std::string map_path;
+  ReconstructionArguments reconstruction;
+  std::string image_list_path;
+  IngestOptions options;
+  bool json = false;
+};
+
+// COLMAP projects keep their database at the top: its folder's name is what people call the
+// project.
+std::string DefaultSessionName(const std::string& database_path) {
+  const auto folder = std::filesystem::absolute(database_path).parent_path().filename().string();
+  return folder.empty() ? "session" : folder;
+}
+
+void PrintJson(const IngestOptions& options, const Georegistration& georegistration,
+               const IngestReport& report) {
+  const nlohmann::ordered_json json = {{"session", options.session_name},
+                                       {"replacedSession", report.replaced_session},
+                                       {"georegistration",
+                                        {{"positions", georegistration.num_positions},
+                                         {"inliers", georegistration.num_inliers},
+                                         {"medianResidualM", georegistration.median_residual_m},
+                                         {"maxResidualM", georegistration.max_residual_m}}},
+                                       {"images", report.num_images},
+                                       {"landmarksRead", report.num_landmarks_read},
+                                       {"landmarksDropped", report.num_landmarks_dropped},
+                                       {"tiles", report.num_tiles_written},
+                                       {"landmarks", report.num_landmarks_written},
+                                       {"descriptors", report.num_descriptors_written},
+                                       {"payloadBytes", report.num_payload_bytes},
+                                       {"mapVersion", Value(report.map_version)}};
+  fmt::print("{}\n", json.dump(2));
+}
+
+void PrintText(const IngestOptions& options, const Georegistration& georegistration,
+               const IngestReport& report) {
+  fmt::print("session          {}{}\n", options.session_name,
+             report.replaced_session ? " (replaced)" : "");
+  fmt::print("images           {}\n", report.num_images);
+  fmt::print(
+      "georegistration  {} of {} positions agree; residual {:.3f} m median, {:.3f} m largest\n",
+      georegistration.num_inliers, georegistration.num_positions, georegistration.median_residual_m,
+      georegistration.max_residual_m);
+  fmt::print("landmarks        {} read, {} dropped as uncertain, {} written\n",
+             report.num_landmarks_read, report.num_landmarks_dropped, report.num_landmarks_written);
+  fmt::print("descriptors      {}\n", report.num_descriptors_written);
+  fmt::print("tiles            {} ({:.1f} kB)\n", report.num_tiles_written,
+             1e-3 * static_cast<double>(report.num_payload_bytes));
+  fmt::print("map version      {}\n", Value(report.map_version));
+}
+
+Reconstruction ReadReconstruction(const IngestArguments& arguments) {
+  ColmapInput input;
+  input.model_dir = arguments.reconstruction.model_dir;
+  input.database_path = arguments.reconstruction.database_path;
+  if (!arguments.image_list_path.empty()) {
+    input.image_names = ReadImageList(arguments.image_list_path);
+    if (input.image_names.empty()) {
+      throw Error(ErrorCode::kBadInput,
+                  fmt::format("{}: the list names no image", arguments.image_list_path));
+    }
+  }
+  return ReadColmap(input);
+}
+
+ExitCode RunIngest(const IngestArguments& arguments, ProgressMode progress_mode) {
+  if (!arguments.reconstruction.HasPositions()) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "where on Earth is the model? Give --georef CSV or --gps");
+  }
+  // Opened first: a map that cannot be written should not cost a long read.
+  MapStore store = MapStore::Open(arguments.map_path, OpenMode::kReadWrite);
+  const Reconstruction reconstruction = ReadReconstruction(arguments);
+  const Georegistration georegistration =
+      GeoregisterByArguments(reconstruction, arguments.reconstruction);
+
+  IngestOptions options = arguments.options;
+  if (options.session_name.empty()) {
+    options.session_name = DefaultSessionName(arguments.reconstruction.database_path);
+  }
+  options.source = arguments.reconstruction.model_dir;
+  options.georef_median_residual_m = georegistration.median_residual_m;
+  IngestReport report;
+  {
+    Progress progress(progress_mode);
+    report = IngestSession(reconstruction, georegistration.ecef_from_world, options, &store,
+                           [&](const char* phase, int64_t done, int64_t total) {
+                             progress.Update(phase, done, total);
+                           });
+  }
+  if (arguments.json) {
+    PrintJson(options, georegistration, report);
+  } else {
+    PrintText(options, georegistration, report);
+  }
+  return ExitCode::kOk;
+}
+
+}  // namespace
+
+void AddIngestCommand(CLI::App* app, Shell* shell) {
+  CLI::App* command = app->add_subcommand("ingest", "Add a COLMAP reconstruction to a map");
+  auto arguments = std::make_shared<IngestArguments>();
+  command->add_option("MAP", arguments->map_path, "Map file")->required();
+  AddReconstructionOptions(command, &arguments->reconstruction);
+  command->get_option("--model")->required();
+  command->get_option("--database")->required();
+  command
+      ->add_option("--images", arguments->image_list_path,
+                   "Use only these images of the model: one name a line")
+      ->type_name("FILE");
+  command
+      ->add_option(
+          "--session", arguments->options.session_name,
+          "Name of the session; a name that exists is replaced. Default: the folder of the "
+          "database")
+      ->type_name("NAME");
+  command
+      ->add_option("--max-descriptors", arguments->options.selection.max_descriptors,
+                   "Descriptors a tile may hold")
+      ->capture_default_str();
+  command
+      ->add_option("--code-bytes", arguments->options.codebook.num_subspaces,
+                   "Bytes of a descriptor; counts only for the first session of a map")
+      ->capture_default_str();
+  command->add_flag("--json", arguments->json, "Print the summary as JSON");
+  command->footer(
+      "Example:\n"
+      "  cairn ingest city.gpkg --model sparse/0 --database database.db --gps --session monday");
+  command->callback([shell, arguments] {
+    shell->run = [shell, arguments] { return RunIngest(*arguments, shell->progress_mode); };
+  });
+}
+
+}  // namespace cairn

@@ -1,0 +1,197 @@
+// `cairn localize`: where was this photo taken?
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/arguments.h"
+#include "cli/open_localizer.h"
+#include "cli/shell.h"
+#include "core/error.h"
+#include "core/geodesy.h"
+#include "eval/pictures/pictures.h"
+#include "http/client.h"
+#include "http/json/localize_response.h"
+#include "ingest/features/sift_extractor.h"
+#include "ingest/readers/exif.h"
+#include "ingest/readers/file_bytes.h"
+
+namespace cairn {
+namespace {
+
+constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+constexpr uint64_t kMaxImageBytes = uint64_t{64} << 20;
+// Width of a 35 mm film frame, which EXIF's equivalent focal length refers to.
+constexpr double kFilmWidthMm = 36.0;
+
+struct LocalizeArguments {
+  std::string map_path;
+  std::string server_url;
+  std::string image_path;
+  std::string camera;
+  std::string prior;
+  double accuracy_m = 15.0;
+  std::string gravity;
+  std::string picture_path;
+  uint64_t seed = 1;
+  bool json = false;
+};
+
+Camera CameraFromExif(const LocalizeArguments& arguments, const ExifInfo& exif,
+                      const GrayImage& photo) {
+  if (!exif.focal_35mm) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("{} does not say its focal length (no EXIF 35 mm equivalent); give "
+                            "--camera MODEL,width,height,param,...",
+                            arguments.image_path));
+  }
+  const double focal_px =
+      *exif.focal_35mm / kFilmWidthMm * std::max(photo.width_px, photo.height_px);
+  return Camera(CameraModel::kSimplePinhole, photo.width_px, photo.height_px,
+                {focal_px, 0.5 * photo.width_px, 0.5 * photo.height_px});
+}
+
+LocalizeQuery MakeQuery(const LocalizeArguments& arguments, const GrayImage& photo,
+                        const std::vector<uint8_t>& image_bytes) {
+  LocalizeQuery query;
+  query.id = arguments.image_path;
+  query.camera = arguments.camera.empty() ? CameraFromExif(arguments, ReadExif(image_bytes), photo)
+                                          : ParseCamera("--camera", arguments.camera);
+  if (query.camera.width_px() != photo.width_px || query.camera.height_px() != photo.height_px) {
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("{} has {} x {} pixels, but --camera says {} x {}",
+                            arguments.image_path, photo.width_px, photo.height_px,
+                            query.camera.width_px(), query.camera.height_px()));
+  }
+  if (!arguments.prior.empty()) {
+    query.prior = PositionPrior{ParseGeodetic("--prior", arguments.prior), arguments.accuracy_m,
+                                std::nullopt};
+  }
+  if (!arguments.gravity.empty()) {
+    query.down_in_cam = ParseDirection("--gravity", arguments.gravity);
+  }
+  return query;
+}
+
+LocalizeResult Answer(const LocalizeArguments& arguments, const GrayImage& photo,
+                      const std::vector<uint8_t>& image_bytes, LocalizeQuery* query) {
+  if (!arguments.server_url.empty()) {
+    LocalizeClient client(ClientOptions{.url = arguments.server_url});
+    return client.LocalizeImage(*query, image_bytes);
+  }
+  LocalizerOptions options;
+  options.seed = arguments.seed;
+  const OpenedMap map = OpenLocalizer(arguments.map_path, options);
+  query->features = ExtractSift(photo);
+  return map.localizer->Localize(*query);
+}
+
+void PrintPose(const LocalizeResult& result) {
+  const Rigid3d enu_from_cam =
+      EcefFromEnu(result.position).Inverse() * result.cam_from_ecef.Inverse();
+  const Eigen::Vector3d forward = enu_from_cam.rotation * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d right = enu_from_cam.rotation * Eigen::Vector3d::UnitX();
+  const double heading_deg = std::atan2(forward.x(), forward.y()) * kDegPerRad;
+  fmt::print("position     {:.8f} {:.8f} {:.3f}  (latitude, longitude, ellipsoidal height)\n",
+             result.position.lat_deg(), result.position.lon_deg(), result.position.h_m);
+  fmt::print(
+      "heading      {:.2f} deg from north, looking {:.2f} deg up, right side {:.2f} deg up\n",
+      heading_deg < 0.0 ? heading_deg + 360.0 : heading_deg,
+      std::asin(std::clamp(forward.z(), -1.0, 1.0)) * kDegPerRad,
+      std::asin(std::clamp(right.z(), -1.0, 1.0)) * kDegPerRad);
+  fmt::print("accuracy     {:.3f} m, {:.3f} deg  (68 %)\n", result.position_accuracy_m,
+             result.rotation_accuracy_rad * kDegPerRad);
+  fmt::print("confidence   {:.3f}\n", result.confidence);
+  fmt::print("inliers      {} ({:.1f} effective)\n", result.matches.size(), result.score);
+}
+
+void PrintText(const LocalizeResult& result) {
+  if (result.localized) {
+    PrintPose(result);
+  } else {
+    fmt::print("not localized: {}\n", NotLocalizedReasonName(result.reason));
+  }
+  const StageCounters& counters = result.counters;
+  fmt::print("evidence     {} keypoints, {} tiles, {} matches, {} candidates\n",
+             counters.num_keypoints, counters.num_tiles_searched, counters.num_matches,
+             counters.num_candidates);
+  fmt::print("time         {:.1f} ms:", 1e3 * result.times.total_seconds);
+  for (int stage = 0; stage < kNumStages; ++stage) {
+    fmt::print(" {} {:.1f}", StageName(static_cast<Stage>(stage)),
+               1e3 * result.times.seconds[stage]);
+  }
+  fmt::print("\n");
+}
+
+ExitCode RunLocalize(const LocalizeArguments& arguments) {
+  if (arguments.map_path.empty() == arguments.server_url.empty()) {
+    throw Error(ErrorCode::kInvalidArgument, "give either a MAP or --server URL");
+  }
+  const std::vector<uint8_t> image_bytes = ReadFileBytes(arguments.image_path, kMaxImageBytes);
+  const GrayImage photo = ReadGrayImage(arguments.image_path);
+  LocalizeQuery query = MakeQuery(arguments, photo, image_bytes);
+  const LocalizeResult result = Answer(arguments, photo, image_bytes, &query);
+  if (!arguments.picture_path.empty()) {
+    DrawMatches(arguments.picture_path, photo, query, result);
+  }
+  if (arguments.json) {
+    fmt::print("{}\n", LocalizeResponseJson(query, result));
+  } else {
+    PrintText(result);
+  }
+  return result.localized ? ExitCode::kOk : ExitCode::kNotLocalized;
+}
+
+void AddQueryOptions(CLI::App* command, LocalizeArguments* arguments) {
+  command->add_option("--image", arguments->image_path, "Photo (JPEG, PNG, ...)")
+      ->required()
+      ->type_name("FILE");
+  command
+      ->add_option("--camera", arguments->camera,
+                   "Intrinsics, COLMAP's models in pixels. Default: from the EXIF focal length")
+      ->type_name("MODEL,w,h,param,...");
+  CLI::Option* prior =
+      command->add_option("--prior", arguments->prior, "Rough position, degrees and metres")
+          ->type_name("lat,lon,h");
+  command->add_option("--accuracy", arguments->accuracy_m, "Metres that hold 68 % of such priors")
+      ->needs(prior)
+      ->check(CLI::PositiveNumber)
+      ->type_name("M")
+      ->capture_default_str();
+  command
+      ->add_option("--gravity", arguments->gravity,
+                   "Direction of down in the camera frame (x right, y down, z forward)")
+      ->type_name("x,y,z");
+}
+
+}  // namespace
+
+void AddLocalizeCommand(CLI::App* app, Shell* shell) {
+  CLI::App* command = app->add_subcommand("localize", "Say where a photo was taken");
+  auto arguments = std::make_shared<LocalizeArguments>();
+  command->add_option("MAP", arguments->map_path, "Map file, unless --server is given");
+  command->add_option("--server", arguments->server_url, "Ask this server")->type_name("URL");
+  AddQueryOptions(command, arguments.get());
+  command->add_option("--seed", arguments->seed, "Seed of everything random (not with --server)")
+      ->capture_default_str();
+  command->add_flag("--json", arguments->json, "Print the answer as the server's JSON");
+  command->add_option("--picture", arguments->picture_path, "Draw the matched keypoints")
+      ->type_name("FILE.png");
+  command->footer(
+      "Exits with 3 if there is no pose.\n"
+      "Example:\n"
+      "  cairn localize city.gpkg --image photo.jpg --prior 47.3769,8.5417,408 --accuracy 15 \\\n"
+      "    --gravity 0,1,0");
+  command->callback(
+      [shell, arguments] { shell->run = [arguments] { return RunLocalize(*arguments); }; });
+}
+
+}  // namespace cairn

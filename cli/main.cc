@@ -1,0 +1,116 @@
+// The `cairn` binary: parses the command line, runs one verb, turns failures into exit codes.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <map>
+#include <new>
+#include <string>
+
+#include "cli/exit_codes.h"
+#include "cli/shell.h"
+#include "core/error.h"
+#include "core/logging.h"
+
+namespace cairn {
+namespace {
+
+// A map file survives this at any moment, as it survives kill -9; `serve` handles SIGINT itself.
+extern "C" void ExitOnInterrupt(int /*signal*/) {
+  static constexpr char kMessage[] = "\ncairn: interrupted\n";
+  [[maybe_unused]] const ssize_t ignored = write(STDERR_FILENO, kMessage, sizeof(kMessage) - 1);
+  _exit(static_cast<int>(ExitCode::kInterrupted));
+}
+
+void AddGlobalOptions(CLI::App* app, Shell* shell, LogLevel* log_level) {
+  static const std::map<std::string, ProgressMode> kProgressModes = {
+      {"auto", ProgressMode::kAuto},
+      {"bar", ProgressMode::kBar},
+      {"plain", ProgressMode::kPlain},
+      {"json", ProgressMode::kJson}};
+  static const std::map<std::string, LogLevel> kLogLevels = {{"debug", LogLevel::kDebug},
+                                                             {"info", LogLevel::kInfo},
+                                                             {"warning", LogLevel::kWarning},
+                                                             {"error", LogLevel::kError},
+                                                             {"off", LogLevel::kOff}};
+  app->add_option("--progress", shell->progress_mode, "How progress is shown on stderr")
+      ->transform(CLI::CheckedTransformer(kProgressModes).description(""))
+      ->type_name("auto|bar|plain|json");
+  app->add_option("--log-level", *log_level, "Least severe message that is logged to stderr")
+      ->transform(CLI::CheckedTransformer(kLogLevels).description(""))
+      ->type_name("debug|info|warning|error|off");
+}
+
+void AddVerbs(CLI::App* app, Shell* shell) {
+  AddInitCommand(app, shell);
+  AddIngestCommand(app, shell);
+  AddRemoveCommand(app, shell);
+  AddServeCommand(app, shell);
+  AddLocalizeCommand(app, shell);
+  AddEvalCommand(app, shell);
+  AddInfoCommand(app, shell);
+  AddSqlCommand(app, shell);
+  AddCheckCommand(app, shell);
+  AddDemoCommand(app, shell);
+  AddBenchCommand(app, shell);
+}
+
+ExitCode Report(ExitCode exit_code, const std::string& message) {
+  fmt::print(stderr, "cairn: {}\n", message);
+  return exit_code;
+}
+
+ExitCode RunVerb(const Shell& shell) {
+  try {
+    const ExitCode exit_code = shell.run();
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+      return Report(ExitCode::kIo, "cannot write to standard output");
+    }
+    return exit_code;
+  } catch (const Error& error) {
+    return Report(ExitCodeFor(error.code()), error.what());
+  } catch (const std::bad_alloc&) {
+    return Report(ExitCode::kInternal, "out of memory");
+  } catch (const std::exception& error) {
+    return Report(ExitCode::kInternal, fmt::format("internal error: {}", error.what()));
+  }
+}
+
+ExitCode ParseAndRun(int argc, char** argv) {
+  CLI::App app("Cairn, a visual positioning server: photos in, six-degree-of-freedom poses out.",
+               "cairn");
+  app.set_version_flag("--version", "cairn " CAIRN_VERSION);
+  app.require_subcommand(1);
+  app.fallthrough();
+  app.footer(
+      "Exit codes: 0 ok, 1 internal, 2 usage, 3 not localized, 4 bad input, 5 map damaged, 6 I/O,\n"
+      "7 server unreachable, 130 interrupted.");
+  Shell shell;
+  LogLevel log_level = LogLevel::kInfo;
+  AddGlobalOptions(&app, &shell, &log_level);
+  AddVerbs(&app, &shell);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help_or_version) {
+    app.exit(help_or_version);
+    return ExitCode::kOk;
+  } catch (const CLI::ParseError& error) {
+    const auto verbs = app.get_subcommands();
+    return Report(ExitCode::kUsage,
+                  fmt::format("{}\nRun 'cairn {}--help' for help.", error.what(),
+                              verbs.empty() ? "" : verbs.front()->get_name() + " "));
+  }
+  SetLogLevel(log_level);
+  return RunVerb(shell);
+}
+
+}  // namespace
+}  // namespace cairn
+
+int main(int argc, char** argv) {
+  std::signal(SIGINT, cairn::ExitOnInterrupt);
+  return static_cast<int>(cairn::ParseAndRun(argc, argv));
+}

@@ -1,0 +1,83 @@
+#include "cli/progress.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace cairn {
+namespace {
+
+constexpr int kBarWidth = 32;
+
+std::chrono::milliseconds MinInterval(ProgressMode mode) {
+  return std::chrono::milliseconds(mode == ProgressMode::kPlain ? 10'000 : 100);
+}
+
+std::string Bar(int64_t done, int64_t total) {
+  const int filled =
+      total > 0 ? static_cast<int>(std::clamp<int64_t>(done * kBarWidth / total, 0, kBarWidth)) : 0;
+  return std::string(filled, '#') + std::string(kBarWidth - filled, '.');
+}
+
+}  // namespace
+
+Progress::Progress(ProgressMode mode) : mode_(mode) {
+  if (mode_ == ProgressMode::kAuto) {
+    mode_ = isatty(STDERR_FILENO) == 1 ? ProgressMode::kBar : ProgressMode::kPlain;
+  }
+}
+
+Progress::~Progress() { EndLine(); }
+
+void Progress::Update(const std::string& phase, int64_t done, int64_t total) {
+  const bool new_phase = phase != phase_;
+  const bool complete = total > 0 && done >= total;
+  if (!new_phase && phase_complete_) {
+    return;
+  }
+  if (new_phase) {
+    EndLine();
+    phase_ = phase;
+    phase_complete_ = false;
+  }
+  const auto now = std::chrono::steady_clock::now();
+  if (new_phase || complete || now - last_output_ >= MinInterval(mode_)) {
+    last_output_ = now;
+    Write(done, total);
+  }
+  if (complete) {
+    phase_complete_ = true;
+    EndLine();
+  }
+}
+
+void Progress::Write(int64_t done, int64_t total) {
+  switch (mode_) {
+    case ProgressMode::kAuto:
+    case ProgressMode::kBar:
+      fmt::print(stderr, "\r\033[K{:<14} [{}] {}/{}", phase_, Bar(done, total), done, total);
+      std::fflush(stderr);
+      line_open_ = true;
+      break;
+    case ProgressMode::kPlain:
+      fmt::print(stderr, "{}: {}/{}\n", phase_, done, total);
+      break;
+    case ProgressMode::kJson: {
+      const nlohmann::json line = {{"phase", phase_}, {"done", done}, {"total", total}};
+      fmt::print(stderr, "{}\n", line.dump());
+      break;
+    }
+  }
+}
+
+void Progress::EndLine() {
+  if (line_open_) {
+    std::fputc('\n', stderr);
+    line_open_ = false;
+  }
+}
+
+}  // namespace cairn

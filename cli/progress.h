@@ -1,0 +1,43 @@
+// Progress of long work, on stderr.
+#ifndef CAIRN_CLI_PROGRESS_H_
+#define CAIRN_CLI_PROGRESS_H_
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+namespace cairn {
+
+enum class ProgressMode {
+  kAuto,   // A bar if stderr is a terminal, else plain lines.
+  kBar,    // One line that is redrawn.
+  kPlain,  // A line at the start and end of each phase and every ten seconds between.
+  kJson,   // One JSON object a line: {"phase": "tiles", "done": 3, "total": 12}.
+};
+
+// Shows one phase at a time. One thread.
+class Progress {
+ public:
+  explicit Progress(ProgressMode mode);
+  ~Progress();  // Ends the bar's line.
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  // Cheap to call often: output is limited to a few lines a second. A new `phase` begins a new
+  // line; done == total completes it. A total of 0 means "unknown".
+  void Update(const std::string& phase, int64_t done, int64_t total);
+
+ private:
+  void Write(int64_t done, int64_t total);
+  void EndLine();
+
+  ProgressMode mode_;
+  std::string phase_;
+  bool line_open_ = false;
+  bool phase_complete_ = false;
+  std::chrono::steady_clock::time_point last_output_;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_CLI_PROGRESS_H_

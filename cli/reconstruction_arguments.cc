@@ -1,0 +1,40 @@
+#include "cli/reconstruction_arguments.h"
+
+#include <CLI/CLI.hpp>
+#include <vector>
+
+namespace cairn {
+
+void AddReconstructionOptions(CLI::App* command, ReconstructionArguments* arguments) {
+  command->add_option("--model", arguments->model_dir, "COLMAP sparse model, e.g. sparse/0")
+      ->type_name("DIR");
+  command
+      ->add_option("--database", arguments->database_path,
+                   "COLMAP database with the model's keypoints and descriptors")
+      ->type_name("FILE");
+  CLI::Option* georef =
+      command
+          ->add_option("--georef", arguments->georef_path,
+                       "Camera positions: CSV with image,lat_deg,lon_deg,h_m[,accuracy_m]")
+          ->type_name("CSV");
+  CLI::Option* gps =
+      command->add_flag("--gps", arguments->use_gps, "Camera positions: the database's GPS priors");
+  georef->excludes(gps);
+  command
+      ->add_option("--gps-accuracy", arguments->gps_accuracy_m,
+                   "Metres that hold 68 % of the GPS priors")
+      ->needs(gps)
+      ->check(CLI::PositiveNumber)
+      ->type_name("M")
+      ->capture_default_str();
+}
+
+Georegistration GeoregisterByArguments(const Reconstruction& reconstruction,
+                                       const ReconstructionArguments& arguments) {
+  const std::vector<CameraPosition> positions =
+      arguments.use_gps ? GpsPositions(reconstruction, arguments.gps_accuracy_m)
+                        : ReadCameraPositions(arguments.georef_path);
+  return Georegister(reconstruction, positions, GeoregisterOptions());
+}
+
+}  // namespace cairn

@@ -1,0 +1,36 @@
+// The options that name a reconstruction and say where on Earth it lies; `ingest` and `eval` share
+// them.
+#ifndef CAIRN_CLI_RECONSTRUCTION_ARGUMENTS_H_
+#define CAIRN_CLI_RECONSTRUCTION_ARGUMENTS_H_
+
+#include <string>
+
+#include "ingest/georegister/georegister.h"
+#include "ingest/reconstruction.h"
+
+namespace CLI {
+class App;
+}  // namespace CLI
+
+namespace cairn {
+
+struct ReconstructionArguments {
+  std::string model_dir;
+  std::string database_path;
+  std::string georef_path;      // CSV of camera positions; empty if not given.
+  bool use_gps = false;         // Positions from the database or the photos' EXIF.
+  double gps_accuracy_m = 5.0;  // 68 %.
+
+  bool HasPositions() const { return use_gps || !georef_path.empty(); }
+};
+
+// --model, --database, --georef, --gps, --gps-accuracy.
+void AddReconstructionOptions(CLI::App* command, ReconstructionArguments* arguments);
+
+// Fits the reconstruction to the positions the arguments name. Throws as Georegister.
+Georegistration GeoregisterByArguments(const Reconstruction& reconstruction,
+                                       const ReconstructionArguments& arguments);
+
+}  // namespace cairn
+
+#endif  // CAIRN_CLI_RECONSTRUCTION_ARGUMENTS_H_

@@ -1,0 +1,40 @@
+// `cairn remove`: takes a session out of a map.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+
+#include "cli/shell.h"
+#include "ingest/ingest_session.h"
+#include "storage/map_store.h"
+
+namespace cairn {
+namespace {
+
+struct RemoveArguments {
+  std::string map_path;
+  std::string session_name;
+};
+
+ExitCode RunRemove(const RemoveArguments& arguments) {
+  MapStore store = MapStore::Open(arguments.map_path, OpenMode::kReadWrite);
+  const MapVersion version = RemoveSession(arguments.session_name, IngestOptions(), &store);
+  fmt::print("removed session {}; the map is now version {}\n", arguments.session_name,
+             Value(version));
+  return ExitCode::kOk;
+}
+
+}  // namespace
+
+void AddRemoveCommand(CLI::App* app, Shell* shell) {
+  CLI::App* command = app->add_subcommand("remove", "Take a session out of a map");
+  auto arguments = std::make_shared<RemoveArguments>();
+  command->add_option("MAP", arguments->map_path, "Map file")->required();
+  command->add_option("SESSION", arguments->session_name, "Name; see cairn info")->required();
+  command->footer("Example:\n  cairn remove city.gpkg monday");
+  command->callback(
+      [shell, arguments] { shell->run = [arguments] { return RunRemove(*arguments); }; });
+}
+
+}  // namespace cairn

@@ -1,0 +1,183 @@
+#include "cli/row_printer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cairn {
+namespace {
+
+constexpr size_t kMaxBufferedRows = 1000;
+
+// Characters, not bytes: continuation bytes of UTF-8 take no column.
+size_t DisplayWidth(std::string_view text) {
+  return std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; });
+}
+
+class TablePrinter : public RowPrinter {
+ public:
+  void BeginResult(const std::vector<std::string>& column_names) override {
+    Flush();
+    if (num_results_++ > 0) {
+      fmt::print("\n");
+    }
+    names_ = column_names;
+    header_pending_ = true;
+    widths_.clear();
+    for (const std::string& name : names_) {
+      widths_.push_back(DisplayWidth(name));
+    }
+  }
+
+  void AddRow(const std::vector<SqlCell>& row) override {
+    if (!header_pending_) {
+      PrintRow(row);
+      return;
+    }
+    buffered_.push_back(row);
+    if (buffered_.size() >= kMaxBufferedRows) {
+      Flush();
+    }
+  }
+
+  void Finish() override { Flush(); }
+
+ private:
+  // Chooses the widths from the rows at hand, prints header and rows.
+  void Flush() {
+    if (!header_pending_) {
+      return;
+    }
+    header_pending_ = false;
+    for (const std::vector<SqlCell>& row : buffered_) {
+      for (size_t i = 0; i < row.size(); ++i) {
+        widths_[i] = std::max(widths_[i], DisplayWidth(row[i].text));
+      }
+    }
+    std::vector<SqlCell> header;
+    std::vector<SqlCell> rule;
+    for (size_t i = 0; i < names_.size(); ++i) {
+      header.push_back({names_[i]});
+      rule.push_back({std::string(widths_[i], '-')});
+    }
+    PrintRow(header);
+    PrintRow(rule);
+    for (const std::vector<SqlCell>& row : buffered_) {
+      PrintRow(row);
+    }
+    buffered_.clear();
+  }
+
+  void PrintRow(const std::vector<SqlCell>& row) const {
+    std::string line;
+    for (size_t i = 0; i < row.size(); ++i) {
+      const size_t width = DisplayWidth(row[i].text);
+      const std::string padding(widths_[i] > width ? widths_[i] - width : 0, ' ');
+      line += i > 0 ? "  " : "";
+      line += row[i].is_number ? padding + row[i].text : row[i].text + padding;
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    fmt::print("{}\n", line);
+  }
+
+  std::vector<std::string> names_;
+  std::vector<size_t> widths_;
+  std::vector<std::vector<SqlCell>> buffered_;
+  bool header_pending_ = false;
+  int num_results_ = 0;
+};
+
+std::string CsvField(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) {
+    return text;
+  }
+  std::string quoted = "\"";
+  for (const char c : text) {
+    quoted += c == '"' ? "\"\"" : std::string(1, c);
+  }
+  return quoted + '"';
+}
+
+class CsvPrinter : public RowPrinter {
+ public:
+  void BeginResult(const std::vector<std::string>& column_names) override {
+    std::vector<SqlCell> header;
+    for (const std::string& name : column_names) {
+      header.push_back({name});
+    }
+    AddRow(header);
+  }
+
+  void AddRow(const std::vector<SqlCell>& row) override {
+    std::string line;
+    for (size_t i = 0; i < row.size(); ++i) {
+      line += (i > 0 ? "," : "") + CsvField(row[i].text);
+    }
+    fmt::print("{}\r\n", line);
+  }
+
+  void Finish() override {}
+};
+
+class JsonPrinter : public RowPrinter {
+ public:
+  void BeginResult(const std::vector<std::string>& column_names) override {
+    Finish();
+    names_ = column_names;
+    open_ = true;
+    num_rows_ = 0;
+    fmt::print("[");
+  }
+
+  void AddRow(const std::vector<SqlCell>& row) override {
+    std::string line = num_rows_++ > 0 ? ",\n {" : "\n {";
+    for (size_t i = 0; i < row.size(); ++i) {
+      line += (i > 0 ? ", " : "") + Quoted(names_[i]) + ": " + Value(row[i]);
+    }
+    fmt::print("{}}}", line);
+  }
+
+  void Finish() override {
+    if (open_) {
+      fmt::print("{}]\n", num_rows_ > 0 ? "\n" : "");
+      open_ = false;
+    }
+  }
+
+ private:
+  static std::string Quoted(const std::string& text) {
+    return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  }
+
+  // SQLite prints infinities as "Inf", which JSON does not know.
+  static std::string Value(const SqlCell& cell) {
+    if (cell.is_null) {
+      return "null";
+    }
+    return cell.is_number && nlohmann::json::accept(cell.text) ? cell.text : Quoted(cell.text);
+  }
+
+  std::vector<std::string> names_;
+  bool open_ = false;
+  int num_rows_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<RowPrinter> MakeRowPrinter(RowFormat format) {
+  switch (format) {
+    case RowFormat::kCsv:
+      return std::make_unique<CsvPrinter>();
+    case RowFormat::kJson:
+      return std::make_unique<JsonPrinter>();
+    case RowFormat::kTable:
+      break;
+  }
+  return std::make_unique<TablePrinter>();
+}
+
+}  // namespace cairn

@@ -1,0 +1,97 @@
+// `cairn serve`: answers queries over HTTP until SIGINT or SIGTERM.
+#include <fmt/format.h>
+#include <pthread.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "cli/shell.h"
+#include "core/logging.h"
+#include "http/server.h"
+
+namespace cairn {
+namespace {
+
+struct ServeArguments {
+  ServerOptions options;
+  int64_t cache_mb = 1024;
+};
+
+// Keeps SIGINT and SIGTERM from every thread that is started from now on, so that one can wait for
+// them.
+sigset_t BlockStopSignals() {
+  sigset_t stop_signals;
+  sigemptyset(&stop_signals);
+  sigaddset(&stop_signals, SIGINT);
+  sigaddset(&stop_signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &stop_signals, nullptr);
+  return stop_signals;
+}
+
+std::string Url(const std::string& host, int port) {
+  const bool is_ipv6 = host.find(':') != std::string::npos;
+  return is_ipv6 ? fmt::format("http://[{}]:{}", host, port)
+                 : fmt::format("http://{}:{}", host, port);
+}
+
+ExitCode RunServe(const ServeArguments& arguments) {
+  ServerOptions options = arguments.options;
+  options.cache_bytes = static_cast<size_t>(arguments.cache_mb) << 20;
+  const sigset_t stop_signals = BlockStopSignals();
+  Server server(options);
+  server.Start();
+  fmt::print("{}\n", Url(options.host, server.port()));
+  if (options.admin_port >= 0) {
+    LogInfo("health and metrics on {}", Url(options.admin_host, server.admin_port()));
+  }
+  std::fflush(stdout);
+
+  int signal_number = 0;
+  sigwait(&stop_signals, &signal_number);
+  LogInfo("stopping after the running requests");
+  server.Stop();
+  return signal_number == SIGINT ? ExitCode::kInterrupted : ExitCode::kOk;
+}
+
+}  // namespace
+
+void AddServeCommand(CLI::App* app, Shell* shell) {
+  CLI::App* command = app->add_subcommand("serve", "Answer localization queries over HTTP");
+  auto arguments = std::make_shared<ServeArguments>();
+  ServerOptions& options = arguments->options;
+  command->add_option("MAP", options.map_path, "Map file")->required();
+  command->add_option("--host", options.host, "Address to listen on")->capture_default_str();
+  command->add_option("--port", options.port, "Port to listen on; 0 picks a free one")
+      ->check(CLI::Range(0, 65535))
+      ->type_name("PORT")
+      ->capture_default_str();
+  command
+      ->add_option("--admin-port", options.admin_port,
+                   "Loopback port for health and metrics alone; 0 picks a free one, -1 has them on "
+                   "the main port")
+      ->check(CLI::Range(-1, 65535))
+      ->type_name("PORT")
+      ->capture_default_str();
+  command->add_option("--cache-mb", arguments->cache_mb, "Memory for decoded tiles, MiB")
+      ->check(CLI::Range(int64_t{1}, int64_t{1} << 24))
+      ->type_name("MB")
+      ->capture_default_str();
+  command
+      ->add_option("--threads", options.num_threads,
+                   "Requests answered at once; 0 is twice the cores, at least 8")
+      ->check(CLI::Range(0, 4096))
+      ->type_name("N")
+      ->capture_default_str();
+  command->footer(
+      "Prints the URL when it is ready. SIGTERM and SIGINT stop it after the running requests.\n"
+      "Example:\n"
+      "  cairn serve city.gpkg --port 8080");
+  command->callback(
+      [shell, arguments] { shell->run = [arguments] { return RunServe(*arguments); }; });
+}
+
+}  // namespace cairn

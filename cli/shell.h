@@ -1,0 +1,37 @@
+// What the verbs of the `cairn` binary share, and how each adds itself to the command line.
+#ifndef CAIRN_CLI_SHELL_H_
+#define CAIRN_CLI_SHELL_H_
+
+#include <functional>
+
+#include "cli/exit_codes.h"
+#include "cli/progress.h"
+
+namespace CLI {
+class App;
+}  // namespace CLI
+
+namespace cairn {
+
+// Global options, and the verb that parsing chose.
+struct Shell {
+  ProgressMode progress_mode = ProgressMode::kAuto;
+  std::function<ExitCode()> run;  // Throws Error.
+};
+
+// Each adds its verb to `app`; when the verb is parsed, `shell->run` becomes its action.
+void AddInitCommand(CLI::App* app, Shell* shell);
+void AddIngestCommand(CLI::App* app, Shell* shell);
+void AddRemoveCommand(CLI::App* app, Shell* shell);
+void AddServeCommand(CLI::App* app, Shell* shell);
+void AddLocalizeCommand(CLI::App* app, Shell* shell);
+void AddEvalCommand(CLI::App* app, Shell* shell);
+void AddInfoCommand(CLI::App* app, Shell* shell);
+void AddSqlCommand(CLI::App* app, Shell* shell);
+void AddCheckCommand(CLI::App* app, Shell* shell);
+void AddDemoCommand(CLI::App* app, Shell* shell);
+void AddBenchCommand(CLI::App* app, Shell* shell);
+
+}  // namespace cairn
+
+#endif  // CAIRN_CLI_SHELL_H_

@@ -1,0 +1,56 @@
+// `cairn sql`: read-only SQL over a map.
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "cli/row_printer.h"
+#include "cli/shell.h"
+#include "storage/sql_shell.h"
+
+namespace cairn {
+namespace {
+
+struct SqlArguments {
+  std::string map_path;
+  std::string query;  // Read from stdin if empty.
+  RowFormat format = RowFormat::kTable;
+};
+
+ExitCode RunSqlCommand(const SqlArguments& arguments) {
+  std::string query = arguments.query;
+  if (query.empty()) {
+    query.assign(std::istreambuf_iterator<char>(std::cin), std::istreambuf_iterator<char>());
+  }
+  const std::unique_ptr<RowPrinter> printer = MakeRowPrinter(arguments.format);
+  SqlSink sink;
+  sink.on_columns = [&](const std::vector<std::string>& names) { printer->BeginResult(names); };
+  sink.on_row = [&](const std::vector<SqlCell>& row) { printer->AddRow(row); };
+  RunSql(arguments.map_path, query, sink);
+  printer->Finish();
+  return ExitCode::kOk;
+}
+
+}  // namespace
+
+void AddSqlCommand(CLI::App* app, Shell* shell) {
+  static const std::map<std::string, RowFormat> kFormats = {
+      {"table", RowFormat::kTable}, {"csv", RowFormat::kCsv}, {"json", RowFormat::kJson}};
+  CLI::App* command = app->add_subcommand("sql", "Look inside a map with SQL (read-only)");
+  auto arguments = std::make_shared<SqlArguments>();
+  command->add_option("MAP", arguments->map_path, "Map file")->required();
+  command->add_option("QUERY", arguments->query, "SQL statements; without it, read from stdin");
+  command->add_option("--format", arguments->format, "How rows are printed")
+      ->transform(CLI::CheckedTransformer(kFormats).description(""))
+      ->type_name("table|csv|json");
+  command->footer(
+      "Example:\n"
+      "  cairn sql city.gpkg \"SELECT name, num_images FROM sessions\"\n"
+      "More queries: sql/README.md");
+  command->callback(
+      [shell, arguments] { shell->run = [arguments] { return RunSqlCommand(*arguments); }; });
+}
+
+}  // namespace cairn
