@@ -11,9 +11,9 @@
 
 namespace cairn {
 
-// The k best landmarks of each keypoint over all tiles, below the threshold; a landmark that lies in
-// several tiles counts once (its nearest copy). Ordered by keypoint, then distance. Sets the matching
-// counters.
+// The k best landmarks of each keypoint over all tiles, below the threshold; a landmark that lies
+// in several tiles counts once (its nearest copy). Ordered by keypoint, then distance. Sets the
+// matching counters.
 std::vector<Correspondence> MatchFeatures(const QueryContext& query,
                                           const std::vector<TileView>& tiles,
                                           const MatchingOptions& options, StageCounters* counters);

@@ -14,11 +14,21 @@
 
 namespace cairn {
 
-// Tiles that meet the region, nearest first, at most options.max_tiles; loads what the cache misses
-// (fetch, decode, index). Sets the region's height band and the tile counters.
+// With a prior: the tiles whose square meets the region's disc, nearest first. Without: the first
+// of the map by tile id. At most options.max_tiles. Loads what the cache misses (fetch, decode,
+// index), one after the other; the cache must hold nothing but tiles of this map made with these
+// index_options.
+//
+// Intersects the region's heights with those of the tiles' keyframes, widened by the margin. A
+// height prior that lies wholly outside them is dropped: it is more often a wrong datum than a
+// camera where none ever was.
+//
+// Sets the tile counters and num_descriptors. Throws Error(kMapDamaged) if a payload does not
+// decode or is not the tile its record says.
 std::vector<TileView> FetchTiles(const MapSnapshot& snapshot, TileCache* cache,
-                                 const TilesOptions& options, const RandomGridsOptions& index_options,
-                                 SearchRegion* region, StageCounters* counters);
+                                 const TilesOptions& options,
+                                 const RandomGridsOptions& index_options, SearchRegion* region,
+                                 StageCounters* counters);
 
 }  // namespace cairn
 

@@ -17,7 +17,8 @@ namespace cairn {
 // Immutable after construction; shared by queries through the cache.
 class SearchableTile : public CachedTile {
  public:
-  // Builds the index. `codebook` must be the tile's.
+  // Builds the index. `tile` must be consistent (as DecodeTile returns it). Throws
+  // Error(kMapDamaged) if `codebook` is not the tile's, and as RandomGrids.
   SearchableTile(Tile tile, std::shared_ptr<const Codebook> codebook,
                  const RandomGridsOptions& options);
 

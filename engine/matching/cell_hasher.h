@@ -1,0 +1,70 @@
+// The geometry of random grids: which cell of each grid a descriptor stands in, and which cells lie
+// across the nearest borders.
+#ifndef CAIRN_ENGINE_MATCHING_CELL_HASHER_H_
+#define CAIRN_ENGINE_MATCHING_CELL_HASHER_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/matching/matching_options.h"
+#include "storage/codebook.h"
+
+namespace cairn {
+
+// In grid n a descriptor x has the cell floor((R_n x)[0..k) / w + s_n), with R_n a random rotation
+// (QR of a Gaussian matrix) and s_n uniform in [0, 1)^k. The cell's hash is the sum of its
+// coordinates times random 64-bit factors, of which the upper bits are universal (Dietzfelbinger
+// 1996) and which changes by one factor per step to a neighbour.
+//
+// Coordinates are 16-bit integers of 1/256 cell that wrap around after 256 cells; cells that far
+// apart may share a hash, as any two may. A code's coordinates are the sum of rotated words, one
+// table look-up per subspace.
+//
+// Immutable; safe to use from any thread. Deterministic by seed.
+class CellHasher {
+ public:
+  CellHasher(const Codebook& codebook, const RandomGridsOptions& options);
+
+  int num_grids() const { return num_grids_; }
+  // Cells a query is sent to in each grid: options.num_probes, or all 2^k if that is less.
+  int num_probes() const { return num_probes_; }
+
+  // Hash of the cell of each code (n x num_subspaces bytes) in one grid.
+  std::vector<uint64_t> HashCodes(const Codebook& codebook, std::span<const uint8_t> codes,
+                                  int grid) const;
+
+  // Hashes of the cells to look into for a descriptor in projected space: num_grids() rows of
+  // num_probes(). A row starts with the own cell; then, as in multi-probe LSH (Lv et al. 2007),
+  // come the cells across the nearest borders, by the distance to them. `units` is working memory
+  // of num_units() floats.
+  void HashProbes(const float* projected, std::span<float> units, uint64_t* hashes) const;
+  size_t num_units() const { return shifts_.size(); }
+
+  size_t MemoryBytes() const;
+
+ private:
+  static constexpr int kLanes = 8;  // Coordinates that are computed together.
+
+  void FillGrid(int grid, uint64_t seed, double cell_width);
+  // kLanes coordinates of every word (num_subspaces x 256), the shift included in the first
+  // subspace.
+  std::vector<int16_t> RotatedWords(const Codebook& codebook, int first_lane) const;
+  // Coordinates of a descriptor in all grids, not yet rounded.
+  void ProjectQuery(const float* projected, float* units) const;
+
+  int dim_;
+  int num_grids_;
+  int num_hashed_dims_;
+  int num_lanes_;  // num_hashed_dims_ rounded up to a multiple of kLanes; the padding is 0.
+  int num_probes_;
+  // From projected space to 1/256 cells: dim_ x (num_grids_ * num_lanes_), row-major, and shifts.
+  std::vector<float> rotations_;
+  std::vector<float> shifts_;
+  std::vector<uint64_t> factors_;  // num_grids_ * num_lanes_.
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_MATCHING_CELL_HASHER_H_

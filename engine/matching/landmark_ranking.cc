@@ -1,0 +1,168 @@
+#include "engine/matching/landmark_ranking.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <tuple>
+
+#include "engine/matching/distance_statistics.h"
+
+namespace cairn {
+namespace {
+
+// Chords are rounded; the hard filter lets a difference of exactly the bound pass.
+constexpr float kChordTolerance = 1e-5f;
+
+// Unit vector of each orientation code; zero for kNoOrientation.
+std::array<Eigen::Vector2f, 256> MakeCodeDirections() {
+  std::array<Eigen::Vector2f, 256> directions;
+  directions.fill(Eigen::Vector2f::Zero());
+  for (int code = 0; code < kNoOrientation; ++code) {
+    const double angle_rad = OrientationFromCode(static_cast<uint8_t>(code));
+    directions[code] = Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad)).cast<float>();
+  }
+  return directions;
+}
+
+const std::array<Eigen::Vector2f, 256>& CodeDirections() {
+  static const std::array<Eigen::Vector2f, 256> directions = MakeCodeDirections();
+  return directions;
+}
+
+}  // namespace
+
+LandmarkRanking::LandmarkRanking(const QueryContext& query, const Codebook& codebook,
+                                 const MatchingOptions& options)
+    : query_(query),
+      options_(options),
+      keypoint_directions_(query.num_keypoints(), Eigen::Vector2f::Zero()),
+      neighbors_(size_t{1} * query.num_keypoints() * options.max_neighbors),
+      num_neighbors_(query.num_keypoints(), 0) {
+  const double median_distance = SameLandmarkDistance(codebook, 0.5);
+  const double sq_median = median_distance * median_distance;
+  orientation_factor_ = static_cast<float>(options.orientation_weight * sq_median);
+  if (query.region.has_prior && query.region.prior_sigma_m > 0.0) {
+    position_factor_ =
+        static_cast<float>(options.position_weight * sq_median /
+                           (query.region.prior_sigma_m * query.region.prior_sigma_m));
+  }
+  if (options.max_orientation_difference_rad < std::numbers::pi) {
+    max_sq_chord_ =
+        static_cast<float>(2.0 - 2.0 * std::cos(options.max_orientation_difference_rad)) +
+        kChordTolerance;
+  }
+  for (int i = 0; i < query.num_keypoints(); ++i) {
+    if (const std::optional<float> angle_rad = query.gravity_orientations_rad[i]) {
+      keypoint_directions_[i] = Eigen::Vector2f(std::cos(*angle_rad), std::sin(*angle_rad));
+    }
+  }
+}
+
+void LandmarkRanking::Add(const TileView& view, int tile_idx, std::span<const DescriptorHit> hits) {
+  const Tile& tile = view.tile->tile();
+  for (const DescriptorHit& hit : hits) {
+    const uint32_t keypoint_idx = hit.query_idx;
+    if (hit.sq_distance > MaxUsefulSqDistance(keypoint_idx)) {
+      continue;  // Prior terms only add; most hits end here, before their attributes are read.
+    }
+    Neighbor neighbor{.sq_distance = hit.sq_distance, .tile_idx = tile_idx};
+    const float sq_chord =
+        SqOrientationChord(keypoint_idx, tile.orientation_codes[hit.descriptor_idx]);
+    if (sq_chord > max_sq_chord_) {
+      continue;
+    }
+    neighbor.sq_distance += orientation_factor_ * sq_chord;
+    neighbor.descriptor_idx = hit.descriptor_idx;
+    neighbor.landmark_idx = view.tile->landmark_of_descriptor()[hit.descriptor_idx];
+    neighbor.landmark_id = tile.landmark_ids[neighbor.landmark_idx];
+    if (position_factor_ > 0.0f) {
+      neighbor.sq_distance += PositionTerm(view, neighbor.landmark_idx);
+    }
+    Insert(keypoint_idx, neighbor);
+  }
+}
+
+bool LandmarkRanking::IsCloser(const Neighbor& a, const Neighbor& b) {
+  return std::tie(a.sq_distance, a.landmark_id) < std::tie(b.sq_distance, b.landmark_id);
+}
+
+float LandmarkRanking::MaxUsefulSqDistance(uint32_t keypoint_idx) const {
+  return num_neighbors_[keypoint_idx] < options_.max_neighbors
+             ? std::numeric_limits<float>::infinity()
+             : neighbors_[(size_t{keypoint_idx} + 1) * options_.max_neighbors - 1].sq_distance;
+}
+
+float LandmarkRanking::SqOrientationChord(uint32_t keypoint_idx, uint8_t orientation_code) const {
+  const Eigen::Vector2f& a = keypoint_directions_[keypoint_idx];
+  const Eigen::Vector2f& b = CodeDirections()[orientation_code];
+  if (a.isZero(0.0f) || b.isZero(0.0f)) {
+    return 0.0f;
+  }
+  return (a - b).squaredNorm();
+}
+
+float LandmarkRanking::PositionTerm(const TileView& view, uint32_t landmark_idx) const {
+  const Eigen::Vector3d x_in_anchor =
+      view.anchor_from_tile * view.tile->tile().x_in_tile[landmark_idx].cast<double>();
+  const double distance_m = (x_in_anchor.head<2>() - query_.region.prior_xy_in_anchor).norm();
+  const double excess_m = std::max(0.0, distance_m - options_.viewing_distance_m);
+  return position_factor_ * static_cast<float>(excess_m * excess_m);
+}
+
+void LandmarkRanking::Insert(uint32_t keypoint_idx, const Neighbor& neighbor) {
+  const std::span<Neighbor> row(neighbors_.data() + size_t{keypoint_idx} * options_.max_neighbors,
+                                options_.max_neighbors);
+  int& count = num_neighbors_[keypoint_idx];
+  // The entry that the neighbour displaces: its landmark's, else a free one, else the last.
+  int place = 0;
+  while (place < count && row[place].landmark_id != neighbor.landmark_id) {
+    ++place;
+  }
+  if (place < count || count == options_.max_neighbors) {
+    place = std::min(place, count - 1);
+    if (!IsCloser(neighbor, row[place])) {
+      return;
+    }
+  } else {
+    ++count;
+  }
+  for (; place > 0 && IsCloser(neighbor, row[place - 1]); --place) {
+    row[place] = row[place - 1];
+  }
+  row[place] = neighbor;
+}
+
+std::vector<Correspondence> LandmarkRanking::Correspondences(
+    const std::vector<TileView>& tiles) const {
+  std::vector<Correspondence> correspondences;
+  for (int keypoint_idx = 0; keypoint_idx < query_.num_keypoints(); ++keypoint_idx) {
+    for (int i = 0; i < num_neighbors_[keypoint_idx]; ++i) {
+      const Neighbor& neighbor = neighbors_[size_t{1} * keypoint_idx * options_.max_neighbors + i];
+      const TileView& view = tiles[neighbor.tile_idx];
+      const Tile& tile = view.tile->tile();
+      correspondences.push_back(
+          {.keypoint_idx = keypoint_idx,
+           .tile_idx = neighbor.tile_idx,
+           .landmark_idx = neighbor.landmark_idx,
+           .x_in_anchor =
+               view.anchor_from_tile * tile.x_in_tile[neighbor.landmark_idx].cast<double>(),
+           .sq_distance = neighbor.sq_distance,
+           .sigma_m = static_cast<float>(SigmaFromCode(tile.sigma_codes[neighbor.landmark_idx])),
+           .azimuth_rad =
+               static_cast<float>(AzimuthFromCode(tile.azimuth_codes[neighbor.descriptor_idx])),
+           .size_m = static_cast<float>(SizeFromCode(tile.size_codes[neighbor.descriptor_idx]))});
+    }
+  }
+  return correspondences;
+}
+
+int64_t LandmarkRanking::NumMatchedKeypoints() const {
+  return static_cast<int64_t>(std::count_if(num_neighbors_.begin(), num_neighbors_.end(),
+                                            [](int count) { return count > 0; }));
+}
+
+}  // namespace cairn

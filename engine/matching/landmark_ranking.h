@@ -1,0 +1,67 @@
+// From descriptor hits to correspondences: prior terms, the hard filter, and the k best landmarks
+// of each keypoint.
+#ifndef CAIRN_ENGINE_MATCHING_LANDMARK_RANKING_H_
+#define CAIRN_ENGINE_MATCHING_LANDMARK_RANKING_H_
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/matching/byte_descriptors.h"
+#include "engine/matching/matching_options.h"
+#include "engine/query_context.h"
+#include "engine/tiles/searchable_tile.h"
+#include "storage/codebook.h"
+
+namespace cairn {
+
+// Keeps, for every keypoint of a query, the max_neighbors landmarks with the smallest distance
+// among all hits added so far. A landmark counts once, by its best descriptor in any tile. Equal
+// distances are ordered by landmark id. For use within one thread.
+class LandmarkRanking {
+ public:
+  // `query` and `options` must outlive the ranking.
+  LandmarkRanking(const QueryContext& query, const Codebook& codebook,
+                  const MatchingOptions& options);
+
+  // Adds hits of one tile, the tile_idx-th of the query.
+  void Add(const TileView& view, int tile_idx, std::span<const DescriptorHit> hits);
+
+  // Ordered by keypoint, then distance. `tiles` are those that were added.
+  std::vector<Correspondence> Correspondences(const std::vector<TileView>& tiles) const;
+
+  int64_t NumMatchedKeypoints() const;
+
+ private:
+  struct Neighbor {
+    float sq_distance = 0.0f;  // With the prior terms.
+    int tile_idx = 0;
+    uint32_t landmark_idx = 0;
+    uint32_t descriptor_idx = 0;
+    LandmarkId landmark_id{};
+  };
+
+  static bool IsCloser(const Neighbor& a, const Neighbor& b);
+
+  // A neighbour of this keypoint that is farther cannot be among the best.
+  float MaxUsefulSqDistance(uint32_t keypoint_idx) const;
+  // Squared chord between the orientations of a keypoint and a descriptor, (2 - 2 cos), in [0, 4];
+  // 0 if either has none.
+  float SqOrientationChord(uint32_t keypoint_idx, uint8_t orientation_code) const;
+  float PositionTerm(const TileView& view, uint32_t landmark_idx) const;
+  void Insert(uint32_t keypoint_idx, const Neighbor& neighbor);
+
+  const QueryContext& query_;
+  const MatchingOptions& options_;
+  float orientation_factor_ = 0.0f;  // Of the squared chord.
+  float position_factor_ = 0.0f;     // Of the squared excess distance, 1/m^2.
+  float max_sq_chord_ = 4.0f;        // The hard filter.
+  // Cosine and sine of each keypoint's orientation; both 0 where it has none.
+  std::vector<Eigen::Vector2f> keypoint_directions_;
+  std::vector<Neighbor> neighbors_;  // num_keypoints x max_neighbors, each row sorted by IsCloser.
+  std::vector<int> num_neighbors_;   // Used entries of each row.
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_MATCHING_LANDMARK_RANKING_H_

@@ -1,0 +1,111 @@
+#include "engine/matching/match_features.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include "core/error.h"
+#include "engine/matching/byte_descriptors.h"
+#include "engine/matching/distance_statistics.h"
+#include "engine/matching/landmark_ranking.h"
+
+namespace cairn {
+namespace {
+
+// Descriptors of the landmarks that any of the keyframes of one tile saw, ascending.
+std::vector<uint32_t> DescriptorsOfKeyframes(const Tile& tile,
+                                             std::span<const uint32_t> keyframe_indices) {
+  std::vector<bool> seen(tile.num_landmarks(), false);
+  for (const uint32_t keyframe_idx : keyframe_indices) {
+    for (const uint32_t landmark_idx : tile.LandmarksOfKeyframe(keyframe_idx)) {
+      seen[landmark_idx] = true;
+    }
+  }
+  std::vector<uint32_t> descriptors;
+  for (size_t landmark_idx = 0; landmark_idx < seen.size(); ++landmark_idx) {
+    if (seen[landmark_idx]) {
+      for (uint32_t i = tile.descriptor_begin[landmark_idx];
+           i < tile.descriptor_begin[landmark_idx + 1]; ++i) {
+        descriptors.push_back(i);
+      }
+    }
+  }
+  return descriptors;
+}
+
+// All tiles share one codebook: the one the query's descriptors were projected with.
+const Codebook& CommonCodebook(const std::vector<TileView>& tiles) {
+  const Codebook& codebook = tiles.front().tile->codebook();
+  for (const TileView& view : tiles) {
+    if (view.tile->codebook().id != codebook.id) {
+      throw Error(
+          ErrorCode::kInternal,
+          fmt::format("tiles {} and {} have different codebooks ({} and {})",
+                      tiles.front().tile->tile().id.ToString(), view.tile->tile().id.ToString(),
+                      Value(codebook.id), Value(view.tile->codebook().id)));
+    }
+  }
+  return codebook;
+}
+
+}  // namespace
+
+std::vector<Correspondence> MatchFeatures(const QueryContext& query,
+                                          const std::vector<TileView>& tiles,
+                                          const MatchingOptions& options, StageCounters* counters) {
+  if (tiles.empty()) {
+    return {};
+  }
+  const Codebook& codebook = CommonCodebook(tiles);
+  const double max_distance = SameLandmarkDistance(codebook, options.distance_quantile);
+  LandmarkRanking ranking(query, codebook, options);
+  std::vector<DescriptorHit> hits;
+  for (size_t tile_idx = 0; tile_idx < tiles.size(); ++tile_idx) {
+    hits.clear();
+    counters->num_distances +=
+        tiles[tile_idx].tile->index().RangeSearch(query.descriptors, max_distance, &hits);
+    ranking.Add(tiles[tile_idx], static_cast<int>(tile_idx), hits);
+  }
+  std::vector<Correspondence> correspondences = ranking.Correspondences(tiles);
+  counters->num_matches = static_cast<int64_t>(correspondences.size());
+  counters->num_matched_keypoints = ranking.NumMatchedKeypoints();
+  return correspondences;
+}
+
+std::vector<Correspondence> MatchAgainstKeyframes(const QueryContext& query,
+                                                  const std::vector<TileView>& tiles,
+                                                  const std::vector<KeyframeRef>& keyframes,
+                                                  double distance_quantile,
+                                                  const MatchingOptions& options) {
+  if (tiles.empty()) {
+    return {};
+  }
+  const Codebook& codebook = CommonCodebook(tiles);
+  const double max_distance = SameLandmarkDistance(codebook, distance_quantile);
+  std::vector<std::vector<uint32_t>> keyframes_of_tile(tiles.size());
+  for (const KeyframeRef& keyframe : keyframes) {
+    keyframes_of_tile[keyframe.tile_idx].push_back(keyframe.keyframe_idx);
+  }
+  LandmarkRanking ranking(query, codebook, options);
+  std::vector<DescriptorHit> hits;
+  for (size_t tile_idx = 0; tile_idx < tiles.size(); ++tile_idx) {
+    const SearchableTile& tile = *tiles[tile_idx].tile;
+    const std::vector<uint32_t> descriptors =
+        DescriptorsOfKeyframes(tile.tile(), keyframes_of_tile[tile_idx]);
+    hits.clear();
+    tile.index()
+        .descriptors()
+        .Subset(descriptors)
+        .RangeSearch(query.descriptors, max_distance, &hits);
+    for (DescriptorHit& hit : hits) {
+      hit.descriptor_idx = descriptors[hit.descriptor_idx];
+    }
+    ranking.Add(tiles[tile_idx], static_cast<int>(tile_idx), hits);
+  }
+  return ranking.Correspondences(tiles);
+}
+
+}  // namespace cairn

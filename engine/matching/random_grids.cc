@@ -1,0 +1,182 @@
+#include "engine/matching/random_grids.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "engine/matching/distance_kernels.h"
+#include "engine/matching/random_bits.h"
+
+namespace cairn {
+namespace {
+
+// Queries whose buckets are located together, so that the memory they lie in arrives in parallel.
+constexpr size_t kQueriesPerBlock = 16;
+constexpr size_t kCacheLineBytes = 64;
+
+int NumBucketBits(size_t num_descriptors) {
+  return std::clamp(static_cast<int>(std::bit_width(num_descriptors)) - 1, 1, 26);
+}
+
+// A set of descriptors that is cleared in time linear in its members.
+class DescriptorSet {
+ public:
+  explicit DescriptorSet(size_t num_descriptors) : words_((num_descriptors + 63) / 64) {}
+
+  // Returns true if the descriptor was not yet in the set.
+  bool Insert(uint32_t descriptor) {
+    uint64_t& word = words_[descriptor / 64];
+    const uint64_t bit = uint64_t{1} << (descriptor % 64);
+    const bool is_new = (word & bit) == 0;
+    word |= bit;
+    return is_new;
+  }
+  void Erase(std::span<const uint32_t> descriptors) {
+    for (const uint32_t descriptor : descriptors) {
+      words_[descriptor / 64] = 0;
+    }
+  }
+
+ private:
+  std::vector<uint64_t> words_;
+};
+
+}  // namespace
+
+// Works through blocks of queries in three steps, each of which asks for the memory that the next
+// one reads: bounds of buckets, their items, the items' descriptors.
+class RandomGrids::Search {
+ public:
+  Search(const RandomGrids& grids, const DescriptorMatrix& queries)
+      : grids_(grids),
+        queries_(queries),
+        steps_(grids.descriptors_.scale().QuantizeQueries(queries)),
+        probes_per_query_(size_t{1} * grids.hasher_.num_grids() * grids.hasher_.num_probes()),
+        units_(grids.hasher_.num_units()),
+        hashes_(probes_per_query_),
+        buckets_(kQueriesPerBlock * probes_per_query_),
+        items_(kQueriesPerBlock * probes_per_query_),
+        visited_(grids.descriptors_.size()) {}
+
+  void LocateBuckets(size_t begin, size_t end) {
+    const size_t num_probes = grids_.hasher_.num_probes();
+    uint32_t* bucket = buckets_.data();
+    for (size_t query = begin; query < end; ++query) {
+      grids_.hasher_.HashProbes(queries_.row(query).data(), units_, hashes_.data());
+      for (size_t i = 0; i < probes_per_query_; ++i) {
+        const BucketTable& table = grids_.tables_[i / num_probes];
+        *bucket = table.BucketOf(hashes_[i]);
+        table.Prefetch(*bucket++);
+      }
+    }
+  }
+
+  void LocateItems(size_t num_queries) {
+    const size_t num_probes = grids_.hasher_.num_probes();
+    for (size_t i = 0; i < num_queries * probes_per_query_; ++i) {
+      const BucketTable& table = grids_.tables_[i % probes_per_query_ / num_probes];
+      items_[i] = table.Items(buckets_[i]);
+      const auto* bytes = reinterpret_cast<const char*>(items_[i].data());
+      for (size_t offset = 0; offset < items_[i].size_bytes(); offset += kCacheLineBytes) {
+        __builtin_prefetch(bytes + offset);
+      }
+    }
+  }
+
+  // Distinct descriptors of the cells of one query of the block.
+  void GatherCandidates(size_t query_in_block, std::vector<uint32_t>* candidates) {
+    const std::span<const std::span<const uint32_t>> probes(
+        items_.data() + query_in_block * probes_per_query_, probes_per_query_);
+    size_t max_candidates = 0;
+    for (const std::span<const uint32_t> items : probes) {
+      max_candidates += items.size();
+    }
+    candidates->resize(max_candidates);
+    const size_t stride = grids_.descriptors_.scale().stride();
+    uint32_t* next = candidates->data();
+    for (const std::span<const uint32_t> items : probes) {
+      for (const uint32_t item : items) {
+        __builtin_prefetch(grids_.descriptors_.rows() + item * stride);
+        *next = item;
+        next += visited_.Insert(item) ? 1 : 0;  // Without a branch, which would be mispredicted.
+      }
+    }
+    candidates->resize(next - candidates->data());
+    visited_.Erase(*candidates);
+  }
+
+  void AppendHits(size_t query, const std::vector<uint32_t>& candidates, int32_t max_sq_steps,
+                  std::vector<DescriptorHit>* hits) {
+    const ByteScale& scale = grids_.descriptors_.scale();
+    sq_distances_.resize(std::max(sq_distances_.size(), candidates.size()));
+    BestDistanceKernels().gather(steps_.data() + query * scale.stride(), grids_.descriptors_.rows(),
+                                 scale.stride(), candidates.data(), candidates.size(),
+                                 sq_distances_.data());
+    const float sq_step = scale.step() * scale.step();
+    for (size_t i = 0; i < candidates.size(); ++i) {
+      if (sq_distances_[i] <= max_sq_steps) {
+        hits->push_back({static_cast<uint32_t>(query), candidates[i],
+                         static_cast<float>(sq_distances_[i]) * sq_step});
+      }
+    }
+  }
+
+ private:
+  const RandomGrids& grids_;
+  const DescriptorMatrix& queries_;
+  const std::vector<int16_t> steps_;  // Queries as ByteScale makes them.
+  const size_t probes_per_query_;
+  std::vector<float> units_;
+  std::vector<uint64_t> hashes_;
+  std::vector<uint32_t> buckets_;                 // kQueriesPerBlock x probes_per_query_.
+  std::vector<std::span<const uint32_t>> items_;  // Likewise.
+  DescriptorSet visited_;
+  std::vector<int32_t> sq_distances_;
+};
+
+RandomGrids::RandomGrids(const Codebook& codebook, std::span<const uint8_t> codes,
+                         const RandomGridsOptions& options)
+    : descriptors_(codebook, codes), hasher_(codebook, options) {
+  BucketTable::Scratch scratch;
+  const int num_bucket_bits = NumBucketBits(descriptors_.size());
+  tables_.reserve(options.num_grids);
+  for (int grid = 0; grid < options.num_grids; ++grid) {
+    tables_.emplace_back(hasher_.HashCodes(codebook, codes, grid), num_bucket_bits,
+                         options.max_candidates_per_cell, RandomBits(options.seed, grid), &scratch);
+  }
+}
+
+int64_t RandomGrids::RangeSearch(const DescriptorMatrix& queries, double max_distance,
+                                 std::vector<DescriptorHit>* hits) const {
+  RequireQueryDim(queries, descriptors_.scale().dim());
+  const int32_t max_sq_steps = descriptors_.scale().MaxSqSteps(max_distance);
+  const auto num_queries = static_cast<size_t>(queries.rows());
+  Search search(*this, queries);
+  // Two lists: one query's descriptors are on their way while the previous one's are compared.
+  std::vector<uint32_t> candidates, next_candidates;
+  int64_t num_distances = 0;
+  for (size_t begin = 0; begin < num_queries; begin += kQueriesPerBlock) {
+    const size_t end = std::min(begin + kQueriesPerBlock, num_queries);
+    search.LocateBuckets(begin, end);
+    search.LocateItems(end - begin);
+    search.GatherCandidates(0, &candidates);
+    for (size_t query = begin; query < end; ++query) {
+      if (query + 1 < end) {
+        search.GatherCandidates(query + 1 - begin, &next_candidates);
+      }
+      search.AppendHits(query, candidates, max_sq_steps, hits);
+      num_distances += static_cast<int64_t>(candidates.size());
+      candidates.swap(next_candidates);
+    }
+  }
+  return num_distances;
+}
+
+size_t RandomGrids::MemoryBytes() const {
+  size_t bytes = descriptors_.MemoryBytes() + hasher_.MemoryBytes();
+  for (const BucketTable& table : tables_) {
+    bytes += table.MemoryBytes();
+  }
+  return bytes;
+}
+
+}  // namespace cairn
