@@ -5,19 +5,26 @@
 namespace cairn {
 
 struct PoseOptions {
-  // Reprojection error of an inlier, as an angle: pixels at a focal length of 500. A camera of focal
-  // length f uses max_error_px * f / 500, at least 2 px.
+  // Reprojection error of an inlier, as an angle: pixels at a focal length of 500. A camera of
+  // focal length f uses max_error_px * f / 500, at least 2 px (see MaxErrorPx).
   double max_error_px = 4.0;
+  // Standard deviation of a keypoint's position per axis, pixels: what weighs keypoints against
+  // landmark uncertainty and gravity, and what the covariance is at least based on.
+  double keypoint_sigma_px = 1.0;
   int min_iterations = 50;
   int max_iterations = 2000;
   double success_probability = 0.999;  // Stop when an all-inlier sample was drawn with this.
   int num_local_optimizations = 2;     // Refinements each time a minimal model improves the score.
   int min_inliers = 6;                 // Distinct keypoints; fewer is no estimate.
-  // How far the direction of gravity may be off, radians (1 standard deviation): a minimal model's
-  // threshold is widened by it, the final refinement uses it as a weak prior.
+  // How far the direction of gravity may be off, radians (1 standard deviation per axis): a minimal
+  // model's threshold is widened by it, the final refinement uses it as a weak prior.
   double gravity_sigma_rad = 0.0175;
 
+  // Throws Error(kInvalidArgument) naming the field.
   void Validate() const;
+
+  // Inlier threshold in pixels of a camera.
+  double MaxErrorPx(double focal_px) const;
 };
 
 }  // namespace cairn

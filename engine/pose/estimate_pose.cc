@@ -1,0 +1,135 @@
+#include "engine/pose/estimate_pose.h"
+
+#include <algorithm>
+
+#include "engine/pose/effective_inliers.h"
+#include "engine/pose/pose_estimator.h"
+#include "engine/pose/ransac.h"
+#include "engine/pose/refine_pose.h"
+
+namespace cairn {
+namespace {
+
+Eigen::Vector2d PixelOf(const QueryContext& query, const Correspondence& correspondence) {
+  const Keypoint& keypoint = query.keypoints[correspondence.keypoint_idx];
+  return {keypoint.x_px, keypoint.y_px};
+}
+
+// The best inlier of each keypoint under the true camera; ascending keypoints.
+struct InlierSet {
+  std::vector<int> indices;  // Into the correspondences.
+  double sum_sq_error_px = 0.0;
+};
+
+InlierSet GatherInliers(const QueryContext& query,
+                        const std::vector<Correspondence>& correspondences,
+                        const Rigid3d& cam_from_anchor, const PoseOptions& options) {
+  struct Best {
+    int index = -1;
+    double ratio = 1.0;  // Squared error over squared threshold.
+    double sq_error_px = 0.0;
+  };
+  const double focal_px = query.camera.focal_px();
+  const double max_error_px = options.MaxErrorPx(focal_px);
+  std::vector<Best> best(query.keypoints.size());
+  for (size_t i = 0; i < correspondences.size(); ++i) {
+    const Correspondence& correspondence = correspondences[i];
+    const Eigen::Vector3d x_in_cam = cam_from_anchor * correspondence.x_in_anchor;
+    const auto projected = query.camera.Project(x_in_cam);
+    if (!projected) {
+      continue;
+    }
+    // Widened by the landmark's uncertainty as in ConsensusSet.
+    const double landmark_px = std::min(3.0 * focal_px * correspondence.sigma_m / x_in_cam.norm(),
+                                        1.7320508 * max_error_px);
+    const double sq_threshold_px = max_error_px * max_error_px + landmark_px * landmark_px;
+    const double sq_error_px = (*projected - PixelOf(query, correspondence)).squaredNorm();
+    const double ratio = sq_error_px / sq_threshold_px;
+    Best& entry = best[correspondence.keypoint_idx];
+    if (ratio < entry.ratio) {
+      entry = {static_cast<int>(i), ratio, sq_error_px};
+    }
+  }
+  InlierSet inliers;
+  for (const Best& entry : best) {
+    if (entry.index >= 0) {
+      inliers.indices.push_back(entry.index);
+      inliers.sum_sq_error_px += entry.sq_error_px;
+    }
+  }
+  return inliers;
+}
+
+// Refines on all inliers and gathers them anew until the set settles.
+std::optional<PoseEstimate> Polish(const QueryContext& query,
+                                   const std::vector<Correspondence>& correspondences,
+                                   const Rigid3d& cam_from_anchor, const PoseOptions& options) {
+  constexpr int kMaxRounds = 4;
+  RefinePoseOptions refine_options;
+  refine_options.keypoint_sigma_px = options.keypoint_sigma_px;
+  RefinedPose refined;
+  refined.cam_from_anchor = cam_from_anchor;
+  InlierSet inliers = GatherInliers(query, correspondences, cam_from_anchor, options);
+  for (int round = 0; round < kMaxRounds; ++round) {
+    if (static_cast<int>(inliers.indices.size()) < options.min_inliers) {
+      return std::nullopt;
+    }
+    std::vector<PoseObservation> observations;
+    observations.reserve(inliers.indices.size());
+    for (int index : inliers.indices) {
+      const Correspondence& correspondence = correspondences[index];
+      observations.push_back(
+          {PixelOf(query, correspondence), correspondence.x_in_anchor, correspondence.sigma_m});
+    }
+    refined = RefinePose(query.camera, observations, MakeGravityPrior(query, options),
+                         refined.cam_from_anchor, refine_options);
+    InlierSet next = GatherInliers(query, correspondences, refined.cam_from_anchor, options);
+    const bool settled = next.indices == inliers.indices;
+    inliers = std::move(next);
+    if (settled) {
+      break;
+    }
+  }
+  if (static_cast<int>(inliers.indices.size()) < options.min_inliers) {
+    return std::nullopt;
+  }
+  PoseEstimate estimate;
+  estimate.cam_from_anchor = refined.cam_from_anchor;
+  estimate.covariance = refined.covariance;
+  estimate.mean_sq_error_px = inliers.sum_sq_error_px / static_cast<double>(inliers.indices.size());
+  estimate.inliers = std::move(inliers.indices);
+  return estimate;
+}
+
+}  // namespace
+
+std::optional<PoseEstimate> EstimatePose(const QueryContext& query,
+                                         const std::vector<Correspondence>& correspondences,
+                                         const std::vector<int>& subset, const PoseOptions& options,
+                                         uint64_t seed) {
+  PoseEstimator estimator(query, correspondences, subset, options, seed);
+  if (estimator.num_keypoints() < options.min_inliers) {
+    return std::nullopt;
+  }
+  const RansacOptions ransac_options = {options.min_iterations, options.max_iterations,
+                                        options.success_probability};
+  const RansacResult<Rigid3d> ransac = LoRansac(&estimator, ransac_options, seed);
+  if (!ransac.model) {
+    return std::nullopt;
+  }
+  std::optional<PoseEstimate> estimate = Polish(query, correspondences, *ransac.model, options);
+  if (!estimate) {
+    return std::nullopt;
+  }
+  std::vector<Eigen::Vector2d> pixels;
+  pixels.reserve(estimate->inliers.size());
+  for (int index : estimate->inliers) {
+    pixels.push_back(PixelOf(query, correspondences[index]));
+  }
+  estimate->effective_inliers =
+      EffectiveInliers(pixels, query.camera.width_px(), query.camera.height_px());
+  estimate->num_iterations = ransac.num_iterations;
+  return estimate;
+}
+
+}  // namespace cairn

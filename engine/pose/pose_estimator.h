@@ -1,0 +1,62 @@
+// The estimator of LoRansac for camera poses.
+#ifndef CAIRN_ENGINE_POSE_POSE_ESTIMATOR_H_
+#define CAIRN_ENGINE_POSE_POSE_ESTIMATOR_H_
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/rigid3.h"
+#include "engine/pose/consensus.h"
+#include "engine/pose/pose_options.h"
+#include "engine/pose/random.h"
+#include "engine/pose/refine_pose.h"
+#include "engine/query_context.h"
+
+namespace cairn {
+
+// Poses from gravity two-point samples if the query has gravity, else from P3P samples. See
+// LoRansac for the contract of the methods.
+//
+// A two-point pose inherits the error of the measured gravity, so its score takes thresholds
+// widened by twice gravity_sigma_rad; local optimisation frees all six degrees of freedom and is
+// scored with the thresholds as they are. Keeps references to its arguments. Not thread-safe.
+class PoseEstimator {
+ public:
+  using Model = Rigid3d;  // cam_from_anchor.
+  static constexpr int kMaxModels = 4;
+
+  // Samples and scores the correspondences `subset`. `seed` fixes the order of scoring.
+  PoseEstimator(const QueryContext& query, const std::vector<Correspondence>& correspondences,
+                const std::vector<int>& subset, const PoseOptions& options, uint64_t seed);
+
+  // Distinct keypoints that have a ray.
+  int num_keypoints() const { return consensus_.num_keypoints(); }
+  // Keypoints of a minimal sample.
+  int sample_size() const { return level_from_cam_ ? 2 : 3; }
+
+  int SampleModels(Random* random, std::array<Model, kMaxModels>* models);
+  double ScoreMinimal(const Model& cam_from_anchor, double score_to_beat);
+  std::optional<std::pair<Model, double>> Optimize(const Model& cam_from_anchor);
+  double InlierSampleProbability(const Model& cam_from_anchor);
+
+ private:
+  std::vector<PoseObservation> LocalInliers(const Model& cam_from_anchor, double extra_sq_rad);
+
+  const QueryContext& query_;
+  const PoseOptions& options_;
+  std::vector<RayObservation> observations_;  // Keypoints in random order.
+  ConsensusSet consensus_;
+  std::optional<Eigen::Matrix3d> level_from_cam_;
+  std::optional<GravityPrior> gravity_;
+  double minimal_extra_sq_rad_ = 0.0;
+};
+
+// The gravity prior of a query, if it has gravity.
+std::optional<GravityPrior> MakeGravityPrior(const QueryContext& query, const PoseOptions& options);
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_POSE_POSE_ESTIMATOR_H_

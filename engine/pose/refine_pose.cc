@@ -1,0 +1,146 @@
+#include "engine/pose/refine_pose.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "engine/pose/pose_residuals.h"
+
+namespace cairn {
+namespace {
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+// Residual of an observation that does not project, in standard deviations.
+constexpr double kGrossError = 100.0;
+
+// The normal equations at one pose.
+struct Linearization {
+  Matrix6d normal = Matrix6d::Zero();          // Sum of w J'J.
+  PoseTangent gradient = PoseTangent::Zero();  // Sum of w J'r.
+  double cost = 0.0;
+  double weighted_sq_residual = 0.0;  // Sum of w r'r over the reprojections.
+};
+
+// The problem in the form the iterations need.
+struct Problem {
+  const Camera& camera;
+  const std::vector<PoseObservation>& observations;
+  const std::optional<GravityPrior>& gravity;
+  const RefinePoseOptions& options;
+
+  double Information(const PoseObservation& observation, const Rigid3d& anchor_from_cam) const {
+    const double distance_m =
+        std::max(1e-3, (observation.x_in_anchor - anchor_from_cam.translation).norm());
+    const double landmark_px = camera.focal_px() * observation.sigma_m / distance_m;
+    return 1.0 /
+           (options.keypoint_sigma_px * options.keypoint_sigma_px + landmark_px * landmark_px);
+  }
+
+  // Half the Cauchy loss of a squared residual in standard deviations.
+  double RobustCost(double sq_residual) const {
+    const double sq_scale = options.cauchy_scale * options.cauchy_scale;
+    return 0.5 * sq_scale * std::log1p(sq_residual / sq_scale);
+  }
+  double RobustWeight(double sq_residual) const {
+    return 1.0 / (1.0 + sq_residual / (options.cauchy_scale * options.cauchy_scale));
+  }
+
+  double Cost(const Rigid3d& anchor_from_cam) const {
+    double cost = 0.0;
+    for (const PoseObservation& observation : observations) {
+      const auto residual = ReprojectionResidual(camera, observation.pixel, observation.x_in_anchor,
+                                                 anchor_from_cam, nullptr);
+      cost +=
+          RobustCost(residual ? residual->squaredNorm() * Information(observation, anchor_from_cam)
+                              : kGrossError * kGrossError);
+    }
+    if (gravity) {
+      cost += 0.5 * GravityResidual(gravity->down_in_cam, anchor_from_cam, nullptr).squaredNorm() /
+              (gravity->sigma_rad * gravity->sigma_rad);
+    }
+    return cost;
+  }
+
+  Linearization Linearize(const Rigid3d& anchor_from_cam) const {
+    Linearization system;
+    Eigen::Matrix<double, 2, 6> jacobian;
+    for (const PoseObservation& observation : observations) {
+      const auto residual = ReprojectionResidual(camera, observation.pixel, observation.x_in_anchor,
+                                                 anchor_from_cam, &jacobian);
+      if (!residual) {
+        system.cost += RobustCost(kGrossError * kGrossError);
+        continue;
+      }
+      const double information = Information(observation, anchor_from_cam);
+      const double sq_residual = residual->squaredNorm() * information;
+      const double weight = information * RobustWeight(sq_residual);
+      system.normal.noalias() += weight * jacobian.transpose() * jacobian;
+      system.gradient.noalias() += weight * jacobian.transpose() * *residual;
+      system.cost += RobustCost(sq_residual);
+      system.weighted_sq_residual += weight * residual->squaredNorm();
+    }
+    if (gravity) {
+      Eigen::Matrix<double, 3, 6> gravity_jacobian;
+      const Eigen::Vector3d residual =
+          GravityResidual(gravity->down_in_cam, anchor_from_cam, &gravity_jacobian);
+      const double weight = 1.0 / (gravity->sigma_rad * gravity->sigma_rad);
+      system.normal.noalias() += weight * gravity_jacobian.transpose() * gravity_jacobian;
+      system.gradient.noalias() += weight * gravity_jacobian.transpose() * residual;
+      system.cost += 0.5 * weight * residual.squaredNorm();
+    }
+    return system;
+  }
+};
+
+// Inverse of the normal matrix with a floor that keeps free directions finite, scaled by the
+// reduced chi square where that says the noise was taken too small.
+Matrix6d Covariance(const Linearization& system, size_t num_observations) {
+  PoseTangent floor;
+  floor << Eigen::Vector3d::Constant(1.0 / 9.0), Eigen::Vector3d::Constant(1e-6);
+  const Matrix6d normal = system.normal + Matrix6d(floor.asDiagonal());
+  const Matrix6d inverse = normal.ldlt().solve(Matrix6d::Identity());
+  const double degrees_of_freedom =
+      std::max(1.0, 2.0 * static_cast<double>(num_observations) - 6.0);
+  const double scale = std::max(1.0, system.weighted_sq_residual / degrees_of_freedom);
+  return scale * 0.5 * (inverse + inverse.transpose());
+}
+
+}  // namespace
+
+RefinedPose RefinePose(const Camera& camera, const std::vector<PoseObservation>& observations,
+                       const std::optional<GravityPrior>& gravity,
+                       const Rigid3d& initial_cam_from_anchor, const RefinePoseOptions& options) {
+  constexpr double kMaxDamping = 1e6;
+  constexpr double kMinRelativeDecrease = 1e-6;
+  const Problem problem{camera, observations, gravity, options};
+  Rigid3d anchor_from_cam = initial_cam_from_anchor.Inverse();
+  Linearization system = problem.Linearize(anchor_from_cam);
+  RefinedPose refined;
+  double damping = 1e-4;  // Relative to the diagonal of the normal matrix.
+  for (int i = 0; i < options.max_iterations && damping < kMaxDamping; ++i) {
+    Matrix6d damped = system.normal;
+    damped.diagonal() *= 1.0 + damping;
+    damped.diagonal().array() += 1e-9;
+    const Rigid3d moved = PerturbPose(anchor_from_cam, -damped.ldlt().solve(system.gradient));
+    const double cost = problem.Cost(moved);
+    if (!(cost < system.cost)) {
+      damping *= 10.0;
+      continue;
+    }
+    const double decrease = system.cost - cost;
+    anchor_from_cam = moved;
+    system = problem.Linearize(anchor_from_cam);
+    damping = std::max(1e-9, damping * 0.1);
+    ++refined.num_iterations;
+    if (decrease < kMinRelativeDecrease * cost) {
+      break;
+    }
+  }
+  refined.cam_from_anchor = anchor_from_cam.Inverse();
+  refined.cost = system.cost;
+  refined.covariance = Covariance(system, observations.size());
+  return refined;
+}
+
+}  // namespace cairn
