@@ -3,7 +3,6 @@
 #define CAIRN_INGEST_RECONSTRUCTION_H_
 
 #include <Eigen/Core>
-
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,7 +20,7 @@ struct ReconImage {
   int camera_idx = 0;
   Rigid3d cam_from_world;
   FeatureSet features;
-  std::optional<Geodetic> gps;   // A position prior that came with the image.
+  std::optional<Geodetic> gps;  // A position prior that came with the image.
 };
 
 struct ReconObservation {
@@ -40,8 +39,11 @@ struct Reconstruction {
   std::vector<ReconImage> images;
   std::vector<ReconLandmark> landmarks;
 
-  // Throws Error(kBadInput) if an index is out of range, a number is not finite, or descriptor
-  // dimensions differ between images.
+  // Of the first image that has features; 0 if none has.
+  int descriptor_dim() const;
+
+  // Throws Error(kBadInput) if an index is out of range, a number is not finite, a landmark has two
+  // observations in one image, or descriptor dimensions differ between images.
   void Validate() const;
 };
 

@@ -21,8 +21,16 @@ namespace {
 
 constexpr uint64_t kMaxImageFileBytes = uint64_t{256} << 20;
 
-// Offset from OpenCV's keypoint coordinates to ours.
-constexpr float kPixelOffset = 0.5f;
+// From OpenCV's keypoint coordinates to ours. OpenCV counts from the centre of the upper left pixel
+// (+0.5), but its SIFT doubles the image about pixel corners and halves coordinates about pixel
+// centres, which leaves every keypoint a quarter of a pixel too far right and down (-0.25; OpenCV
+// 4.8 names the cure `enable_precise_upscale`). Measured against COLMAP's keypoints of the same
+// images with +0.5: a median excess of 0.248 px in x and 0.247 px in y.
+//
+// The rest agrees as it is: scale = size / 2 (median ratio to COLMAP's 1.002), the orientation's
+// sign and zero, and the order of the 128 bins (each bin correlates best, at 0.98, with its own
+// number). COLMAP stores descriptors square-rooted, see readers/colmap_database.h.
+constexpr float kPixelOffset = 0.25f;
 
 // Wraps the caller's pixels; OpenCV only reads them.
 cv::Mat AsMat(const GrayImage& image) {

@@ -41,7 +41,10 @@ GrayImage DecodeGrayImage(std::span<const uint8_t> image_bytes,
 // Reads and decodes a file; throws Error(kNotFound) or as DecodeGrayImage, naming the path.
 GrayImage ReadGrayImage(const std::string& path, const ImageDecodeLimits& limits = {});
 
-// Raw 128-D descriptors, compatible with those in COLMAP databases. Thread-safe.
+// Classic SIFT (descriptor type "sift"): 128-D, not yet root-normalised, as ReadColmap returns them
+// too: the same place seen by both gives RootSIFT descriptors 0.08 apart in the median, against 0.5
+// and more for different places. Strongest first; the order does not depend on the number of
+// threads. Throws Error(kBadInput) if the image's size is not that of its pixels. Thread-safe.
 FeatureSet ExtractSift(const GrayImage& image, const SiftOptions& options = {});
 
 }  // namespace cairn

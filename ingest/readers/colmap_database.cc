@@ -1,0 +1,195 @@
+#include "ingest/readers/colmap_database.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+#include <vector>
+
+#include "core/error.h"
+#include "storage/sqlite/connection.h"
+
+namespace cairn {
+namespace {
+
+constexpr int kBusyTimeoutMs = 2000;
+constexpr float kDescriptorUnit = 512.0f;
+// Keypoints without a scale in the database count as small ones.
+constexpr float kDefaultScalePx = 1.0f;
+constexpr float kMinScalePx = 0.01f;
+constexpr int64_t kMaxKeypoints = 10'000'000;
+
+// COLMAP's PosePrior::CoordinateSystem::WGS84 and SensorType::CAMERA.
+constexpr int64_t kWgs84 = 0;
+constexpr int64_t kCameraSensor = 0;
+
+// A matrix as COLMAP stores it.
+struct MatrixBlob {
+  int64_t rows = 0;
+  int64_t cols = 0;
+  std::vector<uint8_t> bytes;
+};
+
+MatrixBlob ReadMatrix(sqlite::Connection* connection, const char* table,
+                      const std::string& image_name, int64_t element_bytes) {
+  sqlite::Statement statement =
+      connection->Prepare(fmt::format("SELECT m.rows, m.cols, m.data FROM {} AS m JOIN images AS i "
+                                      "ON i.image_id = m.image_id WHERE i.name = ?",
+                                      table));
+  statement.Bind(std::string_view(image_name));
+  if (!statement.Step()) {
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("it has no {} for image {}; is it the database this model was built "
+                            "from, and were features extracted?",
+                            table, image_name));
+  }
+  MatrixBlob matrix{statement.Int64(0), statement.Int64(1), {}};
+  if (!statement.IsNull(2)) matrix.bytes = statement.Blob(2);
+  const bool in_range =
+      matrix.rows >= 0 && matrix.rows <= kMaxKeypoints && matrix.cols >= 1 && matrix.cols <= 4096;
+  if (!in_range ||
+      matrix.bytes.size() != static_cast<uint64_t>(matrix.rows * matrix.cols * element_bytes)) {
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("the {} of image {} are said to be {} x {} but have {} bytes", table,
+                            image_name, matrix.rows, matrix.cols, matrix.bytes.size()));
+  }
+  return matrix;
+}
+
+// `row` has `cols` floats: x, y; x, y, scale, orientation; or x, y, a11, a12, a21, a22.
+Keypoint ToKeypoint(const float* row, int64_t cols) {
+  Keypoint keypoint{row[0], row[1], kDefaultScalePx, 0.0f};
+  if (cols == 4) {
+    keypoint.scale_px = row[2];
+    keypoint.orientation_rad = row[3];
+  } else if (cols == 6) {
+    keypoint.scale_px = 0.5f * (std::hypot(row[2], row[4]) + std::hypot(row[3], row[5]));
+    keypoint.orientation_rad = std::atan2(row[4], row[2]);
+  }
+  // Written so that NaN stays what it is, for validation to find.
+  if (keypoint.scale_px < kMinScalePx) keypoint.scale_px = kMinScalePx;
+  return keypoint;
+}
+
+std::vector<Keypoint> ToKeypoints(const MatrixBlob& matrix, const std::string& image_name) {
+  if (matrix.cols != 2 && matrix.cols != 4 && matrix.cols != 6) {
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("the keypoints of image {} have {} columns; 2, 4 or 6 are known",
+                            image_name, matrix.cols));
+  }
+  std::vector<Keypoint> keypoints(matrix.rows);
+  for (int64_t i = 0; i < matrix.rows; ++i) {
+    float row[6];
+    const size_t row_bytes = sizeof(float) * static_cast<size_t>(matrix.cols);
+    std::memcpy(row, matrix.bytes.data() + static_cast<size_t>(i) * row_bytes, row_bytes);
+    keypoints[i] = ToKeypoint(row, matrix.cols);
+  }
+  return keypoints;
+}
+
+bool HasColumn(sqlite::Connection* connection, const char* table, const char* column) {
+  sqlite::Statement statement =
+      connection->Prepare("SELECT COUNT(*) FROM pragma_table_info(?) WHERE name = ?");
+  statement.Bind(std::string_view(table), std::string_view(column));
+  return statement.Step() && statement.Int64(0) > 0;
+}
+
+// SQL for the prior of the image named ?, as columns lat_deg, lon_deg, h_m or as one blob of them.
+std::string GpsSql(sqlite::Connection* connection) {
+  if (HasColumn(connection, "pose_priors", "corr_data_id")) {
+    return fmt::format(
+        "SELECT p.position FROM pose_priors AS p JOIN images AS i ON i.image_id = p.corr_data_id "
+        "WHERE p.corr_sensor_type = {} AND p.coordinate_system = {} AND i.name = ?",
+        kCameraSensor, kWgs84);
+  }
+  if (HasColumn(connection, "pose_priors", "image_id")) {
+    return fmt::format(
+        "SELECT p.position FROM pose_priors AS p JOIN images AS i ON i.image_id = p.image_id "
+        "WHERE p.coordinate_system = {} AND i.name = ?",
+        kWgs84);
+  }
+  if (HasColumn(connection, "images", "prior_tx")) {
+    return "SELECT CAST(prior_tx AS REAL), CAST(prior_ty AS REAL), CAST(prior_tz AS REAL) "
+           "FROM images WHERE prior_tx IS NOT NULL AND prior_ty IS NOT NULL AND name = ?";
+  }
+  return "";
+}
+
+// Runs `read` and turns what the wrapper says about maps into what is wrong with the database.
+template <typename Read>
+auto WithDatabaseErrors(const std::string& path, const Read& read) {
+  try {
+    return read();
+  } catch (const Error& e) {
+    const bool is_io = e.code() == ErrorCode::kIo || e.code() == ErrorCode::kConflict;
+    throw Error(is_io ? e.code() : ErrorCode::kBadInput,
+                fmt::format("COLMAP database {}: {}", path, e.what()));
+  }
+}
+
+}  // namespace
+
+ColmapDatabase::ColmapDatabase(const std::string& path) : path_(path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) {
+    throw Error(ErrorCode::kNotFound, fmt::format("{}: no such COLMAP database", path));
+  }
+  WithDatabaseErrors(path_, [&] {
+    connection_ =
+        std::make_unique<sqlite::Connection>(path, sqlite::Access::kReadOnly, kBusyTimeoutMs);
+    for (const char* table : {"images", "keypoints", "descriptors"}) {
+      if (!HasColumn(connection_.get(), table, "image_id")) {
+        throw Error(ErrorCode::kBadInput, fmt::format("it has no table `{}`", table));
+      }
+    }
+    gps_sql_ = GpsSql(connection_.get());
+  });
+}
+
+ColmapDatabase::~ColmapDatabase() = default;
+
+FeatureSet ColmapDatabase::ReadFeatures(const std::string& image_name) {
+  return WithDatabaseErrors(path_, [&] {
+    const MatrixBlob keypoints = ReadMatrix(connection_.get(), "keypoints", image_name, 4);
+    const MatrixBlob descriptors = ReadMatrix(connection_.get(), "descriptors", image_name, 1);
+    if (keypoints.rows != descriptors.rows) {
+      throw Error(ErrorCode::kBadInput, fmt::format("image {} has {} keypoints but {} descriptors",
+                                                    image_name, keypoints.rows, descriptors.rows));
+    }
+    FeatureSet features;
+    features.keypoints = ToKeypoints(keypoints, image_name);
+    using ByteMatrix = Eigen::Matrix<uint8_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    const Eigen::Map<const ByteMatrix> bytes(descriptors.bytes.data(), descriptors.rows,
+                                             descriptors.cols);
+    features.descriptors = bytes.cast<float>().array().square() / kDescriptorUnit;
+    return features;
+  });
+}
+
+std::optional<Geodetic> ColmapDatabase::ReadGps(const std::string& image_name) {
+  if (gps_sql_.empty()) return std::nullopt;
+  return WithDatabaseErrors(path_, [&]() -> std::optional<Geodetic> {
+    sqlite::Statement statement = connection_->Prepare(gps_sql_);
+    statement.Bind(std::string_view(image_name));
+    if (!statement.Step() || statement.IsNull(0)) return std::nullopt;
+    double lat_lon_h[3];
+    if (gps_sql_.find("pose_priors") != std::string::npos) {
+      const std::vector<uint8_t> position = statement.Blob(0);
+      if (position.size() != sizeof(lat_lon_h)) return std::nullopt;
+      std::memcpy(lat_lon_h, position.data(), sizeof(lat_lon_h));
+    } else {
+      for (int i = 0; i < 3; ++i) {
+        lat_lon_h[i] = statement.IsNull(i) ? 0.0 : statement.Double(i);
+      }
+    }
+    const auto [lat_deg, lon_deg, h_m] = lat_lon_h;
+    const bool is_place = std::abs(lat_deg) <= 90.0 && std::abs(lon_deg) <= 180.0 &&
+                          std::abs(h_m) <= 12'000.0 && (lat_deg != 0.0 || lon_deg != 0.0);
+    if (!is_place) return std::nullopt;
+    return Geodetic::FromDegrees(lat_deg, lon_deg, h_m);
+  });
+}
+
+}  // namespace cairn

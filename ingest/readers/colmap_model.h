@@ -1,0 +1,48 @@
+// The three files of a COLMAP sparse model as they stand on disk.
+#ifndef CAIRN_INGEST_READERS_COLMAP_MODEL_H_
+#define CAIRN_INGEST_READERS_COLMAP_MODEL_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/rigid3.h"
+
+namespace cairn {
+
+struct ColmapImage {
+  uint32_t image_id = 0;
+  std::string name;
+  uint32_t camera_id = 0;
+  Rigid3d cam_from_world;
+  std::vector<Eigen::Vector2f> pixels;  // One per keypoint of the image.
+};
+
+struct ColmapPoint {
+  Eigen::Vector3d x_in_world;
+  std::vector<std::pair<uint32_t, uint32_t>> track;  // Image id, keypoint index.
+};
+
+struct ColmapModel {
+  std::map<uint32_t, Camera> cameras;
+  std::vector<ColmapImage> images;  // In file order.
+  std::vector<ColmapPoint> points;  // In file order.
+};
+
+// Reads {cameras,images,points3D} with the extension .bin if all three are there, else .txt. Checks
+// the form of the files and every number, not whether ids refer to anything. Throws
+// Error(kNotFound) if neither set is complete, Error(kBadInput) naming the file and the byte offset
+// (text: the line).
+ColmapModel ReadColmapModel(const std::string& model_dir);
+
+// The two encodings, for ReadColmapModel.
+ColmapModel ReadBinaryColmapModel(const std::string& model_dir);
+ColmapModel ReadTextColmapModel(const std::string& model_dir);
+
+}  // namespace cairn
+
+#endif  // CAIRN_INGEST_READERS_COLMAP_MODEL_H_
