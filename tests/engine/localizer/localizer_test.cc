@@ -1,0 +1,293 @@
+#include "engine/localizer.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <numbers>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/error.h"
+#include "ingest/ingest_session.h"
+#include "storage/descriptor_codec.h"
+#include "support/reconstruction_builder.h"
+#include "support/temp_dir.h"
+
+namespace cairn {
+namespace {
+
+using testing::StreetWorld;
+using testing::StreetWorldOptions;
+using testing::TempDir;
+
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+
+// A map of one or more streets and the localizer over it.
+class MappedStreets {
+ public:
+  explicit MappedStreets(const std::vector<StreetWorld>& worlds,
+                         const LocalizerOptions& options = {})
+      : store_(std::make_shared<MapStore>(MapStore::Create(dir_.File("map.gpkg")))),
+        localizer_(store_, std::make_shared<TileCache>(size_t{1} << 28), options) {
+    for (const StreetWorld& world : worlds) {
+      Add(world);
+    }
+  }
+
+  void Add(const StreetWorld& world) {
+    IngestOptions options;
+    options.session_name = "street " + std::to_string(num_streets_++);
+    options.codebook.max_training_descriptors = 5000;
+    IngestSession(world.Reconstruct(), world.EcefFromWorld(), options, store_.get(), {});
+  }
+
+  const MapStore& store() const { return *store_; }
+  const Localizer& localizer() const { return localizer_; }
+
+ private:
+  TempDir dir_;
+  std::shared_ptr<MapStore> store_;
+  Localizer localizer_;
+  int num_streets_ = 0;
+};
+
+// Somewhere a keyframe was not: lower, off the centre line, turned.
+Rigid3d QueryPose(double x_m) { return StreetWorld::LookAlong({x_m, -1.5, 1.2}, 0.2, 0.03); }
+
+LocalizeQuery QueryAt(const StreetWorld& world, const Rigid3d& cam_from_enu) {
+  LocalizeQuery query;
+  query.camera = world.camera();
+  query.features = world.Photograph(cam_from_enu, /*seed=*/99);
+  const Rigid3d ecef_from_enu = EcefFromEnu(world.options().origin);
+  PositionPrior prior;
+  prior.position = GeodeticFromEcef(
+      ecef_from_enu * (cam_from_enu.Inverse().translation + Eigen::Vector3d(6.0, -5.0, 3.0)));
+  query.prior = prior;
+  query.down_in_cam = cam_from_enu.rotation * DownInEnu();
+  return query;
+}
+
+void ExpectPose(const LocalizeResult& result, const StreetWorld& world, const Rigid3d& cam_from_enu,
+                double max_error_m, double max_error_rad) {
+  ASSERT_TRUE(result.localized) << NotLocalizedReasonName(result.reason);
+  const Rigid3d cam_from_ecef = cam_from_enu * EcefFromEnu(world.options().origin).Inverse();
+  EXPECT_LT(
+      (result.cam_from_ecef.Inverse().translation - cam_from_ecef.Inverse().translation).norm(),
+      max_error_m);
+  EXPECT_LT(RotationAngleRad(result.cam_from_ecef.rotation, cam_from_ecef.rotation), max_error_rad);
+}
+
+class LocalizerOnOneStreet : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    world_ = new StreetWorld();
+    map_ = new MappedStreets({*world_});
+  }
+  static void TearDownTestSuite() {
+    delete map_;
+    delete world_;
+  }
+  static const Localizer& localizer() { return map_->localizer(); }
+
+  static StreetWorld* world_;
+  static MappedStreets* map_;
+};
+StreetWorld* LocalizerOnOneStreet::world_ = nullptr;
+MappedStreets* LocalizerOnOneStreet::map_ = nullptr;
+
+TEST_F(LocalizerOnOneStreet, FindsPosesBetweenTheKeyframes) {
+  for (const double x_m : {4.0, 17.5, 31.0, 44.5}) {
+    const Rigid3d cam_from_enu = QueryPose(x_m);
+    ExpectPose(localizer().Localize(QueryAt(*world_, cam_from_enu)), *world_, cam_from_enu, 0.05,
+               0.1 * kRadPerDeg);
+  }
+}
+
+TEST_F(LocalizerOnOneStreet, ReportsItsEvidence) {
+  const LocalizeQuery query = QueryAt(*world_, QueryPose(20.0));
+  const LocalizeResult result = localizer().Localize(query);
+  ASSERT_TRUE(result.localized);
+  EXPECT_GE(result.matches.size(), 20u);
+  for (const LocalizeMatch& match : result.matches) {
+    EXPECT_EQ(match.pixel.x(), query.features.keypoints[match.keypoint_idx].x_px);
+    const auto pixel = query.camera.Project(result.cam_from_anchor * match.x_in_anchor);
+    ASSERT_TRUE(pixel);
+    EXPECT_NEAR((*pixel - match.pixel).norm(), match.error_px, 1e-9);
+  }
+  EXPECT_FALSE(result.tiles.empty());
+  EXPECT_EQ(result.counters.num_keypoints, query.features.size());
+  EXPECT_TRUE(result.counters.used_prior);
+  EXPECT_TRUE(result.counters.used_gravity);
+  EXPECT_GT(result.counters.num_matches, 0);
+  EXPECT_GT(result.counters.num_candidates, 0);
+  EXPECT_GT(result.confidence, 0.5);
+  EXPECT_GT(result.position_accuracy_m, 0.0);
+  EXPECT_LT(result.position_accuracy_m, 0.5);
+  EXPECT_EQ(result.map_version, map_->store().Snapshot().version());
+}
+
+TEST_F(LocalizerOnOneStreet, WorksWithoutGravity) {
+  const Rigid3d cam_from_enu = QueryPose(20.0);
+  LocalizeQuery query = QueryAt(*world_, cam_from_enu);
+  query.down_in_cam.reset();
+  const LocalizeResult result = localizer().Localize(query);
+  ExpectPose(result, *world_, cam_from_enu, 0.05, 0.1 * kRadPerDeg);
+  EXPECT_FALSE(result.counters.used_gravity);
+}
+
+TEST_F(LocalizerOnOneStreet, WorksWithoutPrior) {
+  const Rigid3d cam_from_enu = QueryPose(20.0);
+  LocalizeQuery query = QueryAt(*world_, cam_from_enu);
+  query.prior.reset();
+  const LocalizeResult result = localizer().Localize(query);
+  ExpectPose(result, *world_, cam_from_enu, 0.05, 0.1 * kRadPerDeg);
+  EXPECT_FALSE(result.counters.used_prior);
+}
+
+TEST_F(LocalizerOnOneStreet, ToleratesGravityTwoDegreesOff) {
+  const Rigid3d cam_from_enu = QueryPose(30.0);
+  LocalizeQuery query = QueryAt(*world_, cam_from_enu);
+  query.down_in_cam = ExpSo3({2.0 * kRadPerDeg, 0.0, 0.0}) * *query.down_in_cam;
+  ExpectPose(localizer().Localize(query), *world_, cam_from_enu, 0.1, 0.3 * kRadPerDeg);
+}
+
+TEST_F(LocalizerOnOneStreet, SaysNoCoverageFarAway) {
+  LocalizeQuery query = QueryAt(*world_, QueryPose(20.0));
+  query.prior->position = Geodetic::FromDegrees(48.0, 9.0, 400.0);
+  const LocalizeResult result = localizer().Localize(query);
+  EXPECT_FALSE(result.localized);
+  EXPECT_EQ(result.reason, NotLocalizedReason::kNoCoverage);
+}
+
+TEST_F(LocalizerOnOneStreet, NeverAnswersOutsideThePriorsRegion) {
+  LocalizeQuery query = QueryAt(*world_, QueryPose(50.0));
+  query.prior->position =
+      GeodeticFromEcef(EcefFromEnu(world_->options().origin) * Eigen::Vector3d(5.0, 0.0, 1.6));
+  query.prior->accuracy_m = 5.0;
+  EXPECT_FALSE(localizer().Localize(query).localized);
+}
+
+TEST_F(LocalizerOnOneStreet, SaysTooFewFeatures) {
+  LocalizeQuery query = QueryAt(*world_, QueryPose(20.0));
+  query.features.keypoints.resize(3);
+  query.features.descriptors.conservativeResize(3, Eigen::NoChange);
+  EXPECT_EQ(localizer().Localize(query).reason, NotLocalizedReason::kTooFewFeatures);
+}
+
+TEST_F(LocalizerOnOneStreet, DoesNotLocalizeAnotherPlace) {
+  StreetWorldOptions options;
+  options.seed = 1234;  // Other landmarks with other looks.
+  const StreetWorld elsewhere(options);
+  const LocalizeResult result = localizer().Localize(QueryAt(elsewhere, QueryPose(20.0)));
+  EXPECT_FALSE(result.localized);
+}
+
+TEST_F(LocalizerOnOneStreet, SaysTimeoutWhenTheDeadlineHasPassed) {
+  LocalizeQuery query = QueryAt(*world_, QueryPose(20.0));
+  query.deadline = std::chrono::steady_clock::now() - std::chrono::seconds(1);
+  EXPECT_EQ(localizer().Localize(query).reason, NotLocalizedReason::kTimeout);
+}
+
+TEST_F(LocalizerOnOneStreet, AnswersProjectedFeaturesAsRawOnes) {
+  const LocalizeQuery raw = QueryAt(*world_, QueryPose(20.0));
+  LocalizeQuery projected = raw;
+  const DescriptorCodec codec(map_->store().Snapshot().CurrentCodebook());
+  projected.features.descriptors = codec.Project(raw.features.descriptors);
+  projected.features.space = DescriptorSpace::kProjected;
+  projected.codec = codec.codebook().CodecName();
+  const LocalizeResult a = localizer().Localize(raw);
+  const LocalizeResult b = localizer().Localize(projected);
+  ASSERT_TRUE(a.localized);
+  EXPECT_EQ(a.cam_from_anchor.ToMatrix(), b.cam_from_anchor.ToMatrix());
+}
+
+TEST_F(LocalizerOnOneStreet, RefusesDescriptorsThatAreNotTheMaps) {
+  LocalizeQuery other_dim = QueryAt(*world_, QueryPose(20.0));
+  other_dim.features.descriptors = DescriptorMatrix::Ones(other_dim.features.size(), 64);
+  EXPECT_THROW(localizer().Localize(other_dim), Error);
+  LocalizeQuery other_codec = QueryAt(*world_, QueryPose(20.0));
+  other_codec.features.descriptors = DescriptorMatrix::Ones(other_codec.features.size(), 16);
+  other_codec.features.space = DescriptorSpace::kProjected;
+  other_codec.codec = "orb-32-16-1";
+  EXPECT_THROW(localizer().Localize(other_codec), Error);
+}
+
+TEST_F(LocalizerOnOneStreet, GivesTheSameAnswerOnEveryThread) {
+  const LocalizeQuery query = QueryAt(*world_, QueryPose(20.0));
+  const LocalizeResult expected = localizer().Localize(query);
+  ASSERT_TRUE(expected.localized);
+  std::vector<LocalizeResult> results(4);
+  std::vector<std::thread> threads;
+  for (LocalizeResult& result : results) {
+    threads.emplace_back([&] { result = localizer().Localize(query); });
+  }
+  for (std::thread& thread : threads) {
+    thread.join();
+  }
+  for (const LocalizeResult& result : results) {
+    ASSERT_TRUE(result.localized);
+    EXPECT_EQ(result.cam_from_anchor.ToMatrix(), expected.cam_from_anchor.ToMatrix());
+    EXPECT_EQ(result.covariance, expected.covariance);
+  }
+}
+
+TEST(Localizer, SaysNoCoverageOnAnEmptyMap) {
+  const StreetWorld world;
+  const MappedStreets map({});
+  LocalizeQuery query = QueryAt(world, QueryPose(20.0));
+  EXPECT_EQ(map.localizer().Localize(query).reason, NotLocalizedReason::kNoCoverage);
+  query.prior.reset();
+  EXPECT_EQ(map.localizer().Localize(query).reason, NotLocalizedReason::kNoCoverage);
+}
+
+TEST(Localizer, SaysAmbiguousBetweenTwoEqualStreets) {
+  StreetWorldOptions options;
+  options.length_m = 20.0;
+  options.num_landmarks = 600;
+  const StreetWorld here(options);
+  options.origin = GeodeticFromEcef(EcefFromEnu(options.origin) * Eigen::Vector3d(0.0, 30.0, 0.0));
+  const StreetWorld same_again(options);
+  const MappedStreets map({here, same_again});
+  LocalizeQuery query = QueryAt(here, QueryPose(8.0));
+  query.prior->accuracy_m = 40.0;
+  const LocalizeResult result = map.localizer().Localize(query);
+  EXPECT_FALSE(result.localized);
+  EXPECT_EQ(result.reason, NotLocalizedReason::kAmbiguous);
+}
+
+TEST(Localizer, WorksAcrossAZoneBorder) {
+  StreetWorldOptions options;
+  options.origin = Geodetic::FromDegrees(47.0, 11.9996, 600.0);  // 30 m west of zone 33.
+  const StreetWorld world(options);
+  const MappedStreets map({world});
+  const Rigid3d cam_from_enu = QueryPose(29.0);
+  const LocalizeResult result = map.localizer().Localize(QueryAt(world, cam_from_enu));
+  ExpectPose(result, world, cam_from_enu, 0.05, 0.1 * kRadPerDeg);
+  ASSERT_GE(result.tiles.size(), 2u);
+  EXPECT_NE(result.tiles.front().zone(), result.tiles.back().zone());
+}
+
+TEST(Localizer, SeesAnUpdateOfTheMap) {
+  StreetWorldOptions options;
+  options.length_m = 30.0;
+  options.num_landmarks = 600;
+  const StreetWorld first(options);
+  options.seed = 7;
+  options.origin = GeodeticFromEcef(EcefFromEnu(options.origin) * Eigen::Vector3d(0.0, 500.0, 0.0));
+  const StreetWorld second(options);
+  MappedStreets map({first});
+  const LocalizeQuery query = QueryAt(second, QueryPose(12.0));
+  EXPECT_EQ(map.localizer().Localize(query).reason, NotLocalizedReason::kNoCoverage);
+  map.Add(second);
+  EXPECT_TRUE(map.localizer().Localize(query).localized);
+}
+
+TEST(Localizer, RefusesOptionsThatMakeNoSense) {
+  LocalizerOptions options;
+  options.answer.ambiguous_score_ratio = 2.0;
+  EXPECT_THROW(MappedStreets({}, options), Error);
+}
+
+}  // namespace
+}  // namespace cairn
