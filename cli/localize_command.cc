@@ -143,7 +143,10 @@ ExitCode RunLocalize(const LocalizeArguments& arguments) {
     DrawMatches(arguments.picture_path, photo, query, result);
   }
   if (arguments.json) {
-    fmt::print("{}\n", LocalizeResponseJson(query, result));
+    LocalizeRequest request;
+    request.query = query;
+    request.answer.with_matches = true;
+    fmt::print("{}\n", LocalizeResponseJson(result, request, ServerTimes()));
   } else {
     PrintText(result);
   }

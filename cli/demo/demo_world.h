@@ -1,0 +1,38 @@
+// The demo's map and queries: a street that is rendered, reconstructed and ingested on the spot.
+#ifndef CAIRN_CLI_DEMO_DEMO_WORLD_H_
+#define CAIRN_CLI_DEMO_DEMO_WORLD_H_
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "cli/progress.h"
+#include "eval/eval_query.h"
+#include "ingest/features/sift_extractor.h"
+#include "ingest/ingest_session.h"
+
+namespace cairn {
+
+struct DemoWorldOptions {
+  std::filesystem::path output_dir;
+  bool quick = false;  // A shorter street and fewer queries.
+  uint64_t seed = 1;
+};
+
+struct DemoWorld {
+  std::string map_path;  // <output_dir>/street.gpkg
+  IngestReport ingest;
+  int num_mapping_photos = 0;
+  // Held-out photos with their true poses and noisy prior and gravity; the features are extracted
+  // from the pixels. The photos are files, too: EvalQuery::image_path.
+  std::vector<EvalQuery> queries;
+  std::vector<GrayImage> photos;  // Parallel to queries.
+};
+
+// Replaces what an earlier demo left in `output_dir`. Throws Error(kIo) if it cannot be written.
+DemoWorld MakeDemoWorld(const DemoWorldOptions& options, Progress* progress);
+
+}  // namespace cairn
+
+#endif  // CAIRN_CLI_DEMO_DEMO_WORLD_H_

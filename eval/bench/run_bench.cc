@@ -1,0 +1,138 @@
+#include "eval/bench/run_bench.h"
+
+#include <sched.h>
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <utility>
+
+#include "core/error.h"
+#include "engine/localizer.h"
+#include "engine/matching/byte_descriptors.h"
+#include "storage/descriptor_codec.h"
+#include "storage/tile_cache.h"
+#include "storage/tile_codec.h"
+
+namespace cairn {
+namespace {
+
+constexpr size_t kMedianQuantile = 9;  // Codebook quantiles are 0.05, 0.10, ...
+constexpr size_t kThresholdQuantile = 17;
+
+class Stopwatch {
+ public:
+  double Seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+// Binds the thread, and the threads it starts, to the core it runs on, until destroyed.
+class OneCore {
+ public:
+  OneCore() {
+    is_bound_ = sched_getaffinity(0, sizeof(previous_), &previous_) == 0;
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(std::max(0, sched_getcpu()), &one);
+    is_bound_ = is_bound_ && sched_setaffinity(0, sizeof(one), &one) == 0;
+  }
+  ~OneCore() {
+    if (is_bound_) {
+      sched_setaffinity(0, sizeof(previous_), &previous_);
+    }
+  }
+  OneCore(const OneCore&) = delete;
+  OneCore& operator=(const OneCore&) = delete;
+
+ private:
+  cpu_set_t previous_;
+  bool is_bound_ = false;
+};
+
+// Fetch, decode and index of every tile, by a query with an empty cache.
+double ColdTileSeconds(const std::shared_ptr<const MapStore>& store, const EvalQuery& query,
+                       const RunBenchOptions& options) {
+  const auto cache = std::make_shared<TileCache>(options.cache_bytes);
+  const LocalizeResult result = Localizer(store, cache, options.localizer).Localize(query.query);
+  const double seconds = result.times.seconds[static_cast<int>(Stage::kTiles)];
+  return seconds / static_cast<double>(std::max<int64_t>(1, result.counters.num_tiles_loaded));
+}
+
+void MeasureExhaustiveSearch(const MapSnapshot& snapshot, const EvalQuery& query,
+                             BenchFigures* figures) {
+  const std::shared_ptr<const Codebook> codebook = snapshot.CurrentCodebook();
+  if (!codebook) {
+    throw Error(ErrorCode::kBadInput, "the map is empty");
+  }
+  figures->same_landmark_distance = codebook->same_landmark_distance_quantiles[kMedianQuantile];
+  figures->other_landmark_distance = codebook->other_landmark_distance_quantiles[kMedianQuantile];
+  const double max_distance = codebook->same_landmark_distance_quantiles[kThresholdQuantile];
+  const DescriptorMatrix queries = DescriptorCodec(codebook).ProjectFeatures(query.query.features);
+  for (const TileRecord& record : snapshot.AllTiles(std::numeric_limits<int64_t>::max())) {
+    const ByteDescriptors descriptors(*codebook,
+                                      DecodeTile(snapshot.LoadPayload(record.payload_id)).codes);
+    std::vector<DescriptorHit> hits;
+    const Stopwatch stopwatch;
+    descriptors.RangeSearch(queries, max_distance, &hits);
+    figures->exhaustive_seconds += stopwatch.Seconds();
+  }
+}
+
+}  // namespace
+
+void RunBenchOptions::Validate() const {
+  if (num_repeats < 1) {
+    throw Error(ErrorCode::kInvalidArgument, "num_repeats must be at least 1");
+  }
+  if (!(max_position_error_m > 0.0) || !(max_rotation_error_rad > 0.0)) {
+    throw Error(ErrorCode::kInvalidArgument, "the errors of a right answer must be positive");
+  }
+  localizer.Validate();
+}
+
+BenchFigures RunBench(std::shared_ptr<const MapStore> store, const std::vector<EvalQuery>& queries,
+                      const RunBenchOptions& options) {
+  options.Validate();
+  if (queries.empty()) {
+    throw Error(ErrorCode::kInvalidArgument, "there is nothing to measure without a query");
+  }
+  const OneCore one_core;
+  BenchFigures figures;
+  {
+    const MapSnapshot snapshot = store->Snapshot();
+    const MapInfo info = snapshot.Info();
+    figures.num_tiles = info.num_tiles;
+    figures.num_descriptors = info.num_descriptors;
+    figures.payload_bytes_per_tile = static_cast<double>(info.payload_bytes) /
+                                     static_cast<double>(std::max<int64_t>(1, info.num_tiles));
+    MeasureExhaustiveSearch(snapshot, queries.front(), &figures);
+  }
+  figures.cold_tile_seconds = ColdTileSeconds(store, queries.front(), options);
+
+  const auto cache = std::make_shared<TileCache>(options.cache_bytes);
+  const Localizer localizer(std::move(store), cache, options.localizer);
+  for (const EvalQuery& query : queries) {  // Fills the cache.
+    localizer.Localize(query.query);
+  }
+  const TileCacheStats stats = cache->Stats();
+  figures.cached_bytes_per_tile = static_cast<double>(stats.bytes) /
+                                  static_cast<double>(std::max<size_t>(1, stats.num_entries));
+  std::vector<EvalQuery> repeated;
+  for (int i = 0; i < options.num_repeats; ++i) {
+    repeated.insert(repeated.end(), queries.begin(), queries.end());
+  }
+  figures.warm = Evaluate(
+      repeated, [&](const EvalQuery& query) { return localizer.Localize(query.query); }, {});
+  figures.num_right = static_cast<int>(std::count_if(
+      figures.warm.answers.begin(), figures.warm.answers.end(), [&](const EvalAnswer& answer) {
+        return answer.position_error_m <= options.max_position_error_m &&
+               answer.rotation_error_rad <= options.max_rotation_error_rad;
+      }));
+  return figures;
+}
+
+}  // namespace cairn

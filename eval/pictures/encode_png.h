@@ -1,0 +1,17 @@
+// Photos as files.
+#ifndef CAIRN_EVAL_PICTURES_ENCODE_PNG_H_
+#define CAIRN_EVAL_PICTURES_ENCODE_PNG_H_
+
+#include <cstdint>
+#include <vector>
+
+#include "ingest/features/sift_extractor.h"
+
+namespace cairn {
+
+// The bytes of a PNG file; lossless. Throws Error(kInternal) if the image is empty.
+std::vector<uint8_t> EncodePng(const GrayImage& image);
+
+}  // namespace cairn
+
+#endif  // CAIRN_EVAL_PICTURES_ENCODE_PNG_H_
