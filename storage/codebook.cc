@@ -1,7 +1,5 @@
 #include "storage/codebook.h"
 
-#include <xxhash.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -9,6 +7,7 @@
 
 #include "core/error.h"
 #include "storage/byte_io.h"
+#include "storage/checksum.h"
 #include "storage/tile_checks.h"
 
 namespace cairn {
@@ -22,11 +21,6 @@ constexpr int kMaxRawDim = 4096;
 constexpr int kMaxProjectedDim = 512;
 constexpr size_t kMaxTypeLength = 32;
 constexpr size_t kMaxQuantiles = 1000;
-
-uint64_t Checksum(std::span<const uint8_t> bytes) {
-  return XXH64(bytes.data(), kChecksumOffset, 0) ^
-         XXH64(bytes.data() + kHeaderSize, bytes.size() - kHeaderSize, 0);
-}
 
 bool IsTypeName(const std::string& name) {
   return !name.empty() && name.size() <= kMaxTypeLength &&
@@ -137,7 +131,7 @@ Header GetHeader(std::span<const uint8_t> bytes) {
     ThrowDamaged("is " + std::to_string(bytes.size()) + " bytes long, its header says " +
                  std::to_string(header.TotalSize()));
   }
-  if (checksum != Checksum(bytes)) {
+  if (checksum != ChecksumOf(bytes, kChecksumOffset)) {
     ThrowDamaged("checksum does not match");
   }
   return header;
@@ -178,7 +172,7 @@ std::vector<uint8_t> EncodeCodebook(const Codebook& codebook) {
   writer.PutArray(std::span<const float>(codebook.words));
   writer.PutArray(std::span<const float>(codebook.same_landmark_distance_quantiles));
   writer.PutArray(std::span<const float>(codebook.other_landmark_distance_quantiles));
-  const uint64_t checksum = Checksum(bytes);
+  const uint64_t checksum = ChecksumOf(bytes, kChecksumOffset);
   std::memcpy(bytes.data() + kChecksumOffset, &checksum, sizeof(checksum));
   return bytes;
 }

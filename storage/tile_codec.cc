@@ -1,15 +1,14 @@
 #include "storage/tile_codec.h"
 
-#include <xxhash.h>
 #include <zstd.h>
 
 #include <algorithm>
 #include <array>
-#include <memory>
 #include <string>
 
 #include "core/error.h"
 #include "storage/byte_io.h"
+#include "storage/checksum.h"
 #include "storage/morton.h"
 #include "storage/tile_checks.h"
 
@@ -58,15 +57,6 @@ struct Header {
 
 [[noreturn]] void ThrowDamaged(const std::string& problem) {
   throw Error(ErrorCode::kMapDamaged, "tile payload: " + problem);
-}
-
-uint64_t Checksum(std::span<const uint8_t> blob) {
-  const std::unique_ptr<XXH64_state_t, decltype(&XXH64_freeState)> state(XXH64_createState(),
-                                                                         &XXH64_freeState);
-  XXH64_reset(state.get(), 0);
-  XXH64_update(state.get(), blob.data(), kChecksumOffset);
-  XXH64_update(state.get(), blob.data() + kHeaderSize, blob.size() - kHeaderSize);
-  return XXH64_digest(state.get());
 }
 
 // ---- Columns of the body -----------------------------------------------------------------------
@@ -325,7 +315,7 @@ Header GetHeader(std::span<const uint8_t> blob, const TileDecodeLimits& limits) 
   header.body_size = reader.Get<uint64_t>();
   header.compressed_size = reader.Get<uint64_t>();
   CheckHeader(header, blob.size(), limits);
-  if (reader.Get<uint64_t>() != Checksum(blob)) {
+  if (reader.Get<uint64_t>() != ChecksumOf(blob, kChecksumOffset)) {
     ThrowDamaged("checksum does not match");
   }
   return header;
@@ -363,7 +353,7 @@ std::vector<uint8_t> EncodeTile(const Tile& tile) {
   writer.Put(uint64_t{0});  // Room for the checksum.
   writer.PutArray(std::span<const uint8_t>(tile.codes));
   writer.PutArray(std::span<const uint8_t>(compressed));
-  const uint64_t checksum = Checksum(blob);
+  const uint64_t checksum = ChecksumOf(blob, kChecksumOffset);
   std::memcpy(blob.data() + kChecksumOffset, &checksum, sizeof(checksum));
   return blob;
 }

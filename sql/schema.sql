@@ -1,0 +1,294 @@
+-- A Cairn map, format version 1. docs/formats/map_v1.md says what each table is for.
+--
+-- First what GeoPackage 1.3 demands, then the two layers that QGIS and GDAL show, then the private
+-- tables, all STRICT and with the prefix cairn_. MapStore::Create runs this file and views.sql in one
+-- transaction. Angles are degrees (WGS84), heights are metres above the ellipsoid.
+
+PRAGMA application_id = 0x47504B47;  -- 'GPKG'
+PRAGMA user_version = 10300;         -- GeoPackage 1.3.0
+
+-- ---------------------------------------------------------------------------------------------------
+-- GeoPackage core
+-- ---------------------------------------------------------------------------------------------------
+
+CREATE TABLE gpkg_spatial_ref_sys (
+  srs_name                 TEXT    NOT NULL,
+  srs_id                   INTEGER NOT NULL PRIMARY KEY,
+  organization             TEXT    NOT NULL,
+  organization_coordsys_id INTEGER NOT NULL,
+  definition               TEXT    NOT NULL,
+  description              TEXT
+);
+
+INSERT INTO gpkg_spatial_ref_sys VALUES
+  ('Undefined cartesian SRS', -1, 'NONE', -1, 'undefined',
+   'undefined cartesian coordinate reference system'),
+  ('Undefined geographic SRS', 0, 'NONE', 0, 'undefined',
+   'undefined geographic coordinate reference system'),
+  ('WGS 84 geodetic', 4326, 'EPSG', 4326,
+   'GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563,'
+   || 'AUTHORITY["EPSG","7030"]],AUTHORITY["EPSG","6326"]],PRIMEM["Greenwich",0,'
+   || 'AUTHORITY["EPSG","8901"]],UNIT["degree",0.0174532925199433,AUTHORITY["EPSG","9122"]],'
+   || 'AXIS["Latitude",NORTH],AXIS["Longitude",EAST],AUTHORITY["EPSG","4326"]]',
+   'longitude and latitude in degrees on the WGS 84 ellipsoid');
+
+CREATE TABLE gpkg_contents (
+  table_name  TEXT     NOT NULL PRIMARY KEY,
+  data_type   TEXT     NOT NULL,
+  identifier  TEXT     UNIQUE,
+  description TEXT     DEFAULT '',
+  last_change DATETIME NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now')),
+  min_x       DOUBLE,
+  min_y       DOUBLE,
+  max_x       DOUBLE,
+  max_y       DOUBLE,
+  srs_id      INTEGER,
+  CONSTRAINT fk_gc_r_srs_id FOREIGN KEY (srs_id) REFERENCES gpkg_spatial_ref_sys (srs_id)
+);
+
+CREATE TABLE gpkg_geometry_columns (
+  table_name         TEXT    NOT NULL,
+  column_name        TEXT    NOT NULL,
+  geometry_type_name TEXT    NOT NULL,
+  srs_id             INTEGER NOT NULL,
+  z                  TINYINT NOT NULL,
+  m                  TINYINT NOT NULL,
+  CONSTRAINT pk_geom_cols PRIMARY KEY (table_name, column_name),
+  CONSTRAINT uk_gc_table_name UNIQUE (table_name),
+  CONSTRAINT fk_gc_tn FOREIGN KEY (table_name) REFERENCES gpkg_contents (table_name),
+  CONSTRAINT fk_gc_srs FOREIGN KEY (srs_id) REFERENCES gpkg_spatial_ref_sys (srs_id)
+);
+
+CREATE TABLE gpkg_extensions (
+  table_name     TEXT,
+  column_name    TEXT,
+  extension_name TEXT NOT NULL,
+  definition     TEXT NOT NULL,
+  scope          TEXT NOT NULL,
+  CONSTRAINT ge_tce UNIQUE (table_name, column_name, extension_name)
+);
+
+-- ---------------------------------------------------------------------------------------------------
+-- The private tables
+-- ---------------------------------------------------------------------------------------------------
+
+-- One row. A program reads a map if it knows oldest_reader_version or a later format.
+CREATE TABLE cairn_map (
+  map_id                INTEGER NOT NULL PRIMARY KEY CHECK (map_id = 1),
+  format_version        INTEGER NOT NULL CHECK (format_version >= 1),
+  oldest_reader_version INTEGER NOT NULL CHECK (oldest_reader_version BETWEEN 1 AND format_version),
+  created_at            TEXT    NOT NULL,  -- UTC, RFC 3339, here and below.
+  next_landmark_id      INTEGER NOT NULL CHECK (next_landmark_id >= 1)
+) STRICT;
+
+-- One row a published update; the latest is the map's version. The first is the empty map.
+CREATE TABLE cairn_versions (
+  version    INTEGER NOT NULL PRIMARY KEY CHECK (version >= 1),
+  created_at TEXT    NOT NULL
+) STRICT;
+
+-- One ingested reconstruction each.
+CREATE TABLE cairn_sessions (
+  session_id               INTEGER NOT NULL PRIMARY KEY AUTOINCREMENT,
+  name                     TEXT    NOT NULL UNIQUE CHECK (name <> ''),
+  source                   TEXT    NOT NULL,
+  created_at               TEXT    NOT NULL,
+  num_images               INTEGER NOT NULL CHECK (num_images >= 0),
+  num_landmarks            INTEGER NOT NULL CHECK (num_landmarks >= 0),
+  georef_median_residual_m REAL    NOT NULL
+) STRICT;
+
+-- docs/formats/codebook_v1.md. New sessions are coded with the latest.
+CREATE TABLE cairn_codebooks (
+  codebook_id INTEGER NOT NULL PRIMARY KEY AUTOINCREMENT,
+  created_at  TEXT    NOT NULL,
+  bytes       BLOB    NOT NULL
+) STRICT;
+
+-- Intrinsics, each once. params is a JSON array in COLMAP's order.
+CREATE TABLE cairn_cameras (
+  camera_id INTEGER NOT NULL PRIMARY KEY,
+  model     TEXT    NOT NULL,
+  width_px  INTEGER NOT NULL CHECK (width_px > 0),
+  height_px INTEGER NOT NULL CHECK (height_px > 0),
+  params    TEXT    NOT NULL,
+  UNIQUE (model, width_px, height_px, params)
+) STRICT;
+
+-- The encoded tiles, docs/formats/tile_v1.md. A rowid table, so that blobs can be read in place. A
+-- payload never changes and its id is never used again: ids are the keys of caches.
+CREATE TABLE cairn_payloads (
+  payload_id INTEGER NOT NULL PRIMARY KEY AUTOINCREMENT,
+  bytes      BLOB    NOT NULL
+) STRICT;
+
+-- What the engine needs of a tile besides the attributes of its coverage feature. landmarks_* is the
+-- box of its landmarks, which can reach far outside the square; west > east if it crosses the
+-- antimeridian.
+CREATE TABLE cairn_tiles (
+  tile_id             INTEGER NOT NULL PRIMARY KEY REFERENCES coverage (tile_id),
+  payload_id          INTEGER NOT NULL UNIQUE REFERENCES cairn_payloads (payload_id),
+  codebook_id         INTEGER NOT NULL REFERENCES cairn_codebooks (codebook_id),
+  landmarks_south_deg REAL    NOT NULL,
+  landmarks_west_deg  REAL    NOT NULL,
+  landmarks_north_deg REAL    NOT NULL,
+  landmarks_east_deg  REAL    NOT NULL
+) STRICT;
+
+-- What the engine needs of a keyframe besides the attributes of its feature: cam_from_ecef as a
+-- Hamilton quaternion and a translation.
+CREATE TABLE cairn_keyframe_poses (
+  keyframe_id INTEGER NOT NULL PRIMARY KEY REFERENCES keyframes (keyframe_id),
+  camera_id   INTEGER NOT NULL REFERENCES cairn_cameras (camera_id),
+  qw          REAL    NOT NULL,
+  qx          REAL    NOT NULL,
+  qy          REAL    NOT NULL,
+  qz          REAL    NOT NULL,
+  tx_m        REAL    NOT NULL,
+  ty_m        REAL    NOT NULL,
+  tz_m        REAL    NOT NULL
+) STRICT;
+
+CREATE INDEX cairn_keyframe_poses_by_camera ON cairn_keyframe_poses (camera_id);
+
+-- ---------------------------------------------------------------------------------------------------
+-- The layers. GeoPackage's column types (POLYGON, POINT) rule out STRICT.
+-- ---------------------------------------------------------------------------------------------------
+
+-- One square a tile. Longitudes of a square on the antimeridian run on past 180.
+CREATE TABLE coverage (
+  tile_id         INTEGER NOT NULL PRIMARY KEY,  -- Bits as in core/tile_id.h.
+  geom            POLYGON NOT NULL,
+  tile            TEXT    NOT NULL UNIQUE,       -- "32N-03104-35120".
+  num_landmarks   INTEGER NOT NULL,
+  num_descriptors INTEGER NOT NULL,
+  num_keyframes   INTEGER NOT NULL,
+  num_bytes       INTEGER NOT NULL,              -- Of the encoded tile.
+  min_h_m         DOUBLE  NOT NULL,              -- Heights of the keyframes.
+  max_h_m         DOUBLE  NOT NULL
+);
+
+-- One point a mapping image.
+CREATE TABLE keyframes (
+  keyframe_id INTEGER NOT NULL PRIMARY KEY AUTOINCREMENT,
+  geom        POINT   NOT NULL,                  -- With height.
+  session_id  INTEGER NOT NULL REFERENCES cairn_sessions (session_id),
+  tile_id     INTEGER NOT NULL,                  -- The tile it stands in.
+  image_name  TEXT    NOT NULL,
+  lat_deg     DOUBLE  NOT NULL,
+  lon_deg     DOUBLE  NOT NULL,
+  h_m         DOUBLE  NOT NULL,
+  heading_deg DOUBLE  NOT NULL                   -- Of the optical axis, clockwise from north.
+);
+
+CREATE INDEX keyframes_by_session ON keyframes (session_id, tile_id);
+
+INSERT INTO gpkg_contents (table_name, data_type, identifier, description, srs_id) VALUES
+  ('coverage', 'features', 'coverage', 'Tiles of the map', 4326),
+  ('keyframes', 'features', 'keyframes', 'Positions of the mapping images', 4326),
+  ('cairn_sessions', 'attributes', 'sessions', 'Ingested reconstructions', NULL);
+
+INSERT INTO gpkg_geometry_columns VALUES
+  ('coverage', 'geom', 'POLYGON', 4326, 0, 0),
+  ('keyframes', 'geom', 'POINT', 4326, 1, 0);
+
+INSERT INTO gpkg_extensions VALUES
+  ('coverage', 'geom', 'gpkg_rtree_index',
+   'http://www.geopackage.org/spec120/#extension_rtree', 'write-only'),
+  ('keyframes', 'geom', 'gpkg_rtree_index',
+   'http://www.geopackage.org/spec120/#extension_rtree', 'write-only'),
+  ('cairn_map', NULL, 'cairn_map', 'docs/formats/map_v1.md', 'read-write'),
+  ('cairn_versions', NULL, 'cairn_map', 'docs/formats/map_v1.md', 'read-write'),
+  ('cairn_codebooks', NULL, 'cairn_map', 'docs/formats/map_v1.md', 'read-write'),
+  ('cairn_cameras', NULL, 'cairn_map', 'docs/formats/map_v1.md', 'read-write'),
+  ('cairn_payloads', NULL, 'cairn_map', 'docs/formats/map_v1.md', 'read-write'),
+  ('cairn_tiles', NULL, 'cairn_map', 'docs/formats/map_v1.md', 'read-write'),
+  ('cairn_keyframe_poses', NULL, 'cairn_map', 'docs/formats/map_v1.md', 'read-write');
+
+-- The R*Trees of the layers, with the triggers that the GeoPackage extension prescribes. Whoever
+-- writes must have ST_IsEmpty, ST_MinX, ST_MaxX, ST_MinY and ST_MaxY: GDAL, QGIS, Cairn and the
+-- cairn_sqlite extension do.
+
+CREATE VIRTUAL TABLE rtree_coverage_geom USING rtree (id, minx, maxx, miny, maxy);
+
+CREATE TRIGGER rtree_coverage_geom_insert AFTER INSERT ON coverage
+  WHEN (NEW.geom NOT NULL AND NOT ST_IsEmpty(NEW.geom))
+BEGIN
+  INSERT OR REPLACE INTO rtree_coverage_geom VALUES (
+    NEW.tile_id, ST_MinX(NEW.geom), ST_MaxX(NEW.geom), ST_MinY(NEW.geom), ST_MaxY(NEW.geom));
+END;
+
+CREATE TRIGGER rtree_coverage_geom_update1 AFTER UPDATE OF geom ON coverage
+  WHEN OLD.tile_id = NEW.tile_id AND (NEW.geom NOT NULL AND NOT ST_IsEmpty(NEW.geom))
+BEGIN
+  INSERT OR REPLACE INTO rtree_coverage_geom VALUES (
+    NEW.tile_id, ST_MinX(NEW.geom), ST_MaxX(NEW.geom), ST_MinY(NEW.geom), ST_MaxY(NEW.geom));
+END;
+
+CREATE TRIGGER rtree_coverage_geom_update2 AFTER UPDATE OF geom ON coverage
+  WHEN OLD.tile_id = NEW.tile_id AND (NEW.geom IS NULL OR ST_IsEmpty(NEW.geom))
+BEGIN
+  DELETE FROM rtree_coverage_geom WHERE id = OLD.tile_id;
+END;
+
+CREATE TRIGGER rtree_coverage_geom_update3 AFTER UPDATE ON coverage
+  WHEN OLD.tile_id <> NEW.tile_id AND (NEW.geom NOT NULL AND NOT ST_IsEmpty(NEW.geom))
+BEGIN
+  DELETE FROM rtree_coverage_geom WHERE id = OLD.tile_id;
+  INSERT OR REPLACE INTO rtree_coverage_geom VALUES (
+    NEW.tile_id, ST_MinX(NEW.geom), ST_MaxX(NEW.geom), ST_MinY(NEW.geom), ST_MaxY(NEW.geom));
+END;
+
+CREATE TRIGGER rtree_coverage_geom_update4 AFTER UPDATE ON coverage
+  WHEN OLD.tile_id <> NEW.tile_id AND (NEW.geom IS NULL OR ST_IsEmpty(NEW.geom))
+BEGIN
+  DELETE FROM rtree_coverage_geom WHERE id IN (OLD.tile_id, NEW.tile_id);
+END;
+
+CREATE TRIGGER rtree_coverage_geom_delete AFTER DELETE ON coverage
+  WHEN OLD.geom NOT NULL
+BEGIN
+  DELETE FROM rtree_coverage_geom WHERE id = OLD.tile_id;
+END;
+
+CREATE VIRTUAL TABLE rtree_keyframes_geom USING rtree (id, minx, maxx, miny, maxy);
+
+CREATE TRIGGER rtree_keyframes_geom_insert AFTER INSERT ON keyframes
+  WHEN (NEW.geom NOT NULL AND NOT ST_IsEmpty(NEW.geom))
+BEGIN
+  INSERT OR REPLACE INTO rtree_keyframes_geom VALUES (
+    NEW.keyframe_id, ST_MinX(NEW.geom), ST_MaxX(NEW.geom), ST_MinY(NEW.geom), ST_MaxY(NEW.geom));
+END;
+
+CREATE TRIGGER rtree_keyframes_geom_update1 AFTER UPDATE OF geom ON keyframes
+  WHEN OLD.keyframe_id = NEW.keyframe_id AND (NEW.geom NOT NULL AND NOT ST_IsEmpty(NEW.geom))
+BEGIN
+  INSERT OR REPLACE INTO rtree_keyframes_geom VALUES (
+    NEW.keyframe_id, ST_MinX(NEW.geom), ST_MaxX(NEW.geom), ST_MinY(NEW.geom), ST_MaxY(NEW.geom));
+END;
+
+CREATE TRIGGER rtree_keyframes_geom_update2 AFTER UPDATE OF geom ON keyframes
+  WHEN OLD.keyframe_id = NEW.keyframe_id AND (NEW.geom IS NULL OR ST_IsEmpty(NEW.geom))
+BEGIN
+  DELETE FROM rtree_keyframes_geom WHERE id = OLD.keyframe_id;
+END;
+
+CREATE TRIGGER rtree_keyframes_geom_update3 AFTER UPDATE ON keyframes
+  WHEN OLD.keyframe_id <> NEW.keyframe_id AND (NEW.geom NOT NULL AND NOT ST_IsEmpty(NEW.geom))
+BEGIN
+  DELETE FROM rtree_keyframes_geom WHERE id = OLD.keyframe_id;
+  INSERT OR REPLACE INTO rtree_keyframes_geom VALUES (
+    NEW.keyframe_id, ST_MinX(NEW.geom), ST_MaxX(NEW.geom), ST_MinY(NEW.geom), ST_MaxY(NEW.geom));
+END;
+
+CREATE TRIGGER rtree_keyframes_geom_update4 AFTER UPDATE ON keyframes
+  WHEN OLD.keyframe_id <> NEW.keyframe_id AND (NEW.geom IS NULL OR ST_IsEmpty(NEW.geom))
+BEGIN
+  DELETE FROM rtree_keyframes_geom WHERE id IN (OLD.keyframe_id, NEW.keyframe_id);
+END;
+
+CREATE TRIGGER rtree_keyframes_geom_delete AFTER DELETE ON keyframes
+  WHEN OLD.geom NOT NULL
+BEGIN
+  DELETE FROM rtree_keyframes_geom WHERE id = OLD.keyframe_id;
+END;

@@ -1,0 +1,14 @@
+// SQLite's API for sources that are compiled twice: into cairn_storage, where they call the library
+// that is linked, and into the loadable extension (CAIRN_SQLITE_EXTENSION), where they call the
+// program that loads it.
+#ifndef CAIRN_STORAGE_INSPECTION_SQLITE_API_H_
+#define CAIRN_STORAGE_INSPECTION_SQLITE_API_H_
+
+#ifdef CAIRN_SQLITE_EXTENSION
+#include <sqlite3ext.h>
+SQLITE_EXTENSION_INIT3
+#else
+#include <sqlite3.h>
+#endif
+
+#endif  // CAIRN_STORAGE_INSPECTION_SQLITE_API_H_

@@ -1,0 +1,251 @@
+#include "storage/map_file.h"
+
+#include <sqlite3.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string_view>
+#include <system_error>
+
+#include "core/error.h"
+#include "sql/schema.h"
+#include "storage/inspection/register.h"
+#include "storage/sqlite/error.h"
+#include "storage/sqlite/transaction.h"
+
+namespace cairn {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Readers wait for the short exclusive lock under which a crashed writer's log is recovered.
+constexpr int kReaderTimeoutMs = 5000;
+constexpr size_t kSqliteHeaderSize = 100;
+constexpr std::string_view kSqliteMagic("SQLite format 3\0", 16);
+constexpr size_t kApplicationIdOffset = 68;
+constexpr std::string_view kGeoPackageId = "GPKG";
+
+[[noreturn]] void Refuse(ErrorCode code, const std::string& path, const std::string& problem) {
+  throw Error(code, path + ": " + problem);
+}
+
+// What a file that is not SQLite seems to be.
+std::string GuessKind(std::string_view head) {
+  struct Magic {
+    std::string_view bytes;
+    const char* kind;
+  };
+  constexpr Magic kMagics[] = {
+      {"\x89PNG", "a PNG image"},
+      {"\xff\xd8\xff", "a JPEG image"},
+      {"PK\x03\x04", "a ZIP archive"},
+      {"\x1f\x8b", "a gzip file"},
+      {"%PDF", "a PDF document"},
+      {"\x7f"
+       "ELF",
+       "a program"},
+      {"CTIL", "a single encoded tile"},
+  };
+  for (const Magic& magic : kMagics) {
+    if (head.starts_with(magic.bytes)) {
+      return magic.kind;
+    }
+  }
+  const bool is_text = std::all_of(head.begin(), head.end(), [](unsigned char c) {
+    return c >= 0x80 || std::isprint(c) != 0 || std::isspace(c) != 0;
+  });
+  return is_text ? "a text file" : "an unknown binary file";
+}
+
+// Refuses what cannot be a map before SQLite sees it.
+void CheckFile(const std::string& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (status.type() == fs::file_type::not_found) {
+    Refuse(ErrorCode::kNotFound, path, "there is no such map file; `cairn init` makes one");
+  }
+  if (status.type() == fs::file_type::directory) {
+    Refuse(ErrorCode::kBadInput, path, "is a directory, not a Cairn map");
+  }
+  if (status.type() != fs::file_type::regular) {
+    Refuse(error ? ErrorCode::kIo : ErrorCode::kBadInput, path,
+           error ? "cannot be read: " + error.message() : "is not a regular file");
+  }
+  std::string head(kSqliteHeaderSize, '\0');
+  std::ifstream file(path, std::ios::binary);
+  if (!file) {
+    Refuse(ErrorCode::kIo, path, "cannot be read; check its permissions");
+  }
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(file.gcount());
+  if (head.empty()) {
+    Refuse(ErrorCode::kBadInput, path, "is an empty file, not a Cairn map");
+  }
+  const bool has_magic = head.starts_with(kSqliteMagic);
+  if (has_magic && head.size() < kSqliteHeaderSize) {
+    Refuse(ErrorCode::kMapDamaged, path,
+           "is cut off after " + std::to_string(head.size()) + " bytes");
+  }
+  if (!has_magic && kSqliteMagic.starts_with(head)) {
+    Refuse(ErrorCode::kMapDamaged, path,
+           "is cut off after " + std::to_string(head.size()) + " bytes");
+  }
+  if (!has_magic) {
+    const std::string_view rest(head);
+    if (rest.size() == kSqliteHeaderSize && rest.substr(kApplicationIdOffset, 4) == kGeoPackageId) {
+      Refuse(ErrorCode::kMapDamaged, path, "the first bytes are damaged");
+    }
+    Refuse(ErrorCode::kBadInput, path, "is not a Cairn map; it seems to be " + GuessKind(head));
+  }
+}
+
+bool HasTable(sqlite::Connection* connection, std::string_view name) {
+  sqlite::Statement statement =
+      connection->Prepare("SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name = ?");
+  return statement.Bind(name).Step() && statement.Int64(0) > 0;
+}
+
+int64_t ApplicationId(sqlite::Connection* connection) {
+  sqlite::Statement statement = connection->Prepare("PRAGMA application_id");
+  statement.Step();
+  return statement.Int64(0);
+}
+
+// Refuses SQLite databases that are not maps, and maps from the future.
+void CheckIsMap(sqlite::Connection* connection) {
+  constexpr int64_t kGeoPackageApplicationId = 0x47504b47;
+  const std::string& path = connection->path();
+  const int64_t application_id = ApplicationId(connection);
+  if (!HasTable(connection, "cairn_map")) {
+    std::string kind = "an SQLite database of another program";
+    if (application_id == kGeoPackageApplicationId) {
+      kind = "a GeoPackage of another program";
+    } else if (HasTable(connection, "keypoints") && HasTable(connection, "descriptors")) {
+      kind = "a COLMAP database; give it to `cairn ingest` as --database";
+    }
+    Refuse(ErrorCode::kBadInput, path, "is not a Cairn map; it seems to be " + kind);
+  }
+  if (application_id != kGeoPackageApplicationId) {
+    Refuse(ErrorCode::kMapDamaged, path, "its application id is damaged");
+  }
+  sqlite::Statement statement =
+      connection->Prepare("SELECT format_version, oldest_reader_version FROM cairn_map");
+  if (!statement.Step()) {
+    Refuse(ErrorCode::kMapDamaged, path, "the table cairn_map is empty");
+  }
+  if (statement.Int64(1) > kMapFormatVersion) {
+    Refuse(ErrorCode::kConflict, path,
+           "is a map of format " + std::to_string(statement.Int64(0)) +
+               ", this program reads format " + std::to_string(kMapFormatVersion) +
+               "; use a newer Cairn");
+  }
+}
+
+// A log with something in it; an empty one is what readers leave behind.
+bool HasWriteAheadLog(const std::string& path) {
+  std::error_code error;
+  const auto size = fs::file_size(path + "-wal", error);
+  return !error && size > 0;
+}
+
+std::unique_ptr<sqlite::Connection> Connect(const std::string& path, sqlite::Access access,
+                                            int busy_timeout_ms) {
+  auto connection = std::make_unique<sqlite::Connection>(path, access, busy_timeout_ms);
+  if (const int result = inspection::RegisterGeometryFunctions(connection->handle());
+      result != SQLITE_OK) {
+    sqlite::ThrowError(connection->handle(), result, path, "register functions");
+  }
+  connection->Execute("PRAGMA cell_size_check = ON");
+  return connection;
+}
+
+std::unique_ptr<sqlite::Connection> OpenAndCheck(const std::string& path, sqlite::Access access) {
+  std::unique_ptr<sqlite::Connection> connection = ReopenMapFile(path, access);
+  CheckIsMap(connection.get());
+  return connection;
+}
+
+void RemoveMapFile(const std::string& path) {
+  std::error_code ignored;
+  for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
+    fs::remove(path + suffix, ignored);
+  }
+}
+
+void FillEmptyMap(const std::string& path) {
+  const auto connection = Connect(path, sqlite::Access::kCreate, 0);
+  connection->Execute("PRAGMA journal_mode = WAL");
+  sqlite::Transaction transaction(connection.get(), sqlite::Transaction::Kind::kImmediate);
+  connection->Execute(std::string(sql::k_schema_sql));
+  connection->Execute(std::string(sql::k_views_sql));
+  connection
+      ->Prepare(
+          "INSERT INTO cairn_map (map_id, format_version, oldest_reader_version, created_at, "
+          "next_landmark_id) VALUES (1, ?, ?, strftime('%Y-%m-%dT%H:%M:%SZ', 'now'), 1)")
+      .Bind(kMapFormatVersion, kOldestReaderVersion)
+      .Run();
+  connection->Execute(
+      "INSERT INTO cairn_versions (version, created_at) "
+      "VALUES (1, strftime('%Y-%m-%dT%H:%M:%SZ', 'now'))");
+  transaction.Commit();
+}
+
+// Makes the file, empty, unless it exists: the check and the making are one step.
+void MakeFile(const std::string& path) {
+  std::FILE* file = std::fopen(path.c_str(), "wbx");
+  if (file == nullptr) {
+    const int error = errno;
+    if (error == EEXIST) {
+      Refuse(ErrorCode::kConflict, path, "exists already; remove it or choose another name");
+    }
+    Refuse(ErrorCode::kIo, path, std::string("cannot be made: ") + std::strerror(error));
+  }
+  std::fclose(file);
+}
+
+}  // namespace
+
+void CreateMapFile(const std::string& path) {
+  MakeFile(path);
+  try {
+    FillEmptyMap(path);
+  } catch (...) {
+    RemoveMapFile(path);
+    throw;
+  }
+}
+
+std::unique_ptr<sqlite::Connection> ReopenMapFile(const std::string& path, sqlite::Access access) {
+  std::unique_ptr<sqlite::Connection> connection = Connect(path, access, kReaderTimeoutMs);
+  connection->Execute("PRAGMA query_only = ON");
+  return connection;
+}
+
+std::unique_ptr<sqlite::Connection> OpenMapFile(const std::string& path, sqlite::Access* access) {
+  CheckFile(path);
+  try {
+    return OpenAndCheck(path, *access);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kIo || *access != sqlite::Access::kReadOnly ||
+        HasWriteAheadLog(path)) {
+      throw;
+    }
+  }
+  *access = sqlite::Access::kImmutable;
+  return OpenAndCheck(path, *access);
+}
+
+std::unique_ptr<sqlite::Connection> OpenMapFileForUpdate(const std::string& path) {
+  std::unique_ptr<sqlite::Connection> connection = Connect(path, sqlite::Access::kReadWrite, 0);
+  connection->TrustSchema();  // The triggers of the layers write to R*Trees.
+  // Overwriting freed pages costs as much as writing them; FAST does it where it costs nothing.
+  connection->Execute("PRAGMA secure_delete = FAST");
+  connection->Execute("PRAGMA journal_size_limit = 67108864");
+  return connection;
+}
+
+}  // namespace cairn

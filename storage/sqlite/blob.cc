@@ -1,0 +1,32 @@
+#include "storage/sqlite/blob.h"
+
+#include <sqlite3.h>
+
+#include <memory>
+
+#include "storage/sqlite/error.h"
+
+namespace cairn::sqlite {
+
+std::optional<std::vector<uint8_t>> ReadBlob(Connection* connection, const char* table,
+                                             const char* column, int64_t row_id) {
+  sqlite3_blob* handle = nullptr;
+  const int opened =
+      sqlite3_blob_open(connection->handle(), "main", table, column, row_id, 0, &handle);
+  const std::unique_ptr<sqlite3_blob, decltype(&sqlite3_blob_close)> blob(handle,
+                                                                          &sqlite3_blob_close);
+  if (opened == SQLITE_ERROR) {
+    return std::nullopt;
+  }
+  if (opened != SQLITE_OK) {
+    ThrowError(connection->handle(), opened, connection->path(), "read a blob");
+  }
+  std::vector<uint8_t> bytes(sqlite3_blob_bytes(handle));
+  const int read = sqlite3_blob_read(handle, bytes.data(), static_cast<int>(bytes.size()), 0);
+  if (read != SQLITE_OK) {
+    ThrowError(connection->handle(), read, connection->path(), "read a blob");
+  }
+  return bytes;
+}
+
+}  // namespace cairn::sqlite

@@ -1,0 +1,20 @@
+// Incremental blob I/O: reads a blob straight into its destination.
+#ifndef CAIRN_STORAGE_SQLITE_BLOB_H_
+#define CAIRN_STORAGE_SQLITE_BLOB_H_
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "storage/sqlite/connection.h"
+
+namespace cairn::sqlite {
+
+// The bytes of a blob in a rowid table of the main database; nothing if there is no such row.
+// Copies once, where a SELECT copies twice. Throws Error.
+std::optional<std::vector<uint8_t>> ReadBlob(Connection* connection, const char* table,
+                                             const char* column, int64_t row_id);
+
+}  // namespace cairn::sqlite
+
+#endif  // CAIRN_STORAGE_SQLITE_BLOB_H_

@@ -1,0 +1,117 @@
+#include "storage/sqlite/connection.h"
+
+#include <sqlite3.h>
+
+#include <filesystem>
+
+#include "core/error.h"
+#include "storage/sqlite/error.h"
+
+namespace cairn::sqlite {
+namespace {
+
+// "file:" URI of a path, in which %, ? and # would have a meaning.
+std::string ImmutableUri(const std::string& absolute_path) {
+  std::string uri = "file:";
+  for (const char c : absolute_path) {
+    if (c == '%' || c == '?' || c == '#') {
+      constexpr char kDigits[] = "0123456789ABCDEF";
+      uri += {'%', kDigits[c >> 4], kDigits[c & 15]};
+    } else {
+      uri += c;
+    }
+  }
+  return uri + "?immutable=1";
+}
+
+int OpenFlags(Access access) {
+  constexpr int kCommon = SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE;
+  switch (access) {
+    case Access::kCreate:
+      return kCommon | SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+    case Access::kReadWrite:
+      return kCommon | SQLITE_OPEN_READWRITE;
+    case Access::kReadOnly:
+      return kCommon | SQLITE_OPEN_READONLY;
+    case Access::kImmutable:
+      return kCommon | SQLITE_OPEN_READONLY | SQLITE_OPEN_URI;
+  }
+  throw Error(ErrorCode::kInternal, "unknown access to an SQLite file");
+}
+
+}  // namespace
+
+Connection::Connection(const std::string& path, Access access, int busy_timeout_ms) : path_(path) {
+  // Absolute, because names like ":memory:" mean something to SQLite.
+  const std::string absolute = std::filesystem::absolute(path).string();
+  const std::string name = access == Access::kImmutable ? ImmutableUri(absolute) : absolute;
+  if (const int result = sqlite3_open_v2(name.c_str(), &handle_, OpenFlags(access), nullptr);
+      result != SQLITE_OK) {
+    const std::string detail = handle_ ? sqlite3_errmsg(handle_) : sqlite3_errstr(result);
+    Close();
+    throw Error(CodeFromResult(result), path + ": cannot open: SQLite says \"" + detail + "\"");
+  }
+  sqlite3_busy_timeout(handle_, busy_timeout_ms);
+  sqlite3_db_config(handle_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+  sqlite3_db_config(handle_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  sqlite3_db_config(handle_, SQLITE_DBCONFIG_ENABLE_FKEY, 1, nullptr);
+}
+
+Connection::~Connection() { Close(); }
+
+void Connection::Close() noexcept {
+  for (const auto& [sql, statement] : idle_statements_) {
+    sqlite3_finalize(statement);
+  }
+  idle_statements_.clear();
+  sqlite3_close_v2(handle_);
+  handle_ = nullptr;
+}
+
+void Connection::TrustSchema() {
+  sqlite3_db_config(handle_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 1, nullptr);
+}
+
+void Connection::Execute(const std::string& script) {
+  if (const int result = sqlite3_exec(handle_, script.c_str(), nullptr, nullptr, nullptr);
+      result != SQLITE_OK) {
+    ThrowError(handle_, result, path_, "run a statement");
+  }
+}
+
+Statement Connection::Prepare(std::string_view sql) {
+  if (auto idle = idle_statements_.extract(std::string(sql)); !idle.empty()) {
+    return {this, idle.mapped()};
+  }
+  sqlite3_stmt* statement = nullptr;
+  const int result = sqlite3_prepare_v3(handle_, sql.data(), static_cast<int>(sql.size()),
+                                        SQLITE_PREPARE_PERSISTENT, &statement, nullptr);
+  if (result == SQLITE_ERROR) {
+    throw Error(ErrorCode::kMapDamaged,
+                path_ + ": its tables are not those of a Cairn map: SQLite says \"" +
+                    sqlite3_errmsg(handle_) + "\"");
+  }
+  if (result != SQLITE_OK) {
+    ThrowError(handle_, result, path_, "read the schema");
+  }
+  return {this, statement};
+}
+
+void Connection::GiveBack(sqlite3_stmt* statement) noexcept {
+  sqlite3_reset(statement);
+  sqlite3_clear_bindings(statement);
+  try {
+    if (idle_statements_.emplace(sqlite3_sql(statement), statement).second) {
+      return;
+    }
+  } catch (const std::bad_alloc&) {
+    // Then it is compiled again next time.
+  }
+  sqlite3_finalize(statement);
+}
+
+int64_t Connection::LastInsertId() const { return sqlite3_last_insert_rowid(handle_); }
+
+int64_t Connection::NumChanges() const { return sqlite3_changes64(handle_); }
+
+}  // namespace cairn::sqlite

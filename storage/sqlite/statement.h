@@ -1,0 +1,64 @@
+// A prepared statement with typed, checked access to its columns.
+#ifndef CAIRN_STORAGE_SQLITE_STATEMENT_H_
+#define CAIRN_STORAGE_SQLITE_STATEMENT_H_
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+struct sqlite3_stmt;
+
+namespace cairn::sqlite {
+
+class Connection;
+
+// Borrowed from a Connection's cache and given back, reset, on destruction; must not outlive the
+// connection. Used by the thread that uses the connection.
+class Statement {
+ public:
+  Statement(Statement&& other) noexcept;
+  Statement& operator=(Statement&&) = delete;
+  ~Statement();
+
+  // Binds every value in order, from parameter 1. Blobs are not copied: they must stay until Step
+  // returned.
+  template <typename... Values>
+  Statement& Bind(const Values&... values) {
+    int index = 0;
+    (BindAt(++index, values), ...);
+    return *this;
+  }
+
+  // Moves to the next row; false after the last. Throws Error.
+  bool Step();
+
+  // Steps a statement that returns no rows, and resets it so that it can be bound and run again.
+  void Run();
+
+  // Column of the current row, from 0. A value of another type than asked for is damage: the tables
+  // are STRICT. Throws Error(kMapDamaged).
+  int64_t Int64(int column) const;
+  double Double(int column) const;
+  std::string Text(int column) const;
+  std::vector<uint8_t> Blob(int column) const;
+  bool IsNull(int column) const;
+
+ private:
+  friend class Connection;
+  Statement(Connection* connection, sqlite3_stmt* handle);
+  void BindAt(int index, int64_t value);
+  void BindAt(int index, double value);
+  void BindAt(int index, std::string_view value);
+  void BindAt(int index, std::span<const uint8_t> value);
+  void CheckType(int column, int type) const;
+  void CheckBound(int result) const;
+
+  Connection* connection_;
+  sqlite3_stmt* handle_;
+};
+
+}  // namespace cairn::sqlite
+
+#endif  // CAIRN_STORAGE_SQLITE_STATEMENT_H_

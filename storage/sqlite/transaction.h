@@ -1,0 +1,31 @@
+// A transaction that ends with its scope.
+#ifndef CAIRN_STORAGE_SQLITE_TRANSACTION_H_
+#define CAIRN_STORAGE_SQLITE_TRANSACTION_H_
+
+#include "storage/sqlite/connection.h"
+
+namespace cairn::sqlite {
+
+// Rolls back on destruction unless committed; rolling back never throws. The connection must
+// outlive it. Used by the thread that uses the connection.
+class Transaction {
+ public:
+  enum class Kind {
+    kDeferred,   // Takes its snapshot with the first read.
+    kImmediate,  // Takes the write lock at once or throws Error(kConflict).
+  };
+
+  Transaction(Connection* connection, Kind kind);
+  ~Transaction();
+  Transaction(const Transaction&) = delete;
+  Transaction& operator=(const Transaction&) = delete;
+
+  void Commit();
+
+ private:
+  Connection* connection_;
+};
+
+}  // namespace cairn::sqlite
+
+#endif  // CAIRN_STORAGE_SQLITE_TRANSACTION_H_

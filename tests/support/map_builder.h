@@ -1,0 +1,53 @@
+// Helpers for tests that fill map files.
+#ifndef CAIRN_TESTS_SUPPORT_MAP_BUILDER_H_
+#define CAIRN_TESTS_SUPPORT_MAP_BUILDER_H_
+
+#include <optional>
+#include <string>
+
+#include "core/error.h"
+#include "storage/map_store.h"
+#include "storage/tile.h"
+#include "storage/tile_codec.h"
+
+namespace cairn::testing {
+
+// The code of the cairn::Error that `action` throws; nothing if it throws none.
+template <typename Action>
+std::optional<ErrorCode> ErrorCodeOf(const Action& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.code();
+  }
+  return std::nullopt;
+}
+
+inline SessionRecord NamedSession(const std::string& name) {
+  SessionRecord session;
+  session.name = name;
+  return session;
+}
+
+// The index entry of a tile as an ingest would write it, heights aside.
+inline TileRecord RecordOf(const Tile& tile) {
+  TileRecord record;
+  record.tile_id = tile.id;
+  record.codebook_id = tile.codebook_id;
+  record.num_landmarks = static_cast<int64_t>(tile.num_landmarks());
+  record.num_descriptors = static_cast<int64_t>(tile.num_descriptors());
+  record.num_keyframes = static_cast<int64_t>(tile.num_keyframes());
+  record.min_h_m = 100.0;
+  record.max_h_m = 110.0;
+  record.landmark_bounds = tile.id.Bounds();
+  return record;
+}
+
+// Encodes the tile and puts it into the update. Its codebook must be in the map.
+inline PayloadId AddTile(const Tile& tile, MapUpdate* update) {
+  return update->PutTile(RecordOf(tile), EncodeTile(tile));
+}
+
+}  // namespace cairn::testing
+
+#endif  // CAIRN_TESTS_SUPPORT_MAP_BUILDER_H_
