@@ -5,14 +5,26 @@
 namespace cairn {
 
 struct VotingOptions {
-  double cell_xy_m = 2.0;          // Horizontal cell of the accumulator, metres.
-  double cell_z_m = 2.0;           // Vertical cell, metres.
-  double yaw_step_rad = 0.0523599; // 3 degrees.
-  int max_candidates = 8;          // Maxima handed to pose estimation.
-  double min_score = 3.0;          // Weighted distinct keypoints a maximum needs.
+  double cell_xy_m = 2.0;           // Horizontal cell of the accumulator, metres.
+  double cell_z_m = 2.0;            // Vertical cell, metres.
+  double yaw_step_rad = 0.0523599;  // 3 degrees.
+  int max_candidates = 8;           // Maxima handed to pose estimation.
+  double min_score = 3.0;           // Weighted distinct keypoints a maximum needs.
   // Landmarks farther from the camera than this do not vote, metres.
   double max_distance_m = 200.0;
+  // The scale of a keypoint and the physical size of its match predict the distance; true distances
+  // are taken to lie within this factor of it, up or down. SIFT repeats its scale within about 1.3;
+  // the rest is for slanted views and merged observations. 0 switches the test off.
+  double max_distance_factor = 2.5;
+  // The camera sees a landmark from within this angle of the azimuth from which the map saw it,
+  // radians; pi switches the test off. SIFT hardly matches beyond 50 degrees.
+  double max_azimuth_difference_rad = 1.309;
+  // A correspondence agrees with a candidate if its ray points to the landmark within this angle,
+  // plus the angle that one horizontal cell subtends at the landmark. Radians; about half a yaw
+  // step and twice the error of gravity.
+  double direction_tolerance_rad = 0.06;
 
+  // Throws Error(kInvalidArgument) naming the field.
   void Validate() const;
 };
 

@@ -1,0 +1,24 @@
+// Which correspondences agree with a pose candidate.
+#ifndef CAIRN_ENGINE_VOTING_CANDIDATE_SUPPORT_H_
+#define CAIRN_ENGINE_VOTING_CANDIDATE_SUPPORT_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "engine/pose_candidate.h"
+#include "engine/voting/vote_ray.h"
+#include "engine/voting/voting_options.h"
+
+namespace cairn {
+
+// Tests each ray against the camera at `center_in_anchor` with `yaw_rad`: the landmark must lie
+// within the ray's distances (one cell of slack), its azimuth must fit, and the angle e between ray
+// and landmark must be below t = direction_tolerance_rad + cell_xy_m / distance. A keypoint scores
+// the best 1 - (e / t)^2 of its rays; the candidate's score is the sum.
+PoseCandidate SupportedCandidate(const std::vector<VoteRay>& rays,
+                                 const Eigen::Vector3d& center_in_anchor, double yaw_rad,
+                                 const VotingOptions& options);
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_VOTING_CANDIDATE_SUPPORT_H_

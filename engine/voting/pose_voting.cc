@@ -1,0 +1,170 @@
+#include "engine/voting/pose_voting.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/check.h"
+#include "core/features.h"
+#include "engine/voting/candidate_support.h"
+#include "engine/voting/vote_accumulator.h"
+#include "engine/voting/vote_ray.h"
+
+namespace cairn {
+namespace {
+
+// The camera positions that are voted over: the region, cut to where a landmark can be seen from.
+VoteGrid MakeGrid(const std::vector<VoteRay>& rays, const SearchRegion& region,
+                  const VotingOptions& options) {
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector3d high = -low;
+  for (const VoteRay& ray : rays) {
+    const Eigen::Vector3d reach = Eigen::Vector3d::Constant(ray.max_distance_m);
+    low = low.cwiseMin(ray.x_in_anchor - reach);
+    high = high.cwiseMax(ray.x_in_anchor + reach);
+  }
+  const Eigen::Vector2d center = region.prior_xy_in_anchor;
+  const Eigen::Vector2d radius = Eigen::Vector2d::Constant(region.radius_m);
+  low.head<2>() = low.head<2>().cwiseMax(center - radius);
+  high.head<2>() = high.head<2>().cwiseMin(center + radius);
+  low.z() = std::max(low.z(), region.min_z_m);
+  high.z() = std::min(high.z(), region.max_z_m);
+  return VoteGrid(low, high, {options.cell_xy_m, options.cell_xy_m, options.cell_z_m});
+}
+
+// Fills one slice with the votes of all rays; returns their number.
+int64_t VoteSliceOfYaw(const std::vector<VoteRay>& rays, double yaw_rad, const VoteDisc& disc,
+                       double min_cosine, VoteSlice* slice) {
+  const double cos_yaw = std::cos(yaw_rad), sin_yaw = std::sin(yaw_rad);
+  int64_t num_votes = 0;
+  uint32_t voter = 0;
+  int last_keypoint_idx = -1;
+  for (const VoteRay& ray : rays) {
+    if (ray.keypoint_idx != last_keypoint_idx) {
+      last_keypoint_idx = ray.keypoint_idx;
+      if (++voter > VoteSlice::kMaxVoters) {
+        break;
+      }
+    }
+    const Eigen::Vector3d& d = ray.direction_in_level;
+    const Eigen::Vector2d direction_xy(cos_yaw * d.x() - sin_yaw * d.y(),
+                                       sin_yaw * d.x() + cos_yaw * d.y());
+    const std::optional<VoteSegment> segment = ClipToDisc(ray, direction_xy, disc, min_cosine);
+    if (segment) {
+      const Eigen::Vector3d direction(direction_xy.x(), direction_xy.y(), d.z());
+      num_votes += slice->Vote(voter, ray.x_in_anchor - segment->begin_m * direction,
+                               ray.x_in_anchor - segment->end_m * direction);
+    }
+  }
+  return num_votes;
+}
+
+// Cells with the most votes, smoothed over pairs of neighbours along all four axes.
+std::vector<VotePeak> FindPeaks(const std::vector<VoteRay>& rays, const VoteGrid& grid,
+                                const VoteDisc& disc, int num_yaws, const VotingOptions& options,
+                                StageCounters* counters) {
+  constexpr int kPeaksPerCandidate = 32;  // Most are neighbours of a few maxima.
+  const double min_cosine = std::cos(options.max_azimuth_difference_rad);
+  VoteSlice slice(grid);
+  PeakCollector peaks(grid, kPeaksPerCandidate * options.max_candidates,
+                      static_cast<int>(std::ceil(options.min_score)));
+  std::vector<uint16_t> first, previous, current;
+  const auto fill = [&](int yaw_idx, std::vector<uint16_t>* smoothed) {
+    const double yaw_rad = 2.0 * std::numbers::pi * yaw_idx / num_yaws;
+    counters->num_votes += VoteSliceOfYaw(rays, yaw_rad, disc, min_cosine, &slice);
+    slice.SmoothAndClear(smoothed);
+  };
+  fill(0, &first);
+  previous = first;
+  for (int yaw_idx = 1; yaw_idx < num_yaws; ++yaw_idx) {
+    fill(yaw_idx, &current);
+    peaks.Offer(yaw_idx - 1, previous, current);
+    std::swap(previous, current);
+  }
+  peaks.Offer(num_yaws - 1, previous, first);
+  return peaks.TakeSorted();
+}
+
+// The pose in the middle of the cells that a peak sums.
+PoseCandidate CandidateAt(const VotePeak& peak, const VoteGrid& grid, int num_yaws) {
+  const auto strides = grid.strides();
+  const Eigen::Vector3d corner(peak.cell_idx % strides[1] + 1,
+                               peak.cell_idx % strides[2] / strides[1] + 1,
+                               peak.cell_idx / strides[2] + 1);
+  PoseCandidate candidate;
+  candidate.center_in_anchor = grid.FromCells(corner);
+  candidate.yaw_rad = WrapAngleRad(2.0 * std::numbers::pi * (peak.yaw_idx + 0.5) / num_yaws);
+  candidate.score = peak.sum;
+  return candidate;
+}
+
+// True if two candidates are neighbours in the accumulator.
+bool IsNear(const PoseCandidate& a, const PoseCandidate& b, const VoteGrid& grid,
+            double yaw_step_rad) {
+  constexpr double kNumCells = 2.5;
+  const Eigen::Vector3d offset =
+      (a.center_in_anchor - b.center_in_anchor).cwiseQuotient(grid.cell_m());
+  return offset.cwiseAbs().maxCoeff() < kNumCells &&
+         std::abs(WrapAngleRad(a.yaw_rad - b.yaw_rad)) < kNumCells * yaw_step_rad;
+}
+
+// Keeps candidates in order, each only if it is not near one that was kept.
+std::vector<PoseCandidate> SuppressNeighbors(const std::vector<PoseCandidate>& ordered,
+                                             const VoteGrid& grid, double yaw_step_rad,
+                                             size_t max_candidates) {
+  std::vector<PoseCandidate> kept;
+  for (const PoseCandidate& candidate : ordered) {
+    const bool suppressed = std::any_of(kept.begin(), kept.end(), [&](const PoseCandidate& other) {
+      return IsNear(candidate, other, grid, yaw_step_rad);
+    });
+    if (!suppressed && kept.size() < max_candidates) {
+      kept.push_back(candidate);
+    }
+  }
+  return kept;
+}
+
+}  // namespace
+
+std::vector<PoseCandidate> VoteForPoses(const QueryContext& query,
+                                        const std::vector<Correspondence>& correspondences,
+                                        const VotingOptions& options, StageCounters* counters) {
+  CAIRN_CHECK(query.level_from_cam.has_value(), "voting needs gravity");
+  counters->num_votes = 0;
+  counters->num_candidates = 0;
+  const std::vector<VoteRay> rays = MakeVoteRays(query, correspondences, options);
+  if (rays.empty()) {
+    return {};
+  }
+  const VoteGrid grid = MakeGrid(rays, query.region, options);
+  const VoteDisc disc = {query.region.prior_xy_in_anchor, query.region.radius_m};
+  const int num_yaws =
+      static_cast<int>(std::ceil(2.0 * std::numbers::pi / options.yaw_step_rad - 1e-3));
+
+  // Votes rank on a coarse lattice with all cells alike; the support of a pose is the better judge
+  // but too dear for all of them. So a few times as many maxima as asked for are judged.
+  constexpr int kJudgedPerCandidate = 4;
+  std::vector<PoseCandidate> candidates;
+  for (const VotePeak& peak : FindPeaks(rays, grid, disc, num_yaws, options, counters)) {
+    candidates.push_back(CandidateAt(peak, grid, num_yaws));
+  }
+  candidates = SuppressNeighbors(candidates, grid, options.yaw_step_rad,
+                                 kJudgedPerCandidate * options.max_candidates);
+  for (PoseCandidate& candidate : candidates) {
+    candidate = SupportedCandidate(rays, candidate.center_in_anchor, candidate.yaw_rad, options);
+  }
+  std::erase_if(candidates, [&](const PoseCandidate& candidate) {
+    return candidate.score < options.min_score;
+  });
+  std::stable_sort(
+      candidates.begin(), candidates.end(),
+      [](const PoseCandidate& a, const PoseCandidate& b) { return a.score > b.score; });
+  if (candidates.size() > static_cast<size_t>(options.max_candidates)) {
+    candidates.resize(options.max_candidates);
+  }
+  counters->num_candidates = static_cast<int64_t>(candidates.size());
+  return candidates;
+}
+
+}  // namespace cairn

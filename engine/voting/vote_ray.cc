@@ -1,0 +1,98 @@
+#include "engine/voting/vote_ray.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace cairn {
+namespace {
+
+// Narrows [min, max] to the distances at which the camera is in the height band.
+void ClipToHeights(const SearchRegion& region, VoteRay* ray) {
+  constexpr double kMinSlope = 1e-6;
+  const double slope = ray->direction_in_level.z();
+  const double above_min_m = ray->x_in_anchor.z() - region.min_z_m;
+  const double above_max_m = ray->x_in_anchor.z() - region.max_z_m;
+  if (std::abs(slope) < kMinSlope) {
+    if (above_min_m < 0.0 || above_max_m > 0.0) {
+      ray->max_distance_m = -1.0;
+    }
+    return;
+  }
+  const auto [low, high] = std::minmax({above_min_m / slope, above_max_m / slope});
+  ray->min_distance_m = std::max(ray->min_distance_m, low);
+  ray->max_distance_m = std::min(ray->max_distance_m, high);
+}
+
+void ClipToSize(double predicted_distance_m, double factor, VoteRay* ray) {
+  ray->min_distance_m = std::max(ray->min_distance_m, predicted_distance_m / factor);
+  ray->max_distance_m = std::min(ray->max_distance_m, predicted_distance_m * factor);
+}
+
+}  // namespace
+
+std::vector<VoteRay> MakeVoteRays(const QueryContext& query,
+                                  const std::vector<Correspondence>& correspondences,
+                                  const VotingOptions& options) {
+  constexpr double kMinDistanceM = 0.3;
+  std::vector<VoteRay> rays;
+  rays.reserve(correspondences.size());
+  for (size_t i = 0; i < correspondences.size(); ++i) {
+    const Correspondence& match = correspondences[i];
+    const Eigen::Vector3d& ray_in_cam = query.rays_in_cam[match.keypoint_idx];
+    if (ray_in_cam.isZero()) {
+      continue;
+    }
+    VoteRay ray;
+    ray.correspondence_idx = static_cast<int>(i);
+    ray.keypoint_idx = match.keypoint_idx;
+    ray.x_in_anchor = match.x_in_anchor;
+    ray.direction_in_level = *query.level_from_cam * ray_in_cam;
+    ray.view_azimuth = {std::cos(match.azimuth_rad), std::sin(match.azimuth_rad)};
+    ray.min_distance_m = kMinDistanceM;
+    ray.max_distance_m = options.max_distance_m;
+    const float scale_px = query.keypoints[match.keypoint_idx].scale_px;
+    if (options.max_distance_factor > 0.0 && match.size_m > 0.0f && scale_px > 0.0f) {
+      ClipToSize(match.size_m * query.camera.focal_px() / scale_px, options.max_distance_factor,
+                 &ray);
+    }
+    ClipToHeights(query.region, &ray);
+    if (ray.min_distance_m <= ray.max_distance_m) {
+      rays.push_back(ray);
+    }
+  }
+  const auto by_keypoint = [](const VoteRay& a, const VoteRay& b) {
+    return a.keypoint_idx < b.keypoint_idx;
+  };
+  if (!std::is_sorted(rays.begin(), rays.end(), by_keypoint)) {
+    std::stable_sort(rays.begin(), rays.end(), by_keypoint);
+  }
+  return rays;
+}
+
+std::optional<VoteSegment> ClipToDisc(const VoteRay& ray, const Eigen::Vector2d& direction_xy,
+                                      const VoteDisc& disc, double min_cosine) {
+  if (!AzimuthFits(ray, direction_xy, min_cosine)) {
+    return std::nullopt;
+  }
+  // |x - l direction - center| <= radius.
+  const Eigen::Vector2d from_center = ray.x_in_anchor.head<2>() - disc.center;
+  const double a = direction_xy.squaredNorm();
+  const double b = from_center.dot(direction_xy);
+  const double c = from_center.squaredNorm() - disc.radius_m * disc.radius_m;
+  VoteSegment segment = {ray.min_distance_m, ray.max_distance_m};
+  constexpr double kMinSquare = 1e-12;
+  if (a < kMinSquare) {  // A vertical ray stays where it is.
+    return c <= 0.0 ? std::optional(segment) : std::nullopt;
+  }
+  const double discriminant = b * b - a * c;
+  if (discriminant < 0.0) {
+    return std::nullopt;
+  }
+  const double root = std::sqrt(discriminant);
+  segment.begin_m = std::max(segment.begin_m, (b - root) / a);
+  segment.end_m = std::min(segment.end_m, (b + root) / a);
+  return segment.begin_m <= segment.end_m ? std::optional(segment) : std::nullopt;
+}
+
+}  // namespace cairn
