@@ -15,8 +15,8 @@
 namespace cairn {
 
 struct ClientOptions {
-  std::string url;            // "http://host:port".
-  int timeout_ms = 30'000;    // Connect and read.
+  std::string url;          // "http://host:port".
+  int timeout_ms = 30'000;  // Connect and read.
   bool want_matches = true;
 };
 
@@ -29,8 +29,8 @@ class LocalizeClient {
 
   // Send one query, as encoded image bytes (the features of `query` are ignored) or as the query's
   // features. The result has what the wire carries: pose, position, covariance, confidence, tiles,
-  // counters, times, matches. Throws Error(kUnavailable) if no server answers, Error(kBadInput) with
-  // the server's own explanation if it refuses the request.
+  // counters, times, matches. Throws Error(kUnavailable) if no server answers, Error(kBadInput)
+  // with the server's own explanation if it refuses the request.
   LocalizeResult LocalizeImage(const LocalizeQuery& query, std::span<const uint8_t> image_bytes);
   LocalizeResult LocalizeFeatures(const LocalizeQuery& query);
 

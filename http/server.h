@@ -14,10 +14,10 @@ namespace cairn {
 struct ServerOptions {
   std::string map_path;
   std::string host = "127.0.0.1";
-  int port = 8080;                  // 0 picks a free one; see Server::port.
+  int port = 8080;  // 0 picks a free one; see Server::port.
   std::string admin_host = "127.0.0.1";
-  int admin_port = -1;              // Health and metrics apart; 0 picks a free one, -1: same listener.
-  int num_threads = 0;              // Workers; 0 is twice the cores, at least 8.
+  int admin_port = -1;  // Health and metrics apart; 0 picks a free one, -1: same listener.
+  int num_threads = 0;  // Workers; 0 is twice the cores, at least 8.
   size_t cache_bytes = size_t{1} << 30;
   size_t max_body_bytes = size_t{2} << 20;
   int64_t max_image_pixels = 12'000'000;
@@ -41,7 +41,7 @@ class Server {
   // Lets running requests finish; returns when all threads have ended. Idempotent.
   void Stop();
 
-  int port() const;        // Bound ports, valid after Start.
+  int port() const;  // Bound ports, valid after Start.
   int admin_port() const;
 
  private:

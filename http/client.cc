@@ -1,0 +1,166 @@
+#include "http/client.h"
+
+#include <fmt/format.h>
+#include <httplib.h>
+
+#include <charconv>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "core/error.h"
+#include "http/feature_codec.h"
+#include "http/json/localize_response.h"
+
+namespace cairn {
+namespace {
+
+constexpr char kBoundary[] = "cairn-client-5f1c2a9e7d304b68";
+
+// A part of the form; the bytes may contain anything but the boundary, whose randomness makes that
+// certain enough.
+void AppendPart(std::string_view name, std::string_view content_type, std::string_view bytes,
+                std::string* body) {
+  *body += fmt::format(
+      "--{}\r\nContent-Disposition: form-data; name=\"{}\"; filename=\"{}\"\r\n"
+      "Content-Type: {}\r\n\r\n",
+      kBoundary, name, name, content_type);
+  body->append(bytes);
+  *body += "\r\n";
+}
+
+std::string RequestJson(const LocalizeQuery& query, bool want_matches) {
+  nlohmann::json json;
+  if (!query.id.empty()) json["id"] = query.id;
+  json["camera"] = {{"model", CameraModelName(query.camera.model())},
+                    {"size", {query.camera.width_px(), query.camera.height_px()}},
+                    {"modelParams", query.camera.params()}};
+  if (query.prior) {
+    const Geodetic& position = query.prior->position;
+    nlohmann::json& prior = json["prior"];
+    prior["position"] = {
+        {"lat", position.lat_deg()}, {"lon", position.lon_deg()}, {"h", position.h_m}};
+    prior["accuracy"] = query.prior->accuracy_m;
+    if (query.prior->height_sigma_m) prior["altitudeAccuracy"] = *query.prior->height_sigma_m;
+  }
+  if (query.down_in_cam) {
+    const Eigen::Vector3d& down = *query.down_in_cam;
+    json["gravity"] = {down.x(), down.y(), down.z()};
+  }
+  nlohmann::json& options = json["options"];
+  options["innerFrame"] = "RDF";
+  options["include"] = {"timings", "covariance"};
+  if (want_matches) {
+    options["include"].push_back("matches");
+    options["maxMatches"] = 100'000;
+  }
+  if (query.deadline) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(
+        *query.deadline - std::chrono::steady_clock::now());
+    options["timeoutMs"] = std::clamp<int64_t>(left.count(), 1, 60'000);
+  }
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+// What a refusal says, for people.
+std::string Explanation(const httplib::Response& response) {
+  const nlohmann::json problem = nlohmann::json::parse(response.body, nullptr, false);
+  std::string text = fmt::format("the server answered {}", response.status);
+  if (problem.is_object()) {
+    text += fmt::format(": {}", problem.value("detail", problem.value("title", "")));
+    if (problem.contains("hint")) text += fmt::format(" ({})", problem.value("hint", ""));
+  }
+  return text;
+}
+
+ErrorCode CodeOfStatus(int status) {
+  switch (status) {
+    case 404:
+      return ErrorCode::kNotFound;
+    case 409:
+      return ErrorCode::kConflict;
+    case 503:
+      return ErrorCode::kUnavailable;
+    default:
+      return status >= 500 ? ErrorCode::kInternal : ErrorCode::kBadInput;
+  }
+}
+
+std::string_view AsText(std::span<const uint8_t> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+}  // namespace
+
+struct LocalizeClient::Impl {
+  ClientOptions options;
+  httplib::Client http;
+
+  explicit Impl(const ClientOptions& client_options)
+      : options(client_options), http(client_options.url) {
+    http.set_keep_alive(true);
+    http.set_tcp_nodelay(true);
+    const time_t seconds = options.timeout_ms / 1000;
+    const time_t microseconds = options.timeout_ms % 1000 * 1000;
+    http.set_connection_timeout(seconds, microseconds);
+    http.set_read_timeout(seconds, microseconds);
+    http.set_write_timeout(seconds, microseconds);
+  }
+
+  std::string BodyOf(const httplib::Result& result) const {
+    if (!result) {
+      throw Error(ErrorCode::kUnavailable,
+                  fmt::format("no answer from {}: {}; is the server running?", options.url,
+                              httplib::to_string(result.error())));
+    }
+    if (result->status != 200) throw Error(CodeOfStatus(result->status), Explanation(*result));
+    return result->body;
+  }
+
+  LocalizeResult Post(const LocalizeQuery& query, const char* part_name,
+                      const char* part_content_type, std::span<const uint8_t> bytes) {
+    std::string body;
+    body.reserve(bytes.size() + 4096);
+    AppendPart("request", "application/json", RequestJson(query, options.want_matches), &body);
+    AppendPart(part_name, part_content_type, AsText(bytes), &body);
+    body += fmt::format("--{}--\r\n", kBoundary);
+    const std::string content_type = fmt::format("multipart/form-data; boundary={}", kBoundary);
+    return ParseLocalizeResponse(BodyOf(http.Post("/v1/localize", body, content_type)));
+  }
+};
+
+LocalizeClient::LocalizeClient(const ClientOptions& options) {
+  constexpr std::string_view kScheme = "http://";
+  const std::string_view url = options.url;
+  if (!url.starts_with(kScheme) || url.size() == kScheme.size() ||
+      url.substr(kScheme.size()).find('/') != std::string_view::npos) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("'{}' is no server; write http://host:port", options.url));
+  }
+  if (options.timeout_ms < 1) {
+    throw Error(ErrorCode::kInvalidArgument, "ClientOptions: timeout_ms must be positive");
+  }
+  impl_ = std::make_unique<Impl>(options);
+}
+
+LocalizeClient::~LocalizeClient() = default;
+
+LocalizeResult LocalizeClient::LocalizeImage(const LocalizeQuery& query,
+                                             std::span<const uint8_t> image_bytes) {
+  return impl_->Post(query, "image", "application/octet-stream", image_bytes);
+}
+
+LocalizeResult LocalizeClient::LocalizeFeatures(const LocalizeQuery& query) {
+  const bool is_raw = query.features.space == DescriptorSpace::kRaw;
+  const WireFeatures wire{.features = query.features,
+                          .codec = is_raw ? "" : query.codec,
+                          .width_px = query.camera.width_px(),
+                          .height_px = query.camera.height_px()};
+  return impl_->Post(query, "features", "application/octet-stream",
+                     EncodeFeatures(wire, LosslessEncoding(query.features)));
+}
+
+std::string LocalizeClient::Get(const std::string& path) {
+  return impl_->BodyOf(impl_->http.Get(path));
+}
+
+}  // namespace cairn

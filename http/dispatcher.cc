@@ -1,0 +1,80 @@
+#include "http/dispatcher.h"
+
+#include <new>
+
+#include "core/logging.h"
+
+namespace cairn {
+namespace {
+
+HttpResponse ProblemResponse(const HttpError& error, const std::string& request_id) {
+  return {.status = InfoOf(error.problem()).status,
+          .content_type = "application/problem+json",
+          .body = ProblemJson(error, request_id),
+          .headers = error.headers()};
+}
+
+// The API carries no credentials, so pages of any origin may use it (WebXR clients do).
+void AddCommonHeaders(const std::string& request_id, HttpResponse* response) {
+  response->headers.emplace_back("X-Request-Id", request_id);
+  response->headers.emplace_back("X-Content-Type-Options", "nosniff");
+  response->headers.emplace_back("Access-Control-Allow-Origin", "*");
+  response->headers.emplace_back("Access-Control-Expose-Headers", "ETag, X-Request-Id");
+}
+
+HttpResponse PreflightResponse(const std::string& allow) {
+  return {.status = 204,
+          .content_type = "",
+          .body = "",
+          .headers = {
+              {"Allow", allow},
+              {"Access-Control-Allow-Methods", allow},
+              {"Access-Control-Allow-Headers", "Accept, Content-Type, If-None-Match, X-Request-Id"},
+              {"Access-Control-Max-Age", "86400"}}};
+}
+
+}  // namespace
+
+HttpResponse Dispatcher::Run(const HttpRequest& request, std::string* route_pattern) const {
+  try {
+    const Router::Match match = router_.Find(request);
+    if (match.route == nullptr) return PreflightResponse(match.allow);
+    *route_pattern = match.route->pattern;
+    return match.route->handler(request, match.path_parameter);
+  } catch (const HttpError& e) {
+    return ProblemResponse(e, request.request_id);
+  } catch (const Error& e) {
+    const HttpError shown = PublicError(e);
+    if (InfoOf(shown.problem()).status >= 500) {
+      LogError("{} {}: {} [{}]", request.method, *route_pattern, e.what(), request.request_id);
+    }
+    return ProblemResponse(shown, request.request_id);
+  } catch (const std::bad_alloc&) {
+    LogError("{} {}: out of memory [{}]", request.method, *route_pattern, request.request_id);
+    return ProblemResponse(HttpError(ProblemCode::kUnavailable, "the server is out of memory"),
+                           request.request_id);
+  } catch (const std::exception& e) {
+    LogError("{} {}: {} [{}]", request.method, *route_pattern, e.what(), request.request_id);
+    return ProblemResponse(PublicError(Error(ErrorCode::kInternal, e.what())), request.request_id);
+  }
+}
+
+HttpResponse Dispatcher::Handle(const HttpRequest& request) {
+  std::string route_pattern;
+  HttpResponse response = Run(request, &route_pattern);
+  AddCommonHeaders(request.request_id, &response);
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - request.arrival;
+  metrics_->CountRequest(route_pattern, response.status, seconds.count());
+  LogDebug("{} {} {} {} {:.1f} ms [{}]", request.remote_address, request.method, request.path,
+           response.status, 1e3 * seconds.count(), request.request_id);
+  return response;
+}
+
+HttpResponse Dispatcher::Refuse(const HttpError& error, const std::string& request_id) {
+  HttpResponse response = ProblemResponse(error, request_id);
+  AddCommonHeaders(request_id, &response);
+  metrics_->CountRequest("", response.status, 0.0);
+  return response;
+}
+
+}  // namespace cairn

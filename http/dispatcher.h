@@ -1,0 +1,34 @@
+// From a request to a response, whatever happens in between.
+#ifndef CAIRN_HTTP_DISPATCHER_H_
+#define CAIRN_HTTP_DISPATCHER_H_
+
+#include <string>
+
+#include "http/metrics.h"
+#include "http/net/listener.h"
+#include "http/router.h"
+
+namespace cairn {
+
+// Finds the route, runs its handler, turns every exception into a problem, counts, and adds the
+// headers that all responses have. Safe to call from any thread.
+class Dispatcher : public RequestHandler {
+ public:
+  // `metrics` must outlive the dispatcher.
+  Dispatcher(Router router, Metrics* metrics) : router_(std::move(router)), metrics_(metrics) {}
+
+  const Router& router() const { return router_; }
+
+  HttpResponse Handle(const HttpRequest& request) override;
+  HttpResponse Refuse(const HttpError& error, const std::string& request_id) override;
+
+ private:
+  HttpResponse Run(const HttpRequest& request, std::string* route_pattern) const;
+
+  Router router_;
+  Metrics* metrics_;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_HTTP_DISPATCHER_H_

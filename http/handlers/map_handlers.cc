@@ -1,0 +1,219 @@
+#include "http/handlers/map_handlers.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <optional>
+#include <string_view>
+
+#include "engine/prior/search_region.h"
+#include "http/problem.h"
+
+namespace cairn {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+constexpr int64_t kDefaultLimit = 1000;
+constexpr int64_t kMaxLimit = 10'000;
+
+std::optional<double> ParseNumber(std::string_view text) {
+  double number = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+[[noreturn]] void RefuseParameter(const char* name, const std::string& detail) {
+  throw HttpError(ProblemCode::kInvalidField,
+                  fmt::format("the query parameter '{}' {}", name, detail));
+}
+
+double NumberInRange(const char* name, std::string_view text, double min, double max) {
+  const std::optional<double> number = ParseNumber(text);
+  if (!number || !(*number >= min && *number <= max)) {
+    RefuseParameter(name, fmt::format("has to be a number in [{}, {}]", min, max));
+  }
+  return *number;
+}
+
+const std::string* FindParameter(const HttpRequest& request, const char* name) {
+  const auto it = request.query.find(name);
+  return it == request.query.end() ? nullptr : &it->second;
+}
+
+double RequiredNumber(const HttpRequest& request, const char* name, double min, double max) {
+  const std::string* text = FindParameter(request, name);
+  if (text == nullptr) RefuseParameter(name, "is missing");
+  return NumberInRange(name, *text, min, max);
+}
+
+int64_t Limit(const HttpRequest& request) {
+  const std::string* text = FindParameter(request, "limit");
+  return text == nullptr ? kDefaultLimit
+                         : static_cast<int64_t>(NumberInRange("limit", *text, 1, kMaxLimit));
+}
+
+// west,south,east,north in degrees, as GeoJSON has it; west > east crosses the antimeridian.
+std::optional<GeoBox> BoundingBox(const HttpRequest& request) {
+  const std::string* text = FindParameter(request, "bbox");
+  if (text == nullptr) return std::nullopt;
+  double values[4];
+  std::string_view rest = *text;
+  for (int i = 0; i < 4; ++i) {
+    const size_t comma = rest.find(',');
+    const bool is_last = i == 3;
+    if ((comma == std::string_view::npos) != is_last) {
+      RefuseParameter("bbox", "has to be west,south,east,north in degrees");
+    }
+    const double bound = i % 2 == 0 ? 180.0 : 90.0;
+    values[i] = NumberInRange("bbox", rest.substr(0, comma), -bound, bound);
+    rest.remove_prefix(is_last ? 0 : comma + 1);
+  }
+  if (values[1] > values[3]) RefuseParameter("bbox", "has its south above its north");
+  return GeoBox{.south_rad = values[1] / kDegPerRad,
+                .west_rad = values[0] / kDegPerRad,
+                .north_rad = values[3] / kDegPerRad,
+                .east_rad = values[2] / kDegPerRad};
+}
+
+struct TileList {
+  std::vector<TileRecord> tiles;
+  bool truncated = false;
+};
+
+TileList FindTiles(const HttpRequest& request, const MapSnapshot& snapshot) {
+  const auto limit = static_cast<size_t>(Limit(request));
+  const std::optional<GeoBox> box = BoundingBox(request);
+  TileList list;
+  list.tiles = box ? snapshot.FindTiles(*box) : snapshot.AllTiles(static_cast<int64_t>(limit) + 1);
+  list.truncated = list.tiles.size() > limit;
+  if (list.truncated) list.tiles.resize(limit);
+  return list;
+}
+
+Json TileJson(const TileRecord& tile, const LocalizeService& service) {
+  return {{"id", tile.tile_id.ToString()},   {"etag", service.TileTag(tile)},
+          {"landmarks", tile.num_landmarks}, {"descriptors", tile.num_descriptors},
+          {"keyframes", tile.num_keyframes}, {"bytes", tile.num_bytes},
+          {"minHeight", tile.min_h_m},       {"maxHeight", tile.max_h_m}};
+}
+
+// The square as a closed ring. A tile on the antimeridian goes on beyond 180 degrees rather than
+// around the world.
+Json SquareJson(const TileId& tile) {
+  Json ring = Json::array();
+  std::vector<Geodetic> corners = tile.Corners();
+  corners.push_back(corners.front());
+  const double first_lon_deg = corners.front().lon_deg();
+  for (const Geodetic& corner : corners) {
+    const double turns = std::round((corner.lon_deg() - first_lon_deg) / 360.0);
+    ring.push_back({corner.lon_deg() - 360.0 * turns, corner.lat_deg()});
+  }
+  return {{"type", "Polygon"}, {"coordinates", Json::array({ring})}};
+}
+
+TileRecord RequireTile(const std::string& id, const MapSnapshot& snapshot) {
+  const std::optional<TileRecord> tile = snapshot.FindTile(TileId::Parse(id));
+  if (!tile) {
+    throw HttpError(ProblemCode::kNotFound, fmt::format("the map has no tile {}", id));
+  }
+  return *tile;
+}
+
+bool IsUnchanged(const HttpRequest& request, const std::string& tag) {
+  const std::string& known = request.Header("if-none-match");
+  return known == "*" || known.find(tag) != std::string::npos;
+}
+
+HttpResponse WithTag(HttpResponse response, const std::string& tag) {
+  response.headers.emplace_back("ETag", tag);
+  response.headers.emplace_back("Cache-Control", "no-cache");  // Ask each time; the tag is cheap.
+  return response;
+}
+
+}  // namespace
+
+HttpResponse HandleAvailability(const HttpRequest& request, const LocalizeService& service) {
+  LocalizeQuery query;
+  query.prior.emplace();
+  query.prior->position = Geodetic::FromDegrees(RequiredNumber(request, "lat", -90.0, 90.0),
+                                                RequiredNumber(request, "lon", -180.0, 180.0), 0.0);
+  if (const std::string* accuracy = FindParameter(request, "accuracy")) {
+    query.prior->accuracy_m = NumberInRange("accuracy", *accuracy, 1e-3, 1e5);
+  }
+  const MapSnapshot snapshot = service.store().Snapshot();
+  const SearchRegion region =
+      ResolveSearchRegion(query, MapInfo{}, service.localizer().options().prior);
+  Json tiles = Json::array();
+  for (const TileRecord& tile : snapshot.FindTiles(RegionBounds(region))) {
+    tiles.push_back(tile.tile_id.ToString());
+  }
+  const std::shared_ptr<const Codebook> codebook = snapshot.CurrentCodebook();
+  Json json = {{"available", !tiles.empty()},
+               {"radius", region.radius_m},
+               {"tiles", std::move(tiles)},
+               {"codec", codebook ? Json(codebook->CodecName()) : Json(nullptr)},
+               {"map", {{"version", Value(snapshot.version())}}}};
+  return HttpResponse::Json(json.dump());
+}
+
+HttpResponse HandleCoverage(const HttpRequest& request, const LocalizeService& service) {
+  const MapSnapshot snapshot = service.store().Snapshot();
+  const TileList list = FindTiles(request, snapshot);
+  Json features = Json::array();
+  for (const TileRecord& tile : list.tiles) {
+    Json properties = TileJson(tile, service);
+    properties.erase("id");
+    features.push_back({{"type", "Feature"},
+                        {"id", tile.tile_id.ToString()},
+                        {"geometry", SquareJson(tile.tile_id)},
+                        {"properties", std::move(properties)}});
+  }
+  Json json = {{"type", "FeatureCollection"},
+               {"features", std::move(features)},
+               {"truncated", list.truncated},
+               {"map", {{"version", Value(snapshot.version())}}}};
+  HttpResponse response = HttpResponse::Json(json.dump());
+  response.content_type = "application/geo+json";
+  return response;
+}
+
+HttpResponse HandleTiles(const HttpRequest& request, const LocalizeService& service) {
+  const MapSnapshot snapshot = service.store().Snapshot();
+  const TileList list = FindTiles(request, snapshot);
+  Json tiles = Json::array();
+  for (const TileRecord& tile : list.tiles) tiles.push_back(TileJson(tile, service));
+  Json json = {{"tiles", std::move(tiles)},
+               {"truncated", list.truncated},
+               {"map", {{"version", Value(snapshot.version())}}}};
+  return HttpResponse::Json(json.dump());
+}
+
+HttpResponse HandleTile(const HttpRequest& request, const std::string& id,
+                        const LocalizeService& service) {
+  const TileRecord tile = RequireTile(id, service.store().Snapshot());
+  const std::string tag = service.TileTag(tile);
+  if (IsUnchanged(request, tag)) return WithTag({.status = 304}, tag);
+  return WithTag(HttpResponse::Json(TileJson(tile, service).dump()), tag);
+}
+
+HttpResponse HandleTilePayload(const HttpRequest& request, const std::string& id,
+                               const LocalizeService& service) {
+  const MapSnapshot snapshot = service.store().Snapshot();
+  const TileRecord tile = RequireTile(id, snapshot);
+  const std::string tag = service.TileTag(tile);
+  if (IsUnchanged(request, tag)) return WithTag({.status = 304}, tag);
+  const std::vector<uint8_t> payload = snapshot.LoadPayload(tile.payload_id);
+  return WithTag({.status = 200,
+                  .content_type = "application/octet-stream",
+                  .body = std::string(payload.begin(), payload.end()),
+                  .headers = {}},
+                 tag);
+}
+
+}  // namespace cairn

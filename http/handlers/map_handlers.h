@@ -1,0 +1,27 @@
+// What the map covers: availability, coverage, tiles.
+#ifndef CAIRN_HTTP_HANDLERS_MAP_HANDLERS_H_
+#define CAIRN_HTTP_HANDLERS_MAP_HANDLERS_H_
+
+#include <string>
+
+#include "http/localize_service.h"
+#include "http/message.h"
+
+namespace cairn {
+
+// GET /v1/availability?lat&lon[&accuracy]: would a query with this prior find tiles?
+HttpResponse HandleAvailability(const HttpRequest& request, const LocalizeService& service);
+// GET /v1/coverage[?bbox=w,s,e,n][&limit]: GeoJSON squares of the tiles.
+HttpResponse HandleCoverage(const HttpRequest& request, const LocalizeService& service);
+// GET /v1/tiles[?bbox][&limit]
+HttpResponse HandleTiles(const HttpRequest& request, const LocalizeService& service);
+// GET /v1/tiles/{id}, with ETag.
+HttpResponse HandleTile(const HttpRequest& request, const std::string& id,
+                        const LocalizeService& service);
+// GET /v1/tiles/{id}/payload: the bytes of docs/formats/tile_v1.md, with ETag.
+HttpResponse HandleTilePayload(const HttpRequest& request, const std::string& id,
+                               const LocalizeService& service);
+
+}  // namespace cairn
+
+#endif  // CAIRN_HTTP_HANDLERS_MAP_HANDLERS_H_

@@ -1,0 +1,94 @@
+#include "http/handlers/status_handlers.h"
+
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "core/logging.h"
+#include "http/problem.h"
+
+namespace cairn {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// The current map version; a map that cannot be read makes the server unavailable, not broken.
+MapVersion RequireReadableMap(const LocalizeService& service) {
+  try {
+    return service.store().Snapshot().version();
+  } catch (const Error& e) {
+    LogError("the map cannot be read: {}", e.what());
+    throw HttpError(ProblemCode::kUnavailable, "the map cannot be read; see the server's log");
+  }
+}
+
+Json BoundsJson(const std::optional<GeoBox>& bounds) {
+  if (!bounds) return nullptr;
+  constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+  return {bounds->west_rad * kDegPerRad, bounds->south_rad * kDegPerRad,
+          bounds->east_rad * kDegPerRad, bounds->north_rad * kDegPerRad};
+}
+
+}  // namespace
+
+HttpResponse HandleLive() { return HttpResponse::Json(R"({"status":"ok"})"); }
+
+HttpResponse HandleReady(const LocalizeService& service) {
+  RequireReadableMap(service);
+  return HttpResponse::Json(R"({"status":"ok"})");
+}
+
+HttpResponse HandleHealth(const LocalizeService& service) {
+  const MapVersion version = RequireReadableMap(service);
+  const TileCacheStats cache = service.cache_stats();
+  const Json json = {
+      {"status", "ok"},
+      {"map", {{"version", Value(version)}}},
+      {"cache",
+       {{"tiles", cache.num_entries}, {"bytes", cache.bytes}, {"maxBytes", cache.max_bytes}}}};
+  return HttpResponse::Json(json.dump());
+}
+
+HttpResponse HandleMetrics(const LocalizeService& service) {
+  return {.status = 200,
+          .content_type = "text/plain; version=0.0.4",
+          .body = service.metrics().Render(service.cache_stats(), RequireReadableMap(service)),
+          .headers = {}};
+}
+
+HttpResponse HandleVersion(const LocalizeService& service) {
+  const MapSnapshot snapshot = service.store().Snapshot();
+  const MapInfo info = snapshot.Info();
+  const std::shared_ptr<const Codebook> codebook = snapshot.CurrentCodebook();
+  const ServerOptions& options = service.options();
+  const Json json = {
+      {"name", "cairn"},
+      {"version", CAIRN_VERSION},
+      {"map",
+       {{"version", Value(info.version)},
+        {"sessions", info.num_sessions},
+        {"keyframes", info.num_keyframes},
+        {"tiles", info.num_tiles},
+        {"landmarks", info.num_landmarks},
+        {"descriptors", info.num_descriptors},
+        {"payloadBytes", info.payload_bytes},
+        {"bounds", BoundsJson(info.bounds)},
+        {"descriptorType", codebook ? Json(codebook->descriptor_type) : Json(nullptr)},
+        {"codec", codebook ? Json(codebook->CodecName()) : Json(nullptr)}}},
+      {"limits",
+       {{"bodyBytes", options.max_body_bytes},
+        {"imagePixels", options.max_image_pixels},
+        {"features", options.max_features},
+        {"defaultTimeoutMs", options.default_timeout_ms}}}};
+  return HttpResponse::Json(json.dump());
+}
+
+HttpResponse Asset(std::string_view content, const char* content_type) {
+  return {.status = 200,
+          .content_type = content_type,
+          .body = std::string(content),
+          .headers = {{"Content-Security-Policy",
+                       "default-src 'self'; img-src 'self' blob: data:; frame-ancestors 'none'"},
+                      {"Cache-Control", "no-cache"}}};
+}
+
+}  // namespace cairn

@@ -1,0 +1,21 @@
+// From the image of a request to features.
+#ifndef CAIRN_HTTP_IMAGE_FEATURES_H_
+#define CAIRN_HTTP_IMAGE_FEATURES_H_
+
+#include <cstdint>
+
+#include "core/features.h"
+#include "http/json/localize_request.h"
+#include "http/json/localize_response.h"
+
+namespace cairn {
+
+// Decodes the request's image (JPEG, PNG, PNM by their content; GRAY8 and RGBA32 by their name) and
+// extracts SIFT. Throws HttpError kInvalidImage if it does not decode or is not of the camera's
+// size, kImageTooLarge before decoding if its header claims more than `max_pixels`.
+FeatureSet ExtractQueryFeatures(const LocalizeRequest& request, int64_t max_pixels,
+                                int max_features, ServerTimes* times);
+
+}  // namespace cairn
+
+#endif  // CAIRN_HTTP_IMAGE_FEATURES_H_

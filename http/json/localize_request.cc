@@ -1,0 +1,259 @@
+#include "http/json/localize_request.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "http/base64.h"
+#include "http/feature_codec.h"
+#include "http/multipart.h"
+#include "http/problem.h"
+
+namespace cairn {
+namespace {
+
+constexpr double kMaxAccuracyM = 100'000.0;
+constexpr double kMinHeightM = -12'000.0;  // As ValidateGeodetic.
+constexpr double kMaxHeightM = 100'000.0;
+constexpr int kMaxTimeoutMs = 60'000;
+constexpr int kMaxMatches = 100'000;
+constexpr size_t kMaxIdLength = 128;
+// Phones report gravity in single precision and rounded; it is normalised here.
+constexpr double kGravityNormTolerance = 0.02;
+constexpr int64_t kMaxTimestampMs = int64_t{1} << 53;
+
+PositionPrior ReadPrior(const JsonReader& json) {
+  json.RequireOnly({"position", "accuracy", "altitudeAccuracy"});
+  const JsonReader position = json.At("position");
+  position.RequireOnly({"lat", "lon", "h"});
+  PositionPrior prior;
+  prior.position = ReadGeodetic(position.At("lat"), position.At("lon"), position.Find("h"));
+  if (const auto accuracy = json.Find("accuracy")) {
+    prior.accuracy_m = accuracy->Number(1e-3, kMaxAccuracyM);
+  }
+  if (const auto altitude_accuracy = json.Find("altitudeAccuracy")) {
+    if (!position.Has("h")) altitude_accuracy->Fail("has no height to speak of; give position.h");
+    prior.height_sigma_m = altitude_accuracy->Number(1e-3, kMaxAccuracyM);
+  }
+  return prior;
+}
+
+Eigen::Vector3d ReadGravity(const JsonReader& json) {
+  const std::vector<double> numbers = json.Numbers(3, 3);
+  const Eigen::Vector3d down(numbers[0], numbers[1], numbers[2]);
+  const double norm = down.norm();
+  if (!(std::abs(norm - 1.0) <= kGravityNormTolerance)) {
+    json.Fail(fmt::format("has length {}, not 1", norm),
+              "gravity is the unit vector that points down, in the camera frame (x right, y down, "
+              "z forward)");
+  }
+  return down / norm;
+}
+
+void ReadInclude(const JsonReader& json, ResponseOptions* options) {
+  options->with_matches = options->with_timings = options->with_covariance = false;
+  for (const JsonReader& element : json.Elements(0, 8)) {
+    const std::string& name = element.String();
+    if (name == "matches") {
+      options->with_matches = true;
+    } else if (name == "timings") {
+      options->with_timings = true;
+    } else if (name == "covariance") {
+      options->with_covariance = true;
+    } else {
+      element.Fail("is unknown", "known: matches, timings, covariance");
+    }
+  }
+}
+
+void ReadOptions(const JsonReader& json, LocalizeRequest* request) {
+  json.RequireOnly({"innerFrame", "timeoutMs", "maxMatches", "include"});
+  if (const auto name = json.Find("innerFrame")) {
+    const std::optional<InnerFrame> frame = InnerFrameFromName(name->String());
+    if (!frame) name->Fail("is unknown", "known: FLU, RDF, RUB, EUS");
+    request->answer.inner_frame = *frame;
+  }
+  if (const auto timeout = json.Find("timeoutMs")) {
+    request->timeout_ms = static_cast<int>(timeout->Integer(1, kMaxTimeoutMs));
+  }
+  if (const auto max_matches = json.Find("maxMatches")) {
+    request->answer.max_matches = static_cast<int>(max_matches->Integer(0, kMaxMatches));
+  }
+  if (const auto include = json.Find("include")) ReadInclude(*include, &request->answer);
+}
+
+void SetFeatures(std::span<const uint8_t> blob, int max_features, LocalizeRequest* request) {
+  WireFeatures wire = DecodeFeatures(blob, max_features);
+  const Camera& camera = request->query.camera;
+  if (wire.width_px != camera.width_px() || wire.height_px != camera.height_px()) {
+    throw HttpError(
+        ProblemCode::kInvalidFeatures,
+        fmt::format("the features are of an image of {} x {} pixels, the camera's "
+                    "images are {} x {}",
+                    wire.width_px, wire.height_px, camera.width_px(), camera.height_px()))
+        .At("/camera/size");
+  }
+  request->query.codec = std::move(wire.codec);
+  request->query.features = std::move(wire.features);
+}
+
+// What JSON says about the features beside the blob has to agree with the blob.
+void CheckFeatureMembers(const JsonReader& json, const LocalizeQuery& query) {
+  if (const auto codec = json.Find("codec"); codec && codec->String() != query.codec) {
+    codec->Fail(fmt::format("is '{}' but the data say '{}'", codec->String(), query.codec));
+  }
+  if (const auto count = json.Find("count");
+      count && count->Integer(0, 1 << 30) != query.features.size()) {
+    count->Fail(fmt::format("does not agree with the data, which hold {}", query.features.size()));
+  }
+}
+
+void ReadJsonFeatures(const JsonReader& json, int max_features, LocalizeRequest* request) {
+  constexpr char kHint[] =
+      "send the binary form, docs/formats/features_v1.md, as a multipart part or as base64 in "
+      "features.data: numbers in JSON are ten times larger and sixty times slower to read";
+  if (json.IsArray()) json.Fail("may not be an array of numbers", kHint);
+  for (const char* member : {"descriptors", "keypoints"}) {
+    if (const auto numbers = json.Find(member)) numbers->Fail("is not accepted as JSON", kHint);
+  }
+  json.RequireOnly({"codec", "count", "encoding", "data"});
+  const JsonReader data = json.At("data");
+  if (data.IsArray()) data.Fail("may not be an array of numbers", kHint);
+  if (const auto encoding = json.Find("encoding");
+      encoding && encoding->String() != "features_v1") {
+    encoding->Fail("is unknown", "known: features_v1; the data say the rest themselves");
+  }
+  SetFeatures(ReadBase64(data), max_features, request);
+  CheckFeatureMembers(json, request->query);
+}
+
+void ReadJsonImage(const JsonReader& json, LocalizeRequest* request) {
+  json.RequireOnly({"format", "data"});
+  if (const auto format = json.Find("format")) request->image_format = format->String(16);
+  request->image_bytes = ReadBase64(json.At("data"));
+  if (request->image_bytes.empty()) json.At("data").Fail("is empty");
+}
+
+// Everything but image and features.
+LocalizeRequest ReadCommon(const JsonReader& json, const RequestLimits& limits) {
+  json.RequireOnly(
+      {"id", "timestamp", "camera", "image", "features", "prior", "gravity", "options"});
+  LocalizeRequest request;
+  request.timeout_ms = limits.default_timeout_ms;
+  if (const auto id = json.Find("id")) request.query.id = id->String(kMaxIdLength);
+  if (const auto timestamp = json.Find("timestamp")) {
+    request.timestamp_ms = timestamp->Integer(-kMaxTimestampMs, kMaxTimestampMs);
+  }
+  const JsonReader camera = json.At("camera");
+  camera.RequireOnly({"model", "size", "modelParams"});
+  request.query.camera =
+      ReadCamera(camera.At("model"), camera.At("size"), camera.At("modelParams"));
+  if (const auto prior = json.Find("prior")) request.query.prior = ReadPrior(*prior);
+  if (const auto gravity = json.Find("gravity")) request.query.down_in_cam = ReadGravity(*gravity);
+  if (const auto options = json.Find("options")) ReadOptions(*options, &request);
+  return request;
+}
+
+LocalizeRequest ParseJsonBody(std::string_view body, const RequestLimits& limits) {
+  const nlohmann::json document = ParseJson(body);
+  const JsonReader json(document);
+  LocalizeRequest request = ReadCommon(json, limits);
+  const auto image = json.Find("image");
+  const auto features = json.Find("features");
+  if (image.has_value() == features.has_value()) {
+    json.Fail("has to have either an image or features, not both");
+  }
+  if (image) {
+    ReadJsonImage(*image, &request);
+  } else {
+    ReadJsonFeatures(*features, limits.max_features, &request);
+  }
+  return request;
+}
+
+LocalizeRequest ParseMultipartBody(std::string_view content_type, std::string_view body,
+                                   const RequestLimits& limits) {
+  std::optional<std::string_view> json_part, image_part, features_part;
+  for (const MultipartPart& part : ParseMultipart(content_type, body)) {
+    if (part.name == "request") {
+      json_part = part.content;
+    } else if (part.name == "image") {
+      image_part = part.content;
+    } else if (part.name == "features") {
+      features_part = part.content;
+    } else {
+      throw HttpError(ProblemCode::kInvalidMultipart,
+                      fmt::format("the part '{}' is unknown", part.name.substr(0, 64)))
+          .Hint("known: request, image, features");
+    }
+  }
+  if (!json_part || image_part.has_value() == features_part.has_value()) {
+    throw HttpError(ProblemCode::kInvalidMultipart,
+                    "the body has to have a part 'request' and either 'image' or 'features'");
+  }
+  const nlohmann::json document = ParseJson(*json_part);
+  const JsonReader json(document);
+  LocalizeRequest request = ReadCommon(json, limits);
+  for (const char* member : {"image", "features"}) {
+    if (const auto twice = json.Find(member)) twice->Fail("is in a part of its own already");
+  }
+  const std::string_view bytes = image_part ? *image_part : *features_part;
+  const std::span<const uint8_t> blob(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
+  if (features_part) {
+    SetFeatures(blob, limits.max_features, &request);
+  } else if (blob.empty()) {
+    throw HttpError(ProblemCode::kInvalidImage, "the image part is empty").At("/image");
+  } else {
+    request.image_bytes.assign(blob.begin(), blob.end());
+  }
+  return request;
+}
+
+}  // namespace
+
+Camera ReadCamera(const JsonReader& model, const JsonReader& size, const JsonReader& params) {
+  const std::vector<JsonReader> sides = size.Elements(2, 2);
+  const auto width_px = static_cast<int>(sides[0].Integer(1, 100'000));
+  const auto height_px = static_cast<int>(sides[1].Integer(1, 100'000));
+  CameraModel camera_model;
+  try {
+    camera_model = CameraModelFromName(model.String());
+  } catch (const HttpError&) {
+    throw;
+  } catch (const Error& e) {
+    model.Fail(e.what());
+  }
+  const std::vector<double> numbers = params.Numbers(0, 16);
+  try {
+    return Camera(camera_model, width_px, height_px, numbers);
+  } catch (const Error& e) {
+    params.Fail(e.what());
+  }
+}
+
+std::vector<uint8_t> ReadBase64(const JsonReader& text) {
+  std::optional<std::vector<uint8_t>> bytes = DecodeBase64(text.String());
+  if (!bytes) {
+    text.Fail("is not base64", "the standard alphabet with padding, without line breaks");
+  }
+  return std::move(*bytes);
+}
+
+Geodetic ReadGeodetic(const JsonReader& lat, const JsonReader& lon,
+                      const std::optional<JsonReader>& h) {
+  return Geodetic::FromDegrees(lat.Number(-90.0, 90.0), lon.Number(-180.0, 180.0),
+                               h ? h->Number(kMinHeightM, kMaxHeightM) : 0.0);
+}
+
+LocalizeRequest ParseLocalizeRequest(std::string_view content_type, std::string_view body,
+                                     const RequestLimits& limits) {
+  if (IsMultipart(content_type)) return ParseMultipartBody(content_type, body, limits);
+  if (MediaType(content_type) == "application/json") return ParseJsonBody(body, limits);
+  throw HttpError(ProblemCode::kUnsupportedMediaType,
+                  fmt::format("the content type '{}' is not accepted", content_type.substr(0, 64)))
+      .Hint("send application/json or multipart/form-data");
+}
+
+}  // namespace cairn

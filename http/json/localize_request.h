@@ -1,0 +1,60 @@
+// The body of POST /v1/localize, JSON or multipart, as a query.
+#ifndef CAIRN_HTTP_JSON_LOCALIZE_REQUEST_H_
+#define CAIRN_HTTP_JSON_LOCALIZE_REQUEST_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/localize_query.h"
+#include "http/json/inner_frame.h"
+#include "http/json/json_reader.h"
+
+namespace cairn {
+
+struct RequestLimits {
+  int max_features = 5000;
+  int default_timeout_ms = 2000;
+};
+
+// What the client wants in the answer.
+struct ResponseOptions {
+  InnerFrame inner_frame = InnerFrame::kFlu;
+  int max_matches = 200;
+  bool with_matches = false;
+  bool with_timings = true;
+  bool with_covariance = true;
+};
+
+struct LocalizeRequest {
+  LocalizeQuery query;                  // No features yet if there is an image.
+  std::optional<int64_t> timestamp_ms;  // Of the picture, since the Unix epoch; echoed.
+  // Encoded image, or raw pixels with the formats GRAY8 and RGBA32; empty if there are features.
+  std::vector<uint8_t> image_bytes;
+  std::string image_format;  // As the client named it; JPEG, PNG and PNM are recognised anyway.
+  int timeout_ms = 0;
+  ResponseOptions answer;
+
+  bool has_image() const { return !image_bytes.empty(); }
+};
+
+// Throws HttpError kUnsupportedMediaType unless `content_type` is JSON or multipart/form-data, and
+// kInvalidJson, kInvalidField, kInvalidMultipart, kInvalidFeatures, kTooManyFeatures with the JSON
+// pointer of what is wrong. The image is not decoded.
+LocalizeRequest ParseLocalizeRequest(std::string_view content_type, std::string_view body,
+                                     const RequestLimits& limits);
+
+// Parts that GeoPoseProtocol shares.
+// The camera from its members: a model name, an array [width, height], an array of parameters.
+Camera ReadCamera(const JsonReader& model, const JsonReader& size, const JsonReader& params);
+// Strict base64; throws with the pointer of the string.
+std::vector<uint8_t> ReadBase64(const JsonReader& text);
+// Degrees and metres; checked.
+Geodetic ReadGeodetic(const JsonReader& lat, const JsonReader& lon,
+                      const std::optional<JsonReader>& h);
+
+}  // namespace cairn
+
+#endif  // CAIRN_HTTP_JSON_LOCALIZE_REQUEST_H_

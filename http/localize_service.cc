@@ -1,0 +1,65 @@
+#include "http/localize_service.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "http/image_features.h"
+#include "http/problem.h"
+
+namespace cairn {
+
+LocalizeService::LocalizeService(const ServerOptions& options)
+    : options_(options),
+      store_(
+          std::make_shared<const MapStore>(MapStore::Open(options.map_path, OpenMode::kReadOnly))),
+      cache_(std::make_shared<TileCache>(options.cache_bytes)),
+      localizer_(std::make_unique<Localizer>(store_, cache_, options.localizer)) {
+  map_tag_ = store_->Snapshot().Info().created_at;
+  std::erase_if(map_tag_, [](unsigned char c) { return std::isalnum(c) == 0; });
+}
+
+std::string LocalizeService::TileTag(const TileRecord& tile) const {
+  return fmt::format("\"{}-{}\"", map_tag_, Value(tile.payload_id));
+}
+
+void LocalizeService::CheckCodec(const LocalizeQuery& query) const {
+  const std::shared_ptr<const Codebook> codebook = store_->Snapshot().CurrentCodebook();
+  if (codebook == nullptr) return;  // An empty map: nothing is covered, whatever the features.
+  const bool is_raw = query.features.space == DescriptorSpace::kRaw;
+  const std::string codec = is_raw ? codebook->descriptor_type : codebook->CodecName();
+  const bool unnamed = is_raw && query.codec.empty();
+  if (!unnamed && query.codec != codec) {
+    throw HttpError(
+        ProblemCode::kWrongCodec,
+        fmt::format("the features are of codec '{}', the map's is '{}'", query.codec, codec))
+        .At("/features/codec")
+        .Hint(fmt::format("send raw '{}' features, or project them for '{}'",
+                          codebook->descriptor_type, codebook->CodecName()));
+  }
+  const int dim = is_raw ? codebook->raw_dim() : codebook->projected_dim();
+  if (query.features.size() > 0 && query.features.descriptors.cols() != dim) {
+    throw HttpError(ProblemCode::kInvalidFeatures,
+                    fmt::format("the descriptors have {} dimensions, codec '{}' has {}",
+                                query.features.descriptors.cols(), codec, dim))
+        .At("/features");
+  }
+}
+
+LocalizeService::Answer LocalizeService::Localize(std::chrono::steady_clock::time_point arrival,
+                                                  LocalizeRequest* request) {
+  Answer answer;
+  LocalizeQuery& query = request->query;
+  if (request->has_image()) {
+    query.features = ExtractQueryFeatures(*request, options_.max_image_pixels,
+                                          options_.max_features, &answer.times);
+  }
+  CheckCodec(query);
+  query.deadline = arrival + std::chrono::milliseconds(request->timeout_ms);
+  answer.result = localizer_->Localize(query);
+  metrics_.CountLocalize(answer.result, answer.times, request->has_image());
+  return answer;
+}
+
+}  // namespace cairn

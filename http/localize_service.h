@@ -1,0 +1,63 @@
+// The map being served and the one way to ask it: what the endpoints share.
+#ifndef CAIRN_HTTP_LOCALIZE_SERVICE_H_
+#define CAIRN_HTTP_LOCALIZE_SERVICE_H_
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "engine/localizer.h"
+#include "http/json/localize_request.h"
+#include "http/json/localize_response.h"
+#include "http/metrics.h"
+#include "http/server.h"
+#include "storage/map_store.h"
+#include "storage/tile_cache.h"
+
+namespace cairn {
+
+// Safe to call from any thread.
+class LocalizeService {
+ public:
+  struct Answer {
+    LocalizeResult result;
+    ServerTimes times;
+  };
+
+  // Opens the map; throws as MapStore::Open.
+  explicit LocalizeService(const ServerOptions& options);
+
+  RequestLimits request_limits() const {
+    return {.max_features = options_.max_features,
+            .default_timeout_ms = options_.default_timeout_ms};
+  }
+  const ServerOptions& options() const { return options_; }
+  const MapStore& store() const { return *store_; }
+  const Localizer& localizer() const { return *localizer_; }
+  TileCacheStats cache_stats() const { return cache_->Stats(); }
+  Metrics& metrics() { return metrics_; }
+  const Metrics& metrics() const { return metrics_; }
+
+  // Names the contents of a tile, for ETag: differs whenever the bytes differ, also between maps.
+  std::string TileTag(const TileRecord& tile) const;
+
+  // Fills in the query's features if there is an image, and its deadline (the client's timeout
+  // counts from `arrival`), checks that the features are of the map's codec, and localizes. Throws
+  // HttpError kInvalidImage, kImageTooLarge, kWrongCodec, and as Localizer::Localize.
+  Answer Localize(std::chrono::steady_clock::time_point arrival, LocalizeRequest* request);
+
+ private:
+  // Throws unless the features are what the map's codebook takes.
+  void CheckCodec(const LocalizeQuery& query) const;
+
+  const ServerOptions options_;
+  std::shared_ptr<const MapStore> store_;
+  std::shared_ptr<TileCache> cache_;
+  std::unique_ptr<Localizer> localizer_;
+  std::string map_tag_;
+  Metrics metrics_;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_HTTP_LOCALIZE_SERVICE_H_

@@ -1,0 +1,201 @@
+#include "http/net/request_head.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+#include "http/problem.h"
+
+namespace cairn {
+namespace {
+
+constexpr std::array<std::string_view, 8> kMethods = {"GET",    "HEAD",    "POST",  "PUT",
+                                                      "DELETE", "OPTIONS", "PATCH", "TRACE"};
+
+[[noreturn]] void Refuse(ProblemCode code, const std::string& detail) {
+  throw HttpError(code, detail);
+}
+
+bool IsTokenChar(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+         std::string_view("!#$%&'*+-.^_`|~").find(c) != std::string_view::npos;
+}
+
+bool IsToken(std::string_view text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), IsTokenChar);
+}
+
+// Visible ASCII, the only characters a target may have.
+bool IsTargetChar(char c) { return c > ' ' && c <= '~'; }
+
+// No control characters but the tab.
+bool IsValueChar(char c) {
+  const auto byte = static_cast<unsigned char>(c);
+  return byte == '\t' || (byte >= ' ' && byte != 0x7f);
+}
+
+std::string ToLower(std::string_view text) {
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  return lower;
+}
+
+std::string_view Trim(std::string_view text) {
+  const size_t begin = text.find_first_not_of(" \t");
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
+}
+
+// Takes the next line, without its CRLF, off the front of `rest`.
+std::string_view TakeLine(std::string_view* rest) {
+  const size_t end = rest->find("\r\n");
+  if (end == std::string_view::npos) Refuse(ProblemCode::kBadRequest, "a line does not end");
+  const std::string_view line = rest->substr(0, end);
+  rest->remove_prefix(end + 2);
+  return line;
+}
+
+void ParseRequestLine(std::string_view line, const HeadLimits& limits, RequestHead* head) {
+  const size_t first = line.find(' ');
+  const size_t last = line.rfind(' ');
+  if (first == std::string_view::npos || last == first) {
+    Refuse(ProblemCode::kBadRequest, "the request line is not 'METHOD target HTTP/1.1'");
+  }
+  head->method = line.substr(0, first);
+  head->target = line.substr(first + 1, last - first - 1);
+  const std::string_view version = line.substr(last + 1);
+  if (!IsToken(head->method)) {
+    Refuse(ProblemCode::kBadRequest, "the method is not a token");
+  }
+  if (std::find(kMethods.begin(), kMethods.end(), head->method) == kMethods.end()) {
+    Refuse(ProblemCode::kNotImplemented, "the method is unknown to this server");
+  }
+  if (head->target.size() > limits.max_target_bytes) {
+    Refuse(ProblemCode::kUriTooLong,
+           fmt::format("the target is longer than {} bytes", limits.max_target_bytes));
+  }
+  if (!head->target.starts_with('/') ||
+      !std::all_of(head->target.begin(), head->target.end(), IsTargetChar)) {
+    Refuse(ProblemCode::kBadRequest,
+           "the target is not a path of visible ASCII characters; percent-encode the rest");
+  }
+  if (version != "HTTP/1.1" && version != "HTTP/1.0") {
+    const bool is_http = version.starts_with("HTTP/");
+    Refuse(is_http ? ProblemCode::kVersionNotSupported : ProblemCode::kBadRequest,
+           "this server speaks HTTP/1.1");
+  }
+  head->is_http_1_0 = version == "HTTP/1.0";
+}
+
+void ParseHeaderLine(std::string_view line, RequestHead* head) {
+  const size_t colon = line.find(':');
+  if (colon == std::string_view::npos || !IsToken(line.substr(0, colon))) {
+    Refuse(ProblemCode::kBadRequest, "a header line is not 'Name: value'");
+  }
+  const std::string_view value = Trim(line.substr(colon + 1));
+  if (!std::all_of(value.begin(), value.end(), IsValueChar)) {
+    Refuse(ProblemCode::kBadRequest, "a header value contains a control character");
+  }
+  head->headers.emplace_back(ToLower(line.substr(0, colon)), value);
+}
+
+// The value of a header that may stand at most once.
+std::string_view SingleHeader(const RequestHead& head, std::string_view name) {
+  const auto is_name = [&](const auto& header) { return header.first == name; };
+  if (std::count_if(head.headers.begin(), head.headers.end(), is_name) > 1) {
+    Refuse(ProblemCode::kBadRequest, fmt::format("more than one {} header", name));
+  }
+  return head.Header(name);
+}
+
+bool Has(const RequestHead& head, std::string_view name) {
+  return std::any_of(head.headers.begin(), head.headers.end(),
+                     [&](const auto& header) { return header.first == name; });
+}
+
+bool TakesBody(const std::string& method) {
+  return method == "POST" || method == "PUT" || method == "PATCH";
+}
+
+size_t ParseContentLength(std::string_view text, size_t max_body_bytes) {
+  size_t length = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), length);
+  const bool is_number = !text.empty() && end == text.data() + text.size();
+  if (error == std::errc::result_out_of_range || (is_number && length > max_body_bytes)) {
+    throw HttpError(ProblemCode::kPayloadTooLarge,
+                    fmt::format("the body is larger than {} bytes", max_body_bytes))
+        .Hint("send features instead of an image, or a smaller image");
+  }
+  if (!is_number || error != std::errc()) {
+    Refuse(ProblemCode::kBadRequest, "Content-Length is not a number");
+  }
+  return length;
+}
+
+void CheckBodyFraming(const HeadLimits& limits, RequestHead* head) {
+  const bool has_length = Has(*head, "content-length");
+  const std::string_view length = SingleHeader(*head, "content-length");
+  if (Has(*head, "transfer-encoding")) {
+    if (has_length) {
+      Refuse(ProblemCode::kBadRequest, "Content-Length and Transfer-Encoding exclude each other");
+    }
+    throw HttpError(ProblemCode::kLengthRequired, "chunked bodies are not accepted")
+        .Hint("send the body with a Content-Length");
+  }
+  if (!has_length && TakesBody(head->method)) {
+    Refuse(ProblemCode::kLengthRequired, "the request has no Content-Length");
+  }
+  const std::string encoding = ToLower(SingleHeader(*head, "content-encoding"));
+  if (!encoding.empty() && encoding != "identity") {
+    throw HttpError(ProblemCode::kUnsupportedEncoding, "compressed bodies are not accepted")
+        .Hint("send the body without Content-Encoding");
+  }
+  if (has_length) {
+    head->content_length = ParseContentLength(length, limits.max_body_bytes);
+  }
+}
+
+void ReadConnectionHeaders(RequestHead* head) {
+  if (!head->is_http_1_0 && !Has(*head, "host")) {
+    Refuse(ProblemCode::kBadRequest, "the request has no Host header");
+  }
+  SingleHeader(*head, "host");
+  SingleHeader(*head, "content-type");
+  const std::string connection = ToLower(head->Header("connection"));
+  head->keep_alive = head->is_http_1_0 ? connection == "keep-alive" : connection != "close";
+  const std::string expect = ToLower(SingleHeader(*head, "expect"));
+  if (!expect.empty() && expect != "100-continue") {
+    Refuse(ProblemCode::kExpectationFailed, "the only expectation known is 100-continue");
+  }
+  head->expects_continue = !expect.empty();
+}
+
+}  // namespace
+
+std::string_view RequestHead::Header(std::string_view lower_case_name) const {
+  for (const auto& [name, value] : headers) {
+    if (name == lower_case_name) return value;
+  }
+  return {};
+}
+
+RequestHead ParseRequestHead(std::string_view text, const HeadLimits& limits) {
+  RequestHead head;
+  std::string_view rest = text;
+  ParseRequestLine(TakeLine(&rest), limits, &head);
+  for (std::string_view line = TakeLine(&rest); !line.empty(); line = TakeLine(&rest)) {
+    if (head.headers.size() == limits.max_headers) {
+      Refuse(ProblemCode::kHeadersTooLarge,
+             fmt::format("more than {} header lines", limits.max_headers));
+    }
+    ParseHeaderLine(line, &head);
+  }
+  ReadConnectionHeaders(&head);
+  CheckBodyFraming(limits, &head);
+  return head;
+}
+
+}  // namespace cairn

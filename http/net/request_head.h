@@ -1,0 +1,45 @@
+// The head of an HTTP/1.1 request, read strictly before any library sees it.
+//
+// cpp-httplib 0.11.4 accepts heads that a server on the open network must not: duplicate
+// Content-Length, Content-Length beside Transfer-Encoding (request smuggling), any number of header
+// lines, compressed and chunked bodies that bypass the size limit, and client headers that pose as
+// its own REMOTE_ADDR. This check stands in front of it (RFC 9112, and stricter: no chunked bodies,
+// no line folding, no bare line feeds).
+#ifndef CAIRN_HTTP_NET_REQUEST_HEAD_H_
+#define CAIRN_HTTP_NET_REQUEST_HEAD_H_
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace cairn {
+
+struct HeadLimits {
+  size_t max_target_bytes = 4096;
+  size_t max_head_bytes = 16384;  // Request line and headers together.
+  size_t max_headers = 64;
+  size_t max_body_bytes = size_t{2} << 20;
+};
+
+struct RequestHead {
+  std::string method;
+  std::string target;  // As sent: percent-encoded, with the query.
+  bool is_http_1_0 = false;
+  std::vector<std::pair<std::string, std::string>> headers;  // Names in lower case.
+  size_t content_length = 0;
+  bool expects_continue = false;
+  bool keep_alive = true;
+
+  // First value of a header, or empty.
+  std::string_view Header(std::string_view lower_case_name) const;
+};
+
+// `text` is everything up to and including the empty line. Throws HttpError with the status that
+// RFC 9110 has for what is wrong.
+RequestHead ParseRequestHead(std::string_view text, const HeadLimits& limits);
+
+}  // namespace cairn
+
+#endif  // CAIRN_HTTP_NET_REQUEST_HEAD_H_

@@ -1,0 +1,82 @@
+#include "http/routes.h"
+
+#include "http/handlers/localize_handlers.h"
+#include "http/handlers/map_handlers.h"
+#include "http/handlers/status_handlers.h"
+#include "http/web_assets.h"
+
+namespace cairn {
+namespace {
+
+using Id = std::string;
+
+void AddApi(LocalizeService* service, Router* router) {
+  router->Add({"POST", "/v1/localize", [=](const HttpRequest& request, const Id&) {
+                 return HandleLocalize(request, service);
+               }});
+  router->Add({"GET", "/v1/availability", [=](const HttpRequest& request, const Id&) {
+                 return HandleAvailability(request, *service);
+               }});
+  router->Add({"GET", "/v1/coverage", [=](const HttpRequest& request, const Id&) {
+                 return HandleCoverage(request, *service);
+               }});
+  router->Add({"GET", "/v1/tiles", [=](const HttpRequest& request, const Id&) {
+                 return HandleTiles(request, *service);
+               }});
+  router->Add({"GET", "/v1/tiles/{id}", [=](const HttpRequest& request, const Id& id) {
+                 return HandleTile(request, id, *service);
+               }});
+  router->Add({"GET", "/v1/tiles/{id}/payload", [=](const HttpRequest& request, const Id& id) {
+                 return HandleTilePayload(request, id, *service);
+               }});
+  router->Add(
+      {"GET", "/geopose", [](const HttpRequest&, const Id&) { return HandleGeoPoseStatus(); }});
+  router->Add({"POST", "/geopose", [=](const HttpRequest& request, const Id&) {
+                 return HandleGeoPose(request, service);
+               }});
+  router->Add(
+      {"GET", "/version", [=](const HttpRequest&, const Id&) { return HandleVersion(*service); }});
+}
+
+void AddPages(Router* router) {
+  router->Add({"GET", "/openapi.json", [](const HttpRequest&, const Id&) {
+                 return Asset(http_web::k_openapi_json, "application/json");
+               }});
+  router->Add({"GET", "/ui", [](const HttpRequest&, const Id&) {
+                 return Asset(http_web::k_index_html, "text/html; charset=utf-8");
+               }});
+  router->Add({"GET", "/ui/app.js", [](const HttpRequest&, const Id&) {
+                 return Asset(http_web::k_app_js, "text/javascript; charset=utf-8");
+               }});
+  router->Add({"GET", "/ui/style.css", [](const HttpRequest&, const Id&) {
+                 return Asset(http_web::k_style_css, "text/css; charset=utf-8");
+               }});
+}
+
+void AddAdmin(LocalizeService* service, Router* router) {
+  router->Add(
+      {"GET", "/healthz", [=](const HttpRequest&, const Id&) { return HandleHealth(*service); }});
+  router->Add({"GET", "/livez", [](const HttpRequest&, const Id&) { return HandleLive(); }});
+  router->Add(
+      {"GET", "/readyz", [=](const HttpRequest&, const Id&) { return HandleReady(*service); }});
+  router->Add(
+      {"GET", "/metrics", [=](const HttpRequest&, const Id&) { return HandleMetrics(*service); }});
+}
+
+}  // namespace
+
+Router MainRoutes(LocalizeService* service, bool with_admin) {
+  Router router;
+  AddApi(service, &router);
+  AddPages(&router);
+  if (with_admin) AddAdmin(service, &router);
+  return router;
+}
+
+Router AdminRoutes(LocalizeService* service) {
+  Router router;
+  AddAdmin(service, &router);
+  return router;
+}
+
+}  // namespace cairn

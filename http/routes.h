@@ -1,0 +1,18 @@
+// All routes of the server, in one list.
+#ifndef CAIRN_HTTP_ROUTES_H_
+#define CAIRN_HTTP_ROUTES_H_
+
+#include "http/localize_service.h"
+#include "http/router.h"
+
+namespace cairn {
+
+// The API and the pages. With `with_admin` the routes of AdminRoutes, too.
+Router MainRoutes(LocalizeService* service, bool with_admin);
+
+// Health and metrics.
+Router AdminRoutes(LocalizeService* service);
+
+}  // namespace cairn
+
+#endif  // CAIRN_HTTP_ROUTES_H_
