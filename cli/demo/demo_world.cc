@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "eval/known_poses/reconstruct_known_poses.h"
 #include "eval/parallel_for.h"
 #include "eval/pictures/encode_png.h"
 #include "eval/street/street_scene.h"
@@ -65,16 +66,20 @@ std::vector<StreetPhoto> TakePhotos(const StreetScene& scene, const std::vector<
 
 IngestReport IngestPhotos(const StreetScene& scene, const std::vector<StreetPhoto>& photos,
                           const std::string& map_path, uint64_t seed, Progress* progress) {
-  const Reconstruction reconstruction = ReconstructWithKnownPoses(scene.camera(), photos);
+  const auto show = [&](const char* phase, int64_t done, int64_t total) {
+    progress->Update(phase, done, total);
+  };
+  KnownPoseOptions known_poses;
+  known_poses.num_threads = NumThreads();
+  const Reconstruction reconstruction =
+      ReconstructWithKnownPoses(scene.camera(), photos, known_poses, show);
   MapStore store = MapStore::Create(map_path);
   IngestOptions options;
   options.session_name = "street";
   options.source = "cairn demo";
   options.codebook.seed = seed;
   return IngestSession(reconstruction, EcefFromWorld(scene.options().origin), options, &store,
-                       [&](const char* phase, int64_t done, int64_t total) {
-                         progress->Update(phase, done, total);
-                       });
+                       show);
 }
 
 void MakeQueries(const StreetScene& scene, const DemoWorldOptions& options, Progress* progress,

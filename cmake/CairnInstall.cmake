@@ -1,0 +1,68 @@
+# `cmake --install`, find_package(cairn) and the Debian package.
+if(NOT TARGET cairn)
+  return()
+endif()
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+set(cairn_config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/cairn)
+
+# The libraries, as cairn::core, cairn::engine, ... The verbs of the shell are no library for others.
+get_property(cairn_libraries GLOBAL PROPERTY CAIRN_LIBRARIES)
+list(REMOVE_ITEM cairn_libraries cairn_cli)
+install(TARGETS ${cairn_libraries} EXPORT cairnTargets
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/cairn COMPONENT development)
+install(EXPORT cairnTargets NAMESPACE cairn:: DESTINATION ${cairn_config_dir}
+  COMPONENT development)
+
+# Headers lie in one folder per room, as the sources include them.
+foreach(room core storage engine ingest http eval)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cairn
+    COMPONENT development FILES_MATCHING PATTERN "*.h")
+endforeach()
+
+configure_package_config_file(
+  ${PROJECT_SOURCE_DIR}/cmake/cairnConfig.cmake.in ${PROJECT_BINARY_DIR}/cairnConfig.cmake
+  INSTALL_DESTINATION ${cairn_config_dir})
+write_basic_package_version_file(
+  ${PROJECT_BINARY_DIR}/cairnConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES
+  ${PROJECT_BINARY_DIR}/cairnConfig.cmake ${PROJECT_BINARY_DIR}/cairnConfigVersion.cmake
+  ${PROJECT_SOURCE_DIR}/cmake/FindOpenCV.cmake
+  DESTINATION ${cairn_config_dir} COMPONENT development)
+
+# The binary, and the extension that lets the sqlite3 shell look into maps.
+if(TARGET cairn)
+  install(TARGETS cairn RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
+endif()
+if(TARGET cairn_sqlite)
+  install(TARGETS cairn_sqlite LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/cairn
+    COMPONENT runtime)
+endif()
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md
+              ${PROJECT_SOURCE_DIR}/CHANGELOG.md
+  DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
+
+# `cpack --preset`-less use: cd build/release && cpack -G DEB
+set(CPACK_PACKAGE_NAME cairn)
+set(CPACK_PACKAGE_VENDOR "The Cairn authors")
+set(CPACK_PACKAGE_CONTACT "The Cairn authors <cairn@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY ${PROJECT_DESCRIPTION})
+set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
+set(CPACK_GENERATOR DEB)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_ALL runtime development)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME cairn)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libcairn-dev)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
+# Static libraries have no shared dependencies to compute; their users link these.
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
+  "libsqlite3-dev, libeigen3-dev, libfmt-dev, libspdlog-dev, nlohmann-json3-dev, libzstd-dev, \
+libxxhash-dev, libgeographiclib-dev, libceres-dev, libfaiss-dev, libopenblas-dev, libexiv2-dev, \
+libopencv-core-dev, libopencv-imgproc-dev, libopencv-imgcodecs-dev, libopencv-features2d-dev, \
+libopencv-calib3d-dev")
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_STRIP_FILES ON)
+include(CPack)

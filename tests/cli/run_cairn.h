@@ -1,0 +1,47 @@
+// Runs the built `cairn` binary as a shell would.
+#ifndef CAIRN_TESTS_CLI_RUN_CAIRN_H_
+#define CAIRN_TESTS_CLI_RUN_CAIRN_H_
+
+#include <sys/types.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace cairn::testing {
+
+struct Finished {
+  int exit_code = -1;  // 128 + signal number if a signal ended it.
+  std::string out;     // Standard output.
+  std::string err;     // Standard error.
+};
+
+// Runs `cairn <arguments>` to its end; `input` becomes its standard input.
+Finished RunCairn(const std::vector<std::string>& arguments, const std::string& input = "");
+
+// A `cairn` that runs in the background; killed at destruction if it still runs.
+class BackgroundCairn {
+ public:
+  explicit BackgroundCairn(const std::vector<std::string>& arguments);
+  ~BackgroundCairn();
+  BackgroundCairn(const BackgroundCairn&) = delete;
+  BackgroundCairn& operator=(const BackgroundCairn&) = delete;
+
+  // Waits for the first line of standard output; without its newline, empty if there is none.
+  std::string ReadLine();
+
+  // Sends the signal, waits for the end, returns the exit code as Finished::exit_code.
+  int Stop(int signal);
+
+ private:
+  pid_t pid_ = -1;
+  int out_fd_ = -1;
+};
+
+// Runs `work` in a forked process, which ends when `work` returns; exit code as above. For what
+// must die in the middle.
+int RunInChild(const std::function<void()>& work);
+
+}  // namespace cairn::testing
+
+#endif  // CAIRN_TESTS_CLI_RUN_CAIRN_H_

@@ -1,0 +1,145 @@
+// What the verbs do when all is well.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "cli/run_cairn.h"
+#include "http/client.h"
+#include "ingest/ingest_session.h"
+#include "storage/map_store.h"
+#include "support/reconstruction_builder.h"
+#include "support/temp_dir.h"
+
+namespace cairn::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+IngestOptions Session(const std::string& name) {
+  IngestOptions options;
+  options.session_name = name;
+  return options;
+}
+
+void Ingest(const std::string& map_path, const std::string& session,
+            const IngestProgress& progress = {}) {
+  const StreetWorld world;
+  MapStore store = MapStore::Open(map_path, OpenMode::kReadWrite);
+  IngestSession(world.Reconstruct(), world.EcefFromWorld(), Session(session), &store, progress);
+}
+
+class Verbs : public ::testing::Test {
+ protected:
+  Verbs() { MapStore::Create(map_); }
+
+  TempDir dir_;
+  std::string map_ = dir_.File("map.gpkg");
+};
+
+TEST_F(Verbs, EveryVerbHasHelpWithAnExample) {
+  for (const char* verb : {"init", "ingest", "remove", "serve", "localize", "eval", "info", "sql",
+                           "check", "demo", "bench"}) {
+    const Finished finished = RunCairn({verb, "--help"});
+    EXPECT_EQ(finished.exit_code, 0) << verb;
+    EXPECT_THAT(finished.out, HasSubstr(std::string("Example:\n  cairn ") + verb)) << verb;
+    EXPECT_EQ(finished.err, "") << verb;
+  }
+}
+
+TEST_F(Verbs, VersionNamesTheProgram) {
+  EXPECT_THAT(RunCairn({"--version"}).out, StartsWith("cairn "));
+}
+
+TEST_F(Verbs, InfoAsJsonIsAllThatStandsOnStdout) {
+  ASSERT_EQ(RunInChild([&] { Ingest(map_, "monday"); }), 0);
+  const Finished finished = RunCairn({"info", map_, "--json"});
+  ASSERT_EQ(finished.exit_code, 0) << finished.err;
+  const auto json = nlohmann::json::parse(finished.out);
+  EXPECT_EQ(json["sessions"][0]["name"], "monday");
+  EXPECT_GT(json["landmarks"], 0);
+}
+
+TEST_F(Verbs, RemoveTakesTheSessionOut) {
+  ASSERT_EQ(RunInChild([&] { Ingest(map_, "monday"); }), 0);
+  EXPECT_EQ(RunCairn({"remove", map_, "monday"}).exit_code, 0);
+  const auto json = nlohmann::json::parse(RunCairn({"info", map_, "--json"}).out);
+  EXPECT_TRUE(json["sessions"].empty());
+  EXPECT_EQ(json["tiles"], 0);
+}
+
+TEST_F(Verbs, CheckOfAMapWithTilesReportsProgressAsJson) {
+  ASSERT_EQ(RunInChild([&] { Ingest(map_, "monday"); }), 0);
+  const Finished finished = RunCairn({"check", map_, "--progress", "json"});
+  EXPECT_EQ(finished.exit_code, 0) << finished.err;
+  EXPECT_THAT(finished.out, HasSubstr("no problems"));
+  const auto first = nlohmann::json::parse(finished.err.substr(0, finished.err.find('\n')));
+  EXPECT_EQ(first["phase"], "check");
+}
+
+TEST_F(Verbs, SqlPrintsTablesCsvAndJson) {
+  const std::string query = "SELECT 1 AS a, 'x,\"y\"' AS b, NULL AS c";
+  EXPECT_EQ(RunCairn({"sql", map_, query}).out, "a  b      c\n-  -----  -\n1  x,\"y\"\n");
+  EXPECT_EQ(RunCairn({"sql", map_, query, "--format", "csv"}).out,
+            "a,b,c\r\n1,\"x,\"\"y\"\"\",\r\n");
+  const auto json = nlohmann::json::parse(RunCairn({"sql", map_, query, "--format", "json"}).out);
+  EXPECT_EQ(json, nlohmann::json::parse(R"([{"a": 1, "b": "x,\"y\"", "c": null}])"));
+}
+
+TEST_F(Verbs, SqlReadsStandardInput) {
+  EXPECT_EQ(RunCairn({"sql", map_, "--format", "csv"}, "SELECT 6 * 7 AS answer;").out,
+            "answer\r\n42\r\n");
+}
+
+TEST_F(Verbs, ServeAnswersUntilItIsTerminated) {
+  BackgroundCairn server({"serve", map_, "--port", "0", "--log-level", "off"});
+  const std::string url = server.ReadLine();
+  ASSERT_THAT(url, StartsWith("http://127.0.0.1:"));
+  LocalizeClient client(ClientOptions{.url = url});
+  EXPECT_NO_THROW(client.Get("/healthz"));
+  EXPECT_EQ(server.Stop(SIGTERM), 0);
+}
+
+TEST_F(Verbs, ServeSaysThatItWasInterrupted) {
+  BackgroundCairn server({"serve", map_, "--port", "0", "--log-level", "off"});
+  ASSERT_THAT(server.ReadLine(), StartsWith("http://"));
+  EXPECT_EQ(server.Stop(SIGINT), 130);
+}
+
+TEST_F(Verbs, ServeRefusesATakenPort) {
+  BackgroundCairn server({"serve", map_, "--port", "0", "--log-level", "off"});
+  const std::string url = server.ReadLine();
+  const std::string port = url.substr(url.rfind(':') + 1);
+  const Finished second = RunCairn({"serve", map_, "--port", port, "--log-level", "off"});
+  EXPECT_EQ(second.exit_code, 4);
+  EXPECT_THAT(second.err, HasSubstr(port));
+}
+
+TEST_F(Verbs, KilledIngestLeavesTheMapAsItWas) {
+  ASSERT_EQ(RunInChild([&] { Ingest(map_, "monday"); }), 0);
+  const auto before = nlohmann::json::parse(RunCairn({"info", map_, "--json"}).out);
+  const int exit_code = RunInChild([&] {
+    Ingest(map_, "tuesday", [](const char* phase, int64_t done, int64_t /*total*/) {
+      if (std::string(phase) == "tiles" && done >= 1) {
+        raise(SIGKILL);
+      }
+    });
+  });
+  ASSERT_EQ(exit_code, 128 + SIGKILL);
+
+  const Finished check = RunCairn({"check", map_});
+  EXPECT_EQ(check.exit_code, 0) << check.err << check.out;
+  auto after = nlohmann::json::parse(RunCairn({"info", map_, "--json"}).out);
+  after["fileBytes"] = before["fileBytes"];  // The write-ahead log may have grown.
+  EXPECT_EQ(after, before);
+
+  EXPECT_EQ(RunInChild([&] { Ingest(map_, "tuesday"); }), 0);
+  const auto again = nlohmann::json::parse(RunCairn({"info", map_, "--json"}).out);
+  EXPECT_EQ(again["sessions"].size(), 2u);
+}
+
+}  // namespace
+}  // namespace cairn::testing
