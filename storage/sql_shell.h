@@ -8,13 +8,14 @@
 
 namespace cairn {
 
-// A printable result row; NULL is an empty optional-like marker handled by the sink's flag.
+// One value of a result row, as text. NULL has no text; a blob shows its size.
 struct SqlCell {
   std::string text;
   bool is_null = false;
   bool is_number = false;
 };
 
+// Where results go: for each statement that gives any, its columns and then its rows.
 struct SqlSink {
   std::function<void(const std::vector<std::string>& column_names)> on_columns;
   std::function<void(const std::vector<SqlCell>& row)> on_row;
@@ -22,7 +23,7 @@ struct SqlSink {
 
 // Opens the map read-only with all inspection functions and virtual tables registered and runs
 // every statement of `sql`. Throws Error(kBadInput) with SQLite's message on an SQL error or an
-// attempt to write, and as MapStore::Open.
+// attempt to write, to attach another file or to change a setting, and as MapStore::Open.
 void RunSql(const std::string& map_path, const std::string& sql, const SqlSink& sink);
 
 }  // namespace cairn
