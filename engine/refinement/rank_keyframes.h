@@ -14,18 +14,27 @@ namespace cairn {
 
 struct RankedKeyframe {
   KeyframeRef keyframe;
-  int num_votes = 0;
-  double log_score = 0.0;  // n KL(x/n || p) of the binomial tail, plus the log of the GPS prior.
+  int num_votes = 0;  // Keypoints with a match among the landmarks that the keyframe saw.
+  // n KL(x/n || p), with x the votes of the keyframe, n those of all keyframes and p the keyframe's
+  // share of all observations: the Chernoff bound on minus the logarithm of the probability that
+  // random matches give as many votes. Plus the logarithm of the GPS prior, -d^2 / (2 sigma^2).
+  double log_score = 0.0;
 };
 
 // Keyframes with more votes than expected at random, highest score first, at most
-// options.max_keyframes. A keypoint votes at most once for a keyframe.
+// options.max_keyframes, of each location only the best (options.min_separation_m). A keypoint
+// votes at most once for a keyframe; landmarks are recognised across tiles. The paper's p counts
+// descriptors, ours observations, which is what a keyframe's share of random votes goes by here.
+//
+// Linear in the landmarks and observations of the tiles.
 std::vector<RankedKeyframe> RankKeyframes(const QueryContext& query,
                                           const std::vector<TileView>& tiles,
                                           const std::vector<Correspondence>& correspondences,
                                           const RefinementOptions& options);
 
-// The keyframe and those that share most landmarks with it, for re-matching.
+// The keyframe itself, then up to `num_neighbors` of those that share landmarks with it, most
+// shared first, for re-matching. Looks among the keyframes within 50 m. Linear in their
+// observations and in the landmarks of their tiles.
 std::vector<KeyframeRef> KeyframeNeighborhood(const std::vector<TileView>& tiles,
                                               const KeyframeRef& keyframe, int num_neighbors);
 

@@ -7,10 +7,14 @@ namespace cairn {
 struct RefinementOptions {
   // A best candidate with at least this many effective inliers needs no keyframe re-matching.
   double good_effective_inliers = 25.0;
-  int max_keyframes = 5;            // M: keyframes whose neighbourhoods are matched again.
-  int neighbors_per_keyframe = 4;   // Keyframes that share most landmarks with it, matched along.
+  int max_keyframes = 5;           // M: keyframes whose neighbourhoods are matched again.
+  int neighbors_per_keyframe = 4;  // Keyframes that share most landmarks with it, matched along.
+  // A keyframe nearer than this to a better one that looks the same way (within 45 degrees) is the
+  // same location and not ranked, metres. Covers the neighbours of a walk or a slow drive.
+  double min_separation_m = 3.0;
   double relaxed_distance_quantile = 0.95;  // Threshold of the re-matching.
 
+  // Throws Error(kInvalidArgument) naming the field.
   void Validate() const;
 };
 

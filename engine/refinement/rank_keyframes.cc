@@ -1,0 +1,207 @@
+#include "engine/refinement/rank_keyframes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <tuple>
+#include <utility>
+
+#include "engine/refinement/landmark_table.h"
+
+namespace cairn {
+namespace {
+
+Rigid3d AnchorFromCam(const std::vector<TileView>& tiles, const KeyframeRef& ref) {
+  const TileView& view = tiles[ref.tile_idx];
+  return view.anchor_from_tile *
+         view.tile->tile().keyframes[ref.keyframe_idx].cam_from_tile.Inverse();
+}
+
+// The matched landmarks and, for each, the keypoints that matched it.
+class MatchedLandmarks {
+ public:
+  MatchedLandmarks(const std::vector<TileView>& tiles,
+                   const std::vector<Correspondence>& correspondences)
+      : table_(correspondences.size()) {
+    std::vector<std::pair<int, int>> pairs;  // Landmark number, keypoint.
+    pairs.reserve(correspondences.size());
+    for (const Correspondence& match : correspondences) {
+      const Tile& tile = tiles[match.tile_idx].tile->tile();
+      pairs.emplace_back(table_.Insert(tile.landmark_ids[match.landmark_idx]), match.keypoint_idx);
+    }
+    std::sort(pairs.begin(), pairs.end());
+    begin_.assign(table_.size() + 1, 0);
+    for (const auto& [number, keypoint_idx] : pairs) {
+      ++begin_[number + 1];
+      keypoints_.push_back(keypoint_idx);
+    }
+    for (int i = 0; i < table_.size(); ++i) {
+      begin_[i + 1] += begin_[i];
+    }
+  }
+
+  const LandmarkTable& table() const { return table_; }
+  std::span<const int> KeypointsOf(int number) const {
+    return {keypoints_.data() + begin_[number], keypoints_.data() + begin_[number + 1]};
+  }
+
+ private:
+  LandmarkTable table_;
+  std::vector<int> begin_;
+  std::vector<int> keypoints_;
+};
+
+// Votes of every keyframe, in order of tile and keyframe.
+std::vector<RankedKeyframe> CountVotes(const QueryContext& query,
+                                       const std::vector<TileView>& tiles,
+                                       const std::vector<Correspondence>& correspondences) {
+  const MatchedLandmarks matched(tiles, correspondences);
+  std::vector<RankedKeyframe> counted;
+  // Per keypoint, one past the index of the last keyframe it voted for.
+  std::vector<size_t> last_vote(query.num_keypoints(), 0);
+  for (size_t t = 0; t < tiles.size(); ++t) {
+    const Tile& tile = tiles[t].tile->tile();
+    const std::vector<int32_t> numbers = matched.table().FindAll(tile);
+    for (size_t k = 0; k < tile.num_keyframes(); ++k) {
+      RankedKeyframe& entry = counted.emplace_back();
+      entry.keyframe = {static_cast<int>(t), static_cast<uint32_t>(k)};
+      for (const uint32_t landmark_idx : tile.LandmarksOfKeyframe(k)) {
+        if (numbers[landmark_idx] < 0) {
+          continue;
+        }
+        for (const int keypoint_idx : matched.KeypointsOf(numbers[landmark_idx])) {
+          if (last_vote[keypoint_idx] != counted.size()) {
+            last_vote[keypoint_idx] = counted.size();
+            ++entry.num_votes;
+          }
+        }
+      }
+    }
+  }
+  return counted;
+}
+
+// Kullback-Leibler divergence of two coins, with 0 ln 0 = 0. p lies in (0, 1).
+double BernoulliDivergence(double q, double p) {
+  const double heads = q > 0.0 ? q * std::log(q / p) : 0.0;
+  const double tails = q < 1.0 ? (1.0 - q) * std::log((1.0 - q) / (1.0 - p)) : 0.0;
+  return heads + tails;
+}
+
+double LogPrior(const SearchRegion& region, const Eigen::Vector3d& center_in_anchor) {
+  if (!region.has_prior) {
+    return 0.0;
+  }
+  const double sigma_m = std::max(1.0, region.prior_sigma_m);
+  return -(center_in_anchor.head<2>() - region.prior_xy_in_anchor).squaredNorm() /
+         (2.0 * sigma_m * sigma_m);
+}
+
+bool IsSameLocation(const Rigid3d& anchor_from_a, const Rigid3d& anchor_from_b,
+                    double min_separation_m) {
+  constexpr double kMinCosine = 0.70710678;  // 45 degrees between the viewing directions.
+  return (anchor_from_a.translation - anchor_from_b.translation).norm() < min_separation_m &&
+         (anchor_from_a.rotation * Eigen::Vector3d::UnitZ())
+                 .dot(anchor_from_b.rotation * Eigen::Vector3d::UnitZ()) > kMinCosine;
+}
+
+// The best keyframe of each location. `ranked` is in order.
+std::vector<RankedKeyframe> BestOfEachLocation(const std::vector<TileView>& tiles,
+                                               const std::vector<RankedKeyframe>& ranked,
+                                               const RefinementOptions& options) {
+  std::vector<RankedKeyframe> kept;
+  std::vector<Rigid3d> kept_poses;
+  for (const RankedKeyframe& candidate : ranked) {
+    if (static_cast<int>(kept.size()) >= options.max_keyframes) {
+      break;
+    }
+    const Rigid3d anchor_from_cam = AnchorFromCam(tiles, candidate.keyframe);
+    const bool is_new =
+        std::none_of(kept_poses.begin(), kept_poses.end(), [&](const Rigid3d& other) {
+          return IsSameLocation(anchor_from_cam, other, options.min_separation_m);
+        });
+    if (is_new) {
+      kept.push_back(candidate);
+      kept_poses.push_back(anchor_from_cam);
+    }
+  }
+  return kept;
+}
+
+}  // namespace
+
+std::vector<RankedKeyframe> RankKeyframes(const QueryContext& query,
+                                          const std::vector<TileView>& tiles,
+                                          const std::vector<Correspondence>& correspondences,
+                                          const RefinementOptions& options) {
+  std::vector<RankedKeyframe> counted = CountVotes(query, tiles, correspondences);
+  const auto num_observations_of = [&](const KeyframeRef& ref) {
+    return static_cast<double>(
+        tiles[ref.tile_idx].tile->tile().LandmarksOfKeyframe(ref.keyframe_idx).size());
+  };
+  double num_votes = 0.0, num_observations = 0.0;
+  for (const RankedKeyframe& entry : counted) {
+    num_votes += entry.num_votes;
+    num_observations += num_observations_of(entry.keyframe);
+  }
+  std::vector<RankedKeyframe> ranked;
+  for (RankedKeyframe& entry : counted) {
+    const double p = num_observations_of(entry.keyframe) / num_observations;
+    if (entry.num_votes > num_votes * p) {
+      entry.log_score = num_votes * BernoulliDivergence(entry.num_votes / num_votes, p) +
+                        LogPrior(query.region, AnchorFromCam(tiles, entry.keyframe).translation);
+      ranked.push_back(entry);
+    }
+  }
+  std::stable_sort(
+      ranked.begin(), ranked.end(),
+      [](const RankedKeyframe& a, const RankedKeyframe& b) { return a.log_score > b.log_score; });
+  return BestOfEachLocation(tiles, ranked, options);
+}
+
+std::vector<KeyframeRef> KeyframeNeighborhood(const std::vector<TileView>& tiles,
+                                              const KeyframeRef& keyframe, int num_neighbors) {
+  constexpr double kMaxDistanceM = 50.0;
+  const Tile& own_tile = tiles[keyframe.tile_idx].tile->tile();
+  const auto own_landmarks = own_tile.LandmarksOfKeyframe(keyframe.keyframe_idx);
+  LandmarkTable own_ids(own_landmarks.size());
+  for (const uint32_t landmark_idx : own_landmarks) {
+    own_ids.Insert(own_tile.landmark_ids[landmark_idx]);
+  }
+  const Eigen::Vector3d own_center = AnchorFromCam(tiles, keyframe).translation;
+
+  std::vector<std::tuple<int, int, uint32_t>> shared;  // Minus the number shared, tile, keyframe.
+  for (int t = 0; t < static_cast<int>(tiles.size()); ++t) {
+    const Tile& tile = tiles[t].tile->tile();
+    std::vector<int32_t> numbers;  // Filled when the first keyframe of the tile is near.
+    for (uint32_t k = 0; k < tile.num_keyframes(); ++k) {
+      const bool is_own = t == keyframe.tile_idx && k == keyframe.keyframe_idx;
+      if (is_own ||
+          (AnchorFromCam(tiles, {t, k}).translation - own_center).norm() > kMaxDistanceM) {
+        continue;
+      }
+      if (numbers.empty()) {
+        numbers = own_ids.FindAll(tile);
+      }
+      int num_shared = 0;
+      for (const uint32_t landmark_idx : tile.LandmarksOfKeyframe(k)) {
+        num_shared += numbers[landmark_idx] >= 0;
+      }
+      if (num_shared > 0) {
+        shared.emplace_back(-num_shared, t, k);
+      }
+    }
+  }
+  std::sort(shared.begin(), shared.end());
+  std::vector<KeyframeRef> neighborhood = {keyframe};
+  for (const auto& [minus_shared, tile_idx, keyframe_idx] : shared) {
+    if (static_cast<int>(neighborhood.size()) > num_neighbors) {
+      break;
+    }
+    neighborhood.push_back({tile_idx, keyframe_idx});
+  }
+  return neighborhood;
+}
+
+}  // namespace cairn
