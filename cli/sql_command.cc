@@ -47,7 +47,7 @@ void AddSqlCommand(CLI::App* app, Shell* shell) {
       ->type_name("table|csv|json");
   command->footer(
       "Example:\n"
-      "  cairn sql city.gpkg \"SELECT name, num_images FROM sessions\"\n"
+      "  cairn sql city.gpkg \"SELECT * FROM v_sessions\"\n"
       "More queries: sql/README.md");
   command->callback(
       [shell, arguments] { shell->run = [arguments] { return RunSqlCommand(*arguments); }; });

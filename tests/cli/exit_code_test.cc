@@ -187,7 +187,7 @@ TEST_F(ExitCode, EvalWithoutQueriesIsUsage) {
 
 TEST_F(ExitCode, WritingSqlIsBadInput) {
   const std::string map = EmptyMap();
-  ExpectFailure(RunCairn({"sql", map, "DELETE FROM sessions"}), 4, "");
+  ExpectFailure(RunCairn({"sql", map, "DELETE FROM cairn_sessions"}), 4, "");
   EXPECT_EQ(RunCairn({"check", map}).exit_code, 0);
 }
 
