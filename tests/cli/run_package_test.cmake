@@ -1,0 +1,25 @@
+# Packs the build tree and looks into the Debian package of the binary:
+# cmake -DBUILD_DIR=... -DSCRATCH_DIR=... -P run_package_test.cmake
+function(run output)
+  execute_process(COMMAND ${ARGN} OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)
+  set(${output} "${text}" PARENT_SCOPE)
+endfunction()
+
+function(expect text part)
+  if(NOT text MATCHES "${part}")
+    message(FATAL_ERROR "expected '${part}' in:\n${text}")
+  endif()
+endfunction()
+
+file(REMOVE_RECURSE ${SCRATCH_DIR})
+run(ignored ${CMAKE_CPACK_COMMAND} --config ${BUILD_DIR}/CPackConfig.cmake -G DEB -B ${SCRATCH_DIR})
+file(GLOB runtime ${SCRATCH_DIR}/cairn_*.deb)
+file(GLOB development ${SCRATCH_DIR}/libcairn-dev_*.deb)
+run(info dpkg-deb --info ${runtime})
+expect("${info}" "Depends: [^\n]*libsqlite3-0")
+run(contents dpkg-deb --contents ${runtime})
+expect("${contents}" "/usr/bin/cairn")
+run(contents dpkg-deb --contents ${development})
+expect("${contents}" "/cmake/cairn/cairnConfig.cmake")
+expect("${contents}" "/usr/include/cairn/engine/localizer.h")
+file(REMOVE_RECURSE ${SCRATCH_DIR})
