@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "storage/tile_codec.h"
 #include "support/map_builder.h"
+#include "support/street_map.h"
 #include "support/temp_dir.h"
 #include "support/tile_builder.h"
 
@@ -20,6 +21,7 @@ using testing::AddTile;
 using ::testing::ElementsAre;
 using testing::ErrorCodeOf;
 using ::testing::IsEmpty;
+using testing::KeyframeAt;
 using testing::NamedSession;
 using testing::RandomCodebook;
 using testing::RandomTile;
@@ -41,21 +43,6 @@ std::vector<TileId> Ids(const std::vector<TileRecord>& tiles) {
     ids.push_back(tile.tile_id);
   }
   return ids;
-}
-
-KeyframeRecord KeyframeAt(const Geodetic& position, SessionId session_id) {
-  KeyframeRecord keyframe;
-  keyframe.session_id = session_id;
-  keyframe.tile_id = TileId::Containing(position);
-  keyframe.image_name = "images/0001.jpg";
-  keyframe.camera =
-      Camera(CameraModel::kSimpleRadial, 1241, 376, {718.8560001, 607.2, 185.2, -0.1});
-  // Level, looking north: x east, y down, z north.
-  Eigen::Matrix3d cam_from_enu;
-  cam_from_enu << 1, 0, 0, 0, 0, -1, 0, 1, 0;
-  keyframe.cam_from_ecef =
-      Rigid3d(cam_from_enu, Eigen::Vector3d::Zero()) * EcefFromEnu(position).Inverse();
-  return keyframe;
 }
 
 TEST(MapStore, NewMapIsEmpty) {
