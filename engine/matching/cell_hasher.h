@@ -38,31 +38,29 @@ class CellHasher {
   // Hashes of the cells to look into for a descriptor in projected space: num_grids() rows of
   // num_probes(). A row starts with the own cell; then, as in multi-probe LSH (Lv et al. 2007),
   // come the cells across the nearest borders, by the distance to them. `units` is working memory
-  // of num_units() floats.
-  void HashProbes(const float* projected, std::span<float> units, uint64_t* hashes) const;
+  // of num_units() numbers.
+  void HashProbes(const float* projected, std::span<int32_t> units, uint64_t* hashes) const;
   size_t num_units() const { return shifts_.size(); }
 
   size_t MemoryBytes() const;
 
  private:
-  static constexpr int kLanes = 8;  // Coordinates that are computed together.
-
   void FillGrid(int grid, uint64_t seed, double cell_width);
-  // kLanes coordinates of every word (num_subspaces x 256), the shift included in the first
-  // subspace.
-  std::vector<int16_t> RotatedWords(const Codebook& codebook, int first_lane) const;
-  // Coordinates of a descriptor in all grids, not yet rounded.
-  void ProjectQuery(const float* projected, float* units) const;
+  // Of every word (num_subspaces x 256), `num_used` of 8 coordinates from a lane on; the shift is
+  // included in the first subspace.
+  std::vector<int16_t> RotatedWords(const Codebook& codebook, int first_lane, int num_used) const;
+  // Coordinates of a descriptor in all grids, rounded down but not yet wrapped.
+  void ProjectQuery(const float* projected, int32_t* units) const;
 
   int dim_;
   int num_grids_;
   int num_hashed_dims_;
-  int num_lanes_;  // num_hashed_dims_ rounded up to a multiple of kLanes; the padding is 0.
   int num_probes_;
-  // From projected space to 1/256 cells: dim_ x (num_grids_ * num_lanes_), row-major, and shifts.
+  int num_lanes_;  // num_grids_ x num_hashed_dims_ coordinates, padded with 0 for the vector unit.
+  // From projected space to units of 1/256 cell: dim_ x num_lanes_, row-major, and shifts.
   std::vector<float> rotations_;
   std::vector<float> shifts_;
-  std::vector<uint64_t> factors_;  // num_grids_ * num_lanes_.
+  std::vector<uint64_t> factors_;  // Of the hash, one a lane.
 };
 
 }  // namespace cairn

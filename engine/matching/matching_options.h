@@ -13,13 +13,13 @@ struct RandomGridsOptions {
   int num_grids = 8;
   // Leading dimensions of the rotated descriptor that make up a cell's key, 1 to 128; a smaller
   // descriptor is hashed whole. Fewer make coarser cells: more recall a grid, more candidates.
-  int num_hashed_dims = 10;
+  int num_hashed_dims = 12;
   // Side of a cell, [0.001, 1000], in units of sigma = d / sqrt(projected_dim), where d is the
   // codebook's median same-landmark distance: the standard deviation, per dimension, between two
-  // descriptors of one landmark. 6 in 16 dimensions is 1.5 times d.
-  double cell_width_sigmas = 6.0;
+  // descriptors of one landmark. 5 in 16 dimensions is 1.25 times d.
+  double cell_width_sigmas = 5.0;
   // Cells looked into per grid, 1 to 32: the own one, then those across the nearest borders.
-  int num_probes = 4;
+  int num_probes = 8;
   // 1 to 10,000; of a fuller cell a random subset is kept (paper: 100).
   int max_candidates_per_cell = 100;
   uint64_t seed = 1;  // Of rotations, shifts and subsets.

@@ -1,8 +1,8 @@
 #include "engine/matching/probe_sequence.h"
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <utility>
 
 namespace cairn {
 namespace {
@@ -14,23 +14,21 @@ struct Combination {
   uint64_t hash_delta;
 };
 
-bool CostsMore(const Combination& a, const Combination& b) { return a.sq_cost > b.sq_cost; }
-
-// A heap of combinations with room for all that FillProbeSequence ever pushes.
-class CombinationHeap {
+// Combinations not yet taken. Sequences are short: a scan for the cheapest beats a heap.
+class Frontier {
  public:
-  void Push(const Combination& combination) {
-    heap_[size_++] = combination;
-    std::push_heap(heap_.begin(), heap_.begin() + size_, CostsMore);
-  }
-  Combination Pop() {
-    std::pop_heap(heap_.begin(), heap_.begin() + size_, CostsMore);
-    return heap_[--size_];
+  void Push(const Combination& combination) { combinations_[size_++] = combination; }
+  Combination PopCheapest() {
+    size_t cheapest = 0;
+    for (size_t i = 1; i < size_; ++i) {
+      cheapest = combinations_[i].sq_cost < combinations_[cheapest].sq_cost ? i : cheapest;
+    }
+    return std::exchange(combinations_[cheapest], combinations_[--size_]);
   }
 
  private:
-  std::array<Combination, 2 * kMaxProbes> heap_;
-  ptrdiff_t size_ = 0;
+  std::array<Combination, 2 * kMaxProbes> combinations_;
+  size_t size_ = 0;
 };
 
 }  // namespace
@@ -42,10 +40,10 @@ void FillProbeSequence(std::span<const BorderStep> steps, std::span<uint64_t> de
   if (deltas.size() == 1) {
     return;
   }
-  CombinationHeap heap;
-  heap.Push({steps[0].sq_cost, 0, steps[0].hash_delta});
+  Frontier frontier;
+  frontier.Push({steps[0].sq_cost, 0, steps[0].hash_delta});
   for (size_t i = 1; i < deltas.size(); ++i) {
-    const Combination best = heap.Pop();
+    const Combination best = frontier.PopCheapest();
     deltas[i] = best.hash_delta;
     const uint32_t next = best.last + 1;
     if (next < steps.size()) {
@@ -53,8 +51,9 @@ void FillProbeSequence(std::span<const BorderStep> steps, std::span<uint64_t> de
       const BorderStep& new_step = steps[next];
       const Combination added = {best.sq_cost + new_step.sq_cost, next,
                                  best.hash_delta + new_step.hash_delta};
-      heap.Push(added);
-      heap.Push({added.sq_cost - old_step.sq_cost, next, added.hash_delta - old_step.hash_delta});
+      frontier.Push(added);
+      frontier.Push(
+          {added.sq_cost - old_step.sq_cost, next, added.hash_delta - old_step.hash_delta});
     }
   }
 }

@@ -125,7 +125,7 @@ class RandomGrids::Search {
   const DescriptorMatrix& queries_;
   const std::vector<int16_t> steps_;  // Queries as ByteScale makes them.
   const size_t probes_per_query_;
-  std::vector<float> units_;
+  std::vector<int32_t> units_;
   std::vector<uint64_t> hashes_;
   std::vector<uint32_t> buckets_;                 // kQueriesPerBlock x probes_per_query_.
   std::vector<std::span<const uint32_t>> items_;  // Likewise.
