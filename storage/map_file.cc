@@ -26,6 +26,7 @@ namespace fs = std::filesystem;
 constexpr int kReaderTimeoutMs = 5000;
 constexpr size_t kSqliteHeaderSize = 100;
 constexpr std::string_view kSqliteMagic("SQLite format 3\0", 16);
+constexpr size_t kPageSizeOffset = 16;
 constexpr size_t kApplicationIdOffset = 68;
 constexpr std::string_view kGeoPackageId = "GPKG";
 
@@ -61,8 +62,14 @@ std::string GuessKind(std::string_view head) {
   return is_text ? "a text file" : "an unknown binary file";
 }
 
-// Refuses what cannot be a map before SQLite sees it.
-void CheckFile(const std::string& path) {
+// A log with something in it; an empty one is what readers leave behind.
+bool HasWriteAheadLog(const std::string& path) {
+  std::error_code error;
+  const auto size = fs::file_size(path + "-wal", error);
+  return !error && size > 0;
+}
+
+void CheckFileType(const std::string& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (status.type() == fs::file_type::not_found) {
@@ -75,6 +82,9 @@ void CheckFile(const std::string& path) {
     Refuse(error ? ErrorCode::kIo : ErrorCode::kBadInput, path,
            error ? "cannot be read: " + error.message() : "is not a regular file");
   }
+}
+
+std::string ReadHead(const std::string& path) {
   std::string head(kSqliteHeaderSize, '\0');
   std::ifstream file(path, std::ios::binary);
   if (!file) {
@@ -82,25 +92,47 @@ void CheckFile(const std::string& path) {
   }
   file.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(file.gcount());
+  return head;
+}
+
+[[noreturn]] void RefuseCutOff(const std::string& path, uint64_t size) {
+  Refuse(ErrorCode::kMapDamaged, path, "is cut off after " + std::to_string(size) + " bytes");
+}
+
+// SQLite reads what is missing of the last page as zeros.
+void CheckWholePages(const std::string& path, std::string_view head) {
+  const auto byte = [head](size_t i) { return static_cast<unsigned char>(head[i]); };
+  const uint64_t announced = byte(kPageSizeOffset) << 8 | byte(kPageSizeOffset + 1);
+  const uint64_t page_size = announced == 1 ? 65536 : announced;
+  std::error_code error;
+  const uint64_t size = fs::file_size(path, error);
+  if (error) {
+    Refuse(ErrorCode::kIo, path, "cannot be read: " + error.message());
+  }
+  if (page_size == 0 || (size % page_size != 0 && !HasWriteAheadLog(path))) {
+    RefuseCutOff(path, size);
+  }
+}
+
+// Refuses what cannot be a map before SQLite sees it.
+void CheckFile(const std::string& path) {
+  CheckFileType(path);
+  const std::string head = ReadHead(path);
   if (head.empty()) {
     Refuse(ErrorCode::kBadInput, path, "is an empty file, not a Cairn map");
   }
-  const bool has_magic = head.starts_with(kSqliteMagic);
-  if (has_magic && head.size() < kSqliteHeaderSize) {
-    Refuse(ErrorCode::kMapDamaged, path,
-           "is cut off after " + std::to_string(head.size()) + " bytes");
-  }
-  if (!has_magic && kSqliteMagic.starts_with(head)) {
-    Refuse(ErrorCode::kMapDamaged, path,
-           "is cut off after " + std::to_string(head.size()) + " bytes");
-  }
-  if (!has_magic) {
-    const std::string_view rest(head);
-    if (rest.size() == kSqliteHeaderSize && rest.substr(kApplicationIdOffset, 4) == kGeoPackageId) {
+  const size_t num_magic_bytes = std::min(head.size(), kSqliteMagic.size());
+  if (head.compare(0, num_magic_bytes, kSqliteMagic.substr(0, num_magic_bytes)) != 0) {
+    if (head.size() == kSqliteHeaderSize &&
+        head.compare(kApplicationIdOffset, kGeoPackageId.size(), kGeoPackageId) == 0) {
       Refuse(ErrorCode::kMapDamaged, path, "the first bytes are damaged");
     }
     Refuse(ErrorCode::kBadInput, path, "is not a Cairn map; it seems to be " + GuessKind(head));
   }
+  if (head.size() < kSqliteHeaderSize) {
+    RefuseCutOff(path, head.size());
+  }
+  CheckWholePages(path, head);
 }
 
 bool HasTable(sqlite::Connection* connection, std::string_view name) {
@@ -143,13 +175,6 @@ void CheckIsMap(sqlite::Connection* connection) {
                ", this program reads format " + std::to_string(kMapFormatVersion) +
                "; use a newer Cairn");
   }
-}
-
-// A log with something in it; an empty one is what readers leave behind.
-bool HasWriteAheadLog(const std::string& path) {
-  std::error_code error;
-  const auto size = fs::file_size(path + "-wal", error);
-  return !error && size > 0;
 }
 
 std::unique_ptr<sqlite::Connection> Connect(const std::string& path, sqlite::Access access,

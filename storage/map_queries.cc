@@ -16,6 +16,21 @@ namespace {
 
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
+constexpr std::string_view kCurrentVersionSql =
+    "SELECT version FROM cairn_versions ORDER BY version DESC LIMIT 1";
+
+constexpr std::string_view kTilesOfSessionSql =
+    "SELECT DISTINCT tile_id FROM keyframes WHERE session_id = ? ORDER BY tile_id";
+
+// Columns of ReadKeyframe, in its order.
+constexpr std::string_view kKeyframesOfSessionSql =
+    "SELECT k.keyframe_id, k.session_id, k.tile_id, k.image_name, c.model, c.width_px, "
+    "c.height_px, c.params, p.qw, p.qx, p.qy, p.qz, p.tx_m, p.ty_m, p.tz_m "
+    "FROM keyframes AS k "
+    "JOIN cairn_keyframe_poses AS p ON p.keyframe_id = k.keyframe_id "
+    "JOIN cairn_cameras AS c ON c.camera_id = p.camera_id "
+    "WHERE k.session_id = ? ORDER BY k.keyframe_id";
+
 // Columns of ReadTile, in its order.
 #define CAIRN_TILE_COLUMNS                                                       \
   "c.tile_id, t.payload_id, t.codebook_id, c.num_landmarks, c.num_descriptors, " \
@@ -150,12 +165,14 @@ void AppendTiles(sqlite::Connection* connection, double west_deg, double east_de
 
 }  // namespace
 
+std::string_view CurrentVersionSql() { return kCurrentVersionSql; }
+std::string_view TilesOfSessionSql() { return kTilesOfSessionSql; }
+std::string_view KeyframesOfSessionSql() { return kKeyframesOfSessionSql; }
 std::string_view FindTilesSql() { return kFindTilesSql; }
 std::string_view FindTileSql() { return kFindTileSql; }
 
 MapVersion CurrentVersion(sqlite::Connection* connection) {
-  sqlite::Statement row =
-      connection->Prepare("SELECT version FROM cairn_versions ORDER BY version DESC LIMIT 1");
+  sqlite::Statement row = connection->Prepare(kCurrentVersionSql);
   if (!row.Step()) {
     throw Error(ErrorCode::kMapDamaged, connection->path() + ": the table cairn_versions is empty");
   }
@@ -276,8 +293,7 @@ std::optional<SessionRecord> FindSession(sqlite::Connection* connection, const s
 
 std::vector<TileId> TilesOfSession(sqlite::Connection* connection, SessionId session_id) {
   std::vector<TileId> tile_ids;
-  sqlite::Statement rows = connection->Prepare(
-      "SELECT DISTINCT tile_id FROM keyframes WHERE session_id = ? ORDER BY tile_id");
+  sqlite::Statement rows = connection->Prepare(kTilesOfSessionSql);
   rows.Bind(Value(session_id));
   while (rows.Step()) {
     tile_ids.push_back(ReadTileId(*connection, rows.Int64(0)));
@@ -288,13 +304,7 @@ std::vector<TileId> TilesOfSession(sqlite::Connection* connection, SessionId ses
 std::vector<KeyframeRecord> KeyframesOfSession(sqlite::Connection* connection,
                                                SessionId session_id) {
   std::vector<KeyframeRecord> keyframes;
-  sqlite::Statement rows = connection->Prepare(
-      "SELECT k.keyframe_id, k.session_id, k.tile_id, k.image_name, c.model, c.width_px, "
-      "c.height_px, c.params, p.qw, p.qx, p.qy, p.qz, p.tx_m, p.ty_m, p.tz_m "
-      "FROM keyframes AS k "
-      "JOIN cairn_keyframe_poses AS p ON p.keyframe_id = k.keyframe_id "
-      "JOIN cairn_cameras AS c ON c.camera_id = p.camera_id "
-      "WHERE k.session_id = ? ORDER BY k.keyframe_id");
+  sqlite::Statement rows = connection->Prepare(kKeyframesOfSessionSql);
   rows.Bind(Value(session_id));
   while (rows.Step()) {
     keyframes.push_back(ReadKeyframe(*connection, rows));

@@ -17,8 +17,11 @@
 namespace cairn::queries {
 
 // The hot ones, for the EXPLAIN QUERY PLAN tests.
+std::string_view CurrentVersionSql();
 std::string_view FindTilesSql();
 std::string_view FindTileSql();
+std::string_view TilesOfSessionSql();
+std::string_view KeyframesOfSessionSql();
 
 MapVersion CurrentVersion(sqlite::Connection* connection);
 MapInfo Info(sqlite::Connection* connection);

@@ -54,12 +54,6 @@ double HeadingDeg(const Rigid3d& cam_from_ecef, const Geodetic& position) {
   return heading_deg < 0.0 ? heading_deg + 360.0 : heading_deg;
 }
 
-void DeletePayloadOfTile(sqlite::Connection* connection, PayloadId payload_id) {
-  connection->Prepare("DELETE FROM cairn_payloads WHERE payload_id = ?")
-      .Bind(Value(payload_id))
-      .Run();
-}
-
 // What GeoPackage readers show of a layer without reading it.
 void UpdateContents(sqlite::Connection* connection) {
   connection->Execute(
@@ -232,7 +226,9 @@ void MapUpdate::RemoveTile(TileId tile_id) {
   const auto id = static_cast<int64_t>(tile_id.value());
   impl_->connection->Prepare("DELETE FROM cairn_tiles WHERE tile_id = ?").Bind(id).Run();
   impl_->connection->Prepare("DELETE FROM coverage WHERE tile_id = ?").Bind(id).Run();
-  DeletePayloadOfTile(impl_->connection.get(), tile->payload_id);
+  impl_->connection->Prepare("DELETE FROM cairn_payloads WHERE payload_id = ?")
+      .Bind(Value(tile->payload_id))
+      .Run();
 }
 
 MapVersion MapUpdate::Publish() {
