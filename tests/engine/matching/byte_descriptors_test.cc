@@ -1,0 +1,130 @@
+#include "engine/matching/byte_descriptors.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "core/error.h"
+#include "engine/matching/synthetic_descriptors.h"
+#include "storage/descriptor_codec.h"
+
+namespace cairn {
+namespace {
+
+using testing::MakeSyntheticDescriptors;
+using testing::SyntheticDescriptors;
+
+TEST(ByteDescriptors, RowsAreTheDecodedCodesToHalfAStep) {
+  for (const auto& [dim, num_subspaces] :
+       std::vector<std::pair<int, int>>{{16, 8}, {16, 16}, {16, 4}, {20, 4}, {4, 1}, {128, 8}}) {
+    const SyntheticDescriptors data = MakeSyntheticDescriptors(
+        {.num_landmarks = 300, .num_queries = 100, .dim = dim, .num_subspaces = num_subspaces});
+    const ByteScale scale(*data.codebook);
+    EXPECT_EQ(scale.stride() % 16, 0);
+    const std::vector<uint8_t> rows = scale.ExpandCodes(*data.codebook, data.codes);
+    const DescriptorMatrix decoded = DescriptorCodec(data.codebook).Decode(data.codes.data(), 600);
+    const std::vector<int16_t> steps = scale.QuantizeQueries(decoded);
+    ASSERT_EQ(rows.size(), steps.size());
+    // Words and queries are rounded alike, so a decoded code lies on its own row; padding is 0.
+    for (size_t i = 0; i < rows.size(); ++i) {
+      ASSERT_NEAR(rows[i], steps[i], 1) << "dim " << dim << " at " << i;
+      if (static_cast<int>(i % scale.stride()) >= dim) {
+        ASSERT_EQ(rows[i], 0);
+      }
+    }
+  }
+}
+
+TEST(ByteDescriptors, ExhaustiveSearchAgreesWithFloatDistances) {
+  const SyntheticDescriptors data =
+      MakeSyntheticDescriptors({.num_landmarks = 1500, .num_queries = 60});
+  const ByteDescriptors descriptors(*data.codebook, data.codes);
+  const DescriptorMatrix decoded =
+      DescriptorCodec(data.codebook)
+          .Decode(data.codes.data(), static_cast<int>(descriptors.size()));
+  const float max_distance = data.codebook->same_landmark_distance_quantiles[17];
+  // Rounding moves each of 16 coordinates of both sides by half a step at most.
+  const float tolerance = 4.0f * descriptors.scale().step();
+  std::vector<DescriptorHit> hits;
+  descriptors.RangeSearch(data.queries, max_distance, &hits);
+  ASSERT_FALSE(hits.empty());
+  std::map<std::pair<uint32_t, uint32_t>, float> found;
+  for (const DescriptorHit& hit : hits) {
+    found[{hit.query_idx, hit.descriptor_idx}] = std::sqrt(hit.sq_distance);
+  }
+  EXPECT_EQ(found.size(), hits.size());
+  for (uint32_t query = 0; query < data.queries.rows(); ++query) {
+    for (uint32_t i = 0; i < decoded.rows(); ++i) {
+      const float distance = (decoded.row(i) - data.queries.row(query)).norm();
+      const auto hit = found.find({query, i});
+      if (hit != found.end()) {
+        ASSERT_NEAR(hit->second, distance, tolerance);
+      } else {
+        ASSERT_GT(distance, max_distance - tolerance);
+      }
+    }
+  }
+}
+
+TEST(ByteDescriptors, HitsAreOrderedByQueryThenDescriptor) {
+  const SyntheticDescriptors data = MakeSyntheticDescriptors({.num_queries = 50});
+  std::vector<DescriptorHit> hits;
+  ByteDescriptors(*data.codebook, data.codes).RangeSearch(data.queries, 0.4, &hits);
+  ASSERT_GT(hits.size(), 1'000u);
+  EXPECT_TRUE(std::is_sorted(hits.begin(), hits.end(), [](const auto& a, const auto& b) {
+    return std::pair(a.query_idx, a.descriptor_idx) < std::pair(b.query_idx, b.descriptor_idx);
+  }));
+}
+
+TEST(ByteDescriptors, SubsetFindsTheSameDistancesInItsOwnOrder) {
+  const SyntheticDescriptors data =
+      MakeSyntheticDescriptors({.num_landmarks = 100, .num_queries = 20});
+  const ByteDescriptors all(*data.codebook, data.codes);
+  const std::vector<uint32_t> chosen = {7, 3, 199};
+  constexpr double kEverything = 1e3;
+  std::vector<DescriptorHit> all_hits, subset_hits;
+  all.RangeSearch(data.queries, kEverything, &all_hits);
+  all.Subset(chosen).RangeSearch(data.queries, kEverything, &subset_hits);
+  ASSERT_EQ(subset_hits.size(), 3u * 20u);
+  for (const DescriptorHit& hit : subset_hits) {
+    const DescriptorHit& same = all_hits[hit.query_idx * 200 + chosen[hit.descriptor_idx]];
+    EXPECT_EQ(hit.sq_distance, same.sq_distance);
+  }
+}
+
+TEST(ByteDescriptors, ExtremeQueriesAreClampedAndMatchNothing) {
+  const SyntheticDescriptors data = MakeSyntheticDescriptors({.num_landmarks = 10});
+  const ByteDescriptors descriptors(*data.codebook, data.codes);
+  DescriptorMatrix queries = DescriptorMatrix::Constant(3, 16, 1e30f);
+  queries.row(1) *= -1.0f;
+  queries.row(2).setConstant(std::numeric_limits<float>::quiet_NaN());
+  std::vector<DescriptorHit> hits;
+  descriptors.RangeSearch(queries, data.codebook->same_landmark_distance_quantiles[18], &hits);
+  EXPECT_THAT(hits, ::testing::IsEmpty());
+}
+
+TEST(ByteDescriptors, CodebookOfOneWordStillWorks) {
+  const SyntheticDescriptors data = MakeSyntheticDescriptors({.num_landmarks = 4});
+  Codebook codebook = *data.codebook;
+  std::fill(codebook.words.begin(), codebook.words.end(), 0.5f);
+  std::vector<DescriptorHit> hits;
+  ByteDescriptors(codebook, data.codes)
+      .RangeSearch(DescriptorMatrix::Constant(1, 16, 0.5f), 0.1, &hits);
+  EXPECT_EQ(hits.size(), 8u);
+}
+
+TEST(ByteDescriptors, RefuseAQueryOfAnotherDimension) {
+  const SyntheticDescriptors data = MakeSyntheticDescriptors({.num_landmarks = 10});
+  const ByteDescriptors descriptors(*data.codebook, data.codes);
+  std::vector<DescriptorHit> hits;
+  EXPECT_THROW(descriptors.RangeSearch(DescriptorMatrix::Zero(1, 8), 1.0, &hits), Error);
+}
+
+}  // namespace
+}  // namespace cairn

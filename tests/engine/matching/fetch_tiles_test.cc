@@ -1,0 +1,188 @@
+#include "engine/tiles/fetch_tiles.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "core/error.h"
+#include "storage/tile_codec.h"
+#include "support/map_builder.h"
+#include "support/temp_dir.h"
+#include "support/tile_builder.h"
+
+namespace cairn {
+namespace {
+
+using ::testing::ElementsAre;
+using testing::ErrorCodeOf;
+using ::testing::IsEmpty;
+using testing::RandomTile;
+
+// A map of squares in a row from west to east, each 150 m wide, with keyframes at heights of 100 to
+// 110 m.
+class FetchTilesTest : public ::testing::Test {
+ protected:
+  static constexpr int kNumTiles = 4;
+
+  FetchTilesTest() : store_(MapStore::Create(dir_.File("map.gpkg"))), cache_(1 << 26) {
+    MapUpdate update = store_.BeginUpdate();
+    const CodebookId codebook_id = update.AddCodebook(testing::RandomCodebook());
+    for (int i = 0; i < kNumTiles; ++i) {
+      const Tile tile = RandomTile(
+          {.id = TileInRow(i), .codebook_id = codebook_id, .seed = static_cast<uint64_t>(i)});
+      testing::AddTile(tile, &update);
+    }
+    update.Publish();
+  }
+
+  static TileId TileInRow(int i) {
+    const TileId first = TileId::Containing(Geodetic::FromDegrees(49.011, 8.416, 0.0));
+    return TileId::FromValue(first.value() + (static_cast<uint64_t>(i) << 26));
+  }
+
+  // A disc about a point `east_m` of the anchor of the first tile.
+  static SearchRegion Disc(double east_m, double radius_m) {
+    SearchRegion region;
+    region.origin =
+        GeodeticFromEcef(EcefFromEnu(TileInRow(0).Anchor()) * Eigen::Vector3d(east_m, 0.0, 0.0));
+    region.origin.h_m = 0.0;
+    region.ecef_from_anchor = EcefFromEnu(region.origin);
+    region.has_prior = true;
+    region.prior_sigma_m = 10.0;
+    region.radius_m = radius_m;
+    return region;
+  }
+
+  std::vector<TileView> Fetch(SearchRegion* region, const TilesOptions& options = {}) {
+    counters_ = StageCounters();
+    return FetchTiles(store_.Snapshot(), &cache_, options, RandomGridsOptions(), region,
+                      &counters_);
+  }
+
+  static std::vector<TileId> Ids(const std::vector<TileView>& views) {
+    std::vector<TileId> ids;
+    for (const TileView& view : views) {
+      ids.push_back(view.tile->tile().id);
+    }
+    return ids;
+  }
+
+  testing::TempDir dir_;
+  MapStore store_;
+  TileCache cache_;
+  StageCounters counters_;
+};
+
+TEST_F(FetchTilesTest, ReturnsTilesThatMeetTheDiscNearestFirst) {
+  // 60 m east of the first tile's centre: 15 m from the second square, 165 m from the third, and
+  // the grid's north deviates from true north by less than 2 m over that distance.
+  SearchRegion region = Disc(60.0, 100.0);
+  EXPECT_THAT(Ids(Fetch(&region)), ElementsAre(TileInRow(0), TileInRow(1)));
+  region = Disc(60.0, 10.0);
+  EXPECT_THAT(Ids(Fetch(&region)), ElementsAre(TileInRow(0)));
+  region = Disc(90.0, 20.0);
+  EXPECT_THAT(Ids(Fetch(&region)), ElementsAre(TileInRow(1), TileInRow(0)));
+  region = Disc(60.0, 200.0);
+  EXPECT_THAT(Ids(Fetch(&region)), ElementsAre(TileInRow(0), TileInRow(1), TileInRow(2)));
+}
+
+TEST_F(FetchTilesTest, RespectsTheLimitAndSaysSo) {
+  SearchRegion region = Disc(60.0, 200.0);
+  EXPECT_EQ(Ids(Fetch(&region, {.max_tiles = 2})), (std::vector{TileInRow(0), TileInRow(1)}));
+  EXPECT_EQ(counters_.num_tiles_found, 3);
+  EXPECT_EQ(counters_.num_tiles_searched, 2);
+  EXPECT_TRUE(counters_.tile_limit_hit);
+  Fetch(&region, {.max_tiles = 3});
+  EXPECT_FALSE(counters_.tile_limit_hit);
+}
+
+TEST_F(FetchTilesTest, FarFromTheMapFindsNothingAndLeavesTheHeightsOpen) {
+  SearchRegion region = Disc(5000.0, 100.0);
+  const double min_z_m = region.min_z_m;
+  EXPECT_THAT(Fetch(&region), IsEmpty());
+  EXPECT_EQ(counters_.num_tiles_found, 0);
+  EXPECT_EQ(region.min_z_m, min_z_m);
+}
+
+TEST_F(FetchTilesTest, WithoutAPriorTakesTheFirstTilesOfTheMap) {
+  SearchRegion region = Disc(0.0, 1.0);
+  region.has_prior = false;
+  EXPECT_EQ(Fetch(&region).size(), size_t{kNumTiles});
+  EXPECT_FALSE(counters_.tile_limit_hit);
+  EXPECT_THAT(Ids(Fetch(&region, {.max_tiles = 1})), ElementsAre(TileInRow(0)));
+  EXPECT_EQ(counters_.num_tiles_found, kNumTiles);
+  EXPECT_TRUE(counters_.tile_limit_hit);
+}
+
+TEST_F(FetchTilesTest, LoadsEachTileOnceAndCountsDescriptors) {
+  SearchRegion region = Disc(0.0, 50.0);
+  const auto first = Fetch(&region);
+  EXPECT_EQ(counters_.num_tiles_loaded, 1);
+  EXPECT_EQ(counters_.num_descriptors,
+            static_cast<int64_t>(first[0].tile->tile().num_descriptors()));
+  const auto again = Fetch(&region);
+  EXPECT_EQ(counters_.num_tiles_loaded, 0);
+  EXPECT_EQ(again[0].tile, first[0].tile);
+}
+
+TEST_F(FetchTilesTest, MovesTilesIntoTheAnchorFrame) {
+  SearchRegion region = Disc(60.0, 20.0);
+  for (const TileView& view : Fetch(&region)) {
+    const Eigen::Vector3d x_in_tile(10.0, 20.0, 30.0);
+    const Eigen::Vector3d expected = region.ecef_from_anchor.Inverse() *
+                                     (EcefFromEnu(view.tile->tile().id.Anchor()) * x_in_tile);
+    EXPECT_LT((view.anchor_from_tile * x_in_tile - expected).norm(), 1e-6);
+  }
+}
+
+TEST_F(FetchTilesTest, SetsTheHeightsFromTheKeyframesAndTheMargin) {
+  SearchRegion region = Disc(0.0, 50.0);
+  Fetch(&region, {.height_margin_m = 8.0});
+  EXPECT_NEAR(region.min_z_m, 92.0, 0.01);
+  EXPECT_NEAR(region.max_z_m, 118.0, 0.01);
+}
+
+TEST_F(FetchTilesTest, NarrowsThePriorsHeights) {
+  SearchRegion region = Disc(0.0, 50.0);
+  region.min_z_m = 105.0;
+  region.max_z_m = 500.0;
+  Fetch(&region, {.height_margin_m = 8.0});
+  EXPECT_NEAR(region.min_z_m, 105.0, 1e-9);
+  EXPECT_NEAR(region.max_z_m, 118.0, 0.01);
+}
+
+TEST_F(FetchTilesTest, DropsAHeightPriorThatContradictsTheMap) {
+  SearchRegion region = Disc(0.0, 50.0);
+  region.min_z_m = 40.0;
+  region.max_z_m = 60.0;
+  Fetch(&region, {.height_margin_m = 8.0});
+  EXPECT_NEAR(region.min_z_m, 92.0, 0.01);
+  EXPECT_NEAR(region.max_z_m, 118.0, 0.01);
+}
+
+TEST_F(FetchTilesTest, RefusesAPayloadThatIsAnotherTile) {
+  MapUpdate update = store_.BeginUpdate();
+  const Tile tile = RandomTile({.id = TileInRow(0)});
+  TileRecord record = testing::RecordOf(tile);
+  record.tile_id = TileInRow(1);
+  update.PutTile(record, EncodeTile(tile));
+  update.Publish();
+  SearchRegion region = Disc(150.0, 20.0);
+  EXPECT_EQ(ErrorCodeOf([&] { Fetch(&region); }), ErrorCode::kMapDamaged);
+}
+
+TEST_F(FetchTilesTest, RefusesAPayloadThatDoesNotDecode) {
+  MapUpdate update = store_.BeginUpdate();
+  const Tile tile = RandomTile({.id = TileInRow(1)});
+  std::vector<uint8_t> payload = EncodeTile(tile);
+  payload.back() ^= 1;
+  update.PutTile(testing::RecordOf(tile), payload);
+  update.Publish();
+  SearchRegion region = Disc(150.0, 20.0);
+  EXPECT_EQ(ErrorCodeOf([&] { Fetch(&region); }), ErrorCode::kMapDamaged);
+}
+
+}  // namespace
+}  // namespace cairn

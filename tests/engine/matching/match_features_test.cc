@@ -1,0 +1,266 @@
+#include "engine/matching/match_features.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <tuple>
+
+#include "core/error.h"
+#include "engine/matching/simple_tile.h"
+#include "engine/matching/synthetic_descriptors.h"
+
+namespace cairn {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using testing::SimpleDescriptor;
+using testing::SimpleLandmark;
+using testing::SimpleQuery;
+using testing::SimpleTile;
+using testing::SimpleView;
+
+// Byte steps are 1.5 / 255, so distances are off by less than this.
+constexpr float kDistanceTolerance = 0.02f;
+constexpr double kPi = std::numbers::pi;
+
+std::vector<Correspondence> Match(const QueryContext& query, const std::vector<TileView>& tiles,
+                                  const MatchingOptions& options = {}) {
+  StageCounters counters;
+  return MatchFeatures(query, tiles, options, &counters);
+}
+
+std::vector<uint64_t> LandmarkIds(const std::vector<TileView>& tiles,
+                                  const std::vector<Correspondence>& matches) {
+  std::vector<uint64_t> ids;
+  for (const Correspondence& match : matches) {
+    ids.push_back(Value(tiles[match.tile_idx].tile->tile().landmark_ids[match.landmark_idx]));
+  }
+  return ids;
+}
+
+MatchingOptions NoTerms() { return {.orientation_weight = 0.0, .position_weight = 0.0}; }
+
+TEST(MatchFeatures, ReturnsTheNearestLandmarksNearestFirst) {
+  const std::vector<TileView> tiles = {SimpleView(
+      SimpleTile({{1, {{0.9f}}}, {2, {{0.1f}}}, {3, {{0.5f}}}, {4, {{0.3f}}}, {5, {{0.7f}}}}))};
+  MatchingOptions options;
+  options.max_neighbors = 3;
+  const auto matches = Match(SimpleQuery({{0.0f}}), tiles, options);
+  EXPECT_THAT(LandmarkIds(tiles, matches), ElementsAre(2, 4, 3));
+  EXPECT_NEAR(matches[2].sq_distance, 0.25f, kDistanceTolerance);
+}
+
+TEST(MatchFeatures, OrdersByKeypointAndFillsEveryField) {
+  const Rigid3d anchor_from_tile(Eigen::Quaterniond::Identity(), {100.0, 200.0, 3.0});
+  const std::vector<TileView> tiles = {
+      SimpleView(SimpleTile({{1, {{0.2f}}, {1.0, 2.0, 3.0}}, {2, {{1.2f}}, {4.0, 5.0, 6.0}}}),
+                 anchor_from_tile)};
+  MatchingOptions options;
+  options.max_neighbors = 1;
+  const auto matches = Match(SimpleQuery({{1.2f}, {0.2f}}), tiles, options);
+  ASSERT_EQ(matches.size(), 2u);
+  EXPECT_EQ(matches[0].keypoint_idx, 0);
+  EXPECT_EQ(matches[0].landmark_idx, 1u);
+  EXPECT_EQ(matches[0].tile_idx, 0);
+  EXPECT_EQ(matches[0].x_in_anchor, Eigen::Vector3d(104.0, 205.0, 9.0));
+  EXPECT_NEAR(matches[0].sigma_m, 0.05, 0.0025);
+  EXPECT_NEAR(matches[0].size_m, 0.1, 0.005);
+  EXPECT_NEAR(matches[0].azimuth_rad, 1.0, 0.02);
+  EXPECT_EQ(matches[1].keypoint_idx, 1);
+  EXPECT_EQ(matches[1].landmark_idx, 0u);
+}
+
+TEST(MatchFeatures, ALandmarkCountsOnceByItsNearestDescriptor) {
+  const std::vector<TileView> tiles = {
+      SimpleView(SimpleTile({{1, {{0.6f}, {0.1f}, {0.4f}}}, {2, {{0.3f}, {0.3f}}}}))};
+  const auto matches = Match(SimpleQuery({{0.0f}}), tiles, NoTerms());
+  EXPECT_THAT(LandmarkIds(tiles, matches), ElementsAre(1, 2));
+  EXPECT_NEAR(matches[0].sq_distance, 0.01f, kDistanceTolerance);
+}
+
+TEST(MatchFeatures, ALandmarkInSeveralTilesCountsOnceByItsNearestCopy) {
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile({{7, {{0.5f}}}, {8, {{0.2f}}}})),
+                                       SimpleView(SimpleTile({{6, {{0.3f}}}, {7, {{0.1f}}}})),
+                                       SimpleView(SimpleTile({{7, {{0.4f}}}}))};
+  const auto matches = Match(SimpleQuery({{0.0f}}), tiles, NoTerms());
+  EXPECT_THAT(LandmarkIds(tiles, matches), ElementsAre(7, 8, 6));
+  EXPECT_EQ(matches[0].tile_idx, 1);
+}
+
+TEST(MatchFeatures, EvictedLandmarkReturnsByANearerCopy) {
+  MatchingOptions options = NoTerms();
+  options.max_neighbors = 1;
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.5f}}}, {2, {{0.3f}}}})),
+                                       SimpleView(SimpleTile({{1, {{0.1f}}}}))};
+  EXPECT_THAT(LandmarkIds(tiles, Match(SimpleQuery({{0.0f}}), tiles, options)), ElementsAre(1));
+}
+
+TEST(MatchFeatures, EqualDistancesAreOrderedByLandmark) {
+  const std::vector<TileView> tiles = {
+      SimpleView(SimpleTile({{9, {{0.2f}}}, {4, {{0.2f}}}, {6, {{0.2f}}}}))};
+  MatchingOptions options = NoTerms();
+  options.max_neighbors = 2;
+  EXPECT_THAT(LandmarkIds(tiles, Match(SimpleQuery({{0.0f}}), tiles, options)), ElementsAre(4, 6));
+}
+
+TEST(MatchFeatures, NothingBeyondTheThresholdMatches) {
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.4f}}}, {2, {{0.6f}}}}))};
+  MatchingOptions options;
+  options.distance_quantile = 0.25;  // Distance 0.5.
+  EXPECT_THAT(LandmarkIds(tiles, Match(SimpleQuery({{0.0f}}), tiles, options)), ElementsAre(1));
+}
+
+TEST(MatchFeatures, PriorTermsDoNotMoveTheThreshold) {
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.4f, 0.0}}}}))};
+  MatchingOptions options;
+  options.distance_quantile = 0.25;
+  options.orientation_weight = 100.0;
+  const auto matches = Match(SimpleQuery({{0.0f, kPi}}), tiles, options);
+  ASSERT_EQ(matches.size(), 1u);
+  EXPECT_NEAR(matches[0].sq_distance, 0.16f + 400.0f, 0.1f);
+}
+
+TEST(MatchFeatures, FewerLandmarksThanNeighborsGiveAllOfThem) {
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.4f}}}, {2, {{0.6f}}}}))};
+  MatchingOptions options;
+  options.max_neighbors = 64;
+  EXPECT_EQ(Match(SimpleQuery({{0.0f}}), tiles, options).size(), 2u);
+}
+
+TEST(MatchFeatures, EmptyTilesAndNoTilesGiveNoMatches) {
+  EXPECT_THAT(Match(SimpleQuery({{0.0f}}), {}), IsEmpty());
+  EXPECT_THAT(Match(SimpleQuery({{0.0f}}), {SimpleView(SimpleTile({}))}), IsEmpty());
+  EXPECT_THAT(Match(SimpleQuery({}), {SimpleView(SimpleTile({{1, {{0.4f}}}}))}), IsEmpty());
+}
+
+TEST(MatchFeatures, OrientationTermPrefersTheAlignedLandmark) {
+  const std::vector<TileView> tiles = {
+      SimpleView(SimpleTile({{1, {{0.3f, 2.0}}}, {2, {{0.4f, 0.0}}}, {3, {{0.5f}}}}))};
+  MatchingOptions options;
+  options.orientation_weight = 0.2;
+  const auto matches = Match(SimpleQuery({{0.0f, 0.0}}), tiles, options);
+  // 0.16 + 0, 0.25 without an orientation, 0.09 + 0.2 (2 - 2 cos 2).
+  EXPECT_THAT(LandmarkIds(tiles, matches), ElementsAre(2, 3, 1));
+  EXPECT_NEAR(matches[2].sq_distance, 0.09 + 0.2 * (2.0 - 2.0 * std::cos(2.0)), kDistanceTolerance);
+}
+
+TEST(MatchFeatures, OrientationsWrapAround) {
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.0f, kPi - 0.05}}}}))};
+  MatchingOptions options;
+  options.orientation_weight = 1.0;
+  options.max_orientation_difference_rad = 0.2;
+  const auto matches = Match(SimpleQuery({{0.0f, -kPi + 0.05}}), tiles, options);
+  ASSERT_EQ(matches.size(), 1u);
+  EXPECT_LT(matches[0].sq_distance, 0.02f);
+}
+
+TEST(MatchFeatures, HardFilterRejectsOtherOrientationsAndPassesUnknownOnes) {
+  const std::vector<TileView> tiles = {SimpleView(
+      SimpleTile({{1, {{0.1f, 1.2}}}, {2, {{0.2f, 0.8}}}, {3, {{0.3f}}}, {4, {{0.4f, -2.0}}}}))};
+  MatchingOptions options = NoTerms();
+  options.max_orientation_difference_rad = 1.0;
+  EXPECT_THAT(LandmarkIds(tiles, Match(SimpleQuery({{0.0f, 0.0}}), tiles, options)),
+              ElementsAre(2, 3));
+  EXPECT_THAT(LandmarkIds(tiles, Match(SimpleQuery({{0.0f}}), tiles, options)),
+              ElementsAre(1, 2, 3, 4));
+}
+
+TEST(MatchFeatures, HardFilterOffAcceptsOppositeOrientations) {
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.0f, kPi}}}}))};
+  EXPECT_EQ(Match(SimpleQuery({{0.0f, 0.0}}), tiles).size(), 1u);
+}
+
+TEST(MatchFeatures, PositionTermPrefersLandmarksInView) {
+  const std::vector<TileView> tiles = {
+      SimpleView(SimpleTile({{1, {{0.3f}}, {80.0, 0.0, 0.0}}, {2, {{0.4f}}, {40.0, 0.0, 0.0}}}))};
+  QueryContext query = SimpleQuery({{0.0f}});
+  query.region.prior_xy_in_anchor = {0.0, 0.0};
+  query.region.prior_sigma_m = 10.0;
+  MatchingOptions options{.position_weight = 0.02, .viewing_distance_m = 50.0};
+  EXPECT_THAT(LandmarkIds(tiles, Match(query, tiles, options)), ElementsAre(1, 2));
+  query.region.has_prior = true;
+  const auto matches = Match(query, tiles, options);
+  EXPECT_THAT(LandmarkIds(tiles, matches), ElementsAre(2, 1));
+  EXPECT_NEAR(matches[0].sq_distance, 0.16, kDistanceTolerance);
+  EXPECT_NEAR(matches[1].sq_distance, 0.09 + 0.02 * 9.0, kDistanceTolerance);
+}
+
+TEST(MatchFeatures, SetsTheCounters) {
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.1f}}}, {2, {{0.3f}}}})),
+                                       SimpleView(SimpleTile({{3, {{1.5f}, {1.5f}}}}))};
+  MatchingOptions options;
+  options.distance_quantile = 0.25;
+  StageCounters counters;
+  MatchFeatures(SimpleQuery({{0.0f}, {1.5f}, {0.9f}}), tiles, options, &counters);
+  EXPECT_EQ(counters.num_distances, 3 * 4);
+  EXPECT_EQ(counters.num_matches, 3);
+  EXPECT_EQ(counters.num_matched_keypoints, 2);
+}
+
+TEST(MatchFeatures, RefuseTilesOfDifferentCodebooks) {
+  Tile other = SimpleTile({{1, {{0.1f}}}});
+  other.codebook_id = CodebookId{2};
+  EXPECT_THROW(
+      Match(SimpleQuery({{0.0f}}), {SimpleView(SimpleTile({})), SimpleView(std::move(other))}),
+      Error);
+}
+
+TEST(SearchableTile, RefusesACodebookThatIsNotTheTiles) {
+  EXPECT_THROW(
+      SearchableTile(SimpleTile({}), testing::LatticeCodebook(CodebookId{2}), RandomGridsOptions()),
+      Error);
+  Tile tile = SimpleTile({});
+  tile.code_size = 8;
+  EXPECT_THROW(SearchableTile(tile, testing::LatticeCodebook(), RandomGridsOptions()), Error);
+}
+
+TEST(SearchableTile, KnowsTheLandmarkOfEachDescriptorAndItsSize) {
+  const TileView view = SimpleView(SimpleTile({{1, {{0.1f}, {0.2f}}}, {2, {{0.3f}}}}));
+  EXPECT_THAT(view.tile->landmark_of_descriptor(), ElementsAre(0, 0, 1));
+  EXPECT_GT(view.tile->MemoryBytes(),
+            view.tile->tile().MemoryBytes() + view.tile->index().MemoryBytes());
+}
+
+TEST(MatchAgainstKeyframes, SeesOnlyWhatTheKeyframesSaw) {
+  const std::vector<TileView> tiles = {
+      SimpleView(SimpleTile({{1, {{0.0f}}}, {2, {{0.1f}}}, {3, {{0.2f}, {0.5f}}}, {4, {{0.3f}}}},
+                            {{0, 2}, {2, 3}, {1}})),
+      SimpleView(SimpleTile({{5, {{0.4f}}}, {6, {{0.0f}}}}, {{0}}))};
+  const auto matches = MatchAgainstKeyframes(SimpleQuery({{0.0f}}), tiles,
+                                             {{1, 0}, {0, 1}, {0, 0}, {0, 1}}, 0.9, {});
+  EXPECT_THAT(LandmarkIds(tiles, matches), ElementsAre(1, 3, 4, 5));
+  EXPECT_NEAR(matches[1].sq_distance, 0.04f, kDistanceTolerance);
+}
+
+TEST(MatchAgainstKeyframes, UsesTheQuantileGiven) {
+  const std::vector<TileView> tiles = {
+      SimpleView(SimpleTile({{1, {{0.4f}}}, {2, {{0.6f}}}}, {{0, 1}}))};
+  EXPECT_EQ(MatchAgainstKeyframes(SimpleQuery({{0.0f}}), tiles, {{0, 0}}, 0.25, {}).size(), 1u);
+  EXPECT_EQ(MatchAgainstKeyframes(SimpleQuery({{0.0f}}), tiles, {{0, 0}}, 0.90, {}).size(), 2u);
+}
+
+TEST(MatchAgainstKeyframes, NoKeyframesOrTilesGiveNoMatches) {
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.4f}}}}, {{0}}))};
+  EXPECT_THAT(MatchAgainstKeyframes(SimpleQuery({{0.0f}}), tiles, {}, 0.9, {}), IsEmpty());
+  EXPECT_THAT(MatchAgainstKeyframes(SimpleQuery({{0.0f}}), {}, {}, 0.9, {}), IsEmpty());
+}
+
+TEST(MatchAgainstKeyframes, OfAKeyframeThatSawAllEqualsMatchFeatures) {
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile(
+      {{1, {{0.4f, 0.5}}}, {2, {{0.6f}, {0.9f, 1.0}}}, {3, {{1.5f, 2.0}}}}, {{0, 1, 2}}))};
+  const QueryContext query = SimpleQuery({{0.5f, 1.0}, {1.0f}, {1.4f, -1.0}});
+  const auto all = Match(query, tiles);
+  const auto of_keyframe = MatchAgainstKeyframes(query, tiles, {{0, 0}}, 0.9, {});
+  ASSERT_EQ(all.size(), of_keyframe.size());
+  for (size_t i = 0; i < all.size(); ++i) {
+    EXPECT_EQ(std::tie(all[i].keypoint_idx, all[i].landmark_idx, all[i].sq_distance),
+              std::tie(of_keyframe[i].keypoint_idx, of_keyframe[i].landmark_idx,
+                       of_keyframe[i].sq_distance));
+  }
+}
+
+}  // namespace
+}  // namespace cairn

@@ -1,0 +1,80 @@
+#include "engine/matching/matching_options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "core/error.h"
+#include "engine/matching/distance_statistics.h"
+#include "engine/tiles/tiles_options.h"
+
+namespace cairn {
+namespace {
+
+TEST(MatchingOptions, DefaultsAreValid) {
+  EXPECT_NO_THROW(MatchingOptions().Validate());
+  EXPECT_NO_THROW(TilesOptions().Validate());
+}
+
+TEST(MatchingOptions, NameTheFieldThatMakesNoSense) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  struct Case {
+    std::string field;
+    std::function<void(MatchingOptions*)> spoil;
+  };
+  const std::vector<Case> cases = {
+      {"num_grids", [](auto* options) { options->grids.num_grids = 0; }},
+      {"num_hashed_dims", [](auto* options) { options->grids.num_hashed_dims = 129; }},
+      {"cell_width_sigmas", [=](auto* options) { options->grids.cell_width_sigmas = nan; }},
+      {"num_probes", [](auto* options) { options->grids.num_probes = 33; }},
+      {"max_candidates_per_cell",
+       [](auto* options) { options->grids.max_candidates_per_cell = 0; }},
+      {"max_neighbors", [](auto* options) { options->max_neighbors = 0; }},
+      {"distance_quantile", [](auto* options) { options->distance_quantile = 1.0; }},
+      {"orientation_weight", [](auto* options) { options->orientation_weight = -1.0; }},
+      {"position_weight", [=](auto* options) { options->position_weight = nan; }},
+      {"viewing_distance_m", [](auto* options) { options->viewing_distance_m = -1.0; }},
+      {"max_orientation_difference_rad",
+       [](auto* options) { options->max_orientation_difference_rad = 4.0; }},
+  };
+  for (const Case& bad : cases) {
+    MatchingOptions options;
+    bad.spoil(&options);
+    try {
+      options.Validate();
+      ADD_FAILURE() << bad.field << " was accepted";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kInvalidArgument);
+      EXPECT_THAT(error.what(), ::testing::HasSubstr(bad.field));
+    }
+  }
+}
+
+TEST(TilesOptions, RefuseNonsense) {
+  EXPECT_THROW(TilesOptions{.max_tiles = 0}.Validate(), Error);
+  EXPECT_THROW(TilesOptions{.height_margin_m = -1.0}.Validate(), Error);
+}
+
+TEST(SameLandmarkDistance, InterpolatesBetweenQuantiles) {
+  Codebook codebook;
+  for (int i = 1; i <= 19; ++i) {
+    codebook.same_landmark_distance_quantiles.push_back(static_cast<float>(i));
+  }
+  EXPECT_NEAR(SameLandmarkDistance(codebook, 0.5), 10.0, 1e-6);
+  EXPECT_NEAR(SameLandmarkDistance(codebook, 0.925), 18.5, 1e-6);
+  EXPECT_NEAR(SameLandmarkDistance(codebook, 0.05), 1.0, 1e-6);
+  EXPECT_NEAR(SameLandmarkDistance(codebook, 0.95), 19.0, 1e-6);
+  EXPECT_NEAR(SameLandmarkDistance(codebook, 1.0), 19.0, 1e-6);
+  EXPECT_NEAR(SameLandmarkDistance(codebook, 0.0), 1.0, 1e-6);
+}
+
+TEST(SameLandmarkDistance, RefusesACodebookWithoutStatistics) {
+  EXPECT_THROW(SameLandmarkDistance(Codebook(), 0.5), Error);
+}
+
+}  // namespace
+}  // namespace cairn

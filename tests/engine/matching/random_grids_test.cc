@@ -1,0 +1,196 @@
+#include "engine/matching/random_grids.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "core/error.h"
+#include "engine/matching/distance_statistics.h"
+#include "engine/matching/real_sift.h"
+#include "engine/matching/synthetic_descriptors.h"
+#include "support/test_data.h"
+
+namespace cairn {
+namespace {
+
+using testing::LandmarkRecall;
+using testing::MakeSyntheticDescriptors;
+using testing::SyntheticDescriptors;
+
+double Threshold(const SyntheticDescriptors& data) {
+  return SameLandmarkDistance(*data.codebook, 0.9);
+}
+
+std::vector<DescriptorHit> GridHits(const SyntheticDescriptors& data,
+                                    const RandomGridsOptions& options) {
+  std::vector<DescriptorHit> hits;
+  RandomGrids(*data.codebook, data.codes, options)
+      .RangeSearch(data.queries, Threshold(data), &hits);
+  return hits;
+}
+
+std::vector<DescriptorHit> ExhaustiveHits(const SyntheticDescriptors& data) {
+  std::vector<DescriptorHit> hits;
+  ByteDescriptors(*data.codebook, data.codes).RangeSearch(data.queries, Threshold(data), &hits);
+  return hits;
+}
+
+auto AsTuple(const DescriptorHit& hit) {
+  return std::tuple(hit.query_idx, hit.descriptor_idx, hit.sq_distance);
+}
+
+std::vector<std::tuple<uint32_t, uint32_t, float>> Sorted(const std::vector<DescriptorHit>& hits) {
+  std::vector<std::tuple<uint32_t, uint32_t, float>> tuples;
+  for (const DescriptorHit& hit : hits) {
+    tuples.push_back(AsTuple(hit));
+  }
+  std::sort(tuples.begin(), tuples.end());
+  return tuples;
+}
+
+TEST(RandomGrids, RecallsNearlyWhatExhaustiveSearchDoes) {
+  const SyntheticDescriptors data =
+      MakeSyntheticDescriptors({.num_landmarks = 20'000, .num_queries = 1'000});
+  const double exhaustive = LandmarkRecall(data, ExhaustiveHits(data), 4);
+  EXPECT_GT(exhaustive, 0.85);
+  EXPECT_GT(LandmarkRecall(data, GridHits(data, {}), 4), 0.93 * exhaustive);
+}
+
+TEST(RandomGrids, ComputesAFractionOfTheDistances) {
+  const SyntheticDescriptors data =
+      MakeSyntheticDescriptors({.num_landmarks = 20'000, .num_queries = 200});
+  std::vector<DescriptorHit> hits;
+  const int64_t num_distances =
+      RandomGrids(*data.codebook, data.codes, {}).RangeSearch(data.queries, 0.1, &hits);
+  EXPECT_GT(num_distances, static_cast<int64_t>(hits.size()));
+  EXPECT_LT(num_distances, 200 * 40'000 / 50);
+}
+
+TEST(RandomGrids, HitsAreExhaustiveHitsWithTheirExactDistancesOnceEach) {
+  const SyntheticDescriptors data = MakeSyntheticDescriptors({});
+  const auto found = Sorted(GridHits(data, {}));
+  const auto all = Sorted(ExhaustiveHits(data));
+  ASSERT_FALSE(found.empty());
+  EXPECT_TRUE(std::includes(all.begin(), all.end(), found.begin(), found.end()));
+  EXPECT_EQ(std::adjacent_find(found.begin(), found.end()), found.end());
+}
+
+TEST(RandomGrids, HitsAreOrderedByQuery) {
+  const std::vector<DescriptorHit> hits = GridHits(MakeSyntheticDescriptors({}), {});
+  EXPECT_TRUE(std::is_sorted(hits.begin(), hits.end(), [](const auto& a, const auto& b) {
+    return a.query_idx < b.query_idx;
+  }));
+}
+
+TEST(RandomGrids, SameSeedGivesTheSameHitsAnotherSeedOthers) {
+  const SyntheticDescriptors data = MakeSyntheticDescriptors({});
+  const auto hits = Sorted(GridHits(data, {.seed = 1}));
+  EXPECT_EQ(hits, Sorted(GridHits(data, {.seed = 1})));
+  EXPECT_NE(hits, Sorted(GridHits(data, {.seed = 2})));
+}
+
+TEST(RandomGrids, HitsDoNotDependOnTheOtherQueriesOfTheBatch) {
+  const SyntheticDescriptors data = MakeSyntheticDescriptors({.num_queries = 50});
+  const RandomGrids grids(*data.codebook, data.codes, {});
+  std::vector<DescriptorHit> batch, single;
+  grids.RangeSearch(data.queries, Threshold(data), &batch);
+  for (uint32_t query = 0; query < 50; ++query) {
+    const size_t begin = single.size();
+    grids.RangeSearch(data.queries.row(query), Threshold(data), &single);
+    std::for_each(single.begin() + begin, single.end(),
+                  [query](DescriptorHit& hit) { hit.query_idx = query; });
+  }
+  EXPECT_EQ(Sorted(batch), Sorted(single));
+}
+
+TEST(RandomGrids, MoreGridsAndProbesRecallMore) {
+  const SyntheticDescriptors data = MakeSyntheticDescriptors({.num_landmarks = 10'000});
+  const size_t few = GridHits(data, {.num_grids = 2, .num_probes = 1}).size();
+  const size_t more_grids = GridHits(data, {.num_grids = 8, .num_probes = 1}).size();
+  const size_t more_probes = GridHits(data, {.num_grids = 2, .num_probes = 8}).size();
+  EXPECT_GT(more_grids, few);
+  EXPECT_GT(more_probes, few);
+}
+
+TEST(RandomGrids, ACellGivesAtMostItsCapOfCandidates) {
+  const SyntheticDescriptors data = MakeSyntheticDescriptors({.num_landmarks = 2'000});
+  // Cells so wide that all 4,000 descriptors share one.
+  const RandomGridsOptions options{.num_grids = 1,
+                                   .num_hashed_dims = 1,
+                                   .cell_width_sigmas = 1000.0,
+                                   .num_probes = 1,
+                                   .max_candidates_per_cell = 100};
+  std::vector<DescriptorHit> hits;
+  const int64_t num_distances = RandomGrids(*data.codebook, data.codes, options)
+                                    .RangeSearch(data.queries.topRows(1), 1e3, &hits);
+  EXPECT_EQ(num_distances, 100);
+  EXPECT_EQ(hits.size(), 100u);
+}
+
+TEST(RandomGrids, WorkInAnyDimension) {
+  for (const auto& [dim, num_subspaces] :
+       std::vector<std::pair<int, int>>{{4, 2}, {8, 8}, {20, 5}, {32, 8}, {128, 16}}) {
+    const SyntheticDescriptors data = MakeSyntheticDescriptors(
+        {.num_landmarks = 1'000, .num_queries = 200, .dim = dim, .num_subspaces = num_subspaces});
+    const double exhaustive = LandmarkRecall(data, ExhaustiveHits(data), 4);
+    EXPECT_GT(LandmarkRecall(data, GridHits(data, {}), 4), 0.7 * exhaustive) << dim;
+  }
+}
+
+TEST(RandomGrids, IndexNothingOrOneDescriptor) {
+  const SyntheticDescriptors data = MakeSyntheticDescriptors({});
+  std::vector<DescriptorHit> hits;
+  EXPECT_EQ(RandomGrids(*data.codebook, {}, {}).RangeSearch(data.queries, 1e3, &hits), 0);
+  EXPECT_THAT(hits, ::testing::IsEmpty());
+
+  const std::span<const uint8_t> first_code(data.codes.data(), 8);
+  const RandomGrids one(*data.codebook, first_code, {});
+  const ByteDescriptors exhaustive(*data.codebook, first_code);
+  DescriptorMatrix query = DescriptorCodec(data.codebook).Decode(data.codes.data(), 1);
+  one.RangeSearch(query, Threshold(data), &hits);
+  ASSERT_EQ(hits.size(), 1u);
+  EXPECT_EQ(hits[0].descriptor_idx, 0u);
+}
+
+TEST(RandomGrids, NoQueriesGiveNoHits) {
+  const SyntheticDescriptors data = MakeSyntheticDescriptors({});
+  std::vector<DescriptorHit> hits;
+  EXPECT_EQ(
+      RandomGrids(*data.codebook, data.codes, {}).RangeSearch(DescriptorMatrix(0, 16), 1.0, &hits),
+      0);
+}
+
+TEST(RandomGrids, EqualDescriptorsWithoutSpreadDoNotBreakTheCellWidth) {
+  const SyntheticDescriptors data = MakeSyntheticDescriptors({.num_landmarks = 100});
+  Codebook codebook = *data.codebook;
+  std::fill(codebook.same_landmark_distance_quantiles.begin(),
+            codebook.same_landmark_distance_quantiles.end(), 0.0f);
+  std::vector<DescriptorHit> hits;
+  const DescriptorMatrix query = DescriptorCodec(data.codebook).Decode(data.codes.data(), 1);
+  RandomGrids(codebook, data.codes, {}).RangeSearch(query, 0.01, &hits);
+  EXPECT_FALSE(hits.empty());
+}
+
+TEST(RandomGrids, RefuseAQueryOfAnotherDimension) {
+  const SyntheticDescriptors data = MakeSyntheticDescriptors({.num_landmarks = 100});
+  std::vector<DescriptorHit> hits;
+  EXPECT_THROW(RandomGrids(*data.codebook, data.codes, {})
+                   .RangeSearch(DescriptorMatrix::Zero(1, 8), 1.0, &hits),
+               Error);
+}
+
+TEST(RandomGrids, RecallNearNeighboursOfRealSift) {
+  CAIRN_SKIP_WITHOUT_DATA("ann_bigann10k/base10k.u8bin");
+  const SyntheticDescriptors data = testing::RealSift(
+      testing::TestDataDir() / "ann_bigann10k/base10k.u8bin", /*num_queries=*/1'000);
+  const auto all = Sorted(ExhaustiveHits(data));
+  const auto found = Sorted(GridHits(data, {}));
+  EXPECT_GT(static_cast<double>(found.size()) / static_cast<double>(all.size()), 0.6);
+}
+
+}  // namespace
+}  // namespace cairn
