@@ -17,9 +17,9 @@
 namespace cairn {
 
 struct IngestOptions {
-  std::string session_name;   // Unique in the map; ingesting a name again replaces it.
-  std::string source;         // For people.
-  CodebookOptions codebook;   // Used only by the first session of a map.
+  std::string session_name;  // Unique in the map; ingesting a name again replaces it.
+  std::string source;        // For people.
+  CodebookOptions codebook;  // Used only by the first session of a map.
   LandmarkSelectionOptions selection;
   AppearanceOptions appearance;
   // Landmarks with a larger position uncertainty are dropped, metres; and with a larger median
@@ -38,9 +38,9 @@ struct IngestReport {
   bool replaced_session = false;
   int64_t num_images = 0;
   int64_t num_landmarks_read = 0;
-  int64_t num_landmarks_dropped = 0;   // Uncertain or badly observed.
+  int64_t num_landmarks_dropped = 0;  // Uncertain or badly observed.
   int64_t num_tiles_written = 0;
-  int64_t num_landmarks_written = 0;   // Sum over tiles.
+  int64_t num_landmarks_written = 0;  // Sum over tiles.
   int64_t num_descriptors_written = 0;
   int64_t num_payload_bytes = 0;
 };
@@ -55,7 +55,8 @@ IngestReport IngestSession(const Reconstruction& reconstruction, const Sim3d& ec
                            const IngestOptions& options, MapStore* store,
                            const IngestProgress& progress);
 
-// Takes a session out of every tile and deletes it. Throws Error(kNotFound).
+// Takes a session out of every tile and deletes it; tiles that are left empty go too. Throws
+// Error(kNotFound).
 MapVersion RemoveSession(const std::string& session_name, const IngestOptions& options,
                          MapStore* store);
 

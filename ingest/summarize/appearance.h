@@ -29,12 +29,14 @@ struct AppearanceModes {
 class AppearanceSummarizer {
  public:
   virtual ~AppearanceSummarizer() = default;
-  // Number of modes for a landmark with that many descriptors.
+  // The most modes a landmark with that many descriptors gets.
   virtual int NumModes(int num_descriptors) const = 0;
-  // descriptors: n x dim, projected. Deterministic: depends on the descriptors and options only.
+  // descriptors: n x dim, projected, n > 0. Every mode has a member; equal descriptors may make for
+  // fewer than NumModes. Deterministic: depends on the descriptors and options only.
   virtual AppearanceModes Summarize(const DescriptorMatrix& descriptors) const = 0;
 };
 
+// Cluster means in the projected space.
 std::unique_ptr<AppearanceSummarizer> MakeKMeansSummarizer(const AppearanceOptions& options);
 
 }  // namespace cairn

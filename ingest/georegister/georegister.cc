@@ -1,0 +1,209 @@
+#include "ingest/georegister/georegister.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <unordered_map>
+
+#include "core/error.h"
+#include "ingest/georegister/similarity_problem.h"
+
+namespace cairn {
+namespace {
+
+// Positions must spread so far that their errors change the scale by no more than this.
+constexpr double kMaxRelativeScaleError = 0.25;
+
+Eigen::Vector3d Median3(std::vector<Eigen::Vector3d> points) {
+  Eigen::Vector3d median;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto middle = points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2);
+    std::nth_element(points.begin(), middle, points.end(),
+                     [axis](const auto& a, const auto& b) { return a[axis] < b[axis]; });
+    median[axis] = (*middle)[axis];
+  }
+  return median;
+}
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+Eigen::Vector3d CenterInWorld(const ReconImage& image) {
+  return image.cam_from_world.Inverse().translation;
+}
+
+struct MatchedPosition {
+  Eigen::Vector3d center_in_world;
+  Eigen::Vector3d center_in_ecef;
+  double accuracy_m = 0.0;
+};
+
+std::vector<MatchedPosition> MatchByName(const Reconstruction& reconstruction,
+                                         const std::vector<CameraPosition>& positions) {
+  std::unordered_map<std::string, const ReconImage*> image_of_name;
+  for (const ReconImage& image : reconstruction.images) image_of_name.emplace(image.name, &image);
+  std::vector<MatchedPosition> matched;
+  for (const CameraPosition& position : positions) {
+    const auto image = image_of_name.find(position.image_name);
+    if (image == image_of_name.end()) continue;
+    ValidateGeodetic(position.position, position.image_name.c_str());
+    if (!(position.accuracy_m > 0.0) || !std::isfinite(position.accuracy_m)) {
+      throw Error(ErrorCode::kBadInput,
+                  fmt::format("the accuracy of {} must be positive", position.image_name));
+    }
+    matched.push_back(
+        {CenterInWorld(*image->second), EcefFromGeodetic(position.position), position.accuracy_m});
+  }
+  return matched;
+}
+
+// A world frame about the middle of the cameras in which they spread by about one, so that the
+// solver sees well-scaled numbers whatever the reconstruction's units.
+Sim3d NormalizedFromWorld(const std::vector<MatchedPosition>& matched) {
+  std::vector<Eigen::Vector3d> centers;
+  for (const MatchedPosition& position : matched) centers.push_back(position.center_in_world);
+  const Eigen::Vector3d middle = Median3(centers);
+  std::vector<double> distances;
+  for (const Eigen::Vector3d& center : centers) distances.push_back((center - middle).norm());
+  const double spread = Median(distances);
+  if (!(spread > 0.0)) {
+    throw Error(ErrorCode::kBadInput,
+                "georegistration: the cameras with known positions stand at one place of the "
+                "reconstruction; they determine no similarity");
+  }
+  return {1.0 / spread, Eigen::Quaterniond::Identity(), -middle / spread};
+}
+
+SimilarityProblem MakeProblem(const Reconstruction& reconstruction,
+                              const std::vector<MatchedPosition>& matched,
+                              const Sim3d& normalized_from_world, const Rigid3d& ecef_from_enu,
+                              const GeoregisterOptions& options) {
+  SimilarityProblem problem;
+  problem.upright_sigma_rad = options.upright_sigma_rad;
+  problem.loss_scale_sigmas = options.loss_scale_sigmas;
+  const Rigid3d enu_from_ecef = ecef_from_enu.Inverse();
+  for (const MatchedPosition& position : matched) {
+    problem.positions.push_back({normalized_from_world * position.center_in_world,
+                                 enu_from_ecef * position.center_in_ecef, position.accuracy_m});
+  }
+  for (const ReconImage& image : reconstruction.images) {
+    const Eigen::Quaterniond world_from_cam = image.cam_from_world.rotation.conjugate();
+    problem.right_in_world.push_back(world_from_cam * Eigen::Vector3d::UnitX());
+    problem.mean_up_in_world -= world_from_cam * Eigen::Vector3d::UnitY();
+  }
+  problem.mean_up_in_world /= static_cast<double>(reconstruction.images.size());
+  return problem;
+}
+
+void RequireSpread(const SimilarityProblem& problem) {
+  std::vector<Eigen::Vector3d> centers;
+  std::vector<double> accuracies_m;
+  for (const auto& position : problem.positions) {
+    centers.push_back(position.center_in_enu);
+    accuracies_m.push_back(position.accuracy_m);
+  }
+  const Eigen::Vector3d middle = Median3(centers);
+  double sum_sq_m = 0.0;
+  for (const Eigen::Vector3d& center : centers) sum_sq_m += (center - middle).squaredNorm();
+  const double accuracy_m = Median(accuracies_m);
+  // The standard deviation of a scale fitted to n positions of this spread.
+  if (!(accuracy_m < kMaxRelativeScaleError * std::sqrt(sum_sq_m))) {
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("georegistration: the {} known positions, accurate to {:.1f} m, spread "
+                            "by only {:.1f} m and cannot tell the scale; give positions further "
+                            "apart or more accurate ones",
+                            centers.size(), accuracy_m, std::sqrt(sum_sq_m / centers.size())));
+  }
+}
+
+// Fills the residuals and refuses a bad fit.
+void Judge(const SimilarityProblem& problem, const Sim3d& enu_from_normalized,
+           const GeoregisterOptions& options, Georegistration* result) {
+  std::vector<double> residuals_sigmas;
+  for (const auto& position : problem.positions) {
+    const double residual_m =
+        (enu_from_normalized * position.center_in_world - position.center_in_enu).norm();
+    result->residuals_m.push_back(residual_m);
+    residuals_sigmas.push_back(residual_m / position.accuracy_m);
+    result->num_inliers += residuals_sigmas.back() <= 3.0 * options.loss_scale_sigmas;
+  }
+  result->num_positions = static_cast<int>(problem.positions.size());
+  result->median_residual_m = Median(result->residuals_m);
+  result->max_residual_m =
+      *std::max_element(result->residuals_m.begin(), result->residuals_m.end());
+  const double median_sigmas = Median(residuals_sigmas);
+  if (median_sigmas <= options.max_median_residual_sigmas &&
+      result->median_residual_m <= options.max_median_residual_m) {
+    return;
+  }
+  throw Error(
+      ErrorCode::kBadInput,
+      fmt::format("georegistration: the fit to {} positions is bad: {} inliers, median "
+                  "residual {:.2f} m ({:.1f} times the stated accuracy; allowed are {:.2f} m "
+                  "and {:.1f}), largest {:.2f} m; check that positions and images belong "
+                  "together, or state a larger accuracy",
+                  result->num_positions, result->num_inliers, result->median_residual_m,
+                  median_sigmas, options.max_median_residual_m, options.max_median_residual_sigmas,
+                  result->max_residual_m));
+}
+
+}  // namespace
+
+void GeoregisterOptions::Validate() const {
+  const auto require = [](bool ok, const char* what) {
+    if (!ok) throw Error(ErrorCode::kInvalidArgument, fmt::format("GeoregisterOptions: {}", what));
+  };
+  require(min_positions >= 3, "min_positions must be at least 3");
+  require(loss_scale_sigmas > 0.0, "loss_scale_sigmas must be positive");
+  require(upright_sigma_rad >= 0.0 && upright_sigma_rad < 2.0,
+          "upright_sigma_rad must lie in [0, 2)");
+  require(max_median_residual_sigmas > 0.0, "max_median_residual_sigmas must be positive");
+  require(max_median_residual_m > 0.0, "max_median_residual_m must be positive");
+}
+
+Georegistration Georegister(const Reconstruction& reconstruction,
+                            const std::vector<CameraPosition>& positions,
+                            const GeoregisterOptions& options) {
+  options.Validate();
+  reconstruction.Validate();
+  const std::vector<MatchedPosition> matched = MatchByName(reconstruction, positions);
+  if (static_cast<int>(matched.size()) < options.min_positions) {
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("georegistration: {} of {} known positions belong to one of the {} "
+                            "images; at least {} are needed",
+                            matched.size(), positions.size(), reconstruction.images.size(),
+                            options.min_positions));
+  }
+  std::vector<Eigen::Vector3d> centers_in_ecef;
+  for (const MatchedPosition& position : matched)
+    centers_in_ecef.push_back(position.center_in_ecef);
+  const Rigid3d ecef_from_enu = EcefFromEnu(GeodeticFromEcef(Median3(centers_in_ecef)));
+  const Sim3d normalized_from_world = NormalizedFromWorld(matched);
+  const SimilarityProblem problem =
+      MakeProblem(reconstruction, matched, normalized_from_world, ecef_from_enu, options);
+  RequireSpread(problem);
+
+  const std::optional<Sim3d> start = InitialSimilarity(problem);
+  if (!start) {
+    throw Error(
+        ErrorCode::kBadInput,
+        fmt::format("georegistration: {} known positions lie on a line and the upright prior "
+                    "is off or undecided, so the roll about the line is unknown",
+                    matched.size()));
+  }
+  const Sim3d enu_from_normalized = RefineSimilarity(problem, *start);
+  Georegistration result;
+  Judge(problem, enu_from_normalized, options, &result);
+  const Sim3d ecef_from_normalized = ecef_from_enu * enu_from_normalized;
+  result.ecef_from_world.scale = ecef_from_normalized.scale * normalized_from_world.scale;
+  result.ecef_from_world.rotation = ecef_from_normalized.rotation;
+  result.ecef_from_world.translation = ecef_from_normalized * normalized_from_world.translation;
+  return result;
+}
+
+}  // namespace cairn

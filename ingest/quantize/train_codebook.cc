@@ -1,0 +1,274 @@
+#include "ingest/quantize/train_codebook.h"
+
+#include <faiss/impl/FaissException.h>
+#include <faiss/impl/ProductQuantizer.h>
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numeric>
+#include <random>
+#include <span>
+#include <vector>
+
+#include "core/error.h"
+#include "ingest/random.h"
+#include "storage/descriptor_codec.h"
+
+namespace cairn {
+namespace {
+
+constexpr int kNumQuantiles = 19;  // 0.05, 0.10, ... 0.95.
+constexpr int kNumOtherLandmarks = 10'000;
+// Descriptors measured for the statistics: a quantile near the tail is then good to half a percent.
+constexpr int kNumProbes = 2000;
+constexpr int kKMeansIterations = 25;
+constexpr double kMinVariance = 1e-12;
+
+// FAISS trains small problems several times slower with OpenMP's threads than without them.
+class SingleOmpThread {
+ public:
+  SingleOmpThread() : num_threads_(omp_get_max_threads()) { omp_set_num_threads(1); }
+  ~SingleOmpThread() { omp_set_num_threads(num_threads_); }
+  SingleOmpThread(const SingleOmpThread&) = delete;
+  SingleOmpThread& operator=(const SingleOmpThread&) = delete;
+
+ private:
+  int num_threads_;
+};
+
+// `count` of the numbers below `total`, ascending, each subset equally likely (Knuth's algorithm
+// S); all of them if there are fewer.
+std::vector<int64_t> SampleIndices(int64_t total, int64_t count, std::mt19937_64* rng) {
+  std::vector<int64_t> sample;
+  sample.reserve(std::min(total, count));
+  for (int64_t i = 0; i < total && static_cast<int64_t>(sample.size()) < count; ++i) {
+    const double needed = static_cast<double>(count - static_cast<int64_t>(sample.size()));
+    if (UniformUnit(rng) * static_cast<double>(total - i) < needed) sample.push_back(i);
+  }
+  return sample;
+}
+
+// The raw descriptors of some observations of a landmark.
+auto DescriptorOf(const Reconstruction& reconstruction, const ReconObservation& observation) {
+  return reconstruction.images[observation.image_idx].features.descriptors.row(
+      observation.keypoint_idx);
+}
+
+DescriptorMatrix DescriptorsOf(const Reconstruction& reconstruction,
+                               const std::vector<ReconObservation>& observations) {
+  DescriptorMatrix descriptors(observations.size(), reconstruction.descriptor_dim());
+  for (size_t i = 0; i < observations.size(); ++i) {
+    descriptors.row(i) = DescriptorOf(reconstruction, observations[i]);
+  }
+  return descriptors;
+}
+
+// A random subset of the descriptors that belong to landmarks.
+DescriptorMatrix SampleTrainingSet(const Reconstruction& reconstruction, int max_count,
+                                   std::mt19937_64* rng) {
+  int64_t total = 0;
+  for (const ReconLandmark& landmark : reconstruction.landmarks) {
+    total += static_cast<int64_t>(landmark.observations.size());
+  }
+  std::vector<ReconObservation> chosen;
+  const std::vector<int64_t> sample = SampleIndices(total, max_count, rng);
+  auto next = sample.begin();
+  int64_t begin = 0;
+  for (const ReconLandmark& landmark : reconstruction.landmarks) {
+    const auto end = begin + static_cast<int64_t>(landmark.observations.size());
+    for (; next != sample.end() && *next < end; ++next) {
+      chosen.push_back(landmark.observations[*next - begin]);
+    }
+    begin = end;
+  }
+  return DescriptorsOf(reconstruction, chosen);
+}
+
+// Deals the principal components, given by falling variance, to subspaces so that the products of
+// their variances come out even (eigenvalue allocation, Ge et al. 2014). Returns the component of
+// each projected dimension.
+std::vector<int> BalanceSubspaces(const Eigen::VectorXd& variances, int num_subspaces) {
+  const int subspace_dim = static_cast<int>(variances.size()) / num_subspaces;
+  const double smallest = std::max(variances.minCoeff(), kMinVariance);
+  std::vector<std::vector<int>> components(num_subspaces);
+  std::vector<double> log_products(num_subspaces, 0.0);
+  for (int component = 0; component < variances.size(); ++component) {
+    int best = -1;
+    for (int s = 0; s < num_subspaces; ++s) {
+      const bool full = static_cast<int>(components[s].size()) == subspace_dim;
+      if (!full && (best < 0 || log_products[s] < log_products[best])) best = s;
+    }
+    components[best].push_back(component);
+    // Relative to the smallest, so that no factor is below one and a product only grows.
+    log_products[best] += std::log(std::max(variances[component], kMinVariance) / smallest);
+  }
+  std::vector<int> order;
+  for (const std::vector<int>& subspace : components) {
+    order.insert(order.end(), subspace.begin(), subspace.end());
+  }
+  return order;
+}
+
+// Sets mean and projection: the leading principal components, dealt to subspaces. `normalized` is
+// the training set.
+void TrainProjection(const DescriptorMatrix& normalized, const CodebookOptions& options,
+                     Codebook* codebook) {
+  const Eigen::VectorXd mean = normalized.cast<double>().colwise().mean();
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(mean.size(), mean.size());
+  constexpr Eigen::Index kBlock = 4096;  // Rows converted to double at a time.
+  for (Eigen::Index begin = 0; begin < normalized.rows(); begin += kBlock) {
+    const Eigen::Index rows = std::min(kBlock, normalized.rows() - begin);
+    const Eigen::MatrixXd centered =
+        normalized.middleRows(begin, rows).cast<double>().rowwise() - mean.transpose();
+    covariance.selfadjointView<Eigen::Lower>().rankUpdate(centered.transpose());
+  }
+  covariance /= static_cast<double>(normalized.rows());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
+  const Eigen::VectorXd variances = solver.eigenvalues().reverse().head(options.projected_dim);
+  const Eigen::MatrixXd components = solver.eigenvectors().rowwise().reverse();
+
+  const std::vector<int> order = BalanceSubspaces(variances, options.num_subspaces);
+  codebook->mean = mean.cast<float>();
+  codebook->projection.resize(options.projected_dim, mean.size());
+  for (int i = 0; i < options.projected_dim; ++i) {
+    Eigen::VectorXd component = components.col(order[i]);
+    Eigen::Index largest;
+    component.cwiseAbs().maxCoeff(&largest);
+    if (component[largest] < 0.0)
+      component = -component;  // Eigenvectors have no sign of their own.
+    codebook->projection.row(i) = component.transpose().cast<float>();
+  }
+}
+
+void TrainWords(const DescriptorMatrix& projected, const CodebookOptions& options,
+                Codebook* codebook) {
+  codebook->num_subspaces = options.num_subspaces;
+  try {
+    const SingleOmpThread single_thread;
+    faiss::ProductQuantizer quantizer(options.projected_dim, options.num_subspaces, 8);
+    quantizer.cp.niter = kKMeansIterations;
+    quantizer.cp.seed = static_cast<int>(options.seed & 0x7fffffff);
+    quantizer.cp.min_points_per_centroid = 1;  // Fewer make FAISS print a warning.
+    quantizer.cp.max_points_per_centroid = options.max_training_descriptors;  // Already sampled.
+    quantizer.train(static_cast<size_t>(projected.rows()), projected.data());
+    codebook->words = std::move(quantizer.centroids);
+  } catch (const faiss::FaissException& e) {
+    throw Error(ErrorCode::kInternal, fmt::format("FAISS cannot train a quantizer: {}", e.what()));
+  }
+}
+
+std::vector<float> Quantiles(std::vector<float> values) {
+  std::sort(values.begin(), values.end());
+  std::vector<float> quantiles(kNumQuantiles, 0.0f);
+  for (int i = 0; i < kNumQuantiles && !values.empty(); ++i) {
+    const double rank = (i + 1) / (kNumQuantiles + 1.0) * static_cast<double>(values.size() - 1);
+    quantiles[i] = values[static_cast<size_t>(std::lround(rank))];
+  }
+  return quantiles;
+}
+
+// Distance from `query` to the nearest row; infinite if there is none. Row `excluded` does not
+// count.
+float NearestDistance(const Eigen::RowVectorXf& query, const DescriptorMatrix& rows,
+                      Eigen::Index excluded) {
+  float best = std::numeric_limits<float>::infinity();
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    if (i != excluded) best = std::min(best, (rows.row(i) - query).squaredNorm());
+  }
+  return std::sqrt(best);
+}
+
+DescriptorMatrix Requantized(const DescriptorCodec& codec, const DescriptorMatrix& projected) {
+  return codec.Decode(codec.Encode(projected).data(), static_cast<int>(projected.rows()));
+}
+
+// One quantised descriptor each of up to kNumOtherLandmarks landmarks; `landmark_idx` says whose.
+DescriptorMatrix SampleOthers(const Reconstruction& reconstruction, const DescriptorCodec& codec,
+                              std::mt19937_64* rng, std::vector<int64_t>* landmark_idx) {
+  *landmark_idx =
+      SampleIndices(static_cast<int64_t>(reconstruction.landmarks.size()), kNumOtherLandmarks, rng);
+  std::erase_if(*landmark_idx,
+                [&](int64_t i) { return reconstruction.landmarks[i].observations.empty(); });
+  std::vector<ReconObservation> observations;
+  for (const int64_t i : *landmark_idx) {
+    const std::vector<ReconObservation>& all = reconstruction.landmarks[i].observations;
+    observations.push_back(all[UniformIndex(all.size(), rng)]);
+  }
+  return Requantized(codec, codec.Project(DescriptorsOf(reconstruction, observations)));
+}
+
+void MeasureDistances(const Reconstruction& reconstruction, std::mt19937_64* rng,
+                      Codebook* codebook) {
+  // The statistics are not there yet; a codec does not need them.
+  const DescriptorCodec codec(std::make_shared<const Codebook>(*codebook));
+  std::vector<int64_t> other_idx;
+  const DescriptorMatrix others = SampleOthers(reconstruction, codec, rng, &other_idx);
+
+  std::vector<float> same_distances, other_distances;
+  const std::vector<int64_t> probes =
+      SampleIndices(static_cast<int64_t>(reconstruction.landmarks.size()), kNumProbes, rng);
+  for (const int64_t landmark_idx : probes) {
+    const ReconLandmark& landmark = reconstruction.landmarks[landmark_idx];
+    if (landmark.observations.size() < 2) continue;
+    const DescriptorMatrix projected =
+        codec.Project(DescriptorsOf(reconstruction, landmark.observations));
+    const auto probe = static_cast<Eigen::Index>(UniformIndex(projected.rows(), rng));
+    same_distances.push_back(
+        NearestDistance(projected.row(probe), Requantized(codec, projected), probe));
+    const auto self = std::lower_bound(other_idx.begin(), other_idx.end(), landmark_idx);
+    const bool is_other = self != other_idx.end() && *self == landmark_idx;
+    const float distance =
+        NearestDistance(projected.row(probe), others, is_other ? self - other_idx.begin() : -1);
+    if (std::isfinite(distance)) other_distances.push_back(distance);
+  }
+  codebook->same_landmark_distance_quantiles = Quantiles(std::move(same_distances));
+  codebook->other_landmark_distance_quantiles = Quantiles(std::move(other_distances));
+}
+
+}  // namespace
+
+void CodebookOptions::Validate() const {
+  const auto require = [](bool ok, const char* what) {
+    if (!ok) throw Error(ErrorCode::kInvalidArgument, fmt::format("CodebookOptions: {}", what));
+  };
+  require(projected_dim >= 1 && projected_dim <= 256, "projected_dim must lie in [1, 256]");
+  require(num_subspaces >= 1 && num_subspaces <= 64, "num_subspaces must lie in [1, 64]");
+  require(projected_dim % num_subspaces == 0, "num_subspaces must divide projected_dim");
+  require(max_training_descriptors >= Codebook::kNumWords,
+          "max_training_descriptors must be at least 256");
+}
+
+Codebook TrainCodebook(const Reconstruction& reconstruction, const CodebookOptions& options) {
+  options.Validate();
+  if (reconstruction.descriptor_dim() < options.projected_dim) {
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("the reconstruction's descriptors have {} dimensions; they cannot be "
+                            "projected to {}",
+                            reconstruction.descriptor_dim(), options.projected_dim));
+  }
+  std::mt19937_64 rng(options.seed);
+  DescriptorMatrix training =
+      SampleTrainingSet(reconstruction, options.max_training_descriptors, &rng);
+  if (training.rows() < Codebook::kNumWords) {
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("only {} descriptors belong to landmarks; a codebook needs {}",
+                            training.rows(), Codebook::kNumWords));
+  }
+  Codebook codebook;
+  codebook.descriptor_type = reconstruction.descriptor_type;
+  NormalizeDescriptors(codebook.normalization, &training);
+  TrainProjection(training, options, &codebook);
+  const DescriptorMatrix projected =
+      (training.rowwise() - codebook.mean.transpose()) * codebook.projection.transpose();
+  TrainWords(projected, options, &codebook);
+  MeasureDistances(reconstruction, &rng, &codebook);
+  codebook.Validate();
+  return codebook;
+}
+
+}  // namespace cairn

@@ -1,0 +1,36 @@
+// The content that one session gives to one tile; private to ingest.
+#ifndef CAIRN_INGEST_TILING_BUILD_TILE_H_
+#define CAIRN_INGEST_TILING_BUILD_TILE_H_
+
+#include <vector>
+
+#include "core/tile_id.h"
+#include "ingest/reconstruction.h"
+#include "ingest/summarize/appearance.h"
+#include "ingest/tiling/placed_session.h"
+#include "storage/descriptor_codec.h"
+#include "storage/ids.h"
+#include "storage/tile.h"
+
+namespace cairn {
+
+// What all tiles of a session are built from; nothing is owned.
+struct TileSource {
+  const Reconstruction* reconstruction = nullptr;
+  const PlacedSession* session = nullptr;
+  const DescriptorCodec* codec = nullptr;
+  const AppearanceSummarizer* summarizer = nullptr;
+  SessionId session_id{};
+  LandmarkId first_landmark_id{};  // Of session->landmarks[0]; the others follow.
+};
+
+// The landmarks seen from the tile's images (PlacedSession::images_of_tile) with the appearances
+// they have there, in no particular order. `keyframe_ids` is parallel to the images. A landmark's
+// orientation, size and azimuth per mode are the circular, geometric and circular means over the
+// mode's members. Linear in the observations but for one sort.
+Tile BuildTile(const TileSource& source, TileId tile_id,
+               const std::vector<KeyframeId>& keyframe_ids);
+
+}  // namespace cairn
+
+#endif  // CAIRN_INGEST_TILING_BUILD_TILE_H_

@@ -1,0 +1,46 @@
+// A reconstruction placed on Earth and freed of landmarks that are not worth keeping; private to
+// ingest.
+#ifndef CAIRN_INGEST_TILING_PLACED_SESSION_H_
+#define CAIRN_INGEST_TILING_PLACED_SESSION_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "core/rigid3.h"
+#include "core/tile_id.h"
+#include "ingest/ingest_session.h"
+#include "ingest/reconstruction.h"
+
+namespace cairn {
+
+struct PlacedLandmark {
+  uint32_t recon_idx = 0;  // In Reconstruction::landmarks.
+  Eigen::Vector3d x_in_ecef;
+  double sigma_m = 0.0;  // Root mean square over the axes.
+};
+
+// A keypoint that sees a placed landmark.
+struct PlacedObservation {
+  uint32_t landmark_idx = 0;  // In PlacedSession::landmarks.
+  int keypoint_idx = 0;
+};
+
+struct PlacedSession {
+  std::vector<Rigid3d> cam_from_ecef;     // Per image.
+  std::vector<PlacedLandmark> landmarks;  // Neighbours in space are mostly neighbours here.
+  std::vector<std::vector<PlacedObservation>> observations_of_image;  // Per image.
+  // Images by the tile their camera stands in; only those that see a landmark.
+  std::map<TileId, std::vector<int>> images_of_tile;
+};
+
+// Drops landmarks with fewer observations than the selection asks for, and those that are less
+// certain or fit worse than the options allow. Throws Error(kBadInput) if the similarity or a
+// camera's place makes no sense or if no landmark is left. Linear but for one sort.
+PlacedSession PlaceSession(const Reconstruction& reconstruction, const Sim3d& ecef_from_world,
+                           const IngestOptions& options);
+
+}  // namespace cairn
+
+#endif  // CAIRN_INGEST_TILING_PLACED_SESSION_H_

@@ -1,0 +1,169 @@
+#include "ingest/tiling/tile_edit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "core/check.h"
+#include "core/geodesy.h"
+
+namespace cairn {
+namespace {
+
+constexpr uint32_t kDropped = std::numeric_limits<uint32_t>::max();
+
+template <typename T>
+void Append(const std::vector<T>& source, std::vector<T>* target) {
+  target->insert(target->end(), source.begin(), source.end());
+}
+
+// Appends elements [begin, end) times `width`.
+template <typename T>
+void AppendRange(const std::vector<T>& source, size_t begin, size_t end, std::vector<T>* target,
+                 size_t width = 1) {
+  target->insert(target->end(), source.begin() + static_cast<std::ptrdiff_t>(begin * width),
+                 source.begin() + static_cast<std::ptrdiff_t>(end * width));
+}
+
+// Appends offsets without their leading 0, moved up by what was there before.
+void AppendOffsets(const std::vector<uint32_t>& source, std::vector<uint32_t>* target) {
+  const uint32_t base = target->back();
+  for (size_t i = 1; i < source.size(); ++i) target->push_back(base + source[i]);
+}
+
+void AppendLandmark(const Tile& source, uint32_t landmark_idx, Tile* target) {
+  target->landmark_ids.push_back(source.landmark_ids[landmark_idx]);
+  target->landmark_sessions.push_back(source.landmark_sessions[landmark_idx]);
+  target->x_in_tile.push_back(source.x_in_tile[landmark_idx]);
+  target->sigma_codes.push_back(source.sigma_codes[landmark_idx]);
+  const size_t begin = source.descriptor_begin[landmark_idx];
+  const size_t end = source.descriptor_begin[landmark_idx + 1];
+  AppendRange(source.codes, begin, end, &target->codes, source.code_size);
+  AppendRange(source.orientation_codes, begin, end, &target->orientation_codes);
+  AppendRange(source.size_codes, begin, end, &target->size_codes);
+  AppendRange(source.azimuth_codes, begin, end, &target->azimuth_codes);
+  target->descriptor_begin.push_back(static_cast<uint32_t>(target->num_descriptors()));
+}
+
+// Copies a keyframe and those of its landmarks that have a new index.
+void AppendKeyframe(const Tile& source, size_t keyframe_idx, const std::vector<uint32_t>& new_idx,
+                    Tile* target) {
+  const size_t begin = target->keyframe_landmarks.size();
+  for (const uint32_t landmark_idx : source.LandmarksOfKeyframe(keyframe_idx)) {
+    if (new_idx[landmark_idx] != kDropped) {
+      target->keyframe_landmarks.push_back(new_idx[landmark_idx]);
+    }
+  }
+  std::sort(target->keyframe_landmarks.begin() + static_cast<std::ptrdiff_t>(begin),
+            target->keyframe_landmarks.end());
+  target->keyframes.push_back(source.keyframes[keyframe_idx]);
+  target->keyframe_begin.push_back(static_cast<uint32_t>(target->keyframe_landmarks.size()));
+}
+
+// Copies the landmarks in the order given and the keyframes for which `keep_keyframe` is true.
+template <typename KeepKeyframe>
+Tile Pick(const Tile& tile, std::span<const uint32_t> landmarks,
+          const KeepKeyframe& keep_keyframe) {
+  Tile picked = EmptyTile(tile.id, tile.codebook_id, tile.code_size);
+  std::vector<uint32_t> new_idx(tile.num_landmarks(), kDropped);
+  for (const uint32_t landmark_idx : landmarks) {
+    CAIRN_CHECK(new_idx[landmark_idx] == kDropped, "each landmark at most once");
+    new_idx[landmark_idx] = static_cast<uint32_t>(picked.num_landmarks());
+    AppendLandmark(tile, landmark_idx, &picked);
+  }
+  for (size_t k = 0; k < tile.num_keyframes(); ++k) {
+    if (keep_keyframe(tile.keyframes[k])) AppendKeyframe(tile, k, new_idx, &picked);
+  }
+  return picked;
+}
+
+// The smallest box of the landmarks. Longitudes are taken relative to the tile's anchor, so that a
+// tile at the antimeridian gets a narrow box.
+GeoBox LandmarkBounds(const Tile& tile) {
+  constexpr double kTurnRad = 2.0 * std::numbers::pi;
+  const Geodetic anchor = tile.id.Anchor();
+  const Rigid3d ecef_from_tile = EcefFromEnu(anchor);
+  const double infinity = std::numeric_limits<double>::infinity();
+  double south_rad = infinity, north_rad = -infinity, west_rad = infinity, east_rad = -infinity;
+  for (const Eigen::Vector3f& x_in_tile : tile.x_in_tile) {
+    const Geodetic position = GeodeticFromEcef(ecef_from_tile * x_in_tile.cast<double>());
+    const double east_of_anchor_rad = std::remainder(position.lon_rad - anchor.lon_rad, kTurnRad);
+    south_rad = std::min(south_rad, position.lat_rad);
+    north_rad = std::max(north_rad, position.lat_rad);
+    west_rad = std::min(west_rad, east_of_anchor_rad);
+    east_rad = std::max(east_rad, east_of_anchor_rad);
+  }
+  return {south_rad, std::remainder(anchor.lon_rad + west_rad, kTurnRad), north_rad,
+          std::remainder(anchor.lon_rad + east_rad, kTurnRad)};
+}
+
+}  // namespace
+
+Tile EmptyTile(TileId tile_id, CodebookId codebook_id, int code_size) {
+  Tile tile;
+  tile.id = tile_id;
+  tile.codebook_id = codebook_id;
+  tile.code_size = code_size;
+  tile.descriptor_begin = {0};
+  tile.keyframe_begin = {0};
+  return tile;
+}
+
+Tile PickLandmarks(const Tile& tile, std::span<const uint32_t> landmarks) {
+  return Pick(tile, landmarks, [](const TileKeyframe&) { return true; });
+}
+
+Tile WithoutSession(const Tile& tile, SessionId session_id) {
+  std::vector<uint32_t> others;
+  for (uint32_t i = 0; i < tile.num_landmarks(); ++i) {
+    if (tile.landmark_sessions[i] != session_id) others.push_back(i);
+  }
+  return Pick(tile, others,
+              [&](const TileKeyframe& keyframe) { return keyframe.session_id != session_id; });
+}
+
+void AppendTile(const Tile& other, Tile* tile) {
+  CAIRN_CHECK(other.id == tile->id && other.codebook_id == tile->codebook_id &&
+                  other.code_size == tile->code_size,
+              "only contents of one tile in one codebook can be joined");
+  const auto num_landmarks = static_cast<uint32_t>(tile->num_landmarks());
+  Append(other.landmark_ids, &tile->landmark_ids);
+  Append(other.landmark_sessions, &tile->landmark_sessions);
+  Append(other.x_in_tile, &tile->x_in_tile);
+  Append(other.sigma_codes, &tile->sigma_codes);
+  AppendOffsets(other.descriptor_begin, &tile->descriptor_begin);
+  Append(other.codes, &tile->codes);
+  Append(other.orientation_codes, &tile->orientation_codes);
+  Append(other.size_codes, &tile->size_codes);
+  Append(other.azimuth_codes, &tile->azimuth_codes);
+  Append(other.keyframes, &tile->keyframes);
+  AppendOffsets(other.keyframe_begin, &tile->keyframe_begin);
+  for (const uint32_t landmark_idx : other.keyframe_landmarks) {
+    tile->keyframe_landmarks.push_back(num_landmarks + landmark_idx);
+  }
+}
+
+TileRecord DescribeTile(const Tile& tile) {
+  CAIRN_CHECK(tile.num_landmarks() > 0 && tile.num_keyframes() > 0, "an empty tile is not kept");
+  TileRecord record;
+  record.tile_id = tile.id;
+  record.codebook_id = tile.codebook_id;
+  record.num_landmarks = static_cast<int64_t>(tile.num_landmarks());
+  record.num_descriptors = static_cast<int64_t>(tile.num_descriptors());
+  record.num_keyframes = static_cast<int64_t>(tile.num_keyframes());
+  record.min_h_m = std::numeric_limits<double>::infinity();
+  record.max_h_m = -std::numeric_limits<double>::infinity();
+  const Rigid3d ecef_from_tile = EcefFromEnu(tile.id.Anchor());
+  for (const TileKeyframe& keyframe : tile.keyframes) {
+    const double h_m =
+        GeodeticFromEcef(ecef_from_tile * keyframe.cam_from_tile.Inverse().translation).h_m;
+    record.min_h_m = std::min(record.min_h_m, h_m);
+    record.max_h_m = std::max(record.max_h_m, h_m);
+  }
+  record.landmark_bounds = LandmarkBounds(tile);
+  return record;
+}
+
+}  // namespace cairn
