@@ -30,29 +30,29 @@ std::optional<GeoBox> BoxAroundAll(std::vector<GeoBox> boxes) {
   GeoBox all = boxes.front();
   double reach_rad = boxes.front().west_rad;
   double widest_gap_rad = -1.0;
-  const auto take_gap = [&](double next_west_rad) {
-    if (next_west_rad - reach_rad > widest_gap_rad) {
-      widest_gap_rad = next_west_rad - reach_rad;
+  const auto take_gap = [&](double gap_rad, double next_west_rad) {
+    if (gap_rad > widest_gap_rad) {
+      widest_gap_rad = gap_rad;
       all.east_rad = reach_rad;
       all.west_rad = next_west_rad;
     }
   };
   for (const GeoBox& box : boxes) {
-    take_gap(box.west_rad);
+    take_gap(box.west_rad - reach_rad, box.west_rad);
     const double east_rad = box.CrossesAntimeridian() ? box.east_rad + kTurnRad : box.east_rad;
     reach_rad = std::max(reach_rad, east_rad);
     all.south_rad = std::min(all.south_rad, box.south_rad);
     all.north_rad = std::max(all.north_rad, box.north_rad);
   }
-  take_gap(boxes.front().west_rad + kTurnRad);
+  // The last gap ends where the first box begins, once around.
+  const double first_west_rad = boxes.front().west_rad;
+  take_gap(first_west_rad + kTurnRad - reach_rad, first_west_rad);
   if (widest_gap_rad <= 0.0) {
     return GeoBox{all.south_rad, -std::numbers::pi, all.north_rad, std::numbers::pi};
   }
-  const auto wrap = [](double lon_rad) {
-    return lon_rad > std::numbers::pi ? lon_rad - kTurnRad : lon_rad;
-  };
-  all.west_rad = wrap(all.west_rad);
-  all.east_rad = wrap(all.east_rad);
+  if (all.east_rad > std::numbers::pi) {
+    all.east_rad -= kTurnRad;
+  }
   return all;
 }
 
