@@ -3,14 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-// One copy of the scoring loop per vector width, chosen when the program starts. The thread
-// sanitizer crashes in code that runs so early.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
-#define CAIRN_VECTOR_CLONES \
-  __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-#else
-#define CAIRN_VECTOR_CLONES
-#endif
+#include "engine/vector_clones.h"
 
 namespace cairn {
 namespace {

@@ -1,11 +1,20 @@
 #include "engine/pose/effective_inliers.h"
 
 #include <algorithm>
-#include <bitset>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 
 namespace cairn {
+namespace {
+
+// A word with its lowest `count` bits set; `count` may lie outside [0, 64].
+uint64_t BitsBelow(int count) {
+  return count <= 0 ? 0 : count >= 64 ? ~uint64_t{0} : (uint64_t{1} << count) - 1;
+}
+
+}  // namespace
 
 double EffectiveInliers(const std::vector<Eigen::Vector2d>& pixels, int width_px, int height_px) {
   constexpr int kGridSide = 128;
@@ -14,7 +23,7 @@ double EffectiveInliers(const std::vector<Eigen::Vector2d>& pixels, int width_px
   const double cell_width_px = static_cast<double>(width_px) / kGridSide;
   const double cell_height_px = static_cast<double>(height_px) / kGridSide;
 
-  std::bitset<kGridSide * kGridSide> covered;
+  std::array<std::array<uint64_t, 2>, kGridSide> covered{};  // A bit per cell.
   int64_t summed_area = 0;
   for (const Eigen::Vector2d& pixel : pixels) {
     const double x_px = std::clamp(pixel.x(), 0.0, static_cast<double>(width_px));
@@ -28,23 +37,25 @@ double EffectiveInliers(const std::vector<Eigen::Vector2d>& pixels, int width_px
       if (sq_half_chord <= 0.0) {
         continue;
       }
+      // Columns whose centre lies on the chord: [begin, end).
       const double half_chord_px = std::sqrt(sq_half_chord);
-      // Columns whose centre lies on the chord.
-      const int first =
+      const int begin =
           std::max(0, static_cast<int>(std::ceil((x_px - half_chord_px) / cell_width_px - 0.5)));
-      const int last =
-          std::min(kGridSide - 1,
-                   static_cast<int>(std::floor((x_px + half_chord_px) / cell_width_px - 0.5)));
-      for (int column = first; column <= last; ++column) {
-        covered.set(row * kGridSide + column);
-      }
-      summed_area += std::max(0, last - first + 1);
+      const int end = std::min(
+          kGridSide, static_cast<int>(std::floor((x_px + half_chord_px) / cell_width_px + 0.5)));
+      covered[row][0] |= BitsBelow(end) & ~BitsBelow(begin);
+      covered[row][1] |= BitsBelow(end - 64) & ~BitsBelow(begin - 64);
+      summed_area += std::max(0, end - begin);
     }
   }
   if (summed_area == 0) {
     return 0.0;
   }
-  return static_cast<double>(pixels.size()) * static_cast<double>(covered.count()) /
+  int64_t union_area = 0;
+  for (const auto& row : covered) {
+    union_area += std::popcount(row[0]) + std::popcount(row[1]);
+  }
+  return static_cast<double>(pixels.size()) * static_cast<double>(union_area) /
          static_cast<double>(summed_area);
 }
 

@@ -22,6 +22,36 @@ struct Linearization {
   double weighted_sq_residual = 0.0;  // Sum of w r'r over the reprojections.
 };
 
+// Sums the Cauchy losses of squared residuals in standard deviations.
+class CauchyCost {
+ public:
+  explicit CauchyCost(double scale) : sq_scale_(scale * scale) {}
+
+  void Add(double sq_residual) {
+    // A sum of logarithms is the logarithm of a product: one call for many residuals.
+    product_ *= 1.0 + sq_residual / sq_scale_;
+    if (product_ > 1e200) {
+      Flush();
+    }
+  }
+
+  // Half the sum.
+  double Total() {
+    Flush();
+    return 0.5 * sq_scale_ * sum_of_logs_;
+  }
+
+ private:
+  void Flush() {
+    sum_of_logs_ += std::log(product_);
+    product_ = 1.0;
+  }
+
+  double sq_scale_;
+  double product_ = 1.0;
+  double sum_of_logs_ = 0.0;
+};
+
 // The problem in the form the iterations need.
 struct Problem {
   const Camera& camera;
@@ -37,39 +67,19 @@ struct Problem {
            (options.keypoint_sigma_px * options.keypoint_sigma_px + landmark_px * landmark_px);
   }
 
-  // Half the Cauchy loss of a squared residual in standard deviations.
-  double RobustCost(double sq_residual) const {
-    const double sq_scale = options.cauchy_scale * options.cauchy_scale;
-    return 0.5 * sq_scale * std::log1p(sq_residual / sq_scale);
-  }
   double RobustWeight(double sq_residual) const {
     return 1.0 / (1.0 + sq_residual / (options.cauchy_scale * options.cauchy_scale));
   }
 
-  double Cost(const Rigid3d& anchor_from_cam) const {
-    double cost = 0.0;
-    for (const PoseObservation& observation : observations) {
-      const auto residual = ReprojectionResidual(camera, observation.pixel, observation.x_in_anchor,
-                                                 anchor_from_cam, nullptr);
-      cost +=
-          RobustCost(residual ? residual->squaredNorm() * Information(observation, anchor_from_cam)
-                              : kGrossError * kGrossError);
-    }
-    if (gravity) {
-      cost += 0.5 * GravityResidual(gravity->down_in_cam, anchor_from_cam, nullptr).squaredNorm() /
-              (gravity->sigma_rad * gravity->sigma_rad);
-    }
-    return cost;
-  }
-
   Linearization Linearize(const Rigid3d& anchor_from_cam) const {
     Linearization system;
+    CauchyCost cost(options.cauchy_scale);
     Eigen::Matrix<double, 2, 6> jacobian;
     for (const PoseObservation& observation : observations) {
       const auto residual = ReprojectionResidual(camera, observation.pixel, observation.x_in_anchor,
                                                  anchor_from_cam, &jacobian);
       if (!residual) {
-        system.cost += RobustCost(kGrossError * kGrossError);
+        cost.Add(kGrossError * kGrossError);
         continue;
       }
       const double information = Information(observation, anchor_from_cam);
@@ -77,9 +87,10 @@ struct Problem {
       const double weight = information * RobustWeight(sq_residual);
       system.normal.noalias() += weight * jacobian.transpose() * jacobian;
       system.gradient.noalias() += weight * jacobian.transpose() * *residual;
-      system.cost += RobustCost(sq_residual);
+      cost.Add(sq_residual);
       system.weighted_sq_residual += weight * residual->squaredNorm();
     }
+    system.cost = cost.Total();
     if (gravity) {
       Eigen::Matrix<double, 3, 6> gravity_jacobian;
       const Eigen::Vector3d residual =
@@ -123,17 +134,17 @@ RefinedPose RefinePose(const Camera& camera, const std::vector<PoseObservation>&
     damped.diagonal() *= 1.0 + damping;
     damped.diagonal().array() += 1e-9;
     const Rigid3d moved = PerturbPose(anchor_from_cam, -damped.ldlt().solve(system.gradient));
-    const double cost = problem.Cost(moved);
-    if (!(cost < system.cost)) {
+    const Linearization moved_system = problem.Linearize(moved);
+    if (!(moved_system.cost < system.cost)) {
       damping *= 10.0;
       continue;
     }
-    const double decrease = system.cost - cost;
+    const double decrease = system.cost - moved_system.cost;
     anchor_from_cam = moved;
-    system = problem.Linearize(anchor_from_cam);
+    system = moved_system;
     damping = std::max(1e-9, damping * 0.1);
     ++refined.num_iterations;
-    if (decrease < kMinRelativeDecrease * cost) {
+    if (decrease < kMinRelativeDecrease * system.cost) {
       break;
     }
   }

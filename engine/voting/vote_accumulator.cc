@@ -5,12 +5,15 @@
 #include <tuple>
 #include <utility>
 
+#include "engine/vector_clones.h"
+
 namespace cairn {
 namespace {
 
 constexpr int kBorder = 1;
 
 // pairs[i] = count of cell i + count of cell i + 1.
+CAIRN_VECTOR_CLONES
 void SumPairsAlongX(const uint32_t* __restrict cells, int num_cells, uint16_t* __restrict pairs) {
   const auto count = [cells](int i) { return std::min(cells[i] & 0xffffu, VoteSlice::kMaxCount); };
   for (int i = 0; i + 1 < num_cells; ++i) {
@@ -19,6 +22,7 @@ void SumPairsAlongX(const uint32_t* __restrict cells, int num_cells, uint16_t* _
 }
 
 // sums[i] = sum of pairs over i and its successors along y and z.
+CAIRN_VECTOR_CLONES
 void SumSquaresAlongYz(const uint16_t* __restrict pairs, int num_cells, int stride_y, int stride_z,
                        uint16_t* __restrict sums) {
   const uint16_t* pairs_y = pairs + stride_y;
@@ -30,6 +34,7 @@ void SumSquaresAlongYz(const uint16_t* __restrict pairs, int num_cells, int stri
 }
 
 // Adds two rows; returns the largest sum.
+CAIRN_VECTOR_CLONES
 int AddRows(const uint16_t* __restrict a, const uint16_t* __restrict b, int size,
             uint16_t* __restrict sums) {
   uint16_t largest = 0;

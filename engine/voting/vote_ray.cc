@@ -48,6 +48,7 @@ std::vector<VoteRay> MakeVoteRays(const QueryContext& query,
     ray.keypoint_idx = match.keypoint_idx;
     ray.x_in_anchor = match.x_in_anchor;
     ray.direction_in_level = *query.level_from_cam * ray_in_cam;
+    ray.horizontal = ray.direction_in_level.head<2>().norm();
     ray.view_azimuth = {std::cos(match.azimuth_rad), std::sin(match.azimuth_rad)};
     ray.min_distance_m = kMinDistanceM;
     ray.max_distance_m = options.max_distance_m;
@@ -77,7 +78,7 @@ std::optional<VoteSegment> ClipToDisc(const VoteRay& ray, const Eigen::Vector2d&
   }
   // |x - l direction - center| <= radius.
   const Eigen::Vector2d from_center = ray.x_in_anchor.head<2>() - disc.center;
-  const double a = direction_xy.squaredNorm();
+  const double a = ray.horizontal * ray.horizontal;
   const double b = from_center.dot(direction_xy);
   const double c = from_center.squaredNorm() - disc.radius_m * disc.radius_m;
   VoteSegment segment = {ray.min_distance_m, ray.max_distance_m};

@@ -19,6 +19,7 @@ struct VoteRay {
   int keypoint_idx = 0;
   Eigen::Vector3d x_in_anchor;
   Eigen::Vector3d direction_in_level;  // Unit vector, from camera to landmark.
+  double horizontal = 0.0;             // Length of the horizontal part of the direction.
   Eigen::Vector2d view_azimuth;        // (cos, sin) from landmark to mapping camera.
   double min_distance_m = 0.0;
   double max_distance_m = 0.0;
@@ -53,7 +54,7 @@ std::optional<VoteSegment> ClipToDisc(const VoteRay& ray, const Eigen::Vector2d&
 // the angle of the mapping camera's azimuth.
 inline bool AzimuthFits(const VoteRay& ray, const Eigen::Vector2d& direction_xy,
                         double min_cosine) {
-  return -direction_xy.dot(ray.view_azimuth) >= min_cosine * direction_xy.norm();
+  return -direction_xy.dot(ray.view_azimuth) >= min_cosine * ray.horizontal;
 }
 
 }  // namespace cairn

@@ -1,0 +1,17 @@
+// One copy of a hot loop per vector width, chosen when the program starts.
+#ifndef CAIRN_ENGINE_VECTOR_CLONES_H_
+#define CAIRN_ENGINE_VECTOR_CLONES_H_
+
+// Before a function with plain loops that the compiler vectorises: compiles it for AVX-512, AVX2
+// and baseline x86-64; the loader picks the best that the processor has. Results may differ in the
+// last bit between processors (fused multiply-add). Without effect for other compilers and
+// processors, and under the thread sanitizer, which crashes in code that runs as early as the
+// choice.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
+#define CAIRN_VECTOR_CLONES \
+  __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define CAIRN_VECTOR_CLONES
+#endif
+
+#endif  // CAIRN_ENGINE_VECTOR_CLONES_H_
