@@ -13,15 +13,15 @@
 namespace cairn {
 
 struct EvalQuery {
-  std::string name;          // Image name.
-  std::string image_path;    // Empty if there is only the feature set.
-  LocalizeQuery query;       // Features may be empty if image_path is set.
-  Rigid3d cam_from_ecef;     // Reference pose.
+  std::string name;        // Image name.
+  std::string image_path;  // Empty if there is only the feature set.
+  LocalizeQuery query;     // Features may be empty if image_path is set.
+  Rigid3d cam_from_ecef;   // Reference pose.
 };
 
 // Noise that turns reference poses into what a phone would send.
 struct PriorNoiseOptions {
-  double position_sigma_m = 10.0;   // Per horizontal axis; reported accuracy is its 68 % radius.
+  double position_sigma_m = 10.0;  // Per horizontal axis; reported accuracy is its 68 % radius.
   double height_sigma_m = 5.0;
   double gravity_sigma_rad = 0.0174532925;
   bool with_prior = true;

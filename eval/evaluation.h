@@ -1,9 +1,12 @@
 // Runs queries and measures the answers: recall, medians, average precision, latency.
+//
+// The definitions are in docs/math/metrics.md.
 #ifndef CAIRN_EVAL_EVALUATION_H_
 #define CAIRN_EVAL_EVALUATION_H_
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/localize_result.h"
@@ -24,11 +27,13 @@ struct RecallThreshold {
   double rotation_rad;
 };
 
-// Value with a 95 % bootstrap interval.
+// Value with a 95 % bootstrap interval: the 2.5 and 97.5 percentiles over 1,000 resamplings of the
+// queries. Not a number where there is nothing to measure.
 struct Interval {
   double value = 0.0, low = 0.0, high = 0.0;
 };
 
+// Linearly interpolated between the two nearest ranks; zero if there is no value.
 struct Percentiles {
   double p50 = 0.0, p90 = 0.0, p99 = 0.0, max = 0.0;
 };
@@ -37,28 +42,36 @@ struct EvalReport {
   std::vector<EvalAnswer> answers;
   int num_queries = 0;
   int num_localized = 0;
-  // At (0.25 m, 2 deg), (0.5 m, 5 deg), (3 m, 10 deg), (5 m, 10 deg).
+  // At (0.25 m, 2 deg), (0.5 m, 5 deg), (3 m, 10 deg), (5 m, 10 deg), over all queries.
   std::vector<std::pair<RecallThreshold, Interval>> recalls;
   Interval median_position_error_m;  // Over localized queries.
   Interval median_rotation_error_rad;
-  Interval average_precision;        // Correct within 3 m and 10 degrees, ranked by score.
+  Interval average_precision;              // Correct within 3 m and 10 degrees, ranked by score.
   std::vector<Percentiles> stage_seconds;  // Indexed by Stage.
   Percentiles total_seconds;
 };
 
-// Average precision as the paper defines it: the area under precision over recall, responses ranked
-// by score, recall counted over `num_queries` (a query without an answer is never recalled).
+// Average precision as the paper defines it (section "Evaluation metric and approach"): the area
+// under precision over recall, responses ranked by score, recall counted over `num_queries` (a
+// query without an answer is never recalled). Responses with equal scores are accepted together.
 double AveragePrecision(const std::vector<std::pair<double, bool>>& score_and_correct,
                         int num_queries);
 
+// Measures given results; results[i] answers queries[i].
+EvalReport MeasureResults(const std::vector<EvalQuery>& queries,
+                          std::vector<LocalizeResult> results);
+
 using Localize = std::function<LocalizeResult(const EvalQuery&)>;
 
+// Asks the queries one after the other and measures the answers. `progress` may be empty.
 EvalReport Evaluate(const std::vector<EvalQuery>& queries, const Localize& localize,
                     const std::function<void(int done, int total)>& progress);
 
 std::string ReportAsText(const EvalReport& report);
+// What cannot be measured (errors of queries without an answer, medians of none) is null.
 std::string ReportAsJson(const EvalReport& report);
-std::string ReportAsCsv(const EvalReport& report);  // One line an answer.
+// One line an answer, with a header line; what cannot be measured is empty.
+std::string ReportAsCsv(const EvalReport& report);
 
 }  // namespace cairn
 

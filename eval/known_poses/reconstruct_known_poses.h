@@ -8,7 +8,7 @@
 #include "core/camera.h"
 #include "eval/known_poses/guided_matching.h"
 #include "eval/known_poses/neighbour_pairs.h"
-#include "eval/street/street_scene.h"
+#include "eval/street/street_photo.h"
 #include "ingest/features/sift_extractor.h"
 #include "ingest/reconstruction.h"
 

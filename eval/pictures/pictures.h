@@ -15,8 +15,8 @@
 
 namespace cairn {
 
-// Photo with all keypoints (small, grey) and inliers (coloured by landmark distance), with a caption
-// of what was found. PNG by extension. Throws Error(kIo).
+// Photo with all keypoints (small, grey) and inliers (coloured by landmark distance), with a
+// caption of what was found. PNG by extension. Throws Error(kIo).
 void DrawMatches(const std::string& path, const GrayImage& photo, const LocalizeQuery& query,
                  const LocalizeResult& result);
 

@@ -6,15 +6,15 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/camera.h"
 #include "core/geodesy.h"
 #include "core/rigid3.h"
+#include "eval/known_poses/reconstruct_known_poses.h"  // IWYU pragma: export
+#include "eval/street/street_photo.h"
 #include "ingest/features/sift_extractor.h"
-#include "ingest/reconstruction.h"
 
 namespace cairn {
 
@@ -34,14 +34,6 @@ struct StreetOptions {
 
   // Throws Error(kInvalidArgument) naming the field.
   void Validate() const;
-};
-
-// A photograph and where it was taken.
-struct StreetPhoto {
-  std::string name;
-  Rigid3d cam_from_enu;         // The truth; enu at the origin of the scene.
-  std::optional<Geodetic> gps;  // What the camera's receiver says.
-  GrayImage image;
 };
 
 // Houses of different height, colour and style along both sides of a street, with windows, shops

@@ -1,0 +1,111 @@
+#include "eval/eval_query.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <random>
+#include <utility>
+
+#include "core/error.h"
+#include "core/frames.h"
+
+namespace cairn {
+namespace {
+
+// What a receiver that knows its noise exactly reports as accuracy, per metre of sigma: the radius
+// that holds 68 % of a circular Gaussian, sqrt(-2 ln 0.32).
+constexpr double kRadius68PerSigma = 1.5095921854516636;
+// Reported accuracies are positive even where there is no noise.
+constexpr double kMinAccuracyM = 0.1;
+
+void Require(bool condition, const char* field, double value, const char* range) {
+  if (!condition) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("prior noise: {} = {} must be {}", field, value, range));
+  }
+}
+
+// Seeded by the query's name, so that a query gets the same noise in whatever list it stands.
+std::mt19937_64 GeneratorFor(const EvalQuery& query, uint64_t seed) {
+  std::vector<uint32_t> words = {static_cast<uint32_t>(seed), static_cast<uint32_t>(seed >> 32)};
+  for (const char letter : query.name) {
+    words.push_back(static_cast<unsigned char>(letter));
+  }
+  std::seed_seq sequence(words.begin(), words.end());
+  return std::mt19937_64(sequence);
+}
+
+// `direction` turned by independent Gaussian angles about two axes across it.
+Eigen::Vector3d Tilted(const Eigen::Vector3d& direction, double first_rad, double second_rad) {
+  const Eigen::Vector3d first_axis = direction.unitOrthogonal();
+  const Eigen::Vector3d second_axis = direction.cross(first_axis);
+  return (ExpSo3(first_rad * first_axis + second_rad * second_axis) * direction).normalized();
+}
+
+}  // namespace
+
+void PriorNoiseOptions::Validate() const {
+  constexpr double kMaxSigmaM = 10e3;
+  Require(position_sigma_m >= 0.0 && position_sigma_m <= kMaxSigmaM, "position_sigma_m",
+          position_sigma_m, "in [0, 10000]");
+  Require(height_sigma_m >= 0.0 && height_sigma_m <= kMaxSigmaM, "height_sigma_m", height_sigma_m,
+          "in [0, 10000]");
+  Require(gravity_sigma_rad >= 0.0 && gravity_sigma_rad <= 1.0, "gravity_sigma_rad",
+          gravity_sigma_rad, "in [0, 1]");
+}
+
+void AddNoisyPriors(const PriorNoiseOptions& options, std::vector<EvalQuery>* queries) {
+  options.Validate();
+  for (EvalQuery& query : *queries) {
+    std::mt19937_64 generator = GeneratorFor(query, options.seed);
+    std::normal_distribution<double> normal;
+    // All numbers are drawn whether they are used or not: switching one prior off leaves the other
+    // as it was.
+    const double east_m = options.position_sigma_m * normal(generator);
+    const double north_m = options.position_sigma_m * normal(generator);
+    const double up_m = options.height_sigma_m * normal(generator);
+    const double tilt_a_rad = options.gravity_sigma_rad * normal(generator);
+    const double tilt_b_rad = options.gravity_sigma_rad * normal(generator);
+
+    const Geodetic truth = GeodeticFromEcef(query.cam_from_ecef.Inverse().translation);
+    const Rigid3d ecef_from_enu = EcefFromEnu(truth);
+    query.query.prior.reset();
+    if (options.with_prior) {
+      Geodetic position = GeodeticFromEcef(ecef_from_enu * Eigen::Vector3d(east_m, north_m, 0.0));
+      position.h_m = truth.h_m + up_m;
+      query.query.prior = {position,
+                           std::max(kMinAccuracyM, kRadius68PerSigma * options.position_sigma_m),
+                           std::max(kMinAccuracyM, options.height_sigma_m)};
+    }
+    query.query.down_in_cam.reset();
+    if (options.with_gravity) {
+      const Eigen::Vector3d down_in_cam =
+          (query.cam_from_ecef * ecef_from_enu).rotation * DownInEnu();
+      query.query.down_in_cam = Tilted(down_in_cam, tilt_a_rad, tilt_b_rad);
+    }
+  }
+}
+
+std::vector<EvalQuery> QueriesFromReconstruction(const Reconstruction& reconstruction,
+                                                 const Sim3d& ecef_from_world,
+                                                 const std::string& image_dir) {
+  std::vector<EvalQuery> queries;
+  queries.reserve(reconstruction.images.size());
+  for (const ReconImage& image : reconstruction.images) {
+    EvalQuery query;
+    query.name = image.name;
+    if (!image_dir.empty()) {
+      query.image_path = (std::filesystem::path(image_dir) / image.name).string();
+    }
+    query.query.id = image.name;
+    query.query.camera = reconstruction.cameras[image.camera_idx];
+    query.query.features = image.features;
+    query.cam_from_ecef = CamFromTarget(image.cam_from_world, ecef_from_world);
+    queries.push_back(std::move(query));
+  }
+  return queries;
+}
+
+}  // namespace cairn

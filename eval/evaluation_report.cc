@@ -1,0 +1,174 @@
+// An evaluation as text, JSON and CSV.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+
+#include "eval/evaluation.h"
+
+namespace cairn {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kDegFromRad = 180.0 / std::numbers::pi;
+constexpr double kMsFromSeconds = 1e3;
+constexpr double kPercent = 100.0;
+
+// JSON knows no infinity and no NaN.
+Json NumberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json IntervalAsJson(const Interval& interval, double scale) {
+  return {{"value", NumberOrNull(scale * interval.value)},
+          {"low", NumberOrNull(scale * interval.low)},
+          {"high", NumberOrNull(scale * interval.high)}};
+}
+
+Json PercentilesAsJson(const Percentiles& seconds) {
+  return {{"p50", kMsFromSeconds * seconds.p50},
+          {"p90", kMsFromSeconds * seconds.p90},
+          {"p99", kMsFromSeconds * seconds.p99},
+          {"max", kMsFromSeconds * seconds.max}};
+}
+
+Json AnswerAsJson(const EvalAnswer& answer) {
+  const LocalizeResult& result = answer.result;
+  Json json = {
+      {"name", answer.name},
+      {"localized", result.localized},
+      {"reason", result.localized ? Json(nullptr) : Json(NotLocalizedReasonName(result.reason))},
+      {"position_error_m", NumberOrNull(answer.position_error_m)},
+      {"rotation_error_deg", NumberOrNull(kDegFromRad * answer.rotation_error_rad)},
+      {"score", NumberOrNull(result.score)},
+      {"confidence", NumberOrNull(result.confidence)},
+      {"num_inliers", result.matches.size()},
+      {"num_keypoints", result.counters.num_keypoints},
+      {"num_matches", result.counters.num_matches}};
+  Json& times = json["ms"];
+  for (int stage = 0; stage < kNumStages; ++stage) {
+    times[StageName(static_cast<Stage>(stage))] = kMsFromSeconds * result.times.seconds[stage];
+  }
+  times["total"] = kMsFromSeconds * result.times.total_seconds;
+  return json;
+}
+
+std::string TextLine(const std::string& what, const Interval& interval, double scale, int digits,
+                     const char* unit) {
+  if (std::isnan(interval.value)) {
+    return fmt::format("{:<28}{:>9}\n", what, "-");
+  }
+  return fmt::format("{:<28}{:>9.{}f} {:<4} [{:.{}f}, {:.{}f}]\n", what, scale * interval.value,
+                     digits, unit, scale * interval.low, digits, scale * interval.high, digits);
+}
+
+std::string LatencyLine(const char* stage, const Percentiles& seconds) {
+  return fmt::format("  {:<12}{:>9.2f}{:>9.2f}{:>9.2f}{:>9.2f}\n", stage,
+                     kMsFromSeconds * seconds.p50, kMsFromSeconds * seconds.p90,
+                     kMsFromSeconds * seconds.p99, kMsFromSeconds * seconds.max);
+}
+
+// "2 NO_COVERAGE, 1 TIMEOUT".
+std::string ReasonsWhyNot(const EvalReport& report) {
+  std::map<std::string, int> count_of_reason;
+  for (const EvalAnswer& answer : report.answers) {
+    if (!answer.result.localized) {
+      ++count_of_reason[NotLocalizedReasonName(answer.result.reason)];
+    }
+  }
+  std::string text;
+  for (const auto& [reason, count] : count_of_reason) {
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, reason);
+  }
+  return text;
+}
+
+// RFC 4180.
+std::string CsvText(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) {
+    return text;
+  }
+  std::string quoted = "\"";
+  for (const char letter : text) {
+    quoted += letter == '"' ? "\"\"" : std::string(1, letter);
+  }
+  return quoted + "\"";
+}
+
+std::string CsvNumber(double value) {
+  return std::isfinite(value) ? fmt::format("{:.6g}", value) : "";
+}
+
+}  // namespace
+
+std::string ReportAsText(const EvalReport& report) {
+  std::string text =
+      fmt::format("{} of {} queries localized", report.num_localized, report.num_queries);
+  const std::string reasons = ReasonsWhyNot(report);
+  text += reasons.empty() ? "\n\n" : fmt::format("; not: {}\n\n", reasons);
+  text += fmt::format("{:<28}{:>9}      {}\n", "", "", "95 % interval");
+  for (const auto& [threshold, recall] : report.recalls) {
+    const std::string what = fmt::format("recall at {:g} m, {:g} deg", threshold.position_m,
+                                         kDegFromRad * threshold.rotation_rad);
+    text += TextLine(what, recall, kPercent, 1, "%");
+  }
+  text += TextLine("median position error", report.median_position_error_m, 1.0, 4, "m");
+  text +=
+      TextLine("median rotation error", report.median_rotation_error_rad, kDegFromRad, 4, "deg");
+  text += TextLine("average precision", report.average_precision, 1.0, 4, "");
+  text += fmt::format("\nlatency, ms   {:>9}{:>9}{:>9}{:>9}\n", "p50", "p90", "p99", "max");
+  for (size_t stage = 0; stage < report.stage_seconds.size(); ++stage) {
+    text += LatencyLine(StageName(static_cast<Stage>(stage)), report.stage_seconds[stage]);
+  }
+  return text + LatencyLine("total", report.total_seconds);
+}
+
+std::string ReportAsJson(const EvalReport& report) {
+  Json json = {{"num_queries", report.num_queries}, {"num_localized", report.num_localized}};
+  Json& recalls = json["recalls"] = Json::array();
+  for (const auto& [threshold, recall] : report.recalls) {
+    Json entry = {{"position_m", threshold.position_m},
+                  {"rotation_deg", kDegFromRad * threshold.rotation_rad}};
+    entry.update(IntervalAsJson(recall, 1.0));
+    recalls.push_back(std::move(entry));
+  }
+  json["median_position_error_m"] = IntervalAsJson(report.median_position_error_m, 1.0);
+  json["median_rotation_error_deg"] = IntervalAsJson(report.median_rotation_error_rad, kDegFromRad);
+  json["average_precision"] = IntervalAsJson(report.average_precision, 1.0);
+  Json& latency = json["latency_ms"];
+  for (size_t stage = 0; stage < report.stage_seconds.size(); ++stage) {
+    latency[StageName(static_cast<Stage>(stage))] = PercentilesAsJson(report.stage_seconds[stage]);
+  }
+  latency["total"] = PercentilesAsJson(report.total_seconds);
+  Json& answers = json["answers"] = Json::array();
+  for (const EvalAnswer& answer : report.answers) {
+    answers.push_back(AnswerAsJson(answer));
+  }
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string ReportAsCsv(const EvalReport& report) {
+  std::string text =
+      "name,localized,reason,position_error_m,rotation_error_deg,score,confidence,num_inliers";
+  for (int stage = 0; stage < kNumStages; ++stage) {
+    text += fmt::format(",{}_ms", StageName(static_cast<Stage>(stage)));
+  }
+  text += ",total_ms\n";
+  for (const EvalAnswer& answer : report.answers) {
+    const LocalizeResult& result = answer.result;
+    text += fmt::format("{},{},{},{},{},{},{},{}", CsvText(answer.name), result.localized ? 1 : 0,
+                        result.localized ? "" : NotLocalizedReasonName(result.reason),
+                        CsvNumber(answer.position_error_m),
+                        CsvNumber(kDegFromRad * answer.rotation_error_rad), CsvNumber(result.score),
+                        CsvNumber(result.confidence), result.matches.size());
+    for (const double seconds : result.times.seconds) {
+      text += "," + CsvNumber(kMsFromSeconds * seconds);
+    }
+    text += "," + CsvNumber(kMsFromSeconds * result.times.total_seconds) + "\n";
+  }
+  return text;
+}
+
+}  // namespace cairn

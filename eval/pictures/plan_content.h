@@ -1,0 +1,39 @@
+// What a top view shows of a map.
+#ifndef CAIRN_EVAL_PICTURES_PLAN_CONTENT_H_
+#define CAIRN_EVAL_PICTURES_PLAN_CONTENT_H_
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "core/rigid3.h"
+#include "eval/pictures/pictures.h"
+#include "eval/pictures/plan_symbols.h"
+#include "eval/pictures/plan_view.h"
+#include "storage/map_store.h"
+
+namespace cairn {
+
+struct PlanTile {
+  std::string name;
+  std::vector<Eigen::Vector2d> corners;
+};
+
+// In the plan frame: east-north-up at the middle of what is drawn.
+struct PlanContent {
+  Rigid3d plan_from_ecef;
+  std::vector<PlanTile> tiles;
+  std::vector<Eigen::Vector3d> landmarks;
+  std::vector<PlanPose> keyframes;
+  PlanArea area;  // Poses, priors and keyframes.
+  // Heights above the plan's origin between which nearly all landmarks lie.
+  double low_m = 0.0, high_m = 1.0;
+};
+
+// The tiles near the poses; without poses the first ones of the map. At most 64 are decoded. Throws
+// Error(kBadInput) if there are neither poses nor tiles, Error(kMapDamaged) as DecodeTile.
+PlanContent LoadPlanContent(const MapSnapshot& map, const std::vector<TopViewPose>& poses);
+
+}  // namespace cairn
+
+#endif  // CAIRN_EVAL_PICTURES_PLAN_CONTENT_H_

@@ -1,0 +1,34 @@
+// The symbols of a top view; plan and legend draw them alike.
+#ifndef CAIRN_EVAL_PICTURES_PLAN_SYMBOLS_H_
+#define CAIRN_EVAL_PICTURES_PLAN_SYMBOLS_H_
+
+#include <Eigen/Core>
+#include <opencv2/core/types.hpp>
+
+#include "core/rigid3.h"
+#include "eval/pictures/plan_view.h"
+
+namespace cairn {
+
+inline const cv::Scalar kTileColor(150, 130, 120);
+
+// A camera on the plan.
+struct PlanPose {
+  Eigen::Vector2d center = Eigen::Vector2d::Zero();
+  Eigen::Vector2d forward = Eigen::Vector2d::Zero();  // Unit; zero if it looks straight up or down.
+};
+
+PlanPose OnPlan(const Rigid3d& cam_from_plan);
+
+void DrawKeyframe(const PlanPose& keyframe, PlanView* view);
+// A cross and the circle of its accuracy.
+void DrawPrior(const Eigen::Vector2d& prior, double accuracy_m, PlanView* view);
+// Hollow and larger than an estimate, so that both show where they agree.
+void DrawTruth(const PlanPose& pose, PlanView* view);
+void DrawEstimate(const PlanPose& pose, PlanView* view);
+// From the prior to the answer.
+void DrawCorrection(const Eigen::Vector2d& prior, const Eigen::Vector2d& answer, PlanView* view);
+
+}  // namespace cairn
+
+#endif  // CAIRN_EVAL_PICTURES_PLAN_SYMBOLS_H_
