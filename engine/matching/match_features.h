@@ -12,15 +12,17 @@
 namespace cairn {
 
 // The k best landmarks of each keypoint over all tiles, below the threshold; a landmark that lies
-// in several tiles counts once (its nearest copy). Ordered by keypoint, then distance. Sets the
-// matching counters.
+// in several tiles counts once (its nearest copy). Ordered by keypoint, then distance, then
+// landmark id. Sets the matching counters. Throws Error(kInternal) unless all tiles share the
+// codebook that the query's descriptors were projected with (checked by id among the tiles, by
+// dimension with the query).
 std::vector<Correspondence> MatchFeatures(const QueryContext& query,
                                           const std::vector<TileView>& tiles,
                                           const MatchingOptions& options, StageCounters* counters);
 
 // For the refinement stage: matches all keypoints against just the landmarks that the given
-// keyframes saw, exhaustively, with the threshold at `distance_quantile`. Each entry of `keyframes`
-// is (tile_idx, keyframe_idx). Same order and rules as MatchFeatures.
+// keyframes saw, exhaustively, with the threshold at `distance_quantile`. Keyframes may repeat.
+// Same order and rules as MatchFeatures.
 struct KeyframeRef {
   int tile_idx = 0;
   uint32_t keyframe_idx = 0;

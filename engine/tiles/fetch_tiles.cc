@@ -80,6 +80,19 @@ std::vector<TileRecord> SelectTiles(const MapSnapshot& snapshot, const SearchReg
   return tiles;
 }
 
+// Queries are projected with the current codebook; tiles of another cannot be matched with them.
+void RequireCurrentCodebook(const MapSnapshot& snapshot, const std::vector<TileRecord>& tiles) {
+  const std::shared_ptr<const Codebook> current = snapshot.CurrentCodebook();
+  for (const TileRecord& tile : tiles) {
+    if (current == nullptr || tile.codebook_id != current->id) {
+      throw Error(ErrorCode::kInternal,
+                  fmt::format("tile {} is coded with codebook {}, which is not the map's current "
+                              "one; ingest its sessions again",
+                              tile.tile_id.ToString(), Value(tile.codebook_id)));
+    }
+  }
+}
+
 // Fetches, decodes and indexes one tile.
 std::shared_ptr<const SearchableTile> LoadTile(const MapSnapshot& snapshot,
                                                const TileRecord& record,
@@ -131,6 +144,7 @@ std::vector<TileView> FetchTiles(const MapSnapshot& snapshot, TileCache* cache,
                                  StageCounters* counters) {
   const std::vector<TileRecord> records =
       SelectTiles(snapshot, *region, options.max_tiles, counters);
+  RequireCurrentCodebook(snapshot, records);
   const Rigid3d anchor_from_ecef = region->ecef_from_anchor.Inverse();
   std::vector<TileView> views;
   for (const TileRecord& record : records) {

@@ -173,6 +173,14 @@ TEST_F(FetchTilesTest, RefusesAPayloadThatIsAnotherTile) {
   EXPECT_EQ(ErrorCodeOf([&] { Fetch(&region); }), ErrorCode::kMapDamaged);
 }
 
+TEST_F(FetchTilesTest, RefusesTilesOfAnOldCodebook) {
+  MapUpdate update = store_.BeginUpdate();
+  update.AddCodebook(testing::RandomCodebook({.seed = 2}));
+  update.Publish();
+  SearchRegion region = Disc(0.0, 50.0);
+  EXPECT_EQ(ErrorCodeOf([&] { Fetch(&region); }), ErrorCode::kInternal);
+}
+
 TEST_F(FetchTilesTest, RefusesAPayloadThatDoesNotDecode) {
   MapUpdate update = store_.BeginUpdate();
   const Tile tile = RandomTile({.id = TileInRow(1)});
