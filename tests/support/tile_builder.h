@@ -56,13 +56,17 @@ inline Tile RandomTile(const RandomTileOptions& options = {}) {
     tile.landmark_sessions.push_back(SessionId(options.session_id));
     tile.sigma_codes.push_back(SigmaCode(uniform(0.01, 0.5)));
     const auto num_descriptors = 1 + random() % options.max_descriptors_per_landmark;
+    const double orientation_rad = uniform(-3.0, 3.0);
+    const double size_m = uniform(0.02, 0.8);
     const double azimuth_rad = uniform(-3.0, 3.0);
     for (uint64_t d = 0; d < num_descriptors; ++d) {
       for (int b = 0; b < options.code_size; ++b) {
         tile.codes.push_back(byte());
       }
-      tile.orientation_codes.push_back(byte());
-      tile.size_codes.push_back(SizeCode(uniform(0.02, 0.8)));
+      tile.orientation_codes.push_back(random() % 50 == 0
+                                           ? kNoOrientation
+                                           : OrientationCode(orientation_rad + uniform(-0.2, 0.2)));
+      tile.size_codes.push_back(SizeCode(size_m * uniform(0.8, 1.25)));
       tile.azimuth_codes.push_back(AzimuthCode(azimuth_rad + uniform(-0.3, 0.3)));
     }
     tile.descriptor_begin.push_back(static_cast<uint32_t>(tile.orientation_codes.size()));

@@ -1,0 +1,160 @@
+// Hostile bytes that pass the checksum: whoever makes them can compute it too. Deterministic.
+#include <gtest/gtest.h>
+#include <xxhash.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <cstring>
+#include <random>
+#include <vector>
+
+#include "core/error.h"
+#include "storage/checksum.h"
+#include "storage/codebook.h"
+#include "storage/tile_codec.h"
+#include "support/tile_builder.h"
+
+namespace cairn {
+namespace {
+
+constexpr size_t kHeaderSize = 64;
+constexpr size_t kTileChecksumOffset = 56;
+constexpr size_t kBodySizeOffset = 40;
+constexpr size_t kCodebookChecksumOffset = 32;
+
+void Seal(std::vector<uint8_t>* bytes, size_t checksum_offset) {
+  const uint64_t checksum = ChecksumOf(*bytes, checksum_offset);
+  std::memcpy(bytes->data() + checksum_offset, &checksum, sizeof(checksum));
+}
+
+// A few random bytes changed, among them values at the edges of what integers hold.
+void Mutate(std::mt19937_64* random, std::vector<uint8_t>* bytes) {
+  constexpr uint8_t kEdges[] = {0x00, 0x01, 0x7f, 0x80, 0xff};
+  const size_t num_changes = 1 + (*random)() % 4;
+  for (size_t i = 0; i < num_changes && !bytes->empty(); ++i) {
+    uint8_t& byte = (*bytes)[(*random)() % bytes->size()];
+    byte = (*random)() % 2 == 0 ? kEdges[(*random)() % std::size(kEdges)]
+                                : static_cast<uint8_t>((*random)());
+  }
+}
+
+struct Outcome {
+  int num_decoded = 0;
+  int num_refused = 0;
+};
+
+// Decodes; what decodes must be consistent and be encoded again, what does not must be damage.
+void DecodeHostileTile(const std::vector<uint8_t>& blob, Outcome* outcome) {
+  const TileDecodeLimits limits{.max_decoded_bytes = 1 << 24};
+  try {
+    const Tile tile = DecodeTile(blob, limits);
+    EXPECT_TRUE(testing::SameTile(DecodeTile(EncodeTile(tile)), tile));
+    ++outcome->num_decoded;
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kMapDamaged) << error.what();
+    ++outcome->num_refused;
+  }
+}
+
+std::vector<uint8_t> SmallBlob(Tile* tile) {
+  testing::RandomTileOptions options;
+  options.num_landmarks = 12;
+  options.num_keyframes = 3;
+  options.num_landmarks_per_keyframe = 8;
+  *tile = testing::RandomTile(options);
+  return EncodeTile(*tile);
+}
+
+TEST(Mutation, TileHeadersAndFramesWithAValidChecksum) {
+  Tile tile;
+  const std::vector<uint8_t> blob = SmallBlob(&tile);
+  std::mt19937_64 random(1);
+  Outcome outcome;
+  for (int trial = 0; trial < 5'000; ++trial) {
+    std::vector<uint8_t> mutated = blob;
+    Mutate(&random, &mutated);
+    Seal(&mutated, kTileChecksumOffset);
+    DecodeHostileTile(mutated, &outcome);
+  }
+  EXPECT_GT(outcome.num_decoded, 100);  // Changed codes are as good as others.
+  EXPECT_GT(outcome.num_refused, 100);
+}
+
+TEST(Mutation, TileBodiesInAValidFrame) {
+  Tile tile;
+  const std::vector<uint8_t> blob = SmallBlob(&tile);
+  const size_t frame_begin = kHeaderSize + tile.codes.size();
+  uint64_t body_size = 0;
+  std::memcpy(&body_size, blob.data() + kBodySizeOffset, sizeof(body_size));
+  std::vector<uint8_t> body(body_size);
+  ASSERT_EQ(ZSTD_decompress(body.data(), body.size(), blob.data() + frame_begin,
+                            blob.size() - frame_begin),
+            body_size);
+  std::mt19937_64 random(2);
+  Outcome outcome;
+  for (int trial = 0; trial < 5'000; ++trial) {
+    std::vector<uint8_t> mutated_body = body;
+    Mutate(&random, &mutated_body);
+    std::vector<uint8_t> mutated(blob.begin(), blob.begin() + frame_begin);
+    std::vector<uint8_t> frame(ZSTD_compressBound(body.size()));
+    frame.resize(
+        ZSTD_compress(frame.data(), frame.size(), mutated_body.data(), mutated_body.size(), 1));
+    const uint64_t frame_size = frame.size();
+    std::memcpy(mutated.data() + kBodySizeOffset + 8, &frame_size, sizeof(frame_size));
+    mutated.insert(mutated.end(), frame.begin(), frame.end());
+    Seal(&mutated, kTileChecksumOffset);
+    DecodeHostileTile(mutated, &outcome);
+  }
+  EXPECT_GT(outcome.num_decoded, 100);
+  EXPECT_GT(outcome.num_refused, 100);
+}
+
+TEST(Mutation, CodebooksWithAValidChecksum) {
+  const std::vector<uint8_t> bytes = EncodeCodebook(
+      testing::RandomCodebook({.raw_dim = 3, .projected_dim = 2, .num_subspaces = 1}));
+  std::mt19937_64 random(3);
+  Outcome outcome;
+  for (int trial = 0; trial < 5'000; ++trial) {
+    std::vector<uint8_t> mutated = bytes;
+    // Half of the changes hit the header.
+    std::vector<uint8_t> head(mutated.begin(), mutated.begin() + 60);
+    Mutate(&random, trial % 2 == 0 ? &head : &mutated);
+    if (trial % 2 == 0) {
+      std::copy(head.begin(), head.end(), mutated.begin());
+    }
+    Seal(&mutated, kCodebookChecksumOffset);
+    try {
+      DecodeCodebook(mutated.data(), mutated.size(), CodebookId(1)).Validate();
+      ++outcome.num_decoded;
+    } catch (const Error& error) {
+      ASSERT_EQ(error.code(), ErrorCode::kMapDamaged) << error.what();
+      ++outcome.num_refused;
+    }
+  }
+  EXPECT_GT(outcome.num_decoded, 100);
+  EXPECT_GT(outcome.num_refused, 100);
+}
+
+TEST(Mutation, RandomBytesAreDamage) {
+  std::mt19937_64 random(4);
+  Outcome outcome;
+  for (int trial = 0; trial < 2'000; ++trial) {
+    std::vector<uint8_t> bytes(random() % 300);
+    std::generate(bytes.begin(), bytes.end(), [&] { return static_cast<uint8_t>(random()); });
+    DecodeHostileTile(bytes, &outcome);
+    EXPECT_THROW(DecodeCodebook(bytes.data(), bytes.size(), CodebookId(1)), Error);
+  }
+  EXPECT_EQ(outcome.num_decoded, 0);
+}
+
+TEST(Mutation, AFrameThatAnnouncesGigabytesIsRefusedBeforeItIsUnpacked) {
+  Tile tile;
+  std::vector<uint8_t> blob = SmallBlob(&tile);
+  const uint64_t huge = uint64_t{1} << 40;
+  std::memcpy(blob.data() + kBodySizeOffset, &huge, sizeof(huge));
+  Seal(&blob, kTileChecksumOffset);
+  EXPECT_THROW(DecodeTile(blob), Error);
+}
+
+}  // namespace
+}  // namespace cairn
