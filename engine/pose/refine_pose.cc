@@ -16,10 +16,14 @@ constexpr double kGrossError = 100.0;
 
 // The normal equations at one pose.
 struct Linearization {
-  Matrix6d normal = Matrix6d::Zero();          // Sum of w J'J.
-  PoseTangent gradient = PoseTangent::Zero();  // Sum of w J'r.
+  Matrix6d normal = Matrix6d::Zero();          // Sum of w J'J, with the gravity prior.
+  PoseTangent gradient = PoseTangent::Zero();  // Sum of w J'r, with the gravity prior.
   double cost = 0.0;
-  double weighted_sq_residual = 0.0;  // Sum of w r'r over the reprojections.
+  // For the covariance. Residuals r are in standard deviations, w is their robust weight.
+  Matrix6d information = Matrix6d::Zero();          // Sum of J'J of the reprojections alone.
+  Matrix6d gravity_information = Matrix6d::Zero();  // J'J of the gravity prior.
+  double sum_sq_weight = 0.0;                       // Sum of w^2.
+  double sum_sq_weighted = 0.0;                     // Sum of w^2 r'r.
 };
 
 // Sums the Cauchy losses of squared residuals in standard deviations.
@@ -84,11 +88,14 @@ struct Problem {
       }
       const double information = Information(observation, anchor_from_cam);
       const double sq_residual = residual->squaredNorm() * information;
-      const double weight = information * RobustWeight(sq_residual);
-      system.normal.noalias() += weight * jacobian.transpose() * jacobian;
-      system.gradient.noalias() += weight * jacobian.transpose() * *residual;
+      const double robust = RobustWeight(sq_residual);
+      const Matrix6d outer = information * jacobian.transpose() * jacobian;
+      system.normal += robust * outer;
+      system.information += outer;
+      system.gradient.noalias() += robust * information * jacobian.transpose() * *residual;
+      system.sum_sq_weight += robust * robust;
+      system.sum_sq_weighted += robust * robust * sq_residual;
       cost.Add(sq_residual);
-      system.weighted_sq_residual += weight * residual->squaredNorm();
     }
     system.cost = cost.Total();
     if (gravity) {
@@ -96,7 +103,8 @@ struct Problem {
       const Eigen::Vector3d residual =
           GravityResidual(gravity->down_in_cam, anchor_from_cam, &gravity_jacobian);
       const double weight = 1.0 / (gravity->sigma_rad * gravity->sigma_rad);
-      system.normal.noalias() += weight * gravity_jacobian.transpose() * gravity_jacobian;
+      system.gravity_information = weight * gravity_jacobian.transpose() * gravity_jacobian;
+      system.normal += system.gravity_information;
       system.gradient.noalias() += weight * gravity_jacobian.transpose() * residual;
       system.cost += 0.5 * weight * residual.squaredNorm();
     }
@@ -104,17 +112,22 @@ struct Problem {
   }
 };
 
-// Inverse of the normal matrix with a floor that keeps free directions finite, scaled by the
-// reduced chi square where that says the noise was taken too small.
-Matrix6d Covariance(const Linearization& system, size_t num_observations) {
+// Asymptotic covariance of the M-estimate (Huber 1981, section 7.6): the inverse information of the
+// reprojections is scaled by mean(psi^2) / mean(psi')^2. For the Cauchy loss on two-dimensional
+// residuals psi = w r and psi' averages to w^2. A floor keeps free directions finite.
+Matrix6d Covariance(const Linearization& system, double num_observations) {
   PoseTangent floor;
   floor << Eigen::Vector3d::Constant(1.0 / 9.0), Eigen::Vector3d::Constant(1e-6);
-  const Matrix6d normal = system.normal + Matrix6d(floor.asDiagonal());
-  const Matrix6d inverse = normal.ldlt().solve(Matrix6d::Identity());
-  const double degrees_of_freedom =
-      std::max(1.0, 2.0 * static_cast<double>(num_observations) - 6.0);
-  const double scale = std::max(1.0, system.weighted_sq_residual / degrees_of_freedom);
-  return scale * 0.5 * (inverse + inverse.transpose());
+  double scale = 1.0;
+  if (system.sum_sq_weight > 0.0) {
+    const double degrees_of_freedom = std::max(1.0, 2.0 * num_observations - 6.0);
+    const double mean_slope = system.sum_sq_weight / num_observations;
+    scale = std::max(1.0, system.sum_sq_weighted / degrees_of_freedom / (mean_slope * mean_slope));
+  }
+  const Matrix6d total =
+      system.information / scale + system.gravity_information + Matrix6d(floor.asDiagonal());
+  const Matrix6d covariance = total.ldlt().solve(Matrix6d::Identity());
+  return 0.5 * (covariance + covariance.transpose());
 }
 
 }  // namespace
@@ -150,7 +163,7 @@ RefinedPose RefinePose(const Camera& camera, const std::vector<PoseObservation>&
   }
   refined.cam_from_anchor = anchor_from_cam.Inverse();
   refined.cost = system.cost;
-  refined.covariance = Covariance(system, observations.size());
+  refined.covariance = Covariance(system, static_cast<double>(observations.size()));
   return refined;
 }
 

@@ -36,9 +36,9 @@ struct RefinedPose {
   Rigid3d cam_from_anchor;
   double cost = 0.0;       // Half the sum of the robust squared residuals.
   int num_iterations = 0;  // Accepted steps.
-  // As LocalizeResult::covariance: inverse of the robustly weighted normal matrix, times
-  // max(1, reduced chi square). A direction that the observations leave free gets a large finite
-  // variance (about 3 rad, 1 km).
+  // As LocalizeResult::covariance. The reprojections' part is scaled by how large their residuals
+  // are, robustly, if that is larger than keypoint_sigma_px and sigma_m say. A direction that the
+  // observations leave free gets a large finite variance (about 3 rad, 1 km).
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
 };
 

@@ -39,12 +39,16 @@ Eigen::Matrix3d DistanceForm(const DistanceEquations& equations, int k) {
   return form;
 }
 
-// A real root of c3 x^3 + c2 x^2 + c1 x + c0, of several the one with the steepest slope, which is
-// the best conditioned. Nothing if the cubic is constant to rounding.
+// A real root of c3 x^3 + c2 x^2 + c1 x + c0, where |c3| >= |c0|; of several the best conditioned:
+// the one at which the cubic, as a form on the circle of (cos t, sin t) with x = tan t, is
+// steepest. Nothing if all coefficients are zero.
 std::optional<double> RealCubicRoot(double c3, double c2, double c1, double c0) {
-  const double scale = std::max({std::abs(c3), std::abs(c2), std::abs(c1), std::abs(c0)});
-  if (!(scale > 0.0) || !(std::abs(c3) > 1e-14 * scale)) {
+  const double scale = std::max({std::abs(c3), std::abs(c2), std::abs(c1)});
+  if (!(scale > 0.0)) {
     return std::nullopt;
+  }
+  if (std::abs(c3) <= 1e-14 * scale) {
+    return 0.0;  // c0 vanishes, too.
   }
   const double b = c2 / c3, c = c1 / c3, d = c0 / c3;
   // x = y - b / 3 removes the square: y^3 + p y + q = 0.
@@ -67,9 +71,9 @@ std::optional<double> RealCubicRoot(double c3, double c2, double c1, double c0) 
     }
   }
   const auto slope = [&](double x) { return (3.0 * x + 2.0 * b) * x + c; };
-  double best = *std::max_element(
-      roots.begin(), roots.begin() + num_roots,
-      [&](double x, double y) { return std::abs(slope(x)) < std::abs(slope(y)); });
+  const auto steepness = [&](double x) { return std::abs(slope(x)) / std::hypot(1.0, x); };
+  double best = *std::max_element(roots.begin(), roots.begin() + num_roots,
+                                  [&](double x, double y) { return steepness(x) < steepness(y); });
   for (int i = 0; i < 2 && slope(best) != 0.0; ++i) {  // Newton: undoes the closed form's rounding.
     best -= (((best + b) * best + c) * best + d) / slope(best);
   }
@@ -81,16 +85,22 @@ double Det(const Eigen::Vector3d& x, const Eigen::Vector3d& y, const Eigen::Vect
   return x.dot(y.cross(z));
 }
 
-// The two lines n . l = 0 into which a degenerate member A + x B of the pencil splits.
-std::optional<std::array<Eigen::Vector3d, 2>> SplitDegenerateConic(const Eigen::Matrix3d& a,
-                                                                   const Eigen::Matrix3d& b) {
+// Two lines n . l = 0 and a conic that pass through the same points as the whole pencil.
+struct LinesAndConic {
+  std::array<Eigen::Vector3d, 2> lines;
+  Eigen::Matrix3d conic;
+};
+
+// Splits a degenerate member A + x B of the pencil into its lines; the conic is whichever of A and
+// B is farther from that member. |det B| >= |det A|.
+std::optional<LinesAndConic> SplitDegenerateConic(const Eigen::Matrix3d& a,
+                                                  const Eigen::Matrix3d& b) {
   const auto col = [](const Eigen::Matrix3d& m, int i) -> Eigen::Vector3d { return m.col(i); };
-  const double c3 = b.determinant();
   const double c2 = Det(col(a, 0), col(b, 1), col(b, 2)) + Det(col(b, 0), col(a, 1), col(b, 2)) +
                     Det(col(b, 0), col(b, 1), col(a, 2));
   const double c1 = Det(col(b, 0), col(a, 1), col(a, 2)) + Det(col(a, 0), col(b, 1), col(a, 2)) +
                     Det(col(a, 0), col(a, 1), col(b, 2));
-  const std::optional<double> x = RealCubicRoot(c3, c2, c1, a.determinant());
+  const std::optional<double> x = RealCubicRoot(b.determinant(), c2, c1, a.determinant());
   if (!x) {
     return std::nullopt;
   }
@@ -101,7 +111,7 @@ std::optional<std::array<Eigen::Vector3d, 2>> SplitDegenerateConic(const Eigen::
   }
   const Eigen::Vector3d plus = std::sqrt(values[2]) * eigen.eigenvectors().col(2);
   const Eigen::Vector3d minus = std::sqrt(-values[0]) * eigen.eigenvectors().col(0);
-  return std::array<Eigen::Vector3d, 2>{plus + minus, plus - minus};
+  return LinesAndConic{{plus + minus, plus - minus}, std::abs(*x) > 1.0 ? a : b};
 }
 
 // Points in which the line n . l = 0 meets the conic l' D l = 0, up to scale. Returns 0 or 2.
@@ -200,14 +210,14 @@ int SolveP3p(const std::array<Eigen::Vector3d, 3>& bearings_in_cam,
   if (std::abs(first.determinant()) > std::abs(second.determinant())) {
     first.swap(second);  // Keeps the leading coefficient of the cubic away from zero.
   }
-  const auto lines = SplitDegenerateConic(first, second);
-  if (!lines) {
+  const auto split = SplitDegenerateConic(first, second);
+  if (!split) {
     return 0;
   }
   int num_solutions = 0;
-  for (const Eigen::Vector3d& line : *lines) {
+  for (const Eigen::Vector3d& line : split->lines) {
     std::array<Eigen::Vector3d, 2> candidates;
-    const int num_candidates = MeetLineWithConic(line, second, &candidates);
+    const int num_candidates = MeetLineWithConic(line, split->conic, &candidates);
     for (int i = 0; i < num_candidates; ++i) {
       Eigen::Vector3d& depths = candidates[i];
       if (!PolishDepths(equations, &depths)) {

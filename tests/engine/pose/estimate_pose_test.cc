@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
+#include "support/cameras.h"
 #include "support/pose_scene.h"
 
 namespace cairn {
@@ -17,8 +20,24 @@ std::optional<PoseEstimate> Estimate(const PoseScene& scene, const PoseOptions& 
   return EstimatePose(scene.query, scene.correspondences, scene.AllIndices(), options, seed);
 }
 
+bool IsRight(const std::optional<PoseEstimate>& estimate, const PoseScene& scene) {
+  return estimate && CenterErrorM(estimate->cam_from_anchor, scene.cam_from_anchor) < 0.5 &&
+         RotationAngleRad(estimate->cam_from_anchor.rotation, scene.cam_from_anchor.rotation) <
+             0.0175;
+}
+
+int NumRight(PoseSceneOptions options, int num_scenes) {
+  int num_right = 0;
+  for (int i = 0; i < num_scenes; ++i) {
+    options.seed = 1 + i;
+    const PoseScene scene = MakePoseScene(options);
+    num_right += IsRight(Estimate(scene), scene);
+  }
+  return num_right;
+}
+
 TEST(EstimatePose, RecoversExactPoseWithoutNoise) {
-  for (bool has_gravity : {true, false}) {
+  for (const bool has_gravity : {true, false}) {
     PoseSceneOptions options;
     options.num_inliers = options.num_keypoints;
     options.pixel_noise_px = 0.0;
@@ -30,27 +49,189 @@ TEST(EstimatePose, RecoversExactPoseWithoutNoise) {
     EXPECT_LT(RotationAngleRad(estimate->cam_from_anchor.rotation, scene.cam_from_anchor.rotation),
               1e-5);
     EXPECT_EQ(estimate->inliers.size(), 100u);
+    EXPECT_LT(estimate->mean_sq_error_px, 1e-6);
   }
 }
 
-TEST(EstimatePose, FindsFivePercentInliersUnderGravityNoise) {
-  int num_found = 0;
-  for (int seed = 1; seed <= 20; ++seed) {
-    PoseSceneOptions options;
-    options.num_keypoints = 1000;
-    options.num_inliers = 50;
-    options.gravity_noise_rad = 0.0175;
-    options.pixel_noise_px = 1.0;
-    options.seed = seed;
-    const PoseScene scene = MakePoseScene(options);
-    const auto estimate = Estimate(scene);
-    if (estimate && CenterErrorM(estimate->cam_from_anchor, scene.cam_from_anchor) < 0.5)
-      ++num_found;
-    else
-      printf("seed %d est %d inl %zu its %d\n", seed, !!estimate,
-             estimate ? estimate->inliers.size() : 0, estimate ? estimate->num_iterations : 0);
+TEST(EstimatePose, WorksForEveryCameraModelWithHalfOutliers) {
+  for (const Camera& camera : testing::OneCameraPerModel()) {
+    for (const bool has_gravity : {true, false}) {
+      PoseSceneOptions options;
+      options.camera = camera;
+      options.gravity_noise_rad = 0.0175;
+      options.has_gravity = has_gravity;
+      EXPECT_EQ(NumRight(options, 5), 5) << CameraModelName(camera.model()) << " " << has_gravity;
+    }
   }
-  EXPECT_GE(num_found, 19);
+}
+
+TEST(EstimatePose, FindsTenPercentInliersUnderGravityNoise) {
+  PoseSceneOptions options;
+  options.num_keypoints = 1000;
+  options.num_inliers = 100;
+  options.pixel_noise_px = 1.0;
+  options.gravity_noise_rad = 0.0175;
+  EXPECT_EQ(NumRight(options, 20), 20);
+}
+
+TEST(EstimatePose, FindsFivePercentInliersUnderGravityNoise) {
+  PoseSceneOptions options;
+  options.num_keypoints = 1000;
+  options.num_inliers = 50;
+  options.pixel_noise_px = 1.0;
+  options.gravity_noise_rad = 0.0175;
+  EXPECT_GE(NumRight(options, 20), 18);
+}
+
+TEST(EstimatePose, FindsTenPercentInliersWithoutGravity) {
+  PoseSceneOptions options;
+  options.num_keypoints = 1000;
+  options.num_inliers = 100;
+  options.pixel_noise_px = 1.0;
+  options.has_gravity = false;
+  EXPECT_GE(NumRight(options, 20), 18);
+}
+
+TEST(EstimatePose, ToleratesGravityOffByThreeSigma) {
+  PoseSceneOptions options;
+  options.num_inliers = 40;
+  options.gravity_noise_rad = 0.05;
+  EXPECT_GE(NumRight(options, 20), 18);
+}
+
+TEST(EstimatePose, TakesOneInlierPerKeypointFromSeveralMatches) {
+  PoseSceneOptions options;
+  options.num_keypoints = 300;
+  options.num_inliers = 100;
+  options.matches_per_keypoint = 4;
+  const PoseScene scene = MakePoseScene(options);
+  const auto estimate = Estimate(scene);
+  ASSERT_TRUE(IsRight(estimate, scene));
+  std::set<int> keypoints;
+  int num_correct = 0;
+  for (const int index : estimate->inliers) {
+    EXPECT_TRUE(keypoints.insert(scene.correspondences[index].keypoint_idx).second);
+    num_correct += scene.is_correct[index];
+  }
+  EXPECT_GE(num_correct, 95);
+  EXPECT_GE(num_correct, 0.95 * estimate->inliers.size());
+}
+
+TEST(EstimatePose, GathersInliersOutsideTheSubset) {
+  PoseSceneOptions options;
+  options.num_inliers = 80;
+  const PoseScene scene = MakePoseScene(options);
+  const std::vector<int> subset = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
+  const auto estimate = EstimatePose(scene.query, scene.correspondences, subset, PoseOptions(), 1);
+  ASSERT_TRUE(IsRight(estimate, scene));
+  EXPECT_GE(estimate->inliers.size(), 75u);
+}
+
+TEST(EstimatePose, SameSeedSameAnswer) {
+  PoseSceneOptions options;
+  options.num_keypoints = 500;
+  options.gravity_noise_rad = 0.0175;
+  const PoseScene scene = MakePoseScene(options);
+  const auto first = Estimate(scene, PoseOptions(), 42),
+             second = Estimate(scene, PoseOptions(), 42);
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(first->cam_from_anchor.ToMatrix(), second->cam_from_anchor.ToMatrix());
+  EXPECT_EQ(first->inliers, second->inliers);
+  EXPECT_EQ(first->num_iterations, second->num_iterations);
+  EXPECT_EQ(first->covariance, second->covariance);
+}
+
+TEST(EstimatePose, OrderOfTheSubsetDoesNotMatter) {
+  const PoseScene scene = MakePoseScene({});
+  std::vector<int> reversed = scene.AllIndices();
+  std::reverse(reversed.begin(), reversed.end());
+  const auto forward = Estimate(scene);
+  const auto backward =
+      EstimatePose(scene.query, scene.correspondences, reversed, PoseOptions(), 1);
+  ASSERT_TRUE(forward && backward);
+  EXPECT_EQ(forward->cam_from_anchor.ToMatrix(), backward->cam_from_anchor.ToMatrix());
+}
+
+TEST(EstimatePose, NothingFromTooFewKeypoints) {
+  PoseSceneOptions options;
+  options.num_keypoints = options.num_inliers = 5;
+  EXPECT_FALSE(Estimate(MakePoseScene(options)));
+  options.matches_per_keypoint = 4;  // 20 matches, still 5 keypoints.
+  EXPECT_FALSE(Estimate(MakePoseScene(options)));
+  const PoseScene scene = MakePoseScene({});
+  EXPECT_FALSE(EstimatePose(scene.query, scene.correspondences, {}, PoseOptions(), 1));
+  EXPECT_FALSE(EstimatePose(scene.query, {}, {}, PoseOptions(), 1));
+}
+
+TEST(EstimatePose, NothingFromOutliersAlone) {
+  PoseSceneOptions options;
+  options.num_inliers = 0;
+  PoseOptions pose_options;
+  pose_options.min_inliers = 12;
+  for (const bool has_gravity : {true, false}) {
+    options.has_gravity = has_gravity;
+    EXPECT_FALSE(Estimate(MakePoseScene(options), pose_options));
+  }
+}
+
+TEST(EstimatePose, NothingFromOneLandmarkSeenByAllKeypoints) {
+  PoseSceneOptions options;
+  options.num_inliers = options.num_keypoints;
+  PoseScene scene = MakePoseScene(options);
+  for (Correspondence& match : scene.correspondences) {
+    match.x_in_anchor = {1, 2, 3};
+  }
+  EXPECT_FALSE(Estimate(scene));
+}
+
+TEST(EstimatePose, MirroredSceneIsNotTakenForTruth) {
+  // Landmarks mirrored through the camera centre project to the same pixels, from behind.
+  for (const bool has_gravity : {true, false}) {
+    PoseSceneOptions options;
+    options.num_inliers = options.num_keypoints;
+    options.has_gravity = has_gravity;
+    PoseScene scene = MakePoseScene(options);
+    for (Correspondence& match : scene.correspondences) {
+      match.x_in_anchor = 2.0 * scene.center_in_anchor() - match.x_in_anchor;
+    }
+    const auto estimate = Estimate(scene);
+    EXPECT_FALSE(IsRight(estimate, scene));
+    if (estimate) {
+      EXPECT_LT(estimate->inliers.size(), 20u);
+    }
+  }
+}
+
+TEST(EstimatePose, IgnoresKeypointsWithoutRay) {
+  PoseSceneOptions options;
+  options.num_inliers = 80;
+  PoseScene scene = MakePoseScene(options);
+  for (int i = 0; i < 20; ++i) {
+    scene.query.rays_in_cam[i].setZero();
+  }
+  EXPECT_TRUE(IsRight(Estimate(scene), scene));
+}
+
+TEST(EstimatePose, FarAnchorCostsNoAccuracy) {
+  PoseSceneOptions options;
+  options.num_inliers = 80;
+  PoseScene scene = MakePoseScene(options);
+  const Eigen::Vector3d shift(60'000.0, -45'000.0, 0.0);
+  for (Correspondence& match : scene.correspondences) {
+    match.x_in_anchor += shift;
+  }
+  scene.cam_from_anchor = scene.cam_from_anchor * Rigid3d(Eigen::Quaterniond::Identity(), -shift);
+  EXPECT_TRUE(IsRight(Estimate(scene), scene));
+}
+
+TEST(EstimatePose, EffectiveInliersFallWhenInliersCrowd) {
+  PoseSceneOptions options;
+  options.num_inliers = options.num_keypoints;
+  const PoseScene spread = MakePoseScene(options);
+  const auto estimate = Estimate(spread);
+  ASSERT_TRUE(estimate);
+  EXPECT_GT(estimate->effective_inliers, 50.0);
+  EXPECT_LE(estimate->effective_inliers, 100.0);
 }
 
 }  // namespace

@@ -1,0 +1,50 @@
+#include "engine/pose/pose_options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "core/error.h"
+
+namespace cairn {
+namespace {
+
+TEST(PoseOptions, DefaultsAreValid) { EXPECT_NO_THROW(PoseOptions().Validate()); }
+
+TEST(PoseOptions, RejectsNonsenseNamingTheField) {
+  const std::pair<const char*, std::function<void(PoseOptions*)>> cases[] = {
+      {"max_error_px", [](PoseOptions* o) { o->max_error_px = 0.0; }},
+      {"max_error_px", [](PoseOptions* o) { o->max_error_px = std::nan(""); }},
+      {"keypoint_sigma_px", [](PoseOptions* o) { o->keypoint_sigma_px = -1.0; }},
+      {"min_iterations", [](PoseOptions* o) { o->min_iterations = 0; }},
+      {"max_iterations", [](PoseOptions* o) { o->max_iterations = o->min_iterations - 1; }},
+      {"success_probability", [](PoseOptions* o) { o->success_probability = 1.0; }},
+      {"num_local_optimizations", [](PoseOptions* o) { o->num_local_optimizations = 0; }},
+      {"min_inliers", [](PoseOptions* o) { o->min_inliers = 3; }},
+      {"gravity_sigma_rad", [](PoseOptions* o) { o->gravity_sigma_rad = 0.0; }},
+  };
+  for (const auto& [field, spoil] : cases) {
+    PoseOptions options;
+    spoil(&options);
+    try {
+      options.Validate();
+      ADD_FAILURE() << field;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kInvalidArgument);
+      EXPECT_THAT(error.what(), ::testing::HasSubstr(field));
+    }
+  }
+}
+
+TEST(PoseOptions, ThresholdGrowsWithFocalLength) {
+  PoseOptions options;
+  options.max_error_px = 4.0;
+  EXPECT_DOUBLE_EQ(options.MaxErrorPx(500.0), 4.0);
+  EXPECT_DOUBLE_EQ(options.MaxErrorPx(2000.0), 16.0);
+  EXPECT_DOUBLE_EQ(options.MaxErrorPx(100.0), 2.0);
+}
+
+}  // namespace
+}  // namespace cairn

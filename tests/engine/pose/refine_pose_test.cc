@@ -1,0 +1,154 @@
+#include "engine/pose/refine_pose.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <random>
+
+#include "engine/pose/pose_residuals.h"
+#include "support/cameras.h"
+#include "support/pose_scene.h"
+
+namespace cairn {
+namespace {
+
+using testing::CenterErrorM;
+using testing::PoseScene;
+using testing::PoseSceneOptions;
+
+std::vector<PoseObservation> Observations(const PoseScene& scene) {
+  std::vector<PoseObservation> observations;
+  for (const Correspondence& match : scene.correspondences) {
+    const Keypoint& keypoint = scene.query.keypoints[match.keypoint_idx];
+    observations.push_back({{keypoint.x_px, keypoint.y_px}, match.x_in_anchor, match.sigma_m});
+  }
+  return observations;
+}
+
+Rigid3d Disturb(const Rigid3d& cam_from_anchor) {
+  PoseTangent tangent;
+  tangent << 0.05, -0.03, 0.04, 0.8, -0.6, 0.5;
+  return PerturbPose(cam_from_anchor.Inverse(), tangent).Inverse();
+}
+
+PoseSceneOptions InliersOnly(int num_keypoints) {
+  PoseSceneOptions options;
+  options.num_keypoints = options.num_inliers = num_keypoints;
+  options.pixel_noise_px = 0.0;
+  return options;
+}
+
+TEST(RefinePose, ConvergesToTruthForEveryCameraModel) {
+  for (const Camera& camera : testing::OneCameraPerModel()) {
+    PoseSceneOptions options = InliersOnly(60);
+    options.camera = camera;
+    const PoseScene scene = MakePoseScene(options);
+    const RefinedPose refined =
+        RefinePose(camera, Observations(scene), std::nullopt, Disturb(scene.cam_from_anchor), {});
+    EXPECT_LT(CenterErrorM(refined.cam_from_anchor, scene.cam_from_anchor), 1e-4)
+        << CameraModelName(camera.model());
+    EXPECT_GT(refined.num_iterations, 0);
+  }
+}
+
+TEST(RefinePose, ResistsOutliers) {
+  PoseSceneOptions options = InliersOnly(100);
+  options.num_inliers = 75;
+  options.pixel_noise_px = 0.5;
+  const PoseScene scene = MakePoseScene(options);
+  RefinePoseOptions refine_options;
+  refine_options.max_iterations = 50;
+  const RefinedPose refined = RefinePose(scene.query.camera, Observations(scene), std::nullopt,
+                                         scene.cam_from_anchor, refine_options);
+  EXPECT_LT(CenterErrorM(refined.cam_from_anchor, scene.cam_from_anchor), 0.1);
+}
+
+TEST(RefinePose, UncertainLandmarksWeighLess) {
+  // Half of the landmarks are off by metres and say so.
+  PoseSceneOptions options = InliersOnly(60);
+  options.pixel_noise_px = 0.2;
+  const PoseScene scene = MakePoseScene(options);
+  std::vector<PoseObservation> observations = Observations(scene);
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal(0.0, 0.5);
+  for (size_t i = 0; i < observations.size(); i += 2) {
+    observations[i].x_in_anchor += Eigen::Vector3d(normal(random), normal(random), normal(random));
+    observations[i].sigma_m = 0.5;
+  }
+  const auto error = [&] {
+    return CenterErrorM(RefinePose(scene.query.camera, observations, std::nullopt,
+                                   Disturb(scene.cam_from_anchor), {})
+                            .cam_from_anchor,
+                        scene.cam_from_anchor);
+  };
+  const double weighted_error = error();
+  EXPECT_LT(weighted_error, 0.05);
+  for (PoseObservation& observation : observations) {
+    observation.sigma_m = 0.0;
+  }
+  EXPECT_GT(error(), weighted_error);
+}
+
+TEST(RefinePose, GravityPriorFixesWhatFewPointsLeaveFree) {
+  PoseSceneOptions options = InliersOnly(2);
+  const PoseScene scene = MakePoseScene(options);
+  const GravityPrior gravity = {*scene.query.down_in_cam, 0.01};
+  RefinePoseOptions refine_options;
+  refine_options.max_iterations = 50;
+  const RefinedPose refined = RefinePose(scene.query.camera, Observations(scene), gravity,
+                                         Disturb(scene.cam_from_anchor), refine_options);
+  EXPECT_LT(GravityResidual(gravity.down_in_cam, refined.cam_from_anchor.Inverse(), nullptr).norm(),
+            1e-3);
+}
+
+TEST(RefinePose, FreeDirectionsHaveLargeFiniteVariance) {
+  const RefinedPose refined = RefinePose(Camera(), {}, std::nullopt, Rigid3d(), {});
+  EXPECT_TRUE(refined.cam_from_anchor.ToMatrix().isApprox(Rigid3d().ToMatrix()));
+  EXPECT_TRUE(refined.covariance.allFinite());
+  EXPECT_NEAR(refined.covariance(0, 0), 9.0, 1e-9);
+  EXPECT_NEAR(refined.covariance(3, 3), 1e6, 1e-3);
+}
+
+TEST(RefinePose, LandmarksBehindTheCameraAreGrossOutliers) {
+  PoseSceneOptions options = InliersOnly(40);
+  const PoseScene scene = MakePoseScene(options);
+  std::vector<PoseObservation> observations = Observations(scene);
+  observations[0].x_in_anchor = scene.cam_from_anchor.Inverse() * Eigen::Vector3d(0, 0, -10);
+  const RefinedPose refined = RefinePose(scene.query.camera, observations, std::nullopt,
+                                         Disturb(scene.cam_from_anchor), {});
+  EXPECT_LT(CenterErrorM(refined.cam_from_anchor, scene.cam_from_anchor), 1e-3);
+}
+
+TEST(RefinePose, CovarianceIsInverseOfNormalMatrixWithoutNoise) {
+  const PoseScene scene = MakePoseScene(InliersOnly(50));
+  const auto observations = Observations(scene);
+  const RefinedPose refined =
+      RefinePose(scene.query.camera, observations, std::nullopt, scene.cam_from_anchor, {});
+  Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Matrix<double, 2, 6> jacobian;
+  for (const PoseObservation& observation : observations) {
+    ReprojectionResidual(scene.query.camera, observation.pixel, observation.x_in_anchor,
+                         refined.cam_from_anchor.Inverse(), &jacobian);
+    normal += jacobian.transpose() * jacobian;
+  }
+  EXPECT_TRUE(
+      (refined.covariance * normal).isApprox(Eigen::Matrix<double, 6, 6>::Identity(), 1e-3));
+}
+
+TEST(RefinePose, CovarianceGrowsWhenNoiseWasTakenTooSmall) {
+  PoseSceneOptions options = InliersOnly(200);
+  options.pixel_noise_px = 1.0;
+  const PoseScene scene = MakePoseScene(options);
+  RefinePoseOptions right, optimistic;
+  right.keypoint_sigma_px = 1.0;
+  optimistic.keypoint_sigma_px = 0.5;
+  const auto trace = [&](const RefinePoseOptions& refine_options) {
+    return RefinePose(scene.query.camera, Observations(scene), std::nullopt, scene.cam_from_anchor,
+                      refine_options)
+        .covariance.trace();
+  };
+  EXPECT_NEAR(trace(optimistic) / trace(right), 1.0, 0.5);
+}
+
+}  // namespace
+}  // namespace cairn
