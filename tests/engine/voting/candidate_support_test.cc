@@ -1,0 +1,85 @@
+#include "engine/voting/candidate_support.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace cairn {
+namespace {
+
+using Eigen::Vector3d;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+// A ray of a camera at the origin with yaw 0 that looks straight at `x_in_anchor`.
+VoteRay RayTo(int correspondence_idx, int keypoint_idx, const Vector3d& x_in_anchor) {
+  VoteRay ray;
+  ray.correspondence_idx = correspondence_idx;
+  ray.keypoint_idx = keypoint_idx;
+  ray.x_in_anchor = x_in_anchor;
+  ray.direction_in_level = x_in_anchor.normalized();
+  ray.horizontal = ray.direction_in_level.head<2>().norm();
+  ray.view_azimuth = -x_in_anchor.head<2>().normalized();
+  ray.min_distance_m = 0.3;
+  ray.max_distance_m = 200.0;
+  return ray;
+}
+
+TEST(SupportedCandidate, TruePoseHasFullScore) {
+  const std::vector<VoteRay> rays = {RayTo(0, 0, {20, 3, 5}), RayTo(1, 1, {-10, 8, -1}),
+                                     RayTo(2, 2, {5, -30, 12})};
+  const PoseCandidate candidate = SupportedCandidate(rays, Vector3d::Zero(), 0.0, VotingOptions());
+  EXPECT_NEAR(candidate.score, 3.0, 1e-9);
+  EXPECT_THAT(candidate.correspondences, ElementsAre(0, 1, 2));
+}
+
+TEST(SupportedCandidate, KeypointCountsOnceButAllItsMatchesAreListed) {
+  VoteRay second = RayTo(1, 0, {20, 3, 5});
+  second.x_in_anchor.y() += 0.5;
+  const PoseCandidate candidate =
+      SupportedCandidate({RayTo(0, 0, {20, 3, 5}), second}, Vector3d::Zero(), 0.0, VotingOptions());
+  EXPECT_NEAR(candidate.score, 1.0, 1e-9);
+  EXPECT_THAT(candidate.correspondences, ElementsAre(0, 1));
+}
+
+TEST(SupportedCandidate, ScoreFallsWithTheSquareOfTheError) {
+  VotingOptions options;
+  options.direction_tolerance_rad = 0.05;
+  options.cell_xy_m = 1.0;
+  // 2 m of tolerance at 20 m; the landmark is off by 1 m.
+  VoteRay ray = RayTo(0, 0, {20, 0, 0});
+  ray.x_in_anchor = {20, 1, 0};
+  const double distance_m = std::hypot(20.0, 1.0);
+  const PoseCandidate candidate = SupportedCandidate({ray}, Vector3d::Zero(), 0.0, options);
+  EXPECT_NEAR(candidate.score, 1.0 - std::pow(1.0 / (0.05 * distance_m + 1.0), 2), 1e-9);
+  ray.x_in_anchor = {20, 3, 0};
+  EXPECT_THAT(SupportedCandidate({ray}, Vector3d::Zero(), 0.0, options).correspondences, IsEmpty());
+}
+
+TEST(SupportedCandidate, RejectsBehindTooFarAndWrongAzimuth) {
+  VoteRay behind = RayTo(0, 0, {20, 0, 0});
+  behind.x_in_anchor = {-20, 0, 0};
+  VoteRay far = RayTo(1, 1, {20, 0, 0});
+  far.max_distance_m = 10.0;
+  VoteRay near = RayTo(2, 2, {20, 0, 0});
+  near.min_distance_m = 30.0;
+  VoteRay seen_from_behind = RayTo(3, 3, {20, 0, 0});
+  seen_from_behind.view_azimuth = {1, 0};
+  const PoseCandidate candidate = SupportedCandidate({behind, far, near, seen_from_behind},
+                                                     Vector3d::Zero(), 0.0, VotingOptions());
+  EXPECT_EQ(candidate.score, 0.0);
+  EXPECT_THAT(candidate.correspondences, IsEmpty());
+}
+
+TEST(SupportedCandidate, YawTurnsTheRays) {
+  VoteRay ray = RayTo(0, 0, {20, 0, 0});
+  ray.x_in_anchor = {0, 20, 0};
+  ray.view_azimuth = {0, -1};
+  EXPECT_NEAR(
+      SupportedCandidate({ray}, Vector3d::Zero(), std::acos(-1.0) / 2, VotingOptions()).score, 1.0,
+      1e-9);
+}
+
+}  // namespace
+}  // namespace cairn
