@@ -106,7 +106,16 @@ struct LocalizeClient::Impl {
     http.set_write_timeout(seconds, microseconds);
   }
 
-  std::string BodyOf(const httplib::Result& result) const {
+  // The server may close a silent connection just when the next request is on its way: an exchange
+  // that fails at once is tried again, on a new connection. Every request can safely be repeated.
+  template <typename Exchange>
+  std::string BodyOf(const Exchange& exchange) {
+    const auto start = std::chrono::steady_clock::now();
+    httplib::Result result = exchange();
+    const auto elapsed = std::chrono::steady_clock::now() - start;
+    if (!result && elapsed < std::chrono::milliseconds(options.timeout_ms) / 2) {
+      result = exchange();
+    }
     if (!result) {
       throw Error(ErrorCode::kUnavailable,
                   fmt::format("no answer from {}: {}; is the server running?", options.url,
@@ -124,7 +133,8 @@ struct LocalizeClient::Impl {
     AppendPart(part_name, part_content_type, AsText(bytes), &body);
     body += fmt::format("--{}--\r\n", kBoundary);
     const std::string content_type = fmt::format("multipart/form-data; boundary={}", kBoundary);
-    return ParseLocalizeResponse(BodyOf(http.Post("/v1/localize", body, content_type)));
+    return ParseLocalizeResponse(
+        BodyOf([&] { return http.Post("/v1/localize", body, content_type); }));
   }
 };
 
@@ -160,7 +170,7 @@ LocalizeResult LocalizeClient::LocalizeFeatures(const LocalizeQuery& query) {
 }
 
 std::string LocalizeClient::Get(const std::string& path) {
-  return impl_->BodyOf(impl_->http.Get(path));
+  return impl_->BodyOf([&] { return impl_->http.Get(path); });
 }
 
 }  // namespace cairn

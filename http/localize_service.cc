@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <thread>
 
 #include "http/image_features.h"
 #include "http/problem.h"
@@ -15,7 +16,8 @@ LocalizeService::LocalizeService(const ServerOptions& options)
       store_(
           std::make_shared<const MapStore>(MapStore::Open(options.map_path, OpenMode::kReadOnly))),
       cache_(std::make_shared<TileCache>(options.cache_bytes)),
-      localizer_(std::make_unique<Localizer>(store_, cache_, options.localizer)) {
+      localizer_(std::make_unique<Localizer>(store_, cache_, options.localizer)),
+      extraction_slots_(std::max(1, static_cast<int>(std::thread::hardware_concurrency()))) {
   map_tag_ = store_->Snapshot().Info().created_at;
   std::erase_if(map_tag_, [](unsigned char c) { return std::isalnum(c) == 0; });
 }
@@ -47,16 +49,27 @@ void LocalizeService::CheckCodec(const LocalizeQuery& query) const {
   }
 }
 
+FeatureSet LocalizeService::Extract(const LocalizeRequest& request, ServerTimes* times) {
+  if (!extraction_slots_.try_acquire_until(*request.query.deadline)) {
+    throw HttpError(ProblemCode::kUnavailable, "the server is busy with other images")
+        .Header("Retry-After", "1")
+        .Hint("try again, or send features: they cost the server less");
+  }
+  // Released on every way out.
+  const std::unique_ptr<std::counting_semaphore<>, void (*)(std::counting_semaphore<>*)> slot(
+      &extraction_slots_, [](std::counting_semaphore<>* slots) { slots->release(); });
+  return ExtractQueryFeatures(request, options_.max_image_pixels, options_.max_features, times);
+}
+
 LocalizeService::Answer LocalizeService::Localize(std::chrono::steady_clock::time_point arrival,
                                                   LocalizeRequest* request) {
   Answer answer;
   LocalizeQuery& query = request->query;
+  query.deadline = arrival + std::chrono::milliseconds(request->timeout_ms);
   if (request->has_image()) {
-    query.features = ExtractQueryFeatures(*request, options_.max_image_pixels,
-                                          options_.max_features, &answer.times);
+    query.features = Extract(*request, &answer.times);
   }
   CheckCodec(query);
-  query.deadline = arrival + std::chrono::milliseconds(request->timeout_ms);
   answer.result = localizer_->Localize(query);
   metrics_.CountLocalize(answer.result, answer.times, request->has_image());
   return answer;

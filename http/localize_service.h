@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <memory>
+#include <semaphore>
 #include <string>
 
 #include "engine/localizer.h"
@@ -47,6 +48,7 @@ class LocalizeService {
   Answer Localize(std::chrono::steady_clock::time_point arrival, LocalizeRequest* request);
 
  private:
+  FeatureSet Extract(const LocalizeRequest& request, ServerTimes* times);
   // Throws unless the features are what the map's codebook takes.
   void CheckCodec(const LocalizeQuery& query) const;
 
@@ -56,6 +58,8 @@ class LocalizeService {
   std::unique_ptr<Localizer> localizer_;
   std::string map_tag_;
   Metrics metrics_;
+  // SIFT's scale space takes hundreds of megabytes an image: as many at a time as there are cores.
+  std::counting_semaphore<> extraction_slots_;
 };
 
 }  // namespace cairn

@@ -18,6 +18,9 @@ using std::chrono::steady_clock;
 
 // How often an idle connection asks whether it should give its worker up.
 constexpr milliseconds kIdleSlice{25};
+// How long a new connection may keep its worker from others before its first byte; it just opened,
+// so that byte is on its way.
+constexpr milliseconds kFirstPatience{100};
 constexpr size_t kReceiveBytes = 64 * 1024;
 // What FinishSending swallows at most.
 constexpr size_t kMaxDrainBytes = size_t{8} << 20;
@@ -40,12 +43,8 @@ Connection::Connection(int socket, const ConnectionLimits& limits,
                        std::function<bool()> give_up_idle)
     : socket_(socket), limits_(limits), give_up_idle_(std::move(give_up_idle)) {}
 
-Connection::ReadResult Connection::ReadSome(TimePoint deadline, bool idle) {
-  while (true) {
-    const milliseconds left = Until(deadline);
-    if (PollReadable(socket_, idle ? std::min(left, kIdleSlice) : left)) break;
-    if (left.count() == 0 || (idle && give_up_idle_())) return ReadResult::kTimeout;
-  }
+Connection::ReadResult Connection::ReadSome(TimePoint deadline) {
+  if (!PollReadable(socket_, Until(deadline))) return ReadResult::kTimeout;
   std::array<char, kReceiveBytes> chunk;
   ssize_t received;
   do {
@@ -57,12 +56,17 @@ Connection::ReadResult Connection::ReadSome(TimePoint deadline, bool idle) {
 }
 
 bool Connection::WaitForFirstByte() {
-  const TimePoint deadline = steady_clock::now() + limits_.idle_timeout;
+  const TimePoint start = steady_clock::now();
+  const TimePoint deadline = start + limits_.idle_timeout;
+  const TimePoint patient_until = start + (is_new_ ? kFirstPatience : milliseconds(0));
+  is_new_ = false;
   while (true) {
     // A client may send an empty line after a body (RFC 9112 section 2.2).
     buffer_.erase(0, buffer_.find_first_not_of("\r\n"));
     if (!buffer_.empty()) return true;
-    if (ReadSome(deadline, /*idle=*/true) != ReadResult::kData) return false;
+    const TimePoint now = steady_clock::now();
+    if (now >= deadline || (now >= patient_until && give_up_idle_())) return false;
+    if (ReadSome(std::min(deadline, now + kIdleSlice)) == ReadResult::kClosed) return false;
   }
 }
 
@@ -80,7 +84,7 @@ std::optional<size_t> Connection::ReadHead() {
     }
     if (end != std::string::npos) return head_bytes;
     searched = buffer_.size() < 3 ? 0 : buffer_.size() - 3;
-    switch (ReadSome(deadline, /*idle=*/false)) {
+    switch (ReadSome(deadline)) {
       case ReadResult::kData:
         break;
       case ReadResult::kClosed:
@@ -95,7 +99,7 @@ bool Connection::ReadBody(size_t num_bytes) {
   const TimePoint deadline = steady_clock::now() + limits_.body_timeout;
   buffer_.reserve(num_bytes);
   while (buffer_.size() < num_bytes) {
-    switch (ReadSome(deadline, /*idle=*/false)) {
+    switch (ReadSome(deadline)) {
       case ReadResult::kData:
         break;
       case ReadResult::kClosed:
@@ -149,7 +153,7 @@ void Connection::FinishSending() {
   size_t drained = 0;
   while (drained < kMaxDrainBytes) {
     buffer_.clear();
-    if (ReadSome(deadline, /*idle=*/false) != ReadResult::kData) return;
+    if (ReadSome(deadline) != ReadResult::kData) return;
     drained += buffer_.size();
   }
 }

@@ -31,7 +31,8 @@ struct ReceivedRequest {
 // Owns neither the socket nor its closing. One thread.
 class Connection {
  public:
-  // `give_up_idle` is asked while the connection is idle: true ends it early.
+  // `give_up_idle` is asked while the connection is idle: true ends it early (a new connection not
+  // before its first byte had time to come).
   Connection(int socket, const ConnectionLimits& limits, std::function<bool()> give_up_idle);
 
   // The next request; nothing if the peer closed, fell silent between requests, or left in the
@@ -50,7 +51,7 @@ class Connection {
   using TimePoint = std::chrono::steady_clock::time_point;
   enum class ReadResult { kData, kClosed, kTimeout };
 
-  ReadResult ReadSome(TimePoint deadline, bool idle);
+  ReadResult ReadSome(TimePoint deadline);
   bool WaitForFirstByte();
   std::optional<size_t> ReadHead();  // Length of the head, in buffer_.
   bool ReadBody(size_t num_bytes);
@@ -59,6 +60,7 @@ class Connection {
   ConnectionLimits limits_;
   std::function<bool()> give_up_idle_;
   std::string buffer_;  // Received and not yet consumed.
+  bool is_new_ = true;
 };
 
 }  // namespace cairn

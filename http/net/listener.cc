@@ -206,6 +206,7 @@ struct Listener::Impl {
   ListenerOptions options;
   AcceptLoop loop;
   std::thread thread;
+  std::atomic<bool> has_ended{false};
   int port = 0;
 
   Impl(const ListenerOptions& listener_options, RequestHandler* handler)
@@ -239,9 +240,12 @@ void Listener::Start() {
                             errno != 0 ? std::strerror(errno) : "unknown host"));
   }
   impl_->loop.WidenBacklog();
-  impl_->thread = std::thread([this] { impl_->loop.listen_after_bind(); });
-  // Stop() has no effect on a loop that does not run yet.
-  while (!impl_->loop.is_running()) std::this_thread::yield();
+  impl_->thread = std::thread([impl = impl_.get()] {
+    impl->loop.listen_after_bind();
+    impl->has_ended = true;
+  });
+  // httplib's stop() has no effect on a loop that does not run yet.
+  while (!impl_->loop.is_running() && !impl_->has_ended) std::this_thread::yield();
 }
 
 void Listener::Stop() {
