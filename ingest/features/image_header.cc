@@ -107,6 +107,8 @@ ImageHeader ParsePnm(Bytes bytes) {
   header.width_px = ReadPnmNumber(bytes, &at);
   header.height_px = ReadPnmNumber(bytes, &at);
   const int64_t max_value = ReadPnmNumber(bytes, &at);
+  if (at == bytes.size()) ThrowTruncated("PNM");
+  ++at;  // One blank, then pixels.
   const uint64_t bytes_per_pixel = (bytes[1] == '6' ? 3 : 1) * (max_value > 255 ? 2 : 1);
   // Below 10^10 a side and 6 bytes a pixel: no overflow once one side is divided away.
   const uint64_t width = static_cast<uint64_t>(header.width_px);

@@ -1,0 +1,328 @@
+#include "ingest/readers/colmap_reader.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <limits>
+
+#include "core/error.h"
+#include "ingest/readers/colmap_model.h"
+#include "storage/descriptor_codec.h"
+#include "support/colmap_writer.h"
+#include "support/reconstruction_builder.h"
+#include "support/temp_dir.h"
+
+namespace cairn {
+namespace {
+
+using ::testing::HasSubstr;
+
+Reconstruction SmallStreet() {
+  testing::StreetWorldOptions options;
+  options.length_m = 15.0;
+  options.num_landmarks = 200;
+  return testing::StreetWorld(options).Reconstruct();
+}
+
+// Two landmarks and two images with two keypoints: a model of a few hundred bytes.
+Reconstruction TinyModel() {
+  Reconstruction model = SmallStreet();
+  model.images.resize(2);
+  model.landmarks.resize(2);
+  for (ReconImage& image : model.images) {
+    image.features.keypoints.resize(2);
+    image.features.descriptors.conservativeResize(2, Eigen::NoChange);
+  }
+  for (int i = 0; i < 2; ++i) model.landmarks[i].observations = {{0, i}, {1, i}};
+  return model;
+}
+
+std::string ReadAll(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void WriteAll(const std::string& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+// The code and message of the Error that `action` throws.
+std::pair<ErrorCode, std::string> ErrorOf(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& e) {
+    return {e.code(), e.what()};
+  }
+  return {ErrorCode::kInternal, "no error"};
+}
+
+class ColmapReader : public ::testing::Test {
+ protected:
+  ColmapInput Write(const Reconstruction& reconstruction, bool binary = true,
+                    const testing::ColmapDatabaseOptions& options = {}) {
+    if (binary) {
+      testing::WriteBinaryColmapModel(reconstruction, dir_.path().string());
+    } else {
+      testing::WriteTextColmapModel(reconstruction, dir_.path().string());
+    }
+    testing::WriteColmapDatabase(reconstruction, dir_.File("database.db"), options);
+    return {dir_.path().string(), dir_.File("database.db"), {}};
+  }
+
+  testing::TempDir dir_;
+};
+
+void ExpectSameReconstruction(const Reconstruction& read, const Reconstruction& written) {
+  ASSERT_EQ(read.cameras.size(), written.cameras.size());
+  EXPECT_EQ(read.cameras[0].params(), written.cameras[0].params());
+  ASSERT_EQ(read.images.size(), written.images.size());
+  for (size_t i = 0; i < read.images.size(); ++i) {
+    const ReconImage& a = read.images[i];
+    const ReconImage& b = written.images[i];
+    EXPECT_EQ(a.name, b.name);
+    EXPECT_LT(RotationAngleRad(a.cam_from_world.rotation, b.cam_from_world.rotation), 1e-7);
+    EXPECT_LT((a.cam_from_world.translation - b.cam_from_world.translation).norm(), 1e-12);
+    ASSERT_EQ(a.features.size(), b.features.size());
+    for (int k = 0; k < a.features.size(); ++k) {
+      EXPECT_FLOAT_EQ(a.features.keypoints[k].x_px, b.features.keypoints[k].x_px);
+      EXPECT_FLOAT_EQ(a.features.keypoints[k].y_px, b.features.keypoints[k].y_px);
+    }
+  }
+  ASSERT_EQ(read.landmarks.size(), written.landmarks.size());
+  for (size_t i = 0; i < read.landmarks.size(); ++i) {
+    EXPECT_LT((read.landmarks[i].x_in_world - written.landmarks[i].x_in_world).norm(), 1e-12);
+    EXPECT_EQ(read.landmarks[i].observations.size(), written.landmarks[i].observations.size());
+  }
+}
+
+TEST_F(ColmapReader, ReadsBinaryModels) {
+  const Reconstruction written = SmallStreet();
+  ExpectSameReconstruction(ReadColmap(Write(written)), written);
+}
+
+TEST_F(ColmapReader, ReadsTextModels) {
+  const Reconstruction written = SmallStreet();
+  ExpectSameReconstruction(ReadColmap(Write(written, /*binary=*/false)), written);
+}
+
+TEST_F(ColmapReader, UndoesTheSquareRootOfColmapsDescriptors) {
+  const Reconstruction written = SmallStreet();
+  DescriptorMatrix read = ReadColmap(Write(written)).images[0].features.descriptors;
+  DescriptorMatrix expected = written.images[0].features.descriptors;
+  NormalizeDescriptors(DescriptorNormalization::kRootSift, &read);
+  NormalizeDescriptors(DescriptorNormalization::kRootSift, &expected);
+  EXPECT_LT((read - expected).cwiseAbs().maxCoeff(), 1.0f / 512.0f);
+}
+
+TEST_F(ColmapReader, ReadsAffineShapesAsScaleAndOrientation) {
+  const Reconstruction written = SmallStreet();
+  const Reconstruction read = ReadColmap(Write(written));
+  for (int k = 0; k < read.images[0].features.size(); ++k) {
+    const Keypoint& a = read.images[0].features.keypoints[k];
+    const Keypoint& b = written.images[0].features.keypoints[k];
+    EXPECT_NEAR(a.scale_px, b.scale_px, 1e-4 * b.scale_px);
+    EXPECT_NEAR(WrapAngleRad(a.orientation_rad - b.orientation_rad), 0.0, 1e-4);
+  }
+}
+
+TEST_F(ColmapReader, ReadsKeypointsOfFourAndTwoColumns) {
+  const Reconstruction written = SmallStreet();
+  const Keypoint& expected = written.images[0].features.keypoints[0];
+  const Reconstruction four = ReadColmap(Write(written, true, {.keypoint_columns = 4}));
+  EXPECT_FLOAT_EQ(four.images[0].features.keypoints[0].scale_px, expected.scale_px);
+  EXPECT_FLOAT_EQ(four.images[0].features.keypoints[0].orientation_rad, expected.orientation_rad);
+  std::filesystem::remove(dir_.File("database.db"));
+  const Reconstruction two = ReadColmap(Write(written, true, {.keypoint_columns = 2}));
+  EXPECT_FLOAT_EQ(two.images[0].features.keypoints[0].x_px, expected.x_px);
+  EXPECT_FLOAT_EQ(two.images[0].features.keypoints[0].scale_px, 1.0f);
+}
+
+class ColmapGps : public ColmapReader, public ::testing::WithParamInterface<testing::GpsTable> {};
+
+TEST_P(ColmapGps, IsReadFromEverySchema) {
+  const Reconstruction written = SmallStreet();
+  const Reconstruction read = ReadColmap(Write(written, true, {.gps = GetParam()}));
+  for (size_t i = 0; i < read.images.size(); ++i) {
+    ASSERT_TRUE(read.images[i].gps.has_value());
+    EXPECT_LT(GroundDistanceM(*read.images[i].gps, *written.images[i].gps), 1e-3);
+    EXPECT_NEAR(read.images[i].gps->h_m, written.images[i].gps->h_m, 1e-6);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Schemas, ColmapGps,
+                         ::testing::Values(testing::GpsTable::kImageColumns,
+                                           testing::GpsTable::kPosePriorsOfImages,
+                                           testing::GpsTable::kPosePriorsOfData));
+
+TEST_F(ColmapReader, GpsAtNullIslandIsNoGps) {
+  Reconstruction written = SmallStreet();
+  written.images[0].gps = Geodetic{};
+  EXPECT_FALSE(ReadColmap(Write(written)).images[0].gps.has_value());
+}
+
+TEST_F(ColmapReader, RestrictedReadTriangulatesFromTheRemainingImagesAlone) {
+  Reconstruction written = SmallStreet();
+  const Reconstruction truth = written;
+  // Positions in the file that only the images left out could explain.
+  for (ReconLandmark& landmark : written.landmarks) landmark.x_in_world.array() += 0.1;
+  ColmapInput input = Write(written);
+  input.image_names = {"0000.jpg", "0001.jpg", "0003.jpg"};
+  const Reconstruction read = ReadColmap(input);
+  ASSERT_EQ(read.images.size(), 3u);
+  ASSERT_GT(read.landmarks.size(), 20u);
+  size_t num_expected = 0, next = 0;
+  for (const ReconLandmark& landmark : truth.landmarks) {
+    int num_left = 0;
+    for (const ReconObservation& observation : landmark.observations) {
+      num_left +=
+          observation.image_idx == 0 || observation.image_idx == 1 || observation.image_idx == 3;
+    }
+    if (num_left < 2) continue;
+    ++num_expected;
+    if (next < read.landmarks.size() &&
+        (read.landmarks[next].x_in_world - landmark.x_in_world).norm() < 0.1) {
+      ++next;
+    }
+  }
+  EXPECT_GE(read.landmarks.size(), num_expected * 9 / 10);
+  EXPECT_GE(next, num_expected * 8 / 10);
+  for (const ReconLandmark& landmark : read.landmarks) {
+    EXPECT_GE(landmark.observations.size(), 2u);
+  }
+}
+
+TEST_F(ColmapReader, RefusesNamesTheModelDoesNotHave) {
+  ColmapInput input = Write(SmallStreet());
+  input.image_names = {"0000.jpg", "nowhere.jpg"};
+  const auto [code, message] = ErrorOf([&] { ReadColmap(input); });
+  EXPECT_EQ(code, ErrorCode::kBadInput);
+  EXPECT_THAT(message, HasSubstr("nowhere.jpg"));
+}
+
+TEST_F(ColmapReader, RefusesADatabaseWithoutDescriptors) {
+  const ColmapInput input = Write(SmallStreet());
+  sqlite::Connection(input.database_path, sqlite::Access::kReadWrite, 100)
+      .Execute("DELETE FROM descriptors WHERE image_id = 12");
+  const auto [code, message] = ErrorOf([&] { ReadColmap(input); });
+  EXPECT_EQ(code, ErrorCode::kBadInput);
+  EXPECT_THAT(message, HasSubstr("no descriptors for image 0001.jpg"));
+}
+
+TEST_F(ColmapReader, RefusesADatabaseOfAnotherModel) {
+  ColmapInput input = Write(SmallStreet());
+  testing::StreetWorldOptions options;
+  options.seed = 5;
+  input.database_path = dir_.File("other.db");
+  testing::WriteColmapDatabase(testing::StreetWorld(options).Reconstruct(), input.database_path);
+  EXPECT_EQ(ErrorOf([&] { ReadColmap(input); }).first, ErrorCode::kBadInput);
+}
+
+TEST_F(ColmapReader, RefusesAFileThatIsNoDatabase) {
+  ColmapInput input = Write(SmallStreet());
+  input.database_path = dir_.File("images.bin");
+  EXPECT_EQ(ErrorOf([&] { ReadColmap(input); }).first, ErrorCode::kBadInput);
+  input.database_path = dir_.File("missing.db");
+  EXPECT_EQ(ErrorOf([&] { ReadColmap(input); }).first, ErrorCode::kNotFound);
+}
+
+TEST_F(ColmapReader, RefusesBlobsOfTheWrongSize) {
+  const ColmapInput input = Write(SmallStreet());
+  sqlite::Connection(input.database_path, sqlite::Access::kReadWrite, 100)
+      .Execute("UPDATE keypoints SET rows = rows + 1 WHERE image_id = 11");
+  EXPECT_EQ(ErrorOf([&] { ReadColmap(input); }).first, ErrorCode::kBadInput);
+}
+
+TEST_F(ColmapReader, RefusesAnUnknownCameraModel) {
+  const ColmapInput input = Write(TinyModel());
+  std::string bytes = ReadAll(dir_.File("cameras.bin"));
+  bytes[12] = 7;  // FOV.
+  WriteAll(dir_.File("cameras.bin"), bytes);
+  const auto [code, message] = ErrorOf([&] { ReadColmap(input); });
+  EXPECT_EQ(code, ErrorCode::kBadInput);
+  EXPECT_THAT(message, HasSubstr("cameras.bin"));
+  EXPECT_THAT(message, HasSubstr("SIMPLE_RADIAL"));
+}
+
+TEST_F(ColmapReader, SaysWhereAMissingModelWasExpected) {
+  const auto [code, message] = ErrorOf([&] { ReadColmapModel(dir_.path().string()); });
+  EXPECT_EQ(code, ErrorCode::kNotFound);
+  EXPECT_THAT(message, HasSubstr(dir_.path().string()));
+}
+
+TEST_F(ColmapReader, EveryTruncationOfABinaryModelIsAnErrorThatNamesTheFile) {
+  Write(TinyModel());
+  for (const char* name : {"cameras.bin", "images.bin", "points3D.bin"}) {
+    const std::string whole = ReadAll(dir_.File(name));
+    for (size_t size = 0; size < whole.size(); ++size) {
+      WriteAll(dir_.File(name), whole.substr(0, size));
+      const auto [code, message] = ErrorOf([&] { ReadColmapModel(dir_.path().string()); });
+      ASSERT_EQ(code, ErrorCode::kBadInput) << name << " cut to " << size;
+      ASSERT_THAT(message, HasSubstr(name));
+    }
+    WriteAll(dir_.File(name), whole);
+  }
+  EXPECT_NO_THROW(ReadColmapModel(dir_.path().string()));
+}
+
+TEST_F(ColmapReader, NoFlippedByteOfABinaryModelGetsPastTheChecksUnharmed) {
+  const ColmapInput input = Write(TinyModel());
+  for (const char* name : {"cameras.bin", "images.bin", "points3D.bin"}) {
+    const std::string whole = ReadAll(dir_.File(name));
+    for (size_t i = 0; i < whole.size(); ++i) {
+      std::string flipped = whole;
+      flipped[i] = static_cast<char>(flipped[i] ^ 0xff);
+      WriteAll(dir_.File(name), flipped);
+      try {  // Either a sound reconstruction or an Error.
+        if (i % 8 == 0) {
+          ReadColmap(input).Validate();
+        } else {
+          ReadColmapModel(input.model_dir);  // Opens no database: much faster.
+        }
+      } catch (const Error& e) {
+        ASSERT_EQ(e.code(), ErrorCode::kBadInput) << name << " byte " << i << ": " << e.what();
+      }
+    }
+    WriteAll(dir_.File(name), whole);
+  }
+}
+
+TEST_F(ColmapReader, TextErrorsNameTheLine) {
+  Write(TinyModel(), /*binary=*/false);
+  std::string cameras = ReadAll(dir_.File("cameras.txt"));
+  WriteAll(dir_.File("cameras.txt"), cameras + "4 PINHOLE 640 abc 1 1 1 1\n");
+  const auto [code, message] = ErrorOf([&] { ReadColmapModel(dir_.path().string()); });
+  EXPECT_EQ(code, ErrorCode::kBadInput);
+  EXPECT_THAT(message, HasSubstr("cameras.txt: line 3"));
+  EXPECT_THAT(message, HasSubstr("abc"));
+}
+
+TEST_F(ColmapReader, TruncatedTextModelsNeverCrash) {
+  Write(TinyModel(), /*binary=*/false);
+  for (const char* name : {"cameras.txt", "images.txt", "points3D.txt"}) {
+    const std::string whole = ReadAll(dir_.File(name));
+    for (size_t size = 0; size < whole.size(); ++size) {
+      WriteAll(dir_.File(name), whole.substr(0, size));
+      try {
+        ReadColmapModel(dir_.path().string());
+      } catch (const Error& e) {
+        ASSERT_EQ(e.code(), ErrorCode::kBadInput) << e.what();
+      }
+    }
+    WriteAll(dir_.File(name), whole);
+  }
+}
+
+TEST(ImageList, SkipsBlanksAndComments) {
+  const testing::TempDir dir;
+  WriteAll(dir.File("list.txt"), "# even frames\n\n a.jpg \r\nfolder/b c.jpg\n");
+  EXPECT_EQ(ReadImageList(dir.File("list.txt")),
+            (std::vector<std::string>{"a.jpg", "folder/b c.jpg"}));
+  EXPECT_EQ(ErrorOf([&] { ReadImageList(dir.File("none.txt")); }).first, ErrorCode::kNotFound);
+}
+
+}  // namespace
+}  // namespace cairn

@@ -1,0 +1,202 @@
+#include "ingest/georegister/georegister.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <numbers>
+#include <random>
+
+#include "core/error.h"
+#include "core/frames.h"
+#include "support/reconstruction_builder.h"
+#include "support/temp_dir.h"
+
+namespace cairn {
+namespace {
+
+using ::testing::HasSubstr;
+
+// GPS of the street's cameras with noise, the heights three times as bad.
+std::vector<CameraPosition> NoisyPositions(const Reconstruction& reconstruction, double noise_m) {
+  std::mt19937_64 rng(7);
+  std::normal_distribution<double> noise(0.0, noise_m);
+  std::vector<CameraPosition> positions = GpsPositions(reconstruction, std::max(noise_m, 0.01));
+  for (CameraPosition& position : positions) {
+    const Rigid3d ecef_from_enu = EcefFromEnu(position.position);
+    const double east_m = noise(rng), north_m = noise(rng), up_m = 3.0 * noise(rng);
+    position.position = GeodeticFromEcef(ecef_from_enu * Eigen::Vector3d(east_m, north_m, up_m));
+  }
+  return positions;
+}
+
+// Largest angle between the true down and the down found, and largest error of a camera's place.
+struct Errors {
+  double tilt_deg = 0.0;
+  double position_m = 0.0;
+};
+Errors ErrorsOf(const Sim3d& ecef_from_world, const testing::StreetWorld& world,
+                const Reconstruction& reconstruction) {
+  Errors errors;
+  const Sim3d truth = world.EcefFromWorld();
+  errors.tilt_deg =
+      RotationAngleRad(ecef_from_world.rotation, truth.rotation) * 180.0 / std::numbers::pi;
+  for (const ReconImage& image : reconstruction.images) {
+    const Eigen::Vector3d center = image.cam_from_world.Inverse().translation;
+    errors.position_m =
+        std::max(errors.position_m, (ecef_from_world * center - truth * center).norm());
+  }
+  return errors;
+}
+
+TEST(Georegister, RecoversTheSimilarityFromExactPositions) {
+  const testing::StreetWorld world;
+  const Reconstruction reconstruction = world.Reconstruct();
+  const Georegistration result =
+      Georegister(reconstruction, GpsPositions(reconstruction, 0.01), {});
+  EXPECT_EQ(result.num_positions, 21);
+  EXPECT_EQ(result.num_inliers, 21);
+  EXPECT_LT(result.max_residual_m, 1e-3);
+  EXPECT_NEAR(result.ecef_from_world.scale, world.EcefFromWorld().scale, 1e-4);
+  const Errors errors = ErrorsOf(result.ecef_from_world, world, reconstruction);
+  EXPECT_LT(errors.tilt_deg, 0.1);
+  EXPECT_LT(errors.position_m, 1e-2);
+}
+
+TEST(Georegister, StaysLevelOnANearlyStraightStreetWithPoorHeights) {
+  const testing::StreetWorld world({.length_m = 150.0});
+  const Reconstruction reconstruction = world.Reconstruct();
+  const Georegistration result =
+      Georegister(reconstruction, NoisyPositions(reconstruction, 3.0), {});
+  const Errors errors = ErrorsOf(result.ecef_from_world, world, reconstruction);
+  EXPECT_LT(errors.tilt_deg, 4.0);
+  EXPECT_LT(errors.position_m, 8.0);
+}
+
+TEST(Georegister, WithoutTheUprightPriorTheRollOfAStreetIsLost) {
+  const testing::StreetWorld world({.length_m = 150.0});
+  const Reconstruction reconstruction = world.Reconstruct();
+  const std::vector<CameraPosition> positions = NoisyPositions(reconstruction, 3.0);
+  GeoregisterOptions options;
+  options.upright_sigma_rad = 0.0;
+  options.max_median_residual_sigmas = 100.0;
+  const double without = ErrorsOf(Georegister(reconstruction, positions, options).ecef_from_world,
+                                  world, reconstruction)
+                             .tilt_deg;
+  const double with =
+      ErrorsOf(Georegister(reconstruction, positions, {}).ecef_from_world, world, reconstruction)
+          .tilt_deg;
+  EXPECT_GT(without, 5.0 * with);
+}
+
+TEST(Georegister, OutlyingPositionsDoNotMatter) {
+  const testing::StreetWorld world;
+  const Reconstruction reconstruction = world.Reconstruct();
+  std::vector<CameraPosition> positions = NoisyPositions(reconstruction, 0.1);
+  for (const int i : {2, 9, 15}) positions[i].position.lat_rad += 2e-5;  // 127 m.
+  const Georegistration result = Georegister(reconstruction, positions, {});
+  EXPECT_GE(result.num_inliers, 15);
+  EXPECT_LE(result.num_inliers, 18);
+  EXPECT_LT(ErrorsOf(result.ecef_from_world, world, reconstruction).position_m, 0.5);
+  EXPECT_GT(result.residuals_m[9], 100.0);
+}
+
+TEST(Georegister, IgnoresPositionsOfOtherImagesAndCountsTheRest) {
+  const Reconstruction reconstruction = testing::StreetWorld().Reconstruct();
+  std::vector<CameraPosition> positions = GpsPositions(reconstruction, 0.01);
+  positions.push_back({"elsewhere.jpg", Geodetic::FromDegrees(10.0, 10.0, 0.0), 1.0});
+  EXPECT_EQ(Georegister(reconstruction, positions, {}).num_positions, 21);
+}
+
+std::string RefusalOf(const Reconstruction& reconstruction,
+                      const std::vector<CameraPosition>& positions,
+                      const GeoregisterOptions& options = {}) {
+  try {
+    Georegister(reconstruction, positions, options);
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::kBadInput);
+    return e.what();
+  }
+  return "no error";
+}
+
+TEST(Georegister, RefusesTooFewPositions) {
+  const Reconstruction reconstruction = testing::StreetWorld().Reconstruct();
+  std::vector<CameraPosition> positions = GpsPositions(reconstruction, 1.0);
+  positions.resize(2);
+  EXPECT_THAT(RefusalOf(reconstruction, positions), HasSubstr("2 of 2 known positions"));
+}
+
+TEST(Georegister, RefusesPositionsAtOnePlace) {
+  const Reconstruction reconstruction = testing::StreetWorld().Reconstruct();
+  std::vector<CameraPosition> positions = GpsPositions(reconstruction, 5.0);
+  for (CameraPosition& position : positions) position.position = positions[0].position;
+  EXPECT_THAT(RefusalOf(reconstruction, positions), HasSubstr("cannot tell the scale"));
+}
+
+TEST(Georegister, RefusesPositionsThatDoNotBelongToTheImages) {
+  const Reconstruction reconstruction = testing::StreetWorld().Reconstruct();
+  std::vector<CameraPosition> positions = GpsPositions(reconstruction, 0.5);
+  std::mt19937_64 rng(3);
+  std::shuffle(positions.begin(), positions.end(), rng);
+  for (size_t i = 0; i < positions.size(); ++i) {
+    positions[i].image_name = reconstruction.images[i].name;
+  }
+  const std::string message = RefusalOf(reconstruction, positions);
+  EXPECT_THAT(message, HasSubstr("21 positions is bad"));
+  EXPECT_THAT(message, HasSubstr("median residual"));
+}
+
+TEST(Georegister, RefusesNumbersThatAreNotFinite) {
+  const Reconstruction reconstruction = testing::StreetWorld().Reconstruct();
+  std::vector<CameraPosition> positions = GpsPositions(reconstruction, 1.0);
+  positions[3].position.lat_rad = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NE(RefusalOf(reconstruction, positions), "no error");
+}
+
+class CameraPositionsCsv : public ::testing::Test {
+ protected:
+  std::vector<CameraPosition> Read(const std::string& text) {
+    std::ofstream(dir_.File("positions.csv")) << text;
+    return ReadCameraPositions(dir_.File("positions.csv"));
+  }
+  std::string RefusalOf(const std::string& text) {
+    try {
+      Read(text);
+    } catch (const Error& e) {
+      return e.what();
+    }
+    return "no error";
+  }
+  testing::TempDir dir_;
+};
+
+TEST_F(CameraPositionsCsv, ReadsColumnsInAnyOrder) {
+  const auto positions =
+      Read("h_m, lon_deg,image,lat_deg\n400.5,8.5,a.jpg,47.25\n\n401,8.6,b.jpg,-47\n");
+  ASSERT_EQ(positions.size(), 2u);
+  EXPECT_EQ(positions[0].image_name, "a.jpg");
+  EXPECT_DOUBLE_EQ(positions[0].position.lat_deg(), 47.25);
+  EXPECT_DOUBLE_EQ(positions[0].position.h_m, 400.5);
+  EXPECT_DOUBLE_EQ(positions[0].accuracy_m, 5.0);
+  EXPECT_DOUBLE_EQ(positions[1].position.lat_deg(), -47.0);
+}
+
+TEST_F(CameraPositionsCsv, ReadsTheAccuracy) {
+  EXPECT_DOUBLE_EQ(Read("image,lat_deg,lon_deg,h_m,accuracy_m\na,1,2,3,0.05\n")[0].accuracy_m,
+                   0.05);
+}
+
+TEST_F(CameraPositionsCsv, ErrorsNameLineAndColumn) {
+  const std::string header = "image,lat_deg,lon_deg,h_m,accuracy_m\n";
+  EXPECT_THAT(RefusalOf(header + "a,1,2,3,1\nb,1,x2,3,1\n"), HasSubstr("line 3: column lon_deg"));
+  EXPECT_THAT(RefusalOf(header + "a,1,nan,3,1\n"), HasSubstr("line 2: column lon_deg"));
+  EXPECT_THAT(RefusalOf(header + "a,91,2,3,1\n"), HasSubstr("line 2"));
+  EXPECT_THAT(RefusalOf(header + "a,1,2,3,0\n"), HasSubstr("accuracy_m"));
+  EXPECT_THAT(RefusalOf(header + "a,1,2\n"), HasSubstr("line 2: 3 columns"));
+  EXPECT_THAT(RefusalOf("image,lat_deg,lon_deg\n"), HasSubstr("h_m"));
+  EXPECT_THAT(RefusalOf(""), HasSubstr("header"));
+}
+
+}  // namespace
+}  // namespace cairn

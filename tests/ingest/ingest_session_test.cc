@@ -1,0 +1,373 @@
+#include "ingest/ingest_session.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+#include <set>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "core/error.h"
+#include "core/frames.h"
+#include "storage/tile_codec.h"
+#include "support/reconstruction_builder.h"
+#include "support/temp_dir.h"
+
+namespace cairn {
+namespace {
+
+using ::testing::HasSubstr;
+
+testing::StreetWorldOptions SmallStreet() {
+  testing::StreetWorldOptions options;
+  options.length_m = 45.0;
+  options.num_landmarks = 800;
+  return options;
+}
+
+IngestOptions OptionsFor(const std::string& session_name) {
+  IngestOptions options;
+  options.session_name = session_name;
+  options.source = "a test";
+  options.codebook.max_training_descriptors = 1000;
+  return options;
+}
+
+ErrorCode CodeOf(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& e) {
+    return e.code();
+  }
+  ADD_FAILURE() << "no error";
+  return ErrorCode::kInternal;
+}
+
+std::vector<Tile> DecodeAll(const MapStore& store) {
+  const MapSnapshot snapshot = store.Snapshot();
+  std::vector<Tile> tiles;
+  for (const TileRecord& record : snapshot.AllTiles(1000)) {
+    tiles.push_back(DecodeTile(snapshot.LoadPayload(record.payload_id)));
+  }
+  return tiles;
+}
+
+// What a tile holds apart from the ids, which a map never gives out twice.
+using TileContent = std::tuple<TileId, std::vector<uint8_t>, std::vector<uint8_t>,
+                               std::vector<uint32_t>, std::vector<uint32_t>>;
+std::vector<TileContent> ContentsOf(const MapStore& store) {
+  std::vector<TileContent> contents;
+  for (const Tile& tile : DecodeAll(store)) {
+    contents.emplace_back(tile.id, tile.codes, tile.orientation_codes, tile.descriptor_begin,
+                          tile.keyframe_landmarks);
+  }
+  return contents;
+}
+
+class IngestSessionTest : public ::testing::Test {
+ protected:
+  IngestSessionTest() : store_(MapStore::Create(dir_.File("map.gpkg"))) {}
+
+  IngestReport Ingest(const testing::StreetWorld& world, const IngestOptions& options) {
+    return IngestSession(world.Reconstruct(), world.EcefFromWorld(), options, &store_, {});
+  }
+
+  testing::TempDir dir_;
+  MapStore store_;
+};
+
+TEST_F(IngestSessionTest, WritesLandmarksWhereTheyAre) {
+  const testing::StreetWorld world(SmallStreet());
+  const IngestReport report = Ingest(world, OptionsFor("first"));
+  const Rigid3d enu_from_ecef = EcefFromEnu(world.options().origin).Inverse();
+  int64_t num_landmarks = 0;
+  for (const Tile& tile : DecodeAll(store_)) {
+    const Rigid3d enu_from_tile = enu_from_ecef * EcefFromEnu(tile.id.Anchor());
+    for (const Eigen::Vector3f& x_in_tile : tile.x_in_tile) {
+      const Eigen::Vector3d x_in_enu = enu_from_tile * x_in_tile.cast<double>();
+      double nearest_m = std::numeric_limits<double>::infinity();
+      for (const testing::StreetLandmark& landmark : world.landmarks()) {
+        nearest_m = std::min(nearest_m, (landmark.x_in_enu - x_in_enu).norm());
+      }
+      ASSERT_LT(nearest_m, 0.01);
+    }
+    num_landmarks += static_cast<int64_t>(tile.num_landmarks());
+  }
+  EXPECT_EQ(num_landmarks, report.num_landmarks_written);
+  EXPECT_GT(num_landmarks, 300);
+}
+
+TEST_F(IngestSessionTest, TilesHoldWhatTheirOwnKeyframesSee) {
+  const testing::StreetWorld world(SmallStreet());
+  Ingest(world, OptionsFor("first"));
+  size_t num_keyframes = 0;
+  for (const Tile& tile : DecodeAll(store_)) {
+    const Rigid3d ecef_from_tile = EcefFromEnu(tile.id.Anchor());
+    std::set<uint32_t> seen(tile.keyframe_landmarks.begin(), tile.keyframe_landmarks.end());
+    EXPECT_EQ(seen.size(), tile.num_landmarks());
+    for (const TileKeyframe& keyframe : tile.keyframes) {
+      const Geodetic position =
+          GeodeticFromEcef(ecef_from_tile * keyframe.cam_from_tile.Inverse().translation);
+      EXPECT_EQ(TileId::Containing(position), tile.id);
+    }
+    for (size_t k = 0; k < tile.num_keyframes(); ++k) {
+      for (const uint32_t i : tile.LandmarksOfKeyframe(k)) {
+        const Eigen::Vector3d x_in_cam =
+            tile.keyframes[k].cam_from_tile * tile.x_in_tile[i].cast<double>();
+        EXPECT_TRUE(world.camera().Project(x_in_cam).has_value());
+      }
+    }
+    num_keyframes += tile.num_keyframes();
+  }
+  EXPECT_EQ(num_keyframes, 16u);
+}
+
+TEST_F(IngestSessionTest, AttributesAreThoseOfTheLandmarks) {
+  const testing::StreetWorld world(SmallStreet());
+  IngestOptions options = OptionsFor("first");
+  options.appearance.max_count = 1;
+  Ingest(world, options);
+  const Rigid3d enu_from_ecef = EcefFromEnu(world.options().origin).Inverse();
+  for (const Tile& tile : DecodeAll(store_)) {
+    const Rigid3d enu_from_tile = enu_from_ecef * EcefFromEnu(tile.id.Anchor());
+    for (size_t i = 0; i < tile.num_landmarks(); ++i) {
+      const Eigen::Vector3d x_in_enu = enu_from_tile * tile.x_in_tile[i].cast<double>();
+      const auto landmark = std::min_element(
+          world.landmarks().begin(), world.landmarks().end(), [&](const auto& a, const auto& b) {
+            return (a.x_in_enu - x_in_enu).norm() < (b.x_in_enu - x_in_enu).norm();
+          });
+      const double orientation_rad = OrientationFromCode(tile.orientation_codes[i]);
+      EXPECT_NEAR(WrapAngleRad(orientation_rad - landmark->rectified_orientation_rad), 0.0, 0.05);
+      EXPECT_NEAR(std::log(SizeFromCode(tile.size_codes[i]) / landmark->size_m), 0.0, 0.05);
+      // Seen from the street: the camera lies south of the northern facade.
+      EXPECT_LT(std::sin(AzimuthFromCode(tile.azimuth_codes[i])) * x_in_enu.y(), 0.0);
+      EXPECT_LE(SigmaFromCode(tile.sigma_codes[i]), options.max_sigma_m * 1.05);
+    }
+  }
+}
+
+TEST_F(IngestSessionTest, RecordsDescribeTheTiles) {
+  const testing::StreetWorld world(SmallStreet());
+  const IngestReport report = Ingest(world, OptionsFor("first"));
+  const MapSnapshot snapshot = store_.Snapshot();
+  EXPECT_EQ(snapshot.version(), report.map_version);
+  int64_t num_bytes = 0;
+  for (const TileRecord& record : snapshot.AllTiles(1000)) {
+    const Tile tile = DecodeTile(snapshot.LoadPayload(record.payload_id));
+    EXPECT_EQ(record.num_landmarks, static_cast<int64_t>(tile.num_landmarks()));
+    EXPECT_NEAR(record.min_h_m, 409.6, 0.1);
+    EXPECT_NEAR(record.max_h_m, 409.6, 0.1);
+    const Rigid3d ecef_from_tile = EcefFromEnu(tile.id.Anchor());
+    for (const Eigen::Vector3f& x_in_tile : tile.x_in_tile) {
+      const Geodetic position = GeodeticFromEcef(ecef_from_tile * x_in_tile.cast<double>());
+      EXPECT_GE(position.lat_rad, record.landmark_bounds.south_rad - 1e-12);
+      EXPECT_LE(position.lat_rad, record.landmark_bounds.north_rad + 1e-12);
+      EXPECT_GE(position.lon_rad, record.landmark_bounds.west_rad - 1e-12);
+      EXPECT_LE(position.lon_rad, record.landmark_bounds.east_rad + 1e-12);
+    }
+    num_bytes += record.num_bytes;
+  }
+  EXPECT_EQ(num_bytes, report.num_payload_bytes);
+  const auto session = snapshot.FindSession("first");
+  ASSERT_TRUE(session.has_value());
+  EXPECT_EQ(session->num_images, 16);
+  EXPECT_EQ(snapshot.KeyframesOfSession(session->id).size(), 16u);
+  EXPECT_TRUE(store_.Check({}).problems.empty());
+}
+
+TEST_F(IngestSessionTest, ALandmarkKeepsItsIdInEveryTile) {
+  testing::StreetWorldOptions street = SmallStreet();
+  street.length_m = 150.0;  // Longer than a tile.
+  street.num_landmarks = 1500;
+  const testing::StreetWorld world(street);
+  Ingest(world, OptionsFor("first"));
+  std::map<LandmarkId, Eigen::Vector3d> place_of_id;
+  int num_shared = 0;
+  const std::vector<Tile> tiles = DecodeAll(store_);
+  ASSERT_GE(tiles.size(), 2u);
+  for (const Tile& tile : tiles) {
+    const Rigid3d ecef_from_tile = EcefFromEnu(tile.id.Anchor());
+    for (size_t i = 0; i < tile.num_landmarks(); ++i) {
+      const Eigen::Vector3d x_in_ecef = ecef_from_tile * tile.x_in_tile[i].cast<double>();
+      const auto [found, is_new] = place_of_id.emplace(tile.landmark_ids[i], x_in_ecef);
+      num_shared += !is_new;
+      EXPECT_LT((found->second - x_in_ecef).norm(), 0.01);
+    }
+  }
+  EXPECT_GT(num_shared, 10);
+}
+
+TEST_F(IngestSessionTest, IngestingAgainReplacesTheSession) {
+  const testing::StreetWorld world(SmallStreet());
+  const IngestReport first = Ingest(world, OptionsFor("same"));
+  const std::vector<TileContent> contents = ContentsOf(store_);
+  const IngestReport second = Ingest(world, OptionsFor("same"));
+  EXPECT_FALSE(first.replaced_session);
+  EXPECT_TRUE(second.replaced_session);
+  EXPECT_EQ(ContentsOf(store_), contents);
+  EXPECT_EQ(store_.Snapshot().Sessions().size(), 1u);
+  EXPECT_EQ(store_.Snapshot().Info().num_keyframes, 16);
+  EXPECT_EQ(Value(second.map_version), Value(first.map_version) + 1);
+}
+
+TEST_F(IngestSessionTest, ReplacingEmptiesTilesTheNewSessionDoesNotReach) {
+  Ingest(testing::StreetWorld(SmallStreet()), OptionsFor("moving"));
+  const std::vector<Tile> before = DecodeAll(store_);
+  testing::StreetWorldOptions elsewhere = SmallStreet();
+  elsewhere.origin = Geodetic::FromDegrees(47.4, 8.6, 408.0);
+  Ingest(testing::StreetWorld(elsewhere), OptionsFor("moving"));
+  for (const Tile& tile : before) EXPECT_FALSE(store_.Snapshot().FindTile(tile.id).has_value());
+  EXPECT_GT(store_.Snapshot().Info().num_tiles, 0);
+}
+
+TEST_F(IngestSessionTest, SessionsShareTilesAndOneCanBeRemoved) {
+  const testing::StreetWorld world(SmallStreet());
+  Ingest(world, OptionsFor("monday"));
+  const std::vector<TileContent> alone = ContentsOf(store_);
+  const int64_t num_alone = store_.Snapshot().Info().num_landmarks;
+  testing::StreetWorldOptions other_day = SmallStreet();
+  other_day.view_seed = 77;
+  Ingest(testing::StreetWorld(other_day), OptionsFor("tuesday"));
+  EXPECT_GT(store_.Snapshot().Info().num_landmarks, num_alone * 19 / 10);
+  EXPECT_EQ(store_.Snapshot().Info().num_keyframes, 32);
+  EXPECT_TRUE(store_.Check({}).problems.empty());
+
+  RemoveSession("tuesday", OptionsFor("tuesday"), &store_);
+  EXPECT_EQ(ContentsOf(store_), alone);
+  RemoveSession("monday", OptionsFor("monday"), &store_);
+  EXPECT_EQ(store_.Snapshot().Info().num_tiles, 0);
+  EXPECT_EQ(store_.Snapshot().Info().num_keyframes, 0);
+  EXPECT_EQ(CodeOf([&] { RemoveSession("monday", OptionsFor("monday"), &store_); }),
+            ErrorCode::kNotFound);
+}
+
+TEST_F(IngestSessionTest, ATileStaysWithinItsBudgetWhateverIsAdded) {
+  IngestOptions options = OptionsFor("");
+  options.selection.max_descriptors = 300;
+  for (const int day : {1, 2, 3}) {
+    testing::StreetWorldOptions street = SmallStreet();
+    street.view_seed = day;
+    options.session_name = "day " + std::to_string(day);
+    Ingest(testing::StreetWorld(street), options);
+    for (const Tile& tile : DecodeAll(store_)) {
+      EXPECT_LE(tile.num_descriptors(), 300u);
+      EXPECT_GT(tile.num_descriptors(), 250u);
+    }
+  }
+  // Every day is still there.
+  std::set<SessionId> sessions;
+  for (const Tile& tile : DecodeAll(store_)) {
+    sessions.insert(tile.landmark_sessions.begin(), tile.landmark_sessions.end());
+  }
+  EXPECT_EQ(sessions.size(), 3u);
+}
+
+TEST_F(IngestSessionTest, DropsLandmarksThatFitBadly) {
+  const testing::StreetWorld world(SmallStreet());
+  Reconstruction reconstruction = world.Reconstruct();
+  const Eigen::Vector3d off =
+      world.options().world_from_enu.rotation * Eigen::Vector3d(0.3, 0.3, 0.3);
+  for (int i = 0; i < 50; ++i) reconstruction.landmarks[i].x_in_world += off;
+  const IngestReport clean = Ingest(world, OptionsFor("clean"));
+  const IngestReport bad =
+      IngestSession(reconstruction, world.EcefFromWorld(), OptionsFor("bad"), &store_, {});
+  EXPECT_GE(bad.num_landmarks_dropped, clean.num_landmarks_dropped + 45);
+}
+
+TEST_F(IngestSessionTest, ReportsProgressToTheEnd) {
+  const testing::StreetWorld world(SmallStreet());
+  std::map<std::string, std::pair<int64_t, int64_t>> last;
+  IngestSession(world.Reconstruct(), world.EcefFromWorld(), OptionsFor("first"), &store_,
+                [&](const char* phase, int64_t done, int64_t total) {
+                  EXPECT_GE(done, last[phase].first);
+                  EXPECT_LE(done, total);
+                  last[phase] = {done, total};
+                });
+  EXPECT_EQ(last.at("codebook"), (std::pair<int64_t, int64_t>(1, 1)));
+  EXPECT_EQ(last.at("tiles").first, last.at("tiles").second);
+}
+
+class IngestRefusal : public IngestSessionTest {
+ protected:
+  // The map must be as it was after any refusal.
+  void TearDown() override {
+    EXPECT_EQ(store_.Snapshot().Info().num_tiles, 0);
+    EXPECT_EQ(store_.Snapshot().Sessions().size(), 0u);
+    EXPECT_EQ(store_.Snapshot().CurrentCodebook(), nullptr);
+  }
+  const testing::StreetWorld world_{SmallStreet()};
+};
+
+TEST_F(IngestRefusal, OfASimilarityThatIsNotFinite) {
+  Sim3d broken = world_.EcefFromWorld();
+  broken.translation.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(
+      CodeOf([&] { IngestSession(world_.Reconstruct(), broken, OptionsFor("a"), &store_, {}); }),
+      ErrorCode::kBadInput);
+}
+
+TEST_F(IngestRefusal, OfAPlaceInTheSky) {
+  Sim3d high = world_.EcefFromWorld();
+  high.translation *= 1.01;
+  EXPECT_EQ(
+      CodeOf([&] { IngestSession(world_.Reconstruct(), high, OptionsFor("a"), &store_, {}); }),
+      ErrorCode::kBadInput);
+}
+
+TEST_F(IngestRefusal, OfAReconstructionWithNothingToKeep) {
+  IngestOptions options = OptionsFor("a");
+  options.max_sigma_m = 1e-6;
+  EXPECT_EQ(CodeOf([&] { Ingest(world_, options); }), ErrorCode::kBadInput);
+  EXPECT_EQ(CodeOf([&] {
+              IngestSession(Reconstruction(), world_.EcefFromWorld(), options, &store_, {});
+            }),
+            ErrorCode::kBadInput);
+}
+
+TEST_F(IngestRefusal, OfOptionsThatMakeNoSense) {
+  EXPECT_EQ(CodeOf([&] { Ingest(world_, OptionsFor("")); }), ErrorCode::kInvalidArgument);
+  IngestOptions options = OptionsFor("a");
+  options.codebook.num_subspaces = 3;
+  EXPECT_EQ(CodeOf([&] { Ingest(world_, options); }), ErrorCode::kInvalidArgument);
+}
+
+TEST_F(IngestRefusal, WhileAnotherUpdateRuns) {
+  const MapUpdate other = store_.BeginUpdate();
+  EXPECT_EQ(CodeOf([&] { Ingest(world_, OptionsFor("a")); }), ErrorCode::kConflict);
+}
+
+TEST_F(IngestRefusal, HalfwayLeavesTheMapAsItWas) {
+  const auto fail = [](const char* phase, int64_t done, int64_t total) {
+    if (std::string(phase) == "tiles" && done == total) throw Error(ErrorCode::kIo, "full");
+  };
+  EXPECT_EQ(CodeOf([&] {
+              IngestSession(world_.Reconstruct(), world_.EcefFromWorld(), OptionsFor("a"), &store_,
+                            fail);
+            }),
+            ErrorCode::kIo);
+}
+
+TEST_F(IngestSessionTest, RefusesDescriptorsThatAreNotTheMaps) {
+  Ingest(testing::StreetWorld(SmallStreet()), OptionsFor("first"));
+  const std::vector<TileContent> contents = ContentsOf(store_);
+  testing::StreetWorldOptions street = SmallStreet();
+  street.descriptor_dim = 64;
+  try {
+    Ingest(testing::StreetWorld(street), OptionsFor("second"));
+    ADD_FAILURE() << "no error";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::kBadInput);
+    EXPECT_THAT(e.what(), HasSubstr("64-D"));
+    EXPECT_THAT(e.what(), HasSubstr("128-D"));
+  }
+  EXPECT_EQ(ContentsOf(store_), contents);
+}
+
+}  // namespace
+}  // namespace cairn
