@@ -6,6 +6,7 @@
 #include <numbers>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 #include "engine/pose/estimate_pose.h"
@@ -67,54 +68,78 @@ BENCHMARK(EstimatePoseWithGravity)->Arg(50)->Arg(10)->Arg(5)->Unit(benchmark::kM
 void EstimatePoseP3p(benchmark::State& state) { RunOurs(state, false); }
 BENCHMARK(EstimatePoseP3p)->Arg(50)->Arg(10)->Unit(benchmark::kMicrosecond);
 
+enum class OpenCvMethod { kClassic = 0, kUsac = 1 };
+
+// A scene as OpenCV takes it.
+struct OpenCvScene {
+  std::vector<cv::Point3d> points;
+  std::vector<cv::Point2d> pixels;
+  cv::Matx33d matrix;
+};
+
+OpenCvScene ToOpenCv(const PoseScene& scene) {
+  OpenCvScene result;
+  for (const Correspondence& match : scene.correspondences) {
+    const Keypoint& keypoint = scene.query.keypoints[match.keypoint_idx];
+    result.points.emplace_back(match.x_in_anchor.x(), match.x_in_anchor.y(), match.x_in_anchor.z());
+    result.pixels.emplace_back(keypoint.x_px, keypoint.y_px);
+  }
+  const auto& k = scene.query.camera.params();  // PINHOLE.
+  result.matrix = cv::Matx33d(k[0], 0, k[2], 0, k[1], k[3], 0, 0, 1);
+  return result;
+}
+
+// With the threshold, confidence and iterations of our defaults.
+std::optional<Rigid3d> RunOpenCv(const OpenCvScene& scene, OpenCvMethod method) {
+  constexpr int kMaxIterations = 2000;
+  constexpr float kMaxErrorPx = 4.0f;
+  constexpr double kConfidence = 0.999;
+  cv::Vec3d rotation, translation;
+  cv::Mat inliers;
+  bool found = false;
+  if (method == OpenCvMethod::kClassic) {
+    found = cv::solvePnPRansac(scene.points, scene.pixels, scene.matrix, cv::noArray(), rotation,
+                               translation, false, kMaxIterations, kMaxErrorPx, kConfidence,
+                               inliers, cv::SOLVEPNP_AP3P);
+  } else {
+    cv::UsacParams usac;
+    usac.maxIterations = kMaxIterations;
+    usac.threshold = kMaxErrorPx;
+    usac.confidence = kConfidence;
+    usac.score = cv::SCORE_METHOD_MSAC;
+    usac.loMethod = cv::LOCAL_OPTIM_INNER_LO;
+    usac.sampler = cv::SAMPLING_UNIFORM;
+    cv::Matx33d matrix = scene.matrix;
+    found = cv::solvePnPRansac(scene.points, scene.pixels, matrix, cv::noArray(), rotation,
+                               translation, inliers, usac);
+  }
+  if (!found) {
+    return std::nullopt;
+  }
+  return Rigid3d(ExpSo3({rotation[0], rotation[1], rotation[2]}),
+                 {translation[0], translation[1], translation[2]});
+}
+
 void OpenCvPnpRansac(benchmark::State& state) {
   const auto scenes = MakeScenes(static_cast<int>(state.range(0)), true);
-  const int flags = static_cast<int>(state.range(1));
+  const auto method = static_cast<OpenCvMethod>(state.range(1));
+  std::vector<OpenCvScene> opencv_scenes;
+  for (const PoseScene& scene : scenes) {
+    opencv_scenes.push_back(ToOpenCv(scene));
+  }
   int64_t num_runs = 0, num_right = 0;
   for (auto _ : state) {
-    const PoseScene& scene = scenes[num_runs % kNumScenes];
-    std::vector<cv::Point3d> points;
-    std::vector<cv::Point2d> pixels;
-    for (const Correspondence& match : scene.correspondences) {
-      const Keypoint& keypoint = scene.query.keypoints[match.keypoint_idx];
-      points.emplace_back(match.x_in_anchor.x(), match.x_in_anchor.y(), match.x_in_anchor.z());
-      pixels.emplace_back(keypoint.x_px, keypoint.y_px);
-    }
-    const auto& k = scene.query.camera.params();
-    const cv::Matx33d matrix(k[0], 0, k[2], 0, k[1], k[3], 0, 0, 1);
-    cv::Vec3d rotation, translation;
-    std::vector<int> inliers;
-    bool found = false;
-    if (flags < 0) {
-      found = cv::solvePnPRansac(points, pixels, matrix, cv::noArray(), rotation, translation,
-                                 false, 2000, 4.0f, 0.999, inliers, cv::SOLVEPNP_AP3P);
-    } else {
-      cv::UsacParams usac;
-      usac.maxIterations = 2000;
-      usac.threshold = 4.0;
-      usac.confidence = 0.999;
-      usac.score = cv::SCORE_METHOD_MSAC;
-      usac.loMethod = cv::LOCAL_OPTIM_INNER_LO;
-      usac.sampler = cv::SAMPLING_UNIFORM;
-      cv::Mat mask;
-      cv::Matx33d camera_matrix = matrix;
-      found = cv::solvePnPRansac(points, pixels, camera_matrix, cv::noArray(), rotation,
-                                 translation, mask, usac);
-    }
-    if (found) {
-      const Rigid3d pose(ExpSo3({rotation[0], rotation[1], rotation[2]}),
-                         {translation[0], translation[1], translation[2]});
-      num_right += IsRight(pose, scene);
-    }
+    const auto pose = RunOpenCv(opencv_scenes[num_runs % kNumScenes], method);
+    num_right += pose && IsRight(*pose, scenes[num_runs % kNumScenes]);
     ++num_runs;
   }
   state.counters["success"] = static_cast<double>(num_right) / static_cast<double>(num_runs);
 }
 BENCHMARK(OpenCvPnpRansac)
     ->ArgNames({"inliers", "usac"})
-    ->Args({50, -1})
+    ->Args({50, 0})
     ->Args({50, 1})
-    ->Args({10, -1})
+    ->Args({10, 0})
     ->Args({10, 1})
     ->Unit(benchmark::kMicrosecond);
 
