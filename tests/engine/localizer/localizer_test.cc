@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/frames.h"
 #include "ingest/ingest_session.h"
 #include "storage/descriptor_codec.h"
 #include "support/reconstruction_builder.h"
