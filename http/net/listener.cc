@@ -160,9 +160,7 @@ class AcceptLoop : public httplib::Server {
       const bool keep_alive = received->head.keep_alive && !stopping_;
       const HttpRequest request = ToRequest(std::move(*received), remote_address, request_id);
       const HttpResponse response = handler_->Handle(request);
-      if (!connection->Send(Serialize(response, is_head, keep_alive))) return false;
-      if (!keep_alive) connection->FinishSending();
-      return keep_alive;
+      return connection->Send(Serialize(response, is_head, keep_alive)) && keep_alive;
     } catch (const HttpError& error) {
       connection->Send(Serialize(handler_->Refuse(error, request_id), /*is_head=*/false,
                                  /*keep_alive=*/false));

@@ -1,0 +1,278 @@
+#include "http/json/localize_request.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "http/base64.h"
+#include "http/feature_codec.h"
+#include "http/json/geopose_protocol.h"
+#include "http/problem.h"
+
+namespace cairn {
+namespace {
+
+constexpr char kCamera[] =
+    R"("camera":{"model":"PINHOLE","size":[640,480],"modelParams":[500,501,320,240]})";
+constexpr char kImage[] = R"("image":{"format":"JPG","data":"Zm9v"})";
+
+LocalizeRequest Parse(const std::string& json) {
+  return ParseLocalizeRequest("application/json", json, RequestLimits{});
+}
+
+std::string WithImage(const std::string& members) {
+  return fmt::format("{{{},{},{}}}", kCamera, kImage, members);
+}
+
+std::vector<uint8_t> SmallBlob() {
+  WireFeatures wire{.features = {}, .codec = "sift", .width_px = 640, .height_px = 480};
+  wire.features.keypoints = {{10.0f, 20.0f, 2.0f, 0.5f}};
+  wire.features.descriptors = DescriptorMatrix::Constant(1, 128, 7.0f);
+  return EncodeFeatures(wire, LosslessEncoding(wire.features));
+}
+
+TEST(LocalizeRequest, ReadsEveryMember) {
+  const LocalizeRequest request = Parse(WithImage(
+      R"("id":"q1","timestamp":1750939398316,
+         "prior":{"position":{"lat":47.5,"lon":-8.25,"h":408},"accuracy":12,"altitudeAccuracy":4},
+         "gravity":[0,1,0],
+         "options":{"innerFrame":"RUB","timeoutMs":500,"maxMatches":7,"include":["matches"]})"));
+  EXPECT_EQ(request.query.id, "q1");
+  EXPECT_EQ(request.timestamp_ms, 1750939398316);
+  EXPECT_EQ(request.query.camera.model(), CameraModel::kPinhole);
+  EXPECT_EQ(request.query.camera.width_px(), 640);
+  EXPECT_EQ(request.query.camera.params(), (std::vector<double>{500, 501, 320, 240}));
+  EXPECT_EQ(request.image_bytes, (std::vector<uint8_t>{'f', 'o', 'o'}));
+  EXPECT_EQ(request.image_format, "JPG");
+  ASSERT_TRUE(request.query.prior.has_value());
+  EXPECT_DOUBLE_EQ(request.query.prior->position.lat_deg(), 47.5);
+  EXPECT_DOUBLE_EQ(request.query.prior->position.lon_deg(), -8.25);
+  EXPECT_EQ(request.query.prior->position.h_m, 408.0);
+  EXPECT_EQ(request.query.prior->accuracy_m, 12.0);
+  EXPECT_EQ(request.query.prior->height_sigma_m, 4.0);
+  EXPECT_EQ(request.query.down_in_cam, Eigen::Vector3d(0, 1, 0));
+  EXPECT_EQ(request.answer.inner_frame, InnerFrame::kRub);
+  EXPECT_EQ(request.timeout_ms, 500);
+  EXPECT_EQ(request.answer.max_matches, 7);
+  EXPECT_TRUE(request.answer.with_matches);
+  EXPECT_FALSE(request.answer.with_timings);
+  EXPECT_FALSE(request.answer.with_covariance);
+}
+
+TEST(LocalizeRequest, HasDefaults) {
+  const LocalizeRequest request = Parse(fmt::format("{{{},{}}}", kCamera, kImage));
+  EXPECT_EQ(request.query.id, "");
+  EXPECT_FALSE(request.query.prior.has_value());
+  EXPECT_FALSE(request.query.down_in_cam.has_value());
+  EXPECT_EQ(request.timeout_ms, 2000);
+  EXPECT_EQ(request.answer.inner_frame, InnerFrame::kFlu);
+  EXPECT_FALSE(request.answer.with_matches);
+  EXPECT_TRUE(request.answer.with_covariance);
+}
+
+TEST(LocalizeRequest, NormalisesGravityThatIsNearlyUnit) {
+  const LocalizeRequest request = Parse(WithImage(R"("gravity":[0.01,1.01,0])"));
+  EXPECT_NEAR(request.query.down_in_cam->norm(), 1.0, 1e-15);
+}
+
+TEST(LocalizeRequest, ReadsFeaturesFromJsonAndMultipartAlike) {
+  const std::vector<uint8_t> blob = SmallBlob();
+  const std::string json =
+      fmt::format(R"({{{},"features":{{"codec":"sift","count":1,"encoding":"features_v1",
+                  "data":"{}"}}}})",
+                  kCamera, EncodeBase64(blob));
+  const std::string multipart = fmt::format(
+      "--B\r\nContent-Disposition: form-data; name=\"request\"\r\n\r\n{{{}}}\r\n"
+      "--B\r\nContent-Disposition: form-data; name=\"features\"\r\n\r\n{}\r\n--B--",
+      kCamera, std::string(blob.begin(), blob.end()));
+  for (const auto& [type, body] :
+       {std::pair("application/json", json), {"multipart/form-data; boundary=B", multipart}}) {
+    const LocalizeRequest request = ParseLocalizeRequest(type, body, RequestLimits{});
+    EXPECT_FALSE(request.has_image());
+    EXPECT_EQ(request.query.codec, "sift");
+    ASSERT_EQ(request.query.features.size(), 1);
+    EXPECT_EQ(request.query.features.keypoints[0].x_px, 10.0f);
+    EXPECT_EQ(request.query.features.descriptors(0, 127), 7.0f);
+  }
+}
+
+struct BadRequest {
+  const char* name;
+  std::string json;
+  ProblemCode problem;
+  std::string pointer;
+};
+
+std::vector<BadRequest> BadRequests() {
+  using enum ProblemCode;
+  const std::string camera = kCamera;
+  const std::string blob = EncodeBase64(SmallBlob());
+  const auto prior = [](const std::string& members) {
+    return WithImage(fmt::format(R"("prior":{{{}}})", members));
+  };
+  const auto features = [&](const std::string& members) {
+    return fmt::format(R"({{{},"features":{{{}}}}})", camera, members);
+  };
+  return {
+      {"empty", "", kInvalidJson, ""},
+      {"truncated", "{", kInvalidJson, ""},
+      {"trailing", "{}x", kInvalidJson, ""},
+      {"not UTF-8", "{\"id\":\"\xff\xfe\"}", kInvalidJson, ""},
+      {"NaN", WithImage(R"("gravity":[NaN,0,0])"), kInvalidJson, ""},
+      {"infinite", WithImage(R"("gravity":[Infinity,0,0])"), kInvalidJson, ""},
+      {"overflow", WithImage(R"("gravity":[1e999,0,0])"), kInvalidJson, ""},
+      {"deep", std::string(1000, '['), kInvalidJson, ""},
+      {"array", "[]", kInvalidField, ""},
+      {"unknown member", WithImage(R"("priors":1)"), kInvalidField, "/priors"},
+      {"strange member", WithImage(R"("a/b~":1)"), kInvalidField, "/a~1b~0"},
+      {"no camera", fmt::format("{{{}}}", kImage), kInvalidField, "/camera"},
+      {"no image", fmt::format("{{{}}}", kCamera), kInvalidField, ""},
+      {"both", WithImage(R"("features":{"data":""})"), kInvalidField, ""},
+      {"model", R"({"camera":{"model":"FOV","size":[1,1],"modelParams":[]}})", kInvalidField,
+       "/camera/model"},
+      {"model type", R"({"camera":{"model":4,"size":[1,1],"modelParams":[]}})", kInvalidField,
+       "/camera/model"},
+      {"size", R"({"camera":{"model":"PINHOLE","size":[640],"modelParams":[]}})", kInvalidField,
+       "/camera/size"},
+      {"zero size", R"({"camera":{"model":"PINHOLE","size":[640,0],"modelParams":[]}})",
+       kInvalidField, "/camera/size/1"},
+      {"half pixel", R"({"camera":{"model":"PINHOLE","size":[640.5,480],"modelParams":[]}})",
+       kInvalidField, "/camera/size/0"},
+      {"params", R"({"camera":{"model":"PINHOLE","size":[640,480],"modelParams":[500,500,320]}})",
+       kInvalidField, "/camera/modelParams"},
+      {"focal", R"({"camera":{"model":"PINHOLE","size":[640,480],"modelParams":[0,1,2,3]}})",
+       kInvalidField, "/camera/modelParams"},
+      {"param type", R"({"camera":{"model":"PINHOLE","size":[640,480],"modelParams":[1,"1",2,3]}})",
+       kInvalidField, "/camera/modelParams/1"},
+      {"latitude", prior(R"("position":{"lat":91,"lon":0})"), kInvalidField, "/prior/position/lat"},
+      {"longitude", prior(R"("position":{"lat":0,"lon":-180.5})"), kInvalidField,
+       "/prior/position/lon"},
+      {"height", prior(R"("position":{"lat":0,"lon":0,"h":1e6})"), kInvalidField,
+       "/prior/position/h"},
+      {"no longitude", prior(R"("position":{"lat":0})"), kInvalidField, "/prior/position/lon"},
+      {"accuracy", prior(R"("position":{"lat":0,"lon":0},"accuracy":0)"), kInvalidField,
+       "/prior/accuracy"},
+      {"altitude accuracy", prior(R"("position":{"lat":0,"lon":0},"altitudeAccuracy":3)"),
+       kInvalidField, "/prior/altitudeAccuracy"},
+      {"gravity length", WithImage(R"("gravity":[0,9.81,0])"), kInvalidField, "/gravity"},
+      {"gravity size", WithImage(R"("gravity":[0,1])"), kInvalidField, "/gravity"},
+      {"gravity type", WithImage(R"("gravity":[0,"1",0])"), kInvalidField, "/gravity/1"},
+      {"frame", WithImage(R"("options":{"innerFrame":"NED"})"), kInvalidField,
+       "/options/innerFrame"},
+      {"timeout", WithImage(R"("options":{"timeoutMs":0})"), kInvalidField, "/options/timeoutMs"},
+      {"include", WithImage(R"("options":{"include":["poses"]})"), kInvalidField,
+       "/options/include/0"},
+      {"long id", WithImage(fmt::format(R"("id":"{}")", std::string(200, 'x'))), kInvalidField,
+       "/id"},
+      {"image base64", fmt::format(R"({{{},"image":{{"data":"Zm9"}}}})", camera), kInvalidField,
+       "/image/data"},
+      {"empty image", fmt::format(R"({{{},"image":{{"data":""}}}})", camera), kInvalidField,
+       "/image/data"},
+      {"feature array", fmt::format(R"({{{},"features":[[1,2]]}})", camera), kInvalidField,
+       "/features"},
+      {"descriptor array", features(R"("descriptors":[[1,2]])"), kInvalidField,
+       "/features/descriptors"},
+      {"data array", features(R"("data":[1,2])"), kInvalidField, "/features/data"},
+      {"features base64", features(R"("data":"????")"), kInvalidField, "/features/data"},
+      {"not features", features(R"("data":"Zm9v")"), kInvalidFeatures, "/features"},
+      {"encoding", features(R"("encoding":"json","data":"")"), kInvalidField, "/features/encoding"},
+      {"other codec", features(fmt::format(R"("codec":"orb","data":"{}")", blob)), kInvalidField,
+       "/features/codec"},
+      {"other count", features(fmt::format(R"("count":2,"data":"{}")", blob)), kInvalidField,
+       "/features/count"},
+      {"other image size",
+       fmt::format(R"({{"camera":{{"model":"PINHOLE","size":[320,240],
+                       "modelParams":[500,500,160,120]}},"features":{{"data":"{}"}}}})",
+                   blob),
+       kInvalidFeatures, "/camera/size"},
+  };
+}
+
+TEST(LocalizeRequest, RefusesBadRequestsWithThePointerOfTheFault) {
+  for (const BadRequest& bad : BadRequests()) {
+    try {
+      Parse(bad.json);
+      ADD_FAILURE() << bad.name << ": accepted";
+    } catch (const HttpError& e) {
+      EXPECT_EQ(InfoOf(e.problem()).name, std::string(InfoOf(bad.problem).name)) << bad.name;
+      EXPECT_EQ(e.pointer(), bad.pointer) << bad.name << ": " << e.what();
+    }
+  }
+}
+
+TEST(LocalizeRequest, RefusesOtherContentTypes) {
+  for (const char* type : {"", "text/plain", "application/x-www-form-urlencoded", "image/jpeg"}) {
+    try {
+      ParseLocalizeRequest(type, "{}", RequestLimits{});
+      ADD_FAILURE() << type;
+    } catch (const HttpError& e) {
+      EXPECT_EQ(e.problem(), ProblemCode::kUnsupportedMediaType);
+    }
+  }
+}
+
+TEST(LocalizeRequest, RefusesEveryTruncationOfAGoodBody) {
+  const std::string json = WithImage(R"("id":"q","gravity":[0,1,0])");
+  for (size_t size = 0; size < json.size(); ++size) {
+    EXPECT_THROW(Parse(json.substr(0, size)), HttpError) << size;
+  }
+}
+
+TEST(GeoPoseRequest, ReadsWhatTheReferenceClientSends) {
+  // Fractions of milliseconds, RGBA32 for a JPEG, 0 for unknown accuracies, empty privacy.
+  const LocalizeRequest request = ParseGeoPoseRequest("application/json", R"({
+      "type":"geopose","id":"8a","timestamp":1750939398316.25,
+      "sensors":[{"type":"camera","id":"cam"},{"type":"geolocation","id":"gps"}],
+      "sensorReadings":{
+        "cameraReadings":[{"timestamp":1.5,"sensorId":"cam","privacy":{},"sequenceNumber":1,
+          "imageFormat":"RGBA32","size":[640,480],"imageBytes":"data:image/jpeg;base64,Zm9v",
+          "imageOrientation":{"mirrored":false,"rotation":0},
+          "params":{"model":"PINHOLE","modelParams":[500,500,320,240],"minMaxDepth":[]}}],
+        "geolocationReadings":[{"latitude":47.5,"longitude":8.5,"altitude":400,"accuracy":0,
+          "altitudeAccuracy":0,"heading":0,"speed":0}],
+        "wifiReadings":[]},
+      "priorPoses":[]})",
+                                                      RequestLimits{});
+  EXPECT_EQ(request.query.id, "8a");
+  EXPECT_EQ(request.timestamp_ms, 1750939398316);
+  EXPECT_EQ(request.image_bytes, (std::vector<uint8_t>{'f', 'o', 'o'}));
+  EXPECT_EQ(request.query.camera.focal_px(), 500.0);
+  ASSERT_TRUE(request.query.prior.has_value());
+  EXPECT_EQ(request.query.prior->accuracy_m, 25.0);
+  EXPECT_FALSE(request.query.prior->height_sigma_m.has_value());
+}
+
+TEST(GeoPoseRequest, NamesWhatIsMissing) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"{}", "/sensorReadings"},
+      {R"({"type":"orb","sensorReadings":{}})", "/type"},
+      {R"({"sensorReadings":{"cameraReadings":[]}})", "/sensorReadings/cameraReadings"},
+      {R"({"sensorReadings":{"cameraReadings":[{"size":[1,1]}]}})",
+       "/sensorReadings/cameraReadings/0/params"},
+      {R"({"sensorReadings":{"cameraReadings":[{"size":[9,9],"imageOrientation":{"mirrored":true},
+           "params":{"model":"SIMPLE_PINHOLE","modelParams":[9,4,4]}}]}})",
+       "/sensorReadings/cameraReadings/0/imageOrientation/mirrored"},
+      {R"({"sensorReadings":{"cameraReadings":[{"size":[9,9],"imageBytes":"?",
+           "params":{"model":"SIMPLE_PINHOLE","modelParams":[9,4,4]}}]}})",
+       "/sensorReadings/cameraReadings/0/imageBytes"},
+  };
+  for (const auto& [json, pointer] : cases) {
+    try {
+      ParseGeoPoseRequest("application/json", json, RequestLimits{});
+      ADD_FAILURE() << json;
+    } catch (const HttpError& e) {
+      EXPECT_EQ(e.pointer(), pointer);
+    }
+  }
+}
+
+TEST(GeoPoseContentType, FollowsTheAcceptHeader) {
+  EXPECT_EQ(GeoPoseContentType("application/vnd.oscp+json;version=2.0;"),
+            "application/vnd.oscp+json;version=2.0");
+  EXPECT_EQ(GeoPoseContentType("*/*"), "application/json");
+  EXPECT_EQ(GeoPoseContentType(""), "application/json");
+}
+
+}  // namespace
+}  // namespace cairn

@@ -1,0 +1,147 @@
+#include "http/json/localize_response.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+
+namespace cairn {
+namespace {
+
+LocalizeResult SomeResult() {
+  LocalizeResult result;
+  result.localized = true;
+  result.anchor = Geodetic::FromDegrees(47.3769, 8.5417, 0.0);
+  result.cam_from_anchor =
+      Rigid3d(ExpSo3({0.3, -1.2, 0.7}), Eigen::Vector3d(120.0, -40.0, 12.0)).Inverse();
+  result.cam_from_ecef = result.cam_from_anchor * EcefFromEnu(result.anchor).Inverse();
+  result.position = GeodeticFromEcef(result.cam_from_ecef.Inverse().translation);
+  const Eigen::Matrix<double, 6, 6> root = Eigen::Matrix<double, 6, 6>::Random();
+  result.covariance = root * root.transpose();
+  result.position_accuracy_m = 0.31;
+  result.rotation_accuracy_rad = 0.015;
+  result.score = 88.5;
+  result.confidence = 0.97;
+  for (int i = 0; i < 10; ++i) {
+    result.matches.push_back({.keypoint_idx = 3 * i,
+                              .pixel = {10.5 * i, 20.25},
+                              .landmark_id = LandmarkId(1000 + i),
+                              .tile_idx = i % 2,
+                              .x_in_anchor = {1.0 * i, 2.0, 3.0},
+                              .sigma_m = 0.125,
+                              .error_px = 0.5 * i});
+  }
+  result.map_version = MapVersion(42);
+  result.tiles = {TileId::Containing(result.anchor)};
+  result.counters.num_tiles_found = 4;
+  result.counters.num_votes = 12345;
+  result.counters.used_gravity = true;
+  result.times.seconds[static_cast<int>(Stage::kPose)] = 0.00125;
+  result.times.total_seconds = 0.02;
+  return result;
+}
+
+LocalizeRequest SomeRequest() {
+  LocalizeRequest request;
+  request.query.id = "q1";
+  request.timestamp_ms = 5;
+  request.answer.with_matches = true;
+  return request;
+}
+
+TEST(LocalizeResponse, RoundTripsThroughTheWire) {
+  const LocalizeResult in = SomeResult();
+  for (const InnerFrame frame : {InnerFrame::kFlu, InnerFrame::kRdf, InnerFrame::kRub}) {
+    LocalizeRequest request = SomeRequest();
+    request.answer.inner_frame = frame;
+    const LocalizeResult out = ParseLocalizeResponse(LocalizeResponseJson(in, request, {}));
+    EXPECT_TRUE(out.localized);
+    EXPECT_LT(RotationAngleRad(out.cam_from_ecef.rotation, in.cam_from_ecef.rotation), 1e-9);
+    EXPECT_LT((out.cam_from_anchor.Inverse().translation - in.cam_from_anchor.Inverse().translation)
+                  .norm(),
+              1e-6);
+    EXPECT_LT((out.covariance - in.covariance).cwiseAbs().maxCoeff(), 1e-9);
+    EXPECT_NEAR(out.rotation_accuracy_rad, in.rotation_accuracy_rad, 1e-12);
+    EXPECT_EQ(out.position_accuracy_m, in.position_accuracy_m);
+    EXPECT_EQ(out.score, in.score);
+    EXPECT_EQ(out.confidence, in.confidence);
+    EXPECT_EQ(out.map_version, in.map_version);
+    EXPECT_EQ(out.tiles, in.tiles);
+    EXPECT_EQ(out.counters.num_tiles_found, 4);
+    EXPECT_EQ(out.counters.num_votes, 12345);
+    EXPECT_TRUE(out.counters.used_gravity);
+    EXPECT_FALSE(out.counters.used_prior);
+    EXPECT_NEAR(out.times.seconds[static_cast<int>(Stage::kPose)], 0.00125, 1e-12);
+    ASSERT_EQ(out.matches.size(), in.matches.size());
+    EXPECT_EQ(out.matches[3].keypoint_idx, 9);
+    EXPECT_EQ(out.matches[3].pixel, in.matches[3].pixel);
+    EXPECT_EQ(out.matches[3].landmark_id, in.matches[3].landmark_id);
+    EXPECT_EQ(out.matches[3].x_in_anchor, in.matches[3].x_in_anchor);
+  }
+}
+
+TEST(LocalizeResponse, GeoPoseHasNothingButPositionAndQuaternion) {
+  const auto json = nlohmann::json::parse(LocalizeResponseJson(SomeResult(), SomeRequest(), {}));
+  EXPECT_EQ(json["geopose"].size(), 2u);
+  EXPECT_EQ(json["geopose"]["position"].size(), 3u);
+  EXPECT_EQ(json["geopose"]["quaternion"].size(), 4u);
+  EXPECT_EQ(json["id"], "q1");
+  EXPECT_EQ(json["timestamp"], 5);
+  EXPECT_TRUE(json["reason"].is_null());
+  EXPECT_EQ(json["inlierCount"], 10);
+}
+
+TEST(LocalizeResponse, CovarianceHasTheTranslationFirst) {
+  LocalizeResult result = SomeResult();
+  result.anchor = result.position;  // The same axes on both sides.
+  result.covariance.setZero();
+  result.covariance.diagonal() << 1, 2, 3, 4, 5, 6;  // Rotation, translation.
+  const auto json = nlohmann::json::parse(LocalizeResponseJson(result, SomeRequest(), {}));
+  const double expected[] = {4, 5, 6, 1, 2, 3};
+  for (int i = 0; i < 6; ++i)
+    EXPECT_NEAR(json["covariance"][7 * i].get<double>(), expected[i], 1e-9);
+}
+
+TEST(LocalizeResponse, ThinsMatchesEvenly) {
+  LocalizeRequest request = SomeRequest();
+  request.answer.max_matches = 5;
+  const auto json = nlohmann::json::parse(LocalizeResponseJson(SomeResult(), request, {}));
+  ASSERT_EQ(json["matches"].size(), 5u);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(json["matches"][i]["keypoint"], 6 * i);
+  EXPECT_EQ(json["inlierCount"], 10);
+}
+
+TEST(LocalizeResponse, LeavesOutWhatWasNotAskedFor) {
+  LocalizeRequest request = SomeRequest();
+  request.answer.with_matches = request.answer.with_timings = request.answer.with_covariance =
+      false;
+  const auto json = nlohmann::json::parse(LocalizeResponseJson(SomeResult(), request, {}));
+  EXPECT_FALSE(json.contains("matches"));
+  EXPECT_FALSE(json.contains("covariance"));
+  EXPECT_FALSE(json["stages"]["pose"].contains("ms"));
+  EXPECT_TRUE(json["stages"]["pose"].contains("iterations"));
+}
+
+TEST(LocalizeResponse, AMissHasAReasonAndNoPose) {
+  LocalizeResult result = SomeResult();
+  result.localized = false;
+  result.reason = NotLocalizedReason::kTooFewMatches;
+  const std::string text = LocalizeResponseJson(result, SomeRequest(), {});
+  const auto json = nlohmann::json::parse(text);
+  EXPECT_EQ(json["status"], "NOT_LOCALIZED");
+  EXPECT_EQ(json["reason"], "TOO_FEW_MATCHES");
+  EXPECT_FALSE(json.contains("geopose"));
+  const LocalizeResult out = ParseLocalizeResponse(text);
+  EXPECT_FALSE(out.localized);
+  EXPECT_EQ(out.reason, NotLocalizedReason::kTooFewMatches);
+}
+
+TEST(LocalizeResponse, ClientRefusesWhatIsNoAnswer) {
+  for (const char* text : {"", "[]", "{}", R"({"status":"LOCALIZED"})", "<html>"}) {
+    EXPECT_THROW(ParseLocalizeResponse(text), Error) << text;
+  }
+}
+
+}  // namespace
+}  // namespace cairn

@@ -1,0 +1,11 @@
+// httplib's client for tests, included so that it can stand beside Eigen.
+#ifndef CAIRN_TESTS_HTTP_PLAIN_HTTP_H_
+#define CAIRN_TESTS_HTTP_PLAIN_HTTP_H_
+
+// Eigen first: httplib includes <resolv.h>, which makes a macro of a name that Eigen uses.
+// clang-format off
+#include <Eigen/Core>
+#include <httplib.h>
+// clang-format on
+
+#endif  // CAIRN_TESTS_HTTP_PLAIN_HTTP_H_
