@@ -20,8 +20,8 @@ namespace {
 constexpr int kCellBits = 8;  // Of a coordinate's 16 bits, those below the cell.
 constexpr int kUnitsPerCell = 1 << kCellBits;
 
-// Coordinates of one vector register, and numbers of one.
-using Coordinates = int16_t __attribute__((vector_size(16)));
+// Coordinates of one vector register, unsigned so that sums may wrap around, and numbers of one.
+using Coordinates = uint16_t __attribute__((vector_size(16)));
 using Floats = float __attribute__((vector_size(16)));
 using Ints = int32_t __attribute__((vector_size(16)));
 constexpr int kCoordinateLanes = 8;
@@ -160,7 +160,8 @@ std::vector<uint64_t> CellHasher::HashCodes(const Codebook& codebook,
         sum += word;
       }
       for (int j = 0; j < num_used; ++j) {
-        hash += static_cast<uint64_t>(int64_t{CellOf(sum[j])}) * factors_[first_lane + j];
+        hash += static_cast<uint64_t>(int64_t{CellOf(static_cast<int16_t>(sum[j]))}) *
+                factors_[first_lane + j];
       }
     }
   }
