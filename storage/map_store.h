@@ -79,7 +79,7 @@ class MapSnapshot {
   MapVersion version() const;
   MapInfo Info() const;
 
-  // Tiles whose square meets the box, ordered by tile id.
+  // Tiles whose square's bounding box meets the box, ordered by tile id.
   std::vector<TileRecord> FindTiles(const GeoBox& box) const;
   // The first `limit` tiles of the map by tile id.
   std::vector<TileRecord> AllTiles(int64_t limit) const;
@@ -132,8 +132,8 @@ class MapUpdate {
   // Reserves `count` consecutive landmark ids and returns the first.
   LandmarkId ReserveLandmarkIds(uint64_t count);
 
-  // Inserts or replaces a tile and its payload. Ignores `payload_id` and `num_bytes` and returns
-  // the new payload id.
+  // Inserts or replaces a tile and its payload. Its codebook must be in the map. Ignores
+  // `payload_id` and `num_bytes` and returns the new payload id.
   PayloadId PutTile(const TileRecord& tile, std::span<const uint8_t> payload);
   void RemoveTile(TileId tile_id);
 
@@ -157,8 +157,8 @@ struct CheckReport {
 // An open map file. Safe to call from any thread.
 class MapStore {
  public:
-  // Makes an empty map. Throws Error(kConflict) if the file exists, Error(kIo) if it cannot be
-  // made.
+  // Makes an empty map, which has version 1. Throws Error(kConflict) if the file exists, Error(kIo)
+  // if it cannot be made.
   static MapStore Create(const std::string& path);
 
   // Throws Error(kNotFound) if there is no file, Error(kBadInput) if it is not a Cairn map (says

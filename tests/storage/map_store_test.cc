@@ -3,8 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <filesystem>
 #include <numbers>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "core/error.h"
@@ -228,6 +231,50 @@ TEST(MapStore, SnapshotKeepsItsVersionWhileAnUpdateIsPublished) {
   EXPECT_EQ(after.version(), MapVersion(3));
   EXPECT_EQ(after.FindTile(tile.id)->payload_id, new_payload);
   EXPECT_EQ(ErrorCodeOf([&] { after.LoadPayload(old_payload); }), ErrorCode::kNotFound);
+}
+
+TEST(MapStore, ThreadsReadWholeVersionsWhileUpdatesArePublished) {
+  constexpr int kNumUpdates = 15;
+  const TempDir dir;
+  MapStore store = MapStore::Create(dir.File("a.gpkg"));
+  // Version v of the map holds two tiles of v landmarks each.
+  const auto publish = [&store](int num_landmarks) {
+    MapUpdate update = store.BeginUpdate();
+    if (update.CurrentCodebook() == nullptr) {
+      update.AddCodebook(RandomCodebook());
+    }
+    for (const double lon_deg : {8.4, 8.5}) {
+      AddTile(RandomTile({.id = TileAt(49.0, lon_deg), .num_landmarks = num_landmarks}), &update);
+    }
+    return update.Publish();
+  };
+  EXPECT_EQ(publish(2), MapVersion(2));
+  std::atomic<bool> done = false;
+  std::vector<std::thread> readers;
+  for (int i = 0; i < 3; ++i) {
+    readers.emplace_back([&] {
+      bool last_round = false;
+      while (!last_round) {
+        last_round = done;
+        const MapSnapshot snapshot = store.Snapshot();
+        const std::vector<TileRecord> tiles = snapshot.AllTiles(10);
+        EXPECT_EQ(tiles.size(), 2u);
+        for (const TileRecord& tile : tiles) {
+          EXPECT_EQ(DecodeTile(snapshot.LoadPayload(tile.payload_id)).num_landmarks(),
+                    static_cast<size_t>(Value(snapshot.version())));
+        }
+        EXPECT_NE(snapshot.CurrentCodebook(), nullptr);
+      }
+    });
+  }
+  for (int i = 0; i < kNumUpdates; ++i) {
+    publish(3 + i);
+  }
+  done = true;
+  for (std::thread& reader : readers) {
+    reader.join();
+  }
+  EXPECT_EQ(store.Snapshot().version(), MapVersion(2 + kNumUpdates));
 }
 
 TEST(MapStore, PayloadIdsAreNotUsedAgain) {
