@@ -1,20 +1,36 @@
 #include "eval/bench/synthetic_sift.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <random>
 
 namespace cairn {
 namespace {
 
-constexpr int kNumClusters = 4096;
 constexpr int kNormalTableBits = 16;
-// SIFT scales unit vectors by 512.
-constexpr float kDescriptorNorm = 512.0f;
-// Amplitudes per dimension. With them the median distance of two observations of a landmark is to
-// the distance of the nearest of 10,000 other landmarks as in maps of real photos (see the codebook
-// statistics of `cairn bench`).
-constexpr float kLandmarkAmplitude = 22.0f;
-constexpr float kObservationAmplitude = 12.0f;
+
+// Standard deviations of RootSIFT along its principal axes: of all descriptors, and between
+// observations of one landmark. Measured on the landmarks of two street reconstructions (12,000 and
+// 5,000 landmarks, which agree within a tenth); in between, interpolated.
+struct AxisSigmas {
+  int axis;
+  float all;
+  float observations;
+};
+constexpr std::array kSpectrum = {
+    AxisSigmas{0, 0.190f, 0.034f},  AxisSigmas{1, 0.170f, 0.035f},  AxisSigmas{2, 0.162f, 0.036f},
+    AxisSigmas{3, 0.141f, 0.034f},  AxisSigmas{5, 0.127f, 0.033f},  AxisSigmas{7, 0.115f, 0.035f},
+    AxisSigmas{11, 0.087f, 0.032f}, AxisSigmas{15, 0.075f, 0.028f}, AxisSigmas{23, 0.055f, 0.021f},
+    AxisSigmas{31, 0.044f, 0.021f}, AxisSigmas{47, 0.033f, 0.017f}, AxisSigmas{63, 0.024f, 0.013f},
+    AxisSigmas{95, 0.015f, 0.009f}, AxisSigmas{127, 0.007f, 0.005f}};
+// Some observations are much noisier than others: the logarithm of their noise has this standard
+// deviation (measured likewise).
+constexpr float kLogNoiseSigma = 0.49f;
+// The mean of RootSIFT over all descriptors: its elements lie in this range and its norm is 0.81.
+constexpr float kMinMean = 0.039f;
+constexpr float kMaxMean = 0.164f;
+constexpr float kMeanNorm = 0.81f;
 
 // SplitMix64 (Steele et al. 2014): neighbouring inputs give independent outputs.
 uint64_t Mix(uint64_t value) {
@@ -22,6 +38,34 @@ uint64_t Mix(uint64_t value) {
   value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9;
   value = (value ^ (value >> 27)) * 0x94d049bb133111eb;
   return value ^ (value >> 31);
+}
+
+// kSpectrum at any axis.
+AxisSigmas InterpolateSpectrum(int axis) {
+  const auto above = std::find_if(kSpectrum.begin(), kSpectrum.end(),
+                                  [axis](const AxisSigmas& known) { return known.axis >= axis; });
+  if (above->axis == axis) {
+    return *above;
+  }
+  const AxisSigmas& below = *(above - 1);
+  const float t =
+      static_cast<float>(axis - below.axis) / static_cast<float>(above->axis - below.axis);
+  return {axis, std::lerp(below.all, above->all, t),
+          std::lerp(below.observations, above->observations, t)};
+}
+
+// In-place Walsh-Hadamard transform: an orthogonal change of axes, times sqrt(kDim).
+void HadamardTransform(SyntheticSift::Descriptor* values) {
+  for (int half = 1; half < SyntheticSift::kDim; half *= 2) {
+    for (int begin = 0; begin < SyntheticSift::kDim; begin += 2 * half) {
+      for (int i = begin; i < begin + half; ++i) {
+        const float a = (*values)[i];
+        const float b = (*values)[i + half];
+        (*values)[i] = a + b;
+        (*values)[i + half] = a - b;
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -32,32 +76,44 @@ SyntheticSift::SyntheticSift(uint64_t seed) : seed_(Mix(seed)) {
   normal_table_.resize(size_t{1} << kNormalTableBits);
   std::generate(normal_table_.begin(), normal_table_.end(), [&] { return normal(generator); });
 
-  std::exponential_distribution<float> exponential;
-  centers_.resize(kNumClusters, kDim);
-  for (int i = 0; i < centers_.size(); ++i) {
-    // The square of an exponential value has the heavy tail of gradient histograms.
-    const float value = exponential(generator);
-    centers_.data()[i] = value * value;
+  std::uniform_real_distribution<float> mean(kMinMean, kMaxMean);
+  std::bernoulli_distribution coin;
+  for (int i = 0; i < kDim; ++i) {
+    mean_[i] = mean(generator);
+    signs_[i] = (coin(generator) ? 1.0f : -1.0f) / std::sqrt(static_cast<float>(kDim));
+    const AxisSigmas sigmas = InterpolateSpectrum(i);
+    observation_sigmas_[i] = sigmas.observations;
+    landmark_sigmas_[i] =
+        std::sqrt(sigmas.all * sigmas.all - sigmas.observations * sigmas.observations);
   }
-  centers_.rowwise().normalize();
-  centers_ *= kDescriptorNorm;
+  mean_ *= kMeanNorm / mean_.norm();
 }
 
 SyntheticSift::Descriptor SyntheticSift::Observe(uint64_t landmark, uint64_t observation) const {
   const uint64_t landmark_seed = Mix(seed_ ^ landmark);
-  Descriptor descriptor = centers_.row(static_cast<int>(landmark_seed % kNumClusters));
-  AddNoise(landmark_seed, kLandmarkAmplitude, &descriptor);
-  AddNoise(Mix(landmark_seed + 1 + observation), kObservationAmplitude, &descriptor);
-  return descriptor.cwiseMax(0.0f).cwiseMin(255.0f);
+  const uint64_t observation_seed = Mix(landmark_seed + 1 + observation);
+  // The factor keeps the mean of the squared noise.
+  const float noise_scale =
+      std::exp(kLogNoiseSigma * Normal(Mix(observation_seed)) - kLogNoiseSigma * kLogNoiseSigma);
+  Descriptor root = Descriptor::Zero();
+  AddNoise(landmark_seed, landmark_sigmas_, 1.0f, &root);
+  AddNoise(observation_seed, observation_sigmas_, noise_scale, &root);
+  HadamardTransform(&root);
+  root = (mean_ + root.cwiseProduct(signs_)).cwiseMax(0.0f);
+  return root.cwiseAbs2();
 }
 
-void SyntheticSift::AddNoise(uint64_t seed, float amplitude, Descriptor* descriptor) const {
+float SyntheticSift::Normal(uint64_t bits) const {
+  return normal_table_[bits & ((uint64_t{1} << kNormalTableBits) - 1)];
+}
+
+void SyntheticSift::AddNoise(uint64_t seed, const Descriptor& sigmas, float scale,
+                             Descriptor* axes) const {
   constexpr int kDrawsPerWord = 64 / kNormalTableBits;
-  constexpr uint64_t kTableMask = (uint64_t{1} << kNormalTableBits) - 1;
   for (int i = 0; i < kDim; i += kDrawsPerWord) {
     uint64_t bits = Mix(seed + static_cast<uint64_t>(i) * 0x2545f4914f6cdd1d);
     for (int j = i; j < i + kDrawsPerWord; ++j) {
-      (*descriptor)[j] += amplitude * normal_table_[bits & kTableMask];
+      (*axes)[j] += scale * sigmas[j] * Normal(bits);
       bits >>= kNormalTableBits;
     }
   }

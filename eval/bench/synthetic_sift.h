@@ -7,13 +7,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/features.h"
-
 namespace cairn {
 
-// Raw 128-D descriptors in clusters: a landmark is a cluster centre (a sparse histogram, as SIFT's)
-// plus an offset of its own, an observation is the landmark plus noise. Landmarks and observations
-// are numbered, so that any of them can be made again. Immutable; safe to use from any thread.
+// Raw 128-D descriptors whose RootSIFT form is Gaussian about a mean, with the spectrum that photos
+// of streets have: the variances between landmarks and between observations of one landmark, along
+// 128 principal axes. Landmarks and observations are numbered, so that any of them can be made
+// again. Immutable; safe to use from any thread.
 class SyntheticSift {
  public:
   static constexpr int kDim = 128;
@@ -21,16 +20,21 @@ class SyntheticSift {
 
   explicit SyntheticSift(uint64_t seed);
 
-  // What image `observation` sees of the landmark: entries in [0, 255], as SIFT's bytes.
+  // What image `observation` sees of the landmark. Not negative.
   Descriptor Observe(uint64_t landmark, uint64_t observation) const;
 
  private:
-  // Adds standard normal noise times `amplitude`; the same for the same seed.
-  void AddNoise(uint64_t seed, float amplitude, Descriptor* descriptor) const;
+  // Adds a standard normal value per axis times `sigmas` times `scale`; the same for the same seed.
+  void AddNoise(uint64_t seed, const Descriptor& sigmas, float scale, Descriptor* axes) const;
+  // A standard normal value, by 16 random bits.
+  float Normal(uint64_t bits) const;
 
   uint64_t seed_;
-  DescriptorMatrix centers_;         // num_clusters x kDim.
-  std::vector<float> normal_table_;  // Standard normal values to draw from.
+  Descriptor mean_;
+  Descriptor signs_;               // Make the principal axes random; +-1 / sqrt(kDim).
+  Descriptor landmark_sigmas_;     // Per axis, between landmarks,
+  Descriptor observation_sigmas_;  // and between observations of a landmark.
+  std::vector<float> normal_table_;
 };
 
 }  // namespace cairn

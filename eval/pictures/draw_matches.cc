@@ -20,6 +20,8 @@ constexpr double kSmallTextPx = 11.0;
 constexpr int kCaptionPx = 76;
 constexpr int kBarColumnPx = 130;  // Beside the photo, for the colour bar.
 constexpr double kMinPictureWidthPx = 1200.0;
+constexpr double kKeypointRadiusPx = 2.6;
+const cv::Scalar kKeypointColor(225, 225, 225);
 constexpr double kDegFromRad = 180.0 / std::numbers::pi;
 
 // Subpixel drawing: OpenCV takes fixed-point coordinates.
@@ -100,9 +102,9 @@ cv::Mat PalePhoto(const GrayImage& photo, double zoom) {
 }
 
 void DrawKeypoints(const LocalizeQuery& query, double zoom, cv::Mat* picture) {
-  const cv::Scalar grey(150, 140, 135);
   for (const Keypoint& keypoint : query.features.keypoints) {
-    DrawDot(zoom * keypoint.x_px, zoom * keypoint.y_px, 2.0, grey, 1, picture);
+    DrawDot(zoom * keypoint.x_px, zoom * keypoint.y_px, kKeypointRadiusPx, kKeypointColor, 1,
+            picture);
   }
 }
 
@@ -136,7 +138,9 @@ void DrawDistanceBar(const DistanceScale& scale, const cv::Rect& area, cv::Mat* 
 
 void DrawMatchLegend(bool localized, const cv::Rect& area, cv::Mat* picture) {
   const int y = area.y + area.height - 60;
-  DrawDot(area.x + 30, y, 2.0, cv::Scalar(150, 140, 135), 1, picture);
+  cv::rectangle(*picture, cv::Rect(area.x + 20, y - 10, 20, 20), cv::Scalar(120, 120, 120),
+                cv::FILLED);
+  DrawDot(area.x + 30, y, kKeypointRadiusPx, kKeypointColor, 1, picture);
   DrawLabel("keypoint", {area.x + 46, y + 5}, kSmallTextPx, kInk, LabelAnchor::kLeft, false,
             picture);
   if (localized) {

@@ -19,10 +19,11 @@ namespace cairn {
 namespace {
 
 constexpr int kPlanWidthPx = 1500;
-constexpr int kLegendWidthPx = 270;
+constexpr int kLegendWidthPx = 300;
 constexpr int kLegendHeightPx = 560;
 constexpr double kTextPx = 12.0;
-constexpr double kPoseTextPx = 13.0;
+constexpr double kPoseTextPx = 14.0;
+constexpr double kLabelDistancePx = 17.0;
 const cv::Scalar kGridColor(238, 236, 234);
 
 // The largest of 1, 2, 5, 10, ... that is at most `value`.
@@ -74,11 +75,11 @@ void DrawTileNames(const PlanContent& content, PlanView* view) {
 }
 
 void DrawLandmarks(const PlanContent& content, PlanView* view) {
-  const double radius_px = content.landmarks.size() > 50'000 ? 0.9 : 1.4;
+  const int size_px = content.landmarks.size() > 50'000 ? 2 : 3;
   for (const Eigen::Vector3d& landmark : content.landmarks) {
     if (view->Contains(landmark.head<2>())) {
       const double share = (landmark.z() - content.low_m) / (content.high_m - content.low_m);
-      view->Dot(landmark.head<2>(), radius_px, ColorOf(share));
+      view->Speck(landmark.head<2>(), size_px, ColorOf(share));
     }
   }
 }
@@ -93,6 +94,7 @@ void DrawPose(const TopViewPose& pose, const Rigid3d& plan_from_ecef, PlanView* 
   const auto reference = OnPlan(pose.reference_cam_from_ecef, ecef_from_plan);
   const auto estimate = OnPlan(pose.estimated_cam_from_ecef, ecef_from_plan);
   std::optional<Eigen::Vector2d> label_at;
+  Eigen::Vector2d forward = -Eigen::Vector2d::UnitY();
   if (pose.prior) {
     label_at = (plan_from_ecef * EcefFromGeodetic(*pose.prior)).head<2>();
     if (const auto answer = estimate ? estimate : reference) {
@@ -102,16 +104,20 @@ void DrawPose(const TopViewPose& pose, const Rigid3d& plan_from_ecef, PlanView* 
   if (reference) {
     DrawTruth(*reference, view);
     label_at = reference->center;
+    forward = reference->forward;
   }
   if (estimate) {
     DrawEstimate(*estimate, view);
     label_at = estimate->center;
+    forward = estimate->forward;
   }
-  if (label_at) {
-    const Eigen::Vector2d pixel = view->PixelOf(*label_at);
-    DrawLabel(pose.label,
-              cv::Point(static_cast<int>(pixel.x()) + 9, static_cast<int>(pixel.y()) - 9),
-              kPoseTextPx, kInk, LabelAnchor::kLeft, true, &view->image());
+  if (label_at) {  // Behind the camera, where the symbols leave room.
+    const Eigen::Vector2d pixel =
+        view->PixelOf(*label_at - forward * (kLabelDistancePx / view->px_per_m()));
+    DrawLabel(
+        pose.label,
+        cv::Point(static_cast<int>(pixel.x()), static_cast<int>(pixel.y() + 0.5 * kPoseTextPx)),
+        kPoseTextPx, kInk, LabelAnchor::kCenter, true, &view->image());
   }
 }
 
@@ -132,9 +138,9 @@ void DrawScaleBar(PlanView* view) {
 
 void DrawNorthArrow(PlanView* view) {
   cv::Mat& image = view->image();
-  const cv::Point tip(image.cols - 40, 24), foot(image.cols - 40, 74);
+  const cv::Point foot(image.cols - 36, image.rows - 24), tip = foot - cv::Point(0, 48);
   cv::arrowedLine(image, foot, tip, kInk, 2, cv::LINE_AA, 0, 0.3);
-  DrawLabel("N", foot + cv::Point(0, 22), 14.0, kInk, LabelAnchor::kCenter, true, &image);
+  DrawLabel("N", tip - cv::Point(0, 9), kPoseTextPx, kInk, LabelAnchor::kCenter, true, &image);
 }
 
 // One legend line: a symbol at the given plan position, and what it means.
@@ -167,8 +173,8 @@ std::vector<LegendEntry> LegendEntries(const PlanContent& content) {
       {fmt::format("landmark ({})", content.landmarks.size()),
        [](const Eigen::Vector2d& at, PlanView* view) {
          for (int i = -4; i <= 4; ++i) {
-           view->Dot(at + Eigen::Vector2d(4.0 * i, 4.0 * ((i + 5) * 5 % 3 - 1)), 1.4,
-                     ColorOf(0.5 + i / 8.0));
+           view->Speck(at + Eigen::Vector2d(4.0 * i, 4.0 * ((i + 5) * 5 % 3 - 1)), 2,
+                       ColorOf(0.5 + i / 8.0));
          }
        }},
   };
@@ -220,6 +226,7 @@ void DrawTopView(const std::string& path, const MapStore& store,
   }
   DrawScaleBar(&view);
   DrawNorthArrow(&view);
+  cv::rectangle(view.image(), cv::Rect({0, 0}, view.image().size()), kTileColor, 1);
 
   const cv::Mat legend = DrawLegend(content);
   cv::Mat picture(std::max(view.image().rows, legend.rows), view.image().cols + legend.cols,

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kMaxTiles = 64;             // Decoded for one picture.
 constexpr double kSearchRadiusM = 200.0;  // Of tiles about a pose.
-constexpr double kMarginM = 8.0;
+constexpr double kMarginM = 12.0;
 constexpr double kMaxDrawnAccuracyM = 100.0;
 
 std::vector<Eigen::Vector3d> PositionsInEcef(const std::vector<TopViewPose>& poses) {

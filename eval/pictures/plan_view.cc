@@ -66,6 +66,12 @@ void PlanView::Dot(const Eigen::Vector2d& at, double radius_px, const cv::Scalar
              color, cv::FILLED, cv::LINE_AA, kShift);
 }
 
+void PlanView::Speck(const Eigen::Vector2d& at, int size_px, const cv::Scalar& color) {
+  const Eigen::Vector2d pixel = PixelOf(at);
+  const cv::Rect square(static_cast<int>(pixel.x()), static_cast<int>(pixel.y()), size_px, size_px);
+  image_(square & cv::Rect({0, 0}, image_.size())).setTo(color);
+}
+
 void PlanView::Line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double width_px,
                     const cv::Scalar& color) {
   cv::line(image_, FixedPoint(from), FixedPoint(to), color, LineWidth(width_px), cv::LINE_AA,

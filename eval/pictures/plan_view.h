@@ -34,6 +34,8 @@ class PlanView {
   Eigen::Vector2d PixelOf(const Eigen::Vector2d& at) const;
 
   void Dot(const Eigen::Vector2d& at, double radius_px, const cv::Scalar& color);
+  // A square of whole pixels; for very many of them.
+  void Speck(const Eigen::Vector2d& at, int size_px, const cv::Scalar& color);
   void Line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double width_px,
             const cv::Scalar& color);
   void DashedLine(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double width_px,
