@@ -66,6 +66,7 @@ RealDrive::RealDrive(const RealDriveInput& input) {
   server_options.port = 0;
   server_options.default_timeout_ms = 60'000;  // Sanitizers are slow.
   server_options.max_features = 10'000;
+  server_options.max_body_bytes = size_t{8} << 20;  // 7,300 raw descriptors, sent without loss.
   server_ = std::make_unique<Server>(server_options);
   server_->Start();
   ClientOptions client_options;
