@@ -23,7 +23,7 @@ struct EvalQuery {
 struct PriorNoiseOptions {
   double position_sigma_m = 10.0;  // Per horizontal axis; reported accuracy is its 68 % radius.
   double height_sigma_m = 5.0;
-  double gravity_sigma_rad = 0.0174532925;
+  double gravity_sigma_rad = 0.0174532925;  // Of the tilt about each of two axes across it.
   bool with_prior = true;
   bool with_gravity = true;
   uint64_t seed = 1;
@@ -31,7 +31,8 @@ struct PriorNoiseOptions {
   void Validate() const;
 };
 
-// Fills prior and gravity of each query from its reference pose plus noise.
+// Sets prior and gravity of each query to its reference pose plus noise, which depends on the seed
+// and the query's name alone (docs/math/metrics.md). Validates the options.
 void AddNoisyPriors(const PriorNoiseOptions& options, std::vector<EvalQuery>* queries);
 
 // Queries from the images of a georeferenced reconstruction: features from the reconstruction,
