@@ -36,10 +36,10 @@ struct LocalizeArguments {
   std::string map_path;
   std::string server_url;
   std::string image_path;
-  std::string camera;
-  std::string prior;
+  std::optional<std::string> camera;
+  std::optional<std::string> prior;
   double accuracy_m = 15.0;
-  std::string gravity;
+  std::optional<std::string> gravity;
   std::string picture_path;
   uint64_t seed = 1;
   bool json = false;
@@ -63,20 +63,20 @@ LocalizeQuery MakeQuery(const LocalizeArguments& arguments, const GrayImage& pho
                         const std::vector<uint8_t>& image_bytes) {
   LocalizeQuery query;
   query.id = arguments.image_path;
-  query.camera = arguments.camera.empty() ? CameraFromExif(arguments, ReadExif(image_bytes), photo)
-                                          : ParseCamera("--camera", arguments.camera);
+  query.camera = arguments.camera ? ParseCamera("--camera", *arguments.camera)
+                                  : CameraFromExif(arguments, ReadExif(image_bytes), photo);
   if (query.camera.width_px() != photo.width_px || query.camera.height_px() != photo.height_px) {
     throw Error(ErrorCode::kBadInput,
                 fmt::format("{} has {} x {} pixels, but --camera says {} x {}",
                             arguments.image_path, photo.width_px, photo.height_px,
                             query.camera.width_px(), query.camera.height_px()));
   }
-  if (!arguments.prior.empty()) {
-    query.prior = PositionPrior{ParseGeodetic("--prior", arguments.prior), arguments.accuracy_m,
+  if (arguments.prior) {
+    query.prior = PositionPrior{ParseGeodetic("--prior", *arguments.prior), arguments.accuracy_m,
                                 std::nullopt};
   }
-  if (!arguments.gravity.empty()) {
-    query.down_in_cam = ParseDirection("--gravity", arguments.gravity);
+  if (arguments.gravity) {
+    query.down_in_cam = ParseDirection("--gravity", *arguments.gravity);
   }
   return query;
 }

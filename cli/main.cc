@@ -79,6 +79,19 @@ ExitCode RunVerb(const Shell& shell) {
   }
 }
 
+// What is wrong with the command line and where help is.
+std::string UsageMessage(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
+  const auto verbs = app.get_subcommands();
+  if (!verbs.empty()) {
+    return fmt::format("{}\nRun 'cairn {} --help' for help.", error.what(),
+                       verbs.front()->get_name());
+  }
+  const bool has_unknown_verb = argc > 1 && argv[1][0] != '-';
+  return fmt::format(
+      "{}\nRun 'cairn --help' for help.",
+      has_unknown_verb ? fmt::format("there is no verb '{}'", argv[1]) : std::string(error.what()));
+}
+
 ExitCode ParseAndRun(int argc, char** argv) {
   CLI::App app("Cairn, a visual positioning server: photos in, six-degree-of-freedom poses out.",
                "cairn");
@@ -98,10 +111,7 @@ ExitCode ParseAndRun(int argc, char** argv) {
     app.exit(help_or_version);
     return ExitCode::kOk;
   } catch (const CLI::ParseError& error) {
-    const auto verbs = app.get_subcommands();
-    return Report(ExitCode::kUsage,
-                  fmt::format("{}\nRun 'cairn {}--help' for help.", error.what(),
-                              verbs.empty() ? "" : verbs.front()->get_name() + " "));
+    return Report(ExitCode::kUsage, UsageMessage(app, error, argc, argv));
   }
   SetLogLevel(log_level);
   return RunVerb(shell);

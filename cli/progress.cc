@@ -66,7 +66,7 @@ void Progress::Write(int64_t done, int64_t total) {
       fmt::print(stderr, "{}: {}/{}\n", phase_, done, total);
       break;
     case ProgressMode::kJson: {
-      const nlohmann::json line = {{"phase", phase_}, {"done", done}, {"total", total}};
+      const nlohmann::ordered_json line = {{"phase", phase_}, {"done", done}, {"total", total}};
       fmt::print(stderr, "{}\n", line.dump());
       break;
     }
