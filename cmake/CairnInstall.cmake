@@ -1,7 +1,4 @@
 # `cmake --install`, find_package(cairn) and the Debian package.
-if(NOT TARGET cairn)
-  return()
-endif()
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -32,18 +29,13 @@ install(FILES
   DESTINATION ${cairn_config_dir} COMPONENT development)
 
 # The binary, and the extension that lets the sqlite3 shell look into maps.
-if(TARGET cairn)
-  install(TARGETS cairn RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
-endif()
-if(TARGET cairn_sqlite)
-  install(TARGETS cairn_sqlite LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/cairn
-    COMPONENT runtime)
-endif()
+install(TARGETS cairn RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
+install(TARGETS cairn_sqlite LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/cairn COMPONENT runtime)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md
               ${PROJECT_SOURCE_DIR}/CHANGELOG.md
   DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
 
-# `cpack --preset`-less use: cd build/release && cpack -G DEB
+# cpack --config build/release/CPackConfig.cmake makes cairn_*.deb and libcairn-dev_*.deb.
 set(CPACK_PACKAGE_NAME cairn)
 set(CPACK_PACKAGE_VENDOR "The Cairn authors")
 set(CPACK_PACKAGE_CONTACT "The Cairn authors <cairn@localhost>")
