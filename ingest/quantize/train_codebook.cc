@@ -26,7 +26,7 @@ constexpr int kNumQuantiles = 19;  // 0.05, 0.10, ... 0.95.
 constexpr int kNumOtherLandmarks = 10'000;
 // Descriptors measured for the statistics: a quantile near the tail is then good to half a percent.
 constexpr int kNumProbes = 2000;
-constexpr int kKMeansIterations = 25;
+constexpr int kKMeansIterations = 15;
 constexpr double kMinVariance = 1e-12;
 
 // FAISS trains small problems several times slower with OpenMP's threads than without them.
