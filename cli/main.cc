@@ -59,24 +59,8 @@ void AddVerbs(CLI::App* app, Shell* shell) {
 }
 
 ExitCode Report(ExitCode exit_code, const std::string& message) {
-  fmt::print(stderr, "cairn: {}\n", message);
+  std::fprintf(stderr, "cairn: %s\n", message.c_str());
   return exit_code;
-}
-
-ExitCode RunVerb(const Shell& shell) {
-  try {
-    const ExitCode exit_code = shell.run();
-    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-      return Report(ExitCode::kIo, "cannot write to standard output");
-    }
-    return exit_code;
-  } catch (const Error& error) {
-    return Report(ExitCodeFor(error.code()), error.what());
-  } catch (const std::bad_alloc&) {
-    return Report(ExitCode::kInternal, "out of memory");
-  } catch (const std::exception& error) {
-    return Report(ExitCode::kInternal, fmt::format("internal error: {}", error.what()));
-  }
 }
 
 // What is wrong with the command line and where help is.
@@ -114,7 +98,23 @@ ExitCode ParseAndRun(int argc, char** argv) {
     return Report(ExitCode::kUsage, UsageMessage(app, error, argc, argv));
   }
   SetLogLevel(log_level);
-  return RunVerb(shell);
+  const ExitCode exit_code = shell.run();
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    throw Error(ErrorCode::kIo, "cannot write to standard output");
+  }
+  return exit_code;
+}
+
+ExitCode RunShell(int argc, char** argv) {
+  try {
+    return ParseAndRun(argc, argv);
+  } catch (const Error& error) {
+    return Report(ExitCodeFor(error.code()), error.what());
+  } catch (const std::bad_alloc&) {
+    return Report(ExitCode::kInternal, "out of memory");
+  } catch (const std::exception& error) {
+    return Report(ExitCode::kInternal, std::string("internal error: ") + error.what());
+  }
 }
 
 }  // namespace
@@ -122,5 +122,5 @@ ExitCode ParseAndRun(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   std::signal(SIGINT, cairn::ExitOnInterrupt);
-  return static_cast<int>(cairn::ParseAndRun(argc, argv));
+  return static_cast<int>(cairn::RunShell(argc, argv));
 }

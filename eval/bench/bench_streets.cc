@@ -27,11 +27,12 @@ double RandomSign(std::mt19937_64* generator) {
 
 // The middle lines of the streets that cross a tile, along one axis.
 std::vector<double> StreetsThrough(double tile_center_m) {
+  const double low = tile_center_m - kHalfTileM - kFirstStreetM;
+  const double high = tile_center_m + kHalfTileM - kFirstStreetM;
   std::vector<double> streets;
-  const double first = std::ceil((tile_center_m - kHalfTileM - kFirstStreetM) / kStreetSpacingM);
-  for (double street = kFirstStreetM + first * kStreetSpacingM; street < tile_center_m + kHalfTileM;
-       street += kStreetSpacingM) {
-    streets.push_back(street);
+  for (int i = static_cast<int>(std::ceil(low / kStreetSpacingM)); i * kStreetSpacingM < high;
+       ++i) {
+    streets.push_back(kFirstStreetM + i * kStreetSpacingM);
   }
   return streets;
 }
