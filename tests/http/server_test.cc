@@ -394,6 +394,7 @@ TEST_F(HttpServer, OpenApiDescribesExactlyTheRoutesThereAre) {
     for (const auto& [method, operation] : methods.items()) described.insert(method + " " + path);
   }
   EXPECT_EQ(served, described);
+  EXPECT_EQ(openapi["info"]["version"], GetJson("/version")["version"]);
 }
 
 TEST(ServerOptions, ValidateNamesTheField) {
