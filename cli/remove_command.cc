@@ -19,7 +19,7 @@ struct RemoveArguments {
 
 ExitCode RunRemove(const RemoveArguments& arguments) {
   MapStore store = MapStore::Open(arguments.map_path, OpenMode::kReadWrite);
-  const MapVersion version = RemoveSession(arguments.session_name, IngestOptions(), &store);
+  const MapVersion version = RemoveSession(arguments.session_name, &store);
   fmt::print("removed session {}; the map is now version {}\n", arguments.session_name,
              Value(version));
   return ExitCode::kOk;

@@ -240,8 +240,7 @@ IngestReport IngestSession(const Reconstruction& reconstruction, const Sim3d& ec
   return report;
 }
 
-MapVersion RemoveSession(const std::string& session_name, const IngestOptions& /*options*/,
-                         MapStore* store) {
+MapVersion RemoveSession(const std::string& session_name, MapStore* store) {
   MapUpdate update = store->BeginUpdate();
   const std::optional<SessionRecord> record = update.FindSession(session_name);
   if (!record) {

@@ -57,8 +57,7 @@ IngestReport IngestSession(const Reconstruction& reconstruction, const Sim3d& ec
 
 // Takes a session out of every tile and deletes it; tiles that are left empty go too. Throws
 // Error(kNotFound).
-MapVersion RemoveSession(const std::string& session_name, const IngestOptions& options,
-                         MapStore* store);
+MapVersion RemoveSession(const std::string& session_name, MapStore* store);
 
 }  // namespace cairn
 

@@ -238,13 +238,12 @@ TEST_F(IngestSessionTest, SessionsShareTilesAndOneCanBeRemoved) {
   EXPECT_EQ(store_.Snapshot().Info().num_keyframes, 32);
   EXPECT_TRUE(store_.Check({}).problems.empty());
 
-  RemoveSession("tuesday", OptionsFor("tuesday"), &store_);
+  RemoveSession("tuesday", &store_);
   EXPECT_EQ(ContentsOf(store_), alone);
-  RemoveSession("monday", OptionsFor("monday"), &store_);
+  RemoveSession("monday", &store_);
   EXPECT_EQ(store_.Snapshot().Info().num_tiles, 0);
   EXPECT_EQ(store_.Snapshot().Info().num_keyframes, 0);
-  EXPECT_EQ(CodeOf([&] { RemoveSession("monday", OptionsFor("monday"), &store_); }),
-            ErrorCode::kNotFound);
+  EXPECT_EQ(CodeOf([&] { RemoveSession("monday", &store_); }), ErrorCode::kNotFound);
 }
 
 TEST_F(IngestSessionTest, ATileStaysWithinItsBudgetWhateverIsAdded) {
