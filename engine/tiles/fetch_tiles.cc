@@ -93,18 +93,27 @@ void RequireCurrentCodebook(const MapSnapshot& snapshot, const std::vector<TileR
   }
 }
 
+// The decoded tile of a record; errors name the tile.
+Tile DecodePayload(const MapSnapshot& snapshot, const TileRecord& record) {
+  try {
+    Tile tile = DecodeTile(snapshot.LoadPayload(record.payload_id));
+    if (tile.id != record.tile_id) {
+      throw Error(ErrorCode::kMapDamaged, fmt::format("holds tile {}", tile.id.ToString()));
+    }
+    return tile;
+  } catch (const Error& error) {
+    throw Error(error.code(),
+                fmt::format("tile {}, payload {}: {}; `cairn check` looks for more",
+                            record.tile_id.ToString(), Value(record.payload_id), error.what()));
+  }
+}
+
 // Fetches, decodes and indexes one tile.
 std::shared_ptr<const SearchableTile> LoadTile(const MapSnapshot& snapshot,
                                                const TileRecord& record,
                                                const RandomGridsOptions& index_options) {
-  Tile tile = DecodeTile(snapshot.LoadPayload(record.payload_id));
-  if (tile.id != record.tile_id) {
-    throw Error(ErrorCode::kMapDamaged,
-                fmt::format("payload {} of tile {} holds tile {}", Value(record.payload_id),
-                            record.tile_id.ToString(), tile.id.ToString()));
-  }
   return std::make_shared<const SearchableTile>(
-      std::move(tile), snapshot.LoadCodebook(record.codebook_id), index_options);
+      DecodePayload(snapshot, record), snapshot.LoadCodebook(record.codebook_id), index_options);
 }
 
 // Heights of the cameras in anchor_from_ecef's frame, as [min, max].

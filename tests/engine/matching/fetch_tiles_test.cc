@@ -181,7 +181,7 @@ TEST_F(FetchTilesTest, RefusesTilesOfAnOldCodebook) {
   EXPECT_EQ(ErrorCodeOf([&] { Fetch(&region); }), ErrorCode::kInternal);
 }
 
-TEST_F(FetchTilesTest, RefusesAPayloadThatDoesNotDecode) {
+TEST_F(FetchTilesTest, NamesTheTileWhosePayloadDoesNotDecode) {
   MapUpdate update = store_.BeginUpdate();
   const Tile tile = RandomTile({.id = TileInRow(1)});
   std::vector<uint8_t> payload = EncodeTile(tile);
@@ -189,7 +189,13 @@ TEST_F(FetchTilesTest, RefusesAPayloadThatDoesNotDecode) {
   update.PutTile(testing::RecordOf(tile), payload);
   update.Publish();
   SearchRegion region = Disc(150.0, 20.0);
-  EXPECT_EQ(ErrorCodeOf([&] { Fetch(&region); }), ErrorCode::kMapDamaged);
+  try {
+    Fetch(&region);
+    FAIL() << "took a damaged payload";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kMapDamaged);
+    EXPECT_THAT(error.what(), ::testing::HasSubstr(TileInRow(1).ToString()));
+  }
 }
 
 }  // namespace
