@@ -1,13 +1,16 @@
 // `cairn serve`: answers queries over HTTP until SIGINT or SIGTERM.
 #include <fmt/format.h>
+#include <malloc.h>
 #include <pthread.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include "cli/shell.h"
 #include "core/logging.h"
@@ -32,6 +35,13 @@ sigset_t BlockStopSignals() {
   return stop_signals;
 }
 
+// glibc gives every thread a heap of its own, and each keeps what its largest request took: 72 MB
+// after a photo of 450,000 pixels. With as many heaps as cores, the server's memory is the tile
+// cache plus a constant that --threads does not multiply. Call before there are threads.
+void ShareHeapsAmongThreads() {
+  mallopt(M_ARENA_MAX, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
+}
+
 std::string Url(const std::string& host, int port) {
   const bool is_ipv6 = host.find(':') != std::string::npos;
   return is_ipv6 ? fmt::format("http://[{}]:{}", host, port)
@@ -41,6 +51,7 @@ std::string Url(const std::string& host, int port) {
 ExitCode RunServe(const ServeArguments& arguments) {
   ServerOptions options = arguments.options;
   options.cache_bytes = static_cast<size_t>(arguments.cache_mb) << 20;
+  ShareHeapsAmongThreads();
   const sigset_t stop_signals = BlockStopSignals();
   Server server(options);
   server.Start();
