@@ -59,15 +59,20 @@ void FillMatches(const QueryContext& query, const std::vector<TileView>& tiles,
             });
 }
 
-void FillPose(const QueryContext& query, const PoseEstimate& estimate, LocalizeResult* result) {
+void FillPose(const QueryContext& query, const PoseEstimate& estimate,
+              const ScoreCalibration& calibration, LocalizeResult* result) {
   result->localized = true;
   result->anchor = query.region.origin;
   result->cam_from_anchor = estimate.cam_from_anchor;
   result->cam_from_ecef = estimate.cam_from_anchor * query.region.ecef_from_anchor.Inverse();
   result->position = GeodeticFromEcef(result->cam_from_ecef.Inverse().translation);
   result->covariance = estimate.covariance;
-  result->rotation_accuracy_rad = Radius68(estimate.covariance.topLeftCorner<3, 3>());
-  result->position_accuracy_m = Radius68(estimate.covariance.bottomRightCorner<3, 3>());
+  result->rotation_accuracy_rad =
+      calibration.rotation_accuracy_factor * Radius68(estimate.covariance.topLeftCorner<3, 3>());
+  result->position_accuracy_m = calibration.position_accuracy_factor *
+                                Radius68(estimate.covariance.bottomRightCorner<3, 3>());
+  result->score = estimate.effective_inliers;
+  result->confidence = calibration.Confidence(result->score);
 }
 
 }  // namespace
@@ -101,16 +106,8 @@ void ConcludeAnswer(const QueryContext& query, const std::vector<TileView>& tile
   }
   const PoseHypothesis& best = *by_score.front();
   result->reason = NotLocalizedReason::kNone;
-  result->score = best.estimate.effective_inliers;
-  result->confidence = ConfidenceOfScore(result->score);
-  FillPose(query, best.estimate, result);
+  FillPose(query, best.estimate, options.calibration, result);
   FillMatches(query, tiles, best, result);
-}
-
-double ConfidenceOfScore(double effective_inliers) {
-  // logit(0.7) = 0.847 at 8 and logit(0.98) = 3.892 at 30.
-  constexpr double kSlope = 2.304, kOffset = -3.944;
-  return 1.0 / (1.0 + std::exp(-(kSlope * std::log(std::max(effective_inliers, 1e-9)) + kOffset)));
 }
 
 }  // namespace cairn

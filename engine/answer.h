@@ -27,11 +27,6 @@ void ConcludeAnswer(const QueryContext& query, const std::vector<TileView>& tile
                     const std::vector<PoseHypothesis>& hypotheses, const AnswerOptions& options,
                     LocalizeResult* result);
 
-// Probability that a pose with this score is within 3 m and 10 degrees of the truth; rises with the
-// score. The curve is a logistic in log(score), set by hand so that the acceptance threshold of 8
-// effective inliers means 0.7 and 30 mean 0.98; it is not calibrated on a large data set yet.
-double ConfidenceOfScore(double effective_inliers);
-
 }  // namespace cairn
 
 #endif  // CAIRN_ENGINE_ANSWER_H_

@@ -14,6 +14,7 @@ void AnswerOptions::Validate() const {
   if (!(ambiguous_distance_m > 0.0) || !(ambiguous_rotation_rad > 0.0)) {
     throw Error(ErrorCode::kInvalidArgument, "answer: ambiguity distances must be positive");
   }
+  calibration.Validate();
 }
 
 void LocalizerOptions::Validate() const {

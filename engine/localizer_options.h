@@ -8,6 +8,7 @@
 #include "engine/pose/pose_options.h"
 #include "engine/prior/prior_options.h"
 #include "engine/refinement/refinement_options.h"
+#include "engine/score_calibration.h"
 #include "engine/tiles/tiles_options.h"
 #include "engine/voting/voting_options.h"
 
@@ -22,6 +23,7 @@ struct AnswerOptions {
   // and lies at least this far from it, metres, or is turned by at least this, radians.
   double ambiguous_distance_m = 5.0;
   double ambiguous_rotation_rad = 0.2617994;  // 15 degrees.
+  ScoreCalibration calibration;  // Of the confidence and the accuracies that are reported.
 
   void Validate() const;
 };

@@ -18,14 +18,15 @@ PoseHypothesis HypothesisAt(const Eigen::Vector3d& center_in_anchor, double effe
   return hypothesis;
 }
 
-LocalizeResult Conclude(const std::vector<PoseHypothesis>& hypotheses) {
+LocalizeResult Conclude(const std::vector<PoseHypothesis>& hypotheses,
+                        const AnswerOptions& options = {}) {
   QueryContext query;
   query.region.origin = Geodetic::FromDegrees(47.0, 8.0, 0.0);
   query.region.ecef_from_anchor = EcefFromEnu(query.region.origin);
   query.region.has_prior = true;
   query.region.radius_m = 50.0;
   LocalizeResult result;
-  ConcludeAnswer(query, {}, hypotheses, AnswerOptions{}, &result);
+  ConcludeAnswer(query, {}, hypotheses, options, &result);
   return result;
 }
 
@@ -36,7 +37,8 @@ TEST(ConcludeAnswer, TakesTheBestScore) {
   EXPECT_DOUBLE_EQ(result.score, 40.0);
   EXPECT_NEAR(result.cam_from_anchor.Inverse().translation.x(), 20.0, 1e-12);
   // sqrt(3.506 * 0.01): the 68 % radius of an isotropic Gaussian with sigma 0.1 m.
-  EXPECT_NEAR(result.position_accuracy_m, 0.1872, 1e-4);
+  EXPECT_NEAR(result.position_accuracy_m,
+              AnswerOptions{}.calibration.position_accuracy_factor * 0.1872, 1e-4);
 }
 
 TEST(ConcludeAnswer, SaysAmbiguousWhenTheRunnerUpIsFarAndAboutAsGood) {
@@ -60,11 +62,15 @@ TEST(ConcludeAnswer, SaysTooFewInliersBelowTheThreshold) {
   EXPECT_EQ(Conclude({HypothesisAt({0, 0, 0}, 5.0)}).reason, NotLocalizedReason::kTooFewInliers);
 }
 
-TEST(ConfidenceOfScore, RisesWithTheScore) {
-  EXPECT_NEAR(ConfidenceOfScore(8.0), 0.70, 0.005);
-  EXPECT_NEAR(ConfidenceOfScore(30.0), 0.98, 0.005);
-  EXPECT_LT(ConfidenceOfScore(0.0), 0.01);
-  EXPECT_GT(ConfidenceOfScore(100.0), ConfidenceOfScore(50.0));
+TEST(ConcludeAnswer, ScalesTheAccuraciesAsCalibrated) {
+  AnswerOptions options;
+  const LocalizeResult plain = Conclude({HypothesisAt({1, 0, 0}, 12.0)}, options);
+  options.calibration.position_accuracy_factor *= 3.0;
+  options.calibration.rotation_accuracy_factor *= 2.0;
+  const LocalizeResult scaled = Conclude({HypothesisAt({1, 0, 0}, 12.0)}, options);
+  EXPECT_NEAR(scaled.position_accuracy_m, 3.0 * plain.position_accuracy_m, 1e-12);
+  EXPECT_NEAR(scaled.rotation_accuracy_rad, 2.0 * plain.rotation_accuracy_rad, 1e-12);
+  EXPECT_DOUBLE_EQ(scaled.confidence, options.calibration.Confidence(12.0));
 }
 
 }  // namespace

@@ -1,0 +1,28 @@
+#include "engine/score_calibration.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+
+namespace cairn {
+
+void ScoreCalibration::Validate() const {
+  if (!(confidence_slope > 0.0) || !std::isfinite(confidence_slope) ||
+      !std::isfinite(confidence_offset)) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "answer.calibration: the confidence needs a positive slope and a finite offset");
+  }
+  if (!(position_accuracy_factor > 0.0) || !std::isfinite(position_accuracy_factor) ||
+      !(rotation_accuracy_factor > 0.0) || !std::isfinite(rotation_accuracy_factor)) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "answer.calibration: the accuracy factors must be positive and finite");
+  }
+}
+
+double ScoreCalibration::Confidence(double score) const {
+  const double logit = confidence_slope * std::log(std::max(score, 1e-9)) + confidence_offset;
+  return 1.0 / (1.0 + std::exp(-logit));
+}
+
+}  // namespace cairn

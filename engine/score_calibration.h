@@ -1,0 +1,28 @@
+// What a score and a covariance are worth: learned from answers whose truth is known.
+#ifndef CAIRN_ENGINE_SCORE_CALIBRATION_H_
+#define CAIRN_ENGINE_SCORE_CALIBRATION_H_
+
+namespace cairn {
+
+// Fitted by FitCalibration (eval/calibration) on one set of queries and tested on others.
+struct ScoreCalibration {
+  // The probability that a pose is within 3 m and 10 degrees of the truth is a logistic function of
+  // the logarithm of its score, slope * log(score) + offset; the slope is positive. Set by hand so
+  // that the acceptance threshold of 8 effective inliers means 0.7 and 30 mean 0.98.
+  double confidence_slope = 2.304;
+  double confidence_offset = -3.944;
+  // What the radii that the covariance predicts are multiplied with, so that 68 % of the truths lie
+  // within; positive.
+  double position_accuracy_factor = 1.0;
+  double rotation_accuracy_factor = 1.0;
+
+  // Throws Error(kInvalidArgument) naming the field.
+  void Validate() const;
+
+  // In (0, 1), rising with the score; a score that is not positive counts as 1e-9.
+  double Confidence(double score) const;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_SCORE_CALIBRATION_H_
