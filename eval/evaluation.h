@@ -11,6 +11,7 @@
 
 #include "engine/localize_result.h"
 #include "eval/eval_query.h"
+#include "eval/evaluation_bootstrap.h"
 
 namespace cairn {
 
@@ -22,15 +23,25 @@ struct EvalAnswer {
   double rotation_error_rad = 0.0;  // Infinite if not localized.
 };
 
+// Localized within 3 m and 10 degrees: what counts as correct in the average precision.
+bool IsCorrect(const EvalAnswer& answer);
+
 struct RecallThreshold {
   double position_m;
   double rotation_rad;
 };
 
-// Value with a 95 % bootstrap interval: the 2.5 and 97.5 percentiles over 1,000 resamplings of the
-// queries. Not a number where there is nothing to measure.
-struct Interval {
-  double value = 0.0, low = 0.0, high = 0.0;
+// What counts as correct in the average precision: 3 m, 10 degrees.
+inline constexpr RecallThreshold kCorrect = {3.0, 0.17453292519943295};
+
+// False for an answer without a pose.
+bool IsWithin(const EvalAnswer& answer, const RecallThreshold& threshold);
+
+// Accepting all responses of at least this score gives this precision, and recall over all queries.
+struct PrecisionRecallPoint {
+  double score = 0.0;
+  double precision = 0.0;
+  double recall = 0.0;
 };
 
 // Linearly interpolated between the two nearest ranks; zero if there is no value.
@@ -46,10 +57,16 @@ struct EvalReport {
   std::vector<std::pair<RecallThreshold, Interval>> recalls;
   Interval median_position_error_m;  // Over localized queries.
   Interval median_rotation_error_rad;
-  Interval average_precision;              // Correct within 3 m and 10 degrees, ranked by score.
-  std::vector<Percentiles> stage_seconds;  // Indexed by Stage.
+  Interval average_precision;  // Correct within 3 m and 10 degrees, ranked by score.
+  std::vector<PrecisionRecallPoint> precision_recall;  // The curve under which it is the area.
+  std::vector<Percentiles> stage_seconds;              // Indexed by Stage.
   Percentiles total_seconds;
 };
+
+// Responses (score, correct) as a curve: one point per distinct score, from the highest score to
+// the lowest, so that recall never falls. `num_queries` is at least the number of responses.
+std::vector<PrecisionRecallPoint> PrecisionRecallCurve(
+    const std::vector<std::pair<double, bool>>& score_and_correct, int num_queries);
 
 // Average precision as the paper defines it (section "Evaluation metric and approach"): the area
 // under precision over recall, responses ranked by score, recall counted over `num_queries` (a
