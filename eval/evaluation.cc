@@ -11,19 +11,8 @@ namespace cairn {
 namespace {
 
 constexpr double kRadFromDeg = 0.017453292519943295;
-constexpr RecallThreshold kRecallThresholds[] = {{0.25, 2.0 * kRadFromDeg},
-                                                 {0.5, 5.0 * kRadFromDeg},
-                                                 {3.0, 10.0 * kRadFromDeg},
-                                                 {5.0, 10.0 * kRadFromDeg}};
-constexpr RecallThreshold kCorrect = {3.0, 10.0 * kRadFromDeg};
-
-constexpr int kNumResamplings = 1000;
-constexpr uint64_t kBootstrapSeed = 1;
-
-bool IsWithin(const EvalAnswer& answer, const RecallThreshold& threshold) {
-  return answer.result.localized && answer.position_error_m <= threshold.position_m &&
-         answer.rotation_error_rad <= threshold.rotation_rad;
-}
+constexpr RecallThreshold kRecallThresholds[] = {
+    {0.25, 2.0 * kRadFromDeg}, {0.5, 5.0 * kRadFromDeg}, kCorrect, {5.0, 10.0 * kRadFromDeg}};
 
 EvalAnswer CompareToReference(const EvalQuery& query, LocalizeResult result) {
   EvalAnswer answer;

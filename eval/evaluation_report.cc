@@ -137,6 +137,11 @@ std::string ReportAsJson(const EvalReport& report) {
   json["median_position_error_m"] = IntervalAsJson(report.median_position_error_m, 1.0);
   json["median_rotation_error_deg"] = IntervalAsJson(report.median_rotation_error_rad, kDegFromRad);
   json["average_precision"] = IntervalAsJson(report.average_precision, 1.0);
+  Json& curve = json["precision_recall"] = Json::array();
+  for (const PrecisionRecallPoint& point : report.precision_recall) {
+    curve.push_back(
+        {{"score", point.score}, {"precision", point.precision}, {"recall", point.recall}});
+  }
   Json& latency = json["latency_ms"];
   for (size_t stage = 0; stage < report.stage_seconds.size(); ++stage) {
     latency[StageName(static_cast<Stage>(stage))] = PercentilesAsJson(report.stage_seconds[stage]);

@@ -1,0 +1,80 @@
+#include "eval/evaluation_bootstrap.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <random>
+
+#include "core/check.h"
+
+namespace cairn {
+namespace {
+
+constexpr int kNumResamplings = 1000;
+constexpr uint64_t kBootstrapSeed = 1;
+constexpr double kLowQuantile = 0.025, kHighQuantile = 0.975;
+
+}  // namespace
+
+Interval GroupBootstrap(const std::vector<int>& group_of_query, const IndexStatistic& statistic) {
+  Interval interval;
+  interval.value = interval.low = interval.high = std::numeric_limits<double>::quiet_NaN();
+  if (group_of_query.empty()) {
+    return interval;
+  }
+  std::map<int, std::vector<size_t>> queries_of_group;
+  for (size_t i = 0; i < group_of_query.size(); ++i) {
+    queries_of_group[group_of_query[i]].push_back(i);
+  }
+  std::vector<const std::vector<size_t>*> groups;
+  for (const auto& [group, queries] : queries_of_group) {
+    groups.push_back(&queries);
+  }
+  std::vector<size_t> sample(group_of_query.size());
+  std::iota(sample.begin(), sample.end(), size_t{0});
+  interval.value = interval.low = interval.high = statistic(sample);
+  if (std::isnan(interval.value)) {
+    return interval;
+  }
+
+  std::mt19937_64 generator(kBootstrapSeed);
+  std::uniform_int_distribution<size_t> draw(0, groups.size() - 1);
+  std::vector<double> values;
+  for (int i = 0; i < kNumResamplings; ++i) {
+    sample.clear();
+    for (size_t j = 0; j < groups.size(); ++j) {
+      const std::vector<size_t>& queries = *groups[draw(generator)];
+      sample.insert(sample.end(), queries.begin(), queries.end());
+    }
+    if (const double value = statistic(sample); !std::isnan(value)) {
+      values.push_back(value);
+    }
+  }
+  if (!values.empty()) {
+    std::sort(values.begin(), values.end());
+    interval.low = Quantile(values, kLowQuantile);
+    interval.high = Quantile(values, kHighQuantile);
+  }
+  return interval;
+}
+
+Interval Bootstrap(size_t num_queries, const IndexStatistic& statistic) {
+  std::vector<int> each_its_own(num_queries);
+  std::iota(each_its_own.begin(), each_its_own.end(), 0);
+  return GroupBootstrap(each_its_own, statistic);
+}
+
+double Quantile(std::vector<double> values, double share) {
+  CAIRN_CHECK(!values.empty(), "nothing has no quantile");
+  std::sort(values.begin(), values.end());
+  const double rank = share * static_cast<double>(values.size() - 1);
+  const auto lower = static_cast<size_t>(rank);
+  const size_t upper = std::min(lower + 1, values.size() - 1);
+  const double fraction = rank - static_cast<double>(lower);
+  return values[lower] + fraction * (values[upper] - values[lower]);
+}
+
+}  // namespace cairn
