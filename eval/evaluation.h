@@ -23,9 +23,6 @@ struct EvalAnswer {
   double rotation_error_rad = 0.0;  // Infinite if not localized.
 };
 
-// Localized within 3 m and 10 degrees: what counts as correct in the average precision.
-bool IsCorrect(const EvalAnswer& answer);
-
 struct RecallThreshold {
   double position_m;
   double rotation_rad;

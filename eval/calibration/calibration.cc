@@ -146,7 +146,7 @@ std::vector<CalibrationSample> CalibrationSamples(const EvalReport& report,
   for (const EvalAnswer& answer : report.answers) {
     if (answer.result.localized) {
       samples.push_back({.score = answer.result.score,
-                         .correct = IsCorrect(answer),
+                         .correct = IsWithin(answer, kCorrect),
                          .position_error_m = answer.position_error_m,
                          .rotation_error_rad = answer.rotation_error_rad,
                          .predicted_position_m =
