@@ -122,7 +122,7 @@ NotLocalizedReason QueryRun::ResolvePrior() {
 }
 
 NotLocalizedReason QueryRun::GatherTiles() {
-  tiles_ = FetchTiles(*snapshot_, cache_, options_.tiles, options_.matching.grids, &context_.region,
+  tiles_ = FetchTiles(*snapshot_, cache_, options_.tiles, options_.matching.index, &context_.region,
                       &result_.counters);
   snapshot_.reset();
   for (const TileView& view : tiles_) {

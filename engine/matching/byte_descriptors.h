@@ -1,6 +1,4 @@
-// Descriptors in the form that is searched: one byte a dimension, expanded from product codes when
-// a tile is loaded. Twice the size of the codes, but an exact distance is one vector operation
-// instead of a table look-up per subspace.
+// Descriptors in the form that is searched, in the order of the tile.
 #ifndef CAIRN_ENGINE_MATCHING_BYTE_DESCRIPTORS_H_
 #define CAIRN_ENGINE_MATCHING_BYTE_DESCRIPTORS_H_
 
@@ -10,43 +8,11 @@
 #include <vector>
 
 #include "core/features.h"
+#include "engine/matching/byte_scale.h"
+#include "engine/matching/hit_collector.h"
 #include "storage/codebook.h"
 
 namespace cairn {
-
-// A landmark descriptor near a query descriptor.
-struct DescriptorHit {
-  uint32_t query_idx = 0;
-  uint32_t descriptor_idx = 0;
-  float sq_distance = 0.0f;  // In projected space.
-};
-
-// The affine map between projected space and bytes: an offset per dimension, one step for all, wide
-// enough for every word of the codebook. Rounding adds a variance of step^2 / 12 per dimension and
-// side, about 0.1 % of a squared same-landmark distance. Immutable; safe to use from any thread.
-class ByteScale {
- public:
-  // Throws Error(kBadInput) if the codebook has more than kMaxDistanceStride dimensions.
-  explicit ByteScale(const Codebook& codebook);
-
-  int dim() const { return static_cast<int>(offset_.size()); }
-  int stride() const { return stride_; }  // dim() rounded up to a multiple of kDistanceBlock.
-  float step() const { return step_; }
-
-  // n x num_subspaces codes -> n x stride() bytes, row-major; the padding is 0.
-  std::vector<uint8_t> ExpandCodes(const Codebook& codebook, std::span<const uint8_t> codes) const;
-
-  // projected: n x dim() -> n x stride() steps in [-1024, 1279], row-major; the padding is 0.
-  std::vector<int16_t> QuantizeQueries(const DescriptorMatrix& projected) const;
-
-  // The largest squared distance in steps that is not above `max_distance` (projected space).
-  int32_t MaxSqSteps(double max_distance) const;
-
- private:
-  std::vector<float> offset_;
-  float step_ = 1.0f;
-  int stride_ = 0;
-};
 
 // Immutable; safe to use from any thread.
 class ByteDescriptors {
@@ -54,30 +20,25 @@ class ByteDescriptors {
   // codes: n x codebook.num_subspaces bytes.
   ByteDescriptors(const Codebook& codebook, std::span<const uint8_t> codes);
 
-  // A copy of some rows, in the order given.
-  ByteDescriptors Subset(std::span<const uint32_t> descriptor_indices) const;
-
   const ByteScale& scale() const { return scale_; }
   const uint8_t* rows() const { return rows_.data(); }  // size() x scale().stride().
   size_t size() const { return num_rows_; }
   size_t MemoryBytes() const { return rows_.capacity(); }
 
-  // All descriptors within `max_distance` of each query (n x dim, projected space), by comparing
-  // with every one. Appends to `hits`, ordered by query, then descriptor. Throws Error(kInternal)
-  // if the dimension is another.
+  // All hits, by comparing every query with every descriptor; see MatchingIndex::Search. Ordered by
+  // query, then descriptor if max_hits drops none.
+  void Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const;
+
+  // All descriptors within `max_distance` of each query (n x dim, projected space). Appends to
+  // `hits`, ordered by query, then descriptor. Throws Error(kInternal) if the dimension is another.
   void RangeSearch(const DescriptorMatrix& queries, double max_distance,
                    std::vector<DescriptorHit>* hits) const;
 
  private:
-  ByteDescriptors(const ByteScale& scale, std::vector<uint8_t> rows, size_t num_rows);
-
   ByteScale scale_;
   size_t num_rows_ = 0;
   std::vector<uint8_t> rows_;
 };
-
-// Throws Error(kInternal), naming both dimensions, if the queries' is not `dim`.
-void RequireQueryDim(const DescriptorMatrix& queries, int dim);
 
 }  // namespace cairn
 

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/matching/matching_options.h"
+#include "engine/matching/index_options.h"
 #include "storage/codebook.h"
 
 namespace cairn {

@@ -46,9 +46,11 @@ LandmarkRanking::LandmarkRanking(const QueryContext& query, const Codebook& code
   const double sq_median = median_distance * median_distance;
   orientation_factor_ = static_cast<float>(options.orientation_weight * sq_median);
   if (query.region.has_prior && query.region.prior_sigma_m > 0.0) {
-    position_factor_ =
-        static_cast<float>(options.position_weight * sq_median /
-                           (query.region.prior_sigma_m * query.region.prior_sigma_m));
+    position_factor_ = static_cast<float>(options.position_weight * sq_median);
+    max_sq_excess_ =
+        static_cast<float>(options.max_position_excess_sigmas * options.max_position_excess_sigmas);
+    uses_position_ =
+        options.position_weight > 0.0 || std::isfinite(options.max_position_excess_sigmas);
   }
   if (options.max_orientation_difference_rad < std::numbers::pi) {
     max_sq_chord_ =
@@ -79,8 +81,12 @@ void LandmarkRanking::Add(const TileView& view, int tile_idx, std::span<const De
     neighbor.descriptor_idx = hit.descriptor_idx;
     neighbor.landmark_idx = view.tile->landmark_of_descriptor()[hit.descriptor_idx];
     neighbor.landmark_id = tile.landmark_ids[neighbor.landmark_idx];
-    if (position_factor_ > 0.0f) {
-      neighbor.sq_distance += PositionTerm(view, neighbor.landmark_idx);
+    if (uses_position_) {
+      const float sq_excess = SqPositionExcess(view, neighbor.landmark_idx);
+      if (sq_excess > max_sq_excess_) {
+        continue;
+      }
+      neighbor.sq_distance += position_factor_ * sq_excess;
     }
     Insert(keypoint_idx, neighbor);
   }
@@ -105,12 +111,13 @@ float LandmarkRanking::SqOrientationChord(uint32_t keypoint_idx, uint8_t orienta
   return (a - b).squaredNorm();
 }
 
-float LandmarkRanking::PositionTerm(const TileView& view, uint32_t landmark_idx) const {
+float LandmarkRanking::SqPositionExcess(const TileView& view, uint32_t landmark_idx) const {
   const Eigen::Vector3d x_in_anchor =
       view.anchor_from_tile * view.tile->tile().x_in_tile[landmark_idx].cast<double>();
   const double distance_m = (x_in_anchor.head<2>() - query_.region.prior_xy_in_anchor).norm();
-  const double excess_m = std::max(0.0, distance_m - options_.viewing_distance_m);
-  return position_factor_ * static_cast<float>(excess_m * excess_m);
+  const double excess =
+      std::max(0.0, distance_m - options_.viewing_distance_m) / query_.region.prior_sigma_m;
+  return static_cast<float>(excess * excess);
 }
 
 void LandmarkRanking::Insert(uint32_t keypoint_idx, const Neighbor& neighbor) {

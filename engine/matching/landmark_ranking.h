@@ -1,9 +1,10 @@
-// From descriptor hits to correspondences: prior terms, the hard filter, and the k best landmarks
+// From descriptor hits to correspondences: prior terms, the hard filters, and the k best landmarks
 // of each keypoint.
 #ifndef CAIRN_ENGINE_MATCHING_LANDMARK_RANKING_H_
 #define CAIRN_ENGINE_MATCHING_LANDMARK_RANKING_H_
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -48,14 +49,18 @@ class LandmarkRanking {
   // Squared chord between the orientations of a keypoint and a descriptor, (2 - 2 cos), in [0, 4];
   // 0 if either has none.
   float SqOrientationChord(uint32_t keypoint_idx, uint8_t orientation_code) const;
-  float PositionTerm(const TileView& view, uint32_t landmark_idx) const;
+  // Square of how far, in standard deviations of the prior, the landmark is out of its view.
+  float SqPositionExcess(const TileView& view, uint32_t landmark_idx) const;
   void Insert(uint32_t keypoint_idx, const Neighbor& neighbor);
 
   const QueryContext& query_;
   const MatchingOptions& options_;
   float orientation_factor_ = 0.0f;  // Of the squared chord.
-  float position_factor_ = 0.0f;     // Of the squared excess distance, 1/m^2.
-  float max_sq_chord_ = 4.0f;        // The hard filter.
+  float position_factor_ = 0.0f;     // Of the squared excess.
+  // The hard filters.
+  float max_sq_chord_ = 4.0f;
+  float max_sq_excess_ = std::numeric_limits<float>::infinity();
+  bool uses_position_ = false;  // The region has a prior, and one of the options uses it.
   // Cosine and sine of each keypoint's orientation; both 0 where it has none.
   std::vector<Eigen::Vector2f> keypoint_directions_;
   std::vector<Neighbor> neighbors_;  // num_keypoints x max_neighbors, each row sorted by IsCloser.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <span>
 
 #include "core/error.h"
@@ -51,6 +52,45 @@ const Codebook& CommonCodebook(const std::vector<TileView>& tiles) {
   return codebook;
 }
 
+// How far from each query descriptor a match may be.
+std::vector<double> MaxDistances(const DescriptorMatrix& queries, const SearchableTile& tile,
+                                 const MatchingOptions& options) {
+  switch (options.distance_filter) {
+    case DistanceFilter::kAbsolute:
+      return std::vector<double>(queries.rows(),
+                                 SameLandmarkDistance(tile.codebook(), options.distance_quantile));
+    case DistanceFilter::kWordRatio: {
+      std::vector<double> distances = tile.ReferenceDistances(queries);
+      for (double& distance : distances) {
+        distance *= options.max_word_ratio;
+      }
+      return distances;
+    }
+    case DistanceFilter::kNone:
+      break;
+  }
+  return std::vector<double>(queries.rows(), std::numeric_limits<double>::infinity());
+}
+
+// Bound on the hits of a keypoint where no distance bounds them. So many that the nearest landmarks
+// are among them though a landmark has several descriptors and prior terms change the order.
+size_t MaxHits(const MatchingOptions& options) {
+  constexpr size_t kHitsPerNeighbor = 32;
+  return options.distance_filter == DistanceFilter::kNone ? kHitsPerNeighbor * options.max_neighbors
+                                                          : std::numeric_limits<size_t>::max();
+}
+
+// The codes of some descriptors, in the order given.
+std::vector<uint8_t> GatherCodes(const Tile& tile, std::span<const uint32_t> descriptors) {
+  std::vector<uint8_t> codes;
+  codes.reserve(descriptors.size() * tile.code_size);
+  for (const uint32_t descriptor : descriptors) {
+    const auto first = tile.codes.begin() + static_cast<ptrdiff_t>(descriptor) * tile.code_size;
+    codes.insert(codes.end(), first, first + tile.code_size);
+  }
+  return codes;
+}
+
 }  // namespace
 
 std::vector<Correspondence> MatchFeatures(const QueryContext& query,
@@ -60,13 +100,14 @@ std::vector<Correspondence> MatchFeatures(const QueryContext& query,
     return {};
   }
   const Codebook& codebook = CommonCodebook(tiles);
-  const double max_distance = SameLandmarkDistance(codebook, options.distance_quantile);
   LandmarkRanking ranking(query, codebook, options);
   std::vector<DescriptorHit> hits;
   for (size_t tile_idx = 0; tile_idx < tiles.size(); ++tile_idx) {
+    const SearchableTile& tile = *tiles[tile_idx].tile;
+    const std::vector<double> max_distances = MaxDistances(query.descriptors, tile, options);
     hits.clear();
     counters->num_distances +=
-        tiles[tile_idx].tile->index().RangeSearch(query.descriptors, max_distance, &hits);
+        tile.index().Search({query.descriptors, max_distances, MaxHits(options)}, &hits);
     ranking.Add(tiles[tile_idx], static_cast<int>(tile_idx), hits);
   }
   std::vector<Correspondence> correspondences = ranking.Correspondences(tiles);
@@ -96,9 +137,7 @@ std::vector<Correspondence> MatchAgainstKeyframes(const QueryContext& query,
     const std::vector<uint32_t> descriptors =
         DescriptorsOfKeyframes(tile.tile(), keyframes_of_tile[tile_idx]);
     hits.clear();
-    tile.index()
-        .descriptors()
-        .Subset(descriptors)
+    ByteDescriptors(codebook, GatherCodes(tile.tile(), descriptors))
         .RangeSearch(query.descriptors, max_distance, &hits);
     for (DescriptorHit& hit : hits) {
       hit.descriptor_idx = descriptors[hit.descriptor_idx];

@@ -11,7 +11,7 @@
 
 namespace cairn {
 
-// The k best landmarks of each keypoint over all tiles, below the threshold; a landmark that lies
+// The k best landmarks of each keypoint over all tiles that pass the filters; a landmark that lies
 // in several tiles counts once (its nearest copy). Ordered by keypoint, then distance, then
 // landmark id. Sets the matching counters. Throws Error(kInternal) unless all tiles share the
 // codebook that the query's descriptors were projected with (checked by id among the tiles, by
@@ -21,7 +21,8 @@ std::vector<Correspondence> MatchFeatures(const QueryContext& query,
                                           const MatchingOptions& options, StageCounters* counters);
 
 // For the refinement stage: matches all keypoints against just the landmarks that the given
-// keyframes saw, exhaustively, with the threshold at `distance_quantile`. Keyframes may repeat.
+// keyframes saw, exhaustively, with the absolute threshold at `distance_quantile`
+// whatever the distance filter. Keyframes may repeat.
 // Same order and rules as MatchFeatures.
 struct KeyframeRef {
   int tile_idx = 0;

@@ -44,9 +44,9 @@ class DescriptorSet {
 
 // Works through blocks of queries in three steps, each of which asks for the memory that the next
 // one reads: bounds of buckets, their items, the items' descriptors.
-class RandomGrids::Search {
+class RandomGrids::Searcher {
  public:
-  Search(const RandomGrids& grids, const DescriptorMatrix& queries)
+  Searcher(const RandomGrids& grids, const DescriptorMatrix& queries)
       : grids_(grids),
         queries_(queries),
         steps_(grids.descriptors_.scale().QuantizeQueries(queries)),
@@ -104,18 +104,15 @@ class RandomGrids::Search {
     visited_.Erase(*candidates);
   }
 
-  void AppendHits(size_t query, const std::vector<uint32_t>& candidates, int32_t max_sq_steps,
-                  std::vector<DescriptorHit>* hits) {
+  void AddHits(uint32_t query, const std::vector<uint32_t>& candidates, HitCollector* collector) {
     const ByteScale& scale = grids_.descriptors_.scale();
     sq_distances_.resize(std::max(sq_distances_.size(), candidates.size()));
-    BestDistanceKernels().gather(steps_.data() + query * scale.stride(), grids_.descriptors_.rows(),
-                                 scale.stride(), candidates.data(), candidates.size(),
-                                 sq_distances_.data());
-    const float sq_step = scale.step() * scale.step();
+    BestDistanceKernels().gather(steps_.data() + size_t{query} * scale.stride(),
+                                 grids_.descriptors_.rows(), scale.stride(), candidates.data(),
+                                 candidates.size(), sq_distances_.data());
     for (size_t i = 0; i < candidates.size(); ++i) {
-      if (sq_distances_[i] <= max_sq_steps) {
-        hits->push_back({static_cast<uint32_t>(query), candidates[i],
-                         static_cast<float>(sq_distances_[i]) * sq_step});
+      if (sq_distances_[i] <= collector->max_sq_steps(query)) {
+        collector->Add(query, candidates[i], sq_distances_[i]);
       }
     }
   }
@@ -145,29 +142,28 @@ RandomGrids::RandomGrids(const Codebook& codebook, std::span<const uint8_t> code
   }
 }
 
-int64_t RandomGrids::RangeSearch(const DescriptorMatrix& queries, double max_distance,
-                                 std::vector<DescriptorHit>* hits) const {
-  RequireQueryDim(queries, descriptors_.scale().dim());
-  const int32_t max_sq_steps = descriptors_.scale().MaxSqSteps(max_distance);
-  const auto num_queries = static_cast<size_t>(queries.rows());
-  Search search(*this, queries);
+int64_t RandomGrids::Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const {
+  HitCollector collector(descriptors_.scale(), request);
+  const auto num_queries = static_cast<size_t>(request.queries.rows());
+  Searcher searcher(*this, request.queries);
   // Two lists: one query's descriptors are on their way while the previous one's are compared.
   std::vector<uint32_t> candidates, next_candidates;
   int64_t num_distances = 0;
   for (size_t begin = 0; begin < num_queries; begin += kQueriesPerBlock) {
     const size_t end = std::min(begin + kQueriesPerBlock, num_queries);
-    search.LocateBuckets(begin, end);
-    search.LocateItems(end - begin);
-    search.GatherCandidates(0, &candidates);
+    searcher.LocateBuckets(begin, end);
+    searcher.LocateItems(end - begin);
+    searcher.GatherCandidates(0, &candidates);
     for (size_t query = begin; query < end; ++query) {
       if (query + 1 < end) {
-        search.GatherCandidates(query + 1 - begin, &next_candidates);
+        searcher.GatherCandidates(query + 1 - begin, &next_candidates);
       }
-      search.AppendHits(query, candidates, max_sq_steps, hits);
+      searcher.AddHits(static_cast<uint32_t>(query), candidates, &collector);
       num_distances += static_cast<int64_t>(candidates.size());
       candidates.swap(next_candidates);
     }
   }
+  collector.MoveTo(hits);
   return num_distances;
 }
 

@@ -111,7 +111,7 @@ Tile DecodePayload(const MapSnapshot& snapshot, const TileRecord& record) {
 // Fetches, decodes and indexes one tile.
 std::shared_ptr<const SearchableTile> LoadTile(const MapSnapshot& snapshot,
                                                const TileRecord& record,
-                                               const RandomGridsOptions& index_options) {
+                                               const IndexOptions& index_options) {
   return std::make_shared<const SearchableTile>(
       DecodePayload(snapshot, record), snapshot.LoadCodebook(record.codebook_id), index_options);
 }
@@ -148,9 +148,8 @@ void NarrowHeights(const std::pair<double, double>& band, SearchRegion* region) 
 }  // namespace
 
 std::vector<TileView> FetchTiles(const MapSnapshot& snapshot, TileCache* cache,
-                                 const TilesOptions& options,
-                                 const RandomGridsOptions& index_options, SearchRegion* region,
-                                 StageCounters* counters) {
+                                 const TilesOptions& options, const IndexOptions& index_options,
+                                 SearchRegion* region, StageCounters* counters) {
   const std::vector<TileRecord> records =
       SelectTiles(snapshot, *region, options.max_tiles, counters);
   RequireCurrentCodebook(snapshot, records);

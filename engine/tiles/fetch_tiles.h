@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/localize_result.h"
-#include "engine/matching/matching_options.h"
+#include "engine/matching/index_options.h"
 #include "engine/query_context.h"
 #include "engine/tiles/searchable_tile.h"
 #include "engine/tiles/tiles_options.h"
@@ -26,9 +26,8 @@ namespace cairn {
 // Sets the tile counters and num_descriptors. Throws Error(kMapDamaged) if a payload does not
 // decode or is not the tile its record says.
 std::vector<TileView> FetchTiles(const MapSnapshot& snapshot, TileCache* cache,
-                                 const TilesOptions& options,
-                                 const RandomGridsOptions& index_options, SearchRegion* region,
-                                 StageCounters* counters);
+                                 const TilesOptions& options, const IndexOptions& index_options,
+                                 SearchRegion* region, StageCounters* counters);
 
 }  // namespace cairn
 

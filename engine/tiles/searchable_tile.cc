@@ -35,16 +35,29 @@ std::vector<uint32_t> LandmarkOfDescriptor(const Tile& tile) {
 }  // namespace
 
 SearchableTile::SearchableTile(Tile tile, std::shared_ptr<const Codebook> codebook,
-                               const RandomGridsOptions& options)
+                               const IndexOptions& options)
     : tile_(RequireCodebook(std::move(tile), *codebook)),
       codebook_(std::move(codebook)),
       ecef_from_tile_(EcefFromEnu(tile_.id.Anchor())),
       landmark_of_descriptor_(LandmarkOfDescriptor(tile_)),
-      index_(*codebook_, tile_.codes, options) {}
+      index_(MakeMatchingIndex(*codebook_, tile_.codes, options)) {
+  if (options.num_reference_words > 0) {
+    constexpr int kNumIterations = 5;
+    constexpr uint64_t kSeed = 1;
+    reference_words_.emplace(ByteDescriptors(*codebook_, tile_.codes), options.num_reference_words,
+                             kNumIterations, kSeed);
+  }
+}
+
+std::vector<double> SearchableTile::ReferenceDistances(const DescriptorMatrix& queries) const {
+  return reference_words_ ? reference_words_->NearestDistances(ByteScale(*codebook_), queries)
+                          : std::vector<double>(queries.rows(), 0.0);
+}
 
 size_t SearchableTile::MemoryBytes() const {
   return sizeof(*this) + tile_.MemoryBytes() +
-         landmark_of_descriptor_.capacity() * sizeof(uint32_t) + index_.MemoryBytes();
+         landmark_of_descriptor_.capacity() * sizeof(uint32_t) + index_->MemoryBytes() +
+         (reference_words_ ? reference_words_->MemoryBytes() : 0);
 }
 
 }  // namespace cairn

@@ -4,10 +4,12 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/geodesy.h"
-#include "engine/matching/random_grids.h"
+#include "engine/matching/matching_index.h"
+#include "engine/matching/product_words.h"
 #include "storage/codebook.h"
 #include "storage/tile.h"
 #include "storage/tile_cache.h"
@@ -18,13 +20,15 @@ namespace cairn {
 class SearchableTile : public CachedTile {
  public:
   // Builds the index. `tile` must be consistent (as DecodeTile returns it). Throws
-  // Error(kMapDamaged) if `codebook` is not the tile's, and as RandomGrids.
-  SearchableTile(Tile tile, std::shared_ptr<const Codebook> codebook,
-                 const RandomGridsOptions& options);
+  // Error(kMapDamaged) if `codebook` is not the tile's, and as MakeMatchingIndex.
+  SearchableTile(Tile tile, std::shared_ptr<const Codebook> codebook, const IndexOptions& options);
 
   const Tile& tile() const { return tile_; }
   const Codebook& codebook() const { return *codebook_; }
-  const RandomGrids& index() const { return index_; }
+  const MatchingIndex& index() const { return *index_; }
+  // Distance in projected space from each query (n x dim) to the nearest of the reference words; 0
+  // if the options ask for none. Throws Error(kInternal) if the dimension is another.
+  std::vector<double> ReferenceDistances(const DescriptorMatrix& queries) const;
   const Rigid3d& ecef_from_tile() const { return ecef_from_tile_; }
   // Landmark of each descriptor.
   const std::vector<uint32_t>& landmark_of_descriptor() const { return landmark_of_descriptor_; }
@@ -36,7 +40,8 @@ class SearchableTile : public CachedTile {
   std::shared_ptr<const Codebook> codebook_;
   Rigid3d ecef_from_tile_;
   std::vector<uint32_t> landmark_of_descriptor_;
-  RandomGrids index_;
+  std::unique_ptr<const MatchingIndex> index_;
+  std::optional<ProductWords> reference_words_;
 };
 
 // A tile as one query sees it.

@@ -82,22 +82,6 @@ TEST(ByteDescriptors, HitsAreOrderedByQueryThenDescriptor) {
   }));
 }
 
-TEST(ByteDescriptors, SubsetFindsTheSameDistancesInItsOwnOrder) {
-  const SyntheticDescriptors data =
-      MakeSyntheticDescriptors({.num_landmarks = 100, .num_queries = 20});
-  const ByteDescriptors all(*data.codebook, data.codes);
-  const std::vector<uint32_t> chosen = {7, 3, 199};
-  constexpr double kEverything = 1e3;
-  std::vector<DescriptorHit> all_hits, subset_hits;
-  all.RangeSearch(data.queries, kEverything, &all_hits);
-  all.Subset(chosen).RangeSearch(data.queries, kEverything, &subset_hits);
-  ASSERT_EQ(subset_hits.size(), 3u * 20u);
-  for (const DescriptorHit& hit : subset_hits) {
-    const DescriptorHit& same = all_hits[hit.query_idx * 200 + chosen[hit.descriptor_idx]];
-    EXPECT_EQ(hit.sq_distance, same.sq_distance);
-  }
-}
-
 TEST(ByteDescriptors, ExtremeQueriesAreClampedAndMatchNothing) {
   const SyntheticDescriptors data = MakeSyntheticDescriptors({.num_landmarks = 10});
   const ByteDescriptors descriptors(*data.codebook, data.codes);

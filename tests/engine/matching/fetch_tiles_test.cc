@@ -57,8 +57,7 @@ class FetchTilesTest : public ::testing::Test {
 
   std::vector<TileView> Fetch(SearchRegion* region, const TilesOptions& options = {}) {
     counters_ = StageCounters();
-    return FetchTiles(store_.Snapshot(), &cache_, options, RandomGridsOptions(), region,
-                      &counters_);
+    return FetchTiles(store_.Snapshot(), &cache_, options, IndexOptions(), region, &counters_);
   }
 
   static std::vector<TileId> Ids(const std::vector<TileView>& views) {

@@ -113,6 +113,71 @@ TEST(MatchFeatures, NothingBeyondTheThresholdMatches) {
   EXPECT_THAT(LandmarkIds(tiles, Match(SimpleQuery({{0.0f}}), tiles, options)), ElementsAre(1));
 }
 
+TEST(MatchFeatures, WithoutAThresholdTheNearestMatchHoweverFar) {
+  const std::vector<TileView> tiles = {
+      SimpleView(SimpleTile({{1, {{0.9f}}}, {2, {{1.5f}}}, {3, {{1.1f}}}}))};
+  MatchingOptions options;
+  options.distance_quantile = 0.05;  // Distance 0.1.
+  options.max_neighbors = 2;
+  EXPECT_THAT(Match(SimpleQuery({{0.0f}}), tiles, options), IsEmpty());
+  options.distance_filter = DistanceFilter::kNone;
+  EXPECT_THAT(LandmarkIds(tiles, Match(SimpleQuery({{0.0f}}), tiles, options)), ElementsAre(1, 3));
+}
+
+TEST(MatchFeatures, WithoutAThresholdALandmarkOfManyDescriptorsHidesNoOther) {
+  SimpleLandmark crowded = {1, {}};
+  crowded.descriptors.resize(60, {0.2f});
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile({crowded, {2, {{0.9f}}}}))};
+  MatchingOptions options;
+  options.distance_filter = DistanceFilter::kNone;
+  EXPECT_THAT(LandmarkIds(tiles, Match(SimpleQuery({{0.0f}}), tiles, options)), ElementsAre(1, 2));
+}
+
+// A dense cloud of landmarks about 0.15 and a single one at 1.2.
+std::vector<TileView> UnevenTile() {
+  std::vector<SimpleLandmark> landmarks;
+  for (uint64_t id = 1; id <= 20; ++id) {
+    landmarks.push_back({id, {{id % 2 == 0 ? 0.1f : 0.2f}}});
+  }
+  landmarks.push_back({21, {{1.2f}}});
+  IndexOptions index = testing::ExhaustiveGrids();
+  index.num_reference_words = 100;
+  return {SimpleView(SimpleTile(landmarks), Rigid3d(), index)};
+}
+
+TEST(MatchFeatures, WordRatioComparesWithTheNearestWord) {
+  // As many words as descriptors: every descriptor is a word.
+  const std::vector<TileView> tiles = UnevenTile();
+  MatchingOptions options;
+  options.max_neighbors = 64;
+  options.index.num_reference_words = 100;
+  options.distance_filter = DistanceFilter::kWordRatio;
+  options.max_word_ratio = 1.1;
+  // Words at 0.4 from 0.6 and 0.6 from 1.2.
+  EXPECT_EQ(Match(SimpleQuery({{0.6f}}), tiles, options).size(), 10u);  // Those at 0.2.
+  options.max_word_ratio = 1.3;
+  EXPECT_EQ(Match(SimpleQuery({{0.6f}}), tiles, options).size(), 20u);
+  options.max_word_ratio = 0.9;
+  EXPECT_THAT(Match(SimpleQuery({{0.6f}}), tiles, options), IsEmpty());
+}
+
+TEST(MatchFeatures, EveryKindOfIndexGivesTheSameMatches) {
+  const Tile tile =
+      SimpleTile({{1, {{0.9f}, {0.3f}}}, {2, {{0.1f}}}, {3, {{0.5f}}}, {4, {{1.4f}}}});
+  const QueryContext query = SimpleQuery({{0.0f}, {1.0f}});
+  MatchingOptions options;
+  options.max_neighbors = 2;
+  for (const IndexKind kind :
+       {IndexKind::kRandomGrids, IndexKind::kInvertedLists, IndexKind::kInvertedMultiIndex,
+        IndexKind::kKdTree, IndexKind::kExhaustive}) {
+    IndexOptions index = testing::ExhaustiveGrids();
+    index.kind = kind;
+    const std::vector<TileView> tiles = {SimpleView(tile, Rigid3d(), index)};
+    EXPECT_THAT(LandmarkIds(tiles, Match(query, tiles, options)), ElementsAre(2, 1, 1, 4))
+        << IndexKindName(kind);
+  }
+}
+
 TEST(MatchFeatures, PriorTermsDoNotMoveTheThreshold) {
   const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.4f, 0.0}}}}))};
   MatchingOptions options;
@@ -188,6 +253,21 @@ TEST(MatchFeatures, PositionTermPrefersLandmarksInView) {
   EXPECT_NEAR(matches[1].sq_distance, 0.09 + 0.02 * 9.0, kDistanceTolerance);
 }
 
+TEST(MatchFeatures, HardPositionFilterRejectsLandmarksOutOfView) {
+  const std::vector<TileView> tiles = {
+      SimpleView(SimpleTile({{1, {{0.3f}}, {80.0, 0.0, 0.0}}, {2, {{0.4f}}, {65.0, 0.0, 9.0}}}))};
+  QueryContext query = SimpleQuery({{0.0f}});
+  query.region.prior_sigma_m = 10.0;
+  MatchingOptions options = NoTerms();
+  options.viewing_distance_m = 50.0;
+  options.max_position_excess_sigmas = 2.0;
+  EXPECT_THAT(LandmarkIds(tiles, Match(query, tiles, options)), ElementsAre(1, 2));
+  query.region.has_prior = true;
+  const auto matches = Match(query, tiles, options);
+  EXPECT_THAT(LandmarkIds(tiles, matches), ElementsAre(2));
+  EXPECT_NEAR(matches[0].sq_distance, 0.16, kDistanceTolerance);  // No term without a weight.
+}
+
 TEST(MatchFeatures, SetsTheCounters) {
   const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.1f}}}, {2, {{0.3f}}}})),
                                        SimpleView(SimpleTile({{3, {{1.5f}, {1.5f}}}}))};
@@ -210,11 +290,11 @@ TEST(MatchFeatures, RefuseTilesOfDifferentCodebooks) {
 
 TEST(SearchableTile, RefusesACodebookThatIsNotTheTiles) {
   EXPECT_THROW(
-      SearchableTile(SimpleTile({}), testing::LatticeCodebook(CodebookId{2}), RandomGridsOptions()),
+      SearchableTile(SimpleTile({}), testing::LatticeCodebook(CodebookId{2}), IndexOptions()),
       Error);
   Tile tile = SimpleTile({});
   tile.code_size = 8;
-  EXPECT_THROW(SearchableTile(tile, testing::LatticeCodebook(), RandomGridsOptions()), Error);
+  EXPECT_THROW(SearchableTile(tile, testing::LatticeCodebook(), IndexOptions()), Error);
 }
 
 TEST(SearchableTile, KnowsTheLandmarkOfEachDescriptorAndItsSize) {

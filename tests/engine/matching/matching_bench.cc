@@ -99,7 +99,7 @@ void ColdLoad(benchmark::State& state) {
   const std::vector<uint8_t> blob = EncodeTile(BenchTile());
   size_t num_bytes = 0;
   for (auto _ : state) {
-    const SearchableTile tile(DecodeTile(blob), Data().codebook, RandomGridsOptions());
+    const SearchableTile tile(DecodeTile(blob), Data().codebook, IndexOptions());
     num_bytes = tile.MemoryBytes();
   }
   state.counters["megabytes"] = static_cast<double>(num_bytes) * 1e-6;
@@ -183,7 +183,7 @@ void MatchFeaturesStage(benchmark::State& state) {
   query.rays_in_cam.resize(kNumQueries, Eigen::Vector3d::UnitZ());
   query.gravity_orientations_rad.resize(kNumQueries);
   const std::vector<TileView> tiles = {
-      {std::make_shared<const SearchableTile>(BenchTile(), Data().codebook, RandomGridsOptions()),
+      {std::make_shared<const SearchableTile>(BenchTile(), Data().codebook, IndexOptions()),
        Rigid3d()}};
   MatchingOptions options;
   options.distance_quantile = kThresholdQuantile;

@@ -8,7 +8,6 @@
 #include <tuple>
 #include <utility>
 
-#include "core/error.h"
 #include "engine/matching/distance_statistics.h"
 #include "engine/matching/real_sift.h"
 #include "engine/matching/synthetic_descriptors.h"
@@ -39,14 +38,10 @@ std::vector<DescriptorHit> ExhaustiveHits(const SyntheticDescriptors& data) {
   return hits;
 }
 
-auto AsTuple(const DescriptorHit& hit) {
-  return std::tuple(hit.query_idx, hit.descriptor_idx, hit.sq_distance);
-}
-
 std::vector<std::tuple<uint32_t, uint32_t, float>> Sorted(const std::vector<DescriptorHit>& hits) {
   std::vector<std::tuple<uint32_t, uint32_t, float>> tuples;
   for (const DescriptorHit& hit : hits) {
-    tuples.push_back(AsTuple(hit));
+    tuples.emplace_back(hit.query_idx, hit.descriptor_idx, hit.sq_distance);
   }
   std::sort(tuples.begin(), tuples.end());
   return tuples;
@@ -70,41 +65,11 @@ TEST(RandomGrids, ComputesAFractionOfTheDistances) {
   EXPECT_LT(num_distances, 200 * 40'000 / 50);
 }
 
-TEST(RandomGrids, HitsAreExhaustiveHitsWithTheirExactDistancesOnceEach) {
-  const SyntheticDescriptors data = MakeSyntheticDescriptors({});
-  const auto found = Sorted(GridHits(data, {}));
-  const auto all = Sorted(ExhaustiveHits(data));
-  ASSERT_FALSE(found.empty());
-  EXPECT_TRUE(std::includes(all.begin(), all.end(), found.begin(), found.end()));
-  EXPECT_EQ(std::adjacent_find(found.begin(), found.end()), found.end());
-}
-
-TEST(RandomGrids, HitsAreOrderedByQuery) {
-  const std::vector<DescriptorHit> hits = GridHits(MakeSyntheticDescriptors({}), {});
-  EXPECT_TRUE(std::is_sorted(hits.begin(), hits.end(), [](const auto& a, const auto& b) {
-    return a.query_idx < b.query_idx;
-  }));
-}
-
 TEST(RandomGrids, SameSeedGivesTheSameHitsAnotherSeedOthers) {
   const SyntheticDescriptors data = MakeSyntheticDescriptors({});
   const auto hits = Sorted(GridHits(data, {.seed = 1}));
   EXPECT_EQ(hits, Sorted(GridHits(data, {.seed = 1})));
   EXPECT_NE(hits, Sorted(GridHits(data, {.seed = 2})));
-}
-
-TEST(RandomGrids, HitsDoNotDependOnTheOtherQueriesOfTheBatch) {
-  const SyntheticDescriptors data = MakeSyntheticDescriptors({.num_queries = 50});
-  const RandomGrids grids(*data.codebook, data.codes, {});
-  std::vector<DescriptorHit> batch, single;
-  grids.RangeSearch(data.queries, Threshold(data), &batch);
-  for (uint32_t query = 0; query < 50; ++query) {
-    const size_t begin = single.size();
-    grids.RangeSearch(data.queries.row(query), Threshold(data), &single);
-    std::for_each(single.begin() + begin, single.end(),
-                  [query](DescriptorHit& hit) { hit.query_idx = query; });
-  }
-  EXPECT_EQ(Sorted(batch), Sorted(single));
 }
 
 TEST(RandomGrids, MoreGridsAndProbesRecallMore) {
@@ -141,29 +106,6 @@ TEST(RandomGrids, WorkInAnyDimension) {
   }
 }
 
-TEST(RandomGrids, IndexNothingOrOneDescriptor) {
-  const SyntheticDescriptors data = MakeSyntheticDescriptors({});
-  std::vector<DescriptorHit> hits;
-  EXPECT_EQ(RandomGrids(*data.codebook, {}, {}).RangeSearch(data.queries, 1e3, &hits), 0);
-  EXPECT_THAT(hits, ::testing::IsEmpty());
-
-  const std::span<const uint8_t> first_code(data.codes.data(), 8);
-  const RandomGrids one(*data.codebook, first_code, {});
-  const ByteDescriptors exhaustive(*data.codebook, first_code);
-  DescriptorMatrix query = DescriptorCodec(data.codebook).Decode(data.codes.data(), 1);
-  one.RangeSearch(query, Threshold(data), &hits);
-  ASSERT_EQ(hits.size(), 1u);
-  EXPECT_EQ(hits[0].descriptor_idx, 0u);
-}
-
-TEST(RandomGrids, NoQueriesGiveNoHits) {
-  const SyntheticDescriptors data = MakeSyntheticDescriptors({});
-  std::vector<DescriptorHit> hits;
-  EXPECT_EQ(
-      RandomGrids(*data.codebook, data.codes, {}).RangeSearch(DescriptorMatrix(0, 16), 1.0, &hits),
-      0);
-}
-
 TEST(RandomGrids, EqualDescriptorsWithoutSpreadDoNotBreakTheCellWidth) {
   const SyntheticDescriptors data = MakeSyntheticDescriptors({.num_landmarks = 100});
   Codebook codebook = *data.codebook;
@@ -173,14 +115,6 @@ TEST(RandomGrids, EqualDescriptorsWithoutSpreadDoNotBreakTheCellWidth) {
   const DescriptorMatrix query = DescriptorCodec(data.codebook).Decode(data.codes.data(), 1);
   RandomGrids(codebook, data.codes, {}).RangeSearch(query, 0.01, &hits);
   EXPECT_FALSE(hits.empty());
-}
-
-TEST(RandomGrids, RefuseAQueryOfAnotherDimension) {
-  const SyntheticDescriptors data = MakeSyntheticDescriptors({.num_landmarks = 100});
-  std::vector<DescriptorHit> hits;
-  EXPECT_THROW(RandomGrids(*data.codebook, data.codes, {})
-                   .RangeSearch(DescriptorMatrix::Zero(1, 8), 1.0, &hits),
-               Error);
 }
 
 TEST(RandomGrids, RecallNearNeighboursOfRealSift) {

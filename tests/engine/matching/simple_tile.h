@@ -90,17 +90,20 @@ inline Tile SimpleTile(const std::vector<SimpleLandmark>& landmarks,
 }
 
 // Cells so wide, and so many of them looked into, that nothing in LatticeCodebook's box is missed.
-inline RandomGridsOptions ExhaustiveGrids() {
-  return {.num_grids = 1,
-          .num_hashed_dims = 4,
-          .cell_width_sigmas = 100.0,
-          .num_probes = 16,
-          .max_candidates_per_cell = 10'000};
+inline IndexOptions ExhaustiveGrids() {
+  IndexOptions options;
+  options.grids = {.num_grids = 1,
+                   .num_hashed_dims = 4,
+                   .cell_width_sigmas = 100.0,
+                   .num_probes = 16,
+                   .max_candidates_per_cell = 10'000};
+  return options;
 }
 
-inline TileView SimpleView(Tile tile, const Rigid3d& anchor_from_tile = Rigid3d()) {
+inline TileView SimpleView(Tile tile, const Rigid3d& anchor_from_tile = Rigid3d(),
+                           const IndexOptions& options = ExhaustiveGrids()) {
   const auto codebook = LatticeCodebook(tile.codebook_id);
-  return {std::make_shared<const SearchableTile>(std::move(tile), codebook, ExhaustiveGrids()),
+  return {std::make_shared<const SearchableTile>(std::move(tile), codebook, options),
           anchor_from_tile};
 }
 

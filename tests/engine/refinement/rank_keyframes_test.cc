@@ -44,7 +44,7 @@ TileView MakeTile(uint64_t first_id, int num_landmarks,
     }
     tile.keyframe_begin.push_back(static_cast<uint32_t>(tile.keyframe_landmarks.size()));
   }
-  return {std::make_shared<SearchableTile>(std::move(tile), codebook, RandomGridsOptions()),
+  return {std::make_shared<SearchableTile>(std::move(tile), codebook, IndexOptions()),
           Rigid3d()};
 }
 

@@ -1,0 +1,49 @@
+// Descriptors sorted into the cells of a partition: what inverted lists, inverted multi-index and
+// kd-tree have in common.
+#ifndef CAIRN_ENGINE_MATCHING_CELL_LISTS_H_
+#define CAIRN_ENGINE_MATCHING_CELL_LISTS_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/matching/byte_descriptors.h"
+#include "engine/matching/hit_collector.h"
+
+namespace cairn {
+
+// A query looks into a cell.
+struct CellVisit {
+  uint32_t cell = 0;
+  uint32_t query_idx = 0;
+};
+
+// The descriptors of a cell lie in a row in memory. Immutable; safe to use from any thread.
+class CellLists {
+ public:
+  // The cell of each descriptor is below num_cells.
+  CellLists(const ByteDescriptors& descriptors, std::span<const uint32_t> cells, size_t num_cells);
+
+  const ByteScale& scale() const { return scale_; }
+  size_t size() const { return descriptor_of_row_.size(); }
+  size_t num_cells() const { return begin_.size() - 1; }
+
+  // Compares queries (n x scale().stride(), as ByteScale makes them) with the descriptors of the
+  // cells they visit, in the order of the visits. Returns the number of distances computed.
+  int64_t Search(const std::vector<int16_t>& query_steps, std::span<const CellVisit> visits,
+                 HitCollector* collector) const;
+
+  size_t MemoryBytes() const;
+
+ private:
+  ByteScale scale_;
+  std::vector<uint32_t> begin_;              // Of each cell, num_cells + 1 offsets into the rows.
+  std::vector<uint8_t> rows_;                // size() x scale().stride().
+  std::vector<uint32_t> descriptor_of_row_;  // Ascending within a cell.
+  size_t max_cell_size_ = 0;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_MATCHING_CELL_LISTS_H_

@@ -1,0 +1,33 @@
+// No index: every query is compared with every descriptor. What the others are measured by.
+#ifndef CAIRN_ENGINE_MATCHING_EXHAUSTIVE_INDEX_H_
+#define CAIRN_ENGINE_MATCHING_EXHAUSTIVE_INDEX_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/matching/byte_descriptors.h"
+#include "engine/matching/matching_index.h"
+
+namespace cairn {
+
+class ExhaustiveIndex : public MatchingIndex {
+ public:
+  // See MakeMatchingIndex.
+  ExhaustiveIndex(const Codebook& codebook, std::span<const uint8_t> codes)
+      : descriptors_(codebook, codes) {}
+
+  int64_t Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const override {
+    descriptors_.Search(request, hits);
+    return static_cast<int64_t>(descriptors_.size()) * request.queries.rows();
+  }
+  size_t MemoryBytes() const override { return descriptors_.MemoryBytes(); }
+
+ private:
+  ByteDescriptors descriptors_;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_MATCHING_EXHAUSTIVE_INDEX_H_

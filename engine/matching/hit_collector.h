@@ -1,0 +1,72 @@
+// What is asked of a matching index, and the hits it answers with.
+#ifndef CAIRN_ENGINE_MATCHING_HIT_COLLECTOR_H_
+#define CAIRN_ENGINE_MATCHING_HIT_COLLECTOR_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "core/features.h"
+#include "engine/matching/byte_scale.h"
+
+namespace cairn {
+
+// A landmark descriptor near a query descriptor.
+struct DescriptorHit {
+  uint32_t query_idx = 0;
+  uint32_t descriptor_idx = 0;
+  float sq_distance = 0.0f;  // In projected space.
+};
+
+struct SearchRequest {
+  const DescriptorMatrix& queries;        // n x dim, projected space.
+  std::span<const double> max_distances;  // One a query, projected space; infinity is allowed.
+  // Of more hits of a query only the nearest are kept, equally near ones by index.
+  size_t max_hits = std::numeric_limits<size_t>::max();
+};
+
+// Gathers the hits of a search in any order. Memory is bounded by a few times the hits that are
+// kept. For use within one thread.
+class HitCollector {
+ public:
+  // `request` is only read here. Throws Error(kInternal) if the queries' dimension is not the
+  // scale's.
+  HitCollector(const ByteScale& scale, const SearchRequest& request);
+
+  // A candidate with a larger squared distance, in steps, is no hit of the query. May fall while
+  // hits arrive.
+  int32_t max_sq_steps(uint32_t query_idx) const { return max_sq_steps_[query_idx]; }
+
+  void Add(uint32_t query_idx, uint32_t descriptor_idx, int32_t sq_steps) {
+    hits_.push_back({query_idx, descriptor_idx, sq_steps});
+    if (hits_.size() >= compaction_size_) {
+      Compact();
+    }
+  }
+
+  // Appends the hits to `hits`, ordered by query, then in the order in which they were added, or by
+  // distance where there were more than max_hits.
+  void MoveTo(std::vector<DescriptorHit>* hits);
+
+ private:
+  struct Hit {
+    uint32_t query_idx;
+    uint32_t descriptor_idx;
+    int32_t sq_steps;
+  };
+
+  // Orders hits_ by query and drops what exceeds max_hits_.
+  void Compact();
+
+  float sq_step_;
+  size_t max_hits_;
+  size_t compaction_size_;
+  std::vector<int32_t> max_sq_steps_;
+  std::vector<Hit> hits_, ordered_hits_;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_MATCHING_HIT_COLLECTOR_H_

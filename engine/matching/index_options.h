@@ -1,0 +1,91 @@
+// Options of the matching indices: which kind a tile is searched with, and its knobs.
+#ifndef CAIRN_ENGINE_MATCHING_INDEX_OPTIONS_H_
+#define CAIRN_ENGINE_MATCHING_INDEX_OPTIONS_H_
+
+#include <cstdint>
+
+namespace cairn {
+
+// Random grids (paper, section "Random Grids"; Aiger, Kokiopoulou, Rivlin, ICCV 2013). The defaults
+// recall 95 % of what exhaustive search does (mean of four seeds, 500,000 descriptors of real SIFT)
+// at a fiftieth of its time; width 6 recalls 97 % for half as much time again, 12 grids with 4
+// probes recall 95 % in less time but more memory. cairn_matching_bench prints such figures.
+struct RandomGridsOptions {
+  // N, 1 to 64: each descriptor stands in one cell of every grid. Time and memory are linear in it.
+  int num_grids = 8;
+  // Leading dimensions of the rotated descriptor that make up a cell's key, 1 to 128; a smaller
+  // descriptor is hashed whole. Fewer make coarser cells: more recall a grid, more candidates.
+  int num_hashed_dims = 12;
+  // Side of a cell, [0.001, 1000], in units of sigma = d / sqrt(projected_dim), where d is the
+  // codebook's median same-landmark distance: the standard deviation, per dimension, between two
+  // descriptors of one landmark. 5.5 in 16 dimensions is 1.4 times d.
+  double cell_width_sigmas = 5.5;
+  // Cells looked into per grid, 1 to 32: the own one, then those across the nearest borders.
+  int num_probes = 8;
+  // 1 to 10,000; of a fuller cell a random subset is kept (paper: 100).
+  int max_candidates_per_cell = 100;
+  uint64_t seed = 1;  // Of rotations, shifts and subsets.
+
+  // Throws Error(kInvalidArgument) naming the field.
+  void Validate() const;
+};
+
+// Inverted lists: k-means cells, each a list of descriptors that lie in a row in memory.
+struct InvertedListsOptions {
+  int num_lists = 512;     // 1 to 65,536; a tile with fewer descriptors has fewer.
+  int num_probes = 8;      // Lists looked into, nearest centroid first; 1 to 65,536.
+  int num_iterations = 5;  // Of k-means, 0 to 100.
+  uint64_t seed = 1;       // Of the training sample.
+
+  // Throws Error(kInvalidArgument) naming the field.
+  void Validate() const;
+};
+
+// Inverted multi-index (Babenko and Lempitsky, CVPR 2012; paper, section "The inverted
+// multi-index"): the cells are pairs of words of two vocabularies, one for each half of the
+// descriptor.
+struct InvertedMultiIndexOptions {
+  int num_words = 1000;  // Of each vocabulary, 1 to 4,096 (paper: 1,000).
+  // Pairs of words looked into, nearest first, empty ones included; 1 to 1,000,000 (paper: 300 to
+  // 1,000).
+  int num_probes = 300;
+  int num_iterations = 5;  // Of k-means, 0 to 100.
+  uint64_t seed = 1;       // Of the training sample.
+
+  // Throws Error(kInvalidArgument) naming the field.
+  void Validate() const;
+};
+
+// A kd-tree searched best bin first (Beis and Lowe, CVPR 1997).
+struct KdTreeOptions {
+  int max_leaf_size = 32;  // 1 to 100,000: descriptors of a leaf, which lie in a row in memory.
+  int num_probes = 64;     // Leaves looked into, nearest first; 1 to 1,000,000.
+
+  // Throws Error(kInvalidArgument) naming the field.
+  void Validate() const;
+};
+
+enum class IndexKind { kRandomGrids, kInvertedLists, kInvertedMultiIndex, kKdTree, kExhaustive };
+const char* IndexKindName(IndexKind kind);  // "random_grids", "inverted_lists", ...
+
+// What a tile is made searchable with. The tile cache knows tiles by their payload only, so a cache
+// must be used with one IndexOptions: localizers that differ in it need a cache each.
+struct IndexOptions {
+  IndexKind kind = IndexKind::kRandomGrids;
+  // Only those of `kind` are used.
+  RandomGridsOptions grids;
+  InvertedListsOptions lists;
+  InvertedMultiIndexOptions multi_index;
+  KdTreeOptions kd_tree;
+
+  // Words per half of the vocabulary that DistanceFilter::kWordRatio compares with, 0 to 4,096; 0:
+  // none is made. Whatever the kind.
+  int num_reference_words = 0;
+
+  // Throws Error(kInvalidArgument) naming the field.
+  void Validate() const;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_MATCHING_INDEX_OPTIONS_H_

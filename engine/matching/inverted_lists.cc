@@ -1,0 +1,64 @@
+#include "engine/matching/inverted_lists.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace cairn {
+
+InvertedLists::InvertedLists(const Codebook& codebook, std::span<const uint8_t> codes,
+                             const InvertedListsOptions& options)
+    : InvertedLists(ByteDescriptors(codebook, codes), options) {}
+
+InvertedLists::InvertedLists(const ByteDescriptors& descriptors,
+                             const InvertedListsOptions& options)
+    : words_(descriptors, {.first_dim = 0,
+                           .num_dims = descriptors.scale().dim(),
+                           .num_words = options.num_lists,
+                           .num_iterations = options.num_iterations,
+                           .seed = options.seed}),
+      lists_(descriptors, words_.NearestWords(descriptors), words_.size()) {
+  num_probes_ = std::min<size_t>(options.num_probes, words_.size());
+}
+
+std::vector<CellVisit> InvertedLists::MakeVisits(const std::vector<int16_t>& query_steps,
+                                                 size_t num_queries) const {
+  const size_t num_words = words_.size();
+  std::vector<int32_t> sq_steps(num_words);
+  std::vector<uint64_t> ordered(num_words);  // Distance << 32 | word.
+  std::vector<uint32_t> probed(num_queries * num_probes_);
+  std::vector<uint32_t> begin(num_words + 1, 0);
+  for (size_t query = 0; query < num_queries; ++query) {
+    words_.SqDistances(query_steps.data() + query * lists_.scale().stride(), sq_steps);
+    for (size_t word = 0; word < num_words; ++word) {
+      ordered[word] = static_cast<uint64_t>(sq_steps[word]) << 32 | word;
+    }
+    std::nth_element(ordered.begin(), ordered.begin() + static_cast<ptrdiff_t>(num_probes_ - 1),
+                     ordered.end());
+    for (size_t i = 0; i < num_probes_; ++i) {
+      const auto word = static_cast<uint32_t>(ordered[i]);
+      probed[query * num_probes_ + i] = word;
+      ++begin[word + 1];
+    }
+  }
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<CellVisit> visits(probed.size());
+  for (size_t i = 0; i < probed.size(); ++i) {
+    visits[begin[probed[i]]++] = {probed[i], static_cast<uint32_t>(i / num_probes_)};
+  }
+  return visits;
+}
+
+int64_t InvertedLists::Search(const SearchRequest& request,
+                              std::vector<DescriptorHit>* hits) const {
+  HitCollector collector(lists_.scale(), request);
+  if (num_probes_ == 0) {
+    return 0;
+  }
+  const std::vector<int16_t> query_steps = lists_.scale().QuantizeQueries(request.queries);
+  const std::vector<CellVisit> visits = MakeVisits(query_steps, request.queries.rows());
+  const int64_t num_distances = lists_.Search(query_steps, visits, &collector);
+  collector.MoveTo(hits);
+  return num_distances;
+}
+
+}  // namespace cairn

@@ -1,0 +1,39 @@
+// Inverted lists: k-means cells, of which a query looks into the nearest.
+#ifndef CAIRN_ENGINE_MATCHING_INVERTED_LISTS_H_
+#define CAIRN_ENGINE_MATCHING_INVERTED_LISTS_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/matching/byte_words.h"
+#include "engine/matching/cell_lists.h"
+#include "engine/matching/matching_index.h"
+
+namespace cairn {
+
+// Queries are compared list by list, so that a list that several of them visit is read once.
+class InvertedLists : public MatchingIndex {
+ public:
+  // See MakeMatchingIndex.
+  InvertedLists(const Codebook& codebook, std::span<const uint8_t> codes,
+                const InvertedListsOptions& options);
+
+  int64_t Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const override;
+  size_t MemoryBytes() const override { return words_.MemoryBytes() + lists_.MemoryBytes(); }
+
+ private:
+  InvertedLists(const ByteDescriptors& descriptors, const InvertedListsOptions& options);
+  // Ordered by cell, then query.
+  std::vector<CellVisit> MakeVisits(const std::vector<int16_t>& query_steps,
+                                    size_t num_queries) const;
+
+  size_t num_probes_;
+  ByteWords words_;
+  CellLists lists_;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_MATCHING_INVERTED_LISTS_H_

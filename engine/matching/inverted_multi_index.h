@@ -1,0 +1,41 @@
+// Inverted multi-index (Babenko and Lempitsky, "The Inverted Multi-Index", CVPR 2012; paper,
+// section of that name).
+#ifndef CAIRN_ENGINE_MATCHING_INVERTED_MULTI_INDEX_H_
+#define CAIRN_ENGINE_MATCHING_INVERTED_MULTI_INDEX_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/matching/cell_lists.h"
+#include "engine/matching/matching_index.h"
+#include "engine/matching/product_words.h"
+
+namespace cairn {
+
+// The cells are pairs of words, one of each half's vocabulary. A query looks into the nearest
+// pairs, found by the multi-sequence algorithm. The paper codes residuals to the words; here all
+// kinds of index hold the same descriptors, so that they differ in nothing but the search.
+class InvertedMultiIndex : public MatchingIndex {
+ public:
+  // See MakeMatchingIndex.
+  InvertedMultiIndex(const Codebook& codebook, std::span<const uint8_t> codes,
+                     const InvertedMultiIndexOptions& options);
+
+  int64_t Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const override;
+  size_t MemoryBytes() const override { return words_.MemoryBytes() + lists_.MemoryBytes(); }
+
+ private:
+  class MultiSequence;  // Working memory of one Search.
+
+  InvertedMultiIndex(const ByteDescriptors& descriptors, const InvertedMultiIndexOptions& options);
+
+  size_t num_probes_;
+  ProductWords words_;
+  CellLists lists_;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_MATCHING_INVERTED_MULTI_INDEX_H_

@@ -1,0 +1,37 @@
+#include "engine/matching/matching_index.h"
+
+#include "core/check.h"
+#include "engine/matching/exhaustive_index.h"
+#include "engine/matching/inverted_lists.h"
+#include "engine/matching/inverted_multi_index.h"
+#include "engine/matching/kd_tree.h"
+#include "engine/matching/random_grids.h"
+
+namespace cairn {
+
+int64_t MatchingIndex::RangeSearch(const DescriptorMatrix& queries, double max_distance,
+                                   std::vector<DescriptorHit>* hits) const {
+  const std::vector<double> max_distances(queries.rows(), max_distance);
+  return Search({queries, max_distances}, hits);
+}
+
+std::unique_ptr<const MatchingIndex> MakeMatchingIndex(const Codebook& codebook,
+                                                       std::span<const uint8_t> codes,
+                                                       const IndexOptions& options) {
+  switch (options.kind) {
+    case IndexKind::kRandomGrids:
+      return std::make_unique<RandomGrids>(codebook, codes, options.grids);
+    case IndexKind::kInvertedLists:
+      return std::make_unique<InvertedLists>(codebook, codes, options.lists);
+    case IndexKind::kInvertedMultiIndex:
+      return std::make_unique<InvertedMultiIndex>(codebook, codes, options.multi_index);
+    case IndexKind::kKdTree:
+      return std::make_unique<KdTree>(codebook, codes, options.kd_tree);
+    case IndexKind::kExhaustive:
+      return std::make_unique<ExhaustiveIndex>(codebook, codes);
+  }
+  CAIRN_CHECK(false, "every IndexKind can be made");
+  return nullptr;
+}
+
+}  // namespace cairn

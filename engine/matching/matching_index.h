@@ -1,0 +1,47 @@
+// What the matching stage asks of the index of a tile's descriptors, whatever its kind.
+#ifndef CAIRN_ENGINE_MATCHING_MATCHING_INDEX_H_
+#define CAIRN_ENGINE_MATCHING_MATCHING_INDEX_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/features.h"
+#include "engine/matching/hit_collector.h"
+#include "engine/matching/index_options.h"
+#include "storage/codebook.h"
+
+namespace cairn {
+
+// All kinds hold the same descriptors (see ByteDescriptors) and give the same, exact distances;
+// they differ in what they find, how fast and in how much memory. Immutable; safe to use from any
+// thread. Deterministic, by seed where the options have one.
+class MatchingIndex {
+ public:
+  virtual ~MatchingIndex() = default;
+
+  // Finds descriptors within each query's own distance: all of them (exhaustive) or most. Appends
+  // to `hits`, ordered by query; a descriptor at most once for a query. What is found for a query
+  // does not depend on the others. Returns the number of distances computed. Throws
+  // Error(kInternal) if the queries' dimension is not the codebook's.
+  virtual int64_t Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const = 0;
+
+  // Search with one distance for all queries and no bound on hits.
+  int64_t RangeSearch(const DescriptorMatrix& queries, double max_distance,
+                      std::vector<DescriptorHit>* hits) const;
+
+  virtual size_t MemoryBytes() const = 0;
+};
+
+// Makes the index of n descriptors, codes: n x codebook.num_subspaces bytes, n < 2^32 - 1. The
+// options must be valid. Throws Error(kBadInput) if the codebook has more than 128 dimensions,
+// Error(kMapDamaged) if it lacks the same-landmark distances that random grids need.
+std::unique_ptr<const MatchingIndex> MakeMatchingIndex(const Codebook& codebook,
+                                                       std::span<const uint8_t> codes,
+                                                       const IndexOptions& options);
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_MATCHING_MATCHING_INDEX_H_

@@ -1,0 +1,107 @@
+#include "engine/matching/hit_collector.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "core/error.h"
+#include "engine/matching/simple_tile.h"
+
+namespace cairn {
+namespace {
+
+using ::testing::ElementsAre;
+
+std::vector<std::pair<uint32_t, uint32_t>> Pairs(const std::vector<DescriptorHit>& hits) {
+  std::vector<std::pair<uint32_t, uint32_t>> pairs;
+  for (const DescriptorHit& hit : hits) {
+    pairs.emplace_back(hit.query_idx, hit.descriptor_idx);
+  }
+  return pairs;
+}
+
+class HitCollectorTest : public ::testing::Test {
+ protected:
+  HitCollectorTest() : scale_(*testing::LatticeCodebook()) {}
+
+  const ByteScale scale_;
+  const DescriptorMatrix queries_ = DescriptorMatrix::Zero(3, 4);
+  const std::vector<double> max_distances_ = {1.0, 2.0, 0.5};
+};
+
+TEST_F(HitCollectorTest, OrdersByQueryThenByArrival) {
+  HitCollector collector(scale_, {queries_, max_distances_});
+  collector.Add(2, 7, 10);
+  collector.Add(0, 9, 30);
+  collector.Add(2, 3, 20);
+  collector.Add(0, 1, 5);
+  std::vector<DescriptorHit> hits;
+  collector.MoveTo(&hits);
+  EXPECT_THAT(Pairs(hits),
+              ElementsAre(std::pair(0, 9), std::pair(0, 1), std::pair(2, 7), std::pair(2, 3)));
+  EXPECT_FLOAT_EQ(hits[0].sq_distance, 30.0f * scale_.step() * scale_.step());
+}
+
+TEST_F(HitCollectorTest, EveryQueryHasItsOwnDistance) {
+  const HitCollector collector(scale_, {queries_, max_distances_});
+  for (uint32_t query = 0; query < 3; ++query) {
+    EXPECT_EQ(collector.max_sq_steps(query), scale_.MaxSqSteps(max_distances_[query]));
+  }
+}
+
+TEST_F(HitCollectorTest, KeepsTheNearestOfTooMany) {
+  HitCollector collector(scale_, {queries_, max_distances_, /*max_hits=*/2});
+  collector.Add(1, 5, 30);
+  collector.Add(1, 6, 10);
+  collector.Add(1, 4, 20);
+  collector.Add(1, 3, 20);
+  collector.Add(0, 8, 99);
+  std::vector<DescriptorHit> hits;
+  collector.MoveTo(&hits);
+  EXPECT_THAT(Pairs(hits), ElementsAre(std::pair(0, 8), std::pair(1, 6), std::pair(1, 3)));
+}
+
+TEST_F(HitCollectorTest, ManyHitsAreTheSameInAnyOrderAndTightenTheDistance) {
+  constexpr size_t kMaxHits = 50;
+  std::vector<std::pair<uint32_t, int32_t>> candidates;  // Descriptor, squared steps.
+  std::mt19937_64 random(1);
+  for (uint32_t i = 0; i < 200'000; ++i) {
+    candidates.emplace_back(i, static_cast<int32_t>(random() % 30'000));
+  }
+  std::vector<std::vector<std::pair<uint32_t, uint32_t>>> results;
+  for (int i = 0; i < 2; ++i) {
+    std::shuffle(candidates.begin(), candidates.end(), random);
+    HitCollector collector(scale_, {queries_, max_distances_, kMaxHits});
+    const int32_t first_bound = collector.max_sq_steps(1);
+    for (const auto& [descriptor, sq_steps] : candidates) {
+      if (sq_steps <= collector.max_sq_steps(1)) {
+        collector.Add(1, descriptor, sq_steps);
+      }
+    }
+    EXPECT_LT(collector.max_sq_steps(1), first_bound);
+    std::vector<DescriptorHit> hits;
+    collector.MoveTo(&hits);
+    EXPECT_EQ(hits.size(), kMaxHits);
+    results.push_back(Pairs(hits));
+  }
+  EXPECT_EQ(results[0], results[1]);
+}
+
+TEST_F(HitCollectorTest, NothingGivesNothing) {
+  HitCollector collector(scale_, {queries_, max_distances_});
+  std::vector<DescriptorHit> hits;
+  collector.MoveTo(&hits);
+  EXPECT_TRUE(hits.empty());
+}
+
+TEST_F(HitCollectorTest, RefusesQueriesOfAnotherDimension) {
+  const DescriptorMatrix queries = DescriptorMatrix::Zero(3, 5);
+  EXPECT_THROW(HitCollector(scale_, {queries, max_distances_}), Error);
+}
+
+}  // namespace
+}  // namespace cairn
