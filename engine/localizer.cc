@@ -17,6 +17,7 @@
 #include "engine/prior/search_region.h"
 #include "engine/refinement/rank_keyframes.h"
 #include "engine/tiles/fetch_tiles.h"
+#include "engine/voting/covisibility_filter.h"
 #include "engine/voting/pose_voting.h"
 #include "storage/descriptor_codec.h"
 
@@ -60,7 +61,7 @@ class QueryRun {
   // Adds the pose of a subset of correspondences to the hypotheses, if there is one.
   void AddHypothesis(const std::shared_ptr<const std::vector<Correspondence>>& correspondences,
                      const std::vector<int>& subset);
-  double BestScore() const;
+  bool NeedsRefinement() const;
 
   const MapStore& store_;
   TileCache* cache_;
@@ -140,9 +141,22 @@ NotLocalizedReason QueryRun::Match() {
 }
 
 NotLocalizedReason QueryRun::Vote() {
-  candidates_ = context_.level_from_cam
-                    ? VoteForPoses(context_, *correspondences_, options_.voting, &result_.counters)
-                    : KeyframeCandidates(context_, tiles_, *correspondences_, options_.refinement);
+  switch (options_.voting.filter) {
+    case OutlierFilter::kVoting4d:
+    case OutlierFilter::kVoting3d:
+      candidates_ =
+          context_.level_from_cam
+              ? VoteForPoses(context_, *correspondences_, options_.voting, &result_.counters)
+              : KeyframeCandidates(context_, tiles_, *correspondences_, options_.refinement);
+      break;
+    case OutlierFilter::kCovisibility:
+      candidates_ =
+          CovisibilityCandidates(tiles_, *correspondences_, options_.voting, &result_.counters);
+      break;
+    case OutlierFilter::kNone:
+      candidates_ = UnfilteredCandidate(*correspondences_, &result_.counters);
+      break;
+  }
   result_.counters.num_candidates = static_cast<int64_t>(candidates_.size());
   return NotLocalizedReason::kNone;
 }
@@ -158,7 +172,7 @@ NotLocalizedReason QueryRun::EstimatePoses() {
 }
 
 NotLocalizedReason QueryRun::Refine() {
-  if (BestScore() < options_.refinement.good_effective_inliers) {
+  if (NeedsRefinement()) {
     const auto ranked = RankKeyframes(context_, tiles_, *correspondences_, options_.refinement);
     for (const RankedKeyframe& keyframe : ranked) {
       if (DeadlinePassed()) {
@@ -190,12 +204,19 @@ void QueryRun::AddHypothesis(
   }
 }
 
-double QueryRun::BestScore() const {
-  double best = 0.0;
-  for (const PoseHypothesis& hypothesis : hypotheses_) {
-    best = std::max(best, hypothesis.estimate.effective_inliers);
+bool QueryRun::NeedsRefinement() const {
+  switch (options_.refinement.mode) {
+    case RefinementMode::kNever:
+      return false;
+    case RefinementMode::kAlways:
+      return true;
+    case RefinementMode::kWhenWeak:
+      break;
   }
-  return best;
+  return std::none_of(
+      hypotheses_.begin(), hypotheses_.end(), [this](const PoseHypothesis& hypothesis) {
+        return hypothesis.estimate.effective_inliers >= options_.refinement.good_effective_inliers;
+      });
 }
 
 }  // namespace

@@ -16,9 +16,9 @@ namespace cairn {
 // that is current when it starts.
 class Localizer {
  public:
-  // `store` and `cache` are shared with whoever else uses them; a cache must hold tiles of this store
-  // made with the same options.matching.index, as it knows them by payload only. Validates the
-  // options.
+  // `store` and `cache` are shared with whoever else uses them; a cache must hold tiles of this
+  // store made with the same options.matching.index, as it knows them by payload only. Validates
+  // the options.
   Localizer(std::shared_ptr<const MapStore> store, std::shared_ptr<TileCache> cache,
             const LocalizerOptions& options);
   ~Localizer();

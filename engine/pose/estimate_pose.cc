@@ -107,6 +107,9 @@ std::optional<PoseEstimate> EstimatePose(const QueryContext& query,
                                          const std::vector<Correspondence>& correspondences,
                                          const std::vector<int>& subset, const PoseOptions& options,
                                          uint64_t seed) {
+  if (options.solver == MinimalSolver::kGravityTwoPoint && !query.level_from_cam) {
+    return std::nullopt;
+  }
   PoseEstimator estimator(query, correspondences, subset, options, seed);
   if (estimator.num_keypoints() < options.min_inliers) {
     return std::nullopt;

@@ -13,8 +13,8 @@
 namespace cairn {
 
 // Estimates the pose from `subset` (indices into `correspondences`; samples are drawn from it),
-// then gathers inliers among all correspondences, one per keypoint, and refines on them. Uses
-// gravity if the query has it, else P3P. Nothing if no model has enough inliers. Deterministic by
+// then gathers inliers among all correspondences, one per keypoint, and refines on them. Nothing if
+// no model has enough inliers, or the solver needs gravity and the query has none. Deterministic by
 // seed.
 std::optional<PoseEstimate> EstimatePose(const QueryContext& query,
                                          const std::vector<Correspondence>& correspondences,

@@ -91,7 +91,7 @@ PoseEstimator::PoseEstimator(const QueryContext& query,
       observations_(MakeObservations(query, correspondences, subset, options, seed)),
       consensus_(observations_),
       gravity_(MakeGravityPrior(query, options)) {
-  if (query.level_from_cam) {
+  if (query.level_from_cam && options.solver != MinimalSolver::kP3p) {
     level_from_cam_ = query.level_from_cam->toRotationMatrix();
     minimal_extra_sq_rad_ = std::pow(2.0 * options.gravity_sigma_rad, 2);
   }

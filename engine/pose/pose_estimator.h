@@ -17,8 +17,8 @@
 
 namespace cairn {
 
-// Poses from gravity two-point samples if the query has gravity, else from P3P samples. See
-// LoRansac for the contract of the methods.
+// Poses from gravity two-point or P3P samples, see MinimalSolver; two-point samples need gravity.
+// See LoRansac for the contract of the methods.
 //
 // A two-point pose inherits the error of the measured gravity, so its score takes thresholds
 // widened by twice gravity_sigma_rad; local optimisation frees all six degrees of freedom and is
@@ -49,7 +49,7 @@ class PoseEstimator {
   const PoseOptions& options_;
   std::vector<RayObservation> observations_;  // Keypoints in random order.
   ConsensusSet consensus_;
-  std::optional<Eigen::Matrix3d> level_from_cam_;
+  std::optional<Eigen::Matrix3d> level_from_cam_;  // For two-point samples only.
   std::optional<GravityPrior> gravity_;
   double minimal_extra_sq_rad_ = 0.0;
 };

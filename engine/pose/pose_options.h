@@ -4,7 +4,15 @@
 
 namespace cairn {
 
+// How a pose is computed from a minimal sample.
+enum class MinimalSolver {
+  kAuto,             // Two points and gravity if the query has gravity, else P3P.
+  kGravityTwoPoint,  // Two points and gravity; a query without gravity gets no pose.
+  kP3p,              // Three points; gravity enters the refinement only.
+};
+
 struct PoseOptions {
+  MinimalSolver solver = MinimalSolver::kAuto;
   // Reprojection error of an inlier, as an angle: pixels at a focal length of 500. A camera of
   // focal length f uses max_error_px * f / 500, at least 2 px (see MaxErrorPx).
   double max_error_px = 4.0;

@@ -4,7 +4,14 @@
 
 namespace cairn {
 
+enum class RefinementMode {
+  kNever,
+  kWhenWeak,  // If no candidate has good_effective_inliers.
+  kAlways,
+};
+
 struct RefinementOptions {
+  RefinementMode mode = RefinementMode::kWhenWeak;
   // A best candidate with at least this many effective inliers needs no keyframe re-matching.
   double good_effective_inliers = 25.0;
   int max_keyframes = 5;           // M: keyframes whose neighbourhoods are matched again.

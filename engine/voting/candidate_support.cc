@@ -6,6 +6,32 @@
 
 namespace cairn {
 
+namespace {
+
+// Where a landmark lies as seen along a ray from the candidate.
+struct Sighting {
+  double distance_m = 0.0;  // To the landmark.
+  double offset_m = 0.0;    // Of the landmark from the ray.
+  bool is_ahead = false;
+};
+
+Sighting Sight(const Eigen::Vector3d& direction, const Eigen::Vector3d& to_landmark) {
+  return {to_landmark.norm(), direction.cross(to_landmark).norm(),
+          direction.dot(to_landmark) > 0.0};
+}
+
+// The same by horizontal components alone.
+Sighting SightHorizontally(const Eigen::Vector3d& direction, const Eigen::Vector3d& to_landmark) {
+  const Eigen::Vector3d level_direction(direction.x(), direction.y(), 0.0);
+  const double horizontal = std::max(1e-9, level_direction.norm());
+  Sighting sighting =
+      Sight(level_direction / horizontal, Eigen::Vector3d(to_landmark.x(), to_landmark.y(), 0.0));
+  sighting.distance_m /= horizontal;
+  return sighting;
+}
+
+}  // namespace
+
 PoseCandidate SupportedCandidate(const std::vector<VoteRay>& rays,
                                  const Eigen::Vector3d& center_in_anchor, double yaw_rad,
                                  const VotingOptions& options) {
@@ -14,6 +40,7 @@ PoseCandidate SupportedCandidate(const std::vector<VoteRay>& rays,
   candidate.yaw_rad = yaw_rad;
   const double cos_yaw = std::cos(yaw_rad), sin_yaw = std::sin(yaw_rad);
   const double min_cosine = std::cos(options.max_azimuth_difference_rad);
+  const auto sight = options.filter == OutlierFilter::kVoting3d ? SightHorizontally : Sight;
   double best_gain = 0.0;  // Of the current keypoint.
   for (size_t i = 0; i < rays.size(); ++i) {
     const VoteRay& ray = rays[i];
@@ -22,22 +49,19 @@ PoseCandidate SupportedCandidate(const std::vector<VoteRay>& rays,
       best_gain = 0.0;
     }
     const Eigen::Vector3d to_landmark = ray.x_in_anchor - center_in_anchor;
-    const double distance_m = to_landmark.norm();
-    if (distance_m < ray.min_distance_m - options.cell_xy_m ||
-        distance_m > ray.max_distance_m + options.cell_xy_m) {
-      continue;
-    }
     const Eigen::Vector3d& d = ray.direction_in_level;
     const Eigen::Vector3d direction(cos_yaw * d.x() - sin_yaw * d.y(),
                                     sin_yaw * d.x() + cos_yaw * d.y(), d.z());
-    const double offset_m = direction.cross(to_landmark).norm();  // Of the landmark from the ray.
-    const double tolerance_m = options.direction_tolerance_rad * distance_m + options.cell_xy_m;
-    if (offset_m >= tolerance_m || direction.dot(to_landmark) <= 0.0 ||
-        !AzimuthFits(ray, direction.head<2>(), min_cosine)) {
+    const Sighting seen = sight(direction, to_landmark);
+    const double tolerance_m =
+        options.direction_tolerance_rad * seen.distance_m + options.cell_xy_m;
+    if (seen.distance_m < ray.min_distance_m - options.cell_xy_m ||
+        seen.distance_m > ray.max_distance_m + options.cell_xy_m || seen.offset_m >= tolerance_m ||
+        !seen.is_ahead || !AzimuthFits(ray, direction.head<2>(), min_cosine)) {
       continue;
     }
     candidate.correspondences.push_back(ray.correspondence_idx);
-    best_gain = std::max(best_gain, 1.0 - std::pow(offset_m / tolerance_m, 2));
+    best_gain = std::max(best_gain, 1.0 - std::pow(seen.offset_m / tolerance_m, 2));
   }
   candidate.score += best_gain;
   std::sort(candidate.correspondences.begin(), candidate.correspondences.end());

@@ -14,7 +14,8 @@ namespace cairn {
 // Tests each ray against the camera at `center_in_anchor` with `yaw_rad`: the landmark must lie
 // within the ray's distances (one cell of slack), its azimuth must fit, and the angle e between ray
 // and landmark must be below t = direction_tolerance_rad + cell_xy_m / distance. A keypoint scores
-// the best 1 - (e / t)^2 of its rays; the candidate's score is the sum.
+// the best 1 - (e / t)^2 of its rays; the candidate's score is the sum. With
+// OutlierFilter::kVoting3d only horizontal components are compared, as the height is unknown.
 PoseCandidate SupportedCandidate(const std::vector<VoteRay>& rays,
                                  const Eigen::Vector3d& center_in_anchor, double yaw_rad,
                                  const VotingOptions& options);

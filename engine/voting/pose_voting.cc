@@ -30,7 +30,10 @@ VoteGrid MakeGrid(const std::vector<VoteRay>& rays, const SearchRegion& region,
   high.head<2>() = high.head<2>().cwiseMin(center + radius);
   low.z() = std::max(low.z(), region.min_z_m);
   high.z() = std::min(high.z(), region.max_z_m);
-  return VoteGrid(low, high, {options.cell_xy_m, options.cell_xy_m, options.cell_z_m});
+  const double cell_z_m = options.filter == OutlierFilter::kVoting3d
+                              ? std::max(options.cell_z_m, 1.001 * (high.z() - low.z()))
+                              : options.cell_z_m;
+  return VoteGrid(low, high, {options.cell_xy_m, options.cell_xy_m, cell_z_m});
 }
 
 // Fills one slice with the votes of all rays; returns their number.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/check.h"
 #include "core/error.h"
 
 namespace cairn {
@@ -14,6 +15,21 @@ void Require(bool condition, const char* what) {
 }
 
 }  // namespace
+
+const char* OutlierFilterName(OutlierFilter filter) {
+  switch (filter) {
+    case OutlierFilter::kVoting4d:
+      return "voting_4d";
+    case OutlierFilter::kVoting3d:
+      return "voting_3d";
+    case OutlierFilter::kCovisibility:
+      return "covisibility";
+    case OutlierFilter::kNone:
+      return "none";
+  }
+  CAIRN_CHECK(false, "an OutlierFilter has a name");
+  return "";
+}
 
 void VotingOptions::Validate() const {
   Require(cell_xy_m >= 0.1 && cell_xy_m <= 100.0, "cell_xy_m must lie in [0.1, 100]");

@@ -4,12 +4,29 @@
 
 namespace cairn {
 
+// What thins out the matches before poses are estimated (paper, section "Co-Visibility-Based and
+// Geometric Outlier Filtering").
+enum class OutlierFilter {
+  kVoting4d,  // Votes over (x, y, z, yaw). Needs gravity.
+  // Votes over (x, y, yaw), as Zeisl, Sattler, Pollefeys, ICCV 2015: the cells reach through all
+  // heights that the camera may have. Needs gravity.
+  kVoting3d,
+  // Connected components of the graph of matched landmarks and the keyframes that saw them
+  // (Sattler, Leibe, Kobbelt, "Efficient & Effective Prioritized Matching", PAMI 2017).
+  kCovisibility,
+  kNone,  // All matches are one candidate.
+};
+const char* OutlierFilterName(OutlierFilter filter);  // "voting_4d", "voting_3d", ...
+
 struct VotingOptions {
+  // A query without gravity cannot be voted for; candidates then come from the best ranked
+  // keyframes (see KeyframeCandidates).
+  OutlierFilter filter = OutlierFilter::kVoting4d;
   double cell_xy_m = 2.0;           // Horizontal cell of the accumulator, metres.
   double cell_z_m = 2.0;            // Vertical cell, metres.
   double yaw_step_rad = 0.0523599;  // 3 degrees.
-  int max_candidates = 8;           // Maxima handed to pose estimation.
-  double min_score = 3.0;           // Weighted distinct keypoints a maximum needs.
+  int max_candidates = 8;           // Maxima or components handed to pose estimation.
+  double min_score = 3.0;           // Weighted distinct keypoints that one of them needs.
   // Landmarks farther from the camera than this do not vote, metres.
   double max_distance_m = 200.0;
   // The scale of a keypoint and the physical size of its match predict the distance; true distances

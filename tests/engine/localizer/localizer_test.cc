@@ -45,6 +45,10 @@ class MappedStreets {
 
   const MapStore& store() const { return *store_; }
   const Localizer& localizer() const { return localizer_; }
+  // Another localizer over the same map, with a cache of its own.
+  Localizer WithOptions(const LocalizerOptions& options) const {
+    return {store_, std::make_shared<TileCache>(size_t{1} << 28), options};
+  }
 
  private:
   TempDir dir_;
@@ -103,6 +107,41 @@ TEST_F(LocalizerOnOneStreet, FindsPosesBetweenTheKeyframes) {
     ExpectPose(localizer().Localize(QueryAt(*world_, cam_from_enu)), *world_, cam_from_enu, 0.05,
                0.1 * kRadPerDeg);
   }
+}
+
+TEST_F(LocalizerOnOneStreet, WorksWithEveryAlternative) {
+  std::vector<LocalizerOptions> alternatives;
+  for (const IndexKind kind : {IndexKind::kInvertedLists, IndexKind::kInvertedMultiIndex,
+                               IndexKind::kKdTree, IndexKind::kExhaustive}) {
+    alternatives.emplace_back().matching.index.kind = kind;
+  }
+  for (const OutlierFilter filter :
+       {OutlierFilter::kVoting3d, OutlierFilter::kCovisibility, OutlierFilter::kNone}) {
+    alternatives.emplace_back().voting.filter = filter;
+  }
+  alternatives.emplace_back().matching.distance_filter = DistanceFilter::kNone;
+  LocalizerOptions& word_ratio = alternatives.emplace_back();
+  word_ratio.matching.distance_filter = DistanceFilter::kWordRatio;
+  word_ratio.matching.index.num_reference_words = 50;
+  alternatives.emplace_back().pose.solver = MinimalSolver::kP3p;
+  const Rigid3d cam_from_enu = QueryPose(20.0);
+  for (const LocalizerOptions& options : alternatives) {
+    const LocalizeResult result =
+        map_->WithOptions(options).Localize(QueryAt(*world_, cam_from_enu));
+    ExpectPose(result, *world_, cam_from_enu, 0.05, 0.1 * kRadPerDeg);
+  }
+}
+
+TEST_F(LocalizerOnOneStreet, RefinesWhenToldTo) {
+  const LocalizeQuery query = QueryAt(*world_, QueryPose(20.0));
+  LocalizerOptions options;
+  options.refinement.mode = RefinementMode::kAlways;
+  EXPECT_GT(map_->WithOptions(options).Localize(query).counters.num_refined_keyframes, 0);
+  options.refinement.mode = RefinementMode::kNever;
+  options.refinement.good_effective_inliers = 1e6;
+  EXPECT_EQ(map_->WithOptions(options).Localize(query).counters.num_refined_keyframes, 0);
+  options.refinement.mode = RefinementMode::kWhenWeak;
+  EXPECT_GT(map_->WithOptions(options).Localize(query).counters.num_refined_keyframes, 0);
 }
 
 TEST_F(LocalizerOnOneStreet, ReportsItsEvidence) {

@@ -53,6 +53,36 @@ TEST(EstimatePose, RecoversExactPoseWithoutNoise) {
   }
 }
 
+TEST(EstimatePose, TakesTheSolverAskedFor) {
+  PoseSceneOptions scene_options;
+  scene_options.gravity_noise_rad = 0.0175;
+  const PoseScene scene = MakePoseScene(scene_options);
+  PoseOptions options;
+  const auto automatic = Estimate(scene, options);
+  options.solver = MinimalSolver::kGravityTwoPoint;
+  const auto two_point = Estimate(scene, options);
+  options.solver = MinimalSolver::kP3p;
+  const auto p3p = Estimate(scene, options);
+  EXPECT_TRUE(IsRight(two_point, scene));
+  EXPECT_TRUE(IsRight(p3p, scene));
+  EXPECT_EQ(automatic->num_iterations, two_point->num_iterations);
+  EXPECT_EQ(automatic->cam_from_anchor.ToMatrix(), two_point->cam_from_anchor.ToMatrix());
+  // Half the matches are wrong: a sample of three is free of them half as often as one of two.
+  EXPECT_GT(p3p->num_iterations, two_point->num_iterations);
+}
+
+TEST(EstimatePose, WithoutGravityOnlyTheTwoPointSolverFails) {
+  PoseSceneOptions scene_options;
+  scene_options.has_gravity = false;
+  const PoseScene scene = MakePoseScene(scene_options);
+  PoseOptions options;
+  EXPECT_TRUE(IsRight(Estimate(scene, options), scene));
+  options.solver = MinimalSolver::kP3p;
+  EXPECT_TRUE(IsRight(Estimate(scene, options), scene));
+  options.solver = MinimalSolver::kGravityTwoPoint;
+  EXPECT_FALSE(Estimate(scene, options));
+}
+
 TEST(EstimatePose, WorksForEveryCameraModelWithHalfOutliers) {
   for (const Camera& camera : testing::OneCameraPerModel()) {
     for (const bool has_gravity : {true, false}) {

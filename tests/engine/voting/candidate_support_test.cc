@@ -57,6 +57,16 @@ TEST(SupportedCandidate, ScoreFallsWithTheSquareOfTheError) {
   EXPECT_THAT(SupportedCandidate({ray}, Vector3d::Zero(), 0.0, options).correspondences, IsEmpty());
 }
 
+TEST(SupportedCandidate, In3dTheHeightDoesNotMatter) {
+  const std::vector<VoteRay> rays = {RayTo(0, 0, {20, 3, 5}), RayTo(1, 1, {-10, 8, -1})};
+  VotingOptions options;
+  EXPECT_THAT(SupportedCandidate(rays, {0, 0, 30}, 0.0, options).correspondences, IsEmpty());
+  options.filter = OutlierFilter::kVoting3d;
+  const PoseCandidate candidate = SupportedCandidate(rays, {0, 0, 30}, 0.0, options);
+  EXPECT_NEAR(candidate.score, 2.0, 1e-9);
+  EXPECT_THAT(SupportedCandidate(rays, {0, 0, 30}, 0.3, options).correspondences, IsEmpty());
+}
+
 TEST(SupportedCandidate, RejectsBehindTooFarAndWrongAzimuth) {
   VoteRay behind = RayTo(0, 0, {20, 0, 0});
   behind.x_in_anchor = {-20, 0, 0};

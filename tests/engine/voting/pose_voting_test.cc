@@ -69,6 +69,39 @@ TEST(VoteForPoses, FindsSixtyInliersByGeometryAlone) {
   EXPECT_GE(num_found, 5);
 }
 
+TEST(VoteForPoses, In3dFindsTheTruthUpToItsHeight) {
+  VotingOptions options;
+  options.filter = OutlierFilter::kVoting3d;
+  int num_found = 0;
+  for (int seed = 1; seed <= 10; ++seed) {
+    const PoseScene scene = MakePoseScene(HardScene(120, seed));
+    std::vector<PoseCandidate> candidates = Vote(scene, options);
+    for (PoseCandidate& candidate : candidates) {
+      candidate.center_in_anchor.z() = scene.center_in_anchor().z();
+    }
+    const int rank = RankOfTruth(scene, candidates);
+    if (rank >= 0) {
+      ++num_found;
+      const std::vector<int>& subset = candidates[rank].correspondences;
+      EXPECT_GE(
+          std::count_if(subset.begin(), subset.end(), [&](int i) { return scene.is_correct[i]; }),
+          80);
+    }
+  }
+  EXPECT_GE(num_found, 9);
+}
+
+TEST(VoteForPoses, In3dNeedsNoHeights) {
+  PoseSceneOptions scene_options;
+  scene_options.num_inliers = 60;
+  PoseScene scene = MakePoseScene(scene_options);
+  scene.query.region.min_z_m = -1e4;
+  scene.query.region.max_z_m = 1e4;
+  VotingOptions options;
+  options.filter = OutlierFilter::kVoting3d;
+  EXPECT_FALSE(Vote(scene, options).empty());
+}
+
 TEST(VoteForPoses, CandidateIsReadyForPoseEstimation) {
   const PoseScene scene = MakePoseScene(HardScene(60, 3));
   const auto candidates = Vote(scene);

@@ -1,0 +1,104 @@
+#include "engine/voting/covisibility_filter.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <utility>
+
+#include "engine/refinement/landmark_table.h"
+
+namespace cairn {
+namespace {
+
+// Disjoint sets of numbers, joined pair by pair (Tarjan's union-find with path halving).
+class DisjointSets {
+ public:
+  explicit DisjointSets(int size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0); }
+
+  int Find(int i) {
+    while (parent_[i] != i) {
+      parent_[i] = parent_[parent_[i]];
+      i = parent_[i];
+    }
+    return i;
+  }
+  // The smaller number names the set.
+  void Join(int a, int b) {
+    const auto [low, high] = std::minmax({Find(a), Find(b)});
+    parent_[high] = low;
+  }
+
+ private:
+  std::vector<int> parent_;
+};
+
+// Number of distinct keypoints. Correspondences are ordered by keypoint.
+double CountKeypoints(const std::vector<Correspondence>& correspondences,
+                      const std::vector<int>& indices) {
+  double count = 0.0;
+  int last_keypoint_idx = -1;
+  for (const int index : indices) {
+    count += correspondences[index].keypoint_idx != last_keypoint_idx ? 1.0 : 0.0;
+    last_keypoint_idx = correspondences[index].keypoint_idx;
+  }
+  return count;
+}
+
+}  // namespace
+
+std::vector<PoseCandidate> CovisibilityCandidates(
+    const std::vector<TileView>& tiles, const std::vector<Correspondence>& correspondences,
+    const VotingOptions& options, StageCounters* counters) {
+  LandmarkTable table(correspondences.size());
+  std::vector<int> landmarks;  // Of each correspondence.
+  for (const Correspondence& match : correspondences) {
+    const Tile& tile = tiles[match.tile_idx].tile->tile();
+    landmarks.push_back(table.Insert(tile.landmark_ids[match.landmark_idx]));
+  }
+  DisjointSets sets(table.size());
+  for (const TileView& view : tiles) {
+    const Tile& tile = view.tile->tile();
+    const std::vector<int32_t> numbers = table.FindAll(tile);
+    for (size_t keyframe = 0; keyframe < tile.num_keyframes(); ++keyframe) {
+      int first = -1;
+      for (const uint32_t landmark_idx : tile.LandmarksOfKeyframe(keyframe)) {
+        if (numbers[landmark_idx] >= 0) {
+          first = first < 0 ? numbers[landmark_idx] : first;
+          sets.Join(first, numbers[landmark_idx]);
+        }
+      }
+    }
+  }
+  std::vector<PoseCandidate> components(table.size());
+  for (size_t i = 0; i < correspondences.size(); ++i) {
+    components[sets.Find(landmarks[i])].correspondences.push_back(static_cast<int>(i));
+  }
+  for (PoseCandidate& component : components) {
+    component.score = CountKeypoints(correspondences, component.correspondences);
+  }
+  std::erase_if(components, [&](const PoseCandidate& component) {
+    return component.correspondences.empty() || component.score < options.min_score;
+  });
+  std::stable_sort(
+      components.begin(), components.end(),
+      [](const PoseCandidate& a, const PoseCandidate& b) { return a.score > b.score; });
+  if (components.size() > static_cast<size_t>(options.max_candidates)) {
+    components.resize(options.max_candidates);
+  }
+  counters->num_votes = 0;
+  counters->num_candidates = static_cast<int64_t>(components.size());
+  return components;
+}
+
+std::vector<PoseCandidate> UnfilteredCandidate(const std::vector<Correspondence>& correspondences,
+                                               StageCounters* counters) {
+  PoseCandidate all;
+  all.correspondences.resize(correspondences.size());
+  std::iota(all.correspondences.begin(), all.correspondences.end(), 0);
+  all.score = CountKeypoints(correspondences, all.correspondences);
+  counters->num_votes = 0;
+  counters->num_candidates = 1;
+  return {std::move(all)};
+}
+
+}  // namespace cairn
