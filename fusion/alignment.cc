@@ -1,0 +1,145 @@
+#include "fusion/alignment.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "core/error.h"
+#include "fusion/chi_square.h"
+#include "fusion/track_update.h"
+
+namespace cairn::fusion {
+namespace {
+
+double YawRad(const Eigen::Quaterniond& rotation) {
+  const Eigen::Matrix3d matrix = rotation.toRotationMatrix();
+  return std::atan2(matrix(1, 0) - matrix(0, 1), matrix(0, 0) + matrix(1, 1));
+}
+
+using GlobalVector = Eigen::Matrix<double, kGlobalDim, 1>;
+
+// Moves global_from_local by an error in the order of the state's global block.
+Rigid3d Moved(const Rigid3d& global_from_local, const GlobalVector& error) {
+  return global_from_local * Rigid3d(ExpSo3({error[4], error[5], error[3]}), error.head<3>());
+}
+
+// One Gauss-Newton step of the robust least squares, as an error.
+GlobalVector RobustStep(const std::vector<MapRows>& rows, double cauchy_scale, int num_dims) {
+  Eigen::Matrix<double, kGlobalDim, kGlobalDim> normal =
+      Eigen::Matrix<double, kGlobalDim, kGlobalDim>::Zero();
+  GlobalVector gradient = GlobalVector::Zero();
+  for (const MapRows& row : rows) {
+    const double weight = 1.0 / (1.0 + row.residual.squaredNorm() / (cauchy_scale * cauchy_scale));
+    normal.noalias() += weight * row.by_global.transpose() * row.by_global;
+    gradient.noalias() += weight * row.by_global.transpose() * row.residual;
+  }
+  GlobalVector error = GlobalVector::Zero();
+  error.head(num_dims) =
+      normal.topLeftCorner(num_dims, num_dims).ldlt().solve(gradient.head(num_dims));
+  return error;
+}
+
+std::vector<MapRows> LinearizeAll(const Camera& camera, const FilterState& state,
+                                  std::span<const CameraView> views,
+                                  std::span<const MapSight> sights,
+                                  const Rigid3d& global_from_local, double sigma_px) {
+  std::vector<MapRows> rows;
+  for (const MapSight& sight : sights) {
+    if (const auto linearized =
+            LinearizeSight(camera, state.rig(), views, global_from_local, sight, sigma_px)) {
+      rows.push_back(*linearized);
+    }
+  }
+  return rows;
+}
+
+// Rows that say the tilt is zero within its standard deviation.
+void AppendTiltPrior(double sigma_rad, Measurement* measurement) {
+  const Eigen::Index num_rows = measurement->num_rows();
+  measurement->jacobian.conservativeResize(num_rows + 2, Eigen::NoChange);
+  measurement->jacobian.bottomRows<2>().setZero();
+  measurement->jacobian.block<2, 2>(num_rows, 4).setIdentity();
+  measurement->jacobian.bottomRows<2>() /= sigma_rad;
+  measurement->residual.conservativeResize(num_rows + 2);
+  measurement->residual.tail<2>().setZero();
+}
+
+}  // namespace
+
+void AlignmentOptions::Validate() const {
+  if (!(min_agreeing >= 1 && max_position_difference_m > 0.0 && max_yaw_difference_rad > 0.0 &&
+        max_tilt_rad > 0.0 && min_contradictions >= 2 && min_contradiction_span_s >= 0.0)) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "alignment: counts and limits must be positive, min_contradictions at least 2");
+  }
+}
+
+LevelTransform Level(const Rigid3d& global_from_local, const Eigen::Vector3d& x_in_local) {
+  const Eigen::Quaterniond yaw(
+      Eigen::AngleAxisd(YawRad(global_from_local.rotation), Eigen::Vector3d::UnitZ()));
+  const Eigen::Vector3d x_in_global = global_from_local * x_in_local;
+  return {Rigid3d(yaw, x_in_global - yaw * x_in_local),
+          RotationAngleRad(global_from_local.rotation, yaw)};
+}
+
+bool Agree(const Rigid3d& a, const Rigid3d& b, const Eigen::Vector3d& x_in_local,
+           const AlignmentOptions& options) {
+  return (a * x_in_local - b * x_in_local).norm() < options.max_position_difference_m &&
+         RotationAngleRad(a.rotation, b.rotation) < options.max_yaw_difference_rad;
+}
+
+std::vector<int> LargestAgreeingSet(std::span<const Rigid3d> candidates,
+                                    const Eigen::Vector3d& x_in_local,
+                                    const AlignmentOptions& options) {
+  std::vector<int> best;
+  for (const Rigid3d& center : candidates) {
+    std::vector<int> agreeing;
+    for (size_t i = 0; i < candidates.size(); ++i) {
+      if (Agree(center, candidates[i], x_in_local, options)) {
+        agreeing.push_back(static_cast<int>(i));
+      }
+    }
+    if (agreeing.size() > best.size()) {
+      best = std::move(agreeing);
+    }
+  }
+  return best;
+}
+
+bool Align(const Camera& camera, std::span<const MapSight> sights, const Rigid3d& initial,
+           const MapUpdateOptions& map, FilterState* state) {
+  constexpr int kMaxIterations = 15;
+  const int num_dims = map.num_global_dims();
+  const std::vector<CameraView> views = ViewsOfClones(*state);
+  Rigid3d global_from_local = initial;
+  // The answer's own pose may be off by tens of pixels, so the loss starts wide.
+  double cauchy_scale = 30.0;
+  for (int i = 0; i < kMaxIterations; ++i) {
+    // Yaw and translation from anywhere; tilt only by the update that knows its prior.
+    const GlobalVector error =
+        RobustStep(LinearizeAll(camera, *state, views, sights, global_from_local, map.sigma_px),
+                   cauchy_scale, 4);
+    if (!error.allFinite()) {
+      return false;
+    }
+    global_from_local = Moved(global_from_local, error);
+    cauchy_scale = std::max(2.4, 0.5 * cauchy_scale);
+  }
+  std::vector<MapRows> inliers =
+      LinearizeAll(camera, *state, views, sights, global_from_local, map.sigma_px);
+  // The clones are uncertain, too, by less than the pixel's noise over so short a time.
+  const double gate = 2.0 * ChiSquareQuantile(2, map.match_gate_quantile);
+  const size_t num_before = inliers.size();
+  std::erase_if(inliers, [gate](const MapRows& row) { return row.residual.squaredNorm() > gate; });
+  if (inliers.size() < static_cast<size_t>(map.min_matches) ||
+      static_cast<double>(inliers.size()) <
+          map.min_inlier_fraction * static_cast<double>(num_before)) {
+    return false;
+  }
+  Measurement measurement = CompressMapRows(inliers, num_dims, state);
+  if (num_dims == kGlobalDim) {
+    AppendTiltPrior(map.tilt_sigma_rad, &measurement);
+  }
+  return state->InitializeGlobal(global_from_local, measurement);
+}
+
+}  // namespace cairn::fusion

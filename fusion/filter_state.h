@@ -1,0 +1,145 @@
+// The state of the filter, its covariance, and everything that is ever done to the covariance.
+//
+// Error state, in this order (docs/math/fusion.md):
+//   imu        15  theta, p, v, b_g, b_a
+//   global      6  rho, psi, tilt x, tilt y of global_from_local; zero variance where not estimated
+//   rig         7  phi, p of cam_from_imu, and the time offset; only if one of them is estimated
+//   tiles     3 K  offset of each of K map tiles in global; only with tile_sigma_m > 0
+//   clones    6 N  theta, p of past poses of the imu
+#ifndef CAIRN_FUSION_FILTER_STATE_H_
+#define CAIRN_FUSION_FILTER_STATE_H_
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/rigid3.h"
+#include "fusion/imu.h"
+#include "fusion/imu_propagation.h"
+#include "fusion/measurement.h"
+
+namespace cairn::fusion {
+
+inline constexpr int kCloneDim = 6;
+inline constexpr int kGlobalDim = 6;
+inline constexpr int kRigDim = 7;
+inline constexpr int kTileDim = 3;
+inline constexpr int kMaxClones = 24;
+inline constexpr int kMaxTiles = 8;
+inline constexpr int kMaxStateDim =
+    kImuDim + kGlobalDim + kRigDim + kTileDim * kMaxTiles + kCloneDim * kMaxClones;
+
+inline constexpr int kGlobalIdx = kImuDim;  // rho; psi follows at + 3, tilt at + 4.
+inline constexpr int kRigIdx = kGlobalIdx + kGlobalDim;
+
+// A past pose of the imu, kept because measurements of its instant are still to come.
+struct Clone {
+  int64_t frame_id = 0;
+  int64_t timestamp_ns = 0;
+  Rigid3d local_from_imu;
+  // Estimate when the clone was made. Jacobians by rotations are linearised here for as long as the
+  // clone lives (first-estimate Jacobians).
+  Eigen::Vector3d first_position_in_local = Eigen::Vector3d::Zero();
+};
+
+// Mounting of the camera on the imu.
+struct Rig {
+  Rigid3d cam_from_imu;
+  double time_offset_s = 0.0;  // Time of the imu minus time of the camera, for the same instant.
+};
+
+struct FilterStateOptions {
+  // Prior standard deviations of the rig; 0: taken as exact, not estimated.
+  double extrinsic_rotation_sigma_rad = 0.0;
+  double extrinsic_translation_sigma_m = 0.0;
+  double time_offset_sigma_s = 0.0;
+  // Standard deviation per axis of the offset that all landmarks of one tile share; 0: no such
+  // variable. With it, the map is never corrected but its uncertainty is accounted for (Schmidt).
+  double tile_sigma_m = 0.0;
+
+  void Validate() const;
+};
+
+// Not thread-safe. Of fixed size: no call allocates in proportion to anything but the measurement.
+class FilterState {
+ public:
+  // `covariance` is that of `imu`.
+  FilterState(const ImuState& imu, const Matrix15d& covariance, const Rig& rig,
+              const FilterStateOptions& options);
+
+  const ImuState& imu() const { return imu_; }
+  const FirstEstimate& first() const { return first_; }
+  const Rig& rig() const { return rig_; }
+  // Nothing until InitializeGlobal.
+  const std::optional<Rigid3d>& global_from_local() const { return global_from_local_; }
+  const std::vector<Clone>& clones() const { return clones_; }  // By time.
+
+  int dim() const { return clones_idx_ + kCloneDim * static_cast<int>(clones_.size()); }
+  int CloneIdx(int clone) const { return clones_idx_ + kCloneDim * clone; }
+  bool estimates_rig() const { return estimates_rig_; }
+  auto covariance() const { return covariance_.topLeftCorner(dim(), dim()); }
+
+  // Moves the imu to `end`; `first` and `transition` as Propagate() made them on the way.
+  void Propagate(const ImuState& end, const FirstEstimate& first, const ImuTransition& transition);
+
+  // Stochastic cloning of the present pose, which the camera took. `imu_rate_rad_s` is the
+  // bias-free angular rate, for the time offset. There must be fewer than kMaxClones.
+  void AddClone(int64_t frame_id, int64_t timestamp_ns, const Eigen::Vector3d& imu_rate_rad_s);
+
+  // Marginalises a clone.
+  void RemoveClone(int clone);
+
+  // Offset into the error state of the nuisance of a tile, made on first use in place of the one
+  // longest unused. Must only be called with tile_sigma_m > 0.
+  int TileIdx(uint64_t tile_id);
+  bool has_tiles() const { return tile_sigma_m_ > 0.0; }
+  double tile_sigma_m() const { return tile_sigma_m_; }
+
+  // Squared Mahalanobis distance of the residual.
+  double SquaredMahalanobis(const Measurement& measurement) const;
+
+  // Kalman update. Returns false and changes nothing if the innovation covariance is not finite and
+  // positive. The offsets of tiles are considered, not updated.
+  bool Update(const Measurement& measurement);
+
+  // Enters global_from_local, linearised at `global_from_local`, from a measurement whose first
+  // block is {kGlobalIdx, num_global_dims}; the rows beyond those that determine it update the
+  // state. Correlations with the clones (and tiles) the measurement saw are exact. False, with
+  // nothing changed, if the measurement leaves it undetermined.
+  bool InitializeGlobal(const Rigid3d& global_from_local, const Measurement& measurement);
+
+  // Forgets global_from_local.
+  void ForgetGlobal();
+
+ private:
+  // Covariance between the whole state and the blocks of a measurement.
+  Eigen::MatrixXd CovarianceColumns(const std::vector<StateBlock>& blocks) const;
+  Eigen::MatrixXd InnovationCovariance(const Measurement& measurement,
+                                       const Eigen::MatrixXd& state_by_rows) const;
+  void Correct(const Eigen::VectorXd& error);
+  void SetGlobalRows(const Eigen::MatrixXd& global_by_state, const Eigen::MatrixXd& global_block);
+
+  ImuState imu_;
+  FirstEstimate first_;
+  Rig rig_;
+  std::optional<Rigid3d> global_from_local_;
+  std::vector<Clone> clones_;
+  bool estimates_rig_;
+  double tile_sigma_m_;
+  int tiles_idx_;
+  int clones_idx_;
+  struct TileSlot {
+    std::optional<uint64_t> tile_id;
+    int64_t last_use = 0;
+  };
+  std::array<TileSlot, kMaxTiles> tiles_;
+  int64_t tile_clock_ = 0;
+  Eigen::MatrixXd covariance_ =
+      Eigen::MatrixXd::Zero(kMaxStateDim, kMaxStateDim);  // Never resized.
+};
+
+}  // namespace cairn::fusion
+
+#endif  // CAIRN_FUSION_FILTER_STATE_H_

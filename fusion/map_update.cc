@@ -1,0 +1,250 @@
+#include "fusion/map_update.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "fusion/chi_square.h"
+#include "fusion/track_update.h"
+
+namespace cairn::fusion {
+namespace {
+
+// The columns every sight shares.
+struct SharedColumns {
+  std::vector<StateBlock> blocks;
+  std::vector<uint64_t> tiles;  // In the order of their columns.
+  int num_global_dims = 0;
+  int rig_begin = 0;
+  int tiles_begin = 0;
+  int width = 0;
+};
+
+SharedColumns CollectShared(const std::vector<MapRows>& rows, int num_global_dims,
+                            FilterState* state) {
+  SharedColumns shared;
+  shared.num_global_dims = num_global_dims;
+  shared.blocks.push_back({kGlobalIdx, num_global_dims});
+  shared.rig_begin = num_global_dims;
+  shared.tiles_begin = shared.rig_begin;
+  if (state->estimates_rig()) {
+    shared.blocks.push_back({kRigIdx, kRigDim});
+    shared.tiles_begin += kRigDim;
+  }
+  shared.width = shared.tiles_begin;
+  if (state->has_tiles()) {
+    for (const MapRows& row : rows) {
+      if (std::find(shared.tiles.begin(), shared.tiles.end(), row.tile_id) != shared.tiles.end() ||
+          shared.tiles.size() == kMaxTiles) {
+        continue;
+      }
+      shared.tiles.push_back(row.tile_id);
+      shared.blocks.push_back({state->TileIdx(row.tile_id), kTileDim});
+      shared.width += kTileDim;
+    }
+  }
+  return shared;
+}
+
+// The rows of one clone, its own columns first, the residual last; triangularised.
+Eigen::MatrixXd CloneRows(const std::vector<const MapRows*>& rows, const SharedColumns& shared) {
+  const int width = kCloneDim + shared.width + 1;
+  Eigen::MatrixXd stacked =
+      Eigen::MatrixXd::Zero(2 * static_cast<Eigen::Index>(rows.size()), width);
+  Eigen::Index row = 0;
+  for (const MapRows* sight : rows) {
+    auto target = stacked.middleRows<2>(row);
+    target.leftCols<kCloneDim>() = sight->by_clone;
+    target.middleCols(kCloneDim, shared.num_global_dims) =
+        sight->by_global.leftCols(shared.num_global_dims);
+    if (shared.tiles_begin > shared.rig_begin) {
+      target.middleCols<kRigDim>(kCloneDim + shared.rig_begin) = sight->by_rig;
+    }
+    const auto tile = std::find(shared.tiles.begin(), shared.tiles.end(), sight->tile_id);
+    if (tile != shared.tiles.end()) {
+      const auto slot = static_cast<int>(tile - shared.tiles.begin());
+      target.middleCols<kTileDim>(kCloneDim + shared.tiles_begin + kTileDim * slot) =
+          sight->by_tile;
+    }
+    target.col(width - 1) = sight->residual;
+    row += 2;
+  }
+  Triangularize(width - 1, stacked);
+  return stacked.topRows(std::min<Eigen::Index>(stacked.rows(), width - 1));
+}
+
+// Squared Mahalanobis distance of one sight.
+double SquaredDistance(const FilterState& state, const MapRows& row, int num_global_dims) {
+  std::array<StateBlock, 3> blocks = {{{state.CloneIdx(row.clone), kCloneDim},
+                                       {kGlobalIdx, num_global_dims},
+                                       {kRigIdx, state.estimates_rig() ? kRigDim : 0}}};
+  Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kCloneDim + kGlobalDim + kRigDim> jacobian(
+      2, kCloneDim + num_global_dims + blocks[2].size);
+  jacobian.leftCols<kCloneDim>() = row.by_clone;
+  jacobian.middleCols(kCloneDim, num_global_dims) = row.by_global.leftCols(num_global_dims);
+  jacobian.rightCols(blocks[2].size) = row.by_rig.leftCols(blocks[2].size);
+  const auto covariance = state.covariance();
+  Eigen::Matrix2d innovation = Eigen::Matrix2d::Identity();
+  Eigen::Index left = 0;
+  for (const StateBlock& a : blocks) {
+    Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kRigDim> by_block =
+        Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kRigDim>::Zero(2, a.size);
+    Eigen::Index right = 0;
+    for (const StateBlock& b : blocks) {
+      by_block.noalias() +=
+          jacobian.middleCols(right, b.size) * covariance.block(b.offset, a.offset, b.size, a.size);
+      right += b.size;
+    }
+    innovation.noalias() += by_block * jacobian.middleCols(left, a.size).transpose();
+    left += a.size;
+  }
+  if (state.has_tiles()) {
+    innovation +=
+        state.tile_sigma_m() * state.tile_sigma_m() * row.by_tile * row.by_tile.transpose();
+  }
+  return row.residual.dot(innovation.ldlt().solve(row.residual));
+}
+
+}  // namespace
+
+void MapUpdateOptions::Validate() const {
+  if (!(sigma_px > 0.0 && match_gate_quantile > 0.0 && response_gate_quantile > 0.0 &&
+        min_matches >= 4 && min_inlier_fraction >= 0.0 && min_inlier_fraction <= 1.0 &&
+        tilt_sigma_rad >= 0.0)) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "map: standard deviations and gates must be positive, min_matches at least 4");
+  }
+}
+
+std::optional<MapRows> LinearizeSight(const Camera& camera, const Rig& rig,
+                                      std::span<const CameraView> views,
+                                      const Rigid3d& global_from_local, const MapSight& sight,
+                                      double sigma_px) {
+  const CameraView& view = views[static_cast<size_t>(sight.clone)];
+  const Eigen::Matrix3d local_from_global =
+      global_from_local.rotation.conjugate().toRotationMatrix();
+  const Eigen::Vector3d x_in_local =
+      local_from_global * (sight.x_in_global - global_from_local.translation);
+  const auto predicted = PredictPixel(camera, view, x_in_local);
+  if (!predicted) {
+    return std::nullopt;
+  }
+  // Noise of the pixel, plus that of the landmark: s^2 I + sigma^2 D D'.
+  Eigen::Matrix2d noise =
+      sight.sigma_m * sight.sigma_m * predicted->by_local * predicted->by_local.transpose();
+  noise.diagonal().array() += sigma_px * sigma_px;
+  const Eigen::Matrix2d whitening =
+      Eigen::LLT<Eigen::Matrix2d>(noise).matrixL().solve(Eigen::Matrix2d::Identity());
+  MapRows rows;
+  rows.clone = sight.clone;
+  rows.tile_id = sight.tile_id;
+  rows.by_clone = whitening * ByClone(*predicted, view, x_in_local);
+  rows.by_global = whitening * ByGlobal(*predicted, x_in_local);
+  rows.by_tile = whitening * predicted->by_local * local_from_global;
+  rows.by_rig = whitening * ByRig(*predicted, rig);
+  rows.residual = whitening * (sight.pixel - predicted->pixel);
+  return rows;
+}
+
+Measurement CompressMapRows(const std::vector<MapRows>& rows, int num_global_dims,
+                            FilterState* state) {
+  const SharedColumns shared = CollectShared(rows, num_global_dims, state);
+  std::vector<std::vector<const MapRows*>> by_clone(state->clones().size());
+  for (const MapRows& row : rows) {
+    by_clone[static_cast<size_t>(row.clone)].push_back(&row);
+  }
+  Measurement measurement;
+  measurement.blocks = shared.blocks;
+  std::vector<Eigen::MatrixXd> triangles;
+  Eigen::Index num_shared_rows = 0;
+  Eigen::Index num_clone_rows = 0;
+  for (size_t i = 0; i < by_clone.size(); ++i) {
+    if (by_clone[i].empty()) {
+      continue;
+    }
+    measurement.blocks.push_back({state->CloneIdx(static_cast<int>(i)), kCloneDim});
+    triangles.push_back(CloneRows(by_clone[i], shared));
+    const Eigen::Index own = std::min<Eigen::Index>(kCloneDim, triangles.back().rows());
+    num_clone_rows += own;
+    num_shared_rows += triangles.back().rows() - own;
+  }
+  Eigen::MatrixXd rest(num_shared_rows, shared.width + 1);
+  const Eigen::Index num_kept = std::min<Eigen::Index>(num_shared_rows, shared.width);
+  measurement.jacobian =
+      Eigen::MatrixXd::Zero(num_clone_rows + num_kept,
+                            shared.width + kCloneDim * static_cast<Eigen::Index>(triangles.size()));
+  measurement.residual.resize(num_clone_rows + num_kept);
+  Eigen::Index row = 0;
+  Eigen::Index rest_row = 0;
+  Eigen::Index column = shared.width;
+  for (const Eigen::MatrixXd& triangle : triangles) {
+    const Eigen::Index own = std::min<Eigen::Index>(kCloneDim, triangle.rows());
+    measurement.jacobian.block(row, column, own, kCloneDim) =
+        triangle.topLeftCorner(own, kCloneDim);
+    measurement.jacobian.block(row, 0, own, shared.width) =
+        triangle.block(0, kCloneDim, own, shared.width);
+    measurement.residual.segment(row, own) = triangle.col(triangle.cols() - 1).head(own);
+    const Eigen::Index below = triangle.rows() - own;
+    rest.middleRows(rest_row, below) = triangle.bottomRightCorner(below, shared.width + 1);
+    row += own;
+    rest_row += below;
+    column += kCloneDim;
+  }
+  Triangularize(shared.width, rest);
+  measurement.jacobian.block(row, 0, num_kept, shared.width) =
+      rest.topLeftCorner(num_kept, shared.width);
+  measurement.residual.tail(num_kept) = rest.col(shared.width).head(num_kept);
+  return measurement;
+}
+
+MapUpdateResult UpdateFromMap(const Camera& camera, std::span<const MapSight> sights,
+                              const MapUpdateOptions& options, FilterState* state) {
+  const int num_dims = options.num_global_dims();
+  const std::vector<CameraView> views = ViewsOfClones(*state);
+  const double gate = ChiSquareQuantile(2, options.match_gate_quantile);
+  MapUpdateResult result;
+  result.used_sights.assign(sights.size(), false);
+  std::vector<MapRows> rows;
+  rows.reserve(sights.size());
+  int num_seen = 0;
+  bool match_accepted = false;
+  for (size_t i = 0; i < sights.size(); ++i) {
+    const bool queried = i == 0 || sights[i].match != sights[i - 1].match;
+    if (!queried && !match_accepted) {
+      continue;
+    }
+    const auto linearized = LinearizeSight(camera, state->rig(), views, *state->global_from_local(),
+                                           sights[i], options.sigma_px);
+    const bool accepted = linearized && SquaredDistance(*state, *linearized, num_dims) < gate;
+    if (queried) {
+      ++num_seen;
+      match_accepted = accepted;
+      ++(accepted ? result.num_matches : result.num_gated);
+    }
+    if (accepted) {
+      rows.push_back(*linearized);
+      result.used_sights[i] = true;
+    }
+  }
+  const auto refuse = [&result](MapUpdateStatus status) {
+    result.status = status;
+    std::fill(result.used_sights.begin(), result.used_sights.end(), false);
+    return result;
+  };
+  if (result.num_matches < options.min_inlier_fraction * num_seen) {
+    return refuse(MapUpdateStatus::kDisagrees);
+  }
+  if (result.num_matches < options.min_matches) {
+    return refuse(MapUpdateStatus::kTooFewMatches);
+  }
+  const Measurement measurement = CompressMapRows(rows, num_dims, state);
+  if (!(state->SquaredMahalanobis(measurement) <
+        ChiSquareQuantile(measurement.num_rows(), options.response_gate_quantile)) ||
+      !state->Update(measurement)) {
+    return refuse(MapUpdateStatus::kDisagrees);
+  }
+  return result;
+}
+
+}  // namespace cairn::fusion

@@ -1,0 +1,94 @@
+// The rival of the filter: sliding-window visual-inertial bundle adjustment with the map held fixed
+// (paper, "Evaluation of the Pose Fusion"; Middelberg et al. 2014).
+#ifndef CAIRN_FUSION_RIVAL_BUNDLE_ADJUSTER_H_
+#define CAIRN_FUSION_RIVAL_BUNDLE_ADJUSTER_H_
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/rigid3.h"
+#include "fusion/imu.h"
+#include "fusion/imu_propagation.h"
+#include "fusion/rival/bundle_adjuster_options.h"
+#include "fusion/rival/marginal_prior.h"
+#include "fusion/rival/window_problem.h"
+#include "fusion/rival/window_tracks.h"
+#include "fusion/rival/window_variables.h"
+#include "fusion/track_table.h"
+
+namespace cairn::fusion {
+
+// A camera frame, as the tracker saw it.
+struct AdjusterFrame {
+  int64_t frame_id = 0;
+  int64_t timestamp_ns = 0;
+  // Between keyframes the newest camera gives way to the next one.
+  bool is_keyframe = true;
+  std::span<const ImuStep> steps_since_previous;
+  std::span<const TrackedFeature> features;
+};
+
+// A match of a tracked feature to the map.
+struct AdjusterMatch {
+  uint64_t track_id = 0;
+  MapLandmark landmark;
+};
+
+// The window holds the newest frame and keyframes before it. A match to the map turns its track
+// from a variable landmark into a fixed one, for every camera that sees it, so no sight counts
+// twice.
+//
+// Not thread-safe. Deterministic.
+class BundleAdjuster {
+ public:
+  // Starts at the frame `first`, in which the imu is in `state`, known to `covariance` of its error
+  // [theta, p, v, b_g, b_a], which must be positive definite. Throws as Validate.
+  BundleAdjuster(const BundleAdjusterOptions& options, const ImuState& state,
+                 const Matrix15d& covariance, const AdjusterFrame& first);
+
+  // Moves on to the next frame: prediction and preintegration. The inertial steps must have a
+  // positive duration.
+  void AddFrame(const AdjusterFrame& frame);
+
+  // Sets or replaces global_from_local; without it matches do not count.
+  void SetGlobalFromLocal(const Rigid3d& global_from_local);
+
+  // Gates matches at the cameras' present estimates and enters those that pass. Returns how many;
+  // a match on a track that no camera of the window sees does not pass.
+  int AddMatches(std::span<const AdjusterMatch> matches);
+
+  // Discards cameras beyond the size of the window, triangulates new tracks and optimises.
+  AdjustmentSummary Optimize();
+
+  ImuState state() const { return cameras_.back()->State(); }
+  std::optional<Rigid3d> global_from_local() const;
+  int num_cameras() const { return static_cast<int>(cameras_.size()); }
+  std::vector<int64_t> frame_ids() const;
+
+ private:
+  using Camera = std::unique_ptr<WindowCamera>;
+
+  bool PassesGate(const WindowTrack& track, const MapLandmark& landmark) const;
+  void RemoveCamera(size_t idx);
+  void DiscardOne();
+  size_t FurthestFromNewest() const;
+  void MarginalizeOldest();
+  std::vector<WindowTrack*> SelectTracks();
+  void RefreshPreintegration();
+  void DropBadLandmarks(std::span<WindowTrack* const> tracks);
+
+  const BundleAdjusterOptions options_;
+  std::deque<Camera> cameras_;  // By time.
+  std::optional<WindowAlignment> alignment_;
+  WindowTracks tracks_;
+  std::optional<MarginalPrior> prior_;
+  WindowProblem problem_;
+};
+
+}  // namespace cairn::fusion
+
+#endif  // CAIRN_FUSION_RIVAL_BUNDLE_ADJUSTER_H_

@@ -1,0 +1,40 @@
+// The point that explains a track, given the poses it was seen from.
+#ifndef CAIRN_FUSION_TRIANGULATE_H_
+#define CAIRN_FUSION_TRIANGULATE_H_
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+
+#include "core/camera.h"
+#include "fusion/camera_view.h"
+
+namespace cairn::fusion {
+
+struct TriangulateOptions {
+  double min_depth_m = 0.2;
+  double max_depth_m = 150.0;  // Beyond it a point is a direction and its depth a guess.
+  // Largest ratio of the distance to the extent of the camera positions across the ray: beyond it
+  // the linearisation of the depth cannot be trusted.
+  double max_distance_per_baseline = 60.0;
+  int max_iterations = 5;
+
+  void Validate() const;
+};
+
+// One sight of the point.
+struct Sight {
+  const CameraView* view;
+  Eigen::Vector2d pixel;
+  Eigen::Vector3d ray_in_cam;  // Unit vector through the pixel.
+};
+
+// Least squares of the reprojection errors: the point nearest to all rays first, then Gauss-Newton
+// in the image coordinates and inverse depth of the last sight. Nothing with fewer than two sights,
+// with rays that do not meet in front of every camera, or outside the limits of the options.
+std::optional<Eigen::Vector3d> Triangulate(const Camera& camera, std::span<const Sight> sights,
+                                           const TriangulateOptions& options);
+
+}  // namespace cairn::fusion
+
+#endif  // CAIRN_FUSION_TRIANGULATE_H_

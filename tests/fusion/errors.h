@@ -1,0 +1,58 @@
+// Errors of an estimator against the truth of a simulation.
+#ifndef CAIRN_TESTS_FUSION_ERRORS_H_
+#define CAIRN_TESTS_FUSION_ERRORS_H_
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <cmath>
+
+#include "fusion/filter_state.h"
+#include "fusion/simulation.h"
+
+namespace cairn::fusion::testing {
+
+// [theta, p, v, b_g, b_a]: truth minus estimate, as FilterState perturbs.
+inline Eigen::Matrix<double, kImuDim, 1> ImuError(const ImuState& estimate, const FrameTruth& truth,
+                                                  const Rigid3d& local_from_world) {
+  const Rigid3d local_from_imu = local_from_world * truth.world_from_imu;
+  Eigen::Matrix<double, kImuDim, 1> error;
+  error << LogSo3(local_from_imu.rotation * estimate.local_from_imu.rotation.conjugate()),
+      local_from_imu.translation - estimate.local_from_imu.translation,
+      local_from_world.rotation * truth.velocity_in_world - estimate.velocity_in_local,
+      truth.gyro_bias - estimate.gyro_bias, truth.accel_bias - estimate.accel_bias;
+  return error;
+}
+
+// [rho, psi] of global_from_local.
+inline Eigen::Vector4d GlobalError(const Rigid3d& global_from_local,
+                                   const Rigid3d& local_from_world) {
+  const Rigid3d error = global_from_local.Inverse() * local_from_world.Inverse();
+  const Eigen::Vector3d rotation = LogSo3(error.rotation);
+  return {error.translation.x(), error.translation.y(), error.translation.z(), rotation.z()};
+}
+
+// Normalised estimation error squared, per degree of freedom.
+template <typename Error, typename Covariance>
+double Nees(const Error& error, const Covariance& covariance) {
+  const Eigen::MatrixXd matrix = covariance;
+  const Eigen::VectorXd vector = error;
+  return vector.dot(matrix.ldlt().solve(vector)) / static_cast<double>(vector.size());
+}
+
+// Root mean square of what is added.
+class Rms {
+ public:
+  void Add(double value) {
+    sq_sum_ += value * value;
+    ++count_;
+  }
+  double Value() const { return count_ == 0 ? 0.0 : std::sqrt(sq_sum_ / count_); }
+
+ private:
+  double sq_sum_ = 0.0;
+  int count_ = 0;
+};
+
+}  // namespace cairn::fusion::testing
+
+#endif  // CAIRN_TESTS_FUSION_ERRORS_H_
