@@ -193,9 +193,8 @@ Eigen::Vector2d City::Crossing(int i, int j) const {
   HashedRandom random(HashOf(options_.seed, kCrossing, i, j));
   const double x = i + shape_.jitter * random.Uniform(-1.0, 1.0);
   const double y = j + shape_.jitter * random.Uniform(-1.0, 1.0);
-  // Half a pitch off, so that the center lies in a block and not on a crossing.
-  return site_from_lattice_ *
-         Eigen::Vector2d((x - 0.5) * shape_.pitch_x_m, (y - 0.5) * shape_.pitch_y_m);
+  // The center lies in the middle of a street.
+  return site_from_lattice_ * Eigen::Vector2d((x - 0.5) * shape_.pitch_x_m, y * shape_.pitch_y_m);
 }
 
 double City::StreetWidthM(int axis, int line) const {
@@ -219,8 +218,7 @@ void City::ForBlocksIn(const CityBox& box, const Visit& visit) const {
   for (const auto corner :
        {CityBox::BottomLeft, CityBox::BottomRight, CityBox::TopLeft, CityBox::TopRight}) {
     const Eigen::Vector2d at = site_from_lattice_.inverse() * box.corner(corner);
-    lattice.extend(
-        Eigen::Vector2d(at.x() / shape_.pitch_x_m + 0.5, at.y() / shape_.pitch_y_m + 0.5));
+    lattice.extend(Eigen::Vector2d(at.x() / shape_.pitch_x_m + 0.5, at.y() / shape_.pitch_y_m));
   }
   const auto first = [](double value) { return static_cast<int>(std::floor(value)) - 1; };
   const auto last = [](double value) { return static_cast<int>(std::ceil(value)); };

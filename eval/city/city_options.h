@@ -23,7 +23,8 @@ const char* CityCharacterName(CityCharacter character);
 CityCharacter CityCharacterFromName(const std::string& name);
 
 struct CityOptions {
-  // The middle of the city, at the height of its ground: the origin of the frame `site`.
+  // The middle of the city, in the middle of a street and at the height of its ground: the origin
+  // of the frame `site`.
   Geodetic center = Geodetic::FromDegrees(47.3769, 8.5417, 408.0);
   // Mapped area, square kilometres, (0, 900]: a square about the center. Beyond 30 km across, a
   // plane frame is no longer a good picture of the ground. Streets go on outside of it.

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/geodesy.h"
+#include "core/tile_id.h"
 #include "eval/city/city.h"
 #include "eval/city/require_option.h"
 #include "eval/city/simulated_mapping.h"
@@ -20,7 +22,8 @@ constexpr std::array<const char*, 3> kSizeNames = {"quick", "medium", "paper"};
 // The landmarks that the map has around each query.
 class MappedAroundQueries {
  public:
-  MappedAroundQueries(const PhoneQueries& queries) : queries_(queries), mapped_(queries.size()) {}
+  explicit MappedAroundQueries(const PhoneQueries& queries)
+      : queries_(queries), mapped_(queries.size()) {}
 
   void Add(const MappedChunk& chunk, double max_range_m) {
     const double reach_m = max_range_m + kMarginM;
@@ -53,6 +56,16 @@ class MappedAroundQueries {
   const PhoneQueries& queries_;
   std::vector<std::unordered_set<uint64_t>> mapped_;
 };
+
+// The middle of a tile that no zone border cuts, near `place`.
+Geodetic MiddleOfWholeTile(const Geodetic& place) {
+  constexpr double kAwayFromBorderM = 300.0;
+  const Eigen::Vector3d x_in_ecef =
+      EcefFromEnu(place) * Eigen::Vector3d(-kAwayFromBorderM, 0.0, 0.0);
+  Geodetic middle = TileId::Containing(GeodeticFromEcef(x_in_ecef)).Anchor();
+  middle.h_m = place.h_m;
+  return middle;
+}
 
 void Ingest(const CityWorldOptions& options, const SimulatedMapping& mapping,
             const MappedChunk& chunk, MapStore* store) {
@@ -105,6 +118,7 @@ CityWorldOptions CityWorldPreset(CityCharacter character, CityWorldSize size) {
       options.queries.num_queries = 200;
       break;
     case CityWorldSize::kPaper:
+      options.city.center = MiddleOfWholeTile(options.city.center);
       options.city.area_km2 = 0.0225;
       options.city.min_landmark_size_m = 0.015;
       options.mapping.num_passes = 6;

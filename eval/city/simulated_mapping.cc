@@ -29,6 +29,7 @@ constexpr double kHeadingSigmaRad = 0.02;
 // How far off a wrong observation lies, pixels.
 constexpr double kWrongPx = 6.0;
 constexpr int kTriangulationBatch = 4096;
+constexpr double kSearchBoxM = 300.0;
 
 // Streams of random numbers that must not meet.
 enum Stream : uint64_t {
@@ -78,14 +79,18 @@ Sim3d SimulatedMapping::EcefFromWorld() const {
 }
 
 std::vector<TileId> SimulatedMapping::Tiles() const {
-  const double half_m = 0.5 * city_.options().SideM();
-  const int num_steps = static_cast<int>(std::ceil(2.0 * half_m / (0.4 * TileId::kSideM)));
+  const double side_m = city_.options().SideM();
+  const int num_steps = static_cast<int>(std::ceil(side_m / kSearchBoxM));
+  const double step_m = side_m / num_steps;
   std::set<TileId> found;
-  for (int j = 0; j <= num_steps; ++j) {
-    for (int i = 0; i <= num_steps; ++i) {
-      const Eigen::Vector2d at(-half_m + 2.0 * half_m * i / num_steps,
-                               -half_m + 2.0 * half_m * j / num_steps);
-      found.insert(TileAt(city_, {at.x(), at.y(), city_.GroundM(at)}));
+  for (int pass = 0; pass < options_.num_passes; ++pass) {
+    for (int i = 0; i < num_steps * num_steps; ++i) {
+      const Eigen::Vector2d low(-0.5 * side_m + step_m * (i % num_steps),
+                                -0.5 * side_m + step_m * (i / num_steps));
+      const CityBox box(low, low + Eigen::Vector2d(step_m, step_m));
+      for (const RigKeyframe& keyframe : KeyframesIn(box, pass)) {
+        found.insert(TileAt(city_, keyframe.center_in_site));
+      }
     }
   }
   std::vector<std::pair<double, TileId>> by_distance;

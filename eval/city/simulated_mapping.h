@@ -27,7 +27,7 @@ struct RigKeyframe {
 // place it by Sim3d ecef_from_site.
 struct MappedChunk {
   TileId tile_id;
-  Reconstruction reconstruction;  // Empty if the car does not come here.
+  Reconstruction reconstruction;  // Empty if no car comes here.
   // Parallel to reconstruction.landmarks: CityLandmark::id. One thing can be several landmarks.
   std::vector<uint64_t> city_landmarks;
   // The truth, parallel to reconstruction.images.
@@ -47,7 +47,7 @@ class SimulatedMapping {
   const MappingOptions& options() const { return options_; }
   Sim3d EcefFromWorld() const;
 
-  // All tiles that touch the city's square, from the center outwards.
+  // The tiles in which keyframes stand, from the center outwards.
   std::vector<TileId> Tiles() const;
 
   // Keyframes of a pass in the box; a pure function of the city and the pass.
