@@ -10,9 +10,10 @@
 #include <limits>
 
 #include "core/error.h"
+#include "eval/colmap/write_colmap.h"
 #include "ingest/readers/colmap_model.h"
 #include "storage/descriptor_codec.h"
-#include "support/colmap_writer.h"
+#include "storage/sqlite/connection.h"
 #include "support/reconstruction_builder.h"
 #include "support/temp_dir.h"
 
@@ -63,13 +64,10 @@ std::pair<ErrorCode, std::string> ErrorOf(const std::function<void()>& action) {
 class ColmapReader : public ::testing::Test {
  protected:
   ColmapInput Write(const Reconstruction& reconstruction, bool binary = true,
-                    const testing::ColmapDatabaseOptions& options = {}) {
-    if (binary) {
-      testing::WriteBinaryColmapModel(reconstruction, dir_.path().string());
-    } else {
-      testing::WriteTextColmapModel(reconstruction, dir_.path().string());
-    }
-    testing::WriteColmapDatabase(reconstruction, dir_.File("database.db"), options);
+                    const ColmapDatabaseOptions& options = {}) {
+    WriteColmapModel(reconstruction, dir_.path().string(),
+                     binary ? ColmapModelFormat::kBinary : ColmapModelFormat::kText);
+    WriteColmapDatabase(reconstruction, dir_.File("database.db"), options);
     return {dir_.path().string(), dir_.File("database.db"), {}};
   }
 
@@ -141,7 +139,7 @@ TEST_F(ColmapReader, ReadsKeypointsOfFourAndTwoColumns) {
   EXPECT_FLOAT_EQ(two.images[0].features.keypoints[0].scale_px, 1.0f);
 }
 
-class ColmapGps : public ColmapReader, public ::testing::WithParamInterface<testing::GpsTable> {};
+class ColmapGps : public ColmapReader, public ::testing::WithParamInterface<ColmapGpsTable> {};
 
 TEST_P(ColmapGps, IsReadFromEverySchema) {
   const Reconstruction written = SmallStreet();
@@ -154,9 +152,9 @@ TEST_P(ColmapGps, IsReadFromEverySchema) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Schemas, ColmapGps,
-                         ::testing::Values(testing::GpsTable::kImageColumns,
-                                           testing::GpsTable::kPosePriorsOfImages,
-                                           testing::GpsTable::kPosePriorsOfData));
+                         ::testing::Values(ColmapGpsTable::kImageColumns,
+                                           ColmapGpsTable::kPosePriorsOfImages,
+                                           ColmapGpsTable::kPosePriorsOfData));
 
 TEST_F(ColmapReader, GpsAtNullIslandIsNoGps) {
   Reconstruction written = SmallStreet();
@@ -217,7 +215,7 @@ TEST_F(ColmapReader, RefusesADatabaseOfAnotherModel) {
   testing::StreetWorldOptions options;
   options.seed = 5;
   input.database_path = dir_.File("other.db");
-  testing::WriteColmapDatabase(testing::StreetWorld(options).Reconstruct(), input.database_path);
+  WriteColmapDatabase(testing::StreetWorld(options).Reconstruct(), input.database_path, {});
   EXPECT_EQ(ErrorOf([&] { ReadColmap(input); }).first, ErrorCode::kBadInput);
 }
 
