@@ -1,7 +1,7 @@
 #include "engine/matching/byte_words.h"
 
 #include <algorithm>
-#include <array>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -12,6 +12,13 @@ namespace cairn {
 namespace {
 
 constexpr size_t kSamplesPerWord = 32;
+// Descriptors that are prepared together as queries.
+constexpr size_t kDescriptorsPerBatch = 256;
+
+// At least one block, also of no dimensions.
+int PaddedDims(int num_dims) {
+  return std::max(1, (num_dims + kDistanceBlock - 1) / kDistanceBlock) * kDistanceBlock;
+}
 
 // The first `count` of a random permutation of [0, size).
 std::vector<uint32_t> RandomSample(size_t size, size_t count, uint64_t seed) {
@@ -24,71 +31,121 @@ std::vector<uint32_t> RandomSample(size_t size, size_t count, uint64_t seed) {
   return indices;
 }
 
+// Some dimensions of rows, padded: count x PaddedDims(num_dims).
+template <typename To, typename From>
+std::vector<To> CutDims(const From* rows, size_t count, int stride, int first_dim, int num_dims) {
+  std::vector<To> cut(count * PaddedDims(num_dims), 0);
+  for (size_t i = 0; i < count; ++i) {
+    const From* row = rows + i * stride + first_dim;
+    std::copy(row, row + num_dims, cut.begin() + static_cast<ptrdiff_t>(i * PaddedDims(num_dims)));
+  }
+  return cut;
+}
+
+BlockedRows MakeBlocks(const std::vector<uint8_t>& rows, int stride) {
+  std::vector<uint32_t> order(rows.size() / stride);
+  std::iota(order.begin(), order.end(), 0u);
+  return BlockedRows(rows.data(), stride, order);
+}
+
+// The nearest of `words` for each of `count` rows of as many dimensions.
+std::vector<uint32_t> Nearest(const BlockedRows& words, const uint8_t* rows, size_t count,
+                              int stride, int first_dim, int num_dims) {
+  std::vector<uint32_t> nearest;
+  nearest.reserve(count);
+  for (size_t begin = 0; begin < count; begin += kDescriptorsPerBatch) {
+    const size_t size = std::min(kDescriptorsPerBatch, count - begin);
+    const BlockQueries queries(
+        CutDims<int16_t>(rows + begin * stride, size, stride, first_dim, num_dims),
+        words.centers());
+    for (size_t i = 0; i < size; ++i) {
+      nearest.push_back(static_cast<uint32_t>(words.Nearest(queries[i])));
+    }
+  }
+  return nearest;
+}
+
+// Lloyd's iteration on `samples` (n x PaddedDims(num_dims)). A word that no sample is nearest to
+// stays where it is.
+void Iterate(const std::vector<uint8_t>& samples, int num_dims, std::vector<uint8_t>* words) {
+  const int stride = PaddedDims(num_dims);
+  const size_t num_words = words->size() / stride;
+  const std::vector<uint32_t> nearest = Nearest(MakeBlocks(*words, stride), samples.data(),
+                                                samples.size() / stride, stride, 0, num_dims);
+  std::vector<int32_t> sums(words->size(), 0), counts(num_words, 0);
+  for (size_t i = 0; i < nearest.size(); ++i) {
+    ++counts[nearest[i]];
+    for (int dim = 0; dim < num_dims; ++dim) {
+      sums[nearest[i] * stride + dim] += samples[i * stride + dim];
+    }
+  }
+  for (size_t word = 0; word < num_words; ++word) {
+    for (int dim = 0; dim < num_dims && counts[word] > 0; ++dim) {
+      (*words)[word * stride + dim] =
+          static_cast<uint8_t>((sums[word * stride + dim] + counts[word] / 2) / counts[word]);
+    }
+  }
+}
+
+BlockedRows Train(const ByteDescriptors& descriptors, const ByteWords::Options& options) {
+  const int descriptor_stride = descriptors.scale().stride();
+  const size_t num_words = std::min<size_t>(options.num_words, descriptors.size());
+  const std::vector<uint32_t> sample = RandomSample(
+      descriptors.size(), std::min(kSamplesPerWord * num_words, descriptors.size()), options.seed);
+  const int stride = PaddedDims(options.num_dims);
+  std::vector<uint8_t> samples(sample.size() * stride, 0);
+  for (size_t i = 0; i < sample.size(); ++i) {
+    const uint8_t* row =
+        descriptors.rows() + size_t{sample[i]} * descriptor_stride + options.first_dim;
+    std::copy(row, row + options.num_dims, samples.begin() + static_cast<ptrdiff_t>(i * stride));
+  }
+  std::vector<uint8_t> words(samples.begin(),
+                             samples.begin() + static_cast<ptrdiff_t>(num_words * stride));
+  for (int i = 0; i < options.num_iterations && num_words > 0; ++i) {
+    Iterate(samples, options.num_dims, &words);
+  }
+  return MakeBlocks(words, stride);
+}
+
 }  // namespace
 
 ByteWords::ByteWords(const ByteDescriptors& descriptors, const Options& options)
     : first_dim_(options.first_dim),
       num_dims_(options.num_dims),
-      stride_((num_dims_ + kDistanceBlock - 1) / kDistanceBlock * kDistanceBlock),
-      size_(std::min<size_t>(options.num_words, descriptors.size())),
-      rows_(size_ * stride_) {
-  const std::vector<uint32_t> sample = RandomSample(
-      descriptors.size(), std::min(kSamplesPerWord * size_, descriptors.size()), options.seed);
-  for (size_t word = 0; word < size_; ++word) {
-    const uint8_t* row =
-        descriptors.rows() + size_t{sample[word]} * descriptors.scale().stride() + first_dim_;
-    std::copy(row, row + num_dims_, rows_.begin() + static_cast<ptrdiff_t>(word * stride_));
-  }
-  for (int i = 0; i < options.num_iterations; ++i) {
-    Iterate(descriptors, sample);
-  }
+      words_(Train(descriptors, options)) {}
+
+BlockQueries ByteWords::Prepare(std::span<const int16_t> query_steps, int stride) const {
+  return BlockQueries(CutDims<int16_t>(query_steps.data(), query_steps.size() / stride, stride,
+                                       first_dim_, num_dims_),
+                      words_.centers());
 }
 
-// Lloyd's iteration. A word that no sample is nearest to stays where it is.
-void ByteWords::Iterate(const ByteDescriptors& descriptors, std::span<const uint32_t> sample) {
-  std::vector<int32_t> sums(size_ * num_dims_, 0), counts(size_, 0), sq_steps(size_);
-  std::vector<int16_t> query(stride_);
-  for (const uint32_t descriptor : sample) {
-    const uint8_t* row =
-        descriptors.rows() + size_t{descriptor} * descriptors.scale().stride() + first_dim_;
-    const uint32_t word = NearestWord(row, query, sq_steps);
-    ++counts[word];
-    for (int dim = 0; dim < num_dims_; ++dim) {
-      sums[word * num_dims_ + dim] += row[dim];
-    }
-  }
-  for (size_t word = 0; word < size_; ++word) {
-    for (int dim = 0; dim < num_dims_ && counts[word] > 0; ++dim) {
-      rows_[word * stride_ + dim] =
-          static_cast<uint8_t>((sums[word * num_dims_ + dim] + counts[word] / 2) / counts[word]);
-    }
-  }
-}
-
-uint32_t ByteWords::NearestWord(const uint8_t* row, std::span<int16_t> query,
-                                std::span<int32_t> sq_steps) const {
-  std::copy(row, row + num_dims_, query.begin());
-  BestDistanceKernels().scan(query.data(), rows_.data(), stride_, size_, sq_steps.data());
-  return static_cast<uint32_t>(std::min_element(sq_steps.begin(), sq_steps.end()) -
-                               sq_steps.begin());
-}
-
-void ByteWords::SqDistances(const int16_t* query_steps, std::span<int32_t> sq_steps) const {
-  std::array<int16_t, kMaxDistanceStride> query{};
-  std::copy(query_steps + first_dim_, query_steps + first_dim_ + num_dims_, query.begin());
-  BestDistanceKernels().scan(query.data(), rows_.data(), stride_, size_, sq_steps.data());
+int32_t ByteWords::NearestSqDistance(const BlockQuery& query) const {
+  BlockHit nearest;
+  const size_t word = words_.Nearest(query);
+  words_.Range(query, word, word + 1, std::numeric_limits<int32_t>::max(), &nearest);
+  return nearest.sq_distance;
 }
 
 std::vector<uint32_t> ByteWords::NearestWords(const ByteDescriptors& descriptors) const {
-  std::vector<int16_t> query(stride_);
-  std::vector<int32_t> sq_steps(size_);
-  std::vector<uint32_t> words(descriptors.size());
-  const uint8_t* row = descriptors.rows() + first_dim_;
-  for (uint32_t& word : words) {
-    word = NearestWord(row, query, sq_steps);
-    row += descriptors.scale().stride();
+  return Nearest(words_, descriptors.rows(), descriptors.size(), descriptors.scale().stride(),
+                 first_dim_, num_dims_);
+}
+
+void FindNearestWords(std::span<const int32_t> sq_steps, size_t count,
+                      std::vector<NearWord>* nearest) {
+  constexpr NearWord kNone = {std::numeric_limits<int32_t>::max(), 0};
+  nearest->assign(count, kNone);
+  for (uint32_t word = 0; word < sq_steps.size(); ++word) {
+    if (sq_steps[word] >= nearest->back().first) {
+      continue;
+    }
+    size_t place = count - 1;
+    for (; place > 0 && sq_steps[word] < (*nearest)[place - 1].first; --place) {
+      (*nearest)[place] = (*nearest)[place - 1];
+    }
+    (*nearest)[place] = {sq_steps[word], word};
   }
-  return words;
 }
 
 }  // namespace cairn

@@ -6,8 +6,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "engine/matching/blocked_rows.h"
 #include "engine/matching/byte_descriptors.h"
 
 namespace cairn {
@@ -28,29 +30,39 @@ class ByteWords {
   // descriptors. Deterministic by seed.
   ByteWords(const ByteDescriptors& descriptors, const Options& options);
 
-  size_t size() const { return size_; }
+  size_t size() const { return words_.size(); }
 
-  // Squared distance in steps of a query (as ByteScale makes them, all dimensions) to each of the
-  // size() words, over the words' dimensions.
-  void SqDistances(const int16_t* query_steps, std::span<int32_t> sq_steps) const;
+  // Queries in the form that SqDistances takes; steps as ByteScale makes them (n x stride, all
+  // dimensions).
+  BlockQueries Prepare(std::span<const int16_t> query_steps, int stride) const;
+
+  // Squared distances in steps of a query to all words, over the words' dimensions; there must be
+  // room for size() rounded up to a multiple of kBlockRows.
+  void SqDistances(const BlockQuery& query, int32_t* sq_steps) const {
+    words_.Scan(query, sq_steps);
+  }
+
+  // The smallest of them; there must be words.
+  int32_t NearestSqDistance(const BlockQuery& query) const;
 
   // The nearest word of each descriptor, of equally near ones the first.
   std::vector<uint32_t> NearestWords(const ByteDescriptors& descriptors) const;
 
-  size_t MemoryBytes() const { return rows_.capacity(); }
+  size_t MemoryBytes() const { return words_.MemoryBytes(); }
 
  private:
-  // The nearest word of a descriptor's row. Both spans are working memory: stride_ and size_.
-  uint32_t NearestWord(const uint8_t* row, std::span<int16_t> query,
-                       std::span<int32_t> sq_steps) const;
-  void Iterate(const ByteDescriptors& descriptors, std::span<const uint32_t> sample);
-
   int first_dim_;
   int num_dims_;
-  int stride_;
-  size_t size_ = 0;
-  std::vector<uint8_t> rows_;  // size_ x stride_; the padding is 0.
+  BlockedRows words_;
 };
+
+// A word and its squared distance from a query in steps.
+using NearWord = std::pair<int32_t, uint32_t>;
+
+// Keeps the `count` smallest distances of words [0, sq_steps.size()), nearest first, of equally
+// near ones the first; count <= sq_steps.size(). For counts up to some dozen.
+void FindNearestWords(std::span<const int32_t> sq_steps, size_t count,
+                      std::vector<NearWord>* nearest);
 
 }  // namespace cairn
 

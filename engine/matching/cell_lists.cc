@@ -1,69 +1,74 @@
 #include "engine/matching/cell_lists.h"
 
 #include <algorithm>
-#include <cstring>
+#include <numeric>
 
 #include "core/check.h"
-#include "engine/matching/distance_kernels.h"
 
 namespace cairn {
+namespace {
+
+// Offsets of the cells, one more than there are.
+std::vector<uint32_t> CellBegins(std::span<const uint32_t> cells, size_t num_cells) {
+  std::vector<uint32_t> begin(num_cells + 1, 0);
+  for (const uint32_t cell : cells) {
+    ++begin[cell + 1];
+  }
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  return begin;
+}
+
+// Descriptors in order of their cells; a counting sort.
+std::vector<uint32_t> OrderByCell(std::span<const uint32_t> cells, std::vector<uint32_t> next) {
+  std::vector<uint32_t> order(cells.size());
+  for (size_t descriptor = 0; descriptor < cells.size(); ++descriptor) {
+    order[next[cells[descriptor]]++] = static_cast<uint32_t>(descriptor);
+  }
+  return order;
+}
+
+}  // namespace
 
 CellLists::CellLists(const ByteDescriptors& descriptors, std::span<const uint32_t> cells,
                      size_t num_cells)
     : scale_(descriptors.scale()),
-      begin_(num_cells + 1, 0),
-      rows_(descriptors.size() * scale_.stride()),
-      descriptor_of_row_(descriptors.size()) {
+      begin_(CellBegins(cells, num_cells)),
+      descriptor_of_row_(OrderByCell(cells, begin_)),
+      rows_(descriptors.rows(), scale_.stride(), descriptor_of_row_) {
   CAIRN_CHECK(cells.size() == descriptors.size(), "every descriptor has a cell");
-  for (const uint32_t cell : cells) {
-    ++begin_[cell + 1];
-  }
   for (size_t cell = 0; cell < num_cells; ++cell) {
-    max_cell_size_ = std::max(max_cell_size_, size_t{begin_[cell + 1]});
-    begin_[cell + 1] += begin_[cell];
-  }
-  std::vector<uint32_t> next(begin_.begin(), begin_.end() - 1);
-  const size_t stride = scale_.stride();
-  for (size_t descriptor = 0; descriptor < cells.size(); ++descriptor) {
-    const uint32_t row = next[cells[descriptor]]++;
-    descriptor_of_row_[row] = static_cast<uint32_t>(descriptor);
-    std::memcpy(rows_.data() + row * stride, descriptors.rows() + descriptor * stride, stride);
+    max_cell_size_ = std::max<size_t>(max_cell_size_, begin_[cell + 1] - begin_[cell]);
   }
 }
 
-int64_t CellLists::Search(const std::vector<int16_t>& query_steps,
-                          std::span<const CellVisit> visits, HitCollector* collector) const {
-  // Visits whose memory is asked for ahead: first the bounds of the cell, then its rows.
+int64_t CellLists::Search(const BlockQueries& queries, std::span<const CellVisit> visits,
+                          HitCollector* collector) const {
+  // Visits whose memory is asked for ahead: first the bounds of the cell, then its first rows.
   constexpr size_t kBoundsAhead = 32;
   constexpr size_t kRowsAhead = 8;
-  const DistanceKernels& kernels = BestDistanceKernels();
-  const size_t stride = scale_.stride();
-  std::vector<int32_t> sq_steps(max_cell_size_);
+  std::vector<BlockHit> hits(max_cell_size_);
   int64_t num_distances = 0;
   for (size_t i = 0; i < visits.size(); ++i) {
     if (i + kBoundsAhead < visits.size()) {
       __builtin_prefetch(&begin_[visits[i + kBoundsAhead].cell]);
     }
     if (i + kRowsAhead < visits.size()) {
-      __builtin_prefetch(rows_.data() + begin_[visits[i + kRowsAhead].cell] * stride);
+      rows_.Prefetch(begin_[visits[i + kRowsAhead].cell]);
     }
     const auto [cell, query_idx] = visits[i];
-    const size_t begin = begin_[cell];
-    const size_t count = begin_[cell + 1] - begin;
-    kernels.scan(query_steps.data() + query_idx * stride, rows_.data() + begin * stride,
-                 scale_.stride(), count, sq_steps.data());
-    for (size_t j = 0; j < count; ++j) {
-      if (sq_steps[j] <= collector->max_sq_steps(query_idx)) {
-        collector->Add(query_idx, descriptor_of_row_[begin + j], sq_steps[j]);
-      }
+    const size_t num_hits = rows_.Range(queries[query_idx], begin_[cell], begin_[cell + 1],
+                                        collector->max_sq_steps(query_idx), hits.data());
+    for (size_t j = 0; j < num_hits; ++j) {
+      collector->Add(query_idx, descriptor_of_row_[hits[j].row], hits[j].sq_distance);
     }
-    num_distances += static_cast<int64_t>(count);
+    num_distances += begin_[cell + 1] - begin_[cell];
   }
   return num_distances;
 }
 
 size_t CellLists::MemoryBytes() const {
-  return rows_.capacity() + (begin_.capacity() + descriptor_of_row_.capacity()) * sizeof(uint32_t);
+  return rows_.MemoryBytes() +
+         (begin_.capacity() + descriptor_of_row_.capacity()) * sizeof(uint32_t);
 }
 
 }  // namespace cairn

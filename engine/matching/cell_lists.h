@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/matching/blocked_rows.h"
 #include "engine/matching/byte_descriptors.h"
 #include "engine/matching/hit_collector.h"
 
@@ -29,9 +30,14 @@ class CellLists {
   size_t size() const { return descriptor_of_row_.size(); }
   size_t num_cells() const { return begin_.size() - 1; }
 
-  // Compares queries (n x scale().stride(), as ByteScale makes them) with the descriptors of the
-  // cells they visit, in the order of the visits. Returns the number of distances computed.
-  int64_t Search(const std::vector<int16_t>& query_steps, std::span<const CellVisit> visits,
+  // Queries, as ByteScale makes them, in the form that Search takes.
+  BlockQueries Prepare(std::span<const int16_t> query_steps) const {
+    return BlockQueries(query_steps, rows_.centers());
+  }
+
+  // Compares queries with the descriptors of the cells they visit, in the order of the visits.
+  // Returns the number of distances computed.
+  int64_t Search(const BlockQueries& queries, std::span<const CellVisit> visits,
                  HitCollector* collector) const;
 
   size_t MemoryBytes() const;
@@ -39,8 +45,8 @@ class CellLists {
  private:
   ByteScale scale_;
   std::vector<uint32_t> begin_;              // Of each cell, num_cells + 1 offsets into the rows.
-  std::vector<uint8_t> rows_;                // size() x scale().stride().
   std::vector<uint32_t> descriptor_of_row_;  // Ascending within a cell.
+  BlockedRows rows_;
   size_t max_cell_size_ = 0;
 };
 

@@ -23,21 +23,17 @@ InvertedLists::InvertedLists(const ByteDescriptors& descriptors,
 std::vector<CellVisit> InvertedLists::MakeVisits(const std::vector<int16_t>& query_steps,
                                                  size_t num_queries) const {
   const size_t num_words = words_.size();
-  std::vector<int32_t> sq_steps(num_words);
-  std::vector<uint64_t> ordered(num_words);  // Distance << 32 | word.
+  const BlockQueries queries = words_.Prepare(query_steps, lists_.scale().stride());
+  std::vector<int32_t> sq_steps(num_words + kBlockRows);
+  std::vector<NearWord> nearest;
   std::vector<uint32_t> probed(num_queries * num_probes_);
   std::vector<uint32_t> begin(num_words + 1, 0);
   for (size_t query = 0; query < num_queries; ++query) {
-    words_.SqDistances(query_steps.data() + query * lists_.scale().stride(), sq_steps);
-    for (size_t word = 0; word < num_words; ++word) {
-      ordered[word] = static_cast<uint64_t>(sq_steps[word]) << 32 | word;
-    }
-    std::nth_element(ordered.begin(), ordered.begin() + static_cast<ptrdiff_t>(num_probes_ - 1),
-                     ordered.end());
+    words_.SqDistances(queries[query], sq_steps.data());
+    FindNearestWords({sq_steps.data(), num_words}, num_probes_, &nearest);
     for (size_t i = 0; i < num_probes_; ++i) {
-      const auto word = static_cast<uint32_t>(ordered[i]);
-      probed[query * num_probes_ + i] = word;
-      ++begin[word + 1];
+      probed[query * num_probes_ + i] = nearest[i].second;
+      ++begin[nearest[i].second + 1];
     }
   }
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
@@ -56,7 +52,7 @@ int64_t InvertedLists::Search(const SearchRequest& request,
   }
   const std::vector<int16_t> query_steps = lists_.scale().QuantizeQueries(request.queries);
   const std::vector<CellVisit> visits = MakeVisits(query_steps, request.queries.rows());
-  const int64_t num_distances = lists_.Search(query_steps, visits, &collector);
+  const int64_t num_distances = lists_.Search(lists_.Prepare(query_steps), visits, &collector);
   collector.MoveTo(hits);
   return num_distances;
 }

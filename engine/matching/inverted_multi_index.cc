@@ -9,14 +9,11 @@
 namespace cairn {
 namespace {
 
-// A word and its squared distance from the query in steps.
-using NearWord = std::pair<int32_t, uint32_t>;
-
 // The `count` nearest words, nearest first; count <= words.size().
-void NearestFirst(const ByteWords& words, const int16_t* query_steps, size_t count,
+void NearestFirst(const ByteWords& words, const BlockQuery& query, size_t count,
                   std::vector<int32_t>* sq_steps, std::vector<NearWord>* nearest) {
-  sq_steps->resize(words.size());
-  words.SqDistances(query_steps, *sq_steps);
+  sq_steps->resize(words.size() + kBlockRows);
+  words.SqDistances(query, sq_steps->data());
   nearest->resize(words.size());
   for (uint32_t word = 0; word < words.size(); ++word) {
     (*nearest)[word] = {(*sq_steps)[word], word};
@@ -33,7 +30,10 @@ void NearestFirst(const ByteWords& words, const int16_t* query_steps, size_t cou
 // pairs before it in its row and in its column have left it.
 class InvertedMultiIndex::MultiSequence {
  public:
-  explicit MultiSequence(const InvertedMultiIndex& index) : index_(index) {
+  MultiSequence(const InvertedMultiIndex& index, const std::vector<int16_t>& query_steps)
+      : index_(index),
+        first_queries_(index.words_.first().Prepare(query_steps, index.lists_.scale().stride())),
+        second_queries_(index.words_.second().Prepare(query_steps, index.lists_.scale().stride())) {
     // Of p pairs the nearest, few have a rank above a few times sqrt(p) in either half; the paper
     // too takes the nearest words of each half first. All of them if there are not enough pairs.
     constexpr double kSpread = 4.0;
@@ -43,10 +43,9 @@ class InvertedMultiIndex::MultiSequence {
     reach_ = num_probes() >= num_words * num_words ? num_words : std::min(reach, num_words);
   }
 
-  void AppendVisits(const int16_t* query_steps, uint32_t query_idx,
-                    std::vector<CellVisit>* visits) {
-    NearestFirst(index_.words_.first(), query_steps, reach_, &sq_steps_, &first_);
-    NearestFirst(index_.words_.second(), query_steps, reach_, &sq_steps_, &second_);
+  void AppendVisits(uint32_t query_idx, std::vector<CellVisit>* visits) {
+    NearestFirst(index_.words_.first(), first_queries_[query_idx], reach_, &sq_steps_, &first_);
+    NearestFirst(index_.words_.second(), second_queries_[query_idx], reach_, &sq_steps_, &second_);
     num_taken_.assign(reach_, 0);
     queue_ = {};
     Push(0, 0);
@@ -77,6 +76,7 @@ class InvertedMultiIndex::MultiSequence {
   }
 
   const InvertedMultiIndex& index_;
+  const BlockQueries first_queries_, second_queries_;
   size_t reach_;  // Words of each half that are considered.
   std::vector<int32_t> sq_steps_;
   std::vector<NearWord> first_, second_;
@@ -101,7 +101,8 @@ int64_t InvertedMultiIndex::Search(const SearchRequest& request,
     return 0;
   }
   const std::vector<int16_t> query_steps = lists_.scale().QuantizeQueries(request.queries);
-  MultiSequence sequence(*this);
+  const BlockQueries queries = lists_.Prepare(query_steps);
+  MultiSequence sequence(*this, query_steps);
   std::vector<CellVisit> visits;
   int64_t num_distances = 0;
   constexpr uint32_t kQueriesPerBlock = 16;
@@ -109,10 +110,9 @@ int64_t InvertedMultiIndex::Search(const SearchRequest& request,
   for (uint32_t begin = 0; begin < num_queries; begin += kQueriesPerBlock) {
     visits.clear();
     for (uint32_t query = begin; query < std::min(begin + kQueriesPerBlock, num_queries); ++query) {
-      sequence.AppendVisits(query_steps.data() + size_t{query} * lists_.scale().stride(), query,
-                            &visits);
+      sequence.AppendVisits(query, &visits);
     }
-    num_distances += lists_.Search(query_steps, visits, &collector);
+    num_distances += lists_.Search(queries, visits, &collector);
   }
   collector.MoveTo(hits);
   return num_distances;

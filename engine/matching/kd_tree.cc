@@ -165,13 +165,14 @@ void KdTree::AppendVisits(const int16_t* query_steps, uint32_t query_idx, int32_
 int64_t KdTree::Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const {
   HitCollector collector(lists_.scale(), request);
   const std::vector<int16_t> query_steps = lists_.scale().QuantizeQueries(request.queries);
+  const BlockQueries queries = lists_.Prepare(query_steps);
   std::vector<CellVisit> visits;
   int64_t num_distances = 0;
   for (uint32_t query = 0; query < request.queries.rows(); ++query) {
     visits.clear();
     AppendVisits(query_steps.data() + size_t{query} * lists_.scale().stride(), query,
                  collector.max_sq_steps(query), &visits);
-    num_distances += lists_.Search(query_steps, visits, &collector);
+    num_distances += lists_.Search(queries, visits, &collector);
   }
   collector.MoveTo(hits);
   return num_distances;

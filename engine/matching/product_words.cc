@@ -40,12 +40,11 @@ std::vector<double> ProductWords::NearestDistances(const ByteScale& scale,
     return distances;
   }
   const std::vector<int16_t> steps = scale.QuantizeQueries(queries);
-  std::vector<int32_t> first(first_.size()), second(second_.size());
+  const BlockQueries first_queries = first_.Prepare(steps, scale.stride());
+  const BlockQueries second_queries = second_.Prepare(steps, scale.stride());
   for (size_t query = 0; query < distances.size(); ++query) {
-    first_.SqDistances(steps.data() + query * scale.stride(), first);
-    second_.SqDistances(steps.data() + query * scale.stride(), second);
-    const double sq_steps = static_cast<double>(*std::min_element(first.begin(), first.end())) +
-                            *std::min_element(second.begin(), second.end());
+    const double sq_steps = static_cast<double>(first_.NearestSqDistance(first_queries[query])) +
+                            second_.NearestSqDistance(second_queries[query]);
     distances[query] = scale.step() * std::sqrt(sq_steps);
   }
   return distances;

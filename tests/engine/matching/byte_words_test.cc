@@ -19,15 +19,25 @@ namespace {
 using testing::MakeSyntheticDescriptors;
 using testing::SyntheticDescriptors;
 
+// Squared distances of each descriptor to all words.
+std::vector<std::vector<int32_t>> AllSqDistances(const ByteDescriptors& descriptors,
+                                                 const ByteWords& words) {
+  const std::vector<int16_t> steps(
+      descriptors.rows(), descriptors.rows() + descriptors.size() * descriptors.scale().stride());
+  const BlockQueries queries = words.Prepare(steps, descriptors.scale().stride());
+  std::vector<std::vector<int32_t>> all;
+  for (size_t i = 0; i < descriptors.size(); ++i) {
+    std::vector<int32_t>& sq_steps = all.emplace_back(words.size() + kBlockRows);
+    words.SqDistances(queries[i], sq_steps.data());
+    sq_steps.resize(words.size());
+  }
+  return all;
+}
+
 // Squared distance of a descriptor to its word, summed over all descriptors.
 double SumOfSquares(const ByteDescriptors& descriptors, const ByteWords& words) {
-  std::vector<int32_t> sq_steps(words.size());
-  std::vector<int16_t> query(descriptors.scale().stride());
   double sum = 0.0;
-  for (size_t i = 0; i < descriptors.size(); ++i) {
-    const uint8_t* row = descriptors.rows() + i * query.size();
-    std::copy(row, row + query.size(), query.begin());
-    words.SqDistances(query.data(), sq_steps);
+  for (const std::vector<int32_t>& sq_steps : AllSqDistances(descriptors, words)) {
     sum += *std::min_element(sq_steps.begin(), sq_steps.end());
   }
   return sum;
@@ -78,14 +88,16 @@ TEST(ProductWords, NearestDistanceIsThatOfTheNearestPair) {
   EXPECT_EQ(words.num_cells(), 400u);
   const std::vector<double> distances = words.NearestDistances(scale, data.queries);
   const std::vector<int16_t> steps = scale.QuantizeQueries(data.queries);
-  std::vector<int32_t> first(20), second(20);
+  const BlockQueries first_queries = words.first().Prepare(steps, scale.stride());
+  const BlockQueries second_queries = words.second().Prepare(steps, scale.stride());
+  std::vector<int32_t> first(32), second(32);
   for (Eigen::Index query = 0; query < data.queries.rows(); ++query) {
-    words.first().SqDistances(steps.data() + query * scale.stride(), first);
-    words.second().SqDistances(steps.data() + query * scale.stride(), second);
+    words.first().SqDistances(first_queries[query], first.data());
+    words.second().SqDistances(second_queries[query], second.data());
     int32_t best = std::numeric_limits<int32_t>::max();
-    for (const int32_t a : first) {
-      for (const int32_t b : second) {
-        best = std::min(best, a + b);
+    for (int i = 0; i < 20; ++i) {
+      for (int j = 0; j < 20; ++j) {
+        best = std::min(best, first[i] + second[j]);
       }
     }
     EXPECT_NEAR(distances[query], scale.step() * std::sqrt(best), 1e-6);
@@ -96,19 +108,24 @@ TEST(ProductWords, HalvesTogetherMeasureTheWholeDescriptor) {
   const SyntheticDescriptors data = MakeSyntheticDescriptors(
       {.num_landmarks = 3, .descriptors_per_landmark = 1, .dim = 20, .num_subspaces = 5});
   const ByteDescriptors descriptors(*data.codebook, data.codes);
-  const ByteScale& scale = descriptors.scale();
   const ProductWords words(descriptors, 3, 0, 1);
   // Without iterations the words are the descriptors, in the same random order in both halves.
   const std::vector<uint32_t> cells = words.NearestCells(descriptors);
-  std::vector<int32_t> first(3), second(3), whole(1);
+  const auto first = AllSqDistances(descriptors, words.first());
+  const auto second = AllSqDistances(descriptors, words.second());
   for (int i = 0; i < 3; ++i) {
-    const std::vector<int16_t> query(descriptors.rows() + i * scale.stride(),
-                                     descriptors.rows() + (i + 1) * scale.stride());
-    words.first().SqDistances(query.data(), first);
-    words.second().SqDistances(query.data(), second);
     EXPECT_EQ(cells[i] / 3, cells[i] % 3);
-    EXPECT_EQ(first[cells[i] / 3] + second[cells[i] % 3], 0);
+    EXPECT_EQ(first[i][cells[i] / 3] + second[i][cells[i] % 3], 0);
   }
+}
+
+TEST(FindNearestWords, OrdersByDistanceThenWord) {
+  const std::vector<int32_t> sq_steps = {9, 4, 7, 4, 1, 8};
+  std::vector<NearWord> nearest;
+  FindNearestWords(sq_steps, 3, &nearest);
+  EXPECT_THAT(nearest, ::testing::ElementsAre(NearWord(1, 4), NearWord(4, 1), NearWord(4, 3)));
+  FindNearestWords(sq_steps, 6, &nearest);
+  EXPECT_EQ(nearest.back(), NearWord(9, 0));
 }
 
 }  // namespace

@@ -1,0 +1,298 @@
+#include "engine/matching/block_kernels.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+#if defined(__x86_64__)
+// See distance_kernels.cc.
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#include <immintrin.h>
+#endif
+
+namespace cairn {
+namespace {
+
+// One block: products of the query's values with the bytes, per row.
+void PlainProducts(const BlockQuery& query, const uint8_t* block, int stride, int32_t* products) {
+  std::fill_n(products, kBlockRows, 0);
+  for (int begin = 0; begin < stride; begin += kGroupDims) {
+    for (int row = 0; row < kBlockRows; ++row) {
+      for (int j = 0; j < kGroupDims; ++j) {
+        products[row] += query.values[begin + j] * *block++;
+      }
+    }
+  }
+}
+
+void PlainBlock(const BlockQuery& query, const uint8_t* block, const int32_t* sq_norms, int stride,
+                int32_t* sq_distances) {
+  int32_t products[kBlockRows];
+  PlainProducts(query, block, stride, products);
+  for (int row = 0; row < kBlockRows; ++row) {
+    sq_distances[row] = query.constant + sq_norms[row] - 2 * products[row];
+  }
+}
+
+void PlainScan(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms, int stride,
+               size_t num_blocks, int32_t* sq_distances) {
+  for (size_t i = 0; i < num_blocks; ++i) {
+    PlainBlock(query, blocks + i * kBlockRows * stride, sq_norms + i * kBlockRows, stride,
+               sq_distances + i * kBlockRows);
+  }
+}
+
+// The smallest of `candidates` by distance, then row.
+size_t NearestOf(const BlockHit* candidates, int count) {
+  const BlockHit* nearest =
+      std::min_element(candidates, candidates + count, [](const BlockHit& a, const BlockHit& b) {
+        return a.sq_distance != b.sq_distance ? a.sq_distance < b.sq_distance : a.row < b.row;
+      });
+  return nearest->row;
+}
+
+size_t PlainNearest(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms,
+                    int stride, size_t num_rows) {
+  BlockHit nearest = {0, std::numeric_limits<int32_t>::max()};
+  int32_t sq_distances[kBlockRows];
+  for (size_t first = 0; first < num_rows; first += kBlockRows) {
+    PlainBlock(query, blocks + first * stride, sq_norms + first, stride, sq_distances);
+    for (int row = 0; row < kBlockRows; ++row) {
+      if (sq_distances[row] < nearest.sq_distance) {
+        nearest = {static_cast<uint32_t>(first) + row, sq_distances[row]};
+      }
+    }
+  }
+  return nearest.row;
+}
+
+size_t PlainRange(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms,
+                  int stride, size_t begin, size_t end, int32_t max_sq_distance, BlockHit* hits) {
+  size_t num_hits = 0;
+  int32_t sq_distances[kBlockRows];
+  for (size_t first = begin / kBlockRows * kBlockRows; first < end; first += kBlockRows) {
+    PlainBlock(query, blocks + first * stride, sq_norms + first, stride, sq_distances);
+    const size_t last = std::min(end, first + kBlockRows);
+    for (size_t row = std::max(begin, first); row < last; ++row) {
+      if (sq_distances[row - first] <= max_sq_distance) {
+        hits[num_hits++] = {static_cast<uint32_t>(row), sq_distances[row - first]};
+      }
+    }
+  }
+  return num_hits;
+}
+
+constexpr BlockKernels kPlain = {"plain", PlainScan, PlainNearest, PlainRange};
+
+// Bits of the rows of the block at `first` that lie in [begin, end).
+inline uint32_t RowsInRange(size_t first, size_t begin, size_t end) {
+  uint32_t rows = (uint32_t{1} << kBlockRows) - 1;
+  if (first < begin) {
+    rows &= rows << (begin - first);
+  }
+  if (end - first < kBlockRows) {
+    rows &= (uint32_t{1} << (end - first)) - 1;
+  }
+  return rows & ((uint32_t{1} << kBlockRows) - 1);
+}
+
+// Appends the rows whose bits are set.
+inline size_t AppendHits(uint32_t rows, size_t first, const int32_t* sq_distances, BlockHit* hits) {
+  size_t num_hits = 0;
+  for (; rows != 0; rows &= rows - 1) {
+    const int row = __builtin_ctz(rows);
+    hits[num_hits++] = {static_cast<uint32_t>(first) + row, sq_distances[row]};
+  }
+  return num_hits;
+}
+
+#if defined(__x86_64__)
+
+#define CAIRN_AVX2 __attribute__((target("avx2")))
+#define CAIRN_AVX512VNNI __attribute__((target("avx512f,avx512bw,avx512vl,avx512vnni")))
+
+CAIRN_AVX2 inline __m256i Avx2LoadBytes(const uint8_t* from) {
+  return _mm256_cvtepu8_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(from)));
+}
+
+// Squared distances of the lower (half = 0) or upper eight rows of a block.
+CAIRN_AVX2 inline __m256i Avx2HalfBlock(const BlockQuery& query, const uint8_t* block,
+                                        const int32_t* sq_norms, int stride, int half) {
+  // Two partial sums a row, four rows a register.
+  __m256i low = _mm256_setzero_si256(), high = _mm256_setzero_si256();
+  const uint8_t* bytes = block + half * kBlockRows / 2 * kGroupDims;
+  for (int begin = 0; begin < stride; begin += kGroupDims) {
+    int64_t four_values;
+    std::memcpy(&four_values, query.values + begin, sizeof(four_values));
+    const __m256i values = _mm256_set1_epi64x(four_values);
+    low = _mm256_add_epi32(low, _mm256_madd_epi16(Avx2LoadBytes(bytes), values));
+    high = _mm256_add_epi32(high, _mm256_madd_epi16(Avx2LoadBytes(bytes + 16), values));
+    bytes += kBlockRows * kGroupDims;
+  }
+  // Rows 0 1 4 5 2 3 6 7 after the addition, 0 to 7 after the permutation.
+  const __m256i products =
+      _mm256_permute4x64_epi64(_mm256_hadd_epi32(low, high), _MM_SHUFFLE(3, 1, 2, 0));
+  const __m256i norms =
+      _mm256_loadu_si256(reinterpret_cast<const __m256i*>(sq_norms + half * kBlockRows / 2));
+  return _mm256_sub_epi32(_mm256_add_epi32(_mm256_set1_epi32(query.constant), norms),
+                          _mm256_slli_epi32(products, 1));
+}
+
+CAIRN_AVX2 void Avx2Scan(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms,
+                         int stride, size_t num_blocks, int32_t* sq_distances) {
+  for (size_t i = 0; i < num_blocks; ++i) {
+    for (int half = 0; half < 2; ++half) {
+      _mm256_storeu_si256(
+          reinterpret_cast<__m256i*>(sq_distances + i * kBlockRows + half * kBlockRows / 2),
+          Avx2HalfBlock(query, blocks + i * kBlockRows * stride, sq_norms + i * kBlockRows, stride,
+                        half));
+    }
+  }
+}
+
+CAIRN_AVX2 size_t Avx2Nearest(const BlockQuery& query, const uint8_t* blocks,
+                              const int32_t* sq_norms, int stride, size_t num_rows) {
+  constexpr int kLanes = 8;
+  // Of each lane, the first of its nearest rows.
+  __m256i nearest = _mm256_set1_epi32(std::numeric_limits<int32_t>::max());
+  __m256i nearest_rows = _mm256_setzero_si256();
+  __m256i rows = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+  for (size_t first = 0; first < num_rows; first += kBlockRows) {
+    for (int half = 0; half < 2; ++half) {
+      const __m256i eight =
+          Avx2HalfBlock(query, blocks + first * stride, sq_norms + first, stride, half);
+      const __m256i is_nearer = _mm256_cmpgt_epi32(nearest, eight);
+      nearest = _mm256_min_epi32(nearest, eight);
+      nearest_rows = _mm256_blendv_epi8(nearest_rows, rows, is_nearer);
+      rows = _mm256_add_epi32(rows, _mm256_set1_epi32(kLanes));
+    }
+  }
+  alignas(32) int32_t sq_distances[kLanes], lane_rows[kLanes];
+  _mm256_store_si256(reinterpret_cast<__m256i*>(sq_distances), nearest);
+  _mm256_store_si256(reinterpret_cast<__m256i*>(lane_rows), nearest_rows);
+  BlockHit candidates[kLanes];
+  for (int lane = 0; lane < kLanes; ++lane) {
+    candidates[lane] = {static_cast<uint32_t>(lane_rows[lane]), sq_distances[lane]};
+  }
+  return NearestOf(candidates, kLanes);
+}
+
+CAIRN_AVX2 size_t Avx2Range(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms,
+                            int stride, size_t begin, size_t end, int32_t max_sq_distance,
+                            BlockHit* hits) {
+  const __m256i bound = _mm256_set1_epi32(max_sq_distance);
+  size_t num_hits = 0;
+  for (size_t first = begin / kBlockRows * kBlockRows; first < end; first += kBlockRows) {
+    alignas(32) int32_t sq_distances[kBlockRows];
+    uint32_t beyond = 0;
+    for (int half = 0; half < 2; ++half) {
+      const __m256i eight =
+          Avx2HalfBlock(query, blocks + first * stride, sq_norms + first, stride, half);
+      _mm256_store_si256(reinterpret_cast<__m256i*>(sq_distances) + half, eight);
+      const __m256i is_beyond = _mm256_cmpgt_epi32(eight, bound);
+      beyond |= static_cast<uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(is_beyond)))
+                << (half * kBlockRows / 2);
+    }
+    num_hits +=
+        AppendHits(~beyond & RowsInRange(first, begin, end), first, sq_distances, hits + num_hits);
+  }
+  return num_hits;
+}
+
+CAIRN_AVX512VNNI inline __m512i VnniBlock(const BlockQuery& query, const uint8_t* block,
+                                          const int32_t* sq_norms, int stride) {
+  __m512i products = _mm512_setzero_si512();
+  for (int part = 0; part < query.num_parts; ++part) {
+    const int8_t* values = query.parts + part * stride;
+    for (int begin = 0; begin < stride; begin += kGroupDims) {
+      int32_t four_values;
+      std::memcpy(&four_values, values + begin, sizeof(four_values));
+      products = _mm512_dpbusd_epi32(products, _mm512_loadu_si512(block + begin * kBlockRows),
+                                     _mm512_set1_epi32(four_values));
+    }
+  }
+  return _mm512_sub_epi32(
+      _mm512_add_epi32(_mm512_set1_epi32(query.constant), _mm512_loadu_si512(sq_norms)),
+      _mm512_slli_epi32(products, 1));
+}
+
+CAIRN_AVX512VNNI void VnniScan(const BlockQuery& query, const uint8_t* blocks,
+                               const int32_t* sq_norms, int stride, size_t num_blocks,
+                               int32_t* sq_distances) {
+  for (size_t i = 0; i < num_blocks; ++i) {
+    _mm512_storeu_si512(
+        sq_distances + i * kBlockRows,
+        VnniBlock(query, blocks + i * kBlockRows * stride, sq_norms + i * kBlockRows, stride));
+  }
+}
+
+CAIRN_AVX512VNNI size_t VnniNearest(const BlockQuery& query, const uint8_t* blocks,
+                                    const int32_t* sq_norms, int stride, size_t num_rows) {
+  // Of each lane, the first of its nearest rows.
+  __m512i nearest = _mm512_set1_epi32(std::numeric_limits<int32_t>::max());
+  __m512i nearest_rows = _mm512_setzero_si512();
+  __m512i rows = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  for (size_t first = 0; first < num_rows; first += kBlockRows) {
+    const __m512i sq_distances =
+        VnniBlock(query, blocks + first * stride, sq_norms + first, stride);
+    const __mmask16 is_nearer = _mm512_cmplt_epi32_mask(sq_distances, nearest);
+    nearest = _mm512_min_epi32(nearest, sq_distances);
+    nearest_rows = _mm512_mask_mov_epi32(nearest_rows, is_nearer, rows);
+    rows = _mm512_add_epi32(rows, _mm512_set1_epi32(kBlockRows));
+  }
+  alignas(64) int32_t sq_distances[kBlockRows], lane_rows[kBlockRows];
+  _mm512_store_si512(sq_distances, nearest);
+  _mm512_store_si512(lane_rows, nearest_rows);
+  BlockHit candidates[kBlockRows];
+  for (int lane = 0; lane < kBlockRows; ++lane) {
+    candidates[lane] = {static_cast<uint32_t>(lane_rows[lane]), sq_distances[lane]};
+  }
+  return NearestOf(candidates, kBlockRows);
+}
+
+CAIRN_AVX512VNNI size_t VnniRange(const BlockQuery& query, const uint8_t* blocks,
+                                  const int32_t* sq_norms, int stride, size_t begin, size_t end,
+                                  int32_t max_sq_distance, BlockHit* hits) {
+  const __m512i bound = _mm512_set1_epi32(max_sq_distance);
+  size_t num_hits = 0;
+  for (size_t first = begin / kBlockRows * kBlockRows; first < end; first += kBlockRows) {
+    const __m512i sq_distances =
+        VnniBlock(query, blocks + first * stride, sq_norms + first, stride);
+    const uint32_t rows =
+        _mm512_cmple_epi32_mask(sq_distances, bound) & RowsInRange(first, begin, end);
+    if (rows != 0) {
+      alignas(64) int32_t stored[kBlockRows];
+      _mm512_store_si512(stored, sq_distances);
+      num_hits += AppendHits(rows, first, stored, hits + num_hits);
+    }
+  }
+  return num_hits;
+}
+
+constexpr BlockKernels kAvx2 = {"avx2", Avx2Scan, Avx2Nearest, Avx2Range};
+constexpr BlockKernels kAvx512Vnni = {"avx512vnni", VnniScan, VnniNearest, VnniRange};
+
+#endif
+
+}  // namespace
+
+const BlockKernels& BestBlockKernels() {
+  static const BlockKernels& best = *SupportedBlockKernels().back();
+  return best;
+}
+
+std::vector<const BlockKernels*> SupportedBlockKernels() {
+  std::vector<const BlockKernels*> supported = {&kPlain};
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2")) {
+    supported.push_back(&kAvx2);
+  }
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+      __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512vnni")) {
+    supported.push_back(&kAvx512Vnni);
+  }
+#endif
+  return supported;
+}
+
+}  // namespace cairn

@@ -1,0 +1,95 @@
+// Descriptors in blocks, and queries prepared for them: see block_kernels.h.
+#ifndef CAIRN_ENGINE_MATCHING_BLOCKED_ROWS_H_
+#define CAIRN_ENGINE_MATCHING_BLOCKED_ROWS_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/matching/block_kernels.h"
+
+namespace cairn {
+
+// Immutable; safe to use from any thread.
+class BlockedRows {
+ public:
+  // rows: any number x stride bytes, row-major; `order` lists those to hold, in order. stride as in
+  // distance_kernels.h.
+  BlockedRows(const uint8_t* rows, int stride, std::span<const uint32_t> order);
+
+  size_t size() const { return size_; }
+  size_t padded_size() const { return sq_norms_.size(); }  // Whole blocks.
+  int stride() const { return stride_; }
+  std::span<const int16_t> centers() const { return centers_; }
+
+  // Squared distances to all rows; there must be room for padded_size().
+  void Scan(const BlockQuery& query, int32_t* sq_distances) const {
+    ScanWith(BestBlockKernels(), query, sq_distances);
+  }
+  // The first of the nearest rows; there must be some.
+  size_t Nearest(const BlockQuery& query) const { return NearestWith(BestBlockKernels(), query); }
+  // See BlockKernels::range.
+  size_t Range(const BlockQuery& query, size_t begin, size_t end, int32_t max_sq_distance,
+               BlockHit* hits) const {
+    return RangeWith(BestBlockKernels(), query, begin, end, max_sq_distance, hits);
+  }
+
+  // The same by a variant of the kernels.
+  void ScanWith(const BlockKernels& kernels, const BlockQuery& query, int32_t* sq_distances) const {
+    kernels.scan(query, blocks_.data(), sq_norms_.data(), stride_, sq_norms_.size() / kBlockRows,
+                 sq_distances);
+  }
+  size_t NearestWith(const BlockKernels& kernels, const BlockQuery& query) const {
+    return kernels.nearest(query, blocks_.data(), sq_norms_.data(), stride_, size_);
+  }
+  size_t RangeWith(const BlockKernels& kernels, const BlockQuery& query, size_t begin, size_t end,
+                   int32_t max_sq_distance, BlockHit* hits) const {
+    return kernels.range(query, blocks_.data(), sq_norms_.data(), stride_, begin, end,
+                         max_sq_distance, hits);
+  }
+
+  // Asks the processor to fetch a row's block.
+  void Prefetch(size_t row) const {
+    const uint8_t* block = blocks_.data() + row / kBlockRows * kBlockRows * stride_;
+    for (int i = 0; i < kBlockRows * stride_; i += kCacheLineBytes) {
+      __builtin_prefetch(block + i);
+    }
+    __builtin_prefetch(sq_norms_.data() + row);
+  }
+
+  size_t MemoryBytes() const { return blocks_.capacity() + sq_norms_.capacity() * sizeof(int32_t); }
+
+ private:
+  static constexpr int kCacheLineBytes = 64;
+
+  size_t size_;
+  int stride_;
+  std::vector<int16_t> centers_;   // Middle of the rows' range, per dimension.
+  std::vector<uint8_t> blocks_;    // The last one is padded.
+  std::vector<int32_t> sq_norms_;  // About the centers, of whole blocks; large in the padding.
+};
+
+// Queries in the form of the kernels. Immutable; safe to use from any thread.
+class BlockQueries {
+ public:
+  // steps: n x stride values as ByteScale makes them; `centers` those of the rows.
+  BlockQueries(std::span<const int16_t> steps, std::span<const int16_t> centers);
+
+  BlockQuery operator[](size_t query) const {
+    return {values_.data() + query * stride_, parts_.data() + size_t{part_begin_[query]} * stride_,
+            static_cast<int>(part_begin_[query + 1] - part_begin_[query]), constants_[query]};
+  }
+  size_t size() const { return constants_.size(); }
+
+ private:
+  size_t stride_;
+  std::vector<int16_t> values_;  // n x stride.
+  std::vector<int8_t> parts_;
+  std::vector<uint32_t> part_begin_;  // n + 1 offsets into parts_, in units of stride.
+  std::vector<int32_t> constants_;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_MATCHING_BLOCKED_ROWS_H_
