@@ -36,6 +36,7 @@ enum Stream : uint64_t {
   kImageStream,
   kClutterStream,
   kModeStream,
+  kMappedStream,
   kGpsStream,
   kBiasStream,
   kGravityStream,
@@ -102,6 +103,7 @@ void PhoneQueryOptions::Validate() const {
   RequireInRange("queries.num_queries", num_queries, 1, 1'000'000);
   RequireInRange("queries.num_keypoints", num_keypoints, 10, 20'000);
   RequireInRange("queries.mapped_fraction", mapped_fraction, 0.0, 1.0);
+  RequireInRange("queries.mapped_log_sigma", mapped_log_sigma, 0.0, 3.0);
   RequireInRange("queries.unmapped_share", unmapped_share, 0.0, 1.0);
   RequireInRange("queries.time_years", time_years, 0.0, 200.0);
   RequireInRange("queries.num_appearance_modes", num_appearance_modes, 1, 1000);
@@ -155,6 +157,13 @@ EvalQuery PhoneQueries::Make(int query_idx, const std::unordered_set<uint64_t>& 
   return query;
 }
 
+int PhoneQueries::NumMapped(uint64_t image_id) const {
+  const double fraction =
+      options_.mapped_fraction *
+      std::exp(options_.mapped_log_sigma * HashedRandom(HashOf(image_id, kMappedStream)).Normal());
+  return static_cast<int>(std::lround(std::min(fraction, 1.0) * options_.num_keypoints));
+}
+
 void PhoneQueries::FillFeatures(int query_idx, const std::unordered_set<uint64_t>& mapped,
                                 FeatureSet* features) const {
   const Rigid3d& cam_from_site = Place(query_idx).cam_from_site;
@@ -183,9 +192,7 @@ void PhoneQueries::FillFeatures(int query_idx, const std::unordered_set<uint64_t
       }
     }
   };
-  const auto num_mapped =
-      static_cast<int>(std::lround(options_.mapped_fraction * options_.num_keypoints));
-  add(true, num_mapped);
+  add(true, NumMapped(image_id));
   add(false, static_cast<int>(std::lround(options_.unmapped_share *
                                           (options_.num_keypoints - features->size()))));
   AppendClutter(camera_, options_.detector, model_, HashOf(image_id, kClutterStream),

@@ -38,9 +38,13 @@ struct PhoneNoise {
 struct PhoneQueryOptions {
   int num_queries = 100;    // [1, 1000000]
   int num_keypoints = 750;  // Of a query, [10, 20000].
-  // Of the keypoints, that show a thing of which the map has a landmark, [0, 1]. If fewer are in
-  // view, there are fewer.
-  double mapped_fraction = 0.1;
+  // Of the keypoints, that show a thing of which the map has a landmark, [0, 1]: the median over the
+  // queries. If fewer are in view, there are fewer.
+  double mapped_fraction = 0.04;
+  // Standard deviation of the logarithm of a query's own fraction, [0, 3]: some photos show little
+  // that lasts. With these defaults the mean is 0.09, and one query in six has a quarter of the
+  // median or less: few keypoints, or too few for any method.
+  double mapped_log_sigma = 1.3;
   // Of the other keypoints, at most so many show things in the city that the map lacks (new ones,
   // small ones, ornaments seen elsewhere), [0, 1]; the rest shows nothing that is anywhere.
   double unmapped_share = 0.5;
@@ -83,6 +87,8 @@ class PhoneQueries {
   EvalQuery Make(int query_idx, const std::unordered_set<uint64_t>& mapped) const;
 
  private:
+  // At most so many keypoints of an image show things that are mapped.
+  int NumMapped(uint64_t image_id) const;
   void FillFeatures(int query_idx, const std::unordered_set<uint64_t>& mapped,
                     FeatureSet* features) const;
   void FillPrior(int query_idx, LocalizeQuery* query) const;

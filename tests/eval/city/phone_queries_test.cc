@@ -74,6 +74,7 @@ TEST(PhoneQueries, HaveTheShareOfMappedKeypointsThatIsAskedFor) {
   options.num_queries = 10;
   options.num_keypoints = 600;
   options.mapped_fraction = 0.05;
+  options.mapped_log_sigma = 0.0;
   const PhoneQueries few(city, model, options);
   options.mapped_fraction = 0.0;
   const PhoneQueries none(city, model, options);
