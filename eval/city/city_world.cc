@@ -120,10 +120,10 @@ CityWorldOptions CityWorldPreset(CityCharacter character, CityWorldSize size) {
     case CityWorldSize::kPaper:
       options.city.center = MiddleOfWholeTile(options.city.center);
       options.city.area_km2 = 0.0225;
-      options.city.min_landmark_size_m = 0.015;
+      options.city.min_landmark_size_m = 0.012;
       options.mapping.num_passes = 6;
       options.mapping.keyframe_spacing_m = 3.0;
-      options.mapping.detector.max_keypoints = 900;
+      options.mapping.detector.max_keypoints = 1000;
       options.queries.num_queries = 300;
       break;
   }

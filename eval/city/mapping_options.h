@@ -46,8 +46,8 @@ struct MappingOptions {
   int num_appearance_modes = 4;     // Kinds of light and season; each pass has one. [1, 1000]
   RigOptions rig;
   DetectorOptions detector = {.max_keypoints = 500};
-  // Observations that make a landmark, [2, 100].
-  int min_observations = 3;
+  // Observations that make a landmark, [2, 100]; in real maps half of them have two.
+  int min_observations = 2;
   // Matching fails between looks that differ too much, and now and then between passes: one thing
   // becomes several landmarks.
   double track_view_rad = 0.9;   // Range of azimuths of a track, (0, 7].
