@@ -25,7 +25,12 @@ BundleAdjuster::BundleAdjuster(const BundleAdjusterOptions& options, const ImuSt
   camera->timestamp_ns = first.timestamp_ns;
   camera->is_keyframe = true;
   tracks_.AddFeatures(camera.get(), first.features);
-  prior_ = PriorFromCovariance(camera.get(), covariance);
+  Matrix15d known = covariance;
+  known.diagonal().segment<3>(kThetaIdx).array() +=
+      options_.gauge_sigma_rad * options_.gauge_sigma_rad;
+  known.diagonal().segment<3>(kPositionIdx).array() +=
+      options_.gauge_sigma_m * options_.gauge_sigma_m;
+  prior_ = PriorFromCovariance(camera.get(), known);
   cameras_.push_back(std::move(camera));
 }
 
@@ -71,22 +76,42 @@ std::vector<int64_t> BundleAdjuster::frame_ids() const {
   return ids;
 }
 
-bool BundleAdjuster::PassesGate(const WindowTrack& track, const MapLandmark& landmark) const {
-  const WindowSight& sight = track.sights.back();
-  const Eigen::Vector3d x_in_local = alignment_->GlobalFromLocal().Inverse() * landmark.x_in_global;
-  const Eigen::Vector3d x_in_cam =
-      options_.rig.cam_from_imu * (sight.camera->State().local_from_imu.Inverse() * x_in_local);
-  const auto pixel = options_.camera.Project(x_in_cam);
-  return pixel && x_in_cam.z() > options_.triangulate.min_depth_m &&
-         (*pixel - sight.pixel).norm() < options_.match_gate_px;
+WindowCamera* BundleAdjuster::FindCamera(int64_t frame_id) const {
+  for (const Camera& camera : cameras_) {
+    if (camera->frame_id == frame_id) {
+      return camera.get();
+    }
+  }
+  return nullptr;
 }
 
-int BundleAdjuster::AddMatches(std::span<const AdjusterMatch> matches) {
+std::optional<Rigid3d> BundleAdjuster::PoseOf(int64_t frame_id) const {
+  const WindowCamera* camera = FindCamera(frame_id);
+  return camera == nullptr ? std::nullopt : std::optional(camera->State().local_from_imu);
+}
+
+int BundleAdjuster::AddMatches(int64_t frame_id, std::span<const MapMatch> matches) {
+  WindowCamera* camera = FindCamera(frame_id);
+  if (camera == nullptr || !alignment_) {
+    return 0;
+  }
+  const Rigid3d cam_from_global = options_.rig.cam_from_imu *
+                                  camera->State().local_from_imu.Inverse() *
+                                  alignment_->GlobalFromLocal().Inverse();
   int num_passed = 0;
-  for (const AdjusterMatch& match : matches) {
-    WindowTrack* track = alignment_ ? tracks_.Find(match.track_id) : nullptr;
-    if (track != nullptr && PassesGate(*track, match.landmark)) {
-      track->map_landmark = match.landmark;
+  for (const MapMatch& match : matches) {
+    const Eigen::Vector3d x_in_cam = cam_from_global * match.x_in_global;
+    const auto pixel = options_.camera.Project(x_in_cam);
+    if (!pixel || x_in_cam.z() < options_.triangulate.min_depth_m ||
+        (*pixel - match.pixel).norm() > options_.match_gate_px) {
+      continue;
+    }
+    const uint64_t track_id = match.track_id ? *match.track_id : next_untracked_id_++;
+    if (!match.track_id) {
+      tracks_.AddFeatures(camera, {{{track_id, match.pixel}}});
+    }
+    if (WindowTrack* track = tracks_.Find(track_id)) {
+      track->map_landmark = {match.x_in_global, match.sigma_m};
       ++num_passed;
     }
   }
@@ -193,10 +218,7 @@ void BundleAdjuster::DropBadLandmarks(std::span<WindowTrack* const> tracks) {
     double sq_sum = 0.0;
     bool is_in_front = true;
     for (const WindowSight& sight : track->sights) {
-      const WindowCamera& camera = *sight.camera;
-      const Eigen::Vector3d x_in_cam =
-          camera.cam_from_local_rotation * (track->x_in_local - camera.position_in_local) +
-          camera.imu_in_cam;
+      const Eigen::Vector3d x_in_cam = sight.camera->ToCam(track->x_in_local);
       is_in_front = is_in_front && x_in_cam.z() > options_.triangulate.min_depth_m;
       sq_sum += (x_in_cam.hnormalized() - sight.normalized).squaredNorm();
     }

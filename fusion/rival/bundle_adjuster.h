@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/rigid3.h"
+#include "fusion/fusion_types.h"
 #include "fusion/imu.h"
 #include "fusion/imu_propagation.h"
 #include "fusion/rival/bundle_adjuster_options.h"
@@ -32,21 +33,16 @@ struct AdjusterFrame {
   std::span<const TrackedFeature> features;
 };
 
-// A match of a tracked feature to the map.
-struct AdjusterMatch {
-  uint64_t track_id = 0;
-  MapLandmark landmark;
-};
-
 // The window holds the newest frame and keyframes before it. A match to the map turns its track
 // from a variable landmark into a fixed one, for every camera that sees it, so no sight counts
 // twice.
 //
-// Not thread-safe. Deterministic.
+// Not thread-safe. Repeats up to rounding: Ceres orders variables by their address.
 class BundleAdjuster {
  public:
   // Starts at the frame `first`, in which the imu is in `state`, known to `covariance` of its error
-  // [theta, p, v, b_g, b_a], which must be positive definite. Throws as Validate.
+  // [theta, p, v, b_g, b_a]. What defines local, position and yaw, may have none: it is held as the
+  // options say. Throws as Validate.
   BundleAdjuster(const BundleAdjusterOptions& options, const ImuState& state,
                  const Matrix15d& covariance, const AdjusterFrame& first);
 
@@ -57,9 +53,9 @@ class BundleAdjuster {
   // Sets or replaces global_from_local; without it matches do not count.
   void SetGlobalFromLocal(const Rigid3d& global_from_local);
 
-  // Gates matches at the cameras' present estimates and enters those that pass. Returns how many;
-  // a match on a track that no camera of the window sees does not pass.
-  int AddMatches(std::span<const AdjusterMatch> matches);
+  // Gates the matches of a frame at the present estimate and enters those that pass. Returns how
+  // many: none if the frame is not in the window.
+  int AddMatches(int64_t frame_id, std::span<const MapMatch> matches);
 
   // Discards cameras beyond the size of the window, triangulates new tracks and optimises.
   AdjustmentSummary Optimize();
@@ -68,11 +64,16 @@ class BundleAdjuster {
   std::optional<Rigid3d> global_from_local() const;
   int num_cameras() const { return static_cast<int>(cameras_.size()); }
   std::vector<int64_t> frame_ids() const;
+  // local_from_imu of a frame; nothing if it is not in the window.
+  std::optional<Rigid3d> PoseOf(int64_t frame_id) const;
 
  private:
+  // Keypoints that are no tracked features become tracks of one sight; their ids count from here.
+  static constexpr uint64_t kFirstUntrackedId = uint64_t{1} << 63;
+
   using Camera = std::unique_ptr<WindowCamera>;
 
-  bool PassesGate(const WindowTrack& track, const MapLandmark& landmark) const;
+  WindowCamera* FindCamera(int64_t frame_id) const;
   void RemoveCamera(size_t idx);
   void DiscardOne();
   size_t FurthestFromNewest() const;
@@ -87,6 +88,7 @@ class BundleAdjuster {
   WindowTracks tracks_;
   std::optional<MarginalPrior> prior_;
   WindowProblem problem_;
+  uint64_t next_untracked_id_ = kFirstUntrackedId;
 };
 
 }  // namespace cairn::fusion

@@ -83,10 +83,7 @@ class Marginalizer {
   void AddGlobal(const WindowTrack& track, const WindowSight& sight) {
     const WindowCamera& camera = *sight.camera;
     const Eigen::Vector3d x_in_local = alignment_->ToLocal(track.map_landmark->x_in_global);
-    const double depth_m =
-        (camera.cam_from_local_rotation * (x_in_local - camera.position_in_local) +
-         camera.imu_in_cam)
-            .z();
+    const double depth_m = camera.ToCam(x_in_local).z();
     if (depth_m < options_.triangulate.min_depth_m) {
       return;
     }
@@ -142,7 +139,8 @@ class Marginalizer {
                                         WindowAlignment* alignment) {
     std::vector<PriorBlock> blocks = {PriorBlock::Pose(cameras[0]), PriorBlock::Motion(cameras[0]),
                                       PriorBlock::Motion(cameras[1])};
-    for (WindowCamera* camera : cameras.subspan(1)) {
+    // The newest camera may yet be replaced; nothing that is marginalised touches it.
+    for (WindowCamera* camera : cameras.subspan(1, cameras.size() - 2)) {
       blocks.push_back(PriorBlock::Pose(camera));
     }
     if (alignment != nullptr) {

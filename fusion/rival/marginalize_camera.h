@@ -12,10 +12,11 @@
 
 namespace cairn::fusion {
 
-// Marginalises the first of `cameras` (at least 2, by time) out of: the prior, its inertial
+// Marginalises the first of `cameras` (at least 3, by time) out of: the prior, its inertial
 // residual, its sights of landmarks of the map, and the local tracks it saw that have ended or that
-// every camera sees (those whole, with the landmark eliminated, so that they are forgotten
-// afterwards; of the other tracks only its own sight is lost). `alignment` may be null.
+// every camera sees (those whole but for the newest camera, with the landmark eliminated, so that
+// they are forgotten afterwards; of the other tracks only its own sight is lost). `alignment` may
+// be null.
 MarginalPrior MarginalizeCamera(const BundleAdjusterOptions& options,
                                 std::span<WindowCamera* const> cameras, WindowAlignment* alignment,
                                 const std::optional<MarginalPrior>& prior, WindowTracks* tracks);

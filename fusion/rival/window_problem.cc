@@ -114,10 +114,7 @@ void WindowProblem::AddTrack(WindowTrack* track, WindowAlignment* alignment,
   const Eigen::Vector3d x_in_local = alignment->ToLocal(track->map_landmark->x_in_global);
   for (const WindowSight& sight : track->sights) {
     const WindowCamera& camera = *sight.camera;
-    const double depth_m =
-        (camera.cam_from_local_rotation * (x_in_local - camera.position_in_local) +
-         camera.imu_in_cam)
-            .z();
+    const double depth_m = camera.ToCam(x_in_local).z();
     if (depth_m < options_.triangulate.min_depth_m) {
       continue;
     }

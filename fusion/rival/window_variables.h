@@ -40,6 +40,10 @@ struct WindowCamera {
   void Rebase() { SetState(State()); }
   // Fills in what follows from the blocks.
   void Prepare(const Rig& rig);
+  // As prepared.
+  Eigen::Vector3d ToCam(const Eigen::Vector3d& x_in_local) const {
+    return cam_from_local_rotation * (x_in_local - position_in_local) + imu_in_cam;
+  }
 
   int64_t frame_id = 0;
   int64_t timestamp_ns = 0;

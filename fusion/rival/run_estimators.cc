@@ -1,0 +1,139 @@
+#include "fusion/rival/run_estimators.h"
+
+#include <ctime>
+
+#include "core/error.h"
+#include "fusion/alignment.h"
+#include "fusion/estimator.h"
+#include "fusion/imu_buffer.h"
+#include "fusion/rival/bundle_adjuster.h"
+
+namespace cairn::fusion {
+namespace {
+
+double ThreadSeconds() {
+  timespec now;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+void CheckCovered(const Recording& recording) {
+  if (recording.frames.empty() || recording.imu.empty() ||
+      recording.imu.front().timestamp_ns > recording.frames.front().timestamp_ns ||
+      recording.imu.back().timestamp_ns < recording.frames.back().timestamp_ns) {
+    throw Error(ErrorCode::kBadInput,
+                "recording " + recording.name + ": inertial samples do not span the frames");
+  }
+}
+
+bool IsQueried(const Recording& recording, size_t frame) {
+  return frame % static_cast<size_t>(recording.frames_per_query) == 0;
+}
+
+// Matches applied according to the reports since the last call; true if there was a report.
+bool TakeAnswer(Estimator* estimator, int* num_matches) {
+  const std::vector<AnswerReport> reports = estimator->TakeReports();
+  for (const AnswerReport& report : reports) {
+    *num_matches += report.num_matches;
+  }
+  return !reports.empty();
+}
+
+std::optional<Rigid3d> GlobalFromImu(const Estimator& estimator) {
+  const FilterState* state = estimator.state();
+  if (state == nullptr || !state->global_from_local()) {
+    return std::nullopt;
+  }
+  return *state->global_from_local() * state->imu().local_from_imu;
+}
+
+std::vector<ImuStep> StepsBetween(const ImuBuffer& buffer, int64_t begin_ns, int64_t end_ns) {
+  std::vector<ImuStep> steps;
+  buffer.ForEachStep(begin_ns, end_ns, [&](const ImuStep& step) { steps.push_back(step); });
+  return steps;
+}
+
+}  // namespace
+
+std::vector<FrameRun> RunFilter(const Recording& recording) {
+  CheckCovered(recording);
+  FusionOptions options = recording.options;
+  const int64_t frame_ns = recording.frames.size() > 1
+                               ? recording.frames[1].timestamp_ns - recording.frames[0].timestamp_ns
+                               : 1;
+  // Asks about every n-th frame, whatever the jitter of their timestamps.
+  options.query.min_interval_s = 1e-9 * static_cast<double>(frame_ns) *
+                                 (static_cast<double>(recording.frames_per_query) - 0.5);
+  Estimator estimator(options);
+  std::vector<FrameRun> runs(recording.frames.size());
+  size_t next_imu = 0;
+  for (size_t i = 0; i < recording.frames.size(); ++i) {
+    const RecordedFrame& frame = recording.frames[i];
+    while (next_imu < recording.imu.size() &&
+           (next_imu == 0 || recording.imu[next_imu - 1].timestamp_ns < frame.timestamp_ns)) {
+      estimator.AddImu(recording.imu[next_imu++]);
+    }
+    if (i == 0) {
+      estimator.StartAt(frame.timestamp_ns, recording.start);
+      continue;
+    }
+    const double begin = ThreadSeconds();
+    estimator.AddFrame({frame.timestamp_ns, frame.features});
+    runs[i].seconds = ThreadSeconds() - begin;
+    runs[i].had_answer = TakeAnswer(&estimator, &runs[i].num_matches);
+    runs[i].global_from_imu = GlobalFromImu(estimator);
+    if (!IsQueried(recording, i)) {
+      continue;
+    }
+    if (const auto query = estimator.PollQuery()) {
+      Answer answer = frame.answer;
+      answer.query_id = query->query_id;
+      estimator.Submit(std::move(answer));
+    }
+  }
+  return runs;
+}
+
+std::vector<FrameRun> RunBundleAdjuster(const Recording& recording,
+                                        const BundleAdjusterOptions& options,
+                                        bool every_frame_is_keyframe) {
+  CheckCovered(recording);
+  ImuBuffer buffer(static_cast<int>(recording.imu.size()));
+  for (const ImuSample& sample : recording.imu) {
+    buffer.Push(sample);
+  }
+  const RecordedFrame& first = recording.frames.front();
+  BundleAdjuster adjuster(options, recording.start.imu, recording.start.covariance,
+                          {0, first.timestamp_ns, true, {}, first.features});
+  std::vector<FrameRun> runs(recording.frames.size());
+  for (size_t i = 1; i < recording.frames.size(); ++i) {
+    const RecordedFrame& frame = recording.frames[i];
+    const std::vector<ImuStep> steps =
+        StepsBetween(buffer, recording.frames[i - 1].timestamp_ns, frame.timestamp_ns);
+    // The filter's first query is that of frame 1 * frames_per_query, too.
+    adjuster.AddFrame({static_cast<int64_t>(i), frame.timestamp_ns,
+                       every_frame_is_keyframe || IsQueried(recording, i), steps, frame.features});
+    const RecordedFrame& previous = recording.frames[i - 1];
+    const bool has_answer = i > 1 && IsQueried(recording, i - 1) && previous.answer.localized;
+    const double begin = ThreadSeconds();
+    if (has_answer) {
+      if (!adjuster.global_from_local()) {
+        const Rigid3d local_from_imu = *adjuster.PoseOf(static_cast<int64_t>(i) - 1);
+        const Rigid3d global_from_imu = previous.answer.global_from_cam * options.rig.cam_from_imu;
+        adjuster.SetGlobalFromLocal(
+            Level(global_from_imu * local_from_imu.Inverse(), local_from_imu.translation).level);
+      }
+      runs[i].had_answer = true;
+      runs[i].num_matches =
+          adjuster.AddMatches(static_cast<int64_t>(i) - 1, previous.answer.matches);
+    }
+    adjuster.Optimize();
+    runs[i].seconds = ThreadSeconds() - begin;
+    if (const auto global_from_local = adjuster.global_from_local()) {
+      runs[i].global_from_imu = *global_from_local * adjuster.state().local_from_imu;
+    }
+  }
+  return runs;
+}
+
+}  // namespace cairn::fusion

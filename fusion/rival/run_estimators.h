@@ -1,0 +1,32 @@
+// Feeds a recording to the filter or to a bundle adjustment.
+#ifndef CAIRN_FUSION_RIVAL_RUN_ESTIMATORS_H_
+#define CAIRN_FUSION_RIVAL_RUN_ESTIMATORS_H_
+
+#include <optional>
+#include <vector>
+
+#include "core/rigid3.h"
+#include "fusion/rival/bundle_adjuster_options.h"
+#include "fusion/rival/recording.h"
+
+namespace cairn::fusion {
+
+// What an estimator made of one frame.
+struct FrameRun {
+  std::optional<Rigid3d> global_from_imu;  // Nothing before it found the map.
+  double seconds = 0.0;                    // CPU time of this thread.
+  bool had_answer = false;                 // An answer was taken up.
+  int num_matches = 0;                     // Of it, that were used.
+};
+
+// One entry a frame. Keyframes of the bundle adjustment are the queried frames, or all of them.
+// the first is that of the start. Throws Error(kBadInput) if the samples do not
+// span the frames.
+std::vector<FrameRun> RunFilter(const Recording& recording);
+std::vector<FrameRun> RunBundleAdjuster(const Recording& recording,
+                                        const BundleAdjusterOptions& options,
+                                        bool every_frame_is_keyframe);
+
+}  // namespace cairn::fusion
+
+#endif  // CAIRN_FUSION_RIVAL_RUN_ESTIMATORS_H_
