@@ -68,9 +68,9 @@ void FillPose(const QueryContext& query, const PoseEstimate& estimate,
   result->position = GeodeticFromEcef(result->cam_from_ecef.Inverse().translation);
   result->covariance = estimate.covariance;
   result->rotation_accuracy_rad =
-      calibration.rotation_accuracy_factor * Radius68(estimate.covariance.topLeftCorner<3, 3>());
-  result->position_accuracy_m = calibration.position_accuracy_factor *
-                                Radius68(estimate.covariance.bottomRightCorner<3, 3>());
+      calibration.RotationAccuracyRad(Radius68(estimate.covariance.topLeftCorner<3, 3>()));
+  result->position_accuracy_m =
+      calibration.PositionAccuracyM(Radius68(estimate.covariance.bottomRightCorner<3, 3>()));
   result->score = estimate.effective_inliers;
   result->confidence = calibration.Confidence(result->score);
 }

@@ -18,11 +18,23 @@ void ScoreCalibration::Validate() const {
     throw Error(ErrorCode::kInvalidArgument,
                 "answer.calibration: the accuracy factors must be positive and finite");
   }
+  if (!(map_accuracy_m >= 0.0) || !std::isfinite(map_accuracy_m)) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "answer.calibration.map_accuracy_m must be finite and not negative");
+  }
 }
 
 double ScoreCalibration::Confidence(double score) const {
   const double logit = confidence_slope * std::log(std::max(score, 1e-9)) + confidence_offset;
   return 1.0 / (1.0 + std::exp(-logit));
+}
+
+double ScoreCalibration::PositionAccuracyM(double predicted_m) const {
+  return std::hypot(position_accuracy_factor * predicted_m, map_accuracy_m);
+}
+
+double ScoreCalibration::RotationAccuracyRad(double predicted_rad) const {
+  return rotation_accuracy_factor * predicted_rad;
 }
 
 }  // namespace cairn

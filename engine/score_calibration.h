@@ -15,12 +15,19 @@ struct ScoreCalibration {
   // within; positive.
   double position_accuracy_factor = 1.0;
   double rotation_accuracy_factor = 1.0;
+  // What matches cannot tell: how far the map itself is from where it should be, as a 68 % radius,
+  // metres, not negative. Adds in quadrature to the position accuracy.
+  double map_accuracy_m = 0.0;
 
   // Throws Error(kInvalidArgument) naming the field.
   void Validate() const;
 
   // In (0, 1), rising with the score; a score that is not positive counts as 1e-9.
   double Confidence(double score) const;
+
+  // The reported 68 % radii for those that the covariance predicts.
+  double PositionAccuracyM(double predicted_m) const;
+  double RotationAccuracyRad(double predicted_rad) const;
 };
 
 }  // namespace cairn

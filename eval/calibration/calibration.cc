@@ -4,6 +4,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "core/error.h"
 
@@ -13,6 +15,8 @@ namespace {
 constexpr int kMinSamples = 20;
 constexpr double kMinSlope = 0.1;
 constexpr double kCoverage = 0.68;
+constexpr double kMinFactor = 1e-6;
+constexpr double kMaxMapAccuracyM = 1.0;
 constexpr int kMaxBins = 10;
 constexpr int kMinSamplesPerBin = 10;
 
@@ -21,6 +25,12 @@ struct LogitObservation {
   double log_score = 0.0;
   double outcome = 0.0;  // 0 or 1; in between for several at once.
   double weight = 1.0;
+};
+
+// An error and the radius that was predicted for it.
+struct RadiusSample {
+  double predicted = 0.0;
+  double error = 0.0;
 };
 
 void CheckSamples(const std::vector<CalibrationSample>& samples) {
@@ -109,12 +119,57 @@ double FitOffset(const std::vector<LogitObservation>& observations, double slope
   return 0.5 * (low + high);
 }
 
-// The smallest factor that makes at least `kCoverage` of the ratios at most 1.
-double CoverageFactor(std::vector<double> error_ratios) {
-  const auto rank = static_cast<std::ptrdiff_t>(
-      std::ceil(kCoverage * static_cast<double>(error_ratios.size())) - 1.0);
-  std::nth_element(error_ratios.begin(), error_ratios.begin() + rank, error_ratios.end());
-  return std::max(error_ratios[rank], 1e-6);
+// The smallest factor that, with the map accuracy, covers at least kCoverage of the errors. One
+// that the map accuracy covers alone needs none.
+double CoverageFactor(const std::vector<RadiusSample>& samples, double map_accuracy_m) {
+  std::vector<double> factors;
+  for (const RadiusSample& sample : samples) {
+    const double sq_rest = sample.error * sample.error - map_accuracy_m * map_accuracy_m;
+    factors.push_back(std::sqrt(std::max(sq_rest, 0.0)) / sample.predicted);
+  }
+  const auto rank =
+      static_cast<std::ptrdiff_t>(std::ceil(kCoverage * static_cast<double>(factors.size())) - 1.0);
+  std::nth_element(factors.begin(), factors.begin() + rank, factors.end());
+  return std::max(factors[rank], kMinFactor);
+}
+
+// Sum over the quarters of the samples, by predicted radius, of the squared miss of kCoverage.
+double CoverageUnevenness(const std::vector<RadiusSample>& by_predicted, double factor,
+                          double map_accuracy_m) {
+  constexpr size_t kNumParts = 4;
+  double sum = 0.0;
+  for (size_t part = 0; part < kNumParts; ++part) {
+    const size_t begin = by_predicted.size() * part / kNumParts;
+    const size_t end = by_predicted.size() * (part + 1) / kNumParts;
+    double share_within = 0.0;
+    for (size_t i = begin; i < end; ++i) {
+      const RadiusSample& sample = by_predicted[i];
+      const bool within = sample.error <= std::hypot(factor * sample.predicted, map_accuracy_m);
+      share_within += within ? 1.0 / static_cast<double>(end - begin) : 0.0;
+    }
+    sum += (share_within - kCoverage) * (share_within - kCoverage);
+  }
+  return sum;
+}
+
+// Factor and map accuracy of the positions.
+std::pair<double, double> FitPositionRadius(std::vector<RadiusSample> samples) {
+  constexpr double kStepM = 0.01;
+  std::sort(samples.begin(), samples.end(),
+            [](const auto& a, const auto& b) { return a.predicted < b.predicted; });
+  std::pair<double, double> best;
+  double least_unevenness = std::numeric_limits<double>::infinity();
+  for (int step = 0; step * kStepM <= kMaxMapAccuracyM; ++step) {
+    const double map_accuracy_m = step * kStepM;
+    const double factor = CoverageFactor(samples, map_accuracy_m);
+    const double unevenness = CoverageUnevenness(samples, factor, map_accuracy_m);
+    if (factor > kMinFactor && unevenness < least_unevenness) {
+      least_unevenness = unevenness;
+      best = {factor, map_accuracy_m};
+    }
+  }
+  return least_unevenness < std::numeric_limits<double>::infinity() ? best
+                                                                    : std::pair(kMinFactor, 0.0);
 }
 
 std::vector<ReliabilityBin> ReliabilityBins(const std::vector<CalibrationSample>& by_score,
@@ -145,12 +200,15 @@ std::vector<CalibrationSample> CalibrationSamples(const EvalReport& report,
   std::vector<CalibrationSample> samples;
   for (const EvalAnswer& answer : report.answers) {
     if (answer.result.localized) {
+      const double sq_position =
+          answer.result.position_accuracy_m * answer.result.position_accuracy_m -
+          used.map_accuracy_m * used.map_accuracy_m;
       samples.push_back({.score = answer.result.score,
                          .correct = IsWithin(answer, kCorrect),
                          .position_error_m = answer.position_error_m,
                          .rotation_error_rad = answer.rotation_error_rad,
                          .predicted_position_m =
-                             answer.result.position_accuracy_m / used.position_accuracy_factor,
+                             std::sqrt(std::max(sq_position, 0.0)) / used.position_accuracy_factor,
                          .predicted_rotation_rad =
                              answer.result.rotation_accuracy_rad / used.rotation_accuracy_factor});
     }
@@ -165,15 +223,17 @@ ScoreCalibration FitCalibration(const std::vector<CalibrationSample>& samples) {
   if (!(slope_and_offset[0] >= kMinSlope)) {
     slope_and_offset = {kMinSlope, FitOffset(observations, kMinSlope)};
   }
-  std::vector<double> position_ratios, rotation_ratios;
+  std::vector<RadiusSample> positions, rotations;
   for (const CalibrationSample& sample : samples) {
-    position_ratios.push_back(sample.position_error_m / sample.predicted_position_m);
-    rotation_ratios.push_back(sample.rotation_error_rad / sample.predicted_rotation_rad);
+    positions.push_back({sample.predicted_position_m, sample.position_error_m});
+    rotations.push_back({sample.predicted_rotation_rad, sample.rotation_error_rad});
   }
+  const auto [position_factor, map_accuracy_m] = FitPositionRadius(std::move(positions));
   return {.confidence_slope = slope_and_offset[0],
           .confidence_offset = slope_and_offset[1],
-          .position_accuracy_factor = CoverageFactor(std::move(position_ratios)),
-          .rotation_accuracy_factor = CoverageFactor(std::move(rotation_ratios))};
+          .position_accuracy_factor = position_factor,
+          .rotation_accuracy_factor = CoverageFactor(rotations, 0.0),
+          .map_accuracy_m = map_accuracy_m};
 }
 
 CalibrationReport MeasureCalibration(const std::vector<CalibrationSample>& samples,
@@ -195,10 +255,10 @@ CalibrationReport MeasureCalibration(const std::vector<CalibrationSample>& sampl
   for (const CalibrationSample& sample : samples) {
     const double miss = calibration.Confidence(sample.score) - (sample.correct ? 1.0 : 0.0);
     report.brier_score += miss * miss / report.num_samples;
-    num_position_within += sample.position_error_m <=
-                           calibration.position_accuracy_factor * sample.predicted_position_m;
-    num_rotation_within += sample.rotation_error_rad <=
-                           calibration.rotation_accuracy_factor * sample.predicted_rotation_rad;
+    num_position_within +=
+        sample.position_error_m <= calibration.PositionAccuracyM(sample.predicted_position_m);
+    num_rotation_within +=
+        sample.rotation_error_rad <= calibration.RotationAccuracyRad(sample.predicted_rotation_rad);
   }
   report.position_coverage = WilsonInterval(num_position_within, report.num_samples);
   report.rotation_coverage = WilsonInterval(num_rotation_within, report.num_samples);

@@ -26,11 +26,12 @@ struct CalibrationSample {
 std::vector<CalibrationSample> CalibrationSamples(const EvalReport& report,
                                                   const ScoreCalibration& used);
 
-// The maximum-likelihood logistic of log(score), and the factors that make the radii hold 68 % of
-// the truths (wrong answers count as outside). The likelihood has one correct and one wrong answer
-// more, at the median score, so that samples without a wrong answer have a fit too; a slope that
-// comes out below 0.1 is set to that. Throws Error(kInvalidArgument) with fewer than 20 samples or
-// one that is not positive where it must be.
+// The maximum-likelihood logistic of log(score), and radii that hold 68 % of the truths (wrong
+// answers count as outside): of the map accuracies on a grid with the factor that each needs, the
+// pair whose coverage is most even from small predicted radii to large ones. The likelihood has one
+// correct and one wrong answer more, at the median score, so that samples without a wrong answer
+// have a fit too; a slope that comes out below 0.1 is set to that. Throws Error(kInvalidArgument)
+// with fewer than 20 samples or one that is not positive where it must be.
 ScoreCalibration FitCalibration(const std::vector<CalibrationSample>& samples);
 
 // One bar of a reliability diagram.

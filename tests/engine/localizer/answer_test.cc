@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -37,8 +38,8 @@ TEST(ConcludeAnswer, TakesTheBestScore) {
   EXPECT_DOUBLE_EQ(result.score, 40.0);
   EXPECT_NEAR(result.cam_from_anchor.Inverse().translation.x(), 20.0, 1e-12);
   // sqrt(3.506 * 0.01): the 68 % radius of an isotropic Gaussian with sigma 0.1 m.
-  EXPECT_NEAR(result.position_accuracy_m,
-              AnswerOptions{}.calibration.position_accuracy_factor * 0.1872, 1e-4);
+  EXPECT_NEAR(result.position_accuracy_m, AnswerOptions{}.calibration.PositionAccuracyM(0.18724),
+              1e-4);
 }
 
 TEST(ConcludeAnswer, SaysAmbiguousWhenTheRunnerUpIsFarAndAboutAsGood) {
@@ -64,13 +65,14 @@ TEST(ConcludeAnswer, SaysTooFewInliersBelowTheThreshold) {
 
 TEST(ConcludeAnswer, ScalesTheAccuraciesAsCalibrated) {
   AnswerOptions options;
-  const LocalizeResult plain = Conclude({HypothesisAt({1, 0, 0}, 12.0)}, options);
-  options.calibration.position_accuracy_factor *= 3.0;
-  options.calibration.rotation_accuracy_factor *= 2.0;
-  const LocalizeResult scaled = Conclude({HypothesisAt({1, 0, 0}, 12.0)}, options);
-  EXPECT_NEAR(scaled.position_accuracy_m, 3.0 * plain.position_accuracy_m, 1e-12);
-  EXPECT_NEAR(scaled.rotation_accuracy_rad, 2.0 * plain.rotation_accuracy_rad, 1e-12);
-  EXPECT_DOUBLE_EQ(scaled.confidence, options.calibration.Confidence(12.0));
+  options.calibration.position_accuracy_factor = 3.0;
+  options.calibration.rotation_accuracy_factor = 2.0;
+  options.calibration.map_accuracy_m = 0.25;
+  const LocalizeResult result = Conclude({HypothesisAt({1, 0, 0}, 12.0)}, options);
+  const double predicted = std::sqrt(3.506 * 0.01);
+  EXPECT_NEAR(result.position_accuracy_m, std::hypot(3.0 * predicted, 0.25), 1e-9);
+  EXPECT_NEAR(result.rotation_accuracy_rad, 2.0 * predicted, 1e-9);
+  EXPECT_DOUBLE_EQ(result.confidence, options.calibration.Confidence(12.0));
 }
 
 }  // namespace

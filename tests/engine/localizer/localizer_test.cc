@@ -203,7 +203,7 @@ TEST_F(LocalizerOnOneStreet, SaysNoCoverageFarAway) {
 TEST_F(LocalizerOnOneStreet, NeverAnswersOutsideThePriorsRegion) {
   LocalizeQuery query = QueryAt(*world_, QueryPose(50.0));
   query.prior->position =
-      GeodeticFromEcef(EcefFromEnu(world_->options().origin) * Eigen::Vector3d(5.0, 0.0, 1.6));
+      GeodeticFromEcef(EcefFromEnu(world_->options().origin) * Eigen::Vector3d(-20.0, 0.0, 1.6));
   query.prior->accuracy_m = 5.0;
   EXPECT_FALSE(localizer().Localize(query).localized);
 }

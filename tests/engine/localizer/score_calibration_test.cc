@@ -43,6 +43,9 @@ TEST(ScoreCalibration, RefusesNonsense) {
   ScoreCalibration calibration;
   calibration.confidence_offset = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(calibration.Validate(), Error);
+  calibration = {};
+  calibration.map_accuracy_m = -0.1;
+  EXPECT_THROW(calibration.Validate(), Error);
 }
 
 }  // namespace
