@@ -15,20 +15,25 @@ namespace {
 constexpr int kNormalTableBits = 16;
 constexpr int kRun = 8;       // Normal values that are read from the table in one go.
 constexpr int kNumWaves = 4;  // Random features of the view's effect.
+// Of an ornament's 64 bits, the first so many name its node in each level of the tree.
+constexpr std::array kLevelBits = {4, 6, 8};
+constexpr int kSpreadLevel = 1;  // Whose nodes differ in spread.
 
 // Streams of random numbers that must not meet.
 constexpr uint64_t kOrnamentStream = 0x51;
-constexpr uint64_t kInstanceStream = 0x52;
-constexpr uint64_t kViewStream = 0x53;
-constexpr uint64_t kModeStream = 0x54;
-constexpr uint64_t kNoiseStream = 0x55;
-constexpr uint64_t kClutterStream = 0x56;
+constexpr uint64_t kNodeStream = 0x52;
+constexpr uint64_t kInstanceStream = 0x53;
+constexpr uint64_t kViewStream = 0x54;
+constexpr uint64_t kModeStream = 0x55;
+constexpr uint64_t kNoiseStream = 0x56;
+constexpr uint64_t kClutterStream = 0x57;
 
 // The mean of RootSIFT over all descriptors: its elements lie in this range and its norm is 0.81.
 constexpr float kMinMean = 0.039f;
 constexpr float kMaxMean = 0.164f;
 constexpr float kMeanNorm = 0.81f;
 constexpr float kRawNorm = 512.0f;
+constexpr float kMaxRaw = 255.0f;
 
 // SplitMix64 (Steele et al. 2014): neighbouring inputs give independent outputs.
 uint64_t Mix(uint64_t value) {
@@ -54,11 +59,8 @@ DescriptorAxis Interpolate(const std::vector<DescriptorAxis>& axes, int rank) {
   const float t =
       static_cast<float>(rank - below.rank) / static_cast<float>(above->rank - below.rank);
   return {.rank = rank,
-          .landmark = std::lerp(below.landmark, above->landmark, t),
-          .instance = std::lerp(below.instance, above->instance, t),
-          .view = std::lerp(below.view, above->view, t),
-          .mode = std::lerp(below.mode, above->mode, t),
-          .noise = std::lerp(below.noise, above->noise, t)};
+          .between = std::lerp(below.between, above->between, t),
+          .within = std::lerp(below.within, above->within, t)};
 }
 
 // In-place Walsh-Hadamard transform: an orthogonal change of axes, times sqrt(kDim).
@@ -81,32 +83,23 @@ void Require(bool ok, const char* what) {
   }
 }
 
+void RequireSpread(double value, const char* field) {
+  Require(value >= 0.0 && value <= 2.0, fmt::format("{} must lie in [0, 2]", field).c_str());
+}
+
+// Log-normal with a mean square of one, from a standard normal value.
+float LogNormal(double spread, float normal) {
+  return std::exp(static_cast<float>(spread) * normal - static_cast<float>(spread * spread));
+}
+
 }  // namespace
 
 std::vector<DescriptorAxis> DescriptorModelOptions::FittedAxes() {
-  constexpr float kViewShare = 0.6f;
-  constexpr float kModeShare = 0.8f;
-  constexpr float kInstanceShare = 0.8f;
-  struct Sigmas {
-    int rank;
-    float all, within;
-  };
-  constexpr std::array kMeasured = {
-      Sigmas{0, 0.190f, 0.034f},  Sigmas{1, 0.170f, 0.035f},  Sigmas{2, 0.162f, 0.036f},
-      Sigmas{3, 0.141f, 0.034f},  Sigmas{5, 0.127f, 0.033f},  Sigmas{7, 0.115f, 0.035f},
-      Sigmas{11, 0.087f, 0.032f}, Sigmas{15, 0.075f, 0.028f}, Sigmas{23, 0.055f, 0.021f},
-      Sigmas{31, 0.044f, 0.021f}, Sigmas{47, 0.033f, 0.017f}, Sigmas{63, 0.024f, 0.013f},
-      Sigmas{95, 0.015f, 0.009f}, Sigmas{127, 0.007f, 0.005f}};
-  std::vector<DescriptorAxis> axes;
-  for (const Sigmas& s : kMeasured) {
-    axes.push_back({.rank = s.rank,
-                    .landmark = std::sqrt(s.all * s.all - s.within * s.within),
-                    .instance = kInstanceShare * s.within,
-                    .view = kViewShare * s.within,
-                    .mode = kModeShare * s.within,
-                    .noise = std::sqrt(1 - kViewShare * kViewShare) * s.within});
-  }
-  return axes;
+  return {{0, 0.2188f, 0.179f},  {1, 0.1990f, 0.187f},  {2, 0.1863f, 0.172f},
+          {3, 0.1587f, 0.188f},  {5, 0.1410f, 0.166f},  {7, 0.1176f, 0.178f},
+          {11, 0.0893f, 0.158f}, {15, 0.0721f, 0.139f}, {23, 0.0487f, 0.118f},
+          {31, 0.0325f, 0.098f}, {47, 0.0227f, 0.076f}, {63, 0.0134f, 0.062f},
+          {95, 0.0055f, 0.043f}, {127, 0.0018f, 0.028f}};
 }
 
 void DescriptorModelOptions::Validate() const {
@@ -116,23 +109,26 @@ void DescriptorModelOptions::Validate() const {
     Require(axes[i].rank > axes[i - 1].rank, "axes must ascend by rank");
   }
   for (const DescriptorAxis& axis : axes) {
-    for (const float sigma : {axis.landmark, axis.instance, axis.view, axis.mode, axis.noise}) {
-      Require(sigma >= 0.0f && sigma < 1.0f, "standard deviations must lie in [0, 1)");
-    }
+    Require(axis.between >= 0.0f && axis.between < 1.0f, "axes' between must lie in [0, 1)");
+    Require(axis.within > 0.0f && axis.within <= 1.0f, "axes' within must lie in (0, 1]");
   }
-  Require(log_noise_sigma >= 0.0 && log_noise_sigma <= 2.0, "log_noise_sigma must lie in [0, 2]");
-  for (const double scale : {view_azimuth_scale_rad, view_elevation_scale_rad, view_log2_scale}) {
-    Require(scale > 0.0 && scale < 1e6, "view scales must be positive");
-  }
+  Require(cluster_share >= 0.0 && kLevelBits.size() * cluster_share <= 1.0,
+          "cluster_share must lie in [0, 1 / 3]");
+  RequireSpread(log_cluster_spread, "log_cluster_spread");
+  RequireSpread(log_landmark_spread, "log_landmark_spread");
+  RequireSpread(noise_length, "noise_length");
+  RequireSpread(view_length, "view_length");
+  RequireSpread(mode_length, "mode_length");
+  RequireSpread(instance_length, "instance_length");
+  RequireSpread(log_look_spread, "log_look_spread");
+  RequireSpread(log_stability_spread, "log_stability_spread");
+  Require(view_angle_scale_rad > 0.0, "view_angle_scale_rad must be positive");
+  Require(view_log2_scale > 0.0, "view_log2_scale must be positive");
 }
 
 DescriptorModel::DescriptorModel(const DescriptorModelOptions& options)
-    : seed_(Mix(options.seed)), log_noise_sigma_(static_cast<float>(options.log_noise_sigma)) {
+    : options_(options), seed_(Mix(options.seed)) {
   options.Validate();
-  view_frequency_ =
-      Eigen::Vector3d(1.0 / options.view_azimuth_scale_rad, 1.0 / options.view_elevation_scale_rad,
-                      1.0 / options.view_log2_scale)
-          .cast<float>();
   std::mt19937_64 generator(seed_);
   std::normal_distribution<float> normal;
   normal_table_.resize((size_t{1} << kNormalTableBits) + kRun);
@@ -144,13 +140,14 @@ DescriptorModel::DescriptorModel(const DescriptorModelOptions& options)
     mean_[i] = mean(generator);
     signs_[i] = (coin(generator) ? 1.0f : -1.0f) / std::sqrt(static_cast<float>(kDim));
     const DescriptorAxis axis = Interpolate(options.axes, RankOf(i));
-    landmark_sigmas_[i] = axis.landmark;
-    instance_sigmas_[i] = axis.instance;
-    view_sigmas_[i] = axis.view;
-    mode_sigmas_[i] = axis.mode;
-    noise_sigmas_[i] = axis.noise;
+    between_sigmas_[i] = axis.between;
+    within_sigmas_[i] = axis.within;
   }
   mean_ *= kMeanNorm / mean_.matrix().norm();
+  within_sigmas_ /= within_sigmas_.matrix().norm();
+  node_weight_ = static_cast<float>(std::sqrt(options.cluster_share));
+  leaf_weight_ =
+      static_cast<float>(std::sqrt(std::max(0.0, 1.0 - kLevelBits.size() * options.cluster_share)));
 }
 
 DescriptorModel::Descriptor DescriptorModel::Describe(const DescriptorLook& look) const {
@@ -158,16 +155,18 @@ DescriptorModel::Descriptor DescriptorModel::Describe(const DescriptorLook& look
   const uint64_t landmark_seed = Mix(seed_ ^ kInstanceStream, look.landmark);
   const uint64_t noise_seed = Mix(landmark_seed ^ kNoiseStream, look.observation);
   Axes axes = Axes::Zero();
-  AddNormal(ornament_seed, landmark_sigmas_, 1.0f, &axes);
-  AddNormal(landmark_seed, instance_sigmas_, 1.0f, &axes);
-  AddView(Mix(ornament_seed ^ kViewStream), look, &axes);
-  if (look.appearance_mode != 0) {
-    AddNormal(Mix(landmark_seed ^ kModeStream, look.appearance_mode), mode_sigmas_, 1.0f, &axes);
-  }
-  // The factor keeps the mean of the squared noise.
-  const float noise_scale =
-      std::exp(log_noise_sigma_ * Normal(Mix(noise_seed)) - log_noise_sigma_ * log_noise_sigma_);
-  AddNormal(noise_seed, noise_sigmas_, noise_scale, &axes);
+  AddOrnament(ornament_seed, &axes);
+
+  const float stability = LogNormal(options_.log_stability_spread, Normal(ornament_seed));
+  const auto length = [stability](double value) { return stability * static_cast<float>(value); };
+  AddNormal(landmark_seed, within_sigmas_, length(options_.instance_length), &axes);
+  AddView(Mix(ornament_seed ^ kViewStream), look, length(options_.view_length), &axes);
+  AddNormal(Mix(ornament_seed ^ kModeStream, look.appearance_mode), within_sigmas_,
+            length(options_.mode_length), &axes);
+  AddNormal(
+      noise_seed, within_sigmas_,
+      LogNormal(options_.log_look_spread, Normal(Mix(noise_seed))) * length(options_.noise_length),
+      &axes);
   return ToRaw(axes);
 }
 
@@ -194,26 +193,49 @@ void DescriptorModel::AddNormal(uint64_t seed, const Axes& sigmas, float weight,
   }
 }
 
-void DescriptorModel::AddView(uint64_t seed, const DescriptorLook& look, Axes* axes) const {
-  const Eigen::Vector3f view(static_cast<float>(look.view_azimuth_rad),
-                             static_cast<float>(look.view_elevation_rad),
-                             static_cast<float>(look.log2_scale));
-  const float amplitude = 1.0f / std::sqrt(static_cast<float>(kNumWaves));
+void DescriptorModel::AddOrnament(uint64_t seed, Axes* axes) const {
+  const uint64_t path = Mix(seed ^ kNodeStream);
+  float leaf_weight = leaf_weight_ * LogNormal(options_.log_landmark_spread, Normal(path));
+  for (size_t level = 0; level < kLevelBits.size(); ++level) {
+    const uint64_t node = path >> (64 - kLevelBits[level]);
+    const uint64_t node_seed = Mix(seed_ ^ kNodeStream, node | uint64_t{1} << kLevelBits[level]);
+    AddNormal(node_seed, between_sigmas_, node_weight_, axes);
+    if (level == kSpreadLevel) {
+      leaf_weight *= LogNormal(options_.log_cluster_spread, Normal(Mix(node_seed)));
+    }
+  }
+  AddNormal(seed, between_sigmas_, leaf_weight, axes);
+}
+
+void DescriptorModel::AddView(uint64_t seed, const DescriptorLook& look, float length,
+                              Axes* axes) const {
+  const Eigen::Vector3f view =
+      Eigen::Vector3d(look.view_azimuth_rad / options_.view_angle_scale_rad,
+                      look.view_elevation_rad / options_.view_angle_scale_rad,
+                      look.log2_scale / options_.view_log2_scale)
+          .cast<float>();
+  const float amplitude = length / std::sqrt(static_cast<float>(kNumWaves));
   for (int wave = 0; wave < kNumWaves; ++wave) {
     const uint64_t wave_seed = Mix(seed + static_cast<uint64_t>(wave));
+    // Frequencies whose mean cosine is exp(-|difference of views|): Cauchy in three dimensions, a
+    // normal vector over an independent normal value.
     const Eigen::Vector3f direction(Normal(wave_seed), Normal(wave_seed >> 16),
                                     Normal(wave_seed >> 32));
-    const float phase = direction.cwiseProduct(view_frequency_).dot(view);
-    AddNormal(Mix(wave_seed, 1), view_sigmas_, amplitude * std::cos(phase), axes);
-    AddNormal(Mix(wave_seed, 2), view_sigmas_, amplitude * std::sin(phase), axes);
+    const float phase = direction.dot(view) / std::max(1e-3f, std::abs(Normal(wave_seed >> 48)));
+    AddNormal(Mix(wave_seed, 1), within_sigmas_, amplitude * std::cos(phase), axes);
+    AddNormal(Mix(wave_seed, 2), within_sigmas_, amplitude * std::sin(phase), axes);
   }
 }
 
 DescriptorModel::Descriptor DescriptorModel::ToRaw(Axes axes) const {
   HadamardTransform(&axes);
-  const Axes raw = (mean_ + axes * signs_).max(0.0f).square();
-  const float norm = raw.matrix().norm();
-  return norm > 0.0f ? Descriptor((kRawNorm / norm * raw).matrix()) : Descriptor::Zero();
+  const Axes squares = (mean_ + axes * signs_).max(0.0f).square();
+  const float norm = squares.matrix().norm();
+  if (norm == 0.0f) {
+    return Descriptor::Zero();
+  }
+  const Axes raw = (kRawNorm / norm * squares + 0.5f).min(kMaxRaw + 0.5f);
+  return raw.cast<int>().cast<float>().matrix();
 }
 
 }  // namespace cairn
