@@ -37,6 +37,7 @@ struct EvalArguments {
   double gravity_noise_deg = 1.0;
   bool no_prior = false;
   bool no_gravity = false;
+  bool given_priors = false;
   std::string server_url;
   SendAs send_as = SendAs::kFeatures;
   FeatureSource feature_source = FeatureSource::kModel;
@@ -138,7 +139,9 @@ ExitCode RunEval(const EvalArguments& arguments, ProgressMode progress_mode) {
   localizer_options.seed = noise.seed;
   const OpenedMap map = OpenLocalizer(arguments.map_path, localizer_options);
   std::vector<EvalQuery> queries = LoadEvalQueries(arguments.queries, map.store->Snapshot());
-  AddNoisyPriors(noise, &queries);
+  if (!arguments.given_priors) {
+    AddNoisyPriors(noise, &queries);
+  }
   std::vector<LocalizeResult> results;
   {
     Progress progress(progress_mode);
@@ -195,6 +198,11 @@ void AddNoiseOptions(CLI::App* command, EvalArguments* arguments) {
       ->capture_default_str();
   command->add_flag("--no-prior", arguments->no_prior, "Queries without position");
   command->add_flag("--no-gravity", arguments->no_gravity, "Queries without gravity");
+  command
+      ->add_flag("--given-priors", arguments->given_priors,
+                 "Take position and gravity from the query list as they are")
+      ->needs("--queries")
+      ->excludes("--no-prior", "--no-gravity", "--prior-noise", "--gravity-noise-deg");
   command->add_option("--seed", arguments->noise.seed, "Seed of the noise and of the localizer")
       ->capture_default_str();
 }

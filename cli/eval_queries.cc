@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include "cli/query_features.h"
 #include "core/error.h"
 #include "core/logging.h"
 #include "eval/reference_alignment.h"
@@ -125,9 +126,13 @@ std::vector<EvalQuery> QueriesFromModel(const EvalQueryArguments& arguments,
 
 std::vector<EvalQuery> LoadEvalQueries(const EvalQueryArguments& arguments,
                                        const MapSnapshot& map) {
-  std::vector<EvalQuery> queries = arguments.query_list_path.empty()
-                                       ? QueriesFromModel(arguments, map)
-                                       : ReadQueryList(arguments.query_list_path);
+  std::vector<EvalQuery> queries;
+  if (arguments.query_list_path.empty()) {
+    queries = QueriesFromModel(arguments, map);
+  } else {
+    queries = ReadQueryList(arguments.query_list_path);
+    ReadQueryFeatures(&queries);
+  }
   if (queries.empty()) {
     throw Error(ErrorCode::kBadInput,
                 "there is no query to ask: the map holds every image of the "

@@ -56,6 +56,8 @@ void AddVerbs(CLI::App* app, Shell* shell) {
   AddCheckCommand(app, shell);
   AddDemoCommand(app, shell);
   AddBenchCommand(app, shell);
+  AddExperimentCommand(app, shell);
+  AddSimulateCommand(app, shell);
 }
 
 ExitCode Report(ExitCode exit_code, const std::string& message) {

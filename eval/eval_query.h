@@ -15,8 +15,10 @@ namespace cairn {
 struct EvalQuery {
   std::string name;        // Image name.
   std::string image_path;  // Empty if there is only the feature set.
-  LocalizeQuery query;     // Features may be empty if image_path is set.
-  Rigid3d cam_from_ecef;   // Reference pose.
+  // A file of features (docs/formats/features_v1.md) that stands for the image; may be empty.
+  std::string features_path;
+  LocalizeQuery query;    // Features may be empty if one of the paths is set.
+  Rigid3d cam_from_ecef;  // Reference pose.
 };
 
 // Noise that turns reference poses into what a phone would send.
@@ -41,8 +43,9 @@ std::vector<EvalQuery> QueriesFromReconstruction(const Reconstruction& reconstru
                                                  const Sim3d& ecef_from_world,
                                                  const std::string& image_dir);
 
-// JSON file of queries whose features come from images; docs/formats/query_list_v1.md. Paths are
-// relative to the file. Throws Error(kBadInput) naming file and field.
+// JSON file of queries whose features come from images or feature files, which are not read here;
+// docs/formats/query_list_v1.md. Paths are relative to the file. Throws Error(kBadInput) naming
+// file and field.
 std::vector<EvalQuery> ReadQueryList(const std::string& path);
 void WriteQueryList(const std::string& path, const std::vector<EvalQuery>& queries);
 

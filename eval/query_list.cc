@@ -153,15 +153,24 @@ PositionPrior ReadPrior(const Field& field) {
   return prior;
 }
 
+std::string ReadPath(const Field& field, const fs::path& folder) {
+  const std::string path = field.Text();
+  if (path.empty()) {
+    field.Fail("must not be empty");
+  }
+  return (folder / path).lexically_normal().string();
+}
+
 EvalQuery ReadQuery(const Field& field, const fs::path& folder) {
   EvalQuery query;
   query.name = field.At("name").Text();
   query.query.id = query.name;
-  const std::string image = field.At("image").Text();
-  if (image.empty()) {
-    field.At("image").Fail("must not be empty");
+  if (field.Has("features")) {
+    query.features_path = ReadPath(field.At("features"), folder);
   }
-  query.image_path = (folder / image).lexically_normal().string();
+  if (field.Has("image") || !field.Has("features")) {
+    query.image_path = ReadPath(field.At("image"), folder);
+  }
   query.query.camera = ReadCamera(field.At("camera"));
   query.cam_from_ecef = ReadReference(field.At("reference"));
   if (field.Has("prior")) {
@@ -188,20 +197,25 @@ Json QueryAsJson(const EvalQuery& query, const fs::path& folder) {
   const Eigen::Quaterniond enu_from_cam =
       (EcefFromEnu(position).Inverse() * ecef_from_cam).rotation.normalized();
   const Camera& camera = query.query.camera;
-  Json json = {
-      {"name", query.name},
-      {"image", fs::absolute(query.image_path).lexically_proximate(folder).generic_string()},
-      {"camera",
-       {{"model", CameraModelName(camera.model())},
-        {"size", {camera.width_px(), camera.height_px()}},
-        {"modelParams", camera.params()}}},
-      {"reference",
-       {{"position", PositionAsJson(position)},
-        {"quaternion",
-         {{"x", enu_from_cam.x()},
-          {"y", enu_from_cam.y()},
-          {"z", enu_from_cam.z()},
-          {"w", enu_from_cam.w()}}}}}};
+  Json json = {{"name", query.name},
+               {"camera",
+                {{"model", CameraModelName(camera.model())},
+                 {"size", {camera.width_px(), camera.height_px()}},
+                 {"modelParams", camera.params()}}},
+               {"reference",
+                {{"position", PositionAsJson(position)},
+                 {"quaternion",
+                  {{"x", enu_from_cam.x()},
+                   {"y", enu_from_cam.y()},
+                   {"z", enu_from_cam.z()},
+                   {"w", enu_from_cam.w()}}}}}};
+  const auto add_path = [&](const char* key, const std::string& path) {
+    if (!path.empty()) {
+      json[key] = fs::absolute(path).lexically_proximate(folder).generic_string();
+    }
+  };
+  add_path("image", query.image_path);
+  add_path("features", query.features_path);
   if (const auto& prior = query.query.prior) {
     json["prior"] = {{"position", PositionAsJson(prior->position)},
                      {"accuracy", prior->accuracy_m}};

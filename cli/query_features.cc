@@ -1,0 +1,76 @@
+#include "cli/query_features.h"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+
+#include "core/error.h"
+#include "http/feature_codec.h"
+#include "ingest/readers/file_bytes.h"
+
+namespace cairn {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uint64_t kMaxFileBytes = uint64_t{256} << 20;
+constexpr int kMaxFeatures = 100'000;
+
+void ReadFeatures(EvalQuery* query) {
+  const std::vector<uint8_t> bytes = ReadFileBytes(query->features_path, kMaxFileBytes);
+  try {
+    WireFeatures wire = DecodeFeatures(bytes, kMaxFeatures);
+    const Camera& camera = query->query.camera;
+    if (wire.width_px != camera.width_px() || wire.height_px != camera.height_px()) {
+      throw Error(
+          ErrorCode::kBadInput,
+          fmt::format("is of an image of {} x {} pixels, the camera's is {} x {}", wire.width_px,
+                      wire.height_px, camera.width_px(), camera.height_px()));
+    }
+    if (wire.features.size() == 0) {
+      throw Error(ErrorCode::kBadInput, "has no features");
+    }
+    query->query.codec =
+        wire.features.space == DescriptorSpace::kProjected ? wire.codec : std::string();
+    query->query.features = std::move(wire.features);
+  } catch (const std::runtime_error& error) {
+    throw Error(ErrorCode::kBadInput, query->features_path + ": " + error.what());
+  }
+}
+
+}  // namespace
+
+void ReadQueryFeatures(std::vector<EvalQuery>* queries) {
+  for (EvalQuery& query : *queries) {
+    if (!query.features_path.empty()) {
+      ReadFeatures(&query);
+    }
+  }
+}
+
+void WriteQueryListWithFeatures(const std::string& path, std::vector<EvalQuery>* queries) {
+  const fs::path folder = fs::path(path).replace_extension().string() + "_features";
+  std::error_code failure;
+  fs::create_directories(folder, failure);
+  for (EvalQuery& query : *queries) {
+    query.features_path = (folder / (query.name + ".features")).string();
+    WireFeatures wire;
+    wire.features = query.query.features;
+    wire.codec = query.query.codec;
+    wire.width_px = query.query.camera.width_px();
+    wire.height_px = query.query.camera.height_px();
+    const std::vector<uint8_t> bytes = EncodeFeatures(wire, LosslessEncoding(wire.features));
+    std::ofstream file(query.features_path, std::ios::binary);
+    file.write(reinterpret_cast<const char*>(bytes.data()),
+               static_cast<std::streamsize>(bytes.size()));
+    if (!file.flush()) {
+      throw Error(ErrorCode::kIo, query.features_path + ": cannot write");
+    }
+  }
+  WriteQueryList(path, *queries);
+}
+
+}  // namespace cairn
