@@ -162,7 +162,7 @@ void RewriteTile(const TileSource& source, TileId tile_id, SessionId old_session
                       tile_id.ToString(), Value(tile.codebook_id), Value(codebook.id)));
     }
     AppendTile(BuildTile(source, tile_id, AddKeyframes(source, tile_id, update)), &tile);
-    const auto selector = MakeObservationCountSelector(options.selection);
+    const auto selector = MakeLandmarkSelector(options.selection);
     tile = SelectLandmarks(tile, source, *selector, options.selection);
   }
   report->num_payload_bytes += WriteTile(tile, update);
@@ -210,7 +210,7 @@ IngestReport IngestSession(const Reconstruction& reconstruction, const Sim3d& ec
 
   MapUpdate update = store->BeginUpdate();
   const DescriptorCodec codec(PublishCodebook(std::move(codebook), reconstruction, &update));
-  const auto summarizer = MakeKMeansSummarizer(options.appearance);
+  const auto summarizer = MakeAppearanceSummarizer(options.appearance);
   IngestReport report;
   std::set<TileId> tiles;
   SessionId old_session{};

@@ -10,7 +10,17 @@
 
 namespace cairn {
 
+enum class AppearanceKind {
+  kKMeans,    // Means of clusters: descriptors that nobody saw.
+  kKMedoids,  // The members of clusters that are nearest to all others of theirs.
+  kRandom,    // Any of the landmark's descriptors.
+};
+
 struct AppearanceOptions {
+  AppearanceKind kind = AppearanceKind::kKMeans;  // Best in the paper.
+  // If positive, every landmark gets so many descriptors (or all, if it has fewer), and ratio,
+  // min_count and max_count do not count.
+  int count = 0;
   double ratio = 0.25;  // Of the landmark's descriptors (paper: 25 %), at least min_count.
   int min_count = 1;
   int max_count = 16;
@@ -38,6 +48,16 @@ class AppearanceSummarizer {
 
 // Cluster means in the projected space.
 std::unique_ptr<AppearanceSummarizer> MakeKMeansSummarizer(const AppearanceOptions& options);
+
+// Alternating k-medoids (Park and Jun 2009) under Euclidean distance, from the same start as
+// k-means. Quadratic in the landmark's descriptors.
+std::unique_ptr<AppearanceSummarizer> MakeKMedoidsSummarizer(const AppearanceOptions& options);
+
+// A random subset; each descriptor belongs to the nearest of it. The baseline of the two above.
+std::unique_ptr<AppearanceSummarizer> MakeRandomSummarizer(const AppearanceOptions& options);
+
+// The one that `options.kind` names.
+std::unique_ptr<AppearanceSummarizer> MakeAppearanceSummarizer(const AppearanceOptions& options);
 
 }  // namespace cairn
 

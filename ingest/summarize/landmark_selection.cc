@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "core/check.h"
 #include "core/error.h"
+#include "ingest/summarize/landmark_coverage.h"
 
 namespace cairn {
 namespace {
@@ -78,24 +80,53 @@ class ObservationCountSelector : public LandmarkSelector {
   LandmarkSelectionOptions options_;
 };
 
+class CoverageSelector : public LandmarkSelector {
+ public:
+  explicit CoverageSelector(const LandmarkSelectionOptions& options) : options_(options) {
+    options.Validate();
+  }
+
+  std::vector<uint32_t> Select(const VisibilityGraph& graph,
+                               const std::vector<int>& num_descriptors) const override {
+    return SolveCoverage(graph, num_descriptors, options_).selection;
+  }
+
+ private:
+  LandmarkSelectionOptions options_;
+};
+
 }  // namespace
 
 void LandmarkSelectionOptions::Validate() const {
-  if (max_descriptors < 1) {
-    throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("LandmarkSelectionOptions: max_descriptors must be at least 1, is {}",
-                            max_descriptors));
-  }
-  if (min_observations < 2) {
-    throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("LandmarkSelectionOptions: min_observations must be at least 2, is {}",
-                            min_observations));
-  }
+  const auto require = [](bool ok, const char* what, auto is) {
+    if (!ok) {
+      throw Error(ErrorCode::kInvalidArgument,
+                  fmt::format("LandmarkSelectionOptions: {}, is {}", what, is));
+    }
+  };
+  require(max_descriptors >= 1, "max_descriptors must be at least 1", max_descriptors);
+  require(min_observations >= 2, "min_observations must be at least 2", min_observations);
+  require(max_landmarks >= 0, "max_landmarks must not be negative", max_landmarks);
+  require(min_landmarks_per_keyframe >= 0, "min_landmarks_per_keyframe must not be negative",
+          min_landmarks_per_keyframe);
+  require(missing_landmark_cost >= 0.0 && std::isfinite(missing_landmark_cost),
+          "missing_landmark_cost must not be negative", missing_landmark_cost);
+  require(max_iterations >= 1, "max_iterations must be at least 1", max_iterations);
+  require(max_gap >= 0.0, "max_gap must not be negative", max_gap);
 }
 
 std::unique_ptr<LandmarkSelector> MakeObservationCountSelector(
     const LandmarkSelectionOptions& options) {
   return std::make_unique<ObservationCountSelector>(options);
+}
+
+std::unique_ptr<LandmarkSelector> MakeCoverageSelector(const LandmarkSelectionOptions& options) {
+  return std::make_unique<CoverageSelector>(options);
+}
+
+std::unique_ptr<LandmarkSelector> MakeLandmarkSelector(const LandmarkSelectionOptions& options) {
+  return options.kind == LandmarkSelectionKind::kCoverage ? MakeCoverageSelector(options)
+                                                          : MakeObservationCountSelector(options);
 }
 
 }  // namespace cairn
