@@ -56,6 +56,7 @@ void AddVerbs(CLI::App* app, Shell* shell) {
   AddCheckCommand(app, shell);
   AddDemoCommand(app, shell);
   AddBenchCommand(app, shell);
+  AddExperimentCommand(app, shell);
   AddSimulateCommand(app, shell);
 }
 

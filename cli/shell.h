@@ -31,6 +31,7 @@ void AddSqlCommand(CLI::App* app, Shell* shell);
 void AddCheckCommand(CLI::App* app, Shell* shell);
 void AddDemoCommand(CLI::App* app, Shell* shell);
 void AddBenchCommand(CLI::App* app, Shell* shell);
+void AddExperimentCommand(CLI::App* app, Shell* shell);
 void AddSimulateCommand(CLI::App* app, Shell* shell);
 
 }  // namespace cairn

@@ -35,11 +35,24 @@ Interval MeasureAccuracy(const EvalReport& report, AccuracyMeasure measure) {
   });
 }
 
-Interval PairedDifference(const EvalReport& a, const EvalReport& b, AccuracyMeasure measure) {
-  CAIRN_CHECK(a.answers.size() == b.answers.size(), "answers to the same queries are compared");
-  return Bootstrap(a.answers.size(), [&](std::span<const size_t> sample) {
-    return Measure(a, sample, measure) - Measure(b, sample, measure);
+Interval PairedContrast(const std::vector<ContrastTerm>& terms, AccuracyMeasure measure) {
+  CAIRN_CHECK(!terms.empty(), "there is something to compare");
+  const size_t num_answers = terms.front().report->answers.size();
+  for (const ContrastTerm& term : terms) {
+    CAIRN_CHECK(term.report->answers.size() == num_answers,
+                "answers to the same queries are compared");
+  }
+  return Bootstrap(num_answers, [&](std::span<const size_t> sample) {
+    double sum = 0.0;
+    for (const ContrastTerm& term : terms) {
+      sum += term.weight * Measure(*term.report, sample, measure);
+    }
+    return sum;
   });
+}
+
+Interval PairedDifference(const EvalReport& a, const EvalReport& b, AccuracyMeasure measure) {
+  return PairedContrast({{1.0, &a}, {-1.0, &b}}, measure);
 }
 
 }  // namespace cairn

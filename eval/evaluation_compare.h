@@ -25,6 +25,14 @@ Interval MeasureAccuracy(const EvalReport& report, AccuracyMeasure measure);
 // zero tells a difference from the luck of the queries. Answer i of both must be to the same query.
 Interval PairedDifference(const EvalReport& a, const EvalReport& b, AccuracyMeasure measure);
 
+// The sum of weight times measure over reports on the same queries, with its paired interval: a
+// difference of differences, say.
+struct ContrastTerm {
+  double weight = 1.0;
+  const EvalReport* report = nullptr;
+};
+Interval PairedContrast(const std::vector<ContrastTerm>& terms, AccuracyMeasure measure);
+
 }  // namespace cairn
 
 #endif  // CAIRN_EVAL_EVALUATION_COMPARE_H_

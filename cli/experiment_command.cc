@@ -1,0 +1,172 @@
+// `cairn experiment`: the paper's experiments, and the report of their results.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "cli/shell.h"
+#include "core/error.h"
+#include "eval/experiments/experiment_list.h"
+#include "eval/experiments/experiment_result.h"
+#include "eval/experiments/text_file.h"
+
+namespace cairn {
+namespace {
+
+struct ExperimentArguments {
+  std::vector<std::string> names;
+  std::string size = "quick";
+  std::string out_folder = "experiments";
+  std::string report_path = "docs/experiments.md";
+  uint64_t seed = 1;
+  int num_threads = 2;
+};
+
+void MakeFolder(const std::filesystem::path& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) {
+    throw Error(ErrorCode::kIo, path.string() + ": " + error.message());
+  }
+}
+
+ExitCode List() {
+  for (const Experiment& experiment : AllExperiments()) {
+    fmt::print("{:<32} {:<12} {}\n", experiment.name, experiment.paper, experiment.title);
+  }
+  return ExitCode::kOk;
+}
+
+// Writes the page, and beside it the figures that it shows.
+ExitCode Report(const ExperimentArguments& arguments) {
+  const std::vector<Experiment> experiments = AllExperiments();
+  const std::vector<ExperimentResult> results = ReadResults(arguments.out_folder, experiments);
+  if (results.empty()) {
+    throw Error(ErrorCode::kNotFound, arguments.out_folder +
+                                          ": no results; run `cairn experiment all --out " +
+                                          arguments.out_folder + "` first");
+  }
+  const std::string image_folder = "images/experiments";
+  const std::filesystem::path report(arguments.report_path);
+  const std::filesystem::path images = report.parent_path() / image_folder;
+  MakeFolder(images);
+  for (const ExperimentResult& result : results) {
+    for (const std::string& figure : result.figures) {
+      const std::string file = figure + ".svg";
+      std::error_code error;
+      std::filesystem::copy_file(std::filesystem::path(arguments.out_folder) / file, images / file,
+                                 std::filesystem::copy_options::overwrite_existing, error);
+      if (error) {
+        throw Error(ErrorCode::kIo, file + ": " + error.message() + "; was gnuplot installed?");
+      }
+    }
+  }
+  WriteTextFile(report.string(), ReportAsMarkdown(experiments, results, image_folder));
+  fmt::print("{} experiments in {}\n", results.size(), report.string());
+  return ExitCode::kOk;
+}
+
+// What the names ask for, in the paper's order and each once.
+std::vector<Experiment> Chosen(const std::vector<std::string>& names) {
+  std::vector<std::string> wanted;
+  for (const std::string& name : names) {
+    wanted.push_back(name == "all" ? name : FindExperiment(name).name);
+  }
+  std::vector<Experiment> chosen;
+  for (const Experiment& experiment : AllExperiments()) {
+    const auto is_wanted = [&](const std::string& name) {
+      return name == "all" || name == experiment.name;
+    };
+    if (std::any_of(wanted.begin(), wanted.end(), is_wanted)) {
+      chosen.push_back(experiment);
+    }
+  }
+  return chosen;
+}
+
+ExitCode Run(const ExperimentArguments& arguments, ProgressMode progress_mode) {
+  const std::vector<Experiment> chosen = Chosen(arguments.names);
+  const std::filesystem::path out(arguments.out_folder);
+  MakeFolder(out);
+  ExperimentWorlds worlds((out / "worlds").string());
+  ExperimentContext context;
+  context.size = ExperimentSizeFromName(arguments.size);
+  context.seed = arguments.seed;
+  context.num_threads = arguments.num_threads;
+  context.worlds = &worlds;
+  for (const Experiment& experiment : chosen) {
+    bool figures_drawn = true;
+    ExperimentResult result;
+    {
+      Progress progress(progress_mode);
+      context.progress = [&](const std::string& phase, int done, int total) {
+        progress.Update(experiment.name + ": " + phase, done, total);
+      };
+      result = RunExperiment(experiment, context, out.string(), &figures_drawn);
+    }
+    fmt::print("{}: {}\n{}\n", result.name, VerdictName(result.verdict), result.sentence);
+    if (!figures_drawn) {
+      fmt::print("gnuplot did not draw the figures; their scripts are {}/*.gp\n", out.string());
+    }
+    fmt::print("\n");
+    std::fflush(stdout);
+  }
+  return ExitCode::kOk;
+}
+
+ExitCode RunExperimentCommand(const ExperimentArguments& arguments, ProgressMode progress_mode) {
+  if (arguments.num_threads < 1) {
+    throw Error(ErrorCode::kInvalidArgument, "--threads must be at least 1");
+  }
+  if (arguments.names.size() == 1 && arguments.names.front() == "list") {
+    return List();
+  }
+  if (arguments.names.size() == 1 && arguments.names.front() == "report") {
+    return Report(arguments);
+  }
+  return Run(arguments, progress_mode);
+}
+
+}  // namespace
+
+void AddExperimentCommand(CLI::App* app, Shell* shell) {
+  CLI::App* command = app->add_subcommand(
+      "experiment", "Ask the paper's questions of this engine in a simulated city");
+  auto arguments = std::make_shared<ExperimentArguments>();
+  command
+      ->add_option("what", arguments->names,
+                   "Names or numbers of experiments, or list, all, report")
+      ->required()
+      ->type_name("list|all|report|NAME...");
+  command->add_option("--size", arguments->size, "quick: seconds, means little; full: minutes each")
+      ->capture_default_str()
+      ->type_name("quick|full");
+  command->add_option("--out", arguments->out_folder, "Folder of results and worlds")
+      ->capture_default_str();
+  command->add_option("--to", arguments->report_path, "Page that report writes")
+      ->capture_default_str();
+  command->add_option("--seed", arguments->seed, "Of cities, queries and localizer")
+      ->capture_default_str();
+  command->add_option("--threads", arguments->num_threads, "Queries measured at a time")
+      ->capture_default_str();
+  command->footer(
+      "Examples:\n"
+      "  cairn experiment list\n"
+      "  cairn experiment 07 --size full --out results\n"
+      "  cairn experiment all --size full --out results\n"
+      "  cairn experiment report --out results --to docs/experiments.md");
+  command->callback([shell, arguments] {
+    shell->run = [shell, arguments] {
+      return RunExperimentCommand(*arguments, shell->progress_mode);
+    };
+  });
+}
+
+}  // namespace cairn

@@ -1,0 +1,67 @@
+// What an experiment is: a question of the paper, asked of this engine in a simulated city.
+#ifndef CAIRN_EVAL_EXPERIMENTS_EXPERIMENT_H_
+#define CAIRN_EVAL_EXPERIMENTS_EXPERIMENT_H_
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "eval/experiments/experiment_world.h"
+#include "eval/experiments/figure.h"
+#include "eval/experiments/result_table.h"
+#include "eval/experiments/verdict.h"
+
+namespace cairn {
+
+// Quick: seconds, to see that everything runs; its figures mean little. Full: minutes on two cores.
+enum class ExperimentSize { kQuick, kFull };
+const char* ExperimentSizeName(ExperimentSize size);  // "quick", "full".
+// Throws Error(kInvalidArgument) that lists the names.
+ExperimentSize ExperimentSizeFromName(const std::string& name);
+
+using ExperimentProgress = std::function<void(const std::string& phase, int done, int total)>;
+
+// What a run may use. The worlds are shared between experiments.
+struct ExperimentContext {
+  ExperimentSize size = ExperimentSize::kQuick;
+  uint64_t seed = 1;
+  int num_threads = 2;
+  ExperimentWorlds* worlds = nullptr;
+  ExperimentProgress progress;  // May be empty.
+
+  // The parameter of this run's size.
+  template <typename Value>
+  Value Pick(Value quick, Value full) const {
+    return size == ExperimentSize::kQuick ? quick : full;
+  }
+};
+
+using ExperimentParameters = std::vector<std::pair<std::string, std::string>>;
+
+struct ExperimentOutcome {
+  ExperimentParameters parameters;  // What was varied and held, for people.
+  ResultTable table;
+  std::vector<Figure> figures;
+  Verdict verdict = Verdict::kUndecided;
+  std::string sentence;  // Why the verdict, with the numbers.
+};
+
+struct Experiment {
+  std::string name;   // "07_random_grids_vs_multi_index".
+  std::string title;  // "Random grids against the inverted multi-index".
+  std::string paper;  // Where the paper asks it: "Figure 8".
+  std::string claim;  // What the paper says, in one sentence.
+  // How the verdict is decided, in one sentence.
+  std::string rule;
+  std::string full_duration;  // Measured, of the full size on two cores.
+  std::function<ExperimentOutcome(const ExperimentContext&)> run;
+};
+
+// The outcome of an experiment whose subject this build does not have.
+ExperimentOutcome NotBuilt(const std::string& what_is_missing);
+
+}  // namespace cairn
+
+#endif  // CAIRN_EVAL_EXPERIMENTS_EXPERIMENT_H_

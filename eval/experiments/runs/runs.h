@@ -1,0 +1,34 @@
+// The experiments, one function each; private to experiments.
+#ifndef CAIRN_EVAL_EXPERIMENTS_RUNS_RUNS_H_
+#define CAIRN_EVAL_EXPERIMENTS_RUNS_RUNS_H_
+
+#include "eval/experiments/experiment.h"
+
+namespace cairn {
+
+Experiment ObsVsIlpExperiment();
+Experiment FixedDescriptorsExperiment();
+Experiment DescriptorRatioExperiment();
+Experiment FixedVsRatioExperiment();
+Experiment DimensionAndQuantizationExperiment();
+Experiment BucketLoadExperiment();
+Experiment GridsVsMultiIndexExperiment();
+Experiment PriorsExperiment();
+Experiment NeighborsExperiment();
+Experiment ThresholdOverCitiesExperiment();
+Experiment RatioTestExperiment();
+Experiment RansacIterationsExperiment();
+Experiment VotingVsCovisibilityExperiment();
+Experiment MinimalSolverExperiment();
+Experiment RefinementExperiment();
+Experiment EkfVsBundleAdjustmentExperiment();
+Experiment SmoothnessExperiment();
+Experiment FourCitiesExperiment();
+Experiment CalibrationExperiment();
+
+// The world that 7 to 9 and 11 to 15 share.
+ExperimentWorldOptions StandardWorld(const ExperimentContext& context);
+
+}  // namespace cairn
+
+#endif  // CAIRN_EVAL_EXPERIMENTS_RUNS_RUNS_H_
