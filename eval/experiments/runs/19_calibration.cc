@@ -2,6 +2,7 @@
 // they were not fitted to.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +19,8 @@ namespace {
 constexpr double kCoverage = 0.68;
 constexpr double kCoverageMargin = 0.1;
 constexpr double kMaxCalibrationError = 0.05;
+// The engine's defaults come from such a city.
+constexpr CityCharacter kFittedTo = CityCharacter::kGrid;
 // Weak answers too, so that the fit sees where they begin to be wrong.
 constexpr double kMinEffectiveInliers = 3.0;
 
@@ -84,7 +87,9 @@ ExperimentOutcome Run(const ExperimentContext& context) {
   ExperimentOutcome outcome;
   outcome.table = MakeTable();
   const std::vector<CitySamples> cities = MeasureCities(context, &outcome);
-  const CitySamples& fitted_to = cities.front();
+  const CitySamples& fitted_to = *std::find_if(
+      cities.begin(), cities.end(),
+      [](const CitySamples& city) { return city.city == CityCharacterName(kFittedTo); });
   const ScoreCalibration fit = FitCalibration(fitted_to.samples);
   Figure figure{.name = "19_calibration",
                 .title = "Reliability in cities that the fit has not seen",
