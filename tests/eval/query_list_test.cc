@@ -56,6 +56,18 @@ TEST(QueryList, RoundTrips) {
   EXPECT_FALSE(read[1].query.down_in_cam.has_value());
 }
 
+TEST(QueryList, AFeatureFileMayStandForThePhoto) {
+  const testing::TempDir dir;
+  EvalQuery query = FullQuery(dir.path());
+  query.image_path.clear();
+  query.features_path = (dir.path() / "features" / "one.features").string();
+  WriteQueryList(dir.File("list.json"), {query});
+  const std::vector<EvalQuery> read = ReadQueryList(dir.File("list.json"));
+  ASSERT_EQ(read.size(), 1u);
+  EXPECT_EQ(read[0].image_path, "");
+  EXPECT_EQ(read[0].features_path, query.features_path);
+}
+
 TEST(QueryList, PathsAreRelativeToTheFile) {
   const testing::TempDir dir;
   WriteQueryList(dir.File("list.json"), {FullQuery(dir.path())});
