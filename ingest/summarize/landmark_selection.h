@@ -35,7 +35,7 @@ struct LandmarkSelectionOptions {
   // of the best landmarks, coverage comes first.
   double missing_landmark_cost = 50.0;
   // Rounds; 50 prove a bound, more improve little: 100,000 landmarks seen by 1,000 keyframes,
-  // 20,000 kept: 1.5 s and a gap of 0.2 % (50), 5 s and 0.1 % (200).
+  // 20,000 kept: 2 s and a gap of 0.2 % (50), 6 s and 0.1 % (200).
   int max_iterations = 100;
   double max_gap = 1e-4;  // Enough; relative.
 

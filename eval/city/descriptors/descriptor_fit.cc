@@ -38,6 +38,8 @@ constexpr float kMaxSamePlaceDistance = 0.6f;
 constexpr float kMaxRepeatDistance = 0.5f;
 // Spread and correlation weigh as much as a quarter of a street's medians each.
 constexpr double kSpreadWeight = 0.5;
+// Of places that are flatter than streets are.
+constexpr double kPlanarWeight = 0.5;
 constexpr double kNumericStep = 0.05;
 
 double LogOf(float value) { return std::log(std::max(1e-9f, value)); }
@@ -61,32 +63,35 @@ std::vector<float> Pick(const std::vector<float>& values, const std::vector<int>
   return picked;
 }
 
-// All cells of a place together have a weight of one.
+// All cells of a place together weigh `sq_weight`.
 void AddCells(const std::string& place, const RealLooks& real, const RealLooks& model,
-              float max_log2_scale, ResidualList* residuals) {
+              float max_log2_scale, double sq_weight, ResidualList* residuals) {
   const std::vector<LookPair> pairs = PairsOf(real.looks);
   const std::vector<float> real_sq = SqDistances(real.root, pairs);
   const std::vector<float> model_sq = SqDistances(model.root, pairs);
   std::vector<ViewCell> cells = ViewCells(pairs, kMinPairs);
   std::erase_if(cells, [&](const ViewCell& c) { return c.max_log2_scale > max_log2_scale; });
-  const auto sq_weight = [](const ViewCell& cell) {
+  const auto share = [](const ViewCell& cell) {
     return std::min(1.0, static_cast<double>(cell.pairs.size()) / kManyPairs);
   };
   double sum = 0.0;
   for (const ViewCell& cell : cells) {
-    sum += sq_weight(cell);
+    sum += share(cell);
   }
   for (const ViewCell& cell : cells) {
     residuals->Add(
         fmt::format("{} {:.2f} rad 2^{:.2f}", place, cell.max_angle_rad, cell.max_log2_scale),
         LogOf(Quantile(Pick(model_sq, cell.pairs), 0.5)),
-        LogOf(Quantile(Pick(real_sq, cell.pairs), 0.5)), std::sqrt(sq_weight(cell) / sum));
+        LogOf(Quantile(Pick(real_sq, cell.pairs), 0.5)), std::sqrt(sq_weight * share(cell) / sum));
   }
 }
 
 void AddSpread(const std::string& place, const RealLooks& real, const RealLooks& model,
-               ResidualList* residuals) {
+               bool is_rendered, ResidualList* residuals) {
   const std::vector<LookPair> pairs = PairsOf(real.looks);
+  residuals->Add(place + " pairs, 75 %", LogOf(Quantile(SqDistances(model.root, pairs), 0.75)),
+                 LogOf(Quantile(SqDistances(real.root, pairs), 0.75)),
+                 is_rendered ? 0.0 : 2.0 * kSpreadWeight);
   const NearSpread of_real = SpreadOfNearViews(real.looks, pairs, SqDistances(real.root, pairs));
   const NearSpread of_model = SpreadOfNearViews(real.looks, pairs, SqDistances(model.root, pairs));
   residuals->Add(place + " spread", of_model.log_sq_distance_range, of_real.log_sq_distance_range,
@@ -305,12 +310,12 @@ std::vector<DescriptorResidual> WithinResiduals(const DescriptorFitData& data,
     const RealLooks simulated = Simulate(street.looks, model);
     AddCells(street.name, street.looks, simulated,
              street.is_rendered ? kMaxRenderedLog2Scale : std::numeric_limits<float>::infinity(),
-             &residuals);
-    AddSpread(street.name, street.looks, simulated, &residuals);
+             street.is_rendered ? kPlanarWeight : 1.0, &residuals);
+    AddSpread(street.name, street.looks, simulated, street.is_rendered, &residuals);
   }
   if (data.facade.size() > 0) {
     AddCells("facade", data.facade, Simulate(data.facade, model),
-             std::numeric_limits<float>::infinity(), &residuals);
+             std::numeric_limits<float>::infinity(), kPlanarWeight, &residuals);
   }
   if (data.repeats.size() > 0) {
     const std::vector<LookPair> pairs = PairsOf(data.repeats.looks);

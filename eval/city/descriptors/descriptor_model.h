@@ -30,23 +30,23 @@ struct DescriptorModelOptions {
   double cluster_share = 0.300;
   // The logarithm of a leaf's spread has these standard deviations: one draw for each node of 64,
   // one for each landmark.
-  double log_cluster_spread = 0.108;
-  double log_landmark_spread = 0.049;
+  double log_cluster_spread = 0.070;
+  double log_landmark_spread = 0.121;
 
   // Root mean square lengths of what tells looks at one landmark apart; directions follow
   // `DescriptorAxis::within`.
-  double noise_length = 0.147;     // Independent in each look.
-  double view_length = 0.313;      // By direction and scale; what looks far apart do not share.
-  double mode_length = 0.096;      // By appearance mode.
-  double instance_length = 0.253;  // Between landmarks of one ornament.
+  double noise_length = 0.164;     // Independent in each look.
+  double view_length = 0.330;      // By direction and scale; what looks far apart do not share.
+  double mode_length = 0.094;      // By appearance mode.
+  double instance_length = 0.233;  // Between landmarks of one ornament.
   // Of the view's effect, two looks share exp(-d), where d is the length of (difference of azimuth
   // and elevation / view_angle_scale_rad, difference of log2 scale / view_log2_scale).
-  double view_angle_scale_rad = 1.006;
-  double view_log2_scale = 0.707;
+  double view_angle_scale_rad = 1.101;
+  double view_log2_scale = 0.617;
   // Standard deviations of the logarithm of the noise over looks, and of all within-landmark
   // lengths over landmarks.
-  double log_look_spread = 0.729;
-  double log_stability_spread = 0.173;
+  double log_look_spread = 0.884;
+  double log_stability_spread = 0.131;
 
   static std::vector<DescriptorAxis> FittedAxes();
   // Throws Error(kInvalidArgument) naming the field.
