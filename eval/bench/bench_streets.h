@@ -33,7 +33,7 @@ struct BenchLane {
 
 // A landmark on a facade, seen by vehicles in one lane.
 struct BenchLandmark {
-  uint64_t number = 0;  // Names its descriptors, see SyntheticSift.
+  uint64_t number = 0;  // Names its descriptors, see DescriptorModel.
   Eigen::Vector3d x_in_site = Eigen::Vector3d::Zero();
   BenchLane lane;
   double along_m = 0.0;          // Coordinate along the street.

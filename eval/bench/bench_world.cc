@@ -13,7 +13,7 @@
 
 #include "core/error.h"
 #include "eval/bench/bench_streets.h"
-#include "eval/bench/synthetic_sift.h"
+#include "eval/city/descriptors/descriptor_model.h"
 #include "ingest/quantize/train_codebook.h"
 #include "ingest/reconstruction.h"
 #include "storage/descriptor_codec.h"
@@ -34,6 +34,23 @@ constexpr int kTrainingObservations = 3;
 constexpr int kLandmarksPerView = 800;  // Of a keyframe.
 constexpr size_t kEncodeBatch = 8192;
 constexpr uint64_t kQueryObservation = 1'000;  // Beyond those in the map.
+
+// Vehicles in one lane see a landmark from much the same side; views differ by up to so much.
+constexpr double kViewSpreadRad = 0.4;
+constexpr double kLog2ScaleSpread = 1.0;
+
+// Landmarks have no likes. Views are a low-discrepancy sequence over observations.
+DescriptorLook Look(uint64_t landmark, uint64_t observation) {
+  const auto unit = [&](double step) {
+    const double at = step * static_cast<double>(observation % 4096 + landmark % 4096);
+    return at - std::floor(at);
+  };
+  return {.ornament = landmark,
+          .landmark = landmark,
+          .view_azimuth_rad = kViewSpreadRad * (unit(0.7548776662466927) - 0.5),
+          .log2_scale = kLog2ScaleSpread * (unit(0.5698402909980532) - 0.5),
+          .observation = observation};
+}
 
 // The landmarks of a tile by lane, sorted along it: what a vehicle sees is a range.
 class LaneIndex {
@@ -86,7 +103,7 @@ class WorldBuilder {
  public:
   WorldBuilder(const BenchWorldOptions& options, const std::string& map_path)
       : options_(options),
-        sift_(options.seed),
+        sift_({.seed = options.seed}),
         generator_(options.seed),
         store_(MapStore::Create(map_path)),
         site_(BenchSiteOrigin(options.num_tiles)),
@@ -137,9 +154,9 @@ class WorldBuilder {
       FeatureSet& features = sample.images[image].features;
       sample.images[image].name = fmt::format("{}", image);
       features.keypoints.resize(kTrainingLandmarks);
-      features.descriptors.resize(kTrainingLandmarks, SyntheticSift::kDim);
+      features.descriptors.resize(kTrainingLandmarks, DescriptorModel::kDim);
       for (int i = 0; i < kTrainingLandmarks; ++i) {
-        features.descriptors.row(i) = sift_.Observe(first_number + i, image);
+        features.descriptors.row(i) = sift_.Describe(Look(first_number + i, image));
         sample.landmarks[i].x_in_world = Eigen::Vector3d::Zero();
         sample.landmarks[i].observations.push_back({image, i});
       }
@@ -207,7 +224,7 @@ class WorldBuilder {
   void FillCodes(const std::vector<BenchLandmark>& landmarks, Tile* tile) const {
     tile->codebook_id = codebook_id_;
     tile->code_size = codec_->codebook().num_subspaces;
-    DescriptorMatrix batch(kEncodeBatch, SyntheticSift::kDim);
+    DescriptorMatrix batch(kEncodeBatch, DescriptorModel::kDim);
     size_t batch_size = 0;
     const auto encode_batch = [&] {
       const std::vector<uint8_t> codes =
@@ -217,7 +234,8 @@ class WorldBuilder {
     };
     for (const BenchLandmark& landmark : landmarks) {
       for (int j = 0; j < landmark.num_descriptors; ++j) {
-        batch.row(static_cast<Eigen::Index>(batch_size++)) = sift_.Observe(landmark.number, j);
+        batch.row(static_cast<Eigen::Index>(batch_size++)) =
+            sift_.Describe(Look(landmark.number, j));
         if (batch_size == kEncodeBatch) {
           encode_batch();
         }
@@ -322,20 +340,20 @@ class WorldBuilder {
   // have.
   void FillFeatures(int query_idx, const Rigid3d& cam_from_site,
                     const std::vector<const BenchLandmark*>& seen, FeatureSet* features) {
-    features->descriptors.resize(options_.num_keypoints, SyntheticSift::kDim);
+    features->descriptors.resize(options_.num_keypoints, DescriptorModel::kDim);
     const uint64_t clutter = NumberAfterMap() + kTrainingLandmarks +
                              uint64_t(query_idx) * uint64_t(options_.num_keypoints);
     for (int i = 0; i < options_.num_keypoints; ++i) {
       if (i < static_cast<int>(seen.size())) {
         features->keypoints.push_back(SeeLandmark(cam_from_site, *seen[i]));
         features->descriptors.row(i) =
-            sift_.Observe(seen[i]->number, kQueryObservation + uint64_t(query_idx));
+            sift_.Describe(Look(seen[i]->number, kQueryObservation + uint64_t(query_idx)));
       } else {
         features->keypoints.push_back({static_cast<float>(Uniform(0.0, camera_.width_px())),
                                        static_cast<float>(Uniform(0.0, camera_.height_px())),
                                        static_cast<float>(Uniform(1.0, 8.0)),
                                        static_cast<float>(Uniform(-kPi, kPi))});
-        features->descriptors.row(i) = sift_.Observe(clutter + uint64_t(i), 0);
+        features->descriptors.row(i) = sift_.Describe(Look(clutter + uint64_t(i), 0));
       }
     }
   }
@@ -358,7 +376,7 @@ class WorldBuilder {
   }
 
   BenchWorldOptions options_;
-  SyntheticSift sift_;
+  DescriptorModel sift_;
   std::mt19937_64 generator_;
   MapStore store_;
   Geodetic site_;

@@ -6,7 +6,6 @@
 
 #include "core/error.h"
 #include "eval/bench/run_bench.h"
-#include "eval/bench/synthetic_sift.h"
 #include "support/temp_dir.h"
 
 namespace cairn {
@@ -19,24 +18,6 @@ BenchWorldOptions SmallWorld() {
   options.num_keypoints = 400;
   options.num_queries = 4;
   return options;
-}
-
-TEST(SyntheticSift, AnObservationCanBeMadeAgain) {
-  const SyntheticSift sift(7);
-  EXPECT_EQ(sift.Observe(12345, 2), SyntheticSift(7).Observe(12345, 2));
-  EXPECT_NE(sift.Observe(12345, 2), sift.Observe(12345, 3));
-  EXPECT_NE(sift.Observe(12345, 2), SyntheticSift(8).Observe(12345, 2));
-}
-
-TEST(SyntheticSift, ObservationsOfALandmarkAreNearerThanLandmarks) {
-  const SyntheticSift sift(1);
-  int num_nearer = 0;
-  for (uint64_t i = 0; i < 100; ++i) {
-    const double same = (sift.Observe(i, 0) - sift.Observe(i, 1)).norm();
-    const double other = (sift.Observe(i, 0) - sift.Observe(i + 1, 0)).norm();
-    num_nearer += same < other ? 1 : 0;
-  }
-  EXPECT_EQ(num_nearer, 100);
 }
 
 TEST(BenchWorld, EveryAnswerIsRightAndTouchesEveryTile) {
