@@ -38,7 +38,8 @@ struct SimulateArguments {
   std::optional<int> num_passes, keyframe_keypoints, min_observations;
   std::optional<double> years, keyframe_spacing_m, deformation_m, clutter_ratio;
   std::optional<int> num_queries, num_keypoints;
-  std::optional<double> mapped_fraction, query_years, gps_median_m, canyon_bias_m, gravity_deg;
+  std::optional<double> mapped_fraction, mapped_log_sigma, query_years, gps_median_m, canyon_bias_m,
+      gravity_deg;
   PhoneSequenceOptions sequence;
   uint64_t seed = 1;
   int num_threads = 2;
@@ -72,6 +73,7 @@ CityWorldOptions WorldOptions(const SimulateArguments& arguments) {
   Override(arguments.num_queries, &world.queries.num_queries);
   Override(arguments.num_keypoints, &world.queries.num_keypoints);
   Override(arguments.mapped_fraction, &world.queries.mapped_fraction);
+  Override(arguments.mapped_log_sigma, &world.queries.mapped_log_sigma);
   Override(arguments.query_years, &world.queries.time_years);
   Override(arguments.gps_median_m, &world.queries.noise.gps_median_m);
   Override(arguments.canyon_bias_m, &world.queries.noise.canyon_bias_m);
@@ -246,7 +248,9 @@ void AddQueryOptions(CLI::App* command, SimulateArguments* arguments) {
   command->add_option("--num-queries", arguments->num_queries, "Photos on the sidewalk");
   command->add_option("--keypoints", arguments->num_keypoints, "Of a query");
   command->add_option("--mapped-fraction", arguments->mapped_fraction,
-                      "Of a query's keypoints, that show a mapped thing");
+                      "Of a query's keypoints, that show a mapped thing: median");
+  command->add_option("--mapped-log-sigma", arguments->mapped_log_sigma,
+                      "Of that fraction's logarithm; 0: the same in all queries");
   command->add_option("--query-years", arguments->query_years, "After the first pass");
   command->add_option("--gps-noise", arguments->gps_median_m, "Median sigma, metres")
       ->type_name("M");

@@ -38,8 +38,8 @@ struct PhoneNoise {
 struct PhoneQueryOptions {
   int num_queries = 100;    // [1, 1000000]
   int num_keypoints = 750;  // Of a query, [10, 20000].
-  // Of the keypoints, that show a thing of which the map has a landmark, [0, 1]: the median over the
-  // queries. If fewer are in view, there are fewer.
+  // Of the keypoints, that show a thing of which the map has a landmark, [0, 1]: the median over
+  // the queries. If fewer are in view, there are fewer.
   double mapped_fraction = 0.04;
   // Standard deviation of the logarithm of a query's own fraction, [0, 3]: some photos show little
   // that lasts. With these defaults the mean is 0.09, and one query in six has a quarter of the
