@@ -26,6 +26,7 @@ struct ExperimentArguments {
   std::string out_folder = "experiments";
   std::string report_path = "docs/experiments.md";
   uint64_t seed = 1;
+  int num_queries = 0;
   int num_threads = 2;
 };
 
@@ -99,6 +100,7 @@ ExitCode Run(const ExperimentArguments& arguments, ProgressMode progress_mode) {
   ExperimentContext context;
   context.size = ExperimentSizeFromName(arguments.size);
   context.seed = arguments.seed;
+  context.num_queries = arguments.num_queries;
   context.num_threads = arguments.num_threads;
   context.worlds = &worlds;
   for (const Experiment& experiment : chosen) {
@@ -122,8 +124,9 @@ ExitCode Run(const ExperimentArguments& arguments, ProgressMode progress_mode) {
 }
 
 ExitCode RunExperimentCommand(const ExperimentArguments& arguments, ProgressMode progress_mode) {
-  if (arguments.num_threads < 1) {
-    throw Error(ErrorCode::kInvalidArgument, "--threads must be at least 1");
+  if (arguments.num_threads < 1 || arguments.num_queries < 0) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "--threads must be at least 1 and --queries not negative");
   }
   if (arguments.names.size() == 1 && arguments.names.front() == "list") {
     return List();
@@ -153,6 +156,10 @@ void AddExperimentCommand(CLI::App* app, Shell* shell) {
   command->add_option("--to", arguments->report_path, "Page that report writes")
       ->capture_default_str();
   command->add_option("--seed", arguments->seed, "Of cities, queries and localizer")
+      ->capture_default_str();
+  command
+      ->add_option("--queries", arguments->num_queries,
+                   "Of each world; fewer are faster and decide less (0: as the size has it)")
       ->capture_default_str();
   command->add_option("--threads", arguments->num_threads, "Queries measured at a time")
       ->capture_default_str();

@@ -27,6 +27,7 @@ using ExperimentProgress = std::function<void(const std::string& phase, int done
 struct ExperimentContext {
   ExperimentSize size = ExperimentSize::kQuick;
   uint64_t seed = 1;
+  int num_queries = 0;  // Of a world; 0: as many as the size asks for.
   int num_threads = 2;
   ExperimentWorlds* worlds = nullptr;
   ExperimentProgress progress;  // May be empty.
@@ -35,6 +36,9 @@ struct ExperimentContext {
   template <typename Value>
   Value Pick(Value quick, Value full) const {
     return size == ExperimentSize::kQuick ? quick : full;
+  }
+  int NumQueries(int quick, int full) const {
+    return num_queries > 0 ? num_queries : Pick(quick, full);
   }
 };
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "eval/experiments/experiment_result.h"
 
@@ -102,6 +101,13 @@ std::string TableAsMarkdown(const ResultTable& table) {
   return head + "\n" + rule + "\n" + body + "\n";
 }
 
+// A quick run is too small to decide by; say so.
+std::string SummaryVerdict(const ExperimentResult& result) {
+  const bool is_quick =
+      result.size == ExperimentSize::kQuick && result.verdict != Verdict::kNotBuilt;
+  return fmt::format("{}{}", VerdictName(result.verdict), is_quick ? " (quick size only)" : "");
+}
+
 std::string Summary(const std::vector<Experiment>& experiments,
                     const std::vector<ExperimentResult>& results) {
   std::string text = "| | paper | question | verdict |\n|---|---|---|---|\n";
@@ -110,22 +116,9 @@ std::string Summary(const std::vector<Experiment>& experiments,
     const std::string number = experiment.name.substr(0, experiment.name.find('_'));
     text += fmt::format("| {} | {} | [{}](#{}) | {} |\n", number, experiment.paper,
                         TableText(experiment.title), experiment.name,
-                        result == nullptr ? "not run" : VerdictName(result->verdict));
+                        result == nullptr ? "not run" : SummaryVerdict(*result));
   }
   return text + "\n";
-}
-
-std::string Origin(const std::vector<ExperimentResult>& results) {
-  std::set<std::string> origins;
-  for (const ExperimentResult& result : results) {
-    origins.insert(fmt::format("commit `{}`, size {}, seed {}", result.commit,
-                               ExperimentSizeName(result.size), result.seed));
-  }
-  std::string text;
-  for (const std::string& origin : origins) {
-    text += (text.empty() ? "Results of " : "; ") + origin;
-  }
-  return text.empty() ? "" : text + ".\n\n";
 }
 
 std::string Section(const Experiment& experiment, const ExperimentResult& result,
@@ -144,7 +137,9 @@ std::string Section(const Experiment& experiment, const ExperimentResult& result
   for (const auto& [name, value] : result.parameters) {
     text += fmt::format("{} {}; ", name, value);
   }
-  return text + fmt::format("`{}` took {:.0f} s.\n\n", experiment.name, result.seconds);
+  return text + fmt::format("size {}; seed {}; commit `{}`. It took {:.0f} s.\n\n",
+                            ExperimentSizeName(result.size), result.seed, result.commit,
+                            result.seconds);
 }
 
 }  // namespace
@@ -152,7 +147,7 @@ std::string Section(const Experiment& experiment, const ExperimentResult& result
 std::string ReportAsMarkdown(const std::vector<Experiment>& experiments,
                              const std::vector<ExperimentResult>& results,
                              const std::string& image_folder) {
-  std::string text = kIntroduction + Origin(results) + Summary(experiments, results);
+  std::string text = kIntroduction + Summary(experiments, results);
   for (const Experiment& experiment : experiments) {
     if (const ExperimentResult* result = FindResult(results, experiment.name)) {
       text += Section(experiment, *result, image_folder);

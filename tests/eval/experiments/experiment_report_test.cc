@@ -47,6 +47,7 @@ Experiment SmallExperiment() {
 
 ExperimentResult RunSmall(const testing::TempDir& folder) {
   ExperimentContext context;
+  context.size = ExperimentSize::kFull;
   context.seed = 7;
   bool figures_drawn = false;
   return RunExperiment(SmallExperiment(), context, folder.path().string(), &figures_drawn);
