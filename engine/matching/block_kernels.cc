@@ -199,42 +199,82 @@ CAIRN_AVX2 size_t Avx2Range(const BlockQuery& query, const uint8_t* blocks, cons
   return num_hits;
 }
 
-CAIRN_AVX512VNNI inline __m512i VnniBlock(const BlockQuery& query, const uint8_t* block,
-                                          const int32_t* sq_norms, int stride) {
-  __m512i products = _mm512_setzero_si512();
-  for (int part = 0; part < query.num_parts; ++part) {
-    const int8_t* values = query.parts + part * stride;
-    for (int begin = 0; begin < stride; begin += kGroupDims) {
-      int32_t four_values;
-      std::memcpy(&four_values, values + begin, sizeof(four_values));
-      products = _mm512_dpbusd_epi32(products, _mm512_loadu_si512(block + begin * kBlockRows),
-                                     _mm512_set1_epi32(four_values));
+// The squared distances of one block after another, the usual case by itself: rows of 16 bytes and
+// a query of one part, which stays in registers.
+class VnniQuery {
+ public:
+  CAIRN_AVX512VNNI VnniQuery(const BlockQuery& query, int stride)
+      : query_(query),
+        stride_(stride),
+        is_small_(stride == kNumSmall * kGroupDims && query.num_parts == 1),
+        constant_(_mm512_set1_epi32(query.constant)) {
+    for (int group = 0; group < kNumSmall; ++group) {
+      small_[group] = Values(query.parts + group * kGroupDims);
     }
   }
-  return _mm512_sub_epi32(
-      _mm512_add_epi32(_mm512_set1_epi32(query.constant), _mm512_loadu_si512(sq_norms)),
-      _mm512_slli_epi32(products, 1));
-}
+
+  CAIRN_AVX512VNNI __m512i SqDistances(const uint8_t* block, const int32_t* sq_norms) const {
+    __m512i products = _mm512_setzero_si512();
+    if (is_small_) {
+      // Two sums, so that one product need not wait for the last.
+      __m512i more_products = _mm512_setzero_si512();
+      products = _mm512_dpbusd_epi32(products, Bytes(block, 0), small_[0]);
+      more_products = _mm512_dpbusd_epi32(more_products, Bytes(block, 1), small_[1]);
+      products = _mm512_dpbusd_epi32(products, Bytes(block, 2), small_[2]);
+      more_products = _mm512_dpbusd_epi32(more_products, Bytes(block, 3), small_[3]);
+      products = _mm512_add_epi32(products, more_products);
+    } else {
+      for (int part = 0; part < query_.num_parts; ++part) {
+        for (int group = 0; group < stride_ / kGroupDims; ++group) {
+          products =
+              _mm512_dpbusd_epi32(products, Bytes(block, group),
+                                  Values(query_.parts + part * stride_ + group * kGroupDims));
+        }
+      }
+    }
+    return _mm512_sub_epi32(_mm512_add_epi32(constant_, _mm512_loadu_si512(sq_norms)),
+                            _mm512_slli_epi32(products, 1));
+  }
+
+ private:
+  static constexpr int kNumSmall = 4;
+
+  CAIRN_AVX512VNNI static __m512i Values(const int8_t* from) {
+    int32_t four_values;
+    std::memcpy(&four_values, from, sizeof(four_values));
+    return _mm512_set1_epi32(four_values);
+  }
+  CAIRN_AVX512VNNI static __m512i Bytes(const uint8_t* block, int group) {
+    return _mm512_loadu_si512(block + group * kBlockRows * kGroupDims);
+  }
+
+  const BlockQuery& query_;
+  int stride_;
+  bool is_small_;
+  __m512i constant_;
+  __m512i small_[kNumSmall];  // The first groups.
+};
 
 CAIRN_AVX512VNNI void VnniScan(const BlockQuery& query, const uint8_t* blocks,
                                const int32_t* sq_norms, int stride, size_t num_blocks,
                                int32_t* sq_distances) {
+  const VnniQuery vnni(query, stride);
   for (size_t i = 0; i < num_blocks; ++i) {
     _mm512_storeu_si512(
         sq_distances + i * kBlockRows,
-        VnniBlock(query, blocks + i * kBlockRows * stride, sq_norms + i * kBlockRows, stride));
+        vnni.SqDistances(blocks + i * kBlockRows * stride, sq_norms + i * kBlockRows));
   }
 }
 
 CAIRN_AVX512VNNI size_t VnniNearest(const BlockQuery& query, const uint8_t* blocks,
                                     const int32_t* sq_norms, int stride, size_t num_rows) {
+  const VnniQuery vnni(query, stride);
   // Of each lane, the first of its nearest rows.
   __m512i nearest = _mm512_set1_epi32(std::numeric_limits<int32_t>::max());
   __m512i nearest_rows = _mm512_setzero_si512();
   __m512i rows = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   for (size_t first = 0; first < num_rows; first += kBlockRows) {
-    const __m512i sq_distances =
-        VnniBlock(query, blocks + first * stride, sq_norms + first, stride);
+    const __m512i sq_distances = vnni.SqDistances(blocks + first * stride, sq_norms + first);
     const __mmask16 is_nearer = _mm512_cmplt_epi32_mask(sq_distances, nearest);
     nearest = _mm512_min_epi32(nearest, sq_distances);
     nearest_rows = _mm512_mask_mov_epi32(nearest_rows, is_nearer, rows);
@@ -253,11 +293,11 @@ CAIRN_AVX512VNNI size_t VnniNearest(const BlockQuery& query, const uint8_t* bloc
 CAIRN_AVX512VNNI size_t VnniRange(const BlockQuery& query, const uint8_t* blocks,
                                   const int32_t* sq_norms, int stride, size_t begin, size_t end,
                                   int32_t max_sq_distance, BlockHit* hits) {
+  const VnniQuery vnni(query, stride);
   const __m512i bound = _mm512_set1_epi32(max_sq_distance);
   size_t num_hits = 0;
   for (size_t first = begin / kBlockRows * kBlockRows; first < end; first += kBlockRows) {
-    const __m512i sq_distances =
-        VnniBlock(query, blocks + first * stride, sq_norms + first, stride);
+    const __m512i sq_distances = vnni.SqDistances(blocks + first * stride, sq_norms + first);
     const uint32_t rows =
         _mm512_cmple_epi32_mask(sq_distances, bound) & RowsInRange(first, begin, end);
     if (rows != 0) {

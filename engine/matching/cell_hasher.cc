@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numeric>
 #include <random>
 
 #include "engine/matching/byte_descriptors.h"
@@ -49,6 +50,28 @@ Eigen::MatrixXd RandomRotation(int dim, std::mt19937_64* random) {
     }
   }
   return Eigen::HouseholderQR<Eigen::MatrixXd>(gaussian).householderQ();
+}
+
+// Dimensions by falling variance of the codebook's words.
+std::vector<int> DimsByVariance(const Codebook& codebook) {
+  const int sub_dim = codebook.subspace_dim();
+  std::vector<double> variances;
+  for (int dim = 0; dim < codebook.projected_dim(); ++dim) {
+    const float* words =
+        codebook.words.data() + size_t{1} * (dim / sub_dim) * Codebook::kNumWords * sub_dim;
+    double sum = 0.0, sq_sum = 0.0;
+    for (int word = 0; word < Codebook::kNumWords; ++word) {
+      const double value = words[word * sub_dim + dim % sub_dim];
+      sum += value;
+      sq_sum += value * value;
+    }
+    variances.push_back(sq_sum - sum * sum / Codebook::kNumWords);
+  }
+  std::vector<int> dims(variances.size());
+  std::iota(dims.begin(), dims.end(), 0);
+  std::stable_sort(dims.begin(), dims.end(),
+                   [&](int a, int b) { return variances[a] > variances[b]; });
+  return dims;
 }
 
 // Rounds to a coordinate, wrapping around.
@@ -102,20 +125,23 @@ CellHasher::CellHasher(const Codebook& codebook, const RandomGridsOptions& optio
       shifts_(num_lanes_),
       factors_(num_lanes_) {
   const double cell_width = CellWidth(codebook, options.cell_width_sigmas);
+  std::vector<int> rotated_dims = DimsByVariance(codebook);
+  rotated_dims.resize(std::max(num_hashed_dims_, 3 * dim_ / 4));
   for (int grid = 0; grid < num_grids_; ++grid) {
-    FillGrid(grid, RandomBits(options.seed, grid), cell_width);
+    FillGrid(grid, rotated_dims, RandomBits(options.seed, grid), cell_width);
   }
 }
 
-void CellHasher::FillGrid(int grid, uint64_t seed, double cell_width) {
+void CellHasher::FillGrid(int grid, const std::vector<int>& rotated_dims, uint64_t seed,
+                          double cell_width) {
   std::mt19937_64 random(seed);
-  const Eigen::MatrixXd rotation = RandomRotation(dim_, &random);
+  const Eigen::MatrixXd rotation = RandomRotation(static_cast<int>(rotated_dims.size()), &random);
   std::uniform_real_distribution<float> uniform(0.0f, kUnitsPerCell);
   for (int j = 0; j < num_hashed_dims_; ++j) {
     const int lane = grid * num_hashed_dims_ + j;
-    for (int d = 0; d < dim_; ++d) {
-      rotations_[size_t{1} * d * num_lanes_ + lane] =
-          static_cast<float>(rotation(j, d) / cell_width * kUnitsPerCell);
+    for (size_t d = 0; d < rotated_dims.size(); ++d) {
+      rotations_[size_t{1} * rotated_dims[d] * num_lanes_ + lane] = static_cast<float>(
+          rotation(j, static_cast<Eigen::Index>(d)) / cell_width * kUnitsPerCell);
     }
     shifts_[lane] = kPositiveShift + uniform(random);
     factors_[lane] = random() | 1;

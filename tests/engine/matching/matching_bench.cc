@@ -2,23 +2,31 @@
 // landmarks with 2.5 descriptors each on average, here 250,000 with 2.
 //
 //   ColdLoad        decode a tile's bytes and build its index, as after a cache miss
-//   BuildIndex      the index alone
+//   BuildIndex      the index alone; `to_sort` is its time over that of std::sort on the same pairs
+//   of
+//                   bucket and descriptor, one sort a grid
 //   SearchGrids     descriptors near 1,000 keypoints by random grids; arguments: grids, hashed
 //                   dimensions, cell width in tenths of a sigma, probes
+//   SearchKind      the same by the other kinds of index; arguments: kind, probes
 //   SearchAll       the same by comparing with every descriptor
 //   ScanDistances   its inner loop; argument: variant of the processor
+//   ScanBlocks      the inner loop of inverted lists; argument likewise
 //   MatchFeatures   the whole stage against one tile
 //
 // Counters: time_per_query, distances_per_query, recall (true landmark among the 4 nearest of the
 // hits), relative_recall (to exhaustive search), megabytes. A recall that collapsed is an error.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <ctime>
 #include <memory>
 #include <numeric>
 #include <utility>
 #include <vector>
 
+#include "engine/matching/blocked_rows.h"
+#include "engine/matching/cell_hasher.h"
 #include "engine/matching/distance_kernels.h"
 #include "engine/matching/distance_statistics.h"
 #include "engine/matching/match_features.h"
@@ -107,12 +115,39 @@ void ColdLoad(benchmark::State& state) {
 }
 BENCHMARK(ColdLoad)->Unit(benchmark::kMillisecond);
 
+double CpuSeconds() {
+  timespec now;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 void BuildIndex(benchmark::State& state) {
+  constexpr int kBucketShift = 64 - 18;
+  const RandomGridsOptions options;
+  const CellHasher hasher(*Data().codebook, options);
+  std::vector<std::vector<std::pair<uint32_t, uint32_t>>> pairs(options.num_grids);
+  for (int grid = 0; grid < options.num_grids; ++grid) {
+    for (const uint64_t hash : hasher.HashCodes(*Data().codebook, Data().codes, grid)) {
+      pairs[grid].emplace_back(hash >> kBucketShift, pairs[grid].size());
+    }
+  }
+  double build_seconds = 0.0, sort_seconds = 0.0;
   size_t num_bytes = 0;
   for (auto _ : state) {
-    const RandomGrids grids(*Data().codebook, Data().codes, RandomGridsOptions());
+    const double start = CpuSeconds();
+    const RandomGrids grids(*Data().codebook, Data().codes, options);
+    build_seconds += CpuSeconds() - start;
     num_bytes = grids.MemoryBytes();
+    state.PauseTiming();
+    for (std::vector<std::pair<uint32_t, uint32_t>> unsorted : pairs) {
+      const double sort_start = CpuSeconds();
+      std::sort(unsorted.begin(), unsorted.end());
+      sort_seconds += CpuSeconds() - sort_start;
+      benchmark::DoNotOptimize(unsorted.data());
+    }
+    state.ResumeTiming();
   }
+  state.counters["to_sort"] = build_seconds / sort_seconds;
   state.counters["megabytes"] = static_cast<double>(num_bytes) * 1e-6;
 }
 BENCHMARK(BuildIndex)->Unit(benchmark::kMillisecond);
@@ -135,9 +170,34 @@ void SearchGrids(benchmark::State& state) {
   state.counters["megabytes"] = static_cast<double>(grids.MemoryBytes()) * 1e-6;
 }
 BENCHMARK(SearchGrids)
-    ->Args({8, 12, 55, 8})  // The default.
-    ->Args({8, 12, 60, 8})
-    ->Args({12, 12, 55, 4})
+    ->Args({8, 12, 60, 8})  // The default.
+    ->Args({8, 12, 65, 8})
+    ->Args({4, 12, 65, 16})
+    ->Unit(benchmark::kMillisecond);
+
+void SearchKind(benchmark::State& state) {
+  IndexOptions options;
+  options.kind = static_cast<IndexKind>(state.range(0));
+  options.lists.num_probes = static_cast<int>(state.range(1));
+  options.multi_index.num_probes = static_cast<int>(state.range(1));
+  options.kd_tree.num_probes = static_cast<int>(state.range(1));
+  state.SetLabel(IndexKindName(options.kind));
+  const auto index = MakeMatchingIndex(*Data().codebook, Data().codes, options);
+  std::vector<DescriptorHit> hits;
+  int64_t num_distances = 0;
+  for (auto _ : state) {
+    hits.clear();
+    num_distances = index->RangeSearch(Data().queries, Threshold(), &hits);
+  }
+  SetQueryCounters(state, num_distances);
+  CheckRecall(state, hits);
+  state.counters["megabytes"] = static_cast<double>(index->MemoryBytes()) * 1e-6;
+}
+BENCHMARK(SearchKind)
+    ->Args({static_cast<int64_t>(IndexKind::kInvertedLists), 16})  // The default.
+    ->Args({static_cast<int64_t>(IndexKind::kInvertedLists), 32})
+    ->Args({static_cast<int64_t>(IndexKind::kInvertedMultiIndex), 1000})
+    ->Args({static_cast<int64_t>(IndexKind::kKdTree), 128})
     ->Unit(benchmark::kMillisecond);
 
 void SearchAll(benchmark::State& state) {
@@ -175,6 +235,32 @@ void ScanDistances(benchmark::State& state) {
 }
 BENCHMARK(ScanDistances)
     ->DenseRange(0, static_cast<int64_t>(SupportedDistanceKernels().size()) - 1);
+
+void ScanBlocks(benchmark::State& state) {
+  constexpr uint32_t kNumRows = 1'024;
+  const BlockKernels& kernels = *SupportedBlockKernels()[state.range(0)];
+  state.SetLabel(kernels.name);
+  const ByteDescriptors descriptors(*Data().codebook, Data().codes);
+  const ByteScale& scale = descriptors.scale();
+  std::vector<uint32_t> order(kNumRows);
+  std::iota(order.begin(), order.end(), 0u);
+  const BlockedRows rows(descriptors.rows(), scale.stride(), order);
+  const std::vector<int16_t> query = scale.QuantizeQueries(Data().queries.topRows(1));
+  const BlockQueries queries(query, rows.centers());
+  std::vector<int32_t> sq_distances(kNumRows), expected(kNumRows);
+  for (auto _ : state) {
+    rows.ScanWith(kernels, queries[0], sq_distances.data());
+    benchmark::DoNotOptimize(sq_distances.data());
+    benchmark::ClobberMemory();
+  }
+  SupportedDistanceKernels().front()->scan(query.data(), descriptors.rows(), scale.stride(),
+                                           kNumRows, expected.data());
+  if (sq_distances != expected) {
+    state.SkipWithError("variants disagree");
+  }
+  state.SetItemsProcessed(static_cast<int64_t>(state.iterations() * kNumRows));
+}
+BENCHMARK(ScanBlocks)->DenseRange(0, static_cast<int64_t>(SupportedBlockKernels().size()) - 1);
 
 void MatchFeaturesStage(benchmark::State& state) {
   QueryContext query;
