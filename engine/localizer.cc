@@ -74,6 +74,7 @@ class QueryRun {
   std::shared_ptr<const std::vector<Correspondence>> correspondences_;
   std::vector<PoseCandidate> candidates_;
   std::vector<PoseHypothesis> hypotheses_;
+  double best_consensus_ = 0.0;  // Of the hypotheses.
   LocalizeResult result_;
 };
 
@@ -196,9 +197,14 @@ NotLocalizedReason QueryRun::Refine() {
 void QueryRun::AddHypothesis(
     const std::shared_ptr<const std::vector<Correspondence>>& correspondences,
     const std::vector<int>& subset) {
+  // A pose with a smaller share of the best one's consensus could neither win nor make the answer
+  // ambiguous.
+  constexpr double kMinConsensusShare = 0.5;
   std::optional<PoseEstimate> estimate =
-      EstimatePose(context_, *correspondences, subset, options_.pose, options_.seed);
+      EstimatePose(context_, *correspondences, subset, options_.pose, options_.seed,
+                   kMinConsensusShare * best_consensus_);
   if (estimate) {
+    best_consensus_ = std::max(best_consensus_, estimate->consensus);
     result_.counters.num_ransac_iterations += estimate->num_iterations;
     hypotheses_.push_back({std::move(*estimate), correspondences});
   }

@@ -21,6 +21,7 @@ struct PoseCandidate {
 struct PoseEstimate {
   Rigid3d cam_from_anchor;
   std::vector<int> inliers;        // Indices into the correspondences given; one per keypoint.
+  double consensus = 0.0;          // MSAC gain over the candidate, see ConsensusSet.
   double effective_inliers = 0.0;  // Inliers weighted by their spread over the image.
   double mean_sq_error_px = 0.0;   // Over the inliers.
   // As LocalizeResult::covariance.

@@ -106,7 +106,7 @@ std::optional<PoseEstimate> Polish(const QueryContext& query,
 std::optional<PoseEstimate> EstimatePose(const QueryContext& query,
                                          const std::vector<Correspondence>& correspondences,
                                          const std::vector<int>& subset, const PoseOptions& options,
-                                         uint64_t seed) {
+                                         uint64_t seed, double min_consensus) {
   if (options.solver == MinimalSolver::kGravityTwoPoint && !query.level_from_cam) {
     return std::nullopt;
   }
@@ -115,7 +115,7 @@ std::optional<PoseEstimate> EstimatePose(const QueryContext& query,
     return std::nullopt;
   }
   const RansacOptions ransac_options = {options.min_iterations, options.max_iterations,
-                                        options.success_probability};
+                                        options.success_probability, min_consensus};
   const RansacResult<Rigid3d> ransac = LoRansac(&estimator, ransac_options, seed);
   if (!ransac.model) {
     return std::nullopt;
@@ -132,6 +132,7 @@ std::optional<PoseEstimate> EstimatePose(const QueryContext& query,
   estimate->effective_inliers =
       EffectiveInliers(pixels, query.camera.width_px(), query.camera.height_px());
   estimate->num_iterations = ransac.num_iterations;
+  estimate->consensus = ransac.score;
   return estimate;
 }
 

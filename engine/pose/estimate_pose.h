@@ -14,12 +14,13 @@ namespace cairn {
 
 // Estimates the pose from `subset` (indices into `correspondences`; samples are drawn from it),
 // then gathers inliers among all correspondences, one per keypoint, and refines on them. Nothing if
-// no model has enough inliers, or the solver needs gravity and the query has none. Deterministic by
-// seed.
+// no model has enough inliers, or the solver needs gravity and the query has none. Poses with a
+// lower consensus score (PoseEstimate::consensus) than `min_consensus` may be missed, which saves
+// most of the time of a wrong candidate after a right one. Deterministic by seed.
 std::optional<PoseEstimate> EstimatePose(const QueryContext& query,
                                          const std::vector<Correspondence>& correspondences,
                                          const std::vector<int>& subset, const PoseOptions& options,
-                                         uint64_t seed);
+                                         uint64_t seed, double min_consensus = 0.0);
 
 }  // namespace cairn
 

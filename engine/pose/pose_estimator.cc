@@ -168,6 +168,13 @@ std::optional<std::pair<PoseEstimator::Model, double>> PoseEstimator::Optimize(
   return std::pair(model, consensus_.Gain(model.ToMatrix(), 0.0, -1.0));
 }
 
+double PoseEstimator::SampleProbabilityOfScore(double score) const {
+  // A gain is at most 1: there are at least as many inliers. Their keypoints are taken to have as
+  // many observations as others.
+  const double num_inliers = std::min(score, static_cast<double>(num_keypoints()));
+  return std::pow(num_inliers / std::max(1, consensus_.size()), sample_size());
+}
+
 double PoseEstimator::InlierSampleProbability(const Model& cam_from_anchor) {
   // A keypoint is drawn first, then one of its observations.
   double sum = 0.0;

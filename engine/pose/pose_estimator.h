@@ -41,6 +41,7 @@ class PoseEstimator {
   double ScoreMinimal(const Model& cam_from_anchor, double score_to_beat);
   std::optional<std::pair<Model, double>> Optimize(const Model& cam_from_anchor);
   double InlierSampleProbability(const Model& cam_from_anchor);
+  double SampleProbabilityOfScore(double score) const;
 
  private:
   std::vector<PoseObservation> LocalInliers(const Model& cam_from_anchor, double extra_sq_rad);

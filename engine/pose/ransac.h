@@ -16,6 +16,8 @@ struct RansacOptions {
   int min_iterations = 50;
   int max_iterations = 2000;
   double success_probability = 0.999;
+  // Models with a lower score are not wanted.
+  double min_score = 0.0;
 };
 
 template <typename Model>
@@ -49,8 +51,11 @@ inline int RequiredIterations(double inlier_sample_probability, const RansacOpti
 //     among optimised models only. Nothing if the model falls apart.
 //   double InlierSampleProbability(const Model& model);
 //     Probability that a minimal sample holds only inliers of the optimised `model`.
+//   double SampleProbabilityOfScore(double score);
+//     The same for a model of which only the score is known.
 //
-// Deterministic by seed.
+// With a min_score the loop ends as soon as a model of that score would have been found: searches
+// for something worse than what is known already stay short. Deterministic by seed.
 template <typename Estimator>
 RansacResult<typename Estimator::Model> LoRansac(Estimator* estimator, const RansacOptions& options,
                                                  uint64_t seed) {
@@ -58,8 +63,11 @@ RansacResult<typename Estimator::Model> LoRansac(Estimator* estimator, const Ran
   RansacResult<Model> best;
   Random random(seed);
   std::array<Model, Estimator::kMaxModels> models;
-  double best_minimal_score = 0.0;
-  int num_required = options.max_iterations;
+  double best_minimal_score = options.min_score;
+  int num_required =
+      options.min_score > 0.0
+          ? RequiredIterations(estimator->SampleProbabilityOfScore(options.min_score), options)
+          : options.max_iterations;
   while (best.num_iterations < num_required) {
     ++best.num_iterations;
     const int num_models = estimator->SampleModels(&random, &models);
@@ -73,8 +81,9 @@ RansacResult<typename Estimator::Model> LoRansac(Estimator* estimator, const Ran
       if (optimized && optimized->second > best.score) {
         best.model = optimized->first;
         best.score = optimized->second;
-        num_required =
-            RequiredIterations(estimator->InlierSampleProbability(optimized->first), options);
+        num_required = std::min(
+            num_required,
+            RequiredIterations(estimator->InlierSampleProbability(optimized->first), options));
       }
     }
   }

@@ -53,6 +53,20 @@ TEST(EstimatePose, RecoversExactPoseWithoutNoise) {
   }
 }
 
+TEST(EstimatePose, GivesUpEarlyWhenItMustBeatMoreThanThereIs) {
+  PoseSceneOptions scene_options;
+  scene_options.num_inliers = 40;
+  const PoseScene scene = MakePoseScene(scene_options);
+  const auto best = Estimate(scene);
+  ASSERT_TRUE(best);
+  EXPECT_GT(best->consensus, 20.0);
+  EXPECT_LE(best->consensus, 40.0);
+  const auto with_half = EstimatePose(scene.query, scene.correspondences, scene.AllIndices(), {}, 1,
+                                      0.5 * best->consensus);
+  EXPECT_TRUE(IsRight(with_half, scene));
+  EXPECT_FALSE(EstimatePose(scene.query, scene.correspondences, scene.AllIndices(), {}, 1, 80.0));
+}
+
 TEST(EstimatePose, TakesTheSolverAskedFor) {
   PoseSceneOptions scene_options;
   scene_options.gravity_noise_rad = 0.0175;

@@ -28,6 +28,9 @@ class ModeEstimator {
   double InlierSampleProbability(Model model) {
     return Count(model) / static_cast<double>(numbers_.size());
   }
+  double SampleProbabilityOfScore(double score) {
+    return score / static_cast<double>(numbers_.size());
+  }
 
   int num_optimizations = 0;
 
@@ -54,6 +57,22 @@ TEST(RequiredIterations, FollowsTheConfidenceBound) {
   options.success_probability = 0.99;
   EXPECT_EQ(RequiredIterations(0.5, options), 7);     // ln 0.01 / ln 0.5 = 6.6
   EXPECT_EQ(RequiredIterations(0.01, options), 459);  // ln 0.01 / ln 0.99 = 458.2
+}
+
+TEST(LoRansac, WithAScoreToReachStopsWhenItWouldHaveBeenReached) {
+  RansacOptions options;
+  options.min_iterations = 1;
+  options.max_iterations = 100'000;
+  options.success_probability = 0.99;
+  ModeEstimator nothing_good(Numbers(0, 100));
+  options.min_score = 50.0;
+  const auto result = LoRansac(&nothing_good, options, 1);
+  EXPECT_FALSE(result.model);
+  EXPECT_EQ(result.num_iterations, 7);  // As for a half of inliers.
+  ModeEstimator better(Numbers(60, 40));
+  EXPECT_EQ(LoRansac(&better, options, 1).model, 7.0);
+  ModeEstimator worse(Numbers(40, 60));
+  EXPECT_FALSE(LoRansac(&worse, options, 1).model);
 }
 
 TEST(RequiredIterations, StaysWithinBounds) {
