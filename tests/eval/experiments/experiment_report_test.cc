@@ -103,8 +103,8 @@ TEST(FindExperiment, KnowsNamesAndNumbers) {
 
 TEST(FindExperiment, ListsTheNamesIfThereIsNone) {
   try {
-    FindExperiment("19");
-    FAIL() << "there is no experiment 19";
+    FindExperiment("99");
+    FAIL() << "there is no experiment 99";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kInvalidArgument);
     for (const Experiment& experiment : AllExperiments()) {
