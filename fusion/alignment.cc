@@ -22,13 +22,24 @@ Rigid3d Moved(const Rigid3d& global_from_local, const GlobalVector& error) {
   return global_from_local * Rigid3d(ExpSo3({error[4], error[5], error[3]}), error.head<3>());
 }
 
+// A sight, and the variance of its residual: noise plus, per axis, what the clone's error makes of
+// it.
+struct WeighedRows {
+  MapRows rows;
+  double variance = 1.0;
+
+  double SquaredResidual() const { return rows.residual.squaredNorm() / variance; }
+};
+
 // One Gauss-Newton step of the robust least squares, as an error.
-GlobalVector RobustStep(const std::vector<MapRows>& rows, double cauchy_scale, int num_dims) {
+GlobalVector RobustStep(const std::vector<WeighedRows>& sights, double cauchy_scale, int num_dims) {
   Eigen::Matrix<double, kGlobalDim, kGlobalDim> normal =
       Eigen::Matrix<double, kGlobalDim, kGlobalDim>::Zero();
   GlobalVector gradient = GlobalVector::Zero();
-  for (const MapRows& row : rows) {
-    const double weight = 1.0 / (1.0 + row.residual.squaredNorm() / (cauchy_scale * cauchy_scale));
+  for (const WeighedRows& sight : sights) {
+    const MapRows& row = sight.rows;
+    const double weight =
+        1.0 / sight.variance / (1.0 + sight.SquaredResidual() / (cauchy_scale * cauchy_scale));
     normal.noalias() += weight * row.by_global.transpose() * row.by_global;
     gradient.noalias() += weight * row.by_global.transpose() * row.residual;
   }
@@ -38,18 +49,24 @@ GlobalVector RobustStep(const std::vector<MapRows>& rows, double cauchy_scale, i
   return error;
 }
 
-std::vector<MapRows> LinearizeAll(const Camera& camera, const FilterState& state,
-                                  std::span<const CameraView> views,
-                                  std::span<const MapSight> sights,
-                                  const Rigid3d& global_from_local, double sigma_px) {
-  std::vector<MapRows> rows;
+std::vector<WeighedRows> LinearizeAll(const Camera& camera, const FilterState& state,
+                                      std::span<const CameraView> views,
+                                      std::span<const MapSight> sights,
+                                      const Rigid3d& global_from_local, double sigma_px) {
+  std::vector<WeighedRows> weighed;
   for (const MapSight& sight : sights) {
-    if (const auto linearized =
-            LinearizeSight(camera, state.rig(), views, global_from_local, sight, sigma_px)) {
-      rows.push_back(*linearized);
+    const auto rows =
+        LinearizeSight(camera, state.rig(), views, global_from_local, sight, sigma_px);
+    if (!rows) {
+      continue;
     }
+    const int clone = state.CloneIdx(sight.clone);
+    const Eigen::Matrix2d by_clone = rows->by_clone *
+                                     state.covariance().block<kCloneDim, kCloneDim>(clone, clone) *
+                                     rows->by_clone.transpose();
+    weighed.push_back({*rows, 1.0 + 0.5 * by_clone.trace()});
   }
-  return rows;
+  return weighed;
 }
 
 // Rows that say the tilt is zero within its standard deviation.
@@ -108,6 +125,7 @@ std::vector<int> LargestAgreeingSet(std::span<const Rigid3d> candidates,
 bool Align(const Camera& camera, std::span<const MapSight> sights, const Rigid3d& initial,
            const MapUpdateOptions& map, FilterState* state) {
   constexpr int kMaxIterations = 15;
+  AddTiles(sights, state);
   const int num_dims = map.num_global_dims();
   const std::vector<CameraView> views = ViewsOfClones(*state);
   Rigid3d global_from_local = initial;
@@ -124,18 +142,22 @@ bool Align(const Camera& camera, std::span<const MapSight> sights, const Rigid3d
     global_from_local = Moved(global_from_local, error);
     cauchy_scale = std::max(2.4, 0.5 * cauchy_scale);
   }
-  std::vector<MapRows> inliers =
+  const std::vector<WeighedRows> all =
       LinearizeAll(camera, *state, views, sights, global_from_local, map.sigma_px);
-  // The clones are uncertain, too, by less than the pixel's noise over so short a time.
+  // Twice, for the part of the clones' errors that all sights of an answer share.
   const double gate = 2.0 * ChiSquareQuantile(2, map.match_gate_quantile);
-  const size_t num_before = inliers.size();
-  std::erase_if(inliers, [gate](const MapRows& row) { return row.residual.squaredNorm() > gate; });
+  std::vector<MapRows> inliers;
+  for (const WeighedRows& sight : all) {
+    if (sight.SquaredResidual() < gate) {
+      inliers.push_back(sight.rows);
+    }
+  }
   if (inliers.size() < static_cast<size_t>(map.min_matches) ||
       static_cast<double>(inliers.size()) <
-          map.min_inlier_fraction * static_cast<double>(num_before)) {
+          map.min_inlier_fraction * static_cast<double>(all.size())) {
     return false;
   }
-  Measurement measurement = CompressMapRows(inliers, num_dims, state);
+  Measurement measurement = CompressMapRows(inliers, num_dims, *state);
   if (num_dims == kGlobalDim) {
     AppendTiltPrior(map.tilt_sigma_rad, &measurement);
   }

@@ -87,6 +87,7 @@ void Estimator::Restart(Mode mode) {
   imu_.Clear();
   tracks_.Clear();
   slew_.Reset();
+  landmark_uses_.Clear();
   waiting_.clear();
   start_frames_.clear();
   standstill_anchor_.reset();
@@ -176,12 +177,14 @@ void Estimator::ProcessFrame(const WaitingFrame& frame) {
   state_->AddClone(frame_id, now_ns, imu_.Interpolate(now_ns).gyro_rad_s - state_->imu().gyro_bias);
   tracks_.AddFrame(frame_id, options_.camera, frame.features);
   ++counters_.num_frames;
+  const Rigid3d predicted = state_->imu().local_from_imu;
   CheckStandstill();
   ExpireQueries();
   ProcessAnswers();
   UpdateFromFinishedTracks();
   RetireClones();
   tracks_.DropFinished(frame_id);
+  slew_.TakeUp(predicted, state_->imu().local_from_imu);
   slew_.Return(state_->imu().local_from_imu);
   RestartHead();
 }

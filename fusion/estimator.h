@@ -13,6 +13,7 @@
 #include "fusion/fusion_options.h"
 #include "fusion/fusion_types.h"
 #include "fusion/imu_buffer.h"
+#include "fusion/landmark_uses.h"
 #include "fusion/local_slew.h"
 #include "fusion/standstill.h"
 #include "fusion/track_table.h"
@@ -82,6 +83,9 @@ class Estimator {
   struct LedgerSights {
     std::vector<MapSight> sights;
     std::vector<std::optional<uint64_t>> track_ids;
+    std::vector<uint64_t> landmark_ids;
+
+    void Add(const MapSight& sight, const MapMatch& match);
   };
   struct Contradiction {
     int64_t timestamp_ns;
@@ -107,7 +111,12 @@ class Estimator {
   void ProcessAnswers();
   AnswerReport ProcessAnswer(const Answer& answer, int64_t frame_id);
   void AppendSights(const std::vector<MapMatch>& matches, int64_t frame_id, LedgerSights* sights);
+  void AppendTrack(const Track& track, const MapMatch& match, int64_t frame_id, MapSight sight,
+                   LedgerSights* sights) const;
+  // Leaves only the sights at one clone.
+  static void KeepClone(int clone, LedgerSights* sights);
   void TakeOut(const LedgerSights& sights, const std::vector<bool>& used);
+  MapUpdateResult UpdateFromMatches(const std::vector<MapMatch>& matches, int64_t frame_id);
   AnswerReport Apply(const Answer& answer, int64_t frame_id, const Rigid3d& candidate);
   AnswerOutcome AwaitAlignment(const Answer& answer, int64_t frame_id, const Rigid3d& candidate);
   void NoteContradiction(int64_t frame_id, const Rigid3d& candidate);
@@ -124,6 +133,7 @@ class Estimator {
   TrackTable tracks_;
   std::unique_ptr<FilterState> state_;
   LocalSlew slew_;
+  LandmarkUses landmark_uses_;
   Mode resting_mode_ = Mode::kInitializing;  // While there is no state.
   int64_t filter_time_ns_ = 0;
   int64_t last_frame_ns_ = -1;

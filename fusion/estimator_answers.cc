@@ -150,42 +150,27 @@ AnswerReport Estimator::ProcessAnswer(const Answer& answer, int64_t frame_id) {
   return {answer.query_id, AwaitAlignment(answer, frame_id, candidate.level), 0};
 }
 
+void Estimator::LedgerSights::Add(const MapSight& sight, const MapMatch& match) {
+  sights.push_back(sight);
+  track_ids.push_back(match.track_id);
+  landmark_ids.push_back(match.landmark_id);
+}
+
 void Estimator::AppendSights(const std::vector<MapMatch>& matches, int64_t frame_id,
                              LedgerSights* sights) {
-  const int queried_clone = FindClone(*state_, frame_id);
-  int match_idx = sights->sights.empty() ? 0 : sights->sights.back().match + 1;
+  int match_idx = 0;
   for (const MapMatch& match : matches) {
-    const Track* track = match.track_id ? tracks_.Find(*match.track_id) : nullptr;
-    if (match.track_id && track == nullptr) {
-      continue;
-    }
-    MapSight sight{match_idx,         queried_clone, match.pixel,
-                   match.x_in_global, match.sigma_m, match.tile_id};
+    MapSight sight{match_idx,     FindClone(*state_, frame_id),
+                   match.pixel,   match.x_in_global,
+                   match.sigma_m, match.tile_id};
     const size_t first = sights->sights.size();
-    sights->sights.push_back(sight);
-    sights->track_ids.push_back(match.track_id);
-    bool in_books = !match.track_id;
-    for (const Observation& observation : track != nullptr
-                                              ? std::span<const Observation>(track->observations)
-                                              : std::span<const Observation>()) {
-      if (observation.frame_id == frame_id) {
-        sights->sights[first].pixel = observation.pixel;
-        in_books = true;
-        continue;
-      }
-      sight.clone = FindClone(*state_, observation.frame_id);
-      if (!observation.reserved && sight.clone >= 0) {
-        sight.pixel = observation.pixel;
-        sights->sights.push_back(sight);
-        sights->track_ids.push_back(match.track_id);
-      }
+    if (!match.track_id) {
+      sights->Add(sight, match);
+    } else if (const Track* track = tracks_.Find(*match.track_id)) {
+      AppendTrack(*track, match, frame_id, sight, sights);
     }
-    if (!in_books) {  // The queried sight has been used.
-      sights->sights.resize(first);
-      sights->track_ids.resize(first);
-      continue;
-    }
-    const double factor = std::sqrt(static_cast<double>(sights->sights.size() - first));
+    const auto num_sights = static_cast<double>(sights->sights.size() - first);
+    const double factor = std::sqrt(num_sights * landmark_uses_.VarianceFactor(match.landmark_id));
     for (size_t i = first; i < sights->sights.size(); ++i) {
       sights->sights[i].sigma_m *= factor;
     }
@@ -193,9 +178,48 @@ void Estimator::AppendSights(const std::vector<MapMatch>& matches, int64_t frame
   }
 }
 
+void Estimator::AppendTrack(const Track& track, const MapMatch& match, int64_t frame_id,
+                            MapSight sight, LedgerSights* sights) const {
+  const auto queried = std::find_if(
+      track.observations.begin(), track.observations.end(),
+      [frame_id](const Observation& observation) { return observation.frame_id == frame_id; });
+  if (queried == track.observations.end()) {
+    return;  // It has been used.
+  }
+  sight.pixel = queried->pixel;
+  sights->Add(sight, match);
+  for (const Observation& observation : track.observations) {
+    sight.clone = FindClone(*state_, observation.frame_id);
+    if (!observation.reserved && observation.frame_id != frame_id && sight.clone >= 0) {
+      sight.pixel = observation.pixel;
+      sights->Add(sight, match);
+    }
+  }
+}
+
+void Estimator::KeepClone(int clone, LedgerSights* sights) {
+  LedgerSights kept;
+  for (size_t i = 0; i < sights->sights.size(); ++i) {
+    if (sights->sights[i].clone == clone) {
+      kept.sights.push_back(sights->sights[i]);
+      kept.track_ids.push_back(sights->track_ids[i]);
+      kept.landmark_ids.push_back(sights->landmark_ids[i]);
+    }
+  }
+  *sights = std::move(kept);
+}
+
 void Estimator::TakeOut(const LedgerSights& sights, const std::vector<bool>& used) {
+  int last_match = -1;
   for (size_t i = 0; i < sights.sights.size(); ++i) {
-    Track* track = used[i] && sights.track_ids[i] ? tracks_.Find(*sights.track_ids[i]) : nullptr;
+    if (!used[i]) {
+      continue;
+    }
+    if (sights.sights[i].match != last_match) {
+      last_match = sights.sights[i].match;
+      landmark_uses_.Add(sights.landmark_ids[i]);
+    }
+    Track* track = sights.track_ids[i] ? tracks_.Find(*sights.track_ids[i]) : nullptr;
     if (track != nullptr) {
       const int64_t frame_id =
           state_->clones()[static_cast<size_t>(sights.sights[i].clone)].frame_id;
@@ -206,15 +230,21 @@ void Estimator::TakeOut(const LedgerSights& sights, const std::vector<bool>& use
   }
 }
 
-AnswerReport Estimator::Apply(const Answer& answer, int64_t frame_id, const Rigid3d& candidate) {
+MapUpdateResult Estimator::UpdateFromMatches(const std::vector<MapMatch>& matches,
+                                             int64_t frame_id) {
   LedgerSights sights;
-  AppendSights(answer.matches, frame_id, &sights);
-  const Rigid3d before = state_->imu().local_from_imu;
-  const MapUpdateResult result =
+  AppendSights(matches, frame_id, &sights);
+  MapUpdateResult result =
       UpdateFromMap(options_.camera, sights.sights, options_.map, state_.get());
   if (result.status == MapUpdateStatus::kApplied) {
     TakeOut(sights, result.used_sights);
-    slew_.TakeUp(before, state_->imu().local_from_imu);
+  }
+  return result;
+}
+
+AnswerReport Estimator::Apply(const Answer& answer, int64_t frame_id, const Rigid3d& candidate) {
+  const MapUpdateResult result = UpdateFromMatches(answer.matches, frame_id);
+  if (result.status == MapUpdateStatus::kApplied) {
     last_applied_ns_ = filter_time_ns_;
     contradictions_.clear();
     return {answer.query_id, AnswerOutcome::kApplied, result.num_matches};
@@ -275,20 +305,24 @@ void Estimator::TryAlign() {
   if (static_cast<int>(agreeing.size()) < options_.alignment.min_agreeing) {
     return;
   }
+  // One frame alone first: global_from_local takes up all the drift of its clone, so that the
+  // clones' errors cannot pass for wrong matches. The other answers follow as updates, gated by all
+  // that is then known.
+  const auto newest = static_cast<size_t>(agreeing.back());
   LedgerSights sights;
-  for (const int i : agreeing) {
-    const Candidate& candidate = candidates_[static_cast<size_t>(i)];
-    AppendSights(candidate.matches, candidate.frame_id, &sights);
+  AppendSights(candidates_[newest].matches, candidates_[newest].frame_id, &sights);
+  KeepClone(FindClone(*state_, candidates_[newest].frame_id), &sights);
+  if (!Align(options_.camera, sights.sights, poses[newest], options_.map, state_.get())) {
+    return;
   }
-  const Rigid3d& initial = poses[static_cast<size_t>(agreeing.back())];
-  const Rigid3d before = state_->imu().local_from_imu;
-  if (Align(options_.camera, sights.sights, initial, options_.map, state_.get())) {
-    TakeOut(sights, std::vector<bool>(sights.sights.size(), true));
-    slew_.TakeUp(before, state_->imu().local_from_imu);
-    ReleaseCandidates(candidates_.size());
-    last_applied_ns_ = filter_time_ns_;
-    ++counters_.num_alignments;
+  TakeOut(sights, std::vector<bool>(sights.sights.size(), true));
+  for (auto other = agreeing.rbegin() + 1; other != agreeing.rend(); ++other) {
+    const Candidate& candidate = candidates_[static_cast<size_t>(*other)];
+    UpdateFromMatches(candidate.matches, candidate.frame_id);
   }
+  ReleaseCandidates(candidates_.size());
+  last_applied_ns_ = filter_time_ns_;
+  ++counters_.num_alignments;
 }
 
 void Estimator::ReleaseCandidates(size_t num_oldest) {

@@ -120,6 +120,15 @@ int FilterState::TileIdx(uint64_t tile_id) {
   return offset;
 }
 
+std::optional<int> FilterState::FindTileIdx(uint64_t tile_id) const {
+  for (size_t i = 0; i < tiles_.size(); ++i) {
+    if (tiles_[i].tile_id == tile_id) {
+      return tiles_idx_ + kTileDim * static_cast<int>(i);
+    }
+  }
+  return std::nullopt;
+}
+
 Eigen::MatrixXd FilterState::CovarianceColumns(const std::vector<StateBlock>& blocks) const {
   Eigen::Index width = 0;
   for (const StateBlock& block : blocks) {
@@ -219,6 +228,44 @@ void FilterState::Correct(const Eigen::VectorXd& error) {
     turn(offset, &clones_[i].local_from_imu.rotation);
     clones_[i].local_from_imu.translation += error.segment<3>(offset + 3);
   }
+}
+
+Eigen::VectorXd FilterState::ErrorFrom(const FilterState& from) const {
+  Eigen::VectorXd error = Eigen::VectorXd::Zero(dim());
+  const auto pose = [&error](int offset, const Rigid3d& to, const Rigid3d& start) {
+    error.segment<3>(offset) = LogSo3(to.rotation * start.rotation.conjugate());
+    error.segment<3>(offset + 3) = to.translation - start.translation;
+  };
+  pose(kThetaIdx, imu_.local_from_imu, from.imu_.local_from_imu);
+  error.segment<3>(kVelocityIdx) = imu_.velocity_in_local - from.imu_.velocity_in_local;
+  error.segment<3>(kGyroBiasIdx) = imu_.gyro_bias - from.imu_.gyro_bias;
+  error.segment<3>(kAccelBiasIdx) = imu_.accel_bias - from.imu_.accel_bias;
+  if (global_from_local_ && from.global_from_local_) {
+    const Rigid3d moved = from.global_from_local_->Inverse() * *global_from_local_;
+    const Eigen::Vector3d rotation = LogSo3(moved.rotation);
+    error.segment<3>(kGlobalIdx) = moved.translation;
+    error.segment<3>(kGlobalIdx + 3) << rotation.z(), rotation.x(), rotation.y();
+  }
+  if (estimates_rig_) {
+    pose(kRigIdx, rig_.cam_from_imu, from.rig_.cam_from_imu);
+    error[kRigIdx + 6] = rig_.time_offset_s - from.rig_.time_offset_s;
+  }
+  for (size_t i = 0; i < clones_.size(); ++i) {
+    pose(CloneIdx(static_cast<int>(i)), clones_[i].local_from_imu, from.clones_[i].local_from_imu);
+  }
+  return error;
+}
+
+double LinearizationDoubt(const FilterState& state, const Eigen::VectorXd& error) {
+  constexpr double kMaxTurnRad = 3e-3;
+  constexpr double kMaxShiftM = 0.02;
+  double doubt = 0.0;
+  for (int i = 0; i < static_cast<int>(state.clones().size()); ++i) {
+    const int offset = state.CloneIdx(i);
+    doubt = std::max({doubt, error.segment<3>(offset).norm() / kMaxTurnRad,
+                      error.segment<3>(offset + 3).norm() / kMaxShiftM});
+  }
+  return doubt;
 }
 
 bool FilterState::InitializeGlobal(const Rigid3d& global_from_local,

@@ -13,6 +13,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/rigid3.h"
@@ -62,6 +63,15 @@ struct FilterStateOptions {
   void Validate() const;
 };
 
+class FilterState;
+
+// Updates `state` with what `linearize(state)` (-> Measurement, its residuals compressed or not)
+// says. Where the correction is so large that the linearisation is in doubt (2 cm or 3 mrad at some
+// clone), the measurement is linearised again where the correction has led, at most twice: an
+// iterated Kalman update (Bell and Cathey 1993). Returns as FilterState::Update.
+template <typename Linearize>
+bool IteratedUpdate(const Linearize& linearize, FilterState* state);
+
 // Not thread-safe. Of fixed size: no call allocates in proportion to anything but the measurement.
 class FilterState {
  public:
@@ -94,6 +104,8 @@ class FilterState {
   // Offset into the error state of the nuisance of a tile, made on first use in place of the one
   // longest unused. Must only be called with tile_sigma_m > 0.
   int TileIdx(uint64_t tile_id);
+  // As above, or nothing if the tile has none.
+  std::optional<int> FindTileIdx(uint64_t tile_id) const;
   bool has_tiles() const { return tile_sigma_m_ > 0.0; }
   double tile_sigma_m() const { return tile_sigma_m_; }
 
@@ -103,6 +115,9 @@ class FilterState {
   // Kalman update. Returns false and changes nothing if the innovation covariance is not finite and
   // positive. The offsets of tiles are considered, not updated.
   bool Update(const Measurement& measurement);
+
+  // The error that leads from the mean of `from`, which has the same layout, to this one.
+  Eigen::VectorXd ErrorFrom(const FilterState& from) const;
 
   // Enters global_from_local, linearised at `global_from_local`, from a measurement whose first
   // block is {kGlobalIdx, num_global_dims}; the rows beyond those that determine it update the
@@ -139,6 +154,40 @@ class FilterState {
   Eigen::MatrixXd covariance_ =
       Eigen::MatrixXd::Zero(kMaxStateDim, kMaxStateDim);  // Never resized.
 };
+
+// Largest correction of a clone, in units of those beyond which a linearisation is in doubt.
+double LinearizationDoubt(const FilterState& state, const Eigen::VectorXd& error);
+
+template <typename Linearize>
+bool IteratedUpdate(const Linearize& linearize, FilterState* state) {
+  constexpr int kMaxIterations = 3;
+  const Measurement first = linearize(*state);
+  const FilterState before = *state;
+  if (!state->Update(first)) {
+    return false;
+  }
+  Eigen::VectorXd error = state->ErrorFrom(before);
+  double doubt = LinearizationDoubt(before, error);
+  for (int i = 1; i < kMaxIterations && doubt > 1.0; ++i) {
+    Measurement again = linearize(*state);
+    // About the prior mean again: r + H (x - x_prior).
+    Eigen::Index column = 0;
+    for (const StateBlock& block : again.blocks) {
+      again.residual +=
+          again.jacobian.middleCols(column, block.size) * error.segment(block.offset, block.size);
+      column += block.size;
+    }
+    FilterState next = before;
+    if (!next.Update(again)) {
+      return true;
+    }
+    *state = std::move(next);
+    const Eigen::VectorXd new_error = state->ErrorFrom(before);
+    doubt = LinearizationDoubt(before, new_error - error);
+    error = new_error;
+  }
+  return true;
+}
 
 }  // namespace cairn::fusion
 

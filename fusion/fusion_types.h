@@ -60,6 +60,7 @@ struct MapMatch {
   std::optional<uint64_t> track_id;  // If the keypoint is a tracked feature of the frame.
   Eigen::Vector3d x_in_global;
   double sigma_m = 0.0;  // Standard deviation of the landmark per axis.
+  uint64_t landmark_id = 0;
   uint64_t tile_id = 0;
 };
 

@@ -6,11 +6,11 @@
 
 namespace cairn::fusion {
 
-// The map corrects the filter's pose in local, by decimetres after a long time without answers. A
-// display or a controller must not see that as motion. So what is shown is shown_from_local * pose,
-// where shown_from_local (yaw and translation) takes up each correction and then returns to the
-// identity at a bounded speed. As global_from_local is shown with the inverse, the pose in global
-// is corrected at once. Not thread-safe.
+// Updates correct the filter's pose in local, by decimetres when the map answers after a long
+// silence. A display or a controller must not see that as motion. So what is shown is
+// shown_from_local * pose, where shown_from_local (yaw and translation) takes up each correction
+// and then returns to the identity at a bounded speed. As global_from_local is shown with the
+// inverse, the pose in global is corrected at once. Not thread-safe.
 class LocalSlew {
  public:
   LocalSlew(double max_m_per_frame, double max_rad_per_frame)

@@ -2,7 +2,9 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/error.h"
 #include "fusion/chi_square.h"
@@ -22,25 +24,23 @@ struct SharedColumns {
 };
 
 SharedColumns CollectShared(const std::vector<MapRows>& rows, int num_global_dims,
-                            FilterState* state) {
+                            const FilterState& state) {
   SharedColumns shared;
   shared.num_global_dims = num_global_dims;
   shared.blocks.push_back({kGlobalIdx, num_global_dims});
   shared.rig_begin = num_global_dims;
   shared.tiles_begin = shared.rig_begin;
-  if (state->estimates_rig()) {
+  if (state.estimates_rig()) {
     shared.blocks.push_back({kRigIdx, kRigDim});
     shared.tiles_begin += kRigDim;
   }
   shared.width = shared.tiles_begin;
-  if (state->has_tiles()) {
-    for (const MapRows& row : rows) {
-      if (std::find(shared.tiles.begin(), shared.tiles.end(), row.tile_id) != shared.tiles.end() ||
-          shared.tiles.size() == kMaxTiles) {
-        continue;
-      }
+  for (const MapRows& row : rows) {
+    const auto tile_idx = state.FindTileIdx(row.tile_id);
+    if (tile_idx &&
+        std::find(shared.tiles.begin(), shared.tiles.end(), row.tile_id) == shared.tiles.end()) {
       shared.tiles.push_back(row.tile_id);
-      shared.blocks.push_back({state->TileIdx(row.tile_id), kTileDim});
+      shared.blocks.push_back({*tile_idx, kTileDim});
       shared.width += kTileDim;
     }
   }
@@ -106,6 +106,24 @@ double SquaredDistance(const FilterState& state, const MapRows& row, int num_glo
   return row.residual.dot(innovation.ldlt().solve(row.residual));
 }
 
+// The used sights, linearised at a state.
+std::vector<MapRows> LinearizeUsed(const Camera& camera, const FilterState& state,
+                                   std::span<const MapSight> sights, const std::vector<bool>& used,
+                                   const MapUpdateOptions& options) {
+  const std::vector<CameraView> views = ViewsOfClones(state);
+  std::vector<MapRows> rows;
+  for (size_t i = 0; i < sights.size(); ++i) {
+    const auto linearized =
+        used[i] ? LinearizeSight(camera, state.rig(), views, *state.global_from_local(), sights[i],
+                                 options.sigma_px)
+                : std::nullopt;
+    if (linearized) {
+      rows.push_back(*linearized);
+    }
+  }
+  return rows;
+}
+
 }  // namespace
 
 void MapUpdateOptions::Validate() const {
@@ -147,10 +165,18 @@ std::optional<MapRows> LinearizeSight(const Camera& camera, const Rig& rig,
   return rows;
 }
 
+void AddTiles(std::span<const MapSight> sights, FilterState* state) {
+  if (state->has_tiles()) {
+    for (const MapSight& sight : sights) {
+      state->TileIdx(sight.tile_id);
+    }
+  }
+}
+
 Measurement CompressMapRows(const std::vector<MapRows>& rows, int num_global_dims,
-                            FilterState* state) {
+                            const FilterState& state) {
   const SharedColumns shared = CollectShared(rows, num_global_dims, state);
-  std::vector<std::vector<const MapRows*>> by_clone(state->clones().size());
+  std::vector<std::vector<const MapRows*>> by_clone(state.clones().size());
   for (const MapRows& row : rows) {
     by_clone[static_cast<size_t>(row.clone)].push_back(&row);
   }
@@ -163,7 +189,7 @@ Measurement CompressMapRows(const std::vector<MapRows>& rows, int num_global_dim
     if (by_clone[i].empty()) {
       continue;
     }
-    measurement.blocks.push_back({state->CloneIdx(static_cast<int>(i)), kCloneDim});
+    measurement.blocks.push_back({state.CloneIdx(static_cast<int>(i)), kCloneDim});
     triangles.push_back(CloneRows(by_clone[i], shared));
     const Eigen::Index own = std::min<Eigen::Index>(kCloneDim, triangles.back().rows());
     num_clone_rows += own;
@@ -201,6 +227,7 @@ Measurement CompressMapRows(const std::vector<MapRows>& rows, int num_global_dim
 MapUpdateResult UpdateFromMap(const Camera& camera, std::span<const MapSight> sights,
                               const MapUpdateOptions& options, FilterState* state) {
   const int num_dims = options.num_global_dims();
+  AddTiles(sights, state);
   const std::vector<CameraView> views = ViewsOfClones(*state);
   const double gate = ChiSquareQuantile(2, options.match_gate_quantile);
   MapUpdateResult result;
@@ -238,13 +265,20 @@ MapUpdateResult UpdateFromMap(const Camera& camera, std::span<const MapSight> si
   if (result.num_matches < options.min_matches) {
     return refuse(MapUpdateStatus::kTooFewMatches);
   }
-  const Measurement measurement = CompressMapRows(rows, num_dims, state);
+  const Measurement measurement = CompressMapRows(rows, num_dims, *state);
   if (!(state->SquaredMahalanobis(measurement) <
-        ChiSquareQuantile(measurement.num_rows(), options.response_gate_quantile)) ||
-      !state->Update(measurement)) {
+        ChiSquareQuantile(measurement.num_rows(), options.response_gate_quantile))) {
     return refuse(MapUpdateStatus::kDisagrees);
   }
-  return result;
+  bool linearized = true;  // `measurement` is at the present state.
+  const auto linearize = [&](const FilterState& at) {
+    if (std::exchange(linearized, false)) {
+      return measurement;
+    }
+    return CompressMapRows(LinearizeUsed(camera, at, sights, result.used_sights, options), num_dims,
+                           at);
+  };
+  return IteratedUpdate(linearize, state) ? result : refuse(MapUpdateStatus::kDisagrees);
 }
 
 }  // namespace cairn::fusion

@@ -67,9 +67,12 @@ std::optional<MapRows> LinearizeSight(const Camera& camera, const Rig& rig,
 // All rows as one measurement of few rows. A row touches the six columns of its clone and those
 // that all share, so each clone's rows are triangularised alone; what remains below a clone's own
 // columns touches the shared columns only and is triangularised again. Blocks: global_from_local
-// (num_global_dims), the rig if estimated, the tiles if considered, the clones.
+// (num_global_dims), the rig if estimated, the tiles that `state` has, the clones.
 Measurement CompressMapRows(const std::vector<MapRows>& rows, int num_global_dims,
-                            FilterState* state);
+                            const FilterState& state);
+
+// Makes room in `state` for the tiles of the sights, if it considers tiles.
+void AddTiles(std::span<const MapSight> sights, FilterState* state);
 
 enum class MapUpdateStatus {
   kApplied,

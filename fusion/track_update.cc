@@ -98,7 +98,7 @@ std::optional<Measurement> TrackMeasurement(const FilterState& state, const Came
         {&views[static_cast<size_t>(clone)], observation.pixel, observation.ray_in_cam});
     blocks.push_back({state.CloneIdx(clone), kCloneDim});
   }
-  const auto x_in_local = Triangulate(camera, sights, options.triangulate);
+  const auto x_in_local = Triangulate(camera, sights, options.sigma_px, options.triangulate);
   if (!x_in_local) {
     return std::nullopt;
   }
@@ -138,6 +138,7 @@ TrackUpdateCounts UpdateFromTracks(const Camera& camera,
   TrackUpdateCounts counts;
   const std::vector<CameraView> views = ViewsOfClones(*state);
   std::vector<Measurement> accepted;
+  std::vector<const std::vector<Observation>*> accepted_tracks;
   for (const std::vector<Observation>& track : tracks) {
     if (static_cast<int>(accepted.size()) == options.max_tracks) {
       break;
@@ -150,15 +151,29 @@ TrackUpdateCounts UpdateFromTracks(const Camera& camera,
       ++counts.num_gated;
     } else {
       accepted.push_back(std::move(*measurement));
+      accepted_tracks.push_back(&track);
     }
   }
   if (accepted.empty()) {
     return counts;
   }
   counts.num_used = static_cast<int>(accepted.size());
-  Measurement stacked = Stack(*state, accepted);
-  Compress(&stacked);
-  state->Update(stacked);
+  bool linearized = true;  // `accepted` is at the present state.
+  const auto linearize = [&](const FilterState& at) {
+    if (!std::exchange(linearized, false)) {
+      accepted.clear();
+      const std::vector<CameraView> moved_views = ViewsOfClones(at);
+      for (const std::vector<Observation>* track : accepted_tracks) {
+        if (auto measurement = TrackMeasurement(at, camera, moved_views, *track, options)) {
+          accepted.push_back(std::move(*measurement));
+        }
+      }
+    }
+    Measurement stacked = Stack(at, accepted);
+    Compress(&stacked);
+    return stacked;
+  };
+  IteratedUpdate(linearize, state);
   return counts;
 }
 

@@ -77,28 +77,26 @@ std::optional<NormalEquations> Linearize(const Camera& camera, std::span<const S
   return equations;
 }
 
-bool WithinLimits(std::span<const Sight> sights, const Eigen::Vector3d& x_in_local,
+bool WithinLimits(std::span<const Sight> sights, const InverseDepth& point,
+                  const NormalEquations& equations, double sigma_px,
                   const TriangulateOptions& options) {
-  const CameraView& last = *sights.back().view;
-  const Eigen::Vector3d to_point = x_in_local - last.center_in_local;
-  const double distance_m = to_point.norm();
-  double sq_baseline = 0.0;
+  const Eigen::Vector3d x_in_local = point.Point();
   for (const Sight& sight : sights) {
     const double depth_m = sight.view->ToCam(x_in_local).z();
     if (!(depth_m > options.min_depth_m && depth_m < options.max_depth_m)) {
       return false;
     }
-    const Eigen::Vector3d offset = sight.view->center_in_local - last.center_in_local;
-    sq_baseline =
-        std::max(sq_baseline, offset.cross(to_point).squaredNorm() / (distance_m * distance_m));
   }
-  return distance_m < options.max_distance_per_baseline * std::sqrt(sq_baseline);
+  const double inverse_depth = point.params()[2];
+  const double sq_sigma =
+      sigma_px * sigma_px * equations.normal.ldlt().solve(Eigen::Vector3d::UnitZ())[2];
+  return sq_sigma < std::pow(options.max_relative_depth_sigma * inverse_depth, 2);
 }
 
 }  // namespace
 
 void TriangulateOptions::Validate() const {
-  if (!(min_depth_m > 0.0 && max_depth_m > min_depth_m && max_distance_per_baseline > 0.0 &&
+  if (!(min_depth_m > 0.0 && max_depth_m > min_depth_m && max_relative_depth_sigma > 0.0 &&
         max_iterations >= 0)) {
     throw Error(ErrorCode::kInvalidArgument,
                 "triangulation: depths must be positive and in order, limits positive");
@@ -106,7 +104,7 @@ void TriangulateOptions::Validate() const {
 }
 
 std::optional<Eigen::Vector3d> Triangulate(const Camera& camera, std::span<const Sight> sights,
-                                           const TriangulateOptions& options) {
+                                           double sigma_px, const TriangulateOptions& options) {
   if (sights.size() < 2) {
     return std::nullopt;
   }
@@ -136,7 +134,7 @@ std::optional<Eigen::Vector3d> Triangulate(const Camera& camera, std::span<const
       damping = std::max(1e-4, damping) * 10.0;
     }
   }
-  if (!equations || !WithinLimits(sights, point.Point(), options)) {
+  if (!equations || !WithinLimits(sights, point, *equations, sigma_px, options)) {
     return std::nullopt;
   }
   return point.Point();

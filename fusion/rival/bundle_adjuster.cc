@@ -186,7 +186,8 @@ std::vector<WindowTrack*> BundleAdjuster::SelectTracks() {
     if (num_chosen == num_wanted) {
       break;
     }
-    if (track->is_triangulated || tracks_.TriangulateTrack(options_.triangulate, track)) {
+    if (track->is_triangulated ||
+        tracks_.TriangulateTrack(options_.track_sigma_px, options_.triangulate, track)) {
       global.push_back(track);
       ++num_chosen;
     }

@@ -49,7 +49,8 @@ void WindowTracks::Forget(WindowTrack* track) {
   free_.push_back(track);
 }
 
-bool WindowTracks::TriangulateTrack(const TriangulateOptions& options, WindowTrack* track) {
+bool WindowTracks::TriangulateTrack(double sigma_px, const TriangulateOptions& options,
+                                    WindowTrack* track) {
   std::vector<CameraView> views;
   std::vector<Sight> sights;
   views.reserve(track->sights.size());
@@ -59,7 +60,7 @@ bool WindowTracks::TriangulateTrack(const TriangulateOptions& options, WindowTra
     views.emplace_back(rig_, clone);
     sights.push_back({&views.back(), sight.pixel, sight.normalized.homogeneous().normalized()});
   }
-  const auto point = Triangulate(camera_, sights, options);
+  const auto point = Triangulate(camera_, sights, sigma_px, options);
   if (point) {
     track->x_in_local = *point;
     track->is_triangulated = true;

@@ -69,7 +69,7 @@ class WindowTracks {
 
   // Sets the point of a local track of at least two sights. False, with nothing changed, if it
   // cannot be found.
-  bool TriangulateTrack(const TriangulateOptions& options, WindowTrack* track);
+  bool TriangulateTrack(double sigma_px, const TriangulateOptions& options, WindowTrack* track);
 
  private:
   WindowTrack* FindOrAdd(uint64_t track_id);

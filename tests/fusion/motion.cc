@@ -33,6 +33,8 @@ Walk::Walk(const WalkOptions& options) : options_(options) {
   for (double& phase : phases_) {
     phase = angle(random);
   }
+  // Keeps the path an eight: other phases have cusps, at which no one walks.
+  phases_[1] = 2.0 * phases_[0] + std::uniform_real_distribution<double>(-0.5, 0.5)(random);
   width_ratio_ = std::uniform_real_distribution<double>(0.35, 0.6)(random);
   // Mean speed of (A sin wt, B sin 2wt) is about 0.64 w (A + 1.6 B) for these ratios.
   omega_ = options.speed_m_s / (0.64 * options.size_m * (1.0 + 1.6 * width_ratio_));
@@ -56,22 +58,18 @@ Walk::PathTime Walk::Warp(double time_s) const {
 MotionState Walk::At(double time_s) const {
   const PathTime path = Warp(time_s);
   const double t = path.tau;
-  const double still = options_.turn_on_the_spot ? 0.0 : 1.0;
-  const Wave x = Sine(still * options_.size_m, omega_, phases_[0], t);
-  const Wave y = Sine(still * options_.size_m * width_ratio_, 2.0 * omega_, phases_[1], t);
-  const Wave z = Sine(still * options_.gait_m, 2.0 * M_PI * 1.8, phases_[2], t);
+  const Wave x = Sine(options_.size_m, omega_, phases_[0], t);
+  const Wave y = Sine(options_.size_m * width_ratio_, 2.0 * omega_, phases_[1], t);
+  const Wave z = Sine(options_.gait_m, 2.0 * M_PI * 1.8, phases_[2], t);
   const Wave look = Sine(options_.look_around_rad, 2.0 * M_PI * 0.11, phases_[3], t);
   const Wave pitch = Sine(0.05, 2.0 * M_PI * 0.9, phases_[4], t);
   const Wave roll = Sine(0.04, 2.0 * M_PI * 0.7, phases_[5], t);
 
   const Eigen::Vector3d first(x.first, y.first, z.first);
   const Eigen::Vector3d second(x.second, y.second, z.second);
-  double heading = options_.look_around_rad * t;
-  double heading_rate = options_.look_around_rad;
-  if (!options_.turn_on_the_spot) {
-    heading = std::atan2(y.first, x.first);
-    heading_rate = (x.first * y.second - y.first * x.second) / first.head<2>().squaredNorm();
-  }
+  const double heading = std::atan2(y.first, x.first);
+  const double heading_rate =
+      (x.first * y.second - y.first * x.second) / first.head<2>().squaredNorm();
   const double yaw = heading + look.value;
   const double yaw_rate = (heading_rate + look.first) * path.rate;
   const double pitch_rate = pitch.first * path.rate;

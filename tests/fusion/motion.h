@@ -28,7 +28,6 @@ struct WalkOptions {
   // Instants at which the walker begins (first, third, ...) and stops (second, ...) walking; each
   // change takes one second. Empty: walks all the time.
   std::vector<double> start_stop_s;
-  bool turn_on_the_spot = false;  // Only rotates.
 };
 
 // A person's walk along a figure of eight, looking about, with the bobbing of steps. Immutable.

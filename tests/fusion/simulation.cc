@@ -246,9 +246,10 @@ Answer Simulation::MakeAnswer(const Query& query, size_t frame,
       landmark =
           std::uniform_int_distribution<int>(0, static_cast<int>(landmarks_.size()) - 1)(random);
     }
-    answer.matches.push_back(
-        {feature.pixel, feature.track_id, options.global_from_true_global * MapPosition(landmark),
-         options_.map_sigma_m, TileOf(landmarks_[static_cast<size_t>(landmark)])});
+    answer.matches.push_back({feature.pixel, feature.track_id,
+                              options.global_from_true_global * MapPosition(landmark),
+                              options_.map_sigma_m, static_cast<uint64_t>(landmark) + 1,
+                              TileOf(landmarks_[static_cast<size_t>(landmark)])});
   }
   return answer;
 }

@@ -6,7 +6,7 @@
 #include "core/error.h"
 #include "fusion/imu_buffer.h"
 #include "fusion/rival/comparison.h"
-#include "fusion/rival/simulated_recording.h"
+#include "fusion/simulation.h"
 
 namespace cairn::fusion {
 namespace {

@@ -1,35 +1,49 @@
-// Prints the comparison of filter and bundle adjustment on simulated walks.
+// Prints the comparison of filter and bundle adjustment (paper, table and figure of "Evaluation of
+// the Pose Fusion") on a simulated walk and, under simulated cameras, on the real trajectories and
+// inertial samples of the test data.
+//
+//   cairn_fusion_comparison [seconds of each] [seed] [runs that are timed]
 #include <cstdio>
 #include <cstdlib>
 
 #include "fusion/rival/comparison.h"
-#include "fusion/rival/simulated_recording.h"
+#include "fusion/rival/trajectories.h"
+#include "support/test_data.h"
 
 namespace cairn::fusion {
 namespace {
 
-void Run(double duration_s, uint64_t seed) {
-  testing::SimulationOptions options;
-  options.seed = seed;
-  options.walk.seed = seed;
+void Compare(const Trajectory& trajectory, RecordingOptions options, double duration_s,
+             uint64_t seed, int num_timings) {
   options.duration_s = duration_s;
-  options.num_features = 300;
-  options.landmarks_per_metre = 80;
-  options.map_sigma_m = 0.05;
-  const testing::Simulation simulation(options);
-  const Recording recording = testing::MakeRecording(simulation, {});
+  options.seed = seed;
+  const Recording recording = SimulateRecording(trajectory, options);
   ComparisonOptions comparison;
-  comparison.num_timings = 1;
+  comparison.num_timings = num_timings;
   comparison.variants.push_back({10, 10, DiscardPolicy::kDiscard, true});
-  comparison.variants.push_back({5, 2, DiscardPolicy::kDiscard, true});
   comparison.variants.push_back({10, 5, DiscardPolicy::kMarginalize, true});
-  std::fputs(ComparisonTable("simulated walk", CompareEstimators(recording, comparison)).c_str(),
-             stdout);
+  std::puts(ComparisonTable(trajectory.name, CompareEstimators(recording, comparison)).c_str());
+  std::fflush(stdout);
+}
+
+void Run(double duration_s, uint64_t seed, int num_timings) {
+  Compare(testing::WalkTrajectory(duration_s, seed), testing::WalkRecordingOptions(seed),
+          duration_s, seed, num_timings);
+  const std::filesystem::path data = cairn::testing::TestDataDir() / "vi_imu_gt";
+  if (!std::filesystem::exists(data)) {
+    std::printf("no real trajectories: %s is not there (set CAIRN_TEST_DATA)\n", data.c_str());
+    return;
+  }
+  Compare(testing::EurocTrajectory(data), testing::EurocRecordingOptions(), duration_s, seed,
+          num_timings);
+  Compare(testing::TumTrajectory(data), testing::TumRecordingOptions(), duration_s, seed,
+          num_timings);
 }
 
 }  // namespace
 }  // namespace cairn::fusion
 
 int main(int argc, char** argv) {
-  cairn::fusion::Run(argc > 1 ? std::atof(argv[1]) : 60.0, argc > 2 ? std::atoi(argv[2]) : 1);
+  cairn::fusion::Run(argc > 1 ? std::atof(argv[1]) : 60.0, argc > 2 ? std::atoi(argv[2]) : 1,
+                     argc > 3 ? std::atoi(argv[3]) : 1);
 }

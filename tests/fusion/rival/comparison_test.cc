@@ -3,9 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "core/error.h"
 #include "fusion/rival/run_estimators.h"
-#include "fusion/rival/simulated_recording.h"
+#include "fusion/rival/trajectories.h"
+#include "support/test_data.h"
 
 namespace cairn::fusion {
 namespace {
@@ -13,11 +16,9 @@ namespace {
 using ::testing::HasSubstr;
 
 Recording ShortRecording() {
-  testing::SimulationOptions options;
-  options.duration_s = 12.0;
-  options.num_features = 150;
-  options.map_sigma_m = 0.05;
-  return testing::MakeRecording(testing::Simulation(options), {});
+  RecordingOptions options = testing::WalkRecordingOptions(1);
+  options.max_features = 150;
+  return SimulateRecording(testing::WalkTrajectory(12.0, 1), options);
 }
 
 TEST(Comparison, AllEstimatorsFindTheMapAndStayNearTheTruth) {
@@ -89,6 +90,76 @@ TEST(Comparison, RefusesRecordingsItCannotRun) {
   EXPECT_THROW(CompareEstimators(recording, {}), Error);
   recording.frames.resize(recording.first_counted_frame);
   EXPECT_THROW(CompareEstimators(recording, {}), Error);
+}
+
+TEST(SimulateRecording, SightsAndMatchesAreThoseOfTheTruth) {
+  RecordingOptions options = testing::WalkRecordingOptions(3);
+  options.map_sigma_m = 0.0;
+  const Recording recording = SimulateRecording(testing::WalkTrajectory(6.0, 3), options);
+  ASSERT_EQ(recording.frames.size(), 61u);
+  double sq_sum = 0.0;
+  size_t count = 0;
+  for (size_t i = 0; i < recording.frames.size(); ++i) {
+    const RecordedFrame& frame = recording.frames[i];
+    EXPECT_GT(frame.features.size(), 100u);
+    EXPECT_EQ(frame.answer.localized, i > 0 && i % 5 == 0);
+    const Rigid3d cam_from_global = options.rig.cam_from_imu * frame.global_from_imu.Inverse();
+    for (const MapMatch& match : frame.answer.matches) {
+      const auto pixel = options.camera.Project(cam_from_global * match.x_in_global);
+      ASSERT_TRUE(pixel);
+      sq_sum += (*pixel - match.pixel).squaredNorm();
+      ++count;
+    }
+  }
+  EXPECT_NEAR(std::sqrt(sq_sum / (2.0 * static_cast<double>(count))), 1.0, 0.05);
+}
+
+TEST(SimulateRecording, TracksGoOnForSeveralFrames) {
+  const Recording recording = ShortRecording();
+  std::map<uint64_t, int> lengths;
+  for (const RecordedFrame& frame : recording.frames) {
+    for (const TrackedFeature& feature : frame.features) {
+      ++lengths[feature.track_id];
+    }
+  }
+  double sum = 0.0;
+  for (const auto& [id, length] : lengths) {
+    sum += length;
+  }
+  EXPECT_GT(sum / static_cast<double>(lengths.size()), 4.0);
+}
+
+TEST(SimulateRecording, RefusesWhatItCannotSimulate) {
+  RecordingOptions options = testing::WalkRecordingOptions(1);
+  Trajectory trajectory = testing::WalkTrajectory(4.0, 1);
+  trajectory.poses.resize(5);
+  EXPECT_THROW(SimulateRecording(trajectory, options), Error);
+  options.track_loss = 2.0;
+  EXPECT_THROW(SimulateRecording(testing::WalkTrajectory(4.0, 1), options), Error);
+}
+
+TEST(EstimateBiases, FindsThoseOfASimulatedWalk) {
+  Trajectory trajectory = testing::WalkTrajectory(30.0, 2);
+  const Eigen::Vector3d gyro_bias = trajectory.gyro_bias;
+  const Eigen::Vector3d accel_bias = trajectory.accel_bias;
+  EstimateBiases(9.81, &trajectory);
+  EXPECT_LT((trajectory.gyro_bias - gyro_bias).norm(), 5e-4);
+  EXPECT_LT((trajectory.accel_bias - accel_bias).norm(), 0.03);  // It walks.
+}
+
+// On real samples, the estimators must still find the map and hold on to it.
+TEST(Comparison, HoldsOnRealInertialSamples) {
+  CAIRN_SKIP_WITHOUT_DATA("vi_imu_gt");
+  const std::filesystem::path data = cairn::testing::TestDataDir() / "vi_imu_gt";
+  RecordingOptions options = testing::EurocRecordingOptions();
+  options.duration_s = 15.0;
+  ComparisonOptions comparison;
+  comparison.variants = {{5, 5, DiscardPolicy::kDiscard}, {5, 5, DiscardPolicy::kMarginalize}};
+  for (const MethodResult& result :
+       CompareEstimators(SimulateRecording(testing::EurocTrajectory(data), options), comparison)) {
+    EXPECT_LT(result.position_rmse_m, 0.1) << result.name;
+    EXPECT_LT(result.rotation_rmse_rad, 0.015) << result.name;
+  }
 }
 
 }  // namespace

@@ -1,0 +1,175 @@
+#include "fusion/frontend/klt_tracker.h"
+
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/error.h"
+
+namespace cairn::fusion {
+namespace {
+
+// OpenCV puts the centre of the upper left pixel at (0, 0).
+constexpr double kPixelCentre = 0.5;
+// Corners looked for per feature wanted, so that every cell finds some.
+constexpr int kCornersPerFeature = 8;
+
+void Require(bool condition, const char* what) {
+  if (!condition) {
+    throw Error(ErrorCode::kInvalidArgument, std::string("KltOptions: ") + what);
+  }
+}
+
+}  // namespace
+
+void KltOptions::Validate() const {
+  Require(max_features >= 1, "max_features must be positive");
+  Require(grid_columns >= 1 && grid_rows >= 1, "the grid must have cells");
+  Require(min_distance_px >= 1.0, "min_distance_px must be at least 1");
+  Require(min_relative_quality > 0.0 && min_relative_quality < 1.0,
+          "min_relative_quality must be in (0, 1)");
+  Require(window_px >= 5 && window_px % 2 == 1, "window_px must be odd and at least 5");
+  Require(num_levels >= 1 && num_levels <= 8, "num_levels must be in [1, 8]");
+  Require(max_iterations >= 1, "max_iterations must be positive");
+  Require(max_forward_backward_px > 0.0, "max_forward_backward_px must be positive");
+  Require(border_px >= 1, "border_px must be positive");
+}
+
+struct KltTracker::Impl {
+  explicit Impl(const KltOptions& klt_options) : options(klt_options) {}
+
+  void TrackExisting() {
+    if (points.empty()) {
+      return;
+    }
+    std::vector<cv::Point2f> found, back = points;
+    std::vector<uint8_t> is_found, is_back;
+    std::vector<float> errors;
+    const cv::Size window(options.window_px, options.window_px);
+    const cv::TermCriteria stop(cv::TermCriteria::COUNT | cv::TermCriteria::EPS,
+                                options.max_iterations, 0.01);
+    cv::calcOpticalFlowPyrLK(last_pyramid, pyramid, points, found, is_found, errors, window,
+                             options.num_levels - 1, stop);
+    cv::calcOpticalFlowPyrLK(pyramid, last_pyramid, found, back, is_back, errors, window,
+                             options.num_levels - 1, stop, cv::OPTFLOW_USE_INITIAL_FLOW);
+    size_t num_kept = 0;
+    for (size_t i = 0; i < points.size(); ++i) {
+      const bool returns = is_found[i] && is_back[i] &&
+                           cv::norm(back[i] - points[i]) < options.max_forward_backward_px;
+      if (returns && IsInside(found[i]) && IsFree(found[i])) {
+        Occupy(found[i]);
+        ids[num_kept] = ids[i];
+        points[num_kept++] = found[i];
+      }
+    }
+    ids.resize(num_kept);
+    points.resize(num_kept);
+  }
+
+  void AddCorners() {
+    const int num_wanted = options.max_features - static_cast<int>(points.size());
+    if (num_wanted <= 0) {
+      return;
+    }
+    std::vector<cv::Point2f> corners;  // Best first.
+    cv::goodFeaturesToTrack(image, corners, kCornersPerFeature * options.max_features,
+                            options.min_relative_quality, options.min_distance_px, free);
+    std::vector<int> num_in_cell(
+        static_cast<size_t>(options.grid_columns) * static_cast<size_t>(options.grid_rows), 0);
+    for (const cv::Point2f& point : points) {
+      ++num_in_cell[CellOf(point)];
+    }
+    // Raise the filling of all cells level by level, the best corner of each cell first.
+    std::vector<std::vector<cv::Point2f>> corners_of_cell(num_in_cell.size());
+    for (auto corner = corners.rbegin(); corner != corners.rend(); ++corner) {
+      if (IsInside(*corner)) {
+        corners_of_cell[CellOf(*corner)].push_back(*corner);  // The best last.
+      }
+    }
+    int num_left = num_wanted;
+    for (int level = 1; level <= options.max_features && num_left > 0; ++level) {
+      for (size_t cell = 0; cell < num_in_cell.size() && num_left > 0; ++cell) {
+        if (num_in_cell[cell] < level && !corners_of_cell[cell].empty()) {
+          points.push_back(corners_of_cell[cell].back());
+          ids.push_back(next_id++);
+          corners_of_cell[cell].pop_back();
+          ++num_in_cell[cell];
+          --num_left;
+        }
+      }
+    }
+  }
+
+  bool IsInside(const cv::Point2f& point) const {
+    const auto border = static_cast<float>(options.border_px);
+    return point.x >= border && point.y >= border &&
+           point.x <= static_cast<float>(image.cols - 1) - border &&
+           point.y <= static_cast<float>(image.rows - 1) - border;
+  }
+  bool IsFree(const cv::Point2f& point) const { return free.at<uint8_t>(cv::Point(point)) != 0; }
+  void Occupy(const cv::Point2f& point) {
+    cv::circle(free, point, static_cast<int>(options.min_distance_px), 0, cv::FILLED);
+  }
+  size_t CellOf(const cv::Point2f& point) const {
+    const int column = static_cast<int>(point.x) * options.grid_columns / image.cols;
+    const int row = static_cast<int>(point.y) * options.grid_rows / image.rows;
+    return static_cast<size_t>(row * options.grid_columns + column);
+  }
+
+  KltOptions options;
+  cv::Mat image;
+  cv::Mat free;  // Zero near features.
+  std::vector<cv::Mat> pyramid, last_pyramid;
+  std::vector<cv::Point2f> points;
+  std::vector<uint64_t> ids;  // Parallel to points.
+  uint64_t next_id = 1;
+  std::vector<TrackedFeature> features;
+};
+
+KltTracker::KltTracker(const KltOptions& options) {
+  options.Validate();
+  impl_ = std::make_unique<Impl>(options);
+}
+
+KltTracker::~KltTracker() = default;
+
+void KltTracker::Reset() {
+  impl_->points.clear();
+  impl_->ids.clear();
+}
+
+std::span<const TrackedFeature> KltTracker::Track(const GrayView& view) {
+  Impl& impl = *impl_;
+  const int min_side = 2 * impl.options.border_px + impl.options.window_px;
+  if (view.pixels == nullptr || view.width_px < min_side || view.height_px < min_side ||
+      view.stride_bytes < view.width_px) {
+    throw Error(ErrorCode::kBadInput,
+                "KltTracker: an image must have at least " + std::to_string(min_side) +
+                    " pixels a side, and rows at least as far apart as they are long");
+  }
+  if (impl.image.cols != view.width_px || impl.image.rows != view.height_px) {
+    Reset();
+  }
+  // OpenCV has no view of constant pixels; they are only read.
+  cv::Mat(view.height_px, view.width_px, CV_8UC1, const_cast<uint8_t*>(view.pixels),
+          static_cast<size_t>(view.stride_bytes))
+      .copyTo(impl.image);
+  impl.free = cv::Mat(impl.image.size(), CV_8UC1, cv::Scalar(255));
+  std::swap(impl.pyramid, impl.last_pyramid);
+  cv::buildOpticalFlowPyramid(impl.image, impl.pyramid,
+                              cv::Size(impl.options.window_px, impl.options.window_px),
+                              impl.options.num_levels - 1);
+  impl.TrackExisting();
+  impl.AddCorners();
+  impl.features.clear();
+  for (size_t i = 0; i < impl.points.size(); ++i) {
+    impl.features.push_back(
+        {impl.ids[i], {impl.points[i].x + kPixelCentre, impl.points[i].y + kPixelCentre}});
+  }
+  return impl.features;
+}
+
+}  // namespace cairn::fusion

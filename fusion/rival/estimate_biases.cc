@@ -1,0 +1,92 @@
+#include <Eigen/Cholesky>
+#include <algorithm>
+
+#include "core/error.h"
+#include "fusion/imu_buffer.h"
+#include "fusion/rival/simulate_recording.h"
+#include "fusion/rival/trajectory_interpolation.h"
+
+namespace cairn::fusion {
+namespace {
+
+constexpr int64_t kTurnSpanNs = 500'000'000;
+constexpr int64_t kVelocitySpanNs = 1'000'000'000;
+constexpr int64_t kMarginNs = 100'000'000;  // Velocities need poses on both sides.
+
+struct Extent {
+  int64_t begin_ns, end_ns;
+};
+
+Extent CommonExtent(const Trajectory& trajectory) {
+  const auto& [name, imu, poses, gyro_bias, accel_bias] = trajectory;
+  const bool is_empty = imu.size() < 2 || poses.size() < 2;
+  const Extent extent =
+      is_empty ? Extent{0, 0}
+               : Extent{std::max(imu.front().timestamp_ns, poses.front().timestamp_ns) + kMarginNs,
+                        std::min(imu.back().timestamp_ns, poses.back().timestamp_ns) - kMarginNs};
+  if (extent.end_ns - extent.begin_ns < 3'000'000'000 - 2 * kMarginNs) {
+    throw Error(ErrorCode::kBadInput, "trajectory " + name + ": spans less than three seconds");
+  }
+  return extent;
+}
+
+Eigen::Vector3d GyroBias(const Trajectory& trajectory, const ImuBuffer& buffer,
+                         const Extent& extent) {
+  Eigen::Vector3d bias = Eigen::Vector3d::Zero();
+  for (int iteration = 0; iteration < 3; ++iteration) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    int count = 0;
+    for (int64_t t = extent.begin_ns; t + kTurnSpanNs <= extent.end_ns; t += kTurnSpanNs) {
+      Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
+      buffer.ForEachStep(t, t + kTurnSpanNs, [&](const ImuStep& step) {
+        turn = turn * ExpSo3((step.gyro_rad_s - bias) * step.dt_s);
+      });
+      const Eigen::Quaterniond truth = PoseAt(trajectory.poses, t).rotation.conjugate() *
+                                       PoseAt(trajectory.poses, t + kTurnSpanNs).rotation;
+      sum += LogSo3(truth.conjugate() * turn);
+      ++count;
+    }
+    bias += sum / (count * 1e-9 * static_cast<double>(kTurnSpanNs));
+  }
+  return bias;
+}
+
+// Least squares of: change of velocity = sum of R (a - b) dt + g dt.
+Eigen::Vector3d AccelBias(const Trajectory& trajectory, const ImuBuffer& buffer,
+                          const Extent& extent, const Eigen::Vector3d& gyro_bias,
+                          double gravity_m_s2) {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (int64_t t = extent.begin_ns; t + kVelocitySpanNs <= extent.end_ns; t += kVelocitySpanNs) {
+    Eigen::Quaterniond rotation = PoseAt(trajectory.poses, t).rotation;
+    Eigen::Matrix3d by_bias = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d change = VelocityAt(trajectory.poses, t);
+    change -= VelocityAt(trajectory.poses, t + kVelocitySpanNs);
+    buffer.ForEachStep(t, t + kVelocitySpanNs, [&](const ImuStep& step) {
+      const Eigen::Vector3d turn = (step.gyro_rad_s - gyro_bias) * step.dt_s;
+      const Eigen::Matrix3d middle = (rotation * ExpSo3(0.5 * turn)).toRotationMatrix();
+      by_bias += middle * step.dt_s;
+      change += middle * step.accel_m_s2 * step.dt_s;
+      change.z() -= gravity_m_s2 * step.dt_s;
+      rotation = rotation * ExpSo3(turn);
+    });
+    normal += by_bias.transpose() * by_bias;
+    right += by_bias.transpose() * change;
+  }
+  return normal.ldlt().solve(right);
+}
+
+}  // namespace
+
+void EstimateBiases(double gravity_m_s2, Trajectory* trajectory) {
+  const Extent extent = CommonExtent(*trajectory);
+  ImuBuffer buffer(static_cast<int>(trajectory->imu.size()));
+  for (const ImuSample& sample : trajectory->imu) {
+    buffer.Push(sample);
+  }
+  trajectory->gyro_bias = GyroBias(*trajectory, buffer, extent);
+  trajectory->accel_bias =
+      AccelBias(*trajectory, buffer, extent, trajectory->gyro_bias, gravity_m_s2);
+}
+
+}  // namespace cairn::fusion

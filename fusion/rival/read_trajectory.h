@@ -1,0 +1,21 @@
+// Real trajectories: inertial samples and poses of a device, as EuRoC's data sets have them.
+#ifndef CAIRN_FUSION_RIVAL_READ_TRAJECTORY_H_
+#define CAIRN_FUSION_RIVAL_READ_TRAJECTORY_H_
+
+#include <string>
+
+#include "fusion/rival/simulate_recording.h"
+
+namespace cairn::fusion {
+
+// Reads `imu_path` (nanoseconds, rate x y z in rad/s, specific force x y z in m/s^2) and
+// `poses_path` (nanoseconds, position x y z, quaternion w x y z of the imu, more columns ignored);
+// comma-separated, '#' begins a comment. Keeps the longest stretch in which successive poses are
+// not more than 50 ms apart, and estimates the biases on it. Throws Error(kNotFound) or
+// Error(kBadInput) naming file and line.
+Trajectory ReadTrajectory(const std::string& name, const std::string& imu_path,
+                          const std::string& poses_path, double gravity_m_s2);
+
+}  // namespace cairn::fusion
+
+#endif  // CAIRN_FUSION_RIVAL_READ_TRAJECTORY_H_

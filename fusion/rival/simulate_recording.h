@@ -1,0 +1,79 @@
+// Recordings: inertial samples along a trajectory, simulated or real, under simulated cameras.
+#ifndef CAIRN_FUSION_RIVAL_SIMULATE_RECORDING_H_
+#define CAIRN_FUSION_RIVAL_SIMULATE_RECORDING_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/rigid3.h"
+#include "fusion/filter_state.h"
+#include "fusion/imu.h"
+#include "fusion/rival/recording.h"
+
+namespace cairn::fusion {
+
+// A true pose; `global` is z-up.
+struct TruePose {
+  int64_t timestamp_ns = 0;
+  Rigid3d global_from_imu;
+};
+
+struct Trajectory {
+  std::string name;
+  std::vector<ImuSample> imu;   // By time.
+  std::vector<TruePose> poses;  // By time, at the rate of the samples or so.
+  // Of the unit at the first pose.
+  Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();
+  Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();
+};
+
+struct RecordingOptions {
+  Camera camera = Camera(CameraModel::kPinhole, 640, 480, {460.0, 460.0, 320.0, 240.0});
+  Rig rig;  // Its time offset must be 0.
+  ImuNoise imu_noise;
+  double gravity_m_s2 = 9.81;
+  double duration_s = 60.0;  // At most; less if the trajectory is shorter.
+  double frame_rate_hz = 10.0;
+  int frames_per_query = 5;
+  double first_counted_s = 5.0;
+
+  int max_features = 300;  // In a frame.
+  double track_sigma_px = 1.0;
+  double track_loss = 0.03;  // Probability that a track ends, per frame.
+  // Landmarks stand around random poses of the trajectory, as walls do.
+  int num_landmarks = 20'000;
+  double min_distance_m = 3.0;
+  double max_distance_m = 16.0;
+  double min_height_m = -1.6;  // Above the pose.
+  double max_height_m = 4.0;
+
+  int max_matches = 300;  // In an answer.
+  double match_sigma_px = 1.0;
+  double map_sigma_m = 0.05;  // Of a landmark in the map, per axis.
+  double wrong_match_fraction = 0.0;
+  // Standard deviations of the state at the start; position and yaw define local.
+  double start_tilt_sigma_rad = 0.01;
+  double start_velocity_sigma_m_s = 0.05;
+  double start_gyro_bias_sigma_rad_s = 0.002;
+  double start_accel_bias_sigma_m_s2 = 0.03;
+  uint64_t seed = 1;
+
+  // Throws Error(kInvalidArgument) naming the field.
+  void Validate() const;
+};
+
+// Deterministic by seed. Throws Error(kInvalidArgument) as Validate, and Error(kBadInput) if the
+// trajectory has fewer than two frames within its poses and samples.
+Recording SimulateRecording(const Trajectory& trajectory, const RecordingOptions& options);
+
+// The constant biases under which the samples fit the poses best: the rate against the poses'
+// turning over half a second, the specific force against their change of velocity over a second.
+// Throws Error(kBadInput) if samples or poses span less than three seconds.
+void EstimateBiases(double gravity_m_s2, Trajectory* trajectory);
+
+}  // namespace cairn::fusion
+
+#endif  // CAIRN_FUSION_RIVAL_SIMULATE_RECORDING_H_

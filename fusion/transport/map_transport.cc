@@ -1,0 +1,252 @@
+#include "fusion/transport/map_transport.h"
+
+#include <fmt/format.h>
+#include <httplib.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <random>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+#include "core/error.h"
+
+namespace cairn::fusion {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+void Require(bool condition, const char* what) {
+  if (!condition) {
+    throw Error(ErrorCode::kInvalidArgument, std::string("MapTransportOptions: ") + what);
+  }
+}
+
+Clock::duration Seconds(double seconds) {
+  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+Answer Failed(const MapQuery& query) {
+  Answer answer;
+  answer.query_id = query.query.query_id;
+  return answer;
+}
+
+// Statuses that say "later", as opposed to "never".
+bool IsOverload(int status) { return status == 408 || status == 429 || status >= 500; }
+
+}  // namespace
+
+void MapTransportOptions::Validate() const {
+  constexpr std::string_view kScheme = "http://";
+  Require(std::string_view(url).starts_with(kScheme) && url.size() > kScheme.size() &&
+              url.find('/', kScheme.size()) == std::string::npos,
+          "url must be http://host:port");
+  ValidateGeodetic(global_origin, "global_origin");
+  Require(timeout_ms > 0, "timeout_ms must be positive");
+  Require(max_matches > 0, "max_matches must be positive");
+  Require(max_queued > 0, "max_queued must be positive");
+  Require(min_interval_s >= 0.0, "min_interval_s must not be negative");
+  Require(first_backoff_s > 0.0 && max_backoff_s >= first_backoff_s,
+          "back-off must be positive and grow");
+  Require(max_response_bytes > 0, "max_response_bytes must be positive");
+}
+
+struct MapTransport::Impl {
+  Impl(const MapTransportOptions& transport_options, Callback callback)
+      : options(transport_options),
+        on_answer(std::move(callback)),
+        http(transport_options.url),
+        random(transport_options.seed) {
+    if (!options.now) {
+      options.now = [] { return Clock::now(); };
+    }
+    http.set_keep_alive(true);
+    http.set_tcp_nodelay(true);
+    const time_t seconds = options.timeout_ms / 1000;
+    const time_t microseconds = options.timeout_ms % 1000 * 1000;
+    http.set_connection_timeout(seconds, microseconds);
+    http.set_read_timeout(seconds, microseconds);
+    http.set_write_timeout(seconds, microseconds);
+    worker = std::thread([this] { Work(); });
+  }
+
+  ~Impl() {
+    {
+      const std::lock_guard lock(mutex);
+      stopping = true;
+    }
+    wake.notify_all();
+    http.stop();
+    worker.join();
+  }
+
+  SendStatus Send(MapQuery query) {
+    {
+      const std::lock_guard lock(mutex);
+      const Clock::time_point now = options.now();
+      if (now < closed_until) {
+        return SendStatus::kBackingOff;
+      }
+      if (last_accepted && now < *last_accepted + Seconds(options.min_interval_s)) {
+        return SendStatus::kTooSoon;
+      }
+      if (static_cast<int>(queue.size()) >= options.max_queued) {
+        return SendStatus::kQueueFull;
+      }
+      queue.push_back(std::move(query));
+      last_accepted = now;
+    }
+    wake.notify_all();
+    return SendStatus::kQueued;
+  }
+
+  void Work() {
+    while (true) {
+      MapQuery query;
+      bool stop;
+      {
+        std::unique_lock lock(mutex);
+        wake.wait(lock, [&] { return stopping || !queue.empty(); });
+        if (queue.empty()) {
+          return;
+        }
+        query = std::move(queue.front());
+        queue.pop_front();
+        stop = stopping;
+      }
+      on_answer(stop ? Failed(query) : Ask(query));
+    }
+  }
+
+  // Never throws: whatever goes wrong is a failed answer.
+  Answer Ask(const MapQuery& query) noexcept {
+    try {
+      return Exchange(query);
+    } catch (const std::exception&) {  // The features do not encode, or there is no memory.
+      Count(&MapTransportCounters::num_bad_queries);
+      return Failed(query);
+    }
+  }
+
+  Answer Exchange(const MapQuery& query) {
+    MapRequest message = MakeMapRequest(query, options.global_origin,
+                                        std::min(options.timeout_ms, 60'000), options.max_matches);
+    std::string response_body;
+    bool too_long = false;
+    httplib::Request request;
+    request.method = "POST";
+    request.path = "/v1/localize";
+    request.headers.emplace("Content-Type", message.content_type);
+    request.body = std::move(message.body);
+    request.content_receiver = [&](const char* data, size_t size, uint64_t, uint64_t) {
+      too_long = response_body.size() + size > options.max_response_bytes;
+      if (!too_long) {
+        response_body.append(data, size);
+      }
+      return !too_long;
+    };
+    Count(&MapTransportCounters::num_sent);
+    Count(&MapTransportCounters::num_bytes_sent, static_cast<int64_t>(request.body.size()));
+    const httplib::Result result = SendTwiceIfStale(request, &response_body);
+    if (too_long) {
+      return Fail(query, &MapTransportCounters::num_garbled, /*back_off=*/true);
+    }
+    if (!result) {
+      return Fail(query, &MapTransportCounters::num_unreachable, /*back_off=*/true);
+    }
+    if (result->status != 200) {
+      return Fail(query, &MapTransportCounters::num_refused, IsOverload(result->status));
+    }
+    auto answer = ReadMapAnswer(response_body, query, options.global_origin);
+    if (!answer) {
+      return Fail(query, &MapTransportCounters::num_garbled, /*back_off=*/true);
+    }
+    Count(answer->localized ? &MapTransportCounters::num_localized
+                            : &MapTransportCounters::num_not_localized);
+    Reopen();
+    return std::move(*answer);
+  }
+
+  // The server may close a silent connection just when the next request is on its way; a failure
+  // without a byte of answer and without a timeout is tried once more, on a new connection.
+  httplib::Result SendTwiceIfStale(const httplib::Request& request, std::string* response_body) {
+    httplib::Result result = http.send(request);
+    const bool had_connection = std::exchange(is_connected, static_cast<bool>(result));
+    if (!result && had_connection && response_body->empty() && !IsStopping()) {
+      result = http.send(request);
+      is_connected = static_cast<bool>(result);
+    }
+    return result;
+  }
+
+  Answer Fail(const MapQuery& query, int64_t MapTransportCounters::*counter, bool back_off) {
+    Count(counter);
+    if (back_off) {
+      const std::lock_guard lock(mutex);
+      const double pause_s =
+          std::min(options.max_backoff_s, options.first_backoff_s * std::exp2(num_failures));
+      num_failures = std::min(num_failures + 1, 60);
+      const double share = std::uniform_real_distribution<double>(0.5, 1.0)(random);
+      closed_until = options.now() + Seconds(pause_s * share);
+    }
+    return Failed(query);
+  }
+
+  void Reopen() {
+    const std::lock_guard lock(mutex);
+    num_failures = 0;
+  }
+
+  bool IsStopping() {
+    const std::lock_guard lock(mutex);
+    return stopping;
+  }
+
+  void Count(int64_t MapTransportCounters::*counter, int64_t by = 1) {
+    const std::lock_guard lock(mutex);
+    counters.*counter += by;
+  }
+
+  MapTransportOptions options;
+  Callback on_answer;
+  httplib::Client http;
+  bool is_connected = false;  // An exchange succeeded on the kept connection; the worker's.
+
+  std::mutex mutex;  // Guards what follows.
+  std::condition_variable wake;
+  std::deque<MapQuery> queue;
+  bool stopping = false;
+  Clock::time_point closed_until = Clock::time_point::min();
+  std::optional<Clock::time_point> last_accepted;
+  int num_failures = 0;  // In a row.
+  std::mt19937_64 random;
+  MapTransportCounters counters;
+
+  std::thread worker;  // Last: it uses all of the above.
+};
+
+MapTransport::MapTransport(const MapTransportOptions& options, Callback on_answer) {
+  options.Validate();
+  impl_ = std::make_unique<Impl>(options, std::move(on_answer));
+}
+
+MapTransport::~MapTransport() = default;
+
+SendStatus MapTransport::Send(MapQuery query) noexcept {
+  try {
+    return impl_->Send(std::move(query));
+  } catch (const std::exception&) {
+    return SendStatus::kOutOfMemory;
+  }
+}
+
+MapTransportCounters MapTransport::counters() const noexcept {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->counters;
+}
+
+}  // namespace cairn::fusion

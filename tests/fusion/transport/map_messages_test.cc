@@ -1,0 +1,178 @@
+#include "fusion/transport/map_messages.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/tile_id.h"
+#include "http/multipart.h"
+
+namespace cairn::fusion {
+namespace {
+
+using Json = nlohmann::json;
+
+const Geodetic kOrigin = Geodetic::FromDegrees(47.3769, 8.5417, 408.0);
+
+MapQuery QueryOf(int num_features) {
+  MapQuery query;
+  query.query.query_id = 17;
+  query.query.down_in_cam = {0.0, 1.0, 0.0};
+  query.camera = Camera(CameraModel::kPinhole, 640, 480, {460.0, 460.0, 320.0, 240.0});
+  query.features.space = DescriptorSpace::kProjected;
+  query.codec = "sift-128-16-1";
+  query.features.descriptors = DescriptorMatrix::Random(num_features, 16);
+  for (int i = 0; i < num_features; ++i) {
+    query.features.keypoints.push_back({static_cast<float>(i % 640), 100.0f, 2.0f, 0.5f});
+  }
+  return query;
+}
+
+Json RequestOf(const MapQuery& query) {
+  const MapRequest request = MakeMapRequest(query, kOrigin, 2000, 300);
+  const std::vector<MultipartPart> parts = ParseMultipart(request.content_type, request.body);
+  EXPECT_EQ(parts.at(0).name, "request");
+  EXPECT_EQ(parts.at(1).name, "features");
+  return Json::parse(parts.at(0).content);
+}
+
+// A camera 2 m east of the origin, level, that looks north.
+Json AnswerJson() {
+  const Geodetic position = GeodeticFromEcef(EcefFromEnu(kOrigin) * Eigen::Vector3d(2.0, 0.0, 0.0));
+  const double half = std::sqrt(0.5);
+  return {
+      {"status", "LOCALIZED"},
+      {"innerFrame", "RDF"},
+      {"geopose",
+       {{"position",
+         {{"lat", position.lat_deg()}, {"lon", position.lon_deg()}, {"h", position.h_m}}},
+        {"quaternion", {{"x", -half}, {"y", 0.0}, {"z", 0.0}, {"w", half}}}}},
+      {"anchor", {{"lat", position.lat_deg()}, {"lon", position.lon_deg()}, {"h", position.h_m}}},
+      {"map", {{"version", 1}, {"tiles", {"32N-03104-35120"}}}},
+      {"matches",
+       {{{"u", 10.5},
+         {"v", 20.5},
+         {"landmarkId", 5},
+         {"enu", {1.0, 7.0, 3.0}},
+         {"sigma", 0.04},
+         {"error", 0.5},
+         {"keypoint", 1},
+         {"tile", 0}}}}};
+}
+
+TEST(MapMessages, FiveHundredProjectedFeaturesTakeSome20Kilobytes) {
+  const MapRequest request = MakeMapRequest(QueryOf(500), kOrigin, 2000, 300);
+  EXPECT_LT(request.body.size(), 20'500u);
+  EXPECT_GT(request.body.size(), 19'000u);
+}
+
+TEST(MapMessages, RequestSaysWhatTheFilterKnows) {
+  MapQuery query = QueryOf(3);
+  PosePrior prior;
+  prior.global_from_cam = Rigid3d(Eigen::Quaterniond::Identity(), Eigen::Vector3d(30.0, 40.0, 2.0));
+  prior.covariance = Matrix6d::Identity() * 4.0;
+  query.query.prior = prior;
+  query.rough_position = RoughPosition{Geodetic::FromDegrees(1.0, 2.0, 3.0), 15.0};
+  const Json json = RequestOf(query);
+  EXPECT_EQ(json["id"], "17");
+  EXPECT_EQ(json["gravity"], Json({0.0, 1.0, 0.0}));
+  EXPECT_EQ(json["camera"]["modelParams"].size(), 4u);
+  EXPECT_EQ(json["options"]["innerFrame"], "RDF");
+  EXPECT_NEAR(json["prior"]["accuracy"].get<double>(), 1.51 * 2.0, 1e-9);
+  const Json& position = json["prior"]["position"];
+  const Geodetic place = Geodetic::FromDegrees(position["lat"], position["lon"], position["h"]);
+  const Eigen::Vector3d x_in_global = EcefFromEnu(kOrigin).Inverse() * EcefFromGeodetic(place);
+  EXPECT_LT((x_in_global - prior.global_from_cam.translation).norm(), 1e-6);
+}
+
+TEST(MapMessages, RoughPositionServesUntilThereIsAPrior) {
+  MapQuery query = QueryOf(3);
+  EXPECT_FALSE(RequestOf(query).contains("prior"));
+  query.rough_position = RoughPosition{Geodetic::FromDegrees(47.0, 8.0, 3.0), 12.0};
+  EXPECT_EQ(RequestOf(query)["prior"]["accuracy"], 12.0);
+}
+
+TEST(MapMessages, FeaturesOutsideTheImageAreRefused) {
+  MapQuery query = QueryOf(3);
+  query.features.keypoints[1].x_px = 1000.0f;
+  EXPECT_THROW(MakeMapRequest(query, kOrigin, 2000, 300), Error);
+}
+
+TEST(MapMessages, AnswersAreMovedToGlobal) {
+  MapQuery query = QueryOf(3);
+  query.track_of_keypoint = {std::nullopt, 77, std::nullopt};
+  const auto answer = ReadMapAnswer(AnswerJson().dump(), query, kOrigin);
+  ASSERT_TRUE(answer);
+  EXPECT_TRUE(answer->localized);
+  EXPECT_EQ(answer->query_id, 17);
+  EXPECT_LT((answer->global_from_cam.translation - Eigen::Vector3d(2.0, 0.0, 0.0)).norm(), 1e-6);
+  const Eigen::Vector3d ahead = answer->global_from_cam.rotation * Eigen::Vector3d::UnitZ();
+  EXPECT_LT((ahead - Eigen::Vector3d::UnitY()).norm(), 1e-5);
+  ASSERT_EQ(answer->matches.size(), 1u);
+  const MapMatch& match = answer->matches[0];
+  EXPECT_LT((match.x_in_global - Eigen::Vector3d(3.0, 7.0, 3.0)).norm(), 1e-4);
+  EXPECT_EQ(match.pixel, Eigen::Vector2d(10.5, 20.5));
+  EXPECT_EQ(match.track_id, 77u);
+  EXPECT_EQ(match.sigma_m, 0.04);
+  EXPECT_EQ(match.tile_id, TileId::Parse("32N-03104-35120").value());
+}
+
+TEST(MapMessages, NoPoseIsAnAnswer) {
+  const auto answer =
+      ReadMapAnswer(R"({"status":"NOT_LOCALIZED","reason":"NO_COVERAGE"})", QueryOf(1), kOrigin);
+  ASSERT_TRUE(answer);
+  EXPECT_FALSE(answer->localized);
+  EXPECT_EQ(answer->query_id, 17);
+}
+
+TEST(MapMessages, MembersThatAreMissingOrWrongMakeNoAnswer) {
+  const MapQuery query = QueryOf(3);
+  ASSERT_TRUE(ReadMapAnswer(AnswerJson().dump(), query, kOrigin));
+  for (const char* member : {"status", "innerFrame", "geopose", "anchor", "map", "matches"}) {
+    Json json = AnswerJson();
+    json.erase(member);
+    EXPECT_FALSE(ReadMapAnswer(json.dump(), query, kOrigin)) << "without " << member;
+    json[member] = "nonsense";
+    EXPECT_FALSE(ReadMapAnswer(json.dump(), query, kOrigin) &&
+                 ReadMapAnswer(json.dump(), query, kOrigin)->localized)
+        << member;
+  }
+  for (const char* member : {"u", "enu", "sigma", "keypoint", "tile"}) {
+    Json json = AnswerJson();
+    json["matches"][0].erase(member);
+    EXPECT_FALSE(ReadMapAnswer(json.dump(), query, kOrigin)) << "without " << member;
+  }
+}
+
+TEST(MapMessages, NumbersWithoutSenseMakeNoAnswer) {
+  const MapQuery query = QueryOf(3);
+  Json json = AnswerJson();
+  json["matches"][0]["sigma"] = -1.0;
+  EXPECT_FALSE(ReadMapAnswer(json.dump(), query, kOrigin));
+  json = AnswerJson();
+  json["matches"][0]["tile"] = 9;
+  EXPECT_FALSE(ReadMapAnswer(json.dump(), query, kOrigin));
+  json = AnswerJson();
+  json["geopose"]["quaternion"]["w"] = 0.2;
+  EXPECT_FALSE(ReadMapAnswer(json.dump(), query, kOrigin));
+  json = AnswerJson();
+  json["geopose"]["position"]["lat"] = 500.0;
+  EXPECT_FALSE(ReadMapAnswer(json.dump(), query, kOrigin));
+  json = AnswerJson();
+  json["matches"][0]["u"] = std::numeric_limits<double>::infinity();  // Dumps as null.
+  EXPECT_FALSE(ReadMapAnswer(json.dump(), query, kOrigin));
+}
+
+TEST(MapMessages, EveryTruncationIsRefused) {
+  const std::string whole = AnswerJson().dump();
+  for (size_t length = 0; length < whole.size(); ++length) {
+    EXPECT_FALSE(ReadMapAnswer(std::string_view(whole).substr(0, length), QueryOf(3), kOrigin))
+        << length;
+  }
+}
+
+}  // namespace
+}  // namespace cairn::fusion

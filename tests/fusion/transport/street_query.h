@@ -1,0 +1,38 @@
+// A query of the street that http/server_fixture.h serves, as the filter would ask it.
+#ifndef CAIRN_TESTS_FUSION_TRANSPORT_STREET_QUERY_H_
+#define CAIRN_TESTS_FUSION_TRANSPORT_STREET_QUERY_H_
+
+#include "engine/localize_query.h"
+#include "fusion/transport/map_messages.h"
+#include "storage/codebook.h"
+#include "storage/descriptor_codec.h"
+#include "storage/map_store.h"
+
+namespace cairn::fusion::testing {
+
+// With raw features.
+inline MapQuery MapQueryFrom(const LocalizeQuery& from, int64_t query_id) {
+  MapQuery query;
+  query.query.query_id = query_id;
+  query.query.down_in_cam = *from.down_in_cam;
+  query.camera = from.camera;
+  query.features = from.features;
+  query.rough_position = {from.prior->position, from.prior->accuracy_m};
+  return query;
+}
+
+// With features projected by the codebook of a map, as a phone sends them.
+inline MapQuery ProjectedMapQueryFrom(const LocalizeQuery& from, int64_t query_id,
+                                      const std::string& map_path) {
+  MapQuery query = MapQueryFrom(from, query_id);
+  const MapStore store = MapStore::Open(map_path, OpenMode::kReadOnly);
+  const auto codebook = store.Snapshot().CurrentCodebook();
+  query.features.descriptors = DescriptorCodec(codebook).ProjectFeatures(from.features);
+  query.features.space = DescriptorSpace::kProjected;
+  query.codec = codebook->CodecName();
+  return query;
+}
+
+}  // namespace cairn::fusion::testing
+
+#endif  // CAIRN_TESTS_FUSION_TRANSPORT_STREET_QUERY_H_
