@@ -6,27 +6,15 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 #include <string_view>
+#include <utility>
 
 #include "core/error.h"
 #include "http/feature_codec.h"
 #include "http/json/localize_response.h"
+#include "http/multipart.h"
 
 namespace cairn {
 namespace {
-
-constexpr char kBoundary[] = "cairn-client-5f1c2a9e7d304b68";
-
-// A part of the form; the bytes may contain anything but the boundary, whose randomness makes that
-// certain enough.
-void AppendPart(std::string_view name, std::string_view content_type, std::string_view bytes,
-                std::string* body) {
-  *body += fmt::format(
-      "--{}\r\nContent-Disposition: form-data; name=\"{}\"; filename=\"{}\"\r\n"
-      "Content-Type: {}\r\n\r\n",
-      kBoundary, name, name, content_type);
-  body->append(bytes);
-  *body += "\r\n";
-}
 
 std::string RequestJson(const LocalizeQuery& query, bool want_matches) {
   nlohmann::json json;
@@ -127,14 +115,12 @@ struct LocalizeClient::Impl {
 
   LocalizeResult Post(const LocalizeQuery& query, const char* part_name,
                       const char* part_content_type, std::span<const uint8_t> bytes) {
-    std::string body;
-    body.reserve(bytes.size() + 4096);
-    AppendPart("request", "application/json", RequestJson(query, options.want_matches), &body);
-    AppendPart(part_name, part_content_type, AsText(bytes), &body);
-    body += fmt::format("--{}--\r\n", kBoundary);
-    const std::string content_type = fmt::format("multipart/form-data; boundary={}", kBoundary);
+    MultipartWriter writer;
+    writer.Add("request", "application/json", RequestJson(query, options.want_matches));
+    writer.Add(part_name, part_content_type, AsText(bytes));
+    const std::string body = std::move(writer).Finish();
     return ParseLocalizeResponse(
-        BodyOf([&] { return http.Post("/v1/localize", body, content_type); }));
+        BodyOf([&] { return http.Post("/v1/localize", body, MultipartWriter::ContentType()); }));
   }
 };
 

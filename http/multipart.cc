@@ -4,11 +4,15 @@
 
 #include <algorithm>
 #include <cctype>
+#include <utility>
 
 #include "http/problem.h"
 
 namespace cairn {
 namespace {
+
+// Of the bodies written here.
+constexpr char kBoundary[] = "cairn-client-5f1c2a9e7d304b68";
 
 constexpr size_t kMaxParts = 16;
 constexpr size_t kMaxPartHeadBytes = 4096;
@@ -122,6 +126,26 @@ std::vector<MultipartPart> ParseMultipart(std::string_view content_type, std::st
     body.remove_prefix(end + delimiter.size());
   }
   return parts;
+}
+
+std::string MultipartWriter::ContentType() {
+  return fmt::format("multipart/form-data; boundary={}", kBoundary);
+}
+
+void MultipartWriter::Add(std::string_view name, std::string_view content_type,
+                          std::string_view bytes) {
+  body_.reserve(body_.size() + bytes.size() + 512);
+  body_ += fmt::format(
+      "--{}\r\nContent-Disposition: form-data; name=\"{}\"; filename=\"{}\"\r\n"
+      "Content-Type: {}\r\n\r\n",
+      kBoundary, name, name, content_type);
+  body_.append(bytes);
+  body_ += "\r\n";
+}
+
+std::string MultipartWriter::Finish() && {
+  body_ += fmt::format("--{}--\r\n", kBoundary);
+  return std::move(body_);
 }
 
 }  // namespace cairn

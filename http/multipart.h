@@ -22,6 +22,20 @@ bool IsMultipart(std::string_view content_type);
 // there are more than 16 parts.
 std::vector<MultipartPart> ParseMultipart(std::string_view content_type, std::string_view body);
 
+// Writes such a body part by part.
+class MultipartWriter {
+ public:
+  // Of the whole body; has the boundary.
+  static std::string ContentType();
+
+  // The bytes may be anything but the boundary, whose randomness makes that certain enough.
+  void Add(std::string_view name, std::string_view content_type, std::string_view bytes);
+  std::string Finish() &&;
+
+ private:
+  std::string body_;
+};
+
 // The media type of a Content-Type without its parameters, in lower case.
 std::string MediaType(std::string_view content_type);
 
