@@ -39,8 +39,10 @@ void MakeFolder(const std::filesystem::path& path) {
 }
 
 ExitCode List() {
+  fmt::print("{:<30} {:<21} {:<6} {}\n", "name", "paper", "full", "question");
   for (const Experiment& experiment : AllExperiments()) {
-    fmt::print("{:<32} {:<12} {}\n", experiment.name, experiment.paper, experiment.title);
+    fmt::print("{:<30} {:<21} {:<6} {}\n", experiment.name, experiment.paper,
+               experiment.full_duration.empty() ? "-" : experiment.full_duration, experiment.title);
   }
   return ExitCode::kOk;
 }

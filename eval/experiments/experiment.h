@@ -59,7 +59,8 @@ struct Experiment {
   std::string claim;  // What the paper says, in one sentence.
   // How the verdict is decided, in one sentence.
   std::string rule;
-  std::string full_duration;  // Measured, of the full size on two cores.
+  // Of the full size on two idle cores; estimated from the CPU time of smaller runs.
+  std::string full_duration;
   std::function<ExperimentOutcome(const ExperimentContext&)> run;
 };
 

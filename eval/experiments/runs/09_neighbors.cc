@@ -59,7 +59,7 @@ Experiment NeighborsExperiment() {
       "holds if average precision with the threshold at k = 4 is greater than at the smallest "
       "k, than at the largest k and than without the threshold, each by a paired interval; does "
       "not hold if one of them is smaller.",
-      "2 min",
+      "1 min",
       Run};
 }
 

@@ -66,7 +66,7 @@ Experiment RatioTestExperiment() {
           "multi-index.",
           "holds if the best average precision of the absolute threshold is greater than that of "
           "the ratio test, by a paired interval; does not hold if it is smaller.",
-          "2 min",
+          "1 min",
           Run};
 }
 

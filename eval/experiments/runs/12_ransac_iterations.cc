@@ -69,7 +69,7 @@ Experiment RansacIterationsExperiment() {
       "Voting converges at a lower count of RANSAC iterations than covisibility filtering.",
       "holds if covisibility filtering loses more average precision than voting when iterations "
       "are cut from the most to few, by a paired interval; does not hold if it loses less.",
-      "2 min",
+      "1 min",
       Run};
 }
 

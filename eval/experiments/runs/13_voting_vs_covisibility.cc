@@ -63,7 +63,7 @@ Experiment VotingVsCovisibilityExperiment() {
           "holds if the average precision of voting in 4D is greater than that of covisibility "
           "filtering at k = 4 and at the largest k, each by a paired interval; does not hold if it "
           "is smaller at one.",
-          "2 min",
+          "1 min",
           Run};
 }
 

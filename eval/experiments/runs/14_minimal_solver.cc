@@ -63,7 +63,7 @@ Experiment MinimalSolverExperiment() {
           "The two-point solver with gravity is superior to P3P over the inlier threshold.",
           "holds if its best average precision is greater than that of P3P, by a paired interval; "
           "does not hold if it is smaller.",
-          "2 min",
+          "1 min",
           Run};
 }
 

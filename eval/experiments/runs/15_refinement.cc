@@ -67,7 +67,7 @@ Experiment RefinementExperiment() {
       "A refinement stage after voting recovers queries, whatever the number of candidates.",
       "holds if refinement improves average precision with the fewest, the default and the most "
       "candidates, each by a paired interval; does not hold if it is worse with one.",
-      "2 min",
+      "1 min",
       Run};
 }
 
