@@ -75,7 +75,7 @@ std::pair<size_t, size_t> LongestStretch(const std::vector<TruePose>& poses) {
 }  // namespace
 
 Trajectory ReadTrajectory(const std::string& name, const std::string& imu_path,
-                          const std::string& poses_path, double gravity_m_s2) {
+                          const std::string& poses_path) {
   Trajectory trajectory;
   trajectory.name = name;
   for (const Row<6>& row : ReadRows<6>(imu_path)) {
@@ -91,7 +91,7 @@ Trajectory ReadTrajectory(const std::string& name, const std::string& imu_path,
   const auto [first, last] = LongestStretch(poses);
   trajectory.poses.assign(poses.begin() + static_cast<std::ptrdiff_t>(first),
                           poses.begin() + static_cast<std::ptrdiff_t>(last));
-  EstimateBiases(gravity_m_s2, &trajectory);
+  FitToSamples(&trajectory);
   return trajectory;
 }
 

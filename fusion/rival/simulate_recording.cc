@@ -63,7 +63,7 @@ class Simulator {
     options.camera = options_.camera;
     options.rig = options_.rig;
     options.imu_noise = options_.imu_noise;
-    options.gravity_m_s2 = options_.gravity_m_s2;
+    options.gravity_m_s2 = trajectory_.gravity_m_s2;
     options.tracks.sigma_px = options_.track_sigma_px;
     options.map.sigma_px = options_.match_sigma_px;
     return options;
@@ -193,8 +193,11 @@ class Simulator {
       if (Uniform(0.0, 1.0) < options_.wrong_match_fraction) {
         landmark = std::uniform_int_distribution<size_t>(0, landmarks_.size() - 1)(random_);
       }
-      answer.matches.push_back(
-          {feature.pixel, feature.track_id, in_map_[landmark], options_.map_sigma_m, landmark + 1});
+      answer.matches.push_back({.pixel = feature.pixel,
+                                .track_id = feature.track_id,
+                                .x_in_global = in_map_[landmark],
+                                .sigma_m = options_.map_sigma_m,
+                                .landmark_id = landmark + 1});
     }
   }
 
@@ -212,7 +215,6 @@ class Simulator {
 
 void RecordingOptions::Validate() const {
   Require(rig.time_offset_s == 0.0, "rig.time_offset_s must be 0");
-  Require(gravity_m_s2 > 0.0, "gravity_m_s2 must be positive");
   Require(duration_s > 0.0 && frame_rate_hz > 0.0, "duration and rate must be positive");
   Require(frames_per_query >= 1, "frames_per_query must be positive");
   Require(first_counted_s >= 0.0, "first_counted_s must not be negative");

@@ -28,13 +28,13 @@ struct Trajectory {
   // Of the unit at the first pose.
   Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();
   Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();
+  double gravity_m_s2 = 9.81;
 };
 
 struct RecordingOptions {
   Camera camera = Camera(CameraModel::kPinhole, 640, 480, {460.0, 460.0, 320.0, 240.0});
   Rig rig;  // Its time offset must be 0.
   ImuNoise imu_noise;
-  double gravity_m_s2 = 9.81;
   double duration_s = 60.0;  // At most; less if the trajectory is shorter.
   double frame_rate_hz = 10.0;
   int frames_per_query = 5;
@@ -69,10 +69,12 @@ struct RecordingOptions {
 // trajectory has fewer than two frames within its poses and samples.
 Recording SimulateRecording(const Trajectory& trajectory, const RecordingOptions& options);
 
-// The constant biases under which the samples fit the poses best: the rate against the poses'
-// turning over half a second, the specific force against their change of velocity over a second.
-// Throws Error(kBadInput) if samples or poses span less than three seconds.
-void EstimateBiases(double gravity_m_s2, Trajectory* trajectory);
+// Fits what a recorded trajectory does not say: the constant biases and the gravity under which
+// the samples agree best with the poses, and turns `global`, which motion capture levels to a part
+// of a degree only, so that this gravity is vertical. The rate is held against the poses' turning
+// over half a second, the specific force against their change of velocity over a second. Throws
+// Error(kBadInput) if samples or poses span less than three seconds.
+void FitToSamples(Trajectory* trajectory);
 
 }  // namespace cairn::fusion
 

@@ -103,6 +103,7 @@ MapMatch ReadMatch(const Json& json, const MapQuery& query, const Rigid3d& globa
   if (match.sigma_m < 0.0) {
     throw std::invalid_argument("a standard deviation is negative");
   }
+  match.landmark_id = json.at("landmarkId").get<uint64_t>();
   match.tile_id = tile_ids.at(json.at("tile").get<size_t>());
   const auto keypoint = json.at("keypoint").get<size_t>();
   if (keypoint < query.track_of_keypoint.size()) {

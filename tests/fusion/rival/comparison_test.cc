@@ -138,13 +138,22 @@ TEST(SimulateRecording, RefusesWhatItCannotSimulate) {
   EXPECT_THROW(SimulateRecording(testing::WalkTrajectory(4.0, 1), options), Error);
 }
 
-TEST(EstimateBiases, FindsThoseOfASimulatedWalk) {
+TEST(FitToSamples, FindsBiasesAndLevelOfASimulatedWalk) {
   Trajectory trajectory = testing::WalkTrajectory(30.0, 2);
-  const Eigen::Vector3d gyro_bias = trajectory.gyro_bias;
-  const Eigen::Vector3d accel_bias = trajectory.accel_bias;
-  EstimateBiases(9.81, &trajectory);
-  EXPECT_LT((trajectory.gyro_bias - gyro_bias).norm(), 5e-4);
-  EXPECT_LT((trajectory.accel_bias - accel_bias).norm(), 0.03);  // It walks.
+  const Trajectory truth = trajectory;
+  const Rigid3d tilt(ExpSo3({0.01, -0.02, 0.0}), Eigen::Vector3d::Zero());
+  for (TruePose& pose : trajectory.poses) {
+    pose.global_from_imu = tilt * pose.global_from_imu;
+  }
+  FitToSamples(&trajectory);
+  EXPECT_LT((trajectory.gyro_bias - truth.gyro_bias).norm(), 5e-4);
+  EXPECT_LT((trajectory.accel_bias - truth.accel_bias).norm(), 0.05);  // It walks.
+  EXPECT_NEAR(trajectory.gravity_m_s2, 9.81, 0.02);
+  const Eigen::Vector3d up_then =
+      truth.poses[0].global_from_imu.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d up_now =
+      trajectory.poses[0].global_from_imu.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  EXPECT_LT((up_now - up_then).norm(), 0.004);
 }
 
 // On real samples, the estimators must still find the map and hold on to it.

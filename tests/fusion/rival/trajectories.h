@@ -67,7 +67,7 @@ inline RecordingOptions EurocRecordingOptions() {
 }
 inline Trajectory EurocTrajectory(const std::filesystem::path& vi_imu_gt) {
   const std::filesystem::path dir = vi_imu_gt / "euroc_V1_02_medium";
-  return ReadTrajectory("EuRoC V1_02", dir / "imu.csv", dir / "groundtruth.csv", 9.81);
+  return ReadTrajectory("EuRoC V1_02", dir / "imu.csv", dir / "groundtruth.csv");
 }
 
 // The camera looks against the imu's y axis, the imu's z axis is up.
@@ -83,7 +83,7 @@ inline RecordingOptions TumRecordingOptions() {
 }
 inline Trajectory TumTrajectory(const std::filesystem::path& vi_imu_gt) {
   const std::filesystem::path dir = vi_imu_gt / "tumvi_room1";
-  return ReadTrajectory("TUM-VI room1", dir / "imu.csv", dir / "groundtruth.csv", 9.81);
+  return ReadTrajectory("TUM-VI room1", dir / "imu.csv", dir / "groundtruth.csv");
 }
 
 }  // namespace cairn::fusion::testing

@@ -117,6 +117,7 @@ TEST(MapMessages, AnswersAreMovedToGlobal) {
   EXPECT_EQ(match.pixel, Eigen::Vector2d(10.5, 20.5));
   EXPECT_EQ(match.track_id, 77u);
   EXPECT_EQ(match.sigma_m, 0.04);
+  EXPECT_EQ(match.landmark_id, 5u);
   EXPECT_EQ(match.tile_id, TileId::Parse("32N-03104-35120").value());
 }
 

@@ -51,42 +51,54 @@ Eigen::Vector3d GyroBias(const Trajectory& trajectory, const ImuBuffer& buffer,
   return bias;
 }
 
+struct ForceFit {
+  Eigen::Vector3d accel_bias;
+  Eigen::Vector3d gravity_in_global;
+};
+
 // Least squares of: change of velocity = sum of R (a - b) dt + g dt.
-Eigen::Vector3d AccelBias(const Trajectory& trajectory, const ImuBuffer& buffer,
-                          const Extent& extent, const Eigen::Vector3d& gyro_bias,
-                          double gravity_m_s2) {
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+ForceFit FitForces(const Trajectory& trajectory, const ImuBuffer& buffer, const Extent& extent,
+                   const Eigen::Vector3d& gyro_bias) {
+  Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Matrix<double, 6, 1> right = Eigen::Matrix<double, 6, 1>::Zero();
   for (int64_t t = extent.begin_ns; t + kVelocitySpanNs <= extent.end_ns; t += kVelocitySpanNs) {
     Eigen::Quaterniond rotation = PoseAt(trajectory.poses, t).rotation;
-    Eigen::Matrix3d by_bias = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d change = VelocityAt(trajectory.poses, t);
-    change -= VelocityAt(trajectory.poses, t + kVelocitySpanNs);
+    Eigen::Matrix<double, 3, 6> jacobian = Eigen::Matrix<double, 3, 6>::Zero();
+    Eigen::Vector3d change = VelocityAt(trajectory.poses, t + kVelocitySpanNs);
+    change -= VelocityAt(trajectory.poses, t);
     buffer.ForEachStep(t, t + kVelocitySpanNs, [&](const ImuStep& step) {
       const Eigen::Vector3d turn = (step.gyro_rad_s - gyro_bias) * step.dt_s;
       const Eigen::Matrix3d middle = (rotation * ExpSo3(0.5 * turn)).toRotationMatrix();
-      by_bias += middle * step.dt_s;
-      change += middle * step.accel_m_s2 * step.dt_s;
-      change.z() -= gravity_m_s2 * step.dt_s;
+      jacobian.leftCols<3>() -= middle * step.dt_s;
+      jacobian.rightCols<3>() += step.dt_s * Eigen::Matrix3d::Identity();
+      change -= middle * step.accel_m_s2 * step.dt_s;
       rotation = rotation * ExpSo3(turn);
     });
-    normal += by_bias.transpose() * by_bias;
-    right += by_bias.transpose() * change;
+    normal += jacobian.transpose() * jacobian;
+    right += jacobian.transpose() * change;
   }
-  return normal.ldlt().solve(right);
+  const Eigen::Matrix<double, 6, 1> solution = normal.ldlt().solve(right);
+  return {solution.head<3>(), solution.tail<3>()};
 }
 
 }  // namespace
 
-void EstimateBiases(double gravity_m_s2, Trajectory* trajectory) {
+void FitToSamples(Trajectory* trajectory) {
   const Extent extent = CommonExtent(*trajectory);
   ImuBuffer buffer(static_cast<int>(trajectory->imu.size()));
   for (const ImuSample& sample : trajectory->imu) {
     buffer.Push(sample);
   }
   trajectory->gyro_bias = GyroBias(*trajectory, buffer, extent);
-  trajectory->accel_bias =
-      AccelBias(*trajectory, buffer, extent, trajectory->gyro_bias, gravity_m_s2);
+  const ForceFit fit = FitForces(*trajectory, buffer, extent, trajectory->gyro_bias);
+  trajectory->accel_bias = fit.accel_bias;
+  trajectory->gravity_m_s2 = fit.gravity_in_global.norm();
+  const Rigid3d level(
+      Eigen::Quaterniond::FromTwoVectors(fit.gravity_in_global, -Eigen::Vector3d::UnitZ()),
+      Eigen::Vector3d::Zero());
+  for (TruePose& pose : trajectory->poses) {
+    pose.global_from_imu = level * pose.global_from_imu;
+  }
 }
 
 }  // namespace cairn::fusion
