@@ -1,0 +1,17 @@
+// A map of a rendered street, made with the project's own ingest.
+#ifndef CAIRN_EXAMPLES_TRACK_AND_LOCALIZE_STREET_MAP_H_
+#define CAIRN_EXAMPLES_TRACK_AND_LOCALIZE_STREET_MAP_H_
+
+#include <string>
+
+#include "eval/street/street_scene.h"
+
+namespace cairn {
+
+// Photographs the street as a mapping vehicle does, reconstructs it and writes the map to
+// `map_path`, replacing what is there.
+void MakeStreetMap(const StreetScene& scene, const std::string& map_path);
+
+}  // namespace cairn
+
+#endif  // CAIRN_EXAMPLES_TRACK_AND_LOCALIZE_STREET_MAP_H_

@@ -1,0 +1,93 @@
+#include "write_results.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+
+#include "core/error.h"
+
+namespace cairn {
+namespace {
+
+void WriteText(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream file(path);
+  file << text;
+  if (!file.flush()) {
+    throw Error(ErrorCode::kIo, path.string() + ": cannot write");
+  }
+}
+
+std::string Csv(const std::vector<TrackPoint>& points) {
+  std::string text =
+      "time_s,truth_e,truth_n,truth_u,local_e,local_n,local_u,fused_e,fused_n,fused_u,"
+      "local_error_m,fused_error_m\n";
+  for (const TrackPoint& point : points) {
+    text += fmt::format("{:.3f}", point.time_s);
+    for (const Eigen::Vector3d& x : {point.truth, point.local}) {
+      text += fmt::format(",{:.4f},{:.4f},{:.4f}", x.x(), x.y(), x.z());
+    }
+    text += point.is_fused ? fmt::format(",{:.4f},{:.4f},{:.4f}", point.fused.x(), point.fused.y(),
+                                         point.fused.z())
+                           : ",,,";
+    text += fmt::format(",{:.4f}", (point.local - point.truth).norm());
+    text += point.is_fused ? fmt::format(",{:.4f}\n", (point.fused - point.truth).norm()) : ",\n";
+  }
+  return text;
+}
+
+constexpr char kScript[] = R"(set datafile separator ","
+set terminal pngcairo size 1200,900
+set output "trajectory.png"
+set multiplot layout 2,1
+set key top left
+set grid
+set size ratio -1
+set title "Seen from above"
+set xlabel "east [m]"
+set ylabel "north [m]"
+plot "trajectory.csv" every ::1 using 2:3 with lines lw 3 lc rgb "gray" title "truth", \
+     "" every ::1 using 5:6 with lines lw 2 lc rgb "red" title "tracked alone", \
+     "" every ::1 using 8:9 with lines lw 2 lc rgb "blue" title "fused with the map"
+set size noratio
+set title "Distance to the truth"
+set xlabel "time [s]"
+set ylabel "error [m]"
+plot "trajectory.csv" every ::1 using 1:11 with lines lw 2 lc rgb "red" title "tracked alone", \
+     "" every ::1 using 1:12 with lines lw 2 lc rgb "blue" title "fused with the map"
+unset multiplot
+)";
+
+}  // namespace
+
+bool WriteResults(const std::filesystem::path& dir, const std::vector<TrackPoint>& points) {
+  WriteText(dir / "trajectory.csv", Csv(points));
+  WriteText(dir / "trajectory.gnuplot", kScript);
+  const std::string command =
+      "cd '" + dir.string() + "' && gnuplot trajectory.gnuplot > /dev/null 2>&1";
+  return std::system(command.c_str()) == 0;
+}
+
+TrackErrors ErrorsOf(const std::vector<TrackPoint>& points) {
+  TrackErrors errors;
+  double sq_local = 0.0;
+  double sq_fused = 0.0;
+  for (const TrackPoint& point : points) {
+    if (point.is_fused) {
+      sq_local += (point.local - point.truth).squaredNorm();
+      sq_fused += (point.fused - point.truth).squaredNorm();
+      errors.local_final_m = (point.local - point.truth).norm();
+      errors.fused_final_m = (point.fused - point.truth).norm();
+      ++errors.num_fused;
+    }
+  }
+  if (errors.num_fused > 0) {
+    errors.local_rmse_m = std::sqrt(sq_local / errors.num_fused);
+    errors.fused_rmse_m = std::sqrt(sq_fused / errors.num_fused);
+  }
+  return errors;
+}
+
+}  // namespace cairn

@@ -1,0 +1,36 @@
+// The trajectories of the example as a table, a plot and a few figures.
+#ifndef CAIRN_EXAMPLES_TRACK_AND_LOCALIZE_WRITE_RESULTS_H_
+#define CAIRN_EXAMPLES_TRACK_AND_LOCALIZE_WRITE_RESULTS_H_
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <vector>
+
+namespace cairn {
+
+// At one frame; positions of the imu in enu at the origin of the street.
+struct TrackPoint {
+  double time_s = 0.0;
+  Eigen::Vector3d truth = Eigen::Vector3d::Zero();
+  Eigen::Vector3d local = Eigen::Vector3d::Zero();  // Tracked alone from the true start.
+  Eigen::Vector3d fused = Eigen::Vector3d::Zero();  // With the map; meaningful if is_fused.
+  bool is_fused = false;
+};
+
+// Writes <dir>/trajectory.csv and <dir>/trajectory.gnuplot, and, if gnuplot can be run,
+// <dir>/trajectory.png. Returns whether there is a plot. Throws Error(kIo).
+bool WriteResults(const std::filesystem::path& dir, const std::vector<TrackPoint>& points);
+
+// Root mean square distance to the truth, metres, over the frames that are fused.
+struct TrackErrors {
+  double local_rmse_m = 0.0;
+  double fused_rmse_m = 0.0;
+  double local_final_m = 0.0;
+  double fused_final_m = 0.0;
+  int num_fused = 0;
+};
+TrackErrors ErrorsOf(const std::vector<TrackPoint>& points);
+
+}  // namespace cairn
+
+#endif  // CAIRN_EXAMPLES_TRACK_AND_LOCALIZE_WRITE_RESULTS_H_
