@@ -1,5 +1,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <vector>
 
 #include "core/error.h"
 #include "fusion/imu_buffer.h"
@@ -18,14 +19,16 @@ struct Extent {
 };
 
 Extent CommonExtent(const Trajectory& trajectory) {
-  const auto& [name, imu, poses, gyro_bias, accel_bias] = trajectory;
+  const std::vector<ImuSample>& imu = trajectory.imu;
+  const std::vector<TruePose>& poses = trajectory.poses;
   const bool is_empty = imu.size() < 2 || poses.size() < 2;
   const Extent extent =
       is_empty ? Extent{0, 0}
                : Extent{std::max(imu.front().timestamp_ns, poses.front().timestamp_ns) + kMarginNs,
                         std::min(imu.back().timestamp_ns, poses.back().timestamp_ns) - kMarginNs};
   if (extent.end_ns - extent.begin_ns < 3'000'000'000 - 2 * kMarginNs) {
-    throw Error(ErrorCode::kBadInput, "trajectory " + name + ": spans less than three seconds");
+    throw Error(ErrorCode::kBadInput,
+                "trajectory " + trajectory.name + ": spans less than three seconds");
   }
   return extent;
 }
