@@ -80,6 +80,10 @@ ForceFit FitForces(const Trajectory& trajectory, const ImuBuffer& buffer, const 
     normal += jacobian.transpose() * jacobian;
     right += jacobian.transpose() * change;
   }
+  // An upright device cannot tell the size of gravity from the bias of its vertical axis.
+  constexpr double kSurely = 1e9;
+  normal(5, 5) += kSurely;
+  right[5] -= kSurely * trajectory.gravity_m_s2;
   const Eigen::Matrix<double, 6, 1> solution = normal.ldlt().solve(right);
   return {solution.head<3>(), solution.tail<3>()};
 }
@@ -95,7 +99,6 @@ void FitToSamples(Trajectory* trajectory) {
   trajectory->gyro_bias = GyroBias(*trajectory, buffer, extent);
   const ForceFit fit = FitForces(*trajectory, buffer, extent, trajectory->gyro_bias);
   trajectory->accel_bias = fit.accel_bias;
-  trajectory->gravity_m_s2 = fit.gravity_in_global.norm();
   const Rigid3d level(
       Eigen::Quaterniond::FromTwoVectors(fit.gravity_in_global, -Eigen::Vector3d::UnitZ()),
       Eigen::Vector3d::Zero());

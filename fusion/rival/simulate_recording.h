@@ -69,11 +69,11 @@ struct RecordingOptions {
 // trajectory has fewer than two frames within its poses and samples.
 Recording SimulateRecording(const Trajectory& trajectory, const RecordingOptions& options);
 
-// Fits what a recorded trajectory does not say: the constant biases and the gravity under which
+// Fits what a recorded trajectory does not say: the constant biases and the vertical under which
 // the samples agree best with the poses, and turns `global`, which motion capture levels to a part
-// of a degree only, so that this gravity is vertical. The rate is held against the poses' turning
-// over half a second, the specific force against their change of velocity over a second. Throws
-// Error(kBadInput) if samples or poses span less than three seconds.
+// of a degree only, so that this vertical is its z axis. The rate is held against the poses'
+// turning over half a second, the specific force against their change of velocity over a second.
+// Throws Error(kBadInput) if samples or poses span less than three seconds.
 void FitToSamples(Trajectory* trajectory);
 
 }  // namespace cairn::fusion
