@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/check.h"
+#include "eval/experiments/runs/runs.h"
 
 namespace cairn {
 namespace {
@@ -95,12 +96,8 @@ Interval MeanApDifference(const std::vector<MeasuredIngest>& measured, const std
 }
 
 ExperimentWorldOptions MemoryWorld(const ExperimentContext& context) {
-  ExperimentWorldOptions options;
-  options.character = CityCharacter::kHighRise;
-  options.size = context.Pick(CityWorldSize::kQuick, CityWorldSize::kMedium);
+  ExperimentWorldOptions options = StandardWorld(context);
   options.num_queries = context.NumQueries(8, 150);
-  options.hard_queries = true;
-  options.seed = context.seed;
   return options;
 }
 
