@@ -28,6 +28,7 @@ struct ExperimentArguments {
   uint64_t seed = 1;
   int num_queries = 0;
   int num_threads = 2;
+  std::string trajectories_folder;
 };
 
 void MakeFolder(const std::filesystem::path& path) {
@@ -104,6 +105,7 @@ ExitCode Run(const ExperimentArguments& arguments, ProgressMode progress_mode) {
   context.seed = arguments.seed;
   context.num_queries = arguments.num_queries;
   context.num_threads = arguments.num_threads;
+  context.trajectories_folder = arguments.trajectories_folder;
   context.worlds = &worlds;
   for (const Experiment& experiment : chosen) {
     bool figures_drawn = true;
@@ -165,6 +167,12 @@ void AddExperimentCommand(CLI::App* app, Shell* shell) {
       ->capture_default_str();
   command->add_option("--threads", arguments->num_threads, "Queries measured at a time")
       ->capture_default_str();
+  command
+      ->add_option(
+          "--trajectories", arguments->trajectories_folder,
+          "Folder with euroc_V1_02_medium and tumvi_room1 (imu.csv, groundtruth.csv): real "
+          "inertial samples for 16 and 17")
+      ->check(CLI::ExistingDirectory);
   command->footer(
       "Examples:\n"
       "  cairn experiment list\n"

@@ -75,6 +75,32 @@ void Ingest(const CityWorldOptions& options, const SimulatedMapping& mapping,
   IngestSession(chunk.reconstruction, mapping.EcefFromWorld(), ingest, store, {});
 }
 
+std::vector<EvalQuery> Build(const CityWorldOptions& options, const City& city,
+                             const DescriptorModel& model, const PhoneQueries& queries,
+                             const std::string& map_path,
+                             const std::function<void(int done, int total)>& progress) {
+  const SimulatedMapping mapping(city, model, options.mapping);
+  MappedAroundQueries mapped(queries);
+  MapStore store = MapStore::Create(map_path);
+  const std::vector<TileId> tiles = mapping.Tiles();
+  const auto num_tiles = static_cast<int>(tiles.size());
+  for (int i = 0; i < num_tiles; ++i) {
+    const MappedChunk chunk = mapping.MapTile(tiles[static_cast<size_t>(i)], options.num_threads);
+    // At the city's rim a tile can have a handful of landmarks; a map has no use for it.
+    if (chunk.city_landmarks.size() >= kMinLandmarksOfTile) {
+      mapped.Add(chunk, options.queries.detector.max_range_m);
+      Ingest(options, mapping, chunk, &store);
+    }
+    if (progress) {
+      progress(i + 1, num_tiles);
+    }
+  }
+  std::vector<EvalQuery> made(static_cast<size_t>(queries.size()));
+  ParallelFor(queries.size(), options.num_threads,
+              [&](int i) { made[static_cast<size_t>(i)] = queries.Make(i, mapped.Around(i)); });
+  return made;
+}
+
 }  // namespace
 
 void CityWorldOptions::Validate() const {
@@ -135,27 +161,19 @@ std::vector<EvalQuery> BuildCityWorld(const CityWorldOptions& options, const std
   options.Validate();
   const City city(options.city);
   const DescriptorModel model(options.descriptors);
-  const SimulatedMapping mapping(city, model, options.mapping);
-  const PhoneQueries queries(city, model, options.queries);
-  MappedAroundQueries mapped(queries);
-  MapStore store = MapStore::Create(map_path);
-  const std::vector<TileId> tiles = mapping.Tiles();
-  const auto num_tiles = static_cast<int>(tiles.size());
-  for (int i = 0; i < num_tiles; ++i) {
-    const MappedChunk chunk = mapping.MapTile(tiles[static_cast<size_t>(i)], options.num_threads);
-    // At the city's rim a tile can have a handful of landmarks; a map has no use for it.
-    if (chunk.city_landmarks.size() >= kMinLandmarksOfTile) {
-      mapped.Add(chunk, options.queries.detector.max_range_m);
-      Ingest(options, mapping, chunk, &store);
-    }
-    if (progress) {
-      progress(i + 1, num_tiles);
-    }
-  }
-  std::vector<EvalQuery> made(static_cast<size_t>(queries.size()));
-  ParallelFor(queries.size(), options.num_threads,
-              [&](int i) { made[static_cast<size_t>(i)] = queries.Make(i, mapped.Around(i)); });
-  return made;
+  return Build(options, city, model, PhoneQueries(city, model, options.queries), map_path,
+               progress);
+}
+
+std::vector<EvalQuery> BuildCityWorld(const CityWorldOptions& options,
+                                      const std::vector<PhonePlace>& places,
+                                      const std::string& map_path,
+                                      const std::function<void(int done, int total)>& progress) {
+  options.Validate();
+  const City city(options.city);
+  const DescriptorModel model(options.descriptors);
+  return Build(options, city, model, PhoneQueries(city, model, options.queries, places), map_path,
+               progress);
 }
 
 }  // namespace cairn

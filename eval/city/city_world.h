@@ -48,6 +48,11 @@ CityWorldOptions CityWorldPreset(CityCharacter character, CityWorldSize size);
 // empty) gets tiles done and total. Deterministic.
 std::vector<EvalQuery> BuildCityWorld(const CityWorldOptions& options, const std::string& map_path,
                                       const std::function<void(int done, int total)>& progress);
+// Same, with queries at the places given.
+std::vector<EvalQuery> BuildCityWorld(const CityWorldOptions& options,
+                                      const std::vector<PhonePlace>& places,
+                                      const std::string& map_path,
+                                      const std::function<void(int done, int total)>& progress);
 
 }  // namespace cairn
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "core/check.h"
 #include "core/error.h"
@@ -48,6 +49,11 @@ double MeanBuildingHeightM(const CityShape& shape) {
   return shape.min_height_m + (shape.max_height_m - shape.min_height_m) / 3.0;
 }
 
+double YawRad(const CityStreet& street) {
+  const Eigen::Vector2d direction = street.Direction();
+  return std::atan2(direction.y(), direction.x());
+}
+
 PhonePlace DrawPlace(const City& city, const PhoneQueryOptions& options, int query_idx) {
   const double half_m = 0.5 * city.options().SideM();
   for (int attempt = 0; attempt < kMaxTries; ++attempt) {
@@ -67,25 +73,33 @@ PhonePlace DrawPlace(const City& city, const PhoneQueryOptions& options, int que
     if (along_m < 0.0 || along_m > street.LengthM() || !city.Contains(at)) {
       continue;
     }
-    const Eigen::Vector2d direction = street.Direction();
-    PhonePlace place;
-    place.street_yaw_rad = std::atan2(direction.y(), direction.x());
-    place.canyon = MeanBuildingHeightM(city.shape()) / street.width_m;
     CameraAngles angles;
-    angles.yaw_rad =
-        place.street_yaw_rad - side * 0.5 * kPi + random.Uniform(-kMaxTurnRad, kMaxTurnRad);
+    angles.yaw_rad = YawRad(street) - side * 0.5 * kPi + random.Uniform(-kMaxTurnRad, kMaxTurnRad);
     angles.pitch_rad = kMeanPitchRad + kPitchSigmaRad * random.Normal();
     angles.roll_rad = kRollSigmaRad * random.Normal();
     const double z_m = city.GroundM(at) + options.height_m + kHeightSigmaM * random.Normal();
-    place.cam_from_site = CamFromEnu({at.x(), at.y(), z_m}, angles);
-    return place;
+    return PlaceBeside(city, street, CamFromEnu({at.x(), at.y(), z_m}, angles));
   }
   throw Error(ErrorCode::kInvalidArgument,
               fmt::format("city.area_km2 = {}: no sidewalk in it for queries; make it larger",
                           city.options().area_km2));
 }
 
+std::vector<PhonePlace> DrawPlaces(const City& city, const PhoneQueryOptions& options) {
+  options.Validate();
+  std::vector<PhonePlace> places;
+  places.reserve(static_cast<size_t>(options.num_queries));
+  for (int i = 0; i < options.num_queries; ++i) {
+    places.push_back(DrawPlace(city, options, i));
+  }
+  return places;
+}
+
 }  // namespace
+
+PhonePlace PlaceBeside(const City& city, const CityStreet& street, const Rigid3d& cam_from_site) {
+  return {cam_from_site, YawRad(street), MeanBuildingHeightM(city.shape()) / street.width_m};
+}
 
 void PhoneNoise::Validate() const {
   RequireInRange("queries.noise.gps_median_m", gps_median_m, 0.0, 10'000.0);
@@ -117,17 +131,17 @@ void PhoneQueryOptions::Validate() const {
 
 PhoneQueries::PhoneQueries(const City& city, const DescriptorModel& model,
                            const PhoneQueryOptions& options)
+    : PhoneQueries(city, model, options, DrawPlaces(city, options)) {}
+
+PhoneQueries::PhoneQueries(const City& city, const DescriptorModel& model,
+                           const PhoneQueryOptions& options, std::vector<PhonePlace> places)
     : city_(city),
       model_(model),
       options_((options.Validate(), options)),
       camera_(CameraModel::kPinhole, options.image_width_px, options.image_height_px,
               {options.focal_px, options.focal_px, 0.5 * options.image_width_px,
-               0.5 * options.image_height_px}) {
-  places_.reserve(static_cast<size_t>(options_.num_queries));
-  for (int i = 0; i < options_.num_queries; ++i) {
-    places_.push_back(DrawPlace(city_, options_, i));
-  }
-}
+               0.5 * options.image_height_px}),
+      places_(std::move(places)) {}
 
 EvalQuery PhoneQueries::Make(int query_idx, const std::unordered_set<uint64_t>& mapped) const {
   const PhonePlace& place = Place(query_idx);

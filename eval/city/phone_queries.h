@@ -69,17 +69,23 @@ struct PhonePlace {
   double canyon = 0.0;  // Mean height of the houses over the width of the street.
 };
 
+// A phone beside `street`.
+PhonePlace PlaceBeside(const City& city, const CityStreet& street, const Rigid3d& cam_from_site);
+
 // The queries of one city; each is a pure function of its number and the map. Immutable; safe to
 // use from any thread. `city` and `model` must outlive it.
 class PhoneQueries {
  public:
-  // Throws Error(kInvalidArgument) as PhoneQueryOptions::Validate.
+  // At places drawn by the seed: on a sidewalk within the city's square, upright, looking across
+  // the street to some degree. Throws Error(kInvalidArgument) as PhoneQueryOptions::Validate.
   PhoneQueries(const City& city, const DescriptorModel& model, const PhoneQueryOptions& options);
+  // At the places given; options.num_queries and height_m have no meaning.
+  PhoneQueries(const City& city, const DescriptorModel& model, const PhoneQueryOptions& options,
+               std::vector<PhonePlace> places);
 
-  int size() const { return options_.num_queries; }
+  int size() const { return static_cast<int>(places_.size()); }
   const PhoneQueryOptions& options() const { return options_; }
 
-  // On a sidewalk within the city's square, upright, looking across the street to some degree.
   const PhonePlace& Place(int query_idx) const { return places_[static_cast<size_t>(query_idx)]; }
 
   // The query with its true pose, camera, prior and gravity. `mapped` holds the CityLandmark::id

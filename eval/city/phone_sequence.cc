@@ -64,6 +64,7 @@ class Walk {
     local_from_site_ = ecef_from_local_.Inverse() * city.ecef_from_site();
   }
 
+  const CityStreet& street() const { return street_; }
   const Rigid3d& ecef_from_local() const { return ecef_from_local_; }
   const Rigid3d& local_from_site() const { return local_from_site_; }
 
@@ -257,6 +258,7 @@ PhoneSequence SimulatePhoneSequence(const City& city, const PhoneSequenceOptions
   options.Validate();
   const Walk walk(city, options);
   PhoneSequence sequence;
+  sequence.street = walk.street();
   sequence.camera = options.camera;
   sequence.cam_from_imu = CamFromImu();
   sequence.ecef_from_local = walk.ecef_from_local();

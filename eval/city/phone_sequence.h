@@ -75,6 +75,7 @@ struct TrueState {
 inline constexpr double kGravityMS2 = 9.81;
 
 struct PhoneSequence {
+  CityStreet street;  // Whose sidewalk it is.
   Camera camera;
   Rigid3d cam_from_imu;
   Rigid3d ecef_from_local;

@@ -69,8 +69,8 @@ void ExperimentWorlds::Forget(const ExperimentWorldOptions& options) {
   }
 }
 
-std::string ExperimentWorlds::MapPath(const std::string& key) const {
-  return (std::filesystem::path(folder_) / (key + ".gpkg")).string();
+std::string ExperimentWorlds::MapPath(const std::string& name) const {
+  return (std::filesystem::path(folder_) / (name + ".gpkg")).string();
 }
 
 }  // namespace cairn

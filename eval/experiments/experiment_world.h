@@ -52,12 +52,13 @@ class ExperimentWorlds {
       const ExperimentWorldOptions& options,
       const std::function<void(const std::string&, int, int)>& progress);
 
+  // A file of that name in the folder, for maps that experiments keep themselves.
+  std::string MapPath(const std::string& name) const;
+
   // Removes a world's map, so that it does not fill the disk. Those who hold it keep it open.
   void Forget(const ExperimentWorldOptions& options);
 
  private:
-  std::string MapPath(const std::string& key) const;
-
   std::string folder_;
   std::map<std::string, std::shared_ptr<const ExperimentWorld>> worlds_;
 };

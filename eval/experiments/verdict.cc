@@ -45,6 +45,10 @@ Verdict JudgeGreater(const Interval& interval, double threshold) {
   return interval.high < threshold ? Verdict::kDoesNotHold : Verdict::kUndecided;
 }
 
+Verdict JudgeSmaller(const Interval& interval, double threshold) {
+  return JudgeGreater({-interval.value, -interval.high, -interval.low}, -threshold);
+}
+
 Verdict JudgeEqual(const Interval& difference, double margin) {
   if (difference.low >= -margin && difference.high <= margin) {
     return Verdict::kHolds;

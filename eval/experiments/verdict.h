@@ -25,6 +25,9 @@ Verdict VerdictFromName(const std::string& name);
 // smaller. Undecided if it is not a number.
 Verdict JudgeGreater(const Interval& interval, double threshold = 0.0);
 
+// Of the claim "the quantity is smaller than `threshold`", likewise.
+Verdict JudgeSmaller(const Interval& interval, double threshold);
+
 // Of the claim "there is no difference to speak of": holds if all of the interval is within
 // +-margin, does not hold if all of it is outside on one side.
 Verdict JudgeEqual(const Interval& difference, double margin);

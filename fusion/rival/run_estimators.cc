@@ -30,13 +30,14 @@ bool IsQueried(const Recording& recording, size_t frame) {
   return frame % static_cast<size_t>(recording.frames_per_query) == 0;
 }
 
-// Matches applied according to the reports since the last call; true if there was a report.
+// Matches applied according to the reports since the last call; true if one was about a pose.
 bool TakeAnswer(Estimator* estimator, int* num_matches) {
-  const std::vector<AnswerReport> reports = estimator->TakeReports();
-  for (const AnswerReport& report : reports) {
+  bool had_answer = false;
+  for (const AnswerReport& report : estimator->TakeReports()) {
     *num_matches += report.num_matches;
+    had_answer = had_answer || report.outcome != AnswerOutcome::kNotLocalized;
   }
-  return !reports.empty();
+  return had_answer;
 }
 
 std::optional<Rigid3d> GlobalFromImu(const Estimator& estimator) {

@@ -23,6 +23,14 @@ void Require(bool condition, const char* what) {
 constexpr double kAnswerRotationSigmaRad = 0.003;
 constexpr double kAnswerPositionSigmaM = 0.05;
 
+Eigen::Vector3d DrawGaussian(double sigma, std::mt19937_64* random) {
+  std::normal_distribution<double> normal;
+  const double x = normal(*random);
+  const double y = normal(*random);
+  const double z = normal(*random);
+  return sigma * Eigen::Vector3d(x, y, z);
+}
+
 class Simulator {
  public:
   Simulator(const Trajectory& trajectory, const RecordingOptions& options)
@@ -46,7 +54,7 @@ class Simulator {
       throw Error(ErrorCode::kBadInput, "trajectory " + trajectory_.name +
                                             ": too short for two frames within poses and samples");
     }
-    recording.start = DrawStart(recording.frames.front());
+    recording.start = DrawStart(TruthAt(recording.frames.front()), options_, &random_);
     ScatterLandmarks(recording.frames);
     for (size_t i = 0; i < recording.frames.size(); ++i) {
       Track(&recording.frames[i]);
@@ -89,37 +97,15 @@ class Simulator {
   double Uniform(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random_);
   }
-  Eigen::Vector3d Gaussian(double sigma) {
-    std::normal_distribution<double> normal;
-    const double x = normal(random_);
-    const double y = normal(random_);
-    const double z = normal(random_);
-    return sigma * Eigen::Vector3d(x, y, z);
-  }
+  Eigen::Vector3d Gaussian(double sigma) { return DrawGaussian(sigma, &random_); }
 
-  // Local has its origin and heading at the first frame. What is believed is off by a draw from the
-  // covariance that comes with it.
-  StartState DrawStart(const RecordedFrame& first) {
-    const Rigid3d& truth = first.global_from_imu;
-    const Eigen::Matrix3d rotation = truth.rotation.toRotationMatrix();
-    const Eigen::Quaterniond turn = ExpSo3({0.0, 0.0, -std::atan2(rotation(1, 0), rotation(0, 0))});
-    const Eigen::Vector3d velocity = turn * VelocityAt(trajectory_.poses, first.timestamp_ns);
-    const auto square = [](double sigma) { return Eigen::Vector3d::Constant(sigma * sigma); };
-    StartState start;
-    Eigen::Matrix<double, kImuDim, 1> variance = Eigen::Matrix<double, kImuDim, 1>::Zero();
-    variance.head<2>() = square(options_.start_tilt_sigma_rad).head<2>();
-    variance.segment<3>(kVelocityIdx) = square(options_.start_velocity_sigma_m_s);
-    variance.segment<3>(kGyroBiasIdx) = square(options_.start_gyro_bias_sigma_rad_s);
-    variance.segment<3>(kAccelBiasIdx) = square(options_.start_accel_bias_sigma_m_s2);
-    start.covariance = variance.asDiagonal();
-    Eigen::Vector3d tilt = Gaussian(options_.start_tilt_sigma_rad);
-    tilt.z() = 0.0;
-    start.imu.local_from_imu =
-        Rigid3d(ExpSo3(tilt) * turn * truth.rotation, Eigen::Vector3d::Zero());
-    start.imu.velocity_in_local = velocity + Gaussian(options_.start_velocity_sigma_m_s);
-    start.imu.gyro_bias = trajectory_.gyro_bias + Gaussian(options_.start_gyro_bias_sigma_rad_s);
-    start.imu.accel_bias = trajectory_.accel_bias + Gaussian(options_.start_accel_bias_sigma_m_s2);
-    return start;
+  ImuState TruthAt(const RecordedFrame& frame) const {
+    ImuState truth;
+    truth.local_from_imu = frame.global_from_imu;
+    truth.velocity_in_local = VelocityAt(trajectory_.poses, frame.timestamp_ns);
+    truth.gyro_bias = trajectory_.gyro_bias;
+    truth.accel_bias = trajectory_.accel_bias;
+    return truth;
   }
 
   void ScatterLandmarks(const std::vector<RecordedFrame>& frames) {
@@ -230,6 +216,30 @@ void RecordingOptions::Validate() const {
   Require(start_tilt_sigma_rad > 0.0 && start_velocity_sigma_m_s > 0.0 &&
               start_gyro_bias_sigma_rad_s > 0.0 && start_accel_bias_sigma_m_s2 > 0.0,
           "standard deviations of the start must be positive");
+}
+
+StartState DrawStart(const ImuState& truth, const RecordingOptions& options,
+                     std::mt19937_64* random) {
+  const Eigen::Matrix3d rotation = truth.local_from_imu.rotation.toRotationMatrix();
+  const Eigen::Quaterniond turn = ExpSo3({0.0, 0.0, -std::atan2(rotation(1, 0), rotation(0, 0))});
+  const auto square = [](double sigma) { return Eigen::Vector3d::Constant(sigma * sigma); };
+  StartState start;
+  Eigen::Matrix<double, kImuDim, 1> variance = Eigen::Matrix<double, kImuDim, 1>::Zero();
+  variance.head<2>() = square(options.start_tilt_sigma_rad).head<2>();
+  variance.segment<3>(kVelocityIdx) = square(options.start_velocity_sigma_m_s);
+  variance.segment<3>(kGyroBiasIdx) = square(options.start_gyro_bias_sigma_rad_s);
+  variance.segment<3>(kAccelBiasIdx) = square(options.start_accel_bias_sigma_m_s2);
+  start.covariance = variance.asDiagonal();
+  Eigen::Vector3d tilt = DrawGaussian(options.start_tilt_sigma_rad, random);
+  tilt.z() = 0.0;
+  start.imu.local_from_imu =
+      Rigid3d(ExpSo3(tilt) * turn * truth.local_from_imu.rotation, Eigen::Vector3d::Zero());
+  start.imu.velocity_in_local =
+      turn * truth.velocity_in_local + DrawGaussian(options.start_velocity_sigma_m_s, random);
+  start.imu.gyro_bias = truth.gyro_bias + DrawGaussian(options.start_gyro_bias_sigma_rad_s, random);
+  start.imu.accel_bias =
+      truth.accel_bias + DrawGaussian(options.start_accel_bias_sigma_m_s2, random);
+  return start;
 }
 
 Recording SimulateRecording(const Trajectory& trajectory, const RecordingOptions& options) {

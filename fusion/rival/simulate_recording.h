@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -64,6 +65,12 @@ struct RecordingOptions {
   // Throws Error(kInvalidArgument) naming the field.
   void Validate() const;
 };
+
+// The state at the first frame as an estimator believes it: off by a draw from the covariance that
+// comes with it, whose standard deviations are the `start_*` of the options. Local has its origin
+// and heading at this frame. `truth` has pose and velocity in global.
+StartState DrawStart(const ImuState& truth, const RecordingOptions& options,
+                     std::mt19937_64* random);
 
 // Deterministic by seed. Throws Error(kInvalidArgument) as Validate, and Error(kBadInput) if the
 // trajectory has fewer than two frames within its poses and samples.

@@ -27,6 +27,13 @@ TEST(JudgeGreater, WhatCannotBeMeasuredIsUndecided) {
   EXPECT_EQ(JudgeGreater({kNaN, kNaN, kNaN}), Verdict::kUndecided);
 }
 
+TEST(JudgeSmaller, FallsWhereTheIntervalLies) {
+  EXPECT_EQ(JudgeSmaller({0.8, 0.7, 0.9}, 1.0), Verdict::kHolds);
+  EXPECT_EQ(JudgeSmaller({1.2, 1.1, 1.3}, 1.0), Verdict::kDoesNotHold);
+  EXPECT_EQ(JudgeSmaller({0.9, 0.7, 1.1}, 1.0), Verdict::kUndecided);
+  EXPECT_EQ(JudgeSmaller({kNaN, kNaN, kNaN}, 1.0), Verdict::kUndecided);
+}
+
 TEST(JudgeEqual, NeedsTheWholeIntervalWithinTheMargin) {
   EXPECT_EQ(JudgeEqual({0.0, -0.01, 0.01}, 0.02), Verdict::kHolds);
   EXPECT_EQ(JudgeEqual({0.0, -0.03, 0.01}, 0.02), Verdict::kUndecided);

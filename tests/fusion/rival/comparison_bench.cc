@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "fusion/rival/comparison.h"
+#include "fusion/rival/room_recordings.h"
 #include "fusion/rival/trajectories.h"
 #include "support/test_data.h"
 
@@ -34,10 +35,8 @@ void Run(double duration_s, uint64_t seed, int num_timings) {
     std::printf("no real trajectories: %s is not there (set CAIRN_TEST_DATA)\n", data.c_str());
     return;
   }
-  Compare(testing::EurocTrajectory(data), testing::EurocRecordingOptions(), duration_s, seed,
-          num_timings);
-  Compare(testing::TumTrajectory(data), testing::TumRecordingOptions(), duration_s, seed,
-          num_timings);
+  Compare(EurocTrajectory(data), EurocRecordingOptions(), duration_s, seed, num_timings);
+  Compare(TumTrajectory(data), TumRecordingOptions(), duration_s, seed, num_timings);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "core/error.h"
+#include "fusion/rival/room_recordings.h"
 #include "fusion/rival/run_estimators.h"
 #include "fusion/rival/trajectories.h"
 #include "support/test_data.h"
@@ -159,12 +160,12 @@ TEST(FitToSamples, FindsBiasesAndLevelOfASimulatedWalk) {
 TEST(Comparison, HoldsOnRealInertialSamples) {
   CAIRN_SKIP_WITHOUT_DATA("vi_imu_gt");
   const std::filesystem::path data = cairn::testing::TestDataDir() / "vi_imu_gt";
-  RecordingOptions options = testing::EurocRecordingOptions();
+  RecordingOptions options = EurocRecordingOptions();
   options.duration_s = 15.0;
   ComparisonOptions comparison;
   comparison.variants = {{5, 5, DiscardPolicy::kDiscard}, {5, 5, DiscardPolicy::kMarginalize}};
   for (const MethodResult& result :
-       CompareEstimators(SimulateRecording(testing::EurocTrajectory(data), options), comparison)) {
+       CompareEstimators(SimulateRecording(EurocTrajectory(data), options), comparison)) {
     EXPECT_LT(result.position_rmse_m, 0.1) << result.name;
     EXPECT_LT(result.rotation_rmse_rad, 0.015) << result.name;
   }

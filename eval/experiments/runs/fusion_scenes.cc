@@ -1,0 +1,148 @@
+#include "eval/experiments/runs/fusion_scenes.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <numbers>
+#include <span>
+
+#include "eval/experiments/city_walks.h"
+#include "fusion/rival/room_recordings.h"
+
+namespace cairn {
+namespace {
+
+constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+constexpr CityCharacter kCharacter = CityCharacter::kGrid;
+
+double Or(double value, const fusion::MethodResult& result) {
+  return result.num_counted_frames > 0 ? value : std::numeric_limits<double>::quiet_NaN();
+}
+
+double MeanAt(const FusionScene& scene, std::span<const size_t> recordings,
+              const std::function<double(const std::vector<fusion::MethodResult>&)>& of) {
+  double sum = 0.0;
+  for (const size_t recording : recordings) {
+    sum += of(scene.results[recording]);
+  }
+  return sum / static_cast<double>(recordings.size());
+}
+
+CityWalksOptions WalksOptions(const ExperimentContext& context) {
+  CityWalksOptions options;
+  options.character = kCharacter;
+  options.size = context.Pick(CityWorldSize::kQuick, CityWorldSize::kMedium);
+  options.num_walks = context.Pick(2, 8);
+  options.duration_s = context.Pick(12.0, 60.0);
+  options.seed = context.seed;
+  options.num_threads = context.num_threads;
+  return options;
+}
+
+std::vector<fusion::Recording> CityRecordings(const ExperimentContext& context) {
+  const std::string path = context.worlds->MapPath("walks");
+  std::filesystem::remove(path);
+  return RecordCityWalks(WalksOptions(context), path, [&](int done, int total) {
+    if (context.progress) {
+      context.progress("building the walks", done, total);
+    }
+  });
+}
+
+// One trajectory under cameras, landmarks and noise of several seeds.
+std::vector<fusion::Recording> RoomRecordings(const fusion::Trajectory& trajectory,
+                                              fusion::RecordingOptions options,
+                                              const ExperimentContext& context) {
+  options.duration_s = context.Pick(12.0, 60.0);
+  std::vector<fusion::Recording> recordings;
+  for (int i = 0; i < context.Pick(2, 4); ++i) {
+    options.seed = context.seed + static_cast<uint64_t>(i);
+    recordings.push_back(fusion::SimulateRecording(trajectory, options));
+  }
+  return recordings;
+}
+
+FusionScene RunScene(const std::string& name, const std::vector<fusion::Recording>& recordings,
+                     const std::vector<fusion::RivalVariant>& variants,
+                     const ExperimentContext& context) {
+  fusion::ComparisonOptions options;
+  options.variants = variants;
+  FusionScene scene;
+  scene.name = name;
+  for (const fusion::Recording& recording : recordings) {
+    scene.results.push_back(fusion::CompareEstimators(recording, options));
+    if (context.progress) {
+      context.progress("comparing on " + name, static_cast<int>(scene.results.size()),
+                       static_cast<int>(recordings.size()));
+    }
+  }
+  for (const fusion::MethodResult& result : scene.results.front()) {
+    scene.methods.push_back(result.name);
+  }
+  return scene;
+}
+
+}  // namespace
+
+std::vector<FusionScene> RunFusionScenes(const ExperimentContext& context,
+                                         const std::vector<fusion::RivalVariant>& variants) {
+  std::vector<FusionScene> scenes;
+  const std::string city = fmt::format("{} city", CityCharacterName(kCharacter));
+  scenes.push_back(RunScene(city, CityRecordings(context), variants, context));
+  if (const std::string& folder = context.trajectories_folder; !folder.empty()) {
+    const auto run = [&](const fusion::Trajectory& trajectory,
+                         const fusion::RecordingOptions& options) {
+      scenes.push_back(RunScene(trajectory.name, RoomRecordings(trajectory, options, context),
+                                variants, context));
+    };
+    run(fusion::EurocTrajectory(folder), fusion::EurocRecordingOptions());
+    run(fusion::TumTrajectory(folder), fusion::TumRecordingOptions());
+  }
+  return scenes;
+}
+
+ExperimentParameters FusionParameters(const ExperimentContext& context) {
+  const CityWalksOptions walks = WalksOptions(context);
+  return {
+      {"walks", fmt::format("{} of {:.0f} s in the {} city ({}), asked about twice a second",
+                            walks.num_walks, walks.duration_s, CityCharacterName(walks.character),
+                            CityWorldSizeName(walks.size))},
+      {"real trajectories", context.trajectories_folder.empty() ? "none" : "with --trajectories"}};
+}
+
+double PositionRmseM(const fusion::MethodResult& result) {
+  return Or(result.position_rmse_m, result);
+}
+
+double RotationRmseDeg(const fusion::MethodResult& result) {
+  return Or(kDegPerRad * result.rotation_rmse_rad, result);
+}
+
+Interval MeanOver(const FusionScene& scene, size_t method, const FusionMeasure& measure) {
+  return Bootstrap(scene.results.size(), [&](std::span<const size_t> recordings) {
+    return MeanAt(scene, recordings, [&](const auto& results) { return measure(results[method]); });
+  });
+}
+
+Interval RatioOver(const FusionScene& scene, size_t method, size_t other,
+                   const FusionMeasure& measure) {
+  return Bootstrap(scene.results.size(), [&](std::span<const size_t> recordings) {
+    return std::exp(MeanAt(scene, recordings, [&](const auto& results) {
+      return std::log(measure(results[method]) / measure(results[other]));
+    }));
+  });
+}
+
+size_t BestRival(const FusionScene& scene, const FusionMeasure& measure) {
+  size_t best = kFilter + 1;
+  for (size_t method = best + 1; method < scene.methods.size(); ++method) {
+    if (MeanOver(scene, method, measure).value < MeanOver(scene, best, measure).value) {
+      best = method;
+    }
+  }
+  return best;
+}
+
+}  // namespace cairn

@@ -1,0 +1,49 @@
+// What 16 and 17 share: recordings, and filter and bundle adjustment run on them; private to
+// experiments.
+#ifndef CAIRN_EVAL_EXPERIMENTS_RUNS_FUSION_SCENES_H_
+#define CAIRN_EVAL_EXPERIMENTS_RUNS_FUSION_SCENES_H_
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "eval/evaluation_bootstrap.h"
+#include "eval/experiments/experiment.h"
+#include "fusion/rival/comparison.h"
+
+namespace cairn {
+
+inline constexpr size_t kFilter = 0;  // Among the methods; the others are bundle adjustments.
+
+// The methods on some recordings of one kind.
+struct FusionScene {
+  std::string name;  // "grid city".
+  std::vector<std::string> methods;
+  // By recording, by method.
+  std::vector<std::vector<fusion::MethodResult>> results;
+};
+
+// Walks in a city; and, where context.trajectories_folder is set, real trajectories under simulated
+// cameras and maps. `variants` are the bundle adjustments.
+std::vector<FusionScene> RunFusionScenes(const ExperimentContext& context,
+                                         const std::vector<fusion::RivalVariant>& variants);
+
+ExperimentParameters FusionParameters(const ExperimentContext& context);
+
+// Of one method on one recording; not a number where the method never had a pose.
+using FusionMeasure = std::function<double(const fusion::MethodResult&)>;
+double PositionRmseM(const fusion::MethodResult& result);
+double RotationRmseDeg(const fusion::MethodResult& result);
+
+// Mean over the recordings, with the bootstrap interval over them.
+Interval MeanOver(const FusionScene& scene, size_t method, const FusionMeasure& measure);
+// Geometric mean over the recordings of the measure of `method` over that of `other`, likewise.
+Interval RatioOver(const FusionScene& scene, size_t method, size_t other,
+                   const FusionMeasure& measure);
+// The bundle adjustment with the least mean.
+size_t BestRival(const FusionScene& scene, const FusionMeasure& measure);
+
+}  // namespace cairn
+
+#endif  // CAIRN_EVAL_EXPERIMENTS_RUNS_FUSION_SCENES_H_

@@ -1,0 +1,49 @@
+#include "fusion/rival/room_recordings.h"
+
+#include "fusion/rival/read_trajectory.h"
+
+namespace cairn::fusion {
+namespace {
+
+// A room of some metres; `cam_from_imu` as the device's camera is mounted, to the nearest axis.
+RecordingOptions RoomRecordingOptions(const Eigen::Matrix3d& cam_from_imu) {
+  RecordingOptions options;
+  options.rig = {Rigid3d(cam_from_imu, Eigen::Vector3d(0.02, -0.06, 0.01)), 0.0};
+  options.min_distance_m = 2.5;
+  options.max_distance_m = 8.0;
+  options.min_height_m = -2.5;
+  options.max_height_m = 3.0;
+  options.duration_s = 200.0;
+  return options;
+}
+
+}  // namespace
+
+Trajectory EurocTrajectory(const std::string& folder) {
+  const std::string dir = folder + "/euroc_V1_02_medium";
+  return ReadTrajectory("EuRoC V1_02", dir + "/imu.csv", dir + "/groundtruth.csv");
+}
+
+RecordingOptions EurocRecordingOptions() {
+  Eigen::Matrix3d cam_from_imu;
+  cam_from_imu << 0, 1, 0, -1, 0, 0, 0, 0, 1;
+  return RoomRecordingOptions(cam_from_imu);
+}
+
+Trajectory TumTrajectory(const std::string& folder) {
+  const std::string dir = folder + "/tumvi_room1";
+  return ReadTrajectory("TUM-VI room1", dir + "/imu.csv", dir + "/groundtruth.csv");
+}
+
+RecordingOptions TumRecordingOptions() {
+  Eigen::Matrix3d cam_from_imu;
+  cam_from_imu << -1, 0, 0, 0, 0, -1, 0, -1, 0;
+  RecordingOptions options = RoomRecordingOptions(cam_from_imu);
+  options.imu_noise.gyro_density = 1.6e-4;
+  options.imu_noise.accel_density = 2.8e-3;
+  options.imu_noise.gyro_walk = 2.2e-5;
+  options.imu_noise.accel_walk = 8.6e-4;
+  return options;
+}
+
+}  // namespace cairn::fusion
