@@ -146,10 +146,12 @@ CityWorldOptions CityWorldPreset(CityCharacter character, CityWorldSize size) {
     case CityWorldSize::kPaper:
       options.city.center = MiddleOfWholeTile(options.city.center);
       options.city.area_km2 = 0.0225;
-      options.city.min_landmark_size_m = 0.012;
+      options.city.min_landmark_size_m = 0.01;
       options.mapping.num_passes = 6;
       options.mapping.keyframe_spacing_m = 3.0;
-      options.mapping.detector.max_keypoints = 1000;
+      options.mapping.rig.image_width_px = options.mapping.rig.image_height_px = 1200;
+      options.mapping.rig.focal_px = 630.0;
+      options.mapping.detector.max_keypoints = 2000;
       options.queries.num_queries = 300;
       break;
   }
