@@ -82,22 +82,24 @@ void SetErrors(const Recording& recording, const std::vector<FrameRun>& runs,
   result->rotation_change_rad = SmoothnessOf(std::move(rotation_changes));
 }
 
-// `subtract_others`: whether the mean of frames without an answer is taken off.
-void SetTimes(const Recording& recording, const std::vector<FrameRun>& runs, bool subtract_others,
-              MethodResult* result) {
-  std::vector<double> with_answer, without;
+// `without_answers`: the same frames run without answers, whose times are taken off; or empty.
+void SetTimes(const Recording& recording, const std::vector<FrameRun>& runs,
+              const std::vector<FrameRun>& without_answers, MethodResult* result) {
+  std::vector<double> frame_seconds, update_seconds;
   double num_matches = 0.0;
   for (size_t i = recording.first_counted_frame; i < runs.size(); ++i) {
-    (runs[i].had_answer ? with_answer : without).push_back(runs[i].seconds);
+    if (!runs[i].had_answer) {
+      continue;
+    }
+    frame_seconds.push_back(runs[i].seconds);
+    update_seconds.push_back(runs[i].seconds -
+                             (without_answers.empty() ? 0.0 : without_answers[i].seconds));
     num_matches += runs[i].num_matches;
   }
-  result->frame_seconds = SpreadOf(with_answer);
-  result->update_seconds = result->frame_seconds;
-  if (subtract_others) {
-    result->update_seconds.mean -= SpreadOf(without).mean;
-  }
+  result->frame_seconds = SpreadOf(frame_seconds);
+  result->update_seconds = SpreadOf(update_seconds);
   result->mean_matches =
-      with_answer.empty() ? 0.0 : num_matches / static_cast<double>(with_answer.size());
+      frame_seconds.empty() ? 0.0 : num_matches / static_cast<double>(frame_seconds.size());
 }
 
 // Runs several times and keeps the fastest time of each frame.
@@ -114,11 +116,12 @@ std::vector<FrameRun> Repeat(int num_timings, const Run& run) {
 }
 
 MethodResult Summarize(std::string name, const Recording& recording,
-                       const std::vector<FrameRun>& runs, bool subtract_others) {
+                       const std::vector<FrameRun>& runs,
+                       const std::vector<FrameRun>& without_answers) {
   MethodResult result;
   result.name = std::move(name);
   SetErrors(recording, runs, &result);
-  SetTimes(recording, runs, subtract_others, &result);
+  SetTimes(recording, runs, without_answers, &result);
   return result;
 }
 
@@ -166,9 +169,13 @@ std::vector<MethodResult> CompareEstimators(const Recording& recording,
                 "recording " + recording.name + ": fewer than two frames to count");
   }
   std::vector<MethodResult> results;
+  Recording unanswered = recording;
+  for (RecordedFrame& frame : unanswered.frames) {
+    frame.answer = {};
+  }
   results.push_back(Summarize("EKF", recording,
                               Repeat(options.num_timings, [&] { return RunFilter(recording); }),
-                              /*subtract_others=*/true));
+                              Repeat(options.num_timings, [&] { return RunFilter(unanswered); })));
   for (const RivalVariant& variant : options.variants) {
     const BundleAdjusterOptions rival = RivalOptions(recording, variant);
     results.push_back(Summarize(variant.Name(), recording,
@@ -177,7 +184,7 @@ std::vector<MethodResult> CompareEstimators(const Recording& recording,
                                          return RunBundleAdjuster(recording, rival,
                                                                   variant.every_frame_is_keyframe);
                                        }),
-                                /*subtract_others=*/false));
+                                {}));
   }
   return results;
 }

@@ -75,8 +75,8 @@ struct ComparisonOptions {
 // Runs the filter first, then each variant, on the same samples, tracks, answers and noise, each
 // answer reaching them one frame after its query. Times: of the rivals, gating the matches,
 // building the problem and solving it. Of the filter, what a frame with an answer costs more than
-// the mean of those without; its whole frame, propagation and local tracks included, is
-// `frame_seconds`. Throws Error(kBadInput) if a recording has fewer than two counted frames or its
+// the same frame in a run without answers; its whole frame, propagation and local tracks included,
+// is `frame_seconds`. Throws Error(kBadInput) if a recording has fewer than two counted frames or its
 // samples do not span its frames.
 std::vector<MethodResult> CompareEstimators(const Recording& recording,
                                             const ComparisonOptions& options);
