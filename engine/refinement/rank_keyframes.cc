@@ -1,12 +1,13 @@
 #include "engine/refinement/rank_keyframes.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <tuple>
 #include <utility>
 
+#include "engine/refinement/bernoulli_divergence.h"
 #include "engine/refinement/landmark_table.h"
 
 namespace cairn {
@@ -16,6 +17,16 @@ Rigid3d AnchorFromCam(const std::vector<TileView>& tiles, const KeyframeRef& ref
   const TileView& view = tiles[ref.tile_idx];
   return view.anchor_from_tile *
          view.tile->tile().keyframes[ref.keyframe_idx].cam_from_tile.Inverse();
+}
+
+Eigen::Vector3d CenterInTile(const Tile& tile, size_t keyframe_idx) {
+  const Rigid3d& cam_from_tile = tile.keyframes[keyframe_idx].cam_from_tile;
+  return -(cam_from_tile.rotation.conjugate() * cam_from_tile.translation);
+}
+
+Eigen::Vector3d CenterInAnchor(const std::vector<TileView>& tiles, const KeyframeRef& ref) {
+  const TileView& view = tiles[ref.tile_idx];
+  return view.anchor_from_tile * CenterInTile(view.tile->tile(), ref.keyframe_idx);
 }
 
 // The matched landmarks and, for each, the keypoints that matched it.
@@ -62,15 +73,16 @@ std::vector<RankedKeyframe> CountVotes(const QueryContext& query,
   std::vector<size_t> last_vote(query.num_keypoints(), 0);
   for (size_t t = 0; t < tiles.size(); ++t) {
     const Tile& tile = tiles[t].tile->tile();
-    const std::vector<int32_t> numbers = matched.table().FindAll(tile);
+    const LandmarkMarks marks = matched.table().Mark(tile);
     for (size_t k = 0; k < tile.num_keyframes(); ++k) {
       RankedKeyframe& entry = counted.emplace_back();
       entry.keyframe = {static_cast<int>(t), static_cast<uint32_t>(k)};
       for (const uint32_t landmark_idx : tile.LandmarksOfKeyframe(k)) {
-        if (numbers[landmark_idx] < 0) {
+        if (!marks.Has(landmark_idx)) {
           continue;
         }
-        for (const int keypoint_idx : matched.KeypointsOf(numbers[landmark_idx])) {
+        const int number = matched.table().Find(tile.landmark_ids[landmark_idx]);
+        for (const int keypoint_idx : matched.KeypointsOf(number)) {
           if (last_vote[keypoint_idx] != counted.size()) {
             last_vote[keypoint_idx] = counted.size();
             ++entry.num_votes;
@@ -80,13 +92,6 @@ std::vector<RankedKeyframe> CountVotes(const QueryContext& query,
     }
   }
   return counted;
-}
-
-// Kullback-Leibler divergence of two coins, with 0 ln 0 = 0. p lies in (0, 1).
-double BernoulliDivergence(double q, double p) {
-  const double heads = q > 0.0 ? q * std::log(q / p) : 0.0;
-  const double tails = q < 1.0 ? (1.0 - q) * std::log((1.0 - q) / (1.0 - p)) : 0.0;
-  return heads + tails;
 }
 
 double LogPrior(const SearchRegion& region, const Eigen::Vector3d& center_in_anchor) {
@@ -150,7 +155,7 @@ std::vector<RankedKeyframe> RankKeyframes(const QueryContext& query,
     const double p = num_observations_of(entry.keyframe) / num_observations;
     if (entry.num_votes > num_votes * p) {
       entry.log_score = num_votes * BernoulliDivergence(entry.num_votes / num_votes, p) +
-                        LogPrior(query.region, AnchorFromCam(tiles, entry.keyframe).translation);
+                        LogPrior(query.region, CenterInAnchor(tiles, entry.keyframe));
       ranked.push_back(entry);
     }
   }
@@ -169,24 +174,24 @@ std::vector<KeyframeRef> KeyframeNeighborhood(const std::vector<TileView>& tiles
   for (const uint32_t landmark_idx : own_landmarks) {
     own_ids.Insert(own_tile.landmark_ids[landmark_idx]);
   }
-  const Eigen::Vector3d own_center = AnchorFromCam(tiles, keyframe).translation;
+  const Eigen::Vector3d own_center = CenterInAnchor(tiles, keyframe);
 
   std::vector<std::tuple<int, int, uint32_t>> shared;  // Minus the number shared, tile, keyframe.
   for (int t = 0; t < static_cast<int>(tiles.size()); ++t) {
     const Tile& tile = tiles[t].tile->tile();
-    std::vector<int32_t> numbers;  // Filled when the first keyframe of the tile is near.
+    const Eigen::Vector3d own_center_in_tile = tiles[t].anchor_from_tile.Inverse() * own_center;
+    std::optional<LandmarkMarks> marks;  // Made when the first keyframe of the tile is near.
     for (uint32_t k = 0; k < tile.num_keyframes(); ++k) {
       const bool is_own = t == keyframe.tile_idx && k == keyframe.keyframe_idx;
-      if (is_own ||
-          (AnchorFromCam(tiles, {t, k}).translation - own_center).norm() > kMaxDistanceM) {
+      if (is_own || (CenterInTile(tile, k) - own_center_in_tile).norm() > kMaxDistanceM) {
         continue;
       }
-      if (numbers.empty()) {
-        numbers = own_ids.FindAll(tile);
+      if (!marks) {
+        marks = own_ids.Mark(tile);
       }
       int num_shared = 0;
       for (const uint32_t landmark_idx : tile.LandmarksOfKeyframe(k)) {
-        num_shared += numbers[landmark_idx] >= 0;
+        num_shared += marks->Has(landmark_idx);
       }
       if (num_shared > 0) {
         shared.emplace_back(-num_shared, t, k);

@@ -58,13 +58,14 @@ std::vector<PoseCandidate> CovisibilityCandidates(
   DisjointSets sets(table.size());
   for (const TileView& view : tiles) {
     const Tile& tile = view.tile->tile();
-    const std::vector<int32_t> numbers = table.FindAll(tile);
+    const LandmarkMarks marks = table.Mark(tile);
     for (size_t keyframe = 0; keyframe < tile.num_keyframes(); ++keyframe) {
       int first = -1;
       for (const uint32_t landmark_idx : tile.LandmarksOfKeyframe(keyframe)) {
-        if (numbers[landmark_idx] >= 0) {
-          first = first < 0 ? numbers[landmark_idx] : first;
-          sets.Join(first, numbers[landmark_idx]);
+        if (marks.Has(landmark_idx)) {
+          const int number = table.Find(tile.landmark_ids[landmark_idx]);
+          first = first < 0 ? number : first;
+          sets.Join(first, number);
         }
       }
     }

@@ -40,14 +40,17 @@ TEST(LandmarkTable, AgreesWithMapAtFullLoad) {
   }
 }
 
-TEST(LandmarkTable, FindsLandmarksOfTile) {
+TEST(LandmarkTable, MarksLandmarksOfTile) {
   LandmarkTable table(2);
   table.Insert(LandmarkId(9));
   table.Insert(LandmarkId(7));
   Tile tile;
   tile.landmark_ids = {LandmarkId(7), LandmarkId(8), LandmarkId(9)};
   tile.x_in_tile.resize(3);
-  EXPECT_EQ(table.FindAll(tile), (std::vector<int32_t>{1, -1, 0}));
+  const LandmarkMarks marks = table.Mark(tile);
+  EXPECT_TRUE(marks.Has(0));
+  EXPECT_FALSE(marks.Has(1));
+  EXPECT_TRUE(marks.Has(2));
 }
 
 }  // namespace
