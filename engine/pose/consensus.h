@@ -5,6 +5,9 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "engine/pose/pose_options.h"
+#include "engine/pose/sequential_test.h"
+
 namespace cairn {
 
 // A correspondence in the form it is scored: the error of a pose is the angle between the observed
@@ -24,14 +27,15 @@ struct RayObservation {
 // behind it; it is the complement of the truncated quadratic cost. Of the observations of one
 // keypoint only the best counts.
 //
-// Observations are kept as arrays of floats about their mean, so that poses are scored eight or
-// sixteen at a time and far origins cost no precision. Const calls are not thread-safe: they share
-// a scratch buffer. One object serves one query.
+// Observations are kept as arrays of floats about their mean, so that eight or sixteen are scored
+// at a time and far origins cost no precision. Const calls are not thread-safe: they share a
+// scratch buffer. One object serves one query.
 class ConsensusSet {
  public:
   // Observations of a keypoint must be adjacent. For early rejection to work the keypoints should
   // stand in random order.
-  explicit ConsensusSet(const std::vector<RayObservation>& observations);
+  explicit ConsensusSet(const std::vector<RayObservation>& observations,
+                        const ConsensusOptions& options = {});
 
   int size() const { return size_; }
   int num_keypoints() const { return static_cast<int>(keypoint_begin_.size()) - 1; }
@@ -39,9 +43,9 @@ class ConsensusSet {
   int keypoint_begin(int i) const { return keypoint_begin_[i]; }
 
   // Sum of the gains over the keypoints for a pose cam_from_anchor = [R | t], with every squared
-  // threshold enlarged by `extra_sq_rad`. Gives up, returning 0, when the gain provably or very
-  // likely stays below `gain_to_beat` (sequential probability ratio test, Matas and Chum, ICCV
-  // 2005, in steps of 64 observations).
+  // threshold enlarged by `extra_sq_rad`. With early rejection it gives up, returning 0, when the
+  // gain provably or very likely stays below `gain_to_beat` (see SequentialTest, in steps of 64
+  // observations).
   double Gain(const Eigen::Matrix<double, 3, 4>& cam_from_anchor, double extra_sq_rad,
               double gain_to_beat);
 
@@ -55,6 +59,7 @@ class ConsensusSet {
   bool FillGains(const Eigen::Matrix<double, 3, 4>& cam_from_anchor, double extra_sq_rad,
                  double gain_to_beat);
 
+  ConsensusOptions options_;
   int size_ = 0;
   Eigen::Vector3d origin_in_anchor_ = Eigen::Vector3d::Zero();
   // Each padded to a multiple of the block with observations that are never inliers.
@@ -62,7 +67,7 @@ class ConsensusSet {
   std::vector<float> point_x_, point_y_, point_z_;  // About the origin.
   std::vector<float> sq_threshold_, sq_sigma_;
   std::vector<int> keypoint_begin_;
-  double bad_inlier_ratio_ = 0.01;  // Of rejected poses, a running mean.
+  SequentialTest test_;
   // Scratch.
   std::vector<float> gains_;
   std::vector<int> best_observations_;

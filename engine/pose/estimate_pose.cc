@@ -111,16 +111,19 @@ std::optional<PoseEstimate> EstimatePose(const QueryContext& query,
     return std::nullopt;
   }
   PoseEstimator estimator(query, correspondences, subset, options, seed);
-  if (estimator.num_keypoints() < options.min_inliers) {
+  if (estimator.num_keypoints() < options.min_inliers ||
+      estimator.num_keypoints() <= min_consensus) {  // A keypoint gains at most 1.
     return std::nullopt;
   }
   const RansacOptions ransac_options = {options.min_iterations, options.max_iterations,
                                         options.success_probability, min_consensus};
-  const RansacResult<Rigid3d> ransac = LoRansac(&estimator, ransac_options, seed);
+  const auto ransac = LoRansac(&estimator, ransac_options, seed);
   if (!ransac.model) {
     return std::nullopt;
   }
-  std::optional<PoseEstimate> estimate = Polish(query, correspondences, *ransac.model, options);
+  std::optional<PoseEstimate> estimate =
+      Polish(query, correspondences,
+             {Eigen::Matrix3d(ransac.model->leftCols<3>()), ransac.model->col(3)}, options);
   if (!estimate) {
     return std::nullopt;
   }

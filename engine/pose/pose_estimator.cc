@@ -64,12 +64,21 @@ std::vector<RayObservation> MakeObservations(const QueryContext& query,
   return observations;
 }
 
-Rigid3d RigidFromLevelPose(const LevelPose& pose, const Eigen::Matrix3d& level_from_cam) {
+PoseEstimator::Model ModelFromLevelPose(const LevelPose& pose,
+                                        const Eigen::Matrix3d& level_from_cam) {
+  // The columns of cam_from_level, turned by yaw about the third.
   const double c = pose.yaw_direction.x(), s = pose.yaw_direction.y();
-  Eigen::Matrix3d level_from_anchor;
-  level_from_anchor << c, s, 0, -s, c, 0, 0, 0, 1;
-  const Eigen::Matrix3d cam_from_anchor = level_from_cam.transpose() * level_from_anchor;
-  return {cam_from_anchor, -cam_from_anchor * pose.center_in_anchor};
+  const Eigen::Vector3d x = level_from_cam.row(0), y = level_from_cam.row(1);
+  PoseEstimator::Model cam_from_anchor;
+  cam_from_anchor.col(0) = c * x - s * y;
+  cam_from_anchor.col(1) = s * x + c * y;
+  cam_from_anchor.col(2) = level_from_cam.row(2);
+  cam_from_anchor.col(3) = -cam_from_anchor.leftCols<3>() * pose.center_in_anchor;
+  return cam_from_anchor;
+}
+
+Rigid3d ToRigid(const PoseEstimator::Model& cam_from_anchor) {
+  return {Eigen::Matrix3d(cam_from_anchor.leftCols<3>()), cam_from_anchor.col(3)};
 }
 
 }  // namespace
@@ -89,17 +98,21 @@ PoseEstimator::PoseEstimator(const QueryContext& query,
     : query_(query),
       options_(options),
       observations_(MakeObservations(query, correspondences, subset, options, seed)),
-      consensus_(observations_),
+      consensus_(observations_, options.consensus),
       gravity_(MakeGravityPrior(query, options)) {
   if (query.level_from_cam && options.solver != MinimalSolver::kP3p) {
     level_from_cam_ = query.level_from_cam->toRotationMatrix();
     minimal_extra_sq_rad_ = std::pow(2.0 * options.gravity_sigma_rad, 2);
+    rays_in_level_.reserve(observations_.size());
+    for (const RayObservation& observation : observations_) {
+      rays_in_level_.push_back(*level_from_cam_ * observation.ray_in_cam);
+    }
   }
 }
 
 int PoseEstimator::SampleModels(Random* random, std::array<Model, kMaxModels>* models) {
-  std::array<int, 3> keypoints;
-  std::array<Eigen::Vector3d, 3> rays_in_cam, x_in_anchor;
+  std::array<int, 3> keypoints, sample;
+  std::array<Eigen::Vector3d, 3> x_in_anchor;
   for (int i = 0; i < sample_size(); ++i) {
     do {
       keypoints[i] = random->Index(num_keypoints());
@@ -107,30 +120,26 @@ int PoseEstimator::SampleModels(Random* random, std::array<Model, kMaxModels>* m
              keypoints.begin() + i);
     const int begin = consensus_.keypoint_begin(keypoints[i]);
     const int size = consensus_.keypoint_begin(keypoints[i] + 1) - begin;
-    const RayObservation& observation = observations_[begin + random->Index(size)];
-    rays_in_cam[i] = observation.ray_in_cam;
-    x_in_anchor[i] = observation.x_in_anchor;
+    sample[i] = begin + random->Index(size);
+    x_in_anchor[i] = observations_[sample[i]].x_in_anchor;
   }
   if (level_from_cam_) {
     std::array<LevelPose, 2> poses;
     const int num_poses =
-        SolveGravityTwoPoint({*level_from_cam_ * rays_in_cam[0], *level_from_cam_ * rays_in_cam[1]},
+        SolveGravityTwoPoint({rays_in_level_[sample[0]], rays_in_level_[sample[1]]},
                              {x_in_anchor[0], x_in_anchor[1]}, &poses);
     for (int i = 0; i < num_poses; ++i) {
-      (*models)[i] = RigidFromLevelPose(poses[i], *level_from_cam_);
+      (*models)[i] = ModelFromLevelPose(poses[i], *level_from_cam_);
     }
     return num_poses;
   }
-  std::array<Eigen::Matrix<double, 3, 4>, 4> poses;
-  const int num_poses = SolveP3p(rays_in_cam, x_in_anchor, &poses);
-  for (int i = 0; i < num_poses; ++i) {
-    (*models)[i] = Rigid3d(Eigen::Matrix3d(poses[i].leftCols<3>()), poses[i].col(3));
-  }
-  return num_poses;
+  return SolveP3p({observations_[sample[0]].ray_in_cam, observations_[sample[1]].ray_in_cam,
+                   observations_[sample[2]].ray_in_cam},
+                  x_in_anchor, models);
 }
 
 double PoseEstimator::ScoreMinimal(const Model& cam_from_anchor, double score_to_beat) {
-  return consensus_.Gain(cam_from_anchor.ToMatrix(), minimal_extra_sq_rad_, score_to_beat);
+  return consensus_.Gain(cam_from_anchor, minimal_extra_sq_rad_, score_to_beat);
 }
 
 std::vector<PoseObservation> PoseEstimator::LocalInliers(const Model& cam_from_anchor,
@@ -139,7 +148,7 @@ std::vector<PoseObservation> PoseEstimator::LocalInliers(const Model& cam_from_a
   // order, so the first ones are a random subset.
   constexpr size_t kMaxInliers = 100;
   std::vector<PoseObservation> inliers;
-  for (int index : consensus_.BestObservations(cam_from_anchor.ToMatrix(), extra_sq_rad)) {
+  for (int index : consensus_.BestObservations(cam_from_anchor, extra_sq_rad)) {
     if (index >= 0 && inliers.size() < kMaxInliers) {
       const RayObservation& observation = observations_[index];
       const Keypoint& keypoint = query_.keypoints[observation.keypoint_idx];
@@ -162,10 +171,11 @@ std::optional<std::pair<PoseEstimator::Model, double>> PoseEstimator::Optimize(
     if (static_cast<int>(inliers.size()) <= sample_size()) {
       return std::nullopt;
     }
-    model = RefinePose(query_.camera, inliers, gravity_, model, refine_options).cam_from_anchor;
+    model = RefinePose(query_.camera, inliers, gravity_, ToRigid(model), refine_options)
+                .cam_from_anchor.ToMatrix();
     extra_sq_rad = 0.0;
   }
-  return std::pair(model, consensus_.Gain(model.ToMatrix(), 0.0, -1.0));
+  return std::pair(model, consensus_.Gain(model, 0.0, -1.0));
 }
 
 double PoseEstimator::SampleProbabilityOfScore(double score) const {
@@ -178,7 +188,7 @@ double PoseEstimator::SampleProbabilityOfScore(double score) const {
 double PoseEstimator::InlierSampleProbability(const Model& cam_from_anchor) {
   // A keypoint is drawn first, then one of its observations.
   double sum = 0.0;
-  const std::vector<int>& best = consensus_.BestObservations(cam_from_anchor.ToMatrix(), 0.0);
+  const std::vector<int>& best = consensus_.BestObservations(cam_from_anchor, 0.0);
   for (int k = 0; k < num_keypoints(); ++k) {
     if (best[k] >= 0) {
       sum += 1.0 / (consensus_.keypoint_begin(k + 1) - consensus_.keypoint_begin(k));

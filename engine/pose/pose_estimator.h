@@ -25,7 +25,7 @@ namespace cairn {
 // scored with the thresholds as they are. Keeps references to its arguments. Not thread-safe.
 class PoseEstimator {
  public:
-  using Model = Rigid3d;  // cam_from_anchor.
+  using Model = Eigen::Matrix<double, 3, 4>;  // cam_from_anchor = [R | t].
   static constexpr int kMaxModels = 4;
 
   // Samples and scores the correspondences `subset`. `seed` fixes the order of scoring.
@@ -50,7 +50,9 @@ class PoseEstimator {
   const PoseOptions& options_;
   std::vector<RayObservation> observations_;  // Keypoints in random order.
   ConsensusSet consensus_;
-  std::optional<Eigen::Matrix3d> level_from_cam_;  // For two-point samples only.
+  // For two-point samples only.
+  std::optional<Eigen::Matrix3d> level_from_cam_;
+  std::vector<Eigen::Vector3d> rays_in_level_;  // Of the observations.
   std::optional<GravityPrior> gravity_;
   double minimal_extra_sq_rad_ = 0.0;
 };

@@ -17,7 +17,13 @@ void Require(bool condition, const char* what) {
 
 }  // namespace
 
+void ConsensusOptions::Validate() const {
+  Require(max_rejected_share > 0.0 && max_rejected_share < 1.0,
+          "consensus.max_rejected_share must lie in (0, 1)");
+}
+
 void PoseOptions::Validate() const {
+  consensus.Validate();
   Require(max_error_px > 0.0 && max_error_px <= 1000.0, "max_error_px must lie in (0, 1000]");
   Require(keypoint_sigma_px > 0.0 && keypoint_sigma_px <= 1000.0,
           "keypoint_sigma_px must lie in (0, 1000]");

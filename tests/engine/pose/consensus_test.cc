@@ -83,6 +83,34 @@ TEST(ConsensusSet, GainAgreesWithItsDefinition) {
   }
 }
 
+TEST(ConsensusSet, PlainAndVectorizedKernelsAgree) {
+  ConsensusOptions plain_options;
+  plain_options.kernel = ConsensusKernel::kPlain;
+  for (const int num_keypoints : {1, 7, 64, 300}) {
+    const Scene scene = MakeScene(num_keypoints, 100 + num_keypoints);
+    ConsensusSet vectorized(scene.observations), plain(scene.observations, plain_options);
+    for (int i = 0; i < 20; ++i) {
+      const Rigid3d nearby =
+          Rigid3d(ExpSo3(Vector3d(1e-3 * i, 0, -5e-4 * i)), Vector3d(0.01 * i, 0, 0)) *
+          scene.cam_from_anchor;
+      EXPECT_NEAR(vectorized.Gain(nearby.ToMatrix(), 0.0, -1.0),
+                  plain.Gain(nearby.ToMatrix(), 0.0, -1.0), 1e-4 * num_keypoints);
+      EXPECT_EQ(vectorized.BestObservations(nearby.ToMatrix(), 0.0),
+                plain.BestObservations(nearby.ToMatrix(), 0.0));
+    }
+  }
+}
+
+TEST(ConsensusSet, WithoutEarlyRejectionEveryGainIsWhole) {
+  const Scene scene = MakeScene(500, 9);
+  ConsensusOptions options;
+  options.early_rejection = false;
+  ConsensusSet set(scene.observations, options);
+  const auto pose = scene.cam_from_anchor.ToMatrix();
+  EXPECT_EQ(set.Gain(pose, 0.0, scene.observations.size() + 1.0), set.Gain(pose, 0.0, -1.0));
+  EXPECT_GT(set.Gain(pose, 0.0, -1.0), 100.0);
+}
+
 TEST(ConsensusSet, FarOriginCostsNoPrecision) {
   const Scene scene = MakeScene(100, 5, {40'000.0, -70'000.0, 300.0});
   ConsensusSet set(scene.observations);

@@ -127,6 +127,26 @@ TEST(EstimatePose, FindsFivePercentInliersUnderGravityNoise) {
   EXPECT_GE(NumRight(options, 20), 18);
 }
 
+TEST(EstimatePose, SucceedsAsOftenWithEveryKindOfScoring) {
+  PoseSceneOptions scene_options;
+  scene_options.num_keypoints = 1000;
+  scene_options.num_inliers = 100;
+  scene_options.pixel_noise_px = 1.0;
+  scene_options.gravity_noise_rad = 0.0175;
+  for (const ConsensusKernel kernel : {ConsensusKernel::kVectorized, ConsensusKernel::kPlain}) {
+    for (const bool early_rejection : {true, false}) {
+      PoseOptions options;
+      options.consensus.kernel = kernel;
+      options.consensus.early_rejection = early_rejection;
+      for (int seed = 1; seed <= 5; ++seed) {
+        scene_options.seed = seed;
+        const PoseScene scene = MakePoseScene(scene_options);
+        EXPECT_TRUE(IsRight(Estimate(scene, options), scene));
+      }
+    }
+  }
+}
+
 TEST(EstimatePose, FindsTenPercentInliersWithoutGravity) {
   PoseSceneOptions options;
   options.num_keypoints = 1000;

@@ -24,6 +24,7 @@ TEST(PoseOptions, RejectsNonsenseNamingTheField) {
       {"num_local_optimizations", [](PoseOptions* o) { o->num_local_optimizations = 0; }},
       {"min_inliers", [](PoseOptions* o) { o->min_inliers = 3; }},
       {"gravity_sigma_rad", [](PoseOptions* o) { o->gravity_sigma_rad = 0.0; }},
+      {"max_rejected_share", [](PoseOptions* o) { o->consensus.max_rejected_share = 1.0; }},
   };
   for (const auto& [field, spoil] : cases) {
     PoseOptions options;

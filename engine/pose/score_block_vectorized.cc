@@ -1,0 +1,25 @@
+#include "engine/pose/score_block.h"
+#include "engine/vector_clones.h"
+
+namespace cairn {
+
+CAIRN_VECTOR_CLONES
+float ScoreBlockVectorized(const ScoreBlockInput& in, const FloatModel& m,
+                           float* __restrict gains) {
+  constexpr int kNumLanes = 16;
+  float lane_gain[kNumLanes] = {};
+  for (int begin = 0; begin < kScoreBlock; begin += kNumLanes) {
+    for (int lane = 0; lane < kNumLanes; ++lane) {
+      const float gain = ObservationGain(in, m, begin + lane);
+      gains[begin + lane] = gain;
+      lane_gain[lane] += gain;
+    }
+  }
+  float sum = 0.0f;
+  for (int lane = 0; lane < kNumLanes; ++lane) {
+    sum += lane_gain[lane];
+  }
+  return sum;
+}
+
+}  // namespace cairn
