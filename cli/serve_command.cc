@@ -97,6 +97,12 @@ void AddServeCommand(CLI::App* app, Shell* shell) {
       ->check(CLI::Range(0, 4096))
       ->type_name("N")
       ->capture_default_str();
+  command
+      ->add_option("--query-threads", options.threads_per_query,
+                   "Threads one query may use while cores are free; 0 is as many as cores")
+      ->check(CLI::Range(0, 1024))
+      ->type_name("N")
+      ->capture_default_str();
   command->footer(
       "Prints the URL when it is ready. SIGTERM and SIGINT stop it after the running requests.\n"
       "Example:\n"

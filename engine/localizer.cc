@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
+#include <functional>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -16,6 +16,7 @@
 #include "engine/pose/estimate_pose.h"
 #include "engine/prior/search_region.h"
 #include "engine/refinement/rank_keyframes.h"
+#include "engine/shared_workers.h"
 #include "engine/tiles/fetch_tiles.h"
 #include "engine/voting/covisibility_filter.h"
 #include "engine/voting/pose_voting.h"
@@ -27,6 +28,7 @@ struct Localizer::Impl {
   std::shared_ptr<const MapStore> store;
   std::shared_ptr<TileCache> cache;
   LocalizerOptions options;
+  SharedWorkers workers;
 };
 
 namespace {
@@ -37,13 +39,19 @@ double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+// A pose that was searched for, and in what. No correspondences: there was no time left.
+struct Attempt {
+  std::shared_ptr<const std::vector<Correspondence>> correspondences;
+  std::optional<PoseEstimate> estimate;
+};
+
 // One query on its way through the stages. A stage that finds that there cannot be an answer
 // returns the reason, and the ones after it do not run.
 class QueryRun {
  public:
   QueryRun(const MapStore& store, TileCache* cache, const LocalizerOptions& options,
-           const LocalizeQuery& query)
-      : store_(store), cache_(cache), options_(options), query_(query) {}
+           SharedWorkers* workers, const LocalizeQuery& query)
+      : store_(store), cache_(cache), options_(options), workers_(workers), query_(query) {}
 
   LocalizeResult Run();
 
@@ -58,14 +66,16 @@ class QueryRun {
   NotLocalizedReason Refine();
 
   bool DeadlinePassed() const { return query_.deadline && Clock::now() >= *query_.deadline; }
-  // Adds the pose of a subset of correspondences to the hypotheses, if there is one.
-  void AddHypothesis(const std::shared_ptr<const std::vector<Correspondence>>& correspondences,
-                     const std::vector<int>& subset);
+  // Makes attempts 0 ... count - 1 and adds the poses found to the hypotheses. An attempt gets the
+  // consensus below which a pose is of no interest. Returns the number of attempts made.
+  int TryInRounds(int count, const std::function<Attempt(int, double)>& attempt);
+  void AddHypothesis(Attempt attempt);
   bool NeedsRefinement() const;
 
   const MapStore& store_;
   TileCache* cache_;
   const LocalizerOptions& options_;
+  SharedWorkers* workers_;
   const LocalizeQuery& query_;
 
   std::optional<MapSnapshot> snapshot_;  // Until the tiles are there.
@@ -147,7 +157,8 @@ NotLocalizedReason QueryRun::Vote() {
     case OutlierFilter::kVoting3d:
       candidates_ =
           context_.level_from_cam
-              ? VoteForPoses(context_, *correspondences_, options_.voting, &result_.counters)
+              ? VoteForPoses(context_, *correspondences_, options_.voting, &result_.counters,
+                             workers_)
               : KeyframeCandidates(context_, tiles_, *correspondences_, options_.refinement);
       break;
     case OutlierFilter::kCovisibility:
@@ -163,50 +174,67 @@ NotLocalizedReason QueryRun::Vote() {
 }
 
 NotLocalizedReason QueryRun::EstimatePoses() {
-  for (const PoseCandidate& candidate : candidates_) {
-    if (DeadlinePassed()) {
-      break;
-    }
-    AddHypothesis(correspondences_, candidate.correspondences);
-  }
+  TryInRounds(static_cast<int>(candidates_.size()), [this](int i, double min_consensus) -> Attempt {
+    return {correspondences_,
+            EstimatePose(context_, *correspondences_, candidates_[i].correspondences, options_.pose,
+                         options_.seed, min_consensus)};
+  });
   return NotLocalizedReason::kNone;
 }
 
 NotLocalizedReason QueryRun::Refine() {
   if (NeedsRefinement()) {
     const auto ranked = RankKeyframes(context_, tiles_, *correspondences_, options_.refinement);
-    for (const RankedKeyframe& keyframe : ranked) {
-      if (DeadlinePassed()) {
-        break;
-      }
+    std::vector<int64_t> num_rematches(ranked.size(), 0);
+    const auto attempt = [&](int i, double min_consensus) -> Attempt {
       const auto rematches = std::make_shared<const std::vector<Correspondence>>(
           MatchAgainstKeyframes(context_, tiles_,
-                                KeyframeNeighborhood(tiles_, keyframe.keyframe,
+                                KeyframeNeighborhood(tiles_, ranked[i].keyframe,
                                                      options_.refinement.neighbors_per_keyframe),
                                 options_.refinement.relaxed_distance_quantile, options_.matching));
-      result_.counters.num_refined_keyframes += 1;
-      result_.counters.num_rematches += static_cast<int64_t>(rematches->size());
+      num_rematches[i] = static_cast<int64_t>(rematches->size());
       std::vector<int> all(rematches->size());
       std::iota(all.begin(), all.end(), 0);
-      AddHypothesis(rematches, all);
-    }
+      return {rematches,
+              EstimatePose(context_, *rematches, all, options_.pose, options_.seed, min_consensus)};
+    };
+    result_.counters.num_refined_keyframes = TryInRounds(static_cast<int>(ranked.size()), attempt);
+    result_.counters.num_rematches =
+        std::accumulate(num_rematches.begin(), num_rematches.end(), int64_t{0});
   }
   return hypotheses_.empty() ? NotLocalizedReason::kTooFewInliers : NotLocalizedReason::kNone;
 }
 
-void QueryRun::AddHypothesis(
-    const std::shared_ptr<const std::vector<Correspondence>>& correspondences,
-    const std::vector<int>& subset) {
+// The first attempt is made alone: it succeeds more often than not, and then the others need not
+// look for less. They follow four at a time, in parallel if cores are free. Rounds do not depend on
+// the number of threads, so neither does the answer.
+int QueryRun::TryInRounds(int count, const std::function<Attempt(int, double)>& attempt) {
+  constexpr int kRoundSize = 4;
   // A pose with a smaller share of the best one's consensus could neither win nor make the answer
   // ambiguous.
   constexpr double kMinConsensusShare = 0.5;
-  std::optional<PoseEstimate> estimate =
-      EstimatePose(context_, *correspondences, subset, options_.pose, options_.seed,
-                   kMinConsensusShare * best_consensus_);
-  if (estimate) {
-    best_consensus_ = std::max(best_consensus_, estimate->consensus);
-    result_.counters.num_ransac_iterations += estimate->num_iterations;
-    hypotheses_.push_back({std::move(*estimate), correspondences});
+  int num_made = 0;
+  for (int begin = 0, end = 1; begin < count; begin = end, end += kRoundSize) {
+    std::vector<Attempt> round(std::min(count, end) - begin);
+    const double min_consensus = kMinConsensusShare * best_consensus_;
+    workers_->ForEach(static_cast<int>(round.size()), [&](int i) {
+      if (!DeadlinePassed()) {
+        round[i] = attempt(begin + i, min_consensus);
+      }
+    });
+    for (Attempt& made : round) {
+      num_made += made.correspondences != nullptr;
+      AddHypothesis(std::move(made));
+    }
+  }
+  return num_made;
+}
+
+void QueryRun::AddHypothesis(Attempt attempt) {
+  if (attempt.estimate) {
+    best_consensus_ = std::max(best_consensus_, attempt.estimate->consensus);
+    result_.counters.num_ransac_iterations += attempt.estimate->num_iterations;
+    hypotheses_.push_back({std::move(*attempt.estimate), std::move(attempt.correspondences)});
   }
 }
 
@@ -228,15 +256,17 @@ bool QueryRun::NeedsRefinement() const {
 }  // namespace
 
 Localizer::Localizer(std::shared_ptr<const MapStore> store, std::shared_ptr<TileCache> cache,
-                     const LocalizerOptions& options)
-    : impl_(std::make_unique<Impl>(Impl{std::move(store), std::move(cache), options})) {
+                     const LocalizerOptions& options) {
   options.Validate();
+  impl_.reset(
+      new Impl{std::move(store), std::move(cache), options, SharedWorkers(options.num_threads)});
 }
 
 Localizer::~Localizer() = default;
 
 LocalizeResult Localizer::Localize(const LocalizeQuery& query) const {
-  return QueryRun(*impl_->store, impl_->cache.get(), impl_->options, query).Run();
+  const SharedWorkers::Caller caller(&impl_->workers);
+  return QueryRun(*impl_->store, impl_->cache.get(), impl_->options, &impl_->workers, query).Run();
 }
 
 const LocalizerOptions& Localizer::options() const { return impl_->options; }

@@ -18,6 +18,9 @@ void AnswerOptions::Validate() const {
 }
 
 void LocalizerOptions::Validate() const {
+  if (num_threads < 1 || num_threads > 1024) {
+    throw Error(ErrorCode::kInvalidArgument, "num_threads must lie in [1, 1024]");
+  }
   prior.Validate();
   tiles.Validate();
   matching.Validate();

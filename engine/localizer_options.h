@@ -37,6 +37,10 @@ struct LocalizerOptions {
   RefinementOptions refinement;
   AnswerOptions answer;
 
+  // Threads that a query may use while no other query needs them, its own among them; the others
+  // are shared by all queries of a localizer. At least 1. The answer does not depend on it.
+  int num_threads = 1;
+
   // Seed of everything random in a query; the same seed gives the same answer.
   uint64_t seed = 1;
 

@@ -10,13 +10,24 @@
 #include "http/problem.h"
 
 namespace cairn {
+namespace {
+
+LocalizerOptions MakeLocalizerOptions(const ServerOptions& options) {
+  LocalizerOptions localizer = options.localizer;
+  localizer.num_threads = options.threads_per_query > 0
+                              ? options.threads_per_query
+                              : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  return localizer;
+}
+
+}  // namespace
 
 LocalizeService::LocalizeService(const ServerOptions& options)
     : options_(options),
       store_(
           std::make_shared<const MapStore>(MapStore::Open(options.map_path, OpenMode::kReadOnly))),
       cache_(std::make_shared<TileCache>(options.cache_bytes)),
-      localizer_(std::make_unique<Localizer>(store_, cache_, options.localizer)),
+      localizer_(std::make_unique<Localizer>(store_, cache_, MakeLocalizerOptions(options))),
       extraction_slots_(std::max(1, static_cast<int>(std::thread::hardware_concurrency()))) {
   map_tag_ = store_->Snapshot().Info().created_at;
   std::erase_if(map_tag_, [](unsigned char c) { return std::isalnum(c) == 0; });

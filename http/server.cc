@@ -41,6 +41,8 @@ void ServerOptions::Validate() const {
   require(admin_port <= 0 || admin_port != port || admin_host != host,
           "admin_port is the same as port; leave it at -1 to serve both from one");
   require(num_threads >= 0 && num_threads <= 1024, "num_threads must lie in [0, 1024]");
+  require(threads_per_query >= 0 && threads_per_query <= 1024,
+          "threads_per_query must lie in [0, 1024]");
   require(cache_bytes > 0, "cache_bytes must be positive");
   require(max_body_bytes >= 1024, "max_body_bytes must be at least 1024");
   require(max_image_pixels >= 1, "max_image_pixels must be positive");

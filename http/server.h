@@ -18,6 +18,9 @@ struct ServerOptions {
   std::string admin_host = "127.0.0.1";
   int admin_port = -1;  // Health and metrics apart; 0 picks a free one, -1: same listener.
   int num_threads = 0;  // Workers; 0 is twice the cores, at least 8.
+  // Threads that one query may use while cores are free; 0 is as many as there are cores. Counts
+  // instead of localizer.num_threads.
+  int threads_per_query = 0;
   size_t cache_bytes = size_t{1} << 30;
   size_t max_body_bytes = size_t{2} << 20;
   int64_t max_image_pixels = 12'000'000;

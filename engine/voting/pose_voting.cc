@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "core/check.h"
 #include "core/features.h"
@@ -63,30 +64,77 @@ int64_t VoteSliceOfYaw(const std::vector<VoteRay>& rays, double yaw_rad, const V
   return num_votes;
 }
 
-// Cells with the most votes, smoothed over pairs of neighbours along all four axes.
-std::vector<VotePeak> FindPeaks(const std::vector<VoteRay>& rays, const VoteGrid& grid,
-                                const VoteDisc& disc, int num_yaws, const VotingOptions& options,
-                                StageCounters* counters) {
-  constexpr int kPeaksPerCandidate = 32;  // Most are neighbours of a few maxima.
+// What all votes of a query have in common.
+struct Ballot {
+  std::vector<VoteRay> rays;
+  VoteGrid grid;
+  VoteDisc disc;
+  int num_yaws = 0;
+};
+
+constexpr int kPeaksPerCandidate = 32;  // Most are neighbours of a few maxima.
+
+struct YawRangePeaks {
+  std::vector<VotePeak> peaks;  // The best ones, best first.
+  int64_t num_votes = 0;
+};
+
+// The peaks between yaw bins `begin` and `end`, smoothed over pairs of neighbours along all four
+// axes: peak i sums the bins i and i + 1, so the bin after the range is filled as well.
+YawRangePeaks FindPeaksInRange(const Ballot& ballot, int begin, int end,
+                               const VotingOptions& options) {
   const double min_cosine = std::cos(options.max_azimuth_difference_rad);
-  VoteSlice slice(grid);
-  PeakCollector peaks(grid, kPeaksPerCandidate * options.max_candidates,
+  VoteSlice slice(ballot.grid);
+  PeakCollector peaks(ballot.grid, kPeaksPerCandidate * options.max_candidates,
                       static_cast<int>(std::ceil(options.min_score)));
+  YawRangePeaks result;
   std::vector<uint16_t> first, previous, current;
   const auto fill = [&](int yaw_idx, std::vector<uint16_t>* smoothed) {
-    const double yaw_rad = 2.0 * std::numbers::pi * yaw_idx / num_yaws;
-    counters->num_votes += VoteSliceOfYaw(rays, yaw_rad, disc, min_cosine, &slice);
+    const double yaw_rad = 2.0 * std::numbers::pi * yaw_idx / ballot.num_yaws;
+    const int64_t num_votes = VoteSliceOfYaw(ballot.rays, yaw_rad, ballot.disc, min_cosine, &slice);
     slice.SmoothAndClear(smoothed);
+    return num_votes;
   };
-  fill(0, &first);
-  previous = first;
-  for (int yaw_idx = 1; yaw_idx < num_yaws; ++yaw_idx) {
-    fill(yaw_idx, &current);
+  const bool is_full_circle = end - begin == ballot.num_yaws;
+  result.num_votes += fill(begin, &previous);
+  if (is_full_circle) {
+    first = previous;
+  }
+  for (int yaw_idx = begin + 1; yaw_idx < end; ++yaw_idx) {
+    result.num_votes += fill(yaw_idx, &current);
     peaks.Offer(yaw_idx - 1, previous, current);
     std::swap(previous, current);
   }
-  peaks.Offer(num_yaws - 1, previous, first);
-  return peaks.TakeSorted();
+  if (is_full_circle) {
+    current = std::move(first);
+  } else {
+    fill(end % ballot.num_yaws, &current);  // Its votes are counted in its own range.
+  }
+  peaks.Offer(end - 1, previous, current);
+  result.peaks = peaks.TakeSorted();
+  return result;
+}
+
+// Cells with the most votes, best first. Ranges of yaw are independent but for one slice each that
+// is filled twice, so there are no more of them than threads.
+std::vector<VotePeak> FindPeaks(const Ballot& ballot, const VotingOptions& options,
+                                SharedWorkers* workers, StageCounters* counters) {
+  const int num_ranges =
+      std::clamp(workers != nullptr ? workers->NumFree() : 1, 1, ballot.num_yaws / 2);
+  std::vector<YawRangePeaks> ranges(num_ranges);
+  ForEachStep(workers, num_ranges, [&](int i) {
+    ranges[i] = FindPeaksInRange(ballot, i * ballot.num_yaws / num_ranges,
+                                 (i + 1) * ballot.num_yaws / num_ranges, options);
+  });
+  std::vector<VotePeak> peaks;
+  for (const YawRangePeaks& range : ranges) {
+    counters->num_votes += range.num_votes;
+    peaks.insert(peaks.end(), range.peaks.begin(), range.peaks.end());
+  }
+  std::sort(peaks.begin(), peaks.end(), IsBetterPeak);
+  peaks.resize(std::min(peaks.size(), static_cast<size_t>(kPeaksPerCandidate) *
+                                          static_cast<size_t>(options.max_candidates)));
+  return peaks;
 }
 
 // The pose in the middle of the cells that a peak sums.
@@ -132,31 +180,35 @@ std::vector<PoseCandidate> SuppressNeighbors(const std::vector<PoseCandidate>& o
 
 std::vector<PoseCandidate> VoteForPoses(const QueryContext& query,
                                         const std::vector<Correspondence>& correspondences,
-                                        const VotingOptions& options, StageCounters* counters) {
+                                        const VotingOptions& options, StageCounters* counters,
+                                        SharedWorkers* workers) {
   CAIRN_CHECK(query.level_from_cam.has_value(), "voting needs gravity");
   counters->num_votes = 0;
   counters->num_candidates = 0;
-  const std::vector<VoteRay> rays = MakeVoteRays(query, correspondences, options);
+  std::vector<VoteRay> rays = MakeVoteRays(query, correspondences, options);
   if (rays.empty()) {
     return {};
   }
   const VoteGrid grid = MakeGrid(rays, query.region, options);
-  const VoteDisc disc = {query.region.prior_xy_in_anchor, query.region.radius_m};
-  const int num_yaws =
-      static_cast<int>(std::ceil(2.0 * std::numbers::pi / options.yaw_step_rad - 1e-3));
+  const Ballot ballot = {
+      std::move(rays),
+      grid,
+      {query.region.prior_xy_in_anchor, query.region.radius_m},
+      static_cast<int>(std::ceil(2.0 * std::numbers::pi / options.yaw_step_rad - 1e-3))};
 
   // Votes rank on a coarse lattice with all cells alike; the support of a pose is the better judge
   // but too dear for all of them. So a few times as many maxima as asked for are judged.
   constexpr int kJudgedPerCandidate = 4;
   std::vector<PoseCandidate> candidates;
-  for (const VotePeak& peak : FindPeaks(rays, grid, disc, num_yaws, options, counters)) {
-    candidates.push_back(CandidateAt(peak, grid, num_yaws));
+  for (const VotePeak& peak : FindPeaks(ballot, options, workers, counters)) {
+    candidates.push_back(CandidateAt(peak, grid, ballot.num_yaws));
   }
   candidates = SuppressNeighbors(candidates, grid, options.yaw_step_rad,
                                  kJudgedPerCandidate * options.max_candidates);
-  for (PoseCandidate& candidate : candidates) {
-    candidate = SupportedCandidate(rays, candidate.center_in_anchor, candidate.yaw_rad, options);
-  }
+  ForEachStep(workers, static_cast<int>(candidates.size()), [&](int i) {
+    candidates[i] = SupportedCandidate(ballot.rays, candidates[i].center_in_anchor,
+                                       candidates[i].yaw_rad, options);
+  });
   std::erase_if(candidates, [&](const PoseCandidate& candidate) {
     return candidate.score < options.min_score;
   });

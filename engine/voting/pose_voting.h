@@ -8,18 +8,20 @@
 #include "engine/localize_result.h"
 #include "engine/pose_candidate.h"
 #include "engine/query_context.h"
+#include "engine/shared_workers.h"
 #include "engine/voting/voting_options.h"
 
 namespace cairn {
 
 // Votes of all correspondences over (x, y, z, yaw), or, with OutlierFilter::kVoting3d, (x, y, yaw),
-// within the region; returns the best maxima,
-// highest score first, each with the correspondences that agree with it. A keypoint counts at most
-// once in a cell. The heights of candidates mean nothing if they were not voted over. Needs gravity
-// (query.level_from_cam). Sets the voting counters.
+// within the region; returns the best maxima, highest score first, each with the correspondences
+// that agree with it. A keypoint counts at most once in a cell. The heights of candidates mean
+// nothing if they were not voted over. Needs gravity (query.level_from_cam). Sets the voting
+// counters. `workers` (may be null) share the work, by ranges of yaw; the result is the same.
 std::vector<PoseCandidate> VoteForPoses(const QueryContext& query,
                                         const std::vector<Correspondence>& correspondences,
-                                        const VotingOptions& options, StageCounters* counters);
+                                        const VotingOptions& options, StageCounters* counters,
+                                        SharedWorkers* workers = nullptr);
 
 }  // namespace cairn
 

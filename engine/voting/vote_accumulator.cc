@@ -45,12 +45,12 @@ int AddRows(const uint16_t* __restrict a, const uint16_t* __restrict b, int size
   return largest;
 }
 
-// Orders by sum, then by position, so that the result does not depend on the heap.
-bool IsBetter(const VotePeak& a, const VotePeak& b) {
+}  // namespace
+
+// Position decides between equal sums, so that the result does not depend on the heap.
+bool IsBetterPeak(const VotePeak& a, const VotePeak& b) {
   return std::tuple(-a.sum, a.yaw_idx, a.cell_idx) < std::tuple(-b.sum, b.yaw_idx, b.cell_idx);
 }
-
-}  // namespace
 
 VoteGrid::VoteGrid(const Eigen::Vector3d& min_corner, const Eigen::Vector3d& max_corner,
                    const Eigen::Vector3d& cell_m)
@@ -140,18 +140,18 @@ void PeakCollector::Offer(int yaw_idx, const std::vector<uint16_t>& a,
 
 void PeakCollector::Insert(const VotePeak& peak) {
   if (heap_.size() == max_peaks_) {
-    std::pop_heap(heap_.begin(), heap_.end(), IsBetter);
+    std::pop_heap(heap_.begin(), heap_.end(), IsBetterPeak);
     heap_.pop_back();
   }
   heap_.push_back(peak);
-  std::push_heap(heap_.begin(), heap_.end(), IsBetter);
+  std::push_heap(heap_.begin(), heap_.end(), IsBetterPeak);
   if (heap_.size() == max_peaks_) {
     threshold_ = std::max(threshold_, heap_.front().sum);
   }
 }
 
 std::vector<VotePeak> PeakCollector::TakeSorted() {
-  std::sort(heap_.begin(), heap_.end(), IsBetter);
+  std::sort(heap_.begin(), heap_.end(), IsBetterPeak);
   return std::move(heap_);
 }
 

@@ -68,6 +68,9 @@ struct VotePeak {
   int cell_idx = 0;
 };
 
+// Order of peaks: the higher sum, then the earlier yaw, then the earlier cell.
+bool IsBetterPeak(const VotePeak& a, const VotePeak& b);
+
 // Keeps the cells with the highest sums of all slices offered. Ties go to the earlier cell.
 class PeakCollector {
  public:

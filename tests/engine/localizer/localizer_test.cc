@@ -272,6 +272,54 @@ TEST_F(LocalizerOnOneStreet, GivesTheSameAnswerOnEveryThread) {
   }
 }
 
+TEST_F(LocalizerOnOneStreet, AnswerDoesNotDependOnTheNumberOfThreads) {
+  for (const RefinementMode mode : {RefinementMode::kWhenWeak, RefinementMode::kAlways}) {
+    for (const bool has_gravity : {true, false}) {
+      LocalizeQuery query = QueryAt(*world_, QueryPose(20.0));
+      if (!has_gravity) {
+        query.down_in_cam.reset();
+      }
+      LocalizerOptions options;
+      options.refinement.mode = mode;
+      const LocalizeResult expected = map_->WithOptions(options).Localize(query);
+      ASSERT_TRUE(expected.localized);
+      for (const int num_threads : {2, 3, 7}) {
+        options.num_threads = num_threads;
+        const LocalizeResult result = map_->WithOptions(options).Localize(query);
+        ASSERT_TRUE(result.localized);
+        EXPECT_EQ(result.cam_from_anchor.ToMatrix(), expected.cam_from_anchor.ToMatrix());
+        EXPECT_EQ(result.covariance, expected.covariance);
+        EXPECT_EQ(result.score, expected.score);
+        EXPECT_EQ(result.counters.num_votes, expected.counters.num_votes);
+        EXPECT_EQ(result.counters.num_candidates, expected.counters.num_candidates);
+        EXPECT_EQ(result.counters.num_ransac_iterations, expected.counters.num_ransac_iterations);
+        EXPECT_EQ(result.counters.num_refined_keyframes, expected.counters.num_refined_keyframes);
+        EXPECT_EQ(result.counters.num_rematches, expected.counters.num_rematches);
+      }
+    }
+  }
+}
+
+TEST_F(LocalizerOnOneStreet, ConcurrentQueriesShareTheHelpers) {
+  LocalizerOptions options;
+  options.num_threads = 3;
+  options.refinement.mode = RefinementMode::kAlways;
+  const Localizer localizer = map_->WithOptions(options);
+  const LocalizeQuery query = QueryAt(*world_, QueryPose(20.0));
+  const LocalizeResult expected = localizer.Localize(query);
+  std::vector<LocalizeResult> results(4);
+  std::vector<std::thread> threads;
+  for (LocalizeResult& result : results) {
+    threads.emplace_back([&] { result = localizer.Localize(query); });
+  }
+  for (std::thread& thread : threads) {
+    thread.join();
+  }
+  for (const LocalizeResult& result : results) {
+    EXPECT_EQ(result.cam_from_anchor.ToMatrix(), expected.cam_from_anchor.ToMatrix());
+  }
+}
+
 TEST(Localizer, SaysNoCoverageOnAnEmptyMap) {
   const StreetWorld world;
   const MappedStreets map({});

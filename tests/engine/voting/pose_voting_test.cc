@@ -69,6 +69,29 @@ TEST(VoteForPoses, FindsSixtyInliersByGeometryAlone) {
   EXPECT_GE(num_found, 5);
 }
 
+TEST(VoteForPoses, WorkersDoNotChangeTheResult) {
+  const PoseScene scene = MakePoseScene(HardScene(60, 3));
+  StageCounters alone_counters;
+  const auto alone =
+      VoteForPoses(scene.query, scene.correspondences, VotingOptions(), &alone_counters);
+  ASSERT_FALSE(alone.empty());
+  for (const int num_threads : {1, 2, 3, 7}) {
+    SharedWorkers workers(num_threads);
+    const SharedWorkers::Caller caller(&workers);
+    StageCounters counters;
+    const auto shared =
+        VoteForPoses(scene.query, scene.correspondences, VotingOptions(), &counters, &workers);
+    EXPECT_EQ(counters.num_votes, alone_counters.num_votes);
+    ASSERT_EQ(shared.size(), alone.size());
+    for (size_t i = 0; i < alone.size(); ++i) {
+      EXPECT_EQ(shared[i].center_in_anchor, alone[i].center_in_anchor);
+      EXPECT_EQ(shared[i].yaw_rad, alone[i].yaw_rad);
+      EXPECT_EQ(shared[i].score, alone[i].score);
+      EXPECT_EQ(shared[i].correspondences, alone[i].correspondences);
+    }
+  }
+}
+
 TEST(VoteForPoses, In3dFindsTheTruthUpToItsHeight) {
   VotingOptions options;
   options.filter = OutlierFilter::kVoting3d;
