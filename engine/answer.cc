@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/check.h"
+#include "engine/refinement/bernoulli_divergence.h"
 
 namespace cairn {
 namespace {
@@ -20,13 +22,52 @@ bool AreFarApart(const Rigid3d& a, const Rigid3d& b, const AnswerOptions& option
          RotationAngleRad(a.rotation, b.rotation) > options.ambiguous_rotation_rad;
 }
 
-bool IsAmbiguous(const std::vector<const PoseHypothesis*>& by_score, const AnswerOptions& options) {
-  const PoseEstimate& best = by_score.front()->estimate;
-  return std::any_of(by_score.begin() + 1, by_score.end(), [&](const PoseHypothesis* other) {
-    return other->estimate.effective_inliers >=
-               options.ambiguous_score_ratio * best.effective_inliers &&
-           AreFarApart(best.cam_from_anchor, other->estimate.cam_from_anchor, options);
-  });
+std::vector<int> SortedKeypoints(const PoseHypothesis& hypothesis) {
+  std::vector<int> keypoints;
+  for (const int inlier : hypothesis.estimate.inliers) {
+    keypoints.push_back((*hypothesis.correspondences)[inlier].keypoint_idx);
+  }
+  std::sort(keypoints.begin(), keypoints.end());
+  return keypoints;
+}
+
+// True if the inliers decide between two poses that are far apart. What both explain, such as a
+// facade that repeats, tells nothing; see AnswerOptions.
+bool Outdoes(const PoseHypothesis& a, const PoseHypothesis& b, const AnswerOptions& options) {
+  const std::vector<int> of_a = SortedKeypoints(a), of_b = SortedKeypoints(b);
+  std::vector<int> shared;
+  std::set_intersection(of_a.begin(), of_a.end(), of_b.begin(), of_b.end(),
+                        std::back_inserter(shared));
+  const auto num_for = static_cast<double>(of_a.size() - shared.size());
+  const auto num_against = static_cast<double>(of_b.size() - shared.size());
+  const double num_all = num_for + num_against;
+  return num_for > num_against &&
+         static_cast<double>(of_b.size()) <=
+             options.decisive_inlier_share * static_cast<double>(of_a.size()) &&
+         num_all * BernoulliDivergence(num_for / num_all, 0.5) >= options.decisive_evidence;
+}
+
+// True if `rival` explains the image about as well as `best` from somewhere else.
+bool Rivals(const PoseHypothesis& rival, const PoseHypothesis& best, const AnswerOptions& options) {
+  return rival.estimate.effective_inliers >=
+             options.ambiguous_score_ratio * best.estimate.effective_inliers &&
+         AreFarApart(best.estimate.cam_from_anchor, rival.estimate.cam_from_anchor, options);
+}
+
+// The hypothesis that wins, `by_score` being in order; null if the answer is ambiguous.
+const PoseHypothesis* FindWinner(const std::vector<const PoseHypothesis*>& by_score,
+                                 const AnswerOptions& options) {
+  const PoseHypothesis* best = by_score.front();
+  for (const PoseHypothesis* rival : by_score) {
+    if (Rivals(*rival, *best, options) && Outdoes(*rival, *best, options)) {
+      best = rival;
+    }
+  }
+  const bool is_ambiguous =
+      std::any_of(by_score.begin(), by_score.end(), [&](const PoseHypothesis* rival) {
+        return Rivals(*rival, *best, options) && !Outdoes(*best, *rival, options);
+      });
+  return is_ambiguous ? nullptr : best;
 }
 
 // Radius that holds 68 % of an isotropic Gaussian with this covariance trace: the square root of
@@ -100,14 +141,14 @@ void ConcludeAnswer(const QueryContext& query, const std::vector<TileView>& tile
         good_one_outside ? NotLocalizedReason::kPriorMismatch : NotLocalizedReason::kTooFewInliers;
     return;
   }
-  if (IsAmbiguous(by_score, options)) {
+  const PoseHypothesis* best = FindWinner(by_score, options);
+  if (best == nullptr) {
     result->reason = NotLocalizedReason::kAmbiguous;
     return;
   }
-  const PoseHypothesis& best = *by_score.front();
   result->reason = NotLocalizedReason::kNone;
-  FillPose(query, best.estimate, options.calibration, result);
-  FillMatches(query, tiles, best, result);
+  FillPose(query, best->estimate, options.calibration, result);
+  FillMatches(query, tiles, *best, result);
 }
 
 }  // namespace cairn

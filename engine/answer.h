@@ -19,10 +19,11 @@ struct PoseHypothesis {
   std::shared_ptr<const std::vector<Correspondence>> correspondences;
 };
 
-// Picks the hypothesis with most effective inliers within the region and fills the result: its
-// pose, accuracy, score, confidence and matches; or the reason why there is no answer:
-// kPriorMismatch if only poses outside the region are good enough, kAmbiguous, kTooFewInliers.
-// `hypotheses` must not be empty.
+// Picks the hypothesis with most effective inliers within the region, or one from elsewhere that
+// has about as many and explains clearly more keypoints, and fills the result: its pose, accuracy,
+// score, confidence and matches; or the reason why there is no answer: kPriorMismatch if only poses
+// outside the region are good enough, kAmbiguous (see AnswerOptions), kTooFewInliers. `hypotheses`
+// must not be empty.
 void ConcludeAnswer(const QueryContext& query, const std::vector<TileView>& tiles,
                     const std::vector<PoseHypothesis>& hypotheses, const AnswerOptions& options,
                     LocalizeResult* result);

@@ -11,6 +11,11 @@ void AnswerOptions::Validate() const {
   if (!(ambiguous_score_ratio > 0.0 && ambiguous_score_ratio <= 1.0)) {
     throw Error(ErrorCode::kInvalidArgument, "answer.ambiguous_score_ratio must be within (0, 1]");
   }
+  if (!(decisive_inlier_share >= 0.0 && decisive_inlier_share <= 1.0) ||
+      !(decisive_evidence > 0.0)) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "answer: decisive_inlier_share must be within [0, 1], decisive_evidence positive");
+  }
   if (!(ambiguous_distance_m > 0.0) || !(ambiguous_rotation_rad > 0.0)) {
     throw Error(ErrorCode::kInvalidArgument, "answer: ambiguity distances must be positive");
   }

@@ -38,6 +38,9 @@ struct StreetWorldOptions {
   double descriptor_noise = 0.15;  // Relative to the descriptor's own length.
   double clutter_ratio = 0.2;      // Keypoints that belong to no landmark.
   double max_view_distance_m = 40.0;
+  // The facades repeat after so many metres, to the last detail; 0: never.
+  double repeat_period_m = 0.0;
+  double unique_ratio = 0.0;  // Of the landmarks of a street that repeats: those that do not.
   Sim3d world_from_enu = {0.2, Eigen::Quaterniond(0.5, 0.5, -0.1, 0.7).normalized(),
                           Eigen::Vector3d(3.0, -2.0, 7.0)};
   uint64_t seed = 1;       // Of the landmarks and their looks.
@@ -196,15 +199,23 @@ class StreetWorld {
   }
 
   void MakeLandmarks(std::mt19937_64* rng) {
-    for (int i = 0; i < options_.num_landmarks; ++i) {
+    const double end_m = options_.start_m + options_.length_m + 20.0;
+    const double period_m = options_.repeat_period_m;
+    for (int i = 0; static_cast<int>(landmarks_.size()) < options_.num_landmarks; ++i) {
+      const bool repeats = period_m > 0.0 && Uniform(rng) >= options_.unique_ratio;
+      const double stretch_m = repeats ? period_m : end_m - options_.start_m;
       const double side = i % 2 == 0 ? 0.5 : -0.5;
       StreetLandmark landmark;
-      landmark.x_in_enu = {options_.start_m + Uniform(rng) * (options_.length_m + 20.0),
+      landmark.x_in_enu = {options_.start_m + Uniform(rng) * stretch_m,
                            side * options_.width_m + 0.3 * Normal(rng), 10.0 * Uniform(rng)};
       landmark.descriptor = RandomDescriptor(rng);
       landmark.rectified_orientation_rad = WrapAngleRad(2.0 * std::numbers::pi * Uniform(rng));
       landmark.size_m = 0.03 * std::exp(0.7 * Normal(rng));
-      landmarks_.push_back(std::move(landmark));
+      landmarks_.push_back(landmark);
+      while (repeats && landmark.x_in_enu.x() + period_m < end_m) {
+        landmark.x_in_enu.x() += period_m;
+        landmarks_.push_back(landmark);
+      }
     }
   }
 

@@ -6,6 +6,8 @@
 #include <memory>
 #include <vector>
 
+#include "support/tile_builder.h"
+
 namespace cairn {
 namespace {
 
@@ -47,6 +49,60 @@ TEST(ConcludeAnswer, SaysAmbiguousWhenTheRunnerUpIsFarAndAboutAsGood) {
       Conclude({HypothesisAt({0, 0, 0}, 40.0), HypothesisAt({20, 0, 0}, 36.0)});
   EXPECT_FALSE(result.localized);
   EXPECT_EQ(result.reason, NotLocalizedReason::kAmbiguous);
+}
+
+// A hypothesis whose inliers are the keypoints [begin, end).
+PoseHypothesis HypothesisOf(const Eigen::Vector3d& center_in_anchor, double effective_inliers,
+                            int begin, int end) {
+  PoseHypothesis hypothesis = HypothesisAt(center_in_anchor, effective_inliers);
+  std::vector<Correspondence> correspondences;
+  for (int keypoint_idx = begin; keypoint_idx < end; ++keypoint_idx) {
+    hypothesis.estimate.inliers.push_back(static_cast<int>(correspondences.size()));
+    Correspondence& match = correspondences.emplace_back();
+    match.keypoint_idx = keypoint_idx;
+    match.x_in_anchor = center_in_anchor + Eigen::Vector3d(0, 0, 10);  // In sight.
+  }
+  hypothesis.correspondences =
+      std::make_shared<const std::vector<Correspondence>>(std::move(correspondences));
+  return hypothesis;
+}
+
+// The score of the winner of two, 0 if the answer is ambiguous. No keypoint has a place: poses
+// only.
+double WinningScore(const PoseHypothesis& a, const PoseHypothesis& b,
+                    const AnswerOptions& options = {}) {
+  QueryContext query;
+  query.camera = Camera(CameraModel::kPinhole, 640, 480, {500, 500, 320, 240});
+  query.keypoints.resize(200);
+  query.region.origin = Geodetic::FromDegrees(47.0, 8.0, 0.0);
+  query.region.ecef_from_anchor = EcefFromEnu(query.region.origin);
+  const std::vector<TileView> tiles = {
+      {std::make_shared<const SearchableTile>(testing::RandomTile(),
+                                              std::make_shared<Codebook>(testing::RandomCodebook()),
+                                              IndexOptions()),
+       Rigid3d()}};
+  LocalizeResult result;
+  ConcludeAnswer(query, tiles, {a, b}, options, &result);
+  EXPECT_EQ(result.localized, result.reason != NotLocalizedReason::kAmbiguous);
+  return result.localized ? result.score : 0.0;
+}
+
+TEST(ConcludeAnswer, KeypointsThatOnlyOneExplainsDecide) {
+  const PoseHypothesis best = HypothesisOf({0, 0, 0}, 40.0, 0, 100);
+  // 20 keypoints speak for the one, none for the other, 80 tell nothing.
+  EXPECT_EQ(WinningScore(best, HypothesisOf({20, 0, 0}, 38.0, 20, 100)), 40.0);
+  // 60 for the one, 40 for the other: chance does that.
+  EXPECT_EQ(WinningScore(best, HypothesisOf({20, 0, 0}, 38.0, 60, 140)), 0.0);
+  // 10 against none, but only a tenth of all inliers.
+  EXPECT_EQ(WinningScore(best, HypothesisOf({20, 0, 0}, 38.0, 10, 100)), 0.0);
+}
+
+TEST(ConcludeAnswer, MoreKeypointsOutdoASaturatedScore) {
+  const PoseHypothesis crowded = HypothesisOf({20, 0, 0}, 38.0, 0, 100);
+  EXPECT_EQ(WinningScore(HypothesisOf({0, 0, 0}, 40.0, 20, 90), crowded), 38.0);
+  AnswerOptions options;
+  options.decisive_evidence = 1e6;
+  EXPECT_EQ(WinningScore(HypothesisOf({0, 0, 0}, 40.0, 20, 90), crowded, options), 0.0);
 }
 
 TEST(ConcludeAnswer, ARunnerUpNearbyIsTheSamePose) {

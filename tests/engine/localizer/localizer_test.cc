@@ -1,7 +1,10 @@
 #include "engine/localizer.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <numbers>
 #include <string>
@@ -18,6 +21,7 @@
 namespace cairn {
 namespace {
 
+using ::testing::AnyOf;
 using testing::StreetWorld;
 using testing::StreetWorldOptions;
 using testing::TempDir;
@@ -342,6 +346,141 @@ TEST(Localizer, SaysAmbiguousBetweenTwoEqualStreets) {
   const LocalizeResult result = map.localizer().Localize(query);
   EXPECT_FALSE(result.localized);
   EXPECT_EQ(result.reason, NotLocalizedReason::kAmbiguous);
+}
+
+// What became of queries along a street whose facades repeat.
+struct RepeatedStreetTally {
+  int num_right = 0, num_ambiguous = 0, num_wrong = 0, num_other = 0;
+};
+
+RepeatedStreetTally QueryRepeatedStreet(const StreetWorldOptions& options) {
+  const StreetWorld world(options);
+  const MappedStreets map({world});
+  RepeatedStreetTally tally;
+  for (double x_m = 2.0; x_m < options.length_m; x_m += 3.5) {
+    const Rigid3d cam_from_enu = QueryPose(x_m);
+    LocalizeQuery query = QueryAt(world, cam_from_enu);
+    query.prior->accuracy_m = 40.0;
+    const LocalizeResult result = map.localizer().Localize(query);
+    if (!result.localized) {
+      ++(result.reason == NotLocalizedReason::kAmbiguous ? tally.num_ambiguous : tally.num_other);
+      continue;
+    }
+    const Rigid3d cam_from_ecef = cam_from_enu * EcefFromEnu(options.origin).Inverse();
+    const double error_m =
+        (result.cam_from_ecef.Inverse().translation - cam_from_ecef.Inverse().translation).norm();
+    ++(error_m < 0.5 ? tally.num_right : tally.num_wrong);
+  }
+  return tally;
+}
+
+TEST(Localizer, SaysAmbiguousWhereFacadesRepeat) {
+  StreetWorldOptions options;
+  options.length_m = 100.0;
+  options.num_landmarks = 3000;
+  for (const double period_m : {20.0, 40.0}) {
+    options.repeat_period_m = period_m;
+    const RepeatedStreetTally tally = QueryRepeatedStreet(options);
+    EXPECT_EQ(tally.num_wrong, 0) << period_m;
+    EXPECT_GE(tally.num_ambiguous, 15) << period_m;
+  }
+}
+
+TEST(Localizer, TellsRepeatedFacadesApartByWhatIsUnique) {
+  StreetWorldOptions options;
+  options.length_m = 100.0;
+  options.num_landmarks = 3000;
+  options.repeat_period_m = 25.0;
+  options.unique_ratio = 0.5;
+  const RepeatedStreetTally tally = QueryRepeatedStreet(options);
+  EXPECT_EQ(tally.num_wrong, 0);
+  EXPECT_GE(tally.num_right, 22);  // Of 28; none if effective inliers alone had to tell.
+}
+
+// A street whose first camera stands `west_m` west and `south_m` south of the north-east corner of
+// a tile.
+StreetWorldOptions StreetNearCorner(double west_m, double south_m) {
+  StreetWorldOptions options;
+  options.num_landmarks = 2000;
+  const Geodetic corner = TileId::Containing(options.origin).Corners()[2];
+  options.origin = GeodeticFromEcef(EcefFromEnu({corner.lat_rad, corner.lon_rad, 408.0}) *
+                                    Eigen::Vector3d(-west_m, -south_m, 0.0));
+  return options;
+}
+
+// Asks along the street with priors of 5, 20 and 50 m that are off by about as much as they say.
+void ExpectAnswersForEveryPrior(const StreetWorld& world, size_t min_tiles) {
+  const MappedStreets map({world});
+  size_t most_tiles = 0;
+  int i = 0;
+  for (const double accuracy_m : {5.0, 20.0, 50.0}) {
+    for (const double x_m : {10.0, 19.0, 21.0, 34.0, 50.0}) {
+      const Rigid3d cam_from_enu = QueryPose(x_m);
+      LocalizeQuery query = QueryAt(world, cam_from_enu);
+      const double angle_rad = 2.4 * i++;
+      const Eigen::Vector3d offset =
+          accuracy_m * Eigen::Vector3d(std::cos(angle_rad), std::sin(angle_rad), 0.0);
+      query.prior->position = GeodeticFromEcef(EcefFromEnu(world.options().origin) *
+                                               (cam_from_enu.Inverse().translation + offset));
+      query.prior->accuracy_m = accuracy_m;
+      const LocalizeResult result = map.localizer().Localize(query);
+      SCOPED_TRACE(accuracy_m);
+      SCOPED_TRACE(x_m);
+      ExpectPose(result, world, cam_from_enu, 0.05, 0.1 * kRadPerDeg);
+      most_tiles = std::max(most_tiles, result.tiles.size());
+    }
+  }
+  EXPECT_GE(most_tiles, min_tiles);
+}
+
+TEST(Localizer, AnswersAcrossATileBorderForEveryPrior) {
+  ExpectAnswersForEveryPrior(StreetWorld(StreetNearCorner(20.0, 75.0)), 2);
+}
+
+TEST(Localizer, AnswersAcrossATileCornerForEveryPrior) {
+  ExpectAnswersForEveryPrior(StreetWorld(StreetNearCorner(20.0, 0.0)), 4);
+}
+
+TEST(Localizer, AnswersAcrossAZoneBorderForEveryPrior) {
+  StreetWorldOptions options;
+  options.origin = Geodetic::FromDegrees(47.0, 11.99974, 600.0);  // 20 m west of zone 33.
+  options.num_landmarks = 2000;
+  ExpectAnswersForEveryPrior(StreetWorld(options), 2);
+}
+
+TEST(Localizer, AnswersBesideATileThatIsMissing) {
+  // One street through three tiles, of which the middle one was never mapped.
+  StreetWorldOptions west = StreetNearCorner(60.0, 75.0), east = west;
+  west.length_m = 55.0;
+  west.num_landmarks = 1500;
+  east.start_m = 60.0 + TileId::kSideM + 5.0;
+  east.length_m = 55.0;
+  east.num_landmarks = 1500;
+  east.seed = 77;
+  const StreetWorld west_world(west), east_world(east);
+  const MappedStreets map({west_world, east_world});
+  const auto ask = [&map](const StreetWorld& world, double x_m) {
+    LocalizeQuery query = QueryAt(world, QueryPose(x_m));
+    query.prior->accuracy_m = 50.0;
+    return map.localizer().Localize(query);
+  };
+  for (const double x_m : {20.0, 50.0}) {
+    ExpectPose(ask(west_world, x_m), west_world, QueryPose(x_m), 0.05, 0.1 * kRadPerDeg);
+  }
+  const double in_east_m = east.start_m + 20.0;
+  ExpectPose(ask(east_world, in_east_m), east_world, QueryPose(in_east_m), 0.05, 0.1 * kRadPerDeg);
+  // In the gap between the two, with both in reach: a miss with its reason.
+  StreetWorldOptions unmapped = west;
+  unmapped.seed = 5;
+  unmapped.start_m = 100.0;
+  const StreetWorld gap_world(unmapped);
+  LocalizeQuery lost = QueryAt(gap_world, QueryPose(130.0));
+  lost.prior->accuracy_m = 80.0;
+  const LocalizeResult result = map.localizer().Localize(lost);
+  EXPECT_FALSE(result.localized);
+  EXPECT_EQ(result.counters.num_tiles_searched, 2);
+  EXPECT_THAT(result.reason,
+              AnyOf(NotLocalizedReason::kTooFewMatches, NotLocalizedReason::kTooFewInliers));
 }
 
 TEST(Localizer, WorksAcrossAZoneBorder) {
