@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "core/check.h"
 #include "engine/refinement/bernoulli_divergence.h"
@@ -78,25 +79,33 @@ double Radius68(const Eigen::Matrix3d& covariance) {
 
 void FillMatches(const QueryContext& query, const std::vector<TileView>& tiles,
                  const PoseHypothesis& hypothesis, LocalizeResult* result) {
+  std::vector<int> first_keypoint(query.num_cameras(), 0);
+  for (int i = query.is_rig() ? query.num_keypoints() - 1 : -1; i >= 0; --i) {
+    first_keypoint[query.CameraIdxOf(i)] = i;
+  }
   for (const int inlier : hypothesis.estimate.inliers) {
     const Correspondence& match = (*hypothesis.correspondences)[inlier];
     const Keypoint& keypoint = query.keypoints[match.keypoint_idx];
     LocalizeMatch out;
-    out.keypoint_idx = match.keypoint_idx;
+    out.camera_idx = query.CameraIdxOf(match.keypoint_idx);
+    out.keypoint_idx = match.keypoint_idx - first_keypoint[out.camera_idx];
     out.pixel = {keypoint.x_px, keypoint.y_px};
     out.landmark_id = tiles[match.tile_idx].tile->tile().landmark_ids[match.landmark_idx];
     out.tile_idx = match.tile_idx;
     out.x_in_anchor = match.x_in_anchor;
     out.sigma_m = match.sigma_m;
     const auto pixel =
-        query.camera.Project(hypothesis.estimate.cam_from_anchor * match.x_in_anchor);
+        query.CameraOf(match.keypoint_idx)
+            .Project(query.InCameraOf(match.keypoint_idx,
+                                      hypothesis.estimate.cam_from_anchor * match.x_in_anchor));
     CAIRN_CHECK(pixel.has_value(), "an inlier projects into the image");
     out.error_px = (*pixel - out.pixel).norm();
     result->matches.push_back(out);
   }
   std::sort(result->matches.begin(), result->matches.end(),
             [](const LocalizeMatch& a, const LocalizeMatch& b) {
-              return a.keypoint_idx < b.keypoint_idx;
+              return std::pair(a.camera_idx, a.keypoint_idx) <
+                     std::pair(b.camera_idx, b.keypoint_idx);
             });
 }
 

@@ -2,41 +2,86 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+#include <string>
+
 #include "core/error.h"
 #include "engine/pose/level_frame.h"
 
 namespace cairn {
 
-QueryContext BuildQueryContext(const LocalizeQuery& query, const DescriptorCodec& codec,
-                               const SearchRegion& region) {
+namespace {
+
+void CheckCodec(const LocalizeQuery& query, const DescriptorCodec& codec) {
   const std::string map_codec = codec.codebook().CodecName();
   if (query.features.space == DescriptorSpace::kProjected && query.codec != map_codec) {
     throw Error(ErrorCode::kBadInput,
                 fmt::format("features.codec: '{}' is not this map's; it uses '{}'", query.codec,
                             map_codec));
   }
+}
+
+// Appends what one camera saw, but for the descriptors. `rotation` is cam_from_first's.
+void AddKeypoints(const Camera& camera, const FeatureSet& features,
+                  const Eigen::Quaterniond& rotation, QueryContext* context) {
+  std::optional<Eigen::Vector3d> down_in_own;
+  if (context->down_in_cam) {
+    down_in_own = rotation * *context->down_in_cam;
+  }
+  for (const Keypoint& keypoint : features.keypoints) {
+    context->keypoints.push_back(keypoint);
+    context->rays_in_cam.push_back(
+        rotation.conjugate() *
+        camera.Unproject({keypoint.x_px, keypoint.y_px}).value_or(Eigen::Vector3d::Zero()));
+    std::optional<float>& orientation_rad = context->gravity_orientations_rad.emplace_back();
+    if (down_in_own) {
+      const auto angle_rad = GravityRectifiedOrientationRad(camera, keypoint, *down_in_own);
+      if (angle_rad) {
+        orientation_rad = static_cast<float>(*angle_rad);
+      }
+    }
+  }
+}
+
+// Makes the context of a query's own camera that of its whole rig.
+void AddOtherCameras(const LocalizeQuery& query, const DescriptorCodec& codec,
+                     QueryContext* context) {
+  context->camera_of_keypoint.assign(context->keypoints.size(), 0);
+  context->origins_in_cam.assign(context->keypoints.size(), Eigen::Vector3d::Zero());
+  for (const RigCamera& other : query.other_cameras) {
+    context->other_cameras.push_back({other.camera, other.cam_from_first});
+    AddKeypoints(other.camera, other.features, other.cam_from_first.rotation, context);
+    context->camera_of_keypoint.resize(context->keypoints.size(),
+                                       static_cast<uint8_t>(context->other_cameras.size()));
+    context->origins_in_cam.resize(context->keypoints.size(),
+                                   other.cam_from_first.Inverse().translation);
+    if (other.features.size() > 0) {
+      const DescriptorMatrix projected = codec.ProjectFeatures(other.features);
+      const Eigen::Index num_before = context->descriptors.rows();
+      context->descriptors.conservativeResize(num_before + projected.rows(), projected.cols());
+      context->descriptors.bottomRows(projected.rows()) = projected;
+    }
+  }
+}
+
+}  // namespace
+
+QueryContext BuildQueryContext(const LocalizeQuery& query, const DescriptorCodec& codec,
+                               const SearchRegion& region) {
+  CheckCodec(query, codec);
   QueryContext context;
   context.camera = query.camera;
-  context.keypoints = query.features.keypoints;
-  context.descriptors = codec.ProjectFeatures(query.features);
+  context.descriptors = query.features.size() == 0 && !query.other_cameras.empty()
+                            ? DescriptorMatrix(0, codec.codebook().projected_dim())
+                            : codec.ProjectFeatures(query.features);
   context.region = region;
-  context.rays_in_cam.reserve(context.keypoints.size());
-  context.gravity_orientations_rad.resize(context.keypoints.size());
   if (query.down_in_cam) {
     context.down_in_cam = query.down_in_cam->normalized();
     context.level_from_cam = LevelFromCam(*context.down_in_cam);
   }
-  for (size_t i = 0; i < context.keypoints.size(); ++i) {
-    const Keypoint& keypoint = context.keypoints[i];
-    context.rays_in_cam.push_back(
-        query.camera.Unproject({keypoint.x_px, keypoint.y_px}).value_or(Eigen::Vector3d::Zero()));
-    if (context.down_in_cam) {
-      const auto orientation_rad =
-          GravityRectifiedOrientationRad(query.camera, keypoint, *context.down_in_cam);
-      if (orientation_rad) {
-        context.gravity_orientations_rad[i] = static_cast<float>(*orientation_rad);
-      }
-    }
+  AddKeypoints(query.camera, query.features, Eigen::Quaterniond::Identity(), &context);
+  if (!query.other_cameras.empty()) {
+    AddOtherCameras(query, codec, &context);
   }
   return context;
 }

@@ -3,13 +3,48 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <string>
 
 #include "core/error.h"
 
 namespace cairn {
+namespace {
+
+void ValidateRigCamera(const RigCamera& other, DescriptorSpace space, size_t index) {
+  constexpr double kMaxOffsetM = 100.0;
+  const std::string name = fmt::format("rig[{}]", index);
+  ValidateFeatures(other.features, (name + ".features").c_str());
+  if (other.features.size() > 0 && other.features.space != space) {
+    throw Error(ErrorCode::kBadInput,
+                name + ".features: raw and projected features cannot be mixed in one query");
+  }
+  if (!other.cam_from_first.rotation.coeffs().allFinite() ||
+      !(other.cam_from_first.translation.norm() <= kMaxOffsetM)) {
+    throw Error(
+        ErrorCode::kBadInput,
+        fmt::format("{}.camFromFirst: the cameras of a rig lie within {} m", name, kMaxOffsetM));
+  }
+}
+
+}  // namespace
+
+int LocalizeQuery::num_features() const {
+  int count = features.size();
+  for (const RigCamera& other : other_cameras) {
+    count += other.features.size();
+  }
+  return count;
+}
 
 void LocalizeQuery::Validate() const {
   ValidateFeatures(features, "features");
+  if (other_cameras.size() > kMaxOtherCameras) {
+    throw Error(ErrorCode::kBadInput, fmt::format("rig: {} cameras beside the first, at most {}",
+                                                  other_cameras.size(), kMaxOtherCameras));
+  }
+  for (size_t i = 0; i < other_cameras.size(); ++i) {
+    ValidateRigCamera(other_cameras[i], features.space, i);
+  }
   if (prior) {
     ValidateGeodetic(prior->position, "prior.position");
     constexpr double kMaxAccuracyM = 100e3;

@@ -6,10 +6,12 @@
 #include <chrono>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/camera.h"
 #include "core/features.h"
 #include "core/geodesy.h"
+#include "core/rigid3.h"
 
 namespace cairn {
 
@@ -21,19 +23,35 @@ struct PositionPrior {
   std::optional<double> height_sigma_m;
 };
 
+// A further camera of a rig and what it saw at the same instant.
+struct RigCamera {
+  Camera camera;
+  Rigid3d cam_from_first;  // From the frame of the query's own camera into this one's.
+  FeatureSet features;     // In the descriptor space of the query's own.
+};
+
 struct LocalizeQuery {
   std::string id;  // Echoed; may be empty.
   Camera camera;
   FeatureSet features;  // Raw or projected; see DescriptorSpace.
   // Wire codec of projected features; must be the map's (Codebook::CodecName). Unused for raw ones.
   std::string codec;
+  // The other cameras of a rig; all together are one query, whose pose is that of `camera`. Cameras
+  // may have no features; at most kMaxOtherCameras.
+  std::vector<RigCamera> other_cameras;
   std::optional<PositionPrior> prior;          // Without it the whole map is searched.
   std::optional<Eigen::Vector3d> down_in_cam;  // Unit vector; without it P3P replaces two points.
   // The best answer found by then is returned; nothing means no deadline.
   std::optional<std::chrono::steady_clock::time_point> deadline;
 
+  static constexpr int kMaxOtherCameras = 7;
+
+  // Of all cameras.
+  int num_features() const;
+
   // Throws Error(kBadInput) naming the field on non-finite numbers, an accuracy outside (0, 100
-  // km], a gravity vector that is not of unit length within 1e-3, or inconsistent features.
+  // km], a gravity vector that is not of unit length within 1e-3, inconsistent features, or cameras
+  // of a rig that are more than 100 m apart.
   void Validate() const;
 };
 

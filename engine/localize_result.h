@@ -60,7 +60,8 @@ struct StageCounters {
 
 // An inlier of the final pose.
 struct LocalizeMatch {
-  int keypoint_idx = 0;
+  int keypoint_idx = 0;  // Into the features of its camera.
+  int camera_idx = 0;    // 0 is the query's own, i is other_cameras[i - 1] of a rig.
   Eigen::Vector2d pixel;
   LandmarkId landmark_id{};
   int tile_idx = 0;  // Into LocalizeResult::tiles.
@@ -85,7 +86,7 @@ struct LocalizeResult {
   double rotation_accuracy_rad = 0.0;
   double score = 0.0;                  // Effective inlier count.
   double confidence = 0.0;             // Probability that the pose is within 3 m and 10 degrees.
-  std::vector<LocalizeMatch> matches;  // All inliers, by keypoint.
+  std::vector<LocalizeMatch> matches;  // All inliers, by camera and keypoint.
 
   // Always set.
   MapVersion map_version{};

@@ -116,7 +116,7 @@ LocalizeResult QueryRun::Run() {
 }
 
 NotLocalizedReason QueryRun::ResolvePrior() {
-  result_.counters.num_keypoints = query_.features.size();
+  result_.counters.num_keypoints = query_.num_features();
   result_.counters.used_prior = query_.prior.has_value();
   result_.counters.used_gravity = query_.down_in_cam.has_value();
   snapshot_.emplace(store_.Snapshot());
@@ -129,8 +129,8 @@ NotLocalizedReason QueryRun::ResolvePrior() {
   }
   const SearchRegion region = ResolveSearchRegion(query_, map, options_.prior);
   context_ = BuildQueryContext(query_, DescriptorCodec(codebook), region);
-  return query_.features.size() < options_.pose.min_inliers ? NotLocalizedReason::kTooFewFeatures
-                                                            : NotLocalizedReason::kNone;
+  return query_.num_features() < options_.pose.min_inliers ? NotLocalizedReason::kTooFewFeatures
+                                                           : NotLocalizedReason::kNone;
 }
 
 NotLocalizedReason QueryRun::GatherTiles() {

@@ -29,12 +29,23 @@ struct SearchRegion {
   double max_z_m = 1e4;
 };
 
-// Per-keypoint arrays are parallel to the query's features. Immutable once built.
+// A further camera of a rig.
+struct QueryRigCamera {
+  Camera camera;
+  Rigid3d cam_from_first;
+};
+
+// Per-keypoint arrays hold the features of the query's own camera, then those of the other cameras
+// in turn. The frame `cam` is that of the own camera. Immutable once built.
 struct QueryContext {
   Camera camera;
-  std::vector<Keypoint> keypoints;
+  std::vector<Keypoint> keypoints;           // In the pixels of the camera that saw them.
   DescriptorMatrix descriptors;              // num_keypoints x projected_dim.
   std::vector<Eigen::Vector3d> rays_in_cam;  // Unit; a zero vector if not invertible.
+  // Rigs only, else all empty.
+  std::vector<QueryRigCamera> other_cameras;
+  std::vector<uint8_t> camera_of_keypoint;      // 0 is `camera`, i is other_cameras[i - 1].
+  std::vector<Eigen::Vector3d> origins_in_cam;  // Per keypoint: where its ray starts.
   std::vector<std::optional<float>> gravity_orientations_rad;  // All empty without gravity.
   std::optional<Eigen::Vector3d> down_in_cam;
   // Rotation that turns the camera so that down_in_cam becomes (0, 0, -1): level is z-up, its x
@@ -44,6 +55,23 @@ struct QueryContext {
   SearchRegion region;
 
   int num_keypoints() const { return static_cast<int>(keypoints.size()); }
+  bool is_rig() const { return !other_cameras.empty(); }
+  int num_cameras() const { return 1 + static_cast<int>(other_cameras.size()); }
+  int CameraIdxOf(int keypoint_idx) const {
+    return is_rig() ? camera_of_keypoint[keypoint_idx] : 0;
+  }
+  const Camera& CameraOf(int keypoint_idx) const {
+    const int camera_idx = CameraIdxOf(keypoint_idx);
+    return camera_idx == 0 ? camera : other_cameras[camera_idx - 1].camera;
+  }
+  Eigen::Vector3d OriginInCam(int keypoint_idx) const {
+    return is_rig() ? origins_in_cam[keypoint_idx] : Eigen::Vector3d::Zero();
+  }
+  // A point of `cam` in the frame of the camera that saw the keypoint.
+  Eigen::Vector3d InCameraOf(int keypoint_idx, const Eigen::Vector3d& x_in_cam) const {
+    const int camera_idx = CameraIdxOf(keypoint_idx);
+    return camera_idx == 0 ? x_in_cam : other_cameras[camera_idx - 1].cam_from_first * x_in_cam;
+  }
 };
 
 // A 2D-3D match: keypoint to landmark.

@@ -38,8 +38,20 @@ ConsensusSet::ConsensusSet(const std::vector<RayObservation>& observations,
   for (const RayObservation& observation : observations) {
     origin_in_anchor_ += observation.x_in_anchor / static_cast<double>(size_);
   }
+  const bool has_origins = std::any_of(
+      observations.begin(), observations.end(),
+      [](const RayObservation& observation) { return !observation.origin_in_cam.isZero(); });
+  if (has_origins) {
+    for (std::vector<float>* array : {&origin_x_, &origin_y_, &origin_z_}) {
+      array->assign(padded, 0.0f);
+    }
+  }
   for (int i = 0; i < size_; ++i) {
     const RayObservation& observation = observations[i];
+    if (has_origins) {
+      const Eigen::Vector3f origin = observation.origin_in_cam.cast<float>();
+      origin_x_[i] = origin.x(), origin_y_[i] = origin.y(), origin_z_[i] = origin.z();
+    }
     const Eigen::Vector3f ray = observation.ray_in_cam.cast<float>();
     const Eigen::Vector3f point = (observation.x_in_anchor - origin_in_anchor_).cast<float>();
     ray_x_[i] = ray.x(), ray_y_[i] = ray.y(), ray_z_[i] = ray.z();
@@ -65,9 +77,18 @@ bool ConsensusSet::FillGains(const Eigen::Matrix<double, 3, 4>& cam_from_anchor,
   }
   double optimistic_gain = 0.0;  // Counts every observation of a keypoint.
   for (int begin = 0; begin < size_; begin += kScoreBlock) {
-    const ScoreBlockInput block = {&ray_x_[begin],        &ray_y_[begin],   &ray_z_[begin],
-                                   &point_x_[begin],      &point_y_[begin], &point_z_[begin],
-                                   &sq_threshold_[begin], &sq_sigma_[begin]};
+    const bool has_origins = !origin_x_.empty();
+    const ScoreBlockInput block = {&ray_x_[begin],
+                                   &ray_y_[begin],
+                                   &ray_z_[begin],
+                                   has_origins ? &origin_x_[begin] : nullptr,
+                                   has_origins ? &origin_y_[begin] : nullptr,
+                                   has_origins ? &origin_z_[begin] : nullptr,
+                                   &point_x_[begin],
+                                   &point_y_[begin],
+                                   &point_z_[begin],
+                                   &sq_threshold_[begin],
+                                   &sq_sigma_[begin]};
     const float gain = score_block(block, model, &gains_[begin]);
     if (!may_reject) {
       continue;

@@ -20,6 +20,8 @@ struct RayObservation {
   double sigma_m = 0.0;        // Of the landmark; widens the threshold by three times the angle it
                                // subtends, to at most twice `threshold_rad`.
   int keypoint_idx = 0;
+  // Where the ray starts, in the camera frame: not zero for the further cameras of a rig.
+  Eigen::Vector3d origin_in_cam = Eigen::Vector3d::Zero();
 };
 
 // A set of observations and the MSAC gain of poses on it. The gain of an observation with angular
@@ -66,6 +68,7 @@ class ConsensusSet {
   std::vector<float> ray_x_, ray_y_, ray_z_;
   std::vector<float> point_x_, point_y_, point_z_;  // About the origin.
   std::vector<float> sq_threshold_, sq_sigma_;
+  std::vector<float> origin_x_, origin_y_, origin_z_;  // Of the rays; empty if all are zero.
   std::vector<int> keypoint_begin_;
   SequentialTest test_;
   // Scratch.

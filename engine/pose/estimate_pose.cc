@@ -29,19 +29,21 @@ InlierSet GatherInliers(const QueryContext& query,
     double ratio = 1.0;  // Squared error over squared threshold.
     double sq_error_px = 0.0;
   };
-  const double focal_px = query.camera.focal_px();
-  const double max_error_px = options.MaxErrorPx(focal_px);
   std::vector<Best> best(query.keypoints.size());
   for (size_t i = 0; i < correspondences.size(); ++i) {
     const Correspondence& correspondence = correspondences[i];
-    const Eigen::Vector3d x_in_cam = cam_from_anchor * correspondence.x_in_anchor;
-    const auto projected = query.camera.Project(x_in_cam);
+    const Camera& camera = query.CameraOf(correspondence.keypoint_idx);
+    const Eigen::Vector3d x_in_cam =
+        query.InCameraOf(correspondence.keypoint_idx, cam_from_anchor * correspondence.x_in_anchor);
+    const auto projected = camera.Project(x_in_cam);
     if (!projected) {
       continue;
     }
+    const double max_error_px = options.MaxErrorPx(camera.focal_px());
     // Widened by the landmark's uncertainty as in ConsensusSet.
-    const double landmark_px = std::min(3.0 * focal_px * correspondence.sigma_m / x_in_cam.norm(),
-                                        1.7320508 * max_error_px);
+    const double landmark_px =
+        std::min(3.0 * camera.focal_px() * correspondence.sigma_m / x_in_cam.norm(),
+                 1.7320508 * max_error_px);
     const double sq_threshold_px = max_error_px * max_error_px + landmark_px * landmark_px;
     const double sq_error_px = (*projected - PixelOf(query, correspondence)).squaredNorm();
     const double ratio = sq_error_px / sq_threshold_px;
@@ -58,6 +60,23 @@ InlierSet GatherInliers(const QueryContext& query,
     }
   }
   return inliers;
+}
+
+// Of all images together.
+double EffectiveInliersOf(const QueryContext& query,
+                          const std::vector<Correspondence>& correspondences,
+                          const std::vector<int>& inliers) {
+  std::vector<std::vector<Eigen::Vector2d>> pixels(query.num_cameras());
+  for (const int index : inliers) {
+    pixels[query.CameraIdxOf(correspondences[index].keypoint_idx)].push_back(
+        PixelOf(query, correspondences[index]));
+  }
+  double sum = 0.0;
+  for (int i = 0; i < query.num_cameras(); ++i) {
+    const Camera& camera = i == 0 ? query.camera : query.other_cameras[i - 1].camera;
+    sum += EffectiveInliers(pixels[i], camera.width_px(), camera.height_px());
+  }
+  return sum;
 }
 
 // Refines on all inliers and gathers them anew until the set settles.
@@ -78,11 +97,12 @@ std::optional<PoseEstimate> Polish(const QueryContext& query,
     observations.reserve(inliers.indices.size());
     for (int index : inliers.indices) {
       const Correspondence& correspondence = correspondences[index];
-      observations.push_back(
-          {PixelOf(query, correspondence), correspondence.x_in_anchor, correspondence.sigma_m});
+      observations.push_back({PixelOf(query, correspondence), correspondence.x_in_anchor,
+                              correspondence.sigma_m,
+                              query.CameraIdxOf(correspondence.keypoint_idx)});
     }
     refined = RefinePose(query.camera, observations, MakeGravityPrior(query, options),
-                         refined.cam_from_anchor, refine_options);
+                         refined.cam_from_anchor, refine_options, query.other_cameras);
     InlierSet next = GatherInliers(query, correspondences, refined.cam_from_anchor, options);
     const bool settled = next.indices == inliers.indices;
     inliers = std::move(next);
@@ -127,13 +147,7 @@ std::optional<PoseEstimate> EstimatePose(const QueryContext& query,
   if (!estimate) {
     return std::nullopt;
   }
-  std::vector<Eigen::Vector2d> pixels;
-  pixels.reserve(estimate->inliers.size());
-  for (int index : estimate->inliers) {
-    pixels.push_back(PixelOf(query, correspondences[index]));
-  }
-  estimate->effective_inliers =
-      EffectiveInliers(pixels, query.camera.width_px(), query.camera.height_px());
+  estimate->effective_inliers = EffectiveInliersOf(query, correspondences, estimate->inliers);
   estimate->num_iterations = ransac.num_iterations;
   estimate->consensus = ransac.score;
   return estimate;

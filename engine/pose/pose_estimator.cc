@@ -20,6 +20,15 @@ double LocalScalePx(const Camera& camera, const Eigen::Vector3d& ray_in_cam) {
   return determinant > 0.0 ? std::pow(determinant, 0.25) : camera.focal_px();
 }
 
+// Angular error at which an observation stops to be an inlier.
+double ThresholdRad(const QueryContext& query, const RayObservation& observation,
+                    const PoseOptions& options) {
+  const Camera& camera = query.CameraOf(observation.keypoint_idx);
+  const Eigen::Vector3d on_ray = observation.origin_in_cam + observation.ray_in_cam;
+  return options.MaxErrorPx(camera.focal_px()) /
+         LocalScalePx(camera, query.InCameraOf(observation.keypoint_idx, on_ray));
+}
+
 // The observations of `subset`, grouped by keypoint, keypoints in random order.
 std::vector<RayObservation> MakeObservations(const QueryContext& query,
                                              const std::vector<Correspondence>& correspondences,
@@ -44,7 +53,6 @@ std::vector<RayObservation> MakeObservations(const QueryContext& query,
            std::pair(rank[correspondences[b].keypoint_idx], b);
   });
 
-  const double max_error_px = options.MaxErrorPx(query.camera.focal_px());
   std::vector<RayObservation> observations;
   observations.reserve(order.size());
   for (int index : order) {
@@ -54,11 +62,11 @@ std::vector<RayObservation> MakeObservations(const QueryContext& query,
     observation.x_in_anchor = correspondence.x_in_anchor;
     observation.sigma_m = correspondence.sigma_m;
     observation.keypoint_idx = correspondence.keypoint_idx;
+    observation.origin_in_cam = query.OriginInCam(correspondence.keypoint_idx);
     const bool same_keypoint =
         !observations.empty() && observations.back().keypoint_idx == observation.keypoint_idx;
-    observation.threshold_rad =
-        same_keypoint ? observations.back().threshold_rad
-                      : max_error_px / LocalScalePx(query.camera, observation.ray_in_cam);
+    observation.threshold_rad = same_keypoint ? observations.back().threshold_rad
+                                              : ThresholdRad(query, observation, options);
     observations.push_back(observation);
   }
   return observations;
@@ -104,20 +112,47 @@ PoseEstimator::PoseEstimator(const QueryContext& query,
     level_from_cam_ = query.level_from_cam->toRotationMatrix();
     minimal_extra_sq_rad_ = std::pow(2.0 * options.gravity_sigma_rad, 2);
     rays_in_level_.reserve(observations_.size());
+    origins_in_level_.reserve(observations_.size());
     for (const RayObservation& observation : observations_) {
       rays_in_level_.push_back(*level_from_cam_ * observation.ray_in_cam);
+      origins_in_level_.push_back(*level_from_cam_ * observation.origin_in_cam);
+    }
+  } else if (query.is_rig()) {
+    keypoints_of_camera_.resize(query.num_cameras());
+    for (int k = 0; k < num_keypoints(); ++k) {
+      const int keypoint_idx = observations_[consensus_.keypoint_begin(k)].keypoint_idx;
+      keypoints_of_camera_[query.CameraIdxOf(keypoint_idx)].push_back(k);
     }
   }
+}
+
+bool PoseEstimator::DrawKeypoints(Random* random, std::array<int, 3>* keypoints) {
+  const std::vector<int>* choice = nullptr;  // All, unless the camera of the first decides.
+  for (int i = 0; i < sample_size(); ++i) {
+    int& drawn = (*keypoints)[i];
+    do {
+      drawn = choice != nullptr ? (*choice)[random->Index(static_cast<int>(choice->size()))]
+                                : random->Index(num_keypoints());
+    } while (std::find(keypoints->begin(), keypoints->begin() + i, drawn) !=
+             keypoints->begin() + i);
+    if (i == 0 && !keypoints_of_camera_.empty()) {
+      const int keypoint_idx = observations_[consensus_.keypoint_begin(drawn)].keypoint_idx;
+      choice = &keypoints_of_camera_[query_.CameraIdxOf(keypoint_idx)];
+      if (static_cast<int>(choice->size()) < sample_size()) {
+        return false;
+      }
+    }
+  }
+  return true;
 }
 
 int PoseEstimator::SampleModels(Random* random, std::array<Model, kMaxModels>* models) {
   std::array<int, 3> keypoints, sample;
   std::array<Eigen::Vector3d, 3> x_in_anchor;
+  if (!DrawKeypoints(random, &keypoints)) {
+    return 0;
+  }
   for (int i = 0; i < sample_size(); ++i) {
-    do {
-      keypoints[i] = random->Index(num_keypoints());
-    } while (std::find(keypoints.begin(), keypoints.begin() + i, keypoints[i]) !=
-             keypoints.begin() + i);
     const int begin = consensus_.keypoint_begin(keypoints[i]);
     const int size = consensus_.keypoint_begin(keypoints[i] + 1) - begin;
     sample[i] = begin + random->Index(size);
@@ -125,17 +160,22 @@ int PoseEstimator::SampleModels(Random* random, std::array<Model, kMaxModels>* m
   }
   if (level_from_cam_) {
     std::array<LevelPose, 2> poses;
-    const int num_poses =
-        SolveGravityTwoPoint({rays_in_level_[sample[0]], rays_in_level_[sample[1]]},
-                             {x_in_anchor[0], x_in_anchor[1]}, &poses);
+    const int num_poses = SolveGravityTwoPoint(
+        {rays_in_level_[sample[0]], rays_in_level_[sample[1]]}, {x_in_anchor[0], x_in_anchor[1]},
+        &poses, {origins_in_level_[sample[0]], origins_in_level_[sample[1]]});
     for (int i = 0; i < num_poses; ++i) {
       (*models)[i] = ModelFromLevelPose(poses[i], *level_from_cam_);
     }
     return num_poses;
   }
-  return SolveP3p({observations_[sample[0]].ray_in_cam, observations_[sample[1]].ray_in_cam,
-                   observations_[sample[2]].ray_in_cam},
-                  x_in_anchor, models);
+  const int num_poses =
+      SolveP3p({observations_[sample[0]].ray_in_cam, observations_[sample[1]].ray_in_cam,
+                observations_[sample[2]].ray_in_cam},
+               x_in_anchor, models);
+  for (int i = 0; i < num_poses; ++i) {
+    (*models)[i].col(3) += observations_[sample[0]].origin_in_cam;
+  }
+  return num_poses;
 }
 
 double PoseEstimator::ScoreMinimal(const Model& cam_from_anchor, double score_to_beat) {
@@ -152,8 +192,10 @@ std::vector<PoseObservation> PoseEstimator::LocalInliers(const Model& cam_from_a
     if (index >= 0 && inliers.size() < kMaxInliers) {
       const RayObservation& observation = observations_[index];
       const Keypoint& keypoint = query_.keypoints[observation.keypoint_idx];
-      inliers.push_back(
-          {{keypoint.x_px, keypoint.y_px}, observation.x_in_anchor, observation.sigma_m});
+      inliers.push_back({{keypoint.x_px, keypoint.y_px},
+                         observation.x_in_anchor,
+                         observation.sigma_m,
+                         query_.CameraIdxOf(observation.keypoint_idx)});
     }
   }
   return inliers;
@@ -171,7 +213,8 @@ std::optional<std::pair<PoseEstimator::Model, double>> PoseEstimator::Optimize(
     if (static_cast<int>(inliers.size()) <= sample_size()) {
       return std::nullopt;
     }
-    model = RefinePose(query_.camera, inliers, gravity_, ToRigid(model), refine_options)
+    model = RefinePose(query_.camera, inliers, gravity_, ToRigid(model), refine_options,
+                       query_.other_cameras)
                 .cam_from_anchor.ToMatrix();
     extra_sq_rad = 0.0;
   }
@@ -187,14 +230,30 @@ double PoseEstimator::SampleProbabilityOfScore(double score) const {
 
 double PoseEstimator::InlierSampleProbability(const Model& cam_from_anchor) {
   // A keypoint is drawn first, then one of its observations.
-  double sum = 0.0;
   const std::vector<int>& best = consensus_.BestObservations(cam_from_anchor, 0.0);
-  for (int k = 0; k < num_keypoints(); ++k) {
-    if (best[k] >= 0) {
-      sum += 1.0 / (consensus_.keypoint_begin(k + 1) - consensus_.keypoint_begin(k));
+  const auto inlier_probability = [&](int k) {
+    return best[k] < 0 ? 0.0
+                       : 1.0 / (consensus_.keypoint_begin(k + 1) - consensus_.keypoint_begin(k));
+  };
+  if (keypoints_of_camera_.empty()) {
+    double sum = 0.0;
+    for (int k = 0; k < num_keypoints(); ++k) {
+      sum += inlier_probability(k);
+    }
+    return std::pow(sum / std::max(1, num_keypoints()), sample_size());
+  }
+  double probability = 0.0;  // Over the cameras, by their share of the keypoints.
+  for (const std::vector<int>& keypoints : keypoints_of_camera_) {
+    if (static_cast<int>(keypoints.size()) >= sample_size()) {
+      double sum = 0.0;
+      for (const int k : keypoints) {
+        sum += inlier_probability(k);
+      }
+      const auto size = static_cast<double>(keypoints.size());
+      probability += size / num_keypoints() * std::pow(sum / size, sample_size());
     }
   }
-  return std::pow(sum / std::max(1, num_keypoints()), sample_size());
+  return probability;
 }
 
 }  // namespace cairn

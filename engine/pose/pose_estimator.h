@@ -20,6 +20,9 @@ namespace cairn {
 // Poses from gravity two-point or P3P samples, see MinimalSolver; two-point samples need gravity.
 // See LoRansac for the contract of the methods.
 //
+// In a rig the two points may be of different cameras; the three points of P3P are of one, so that
+// cameras with fewer keypoints give no samples.
+//
 // A two-point pose inherits the error of the measured gravity, so its score takes thresholds
 // widened by twice gravity_sigma_rad; local optimisation frees all six degrees of freedom and is
 // scored with the thresholds as they are. Keeps references to its arguments. Not thread-safe.
@@ -44,6 +47,8 @@ class PoseEstimator {
   double SampleProbabilityOfScore(double score) const;
 
  private:
+  // Draws distinct keypoints; false if the first one's camera has not enough for P3P.
+  bool DrawKeypoints(Random* random, std::array<int, 3>* keypoints);
   std::vector<PoseObservation> LocalInliers(const Model& cam_from_anchor, double extra_sq_rad);
 
   const QueryContext& query_;
@@ -53,6 +58,9 @@ class PoseEstimator {
   // For two-point samples only.
   std::optional<Eigen::Matrix3d> level_from_cam_;
   std::vector<Eigen::Vector3d> rays_in_level_;  // Of the observations.
+  std::vector<Eigen::Vector3d> origins_in_level_;
+  // For P3P in a rig only: the numbers of the keypoints that each camera saw.
+  std::vector<std::vector<int>> keypoints_of_camera_;
   std::optional<GravityPrior> gravity_;
   double minimal_extra_sq_rad_ = 0.0;
 };

@@ -62,11 +62,36 @@ struct Problem {
   const std::vector<PoseObservation>& observations;
   const std::optional<GravityPrior>& gravity;
   const RefinePoseOptions& options;
+  std::span<const QueryRigCamera> other_cameras;
+
+  const Camera& CameraOf(const PoseObservation& observation) const {
+    return observation.camera_idx == 0 ? camera : other_cameras[observation.camera_idx - 1].camera;
+  }
+
+  // ReprojectionResidual in the camera that made the observation, its Jacobian by the rig's pose.
+  std::optional<Eigen::Vector2d> Residual(const PoseObservation& observation,
+                                          const Rigid3d& anchor_from_cam,
+                                          Eigen::Matrix<double, 2, 6>* jacobian) const {
+    if (observation.camera_idx == 0) {
+      return ReprojectionResidual(camera, observation.pixel, observation.x_in_anchor,
+                                  anchor_from_cam, jacobian);
+    }
+    const QueryRigCamera& own = other_cameras[observation.camera_idx - 1];
+    const Rigid3d anchor_from_own = anchor_from_cam * own.cam_from_first.Inverse();
+    const auto residual = ReprojectionResidual(own.camera, observation.pixel,
+                                               observation.x_in_anchor, anchor_from_own, jacobian);
+    // A rotation about the first camera moves this one by rotation x offset.
+    const Eigen::Vector3d offset = anchor_from_own.translation - anchor_from_cam.translation;
+    if (residual) {
+      jacobian->leftCols<3>() -= jacobian->rightCols<3>() * Skew(offset);
+    }
+    return residual;
+  }
 
   double Information(const PoseObservation& observation, const Rigid3d& anchor_from_cam) const {
     const double distance_m =
         std::max(1e-3, (observation.x_in_anchor - anchor_from_cam.translation).norm());
-    const double landmark_px = camera.focal_px() * observation.sigma_m / distance_m;
+    const double landmark_px = CameraOf(observation).focal_px() * observation.sigma_m / distance_m;
     return 1.0 /
            (options.keypoint_sigma_px * options.keypoint_sigma_px + landmark_px * landmark_px);
   }
@@ -80,8 +105,7 @@ struct Problem {
     CauchyCost cost(options.cauchy_scale);
     Eigen::Matrix<double, 2, 6> jacobian;
     for (const PoseObservation& observation : observations) {
-      const auto residual = ReprojectionResidual(camera, observation.pixel, observation.x_in_anchor,
-                                                 anchor_from_cam, &jacobian);
+      const auto residual = Residual(observation, anchor_from_cam, &jacobian);
       if (!residual) {
         cost.Add(kGrossError * kGrossError);
         continue;
@@ -134,10 +158,11 @@ Matrix6d Covariance(const Linearization& system, double num_observations) {
 
 RefinedPose RefinePose(const Camera& camera, const std::vector<PoseObservation>& observations,
                        const std::optional<GravityPrior>& gravity,
-                       const Rigid3d& initial_cam_from_anchor, const RefinePoseOptions& options) {
+                       const Rigid3d& initial_cam_from_anchor, const RefinePoseOptions& options,
+                       std::span<const QueryRigCamera> other_cameras) {
   constexpr double kMaxDamping = 1e6;
   constexpr double kMinRelativeDecrease = 1e-6;
-  const Problem problem{camera, observations, gravity, options};
+  const Problem problem{camera, observations, gravity, options, other_cameras};
   Rigid3d anchor_from_cam = initial_cam_from_anchor.Inverse();
   Linearization system = problem.Linearize(anchor_from_cam);
   RefinedPose refined;

@@ -4,10 +4,12 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/camera.h"
 #include "core/rigid3.h"
+#include "engine/query_context.h"
 
 namespace cairn {
 
@@ -16,6 +18,7 @@ struct PoseObservation {
   Eigen::Vector2d pixel;
   Eigen::Vector3d x_in_anchor;
   double sigma_m = 0.0;  // Standard deviation of the landmark per axis.
+  int camera_idx = 0;    // 0 is `camera` of RefinePose, i is other_cameras[i - 1].
 };
 
 // A measured direction of gravity.
@@ -46,10 +49,12 @@ struct RefinedPose {
 // 1 / (keypoint_sigma_px^2 + (focal * sigma_m / distance)^2), plus the squared gravity residual, by
 // Levenberg-Marquardt from `initial`. An observation that does not project counts as a gross
 // outlier. Linear in the observations. Works for any number of them; with fewer than three (two
-// with gravity) the pose stays at or near `initial` in the free directions.
+// with gravity) the pose stays at or near `initial` in the free directions. In a rig the pose is
+// that of `camera`, and all cameras move with it.
 RefinedPose RefinePose(const Camera& camera, const std::vector<PoseObservation>& observations,
                        const std::optional<GravityPrior>& gravity,
-                       const Rigid3d& initial_cam_from_anchor, const RefinePoseOptions& options);
+                       const Rigid3d& initial_cam_from_anchor, const RefinePoseOptions& options,
+                       std::span<const QueryRigCamera> other_cameras = {});
 
 }  // namespace cairn
 

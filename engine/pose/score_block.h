@@ -18,6 +18,7 @@ struct FloatModel {
 // kScoreBlock observations, see ConsensusSet.
 struct ScoreBlockInput {
   const float *ray_x, *ray_y, *ray_z;
+  const float *origin_x, *origin_y, *origin_z;  // Null if all rays start at the camera.
   const float *point_x, *point_y, *point_z;
   const float *sq_threshold, *sq_sigma;
 };
@@ -30,12 +31,16 @@ float ScoreBlockVectorized(const ScoreBlockInput& in, const FloatModel& m, float
 float ScoreBlockPlain(const ScoreBlockInput& in, const FloatModel& m, float* __restrict gains);
 
 // The gain of observation i, as defined at ConsensusSet.
+template <bool kHasOrigins>
 [[gnu::always_inline]] inline float ObservationGain(const ScoreBlockInput& in, const FloatModel& m,
                                                     int i) {
   const float x = in.point_x[i], y = in.point_y[i], z = in.point_z[i];
-  const float px = m.r[0] * x + m.r[1] * y + m.r[2] * z + m.t[0];
-  const float py = m.r[3] * x + m.r[4] * y + m.r[5] * z + m.t[1];
-  const float pz = m.r[6] * x + m.r[7] * y + m.r[8] * z + m.t[2];
+  float px = m.r[0] * x + m.r[1] * y + m.r[2] * z + m.t[0];
+  float py = m.r[3] * x + m.r[4] * y + m.r[5] * z + m.t[1];
+  float pz = m.r[6] * x + m.r[7] * y + m.r[8] * z + m.t[2];
+  if constexpr (kHasOrigins) {
+    px -= in.origin_x[i], py -= in.origin_y[i], pz -= in.origin_z[i];
+  }
   const float cross_x = in.ray_y[i] * pz - in.ray_z[i] * py;
   const float cross_y = in.ray_z[i] * px - in.ray_x[i] * pz;
   const float cross_z = in.ray_x[i] * py - in.ray_y[i] * px;

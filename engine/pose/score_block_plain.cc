@@ -2,14 +2,23 @@
 #include "engine/pose/score_block.h"
 
 namespace cairn {
+namespace {
 
-float ScoreBlockPlain(const ScoreBlockInput& in, const FloatModel& m, float* __restrict gains) {
+template <bool kHasOrigins>
+float ScoreOneByOne(const ScoreBlockInput& in, const FloatModel& m, float* __restrict gains) {
   float sum = 0.0f;
   for (int i = 0; i < kScoreBlock; ++i) {
-    gains[i] = ObservationGain(in, m, i);
+    gains[i] = ObservationGain<kHasOrigins>(in, m, i);
     sum += gains[i];
   }
   return sum;
+}
+
+}  // namespace
+
+float ScoreBlockPlain(const ScoreBlockInput& in, const FloatModel& m, float* __restrict gains) {
+  return in.origin_x != nullptr ? ScoreOneByOne<true>(in, m, gains)
+                                : ScoreOneByOne<false>(in, m, gains);
 }
 
 }  // namespace cairn

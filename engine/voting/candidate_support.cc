@@ -48,10 +48,12 @@ PoseCandidate SupportedCandidate(const std::vector<VoteRay>& rays,
       candidate.score += best_gain;
       best_gain = 0.0;
     }
-    const Eigen::Vector3d to_landmark = ray.x_in_anchor - center_in_anchor;
-    const Eigen::Vector3d& d = ray.direction_in_level;
-    const Eigen::Vector3d direction(cos_yaw * d.x() - sin_yaw * d.y(),
-                                    sin_yaw * d.x() + cos_yaw * d.y(), d.z());
+    const auto turn = [&](const Eigen::Vector3d& v) -> Eigen::Vector3d {
+      return {cos_yaw * v.x() - sin_yaw * v.y(), sin_yaw * v.x() + cos_yaw * v.y(), v.z()};
+    };
+    const Eigen::Vector3d direction = turn(ray.direction_in_level);
+    const Eigen::Vector3d to_landmark =
+        ray.x_in_anchor - center_in_anchor - turn(ray.origin_in_level);
     const Sighting seen = sight(direction, to_landmark);
     const double tolerance_m =
         options.direction_tolerance_rad * seen.distance_m + options.cell_xy_m;

@@ -21,7 +21,8 @@ VoteGrid MakeGrid(const std::vector<VoteRay>& rays, const SearchRegion& region,
   Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Vector3d high = -low;
   for (const VoteRay& ray : rays) {
-    const Eigen::Vector3d reach = Eigen::Vector3d::Constant(ray.max_distance_m);
+    const Eigen::Vector3d reach =
+        Eigen::Vector3d::Constant(ray.max_distance_m + ray.origin_in_level.norm());
     low = low.cwiseMin(ray.x_in_anchor - reach);
     high = high.cwiseMax(ray.x_in_anchor + reach);
   }
@@ -54,11 +55,16 @@ int64_t VoteSliceOfYaw(const std::vector<VoteRay>& rays, double yaw_rad, const V
     const Eigen::Vector3d& d = ray.direction_in_level;
     const Eigen::Vector2d direction_xy(cos_yaw * d.x() - sin_yaw * d.y(),
                                        sin_yaw * d.x() + cos_yaw * d.y());
-    const std::optional<VoteSegment> segment = ClipToDisc(ray, direction_xy, disc, min_cosine);
+    const Eigen::Vector3d& o = ray.origin_in_level;
+    const Eigen::Vector3d origin(cos_yaw * o.x() - sin_yaw * o.y(),
+                                 sin_yaw * o.x() + cos_yaw * o.y(), o.z());
+    const std::optional<VoteSegment> segment =
+        ClipToDisc(ray, direction_xy, {disc.center + origin.head<2>(), disc.radius_m}, min_cosine);
     if (segment) {
       const Eigen::Vector3d direction(direction_xy.x(), direction_xy.y(), d.z());
-      num_votes += slice->Vote(voter, ray.x_in_anchor - segment->begin_m * direction,
-                               ray.x_in_anchor - segment->end_m * direction);
+      const Eigen::Vector3d start = ray.x_in_anchor - origin;
+      num_votes += slice->Vote(voter, start - segment->begin_m * direction,
+                               start - segment->end_m * direction);
     }
   }
   return num_votes;

@@ -11,8 +11,9 @@ namespace {
 void ClipToHeights(const SearchRegion& region, VoteRay* ray) {
   constexpr double kMinSlope = 1e-6;
   const double slope = ray->direction_in_level.z();
-  const double above_min_m = ray->x_in_anchor.z() - region.min_z_m;
-  const double above_max_m = ray->x_in_anchor.z() - region.max_z_m;
+  const double z_m = ray->x_in_anchor.z() - ray->origin_in_level.z();
+  const double above_min_m = z_m - region.min_z_m;
+  const double above_max_m = z_m - region.max_z_m;
   if (std::abs(slope) < kMinSlope) {
     if (above_min_m < 0.0 || above_max_m > 0.0) {
       ray->max_distance_m = -1.0;
@@ -48,14 +49,17 @@ std::vector<VoteRay> MakeVoteRays(const QueryContext& query,
     ray.keypoint_idx = match.keypoint_idx;
     ray.x_in_anchor = match.x_in_anchor;
     ray.direction_in_level = *query.level_from_cam * ray_in_cam;
+    if (query.is_rig()) {
+      ray.origin_in_level = *query.level_from_cam * query.OriginInCam(match.keypoint_idx);
+    }
     ray.horizontal = ray.direction_in_level.head<2>().norm();
     ray.view_azimuth = {std::cos(match.azimuth_rad), std::sin(match.azimuth_rad)};
     ray.min_distance_m = kMinDistanceM;
     ray.max_distance_m = options.max_distance_m;
     const float scale_px = query.keypoints[match.keypoint_idx].scale_px;
     if (options.max_distance_factor > 0.0 && match.size_m > 0.0f && scale_px > 0.0f) {
-      ClipToSize(match.size_m * query.camera.focal_px() / scale_px, options.max_distance_factor,
-                 &ray);
+      ClipToSize(match.size_m * query.CameraOf(match.keypoint_idx).focal_px() / scale_px,
+                 options.max_distance_factor, &ray);
     }
     ClipToHeights(query.region, &ray);
     if (ray.min_distance_m <= ray.max_distance_m) {

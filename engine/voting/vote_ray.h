@@ -12,15 +12,17 @@
 namespace cairn {
 
 // For a given yaw the camera centre lies on the segment
-//   C(l) = x_in_anchor - l * (Rz(yaw) direction_in_level), l in [min_distance_m, max_distance_m],
-// where l is the distance to the landmark.
+//   C(l) = x_in_anchor - Rz(yaw) (origin_in_level + l direction_in_level),
+// l in [min_distance_m, max_distance_m], where l is the distance to the landmark.
 struct VoteRay {
   int correspondence_idx = 0;
   int keypoint_idx = 0;
   Eigen::Vector3d x_in_anchor;
   Eigen::Vector3d direction_in_level;  // Unit vector, from camera to landmark.
-  double horizontal = 0.0;             // Length of the horizontal part of the direction.
-  Eigen::Vector2d view_azimuth;        // (cos, sin) from landmark to mapping camera.
+  // Where the ray starts; zero but for the further cameras of a rig.
+  Eigen::Vector3d origin_in_level = Eigen::Vector3d::Zero();
+  double horizontal = 0.0;       // Length of the horizontal part of the direction.
+  Eigen::Vector2d view_azimuth;  // (cos, sin) from landmark to mapping camera.
   double min_distance_m = 0.0;
   double max_distance_m = 0.0;
 };
@@ -46,7 +48,8 @@ struct VoteDisc {
 
 // The part of a ray that lies within the disc for one yaw, if the azimuth of the view fits.
 // `direction_xy` is the horizontal part of Rz(yaw) direction_in_level, `min_cosine` the cosine of
-// the largest azimuth difference.
+// the largest azimuth difference. The ray starts at the camera centre; for one that does not, move
+// the disc by Rz(yaw) origin_in_level.
 std::optional<VoteSegment> ClipToDisc(const VoteRay& ray, const Eigen::Vector2d& direction_xy,
                                       const VoteDisc& disc, double min_cosine);
 

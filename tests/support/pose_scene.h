@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -29,6 +30,7 @@ struct PoseSceneOptions {
   double max_tilt_rad = 0.3;  // Of the camera against the horizon, pitch and roll each.
   double min_depth_m = 4.0;
   double max_depth_m = 60.0;
+  std::vector<QueryRigCamera> other_cameras;  // Of a rig: keypoints are dealt to all in turn.
   double region_radius_m = 50.0;  // Disc in which the camera is; wrong landmarks reach 50 m on.
   // Wrong matches carry azimuths and sizes of a random place and view.
   double azimuth_noise_rad = 0.4;  // Of correct matches: mapping camera against query camera.
@@ -88,6 +90,7 @@ class PoseSceneBuilder {
   void MakeCamera() {
     QueryContext& query = scene_.query;
     query.camera = options_.camera;
+    query.other_cameras = options_.other_cameras;
     query.region.has_prior = true;
     query.region.radius_m = options_.region_radius_m;
     query.region.prior_sigma_m = options_.region_radius_m / 3.0;
@@ -113,7 +116,12 @@ class PoseSceneBuilder {
   }
 
   void AddKeypoint(int keypoint_idx, int correct_rank) {
-    const Camera& camera = options_.camera;
+    const int camera_idx = keypoint_idx % scene_.query.num_cameras();
+    const Camera& camera =
+        camera_idx == 0 ? options_.camera : options_.other_cameras[camera_idx - 1].camera;
+    const Rigid3d first_from_own =
+        camera_idx == 0 ? Rigid3d()
+                        : options_.other_cameras[camera_idx - 1].cam_from_first.Inverse();
     std::optional<Eigen::Vector3d> ray;
     Eigen::Vector2d pixel;
     do {
@@ -121,10 +129,16 @@ class PoseSceneBuilder {
       ray = camera.Unproject(pixel);
     } while (!ray);
     const double distance_m = Uniform(options_.min_depth_m, options_.max_depth_m);
-    const Eigen::Vector3d seen_in_anchor = scene_.cam_from_anchor.Inverse() * (*ray * distance_m);
+    const Eigen::Vector3d seen_in_anchor =
+        scene_.cam_from_anchor.Inverse() * (first_from_own * (*ray * distance_m));
     const Eigen::Vector2d noisy =
         pixel + Eigen::Vector2d(Normal(options_.pixel_noise_px), Normal(options_.pixel_noise_px));
-    const Eigen::Vector3d noisy_ray = camera.Unproject(noisy).value_or(Eigen::Vector3d::Zero());
+    const Eigen::Vector3d noisy_ray =
+        first_from_own.rotation * camera.Unproject(noisy).value_or(Eigen::Vector3d::Zero());
+    if (scene_.query.is_rig()) {
+      scene_.query.camera_of_keypoint.push_back(static_cast<uint8_t>(camera_idx));
+      scene_.query.origins_in_cam.push_back(first_from_own.translation);
+    }
 
     Keypoint keypoint;
     keypoint.x_px = static_cast<float>(noisy.x());
@@ -167,6 +181,18 @@ class PoseSceneBuilder {
 
 inline PoseScene MakePoseScene(const PoseSceneOptions& options) {
   return PoseSceneBuilder(options).Build();
+}
+
+// Two cameras that look left and right from up to 2 m beside the first.
+inline std::vector<QueryRigCamera> SideCameras() {
+  std::vector<QueryRigCamera> cameras;
+  for (const double side : {-1.0, 1.0}) {
+    const Eigen::Quaterniond rotation(
+        Eigen::AngleAxisd(side * 1.4, Eigen::Vector3d(0.05, 1.0, 0.1 * side).normalized()));
+    const Camera camera(CameraModel::kPinhole, 800, 600, {450.0, 450.0, 400.0, 300.0});
+    cameras.push_back({camera, Rigid3d(rotation, {side * 2.0, 0.3, -0.5})});
+  }
+  return cameras;
 }
 
 // Distance of two camera centres.

@@ -16,21 +16,24 @@ struct LevelPose {
 };
 
 // Finds the poses from which the landmarks `x_in_anchor` are seen along the unit vectors
-// `bearings_in_level`, both at positive depth. Returns their number, 0 to 2, and writes them to
+// `bearings_in_level`, both at positive depth; the rays start at `origins_in_level`, zero but for
+// the cameras of a rig. Returns their number, 0 to 2, and writes them to
 // `solutions`; a solution is exact: it reproduces both bearings to rounding.
 //
 // With depths l1, l2 the height difference of the landmarks gives a line in the (l1, l2) plane,
-//   l1 b1z - l2 b2z = X1z - X2z,
+//   o1z + l1 b1z - o2z - l2 b2z = X1z - X2z,
 // and their distance a conic; the line is taken in the form closest point + s * direction, which
 // has no preferred ray and only asks that one of the two bearings leaves the horizontal plane.
 // There is no solution if
 //   - both bearings are horizontal to 1e-9: heights then say nothing and yaw is free;
 //   - the landmarks stand above one another to 1e-9 m: yaw is free;
-//   - the bearings are equal;
+//   - the bearings are equal and the origins are too;
 //   - the points fit no pose, or only one with a landmark behind the camera.
 int SolveGravityTwoPoint(const std::array<Eigen::Vector3d, 2>& bearings_in_level,
                          const std::array<Eigen::Vector3d, 2>& x_in_anchor,
-                         std::array<LevelPose, 2>* solutions);
+                         std::array<LevelPose, 2>* solutions,
+                         const std::array<Eigen::Vector3d, 2>& origins_in_level = {
+                             Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
 
 }  // namespace cairn
 

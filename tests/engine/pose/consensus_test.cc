@@ -101,6 +101,27 @@ TEST(ConsensusSet, PlainAndVectorizedKernelsAgree) {
   }
 }
 
+TEST(ConsensusSet, RaysOfARigStartAtTheirOwnCamera) {
+  // Moving a camera of a rig moves its landmarks with it: the gains are those of the single camera.
+  const Scene scene = MakeScene(300, 21);
+  std::vector<RayObservation> moved = scene.observations;
+  for (RayObservation& observation : moved) {
+    if (observation.keypoint_idx % 2 == 1) {
+      observation.origin_in_cam = Vector3d(1.5, -0.5, 0.7);
+      observation.x_in_anchor +=
+          scene.cam_from_anchor.rotation.conjugate() * observation.origin_in_cam;
+    }
+  }
+  for (const ConsensusKernel kernel : {ConsensusKernel::kVectorized, ConsensusKernel::kPlain}) {
+    ConsensusOptions options;
+    options.kernel = kernel;
+    ConsensusSet single(scene.observations, options), rig(moved, options);
+    const auto pose = scene.cam_from_anchor.ToMatrix();
+    EXPECT_GT(single.Gain(pose, 0.0, -1.0), 50.0);
+    EXPECT_NEAR(rig.Gain(pose, 0.0, -1.0), single.Gain(pose, 0.0, -1.0), 0.05);
+  }
+}
+
 TEST(ConsensusSet, WithoutEarlyRejectionEveryGainIsWhole) {
   const Scene scene = MakeScene(500, 9);
   ConsensusOptions options;

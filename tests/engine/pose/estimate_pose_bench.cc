@@ -67,9 +67,10 @@ void RunOurs(benchmark::State& state, bool has_gravity) {
   const PoseOptions options = OptionsOf(state.range(1));
   int64_t num_right = 0, num_iterations = 0, num_runs = 0;
   while (state.KeepRunningBatch(kNumScenes)) {
-    for (const PoseScene& scene : scenes) {
+    for (int i = 0; i < kNumScenes; ++i) {  // Other samples in every scene.
+      const PoseScene& scene = scenes[i];
       const auto estimate =
-          EstimatePose(scene.query, scene.correspondences, scene.AllIndices(), options, 1);
+          EstimatePose(scene.query, scene.correspondences, scene.AllIndices(), options, 1 + i);
       num_right += estimate && IsRight(estimate->cam_from_anchor, scene);
       num_iterations += estimate ? estimate->num_iterations : options.max_iterations;
       ++num_runs;

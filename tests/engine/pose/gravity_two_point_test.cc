@@ -99,6 +99,32 @@ TEST(SolveGravityTwoPoint, NearlyHorizontalRaysStayAccurate) {
             1e-8);
 }
 
+TEST(SolveGravityTwoPoint, RaysMayStartAtDifferentCamerasOfARig) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  const auto vector = [&](double scale) -> Eigen::Vector3d {
+    return scale * Eigen::Vector3d(uniform(random), uniform(random), uniform(random));
+  };
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::AngleAxisd anchor_from_level(3.0 * uniform(random), Eigen::Vector3d::UnitZ());
+    const Eigen::Vector3d center = vector(50.0);
+    std::array<Eigen::Vector3d, 2> origins, bearings, points;
+    for (int k = 0; k < 2; ++k) {
+      origins[k] = vector(2.0);
+      bearings[k] = vector(1.0).normalized();
+      points[k] =
+          center + anchor_from_level * (origins[k] + (20.0 + 15.0 * uniform(random)) * bearings[k]);
+    }
+    std::array<LevelPose, 2> poses;
+    const int num_poses = SolveGravityTwoPoint(bearings, points, &poses, origins);
+    double best_error_m = 1e9;
+    for (int k = 0; k < num_poses; ++k) {
+      best_error_m = std::min(best_error_m, (poses[k].center_in_anchor - center).norm());
+    }
+    EXPECT_LT(best_error_m, 1e-6) << i;
+  }
+}
+
 TEST(SolveGravityTwoPoint, NoSolutionForDegenerateInput) {
   std::array<LevelPose, 2> poses;
   const auto solve = [&](const Problem& problem) {

@@ -101,6 +101,33 @@ TEST(RefinePose, GravityPriorFixesWhatFewPointsLeaveFree) {
             1e-3);
 }
 
+TEST(RefinePose, RigWithAllObservationsInOneCameraIsThatCameraMoved) {
+  PoseSceneOptions options;
+  options.num_inliers = options.num_keypoints;
+  const PoseScene scene = MakePoseScene(options);
+  const Rigid3d own_from_first = testing::SideCameras()[1].cam_from_first;
+  const std::vector<QueryRigCamera> others = {{scene.query.camera, own_from_first}};
+  std::vector<PoseObservation> observations = Observations(scene);
+  const RefinedPose single = RefinePose(scene.query.camera, observations, std::nullopt,
+                                        Disturb(scene.cam_from_anchor), {});
+  for (PoseObservation& observation : observations) {
+    observation.camera_idx = 1;
+  }
+  const RefinedPose rig =
+      RefinePose(Camera(), observations, std::nullopt,
+                 own_from_first.Inverse() * Disturb(scene.cam_from_anchor), {}, others);
+  const Rigid3d expected = own_from_first.Inverse() * single.cam_from_anchor;
+  EXPECT_LT(CenterErrorM(rig.cam_from_anchor, expected), 1e-5);
+  EXPECT_LT(RotationAngleRad(rig.cam_from_anchor.rotation, expected.rotation), 1e-6);
+  // The first camera moves by translation - rotation x offset if its fellow moves by both.
+  Eigen::Matrix<double, 6, 6> first_by_own = Eigen::Matrix<double, 6, 6>::Identity();
+  first_by_own.bottomLeftCorner<3, 3>() =
+      Skew(single.cam_from_anchor.Inverse().translation - expected.Inverse().translation);
+  const Eigen::Matrix<double, 6, 6> covariance =
+      first_by_own * single.covariance * first_by_own.transpose();
+  EXPECT_LT((rig.covariance - covariance).norm(), 1e-3 * covariance.norm());
+}
+
 TEST(RefinePose, FreeDirectionsHaveLargeFiniteVariance) {
   const RefinedPose refined = RefinePose(Camera(), {}, std::nullopt, Rigid3d(), {});
   EXPECT_TRUE(refined.cam_from_anchor.ToMatrix().isApprox(Rigid3d().ToMatrix()));

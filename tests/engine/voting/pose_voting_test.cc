@@ -92,6 +92,20 @@ TEST(VoteForPoses, WorkersDoNotChangeTheResult) {
   }
 }
 
+TEST(VoteForPoses, FindsTheTruthOfARig) {
+  PoseSceneOptions options = HardScene(60, 1);
+  options.other_cameras = testing::SideCameras();
+  for (QueryRigCamera& other : options.other_cameras) {
+    other.cam_from_first.translation *= 4.0;  // Whole cells away.
+  }
+  int num_found = 0;
+  for (options.seed = 1; options.seed <= 6; ++options.seed) {
+    const PoseScene scene = MakePoseScene(options);
+    num_found += RankOfTruth(scene, Vote(scene)) >= 0;
+  }
+  EXPECT_GE(num_found, 5);
+}
+
 TEST(VoteForPoses, In3dFindsTheTruthUpToItsHeight) {
   VotingOptions options;
   options.filter = OutlierFilter::kVoting3d;
