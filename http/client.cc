@@ -16,12 +16,25 @@
 namespace cairn {
 namespace {
 
+nlohmann::json CameraJson(const Camera& camera) {
+  return {{"model", CameraModelName(camera.model())},
+          {"size", {camera.width_px(), camera.height_px()}},
+          {"modelParams", camera.params()}};
+}
+
 std::string RequestJson(const LocalizeQuery& query, bool want_matches) {
   nlohmann::json json;
   if (!query.id.empty()) json["id"] = query.id;
-  json["camera"] = {{"model", CameraModelName(query.camera.model())},
-                    {"size", {query.camera.width_px(), query.camera.height_px()}},
-                    {"modelParams", query.camera.params()}};
+  json["camera"] = CameraJson(query.camera);
+  for (const RigCamera& other : query.other_cameras) {
+    const Eigen::Quaterniond& q = other.cam_from_first.rotation;
+    const Eigen::Vector3d& t = other.cam_from_first.translation;
+    json["rig"].push_back(
+        {{"camera", CameraJson(other.camera)},
+         {"camFromFirst",
+          {{"quaternion", {{"x", q.x()}, {"y", q.y()}, {"z", q.z()}, {"w", q.w()}}},
+           {"translation", {t.x(), t.y(), t.z()}}}}});
+  }
   if (query.prior) {
     const Geodetic& position = query.prior->position;
     nlohmann::json& prior = json["prior"];
@@ -113,11 +126,13 @@ struct LocalizeClient::Impl {
     return result->body;
   }
 
-  LocalizeResult Post(const LocalizeQuery& query, const char* part_name,
-                      const char* part_content_type, std::span<const uint8_t> bytes) {
+  LocalizeResult Post(const LocalizeQuery& query,
+                      const std::vector<std::pair<std::string, std::span<const uint8_t>>>& parts) {
     MultipartWriter writer;
     writer.Add("request", "application/json", RequestJson(query, options.want_matches));
-    writer.Add(part_name, part_content_type, AsText(bytes));
+    for (const auto& [name, bytes] : parts) {
+      writer.Add(name, "application/octet-stream", AsText(bytes));
+    }
     const std::string body = std::move(writer).Finish();
     return ParseLocalizeResponse(
         BodyOf([&] { return http.Post("/v1/localize", body, MultipartWriter::ContentType()); }));
@@ -142,17 +157,26 @@ LocalizeClient::~LocalizeClient() = default;
 
 LocalizeResult LocalizeClient::LocalizeImage(const LocalizeQuery& query,
                                              std::span<const uint8_t> image_bytes) {
-  return impl_->Post(query, "image", "application/octet-stream", image_bytes);
+  return impl_->Post(query, {{"image", image_bytes}});
 }
 
 LocalizeResult LocalizeClient::LocalizeFeatures(const LocalizeQuery& query) {
-  const bool is_raw = query.features.space == DescriptorSpace::kRaw;
-  const WireFeatures wire{.features = query.features,
-                          .codec = is_raw ? "" : query.codec,
-                          .width_px = query.camera.width_px(),
-                          .height_px = query.camera.height_px()};
-  return impl_->Post(query, "features", "application/octet-stream",
-                     EncodeFeatures(wire, LosslessEncoding(query.features)));
+  const auto encode = [&](const FeatureSet& features, const Camera& camera) {
+    const WireFeatures wire{.features = features,
+                            .codec = features.space == DescriptorSpace::kRaw ? "" : query.codec,
+                            .width_px = camera.width_px(),
+                            .height_px = camera.height_px()};
+    return EncodeFeatures(wire, LosslessEncoding(features));
+  };
+  std::vector<std::vector<uint8_t>> blobs = {encode(query.features, query.camera)};
+  for (const RigCamera& other : query.other_cameras) {
+    blobs.push_back(encode(other.features, other.camera));
+  }
+  std::vector<std::pair<std::string, std::span<const uint8_t>>> parts;
+  for (size_t i = 0; i < blobs.size(); ++i) {
+    parts.emplace_back(i == 0 ? "features" : fmt::format("rig{}", i - 1), blobs[i]);
+  }
+  return impl_->Post(query, parts);
 }
 
 std::string LocalizeClient::Get(const std::string& path) {

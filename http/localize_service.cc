@@ -52,11 +52,17 @@ void LocalizeService::CheckCodec(const LocalizeQuery& query) const {
                           codebook->descriptor_type, codebook->CodecName()));
   }
   const int dim = is_raw ? codebook->raw_dim() : codebook->projected_dim();
-  if (query.features.size() > 0 && query.features.descriptors.cols() != dim) {
-    throw HttpError(ProblemCode::kInvalidFeatures,
-                    fmt::format("the descriptors have {} dimensions, codec '{}' has {}",
-                                query.features.descriptors.cols(), codec, dim))
-        .At("/features");
+  const auto check_dim = [&](const FeatureSet& features, const std::string& pointer) {
+    if (features.size() > 0 && features.descriptors.cols() != dim) {
+      throw HttpError(ProblemCode::kInvalidFeatures,
+                      fmt::format("the descriptors have {} dimensions, codec '{}' has {}",
+                                  features.descriptors.cols(), codec, dim))
+          .At(pointer);
+    }
+  };
+  check_dim(query.features, "/features");
+  for (size_t i = 0; i < query.other_cameras.size(); ++i) {
+    check_dim(query.other_cameras[i].features, fmt::format("/rig/{}/features", i));
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -20,8 +21,8 @@ constexpr double kMaxHeightM = 100'000.0;
 constexpr int kMaxTimeoutMs = 60'000;
 constexpr int kMaxMatches = 100'000;
 constexpr size_t kMaxIdLength = 128;
-// Phones report gravity in single precision and rounded; it is normalised here.
-constexpr double kGravityNormTolerance = 0.02;
+// Phones report directions in single precision and rounded; they are normalised here.
+constexpr double kUnitNormTolerance = 0.02;
 constexpr int64_t kMaxTimestampMs = int64_t{1} << 53;
 
 PositionPrior ReadPrior(const JsonReader& json) {
@@ -44,7 +45,7 @@ Eigen::Vector3d ReadGravity(const JsonReader& json) {
   const std::vector<double> numbers = json.Numbers(3, 3);
   const Eigen::Vector3d down(numbers[0], numbers[1], numbers[2]);
   const double norm = down.norm();
-  if (!(std::abs(norm - 1.0) <= kGravityNormTolerance)) {
+  if (!(std::abs(norm - 1.0) <= kUnitNormTolerance)) {
     json.Fail(fmt::format("has length {}, not 1", norm),
               "gravity is the unit vector that points down, in the camera frame (x right, y down, "
               "z forward)");
@@ -84,19 +85,77 @@ void ReadOptions(const JsonReader& json, LocalizeRequest* request) {
   if (const auto include = json.Find("include")) ReadInclude(*include, &request->answer);
 }
 
-void SetFeatures(std::span<const uint8_t> blob, int max_features, LocalizeRequest* request) {
+// Decodes the features of one camera; `camera_pointer` is where the request describes it.
+WireFeatures DecodeFeaturesOf(const Camera& camera, const std::string& camera_pointer,
+                              std::span<const uint8_t> blob, int max_features) {
   WireFeatures wire = DecodeFeatures(blob, max_features);
-  const Camera& camera = request->query.camera;
   if (wire.width_px != camera.width_px() || wire.height_px != camera.height_px()) {
     throw HttpError(
         ProblemCode::kInvalidFeatures,
         fmt::format("the features are of an image of {} x {} pixels, the camera's "
                     "images are {} x {}",
                     wire.width_px, wire.height_px, camera.width_px(), camera.height_px()))
-        .At("/camera/size");
+        .At(camera_pointer + "/size");
   }
+  return wire;
+}
+
+void SetFeatures(std::span<const uint8_t> blob, int max_features, LocalizeRequest* request) {
+  WireFeatures wire = DecodeFeaturesOf(request->query.camera, "/camera", blob, max_features);
   request->query.codec = std::move(wire.codec);
   request->query.features = std::move(wire.features);
+}
+
+// The features of rig[index]; those of the query's own camera have been set.
+void SetRigFeatures(std::span<const uint8_t> blob, size_t index, int max_features,
+                    LocalizeRequest* request) {
+  LocalizeQuery& query = request->query;
+  RigCamera& other = query.other_cameras[index];
+  const std::string pointer = fmt::format("/rig/{}", index);
+  WireFeatures wire = DecodeFeaturesOf(other.camera, pointer + "/camera", blob, max_features);
+  if (wire.codec != query.codec) {
+    throw HttpError(ProblemCode::kWrongCodec,
+                    fmt::format("the features are of codec '{}', those of the first camera of '{}'",
+                                wire.codec, query.codec))
+        .At(pointer + "/features");
+  }
+  other.features = std::move(wire.features);
+  if (query.num_features() > max_features) {
+    throw HttpError(ProblemCode::kTooManyFeatures,
+                    fmt::format("the cameras of the rig have more than {} features", max_features))
+        .At(pointer + "/features");
+  }
+}
+
+Rigid3d ReadCamFromFirst(const JsonReader& json) {
+  constexpr double kMaxOffsetM = 100.0;  // As LocalizeQuery::Validate.
+  json.RequireOnly({"quaternion", "translation"});
+  const JsonReader quaternion = json.At("quaternion");
+  quaternion.RequireOnly({"x", "y", "z", "w"});
+  const auto component = [&](const char* name) { return quaternion.At(name).Number(-1.01, 1.01); };
+  const Eigen::Quaterniond rotation(component("w"), component("x"), component("y"), component("z"));
+  if (!(std::abs(rotation.norm() - 1.0) <= kUnitNormTolerance)) {
+    quaternion.Fail(fmt::format("has length {}, not 1", rotation.norm()));
+  }
+  const JsonReader translation = json.At("translation");
+  const std::vector<double> numbers = translation.Numbers(3, 3);
+  const Eigen::Vector3d offset(numbers[0], numbers[1], numbers[2]);
+  if (!(offset.norm() <= kMaxOffsetM)) {
+    translation.Fail(fmt::format("is longer than {} m", kMaxOffsetM));
+  }
+  return {rotation, offset};
+}
+
+// The further cameras of a rig, without their features.
+void ReadRig(const JsonReader& json, LocalizeQuery* query) {
+  for (const JsonReader& element : json.Elements(0, LocalizeQuery::kMaxOtherCameras)) {
+    element.RequireOnly({"camera", "camFromFirst", "features"});
+    const JsonReader camera = element.At("camera");
+    camera.RequireOnly({"model", "size", "modelParams"});
+    RigCamera& other = query->other_cameras.emplace_back();
+    other.camera = ReadCamera(camera.At("model"), camera.At("size"), camera.At("modelParams"));
+    other.cam_from_first = ReadCamFromFirst(element.At("camFromFirst"));
+  }
 }
 
 // What JSON says about the features beside the blob has to agree with the blob.
@@ -139,7 +198,7 @@ void ReadJsonImage(const JsonReader& json, LocalizeRequest* request) {
 // Everything but image and features.
 LocalizeRequest ReadCommon(const JsonReader& json, const RequestLimits& limits) {
   json.RequireOnly(
-      {"id", "timestamp", "camera", "image", "features", "prior", "gravity", "options"});
+      {"id", "timestamp", "camera", "image", "features", "rig", "prior", "gravity", "options"});
   LocalizeRequest request;
   request.timeout_ms = limits.default_timeout_ms;
   if (const auto id = json.Find("id")) request.query.id = id->String(kMaxIdLength);
@@ -150,10 +209,23 @@ LocalizeRequest ReadCommon(const JsonReader& json, const RequestLimits& limits) 
   camera.RequireOnly({"model", "size", "modelParams"});
   request.query.camera =
       ReadCamera(camera.At("model"), camera.At("size"), camera.At("modelParams"));
+  if (const auto rig = json.Find("rig")) ReadRig(*rig, &request.query);
   if (const auto prior = json.Find("prior")) request.query.prior = ReadPrior(*prior);
   if (const auto gravity = json.Find("gravity")) request.query.down_in_cam = ReadGravity(*gravity);
   if (const auto options = json.Find("options")) ReadOptions(*options, &request);
   return request;
+}
+
+void RefuseRigWithImage(const JsonReader& json, const LocalizeRequest& request) {
+  if (!request.query.other_cameras.empty()) {
+    json.At("rig").Fail("goes with features, not with an image",
+                        "extract the features of every camera and send them");
+  }
+}
+
+// The member `features` of rig[index].
+JsonReader RigFeaturesMember(const JsonReader& json, size_t index) {
+  return json.At("rig").Elements(0, LocalizeQuery::kMaxOtherCameras)[index].At("features");
 }
 
 LocalizeRequest ParseJsonBody(std::string_view body, const RequestLimits& limits) {
@@ -166,47 +238,94 @@ LocalizeRequest ParseJsonBody(std::string_view body, const RequestLimits& limits
     json.Fail("has to have either an image or features, not both");
   }
   if (image) {
+    RefuseRigWithImage(json, request);
     ReadJsonImage(*image, &request);
-  } else {
-    ReadJsonFeatures(*features, limits.max_features, &request);
+    return request;
+  }
+  ReadJsonFeatures(*features, limits.max_features, &request);
+  for (size_t i = 0; i < request.query.other_cameras.size(); ++i) {
+    const JsonReader member = RigFeaturesMember(json, i);
+    member.RequireOnly({"data"});
+    SetRigFeatures(ReadBase64(member.At("data")), i, limits.max_features, &request);
   }
   return request;
 }
 
-LocalizeRequest ParseMultipartBody(std::string_view content_type, std::string_view body,
-                                   const RequestLimits& limits) {
-  std::optional<std::string_view> json_part, image_part, features_part;
-  for (const MultipartPart& part : ParseMultipart(content_type, body)) {
+std::span<const uint8_t> AsBytes(std::string_view text) {
+  return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
+}
+
+// The parts of a multipart body.
+struct RequestParts {
+  std::optional<std::string_view> request, image, features;
+  std::array<std::optional<std::string_view>, LocalizeQuery::kMaxOtherCameras> rig;
+};
+
+RequestParts SortParts(const std::vector<MultipartPart>& parts) {
+  constexpr std::string_view kRig = "rig";
+  RequestParts sorted;
+  for (const MultipartPart& part : parts) {
+    const bool is_rig = part.name.size() == kRig.size() + 1 && part.name.starts_with(kRig);
+    const int index = is_rig ? part.name.back() - '0' : -1;
     if (part.name == "request") {
-      json_part = part.content;
+      sorted.request = part.content;
     } else if (part.name == "image") {
-      image_part = part.content;
+      sorted.image = part.content;
     } else if (part.name == "features") {
-      features_part = part.content;
+      sorted.features = part.content;
+    } else if (index >= 0 && index < LocalizeQuery::kMaxOtherCameras) {
+      sorted.rig[index] = part.content;
     } else {
       throw HttpError(ProblemCode::kInvalidMultipart,
                       fmt::format("the part '{}' is unknown", part.name.substr(0, 64)))
-          .Hint("known: request, image, features");
+          .Hint("known: request, image, features, and rig0, rig1, ... for a rig's other cameras");
     }
   }
-  if (!json_part || image_part.has_value() == features_part.has_value()) {
+  if (!sorted.request || sorted.image.has_value() == sorted.features.has_value()) {
     throw HttpError(ProblemCode::kInvalidMultipart,
                     "the body has to have a part 'request' and either 'image' or 'features'");
   }
-  const nlohmann::json document = ParseJson(*json_part);
+  return sorted;
+}
+
+// The features of the rig's other cameras, one part each.
+void SetRigFeatures(const JsonReader& json, const RequestParts& parts, int max_features,
+                    LocalizeRequest* request) {
+  const size_t num_others = request->query.other_cameras.size();
+  for (size_t i = 0; i < parts.rig.size(); ++i) {
+    if (parts.rig[i].has_value() != (i < num_others)) {
+      throw HttpError(ProblemCode::kInvalidMultipart,
+                      fmt::format("the request has {} cameras in 'rig' and needs as many parts: "
+                                  "rig0, rig1, ...",
+                                  num_others));
+    }
+    if (i < num_others) {
+      const std::optional<JsonReader> twice =
+          json.At("rig").Elements(0, LocalizeQuery::kMaxOtherCameras)[i].Find("features");
+      if (twice) twice->Fail("is in a part of its own already");
+      SetRigFeatures(AsBytes(*parts.rig[i]), i, max_features, request);
+    }
+  }
+}
+
+LocalizeRequest ParseMultipartBody(std::string_view content_type, std::string_view body,
+                                   const RequestLimits& limits) {
+  const RequestParts parts = SortParts(ParseMultipart(content_type, body));
+  const nlohmann::json document = ParseJson(*parts.request);
   const JsonReader json(document);
   LocalizeRequest request = ReadCommon(json, limits);
   for (const char* member : {"image", "features"}) {
     if (const auto twice = json.Find(member)) twice->Fail("is in a part of its own already");
   }
-  const std::string_view bytes = image_part ? *image_part : *features_part;
-  const std::span<const uint8_t> blob(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
-  if (features_part) {
-    SetFeatures(blob, limits.max_features, &request);
-  } else if (blob.empty()) {
+  if (parts.features) {
+    SetFeatures(AsBytes(*parts.features), limits.max_features, &request);
+    SetRigFeatures(json, parts, limits.max_features, &request);
+  } else if (parts.image->empty()) {
     throw HttpError(ProblemCode::kInvalidImage, "the image part is empty").At("/image");
   } else {
-    request.image_bytes.assign(blob.begin(), blob.end());
+    RefuseRigWithImage(json, request);
+    const std::span<const uint8_t> bytes = AsBytes(*parts.image);
+    request.image_bytes.assign(bytes.begin(), bytes.end());
   }
   return request;
 }

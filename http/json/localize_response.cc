@@ -85,15 +85,16 @@ Json MatchesJson(const LocalizeResult& result, int max_matches) {
   Json matches = Json::array();
   for (size_t i = 0; i < num_sent; ++i) {
     const LocalizeMatch& match = result.matches[i * num_all / num_sent];
-    matches.push_back(
-        {{"u", match.pixel.x()},
-         {"v", match.pixel.y()},
-         {"landmarkId", Value(match.landmark_id)},
-         {"enu", {match.x_in_anchor.x(), match.x_in_anchor.y(), match.x_in_anchor.z()}},
-         {"sigma", match.sigma_m},
-         {"error", match.error_px},
-         {"keypoint", match.keypoint_idx},
-         {"tile", match.tile_idx}});
+    Json& json = matches.emplace_back(
+        Json{{"u", match.pixel.x()},
+             {"v", match.pixel.y()},
+             {"landmarkId", Value(match.landmark_id)},
+             {"enu", {match.x_in_anchor.x(), match.x_in_anchor.y(), match.x_in_anchor.z()}},
+             {"sigma", match.sigma_m},
+             {"error", match.error_px},
+             {"keypoint", match.keypoint_idx},
+             {"tile", match.tile_idx}});
+    if (match.camera_idx > 0) json["camera"] = match.camera_idx;
   }
   return matches;
 }
@@ -183,6 +184,9 @@ LocalizeMatch ReadMatch(const JsonReader& json) {
   match.pixel = {ReadNumber(json.At("u")), ReadNumber(json.At("v"))};
   match.landmark_id = LandmarkId(json.At("landmarkId").Integer(0, int64_t{1} << 53));
   match.tile_idx = static_cast<int>(json.At("tile").Integer(0, 1 << 30));
+  if (const auto camera = json.Find("camera")) {
+    match.camera_idx = static_cast<int>(camera->Integer(0, LocalizeQuery::kMaxOtherCameras));
+  }
   match.x_in_anchor = {enu[0], enu[1], enu[2]};
   match.sigma_m = ReadNumber(json.At("sigma"));
   match.error_px = ReadNumber(json.At("error"));

@@ -76,6 +76,91 @@ TEST(LocalizeRequest, NormalisesGravityThatIsNearlyUnit) {
   EXPECT_NEAR(request.query.down_in_cam->norm(), 1.0, 1e-15);
 }
 
+constexpr char kCamFromFirst[] =
+    R"("camFromFirst":{"quaternion":{"x":0,"y":0.6,"z":0,"w":0.8},"translation":[0.5,0,-1]})";
+
+std::string RigJson(const std::string& own_features, const std::string& rig) {
+  return fmt::format("{{{}{},\"rig\":[{}]}}", kCamera, own_features, rig);
+}
+
+std::string FeaturesMember() {
+  return fmt::format(R"("features":{{"data":"{}"}})", EncodeBase64(SmallBlob()));
+}
+
+std::string MultipartRig(const std::string& rig_part_name) {
+  const std::vector<uint8_t> blob = SmallBlob();
+  const std::string bytes(blob.begin(), blob.end());
+  const auto part = [](const std::string& name, const std::string& content) {
+    return fmt::format("--B\r\nContent-Disposition: form-data; name=\"{}\"\r\n\r\n{}\r\n", name,
+                       content);
+  };
+  return part("request", RigJson("", fmt::format("{{{},{}}}", kCamera, kCamFromFirst))) +
+         part("features", bytes) + part(rig_part_name, bytes) + "--B--";
+}
+
+TEST(LocalizeRequest, ReadsARigFromJsonAndMultipartAlike) {
+  const LocalizeRequest from_json =
+      Parse(RigJson("," + FeaturesMember(),
+                    fmt::format("{{{},{},{}}}", kCamera, kCamFromFirst, FeaturesMember())));
+  const LocalizeRequest from_parts = ParseLocalizeRequest("multipart/form-data; boundary=B",
+                                                          MultipartRig("rig0"), RequestLimits{});
+  for (const LocalizeRequest* request : {&from_json, &from_parts}) {
+    ASSERT_EQ(request->query.other_cameras.size(), 1u);
+    const RigCamera& other = request->query.other_cameras[0];
+    EXPECT_EQ(other.camera.params(), (std::vector<double>{500, 501, 320, 240}));
+    EXPECT_EQ(other.features.size(), 1);
+    EXPECT_EQ(request->query.num_features(), 2);
+    EXPECT_NEAR(other.cam_from_first.rotation.y(), 0.6, 1e-12);
+    EXPECT_EQ(other.cam_from_first.translation, Eigen::Vector3d(0.5, 0, -1));
+  }
+}
+
+TEST(LocalizeRequest, RefusesBadRigsWithThePointerOfTheFault) {
+  const std::string member = fmt::format("{{{},{},{}}}", kCamera, kCamFromFirst, FeaturesMember());
+  const auto pointer_of = [](const std::string& json, RequestLimits limits = {}) -> std::string {
+    try {
+      ParseLocalizeRequest("application/json", json, limits);
+    } catch (const HttpError& error) {
+      return error.pointer();
+    }
+    return "accepted";
+  };
+  const std::string own = "," + FeaturesMember();
+  EXPECT_EQ(pointer_of(RigJson(own, fmt::format("{{{},{}}}", kCamera, FeaturesMember()))),
+            "/rig/0/camFromFirst");
+  EXPECT_EQ(pointer_of(RigJson(own, fmt::format("{{{},{}}}", kCamera, kCamFromFirst))),
+            "/rig/0/features");
+  EXPECT_EQ(
+      pointer_of(RigJson(
+          own,
+          fmt::format(
+              R"({{{},"camFromFirst":{{"quaternion":{{"x":1,"y":1,"z":0,"w":0}},"translation":[0,0,0]}},{}}})",
+              kCamera, FeaturesMember()))),
+      "/rig/0/camFromFirst/quaternion");
+  EXPECT_EQ(
+      pointer_of(RigJson(
+          own,
+          fmt::format(
+              R"({{{},"camFromFirst":{{"quaternion":{{"x":0,"y":0,"z":0,"w":1}},"translation":[0,0,900]}},{}}})",
+              kCamera, FeaturesMember()))),
+      "/rig/0/camFromFirst/translation");
+  EXPECT_EQ(pointer_of(RigJson(fmt::format(",{}", kImage), member)), "/rig");
+  EXPECT_EQ(pointer_of(RigJson(own, member), {.max_features = 1}), "/rig/0/features");
+  std::string eight = member;
+  for (int i = 0; i < 7; ++i) eight += "," + member;
+  EXPECT_EQ(pointer_of(RigJson(own, eight)), "/rig");
+  EXPECT_EQ(pointer_of(RigJson(own, member)), "accepted");
+}
+
+TEST(LocalizeRequest, RigPartsHaveToMatchTheCameras) {
+  for (const char* name : {"rig1", "rig9", "rigs"}) {
+    EXPECT_THROW(ParseLocalizeRequest("multipart/form-data; boundary=B", MultipartRig(name),
+                                      RequestLimits{}),
+                 HttpError)
+        << name;
+  }
+}
+
 TEST(LocalizeRequest, ReadsFeaturesFromJsonAndMultipartAlike) {
   const std::vector<uint8_t> blob = SmallBlob();
   const std::string json =

@@ -98,6 +98,20 @@ TEST_F(HttpLocalize, FeaturesThroughTheClientAgreeWithTheEngine) {
   EXPECT_LT((there.covariance - here.covariance).cwiseAbs().maxCoeff(), 1e-9);
 }
 
+TEST_F(HttpLocalize, ARigThroughTheClientAgreesWithTheEngine) {
+  const LocalizeQuery query = RigQuery();
+  const LocalizeResult here = LocalizeHere(query);
+  const LocalizeResult there = Client().LocalizeFeatures(query);
+  ASSERT_TRUE(here.localized);
+  ExpectSamePose(here, there);
+  EXPECT_EQ(there.counters.num_keypoints, query.num_features());
+  ASSERT_EQ(there.matches.size(), here.matches.size());
+  for (size_t i = 0; i < here.matches.size(); ++i) {
+    EXPECT_EQ(there.matches[i].camera_idx, here.matches[i].camera_idx);
+    EXPECT_EQ(there.matches[i].keypoint_idx, here.matches[i].keypoint_idx);
+  }
+}
+
 TEST_F(HttpLocalize, JsonWithBase64AgreesWithMultipart) {
   const LocalizeQuery query = Query();
   nlohmann::json request = WithFeatures(query, "sift", LosslessEncoding(query.features));

@@ -80,6 +80,20 @@ class ServerFixture : public ::testing::Test {
     return query;
   }
 
+  // Query with a second camera beside the first that looks at the left facade.
+  static LocalizeQuery RigQuery(double x_m = kQueryX) {
+    const Rigid3d cam_from_enu = StreetWorld::LookAlong({x_m, 0.3, 1.6}, 0.2);
+    const Rigid3d side_from_enu = StreetWorld::LookAlong({x_m + 0.4, 0.5, 1.8}, 0.7);
+    LocalizeQuery side;
+    side.camera = world_->camera();
+    side.features = world_->Photograph(side_from_enu, /*seed=*/100);
+    DropKeypointsOutside(&side);
+    LocalizeQuery query = Query(x_m);
+    query.other_cameras.push_back(
+        {side.camera, side_from_enu * cam_from_enu.Inverse(), side.features});
+    return query;
+  }
+
   static std::unique_ptr<TempDir> dir_;
   static std::unique_ptr<StreetWorld> world_;
   static std::unique_ptr<Server> server_;
