@@ -7,6 +7,7 @@
 #if defined(__x86_64__)
 // See distance_kernels.cc.
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#pragma GCC diagnostic ignored "-Wuninitialized"
 #include <immintrin.h>
 #endif
 
@@ -66,6 +67,35 @@ size_t PlainNearest(const BlockQuery& query, const uint8_t* blocks, const int32_
   return nearest.row;
 }
 
+// Calls reduce(first, last) for each part of the blocks, which returns the largest of the smallest
+// distances at each place of a block, and returns the largest of all.
+template <typename ReducePart>
+inline int32_t BoundOverParts(size_t num_blocks, size_t count, const ReducePart& reduce) {
+  const size_t num_parts = (count + kBlockRows - 1) / kBlockRows;
+  int32_t bound = 0;
+  for (size_t part = 0; part < num_parts; ++part) {
+    bound =
+        std::max(bound, reduce(part * num_blocks / num_parts, (part + 1) * num_blocks / num_parts));
+  }
+  return bound;
+}
+
+int32_t PlainBound(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms,
+                   int stride, size_t num_blocks, size_t count) {
+  return BoundOverParts(num_blocks, count, [&](size_t first, size_t last) {
+    int32_t sq_distances[kBlockRows], smallest[kBlockRows];
+    std::fill_n(smallest, kBlockRows, std::numeric_limits<int32_t>::max());
+    for (size_t i = first; i < last; ++i) {
+      PlainBlock(query, blocks + i * kBlockRows * stride, sq_norms + i * kBlockRows, stride,
+                 sq_distances);
+      for (int row = 0; row < kBlockRows; ++row) {
+        smallest[row] = std::min(smallest[row], sq_distances[row]);
+      }
+    }
+    return *std::max_element(smallest, smallest + kBlockRows);
+  });
+}
+
 size_t PlainRange(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms,
                   int stride, size_t begin, size_t end, int32_t max_sq_distance, BlockHit* hits) {
   size_t num_hits = 0;
@@ -82,7 +112,7 @@ size_t PlainRange(const BlockQuery& query, const uint8_t* blocks, const int32_t*
   return num_hits;
 }
 
-constexpr BlockKernels kPlain = {"plain", PlainScan, PlainNearest, PlainRange};
+constexpr BlockKernels kPlain = {"plain", PlainScan, PlainNearest, PlainBound, PlainRange};
 
 // Bits of the rows of the block at `first` that lie in [begin, end).
 inline uint32_t RowsInRange(size_t first, size_t begin, size_t end) {
@@ -175,6 +205,29 @@ CAIRN_AVX2 size_t Avx2Nearest(const BlockQuery& query, const uint8_t* blocks,
     candidates[lane] = {static_cast<uint32_t>(lane_rows[lane]), sq_distances[lane]};
   }
   return NearestOf(candidates, kLanes);
+}
+
+CAIRN_AVX2 int32_t Avx2BoundOfPart(const BlockQuery& query, const uint8_t* blocks,
+                                   const int32_t* sq_norms, int stride, size_t first, size_t last) {
+  __m256i smallest[2];
+  smallest[0] = smallest[1] = _mm256_set1_epi32(std::numeric_limits<int32_t>::max());
+  for (size_t i = first; i < last; ++i) {
+    for (int half = 0; half < 2; ++half) {
+      smallest[half] =
+          _mm256_min_epi32(smallest[half], Avx2HalfBlock(query, blocks + i * kBlockRows * stride,
+                                                         sq_norms + i * kBlockRows, stride, half));
+    }
+  }
+  alignas(32) int32_t lanes[kBlockRows / 2];
+  _mm256_store_si256(reinterpret_cast<__m256i*>(lanes), _mm256_max_epi32(smallest[0], smallest[1]));
+  return *std::max_element(lanes, lanes + kBlockRows / 2);
+}
+
+int32_t Avx2Bound(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms,
+                  int stride, size_t num_blocks, size_t count) {
+  return BoundOverParts(num_blocks, count, [&](size_t first, size_t last) {
+    return Avx2BoundOfPart(query, blocks, sq_norms, stride, first, last);
+  });
 }
 
 CAIRN_AVX2 size_t Avx2Range(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms,
@@ -290,27 +343,71 @@ CAIRN_AVX512VNNI size_t VnniNearest(const BlockQuery& query, const uint8_t* bloc
   return NearestOf(candidates, kBlockRows);
 }
 
+CAIRN_AVX512VNNI int32_t VnniBoundOfPart(const VnniQuery& vnni, const uint8_t* blocks,
+                                         const int32_t* sq_norms, int stride, size_t first,
+                                         size_t last) {
+  __m512i smallest = _mm512_set1_epi32(std::numeric_limits<int32_t>::max());
+  for (size_t i = first; i < last; ++i) {
+    smallest = _mm512_min_epi32(
+        smallest, vnni.SqDistances(blocks + i * kBlockRows * stride, sq_norms + i * kBlockRows));
+  }
+  return _mm512_reduce_max_epi32(smallest);
+}
+
+CAIRN_AVX512VNNI int32_t VnniBound(const BlockQuery& query, const uint8_t* blocks,
+                                   const int32_t* sq_norms, int stride, size_t num_blocks,
+                                   size_t count) {
+  const VnniQuery vnni(query, stride);
+  return BoundOverParts(num_blocks, count, [&](size_t first, size_t last) {
+    return VnniBoundOfPart(vnni, blocks, sq_norms, stride, first, last);
+  });
+}
+
+// Appends the rows of one block that are near enough and among `allowed`.
+CAIRN_AVX512VNNI inline size_t VnniAppend(__m512i sq_distances, __m512i bound, uint32_t allowed,
+                                          size_t first, BlockHit* hits) {
+  const uint32_t rows = _mm512_cmple_epi32_mask(sq_distances, bound) & allowed;
+  if (rows == 0) {
+    return 0;
+  }
+  alignas(64) int32_t stored[kBlockRows];
+  _mm512_store_si512(stored, sq_distances);
+  return AppendHits(rows, first, stored, hits);
+}
+
 CAIRN_AVX512VNNI size_t VnniRange(const BlockQuery& query, const uint8_t* blocks,
                                   const int32_t* sq_norms, int stride, size_t begin, size_t end,
                                   int32_t max_sq_distance, BlockHit* hits) {
+  constexpr uint32_t kAllRows = (uint32_t{1} << kBlockRows) - 1;
   const VnniQuery vnni(query, stride);
   const __m512i bound = _mm512_set1_epi32(max_sq_distance);
+  const auto sq_distances = [&](size_t first) CAIRN_AVX512VNNI {
+    return vnni.SqDistances(blocks + first * stride, sq_norms + first);
+  };
   size_t num_hits = 0;
-  for (size_t first = begin / kBlockRows * kBlockRows; first < end; first += kBlockRows) {
-    const __m512i sq_distances = vnni.SqDistances(blocks + first * stride, sq_norms + first);
-    const uint32_t rows =
-        _mm512_cmple_epi32_mask(sq_distances, bound) & RowsInRange(first, begin, end);
-    if (rows != 0) {
-      alignas(64) int32_t stored[kBlockRows];
-      _mm512_store_si512(stored, sq_distances);
-      num_hits += AppendHits(rows, first, stored, hits + num_hits);
+  size_t first = begin / kBlockRows * kBlockRows;
+  if (first < begin && first < end) {
+    num_hits += VnniAppend(sq_distances(first), bound, RowsInRange(first, begin, end), first, hits);
+    first += kBlockRows;
+  }
+  // Pairs of whole blocks, most of which hold no hit.
+  for (; first + 2 * kBlockRows <= end; first += 2 * kBlockRows) {
+    const __m512i one = sq_distances(first);
+    const __m512i two = sq_distances(first + kBlockRows);
+    if (_mm512_cmple_epi32_mask(_mm512_min_epi32(one, two), bound) != 0) {
+      num_hits += VnniAppend(one, bound, kAllRows, first, hits + num_hits);
+      num_hits += VnniAppend(two, bound, kAllRows, first + kBlockRows, hits + num_hits);
     }
+  }
+  for (; first < end; first += kBlockRows) {
+    num_hits += VnniAppend(sq_distances(first), bound, RowsInRange(first, begin, end), first,
+                           hits + num_hits);
   }
   return num_hits;
 }
 
-constexpr BlockKernels kAvx2 = {"avx2", Avx2Scan, Avx2Nearest, Avx2Range};
-constexpr BlockKernels kAvx512Vnni = {"avx512vnni", VnniScan, VnniNearest, VnniRange};
+constexpr BlockKernels kAvx2 = {"avx2", Avx2Scan, Avx2Nearest, Avx2Bound, Avx2Range};
+constexpr BlockKernels kAvx512Vnni = {"avx512vnni", VnniScan, VnniNearest, VnniBound, VnniRange};
 
 #endif
 

@@ -45,6 +45,12 @@ struct BlockKernels {
   size_t (*nearest)(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms,
                     int stride, size_t num_rows);
 
+  // At least the count-th smallest squared distance, and not much more: the blocks are cut into as
+  // many parts as `count` takes blocks, and of all parts' nearest rows at each place in a block the
+  // farthest counts. count > 0.
+  int32_t (*bound)(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms,
+                   int stride, size_t num_blocks, size_t count);
+
   // Rows in [begin, end) with a squared distance of at most `max_sq_distance`, in order; returns
   // their number. `hits` has room for all.
   size_t (*range)(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms,

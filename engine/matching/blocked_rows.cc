@@ -48,32 +48,62 @@ BlockedRows::BlockedRows(const uint8_t* rows, int stride, std::span<const uint32
   }
 }
 
+void BlockedRows::Nearest(const BlockQuery& query, size_t count, std::vector<BlockHit>* hits,
+                          std::vector<BlockHit>* nearest) const {
+  if (count == 0) {
+    return;
+  }
+  hits->resize(size_);
+  const int32_t bound = BoundWith(BestBlockKernels(), query, count);
+  const auto end =
+      hits->begin() + static_cast<ptrdiff_t>(Range(query, 0, size_, bound, hits->data()));
+  const auto last = hits->begin() + static_cast<ptrdiff_t>(count);
+  std::nth_element(hits->begin(), last - 1, end, [](const BlockHit& a, const BlockHit& b) {
+    return a.sq_distance != b.sq_distance ? a.sq_distance < b.sq_distance : a.row < b.row;
+  });
+  nearest->insert(nearest->end(), hits->begin(), last);
+}
+
 BlockQueries::BlockQueries(std::span<const int16_t> steps, std::span<const int16_t> centers)
-    : stride_(centers.size()), values_(steps.begin(), steps.end()), part_begin_{0} {
-  constexpr int kMinPart = std::numeric_limits<int8_t>::min();
-  constexpr int kMaxPart = std::numeric_limits<int8_t>::max();
+    : stride_(centers.size()), values_(steps.size()), part_begin_{0} {
   const size_t num_queries = steps.size() / stride_;
   parts_.reserve(num_queries * stride_);
-  std::vector<int> rest(stride_);
+  part_begin_.reserve(num_queries + 1);
+  constants_.reserve(num_queries);
   for (size_t query = 0; query < num_queries; ++query) {
+    int16_t* values = values_.data() + query * stride_;
     int32_t constant = 0;
     for (size_t dim = 0; dim < stride_; ++dim) {
-      int16_t& value = values_[query * stride_ + dim];
-      value = static_cast<int16_t>(value - centers[dim]);
-      constant += value * value + 2 * value * centers[dim];
-      rest[dim] = value;
+      values[dim] = static_cast<int16_t>(steps[query * stride_ + dim] - centers[dim]);
+      constant += values[dim] * (values[dim] + 2 * centers[dim]);
     }
     constants_.push_back(constant);
-    uint32_t num_parts = 0;
-    do {
-      for (int& value : rest) {
-        const int part = std::clamp(value, kMinPart, kMaxPart);
-        parts_.push_back(static_cast<int8_t>(part));
-        value -= part;
-      }
-      ++num_parts;
-    } while (std::any_of(rest.begin(), rest.end(), [](int value) { return value != 0; }));
-    part_begin_.push_back(part_begin_.back() + num_parts);
+    part_begin_.push_back(part_begin_.back() + AppendParts({values, stride_}));
+  }
+}
+
+uint32_t BlockQueries::AppendParts(std::span<const int16_t> values) {
+  constexpr int16_t kMinPart = std::numeric_limits<int8_t>::min();
+  constexpr int16_t kMaxPart = std::numeric_limits<int8_t>::max();
+  std::vector<int16_t> rest;  // What the parts so far do not make up; empty at first: all.
+  for (uint32_t num_parts = 1;; ++num_parts) {
+    int16_t unequal = 0;
+    const size_t begin = parts_.size();
+    parts_.resize(begin + stride_);
+    for (size_t dim = 0; dim < stride_; ++dim) {
+      const int16_t value = num_parts == 1 ? values[dim] : rest[dim];
+      const int16_t part = std::clamp(value, kMinPart, kMaxPart);
+      parts_[begin + dim] = static_cast<int8_t>(part);
+      unequal = static_cast<int16_t>(unequal | (value ^ part));
+    }
+    if (unequal == 0) {
+      return num_parts;
+    }
+    rest.resize(stride_);
+    for (size_t dim = 0; dim < stride_; ++dim) {
+      rest[dim] =
+          static_cast<int16_t>((num_parts == 1 ? values[dim] : rest[dim]) - parts_[begin + dim]);
+    }
   }
 }
 

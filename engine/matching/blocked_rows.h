@@ -4,12 +4,29 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <new>
 #include <span>
 #include <vector>
 
 #include "engine/matching/block_kernels.h"
 
 namespace cairn {
+
+// Memory that starts with a cache line, so that no group of a block lies across two.
+template <typename T>
+struct CacheLineAllocator {
+  using value_type = T;
+  static constexpr std::align_val_t kAlignment{64};
+
+  CacheLineAllocator() = default;
+  template <typename U>
+  CacheLineAllocator(const CacheLineAllocator<U>&) {}  // NOLINT: required of an allocator.
+  T* allocate(size_t count) {
+    return static_cast<T*>(::operator new(count * sizeof(T), kAlignment));
+  }
+  void deallocate(T* memory, size_t) { ::operator delete(memory, kAlignment); }
+  bool operator==(const CacheLineAllocator&) const { return true; }
+};
 
 // Immutable; safe to use from any thread.
 class BlockedRows {
@@ -29,6 +46,10 @@ class BlockedRows {
   }
   // The first of the nearest rows; there must be some.
   size_t Nearest(const BlockQuery& query) const { return NearestWith(BestBlockKernels(), query); }
+  // Appends the `count` nearest rows to `nearest`, of equally near ones the first, in no particular
+  // order; count <= size(). `hits` is working memory.
+  void Nearest(const BlockQuery& query, size_t count, std::vector<BlockHit>* hits,
+               std::vector<BlockHit>* nearest) const;
   // See BlockKernels::range.
   size_t Range(const BlockQuery& query, size_t begin, size_t end, int32_t max_sq_distance,
                BlockHit* hits) const {
@@ -42,6 +63,10 @@ class BlockedRows {
   }
   size_t NearestWith(const BlockKernels& kernels, const BlockQuery& query) const {
     return kernels.nearest(query, blocks_.data(), sq_norms_.data(), stride_, size_);
+  }
+  int32_t BoundWith(const BlockKernels& kernels, const BlockQuery& query, size_t count) const {
+    return kernels.bound(query, blocks_.data(), sq_norms_.data(), stride_,
+                         sq_norms_.size() / kBlockRows, count);
   }
   size_t RangeWith(const BlockKernels& kernels, const BlockQuery& query, size_t begin, size_t end,
                    int32_t max_sq_distance, BlockHit* hits) const {
@@ -65,9 +90,10 @@ class BlockedRows {
 
   size_t size_;
   int stride_;
-  std::vector<int16_t> centers_;   // Middle of the rows' range, per dimension.
-  std::vector<uint8_t> blocks_;    // The last one is padded.
-  std::vector<int32_t> sq_norms_;  // About the centers, of whole blocks; large in the padding.
+  std::vector<int16_t> centers_;  // Middle of the rows' range, per dimension.
+  std::vector<uint8_t, CacheLineAllocator<uint8_t>> blocks_;  // The last one is padded.
+  std::vector<int32_t, CacheLineAllocator<int32_t>>
+      sq_norms_;  // About the centers, of whole blocks; large in the padding.
 };
 
 // Queries in the form of the kernels. Immutable; safe to use from any thread.
@@ -83,6 +109,9 @@ class BlockQueries {
   size_t size() const { return constants_.size(); }
 
  private:
+  // Appends values as a sum of parts; returns their number.
+  uint32_t AppendParts(std::span<const int16_t> values);
+
   size_t stride_;
   std::vector<int16_t> values_;  // n x stride.
   std::vector<int8_t> parts_;

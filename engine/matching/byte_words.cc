@@ -132,20 +132,4 @@ std::vector<uint32_t> ByteWords::NearestWords(const ByteDescriptors& descriptors
                  first_dim_, num_dims_);
 }
 
-void FindNearestWords(std::span<const int32_t> sq_steps, size_t count,
-                      std::vector<NearWord>* nearest) {
-  constexpr NearWord kNone = {std::numeric_limits<int32_t>::max(), 0};
-  nearest->assign(count, kNone);
-  for (uint32_t word = 0; word < sq_steps.size(); ++word) {
-    if (sq_steps[word] >= nearest->back().first) {
-      continue;
-    }
-    size_t place = count - 1;
-    for (; place > 0 && sq_steps[word] < (*nearest)[place - 1].first; --place) {
-      (*nearest)[place] = (*nearest)[place - 1];
-    }
-    (*nearest)[place] = {sq_steps[word], word};
-  }
-}
-
 }  // namespace cairn

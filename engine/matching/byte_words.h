@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "engine/matching/blocked_rows.h"
@@ -42,7 +41,13 @@ class ByteWords {
     words_.Scan(query, sq_steps);
   }
 
-  // The smallest of them; there must be words.
+  // See BlockedRows::Nearest.
+  void NearestWords(const BlockQuery& query, size_t count, std::vector<BlockHit>* hits,
+                    std::vector<BlockHit>* nearest) const {
+    words_.Nearest(query, count, hits, nearest);
+  }
+
+  // The smallest distance; there must be words.
   int32_t NearestSqDistance(const BlockQuery& query) const;
 
   // The nearest word of each descriptor, of equally near ones the first.
@@ -55,14 +60,6 @@ class ByteWords {
   int num_dims_;
   BlockedRows words_;
 };
-
-// A word and its squared distance from a query in steps.
-using NearWord = std::pair<int32_t, uint32_t>;
-
-// Keeps the `count` smallest distances of words [0, sq_steps.size()), nearest first, of equally
-// near ones the first; count <= sq_steps.size(). For counts up to some dozen.
-void FindNearestWords(std::span<const int32_t> sq_steps, size_t count,
-                      std::vector<NearWord>* nearest);
 
 }  // namespace cairn
 

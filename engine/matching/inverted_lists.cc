@@ -22,24 +22,21 @@ InvertedLists::InvertedLists(const ByteDescriptors& descriptors,
 
 std::vector<CellVisit> InvertedLists::MakeVisits(const std::vector<int16_t>& query_steps,
                                                  size_t num_queries) const {
-  const size_t num_words = words_.size();
   const BlockQueries queries = words_.Prepare(query_steps, lists_.scale().stride());
-  std::vector<int32_t> sq_steps(num_words + kBlockRows);
-  std::vector<NearWord> nearest;
-  std::vector<uint32_t> probed(num_queries * num_probes_);
-  std::vector<uint32_t> begin(num_words + 1, 0);
+  std::vector<BlockHit> hits;
+  std::vector<BlockHit> probed;  // num_probes_ a query.
+  probed.reserve(num_queries * num_probes_);
+  std::vector<uint32_t> begin(words_.size() + 1, 0);
   for (size_t query = 0; query < num_queries; ++query) {
-    words_.SqDistances(queries[query], sq_steps.data());
-    FindNearestWords({sq_steps.data(), num_words}, num_probes_, &nearest);
-    for (size_t i = 0; i < num_probes_; ++i) {
-      probed[query * num_probes_ + i] = nearest[i].second;
-      ++begin[nearest[i].second + 1];
-    }
+    words_.NearestWords(queries[query], num_probes_, &hits, &probed);
+  }
+  for (const BlockHit& word : probed) {
+    ++begin[word.row + 1];
   }
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<CellVisit> visits(probed.size());
   for (size_t i = 0; i < probed.size(); ++i) {
-    visits[begin[probed[i]]++] = {probed[i], static_cast<uint32_t>(i / num_probes_)};
+    visits[begin[probed[i].row]++] = {probed[i].row, static_cast<uint32_t>(i / num_probes_)};
   }
   return visits;
 }

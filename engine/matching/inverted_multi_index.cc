@@ -4,24 +4,20 @@
 #include <cmath>
 #include <functional>
 #include <queue>
+#include <tuple>
 #include <utility>
 
 namespace cairn {
 namespace {
 
-// The `count` nearest words, nearest first; count <= words.size().
+// The `count` nearest words, nearest first, of equally near ones the first; count <= words.size().
 void NearestFirst(const ByteWords& words, const BlockQuery& query, size_t count,
-                  std::vector<int32_t>* sq_steps, std::vector<NearWord>* nearest) {
-  sq_steps->resize(words.size() + kBlockRows);
-  words.SqDistances(query, sq_steps->data());
-  nearest->resize(words.size());
-  for (uint32_t word = 0; word < words.size(); ++word) {
-    (*nearest)[word] = {(*sq_steps)[word], word};
-  }
-  const auto last = nearest->begin() + static_cast<ptrdiff_t>(count);
-  std::nth_element(nearest->begin(), last - 1, nearest->end());
-  std::sort(nearest->begin(), last);
-  nearest->resize(count);
+                  std::vector<BlockHit>* hits, std::vector<BlockHit>* nearest) {
+  nearest->clear();
+  words.NearestWords(query, count, hits, nearest);
+  std::sort(nearest->begin(), nearest->end(), [](const BlockHit& a, const BlockHit& b) {
+    return std::tie(a.sq_distance, a.row) < std::tie(b.sq_distance, b.row);
+  });
 }
 
 }  // namespace
@@ -44,8 +40,8 @@ class InvertedMultiIndex::MultiSequence {
   }
 
   void AppendVisits(uint32_t query_idx, std::vector<CellVisit>* visits) {
-    NearestFirst(index_.words_.first(), first_queries_[query_idx], reach_, &sq_steps_, &first_);
-    NearestFirst(index_.words_.second(), second_queries_[query_idx], reach_, &sq_steps_, &second_);
+    NearestFirst(index_.words_.first(), first_queries_[query_idx], reach_, &hits_, &first_);
+    NearestFirst(index_.words_.second(), second_queries_[query_idx], reach_, &hits_, &second_);
     num_taken_.assign(reach_, 0);
     queue_ = {};
     Push(0, 0);
@@ -54,8 +50,8 @@ class InvertedMultiIndex::MultiSequence {
       const auto [row, column] = queue_.top().second;
       queue_.pop();
       num_taken_[row] = column + 1;
-      visits->push_back({static_cast<uint32_t>(first_[row].second * index_.words_.second().size() +
-                                               second_[column].second),
+      visits->push_back({static_cast<uint32_t>(first_[row].row * index_.words_.second().size() +
+                                               second_[column].row),
                          query_idx});
       if (column + 1 < reach_ && (row == 0 || num_taken_[row - 1] > column + 1)) {
         Push(row, column + 1);
@@ -72,14 +68,14 @@ class InvertedMultiIndex::MultiSequence {
 
   size_t num_probes() const { return index_.num_probes_; }
   void Push(uint32_t row, uint32_t column) {
-    queue_.push({first_[row].first + second_[column].first, {row, column}});
+    queue_.push({first_[row].sq_distance + second_[column].sq_distance, {row, column}});
   }
 
   const InvertedMultiIndex& index_;
   const BlockQueries first_queries_, second_queries_;
   size_t reach_;  // Words of each half that are considered.
-  std::vector<int32_t> sq_steps_;
-  std::vector<NearWord> first_, second_;
+  std::vector<BlockHit> hits_;
+  std::vector<BlockHit> first_, second_;
   std::vector<uint32_t> num_taken_;  // Pairs of each row that left the queue.
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
 };

@@ -33,6 +33,30 @@ const std::array<Eigen::Vector2f, 256>& CodeDirections() {
   return directions;
 }
 
+// Keypoints whose hits are worked through together.
+constexpr size_t kKeypointsPerBatch = 16;
+// Hits of a keypoint that are added first.
+constexpr size_t kNearestHits = 8;
+
+std::span<DescriptorHit> HitsOfFirstKeypoint(std::span<DescriptorHit> hits) {
+  size_t size = 1;
+  while (size < hits.size() && hits[size].query_idx == hits[0].query_idx) {
+    ++size;
+  }
+  return hits.first(size);
+}
+
+// Returns how many of the nearest hits now come first.
+size_t MoveNearestToFront(std::span<DescriptorHit> hits) {
+  if (hits.size() <= kNearestHits) {
+    return hits.size();
+  }
+  std::nth_element(
+      hits.begin(), hits.begin() + kNearestHits - 1, hits.end(),
+      [](const DescriptorHit& a, const DescriptorHit& b) { return a.sq_distance < b.sq_distance; });
+  return kNearestHits;
+}
+
 }  // namespace
 
 LandmarkRanking::LandmarkRanking(const QueryContext& query, const Codebook& codebook,
@@ -64,22 +88,59 @@ LandmarkRanking::LandmarkRanking(const QueryContext& query, const Codebook& code
   }
 }
 
-void LandmarkRanking::Add(const TileView& view, int tile_idx, std::span<const DescriptorHit> hits) {
+// First some of the nearest hits of each keypoint, which bound what the others can still change.
+void LandmarkRanking::Add(const TileView& view, int tile_idx, std::span<DescriptorHit> hits) {
+  std::array<std::span<DescriptorHit>, kKeypointsPerBatch> batch;
+  for (size_t begin = 0; begin < hits.size();) {
+    useful_hits_.clear();
+    size_t size = 0;
+    for (; size < kKeypointsPerBatch && begin < hits.size(); ++size) {
+      batch[size] = HitsOfFirstKeypoint(hits.subspan(begin));
+      begin += batch[size].size();
+      const size_t num_nearest = MoveNearestToFront(batch[size]);
+      const auto nearest = batch[size].first(num_nearest);
+      useful_hits_.insert(useful_hits_.end(), nearest.begin(), nearest.end());
+      batch[size] = batch[size].subspan(num_nearest);
+    }
+    AddHits(view, tile_idx, useful_hits_);
+    useful_hits_.clear();
+    for (size_t i = 0; i < size; ++i) {
+      for (const DescriptorHit& hit : batch[i]) {
+        if (hit.sq_distance <= MaxUsefulSqDistance(hit.query_idx)) {
+          useful_hits_.push_back(hit);
+        }
+      }
+    }
+    AddHits(view, tile_idx, useful_hits_);
+  }
+}
+
+// In three steps, each of which asks for the memory that the next one reads: the attributes of a
+// hit lie anywhere in the tile.
+void LandmarkRanking::AddHits(const TileView& view, int tile_idx,
+                              std::span<const DescriptorHit> hits) {
   const Tile& tile = view.tile->tile();
+  const std::vector<uint32_t>& landmark_of_descriptor = view.tile->landmark_of_descriptor();
   for (const DescriptorHit& hit : hits) {
-    const uint32_t keypoint_idx = hit.query_idx;
-    if (hit.sq_distance > MaxUsefulSqDistance(keypoint_idx)) {
-      continue;  // Prior terms only add; most hits end here, before their attributes are read.
-    }
-    Neighbor neighbor{.sq_distance = hit.sq_distance, .tile_idx = tile_idx};
+    __builtin_prefetch(&tile.orientation_codes[hit.descriptor_idx]);
+    __builtin_prefetch(&landmark_of_descriptor[hit.descriptor_idx]);
+  }
+  candidates_.clear();
+  for (const DescriptorHit& hit : hits) {
     const float sq_chord =
-        SqOrientationChord(keypoint_idx, tile.orientation_codes[hit.descriptor_idx]);
-    if (sq_chord > max_sq_chord_) {
-      continue;
+        SqOrientationChord(hit.query_idx, tile.orientation_codes[hit.descriptor_idx]);
+    const float sq_distance = hit.sq_distance + orientation_factor_ * sq_chord;
+    // Prior terms only add.
+    if (sq_chord <= max_sq_chord_ && sq_distance <= MaxUsefulSqDistance(hit.query_idx)) {
+      const uint32_t landmark_idx = landmark_of_descriptor[hit.descriptor_idx];
+      candidates_.push_back(
+          {hit.query_idx, {sq_distance, tile_idx, landmark_idx, hit.descriptor_idx, {}}});
+      __builtin_prefetch(&tile.landmark_ids[landmark_idx]);
+      __builtin_prefetch(&tile.x_in_tile[landmark_idx]);
     }
-    neighbor.sq_distance += orientation_factor_ * sq_chord;
-    neighbor.descriptor_idx = hit.descriptor_idx;
-    neighbor.landmark_idx = view.tile->landmark_of_descriptor()[hit.descriptor_idx];
+  }
+  for (Candidate& candidate : candidates_) {
+    Neighbor& neighbor = candidate.neighbor;
     neighbor.landmark_id = tile.landmark_ids[neighbor.landmark_idx];
     if (uses_position_) {
       const float sq_excess = SqPositionExcess(view, neighbor.landmark_idx);
@@ -88,12 +149,19 @@ void LandmarkRanking::Add(const TileView& view, int tile_idx, std::span<const De
       }
       neighbor.sq_distance += position_factor_ * sq_excess;
     }
-    Insert(keypoint_idx, neighbor);
+    Insert(candidate.keypoint_idx, neighbor);
   }
 }
 
+double LandmarkRanking::MaxUsefulDistance(uint32_t keypoint_idx) const {
+  // Distances are rounded to floats, of which the next one still counts.
+  constexpr double kRounding = 1.0 + 1e-6;
+  return kRounding * std::sqrt(static_cast<double>(MaxUsefulSqDistance(keypoint_idx)));
+}
+
 bool LandmarkRanking::IsCloser(const Neighbor& a, const Neighbor& b) {
-  return std::tie(a.sq_distance, a.landmark_id) < std::tie(b.sq_distance, b.landmark_id);
+  return std::tie(a.sq_distance, a.landmark_id, a.tile_idx, a.descriptor_idx) <
+         std::tie(b.sq_distance, b.landmark_id, b.tile_idx, b.descriptor_idx);
 }
 
 float LandmarkRanking::MaxUsefulSqDistance(uint32_t keypoint_idx) const {

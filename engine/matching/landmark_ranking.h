@@ -18,15 +18,21 @@ namespace cairn {
 
 // Keeps, for every keypoint of a query, the max_neighbors landmarks with the smallest distance
 // among all hits added so far. A landmark counts once, by its best descriptor in any tile. Equal
-// distances are ordered by landmark id. For use within one thread.
+// distances are ordered by landmark id, then tile and descriptor. For use within one thread.
 class LandmarkRanking {
  public:
   // `query` and `options` must outlive the ranking.
   LandmarkRanking(const QueryContext& query, const Codebook& codebook,
                   const MatchingOptions& options);
 
-  // Adds hits of one tile, the tile_idx-th of the query.
-  void Add(const TileView& view, int tile_idx, std::span<const DescriptorHit> hits);
+  // Adds hits of one tile, the tile_idx-th of the query, ordered by query. Reorders the hits of
+  // each query.
+  void Add(const TileView& view, int tile_idx, std::span<DescriptorHit> hits);
+
+  // A descriptor farther from the keypoint than this cannot become one of its correspondences any
+  // more, whatever its landmark; projected space, infinity while there are fewer than
+  // max_neighbors.
+  double MaxUsefulDistance(uint32_t keypoint_idx) const;
 
   // Ordered by keypoint, then distance. `tiles` are those that were added.
   std::vector<Correspondence> Correspondences(const std::vector<TileView>& tiles) const;
@@ -43,6 +49,15 @@ class LandmarkRanking {
   };
 
   static bool IsCloser(const Neighbor& a, const Neighbor& b);
+
+  // A neighbour on its way into the ranking.
+  struct Candidate {
+    uint32_t keypoint_idx = 0;
+    Neighbor neighbor;
+  };
+
+  // Adds hits of one tile in any order.
+  void AddHits(const TileView& view, int tile_idx, std::span<const DescriptorHit> hits);
 
   // A neighbour of this keypoint that is farther cannot be among the best.
   float MaxUsefulSqDistance(uint32_t keypoint_idx) const;
@@ -65,6 +80,8 @@ class LandmarkRanking {
   std::vector<Eigen::Vector2f> keypoint_directions_;
   std::vector<Neighbor> neighbors_;  // num_keypoints x max_neighbors, each row sorted by IsCloser.
   std::vector<int> num_neighbors_;   // Used entries of each row.
+  std::vector<DescriptorHit> useful_hits_;  // Working memory.
+  std::vector<Candidate> candidates_;       // Likewise.
 };
 
 }  // namespace cairn

@@ -104,7 +104,12 @@ std::vector<Correspondence> MatchFeatures(const QueryContext& query,
   std::vector<DescriptorHit> hits;
   for (size_t tile_idx = 0; tile_idx < tiles.size(); ++tile_idx) {
     const SearchableTile& tile = *tiles[tile_idx].tile;
-    const std::vector<double> max_distances = MaxDistances(query.descriptors, tile, options);
+    std::vector<double> max_distances = MaxDistances(query.descriptors, tile, options);
+    for (size_t keypoint_idx = 0; keypoint_idx < max_distances.size(); ++keypoint_idx) {
+      max_distances[keypoint_idx] =
+          std::min(max_distances[keypoint_idx],
+                   ranking.MaxUsefulDistance(static_cast<uint32_t>(keypoint_idx)));
+    }
     hits.clear();
     counters->num_distances +=
         tile.index().Search({query.descriptors, max_distances, MaxHits(options)}, &hits);

@@ -8,6 +8,7 @@
 #include <limits>
 #include <numeric>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "engine/matching/distance_kernels.h"
@@ -71,6 +72,14 @@ TEST_P(BlockKernelsTest, EveryVariantGivesTheSame) {
         ASSERT_EQ(blocked.NearestWith(*kernels, queries[query]),
                   static_cast<size_t>(std::min_element(expected.begin(), expected.end()) -
                                       expected.begin()));
+        for (const size_t count : {size_t{1}, (num_rows + 1) / 2, num_rows}) {
+          std::vector<int32_t> sorted = expected;
+          std::sort(sorted.begin(), sorted.end());
+          const int32_t at_least = blocked.BoundWith(*kernels, queries[query], count);
+          ASSERT_GE(at_least, sorted[count - 1]);
+          ASSERT_EQ(at_least,
+                    blocked.BoundWith(*SupportedBlockKernels().front(), queries[query], count));
+        }
         const int32_t bound = expected[num_rows / 2];
         for (const size_t begin : {size_t{0}, num_rows / 3, num_rows - 1}) {
           std::vector<BlockHit> hits(num_rows);
@@ -101,6 +110,46 @@ TEST(BlockedRows, NearestOfEqualRowsIsTheFirst) {
   const BlockQueries queries(std::vector<int16_t>(16, 9), blocked.centers());
   for (const BlockKernels* kernels : SupportedBlockKernels()) {
     EXPECT_EQ(blocked.NearestWith(*kernels, queries[0]), 0u) << kernels->name;
+  }
+}
+
+TEST(BlockedRows, BoundIsTightWhereRowsAreMany) {
+  constexpr size_t kNumRows = 1'024;
+  constexpr size_t kCount = 20;
+  const Scene scene(16, kNumRows, 1);
+  const BlockedRows blocked(scene.rows.data(), 16, scene.order);
+  const BlockQueries queries(scene.steps, blocked.centers());
+  for (int query = 0; query < Scene::kNumQueries; ++query) {
+    std::vector<int32_t> sorted = scene.Expected(query);
+    std::sort(sorted.begin(), sorted.end());
+    EXPECT_LE(blocked.BoundWith(BestBlockKernels(), queries[query], kCount), sorted[300]);
+  }
+}
+
+TEST(BlockedRows, NearestAreThoseOfASort) {
+  for (const size_t num_rows : {1u, 17u, 100u, 500u}) {
+    const Scene scene(16, num_rows, num_rows);
+    const BlockedRows blocked(scene.rows.data(), 16, scene.order);
+    const BlockQueries queries(scene.steps, blocked.centers());
+    for (int query = 0; query < Scene::kNumQueries; ++query) {
+      std::vector<std::pair<int32_t, uint32_t>> expected;
+      for (const int32_t sq_distance : scene.Expected(query)) {
+        expected.emplace_back(sq_distance, expected.size());
+      }
+      std::sort(expected.begin(), expected.end());
+      for (const size_t count : {size_t{0}, size_t{1}, num_rows / 2, num_rows}) {
+        std::vector<BlockHit> hits, nearest = {{7, 7}};
+        blocked.Nearest(queries[query], count, &hits, &nearest);
+        ASSERT_EQ(nearest.size(), count + 1);
+        EXPECT_EQ(nearest[0].row, 7u);  // Appended.
+        std::vector<std::pair<int32_t, uint32_t>> found;
+        for (size_t i = 1; i < nearest.size(); ++i) {
+          found.emplace_back(nearest[i].sq_distance, nearest[i].row);
+        }
+        std::sort(found.begin(), found.end());
+        EXPECT_TRUE(std::equal(found.begin(), found.end(), expected.begin()));
+      }
+    }
   }
 }
 

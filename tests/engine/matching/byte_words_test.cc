@@ -119,14 +119,5 @@ TEST(ProductWords, HalvesTogetherMeasureTheWholeDescriptor) {
   }
 }
 
-TEST(FindNearestWords, OrdersByDistanceThenWord) {
-  const std::vector<int32_t> sq_steps = {9, 4, 7, 4, 1, 8};
-  std::vector<NearWord> nearest;
-  FindNearestWords(sq_steps, 3, &nearest);
-  EXPECT_THAT(nearest, ::testing::ElementsAre(NearWord(1, 4), NearWord(4, 1), NearWord(4, 3)));
-  FindNearestWords(sq_steps, 6, &nearest);
-  EXPECT_EQ(nearest.back(), NearWord(9, 0));
-}
-
 }  // namespace
 }  // namespace cairn
