@@ -9,7 +9,9 @@
 namespace cairn {
 
 HitCollector::HitCollector(const ByteScale& scale, const SearchRequest& request)
-    : sq_step_(scale.step() * scale.step()), max_hits_(request.max_hits) {
+    : sq_step_(scale.step() * scale.step()),
+      receiver_(request.receiver),
+      max_hits_(request.max_hits) {
   RequireQueryDim(request.queries, scale.dim());
   CAIRN_CHECK(request.max_distances.size() == static_cast<size_t>(request.queries.rows()),
               "every query has a distance");
@@ -23,6 +25,18 @@ HitCollector::HitCollector(const ByteScale& scale, const SearchRequest& request)
   compaction_size_ = max_hits_ > kNever / 4 / num_queries
                          ? kNever
                          : max_hits_ * num_queries + std::max(max_hits_ * num_queries, kMinSpare);
+}
+
+void HitCollector::HandOn(const Hit& hit) {
+  const float max_sq_distance = receiver_->Take(
+      {hit.query_idx, hit.descriptor_idx, static_cast<float>(hit.sq_steps) * sq_step_});
+  // Rounded up: what is just useful passes.
+  constexpr float kRounding = 1.0f + 1e-6f;
+  const float max_sq_steps = max_sq_distance / sq_step_ * kRounding + 1.0f;
+  int32_t& bound = max_sq_steps_[hit.query_idx];
+  if (max_sq_steps < static_cast<float>(bound)) {
+    bound = static_cast<int32_t>(max_sq_steps);
+  }
 }
 
 void HitCollector::Compact() {
@@ -57,6 +71,9 @@ void HitCollector::Compact() {
 }
 
 void HitCollector::MoveTo(std::vector<DescriptorHit>* hits) {
+  if (receiver_ != nullptr) {
+    return;
+  }
   Compact();
   hits->reserve(hits->size() + hits_.size());
   for (const Hit& hit : hits_) {

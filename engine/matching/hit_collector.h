@@ -20,15 +20,26 @@ struct DescriptorHit {
   float sq_distance = 0.0f;  // In projected space.
 };
 
+// Takes hits as they are found, in any order.
+class HitReceiver {
+ public:
+  virtual ~HitReceiver() = default;
+  // Returns the squared distance, in projected space, beyond which further hits of this query are
+  // of no use.
+  virtual float Take(const DescriptorHit& hit) = 0;
+};
+
 struct SearchRequest {
   const DescriptorMatrix& queries;        // n x dim, projected space.
   std::span<const double> max_distances;  // One a query, projected space; infinity is allowed.
   // Of more hits of a query only the nearest are kept, equally near ones by index.
   size_t max_hits = std::numeric_limits<size_t>::max();
+  // If there is one, it gets the hits instead; max_hits is of no effect then.
+  HitReceiver* receiver = nullptr;
 };
 
-// Gathers the hits of a search in any order. Memory is bounded by a few times the hits that are
-// kept. For use within one thread.
+// Gathers the hits of a search in any order, or hands them on. Memory is bounded by a few times the
+// hits that are kept. For use within one thread.
 class HitCollector {
  public:
   // `request` is only read here. Throws Error(kInternal) if the queries' dimension is not the
@@ -40,6 +51,10 @@ class HitCollector {
   int32_t max_sq_steps(uint32_t query_idx) const { return max_sq_steps_[query_idx]; }
 
   void Add(uint32_t query_idx, uint32_t descriptor_idx, int32_t sq_steps) {
+    if (receiver_ != nullptr) {
+      HandOn({query_idx, descriptor_idx, sq_steps});
+      return;
+    }
     hits_.push_back({query_idx, descriptor_idx, sq_steps});
     if (hits_.size() >= compaction_size_) {
       Compact();
@@ -57,10 +72,12 @@ class HitCollector {
     int32_t sq_steps;
   };
 
+  void HandOn(const Hit& hit);
   // Orders hits_ by query and drops what exceeds max_hits_.
   void Compact();
 
   float sq_step_;
+  HitReceiver* receiver_;
   size_t max_hits_;
   size_t compaction_size_;
   std::vector<int32_t> max_sq_steps_;

@@ -33,30 +33,6 @@ const std::array<Eigen::Vector2f, 256>& CodeDirections() {
   return directions;
 }
 
-// Keypoints whose hits are worked through together.
-constexpr size_t kKeypointsPerBatch = 16;
-// Hits of a keypoint that are added first.
-constexpr size_t kNearestHits = 8;
-
-std::span<DescriptorHit> HitsOfFirstKeypoint(std::span<DescriptorHit> hits) {
-  size_t size = 1;
-  while (size < hits.size() && hits[size].query_idx == hits[0].query_idx) {
-    ++size;
-  }
-  return hits.first(size);
-}
-
-// Returns how many of the nearest hits now come first.
-size_t MoveNearestToFront(std::span<DescriptorHit> hits) {
-  if (hits.size() <= kNearestHits) {
-    return hits.size();
-  }
-  std::nth_element(
-      hits.begin(), hits.begin() + kNearestHits - 1, hits.end(),
-      [](const DescriptorHit& a, const DescriptorHit& b) { return a.sq_distance < b.sq_distance; });
-  return kNearestHits;
-}
-
 }  // namespace
 
 LandmarkRanking::LandmarkRanking(const QueryContext& query, const Codebook& codebook,
@@ -65,7 +41,8 @@ LandmarkRanking::LandmarkRanking(const QueryContext& query, const Codebook& code
       options_(options),
       keypoint_directions_(query.num_keypoints(), Eigen::Vector2f::Zero()),
       neighbors_(size_t{1} * query.num_keypoints() * options.max_neighbors),
-      num_neighbors_(query.num_keypoints(), 0) {
+      num_neighbors_(query.num_keypoints(), 0),
+      max_useful_sq_distances_(query.num_keypoints(), std::numeric_limits<float>::infinity()) {
   const double median_distance = SameLandmarkDistance(codebook, 0.5);
   const double sq_median = median_distance * median_distance;
   orientation_factor_ = static_cast<float>(options.orientation_weight * sq_median);
@@ -88,71 +65,6 @@ LandmarkRanking::LandmarkRanking(const QueryContext& query, const Codebook& code
   }
 }
 
-// First some of the nearest hits of each keypoint, which bound what the others can still change.
-void LandmarkRanking::Add(const TileView& view, int tile_idx, std::span<DescriptorHit> hits) {
-  std::array<std::span<DescriptorHit>, kKeypointsPerBatch> batch;
-  for (size_t begin = 0; begin < hits.size();) {
-    useful_hits_.clear();
-    size_t size = 0;
-    for (; size < kKeypointsPerBatch && begin < hits.size(); ++size) {
-      batch[size] = HitsOfFirstKeypoint(hits.subspan(begin));
-      begin += batch[size].size();
-      const size_t num_nearest = MoveNearestToFront(batch[size]);
-      const auto nearest = batch[size].first(num_nearest);
-      useful_hits_.insert(useful_hits_.end(), nearest.begin(), nearest.end());
-      batch[size] = batch[size].subspan(num_nearest);
-    }
-    AddHits(view, tile_idx, useful_hits_);
-    useful_hits_.clear();
-    for (size_t i = 0; i < size; ++i) {
-      for (const DescriptorHit& hit : batch[i]) {
-        if (hit.sq_distance <= MaxUsefulSqDistance(hit.query_idx)) {
-          useful_hits_.push_back(hit);
-        }
-      }
-    }
-    AddHits(view, tile_idx, useful_hits_);
-  }
-}
-
-// In three steps, each of which asks for the memory that the next one reads: the attributes of a
-// hit lie anywhere in the tile.
-void LandmarkRanking::AddHits(const TileView& view, int tile_idx,
-                              std::span<const DescriptorHit> hits) {
-  const Tile& tile = view.tile->tile();
-  const std::vector<uint32_t>& landmark_of_descriptor = view.tile->landmark_of_descriptor();
-  for (const DescriptorHit& hit : hits) {
-    __builtin_prefetch(&tile.orientation_codes[hit.descriptor_idx]);
-    __builtin_prefetch(&landmark_of_descriptor[hit.descriptor_idx]);
-  }
-  candidates_.clear();
-  for (const DescriptorHit& hit : hits) {
-    const float sq_chord =
-        SqOrientationChord(hit.query_idx, tile.orientation_codes[hit.descriptor_idx]);
-    const float sq_distance = hit.sq_distance + orientation_factor_ * sq_chord;
-    // Prior terms only add.
-    if (sq_chord <= max_sq_chord_ && sq_distance <= MaxUsefulSqDistance(hit.query_idx)) {
-      const uint32_t landmark_idx = landmark_of_descriptor[hit.descriptor_idx];
-      candidates_.push_back(
-          {hit.query_idx, {sq_distance, tile_idx, landmark_idx, hit.descriptor_idx, {}}});
-      __builtin_prefetch(&tile.landmark_ids[landmark_idx]);
-      __builtin_prefetch(&tile.x_in_tile[landmark_idx]);
-    }
-  }
-  for (Candidate& candidate : candidates_) {
-    Neighbor& neighbor = candidate.neighbor;
-    neighbor.landmark_id = tile.landmark_ids[neighbor.landmark_idx];
-    if (uses_position_) {
-      const float sq_excess = SqPositionExcess(view, neighbor.landmark_idx);
-      if (sq_excess > max_sq_excess_) {
-        continue;
-      }
-      neighbor.sq_distance += position_factor_ * sq_excess;
-    }
-    Insert(candidate.keypoint_idx, neighbor);
-  }
-}
-
 double LandmarkRanking::MaxUsefulDistance(uint32_t keypoint_idx) const {
   // Distances are rounded to floats, of which the next one still counts.
   constexpr double kRounding = 1.0 + 1e-6;
@@ -162,12 +74,6 @@ double LandmarkRanking::MaxUsefulDistance(uint32_t keypoint_idx) const {
 bool LandmarkRanking::IsCloser(const Neighbor& a, const Neighbor& b) {
   return std::tie(a.sq_distance, a.landmark_id, a.tile_idx, a.descriptor_idx) <
          std::tie(b.sq_distance, b.landmark_id, b.tile_idx, b.descriptor_idx);
-}
-
-float LandmarkRanking::MaxUsefulSqDistance(uint32_t keypoint_idx) const {
-  return num_neighbors_[keypoint_idx] < options_.max_neighbors
-             ? std::numeric_limits<float>::infinity()
-             : neighbors_[(size_t{keypoint_idx} + 1) * options_.max_neighbors - 1].sq_distance;
 }
 
 float LandmarkRanking::SqOrientationChord(uint32_t keypoint_idx, uint8_t orientation_code) const {
@@ -209,6 +115,70 @@ void LandmarkRanking::Insert(uint32_t keypoint_idx, const Neighbor& neighbor) {
     row[place] = row[place - 1];
   }
   row[place] = neighbor;
+  if (count == options_.max_neighbors) {
+    max_useful_sq_distances_[keypoint_idx] = row.back().sq_distance;
+  }
+}
+
+LandmarkRanking::TileHits::TileHits(LandmarkRanking* ranking, const TileView& view, int tile_idx)
+    : ranking_(*ranking), view_(view), tile_(view.tile->tile()), tile_idx_(tile_idx) {}
+
+float LandmarkRanking::TileHits::Take(const DescriptorHit& hit) {
+  const float max_sq_distance = ranking_.MaxUsefulSqDistance(hit.query_idx);
+  if (hit.sq_distance <= max_sq_distance) {  // Prior terms only add.
+    __builtin_prefetch(&tile_.orientation_codes[hit.descriptor_idx]);
+    __builtin_prefetch(&view_.tile->landmark_of_descriptor()[hit.descriptor_idx]);
+    DescriptorHit& place = hits_[num_hits_ % kAhead];
+    if (num_hits_ >= kAhead) {
+      Weigh(place);
+    }
+    place = hit;
+    ++num_hits_;
+  }
+  return max_sq_distance;
+}
+
+void LandmarkRanking::TileHits::Weigh(const DescriptorHit& hit) {
+  const float sq_chord =
+      ranking_.SqOrientationChord(hit.query_idx, tile_.orientation_codes[hit.descriptor_idx]);
+  const float sq_distance = hit.sq_distance + ranking_.orientation_factor_ * sq_chord;
+  if (sq_chord > ranking_.max_sq_chord_ ||
+      sq_distance > ranking_.MaxUsefulSqDistance(hit.query_idx)) {
+    return;
+  }
+  const uint32_t landmark_idx = view_.tile->landmark_of_descriptor()[hit.descriptor_idx];
+  __builtin_prefetch(&tile_.landmark_ids[landmark_idx]);
+  __builtin_prefetch(&tile_.x_in_tile[landmark_idx]);
+  Candidate& place = candidates_[num_candidates_ % kAhead];
+  if (num_candidates_ >= kAhead) {
+    Rank(&place);
+  }
+  place = {hit.query_idx, {sq_distance, tile_idx_, landmark_idx, hit.descriptor_idx, {}}};
+  ++num_candidates_;
+}
+
+void LandmarkRanking::TileHits::Rank(Candidate* candidate) {
+  Neighbor& neighbor = candidate->neighbor;
+  neighbor.landmark_id = tile_.landmark_ids[neighbor.landmark_idx];
+  if (ranking_.uses_position_) {
+    const float sq_excess = ranking_.SqPositionExcess(view_, neighbor.landmark_idx);
+    if (sq_excess > ranking_.max_sq_excess_) {
+      return;
+    }
+    neighbor.sq_distance += ranking_.position_factor_ * sq_excess;
+  }
+  ranking_.Insert(candidate->keypoint_idx, neighbor);
+}
+
+void LandmarkRanking::TileHits::Flush() {
+  for (size_t i = num_hits_ - std::min(num_hits_, kAhead); i < num_hits_; ++i) {
+    Weigh(hits_[i % kAhead]);
+  }
+  for (size_t i = num_candidates_ - std::min(num_candidates_, kAhead); i < num_candidates_; ++i) {
+    Rank(&candidates_[i % kAhead]);
+  }
+  num_hits_ = 0;
+  num_candidates_ = 0;
 }
 
 std::vector<Correspondence> LandmarkRanking::Correspondences(

@@ -3,6 +3,8 @@
 #ifndef CAIRN_ENGINE_MATCHING_LANDMARK_RANKING_H_
 #define CAIRN_ENGINE_MATCHING_LANDMARK_RANKING_H_
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -21,18 +23,21 @@ namespace cairn {
 // distances are ordered by landmark id, then tile and descriptor. For use within one thread.
 class LandmarkRanking {
  public:
+  class TileHits;  // How hits are added.
+
   // `query` and `options` must outlive the ranking.
   LandmarkRanking(const QueryContext& query, const Codebook& codebook,
                   const MatchingOptions& options);
-
-  // Adds hits of one tile, the tile_idx-th of the query, ordered by query. Reorders the hits of
-  // each query.
-  void Add(const TileView& view, int tile_idx, std::span<DescriptorHit> hits);
 
   // A descriptor farther from the keypoint than this cannot become one of its correspondences any
   // more, whatever its landmark; projected space, infinity while there are fewer than
   // max_neighbors.
   double MaxUsefulDistance(uint32_t keypoint_idx) const;
+
+  // The squared of it.
+  float MaxUsefulSqDistance(uint32_t keypoint_idx) const {
+    return max_useful_sq_distances_[keypoint_idx];
+  }
 
   // Ordered by keypoint, then distance. `tiles` are those that were added.
   std::vector<Correspondence> Correspondences(const std::vector<TileView>& tiles) const;
@@ -50,17 +55,6 @@ class LandmarkRanking {
 
   static bool IsCloser(const Neighbor& a, const Neighbor& b);
 
-  // A neighbour on its way into the ranking.
-  struct Candidate {
-    uint32_t keypoint_idx = 0;
-    Neighbor neighbor;
-  };
-
-  // Adds hits of one tile in any order.
-  void AddHits(const TileView& view, int tile_idx, std::span<const DescriptorHit> hits);
-
-  // A neighbour of this keypoint that is farther cannot be among the best.
-  float MaxUsefulSqDistance(uint32_t keypoint_idx) const;
   // Squared chord between the orientations of a keypoint and a descriptor, (2 - 2 cos), in [0, 4];
   // 0 if either has none.
   float SqOrientationChord(uint32_t keypoint_idx, uint8_t orientation_code) const;
@@ -80,8 +74,44 @@ class LandmarkRanking {
   std::vector<Eigen::Vector2f> keypoint_directions_;
   std::vector<Neighbor> neighbors_;  // num_keypoints x max_neighbors, each row sorted by IsCloser.
   std::vector<int> num_neighbors_;   // Used entries of each row.
-  std::vector<DescriptorHit> useful_hits_;  // Working memory.
-  std::vector<Candidate> candidates_;       // Likewise.
+  // Distance of each keypoint's last neighbour, infinity while there are fewer than max_neighbors.
+  std::vector<float> max_useful_sq_distances_;
+};
+
+// The way of a tile's hits into the ranking. A hit waits twice for the memory that it needs, while
+// others are worked on: its attributes and its landmark's lie anywhere in the tile. What a hit says
+// about further ones is therefore known a little later. For use within one thread.
+class LandmarkRanking::TileHits : public HitReceiver {
+ public:
+  // The hits are of the tile_idx-th tile of the query. All must outlive this.
+  TileHits(LandmarkRanking* ranking, const TileView& view, int tile_idx);
+
+  float Take(const DescriptorHit& hit) override;
+  // Adds what still waits. Call it after the last hit.
+  void Flush();
+
+ private:
+  static constexpr size_t kAhead = 16;  // Hits that wait.
+
+  struct Candidate {
+    uint32_t keypoint_idx = 0;
+    Neighbor neighbor;
+  };
+
+  // Adds the orientation's term.
+  void Weigh(const DescriptorHit& hit);
+  // Adds the position's term and ranks it.
+  void Rank(Candidate* candidate);
+
+  LandmarkRanking& ranking_;
+  const TileView& view_;
+  const Tile& tile_;
+  const int tile_idx_;
+  // Rings; the last kAhead of all that came wait.
+  std::array<DescriptorHit, kAhead> hits_;
+  std::array<Candidate, kAhead> candidates_;
+  size_t num_hits_ = 0;
+  size_t num_candidates_ = 0;
 };
 
 }  // namespace cairn

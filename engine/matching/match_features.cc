@@ -72,13 +72,20 @@ std::vector<double> MaxDistances(const DescriptorMatrix& queries, const Searchab
   return std::vector<double>(queries.rows(), std::numeric_limits<double>::infinity());
 }
 
-// Bound on the hits of a keypoint where no distance bounds them. So many that the nearest landmarks
-// are among them though a landmark has several descriptors and prior terms change the order.
-size_t MaxHits(const MatchingOptions& options) {
-  constexpr size_t kHitsPerNeighbor = 32;
-  return options.distance_filter == DistanceFilter::kNone ? kHitsPerNeighbor * options.max_neighbors
-                                                          : std::numeric_limits<size_t>::max();
-}
+// Hands on hits of some of a tile's descriptors as those of the tile.
+class HitsOfSome : public HitReceiver {
+ public:
+  HitsOfSome(std::span<const uint32_t> descriptors, HitReceiver* receiver)
+      : descriptors_(descriptors), receiver_(receiver) {}
+
+  float Take(const DescriptorHit& hit) override {
+    return receiver_->Take({hit.query_idx, descriptors_[hit.descriptor_idx], hit.sq_distance});
+  }
+
+ private:
+  const std::span<const uint32_t> descriptors_;
+  HitReceiver* receiver_;
+};
 
 // The codes of some descriptors, in the order given.
 std::vector<uint8_t> GatherCodes(const Tile& tile, std::span<const uint32_t> descriptors) {
@@ -101,7 +108,6 @@ std::vector<Correspondence> MatchFeatures(const QueryContext& query,
   }
   const Codebook& codebook = CommonCodebook(tiles);
   LandmarkRanking ranking(query, codebook, options);
-  std::vector<DescriptorHit> hits;
   for (size_t tile_idx = 0; tile_idx < tiles.size(); ++tile_idx) {
     const SearchableTile& tile = *tiles[tile_idx].tile;
     std::vector<double> max_distances = MaxDistances(query.descriptors, tile, options);
@@ -110,10 +116,11 @@ std::vector<Correspondence> MatchFeatures(const QueryContext& query,
           std::min(max_distances[keypoint_idx],
                    ranking.MaxUsefulDistance(static_cast<uint32_t>(keypoint_idx)));
     }
-    hits.clear();
-    counters->num_distances +=
-        tile.index().Search({query.descriptors, max_distances, MaxHits(options)}, &hits);
-    ranking.Add(tiles[tile_idx], static_cast<int>(tile_idx), hits);
+    LandmarkRanking::TileHits tile_hits(&ranking, tiles[tile_idx], static_cast<int>(tile_idx));
+    counters->num_distances += tile.index().Search(
+        {.queries = query.descriptors, .max_distances = max_distances, .receiver = &tile_hits},
+        nullptr);
+    tile_hits.Flush();
   }
   std::vector<Correspondence> correspondences = ranking.Correspondences(tiles);
   counters->num_matches = static_cast<int64_t>(correspondences.size());
@@ -130,24 +137,24 @@ std::vector<Correspondence> MatchAgainstKeyframes(const QueryContext& query,
     return {};
   }
   const Codebook& codebook = CommonCodebook(tiles);
-  const double max_distance = SameLandmarkDistance(codebook, distance_quantile);
+  const std::vector<double> max_distances(query.num_keypoints(),
+                                          SameLandmarkDistance(codebook, distance_quantile));
   std::vector<std::vector<uint32_t>> keyframes_of_tile(tiles.size());
   for (const KeyframeRef& keyframe : keyframes) {
     keyframes_of_tile[keyframe.tile_idx].push_back(keyframe.keyframe_idx);
   }
   LandmarkRanking ranking(query, codebook, options);
-  std::vector<DescriptorHit> hits;
   for (size_t tile_idx = 0; tile_idx < tiles.size(); ++tile_idx) {
     const SearchableTile& tile = *tiles[tile_idx].tile;
     const std::vector<uint32_t> descriptors =
         DescriptorsOfKeyframes(tile.tile(), keyframes_of_tile[tile_idx]);
-    hits.clear();
+    LandmarkRanking::TileHits tile_hits(&ranking, tiles[tile_idx], static_cast<int>(tile_idx));
+    HitsOfSome some_hits(descriptors, &tile_hits);
     ByteDescriptors(codebook, GatherCodes(tile.tile(), descriptors))
-        .RangeSearch(query.descriptors, max_distance, &hits);
-    for (DescriptorHit& hit : hits) {
-      hit.descriptor_idx = descriptors[hit.descriptor_idx];
-    }
-    ranking.Add(tiles[tile_idx], static_cast<int>(tile_idx), hits);
+        .Search(
+            {.queries = query.descriptors, .max_distances = max_distances, .receiver = &some_hits},
+            nullptr);
+    tile_hits.Flush();
   }
   return ranking.Correspondences(tiles);
 }

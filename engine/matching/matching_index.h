@@ -24,8 +24,9 @@ class MatchingIndex {
 
   // Finds descriptors within each query's own distance: all of them (exhaustive) or most. Appends
   // to `hits`, ordered by query; a descriptor at most once for a query. What is found for a query
-  // does not depend on the others. Returns the number of distances computed. Throws
-  // Error(kInternal) if the queries' dimension is not the codebook's.
+  // does not depend on the others. With a receiver it gets the hits, in any order, `hits` may be
+  // null, and what is found depends on its answers too. Returns the number of distances computed.
+  // Throws Error(kInternal) if the queries' dimension is not the codebook's.
   virtual int64_t Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const = 0;
 
   // Search with one distance for all queries and no bound on hits.
