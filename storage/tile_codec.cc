@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <string>
 
 #include "core/error.h"
@@ -16,7 +17,8 @@ namespace cairn {
 namespace {
 
 constexpr uint32_t kMagic = 0x4c495443;  // "CTIL".
-constexpr uint16_t kVersion = 1;
+constexpr uint16_t kVersionWithoutLists = 1;
+constexpr uint16_t kVersionWithLists = 2;
 constexpr size_t kHeaderSize = 64;
 constexpr size_t kChecksumOffset = 56;
 constexpr size_t kMaxVarintSize = 5;
@@ -25,6 +27,7 @@ constexpr size_t kMaxVarintSize = 5;
 constexpr int kZstdLevel = 3;
 
 struct Header {
+  uint16_t version = kVersionWithoutLists;
   uint16_t code_size = 0;
   uint64_t tile_id = 0;
   int64_t codebook_id = 0;
@@ -36,6 +39,16 @@ struct Header {
   uint64_t compressed_size = 0;  // Of the zstd frame.
 
   uint64_t codes_size() const { return uint64_t{num_descriptors} * code_size; }
+
+  // The lists, after the frame, begin with their number; a member takes a byte at least.
+  uint64_t MinListsSize() const {
+    return version == kVersionWithLists ? sizeof(uint32_t) + uint64_t{num_descriptors} : 0;
+  }
+  uint64_t MaxListsSize() const {
+    return version == kVersionWithLists ? sizeof(uint32_t) * (uint64_t{num_descriptors} + 1) +
+                                              kMaxVarintSize * uint64_t{num_descriptors}
+                                        : 0;
+  }
 
   // Bytes of the body without the variable-length landmark indices.
   uint64_t FixedBodySize() const {
@@ -132,23 +145,39 @@ void PutAttributes(const std::vector<uint8_t>& values, const std::vector<uint32_
   writer->PutArray(std::span<const uint8_t>(differences));
 }
 
-// Inverse of PutAttributes.
-std::vector<uint8_t> GetAttributes(const std::vector<uint32_t>& begin, ByteReader* reader) {
-  const std::span<const uint8_t> bytes = reader->Take(begin.back());
+// Inverse of PutAttributes, for several columns that follow one another: how many descriptors a
+// landmark has is hard to predict for the processor, and is met once for all.
+template <size_t kNumColumns>
+void GetAttributes(const std::vector<uint32_t>& begin, ByteReader* reader,
+                   const std::array<std::vector<uint8_t>*, kNumColumns>& columns) {
   size_t num_firsts = 0;
   for (size_t landmark = 0; landmark + 1 < begin.size(); ++landmark) {
     num_firsts += begin[landmark] < begin[landmark + 1] ? 1 : 0;
   }
-  std::vector<uint8_t> values(bytes.size());
-  auto first = bytes.begin();
-  auto difference = bytes.begin() + static_cast<std::ptrdiff_t>(num_firsts);
+  std::array<const uint8_t*, kNumColumns> firsts, differences;
+  std::array<uint8_t*, kNumColumns> values;
+  for (size_t column = 0; column < kNumColumns; ++column) {
+    firsts[column] = reader->Take(begin.back()).data();
+    differences[column] = firsts[column] + num_firsts;
+    columns[column]->resize(begin.back());
+    values[column] = columns[column]->data();
+  }
+  size_t next_first = 0, next_difference = 0;
   for (size_t landmark = 0; landmark + 1 < begin.size(); ++landmark) {
-    for (uint32_t i = begin[landmark]; i < begin[landmark + 1]; ++i) {
-      values[i] =
-          i == begin[landmark] ? *first++ : static_cast<uint8_t>(values[i - 1] + *difference++);
+    if (begin[landmark] == begin[landmark + 1]) {
+      continue;
+    }
+    for (size_t column = 0; column < kNumColumns; ++column) {
+      values[column][begin[landmark]] = firsts[column][next_first];
+    }
+    ++next_first;
+    for (uint32_t i = begin[landmark] + 1; i < begin[landmark + 1]; ++i, ++next_difference) {
+      for (size_t column = 0; column < kNumColumns; ++column) {
+        values[column][i] =
+            static_cast<uint8_t>(values[column][i - 1] + differences[column][next_difference]);
+      }
     }
   }
-  return values;
 }
 
 std::array<double, 7> PoseNumbers(const Rigid3d& pose) {
@@ -189,15 +218,34 @@ std::vector<TileKeyframe> GetKeyframes(size_t count, ByteReader* reader) {
   return keyframes;
 }
 
-// Within a keyframe the indices ascend: the gaps between them are stored, less the 1 that is sure.
+// Groups of ascending indices: the first of each as it is, then the gaps less the 1 that is sure.
+void PutAscending(std::span<const uint32_t> group, ByteWriter* writer) {
+  uint32_t next = 0;
+  for (const uint32_t index : group) {
+    writer->PutVarint(index - next);
+    next = index + 1;
+  }
+}
+
+// Inverse of PutAscending; calls set(index) for each of `count` indices, all below `end`.
+template <typename Set>
+void GetAscending(size_t count, uint32_t end, const char* problem, ByteReader* reader,
+                  const Set& set) {
+  uint64_t next = 0;
+  for (size_t i = 0; i < count; ++i) {
+    next += reader->GetVarint();
+    if (next >= end) {
+      ThrowDamaged(problem);
+    }
+    set(static_cast<uint32_t>(next));
+    ++next;
+  }
+}
+
 void PutCovisibility(const Tile& tile, ByteWriter* writer) {
   PutGroupSizes(tile.keyframe_begin, writer);
   for (size_t k = 0; k < tile.num_keyframes(); ++k) {
-    uint32_t next = 0;
-    for (const uint32_t landmark_idx : tile.LandmarksOfKeyframe(k)) {
-      writer->PutVarint(landmark_idx - next);
-      next = landmark_idx + 1;
-    }
+    PutAscending(tile.LandmarksOfKeyframe(k), writer);
   }
 }
 
@@ -206,15 +254,62 @@ void GetCovisibility(const Header& header, ByteReader* reader, Tile* tile) {
       GetGroupSizes(header.num_keyframes, header.num_observations, "observations", reader);
   tile->keyframe_landmarks.resize(header.num_observations);
   for (size_t k = 0; k < header.num_keyframes; ++k) {
-    uint64_t next = 0;
-    for (uint32_t i = tile->keyframe_begin[k]; i < tile->keyframe_begin[k + 1]; ++i) {
-      next += reader->GetVarint();
-      if (next >= header.num_landmarks) {
-        ThrowDamaged("a keyframe refers to a landmark that is not there");
-      }
-      tile->keyframe_landmarks[i] = static_cast<uint32_t>(next);
-      ++next;
-    }
+    uint32_t* landmark = tile->keyframe_landmarks.data() + tile->keyframe_begin[k];
+    GetAscending(tile->keyframe_begin[k + 1] - tile->keyframe_begin[k], header.num_landmarks,
+                 "a keyframe refers to a landmark that is not there", reader,
+                 [&](uint32_t index) { *landmark++ = index; });
+  }
+}
+
+// ---- Lists, after the frame --------------------------------------------------------------------
+
+void PutLists(const TileLists& lists, ByteWriter* writer) {
+  writer->Put(static_cast<uint32_t>(lists.num_lists()));
+  PutGroupSizes(lists.begin, writer);
+  for (size_t list = 0; list < lists.num_lists(); ++list) {
+    PutAscending(lists.Members(list), writer);
+  }
+}
+
+TileLists GetLists(const Header& header, ByteReader* reader) {
+  const auto num_lists = reader->Get<uint32_t>();
+  if (num_lists > header.num_descriptors) {
+    ThrowDamaged("has more lists than descriptors");
+  }
+  TileLists lists;
+  lists.begin = GetGroupSizes(num_lists, header.num_descriptors, "members", reader);
+  lists.members.resize(header.num_descriptors);
+  std::vector<uint64_t> seen(header.num_descriptors / 64 + 1);
+  uint64_t num_again = 0;
+  for (size_t list = 0; list < num_lists; ++list) {
+    uint32_t* member = lists.members.data() + lists.begin[list];
+    GetAscending(lists.begin[list + 1] - lists.begin[list], header.num_descriptors,
+                 "a list refers to a descriptor that is not there", reader, [&](uint32_t index) {
+                   num_again += seen[index / 64] >> (index % 64) & 1;
+                   seen[index / 64] |= uint64_t{1} << (index % 64);
+                   *member++ = index;
+                 });
+  }
+  if (num_again > 0) {
+    ThrowDamaged("a descriptor is in two lists");
+  }
+  if (reader->remaining() != 0) {
+    ThrowDamaged("bytes are left over after the lists");
+  }
+  return lists;
+}
+
+void RequireListsOf(const TileLists& lists, const Tile& tile) {
+  bool is_sound = lists.num_lists() <= tile.num_descriptors() && lists.begin.front() == 0 &&
+                  lists.begin.back() == tile.num_descriptors() &&
+                  lists.members.size() == tile.num_descriptors() &&
+                  std::is_sorted(lists.begin.begin(), lists.begin.end());
+  for (size_t list = 0; is_sound && list < lists.num_lists(); ++list) {
+    const std::span<const uint32_t> members = lists.Members(list);
+    is_sound = std::is_sorted(members.begin(), members.end(), std::less_equal<>());
+  }
+  if (!is_sound) {
+    throw Error(ErrorCode::kInternal, "lists are not of the tile's descriptors");
   }
 }
 
@@ -254,9 +349,8 @@ void DecodeBody(const Header& header, std::span<const uint8_t> body, Tile* tile)
   tile->descriptor_begin =
       GetGroupSizes(num_landmarks, header.num_descriptors, "descriptors", &reader);
   tile->sigma_codes = reader.GetVector<uint8_t>(num_landmarks);
-  tile->orientation_codes = GetAttributes(tile->descriptor_begin, &reader);
-  tile->size_codes = GetAttributes(tile->descriptor_begin, &reader);
-  tile->azimuth_codes = GetAttributes(tile->descriptor_begin, &reader);
+  GetAttributes<3>(tile->descriptor_begin, &reader,
+                   {&tile->orientation_codes, &tile->size_codes, &tile->azimuth_codes});
   tile->keyframes = GetKeyframes(header.num_keyframes, &reader);
   GetCovisibility(header, &reader, tile);
   if (reader.remaining() != 0) {
@@ -296,7 +390,7 @@ std::vector<uint8_t> Decompress(std::span<const uint8_t> frame, uint64_t body_si
 // Everything up to the checksum.
 void PutHeader(const Header& header, ByteWriter* writer) {
   writer->Put(kMagic);
-  writer->Put(kVersion);
+  writer->Put(header.version);
   writer->Put(header.code_size);
   writer->Put(header.tile_id);
   writer->Put(header.codebook_id);
@@ -324,9 +418,12 @@ void CheckHeader(const Header& header, size_t blob_size, const TileDecodeLimits&
   if (header.body_size < min_body_size || header.body_size > max_body_size) {
     ThrowDamaged("announced sizes contradict each other");
   }
-  // Neither side can wrap around: the code bytes are limited above, and the difference is compared.
-  if (blob_size - kHeaderSize < header.codes_size() ||
-      blob_size - kHeaderSize - header.codes_size() != header.compressed_size) {
+  // Nothing can wrap around: the code bytes are limited above, and differences are compared.
+  const uint64_t after_header = blob_size - kHeaderSize;
+  if (after_header < header.codes_size() ||
+      after_header - header.codes_size() < header.compressed_size ||
+      after_header - header.codes_size() - header.compressed_size < header.MinListsSize() ||
+      after_header - header.codes_size() - header.compressed_size > header.MaxListsSize()) {
     ThrowDamaged("is " + std::to_string(blob_size) + " bytes long, its header says otherwise");
   }
 }
@@ -339,10 +436,12 @@ Header GetHeader(std::span<const uint8_t> blob, const TileDecodeLimits& limits) 
   if (reader.Get<uint32_t>() != kMagic) {
     ThrowDamaged("does not start with CTIL");
   }
-  if (const auto version = reader.Get<uint16_t>(); version != kVersion) {
-    ThrowDamaged("format version " + std::to_string(version) + " is unknown, expected 1");
-  }
   Header header;
+  header.version = reader.Get<uint16_t>();
+  if (header.version != kVersionWithoutLists && header.version != kVersionWithLists) {
+    ThrowDamaged("format version " + std::to_string(header.version) +
+                 " is unknown, expected 1 or 2");
+  }
   header.code_size = reader.Get<uint16_t>();
   header.tile_id = reader.Get<uint64_t>();
   header.codebook_id = reader.Get<int64_t>();
@@ -369,11 +468,15 @@ TileId TileIdFromPayload(uint64_t value) {
 
 }  // namespace
 
-std::vector<uint8_t> EncodeTile(const Tile& tile) {
+std::vector<uint8_t> EncodeTile(const Tile& tile, const TileLists& lists) {
   tile.Validate();
   const std::vector<uint8_t> body = EncodeBody(tile);
   const std::vector<uint8_t> compressed = Compress(body);
   Header header;
+  if (!lists.empty()) {
+    RequireListsOf(lists, tile);
+    header.version = kVersionWithLists;
+  }
   header.code_size = static_cast<uint16_t>(tile.code_size);
   header.tile_id = tile.id.value();
   header.codebook_id = Value(tile.codebook_id);
@@ -391,12 +494,20 @@ std::vector<uint8_t> EncodeTile(const Tile& tile) {
   writer.Put(uint64_t{0});  // Room for the checksum.
   writer.PutArray(std::span<const uint8_t>(tile.codes));
   writer.PutArray(std::span<const uint8_t>(compressed));
+  if (!lists.empty()) {
+    PutLists(lists, &writer);
+  }
   const uint64_t checksum = ChecksumOf(blob, kChecksumOffset);
   std::memcpy(blob.data() + kChecksumOffset, &checksum, sizeof(checksum));
   return blob;
 }
 
 Tile DecodeTile(std::span<const uint8_t> blob, const TileDecodeLimits& limits) {
+  TileLists lists;
+  return DecodeTile(blob, limits, &lists);
+}
+
+Tile DecodeTile(std::span<const uint8_t> blob, const TileDecodeLimits& limits, TileLists* lists) {
   const Header header = GetHeader(blob, limits);
   ByteReader reader(blob.subspan(kHeaderSize), "tile payload");
   Tile tile;
@@ -408,6 +519,7 @@ Tile DecodeTile(std::span<const uint8_t> blob, const TileDecodeLimits& limits) {
   if (const std::string problem = FindTileProblem(tile); !problem.empty()) {
     ThrowDamaged(problem);
   }
+  *lists = header.version == kVersionWithLists ? GetLists(header, &reader) : TileLists();
   return tile;
 }
 

@@ -1,4 +1,5 @@
-// Decoded tile <-> compressed blob. The format is docs/formats/tile_v1.md.
+// Decoded tile <-> compressed blob. The format is docs/formats/tile_v1.md; with lists,
+// docs/formats/tile_v2.md.
 #ifndef CAIRN_STORAGE_TILE_CODEC_H_
 #define CAIRN_STORAGE_TILE_CODEC_H_
 
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "storage/tile.h"
+#include "storage/tile_lists.h"
 
 namespace cairn {
 
@@ -19,13 +21,17 @@ struct TileDecodeLimits {
   uint64_t max_decoded_bytes = uint64_t{1} << 30;
 };
 
-// Deterministic: equal tiles give equal bytes. Throws Error(kInternal) if the tile is inconsistent.
-std::vector<uint8_t> EncodeTile(const Tile& tile);
+// Deterministic: equal tiles give equal bytes. Version 1 without lists, else version 2. Throws
+// Error(kInternal) if the tile is inconsistent or the lists are not of its descriptors.
+std::vector<uint8_t> EncodeTile(const Tile& tile, const TileLists& lists = {});
 
 // Checks magic, version, lengths, checksum and every index before it returns. Throws
 // Error(kMapDamaged) that says what is wrong; no input can make it read or write out of bounds or
 // allocate more than the limits allow.
 Tile DecodeTile(std::span<const uint8_t> blob, const TileDecodeLimits& limits = {});
+
+// The same and its lists, of which a tile of version 1 has none.
+Tile DecodeTile(std::span<const uint8_t> blob, const TileDecodeLimits& limits, TileLists* lists);
 
 }  // namespace cairn
 

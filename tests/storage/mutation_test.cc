@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cstring>
+#include <numeric>
 #include <random>
+#include <set>
 #include <vector>
 
 #include "core/error.h"
@@ -47,8 +49,12 @@ struct Outcome {
 void DecodeHostileTile(const std::vector<uint8_t>& blob, Outcome* outcome) {
   const TileDecodeLimits limits{.max_decoded_bytes = 1 << 24};
   try {
-    const Tile tile = DecodeTile(blob, limits);
-    EXPECT_TRUE(testing::SameTile(DecodeTile(EncodeTile(tile)), tile));
+    TileLists lists, again;
+    const Tile tile = DecodeTile(blob, limits, &lists);
+    EXPECT_TRUE(testing::SameTile(DecodeTile(EncodeTile(tile, lists), limits, &again), tile));
+    EXPECT_EQ(lists, again);
+    const std::set<uint32_t> members(lists.members.begin(), lists.members.end());
+    EXPECT_EQ(members.size(), lists.empty() ? 0 : tile.num_descriptors());
     ++outcome->num_decoded;
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kMapDamaged) << error.what();
@@ -78,6 +84,28 @@ TEST(Mutation, TileHeadersAndFramesWithAValidChecksum) {
   }
   EXPECT_GT(outcome.num_decoded, 100);  // Changed codes are as good as others.
   EXPECT_GT(outcome.num_refused, 100);
+}
+
+TEST(Mutation, TileListsWithAValidChecksum) {
+  Tile tile;
+  const size_t begin = SmallBlob(&tile).size();
+  TileLists lists;
+  lists.members.resize(tile.num_descriptors());
+  std::iota(lists.members.begin(), lists.members.end(), 0u);
+  lists.begin = {0, 3, 3, 10, static_cast<uint32_t>(lists.members.size())};
+  const std::vector<uint8_t> blob = EncodeTile(tile, lists);
+  std::mt19937_64 random(5);
+  Outcome outcome;
+  for (int trial = 0; trial < 5'000; ++trial) {
+    std::vector<uint8_t> section(blob.begin() + static_cast<ptrdiff_t>(begin), blob.end());
+    Mutate(&random, &section);
+    std::vector<uint8_t> mutated = blob;
+    std::copy(section.begin(), section.end(), mutated.begin() + static_cast<ptrdiff_t>(begin));
+    Seal(&mutated, kTileChecksumOffset);
+    DecodeHostileTile(mutated, &outcome);
+  }
+  EXPECT_GT(outcome.num_decoded, 10);  // A byte may become what it was.
+  EXPECT_GT(outcome.num_refused, 1'000);
 }
 
 TEST(Mutation, TileBodiesInAValidFrame) {

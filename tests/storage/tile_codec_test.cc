@@ -37,6 +37,19 @@ Tile SmallTile() {
   return RandomTile(options);
 }
 
+// Every third descriptor in one of three lists; a fourth is empty.
+TileLists ThreeLists(const Tile& tile) {
+  TileLists lists;
+  for (uint32_t list = 0; list < 3; ++list) {
+    lists.begin.push_back(static_cast<uint32_t>(lists.members.size()));
+    for (uint32_t i = list; i < tile.num_descriptors(); i += 3) {
+      lists.members.push_back(i);
+    }
+  }
+  lists.begin.insert(lists.begin.end(), 2, static_cast<uint32_t>(lists.members.size()));
+  return lists;
+}
+
 Tile EmptyTile() {
   Tile tile;
   tile.id = TileId::Containing(Geodetic::FromDegrees(10.0, 20.0, 0.0));
@@ -97,15 +110,61 @@ TEST(TileCodec, RefusesToEncodeAnInconsistentTile) {
   expect_internal(tile);
 }
 
-TEST(TileCodec, EveryTruncationIsDamage) {
-  const std::vector<uint8_t> blob = EncodeTile(SmallTile());
+TEST(TileCodec, RoundTripOfListsIsExact) {
+  for (const int num_landmarks : {10, 100, 5000}) {
+    testing::RandomTileOptions options;
+    options.num_landmarks = num_landmarks;
+    const Tile tile = RandomTile(options);
+    const std::vector<uint8_t> blob = EncodeTile(tile, ThreeLists(tile));
+    TileLists lists;
+    EXPECT_TRUE(SameTile(DecodeTile(blob, {}, &lists), tile)) << num_landmarks;
+    EXPECT_EQ(lists, ThreeLists(tile)) << num_landmarks;
+  }
+}
+
+TEST(TileCodec, ATileWithoutListsHasNone) {
+  TileLists lists = ThreeLists(SmallTile());
+  DecodeTile(EncodeTile(SmallTile()), {}, &lists);
+  EXPECT_TRUE(lists.empty());
+}
+
+TEST(TileCodec, RefusesToEncodeListsOfOtherDescriptors) {
+  const Tile tile = SmallTile();
+  const auto expect_internal = [&](const TileLists& lists) {
+    try {
+      EncodeTile(tile, lists);
+      ADD_FAILURE() << "accepted";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kInternal) << error.what();
+    }
+  };
+  TileLists lists = ThreeLists(tile);
+  lists.members.pop_back();
+  expect_internal(lists);
+  lists = ThreeLists(tile);
+  std::swap(lists.members[0], lists.members[1]);
+  expect_internal(lists);
+  lists = ThreeLists(tile);
+  std::swap(lists.begin[1], lists.begin[2]);
+  expect_internal(lists);
+}
+
+class TileCodecDamage : public ::testing::TestWithParam<bool> {
+ protected:
+  static std::vector<uint8_t> Blob() {
+    return EncodeTile(SmallTile(), GetParam() ? ThreeLists(SmallTile()) : TileLists());
+  }
+};
+
+TEST_P(TileCodecDamage, EveryTruncation) {
+  const std::vector<uint8_t> blob = Blob();
   for (size_t size = 0; size < blob.size(); ++size) {
     EXPECT_FALSE(DecodesOrIsDamaged({blob.begin(), blob.begin() + size})) << size;
   }
 }
 
-TEST(TileCodec, EveryFlippedBitIsDamage) {
-  std::vector<uint8_t> blob = EncodeTile(SmallTile());
+TEST_P(TileCodecDamage, EveryFlippedBit) {
+  std::vector<uint8_t> blob = Blob();
   for (size_t bit = 0; bit < 8 * blob.size(); ++bit) {
     blob[bit / 8] ^= 1 << bit % 8;
     EXPECT_FALSE(DecodesOrIsDamaged(blob)) << "bit " << bit;
@@ -113,11 +172,13 @@ TEST(TileCodec, EveryFlippedBitIsDamage) {
   }
 }
 
-TEST(TileCodec, AppendedByteIsDamage) {
-  std::vector<uint8_t> blob = EncodeTile(SmallTile());
+TEST_P(TileCodecDamage, AnAppendedByte) {
+  std::vector<uint8_t> blob = Blob();
   blob.push_back(0);
   EXPECT_FALSE(DecodesOrIsDamaged(blob));
 }
+
+INSTANTIATE_TEST_SUITE_P(WithoutAndWithLists, TileCodecDamage, ::testing::Bool());
 
 TEST(TileCodec, LimitsHold) {
   const Tile tile = SmallTile();
