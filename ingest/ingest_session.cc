@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "engine/matching/inverted_lists.h"
 #include "ingest/tiling/build_tile.h"
 #include "ingest/tiling/placed_session.h"
 #include "ingest/tiling/tile_edit.h"
@@ -135,14 +136,18 @@ std::optional<Tile> LoadWithoutSession(TileId tile_id, SessionId without, const 
   return WithoutSession(tile, without);
 }
 
-// Writes a tile, or removes it if nothing is left in it. Returns the bytes of its payload.
-int64_t WriteTile(const Tile& tile, MapUpdate* update) {
+// Writes a tile, or removes it if nothing is left in it. Returns the bytes of its payload. A tile
+// of another codebook gets no lists: nothing can search it.
+int64_t WriteTile(const Tile& tile, const Codebook& codebook, MapUpdate* update) {
   if (tile.num_landmarks() == 0) {
     if (update->FindTile(tile.id)) update->RemoveTile(tile.id);
     return 0;
   }
   const Tile ordered = PickLandmarks(tile, MortonOrder(tile.x_in_tile));
-  const std::vector<uint8_t> payload = EncodeTile(ordered);
+  const TileLists lists = ordered.codebook_id == codebook.id
+                              ? MakeTileLists(codebook, ordered.codes, InvertedListsOptions())
+                              : TileLists();
+  const std::vector<uint8_t> payload = EncodeTile(ordered, lists);
   update->PutTile(DescribeTile(ordered), payload);
   return static_cast<int64_t>(payload.size());
 }
@@ -165,7 +170,7 @@ void RewriteTile(const TileSource& source, TileId tile_id, SessionId old_session
     const auto selector = MakeLandmarkSelector(options.selection);
     tile = SelectLandmarks(tile, source, *selector, options.selection);
   }
-  report->num_payload_bytes += WriteTile(tile, update);
+  report->num_payload_bytes += WriteTile(tile, codebook, update);
   if (tile.num_landmarks() > 0) {
     ++report->num_tiles_written;
     report->num_landmarks_written += static_cast<int64_t>(tile.num_landmarks());
@@ -247,9 +252,10 @@ MapVersion RemoveSession(const std::string& session_name, MapStore* store) {
     throw Error(ErrorCode::kNotFound,
                 fmt::format("{}: has no session '{}'", store->path(), session_name));
   }
+  const std::shared_ptr<const Codebook> codebook = store->Snapshot().CurrentCodebook();
   for (const TileId tile_id : DetachSession(record->id, &update)) {
     if (const auto tile = LoadWithoutSession(tile_id, record->id, update)) {
-      WriteTile(*tile, &update);
+      WriteTile(*tile, *codebook, &update);
     }
   }
   return update.Publish();

@@ -4,47 +4,44 @@
 #include <cstring>
 #include <limits>
 
+#include "engine/matching/distance_kernels.h"
+
 namespace cairn {
 namespace {
 
-// The middle of the range of each dimension.
-std::vector<int16_t> MiddleOf(const uint8_t* rows, int stride, std::span<const uint32_t> order) {
-  std::vector<uint8_t> low(stride, order.empty() ? 0 : 255), high(stride, 0);
-  for (const uint32_t index : order) {
-    const uint8_t* row = rows + size_t{index} * stride;
-    for (int dim = 0; dim < stride; ++dim) {
-      low[dim] = std::min(low[dim], row[dim]);
-      high[dim] = std::max(high[dim], row[dim]);
-    }
+constexpr int16_t kCenter = 128;  // Queries within the bytes' range then need one part.
+
+// Copies the groups of a row to their places in its block, and returns |row - center|^2. The
+// constant stride lets the loops unroll; kStride 0 stands for any.
+template <int kStride>
+int32_t CopyRow(const uint8_t* row, int any_stride, uint8_t* to) {
+  const int stride = kStride > 0 ? kStride : any_stride;
+  for (int begin = 0; begin < stride; begin += kGroupDims) {
+    std::memcpy(to + begin * kBlockRows, row + begin, kGroupDims);
   }
-  std::vector<int16_t> middle(stride);
+  int32_t sq_norm = 0;
   for (int dim = 0; dim < stride; ++dim) {
-    middle[dim] = static_cast<int16_t>((low[dim] + high[dim] + 1) / 2);
+    const int32_t centered = row[dim] - kCenter;
+    sq_norm += centered * centered;
   }
-  return middle;
+  return sq_norm;
 }
 
 }  // namespace
 
 BlockedRows::BlockedRows(const uint8_t* rows, int stride, std::span<const uint32_t> order)
-    : size_(order.size()), stride_(stride), centers_(MiddleOf(rows, stride, order)) {
+    : size_(order.size()), stride_(stride), centers_(stride, kCenter) {
+  constexpr size_t kAhead = 16;  // Rows that are asked for ahead.
   const size_t padded_size = (size_ + kBlockRows - 1) / kBlockRows * kBlockRows;
   blocks_.resize(padded_size * stride);
   constexpr int32_t kFarAway = 1 << 30;
   sq_norms_.resize(padded_size, kFarAway);
+  const auto copy = stride == kDistanceBlock ? CopyRow<kDistanceBlock> : CopyRow<0>;
   for (size_t i = 0; i < size_; ++i) {
-    const uint8_t* row = rows + size_t{order[i]} * stride;
+    __builtin_prefetch(rows + size_t{order[std::min(i + kAhead, size_ - 1)]} * stride);
     uint8_t* to =
         blocks_.data() + i / kBlockRows * kBlockRows * stride + i % kBlockRows * kGroupDims;
-    int32_t sq_norm = 0;
-    for (int begin = 0; begin < stride; begin += kGroupDims) {
-      std::memcpy(to + begin * kBlockRows, row + begin, kGroupDims);
-    }
-    for (int dim = 0; dim < stride; ++dim) {
-      const int32_t centered = row[dim] - centers_[dim];
-      sq_norm += centered * centered;
-    }
-    sq_norms_[i] = sq_norm;
+    sq_norms_[i] = copy(rows + size_t{order[i]} * stride, stride, to);
   }
 }
 

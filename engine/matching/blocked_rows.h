@@ -90,7 +90,7 @@ class BlockedRows {
 
   size_t size_;
   int stride_;
-  std::vector<int16_t> centers_;  // Middle of the rows' range, per dimension.
+  std::vector<int16_t> centers_;  // The same for all rows: the middle of a byte.
   std::vector<uint8_t, CacheLineAllocator<uint8_t>> blocks_;  // The last one is padded.
   std::vector<int32_t, CacheLineAllocator<int32_t>>
       sq_norms_;  // About the centers, of whole blocks; large in the padding.

@@ -10,6 +10,7 @@
 
 #include "engine/matching/blocked_rows.h"
 #include "engine/matching/byte_descriptors.h"
+#include "storage/tile_lists.h"
 
 namespace cairn {
 
@@ -28,6 +29,9 @@ class ByteWords {
   // Trains on a random sample of 32 descriptors a word. There are at most as many words as
   // descriptors. Deterministic by seed.
   ByteWords(const ByteDescriptors& descriptors, const Options& options);
+
+  // The mean of each list's descriptors, over all dimensions; zeros for an empty list.
+  ByteWords(const ByteDescriptors& descriptors, const TileLists& lists);
 
   size_t size() const { return words_.size(); }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "core/check.h"
 
@@ -29,46 +30,89 @@ std::vector<uint32_t> OrderByCell(std::span<const uint32_t> cells, std::vector<u
 
 }  // namespace
 
+TileLists ListsOfCells(std::span<const uint32_t> cells, size_t num_cells) {
+  TileLists lists;
+  lists.begin = CellBegins(cells, num_cells);
+  lists.members = OrderByCell(cells, lists.begin);
+  return lists;
+}
+
 CellLists::CellLists(const ByteDescriptors& descriptors, std::span<const uint32_t> cells,
                      size_t num_cells)
+    : CellLists(descriptors, ListsOfCells(cells, num_cells)) {}
+
+CellLists::CellLists(const ByteDescriptors& descriptors, TileLists lists)
     : scale_(descriptors.scale()),
-      begin_(CellBegins(cells, num_cells)),
-      descriptor_of_row_(OrderByCell(cells, begin_)),
-      rows_(descriptors.rows(), scale_.stride(), descriptor_of_row_) {
-  CAIRN_CHECK(cells.size() == descriptors.size(), "every descriptor has a cell");
-  for (size_t cell = 0; cell < num_cells; ++cell) {
-    max_cell_size_ = std::max<size_t>(max_cell_size_, begin_[cell + 1] - begin_[cell]);
+      lists_(std::move(lists)),
+      rows_(descriptors.rows(), scale_.stride(), lists_.members) {
+  CAIRN_CHECK(lists_.members.size() == descriptors.size(), "every descriptor has a cell");
+  for (size_t cell = 0; cell < num_cells(); ++cell) {
+    max_cell_size_ = std::max(max_cell_size_, lists_.Members(cell).size());
   }
 }
 
+// Asks for the memory of the next cell in slices, one a visit of the current cell: lists of many
+// tiles come from memory, and the comparisons go on meanwhile.
+class CellLists::Prefetcher {
+ public:
+  Prefetcher(const CellLists& lists, std::span<const CellVisit> visits)
+      : lists_(lists), visits_(visits) {}
+
+  // Before visit i is worked on; i ascends by 1.
+  void Step(size_t i) {
+    if (i == run_end_) {
+      Fetch(end_);
+      while (run_end_ < visits_.size() && visits_[run_end_].cell == visits_[i].cell) {
+        ++run_end_;
+      }
+      if (run_end_ < visits_.size()) {
+        const uint32_t cell = visits_[run_end_].cell;
+        next_ = lists_.lists_.begin[cell];
+        end_ = lists_.lists_.begin[cell + 1];
+        slice_ = (end_ - next_) / (run_end_ - i) + 1;
+      }
+    }
+    Fetch(std::min(end_, next_ + slice_));
+  }
+
+ private:
+  void Fetch(size_t end) {
+    for (; next_ < end; next_ += kBlockRows) {
+      lists_.rows_.Prefetch(next_);
+      __builtin_prefetch(&lists_.lists_.members[next_]);
+    }
+  }
+
+  const CellLists& lists_;
+  const std::span<const CellVisit> visits_;
+  size_t run_end_ = 0;         // Of the visits of the current cell.
+  size_t next_ = 0, end_ = 0;  // Rows of the next cell that are still to be asked for.
+  size_t slice_ = 0;
+};
+
 int64_t CellLists::Search(const BlockQueries& queries, std::span<const CellVisit> visits,
                           HitCollector* collector) const {
-  // Visits whose memory is asked for ahead: first the bounds of the cell, then its first rows.
-  constexpr size_t kBoundsAhead = 32;
-  constexpr size_t kRowsAhead = 8;
   std::vector<BlockHit> hits(max_cell_size_);
+  Prefetcher prefetcher(*this, visits);
   int64_t num_distances = 0;
   for (size_t i = 0; i < visits.size(); ++i) {
-    if (i + kBoundsAhead < visits.size()) {
-      __builtin_prefetch(&begin_[visits[i + kBoundsAhead].cell]);
-    }
-    if (i + kRowsAhead < visits.size()) {
-      rows_.Prefetch(begin_[visits[i + kRowsAhead].cell]);
-    }
+    prefetcher.Step(i);
     const auto [cell, query_idx] = visits[i];
-    const size_t num_hits = rows_.Range(queries[query_idx], begin_[cell], begin_[cell + 1],
+    const uint32_t begin = lists_.begin[cell];
+    const uint32_t end = lists_.begin[cell + 1];
+    const size_t num_hits = rows_.Range(queries[query_idx], begin, end,
                                         collector->max_sq_steps(query_idx), hits.data());
     for (size_t j = 0; j < num_hits; ++j) {
-      collector->Add(query_idx, descriptor_of_row_[hits[j].row], hits[j].sq_distance);
+      collector->Add(query_idx, lists_.members[hits[j].row], hits[j].sq_distance);
     }
-    num_distances += begin_[cell + 1] - begin_[cell];
+    num_distances += end - begin;
   }
   return num_distances;
 }
 
 size_t CellLists::MemoryBytes() const {
   return rows_.MemoryBytes() +
-         (begin_.capacity() + descriptor_of_row_.capacity()) * sizeof(uint32_t);
+         (lists_.begin.capacity() + lists_.members.capacity()) * sizeof(uint32_t);
 }
 
 }  // namespace cairn

@@ -11,8 +11,12 @@
 #include "engine/matching/blocked_rows.h"
 #include "engine/matching/byte_descriptors.h"
 #include "engine/matching/hit_collector.h"
+#include "storage/tile_lists.h"
 
 namespace cairn {
+
+// The descriptors of each cell; cells[i] < num_cells is that of descriptor i.
+TileLists ListsOfCells(std::span<const uint32_t> cells, size_t num_cells);
 
 // A query looks into a cell.
 struct CellVisit {
@@ -25,10 +29,12 @@ class CellLists {
  public:
   // The cell of each descriptor is below num_cells.
   CellLists(const ByteDescriptors& descriptors, std::span<const uint32_t> cells, size_t num_cells);
+  // Every descriptor is in one of the lists, which are the cells.
+  CellLists(const ByteDescriptors& descriptors, TileLists lists);
 
   const ByteScale& scale() const { return scale_; }
-  size_t size() const { return descriptor_of_row_.size(); }
-  size_t num_cells() const { return begin_.size() - 1; }
+  size_t size() const { return lists_.members.size(); }
+  size_t num_cells() const { return lists_.num_lists(); }
 
   // Queries, as ByteScale makes them, in the form that Search takes.
   BlockQueries Prepare(std::span<const int16_t> query_steps) const {
@@ -43,9 +49,10 @@ class CellLists {
   size_t MemoryBytes() const;
 
  private:
+  class Prefetcher;
+
   ByteScale scale_;
-  std::vector<uint32_t> begin_;              // Of each cell, num_cells + 1 offsets into the rows.
-  std::vector<uint32_t> descriptor_of_row_;  // Ascending within a cell.
+  TileLists lists_;  // The members are the descriptors of the rows.
   BlockedRows rows_;
   size_t max_cell_size_ = 0;
 };

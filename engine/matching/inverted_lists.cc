@@ -2,23 +2,39 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace cairn {
+namespace {
+
+TileLists MakeLists(const ByteDescriptors& descriptors, const InvertedListsOptions& options) {
+  const ByteWords words(descriptors, {.first_dim = 0,
+                                      .num_dims = descriptors.scale().dim(),
+                                      .num_words = options.num_lists,
+                                      .num_iterations = options.num_iterations,
+                                      .seed = options.seed});
+  TileLists lists = ListsOfCells(words.NearestWords(descriptors), words.size());
+  // Equal offsets enclose an empty list.
+  lists.begin.erase(std::unique(lists.begin.begin(), lists.begin.end()), lists.begin.end());
+  return lists;
+}
+
+}  // namespace
+
+TileLists MakeTileLists(const Codebook& codebook, std::span<const uint8_t> codes,
+                        const InvertedListsOptions& options) {
+  return codes.empty() ? TileLists() : MakeLists(ByteDescriptors(codebook, codes), options);
+}
 
 InvertedLists::InvertedLists(const Codebook& codebook, std::span<const uint8_t> codes,
-                             const InvertedListsOptions& options)
-    : InvertedLists(ByteDescriptors(codebook, codes), options) {}
+                             const InvertedListsOptions& options, TileLists lists)
+    : InvertedLists(ByteDescriptors(codebook, codes), options.num_probes,
+                    lists.empty() ? MakeTileLists(codebook, codes, options) : std::move(lists)) {}
 
-InvertedLists::InvertedLists(const ByteDescriptors& descriptors,
-                             const InvertedListsOptions& options)
-    : words_(descriptors, {.first_dim = 0,
-                           .num_dims = descriptors.scale().dim(),
-                           .num_words = options.num_lists,
-                           .num_iterations = options.num_iterations,
-                           .seed = options.seed}),
-      lists_(descriptors, words_.NearestWords(descriptors), words_.size()) {
-  num_probes_ = std::min<size_t>(options.num_probes, words_.size());
-}
+InvertedLists::InvertedLists(const ByteDescriptors& descriptors, size_t num_probes, TileLists lists)
+    : num_probes_(std::min(num_probes, lists.num_lists())),
+      words_(descriptors, lists),
+      lists_(descriptors, std::move(lists)) {}
 
 std::vector<CellVisit> InvertedLists::MakeVisits(const std::vector<int16_t>& query_steps,
                                                  size_t num_queries) const {

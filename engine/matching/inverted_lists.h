@@ -10,21 +10,28 @@
 #include "engine/matching/byte_words.h"
 #include "engine/matching/cell_lists.h"
 #include "engine/matching/matching_index.h"
+#include "storage/tile_lists.h"
 
 namespace cairn {
+
+// Groups descriptors (codes: n x codebook.num_subspaces bytes) into lists around words trained on
+// them; none of them is empty, and there are none without descriptors. What ingest stores with a
+// tile. Deterministic by seed.
+TileLists MakeTileLists(const Codebook& codebook, std::span<const uint8_t> codes,
+                        const InvertedListsOptions& options);
 
 // Queries are compared list by list, so that a list that several of them visit is read once.
 class InvertedLists : public MatchingIndex {
  public:
-  // See MakeMatchingIndex.
+  // See MakeMatchingIndex. Without lists it makes them.
   InvertedLists(const Codebook& codebook, std::span<const uint8_t> codes,
-                const InvertedListsOptions& options);
+                const InvertedListsOptions& options, TileLists lists = {});
 
   int64_t Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const override;
   size_t MemoryBytes() const override { return words_.MemoryBytes() + lists_.MemoryBytes(); }
 
  private:
-  InvertedLists(const ByteDescriptors& descriptors, const InvertedListsOptions& options);
+  InvertedLists(const ByteDescriptors& descriptors, size_t num_probes, TileLists lists);
   // Ordered by cell, then query.
   std::vector<CellVisit> MakeVisits(const std::vector<int16_t>& query_steps,
                                     size_t num_queries) const;

@@ -85,13 +85,15 @@ float LandmarkRanking::SqOrientationChord(uint32_t keypoint_idx, uint8_t orienta
   return (a - b).squaredNorm();
 }
 
-float LandmarkRanking::SqPositionExcess(const TileView& view, uint32_t landmark_idx) const {
-  const Eigen::Vector3d x_in_anchor =
-      view.anchor_from_tile * view.tile->tile().x_in_tile[landmark_idx].cast<double>();
-  const double distance_m = (x_in_anchor.head<2>() - query_.region.prior_xy_in_anchor).norm();
-  const double excess =
-      std::max(0.0, distance_m - options_.viewing_distance_m) / query_.region.prior_sigma_m;
-  return static_cast<float>(excess * excess);
+float LandmarkRanking::SqPositionExcess(const Eigen::Vector2f& x_from_prior) const {
+  const auto viewing_distance_m = static_cast<float>(options_.viewing_distance_m);
+  const float sq_distance = x_from_prior.squaredNorm();
+  if (sq_distance <= viewing_distance_m * viewing_distance_m) {
+    return 0.0f;
+  }
+  const float excess = (std::sqrt(sq_distance) - viewing_distance_m) /
+                       static_cast<float>(query_.region.prior_sigma_m);
+  return excess * excess;
 }
 
 void LandmarkRanking::Insert(uint32_t keypoint_idx, const Neighbor& neighbor) {
@@ -121,7 +123,13 @@ void LandmarkRanking::Insert(uint32_t keypoint_idx, const Neighbor& neighbor) {
 }
 
 LandmarkRanking::TileHits::TileHits(LandmarkRanking* ranking, const TileView& view, int tile_idx)
-    : ranking_(*ranking), view_(view), tile_(view.tile->tile()), tile_idx_(tile_idx) {}
+    : ranking_(*ranking), view_(view), tile_(view.tile->tile()), tile_idx_(tile_idx) {
+  const Rigid3d& anchor_from_tile = view.anchor_from_tile;
+  prior_from_tile_ = anchor_from_tile.rotation.toRotationMatrix().topRows<2>().cast<float>();
+  tile_in_prior_ =
+      (anchor_from_tile.translation.head<2>() - ranking->query_.region.prior_xy_in_anchor)
+          .cast<float>();
+}
 
 float LandmarkRanking::TileHits::Take(const DescriptorHit& hit) {
   const float max_sq_distance = ranking_.MaxUsefulSqDistance(hit.query_idx);
@@ -161,7 +169,8 @@ void LandmarkRanking::TileHits::Rank(Candidate* candidate) {
   Neighbor& neighbor = candidate->neighbor;
   neighbor.landmark_id = tile_.landmark_ids[neighbor.landmark_idx];
   if (ranking_.uses_position_) {
-    const float sq_excess = ranking_.SqPositionExcess(view_, neighbor.landmark_idx);
+    const float sq_excess = ranking_.SqPositionExcess(
+        prior_from_tile_ * tile_.x_in_tile[neighbor.landmark_idx] + tile_in_prior_);
     if (sq_excess > ranking_.max_sq_excess_) {
       return;
     }

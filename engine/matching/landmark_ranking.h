@@ -58,8 +58,9 @@ class LandmarkRanking {
   // Squared chord between the orientations of a keypoint and a descriptor, (2 - 2 cos), in [0, 4];
   // 0 if either has none.
   float SqOrientationChord(uint32_t keypoint_idx, uint8_t orientation_code) const;
-  // Square of how far, in standard deviations of the prior, the landmark is out of its view.
-  float SqPositionExcess(const TileView& view, uint32_t landmark_idx) const;
+  // Square of how far, in standard deviations of the prior, a landmark is out of its view;
+  // x_from_prior is horizontal, metres.
+  float SqPositionExcess(const Eigen::Vector2f& x_from_prior) const;
   void Insert(uint32_t keypoint_idx, const Neighbor& neighbor);
 
   const QueryContext& query_;
@@ -107,6 +108,9 @@ class LandmarkRanking::TileHits : public HitReceiver {
   const TileView& view_;
   const Tile& tile_;
   const int tile_idx_;
+  // Horizontally from the prior to a point of the tile; floats resolve a millimetre.
+  Eigen::Matrix<float, 2, 3> prior_from_tile_;
+  Eigen::Vector2f tile_in_prior_;
   // Rings; the last kAhead of all that came wait.
   std::array<DescriptorHit, kAhead> hits_;
   std::array<Candidate, kAhead> candidates_;

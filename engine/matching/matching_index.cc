@@ -1,5 +1,7 @@
 #include "engine/matching/matching_index.h"
 
+#include <utility>
+
 #include "core/check.h"
 #include "engine/matching/exhaustive_index.h"
 #include "engine/matching/inverted_lists.h"
@@ -17,12 +19,13 @@ int64_t MatchingIndex::RangeSearch(const DescriptorMatrix& queries, double max_d
 
 std::unique_ptr<const MatchingIndex> MakeMatchingIndex(const Codebook& codebook,
                                                        std::span<const uint8_t> codes,
-                                                       const IndexOptions& options) {
+                                                       const IndexOptions& options,
+                                                       TileLists lists) {
   switch (options.kind) {
     case IndexKind::kRandomGrids:
       return std::make_unique<RandomGrids>(codebook, codes, options.grids);
     case IndexKind::kInvertedLists:
-      return std::make_unique<InvertedLists>(codebook, codes, options.lists);
+      return std::make_unique<InvertedLists>(codebook, codes, options.lists, std::move(lists));
     case IndexKind::kInvertedMultiIndex:
       return std::make_unique<InvertedMultiIndex>(codebook, codes, options.multi_index);
     case IndexKind::kKdTree:

@@ -12,6 +12,7 @@
 #include "engine/matching/hit_collector.h"
 #include "engine/matching/index_options.h"
 #include "storage/codebook.h"
+#include "storage/tile_lists.h"
 
 namespace cairn {
 
@@ -37,11 +38,13 @@ class MatchingIndex {
 };
 
 // Makes the index of n descriptors, codes: n x codebook.num_subspaces bytes, n < 2^32 - 1. The
-// options must be valid. Throws Error(kBadInput) if the codebook has more than 128 dimensions,
-// Error(kMapDamaged) if it lacks the same-landmark distances that random grids need.
+// options must be valid. Inverted lists are `lists` if there are any, which saves the time to make
+// them; the other kinds leave them. Throws Error(kBadInput) if the codebook has more than 128
+// dimensions, Error(kMapDamaged) if it lacks the same-landmark distances that random grids need.
 std::unique_ptr<const MatchingIndex> MakeMatchingIndex(const Codebook& codebook,
                                                        std::span<const uint8_t> codes,
-                                                       const IndexOptions& options);
+                                                       const IndexOptions& options,
+                                                       TileLists lists = {});
 
 }  // namespace cairn
 

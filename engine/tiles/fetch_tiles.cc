@@ -3,10 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
+#include <exception>
 #include <limits>
 #include <memory>
+#include <mutex>
+#include <thread>
 #include <utility>
 
 #include "core/error.h"
@@ -93,28 +97,92 @@ void RequireCurrentCodebook(const MapSnapshot& snapshot, const std::vector<TileR
   }
 }
 
-// The decoded tile of a record; errors name the tile.
-Tile DecodePayload(const MapSnapshot& snapshot, const TileRecord& record) {
-  try {
-    Tile tile = DecodeTile(snapshot.LoadPayload(record.payload_id));
-    if (tile.id != record.tile_id) {
-      throw Error(ErrorCode::kMapDamaged, fmt::format("holds tile {}", tile.id.ToString()));
-    }
-    return tile;
-  } catch (const Error& error) {
-    throw Error(error.code(),
-                fmt::format("tile {}, payload {}: {}; `cairn check` looks for more",
-                            record.tile_id.ToString(), Value(record.payload_id), error.what()));
-  }
-}
+// Gets the tiles of a query out of the cache or into it.
+class TileLoader {
+ public:
+  TileLoader(const MapSnapshot& snapshot, TileCache* cache, const IndexOptions& index_options)
+      : snapshot_(snapshot), cache_(cache), index_options_(index_options) {}
 
-// Fetches, decodes and indexes one tile.
-std::shared_ptr<const SearchableTile> LoadTile(const MapSnapshot& snapshot,
-                                               const TileRecord& record,
-                                               const IndexOptions& index_options) {
-  return std::make_shared<const SearchableTile>(
-      DecodePayload(snapshot, record), snapshot.LoadCodebook(record.codebook_id), index_options);
-}
+  // The tiles of the records, in their order. Several that are missing are loaded by as many
+  // threads, up to the number of cores. Throws the first error in order.
+  std::vector<std::shared_ptr<const SearchableTile>> Get(const std::vector<TileRecord>& records) {
+    std::vector<std::shared_ptr<const SearchableTile>> tiles(records.size());
+    std::vector<std::exception_ptr> errors(records.size());
+    std::atomic<size_t> next = 0;
+    const auto work = [&] {
+      for (size_t i = next++; i < records.size(); i = next++) {
+        try {
+          tiles[i] = Get(records[i]);
+        } catch (...) {
+          errors[i] = std::current_exception();
+        }
+      }
+    };
+    {
+      std::vector<std::jthread> helpers;
+      const size_t num_cores = std::max(1u, std::thread::hardware_concurrency());
+      for (size_t i = 1; i < std::min(NumMissing(records), num_cores); ++i) {
+        helpers.emplace_back(work);
+      }
+      work();
+    }
+    for (const std::exception_ptr& error : errors) {
+      if (error) {
+        std::rethrow_exception(error);
+      }
+    }
+    return tiles;
+  }
+
+  int64_t num_loaded() const { return num_loaded_; }
+
+ private:
+  size_t NumMissing(const std::vector<TileRecord>& records) const {
+    return std::count_if(records.begin(), records.end(), [&](const TileRecord& record) {
+      return cache_->Peek(record.payload_id) == nullptr;
+    });
+  }
+
+  std::shared_ptr<const SearchableTile> Get(const TileRecord& record) {
+    const auto load = [&]() -> std::shared_ptr<const CachedTile> {
+      ++num_loaded_;
+      return Load(record);
+    };
+    return std::static_pointer_cast<const SearchableTile>(
+        cache_->GetOrLoad(record.payload_id, load));
+  }
+
+  // Fetches, decodes and indexes a tile; errors name it.
+  std::shared_ptr<const SearchableTile> Load(const TileRecord& record) {
+    try {
+      std::shared_ptr<const Codebook> codebook;
+      TileLists lists;
+      Tile tile = DecodeTile(Fetch(record, &codebook), {}, &lists);
+      if (tile.id != record.tile_id) {
+        throw Error(ErrorCode::kMapDamaged, fmt::format("holds tile {}", tile.id.ToString()));
+      }
+      return std::make_shared<const SearchableTile>(std::move(tile), std::move(codebook),
+                                                    index_options_, std::move(lists));
+    } catch (const Error& error) {
+      throw Error(error.code(),
+                  fmt::format("tile {}, payload {}: {}; `cairn check` looks for more",
+                              record.tile_id.ToString(), Value(record.payload_id), error.what()));
+    }
+  }
+
+  // A snapshot serves one thread at a time.
+  std::vector<uint8_t> Fetch(const TileRecord& record, std::shared_ptr<const Codebook>* codebook) {
+    const std::lock_guard lock(mutex_);
+    *codebook = snapshot_.LoadCodebook(record.codebook_id);
+    return snapshot_.LoadPayload(record.payload_id);
+  }
+
+  const MapSnapshot& snapshot_;
+  TileCache* cache_;
+  const IndexOptions& index_options_;
+  std::mutex mutex_;
+  std::atomic<int64_t> num_loaded_ = 0;
+};
 
 // Heights of the cameras in anchor_from_ecef's frame, as [min, max].
 std::pair<double, double> HeightBand(const std::vector<TileRecord>& tiles,
@@ -155,17 +223,13 @@ std::vector<TileView> FetchTiles(const MapSnapshot& snapshot, TileCache* cache,
   RequireCurrentCodebook(snapshot, records);
   const Rigid3d anchor_from_ecef = region->ecef_from_anchor.Inverse();
   std::vector<TileView> views;
-  for (const TileRecord& record : records) {
-    const auto load = [&]() -> std::shared_ptr<const CachedTile> {
-      ++counters->num_tiles_loaded;
-      return LoadTile(snapshot, record, index_options);
-    };
-    auto tile =
-        std::static_pointer_cast<const SearchableTile>(cache->GetOrLoad(record.payload_id, load));
+  TileLoader loader(snapshot, cache, index_options);
+  for (std::shared_ptr<const SearchableTile>& tile : loader.Get(records)) {
     counters->num_descriptors += static_cast<int64_t>(tile->tile().num_descriptors());
     const Rigid3d anchor_from_tile = anchor_from_ecef * tile->ecef_from_tile();
     views.push_back({std::move(tile), anchor_from_tile});
   }
+  counters->num_tiles_loaded += loader.num_loaded();
   if (!records.empty()) {
     NarrowHeights(HeightBand(records, anchor_from_ecef, options.height_margin_m), region);
   }

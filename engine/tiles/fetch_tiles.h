@@ -16,8 +16,8 @@ namespace cairn {
 
 // With a prior: the tiles whose square meets the region's disc, nearest first. Without: the first
 // of the map by tile id. At most options.max_tiles. Loads what the cache misses (fetch, decode,
-// index), one after the other; the cache must hold nothing but tiles of this map made with these
-// index_options.
+// index), several tiles in parallel; the cache must hold nothing but tiles of this map made with
+// these index_options.
 //
 // Intersects the region's heights with those of the tiles' keyframes, widened by the margin. A
 // height prior that lies wholly outside them is dropped: it is more often a wrong datum than a

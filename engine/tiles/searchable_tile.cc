@@ -35,12 +35,12 @@ std::vector<uint32_t> LandmarkOfDescriptor(const Tile& tile) {
 }  // namespace
 
 SearchableTile::SearchableTile(Tile tile, std::shared_ptr<const Codebook> codebook,
-                               const IndexOptions& options)
+                               const IndexOptions& options, TileLists lists)
     : tile_(RequireCodebook(std::move(tile), *codebook)),
       codebook_(std::move(codebook)),
       ecef_from_tile_(EcefFromEnu(tile_.id.Anchor())),
       landmark_of_descriptor_(LandmarkOfDescriptor(tile_)),
-      index_(MakeMatchingIndex(*codebook_, tile_.codes, options)) {
+      index_(MakeMatchingIndex(*codebook_, tile_.codes, options, std::move(lists))) {
   if (options.num_reference_words > 0) {
     constexpr int kNumIterations = 5;
     constexpr uint64_t kSeed = 1;

@@ -13,6 +13,7 @@
 #include "storage/codebook.h"
 #include "storage/tile.h"
 #include "storage/tile_cache.h"
+#include "storage/tile_lists.h"
 
 namespace cairn {
 
@@ -20,8 +21,10 @@ namespace cairn {
 class SearchableTile : public CachedTile {
  public:
   // Builds the index. `tile` must be consistent (as DecodeTile returns it). Throws
-  // Error(kMapDamaged) if `codebook` is not the tile's, and as MakeMatchingIndex.
-  SearchableTile(Tile tile, std::shared_ptr<const Codebook> codebook, const IndexOptions& options);
+  // Error(kMapDamaged) if `codebook` is not the tile's, and as MakeMatchingIndex. `lists` are the
+  // tile's, if it has any.
+  SearchableTile(Tile tile, std::shared_ptr<const Codebook> codebook, const IndexOptions& options,
+                 TileLists lists = {});
 
   const Tile& tile() const { return tile_; }
   const Codebook& codebook() const { return *codebook_; }

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "engine/matching/inverted_lists.h"
 #include "eval/bench/bench_streets.h"
 #include "eval/city/descriptors/descriptor_model.h"
 #include "ingest/quantize/train_codebook.h"
@@ -283,7 +284,8 @@ class WorldBuilder {
     record.min_h_m = site_.h_m + kBenchCameraHeightM;
     record.max_h_m = record.min_h_m;
     record.landmark_bounds = tile.id.Bounds();
-    update->PutTile(record, EncodeTile(tile));
+    update->PutTile(record, EncodeTile(tile, MakeTileLists(codec_->codebook(), tile.codes,
+                                                           InvertedListsOptions())));
   }
 
   // Remembers the landmarks that a query can see.

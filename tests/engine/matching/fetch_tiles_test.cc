@@ -126,6 +126,19 @@ TEST_F(FetchTilesTest, LoadsEachTileOnceAndCountsDescriptors) {
   EXPECT_EQ(again[0].tile, first[0].tile);
 }
 
+TEST_F(FetchTilesTest, LoadsSeveralMissingTilesOnceEachInOrder) {
+  SearchRegion region = Disc(0.0, 1.0);
+  region.has_prior = false;
+  const auto first = Fetch(&region);
+  EXPECT_EQ(counters_.num_tiles_loaded, kNumTiles);
+  ASSERT_EQ(first.size(), size_t{kNumTiles});
+  for (int i = 0; i < kNumTiles; ++i) {
+    EXPECT_EQ(first[i].tile->tile().id, TileInRow(i));
+  }
+  Fetch(&region);
+  EXPECT_EQ(counters_.num_tiles_loaded, 0);
+}
+
 TEST_F(FetchTilesTest, MovesTilesIntoTheAnchorFrame) {
   SearchRegion region = Disc(60.0, 20.0);
   for (const TileView& view : Fetch(&region)) {

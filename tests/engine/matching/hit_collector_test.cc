@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <random>
 #include <utility>
 #include <vector>
@@ -89,6 +90,34 @@ TEST_F(HitCollectorTest, ManyHitsAreTheSameInAnyOrderAndTightenTheDistance) {
     results.push_back(Pairs(hits));
   }
   EXPECT_EQ(results[0], results[1]);
+}
+
+TEST_F(HitCollectorTest, AReceiverGetsTheHitsAndLowersTheBound) {
+  class Receiver : public HitReceiver {
+   public:
+    float Take(const DescriptorHit& hit) override {
+      hits.push_back(hit);
+      return max_sq_distance;
+    }
+    std::vector<DescriptorHit> hits;
+    float max_sq_distance = std::numeric_limits<float>::infinity();
+  } receiver;
+  HitCollector collector(
+      scale_,
+      {.queries = queries_, .max_distances = max_distances_, .max_hits = 1, .receiver = &receiver});
+  const int32_t before = collector.max_sq_steps(1);
+  collector.Add(1, 7, 100);
+  EXPECT_EQ(collector.max_sq_steps(1), before);
+  receiver.max_sq_distance = 50.0f * scale_.step() * scale_.step();
+  collector.Add(1, 8, 60);
+  EXPECT_GE(collector.max_sq_steps(1), 50);  // What is just useful must pass.
+  EXPECT_LE(collector.max_sq_steps(1), 51);
+  EXPECT_EQ(collector.max_sq_steps(0), scale_.MaxSqSteps(max_distances_[0]));
+  receiver.max_sq_distance = 80.0f * scale_.step() * scale_.step();
+  collector.Add(1, 9, 10);
+  EXPECT_LE(collector.max_sq_steps(1), 51);  // Never rises.
+  EXPECT_THAT(Pairs(receiver.hits), ElementsAre(std::pair(1, 7), std::pair(1, 8), std::pair(1, 9)));
+  EXPECT_FLOAT_EQ(receiver.hits[1].sq_distance, 60.0f * scale_.step() * scale_.step());
 }
 
 TEST_F(HitCollectorTest, NothingGivesNothing) {

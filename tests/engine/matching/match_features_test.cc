@@ -3,9 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <random>
 #include <tuple>
+#include <utility>
 
 #include "core/error.h"
 #include "engine/matching/simple_tile.h"
@@ -176,6 +180,81 @@ TEST(MatchFeatures, EveryKindOfIndexGivesTheSameMatches) {
     EXPECT_THAT(LandmarkIds(tiles, Match(query, tiles, options)), ElementsAre(2, 1, 1, 4))
         << IndexKindName(kind);
   }
+}
+
+// Landmarks at random places with random descriptors; some are in several tiles.
+std::vector<SimpleLandmark> RandomLandmarks(std::mt19937_64* random, int count) {
+  const auto uniform = [random](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(*random);
+  };
+  std::vector<SimpleLandmark> landmarks;
+  for (int i = 0; i < count; ++i) {
+    SimpleLandmark landmark = {.id = (*random)() % 300,
+                               .x_in_tile = {uniform(-70, 70), uniform(-70, 70), 0.0}};
+    for (uint64_t j = 0; j < 1 + (*random)() % 4; ++j) {
+      landmark.descriptors.push_back({0.1f * static_cast<float>((*random)() % 16), std::nullopt});
+      if ((*random)() % 5 != 0) {
+        landmark.descriptors.back().orientation_rad = uniform(-kPi, kPi);
+      }
+    }
+    landmarks.push_back(landmark);
+  }
+  return landmarks;
+}
+
+// Hits wait in rings and bounds fall while the search runs; nothing may get lost on the way.
+TEST(MatchFeatures, KeepsTheBestOfAllHitsOfAllTiles) {
+  std::mt19937_64 random(1);
+  std::vector<TileView> tiles;
+  for (int tile = 0; tile < 3; ++tile) {
+    tiles.push_back(SimpleView(SimpleTile(RandomLandmarks(&random, 150))));
+  }
+  QueryContext query = SimpleQuery({{0.0f, 1.0}, {0.7f, -2.0}, {1.5f, std::nullopt}, {0.3f, 3.0}});
+  query.region.has_prior = true;
+  query.region.prior_sigma_m = 10.0;
+  const MatchingOptions options = {.max_neighbors = 5,
+                                   .orientation_weight = 0.2,
+                                   .position_weight = 0.1,
+                                   .viewing_distance_m = 20.0};
+  const auto matches = Match(query, tiles, options);
+
+  using Ranked = std::pair<float, uint64_t>;
+  std::vector<Ranked> expected;
+  for (int keypoint = 0; keypoint < query.num_keypoints(); ++keypoint) {
+    std::map<uint64_t, float> best_of_landmark;
+    for (const TileView& view : tiles) {
+      const Tile& tile = view.tile->tile();
+      std::vector<DescriptorHit> hits;
+      ByteDescriptors(view.tile->codebook(), tile.codes)
+          .RangeSearch(query.descriptors.row(keypoint), 1.8, &hits);
+      for (const DescriptorHit& hit : hits) {
+        const uint32_t landmark = view.tile->landmark_of_descriptor()[hit.descriptor_idx];
+        double sq_distance = hit.sq_distance;
+        const uint8_t code = tile.orientation_codes[hit.descriptor_idx];
+        if (code != kNoOrientation && query.gravity_orientations_rad[keypoint]) {
+          sq_distance += 0.2 * (2.0 - 2.0 * std::cos(OrientationFromCode(code) -
+                                                     *query.gravity_orientations_rad[keypoint]));
+        }
+        const double excess =
+            std::max(0.0, tile.x_in_tile[landmark].head<2>().cast<double>().norm() - 20.0) / 10.0;
+        sq_distance += 0.1 * excess * excess;
+        const auto [entry, is_new] = best_of_landmark.try_emplace(
+            Value(tile.landmark_ids[landmark]), static_cast<float>(sq_distance));
+        entry->second = std::min(entry->second, static_cast<float>(sq_distance));
+      }
+    }
+    std::vector<Ranked> ranked;
+    for (const auto& [id, sq_distance] : best_of_landmark) {
+      ranked.emplace_back(sq_distance, id);
+    }
+    std::sort(ranked.begin(), ranked.end());
+    expected.insert(expected.end(), ranked.begin(), ranked.begin() + 5);
+  }
+  ASSERT_EQ(matches.size(), expected.size());
+  for (size_t i = 0; i < matches.size(); ++i) {
+    EXPECT_NEAR(matches[i].sq_distance, expected[i].first, 1e-4);
+  }
+  EXPECT_EQ(LandmarkIds(tiles, matches).front(), expected.front().second);
 }
 
 TEST(MatchFeatures, PriorTermsDoNotMoveTheThreshold) {

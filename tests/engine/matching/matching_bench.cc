@@ -194,7 +194,7 @@ void SearchKind(benchmark::State& state) {
   state.counters["megabytes"] = static_cast<double>(index->MemoryBytes()) * 1e-6;
 }
 BENCHMARK(SearchKind)
-    ->Args({static_cast<int64_t>(IndexKind::kInvertedLists), 16})  // The default.
+    ->Args({static_cast<int64_t>(IndexKind::kInvertedLists), 12})  // The default.
     ->Args({static_cast<int64_t>(IndexKind::kInvertedLists), 32})
     ->Args({static_cast<int64_t>(IndexKind::kInvertedMultiIndex), 1000})
     ->Args({static_cast<int64_t>(IndexKind::kKdTree), 128})

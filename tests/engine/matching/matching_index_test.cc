@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -16,6 +18,7 @@
 #include "core/error.h"
 #include "engine/matching/byte_descriptors.h"
 #include "engine/matching/distance_statistics.h"
+#include "engine/matching/inverted_lists.h"
 #include "engine/matching/synthetic_descriptors.h"
 #include "storage/descriptor_codec.h"
 
@@ -244,6 +247,46 @@ TEST_P(MatchingIndexTest, MemoryGrowsWithTheDescriptors) {
   constexpr size_t kBytesPerDescriptor = 16;
   EXPECT_GE(small->MemoryBytes(), 2'000 * kBytesPerDescriptor);
   EXPECT_GE(large->MemoryBytes(), small->MemoryBytes() + 14'000 * kBytesPerDescriptor);
+}
+
+TEST_P(MatchingIndexTest, AReceiverGetsWhatWouldBeReturned) {
+  class Receiver : public HitReceiver {
+   public:
+    float Take(const DescriptorHit& hit) override {
+      hits.push_back(hit);
+      return std::numeric_limits<float>::infinity();
+    }
+    std::vector<DescriptorHit> hits;
+  } receiver;
+  const SyntheticDescriptors data = MakeSyntheticDescriptors({});
+  const std::vector<double> max_distances(data.queries.rows(), Threshold(data));
+  Make(data)->Search(
+      {.queries = data.queries, .max_distances = max_distances, .receiver = &receiver}, nullptr);
+  EXPECT_EQ(Sorted(receiver.hits), Sorted(Hits(data)));
+}
+
+TEST_P(MatchingIndexTest, ListsThatWereMadeBeforeChangeNothing) {
+  const SyntheticDescriptors data = MakeSyntheticDescriptors({});
+  TileLists lists = MakeTileLists(*data.codebook, data.codes, Options().lists);
+  std::vector<DescriptorHit> hits;
+  MakeMatchingIndex(*data.codebook, data.codes, Options(), std::move(lists))
+      ->RangeSearch(data.queries, Threshold(data), &hits);
+  EXPECT_EQ(Sorted(hits), Sorted(Hits(data)));
+}
+
+TEST(MakeTileLists, HoldEveryDescriptorOnceAndNoListIsEmpty) {
+  const SyntheticDescriptors data = MakeSyntheticDescriptors({.num_landmarks = 50});
+  const TileLists lists =
+      MakeTileLists(*data.codebook, data.codes, {.num_lists = 100, .num_iterations = 20});
+  std::vector<uint32_t> members = lists.members;
+  std::sort(members.begin(), members.end());
+  std::vector<uint32_t> all(100);
+  std::iota(all.begin(), all.end(), 0u);
+  EXPECT_EQ(members, all);
+  EXPECT_EQ(lists.begin.front(), 0u);
+  EXPECT_EQ(lists.begin.back(), 100u);
+  EXPECT_TRUE(std::is_sorted(lists.begin.begin(), lists.begin.end(), std::less_equal<>()));
+  EXPECT_TRUE(MakeTileLists(*data.codebook, {}, {}).empty());
 }
 
 INSTANTIATE_TEST_SUITE_P(AllKinds, MatchingIndexTest,
