@@ -22,8 +22,8 @@ Rigid3d Moved(const Rigid3d& global_from_local, const GlobalVector& error) {
   return global_from_local * Rigid3d(ExpSo3({error[4], error[5], error[3]}), error.head<3>());
 }
 
-// A sight, and the variance of its residual: noise plus, per axis, what the clone's error makes of
-// it.
+// A sight, and the variance of its residual: noise plus, per axis, what the errors of clone and
+// tile make of it.
 struct WeighedRows {
   MapRows rows;
   double variance = 1.0;
@@ -64,7 +64,9 @@ std::vector<WeighedRows> LinearizeAll(const Camera& camera, const FilterState& s
     const Eigen::Matrix2d by_clone = rows->by_clone *
                                      state.covariance().block<kCloneDim, kCloneDim>(clone, clone) *
                                      rows->by_clone.transpose();
-    weighed.push_back({*rows, 1.0 + 0.5 * by_clone.trace()});
+    const double by_tile =
+        state.tile_sigma_m() * state.tile_sigma_m() * rows->by_tile.squaredNorm();
+    weighed.push_back({*rows, 1.0 + 0.5 * (by_clone.trace() + by_tile)});
   }
   return weighed;
 }

@@ -1,10 +1,12 @@
 #include "fusion/estimator.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <utility>
 
 #include "fusion/chi_square.h"
+#include "fusion/point_update.h"
 
 namespace cairn::fusion {
 namespace {
@@ -96,6 +98,7 @@ void Estimator::Restart(Mode mode) {
   contradictions_.clear();
   last_query_ns_.reset();
   last_applied_ns_.reset();
+  last_rotation_only_ns_ = 0;
   last_frame_ns_ = -1;
 }
 
@@ -128,27 +131,55 @@ void Estimator::ProcessWaitingFrames() {
 
 void Estimator::TryStart(const WaitingFrame& frame) {
   const int64_t now_ns = ImuTime(frame.timestamp_ns);
-  const int64_t begin_ns = now_ns - Nanoseconds(options_.standstill.start_window_s);
+  const int64_t static_begin_ns = now_ns - Nanoseconds(options_.standstill.start_window_s);
+  const int64_t begin_ns =
+      std::min(static_begin_ns, now_ns - Nanoseconds(options_.dynamic_start.window_s));
   const int64_t frame_id = next_frame_id_++;
   tracks_.AddFrame(frame_id, options_.camera, frame.features);
-  start_frames_.emplace_back(frame_id, now_ns);
-  while (start_frames_.front().second < begin_ns) {
-    tracks_.DropFrame(start_frames_.front().first);
+  start_frames_.push_back({frame_id, now_ns});
+  while (start_frames_.front().timestamp_ns < begin_ns) {
+    tracks_.DropFrame(start_frames_.front().frame_id);
     start_frames_.pop_front();
   }
+  const auto first_static = std::find_if(
+      start_frames_.begin(), start_frames_.end(),
+      [&](const StartFrame& start_frame) { return start_frame.timestamp_ns >= static_begin_ns; });
   const auto disparity =
-      MedianDisparity(tracks_, start_frames_.front().first, frame_id, options_.standstill);
+      MedianDisparity(tracks_, first_static->frame_id, frame_id, options_.standstill);
   const bool moves = disparity && *disparity > options_.standstill.max_disparity_px;
-  const auto start = !moves && imu_.Covers(begin_ns, now_ns)
-                         ? StaticStart(imu_, begin_ns, now_ns, options_.imu_noise,
-                                       options_.gravity_m_s2, options_.start, options_.standstill)
-                         : std::nullopt;
+  std::optional<StartState> start;
+  if (moves) {
+    start = TryDynamicStart();
+  } else if (imu_.Covers(static_begin_ns, now_ns)) {
+    start = StaticStart(imu_, static_begin_ns, now_ns, options_.imu_noise, options_.gravity_m_s2,
+                        options_.start, options_.standstill);
+  }
   tracks_.DropFinished(frame_id);
   if (start) {
     tracks_.Clear();
     start_frames_.clear();
     StartAt(now_ns, *start);
   }
+}
+
+std::optional<StartState> Estimator::TryDynamicStart() const {
+  const DynamicStartOptions& options = options_.dynamic_start;
+  const int64_t now_ns = start_frames_.back().timestamp_ns;
+  const double spanned_s = Seconds(now_ns - start_frames_.front().timestamp_ns);
+  // Nearly the whole window; and, as it takes the time of many frames, not with each.
+  if (!options.enabled || spanned_s < 0.8 * options.window_s ||
+      start_frames_.back().frame_id % 3 != 0 ||
+      !imu_.Covers(start_frames_.front().timestamp_ns, now_ns)) {
+    return std::nullopt;
+  }
+  const size_t stride = (start_frames_.size() - 1) / static_cast<size_t>(options.max_frames) + 1;
+  std::vector<StartFrame> frames;
+  for (size_t i = (start_frames_.size() - 1) % stride; i < start_frames_.size(); i += stride) {
+    frames.push_back(start_frames_[i]);
+  }
+  return DynamicStart({imu_, tracks_, frames, options_.camera, options_.rig, options_.imu_noise,
+                       options_.gravity_m_s2, options_.tracks},
+                      options);
 }
 
 void Estimator::PropagateTo(int64_t timestamp_ns) {
@@ -160,8 +191,7 @@ void Estimator::PropagateTo(int64_t timestamp_ns) {
   });
   state_->Propagate(end, first, transition);
   filter_time_ns_ = timestamp_ns;
-  imu_.DropBefore(timestamp_ns - Nanoseconds(std::max(options_.standstill.window_s,
-                                                      options_.standstill.start_window_s)));
+  imu_.DropBefore(timestamp_ns - Nanoseconds(options_.standstill.window_s));
 }
 
 void Estimator::CatchUpWithoutFrames() {
@@ -179,13 +209,21 @@ void Estimator::ProcessFrame(const WaitingFrame& frame) {
   ++counters_.num_frames;
   const Rigid3d predicted = state_->imu().local_from_imu;
   CheckStandstill();
+  CheckRotationOnly();
   ExpireQueries();
   ProcessAnswers();
+  UpdateFromPoints(options_.camera, frame_id, options_.tracks, &tracks_, state_.get());
   UpdateFromFinishedTracks();
   RetireClones();
   tracks_.DropFinished(frame_id);
   slew_.TakeUp(predicted, state_->imu().local_from_imu);
   slew_.Return(state_->imu().local_from_imu);
+  const double velocity_variance =
+      state_->covariance().diagonal().segment<3>(kVelocityIdx).maxCoeff();
+  if (!(velocity_variance < std::pow(options_.max_velocity_sigma_m_s, 2))) {
+    Restart(Mode::kLost);
+    return;
+  }
   RestartHead();
 }
 
@@ -220,12 +258,37 @@ void Estimator::CheckStandstill() {
   }
 }
 
+void Estimator::CheckRotationOnly() {
+  const auto& clones = state_->clones();
+  // From one such update to the next, so that none repeats what another has said.
+  const auto begin = std::find_if(clones.begin(), clones.end(), [this](const Clone& clone) {
+    return clone.timestamp_ns >= last_rotation_only_ns_;
+  });
+  const int from = static_cast<int>(begin - clones.begin());
+  const int to = static_cast<int>(clones.size()) - 1;
+  if (2 * (to - from) < options_.max_clones) {
+    return;
+  }
+  const auto parallax_px =
+      MedianParallaxPx(*state_, options_.camera, tracks_, from, to, options_.rotation_only);
+  const auto measurement = parallax_px
+                               ? RotationOnlyMeasurement(*state_, options_.camera, *parallax_px,
+                                                         from, to, options_.rotation_only)
+                               : std::nullopt;
+  if (measurement && state_->SquaredMahalanobis(*measurement) <
+                         ChiSquareQuantile(3, options_.rotation_only.gate_quantile)) {
+    state_->Update(*measurement);
+    last_rotation_only_ns_ = clones.back().timestamp_ns;
+    ++counters_.num_rotations;
+  }
+}
+
 void Estimator::UpdateFromFinishedTracks() {
   const auto& clones = state_->clones();
   const int64_t frame_id = clones.back().frame_id;
   const int leaving = static_cast<int>(clones.size()) - options_.max_clones - 1;
   const int64_t leaving_frame = leaving >= 0 ? clones[static_cast<size_t>(leaving)].frame_id : -1;
-  std::vector<std::vector<Observation>> finished;
+  std::vector<FinishedTrack> finished;
   for (Track& track : tracks_.tracks()) {
     const bool leaves =
         std::any_of(track.observations.begin(), track.observations.end(),
@@ -244,7 +307,7 @@ void Estimator::UpdateFromFinishedTracks() {
                  taken);
     if (static_cast<int>(sights.size()) >= options_.tracks.min_views) {
       std::erase_if(track.observations, taken);
-      finished.push_back(std::move(sights));
+      finished.push_back({track.track_id, track.last_frame_id == frame_id, std::move(sights)});
     }
   }
   const TrackUpdateCounts counts =

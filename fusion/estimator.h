@@ -26,6 +26,7 @@ struct EstimatorCounters {
   int64_t num_tracks_used = 0;
   int64_t num_tracks_gated = 0;
   int64_t num_standstills = 0;  // Frames with a zero-velocity update.
+  int64_t num_rotations = 0;    // Updates that say the device has only turned.
   int64_t num_alignments = 0;
   int64_t num_realignments = 0;  // Alignments given up for contradictions.
 };
@@ -97,11 +98,14 @@ class Estimator {
   void ProcessWaitingFrames();
   void ProcessFrame(const WaitingFrame& frame);
   void TryStart(const WaitingFrame& frame);
+  std::optional<StartState> TryDynamicStart() const;
   void PropagateTo(int64_t timestamp_ns);
   void CatchUpWithoutFrames();
 
   // Zero-velocity update if the device rests.
   void CheckStandstill();
+  // Bounds the way if the camera has only turned.
+  void CheckRotationOnly();
   void UpdateFromFinishedTracks();
   void RetireClones();
   void RemoveClone(int clone);
@@ -113,8 +117,8 @@ class Estimator {
   void AppendSights(const std::vector<MapMatch>& matches, int64_t frame_id, LedgerSights* sights);
   void AppendTrack(const Track& track, const MapMatch& match, int64_t frame_id, MapSight sight,
                    LedgerSights* sights) const;
-  // Leaves only the sights at one clone.
-  static void KeepClone(int clone, LedgerSights* sights);
+  // What the error of a sight's landmark amounts to in the image; infinite before the alignment.
+  double LandmarkNoisePx(const MapSight& sight) const;
   void TakeOut(const LedgerSights& sights, const std::vector<bool>& used);
   MapUpdateResult UpdateFromMatches(const std::vector<MapMatch>& matches, int64_t frame_id);
   AnswerReport Apply(const Answer& answer, int64_t frame_id, const Rigid3d& candidate);
@@ -140,8 +144,9 @@ class Estimator {
   int64_t next_frame_id_ = 1;
   int num_out_of_order_ = 0;
   std::deque<WaitingFrame> waiting_;
-  std::deque<std::pair<int64_t, int64_t>> start_frames_;  // (frame id, timestamp) before the start.
-  std::optional<int64_t> standstill_anchor_;              // Frame in which the device came to rest.
+  std::deque<StartFrame> start_frames_;  // Before the start.
+  int64_t last_rotation_only_ns_ = 0;
+  std::optional<int64_t> standstill_anchor_;  // Frame in which the device came to rest.
 
   std::vector<PendingQuery> pending_;
   std::vector<int64_t> given_up_;  // The last queries whose clone is gone.

@@ -1,6 +1,7 @@
 // The part of Estimator that asks the map and takes up its answers.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "fusion/alignment.h"
@@ -163,16 +164,11 @@ void Estimator::AppendSights(const std::vector<MapMatch>& matches, int64_t frame
     MapSight sight{match_idx,     FindClone(*state_, frame_id),
                    match.pixel,   match.x_in_global,
                    match.sigma_m, match.tile_id};
-    const size_t first = sights->sights.size();
+    sight.sigma_m *= std::sqrt(landmark_uses_.VarianceFactor(match.landmark_id));
     if (!match.track_id) {
       sights->Add(sight, match);
     } else if (const Track* track = tracks_.Find(*match.track_id)) {
       AppendTrack(*track, match, frame_id, sight, sights);
-    }
-    const auto num_sights = static_cast<double>(sights->sights.size() - first);
-    const double factor = std::sqrt(num_sights * landmark_uses_.VarianceFactor(match.landmark_id));
-    for (size_t i = first; i < sights->sights.size(); ++i) {
-      sights->sights[i].sigma_m *= factor;
     }
     ++match_idx;
   }
@@ -186,27 +182,35 @@ void Estimator::AppendTrack(const Track& track, const MapMatch& match, int64_t f
   if (queried == track.observations.end()) {
     return;  // It has been used.
   }
+  const auto is_free = [&](const Observation& observation) {
+    return !observation.reserved && observation.frame_id != frame_id &&
+           FindClone(*state_, observation.frame_id) >= 0;
+  };
+  const auto num_others =
+      std::count_if(track.observations.begin(), track.observations.end(), is_free);
+  const double factor = std::sqrt(static_cast<double>(1 + num_others));
+  const bool takes_others = LandmarkNoisePx(sight) * factor < options_.map.sigma_px;
   sight.pixel = queried->pixel;
+  sight.sigma_m *= takes_others ? factor : 1.0;
   sights->Add(sight, match);
   for (const Observation& observation : track.observations) {
-    sight.clone = FindClone(*state_, observation.frame_id);
-    if (!observation.reserved && observation.frame_id != frame_id && sight.clone >= 0) {
+    if (takes_others && is_free(observation)) {
+      sight.clone = FindClone(*state_, observation.frame_id);
       sight.pixel = observation.pixel;
       sights->Add(sight, match);
     }
   }
 }
 
-void Estimator::KeepClone(int clone, LedgerSights* sights) {
-  LedgerSights kept;
-  for (size_t i = 0; i < sights->sights.size(); ++i) {
-    if (sights->sights[i].clone == clone) {
-      kept.sights.push_back(sights->sights[i]);
-      kept.track_ids.push_back(sights->track_ids[i]);
-      kept.landmark_ids.push_back(sights->landmark_ids[i]);
-    }
+double Estimator::LandmarkNoisePx(const MapSight& sight) const {
+  const auto& global_from_local = state_->global_from_local();
+  if (!global_from_local) {
+    return std::numeric_limits<double>::infinity();
   }
-  *sights = std::move(kept);
+  const Rigid3d& local_from_imu = state_->clones()[static_cast<size_t>(sight.clone)].local_from_imu;
+  const double distance_m =
+      (*global_from_local * local_from_imu.translation - sight.x_in_global).norm();
+  return options_.camera.focal_px() * sight.sigma_m / distance_m;
 }
 
 void Estimator::TakeOut(const LedgerSights& sights, const std::vector<bool>& used) {
@@ -311,7 +315,6 @@ void Estimator::TryAlign() {
   const auto newest = static_cast<size_t>(agreeing.back());
   LedgerSights sights;
   AppendSights(candidates_[newest].matches, candidates_[newest].frame_id, &sights);
-  KeepClone(FindClone(*state_, candidates_[newest].frame_id), &sights);
   if (!Align(options_.camera, sights.sights, poses[newest], options_.map, state_.get())) {
     return;
   }

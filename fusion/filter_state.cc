@@ -18,20 +18,26 @@ void FilterStateOptions::Validate() const {
                   "standard deviations of rig and tiles must be finite and not negative");
     }
   }
+  if (max_points < 0 || max_points > kMaxPoints) {
+    throw Error(ErrorCode::kInvalidArgument, "state: max_points is out of range");
+  }
 }
 
 FilterState::FilterState(const ImuState& imu, const Matrix15d& covariance, const Rig& rig,
                          const FilterStateOptions& options)
-    : imu_(imu),
+    : mean_{imu, rig, std::nullopt, {}, {}},
       first_{imu.local_from_imu.translation, imu.velocity_in_local},
-      rig_(rig),
       estimates_rig_(options.extrinsic_rotation_sigma_rad > 0.0 ||
                      options.extrinsic_translation_sigma_m > 0.0 ||
                      options.time_offset_sigma_s > 0.0),
       tile_sigma_m_(options.tile_sigma_m),
       tiles_idx_(kRigIdx + (estimates_rig_ ? kRigDim : 0)),
-      clones_idx_(tiles_idx_ + (options.tile_sigma_m > 0.0 ? kTileDim * kMaxTiles : 0)) {
-  clones_.reserve(kMaxClones);
+      points_idx_(tiles_idx_ + (options.tile_sigma_m > 0.0 ? kTileDim * kMaxTiles : 0)),
+      clones_idx_(points_idx_ + kPointDim * options.max_points),
+      covariance_(Eigen::MatrixXd::Zero(clones_idx_ + kCloneDim * kMaxClones,
+                                        clones_idx_ + kCloneDim * kMaxClones)) {
+  mean_.clones.reserve(kMaxClones);
+  mean_.points.resize(static_cast<size_t>(options.max_points));
   covariance_.topLeftCorner<kImuDim, kImuDim>() = covariance;
   if (estimates_rig_) {
     auto diagonal = covariance_.diagonal().segment<kRigDim>(kRigIdx);
@@ -48,23 +54,23 @@ void FilterState::Propagate(const ImuState& end, const FirstEstimate& first,
   Matrix15d imu_covariance = moved * transition.phi.transpose() + transition.noise;
   covariance_.topLeftCorner<kImuDim, kImuDim>() =
       0.5 * (imu_covariance + imu_covariance.transpose());
-  const Eigen::Matrix<double, kImuDim, Eigen::Dynamic, 0, kImuDim, kMaxStateDim> cross =
+  const Eigen::Matrix<double, kImuDim, Eigen::Dynamic> cross =
       transition.phi * covariance_.block(0, kImuDim, kImuDim, rest);
   covariance_.block(0, kImuDim, kImuDim, rest) = cross;
   covariance_.block(kImuDim, 0, rest, kImuDim) = cross.transpose();
-  imu_ = end;
+  mean_.imu = end;
   first_ = first;
 }
 
 void FilterState::AddClone(int64_t frame_id, int64_t timestamp_ns,
                            const Eigen::Vector3d& imu_rate_rad_s) {
-  CAIRN_CHECK(clones_.size() < kMaxClones, "room for one more clone");
+  CAIRN_CHECK(mean_.clones.size() < kMaxClones, "room for one more clone");
   const int old_dim = dim();
   // The clone's error is the pose's, plus how far the pose moves in an error of the time offset.
   covariance_.block(old_dim, 0, kCloneDim, old_dim) = covariance_.block(0, 0, kCloneDim, old_dim);
   if (estimates_rig_) {
     Eigen::Matrix<double, kCloneDim, 1> by_time;
-    by_time << imu_.local_from_imu.rotation * imu_rate_rad_s, imu_.velocity_in_local;
+    by_time << mean_.imu.local_from_imu.rotation * imu_rate_rad_s, mean_.imu.velocity_in_local;
     covariance_.block(old_dim, 0, kCloneDim, old_dim) +=
         by_time * covariance_.row(kRigIdx + 6).head(old_dim);
     covariance_.block(0, old_dim, old_dim, kCloneDim) =
@@ -78,7 +84,8 @@ void FilterState::AddClone(int64_t frame_id, int64_t timestamp_ns,
     covariance_.block<kCloneDim, kCloneDim>(old_dim, old_dim) =
         covariance_.block<kCloneDim, kCloneDim>(0, 0);
   }
-  clones_.push_back({frame_id, timestamp_ns, imu_.local_from_imu, first_.position_in_local});
+  mean_.clones.push_back(
+      {frame_id, timestamp_ns, mean_.imu.local_from_imu, first_.position_in_local});
 }
 
 void FilterState::RemoveClone(int clone) {
@@ -94,7 +101,7 @@ void FilterState::RemoveClone(int clone) {
   }
   covariance_.block(old_dim - kCloneDim, 0, kCloneDim, old_dim).setZero();
   covariance_.block(0, old_dim - kCloneDim, old_dim, kCloneDim).setZero();
-  clones_.erase(clones_.begin() + clone);
+  mean_.clones.erase(mean_.clones.begin() + clone);
 }
 
 int FilterState::TileIdx(uint64_t tile_id) {
@@ -129,29 +136,56 @@ std::optional<int> FilterState::FindTileIdx(uint64_t tile_id) const {
   return std::nullopt;
 }
 
-Eigen::MatrixXd FilterState::CovarianceColumns(const std::vector<StateBlock>& blocks) const {
-  Eigen::Index width = 0;
-  for (const StateBlock& block : blocks) {
-    width += block.size;
+bool FilterState::EnterPoint(int slot, uint64_t track_id, const PointRows& rows) {
+  // A standard deviation of 1 km is no position.
+  if (!(rows.by_point.diagonal().cwiseAbs().minCoeff() > 1e-3)) {
+    return false;
   }
-  Eigen::MatrixXd columns(dim(), width);
-  Eigen::Index next = 0;
-  for (const StateBlock& block : blocks) {
-    columns.middleCols(next, block.size) = covariance_.block(0, block.offset, dim(), block.size);
-    next += block.size;
-  }
-  return columns;
+  const Eigen::Vector3d error = EnterVariable(PointIdx(slot), rows.by_point, rows.clones);
+  mean_.points[static_cast<size_t>(slot)] = {track_id, rows.x_in_local + error, rows.x_in_local};
+  return true;
 }
 
-Eigen::MatrixXd FilterState::InnovationCovariance(const Measurement& measurement,
-                                                  const Eigen::MatrixXd& state_by_rows) const {
+void FilterState::RemovePoint(int slot) {
+  covariance_.block(PointIdx(slot), 0, kPointDim, dim()).setZero();
+  covariance_.block(0, PointIdx(slot), dim(), kPointDim).setZero();
+  mean_.points[static_cast<size_t>(slot)].reset();
+}
+
+Eigen::MatrixXd FilterState::StateByRows(std::span<const Measurement> parts) const {
+  Eigen::Index num_rows = 0;
+  for (const Measurement& part : parts) {
+    num_rows += part.num_rows();
+  }
+  Eigen::MatrixXd state_by_rows = Eigen::MatrixXd::Zero(dim(), num_rows);
+  Eigen::Index row = 0;
+  for (const Measurement& part : parts) {
+    Eigen::Index column = 0;
+    for (const StateBlock& block : part.blocks) {
+      state_by_rows.middleCols(row, part.num_rows()).noalias() +=
+          covariance_.block(0, block.offset, dim(), block.size) *
+          part.jacobian.middleCols(column, block.size).transpose();
+      column += block.size;
+    }
+    row += part.num_rows();
+  }
+  return state_by_rows;
+}
+
+Eigen::MatrixXd FilterState::InnovationCovariance(std::span<const Measurement> parts,
+                                                  const Eigen::MatrixXd& state_by_rows) {
   Eigen::MatrixXd innovation =
-      Eigen::MatrixXd::Identity(measurement.num_rows(), measurement.num_rows());
-  Eigen::Index next = 0;
-  for (const StateBlock& block : measurement.blocks) {
-    innovation.noalias() += measurement.jacobian.middleCols(next, block.size) *
-                            state_by_rows.middleRows(block.offset, block.size);
-    next += block.size;
+      Eigen::MatrixXd::Identity(state_by_rows.cols(), state_by_rows.cols());
+  Eigen::Index row = 0;
+  for (const Measurement& part : parts) {
+    Eigen::Index column = 0;
+    for (const StateBlock& block : part.blocks) {
+      innovation.middleRows(row, part.num_rows()).noalias() +=
+          part.jacobian.middleCols(column, block.size) *
+          state_by_rows.middleRows(block.offset, block.size);
+      column += block.size;
+    }
+    row += part.num_rows();
   }
   return innovation;
 }
@@ -176,92 +210,93 @@ double FilterState::SquaredMahalanobis(const Measurement& measurement) const {
                                       : std::numeric_limits<double>::infinity();
 }
 
-bool FilterState::Update(const Measurement& measurement) {
-  if (measurement.num_rows() == 0) {
+bool FilterState::Update(std::span<const Measurement> parts) {
+  const auto is_empty = [](const Measurement& part) { return part.num_rows() == 0; };
+  if (std::all_of(parts.begin(), parts.end(), is_empty)) {
     return true;
   }
-  Eigen::MatrixXd state_by_rows =
-      CovarianceColumns(measurement.blocks) * measurement.jacobian.transpose();
-  const Eigen::LLT<Eigen::MatrixXd> llt(InnovationCovariance(measurement, state_by_rows));
-  const Eigen::VectorXd whitened = llt.matrixL().solve(measurement.residual);
+  const std::optional<Correction> correction = Solve(parts);
+  if (correction) {
+    Apply(*correction);
+  }
+  return correction.has_value();
+}
+
+std::optional<Correction> FilterState::Solve(std::span<const Measurement> parts) const {
+  const Eigen::MatrixXd state_by_rows = StateByRows(parts);
+  if (state_by_rows.cols() == 0) {
+    return std::nullopt;
+  }
+  Eigen::VectorXd residual(state_by_rows.cols());
+  Eigen::Index row = 0;
+  for (const Measurement& part : parts) {
+    residual.segment(row, part.num_rows()) = part.residual;
+    row += part.num_rows();
+  }
+  const Eigen::LLT<Eigen::MatrixXd> llt(InnovationCovariance(parts, state_by_rows));
+  const Eigen::VectorXd whitened = llt.matrixL().solve(residual);
   if (llt.info() != Eigen::Success || !whitened.allFinite()) {
-    return false;
+    return std::nullopt;
   }
   // With S = L L' and W = L^-1 H P: the correction is W' L^-1 r, the covariance loses W' W.
-  Eigen::MatrixXd gain = state_by_rows.transpose();
-  llt.matrixL().solveInPlace(gain);
-  const Eigen::VectorXd error = gain.transpose() * whitened;
-  const int num_tiles_dims = clones_idx_ - tiles_idx_;
+  Correction correction;
+  correction.gain = state_by_rows.transpose();
+  llt.matrixL().solveInPlace(correction.gain);
+  correction.error = correction.gain.transpose() * whitened;
+  correction.error.segment(tiles_idx_, points_idx_ - tiles_idx_).setZero();  // Considered only.
+  return correction;
+}
+
+void FilterState::Apply(const Correction& correction) {
+  const int num_tiles_dims = points_idx_ - tiles_idx_;
   const Eigen::MatrixXd tiles =
       covariance_.block(tiles_idx_, tiles_idx_, num_tiles_dims, num_tiles_dims);
   auto lower = covariance_.topLeftCorner(dim(), dim()).selfadjointView<Eigen::Lower>();
-  lower.rankUpdate(gain.transpose(), -1.0);
+  lower.rankUpdate(correction.gain.transpose(), -1.0);
   covariance_.topLeftCorner(dim(), dim()).triangularView<Eigen::StrictlyUpper>() =
       covariance_.topLeftCorner(dim(), dim()).transpose();
   covariance_.block(tiles_idx_, tiles_idx_, num_tiles_dims, num_tiles_dims) = tiles;
-  Correct(error);
-  return true;
+  MoveMean(correction.error);
 }
 
-void FilterState::Correct(const Eigen::VectorXd& error) {
+void FilterState::MoveMean(const Eigen::VectorXd& error) {
   const auto turn = [&error](int offset, Eigen::Quaterniond* rotation) {
     *rotation = (ExpSo3(error.segment<3>(offset)) * *rotation).normalized();
   };
-  turn(kThetaIdx, &imu_.local_from_imu.rotation);
-  imu_.local_from_imu.translation += error.segment<3>(kPositionIdx);
-  imu_.velocity_in_local += error.segment<3>(kVelocityIdx);
-  imu_.gyro_bias += error.segment<3>(kGyroBiasIdx);
-  imu_.accel_bias += error.segment<3>(kAccelBiasIdx);
-  if (global_from_local_) {
+  turn(kThetaIdx, &mean_.imu.local_from_imu.rotation);
+  mean_.imu.local_from_imu.translation += error.segment<3>(kPositionIdx);
+  mean_.imu.velocity_in_local += error.segment<3>(kVelocityIdx);
+  mean_.imu.gyro_bias += error.segment<3>(kGyroBiasIdx);
+  mean_.imu.accel_bias += error.segment<3>(kAccelBiasIdx);
+  if (mean_.global_from_local) {
     const Eigen::Vector3d rotation(error[kGlobalIdx + 4], error[kGlobalIdx + 5],
                                    error[kGlobalIdx + 3]);
-    *global_from_local_ =
-        *global_from_local_ * Rigid3d(ExpSo3(rotation), error.segment<3>(kGlobalIdx));
+    *mean_.global_from_local =
+        *mean_.global_from_local * Rigid3d(ExpSo3(rotation), error.segment<3>(kGlobalIdx));
   }
   if (estimates_rig_) {
-    turn(kRigIdx, &rig_.cam_from_imu.rotation);
-    rig_.cam_from_imu.translation += error.segment<3>(kRigIdx + 3);
-    rig_.time_offset_s += error[kRigIdx + 6];
+    turn(kRigIdx, &mean_.rig.cam_from_imu.rotation);
+    mean_.rig.cam_from_imu.translation += error.segment<3>(kRigIdx + 3);
+    mean_.rig.time_offset_s += error[kRigIdx + 6];
   }
-  for (size_t i = 0; i < clones_.size(); ++i) {
+  for (size_t i = 0; i < mean_.points.size(); ++i) {
+    if (mean_.points[i]) {
+      mean_.points[i]->x_in_local += error.segment<3>(PointIdx(static_cast<int>(i)));
+    }
+  }
+  for (size_t i = 0; i < mean_.clones.size(); ++i) {
     const int offset = CloneIdx(static_cast<int>(i));
-    turn(offset, &clones_[i].local_from_imu.rotation);
-    clones_[i].local_from_imu.translation += error.segment<3>(offset + 3);
+    turn(offset, &mean_.clones[i].local_from_imu.rotation);
+    mean_.clones[i].local_from_imu.translation += error.segment<3>(offset + 3);
   }
 }
 
-Eigen::VectorXd FilterState::ErrorFrom(const FilterState& from) const {
-  Eigen::VectorXd error = Eigen::VectorXd::Zero(dim());
-  const auto pose = [&error](int offset, const Rigid3d& to, const Rigid3d& start) {
-    error.segment<3>(offset) = LogSo3(to.rotation * start.rotation.conjugate());
-    error.segment<3>(offset + 3) = to.translation - start.translation;
-  };
-  pose(kThetaIdx, imu_.local_from_imu, from.imu_.local_from_imu);
-  error.segment<3>(kVelocityIdx) = imu_.velocity_in_local - from.imu_.velocity_in_local;
-  error.segment<3>(kGyroBiasIdx) = imu_.gyro_bias - from.imu_.gyro_bias;
-  error.segment<3>(kAccelBiasIdx) = imu_.accel_bias - from.imu_.accel_bias;
-  if (global_from_local_ && from.global_from_local_) {
-    const Rigid3d moved = from.global_from_local_->Inverse() * *global_from_local_;
-    const Eigen::Vector3d rotation = LogSo3(moved.rotation);
-    error.segment<3>(kGlobalIdx) = moved.translation;
-    error.segment<3>(kGlobalIdx + 3) << rotation.z(), rotation.x(), rotation.y();
-  }
-  if (estimates_rig_) {
-    pose(kRigIdx, rig_.cam_from_imu, from.rig_.cam_from_imu);
-    error[kRigIdx + 6] = rig_.time_offset_s - from.rig_.time_offset_s;
-  }
-  for (size_t i = 0; i < clones_.size(); ++i) {
-    pose(CloneIdx(static_cast<int>(i)), clones_[i].local_from_imu, from.clones_[i].local_from_imu);
-  }
-  return error;
-}
-
-double LinearizationDoubt(const FilterState& state, const Eigen::VectorXd& error) {
+double FilterState::LinearizationDoubt(const Eigen::VectorXd& error) const {
   constexpr double kMaxTurnRad = 3e-3;
   constexpr double kMaxShiftM = 0.02;
   double doubt = 0.0;
-  for (int i = 0; i < static_cast<int>(state.clones().size()); ++i) {
-    const int offset = state.CloneIdx(i);
+  for (int i = 0; i < static_cast<int>(mean_.clones.size()); ++i) {
+    const int offset = CloneIdx(i);
     doubt = std::max({doubt, error.segment<3>(offset).norm() / kMaxTurnRad,
                       error.segment<3>(offset + 3).norm() / kMaxShiftM});
   }
@@ -291,15 +326,10 @@ bool FilterState::InitializeGlobal(const Rigid3d& global_from_local,
   Measurement rest{top.blocks,
                    rows.block(num_dims, num_dims, num_rows - num_dims, num_rest_columns),
                    rows.col(rows.cols() - 1).tail(num_rows - num_dims)};
-  const auto triangle = by_global.triangularView<Eigen::Upper>();
-  const Eigen::MatrixXd state_by_rows = CovarianceColumns(top.blocks) * top.jacobian.transpose();
-  const Eigen::MatrixXd inverse = triangle.solve(Eigen::MatrixXd::Identity(num_dims, num_dims));
-  global_from_local_ = global_from_local;
-  SetGlobalRows(-inverse * state_by_rows.transpose(),
-                inverse * InnovationCovariance(top, state_by_rows) * inverse.transpose());
+  mean_.global_from_local = global_from_local;
   Eigen::VectorXd error = Eigen::VectorXd::Zero(dim());
-  error.segment(kGlobalIdx, num_dims) = inverse * top.residual;
-  Correct(error);
+  error.segment(kGlobalIdx, num_dims) = EnterVariable(kGlobalIdx, by_global, top);
+  MoveMean(error);
   Compress(&rest);
   if (!Update(rest)) {
     ForgetGlobal();
@@ -308,17 +338,23 @@ bool FilterState::InitializeGlobal(const Rigid3d& global_from_local,
   return true;
 }
 
-void FilterState::SetGlobalRows(const Eigen::MatrixXd& global_by_state,
-                                const Eigen::MatrixXd& global_block) {
-  const Eigen::Index num_dims = global_block.rows();
-  covariance_.block(kGlobalIdx, 0, num_dims, dim()) = global_by_state;
-  covariance_.block(0, kGlobalIdx, dim(), num_dims) = global_by_state.transpose();
-  covariance_.block(kGlobalIdx, kGlobalIdx, num_dims, num_dims) =
-      0.5 * (global_block + global_block.transpose());
+Eigen::VectorXd FilterState::EnterVariable(int offset, const Eigen::MatrixXd& triangle,
+                                           const Measurement& top) {
+  const Eigen::Index size = triangle.rows();
+  const Eigen::MatrixXd inverse =
+      triangle.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(size, size));
+  const Eigen::MatrixXd state_by_rows = StateByRows({&top, 1});
+  const Eigen::MatrixXd block =
+      inverse * InnovationCovariance({&top, 1}, state_by_rows) * inverse.transpose();
+  const Eigen::MatrixXd by_state = -inverse * state_by_rows.transpose();
+  covariance_.block(offset, 0, size, dim()) = by_state;
+  covariance_.block(0, offset, dim(), size) = by_state.transpose();
+  covariance_.block(offset, offset, size, size) = 0.5 * (block + block.transpose());
+  return inverse * top.residual;
 }
 
 void FilterState::ForgetGlobal() {
-  global_from_local_.reset();
+  mean_.global_from_local.reset();
   covariance_.middleRows<kGlobalDim>(kGlobalIdx).setZero();
   covariance_.middleCols<kGlobalDim>(kGlobalIdx).setZero();
 }

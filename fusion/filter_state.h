@@ -5,6 +5,7 @@
 //   global      6  rho, psi, tilt x, tilt y of global_from_local; zero variance where not estimated
 //   rig         7  phi, p of cam_from_imu, and the time offset; only if one of them is estimated
 //   tiles     3 K  offset of each of K map tiles in global; only with tile_sigma_m > 0
+//   points    3 M  long-lived points in local; zero variance where there is none
 //   clones    6 N  theta, p of past poses of the imu
 #ifndef CAIRN_FUSION_FILTER_STATE_H_
 #define CAIRN_FUSION_FILTER_STATE_H_
@@ -13,6 +14,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -29,8 +31,8 @@ inline constexpr int kRigDim = 7;
 inline constexpr int kTileDim = 3;
 inline constexpr int kMaxClones = 24;
 inline constexpr int kMaxTiles = 8;
-inline constexpr int kMaxStateDim =
-    kImuDim + kGlobalDim + kRigDim + kTileDim * kMaxTiles + kCloneDim * kMaxClones;
+inline constexpr int kPointDim = 3;
+inline constexpr int kMaxPoints = 64;
 
 inline constexpr int kGlobalIdx = kImuDim;  // rho; psi follows at + 3, tilt at + 4.
 inline constexpr int kRigIdx = kGlobalIdx + kGlobalDim;
@@ -43,6 +45,23 @@ struct Clone {
   // Estimate when the clone was made. Jacobians by rotations are linearised here for as long as the
   // clone lives (first-estimate Jacobians).
   Eigen::Vector3d first_position_in_local = Eigen::Vector3d::Zero();
+};
+
+// A tracked point that stays in the state for as long as it is in view.
+struct StatePoint {
+  uint64_t track_id = 0;
+  Eigen::Vector3d x_in_local;
+  // Estimate when the point entered the state, at which Jacobians by rotations are linearised.
+  Eigen::Vector3d first_x_in_local;
+  bool contradicted = false;  // By its newest sight.
+};
+
+// What a track says about its point: by_point * (error of the point) + clones.jacobian * (error of
+// the state at clones.blocks) + noise = clones.residual, three rows, the noise white.
+struct PointRows {
+  Eigen::Vector3d x_in_local;  // Linearised at.
+  Eigen::Matrix3d by_point;    // Upper triangular.
+  Measurement clones;
 };
 
 // Mounting of the camera on the imu.
@@ -59,18 +78,17 @@ struct FilterStateOptions {
   // Standard deviation per axis of the offset that all landmarks of one tile share; 0: no such
   // variable. With it, the map is never corrected but its uncertainty is accounted for (Schmidt).
   double tile_sigma_m = 0.0;
+  // Tracked points that stay in the state while they are in view, in [0, kMaxPoints]; 0: none.
+  int max_points = 30;
 
   void Validate() const;
 };
 
-class FilterState;
-
-// Updates `state` with what `linearize(state)` (-> Measurement, its residuals compressed or not)
-// says. Where the correction is so large that the linearisation is in doubt (2 cm or 3 mrad at some
-// clone), the measurement is linearised again where the correction has led, at most twice: an
-// iterated Kalman update (Bell and Cathey 1993). Returns as FilterState::Update.
-template <typename Linearize>
-bool IteratedUpdate(const Linearize& linearize, FilterState* state);
+// What a measurement changes, before it does.
+struct Correction {
+  Eigen::VectorXd error;  // Of the mean.
+  Eigen::MatrixXd gain;   // The covariance loses gain' gain, but for the offsets of tiles.
+};
 
 // Not thread-safe. Of fixed size: no call allocates in proportion to anything but the measurement.
 class FilterState {
@@ -79,14 +97,14 @@ class FilterState {
   FilterState(const ImuState& imu, const Matrix15d& covariance, const Rig& rig,
               const FilterStateOptions& options);
 
-  const ImuState& imu() const { return imu_; }
+  const ImuState& imu() const { return mean_.imu; }
   const FirstEstimate& first() const { return first_; }
-  const Rig& rig() const { return rig_; }
+  const Rig& rig() const { return mean_.rig; }
   // Nothing until InitializeGlobal.
-  const std::optional<Rigid3d>& global_from_local() const { return global_from_local_; }
-  const std::vector<Clone>& clones() const { return clones_; }  // By time.
+  const std::optional<Rigid3d>& global_from_local() const { return mean_.global_from_local; }
+  const std::vector<Clone>& clones() const { return mean_.clones; }  // By time.
 
-  int dim() const { return clones_idx_ + kCloneDim * static_cast<int>(clones_.size()); }
+  int dim() const { return clones_idx_ + kCloneDim * static_cast<int>(mean_.clones.size()); }
   int CloneIdx(int clone) const { return clones_idx_ + kCloneDim * clone; }
   bool estimates_rig() const { return estimates_rig_; }
   auto covariance() const { return covariance_.topLeftCorner(dim(), dim()); }
@@ -109,15 +127,40 @@ class FilterState {
   bool has_tiles() const { return tile_sigma_m_ > 0.0; }
   double tile_sigma_m() const { return tile_sigma_m_; }
 
+  // By slot; nothing in free ones.
+  const std::vector<std::optional<StatePoint>>& points() const { return mean_.points; }
+  int PointIdx(int slot) const { return points_idx_ + kPointDim * slot; }
+
+  // Enters a point into a free slot with exact correlations. False, with nothing changed, if the
+  // rows leave it undetermined.
+  bool EnterPoint(int slot, uint64_t track_id, const PointRows& rows);
+
+  // Frees a slot.
+  void RemovePoint(int slot);
+
+  void SetContradicted(int slot, bool contradicted) {
+    mean_.points[static_cast<size_t>(slot)]->contradicted = contradicted;
+  }
+
   // Squared Mahalanobis distance of the residual.
   double SquaredMahalanobis(const Measurement& measurement) const;
 
   // Kalman update. Returns false and changes nothing if the innovation covariance is not finite and
   // positive. The offsets of tiles are considered, not updated.
-  bool Update(const Measurement& measurement);
+  bool Update(const Measurement& measurement) { return Update({&measurement, 1}); }
+  // As one measurement of all the rows, each part touching its own blocks only.
+  bool Update(std::span<const Measurement> parts);
 
-  // The error that leads from the mean of `from`, which has the same layout, to this one.
-  Eigen::VectorXd ErrorFrom(const FilterState& from) const;
+  // The two steps of Update: nothing if the innovation covariance is not finite and positive.
+  std::optional<Correction> Solve(std::span<const Measurement> parts) const;
+  void Apply(const Correction& correction);
+
+  // Kalman update with what `linearize(*this)` (-> Measurement, its residuals compressed or not)
+  // says. Where the correction is so large that the linearisation is in doubt (2 cm or 3 mrad at
+  // some clone), the measurement is linearised again where the correction leads, at most twice: an
+  // iterated Kalman update (Bell and Cathey 1993). Returns as Update.
+  template <typename Linearize>
+  bool IteratedUpdate(const Linearize& linearize);
 
   // Enters global_from_local, linearised at `global_from_local`, from a measurement whose first
   // block is {kGlobalIdx, num_global_dims}; the rows beyond those that determine it update the
@@ -129,21 +172,32 @@ class FilterState {
   void ForgetGlobal();
 
  private:
-  // Covariance between the whole state and the blocks of a measurement.
-  Eigen::MatrixXd CovarianceColumns(const std::vector<StateBlock>& blocks) const;
-  Eigen::MatrixXd InnovationCovariance(const Measurement& measurement,
-                                       const Eigen::MatrixXd& state_by_rows) const;
-  void Correct(const Eigen::VectorXd& error);
-  void SetGlobalRows(const Eigen::MatrixXd& global_by_state, const Eigen::MatrixXd& global_block);
+  struct Mean {
+    ImuState imu;
+    Rig rig;
+    std::optional<Rigid3d> global_from_local;
+    std::vector<Clone> clones;
+    std::vector<std::optional<StatePoint>> points;
+  };
 
-  ImuState imu_;
+  // P H': covariance between the whole state and the rows.
+  Eigen::MatrixXd StateByRows(std::span<const Measurement> parts) const;
+  static Eigen::MatrixXd InnovationCovariance(std::span<const Measurement> parts,
+                                              const Eigen::MatrixXd& state_by_rows);
+  void MoveMean(const Eigen::VectorXd& error);
+  // Largest correction of a clone, in units of those beyond which a linearisation is in doubt.
+  double LinearizationDoubt(const Eigen::VectorXd& error) const;
+  // Enters a variable g at `offset` of which `top` says: triangle * g + H x + n = r. Returns
+  // triangle^-1 r.
+  Eigen::VectorXd EnterVariable(int offset, const Eigen::MatrixXd& triangle,
+                                const Measurement& top);
+
+  Mean mean_;
   FirstEstimate first_;
-  Rig rig_;
-  std::optional<Rigid3d> global_from_local_;
-  std::vector<Clone> clones_;
   bool estimates_rig_;
   double tile_sigma_m_;
   int tiles_idx_;
+  int points_idx_;
   int clones_idx_;
   struct TileSlot {
     std::optional<uint64_t> tile_id;
@@ -151,41 +205,41 @@ class FilterState {
   };
   std::array<TileSlot, kMaxTiles> tiles_;
   int64_t tile_clock_ = 0;
-  Eigen::MatrixXd covariance_ =
-      Eigen::MatrixXd::Zero(kMaxStateDim, kMaxStateDim);  // Never resized.
+  Eigen::MatrixXd covariance_;  // Never resized.
 };
 
-// Largest correction of a clone, in units of those beyond which a linearisation is in doubt.
-double LinearizationDoubt(const FilterState& state, const Eigen::VectorXd& error);
-
 template <typename Linearize>
-bool IteratedUpdate(const Linearize& linearize, FilterState* state) {
+bool FilterState::IteratedUpdate(const Linearize& linearize) {
   constexpr int kMaxIterations = 3;
-  const Measurement first = linearize(*state);
-  const FilterState before = *state;
-  if (!state->Update(first)) {
+  std::optional<Correction> correction;
+  {
+    const Measurement measurement = linearize(*this);
+    correction = Solve({&measurement, 1});
+  }
+  if (!correction) {
     return false;
   }
-  Eigen::VectorXd error = state->ErrorFrom(before);
-  double doubt = LinearizationDoubt(before, error);
+  double doubt = LinearizationDoubt(correction->error);
   for (int i = 1; i < kMaxIterations && doubt > 1.0; ++i) {
-    Measurement again = linearize(*state);
+    Mean prior = mean_;
+    MoveMean(correction->error);
+    Measurement again = linearize(*this);
+    mean_ = std::move(prior);
     // About the prior mean again: r + H (x - x_prior).
     Eigen::Index column = 0;
     for (const StateBlock& block : again.blocks) {
-      again.residual +=
-          again.jacobian.middleCols(column, block.size) * error.segment(block.offset, block.size);
+      again.residual += again.jacobian.middleCols(column, block.size) *
+                        correction->error.segment(block.offset, block.size);
       column += block.size;
     }
-    FilterState next = before;
-    if (!next.Update(again)) {
-      return true;
+    std::optional<Correction> next = Solve({&again, 1});
+    if (!next) {
+      break;
     }
-    *state = std::move(next);
-    const Eigen::VectorXd new_error = state->ErrorFrom(before);
-    doubt = LinearizationDoubt(before, new_error - error);
-    error = new_error;
+    doubt = LinearizationDoubt(next->error - correction->error);
+    correction = std::move(next);
   }
+  Apply(*correction);
   return true;
 }
 

@@ -30,12 +30,14 @@ void FusionOptions::Validate() const {
     throw Error(ErrorCode::kInvalidArgument, "max_clones and query.max_pending exceed 18 together");
   }
   if (!(max_imu_gap_s > 0.0 && coasting_after_s > 0.0 && max_slew_m_per_frame > 0.0 &&
-        max_slew_rad_per_frame > 0.0)) {
+        max_slew_rad_per_frame > 0.0 && max_velocity_sigma_m_s > 0.0)) {
     throw Error(ErrorCode::kInvalidArgument, "times and rates must be positive");
   }
   state.Validate();
   standstill.Validate();
+  rotation_only.Validate();
   start.Validate();
+  dynamic_start.Validate();
   tracks.Validate();
   map.Validate();
   alignment.Validate();

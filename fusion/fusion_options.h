@@ -5,9 +5,11 @@
 #include "core/camera.h"
 #include "core/rigid3.h"
 #include "fusion/alignment.h"
+#include "fusion/dynamic_start.h"
 #include "fusion/filter_state.h"
 #include "fusion/imu.h"
 #include "fusion/map_update.h"
+#include "fusion/rotation_only.h"
 #include "fusion/standstill.h"
 #include "fusion/track_update.h"
 
@@ -40,8 +42,13 @@ struct FusionOptions {
   double max_slew_rad_per_frame = 0.002;
 
   FilterStateOptions state;
+  // Above it, per axis, the velocity is not known well enough for tracks to be of use; the track of
+  // local is lost and a new start is looked for.
+  double max_velocity_sigma_m_s = 2.0;
   StandstillOptions standstill;
+  RotationOnlyOptions rotation_only;
   StartPrior start;
+  DynamicStartOptions dynamic_start;
   TrackUpdateOptions tracks;
   MapUpdateOptions map;
   AlignmentOptions alignment;

@@ -13,6 +13,11 @@
 namespace cairn::fusion {
 namespace {
 
+// All matches of a response together may contradict the state by more than chance allows, and yet
+// each alone fits: an error that they share, as that of the time of exposure. Up to this ratio of
+// squared distance to gate, such a response enters with its noise enlarged until it passes.
+constexpr double kMaxExcess = 25.0;
+
 // The columns every sight shares.
 struct SharedColumns {
   std::vector<StateBlock> blocks;
@@ -74,36 +79,55 @@ Eigen::MatrixXd CloneRows(const std::vector<const MapRows*>& rows, const SharedC
   return stacked.topRows(std::min<Eigen::Index>(stacked.rows(), width - 1));
 }
 
-// Squared Mahalanobis distance of one sight.
-double SquaredDistance(const FilterState& state, const MapRows& row, int num_global_dims) {
-  std::array<StateBlock, 3> blocks = {{{state.CloneIdx(row.clone), kCloneDim},
-                                       {kGlobalIdx, num_global_dims},
-                                       {kRigIdx, state.estimates_rig() ? kRigDim : 0}}};
-  Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kCloneDim + kGlobalDim + kRigDim> jacobian(
-      2, kCloneDim + num_global_dims + blocks[2].size);
-  jacobian.leftCols<kCloneDim>() = row.by_clone;
-  jacobian.middleCols(kCloneDim, num_global_dims) = row.by_global.leftCols(num_global_dims);
-  jacobian.rightCols(blocks[2].size) = row.by_rig.leftCols(blocks[2].size);
-  const auto covariance = state.covariance();
-  Eigen::Matrix2d innovation = Eigen::Matrix2d::Identity();
-  Eigen::Index left = 0;
-  for (const StateBlock& a : blocks) {
-    Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kRigDim> by_block =
-        Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kRigDim>::Zero(2, a.size);
-    Eigen::Index right = 0;
-    for (const StateBlock& b : blocks) {
-      by_block.noalias() +=
-          jacobian.middleCols(right, b.size) * covariance.block(b.offset, a.offset, b.size, a.size);
-      right += b.size;
+// Squared Mahalanobis distances of the sights at one clone.
+class CloneGate {
+ public:
+  CloneGate(const FilterState& state, int clone)
+      : tile_variance_(state.has_tiles() ? state.tile_sigma_m() * state.tile_sigma_m() : 0.0),
+        num_rig_dims_(state.estimates_rig() ? kRigDim : 0) {
+    const std::array<StateBlock, 3> blocks = {
+        {{state.CloneIdx(clone), kCloneDim}, {kGlobalIdx, kGlobalDim}, {kRigIdx, num_rig_dims_}}};
+    int row = 0;
+    for (const StateBlock& a : blocks) {
+      int column = 0;
+      for (const StateBlock& b : blocks) {
+        covariance_.block(row, column, a.size, b.size) =
+            state.covariance().block(a.offset, b.offset, a.size, b.size);
+        column += b.size;
+      }
+      row += a.size;
     }
-    innovation.noalias() += by_block * jacobian.middleCols(left, a.size).transpose();
-    left += a.size;
   }
-  if (state.has_tiles()) {
-    innovation +=
-        state.tile_sigma_m() * state.tile_sigma_m() * row.by_tile * row.by_tile.transpose();
+
+  double SquaredDistance(const MapRows& rows) const {
+    Eigen::Matrix<double, 2, kPoseDim> by_pose;
+    by_pose << rows.by_clone, rows.by_global;
+    const Eigen::Matrix<double, 2, kPoseDim> moved =
+        by_pose * covariance_.topLeftCorner<kPoseDim, kPoseDim>();
+    Eigen::Matrix2d innovation = moved * by_pose.transpose();
+    innovation.diagonal().array() += 1.0;
+    if (num_rig_dims_ > 0) {
+      const Eigen::Matrix2d cross =
+          by_pose * covariance_.topRightCorner<kPoseDim, kRigDim>() * rows.by_rig.transpose();
+      innovation +=
+          cross + cross.transpose() +
+          rows.by_rig * covariance_.bottomRightCorner<kRigDim, kRigDim>() * rows.by_rig.transpose();
+    }
+    innovation += tile_variance_ * rows.by_tile * rows.by_tile.transpose();
+    return rows.residual.dot(innovation.inverse() * rows.residual);
   }
-  return row.residual.dot(innovation.ldlt().solve(row.residual));
+
+ private:
+  static constexpr int kPoseDim = kCloneDim + kGlobalDim;
+
+  Eigen::Matrix<double, kPoseDim + kRigDim, kPoseDim + kRigDim> covariance_;
+  double tile_variance_;
+  int num_rig_dims_;
+};
+
+void Weigh(double weight, Measurement* measurement) {
+  measurement->jacobian *= weight;
+  measurement->residual *= weight;
 }
 
 // The used sights, linearised at a state.
@@ -229,7 +253,15 @@ MapUpdateResult UpdateFromMap(const Camera& camera, std::span<const MapSight> si
   const int num_dims = options.num_global_dims();
   AddTiles(sights, state);
   const std::vector<CameraView> views = ViewsOfClones(*state);
-  const double gate = ChiSquareQuantile(2, options.match_gate_quantile);
+  const double quantile = ChiSquareQuantile(2, options.match_gate_quantile);
+  std::vector<std::optional<CloneGate>> gates(views.size());
+  const auto passes = [&](const MapRows& row) {
+    auto& gate = gates[static_cast<size_t>(row.clone)];
+    if (!gate) {
+      gate.emplace(*state, row.clone);
+    }
+    return gate->SquaredDistance(row) < quantile;
+  };
   MapUpdateResult result;
   result.used_sights.assign(sights.size(), false);
   std::vector<MapRows> rows;
@@ -243,7 +275,7 @@ MapUpdateResult UpdateFromMap(const Camera& camera, std::span<const MapSight> si
     }
     const auto linearized = LinearizeSight(camera, state->rig(), views, *state->global_from_local(),
                                            sights[i], options.sigma_px);
-    const bool accepted = linearized && SquaredDistance(*state, *linearized, num_dims) < gate;
+    const bool accepted = linearized && passes(*linearized);
     if (queried) {
       ++num_seen;
       match_accepted = accepted;
@@ -265,20 +297,25 @@ MapUpdateResult UpdateFromMap(const Camera& camera, std::span<const MapSight> si
   if (result.num_matches < options.min_matches) {
     return refuse(MapUpdateStatus::kTooFewMatches);
   }
-  const Measurement measurement = CompressMapRows(rows, num_dims, *state);
-  if (!(state->SquaredMahalanobis(measurement) <
-        ChiSquareQuantile(measurement.num_rows(), options.response_gate_quantile))) {
+  Measurement measurement = CompressMapRows(rows, num_dims, *state);
+  const double excess = state->SquaredMahalanobis(measurement) /
+                        ChiSquareQuantile(measurement.num_rows(), options.response_gate_quantile);
+  if (!(excess < kMaxExcess)) {
     return refuse(MapUpdateStatus::kDisagrees);
   }
+  const double weight = 1.0 / std::sqrt(std::max(1.0, excess));
+  Weigh(weight, &measurement);
   bool linearized = true;  // `measurement` is at the present state.
   const auto linearize = [&](const FilterState& at) {
     if (std::exchange(linearized, false)) {
       return measurement;
     }
-    return CompressMapRows(LinearizeUsed(camera, at, sights, result.used_sights, options), num_dims,
-                           at);
+    Measurement again = CompressMapRows(
+        LinearizeUsed(camera, at, sights, result.used_sights, options), num_dims, at);
+    Weigh(weight, &again);
+    return again;
   };
-  return IteratedUpdate(linearize, state) ? result : refuse(MapUpdateStatus::kDisagrees);
+  return state->IteratedUpdate(linearize) ? result : refuse(MapUpdateStatus::kDisagrees);
 }
 
 }  // namespace cairn::fusion

@@ -1,6 +1,7 @@
 #include "fusion/track_update.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/check.h"
@@ -35,31 +36,57 @@ void Append(const FilterState& state, const Measurement& track, Eigen::Index row
   stacked->residual.segment(row, track.num_rows()) = track.residual;
 }
 
-Measurement Stack(const FilterState& state, const std::vector<Measurement>& tracks) {
-  Eigen::Index num_rows = 0;
-  for (const Measurement& track : tracks) {
-    num_rows += track.num_rows();
+// Whether the way between the first and the last sight is known well enough to triangulate on.
+bool HasBaseline(const FilterState& state, std::span<const Observation> sights,
+                 const TrackUpdateOptions& options) {
+  const int first = FindClone(state, sights.front().frame_id);
+  const int last = FindClone(state, sights.back().frame_id);
+  const double length_m = (state.clones()[static_cast<size_t>(last)].local_from_imu.translation -
+                           state.clones()[static_cast<size_t>(first)].local_from_imu.translation)
+                              .norm();
+  const auto covariance = state.covariance();
+  double variance = 0.0;
+  for (int axis = 3; axis < 6; ++axis) {
+    const int a = state.CloneIdx(first) + axis;
+    const int b = state.CloneIdx(last) + axis;
+    variance += covariance(a, a) + covariance(b, b) - 2.0 * covariance(a, b);
   }
-  Measurement stacked;
-  stacked.blocks = TrackColumns(state);
-  Eigen::Index width = 0;
-  for (const StateBlock& block : stacked.blocks) {
-    width += block.size;
+  return std::sqrt(std::max(variance, 0.0)) < options.max_relative_baseline_sigma * length_m;
+}
+
+// Whether the distance of a track's point from the newest clone is known well enough for the
+// sights to come to be linear in it.
+bool IsWellKnown(const PointRows& point, const FilterState& state,
+                 const TrackUpdateOptions& options) {
+  const Eigen::Vector3d view = point.x_in_local - state.clones().back().local_from_imu.translation;
+  // The standard deviation along the view times the distance.
+  const double sigma = point.by_point.transpose().triangularView<Eigen::Lower>().solve(view).norm();
+  return sigma < options.max_relative_point_sigma * view.squaredNorm();
+}
+
+// Enters the points of tracks that go on into free slots.
+void EnterPoints(const std::vector<const FinishedTrack*>& tracks,
+                 const std::vector<TrackRows>& rows, const TrackUpdateOptions& options,
+                 FilterState* state) {
+  size_t slot = 0;
+  for (size_t i = 0; i < tracks.size(); ++i) {
+    while (slot < state->points().size() && state->points()[slot]) {
+      ++slot;
+    }
+    if (slot == state->points().size()) {
+      return;
+    }
+    if (tracks[i]->goes_on && IsWellKnown(rows[i].point, *state, options)) {
+      state->EnterPoint(static_cast<int>(slot), tracks[i]->track_id, rows[i].point);
+    }
   }
-  stacked.jacobian = Eigen::MatrixXd::Zero(num_rows, width);
-  stacked.residual.resize(num_rows);
-  Eigen::Index row = 0;
-  for (const Measurement& track : tracks) {
-    Append(state, track, row, &stacked);
-    row += track.num_rows();
-  }
-  return stacked;
 }
 
 }  // namespace
 
 void TrackUpdateOptions::Validate() const {
-  if (!(sigma_px > 0.0 && min_views >= 2 && max_tracks >= 1 && gate_quantile > 0.0)) {
+  if (!(sigma_px > 0.0 && min_views >= 2 && max_tracks >= 1 && gate_quantile > 0.0 &&
+        max_relative_baseline_sigma > 0.0 && max_relative_point_sigma > 0.0)) {
     throw Error(ErrorCode::kInvalidArgument,
                 "tracks: sigma_px and gate_quantile must be positive, min_views at least 2");
   }
@@ -85,10 +112,10 @@ int FindClone(const FilterState& state, int64_t frame_id) {
              : -1;
 }
 
-std::optional<Measurement> TrackMeasurement(const FilterState& state, const Camera& camera,
-                                            std::span<const CameraView> views,
-                                            std::span<const Observation> observations,
-                                            const TrackUpdateOptions& options) {
+std::optional<TrackRows> LinearizeTrack(const FilterState& state, const Camera& camera,
+                                        std::span<const CameraView> views,
+                                        std::span<const Observation> observations,
+                                        const TrackUpdateOptions& options) {
   std::vector<Sight> sights;
   std::vector<StateBlock> blocks;
   for (const Observation& observation : observations) {
@@ -126,31 +153,57 @@ std::optional<Measurement> TrackMeasurement(const FilterState& state, const Came
   if (rig_dims > 0) {
     blocks.push_back({kRigIdx, kRigDim});
   }
-  return Measurement{std::move(blocks), rows.block(3, 3, 2 * num_views - 3, width - 3),
-                     rows.col(width).tail(2 * num_views - 3)};
+  return TrackRows{{blocks, rows.block(3, 3, 2 * num_views - 3, width - 3),
+                    rows.col(width).tail(2 * num_views - 3)},
+                   {*x_in_local,
+                    rows.topLeftCorner<3, 3>(),
+                    {blocks, rows.block(0, 3, 3, width - 3), rows.col(width).head<3>()}}};
 }
 
-TrackUpdateCounts UpdateFromTracks(const Camera& camera,
-                                   std::vector<std::vector<Observation>> tracks,
+Measurement StackTracks(const FilterState& state, std::span<const TrackRows> tracks) {
+  Eigen::Index num_rows = 0;
+  for (const TrackRows& track : tracks) {
+    num_rows += track.clones.num_rows();
+  }
+  Measurement stacked;
+  stacked.blocks = TrackColumns(state);
+  Eigen::Index width = 0;
+  for (const StateBlock& block : stacked.blocks) {
+    width += block.size;
+  }
+  stacked.jacobian = Eigen::MatrixXd::Zero(num_rows, width);
+  stacked.residual.resize(num_rows);
+  Eigen::Index row = 0;
+  for (const TrackRows& track : tracks) {
+    Append(state, track.clones, row, &stacked);
+    row += track.clones.num_rows();
+  }
+  Compress(&stacked);
+  return stacked;
+}
+
+TrackUpdateCounts UpdateFromTracks(const Camera& camera, std::vector<FinishedTrack> tracks,
                                    const TrackUpdateOptions& options, FilterState* state) {
   std::stable_sort(tracks.begin(), tracks.end(),
-                   [](const auto& a, const auto& b) { return a.size() > b.size(); });
+                   [](const auto& a, const auto& b) { return a.sights.size() > b.sights.size(); });
   TrackUpdateCounts counts;
   const std::vector<CameraView> views = ViewsOfClones(*state);
-  std::vector<Measurement> accepted;
-  std::vector<const std::vector<Observation>*> accepted_tracks;
-  for (const std::vector<Observation>& track : tracks) {
+  std::vector<TrackRows> accepted;
+  std::vector<const FinishedTrack*> accepted_tracks;
+  for (const FinishedTrack& track : tracks) {
     if (static_cast<int>(accepted.size()) == options.max_tracks) {
       break;
     }
-    auto measurement = TrackMeasurement(*state, camera, views, track, options);
-    if (!measurement) {
+    auto rows = HasBaseline(*state, track.sights, options)
+                    ? LinearizeTrack(*state, camera, views, track.sights, options)
+                    : std::nullopt;
+    if (!rows) {
       ++counts.num_not_triangulated;
-    } else if (!(state->SquaredMahalanobis(*measurement) <
-                 ChiSquareQuantile(measurement->num_rows(), options.gate_quantile))) {
+    } else if (!(state->SquaredMahalanobis(rows->clones) <
+                 ChiSquareQuantile(rows->clones.num_rows(), options.gate_quantile))) {
       ++counts.num_gated;
     } else {
-      accepted.push_back(std::move(*measurement));
+      accepted.push_back(std::move(*rows));
       accepted_tracks.push_back(&track);
     }
   }
@@ -158,22 +211,21 @@ TrackUpdateCounts UpdateFromTracks(const Camera& camera,
     return counts;
   }
   counts.num_used = static_cast<int>(accepted.size());
+  EnterPoints(accepted_tracks, accepted, options, state);
   bool linearized = true;  // `accepted` is at the present state.
   const auto linearize = [&](const FilterState& at) {
     if (!std::exchange(linearized, false)) {
       accepted.clear();
       const std::vector<CameraView> moved_views = ViewsOfClones(at);
-      for (const std::vector<Observation>* track : accepted_tracks) {
-        if (auto measurement = TrackMeasurement(at, camera, moved_views, *track, options)) {
-          accepted.push_back(std::move(*measurement));
+      for (const FinishedTrack* track : accepted_tracks) {
+        if (auto rows = LinearizeTrack(at, camera, moved_views, track->sights, options)) {
+          accepted.push_back(std::move(*rows));
         }
       }
     }
-    Measurement stacked = Stack(at, accepted);
-    Compress(&stacked);
-    return stacked;
+    return StackTracks(at, accepted);
   };
-  IteratedUpdate(linearize, state);
+  state->IteratedUpdate(linearize);
   return counts;
 }
 

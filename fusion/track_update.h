@@ -19,11 +19,18 @@ struct TrackUpdateOptions {
   double sigma_px = 1.0;  // Standard deviation of a tracked pixel per axis.
   int min_views = 3;      // Two give one equation that outliers satisfy easily.
   // Longest tracks first; the rest of a frame's finished tracks is dropped. Bounds the time.
-  int max_tracks = 40;
+  int max_tracks = 60;
   // Gate on each track, as the quantile of a standard normal variable: 1.645 passes 95 % of true
   // tracks.
   double gate_quantile = 1.645;
+  // Largest standard deviation of the way between a track's first and last sight, relative to that
+  // way. A point triangulated on a baseline that is a guess is one, too: without this limit a
+  // device that only turns, and by its inertial unit seems to move, grew sure of that motion.
+  double max_relative_baseline_sigma = 0.5;
   TriangulateOptions triangulate;
+  // Largest standard deviation of the distance of a point that enters the state, relative to it.
+  // As the point's first estimate stays with it, this is stricter than for a track.
+  double max_relative_point_sigma = 0.02;
 
   void Validate() const;
 };
@@ -34,17 +41,32 @@ struct TrackUpdateCounts {
   int num_gated = 0;  // Triangulated, but contradicting the state.
 };
 
-// The residuals of a track's sights with the point eliminated: 2 M - 3 rows from M sights. Nothing
-// if the point cannot be found. `views[i]` belongs to clone i of `state`; `observations` are at
-// clones.
-std::optional<Measurement> TrackMeasurement(const FilterState& state, const Camera& camera,
-                                            std::span<const CameraView> views,
-                                            std::span<const Observation> observations,
-                                            const TrackUpdateOptions& options);
+// A track whose sights are to be used.
+struct FinishedTrack {
+  uint64_t track_id = 0;
+  bool goes_on = false;  // It is still in view: its point may enter the state.
+  std::vector<Observation> sights;
+};
 
-// Updates `state` with the given tracks, each a list of sights at clones of `state`.
-TrackUpdateCounts UpdateFromTracks(const Camera& camera,
-                                   std::vector<std::vector<Observation>> tracks,
+// The 2 M rows of a track's M sights, turned so that the first three alone touch the point.
+struct TrackRows {
+  Measurement clones;  // 2 M - 3 rows, without the point.
+  PointRows point;
+};
+
+// Nothing if the point cannot be found. `views[i]` belongs to clone i of `state`; `observations`
+// are at clones.
+std::optional<TrackRows> LinearizeTrack(const FilterState& state, const Camera& camera,
+                                        std::span<const CameraView> views,
+                                        std::span<const Observation> observations,
+                                        const TrackUpdateOptions& options);
+
+// The rows of all tracks without their points, compressed.
+Measurement StackTracks(const FilterState& state, std::span<const TrackRows> tracks);
+
+// Updates `state` with the given tracks, whose sights are at clones of `state`. The points of
+// tracks that go on enter it where slots are free, those seen longest first.
+TrackUpdateCounts UpdateFromTracks(const Camera& camera, std::vector<FinishedTrack> tracks,
                                    const TrackUpdateOptions& options, FilterState* state);
 
 // The views of all clones, in their order.

@@ -15,9 +15,10 @@ struct TriangulateOptions {
   double min_depth_m = 0.2;
   double max_depth_m = 150.0;  // Beyond it a point is a direction and its depth a guess.
   // Largest standard deviation of the depth relative to the depth. Beyond it the depth's error is
-  // not Gaussian, and a filter that linearises at such points grows overconfident, in yaw first: 5
-  // % measured with cairn_fusion_consistency.
-  double max_relative_depth_sigma = 0.05;
+  // not Gaussian, and a filter that linearises at such points grows overconfident, in yaw first;
+  // below it, far points are left out that tell the rotation. Measured with
+  // cairn_fusion_consistency; see docs/math/fusion.md.
+  double max_relative_depth_sigma = 0.12;
   int max_iterations = 5;
 
   void Validate() const;

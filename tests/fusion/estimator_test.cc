@@ -23,7 +23,7 @@ TEST(Estimator, TracksAWalkLocally) {
             .segment<3>(kPositionIdx)
             .norm());
   });
-  EXPECT_LT(position_m.Value(), 0.3);
+  EXPECT_LT(position_m.Value(), 0.15);
   EXPECT_GT(estimator.counters().num_tracks_used, 500);
 }
 

@@ -151,7 +151,9 @@ TEST(FilterState, TilesAreConsideredButNotCorrected) {
 
 TEST(FilterState, InitializingGlobalIsAnUpdateWithoutPrior) {
   // The reference: global_from_local with a standard deviation of 100 (m, rad), updated.
-  FilterState state = SomeState(3);
+  FilterStateOptions options;
+  options.max_points = 0;
+  FilterState state = SomeState(3, options);
   const Eigen::MatrixXd p = state.covariance();
   Measurement measurement{{{kGlobalIdx, 4}, {state.CloneIdx(0), 18}},
                           RandomVector(30 * 22, 9).reshaped(30, 22),
@@ -170,6 +172,47 @@ TEST(FilterState, InitializingGlobalIsAnUpdateWithoutPrior) {
              (gain * measurement.residual).segment<3>(kGlobalIdx))
                 .norm(),
             1e-3);
+}
+
+TEST(FilterState, EnteringAPointIsAnUpdateWithoutPrior) {
+  // The reference: the point with a standard deviation of 1 km, updated.
+  FilterState state = SomeState(3);
+  Eigen::MatrixXd prior = state.covariance();
+  PointRows rows{{4.0, 1.0, 2.0},
+                 Eigen::Matrix3d{{2.0, 0.4, -0.3}, {0.0, 1.5, 0.7}, {0.0, 0.0, 1.0}},
+                 {{{state.CloneIdx(0), 18}},
+                  RandomVector(3 * 18, 5).reshaped(3, 18),
+                  0.01 * RandomVector(3, 6)}};
+  const int point = state.PointIdx(2);
+  prior.diagonal().segment<3>(point).setConstant(1e6);
+  Eigen::MatrixXd h = Eigen::MatrixXd::Zero(3, prior.rows());
+  h.middleCols(point, 3) = rows.by_point;
+  h.middleCols(state.CloneIdx(0), 18) = rows.clones.jacobian;
+  const Eigen::MatrixXd s = h * prior * h.transpose() + Eigen::MatrixXd::Identity(3, 3);
+  const Eigen::MatrixXd gain = prior * h.transpose() * s.inverse();
+  const Eigen::MatrixXd expected = prior - gain * s * gain.transpose();
+  ASSERT_TRUE(state.EnterPoint(2, 77, rows));
+  EXPECT_LT((state.covariance() - expected).cwiseAbs().maxCoeff(), 1e-4);
+  EXPECT_EQ(state.points()[2]->track_id, 77u);
+  EXPECT_EQ(state.points()[2]->first_x_in_local, rows.x_in_local);
+  EXPECT_LT((state.points()[2]->x_in_local - rows.x_in_local -
+             (gain * rows.clones.residual).segment<3>(point))
+                .norm(),
+            1e-3);
+}
+
+TEST(FilterState, ARemovedPointLeavesNothing) {
+  FilterState state = SomeState(3);
+  const Eigen::MatrixXd before = state.covariance();
+  PointRows rows{{4.0, 1.0, 2.0},
+                 Eigen::Matrix3d::Identity(),
+                 {{{state.CloneIdx(0), 18}},
+                  RandomVector(3 * 18, 5).reshaped(3, 18),
+                  Eigen::Vector3d::Zero()}};
+  ASSERT_TRUE(state.EnterPoint(0, 77, rows));
+  state.RemovePoint(0);
+  EXPECT_EQ(Eigen::MatrixXd(state.covariance()), before);
+  EXPECT_FALSE(state.points()[0].has_value());
 }
 
 TEST(FilterState, RefusesAnUndeterminedGlobal) {

@@ -8,6 +8,9 @@ namespace cairn::fusion::testing {
 namespace {
 
 constexpr double kGravity = 9.81;
+// Of the field of view.
+constexpr double kMaxTangentX = 0.68;
+constexpr double kMaxTangentY = 0.51;
 
 Eigen::Vector3d Gaussian(std::mt19937_64* random, double sigma) {
   std::normal_distribution<double> normal;
@@ -87,6 +90,10 @@ void Simulation::MakeImu() {
 }
 
 void Simulation::ScatterLandmarks(const std::vector<FrameTruth>& frames) {
+  if (options_.max_depth_m > 0.0) {
+    ScatterLandmarksInView(frames);
+    return;
+  }
   double length_m = 0.0;
   for (size_t i = 1; i < frames.size(); ++i) {
     length_m +=
@@ -105,13 +112,28 @@ void Simulation::ScatterLandmarks(const std::vector<FrameTruth>& frames) {
   }
 }
 
+void Simulation::ScatterLandmarksInView(const std::vector<FrameTruth>& frames) {
+  for (const FrameTruth& truth : frames) {
+    const Rigid3d cam_from_world = rig_.cam_from_imu * truth.world_from_imu.Inverse();
+    const auto num_features = static_cast<size_t>(options_.num_features);
+    for (size_t i = VisibleLandmarks(cam_from_world).size(); i < num_features; ++i) {
+      const double x = Uniform(&random_, -kMaxTangentX, kMaxTangentX);
+      const double y = Uniform(&random_, -kMaxTangentY, kMaxTangentY);
+      const double depth_m = Uniform(&random_, options_.min_depth_m, options_.max_depth_m);
+      landmarks_.push_back(cam_from_world.Inverse() *
+                           Eigen::Vector3d(x * depth_m, y * depth_m, depth_m));
+    }
+  }
+}
+
 std::vector<int> Simulation::VisibleLandmarks(const Rigid3d& cam_from_world) const {
   const Eigen::Matrix3d rotation = cam_from_world.rotation.toRotationMatrix();
+  const double max_depth_m = options_.max_depth_m > 0.0 ? options_.max_depth_m : 25.0;
   std::vector<int> visible;
   for (size_t i = 0; i < landmarks_.size(); ++i) {
     const Eigen::Vector3d x = rotation * landmarks_[i] + cam_from_world.translation;
-    if (x.z() > 1.0 && x.z() < 25.0 && std::abs(x.x()) < 0.68 * x.z() &&
-        std::abs(x.y()) < 0.51 * x.z()) {
+    if (x.z() > 1.0 && x.z() < max_depth_m && std::abs(x.x()) < kMaxTangentX * x.z() &&
+        std::abs(x.y()) < kMaxTangentY * x.z()) {
       visible.push_back(static_cast<int>(i));
     }
   }
@@ -201,6 +223,20 @@ StartState Simulation::DrawStart(size_t frame, uint64_t seed) const {
       local_from_world.rotation * truth.velocity_in_world - error.segment<3>(kVelocityIdx);
   start.imu.gyro_bias = truth.gyro_bias - error.segment<3>(kGyroBiasIdx);
   start.imu.accel_bias = truth.accel_bias - error.segment<3>(kAccelBiasIdx);
+  return start;
+}
+
+StartState Simulation::TrueStart(size_t frame) const {
+  const FrameTruth& truth = frames_[frame].truth;
+  const Rigid3d local_from_world = LocalFromWorld(frame);
+  StartState start;
+  start.imu = {local_from_world * truth.world_from_imu,
+               local_from_world.rotation * truth.velocity_in_world, truth.gyro_bias,
+               truth.accel_bias};
+  Eigen::Matrix<double, kImuDim, 1> sigma;
+  sigma << 0.02, 0.02, 0.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(0.01),
+      Eigen::Vector3d::Constant(0.02), Eigen::Vector3d::Constant(0.02);
+  start.covariance = sigma.cwiseAbs2().asDiagonal();
   return start;
 }
 

@@ -26,6 +26,11 @@ struct SimulationOptions {
   double outlier_fraction = 0.0;  // Of tracked sights, off by up to 30 px.
   double track_loss = 0.03;       // Probability that a track ends, per frame.
   int landmarks_per_metre = 25;   // Along the path.
+  // If max_depth_m is positive: landmarks stand in view of the frames at these depths instead, as
+  // many as make every frame show num_features of them, and are seen up to max_depth_m. So does the
+  // simulator of OpenVINS (Geneva et al. 2020), with 5 and 7 m.
+  double min_depth_m = 0.0;
+  double max_depth_m = 0.0;
   ImuNoise imu_noise;
   Eigen::Vector3d gyro_bias = {0.004, -0.003, 0.002};  // At the start.
   Eigen::Vector3d accel_bias = {0.04, -0.03, 0.05};
@@ -78,6 +83,9 @@ class Simulation {
   // draw from the covariance that comes with it; position and yaw are exact by definition.
   StartState DrawStart(size_t frame, uint64_t seed) const;
 
+  // The true state at a frame, with the small covariance that the simulator of OpenVINS gives it.
+  StartState TrueStart(size_t frame) const;
+
   // The true local_from_world of an estimator started there.
   Rigid3d LocalFromWorld(size_t frame) const;
 
@@ -90,6 +98,7 @@ class Simulation {
  private:
   void MakeImu();
   void ScatterLandmarks(const std::vector<FrameTruth>& frames);
+  void ScatterLandmarksInView(const std::vector<FrameTruth>& frames);
   void TrackLandmarks(const std::vector<FrameTruth>& frames);
   std::vector<int> VisibleLandmarks(const Rigid3d& cam_from_world) const;
   uint64_t TileOf(const Eigen::Vector3d& x_in_world) const;
@@ -106,12 +115,11 @@ class Simulation {
   std::unordered_map<uint64_t, int> landmark_of_track_;
 };
 
-// Feeds a whole simulation to an estimator, in the order of time, and calls `after_frame` with each
-// frame's index once it has been processed. `start_frame`: StartAt() the drawn state of this frame,
-// seeded; frames before it are left out.
+// Feeds a simulation to an estimator from a frame on, whose state is `start`, in the order of time,
+// and calls `after_frame` with each frame's index once it has been processed.
 template <typename EstimatorType, typename Callback>
-void Replay(const Simulation& simulation, size_t start_frame, EstimatorType* estimator,
-            const Callback& after_frame) {
+void ReplayFrom(const Simulation& simulation, size_t start_frame, const StartState& start,
+                EstimatorType* estimator, const Callback& after_frame) {
   size_t next_imu = 0;
   const auto& imu = simulation.imu();
   for (size_t i = start_frame; i < simulation.frames().size(); ++i) {
@@ -123,13 +131,20 @@ void Replay(const Simulation& simulation, size_t start_frame, EstimatorType* est
       estimator->AddImu(imu[next_imu++]);
     }
     if (i == start_frame) {
-      estimator->StartAt(frame.truth.timestamp_ns,
-                         simulation.DrawStart(start_frame, simulation.options().seed));
+      estimator->StartAt(frame.truth.timestamp_ns, start);
     } else {
       estimator->AddFrame({frame.truth.timestamp_ns, frame.features});
     }
     after_frame(i);
   }
+}
+
+// As above, from the seeded draw of the frame's state.
+template <typename EstimatorType, typename Callback>
+void Replay(const Simulation& simulation, size_t start_frame, EstimatorType* estimator,
+            const Callback& after_frame) {
+  ReplayFrom(simulation, start_frame, simulation.DrawStart(start_frame, simulation.options().seed),
+             estimator, after_frame);
 }
 
 }  // namespace cairn::fusion::testing
