@@ -1,6 +1,7 @@
 // The filter against bundle adjustment in a sliding window: time and accuracy of global updates.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -53,6 +54,12 @@ Figure MakeFigure(const std::vector<FusionScene>& scenes) {
   return figure;
 }
 
+std::string SpeedText(const Interval& speed, const std::string& fastest) {
+  return std::isfinite(speed.value) ? fmt::format("and {} takes {} times as long for an update",
+                                                  fastest, IntervalText(speed, 1))
+                                    : "and its updates take too little to be measured";
+}
+
 // Judges one scene and says why.
 Verdict Judge(const FusionScene& scene, std::string* sentence) {
   const size_t nearest = BestRival(scene, PositionRmseM);
@@ -63,10 +70,10 @@ Verdict Judge(const FusionScene& scene, std::string* sentence) {
   const Interval speed = RatioOver(scene, fastest, kFilter, UpdateMs);
   *sentence += fmt::format(
       "{}In the {}, the filter's position error is {} times that of the best bundle adjustment "
-      "({}), its rotation error {} times ({}), and {} takes {} times as long for an update.",
+      "({}), its rotation error {} times ({}), {}.",
       sentence->empty() ? "" : " ", scene.name, IntervalText(position, 2), scene.methods[nearest],
-      IntervalText(rotation, 2), scene.methods[straightest], scene.methods[fastest],
-      IntervalText(speed, 1));
+      IntervalText(rotation, 2), scene.methods[straightest],
+      SpeedText(speed, scene.methods[fastest]));
   return JudgeAll({JudgeSmaller(position, kSamePosition), JudgeSmaller(rotation, 1.0),
                    JudgeGreater(speed, kMuchFaster)});
 }

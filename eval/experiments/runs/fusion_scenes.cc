@@ -69,6 +69,7 @@ FusionScene RunScene(const std::string& name, const std::vector<fusion::Recordin
                      const ExperimentContext& context) {
   fusion::ComparisonOptions options;
   options.variants = variants;
+  options.num_timings = context.Pick(1, 2);
   FusionScene scene;
   scene.name = name;
   for (const fusion::Recording& recording : recordings) {
@@ -129,9 +130,11 @@ Interval MeanOver(const FusionScene& scene, size_t method, const FusionMeasure& 
 Interval RatioOver(const FusionScene& scene, size_t method, size_t other,
                    const FusionMeasure& measure) {
   return Bootstrap(scene.results.size(), [&](std::span<const size_t> recordings) {
-    return std::exp(MeanAt(scene, recordings, [&](const auto& results) {
-      return std::log(measure(results[method]) / measure(results[other]));
-    }));
+    const auto mean = [&](size_t at) {
+      return MeanAt(scene, recordings, [&](const auto& results) { return measure(results[at]); });
+    };
+    const double divisor = mean(other);
+    return divisor > 0.0 ? mean(method) / divisor : std::numeric_limits<double>::quiet_NaN();
   });
 }
 
