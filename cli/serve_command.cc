@@ -93,7 +93,7 @@ void AddServeCommand(CLI::App* app, Shell* shell) {
       ->capture_default_str();
   command
       ->add_option("--threads", options.num_threads,
-                   "Requests answered at once; 0 is twice the cores, at least 8")
+                   "Connections served at once; 0 is 64, or twice the cores if that is more")
       ->check(CLI::Range(0, 4096))
       ->type_name("N")
       ->capture_default_str();

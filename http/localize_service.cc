@@ -12,11 +12,11 @@
 namespace cairn {
 namespace {
 
+int NumCores() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+
 LocalizerOptions MakeLocalizerOptions(const ServerOptions& options) {
   LocalizerOptions localizer = options.localizer;
-  localizer.num_threads = options.threads_per_query > 0
-                              ? options.threads_per_query
-                              : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  localizer.num_threads = options.threads_per_query > 0 ? options.threads_per_query : NumCores();
   return localizer;
 }
 
@@ -28,7 +28,8 @@ LocalizeService::LocalizeService(const ServerOptions& options)
           std::make_shared<const MapStore>(MapStore::Open(options.map_path, OpenMode::kReadOnly))),
       cache_(std::make_shared<TileCache>(options.cache_bytes)),
       localizer_(std::make_unique<Localizer>(store_, cache_, MakeLocalizerOptions(options))),
-      extraction_slots_(std::max(1, static_cast<int>(std::thread::hardware_concurrency()))) {
+      extraction_slots_(NumCores()),
+      gate_(NumCores()) {
   map_tag_ = store_->Snapshot().Info().created_at;
   std::erase_if(map_tag_, [](unsigned char c) { return std::isalnum(c) == 0; });
 }
@@ -78,6 +79,19 @@ FeatureSet LocalizeService::Extract(const LocalizeRequest& request, ServerTimes*
   return ExtractQueryFeatures(request, options_.max_image_pixels, options_.max_features, times);
 }
 
+LocalizeResult LocalizeService::LocalizeInTurn(const LocalizeQuery& query) {
+  if (!gate_.Enter(*query.deadline)) {
+    LocalizeResult late;
+    late.reason = NotLocalizedReason::kTimeout;
+    late.map_version = store_->Snapshot().version();
+    late.counters.num_keypoints = query.num_features();
+    return late;
+  }
+  const std::unique_ptr<FairGate, void (*)(FairGate*)> slot(&gate_,
+                                                            [](FairGate* gate) { gate->Leave(); });
+  return localizer_->Localize(query);
+}
+
 LocalizeService::Answer LocalizeService::Localize(std::chrono::steady_clock::time_point arrival,
                                                   LocalizeRequest* request) {
   Answer answer;
@@ -87,7 +101,7 @@ LocalizeService::Answer LocalizeService::Localize(std::chrono::steady_clock::tim
     query.features = Extract(*request, &answer.times);
   }
   CheckCodec(query);
-  answer.result = localizer_->Localize(query);
+  answer.result = LocalizeInTurn(query);
   metrics_.CountLocalize(answer.result, answer.times, request->has_image());
   return answer;
 }

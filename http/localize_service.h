@@ -8,6 +8,7 @@
 #include <string>
 
 #include "engine/localizer.h"
+#include "http/fair_gate.h"
 #include "http/json/localize_request.h"
 #include "http/json/localize_response.h"
 #include "http/metrics.h"
@@ -43,12 +44,15 @@ class LocalizeService {
   std::string TileTag(const TileRecord& tile) const;
 
   // Fills in the query's features if there is an image, and its deadline (the client's timeout
-  // counts from `arrival`), checks that the features are of the map's codec, and localizes. Throws
+  // counts from `arrival`), checks that the features are of the map's codec, waits for its turn if
+  // there are more queries than cores, and localizes; kTimeout if its turn does not come in time.
+  // Throws
   // HttpError kInvalidImage, kImageTooLarge, kWrongCodec, and as Localizer::Localize.
   Answer Localize(std::chrono::steady_clock::time_point arrival, LocalizeRequest* request);
 
  private:
   FeatureSet Extract(const LocalizeRequest& request, ServerTimes* times);
+  LocalizeResult LocalizeInTurn(const LocalizeQuery& query);
   // Throws unless the features are what the map's codebook takes.
   void CheckCodec(const LocalizeQuery& query) const;
 
@@ -60,6 +64,7 @@ class LocalizeService {
   Metrics metrics_;
   // SIFT's scale space takes hundreds of megabytes an image: as many at a time as there are cores.
   std::counting_semaphore<> extraction_slots_;
+  FairGate gate_;  // As many queries at a time as there are cores.
 };
 
 }  // namespace cairn

@@ -19,7 +19,8 @@ constexpr int kAdminThreads = 2;
 
 int NumThreads(const ServerOptions& options) {
   if (options.num_threads > 0) return options.num_threads;
-  return std::max(8, 2 * static_cast<int>(std::thread::hardware_concurrency()));
+  constexpr int kMinThreads = 64;  // Most of them read, write or wait in line.
+  return std::max(kMinThreads, 2 * static_cast<int>(std::thread::hardware_concurrency()));
 }
 
 ServerOptions Validated(const ServerOptions& options) {
