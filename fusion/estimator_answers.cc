@@ -164,7 +164,7 @@ void Estimator::AppendSights(const std::vector<MapMatch>& matches, int64_t frame
     MapSight sight{match_idx,     FindClone(*state_, frame_id),
                    match.pixel,   match.x_in_global,
                    match.sigma_m, match.tile_id};
-    sight.sigma_m *= std::sqrt(landmark_uses_.VarianceFactor(match.landmark_id));
+    sight.sigma_m *= std::sqrt(landmark_uses_.VarianceFactor(match.landmark_id, filter_time_ns_));
     if (!match.track_id) {
       sights->Add(sight, match);
     } else if (const Track* track = tracks_.Find(*match.track_id)) {
@@ -221,7 +221,7 @@ void Estimator::TakeOut(const LedgerSights& sights, const std::vector<bool>& use
     }
     if (sights.sights[i].match != last_match) {
       last_match = sights.sights[i].match;
-      landmark_uses_.Add(sights.landmark_ids[i]);
+      landmark_uses_.Add(sights.landmark_ids[i], filter_time_ns_);
     }
     Track* track = sights.track_ids[i] ? tracks_.Find(*sights.track_ids[i]) : nullptr;
     if (track != nullptr) {

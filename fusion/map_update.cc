@@ -52,6 +52,43 @@ SharedColumns CollectShared(const std::vector<MapRows>& rows, int num_global_dim
   return shared;
 }
 
+// Sights at one clone see global_from_local only together with the clone's pose: by_global =
+// by_clone * this, whatever the landmark. With p the clone's first position: rho moves as p does, a
+// turn about e as one of the clone about e and a shift by e x p.
+Eigen::Matrix<double, kCloneDim, kGlobalDim> CloneByGlobal(const Clone& clone) {
+  const Eigen::Matrix3d cross = Skew(clone.first_position_in_local);
+  Eigen::Matrix<double, kCloneDim, kGlobalDim> matrix =
+      Eigen::Matrix<double, kCloneDim, kGlobalDim>::Zero();
+  matrix.bottomLeftCorner<3, 3>().setIdentity();
+  constexpr int kAxes[] = {2, 0, 1};  // psi, then the tilts.
+  for (int i = 0; i < 3; ++i) {
+    matrix(kAxes[i], 3 + i) = 1.0;
+    matrix.block<3, 1>(3, 3 + i) = -cross.col(kAxes[i]);
+  }
+  return matrix;
+}
+
+// As CloneRows, where global_from_local is all that is shared: triangularised by the clone's
+// columns alone.
+Eigen::MatrixXd PlainCloneRows(const std::vector<const MapRows*>& rows, const Clone& clone,
+                               int num_global_dims) {
+  Eigen::Matrix<double, Eigen::Dynamic, kCloneDim + 1> stacked(
+      2 * static_cast<Eigen::Index>(rows.size()), kCloneDim + 1);
+  Eigen::Index row = 0;
+  for (const MapRows* sight : rows) {
+    stacked.middleRows<2>(row) << sight->by_clone, sight->residual;
+    row += 2;
+  }
+  Triangularize(kCloneDim, stacked);
+  const Eigen::Index num_rows = std::min<Eigen::Index>(stacked.rows(), kCloneDim);
+  Eigen::MatrixXd triangle(num_rows, kCloneDim + num_global_dims + 1);
+  triangle.leftCols<kCloneDim>() = stacked.topLeftCorner(num_rows, kCloneDim);
+  triangle.middleCols(kCloneDim, num_global_dims) =
+      triangle.leftCols<kCloneDim>() * CloneByGlobal(clone).leftCols(num_global_dims);
+  triangle.rightCols<1>() = stacked.topRightCorner(num_rows, 1);
+  return triangle;
+}
+
 // The rows of one clone, its own columns first, the residual last; triangularised.
 Eigen::MatrixXd CloneRows(const std::vector<const MapRows*>& rows, const SharedColumns& shared) {
   const int width = kCloneDim + shared.width + 1;
@@ -84,45 +121,42 @@ class CloneGate {
  public:
   CloneGate(const FilterState& state, int clone)
       : tile_variance_(state.has_tiles() ? state.tile_sigma_m() * state.tile_sigma_m() : 0.0),
-        num_rig_dims_(state.estimates_rig() ? kRigDim : 0) {
-    const std::array<StateBlock, 3> blocks = {
-        {{state.CloneIdx(clone), kCloneDim}, {kGlobalIdx, kGlobalDim}, {kRigIdx, num_rig_dims_}}};
-    int row = 0;
-    for (const StateBlock& a : blocks) {
-      int column = 0;
-      for (const StateBlock& b : blocks) {
-        covariance_.block(row, column, a.size, b.size) =
-            state.covariance().block(a.offset, b.offset, a.size, b.size);
-        column += b.size;
-      }
-      row += a.size;
+        estimates_rig_(state.estimates_rig()) {
+    // That of the clone's error plus what global_from_local adds to it, as both are seen as one.
+    const auto covariance = state.covariance();
+    const int idx = state.CloneIdx(clone);
+    const Eigen::Matrix<double, kCloneDim, kGlobalDim> by_global =
+        CloneByGlobal(state.clones()[static_cast<size_t>(clone)]);
+    const Eigen::Matrix<double, kCloneDim, kCloneDim> cross =
+        by_global * covariance.block<kGlobalDim, kCloneDim>(kGlobalIdx, idx);
+    of_pose_ = covariance.block<kCloneDim, kCloneDim>(idx, idx) + cross + cross.transpose() +
+               by_global * covariance.block<kGlobalDim, kGlobalDim>(kGlobalIdx, kGlobalIdx) *
+                   by_global.transpose();
+    if (estimates_rig_) {
+      with_rig_ = covariance.block<kCloneDim, kRigDim>(idx, kRigIdx) +
+                  by_global * covariance.block<kGlobalDim, kRigDim>(kGlobalIdx, kRigIdx);
+      of_rig_ = covariance.block<kRigDim, kRigDim>(kRigIdx, kRigIdx);
     }
   }
 
   double SquaredDistance(const MapRows& rows) const {
-    Eigen::Matrix<double, 2, kPoseDim> by_pose;
-    by_pose << rows.by_clone, rows.by_global;
-    const Eigen::Matrix<double, 2, kPoseDim> moved =
-        by_pose * covariance_.topLeftCorner<kPoseDim, kPoseDim>();
-    Eigen::Matrix2d innovation = moved * by_pose.transpose();
+    const Eigen::Matrix<double, 2, kCloneDim> moved = rows.by_clone * of_pose_;
+    Eigen::Matrix2d innovation = moved * rows.by_clone.transpose();
     innovation.diagonal().array() += 1.0;
-    if (num_rig_dims_ > 0) {
-      const Eigen::Matrix2d cross =
-          by_pose * covariance_.topRightCorner<kPoseDim, kRigDim>() * rows.by_rig.transpose();
-      innovation +=
-          cross + cross.transpose() +
-          rows.by_rig * covariance_.bottomRightCorner<kRigDim, kRigDim>() * rows.by_rig.transpose();
+    if (estimates_rig_) {
+      const Eigen::Matrix2d cross = rows.by_clone * with_rig_ * rows.by_rig.transpose();
+      innovation += cross + cross.transpose() + rows.by_rig * of_rig_ * rows.by_rig.transpose();
     }
     innovation += tile_variance_ * rows.by_tile * rows.by_tile.transpose();
     return rows.residual.dot(innovation.inverse() * rows.residual);
   }
 
  private:
-  static constexpr int kPoseDim = kCloneDim + kGlobalDim;
-
-  Eigen::Matrix<double, kPoseDim + kRigDim, kPoseDim + kRigDim> covariance_;
+  Eigen::Matrix<double, kCloneDim, kCloneDim> of_pose_;
+  Eigen::Matrix<double, kCloneDim, kRigDim> with_rig_;
+  Eigen::Matrix<double, kRigDim, kRigDim> of_rig_;
   double tile_variance_;
-  int num_rig_dims_;
+  bool estimates_rig_;
 };
 
 void Weigh(double weight, Measurement* measurement) {
@@ -214,7 +248,9 @@ Measurement CompressMapRows(const std::vector<MapRows>& rows, int num_global_dim
       continue;
     }
     measurement.blocks.push_back({state.CloneIdx(static_cast<int>(i)), kCloneDim});
-    triangles.push_back(CloneRows(by_clone[i], shared));
+    triangles.push_back(shared.width == num_global_dims
+                            ? PlainCloneRows(by_clone[i], state.clones()[i], num_global_dims)
+                            : CloneRows(by_clone[i], shared));
     const Eigen::Index own = std::min<Eigen::Index>(kCloneDim, triangles.back().rows());
     num_clone_rows += own;
     num_shared_rows += triangles.back().rows() - own;
