@@ -82,24 +82,20 @@ void SetErrors(const Recording& recording, const std::vector<FrameRun>& runs,
   result->rotation_change_rad = SmoothnessOf(std::move(rotation_changes));
 }
 
-// `without_answers`: the same frames run without answers, whose times are taken off; or empty.
-void SetTimes(const Recording& recording, const std::vector<FrameRun>& runs,
-              const std::vector<FrameRun>& without_answers, MethodResult* result) {
-  std::vector<double> frame_seconds, update_seconds;
+void SetTimes(const Recording& recording, const std::vector<FrameRun>& runs, MethodResult* result) {
+  std::vector<double> of_frames, of_updates;
   double num_matches = 0.0;
   for (size_t i = recording.first_counted_frame; i < runs.size(); ++i) {
-    if (!runs[i].had_answer) {
-      continue;
+    if (runs[i].had_answer) {
+      of_frames.push_back(runs[i].seconds);
+      of_updates.push_back(runs[i].update_seconds);
     }
-    frame_seconds.push_back(runs[i].seconds);
-    update_seconds.push_back(runs[i].seconds -
-                             (without_answers.empty() ? 0.0 : without_answers[i].seconds));
     num_matches += runs[i].num_matches;
   }
-  result->frame_seconds = SpreadOf(frame_seconds);
-  result->update_seconds = SpreadOf(update_seconds);
+  result->frame_seconds = SpreadOf(of_frames);
+  result->update_seconds = SpreadOf(of_updates);
   result->mean_matches =
-      frame_seconds.empty() ? 0.0 : num_matches / static_cast<double>(frame_seconds.size());
+      of_frames.empty() ? 0.0 : num_matches / static_cast<double>(of_frames.size());
 }
 
 // Runs several times and keeps the fastest time of each frame.
@@ -110,18 +106,18 @@ std::vector<FrameRun> Repeat(int num_timings, const Run& run) {
     const std::vector<FrameRun> again = run();
     for (size_t i = 0; i < runs.size(); ++i) {
       runs[i].seconds = std::min(runs[i].seconds, again[i].seconds);
+      runs[i].update_seconds = std::min(runs[i].update_seconds, again[i].update_seconds);
     }
   }
   return runs;
 }
 
 MethodResult Summarize(std::string name, const Recording& recording,
-                       const std::vector<FrameRun>& runs,
-                       const std::vector<FrameRun>& without_answers) {
+                       const std::vector<FrameRun>& runs) {
   MethodResult result;
   result.name = std::move(name);
   SetErrors(recording, runs, &result);
-  SetTimes(recording, runs, without_answers, &result);
+  SetTimes(recording, runs, &result);
   return result;
 }
 
@@ -169,22 +165,14 @@ std::vector<MethodResult> CompareEstimators(const Recording& recording,
                 "recording " + recording.name + ": fewer than two frames to count");
   }
   std::vector<MethodResult> results;
-  Recording unanswered = recording;
-  for (RecordedFrame& frame : unanswered.frames) {
-    frame.answer = {};
-  }
   results.push_back(Summarize("EKF", recording,
-                              Repeat(options.num_timings, [&] { return RunFilter(recording); }),
-                              Repeat(options.num_timings, [&] { return RunFilter(unanswered); })));
+                              Repeat(options.num_timings, [&] { return RunFilter(recording); })));
   for (const RivalVariant& variant : options.variants) {
     const BundleAdjusterOptions rival = RivalOptions(recording, variant);
-    results.push_back(Summarize(variant.Name(), recording,
-                                Repeat(options.num_timings,
-                                       [&] {
-                                         return RunBundleAdjuster(recording, rival,
-                                                                  variant.every_frame_is_keyframe);
-                                       }),
-                                {}));
+    results.push_back(Summarize(variant.Name(), recording, Repeat(options.num_timings, [&] {
+                                  return RunBundleAdjuster(recording, rival,
+                                                           variant.every_frame_is_keyframe);
+                                })));
   }
   return results;
 }

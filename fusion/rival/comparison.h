@@ -73,11 +73,13 @@ struct ComparisonOptions {
 };
 
 // Runs the filter first, then each variant, on the same samples, tracks, answers and noise, each
-// answer reaching them one frame after its query. Times: of the rivals, gating the matches,
-// building the problem and solving it. Of the filter, what a frame with an answer costs more than
-// the same frame in a run without answers; its whole frame, propagation and local tracks included,
-// is `frame_seconds`. Throws Error(kBadInput) if a recording has fewer than two counted frames or its
-// samples do not span its frames.
+// answer reaching them one frame after its query. Times of an update: of the rivals, gating the
+// matches, building the problem and solving it. Of the filter, gating, compressing and applying all
+// matches of the answer, on a copy of its state. (Its frames with an answer may cost less than
+// those without, as sights that go into the answer are not used as tracks, so a difference says
+// nothing.) Its whole frame, propagation and local tracks included, is `frame_seconds`. Throws
+// Error(kBadInput) if a recording has fewer than two counted frames or its samples do not span its
+// frames.
 std::vector<MethodResult> CompareEstimators(const Recording& recording,
                                             const ComparisonOptions& options);
 

@@ -6,6 +6,7 @@
 #include "fusion/alignment.h"
 #include "fusion/estimator.h"
 #include "fusion/imu_buffer.h"
+#include "fusion/map_update.h"
 #include "fusion/rival/bundle_adjuster.h"
 
 namespace cairn::fusion {
@@ -48,6 +49,27 @@ std::optional<Rigid3d> GlobalFromImu(const Estimator& estimator) {
   return *state->global_from_local() * state->imu().local_from_imu;
 }
 
+// CPU time of an update of the filter by an answer to a query of its frame before the newest:
+// gates, compression and update.
+double UpdateSeconds(const Recording& recording, const Estimator& estimator, const Answer& answer) {
+  FilterState state = *estimator.state();
+  if (!state.global_from_local() || state.clones().size() < 2) {
+    return 0.0;
+  }
+  std::vector<MapSight> sights;
+  for (const MapMatch& match : answer.matches) {
+    sights.push_back({.match = static_cast<int>(sights.size()),
+                      .clone = static_cast<int>(state.clones().size()) - 2,
+                      .pixel = match.pixel,
+                      .x_in_global = match.x_in_global,
+                      .sigma_m = match.sigma_m,
+                      .tile_id = match.tile_id});
+  }
+  const double begin = ThreadSeconds();
+  UpdateFromMap(recording.options.camera, sights, recording.options.map, &state);
+  return ThreadSeconds() - begin;
+}
+
 std::vector<ImuStep> StepsBetween(const ImuBuffer& buffer, int64_t begin_ns, int64_t end_ns) {
   std::vector<ImuStep> steps;
   buffer.ForEachStep(begin_ns, end_ns, [&](const ImuStep& step) { steps.push_back(step); });
@@ -82,6 +104,9 @@ std::vector<FrameRun> RunFilter(const Recording& recording) {
     estimator.AddFrame({frame.timestamp_ns, frame.features});
     runs[i].seconds = ThreadSeconds() - begin;
     runs[i].had_answer = TakeAnswer(&estimator, &runs[i].num_matches);
+    if (runs[i].had_answer && estimator.state() != nullptr) {
+      runs[i].update_seconds = UpdateSeconds(recording, estimator, recording.frames[i - 1].answer);
+    }
     runs[i].global_from_imu = GlobalFromImu(estimator);
     if (!IsQueried(recording, i)) {
       continue;
@@ -130,6 +155,7 @@ std::vector<FrameRun> RunBundleAdjuster(const Recording& recording,
     }
     adjuster.Optimize();
     runs[i].seconds = ThreadSeconds() - begin;
+    runs[i].update_seconds = runs[i].seconds;
     if (const auto global_from_local = adjuster.global_from_local()) {
       runs[i].global_from_imu = *global_from_local * adjuster.state().local_from_imu;
     }

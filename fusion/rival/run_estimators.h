@@ -15,8 +15,11 @@ namespace cairn::fusion {
 struct FrameRun {
   std::optional<Rigid3d> global_from_imu;  // Nothing before it found the map.
   double seconds = 0.0;                    // CPU time of this thread.
-  bool had_answer = false;                 // An answer was taken up.
-  int num_matches = 0;                     // Of it, that were used.
+  // Of the update by the answer alone: of the filter, that by all matches of the answer at the
+  // clone of its query, on a copy of the state; of a bundle adjuster, as `seconds`.
+  double update_seconds = 0.0;
+  bool had_answer = false;  // An answer was taken up.
+  int num_matches = 0;      // Of it, that were used.
 };
 
 // One entry a frame. Keyframes of the bundle adjustment are the queried frames, or all of them.
