@@ -9,12 +9,12 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <string>
 #include <system_error>
 #include <vector>
 
+#include "cli/index_option.h"
 #include "cli/shell.h"
 #include "core/error.h"
 #include "eval/bench/bench_world.h"
@@ -130,16 +130,7 @@ void AddBenchCommand(CLI::App* app, Shell* shell) {
   command->add_option("--queries", world.num_queries, "Different queries")->capture_default_str();
   command->add_option("--repeats", arguments->run.num_repeats, "Of every query")
       ->capture_default_str();
-  const std::map<std::string, IndexKind> kinds = {
-      {IndexKindName(IndexKind::kRandomGrids), IndexKind::kRandomGrids},
-      {IndexKindName(IndexKind::kInvertedLists), IndexKind::kInvertedLists},
-      {IndexKindName(IndexKind::kInvertedMultiIndex), IndexKind::kInvertedMultiIndex},
-      {IndexKindName(IndexKind::kKdTree), IndexKind::kKdTree}};
-  command
-      ->add_option("--index", arguments->run.localizer.matching.index.kind,
-                   "What a tile is searched with")
-      ->transform(CLI::CheckedTransformer(kinds, CLI::ignore_case).description("KIND"))
-      ->default_str(IndexKindName(arguments->run.localizer.matching.index.kind));
+  AddIndexOption(command, &arguments->run.localizer.matching.index.kind);
   command->add_option("--seed", world.seed, "Seed of map, queries and localizer")
       ->capture_default_str();
   command->footer(

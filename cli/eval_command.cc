@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "cli/eval_queries.h"
+#include "cli/index_option.h"
 #include "cli/open_localizer.h"
 #include "cli/shell.h"
 #include "core/error.h"
@@ -41,6 +42,7 @@ struct EvalArguments {
   std::string server_url;
   SendAs send_as = SendAs::kFeatures;
   FeatureSource feature_source = FeatureSource::kModel;
+  IndexKind index = IndexOptions().kind;
   std::string json_path;
   std::string csv_path;
   int num_threads = 1;
@@ -137,6 +139,7 @@ ExitCode RunEval(const EvalArguments& arguments, ProgressMode progress_mode) {
 
   LocalizerOptions localizer_options;
   localizer_options.seed = noise.seed;
+  localizer_options.matching.index.kind = arguments.index;
   const OpenedMap map = OpenLocalizer(arguments.map_path, localizer_options);
   std::vector<EvalQuery> queries = LoadEvalQueries(arguments.queries, map.store->Snapshot());
   if (!arguments.given_priors) {
@@ -239,6 +242,7 @@ void AddEvalCommand(CLI::App* app, Shell* shell) {
   AddQuerySourceOptions(command, &arguments->queries);
   AddNoiseOptions(command, arguments.get());
   AddTransportOptions(command, arguments.get());
+  AddIndexOption(command, &arguments->index);
   command->add_option("--json", arguments->json_path, "Write the report")->type_name("FILE");
   command->add_option("--csv", arguments->csv_path, "Write one line an answer")->type_name("FILE");
   command->footer(

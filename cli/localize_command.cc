@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "cli/arguments.h"
+#include "cli/index_option.h"
 #include "cli/open_localizer.h"
 #include "cli/shell.h"
 #include "core/error.h"
@@ -42,6 +43,7 @@ struct LocalizeArguments {
   std::optional<std::string> gravity;
   std::string picture_path;
   uint64_t seed = 1;
+  IndexKind index = IndexOptions().kind;
   bool json = false;
 };
 
@@ -89,6 +91,7 @@ LocalizeResult Answer(const LocalizeArguments& arguments, const GrayImage& photo
   }
   LocalizerOptions options;
   options.seed = arguments.seed;
+  options.matching.index.kind = arguments.index;
   const OpenedMap map = OpenLocalizer(arguments.map_path, options);
   query->features = ExtractSift(photo);
   return map.localizer->Localize(*query);
@@ -185,6 +188,7 @@ void AddLocalizeCommand(CLI::App* app, Shell* shell) {
   AddQueryOptions(command, arguments.get());
   command->add_option("--seed", arguments->seed, "Seed of everything random (not with --server)")
       ->capture_default_str();
+  AddIndexOption(command, &arguments->index);
   command->add_flag("--json", arguments->json, "Print the answer as the server's JSON");
   command->add_option("--picture", arguments->picture_path, "Draw the matched keypoints")
       ->type_name("FILE.png");

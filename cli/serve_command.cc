@@ -12,6 +12,7 @@
 #include <string>
 #include <thread>
 
+#include "cli/index_option.h"
 #include "cli/shell.h"
 #include "core/logging.h"
 #include "http/server.h"
@@ -103,6 +104,7 @@ void AddServeCommand(CLI::App* app, Shell* shell) {
       ->check(CLI::Range(0, 1024))
       ->type_name("N")
       ->capture_default_str();
+  AddIndexOption(command, &options.localizer.matching.index.kind);
   command->footer(
       "Prints the URL when it is ready. SIGTERM and SIGINT stop it after the running requests.\n"
       "Example:\n"
