@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace cairn {
 
@@ -12,8 +13,16 @@ void AddIndexOption(CLI::App* command, IndexKind* kind) {
                                  IndexKind::kInvertedMultiIndex, IndexKind::kKdTree}) {
     kinds.emplace(IndexKindName(choice), choice);
   }
-  command->add_option("--index", *kind, "What a tile is searched with; inverted_lists is fastest")
-      ->transform(CLI::CheckedTransformer(kinds, CLI::ignore_case).description("KIND"))
+  std::vector<std::string> names;
+  for (const auto& [name, choice] : kinds) {
+    names.push_back(name);
+  }
+  command
+      ->add_option_function<std::string>(
+          "--index", [kinds, kind](const std::string& name) { *kind = kinds.at(name); },
+          "What a tile is searched with; inverted_lists is fastest")
+      ->check(CLI::IsMember(names))
+      ->type_name("KIND")
       ->default_str(IndexKindName(*kind));
 }
 

@@ -50,6 +50,25 @@ TEST_F(Simulate, EvalLocalizesTheQueriesInTheMap) {
   EXPECT_LT(report["median_position_error_m"]["value"], 2.0);
 }
 
+TEST_F(Simulate, EvalSearchesWithTheIndexThatIsChosen) {
+  ASSERT_EQ(Run({"--map", dir_.File("map.gpkg"), "--queries", dir_.File("queries.json")}).exit_code,
+            0);
+  const auto localized_with = [&](const std::string& index) {
+    const Finished evaluated =
+        RunCairn({"eval", dir_.File("map.gpkg"), "--queries", dir_.File("queries.json"),
+                  "--given-priors", "--index", index, "--json", dir_.File("report.json")});
+    EXPECT_EQ(evaluated.exit_code, 0) << evaluated.err;
+    return nlohmann::json::parse(ReadAll(dir_.File("report.json")))["num_localized"].get<int>();
+  };
+  for (const char* index : {"random_grids", "inverted_lists", "kd_tree"}) {
+    EXPECT_GE(localized_with(index), 5) << index;
+  }
+  const Finished refused = RunCairn({"eval", dir_.File("map.gpkg"), "--queries",
+                                     dir_.File("queries.json"), "--index", "nonsense"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("not in {inverted_lists,inverted_multi_index,kd_tree,"));
+}
+
 TEST_F(Simulate, TheSameSeedMakesTheSameQueries) {
   for (const char* name : {"a", "b"}) {
     const std::string base = dir_.File(name);
