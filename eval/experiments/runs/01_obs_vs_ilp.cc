@@ -63,7 +63,7 @@ Experiment ObsVsIlpExperiment() {
           "chosen by their number of observations.",
           "holds if the mean difference of average precision over equal budgets of descriptors is "
           "positive, by a paired interval; does not hold if it is negative.",
-          "3 min",
+          "9 min",
           Run};
 }
 

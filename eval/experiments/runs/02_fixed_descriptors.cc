@@ -27,7 +27,7 @@ Experiment FixedDescriptorsExperiment() {
       "holds if the average precision of k-means, in the mean over counts, is greater than that "
       "of k-medoids and that of a random choice, each by a paired interval; does not hold if it "
       "is smaller than one.",
-      "3 min",
+      "8 min",
       Run};
 }
 

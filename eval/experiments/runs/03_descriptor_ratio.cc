@@ -23,7 +23,7 @@ Experiment DescriptorRatioExperiment() {
       "holds if the average precision of k-means, in the mean over ratios, is greater than that "
       "of k-medoids and that of a random choice, each by a paired interval; does not hold if it "
       "is smaller than one.",
-      "3 min",
+      "8 min",
       Run};
 }
 

@@ -73,7 +73,7 @@ Experiment FixedVsRatioExperiment() {
       "descriptors is marginal.",
       "holds if every ratio lies within 0.03 average precision of the fixed number whose map is "
       "nearest in size, by paired intervals; does not hold if one surely lies outside.",
-      "2 min",
+      "7 min",
       Run};
 }
 

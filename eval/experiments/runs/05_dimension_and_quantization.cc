@@ -175,7 +175,7 @@ Experiment DimensionAndQuantizationExperiment() {
       "on descriptors alone, by exhaustive search: holds if the step from 8 to 16 dimensions "
       "gains more recall than that from 16 to 32, by a paired interval, and if the loss by 8 "
       "bytes lies within 0.02; does not hold if one of them is surely otherwise.",
-      "3 min",
+      "4 min",
       Run};
 }
 

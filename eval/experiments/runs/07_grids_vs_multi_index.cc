@@ -129,7 +129,7 @@ Experiment GridsVsMultiIndexExperiment() {
           "Given enough time, random grids reach a higher quality than the inverted multi-index.",
           "holds if the best average precision of random grids (with orientation) is greater than "
           "that of the inverted multi-index, by a paired interval; does not hold if it is smaller.",
-          "2 min",
+          "12 min",
           Run};
 }
 

@@ -103,7 +103,7 @@ Experiment PriorsExperiment() {
           "Keypoint orientation and position prior as terms of the distance improve both indices.",
           "holds if both terms together improve the average precision of random grids and of the "
           "inverted multi-index, each by a paired interval; does not hold if one gets worse.",
-          "1 min",
+          "3 min",
           Run};
 }
 

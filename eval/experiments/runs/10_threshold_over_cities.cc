@@ -95,7 +95,7 @@ Experiment ThresholdOverCitiesExperiment() {
           "holds if the threshold that is best on average loses at most 0.02 average precision "
           "against each city's own best, by the upper end of the paired interval; does not hold if "
           "it surely loses more in one.",
-          "2 min",
+          "3 min",
           Run};
 }
 

@@ -105,7 +105,7 @@ Experiment EkfVsBundleAdjustmentExperiment() {
           "is at most 1.1 times that of the best bundle adjustment, its rotation error smaller "
           "than that of the best, and the fastest takes more than ten times as long; does not hold "
           "if one of these is surely wrong in one.",
-          "3 min",
+          "6 min",
           Run};
 }
 

@@ -85,7 +85,7 @@ Experiment SmoothnessExperiment() {
           "holds if in every scene, by intervals over its recordings, the filter's position error "
           "changes less from frame to frame than that of the smoothest bundle adjustment; does not "
           "hold if it surely changes more in one.",
-          "3 min",
+          "6 min",
           Run};
 }
 

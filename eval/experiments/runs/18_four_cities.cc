@@ -88,7 +88,7 @@ Experiment FourCitiesExperiment() {
       "One system with one setting localizes phones in four cities of different character.",
       "holds if in every city more than half of all queries are answered within 3 m and 10°, by "
       "the interval of the recall; does not hold if it is surely less than half in one.",
-      "1 min",
+      "2 min",
       Run};
 }
 
