@@ -42,6 +42,7 @@ ResultTable MakeTable(const std::vector<FusionScene>& scenes) {
 Figure MakeFigure(const std::vector<FusionScene>& scenes) {
   Figure figure{"16_ekf_vs_bundle_adjustment", "Position after global updates", "method",
                 "position error, m (root mean square)"};
+  figure.log_y = true;
   figure.x_names = scenes.front().methods;
   for (const FusionScene& scene : scenes) {
     FigureSeries series{scene.name, {}};

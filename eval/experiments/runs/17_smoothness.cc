@@ -42,6 +42,7 @@ ResultTable MakeTable(const std::vector<FusionScene>& scenes) {
 Figure MakeFigure(const std::vector<FusionScene>& scenes) {
   Figure figure{"17_smoothness", "Change of the position error between frames", "method",
                 "change from frame to frame, cm (root mean square)"};
+  figure.log_y = true;
   figure.x_names = scenes.front().methods;
   for (const FusionScene& scene : scenes) {
     FigureSeries series{scene.name, {}};
