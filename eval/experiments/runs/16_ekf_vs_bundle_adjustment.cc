@@ -39,22 +39,6 @@ ResultTable MakeTable(const std::vector<FusionScene>& scenes) {
   return table;
 }
 
-Figure MakeFigure(const std::vector<FusionScene>& scenes) {
-  Figure figure{"16_ekf_vs_bundle_adjustment", "Position after global updates", "method",
-                "position error, m (root mean square)"};
-  figure.log_y = true;
-  figure.x_names = scenes.front().methods;
-  for (const FusionScene& scene : scenes) {
-    FigureSeries series{scene.name, {}};
-    for (size_t method = 0; method < scene.methods.size(); ++method) {
-      series.points.push_back(
-          {static_cast<double>(method), MeanOver(scene, method, PositionRmseM)});
-    }
-    figure.series.push_back(std::move(series));
-  }
-  return figure;
-}
-
 std::string SpeedText(const Interval& speed, const std::string& fastest) {
   return std::isfinite(speed.value) ? fmt::format("and {} takes {} times as long for an update",
                                                   fastest, IntervalText(speed, 1))
@@ -84,7 +68,8 @@ ExperimentOutcome Run(const ExperimentContext& context) {
   ExperimentOutcome outcome;
   outcome.parameters = FusionParameters(context);
   outcome.table = MakeTable(scenes);
-  outcome.figures = {MakeFigure(scenes)};
+  outcome.figures = {SceneFigure("16_ekf_vs_bundle_adjustment", "Position after global updates",
+                                 "position error, m (root mean square)", scenes, PositionRmseM)};
   std::vector<Verdict> verdicts;
   for (const FusionScene& scene : scenes) {
     verdicts.push_back(Judge(scene, &outcome.sentence));

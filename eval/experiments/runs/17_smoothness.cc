@@ -39,27 +39,14 @@ ResultTable MakeTable(const std::vector<FusionScene>& scenes) {
   return table;
 }
 
-Figure MakeFigure(const std::vector<FusionScene>& scenes) {
-  Figure figure{"17_smoothness", "Change of the position error between frames", "method",
-                "change from frame to frame, cm (root mean square)"};
-  figure.log_y = true;
-  figure.x_names = scenes.front().methods;
-  for (const FusionScene& scene : scenes) {
-    FigureSeries series{scene.name, {}};
-    for (size_t method = 0; method < scene.methods.size(); ++method) {
-      series.points.push_back({static_cast<double>(method), MeanOver(scene, method, ChangeCm)});
-    }
-    figure.series.push_back(std::move(series));
-  }
-  return figure;
-}
-
 ExperimentOutcome Run(const ExperimentContext& context) {
   const std::vector<FusionScene> scenes = RunFusionScenes(context, fusion::PaperVariants());
   ExperimentOutcome outcome;
   outcome.parameters = FusionParameters(context);
   outcome.table = MakeTable(scenes);
-  outcome.figures = {MakeFigure(scenes)};
+  outcome.figures = {SceneFigure("17_smoothness", "Change of the position error between frames",
+                                 "change from frame to frame, cm (root mean square)", scenes,
+                                 ChangeCm)};
   std::vector<Verdict> verdicts;
   for (const FusionScene& scene : scenes) {
     const size_t smoothest = BestRival(scene, ChangeCm);

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 #include <span>
+#include <utility>
 
 #include "eval/experiments/city_walks.h"
 #include "fusion/rival/room_recordings.h"
@@ -146,6 +147,21 @@ size_t BestRival(const FusionScene& scene, const FusionMeasure& measure) {
     }
   }
   return best;
+}
+
+Figure SceneFigure(const std::string& name, const std::string& title, const std::string& y_label,
+                   const std::vector<FusionScene>& scenes, const FusionMeasure& measure) {
+  Figure figure{name, title, "method", y_label};
+  figure.log_y = true;
+  figure.x_names = scenes.front().methods;
+  for (const FusionScene& scene : scenes) {
+    FigureSeries series{scene.name, {}};
+    for (size_t method = 0; method < scene.methods.size(); ++method) {
+      series.points.push_back({static_cast<double>(method), MeanOver(scene, method, measure)});
+    }
+    figure.series.push_back(std::move(series));
+  }
+  return figure;
 }
 
 }  // namespace cairn

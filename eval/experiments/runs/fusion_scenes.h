@@ -45,6 +45,10 @@ Interval RatioOver(const FusionScene& scene, size_t method, size_t other,
 // The bundle adjustment with the least mean.
 size_t BestRival(const FusionScene& scene, const FusionMeasure& measure);
 
+// The measure of each method, a curve a scene.
+Figure SceneFigure(const std::string& name, const std::string& title, const std::string& y_label,
+                   const std::vector<FusionScene>& scenes, const FusionMeasure& measure);
+
 }  // namespace cairn
 
 #endif  // CAIRN_EVAL_EXPERIMENTS_RUNS_FUSION_SCENES_H_
