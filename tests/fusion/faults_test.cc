@@ -474,6 +474,7 @@ TEST(Faults, StandingStillDoesNotDrift) {
     (i < 110 ? error_at_stop : i < 150 ? error_at_rest : error_at_end) = error.segment<3>(3);
   });
   EXPECT_GT(estimator.counters().num_standstills, 200);
+  EXPECT_LT((error_at_end - error_at_stop).norm(), 0.03);
   EXPECT_LT((error_at_end - error_at_rest).norm(), 0.01);
   EXPECT_LT(error_at_end.norm(), error_at_stop.norm() + 0.01);
   EXPECT_LT(estimator.state()->imu().velocity_in_local.norm(), 0.01);

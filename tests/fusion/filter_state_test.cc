@@ -367,7 +367,7 @@ TEST_P(MapUpdate, CompressedRowsHoldTheInformationOfAll) {
     r.segment<2>(row) = rows[i].residual;
   }
   const Measurement compressed = CompressMapRows(rows, 4, state);
-  EXPECT_LE(compressed.num_rows(), 4 * 6 + (state.has_tiles() ? 4 + 2 * 3 : 0));
+  EXPECT_EQ(compressed.num_rows(), 4 * 6 + (state.has_tiles() ? 4 + 2 * 3 : 0));
   Eigen::MatrixXd hc = Eigen::MatrixXd::Zero(compressed.num_rows(), state.dim());
   Eigen::Index column = 0;
   for (const StateBlock& block : compressed.blocks) {
