@@ -42,7 +42,7 @@ ResultTable MakeTable(const std::vector<FusionScene>& scenes) {
 std::string SpeedText(const Interval& speed, const std::string& fastest) {
   return std::isfinite(speed.value) ? fmt::format("and {} takes {} times as long for an update",
                                                   fastest, IntervalText(speed, 1))
-                                    : "and its updates take too little to be measured";
+                                    : "and it had no update to be timed";
 }
 
 // Judges one scene and says why.

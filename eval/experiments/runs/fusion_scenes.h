@@ -39,7 +39,7 @@ double RotationRmseDeg(const fusion::MethodResult& result);
 // Mean over the recordings, with the bootstrap interval over them.
 Interval MeanOver(const FusionScene& scene, size_t method, const FusionMeasure& measure);
 // Mean of `method` over mean of `other`, likewise; not a number where that of `other` is not
-// positive, as differences of times can be.
+// positive.
 Interval RatioOver(const FusionScene& scene, size_t method, size_t other,
                    const FusionMeasure& measure);
 // The bundle adjustment with the least mean.
