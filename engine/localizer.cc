@@ -45,6 +45,12 @@ struct Attempt {
   std::optional<PoseEstimate> estimate;
 };
 
+// There might have been more with more time.
+bool FoundTooLittle(NotLocalizedReason reason) {
+  return reason == NotLocalizedReason::kTooFewMatches ||
+         reason == NotLocalizedReason::kTooFewInliers;
+}
+
 // One query on its way through the stages. A stage that finds that there cannot be an answer
 // returns the reason, and the ones after it do not run.
 class QueryRun {
@@ -111,6 +117,9 @@ LocalizeResult QueryRun::Run() {
   if (!hypotheses_.empty()) {
     ConcludeAnswer(context_, tiles_, hypotheses_, options_.answer, &result_);
   }
+  if (FoundTooLittle(result_.reason) && DeadlinePassed()) {
+    result_.reason = NotLocalizedReason::kTimeout;
+  }
   result_.times.total_seconds = SecondsSince(start);
   return std::move(result_);
 }
@@ -144,8 +153,8 @@ NotLocalizedReason QueryRun::GatherTiles() {
 }
 
 NotLocalizedReason QueryRun::Match() {
-  correspondences_ = std::make_shared<const std::vector<Correspondence>>(
-      MatchFeatures(context_, tiles_, options_.matching, &result_.counters));
+  correspondences_ = std::make_shared<const std::vector<Correspondence>>(MatchFeatures(
+      context_, tiles_, options_.matching, &result_.counters, workers_, query_.deadline));
   return result_.counters.num_matched_keypoints < options_.pose.min_inliers
              ? NotLocalizedReason::kTooFewMatches
              : NotLocalizedReason::kNone;

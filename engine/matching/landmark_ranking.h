@@ -20,7 +20,8 @@ namespace cairn {
 
 // Keeps, for every keypoint of a query, the max_neighbors landmarks with the smallest distance
 // among all hits added so far. A landmark counts once, by its best descriptor in any tile. Equal
-// distances are ordered by landmark id, then tile and descriptor. For use within one thread.
+// distances are ordered by landmark id, then tile and descriptor. Threads may share a ranking if
+// each has keypoints of its own.
 class LandmarkRanking {
  public:
   class TileHits;  // How hits are added.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numeric>
 #include <span>
 
 #include "core/error.h"
@@ -87,6 +88,58 @@ class HitsOfSome : public HitReceiver {
   HitReceiver* receiver_;
 };
 
+// Consecutive keypoints of a query.
+struct KeypointRange {
+  int begin = 0;
+  int end = 0;
+  int size() const { return end - begin; }
+};
+
+// About equal ranges, at most one a thread. Short ones do not pay: the fewer keypoints are compared
+// with a list of descriptors while it is in the cache, the more it costs to get it there.
+std::vector<KeypointRange> SplitKeypoints(int num_keypoints, int num_threads) {
+  constexpr int kMinRangeSize = 128;
+  const int count = std::clamp(num_keypoints / kMinRangeSize, 1, num_threads);
+  std::vector<KeypointRange> ranges;
+  for (int i = 0; i < count; ++i) {
+    ranges.push_back({static_cast<int>(int64_t{num_keypoints} * i / count),
+                      static_cast<int>(int64_t{num_keypoints} * (i + 1) / count)});
+  }
+  return ranges;
+}
+
+// Hands on hits of a range of the keypoints as those of the query.
+class HitsOfRange : public HitReceiver {
+ public:
+  HitsOfRange(const KeypointRange& range, HitReceiver* receiver)
+      : begin_(static_cast<uint32_t>(range.begin)), receiver_(receiver) {}
+
+  float Take(const DescriptorHit& hit) override {
+    return receiver_->Take({begin_ + hit.query_idx, hit.descriptor_idx, hit.sq_distance});
+  }
+
+ private:
+  const uint32_t begin_;
+  HitReceiver* receiver_;
+};
+
+// Adds one tile's hits of a range of keypoints, with descriptors `queries`, to the ranking; touches
+// nothing of other keypoints in it. Returns the number of distances computed.
+int64_t SearchTile(const DescriptorMatrix& queries, const KeypointRange& range,
+                   const TileView& view, int tile_idx, const MatchingOptions& options,
+                   LandmarkRanking* ranking) {
+  std::vector<double> max_distances = MaxDistances(queries, *view.tile, options);
+  for (int i = 0; i < range.size(); ++i) {
+    max_distances[i] = std::min(max_distances[i], ranking->MaxUsefulDistance(range.begin + i));
+  }
+  LandmarkRanking::TileHits tile_hits(ranking, view, tile_idx);
+  HitsOfRange range_hits(range, &tile_hits);
+  const int64_t num_distances = view.tile->index().Search(
+      {.queries = queries, .max_distances = max_distances, .receiver = &range_hits}, nullptr);
+  tile_hits.Flush();
+  return num_distances;
+}
+
 // The codes of some descriptors, in the order given.
 std::vector<uint8_t> GatherCodes(const Tile& tile, std::span<const uint32_t> descriptors) {
   std::vector<uint8_t> codes;
@@ -100,28 +153,30 @@ std::vector<uint8_t> GatherCodes(const Tile& tile, std::span<const uint32_t> des
 
 }  // namespace
 
-std::vector<Correspondence> MatchFeatures(const QueryContext& query,
-                                          const std::vector<TileView>& tiles,
-                                          const MatchingOptions& options, StageCounters* counters) {
+std::vector<Correspondence> MatchFeatures(
+    const QueryContext& query, const std::vector<TileView>& tiles, const MatchingOptions& options,
+    StageCounters* counters, SharedWorkers* workers,
+    std::optional<std::chrono::steady_clock::time_point> deadline) {
   if (tiles.empty()) {
     return {};
   }
-  const Codebook& codebook = CommonCodebook(tiles);
-  LandmarkRanking ranking(query, codebook, options);
-  for (size_t tile_idx = 0; tile_idx < tiles.size(); ++tile_idx) {
-    const SearchableTile& tile = *tiles[tile_idx].tile;
-    std::vector<double> max_distances = MaxDistances(query.descriptors, tile, options);
-    for (size_t keypoint_idx = 0; keypoint_idx < max_distances.size(); ++keypoint_idx) {
-      max_distances[keypoint_idx] =
-          std::min(max_distances[keypoint_idx],
-                   ranking.MaxUsefulDistance(static_cast<uint32_t>(keypoint_idx)));
+  LandmarkRanking ranking(query, CommonCodebook(tiles), options);
+  const std::vector<KeypointRange> ranges =
+      SplitKeypoints(query.num_keypoints(), workers != nullptr ? workers->NumFree() : 1);
+  std::vector<int64_t> num_distances(ranges.size(), 0);
+  ForEachStep(workers, static_cast<int>(ranges.size()), [&](int i) {
+    const DescriptorMatrix queries =
+        query.descriptors.middleRows(ranges[i].begin, ranges[i].size());
+    for (size_t tile_idx = 0; tile_idx < tiles.size(); ++tile_idx) {
+      if (deadline && std::chrono::steady_clock::now() >= *deadline) {
+        return;
+      }
+      num_distances[i] += SearchTile(queries, ranges[i], tiles[tile_idx],
+                                     static_cast<int>(tile_idx), options, &ranking);
     }
-    LandmarkRanking::TileHits tile_hits(&ranking, tiles[tile_idx], static_cast<int>(tile_idx));
-    counters->num_distances += tile.index().Search(
-        {.queries = query.descriptors, .max_distances = max_distances, .receiver = &tile_hits},
-        nullptr);
-    tile_hits.Flush();
-  }
+  });
+  counters->num_distances +=
+      std::accumulate(num_distances.begin(), num_distances.end(), int64_t{0});
   std::vector<Correspondence> correspondences = ranking.Correspondences(tiles);
   counters->num_matches = static_cast<int64_t>(correspondences.size());
   counters->num_matched_keypoints = ranking.NumMatchedKeypoints();

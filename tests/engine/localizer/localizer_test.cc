@@ -234,6 +234,24 @@ TEST_F(LocalizerOnOneStreet, SaysTimeoutWhenTheDeadlineHasPassed) {
   EXPECT_EQ(localizer().Localize(query).reason, NotLocalizedReason::kTimeout);
 }
 
+// Wherever in the query the deadline falls.
+TEST_F(LocalizerOnOneStreet, AnswersByTheDeadlineOrSaysTimeout) {
+  LocalizeQuery query = QueryAt(*world_, QueryPose(20.0));
+  const LocalizeResult unhurried = localizer().Localize(query);
+  ASSERT_TRUE(unhurried.localized);
+  for (int percent = 0; percent <= 120; percent += 5) {
+    query.deadline = std::chrono::steady_clock::now() +
+                     std::chrono::microseconds(
+                         static_cast<int64_t>(1e4 * percent * unhurried.times.total_seconds));
+    const LocalizeResult result = localizer().Localize(query);
+    if (result.localized) {
+      ExpectPose(result, *world_, QueryPose(20.0), 0.1, 0.005);
+    } else {
+      EXPECT_EQ(result.reason, NotLocalizedReason::kTimeout) << percent;
+    }
+  }
+}
+
 TEST_F(LocalizerOnOneStreet, AnswersProjectedFeaturesAsRawOnes) {
   const LocalizeQuery raw = QueryAt(*world_, QueryPose(20.0));
   LocalizeQuery projected = raw;

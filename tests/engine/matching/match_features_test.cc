@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -357,6 +358,51 @@ TEST(MatchFeatures, SetsTheCounters) {
   EXPECT_EQ(counters.num_distances, 3 * 4);
   EXPECT_EQ(counters.num_matches, 3);
   EXPECT_EQ(counters.num_matched_keypoints, 2);
+}
+
+TEST(MatchFeatures, ThreadsChangeNothing) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> anywhere(-1.5f, 1.5f);
+  std::vector<TileView> tiles;
+  for (uint64_t tile = 0; tile < 3; ++tile) {
+    std::vector<SimpleLandmark> landmarks;
+    for (uint64_t i = 0; i < 500; ++i) {
+      landmarks.push_back({300 * tile + i + 1, {{anywhere(random)}, {anywhere(random)}}});
+    }
+    tiles.push_back(SimpleView(SimpleTile(landmarks)));
+  }
+  std::vector<SimpleDescriptor> keypoints(1000);
+  for (SimpleDescriptor& keypoint : keypoints) {
+    keypoint = {anywhere(random)};
+  }
+  const QueryContext query = SimpleQuery(keypoints);
+  StageCounters expected_counters;
+  const auto expected = MatchFeatures(query, tiles, {}, &expected_counters);
+  ASSERT_GT(expected.size(), 1000u);
+  for (const int num_threads : {2, 3, 7}) {
+    SharedWorkers workers(num_threads);
+    StageCounters counters;
+    const auto matches = MatchFeatures(query, tiles, {}, &counters, &workers);
+    EXPECT_EQ(counters.num_distances, expected_counters.num_distances);
+    ASSERT_EQ(matches.size(), expected.size());
+    for (size_t i = 0; i < matches.size(); ++i) {
+      EXPECT_EQ(matches[i].keypoint_idx, expected[i].keypoint_idx);
+      EXPECT_EQ(matches[i].tile_idx, expected[i].tile_idx);
+      EXPECT_EQ(matches[i].landmark_idx, expected[i].landmark_idx);
+      EXPECT_EQ(matches[i].sq_distance, expected[i].sq_distance);
+    }
+  }
+}
+
+TEST(MatchFeatures, LeavesTilesOutAfterTheDeadline) {
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.1f}}}}))};
+  const QueryContext query = SimpleQuery({{0.0f}});
+  StageCounters counters;
+  const auto now = std::chrono::steady_clock::now();
+  EXPECT_THAT(MatchFeatures(query, tiles, {}, &counters, nullptr, now), IsEmpty());
+  EXPECT_EQ(counters.num_distances, 0);
+  EXPECT_EQ(MatchFeatures(query, tiles, {}, &counters, nullptr, now + std::chrono::hours(1)).size(),
+            1u);
 }
 
 TEST(MatchFeatures, RefuseTilesOfDifferentCodebooks) {
