@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "engine/matching/distance_statistics.h"
 #include "engine/pose/level_frame.h"
 
 namespace cairn {
@@ -74,6 +75,7 @@ QueryContext BuildQueryContext(const LocalizeQuery& query, const DescriptorCodec
   context.descriptors = query.features.size() == 0 && !query.other_cameras.empty()
                             ? DescriptorMatrix(0, codec.codebook().projected_dim())
                             : codec.ProjectFeatures(query.features);
+  context.same_landmark_distance = SameLandmarkDistance(codec.codebook(), 0.5);
   context.region = region;
   if (query.down_in_cam) {
     context.down_in_cam = query.down_in_cam->normalized();

@@ -39,8 +39,11 @@ struct QueryRigCamera {
 // in turn. The frame `cam` is that of the own camera. Immutable once built.
 struct QueryContext {
   Camera camera;
-  std::vector<Keypoint> keypoints;           // In the pixels of the camera that saw them.
-  DescriptorMatrix descriptors;              // num_keypoints x projected_dim.
+  std::vector<Keypoint> keypoints;  // In the pixels of the camera that saw them.
+  DescriptorMatrix descriptors;     // num_keypoints x projected_dim.
+  // Half of the pairs of descriptors of one landmark are nearer to each other; projected space, 0
+  // if not known.
+  double same_landmark_distance = 0.0;
   std::vector<Eigen::Vector3d> rays_in_cam;  // Unit; a zero vector if not invertible.
   // Rigs only, else all empty.
   std::vector<QueryRigCamera> other_cameras;

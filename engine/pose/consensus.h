@@ -20,6 +20,7 @@ struct RayObservation {
   double sigma_m = 0.0;        // Of the landmark; widens the threshold by three times the angle it
                                // subtends, to at most twice `threshold_rad`.
   int keypoint_idx = 0;
+  float sq_distance = 0.0f;  // Of the descriptors.
   // Where the ray starts, in the camera frame: not zero for the further cameras of a rig.
   Eigen::Vector3d origin_in_cam = Eigen::Vector3d::Zero();
 };

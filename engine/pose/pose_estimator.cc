@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "engine/pose/solvers/gravity_two_point.h"
 #include "engine/pose/solvers/p3p.h"
@@ -62,6 +63,7 @@ std::vector<RayObservation> MakeObservations(const QueryContext& query,
     observation.x_in_anchor = correspondence.x_in_anchor;
     observation.sigma_m = correspondence.sigma_m;
     observation.keypoint_idx = correspondence.keypoint_idx;
+    observation.sq_distance = correspondence.sq_distance;
     observation.origin_in_cam = query.OriginInCam(correspondence.keypoint_idx);
     const bool same_keypoint =
         !observations.empty() && observations.back().keypoint_idx == observation.keypoint_idx;
@@ -70,6 +72,26 @@ std::vector<RayObservation> MakeObservations(const QueryContext& query,
     observations.push_back(observation);
   }
   return observations;
+}
+
+// See PoseEstimator::acceptance_. Bounded below: draws end, and no match is out of the question.
+std::vector<double> AcceptanceOf(const std::vector<RayObservation>& observations,
+                                 double same_landmark_distance, double distance_weight) {
+  constexpr double kMin = 0.01;
+  std::vector<double> acceptance(observations.size(), 1.0);
+  if (observations.empty() || same_landmark_distance <= 0.0) {
+    return acceptance;
+  }
+  const double scale = distance_weight / (same_landmark_distance * same_landmark_distance);
+  const auto nearer = [](const RayObservation& a, const RayObservation& b) {
+    return a.sq_distance < b.sq_distance;
+  };
+  const double least =
+      std::min_element(observations.begin(), observations.end(), nearer)->sq_distance;
+  for (size_t i = 0; i < observations.size(); ++i) {
+    acceptance[i] = std::max(kMin, std::exp(-scale * (observations[i].sq_distance - least)));
+  }
+  return acceptance;
 }
 
 PoseEstimator::Model ModelFromLevelPose(const LevelPose& pose,
@@ -107,6 +129,8 @@ PoseEstimator::PoseEstimator(const QueryContext& query,
       options_(options),
       observations_(MakeObservations(query, correspondences, subset, options, seed)),
       consensus_(observations_, options.consensus),
+      acceptance_(
+          AcceptanceOf(observations_, query.same_landmark_distance, options.distance_weight)),
       gravity_(MakeGravityPrior(query, options)) {
   if (query.level_from_cam && options.solver != MinimalSolver::kP3p) {
     level_from_cam_ = query.level_from_cam->toRotationMatrix();
@@ -126,18 +150,30 @@ PoseEstimator::PoseEstimator(const QueryContext& query,
   }
 }
 
-bool PoseEstimator::DrawKeypoints(Random* random, std::array<int, 3>* keypoints) {
+int PoseEstimator::DrawObservation(const std::vector<int>* keypoints, Random* random) const {
+  while (true) {
+    const int keypoint = keypoints != nullptr
+                             ? (*keypoints)[random->Index(static_cast<int>(keypoints->size()))]
+                             : random->Index(num_keypoints());
+    const int begin = consensus_.keypoint_begin(keypoint);
+    const int index = begin + random->Index(consensus_.keypoint_begin(keypoint + 1) - begin);
+    if (acceptance_[index] >= 1.0 || random->Fraction() < acceptance_[index]) {
+      return index;
+    }
+  }
+}
+
+bool PoseEstimator::DrawSample(Random* random, std::array<int, 3>* sample) const {
   const std::vector<int>* choice = nullptr;  // All, unless the camera of the first decides.
+  const auto keypoint_of = [this](int index) { return observations_[index].keypoint_idx; };
   for (int i = 0; i < sample_size(); ++i) {
-    int& drawn = (*keypoints)[i];
+    int& drawn = (*sample)[i];
     do {
-      drawn = choice != nullptr ? (*choice)[random->Index(static_cast<int>(choice->size()))]
-                                : random->Index(num_keypoints());
-    } while (std::find(keypoints->begin(), keypoints->begin() + i, drawn) !=
-             keypoints->begin() + i);
+      drawn = DrawObservation(choice, random);
+    } while (std::any_of(sample->begin(), sample->begin() + i,
+                         [&](int other) { return keypoint_of(other) == keypoint_of(drawn); }));
     if (i == 0 && !keypoints_of_camera_.empty()) {
-      const int keypoint_idx = observations_[consensus_.keypoint_begin(drawn)].keypoint_idx;
-      choice = &keypoints_of_camera_[query_.CameraIdxOf(keypoint_idx)];
+      choice = &keypoints_of_camera_[query_.CameraIdxOf(keypoint_of(drawn))];
       if (static_cast<int>(choice->size()) < sample_size()) {
         return false;
       }
@@ -147,15 +183,12 @@ bool PoseEstimator::DrawKeypoints(Random* random, std::array<int, 3>* keypoints)
 }
 
 int PoseEstimator::SampleModels(Random* random, std::array<Model, kMaxModels>* models) {
-  std::array<int, 3> keypoints, sample;
-  std::array<Eigen::Vector3d, 3> x_in_anchor;
-  if (!DrawKeypoints(random, &keypoints)) {
+  std::array<int, 3> sample;
+  if (!DrawSample(random, &sample)) {
     return 0;
   }
+  std::array<Eigen::Vector3d, 3> x_in_anchor;
   for (int i = 0; i < sample_size(); ++i) {
-    const int begin = consensus_.keypoint_begin(keypoints[i]);
-    const int size = consensus_.keypoint_begin(keypoints[i] + 1) - begin;
-    sample[i] = begin + random->Index(size);
     x_in_anchor[i] = observations_[sample[i]].x_in_anchor;
   }
   if (level_from_cam_) {
@@ -223,34 +256,36 @@ std::optional<std::pair<PoseEstimator::Model, double>> PoseEstimator::Optimize(
 
 double PoseEstimator::SampleProbabilityOfScore(double score) const {
   // A gain is at most 1: there are at least as many inliers. Their keypoints are taken to have as
-  // many observations as others.
+  // many observations as others, and these to be drawn as often.
   const double num_inliers = std::min(score, static_cast<double>(num_keypoints()));
   return std::pow(num_inliers / std::max(1, consensus_.size()), sample_size());
 }
 
 double PoseEstimator::InlierSampleProbability(const Model& cam_from_anchor) {
-  // A keypoint is drawn first, then one of its observations.
-  const std::vector<int>& best = consensus_.BestObservations(cam_from_anchor, 0.0);
-  const auto inlier_probability = [&](int k) {
-    return best[k] < 0 ? 0.0
-                       : 1.0 / (consensus_.keypoint_begin(k + 1) - consensus_.keypoint_begin(k));
+  struct Draws {  // By how often they happen.
+    double all = 0.0;
+    double inliers = 0.0;
+    int num_keypoints = 0;
   };
-  if (keypoints_of_camera_.empty()) {
-    double sum = 0.0;
-    for (int k = 0; k < num_keypoints(); ++k) {
-      sum += inlier_probability(k);
-    }
-    return std::pow(sum / std::max(1, num_keypoints()), sample_size());
+  const bool by_camera = !keypoints_of_camera_.empty();
+  std::vector<Draws> cameras(by_camera ? keypoints_of_camera_.size() : 1);
+  const std::vector<int>& best = consensus_.BestObservations(cam_from_anchor, 0.0);
+  double all = 0.0;
+  for (int k = 0; k < num_keypoints(); ++k) {
+    const int begin = consensus_.keypoint_begin(k), end = consensus_.keypoint_begin(k + 1);
+    Draws& draws = cameras[by_camera ? query_.CameraIdxOf(observations_[begin].keypoint_idx) : 0];
+    const double of_keypoint =
+        std::accumulate(acceptance_.begin() + begin, acceptance_.begin() + end, 0.0) /
+        (end - begin);
+    all += of_keypoint;
+    draws.all += of_keypoint;
+    draws.inliers += best[k] < 0 ? 0.0 : acceptance_[best[k]] / (end - begin);
+    ++draws.num_keypoints;
   }
-  double probability = 0.0;  // Over the cameras, by their share of the keypoints.
-  for (const std::vector<int>& keypoints : keypoints_of_camera_) {
-    if (static_cast<int>(keypoints.size()) >= sample_size()) {
-      double sum = 0.0;
-      for (const int k : keypoints) {
-        sum += inlier_probability(k);
-      }
-      const auto size = static_cast<double>(keypoints.size());
-      probability += size / num_keypoints() * std::pow(sum / size, sample_size());
+  double probability = 0.0;  // Over the cameras, by how often the first draw is of them.
+  for (const Draws& draws : cameras) {
+    if (draws.num_keypoints >= sample_size()) {
+      probability += draws.all / all * std::pow(draws.inliers / draws.all, sample_size());
     }
   }
   return probability;

@@ -47,14 +47,19 @@ class PoseEstimator {
   double SampleProbabilityOfScore(double score) const;
 
  private:
-  // Draws distinct keypoints; false if the first one's camera has not enough for P3P.
-  bool DrawKeypoints(Random* random, std::array<int, 3>* keypoints);
+  // Draws an observation of one of the keypoints (the numbers of some, or null for all).
+  int DrawObservation(const std::vector<int>* keypoints, Random* random) const;
+  // Draws observations of distinct keypoints; false if the first one's camera has not enough for
+  // P3P.
+  bool DrawSample(Random* random, std::array<int, 3>* sample) const;
   std::vector<PoseObservation> LocalInliers(const Model& cam_from_anchor, double extra_sq_rad);
 
   const QueryContext& query_;
   const PoseOptions& options_;
   std::vector<RayObservation> observations_;  // Keypoints in random order.
   ConsensusSet consensus_;
+  // Probability that an observation is taken when it is drawn, positive; 1 for the best.
+  std::vector<double> acceptance_;
   // For two-point samples only.
   std::optional<Eigen::Matrix3d> level_from_cam_;
   std::vector<Eigen::Vector3d> rays_in_level_;  // Of the observations.

@@ -31,6 +31,8 @@ void PoseOptions::Validate() const {
   Require(max_iterations >= min_iterations, "max_iterations must be at least min_iterations");
   Require(success_probability > 0.0 && success_probability < 1.0,
           "success_probability must lie in (0, 1)");
+  Require(distance_weight >= 0.0 && distance_weight <= 1000.0,
+          "distance_weight must lie in [0, 1000]");
   Require(num_local_optimizations >= 1, "num_local_optimizations must be at least 1");
   Require(min_inliers >= 4, "min_inliers must be at least 4");
   Require(gravity_sigma_rad > 0.0 && gravity_sigma_rad <= 0.5,

@@ -42,8 +42,11 @@ struct PoseOptions {
   int min_iterations = 50;
   int max_iterations = 2000;
   double success_probability = 0.999;  // Stop when an all-inlier sample was drawn with this.
-  int num_local_optimizations = 2;     // Refinements each time a minimal model improves the score.
-  int min_inliers = 6;                 // Distinct keypoints; fewer is no estimate.
+  // How often a match is drawn into a sample falls with the squared distance of its descriptors, d:
+  // as exp(-distance_weight * d / m), m that of a median pair of one landmark. 0 draws all alike.
+  double distance_weight = 3.0;
+  int num_local_optimizations = 2;  // Refinements each time a minimal model improves the score.
+  int min_inliers = 6;              // Distinct keypoints; fewer is no estimate.
   // How far the direction of gravity may be off, radians (1 standard deviation per axis): a minimal
   // model's threshold is widened by it, the final refinement uses it as a weak prior.
   double gravity_sigma_rad = 0.0175;

@@ -24,6 +24,9 @@ class Random {
     return static_cast<int>(((Next() >> 32) * static_cast<uint64_t>(size)) >> 32);
   }
 
+  // Uniform in [0, 1).
+  double Fraction() { return static_cast<double>(Next() >> 11) * 0x1p-53; }
+
  private:
   uint64_t state_;
 };

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <random>
 #include <set>
 
 #include "support/cameras.h"
@@ -162,6 +164,47 @@ TEST(EstimatePose, ToleratesGravityOffByThreeSigma) {
   options.num_inliers = 40;
   options.gravity_noise_rad = 0.05;
   EXPECT_GE(NumRight(options, 20), 18);
+}
+
+// Descriptors of one landmark are nearer to each other than others, as in matching.
+TEST(EstimatePose, DrawsNearMatchesMoreOften) {
+  PoseSceneOptions options;
+  options.num_keypoints = 500;
+  options.num_inliers = 30;
+  options.matches_per_keypoint = 2;
+  for (const bool is_rig : {false, true}) {
+    options.other_cameras = is_rig ? testing::SideCameras() : std::vector<QueryRigCamera>();
+    int64_t num_weighted = 0, num_alike = 0;
+    for (options.seed = 1; options.seed <= 10; ++options.seed) {
+      PoseScene scene = MakePoseScene(options);
+      scene.query.same_landmark_distance = 0.2;
+      std::mt19937 random(static_cast<uint32_t>(options.seed));
+      std::normal_distribution<float> spread(0.0f, 0.01f);
+      for (size_t i = 0; i < scene.correspondences.size(); ++i) {
+        scene.correspondences[i].sq_distance =
+            std::abs((scene.is_correct[i] ? 0.03f : 0.06f) + spread(random));
+      }
+      PoseOptions alike;
+      alike.distance_weight = 0.0;
+      const auto weighted = Estimate(scene, PoseOptions(), options.seed);
+      EXPECT_TRUE(IsRight(weighted, scene)) << options.seed;
+      const auto unweighted = Estimate(scene, alike, options.seed);
+      num_weighted += weighted ? weighted->num_iterations : alike.max_iterations;
+      num_alike += unweighted ? unweighted->num_iterations : alike.max_iterations;
+    }
+    EXPECT_LT(2 * num_weighted, num_alike);
+  }
+}
+
+TEST(EstimatePose, TakesMatchesAlikeWithoutKnowingDistances) {
+  PoseScene scene = MakePoseScene({});
+  const auto expected = Estimate(scene);
+  for (size_t i = 0; i < scene.correspondences.size(); ++i) {
+    scene.correspondences[i].sq_distance = 0.001f * static_cast<float>(i);
+  }
+  const auto estimate = Estimate(scene);
+  ASSERT_TRUE(expected && estimate);
+  EXPECT_EQ(estimate->cam_from_anchor.ToMatrix(), expected->cam_from_anchor.ToMatrix());
 }
 
 TEST(EstimatePose, FindsThePoseOfARig) {
