@@ -8,8 +8,8 @@
 #include <random>
 #include <utility>
 
-#include "core/error.h"
 #include "core/frames.h"
+#include "core/require.h"
 
 namespace cairn {
 namespace {
@@ -19,13 +19,6 @@ namespace {
 constexpr double kRadius68PerSigma = 1.5095921854516636;
 // Reported accuracies are positive even where there is no noise.
 constexpr double kMinAccuracyM = 0.1;
-
-void Require(bool condition, const char* field, double value, const char* range) {
-  if (!condition) {
-    throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("prior noise: {} = {} must be {}", field, value, range));
-  }
-}
 
 // Seeded by the query's name, so that a query gets the same noise in whatever list it stands.
 std::mt19937_64 GeneratorFor(const EvalQuery& query, uint64_t seed) {
@@ -48,12 +41,9 @@ Eigen::Vector3d Tilted(const Eigen::Vector3d& direction, double first_rad, doubl
 
 void PriorNoiseOptions::Validate() const {
   constexpr double kMaxSigmaM = 10e3;
-  Require(position_sigma_m >= 0.0 && position_sigma_m <= kMaxSigmaM, "position_sigma_m",
-          position_sigma_m, "in [0, 10000]");
-  Require(height_sigma_m >= 0.0 && height_sigma_m <= kMaxSigmaM, "height_sigma_m", height_sigma_m,
-          "in [0, 10000]");
-  Require(gravity_sigma_rad >= 0.0 && gravity_sigma_rad <= 1.0, "gravity_sigma_rad",
-          gravity_sigma_rad, "in [0, 1]");
+  RequireWithin("position_sigma_m", position_sigma_m, 0.0, kMaxSigmaM);
+  RequireWithin("height_sigma_m", height_sigma_m, 0.0, kMaxSigmaM);
+  RequireWithin("gravity_sigma_rad", gravity_sigma_rad, 0.0, 1.0);
 }
 
 void AddNoisyPriors(const PriorNoiseOptions& options, std::vector<EvalQuery>* queries) {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "eval/city/require_option.h"
+#include "core/require.h"
 
 namespace cairn {
 namespace {
@@ -56,17 +56,17 @@ double CityOptions::RepeatedShare() const {
 }
 
 void CityOptions::Validate() const {
-  RequireInRange("city.center latitude in degrees", center.lat_deg(), -kMaxLatitudeDeg,
-                 kMaxLatitudeDeg);
-  RequireInRange("city.center longitude in degrees", center.lon_deg(), -180.0, 180.0);
+  RequireWithin("city.center latitude in degrees", center.lat_deg(), -kMaxLatitudeDeg,
+                kMaxLatitudeDeg);
+  RequireWithin("city.center longitude in degrees", center.lon_deg(), -180.0, 180.0);
   // What a map can hold: see PlaceSession.
-  RequireInRange("city.center height in metres", center.h_m, -400.0, 3000.0);
-  RequireInRange("city.area_km2", area_km2, kMinAreaKm2, kMaxAreaKm2);
-  RequireInRange("city.relief_m", relief_m, 0.0, 300.0);
-  RequireInRange("city.min_landmark_size_m", min_landmark_size_m, 0.01, 0.5);
-  RequireInRange("city.repeated_share", RepeatedShare(), 0.0, 0.95);
-  RequireInRange("city.num_styles", num_styles, 1, 10'000);
-  RequireInRange("city.lifetime_factor", lifetime_factor, 0.01, 1000.0);
+  RequireWithin("city.center height in metres", center.h_m, -400.0, 3000.0);
+  RequireWithin("city.area_km2", area_km2, kMinAreaKm2, kMaxAreaKm2);
+  RequireWithin("city.relief_m", relief_m, 0.0, 300.0);
+  RequireWithin("city.min_landmark_size_m", min_landmark_size_m, 0.01, 0.5);
+  RequireWithin("city.repeated_share", RepeatedShare(), 0.0, 0.95);
+  RequireWithin("city.num_styles", num_styles, 1, 10'000);
+  RequireWithin("city.lifetime_factor", lifetime_factor, 0.01, 1000.0);
 }
 
 CityOptions CityPreset(CityCharacter character) {

@@ -6,9 +6,9 @@
 
 #include "core/error.h"
 #include "core/geodesy.h"
+#include "core/require.h"
 #include "core/tile_id.h"
 #include "eval/city/city.h"
-#include "eval/city/require_option.h"
 #include "eval/city/simulated_mapping.h"
 #include "eval/parallel_for.h"
 #include "storage/map_store.h"
@@ -111,7 +111,7 @@ void CityWorldOptions::Validate() const {
   IngestOptions named = ingest;
   named.session_name = "tile";
   named.Validate();
-  RequireInRange("num_threads", num_threads, 1, 256);
+  RequireWithin("num_threads", num_threads, 1, 256);
 }
 
 const char* CityWorldSizeName(CityWorldSize size) { return kSizeNames[static_cast<size_t>(size)]; }

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/require.h"
 #include "eval/city/hashed_random.h"
-#include "eval/city/require_option.h"
 #include "ingest/sfm/triangulate.h"
 
 namespace cairn {
@@ -213,17 +213,17 @@ class Detector {
 }  // namespace
 
 void DetectorOptions::Validate() const {
-  RequireInRange("detector.max_range_m", max_range_m, 1.0, 300.0);
-  RequireInRange("detector.max_view_angle_rad", max_view_angle_rad, 0.1, 1.5);
-  RequireInRange("detector.min_scale_px", min_scale_px, 0.3, 20.0);
-  RequireInRange("detector.max_scale_px", max_scale_px, min_scale_px, 200.0);
-  RequireInRange("detector.max_keypoints", max_keypoints, 1, 20'000);
-  RequireInRange("detector.position_noise", position_noise, 0.0, 20.0);
-  RequireInRange("detector.log_scale_sigma", log_scale_sigma, 0.0, 2.0);
-  RequireInRange("detector.orientation_sigma_rad", orientation_sigma_rad, 0.0, 3.0);
-  RequireInRange("detector.other_orientation_share", other_orientation_share, 0.0, 1.0);
-  RequireInRange("detector.response_noise", response_noise, 0.0, 10.0);
-  RequireInRange("detector.crowd_share", crowd_share, 0.0, 1.0);
+  RequireWithin("detector.max_range_m", max_range_m, 1.0, 300.0);
+  RequireWithin("detector.max_view_angle_rad", max_view_angle_rad, 0.1, 1.5);
+  RequireWithin("detector.min_scale_px", min_scale_px, 0.3, 20.0);
+  RequireWithin("detector.max_scale_px", max_scale_px, min_scale_px, 200.0);
+  RequireWithin("detector.max_keypoints", max_keypoints, 1, 20'000);
+  RequireWithin("detector.position_noise", position_noise, 0.0, 20.0);
+  RequireWithin("detector.log_scale_sigma", log_scale_sigma, 0.0, 2.0);
+  RequireWithin("detector.orientation_sigma_rad", orientation_sigma_rad, 0.0, 3.0);
+  RequireWithin("detector.other_orientation_share", other_orientation_share, 0.0, 1.0);
+  RequireWithin("detector.response_noise", response_noise, 0.0, 10.0);
+  RequireWithin("detector.crowd_share", crowd_share, 0.0, 1.0);
 }
 
 std::vector<Sighting> DetectLandmarks(const CityRegion& region, const Camera& camera,

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <opencv2/core.hpp>
 
+#include "core/require.h"
 #include "eval/city/city_region.h"
-#include "eval/city/require_option.h"
 #include "eval/pictures/label.h"
 #include "eval/pictures/plan_symbols.h"
 #include "eval/pictures/plan_view.h"
@@ -88,7 +88,7 @@ void DrawScale(const CityOptions& options, PlanView* view) {
 void DrawCity(const std::string& path, const SimulatedMapping& mapping,
               const PhoneQueries& queries) {
   const City& city = mapping.city();
-  RequireInRange("city.area_km2 of a picture", city.options().area_km2, 0.0, kMaxAreaKm2);
+  RequireWithin("city.area_km2 of a picture", city.options().area_km2, 0.0, kMaxAreaKm2);
   const CityBox box =
       BoxAroundPoint(Eigen::Vector2d::Zero(), 0.5 * city.options().SideM() + kMarginM);
   PlanView view({box.min(), box.max()}, kWidthPx);

@@ -9,11 +9,11 @@
 
 #include "core/check.h"
 #include "core/error.h"
+#include "core/require.h"
 #include "eval/city/camera_angles.h"
 #include "eval/city/city_region.h"
 #include "eval/city/clutter.h"
 #include "eval/city/hashed_random.h"
-#include "eval/city/require_option.h"
 #include "eval/city/smooth_field.h"
 
 namespace cairn {
@@ -102,29 +102,29 @@ PhonePlace PlaceBeside(const City& city, const CityStreet& street, const Rigid3d
 }
 
 void PhoneNoise::Validate() const {
-  RequireInRange("queries.noise.gps_median_m", gps_median_m, 0.0, 10'000.0);
-  RequireInRange("queries.noise.gps_log_sigma", gps_log_sigma, 0.0, 3.0);
-  RequireInRange("queries.noise.gps_outlier_share", gps_outlier_share, 0.0, 1.0);
-  RequireInRange("queries.noise.canyon_bias_m", canyon_bias_m, 0.0, 1000.0);
-  RequireInRange("queries.noise.height_sigma_m", height_sigma_m, 0.0, 1000.0);
-  RequireInRange("queries.noise.accuracy_log_sigma", accuracy_log_sigma, 0.0, 3.0);
-  RequireInRange("queries.noise.gravity_sigma_rad", gravity_sigma_rad, 0.0, 1.0);
-  RequireInRange("queries.noise.focal_log_sigma", focal_log_sigma, 0.0, 0.5);
-  RequireInRange("queries.noise.principal_point_sigma_px", principal_point_sigma_px, 0.0, 500.0);
+  RequireWithin("queries.noise.gps_median_m", gps_median_m, 0.0, 10'000.0);
+  RequireWithin("queries.noise.gps_log_sigma", gps_log_sigma, 0.0, 3.0);
+  RequireWithin("queries.noise.gps_outlier_share", gps_outlier_share, 0.0, 1.0);
+  RequireWithin("queries.noise.canyon_bias_m", canyon_bias_m, 0.0, 1000.0);
+  RequireWithin("queries.noise.height_sigma_m", height_sigma_m, 0.0, 1000.0);
+  RequireWithin("queries.noise.accuracy_log_sigma", accuracy_log_sigma, 0.0, 3.0);
+  RequireWithin("queries.noise.gravity_sigma_rad", gravity_sigma_rad, 0.0, 1.0);
+  RequireWithin("queries.noise.focal_log_sigma", focal_log_sigma, 0.0, 0.5);
+  RequireWithin("queries.noise.principal_point_sigma_px", principal_point_sigma_px, 0.0, 500.0);
 }
 
 void PhoneQueryOptions::Validate() const {
-  RequireInRange("queries.num_queries", num_queries, 1, 1'000'000);
-  RequireInRange("queries.num_keypoints", num_keypoints, 10, 20'000);
-  RequireInRange("queries.mapped_fraction", mapped_fraction, 0.0, 1.0);
-  RequireInRange("queries.mapped_log_sigma", mapped_log_sigma, 0.0, 3.0);
-  RequireInRange("queries.unmapped_share", unmapped_share, 0.0, 1.0);
-  RequireInRange("queries.time_years", time_years, 0.0, 200.0);
-  RequireInRange("queries.num_appearance_modes", num_appearance_modes, 1, 1000);
-  RequireInRange("queries.image_width_px", image_width_px, 64, 8192);
-  RequireInRange("queries.image_height_px", image_height_px, 64, 8192);
-  RequireInRange("queries.focal_px", focal_px, 20.0, 20'000.0);
-  RequireInRange("queries.height_m", height_m, 0.2, 4.0);
+  RequireWithin("queries.num_queries", num_queries, 1, 1'000'000);
+  RequireWithin("queries.num_keypoints", num_keypoints, 10, 20'000);
+  RequireWithin("queries.mapped_fraction", mapped_fraction, 0.0, 1.0);
+  RequireWithin("queries.mapped_log_sigma", mapped_log_sigma, 0.0, 3.0);
+  RequireWithin("queries.unmapped_share", unmapped_share, 0.0, 1.0);
+  RequireWithin("queries.time_years", time_years, 0.0, 200.0);
+  RequireWithin("queries.num_appearance_modes", num_appearance_modes, 1, 1000);
+  RequireWithin("queries.image_width_px", image_width_px, 64, 8192);
+  RequireWithin("queries.image_height_px", image_height_px, 64, 8192);
+  RequireWithin("queries.focal_px", focal_px, 20.0, 20'000.0);
+  RequireWithin("queries.height_m", height_m, 0.2, 4.0);
   detector.Validate();
   noise.Validate();
 }

@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "core/geodesy.h"
+#include "core/require.h"
 #include "eval/city/camera_angles.h"
 #include "eval/city/city_region.h"
 #include "eval/city/hashed_random.h"
-#include "eval/city/require_option.h"
 
 namespace cairn {
 namespace {
@@ -232,24 +232,24 @@ void FillFrames(const City& city, const Walk& walk, const PhoneSequenceOptions& 
 }  // namespace
 
 void ImuNoise::Validate() const {
-  RequireInRange("sequence.imu.gyroscope_density", gyroscope_density, 0.0, 1.0);
-  RequireInRange("sequence.imu.accelerometer_density", accelerometer_density, 0.0, 10.0);
-  RequireInRange("sequence.imu.gyroscope_walk", gyroscope_walk, 0.0, 1.0);
-  RequireInRange("sequence.imu.accelerometer_walk", accelerometer_walk, 0.0, 10.0);
-  RequireInRange("sequence.imu.gyroscope_bias_sigma", gyroscope_bias_sigma, 0.0, 1.0);
-  RequireInRange("sequence.imu.accelerometer_bias_sigma", accelerometer_bias_sigma, 0.0, 10.0);
+  RequireWithin("sequence.imu.gyroscope_density", gyroscope_density, 0.0, 1.0);
+  RequireWithin("sequence.imu.accelerometer_density", accelerometer_density, 0.0, 10.0);
+  RequireWithin("sequence.imu.gyroscope_walk", gyroscope_walk, 0.0, 1.0);
+  RequireWithin("sequence.imu.accelerometer_walk", accelerometer_walk, 0.0, 10.0);
+  RequireWithin("sequence.imu.gyroscope_bias_sigma", gyroscope_bias_sigma, 0.0, 1.0);
+  RequireWithin("sequence.imu.accelerometer_bias_sigma", accelerometer_bias_sigma, 0.0, 10.0);
 }
 
 void PhoneSequenceOptions::Validate() const {
-  RequireInRange("sequence.duration_s", duration_s, 0.1, 3600.0);
-  RequireInRange("sequence.imu_rate_hz", imu_rate_hz, 10.0, 2000.0);
-  RequireInRange("sequence.frame_rate_hz", frame_rate_hz, 0.1, std::min(120.0, imu_rate_hz));
-  RequireInRange("sequence.speed_m_per_s", speed_m_per_s, 0.0, 10.0);
-  RequireInRange("sequence.height_m", height_m, 0.2, 4.0);
-  RequireInRange("sequence.num_tracks", num_tracks, 1, 5000);
-  RequireInRange("sequence.pixel_sigma", pixel_sigma, 0.0, 20.0);
-  RequireInRange("sequence.lost_share", lost_share, 0.0, 1.0);
-  RequireInRange("sequence.time_years", time_years, 0.0, 200.0);
+  RequireWithin("sequence.duration_s", duration_s, 0.1, 3600.0);
+  RequireWithin("sequence.imu_rate_hz", imu_rate_hz, 10.0, 2000.0);
+  RequireWithin("sequence.frame_rate_hz", frame_rate_hz, 0.1, std::min(120.0, imu_rate_hz));
+  RequireWithin("sequence.speed_m_per_s", speed_m_per_s, 0.0, 10.0);
+  RequireWithin("sequence.height_m", height_m, 0.2, 4.0);
+  RequireWithin("sequence.num_tracks", num_tracks, 1, 5000);
+  RequireWithin("sequence.pixel_sigma", pixel_sigma, 0.0, 20.0);
+  RequireWithin("sequence.lost_share", lost_share, 0.0, 1.0);
+  RequireWithin("sequence.time_years", time_years, 0.0, 200.0);
   detector.Validate();
   imu.Validate();
 }

@@ -10,7 +10,7 @@
 #include <random>
 #include <utility>
 
-#include "core/error.h"
+#include "core/require.h"
 #include "eval/parallel_for.h"
 #include "eval/street/build_street.h"
 #include "eval/street/renderer.h"
@@ -19,13 +19,6 @@ namespace cairn {
 namespace {
 
 constexpr double kRadFromDeg = 0.017453292519943295;
-
-void Require(bool condition, const char* field, const char* range) {
-  if (!condition) {
-    throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("street options: {} must be {}", field, range));
-  }
-}
 
 // Where a camera in the street looks: yaw counter-clockwise from the street's x axis, pitch up,
 // roll clockwise about the viewing direction.
@@ -81,15 +74,15 @@ Geodetic NoisyGps(const StreetOptions& options, const Eigen::Vector3d& center_in
 
 void StreetOptions::Validate() const {
   ValidateGeodetic(origin, "street origin");
-  Require(std::isfinite(heading_rad), "heading_rad", "finite");
-  Require(length_m >= 40.0 && length_m <= 1000.0, "length_m", "in [40, 1000]");
-  Require(width_m >= 12.0 && width_m <= 60.0, "width_m", "in [12, 60]");
-  Require(mapping_step_m >= 0.5 && mapping_step_m <= 20.0, "mapping_step_m", "in [0.5, 20]");
-  Require(num_queries >= 1 && num_queries <= 10000, "num_queries", "in [1, 10000]");
-  Require(image_width_px >= 64 && image_width_px <= 8192, "image_width_px", "in [64, 8192]");
-  Require(image_height_px >= 64 && image_height_px <= 8192, "image_height_px", "in [64, 8192]");
-  Require(focal_px >= 32.0 && focal_px <= 1e5, "focal_px", "in [32, 100000]");
-  Require(gps_sigma_m >= 0.0 && gps_sigma_m <= 1000.0, "gps_sigma_m", "in [0, 1000]");
+  RequireOption(std::isfinite(heading_rad), "street.heading_rad must be finite");
+  RequireWithin("street.length_m", length_m, 40.0, 1000.0);
+  RequireWithin("street.width_m", width_m, 12.0, 60.0);
+  RequireWithin("street.mapping_step_m", mapping_step_m, 0.5, 20.0);
+  RequireWithin("street.num_queries", num_queries, 1, 10000);
+  RequireWithin("street.image_width_px", image_width_px, 64, 8192);
+  RequireWithin("street.image_height_px", image_height_px, 64, 8192);
+  RequireWithin("street.focal_px", focal_px, 32.0, 1e5);
+  RequireWithin("street.gps_sigma_m", gps_sigma_m, 0.0, 1000.0);
 }
 
 struct StreetScene::Impl {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/error.h"
+#include "core/require.h"
 
 namespace cairn {
 namespace {
@@ -77,15 +77,7 @@ void HadamardTransform(Eigen::Array<float, 1, DescriptorModel::kDim>* values) {
   }
 }
 
-void Require(bool ok, const char* what) {
-  if (!ok) {
-    throw Error(ErrorCode::kInvalidArgument, fmt::format("DescriptorModelOptions: {}", what));
-  }
-}
-
-void RequireSpread(double value, const char* field) {
-  Require(value >= 0.0 && value <= 2.0, fmt::format("{} must lie in [0, 2]", field).c_str());
-}
+void RequireSpread(double value, const char* field) { RequireWithin(field, value, 0.0, 2.0); }
 
 // Log-normal with a mean square of one, from a standard normal value.
 float LogNormal(double spread, float normal) {
@@ -103,17 +95,18 @@ std::vector<DescriptorAxis> DescriptorModelOptions::FittedAxes() {
 }
 
 void DescriptorModelOptions::Validate() const {
-  Require(!axes.empty() && axes.front().rank == 0 && axes.back().rank == DescriptorModel::kDim - 1,
-          "axes must begin with rank 0 and end with rank 127");
+  RequireOption(
+      !axes.empty() && axes.front().rank == 0 && axes.back().rank == DescriptorModel::kDim - 1,
+      "axes must begin with rank 0 and end with rank 127");
   for (size_t i = 1; i < axes.size(); ++i) {
-    Require(axes[i].rank > axes[i - 1].rank, "axes must ascend by rank");
+    RequireOption(axes[i].rank > axes[i - 1].rank, "axes must ascend by rank");
   }
   for (const DescriptorAxis& axis : axes) {
-    Require(axis.between >= 0.0f && axis.between < 1.0f, "axes' between must lie in [0, 1)");
-    Require(axis.within > 0.0f && axis.within <= 1.0f, "axes' within must lie in (0, 1]");
+    RequireOption(axis.between >= 0.0f && axis.between < 1.0f, "axes' between must lie in [0, 1)");
+    RequireOption(axis.within > 0.0f && axis.within <= 1.0f, "axes' within must lie in (0, 1]");
   }
-  Require(cluster_share >= 0.0 && kLevelBits.size() * cluster_share <= 1.0,
-          "cluster_share must lie in [0, 1 / 3]");
+  RequireOption(cluster_share >= 0.0 && kLevelBits.size() * cluster_share <= 1.0,
+                "cluster_share must lie in [0, 1 / 3]");
   RequireSpread(log_cluster_spread, "log_cluster_spread");
   RequireSpread(log_landmark_spread, "log_landmark_spread");
   RequireSpread(noise_length, "noise_length");
@@ -122,8 +115,8 @@ void DescriptorModelOptions::Validate() const {
   RequireSpread(instance_length, "instance_length");
   RequireSpread(log_look_spread, "log_look_spread");
   RequireSpread(log_stability_spread, "log_stability_spread");
-  Require(view_angle_scale_rad > 0.0, "view_angle_scale_rad must be positive");
-  Require(view_log2_scale > 0.0, "view_log2_scale must be positive");
+  RequireOption(view_angle_scale_rad > 0.0, "view_angle_scale_rad must be positive");
+  RequireOption(view_log2_scale > 0.0, "view_log2_scale must be positive");
 }
 
 DescriptorModel::DescriptorModel(const DescriptorModelOptions& options)
