@@ -16,7 +16,7 @@ std::vector<Variant> MakeVariants(const ExperimentContext& context) {
   std::vector<Variant> variants;
   for (const char* method : {kGravity, kP3p}) {
     for (const double threshold_px :
-         context.Pick<std::vector<double>>({4.0, 16.0}, {2.0, 4.0, 8.0, 12.0, 16.0, 24.0})) {
+         context.Pick<std::vector<double>>({4.0, 16.0}, {1.0, 2.0, 4.0, 8.0, 12.0, 16.0, 24.0})) {
       Variant variant{method, threshold_px, BestVariant()};
       variant.options.pose.solver =
           method == kGravity ? MinimalSolver::kGravityTwoPoint : MinimalSolver::kP3p;
