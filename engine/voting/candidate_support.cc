@@ -1,69 +1,129 @@
 #include "engine/voting/candidate_support.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "engine/vector_clones.h"
 
 namespace cairn {
-
 namespace {
 
-// Where a landmark lies as seen along a ray from the candidate.
-struct Sighting {
-  double distance_m = 0.0;  // To the landmark.
-  double offset_m = 0.0;    // Of the landmark from the ray.
-  bool is_ahead = false;
+// A candidate and how far off a ray may be.
+struct SupportTest {
+  double x, y, z;  // Camera centre, relative to that of the rays.
+  double cos_yaw, sin_yaw;
+  double min_cosine;     // Of the azimuth difference.
+  double tolerance_rad;  // Of directions.
+  double slack_m;        // Of distances.
 };
 
-Sighting Sight(const Eigen::Vector3d& direction, const Eigen::Vector3d& to_landmark) {
-  return {to_landmark.norm(), direction.cross(to_landmark).norm(),
-          direction.dot(to_landmark) > 0.0};
+struct SupportPointers {
+  explicit SupportPointers(const RayArrays<double>& rays)
+      : x(rays.x.data()),
+        y(rays.y.data()),
+        z(rays.z.data()),
+        direction_x(rays.direction_x.data()),
+        direction_y(rays.direction_y.data()),
+        direction_z(rays.direction_z.data()),
+        horizontal(rays.horizontal.data()),
+        view_x(rays.view_x.data()),
+        view_y(rays.view_y.data()),
+        min_distance_m(rays.min_distance_m.data()),
+        max_distance_m(rays.max_distance_m.data()),
+        origin_x(rays.origin_x.data()),
+        origin_y(rays.origin_y.data()),
+        origin_z(rays.origin_z.data()) {}
+
+  const double *x, *y, *z, *direction_x, *direction_y, *direction_z, *horizontal, *view_x, *view_y;
+  const double *min_distance_m, *max_distance_m, *origin_x, *origin_y, *origin_z;
+};
+
+// 1 - (e / t)^2 of ray i, or 0 if it does not agree.
+template <bool kIn3d, bool kHasOrigins>
+[[gnu::always_inline]] inline double RayGain(const SupportPointers& rays, const SupportTest& test,
+                                             int i) {
+  const double cos_yaw = test.cos_yaw, sin_yaw = test.sin_yaw;
+  double dx = cos_yaw * rays.direction_x[i] - sin_yaw * rays.direction_y[i];
+  double dy = sin_yaw * rays.direction_x[i] + cos_yaw * rays.direction_y[i];
+  double dz = rays.direction_z[i];
+  double x = rays.x[i] - test.x, y = rays.y[i] - test.y, z = rays.z[i] - test.z;
+  if constexpr (kHasOrigins) {
+    x -= cos_yaw * rays.origin_x[i] - sin_yaw * rays.origin_y[i];
+    y -= sin_yaw * rays.origin_x[i] + cos_yaw * rays.origin_y[i];
+    z -= rays.origin_z[i];
+  }
+  const double cosine = -(dx * rays.view_x[i] + dy * rays.view_y[i]);
+  const bool azimuth_fits = cosine >= test.min_cosine * rays.horizontal[i];
+  double distance_scale = 1.0;
+  if constexpr (kIn3d) {
+    distance_scale = 1.0 / std::max(1e-9, rays.horizontal[i]);
+    dx *= distance_scale, dy *= distance_scale, dz = 0.0, z = 0.0;
+  }
+  const double cross_x = dy * z - dz * y, cross_y = dz * x - dx * z, cross_z = dx * y - dy * x;
+  const double sq_offset = cross_x * cross_x + cross_y * cross_y + cross_z * cross_z;
+  const double distance_m = distance_scale * std::sqrt(x * x + y * y + z * z);
+  const double tolerance_m = test.tolerance_rad * distance_m + test.slack_m;
+  const double gain = 1.0 - sq_offset / (tolerance_m * tolerance_m);
+  const bool agrees = azimuth_fits & (dx * x + dy * y + dz * z > 0.0) &
+                      (distance_m >= rays.min_distance_m[i] - test.slack_m) &
+                      (distance_m <= rays.max_distance_m[i] + test.slack_m) & (gain > 0.0);
+  return agrees ? gain : 0.0;
 }
 
-// The same by horizontal components alone.
-Sighting SightHorizontally(const Eigen::Vector3d& direction, const Eigen::Vector3d& to_landmark) {
-  const Eigen::Vector3d level_direction(direction.x(), direction.y(), 0.0);
-  const double horizontal = std::max(1e-9, level_direction.norm());
-  Sighting sighting =
-      Sight(level_direction / horizontal, Eigen::Vector3d(to_landmark.x(), to_landmark.y(), 0.0));
-  sighting.distance_m /= horizontal;
-  return sighting;
+template <bool kIn3d, bool kHasOrigins>
+[[gnu::always_inline]] inline void AllGains(const SupportPointers& rays, const SupportTest& test,
+                                            int size, double* __restrict gains) {
+  for (int i = 0; i < size; ++i) {
+    gains[i] = RayGain<kIn3d, kHasOrigins>(rays, test, i);
+  }
+}
+
+CAIRN_VECTOR_CLONES
+void RayGains(const SupportPointers& pointers, const SupportTest& test, bool in_3d,
+              bool has_origins, int size, double* __restrict gains) {
+  const SupportPointers rays = pointers;
+  if (in_3d) {
+    has_origins ? AllGains<true, true>(rays, test, size, gains)
+                : AllGains<true, false>(rays, test, size, gains);
+  } else {
+    has_origins ? AllGains<false, true>(rays, test, size, gains)
+                : AllGains<false, false>(rays, test, size, gains);
+  }
 }
 
 }  // namespace
 
-PoseCandidate SupportedCandidate(const std::vector<VoteRay>& rays,
+PoseCandidate SupportedCandidate(const RayArrays<double>& rays,
                                  const Eigen::Vector3d& center_in_anchor, double yaw_rad,
                                  const VotingOptions& options) {
   PoseCandidate candidate;
   candidate.center_in_anchor = center_in_anchor;
   candidate.yaw_rad = yaw_rad;
-  const double cos_yaw = std::cos(yaw_rad), sin_yaw = std::sin(yaw_rad);
-  const double min_cosine = std::cos(options.max_azimuth_difference_rad);
-  const auto sight = options.filter == OutlierFilter::kVoting3d ? SightHorizontally : Sight;
+  const Eigen::Vector3d center = center_in_anchor - rays.center_in_anchor;
+  const SupportTest test = {center.x(),
+                            center.y(),
+                            center.z(),
+                            std::cos(yaw_rad),
+                            std::sin(yaw_rad),
+                            std::cos(options.max_azimuth_difference_rad),
+                            options.direction_tolerance_rad,
+                            options.cell_xy_m};
+  std::vector<double> gains(rays.padded_size());
+  RayGains(SupportPointers(rays), test, options.filter == OutlierFilter::kVoting3d,
+           rays.has_origins(), rays.padded_size(), gains.data());
+
   double best_gain = 0.0;  // Of the current keypoint.
-  for (size_t i = 0; i < rays.size(); ++i) {
-    const VoteRay& ray = rays[i];
-    if (i > 0 && rays[i - 1].keypoint_idx != ray.keypoint_idx) {
+  for (int i = 0; i < rays.num_rays; ++i) {
+    if (i > 0 && rays.voters[i - 1] != rays.voters[i]) {
       candidate.score += best_gain;
       best_gain = 0.0;
     }
-    const auto turn = [&](const Eigen::Vector3d& v) -> Eigen::Vector3d {
-      return {cos_yaw * v.x() - sin_yaw * v.y(), sin_yaw * v.x() + cos_yaw * v.y(), v.z()};
-    };
-    const Eigen::Vector3d direction = turn(ray.direction_in_level);
-    const Eigen::Vector3d to_landmark =
-        ray.x_in_anchor - center_in_anchor - turn(ray.origin_in_level);
-    const Sighting seen = sight(direction, to_landmark);
-    const double tolerance_m =
-        options.direction_tolerance_rad * seen.distance_m + options.cell_xy_m;
-    if (seen.distance_m < ray.min_distance_m - options.cell_xy_m ||
-        seen.distance_m > ray.max_distance_m + options.cell_xy_m || seen.offset_m >= tolerance_m ||
-        !seen.is_ahead || !AzimuthFits(ray, direction.head<2>(), min_cosine)) {
-      continue;
+    if (gains[i] > 0.0) {
+      candidate.correspondences.push_back(rays.correspondence_idxs[i]);
+      best_gain = std::max(best_gain, gains[i]);
     }
-    candidate.correspondences.push_back(ray.correspondence_idx);
-    best_gain = std::max(best_gain, 1.0 - std::pow(seen.offset_m / tolerance_m, 2));
   }
   candidate.score += best_gain;
   std::sort(candidate.correspondences.begin(), candidate.correspondences.end());

@@ -3,10 +3,9 @@
 #define CAIRN_ENGINE_VOTING_CANDIDATE_SUPPORT_H_
 
 #include <Eigen/Core>
-#include <vector>
 
 #include "engine/pose_candidate.h"
-#include "engine/voting/vote_ray.h"
+#include "engine/voting/ray_arrays.h"
 #include "engine/voting/voting_options.h"
 
 namespace cairn {
@@ -16,7 +15,7 @@ namespace cairn {
 // and landmark must be below t = direction_tolerance_rad + cell_xy_m / distance. A keypoint scores
 // the best 1 - (e / t)^2 of its rays; the candidate's score is the sum. With
 // OutlierFilter::kVoting3d only horizontal components are compared, as the height is unknown.
-PoseCandidate SupportedCandidate(const std::vector<VoteRay>& rays,
+PoseCandidate SupportedCandidate(const RayArrays<double>& rays,
                                  const Eigen::Vector3d& center_in_anchor, double yaw_rad,
                                  const VotingOptions& options);
 

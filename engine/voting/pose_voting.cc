@@ -9,6 +9,8 @@
 #include "core/check.h"
 #include "core/features.h"
 #include "engine/voting/candidate_support.h"
+#include "engine/voting/ray_arrays.h"
+#include "engine/voting/trace_rays.h"
 #include "engine/voting/vote_accumulator.h"
 #include "engine/voting/vote_ray.h"
 
@@ -38,43 +40,12 @@ VoteGrid MakeGrid(const std::vector<VoteRay>& rays, const SearchRegion& region,
   return VoteGrid(low, high, {options.cell_xy_m, options.cell_xy_m, cell_z_m});
 }
 
-// Fills one slice with the votes of all rays; returns their number.
-int64_t VoteSliceOfYaw(const std::vector<VoteRay>& rays, double yaw_rad, const VoteDisc& disc,
-                       double min_cosine, VoteSlice* slice) {
-  const double cos_yaw = std::cos(yaw_rad), sin_yaw = std::sin(yaw_rad);
-  int64_t num_votes = 0;
-  uint32_t voter = 0;
-  int last_keypoint_idx = -1;
-  for (const VoteRay& ray : rays) {
-    if (ray.keypoint_idx != last_keypoint_idx) {
-      last_keypoint_idx = ray.keypoint_idx;
-      if (++voter > VoteSlice::kMaxVoters) {
-        break;
-      }
-    }
-    const Eigen::Vector3d& d = ray.direction_in_level;
-    const Eigen::Vector2d direction_xy(cos_yaw * d.x() - sin_yaw * d.y(),
-                                       sin_yaw * d.x() + cos_yaw * d.y());
-    const Eigen::Vector3d& o = ray.origin_in_level;
-    const Eigen::Vector3d origin(cos_yaw * o.x() - sin_yaw * o.y(),
-                                 sin_yaw * o.x() + cos_yaw * o.y(), o.z());
-    const std::optional<VoteSegment> segment =
-        ClipToDisc(ray, direction_xy, {disc.center + origin.head<2>(), disc.radius_m}, min_cosine);
-    if (segment) {
-      const Eigen::Vector3d direction(direction_xy.x(), direction_xy.y(), d.z());
-      const Eigen::Vector3d start = ray.x_in_anchor - origin;
-      num_votes += slice->Vote(voter, start - segment->begin_m * direction,
-                               start - segment->end_m * direction);
-    }
-  }
-  return num_votes;
-}
-
 // What all votes of a query have in common.
 struct Ballot {
-  std::vector<VoteRay> rays;
+  RayArrays<float> rays;
   VoteGrid grid;
-  VoteDisc disc;
+  double radius_m = 0.0;
+  double min_cosine = 0.0;
   int num_yaws = 0;
 };
 
@@ -89,15 +60,18 @@ struct YawRangePeaks {
 // axes: peak i sums the bins i and i + 1, so the bin after the range is filled as well.
 YawRangePeaks FindPeaksInRange(const Ballot& ballot, int begin, int end,
                                const VotingOptions& options) {
-  const double min_cosine = std::cos(options.max_azimuth_difference_rad);
+  VoteSegments segments(ballot.rays.padded_size());
   VoteSlice slice(ballot.grid);
-  PeakCollector peaks(ballot.grid, kPeaksPerCandidate * options.max_candidates,
+  PeakCollector peaks(kPeaksPerCandidate * options.max_candidates,
                       static_cast<int>(std::ceil(options.min_score)));
   YawRangePeaks result;
   std::vector<uint16_t> first, previous, current;
   const auto fill = [&](int yaw_idx, std::vector<uint16_t>* smoothed) {
     const double yaw_rad = 2.0 * std::numbers::pi * yaw_idx / ballot.num_yaws;
-    const int64_t num_votes = VoteSliceOfYaw(ballot.rays, yaw_rad, ballot.disc, min_cosine, &slice);
+    const TraceFrame frame(ballot.grid, ballot.rays.center_in_anchor, ballot.radius_m,
+                           ballot.min_cosine, yaw_rad);
+    TraceRays(ballot.rays, frame, &segments);
+    const int64_t num_votes = slice.Vote(segments, ballot.rays.voters);
     slice.SmoothAndClear(smoothed);
     return num_votes;
   };
@@ -191,15 +165,16 @@ std::vector<PoseCandidate> VoteForPoses(const QueryContext& query,
   CAIRN_CHECK(query.level_from_cam.has_value(), "voting needs gravity");
   counters->num_votes = 0;
   counters->num_candidates = 0;
-  std::vector<VoteRay> rays = MakeVoteRays(query, correspondences, options);
+  const std::vector<VoteRay> rays = MakeVoteRays(query, correspondences, options);
   if (rays.empty()) {
     return {};
   }
   const VoteGrid grid = MakeGrid(rays, query.region, options);
+  const Eigen::Vector3d center(query.region.prior_xy_in_anchor.x(),
+                               query.region.prior_xy_in_anchor.y(), rays.front().x_in_anchor.z());
   const Ballot ballot = {
-      std::move(rays),
-      grid,
-      {query.region.prior_xy_in_anchor, query.region.radius_m},
+      RayArrays<float>(rays, center), grid, query.region.radius_m,
+      std::cos(options.max_azimuth_difference_rad),
       static_cast<int>(std::ceil(2.0 * std::numbers::pi / options.yaw_step_rad - 1e-3))};
 
   // Votes rank on a coarse lattice with all cells alike; the support of a pose is the better judge
@@ -211,8 +186,9 @@ std::vector<PoseCandidate> VoteForPoses(const QueryContext& query,
   }
   candidates = SuppressNeighbors(candidates, grid, options.yaw_step_rad,
                                  kJudgedPerCandidate * options.max_candidates);
+  const RayArrays<double> support_rays(rays, center);
   ForEachStep(workers, static_cast<int>(candidates.size()), [&](int i) {
-    candidates[i] = SupportedCandidate(ballot.rays, candidates[i].center_in_anchor,
+    candidates[i] = SupportedCandidate(support_rays, candidates[i].center_in_anchor,
                                        candidates[i].yaw_rad, options);
   });
   std::erase_if(candidates, [&](const PoseCandidate& candidate) {

@@ -1,7 +1,6 @@
 #include "engine/voting/vote_accumulator.h"
 
 #include <algorithm>
-#include <cmath>
 #include <tuple>
 #include <utility>
 
@@ -12,37 +11,68 @@ namespace {
 
 constexpr int kBorder = 1;
 
-// pairs[i] = count of cell i + count of cell i + 1.
+// pairs[i] = count of cell i + count of cell i + 1; empties cells 0 ... size - 1.
 CAIRN_VECTOR_CLONES
-void SumPairsAlongX(const uint32_t* __restrict cells, int num_cells, uint16_t* __restrict pairs) {
-  const auto count = [cells](int i) { return std::min(cells[i] & 0xffffu, VoteSlice::kMaxCount); };
-  for (int i = 0; i + 1 < num_cells; ++i) {
-    pairs[i] = static_cast<uint16_t>(count(i) + count(i + 1));
-  }
-}
-
-// sums[i] = sum of pairs over i and its successors along y and z.
-CAIRN_VECTOR_CLONES
-void SumSquaresAlongYz(const uint16_t* __restrict pairs, int num_cells, int stride_y, int stride_z,
-                       uint16_t* __restrict sums) {
-  const uint16_t* pairs_y = pairs + stride_y;
-  const uint16_t* pairs_z = pairs + stride_z;
-  const uint16_t* pairs_yz = pairs + stride_y + stride_z;
-  for (int i = 0; i < num_cells; ++i) {
-    sums[i] = static_cast<uint16_t>(pairs[i] + pairs_y[i] + pairs_z[i] + pairs_yz[i]);
-  }
-}
-
-// Adds two rows; returns the largest sum.
-CAIRN_VECTOR_CLONES
-int AddRows(const uint16_t* __restrict a, const uint16_t* __restrict b, int size,
-            uint16_t* __restrict sums) {
-  uint16_t largest = 0;
+void MovePairsAlongX(uint16_t* __restrict counts, int size, uint16_t* __restrict pairs) {
+  const auto capped = [](uint16_t count) { return std::min(count, VoteSlice::kMaxCount); };
   for (int i = 0; i < size; ++i) {
-    sums[i] = static_cast<uint16_t>(a[i] + b[i]);
-    largest = std::max(largest, sums[i]);
+    pairs[i] = static_cast<uint16_t>(capped(counts[i]) + capped(counts[i + 1]));
+    counts[i] = 0;
   }
-  return largest;
+}
+
+// sums[i] = sum of pairs over i and its successors along y in two planes.
+CAIRN_VECTOR_CLONES
+void SumSquaresAlongYz(const uint16_t* __restrict lower, const uint16_t* __restrict upper, int size,
+                       int stride_y, uint16_t* __restrict sums) {
+  for (int i = 0; i < size; ++i) {
+    sums[i] =
+        static_cast<uint16_t>(lower[i] + lower[i + stride_y] + upper[i] + upper[i + stride_y]);
+  }
+}
+
+// maxima[i] = the largest sum of block i of two smoothed slices.
+CAIRN_VECTOR_CLONES
+void MaximaOfBlocks(const uint16_t* __restrict a, const uint16_t* __restrict b, int num_blocks,
+                    uint16_t* __restrict maxima) {
+  for (int block = 0; block < num_blocks; ++block) {
+    uint16_t largest = 0;
+    for (int i = block * VoteSlice::kBlock; i < (block + 1) * VoteSlice::kBlock; ++i) {
+      largest = std::max(largest, static_cast<uint16_t>(a[i] + b[i]));
+    }
+    maxima[block] = largest;
+  }
+}
+
+// Cells are written in whole lanes, so up to kLanes - 1 beyond the last.
+constexpr int kLanes = 16;
+
+// The cells of all steps of the segments listed, one after the other, each with the tag of its
+// voter: their number plus `first_tag`.
+CAIRN_VECTOR_CLONES
+void ListCells(const VoteSegments& segments, const int* segment_idxs, int num_listed,
+               const int* voters, int first_tag, int stride_y, int stride_z,
+               uint32_t* __restrict cells, uint16_t* __restrict tags) {
+  for (int listed = 0; listed < num_listed; ++listed) {
+    const int i = segment_idxs[listed];
+    const int num_steps = segments.num_steps[i];
+    const uint16_t tag = static_cast<uint16_t>(first_tag + voters[i]);
+    const float x = segments.x[i], y = segments.y[i], z = segments.z[i];
+    const float step_x = segments.step_x[i], step_y = segments.step_y[i];
+    const float step_z = segments.step_z[i];
+    for (int begin = 0; begin < num_steps; begin += kLanes) {
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const float step = static_cast<float>(begin + lane);
+        cells[begin + lane] =
+            static_cast<uint32_t>(static_cast<int32_t>(x + step * step_x) +
+                                  static_cast<int32_t>(y + step * step_y) * stride_y +
+                                  static_cast<int32_t>(z + step * step_z) * stride_z);
+        tags[begin + lane] = tag;
+      }
+    }
+    cells += num_steps;
+    tags += num_steps;
+  }
 }
 
 }  // namespace
@@ -52,87 +82,78 @@ bool IsBetterPeak(const VotePeak& a, const VotePeak& b) {
   return std::tuple(-a.sum, a.yaw_idx, a.cell_idx) < std::tuple(-b.sum, b.yaw_idx, b.cell_idx);
 }
 
-VoteGrid::VoteGrid(const Eigen::Vector3d& min_corner, const Eigen::Vector3d& max_corner,
-                   const Eigen::Vector3d& cell_m)
-    : min_corner_(min_corner), cell_m_(cell_m) {
-  const Eigen::Vector3d extent = (max_corner - min_corner).cwiseMax(0.0);
-  const auto num_cells = [&] {
-    return ((extent.array() / cell_m_.array()).floor() + 1.0 + 2.0 * kBorder).prod();
-  };
-  while (num_cells() > kMaxCells) {
-    // Coarsens the axis with most cells.
-    int axis = 0;
-    (extent.array() / cell_m_.array()).maxCoeff(&axis);
-    cell_m_[axis] *= 2.0;
-  }
-  for (int axis = 0; axis < 3; ++axis) {
-    size_[axis] = static_cast<int>(extent[axis] / cell_m_[axis]) + 1 + 2 * kBorder;
-  }
-}
-
-Eigen::Vector3d VoteGrid::ToCells(const Eigen::Vector3d& position) const {
-  return (position - min_corner_).cwiseQuotient(cell_m_).array() + kBorder;
-}
-
-Eigen::Vector3d VoteGrid::FromCells(const Eigen::Vector3d& cells) const {
-  return min_corner_ + (cells.array() - kBorder).matrix().cwiseProduct(cell_m_);
-}
-
 VoteSlice::VoteSlice(const VoteGrid& grid)
     : grid_(grid),
-      cells_(grid.num_cells(), 0),
-      pairs_(grid.num_cells() + grid.strides()[1] + grid.strides()[2], 0) {}
+      counts_(grid.num_cells() + 1, 0),
+      tags_(grid.num_cells(), 0),
+      lower_(grid.strides()[2] + grid.strides()[1], 0),
+      upper_(grid.strides()[2] + grid.strides()[1], 0) {}
 
-int VoteSlice::Vote(uint32_t voter, const Eigen::Vector3d& begin, const Eigen::Vector3d& end) {
-  constexpr int kFractionBits = 32;  // Fixed-point positions: no conversion in the loop.
-  constexpr double kOne = static_cast<double>(int64_t{1} << kFractionBits);
-  const Eigen::Vector3d first = grid_.ToCells(begin);
-  const Eigen::Vector3d length = grid_.ToCells(end) - first;
-  const int num_steps = static_cast<int>(length.cwiseAbs().maxCoeff()) + 1;
-  const Eigen::Vector3d step = length / num_steps;
-  const auto fixed = [](double value) { return static_cast<int64_t>(value * kOne); };
-  const int64_t dx = fixed(step.x()), dy = fixed(step.y()), dz = fixed(step.z());
-  int64_t x = fixed(first.x()) + dx / 2, y = fixed(first.y()) + dy / 2,
-          z = fixed(first.z()) + dz / 2;
-  const int64_t stride_y = grid_.strides()[1], stride_z = grid_.strides()[2];
-  for (int i = 0; i < num_steps; ++i) {
-    uint32_t& cell = cells_[(z >> kFractionBits) * stride_z + (y >> kFractionBits) * stride_y +
-                            (x >> kFractionBits)];
-    const uint32_t count = cell & 0xffffu;
-    const uint32_t is_new = (cell >> 16) != voter;
-    cell = voter << 16 | (count + is_new);
-    x += dx, y += dy, z += dz;
+// Lists the segments with steps; returns the number of these.
+int64_t VoteSlice::ListVoting(const VoteSegments& segments, const std::vector<int>& voters) {
+  const int size = static_cast<int>(voters.size());
+  voting_.resize(size + 1);
+  int64_t num_steps = 0;
+  int num_voting = 0;
+  for (int i = 0; i < size && voters[i] <= kMaxVoters; ++i) {
+    voting_[num_voting] = i;
+    num_voting += segments.num_steps[i] > 0;  // Most have none, at random: no branch.
+    num_steps += segments.num_steps[i];
+  }
+  voting_.resize(num_voting);
+  return num_steps;
+}
+
+int64_t VoteSlice::Vote(const VoteSegments& segments, const std::vector<int>& voters) {
+  const int num_voters = voters.empty() ? 0 : std::min(voters.back(), kMaxVoters);
+  if (num_voters > kMaxVoters - last_tag_) {
+    std::fill(tags_.begin(), tags_.end(), uint16_t{0});
+    last_tag_ = 0;
+  }
+  const int64_t num_steps = ListVoting(segments, voters);
+  voted_cells_.resize(num_steps + kLanes);
+  voted_tags_.resize(num_steps + kLanes);
+  ListCells(segments, voting_.data(), static_cast<int>(voting_.size()), voters.data(), last_tag_,
+            grid_.strides()[1], grid_.strides()[2], voted_cells_.data(), voted_tags_.data());
+  last_tag_ += num_voters;
+  for (int64_t i = 0; i < num_steps; ++i) {
+    const uint32_t cell = voted_cells_[i];
+    counts_[cell] += tags_[cell] != voted_tags_[i];
+    tags_[cell] = voted_tags_[i];
   }
   return num_steps;
 }
 
 void VoteSlice::SmoothAndClear(std::vector<uint16_t>* smoothed) {
-  const int num_cells = grid_.num_cells();
-  smoothed->resize(num_cells);
-  SumPairsAlongX(cells_.data(), num_cells, pairs_.data());
-  SumSquaresAlongYz(pairs_.data(), num_cells, grid_.strides()[1], grid_.strides()[2],
-                    smoothed->data());
-  std::fill(cells_.begin(), cells_.end(), 0u);
+  const int num_planes = grid_.size()[2], plane_size = grid_.strides()[2];
+  smoothed->resize((grid_.num_cells() + kBlock - 1) / kBlock * kBlock, 0);
+  MovePairsAlongX(counts_.data(), plane_size, lower_.data());
+  for (int plane = 0; plane + 1 < num_planes; ++plane) {
+    MovePairsAlongX(&counts_[(plane + 1) * plane_size], plane_size, upper_.data());
+    SumSquaresAlongYz(lower_.data(), upper_.data(), plane_size, grid_.strides()[1],
+                      smoothed->data() + plane * plane_size);
+    std::swap(lower_, upper_);
+  }
 }
 
-PeakCollector::PeakCollector(const VoteGrid& grid, int max_peaks, int min_sum)
-    : grid_(grid),
-      max_peaks_(max_peaks),
-      threshold_(std::max(0, min_sum - 1)),
-      sums_(grid.size()[0]) {}
+PeakCollector::PeakCollector(int max_peaks, int min_sum)
+    : max_peaks_(max_peaks), threshold_(std::max(0, min_sum - 1)) {}
 
 void PeakCollector::Offer(int yaw_idx, const std::vector<uint16_t>& a,
                           const std::vector<uint16_t>& b) {
-  const int row_size = grid_.size()[0];
-  // The last cell of a row is border: no corner there.
-  for (int begin = 0; begin < grid_.num_cells(); begin += row_size) {
-    if (AddRows(&a[begin], &b[begin], row_size, sums_.data()) <= threshold_) {
+  constexpr int kBlock = VoteSlice::kBlock;
+  const int num_blocks = static_cast<int>(a.size()) / kBlock;
+  block_maxima_.resize(num_blocks);
+  MaximaOfBlocks(a.data(), b.data(), num_blocks, block_maxima_.data());
+  // The ends of rows are border without votes, so the neighbours in memory are those along x.
+  const auto sum = [&](int i) { return i >= 0 && i < num_blocks * kBlock ? a[i] + b[i] : 0; };
+  for (int block = 0; block < num_blocks; ++block) {
+    if (block_maxima_[block] <= threshold_) {
       continue;
     }
-    for (int x = 0; x + 1 < row_size; ++x) {
-      const int left = x > 0 ? sums_[x - 1] : 0;
-      if (sums_[x] > threshold_ && sums_[x] > left && sums_[x] >= sums_[x + 1]) {
-        Insert({sums_[x], yaw_idx, begin + x});
+    for (int i = block * kBlock; i < (block + 1) * kBlock; ++i) {
+      if (sum(i) > threshold_ && sum(i) > sum(i - 1) && sum(i) >= sum(i + 1)) {
+        Insert({sum(i), yaw_idx, i});
       }
     }
   }

@@ -2,63 +2,51 @@
 #ifndef CAIRN_ENGINE_VOTING_VOTE_ACCUMULATOR_H_
 #define CAIRN_ENGINE_VOTING_VOTE_ACCUMULATOR_H_
 
-#include <Eigen/Core>
-#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "engine/voting/trace_rays.h"
+#include "engine/voting/vote_grid.h"
+
 namespace cairn {
 
-// Regular cells over a box of camera positions. Dense, with a border of empty cells all around.
-class VoteGrid {
- public:
-  // Cells of at least `cell_m` (x, y, z) over the box; doubled until there are at most kMaxCells,
-  // so that memory is bounded whatever the region.
-  VoteGrid(const Eigen::Vector3d& min_corner, const Eigen::Vector3d& max_corner,
-           const Eigen::Vector3d& cell_m);
-
-  static constexpr int kMaxCells = 1 << 20;
-
-  const Eigen::Vector3d& cell_m() const { return cell_m_; }
-  int num_cells() const { return size_[0] * size_[1] * size_[2]; }
-  // Border included; x runs fastest.
-  const std::array<int, 3>& size() const { return size_; }
-  std::array<int, 3> strides() const { return {1, size_[0], size_[0] * size_[1]}; }
-
-  // Position in units of cells, border included: its floor is the cell.
-  Eigen::Vector3d ToCells(const Eigen::Vector3d& position) const;
-  // Inverse of ToCells.
-  Eigen::Vector3d FromCells(const Eigen::Vector3d& cells) const;
-
- private:
-  Eigen::Vector3d min_corner_;  // Of the first cell that is not border.
-  Eigen::Vector3d cell_m_;
-  std::array<int, 3> size_;
-};
-
-// The votes of one yaw bin. A voter counts at most once in a cell, if its votes come in one run.
+// The votes of one yaw bin.
 class VoteSlice {
  public:
   static constexpr int kMaxVoters = 65535;
 
   explicit VoteSlice(const VoteGrid& grid);
 
-  // Votes along the segment from `begin` to `end` (positions in the box), in steps of at most a
-  // cell along each axis. `voter` lies in [1, kMaxVoters]. Returns the number of steps.
-  int Vote(uint32_t voter, const Eigen::Vector3d& begin, const Eigen::Vector3d& end);
+  // Votes along the segments, of which segment i belongs to voter voters[i]; they are numbered from
+  // 1 in ascending order, and those beyond kMaxVoters do not vote. A voter counts at most once in a
+  // cell. Returns the number of steps. Takes time in proportion to segments and steps.
+  int64_t Vote(const VoteSegments& segments, const std::vector<int>& voters);
 
   // Moves the counts out, smoothed over 2 x 2 x 2 cells: (*smoothed)[i] is the sum over cell i and
   // its successors in x, y and z, so it belongs to the corner that they share. Counts saturate at
-  // kMaxCount. Leaves the slice empty.
+  // kMaxCount. Leaves the slice empty. The size is that of the cells rounded up to kBlock.
   void SmoothAndClear(std::vector<uint16_t>* smoothed);
 
   // Two smoothed slices can be added without overflow.
-  static constexpr uint32_t kMaxCount = 4095;
+  static constexpr uint16_t kMaxCount = 4095;
+  static constexpr int kBlock = 64;
 
  private:
+  int64_t ListVoting(const VoteSegments& segments, const std::vector<int>& voters);
+
   const VoteGrid& grid_;
-  std::vector<uint32_t> cells_;  // Last voter << 16 | count.
-  std::vector<uint16_t> pairs_;  // Scratch: counts smoothed along x, with a tail of zeros.
+  std::vector<uint16_t> counts_;
+  // Who voted last for a cell: voters get new tags in each slice, so that nothing has to be cleared
+  // until they run out.
+  std::vector<uint16_t> tags_;
+  int last_tag_ = 0;
+  // Scratch: counts of two planes smoothed along x, with a row of zeros after them.
+  std::vector<uint16_t> lower_, upper_;
+  // Scratch: segments with steps; cells and tags step by step.
+  std::vector<int> voting_;
+  std::vector<uint32_t> voted_cells_;
+  std::vector<uint16_t> voted_tags_;
 };
 
 // A cell of the smoothed accumulator.
@@ -74,9 +62,10 @@ bool IsBetterPeak(const VotePeak& a, const VotePeak& b);
 // Keeps the cells with the highest sums of all slices offered. Ties go to the earlier cell.
 class PeakCollector {
  public:
-  PeakCollector(const VoteGrid& grid, int max_peaks, int min_sum);
+  PeakCollector(int max_peaks, int min_sum);
 
-  // Offers the sum of two smoothed slices, cell by cell; only maxima along x are taken.
+  // Offers the sum of two smoothed slices of kBlock-aligned size, cell by cell; only maxima along x
+  // are taken.
   void Offer(int yaw_idx, const std::vector<uint16_t>& a, const std::vector<uint16_t>& b);
 
   // Highest first.
@@ -85,11 +74,10 @@ class PeakCollector {
  private:
   void Insert(const VotePeak& peak);
 
-  const VoteGrid& grid_;
   size_t max_peaks_;
-  int threshold_;               // Sums must exceed it.
-  std::vector<VotePeak> heap_;  // The lowest on top.
-  std::vector<uint16_t> sums_;  // Scratch: one row.
+  int threshold_;                       // Sums must exceed it.
+  std::vector<VotePeak> heap_;          // The lowest on top.
+  std::vector<uint16_t> block_maxima_;  // Scratch.
 };
 
 }  // namespace cairn

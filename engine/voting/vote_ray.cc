@@ -75,29 +75,4 @@ std::vector<VoteRay> MakeVoteRays(const QueryContext& query,
   return rays;
 }
 
-std::optional<VoteSegment> ClipToDisc(const VoteRay& ray, const Eigen::Vector2d& direction_xy,
-                                      const VoteDisc& disc, double min_cosine) {
-  if (!AzimuthFits(ray, direction_xy, min_cosine)) {
-    return std::nullopt;
-  }
-  // |x - l direction - center| <= radius.
-  const Eigen::Vector2d from_center = ray.x_in_anchor.head<2>() - disc.center;
-  const double a = ray.horizontal * ray.horizontal;
-  const double b = from_center.dot(direction_xy);
-  const double c = from_center.squaredNorm() - disc.radius_m * disc.radius_m;
-  VoteSegment segment = {ray.min_distance_m, ray.max_distance_m};
-  constexpr double kMinSquare = 1e-12;
-  if (a < kMinSquare) {  // A vertical ray stays where it is.
-    return c <= 0.0 ? std::optional(segment) : std::nullopt;
-  }
-  const double discriminant = b * b - a * c;
-  if (discriminant < 0.0) {
-    return std::nullopt;
-  }
-  const double root = std::sqrt(discriminant);
-  segment.begin_m = std::max(segment.begin_m, (b - root) / a);
-  segment.end_m = std::min(segment.end_m, (b + root) / a);
-  return segment.begin_m <= segment.end_m ? std::optional(segment) : std::nullopt;
-}
-
 }  // namespace cairn

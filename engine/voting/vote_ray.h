@@ -3,7 +3,6 @@
 #define CAIRN_ENGINE_VOTING_VOTE_RAY_H_
 
 #include <Eigen/Core>
-#include <optional>
 #include <vector>
 
 #include "engine/query_context.h"
@@ -33,32 +32,6 @@ struct VoteRay {
 std::vector<VoteRay> MakeVoteRays(const QueryContext& query,
                                   const std::vector<Correspondence>& correspondences,
                                   const VotingOptions& options);
-
-// Part of a ray, as distances from the landmark.
-struct VoteSegment {
-  double begin_m = 0.0;
-  double end_m = 0.0;
-};
-
-// The region as seen by rays: a vertical cylinder (infinite, heights are clipped already).
-struct VoteDisc {
-  Eigen::Vector2d center;
-  double radius_m = 0.0;
-};
-
-// The part of a ray that lies within the disc for one yaw, if the azimuth of the view fits.
-// `direction_xy` is the horizontal part of Rz(yaw) direction_in_level, `min_cosine` the cosine of
-// the largest azimuth difference. The ray starts at the camera centre; for one that does not, move
-// the disc by Rz(yaw) origin_in_level.
-std::optional<VoteSegment> ClipToDisc(const VoteRay& ray, const Eigen::Vector2d& direction_xy,
-                                      const VoteDisc& disc, double min_cosine);
-
-// True if the camera at horizontal direction -direction_xy from the landmark sees it from within
-// the angle of the mapping camera's azimuth.
-inline bool AzimuthFits(const VoteRay& ray, const Eigen::Vector2d& direction_xy,
-                        double min_cosine) {
-  return -direction_xy.dot(ray.view_azimuth) >= min_cosine * ray.horizontal;
-}
 
 }  // namespace cairn
 

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace cairn {
 namespace {
@@ -26,10 +28,16 @@ VoteRay RayTo(int correspondence_idx, int keypoint_idx, const Vector3d& x_in_anc
   return ray;
 }
 
+PoseCandidate Support(const std::vector<VoteRay>& rays, const Vector3d& center_in_anchor,
+                      double yaw_rad, const VotingOptions& options) {
+  return SupportedCandidate(RayArrays<double>(rays, {1.0, -2.0, 3.0}), center_in_anchor, yaw_rad,
+                            options);
+}
+
 TEST(SupportedCandidate, TruePoseHasFullScore) {
   const std::vector<VoteRay> rays = {RayTo(0, 0, {20, 3, 5}), RayTo(1, 1, {-10, 8, -1}),
                                      RayTo(2, 2, {5, -30, 12})};
-  const PoseCandidate candidate = SupportedCandidate(rays, Vector3d::Zero(), 0.0, VotingOptions());
+  const PoseCandidate candidate = Support(rays, Vector3d::Zero(), 0.0, VotingOptions());
   EXPECT_NEAR(candidate.score, 3.0, 1e-9);
   EXPECT_THAT(candidate.correspondences, ElementsAre(0, 1, 2));
 }
@@ -38,7 +46,7 @@ TEST(SupportedCandidate, KeypointCountsOnceButAllItsMatchesAreListed) {
   VoteRay second = RayTo(1, 0, {20, 3, 5});
   second.x_in_anchor.y() += 0.5;
   const PoseCandidate candidate =
-      SupportedCandidate({RayTo(0, 0, {20, 3, 5}), second}, Vector3d::Zero(), 0.0, VotingOptions());
+      Support({RayTo(0, 0, {20, 3, 5}), second}, Vector3d::Zero(), 0.0, VotingOptions());
   EXPECT_NEAR(candidate.score, 1.0, 1e-9);
   EXPECT_THAT(candidate.correspondences, ElementsAre(0, 1));
 }
@@ -51,20 +59,20 @@ TEST(SupportedCandidate, ScoreFallsWithTheSquareOfTheError) {
   VoteRay ray = RayTo(0, 0, {20, 0, 0});
   ray.x_in_anchor = {20, 1, 0};
   const double distance_m = std::hypot(20.0, 1.0);
-  const PoseCandidate candidate = SupportedCandidate({ray}, Vector3d::Zero(), 0.0, options);
+  const PoseCandidate candidate = Support({ray}, Vector3d::Zero(), 0.0, options);
   EXPECT_NEAR(candidate.score, 1.0 - std::pow(1.0 / (0.05 * distance_m + 1.0), 2), 1e-9);
   ray.x_in_anchor = {20, 3, 0};
-  EXPECT_THAT(SupportedCandidate({ray}, Vector3d::Zero(), 0.0, options).correspondences, IsEmpty());
+  EXPECT_THAT(Support({ray}, Vector3d::Zero(), 0.0, options).correspondences, IsEmpty());
 }
 
 TEST(SupportedCandidate, In3dTheHeightDoesNotMatter) {
   const std::vector<VoteRay> rays = {RayTo(0, 0, {20, 3, 5}), RayTo(1, 1, {-10, 8, -1})};
   VotingOptions options;
-  EXPECT_THAT(SupportedCandidate(rays, {0, 0, 30}, 0.0, options).correspondences, IsEmpty());
+  EXPECT_THAT(Support(rays, {0, 0, 30}, 0.0, options).correspondences, IsEmpty());
   options.filter = OutlierFilter::kVoting3d;
-  const PoseCandidate candidate = SupportedCandidate(rays, {0, 0, 30}, 0.0, options);
+  const PoseCandidate candidate = Support(rays, {0, 0, 30}, 0.0, options);
   EXPECT_NEAR(candidate.score, 2.0, 1e-9);
-  EXPECT_THAT(SupportedCandidate(rays, {0, 0, 30}, 0.3, options).correspondences, IsEmpty());
+  EXPECT_THAT(Support(rays, {0, 0, 30}, 0.3, options).correspondences, IsEmpty());
 }
 
 TEST(SupportedCandidate, RejectsBehindTooFarAndWrongAzimuth) {
@@ -76,8 +84,8 @@ TEST(SupportedCandidate, RejectsBehindTooFarAndWrongAzimuth) {
   near.min_distance_m = 30.0;
   VoteRay seen_from_behind = RayTo(3, 3, {20, 0, 0});
   seen_from_behind.view_azimuth = {1, 0};
-  const PoseCandidate candidate = SupportedCandidate({behind, far, near, seen_from_behind},
-                                                     Vector3d::Zero(), 0.0, VotingOptions());
+  const PoseCandidate candidate =
+      Support({behind, far, near, seen_from_behind}, Vector3d::Zero(), 0.0, VotingOptions());
   EXPECT_EQ(candidate.score, 0.0);
   EXPECT_THAT(candidate.correspondences, IsEmpty());
 }
@@ -86,9 +94,40 @@ TEST(SupportedCandidate, YawTurnsTheRays) {
   VoteRay ray = RayTo(0, 0, {20, 0, 0});
   ray.x_in_anchor = {0, 20, 0};
   ray.view_azimuth = {0, -1};
-  EXPECT_NEAR(
-      SupportedCandidate({ray}, Vector3d::Zero(), std::acos(-1.0) / 2, VotingOptions()).score, 1.0,
-      1e-9);
+  EXPECT_NEAR(Support({ray}, Vector3d::Zero(), std::acos(-1.0) / 2, VotingOptions()).score, 1.0,
+              1e-9);
+}
+
+TEST(SupportedCandidate, FurtherCamerasOfARigSeeFromTheirOwnPlace) {
+  VoteRay ray = RayTo(0, 0, {20, 3, 5});
+  ray.origin_in_level = {4, -5, 1};
+  ray.x_in_anchor += ray.origin_in_level;
+  EXPECT_NEAR(Support({ray}, Vector3d::Zero(), 0.0, VotingOptions()).score, 1.0, 1e-9);
+  ray.origin_in_level.setZero();
+  EXPECT_LT(Support({ray}, Vector3d::Zero(), 0.0, VotingOptions()).score, 0.5);
+}
+
+TEST(SupportedCandidate, ScoresTheBestMatchOfEachOfManyKeypoints) {
+  VotingOptions options;
+  std::vector<VoteRay> rays;
+  double expected = 0.0;
+  for (int keypoint = 0; keypoint < 40; ++keypoint) {  // More than one vector of them.
+    const Vector3d landmark(20.0 + keypoint, 0.5 * keypoint - 10.0, 0.1 * keypoint);
+    double best = 0.0;
+    for (const double offset_m : {0.9, 0.3, 0.6}) {
+      VoteRay ray = RayTo(static_cast<int>(rays.size()), keypoint, landmark);
+      ray.x_in_anchor += offset_m * Vector3d(-landmark.y(), landmark.x(), 0.0).normalized();
+      const double distance_m = ray.x_in_anchor.norm();
+      const double sine = ray.direction_in_level.cross(ray.x_in_anchor).norm() / distance_m;
+      const double tolerance = options.direction_tolerance_rad + options.cell_xy_m / distance_m;
+      best = std::max(best, 1.0 - std::pow(sine / tolerance, 2));
+      rays.push_back(ray);
+    }
+    expected += best;
+  }
+  const PoseCandidate candidate = Support(rays, Vector3d::Zero(), 0.0, options);
+  EXPECT_EQ(candidate.correspondences.size(), rays.size());
+  EXPECT_NEAR(candidate.score, expected, 1e-9);
 }
 
 }  // namespace

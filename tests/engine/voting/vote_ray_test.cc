@@ -100,43 +100,5 @@ TEST(MakeVoteRays, SkipsKeypointsWithoutRayAndSortsByKeypoint) {
   EXPECT_EQ(rays[1].correspondence_idx, 0);
 }
 
-VoteRay EastwardRay() {
-  VoteRay ray;
-  ray.x_in_anchor = {10, 0, 0};
-  ray.direction_in_level = Vector3d::UnitX();
-  ray.horizontal = 1.0;
-  ray.view_azimuth = {-1, 0};
-  ray.min_distance_m = 0.0;
-  ray.max_distance_m = 100.0;
-  return ray;
-}
-
-TEST(ClipToDisc, KeepsThePartWithinTheDisc) {
-  const auto segment = ClipToDisc(EastwardRay(), {1, 0}, {{0, 3}, 5.0}, -1.0);
-  ASSERT_TRUE(segment);
-  EXPECT_NEAR(segment->begin_m, 6.0, 1e-9);  // x = 4: 4^2 + 3^2 = 5^2.
-  EXPECT_NEAR(segment->end_m, 14.0, 1e-9);
-}
-
-TEST(ClipToDisc, NothingIfTheRayMissesOrStartsBeyond) {
-  EXPECT_FALSE(ClipToDisc(EastwardRay(), {1, 0}, {{0, 6}, 5.0}, -1.0));
-  // The camera would stand east of the landmark, the disc is in the west.
-  EXPECT_FALSE(ClipToDisc(EastwardRay(), {-1, 0}, {{0, 0}, 5.0}, -1.0));
-}
-
-TEST(ClipToDisc, AzimuthDecides) {
-  const double cosine = std::cos(1.0);
-  EXPECT_TRUE(ClipToDisc(EastwardRay(), {std::cos(0.9), std::sin(0.9)}, {{0, 0}, 100.0}, cosine));
-  EXPECT_FALSE(ClipToDisc(EastwardRay(), {std::cos(1.1), std::sin(1.1)}, {{0, 0}, 100.0}, cosine));
-}
-
-TEST(ClipToDisc, VerticalRayStaysWhereItIs) {
-  VoteRay ray = EastwardRay();
-  ray.direction_in_level = Vector3d::UnitZ();
-  ray.horizontal = 0.0;
-  EXPECT_TRUE(ClipToDisc(ray, {0, 0}, {{10, 0}, 1.0}, -1.0));
-  EXPECT_FALSE(ClipToDisc(ray, {0, 0}, {{20, 0}, 1.0}, -1.0));
-}
-
 }  // namespace
 }  // namespace cairn

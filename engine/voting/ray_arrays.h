@@ -1,0 +1,40 @@
+// Rays as arrays, for loops over all of them that the compiler vectorises.
+#ifndef CAIRN_ENGINE_VOTING_RAY_ARRAYS_H_
+#define CAIRN_ENGINE_VOTING_RAY_ARRAYS_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "engine/voting/vote_ray.h"
+
+namespace cairn {
+
+// Element i of every array belongs to ray i, as VoteRay names it; positions are relative to
+// `center_in_anchor`. Arrays are padded to a multiple of kBlock with rays that hold no distance.
+template <typename Scalar>
+struct RayArrays {
+  static constexpr int kBlock = 16;
+
+  RayArrays(const std::vector<VoteRay>& rays, const Eigen::Vector3d& center);
+
+  int padded_size() const { return static_cast<int>(x.size()); }
+  bool has_origins() const { return !origin_x.empty(); }
+
+  int num_rays = 0;
+  Eigen::Vector3d center_in_anchor;
+  std::vector<int> correspondence_idxs;  // num_rays.
+  // The keypoint as its rank among those that have rays, from 1; num_rays, ascending.
+  std::vector<int> voters;
+  std::vector<Scalar> x, y, z;  // Of the landmark.
+  std::vector<Scalar> direction_x, direction_y, direction_z;
+  std::vector<Scalar> horizontal, view_x, view_y;
+  std::vector<Scalar> min_distance_m, max_distance_m;
+  std::vector<Scalar> origin_x, origin_y, origin_z;  // All empty if all rays start at zero.
+};
+
+extern template struct RayArrays<float>;
+extern template struct RayArrays<double>;
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_VOTING_RAY_ARRAYS_H_
