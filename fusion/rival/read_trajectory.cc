@@ -75,7 +75,7 @@ std::pair<size_t, size_t> LongestStretch(const std::vector<TruePose>& poses) {
 }  // namespace
 
 Trajectory ReadTrajectory(const std::string& name, const std::string& imu_path,
-                          const std::string& poses_path) {
+                          const std::string& poses_path, const ImuNoise& imu_noise) {
   Trajectory trajectory;
   trajectory.name = name;
   for (const Row<6>& row : ReadRows<6>(imu_path)) {
@@ -92,6 +92,7 @@ Trajectory ReadTrajectory(const std::string& name, const std::string& imu_path,
   trajectory.poses.assign(poses.begin() + static_cast<std::ptrdiff_t>(first),
                           poses.begin() + static_cast<std::ptrdiff_t>(last));
   FitToSamples(&trajectory);
+  SmoothPoses({}, imu_noise, &trajectory);
   return trajectory;
 }
 

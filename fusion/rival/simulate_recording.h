@@ -83,6 +83,20 @@ Recording SimulateRecording(const Trajectory& trajectory, const RecordingOptions
 // Throws Error(kBadInput) if samples or poses span less than three seconds.
 void FitToSamples(Trajectory* trajectory);
 
+// What motion capture is off by, per axis and pose, as white noise.
+struct PoseNoise {
+  double position_sigma_m = 0.002;
+  // Markers on a small body: errors of some mrad that last for seconds, at 100 poses a second.
+  double rotation_sigma_rad = 0.01;
+};
+
+// Replaces the poses by those that agree best with both the poses and the samples (a
+// Rauch-Tung-Striebel smoother), and the biases by those at the first pose. A camera simulated on
+// poses as they were captured would shake against the inertial unit to which it is bolted. The
+// trajectory must have been through FitToSamples; poses outside the samples are dropped. Throws
+// Error(kBadInput) if fewer than two remain, Error(kInvalidArgument) if a sigma is not positive.
+void SmoothPoses(const PoseNoise& pose_noise, const ImuNoise& imu_noise, Trajectory* trajectory);
+
 }  // namespace cairn::fusion
 
 #endif  // CAIRN_FUSION_RIVAL_SIMULATE_RECORDING_H_

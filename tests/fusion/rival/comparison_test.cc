@@ -3,18 +3,27 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
+#include <optional>
+#include <random>
+#include <utility>
 
 #include "core/error.h"
+#include "fusion/errors.h"
+#include "fusion/imu_buffer.h"
 #include "fusion/rival/room_recordings.h"
 #include "fusion/rival/run_estimators.h"
 #include "fusion/rival/trajectories.h"
+#include "fusion/rival/trajectory_interpolation.h"
 #include "support/test_data.h"
 
 namespace cairn::fusion {
 namespace {
 
 using ::testing::HasSubstr;
+using testing::Nees;
+using testing::Rms;
 
 Recording ShortRecording() {
   RecordingOptions options = testing::WalkRecordingOptions(1);
@@ -154,6 +163,120 @@ TEST(FitToSamples, FindsBiasesAndLevelOfASimulatedWalk) {
   const Eigen::Vector3d up_now =
       trajectory.poses[0].global_from_imu.rotation.conjugate() * Eigen::Vector3d::UnitZ();
   EXPECT_LT((up_now - up_then).norm(), 0.004);
+}
+
+Rms RotationErrors(const Trajectory& trajectory, const Trajectory& truth) {
+  Rms errors_rad;
+  for (size_t i = 0; i < truth.poses.size(); ++i) {
+    errors_rad.Add(RotationAngleRad(trajectory.poses[i].global_from_imu.rotation,
+                                    truth.poses[i].global_from_imu.rotation));
+  }
+  return errors_rad;
+}
+
+TEST(SmoothPoses, TakesOutTheNoiseOfMotionCapture) {
+  const Trajectory truth = testing::WalkTrajectory(20.0, 4);
+  Trajectory trajectory = truth;
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  for (TruePose& pose : trajectory.poses) {
+    const Eigen::Vector3d turn(normal(random), normal(random), normal(random));
+    const Eigen::Vector3d shift(normal(random), normal(random), normal(random));
+    pose.global_from_imu = Rigid3d(ExpSo3(0.003 * turn) * pose.global_from_imu.rotation,
+                                   pose.global_from_imu.translation + 0.002 * shift);
+  }
+  const double before_rad = RotationErrors(trajectory, truth).Value();
+  SmoothPoses({0.002, 0.003}, ImuNoise(), &trajectory);
+  ASSERT_EQ(trajectory.poses.size(), truth.poses.size());
+  EXPECT_LT(RotationErrors(trajectory, truth).Value(), 0.2 * before_rad);
+  Rms shifts_m;
+  for (size_t i = 0; i < truth.poses.size(); ++i) {
+    shifts_m.Add((trajectory.poses[i].global_from_imu.translation -
+                  truth.poses[i].global_from_imu.translation)
+                     .norm());
+  }
+  EXPECT_LT(shifts_m.Value(), 0.0015);  // 0.0035 before.
+  EXPECT_LT((trajectory.gyro_bias - truth.gyro_bias).norm(), 5e-4);
+  EXPECT_LT((trajectory.accel_bias - truth.accel_bias).norm(), 0.03);
+}
+
+TEST(SmoothPoses, RefusesWhatItCannotSmooth) {
+  Trajectory trajectory = testing::WalkTrajectory(2.0, 1);
+  EXPECT_THROW(SmoothPoses({0.0, 0.01}, ImuNoise(), &trajectory), Error);
+  trajectory.imu.clear();
+  EXPECT_THROW(SmoothPoses({}, ImuNoise(), &trajectory), Error);
+}
+
+// What inertial samples, integrated over half a second from a true pose, are off by.
+struct InertialError {
+  Eigen::Vector3d turn;
+  Eigen::Vector3d velocity_in_imu;
+  Matrix15d noise;  // That `noise` allows.
+};
+
+InertialError IntegrationError(const Trajectory& trajectory, const ImuBuffer& buffer,
+                               const ImuNoise& noise, int64_t begin_ns, int64_t end_ns) {
+  ImuState state{PoseAt(trajectory.poses, begin_ns), VelocityAt(trajectory.poses, begin_ns),
+                 trajectory.gyro_bias, trajectory.accel_bias};
+  FirstEstimate first = {state.local_from_imu.translation, state.velocity_in_local};
+  ImuTransition transition;
+  buffer.ForEachStep(begin_ns, end_ns, [&](const ImuStep& step) {
+    Propagate(step, noise, trajectory.gravity_m_s2, &state, &first, &transition);
+  });
+  const Eigen::Quaterniond middle =
+      PoseAt(trajectory.poses, begin_ns + (end_ns - begin_ns) / 2).rotation;
+  return {
+      LogSo3(PoseAt(trajectory.poses, end_ns).rotation * state.local_from_imu.rotation.conjugate()),
+      middle.conjugate() * (VelocityAt(trajectory.poses, end_ns) - state.velocity_in_local),
+      transition.noise};
+}
+
+// Root mean square of the errors, in units of what the noise allows. Of velocity, of the difference
+// between successive spans, in which the accelerometer's bias cancels.
+struct InertialErrors {
+  Rms rotation, velocity;
+};
+
+InertialErrors NormalizedInertialErrors(const Trajectory& trajectory, const ImuNoise& noise) {
+  constexpr int64_t kSpanNs = 500'000'000;
+  constexpr int64_t kMarginNs = 20'000'000;  // Of velocities.
+  ImuBuffer buffer(static_cast<int>(trajectory.imu.size()));
+  for (const ImuSample& sample : trajectory.imu) {
+    buffer.Push(sample);
+  }
+  InertialErrors errors;
+  std::optional<InertialError> last;
+  const int64_t end_ns = trajectory.poses.back().timestamp_ns - kMarginNs;
+  for (int64_t t = trajectory.poses.front().timestamp_ns + kMarginNs; t + kSpanNs < end_ns;
+       t += kSpanNs) {
+    const InertialError error = IntegrationError(trajectory, buffer, noise, t, t + kSpanNs);
+    const auto block = [](const InertialError& of, int offset) {
+      return Eigen::Matrix3d(of.noise.block<3, 3>(offset, offset));
+    };
+    errors.rotation.Add(std::sqrt(Nees(error.turn, block(error, kThetaIdx))));
+    if (last) {
+      const Eigen::Vector3d change = error.velocity_in_imu - last->velocity_in_imu;
+      errors.velocity.Add(
+          std::sqrt(Nees(change, block(error, kVelocityIdx) + block(*last, kVelocityIdx))));
+    }
+    last = error;
+  }
+  return errors;
+}
+
+// The noise that estimators are told must be that of the samples against the poses that the
+// cameras stand on, or the comparison measures how well each bears being misled.
+TEST(RoomRecordings, SamplesAgreeWithThePosesToWithinTheirNoise) {
+  CAIRN_SKIP_WITHOUT_DATA("vi_imu_gt");
+  const std::filesystem::path data = cairn::testing::TestDataDir() / "vi_imu_gt";
+  for (const auto& [trajectory, options] :
+       {std::pair(EurocTrajectory(data), EurocRecordingOptions()),
+        std::pair(TumTrajectory(data), TumRecordingOptions())}) {
+    const InertialErrors errors = NormalizedInertialErrors(trajectory, options.imu_noise);
+    EXPECT_LT(errors.rotation.Value(), 1.5) << trajectory.name;
+    EXPECT_GT(errors.velocity.Value(), 0.7) << trajectory.name;
+    EXPECT_LT(errors.velocity.Value(), 1.5) << trajectory.name;
+  }
 }
 
 // On real samples, the estimators must still find the map and hold on to it.
