@@ -120,6 +120,8 @@ class Estimator {
   // What the error of a sight's landmark amounts to in the image; infinite before the alignment.
   double LandmarkNoisePx(const MapSight& sight) const;
   void TakeOut(const LedgerSights& sights, const std::vector<bool>& used);
+  // Gives landmarks back what the state has forgotten since the last answer.
+  void ForgetUses();
   MapUpdateResult UpdateFromMatches(const std::vector<MapMatch>& matches, int64_t frame_id);
   AnswerReport Apply(const Answer& answer, int64_t frame_id, const Rigid3d& candidate);
   AnswerOutcome AwaitAlignment(const Answer& answer, int64_t frame_id, const Rigid3d& candidate);
@@ -138,7 +140,8 @@ class Estimator {
   std::unique_ptr<FilterState> state_;
   LocalSlew slew_;
   LandmarkUses landmark_uses_;
-  Mode resting_mode_ = Mode::kInitializing;  // While there is no state.
+  Eigen::Matrix4d known_of_place_ = Eigen::Matrix4d::Zero();  // Covariance after the last answer.
+  Mode resting_mode_ = Mode::kInitializing;                   // While there is no state.
   int64_t filter_time_ns_ = 0;
   int64_t last_frame_ns_ = -1;
   int64_t next_frame_id_ = 1;

@@ -30,6 +30,12 @@ bool IsFinite(const Answer& answer) {
          });
 }
 
+// Of yaw and position of the newest clone's camera in global.
+Eigen::Matrix4d PlaceCovariance(const FilterState& state) {
+  const int newest = static_cast<int>(state.clones().size()) - 1;
+  return CameraPrior(state, newest).covariance.bottomRightCorner<4, 4>();
+}
+
 }  // namespace
 
 std::optional<Query> Estimator::PollQuery() {
@@ -164,7 +170,7 @@ void Estimator::AppendSights(const std::vector<MapMatch>& matches, int64_t frame
     MapSight sight{match_idx,     FindClone(*state_, frame_id),
                    match.pixel,   match.x_in_global,
                    match.sigma_m, match.tile_id};
-    sight.sigma_m *= std::sqrt(landmark_uses_.VarianceFactor(match.landmark_id, filter_time_ns_));
+    sight.sigma_m *= std::sqrt(landmark_uses_.VarianceFactor(match.landmark_id));
     if (!match.track_id) {
       sights->Add(sight, match);
     } else if (const Track* track = tracks_.Find(*match.track_id)) {
@@ -221,7 +227,7 @@ void Estimator::TakeOut(const LedgerSights& sights, const std::vector<bool>& use
     }
     if (sights.sights[i].match != last_match) {
       last_match = sights.sights[i].match;
-      landmark_uses_.Add(sights.landmark_ids[i], filter_time_ns_);
+      landmark_uses_.Add(sights.landmark_ids[i]);
     }
     Track* track = sights.track_ids[i] ? tracks_.Find(*sights.track_ids[i]) : nullptr;
     if (track != nullptr) {
@@ -234,8 +240,15 @@ void Estimator::TakeOut(const LedgerSights& sights, const std::vector<bool>& use
   }
 }
 
+void Estimator::ForgetUses() {
+  // Of each direction's information, the mean share that is left.
+  const Eigen::Matrix4d now = PlaceCovariance(*state_);
+  landmark_uses_.Forget(std::clamp(now.ldlt().solve(known_of_place_).trace() / 4.0, 0.0, 1.0));
+}
+
 MapUpdateResult Estimator::UpdateFromMatches(const std::vector<MapMatch>& matches,
                                              int64_t frame_id) {
+  ForgetUses();
   LedgerSights sights;
   AppendSights(matches, frame_id, &sights);
   MapUpdateResult result =
@@ -243,6 +256,7 @@ MapUpdateResult Estimator::UpdateFromMatches(const std::vector<MapMatch>& matche
   if (result.status == MapUpdateStatus::kApplied) {
     TakeOut(sights, result.used_sights);
   }
+  known_of_place_ = PlaceCovariance(*state_);
   return result;
 }
 
@@ -283,6 +297,7 @@ void Estimator::NoteContradiction(int64_t frame_id, const Rigid3d& candidate) {
       Seconds(newest->timestamp_ns - oldest->timestamp_ns) >=
           options_.alignment.min_contradiction_span_s) {
     state_->ForgetGlobal();
+    landmark_uses_.Clear();
     contradictions_.clear();
     last_applied_ns_.reset();
     ++counters_.num_realignments;
@@ -319,6 +334,7 @@ void Estimator::TryAlign() {
     return;
   }
   TakeOut(sights, std::vector<bool>(sights.sights.size(), true));
+  known_of_place_ = PlaceCovariance(*state_);
   for (auto other = agreeing.rbegin() + 1; other != agreeing.rend(); ++other) {
     const Candidate& candidate = candidates_[static_cast<size_t>(*other)];
     UpdateFromMatches(candidate.matches, candidate.frame_id);

@@ -137,6 +137,7 @@ int main(int argc, char** argv) {
   const double duration_s = argc > 2 ? std::atof(argv[2]) : 60.0;
   const Scenario scenarios[] = {{"local", false, 0.0, 0.0, false},
                                 {"perfect", true, 0.0, 0.0, false},
+                                {"noisy", true, 0.05, 0.0, false},
                                 {"schmidt", true, 0.03, 0.1, true},
                                 {"inflation", true, 0.03, 0.1, false}};
   for (const Scenario& scenario : scenarios) {
