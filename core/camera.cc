@@ -221,8 +221,9 @@ std::optional<Eigen::Vector2d> Camera::ProjectWithJacobian(
   const double inverse_z = 1.0 / x_in_cam.z();
   const Eigen::Vector2d normalized = x_in_cam.head<2>() * inverse_z;
   const double sq_radius = normalized.squaredNorm();
-  const double angle = std::atan(std::sqrt(sq_radius));
-  const double reach = model_ == CameraModel::kOpenCvFisheye ? angle * angle : sq_radius;
+  const double reach = model_ == CameraModel::kOpenCvFisheye
+                           ? std::pow(std::atan(std::sqrt(sq_radius)), 2)
+                           : sq_radius;
   if (!(reach <= max_sq_radius_)) {
     return std::nullopt;
   }

@@ -19,7 +19,11 @@ struct Linearization {
   Matrix6d normal = Matrix6d::Zero();          // Sum of w J'J, with the gravity prior.
   PoseTangent gradient = PoseTangent::Zero();  // Sum of w J'r, with the gravity prior.
   double cost = 0.0;
-  // For the covariance. Residuals r are in standard deviations, w is their robust weight.
+};
+
+// What the covariance at one pose is made of. Residuals r are in standard deviations, w is their
+// robust weight.
+struct Spread {
   Matrix6d information = Matrix6d::Zero();          // Sum of J'J of the reprojections alone.
   Matrix6d gravity_information = Matrix6d::Zero();  // J'J of the gravity prior.
   double sum_sq_weight = 0.0;                       // Sum of w^2.
@@ -112,13 +116,10 @@ struct Problem {
       }
       const double information = Information(observation, anchor_from_cam);
       const double sq_residual = residual->squaredNorm() * information;
-      const double robust = RobustWeight(sq_residual);
-      const Matrix6d outer = information * jacobian.transpose() * jacobian;
-      system.normal += robust * outer;
-      system.information += outer;
-      system.gradient.noalias() += robust * information * jacobian.transpose() * *residual;
-      system.sum_sq_weight += robust * robust;
-      system.sum_sq_weighted += robust * robust * sq_residual;
+      const Eigen::Matrix<double, 6, 2> weighted =
+          RobustWeight(sq_residual) * information * jacobian.transpose();
+      system.normal.noalias() += weighted * jacobian;
+      system.gradient.noalias() += weighted * *residual;
       cost.Add(sq_residual);
     }
     system.cost = cost.Total();
@@ -127,29 +128,50 @@ struct Problem {
       const Eigen::Vector3d residual =
           GravityResidual(gravity->down_in_cam, anchor_from_cam, &gravity_jacobian);
       const double weight = 1.0 / (gravity->sigma_rad * gravity->sigma_rad);
-      system.gravity_information = weight * gravity_jacobian.transpose() * gravity_jacobian;
-      system.normal += system.gravity_information;
+      system.normal += weight * gravity_jacobian.transpose() * gravity_jacobian;
       system.gradient.noalias() += weight * gravity_jacobian.transpose() * residual;
       system.cost += 0.5 * weight * residual.squaredNorm();
     }
     return system;
+  }
+
+  Spread SpreadAt(const Rigid3d& anchor_from_cam) const {
+    Spread spread;
+    Eigen::Matrix<double, 2, 6> jacobian;
+    for (const PoseObservation& observation : observations) {
+      if (const auto residual = Residual(observation, anchor_from_cam, &jacobian)) {
+        const double information = Information(observation, anchor_from_cam);
+        const double sq_residual = residual->squaredNorm() * information;
+        const double sq_robust = std::pow(RobustWeight(sq_residual), 2);
+        spread.information += information * jacobian.transpose() * jacobian;
+        spread.sum_sq_weight += sq_robust;
+        spread.sum_sq_weighted += sq_robust * sq_residual;
+      }
+    }
+    if (gravity) {
+      Eigen::Matrix<double, 3, 6> gravity_jacobian;
+      GravityResidual(gravity->down_in_cam, anchor_from_cam, &gravity_jacobian);
+      spread.gravity_information = gravity_jacobian.transpose() * gravity_jacobian /
+                                   (gravity->sigma_rad * gravity->sigma_rad);
+    }
+    return spread;
   }
 };
 
 // Asymptotic covariance of the M-estimate (Huber 1981, section 7.6): the inverse information of the
 // reprojections is scaled by mean(psi^2) / mean(psi')^2. For the Cauchy loss on two-dimensional
 // residuals psi = w r and psi' averages to w^2. A floor keeps free directions finite.
-Matrix6d Covariance(const Linearization& system, double num_observations) {
+Matrix6d Covariance(const Spread& spread, double num_observations) {
   PoseTangent floor;
   floor << Eigen::Vector3d::Constant(1.0 / 9.0), Eigen::Vector3d::Constant(1e-6);
   double scale = 1.0;
-  if (system.sum_sq_weight > 0.0) {
+  if (spread.sum_sq_weight > 0.0) {
     const double degrees_of_freedom = std::max(1.0, 2.0 * num_observations - 6.0);
-    const double mean_slope = system.sum_sq_weight / num_observations;
-    scale = std::max(1.0, system.sum_sq_weighted / degrees_of_freedom / (mean_slope * mean_slope));
+    const double mean_slope = spread.sum_sq_weight / num_observations;
+    scale = std::max(1.0, spread.sum_sq_weighted / degrees_of_freedom / (mean_slope * mean_slope));
   }
   const Matrix6d total =
-      system.information / scale + system.gravity_information + Matrix6d(floor.asDiagonal());
+      spread.information / scale + spread.gravity_information + Matrix6d(floor.asDiagonal());
   const Matrix6d covariance = total.ldlt().solve(Matrix6d::Identity());
   return 0.5 * (covariance + covariance.transpose());
 }
@@ -161,7 +183,6 @@ RefinedPose RefinePose(const Camera& camera, const std::vector<PoseObservation>&
                        const Rigid3d& initial_cam_from_anchor, const RefinePoseOptions& options,
                        std::span<const QueryRigCamera> other_cameras) {
   constexpr double kMaxDamping = 1e6;
-  constexpr double kMinRelativeDecrease = 1e-6;
   const Problem problem{camera, observations, gravity, options, other_cameras};
   Rigid3d anchor_from_cam = initial_cam_from_anchor.Inverse();
   Linearization system = problem.Linearize(anchor_from_cam);
@@ -182,13 +203,16 @@ RefinedPose RefinePose(const Camera& camera, const std::vector<PoseObservation>&
     system = moved_system;
     damping = std::max(1e-9, damping * 0.1);
     ++refined.num_iterations;
-    if (decrease < kMinRelativeDecrease * system.cost) {
+    if (decrease < options.min_relative_decrease * system.cost) {
       break;
     }
   }
   refined.cam_from_anchor = anchor_from_cam.Inverse();
   refined.cost = system.cost;
-  refined.covariance = Covariance(system, static_cast<double>(observations.size()));
+  if (options.with_covariance) {
+    refined.covariance =
+        Covariance(problem.SpreadAt(anchor_from_cam), static_cast<double>(observations.size()));
+  }
   return refined;
 }
 

@@ -33,6 +33,8 @@ struct RefinePoseOptions {
   // squares on Gaussian noise.
   double cauchy_scale = 2.4;
   int max_iterations = 10;
+  double min_relative_decrease = 1e-6;  // Of the cost; a step with less is the last one.
+  bool with_covariance = true;          // If not, it stays zero, and less time is spent.
 };
 
 struct RefinedPose {
