@@ -27,6 +27,9 @@ Eigen::Vector2d At(const Keypoint& keypoint) { return {keypoint.x_px, keypoint.y
 // Nearest neighbours that are clearly nearer than the second.
 std::vector<Match> RatioMatches(const DescriptorMatrix& a, const DescriptorMatrix& b) {
   std::vector<Match> matches;
+  if (b.rows() == 0) {
+    return matches;
+  }
   for (int i = 0; i < a.rows(); ++i) {
     Eigen::RowVectorXf similarity = (b * a.row(i).transpose()).transpose();
     int best = 0, second = 0;
