@@ -122,8 +122,13 @@ void LandmarkRanking::Insert(uint32_t keypoint_idx, const Neighbor& neighbor) {
   }
 }
 
-LandmarkRanking::TileHits::TileHits(LandmarkRanking* ranking, const TileView& view, int tile_idx)
-    : ranking_(*ranking), view_(view), tile_(view.tile->tile()), tile_idx_(tile_idx) {
+LandmarkRanking::TileHits::TileHits(LandmarkRanking* ranking, const TileView& view, int tile_idx,
+                                    uint32_t first_keypoint)
+    : ranking_(*ranking),
+      view_(view),
+      tile_(view.tile->tile()),
+      tile_idx_(tile_idx),
+      first_keypoint_(first_keypoint) {
   const Rigid3d& anchor_from_tile = view.anchor_from_tile;
   prior_from_tile_ = anchor_from_tile.rotation.toRotationMatrix().topRows<2>().cast<float>();
   tile_in_prior_ =
@@ -132,7 +137,8 @@ LandmarkRanking::TileHits::TileHits(LandmarkRanking* ranking, const TileView& vi
 }
 
 float LandmarkRanking::TileHits::Take(const DescriptorHit& hit) {
-  const float max_sq_distance = ranking_.MaxUsefulSqDistance(hit.query_idx);
+  const uint32_t keypoint_idx = first_keypoint_ + hit.query_idx;
+  const float max_sq_distance = ranking_.MaxUsefulSqDistance(keypoint_idx);
   if (hit.sq_distance <= max_sq_distance) {  // Prior terms only add.
     __builtin_prefetch(&tile_.orientation_codes[hit.descriptor_idx]);
     __builtin_prefetch(&view_.tile->landmark_of_descriptor()[hit.descriptor_idx]);
@@ -140,7 +146,7 @@ float LandmarkRanking::TileHits::Take(const DescriptorHit& hit) {
     if (num_hits_ >= kAhead) {
       Weigh(place);
     }
-    place = hit;
+    place = {keypoint_idx, hit.descriptor_idx, hit.sq_distance};
     ++num_hits_;
   }
   return max_sq_distance;

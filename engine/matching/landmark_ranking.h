@@ -85,8 +85,10 @@ class LandmarkRanking {
 // about further ones is therefore known a little later. For use within one thread.
 class LandmarkRanking::TileHits : public HitReceiver {
  public:
-  // The hits are of the tile_idx-th tile of the query. All must outlive this.
-  TileHits(LandmarkRanking* ranking, const TileView& view, int tile_idx);
+  // The hits are of the tile_idx-th tile of the query, and of its keypoints from `first_keypoint`
+  // on. All must outlive this.
+  TileHits(LandmarkRanking* ranking, const TileView& view, int tile_idx,
+           uint32_t first_keypoint = 0);
 
   float Take(const DescriptorHit& hit) override;
   // Adds what still waits. Call it after the last hit.
@@ -109,6 +111,7 @@ class LandmarkRanking::TileHits : public HitReceiver {
   const TileView& view_;
   const Tile& tile_;
   const int tile_idx_;
+  const uint32_t first_keypoint_;
   // Horizontally from the prior to a point of the tile; floats resolve a millimetre.
   Eigen::Matrix<float, 2, 3> prior_from_tile_;
   Eigen::Vector2f tile_in_prior_;

@@ -108,21 +108,6 @@ std::vector<KeypointRange> SplitKeypoints(int num_keypoints, int num_threads) {
   return ranges;
 }
 
-// Hands on hits of a range of the keypoints as those of the query.
-class HitsOfRange : public HitReceiver {
- public:
-  HitsOfRange(const KeypointRange& range, HitReceiver* receiver)
-      : begin_(static_cast<uint32_t>(range.begin)), receiver_(receiver) {}
-
-  float Take(const DescriptorHit& hit) override {
-    return receiver_->Take({begin_ + hit.query_idx, hit.descriptor_idx, hit.sq_distance});
-  }
-
- private:
-  const uint32_t begin_;
-  HitReceiver* receiver_;
-};
-
 // Adds one tile's hits of a range of keypoints, with descriptors `queries`, to the ranking; touches
 // nothing of other keypoints in it. Returns the number of distances computed.
 int64_t SearchTile(const DescriptorMatrix& queries, const KeypointRange& range,
@@ -132,10 +117,9 @@ int64_t SearchTile(const DescriptorMatrix& queries, const KeypointRange& range,
   for (int i = 0; i < range.size(); ++i) {
     max_distances[i] = std::min(max_distances[i], ranking->MaxUsefulDistance(range.begin + i));
   }
-  LandmarkRanking::TileHits tile_hits(ranking, view, tile_idx);
-  HitsOfRange range_hits(range, &tile_hits);
+  LandmarkRanking::TileHits tile_hits(ranking, view, tile_idx, static_cast<uint32_t>(range.begin));
   const int64_t num_distances = view.tile->index().Search(
-      {.queries = queries, .max_distances = max_distances, .receiver = &range_hits}, nullptr);
+      {.queries = queries, .max_distances = max_distances, .receiver = &tile_hits}, nullptr);
   tile_hits.Flush();
   return num_distances;
 }
