@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string>
 
 #include "eval/experiments/experiment_result.h"
 
@@ -121,6 +123,20 @@ std::string Summary(const std::vector<Experiment>& experiments,
   return text + "\n";
 }
 
+// Results of several builds must not be compared without knowing it.
+std::string BuildsNote(const std::vector<ExperimentResult>& results) {
+  std::set<std::string> commits;
+  for (const ExperimentResult& result : results) {
+    commits.insert(result.commit);
+  }
+  return commits.size() < 2
+             ? ""
+             : fmt::format(
+                   "These results are of {} builds; each names its commit. What differs "
+                   "between two of them may be due to what was changed in between.\n\n",
+                   commits.size());
+}
+
 std::string Section(const Experiment& experiment, const ExperimentResult& result,
                     const std::string& image_folder) {
   std::string text = fmt::format("## <a id=\"{}\"></a>{}\n\n*Paper, {}:* {}\n\n**{}.** {}\n\n",
@@ -147,7 +163,7 @@ std::string Section(const Experiment& experiment, const ExperimentResult& result
 std::string ReportAsMarkdown(const std::vector<Experiment>& experiments,
                              const std::vector<ExperimentResult>& results,
                              const std::string& image_folder) {
-  std::string text = kIntroduction + Summary(experiments, results);
+  std::string text = kIntroduction + BuildsNote(results) + Summary(experiments, results);
   for (const Experiment& experiment : experiments) {
     if (const ExperimentResult* result = FindResult(results, experiment.name)) {
       text += Section(experiment, *result, image_folder);

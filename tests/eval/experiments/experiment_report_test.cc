@@ -16,6 +16,7 @@ namespace cairn {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 ResultTable SmallTable() {
   std::vector<Column> columns = {{"method"}, {"cpu_ms", true}};
@@ -93,6 +94,17 @@ TEST(Report, ShowsVerdictFigureAndTableWithTimingsLast) {
 
 TEST(Report, SaysWhatWasNotRun) {
   EXPECT_THAT(ReportAsMarkdown({SmallExperiment()}, {}, "images"), HasSubstr("| not run |"));
+}
+
+TEST(Report, SaysWhenResultsAreOfSeveralBuilds) {
+  const testing::TempDir folder;
+  const ExperimentResult result = RunSmall(folder);
+  ExperimentResult other = result;
+  other.commit = "0123456789";
+  EXPECT_THAT(ReportAsMarkdown({SmallExperiment()}, {result, other}, "images"),
+              HasSubstr("of 2 builds"));
+  EXPECT_THAT(ReportAsMarkdown({SmallExperiment()}, {result, result}, "images"),
+              Not(HasSubstr("builds")));
 }
 
 TEST(FindExperiment, KnowsNamesAndNumbers) {
