@@ -19,31 +19,10 @@ struct SupportTest {
   double slack_m;        // Of distances.
 };
 
-struct SupportPointers {
-  explicit SupportPointers(const RayArrays<double>& rays)
-      : x(rays.x.data()),
-        y(rays.y.data()),
-        z(rays.z.data()),
-        direction_x(rays.direction_x.data()),
-        direction_y(rays.direction_y.data()),
-        direction_z(rays.direction_z.data()),
-        horizontal(rays.horizontal.data()),
-        view_x(rays.view_x.data()),
-        view_y(rays.view_y.data()),
-        min_distance_m(rays.min_distance_m.data()),
-        max_distance_m(rays.max_distance_m.data()),
-        origin_x(rays.origin_x.data()),
-        origin_y(rays.origin_y.data()),
-        origin_z(rays.origin_z.data()) {}
-
-  const double *x, *y, *z, *direction_x, *direction_y, *direction_z, *horizontal, *view_x, *view_y;
-  const double *min_distance_m, *max_distance_m, *origin_x, *origin_y, *origin_z;
-};
-
 // 1 - (e / t)^2 of ray i, or 0 if it does not agree.
 template <bool kIn3d, bool kHasOrigins>
-[[gnu::always_inline]] inline double RayGain(const SupportPointers& rays, const SupportTest& test,
-                                             int i) {
+[[gnu::always_inline]] inline double RayGain(const RayPointers<double>& rays,
+                                             const SupportTest& test, int i) {
   const double cos_yaw = test.cos_yaw, sin_yaw = test.sin_yaw;
   double dx = cos_yaw * rays.direction_x[i] - sin_yaw * rays.direction_y[i];
   double dy = sin_yaw * rays.direction_x[i] + cos_yaw * rays.direction_y[i];
@@ -73,17 +52,18 @@ template <bool kIn3d, bool kHasOrigins>
 }
 
 template <bool kIn3d, bool kHasOrigins>
-[[gnu::always_inline]] inline void AllGains(const SupportPointers& rays, const SupportTest& test,
-                                            int size, double* __restrict gains) {
+[[gnu::always_inline]] inline void AllGains(const RayPointers<double>& rays,
+                                            const SupportTest& test, int size,
+                                            double* __restrict gains) {
   for (int i = 0; i < size; ++i) {
     gains[i] = RayGain<kIn3d, kHasOrigins>(rays, test, i);
   }
 }
 
 CAIRN_VECTOR_CLONES
-void RayGains(const SupportPointers& pointers, const SupportTest& test, bool in_3d,
+void RayGains(const RayPointers<double>& pointers, const SupportTest& test, bool in_3d,
               bool has_origins, int size, double* __restrict gains) {
-  const SupportPointers rays = pointers;
+  const RayPointers<double> rays = pointers;
   if (in_3d) {
     has_origins ? AllGains<true, true>(rays, test, size, gains)
                 : AllGains<true, false>(rays, test, size, gains);
@@ -111,7 +91,7 @@ PoseCandidate SupportedCandidate(const RayArrays<double>& rays,
                             options.direction_tolerance_rad,
                             options.cell_xy_m};
   std::vector<double> gains(rays.padded_size());
-  RayGains(SupportPointers(rays), test, options.filter == OutlierFilter::kVoting3d,
+  RayGains(RayPointers<double>(rays), test, options.filter == OutlierFilter::kVoting3d,
            rays.has_origins(), rays.padded_size(), gains.data());
 
   double best_gain = 0.0;  // Of the current keypoint.

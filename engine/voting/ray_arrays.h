@@ -32,6 +32,29 @@ struct RayArrays {
   std::vector<Scalar> origin_x, origin_y, origin_z;  // All empty if all rays start at zero.
 };
 
+// The arrays as bare pointers: loops over them are vectorised, those over vectors are not.
+template <typename Scalar>
+struct RayPointers {
+  explicit RayPointers(const RayArrays<Scalar>& rays)
+      : x(rays.x.data()),
+        y(rays.y.data()),
+        z(rays.z.data()),
+        direction_x(rays.direction_x.data()),
+        direction_y(rays.direction_y.data()),
+        direction_z(rays.direction_z.data()),
+        horizontal(rays.horizontal.data()),
+        view_x(rays.view_x.data()),
+        view_y(rays.view_y.data()),
+        min_distance_m(rays.min_distance_m.data()),
+        max_distance_m(rays.max_distance_m.data()),
+        origin_x(rays.origin_x.data()),
+        origin_y(rays.origin_y.data()),
+        origin_z(rays.origin_z.data()) {}
+
+  const Scalar *x, *y, *z, *direction_x, *direction_y, *direction_z, *horizontal, *view_x, *view_y;
+  const Scalar *min_distance_m, *max_distance_m, *origin_x, *origin_y, *origin_z;
+};
+
 extern template struct RayArrays<float>;
 extern template struct RayArrays<double>;
 

@@ -7,7 +7,7 @@ namespace {
 
 // Iterations are independent: outputs and inputs are different arrays.
 CAIRN_VECTOR_CLONES
-void TraceWithOrigins(const RayPointers rays, const TraceFrame frame, int size,
+void TraceWithOrigins(const RayPointers<float> rays, const TraceFrame frame, int size,
                       const SegmentPointers segments) {
 #pragma GCC ivdep
   for (int i = 0; i < size; ++i) {
@@ -16,7 +16,7 @@ void TraceWithOrigins(const RayPointers rays, const TraceFrame frame, int size,
 }
 
 CAIRN_VECTOR_CLONES
-void TraceWithoutOrigins(const RayPointers rays, const TraceFrame frame, int size,
+void TraceWithoutOrigins(const RayPointers<float> rays, const TraceFrame frame, int size,
                          const SegmentPointers segments) {
 #pragma GCC ivdep
   for (int i = 0; i < size; ++i) {
@@ -42,22 +42,6 @@ TraceFrame::TraceFrame(const VoteGrid& grid, const Eigen::Vector3d& center_in_an
 
 VoteSegments::VoteSegments(int size)
     : x(size), y(size), z(size), step_x(size), step_y(size), step_z(size), num_steps(size) {}
-
-RayPointers::RayPointers(const RayArrays<float>& rays)
-    : x(rays.x.data()),
-      y(rays.y.data()),
-      z(rays.z.data()),
-      direction_x(rays.direction_x.data()),
-      direction_y(rays.direction_y.data()),
-      direction_z(rays.direction_z.data()),
-      horizontal(rays.horizontal.data()),
-      view_x(rays.view_x.data()),
-      view_y(rays.view_y.data()),
-      min_distance_m(rays.min_distance_m.data()),
-      max_distance_m(rays.max_distance_m.data()),
-      origin_x(rays.origin_x.data()),
-      origin_y(rays.origin_y.data()),
-      origin_z(rays.origin_z.data()) {}
 
 SegmentPointers::SegmentPointers(VoteSegments* segments)
     : x(segments->x.data()),

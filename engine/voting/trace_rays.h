@@ -41,13 +41,7 @@ struct VoteSegments {
 // thousand cells along an axis. `segments` has the rays' padded size.
 void TraceRays(const RayArrays<float>& rays, const TraceFrame& frame, VoteSegments* segments);
 
-// The arrays of RayArrays and VoteSegments.
-struct RayPointers {
-  explicit RayPointers(const RayArrays<float>& rays);
-
-  const float *x, *y, *z, *direction_x, *direction_y, *direction_z, *horizontal, *view_x, *view_y;
-  const float *min_distance_m, *max_distance_m, *origin_x, *origin_y, *origin_z;
-};
+// The arrays of VoteSegments as bare pointers, see RayPointers.
 struct SegmentPointers {
   explicit SegmentPointers(VoteSegments* segments);
 
@@ -57,8 +51,8 @@ struct SegmentPointers {
 
 // The arithmetic of TraceRays for ray i alone.
 template <bool kHasOrigins>
-[[gnu::always_inline]] inline void TraceRay(const RayPointers& rays, const TraceFrame& frame, int i,
-                                            const SegmentPointers& segments) {
+[[gnu::always_inline]] inline void TraceRay(const RayPointers<float>& rays, const TraceFrame& frame,
+                                            int i, const SegmentPointers& segments) {
   const auto larger = [](float a, float b) { return a > b ? a : b; };
   const auto smaller = [](float a, float b) { return a < b ? a : b; };
   const float cos_yaw = frame.cos_yaw, sin_yaw = frame.sin_yaw;
