@@ -67,23 +67,20 @@ size_t PlainNearest(const BlockQuery& query, const uint8_t* blocks, const int32_
   return nearest.row;
 }
 
-// Calls reduce(first, last) for each part of the blocks, which returns the largest of the smallest
-// distances at each place of a block, and returns the largest of all.
+// Calls reduce(first, last, minima) for each part of the blocks.
 template <typename ReducePart>
-inline int32_t BoundOverParts(size_t num_blocks, size_t count, const ReducePart& reduce) {
-  const size_t num_parts = (count + kBlockRows - 1) / kBlockRows;
-  int32_t bound = 0;
+inline void MinimaOfParts(size_t num_blocks, size_t num_parts, int32_t* minima,
+                          const ReducePart& reduce) {
   for (size_t part = 0; part < num_parts; ++part) {
-    bound =
-        std::max(bound, reduce(part * num_blocks / num_parts, (part + 1) * num_blocks / num_parts));
+    reduce(part * num_blocks / num_parts, (part + 1) * num_blocks / num_parts,
+           minima + part * kBlockRows);
   }
-  return bound;
 }
 
-int32_t PlainBound(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms,
-                   int stride, size_t num_blocks, size_t count) {
-  return BoundOverParts(num_blocks, count, [&](size_t first, size_t last) {
-    int32_t sq_distances[kBlockRows], smallest[kBlockRows];
+void PlainMinima(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms,
+                 int stride, size_t num_blocks, size_t num_parts, int32_t* minima) {
+  MinimaOfParts(num_blocks, num_parts, minima, [&](size_t first, size_t last, int32_t* smallest) {
+    int32_t sq_distances[kBlockRows];
     std::fill_n(smallest, kBlockRows, std::numeric_limits<int32_t>::max());
     for (size_t i = first; i < last; ++i) {
       PlainBlock(query, blocks + i * kBlockRows * stride, sq_norms + i * kBlockRows, stride,
@@ -92,7 +89,6 @@ int32_t PlainBound(const BlockQuery& query, const uint8_t* blocks, const int32_t
         smallest[row] = std::min(smallest[row], sq_distances[row]);
       }
     }
-    return *std::max_element(smallest, smallest + kBlockRows);
   });
 }
 
@@ -112,7 +108,7 @@ size_t PlainRange(const BlockQuery& query, const uint8_t* blocks, const int32_t*
   return num_hits;
 }
 
-constexpr BlockKernels kPlain = {"plain", PlainScan, PlainNearest, PlainBound, PlainRange};
+constexpr BlockKernels kPlain = {"plain", PlainScan, PlainNearest, PlainMinima, PlainRange};
 
 // Bits of the rows of the block at `first` that lie in [begin, end).
 inline uint32_t RowsInRange(size_t first, size_t begin, size_t end) {
@@ -207,8 +203,9 @@ CAIRN_AVX2 size_t Avx2Nearest(const BlockQuery& query, const uint8_t* blocks,
   return NearestOf(candidates, kLanes);
 }
 
-CAIRN_AVX2 int32_t Avx2BoundOfPart(const BlockQuery& query, const uint8_t* blocks,
-                                   const int32_t* sq_norms, int stride, size_t first, size_t last) {
+CAIRN_AVX2 void Avx2MinimaOfPart(const BlockQuery& query, const uint8_t* blocks,
+                                 const int32_t* sq_norms, int stride, size_t first, size_t last,
+                                 int32_t* minima) {
   __m256i smallest[2];
   smallest[0] = smallest[1] = _mm256_set1_epi32(std::numeric_limits<int32_t>::max());
   for (size_t i = first; i < last; ++i) {
@@ -218,15 +215,15 @@ CAIRN_AVX2 int32_t Avx2BoundOfPart(const BlockQuery& query, const uint8_t* block
                                                          sq_norms + i * kBlockRows, stride, half));
     }
   }
-  alignas(32) int32_t lanes[kBlockRows / 2];
-  _mm256_store_si256(reinterpret_cast<__m256i*>(lanes), _mm256_max_epi32(smallest[0], smallest[1]));
-  return *std::max_element(lanes, lanes + kBlockRows / 2);
+  for (int half = 0; half < 2; ++half) {
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(minima) + half, smallest[half]);
+  }
 }
 
-int32_t Avx2Bound(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms,
-                  int stride, size_t num_blocks, size_t count) {
-  return BoundOverParts(num_blocks, count, [&](size_t first, size_t last) {
-    return Avx2BoundOfPart(query, blocks, sq_norms, stride, first, last);
+void Avx2Minima(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms, int stride,
+                size_t num_blocks, size_t num_parts, int32_t* minima) {
+  MinimaOfParts(num_blocks, num_parts, minima, [&](size_t first, size_t last, int32_t* smallest) {
+    Avx2MinimaOfPart(query, blocks, sq_norms, stride, first, last, smallest);
   });
 }
 
@@ -343,36 +340,44 @@ CAIRN_AVX512VNNI size_t VnniNearest(const BlockQuery& query, const uint8_t* bloc
   return NearestOf(candidates, kBlockRows);
 }
 
-CAIRN_AVX512VNNI int32_t VnniBoundOfPart(const VnniQuery& vnni, const uint8_t* blocks,
-                                         const int32_t* sq_norms, int stride, size_t first,
-                                         size_t last) {
+CAIRN_AVX512VNNI void VnniMinimaOfPart(const VnniQuery& vnni, const uint8_t* blocks,
+                                       const int32_t* sq_norms, int stride, size_t first,
+                                       size_t last, int32_t* minima) {
   __m512i smallest = _mm512_set1_epi32(std::numeric_limits<int32_t>::max());
   for (size_t i = first; i < last; ++i) {
     smallest = _mm512_min_epi32(
         smallest, vnni.SqDistances(blocks + i * kBlockRows * stride, sq_norms + i * kBlockRows));
   }
-  return _mm512_reduce_max_epi32(smallest);
+  _mm512_storeu_si512(minima, smallest);
 }
 
-CAIRN_AVX512VNNI int32_t VnniBound(const BlockQuery& query, const uint8_t* blocks,
-                                   const int32_t* sq_norms, int stride, size_t num_blocks,
-                                   size_t count) {
+CAIRN_AVX512VNNI void VnniMinima(const BlockQuery& query, const uint8_t* blocks,
+                                 const int32_t* sq_norms, int stride, size_t num_blocks,
+                                 size_t num_parts, int32_t* minima) {
   const VnniQuery vnni(query, stride);
-  return BoundOverParts(num_blocks, count, [&](size_t first, size_t last) {
-    return VnniBoundOfPart(vnni, blocks, sq_norms, stride, first, last);
+  MinimaOfParts(num_blocks, num_parts, minima, [&](size_t first, size_t last, int32_t* smallest) {
+    VnniMinimaOfPart(vnni, blocks, sq_norms, stride, first, last, smallest);
   });
 }
 
-// Appends the rows of one block that are near enough and among `allowed`.
+// Appends the rows of one block that are near enough and among `allowed`, without a branch. Writes
+// beyond them, up to a whole block.
 CAIRN_AVX512VNNI inline size_t VnniAppend(__m512i sq_distances, __m512i bound, uint32_t allowed,
                                           size_t first, BlockHit* hits) {
-  const uint32_t rows = _mm512_cmple_epi32_mask(sq_distances, bound) & allowed;
-  if (rows == 0) {
-    return 0;
-  }
-  alignas(64) int32_t stored[kBlockRows];
-  _mm512_store_si512(stored, sq_distances);
-  return AppendHits(rows, first, stored, hits);
+  const __m512i row_in_block =
+      _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  const __m512i low_pairs =
+      _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+  const __m512i high_pairs =
+      _mm512_setr_epi32(8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
+  const auto near = static_cast<__mmask16>(_mm512_cmple_epi32_mask(sq_distances, bound) & allowed);
+  const __m512i rows = _mm512_maskz_compress_epi32(
+      near, _mm512_add_epi32(row_in_block, _mm512_set1_epi32(static_cast<int>(first))));
+  const __m512i distances = _mm512_maskz_compress_epi32(near, sq_distances);
+  _mm512_storeu_si512(hits, _mm512_permutex2var_epi32(rows, low_pairs, distances));
+  _mm512_storeu_si512(hits + kBlockRows / 2,
+                      _mm512_permutex2var_epi32(rows, high_pairs, distances));
+  return static_cast<size_t>(__builtin_popcount(near));
 }
 
 CAIRN_AVX512VNNI size_t VnniRange(const BlockQuery& query, const uint8_t* blocks,
@@ -406,8 +411,8 @@ CAIRN_AVX512VNNI size_t VnniRange(const BlockQuery& query, const uint8_t* blocks
   return num_hits;
 }
 
-constexpr BlockKernels kAvx2 = {"avx2", Avx2Scan, Avx2Nearest, Avx2Bound, Avx2Range};
-constexpr BlockKernels kAvx512Vnni = {"avx512vnni", VnniScan, VnniNearest, VnniBound, VnniRange};
+constexpr BlockKernels kAvx2 = {"avx2", Avx2Scan, Avx2Nearest, Avx2Minima, Avx2Range};
+constexpr BlockKernels kAvx512Vnni = {"avx512vnni", VnniScan, VnniNearest, VnniMinima, VnniRange};
 
 #endif
 

@@ -32,6 +32,8 @@ struct BlockHit {
   int32_t sq_distance = 0;
 };
 
+inline constexpr size_t kRangeSlack = kBlockRows;
+
 // Results are integers, so every variant gives the same.
 struct BlockKernels {
   const char* name;  // "plain", "avx2", "avx512vnni".
@@ -45,14 +47,14 @@ struct BlockKernels {
   size_t (*nearest)(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms,
                     int stride, size_t num_rows);
 
-  // At least the count-th smallest squared distance, and not much more: the blocks are cut into as
-  // many parts as `count` takes blocks, and of all parts' nearest rows at each place in a block the
-  // farthest counts. count > 0.
-  int32_t (*bound)(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms,
-                   int stride, size_t num_blocks, size_t count);
+  // The smallest squared distance at each place of a block, over each of `num_parts` equal parts of
+  // the blocks: num_parts x kBlockRows, the largest number for a part without blocks.
+  void (*minima)(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms,
+                 int stride, size_t num_blocks, size_t num_parts, int32_t* minima);
 
   // Rows in [begin, end) with a squared distance of at most `max_sq_distance`, in order; returns
-  // their number. `hits` has room for all.
+  // their number. `hits` has room for all rows of the range and kRangeSlack more, which may be
+  // written.
   size_t (*range)(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms,
                   int stride, size_t begin, size_t end, int32_t max_sq_distance, BlockHit* hits);
 };

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "engine/matching/distance_kernels.h"
+#include "engine/vector_clones.h"
 
 namespace cairn {
 namespace {
@@ -27,6 +28,32 @@ int32_t CopyRow(const uint8_t* row, int any_stride, uint8_t* to) {
   return sq_norm;
 }
 
+// The count-th smallest of few values. Comparing each with all others takes no branches that depend
+// on them.
+CAIRN_VECTOR_CLONES int32_t SmallestOfFew(size_t count, const int32_t* values, int num_values) {
+  int32_t smallest = std::numeric_limits<int32_t>::max();
+  for (int i = 0; i < num_values; ++i) {
+    int num_up_to = 0;
+    for (int j = 0; j < num_values; ++j) {
+      num_up_to += static_cast<int>(values[j] <= values[i]);
+    }
+    const bool is_enough = static_cast<size_t>(num_up_to) >= count;
+    smallest = std::min(smallest, is_enough ? values[i] : smallest);
+  }
+  return smallest;
+}
+
+// The count-th smallest value; may change their order.
+int32_t Smallest(size_t count, std::vector<int32_t>* values) {
+  constexpr size_t kMaxFew = 64;
+  if (values->size() <= kMaxFew) {
+    return SmallestOfFew(count, values->data(), static_cast<int>(values->size()));
+  }
+  const auto nth = values->begin() + static_cast<ptrdiff_t>(count - 1);
+  std::nth_element(values->begin(), nth, values->end());
+  return *nth;
+}
+
 }  // namespace
 
 BlockedRows::BlockedRows(const uint8_t* rows, int stride, std::span<const uint32_t> order)
@@ -45,20 +72,27 @@ BlockedRows::BlockedRows(const uint8_t* rows, int stride, std::span<const uint32
   }
 }
 
-void BlockedRows::Nearest(const BlockQuery& query, size_t count, std::vector<BlockHit>* hits,
+// Each minimum is the distance of another row, so at least `count` rows are within the count-th of
+// them. Twice as many minima as rows that are asked for leave few more.
+void BlockedRows::Nearest(const BlockQuery& query, size_t count, NearestScratch* scratch,
                           std::vector<BlockHit>* nearest) const {
   if (count == 0) {
     return;
   }
-  hits->resize(size_);
-  const int32_t bound = BoundWith(BestBlockKernels(), query, count);
+  const size_t num_blocks = padded_size() / kBlockRows;
+  const size_t num_parts = std::min(num_blocks, (2 * count + kBlockRows - 1) / kBlockRows);
+  scratch->minima.resize(num_parts * kBlockRows);
+  MinimaWith(BestBlockKernels(), query, num_parts, scratch->minima.data());
+  const int32_t bound = Smallest(count, &scratch->minima);
+  std::vector<BlockHit>& hits = scratch->hits;
+  hits.resize(size_ + kRangeSlack);
   const auto end =
-      hits->begin() + static_cast<ptrdiff_t>(Range(query, 0, size_, bound, hits->data()));
-  const auto last = hits->begin() + static_cast<ptrdiff_t>(count);
-  std::nth_element(hits->begin(), last - 1, end, [](const BlockHit& a, const BlockHit& b) {
+      hits.begin() + static_cast<ptrdiff_t>(Range(query, 0, size_, bound, hits.data()));
+  const auto last = hits.begin() + static_cast<ptrdiff_t>(count);
+  std::nth_element(hits.begin(), last - 1, end, [](const BlockHit& a, const BlockHit& b) {
     return a.sq_distance != b.sq_distance ? a.sq_distance < b.sq_distance : a.row < b.row;
   });
-  nearest->insert(nearest->end(), hits->begin(), last);
+  nearest->insert(nearest->end(), hits.begin(), last);
 }
 
 BlockQueries::BlockQueries(std::span<const int16_t> steps, std::span<const int16_t> centers)

@@ -28,6 +28,12 @@ struct CacheLineAllocator {
   bool operator==(const CacheLineAllocator&) const { return true; }
 };
 
+// Working memory of BlockedRows::Nearest.
+struct NearestScratch {
+  std::vector<int32_t> minima;
+  std::vector<BlockHit> hits;
+};
+
 // Immutable; safe to use from any thread.
 class BlockedRows {
  public:
@@ -47,8 +53,8 @@ class BlockedRows {
   // The first of the nearest rows; there must be some.
   size_t Nearest(const BlockQuery& query) const { return NearestWith(BestBlockKernels(), query); }
   // Appends the `count` nearest rows to `nearest`, of equally near ones the first, in no particular
-  // order; count <= size(). `hits` is working memory.
-  void Nearest(const BlockQuery& query, size_t count, std::vector<BlockHit>* hits,
+  // order; count <= size().
+  void Nearest(const BlockQuery& query, size_t count, NearestScratch* scratch,
                std::vector<BlockHit>* nearest) const;
   // See BlockKernels::range.
   size_t Range(const BlockQuery& query, size_t begin, size_t end, int32_t max_sq_distance,
@@ -64,9 +70,10 @@ class BlockedRows {
   size_t NearestWith(const BlockKernels& kernels, const BlockQuery& query) const {
     return kernels.nearest(query, blocks_.data(), sq_norms_.data(), stride_, size_);
   }
-  int32_t BoundWith(const BlockKernels& kernels, const BlockQuery& query, size_t count) const {
-    return kernels.bound(query, blocks_.data(), sq_norms_.data(), stride_,
-                         sq_norms_.size() / kBlockRows, count);
+  void MinimaWith(const BlockKernels& kernels, const BlockQuery& query, size_t num_parts,
+                  int32_t* minima) const {
+    kernels.minima(query, blocks_.data(), sq_norms_.data(), stride_, sq_norms_.size() / kBlockRows,
+                   num_parts, minima);
   }
   size_t RangeWith(const BlockKernels& kernels, const BlockQuery& query, size_t begin, size_t end,
                    int32_t max_sq_distance, BlockHit* hits) const {

@@ -1,6 +1,7 @@
 #include "engine/matching/byte_words.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -147,10 +148,10 @@ BlockQueries ByteWords::Prepare(std::span<const int16_t> query_steps, int stride
 }
 
 int32_t ByteWords::NearestSqDistance(const BlockQuery& query) const {
-  BlockHit nearest;
+  std::array<BlockHit, 1 + kRangeSlack> hits;
   const size_t word = words_.Nearest(query);
-  words_.Range(query, word, word + 1, std::numeric_limits<int32_t>::max(), &nearest);
-  return nearest.sq_distance;
+  words_.Range(query, word, word + 1, std::numeric_limits<int32_t>::max(), hits.data());
+  return hits.front().sq_distance;
 }
 
 std::vector<uint32_t> ByteWords::NearestWords(const ByteDescriptors& descriptors) const {

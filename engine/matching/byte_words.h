@@ -46,9 +46,9 @@ class ByteWords {
   }
 
   // See BlockedRows::Nearest.
-  void NearestWords(const BlockQuery& query, size_t count, std::vector<BlockHit>* hits,
+  void NearestWords(const BlockQuery& query, size_t count, NearestScratch* scratch,
                     std::vector<BlockHit>* nearest) const {
-    words_.Nearest(query, count, hits, nearest);
+    words_.Nearest(query, count, scratch, nearest);
   }
 
   // The smallest distance; there must be words.

@@ -92,7 +92,7 @@ class CellLists::Prefetcher {
 
 int64_t CellLists::Search(const BlockQueries& queries, std::span<const CellVisit> visits,
                           HitCollector* collector) const {
-  std::vector<BlockHit> hits(max_cell_size_);
+  std::vector<BlockHit> hits(max_cell_size_ + kRangeSlack);
   Prefetcher prefetcher(*this, visits);
   int64_t num_distances = 0;
   for (size_t i = 0; i < visits.size(); ++i) {

@@ -39,12 +39,12 @@ InvertedLists::InvertedLists(const ByteDescriptors& descriptors, size_t num_prob
 std::vector<CellVisit> InvertedLists::MakeVisits(const std::vector<int16_t>& query_steps,
                                                  size_t num_queries) const {
   const BlockQueries queries = words_.Prepare(query_steps, lists_.scale().stride());
-  std::vector<BlockHit> hits;
+  NearestScratch scratch;
   std::vector<BlockHit> probed;  // num_probes_ a query.
   probed.reserve(num_queries * num_probes_);
   std::vector<uint32_t> begin(words_.size() + 1, 0);
   for (size_t query = 0; query < num_queries; ++query) {
-    words_.NearestWords(queries[query], num_probes_, &hits, &probed);
+    words_.NearestWords(queries[query], num_probes_, &scratch, &probed);
   }
   for (const BlockHit& word : probed) {
     ++begin[word.row + 1];

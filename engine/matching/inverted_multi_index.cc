@@ -12,9 +12,9 @@ namespace {
 
 // The `count` nearest words, nearest first, of equally near ones the first; count <= words.size().
 void NearestFirst(const ByteWords& words, const BlockQuery& query, size_t count,
-                  std::vector<BlockHit>* hits, std::vector<BlockHit>* nearest) {
+                  NearestScratch* scratch, std::vector<BlockHit>* nearest) {
   nearest->clear();
-  words.NearestWords(query, count, hits, nearest);
+  words.NearestWords(query, count, scratch, nearest);
   std::sort(nearest->begin(), nearest->end(), [](const BlockHit& a, const BlockHit& b) {
     return std::tie(a.sq_distance, a.row) < std::tie(b.sq_distance, b.row);
   });
@@ -40,8 +40,8 @@ class InvertedMultiIndex::MultiSequence {
   }
 
   void AppendVisits(uint32_t query_idx, std::vector<CellVisit>* visits) {
-    NearestFirst(index_.words_.first(), first_queries_[query_idx], reach_, &hits_, &first_);
-    NearestFirst(index_.words_.second(), second_queries_[query_idx], reach_, &hits_, &second_);
+    NearestFirst(index_.words_.first(), first_queries_[query_idx], reach_, &scratch_, &first_);
+    NearestFirst(index_.words_.second(), second_queries_[query_idx], reach_, &scratch_, &second_);
     num_taken_.assign(reach_, 0);
     queue_ = {};
     Push(0, 0);
@@ -74,7 +74,7 @@ class InvertedMultiIndex::MultiSequence {
   const InvertedMultiIndex& index_;
   const BlockQueries first_queries_, second_queries_;
   size_t reach_;  // Words of each half that are considered.
-  std::vector<BlockHit> hits_;
+  NearestScratch scratch_;
   std::vector<BlockHit> first_, second_;
   std::vector<uint32_t> num_taken_;  // Pairs of each row that left the queue.
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;

@@ -44,12 +44,41 @@ struct Scene {
     return sq_distances;
   }
 
+  // The smallest distance at each place of a block over each part of the blocks; kNone without
+  // rows.
+  std::vector<int32_t> ExpectedMinima(int query, size_t num_parts) const {
+    const std::vector<int32_t> sq_distances = Expected(query);
+    const size_t num_blocks = (order.size() + kBlockRows - 1) / kBlockRows;
+    std::vector<int32_t> minima(num_parts * kBlockRows, kNone);
+    for (size_t part = 0; part < num_parts; ++part) {
+      const size_t end = std::min(order.size(), (part + 1) * num_blocks / num_parts * kBlockRows);
+      for (size_t row = part * num_blocks / num_parts * kBlockRows; row < end; ++row) {
+        int32_t& minimum = minima[part * kBlockRows + row % kBlockRows];
+        minimum = std::min(minimum, sq_distances[row]);
+      }
+    }
+    return minima;
+  }
+
+  static constexpr int32_t kNone = std::numeric_limits<int32_t>::max();
   static constexpr int kNumQueries = 12;
   int stride;
   std::vector<uint8_t> rows;
   std::vector<int16_t> steps;
   std::vector<uint32_t> order;
 };
+
+// What a variant finds for Scene::ExpectedMinima; rows of the padding are none.
+std::vector<int32_t> MinimaOf(const BlockedRows& rows, const BlockKernels& kernels,
+                              const BlockQuery& query, size_t num_parts) {
+  constexpr int32_t kPaddingAtLeast = 1 << 29;
+  std::vector<int32_t> minima(num_parts * kBlockRows);
+  rows.MinimaWith(kernels, query, num_parts, minima.data());
+  for (int32_t& minimum : minima) {
+    minimum = minimum >= kPaddingAtLeast ? Scene::kNone : minimum;
+  }
+  return minima;
+}
 
 class BlockKernelsTest : public ::testing::TestWithParam<int> {};
 
@@ -72,17 +101,13 @@ TEST_P(BlockKernelsTest, EveryVariantGivesTheSame) {
         ASSERT_EQ(blocked.NearestWith(*kernels, queries[query]),
                   static_cast<size_t>(std::min_element(expected.begin(), expected.end()) -
                                       expected.begin()));
-        for (const size_t count : {size_t{1}, (num_rows + 1) / 2, num_rows}) {
-          std::vector<int32_t> sorted = expected;
-          std::sort(sorted.begin(), sorted.end());
-          const int32_t at_least = blocked.BoundWith(*kernels, queries[query], count);
-          ASSERT_GE(at_least, sorted[count - 1]);
-          ASSERT_EQ(at_least,
-                    blocked.BoundWith(*SupportedBlockKernels().front(), queries[query], count));
+        for (const size_t num_parts : {1u, 2u, 7u}) {
+          ASSERT_EQ(MinimaOf(blocked, *kernels, queries[query], num_parts),
+                    scene.ExpectedMinima(query, num_parts));
         }
         const int32_t bound = expected[num_rows / 2];
         for (const size_t begin : {size_t{0}, num_rows / 3, num_rows - 1}) {
-          std::vector<BlockHit> hits(num_rows);
+          std::vector<BlockHit> hits(num_rows + kRangeSlack);
           hits.resize(blocked.RangeWith(*kernels, queries[query], begin, num_rows - num_rows / 5,
                                         bound, hits.data()));
           size_t next = 0;
@@ -113,24 +138,12 @@ TEST(BlockedRows, NearestOfEqualRowsIsTheFirst) {
   }
 }
 
-TEST(BlockedRows, BoundIsTightWhereRowsAreMany) {
-  constexpr size_t kNumRows = 1'024;
-  constexpr size_t kCount = 20;
-  const Scene scene(16, kNumRows, 1);
-  const BlockedRows blocked(scene.rows.data(), 16, scene.order);
-  const BlockQueries queries(scene.steps, blocked.centers());
-  for (int query = 0; query < Scene::kNumQueries; ++query) {
-    std::vector<int32_t> sorted = scene.Expected(query);
-    std::sort(sorted.begin(), sorted.end());
-    EXPECT_LE(blocked.BoundWith(BestBlockKernels(), queries[query], kCount), sorted[300]);
-  }
-}
-
 TEST(BlockedRows, NearestAreThoseOfASort) {
   for (const size_t num_rows : {1u, 17u, 100u, 500u}) {
     const Scene scene(16, num_rows, num_rows);
     const BlockedRows blocked(scene.rows.data(), 16, scene.order);
     const BlockQueries queries(scene.steps, blocked.centers());
+    NearestScratch scratch;
     for (int query = 0; query < Scene::kNumQueries; ++query) {
       std::vector<std::pair<int32_t, uint32_t>> expected;
       for (const int32_t sq_distance : scene.Expected(query)) {
@@ -138,8 +151,8 @@ TEST(BlockedRows, NearestAreThoseOfASort) {
       }
       std::sort(expected.begin(), expected.end());
       for (const size_t count : {size_t{0}, size_t{1}, num_rows / 2, num_rows}) {
-        std::vector<BlockHit> hits, nearest = {{7, 7}};
-        blocked.Nearest(queries[query], count, &hits, &nearest);
+        std::vector<BlockHit> nearest = {{7, 7}};
+        blocked.Nearest(queries[query], count, &scratch, &nearest);
         ASSERT_EQ(nearest.size(), count + 1);
         EXPECT_EQ(nearest[0].row, 7u);  // Appended.
         std::vector<std::pair<int32_t, uint32_t>> found;
