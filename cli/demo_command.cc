@@ -145,7 +145,7 @@ ExitCode RunDemo(const DemoArguments& arguments, ProgressMode progress_mode) {
     server.Start();
     LocalizeClient client(ClientOptions{.url = fmt::format("http://127.0.0.1:{}", server.port())});
     from_images = AskAll("ask by image", world.queries, &progress, [&](const EvalQuery& query) {
-      return client.LocalizeImage(query.query, ReadFileBytes(query.image_path, kMaxImageBytes));
+      return client.LocalizeImages(query.query, {ReadFileBytes(query.image_path, kMaxImageBytes)});
     });
     from_features =
         AskAll("ask by features", world.queries, &progress,

@@ -87,7 +87,7 @@ Answerer MakeAnswerer(const EvalArguments& arguments, const OpenedMap& map) {
     return [client](const EvalQuery& query) { return client->LocalizeFeatures(query.query); };
   }
   return [client](const EvalQuery& query) {
-    return client->LocalizeImage(query.query, ReadFileBytes(query.image_path, kMaxImageBytes));
+    return client->LocalizeImages(query.query, {ReadFileBytes(query.image_path, kMaxImageBytes)});
   };
 }
 

@@ -15,6 +15,7 @@
 #include "cli/arguments.h"
 #include "cli/index_option.h"
 #include "cli/open_localizer.h"
+#include "cli/rig_photos.h"
 #include "cli/shell.h"
 #include "core/error.h"
 #include "core/geodesy.h"
@@ -37,6 +38,7 @@ struct LocalizeArguments {
   std::string map_path;
   std::string server_url;
   std::string image_path;
+  std::string rig_path;  // Empty: one camera.
   std::optional<std::string> camera;
   std::optional<std::string> prior;
   double accuracy_m = 15.0;
@@ -84,16 +86,24 @@ LocalizeQuery MakeQuery(const LocalizeArguments& arguments, const GrayImage& pho
 }
 
 LocalizeResult Answer(const LocalizeArguments& arguments, const GrayImage& photo,
-                      const std::vector<uint8_t>& image_bytes, LocalizeQuery* query) {
+                      const std::vector<uint8_t>& image_bytes, const std::vector<RigPhoto>& others,
+                      LocalizeQuery* query) {
   if (!arguments.server_url.empty()) {
-    LocalizeClient client(ClientOptions{.url = arguments.server_url});
-    return client.LocalizeImage(*query, image_bytes);
+    std::vector<std::vector<uint8_t>> images = {image_bytes};
+    for (const RigPhoto& other : others) {
+      images.push_back(other.bytes);
+    }
+    return LocalizeClient(ClientOptions{.url = arguments.server_url})
+        .LocalizeImages(*query, images);
   }
   LocalizerOptions options;
   options.seed = arguments.seed;
   options.matching.index.kind = arguments.index;
   const OpenedMap map = OpenLocalizer(arguments.map_path, options);
   query->features = ExtractSift(photo);
+  for (size_t i = 0; i < others.size(); ++i) {
+    query->other_cameras[i].features = ExtractSift(others[i].photo);
+  }
   return map.localizer->Localize(*query);
 }
 
@@ -141,7 +151,14 @@ ExitCode RunLocalize(const LocalizeArguments& arguments) {
   const std::vector<uint8_t> image_bytes = ReadFileBytes(arguments.image_path, kMaxImageBytes);
   const GrayImage photo = ReadGrayImage(arguments.image_path);
   LocalizeQuery query = MakeQuery(arguments, photo, image_bytes);
-  const LocalizeResult result = Answer(arguments, photo, image_bytes, &query);
+  std::vector<RigPhoto> others;
+  if (!arguments.rig_path.empty()) {
+    others = ReadRigPhotos(arguments.rig_path);
+  }
+  for (const RigPhoto& other : others) {
+    query.other_cameras.push_back(other.camera);
+  }
+  const LocalizeResult result = Answer(arguments, photo, image_bytes, others, &query);
   if (!arguments.picture_path.empty()) {
     DrawMatches(arguments.picture_path, photo, query, result);
   }
@@ -164,6 +181,11 @@ void AddQueryOptions(CLI::App* command, LocalizeArguments* arguments) {
       ->add_option("--camera", arguments->camera,
                    "Intrinsics, COLMAP's models in pixels. Default: from the EXIF focal length")
       ->type_name("MODEL,w,h,param,...");
+  command
+      ->add_option("--rig", arguments->rig_path,
+                   "Photos that other cameras of the body took at the same instant, as the rig of "
+                   "docs/http.md with a path as image; the answer is the pose of --image")
+      ->type_name("FILE.json");
   CLI::Option* prior =
       command->add_option("--prior", arguments->prior, "Rough position, degrees and metres")
           ->type_name("lat,lon,h");

@@ -126,12 +126,14 @@ struct LocalizeClient::Impl {
     return result->body;
   }
 
-  LocalizeResult Post(const LocalizeQuery& query,
-                      const std::vector<std::pair<std::string, std::span<const uint8_t>>>& parts) {
+  // One part a camera, `own_name` the query's own, of the bytes of each.
+  LocalizeResult Post(const LocalizeQuery& query, const std::string& own_name,
+                      const std::vector<std::vector<uint8_t>>& blobs) {
     MultipartWriter writer;
     writer.Add("request", "application/json", RequestJson(query, options.want_matches));
-    for (const auto& [name, bytes] : parts) {
-      writer.Add(name, "application/octet-stream", AsText(bytes));
+    for (size_t i = 0; i < blobs.size(); ++i) {
+      writer.Add(i == 0 ? own_name : fmt::format("rig{}", i - 1), "application/octet-stream",
+                 AsText(blobs[i]));
     }
     const std::string body = std::move(writer).Finish();
     return ParseLocalizeResponse(
@@ -155,9 +157,9 @@ LocalizeClient::LocalizeClient(const ClientOptions& options) {
 
 LocalizeClient::~LocalizeClient() = default;
 
-LocalizeResult LocalizeClient::LocalizeImage(const LocalizeQuery& query,
-                                             std::span<const uint8_t> image_bytes) {
-  return impl_->Post(query, {{"image", image_bytes}});
+LocalizeResult LocalizeClient::LocalizeImages(const LocalizeQuery& query,
+                                              const std::vector<std::vector<uint8_t>>& images) {
+  return impl_->Post(query, "image", images);
 }
 
 LocalizeResult LocalizeClient::LocalizeFeatures(const LocalizeQuery& query) {
@@ -172,11 +174,7 @@ LocalizeResult LocalizeClient::LocalizeFeatures(const LocalizeQuery& query) {
   for (const RigCamera& other : query.other_cameras) {
     blobs.push_back(encode(other.features, other.camera));
   }
-  std::vector<std::pair<std::string, std::span<const uint8_t>>> parts;
-  for (size_t i = 0; i < blobs.size(); ++i) {
-    parts.emplace_back(i == 0 ? "features" : fmt::format("rig{}", i - 1), blobs[i]);
-  }
-  return impl_->Post(query, parts);
+  return impl_->Post(query, "features", blobs);
 }
 
 std::string LocalizeClient::Get(const std::string& path) {

@@ -27,11 +27,13 @@ class LocalizeClient {
   explicit LocalizeClient(const ClientOptions& options);
   ~LocalizeClient();
 
-  // Send one query, as encoded image bytes (the features of `query` are ignored) or as the query's
-  // features. The result has what the wire carries: pose, position, covariance, confidence, tiles,
-  // counters, times, matches. Throws Error(kUnavailable) if no server answers, Error(kBadInput)
-  // with the server's own explanation if it refuses the request.
-  LocalizeResult LocalizeImage(const LocalizeQuery& query, std::span<const uint8_t> image_bytes);
+  // Send one query, as encoded images of its camera and the others of its rig in this order (the
+  // features of `query` are ignored) or as the query's features. The result has what the wire
+  // carries: pose, position, covariance, confidence, tiles, counters, times, matches. Throws
+  // Error(kUnavailable) if no server answers, Error(kBadInput) with the server's own explanation if
+  // it refuses the request.
+  LocalizeResult LocalizeImages(const LocalizeQuery& query,
+                                const std::vector<std::vector<uint8_t>>& images);
   LocalizeResult LocalizeFeatures(const LocalizeQuery& query);
 
   // The body of a GET, for scripts and tests; throws as above.

@@ -10,11 +10,12 @@
 
 namespace cairn {
 
-// Decodes the request's image (JPEG, PNG, PNM by their content; GRAY8 and RGBA32 by their name) and
-// extracts SIFT. Throws HttpError kInvalidImage if it does not decode or is not of the camera's
-// size, kImageTooLarge before decoding if its header claims more than `max_pixels`.
-FeatureSet ExtractQueryFeatures(const LocalizeRequest& request, int64_t max_pixels,
-                                int max_features, ServerTimes* times);
+// Decodes the request's images (JPEG, PNG, PNM by their content; GRAY8 and RGBA32 by their name)
+// and gives the query the SIFT features of each camera, which share `max_features` equally. Throws
+// HttpError kInvalidImage if one does not decode or is not of its camera's size, kImageTooLarge
+// before decoding if its header claims more than `max_pixels`. Adds to `times`.
+void ExtractQueryFeatures(int64_t max_pixels, int max_features, LocalizeRequest* request,
+                          ServerTimes* times);
 
 }  // namespace cairn
 

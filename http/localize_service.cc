@@ -67,8 +67,8 @@ void LocalizeService::CheckCodec(const LocalizeQuery& query) const {
   }
 }
 
-FeatureSet LocalizeService::Extract(const LocalizeRequest& request, ServerTimes* times) {
-  if (!extraction_slots_.try_acquire_until(*request.query.deadline)) {
+void LocalizeService::Extract(LocalizeRequest* request, ServerTimes* times) {
+  if (!extraction_slots_.try_acquire_until(*request->query.deadline)) {
     throw HttpError(ProblemCode::kUnavailable, "the server is busy with other images")
         .Header("Retry-After", "1")
         .Hint("try again, or send features: they cost the server less");
@@ -76,7 +76,7 @@ FeatureSet LocalizeService::Extract(const LocalizeRequest& request, ServerTimes*
   // Released on every way out.
   const std::unique_ptr<std::counting_semaphore<>, void (*)(std::counting_semaphore<>*)> slot(
       &extraction_slots_, [](std::counting_semaphore<>* slots) { slots->release(); });
-  return ExtractQueryFeatures(request, options_.max_image_pixels, options_.max_features, times);
+  ExtractQueryFeatures(options_.max_image_pixels, options_.max_features, request, times);
 }
 
 LocalizeResult LocalizeService::LocalizeInTurn(const LocalizeQuery& query) {
@@ -97,12 +97,12 @@ LocalizeService::Answer LocalizeService::Localize(std::chrono::steady_clock::tim
   Answer answer;
   LocalizeQuery& query = request->query;
   query.deadline = arrival + std::chrono::milliseconds(request->timeout_ms);
-  if (request->has_image()) {
-    query.features = Extract(*request, &answer.times);
+  if (request->has_images()) {
+    Extract(request, &answer.times);
   }
   CheckCodec(query);
   answer.result = LocalizeInTurn(query);
-  metrics_.CountLocalize(answer.result, answer.times, request->has_image());
+  metrics_.CountLocalize(answer.result, answer.times, request->has_images());
   return answer;
 }
 

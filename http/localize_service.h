@@ -51,7 +51,7 @@ class LocalizeService {
   Answer Localize(std::chrono::steady_clock::time_point arrival, LocalizeRequest* request);
 
  private:
-  FeatureSet Extract(const LocalizeRequest& request, ServerTimes* times);
+  void Extract(LocalizeRequest* request, ServerTimes* times);
   LocalizeResult LocalizeInTurn(const LocalizeQuery& query);
   // Throws unless the features are what the map's codebook takes.
   void CheckCodec(const LocalizeQuery& query) const;

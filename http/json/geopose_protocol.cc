@@ -53,13 +53,15 @@ void ReadCameraReading(const JsonReader& reading, LocalizeRequest* request) {
       mirrored->Fail("is true: a mirrored image cannot be localized; send the camera's own pixels");
     }
   }
+  RequestImage sent;
   if (const auto format = reading.Find("imageFormat")) {
-    request->image_format = format->String(16);
+    sent.format = format->String(16);
   }
   const JsonReader image = reading.At("imageBytes");
   auto bytes = DecodeBase64(WithoutDataUrlPrefix(image.String()));
   if (!bytes || bytes->empty()) image.Fail("is not the base64 of an image");
-  request->image_bytes = std::move(*bytes);
+  sent.bytes = std::move(*bytes);
+  request->images.push_back(std::move(sent));
 }
 
 }  // namespace

@@ -146,15 +146,18 @@ Rigid3d ReadCamFromFirst(const JsonReader& json) {
   return {rotation, offset};
 }
 
-// The further cameras of a rig, without their features.
+// The member `camera`.
+Camera ReadCameraMember(const JsonReader& json) {
+  const JsonReader camera = json.At("camera");
+  camera.RequireOnly({"model", "size", "modelParams"});
+  return ReadCamera(camera.At("model"), camera.At("size"), camera.At("modelParams"));
+}
+
+// The further cameras of a rig, without their features and images.
 void ReadRig(const JsonReader& json, LocalizeQuery* query) {
   for (const JsonReader& element : json.Elements(0, LocalizeQuery::kMaxOtherCameras)) {
-    element.RequireOnly({"camera", "camFromFirst", "features"});
-    const JsonReader camera = element.At("camera");
-    camera.RequireOnly({"model", "size", "modelParams"});
-    RigCamera& other = query->other_cameras.emplace_back();
-    other.camera = ReadCamera(camera.At("model"), camera.At("size"), camera.At("modelParams"));
-    other.cam_from_first = ReadCamFromFirst(element.At("camFromFirst"));
+    element.RequireOnly({"camera", "camFromFirst", "features", "image"});
+    query->other_cameras.push_back(ReadRigCamera(element));
   }
 }
 
@@ -188,14 +191,16 @@ void ReadJsonFeatures(const JsonReader& json, int max_features, LocalizeRequest*
   CheckFeatureMembers(json, request->query);
 }
 
-void ReadJsonImage(const JsonReader& json, LocalizeRequest* request) {
+RequestImage ReadJsonImage(const JsonReader& json) {
   json.RequireOnly({"format", "data"});
-  if (const auto format = json.Find("format")) request->image_format = format->String(16);
-  request->image_bytes = ReadBase64(json.At("data"));
-  if (request->image_bytes.empty()) json.At("data").Fail("is empty");
+  RequestImage image;
+  if (const auto format = json.Find("format")) image.format = format->String(16);
+  image.bytes = ReadBase64(json.At("data"));
+  if (image.bytes.empty()) json.At("data").Fail("is empty");
+  return image;
 }
 
-// Everything but image and features.
+// Everything but images and features.
 LocalizeRequest ReadCommon(const JsonReader& json, const RequestLimits& limits) {
   json.RequireOnly(
       {"id", "timestamp", "camera", "image", "features", "rig", "prior", "gravity", "options"});
@@ -205,10 +210,7 @@ LocalizeRequest ReadCommon(const JsonReader& json, const RequestLimits& limits) 
   if (const auto timestamp = json.Find("timestamp")) {
     request.timestamp_ms = timestamp->Integer(-kMaxTimestampMs, kMaxTimestampMs);
   }
-  const JsonReader camera = json.At("camera");
-  camera.RequireOnly({"model", "size", "modelParams"});
-  request.query.camera =
-      ReadCamera(camera.At("model"), camera.At("size"), camera.At("modelParams"));
+  request.query.camera = ReadCameraMember(json);
   if (const auto rig = json.Find("rig")) ReadRig(*rig, &request.query);
   if (const auto prior = json.Find("prior")) request.query.prior = ReadPrior(*prior);
   if (const auto gravity = json.Find("gravity")) request.query.down_in_cam = ReadGravity(*gravity);
@@ -216,37 +218,45 @@ LocalizeRequest ReadCommon(const JsonReader& json, const RequestLimits& limits) 
   return request;
 }
 
-void RefuseRigWithImage(const JsonReader& json, const LocalizeRequest& request) {
-  if (!request.query.other_cameras.empty()) {
-    json.At("rig").Fail("goes with features, not with an image",
-                        "extract the features of every camera and send them");
+// Element `index` of the rig, of which `kind` is "features" or "image" as of the first camera.
+JsonReader RigMember(const JsonReader& json, size_t index, const char* kind) {
+  const JsonReader element = json.At("rig").Elements(0, LocalizeQuery::kMaxOtherCameras)[index];
+  const bool is_image = std::string_view(kind) == "image";
+  if (const auto other = element.Find(is_image ? "features" : "image")) {
+    other->Fail("is not what the first camera sends",
+                "send images of all cameras or features of all");
+  }
+  return element.At(kind);
+}
+
+void ReadJsonFeaturesOfAll(const JsonReader& json, int max_features, LocalizeRequest* request) {
+  ReadJsonFeatures(json.At("features"), max_features, request);
+  for (size_t i = 0; i < request->query.other_cameras.size(); ++i) {
+    const JsonReader member = RigMember(json, i, "features");
+    member.RequireOnly({"data"});
+    SetRigFeatures(ReadBase64(member.At("data")), i, max_features, request);
   }
 }
 
-// The member `features` of rig[index].
-JsonReader RigFeaturesMember(const JsonReader& json, size_t index) {
-  return json.At("rig").Elements(0, LocalizeQuery::kMaxOtherCameras)[index].At("features");
+void ReadJsonImagesOfAll(const JsonReader& json, LocalizeRequest* request) {
+  request->images.push_back(ReadJsonImage(json.At("image")));
+  for (size_t i = 0; i < request->query.other_cameras.size(); ++i) {
+    request->images.push_back(ReadJsonImage(RigMember(json, i, "image")));
+  }
 }
 
 LocalizeRequest ParseJsonBody(std::string_view body, const RequestLimits& limits) {
   const nlohmann::json document = ParseJson(body);
   const JsonReader json(document);
   LocalizeRequest request = ReadCommon(json, limits);
-  const auto image = json.Find("image");
-  const auto features = json.Find("features");
-  if (image.has_value() == features.has_value()) {
+  const bool has_image = json.Find("image").has_value();
+  if (has_image == json.Find("features").has_value()) {
     json.Fail("has to have either an image or features, not both");
   }
-  if (image) {
-    RefuseRigWithImage(json, request);
-    ReadJsonImage(*image, &request);
-    return request;
-  }
-  ReadJsonFeatures(*features, limits.max_features, &request);
-  for (size_t i = 0; i < request.query.other_cameras.size(); ++i) {
-    const JsonReader member = RigFeaturesMember(json, i);
-    member.RequireOnly({"data"});
-    SetRigFeatures(ReadBase64(member.At("data")), i, limits.max_features, &request);
+  if (has_image) {
+    ReadJsonImagesOfAll(json, &request);
+  } else {
+    ReadJsonFeaturesOfAll(json, limits.max_features, &request);
   }
   return request;
 }
@@ -260,6 +270,13 @@ struct RequestParts {
   std::optional<std::string_view> request, image, features;
   std::array<std::optional<std::string_view>, LocalizeQuery::kMaxOtherCameras> rig;
 };
+
+// What parts of their own hold may not stand in the JSON as well.
+void RefuseMembersOfParts(const JsonReader& json) {
+  for (const char* member : {"image", "features"}) {
+    if (const auto twice = json.Find(member)) twice->Fail("is in a part of its own already");
+  }
+}
 
 RequestParts SortParts(const std::vector<MultipartPart>& parts) {
   constexpr std::string_view kRig = "rig";
@@ -288,10 +305,10 @@ RequestParts SortParts(const std::vector<MultipartPart>& parts) {
   return sorted;
 }
 
-// The features of the rig's other cameras, one part each.
-void SetRigFeatures(const JsonReader& json, const RequestParts& parts, int max_features,
-                    LocalizeRequest* request) {
-  const size_t num_others = request->query.other_cameras.size();
+// The parts of the rig's other cameras, as many as the request names.
+std::vector<std::string_view> RigParts(const JsonReader& json, const RequestParts& parts,
+                                       size_t num_others) {
+  std::vector<std::string_view> contents;
   for (size_t i = 0; i < parts.rig.size(); ++i) {
     if (parts.rig[i].has_value() != (i < num_others)) {
       throw HttpError(ProblemCode::kInvalidMultipart,
@@ -300,12 +317,21 @@ void SetRigFeatures(const JsonReader& json, const RequestParts& parts, int max_f
                                   num_others));
     }
     if (i < num_others) {
-      const std::optional<JsonReader> twice =
-          json.At("rig").Elements(0, LocalizeQuery::kMaxOtherCameras)[i].Find("features");
-      if (twice) twice->Fail("is in a part of its own already");
-      SetRigFeatures(AsBytes(*parts.rig[i]), i, max_features, request);
+      const JsonReader element = json.At("rig").Elements(0, LocalizeQuery::kMaxOtherCameras)[i];
+      RefuseMembersOfParts(element);
+      contents.push_back(*parts.rig[i]);
     }
   }
+  return contents;
+}
+
+RequestImage ImageOfPart(std::string_view content, std::string_view name) {
+  if (content.empty()) {
+    throw HttpError(ProblemCode::kInvalidImage, fmt::format("the part '{}' is empty", name))
+        .At(fmt::format("/{}", name));
+  }
+  const std::span<const uint8_t> bytes = AsBytes(content);
+  return {.bytes = {bytes.begin(), bytes.end()}, .format = ""};
 }
 
 LocalizeRequest ParseMultipartBody(std::string_view content_type, std::string_view body,
@@ -314,18 +340,20 @@ LocalizeRequest ParseMultipartBody(std::string_view content_type, std::string_vi
   const nlohmann::json document = ParseJson(*parts.request);
   const JsonReader json(document);
   LocalizeRequest request = ReadCommon(json, limits);
-  for (const char* member : {"image", "features"}) {
-    if (const auto twice = json.Find(member)) twice->Fail("is in a part of its own already");
-  }
+  RefuseMembersOfParts(json);
   if (parts.features) {
     SetFeatures(AsBytes(*parts.features), limits.max_features, &request);
-    SetRigFeatures(json, parts, limits.max_features, &request);
-  } else if (parts.image->empty()) {
-    throw HttpError(ProblemCode::kInvalidImage, "the image part is empty").At("/image");
   } else {
-    RefuseRigWithImage(json, request);
-    const std::span<const uint8_t> bytes = AsBytes(*parts.image);
-    request.image_bytes.assign(bytes.begin(), bytes.end());
+    request.images.push_back(ImageOfPart(*parts.image, "image"));
+  }
+  const std::vector<std::string_view> others =
+      RigParts(json, parts, request.query.other_cameras.size());
+  for (size_t i = 0; i < others.size(); ++i) {
+    if (parts.features) {
+      SetRigFeatures(AsBytes(others[i]), i, limits.max_features, &request);
+    } else {
+      request.images.push_back(ImageOfPart(others[i], fmt::format("rig{}", i)));
+    }
   }
   return request;
 }
@@ -350,6 +378,13 @@ Camera ReadCamera(const JsonReader& model, const JsonReader& size, const JsonRea
   } catch (const Error& e) {
     params.Fail(e.what());
   }
+}
+
+RigCamera ReadRigCamera(const JsonReader& element) {
+  RigCamera camera;
+  camera.camera = ReadCameraMember(element);
+  camera.cam_from_first = ReadCamFromFirst(element.At("camFromFirst"));
+  return camera;
 }
 
 std::vector<uint8_t> ReadBase64(const JsonReader& text) {

@@ -28,27 +28,35 @@ struct ResponseOptions {
   bool with_covariance = true;
 };
 
+// A picture as the client sent it.
+struct RequestImage {
+  std::vector<uint8_t>
+      bytes;           // Encoded, or raw pixels with the formats GRAY8 and RGBA32; not empty.
+  std::string format;  // As the client named it; JPEG, PNG and PNM are recognised anyway.
+};
+
 struct LocalizeRequest {
-  LocalizeQuery query;                  // No features yet if there is an image.
+  LocalizeQuery query;                  // No features yet if there are images.
   std::optional<int64_t> timestamp_ms;  // Of the picture, since the Unix epoch; echoed.
-  // Encoded image, or raw pixels with the formats GRAY8 and RGBA32; empty if there are features.
-  std::vector<uint8_t> image_bytes;
-  std::string image_format;  // As the client named it; JPEG, PNG and PNM are recognised anyway.
+  // Of the query's camera and the others of its rig, in this order; empty if there are features.
+  std::vector<RequestImage> images;
   int timeout_ms = 0;
   ResponseOptions answer;
 
-  bool has_image() const { return !image_bytes.empty(); }
+  bool has_images() const { return !images.empty(); }
 };
 
 // Throws HttpError kUnsupportedMediaType unless `content_type` is JSON or multipart/form-data, and
 // kInvalidJson, kInvalidField, kInvalidMultipart, kInvalidFeatures, kTooManyFeatures with the JSON
-// pointer of what is wrong. The image is not decoded.
+// pointer of what is wrong. Images are not decoded.
 LocalizeRequest ParseLocalizeRequest(std::string_view content_type, std::string_view body,
                                      const RequestLimits& limits);
 
-// Parts that GeoPoseProtocol shares.
+// Parts that GeoPoseProtocol and the command line share.
 // The camera from its members: a model name, an array [width, height], an array of parameters.
 Camera ReadCamera(const JsonReader& model, const JsonReader& size, const JsonReader& params);
+// Of an element of `rig`: its members `camera` and `camFromFirst`; without features.
+RigCamera ReadRigCamera(const JsonReader& element);
 // Strict base64; throws with the pointer of the string.
 std::vector<uint8_t> ReadBase64(const JsonReader& text);
 // Degrees and metres; checked.

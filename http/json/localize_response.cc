@@ -252,7 +252,7 @@ std::string LocalizeResponseJson(const LocalizeResult& result, const LocalizeReq
   json["status"] = result.localized ? "LOCALIZED" : "NOT_LOCALIZED";
   json["reason"] = result.localized ? Json(nullptr) : Json(NotLocalizedReasonName(result.reason));
   if (result.localized) AddPose(result, options, &json);
-  json["stages"] = StagesJson(result, times, request.has_image(), options.with_timings);
+  json["stages"] = StagesJson(result, times, request.has_images(), options.with_timings);
   if (result.localized && options.with_matches) {
     json["matches"] = MatchesJson(result, options.max_matches);
   }

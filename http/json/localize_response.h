@@ -14,7 +14,7 @@ namespace cairn {
 
 // What only the server knows.
 struct ServerTimes {
-  double decode_seconds = 0.0;   // Of the image; 0 without one.
+  double decode_seconds = 0.0;   // Of all images; 0 without one.
   double extract_seconds = 0.0;  // Of its features.
 };
 

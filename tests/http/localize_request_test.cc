@@ -43,8 +43,9 @@ TEST(LocalizeRequest, ReadsEveryMember) {
   EXPECT_EQ(request.query.camera.model(), CameraModel::kPinhole);
   EXPECT_EQ(request.query.camera.width_px(), 640);
   EXPECT_EQ(request.query.camera.params(), (std::vector<double>{500, 501, 320, 240}));
-  EXPECT_EQ(request.image_bytes, (std::vector<uint8_t>{'f', 'o', 'o'}));
-  EXPECT_EQ(request.image_format, "JPG");
+  ASSERT_EQ(request.images.size(), 1u);
+  EXPECT_EQ(request.images[0].bytes, (std::vector<uint8_t>{'f', 'o', 'o'}));
+  EXPECT_EQ(request.images[0].format, "JPG");
   ASSERT_TRUE(request.query.prior.has_value());
   EXPECT_DOUBLE_EQ(request.query.prior->position.lat_deg(), 47.5);
   EXPECT_DOUBLE_EQ(request.query.prior->position.lon_deg(), -8.25);
@@ -115,6 +116,18 @@ TEST(LocalizeRequest, ReadsARigFromJsonAndMultipartAlike) {
   }
 }
 
+TEST(LocalizeRequest, ReadsImagesOfARig) {
+  const LocalizeRequest request = Parse(
+      RigJson(fmt::format(",{}", kImage),
+              fmt::format("{{{},{},\"image\":{{\"data\":\"YmFy\"}}}}", kCamera, kCamFromFirst)));
+  ASSERT_EQ(request.images.size(), 2u);
+  EXPECT_EQ(request.images[0].bytes, (std::vector<uint8_t>{'f', 'o', 'o'}));
+  EXPECT_EQ(request.images[1].bytes, (std::vector<uint8_t>{'b', 'a', 'r'}));
+  EXPECT_EQ(request.images[1].format, "");
+  ASSERT_EQ(request.query.other_cameras.size(), 1u);
+  EXPECT_EQ(request.query.num_features(), 0);
+}
+
 TEST(LocalizeRequest, RefusesBadRigsWithThePointerOfTheFault) {
   const std::string member = fmt::format("{{{},{},{}}}", kCamera, kCamFromFirst, FeaturesMember());
   const auto pointer_of = [](const std::string& json, RequestLimits limits = {}) -> std::string {
@@ -144,7 +157,9 @@ TEST(LocalizeRequest, RefusesBadRigsWithThePointerOfTheFault) {
               R"({{{},"camFromFirst":{{"quaternion":{{"x":0,"y":0,"z":0,"w":1}},"translation":[0,0,900]}},{}}})",
               kCamera, FeaturesMember()))),
       "/rig/0/camFromFirst/translation");
-  EXPECT_EQ(pointer_of(RigJson(fmt::format(",{}", kImage), member)), "/rig");
+  EXPECT_EQ(pointer_of(RigJson(fmt::format(",{}", kImage), member)), "/rig/0/features");
+  const std::string pictured = fmt::format("{{{},{},{}}}", kCamera, kCamFromFirst, kImage);
+  EXPECT_EQ(pointer_of(RigJson(own, pictured)), "/rig/0/image");
   EXPECT_EQ(pointer_of(RigJson(own, member), {.max_features = 1}), "/rig/0/features");
   std::string eight = member;
   for (int i = 0; i < 7; ++i) eight += "," + member;
@@ -174,7 +189,7 @@ TEST(LocalizeRequest, ReadsFeaturesFromJsonAndMultipartAlike) {
   for (const auto& [type, body] :
        {std::pair("application/json", json), {"multipart/form-data; boundary=B", multipart}}) {
     const LocalizeRequest request = ParseLocalizeRequest(type, body, RequestLimits{});
-    EXPECT_FALSE(request.has_image());
+    EXPECT_FALSE(request.has_images());
     EXPECT_EQ(request.query.codec, "sift");
     ASSERT_EQ(request.query.features.size(), 1);
     EXPECT_EQ(request.query.features.keypoints[0].x_px, 10.0f);
@@ -321,7 +336,8 @@ TEST(GeoPoseRequest, ReadsWhatTheReferenceClientSends) {
                                                       RequestLimits{});
   EXPECT_EQ(request.query.id, "8a");
   EXPECT_EQ(request.timestamp_ms, 1750939398316);
-  EXPECT_EQ(request.image_bytes, (std::vector<uint8_t>{'f', 'o', 'o'}));
+  ASSERT_EQ(request.images.size(), 1u);
+  EXPECT_EQ(request.images[0].bytes, (std::vector<uint8_t>{'f', 'o', 'o'}));
   EXPECT_EQ(request.query.camera.focal_px(), 500.0);
   ASSERT_TRUE(request.query.prior.has_value());
   EXPECT_EQ(request.query.prior->accuracy_m, 25.0);

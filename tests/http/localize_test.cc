@@ -11,6 +11,7 @@
 #include "http/base64.h"
 #include "http/client.h"
 #include "http/feature_codec.h"
+#include "http/json/localize_request.h"
 #include "plain_http.h"
 #include "server_fixture.h"
 #include "storage/descriptor_codec.h"
@@ -235,9 +236,23 @@ std::vector<uint8_t> HugeJpeg() {
 }
 
 TEST_F(HttpLocalize, AnImageIsDecodedAndItsFeaturesAreMatched) {
-  const LocalizeResult result = Client().LocalizeImage(Query(), PgmImage(640, 480));
+  const LocalizeResult result = Client().LocalizeImages(Query(), {PgmImage(640, 480)});
   EXPECT_FALSE(result.localized);  // The street has no such facade.
   EXPECT_GT(result.counters.num_keypoints, 0);
+}
+
+TEST_F(HttpLocalize, ImagesOfARigAreDecodedAndShareTheLimitOfFeatures) {
+  const LocalizeQuery one = Query();
+  LocalizeQuery rig = one;
+  rig.other_cameras.assign(2, {.camera = one.camera, .cam_from_first = {}, .features = {}});
+  const std::vector<uint8_t> image = PgmImage(640, 480);
+  const int num_of_one = Client().LocalizeImages(one, {image}).counters.num_keypoints;
+  const int share = RequestLimits().max_features / 3;
+  ASSERT_GT(num_of_one, share);
+  EXPECT_EQ(Client().LocalizeImages(rig, {image, image, image}).counters.num_keypoints, 3 * share);
+  EXPECT_THROW(Client().LocalizeImages(rig, {image, image}), Error);
+  EXPECT_THROW(Client().LocalizeImages(rig, {image, image, {}}), Error);
+  EXPECT_THROW(Client().LocalizeImages(rig, {image, image, PgmImage(320, 240)}), Error);
 }
 
 TEST_F(HttpLocalize, RawPixelsAreAcceptedByName) {

@@ -93,7 +93,7 @@ LocalizeResult RealDrive::LocalizeBy(QueryRoute route, const EvalQuery& query) {
       return localizer_->Localize(with_own_features);
     }
     case QueryRoute::kServerImage:
-      return client_->LocalizeImage(query.query, ReadFile(query.image_path));
+      return client_->LocalizeImages(query.query, {ReadFile(query.image_path)});
   }
   throw Error(ErrorCode::kInternal, "no such route");
 }

@@ -1,0 +1,55 @@
+#include "cli/rig_photos.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "http/json/json_reader.h"
+#include "http/json/localize_request.h"
+#include "http/problem.h"
+#include "ingest/readers/file_bytes.h"
+
+namespace cairn {
+namespace {
+
+constexpr uint64_t kMaxRigBytes = uint64_t{1} << 20;
+constexpr uint64_t kMaxImageBytes = uint64_t{64} << 20;
+
+RigPhoto ReadPhoto(const JsonReader& element, const std::filesystem::path& folder) {
+  element.RequireOnly({"camera", "camFromFirst", "image"});
+  RigPhoto photo;
+  photo.camera = ReadRigCamera(element);
+  const JsonReader image = element.At("image");
+  const std::string image_path = (folder / image.String()).string();
+  photo.bytes = ReadFileBytes(image_path, kMaxImageBytes);
+  photo.photo = ReadGrayImage(image_path);
+  const Camera& camera = photo.camera.camera;
+  if (camera.width_px() != photo.photo.width_px || camera.height_px() != photo.photo.height_px) {
+    image.Fail(fmt::format("has {} x {} pixels, its camera's images are {} x {}",
+                           photo.photo.width_px, photo.photo.height_px, camera.width_px(),
+                           camera.height_px()));
+  }
+  return photo;
+}
+
+}  // namespace
+
+std::vector<RigPhoto> ReadRigPhotos(const std::string& path) {
+  const std::vector<uint8_t> bytes = ReadFileBytes(path, kMaxRigBytes);
+  try {
+    const nlohmann::json document =
+        ParseJson({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    std::vector<RigPhoto> photos;
+    for (const JsonReader& element :
+         JsonReader(document).Elements(1, LocalizeQuery::kMaxOtherCameras)) {
+      photos.push_back(ReadPhoto(element, std::filesystem::path(path).parent_path()));
+    }
+    return photos;
+  } catch (const HttpError& e) {
+    throw Error(ErrorCode::kBadInput, fmt::format("{}: {}", path, e.what()));
+  }
+}
+
+}  // namespace cairn

@@ -1,0 +1,28 @@
+// The photos of a rig's other cameras, as `localize --rig` names them.
+#ifndef CAIRN_CLI_RIG_PHOTOS_H_
+#define CAIRN_CLI_RIG_PHOTOS_H_
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engine/localize_query.h"
+#include "ingest/features/sift_extractor.h"
+
+namespace cairn {
+
+// A photo by a camera of the rig; the camera has no features yet.
+struct RigPhoto {
+  RigCamera camera;
+  std::vector<uint8_t> bytes;  // As in the file.
+  GrayImage photo;
+};
+
+// Reads a JSON array of {"camera", "camFromFirst", "image"}: the first two as in the `rig` of
+// POST /v1/localize (docs/http.md), `image` a file's path, relative to the folder of `path`. Throws
+// Error with the path and what is wrong.
+std::vector<RigPhoto> ReadRigPhotos(const std::string& path);
+
+}  // namespace cairn
+
+#endif  // CAIRN_CLI_RIG_PHOTOS_H_
