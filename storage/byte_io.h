@@ -41,20 +41,6 @@ class ByteWriter {
     out_->insert(out_->end(), bytes, bytes + values.size_bytes());
   }
 
-  // All lowest bytes, then all second bytes, and so on: equal bytes come together for zstd.
-  template <typename T>
-  void PutPlanes(std::span<const T> values) {
-    static_assert(std::is_unsigned_v<T>);
-    const size_t begin = out_->size();
-    out_->resize(begin + values.size_bytes());
-    uint8_t* plane = out_->data() + begin;
-    for (size_t shift = 0; shift < 8 * sizeof(T); shift += 8, plane += values.size()) {
-      for (size_t i = 0; i < values.size(); ++i) {
-        plane[i] = static_cast<uint8_t>(values[i] >> shift);
-      }
-    }
-  }
-
   // LEB128: seven bits a byte, lowest first, the top bit says that more follow.
   void PutVarint(uint32_t value) {
     for (; value >= 0x80; value >>= 7) {
@@ -107,7 +93,7 @@ class ByteReader {
     return values;
   }
 
-  // Inverse of PutPlanes.
+  // All lowest bytes, then all second bytes, and so on.
   template <typename T>
   std::vector<T> GetPlanes(size_t count) {
     static_assert(std::is_unsigned_v<T>);

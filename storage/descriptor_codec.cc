@@ -8,15 +8,7 @@
 #include <utility>
 
 #include "core/error.h"
-
-// Compiles a function for AVX2 and for baseline x86-64; the loader takes what the processor has.
-// AVX2 alone brings no fused multiply-add, so codes are the same on every processor. Without effect
-// for other compilers, and under the thread sanitizer, which cannot run as early as that choice.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
-#define CAIRN_AVX2_CLONE __attribute__((target_clones("avx2", "default")))
-#else
-#define CAIRN_AVX2_CLONE
-#endif
+#include "storage/avx2_clone.h"
 
 namespace cairn {
 namespace {

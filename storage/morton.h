@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <cmath>
 #include <cstdint>
+#include <span>
 
 #include "storage/tile.h"
 #include "storage/tile_checks.h"
@@ -53,6 +54,9 @@ inline Eigen::Vector3f PositionFromMorton(uint64_t code) {
   return {coordinate_m(GatherBits(code)), coordinate_m(GatherBits(code >> 1)),
           coordinate_m(GatherBits(code >> 2))};
 }
+
+// The same of many codes at once; there must be room for as many positions.
+void PositionsFromMorton(std::span<const uint64_t> codes, Eigen::Vector3f* x_in_tile);
 
 }  // namespace cairn
 

@@ -58,11 +58,6 @@ bool IsOnGrid(const Eigen::Vector3f& x_in_tile) {
   return true;
 }
 
-bool IsPose(const Rigid3d& pose) {
-  return pose.translation.allFinite() && pose.rotation.coeffs().allFinite() &&
-         std::abs(pose.rotation.squaredNorm() - 1.0) < 1e-6;
-}
-
 std::string FindCovisibilityProblem(const Tile& tile) {
   if (!AreOffsets(tile.keyframe_begin, tile.num_keyframes(), tile.keyframe_landmarks.size())) {
     return "offsets of keyframe_landmarks do not fit";
@@ -84,6 +79,11 @@ std::string FindCovisibilityProblem(const Tile& tile) {
 }
 
 }  // namespace
+
+bool IsPose(const Rigid3d& pose) {
+  return pose.translation.allFinite() && pose.rotation.coeffs().allFinite() &&
+         std::abs(pose.rotation.squaredNorm() - 1.0) < 1e-6;
+}
 
 size_t Tile::MemoryBytes() const {
   return HeapBytes(landmark_ids) + HeapBytes(landmark_sessions) + HeapBytes(x_in_tile) +

@@ -14,6 +14,9 @@ inline constexpr int kMaxPositionSteps = 1 << 20;  // Positions lie in [-2^20, 2
 // The first inconsistency of a tile in words, or an empty string. Linear in the tile's size.
 std::string FindTileProblem(const Tile& tile);
 
+// True if the transform is finite and its quaternion of unit norm.
+bool IsPose(const Rigid3d& pose);
+
 }  // namespace cairn
 
 #endif  // CAIRN_STORAGE_TILE_CHECKS_H_

@@ -1,106 +1,38 @@
 #include "storage/tile_codec.h"
 
-#include <zstd.h>
-
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <functional>
 #include <string>
 
 #include "core/error.h"
 #include "storage/byte_io.h"
-#include "storage/checksum.h"
 #include "storage/morton.h"
 #include "storage/tile_checks.h"
+#include "storage/tile_codec_v1.h"
+#include "storage/tile_columns.h"
+#include "storage/tile_decode.h"
+#include "storage/tile_parts.h"
 
 namespace cairn {
 namespace {
 
-constexpr uint32_t kMagic = 0x4c495443;  // "CTIL".
-constexpr uint16_t kVersionWithoutLists = 1;
-constexpr uint16_t kVersionWithLists = 2;
-constexpr size_t kHeaderSize = 64;
-constexpr size_t kChecksumOffset = 56;
-constexpr size_t kMaxVarintSize = 5;
-// On the tile of cairn_storage_bench, level 9 saves 0.3 % and level 19 1 % of the payload, for 6
-// and 110 times the time; all are read alike.
-constexpr int kZstdLevel = 3;
-
-struct Header {
-  uint16_t version = kVersionWithoutLists;
-  uint16_t code_size = 0;
-  uint64_t tile_id = 0;
-  int64_t codebook_id = 0;
-  uint32_t num_landmarks = 0;
-  uint32_t num_descriptors = 0;
-  uint32_t num_keyframes = 0;
-  uint32_t num_observations = 0;
-  uint64_t body_size = 0;        // Decompressed.
-  uint64_t compressed_size = 0;  // Of the zstd frame.
-
-  uint64_t codes_size() const { return uint64_t{num_descriptors} * code_size; }
-
-  // The lists, after the frame, begin with their number; a member takes a byte at least.
-  uint64_t MinListsSize() const {
-    return version == kVersionWithLists ? sizeof(uint32_t) + uint64_t{num_descriptors} : 0;
-  }
-  uint64_t MaxListsSize() const {
-    return version == kVersionWithLists ? sizeof(uint32_t) * (uint64_t{num_descriptors} + 1) +
-                                              kMaxVarintSize * uint64_t{num_descriptors}
-                                        : 0;
-  }
-
-  // Bytes of the body without the variable-length landmark indices.
-  uint64_t FixedBodySize() const {
-    constexpr uint64_t kPerLandmark = 8 + 8 + 8 + 4 + 1;
-    constexpr uint64_t kPerDescriptor = 3;
-    constexpr uint64_t kPerKeyframe = 8 + 8 + 7 * 8 + 4;
-    return kPerLandmark * num_landmarks + kPerDescriptor * num_descriptors +
-           kPerKeyframe * num_keyframes;
-  }
-
-  // Heap bytes of the tile the header announces.
-  uint64_t TileSize() const {
-    constexpr uint64_t kPerLandmark =
-        sizeof(LandmarkId) + sizeof(SessionId) + sizeof(Eigen::Vector3f) + sizeof(uint32_t) + 1;
-    return kPerLandmark * num_landmarks + 3 * uint64_t{num_descriptors} + codes_size() +
-           (sizeof(TileKeyframe) + sizeof(uint32_t)) * num_keyframes +
-           sizeof(uint32_t) * uint64_t{num_observations};
-  }
-};
-
-[[noreturn]] void ThrowDamaged(const std::string& problem) {
-  throw Error(ErrorCode::kMapDamaged, "tile payload: " + problem);
-}
-
-// ---- Columns of the body -----------------------------------------------------------------------
-
 // Differences to the predecessor, zigzag, in byte planes.
 template <typename Range, typename ToUnsigned>
-void PutDeltas(const Range& values, const ToUnsigned& to_unsigned, ByteWriter* writer) {
+void PutDeltas(const Range& values, const ToUnsigned& to_unsigned, TileColumnWriter* writer) {
   std::vector<uint64_t> deltas(values.size());
   uint64_t previous = 0;
   for (size_t i = 0; i < values.size(); ++i) {
-    const uint64_t value = to_unsigned(values[i]);
+    const auto value = static_cast<uint64_t>(to_unsigned(values[i]));
     deltas[i] = ZigZag(value - previous);
     previous = value;
   }
   writer->PutPlanes(std::span<const uint64_t>(deltas));
 }
 
-// Calls set(i, value) for each of `count` values; inverse of PutDeltas.
-template <typename Set>
-void GetDeltas(size_t count, ByteReader* reader, const Set& set) {
-  const std::vector<uint64_t> deltas = reader->GetPlanes<uint64_t>(count);
-  uint64_t value = 0;
-  for (size_t i = 0; i < count; ++i) {
-    value += UnZigZag(deltas[i]);
-    set(i, value);
-  }
-}
-
 // Lengths of the groups that the offsets delimit.
-void PutGroupSizes(const std::vector<uint32_t>& begin, ByteWriter* writer) {
+void PutGroupSizes(std::span<const uint32_t> begin, TileColumnWriter* writer) {
   std::vector<uint32_t> sizes(begin.size() - 1);
   for (size_t i = 0; i < sizes.size(); ++i) {
     sizes[i] = begin[i + 1] - begin[i];
@@ -108,195 +40,47 @@ void PutGroupSizes(const std::vector<uint32_t>& begin, ByteWriter* writer) {
   writer->PutPlanes(std::span<const uint32_t>(sizes));
 }
 
-// Inverse of PutGroupSizes; the sizes must add up to `total`.
-std::vector<uint32_t> GetGroupSizes(size_t count, uint32_t total, const char* what,
-                                    ByteReader* reader) {
-  const std::vector<uint32_t> sizes = reader->GetPlanes<uint32_t>(count);
-  std::vector<uint32_t> begin(count + 1, 0);
-  uint64_t sum = 0;
-  for (size_t i = 0; i < count; ++i) {
-    sum += sizes[i];
-    if (sum > total) {
-      break;
-    }
-    begin[i + 1] = static_cast<uint32_t>(sum);
+void PutByteDifferences(std::span<const uint8_t> values, TileColumnWriter* writer) {
+  std::vector<uint8_t> differences(values.size());
+  uint8_t previous = 0;
+  for (size_t i = 0; i < values.size(); ++i) {
+    differences[i] = static_cast<uint8_t>(values[i] - previous);
+    previous = values[i];
   }
-  if (sum != total) {
-    ThrowDamaged(std::string("numbers of ") + what + " do not add up");
-  }
-  return begin;
+  writer->Put(differences);
 }
 
-// Attributes of descriptors: first those of each landmark's first descriptor, then the differences
-// of all others to their predecessor, which is of the same landmark and similar.
-void PutAttributes(const std::vector<uint8_t>& values, const std::vector<uint32_t>& begin,
-                   ByteWriter* writer) {
-  std::vector<uint8_t> firsts, differences;
-  for (size_t landmark = 0; landmark + 1 < begin.size(); ++landmark) {
-    for (uint32_t i = begin[landmark]; i < begin[landmark + 1]; ++i) {
-      if (i == begin[landmark]) {
-        firsts.push_back(values[i]);
-      } else {
-        differences.push_back(static_cast<uint8_t>(values[i] - values[i - 1]));
-      }
-    }
-  }
-  writer->PutArray(std::span<const uint8_t>(firsts));
-  writer->PutArray(std::span<const uint8_t>(differences));
-}
-
-// Inverse of PutAttributes, for several columns that follow one another: how many descriptors a
-// landmark has is hard to predict for the processor, and is met once for all.
-template <size_t kNumColumns>
-void GetAttributes(const std::vector<uint32_t>& begin, ByteReader* reader,
-                   const std::array<std::vector<uint8_t>*, kNumColumns>& columns) {
-  size_t num_firsts = 0;
-  for (size_t landmark = 0; landmark + 1 < begin.size(); ++landmark) {
-    num_firsts += begin[landmark] < begin[landmark + 1] ? 1 : 0;
-  }
-  std::array<const uint8_t*, kNumColumns> firsts, differences;
-  std::array<uint8_t*, kNumColumns> values;
-  for (size_t column = 0; column < kNumColumns; ++column) {
-    firsts[column] = reader->Take(begin.back()).data();
-    differences[column] = firsts[column] + num_firsts;
-    columns[column]->resize(begin.back());
-    values[column] = columns[column]->data();
-  }
-  size_t next_first = 0, next_difference = 0;
-  for (size_t landmark = 0; landmark + 1 < begin.size(); ++landmark) {
-    if (begin[landmark] == begin[landmark + 1]) {
-      continue;
-    }
-    for (size_t column = 0; column < kNumColumns; ++column) {
-      values[column][begin[landmark]] = firsts[column][next_first];
-    }
-    ++next_first;
-    for (uint32_t i = begin[landmark] + 1; i < begin[landmark + 1]; ++i, ++next_difference) {
-      for (size_t column = 0; column < kNumColumns; ++column) {
-        values[column][i] =
-            static_cast<uint8_t>(values[column][i - 1] + differences[column][next_difference]);
-      }
-    }
-  }
-}
-
-std::array<double, 7> PoseNumbers(const Rigid3d& pose) {
+std::array<double, kNumPoseNumbers> PoseNumbers(const Rigid3d& pose) {
   const Eigen::Quaterniond& q = pose.rotation;
   const Eigen::Vector3d& t = pose.translation;
   return {q.x(), q.y(), q.z(), q.w(), t.x(), t.y(), t.z()};
 }
 
-// Leaves the rotation as it was stored: the constructor of Rigid3d would normalise it again.
-Rigid3d PoseFromNumbers(const std::array<double, 7>& numbers) {
-  Rigid3d pose;
-  pose.rotation.coeffs() << numbers[0], numbers[1], numbers[2], numbers[3];
-  pose.translation << numbers[4], numbers[5], numbers[6];
-  return pose;
-}
-
-void PutKeyframes(const std::vector<TileKeyframe>& keyframes, ByteWriter* writer) {
+void PutKeyframes(const std::vector<TileKeyframe>& keyframes, TileColumnWriter* writer) {
   PutDeltas(
-      keyframes, [](const TileKeyframe& k) { return static_cast<uint64_t>(Value(k.id)); }, writer);
+      keyframes, [](const TileKeyframe& keyframe) { return Value(keyframe.id); }, writer);
   PutDeltas(
-      keyframes, [](const TileKeyframe& k) { return static_cast<uint64_t>(Value(k.session_id)); },
-      writer);
+      keyframes, [](const TileKeyframe& keyframe) { return Value(keyframe.session_id); }, writer);
+  std::vector<uint8_t> poses;
+  ByteWriter poses_writer(&poses);
   for (const TileKeyframe& keyframe : keyframes) {
-    writer->PutArray(std::span<const double>(PoseNumbers(keyframe.cam_from_tile)));
+    poses_writer.PutArray(std::span<const double>(PoseNumbers(keyframe.cam_from_tile)));
   }
+  writer->Put(poses);
 }
 
-std::vector<TileKeyframe> GetKeyframes(size_t count, ByteReader* reader) {
-  std::vector<TileKeyframe> keyframes(count);
-  GetDeltas(count, reader, [&](size_t i, uint64_t value) { keyframes[i].id = KeyframeId(value); });
-  GetDeltas(count, reader,
-            [&](size_t i, uint64_t value) { keyframes[i].session_id = SessionId(value); });
-  for (TileKeyframe& keyframe : keyframes) {
-    std::array<double, 7> numbers;
-    reader->GetArray(std::span<double>(numbers));
-    keyframe.cam_from_tile = PoseFromNumbers(numbers);
-  }
-  return keyframes;
-}
-
-// Groups of ascending indices: the first of each as it is, then the gaps less the 1 that is sure.
-void PutAscending(std::span<const uint32_t> group, ByteWriter* writer) {
-  uint32_t next = 0;
-  for (const uint32_t index : group) {
-    writer->PutVarint(index - next);
-    next = index + 1;
-  }
-}
-
-// Inverse of PutAscending; calls set(index) for each of `count` indices, all below `end`.
-template <typename Set>
-void GetAscending(size_t count, uint32_t end, const char* problem, ByteReader* reader,
-                  const Set& set) {
-  uint64_t next = 0;
-  for (size_t i = 0; i < count; ++i) {
-    next += reader->GetVarint();
-    if (next >= end) {
-      ThrowDamaged(problem);
-    }
-    set(static_cast<uint32_t>(next));
-    ++next;
-  }
-}
-
-void PutCovisibility(const Tile& tile, ByteWriter* writer) {
-  PutGroupSizes(tile.keyframe_begin, writer);
+// Keyframe by keyframe: the first index as it is, then the gaps less the 1 that is sure.
+std::vector<uint8_t> EncodeObservations(const Tile& tile) {
+  std::vector<uint8_t> observations;
+  ByteWriter writer(&observations);
   for (size_t k = 0; k < tile.num_keyframes(); ++k) {
-    PutAscending(tile.LandmarksOfKeyframe(k), writer);
+    uint32_t next = 0;
+    for (const uint32_t landmark_idx : tile.LandmarksOfKeyframe(k)) {
+      writer.PutVarint(landmark_idx - next);
+      next = landmark_idx + 1;
+    }
   }
-}
-
-void GetCovisibility(const Header& header, ByteReader* reader, Tile* tile) {
-  tile->keyframe_begin =
-      GetGroupSizes(header.num_keyframes, header.num_observations, "observations", reader);
-  tile->keyframe_landmarks.resize(header.num_observations);
-  for (size_t k = 0; k < header.num_keyframes; ++k) {
-    uint32_t* landmark = tile->keyframe_landmarks.data() + tile->keyframe_begin[k];
-    GetAscending(tile->keyframe_begin[k + 1] - tile->keyframe_begin[k], header.num_landmarks,
-                 "a keyframe refers to a landmark that is not there", reader,
-                 [&](uint32_t index) { *landmark++ = index; });
-  }
-}
-
-// ---- Lists, after the frame --------------------------------------------------------------------
-
-void PutLists(const TileLists& lists, ByteWriter* writer) {
-  writer->Put(static_cast<uint32_t>(lists.num_lists()));
-  PutGroupSizes(lists.begin, writer);
-  for (size_t list = 0; list < lists.num_lists(); ++list) {
-    PutAscending(lists.Members(list), writer);
-  }
-}
-
-TileLists GetLists(const Header& header, ByteReader* reader) {
-  const auto num_lists = reader->Get<uint32_t>();
-  if (num_lists > header.num_descriptors) {
-    ThrowDamaged("has more lists than descriptors");
-  }
-  TileLists lists;
-  lists.begin = GetGroupSizes(num_lists, header.num_descriptors, "members", reader);
-  lists.members.resize(header.num_descriptors);
-  std::vector<uint64_t> seen(header.num_descriptors / 64 + 1);
-  uint64_t num_again = 0;
-  for (size_t list = 0; list < num_lists; ++list) {
-    uint32_t* member = lists.members.data() + lists.begin[list];
-    GetAscending(lists.begin[list + 1] - lists.begin[list], header.num_descriptors,
-                 "a list refers to a descriptor that is not there", reader, [&](uint32_t index) {
-                   num_again += seen[index / 64] >> (index % 64) & 1;
-                   seen[index / 64] |= uint64_t{1} << (index % 64);
-                   *member++ = index;
-                 });
-  }
-  if (num_again > 0) {
-    ThrowDamaged("a descriptor is in two lists");
-  }
-  if (reader->remaining() != 0) {
-    ThrowDamaged("bytes are left over after the lists");
-  }
-  return lists;
+  return observations;
 }
 
 void RequireListsOf(const TileLists& lists, const Tile& tile) {
@@ -313,170 +97,60 @@ void RequireListsOf(const TileLists& lists, const Tile& tile) {
   }
 }
 
-// ---- The body ----------------------------------------------------------------------------------
-
-std::vector<uint8_t> EncodeBody(const Tile& tile) {
-  std::vector<uint8_t> body;
-  ByteWriter writer(&body);
-  PutDeltas(tile.x_in_tile, MortonFromPosition, &writer);
-  PutDeltas(
-      tile.landmark_ids, [](LandmarkId id) { return Value(id); }, &writer);
-  PutDeltas(
-      tile.landmark_sessions, [](SessionId id) { return static_cast<uint64_t>(Value(id)); },
-      &writer);
-  PutGroupSizes(tile.descriptor_begin, &writer);
-  writer.PutArray(std::span<const uint8_t>(tile.sigma_codes));
-  PutAttributes(tile.orientation_codes, tile.descriptor_begin, &writer);
-  PutAttributes(tile.size_codes, tile.descriptor_begin, &writer);
-  PutAttributes(tile.azimuth_codes, tile.descriptor_begin, &writer);
-  PutKeyframes(tile.keyframes, &writer);
-  PutCovisibility(tile, &writer);
-  return body;
+void PutLists(const TileLists& lists, TileColumnWriter* writer) {
+  if (lists.num_lists() == 0) {
+    writer->PutPlanes(std::span<const uint32_t>());
+    writer->PutPlanes(std::span<const uint32_t>());
+    return;
+  }
+  PutGroupSizes(lists.begin, writer);
+  std::vector<uint32_t> gaps;
+  gaps.reserve(lists.members.size());
+  for (size_t list = 0; list < lists.num_lists(); ++list) {
+    uint32_t next = 0;
+    for (const uint32_t member : lists.Members(list)) {
+      gaps.push_back(member - next);
+      next = member + 1;
+    }
+  }
+  writer->PutPlanes(std::span<const uint32_t>(gaps));
 }
 
-void DecodeBody(const Header& header, std::span<const uint8_t> body, Tile* tile) {
-  ByteReader reader(body, "tile payload");
-  const size_t num_landmarks = header.num_landmarks;
-  tile->x_in_tile.resize(num_landmarks);
-  tile->landmark_ids.resize(num_landmarks);
-  tile->landmark_sessions.resize(num_landmarks);
-  GetDeltas(num_landmarks, &reader,
-            [&](size_t i, uint64_t value) { tile->x_in_tile[i] = PositionFromMorton(value); });
-  GetDeltas(num_landmarks, &reader,
-            [&](size_t i, uint64_t value) { tile->landmark_ids[i] = LandmarkId(value); });
-  GetDeltas(num_landmarks, &reader,
-            [&](size_t i, uint64_t value) { tile->landmark_sessions[i] = SessionId(value); });
-  tile->descriptor_begin =
-      GetGroupSizes(num_landmarks, header.num_descriptors, "descriptors", &reader);
-  tile->sigma_codes = reader.GetVector<uint8_t>(num_landmarks);
-  GetAttributes<3>(tile->descriptor_begin, &reader,
-                   {&tile->orientation_codes, &tile->size_codes, &tile->azimuth_codes});
-  tile->keyframes = GetKeyframes(header.num_keyframes, &reader);
-  GetCovisibility(header, &reader, tile);
-  if (reader.remaining() != 0) {
-    ThrowDamaged("bytes are left over after the last landmark index");
+// Rows of codes in the order of the lists, if there are any.
+std::vector<uint8_t> OrderCodes(const Tile& tile, const TileLists& lists) {
+  std::vector<uint8_t> codes(tile.codes.begin(), tile.codes.end());
+  for (size_t row = 0; row < lists.members.size(); ++row) {
+    std::memcpy(codes.data() + row * tile.code_size,
+                tile.codes.data() + size_t{lists.members[row]} * tile.code_size, tile.code_size);
   }
-}
-
-std::vector<uint8_t> Compress(const std::vector<uint8_t>& body) {
-  std::vector<uint8_t> compressed(ZSTD_compressBound(body.size()));
-  const size_t size =
-      ZSTD_compress(compressed.data(), compressed.size(), body.data(), body.size(), kZstdLevel);
-  if (ZSTD_isError(size)) {
-    throw Error(ErrorCode::kInternal, std::string("zstd: ") + ZSTD_getErrorName(size));
-  }
-  compressed.resize(size);
-  return compressed;
-}
-
-std::vector<uint8_t> Decompress(std::span<const uint8_t> frame, uint64_t body_size) {
-  if (ZSTD_getFrameContentSize(frame.data(), frame.size()) != body_size ||
-      ZSTD_findFrameCompressedSize(frame.data(), frame.size()) != frame.size()) {
-    ThrowDamaged("the compressed part is not one frame of the announced size");
-  }
-  std::vector<uint8_t> body(body_size);
-  const size_t size = ZSTD_decompress(body.data(), body.size(), frame.data(), frame.size());
-  if (ZSTD_isError(size)) {
-    ThrowDamaged(std::string("zstd: ") + ZSTD_getErrorName(size));
-  }
-  if (size != body_size) {
-    ThrowDamaged("the compressed part is shorter than announced");
-  }
-  return body;
-}
-
-// ---- The header --------------------------------------------------------------------------------
-
-// Everything up to the checksum.
-void PutHeader(const Header& header, ByteWriter* writer) {
-  writer->Put(kMagic);
-  writer->Put(header.version);
-  writer->Put(header.code_size);
-  writer->Put(header.tile_id);
-  writer->Put(header.codebook_id);
-  writer->Put(header.num_landmarks);
-  writer->Put(header.num_descriptors);
-  writer->Put(header.num_keyframes);
-  writer->Put(header.num_observations);
-  writer->Put(header.body_size);
-  writer->Put(header.compressed_size);
-}
-
-void CheckHeader(const Header& header, size_t blob_size, const TileDecodeLimits& limits) {
-  if (header.num_landmarks > limits.max_landmarks ||
-      header.num_descriptors > limits.max_descriptors ||
-      header.num_keyframes > limits.max_keyframes || header.body_size > limits.max_decoded_bytes ||
-      header.TileSize() > limits.max_decoded_bytes) {
-    ThrowDamaged("announces more landmarks, descriptors or keyframes than the limits allow");
-  }
-  if (header.code_size > kMaxCodeSize || (header.code_size == 0 && header.num_descriptors > 0)) {
-    ThrowDamaged("code size " + std::to_string(header.code_size) + " is out of range");
-  }
-  const uint64_t min_body_size = header.FixedBodySize() + header.num_observations;
-  const uint64_t max_body_size =
-      header.FixedBodySize() + kMaxVarintSize * uint64_t{header.num_observations};
-  if (header.body_size < min_body_size || header.body_size > max_body_size) {
-    ThrowDamaged("announced sizes contradict each other");
-  }
-  // Nothing can wrap around: the code bytes are limited above, and differences are compared.
-  const uint64_t after_header = blob_size - kHeaderSize;
-  if (after_header < header.codes_size() ||
-      after_header - header.codes_size() < header.compressed_size ||
-      after_header - header.codes_size() - header.compressed_size < header.MinListsSize() ||
-      after_header - header.codes_size() - header.compressed_size > header.MaxListsSize()) {
-    ThrowDamaged("is " + std::to_string(blob_size) + " bytes long, its header says otherwise");
-  }
-}
-
-Header GetHeader(std::span<const uint8_t> blob, const TileDecodeLimits& limits) {
-  if (blob.size() < kHeaderSize) {
-    ThrowDamaged("is shorter than a header");
-  }
-  ByteReader reader(blob.first(kHeaderSize), "tile payload");
-  if (reader.Get<uint32_t>() != kMagic) {
-    ThrowDamaged("does not start with CTIL");
-  }
-  Header header;
-  header.version = reader.Get<uint16_t>();
-  if (header.version != kVersionWithoutLists && header.version != kVersionWithLists) {
-    ThrowDamaged("format version " + std::to_string(header.version) +
-                 " is unknown, expected 1 or 2");
-  }
-  header.code_size = reader.Get<uint16_t>();
-  header.tile_id = reader.Get<uint64_t>();
-  header.codebook_id = reader.Get<int64_t>();
-  header.num_landmarks = reader.Get<uint32_t>();
-  header.num_descriptors = reader.Get<uint32_t>();
-  header.num_keyframes = reader.Get<uint32_t>();
-  header.num_observations = reader.Get<uint32_t>();
-  header.body_size = reader.Get<uint64_t>();
-  header.compressed_size = reader.Get<uint64_t>();
-  CheckHeader(header, blob.size(), limits);
-  if (reader.Get<uint64_t>() != ChecksumOf(blob, kChecksumOffset)) {
-    ThrowDamaged("checksum does not match");
-  }
-  return header;
-}
-
-TileId TileIdFromPayload(uint64_t value) {
-  try {
-    return value == 0 ? TileId() : TileId::FromValue(value);
-  } catch (const Error& error) {
-    ThrowDamaged(error.what());
-  }
+  return codes;
 }
 
 }  // namespace
 
 std::vector<uint8_t> EncodeTile(const Tile& tile, const TileLists& lists) {
   tile.Validate();
-  const std::vector<uint8_t> body = EncodeBody(tile);
-  const std::vector<uint8_t> compressed = Compress(body);
-  Header header;
   if (!lists.empty()) {
     RequireListsOf(lists, tile);
-    header.version = kVersionWithLists;
   }
+  const std::vector<uint8_t> observations = EncodeObservations(tile);
+  TileColumnWriter writer;
+  PutLists(lists, &writer);
+  PutDeltas(tile.x_in_tile, MortonFromPosition, &writer);
+  PutDeltas(
+      tile.landmark_ids, [](LandmarkId id) { return Value(id); }, &writer);
+  PutDeltas(
+      tile.landmark_sessions, [](SessionId id) { return Value(id); }, &writer);
+  PutGroupSizes(tile.descriptor_begin, &writer);
+  writer.Put(tile.sigma_codes);
+  PutByteDifferences(tile.orientation_codes, &writer);
+  PutByteDifferences(tile.size_codes, &writer);
+  PutByteDifferences(tile.azimuth_codes, &writer);
+  PutKeyframes(tile.keyframes, &writer);
+  PutGroupSizes(tile.keyframe_begin, &writer);
+  writer.Put(observations);
+
+  TileHeader header;
   header.code_size = static_cast<uint16_t>(tile.code_size);
   header.tile_id = tile.id.value();
   header.codebook_id = Value(tile.codebook_id);
@@ -484,22 +158,9 @@ std::vector<uint8_t> EncodeTile(const Tile& tile, const TileLists& lists) {
   header.num_descriptors = static_cast<uint32_t>(tile.num_descriptors());
   header.num_keyframes = static_cast<uint32_t>(tile.num_keyframes());
   header.num_observations = static_cast<uint32_t>(tile.keyframe_landmarks.size());
-  header.body_size = body.size();
-  header.compressed_size = compressed.size();
-
-  std::vector<uint8_t> blob;
-  blob.reserve(kHeaderSize + tile.codes.size() + compressed.size());
-  ByteWriter writer(&blob);
-  PutHeader(header, &writer);
-  writer.Put(uint64_t{0});  // Room for the checksum.
-  writer.PutArray(std::span<const uint8_t>(tile.codes));
-  writer.PutArray(std::span<const uint8_t>(compressed));
-  if (!lists.empty()) {
-    PutLists(lists, &writer);
-  }
-  const uint64_t checksum = ChecksumOf(blob, kChecksumOffset);
-  std::memcpy(blob.data() + kChecksumOffset, &checksum, sizeof(checksum));
-  return blob;
+  header.num_lists = static_cast<uint32_t>(lists.num_lists());
+  header.observations_size = static_cast<uint32_t>(observations.size());
+  return writer.Finish(header, OrderCodes(tile, lists));
 }
 
 Tile DecodeTile(std::span<const uint8_t> blob, const TileDecodeLimits& limits) {
@@ -508,19 +169,12 @@ Tile DecodeTile(std::span<const uint8_t> blob, const TileDecodeLimits& limits) {
 }
 
 Tile DecodeTile(std::span<const uint8_t> blob, const TileDecodeLimits& limits, TileLists* lists) {
-  const Header header = GetHeader(blob, limits);
-  ByteReader reader(blob.subspan(kHeaderSize), "tile payload");
-  Tile tile;
-  tile.id = TileIdFromPayload(header.tile_id);
-  tile.codebook_id = CodebookId(header.codebook_id);
-  tile.code_size = header.code_size;
-  tile.codes = reader.GetVector<uint8_t>(header.codes_size());
-  DecodeBody(header, Decompress(reader.Take(header.compressed_size), header.body_size), &tile);
-  if (const std::string problem = FindTileProblem(tile); !problem.empty()) {
-    ThrowDamaged(problem);
+  if (!TileColumns::IsPayload(blob)) {
+    return DecodeTileV1(blob, limits, lists);
   }
-  *lists = header.version == kVersionWithLists ? GetLists(header, &reader) : TileLists();
-  return tile;
+  const TileColumns columns(blob, limits);
+  *lists = DecodeLists(columns);
+  return DecodeTileColumns(columns, lists->members);
 }
 
 }  // namespace cairn

@@ -1,5 +1,5 @@
-// Decoded tile <-> compressed blob. The format is docs/formats/tile_v1.md; with lists,
-// docs/formats/tile_v2.md.
+// Decoded tile <-> compressed blob. The format is docs/formats/tile_v3.md; versions 1 and 2 are
+// still read.
 #ifndef CAIRN_STORAGE_TILE_CODEC_H_
 #define CAIRN_STORAGE_TILE_CODEC_H_
 
@@ -21,8 +21,8 @@ struct TileDecodeLimits {
   uint64_t max_decoded_bytes = uint64_t{1} << 30;
 };
 
-// Deterministic: equal tiles give equal bytes. Version 1 without lists, else version 2. Throws
-// Error(kInternal) if the tile is inconsistent or the lists are not of its descriptors.
+// Deterministic: equal tiles give equal bytes. Throws Error(kInternal) if the tile is inconsistent
+// or the lists are not of its descriptors.
 std::vector<uint8_t> EncodeTile(const Tile& tile, const TileLists& lists = {});
 
 // Checks magic, version, lengths, checksum and every index before it returns. Throws
@@ -30,7 +30,7 @@ std::vector<uint8_t> EncodeTile(const Tile& tile, const TileLists& lists = {});
 // allocate more than the limits allow.
 Tile DecodeTile(std::span<const uint8_t> blob, const TileDecodeLimits& limits = {});
 
-// The same and its lists, of which a tile of version 1 has none.
+// The same and its lists, if it has any.
 Tile DecodeTile(std::span<const uint8_t> blob, const TileDecodeLimits& limits, TileLists* lists);
 
 }  // namespace cairn

@@ -7,13 +7,15 @@
 #include <span>
 #include <vector>
 
+#include "core/large_vector.h"
+
 namespace cairn {
 
 // Lists of similar descriptors, each descriptor in one. Plain value; without lists if `begin` is
 // empty.
 struct TileLists {
   std::vector<uint32_t> begin;    // num_lists + 1 offsets into `members`.
-  std::vector<uint32_t> members;  // Descriptor indices, ascending within a list.
+  LargeVector<uint32_t> members;  // Descriptor indices, ascending within a list.
 
   bool empty() const { return begin.empty(); }
   size_t num_lists() const { return begin.empty() ? 0 : begin.size() - 1; }

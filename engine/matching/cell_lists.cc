@@ -20,8 +20,8 @@ std::vector<uint32_t> CellBegins(std::span<const uint32_t> cells, size_t num_cel
 }
 
 // Descriptors in order of their cells; a counting sort.
-std::vector<uint32_t> OrderByCell(std::span<const uint32_t> cells, std::vector<uint32_t> next) {
-  std::vector<uint32_t> order(cells.size());
+LargeVector<uint32_t> OrderByCell(std::span<const uint32_t> cells, std::vector<uint32_t> next) {
+  LargeVector<uint32_t> order(cells.size());
   for (size_t descriptor = 0; descriptor < cells.size(); ++descriptor) {
     order[next[cells[descriptor]]++] = static_cast<uint32_t>(descriptor);
   }

@@ -14,6 +14,7 @@
 #include "storage/checksum.h"
 #include "storage/codebook.h"
 #include "storage/tile_codec.h"
+#include "support/golden_file.h"
 #include "support/tile_builder.h"
 
 namespace cairn {
@@ -21,7 +22,8 @@ namespace {
 
 constexpr size_t kHeaderSize = 64;
 constexpr size_t kTileChecksumOffset = 56;
-constexpr size_t kBodySizeOffset = 40;
+constexpr size_t kBodySizeOffset = 40;  // Versions 1 and 2.
+constexpr size_t kDirectorySize = 62 * sizeof(uint32_t);
 constexpr size_t kCodebookChecksumOffset = 32;
 
 void Seal(std::vector<uint8_t>* bytes, size_t checksum_offset) {
@@ -71,47 +73,92 @@ std::vector<uint8_t> SmallBlob(Tile* tile) {
   return EncodeTile(*tile);
 }
 
-TEST(Mutation, TileHeadersAndFramesWithAValidChecksum) {
-  Tile tile;
-  const std::vector<uint8_t> blob = SmallBlob(&tile);
-  std::mt19937_64 random(1);
-  Outcome outcome;
-  for (int trial = 0; trial < 5'000; ++trial) {
-    std::vector<uint8_t> mutated = blob;
-    Mutate(&random, &mutated);
-    Seal(&mutated, kTileChecksumOffset);
-    DecodeHostileTile(mutated, &outcome);
-  }
-  EXPECT_GT(outcome.num_decoded, 100);  // Changed codes are as good as others.
-  EXPECT_GT(outcome.num_refused, 100);
-}
-
-TEST(Mutation, TileListsWithAValidChecksum) {
-  Tile tile;
-  const size_t begin = SmallBlob(&tile).size();
+TileLists SmallLists(const Tile& tile) {
   TileLists lists;
   lists.members.resize(tile.num_descriptors());
   std::iota(lists.members.begin(), lists.members.end(), 0u);
   lists.begin = {0, 3, 3, 10, static_cast<uint32_t>(lists.members.size())};
-  const std::vector<uint8_t> blob = EncodeTile(tile, lists);
-  std::mt19937_64 random(5);
+  return lists;
+}
+
+// Mutates the bytes in [begin, end) and seals the payload again.
+Outcome DecodeMutated(const std::vector<uint8_t>& blob, size_t begin, size_t end, uint64_t seed) {
+  std::mt19937_64 random(seed);
   Outcome outcome;
   for (int trial = 0; trial < 5'000; ++trial) {
-    std::vector<uint8_t> section(blob.begin() + static_cast<ptrdiff_t>(begin), blob.end());
-    Mutate(&random, &section);
+    std::vector<uint8_t> part(blob.begin() + static_cast<ptrdiff_t>(begin),
+                              blob.begin() + static_cast<ptrdiff_t>(end));
+    Mutate(&random, &part);
     std::vector<uint8_t> mutated = blob;
-    std::copy(section.begin(), section.end(), mutated.begin() + static_cast<ptrdiff_t>(begin));
+    std::copy(part.begin(), part.end(), mutated.begin() + static_cast<ptrdiff_t>(begin));
     Seal(&mutated, kTileChecksumOffset);
     DecodeHostileTile(mutated, &outcome);
   }
+  return outcome;
+}
+
+TEST(Mutation, TilesWithAValidChecksum) {
+  Tile tile;
+  std::vector<uint8_t> blob = SmallBlob(&tile);
+  for (const TileLists& lists : {TileLists(), SmallLists(tile)}) {
+    blob = EncodeTile(tile, lists);
+    const Outcome outcome = DecodeMutated(blob, 0, blob.size(), 1);
+    EXPECT_GT(outcome.num_decoded, 100);  // Changed codes are as good as others.
+    EXPECT_GT(outcome.num_refused, 100);
+  }
+}
+
+TEST(Mutation, TileDirectoriesWithAValidChecksum) {
+  Tile tile;
+  SmallBlob(&tile);
+  const Outcome outcome = DecodeMutated(EncodeTile(tile, SmallLists(tile)), kHeaderSize,
+                                        kHeaderSize + kDirectorySize, 2);
   EXPECT_GT(outcome.num_decoded, 10);  // A byte may become what it was.
   EXPECT_GT(outcome.num_refused, 1'000);
 }
 
-TEST(Mutation, TileBodiesInAValidFrame) {
+// The columns of so small a tile are stored as they are or as the one byte that they consist of, so
+// that the mutations reach the numbers.
+TEST(Mutation, TileColumnsWithAValidChecksum) {
   Tile tile;
-  const std::vector<uint8_t> blob = SmallBlob(&tile);
-  const size_t frame_begin = kHeaderSize + tile.codes.size();
+  SmallBlob(&tile);
+  const std::vector<uint8_t> blob = EncodeTile(tile, SmallLists(tile));
+  const Outcome outcome =
+      DecodeMutated(blob, kHeaderSize + kDirectorySize + tile.codes.size(), blob.size(), 3);
+  EXPECT_GT(outcome.num_decoded, 100);
+  EXPECT_GT(outcome.num_refused, 100);
+}
+
+// Columns that are compressed.
+TEST(Mutation, TileFramesWithAValidChecksum) {
+  testing::RandomTileOptions options;
+  options.num_landmarks = 300;
+  const Tile tile = testing::RandomTile(options);
+  const std::vector<uint8_t> blob = EncodeTile(tile);
+  const Outcome outcome =
+      DecodeMutated(blob, kHeaderSize + kDirectorySize + tile.codes.size(), blob.size(), 4);
+  EXPECT_GT(outcome.num_decoded, 100);
+  EXPECT_GT(outcome.num_refused, 100);
+}
+
+TEST(Mutation, TilesOfVersion1WithAValidChecksum) {
+  const std::vector<uint8_t> blob = testing::GoldenFile("tile_v1.bin");
+  const Outcome outcome = DecodeMutated(blob, 0, blob.size(), 5);
+  EXPECT_GT(outcome.num_decoded, 100);
+  EXPECT_GT(outcome.num_refused, 100);
+}
+
+TEST(Mutation, TileListsOfVersion2WithAValidChecksum) {
+  const size_t begin = testing::GoldenFile("tile_v1.bin").size();  // They follow the same tile.
+  const std::vector<uint8_t> blob = testing::GoldenFile("tile_v2.bin");
+  const Outcome outcome = DecodeMutated(blob, begin, blob.size(), 6);
+  EXPECT_GT(outcome.num_decoded, 10);
+  EXPECT_GT(outcome.num_refused, 1'000);
+}
+
+TEST(Mutation, TileBodiesOfVersion1InAValidFrame) {
+  const std::vector<uint8_t> blob = testing::GoldenFile("tile_v1.bin");
+  const size_t frame_begin = kHeaderSize + DecodeTile(blob).codes.size();
   uint64_t body_size = 0;
   std::memcpy(&body_size, blob.data() + kBodySizeOffset, sizeof(body_size));
   std::vector<uint8_t> body(body_size);
@@ -176,12 +223,25 @@ TEST(Mutation, RandomBytesAreDamage) {
 }
 
 TEST(Mutation, AFrameThatAnnouncesGigabytesIsRefusedBeforeItIsUnpacked) {
-  Tile tile;
-  std::vector<uint8_t> blob = SmallBlob(&tile);
+  std::vector<uint8_t> blob = testing::GoldenFile("tile_v1.bin");
   const uint64_t huge = uint64_t{1} << 40;
   std::memcpy(blob.data() + kBodySizeOffset, &huge, sizeof(huge));
   Seal(&blob, kTileChecksumOffset);
   EXPECT_THROW(DecodeTile(blob), Error);
+}
+
+// A column of one byte stands for as many as the header announces.
+TEST(Mutation, CountsThatAnnounceGigabytesAreRefusedBeforeTheyAreUnpacked) {
+  constexpr size_t kCountsOffset = 24;
+  Tile tile;
+  const std::vector<uint8_t> blob = SmallBlob(&tile);
+  for (size_t count = 0; count < 4; ++count) {
+    std::vector<uint8_t> mutated = blob;
+    const uint32_t huge = UINT32_MAX;
+    std::memcpy(mutated.data() + kCountsOffset + count * sizeof(huge), &huge, sizeof(huge));
+    Seal(&mutated, kTileChecksumOffset);
+    EXPECT_THROW(DecodeTile(mutated), Error);
+  }
 }
 
 }  // namespace

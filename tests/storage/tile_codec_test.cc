@@ -9,6 +9,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "support/golden_file.h"
 #include "support/tile_builder.h"
 
 namespace cairn {
@@ -128,6 +129,25 @@ TEST(TileCodec, ATileWithoutListsHasNone) {
   EXPECT_TRUE(lists.empty());
 }
 
+// Gaps of more than 16 bits, and rows of codes of another size than the usual.
+TEST(TileCodec, RoundTripOfListsOfManyDescriptors) {
+  testing::RandomTileOptions options;
+  options.num_landmarks = 60'000;
+  options.code_size = 3;
+  const Tile tile = RandomTile(options);
+  const auto size = static_cast<uint32_t>(tile.num_descriptors());
+  ASSERT_GT(size, 70'000u);
+  TileLists lists;
+  lists.begin = {0, 2, size};
+  lists.members = {0, size - 1};
+  for (uint32_t i = 1; i + 1 < size; ++i) {
+    lists.members.push_back(i);
+  }
+  TileLists decoded;
+  EXPECT_TRUE(SameTile(DecodeTile(EncodeTile(tile, lists), {}, &decoded), tile));
+  EXPECT_EQ(decoded, lists);
+}
+
 TEST(TileCodec, RefusesToEncodeListsOfOtherDescriptors) {
   const Tile tile = SmallTile();
   const auto expect_internal = [&](const TileLists& lists) {
@@ -149,12 +169,18 @@ TEST(TileCodec, RefusesToEncodeListsOfOtherDescriptors) {
   expect_internal(lists);
 }
 
-class TileCodecDamage : public ::testing::TestWithParam<bool> {
+// Payloads of all versions.
+class TileCodecDamage : public ::testing::TestWithParam<std::string> {
  protected:
   static std::vector<uint8_t> Blob() {
-    return EncodeTile(SmallTile(), GetParam() ? ThreeLists(SmallTile()) : TileLists());
+    if (GetParam() == "v1" || GetParam() == "v2") {
+      return testing::GoldenFile("tile_" + GetParam() + ".bin");
+    }
+    return EncodeTile(SmallTile(), GetParam() == "v3lists" ? ThreeLists(SmallTile()) : TileLists());
   }
 };
+
+TEST_P(TileCodecDamage, None) { EXPECT_TRUE(DecodesOrIsDamaged(Blob())); }
 
 TEST_P(TileCodecDamage, EveryTruncation) {
   const std::vector<uint8_t> blob = Blob();
@@ -178,7 +204,8 @@ TEST_P(TileCodecDamage, AnAppendedByte) {
   EXPECT_FALSE(DecodesOrIsDamaged(blob));
 }
 
-INSTANTIATE_TEST_SUITE_P(WithoutAndWithLists, TileCodecDamage, ::testing::Bool());
+INSTANTIATE_TEST_SUITE_P(AllVersions, TileCodecDamage,
+                         ::testing::Values("v1", "v2", "v3", "v3lists"));
 
 TEST(TileCodec, LimitsHold) {
   const Tile tile = SmallTile();

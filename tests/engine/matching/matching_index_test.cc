@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/large_vector.h"
 #include "engine/matching/byte_descriptors.h"
 #include "engine/matching/distance_statistics.h"
 #include "engine/matching/inverted_lists.h"
@@ -278,9 +279,9 @@ TEST(MakeTileLists, HoldEveryDescriptorOnceAndNoListIsEmpty) {
   const SyntheticDescriptors data = MakeSyntheticDescriptors({.num_landmarks = 50});
   const TileLists lists =
       MakeTileLists(*data.codebook, data.codes, {.num_lists = 100, .num_iterations = 20});
-  std::vector<uint32_t> members = lists.members;
+  LargeVector<uint32_t> members = lists.members;
   std::sort(members.begin(), members.end());
-  std::vector<uint32_t> all(100);
+  LargeVector<uint32_t> all(100);
   std::iota(all.begin(), all.end(), 0u);
   EXPECT_EQ(members, all);
   EXPECT_EQ(lists.begin.front(), 0u);

@@ -1,0 +1,21 @@
+// From the columns of a payload to a tile; private to storage.
+#ifndef CAIRN_STORAGE_TILE_DECODE_H_
+#define CAIRN_STORAGE_TILE_DECODE_H_
+
+#include <span>
+
+#include "storage/tile.h"
+#include "storage/tile_columns.h"
+#include "storage/tile_lists.h"
+
+namespace cairn {
+
+// The lists of a tile, if it has any. Throws Error(kMapDamaged).
+TileLists DecodeLists(const TileColumns& columns);
+
+// All of a tile; `members` are those of its lists. Throws Error(kMapDamaged).
+Tile DecodeTileColumns(const TileColumns& columns, std::span<const uint32_t> members);
+
+}  // namespace cairn
+
+#endif  // CAIRN_STORAGE_TILE_DECODE_H_
