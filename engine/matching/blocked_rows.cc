@@ -1,6 +1,7 @@
 #include "engine/matching/blocked_rows.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
 
@@ -11,6 +12,21 @@ namespace cairn {
 namespace {
 
 constexpr int16_t kCenter = 128;  // Queries within the bytes' range then need one part.
+
+constexpr int32_t kFarAway = 1 << 30;
+
+size_t PaddedSize(size_t num_rows) { return (num_rows + kBlockRows - 1) / kBlockRows * kBlockRows; }
+
+// Adds the bytes of whole blocks, place by place. The sums have 16 bits each, enough for 257
+// blocks.
+CAIRN_VECTOR_CLONES void AddBlocks(const uint8_t* blocks, size_t num_blocks, size_t block_size,
+                                   uint16_t* sums) {
+  for (size_t i = 0; i < num_blocks; ++i, blocks += block_size) {
+    for (size_t place = 0; place < block_size; ++place) {
+      sums[place] = static_cast<uint16_t>(sums[place] + blocks[place]);
+    }
+  }
+}
 
 // Copies the groups of a row to their places in its block, and returns |row - center|^2. The
 // constant stride lets the loops unroll; kStride 0 stands for any.
@@ -59,16 +75,52 @@ int32_t Smallest(size_t count, std::vector<int32_t>* values) {
 BlockedRows::BlockedRows(const uint8_t* rows, int stride, std::span<const uint32_t> order)
     : size_(order.size()), stride_(stride), centers_(stride, kCenter) {
   constexpr size_t kAhead = 16;  // Rows that are asked for ahead.
-  const size_t padded_size = (size_ + kBlockRows - 1) / kBlockRows * kBlockRows;
-  blocks_.resize(padded_size * stride);
-  constexpr int32_t kFarAway = 1 << 30;
-  sq_norms_.resize(padded_size, kFarAway);
+  blocks_.assign(PaddedSize(size_) * stride, 0);
+  sq_norms_.assign(PaddedSize(size_), kFarAway);
   const auto copy = stride == kDistanceBlock ? CopyRow<kDistanceBlock> : CopyRow<0>;
   for (size_t i = 0; i < size_; ++i) {
     __builtin_prefetch(rows + size_t{order[std::min(i + kAhead, size_ - 1)]} * stride);
     uint8_t* to =
         blocks_.data() + i / kBlockRows * kBlockRows * stride + i % kBlockRows * kGroupDims;
     sq_norms_[i] = copy(rows + size_t{order[i]} * stride, stride, to);
+  }
+}
+
+BlockedRows::BlockedRows(const CodeWords& words, std::span<const uint8_t> codes)
+    : size_(codes.size() / words.num_subspaces()),
+      stride_(words.stride()),
+      centers_(stride_, kCenter),
+      blocks_(PaddedSize(size_) * stride_),
+      sq_norms_(PaddedSize(size_)) {
+  BestExpansionKernel().expand(words, kCenter, codes.data(), size_, blocks_.data(),
+                               sq_norms_.data());
+  std::fill(sq_norms_.begin() + static_cast<ptrdiff_t>(size_), sq_norms_.end(), kFarAway);
+}
+
+void BlockedRows::Sum(size_t begin, size_t end, uint32_t* sums) const {
+  constexpr size_t kMaxBlocks = 257;  // Whose sum fits 16 bits.
+  const size_t block_size = size_t{kBlockRows} * stride_;
+  std::array<uint16_t, size_t{kBlockRows} * kMaxDistanceStride> block_sums;
+  std::fill_n(sums, stride_, 0u);
+  const auto add = [&](size_t row_in_block, const auto* places) {
+    for (int dim = 0; dim < stride_; ++dim) {
+      sums[dim] +=
+          places[(dim / kGroupDims * kBlockRows + row_in_block) * kGroupDims + dim % kGroupDims];
+    }
+  };
+  for (size_t row = begin; row < end;) {
+    const size_t num_blocks = std::min((end - row) / kBlockRows, kMaxBlocks);
+    if (row % kBlockRows == 0 && num_blocks > 0) {
+      std::fill_n(block_sums.begin(), block_size, uint16_t{0});
+      AddBlocks(blocks_.data() + row * stride_, num_blocks, block_size, block_sums.data());
+      for (size_t i = 0; i < kBlockRows; ++i) {
+        add(i, block_sums.data());
+      }
+      row += num_blocks * kBlockRows;
+    } else {
+      add(row % kBlockRows, blocks_.data() + row / kBlockRows * block_size);
+      ++row;
+    }
   }
 }
 

@@ -4,29 +4,14 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <new>
 #include <span>
 #include <vector>
 
+#include "core/large_vector.h"
 #include "engine/matching/block_kernels.h"
+#include "engine/matching/code_expansion.h"
 
 namespace cairn {
-
-// Memory that starts with a cache line, so that no group of a block lies across two.
-template <typename T>
-struct CacheLineAllocator {
-  using value_type = T;
-  static constexpr std::align_val_t kAlignment{64};
-
-  CacheLineAllocator() = default;
-  template <typename U>
-  CacheLineAllocator(const CacheLineAllocator<U>&) {}  // NOLINT: required of an allocator.
-  T* allocate(size_t count) {
-    return static_cast<T*>(::operator new(count * sizeof(T), kAlignment));
-  }
-  void deallocate(T* memory, size_t) { ::operator delete(memory, kAlignment); }
-  bool operator==(const CacheLineAllocator&) const { return true; }
-};
 
 // Working memory of BlockedRows::Nearest.
 struct NearestScratch {
@@ -40,6 +25,8 @@ class BlockedRows {
   // rows: any number x stride bytes, row-major; `order` lists those to hold, in order. stride as in
   // distance_kernels.h.
   BlockedRows(const uint8_t* rows, int stride, std::span<const uint32_t> order);
+  // codes: rows of words.num_subspaces() bytes, to hold in their order.
+  BlockedRows(const CodeWords& words, std::span<const uint8_t> codes);
 
   size_t size() const { return size_; }
   size_t padded_size() const { return sq_norms_.size(); }  // Whole blocks.
@@ -90,6 +77,9 @@ class BlockedRows {
     __builtin_prefetch(sq_norms_.data() + row);
   }
 
+  // The sums of each dimension over the rows in [begin, end): stride() numbers.
+  void Sum(size_t begin, size_t end, uint32_t* sums) const;
+
   size_t MemoryBytes() const { return blocks_.capacity() + sq_norms_.capacity() * sizeof(int32_t); }
 
  private:
@@ -98,9 +88,9 @@ class BlockedRows {
   size_t size_;
   int stride_;
   std::vector<int16_t> centers_;  // The same for all rows: the middle of a byte.
-  std::vector<uint8_t, CacheLineAllocator<uint8_t>> blocks_;  // The last one is padded.
-  std::vector<int32_t, CacheLineAllocator<int32_t>>
-      sq_norms_;  // About the centers, of whole blocks; large in the padding.
+  // No group of a block lies across two cache lines.
+  LargeVector<uint8_t> blocks_;    // The last one is padded.
+  LargeVector<int32_t> sq_norms_;  // About the centers, of whole blocks; large in the padding.
 };
 
 // Queries in the form of the kernels. Immutable; safe to use from any thread.

@@ -78,8 +78,7 @@ ByteScale::ByteScale(const Codebook& codebook) {
   stride_ = (dim() + kDistanceBlock - 1) / kDistanceBlock * kDistanceBlock;
 }
 
-std::vector<uint8_t> ByteScale::ExpandCodes(const Codebook& codebook,
-                                            std::span<const uint8_t> codes) const {
+std::vector<uint8_t> ByteScale::WordBytes(const Codebook& codebook) const {
   const int sub_dim = codebook.subspace_dim();
   std::vector<uint8_t> word_bytes(codebook.words.size());
   for (size_t i = 0; i < word_bytes.size(); ++i) {
@@ -88,6 +87,13 @@ std::vector<uint8_t> ByteScale::ExpandCodes(const Codebook& codebook,
                          static_cast<double>(step_);
     word_bytes[i] = static_cast<uint8_t>(std::clamp(std::lround(steps), 0L, long{kMaxByte}));
   }
+  return word_bytes;
+}
+
+std::vector<uint8_t> ByteScale::ExpandCodes(const Codebook& codebook,
+                                            std::span<const uint8_t> codes) const {
+  const int sub_dim = codebook.subspace_dim();
+  const std::vector<uint8_t> word_bytes = WordBytes(codebook);
   std::vector<uint8_t> rows(codes.size() / codebook.num_subspaces * stride_);
   const auto copy = sub_dim == 1   ? CopyWords<1>
                     : sub_dim == 2 ? CopyWords<2>

@@ -26,6 +26,9 @@ class ByteScale {
   int stride() const { return stride_; }  // dim() rounded up to a multiple of kDistanceBlock.
   float step() const { return step_; }
 
+  // The codebook's words in bytes, in its order: num_subspaces x 256 x subspace_dim.
+  std::vector<uint8_t> WordBytes(const Codebook& codebook) const;
+
   // n x num_subspaces codes -> n x stride() bytes, row-major; the padding is 0.
   std::vector<uint8_t> ExpandCodes(const Codebook& codebook, std::span<const uint8_t> codes) const;
 

@@ -108,22 +108,16 @@ BlockedRows Train(const ByteDescriptors& descriptors, const ByteWords::Options& 
   return MakeBlocks(words, stride);
 }
 
-BlockedRows MeansOfLists(const ByteDescriptors& descriptors, const TileLists& lists) {
-  const size_t stride = descriptors.scale().stride();
-  std::vector<uint8_t> means(lists.num_lists() * stride, 0);
+BlockedRows MeansOfLists(const BlockedRows& rows, std::span<const uint32_t> begin) {
+  const size_t stride = rows.stride();
+  const size_t num_lists = begin.empty() ? 0 : begin.size() - 1;
+  std::vector<uint8_t> means(num_lists * stride, 0);
   std::vector<uint32_t> sums(stride);
-  for (size_t list = 0; list < lists.num_lists(); ++list) {
-    const std::span<const uint32_t> members = lists.Members(list);
-    const auto count = static_cast<uint32_t>(members.size());
-    std::fill(sums.begin(), sums.end(), count / 2);  // Rounds to the nearest.
-    for (const uint32_t member : members) {
-      const uint8_t* row = descriptors.rows() + member * stride;
-      for (size_t dim = 0; dim < stride; ++dim) {
-        sums[dim] += row[dim];
-      }
-    }
+  for (size_t list = 0; list < num_lists; ++list) {
+    const uint32_t count = begin[list + 1] - begin[list];
+    rows.Sum(begin[list], begin[list + 1], sums.data());
     for (size_t dim = 0; dim < stride && count > 0; ++dim) {
-      means[list * stride + dim] = static_cast<uint8_t>(sums[dim] / count);
+      means[list * stride + dim] = static_cast<uint8_t>((sums[dim] + count / 2) / count);
     }
   }
   return MakeBlocks(means, static_cast<int>(stride));
@@ -131,10 +125,8 @@ BlockedRows MeansOfLists(const ByteDescriptors& descriptors, const TileLists& li
 
 }  // namespace
 
-ByteWords::ByteWords(const ByteDescriptors& descriptors, const TileLists& lists)
-    : first_dim_(0),
-      num_dims_(descriptors.scale().dim()),
-      words_(MeansOfLists(descriptors, lists)) {}
+ByteWords::ByteWords(const BlockedRows& rows, int num_dims, std::span<const uint32_t> begin)
+    : first_dim_(0), num_dims_(num_dims), words_(MeansOfLists(rows, begin)) {}
 
 ByteWords::ByteWords(const ByteDescriptors& descriptors, const Options& options)
     : first_dim_(options.first_dim),

@@ -10,7 +10,6 @@
 
 #include "engine/matching/blocked_rows.h"
 #include "engine/matching/byte_descriptors.h"
-#include "storage/tile_lists.h"
 
 namespace cairn {
 
@@ -30,8 +29,9 @@ class ByteWords {
   // descriptors. Deterministic by seed.
   ByteWords(const ByteDescriptors& descriptors, const Options& options);
 
-  // The mean of each list's descriptors, over all dimensions; zeros for an empty list.
-  ByteWords(const ByteDescriptors& descriptors, const TileLists& lists);
+  // The mean of each list's rows, over all of `num_dims` dimensions, rounded; zeros for an empty
+  // list. `begin` are the offsets of the lists in the rows, one more than there are.
+  ByteWords(const BlockedRows& rows, int num_dims, std::span<const uint32_t> begin);
 
   size_t size() const { return words_.size(); }
 

@@ -28,6 +28,14 @@ LargeVector<uint32_t> OrderByCell(std::span<const uint32_t> cells, std::vector<u
   return order;
 }
 
+size_t MaxSize(const TileLists& lists) {
+  size_t max_size = 0;
+  for (size_t list = 0; list < lists.num_lists(); ++list) {
+    max_size = std::max(max_size, lists.Members(list).size());
+  }
+  return max_size;
+}
+
 }  // namespace
 
 TileLists ListsOfCells(std::span<const uint32_t> cells, size_t num_cells) {
@@ -39,16 +47,19 @@ TileLists ListsOfCells(std::span<const uint32_t> cells, size_t num_cells) {
 
 CellLists::CellLists(const ByteDescriptors& descriptors, std::span<const uint32_t> cells,
                      size_t num_cells)
-    : CellLists(descriptors, ListsOfCells(cells, num_cells)) {}
-
-CellLists::CellLists(const ByteDescriptors& descriptors, TileLists lists)
     : scale_(descriptors.scale()),
-      lists_(std::move(lists)),
-      rows_(descriptors.rows(), scale_.stride(), lists_.members) {
+      lists_(ListsOfCells(cells, num_cells)),
+      rows_(descriptors.rows(), scale_.stride(), lists_.members),
+      max_cell_size_(MaxSize(lists_)) {
   CAIRN_CHECK(lists_.members.size() == descriptors.size(), "every descriptor has a cell");
-  for (size_t cell = 0; cell < num_cells(); ++cell) {
-    max_cell_size_ = std::max(max_cell_size_, lists_.Members(cell).size());
-  }
+}
+
+CellLists::CellLists(ByteScale scale, BlockedRows rows, TileLists lists)
+    : scale_(std::move(scale)),
+      lists_(std::move(lists)),
+      rows_(std::move(rows)),
+      max_cell_size_(MaxSize(lists_)) {
+  CAIRN_CHECK(lists_.members.size() == rows_.size(), "every descriptor has a cell");
 }
 
 // Asks for the memory of the next cell in slices, one a visit of the current cell: lists of many

@@ -29,10 +29,14 @@ class CellLists {
  public:
   // The cell of each descriptor is below num_cells.
   CellLists(const ByteDescriptors& descriptors, std::span<const uint32_t> cells, size_t num_cells);
-  // Every descriptor is in one of the lists, which are the cells.
-  CellLists(const ByteDescriptors& descriptors, TileLists lists);
+  // Every descriptor is in one of the lists, which are the cells. `rows` are the descriptors in the
+  // order of the lists.
+  CellLists(ByteScale scale, BlockedRows rows, TileLists lists);
 
   const ByteScale& scale() const { return scale_; }
+  const BlockedRows& rows() const { return rows_; }
+  // Offsets of the cells in the rows, one more than there are.
+  std::span<const uint32_t> begin() const { return lists_.begin; }
   size_t size() const { return lists_.members.size(); }
   size_t num_cells() const { return lists_.num_lists(); }
 

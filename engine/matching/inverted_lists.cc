@@ -1,6 +1,7 @@
 #include "engine/matching/inverted_lists.h"
 
 #include <algorithm>
+#include <cstring>
 #include <numeric>
 #include <utility>
 
@@ -26,15 +27,26 @@ TileLists MakeTileLists(const Codebook& codebook, std::span<const uint8_t> codes
   return codes.empty() ? TileLists() : MakeLists(ByteDescriptors(codebook, codes), options);
 }
 
+LargeVector<uint8_t> OrderCodes(std::span<const uint8_t> codes, size_t code_size,
+                                const TileLists& lists) {
+  LargeVector<uint8_t> ordered(codes.size());
+  for (size_t row = 0; row < lists.members.size(); ++row) {
+    std::memcpy(ordered.data() + row * code_size, codes.data() + lists.members[row] * code_size,
+                code_size);
+  }
+  return ordered;
+}
+
 InvertedLists::InvertedLists(const Codebook& codebook, std::span<const uint8_t> codes,
                              const InvertedListsOptions& options, TileLists lists)
-    : InvertedLists(ByteDescriptors(codebook, codes), options.num_probes,
-                    lists.empty() ? MakeTileLists(codebook, codes, options) : std::move(lists)) {}
+    : InvertedLists(ByteScale(codebook), CodeWords(codebook, ByteScale(codebook)), codes,
+                    options.num_probes, std::move(lists)) {}
 
-InvertedLists::InvertedLists(const ByteDescriptors& descriptors, size_t num_probes, TileLists lists)
+InvertedLists::InvertedLists(const ByteScale& scale, const CodeWords& words,
+                             std::span<const uint8_t> codes, size_t num_probes, TileLists lists)
     : num_probes_(std::min(num_probes, lists.num_lists())),
-      words_(descriptors, lists),
-      lists_(descriptors, std::move(lists)) {}
+      lists_(scale, BlockedRows(words, codes), std::move(lists)),
+      words_(lists_.rows(), scale.dim(), lists_.begin()) {}
 
 std::vector<CellVisit> InvertedLists::MakeVisits(const std::vector<int16_t>& query_steps,
                                                  size_t num_queries) const {

@@ -7,8 +7,10 @@
 #include <span>
 #include <vector>
 
+#include "core/large_vector.h"
 #include "engine/matching/byte_words.h"
 #include "engine/matching/cell_lists.h"
+#include "engine/matching/code_expansion.h"
 #include "engine/matching/matching_index.h"
 #include "storage/tile_lists.h"
 
@@ -20,25 +22,30 @@ namespace cairn {
 TileLists MakeTileLists(const Codebook& codebook, std::span<const uint8_t> codes,
                         const InvertedListsOptions& options);
 
+// Rows of `code_size` bytes in the order of the lists' members.
+LargeVector<uint8_t> OrderCodes(std::span<const uint8_t> codes, size_t code_size,
+                                const TileLists& lists);
+
 // Queries are compared list by list, so that a list that several of them visit is read once.
 class InvertedLists : public MatchingIndex {
  public:
-  // See MakeMatchingIndex. Without lists it makes them.
+  // `codes` are in the order of `lists`, as `OrderCodes` puts them and a tile stores them.
   InvertedLists(const Codebook& codebook, std::span<const uint8_t> codes,
-                const InvertedListsOptions& options, TileLists lists = {});
+                const InvertedListsOptions& options, TileLists lists);
 
   int64_t Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const override;
   size_t MemoryBytes() const override { return words_.MemoryBytes() + lists_.MemoryBytes(); }
 
  private:
-  InvertedLists(const ByteDescriptors& descriptors, size_t num_probes, TileLists lists);
+  InvertedLists(const ByteScale& scale, const CodeWords& words, std::span<const uint8_t> codes,
+                size_t num_probes, TileLists lists);
   // Ordered by cell, then query.
   std::vector<CellVisit> MakeVisits(const std::vector<int16_t>& query_steps,
                                     size_t num_queries) const;
 
   size_t num_probes_;
-  ByteWords words_;
   CellLists lists_;
+  ByteWords words_;
 };
 
 }  // namespace cairn

@@ -24,8 +24,13 @@ std::unique_ptr<const MatchingIndex> MakeMatchingIndex(const Codebook& codebook,
   switch (options.kind) {
     case IndexKind::kRandomGrids:
       return std::make_unique<RandomGrids>(codebook, codes, options.grids);
-    case IndexKind::kInvertedLists:
-      return std::make_unique<InvertedLists>(codebook, codes, options.lists, std::move(lists));
+    case IndexKind::kInvertedLists: {
+      if (lists.empty()) {
+        lists = MakeTileLists(codebook, codes, options.lists);
+      }
+      const LargeVector<uint8_t> ordered = OrderCodes(codes, codebook.num_subspaces, lists);
+      return std::make_unique<InvertedLists>(codebook, ordered, options.lists, std::move(lists));
+    }
     case IndexKind::kInvertedMultiIndex:
       return std::make_unique<InvertedMultiIndex>(codebook, codes, options.multi_index);
     case IndexKind::kKdTree:

@@ -11,7 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "engine/matching/byte_scale.h"
 #include "engine/matching/distance_kernels.h"
+#include "support/tile_builder.h"
 
 namespace cairn {
 namespace {
@@ -163,6 +165,46 @@ TEST(BlockedRows, NearestAreThoseOfASort) {
         EXPECT_TRUE(std::equal(found.begin(), found.end(), expected.begin()));
       }
     }
+  }
+}
+
+// Rows of all 255 overflow 16 bits within 4,112 of them.
+TEST(BlockedRows, SumAnyRun) {
+  constexpr int kStride = 32;
+  constexpr size_t kNumRows = 9'000;
+  Scene scene(kStride, kNumRows, 3);
+  std::fill(scene.rows.begin(), scene.rows.begin() + 5'000 * kStride, uint8_t{255});
+  std::iota(scene.order.begin(), scene.order.end(), 0u);
+  const BlockedRows blocked(scene.rows.data(), kStride, scene.order);
+  for (const auto& [begin, end] : std::vector<std::pair<size_t, size_t>>{
+           {0, 0}, {0, 1}, {15, 17}, {16, 32}, {3, 16}, {0, kNumRows}, {7, 8'999}}) {
+    std::vector<uint32_t> sums(kStride, 77), expected(kStride, 0);
+    blocked.Sum(begin, end, sums.data());
+    for (size_t i = begin * kStride; i < end * kStride; ++i) {
+      expected[i % kStride] += scene.rows[i];
+    }
+    EXPECT_EQ(sums, expected) << begin << " to " << end;
+  }
+}
+
+TEST(BlockedRows, OfCodesAreThoseOfTheirBytes) {
+  const Codebook codebook = testing::RandomCodebook();
+  const ByteScale scale(codebook);
+  std::mt19937_64 random(5);
+  std::vector<uint8_t> codes(100 * size_t{8});
+  std::generate(codes.begin(), codes.end(), [&] { return static_cast<uint8_t>(random()); });
+  std::vector<uint32_t> order(100);
+  std::iota(order.begin(), order.end(), 0u);
+  const BlockedRows expected(scale.ExpandCodes(codebook, codes).data(), scale.stride(), order);
+  const BlockedRows blocked(CodeWords(codebook, scale), codes);
+  ASSERT_EQ(blocked.padded_size(), 112u);
+  const Scene scene(scale.stride(), 1, 6);
+  const BlockQueries queries(scene.steps, blocked.centers());
+  for (size_t query = 0; query < queries.size(); ++query) {
+    std::vector<int32_t> distances(112), expected_distances(112);
+    blocked.Scan(queries[query], distances.data());
+    expected.Scan(queries[query], expected_distances.data());
+    EXPECT_EQ(distances, expected_distances) << query;
   }
 }
 
