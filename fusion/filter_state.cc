@@ -1,6 +1,7 @@
 #include "fusion/filter_state.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -89,6 +90,17 @@ void FilterState::AddClone(int64_t frame_id, int64_t timestamp_ns,
 }
 
 void FilterState::RemoveClone(int clone) {
+  const int newest = static_cast<int>(mean_.clones.size()) - 1;
+  const int next_anchor = clone == newest ? newest - 1 : newest;
+  for (int slot = 0; slot < static_cast<int>(mean_.points.size()); ++slot) {
+    auto& point = mean_.points[static_cast<size_t>(slot)];
+    if (point && point->anchor == clone) {
+      next_anchor < 0 ? RemovePoint(slot) : MoveAnchor(slot, next_anchor);
+    }
+    if (point && point->anchor > clone) {
+      --point->anchor;
+    }
+  }
   const int begin = CloneIdx(clone);
   const int old_dim = dim();
   const int after = old_dim - begin - kCloneDim;
@@ -141,9 +153,67 @@ bool FilterState::EnterPoint(int slot, uint64_t track_id, const PointRows& rows)
   if (!(rows.by_point.diagonal().cwiseAbs().minCoeff() > 1e-3)) {
     return false;
   }
-  const Eigen::Vector3d error = EnterVariable(PointIdx(slot), rows.by_point, rows.clones);
-  mean_.points[static_cast<size_t>(slot)] = {track_id, rows.x_in_local + error, rows.x_in_local};
+  const int newest = static_cast<int>(mean_.clones.size()) - 1;
+  StatePoint point;
+  point.track_id = track_id;
+  SetAnchor(newest, rows.x_in_local, &point);
+  const LocatedPoint located = Locate(point);
+  // The error of the point in local is that of its coordinates and of its anchor.
+  Measurement top = rows.clones;
+  top.blocks.push_back({CloneIdx(newest), kCloneDim});
+  top.jacobian.conservativeResize(Eigen::NoChange, top.jacobian.cols() + kCloneDim);
+  top.jacobian.rightCols<kCloneDim>() = rows.by_point * located.by_anchor;
+  point.coordinates += EnterVariable(PointIdx(slot), rows.by_point * located.by_coordinates, top);
+  mean_.points[static_cast<size_t>(slot)] = point;
   return true;
+}
+
+LocatedPoint FilterState::Locate(int slot) const {
+  return Locate(*mean_.points[static_cast<size_t>(slot)]);
+}
+
+LocatedPoint FilterState::Locate(const StatePoint& point) const {
+  const Clone& anchor = mean_.clones[static_cast<size_t>(point.anchor)];
+  LocatedPoint located;
+  located.x_in_local = anchor.local_from_imu * point.chart.ToPoint(point.coordinates);
+  located.by_anchor << -Skew(located.x_in_local - anchor.first_position_in_local),
+      Eigen::Matrix3d::Identity();
+  located.by_coordinates =
+      anchor.local_from_imu.rotation.toRotationMatrix() * point.chart.Jacobian(point.coordinates);
+  return located;
+}
+
+void FilterState::SetAnchor(int clone, const Eigen::Vector3d& x_in_local, StatePoint* point) const {
+  const Rigid3d& local_from_imu = mean_.clones[static_cast<size_t>(clone)].local_from_imu;
+  point->anchor = clone;
+  point->chart = PointChart(mean_.rig.cam_from_imu.Inverse().translation,
+                            local_from_imu.Inverse() * x_in_local);
+  point->coordinates = point->chart.origin();
+}
+
+void FilterState::MoveAnchor(int slot, int clone) {
+  StatePoint& point = *mean_.points[static_cast<size_t>(slot)];
+  const int old_idx = CloneIdx(point.anchor);
+  const int new_idx = CloneIdx(clone);
+  const LocatedPoint before = Locate(point);
+  SetAnchor(clone, before.x_in_local, &point);
+  const LocatedPoint after = Locate(point);
+  // Where the point is in local does not change: after.by_coordinates * (new coordinates) =
+  // before.by_coordinates * (old ones) + before.by_anchor * (old anchor) - after.by_anchor * (new).
+  const Eigen::Matrix3d inverse = after.by_coordinates.inverse();
+  const Eigen::MatrixXd rows =
+      inverse * (before.by_coordinates * covariance_.block(PointIdx(slot), 0, kPointDim, dim()) +
+                 before.by_anchor * covariance_.block(old_idx, 0, kCloneDim, dim()) -
+                 after.by_anchor * covariance_.block(new_idx, 0, kCloneDim, dim()));
+  const Eigen::Matrix3d own =
+      (rows.middleCols<kPointDim>(PointIdx(slot)) * before.by_coordinates.transpose() +
+       rows.middleCols<kCloneDim>(old_idx) * before.by_anchor.transpose() -
+       rows.middleCols<kCloneDim>(new_idx) * after.by_anchor.transpose()) *
+      inverse.transpose();
+  covariance_.block(PointIdx(slot), 0, kPointDim, dim()) = rows;
+  covariance_.block(0, PointIdx(slot), dim(), kPointDim) = rows.transpose();
+  covariance_.block<kPointDim, kPointDim>(PointIdx(slot), PointIdx(slot)) =
+      0.5 * (own + own.transpose());
 }
 
 void FilterState::RemovePoint(int slot) {
@@ -280,8 +350,8 @@ void FilterState::MoveMean(const Eigen::VectorXd& error) {
     mean_.rig.time_offset_s += error[kRigIdx + 6];
   }
   for (size_t i = 0; i < mean_.points.size(); ++i) {
-    if (mean_.points[i]) {
-      mean_.points[i]->x_in_local += error.segment<3>(PointIdx(static_cast<int>(i)));
+    if (auto& point = mean_.points[i]) {
+      point->coordinates += error.segment<3>(PointIdx(static_cast<int>(i)));
     }
   }
   for (size_t i = 0; i < mean_.clones.size(); ++i) {
@@ -338,11 +408,10 @@ bool FilterState::InitializeGlobal(const Rigid3d& global_from_local,
   return true;
 }
 
-Eigen::VectorXd FilterState::EnterVariable(int offset, const Eigen::MatrixXd& triangle,
+Eigen::VectorXd FilterState::EnterVariable(int offset, const Eigen::MatrixXd& by_variable,
                                            const Measurement& top) {
-  const Eigen::Index size = triangle.rows();
-  const Eigen::MatrixXd inverse =
-      triangle.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(size, size));
+  const Eigen::Index size = by_variable.rows();
+  const Eigen::MatrixXd inverse = by_variable.inverse();
   const Eigen::MatrixXd state_by_rows = StateByRows({&top, 1});
   const Eigen::MatrixXd block =
       inverse * InnovationCovariance({&top, 1}, state_by_rows) * inverse.transpose();

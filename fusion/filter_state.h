@@ -5,7 +5,7 @@
 //   global      6  rho, psi, tilt x, tilt y of global_from_local; zero variance where not estimated
 //   rig         7  phi, p of cam_from_imu, and the time offset; only if one of them is estimated
 //   tiles     3 K  offset of each of K map tiles in global; only with tile_sigma_m > 0
-//   points    3 M  long-lived points in local; zero variance where there is none
+//   points    3 M  long-lived points, each in a chart at a clone; zero variance where there is none
 //   clones    6 N  theta, p of past poses of the imu
 #ifndef CAIRN_FUSION_FILTER_STATE_H_
 #define CAIRN_FUSION_FILTER_STATE_H_
@@ -22,6 +22,7 @@
 #include "fusion/imu.h"
 #include "fusion/imu_propagation.h"
 #include "fusion/measurement.h"
+#include "fusion/point_chart.h"
 
 namespace cairn::fusion {
 
@@ -50,10 +51,19 @@ struct Clone {
 // A tracked point that stays in the state for as long as it is in view.
 struct StatePoint {
   uint64_t track_id = 0;
+  int anchor = 0;  // The clone in whose imu frame the chart is.
+  PointChart chart;
+  Eigen::Vector3d coordinates;  // In the chart.
+  bool contradicted = false;    // By its newest sight.
+};
+
+// Where a point of the state is, and how that depends on the state. As shift and turn of local move
+// the anchor and leave the coordinates alone, both derivatives may be taken at the present
+// estimate.
+struct LocatedPoint {
   Eigen::Vector3d x_in_local;
-  // Estimate when the point entered the state, at which Jacobians by rotations are linearised.
-  Eigen::Vector3d first_x_in_local;
-  bool contradicted = false;  // By its newest sight.
+  Eigen::Matrix<double, kPointDim, kCloneDim> by_anchor;
+  Eigen::Matrix3d by_coordinates;
 };
 
 // What a track says about its point: by_point * (error of the point) + clones.jacobian * (error of
@@ -116,7 +126,7 @@ class FilterState {
   // bias-free angular rate, for the time offset. There must be fewer than kMaxClones.
   void AddClone(int64_t frame_id, int64_t timestamp_ns, const Eigen::Vector3d& imu_rate_rad_s);
 
-  // Marginalises a clone.
+  // Marginalises a clone. Points that are anchored there are anchored at the newest other one.
   void RemoveClone(int clone);
 
   // Offset into the error state of the nuisance of a tile, made on first use in place of the one
@@ -131,8 +141,10 @@ class FilterState {
   const std::vector<std::optional<StatePoint>>& points() const { return mean_.points; }
   int PointIdx(int slot) const { return points_idx_ + kPointDim * slot; }
 
-  // Enters a point into a free slot with exact correlations. False, with nothing changed, if the
-  // rows leave it undetermined.
+  LocatedPoint Locate(int slot) const;
+
+  // Enters a point into a free slot with exact correlations, anchored at the newest clone. False,
+  // with nothing changed, if the rows leave it undetermined.
   bool EnterPoint(int slot, uint64_t track_id, const PointRows& rows);
 
   // Frees a slot.
@@ -185,11 +197,16 @@ class FilterState {
   static Eigen::MatrixXd InnovationCovariance(std::span<const Measurement> parts,
                                               const Eigen::MatrixXd& state_by_rows);
   void MoveMean(const Eigen::VectorXd& error);
+  LocatedPoint Locate(const StatePoint& point) const;
+  // Anchors a point that is at `x_in_local` at a clone.
+  void SetAnchor(int clone, const Eigen::Vector3d& x_in_local, StatePoint* point) const;
+  // The same, for a point of the state.
+  void MoveAnchor(int slot, int clone);
   // Largest correction of a clone, in units of those beyond which a linearisation is in doubt.
   double LinearizationDoubt(const Eigen::VectorXd& error) const;
-  // Enters a variable g at `offset` of which `top` says: triangle * g + H x + n = r. Returns
-  // triangle^-1 r.
-  Eigen::VectorXd EnterVariable(int offset, const Eigen::MatrixXd& triangle,
+  // Enters a variable g at `offset` of which `top` says: by_variable * g + H x + n = r. Returns
+  // by_variable^-1 r.
+  Eigen::VectorXd EnterVariable(int offset, const Eigen::MatrixXd& by_variable,
                                 const Measurement& top);
 
   Mean mean_;

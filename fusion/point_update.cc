@@ -20,17 +20,21 @@ std::optional<Measurement> LinearizeSightOfPoint(const FilterState& state, const
     return std::nullopt;
   }
   const CameraView& view = views[static_cast<size_t>(clone)];
-  const auto predicted = PredictPixel(camera, view, point.x_in_local);
+  const LocatedPoint located = state.Locate(slot);
+  const auto predicted = PredictPixel(camera, view, located.x_in_local);
   if (!predicted) {
     return std::nullopt;
   }
   const int rig_dims = state.estimates_rig() ? kRigDim : 0;
   Measurement measurement;
-  measurement.blocks = {{state.CloneIdx(clone), kCloneDim}, {state.PointIdx(slot), kPointDim}};
-  measurement.jacobian.resize(2, kCloneDim + kPointDim + rig_dims);
-  // The lever is that between first estimates; see docs/math/fusion.md.
-  measurement.jacobian.leftCols<kCloneDim>() = ByClone(*predicted, view, point.first_x_in_local);
-  measurement.jacobian.middleCols<kPointDim>(kCloneDim) = predicted->by_local;
+  measurement.blocks = {{state.CloneIdx(clone), kCloneDim},
+                        {state.CloneIdx(point.anchor), kCloneDim},
+                        {state.PointIdx(slot), kPointDim}};
+  measurement.jacobian.resize(2, 2 * kCloneDim + kPointDim + rig_dims);
+  measurement.jacobian.leftCols<kCloneDim>() = ByClone(*predicted, view, located.x_in_local);
+  measurement.jacobian.middleCols<kCloneDim>(kCloneDim) = predicted->by_local * located.by_anchor;
+  measurement.jacobian.middleCols<kPointDim>(2 * kCloneDim) =
+      predicted->by_local * located.by_coordinates;
   if (rig_dims > 0) {
     measurement.blocks.push_back({kRigIdx, kRigDim});
     measurement.jacobian.rightCols<kRigDim>() = ByRig(*predicted, state.rig());

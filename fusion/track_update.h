@@ -29,8 +29,8 @@ struct TrackUpdateOptions {
   double max_relative_baseline_sigma = 0.5;
   TriangulateOptions triangulate;
   // Largest standard deviation of the distance of a point that enters the state, relative to it.
-  // As the point's first estimate stays with it, this is stricter than for a track.
-  double max_relative_point_sigma = 0.02;
+  // 5 % lets in half as many points, 15 % no more that help (cairn_fusion_drift).
+  double max_relative_point_sigma = 0.1;
 
   void Validate() const;
 };

@@ -51,6 +51,26 @@ Eigen::VectorXd RandomVector(int size, uint64_t seed) {
   return Eigen::VectorXd::NullaryExpr(size, [&] { return normal(random); });
 }
 
+// What a track seen by the first three clones says about its point.
+PointRows SomePointRows(const FilterState& state) {
+  return {{4.0, 1.0, 2.0},
+          Eigen::Matrix3d{{2.0, 0.4, -0.3}, {0.0, 1.5, 0.7}, {0.0, 0.0, 1.0}},
+          {{{state.CloneIdx(0), 18}},
+           RandomVector(3 * 18, 5).reshaped(3, 18),
+           0.01 * RandomVector(3, 6)}};
+}
+
+// The error of the state with that of a point in local in place of that of its coordinates.
+Eigen::MatrixXd InLocal(const FilterState& state, int slot) {
+  const LocatedPoint located = state.Locate(slot);
+  Eigen::MatrixXd by_state = Eigen::MatrixXd::Identity(state.dim(), state.dim());
+  const int point = state.PointIdx(slot);
+  by_state.block<3, 3>(point, point) = located.by_coordinates;
+  by_state.block<3, 6>(point, state.CloneIdx(state.points()[static_cast<size_t>(slot)]->anchor)) =
+      located.by_anchor;
+  return by_state;
+}
+
 Rigid3d PerturbLeft(const Rigid3d& pose, const Vector6d& error) {
   Rigid3d moved = pose;
   moved.rotation = ExpSo3(error.head<3>()) * pose.rotation;
@@ -178,11 +198,7 @@ TEST(FilterState, EnteringAPointIsAnUpdateWithoutPrior) {
   // The reference: the point with a standard deviation of 1 km, updated.
   FilterState state = SomeState(3);
   Eigen::MatrixXd prior = state.covariance();
-  PointRows rows{{4.0, 1.0, 2.0},
-                 Eigen::Matrix3d{{2.0, 0.4, -0.3}, {0.0, 1.5, 0.7}, {0.0, 0.0, 1.0}},
-                 {{{state.CloneIdx(0), 18}},
-                  RandomVector(3 * 18, 5).reshaped(3, 18),
-                  0.01 * RandomVector(3, 6)}};
+  const PointRows rows = SomePointRows(state);
   const int point = state.PointIdx(2);
   prior.diagonal().segment<3>(point).setConstant(1e6);
   Eigen::MatrixXd h = Eigen::MatrixXd::Zero(3, prior.rows());
@@ -191,14 +207,85 @@ TEST(FilterState, EnteringAPointIsAnUpdateWithoutPrior) {
   const Eigen::MatrixXd s = h * prior * h.transpose() + Eigen::MatrixXd::Identity(3, 3);
   const Eigen::MatrixXd gain = prior * h.transpose() * s.inverse();
   const Eigen::MatrixXd expected = prior - gain * s * gain.transpose();
+  // The covariance is that of the coordinates at the point of linearisation, where no residual
+  // moves them from.
+  FilterState unmoved = state;
+  PointRows without_residual = rows;
+  without_residual.clones.residual.setZero();
+  ASSERT_TRUE(unmoved.EnterPoint(2, 77, without_residual));
+  const Eigen::MatrixXd by_state = InLocal(unmoved, 2);
+  EXPECT_LT(
+      (by_state * unmoved.covariance() * by_state.transpose() - expected).cwiseAbs().maxCoeff(),
+      1e-4);
   ASSERT_TRUE(state.EnterPoint(2, 77, rows));
-  EXPECT_LT((state.covariance() - expected).cwiseAbs().maxCoeff(), 1e-4);
+  EXPECT_EQ(Eigen::MatrixXd(state.covariance()), Eigen::MatrixXd(unmoved.covariance()));
   EXPECT_EQ(state.points()[2]->track_id, 77u);
-  EXPECT_EQ(state.points()[2]->first_x_in_local, rows.x_in_local);
-  EXPECT_LT((state.points()[2]->x_in_local - rows.x_in_local -
-             (gain * rows.clones.residual).segment<3>(point))
-                .norm(),
-            1e-3);
+  EXPECT_LT((unmoved.Locate(2).x_in_local - rows.x_in_local).norm(), 1e-12);
+  const Eigen::Vector3d correction =
+      unmoved.Locate(2).by_coordinates *
+      (state.points()[2]->coordinates - unmoved.points()[2]->coordinates);
+  EXPECT_LT((correction - (gain * rows.clones.residual).segment<3>(point)).norm(), 1e-3);
+}
+
+TEST(FilterState, APointMovesWithItsAnchorAndItsCoordinates) {
+  FilterState state = SomeState(3);
+  ASSERT_TRUE(state.EnterPoint(2, 77, SomePointRows(state)));
+  const LocatedPoint located = state.Locate(2);
+  const auto moved_by = [&](int offset, const Eigen::VectorXd& error) -> Eigen::Vector3d {
+    FilterState moved = state;
+    Correction correction{Eigen::VectorXd::Zero(state.dim()), Eigen::MatrixXd(0, state.dim())};
+    correction.error.segment(offset, error.size()) = error;
+    moved.Apply(correction);
+    return moved.Locate(2).x_in_local;
+  };
+  const auto by_anchor = NumericJacobian<3, 6>(
+      [&](const Vector6d& error) { return moved_by(state.CloneIdx(2), error); });
+  EXPECT_LT((located.by_anchor - by_anchor).norm(), 1e-5 * by_anchor.norm());
+  const auto by_coordinates = NumericJacobian<3, 3>(
+      [&](const Eigen::Vector3d& error) { return moved_by(state.PointIdx(2), error); }, 1e-6);
+  EXPECT_LT((located.by_coordinates - by_coordinates).norm(), 1e-5 * by_coordinates.norm());
+}
+
+TEST(FilterState, APointTurnsWithLocalWhereverCorrectionsHaveMovedIt) {
+  FilterState state = SomeState(3);
+  ASSERT_TRUE(state.EnterPoint(2, 77, SomePointRows(state)));
+  state.Apply({0.05 * RandomVector(state.dim(), 8), Eigen::MatrixXd(0, state.dim())});
+  const LocatedPoint located = state.Locate(2);
+  Vector6d turn;
+  turn << Eigen::Vector3d::UnitZ(),
+      Eigen::Vector3d::UnitZ().cross(state.clones()[2].first_position_in_local);
+  EXPECT_LT((located.by_anchor * turn - Eigen::Vector3d::UnitZ().cross(located.x_in_local)).norm(),
+            1e-12);
+}
+
+TEST(FilterState, APointMovesToAnotherAnchorWhenItsCloneIsRemoved) {
+  FilterState state = SomeState(3);
+  ASSERT_TRUE(state.EnterPoint(2, 77, SomePointRows(state)));
+  const Eigen::Vector3d x_in_local = state.Locate(2).x_in_local;
+  const Eigen::MatrixXd by_state = InLocal(state, 2);
+  const Eigen::MatrixXd before = by_state * state.covariance() * by_state.transpose();
+  EXPECT_EQ(state.points()[2]->anchor, 2);
+  state.RemoveClone(2);
+  EXPECT_EQ(state.points()[2]->anchor, 1);
+  EXPECT_LT((state.Locate(2).x_in_local - x_in_local).norm(), 1e-12);
+  const Eigen::MatrixXd by_new_state = InLocal(state, 2);
+  const Eigen::MatrixXd after = by_new_state * state.covariance() * by_new_state.transpose();
+  EXPECT_TRUE(after.isApprox(before.topLeftCorner(state.dim(), state.dim()), 1e-9));
+  state.RemoveClone(0);  // The anchor is what it was, at another place.
+  EXPECT_EQ(state.points()[2]->anchor, 0);
+  EXPECT_LT((state.Locate(2).x_in_local - x_in_local).norm(), 1e-12);
+  state.RemoveClone(0);
+  EXPECT_FALSE(state.points()[2].has_value());
+}
+
+TEST(PointChart, JacobianAgreesWithFiniteDifferences) {
+  const Eigen::Vector3d x(4.0, -1.0, 2.0);
+  const PointChart chart({1.0, 0.5, -0.3}, x);
+  EXPECT_LT((chart.ToPoint(chart.origin()) - x).norm(), 1e-12);
+  const Eigen::Vector3d coordinates = chart.origin() + Eigen::Vector3d(0.1, -0.2, 0.05);
+  const auto numeric = NumericJacobian<3, 3>(
+      [&](const Eigen::Vector3d& d) { return chart.ToPoint(coordinates + d); });
+  EXPECT_LT((chart.Jacobian(coordinates) - numeric).norm(), 1e-5 * numeric.norm());
 }
 
 TEST(FilterState, ARemovedPointLeavesNothing) {
