@@ -6,6 +6,7 @@
 
 #include "fusion/errors.h"
 #include "fusion/estimator.h"
+#include "fusion/pose_covariance.h"
 #include "fusion/simulation.h"
 
 namespace cairn::fusion {
@@ -106,10 +107,11 @@ INSTANTIATE_TEST_SUITE_P(Maps, Calibration, ::testing::Bool());
 
 struct TiltedMapErrors {
   double position_m = 0.0, rotation_rad = 0.0;
+  double nees = 0.0;  // Of the pose of the camera in global, at the end.
 };
 
-TiltedMapErrors RunOnTiltedMap(double tilt_sigma_rad) {
-  const Simulation simulation(Walk(4));
+TiltedMapErrors RunOnTiltedMap(uint64_t seed, double tilt_sigma_rad) {
+  const Simulation simulation(Walk(seed));
   AnswerOptions tilted;
   tilted.global_from_true_global =
       Rigid3d(ExpSo3({0.0, 0.0, 0.5}) * ExpSo3({0.02, -0.015, 0.0}), {40.0, -20.0, 3.0});
@@ -130,15 +132,33 @@ TiltedMapErrors RunOnTiltedMap(double tilt_sigma_rad) {
       estimator.Submit(simulation.MakeAnswer(*query, i, tilted));
     }
   });
-  return {position_m.Value(), rotation_rad.Value()};
+  // At the last frame, not at the newest sample, which is some millimetres on.
+  const FilterState& state = *estimator.state();
+  const PosePrior pose = CameraPrior(state, static_cast<int>(state.clones().size()) - 1);
+  const Rigid3d truth = tilted.global_from_true_global *
+                        simulation.frames().back().truth.world_from_imu *
+                        options.rig.cam_from_imu.Inverse();
+  Eigen::Matrix<double, 6, 1> error;
+  error << LogSo3(truth.rotation * pose.global_from_cam.rotation.conjugate()),
+      truth.translation - pose.global_from_cam.translation;
+  return {position_m.Value(), rotation_rad.Value(), Nees(error, pose.covariance)};
 }
 
 TEST(SixDofAlignment, TakesUpTheTiltOfAMapThatIsNotLevel) {
-  const TiltedMapErrors with_tilt = RunOnTiltedMap(0.03);
+  const TiltedMapErrors with_tilt = RunOnTiltedMap(4, 0.03);
   EXPECT_LT(with_tilt.position_m, 0.01);
   EXPECT_LT(with_tilt.rotation_rad, 0.001);
-  const TiltedMapErrors level = RunOnTiltedMap(0.0);
+  const TiltedMapErrors level = RunOnTiltedMap(4, 0.0);
   EXPECT_GT(level.rotation_rad, 3.0 * with_tilt.rotation_rad);
+}
+
+TEST(SixDofAlignment, IsAsSureAsItIsRight) {
+  constexpr int kNumWalks = 8;
+  double sum_nees = 0.0;
+  for (uint64_t seed = 1; seed <= kNumWalks; ++seed) {
+    sum_nees += RunOnTiltedMap(seed, 0.03).nees;
+  }
+  EXPECT_LT(sum_nees / kNumWalks, 1.44);  // As are 97.5 % of such means, of 8 x 6 squares.
 }
 
 }  // namespace
