@@ -147,7 +147,7 @@ NotLocalizedReason QueryRun::GatherTiles() {
                       &result_.counters);
   snapshot_.reset();
   for (const TileView& view : tiles_) {
-    result_.tiles.push_back(view.tile->tile().id);
+    result_.tiles.push_back(view.tile->id());
   }
   return tiles_.empty() ? NotLocalizedReason::kNoCoverage : NotLocalizedReason::kNone;
 }

@@ -245,7 +245,7 @@ std::optional<TileRecord> FindTile(sqlite::Connection* connection, TileId tile_i
   return ReadTile(*connection, row);
 }
 
-std::vector<uint8_t> LoadPayload(sqlite::Connection* connection, PayloadId payload_id) {
+LargeVector<uint8_t> LoadPayload(sqlite::Connection* connection, PayloadId payload_id) {
   auto payload = sqlite::ReadBlob(connection, "cairn_payloads", "bytes", Value(payload_id));
   if (!payload) {
     throw Error(ErrorCode::kNotFound,

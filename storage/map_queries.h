@@ -29,7 +29,7 @@ MapInfo Info(sqlite::Connection* connection);
 std::vector<TileRecord> FindTiles(sqlite::Connection* connection, const GeoBox& box);
 std::vector<TileRecord> AllTiles(sqlite::Connection* connection, int64_t limit);
 std::optional<TileRecord> FindTile(sqlite::Connection* connection, TileId tile_id);
-std::vector<uint8_t> LoadPayload(sqlite::Connection* connection, PayloadId payload_id);
+LargeVector<uint8_t> LoadPayload(sqlite::Connection* connection, PayloadId payload_id);
 
 // The id of the latest codebook, 0 if there is none.
 CodebookId CurrentCodebookId(sqlite::Connection* connection);

@@ -13,6 +13,7 @@
 
 #include "core/camera.h"
 #include "core/geodesy.h"
+#include "core/large_vector.h"
 #include "core/rigid3.h"
 #include "core/tile_id.h"
 #include "storage/codebook.h"
@@ -86,7 +87,7 @@ class MapSnapshot {
   std::optional<TileRecord> FindTile(TileId tile_id) const;
 
   // The encoded bytes of a tile. Throws Error(kNotFound) if this version has no such payload.
-  std::vector<uint8_t> LoadPayload(PayloadId payload_id) const;
+  LargeVector<uint8_t> LoadPayload(PayloadId payload_id) const;
 
   // Cached by the store; throws Error(kNotFound).
   std::shared_ptr<const Codebook> LoadCodebook(CodebookId codebook_id) const;
@@ -113,7 +114,7 @@ class MapUpdate {
 
   // Reads see what was written in this update.
   std::optional<TileRecord> FindTile(TileId tile_id) const;
-  std::vector<uint8_t> LoadPayload(PayloadId payload_id) const;
+  LargeVector<uint8_t> LoadPayload(PayloadId payload_id) const;
   std::optional<SessionRecord> FindSession(const std::string& name) const;
   std::vector<TileId> TilesOfSession(SessionId session_id) const;
   std::shared_ptr<const Codebook> CurrentCodebook() const;

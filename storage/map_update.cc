@@ -89,7 +89,7 @@ std::optional<TileRecord> MapUpdate::FindTile(TileId tile_id) const {
   return queries::FindTile(impl_->connection.get(), tile_id);
 }
 
-std::vector<uint8_t> MapUpdate::LoadPayload(PayloadId payload_id) const {
+LargeVector<uint8_t> MapUpdate::LoadPayload(PayloadId payload_id) const {
   return queries::LoadPayload(impl_->connection.get(), payload_id);
 }
 

@@ -162,6 +162,12 @@ bool TileColumns::IsPayload(std::span<const uint8_t> payload) {
   return reader.Get<uint32_t>() == kTileMagic && reader.Get<uint16_t>() == kTileVersionWithColumns;
 }
 
+bool TileColumns::HasLists(std::span<const uint8_t> payload) {
+  constexpr size_t kNumListsOffset = 40;
+  ByteReader reader(payload.subspan(kNumListsOffset), "tile payload");
+  return reader.Get<uint32_t>() > 0;
+}
+
 TileColumns::TileColumns(std::span<const uint8_t> payload, const TileDecodeLimits& limits) {
   if (!IsPayload(payload)) {
     ThrowDamagedTile("is not of format version 3");

@@ -90,6 +90,9 @@ class TileColumns {
   // True if the bytes say that they are a payload of version 3.
   static bool IsPayload(std::span<const uint8_t> payload);
 
+  // Of such a payload: true if its header announces lists.
+  static bool HasLists(std::span<const uint8_t> payload);
+
   // Checks everything but what is in the columns; throws as DecodeTile.
   TileColumns(std::span<const uint8_t> payload, const TileDecodeLimits& limits);
 

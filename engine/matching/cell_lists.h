@@ -35,8 +35,7 @@ class CellLists {
 
   const ByteScale& scale() const { return scale_; }
   const BlockedRows& rows() const { return rows_; }
-  // Offsets of the cells in the rows, one more than there are.
-  std::span<const uint32_t> begin() const { return lists_.begin; }
+  const TileLists& lists() const { return lists_; }
   size_t size() const { return lists_.members.size(); }
   size_t num_cells() const { return lists_.num_lists(); }
 

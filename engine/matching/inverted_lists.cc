@@ -46,7 +46,7 @@ InvertedLists::InvertedLists(const ByteScale& scale, const CodeWords& words,
                              std::span<const uint8_t> codes, size_t num_probes, TileLists lists)
     : num_probes_(std::min(num_probes, lists.num_lists())),
       lists_(scale, BlockedRows(words, codes), std::move(lists)),
-      words_(lists_.rows(), scale.dim(), lists_.begin()) {}
+      words_(lists_.rows(), scale.dim(), lists_.lists().begin) {}
 
 std::vector<CellVisit> InvertedLists::MakeVisits(const std::vector<int16_t>& query_steps,
                                                  size_t num_queries) const {

@@ -156,13 +156,12 @@ class TileLoader {
   std::shared_ptr<const SearchableTile> Load(const TileRecord& record) {
     try {
       std::shared_ptr<const Codebook> codebook;
-      TileLists lists;
-      Tile tile = DecodeTile(Fetch(record, &codebook), {}, &lists);
-      if (tile.id != record.tile_id) {
-        throw Error(ErrorCode::kMapDamaged, fmt::format("holds tile {}", tile.id.ToString()));
+      LargeVector<uint8_t> bytes = Fetch(record, &codebook);
+      auto tile = MakeSearchable(std::move(bytes), std::move(codebook));
+      if (tile->id() != record.tile_id) {
+        throw Error(ErrorCode::kMapDamaged, fmt::format("holds tile {}", tile->id().ToString()));
       }
-      return std::make_shared<const SearchableTile>(std::move(tile), std::move(codebook),
-                                                    index_options_, std::move(lists));
+      return tile;
     } catch (const Error& error) {
       throw Error(error.code(),
                   fmt::format("tile {}, payload {}: {}; `cairn check` looks for more",
@@ -170,8 +169,20 @@ class TileLoader {
     }
   }
 
+  std::shared_ptr<const SearchableTile> MakeSearchable(LargeVector<uint8_t> bytes,
+                                                       std::shared_ptr<const Codebook> codebook) {
+    if (SearchableTile::NeedsListsOnly(index_options_) && TilePayload::IsSearchReady(bytes)) {
+      return std::make_shared<const SearchableTile>(TilePayload(std::move(bytes)),
+                                                    std::move(codebook), index_options_);
+    }
+    TileLists lists;
+    Tile tile = DecodeTile(bytes, {}, &lists);
+    return std::make_shared<const SearchableTile>(std::move(tile), std::move(codebook),
+                                                  index_options_, std::move(lists));
+  }
+
   // A snapshot serves one thread at a time.
-  std::vector<uint8_t> Fetch(const TileRecord& record, std::shared_ptr<const Codebook>* codebook) {
+  LargeVector<uint8_t> Fetch(const TileRecord& record, std::shared_ptr<const Codebook>* codebook) {
     const std::lock_guard lock(mutex_);
     *codebook = snapshot_.LoadCodebook(record.codebook_id);
     return snapshot_.LoadPayload(record.payload_id);
@@ -225,7 +236,7 @@ std::vector<TileView> FetchTiles(const MapSnapshot& snapshot, TileCache* cache,
   std::vector<TileView> views;
   TileLoader loader(snapshot, cache, index_options);
   for (std::shared_ptr<const SearchableTile>& tile : loader.Get(records)) {
-    counters->num_descriptors += static_cast<int64_t>(tile->tile().num_descriptors());
+    counters->num_descriptors += static_cast<int64_t>(tile->num_descriptors());
     const Rigid3d anchor_from_tile = anchor_from_ecef * tile->ecef_from_tile();
     views.push_back({std::move(tile), anchor_from_tile});
   }

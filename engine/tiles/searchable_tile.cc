@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -11,42 +10,59 @@
 namespace cairn {
 namespace {
 
-// Hands the tile on if its codes can be read with the codebook.
-Tile RequireCodebook(Tile tile, const Codebook& codebook) {
-  if (tile.codebook_id != codebook.id || tile.code_size != codebook.num_subspaces) {
+void RequireCodebook(TileId id, CodebookId codebook_id, int code_size, const Codebook& codebook) {
+  if (codebook_id != codebook.id || code_size != codebook.num_subspaces) {
     throw Error(ErrorCode::kMapDamaged,
                 fmt::format("tile {} has {}-byte codes of codebook {}, but codebook {} has {}-byte "
                             "codes; run `cairn info --check` on the map",
-                            tile.id.ToString(), tile.code_size, Value(tile.codebook_id),
-                            Value(codebook.id), codebook.num_subspaces));
+                            id.ToString(), code_size, Value(codebook_id), Value(codebook.id),
+                            codebook.num_subspaces));
   }
-  return tile;
 }
 
-std::vector<uint32_t> LandmarkOfDescriptor(const Tile& tile) {
-  std::vector<uint32_t> landmark_of_descriptor(tile.num_descriptors());
-  for (uint32_t landmark = 0; landmark < tile.num_landmarks(); ++landmark) {
-    std::fill(landmark_of_descriptor.begin() + tile.descriptor_begin[landmark],
-              landmark_of_descriptor.begin() + tile.descriptor_begin[landmark + 1], landmark);
-  }
-  return landmark_of_descriptor;
+std::unique_ptr<const InvertedLists> IndexOf(const TilePayload& payload, const Codebook& codebook,
+                                             const IndexOptions& options) {
+  RequireCodebook(payload.id(), payload.codebook_id(), payload.code_size(), codebook);
+  return std::make_unique<const InvertedLists>(codebook, payload.codes(), options.lists,
+                                               payload.Lists());
 }
 
 }  // namespace
 
 SearchableTile::SearchableTile(Tile tile, std::shared_ptr<const Codebook> codebook,
                                const IndexOptions& options, TileLists lists)
-    : tile_(RequireCodebook(std::move(tile), *codebook)),
+    : id_(tile.id),
+      num_descriptors_(tile.num_descriptors()),
       codebook_(std::move(codebook)),
-      ecef_from_tile_(EcefFromEnu(tile_.id.Anchor())),
-      landmark_of_descriptor_(LandmarkOfDescriptor(tile_)),
-      index_(MakeMatchingIndex(*codebook_, tile_.codes, options, std::move(lists))) {
+      ecef_from_tile_(EcefFromEnu(id_.Anchor())),
+      content_(std::move(tile)) {
+  RequireCodebook(id_, this->tile().codebook_id, this->tile().code_size, *codebook_);
+  const std::vector<uint8_t>& codes = this->tile().codes;
+  index_ = MakeMatchingIndex(*codebook_, codes, options, std::move(lists));
   if (options.num_reference_words > 0) {
     constexpr int kNumIterations = 5;
     constexpr uint64_t kSeed = 1;
-    reference_words_.emplace(ByteDescriptors(*codebook_, tile_.codes), options.num_reference_words,
+    reference_words_.emplace(ByteDescriptors(*codebook_, codes), options.num_reference_words,
                              kNumIterations, kSeed);
   }
+}
+
+bool SearchableTile::NeedsListsOnly(const IndexOptions& options) {
+  return options.kind == IndexKind::kInvertedLists && options.num_reference_words == 0;
+}
+
+SearchableTile::SearchableTile(TilePayload payload, std::shared_ptr<const Codebook> codebook,
+                               const IndexOptions& options)
+    : SearchableTile(std::move(payload), codebook, IndexOf(payload, *codebook, options)) {}
+
+SearchableTile::SearchableTile(TilePayload&& payload, std::shared_ptr<const Codebook> codebook,
+                               std::unique_ptr<const InvertedLists> index)
+    : id_(payload.id()),
+      num_descriptors_(payload.num_descriptors()),
+      codebook_(std::move(codebook)),
+      ecef_from_tile_(EcefFromEnu(id_.Anchor())),
+      content_(std::move(payload), &index->lists()) {
+  index_ = std::move(index);
 }
 
 std::vector<double> SearchableTile::ReferenceDistances(const DescriptorMatrix& queries) const {
@@ -55,8 +71,7 @@ std::vector<double> SearchableTile::ReferenceDistances(const DescriptorMatrix& q
 }
 
 size_t SearchableTile::MemoryBytes() const {
-  return sizeof(*this) + tile_.MemoryBytes() +
-         landmark_of_descriptor_.capacity() * sizeof(uint32_t) + index_->MemoryBytes() +
+  return sizeof(*this) + content_.MemoryBytes() + index_->MemoryBytes() +
          (reference_words_ ? reference_words_->MemoryBytes() : 0);
 }
 

@@ -1,4 +1,4 @@
-// A tile in the form the engine searches: decoded, with its matching index built.
+// A tile in the form the engine searches: with its matching index built.
 #ifndef CAIRN_ENGINE_TILES_SEARCHABLE_TILE_H_
 #define CAIRN_ENGINE_TILES_SEARCHABLE_TILE_H_
 
@@ -8,16 +8,20 @@
 #include <vector>
 
 #include "core/geodesy.h"
+#include "core/large_vector.h"
+#include "engine/matching/inverted_lists.h"
 #include "engine/matching/matching_index.h"
 #include "engine/matching/product_words.h"
+#include "engine/tiles/tile_content.h"
 #include "storage/codebook.h"
 #include "storage/tile.h"
 #include "storage/tile_cache.h"
 #include "storage/tile_lists.h"
+#include "storage/tile_payload.h"
 
 namespace cairn {
 
-// Immutable after construction; shared by queries through the cache.
+// Shared by queries through the cache. Safe to use from any thread.
 class SearchableTile : public CachedTile {
  public:
   // Builds the index. `tile` must be consistent (as DecodeTile returns it). Throws
@@ -26,25 +30,42 @@ class SearchableTile : public CachedTile {
   SearchableTile(Tile tile, std::shared_ptr<const Codebook> codebook, const IndexOptions& options,
                  TileLists lists = {});
 
-  const Tile& tile() const { return tile_; }
+  // True if these options search a payload by its own lists and need nothing else of it.
+  static bool NeedsListsOnly(const IndexOptions& options);
+  // For such options: searches by the payload's lists; the rest of it is decoded when the first
+  // query asks for it. Throws as the other.
+  SearchableTile(TilePayload payload, std::shared_ptr<const Codebook> codebook,
+                 const IndexOptions& options);
+
+  TileId id() const { return id_; }
+  size_t num_descriptors() const { return num_descriptors_; }
   const Codebook& codebook() const { return *codebook_; }
   const MatchingIndex& index() const { return *index_; }
   // Distance in projected space from each query (n x dim) to the nearest of the reference words; 0
   // if the options ask for none. Throws Error(kInternal) if the dimension is another.
   std::vector<double> ReferenceDistances(const DescriptorMatrix& queries) const;
   const Rigid3d& ecef_from_tile() const { return ecef_from_tile_; }
+
+  // Both may have to wait for the tile to be decoded. Throw Error(kMapDamaged) if it cannot be.
+  const Tile& tile() const { return content_.tile(); }
   // Landmark of each descriptor.
-  const std::vector<uint32_t>& landmark_of_descriptor() const { return landmark_of_descriptor_; }
+  const LargeVector<uint32_t>& landmark_of_descriptor() const {
+    return content_.landmark_of_descriptor();
+  }
 
   size_t MemoryBytes() const override;
 
  private:
-  Tile tile_;
+  SearchableTile(TilePayload&& payload, std::shared_ptr<const Codebook> codebook,
+                 std::unique_ptr<const InvertedLists> index);
+
+  TileId id_;
+  size_t num_descriptors_;
   std::shared_ptr<const Codebook> codebook_;
   Rigid3d ecef_from_tile_;
-  std::vector<uint32_t> landmark_of_descriptor_;
   std::unique_ptr<const MatchingIndex> index_;
   std::optional<ProductWords> reference_words_;
+  TileContent content_;
 };
 
 // A tile as one query sees it.

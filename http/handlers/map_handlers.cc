@@ -208,7 +208,7 @@ HttpResponse HandleTilePayload(const HttpRequest& request, const std::string& id
   const TileRecord tile = RequireTile(id, snapshot);
   const std::string tag = service.TileTag(tile);
   if (IsUnchanged(request, tag)) return WithTag({.status = 304}, tag);
-  const std::vector<uint8_t> payload = snapshot.LoadPayload(tile.payload_id);
+  const LargeVector<uint8_t> payload = snapshot.LoadPayload(tile.payload_id);
   return WithTag({.status = 200,
                   .content_type = "application/octet-stream",
                   .body = std::string(payload.begin(), payload.end()),

@@ -8,7 +8,7 @@
 
 namespace cairn::sqlite {
 
-std::optional<std::vector<uint8_t>> ReadBlob(Connection* connection, const char* table,
+std::optional<LargeVector<uint8_t>> ReadBlob(Connection* connection, const char* table,
                                              const char* column, int64_t row_id) {
   sqlite3_blob* handle = nullptr;
   const int opened =
@@ -21,7 +21,7 @@ std::optional<std::vector<uint8_t>> ReadBlob(Connection* connection, const char*
   if (opened != SQLITE_OK) {
     ThrowError(connection->handle(), opened, connection->path(), "read a blob");
   }
-  std::vector<uint8_t> bytes(sqlite3_blob_bytes(handle));
+  LargeVector<uint8_t> bytes(sqlite3_blob_bytes(handle));
   const int read = sqlite3_blob_read(handle, bytes.data(), static_cast<int>(bytes.size()), 0);
   if (read != SQLITE_OK) {
     ThrowError(connection->handle(), read, connection->path(), "read a blob");

@@ -4,15 +4,15 @@
 
 #include <cstdint>
 #include <optional>
-#include <vector>
 
+#include "core/large_vector.h"
 #include "storage/sqlite/connection.h"
 
 namespace cairn::sqlite {
 
 // The bytes of a blob in a rowid table of the main database; nothing if there is no such row.
 // Copies once, where a SELECT copies twice. Throws Error.
-std::optional<std::vector<uint8_t>> ReadBlob(Connection* connection, const char* table,
+std::optional<LargeVector<uint8_t>> ReadBlob(Connection* connection, const char* table,
                                              const char* column, int64_t row_id);
 
 }  // namespace cairn::sqlite

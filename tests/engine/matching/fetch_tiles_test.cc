@@ -4,10 +4,19 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
+#include <memory>
 #include <optional>
+#include <thread>
+#include <vector>
 
 #include "core/error.h"
+#include "core/large_vector.h"
+#include "engine/matching/inverted_lists.h"
+#include "storage/checksum.h"
+#include "storage/descriptor_codec.h"
 #include "storage/tile_codec.h"
+#include "storage/tile_payload.h"
 #include "support/map_builder.h"
 #include "support/temp_dir.h"
 #include "support/tile_builder.h"
@@ -208,6 +217,98 @@ TEST_F(FetchTilesTest, NamesTheTileWhosePayloadDoesNotDecode) {
     EXPECT_EQ(error.code(), ErrorCode::kMapDamaged);
     EXPECT_THAT(error.what(), ::testing::HasSubstr(TileInRow(1).ToString()));
   }
+}
+
+// Lists need not decode a tile to search it.
+class FetchListsTest : public ::testing::Test {
+ protected:
+  FetchListsTest() : tile_(RandomTile({.num_landmarks = 500})) {
+    options_.kind = IndexKind::kInvertedLists;
+    options_.lists.num_lists = 20;
+    lists_ = MakeTileLists(*codebook_, tile_.codes, options_.lists);
+  }
+
+  std::unique_ptr<const SearchableTile> FromPayload(const std::vector<uint8_t>& bytes) const {
+    return std::make_unique<const SearchableTile>(
+        TilePayload(LargeVector<uint8_t>(bytes.begin(), bytes.end())), codebook_, options_);
+  }
+
+  std::shared_ptr<const Codebook> codebook_ =
+      std::make_shared<const Codebook>(testing::RandomCodebook());
+  Tile tile_;
+  IndexOptions options_;
+  TileLists lists_;
+};
+
+TEST_F(FetchListsTest, APayloadIsSearchedAsItsTileIs) {
+  const SearchableTile decoded(tile_, codebook_, options_, lists_);
+  const auto from_payload = FromPayload(EncodeTile(tile_, lists_));
+  const DescriptorMatrix queries =
+      DescriptorCodec(codebook_).Decode(tile_.codes.data(), 50) +
+      DescriptorMatrix::Constant(50, codebook_->projected_dim(), 0.01f);
+  std::vector<DescriptorHit> hits, expected;
+  EXPECT_EQ(from_payload->index().RangeSearch(queries, 2.0, &hits),
+            decoded.index().RangeSearch(queries, 2.0, &expected));
+  ASSERT_GT(expected.size(), 50u);
+  ASSERT_EQ(hits.size(), expected.size());
+  for (size_t i = 0; i < hits.size(); ++i) {
+    EXPECT_EQ(hits[i].query_idx, expected[i].query_idx);
+    EXPECT_EQ(hits[i].descriptor_idx, expected[i].descriptor_idx);
+    EXPECT_EQ(hits[i].sq_distance, expected[i].sq_distance);
+  }
+  EXPECT_TRUE(testing::SameTile(from_payload->tile(), tile_));
+  EXPECT_EQ(from_payload->landmark_of_descriptor(), decoded.landmark_of_descriptor());
+  EXPECT_EQ(from_payload->id(), tile_.id);
+  EXPECT_EQ(from_payload->num_descriptors(), tile_.num_descriptors());
+}
+
+TEST_F(FetchListsTest, ThreadsThatAskTogetherGetOneDecodedTile) {
+  const auto searchable = FromPayload(EncodeTile(tile_, lists_));
+  const size_t num_bytes = searchable->MemoryBytes();
+  std::vector<const Tile*> tiles(8, nullptr);
+  {
+    std::vector<std::jthread> threads;
+    for (const Tile*& tile : tiles) {
+      threads.emplace_back([&] { tile = &searchable->tile(); });
+    }
+  }
+  EXPECT_THAT(tiles, ::testing::Each(tiles.front()));
+  EXPECT_TRUE(testing::SameTile(*tiles.front(), tile_));
+  EXPECT_EQ(searchable->MemoryBytes(), num_bytes);
+  EXPECT_GE(num_bytes, searchable->tile().MemoryBytes() + searchable->index().MemoryBytes());
+}
+
+// Damage that the checksum does not show: whoever makes it can compute that too.
+TEST_F(FetchListsTest, ATileThatDoesNotDecodeIsDamagedEveryTime) {
+  std::vector<uint8_t> bytes = EncodeTile(tile_, lists_);
+  const uint32_t past_the_end = 0xffffffff;  // A landmark index in the last column.
+  std::memcpy(bytes.data() + bytes.size() - sizeof(past_the_end), &past_the_end,
+              sizeof(past_the_end));
+  constexpr size_t kChecksumOffset = 56;
+  const uint64_t checksum = ChecksumOf(bytes, kChecksumOffset);
+  std::memcpy(bytes.data() + kChecksumOffset, &checksum, sizeof(checksum));
+  const auto searchable = FromPayload(bytes);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(ErrorCodeOf([&] { searchable->tile(); }), ErrorCode::kMapDamaged);
+  }
+  std::vector<DescriptorHit> hits;
+  searchable->index().RangeSearch(DescriptorMatrix::Zero(1, codebook_->projected_dim()), 10.0,
+                                  &hits);
+  EXPECT_FALSE(hits.empty());
+}
+
+TEST_F(FetchListsTest, RefusesThePayloadOfAnotherCodebook) {
+  Codebook other = testing::RandomCodebook();
+  other.id = CodebookId(2);
+  codebook_ = std::make_shared<const Codebook>(other);
+  const std::vector<uint8_t> bytes = EncodeTile(tile_, lists_);
+  EXPECT_EQ(ErrorCodeOf([&] { FromPayload(bytes); }), ErrorCode::kMapDamaged);
+}
+
+TEST_F(FetchListsTest, APayloadWithoutListsIsNotSearchReady) {
+  EXPECT_FALSE(TilePayload::IsSearchReady(EncodeTile(tile_)));
+  EXPECT_TRUE(TilePayload::IsSearchReady(EncodeTile(tile_, lists_)));
+  EXPECT_EQ(ErrorCodeOf([&] { FromPayload(EncodeTile(tile_)); }), ErrorCode::kMapDamaged);
 }
 
 }  // namespace

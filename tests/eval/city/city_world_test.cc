@@ -30,7 +30,7 @@ class QuickWorld : public ::testing::Test {
     const MapSnapshot map = store.Snapshot();
     std::string bytes;
     for (const TileRecord& tile : map.AllTiles(1000)) {
-      const std::vector<uint8_t> payload = map.LoadPayload(tile.payload_id);
+      const LargeVector<uint8_t> payload = map.LoadPayload(tile.payload_id);
       bytes.append(payload.begin(), payload.end());
     }
     return bytes;

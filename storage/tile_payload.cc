@@ -1,0 +1,37 @@
+#include "storage/tile_payload.h"
+
+#include <utility>
+
+#include "storage/tile_columns.h"
+#include "storage/tile_decode.h"
+#include "storage/tile_parts.h"
+
+namespace cairn {
+
+bool TilePayload::IsSearchReady(std::span<const uint8_t> bytes) {
+  return TileColumns::IsPayload(bytes) && TileColumns::HasLists(bytes);
+}
+
+TilePayload::TilePayload(LargeVector<uint8_t> bytes, const TileDecodeLimits& limits)
+    : bytes_(std::move(bytes)), columns_(std::make_unique<const TileColumns>(bytes_, limits)) {
+  if (columns_->header().num_lists == 0) {
+    ThrowDamagedTile("has no lists");
+  }
+}
+
+TilePayload::TilePayload(TilePayload&&) noexcept = default;
+TilePayload::~TilePayload() = default;
+
+TileId TilePayload::id() const { return TileIdFromPayload(columns_->header().tile_id); }
+CodebookId TilePayload::codebook_id() const { return CodebookId(columns_->header().codebook_id); }
+int TilePayload::code_size() const { return columns_->header().code_size; }
+size_t TilePayload::num_descriptors() const { return columns_->header().num_descriptors; }
+size_t TilePayload::TileBytes() const { return columns_->header().TileSize(); }
+std::span<const uint8_t> TilePayload::codes() const { return columns_->codes(); }
+TileLists TilePayload::Lists() const { return DecodeLists(*columns_); }
+
+Tile TilePayload::Decode(const TileLists& lists) const {
+  return DecodeTileColumns(*columns_, lists.members);
+}
+
+}  // namespace cairn

@@ -1,0 +1,55 @@
+// A tile as it is stored, whose parts are decoded when they are wanted.
+#ifndef CAIRN_STORAGE_TILE_PAYLOAD_H_
+#define CAIRN_STORAGE_TILE_PAYLOAD_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "core/large_vector.h"
+#include "core/tile_id.h"
+#include "storage/ids.h"
+#include "storage/tile.h"
+#include "storage/tile_codec.h"
+#include "storage/tile_lists.h"
+
+namespace cairn {
+
+class TileColumns;
+
+// A payload of version 3 that has lists: what search needs stands by itself in it. Immutable; safe
+// to use from any thread.
+class TilePayload {
+ public:
+  // True if the bytes say that they are such a payload.
+  static bool IsSearchReady(std::span<const uint8_t> bytes);
+
+  // Checks header, sizes and checksum. Throws Error(kMapDamaged), also if they are no such payload.
+  explicit TilePayload(LargeVector<uint8_t> bytes, const TileDecodeLimits& limits = {});
+  TilePayload(TilePayload&&) noexcept;
+  ~TilePayload();
+
+  TileId id() const;
+  CodebookId codebook_id() const;
+  int code_size() const;
+  size_t num_descriptors() const;
+  size_t num_bytes() const { return bytes_.size(); }
+  // Heap bytes of the tile it decodes to.
+  size_t TileBytes() const;
+
+  // num_descriptors() x code_size(), in the order of the lists; valid as long as the payload.
+  std::span<const uint8_t> codes() const;
+  // Throws Error(kMapDamaged).
+  TileLists Lists() const;
+  // All of the tile; `lists` are its lists. Throws Error(kMapDamaged).
+  Tile Decode(const TileLists& lists) const;
+
+ private:
+  LargeVector<uint8_t> bytes_;
+  std::unique_ptr<const TileColumns> columns_;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_STORAGE_TILE_PAYLOAD_H_
