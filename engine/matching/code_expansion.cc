@@ -13,36 +13,66 @@
 namespace cairn {
 namespace {
 
-// Place of a row's dimension in its block.
-size_t PlaceInBlock(size_t row_in_block, int dim) {
-  return (dim / kGroupDims * kBlockRows + row_in_block) * kGroupDims + dim % kGroupDims;
+// Squared norms of all words about the center, subspace by subspace.
+std::vector<int32_t> WordSqNorms(const CodeWords& words, uint8_t center) {
+  std::vector<int32_t> sq_norms(size_t{Codebook::kNumWords} * words.num_subspaces(), 0);
+  for (size_t i = 0; i < sq_norms.size(); ++i) {
+    const uint8_t* word = words.Word(static_cast<int>(i / Codebook::kNumWords),
+                                     static_cast<uint8_t>(i % Codebook::kNumWords));
+    for (int d = 0; d < words.subspace_dim(); ++d) {
+      sq_norms[i] += (word[d] - center) * (word[d] - center);
+    }
+  }
+  return sq_norms;
 }
 
-void PlainBlock(const CodeWords& words, uint8_t center, const uint8_t* codes, size_t num_rows,
-                uint8_t* block, int32_t* sq_norms) {
-  const int dim = words.subspace_dim();
-  std::memset(block, 0, size_t{kBlockRows} * words.stride());
-  for (size_t row = 0; row < num_rows; ++row) {
-    const int num_padding_dims = words.stride() - words.num_subspaces() * dim;
-    int32_t sq_norm = num_padding_dims * center * center;
-    for (int m = 0; m < words.num_subspaces(); ++m) {
-      const uint8_t* word = words.Word(m, *codes++);
-      for (int d = 0; d < dim; ++d) {
-        block[PlaceInBlock(row, m * dim + d)] = word[d];
-        sq_norm += (word[d] - center) * (word[d] - center);
-      }
+// Writes words of `dim` dimensions from dimension `first` on to a row of a block. The constant
+// dimension, a divisor of kGroupDims, lets the copy be a single move; kDim 0 stands for any.
+template <int kDim>
+void PutWord(const uint8_t* word, int dim, int first, size_t row, uint8_t* block) {
+  const auto place = [&](int d) {
+    return (d / kGroupDims * kBlockRows + row) * kGroupDims + d % kGroupDims;
+  };
+  if constexpr (kDim > 0) {
+    std::memcpy(block + place(first), word, kDim);
+  } else {
+    for (int d = 0; d < dim; ++d) {
+      block[place(first + d)] = word[d];
     }
-    sq_norms[row] = sq_norm;
+  }
+}
+
+template <int kDim>
+void ExpandBlocks(const CodeWords& words, uint8_t center, const uint8_t* codes, size_t num_rows,
+                  uint8_t* blocks, int32_t* sq_norms) {
+  const int dim = words.subspace_dim();
+  const int num_subspaces = words.num_subspaces();
+  const std::vector<int32_t> word_sq_norms = WordSqNorms(words, center);
+  const int32_t padding_sq_norm = (words.stride() - num_subspaces * dim) * center * center;
+  const size_t block_size = size_t{kBlockRows} * words.stride();
+  for (size_t begin = 0; begin < num_rows; begin += kBlockRows, blocks += block_size) {
+    if (padding_sq_norm > 0 || num_rows - begin < kBlockRows) {
+      std::memset(blocks, 0, block_size);
+    }
+    for (size_t row = begin; row < std::min(num_rows, begin + kBlockRows); ++row) {
+      int32_t sq_norm = padding_sq_norm;
+      for (int m = 0; m < num_subspaces; ++m) {
+        const uint8_t code = codes[row * num_subspaces + m];
+        PutWord<kDim>(words.Word(m, code), dim, m * dim, row - begin, blocks);
+        sq_norm += word_sq_norms[size_t{Codebook::kNumWords} * m + code];
+      }
+      sq_norms[row] = sq_norm;
+    }
   }
 }
 
 void PlainExpand(const CodeWords& words, uint8_t center, const uint8_t* codes, size_t num_rows,
                  uint8_t* blocks, int32_t* sq_norms) {
-  for (size_t begin = 0; begin < num_rows; begin += kBlockRows) {
-    PlainBlock(words, center, codes + begin * words.num_subspaces(),
-               std::min<size_t>(kBlockRows, num_rows - begin), blocks + begin * words.stride(),
-               sq_norms + begin);
-  }
+  const auto expand = words.subspace_dim() == 1   ? ExpandBlocks<1>
+                      : words.subspace_dim() == 2 ? ExpandBlocks<2>
+                      : words.subspace_dim() == 4 ? ExpandBlocks<4>
+                                                  : ExpandBlocks<0>;
+  expand(words, center, codes, num_rows, blocks, sq_norms);
 }
 
 constexpr ExpansionKernel kPlain = {"plain", PlainExpand};

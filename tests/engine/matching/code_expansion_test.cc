@@ -43,11 +43,15 @@ Expanded Expand(const ExpansionKernel& kernel, const CodeWords& words,
   return expanded;
 }
 
-// Against rows that lie one by one: dimensions 16 (the usual), 6 (padded) and 20 (two strides).
+// Against rows that lie one by one: dimensions 16 (the usual), 6 (padded), 20 (two strides), and
+// words of 1, 2, 3, 4 and 5 dimensions.
 TEST(CodeExpansion, GivesTheRowsOfTheCodesInBlocks) {
   for (const testing::RandomCodebookOptions& options :
        {testing::RandomCodebookOptions{},
         testing::RandomCodebookOptions{.projected_dim = 6, .num_subspaces = 3},
+        testing::RandomCodebookOptions{.projected_dim = 6, .num_subspaces = 2},
+        testing::RandomCodebookOptions{.projected_dim = 16, .num_subspaces = 16},
+        testing::RandomCodebookOptions{.projected_dim = 16, .num_subspaces = 4},
         testing::RandomCodebookOptions{.projected_dim = 20, .num_subspaces = 4}}) {
     const Codebook codebook = testing::RandomCodebook(options);
     const ByteScale scale(codebook);
