@@ -81,8 +81,10 @@ void Print(const BenchWorldOptions& world, const BenchFigures& figures) {
              Mean(figures.warm, &StageCounters::num_distances));
   fmt::print("matches            {:.0f} a query\n",
              Mean(figures.warm, &StageCounters::num_matches));
-  fmt::print("cold tile load     {:.1f} ms a tile (fetch, decode, index)\n",
+  fmt::print("cold tile load     {:.1f} ms a tile until it can be searched\n",
              1e3 * figures.cold_tile_seconds);
+  fmt::print("cold query         {:.1f} ms with no tile in the cache\n",
+             1e3 * figures.cold_query_seconds);
   fmt::print("tile               {:.2f} MB in the file, {:.2f} MB in the cache\n",
              1e-6 * figures.payload_bytes_per_tile, 1e-6 * figures.cached_bytes_per_tile);
   fmt::print("exhaustive search  {:.1f} ms for the keypoints of one query\n",

@@ -53,13 +53,15 @@ class OneCore {
   bool is_bound_ = false;
 };
 
-// Fetch, decode and index of every tile, by a query with an empty cache.
-double ColdTileSeconds(const std::shared_ptr<const MapStore>& store, const EvalQuery& query,
-                       const RunBenchOptions& options) {
+// A query with an empty cache, which loads every tile.
+void MeasureColdQuery(const std::shared_ptr<const MapStore>& store, const EvalQuery& query,
+                      const RunBenchOptions& options, BenchFigures* figures) {
   const auto cache = std::make_shared<TileCache>(options.cache_bytes);
   const LocalizeResult result = Localizer(store, cache, options.localizer).Localize(query.query);
-  const double seconds = result.times.seconds[static_cast<int>(Stage::kTiles)];
-  return seconds / static_cast<double>(std::max<int64_t>(1, result.counters.num_tiles_loaded));
+  figures->cold_tile_seconds =
+      result.times.seconds[static_cast<int>(Stage::kTiles)] /
+      static_cast<double>(std::max<int64_t>(1, result.counters.num_tiles_loaded));
+  figures->cold_query_seconds = result.times.total_seconds;
 }
 
 void MeasureExhaustiveSearch(const MapSnapshot& snapshot, const EvalQuery& query,
@@ -111,7 +113,7 @@ BenchFigures RunBench(std::shared_ptr<const MapStore> store, const std::vector<E
                                      static_cast<double>(std::max<int64_t>(1, info.num_tiles));
     MeasureExhaustiveSearch(snapshot, queries.front(), &figures);
   }
-  figures.cold_tile_seconds = ColdTileSeconds(store, queries.front(), options);
+  MeasureColdQuery(store, queries.front(), options, &figures);
 
   const auto cache = std::make_shared<TileCache>(options.cache_bytes);
   const Localizer localizer(std::move(store), cache, options.localizer);

@@ -27,9 +27,12 @@ struct RunBenchOptions {
 };
 
 struct BenchFigures {
-  EvalReport warm;               // All tiles in the cache before the first query.
-  int num_right = 0;             // Of warm.answers.
-  double cold_tile_seconds = 0;  // Fetch, decode and index one tile; mean, file in the page cache.
+  EvalReport warm;    // All tiles in the cache before the first query.
+  int num_right = 0;  // Of warm.answers.
+  // Until a tile can be searched; mean, file in the page cache. What is decoded only when a query
+  // needs it is in the next.
+  double cold_tile_seconds = 0;
+  double cold_query_seconds = 0;  // The first query of all, with an empty cache.
   int64_t num_tiles = 0;
   int64_t num_descriptors = 0;
   double payload_bytes_per_tile = 0.0;
