@@ -38,7 +38,7 @@ struct BenchFigures {
   double payload_bytes_per_tile = 0.0;
   double cached_bytes_per_tile = 0.0;
   // All descriptors of the map against those of one query, one by one: what an index has to beat,
-  // and a measure of the machine.
+  // and a measure of the machine; the median of three times.
   double exhaustive_seconds = 0.0;
   // Median distances in projected space between two observations of a landmark, and to the nearest
   // of 10,000 other landmarks: how hard the descriptors are to tell apart.
