@@ -1,7 +1,7 @@
 #include "engine/matching/index_options.h"
 
 #include "core/check.h"
-#include "engine/matching/require_within.h"
+#include "core/require.h"
 
 namespace cairn {
 

@@ -3,8 +3,7 @@
 #include <limits>
 #include <numbers>
 
-#include "core/error.h"
-#include "engine/matching/require_within.h"
+#include "core/require.h"
 
 namespace cairn {
 
@@ -20,10 +19,8 @@ void MatchingOptions::Validate() const {
                 std::numbers::pi);
   RequireWithin("matching.max_position_excess_sigmas", max_position_excess_sigmas, 0.0,
                 std::numeric_limits<double>::infinity());
-  if (distance_filter == DistanceFilter::kWordRatio && index.num_reference_words < 1) {
-    throw Error(ErrorCode::kInvalidArgument,
+  RequireOption(distance_filter != DistanceFilter::kWordRatio || index.num_reference_words > 0,
                 "matching.index.num_reference_words is 0; the word ratio filter needs some");
-  }
 }
 
 }  // namespace cairn
