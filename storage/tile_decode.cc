@@ -4,7 +4,9 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <numeric>
 #include <string>
+#include <type_traits>
 
 #include "storage/morton.h"
 #include "storage/tile_checks.h"
@@ -55,11 +57,7 @@ template <typename Vector>
 void GetByteSums(size_t column, TileColumnReader* reader, Vector* values) {
   const std::span<const uint8_t> differences = reader->Get(column);
   values->resize(differences.size());
-  uint8_t sum = 0;
-  for (size_t i = 0; i < differences.size(); ++i) {
-    sum = static_cast<uint8_t>(sum + differences[i]);
-    (*values)[i] = sum;
-  }
+  std::partial_sum(differences.begin(), differences.end(), values->data());
 }
 
 void GetLandmarks(TileColumnReader* reader, uint32_t num_descriptors, Tile* tile) {
