@@ -156,7 +156,7 @@ bool FilterState::EnterPoint(int slot, uint64_t track_id, const PointRows& rows)
   const int newest = static_cast<int>(mean_.clones.size()) - 1;
   StatePoint point;
   point.track_id = track_id;
-  SetAnchor(newest, rows.x_in_local, &point);
+  SetAnchor(newest, rows.x_in_local, rows.x_in_local, &point);
   const LocatedPoint located = Locate(point);
   // The error of the point in local is that of its coordinates and of its anchor.
   Measurement top = rows.clones;
@@ -176,19 +176,21 @@ LocatedPoint FilterState::Locate(const StatePoint& point) const {
   const Clone& anchor = mean_.clones[static_cast<size_t>(point.anchor)];
   LocatedPoint located;
   located.x_in_local = anchor.local_from_imu * point.chart.ToPoint(point.coordinates);
-  located.by_anchor << -Skew(located.x_in_local - anchor.first_position_in_local),
+  located.first_x_in_local = anchor.local_from_imu * point.chart.ToPoint(point.chart.origin());
+  located.by_anchor << -Skew(located.first_x_in_local - anchor.first_position_in_local),
       Eigen::Matrix3d::Identity();
-  located.by_coordinates =
-      anchor.local_from_imu.rotation.toRotationMatrix() * point.chart.Jacobian(point.coordinates);
+  located.by_coordinates = anchor.local_from_imu.rotation.toRotationMatrix() *
+                           point.chart.Jacobian(point.chart.origin());
   return located;
 }
 
-void FilterState::SetAnchor(int clone, const Eigen::Vector3d& x_in_local, StatePoint* point) const {
-  const Rigid3d& local_from_imu = mean_.clones[static_cast<size_t>(clone)].local_from_imu;
+void FilterState::SetAnchor(int clone, const Eigen::Vector3d& first_x_in_local,
+                            const Eigen::Vector3d& x_in_local, StatePoint* point) const {
+  const Rigid3d imu_from_local = mean_.clones[static_cast<size_t>(clone)].local_from_imu.Inverse();
   point->anchor = clone;
-  point->chart = PointChart(mean_.rig.cam_from_imu.Inverse().translation,
-                            local_from_imu.Inverse() * x_in_local);
-  point->coordinates = point->chart.origin();
+  point->chart =
+      PointChart(mean_.rig.cam_from_imu.Inverse().translation, imu_from_local * first_x_in_local);
+  point->coordinates = point->chart.FromPoint(imu_from_local * x_in_local);
 }
 
 void FilterState::MoveAnchor(int slot, int clone) {
@@ -196,7 +198,7 @@ void FilterState::MoveAnchor(int slot, int clone) {
   const int old_idx = CloneIdx(point.anchor);
   const int new_idx = CloneIdx(clone);
   const LocatedPoint before = Locate(point);
-  SetAnchor(clone, before.x_in_local, &point);
+  SetAnchor(clone, before.first_x_in_local, before.x_in_local, &point);
   const LocatedPoint after = Locate(point);
   // Where the point is in local does not change: after.by_coordinates * (new coordinates) =
   // before.by_coordinates * (old ones) + before.by_anchor * (old anchor) - after.by_anchor * (new).

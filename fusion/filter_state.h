@@ -51,17 +51,18 @@ struct Clone {
 // A tracked point that stays in the state for as long as it is in view.
 struct StatePoint {
   uint64_t track_id = 0;
-  int anchor = 0;  // The clone in whose imu frame the chart is.
-  PointChart chart;
-  Eigen::Vector3d coordinates;  // In the chart.
+  int anchor = 0;               // The clone in whose imu frame the chart is.
+  PointChart chart;             // Made for the point's first estimate.
+  Eigen::Vector3d coordinates;  // In the chart, the present estimate.
   bool contradicted = false;    // By its newest sight.
 };
 
-// Where a point of the state is, and how that depends on the state. As shift and turn of local move
-// the anchor and leave the coordinates alone, both derivatives may be taken at the present
-// estimate.
+// Where a point of the state is, and how that depends on the state. The derivatives are those at
+// the point's first estimate, which moves with the anchor: at estimates that change from sight to
+// sight, the sights would together tell the scale of the way, which none of them sees.
 struct LocatedPoint {
   Eigen::Vector3d x_in_local;
+  Eigen::Vector3d first_x_in_local;
   Eigen::Matrix<double, kPointDim, kCloneDim> by_anchor;
   Eigen::Matrix3d by_coordinates;
 };
@@ -198,8 +199,9 @@ class FilterState {
                                               const Eigen::MatrixXd& state_by_rows);
   void MoveMean(const Eigen::VectorXd& error);
   LocatedPoint Locate(const StatePoint& point) const;
-  // Anchors a point that is at `x_in_local` at a clone.
-  void SetAnchor(int clone, const Eigen::Vector3d& x_in_local, StatePoint* point) const;
+  // Anchors a point at a clone, its first and its present estimate.
+  void SetAnchor(int clone, const Eigen::Vector3d& first_x_in_local,
+                 const Eigen::Vector3d& x_in_local, StatePoint* point) const;
   // The same, for a point of the state.
   void MoveAnchor(int slot, int clone);
   // Largest correction of a clone, in units of those beyond which a linearisation is in doubt.

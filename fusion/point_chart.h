@@ -28,6 +28,12 @@ class PointChart {
            axes_ * Eigen::Vector3d(coordinates.x(), coordinates.y(), 1.0) / coordinates.z();
   }
 
+  // Inverse of ToPoint, for points in front of the chart: on the side of its `x`.
+  Eigen::Vector3d FromPoint(const Eigen::Vector3d& x) const {
+    const Eigen::Vector3d way = axes_.transpose() * (x - center_);
+    return {way.x() / way.z(), way.y() / way.z(), 1.0 / way.z()};
+  }
+
   // Derivative of ToPoint.
   Eigen::Matrix3d Jacobian(const Eigen::Vector3d& coordinates) const {
     const double distance_m = 1.0 / coordinates.z();

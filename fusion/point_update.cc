@@ -22,7 +22,8 @@ std::optional<Measurement> LinearizeSightOfPoint(const FilterState& state, const
   const CameraView& view = views[static_cast<size_t>(clone)];
   const LocatedPoint located = state.Locate(slot);
   const auto predicted = PredictPixel(camera, view, located.x_in_local);
-  if (!predicted) {
+  const auto first = PredictPixel(camera, view, located.first_x_in_local);
+  if (!predicted || !first) {
     return std::nullopt;
   }
   const int rig_dims = state.estimates_rig() ? kRigDim : 0;
@@ -31,13 +32,13 @@ std::optional<Measurement> LinearizeSightOfPoint(const FilterState& state, const
                         {state.CloneIdx(point.anchor), kCloneDim},
                         {state.PointIdx(slot), kPointDim}};
   measurement.jacobian.resize(2, 2 * kCloneDim + kPointDim + rig_dims);
-  measurement.jacobian.leftCols<kCloneDim>() = ByClone(*predicted, view, located.x_in_local);
-  measurement.jacobian.middleCols<kCloneDim>(kCloneDim) = predicted->by_local * located.by_anchor;
+  measurement.jacobian.leftCols<kCloneDim>() = ByClone(*first, view, located.first_x_in_local);
+  measurement.jacobian.middleCols<kCloneDim>(kCloneDim) = first->by_local * located.by_anchor;
   measurement.jacobian.middleCols<kPointDim>(2 * kCloneDim) =
-      predicted->by_local * located.by_coordinates;
+      first->by_local * located.by_coordinates;
   if (rig_dims > 0) {
     measurement.blocks.push_back({kRigIdx, kRigDim});
-    measurement.jacobian.rightCols<kRigDim>() = ByRig(*predicted, state.rig());
+    measurement.jacobian.rightCols<kRigDim>() = ByRig(*first, state.rig());
   }
   measurement.jacobian /= sigma_px;
   measurement.residual = (observation.pixel - predicted->pixel) / sigma_px;

@@ -29,8 +29,8 @@ struct TrackUpdateOptions {
   double max_relative_baseline_sigma = 0.5;
   TriangulateOptions triangulate;
   // Largest standard deviation of the distance of a point that enters the state, relative to it.
-  // 5 % lets in half as many points, 15 % no more that help (cairn_fusion_drift).
-  double max_relative_point_sigma = 0.1;
+  // Beyond, the filter is overconfident (docs/math/fusion.md).
+  double max_relative_point_sigma = 0.04;
 
   void Validate() const;
 };

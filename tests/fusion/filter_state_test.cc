@@ -229,11 +229,14 @@ TEST(FilterState, EnteringAPointIsAnUpdateWithoutPrior) {
 
 TEST(FilterState, APointMovesWithItsAnchorAndItsCoordinates) {
   FilterState state = SomeState(3);
-  ASSERT_TRUE(state.EnterPoint(2, 77, SomePointRows(state)));
+  PointRows rows = SomePointRows(state);
+  rows.clones.residual.setZero();  // The first estimate is then the present one.
+  ASSERT_TRUE(state.EnterPoint(2, 77, rows));
   const LocatedPoint located = state.Locate(2);
   const auto moved_by = [&](int offset, const Eigen::VectorXd& error) -> Eigen::Vector3d {
     FilterState moved = state;
-    Correction correction{Eigen::VectorXd::Zero(state.dim()), Eigen::MatrixXd(0, state.dim())};
+    Correction correction{Eigen::VectorXd::Zero(state.dim()),
+                          Eigen::MatrixXd::Zero(1, state.dim())};
     correction.error.segment(offset, error.size()) = error;
     moved.Apply(correction);
     return moved.Locate(2).x_in_local;
@@ -249,13 +252,14 @@ TEST(FilterState, APointMovesWithItsAnchorAndItsCoordinates) {
 TEST(FilterState, APointTurnsWithLocalWhereverCorrectionsHaveMovedIt) {
   FilterState state = SomeState(3);
   ASSERT_TRUE(state.EnterPoint(2, 77, SomePointRows(state)));
-  state.Apply({0.05 * RandomVector(state.dim(), 8), Eigen::MatrixXd(0, state.dim())});
+  state.Apply({0.05 * RandomVector(state.dim(), 8), Eigen::MatrixXd::Zero(1, state.dim())});
   const LocatedPoint located = state.Locate(2);
   Vector6d turn;
   turn << Eigen::Vector3d::UnitZ(),
       Eigen::Vector3d::UnitZ().cross(state.clones()[2].first_position_in_local);
-  EXPECT_LT((located.by_anchor * turn - Eigen::Vector3d::UnitZ().cross(located.x_in_local)).norm(),
-            1e-12);
+  EXPECT_LT(
+      (located.by_anchor * turn - Eigen::Vector3d::UnitZ().cross(located.first_x_in_local)).norm(),
+      1e-12);
 }
 
 TEST(FilterState, APointMovesToAnotherAnchorWhenItsCloneIsRemoved) {
