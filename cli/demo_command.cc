@@ -18,14 +18,13 @@
 #include "eval/pictures/pictures.h"
 #include "http/client.h"
 #include "http/server.h"
-#include "ingest/readers/file_bytes.h"
+#include "ingest/features/gray_image.h"
 #include "storage/map_store.h"
 
 namespace cairn {
 namespace {
 
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
-constexpr uint64_t kMaxImageBytes = uint64_t{16} << 20;
 // The demo's mark: so many answers must be so near to the truth.
 constexpr double kMinShareRight = 0.8;
 constexpr double kMaxPositionErrorM = 0.5;
@@ -145,7 +144,7 @@ ExitCode RunDemo(const DemoArguments& arguments, ProgressMode progress_mode) {
     server.Start();
     LocalizeClient client(ClientOptions{.url = fmt::format("http://127.0.0.1:{}", server.port())});
     from_images = AskAll("ask by image", world.queries, &progress, [&](const EvalQuery& query) {
-      return client.LocalizeImages(query.query, {ReadFileBytes(query.image_path, kMaxImageBytes)});
+      return client.LocalizeImages(query.query, {ReadImageBytes(query.image_path)});
     });
     from_features =
         AskAll("ask by features", world.queries, &progress,

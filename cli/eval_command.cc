@@ -20,13 +20,11 @@
 #include "eval/evaluation.h"
 #include "eval/parallel_for.h"
 #include "http/client.h"
+#include "ingest/features/gray_image.h"
 #include "ingest/features/sift_extractor.h"
-#include "ingest/readers/file_bytes.h"
 
 namespace cairn {
 namespace {
-
-constexpr uint64_t kMaxImageBytes = uint64_t{64} << 20;
 
 enum class SendAs { kImage, kFeatures };
 enum class FeatureSource { kModel, kExtract };
@@ -87,7 +85,7 @@ Answerer MakeAnswerer(const EvalArguments& arguments, const OpenedMap& map) {
     return [client](const EvalQuery& query) { return client->LocalizeFeatures(query.query); };
   }
   return [client](const EvalQuery& query) {
-    return client->LocalizeImages(query.query, {ReadFileBytes(query.image_path, kMaxImageBytes)});
+    return client->LocalizeImages(query.query, {ReadImageBytes(query.image_path)});
   };
 }
 

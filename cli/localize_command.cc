@@ -24,13 +24,11 @@
 #include "http/json/localize_response.h"
 #include "ingest/features/sift_extractor.h"
 #include "ingest/readers/exif.h"
-#include "ingest/readers/file_bytes.h"
 
 namespace cairn {
 namespace {
 
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
-constexpr uint64_t kMaxImageBytes = uint64_t{64} << 20;
 // Width of a 35 mm film frame, which EXIF's equivalent focal length refers to.
 constexpr double kFilmWidthMm = 36.0;
 
@@ -63,16 +61,16 @@ Camera CameraFromExif(const LocalizeArguments& arguments, const ExifInfo& exif,
                 {focal_px, 0.5 * photo.width_px, 0.5 * photo.height_px});
 }
 
-LocalizeQuery MakeQuery(const LocalizeArguments& arguments, const GrayImage& photo,
-                        const std::vector<uint8_t>& image_bytes) {
+LocalizeQuery MakeQuery(const LocalizeArguments& arguments, const Photo& photo) {
   LocalizeQuery query;
   query.id = arguments.image_path;
   query.camera = arguments.camera ? ParseCamera("--camera", *arguments.camera)
-                                  : CameraFromExif(arguments, ReadExif(image_bytes), photo);
-  if (query.camera.width_px() != photo.width_px || query.camera.height_px() != photo.height_px) {
+                                  : CameraFromExif(arguments, ReadExif(photo.bytes), photo.image);
+  const GrayImage& pixels = photo.image;
+  if (query.camera.width_px() != pixels.width_px || query.camera.height_px() != pixels.height_px) {
     throw Error(ErrorCode::kBadInput,
                 fmt::format("{} has {} x {} pixels, but --camera says {} x {}",
-                            arguments.image_path, photo.width_px, photo.height_px,
+                            arguments.image_path, pixels.width_px, pixels.height_px,
                             query.camera.width_px(), query.camera.height_px()));
   }
   if (arguments.prior) {
@@ -85,13 +83,12 @@ LocalizeQuery MakeQuery(const LocalizeArguments& arguments, const GrayImage& pho
   return query;
 }
 
-LocalizeResult Answer(const LocalizeArguments& arguments, const GrayImage& photo,
-                      const std::vector<uint8_t>& image_bytes, const std::vector<RigPhoto>& others,
-                      LocalizeQuery* query) {
+LocalizeResult Answer(const LocalizeArguments& arguments, const Photo& photo,
+                      const std::vector<RigPhoto>& others, LocalizeQuery* query) {
   if (!arguments.server_url.empty()) {
-    std::vector<std::vector<uint8_t>> images = {image_bytes};
+    std::vector<std::vector<uint8_t>> images = {photo.bytes};
     for (const RigPhoto& other : others) {
-      images.push_back(other.bytes);
+      images.push_back(other.photo.bytes);
     }
     return LocalizeClient(ClientOptions{.url = arguments.server_url})
         .LocalizeImages(*query, images);
@@ -100,9 +97,9 @@ LocalizeResult Answer(const LocalizeArguments& arguments, const GrayImage& photo
   options.seed = arguments.seed;
   options.matching.index.kind = arguments.index;
   const OpenedMap map = OpenLocalizer(arguments.map_path, options);
-  query->features = ExtractSift(photo);
+  query->features = ExtractSift(photo.image);
   for (size_t i = 0; i < others.size(); ++i) {
-    query->other_cameras[i].features = ExtractSift(others[i].photo);
+    query->other_cameras[i].features = ExtractSift(others[i].photo.image);
   }
   return map.localizer->Localize(*query);
 }
@@ -148,9 +145,8 @@ ExitCode RunLocalize(const LocalizeArguments& arguments) {
   if (arguments.map_path.empty() == arguments.server_url.empty()) {
     throw Error(ErrorCode::kInvalidArgument, "give either a MAP or --server URL");
   }
-  const std::vector<uint8_t> image_bytes = ReadFileBytes(arguments.image_path, kMaxImageBytes);
-  const GrayImage photo = ReadGrayImage(arguments.image_path);
-  LocalizeQuery query = MakeQuery(arguments, photo, image_bytes);
+  const Photo photo = ReadPhoto(arguments.image_path);
+  LocalizeQuery query = MakeQuery(arguments, photo);
   std::vector<RigPhoto> others;
   if (!arguments.rig_path.empty()) {
     others = ReadRigPhotos(arguments.rig_path);
@@ -158,9 +154,9 @@ ExitCode RunLocalize(const LocalizeArguments& arguments) {
   for (const RigPhoto& other : others) {
     query.other_cameras.push_back(other.camera);
   }
-  const LocalizeResult result = Answer(arguments, photo, image_bytes, others, &query);
+  const LocalizeResult result = Answer(arguments, photo, others, &query);
   if (!arguments.picture_path.empty()) {
-    DrawMatches(arguments.picture_path, photo, query, result);
+    DrawMatches(arguments.picture_path, photo.image, query, result);
   }
   if (arguments.json) {
     LocalizeRequest request;

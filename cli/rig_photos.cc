@@ -15,21 +15,19 @@ namespace cairn {
 namespace {
 
 constexpr uint64_t kMaxRigBytes = uint64_t{1} << 20;
-constexpr uint64_t kMaxImageBytes = uint64_t{64} << 20;
 
-RigPhoto ReadPhoto(const JsonReader& element, const std::filesystem::path& folder) {
+RigPhoto ReadRigPhoto(const JsonReader& element, const std::filesystem::path& folder) {
   element.RequireOnly({"camera", "camFromFirst", "image"});
   RigPhoto photo;
   photo.camera = ReadRigCamera(element);
   const JsonReader image = element.At("image");
   const std::string image_path = (folder / image.String()).string();
-  photo.bytes = ReadFileBytes(image_path, kMaxImageBytes);
-  photo.photo = ReadGrayImage(image_path);
+  photo.photo = ReadPhoto(image_path);
+  const GrayImage& pixels = photo.photo.image;
   const Camera& camera = photo.camera.camera;
-  if (camera.width_px() != photo.photo.width_px || camera.height_px() != photo.photo.height_px) {
-    image.Fail(fmt::format("has {} x {} pixels, its camera's images are {} x {}",
-                           photo.photo.width_px, photo.photo.height_px, camera.width_px(),
-                           camera.height_px()));
+  if (camera.width_px() != pixels.width_px || camera.height_px() != pixels.height_px) {
+    image.Fail(fmt::format("has {} x {} pixels, its camera's images are {} x {}", pixels.width_px,
+                           pixels.height_px, camera.width_px(), camera.height_px()));
   }
   return photo;
 }
@@ -44,7 +42,7 @@ std::vector<RigPhoto> ReadRigPhotos(const std::string& path) {
     std::vector<RigPhoto> photos;
     for (const JsonReader& element :
          JsonReader(document).Elements(1, LocalizeQuery::kMaxOtherCameras)) {
-      photos.push_back(ReadPhoto(element, std::filesystem::path(path).parent_path()));
+      photos.push_back(ReadRigPhoto(element, std::filesystem::path(path).parent_path()));
     }
     return photos;
   } catch (const HttpError& e) {

@@ -2,20 +2,18 @@
 #ifndef CAIRN_CLI_RIG_PHOTOS_H_
 #define CAIRN_CLI_RIG_PHOTOS_H_
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "engine/localize_query.h"
-#include "ingest/features/sift_extractor.h"
+#include "ingest/features/gray_image.h"
 
 namespace cairn {
 
 // A photo by a camera of the rig; the camera has no features yet.
 struct RigPhoto {
   RigCamera camera;
-  std::vector<uint8_t> bytes;  // As in the file.
-  GrayImage photo;
+  Photo photo;
 };
 
 // Reads a JSON array of {"camera", "camFromFirst", "image"}: the first two as in the `rig` of

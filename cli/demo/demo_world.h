@@ -9,7 +9,7 @@
 
 #include "cli/progress.h"
 #include "eval/eval_query.h"
-#include "ingest/features/sift_extractor.h"
+#include "ingest/features/gray_image.h"
 #include "ingest/ingest_session.h"
 
 namespace cairn {

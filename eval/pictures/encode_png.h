@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "ingest/features/sift_extractor.h"
+#include "ingest/features/gray_image.h"
 
 namespace cairn {
 

@@ -10,7 +10,7 @@
 #include "core/rigid3.h"
 #include "engine/localize_query.h"
 #include "engine/localize_result.h"
-#include "ingest/features/sift_extractor.h"
+#include "ingest/features/gray_image.h"
 #include "storage/map_store.h"
 
 namespace cairn {

@@ -11,7 +11,7 @@
 #include "core/camera.h"
 #include "core/rigid3.h"
 #include "eval/street/texture.h"
-#include "ingest/features/sift_extractor.h"
+#include "ingest/features/gray_image.h"
 
 namespace cairn {
 

@@ -7,7 +7,7 @@
 
 #include "core/geodesy.h"
 #include "core/rigid3.h"
-#include "ingest/features/sift_extractor.h"
+#include "ingest/features/gray_image.h"
 
 namespace cairn {
 

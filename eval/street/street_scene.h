@@ -14,7 +14,7 @@
 #include "core/rigid3.h"
 #include "eval/known_poses/reconstruct_known_poses.h"  // IWYU pragma: export
 #include "eval/street/street_photo.h"
-#include "ingest/features/sift_extractor.h"
+#include "ingest/features/gray_image.h"
 
 namespace cairn {
 

@@ -4,22 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <numeric>
 #include <opencv2/features2d.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <tuple>
 
 #include "core/error.h"
-#include "ingest/features/image_header.h"
-#include "ingest/readers/file_bytes.h"
 
 namespace cairn {
 namespace {
-
-constexpr uint64_t kMaxImageFileBytes = uint64_t{256} << 20;
 
 // From OpenCV's keypoint coordinates to ours. OpenCV counts from the centre of the upper left pixel
 // (+0.5), but its SIFT doubles the image about pixel corners and halves coordinates about pixel
@@ -100,41 +94,6 @@ void SiftOptions::Validate() const {
   require(contrast_threshold >= 0.0 && contrast_threshold < 1.0,
           "contrast_threshold must lie in [0, 1)");
   require(max_pixels >= 1024, "max_pixels must be at least 1024");
-}
-
-GrayImage DecodeGrayImage(std::span<const uint8_t> image_bytes, const ImageDecodeLimits& limits) {
-  const ImageHeader header = ParseImageHeader(image_bytes);
-  if (header.width_px > limits.max_pixels / header.height_px) {
-    throw Error(ErrorCode::kBadInput,
-                fmt::format("the image is {} x {} pixels, more than the limit of {}; scale it down",
-                            header.width_px, header.height_px, limits.max_pixels));
-  }
-  if (image_bytes.size() > static_cast<size_t>(std::numeric_limits<int>::max())) {
-    throw Error(ErrorCode::kBadInput, "the image file is larger than 2 GiB");
-  }
-  cv::Mat decoded;
-  try {
-    const cv::Mat buffer(1, static_cast<int>(image_bytes.size()), CV_8UC1,
-                         const_cast<uint8_t*>(image_bytes.data()));
-    decoded = cv::imdecode(buffer, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
-  } catch (const cv::Exception& e) {
-    throw Error(ErrorCode::kBadInput, fmt::format("the image does not decode: {}", e.err));
-  }
-  if (decoded.empty() || decoded.type() != CV_8UC1) {
-    throw Error(ErrorCode::kBadInput, "the image does not decode; its file is damaged");
-  }
-  GrayImage image{.width_px = decoded.cols, .height_px = decoded.rows, .pixels = {}};
-  image.pixels.assign(decoded.begin<uint8_t>(), decoded.end<uint8_t>());
-  return image;
-}
-
-GrayImage ReadGrayImage(const std::string& path, const ImageDecodeLimits& limits) {
-  const std::vector<uint8_t> bytes = ReadFileBytes(path, kMaxImageFileBytes);
-  try {
-    return DecodeGrayImage(bytes, limits);
-  } catch (const Error& e) {
-    throw Error(e.code(), fmt::format("{}: {}", path, e.what()));
-  }
 }
 
 FeatureSet ExtractSift(const GrayImage& image, const SiftOptions& options) {

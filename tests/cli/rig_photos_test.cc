@@ -55,8 +55,8 @@ TEST_F(RigPhotosTest, ReadsCamerasAndTheirPhotosBesideTheFile) {
   ASSERT_EQ(photos.size(), 2u);
   EXPECT_EQ(photos[1].camera.cam_from_first.translation, Eigen::Vector3d(-0.5, 0, 0));
   EXPECT_EQ(photos[1].camera.camera.width_px(), 4);
-  EXPECT_EQ(photos[1].photo.pixels[7], '8');
-  EXPECT_EQ(photos[1].bytes.size(), 19u);
+  EXPECT_EQ(photos[1].photo.image.pixels[7], '8');
+  EXPECT_EQ(photos[1].photo.bytes.size(), 19u);
 }
 
 TEST_F(RigPhotosTest, SaysWhatIsWrong) {

@@ -10,7 +10,7 @@
 #include "core/error.h"
 #include "eval/pictures/encode_png.h"
 #include "eval/pictures/plan_view.h"
-#include "ingest/features/sift_extractor.h"
+#include "ingest/features/gray_image.h"
 #include "storage/map_store.h"
 #include "support/temp_dir.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "ingest/features/sift_extractor.h"
+#include "ingest/features/gray_image.h"
 #include "ingest/readers/exif.h"
 #include "ingest/readers/file_bytes.h"
 #include "support/temp_dir.h"
