@@ -54,7 +54,7 @@ nlohmann::json ParseJson(std::string_view text) {
 
 void JsonReader::Fail(const std::string& detail, const std::string& hint) const {
   throw HttpError(ProblemCode::kInvalidField,
-                  fmt::format("{}: {}", pointer_.empty() ? "the request" : pointer_, detail))
+                  fmt::format("{}: {}", pointer_.empty() ? "the top level" : pointer_, detail))
       .At(pointer_)
       .Hint(hint);
 }
