@@ -1,10 +1,12 @@
 #include "engine/voting/candidate_support.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <vector>
 
+#include "core/features.h"
 #include "engine/vector_clones.h"
 
 namespace cairn {
@@ -73,41 +75,139 @@ void RayGains(const RayPointers<double>& pointers, const SupportTest& test, bool
   }
 }
 
+// Centre relative to that of the rays.
+struct SupportPose {
+  Eigen::Vector3d center;
+  double yaw_rad;
+};
+
+struct SupportTolerance {
+  double direction_rad;
+  double slack_m;
+};
+
+SupportTolerance WidestTolerance(const VotingOptions& options) {
+  return {options.direction_tolerance_rad, options.cell_xy_m};
+}
+
+// Per ray, padding included.
+std::vector<double> GainsAt(const RayArrays<double>& rays, const SupportPose& pose,
+                            const SupportTolerance& tolerance, const VotingOptions& options,
+                            bool in_3d) {
+  const SupportTest test = {pose.center.x(),         pose.center.y(),
+                            pose.center.z(),         std::cos(pose.yaw_rad),
+                            std::sin(pose.yaw_rad),  std::cos(options.max_azimuth_difference_rad),
+                            tolerance.direction_rad, tolerance.slack_m};
+  std::vector<double> gains(rays.padded_size());
+  RayGains(RayPointers<double>(rays), test, in_3d, rays.has_origins(), rays.padded_size(),
+           gains.data());
+  return gains;
+}
+
+// The best gain of each keypoint, summed.
+double SumOverKeypoints(const RayArrays<double>& rays, const std::vector<double>& gains) {
+  double sum = 0.0, best_gain = 0.0;  // The latter of the current keypoint.
+  for (int i = 0; i < rays.num_rays; ++i) {
+    if (i > 0 && rays.voters[i - 1] != rays.voters[i]) {
+      sum += best_gain;
+      best_gain = 0.0;
+    }
+    best_gain = std::max(best_gain, gains[i]);
+  }
+  return sum + best_gain;
+}
+
+std::vector<int> AgreeingCorrespondences(const RayArrays<double>& rays,
+                                         const std::vector<double>& gains) {
+  std::vector<int> correspondences;
+  for (int i = 0; i < rays.num_rays; ++i) {
+    if (gains[i] > 0.0) {
+      correspondences.push_back(rays.correspondence_idxs[i]);
+    }
+  }
+  std::sort(correspondences.begin(), correspondences.end());
+  return correspondences;
+}
+
+// How far landmark i is off its ray, and how that changes with centre and yaw.
+struct RayOffset {
+  Eigen::Vector3d offset_m;
+  Eigen::Matrix<double, 3, 4> jacobian;
+  double distance_m;
+};
+
+RayOffset OffsetOf(const RayArrays<double>& rays, int i, const SupportPose& pose) {
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(pose.yaw_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const Eigen::Vector3d direction =
+      turn * Eigen::Vector3d(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]);
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  if (rays.has_origins()) {
+    origin = turn * Eigen::Vector3d(rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]);
+  }
+  const Eigen::Vector3d to_landmark =
+      Eigen::Vector3d(rays.x[i], rays.y[i], rays.z[i]) - pose.center - origin;
+  const Eigen::Matrix3d off_ray = Eigen::Matrix3d::Identity() - direction * direction.transpose();
+  RayOffset offset;
+  offset.distance_m = direction.dot(to_landmark);
+  offset.offset_m = off_ray * to_landmark;
+  offset.jacobian.leftCols<3>() = -off_ray;
+  offset.jacobian.col(3) = -offset.distance_m * Eigen::Vector3d::UnitZ().cross(direction) -
+                           off_ray * Eigen::Vector3d::UnitZ().cross(origin);
+  return offset;
+}
+
+// One step of Gauss-Newton on the offsets of the rays that agree, weighted by their gains, with the
+// pose held to within a cell and a yaw step.
+SupportPose Settle(const RayArrays<double>& rays, const std::vector<double>& gains,
+                   const SupportPose& pose, const SupportTolerance& tolerance,
+                   const VotingOptions& options) {
+  const Eigen::Vector4d sigmas(options.cell_xy_m, options.cell_xy_m, options.cell_z_m,
+                               options.yaw_step_rad);
+  Eigen::Matrix4d information = sigmas.cwiseAbs2().cwiseInverse().asDiagonal();
+  Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
+  for (int i = 0; i < rays.num_rays; ++i) {
+    if (gains[i] > 0.0) {
+      const RayOffset ray = OffsetOf(rays, i, pose);
+      const double sigma_m = tolerance.direction_rad * ray.distance_m + tolerance.slack_m;
+      const double weight = gains[i] / (sigma_m * sigma_m);
+      information += weight * ray.jacobian.transpose() * ray.jacobian;
+      gradient += weight * ray.jacobian.transpose() * ray.offset_m;
+    }
+  }
+  const Eigen::Vector4d step = -information.llt().solve(gradient);
+  return {pose.center + step.head<3>(), WrapAngleRad(pose.yaw_rad + step[3])};
+}
+
 }  // namespace
 
 PoseCandidate SupportedCandidate(const RayArrays<double>& rays,
                                  const Eigen::Vector3d& center_in_anchor, double yaw_rad,
                                  const VotingOptions& options) {
-  PoseCandidate candidate;
-  candidate.center_in_anchor = center_in_anchor;
-  candidate.yaw_rad = yaw_rad;
-  const Eigen::Vector3d center = center_in_anchor - rays.center_in_anchor;
-  const SupportTest test = {center.x(),
-                            center.y(),
-                            center.z(),
-                            std::cos(yaw_rad),
-                            std::sin(yaw_rad),
-                            std::cos(options.max_azimuth_difference_rad),
-                            options.direction_tolerance_rad,
-                            options.cell_xy_m};
-  std::vector<double> gains(rays.padded_size());
-  RayGains(RayPointers<double>(rays), test, options.filter == OutlierFilter::kVoting3d,
-           rays.has_origins(), rays.padded_size(), gains.data());
+  const std::vector<double> gains =
+      GainsAt(rays, {center_in_anchor - rays.center_in_anchor, yaw_rad}, WidestTolerance(options),
+              options, options.filter == OutlierFilter::kVoting3d);
+  return {center_in_anchor, yaw_rad, SumOverKeypoints(rays, gains),
+          AgreeingCorrespondences(rays, gains)};
+}
 
-  double best_gain = 0.0;  // Of the current keypoint.
-  for (int i = 0; i < rays.num_rays; ++i) {
-    if (i > 0 && rays.voters[i - 1] != rays.voters[i]) {
-      candidate.score += best_gain;
-      best_gain = 0.0;
-    }
-    if (gains[i] > 0.0) {
-      candidate.correspondences.push_back(rays.correspondence_idxs[i]);
-      best_gain = std::max(best_gain, gains[i]);
-    }
+PoseCandidate SettledCandidate(const RayArrays<double>& rays,
+                               const Eigen::Vector3d& center_in_anchor, double yaw_rad,
+                               const VotingOptions& options) {
+  constexpr int kNumSteps = 2;
+  constexpr double kNarrowing = 0.7;  // Of the tolerances, by each step.
+  SupportPose pose = {center_in_anchor - rays.center_in_anchor, yaw_rad};
+  SupportTolerance tolerance = WidestTolerance(options);
+  std::vector<double> gains = GainsAt(rays, pose, tolerance, options, /*in_3d=*/false);
+  for (int step = 0; step < kNumSteps; ++step) {
+    pose = Settle(rays, gains, pose, tolerance, options);
+    tolerance = {kNarrowing * tolerance.direction_rad, kNarrowing * tolerance.slack_m};
+    gains = GainsAt(rays, pose, tolerance, options, /*in_3d=*/false);
   }
-  candidate.score += best_gain;
-  std::sort(candidate.correspondences.begin(), candidate.correspondences.end());
-  return candidate;
+  const double score = SumOverKeypoints(rays, gains);
+  gains = GainsAt(rays, pose, WidestTolerance(options), options, /*in_3d=*/false);
+  return {pose.center + rays.center_in_anchor, pose.yaw_rad, score,
+          AgreeingCorrespondences(rays, gains)};
 }
 
 }  // namespace cairn

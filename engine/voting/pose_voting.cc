@@ -187,19 +187,24 @@ std::vector<PoseCandidate> VoteForPoses(const QueryContext& query,
   candidates = SuppressNeighbors(candidates, grid, options.yaw_step_rad,
                                  kJudgedPerCandidate * options.max_candidates);
   const RayArrays<double> support_rays(rays, center);
-  ForEachStep(workers, static_cast<int>(candidates.size()), [&](int i) {
-    candidates[i] = SupportedCandidate(support_rays, candidates[i].center_in_anchor,
-                                       candidates[i].yaw_rad, options);
-  });
+  const auto judge_by = [&](const auto& judge) {
+    ForEachStep(workers, static_cast<int>(candidates.size()), [&](int i) {
+      candidates[i] =
+          judge(support_rays, candidates[i].center_in_anchor, candidates[i].yaw_rad, options);
+    });
+  };
+  judge_by(SupportedCandidate);
   std::erase_if(candidates, [&](const PoseCandidate& candidate) {
     return candidate.score < options.min_score;
   });
+  if (options.filter != OutlierFilter::kVoting3d) {
+    judge_by(SettledCandidate);
+  }
   std::stable_sort(
       candidates.begin(), candidates.end(),
       [](const PoseCandidate& a, const PoseCandidate& b) { return a.score > b.score; });
-  if (candidates.size() > static_cast<size_t>(options.max_candidates)) {
-    candidates.resize(options.max_candidates);
-  }
+  // Some have settled at the same place.
+  candidates = SuppressNeighbors(candidates, grid, options.yaw_step_rad, options.max_candidates);
   counters->num_candidates = static_cast<int64_t>(candidates.size());
   return candidates;
 }

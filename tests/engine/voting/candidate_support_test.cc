@@ -130,5 +130,74 @@ TEST(SupportedCandidate, ScoresTheBestMatchOfEachOfManyKeypoints) {
   EXPECT_NEAR(candidate.score, expected, 1e-9);
 }
 
+// Landmarks all about the camera at the origin.
+std::vector<VoteRay> RaysAllAround() {
+  std::vector<VoteRay> rays;
+  for (int i = 0; i < 12; ++i) {
+    const double azimuth_rad = 0.52 * i, distance_m = 15.0 + 2.0 * i;
+    rays.push_back(RayTo(i, i,
+                         {distance_m * std::cos(azimuth_rad), distance_m * std::sin(azimuth_rad),
+                          0.5 * (i % 5) - 1.0}));
+  }
+  return rays;
+}
+
+PoseCandidate Settled(const std::vector<VoteRay>& rays, const Vector3d& center_in_anchor,
+                      double yaw_rad) {
+  return SettledCandidate(RayArrays<double>(rays, {1.0, -2.0, 3.0}), center_in_anchor, yaw_rad,
+                          VotingOptions());
+}
+
+TEST(SettledCandidate, FindsThePoseWithinACell) {
+  const std::vector<VoteRay> rays = RaysAllAround();
+  const Vector3d start(0.8, -0.7, 0.6);
+  const PoseCandidate candidate = Settled(rays, start, 0.02);
+  EXPECT_LT(candidate.center_in_anchor.norm(), 0.1 * start.norm());
+  EXPECT_NEAR(candidate.yaw_rad, 0.0, 0.002);
+  EXPECT_EQ(candidate.correspondences.size(), rays.size());
+  EXPECT_GT(candidate.score, Support(rays, start, 0.02, VotingOptions()).score);
+}
+
+TEST(SettledCandidate, IsNotLedAstrayByWhatDoesNotAgree) {
+  std::vector<VoteRay> rays = RaysAllAround();
+  for (int i = 0; i < 12; ++i) {  // Landmarks that stand behind the camera.
+    VoteRay wrong = RayTo(100 + i, 100 + i, rays[i].x_in_anchor);
+    wrong.x_in_anchor = -wrong.x_in_anchor;
+    rays.push_back(wrong);
+  }
+  const PoseCandidate candidate = Settled(rays, {0.8, -0.7, 0.6}, 0.02);
+  EXPECT_LT(candidate.center_in_anchor.norm(), 0.15);
+  EXPECT_EQ(candidate.correspondences.size(), 12u);
+}
+
+TEST(SettledCandidate, StaysWithinTheCellWhereRaysSayLittle) {
+  // One ray: along it, nothing is known.
+  const Vector3d start(0.5, 0.9, 0.0);
+  const PoseCandidate candidate = Settled({RayTo(0, 0, {30, 0, 0})}, start, 0.0);
+  EXPECT_NEAR(candidate.center_in_anchor.x(), start.x(), 0.2);
+  EXPECT_LT(std::abs(candidate.center_in_anchor.y()), start.y());
+  EXPECT_THAT(candidate.correspondences, ElementsAre(0));
+}
+
+TEST(SettledCandidate, CamerasOfARigTurnAboutTheFirst) {
+  std::vector<VoteRay> rays = RaysAllAround();
+  for (VoteRay& ray : rays) {
+    ray.origin_in_level = {1.5, -0.5, 0.2};
+    ray.x_in_anchor += ray.origin_in_level;
+  }
+  const PoseCandidate candidate = Settled(rays, {0.8, -0.7, 0.6}, 0.02);
+  EXPECT_LT(candidate.center_in_anchor.norm(), 0.15);
+  EXPECT_NEAR(candidate.yaw_rad, 0.0, 0.003);
+}
+
+TEST(SettledCandidate, OfNoAgreementIsWhereItWas) {
+  const Vector3d start(0.5, 0.9, 0.1);
+  const PoseCandidate candidate =
+      Settled({RayTo(0, 0, {-30, 0, 0})}, start + Vector3d(-80, 0, 0), 0.0);
+  EXPECT_EQ(candidate.score, 0.0);
+  EXPECT_LT((candidate.center_in_anchor - start - Vector3d(-80, 0, 0)).norm(), 1e-9);
+  EXPECT_THAT(candidate.correspondences, IsEmpty());
+}
+
 }  // namespace
 }  // namespace cairn
