@@ -30,7 +30,8 @@ std::vector<Experiment> AllExperiments() {
           EkfVsBundleAdjustmentExperiment(),
           SmoothnessExperiment(),
           FourCitiesExperiment(),
-          CalibrationExperiment()};
+          CalibrationExperiment(),
+          FirstCandidatesExperiment()};
 }
 
 Experiment FindExperiment(const std::string& name) {

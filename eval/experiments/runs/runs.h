@@ -25,8 +25,9 @@ Experiment EkfVsBundleAdjustmentExperiment();
 Experiment SmoothnessExperiment();
 Experiment FourCitiesExperiment();
 Experiment CalibrationExperiment();
+Experiment FirstCandidatesExperiment();
 
-// The world that 7 to 9 and 11 to 15 share.
+// The world that 7 to 9, 11 to 15 and 20 share.
 ExperimentWorldOptions StandardWorld(const ExperimentContext& context);
 
 }  // namespace cairn
