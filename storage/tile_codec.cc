@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <functional>
 #include <string>
 
@@ -116,16 +115,6 @@ void PutLists(const TileLists& lists, TileColumnWriter* writer) {
   writer->PutPlanes(std::span<const uint32_t>(gaps));
 }
 
-// Rows of codes in the order of the lists, if there are any.
-std::vector<uint8_t> OrderCodes(const Tile& tile, const TileLists& lists) {
-  std::vector<uint8_t> codes(tile.codes.begin(), tile.codes.end());
-  for (size_t row = 0; row < lists.members.size(); ++row) {
-    std::memcpy(codes.data() + row * tile.code_size,
-                tile.codes.data() + size_t{lists.members[row]} * tile.code_size, tile.code_size);
-  }
-  return codes;
-}
-
 }  // namespace
 
 std::vector<uint8_t> EncodeTile(const Tile& tile, const TileLists& lists) {
@@ -160,7 +149,7 @@ std::vector<uint8_t> EncodeTile(const Tile& tile, const TileLists& lists) {
   header.num_observations = static_cast<uint32_t>(tile.keyframe_landmarks.size());
   header.num_lists = static_cast<uint32_t>(lists.num_lists());
   header.observations_size = static_cast<uint32_t>(observations.size());
-  return writer.Finish(header, OrderCodes(tile, lists));
+  return writer.Finish(header, OrderCodes(tile.codes, tile.code_size, lists));
 }
 
 Tile DecodeTile(std::span<const uint8_t> blob, const TileDecodeLimits& limits) {

@@ -26,6 +26,10 @@ struct TileLists {
   friend bool operator==(const TileLists&, const TileLists&) = default;
 };
 
+// Rows of `code_size` bytes in the order of the lists' members; as they are if there are no lists.
+LargeVector<uint8_t> OrderCodes(std::span<const uint8_t> codes, size_t code_size,
+                                const TileLists& lists);
+
 }  // namespace cairn
 
 #endif  // CAIRN_STORAGE_TILE_LISTS_H_

@@ -26,7 +26,7 @@ class ByteDescriptors {
   size_t MemoryBytes() const { return rows_.capacity(); }
 
   // All hits, by comparing every query with every descriptor; see MatchingIndex::Search. Ordered by
-  // query, then descriptor if max_hits drops none.
+  // query, then descriptor.
   void Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const;
 
   // All descriptors within `max_distance` of each query (n x dim, projected space). Appends to

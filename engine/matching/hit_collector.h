@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -32,14 +31,11 @@ class HitReceiver {
 struct SearchRequest {
   const DescriptorMatrix& queries;        // n x dim, projected space.
   std::span<const double> max_distances;  // One a query, projected space; infinity is allowed.
-  // Of more hits of a query only the nearest are kept, equally near ones by index.
-  size_t max_hits = std::numeric_limits<size_t>::max();
-  // If there is one, it gets the hits instead; max_hits is of no effect then.
+  // If there is one, it gets the hits instead of the caller.
   HitReceiver* receiver = nullptr;
 };
 
-// Gathers the hits of a search in any order, or hands them on. Memory is bounded by a few times the
-// hits that are kept. For use within one thread.
+// Gathers the hits of a search in any order, or hands them on. For use within one thread.
 class HitCollector {
  public:
   // `request` is only read here. Throws Error(kInternal) if the queries' dimension is not the
@@ -56,14 +52,10 @@ class HitCollector {
       return;
     }
     hits_.push_back({query_idx, descriptor_idx, sq_steps});
-    if (hits_.size() >= compaction_size_) {
-      Compact();
-    }
   }
 
-  // Appends the hits to `hits`, ordered by query, then in the order in which they were added, or by
-  // distance where there were more than max_hits.
-  void MoveTo(std::vector<DescriptorHit>* hits);
+  // Appends the hits to `hits`, ordered by query, then in the order in which they were added.
+  void MoveTo(std::vector<DescriptorHit>* hits) const;
 
  private:
   struct Hit {
@@ -73,15 +65,11 @@ class HitCollector {
   };
 
   void HandOn(const Hit& hit);
-  // Orders hits_ by query and drops what exceeds max_hits_.
-  void Compact();
 
   float sq_step_;
   HitReceiver* receiver_;
-  size_t max_hits_;
-  size_t compaction_size_;
   std::vector<int32_t> max_sq_steps_;
-  std::vector<Hit> hits_, ordered_hits_;
+  std::vector<Hit> hits_;
 };
 
 }  // namespace cairn

@@ -1,7 +1,6 @@
 #include "engine/matching/inverted_lists.h"
 
 #include <algorithm>
-#include <cstring>
 #include <numeric>
 #include <utility>
 
@@ -25,16 +24,6 @@ TileLists MakeLists(const ByteDescriptors& descriptors, const InvertedListsOptio
 TileLists MakeTileLists(const Codebook& codebook, std::span<const uint8_t> codes,
                         const InvertedListsOptions& options) {
   return codes.empty() ? TileLists() : MakeLists(ByteDescriptors(codebook, codes), options);
-}
-
-LargeVector<uint8_t> OrderCodes(std::span<const uint8_t> codes, size_t code_size,
-                                const TileLists& lists) {
-  LargeVector<uint8_t> ordered(codes.size());
-  for (size_t row = 0; row < lists.members.size(); ++row) {
-    std::memcpy(ordered.data() + row * code_size, codes.data() + lists.members[row] * code_size,
-                code_size);
-  }
-  return ordered;
 }
 
 InvertedLists::InvertedLists(const Codebook& codebook, std::span<const uint8_t> codes,

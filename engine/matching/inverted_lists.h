@@ -7,7 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "core/large_vector.h"
 #include "engine/matching/byte_words.h"
 #include "engine/matching/cell_lists.h"
 #include "engine/matching/code_expansion.h"
@@ -21,10 +20,6 @@ namespace cairn {
 // tile. Deterministic by seed.
 TileLists MakeTileLists(const Codebook& codebook, std::span<const uint8_t> codes,
                         const InvertedListsOptions& options);
-
-// Rows of `code_size` bytes in the order of the lists' members.
-LargeVector<uint8_t> OrderCodes(std::span<const uint8_t> codes, size_t code_size,
-                                const TileLists& lists);
 
 // Queries are compared list by list, so that a list that several of them visit is read once.
 class InvertedLists : public MatchingIndex {

@@ -3,9 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <limits>
-#include <random>
 #include <utility>
 #include <vector>
 
@@ -54,42 +52,13 @@ TEST_F(HitCollectorTest, EveryQueryHasItsOwnDistance) {
   }
 }
 
-TEST_F(HitCollectorTest, KeepsTheNearestOfTooMany) {
-  HitCollector collector(scale_, {queries_, max_distances_, /*max_hits=*/2});
-  collector.Add(1, 5, 30);
-  collector.Add(1, 6, 10);
-  collector.Add(1, 4, 20);
-  collector.Add(1, 3, 20);
-  collector.Add(0, 8, 99);
-  std::vector<DescriptorHit> hits;
+TEST_F(HitCollectorTest, AppendsToWhatWasThere) {
+  HitCollector collector(scale_, {queries_, max_distances_});
+  collector.Add(2, 3, 20);
+  collector.Add(0, 1, 5);
+  std::vector<DescriptorHit> hits = {{1, 9, 0.0f}};
   collector.MoveTo(&hits);
-  EXPECT_THAT(Pairs(hits), ElementsAre(std::pair(0, 8), std::pair(1, 6), std::pair(1, 3)));
-}
-
-TEST_F(HitCollectorTest, ManyHitsAreTheSameInAnyOrderAndTightenTheDistance) {
-  constexpr size_t kMaxHits = 50;
-  std::vector<std::pair<uint32_t, int32_t>> candidates;  // Descriptor, squared steps.
-  std::mt19937_64 random(1);
-  for (uint32_t i = 0; i < 200'000; ++i) {
-    candidates.emplace_back(i, static_cast<int32_t>(random() % 30'000));
-  }
-  std::vector<std::vector<std::pair<uint32_t, uint32_t>>> results;
-  for (int i = 0; i < 2; ++i) {
-    std::shuffle(candidates.begin(), candidates.end(), random);
-    HitCollector collector(scale_, {queries_, max_distances_, kMaxHits});
-    const int32_t first_bound = collector.max_sq_steps(1);
-    for (const auto& [descriptor, sq_steps] : candidates) {
-      if (sq_steps <= collector.max_sq_steps(1)) {
-        collector.Add(1, descriptor, sq_steps);
-      }
-    }
-    EXPECT_LT(collector.max_sq_steps(1), first_bound);
-    std::vector<DescriptorHit> hits;
-    collector.MoveTo(&hits);
-    EXPECT_EQ(hits.size(), kMaxHits);
-    results.push_back(Pairs(hits));
-  }
-  EXPECT_EQ(results[0], results[1]);
+  EXPECT_THAT(Pairs(hits), ElementsAre(std::pair(1, 9), std::pair(0, 1), std::pair(2, 3)));
 }
 
 TEST_F(HitCollectorTest, AReceiverGetsTheHitsAndLowersTheBound) {
@@ -103,8 +72,7 @@ TEST_F(HitCollectorTest, AReceiverGetsTheHitsAndLowersTheBound) {
     float max_sq_distance = std::numeric_limits<float>::infinity();
   } receiver;
   HitCollector collector(
-      scale_,
-      {.queries = queries_, .max_distances = max_distances_, .max_hits = 1, .receiver = &receiver});
+      scale_, {.queries = queries_, .max_distances = max_distances_, .receiver = &receiver});
   const int32_t before = collector.max_sq_steps(1);
   collector.Add(1, 7, 100);
   EXPECT_EQ(collector.max_sq_steps(1), before);

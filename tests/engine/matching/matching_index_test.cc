@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <memory>
 #include <numeric>
+#include <set>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -136,27 +138,52 @@ TEST_P(MatchingIndexTest, EveryQueryHasItsOwnDistance) {
   EXPECT_EQ(Sorted(hits), Sorted(expected));
 }
 
-TEST_P(MatchingIndexTest, BoundOnHitsKeepsTheNearest) {
+// Keeps the nearest hits of each query, and asks for no farther ones than these.
+class NearestReceiver : public HitReceiver {
+ public:
+  explicit NearestReceiver(size_t max_hits) : max_hits_(max_hits) {}
+
+  float Take(const DescriptorHit& hit) override {
+    auto& nearest = nearest_[hit.query_idx];
+    nearest.emplace(hit.sq_distance, hit.descriptor_idx);
+    if (nearest.size() > max_hits_) {
+      nearest.erase(std::prev(nearest.end()));
+    }
+    return nearest.size() < max_hits_ ? std::numeric_limits<float>::infinity()
+                                      : nearest.rbegin()->first;
+  }
+
+  std::vector<HitTuple> Kept() const {
+    std::vector<HitTuple> kept;
+    for (const auto& [query, nearest] : nearest_) {
+      for (const auto& [sq_distance, descriptor] : nearest) {
+        kept.emplace_back(query, descriptor, sq_distance);
+      }
+    }
+    std::sort(kept.begin(), kept.end());
+    return kept;
+  }
+
+ private:
+  size_t max_hits_;
+  std::map<uint32_t, std::set<std::pair<float, uint32_t>>> nearest_;
+};
+
+TEST_P(MatchingIndexTest, AFallingBoundLosesNoneOfTheNearest) {
   constexpr size_t kMaxHits = 5;
   const SyntheticDescriptors data = MakeSyntheticDescriptors({.num_queries = 100});
   const std::vector<double> max_distances(data.queries.rows(),
                                           std::numeric_limits<double>::infinity());
-  std::vector<DescriptorHit> hits, all;
-  Make(data, CompleteOptions())->Search({data.queries, max_distances, kMaxHits}, &hits);
+  NearestReceiver found(kMaxHits), expected(kMaxHits);
+  Make(data, CompleteOptions())
+      ->Search({.queries = data.queries, .max_distances = max_distances, .receiver = &found},
+               nullptr);
+  std::vector<DescriptorHit> all;
   ByteDescriptors(*data.codebook, data.codes).Search({data.queries, max_distances}, &all);
-  std::map<uint32_t, std::vector<std::pair<float, uint32_t>>> nearest;
   for (const DescriptorHit& hit : all) {
-    nearest[hit.query_idx].emplace_back(hit.sq_distance, hit.descriptor_idx);
+    expected.Take(hit);
   }
-  std::vector<HitTuple> expected;
-  for (auto& [query, neighbors] : nearest) {
-    std::sort(neighbors.begin(), neighbors.end());
-    for (size_t i = 0; i < kMaxHits; ++i) {
-      expected.emplace_back(query, neighbors[i].second, neighbors[i].first);
-    }
-  }
-  std::sort(expected.begin(), expected.end());
-  EXPECT_EQ(Sorted(hits), expected);
+  EXPECT_EQ(found.Kept(), expected.Kept());
 }
 
 TEST_P(MatchingIndexTest, SameOptionsGiveTheSameHits) {
