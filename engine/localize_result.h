@@ -25,7 +25,7 @@ enum class NotLocalizedReason {
   kTooFewInliers,   // No pose explains enough of the matches.
   kAmbiguous,       // Two poses far apart explain the image about equally well.
   kPriorMismatch,   // The best pose lies outside the region the prior allows.
-  kTimeout,         // The deadline passed before there was an answer.
+  kTimeout,         // The deadline left no time to find an answer.
 };
 const char* NotLocalizedReasonName(NotLocalizedReason reason);
 
@@ -42,7 +42,7 @@ struct StageTimes {
 struct StageCounters {
   int64_t num_keypoints = 0;
   int64_t num_tiles_found = 0;     // By the geo-query.
-  int64_t num_tiles_searched = 0;  // After the tile limit.
+  int64_t num_tiles_searched = 0;  // After the tile limit, and the deadline.
   int64_t num_tiles_loaded = 0;    // Cache misses.
   int64_t num_descriptors = 0;     // In the tiles searched.
   int64_t num_distances = 0;       // Descriptor distances computed.
@@ -56,6 +56,15 @@ struct StageCounters {
   bool used_prior = false;
   bool used_gravity = false;
   bool tile_limit_hit = false;  // More tiles in the region than the limit: a part was not seen.
+  // The deadline kept a stage from all of its work; with more time the answer might be better.
+  bool tiles_cut_short = false;     // Tiles left out, or parts of their indices not yet built.
+  bool matching_cut_short = false;  // Not all keypoints searched everywhere.
+  bool pose_cut_short = false;      // Candidates not tried.
+  bool refinement_cut_short = false;
+
+  bool is_cut_short() const {
+    return tiles_cut_short || matching_cut_short || pose_cut_short || refinement_cut_short;
+  }
 };
 
 // An inlier of the final pose.

@@ -18,6 +18,7 @@
 #include "engine/refinement/rank_keyframes.h"
 #include "engine/shared_workers.h"
 #include "engine/tiles/fetch_tiles.h"
+#include "engine/tiles/index_finisher.h"
 #include "engine/voting/covisibility_filter.h"
 #include "engine/voting/pose_voting.h"
 #include "storage/descriptor_codec.h"
@@ -29,6 +30,7 @@ struct Localizer::Impl {
   std::shared_ptr<TileCache> cache;
   LocalizerOptions options;
   SharedWorkers workers;
+  IndexFinisher finisher{&workers};
 };
 
 namespace {
@@ -60,6 +62,8 @@ class QueryRun {
       : store_(store), cache_(cache), options_(options), workers_(workers), query_(query) {}
 
   LocalizeResult Run();
+  // Those that were searched.
+  const std::vector<TileView>& tiles() const { return tiles_; }
 
  private:
   using StageMethod = NotLocalizedReason (QueryRun::*)();
@@ -72,8 +76,11 @@ class QueryRun {
   NotLocalizedReason Refine();
 
   bool DeadlinePassed() const { return query_.deadline && Clock::now() >= *query_.deadline; }
-  // Makes attempts 0 ... count - 1 and adds the poses found to the hypotheses. An attempt gets the
-  // consensus below which a pose is of no interest. Returns the number of attempts made.
+  // Says when this share of the time from now to the deadline has passed.
+  StopFunction StopAfter(double share) const;
+  // Makes attempts 0 ... count - 1 until the deadline and adds the poses found to the hypotheses.
+  // An attempt gets the consensus below which a pose is of no interest. Returns the number of
+  // attempts made.
   int TryInRounds(int count, const std::function<Attempt(int, double)>& attempt);
   void AddHypothesis(Attempt attempt);
   bool NeedsRefinement() const;
@@ -117,11 +124,22 @@ LocalizeResult QueryRun::Run() {
   if (!hypotheses_.empty()) {
     ConcludeAnswer(context_, tiles_, hypotheses_, options_.answer, &result_);
   }
-  if (FoundTooLittle(result_.reason) && DeadlinePassed()) {
+  if (FoundTooLittle(result_.reason) && (DeadlinePassed() || result_.counters.is_cut_short())) {
     result_.reason = NotLocalizedReason::kTimeout;
   }
   result_.times.total_seconds = SecondsSince(start);
   return std::move(result_);
+}
+
+StopFunction QueryRun::StopAfter(double share) const {
+  if (!query_.deadline) {
+    return {};
+  }
+  const Clock::time_point now = Clock::now();
+  const Clock::time_point end =
+      now + std::chrono::duration_cast<Clock::duration>(
+                share * std::chrono::duration<double>(*query_.deadline - now));
+  return [end] { return Clock::now() >= end; };
 }
 
 NotLocalizedReason QueryRun::ResolvePrior() {
@@ -144,7 +162,7 @@ NotLocalizedReason QueryRun::ResolvePrior() {
 
 NotLocalizedReason QueryRun::GatherTiles() {
   tiles_ = FetchTiles(*snapshot_, cache_, options_.tiles, options_.matching.index, &context_.region,
-                      &result_.counters);
+                      &result_.counters, StopAfter(options_.tiles.deadline_share));
   snapshot_.reset();
   for (const TileView& view : tiles_) {
     result_.tiles.push_back(view.tile->id());
@@ -153,8 +171,9 @@ NotLocalizedReason QueryRun::GatherTiles() {
 }
 
 NotLocalizedReason QueryRun::Match() {
-  correspondences_ = std::make_shared<const std::vector<Correspondence>>(MatchFeatures(
-      context_, tiles_, options_.matching, &result_.counters, workers_, query_.deadline));
+  correspondences_ = std::make_shared<const std::vector<Correspondence>>(
+      MatchFeatures(context_, tiles_, options_.matching, &result_.counters, workers_,
+                    StopAfter(options_.matching.deadline_share)));
   return result_.counters.num_matched_keypoints < options_.pose.min_inliers
              ? NotLocalizedReason::kTooFewMatches
              : NotLocalizedReason::kNone;
@@ -183,11 +202,13 @@ NotLocalizedReason QueryRun::Vote() {
 }
 
 NotLocalizedReason QueryRun::EstimatePoses() {
-  TryInRounds(static_cast<int>(candidates_.size()), [this](int i, double min_consensus) -> Attempt {
+  const auto num_candidates = static_cast<int>(candidates_.size());
+  const int num_tried = TryInRounds(num_candidates, [this](int i, double min_consensus) -> Attempt {
     return {correspondences_,
             EstimatePose(context_, *correspondences_, candidates_[i].correspondences, options_.pose,
                          options_.seed, min_consensus)};
   });
+  result_.counters.pose_cut_short = num_tried < num_candidates;
   return NotLocalizedReason::kNone;
 }
 
@@ -207,7 +228,9 @@ NotLocalizedReason QueryRun::Refine() {
       return {rematches,
               EstimatePose(context_, *rematches, all, options_.pose, options_.seed, min_consensus)};
     };
-    result_.counters.num_refined_keyframes = TryInRounds(static_cast<int>(ranked.size()), attempt);
+    const auto num_ranked = static_cast<int>(ranked.size());
+    result_.counters.num_refined_keyframes = TryInRounds(num_ranked, attempt);
+    result_.counters.refinement_cut_short = result_.counters.num_refined_keyframes < num_ranked;
     result_.counters.num_rematches =
         std::accumulate(num_rematches.begin(), num_rematches.end(), int64_t{0});
   }
@@ -275,7 +298,14 @@ Localizer::~Localizer() = default;
 
 LocalizeResult Localizer::Localize(const LocalizeQuery& query) const {
   const SharedWorkers::Caller caller(&impl_->workers);
-  return QueryRun(*impl_->store, impl_->cache.get(), impl_->options, &impl_->workers, query).Run();
+  QueryRun run(*impl_->store, impl_->cache.get(), impl_->options, &impl_->workers, query);
+  LocalizeResult result = run.Run();
+  for (const TileView& view : run.tiles()) {
+    if (!view.tile->index().is_complete()) {
+      impl_->finisher.Add(view.tile);
+    }
+  }
+  return result;
 }
 
 const LocalizerOptions& Localizer::options() const { return impl_->options; }

@@ -20,13 +20,15 @@ ByteDescriptors::ByteDescriptors(const Codebook& codebook, std::span<const uint8
   CAIRN_CHECK(codes.size() % codebook.num_subspaces == 0, "codes must be whole rows");
 }
 
-void ByteDescriptors::Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const {
+int64_t ByteDescriptors::Search(const SearchRequest& request,
+                                std::vector<DescriptorHit>* hits) const {
   HitCollector collector(scale_, request);
   const DistanceKernels& kernels = BestDistanceKernels();
   const size_t stride = scale_.stride();
   const std::vector<int16_t> steps = scale_.QuantizeQueries(request.queries);
   std::vector<int32_t> sq_distances(std::min(kScanRows, num_rows_));
-  for (size_t begin = 0; begin < num_rows_; begin += kScanRows) {
+  size_t begin = 0;
+  for (; begin < num_rows_ && !collector.ShouldStop(); begin += kScanRows) {
     const size_t count = std::min(kScanRows, num_rows_ - begin);
     for (uint32_t query = 0; query < request.queries.rows(); ++query) {
       kernels.scan(steps.data() + query * stride, rows_.data() + begin * stride, scale_.stride(),
@@ -39,6 +41,7 @@ void ByteDescriptors::Search(const SearchRequest& request, std::vector<Descripto
     }
   }
   collector.MoveTo(hits);
+  return static_cast<int64_t>(std::min(begin, num_rows_)) * request.queries.rows();
 }
 
 void ByteDescriptors::RangeSearch(const DescriptorMatrix& queries, double max_distance,

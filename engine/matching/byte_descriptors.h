@@ -27,7 +27,7 @@ class ByteDescriptors {
 
   // All hits, by comparing every query with every descriptor; see MatchingIndex::Search. Ordered by
   // query, then descriptor.
-  void Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const;
+  int64_t Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const;
 
   // All descriptors within `max_distance` of each query (n x dim, projected space). Appends to
   // `hits`, ordered by query, then descriptor. Throws Error(kInternal) if the dimension is another.

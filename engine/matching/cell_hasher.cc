@@ -212,13 +212,13 @@ void CellHasher::ProjectQuery(const float* projected, int32_t* units) const {
   }
 }
 
-void CellHasher::HashProbes(const float* projected, std::span<int32_t> units,
+void CellHasher::HashProbes(const float* projected, int num_grids, std::span<int32_t> units,
                             uint64_t* hashes) const {
   ProjectQuery(projected, units.data());
   const int num_steps = std::min(num_hashed_dims_, num_probes_ - 1);
   std::array<uint32_t, kMaxProbes> packed_steps;
   std::array<BorderStep, kMaxProbes> steps;
-  for (int grid = 0; grid < num_grids_; ++grid) {
+  for (int grid = 0; grid < num_grids; ++grid) {
     const uint64_t* factors = factors_.data() + grid * num_hashed_dims_;
     std::fill_n(packed_steps.begin(), num_steps, std::numeric_limits<uint32_t>::max());
     uint64_t own_hash = 0;

@@ -38,11 +38,12 @@ class CellHasher {
   std::vector<uint64_t> HashCodes(const Codebook& codebook, std::span<const uint8_t> codes,
                                   int grid) const;
 
-  // Hashes of the cells to look into for a descriptor in projected space: num_grids() rows of
-  // num_probes(). A row starts with the own cell; then, as in multi-probe LSH (Lv et al. 2007),
-  // come the cells across the nearest borders, by the distance to them. `units` is working memory
-  // of num_units() numbers.
-  void HashProbes(const float* projected, std::span<int32_t> units, uint64_t* hashes) const;
+  // Hashes of the cells to look into for a descriptor in projected space: rows of num_probes() for
+  // the first `num_grids` grids. A row starts with the own cell; then, as in multi-probe LSH (Lv et
+  // al. 2007), come the cells across the nearest borders, by the distance to them. `units` is
+  // working memory of num_units() numbers.
+  void HashProbes(const float* projected, int num_grids, std::span<int32_t> units,
+                  uint64_t* hashes) const;
   size_t num_units() const { return shifts_.size(); }
 
   size_t MemoryBytes() const;

@@ -44,7 +44,8 @@ class CellLists {
     return BlockQueries(query_steps, rows_.centers());
   }
 
-  // Compares queries with the descriptors of the cells they visit, in the order of the visits.
+  // Compares queries with the descriptors of the cells they visit, in the order of the visits,
+  // until the collector wants no more.
   // Returns the number of distances computed.
   int64_t Search(const BlockQueries& queries, std::span<const CellVisit> visits,
                  HitCollector* collector) const;

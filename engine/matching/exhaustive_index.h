@@ -19,8 +19,7 @@ class ExhaustiveIndex : public MatchingIndex {
       : descriptors_(codebook, codes) {}
 
   int64_t Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const override {
-    descriptors_.Search(request, hits);
-    return static_cast<int64_t>(descriptors_.size()) * request.queries.rows();
+    return descriptors_.Search(request, hits);
   }
   size_t MemoryBytes() const override { return descriptors_.MemoryBytes(); }
 

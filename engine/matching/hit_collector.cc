@@ -7,7 +7,9 @@
 namespace cairn {
 
 HitCollector::HitCollector(const ByteScale& scale, const SearchRequest& request)
-    : sq_step_(scale.step() * scale.step()), receiver_(request.receiver) {
+    : sq_step_(scale.step() * scale.step()),
+      receiver_(request.receiver),
+      should_stop_(request.should_stop) {
   RequireQueryDim(request.queries, scale.dim());
   CAIRN_CHECK(request.max_distances.size() == static_cast<size_t>(request.queries.rows()),
               "every query has a distance");

@@ -9,6 +9,7 @@
 
 #include "core/features.h"
 #include "engine/matching/byte_scale.h"
+#include "engine/stop_function.h"
 
 namespace cairn {
 
@@ -33,6 +34,8 @@ struct SearchRequest {
   std::span<const double> max_distances;  // One a query, projected space; infinity is allowed.
   // If there is one, it gets the hits instead of the caller.
   HitReceiver* receiver = nullptr;
+  // What is found until it says so is all.
+  StopFunction should_stop = {};
 };
 
 // Gathers the hits of a search in any order, or hands them on. For use within one thread.
@@ -54,6 +57,9 @@ class HitCollector {
     hits_.push_back({query_idx, descriptor_idx, sq_steps});
   }
 
+  // See SearchRequest. A clock is not for every hit: ask it about ten times a millisecond.
+  bool ShouldStop() const { return should_stop_ && should_stop_(); }
+
   // Appends the hits to `hits`, ordered by query, then in the order in which they were added.
   void MoveTo(std::vector<DescriptorHit>* hits) const;
 
@@ -68,6 +74,7 @@ class HitCollector {
 
   float sq_step_;
   HitReceiver* receiver_;
+  StopFunction should_stop_;
   std::vector<int32_t> max_sq_steps_;
   std::vector<Hit> hits_;
 };

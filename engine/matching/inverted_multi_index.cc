@@ -103,7 +103,8 @@ int64_t InvertedMultiIndex::Search(const SearchRequest& request,
   int64_t num_distances = 0;
   constexpr uint32_t kQueriesPerBlock = 16;
   const auto num_queries = static_cast<uint32_t>(request.queries.rows());
-  for (uint32_t begin = 0; begin < num_queries; begin += kQueriesPerBlock) {
+  for (uint32_t begin = 0; begin < num_queries && !collector.ShouldStop();
+       begin += kQueriesPerBlock) {
     visits.clear();
     for (uint32_t query = begin; query < std::min(begin + kQueriesPerBlock, num_queries); ++query) {
       sequence.AppendVisits(query, &visits);

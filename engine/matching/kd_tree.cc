@@ -168,7 +168,7 @@ int64_t KdTree::Search(const SearchRequest& request, std::vector<DescriptorHit>*
   const BlockQueries queries = lists_.Prepare(query_steps);
   std::vector<CellVisit> visits;
   int64_t num_distances = 0;
-  for (uint32_t query = 0; query < request.queries.rows(); ++query) {
+  for (uint32_t query = 0; query < request.queries.rows() && !collector.ShouldStop(); ++query) {
     visits.clear();
     AppendVisits(query_steps.data() + size_t{query} * lists_.scale().stride(), query,
                  collector.max_sq_steps(query), &visits);

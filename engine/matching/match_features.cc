@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -112,14 +113,17 @@ std::vector<KeypointRange> SplitKeypoints(int num_keypoints, int num_threads) {
 // nothing of other keypoints in it. Returns the number of distances computed.
 int64_t SearchTile(const DescriptorMatrix& queries, const KeypointRange& range,
                    const TileView& view, int tile_idx, const MatchingOptions& options,
-                   LandmarkRanking* ranking) {
+                   const StopFunction& should_stop, LandmarkRanking* ranking) {
   std::vector<double> max_distances = MaxDistances(queries, *view.tile, options);
   for (int i = 0; i < range.size(); ++i) {
     max_distances[i] = std::min(max_distances[i], ranking->MaxUsefulDistance(range.begin + i));
   }
   LandmarkRanking::TileHits tile_hits(ranking, view, tile_idx, static_cast<uint32_t>(range.begin));
-  const int64_t num_distances = view.tile->index().Search(
-      {.queries = queries, .max_distances = max_distances, .receiver = &tile_hits}, nullptr);
+  const int64_t num_distances = view.tile->index().Search({.queries = queries,
+                                                           .max_distances = max_distances,
+                                                           .receiver = &tile_hits,
+                                                           .should_stop = should_stop},
+                                                          nullptr);
   tile_hits.Flush();
   return num_distances;
 }
@@ -137,10 +141,10 @@ std::vector<uint8_t> GatherCodes(const Tile& tile, std::span<const uint32_t> des
 
 }  // namespace
 
-std::vector<Correspondence> MatchFeatures(
-    const QueryContext& query, const std::vector<TileView>& tiles, const MatchingOptions& options,
-    StageCounters* counters, SharedWorkers* workers,
-    std::optional<std::chrono::steady_clock::time_point> deadline) {
+std::vector<Correspondence> MatchFeatures(const QueryContext& query,
+                                          const std::vector<TileView>& tiles,
+                                          const MatchingOptions& options, StageCounters* counters,
+                                          SharedWorkers* workers, const StopFunction& should_stop) {
   if (tiles.empty()) {
     return {};
   }
@@ -148,17 +152,25 @@ std::vector<Correspondence> MatchFeatures(
   const std::vector<KeypointRange> ranges =
       SplitKeypoints(query.num_keypoints(), workers != nullptr ? workers->NumFree() : 1);
   std::vector<int64_t> num_distances(ranges.size(), 0);
+  std::atomic<bool> was_stopped = false;
+  const StopFunction stop_all = [&] {
+    if (should_stop && should_stop()) {
+      was_stopped = true;
+    }
+    return was_stopped.load();
+  };
   ForEachStep(workers, static_cast<int>(ranges.size()), [&](int i) {
     const DescriptorMatrix queries =
         query.descriptors.middleRows(ranges[i].begin, ranges[i].size());
     for (size_t tile_idx = 0; tile_idx < tiles.size(); ++tile_idx) {
-      if (deadline && std::chrono::steady_clock::now() >= *deadline) {
+      if (stop_all()) {
         return;
       }
       num_distances[i] += SearchTile(queries, ranges[i], tiles[tile_idx],
-                                     static_cast<int>(tile_idx), options, &ranking);
+                                     static_cast<int>(tile_idx), options, stop_all, &ranking);
     }
   });
+  counters->matching_cut_short |= was_stopped;
   counters->num_distances +=
       std::accumulate(num_distances.begin(), num_distances.end(), int64_t{0});
   std::vector<Correspondence> correspondences = ranking.Correspondences(tiles);

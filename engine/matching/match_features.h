@@ -2,14 +2,13 @@
 #ifndef CAIRN_ENGINE_MATCHING_MATCH_FEATURES_H_
 #define CAIRN_ENGINE_MATCHING_MATCH_FEATURES_H_
 
-#include <chrono>
-#include <optional>
 #include <vector>
 
 #include "engine/localize_result.h"
 #include "engine/matching/matching_options.h"
 #include "engine/query_context.h"
 #include "engine/shared_workers.h"
+#include "engine/stop_function.h"
 #include "engine/tiles/searchable_tile.h"
 
 namespace cairn {
@@ -19,12 +18,12 @@ namespace cairn {
 // landmark id. Sets the matching counters. Throws Error(kInternal) unless all tiles share the
 // codebook that the query's descriptors were projected with (checked by id among the tiles, by
 // dimension with the query). `workers` (may be null) share the work, by ranges of keypoints; the
-// result is the same. Tiles that a range of keypoints has not begun with at the `deadline` are left
-// out.
-std::vector<Correspondence> MatchFeatures(
-    const QueryContext& query, const std::vector<TileView>& tiles, const MatchingOptions& options,
-    StageCounters* counters, SharedWorkers* workers = nullptr,
-    std::optional<std::chrono::steady_clock::time_point> deadline = std::nullopt);
+// result is the same. When `should_stop` says so, what has been found by then is all.
+std::vector<Correspondence> MatchFeatures(const QueryContext& query,
+                                          const std::vector<TileView>& tiles,
+                                          const MatchingOptions& options, StageCounters* counters,
+                                          SharedWorkers* workers = nullptr,
+                                          const StopFunction& should_stop = {});
 
 // For the refinement stage: matches all keypoints against just the landmarks that the given
 // keyframes saw, exhaustively, with the absolute threshold at `distance_quantile`

@@ -19,11 +19,11 @@ int64_t MatchingIndex::RangeSearch(const DescriptorMatrix& queries, double max_d
 
 std::unique_ptr<const MatchingIndex> MakeMatchingIndex(const Codebook& codebook,
                                                        std::span<const uint8_t> codes,
-                                                       const IndexOptions& options,
-                                                       TileLists lists) {
+                                                       const IndexOptions& options, TileLists lists,
+                                                       BuildExtent extent) {
   switch (options.kind) {
     case IndexKind::kRandomGrids:
-      return std::make_unique<RandomGrids>(codebook, codes, options.grids);
+      return std::make_unique<RandomGrids>(codebook, codes, options.grids, extent);
     case IndexKind::kInvertedLists: {
       if (lists.empty()) {
         lists = MakeTileLists(codebook, codes, options.lists);

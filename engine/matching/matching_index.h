@@ -16,17 +16,31 @@
 
 namespace cairn {
 
+// How much of an index is built at once.
+enum class BuildExtent {
+  kWhole,
+  kFirstPart,  // What a search needs to find anything; the rest is left to BuildPart.
+};
+
 // All kinds hold the same descriptors (see ByteDescriptors) and give the same, exact distances;
-// they differ in what they find, how fast and in how much memory. Immutable; safe to use from any
-// thread. Deterministic, by seed where the options have one.
+// they differ in what they find, how fast and in how much memory. Immutable but for parts that are
+// still to be built, which add to what a search finds; safe to use from any thread. Deterministic,
+// by seed where the options have one.
 class MatchingIndex {
  public:
   virtual ~MatchingIndex() = default;
 
+  // Whether all parts stand. What others build is seen by the searches that start after it.
+  virtual bool is_complete() const { return true; }
+  // Builds the next part, if one is missing. A thread that finds another at it waits its turn, so
+  // each part is built once and the complete index is the same whoever built it.
+  virtual void BuildPart() const {}
+
   // Finds descriptors within each query's own distance: all of them (exhaustive) or most. Appends
   // to `hits`, ordered by query; a descriptor at most once for a query. What is found for a query
   // does not depend on the others. With a receiver it gets the hits, in any order, `hits` may be
-  // null, and what is found depends on its answers too. Returns the number of distances computed.
+  // null, and what is found depends on its answers too. Returns the number of distances computed,
+  // of fewer if it is told to stop.
   // Throws Error(kInternal) if the queries' dimension is not the codebook's.
   virtual int64_t Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const = 0;
 
@@ -34,6 +48,7 @@ class MatchingIndex {
   int64_t RangeSearch(const DescriptorMatrix& queries, double max_distance,
                       std::vector<DescriptorHit>* hits) const;
 
+  // Of the complete index.
   virtual size_t MemoryBytes() const = 0;
 };
 
@@ -41,10 +56,12 @@ class MatchingIndex {
 // options must be valid. Inverted lists are `lists` if there are any, which saves the time to make
 // them; the other kinds leave them. Throws Error(kBadInput) if the codebook has more than 128
 // dimensions, Error(kMapDamaged) if it lacks the same-landmark distances that random grids need.
+// Unless it is built whole, codebook and codes must outlive the index.
 std::unique_ptr<const MatchingIndex> MakeMatchingIndex(const Codebook& codebook,
                                                        std::span<const uint8_t> codes,
                                                        const IndexOptions& options,
-                                                       TileLists lists = {});
+                                                       TileLists lists = {},
+                                                       BuildExtent extent = BuildExtent::kWhole);
 
 }  // namespace cairn
 

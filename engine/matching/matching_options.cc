@@ -9,6 +9,7 @@ namespace cairn {
 
 void MatchingOptions::Validate() const {
   index.Validate();
+  RequireWithin("matching.deadline_share", deadline_share, 0.0, 1.0);
   RequireWithin("matching.max_neighbors", max_neighbors, 1, 64);
   RequireWithin("matching.distance_quantile", distance_quantile, 0.05, 0.95);
   RequireWithin("matching.max_word_ratio", max_word_ratio, 1e-3, 1e3);

@@ -23,6 +23,11 @@ struct MatchingOptions {
   // How tiles are searched. Localizers that differ in it must not share a tile cache.
   IndexOptions index;
 
+  // Of the time that a query has left until its deadline when matching begins, the share after
+  // which the search is broken off, [0, 1]; the stages after it work with what was found. Two
+  // thirds is what matching takes of a warm query (`cairn bench`).
+  double deadline_share = 0.67;
+
   // k nearest landmarks per keypoint, 1 to 64 (paper: performance peaks at 4).
   int max_neighbors = 4;
 

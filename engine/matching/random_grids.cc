@@ -50,7 +50,8 @@ class RandomGrids::Searcher {
       : grids_(grids),
         queries_(queries),
         steps_(grids.descriptors_.scale().QuantizeQueries(queries)),
-        probes_per_query_(size_t{1} * grids.hasher_.num_grids() * grids.hasher_.num_probes()),
+        num_grids_(grids.num_standing()),
+        probes_per_query_(size_t{1} * num_grids_ * grids.hasher_.num_probes()),
         units_(grids.hasher_.num_units()),
         hashes_(probes_per_query_),
         buckets_(kQueriesPerBlock * probes_per_query_),
@@ -61,9 +62,9 @@ class RandomGrids::Searcher {
     const size_t num_probes = grids_.hasher_.num_probes();
     uint32_t* bucket = buckets_.data();
     for (size_t query = begin; query < end; ++query) {
-      grids_.hasher_.HashProbes(queries_.row(query).data(), units_, hashes_.data());
+      grids_.hasher_.HashProbes(queries_.row(query).data(), num_grids_, units_, hashes_.data());
       for (size_t i = 0; i < probes_per_query_; ++i) {
-        const BucketTable& table = grids_.tables_[i / num_probes];
+        const BucketTable& table = *grids_.tables_[i / num_probes];
         *bucket = table.BucketOf(hashes_[i]);
         table.Prefetch(*bucket++);
       }
@@ -73,7 +74,7 @@ class RandomGrids::Searcher {
   void LocateItems(size_t num_queries) {
     const size_t num_probes = grids_.hasher_.num_probes();
     for (size_t i = 0; i < num_queries * probes_per_query_; ++i) {
-      const BucketTable& table = grids_.tables_[i % probes_per_query_ / num_probes];
+      const BucketTable& table = *grids_.tables_[i % probes_per_query_ / num_probes];
       items_[i] = table.Items(buckets_[i]);
       const auto* bytes = reinterpret_cast<const char*>(items_[i].data());
       for (size_t offset = 0; offset < items_[i].size_bytes(); offset += kCacheLineBytes) {
@@ -121,6 +122,7 @@ class RandomGrids::Searcher {
   const RandomGrids& grids_;
   const DescriptorMatrix& queries_;
   const std::vector<int16_t> steps_;  // Queries as ByteScale makes them.
+  const int num_grids_;               // That stand.
   const size_t probes_per_query_;
   std::vector<int32_t> units_;
   std::vector<uint64_t> hashes_;
@@ -131,14 +133,30 @@ class RandomGrids::Searcher {
 };
 
 RandomGrids::RandomGrids(const Codebook& codebook, std::span<const uint8_t> codes,
-                         const RandomGridsOptions& options)
-    : descriptors_(codebook, codes), hasher_(codebook, options) {
-  BucketTable::Scratch scratch;
-  const int num_bucket_bits = NumBucketBits(descriptors_.size());
-  tables_.reserve(options.num_grids);
-  for (int grid = 0; grid < options.num_grids; ++grid) {
-    tables_.emplace_back(hasher_.HashCodes(codebook, codes, grid), num_bucket_bits,
-                         options.max_candidates_per_cell, RandomBits(options.seed, grid), &scratch);
+                         const RandomGridsOptions& options, BuildExtent extent)
+    : codebook_(&codebook),
+      codes_(codes),
+      options_(options),
+      descriptors_(codebook, codes),
+      hasher_(codebook, options),
+      tables_(options.num_grids) {
+  do {
+    RandomGrids::BuildPart();
+  } while (extent == BuildExtent::kWhole && !RandomGrids::is_complete());
+}
+
+void RandomGrids::BuildPart() const {
+  const std::lock_guard lock(mutex_);
+  if (is_complete()) {
+    return;
+  }
+  const int grid = num_standing();
+  tables_[grid].emplace(hasher_.HashCodes(*codebook_, codes_, grid),
+                        NumBucketBits(descriptors_.size()), options_.max_candidates_per_cell,
+                        RandomBits(options_.seed, grid), &scratch_);
+  num_standing_.store(grid + 1, std::memory_order_release);
+  if (is_complete()) {
+    scratch_ = {};
   }
 }
 
@@ -149,7 +167,8 @@ int64_t RandomGrids::Search(const SearchRequest& request, std::vector<Descriptor
   // Two lists: one query's descriptors are on their way while the previous one's are compared.
   std::vector<uint32_t> candidates, next_candidates;
   int64_t num_distances = 0;
-  for (size_t begin = 0; begin < num_queries; begin += kQueriesPerBlock) {
+  for (size_t begin = 0; begin < num_queries && !collector.ShouldStop();
+       begin += kQueriesPerBlock) {
     const size_t end = std::min(begin + kQueriesPerBlock, num_queries);
     searcher.LocateBuckets(begin, end);
     searcher.LocateItems(end - begin);
@@ -168,11 +187,9 @@ int64_t RandomGrids::Search(const SearchRequest& request, std::vector<Descriptor
 }
 
 size_t RandomGrids::MemoryBytes() const {
-  size_t bytes = descriptors_.MemoryBytes() + hasher_.MemoryBytes();
-  for (const BucketTable& table : tables_) {
-    bytes += table.MemoryBytes();
-  }
-  return bytes;
+  // All tables are of one size, and the first always stands.
+  return descriptors_.MemoryBytes() + hasher_.MemoryBytes() +
+         tables_.size() * tables_.front()->MemoryBytes();
 }
 
 }  // namespace cairn

@@ -4,8 +4,11 @@
 #ifndef CAIRN_ENGINE_MATCHING_RANDOM_GRIDS_H_
 #define CAIRN_ENGINE_MATCHING_RANDOM_GRIDS_H_
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <mutex>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,15 +21,18 @@
 
 namespace cairn {
 
-// Cells are hashed into as many buckets a grid as there are
-// descriptors, up to a factor of two; cells that collide share a bucket and its cap. Immutable;
-// safe to use from any thread. Deterministic by options.seed.
+// Cells are hashed into as many buckets a grid as there are descriptors, up to a factor of two;
+// cells that collide share a bucket and its cap. Its parts are the grids: a search looks into those
+// that stand when it begins. Safe to use from any thread. Deterministic by options.seed.
 class RandomGrids : public MatchingIndex {
  public:
   // See MakeMatchingIndex. Time and memory are linear in n * num_grids. Throws Error(kMapDamaged)
   // if the codebook has no same-landmark distances to set the cells' size by.
   RandomGrids(const Codebook& codebook, std::span<const uint8_t> codes,
-              const RandomGridsOptions& options);
+              const RandomGridsOptions& options, BuildExtent extent = BuildExtent::kWhole);
+
+  bool is_complete() const override { return num_standing() == hasher_.num_grids(); }
+  void BuildPart() const override;
 
   int64_t Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const override;
   size_t MemoryBytes() const override;
@@ -34,9 +40,20 @@ class RandomGrids : public MatchingIndex {
  private:
   class Searcher;  // Working memory and steps of one Search.
 
+  int num_standing() const { return num_standing_.load(std::memory_order_acquire); }
+
+  // What grids are built of; not used once all of them stand.
+  const Codebook* codebook_;
+  std::span<const uint8_t> codes_;
+  RandomGridsOptions options_;
+
   ByteDescriptors descriptors_;
   CellHasher hasher_;
-  std::vector<BucketTable> tables_;  // One a grid.
+  mutable std::mutex mutex_;              // Held while a grid is built.
+  mutable BucketTable::Scratch scratch_;  // Empty once all grids stand.
+  // One a grid, of which the first num_standing_ may be read by anyone.
+  mutable std::vector<std::optional<BucketTable>> tables_;
+  mutable std::atomic<int> num_standing_ = 0;
 };
 
 }  // namespace cairn

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <exception>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -97,6 +98,64 @@ void RequireCurrentCodebook(const MapSnapshot& snapshot, const std::vector<TileR
   }
 }
 
+// Calls step(0) ... step(count - 1), each once, on up to `num_threads` threads and no more than
+// there are cores. They start in this order; all are made, and the first error in order is thrown.
+void ForEachOnThreads(size_t num_threads, size_t count, const std::function<void(size_t)>& step) {
+  std::vector<std::exception_ptr> errors(count);
+  std::atomic<size_t> next = 0;
+  const auto work = [&] {
+    for (size_t i = next++; i < count; i = next++) {
+      try {
+        step(i);
+      } catch (...) {
+        errors[i] = std::current_exception();
+      }
+    }
+  };
+  {
+    std::vector<std::jthread> helpers;
+    const size_t num_cores = std::max(1u, std::thread::hardware_concurrency());
+    for (size_t i = 1; i < std::min(num_threads, num_cores); ++i) {
+      helpers.emplace_back(work);
+    }
+    work();
+  }
+  for (const std::exception_ptr& error : errors) {
+    if (error) {
+      std::rethrow_exception(error);
+    }
+  }
+}
+
+// Null: left out.
+using TilePointers = std::vector<std::shared_ptr<const SearchableTile>>;
+
+bool IsComplete(const std::shared_ptr<const SearchableTile>& tile) {
+  return tile != nullptr && tile->index().is_complete();
+}
+
+// Builds what is missing of the indices, a part of each in turn, so that none is far behind if
+// there is no time for all. Several threads at once take turns at different tiles.
+void CompleteIndices(const TilePointers& tiles, const StopFunction& should_stop) {
+  const auto has_more = [](const auto& tile) { return tile != nullptr && !IsComplete(tile); };
+  const size_t num_incomplete = std::count_if(tiles.begin(), tiles.end(), has_more);
+  ForEachOnThreads(num_incomplete, num_incomplete, [&](size_t first) {
+    for (bool had_more = true; had_more;) {
+      had_more = false;
+      for (size_t i = 0; i < tiles.size(); ++i) {
+        const auto& tile = tiles[(first + i) % tiles.size()];
+        if (has_more(tile)) {
+          if (should_stop && should_stop()) {
+            return;
+          }
+          tile->index().BuildPart();
+          had_more = true;
+        }
+      }
+    }
+  });
+}
+
 // Gets the tiles of a query out of the cache or into it.
 class TileLoader {
  public:
@@ -104,33 +163,15 @@ class TileLoader {
       : snapshot_(snapshot), cache_(cache), index_options_(index_options) {}
 
   // The tiles of the records, in their order. Several that are missing are loaded by as many
-  // threads, up to the number of cores. Throws the first error in order.
-  std::vector<std::shared_ptr<const SearchableTile>> Get(const std::vector<TileRecord>& records) {
-    std::vector<std::shared_ptr<const SearchableTile>> tiles(records.size());
-    std::vector<std::exception_ptr> errors(records.size());
-    std::atomic<size_t> next = 0;
-    const auto work = [&] {
-      for (size_t i = next++; i < records.size(); i = next++) {
-        try {
-          tiles[i] = Get(records[i]);
-        } catch (...) {
-          errors[i] = std::current_exception();
-        }
+  // threads. Throws the first error in order.
+  TilePointers Get(const std::vector<TileRecord>& records, const StopFunction& should_stop) {
+    TilePointers tiles(records.size());
+    ForEachOnThreads(NumMissing(records), records.size(), [&](size_t i) {
+      if (i == 0 || IsCached(records[i]) || !should_stop || !should_stop()) {
+        tiles[i] = Get(records[i]);
       }
-    };
-    {
-      std::vector<std::jthread> helpers;
-      const size_t num_cores = std::max(1u, std::thread::hardware_concurrency());
-      for (size_t i = 1; i < std::min(NumMissing(records), num_cores); ++i) {
-        helpers.emplace_back(work);
-      }
-      work();
-    }
-    for (const std::exception_ptr& error : errors) {
-      if (error) {
-        std::rethrow_exception(error);
-      }
-    }
+    });
+    CompleteIndices(tiles, should_stop);
     return tiles;
   }
 
@@ -138,9 +179,12 @@ class TileLoader {
 
  private:
   size_t NumMissing(const std::vector<TileRecord>& records) const {
-    return std::count_if(records.begin(), records.end(), [&](const TileRecord& record) {
-      return cache_->Peek(record.payload_id) == nullptr;
-    });
+    return std::count_if(records.begin(), records.end(),
+                         [&](const TileRecord& record) { return !IsCached(record); });
+  }
+
+  bool IsCached(const TileRecord& record) const {
+    return cache_->Peek(record.payload_id) != nullptr;
   }
 
   std::shared_ptr<const SearchableTile> Get(const TileRecord& record) {
@@ -152,7 +196,7 @@ class TileLoader {
         cache_->GetOrLoad(record.payload_id, load));
   }
 
-  // Fetches, decodes and indexes a tile; errors name it.
+  // Fetches and decodes a tile and builds the first part of its index; errors name it.
   std::shared_ptr<const SearchableTile> Load(const TileRecord& record) {
     try {
       std::shared_ptr<const Codebook> codebook;
@@ -178,7 +222,8 @@ class TileLoader {
     TileLists lists;
     Tile tile = DecodeTile(bytes, {}, &lists);
     return std::make_shared<const SearchableTile>(std::move(tile), std::move(codebook),
-                                                  index_options_, std::move(lists));
+                                                  index_options_, std::move(lists),
+                                                  BuildExtent::kFirstPart);
   }
 
   // A snapshot serves one thread at a time.
@@ -228,18 +273,23 @@ void NarrowHeights(const std::pair<double, double>& band, SearchRegion* region) 
 
 std::vector<TileView> FetchTiles(const MapSnapshot& snapshot, TileCache* cache,
                                  const TilesOptions& options, const IndexOptions& index_options,
-                                 SearchRegion* region, StageCounters* counters) {
+                                 SearchRegion* region, StageCounters* counters,
+                                 const StopFunction& should_stop) {
   const std::vector<TileRecord> records =
       SelectTiles(snapshot, *region, options.max_tiles, counters);
   RequireCurrentCodebook(snapshot, records);
   const Rigid3d anchor_from_ecef = region->ecef_from_anchor.Inverse();
   std::vector<TileView> views;
   TileLoader loader(snapshot, cache, index_options);
-  for (std::shared_ptr<const SearchableTile>& tile : loader.Get(records)) {
-    counters->num_descriptors += static_cast<int64_t>(tile->num_descriptors());
-    const Rigid3d anchor_from_tile = anchor_from_ecef * tile->ecef_from_tile();
-    views.push_back({std::move(tile), anchor_from_tile});
+  for (std::shared_ptr<const SearchableTile>& tile : loader.Get(records, should_stop)) {
+    counters->tiles_cut_short |= !IsComplete(tile);
+    if (tile != nullptr) {
+      counters->num_descriptors += static_cast<int64_t>(tile->num_descriptors());
+      const Rigid3d anchor_from_tile = anchor_from_ecef * tile->ecef_from_tile();
+      views.push_back({std::move(tile), anchor_from_tile});
+    }
   }
+  counters->num_tiles_searched = static_cast<int64_t>(views.size());
   counters->num_tiles_loaded += loader.num_loaded();
   if (!records.empty()) {
     NarrowHeights(HeightBand(records, anchor_from_ecef, options.height_margin_m), region);

@@ -7,6 +7,7 @@
 #include "engine/localize_result.h"
 #include "engine/matching/index_options.h"
 #include "engine/query_context.h"
+#include "engine/stop_function.h"
 #include "engine/tiles/searchable_tile.h"
 #include "engine/tiles/tiles_options.h"
 #include "storage/map_store.h"
@@ -23,11 +24,16 @@ namespace cairn {
 // height prior that lies wholly outside them is dropped: it is more often a wrong datum than a
 // camera where none ever was.
 //
+// When `should_stop` says so, tiles that are not in the cache are left out, all but the nearest,
+// and parts that are missing of an index stay so (MatchingIndex::is_complete). Without it all
+// indices are complete: built by this call or by others at the same time, each part once.
+//
 // Sets the tile counters and num_descriptors. Throws Error(kMapDamaged) if a payload does not
 // decode or is not the tile its record says.
 std::vector<TileView> FetchTiles(const MapSnapshot& snapshot, TileCache* cache,
                                  const TilesOptions& options, const IndexOptions& index_options,
-                                 SearchRegion* region, StageCounters* counters);
+                                 SearchRegion* region, StageCounters* counters,
+                                 const StopFunction& should_stop = {});
 
 }  // namespace cairn
 

@@ -30,7 +30,7 @@ std::unique_ptr<const InvertedLists> IndexOf(const TilePayload& payload, const C
 }  // namespace
 
 SearchableTile::SearchableTile(Tile tile, std::shared_ptr<const Codebook> codebook,
-                               const IndexOptions& options, TileLists lists)
+                               const IndexOptions& options, TileLists lists, BuildExtent extent)
     : id_(tile.id),
       num_descriptors_(tile.num_descriptors()),
       codebook_(std::move(codebook)),
@@ -38,7 +38,7 @@ SearchableTile::SearchableTile(Tile tile, std::shared_ptr<const Codebook> codebo
       content_(std::move(tile)) {
   RequireCodebook(id_, this->tile().codebook_id, this->tile().code_size, *codebook_);
   const std::vector<uint8_t>& codes = this->tile().codes;
-  index_ = MakeMatchingIndex(*codebook_, codes, options, std::move(lists));
+  index_ = MakeMatchingIndex(*codebook_, codes, options, std::move(lists), extent);
   if (options.num_reference_words > 0) {
     constexpr int kNumIterations = 5;
     constexpr uint64_t kSeed = 1;

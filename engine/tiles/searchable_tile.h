@@ -24,11 +24,11 @@ namespace cairn {
 // Shared by queries through the cache. Safe to use from any thread.
 class SearchableTile : public CachedTile {
  public:
-  // Builds the index. `tile` must be consistent (as DecodeTile returns it). Throws
-  // Error(kMapDamaged) if `codebook` is not the tile's, and as MakeMatchingIndex. `lists` are the
-  // tile's, if it has any.
+  // Builds the index, or the first part of it. `tile` must be consistent (as DecodeTile returns
+  // it). Throws Error(kMapDamaged) if `codebook` is not the tile's, and as MakeMatchingIndex.
+  // `lists` are the tile's, if it has any.
   SearchableTile(Tile tile, std::shared_ptr<const Codebook> codebook, const IndexOptions& options,
-                 TileLists lists = {});
+                 TileLists lists = {}, BuildExtent extent = BuildExtent::kWhole);
 
   // True if these options search a payload by its own lists and need nothing else of it.
   static bool NeedsListsOnly(const IndexOptions& options);

@@ -11,6 +11,10 @@ void TilesOptions::Validate() const {
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("tiles.max_tiles is {}; it must lie in [1, 10000]", max_tiles));
   }
+  if (!(deadline_share >= 0.0 && deadline_share <= 1.0)) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("tiles.deadline_share is {}; it must lie in [0, 1]", deadline_share));
+  }
   if (!(height_margin_m >= 0.0 && height_margin_m <= 1e4)) {
     throw Error(
         ErrorCode::kInvalidArgument,

@@ -11,6 +11,10 @@ struct TilesOptions {
   // A camera may be this much lower or higher than the lowest and highest keyframe of the tiles,
   // metres: phones below a car's roof rig, balconies, steep streets.
   double height_margin_m = 8.0;
+  // Of the time that a query has left until its deadline, the share that may pass with tiles that
+  // are not in the cache, [0, 1]. The nearest tile and a first part of its index are loaded
+  // whatever it takes. Half: as much again is about what searching the tiles then takes.
+  double deadline_share = 0.5;
 
   void Validate() const;
 };

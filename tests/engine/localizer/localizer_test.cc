@@ -191,6 +191,71 @@ TEST_F(LocalizerOnOneStreet, AnswersByTheDeadlineOrSaysTimeout) {
   }
 }
 
+void ExpectSameAnswer(const LocalizeResult& result, const LocalizeResult& expected) {
+  ASSERT_TRUE(result.localized);
+  EXPECT_EQ(result.cam_from_anchor.ToMatrix(), expected.cam_from_anchor.ToMatrix());
+  EXPECT_EQ(result.covariance, expected.covariance);
+  EXPECT_EQ(result.score, expected.score);
+  EXPECT_EQ(result.counters.num_distances, expected.counters.num_distances);
+  EXPECT_EQ(result.counters.num_matches, expected.counters.num_matches);
+  EXPECT_EQ(result.matches.size(), expected.matches.size());
+}
+
+TEST_F(LocalizerOnOneStreet, AColdQueryInAHurryAnswersFromAPartOfTheIndex) {
+  const LocalizeQuery unhurried = QueryAt(*world_, QueryPose(20.0));
+  LocalizerOptions options;
+  options.tiles.deadline_share = 0.0;  // No time for more than the first part of the index.
+  const LocalizeResult expected = localizer().Localize(unhurried);
+  const Localizer cold = map_->WithOptions(options);
+  LocalizeQuery hurried = unhurried;
+  hurried.deadline = std::chrono::steady_clock::now() + std::chrono::hours(1);
+  const LocalizeResult result = cold.Localize(hurried);
+  ExpectPose(result, *world_, QueryPose(20.0), 0.1, 0.005);
+  EXPECT_TRUE(result.counters.tiles_cut_short);
+  EXPECT_FALSE(result.counters.matching_cut_short);
+  EXPECT_LT(result.counters.num_distances, expected.counters.num_distances);
+  // Whether or not the rest has been built by now.
+  const LocalizeResult again = cold.Localize(unhurried);
+  ExpectSameAnswer(again, expected);
+  EXPECT_FALSE(again.counters.is_cut_short());
+}
+
+TEST_F(LocalizerOnOneStreet, QueriesWithTimeAreNotAffectedByThoseInAHurry) {
+  const LocalizeQuery unhurried = QueryAt(*world_, QueryPose(20.0));
+  LocalizeQuery hurried = unhurried;
+  hurried.deadline = std::chrono::steady_clock::now() + std::chrono::hours(1);
+  const LocalizeResult expected = localizer().Localize(unhurried);
+  LocalizerOptions options;
+  options.num_threads = 2;
+  options.tiles.deadline_share = 0.0;
+  const Localizer cold = map_->WithOptions(options);
+  std::vector<LocalizeResult> results(4);
+  std::vector<std::thread> threads;
+  for (size_t i = 0; i < results.size(); ++i) {
+    threads.emplace_back([&, i] { results[i] = cold.Localize(i % 2 == 0 ? hurried : unhurried); });
+  }
+  for (std::thread& thread : threads) {
+    thread.join();
+  }
+  for (size_t i = 0; i < results.size(); ++i) {
+    ExpectPose(results[i], *world_, QueryPose(20.0), 0.1, 0.005);
+    if (i % 2 == 1) {
+      ExpectSameAnswer(results[i], expected);
+    }
+  }
+}
+
+TEST_F(LocalizerOnOneStreet, SaysTimeoutWhenMatchingHasNoTime) {
+  LocalizerOptions options;
+  options.matching.deadline_share = 0.0;
+  LocalizeQuery query = QueryAt(*world_, QueryPose(20.0));
+  query.deadline = std::chrono::steady_clock::now() + std::chrono::hours(1);
+  const LocalizeResult result = map_->WithOptions(options).Localize(query);
+  EXPECT_EQ(result.reason, NotLocalizedReason::kTimeout);
+  EXPECT_TRUE(result.counters.matching_cut_short);
+  EXPECT_FALSE(result.counters.tiles_cut_short);
+}
+
 TEST_F(LocalizerOnOneStreet, AnswersProjectedFeaturesAsRawOnes) {
   const LocalizeQuery raw = QueryAt(*world_, QueryPose(20.0));
   LocalizeQuery projected = raw;

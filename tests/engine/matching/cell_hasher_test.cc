@@ -18,7 +18,7 @@ using testing::SyntheticDescriptors;
 std::vector<uint64_t> ProbesOf(const CellHasher& hasher, const float* descriptor) {
   std::vector<int32_t> units(hasher.num_units());
   std::vector<uint64_t> hashes(size_t{1} * hasher.num_grids() * hasher.num_probes());
-  hasher.HashProbes(descriptor, units, hashes.data());
+  hasher.HashProbes(descriptor, hasher.num_grids(), units, hashes.data());
   return hashes;
 }
 

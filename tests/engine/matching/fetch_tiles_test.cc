@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <latch>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -13,6 +14,8 @@
 #include "core/error.h"
 #include "core/large_vector.h"
 #include "engine/matching/inverted_lists.h"
+#include "engine/shared_workers.h"
+#include "engine/tiles/index_finisher.h"
 #include "storage/checksum.h"
 #include "storage/descriptor_codec.h"
 #include "storage/tile_codec.h"
@@ -64,9 +67,11 @@ class FetchTilesTest : public ::testing::Test {
     return region;
   }
 
-  std::vector<TileView> Fetch(SearchRegion* region, const TilesOptions& options = {}) {
+  std::vector<TileView> Fetch(SearchRegion* region, const TilesOptions& options = {},
+                              const StopFunction& should_stop = {}) {
     counters_ = StageCounters();
-    return FetchTiles(store_.Snapshot(), &cache_, options, IndexOptions(), region, &counters_);
+    return FetchTiles(store_.Snapshot(), &cache_, options, IndexOptions(), region, &counters_,
+                      should_stop);
   }
 
   static std::vector<TileId> Ids(const std::vector<TileView>& views) {
@@ -146,6 +151,113 @@ TEST_F(FetchTilesTest, LoadsSeveralMissingTilesOnceEachInOrder) {
   }
   Fetch(&region);
   EXPECT_EQ(counters_.num_tiles_loaded, 0);
+}
+
+TEST_F(FetchTilesTest, ToldToStopItTakesTheNearestTileWithAFirstPartOfItsIndex) {
+  const auto stop = [] { return true; };
+  SearchRegion region = Disc(60.0, 200.0);
+  const auto cut = Fetch(&region, {}, stop);
+  ASSERT_THAT(Ids(cut), ElementsAre(TileInRow(0)));
+  EXPECT_FALSE(cut[0].tile->index().is_complete());
+  EXPECT_TRUE(counters_.tiles_cut_short);
+  EXPECT_EQ(counters_.num_tiles_found, 3);
+  EXPECT_EQ(counters_.num_tiles_searched, 1);
+  EXPECT_FALSE(counters_.tile_limit_hit);
+
+  const auto whole = Fetch(&region);
+  ASSERT_EQ(whole.size(), 3u);
+  EXPECT_EQ(whole[0].tile, cut[0].tile);
+  for (const TileView& view : whole) {
+    EXPECT_TRUE(view.tile->index().is_complete());
+  }
+  EXPECT_FALSE(counters_.tiles_cut_short);
+  EXPECT_EQ(counters_.num_tiles_loaded, 2);
+
+  // What is in the cache costs no time.
+  EXPECT_EQ(Fetch(&region, {}, stop).size(), 3u);
+  EXPECT_FALSE(counters_.tiles_cut_short);
+}
+
+TEST_F(FetchTilesTest, AQueryIsServedWhileAnotherBuildsTheIndex) {
+  std::latch is_building(1), may_go_on(1);
+  std::vector<TileView> paused;
+  std::jthread builder([&] {
+    SearchRegion region = Disc(0.0, 50.0);
+    StageCounters counters;
+    // Pauses when the first part stands.
+    const auto pause = [&] {
+      is_building.count_down();
+      may_go_on.wait();
+      return true;
+    };
+    paused = FetchTiles(store_.Snapshot(), &cache_, {}, IndexOptions(), &region, &counters, pause);
+  });
+  is_building.wait();
+  SearchRegion region = Disc(0.0, 50.0);
+  const auto hasty = Fetch(&region, {}, [] { return true; });
+  EXPECT_TRUE(counters_.tiles_cut_short);
+  ASSERT_EQ(hasty.size(), 1u);
+  std::vector<DescriptorHit> some, all;
+  const DescriptorMatrix queries = DescriptorCodec(store_.Snapshot().CurrentCodebook())
+                                       .Decode(hasty[0].tile->tile().codes.data(), 100);
+  hasty[0].tile->index().RangeSearch(queries, 10.0, &some);
+  EXPECT_GE(some.size(), 100u);
+  const auto patient = Fetch(&region);
+  EXPECT_FALSE(counters_.tiles_cut_short);
+  EXPECT_EQ(counters_.num_tiles_loaded, 0);
+  EXPECT_TRUE(patient[0].tile->index().is_complete());
+  patient[0].tile->index().RangeSearch(queries, 10.0, &all);
+  EXPECT_GT(all.size(), some.size());
+  may_go_on.count_down();
+  builder.join();
+  EXPECT_EQ(paused[0].tile, patient[0].tile);
+}
+
+class IndexFinisherTest : public FetchTilesTest {
+ protected:
+  // A tile with a first part of its index.
+  std::shared_ptr<const SearchableTile> Unfinished() {
+    SearchRegion region = Disc(0.0, 50.0);
+    return Fetch(&region, {}, [] { return true; }).front().tile;
+  }
+
+  SharedWorkers workers_{2};
+};
+
+TEST_F(IndexFinisherTest, CompletesAnIndex) {
+  const auto tile = Unfinished();
+  ASSERT_FALSE(tile->index().is_complete());
+  IndexFinisher finisher(&workers_);
+  finisher.Add(tile);
+  while (!tile->index().is_complete()) {
+    std::this_thread::yield();
+  }
+}
+
+TEST_F(IndexFinisherTest, LeavesTilesThatNobodyHolds) {
+  std::weak_ptr<const SearchableTile> dropped;
+  IndexFinisher finisher(&workers_);
+  {
+    const auto tile = Unfinished();
+    dropped = tile;
+    finisher.Add(tile);
+    cache_.Clear();
+  }
+  const auto tile = Unfinished();  // Another one; after it the first is done with.
+  finisher.Add(tile);
+  while (!tile->index().is_complete()) {
+    std::this_thread::yield();
+  }
+  EXPECT_TRUE(dropped.expired());
+}
+
+TEST_F(IndexFinisherTest, EndsWithoutWorkAndWithWorkLeft) {
+  const auto tile = Unfinished();
+  { const IndexFinisher idle(&workers_); }
+  IndexFinisher busy(&workers_);
+  for (int i = 0; i < 100; ++i) {
+    busy.Add(tile);
+  }
 }
 
 TEST_F(FetchTilesTest, MovesTilesIntoTheAnchorFrame) {

@@ -394,15 +394,26 @@ TEST(MatchFeatures, ThreadsChangeNothing) {
   }
 }
 
-TEST(MatchFeatures, LeavesTilesOutAfterTheDeadline) {
-  const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.1f}}}}))};
+TEST(MatchFeatures, GoesOnWithWhatItHasWhenToldToStop) {
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.1f}}}})),
+                                       SimpleView(SimpleTile({{2, {{0.2f}}}}))};
   const QueryContext query = SimpleQuery({{0.0f}});
+  // The landmarks found, stopping at the n-th question.
+  const auto match = [&](int n, StageCounters* counters) {
+    int num_questions = 0;
+    return MatchFeatures(query, tiles, {}, counters, nullptr, [&] { return ++num_questions >= n; })
+        .size();
+  };
   StageCounters counters;
-  const auto now = std::chrono::steady_clock::now();
-  EXPECT_THAT(MatchFeatures(query, tiles, {}, &counters, nullptr, now), IsEmpty());
+  EXPECT_EQ(match(1, &counters), 0u);
   EXPECT_EQ(counters.num_distances, 0);
-  EXPECT_EQ(MatchFeatures(query, tiles, {}, &counters, nullptr, now + std::chrono::hours(1)).size(),
-            1u);
+  EXPECT_TRUE(counters.matching_cut_short);
+  counters = {};
+  EXPECT_EQ(match(3, &counters), 1u);  // Asked before each tile and in it.
+  EXPECT_TRUE(counters.matching_cut_short);
+  counters = {};
+  EXPECT_EQ(match(1'000, &counters), 2u);
+  EXPECT_FALSE(counters.matching_cut_short);
 }
 
 TEST(MatchFeatures, RefuseTilesOfDifferentCodebooks) {

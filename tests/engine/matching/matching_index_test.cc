@@ -13,6 +13,7 @@
 #include <numeric>
 #include <set>
 #include <string>
+#include <thread>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -291,6 +292,86 @@ TEST_P(MatchingIndexTest, AReceiverGetsWhatWouldBeReturned) {
   Make(data)->Search(
       {.queries = data.queries, .max_distances = max_distances, .receiver = &receiver}, nullptr);
   EXPECT_EQ(Sorted(receiver.hits), Sorted(Hits(data)));
+}
+
+TEST_P(MatchingIndexTest, PartsAddToWhatIsFoundUntilItIsAll) {
+  const SyntheticDescriptors data = MakeSyntheticDescriptors({.num_landmarks = 2'000});
+  const auto whole = Make(data);
+  EXPECT_TRUE(whole->is_complete());
+  const auto index =
+      MakeMatchingIndex(*data.codebook, data.codes, Options(), {}, BuildExtent::kFirstPart);
+  EXPECT_EQ(index->MemoryBytes(), whole->MemoryBytes());
+  const auto find = [&] {
+    std::vector<DescriptorHit> hits;
+    index->RangeSearch(data.queries, Threshold(data), &hits);
+    return Sorted(hits);
+  };
+  std::vector<HitTuple> found = find();
+  EXPECT_FALSE(found.empty());
+  while (!index->is_complete()) {
+    index->BuildPart();
+    const std::vector<HitTuple> more = find();
+    EXPECT_GT(more.size(), found.size());
+    EXPECT_TRUE(std::includes(more.begin(), more.end(), found.begin(), found.end()));
+    found = more;
+  }
+  EXPECT_EQ(found, Sorted(Hits(data)));
+  index->BuildPart();
+  EXPECT_EQ(find(), found);
+}
+
+TEST_P(MatchingIndexTest, ThreadsBuildAndSearchAtOnce) {
+  const SyntheticDescriptors data = MakeSyntheticDescriptors({});
+  const auto index =
+      MakeMatchingIndex(*data.codebook, data.codes, Options(), {}, BuildExtent::kFirstPart);
+  std::vector<std::vector<DescriptorHit>> found(4);
+  {
+    std::vector<std::jthread> threads;
+    for (std::vector<DescriptorHit>& hits : found) {
+      threads.emplace_back([&] {
+        do {
+          index->BuildPart();
+          hits.clear();
+          index->RangeSearch(data.queries, Threshold(data), &hits);
+        } while (!index->is_complete());
+        hits.clear();
+        index->RangeSearch(data.queries, Threshold(data), &hits);
+      });
+    }
+  }
+  for (const std::vector<DescriptorHit>& hits : found) {
+    EXPECT_EQ(Sorted(hits), Sorted(Hits(data)));
+  }
+}
+
+TEST_P(MatchingIndexTest, FindsLessWhenToldToStop) {
+  const SyntheticDescriptors data =
+      MakeSyntheticDescriptors({.num_landmarks = 2'000, .num_queries = 200});
+  const auto index = Make(data);
+  const auto all = Sorted(Hits(data));
+  const std::vector<double> max_distances(data.queries.rows(), Threshold(data));
+  // Stops at the n-th question.
+  const auto search = [&](int n, std::vector<HitTuple>* found) {
+    std::vector<DescriptorHit> hits;
+    int num_questions = 0;
+    const int64_t num_distances =
+        index->Search({.queries = data.queries,
+                       .max_distances = max_distances,
+                       .should_stop = [&] { return ++num_questions >= n; }},
+                      &hits);
+    *found = Sorted(hits);
+    return num_distances;
+  };
+  std::vector<HitTuple> found;
+  EXPECT_EQ(search(1, &found), 0);
+  EXPECT_THAT(found, ::testing::IsEmpty());
+  const int64_t num_distances = search(3, &found);
+  EXPECT_GT(num_distances, 0);
+  EXPECT_FALSE(found.empty());
+  EXPECT_LT(found.size(), all.size());
+  EXPECT_TRUE(std::includes(all.begin(), all.end(), found.begin(), found.end()));
+  EXPECT_GT(search(1'000'000, &found), num_distances);
+  EXPECT_EQ(found, all);
 }
 
 TEST_P(MatchingIndexTest, ListsThatWereMadeBeforeChangeNothing) {
