@@ -55,6 +55,10 @@ constexpr std::array kFlags = {
     FlagField{Stage::kPrior, "usedPosition", &StageCounters::used_prior},
     FlagField{Stage::kPrior, "usedGravity", &StageCounters::used_gravity},
     FlagField{Stage::kTiles, "limitHit", &StageCounters::tile_limit_hit},
+    FlagField{Stage::kTiles, "cutShort", &StageCounters::tiles_cut_short},
+    FlagField{Stage::kMatching, "cutShort", &StageCounters::matching_cut_short},
+    FlagField{Stage::kPose, "cutShort", &StageCounters::pose_cut_short},
+    FlagField{Stage::kRefinement, "cutShort", &StageCounters::refinement_cut_short},
 };
 
 Json GeodeticJson(const Geodetic& position) {
@@ -200,7 +204,10 @@ void ReadStages(const JsonReader& json, LocalizeResult* result) {
         json.At(StageName(counter.stage)).At(counter.name).Integer(0, kMaxCount);
   }
   for (const FlagField& flag : kFlags) {
-    result->counters.*flag.value = json.At(StageName(flag.stage)).At(flag.name).Bool();
+    // Older servers have fewer.
+    if (const auto value = json.At(StageName(flag.stage)).Find(flag.name)) {
+      result->counters.*flag.value = value->Bool();
+    }
   }
   for (int i = 0; i < kNumStages; ++i) {
     if (const auto ms = json.At(StageName(static_cast<Stage>(i))).Find("ms")) {

@@ -37,6 +37,7 @@ LocalizeResult SomeResult() {
   result.counters.num_tiles_found = 4;
   result.counters.num_votes = 12345;
   result.counters.used_gravity = true;
+  result.counters.matching_cut_short = true;
   result.times.seconds[static_cast<int>(Stage::kPose)] = 0.00125;
   result.times.total_seconds = 0.02;
   return result;
@@ -72,6 +73,8 @@ TEST(LocalizeResponse, RoundTripsThroughTheWire) {
     EXPECT_EQ(out.counters.num_votes, 12345);
     EXPECT_TRUE(out.counters.used_gravity);
     EXPECT_FALSE(out.counters.used_prior);
+    EXPECT_TRUE(out.counters.matching_cut_short);
+    EXPECT_FALSE(out.counters.tiles_cut_short);
     EXPECT_NEAR(out.times.seconds[static_cast<int>(Stage::kPose)], 0.00125, 1e-12);
     ASSERT_EQ(out.matches.size(), in.matches.size());
     EXPECT_EQ(out.matches[3].keypoint_idx, 9);
