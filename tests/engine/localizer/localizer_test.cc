@@ -402,23 +402,30 @@ TEST_F(LocalizerOnOneStreet, AnswerDoesNotDependOnTheNumberOfThreads) {
   }
 }
 
-TEST_F(LocalizerOnOneStreet, ConcurrentQueriesShareTheHelpers) {
+// The first of them find no tile in the cache. Inverted lists search a tile before it is decoded.
+TEST_F(LocalizerOnOneStreet, ConcurrentQueriesShareTilesAndHelpers) {
   LocalizerOptions options;
   options.num_threads = 3;
   options.refinement.mode = RefinementMode::kAlways;
-  const Localizer localizer = map_->WithOptions(options);
   const LocalizeQuery query = QueryAt(*world_, QueryPose(20.0));
-  const LocalizeResult expected = localizer.Localize(query);
-  std::vector<LocalizeResult> results(4);
-  std::vector<std::thread> threads;
-  for (LocalizeResult& result : results) {
-    threads.emplace_back([&] { result = localizer.Localize(query); });
-  }
-  for (std::thread& thread : threads) {
-    thread.join();
-  }
-  for (const LocalizeResult& result : results) {
-    EXPECT_EQ(result.cam_from_anchor.ToMatrix(), expected.cam_from_anchor.ToMatrix());
+  for (const IndexKind kind : {IndexKind::kRandomGrids, IndexKind::kInvertedLists}) {
+    options.matching.index.kind = kind;
+    const LocalizeResult expected = map_->WithOptions(options).Localize(query);
+    const Localizer localizer = map_->WithOptions(options);
+    std::vector<LocalizeResult> results(8);
+    std::vector<std::thread> threads;
+    for (size_t i = 0; i < 4; ++i) {
+      threads.emplace_back([&, i] {
+        results[2 * i] = localizer.Localize(query);
+        results[2 * i + 1] = localizer.Localize(query);
+      });
+    }
+    for (std::thread& thread : threads) {
+      thread.join();
+    }
+    for (const LocalizeResult& result : results) {
+      ExpectSameAnswer(result, expected);
+    }
   }
 }
 
