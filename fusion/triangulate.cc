@@ -10,28 +10,32 @@
 namespace cairn::fusion {
 namespace {
 
-// The point nearest to all rays, in the least-squares sense.
-std::optional<Eigen::Vector3d> NearestToRays(std::span<const Sight> sights) {
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  for (const Sight& sight : sights) {
-    const Eigen::Vector3d ray = sight.view->cam_from_local_rotation.transpose() * sight.ray_in_cam;
-    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
-    normal += across;
-    right += across * sight.view->center_in_local;
+// The inverse depth in the last view at which the point on the last sight's ray is seen nearest to
+// the other rays: with d that ray and t the last view's centre in another camera that sees the
+// direction u, the point there is along d + c t, and u x (d + c t) = 0 is linear in c.
+// (The point nearest to all rays in space would stand near the cameras where rays are all but
+// parallel, from where the iterations below do not find back.)
+std::optional<double> InitialInverseDepth(std::span<const Sight> sights) {
+  const Sight& last = sights.back();
+  const Eigen::Vector3d ray =
+      last.view->cam_from_local_rotation.transpose() * (last.ray_in_cam / last.ray_in_cam.z());
+  double product = 0.0;
+  double sq_norm = 0.0;
+  for (const Sight& sight : sights.first(sights.size() - 1)) {
+    const Eigen::Vector3d d = sight.view->cam_from_local_rotation * ray;
+    const Eigen::Vector3d t = sight.view->ToCam(last.view->center_in_local);
+    const Eigen::Vector3d across = sight.ray_in_cam.cross(t);
+    product -= across.dot(sight.ray_in_cam.cross(d));
+    sq_norm += across.squaredNorm();
   }
-  if (!(normal.determinant() > 1e-9)) {
-    return std::nullopt;
-  }
-  return normal.ldlt().solve(right);
+  return sq_norm > 0.0 ? std::optional(product / sq_norm) : std::nullopt;
 }
 
 // A point by its normalised image coordinates (a, b) and inverse depth c in one view.
 class InverseDepth {
  public:
-  InverseDepth(const CameraView& view, const Eigen::Vector3d& x_in_local) : view_(view) {
-    const Eigen::Vector3d x = view.ToCam(x_in_local);
-    params_ << x.x() / x.z(), x.y() / x.z(), 1.0 / x.z();
+  InverseDepth(const Sight& sight, double inverse_depth) : view_(*sight.view) {
+    params_ << sight.ray_in_cam.hnormalized(), inverse_depth;
   }
   Eigen::Vector3d Point() const { return PointAt(params_); }
   Eigen::Vector3d PointAt(const Eigen::Vector3d& params) const {
@@ -108,33 +112,36 @@ std::optional<Eigen::Vector3d> Triangulate(const Camera& camera, std::span<const
   if (sights.size() < 2) {
     return std::nullopt;
   }
-  const auto nearest = NearestToRays(sights);
-  if (!nearest || !(sights.back().view->ToCam(*nearest).z() > options.min_depth_m)) {
+  const auto inverse_depth = InitialInverseDepth(sights);
+  if (!inverse_depth) {
     return std::nullopt;
   }
-  InverseDepth point(*sights.back().view, *nearest);
+  InverseDepth point(sights.back(), std::clamp(*inverse_depth, 1.0 / options.max_depth_m,
+                                               1.0 / options.min_depth_m));
   auto equations = Linearize(camera, sights, point);
   double damping = 1e-6;
-  for (int i = 0; equations && i < options.max_iterations; ++i) {
+  bool converged = false;
+  for (int i = 0; equations; ++i) {
     Eigen::Matrix3d damped = equations->normal;
     damped.diagonal() *= 1.0 + damping;
-    const Eigen::Vector3d old_params = point.params();
     const Eigen::Vector3d step = damped.ldlt().solve(equations->gradient);
+    // What the step promises to take off the cost.
+    converged = step.dot(equations->gradient) < 1e-4 * equations->cost + 1e-12;
+    if (converged || i == options.max_iterations) {
+      break;
+    }
+    const Eigen::Vector3d old_params = point.params();
     point.set_params(old_params + step);
     const auto moved = point.params()[2] > 0.0 ? Linearize(camera, sights, point) : std::nullopt;
     if (moved && moved->cost <= equations->cost) {
-      const double decrease = equations->cost - moved->cost;
       equations = moved;
       damping *= 0.1;
-      if (decrease < 1e-4 * moved->cost + 1e-12) {
-        break;
-      }
     } else {
       point.set_params(old_params);
       damping = std::max(1e-4, damping) * 10.0;
     }
   }
-  if (!equations || !WithinLimits(sights, point, *equations, sigma_px, options)) {
+  if (!converged || !WithinLimits(sights, point, *equations, sigma_px, options)) {
     return std::nullopt;
   }
   return point.Point();
