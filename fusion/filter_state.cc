@@ -335,11 +335,7 @@ void FilterState::MoveMean(const Eigen::VectorXd& error) {
   const auto turn = [&error](int offset, Eigen::Quaterniond* rotation) {
     *rotation = (ExpSo3(error.segment<3>(offset)) * *rotation).normalized();
   };
-  turn(kThetaIdx, &mean_.imu.local_from_imu.rotation);
-  mean_.imu.local_from_imu.translation += error.segment<3>(kPositionIdx);
-  mean_.imu.velocity_in_local += error.segment<3>(kVelocityIdx);
-  mean_.imu.gyro_bias += error.segment<3>(kGyroBiasIdx);
-  mean_.imu.accel_bias += error.segment<3>(kAccelBiasIdx);
+  MoveBy(error.head<kImuDim>(), &mean_.imu);
   if (mean_.global_from_local) {
     const Eigen::Vector3d rotation(error[kGlobalIdx + 4], error[kGlobalIdx + 5],
                                    error[kGlobalIdx + 3]);

@@ -35,6 +35,24 @@ Eigen::Vector3d Gravity(double gravity_m_s2) { return {0.0, 0.0, -gravity_m_s2};
 
 }  // namespace
 
+Vector15d Difference(const ImuState& a, const ImuState& b) {
+  Vector15d error;
+  error << LogSo3(a.local_from_imu.rotation * b.local_from_imu.rotation.conjugate()),
+      a.local_from_imu.translation - b.local_from_imu.translation,
+      a.velocity_in_local - b.velocity_in_local, a.gyro_bias - b.gyro_bias,
+      a.accel_bias - b.accel_bias;
+  return error;
+}
+
+void MoveBy(const Vector15d& error, ImuState* state) {
+  Rigid3d& pose = state->local_from_imu;
+  pose.rotation = (ExpSo3(error.segment<3>(kThetaIdx)) * pose.rotation).normalized();
+  pose.translation += error.segment<3>(kPositionIdx);
+  state->velocity_in_local += error.segment<3>(kVelocityIdx);
+  state->gyro_bias += error.segment<3>(kGyroBiasIdx);
+  state->accel_bias += error.segment<3>(kAccelBiasIdx);
+}
+
 ImuState IntegrateImu(const ImuState& start, const ImuStep& step, double gravity_m_s2) {
   const double dt = step.dt_s;
   const Eigen::Vector3d turn = (step.gyro_rad_s - start.gyro_bias) * dt;

@@ -14,6 +14,7 @@
 namespace cairn::fusion {
 
 inline constexpr int kImuDim = 15;
+using Vector15d = Eigen::Matrix<double, kImuDim, 1>;
 using Matrix15d = Eigen::Matrix<double, kImuDim, kImuDim>;
 
 // Where each part of the error of an ImuState begins.
@@ -22,6 +23,12 @@ inline constexpr int kPositionIdx = 3;
 inline constexpr int kVelocityIdx = 6;
 inline constexpr int kGyroBiasIdx = 9;
 inline constexpr int kAccelBiasIdx = 12;
+
+// The error that moves `b` to `a`.
+Vector15d Difference(const ImuState& a, const ImuState& b);
+
+// Moves a state by an error.
+void MoveBy(const Vector15d& error, ImuState* state);
 
 // Rate and specific force that hold for `dt_s` seconds, as measured (biases included).
 struct ImuStep {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/require.h"
 
 namespace cairn::fusion {
 namespace {
@@ -17,25 +18,20 @@ constexpr double kPixelCentre = 0.5;
 // Corners looked for per feature wanted, so that every cell finds some.
 constexpr int kCornersPerFeature = 8;
 
-void Require(bool condition, const char* what) {
-  if (!condition) {
-    throw Error(ErrorCode::kInvalidArgument, std::string("KltOptions: ") + what);
-  }
-}
-
 }  // namespace
 
 void KltOptions::Validate() const {
-  Require(max_features >= 1, "max_features must be positive");
-  Require(grid_columns >= 1 && grid_rows >= 1, "the grid must have cells");
-  Require(min_distance_px >= 1.0, "min_distance_px must be at least 1");
-  Require(min_relative_quality > 0.0 && min_relative_quality < 1.0,
-          "min_relative_quality must be in (0, 1)");
-  Require(window_px >= 5 && window_px % 2 == 1, "window_px must be odd and at least 5");
-  Require(num_levels >= 1 && num_levels <= 8, "num_levels must be in [1, 8]");
-  Require(max_iterations >= 1, "max_iterations must be positive");
-  Require(max_forward_backward_px > 0.0, "max_forward_backward_px must be positive");
-  Require(border_px >= 1, "border_px must be positive");
+  RequireOption(max_features >= 1, "klt.max_features must be positive");
+  RequireOption(grid_columns >= 1 && grid_rows >= 1,
+                "klt.grid_columns and grid_rows must be positive");
+  RequireOption(min_distance_px >= 1.0, "klt.min_distance_px must be at least 1");
+  RequireOption(min_relative_quality > 0.0 && min_relative_quality < 1.0,
+                "klt.min_relative_quality must be in (0, 1)");
+  RequireOption(window_px >= 5 && window_px % 2 == 1, "klt.window_px must be odd and at least 5");
+  RequireOption(num_levels >= 1 && num_levels <= 8, "klt.num_levels must be in [1, 8]");
+  RequireOption(max_iterations >= 1, "klt.max_iterations must be positive");
+  RequireOption(max_forward_backward_px > 0.0, "klt.max_forward_backward_px must be positive");
+  RequireOption(border_px >= 1, "klt.border_px must be positive");
 }
 
 struct KltTracker::Impl {

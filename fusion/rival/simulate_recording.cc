@@ -8,16 +8,11 @@
 #include <unordered_map>
 
 #include "core/error.h"
+#include "core/require.h"
 #include "fusion/rival/trajectory_interpolation.h"
 
 namespace cairn::fusion {
 namespace {
-
-void Require(bool condition, const char* what) {
-  if (!condition) {
-    throw Error(ErrorCode::kInvalidArgument, std::string("RecordingOptions: ") + what);
-  }
-}
 
 // What the server's own pose is off by; the first alignment starts from it.
 constexpr double kAnswerRotationSigmaRad = 0.003;
@@ -200,22 +195,26 @@ class Simulator {
 }  // namespace
 
 void RecordingOptions::Validate() const {
-  Require(rig.time_offset_s == 0.0, "rig.time_offset_s must be 0");
-  Require(duration_s > 0.0 && frame_rate_hz > 0.0, "duration and rate must be positive");
-  Require(frames_per_query >= 1, "frames_per_query must be positive");
-  Require(first_counted_s >= 0.0, "first_counted_s must not be negative");
-  Require(max_features >= 1 && num_landmarks >= 1, "there must be features and landmarks");
-  Require(track_sigma_px > 0.0 && match_sigma_px > 0.0 && map_sigma_m >= 0.0,
-          "noise must be positive");
-  Require(track_loss >= 0.0 && track_loss <= 1.0, "track_loss must be in [0, 1]");
-  Require(min_distance_m > 0.0 && max_distance_m >= min_distance_m && max_height_m >= min_height_m,
-          "distances and heights must be in order");
-  Require(max_matches >= 0, "max_matches must not be negative");
-  Require(wrong_match_fraction >= 0.0 && wrong_match_fraction <= 1.0,
-          "wrong_match_fraction must be in [0, 1]");
-  Require(start_tilt_sigma_rad > 0.0 && start_velocity_sigma_m_s > 0.0 &&
-              start_gyro_bias_sigma_rad_s > 0.0 && start_accel_bias_sigma_m_s2 > 0.0,
-          "standard deviations of the start must be positive");
+  RequireOption(rig.time_offset_s == 0.0, "recording.rig.time_offset_s must be 0");
+  RequireOption(duration_s > 0.0 && frame_rate_hz > 0.0,
+                "recording.duration_s and frame_rate_hz must be positive");
+  RequireOption(frames_per_query >= 1, "recording.frames_per_query must be positive");
+  RequireOption(first_counted_s >= 0.0, "recording.first_counted_s must not be negative");
+  RequireOption(max_features >= 1 && num_landmarks >= 1,
+                "recording.max_features and num_landmarks must be positive");
+  RequireOption(
+      track_sigma_px > 0.0 && match_sigma_px > 0.0 && map_sigma_m >= 0.0,
+      "recording.track_sigma_px and match_sigma_px must be positive, map_sigma_m not negative");
+  RequireOption(track_loss >= 0.0 && track_loss <= 1.0, "recording.track_loss must be in [0, 1]");
+  RequireOption(
+      min_distance_m > 0.0 && max_distance_m >= min_distance_m && max_height_m >= min_height_m,
+      "recording: distances and heights must be in order");
+  RequireOption(max_matches >= 0, "recording.max_matches must not be negative");
+  RequireOption(wrong_match_fraction >= 0.0 && wrong_match_fraction <= 1.0,
+                "recording.wrong_match_fraction must be in [0, 1]");
+  RequireOption(start_tilt_sigma_rad > 0.0 && start_velocity_sigma_m_s > 0.0 &&
+                    start_gyro_bias_sigma_rad_s > 0.0 && start_accel_bias_sigma_m_s2 > 0.0,
+                "recording: standard deviations of the start must be positive");
 }
 
 StartState DrawStart(const ImuState& truth, const RecordingOptions& options,

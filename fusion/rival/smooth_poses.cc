@@ -12,27 +12,7 @@
 namespace cairn::fusion {
 namespace {
 
-using ImuError = Eigen::Matrix<double, kImuDim, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
-
-// `a` = `b` moved by the error.
-ImuError Difference(const ImuState& a, const ImuState& b) {
-  ImuError error;
-  error << LogSo3(a.local_from_imu.rotation * b.local_from_imu.rotation.conjugate()),
-      a.local_from_imu.translation - b.local_from_imu.translation,
-      a.velocity_in_local - b.velocity_in_local, a.gyro_bias - b.gyro_bias,
-      a.accel_bias - b.accel_bias;
-  return error;
-}
-
-void Move(const ImuError& error, ImuState* state) {
-  Rigid3d& pose = state->local_from_imu;
-  pose.rotation = (ExpSo3(error.segment<3>(kThetaIdx)) * pose.rotation).normalized();
-  pose.translation += error.segment<3>(kPositionIdx);
-  state->velocity_in_local += error.segment<3>(kVelocityIdx);
-  state->gyro_bias += error.segment<3>(kGyroBiasIdx);
-  state->accel_bias += error.segment<3>(kAccelBiasIdx);
-}
 
 struct Gaussian {
   ImuState mean;
@@ -53,7 +33,7 @@ Gaussian Start(const Trajectory& trajectory) {
       VelocityAt(trajectory.poses, trajectory.poses.front().timestamp_ns);
   start.mean.gyro_bias = trajectory.gyro_bias;
   start.mean.accel_bias = trajectory.accel_bias;
-  Eigen::Matrix<double, kImuDim, 1> sigma;
+  Vector15d sigma;
   sigma << Eigen::Vector3d::Constant(0.05), Eigen::Vector3d::Constant(0.05),
       Eigen::Vector3d::Constant(0.2), Eigen::Vector3d::Constant(0.005),
       Eigen::Vector3d::Constant(0.1);
@@ -85,7 +65,7 @@ Gaussian Updated(Gaussian state, const Rigid3d& measured, const PoseNoise& noise
   innovation.diagonal().tail<3>().array() += noise.position_sigma_m * noise.position_sigma_m;
   const Eigen::Matrix<double, kImuDim, 6> gain =
       innovation.ldlt().solve(state.covariance.topRows<6>()).transpose();
-  Move(gain * residual, &state.mean);
+  MoveBy(gain * residual, &state.mean);
   const Matrix15d covariance = state.covariance - gain * innovation * gain.transpose();
   state.covariance = 0.5 * (covariance + covariance.transpose());
   return state;
@@ -131,11 +111,11 @@ void SmoothPoses(const PoseNoise& pose_noise, const ImuNoise& imu_noise, Traject
   for (size_t i = filtered.size() - 1; i-- > 0;) {
     // Rauch-Tung-Striebel: gain P_i Phi' (P_i+1 predicted)^-1.
     const FilteredPose& next = filtered[i + 1];
-    const ImuError error =
+    const Vector15d error =
         filtered[i].updated.covariance * next.from_previous.transpose() *
         next.predicted.covariance.ldlt().solve(Difference(smoothed, next.predicted.mean));
     smoothed = filtered[i].updated.mean;
-    Move(error, &smoothed);
+    MoveBy(error, &smoothed);
     trajectory->poses[i].global_from_imu = smoothed.local_from_imu;
   }
   trajectory->gyro_bias = smoothed.gyro_bias;

@@ -12,18 +12,12 @@
 #include <thread>
 #include <utility>
 
-#include "core/error.h"
+#include "core/require.h"
 
 namespace cairn::fusion {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-void Require(bool condition, const char* what) {
-  if (!condition) {
-    throw Error(ErrorCode::kInvalidArgument, std::string("MapTransportOptions: ") + what);
-  }
-}
 
 Clock::duration Seconds(double seconds) {
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
@@ -42,17 +36,17 @@ bool IsOverload(int status) { return status == 408 || status == 429 || status >=
 
 void MapTransportOptions::Validate() const {
   constexpr std::string_view kScheme = "http://";
-  Require(std::string_view(url).starts_with(kScheme) && url.size() > kScheme.size() &&
-              url.find('/', kScheme.size()) == std::string::npos,
-          "url must be http://host:port");
+  RequireOption(std::string_view(url).starts_with(kScheme) && url.size() > kScheme.size() &&
+                    url.find('/', kScheme.size()) == std::string::npos,
+                "map_transport.url must be http://host:port");
   ValidateGeodetic(global_origin, "global_origin");
-  Require(timeout_ms > 0, "timeout_ms must be positive");
-  Require(max_matches > 0, "max_matches must be positive");
-  Require(max_queued > 0, "max_queued must be positive");
-  Require(min_interval_s >= 0.0, "min_interval_s must not be negative");
-  Require(first_backoff_s > 0.0 && max_backoff_s >= first_backoff_s,
-          "back-off must be positive and grow");
-  Require(max_response_bytes > 0, "max_response_bytes must be positive");
+  RequireOption(timeout_ms > 0, "map_transport.timeout_ms must be positive");
+  RequireOption(max_matches > 0, "map_transport.max_matches must be positive");
+  RequireOption(max_queued > 0, "map_transport.max_queued must be positive");
+  RequireOption(min_interval_s >= 0.0, "map_transport.min_interval_s must not be negative");
+  RequireOption(first_backoff_s > 0.0 && max_backoff_s >= first_backoff_s,
+                "map_transport.first_backoff_s must be positive, max_backoff_s no less");
+  RequireOption(max_response_bytes > 0, "map_transport.max_response_bytes must be positive");
 }
 
 struct MapTransport::Impl {

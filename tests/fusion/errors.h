@@ -12,15 +12,12 @@
 namespace cairn::fusion::testing {
 
 // [theta, p, v, b_g, b_a]: truth minus estimate, as FilterState perturbs.
-inline Eigen::Matrix<double, kImuDim, 1> ImuError(const ImuState& estimate, const FrameTruth& truth,
-                                                  const Rigid3d& local_from_world) {
-  const Rigid3d local_from_imu = local_from_world * truth.world_from_imu;
-  Eigen::Matrix<double, kImuDim, 1> error;
-  error << LogSo3(local_from_imu.rotation * estimate.local_from_imu.rotation.conjugate()),
-      local_from_imu.translation - estimate.local_from_imu.translation,
-      local_from_world.rotation * truth.velocity_in_world - estimate.velocity_in_local,
-      truth.gyro_bias - estimate.gyro_bias, truth.accel_bias - estimate.accel_bias;
-  return error;
+inline Vector15d ImuError(const ImuState& estimate, const FrameTruth& truth,
+                          const Rigid3d& local_from_world) {
+  return Difference(
+      {local_from_world * truth.world_from_imu, local_from_world.rotation * truth.velocity_in_world,
+       truth.gyro_bias, truth.accel_bias},
+      estimate);
 }
 
 // [rho, psi] of global_from_local.

@@ -7,7 +7,6 @@
 namespace cairn::fusion {
 namespace {
 
-using Vector15d = Eigen::Matrix<double, kImuDim, 1>;
 constexpr double kGravity = 9.81;
 
 ImuState SomeState() {
@@ -23,21 +22,8 @@ ImuStep SomeStep(double dt_s) { return {{0.9, -0.6, 1.4}, {1.0, 3.0, 9.0}, dt_s}
 
 ImuState Perturb(const ImuState& state, const Vector15d& error) {
   ImuState moved = state;
-  moved.local_from_imu.rotation = ExpSo3(error.head<3>()) * state.local_from_imu.rotation;
-  moved.local_from_imu.translation += error.segment<3>(kPositionIdx);
-  moved.velocity_in_local += error.segment<3>(kVelocityIdx);
-  moved.gyro_bias += error.segment<3>(kGyroBiasIdx);
-  moved.accel_bias += error.segment<3>(kAccelBiasIdx);
+  MoveBy(error, &moved);
   return moved;
-}
-
-Vector15d Difference(const ImuState& a, const ImuState& b) {
-  Vector15d difference;
-  difference << LogSo3(a.local_from_imu.rotation * b.local_from_imu.rotation.conjugate()),
-      a.local_from_imu.translation - b.local_from_imu.translation,
-      a.velocity_in_local - b.velocity_in_local, a.gyro_bias - b.gyro_bias,
-      a.accel_bias - b.accel_bias;
-  return difference;
 }
 
 FirstEstimate FirstOf(const ImuState& state) {
