@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <tuple>
 
@@ -196,10 +197,27 @@ void LandmarkRanking::TileHits::Flush() {
   num_candidates_ = 0;
 }
 
+void LandmarkRanking::PrefetchNeighbors(int keypoint_idx,
+                                        const std::vector<TileView>& tiles) const {
+  for (int i = 0; i < num_neighbors_[keypoint_idx]; ++i) {
+    const Neighbor& neighbor = neighbors_[size_t{1} * keypoint_idx * options_.max_neighbors + i];
+    const Tile& tile = tiles[neighbor.tile_idx].tile->tile();
+    __builtin_prefetch(&tile.x_in_tile[neighbor.landmark_idx]);
+    __builtin_prefetch(&tile.sigma_codes[neighbor.landmark_idx]);
+    __builtin_prefetch(&tile.azimuth_codes[neighbor.descriptor_idx]);
+    __builtin_prefetch(&tile.size_codes[neighbor.descriptor_idx]);
+  }
+}
+
 std::vector<Correspondence> LandmarkRanking::Correspondences(
     const std::vector<TileView>& tiles) const {
+  constexpr int kAhead = 4;  // Keypoints whose landmarks are asked for ahead.
   std::vector<Correspondence> correspondences;
+  correspondences.reserve(std::accumulate(num_neighbors_.begin(), num_neighbors_.end(), size_t{0}));
   for (int keypoint_idx = 0; keypoint_idx < query_.num_keypoints(); ++keypoint_idx) {
+    if (keypoint_idx + kAhead < query_.num_keypoints()) {
+      PrefetchNeighbors(keypoint_idx + kAhead, tiles);
+    }
     for (int i = 0; i < num_neighbors_[keypoint_idx]; ++i) {
       const Neighbor& neighbor = neighbors_[size_t{1} * keypoint_idx * options_.max_neighbors + i];
       const TileView& view = tiles[neighbor.tile_idx];

@@ -63,6 +63,8 @@ class LandmarkRanking {
   // x_from_prior is horizontal, metres.
   float SqPositionExcess(const Eigen::Vector2f& x_from_prior) const;
   void Insert(uint32_t keypoint_idx, const Neighbor& neighbor);
+  // Asks for what Correspondences reads of a keypoint's landmarks, which lie anywhere in the tiles.
+  void PrefetchNeighbors(int keypoint_idx, const std::vector<TileView>& tiles) const;
 
   const QueryContext& query_;
   const MatchingOptions& options_;
