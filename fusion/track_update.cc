@@ -54,30 +54,45 @@ bool HasBaseline(const FilterState& state, std::span<const Observation> sights,
   return std::sqrt(std::max(variance, 0.0)) < options.max_relative_baseline_sigma * length_m;
 }
 
-// Whether the distance of a track's point from the newest clone is known well enough for the
-// sights to come to be linear in it.
-bool IsWellKnown(const PointRows& point, const FilterState& state,
-                 const TrackUpdateOptions& options) {
+// Whether pixels alone tell the distance of a track's point from the newest clone well enough.
+bool PixelsTellDistance(const PointRows& point, const FilterState& state,
+                        const TrackUpdateOptions& options) {
   const Eigen::Vector3d view = point.x_in_local - state.clones().back().local_from_imu.translation;
   // The standard deviation along the view times the distance.
   const double sigma = point.by_point.transpose().triangularView<Eigen::Lower>().solve(view).norm();
   return sigma < options.max_relative_point_sigma * view.squaredNorm();
 }
 
-// Enters the points of tracks that go on into free slots.
-void EnterPoints(const std::vector<const FinishedTrack*>& tracks,
-                 const std::vector<TrackRows>& rows, const TrackUpdateOptions& options,
-                 FilterState* state) {
-  size_t slot = 0;
-  for (size_t i = 0; i < tracks.size(); ++i) {
-    while (slot < state->points().size() && state->points()[slot]) {
+// Whether the state, the errors of its poses counted, knows the distance of its point well enough
+// for the sights to come to be linear in it.
+bool IsDistanceKnown(const FilterState& state, int slot, const TrackUpdateOptions& options) {
+  const int idx = state.PointIdx(slot) + 2;
+  const double inverse_distance = state.points()[static_cast<size_t>(slot)]->coordinates.z();
+  return std::sqrt(state.covariance()(idx, idx)) <
+         options.max_relative_point_sigma * inverse_distance;
+}
+
+// Enters the points of tracks that go on into free slots. After the update by these tracks, so that
+// the points' first estimates, which their derivatives keep, are made with the best poses there
+// are; what the rows of the points say is news still.
+void EnterPoints(const Camera& camera, const std::vector<const FinishedTrack*>& tracks,
+                 const TrackUpdateOptions& options, FilterState* state) {
+  const std::vector<CameraView> views = ViewsOfClones(*state);
+  const int num_slots = static_cast<int>(state->points().size());
+  int slot = 0;
+  for (const FinishedTrack* track : tracks) {
+    while (slot < num_slots && state->points()[static_cast<size_t>(slot)]) {
       ++slot;
     }
-    if (slot == state->points().size()) {
+    if (slot == num_slots) {
       return;
     }
-    if (tracks[i]->goes_on && IsWellKnown(rows[i].point, *state, options)) {
-      state->EnterPoint(static_cast<int>(slot), tracks[i]->track_id, rows[i].point);
+    const auto rows = track->goes_on ? LinearizeTrack(*state, camera, views, track->sights, options)
+                                     : std::nullopt;
+    if (rows && PixelsTellDistance(rows->point, *state, options) &&
+        state->EnterPoint(slot, track->track_id, rows->point) &&
+        !IsDistanceKnown(*state, slot, options)) {
+      state->RemovePoint(slot);
     }
   }
 }
@@ -211,7 +226,6 @@ TrackUpdateCounts UpdateFromTracks(const Camera& camera, std::vector<FinishedTra
     return counts;
   }
   counts.num_used = static_cast<int>(accepted.size());
-  EnterPoints(accepted_tracks, accepted, options, state);
   bool linearized = true;  // `accepted` is at the present state.
   const auto linearize = [&](const FilterState& at) {
     if (!std::exchange(linearized, false)) {
@@ -226,6 +240,7 @@ TrackUpdateCounts UpdateFromTracks(const Camera& camera, std::vector<FinishedTra
     return StackTracks(at, accepted);
   };
   state->IteratedUpdate(linearize);
+  EnterPoints(camera, accepted_tracks, options, state);
   return counts;
 }
 

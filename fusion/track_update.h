@@ -28,8 +28,8 @@ struct TrackUpdateOptions {
   // device that only turns, and by its inertial unit seems to move, grew sure of that motion.
   double max_relative_baseline_sigma = 0.5;
   TriangulateOptions triangulate;
-  // Largest standard deviation of the distance of a point that enters the state, relative to it.
-  // Beyond, the filter is overconfident (docs/math/fusion.md).
+  // Largest standard deviation of the distance of a point that enters the state, relative to it,
+  // the errors of the poses counted. Beyond, the filter is overconfident (docs/math/fusion.md).
   double max_relative_point_sigma = 0.04;
 
   void Validate() const;
