@@ -98,6 +98,10 @@ TEST_P(Calibration, MountingAndTimeOffsetConvergeFromAWrongStart) {
     time_s.Add(std::abs(end.error[6]));
     sum_nees += end.nees;
   }
+  RecordProperty("rotation_rad", std::to_string(rotation_rad.Value()));
+  RecordProperty("translation_m", std::to_string(translation_m.Value()));
+  RecordProperty("time_s", std::to_string(time_s.Value()));
+  RecordProperty("nees", std::to_string(sum_nees / kNumWalks));
   EXPECT_LT(rotation_rad.Value(), 0.0015);
   EXPECT_LT(translation_m.Value(), GetParam() ? 0.008 : 0.014);  // A walk alone tells less of it.
   EXPECT_LT(time_s.Value(), 0.0002);
