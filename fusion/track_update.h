@@ -30,7 +30,7 @@ struct TrackUpdateOptions {
   TriangulateOptions triangulate;
   // Largest standard deviation of the distance of a point that enters the state, relative to it,
   // the errors of the poses counted. Beyond, the filter is overconfident (docs/math/fusion.md).
-  double max_relative_point_sigma = 0.04;
+  double max_relative_point_sigma = 0.06;
 
   void Validate() const;
 };
