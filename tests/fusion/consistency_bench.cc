@@ -1,6 +1,6 @@
 // Monte Carlo runs of the estimator in simulation: is its covariance that of its errors?
 //
-//   cairn_fusion_consistency [num_runs] [duration_s] [scenario]
+//   cairn_fusion_consistency [num_runs] [duration_s] [scenario or all] [first_seed]
 //
 // Prints, for the local pose (6 degrees of freedom) and global_from_local (4), the share of steps
 // at which the mean normalised error squared lies within the 95 % bounds of that many runs.
@@ -78,12 +78,13 @@ RunErrors RunOnce(const Scenario& scenario, uint64_t seed, double duration_s,
   return errors;
 }
 
-void RunScenario(const Scenario& scenario, int num_runs, double duration_s) {
+void RunScenario(const Scenario& scenario, int num_runs, double duration_s, uint64_t first_seed) {
   std::vector<Step> steps;
   Rms position_m, rotation_rad;
   const std::clock_t begin = std::clock();
   for (int run = 0; run < num_runs; ++run) {
-    const RunErrors errors = RunOnce(scenario, static_cast<uint64_t>(run) + 1, duration_s, &steps);
+    const RunErrors errors =
+        RunOnce(scenario, first_seed + static_cast<uint64_t>(run), duration_s, &steps);
     position_m.Add(errors.position_m.Value());
     rotation_rad.Add(errors.rotation_rad.Value());
   }
@@ -135,16 +136,17 @@ int main(int argc, char** argv) {
   using cairn::fusion::testing::Scenario;
   const int num_runs = argc > 1 ? std::atoi(argv[1]) : 50;
   const double duration_s = argc > 2 ? std::atof(argv[2]) : 60.0;
+  const std::string_view wanted = argc > 3 ? argv[3] : "all";
+  const uint64_t first_seed = argc > 4 ? std::strtoull(argv[4], nullptr, 10) : 1;
   const Scenario scenarios[] = {{"local", false, 0.0, 0.0, false},
                                 {"perfect", true, 0.0, 0.0, false},
                                 {"noisy", true, 0.05, 0.0, false},
                                 {"schmidt", true, 0.03, 0.1, true},
                                 {"inflation", true, 0.03, 0.1, false}};
   for (const Scenario& scenario : scenarios) {
-    if (argc > 3 && std::string_view(argv[3]) != scenario.name) {
-      continue;
+    if (wanted == "all" || wanted == scenario.name) {
+      cairn::fusion::testing::RunScenario(scenario, num_runs, duration_s, first_seed);
     }
-    cairn::fusion::testing::RunScenario(scenario, num_runs, duration_s);
   }
   return 0;
 }
