@@ -129,36 +129,11 @@ std::vector<int> AgreeingCorrespondences(const RayArrays<double>& rays,
   return correspondences;
 }
 
-// How far landmark i is off its ray, and how that changes with centre and yaw.
-struct RayOffset {
-  Eigen::Vector3d offset_m;
-  Eigen::Matrix<double, 3, 4> jacobian;
-  double distance_m;
-};
-
-RayOffset OffsetOf(const RayArrays<double>& rays, int i, const SupportPose& pose) {
-  const Eigen::Matrix3d turn =
-      Eigen::AngleAxisd(pose.yaw_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  const Eigen::Vector3d direction =
-      turn * Eigen::Vector3d(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]);
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
-  if (rays.has_origins()) {
-    origin = turn * Eigen::Vector3d(rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]);
-  }
-  const Eigen::Vector3d to_landmark =
-      Eigen::Vector3d(rays.x[i], rays.y[i], rays.z[i]) - pose.center - origin;
-  const Eigen::Matrix3d off_ray = Eigen::Matrix3d::Identity() - direction * direction.transpose();
-  RayOffset offset;
-  offset.distance_m = direction.dot(to_landmark);
-  offset.offset_m = off_ray * to_landmark;
-  offset.jacobian.leftCols<3>() = -off_ray;
-  offset.jacobian.col(3) = -offset.distance_m * Eigen::Vector3d::UnitZ().cross(direction) -
-                           off_ray * Eigen::Vector3d::UnitZ().cross(origin);
-  return offset;
-}
-
-// One step of Gauss-Newton on the offsets of the rays that agree, weighted by their gains, with the
-// pose held to within a cell and a yaw step.
+// One step of Gauss-Newton on the offsets of the landmarks from the rays that agree, weighted by
+// their gains, with the pose held to within a cell and a yaw step. With P the projection across a
+// ray of direction d, v the way to the landmark, l = d.v and o the ray's origin, the offset is
+// e = P v, its derivatives are -P by the centre and c = -l z x d - P (z x o) by the yaw. As P e = e
+// and P c = c, they enter the normal equations as they are.
 SupportPose Settle(const RayArrays<double>& rays, const std::vector<double>& gains,
                    const SupportPose& pose, const SupportTolerance& tolerance,
                    const VotingOptions& options) {
@@ -166,15 +141,36 @@ SupportPose Settle(const RayArrays<double>& rays, const std::vector<double>& gai
                                options.yaw_step_rad);
   Eigen::Matrix4d information = sigmas.cwiseAbs2().cwiseInverse().asDiagonal();
   Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(pose.yaw_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const auto z_cross = [](const Eigen::Vector3d& x) { return Eigen::Vector3d(-x.y(), x.x(), 0.0); };
   for (int i = 0; i < rays.num_rays; ++i) {
-    if (gains[i] > 0.0) {
-      const RayOffset ray = OffsetOf(rays, i, pose);
-      const double sigma_m = tolerance.direction_rad * ray.distance_m + tolerance.slack_m;
-      const double weight = gains[i] / (sigma_m * sigma_m);
-      information += weight * ray.jacobian.transpose() * ray.jacobian;
-      gradient += weight * ray.jacobian.transpose() * ray.offset_m;
+    if (gains[i] <= 0.0) {
+      continue;
     }
+    const Eigen::Vector3d d =
+        turn * Eigen::Vector3d(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]);
+    Eigen::Vector3d v = Eigen::Vector3d(rays.x[i], rays.y[i], rays.z[i]) - pose.center;
+    Eigen::Vector3d turned = Eigen::Vector3d::Zero();  // z x o.
+    if (rays.has_origins()) {
+      const Eigen::Vector3d origin =
+          turn * Eigen::Vector3d(rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]);
+      v -= origin;
+      turned = z_cross(origin);
+    }
+    const double l = d.dot(v);
+    const Eigen::Vector3d e = v - l * d;
+    const Eigen::Vector3d c = -l * z_cross(d) - (turned - d.dot(turned) * d);
+    const double sigma_m = tolerance.direction_rad * l + tolerance.slack_m;
+    const double weight = gains[i] / (sigma_m * sigma_m);
+    information.topLeftCorner<3, 3>() -= weight * d * d.transpose();
+    information.diagonal().head<3>().array() += weight;
+    information.topRightCorner<3, 1>() -= weight * c;
+    information(3, 3) += weight * c.squaredNorm();
+    gradient.head<3>() -= weight * e;
+    gradient[3] += weight * c.dot(e);
   }
+  information.bottomLeftCorner<1, 3>() = information.topRightCorner<3, 1>().transpose();
   const Eigen::Vector4d step = -information.llt().solve(gradient);
   return {pose.center + step.head<3>(), WrapAngleRad(pose.yaw_rad + step[3])};
 }
