@@ -15,6 +15,20 @@ Eigen::Vector2d PixelOf(const QueryContext& query, const Correspondence& corresp
   return {keypoint.x_px, keypoint.y_px};
 }
 
+// Whether a point is so far off a keypoint's ray that it cannot be seen within twice `max_error_px`
+// of the keypoint, which is cheaper than to ask the camera. An image may be squeezed by a factor of
+// up to kMaxSqueeze against its middle.
+bool IsFarFromRay(const QueryContext& query, int keypoint_idx, const Eigen::Vector3d& x_in_first,
+                  double max_error_px) {
+  constexpr double kMaxSqueeze = 10.0;
+  const double max_sine =
+      kMaxSqueeze * 2.0 * max_error_px / query.CameraOf(keypoint_idx).focal_px();
+  const Eigen::Vector3d& ray = query.rays_in_cam[keypoint_idx];
+  const Eigen::Vector3d to_point = x_in_first - query.OriginInCam(keypoint_idx);
+  return max_sine < 1.0 &&
+         ray.cross(to_point).squaredNorm() > max_sine * max_sine * to_point.squaredNorm();
+}
+
 // The best inlier of each keypoint under the true camera; ascending keypoints.
 struct InlierSet {
   std::vector<int> indices;  // Into the correspondences.
@@ -30,11 +44,17 @@ InlierSet GatherInliers(const QueryContext& query,
     double sq_error_px = 0.0;
   };
   std::vector<Best> best(query.keypoints.size());
+  const Eigen::Matrix<double, 3, 4> cam_from_anchor_matrix = cam_from_anchor.ToMatrix();
   for (size_t i = 0; i < correspondences.size(); ++i) {
     const Correspondence& correspondence = correspondences[i];
-    const Camera& camera = query.CameraOf(correspondence.keypoint_idx);
-    const Eigen::Vector3d x_in_cam =
-        query.InCameraOf(correspondence.keypoint_idx, cam_from_anchor * correspondence.x_in_anchor);
+    const int keypoint_idx = correspondence.keypoint_idx;
+    const Camera& camera = query.CameraOf(keypoint_idx);
+    const Eigen::Vector3d x_in_first =
+        cam_from_anchor_matrix * correspondence.x_in_anchor.homogeneous();
+    if (IsFarFromRay(query, keypoint_idx, x_in_first, options.MaxErrorPx(camera.focal_px()))) {
+      continue;
+    }
+    const Eigen::Vector3d x_in_cam = query.InCameraOf(keypoint_idx, x_in_first);
     const auto projected = camera.Project(x_in_cam);
     if (!projected) {
       continue;
