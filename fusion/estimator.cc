@@ -30,7 +30,8 @@ Estimator::Estimator(const FusionOptions& options)
     : options_(Validated(options)),
       imu_(kImuCapacity),
       tracks_(options.max_tracks),
-      slew_(options.max_slew_m_per_frame, options.max_slew_rad_per_frame) {}
+      slew_(options.max_slew_m_per_frame, options.max_slew_rad_per_frame),
+      steady_(options.steady) {}
 
 int64_t Estimator::ImuTime(int64_t frame_timestamp_ns) const {
   const Rig& rig = state_ ? state_->rig() : options_.rig;
@@ -89,6 +90,7 @@ void Estimator::Restart(Mode mode) {
   imu_.Clear();
   tracks_.Clear();
   slew_.Reset();
+  steady_.Reset();
   landmark_uses_.Clear();
   waiting_.clear();
   start_frames_.clear();
@@ -203,6 +205,8 @@ void Estimator::CatchUpWithoutFrames() {
 void Estimator::ProcessFrame(const WaitingFrame& frame) {
   const int64_t now_ns = ImuTime(frame.timestamp_ns);
   const int64_t frame_id = next_frame_id_++;
+  const std::optional<Rigid3d> uncorrected = GlobalFromHead();
+  const int64_t num_alignments = counters_.num_alignments;
   PropagateTo(now_ns);
   state_->AddClone(frame_id, now_ns, imu_.Interpolate(now_ns).gyro_rad_s - state_->imu().gyro_bias);
   tracks_.AddFrame(frame_id, options_.camera, frame.features);
@@ -225,6 +229,7 @@ void Estimator::ProcessFrame(const WaitingFrame& frame) {
     return;
   }
   RestartHead();
+  SteadyHead(uncorrected, num_alignments);
 }
 
 void Estimator::CheckStandstill() {

@@ -16,6 +16,7 @@
 #include "fusion/landmark_uses.h"
 #include "fusion/local_slew.h"
 #include "fusion/standstill.h"
+#include "fusion/steady_pose.h"
 #include "fusion/track_table.h"
 
 namespace cairn::fusion {
@@ -132,6 +133,10 @@ class Estimator {
 
   void RestartHead();
   void AdvanceHead(const ImuStep& step);
+  // At the newest inertial sample; nothing before the alignment.
+  std::optional<Rigid3d> GlobalFromHead() const;
+  // After a frame, before which GlobalFromHead was `before` and there had been so many alignments.
+  void SteadyHead(const std::optional<Rigid3d>& before, int64_t num_alignments_before);
   void PublishHead();
 
   FusionOptions options_;
@@ -139,6 +144,7 @@ class Estimator {
   TrackTable tracks_;
   std::unique_ptr<FilterState> state_;
   LocalSlew slew_;
+  SteadyPose steady_;
   LandmarkUses landmark_uses_;
   Eigen::Matrix4d known_of_place_ = Eigen::Matrix4d::Zero();  // Covariance after the last answer.
   Mode resting_mode_ = Mode::kInitializing;                   // While there is no state.

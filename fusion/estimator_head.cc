@@ -26,6 +26,21 @@ void Estimator::AdvanceHead(const ImuStep& step) {
   head_by_global_ = (transition.phi * head_by_global_).eval();
 }
 
+std::optional<Rigid3d> Estimator::GlobalFromHead() const {
+  const auto& global = state_->global_from_local();
+  return global ? std::optional(*global * head_.local_from_imu) : std::nullopt;
+}
+
+void Estimator::SteadyHead(const std::optional<Rigid3d>& before, int64_t num_alignments_before) {
+  // Taken up where the head is, not at the frame, which may have come late: that is what was shown.
+  const std::optional<Rigid3d> after = GlobalFromHead();
+  if (before && after && counters_.num_alignments == num_alignments_before) {
+    steady_.TakeUp(head_time_ns_, *before, *after);
+  } else {
+    steady_.Reset();
+  }
+}
+
 void Estimator::PublishHead() {
   latest_.epoch = epoch_;
   if (!state_) {
@@ -65,7 +80,8 @@ void Estimator::PublishHead() {
   adjoint.bottomRightCorner<3, 3>() = turn;
   const Matrix6d by_global = adjoint * RotationFirst();
   latest_.global_covariance.noalias() = by_global * global_covariance * by_global.transpose();
-  latest_.global_from_imu = *global * head_.local_from_imu;
+  latest_.global_from_imu = *GlobalFromHead();
+  latest_.steady_global_from_imu = steady_.Show(head_time_ns_, latest_.global_from_imu);
   Eigen::Matrix<double, 12, 12> joint;
   joint << head_covariance_.topLeftCorner<6, 6>(), head_by_global_.topRows<6>(),
       head_by_global_.topRows<6>().transpose(), global_covariance;

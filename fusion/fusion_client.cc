@@ -7,6 +7,7 @@
 
 #include "fusion/estimator.h"
 #include "fusion/published.h"
+#include "fusion/steady_pose.h"
 
 namespace cairn::fusion {
 namespace {
@@ -38,11 +39,12 @@ void VisitNumbers(SnapshotType& snapshot, const Visitor& visit) {
   visit(estimate.global_covariance.data(), 36);
   pose(estimate.global_from_imu);
   visit(estimate.global_from_imu_covariance.data(), 36);
+  pose(estimate.steady_global_from_imu);
   visit(snapshot.last_imu.gyro_rad_s.data(), 3);
   visit(snapshot.last_imu.accel_m_s2.data(), 3);
 }
 
-constexpr size_t kNumNumbers = 3 * 7 + 9 + kImuDim * kImuDim + 2 * 36 + 6;
+constexpr size_t kNumNumbers = 4 * 7 + 9 + kImuDim * kImuDim + 2 * 36 + 6;
 // Then mode and has_global, epoch, and the timestamp in two halves, each exact as a double.
 using Channel = Published<kNumNumbers + 4>;
 
@@ -90,11 +92,16 @@ void CarryOn(const ImuSample& reading, int64_t duration_ns, const FusionOptions&
   const Matrix15d phi = TransitionMatrix(estimate->imu, first, end, step, options.gravity_m_s2);
   estimate->covariance = (phi * estimate->covariance * phi.transpose()).eval() +
                          ProcessNoise(options.imu_noise, std::abs(step.dt_s));
-  estimate->timestamp_ns += duration_ns;
   if (estimate->has_global) {
+    SteadyPose steady(options.steady);
+    steady.TakeUp(estimate->timestamp_ns, estimate->steady_global_from_imu,
+                  estimate->global_from_imu);
     // The motion in between adds to both poses alike; its noise is small beside theirs.
     estimate->global_from_imu = estimate->global_from_local * end.local_from_imu;
+    estimate->steady_global_from_imu =
+        steady.Show(estimate->timestamp_ns + duration_ns, estimate->global_from_imu);
   }
+  estimate->timestamp_ns += duration_ns;
   estimate->imu = end;
 }
 

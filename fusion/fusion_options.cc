@@ -33,6 +33,7 @@ void FusionOptions::Validate() const {
         max_slew_rad_per_frame > 0.0 && max_velocity_sigma_m_s > 0.0)) {
     throw Error(ErrorCode::kInvalidArgument, "times and rates must be positive");
   }
+  steady.Validate();
   state.Validate();
   standstill.Validate();
   rotation_only.Validate();

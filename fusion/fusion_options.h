@@ -11,6 +11,7 @@
 #include "fusion/map_update.h"
 #include "fusion/rotation_only.h"
 #include "fusion/standstill.h"
+#include "fusion/steady_pose.h"
 #include "fusion/track_update.h"
 
 namespace cairn::fusion {
@@ -40,6 +41,7 @@ struct FusionOptions {
   // that local_from_imu never jumps.
   double max_slew_m_per_frame = 0.01;
   double max_slew_rad_per_frame = 0.002;
+  SteadyPoseOptions steady;  // Of Estimate::steady_global_from_imu.
 
   FilterStateOptions state;
   // Above it, per axis, the velocity is not known well enough for tracks to be of use; the track of

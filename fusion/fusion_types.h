@@ -104,7 +104,7 @@ enum class Mode {
 };
 
 // The state at one instant. Covariances are perturbed on the left, in local (global_from_imu: in
-// global).
+// global). Of the two poses in global, a robot takes global_from_imu, a display the steady one.
 struct Estimate {
   Mode mode = Mode::kInitializing;
   int64_t timestamp_ns = 0;  // Of the imu's clock.
@@ -117,8 +117,12 @@ struct Estimate {
   // Of [rotation, translation] of global_from_local = true value (Exp(rotation), translation) on
   // the right, in local.
   Matrix6d global_covariance = Matrix6d::Zero();
-  Rigid3d global_from_imu;
+  Rigid3d global_from_imu;  // The best estimate; jumps where it is corrected.
   Matrix6d global_from_imu_covariance = Matrix6d::Zero();
+  // The same without jumps: corrections are passed on over FusionOptions::steady.time_constant_s,
+  // but for an alignment and what exceeds the bounds there, which is taken at once. Off by no more
+  // than global_from_imu is and the difference of the two. Equal to it if the time constant is 0.
+  Rigid3d steady_global_from_imu;
 };
 
 }  // namespace cairn::fusion

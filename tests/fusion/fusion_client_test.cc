@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cmath>
 #include <thread>
 #include <vector>
 
@@ -99,6 +100,26 @@ TEST(FusionClient, PredictsAHundredMillisecondsAhead) {
   EXPECT_EQ(client->Predict(now_ns - 60'000'000).status, PredictStatus::kTooFarBehind);
 }
 
+TEST(FusionClient, PredictsWhatIsHeldBackOfTheCorrectionsAsWell) {
+  const Simulation simulation = WalkFromRest();
+  FusionOptions options = simulation.MatchingOptions();
+  options.steady.time_constant_s = 5.0;
+  const auto [client, error] = FusionClient::Create(options);
+  ASSERT_NE(client, nullptr) << error;
+  Feed(simulation, client.get(), [](size_t) {});
+  const Estimate now = client->Latest();
+  const auto held_back_m = [](const Estimate& estimate) {
+    return Eigen::Vector3d(estimate.steady_global_from_imu.translation -
+                           estimate.global_from_imu.translation);
+  };
+  ASSERT_GT(held_back_m(now).norm(), 1e-3);
+  EXPECT_LT((held_back_m(client->Predict(now.timestamp_ns).estimate) - held_back_m(now)).norm(),
+            1e-12);
+  const Prediction later = client->Predict(now.timestamp_ns + 500'000'000);
+  ASSERT_EQ(later.status, PredictStatus::kOk);
+  EXPECT_LT((held_back_m(later.estimate) - std::exp(-0.1) * held_back_m(now)).norm(), 1e-9);
+}
+
 TEST(FusionClient, ReplaysBitForBit) {
   const Simulation simulation = WalkFromRest();
   Estimate estimates[2];
@@ -113,6 +134,10 @@ TEST(FusionClient, ReplaysBitForBit) {
   EXPECT_EQ(estimates[0].covariance, estimates[1].covariance);
   EXPECT_EQ(estimates[0].global_from_imu.rotation.coeffs(),
             estimates[1].global_from_imu.rotation.coeffs());
+  EXPECT_EQ(estimates[0].steady_global_from_imu.rotation.coeffs(),
+            estimates[1].steady_global_from_imu.rotation.coeffs());
+  EXPECT_EQ(estimates[0].steady_global_from_imu.translation,
+            estimates[1].steady_global_from_imu.translation);
 }
 
 TEST(FusionClient, ServesReadersAndSubmittersOnOtherThreads) {

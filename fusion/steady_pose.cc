@@ -1,0 +1,49 @@
+#include "fusion/steady_pose.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+
+namespace cairn::fusion {
+
+void SteadyPoseOptions::Validate() const {
+  if (!(time_constant_s >= 0.0 && std::isfinite(time_constant_s) && max_held_back_m >= 0.0 &&
+        max_held_back_rad >= 0.0 && max_held_back_rad < M_PI)) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "steady: times and bounds must not be negative, the turn must be below pi");
+  }
+}
+
+double SteadyPose::ShareLeft(int64_t timestamp_ns) const {
+  if (options_.time_constant_s == 0.0) {
+    return 0.0;
+  }
+  const double since_s = 1e-9 * static_cast<double>(timestamp_ns - taken_up_ns_);
+  return std::exp(-std::max(since_s, 0.0) / options_.time_constant_s);
+}
+
+void SteadyPose::TakeUp(int64_t timestamp_ns, const Rigid3d& before, const Rigid3d& after) {
+  const Rigid3d shown = Show(timestamp_ns, before);
+  turn_ = LogSo3(shown.rotation * after.rotation.conjugate());
+  shift_ = shown.translation - after.translation;
+  taken_up_ns_ = timestamp_ns;
+  if (!(turn_.norm() <= options_.max_held_back_rad && shift_.norm() <= options_.max_held_back_m)) {
+    Reset();
+  }
+}
+
+Rigid3d SteadyPose::Show(int64_t timestamp_ns, const Rigid3d& pose) const {
+  const double share = ShareLeft(timestamp_ns);
+  if (share == 0.0) {
+    return pose;
+  }
+  return {ExpSo3(share * turn_) * pose.rotation, pose.translation + share * shift_};
+}
+
+void SteadyPose::Reset() {
+  turn_.setZero();
+  shift_.setZero();
+}
+
+}  // namespace cairn::fusion
