@@ -48,21 +48,24 @@ Smoothness SmoothnessOf(std::vector<double> changes) {
   return {.rms = Rms(changes), .percentile_95 = changes[rank], .maximum = changes.back()};
 }
 
-void SetErrors(const Recording& recording, const std::vector<FrameRun>& runs,
+// Which of the poses of a frame.
+using PoseOfRun = std::optional<Rigid3d> FrameRun::*;
+
+void SetErrors(const Recording& recording, const std::vector<FrameRun>& runs, PoseOfRun pose_of,
                MethodResult* result) {
   std::vector<double> position_errors, rotation_errors, position_changes, rotation_changes;
   Eigen::Vector3d last_position;
   Eigen::Quaterniond last_rotation;
   bool has_last = false;
   for (size_t i = recording.first_counted_frame; i < runs.size(); ++i) {
-    if (!runs[i].global_from_imu) {
+    const std::optional<Rigid3d>& global_from_imu = runs[i].*pose_of;
+    if (!global_from_imu) {
       has_last = false;
       continue;
     }
     const Rigid3d& truth = recording.frames[i].global_from_imu;
-    const Eigen::Vector3d position = runs[i].global_from_imu->translation - truth.translation;
-    const Eigen::Quaterniond rotation =
-        runs[i].global_from_imu->rotation * truth.rotation.conjugate();
+    const Eigen::Vector3d position = global_from_imu->translation - truth.translation;
+    const Eigen::Quaterniond rotation = global_from_imu->rotation * truth.rotation.conjugate();
     position_errors.push_back(position.norm());
     rotation_errors.push_back(LogSo3(rotation).norm());
     if (has_last) {
@@ -116,9 +119,35 @@ MethodResult Summarize(std::string name, const Recording& recording,
                        const std::vector<FrameRun>& runs) {
   MethodResult result;
   result.name = std::move(name);
-  SetErrors(recording, runs, &result);
+  SetErrors(recording, runs, &FrameRun::global_from_imu, &result);
   SetTimes(recording, runs, &result);
   return result;
+}
+
+// Of what a display would show, next to `raw`.
+MethodResult SummarizeSteady(MethodResult raw, const Recording& recording,
+                             const std::vector<FrameRun>& runs) {
+  raw.name += ", steady";
+  raw.is_steady = true;
+  SetErrors(recording, runs, &FrameRun::steady_global_from_imu, &raw);
+  return raw;
+}
+
+// Ratios of one method to others.
+std::string RatioTable(const MethodResult& filter, std::span<const MethodResult> others) {
+  std::string text = fmt::format("{:<20}{:>12}{:>14}{:>16}{:>16}{:>18}{:>18}\n", filter.name,
+                                 "t-up / it", "frame / it", "it / position", "it / rotation",
+                                 "it / change m", "it / change rad");
+  for (const MethodResult& r : others) {
+    text += fmt::format("{:<20}{:>12.1f}{:>14.1f}{:>16.2f}{:>16.2f}{:>18.2f}{:>18.2f}\n", r.name,
+                        r.update_seconds.mean / filter.update_seconds.mean,
+                        r.frame_seconds.mean / filter.frame_seconds.mean,
+                        filter.position_rmse_m / r.position_rmse_m,
+                        filter.rotation_rmse_rad / r.rotation_rmse_rad,
+                        filter.position_change_m.rms / r.position_change_m.rms,
+                        filter.rotation_change_rad.rms / r.rotation_change_rad.rms);
+  }
+  return text;
 }
 
 }  // namespace
@@ -164,27 +193,33 @@ std::vector<MethodResult> CompareEstimators(const Recording& recording,
     throw Error(ErrorCode::kBadInput,
                 "recording " + recording.name + ": fewer than two frames to count");
   }
-  std::vector<MethodResult> results;
-  results.push_back(Summarize("EKF", recording,
-                              Repeat(options.num_timings, [&] { return RunFilter(recording); })));
+  const std::vector<FrameRun> of_filter =
+      Repeat(options.num_timings, [&] { return RunFilter(recording); });
+  std::vector<MethodResult> results = {Summarize("EKF", recording, of_filter)};
+  results.push_back(SummarizeSteady(results.front(), recording, of_filter));
+  std::vector<MethodResult> steady_rivals;
   for (const RivalVariant& variant : options.variants) {
     const BundleAdjusterOptions rival = RivalOptions(recording, variant);
-    results.push_back(Summarize(variant.Name(), recording, Repeat(options.num_timings, [&] {
-                                  return RunBundleAdjuster(recording, rival,
-                                                           variant.every_frame_is_keyframe);
-                                })));
+    const std::vector<FrameRun> runs = Repeat(options.num_timings, [&] {
+      return RunBundleAdjuster(recording, rival, variant.every_frame_is_keyframe);
+    });
+    results.push_back(Summarize(variant.Name(), recording, runs));
+    if (options.steadies_rivals) {
+      steady_rivals.push_back(SummarizeSteady(results.back(), recording, runs));
+    }
   }
+  results.insert(results.end(), steady_rivals.begin(), steady_rivals.end());
   return results;
 }
 
 std::string ComparisonTable(const std::string& title, std::span<const MethodResult> results) {
   std::string text =
-      fmt::format("{}\n{:<11}{:>18}{:>10}{:>9}{:>19}{:>19}{:>24}{:>24}\n", title, "", "t-up ms",
+      fmt::format("{}\n{:<20}{:>18}{:>10}{:>9}{:>19}{:>19}{:>24}{:>24}\n", title, "", "t-up ms",
                   "frame ms", "matches", "position m (sd)", "rotation deg (sd)",
                   "change mm rms/95/max", "change mdeg rms/95/max");
   for (const MethodResult& r : results) {
     text += fmt::format(
-        "{:<11}{:>9.3f} +-{:>6.3f}{:>10.3f}{:>9.0f}{:>10.4f} ({:.4f}){:>10.4f} ({:.4f})"
+        "{:<20}{:>9.3f} +-{:>6.3f}{:>10.3f}{:>9.0f}{:>10.4f} ({:.4f}){:>10.4f} ({:.4f})"
         "{:>10.2f}{:>7.2f}{:>7.2f}{:>10.1f}{:>7.1f}{:>7.1f}\n",
         r.name, 1e3 * r.update_seconds.mean, 1e3 * r.update_seconds.standard_deviation,
         1e3 * r.frame_seconds.mean, r.mean_matches, r.position_rmse_m,
@@ -195,18 +230,8 @@ std::string ComparisonTable(const std::string& title, std::span<const MethodResu
         1e3 * kDegPerRad * r.rotation_change_rad.percentile_95,
         1e3 * kDegPerRad * r.rotation_change_rad.maximum);
   }
-  const MethodResult& filter = results.front();
-  text +=
-      fmt::format("{:<11}{:>12}{:>14}{:>16}{:>16}{:>18}{:>18}\n", "", "t-up / EKF", "frame / EKF",
-                  "EKF / position", "EKF / rotation", "EKF / change m", "EKF / change rad");
-  for (const MethodResult& r : results.subspan(1)) {
-    text += fmt::format("{:<11}{:>12.1f}{:>14.1f}{:>16.2f}{:>16.2f}{:>18.2f}{:>18.2f}\n", r.name,
-                        r.update_seconds.mean / filter.update_seconds.mean,
-                        r.frame_seconds.mean / filter.frame_seconds.mean,
-                        filter.position_rmse_m / r.position_rmse_m,
-                        filter.rotation_rmse_rad / r.rotation_rmse_rad,
-                        filter.position_change_m.rms / r.position_change_m.rms,
-                        filter.rotation_change_rad.rms / r.rotation_change_rad.rms);
+  for (const MethodResult& filter : results.first(2)) {
+    text += RatioTable(filter, results.subspan(2));
   }
   return text;
 }

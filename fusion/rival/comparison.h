@@ -27,8 +27,10 @@ struct Smoothness {
 
 // How one estimator did.
 struct MethodResult {
-  std::string
-      name;  // "EKF", "BA-10-5"; "-M" with marginalisation, "-F" with every frame a keyframe.
+  // "EKF", "BA-10-5"; "-M" with marginalisation, "-F" with every frame a keyframe; ", steady" of
+  // what a display would show.
+  std::string name;
+  bool is_steady = false;
   size_t num_counted_frames = 0;
   double position_rmse_m = 0.0;
   double rotation_rmse_rad = 0.0;
@@ -67,23 +69,27 @@ struct ComparisonOptions {
   // The recording is run this often; times are those of the fastest run, frame by frame. The
   // estimates are those of the first.
   int num_timings = 1;
+  // Whether the rivals, too, are steadied; in rows of their own behind all others.
+  bool steadies_rivals = false;
 
   // Throws Error(kInvalidArgument) naming what makes no sense.
   void Validate() const;
 };
 
-// Runs the filter first, then each variant, on the same samples, tracks, answers and noise, each
-// answer reaching them one frame after its query. Times of an update: of the rivals, gating the
-// matches, building the problem and solving it. Of the filter, gating, compressing and applying all
-// matches of the answer, on a copy of its state. (Its frames with an answer may cost less than
-// those without, as sights that go into the answer are not used as tracks, so a difference says
-// nothing.) Its whole frame, propagation and local tracks included, is `frame_seconds`. Throws
-// Error(kBadInput) if a recording has fewer than two counted frames or its samples do not span its
-// frames.
+// The filter first, then the poses that it publishes for displays
+// (Estimate::steady_global_from_imu; the times are the filter's), then each variant, on the same
+// samples, tracks, answers and noise, each answer reaching them one frame after its query. Times of
+// an update: of the rivals, gating the matches, building the problem and solving it. Of the filter,
+// gating, compressing and applying all matches of the answer, on a copy of its state. (Its frames
+// with an answer may cost less than those without, as sights that go into the answer are not used
+// as tracks, so a difference says nothing.) Its whole frame, propagation and local tracks included,
+// is `frame_seconds`. Throws Error(kBadInput) if a recording has fewer than two counted frames or
+// its samples do not span its frames.
 std::vector<MethodResult> CompareEstimators(const Recording& recording,
                                             const ComparisonOptions& options);
 
-// The table as text, with ratios to the filter (the first row) and to the best rival.
+// The table as text, and the ratios of the filter and of its steady poses, the first two results,
+// to the others.
 std::string ComparisonTable(const std::string& title, std::span<const MethodResult> results);
 
 }  // namespace cairn::fusion

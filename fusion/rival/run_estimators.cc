@@ -8,6 +8,7 @@
 #include "fusion/imu_buffer.h"
 #include "fusion/map_update.h"
 #include "fusion/rival/bundle_adjuster.h"
+#include "fusion/steady_pose.h"
 
 namespace cairn::fusion {
 namespace {
@@ -47,6 +48,25 @@ std::optional<Rigid3d> GlobalFromImu(const Estimator& estimator) {
     return std::nullopt;
   }
   return *state->global_from_local() * state->imu().local_from_imu;
+}
+
+// What the filter publishes for displays at its newest sample, carried back to the frame.
+std::optional<Rigid3d> SteadyGlobalFromImu(const Estimator& estimator,
+                                           const SteadyPoseOptions& options) {
+  const std::optional<Rigid3d> global_from_imu = GlobalFromImu(estimator);
+  if (!global_from_imu) {
+    return std::nullopt;
+  }
+  const Estimate& latest = estimator.latest();
+  SteadyPose steady(options);
+  steady.TakeUp(latest.timestamp_ns, latest.steady_global_from_imu, latest.global_from_imu);
+  return steady.Show(estimator.filter_time_ns(), *global_from_imu);
+}
+
+std::optional<Rigid3d> GlobalFromImu(const BundleAdjuster& adjuster) {
+  const auto global_from_local = adjuster.global_from_local();
+  return global_from_local ? std::optional(*global_from_local * adjuster.state().local_from_imu)
+                           : std::nullopt;
 }
 
 // CPU time of an update of the filter by an answer to a query of its frame before the newest:
@@ -108,6 +128,7 @@ std::vector<FrameRun> RunFilter(const Recording& recording) {
       runs[i].update_seconds = UpdateSeconds(recording, estimator, recording.frames[i - 1].answer);
     }
     runs[i].global_from_imu = GlobalFromImu(estimator);
+    runs[i].steady_global_from_imu = SteadyGlobalFromImu(estimator, options.steady);
     if (!IsQueried(recording, i)) {
       continue;
     }
@@ -131,6 +152,7 @@ std::vector<FrameRun> RunBundleAdjuster(const Recording& recording,
   const RecordedFrame& first = recording.frames.front();
   BundleAdjuster adjuster(options, recording.start.imu, recording.start.covariance,
                           {0, first.timestamp_ns, true, {}, first.features});
+  SteadyPose steady(recording.options.steady);
   std::vector<FrameRun> runs(recording.frames.size());
   for (size_t i = 1; i < recording.frames.size(); ++i) {
     const RecordedFrame& frame = recording.frames[i];
@@ -139,6 +161,7 @@ std::vector<FrameRun> RunBundleAdjuster(const Recording& recording,
     // The filter's first query is that of frame 1 * frames_per_query, too.
     adjuster.AddFrame({static_cast<int64_t>(i), frame.timestamp_ns,
                        every_frame_is_keyframe || IsQueried(recording, i), steps, frame.features});
+    const std::optional<Rigid3d> predicted = GlobalFromImu(adjuster);
     const RecordedFrame& previous = recording.frames[i - 1];
     const bool has_answer = i > 1 && IsQueried(recording, i - 1) && previous.answer.localized;
     const double begin = ThreadSeconds();
@@ -156,8 +179,12 @@ std::vector<FrameRun> RunBundleAdjuster(const Recording& recording,
     adjuster.Optimize();
     runs[i].seconds = ThreadSeconds() - begin;
     runs[i].update_seconds = runs[i].seconds;
-    if (const auto global_from_local = adjuster.global_from_local()) {
-      runs[i].global_from_imu = *global_from_local * adjuster.state().local_from_imu;
+    runs[i].global_from_imu = GlobalFromImu(adjuster);
+    if (predicted) {  // Else it has just been aligned: that is shown at once.
+      steady.TakeUp(frame.timestamp_ns, *predicted, *runs[i].global_from_imu);
+    }
+    if (runs[i].global_from_imu) {
+      runs[i].steady_global_from_imu = steady.Show(frame.timestamp_ns, *runs[i].global_from_imu);
     }
   }
   return runs;

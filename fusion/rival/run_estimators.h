@@ -14,7 +14,9 @@ namespace cairn::fusion {
 // What an estimator made of one frame.
 struct FrameRun {
   std::optional<Rigid3d> global_from_imu;  // Nothing before it found the map.
-  double seconds = 0.0;                    // CPU time of this thread.
+  // What a display would show of it: see SteadyPose, with the recording's FusionOptions::steady.
+  std::optional<Rigid3d> steady_global_from_imu;
+  double seconds = 0.0;  // CPU time of this thread.
   // Of the update by the answer alone: of the filter, that by all matches of the answer at the
   // clone of its query, on a copy of the state; of a bundle adjuster, as `seconds`.
   double update_seconds = 0.0;
@@ -22,8 +24,8 @@ struct FrameRun {
   int num_matches = 0;      // Of it, that were used.
 };
 
-// One entry a frame. Keyframes of the bundle adjustment are the queried frames, or all of them.
-// the first is that of the start. Throws Error(kBadInput) if the samples do not
+// One entry a frame; the first is that of the start. Keyframes of the bundle adjustment are the
+// queried frames, or all of them. Throws Error(kBadInput) if the samples do not
 // span the frames.
 std::vector<FrameRun> RunFilter(const Recording& recording);
 std::vector<FrameRun> RunBundleAdjuster(const Recording& recording,

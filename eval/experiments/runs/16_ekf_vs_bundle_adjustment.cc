@@ -55,16 +55,19 @@ Verdict Judge(const FusionScene& scene, std::string* sentence) {
   const Interval speed = RatioOver(scene, fastest, kFilter, UpdateMs);
   *sentence += fmt::format(
       "{}In the {}, the filter's position error is {} times that of the best bundle adjustment "
-      "({}), its rotation error {} times ({}), {}.",
+      "({}), its rotation error {} times ({}), {}. What it shows a display is off by {} and {} "
+      "times as much.",
       sentence->empty() ? "" : " ", scene.name, IntervalText(position, 2), scene.methods[nearest],
       IntervalText(rotation, 2), scene.methods[straightest],
-      SpeedText(speed, scene.methods[fastest]));
+      SpeedText(speed, scene.methods[fastest]),
+      IntervalText(RatioOver(scene, kSteadyFilter, nearest, PositionRmseM), 2),
+      IntervalText(RatioOver(scene, kSteadyFilter, straightest, RotationRmseDeg), 2));
   return JudgeAll({JudgeSmaller(position, kSamePosition), JudgeSmaller(rotation, 1.0),
                    JudgeGreater(speed, kMuchFaster)});
 }
 
 ExperimentOutcome Run(const ExperimentContext& context) {
-  const std::vector<FusionScene> scenes = RunFusionScenes(context, fusion::PaperVariants());
+  const std::vector<FusionScene> scenes = RunFusionScenes(context, fusion::PaperVariants(), false);
   ExperimentOutcome outcome;
   outcome.parameters = FusionParameters(context);
   outcome.table = MakeTable(scenes);

@@ -66,10 +66,7 @@ std::vector<fusion::Recording> RoomRecordings(const fusion::Trajectory& trajecto
 }
 
 FusionScene RunScene(const std::string& name, const std::vector<fusion::Recording>& recordings,
-                     const std::vector<fusion::RivalVariant>& variants,
-                     const ExperimentContext& context) {
-  fusion::ComparisonOptions options;
-  options.variants = variants;
+                     fusion::ComparisonOptions options, const ExperimentContext& context) {
   options.num_timings = context.Pick(1, 2);
   FusionScene scene;
   scene.name = name;
@@ -82,6 +79,7 @@ FusionScene RunScene(const std::string& name, const std::vector<fusion::Recordin
   }
   for (const fusion::MethodResult& result : scene.results.front()) {
     scene.methods.push_back(result.name);
+    scene.is_steady.push_back(result.is_steady);
   }
   return scene;
 }
@@ -89,15 +87,19 @@ FusionScene RunScene(const std::string& name, const std::vector<fusion::Recordin
 }  // namespace
 
 std::vector<FusionScene> RunFusionScenes(const ExperimentContext& context,
-                                         const std::vector<fusion::RivalVariant>& variants) {
+                                         const std::vector<fusion::RivalVariant>& variants,
+                                         bool steadies_rivals) {
+  fusion::ComparisonOptions comparison;
+  comparison.variants = variants;
+  comparison.steadies_rivals = steadies_rivals;
   std::vector<FusionScene> scenes;
   const std::string city = fmt::format("{} city", CityCharacterName(kCharacter));
-  scenes.push_back(RunScene(city, CityRecordings(context), variants, context));
+  scenes.push_back(RunScene(city, CityRecordings(context), comparison, context));
   if (const std::string& folder = context.trajectories_folder; !folder.empty()) {
     const auto run = [&](const fusion::Trajectory& trajectory,
                          const fusion::RecordingOptions& options) {
       scenes.push_back(RunScene(trajectory.name, RoomRecordings(trajectory, options, context),
-                                variants, context));
+                                comparison, context));
     };
     run(fusion::EurocTrajectory(folder), fusion::EurocRecordingOptions());
     run(fusion::TumTrajectory(folder), fusion::TumRecordingOptions());
@@ -139,10 +141,14 @@ Interval RatioOver(const FusionScene& scene, size_t method, size_t other,
   });
 }
 
-size_t BestRival(const FusionScene& scene, const FusionMeasure& measure) {
-  size_t best = kFilter + 1;
+size_t BestRival(const FusionScene& scene, const FusionMeasure& measure, bool is_steady) {
+  size_t best = kSteadyFilter + 1;
+  while (scene.is_steady[best] != is_steady) {
+    ++best;
+  }
   for (size_t method = best + 1; method < scene.methods.size(); ++method) {
-    if (MeanOver(scene, method, measure).value < MeanOver(scene, best, measure).value) {
+    if (scene.is_steady[method] == is_steady &&
+        MeanOver(scene, method, measure).value < MeanOver(scene, best, measure).value) {
       best = method;
     }
   }

@@ -14,20 +14,25 @@
 
 namespace cairn {
 
-inline constexpr size_t kFilter = 0;  // Among the methods; the others are bundle adjustments.
+// Among the methods; behind them come bundle adjustments.
+inline constexpr size_t kFilter = 0;
+inline constexpr size_t kSteadyFilter = 1;  // What the filter publishes for displays.
 
 // The methods on some recordings of one kind.
 struct FusionScene {
   std::string name;  // "grid city".
   std::vector<std::string> methods;
+  std::vector<bool> is_steady;  // By method.
   // By recording, by method.
   std::vector<std::vector<fusion::MethodResult>> results;
 };
 
 // Walks in a city; and, where context.trajectories_folder is set, real trajectories under simulated
-// cameras and maps. `variants` are the bundle adjustments.
+// cameras and maps. `variants` are the bundle adjustments; `steadies_rivals` adds what a display
+// would show of each.
 std::vector<FusionScene> RunFusionScenes(const ExperimentContext& context,
-                                         const std::vector<fusion::RivalVariant>& variants);
+                                         const std::vector<fusion::RivalVariant>& variants,
+                                         bool steadies_rivals);
 
 ExperimentParameters FusionParameters(const ExperimentContext& context);
 
@@ -42,8 +47,9 @@ Interval MeanOver(const FusionScene& scene, size_t method, const FusionMeasure& 
 // positive.
 Interval RatioOver(const FusionScene& scene, size_t method, size_t other,
                    const FusionMeasure& measure);
-// The bundle adjustment with the least mean.
-size_t BestRival(const FusionScene& scene, const FusionMeasure& measure);
+// The bundle adjustment with the least mean; of the steadied ones, of which there must be some, or
+// of the others.
+size_t BestRival(const FusionScene& scene, const FusionMeasure& measure, bool is_steady = false);
 
 // The measure of each method, a curve a scene.
 Figure SceneFigure(const std::string& name, const std::string& title, const std::string& y_label,

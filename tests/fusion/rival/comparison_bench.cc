@@ -21,6 +21,7 @@ void Compare(const Trajectory& trajectory, RecordingOptions options, double dura
   const Recording recording = SimulateRecording(trajectory, options);
   ComparisonOptions comparison;
   comparison.num_timings = num_timings;
+  comparison.steadies_rivals = true;
   comparison.variants.push_back({10, 10, DiscardPolicy::kDiscard, true});
   comparison.variants.push_back({10, 5, DiscardPolicy::kMarginalize, true});
   std::puts(ComparisonTable(trajectory.name, CompareEstimators(recording, comparison)).c_str());

@@ -34,8 +34,9 @@ Recording ShortRecording() {
 TEST(Comparison, AllEstimatorsFindTheMapAndStayNearTheTruth) {
   const Recording recording = ShortRecording();
   const std::vector<MethodResult> results = CompareEstimators(recording, {});
-  ASSERT_EQ(results.size(), 1 + PaperVariants().size());
-  EXPECT_EQ(results.front().name, "EKF");
+  ASSERT_EQ(results.size(), 2 + PaperVariants().size());
+  EXPECT_EQ(results[0].name, "EKF");
+  EXPECT_EQ(results[1].name, "EKF, steady");
   for (const MethodResult& result : results) {
     EXPECT_EQ(result.num_counted_frames, recording.frames.size() - recording.first_counted_frame)
         << result.name;
@@ -52,15 +53,34 @@ TEST(Comparison, TheFilterIsSmootherThanAWindowThatForgets) {
   ComparisonOptions options;
   options.variants = {{10, 10, DiscardPolicy::kDiscard}};
   const std::vector<MethodResult> results = CompareEstimators(ShortRecording(), options);
-  EXPECT_LT(results[0].position_change_m.rms, results[1].position_change_m.rms);
-  EXPECT_LT(results[0].rotation_change_rad.rms, 0.7 * results[1].rotation_change_rad.rms);
+  EXPECT_LT(results[0].position_change_m.rms, results[2].position_change_m.rms);
+  EXPECT_LT(results[0].rotation_change_rad.rms, 0.7 * results[2].rotation_change_rad.rms);
 }
 
 TEST(Comparison, MarginalizationMakesTheRivalSmoother) {
   ComparisonOptions options;
   options.variants = {{10, 5, DiscardPolicy::kDiscard}, {10, 5, DiscardPolicy::kMarginalize}};
   const std::vector<MethodResult> results = CompareEstimators(ShortRecording(), options);
-  EXPECT_LT(results[2].rotation_change_rad.rms, 0.8 * results[1].rotation_change_rad.rms);
+  EXPECT_LT(results[3].rotation_change_rad.rms, 0.8 * results[2].rotation_change_rad.rms);
+}
+
+// Whoever is steadied, what is shown changes less. It is hardly further off if the corrections are
+// small, as the filter's are.
+TEST(Comparison, WhatADisplayShowsIsSmoother) {
+  ComparisonOptions options;
+  options.variants = {{5, 5, DiscardPolicy::kDiscard}};
+  options.steadies_rivals = true;
+  const std::vector<MethodResult> results = CompareEstimators(ShortRecording(), options);
+  ASSERT_EQ(results.size(), 4u);
+  for (const auto& [raw, steady] :
+       {std::pair(results[0], results[1]), std::pair(results[2], results[3])}) {
+    EXPECT_EQ(steady.name, raw.name + ", steady");
+    EXPECT_TRUE(steady.is_steady);
+    EXPECT_FALSE(raw.is_steady);
+    EXPECT_LT(steady.position_change_m.rms, 0.9 * raw.position_change_m.rms) << raw.name;
+    EXPECT_EQ(steady.num_counted_frames, raw.num_counted_frames);
+  }
+  EXPECT_LT(results[1].position_rmse_m, 1.2 * results[0].position_rmse_m);
 }
 
 TEST(Comparison, RunsRepeatUpToRounding) {
@@ -87,11 +107,16 @@ TEST(Comparison, TableHasARowAMethodAndTheRatios) {
   rival.name = RivalVariant{5, 2, DiscardPolicy::kMarginalize}.Name();
   rival.update_seconds.mean = 10e-3;
   rival.position_rmse_m = 0.04;
-  const std::string table = ComparisonTable("title", std::vector<MethodResult>{filter, rival});
+  MethodResult steady = filter;
+  steady.name = "EKF, steady";
+  steady.position_rmse_m = 0.03;
+  const std::string table =
+      ComparisonTable("title", std::vector<MethodResult>{filter, steady, rival});
   EXPECT_THAT(table, HasSubstr("title"));
   EXPECT_THAT(table, HasSubstr("BA-5-2-M"));
   EXPECT_THAT(table, HasSubstr("20.0"));
   EXPECT_THAT(table, HasSubstr("0.50"));
+  EXPECT_THAT(table, HasSubstr("0.75"));
 }
 
 TEST(Comparison, RefusesRecordingsItCannotRun) {
