@@ -159,11 +159,18 @@ Figure SceneFigure(const std::string& name, const std::string& title, const std:
                    const std::vector<FusionScene>& scenes, const FusionMeasure& measure) {
   Figure figure{name, title, "method", y_label};
   figure.log_y = true;
-  figure.x_names = scenes.front().methods;
+  std::vector<size_t> methods;
+  for (size_t method = 0; method < scenes.front().methods.size(); ++method) {
+    if (method <= kSteadyFilter || !scenes.front().is_steady[method]) {
+      methods.push_back(method);
+      figure.x_names.push_back(scenes.front().methods[method]);
+    }
+  }
   for (const FusionScene& scene : scenes) {
     FigureSeries series{scene.name, {}};
-    for (size_t method = 0; method < scene.methods.size(); ++method) {
-      series.points.push_back({static_cast<double>(method), MeanOver(scene, method, measure)});
+    for (const size_t method : methods) {
+      series.points.push_back(
+          {static_cast<double>(series.points.size()), MeanOver(scene, method, measure)});
     }
     figure.series.push_back(std::move(series));
   }

@@ -51,7 +51,8 @@ Interval RatioOver(const FusionScene& scene, size_t method, size_t other,
 // of the others.
 size_t BestRival(const FusionScene& scene, const FusionMeasure& measure, bool is_steady = false);
 
-// The measure of each method, a curve a scene.
+// The measure of each method, a curve a scene; without steadied bundle adjustments, of which the
+// tables tell.
 Figure SceneFigure(const std::string& name, const std::string& title, const std::string& y_label,
                    const std::vector<FusionScene>& scenes, const FusionMeasure& measure);
 
