@@ -14,10 +14,11 @@
 namespace cairn {
 
 // Votes of all correspondences over (x, y, z, yaw), or, with OutlierFilter::kVoting3d, (x, y, yaw),
-// within the region; returns the best maxima, highest score first, each with the correspondences
-// that agree with it. A keypoint counts at most once in a cell. The heights of candidates mean
-// nothing if they were not voted over. Needs gravity (query.level_from_cam). Sets the voting
-// counters. `workers` (may be null) share the work, by ranges of yaw; the result is the same.
+// within the region; returns the best maxima, in 4D settled on their rays (SettledCandidate),
+// highest score first, each with the correspondences that agree with it. A keypoint counts at most
+// once in a cell. The heights of candidates mean nothing if they were not voted over. Needs gravity
+// (query.level_from_cam). Sets the voting counters. `workers` (may be null) share the work, by
+// ranges of yaw; the result is the same.
 std::vector<PoseCandidate> VoteForPoses(const QueryContext& query,
                                         const std::vector<Correspondence>& correspondences,
                                         const VotingOptions& options, StageCounters* counters,

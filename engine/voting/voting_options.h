@@ -26,7 +26,8 @@ struct VotingOptions {
   double cell_z_m = 2.0;            // Vertical cell, metres.
   double yaw_step_rad = 0.0523599;  // 3 degrees.
   int max_candidates = 8;           // Maxima or components handed to pose estimation.
-  double min_score = 3.0;           // Weighted distinct keypoints that one of them needs.
+  // Weighted distinct keypoints that one of them needs; of voting, before candidates settle.
+  double min_score = 3.0;
   // Landmarks farther from the camera than this do not vote, metres.
   double max_distance_m = 200.0;
   // The scale of a keypoint and the physical size of its match predict the distance; true distances
