@@ -18,7 +18,7 @@
 #include "engine/refinement/rank_keyframes.h"
 #include "engine/shared_workers.h"
 #include "engine/tiles/fetch_tiles.h"
-#include "engine/tiles/index_finisher.h"
+#include "engine/tiles/tile_finisher.h"
 #include "engine/voting/covisibility_filter.h"
 #include "engine/voting/pose_voting.h"
 #include "storage/descriptor_codec.h"
@@ -30,7 +30,8 @@ struct Localizer::Impl {
   std::shared_ptr<TileCache> cache;
   LocalizerOptions options;
   SharedWorkers workers;
-  IndexFinisher finisher{&workers};
+  TileFinisher finisher{store.get(), cache.get(), &options.tiles, &options.matching.index,
+                        &workers};
 };
 
 namespace {
@@ -62,8 +63,7 @@ class QueryRun {
       : store_(store), cache_(cache), options_(options), workers_(workers), query_(query) {}
 
   LocalizeResult Run();
-  // Those that were searched.
-  const std::vector<TileView>& tiles() const { return tiles_; }
+  const SearchRegion& region() const { return context_.region; }
 
  private:
   using StageMethod = NotLocalizedReason (QueryRun::*)();
@@ -300,10 +300,8 @@ LocalizeResult Localizer::Localize(const LocalizeQuery& query) const {
   const SharedWorkers::Caller caller(&impl_->workers);
   QueryRun run(*impl_->store, impl_->cache.get(), impl_->options, &impl_->workers, query);
   LocalizeResult result = run.Run();
-  for (const TileView& view : run.tiles()) {
-    if (!view.tile->index().is_complete()) {
-      impl_->finisher.Add(view.tile);
-    }
+  if (result.counters.tiles_cut_short) {
+    impl_->finisher.Add(run.region());
   }
   return result;
 }

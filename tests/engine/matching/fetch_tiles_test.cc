@@ -15,7 +15,7 @@
 #include "core/large_vector.h"
 #include "engine/matching/inverted_lists.h"
 #include "engine/shared_workers.h"
-#include "engine/tiles/index_finisher.h"
+#include "engine/tiles/tile_finisher.h"
 #include "storage/checksum.h"
 #include "storage/descriptor_codec.h"
 #include "storage/tile_codec.h"
@@ -80,6 +80,16 @@ class FetchTilesTest : public ::testing::Test {
       ids.push_back(view.tile->tile().id);
     }
     return ids;
+  }
+
+  // Puts a payload in its place that does not decode.
+  void DamageTile(int i) {
+    MapUpdate update = store_.BeginUpdate();
+    const Tile tile = RandomTile({.id = TileInRow(i)});
+    std::vector<uint8_t> payload = EncodeTile(tile);
+    payload.back() ^= 1;
+    update.PutTile(testing::RecordOf(tile), payload);
+    update.Publish();
   }
 
   testing::TempDir dir_;
@@ -213,50 +223,46 @@ TEST_F(FetchTilesTest, AQueryIsServedWhileAnotherBuildsTheIndex) {
   EXPECT_EQ(paused[0].tile, patient[0].tile);
 }
 
-class IndexFinisherTest : public FetchTilesTest {
+class TileFinisherTest : public FetchTilesTest {
  protected:
-  // A tile with a first part of its index.
-  std::shared_ptr<const SearchableTile> Unfinished() {
-    SearchRegion region = Disc(0.0, 50.0);
-    return Fetch(&region, {}, [] { return true; }).front().tile;
+  // Of a query in a hurry.
+  std::vector<TileView> FetchLittle(SearchRegion region) {
+    return Fetch(&region, {}, [] { return true; });
   }
 
+  TilesOptions options_;
+  IndexOptions index_options_;
   SharedWorkers workers_{2};
+  TileFinisher finisher_{&store_, &cache_, &options_, &index_options_, &workers_};
 };
 
-TEST_F(IndexFinisherTest, CompletesAnIndex) {
-  const auto tile = Unfinished();
-  ASSERT_FALSE(tile->index().is_complete());
-  IndexFinisher finisher(&workers_);
-  finisher.Add(tile);
-  while (!tile->index().is_complete()) {
+TEST_F(TileFinisherTest, LoadsTilesThatWereLeftOutAndCompletesIndices) {
+  const SearchRegion region = Disc(60.0, 200.0);
+  const auto few = FetchLittle(region);
+  ASSERT_THAT(Ids(few), ElementsAre(TileInRow(0)));
+  ASSERT_FALSE(few[0].tile->index().is_complete());
+  finisher_.Add(region);
+  while (FetchLittle(region).size() < 3 || counters_.tiles_cut_short) {
+    EXPECT_EQ(counters_.num_tiles_loaded, 0);
+    std::this_thread::yield();
+  }
+  EXPECT_TRUE(few[0].tile->index().is_complete());
+}
+
+TEST_F(TileFinisherTest, GoesOnAfterARegionThatCannotBeLoaded) {
+  const SearchRegion damaged = Disc(60.0, 200.0), sound = Disc(450.0, 10.0);
+  DamageTile(1);
+  finisher_.Add(damaged);
+  finisher_.Add(sound);
+  while (FetchLittle(sound).empty() || counters_.tiles_cut_short) {
     std::this_thread::yield();
   }
 }
 
-TEST_F(IndexFinisherTest, LeavesTilesThatNobodyHolds) {
-  std::weak_ptr<const SearchableTile> dropped;
-  IndexFinisher finisher(&workers_);
-  {
-    const auto tile = Unfinished();
-    dropped = tile;
-    finisher.Add(tile);
-    cache_.Clear();
-  }
-  const auto tile = Unfinished();  // Another one; after it the first is done with.
-  finisher.Add(tile);
-  while (!tile->index().is_complete()) {
-    std::this_thread::yield();
-  }
-  EXPECT_TRUE(dropped.expired());
-}
-
-TEST_F(IndexFinisherTest, EndsWithoutWorkAndWithWorkLeft) {
-  const auto tile = Unfinished();
-  { const IndexFinisher idle(&workers_); }
-  IndexFinisher busy(&workers_);
-  for (int i = 0; i < 100; ++i) {
-    busy.Add(tile);
+TEST_F(TileFinisherTest, EndsWithoutWorkAndWithWorkLeft) {
+  const TileFinisher idle(&store_, &cache_, &options_, &index_options_, &workers_);
+  for (size_t i = 0; i < 2 * TileFinisher::kMaxWaiting; ++i) {
+    finisher_.Add(Disc(0.0, 50.0));
   }
 }
 
@@ -315,12 +321,7 @@ TEST_F(FetchTilesTest, RefusesTilesOfAnOldCodebook) {
 }
 
 TEST_F(FetchTilesTest, NamesTheTileWhosePayloadDoesNotDecode) {
-  MapUpdate update = store_.BeginUpdate();
-  const Tile tile = RandomTile({.id = TileInRow(1)});
-  std::vector<uint8_t> payload = EncodeTile(tile);
-  payload.back() ^= 1;
-  update.PutTile(testing::RecordOf(tile), payload);
-  update.Publish();
+  DamageTile(1);
   SearchRegion region = Disc(150.0, 20.0);
   try {
     Fetch(&region);
