@@ -3,25 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/error.h"
+#include "core/require.h"
 
 namespace cairn {
 
 void ScoreCalibration::Validate() const {
-  if (!(confidence_slope > 0.0) || !std::isfinite(confidence_slope) ||
-      !std::isfinite(confidence_offset)) {
-    throw Error(ErrorCode::kInvalidArgument,
+  const auto is_positive = [](double value) { return value > 0.0 && std::isfinite(value); };
+  RequireOption(is_positive(confidence_slope) && std::isfinite(confidence_offset),
                 "answer.calibration: the confidence needs a positive slope and a finite offset");
-  }
-  if (!(position_accuracy_factor > 0.0) || !std::isfinite(position_accuracy_factor) ||
-      !(rotation_accuracy_factor > 0.0) || !std::isfinite(rotation_accuracy_factor)) {
-    throw Error(ErrorCode::kInvalidArgument,
+  RequireOption(is_positive(position_accuracy_factor) && is_positive(rotation_accuracy_factor),
                 "answer.calibration: the accuracy factors must be positive and finite");
-  }
-  if (!(map_accuracy_m >= 0.0) || !std::isfinite(map_accuracy_m)) {
-    throw Error(ErrorCode::kInvalidArgument,
+  RequireOption(map_accuracy_m >= 0.0 && std::isfinite(map_accuracy_m),
                 "answer.calibration.map_accuracy_m must be finite and not negative");
-  }
 }
 
 double ScoreCalibration::Confidence(double score) const {

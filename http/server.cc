@@ -1,12 +1,10 @@
 #include "http/server.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <optional>
 #include <thread>
 
-#include "core/error.h"
+#include "core/require.h"
 #include "http/dispatcher.h"
 #include "http/localize_service.h"
 #include "http/net/listener.h"
@@ -31,24 +29,20 @@ ServerOptions Validated(const ServerOptions& options) {
 }  // namespace
 
 void ServerOptions::Validate() const {
-  const auto require = [](bool ok, const char* what) {
-    if (!ok) throw Error(ErrorCode::kInvalidArgument, fmt::format("ServerOptions: {}", what));
-  };
-  require(!map_path.empty(), "map_path is empty");
-  require(!host.empty(), "host is empty");
-  require(port >= 0 && port <= 65535, "port must lie in [0, 65535]");
-  require(admin_port >= -1 && admin_port <= 65535, "admin_port must lie in [-1, 65535]");
-  require(admin_port < 0 || !admin_host.empty(), "admin_host is empty");
-  require(admin_port <= 0 || admin_port != port || admin_host != host,
-          "admin_port is the same as port; leave it at -1 to serve both from one");
-  require(num_threads >= 0 && num_threads <= 1024, "num_threads must lie in [0, 1024]");
-  require(threads_per_query >= 0 && threads_per_query <= 1024,
-          "threads_per_query must lie in [0, 1024]");
-  require(cache_bytes > 0, "cache_bytes must be positive");
-  require(max_body_bytes >= 1024, "max_body_bytes must be at least 1024");
-  require(max_image_pixels >= 1, "max_image_pixels must be positive");
-  require(max_features >= 1, "max_features must be positive");
-  require(default_timeout_ms >= 1, "default_timeout_ms must be positive");
+  RequireOption(!map_path.empty(), "server.map_path is empty");
+  RequireOption(!host.empty(), "server.host is empty");
+  RequireWithin("server.port", port, 0, 65535);
+  RequireWithin("server.admin_port", admin_port, -1, 65535);
+  RequireOption(admin_port < 0 || !admin_host.empty(), "server.admin_host is empty");
+  RequireOption(admin_port <= 0 || admin_port != port || admin_host != host,
+                "server.admin_port is the same as port; leave it at -1 to serve both from one");
+  RequireWithin("server.num_threads", num_threads, 0, 1024);
+  RequireWithin("server.threads_per_query", threads_per_query, 0, 1024);
+  RequireOption(cache_bytes > 0, "server.cache_bytes must be positive");
+  RequireOption(max_body_bytes >= 1024, "server.max_body_bytes must be at least 1024");
+  RequireOption(max_image_pixels >= 1, "server.max_image_pixels must be positive");
+  RequireOption(max_features >= 1, "server.max_features must be positive");
+  RequireOption(default_timeout_ms >= 1, "server.default_timeout_ms must be positive");
   localizer.Validate();
 }
 

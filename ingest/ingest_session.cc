@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/require.h"
 #include "engine/matching/inverted_lists.h"
 #include "ingest/tiling/build_tile.h"
 #include "ingest/tiling/placed_session.h"
@@ -192,13 +193,12 @@ SessionRecord MakeSessionRecord(const Reconstruction& reconstruction,
 }  // namespace
 
 void IngestOptions::Validate() const {
-  const auto require = [](bool ok, const char* what) {
-    if (!ok) throw Error(ErrorCode::kInvalidArgument, fmt::format("IngestOptions: {}", what));
-  };
-  require(!session_name.empty(), "session_name must not be empty");
-  require(max_sigma_m > 0.0, "max_sigma_m must be positive");
-  require(max_reprojection_error_px > 0.0, "max_reprojection_error_px must be positive");
-  require(std::isfinite(georef_median_residual_m), "georef_median_residual_m must be finite");
+  RequireOption(!session_name.empty(), "ingest.session_name must not be empty");
+  RequireOption(max_sigma_m > 0.0, "ingest.max_sigma_m must be positive");
+  RequireOption(max_reprojection_error_px > 0.0,
+                "ingest.max_reprojection_error_px must be positive");
+  RequireOption(std::isfinite(georef_median_residual_m),
+                "ingest.georef_median_residual_m must be finite");
   codebook.Validate();
   selection.Validate();
   appearance.Validate();

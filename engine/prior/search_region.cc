@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "core/check.h"
-#include "core/error.h"
+#include "core/require.h"
 
 namespace cairn {
 namespace {
@@ -32,15 +32,10 @@ SearchRegion RegionOfMap(const GeoBox& bounds) {
 }  // namespace
 
 void PriorOptions::Validate() const {
-  if (!(search_sigmas > 0.0)) {
-    throw Error(ErrorCode::kInvalidArgument, "prior.search_sigmas must be positive");
-  }
-  if (!(min_radius_m > 0.0) || !(max_radius_m >= min_radius_m)) {
-    throw Error(ErrorCode::kInvalidArgument, "prior: need 0 < min_radius_m <= max_radius_m");
-  }
-  if (!(min_accuracy_m > 0.0)) {
-    throw Error(ErrorCode::kInvalidArgument, "prior.min_accuracy_m must be positive");
-  }
+  RequireOption(search_sigmas > 0.0, "prior.search_sigmas must be positive");
+  RequireOption(min_radius_m > 0.0 && max_radius_m >= min_radius_m,
+                "prior: need 0 < min_radius_m <= max_radius_m");
+  RequireOption(min_accuracy_m > 0.0, "prior.min_accuracy_m must be positive");
 }
 
 SearchRegion ResolveSearchRegion(const LocalizeQuery& query, const MapInfo& map,

@@ -11,7 +11,7 @@
 #include <random>
 #include <utility>
 
-#include "core/error.h"
+#include "core/require.h"
 #include "engine/matching/inverted_lists.h"
 #include "eval/bench/bench_streets.h"
 #include "eval/city/descriptors/descriptor_model.h"
@@ -395,19 +395,13 @@ class WorldBuilder {
 }  // namespace
 
 void BenchWorldOptions::Validate() const {
-  const auto require = [](bool condition, const char* message) {
-    if (!condition) {
-      throw Error(ErrorCode::kInvalidArgument, message);
-    }
-  };
-  require(num_tiles == 1 || num_tiles == 2 || num_tiles == 4, "num_tiles must be 1, 2 or 4");
-  require(landmarks_per_tile >= 1000 && landmarks_per_tile <= 2'000'000,
-          "landmarks_per_tile must be in [1000, 2000000]");
-  require(keyframes_per_tile >= 1 && keyframes_per_tile <= 10'000,
-          "keyframes_per_tile must be in [1, 10000]");
-  require(num_keypoints >= 10 && num_keypoints <= 5000, "num_keypoints must be in [10, 5000]");
-  require(mapped_fraction > 0.0 && mapped_fraction <= 1.0, "mapped_fraction must be in (0, 1]");
-  require(num_queries >= 1 && num_queries <= 10'000, "num_queries must be in [1, 10000]");
+  RequireOption(num_tiles == 1 || num_tiles == 2 || num_tiles == 4, "num_tiles must be 1, 2 or 4");
+  RequireWithin("landmarks_per_tile", landmarks_per_tile, 1000, 2'000'000);
+  RequireWithin("keyframes_per_tile", keyframes_per_tile, 1, 10'000);
+  RequireWithin("num_keypoints", num_keypoints, 10, 5000);
+  RequireOption(mapped_fraction > 0.0 && mapped_fraction <= 1.0,
+                "mapped_fraction must lie in (0, 1]");
+  RequireWithin("num_queries", num_queries, 1, 10'000);
 }
 
 std::vector<EvalQuery> BuildBenchWorld(const BenchWorldOptions& options,

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/require.h"
 #include "engine/localizer.h"
 #include "engine/matching/byte_descriptors.h"
 #include "storage/descriptor_codec.h"
@@ -95,12 +96,9 @@ void MeasureExhaustiveSearch(const MapSnapshot& snapshot, const EvalQuery& query
 }  // namespace
 
 void RunBenchOptions::Validate() const {
-  if (num_repeats < 1) {
-    throw Error(ErrorCode::kInvalidArgument, "num_repeats must be at least 1");
-  }
-  if (!(max_position_error_m > 0.0) || !(max_rotation_error_rad > 0.0)) {
-    throw Error(ErrorCode::kInvalidArgument, "the errors of a right answer must be positive");
-  }
+  RequireOption(num_repeats >= 1, "num_repeats must be at least 1");
+  RequireOption(max_position_error_m > 0.0 && max_rotation_error_rad > 0.0,
+                "the errors of a right answer must be positive");
   localizer.Validate();
 }
 

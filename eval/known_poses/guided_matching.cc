@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "core/error.h"
+#include "core/require.h"
 
 namespace cairn {
 namespace {
@@ -139,15 +139,15 @@ int BestByRatio(const std::vector<Candidate>& candidates, const FeatureSet& feat
 }  // namespace
 
 void GuidedMatchingOptions::Validate() const {
-  if (!(max_epipolar_error_px > 0.0) || !(max_ratio > 0.0 && max_ratio <= 1.0) ||
-      !(min_depth_m > 0.0) || !(max_depth_m > min_depth_m) || !(max_size_ratio >= 1.0) ||
-      !(max_relative_distance > 0.0)) {
-    throw Error(
-        ErrorCode::kInvalidArgument,
-        "guided matching options: max_epipolar_error_px must be positive, max_ratio in "
-        "(0, 1], 0 < min_depth_m < max_depth_m, max_size_ratio at least 1, max_relative_distance "
-        "positive");
-  }
+  RequireOption(max_epipolar_error_px > 0.0,
+                "guided_matching.max_epipolar_error_px must be positive");
+  RequireOption(max_ratio > 0.0 && max_ratio <= 1.0,
+                "guided_matching.max_ratio must lie in (0, 1]");
+  RequireOption(min_depth_m > 0.0 && max_depth_m > min_depth_m,
+                "guided_matching: need 0 < min_depth_m < max_depth_m");
+  RequireOption(max_size_ratio >= 1.0, "guided_matching.max_size_ratio must be at least 1");
+  RequireOption(max_relative_distance > 0.0,
+                "guided_matching.max_relative_distance must be positive");
 }
 
 std::vector<FeatureMatch> MatchAlongEpipolarLines(const PosedFeatures& a, const PosedFeatures& b,

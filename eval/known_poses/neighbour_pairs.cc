@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <map>
 
-#include "core/error.h"
+#include "core/require.h"
 
 namespace cairn {
 namespace {
@@ -67,12 +67,11 @@ double ViewOverlap(const PosedFeatures& a, const PosedFeatures& b) {
 }  // namespace
 
 void NeighbourOptions::Validate() const {
-  if (max_neighbours < 1 || !(min_baseline_m >= 0.0) || !(max_baseline_m > min_baseline_m) ||
-      !(max_turn_rad > 0.0) || !(min_overlap >= 0.0 && min_overlap <= 1.0)) {
-    throw Error(ErrorCode::kInvalidArgument,
-                "neighbour options: max_neighbours must be at least 1, 0 <= min_baseline_m < "
-                "max_baseline_m, max_turn_rad > 0, min_overlap in [0, 1]");
-  }
+  RequireOption(max_neighbours >= 1, "neighbours.max_neighbours must be at least 1");
+  RequireOption(min_baseline_m >= 0.0 && max_baseline_m > min_baseline_m,
+                "neighbours: need 0 <= min_baseline_m < max_baseline_m");
+  RequireOption(max_turn_rad > 0.0, "neighbours.max_turn_rad must be positive");
+  RequireWithin("neighbours.min_overlap", min_overlap, 0.0, 1.0);
 }
 
 std::vector<std::pair<int, int>> FindNeighbourPairs(const std::vector<PosedFeatures>& images,

@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/error.h"
+#include "core/require.h"
 #include "eval/known_poses/posed_features.h"
 #include "eval/known_poses/tracks.h"
 #include "eval/parallel_for.h"
@@ -128,12 +128,11 @@ void KnownPoseOptions::Validate() const {
   sift.Validate();
   neighbours.Validate();
   matching.Validate();
-  if (min_observations < 2 || !(max_reprojection_error_px > 0.0) || !(min_angle_rad > 0.0) ||
-      num_threads < 1) {
-    throw Error(ErrorCode::kInvalidArgument,
-                "known-pose options: min_observations must be at least 2, num_threads at least 1, "
-                "max_reprojection_error_px and min_angle_rad positive");
-  }
+  RequireOption(min_observations >= 2, "known_poses.min_observations must be at least 2");
+  RequireOption(max_reprojection_error_px > 0.0,
+                "known_poses.max_reprojection_error_px must be positive");
+  RequireOption(min_angle_rad > 0.0, "known_poses.min_angle_rad must be positive");
+  RequireOption(num_threads >= 1, "known_poses.num_threads must be at least 1");
 }
 
 Reconstruction ReconstructWithKnownPoses(const Camera& camera,

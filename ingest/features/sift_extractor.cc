@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "core/error.h"
+#include "core/require.h"
 
 namespace cairn {
 namespace {
@@ -87,13 +88,10 @@ FeatureSet DetectAndDescribe(const GrayImage& image, const SiftOptions& options)
 }  // namespace
 
 void SiftOptions::Validate() const {
-  const auto require = [](bool ok, const char* what) {
-    if (!ok) throw Error(ErrorCode::kInvalidArgument, fmt::format("SiftOptions: {}", what));
-  };
-  require(max_features >= 1, "max_features must be at least 1");
-  require(contrast_threshold >= 0.0 && contrast_threshold < 1.0,
-          "contrast_threshold must lie in [0, 1)");
-  require(max_pixels >= 1024, "max_pixels must be at least 1024");
+  RequireOption(max_features >= 1, "sift.max_features must be at least 1");
+  RequireOption(contrast_threshold >= 0.0 && contrast_threshold < 1.0,
+                "sift.contrast_threshold must lie in [0, 1)");
+  RequireOption(max_pixels >= 1024, "sift.max_pixels must be at least 1024");
 }
 
 FeatureSet ExtractSift(const GrayImage& image, const SiftOptions& options) {

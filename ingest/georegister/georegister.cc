@@ -8,6 +8,7 @@
 #include <unordered_map>
 
 #include "core/error.h"
+#include "core/require.h"
 #include "ingest/georegister/similarity_problem.h"
 
 namespace cairn {
@@ -155,15 +156,13 @@ void Judge(const SimilarityProblem& problem, const Sim3d& enu_from_normalized,
 }  // namespace
 
 void GeoregisterOptions::Validate() const {
-  const auto require = [](bool ok, const char* what) {
-    if (!ok) throw Error(ErrorCode::kInvalidArgument, fmt::format("GeoregisterOptions: {}", what));
-  };
-  require(min_positions >= 3, "min_positions must be at least 3");
-  require(loss_scale_sigmas > 0.0, "loss_scale_sigmas must be positive");
-  require(upright_sigma_rad >= 0.0 && upright_sigma_rad < 2.0,
-          "upright_sigma_rad must lie in [0, 2)");
-  require(max_median_residual_sigmas > 0.0, "max_median_residual_sigmas must be positive");
-  require(max_median_residual_m > 0.0, "max_median_residual_m must be positive");
+  RequireOption(min_positions >= 3, "georegister.min_positions must be at least 3");
+  RequireOption(loss_scale_sigmas > 0.0, "georegister.loss_scale_sigmas must be positive");
+  RequireOption(upright_sigma_rad >= 0.0 && upright_sigma_rad < 2.0,
+                "georegister.upright_sigma_rad must lie in [0, 2)");
+  RequireOption(max_median_residual_sigmas > 0.0,
+                "georegister.max_median_residual_sigmas must be positive");
+  RequireOption(max_median_residual_m > 0.0, "georegister.max_median_residual_m must be positive");
 }
 
 Georegistration Georegister(const Reconstruction& reconstruction,

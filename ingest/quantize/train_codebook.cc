@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/require.h"
 #include "ingest/random.h"
 #include "storage/descriptor_codec.h"
 
@@ -233,14 +234,12 @@ void MeasureDistances(const Reconstruction& reconstruction, std::mt19937_64* rng
 }  // namespace
 
 void CodebookOptions::Validate() const {
-  const auto require = [](bool ok, const char* what) {
-    if (!ok) throw Error(ErrorCode::kInvalidArgument, fmt::format("CodebookOptions: {}", what));
-  };
-  require(projected_dim >= 1 && projected_dim <= 256, "projected_dim must lie in [1, 256]");
-  require(num_subspaces >= 1 && num_subspaces <= 64, "num_subspaces must lie in [1, 64]");
-  require(projected_dim % num_subspaces == 0, "num_subspaces must divide projected_dim");
-  require(max_training_descriptors >= Codebook::kNumWords,
-          "max_training_descriptors must be at least 256");
+  RequireWithin("codebook.projected_dim", projected_dim, 1, 256);
+  RequireWithin("codebook.num_subspaces", num_subspaces, 1, 64);
+  RequireOption(projected_dim % num_subspaces == 0,
+                "codebook.num_subspaces must divide projected_dim");
+  RequireOption(max_training_descriptors >= Codebook::kNumWords,
+                "codebook.max_training_descriptors must be at least 256");
 }
 
 Codebook TrainCodebook(const Reconstruction& reconstruction, const CodebookOptions& options) {

@@ -1,7 +1,5 @@
 #include "ingest/summarize/appearance.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -11,7 +9,7 @@
 #include <utility>
 
 #include "core/check.h"
-#include "core/error.h"
+#include "core/require.h"
 #include "ingest/random.h"
 
 namespace cairn {
@@ -184,13 +182,10 @@ class RandomSummarizer : public SeededSummarizer {
 }  // namespace
 
 void AppearanceOptions::Validate() const {
-  const auto require = [](bool ok, const char* what) {
-    if (!ok) throw Error(ErrorCode::kInvalidArgument, fmt::format("AppearanceOptions: {}", what));
-  };
-  require(count >= 0, "count must not be negative");
-  require(ratio >= 0.0 && ratio <= 1.0, "ratio must lie in [0, 1]");
-  require(min_count >= 1, "min_count must be at least 1");
-  require(max_count >= min_count, "max_count must be at least min_count");
+  RequireOption(count >= 0, "appearance.count must not be negative");
+  RequireWithin("appearance.ratio", ratio, 0.0, 1.0);
+  RequireOption(min_count >= 1, "appearance.min_count must be at least 1");
+  RequireOption(max_count >= min_count, "appearance.max_count must be at least min_count");
 }
 
 std::unique_ptr<AppearanceSummarizer> MakeKMeansSummarizer(const AppearanceOptions& options) {

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "core/check.h"
-#include "core/error.h"
+#include "core/require.h"
 #include "ingest/summarize/landmark_coverage.h"
 
 namespace cairn {
@@ -99,10 +99,7 @@ class CoverageSelector : public LandmarkSelector {
 
 void LandmarkSelectionOptions::Validate() const {
   const auto require = [](bool ok, const char* what, auto is) {
-    if (!ok) {
-      throw Error(ErrorCode::kInvalidArgument,
-                  fmt::format("LandmarkSelectionOptions: {}, is {}", what, is));
-    }
+    RequireOption(ok, fmt::format("selection.{}, is {}", what, is));
   };
   require(max_descriptors >= 1, "max_descriptors must be at least 1", max_descriptors);
   require(min_observations >= 2, "min_observations must be at least 2", min_observations);

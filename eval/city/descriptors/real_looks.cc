@@ -1,22 +1,17 @@
 #include "eval/city/descriptors/real_looks.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Geometry>
 
-#include "core/error.h"
+#include "core/require.h"
 #include "eval/city/descriptors/look_collector.h"
 
 namespace cairn {
 
 void RealLooksOptions::Validate() const {
-  const auto require = [](bool ok, const char* what) {
-    if (!ok) throw Error(ErrorCode::kInvalidArgument, fmt::format("RealLooksOptions: {}", what));
-  };
-  require(max_distance_px > 0.0, "max_distance_px must be positive");
-  require(max_log2_size_ratio > 0.0, "max_log2_size_ratio must be positive");
-  require(max_orientation_rad > 0.0, "max_orientation_rad must be positive");
-  require(max_landmarks >= 1, "max_landmarks must be at least 1");
+  RequireOption(max_distance_px > 0.0, "looks.max_distance_px must be positive");
+  RequireOption(max_log2_size_ratio > 0.0, "looks.max_log2_size_ratio must be positive");
+  RequireOption(max_orientation_rad > 0.0, "looks.max_orientation_rad must be positive");
+  RequireOption(max_landmarks >= 1, "looks.max_landmarks must be at least 1");
 }
 
 RealLooks LooksAtReconstruction(const Reconstruction& reconstruction,
