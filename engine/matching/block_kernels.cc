@@ -360,17 +360,15 @@ CAIRN_AVX512VNNI void VnniMinima(const BlockQuery& query, const uint8_t* blocks,
   });
 }
 
-// Appends the rows of one block that are near enough and among `allowed`, without a branch. Writes
-// beyond them, up to a whole block.
-CAIRN_AVX512VNNI inline size_t VnniAppend(__m512i sq_distances, __m512i bound, uint32_t allowed,
-                                          size_t first, BlockHit* hits) {
+// Appends the `near` rows of one block without a branch. Writes beyond them, up to a whole block.
+CAIRN_AVX512VNNI inline size_t VnniAppend(__m512i sq_distances, __mmask16 near, size_t first,
+                                          BlockHit* hits) {
   const __m512i row_in_block =
       _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   const __m512i low_pairs =
       _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
   const __m512i high_pairs =
       _mm512_setr_epi32(8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
-  const auto near = static_cast<__mmask16>(_mm512_cmple_epi32_mask(sq_distances, bound) & allowed);
   const __m512i rows = _mm512_maskz_compress_epi32(
       near, _mm512_add_epi32(row_in_block, _mm512_set1_epi32(static_cast<int>(first))));
   const __m512i distances = _mm512_maskz_compress_epi32(near, sq_distances);
@@ -380,33 +378,47 @@ CAIRN_AVX512VNNI inline size_t VnniAppend(__m512i sq_distances, __m512i bound, u
   return static_cast<size_t>(__builtin_popcount(near));
 }
 
+// Blocks whose near rows are noted before they are appended.
+constexpr size_t kNotedBlocks = 32;
+
+// The range within the kNotedBlocks blocks from `first` on. Few of them hold a hit, and a branch
+// for each would often be mispredicted: near rows are noted without one, and their blocks are
+// computed again.
+CAIRN_AVX512VNNI size_t VnniRangeOfFew(const VnniQuery& vnni, const uint8_t* blocks,
+                                       const int32_t* sq_norms, int stride, size_t first,
+                                       size_t begin, size_t end, __m512i bound, BlockHit* hits) {
+  alignas(64) __mmask16 near[kNotedBlocks] = {};
+  const size_t num_blocks = (end - first + kBlockRows - 1) / kBlockRows;
+  const auto sq_distances = [&](size_t block) CAIRN_AVX512VNNI {
+    return vnni.SqDistances(blocks + (first + block * kBlockRows) * stride,
+                            sq_norms + first + block * kBlockRows);
+  };
+  for (size_t i = 0; i < num_blocks; ++i) {
+    _store_mask16(&near[i], _mm512_cmple_epi32_mask(sq_distances(i), bound));
+  }
+  near[0] &= static_cast<__mmask16>(RowsInRange(first, begin, end));
+  near[num_blocks - 1] &=
+      static_cast<__mmask16>(RowsInRange(first + (num_blocks - 1) * kBlockRows, begin, end));
+  const __m512i noted = _mm512_load_si512(near);
+  size_t num_hits = 0;
+  for (uint32_t left = _mm512_test_epi16_mask(noted, noted); left != 0; left &= left - 1) {
+    const int i = __builtin_ctz(left);
+    num_hits += VnniAppend(sq_distances(i), near[i], first + i * kBlockRows, hits + num_hits);
+  }
+  return num_hits;
+}
+
 CAIRN_AVX512VNNI size_t VnniRange(const BlockQuery& query, const uint8_t* blocks,
                                   const int32_t* sq_norms, int stride, size_t begin, size_t end,
                                   int32_t max_sq_distance, BlockHit* hits) {
-  constexpr uint32_t kAllRows = (uint32_t{1} << kBlockRows) - 1;
   const VnniQuery vnni(query, stride);
   const __m512i bound = _mm512_set1_epi32(max_sq_distance);
-  const auto sq_distances = [&](size_t first) CAIRN_AVX512VNNI {
-    return vnni.SqDistances(blocks + first * stride, sq_norms + first);
-  };
   size_t num_hits = 0;
-  size_t first = begin / kBlockRows * kBlockRows;
-  if (first < begin && first < end) {
-    num_hits += VnniAppend(sq_distances(first), bound, RowsInRange(first, begin, end), first, hits);
-    first += kBlockRows;
-  }
-  // Pairs of whole blocks, most of which hold no hit.
-  for (; first + 2 * kBlockRows <= end; first += 2 * kBlockRows) {
-    const __m512i one = sq_distances(first);
-    const __m512i two = sq_distances(first + kBlockRows);
-    if (_mm512_cmple_epi32_mask(_mm512_min_epi32(one, two), bound) != 0) {
-      num_hits += VnniAppend(one, bound, kAllRows, first, hits + num_hits);
-      num_hits += VnniAppend(two, bound, kAllRows, first + kBlockRows, hits + num_hits);
-    }
-  }
-  for (; first < end; first += kBlockRows) {
-    num_hits += VnniAppend(sq_distances(first), bound, RowsInRange(first, begin, end), first,
-                           hits + num_hits);
+  for (size_t first = begin / kBlockRows * kBlockRows; first < end;
+       first += kNotedBlocks * kBlockRows) {
+    num_hits +=
+        VnniRangeOfFew(vnni, blocks, sq_norms, stride, first, begin,
+                       std::min(end, first + kNotedBlocks * kBlockRows), bound, hits + num_hits);
   }
   return num_hits;
 }
