@@ -27,17 +27,21 @@ int64_t ByteDescriptors::Search(const SearchRequest& request,
   const size_t stride = scale_.stride();
   const std::vector<int16_t> steps = scale_.QuantizeQueries(request.queries);
   std::vector<int32_t> sq_distances(std::min(kScanRows, num_rows_));
+  std::vector<BlockHit> hits_of_query;
   size_t begin = 0;
   for (; begin < num_rows_ && !collector.ShouldStop(); begin += kScanRows) {
     const size_t count = std::min(kScanRows, num_rows_ - begin);
     for (uint32_t query = 0; query < request.queries.rows(); ++query) {
       kernels.scan(steps.data() + query * stride, rows_.data() + begin * stride, scale_.stride(),
                    count, sq_distances.data());
+      const int32_t max_sq_steps = collector.max_sq_steps(query);
+      hits_of_query.clear();
       for (size_t i = 0; i < count; ++i) {
-        if (sq_distances[i] <= collector.max_sq_steps(query)) {
-          collector.Add(query, static_cast<uint32_t>(begin + i), sq_distances[i]);
+        if (sq_distances[i] <= max_sq_steps) {
+          hits_of_query.push_back({static_cast<uint32_t>(begin + i), sq_distances[i]});
         }
       }
+      collector.Add(query, hits_of_query);
     }
   }
   collector.MoveTo(hits);

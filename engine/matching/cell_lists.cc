@@ -117,9 +117,7 @@ int64_t CellLists::Search(const BlockQueries& queries, std::span<const CellVisit
     const uint32_t end = lists_.begin[cell + 1];
     const size_t num_hits = rows_.Range(queries[query_idx], begin, end,
                                         collector->max_sq_steps(query_idx), hits.data());
-    for (size_t j = 0; j < num_hits; ++j) {
-      collector->Add(query_idx, lists_.members[hits[j].row], hits[j].sq_distance);
-    }
+    collector->Add(query_idx, {hits.data(), num_hits}, lists_.members);
     num_distances += end - begin;
   }
   return num_distances;

@@ -18,13 +18,27 @@ HitCollector::HitCollector(const ByteScale& scale, const SearchRequest& request)
   }
 }
 
-void HitCollector::HandOn(const Hit& hit) {
-  const float max_sq_distance = receiver_->Take(
-      {hit.query_idx, hit.descriptor_idx, static_cast<float>(hit.sq_steps) * sq_step_});
+void HitCollector::Add(uint32_t query_idx, std::span<const BlockHit> hits,
+                       std::span<const uint32_t> order) {
+  if (hits.empty()) {
+    return;
+  }
+  const HitRun run = {query_idx, hits, sq_step_, order};
+  if (receiver_ != nullptr) {
+    HandOn(run);
+    return;
+  }
+  for (size_t i = 0; i < hits.size(); ++i) {
+    hits_.push_back(run[i]);
+  }
+}
+
+void HitCollector::HandOn(const HitRun& run) {
+  const float max_sq_distance = receiver_->Take(run);
   // Rounded up: what is just useful passes.
   constexpr float kRounding = 1.0f + 1e-6f;
   const float max_sq_steps = max_sq_distance / sq_step_ * kRounding + 1.0f;
-  int32_t& bound = max_sq_steps_[hit.query_idx];
+  int32_t& bound = max_sq_steps_[run.query_idx];
   if (max_sq_steps < static_cast<float>(bound)) {
     bound = static_cast<int32_t>(max_sq_steps);
   }
@@ -37,14 +51,13 @@ void HitCollector::MoveTo(std::vector<DescriptorHit>* hits) const {
   // A counting sort by query.
   std::vector<size_t> next(max_sq_steps_.size() + 1, 0);
   next[0] = hits->size();
-  for (const Hit& hit : hits_) {
+  for (const DescriptorHit& hit : hits_) {
     ++next[hit.query_idx + 1];
   }
   std::partial_sum(next.begin(), next.end(), next.begin());
   hits->resize(hits->size() + hits_.size());
-  for (const Hit& hit : hits_) {
-    (*hits)[next[hit.query_idx]++] = {hit.query_idx, hit.descriptor_idx,
-                                      static_cast<float>(hit.sq_steps) * sq_step_};
+  for (const DescriptorHit& hit : hits_) {
+    (*hits)[next[hit.query_idx]++] = hit;
   }
 }
 

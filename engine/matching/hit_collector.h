@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/features.h"
+#include "engine/matching/block_kernels.h"
 #include "engine/matching/byte_scale.h"
 #include "engine/stop_function.h"
 
@@ -20,13 +21,26 @@ struct DescriptorHit {
   float sq_distance = 0.0f;  // In projected space.
 };
 
+// Hits of one query that were found together.
+struct HitRun {
+  uint32_t query_idx = 0;
+  std::span<const BlockHit> hits;     // Rows: places in the index, see MatchingIndex::order.
+  float sq_step = 0.0f;               // A squared distance of 1 in projected space.
+  std::span<const uint32_t> order{};  // The index's.
+
+  DescriptorHit operator[](size_t i) const {
+    return {query_idx, order.empty() ? hits[i].row : order[hits[i].row], SqDistance(i)};
+  }
+  float SqDistance(size_t i) const { return static_cast<float>(hits[i].sq_distance) * sq_step; }
+};
+
 // Takes hits as they are found, in any order.
 class HitReceiver {
  public:
   virtual ~HitReceiver() = default;
   // Returns the squared distance, in projected space, beyond which further hits of this query are
   // of no use.
-  virtual float Take(const DescriptorHit& hit) = 0;
+  virtual float Take(const HitRun& run) = 0;
 };
 
 struct SearchRequest {
@@ -49,13 +63,9 @@ class HitCollector {
   // hits arrive.
   int32_t max_sq_steps(uint32_t query_idx) const { return max_sq_steps_[query_idx]; }
 
-  void Add(uint32_t query_idx, uint32_t descriptor_idx, int32_t sq_steps) {
-    if (receiver_ != nullptr) {
-      HandOn({query_idx, descriptor_idx, sq_steps});
-      return;
-    }
-    hits_.push_back({query_idx, descriptor_idx, sq_steps});
-  }
+  // Hits of one query, with squared distances in steps. `order` is the index's.
+  void Add(uint32_t query_idx, std::span<const BlockHit> hits,
+           std::span<const uint32_t> order = {});
 
   // See SearchRequest. A clock is not for every hit: ask it about ten times a millisecond.
   bool ShouldStop() const { return should_stop_ && should_stop_(); }
@@ -64,19 +74,13 @@ class HitCollector {
   void MoveTo(std::vector<DescriptorHit>* hits) const;
 
  private:
-  struct Hit {
-    uint32_t query_idx;
-    uint32_t descriptor_idx;
-    int32_t sq_steps;
-  };
-
-  void HandOn(const Hit& hit);
+  void HandOn(const HitRun& run);
 
   float sq_step_;
   HitReceiver* receiver_;
   StopFunction should_stop_;
   std::vector<int32_t> max_sq_steps_;
-  std::vector<Hit> hits_;
+  std::vector<DescriptorHit> hits_;
 };
 
 }  // namespace cairn

@@ -29,6 +29,7 @@ class InvertedLists : public MatchingIndex {
                 const InvertedListsOptions& options, TileLists lists);
 
   int64_t Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const override;
+  std::span<const uint32_t> order() const override { return lists_.lists().members; }
   const TileLists& lists() const { return lists_.lists(); }
   size_t MemoryBytes() const override { return words_.MemoryBytes() + lists_.MemoryBytes(); }
 

@@ -24,6 +24,7 @@ class InvertedMultiIndex : public MatchingIndex {
                      const InvertedMultiIndexOptions& options);
 
   int64_t Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const override;
+  std::span<const uint32_t> order() const override { return lists_.lists().members; }
   size_t MemoryBytes() const override { return words_.MemoryBytes() + lists_.MemoryBytes(); }
 
  private:

@@ -21,6 +21,7 @@ class KdTree : public MatchingIndex {
   KdTree(const Codebook& codebook, std::span<const uint8_t> codes, const KdTreeOptions& options);
 
   int64_t Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const override;
+  std::span<const uint32_t> order() const override { return lists_.lists().members; }
   size_t MemoryBytes() const override;
 
  private:

@@ -18,29 +18,26 @@ namespace {
 // Chords are rounded; the hard filter lets a difference of exactly the bound pass.
 constexpr float kChordTolerance = 1e-5f;
 
-// Unit vector of each orientation code; zero for kNoOrientation.
-std::array<Eigen::Vector2f, 256> MakeCodeDirections() {
-  std::array<Eigen::Vector2f, 256> directions;
-  directions.fill(Eigen::Vector2f::Zero());
-  for (int code = 0; code < kNoOrientation; ++code) {
-    const double angle_rad = OrientationFromCode(static_cast<uint8_t>(code));
-    directions[code] = Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad)).cast<float>();
-  }
-  return directions;
-}
-
-const std::array<Eigen::Vector2f, 256>& CodeDirections() {
-  static const std::array<Eigen::Vector2f, 256> directions = MakeCodeDirections();
-  return directions;
-}
-
 }  // namespace
+
+const std::array<LandmarkRanking::Direction, 256>& LandmarkRanking::CodeDirections() {
+  static const std::array<Direction, 256> directions = [] {
+    std::array<Direction, 256> made;
+    for (int code = 0; code < kNoOrientation; ++code) {
+      const double angle_rad = OrientationFromCode(static_cast<uint8_t>(code));
+      made[code] = {static_cast<float>(std::cos(angle_rad)),
+                    static_cast<float>(std::sin(angle_rad)), 1.0f};
+    }
+    return made;
+  }();
+  return directions;
+}
 
 LandmarkRanking::LandmarkRanking(const QueryContext& query, const Codebook& codebook,
                                  const MatchingOptions& options)
     : query_(query),
       options_(options),
-      keypoint_directions_(query.num_keypoints(), Eigen::Vector2f::Zero()),
+      keypoint_directions_(query.num_keypoints()),
       neighbors_(size_t{1} * query.num_keypoints() * options.max_neighbors),
       num_neighbors_(query.num_keypoints(), 0),
       max_useful_sq_distances_(query.num_keypoints(), std::numeric_limits<float>::infinity()) {
@@ -61,7 +58,7 @@ LandmarkRanking::LandmarkRanking(const QueryContext& query, const Codebook& code
   }
   for (int i = 0; i < query.num_keypoints(); ++i) {
     if (const std::optional<float> angle_rad = query.gravity_orientations_rad[i]) {
-      keypoint_directions_[i] = Eigen::Vector2f(std::cos(*angle_rad), std::sin(*angle_rad));
+      keypoint_directions_[i] = {std::cos(*angle_rad), std::sin(*angle_rad), 1.0f};
     }
   }
 }
@@ -75,15 +72,6 @@ double LandmarkRanking::MaxUsefulDistance(uint32_t keypoint_idx) const {
 bool LandmarkRanking::IsCloser(const Neighbor& a, const Neighbor& b) {
   return std::tie(a.sq_distance, a.landmark_id, a.tile_idx, a.descriptor_idx) <
          std::tie(b.sq_distance, b.landmark_id, b.tile_idx, b.descriptor_idx);
-}
-
-float LandmarkRanking::SqOrientationChord(uint32_t keypoint_idx, uint8_t orientation_code) const {
-  const Eigen::Vector2f& a = keypoint_directions_[keypoint_idx];
-  const Eigen::Vector2f& b = CodeDirections()[orientation_code];
-  if (a.isZero(0.0f) || b.isZero(0.0f)) {
-    return 0.0f;
-  }
-  return (a - b).squaredNorm();
 }
 
 float LandmarkRanking::SqPositionExcess(const Eigen::Vector2f& x_from_prior) const {
@@ -123,11 +111,12 @@ void LandmarkRanking::Insert(uint32_t keypoint_idx, const Neighbor& neighbor) {
   }
 }
 
-LandmarkRanking::TileHits::TileHits(LandmarkRanking* ranking, const TileView& view, int tile_idx,
+LandmarkRanking::TileHits::TileHits(LandmarkRanking* ranking, const TileView& view,
+                                    const DescriptorPlaces& places, int tile_idx,
                                     uint32_t first_keypoint)
     : ranking_(*ranking),
-      view_(view),
       tile_(view.tile->tile()),
+      places_(places),
       tile_idx_(tile_idx),
       first_keypoint_(first_keypoint) {
   const Rigid3d& anchor_from_tile = view.anchor_from_tile;
@@ -135,40 +124,86 @@ LandmarkRanking::TileHits::TileHits(LandmarkRanking* ranking, const TileView& vi
   tile_in_prior_ =
       (anchor_from_tile.translation.head<2>() - ranking->query_.region.prior_xy_in_anchor)
           .cast<float>();
-}
-
-float LandmarkRanking::TileHits::Take(const DescriptorHit& hit) {
-  const uint32_t keypoint_idx = first_keypoint_ + hit.query_idx;
-  const float max_sq_distance = ranking_.MaxUsefulSqDistance(keypoint_idx);
-  if (hit.sq_distance <= max_sq_distance) {  // Prior terms only add.
-    __builtin_prefetch(&tile_.orientation_codes[hit.descriptor_idx]);
-    __builtin_prefetch(&view_.tile->landmark_of_descriptor()[hit.descriptor_idx]);
-    DescriptorHit& place = hits_[num_hits_ % kAhead];
-    if (num_hits_ >= kAhead) {
-      Weigh(place);
-    }
-    place = {keypoint_idx, hit.descriptor_idx, hit.sq_distance};
-    ++num_hits_;
+  prior_from_coarse_ = places.step_m() * prior_from_tile_.leftCols<2>();
+  coarse_in_prior_ = prior_from_tile_.leftCols<2>() * places.corner() + tile_in_prior_;
+  // Half a diagonal, what the height does where the two frames' verticals differ, and rounding.
+  constexpr float kRounding = 1e-5f;
+  const float coarse_error_m = places.step_m() +
+                               prior_from_tile_.col(2).norm() * places.max_height_m() +
+                               kRounding * (1.0f + tile_in_prior_.norm() + places.corner().norm());
+  max_free_m_ = static_cast<float>(ranking->options_.viewing_distance_m) + coarse_error_m;
+  if (ranking->position_factor_ > 0.0f) {
+    per_sigma_ = 1.0f / static_cast<float>(ranking->query_.region.prior_sigma_m);
   }
-  return max_sq_distance;
 }
 
-void LandmarkRanking::TileHits::Weigh(const DescriptorHit& hit) {
-  const float sq_chord =
-      ranking_.SqOrientationChord(hit.query_idx, tile_.orientation_codes[hit.descriptor_idx]);
-  const float sq_distance = hit.sq_distance + ranking_.orientation_factor_ * sq_chord;
-  if (sq_chord > ranking_.max_sq_chord_ ||
-      sq_distance > ranking_.MaxUsefulSqDistance(hit.query_idx)) {
+float LandmarkRanking::TileHits::Take(const HitRun& run) {
+  TakeLast();
+  const uint32_t keypoint_idx = first_keypoint_ + run.query_idx;
+  last_.resize(std::max(last_.size(), run.hits.size()));
+  num_last_ = run.hits.size();
+  for (size_t i = 0; i < num_last_; ++i) {
+    places_.Prefetch(run.hits[i].row);
+    last_[i] = {keypoint_idx, run.hits[i].row, run.SqDistance(i)};
+  }
+  return ranking_.MaxUsefulSqDistance(keypoint_idx);
+}
+
+void LandmarkRanking::TileHits::TakeLast() {
+  const size_t num_kept = num_last_ > 0 ? Keep() : 0;
+  for (size_t i = 0; i < num_kept; ++i) {
+    Wait(last_[i]);
+  }
+  num_last_ = 0;
+}
+
+size_t LandmarkRanking::TileHits::Keep() {
+  // The least that the position adds is computed from less: it must not come out larger.
+  constexpr float kRounding = 1.0f + 1e-5f;
+  const uint32_t keypoint_idx = last_.front().keypoint_idx;
+  const float max_sq_distance = kRounding * ranking_.MaxUsefulSqDistance(keypoint_idx);
+  const Direction direction = ranking_.keypoint_directions_[keypoint_idx];
+  const std::array<Direction, 256>& code_directions = CodeDirections();
+  size_t num_kept = 0;
+  for (size_t i = 0; i < num_last_; ++i) {
+    Hit hit = last_[i];
+    const float sq_chord = SqChord(direction, code_directions[places_.orientation_code(hit.place)]);
+    hit.sq_distance += ranking_.orientation_factor_ * sq_chord;
+    const float from_prior_m =
+        (prior_from_coarse_ * places_.CoarseXy(hit.place) + coarse_in_prior_).norm();
+    const float excess = std::max(0.0f, from_prior_m - max_free_m_) * per_sigma_;
+    const bool is_kept =
+        (sq_chord <= ranking_.max_sq_chord_) &
+        (hit.sq_distance + ranking_.position_factor_ * excess * excess <= max_sq_distance);
+    last_[num_kept] = hit;
+    num_kept += is_kept ? 1 : 0;  // Without a branch, which would be mispredicted.
+  }
+  return num_kept;
+}
+
+void LandmarkRanking::TileHits::Wait(const Hit& hit) {
+  places_.PrefetchLandmark(hit.place);
+  Hit& place = hits_[num_hits_ % kAhead];
+  if (num_hits_ >= kAhead) {
+    LookUp(place);
+  }
+  place = hit;
+  ++num_hits_;
+}
+
+void LandmarkRanking::TileHits::LookUp(const Hit& hit) {
+  if (hit.sq_distance > ranking_.MaxUsefulSqDistance(hit.keypoint_idx)) {
     return;
   }
-  const uint32_t landmark_idx = view_.tile->landmark_of_descriptor()[hit.descriptor_idx];
+  const uint32_t landmark_idx = places_.landmark(hit.place);
   __builtin_prefetch(&tile_.landmark_ids[landmark_idx]);
   __builtin_prefetch(&tile_.x_in_tile[landmark_idx]);
   Candidate& place = candidates_[num_candidates_ % kAhead];
   if (num_candidates_ >= kAhead) {
     Rank(&place);
   }
-  place = {hit.query_idx, {sq_distance, tile_idx_, landmark_idx, hit.descriptor_idx, {}}};
+  place = {hit.keypoint_idx,
+           {hit.sq_distance, tile_idx_, landmark_idx, places_.descriptor(hit.place), {}}};
   ++num_candidates_;
 }
 
@@ -187,8 +222,9 @@ void LandmarkRanking::TileHits::Rank(Candidate* candidate) {
 }
 
 void LandmarkRanking::TileHits::Flush() {
+  TakeLast();
   for (size_t i = num_hits_ - std::min(num_hits_, kAhead); i < num_hits_; ++i) {
-    Weigh(hits_[i % kAhead]);
+    LookUp(hits_[i % kAhead]);
   }
   for (size_t i = num_candidates_ - std::min(num_candidates_, kAhead); i < num_candidates_; ++i) {
     Rank(&candidates_[i % kAhead]);

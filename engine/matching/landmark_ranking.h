@@ -10,9 +10,10 @@
 #include <span>
 #include <vector>
 
-#include "engine/matching/byte_descriptors.h"
+#include "engine/matching/hit_collector.h"
 #include "engine/matching/matching_options.h"
 #include "engine/query_context.h"
+#include "engine/tiles/descriptor_places.h"
 #include "engine/tiles/searchable_tile.h"
 #include "storage/codebook.h"
 
@@ -54,11 +55,23 @@ class LandmarkRanking {
     LandmarkId landmark_id{};
   };
 
+  // Of an orientation.
+  struct Direction {
+    float cos = 0.0f;
+    float sin = 0.0f;
+    float is_known = 0.0f;  // 1, or 0 where there is none.
+  };
+
+  // Direction of each orientation code.
+  static const std::array<Direction, 256>& CodeDirections();
+  // Squared chord between two orientations, (2 - 2 cos), in [0, 4]; 0 if one is not known.
+  static float SqChord(const Direction& a, const Direction& b) {
+    const float x = a.cos - b.cos, y = a.sin - b.sin;
+    return a.is_known * b.is_known * (x * x + y * y);
+  }
+
   static bool IsCloser(const Neighbor& a, const Neighbor& b);
 
-  // Squared chord between the orientations of a keypoint and a descriptor, (2 - 2 cos), in [0, 4];
-  // 0 if either has none.
-  float SqOrientationChord(uint32_t keypoint_idx, uint8_t orientation_code) const;
   // Square of how far, in standard deviations of the prior, a landmark is out of its view;
   // x_from_prior is horizontal, metres.
   float SqPositionExcess(const Eigen::Vector2f& x_from_prior) const;
@@ -74,51 +87,70 @@ class LandmarkRanking {
   float max_sq_chord_ = 4.0f;
   float max_sq_excess_ = std::numeric_limits<float>::infinity();
   bool uses_position_ = false;  // The region has a prior, and one of the options uses it.
-  // Cosine and sine of each keypoint's orientation; both 0 where it has none.
-  std::vector<Eigen::Vector2f> keypoint_directions_;
+  std::vector<Direction> keypoint_directions_;
   std::vector<Neighbor> neighbors_;  // num_keypoints x max_neighbors, each row sorted by IsCloser.
   std::vector<int> num_neighbors_;   // Used entries of each row.
   // Distance of each keypoint's last neighbour, infinity while there are fewer than max_neighbors.
   std::vector<float> max_useful_sq_distances_;
 };
 
-// The way of a tile's hits into the ranking. A hit waits twice for the memory that it needs, while
-// others are worked on: its attributes and its landmark's lie anywhere in the tile. What a hit says
+// The way of a tile's hits into the ranking. They wait for the memory that they need, while more
+// are found: first for what their places say of them, by which most are refused, then for their
+// landmarks, then for what is known of these, which lies anywhere in the tile. What a hit says
 // about further ones is therefore known a little later. For use within one thread.
 class LandmarkRanking::TileHits : public HitReceiver {
  public:
   // The hits are of the tile_idx-th tile of the query, and of its keypoints from `first_keypoint`
-  // on. All must outlive this.
-  TileHits(LandmarkRanking* ranking, const TileView& view, int tile_idx,
-           uint32_t first_keypoint = 0);
+  // on; their rows are among `places`. All must outlive this.
+  TileHits(LandmarkRanking* ranking, const TileView& view, const DescriptorPlaces& places,
+           int tile_idx, uint32_t first_keypoint = 0);
 
-  float Take(const DescriptorHit& hit) override;
+  float Take(const HitRun& run) override;
   // Adds what still waits. Call it after the last hit.
   void Flush();
 
  private:
   static constexpr size_t kAhead = 16;  // Hits that wait.
 
+  struct Hit {
+    uint32_t keypoint_idx = 0;
+    uint32_t place = 0;
+    float sq_distance = 0.0f;  // With the orientation's term.
+  };
   struct Candidate {
     uint32_t keypoint_idx = 0;
     Neighbor neighbor;
   };
 
-  // Adds the orientation's term.
-  void Weigh(const DescriptorHit& hit);
+  // Works on the hits of the last run.
+  void TakeLast();
+  // Moves those of them that may be of use to the front; returns their number.
+  size_t Keep();
+  // Asks for a hit's landmark.
+  void Wait(const Hit& hit);
+  // Asks for what is known of it.
+  void LookUp(const Hit& hit);
   // Adds the position's term and ranks it.
   void Rank(Candidate* candidate);
 
   LandmarkRanking& ranking_;
-  const TileView& view_;
   const Tile& tile_;
+  const DescriptorPlaces& places_;
   const int tile_idx_;
   const uint32_t first_keypoint_;
   // Horizontally from the prior to a point of the tile; floats resolve a millimetre.
   Eigen::Matrix<float, 2, 3> prior_from_tile_;
   Eigen::Vector2f tile_in_prior_;
+  // The same from a place's CoarseXy.
+  Eigen::Matrix2f prior_from_coarse_;
+  Eigen::Vector2f coarse_in_prior_;
+  float max_free_m_ = 0.0f;  // A coarse place up to so far from the prior may be in view.
+  float per_sigma_ = 0.0f;
+  // Of the last run; its size and the distances are those of the descriptors.
+  std::vector<Hit> last_;
+  size_t num_last_ = 0;
   // Rings; the last kAhead of all that came wait.
-  std::array<DescriptorHit, kAhead> hits_;
+  std::array<Hit, kAhead> hits_;
   std::array<Candidate, kAhead> candidates_;
   size_t num_hits_ = 0;
   size_t num_candidates_ = 0;

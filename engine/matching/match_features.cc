@@ -9,34 +9,44 @@
 #include <limits>
 #include <numeric>
 #include <span>
+#include <utility>
 
 #include "core/error.h"
+#include "core/large_vector.h"
 #include "engine/matching/byte_descriptors.h"
 #include "engine/matching/distance_statistics.h"
 #include "engine/matching/landmark_ranking.h"
+#include "engine/tiles/descriptor_places.h"
 
 namespace cairn {
 namespace {
 
-// Descriptors of the landmarks that any of the keyframes of one tile saw, ascending.
-std::vector<uint32_t> DescriptorsOfKeyframes(const Tile& tile,
-                                             std::span<const uint32_t> keyframe_indices) {
+// Descriptors, ascending, and the landmark of each.
+struct SomeDescriptors {
+  std::vector<uint32_t> descriptors;
+  LargeVector<uint32_t> landmarks;
+};
+
+// Those of the landmarks that any of the keyframes of one tile saw.
+SomeDescriptors DescriptorsOfKeyframes(const Tile& tile,
+                                       std::span<const uint32_t> keyframe_indices) {
   std::vector<bool> seen(tile.num_landmarks(), false);
   for (const uint32_t keyframe_idx : keyframe_indices) {
     for (const uint32_t landmark_idx : tile.LandmarksOfKeyframe(keyframe_idx)) {
       seen[landmark_idx] = true;
     }
   }
-  std::vector<uint32_t> descriptors;
-  for (size_t landmark_idx = 0; landmark_idx < seen.size(); ++landmark_idx) {
+  SomeDescriptors some;
+  for (uint32_t landmark_idx = 0; landmark_idx < seen.size(); ++landmark_idx) {
     if (seen[landmark_idx]) {
       for (uint32_t i = tile.descriptor_begin[landmark_idx];
            i < tile.descriptor_begin[landmark_idx + 1]; ++i) {
-        descriptors.push_back(i);
+        some.descriptors.push_back(i);
+        some.landmarks.push_back(landmark_idx);
       }
     }
   }
-  return descriptors;
+  return some;
 }
 
 // All tiles share one codebook: the one the query's descriptors were projected with.
@@ -74,21 +84,6 @@ std::vector<double> MaxDistances(const DescriptorMatrix& queries, const Searchab
   return std::vector<double>(queries.rows(), std::numeric_limits<double>::infinity());
 }
 
-// Hands on hits of some of a tile's descriptors as those of the tile.
-class HitsOfSome : public HitReceiver {
- public:
-  HitsOfSome(std::span<const uint32_t> descriptors, HitReceiver* receiver)
-      : descriptors_(descriptors), receiver_(receiver) {}
-
-  float Take(const DescriptorHit& hit) override {
-    return receiver_->Take({hit.query_idx, descriptors_[hit.descriptor_idx], hit.sq_distance});
-  }
-
- private:
-  const std::span<const uint32_t> descriptors_;
-  HitReceiver* receiver_;
-};
-
 // Consecutive keypoints of a query.
 struct KeypointRange {
   int begin = 0;
@@ -118,7 +113,8 @@ int64_t SearchTile(const DescriptorMatrix& queries, const KeypointRange& range,
   for (int i = 0; i < range.size(); ++i) {
     max_distances[i] = std::min(max_distances[i], ranking->MaxUsefulDistance(range.begin + i));
   }
-  LandmarkRanking::TileHits tile_hits(ranking, view, tile_idx, static_cast<uint32_t>(range.begin));
+  LandmarkRanking::TileHits tile_hits(ranking, view, view.tile->places(), tile_idx,
+                                      static_cast<uint32_t>(range.begin));
   const int64_t num_distances = view.tile->index().Search({.queries = queries,
                                                            .max_distances = max_distances,
                                                            .receiver = &tile_hits,
@@ -197,13 +193,13 @@ std::vector<Correspondence> MatchAgainstKeyframes(const QueryContext& query,
   LandmarkRanking ranking(query, codebook, options);
   for (size_t tile_idx = 0; tile_idx < tiles.size(); ++tile_idx) {
     const SearchableTile& tile = *tiles[tile_idx].tile;
-    const std::vector<uint32_t> descriptors =
-        DescriptorsOfKeyframes(tile.tile(), keyframes_of_tile[tile_idx]);
-    LandmarkRanking::TileHits tile_hits(&ranking, tiles[tile_idx], static_cast<int>(tile_idx));
-    HitsOfSome some_hits(descriptors, &tile_hits);
-    ByteDescriptors(codebook, GatherCodes(tile.tile(), descriptors))
+    SomeDescriptors some = DescriptorsOfKeyframes(tile.tile(), keyframes_of_tile[tile_idx]);
+    const DescriptorPlaces places(tile.tile(), some.descriptors, std::move(some.landmarks));
+    LandmarkRanking::TileHits tile_hits(&ranking, tiles[tile_idx], places,
+                                        static_cast<int>(tile_idx));
+    ByteDescriptors(codebook, GatherCodes(tile.tile(), some.descriptors))
         .Search(
-            {.queries = query.descriptors, .max_distances = max_distances, .receiver = &some_hits},
+            {.queries = query.descriptors, .max_distances = max_distances, .receiver = &tile_hits},
             nullptr);
     tile_hits.Flush();
   }

@@ -44,6 +44,10 @@ class MatchingIndex {
   // Throws Error(kInternal) if the queries' dimension is not the codebook's.
   virtual int64_t Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const = 0;
 
+  // The descriptor at each of the index's places, by which a receiver gets its hits; empty if the
+  // i-th place is that of the i-th descriptor. Valid as long as the index.
+  virtual std::span<const uint32_t> order() const { return {}; }
+
   // Search with one distance for all queries and no bound on hits.
   int64_t RangeSearch(const DescriptorMatrix& queries, double max_distance,
                       std::vector<DescriptorHit>* hits) const;

@@ -111,11 +111,14 @@ class RandomGrids::Searcher {
     BestDistanceKernels().gather(steps_.data() + size_t{query} * scale.stride(),
                                  grids_.descriptors_.rows(), scale.stride(), candidates.data(),
                                  candidates.size(), sq_distances_.data());
+    const int32_t max_sq_steps = collector->max_sq_steps(query);
+    hits_.resize(std::max(hits_.size(), candidates.size()));
+    size_t num_hits = 0;
     for (size_t i = 0; i < candidates.size(); ++i) {
-      if (sq_distances_[i] <= collector->max_sq_steps(query)) {
-        collector->Add(query, candidates[i], sq_distances_[i]);
-      }
+      hits_[num_hits] = {candidates[i], sq_distances_[i]};
+      num_hits += sq_distances_[i] <= max_sq_steps ? 1 : 0;  // Without a branch.
     }
+    collector->Add(query, {hits_.data(), num_hits});
   }
 
  private:
@@ -130,6 +133,7 @@ class RandomGrids::Searcher {
   std::vector<std::span<const uint32_t>> items_;  // Likewise.
   DescriptorSet visited_;
   std::vector<int32_t> sq_distances_;
+  std::vector<BlockHit> hits_;
 };
 
 RandomGrids::RandomGrids(const Codebook& codebook, std::span<const uint8_t> codes,

@@ -20,6 +20,13 @@ void RequireCodebook(TileId id, CodebookId codebook_id, int code_size, const Cod
   }
 }
 
+std::unique_ptr<const MatchingIndex> IndexOf(const Tile& tile, const Codebook& codebook,
+                                             const IndexOptions& options, TileLists lists,
+                                             BuildExtent extent) {
+  RequireCodebook(tile.id, tile.codebook_id, tile.code_size, codebook);
+  return MakeMatchingIndex(codebook, tile.codes, options, std::move(lists), extent);
+}
+
 std::unique_ptr<const InvertedLists> IndexOf(const TilePayload& payload, const Codebook& codebook,
                                              const IndexOptions& options) {
   RequireCodebook(payload.id(), payload.codebook_id(), payload.code_size(), codebook);
@@ -35,15 +42,13 @@ SearchableTile::SearchableTile(Tile tile, std::shared_ptr<const Codebook> codebo
       num_descriptors_(tile.num_descriptors()),
       codebook_(std::move(codebook)),
       ecef_from_tile_(EcefFromEnu(id_.Anchor())),
-      content_(std::move(tile)) {
-  RequireCodebook(id_, this->tile().codebook_id, this->tile().code_size, *codebook_);
-  const std::vector<uint8_t>& codes = this->tile().codes;
-  index_ = MakeMatchingIndex(*codebook_, codes, options, std::move(lists), extent);
+      index_(IndexOf(tile, *codebook_, options, std::move(lists), extent)),
+      content_(std::move(tile), index_->order()) {  // The codes stay where they are.
   if (options.num_reference_words > 0) {
     constexpr int kNumIterations = 5;
     constexpr uint64_t kSeed = 1;
-    reference_words_.emplace(ByteDescriptors(*codebook_, codes), options.num_reference_words,
-                             kNumIterations, kSeed);
+    reference_words_.emplace(ByteDescriptors(*codebook_, this->tile().codes),
+                             options.num_reference_words, kNumIterations, kSeed);
   }
 }
 

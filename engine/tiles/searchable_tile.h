@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "core/geodesy.h"
-#include "core/large_vector.h"
 #include "engine/matching/inverted_lists.h"
 #include "engine/matching/matching_index.h"
 #include "engine/matching/product_words.h"
+#include "engine/tiles/descriptor_places.h"
 #include "engine/tiles/tile_content.h"
 #include "storage/codebook.h"
 #include "storage/tile.h"
@@ -48,10 +48,8 @@ class SearchableTile : public CachedTile {
 
   // Both may have to wait for the tile to be decoded. Throw Error(kMapDamaged) if it cannot be.
   const Tile& tile() const { return content_.tile(); }
-  // Landmark of each descriptor.
-  const LargeVector<uint32_t>& landmark_of_descriptor() const {
-    return content_.landmark_of_descriptor();
-  }
+  // In the order of the index.
+  const DescriptorPlaces& places() const { return content_.places(); }
 
   size_t MemoryBytes() const override;
 

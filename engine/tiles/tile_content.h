@@ -8,8 +8,9 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 
-#include "core/large_vector.h"
+#include "engine/tiles/descriptor_places.h"
 #include "storage/tile.h"
 #include "storage/tile_lists.h"
 #include "storage/tile_payload.h"
@@ -20,25 +21,24 @@ namespace cairn {
 // thread.
 class TileContent {
  public:
-  explicit TileContent(Tile tile);
+  // `order` is the index's (MatchingIndex::order), and must outlive this.
+  TileContent(Tile tile, std::span<const uint32_t> order);
   // `lists` are the payload's, and must outlive this.
   TileContent(TilePayload payload, const TileLists* lists);
 
   // Both throw Error(kMapDamaged), every time, if the payload does not decode.
   const Tile& tile() const { return Decoded().tile; }
-  const LargeVector<uint32_t>& landmark_of_descriptor() const {
-    return Decoded().landmark_of_descriptor;
-  }
+  const DescriptorPlaces& places() const { return Decoded().places; }
 
   // Heap bytes, those of the decoded tile also while it is not decoded yet.
   size_t MemoryBytes() const { return num_bytes_; }
 
  private:
   struct Parts {
-    explicit Parts(Tile tile_in);
+    Parts(Tile tile_in, std::span<const uint32_t> order);
 
     Tile tile;
-    LargeVector<uint32_t> landmark_of_descriptor;
+    DescriptorPlaces places;
   };
 
   const Parts& Decoded() const {

@@ -370,7 +370,11 @@ TEST_F(FetchListsTest, APayloadIsSearchedAsItsTileIs) {
     EXPECT_EQ(hits[i].sq_distance, expected[i].sq_distance);
   }
   EXPECT_TRUE(testing::SameTile(from_payload->tile(), tile_));
-  EXPECT_EQ(from_payload->landmark_of_descriptor(), decoded.landmark_of_descriptor());
+  ASSERT_EQ(from_payload->places().size(), tile_.num_descriptors());
+  for (size_t place = 0; place < tile_.num_descriptors(); ++place) {
+    EXPECT_EQ(from_payload->places().descriptor(place), decoded.places().descriptor(place));
+    EXPECT_EQ(from_payload->places().landmark(place), decoded.places().landmark(place));
+  }
   EXPECT_EQ(from_payload->id(), tile_.id);
   EXPECT_EQ(from_payload->num_descriptors(), tile_.num_descriptors());
 }

@@ -225,11 +225,12 @@ TEST(MatchFeatures, KeepsTheBestOfAllHitsOfAllTiles) {
     std::map<uint64_t, float> best_of_landmark;
     for (const TileView& view : tiles) {
       const Tile& tile = view.tile->tile();
+      const DescriptorPlaces places(tile, {});
       std::vector<DescriptorHit> hits;
       ByteDescriptors(view.tile->codebook(), tile.codes)
           .RangeSearch(query.descriptors.row(keypoint), 1.8, &hits);
       for (const DescriptorHit& hit : hits) {
-        const uint32_t landmark = view.tile->landmark_of_descriptor()[hit.descriptor_idx];
+        const uint32_t landmark = places.landmark(hit.descriptor_idx);
         double sq_distance = hit.sq_distance;
         const uint8_t code = tile.orientation_codes[hit.descriptor_idx];
         if (code != kNoOrientation && query.gravity_orientations_rad[keypoint]) {
@@ -435,7 +436,17 @@ TEST(SearchableTile, RefusesACodebookThatIsNotTheTiles) {
 
 TEST(SearchableTile, KnowsTheLandmarkOfEachDescriptorAndItsSize) {
   const TileView view = SimpleView(SimpleTile({{1, {{0.1f}, {0.2f}}}, {2, {{0.3f}}}}));
-  EXPECT_THAT(view.tile->landmark_of_descriptor(), ElementsAre(0, 0, 1));
+  const DescriptorPlaces& places = view.tile->places();
+  ASSERT_EQ(places.size(), 3u);
+  for (const auto& [descriptor, landmark] :
+       {std::pair(0u, 0u), std::pair(1u, 0u), std::pair(2u, 1u)}) {
+    const auto order = view.tile->index().order();
+    const size_t place = order.empty()
+                             ? descriptor
+                             : std::find(order.begin(), order.end(), descriptor) - order.begin();
+    EXPECT_EQ(places.descriptor(place), descriptor);
+    EXPECT_EQ(places.landmark(place), landmark);
+  }
   EXPECT_GT(view.tile->MemoryBytes(),
             view.tile->tile().MemoryBytes() + view.tile->index().MemoryBytes());
 }

@@ -144,7 +144,14 @@ class NearestReceiver : public HitReceiver {
  public:
   explicit NearestReceiver(size_t max_hits) : max_hits_(max_hits) {}
 
-  float Take(const DescriptorHit& hit) override {
+  float Take(const HitRun& run) override {
+    float max_sq_distance = 0.0f;
+    for (size_t i = 0; i < run.hits.size(); ++i) {
+      max_sq_distance = Take(run[i]);
+    }
+    return max_sq_distance;
+  }
+  float Take(const DescriptorHit& hit) {
     auto& nearest = nearest_[hit.query_idx];
     nearest.emplace(hit.sq_distance, hit.descriptor_idx);
     if (nearest.size() > max_hits_) {
@@ -278,11 +285,25 @@ TEST_P(MatchingIndexTest, MemoryGrowsWithTheDescriptors) {
   EXPECT_GE(large->MemoryBytes(), small->MemoryBytes() + 14'000 * kBytesPerDescriptor);
 }
 
+TEST_P(MatchingIndexTest, ItsOrderHoldsEveryDescriptorOnce) {
+  const SyntheticDescriptors data = MakeSyntheticDescriptors({.num_landmarks = 2'000});
+  const auto index = Make(data);
+  std::vector<uint32_t> order(index->order().begin(), index->order().end());
+  if (!order.empty()) {
+    std::sort(order.begin(), order.end());
+    std::vector<uint32_t> all(data.codes.size() / data.codebook->num_subspaces);
+    std::iota(all.begin(), all.end(), 0u);
+    EXPECT_EQ(order, all);
+  }
+}
+
 TEST_P(MatchingIndexTest, AReceiverGetsWhatWouldBeReturned) {
   class Receiver : public HitReceiver {
    public:
-    float Take(const DescriptorHit& hit) override {
-      hits.push_back(hit);
+    float Take(const HitRun& run) override {
+      for (size_t i = 0; i < run.hits.size(); ++i) {
+        hits.push_back(run[i]);
+      }
       return std::numeric_limits<float>::infinity();
     }
     std::vector<DescriptorHit> hits;

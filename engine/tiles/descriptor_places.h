@@ -1,0 +1,73 @@
+// What matching asks about a tile's descriptors, in the order in which an index holds them.
+#ifndef CAIRN_ENGINE_TILES_DESCRIPTOR_PLACES_H_
+#define CAIRN_ENGINE_TILES_DESCRIPTOR_PLACES_H_
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "core/large_vector.h"
+#include "storage/tile.h"
+
+namespace cairn {
+
+// Hits of a list lie close together in these arrays, however far apart they are in the tile. Most
+// hits are refused by what one word says of them: the orientation, exactly, and about where the
+// landmark is. Immutable; safe to use from any thread.
+class DescriptorPlaces {
+ public:
+  // `order` is the index's (MatchingIndex::order) and must outlive this.
+  DescriptorPlaces(const Tile& tile, std::span<const uint32_t> order);
+  // Some descriptors and the landmark of each. `descriptors` must outlive this.
+  DescriptorPlaces(const Tile& tile, std::span<const uint32_t> descriptors,
+                   LargeVector<uint32_t> landmarks);
+
+  size_t size() const { return landmarks_.size(); }
+  uint32_t landmark(size_t place) const { return landmarks_[place]; }
+  uint32_t descriptor(size_t place) const {
+    return order_.empty() ? static_cast<uint32_t>(place) : order_[place];
+  }
+  uint8_t orientation_code(size_t place) const { return static_cast<uint8_t>(words_[place]); }
+  // The landmark's place on the grid of corner() and step_m(), to the nearest of its points.
+  Eigen::Vector2f CoarseXy(size_t place) const {
+    return {static_cast<float>(words_[place] >> kXShift & kMaxCoordinate),
+            static_cast<float>(words_[place] >> kYShift)};
+  }
+  const Eigen::Vector2f& corner() const { return corner_; }  // In the tile frame, metres.
+  float step_m() const { return step_m_; }
+  // No landmark is higher above or below the tile's origin, metres.
+  float max_height_m() const { return max_height_m_; }
+
+  // Ask the processor to fetch what orientation_code and CoarseXy read, or the other two.
+  void Prefetch(size_t place) const { __builtin_prefetch(&words_[place]); }
+  void PrefetchLandmark(size_t place) const {
+    __builtin_prefetch(&landmarks_[place]);
+    if (!order_.empty()) {
+      __builtin_prefetch(&order_[place]);
+    }
+  }
+
+  size_t MemoryBytes() const {
+    return (words_.capacity() + landmarks_.capacity()) * sizeof(uint32_t);
+  }
+  static constexpr size_t kBytesPerDescriptor = 2 * sizeof(uint32_t);
+
+ private:
+  static constexpr int kXShift = 8, kYShift = 20;
+  static constexpr uint32_t kMaxCoordinate = (uint32_t{1} << (kYShift - kXShift)) - 1;
+
+  // Sets the grid, and returns each landmark's place on it as bits of a word.
+  LargeVector<uint32_t> LayGrid(const Tile& tile);
+
+  std::span<const uint32_t> order_;
+  Eigen::Vector2f corner_ = Eigen::Vector2f::Zero();
+  float step_m_ = 0.0f;
+  float max_height_m_ = 0.0f;
+  LargeVector<uint32_t> words_;  // Orientation code, x, y: 8, 12 and 12 bits.
+  LargeVector<uint32_t> landmarks_;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_TILES_DESCRIPTOR_PLACES_H_
