@@ -90,7 +90,6 @@ class CellLists::Prefetcher {
   void Fetch(size_t end) {
     for (; next_ < end; next_ += kBlockRows) {
       lists_.rows_.Prefetch(next_);
-      __builtin_prefetch(&lists_.lists_.members[next_]);
     }
   }
 
