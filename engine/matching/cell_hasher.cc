@@ -14,6 +14,7 @@
 #include "engine/matching/distance_statistics.h"
 #include "engine/matching/probe_sequence.h"
 #include "engine/matching/random_bits.h"
+#include "engine/vector_clones.h"
 
 namespace cairn {
 namespace {
@@ -21,11 +22,14 @@ namespace {
 constexpr int kCellBits = 8;  // Of a coordinate's 16 bits, those below the cell.
 constexpr int kUnitsPerCell = 1 << kCellBits;
 
-// Coordinates of one vector register, unsigned so that sums may wrap around, and numbers of one.
-using Coordinates = uint16_t __attribute__((vector_size(16)));
+// Coordinates of one rotated word, unsigned so that sums may wrap around; half of them; their
+// shares of a hash; numbers of one register.
+using Coordinates = uint16_t __attribute__((vector_size(32)));
+using HalfCoordinates = int16_t __attribute__((vector_size(16)));
+using Products = uint64_t __attribute__((vector_size(64)));
 using Floats = float __attribute__((vector_size(16)));
 using Ints = int32_t __attribute__((vector_size(16)));
-constexpr int kCoordinateLanes = 8;
+constexpr int kCoordinateLanes = 16;
 constexpr int kFloatLanes = 4;
 
 // Whole turns of the 16-bit coordinates: added to all units to make them positive, so that the
@@ -103,6 +107,51 @@ struct PackedStep {
   }
 };
 
+// Adds the cells of eight coordinates, each times its factor.
+[[gnu::always_inline]] inline void AddCells(const HalfCoordinates& coordinates,
+                                            const uint64_t* factors, Products* sum) {
+  Products factors_of_lanes;
+  std::memcpy(&factors_of_lanes, factors, sizeof(factors_of_lanes));
+  *sum += __builtin_convertvector(coordinates >> kCellBits, Products) * factors_of_lanes;
+}
+
+// Adds the hashes of the cells that rows of codes lie in, by the rotated words (num_subspaces x
+// kNumWords x kCoordinateLanes) that make up their coordinates. Lanes without a factor add nothing.
+// A constant number of subspaces lets the loop unroll.
+[[gnu::always_inline]] inline void AddHashesOf(size_t num_subspaces, const int16_t* words,
+                                               const uint64_t* factors, const uint8_t* codes,
+                                               std::span<uint64_t> hashes) {
+  for (uint64_t& hash : hashes) {
+    Coordinates sum = {};
+    const int16_t* words_of_subspace = words;
+    for (size_t m = 0; m < num_subspaces; ++m) {
+      Coordinates word;
+      std::memcpy(&word, words_of_subspace + size_t{*codes++} * kCoordinateLanes, sizeof(word));
+      sum += word;
+      words_of_subspace += Codebook::kNumWords * kCoordinateLanes;
+    }
+    HalfCoordinates halves[2];
+    std::memcpy(halves, &sum, sizeof(sum));
+    Products products = {};
+    AddCells(halves[0], factors, &products);
+    AddCells(halves[1], factors + kCoordinateLanes / 2, &products);
+    products += __builtin_shufflevector(products, products, 4, 5, 6, 7, 0, 1, 2, 3);
+    products += __builtin_shufflevector(products, products, 2, 3, 0, 1, 2, 3, 0, 1);
+    hash += products[0] + products[1];
+  }
+}
+
+CAIRN_VECTOR_CLONES void AddHashes(size_t num_subspaces, const int16_t* words,
+                                   const uint64_t* factors, const uint8_t* codes,
+                                   std::span<uint64_t> hashes) {
+  constexpr size_t kUsualSubspaces = 8;
+  if (num_subspaces == kUsualSubspaces) {
+    AddHashesOf(kUsualSubspaces, words, factors, codes, hashes);
+  } else {
+    AddHashesOf(num_subspaces, words, factors, codes, hashes);
+  }
+}
+
 // Keeps the smallest values seen, ascending. Without branches, which would be mispredicted.
 void InsertSorted(uint32_t value, std::span<uint32_t> smallest) {
   for (uint32_t& kept : smallest) {
@@ -176,20 +225,9 @@ std::vector<uint64_t> CellHasher::HashCodes(const Codebook& codebook,
     const int first_lane = grid * num_hashed_dims_ + begin;
     const int num_used = std::min(kCoordinateLanes, num_hashed_dims_ - begin);
     const std::vector<int16_t> words = RotatedWords(codebook, first_lane, num_used);
-    const uint8_t* code = codes.data();
-    for (uint64_t& hash : hashes) {
-      Coordinates sum = {};
-      for (size_t m = 0; m < num_subspaces; ++m, ++code) {
-        Coordinates word;
-        std::memcpy(&word, words.data() + (m * Codebook::kNumWords + *code) * kCoordinateLanes,
-                    sizeof(word));
-        sum += word;
-      }
-      for (int j = 0; j < num_used; ++j) {
-        hash += static_cast<uint64_t>(int64_t{CellOf(static_cast<int16_t>(sum[j]))}) *
-                factors_[first_lane + j];
-      }
-    }
+    std::array<uint64_t, kCoordinateLanes> factors{};
+    std::copy_n(factors_.begin() + first_lane, num_used, factors.begin());
+    AddHashes(num_subspaces, words.data(), factors.data(), codes.data(), hashes);
   }
   return hashes;
 }
