@@ -262,8 +262,8 @@ struct InertialErrors {
   Rms rotation, velocity;
 };
 
-InertialErrors NormalizedInertialErrors(const Trajectory& trajectory, const ImuNoise& noise) {
-  constexpr int64_t kSpanNs = 500'000'000;
+InertialErrors NormalizedInertialErrors(const Trajectory& trajectory, const ImuNoise& noise,
+                                        int64_t span_ns) {
   constexpr int64_t kMarginNs = 20'000'000;  // Of velocities.
   ImuBuffer buffer(static_cast<int>(trajectory.imu.size()));
   for (const ImuSample& sample : trajectory.imu) {
@@ -272,9 +272,9 @@ InertialErrors NormalizedInertialErrors(const Trajectory& trajectory, const ImuN
   InertialErrors errors;
   std::optional<InertialError> last;
   const int64_t end_ns = trajectory.poses.back().timestamp_ns - kMarginNs;
-  for (int64_t t = trajectory.poses.front().timestamp_ns + kMarginNs; t + kSpanNs < end_ns;
-       t += kSpanNs) {
-    const InertialError error = IntegrationError(trajectory, buffer, noise, t, t + kSpanNs);
+  for (int64_t t = trajectory.poses.front().timestamp_ns + kMarginNs; t + span_ns < end_ns;
+       t += span_ns) {
+    const InertialError error = IntegrationError(trajectory, buffer, noise, t, t + span_ns);
     const auto block = [](const InertialError& of, int offset) {
       return Eigen::Matrix3d(of.noise.block<3, 3>(offset, offset));
     };
@@ -297,10 +297,16 @@ TEST(RoomRecordings, SamplesAgreeWithThePosesToWithinTheirNoise) {
   for (const auto& [trajectory, options] :
        {std::pair(EurocTrajectory(data), EurocRecordingOptions()),
         std::pair(TumTrajectory(data), TumRecordingOptions())}) {
-    const InertialErrors errors = NormalizedInertialErrors(trajectory, options.imu_noise);
+    const InertialErrors errors =
+        NormalizedInertialErrors(trajectory, options.imu_noise, 500'000'000);
     EXPECT_LT(errors.rotation.Value(), 1.5) << trajectory.name;
     EXPECT_GT(errors.velocity.Value(), 0.7) << trajectory.name;
     EXPECT_LT(errors.velocity.Value(), 1.5) << trajectory.name;
+    // The filter remembers for seconds.
+    const InertialErrors of_seconds =
+        NormalizedInertialErrors(trajectory, options.imu_noise, 5'000'000'000);
+    EXPECT_GT(of_seconds.rotation.Value(), 0.7) << trajectory.name;
+    EXPECT_LT(of_seconds.rotation.Value(), 1.5) << trajectory.name;
   }
 }
 
