@@ -205,8 +205,7 @@ void Estimator::CatchUpWithoutFrames() {
 void Estimator::ProcessFrame(const WaitingFrame& frame) {
   const int64_t now_ns = ImuTime(frame.timestamp_ns);
   const int64_t frame_id = next_frame_id_++;
-  const std::optional<Rigid3d> uncorrected = GlobalFromHead();
-  const int64_t num_alignments = counters_.num_alignments;
+  const std::optional<Uncorrected> uncorrected = BeforeFrame();
   PropagateTo(now_ns);
   state_->AddClone(frame_id, now_ns, imu_.Interpolate(now_ns).gyro_rad_s - state_->imu().gyro_bias);
   tracks_.AddFrame(frame_id, options_.camera, frame.features);
@@ -229,7 +228,7 @@ void Estimator::ProcessFrame(const WaitingFrame& frame) {
     return;
   }
   RestartHead();
-  SteadyHead(uncorrected, num_alignments);
+  SteadyHead(uncorrected);
 }
 
 void Estimator::CheckStandstill() {

@@ -89,6 +89,14 @@ class Estimator {
 
     void Add(const MapSight& sight, const MapMatch& match);
   };
+  // Before a frame is taken up, in global.
+  struct Uncorrected {
+    Rigid3d at_head;
+    Rigid3d at_last_frame;
+    int64_t last_frame_id = 0;
+    int64_t last_frame_ns = 0;
+    int64_t num_alignments = 0;
+  };
   struct Contradiction {
     int64_t timestamp_ns;
     Rigid3d global_from_local;
@@ -135,8 +143,10 @@ class Estimator {
   void AdvanceHead(const ImuStep& step);
   // At the newest inertial sample; nothing before the alignment.
   std::optional<Rigid3d> GlobalFromHead() const;
-  // After a frame, before which GlobalFromHead was `before` and there had been so many alignments.
-  void SteadyHead(const std::optional<Rigid3d>& before, int64_t num_alignments_before);
+  // Nothing before the alignment.
+  std::optional<Uncorrected> BeforeFrame() const;
+  // After a frame.
+  void SteadyHead(const std::optional<Uncorrected>& before);
   void PublishHead();
 
   FusionOptions options_;

@@ -1,6 +1,7 @@
 // The part of Estimator that carries the newest frame's state on to the newest inertial sample.
 #include "fusion/estimator.h"
 #include "fusion/pose_covariance.h"
+#include "fusion/track_update.h"
 
 namespace cairn::fusion {
 
@@ -31,13 +32,31 @@ std::optional<Rigid3d> Estimator::GlobalFromHead() const {
   return global ? std::optional(*global * head_.local_from_imu) : std::nullopt;
 }
 
-void Estimator::SteadyHead(const std::optional<Rigid3d>& before, int64_t num_alignments_before) {
-  // Taken up where the head is, not at the frame, which may have come late: that is what was shown.
+std::optional<Estimator::Uncorrected> Estimator::BeforeFrame() const {
+  const auto& global = state_->global_from_local();
+  if (!global || state_->clones().empty()) {
+    return std::nullopt;
+  }
+  const Clone& last = state_->clones().back();
+  return Uncorrected{*GlobalFromHead(), *global * last.local_from_imu, last.frame_id,
+                     last.timestamp_ns, counters_.num_alignments};
+}
+
+void Estimator::SteadyHead(const std::optional<Uncorrected>& before) {
   const std::optional<Rigid3d> after = GlobalFromHead();
-  if (before && after && counters_.num_alignments == num_alignments_before) {
-    steady_.TakeUp(head_time_ns_, *before, *after);
-  } else {
+  if (!before || !after || counters_.num_alignments != before->num_alignments) {
     steady_.Reset();
+    return;
+  }
+  // A device at rest keeps no clone of its last frame, and has not moved since.
+  const int last = FindClone(*state_, before->last_frame_id);
+  const int64_t since_ns = filter_time_ns_ - before->last_frame_ns;
+  if (last >= 0) {
+    const Rigid3d& local_from_imu = state_->clones()[static_cast<size_t>(last)].local_from_imu;
+    steady_.TakeUp(head_time_ns_, before->at_last_frame,
+                   *state_->global_from_local() * local_from_imu, since_ns);
+  } else {
+    steady_.TakeUp(head_time_ns_, before->at_head, *after, since_ns);
   }
 }
 

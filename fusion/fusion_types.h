@@ -119,9 +119,9 @@ struct Estimate {
   Matrix6d global_covariance = Matrix6d::Zero();
   Rigid3d global_from_imu;  // The best estimate; jumps where it is corrected.
   Matrix6d global_from_imu_covariance = Matrix6d::Zero();
-  // The same without jumps: corrections are passed on over FusionOptions::steady.time_constant_s,
-  // but for an alignment and what exceeds the bounds there, which is taken at once. Off by no more
-  // than global_from_imu is and the difference of the two. Equal to it if the time constant is 0.
+  // The same without jumps from frame to frame: what is corrected of the last frame's pose passes
+  // over FusionOptions::steady.time_constant_s, but at once if it is an alignment or exceeds the
+  // bounds there. Off by no more than global_from_imu and the difference; equal to it if that is 0.
   Rigid3d steady_global_from_imu;
 };
 

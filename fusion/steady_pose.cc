@@ -15,18 +15,21 @@ void SteadyPoseOptions::Validate() const {
   }
 }
 
-double SteadyPose::ShareLeft(int64_t timestamp_ns) const {
+double SteadyPose::ShareLeftAfter(int64_t duration_ns) const {
   if (options_.time_constant_s == 0.0) {
     return 0.0;
   }
-  const double since_s = 1e-9 * static_cast<double>(timestamp_ns - taken_up_ns_);
-  return std::exp(-std::max(since_s, 0.0) / options_.time_constant_s);
+  const double duration_s = 1e-9 * static_cast<double>(duration_ns);
+  return std::exp(-std::max(duration_s, 0.0) / options_.time_constant_s);
 }
 
-void SteadyPose::TakeUp(int64_t timestamp_ns, const Rigid3d& before, const Rigid3d& after) {
-  const Rigid3d shown = Show(timestamp_ns, before);
-  turn_ = LogSo3(shown.rotation * after.rotation.conjugate());
-  shift_ = shown.translation - after.translation;
+void SteadyPose::TakeUp(int64_t timestamp_ns, const Rigid3d& before, const Rigid3d& after,
+                        int64_t since_ns) {
+  const double old_share = ShareLeftAfter(timestamp_ns - taken_up_ns_);
+  const double share = ShareLeftAfter(since_ns);
+  const Eigen::Quaterniond turn = before.rotation * after.rotation.conjugate();
+  turn_ = LogSo3(ExpSo3(old_share * turn_) * ExpSo3(share * LogSo3(turn)));
+  shift_ = old_share * shift_ + share * (before.translation - after.translation);
   taken_up_ns_ = timestamp_ns;
   if (!(turn_.norm() <= options_.max_held_back_rad && shift_.norm() <= options_.max_held_back_m)) {
     Reset();
@@ -34,7 +37,7 @@ void SteadyPose::TakeUp(int64_t timestamp_ns, const Rigid3d& before, const Rigid
 }
 
 Rigid3d SteadyPose::Show(int64_t timestamp_ns, const Rigid3d& pose) const {
-  const double share = ShareLeft(timestamp_ns);
+  const double share = ShareLeftAfter(timestamp_ns - taken_up_ns_);
   if (share == 0.0) {
     return pose;
   }

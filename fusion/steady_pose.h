@@ -19,17 +19,21 @@ struct SteadyPoseOptions {
   void Validate() const;
 };
 
-// An estimate jumps where a frame or an answer of the map corrects it. What is drawn over a camera
-// image must not. So what is shown is the pose moved by what is held back of the corrections: it
-// takes up each of them, so that nothing moves at that instant, and then decays exponentially.
-// LocalSlew, with its bounded speed, is for controllers and moves a whole frame; this moves one
-// pose. Not thread-safe.
+// An estimate jumps where a frame or an answer of the map corrects it. What is drawn over camera
+// images must not jump from one to the next. A correction says two things: how the device has moved
+// since the last frame, which is better known than before and is shown at once, and where it was at
+// the last frame, which is a jump. So what is shown is the pose moved by what is held back of the
+// jumps: it takes up each of them, so that the last frame's pose does not move, and decays
+// exponentially from there. LocalSlew, with its bounded speed, is for controllers and moves a whole
+// frame; this moves one pose. Not thread-safe.
 class SteadyPose {
  public:
   explicit SteadyPose(const SteadyPoseOptions& options) : options_(options) {}
 
-  // The pose was `before` and has been corrected to `after`, both at this instant.
-  void TakeUp(int64_t timestamp_ns, const Rigid3d& before, const Rigid3d& after);
+  // At this instant a pose has been corrected from `before` to `after`: that of the device
+  // `since_ns` ago. Of the correction is held back what would be if it had been known since then.
+  void TakeUp(int64_t timestamp_ns, const Rigid3d& before, const Rigid3d& after,
+              int64_t since_ns = 0);
 
   // What is shown of a pose at an instant; before the last correction, as at it.
   Rigid3d Show(int64_t timestamp_ns, const Rigid3d& pose) const;
@@ -38,8 +42,7 @@ class SteadyPose {
   void Reset();
 
  private:
-  // Of what was held back at the last correction.
-  double ShareLeft(int64_t timestamp_ns) const;
+  double ShareLeftAfter(int64_t duration_ns) const;
 
   SteadyPoseOptions options_;
   int64_t taken_up_ns_ = 0;

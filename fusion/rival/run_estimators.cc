@@ -181,7 +181,14 @@ std::vector<FrameRun> RunBundleAdjuster(const Recording& recording,
     runs[i].update_seconds = runs[i].seconds;
     runs[i].global_from_imu = GlobalFromImu(adjuster);
     if (predicted) {  // Else it has just been aligned: that is shown at once.
-      steady.TakeUp(frame.timestamp_ns, *predicted, *runs[i].global_from_imu);
+      const int64_t since_ns = frame.timestamp_ns - recording.frames[i - 1].timestamp_ns;
+      const auto last = adjuster.PoseOf(static_cast<int64_t>(i) - 1);
+      if (last && runs[i - 1].global_from_imu) {
+        steady.TakeUp(frame.timestamp_ns, *runs[i - 1].global_from_imu,
+                      *adjuster.global_from_local() * *last, since_ns);
+      } else {
+        steady.TakeUp(frame.timestamp_ns, *predicted, *runs[i].global_from_imu, since_ns);
+      }
     }
     if (runs[i].global_from_imu) {
       runs[i].steady_global_from_imu = steady.Show(frame.timestamp_ns, *runs[i].global_from_imu);
