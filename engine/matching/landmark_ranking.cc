@@ -124,13 +124,14 @@ LandmarkRanking::TileHits::TileHits(LandmarkRanking* ranking, const TileView& vi
   tile_in_prior_ =
       (anchor_from_tile.translation.head<2>() - ranking->query_.region.prior_xy_in_anchor)
           .cast<float>();
-  prior_from_coarse_ = places.step_m() * prior_from_tile_.leftCols<2>();
-  coarse_in_prior_ = prior_from_tile_.leftCols<2>() * places.corner() + tile_in_prior_;
+  const CoarseGrid& grid = places.grid();
+  prior_from_coarse_ = grid.step_m() * prior_from_tile_.leftCols<2>();
+  coarse_in_prior_ = prior_from_tile_.leftCols<2>() * grid.corner() + tile_in_prior_;
   // Half a diagonal, what the height does where the two frames' verticals differ, and rounding.
   constexpr float kRounding = 1e-5f;
-  const float coarse_error_m = places.step_m() +
-                               prior_from_tile_.col(2).norm() * places.max_height_m() +
-                               kRounding * (1.0f + tile_in_prior_.norm() + places.corner().norm());
+  const float coarse_error_m = grid.step_m() +
+                               prior_from_tile_.col(2).norm() * grid.max_height_m() +
+                               kRounding * (1.0f + tile_in_prior_.norm() + grid.corner().norm());
   max_free_m_ = static_cast<float>(ranking->options_.viewing_distance_m) + coarse_error_m;
   if (ranking->position_factor_ > 0.0f) {
     per_sigma_ = 1.0f / static_cast<float>(ranking->query_.region.prior_sigma_m);

@@ -30,20 +30,19 @@ struct SomeDescriptors {
 // Those of the landmarks that any of the keyframes of one tile saw.
 SomeDescriptors DescriptorsOfKeyframes(const Tile& tile,
                                        std::span<const uint32_t> keyframe_indices) {
-  std::vector<bool> seen(tile.num_landmarks(), false);
+  std::vector<uint32_t> seen;
   for (const uint32_t keyframe_idx : keyframe_indices) {
-    for (const uint32_t landmark_idx : tile.LandmarksOfKeyframe(keyframe_idx)) {
-      seen[landmark_idx] = true;
-    }
+    const auto landmarks = tile.LandmarksOfKeyframe(keyframe_idx);
+    seen.insert(seen.end(), landmarks.begin(), landmarks.end());
   }
+  std::sort(seen.begin(), seen.end());
+  seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
   SomeDescriptors some;
-  for (uint32_t landmark_idx = 0; landmark_idx < seen.size(); ++landmark_idx) {
-    if (seen[landmark_idx]) {
-      for (uint32_t i = tile.descriptor_begin[landmark_idx];
-           i < tile.descriptor_begin[landmark_idx + 1]; ++i) {
-        some.descriptors.push_back(i);
-        some.landmarks.push_back(landmark_idx);
-      }
+  for (const uint32_t landmark_idx : seen) {
+    for (uint32_t i = tile.descriptor_begin[landmark_idx];
+         i < tile.descriptor_begin[landmark_idx + 1]; ++i) {
+      some.descriptors.push_back(i);
+      some.landmarks.push_back(landmark_idx);
     }
   }
   return some;
@@ -194,7 +193,8 @@ std::vector<Correspondence> MatchAgainstKeyframes(const QueryContext& query,
   for (size_t tile_idx = 0; tile_idx < tiles.size(); ++tile_idx) {
     const SearchableTile& tile = *tiles[tile_idx].tile;
     SomeDescriptors some = DescriptorsOfKeyframes(tile.tile(), keyframes_of_tile[tile_idx]);
-    const DescriptorPlaces places(tile.tile(), some.descriptors, std::move(some.landmarks));
+    const DescriptorPlaces places(tile.tile(), tile.places().grid(), some.descriptors,
+                                  std::move(some.landmarks));
     LandmarkRanking::TileHits tile_hits(&ranking, tiles[tile_idx], places,
                                         static_cast<int>(tile_idx));
     ByteDescriptors(codebook, GatherCodes(tile.tile(), some.descriptors))

@@ -1,7 +1,6 @@
 #include "engine/tiles/descriptor_places.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace cairn {
@@ -37,23 +36,9 @@ LargeVector<uint32_t> InOrder(LargeVector<uint32_t> values, std::span<const uint
 
 }  // namespace
 
-DescriptorPlaces::DescriptorPlaces(const Tile& tile, std::span<const uint32_t> order)
-    : DescriptorPlaces(tile, order, InOrder(LandmarkOfDescriptor(tile), order)) {}
-
-DescriptorPlaces::DescriptorPlaces(const Tile& tile, std::span<const uint32_t> descriptors,
-                                   LargeVector<uint32_t> landmarks)
-    : order_(descriptors), landmarks_(std::move(landmarks)) {
-  const LargeVector<uint32_t> coarse_xy = LayGrid(tile);
-  words_.resize(landmarks_.size());
-  for (size_t place = 0; place < words_.size(); ++place) {
-    words_[place] = coarse_xy[landmarks_[place]] | tile.orientation_codes[descriptor(place)];
-  }
-}
-
-LargeVector<uint32_t> DescriptorPlaces::LayGrid(const Tile& tile) {
-  LargeVector<uint32_t> coarse_xy(tile.num_landmarks());
+CoarseGrid::CoarseGrid(const Tile& tile) {
   if (tile.num_landmarks() == 0) {
-    return coarse_xy;
+    return;
   }
   Eigen::Vector3f low = tile.x_in_tile.front(), high = low;
   for (const Eigen::Vector3f& x_in_tile : tile.x_in_tile) {
@@ -62,17 +47,41 @@ LargeVector<uint32_t> DescriptorPlaces::LayGrid(const Tile& tile) {
   }
   corner_ = low.head<2>();
   max_height_m_ = std::max(-low.z(), high.z());
-  const float extent_m = std::max((high - low).head<2>().maxCoeff(), 1.0f);
-  step_m_ = extent_m / static_cast<float>(kMaxCoordinate);
-  const float steps_per_m = static_cast<float>(kMaxCoordinate) / extent_m;
-  for (size_t landmark = 0; landmark < tile.num_landmarks(); ++landmark) {
-    // Rounds to the nearest.
-    const Eigen::Vector2f steps =
-        (tile.x_in_tile[landmark].head<2>() - corner_) * steps_per_m + Eigen::Vector2f(0.5f, 0.5f);
-    coarse_xy[landmark] = std::min(static_cast<uint32_t>(steps.x()), kMaxCoordinate) << kXShift |
-                          std::min(static_cast<uint32_t>(steps.y()), kMaxCoordinate) << kYShift;
+  step_m_ = std::max((high - low).head<2>().maxCoeff(), 1.0f) / static_cast<float>(kMaxCoordinate);
+}
+
+uint32_t CoarseGrid::WordOf(const Eigen::Vector3f& x_in_tile) const {
+  const float steps_per_m = 1.0f / step_m_;
+  // Rounds to the nearest.
+  const Eigen::Vector2f steps =
+      (x_in_tile.head<2>() - corner_) * steps_per_m + Eigen::Vector2f(0.5f, 0.5f);
+  return std::min(static_cast<uint32_t>(steps.x()), kMaxCoordinate) << kXShift |
+         std::min(static_cast<uint32_t>(steps.y()), kMaxCoordinate) << kYShift;
+}
+
+DescriptorPlaces::DescriptorPlaces(const Tile& tile, std::span<const uint32_t> order)
+    : grid_(tile),
+      order_(order),
+      words_(tile.num_descriptors()),
+      landmarks_(InOrder(LandmarkOfDescriptor(tile), order)) {
+  // A landmark's place once, not for each of its descriptors.
+  LargeVector<uint32_t> landmark_words(tile.num_landmarks());
+  for (size_t i = 0; i < landmark_words.size(); ++i) {
+    landmark_words[i] = grid_.WordOf(tile.x_in_tile[i]);
   }
-  return coarse_xy;
+  for (size_t place = 0; place < words_.size(); ++place) {
+    words_[place] = landmark_words[landmarks_[place]] | tile.orientation_codes[descriptor(place)];
+  }
+}
+
+DescriptorPlaces::DescriptorPlaces(const Tile& tile, const CoarseGrid& grid,
+                                   std::span<const uint32_t> descriptors,
+                                   LargeVector<uint32_t> landmarks)
+    : grid_(grid), order_(descriptors), words_(landmarks.size()), landmarks_(std::move(landmarks)) {
+  for (size_t place = 0; place < words_.size(); ++place) {
+    words_[place] =
+        grid_.WordOf(tile.x_in_tile[landmarks_[place]]) | tile.orientation_codes[descriptor(place)];
+  }
 }
 
 }  // namespace cairn

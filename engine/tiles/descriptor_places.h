@@ -12,6 +12,33 @@
 
 namespace cairn {
 
+// A grid of 4096 x 4096 points about the landmarks of a tile, on which a place takes 24 bits.
+class CoarseGrid {
+ public:
+  explicit CoarseGrid(const Tile& tile);
+
+  const Eigen::Vector2f& corner() const { return corner_; }  // In the tile frame, metres.
+  float step_m() const { return step_m_; }
+  // No landmark is higher above or below the tile's origin, metres.
+  float max_height_m() const { return max_height_m_; }
+
+  // The nearest point to a landmark, as the upper bits of a word.
+  uint32_t WordOf(const Eigen::Vector3f& x_in_tile) const;
+  // That point from the corner, in steps.
+  static Eigen::Vector2f XyOf(uint32_t word) {
+    return {static_cast<float>(word >> kXShift & kMaxCoordinate),
+            static_cast<float>(word >> kYShift)};
+  }
+
+ private:
+  static constexpr int kXShift = 8, kYShift = 20;
+  static constexpr uint32_t kMaxCoordinate = (uint32_t{1} << (kYShift - kXShift)) - 1;
+
+  Eigen::Vector2f corner_ = Eigen::Vector2f::Zero();
+  float step_m_ = 0.0f;
+  float max_height_m_ = 0.0f;
+};
+
 // Hits of a list lie close together in these arrays, however far apart they are in the tile. Most
 // hits are refused by what one word says of them: the orientation, exactly, and about where the
 // landmark is. Immutable; safe to use from any thread.
@@ -19,8 +46,9 @@ class DescriptorPlaces {
  public:
   // `order` is the index's (MatchingIndex::order) and must outlive this.
   DescriptorPlaces(const Tile& tile, std::span<const uint32_t> order);
-  // Some descriptors and the landmark of each. `descriptors` must outlive this.
-  DescriptorPlaces(const Tile& tile, std::span<const uint32_t> descriptors,
+  // Some descriptors of a tile and the landmark of each; `grid` is the tile's. `descriptors` must
+  // outlive this. Linear in their number.
+  DescriptorPlaces(const Tile& tile, const CoarseGrid& grid, std::span<const uint32_t> descriptors,
                    LargeVector<uint32_t> landmarks);
 
   size_t size() const { return landmarks_.size(); }
@@ -29,15 +57,9 @@ class DescriptorPlaces {
     return order_.empty() ? static_cast<uint32_t>(place) : order_[place];
   }
   uint8_t orientation_code(size_t place) const { return static_cast<uint8_t>(words_[place]); }
-  // The landmark's place on the grid of corner() and step_m(), to the nearest of its points.
-  Eigen::Vector2f CoarseXy(size_t place) const {
-    return {static_cast<float>(words_[place] >> kXShift & kMaxCoordinate),
-            static_cast<float>(words_[place] >> kYShift)};
-  }
-  const Eigen::Vector2f& corner() const { return corner_; }  // In the tile frame, metres.
-  float step_m() const { return step_m_; }
-  // No landmark is higher above or below the tile's origin, metres.
-  float max_height_m() const { return max_height_m_; }
+  // The landmark's place on the grid.
+  Eigen::Vector2f CoarseXy(size_t place) const { return CoarseGrid::XyOf(words_[place]); }
+  const CoarseGrid& grid() const { return grid_; }
 
   // Ask the processor to fetch what orientation_code and CoarseXy read, or the other two.
   void Prefetch(size_t place) const { __builtin_prefetch(&words_[place]); }
@@ -54,17 +76,9 @@ class DescriptorPlaces {
   static constexpr size_t kBytesPerDescriptor = 2 * sizeof(uint32_t);
 
  private:
-  static constexpr int kXShift = 8, kYShift = 20;
-  static constexpr uint32_t kMaxCoordinate = (uint32_t{1} << (kYShift - kXShift)) - 1;
-
-  // Sets the grid, and returns each landmark's place on it as bits of a word.
-  LargeVector<uint32_t> LayGrid(const Tile& tile);
-
+  CoarseGrid grid_;
   std::span<const uint32_t> order_;
-  Eigen::Vector2f corner_ = Eigen::Vector2f::Zero();
-  float step_m_ = 0.0f;
-  float max_height_m_ = 0.0f;
-  LargeVector<uint32_t> words_;  // Orientation code, x, y: 8, 12 and 12 bits.
+  LargeVector<uint32_t> words_;  // Orientation code and place on the grid: 8 and 24 bits.
   LargeVector<uint32_t> landmarks_;
 };
 

@@ -42,10 +42,11 @@ void ExpectPlaces(const Tile& tile, const DescriptorPlaces& places,
     ASSERT_EQ(places.landmark(place), landmark);
     ASSERT_EQ(places.orientation_code(place), tile.orientation_codes[order[place]]);
     // To the nearest point of the grid, but for rounding.
-    const Eigen::Vector2f xy = places.corner() + places.step_m() * places.CoarseXy(place);
+    const Eigen::Vector2f xy =
+        places.grid().corner() + places.grid().step_m() * places.CoarseXy(place);
     ASSERT_LE((xy - tile.x_in_tile[landmark].head<2>()).cwiseAbs().maxCoeff(),
-              0.501f * places.step_m() + 1e-4f);
-    ASSERT_LE(std::abs(tile.x_in_tile[landmark].z()), places.max_height_m());
+              0.501f * places.grid().step_m() + 1e-4f);
+    ASSERT_LE(std::abs(tile.x_in_tile[landmark].z()), places.grid().max_height_m());
   }
 }
 
@@ -68,7 +69,7 @@ TEST(DescriptorPlaces, MayBeThoseOfSomeDescriptors) {
   for (const uint32_t descriptor : some) {
     landmarks.push_back(LandmarkOf(tile, descriptor));
   }
-  ExpectPlaces(tile, DescriptorPlaces(tile, some, landmarks), some);
+  ExpectPlaces(tile, DescriptorPlaces(tile, CoarseGrid(tile), some, landmarks), some);
 }
 
 TEST(DescriptorPlaces, StandALandmarkAtTheEdgeOfTheTileFrame) {
