@@ -83,6 +83,11 @@ void Print(const BenchWorldOptions& world, const BenchFigures& figures) {
              Mean(figures.warm, &StageCounters::num_matches));
   fmt::print("cold tile load     {:.1f} ms a tile until it can be searched\n",
              1e3 * figures.cold_tile_seconds);
+  fmt::print(
+      "tile load          {:.2f} ms; {:.1f} times a plain read into new memory, {:.1f} into "
+      "used\n",
+      1e3 * figures.tile_load_seconds, figures.tile_load_seconds / figures.new_read_seconds,
+      figures.tile_load_seconds / figures.used_read_seconds);
   fmt::print("cold query         {:.1f} ms with no tile in the cache\n",
              1e3 * figures.cold_query_seconds);
   fmt::print("tile               {:.2f} MB in the file, {:.2f} MB in the cache\n",

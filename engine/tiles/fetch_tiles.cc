@@ -16,7 +16,6 @@
 
 #include "core/error.h"
 #include "engine/prior/search_region.h"
-#include "storage/tile_codec.h"
 
 namespace cairn {
 namespace {
@@ -201,7 +200,7 @@ class TileLoader {
     try {
       std::shared_ptr<const Codebook> codebook;
       LargeVector<uint8_t> bytes = Fetch(record, &codebook);
-      auto tile = MakeSearchable(std::move(bytes), std::move(codebook));
+      auto tile = MakeSearchableTile(std::move(bytes), std::move(codebook), index_options_);
       if (tile->id() != record.tile_id) {
         throw Error(ErrorCode::kMapDamaged, fmt::format("holds tile {}", tile->id().ToString()));
       }
@@ -211,19 +210,6 @@ class TileLoader {
                   fmt::format("tile {}, payload {}: {}; `cairn check` looks for more",
                               record.tile_id.ToString(), Value(record.payload_id), error.what()));
     }
-  }
-
-  std::shared_ptr<const SearchableTile> MakeSearchable(LargeVector<uint8_t> bytes,
-                                                       std::shared_ptr<const Codebook> codebook) {
-    if (SearchableTile::NeedsListsOnly(index_options_) && TilePayload::IsSearchReady(bytes)) {
-      return std::make_shared<const SearchableTile>(TilePayload(std::move(bytes)),
-                                                    std::move(codebook), index_options_);
-    }
-    TileLists lists;
-    Tile tile = DecodeTile(bytes, {}, &lists);
-    return std::make_shared<const SearchableTile>(std::move(tile), std::move(codebook),
-                                                  index_options_, std::move(lists),
-                                                  BuildExtent::kFirstPart);
   }
 
   // A snapshot serves one thread at a time.

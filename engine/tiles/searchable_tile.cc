@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "storage/tile_codec.h"
 
 namespace cairn {
 namespace {
@@ -78,6 +79,19 @@ std::vector<double> SearchableTile::ReferenceDistances(const DescriptorMatrix& q
 size_t SearchableTile::MemoryBytes() const {
   return sizeof(*this) + content_.MemoryBytes() + index_->MemoryBytes() +
          (reference_words_ ? reference_words_->MemoryBytes() : 0);
+}
+
+std::shared_ptr<const SearchableTile> MakeSearchableTile(LargeVector<uint8_t> payload,
+                                                         std::shared_ptr<const Codebook> codebook,
+                                                         const IndexOptions& options) {
+  if (SearchableTile::NeedsListsOnly(options) && TilePayload::IsSearchReady(payload)) {
+    return std::make_shared<const SearchableTile>(TilePayload(std::move(payload)),
+                                                  std::move(codebook), options);
+  }
+  TileLists lists;
+  Tile tile = DecodeTile(payload, {}, &lists);
+  return std::make_shared<const SearchableTile>(std::move(tile), std::move(codebook), options,
+                                                std::move(lists), BuildExtent::kFirstPart);
 }
 
 }  // namespace cairn

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/geodesy.h"
+#include "core/large_vector.h"
 #include "engine/matching/inverted_lists.h"
 #include "engine/matching/matching_index.h"
 #include "engine/matching/product_words.h"
@@ -65,6 +66,12 @@ class SearchableTile : public CachedTile {
   std::optional<ProductWords> reference_words_;
   TileContent content_;
 };
+
+// Makes a payload, as LoadPayload returns it, searchable in the quickest way, or at least the first
+// part of its index. Throws Error(kMapDamaged) if it does not decode or is not of the codebook.
+std::shared_ptr<const SearchableTile> MakeSearchableTile(LargeVector<uint8_t> payload,
+                                                         std::shared_ptr<const Codebook> codebook,
+                                                         const IndexOptions& options);
 
 // A tile as one query sees it.
 struct TileView {

@@ -1,17 +1,26 @@
 #include "eval/bench/run_bench.h"
 
 #include <sched.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <chrono>
+#include <cstdio>
+#include <cstring>
 #include <limits>
+#include <memory>
+#include <span>
+#include <string>
 #include <utility>
 
 #include "core/error.h"
+#include "core/large_vector.h"
 #include "core/require.h"
 #include "engine/localizer.h"
 #include "engine/matching/byte_descriptors.h"
+#include "engine/tiles/searchable_tile.h"
 #include "storage/descriptor_codec.h"
 #include "storage/tile_cache.h"
 #include "storage/tile_codec.h"
@@ -66,6 +75,77 @@ void MeasureColdQuery(const std::shared_ptr<const MapStore>& store, const EvalQu
   figures->cold_query_seconds = result.times.total_seconds;
 }
 
+// A file without a name that holds a payload.
+class PayloadFile {
+ public:
+  explicit PayloadFile(std::span<const uint8_t> payload) : file_(std::tmpfile()) {
+    Check(file_ != nullptr);
+    Check(std::fwrite(payload.data(), 1, payload.size(), file_) == payload.size());
+    Check(std::fflush(file_) == 0);
+  }
+  ~PayloadFile() { std::fclose(file_); }
+  PayloadFile(const PayloadFile&) = delete;
+  PayloadFile& operator=(const PayloadFile&) = delete;
+
+  // All of it, by one call.
+  void Read(std::span<uint8_t> payload) const {
+    Check(pread(fileno(file_), payload.data(), payload.size(), 0) ==
+          static_cast<ssize_t>(payload.size()));
+  }
+
+ private:
+  static void Check(bool is_good) {
+    if (!is_good) {
+      throw Error(ErrorCode::kIo, std::string("scratch file: ") + std::strerror(errno));
+    }
+  }
+
+  std::FILE* file_;
+};
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Loads and plain reads in turn. As in a cache that fills, the tiles of a round stay in memory.
+void MeasureTileLoads(const MapSnapshot& snapshot, const IndexOptions& options,
+                      BenchFigures* figures) {
+  constexpr int kNumRounds = 15;
+  const std::vector<TileRecord> records = snapshot.AllTiles(std::numeric_limits<int64_t>::max());
+  const std::shared_ptr<const Codebook> codebook = snapshot.CurrentCodebook();
+  std::vector<std::unique_ptr<const PayloadFile>> files;
+  for (const TileRecord& record : records) {
+    files.push_back(std::make_unique<const PayloadFile>(snapshot.LoadPayload(record.payload_id)));
+  }
+  std::vector<double> load_seconds, new_read_seconds, used_read_seconds;
+  for (int round = 0; round < kNumRounds; ++round) {
+    std::vector<std::shared_ptr<const SearchableTile>> tiles;
+    std::vector<LargeVector<uint8_t>> payloads;
+    for (const TileRecord& record : records) {
+      const Stopwatch load;
+      tiles.push_back(
+          MakeSearchableTile(snapshot.LoadPayload(record.payload_id), codebook, options));
+      load_seconds.push_back(load.Seconds());
+    }
+    for (size_t i = 0; i < records.size(); ++i) {
+      const Stopwatch stopwatch;
+      payloads.emplace_back(records[i].num_bytes);
+      files[i]->Read(payloads[i]);
+      new_read_seconds.push_back(stopwatch.Seconds());
+    }
+    for (size_t i = 0; i < records.size(); ++i) {
+      const Stopwatch stopwatch;
+      files[i]->Read(payloads[i]);
+      used_read_seconds.push_back(stopwatch.Seconds());
+    }
+  }
+  figures->tile_load_seconds = Median(load_seconds);
+  figures->new_read_seconds = Median(new_read_seconds);
+  figures->used_read_seconds = Median(used_read_seconds);
+}
+
 // The median of three times, of which each is of all tiles: a single one may be half as long again
 // as another.
 void MeasureExhaustiveSearch(const MapSnapshot& snapshot, const EvalQuery& query,
@@ -118,6 +198,7 @@ BenchFigures RunBench(std::shared_ptr<const MapStore> store, const std::vector<E
     figures.payload_bytes_per_tile = static_cast<double>(info.payload_bytes) /
                                      static_cast<double>(std::max<int64_t>(1, info.num_tiles));
     MeasureExhaustiveSearch(snapshot, queries.front(), &figures);
+    MeasureTileLoads(snapshot, options.localizer.matching.index, &figures);
   }
   MeasureColdQuery(store, queries.front(), options, &figures);
 
