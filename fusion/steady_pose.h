@@ -11,7 +11,7 @@ namespace cairn::fusion {
 
 struct SteadyPoseOptions {
   // This long after a correction 37 % of it are still held back. 0: nothing is.
-  double time_constant_s = 0.2;
+  double time_constant_s = 0.25;
   // If more than this would be held back, all is passed on at once.
   double max_held_back_m = 0.5;
   double max_held_back_rad = 0.1;

@@ -43,7 +43,7 @@ TEST(SteadyPose, PassesACorrectionOnWithTheTimeConstant) {
     EXPECT_LT(DistanceM(shown, kAfter), DistanceM(last, kAfter));
     last = shown;
   }
-  EXPECT_NEAR(DistanceM(steady.Show(200'000'000, kAfter), kAfter), 0.1 * std::exp(-1.0), 1e-9);
+  EXPECT_NEAR(DistanceM(steady.Show(250'000'000, kAfter), kAfter), 0.1 * std::exp(-1.0), 1e-9);
   EXPECT_LT(DistanceM(steady.Show(2'000'000'000, kAfter), kAfter), 1e-3);
   EXPECT_LT(TurnRad(steady.Show(2'000'000'000, kAfter), kAfter), 1e-4);
 }
