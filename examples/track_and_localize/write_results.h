@@ -14,6 +14,7 @@ struct TrackPoint {
   Eigen::Vector3d truth = Eigen::Vector3d::Zero();
   Eigen::Vector3d local = Eigen::Vector3d::Zero();  // Tracked alone from the true start.
   Eigen::Vector3d fused = Eigen::Vector3d::Zero();  // With the map; meaningful if is_fused.
+  Eigen::Vector3d shown = Eigen::Vector3d::Zero();  // The steady pose; meaningful if is_fused.
   bool is_fused = false;
 };
 
@@ -27,6 +28,10 @@ struct TrackErrors {
   double fused_rmse_m = 0.0;
   double local_final_m = 0.0;
   double fused_final_m = 0.0;
+  double shown_rmse_m = 0.0;
+  // Root mean square change of the error from frame to frame.
+  double fused_change_m = 0.0;
+  double shown_change_m = 0.0;
   int num_fused = 0;
 };
 TrackErrors ErrorsOf(const std::vector<TrackPoint>& points);
