@@ -61,8 +61,10 @@ void PrintText(const IngestOptions& options, const Georegistration& georegistrat
       "georegistration  {} of {} positions agree; residual {:.3f} m median, {:.3f} m largest\n",
       georegistration.num_inliers, georegistration.num_positions, georegistration.median_residual_m,
       georegistration.max_residual_m);
-  fmt::print("landmarks        {} read, {} dropped as uncertain, {} written\n",
-             report.num_landmarks_read, report.num_landmarks_dropped, report.num_landmarks_written);
+  fmt::print(
+      "landmarks        {} read, {} dropped as uncertain, {} written, one for each tile that sees "
+      "it\n",
+      report.num_landmarks_read, report.num_landmarks_dropped, report.num_landmarks_written);
   fmt::print("descriptors      {}\n", report.num_descriptors_written);
   fmt::print("tiles            {} ({:.1f} kB)\n", report.num_tiles_written,
              1e-3 * static_cast<double>(report.num_payload_bytes));
