@@ -156,6 +156,7 @@ void ConcludeAnswer(const QueryContext& query, const std::vector<TileView>& tile
     return;
   }
   result->reason = NotLocalizedReason::kNone;
+  result->counters.used_gravity = best->used_gravity;
   FillPose(query, best->estimate, options.calibration, result);
   FillMatches(query, tiles, *best, result);
 }

@@ -17,6 +17,7 @@ namespace cairn {
 struct PoseHypothesis {
   PoseEstimate estimate;
   std::shared_ptr<const std::vector<Correspondence>> correspondences;
+  bool used_gravity = false;
 };
 
 // Picks the hypothesis with most effective inliers within the region, or one from elsewhere that

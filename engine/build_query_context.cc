@@ -88,4 +88,11 @@ QueryContext BuildQueryContext(const LocalizeQuery& query, const DescriptorCodec
   return context;
 }
 
+QueryContext WithoutGravity(QueryContext context) {
+  context.down_in_cam.reset();
+  context.level_from_cam.reset();
+  context.gravity_orientations_rad.assign(context.keypoints.size(), std::nullopt);
+  return context;
+}
+
 }  // namespace cairn

@@ -14,6 +14,9 @@ namespace cairn {
 QueryContext BuildQueryContext(const LocalizeQuery& query, const DescriptorCodec& codec,
                                const SearchRegion& region);
 
+// The context of the same query without its gravity.
+QueryContext WithoutGravity(QueryContext context);
+
 }  // namespace cairn
 
 #endif  // CAIRN_ENGINE_BUILD_QUERY_CONTEXT_H_

@@ -46,7 +46,9 @@ struct StageCounters {
   int64_t num_tiles_loaded = 0;    // Cache misses.
   int64_t num_descriptors = 0;     // In the tiles searched.
   int64_t num_distances = 0;       // Descriptor distances computed.
-  int64_t num_matches = 0;         // Keypoint-landmark pairs under the threshold.
+  // Keypoint-landmark pairs under the threshold; this and the next three are of the last try, which
+  // may have been the one without gravity.
+  int64_t num_matches = 0;
   int64_t num_matched_keypoints = 0;
   int64_t num_votes = 0;
   int64_t num_candidates = 0;  // Voting maxima handed to pose estimation.
@@ -54,7 +56,7 @@ struct StageCounters {
   int64_t num_refined_keyframes = 0;  // 0 if the refinement stage was not needed.
   int64_t num_rematches = 0;          // Matches of the refinement stage.
   bool used_prior = false;
-  bool used_gravity = false;
+  bool used_gravity = false;    // By the answer; in the query, if there is none.
   bool tile_limit_hit = false;  // More tiles in the region than the limit: a part was not seen.
   // The deadline kept a stage from all of its work; with more time the answer might be better.
   bool tiles_cut_short = false;     // Tiles left out, or parts of their indices not yet built.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <numeric>
@@ -84,6 +85,13 @@ class QueryRun {
   int TryInRounds(int count, const std::function<Attempt(int, double)>& attempt);
   void AddHypothesis(Attempt attempt);
   bool NeedsRefinement() const;
+  // Matches the image against the keyframes that got most matches, and tries poses on these
+  // matches.
+  void MatchKeyframes();
+  // See RefinementOptions::max_gravity_error_sigmas.
+  bool DoubtsGravity() const;
+  // From matching on, as if the query had had no gravity; the hypotheses so far stay.
+  void TryWithoutGravity();
 
   const MapStore& store_;
   TileCache* cache_;
@@ -208,33 +216,71 @@ NotLocalizedReason QueryRun::EstimatePoses() {
             EstimatePose(context_, *correspondences_, candidates_[i].correspondences, options_.pose,
                          options_.seed, min_consensus)};
   });
-  result_.counters.pose_cut_short = num_tried < num_candidates;
+  result_.counters.pose_cut_short |= num_tried < num_candidates;
   return NotLocalizedReason::kNone;
 }
 
 NotLocalizedReason QueryRun::Refine() {
   if (NeedsRefinement()) {
-    const auto ranked = RankKeyframes(context_, tiles_, *correspondences_, options_.refinement);
-    std::vector<int64_t> num_rematches(ranked.size(), 0);
-    const auto attempt = [&](int i, double min_consensus) -> Attempt {
-      const auto rematches = std::make_shared<const std::vector<Correspondence>>(
-          MatchAgainstKeyframes(context_, tiles_,
-                                KeyframeNeighborhood(tiles_, ranked[i].keyframe,
-                                                     options_.refinement.neighbors_per_keyframe),
-                                options_.refinement.relaxed_distance_quantile, options_.matching));
-      num_rematches[i] = static_cast<int64_t>(rematches->size());
-      std::vector<int> all(rematches->size());
-      std::iota(all.begin(), all.end(), 0);
-      return {rematches,
-              EstimatePose(context_, *rematches, all, options_.pose, options_.seed, min_consensus)};
-    };
-    const auto num_ranked = static_cast<int>(ranked.size());
-    result_.counters.num_refined_keyframes = TryInRounds(num_ranked, attempt);
-    result_.counters.refinement_cut_short = result_.counters.num_refined_keyframes < num_ranked;
-    result_.counters.num_rematches =
-        std::accumulate(num_rematches.begin(), num_rematches.end(), int64_t{0});
+    MatchKeyframes();
+  }
+  if (DoubtsGravity()) {
+    TryWithoutGravity();
   }
   return hypotheses_.empty() ? NotLocalizedReason::kTooFewInliers : NotLocalizedReason::kNone;
+}
+
+void QueryRun::MatchKeyframes() {
+  const auto ranked = RankKeyframes(context_, tiles_, *correspondences_, options_.refinement);
+  std::vector<int64_t> num_rematches(ranked.size(), 0);
+  const auto attempt = [&](int i, double min_consensus) -> Attempt {
+    const auto rematches = std::make_shared<const std::vector<Correspondence>>(
+        MatchAgainstKeyframes(context_, tiles_,
+                              KeyframeNeighborhood(tiles_, ranked[i].keyframe,
+                                                   options_.refinement.neighbors_per_keyframe),
+                              options_.refinement.relaxed_distance_quantile, options_.matching));
+    num_rematches[i] = static_cast<int64_t>(rematches->size());
+    std::vector<int> all(rematches->size());
+    std::iota(all.begin(), all.end(), 0);
+    return {rematches,
+            EstimatePose(context_, *rematches, all, options_.pose, options_.seed, min_consensus)};
+  };
+  const auto num_ranked = static_cast<int>(ranked.size());
+  const int num_tried = TryInRounds(num_ranked, attempt);
+  result_.counters.num_refined_keyframes += num_tried;
+  result_.counters.refinement_cut_short |= num_tried < num_ranked;
+  result_.counters.num_rematches +=
+      std::accumulate(num_rematches.begin(), num_rematches.end(), int64_t{0});
+}
+
+bool QueryRun::DoubtsGravity() const {
+  if (!context_.down_in_cam || options_.refinement.mode == RefinementMode::kNever ||
+      options_.pose.solver == MinimalSolver::kGravityTwoPoint || DeadlinePassed()) {
+    return false;
+  }
+  const auto best = std::max_element(
+      hypotheses_.begin(), hypotheses_.end(), [](const PoseHypothesis& a, const PoseHypothesis& b) {
+        return a.estimate.effective_inliers < b.estimate.effective_inliers;
+      });
+  if (best == hypotheses_.end() ||
+      best->estimate.effective_inliers < options_.answer.min_effective_inliers) {
+    return true;
+  }
+  const Eigen::Vector3d down_in_cam =
+      best->estimate.cam_from_anchor.rotation * -Eigen::Vector3d::UnitZ();
+  const double tilt_rad = std::acos(std::clamp(down_in_cam.dot(*context_.down_in_cam), -1.0, 1.0));
+  return best->estimate.effective_inliers < options_.refinement.good_effective_inliers &&
+         tilt_rad > options_.refinement.max_gravity_error_sigmas * options_.pose.gravity_sigma_rad;
+}
+
+void QueryRun::TryWithoutGravity() {
+  context_ = WithoutGravity(std::move(context_));
+  if (Match() == NotLocalizedReason::kNone && Vote() == NotLocalizedReason::kNone) {
+    EstimatePoses();
+    if (NeedsRefinement()) {
+      MatchKeyframes();
+    }
+  }
 }
 
 // The first attempt is made alone: it succeeds more often than not, and then the others need not
@@ -266,7 +312,8 @@ void QueryRun::AddHypothesis(Attempt attempt) {
   if (attempt.estimate) {
     best_consensus_ = std::max(best_consensus_, attempt.estimate->consensus);
     result_.counters.num_ransac_iterations += attempt.estimate->num_iterations;
-    hypotheses_.push_back({std::move(*attempt.estimate), std::move(attempt.correspondences)});
+    hypotheses_.push_back({std::move(*attempt.estimate), std::move(attempt.correspondences),
+                           context_.down_in_cam.has_value()});
   }
 }
 

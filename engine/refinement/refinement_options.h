@@ -20,6 +20,11 @@ struct RefinementOptions {
   // same location and not ranked, metres. Covers the neighbours of a walk or a slow drive.
   double min_separation_m = 3.0;
   double relaxed_distance_quantile = 0.95;  // Threshold of the re-matching.
+  // Gravity is doubted, and everything from matching on is tried once more as if the query had had
+  // none, if there is still no pose good enough for an answer, or one with fewer than
+  // good_effective_inliers that is tilted against gravity by more than so many standard deviations
+  // (PoseOptions::gravity_sigma_rad). Infinity: only if there is no answer. Not in mode kNever.
+  double max_gravity_error_sigmas = 2.0;
 
   // Throws Error(kInvalidArgument) naming the field.
   void Validate() const;

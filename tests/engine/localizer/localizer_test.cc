@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <set>
@@ -118,6 +119,42 @@ TEST_F(LocalizerOnOneStreet, WorksWithoutGravity) {
   const LocalizeResult result = localizer().Localize(query);
   ExpectPose(result, *world_, cam_from_enu, 0.05, 0.1 * kRadPerDeg);
   EXPECT_FALSE(result.counters.used_gravity);
+}
+
+TEST_F(LocalizerOnOneStreet, DoubtsGravityThatLeadsNowhere) {
+  const Rigid3d cam_from_enu = QueryPose(20.0);
+  LocalizeQuery query = QueryAt(*world_, cam_from_enu);
+  *query.down_in_cam *= -1.0;
+  const LocalizeResult result = localizer().Localize(query);
+  ExpectPose(result, *world_, cam_from_enu, 0.05, 0.1 * kRadPerDeg);
+  EXPECT_FALSE(result.counters.used_gravity);
+
+  LocalizerOptions trusting;
+  trusting.refinement.mode = RefinementMode::kNever;
+  const LocalizeResult lost = map_->WithOptions(trusting).Localize(query);
+  EXPECT_EQ(lost.reason, NotLocalizedReason::kTooFewInliers);
+  EXPECT_TRUE(lost.counters.used_gravity);
+}
+
+TEST_F(LocalizerOnOneStreet, DoubtsGravityThatAWeakAnswerIsTiltedAgainst) {
+  const Rigid3d cam_from_enu = QueryPose(20.0);
+  LocalizeQuery query = QueryAt(*world_, cam_from_enu);
+  LocalizerOptions options;
+  options.refinement.good_effective_inliers = 1e6;  // Every answer is weak.
+  const auto num_distances = [&](double tilt_rad, double max_error_sigmas) {
+    options.refinement.max_gravity_error_sigmas = max_error_sigmas;
+    LocalizeQuery tilted = query;
+    tilted.down_in_cam = Eigen::AngleAxisd(tilt_rad, Eigen::Vector3d::UnitZ()) * *query.down_in_cam;
+    const LocalizeResult result = map_->WithOptions(options).Localize(tilted);
+    ExpectPose(result, *world_, cam_from_enu, 0.05, 0.1 * kRadPerDeg);
+    return result.counters.num_distances;
+  };
+  const double sigma_rad = options.pose.gravity_sigma_rad;
+  constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+  // Matching is done twice if gravity is doubted.
+  EXPECT_EQ(num_distances(0.0, 4.0), num_distances(0.0, kNoLimit));
+  EXPECT_GT(num_distances(5.0 * sigma_rad, 4.0), num_distances(5.0 * sigma_rad, kNoLimit));
+  EXPECT_EQ(num_distances(3.0 * sigma_rad, 4.0), num_distances(3.0 * sigma_rad, kNoLimit));
 }
 
 TEST_F(LocalizerOnOneStreet, WorksWithoutPrior) {
