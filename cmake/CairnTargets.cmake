@@ -22,6 +22,9 @@ function(cairn_library)
   target_link_libraries(${target}
     PUBLIC ${ARG_PUBLIC}
     PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:cairn_compiler_options>)
+  if(NOT OpenMP::OpenMP_CXX IN_LIST ARG_PRIVATE)  # Whose flag the precompiled headers lack.
+    target_precompile_headers(${target} REUSE_FROM cairn_library_headers)
+  endif()
   set_property(GLOBAL APPEND PROPERTY CAIRN_LIBRARIES ${target})
 endfunction()
 
@@ -41,6 +44,9 @@ function(cairn_test)
     CAIRN_SOURCE_DIR="${PROJECT_SOURCE_DIR}" CAIRN_BINARY_DIR="${CMAKE_BINARY_DIR}")
   target_link_libraries(${target} PRIVATE
     ${ARG_DEPENDS} GTest::gmock GTest::gtest_main cairn_compiler_options)
+  if(NOT OpenMP::OpenMP_CXX IN_LIST ARG_DEPENDS)
+    target_precompile_headers(${target} REUSE_FROM cairn_test_headers)
+  endif()
   gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${ARG_TIMEOUT})
 endfunction()
 

@@ -1,0 +1,21 @@
+# What nearly every source includes, compiled once for the libraries and once for the tests. Sources
+# include what they use all the same: the sanitizers' presets build without these
+# (CMAKE_DISABLE_PRECOMPILE_HEADERS) and so find what one has forgotten.
+set(cairn_common_headers
+  <algorithm> <functional> <memory> <optional> <span> <sstream> <string> <string_view>
+  <unordered_map> <vector> <Eigen/Cholesky> <Eigen/Geometry> <Eigen/LU> <Eigen/QR> <Eigen/SVD>)
+
+file(WRITE ${CMAKE_BINARY_DIR}/generated/precompiled/empty.cc "")
+foreach(kind library test)
+  add_library(cairn_${kind}_headers OBJECT ${CMAKE_BINARY_DIR}/generated/precompiled/empty.cc)
+  target_link_libraries(cairn_${kind}_headers PRIVATE Eigen3::Eigen cairn_compiler_options)
+  target_precompile_headers(cairn_${kind}_headers PRIVATE ${cairn_common_headers})
+endforeach()
+# Tests are executables, which the compiler tells from libraries.
+set_target_properties(cairn_test_headers PROPERTIES POSITION_INDEPENDENT_CODE OFF)
+target_compile_options(cairn_test_headers PRIVATE -fPIE)
+if(CAIRN_BUILD_TESTS)
+  target_link_libraries(cairn_test_headers PRIVATE GTest::gmock)
+  target_precompile_headers(cairn_test_headers PRIVATE
+    <filesystem> <map> <random> <gmock/gmock.h> <gtest/gtest.h>)
+endif()
