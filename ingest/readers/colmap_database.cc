@@ -150,6 +150,14 @@ ColmapDatabase::ColmapDatabase(const std::string& path) : path_(path) {
 
 ColmapDatabase::~ColmapDatabase() = default;
 
+bool ColmapDatabase::HasImage(const std::string& image_name) {
+  return WithDatabaseErrors(path_, [&] {
+    sqlite::Statement statement = connection_->Prepare("SELECT 1 FROM images WHERE name = ?");
+    statement.Bind(std::string_view(image_name));
+    return statement.Step();
+  });
+}
+
 FeatureSet ColmapDatabase::ReadFeatures(const std::string& image_name) {
   return WithDatabaseErrors(path_, [&] {
     const MatrixBlob keypoints = ReadMatrix(connection_.get(), "keypoints", image_name, 4);

@@ -24,6 +24,8 @@ class ColmapDatabase {
   explicit ColmapDatabase(const std::string& path);
   ~ColmapDatabase();
 
+  bool HasImage(const std::string& image_name);
+
   // Keypoints with 2, 4 (scale, orientation) or 6 (affine shape) columns and byte descriptors of
   // any dimension.
   //

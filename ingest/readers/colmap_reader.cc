@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <fstream>
+#include <set>
 #include <string_view>
 #include <unordered_map>
 #include <unordered_set>
@@ -24,16 +24,26 @@ namespace {
 // Position in Reconstruction::images by COLMAP's image id; -1 if the image is not read.
 using ImageIndex = std::unordered_map<uint32_t, int>;
 
-// Removes what is not wanted; throws for wanted names that are not there.
-void KeepImages(const ColmapInput& input, std::vector<ColmapImage>* images) {
-  std::unordered_set<std::string> missing(input.image_names.begin(), input.image_names.end());
-  const std::unordered_set<std::string> wanted = missing;
+// Removes what is not wanted. Wanted names that the model lacks are passed over if the database
+// knows them, as photos that did not find their place; names that neither knows are refused.
+void KeepImages(const ColmapInput& input, ColmapDatabase* database,
+                std::vector<ColmapImage>* images) {
+  const std::unordered_set<std::string> wanted(input.image_names.begin(), input.image_names.end());
+  // Ordered, so that messages do not depend on hashing.
+  std::set<std::string> missing(wanted.begin(), wanted.end());
   for (const ColmapImage& image : *images) missing.erase(image.name);
+  for (const std::string& name : missing) {
+    if (!database->HasImage(name)) {
+      ThrowBadModel(input, fmt::format("image {}, which was asked for, is neither in it nor in {}",
+                                       name, input.database_path));
+    }
+  }
+  if (missing.size() == wanted.size()) {
+    ThrowBadModel(input, fmt::format("none of the {} images asked for is in it", wanted.size()));
+  }
   if (!missing.empty()) {
-    // The smallest, so that the message does not depend on hashing.
-    ThrowBadModel(
-        input, fmt::format("{} of the {} images asked for are not in it, e.g. {}", missing.size(),
-                           wanted.size(), *std::min_element(missing.begin(), missing.end())));
+    LogWarning("{} of the {} images asked for are left out: COLMAP did not register them, e.g. {}",
+               missing.size(), wanted.size(), *missing.begin());
   }
   std::erase_if(*images, [&](const ColmapImage& image) { return !wanted.contains(image.name); });
 }
@@ -61,9 +71,8 @@ ReconImage ReadImage(const ColmapInput& input, const ColmapImage& source, int ca
 }
 
 // Fills cameras, images and the index of the images read.
-void ReadImages(const ColmapInput& input, const ColmapModel& model, Reconstruction* reconstruction,
-                ImageIndex* index) {
-  ColmapDatabase database(input.database_path);
+void ReadImages(const ColmapInput& input, const ColmapModel& model, ColmapDatabase* database,
+                Reconstruction* reconstruction, ImageIndex* index) {
   std::unordered_map<uint32_t, int> camera_idx_of_id;
   for (const auto& [camera_id, camera] : model.cameras) {
     camera_idx_of_id[camera_id] = static_cast<int>(reconstruction->cameras.size());
@@ -76,7 +85,7 @@ void ReadImages(const ColmapInput& input, const ColmapModel& model, Reconstructi
                                        image.camera_id));
     }
     (*index)[image.image_id] = static_cast<int>(reconstruction->images.size());
-    reconstruction->images.push_back(ReadImage(input, image, camera_idx->second, &database));
+    reconstruction->images.push_back(ReadImage(input, image, camera_idx->second, database));
   }
 }
 
@@ -133,11 +142,12 @@ Reconstruction ReadColmap(const ColmapInput& input) {
       ThrowBadModel(input, fmt::format("image id {} occurs twice", image.image_id));
     }
   }
+  ColmapDatabase database(input.database_path);
   if (!input.image_names.empty()) {
-    KeepImages(input, &model.images);
+    KeepImages(input, &database, &model.images);
   }
   Reconstruction reconstruction;
-  ReadImages(input, model, &reconstruction, &index);
+  ReadImages(input, model, &database, &reconstruction, &index);
   ReadLandmarks(input, model, index, &reconstruction);
   if (const int dim = reconstruction.descriptor_dim(); dim != 128) {
     reconstruction.descriptor_type = fmt::format("colmap-u8x{}", dim);

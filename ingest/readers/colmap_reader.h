@@ -14,6 +14,8 @@ struct ColmapInput {
   std::string model_dir;      // Holds {cameras,images,points3D}.{bin,txt}; .bin is preferred.
   std::string database_path;  // database.db with keypoints, descriptors and, if any, GPS priors.
   // If not empty: only these images (by name) are read; observations in others do not leak in.
+  // Those that the database knows but the model lacks (COLMAP did not register them) are left out
+  // with a warning.
   // Landmarks seen by fewer than two of them are dropped and the rest are triangulated again from
   // the remaining observations alone.
   std::vector<std::string> image_names;
@@ -21,7 +23,8 @@ struct ColmapInput {
 
 // Throws Error(kNotFound) for missing files, Error(kBadInput) naming file, offset and what is wrong
 // for malformed ones, for a camera model that is not supported, for images without keypoints or
-// descriptors in the database, and for names in `image_names` that the model does not have.
+// descriptors in the database, for names in `image_names` that neither model nor database knows,
+// and if the model has none of them.
 Reconstruction ReadColmap(const ColmapInput& input);
 
 // Reads one image name per line; blank lines and lines starting with '#' do not count.

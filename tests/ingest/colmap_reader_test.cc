@@ -193,12 +193,29 @@ TEST_F(ColmapReader, RestrictedReadTriangulatesFromTheRemainingImagesAlone) {
   }
 }
 
-TEST_F(ColmapReader, RefusesNamesTheModelDoesNotHave) {
+TEST_F(ColmapReader, RefusesNamesThatNeitherModelNorDatabaseHas) {
   ColmapInput input = Write(SmallStreet());
   input.image_names = {"0000.jpg", "nowhere.jpg"};
   const auto [code, message] = ErrorOf([&] { ReadColmap(input); });
   EXPECT_EQ(code, ErrorCode::kBadInput);
   EXPECT_THAT(message, HasSubstr("nowhere.jpg"));
+}
+
+TEST_F(ColmapReader, LeavesOutNamesThatWereNotRegistered) {
+  ColmapInput input = Write(SmallStreet());
+  sqlite::Connection(input.database_path, sqlite::Access::kReadWrite, 100)
+      .Execute("INSERT INTO images (image_id, name, camera_id) VALUES (9001, 'dark.jpg', 1)");
+  input.image_names = {"0000.jpg", "0001.jpg", "0003.jpg"};
+  const size_t num_landmarks = ReadColmap(input).landmarks.size();
+  input.image_names.push_back("dark.jpg");
+  const Reconstruction read = ReadColmap(input);
+  EXPECT_EQ(read.images.size(), 3u);
+  EXPECT_EQ(read.landmarks.size(), num_landmarks);
+
+  input.image_names = {"dark.jpg"};
+  const auto [code, message] = ErrorOf([&] { ReadColmap(input); });
+  EXPECT_EQ(code, ErrorCode::kBadInput);
+  EXPECT_THAT(message, HasSubstr("none of the 1 images"));
 }
 
 TEST_F(ColmapReader, RefusesADatabaseWithoutDescriptors) {
