@@ -31,7 +31,8 @@ std::vector<Experiment> AllExperiments() {
           SmoothnessExperiment(),
           FourCitiesExperiment(),
           CalibrationExperiment(),
-          FirstCandidatesExperiment()};
+          FirstCandidatesExperiment(),
+          WrongGravityExperiment()};
 }
 
 Experiment FindExperiment(const std::string& name) {

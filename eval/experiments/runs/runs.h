@@ -26,8 +26,9 @@ Experiment SmoothnessExperiment();
 Experiment FourCitiesExperiment();
 Experiment CalibrationExperiment();
 Experiment FirstCandidatesExperiment();
+Experiment WrongGravityExperiment();
 
-// The world that 7 to 9, 11 to 15 and 20 share.
+// The world that 7 to 9, 11 to 15, 20 and 21 share.
 ExperimentWorldOptions StandardWorld(const ExperimentContext& context);
 
 }  // namespace cairn
