@@ -57,6 +57,13 @@ void PrintTimes(const std::string& name, const Percentiles& seconds) {
              1e3 * seconds.p90, 1e3 * seconds.p99, 1e3 * seconds.max);
 }
 
+// Beside plain reads of the tile's bytes.
+void PrintLoad(const char* name, double seconds, const BenchFigures& figures) {
+  fmt::print("{:<18} {:.2f} ms; {:.1f} times a plain read into new memory, {:.1f} into used\n",
+             name, 1e3 * seconds, seconds / figures.new_read_seconds,
+             seconds / figures.used_read_seconds);
+}
+
 // Mean of a counter over the answers.
 double Mean(const EvalReport& report, int64_t StageCounters::*counter) {
   double sum = 0.0;
@@ -83,11 +90,8 @@ void Print(const BenchWorldOptions& world, const BenchFigures& figures) {
              Mean(figures.warm, &StageCounters::num_matches));
   fmt::print("cold tile load     {:.1f} ms a tile until it can be searched\n",
              1e3 * figures.cold_tile_seconds);
-  fmt::print(
-      "tile load          {:.2f} ms; {:.1f} times a plain read into new memory, {:.1f} into "
-      "used\n",
-      1e3 * figures.tile_load_seconds, figures.tile_load_seconds / figures.new_read_seconds,
-      figures.tile_load_seconds / figures.used_read_seconds);
+  PrintLoad("tile load", figures.tile_load_seconds, figures);
+  PrintLoad("of it from blob", figures.blob_load_seconds, figures);
   fmt::print("cold query         {:.1f} ms with no tile in the cache\n",
              1e3 * figures.cold_query_seconds);
   fmt::print("tile               {:.2f} MB in the file, {:.2f} MB in the cache\n",
