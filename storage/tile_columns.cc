@@ -40,6 +40,21 @@ CAIRN_AVX2_CLONE void AddPlane(const uint8_t* plane, size_t count, int shift, ui
   }
 }
 
+// Numbers of a column that are worked on together: of 64 bits they fill half a level 1 cache.
+constexpr size_t kStretch = 2048;
+
+// Puts numbers together from their planes, from number `begin` on; null planes are zeros.
+template <typename T>
+void JoinPlanes(const std::array<const uint8_t*, sizeof(T)>& planes, size_t begin, size_t count,
+                T* values) {
+  std::fill_n(values, count, T{0});
+  for (size_t i = 0; i < planes.size(); ++i) {
+    if (planes[i] != nullptr) {
+      AddPlane(planes[i] + begin, count, static_cast<int>(8 * i), values);
+    }
+  }
+}
+
 void PutHeader(const TileHeader& header, uint64_t columns_size, ByteWriter* writer) {
   writer->Put(kTileMagic);
   writer->Put(kTileVersionWithColumns);
@@ -208,45 +223,63 @@ TileColumnReader::TileColumnReader(const TileColumns& columns)
 TileColumnReader::~TileColumnReader() = default;
 
 std::span<const uint8_t> TileColumnReader::Get(size_t column) {
+  return Get(column, &decoded_.front());
+}
+
+std::span<const uint8_t> TileColumnReader::Get(size_t column, LargeVector<uint8_t>* buffer) {
   const std::span<const uint8_t> stored = columns_.Stored(column);
   const size_t size = columns_.header().ColumnSize(column);
   if (stored.size() == size) {
     return stored;
   }
-  decoded_.resize(std::max(decoded_.size(), size));
+  buffer->resize(std::max(buffer->size(), size));
   if (stored.size() == 1) {
-    std::memset(decoded_.data(), stored[0], size);
+    std::memset(buffer->data(), stored[0], size);
   } else if (ZSTD_getFrameContentSize(stored.data(), stored.size()) != size ||
              ZSTD_findFrameCompressedSize(stored.data(), stored.size()) != stored.size() ||
-             ZSTD_decompressDCtx(context_.get(), decoded_.data(), size, stored.data(),
+             ZSTD_decompressDCtx(context_.get(), buffer->data(), size, stored.data(),
                                  stored.size()) != size) {
     ThrowDamagedTile("column " + std::to_string(column) + " is not a frame of its size");
   }
-  return {decoded_.data(), size};
+  return {buffer->data(), size};
 }
 
 template <typename T>
-LargeVector<T> TileColumnReader::GetPlanes(size_t column) {
-  const size_t count = columns_.header().ColumnSize(column);
-  LargeVector<T> values(count, 0);
+std::array<const uint8_t*, sizeof(T)> TileColumnReader::GetPlanes(size_t column) {
+  const bool is_longer = columns_.header().ColumnSize(column) > 1;
+  std::array<const uint8_t*, sizeof(T)> planes{};
   for (size_t i = 0; i < sizeof(T); ++i) {
     const std::span<const uint8_t> stored = columns_.Stored(column + i);
-    if (count > 1 && stored.size() == 1 && stored[0] == 0) {
-      continue;
-    }
-    AddPlane(Get(column + i).data(), count, static_cast<int>(8 * i), values.data());
+    const bool is_zero = is_longer && stored.size() == 1 && stored[0] == 0;
+    planes[i] = is_zero ? nullptr : Get(column + i, &decoded_[i]).data();
+  }
+  return planes;
+}
+
+LargeVector<uint32_t> TileColumnReader::GetPlanes32(size_t column) {
+  const std::array planes = GetPlanes<uint32_t>(column);
+  LargeVector<uint32_t> values(columns_.header().ColumnSize(column));
+  for (size_t begin = 0; begin < values.size(); begin += kStretch) {
+    JoinPlanes(planes, begin, std::min(kStretch, values.size() - begin), values.data() + begin);
   }
   return values;
 }
 
-LargeVector<uint64_t> TileColumnReader::GetDeltas(size_t column) {
-  LargeVector<uint64_t> values = GetPlanes64(column);
+void TileColumnReader::GetDeltas(
+    size_t column, const std::function<void(size_t, std::span<const uint64_t>)>& take) {
+  const std::array planes = GetPlanes<uint64_t>(column);
+  const size_t size = columns_.header().ColumnSize(column);
+  std::array<uint64_t, kStretch> values;
   uint64_t sum = 0;
-  for (uint64_t& value : values) {
-    sum += UnZigZag(value);
-    value = sum;
+  for (size_t begin = 0; begin < size; begin += kStretch) {
+    const size_t count = std::min(kStretch, size - begin);
+    JoinPlanes(planes, begin, count, values.data());
+    for (size_t i = 0; i < count; ++i) {
+      sum += UnZigZag(values[i]);
+      values[i] = sum;
+    }
+    take(begin, {values.data(), count});
   }
-  return values;
 }
 
 template <typename Vector>

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <type_traits>
@@ -122,22 +123,25 @@ class TileColumnReader {
   std::span<const uint8_t> Get(size_t column);
 
   // The numbers whose planes begin with `column`.
-  LargeVector<uint32_t> GetPlanes32(size_t column) { return GetPlanes<uint32_t>(column); }
-  LargeVector<uint64_t> GetPlanes64(size_t column) { return GetPlanes<uint64_t>(column); }
-  // What the differences that begin with `column` add up to, each the sum of all before.
-  LargeVector<uint64_t> GetDeltas(size_t column);
+  LargeVector<uint32_t> GetPlanes32(size_t column);
+  // What the differences that begin with `column` add up to, each the sum of all before: calls
+  // take(begin, sums) for one stretch after the other, which is a cache's worth of numbers.
+  void GetDeltas(size_t column, const std::function<void(size_t, std::span<const uint64_t>)>& take);
   // Offsets that begin with 0, from the lengths of groups that begin with `column`. Throws
   // Error(kMapDamaged), saying `what` they are of, unless these add up to `total`.
   template <typename Vector>
   void GetOffsets(size_t column, uint32_t total, const char* what, Vector* begin);
 
  private:
+  // Valid until the next call with the same buffer.
+  std::span<const uint8_t> Get(size_t column, LargeVector<uint8_t>* buffer);
+  // The planes of uN that begin with `column`, valid until the next call; null for all zeros.
   template <typename T>
-  LargeVector<T> GetPlanes(size_t column);
+  std::array<const uint8_t*, sizeof(T)> GetPlanes(size_t column);
 
   const TileColumns& columns_;
   std::unique_ptr<ZSTD_DCtx_s, size_t (*)(ZSTD_DCtx_s*)> context_;
-  LargeVector<uint8_t> decoded_;
+  std::array<LargeVector<uint8_t>, sizeof(uint64_t)> decoded_;  // One for each plane of a number.
 };
 
 }  // namespace cairn

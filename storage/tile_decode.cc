@@ -15,41 +15,37 @@
 namespace cairn {
 namespace {
 
-// From gaps to indices, list by list, in place. Returns false if an index is not below `end`.
-bool SumGaps(const std::vector<uint32_t>& begin, uint32_t end, std::span<uint32_t> members) {
+// From gaps to indices, list by list, in place. Throws unless every index below `end` comes once.
+void SumGaps(const std::vector<uint32_t>& begin, uint32_t end, std::span<uint32_t> members) {
+  std::vector<uint64_t> seen(end / 64 + 1);
   for (size_t list = 0; list + 1 < begin.size(); ++list) {
     uint64_t next = 0;
     for (uint32_t& member : members.subspan(begin[list], begin[list + 1] - begin[list])) {
       next += member;
+      if (next >= end) {
+        ThrowDamagedTile("a list refers to a descriptor that is not there");
+      }
       member = static_cast<uint32_t>(next);
+      seen[next / 64] |= uint64_t{1} << (next % 64);
       ++next;
     }
-    if (next > end) {  // The last index of a list is its largest.
-      return false;
-    }
-  }
-  return true;
-}
-
-// True if no index comes twice; all must be below their number.
-bool AreDistinct(std::span<const uint32_t> indices) {
-  std::vector<uint64_t> seen(indices.size() / 64 + 1);
-  for (const uint32_t index : indices) {
-    seen[index / 64] |= uint64_t{1} << (index % 64);
   }
   size_t num_seen = 0;
   for (const uint64_t word : seen) {
     num_seen += std::popcount(word);
   }
-  return num_seen == indices.size();
+  if (num_seen != members.size()) {
+    ThrowDamagedTile("a descriptor is in two lists");
+  }
 }
 
-template <typename Id, typename Vector>
-void GetIds(size_t column, TileColumnReader* reader, Vector* ids) {
-  const LargeVector<uint64_t> values = reader->GetDeltas(column);
-  ids->resize(values.size());
-  std::transform(values.begin(), values.end(), ids->begin(),
-                 [](uint64_t value) { return static_cast<Id>(value); });
+template <typename Id>
+void GetIds(size_t column, size_t count, TileColumnReader* reader, std::vector<Id>* ids) {
+  ids->resize(count);
+  reader->GetDeltas(column, [ids](size_t begin, std::span<const uint64_t> values) {
+    std::transform(values.begin(), values.end(), ids->begin() + static_cast<ptrdiff_t>(begin),
+                   [](uint64_t value) { return static_cast<Id>(value); });
+  });
 }
 
 // The sums of all differences so far, modulo 256.
@@ -60,28 +56,30 @@ void GetByteSums(size_t column, TileColumnReader* reader, Vector* values) {
   std::partial_sum(differences.begin(), differences.end(), values->data());
 }
 
-void GetLandmarks(TileColumnReader* reader, uint32_t num_descriptors, Tile* tile) {
-  const LargeVector<uint64_t> positions = reader->GetDeltas(kPositionsColumn);
-  tile->x_in_tile.resize(positions.size());
-  PositionsFromMorton(positions, tile->x_in_tile.data());
-  GetIds<LandmarkId>(kLandmarkIdsColumn, reader, &tile->landmark_ids);
-  GetIds<SessionId>(kLandmarkSessionsColumn, reader, &tile->landmark_sessions);
-  reader->GetOffsets(kDescriptorCountsColumn, num_descriptors, "descriptors",
+void GetLandmarks(const TileHeader& header, TileColumnReader* reader, Tile* tile) {
+  tile->x_in_tile.resize(header.num_landmarks);
+  reader->GetDeltas(kPositionsColumn, [tile](size_t begin, std::span<const uint64_t> codes) {
+    PositionsFromMorton(codes, tile->x_in_tile.data() + begin);
+  });
+  GetIds(kLandmarkIdsColumn, header.num_landmarks, reader, &tile->landmark_ids);
+  GetIds(kLandmarkSessionsColumn, header.num_landmarks, reader, &tile->landmark_sessions);
+  reader->GetOffsets(kDescriptorCountsColumn, header.num_descriptors, "descriptors",
                      &tile->descriptor_begin);
   const std::span<const uint8_t> sigmas = reader->Get(kSigmasColumn);
   tile->sigma_codes.assign(sigmas.begin(), sigmas.end());
 }
 
 void GetKeyframes(size_t count, TileColumnReader* reader, Tile* tile) {
-  const LargeVector<uint64_t> ids = reader->GetDeltas(kKeyframeIdsColumn);
-  const LargeVector<uint64_t> sessions = reader->GetDeltas(kKeyframeSessionsColumn);
+  std::vector<KeyframeId> ids;
+  std::vector<SessionId> sessions;
+  GetIds(kKeyframeIdsColumn, count, reader, &ids);
+  GetIds(kKeyframeSessionsColumn, count, reader, &sessions);
   ByteReader poses(reader->Get(kPosesColumn), "tile payload");
   tile->keyframes.resize(count);
   for (size_t k = 0; k < count; ++k) {
     std::array<double, kNumPoseNumbers> numbers;
     poses.GetArray(std::span<double>(numbers));
-    tile->keyframes[k] = {static_cast<KeyframeId>(ids[k]), static_cast<SessionId>(sessions[k]),
-                          PoseFromNumbers(numbers)};
+    tile->keyframes[k] = {ids[k], sessions[k], PoseFromNumbers(numbers)};
     if (!IsPose(tile->keyframes[k].cam_from_tile)) {
       ThrowDamagedTile("pose of keyframe " + std::to_string(k) + " is not a rigid transform");
     }
@@ -136,12 +134,7 @@ TileLists DecodeLists(const TileColumns& columns) {
   TileColumnReader reader(columns);
   reader.GetOffsets(kListSizesColumn, header.num_descriptors, "members", &lists.begin);
   lists.members = reader.GetPlanes32(kListMembersColumn);
-  if (!SumGaps(lists.begin, header.num_descriptors, lists.members)) {
-    ThrowDamagedTile("a list refers to a descriptor that is not there");
-  }
-  if (!AreDistinct(lists.members)) {
-    ThrowDamagedTile("a descriptor is in two lists");
-  }
+  SumGaps(lists.begin, header.num_descriptors, lists.members);
   return lists;
 }
 
@@ -153,7 +146,7 @@ Tile DecodeTileColumns(const TileColumns& columns, std::span<const uint32_t> mem
   tile.codebook_id = CodebookId(header.codebook_id);
   tile.code_size = header.code_size;
   GetCodes(columns, members, &tile);
-  GetLandmarks(&reader, header.num_descriptors, &tile);
+  GetLandmarks(header, &reader, &tile);
   GetByteSums(kOrientationsColumn, &reader, &tile.orientation_codes);
   GetByteSums(kSizesColumn, &reader, &tile.size_codes);
   GetByteSums(kAzimuthsColumn, &reader, &tile.azimuth_codes);
