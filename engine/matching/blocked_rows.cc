@@ -1,7 +1,6 @@
 #include "engine/matching/blocked_rows.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <limits>
 
@@ -17,13 +16,42 @@ constexpr int32_t kFarAway = 1 << 30;
 
 size_t PaddedSize(size_t num_rows) { return (num_rows + kBlockRows - 1) / kBlockRows * kBlockRows; }
 
-// Adds the bytes of whole blocks, place by place. The sums have 16 bits each, enough for 257
-// blocks.
-CAIRN_VECTOR_CLONES void AddBlocks(const uint8_t* blocks, size_t num_blocks, size_t block_size,
-                                   uint16_t* sums) {
-  for (size_t i = 0; i < num_blocks; ++i, blocks += block_size) {
-    for (size_t place = 0; place < block_size; ++place) {
-      sums[place] = static_cast<uint16_t>(sums[place] + blocks[place]);
+constexpr int kNumGroups = kDistanceBlock / kGroupDims;  // Of a block that are added together.
+
+// Adds up kDistanceBlock dimensions of whole blocks, which begin at `bytes` in the first one: adds
+// to as many sums. At most 257 blocks, so that a sum of bytes fits 16 bits.
+CAIRN_VECTOR_CLONES void AddBlocks(const uint8_t* bytes, size_t block_size, size_t num_blocks,
+                                   uint32_t* sums) {
+  constexpr uint32_t kEvenBytes = 0x00ff00ff;
+  using Words = uint32_t __attribute__((vector_size(kBlockRows * kGroupDims)));  // A row each.
+  Words even[kNumGroups] = {}, odd[kNumGroups] = {};  // Two sums of 16 bits each.
+  for (size_t i = 0; i < num_blocks; ++i, bytes += block_size) {
+    for (int group = 0; group < kNumGroups; ++group) {
+      Words words;
+      std::memcpy(&words, bytes + group * sizeof(words), sizeof(words));
+      even[group] += words & kEvenBytes;
+      odd[group] += (words >> 8) & kEvenBytes;
+    }
+  }
+  for (int group = 0; group < kNumGroups; ++group, sums += kGroupDims) {
+    std::array<uint32_t, kBlockRows> even_sums, odd_sums;
+    std::memcpy(even_sums.data(), &even[group], sizeof(even_sums));
+    std::memcpy(odd_sums.data(), &odd[group], sizeof(odd_sums));
+    for (int row = 0; row < kBlockRows; ++row) {
+      sums[0] += even_sums[row] & 0xffff;
+      sums[1] += odd_sums[row] & 0xffff;
+      sums[2] += even_sums[row] >> 16;
+      sums[3] += odd_sums[row] >> 16;
+    }
+  }
+}
+
+// The same of `num_rows` rows of a block.
+void AddRows(const uint8_t* bytes, size_t num_rows, uint32_t* sums) {
+  for (int group = 0; group < kNumGroups; ++group, sums += kGroupDims) {
+    const uint8_t* row = bytes + group * kBlockRows * kGroupDims;
+    for (size_t i = 0; i < num_rows * kGroupDims; ++i) {
+      sums[i % kGroupDims] += row[i];
     }
   }
 }
@@ -98,29 +126,23 @@ BlockedRows::BlockedRows(const CodeWords& words, std::span<const uint8_t> codes)
 }
 
 void BlockedRows::Sum(size_t begin, size_t end, uint32_t* sums) const {
-  constexpr size_t kMaxBlocks = 257;  // Whose sum fits 16 bits.
+  constexpr size_t kMaxBlocks = 257;  // See AddBlocks.
   const size_t block_size = size_t{kBlockRows} * stride_;
-  std::array<uint16_t, size_t{kBlockRows} * kMaxDistanceStride> block_sums;
   std::fill_n(sums, stride_, 0u);
-  const auto add = [&](size_t row_in_block, const auto* places) {
-    for (int dim = 0; dim < stride_; ++dim) {
-      sums[dim] +=
-          places[(dim / kGroupDims * kBlockRows + row_in_block) * kGroupDims + dim % kGroupDims];
-    }
-  };
   for (size_t row = begin; row < end;) {
+    const uint8_t* block = blocks_.data() + row / kBlockRows * block_size;
+    const size_t first = row % kBlockRows;
+    const size_t num_rows = std::min(end - row, kBlockRows - first);
     const size_t num_blocks = std::min((end - row) / kBlockRows, kMaxBlocks);
-    if (row % kBlockRows == 0 && num_blocks > 0) {
-      std::fill_n(block_sums.begin(), block_size, uint16_t{0});
-      AddBlocks(blocks_.data() + row * stride_, num_blocks, block_size, block_sums.data());
-      for (size_t i = 0; i < kBlockRows; ++i) {
-        add(i, block_sums.data());
+    for (int dim = 0; dim < stride_; dim += kDistanceBlock) {
+      const uint8_t* bytes = block + dim * kBlockRows;
+      if (first == 0 && num_blocks > 0) {
+        AddBlocks(bytes, block_size, num_blocks, sums + dim);
+      } else {
+        AddRows(bytes + first * kGroupDims, num_rows, sums + dim);
       }
-      row += num_blocks * kBlockRows;
-    } else {
-      add(row % kBlockRows, blocks_.data() + row / kBlockRows * block_size);
-      ++row;
     }
+    row += first == 0 && num_blocks > 0 ? num_blocks * kBlockRows : num_rows;
   }
 }
 
