@@ -203,6 +203,8 @@ void RemoveMapFile(const std::string& path) {
 
 void FillEmptyMap(const std::string& path) {
   const auto connection = Connect(path, sqlite::Access::kCreate, 0);
+  // Before anything is written. docs/decisions/0008-pages-of-16-kilobytes.md.
+  connection->Execute("PRAGMA page_size = 16384");
   connection->Execute("PRAGMA journal_mode = WAL");
   sqlite::Transaction transaction(connection.get(), sqlite::Transaction::Kind::kImmediate);
   connection->Execute(std::string(sql::k_schema_sql));

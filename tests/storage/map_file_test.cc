@@ -82,6 +82,29 @@ void ReadAll(const MapStore& store) {
   }
 }
 
+// The size that is in the header of an SQLite file.
+size_t PageSize(const std::string& path) {
+  const std::string head = ReadFile(path).substr(0, 18);
+  return static_cast<unsigned char>(head[16]) * 256u + static_cast<unsigned char>(head[17]);
+}
+
+TEST(MapFile, PagesAreLargeAndOthersAreReadAndWritten) {
+  const TempDir dir;
+  const std::string path = MakeStreetMap(dir.File("map.gpkg"));
+  EXPECT_EQ(PageSize(path), 16384u);
+  const std::vector<TileRecord> tiles =
+      MapStore::Open(path, OpenMode::kReadOnly).Snapshot().AllTiles(9);
+  Execute(path, "PRAGMA journal_mode = DELETE; PRAGMA page_size = 4096; VACUUM");
+  ASSERT_EQ(PageSize(path), 4096u);
+  MapStore store = MapStore::Open(path, OpenMode::kReadWrite);
+  ReadAll(store);
+  MapUpdate update = store.BeginUpdate();
+  update.RemoveTile(tiles.front().tile_id);
+  update.Publish();
+  EXPECT_EQ(store.Snapshot().AllTiles(9).size(), tiles.size() - 1);
+  EXPECT_THAT(store.Check({}).problems, IsEmpty());
+}
+
 TEST(MapFile, ForeignFilesAreNamedForWhatTheySeemToBe) {
   const TempDir dir;
   ExpectRefused(dir.File("none.gpkg"), ErrorCode::kNotFound, "cairn init");
