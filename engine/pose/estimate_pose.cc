@@ -106,14 +106,17 @@ std::optional<PoseEstimate> Polish(const QueryContext& query,
   constexpr int kMaxRounds = 4;
   RefinePoseOptions refine_options;
   refine_options.keypoint_sigma_px = options.keypoint_sigma_px;
+  refine_options.with_covariance = false;  // Of the last round only.
+  const std::optional<GravityPrior> gravity = MakeGravityPrior(query, options);
   RefinedPose refined;
   refined.cam_from_anchor = cam_from_anchor;
+  std::vector<PoseObservation> observations;
   InlierSet inliers = GatherInliers(query, correspondences, cam_from_anchor, options);
   for (int round = 0; round < kMaxRounds; ++round) {
     if (static_cast<int>(inliers.indices.size()) < options.min_inliers) {
       return std::nullopt;
     }
-    std::vector<PoseObservation> observations;
+    observations.clear();
     observations.reserve(inliers.indices.size());
     for (int index : inliers.indices) {
       const Correspondence& correspondence = correspondences[index];
@@ -121,8 +124,8 @@ std::optional<PoseEstimate> Polish(const QueryContext& query,
                               correspondence.sigma_m,
                               query.CameraIdxOf(correspondence.keypoint_idx)});
     }
-    refined = RefinePose(query.camera, observations, MakeGravityPrior(query, options),
-                         refined.cam_from_anchor, refine_options, query.other_cameras);
+    refined = RefinePose(query.camera, observations, gravity, refined.cam_from_anchor,
+                         refine_options, query.other_cameras);
     InlierSet next = GatherInliers(query, correspondences, refined.cam_from_anchor, options);
     const bool settled = next.indices == inliers.indices;
     inliers = std::move(next);
@@ -135,7 +138,8 @@ std::optional<PoseEstimate> Polish(const QueryContext& query,
   }
   PoseEstimate estimate;
   estimate.cam_from_anchor = refined.cam_from_anchor;
-  estimate.covariance = refined.covariance;
+  estimate.covariance = PoseCovariance(query.camera, observations, gravity, refined.cam_from_anchor,
+                                       refine_options, query.other_cameras);
   estimate.mean_sq_error_px = inliers.sum_sq_error_px / static_cast<double>(inliers.indices.size());
   estimate.inliers = std::move(inliers.indices);
   return estimate;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/pose/normal_equations.h"
 #include "engine/pose/pose_residuals.h"
 
 namespace cairn {
@@ -30,36 +31,6 @@ struct Spread {
   double sum_sq_weighted = 0.0;                     // Sum of w^2 r'r.
 };
 
-// Sums the Cauchy losses of squared residuals in standard deviations.
-class CauchyCost {
- public:
-  explicit CauchyCost(double scale) : sq_scale_(scale * scale) {}
-
-  void Add(double sq_residual) {
-    // A sum of logarithms is the logarithm of a product: one call for many residuals.
-    product_ *= 1.0 + sq_residual / sq_scale_;
-    if (product_ > 1e200) {
-      Flush();
-    }
-  }
-
-  // Half the sum.
-  double Total() {
-    Flush();
-    return 0.5 * sq_scale_ * sum_of_logs_;
-  }
-
- private:
-  void Flush() {
-    sum_of_logs_ += std::log(product_);
-    product_ = 1.0;
-  }
-
-  double sq_scale_;
-  double product_ = 1.0;
-  double sum_of_logs_ = 0.0;
-};
-
 // The problem in the form the iterations need.
 struct Problem {
   const Camera& camera;
@@ -68,61 +39,41 @@ struct Problem {
   const RefinePoseOptions& options;
   std::span<const QueryRigCamera> other_cameras;
 
-  const Camera& CameraOf(const PoseObservation& observation) const {
-    return observation.camera_idx == 0 ? camera : other_cameras[observation.camera_idx - 1].camera;
-  }
+  ResidualWeights Weights() const { return {options.keypoint_sigma_px, options.cauchy_scale}; }
 
-  // ReprojectionResidual in the camera that made the observation, its Jacobian by the rig's pose.
-  std::optional<Eigen::Vector2d> Residual(const PoseObservation& observation,
-                                          const Rigid3d& anchor_from_cam,
-                                          Eigen::Matrix<double, 2, 6>* jacobian) const {
-    if (observation.camera_idx == 0) {
-      return ReprojectionResidual(camera, observation.pixel, observation.x_in_anchor,
-                                  anchor_from_cam, jacobian);
+  // Calls visit(pixel_by_anchor, from_center, residual_px, landmark_px_m) for what
+  // projects, with the arguments of NormalEquations::Add. Returns the number of others.
+  template <typename Visit>
+  int ForEachProjected(const Rigid3d& anchor_from_cam, const Visit& visit) const {
+    const PosedCamera first(camera, anchor_from_cam);
+    std::vector<PosedCamera> others;
+    for (const QueryRigCamera& other : other_cameras) {
+      others.emplace_back(other.camera, anchor_from_cam * other.cam_from_first.Inverse());
     }
-    const QueryRigCamera& own = other_cameras[observation.camera_idx - 1];
-    const Rigid3d anchor_from_own = anchor_from_cam * own.cam_from_first.Inverse();
-    const auto residual = ReprojectionResidual(own.camera, observation.pixel,
-                                               observation.x_in_anchor, anchor_from_own, jacobian);
-    // A rotation about the first camera moves this one by rotation x offset.
-    const Eigen::Vector3d offset = anchor_from_own.translation - anchor_from_cam.translation;
-    if (residual) {
-      jacobian->leftCols<3>() -= jacobian->rightCols<3>() * Skew(offset);
+    int num_others = 0;
+    Eigen::Matrix<double, 2, 3> pixel_by_anchor;
+    for (const PoseObservation& observation : observations) {
+      const PosedCamera& own =
+          observation.camera_idx == 0 ? first : others[observation.camera_idx - 1];
+      const auto pixel = ProjectLandmark(own, observation.x_in_anchor, &pixel_by_anchor);
+      if (!pixel) {
+        ++num_others;
+        continue;
+      }
+      visit(pixel_by_anchor, observation.x_in_anchor - first.center_in_anchor,
+            *pixel - observation.pixel, own.camera->focal_px() * observation.sigma_m);
     }
-    return residual;
-  }
-
-  double Information(const PoseObservation& observation, const Rigid3d& anchor_from_cam) const {
-    const double distance_m =
-        std::max(1e-3, (observation.x_in_anchor - anchor_from_cam.translation).norm());
-    const double landmark_px = CameraOf(observation).focal_px() * observation.sigma_m / distance_m;
-    return 1.0 /
-           (options.keypoint_sigma_px * options.keypoint_sigma_px + landmark_px * landmark_px);
-  }
-
-  double RobustWeight(double sq_residual) const {
-    return 1.0 / (1.0 + sq_residual / (options.cauchy_scale * options.cauchy_scale));
+    return num_others;
   }
 
   Linearization Linearize(const Rigid3d& anchor_from_cam) const {
-    Linearization system;
-    CauchyCost cost(options.cauchy_scale);
-    Eigen::Matrix<double, 2, 6> jacobian;
-    for (const PoseObservation& observation : observations) {
-      const auto residual = Residual(observation, anchor_from_cam, &jacobian);
-      if (!residual) {
-        cost.Add(kGrossError * kGrossError);
-        continue;
-      }
-      const double information = Information(observation, anchor_from_cam);
-      const double sq_residual = residual->squaredNorm() * information;
-      const Eigen::Matrix<double, 6, 2> weighted =
-          RobustWeight(sq_residual) * information * jacobian.transpose();
-      system.normal.noalias() += weighted * jacobian;
-      system.gradient.noalias() += weighted * *residual;
-      cost.Add(sq_residual);
-    }
-    system.cost = cost.Total();
+    NormalEquations equations(Weights());
+    const int num_gross = ForEachProjected(
+        anchor_from_cam, [&](const auto&... projected) { equations.Add(projected...); });
+    const NormalEquations::Sums sums = equations.Finish();
+    Linearization system = {sums.normal, sums.gradient, sums.cost};
+    const double sq_scale = options.cauchy_scale * options.cauchy_scale;
+    system.cost += 0.5 * num_gross * sq_scale * std::log1p(kGrossError * kGrossError / sq_scale);
     if (gravity) {
       Eigen::Matrix<double, 3, 6> gravity_jacobian;
       const Eigen::Vector3d residual =
@@ -137,17 +88,19 @@ struct Problem {
 
   Spread SpreadAt(const Rigid3d& anchor_from_cam) const {
     Spread spread;
-    Eigen::Matrix<double, 2, 6> jacobian;
-    for (const PoseObservation& observation : observations) {
-      if (const auto residual = Residual(observation, anchor_from_cam, &jacobian)) {
-        const double information = Information(observation, anchor_from_cam);
-        const double sq_residual = residual->squaredNorm() * information;
-        const double sq_robust = std::pow(RobustWeight(sq_residual), 2);
-        spread.information += information * jacobian.transpose() * jacobian;
-        spread.sum_sq_weight += sq_robust;
-        spread.sum_sq_weighted += sq_robust * sq_residual;
-      }
-    }
+    const ResidualWeights weights = Weights();
+    ForEachProjected(anchor_from_cam, [&](const Eigen::Matrix<double, 2, 3>& pixel_by_anchor,
+                                          const Eigen::Vector3d& from_center,
+                                          const Eigen::Vector2d& residual, double landmark_px_m) {
+      const double information =
+          ReprojectionInformation(weights, landmark_px_m, from_center.squaredNorm());
+      const double sq_residual = residual.squaredNorm() * information;
+      const double sq_robust = std::pow(RobustWeight(weights, sq_residual), 2);
+      const auto jacobian = ReprojectionJacobian(pixel_by_anchor, from_center);
+      spread.information += information * jacobian.transpose() * jacobian;
+      spread.sum_sq_weight += sq_robust;
+      spread.sum_sq_weighted += sq_robust * sq_residual;
+    });
     if (gravity) {
       Eigen::Matrix<double, 3, 6> gravity_jacobian;
       GravityResidual(gravity->down_in_cam, anchor_from_cam, &gravity_jacobian);
@@ -210,10 +163,21 @@ RefinedPose RefinePose(const Camera& camera, const std::vector<PoseObservation>&
   refined.cam_from_anchor = anchor_from_cam.Inverse();
   refined.cost = system.cost;
   if (options.with_covariance) {
-    refined.covariance =
-        Covariance(problem.SpreadAt(anchor_from_cam), static_cast<double>(observations.size()));
+    refined.covariance = PoseCovariance(camera, observations, gravity, refined.cam_from_anchor,
+                                        options, other_cameras);
   }
   return refined;
+}
+
+Eigen::Matrix<double, 6, 6> PoseCovariance(const Camera& camera,
+                                           const std::vector<PoseObservation>& observations,
+                                           const std::optional<GravityPrior>& gravity,
+                                           const Rigid3d& cam_from_anchor,
+                                           const RefinePoseOptions& options,
+                                           std::span<const QueryRigCamera> other_cameras) {
+  const Problem problem{camera, observations, gravity, options, other_cameras};
+  return Covariance(problem.SpreadAt(cam_from_anchor.Inverse()),
+                    static_cast<double>(observations.size()));
 }
 
 }  // namespace cairn

@@ -41,9 +41,7 @@ struct RefinedPose {
   Rigid3d cam_from_anchor;
   double cost = 0.0;       // Half the sum of the robust squared residuals.
   int num_iterations = 0;  // Accepted steps.
-  // As LocalizeResult::covariance. The reprojections' part is scaled by how large their residuals
-  // are, robustly, if that is larger than keypoint_sigma_px and sigma_m say. A direction that the
-  // observations leave free gets a large finite variance (about 3 rad, 1 km).
+  // See PoseCovariance.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
 };
 
@@ -57,6 +55,17 @@ RefinedPose RefinePose(const Camera& camera, const std::vector<PoseObservation>&
                        const std::optional<GravityPrior>& gravity,
                        const Rigid3d& initial_cam_from_anchor, const RefinePoseOptions& options,
                        std::span<const QueryRigCamera> other_cameras = {});
+
+// The covariance of a refined pose, as LocalizeResult::covariance; arguments as of RefinePose. The
+// reprojections' part is scaled by how large their residuals are, robustly, if that is larger than
+// keypoint_sigma_px and sigma_m say. A direction that the observations leave free gets a large
+// finite variance (about 3 rad, 1 km).
+Eigen::Matrix<double, 6, 6> PoseCovariance(const Camera& camera,
+                                           const std::vector<PoseObservation>& observations,
+                                           const std::optional<GravityPrior>& gravity,
+                                           const Rigid3d& cam_from_anchor,
+                                           const RefinePoseOptions& options,
+                                           std::span<const QueryRigCamera> other_cameras = {});
 
 }  // namespace cairn
 

@@ -14,47 +14,55 @@ using testing::NumericJacobian;
 
 const Rigid3d kAnchorFromCam(ExpSo3({0.5, -1.2, 0.8}), Vector3d(12.0, -7.0, 3.0));
 
-TEST(ReprojectionResidual, JacobianAgreesWithFiniteDifferencesForEveryCameraModel) {
+TEST(ProjectLandmark, GivesThePixelAndItsDerivativeForEveryCameraModel) {
   for (const Camera& camera : testing::OneCameraPerModel()) {
+    const PosedCamera posed(camera, kAnchorFromCam);
     for (const Vector3d& x_in_cam :
          {Vector3d(0.5, -0.8, 6.0), Vector3d(-3.0, 2.0, 9.0), Vector3d(0.0, 0.0, 2.0)}) {
       const Vector3d x_in_anchor = kAnchorFromCam * x_in_cam;
-      const Vector2d pixel(100.0, 200.0);
-      Eigen::Matrix<double, 2, 6> jacobian;
-      const auto residual =
-          ReprojectionResidual(camera, pixel, x_in_anchor, kAnchorFromCam, &jacobian);
-      ASSERT_TRUE(residual);
-      const auto numeric = NumericJacobian<2, 6>([&](const PoseTangent& delta) -> Vector2d {
-        return *ReprojectionResidual(camera, pixel, x_in_anchor, PerturbPose(kAnchorFromCam, delta),
-                                     nullptr);
+      Eigen::Matrix<double, 2, 3> derivative, unused;
+      const auto pixel = ProjectLandmark(posed, x_in_anchor, &derivative);
+      ASSERT_TRUE(pixel);
+      EXPECT_LT((*pixel - *camera.Project(x_in_cam)).norm(), 1e-9);
+      const auto numeric = NumericJacobian<2, 3>([&](const Vector3d& delta) -> Vector2d {
+        return *ProjectLandmark(posed, x_in_anchor + delta, &unused);
       });
-      EXPECT_LT((jacobian - numeric).norm(), 1e-5 * numeric.norm())
+      EXPECT_LT((derivative - numeric).norm(), 1e-5 * numeric.norm())
           << CameraModelName(camera.model());
     }
   }
 }
 
-TEST(ReprojectionResidual, IsProjectionMinusPixelWithOrWithoutJacobian) {
+TEST(ProjectLandmark, NothingBehindTheCamera) {
   const Camera camera;
-  const Vector3d x_in_cam(1.0, 2.0, 10.0);
-  const Vector2d pixel(300.0, 310.0);
-  Eigen::Matrix<double, 2, 6> jacobian;
-  const Vector2d expected = *camera.Project(x_in_cam) - pixel;
-  const Vector3d x_in_anchor = kAnchorFromCam * x_in_cam;
-  EXPECT_LT((*ReprojectionResidual(camera, pixel, x_in_anchor, kAnchorFromCam, nullptr) - expected)
-                .norm(),
-            1e-9);
-  EXPECT_LT(
-      (*ReprojectionResidual(camera, pixel, x_in_anchor, kAnchorFromCam, &jacobian) - expected)
-          .norm(),
-      1e-9);
+  Eigen::Matrix<double, 2, 3> derivative;
+  EXPECT_FALSE(ProjectLandmark(PosedCamera(camera, kAnchorFromCam),
+                               kAnchorFromCam * Vector3d(0.1, 0.2, -5.0), &derivative));
 }
 
-TEST(ReprojectionResidual, NothingBehindTheCamera) {
-  const Vector3d x_in_anchor = kAnchorFromCam * Vector3d(0.1, 0.2, -5.0);
-  Eigen::Matrix<double, 2, 6> jacobian;
-  EXPECT_FALSE(ReprojectionResidual(Camera(), {0, 0}, x_in_anchor, kAnchorFromCam, nullptr));
-  EXPECT_FALSE(ReprojectionResidual(Camera(), {0, 0}, x_in_anchor, kAnchorFromCam, &jacobian));
+// Of a camera at the centre of the rig, and of one that stands elsewhere and looks elsewhere.
+TEST(ReprojectionJacobian, AgreesWithFiniteDifferencesForEveryCameraModel) {
+  for (const Camera& camera : testing::OneCameraPerModel()) {
+    for (const Rigid3d& own_from_cam :
+         {Rigid3d(), Rigid3d(ExpSo3({0.2, 0.5, -0.1}), Vector3d(0.8, -0.3, 0.4))}) {
+      const Vector3d x_in_anchor =
+          kAnchorFromCam * own_from_cam.Inverse() * Vector3d(0.5, -0.8, 6.0);
+      const auto project = [&](const Rigid3d& anchor_from_cam,
+                               Eigen::Matrix<double, 2, 3>* derivative) {
+        const PosedCamera own(camera, anchor_from_cam * own_from_cam.Inverse());
+        return *ProjectLandmark(own, x_in_anchor, derivative);
+      };
+      Eigen::Matrix<double, 2, 3> derivative, unused;
+      project(kAnchorFromCam, &derivative);
+      const auto jacobian =
+          ReprojectionJacobian(derivative, x_in_anchor - kAnchorFromCam.translation);
+      const auto numeric = NumericJacobian<2, 6>([&](const PoseTangent& delta) -> Vector2d {
+        return project(PerturbPose(kAnchorFromCam, delta), &unused);
+      });
+      EXPECT_LT((jacobian - numeric).norm(), 1e-5 * numeric.norm())
+          << CameraModelName(camera.model());
+    }
+  }
 }
 
 TEST(GravityResidual, JacobianAgreesWithFiniteDifferences) {

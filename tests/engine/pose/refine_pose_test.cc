@@ -152,10 +152,12 @@ TEST(RefinePose, CovarianceIsInverseOfNormalMatrixWithoutNoise) {
   const RefinedPose refined =
       RefinePose(scene.query.camera, observations, std::nullopt, scene.cam_from_anchor, {});
   Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
-  Eigen::Matrix<double, 2, 6> jacobian;
+  const PosedCamera camera(scene.query.camera, refined.cam_from_anchor.Inverse());
+  Eigen::Matrix<double, 2, 3> pixel_by_anchor;
   for (const PoseObservation& observation : observations) {
-    ReprojectionResidual(scene.query.camera, observation.pixel, observation.x_in_anchor,
-                         refined.cam_from_anchor.Inverse(), &jacobian);
+    ASSERT_TRUE(ProjectLandmark(camera, observation.x_in_anchor, &pixel_by_anchor));
+    const auto jacobian =
+        ReprojectionJacobian(pixel_by_anchor, observation.x_in_anchor - camera.center_in_anchor);
     normal += jacobian.transpose() * jacobian;
   }
   EXPECT_TRUE(
