@@ -14,6 +14,12 @@ uint64_t BitsBelow(int count) {
   return count <= 0 ? 0 : count >= 64 ? ~uint64_t{0} : (uint64_t{1} << count) - 1;
 }
 
+// The smallest number in {0, 1, ...} that is not less. Without std::ceil, which is a call.
+int CeilOrZero(double value) {
+  const int truncated = static_cast<int>(value);
+  return std::max(0, truncated + (truncated < value ? 1 : 0));
+}
+
 }  // namespace
 
 double EffectiveInliers(const std::vector<Eigen::Vector2d>& pixels, int width_px, int height_px) {
@@ -21,6 +27,7 @@ double EffectiveInliers(const std::vector<Eigen::Vector2d>& pixels, int width_px
   constexpr double kRadiusByDiagonal = 1.0 / 32.0;
   const double radius_px = kRadiusByDiagonal * std::hypot(width_px, height_px);
   const double cell_width_px = static_cast<double>(width_px) / kGridSide;
+  const double cells_per_px = 1.0 / cell_width_px;
   const double cell_height_px = static_cast<double>(height_px) / kGridSide;
 
   std::array<std::array<uint64_t, 2>, kGridSide> covered{};  // A bit per cell.
@@ -39,10 +46,9 @@ double EffectiveInliers(const std::vector<Eigen::Vector2d>& pixels, int width_px
       }
       // Columns whose centre lies on the chord: [begin, end).
       const double half_chord_px = std::sqrt(sq_half_chord);
-      const int begin =
-          std::max(0, static_cast<int>(std::ceil((x_px - half_chord_px) / cell_width_px - 0.5)));
-      const int end = std::min(
-          kGridSide, static_cast<int>(std::floor((x_px + half_chord_px) / cell_width_px + 0.5)));
+      const int begin = CeilOrZero((x_px - half_chord_px) * cells_per_px - 0.5);
+      const int end =
+          std::min(kGridSide, static_cast<int>((x_px + half_chord_px) * cells_per_px + 0.5));
       covered[row][0] |= BitsBelow(end) & ~BitsBelow(begin);
       covered[row][1] |= BitsBelow(end - 64) & ~BitsBelow(begin - 64);
       summed_area += std::max(0, end - begin);

@@ -18,7 +18,7 @@ double LocalScalePx(const Camera& camera, const Eigen::Vector3d& ray_in_cam) {
     return camera.focal_px();
   }
   const double determinant = (jacobian * jacobian.transpose()).determinant();
-  return determinant > 0.0 ? std::pow(determinant, 0.25) : camera.focal_px();
+  return determinant > 0.0 ? std::sqrt(std::sqrt(determinant)) : camera.focal_px();
 }
 
 // Angular error at which an observation stops to be an inlier.
@@ -28,6 +28,36 @@ double ThresholdRad(const QueryContext& query, const RayObservation& observation
   const Eigen::Vector3d on_ray = observation.origin_in_cam + observation.ray_in_cam;
   return options.MaxErrorPx(camera.focal_px()) /
          LocalScalePx(camera, query.InCameraOf(observation.keypoint_idx, on_ray));
+}
+
+// The correspondences of `subset` whose keypoint has a ray, ordered by the keypoint's rank, those
+// of a keypoint by their number. A counting sort.
+std::vector<int> OrderByRank(const QueryContext& query,
+                             const std::vector<Correspondence>& correspondences,
+                             const std::vector<int>& subset, const std::vector<int>& rank) {
+  const auto keypoint_of = [&](int index) { return correspondences[index].keypoint_idx; };
+  const auto has_ray = [&](int index) { return !query.rays_in_cam[keypoint_of(index)].isZero(); };
+  std::vector<int> begin(rank.size() + 1, 0);
+  for (const int index : subset) {
+    begin[rank[keypoint_of(index)] + 1] += has_ray(index) ? 1 : 0;
+  }
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<int> order(begin.back());
+  for (const int index : subset) {
+    if (has_ray(index)) {
+      order[begin[rank[keypoint_of(index)]]++] = index;
+    }
+  }
+  if (!std::is_sorted(subset.begin(), subset.end())) {  // Else the numbers already ascend.
+    for (size_t i = 0, first = 0; i < order.size(); first = i) {
+      while (i < order.size() && keypoint_of(order[i]) == keypoint_of(order[first])) {
+        ++i;
+      }
+      std::sort(order.begin() + static_cast<ptrdiff_t>(first),
+                order.begin() + static_cast<ptrdiff_t>(i));
+    }
+  }
+  return order;
 }
 
 // The observations of `subset`, grouped by keypoint, keypoints in random order.
@@ -43,17 +73,7 @@ std::vector<RayObservation> MakeObservations(const QueryContext& query,
     rank[i] = rank[j];
     rank[j] = i;
   }
-  std::vector<int> order;
-  for (int index : subset) {
-    if (!query.rays_in_cam[correspondences[index].keypoint_idx].isZero()) {
-      order.push_back(index);
-    }
-  }
-  std::sort(order.begin(), order.end(), [&](int a, int b) {
-    return std::pair(rank[correspondences[a].keypoint_idx], a) <
-           std::pair(rank[correspondences[b].keypoint_idx], b);
-  });
-
+  const std::vector<int> order = OrderByRank(query, correspondences, subset, rank);
   std::vector<RayObservation> observations;
   observations.reserve(order.size());
   for (int index : order) {
