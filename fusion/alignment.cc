@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "core/error.h"
+#include "core/require.h"
 #include "fusion/chi_square.h"
 #include "fusion/track_update.h"
 
@@ -85,11 +85,14 @@ void AppendTiltPrior(double sigma_rad, Measurement* measurement) {
 }  // namespace
 
 void AlignmentOptions::Validate() const {
-  if (!(min_agreeing >= 1 && max_position_difference_m > 0.0 && max_yaw_difference_rad > 0.0 &&
-        max_tilt_rad > 0.0 && min_contradictions >= 2 && min_contradiction_span_s >= 0.0)) {
-    throw Error(ErrorCode::kInvalidArgument,
-                "alignment: counts and limits must be positive, min_contradictions at least 2");
-  }
+  RequireOption(min_agreeing >= 1, "alignment.min_agreeing must be at least 1");
+  RequireOption(max_position_difference_m > 0.0,
+                "alignment.max_position_difference_m must be positive");
+  RequireOption(max_yaw_difference_rad > 0.0, "alignment.max_yaw_difference_rad must be positive");
+  RequireOption(max_tilt_rad > 0.0, "alignment.max_tilt_rad must be positive");
+  RequireOption(min_contradictions >= 2, "alignment.min_contradictions must be at least 2");
+  RequireOption(min_contradiction_span_s >= 0.0,
+                "alignment.min_contradiction_span_s must not be negative");
 }
 
 LevelTransform Level(const Rigid3d& global_from_local, const Eigen::Vector3d& x_in_local) {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/error.h"
+#include "core/require.h"
 #include "fusion/chi_square.h"
 
 namespace cairn::fusion {
@@ -235,13 +235,19 @@ bool IsGood(const StartState& start, const DynamicStartOptions& options) {
 }  // namespace
 
 void DynamicStartOptions::Validate() const {
-  if (!(window_s > 0.0 && max_frames <= kMaxClones && min_frames >= 4 && max_frames >= min_frames &&
-        min_tracks >= 5 && gyro_bias_sigma_rad_s > 0.0 && accel_bias_sigma_m_s2 > 0.0 &&
-        max_tilt_sigma_rad > 0.0 && max_velocity_sigma_m_s > 0.0 && min_inlier_fraction > 0.0 &&
-        min_inlier_fraction <= 1.0)) {
-    throw Error(ErrorCode::kInvalidArgument,
-                "dynamic_start: limits must be positive, frames in [4, kMaxClones]");
-  }
+  RequireOption(window_s > 0.0, "dynamic_start.window_s must be positive");
+  RequireWithin("dynamic_start.min_frames", min_frames, 4, kMaxClones);
+  RequireWithin("dynamic_start.max_frames", max_frames, min_frames, kMaxClones);
+  RequireOption(min_tracks >= 5, "dynamic_start.min_tracks must be at least 5");
+  RequireOption(gyro_bias_sigma_rad_s > 0.0,
+                "dynamic_start.gyro_bias_sigma_rad_s must be positive");
+  RequireOption(accel_bias_sigma_m_s2 > 0.0,
+                "dynamic_start.accel_bias_sigma_m_s2 must be positive");
+  RequireOption(max_tilt_sigma_rad > 0.0, "dynamic_start.max_tilt_sigma_rad must be positive");
+  RequireOption(max_velocity_sigma_m_s > 0.0,
+                "dynamic_start.max_velocity_sigma_m_s must be positive");
+  RequireOption(min_inlier_fraction > 0.0 && min_inlier_fraction <= 1.0,
+                "dynamic_start.min_inlier_fraction must lie in (0, 1]");
 }
 
 std::optional<LinearStart> SolveLinearStart(const DynamicStartInput& input,

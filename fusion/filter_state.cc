@@ -7,21 +7,21 @@
 #include <limits>
 
 #include "core/check.h"
-#include "core/error.h"
+#include "core/require.h"
 
 namespace cairn::fusion {
 
 void FilterStateOptions::Validate() const {
-  for (const double sigma : {extrinsic_rotation_sigma_rad, extrinsic_translation_sigma_m,
-                             time_offset_sigma_s, tile_sigma_m}) {
-    if (!(sigma >= 0.0) || !std::isfinite(sigma)) {
-      throw Error(ErrorCode::kInvalidArgument,
-                  "standard deviations of rig and tiles must be finite and not negative");
-    }
-  }
-  if (max_points < 0 || max_points > kMaxPoints) {
-    throw Error(ErrorCode::kInvalidArgument, "state: max_points is out of range");
-  }
+  RequireOption(extrinsic_rotation_sigma_rad >= 0.0 && std::isfinite(extrinsic_rotation_sigma_rad),
+                "state.extrinsic_rotation_sigma_rad must be finite and not negative");
+  RequireOption(
+      extrinsic_translation_sigma_m >= 0.0 && std::isfinite(extrinsic_translation_sigma_m),
+      "state.extrinsic_translation_sigma_m must be finite and not negative");
+  RequireOption(time_offset_sigma_s >= 0.0 && std::isfinite(time_offset_sigma_s),
+                "state.time_offset_sigma_s must be finite and not negative");
+  RequireOption(tile_sigma_m >= 0.0 && std::isfinite(tile_sigma_m),
+                "state.tile_sigma_m must be finite and not negative");
+  RequireWithin("state.max_points", max_points, 0, kMaxPoints);
 }
 
 FilterState::FilterState(const ImuState& imu, const Matrix15d& covariance, const Rig& rig,

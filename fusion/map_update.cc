@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/error.h"
+#include "core/require.h"
 #include "fusion/chi_square.h"
 #include "fusion/track_update.h"
 
@@ -185,12 +185,12 @@ std::vector<MapRows> LinearizeUsed(const Camera& camera, const FilterState& stat
 }  // namespace
 
 void MapUpdateOptions::Validate() const {
-  if (!(sigma_px > 0.0 && match_gate_quantile > 0.0 && response_gate_quantile > 0.0 &&
-        min_matches >= 4 && min_inlier_fraction >= 0.0 && min_inlier_fraction <= 1.0 &&
-        tilt_sigma_rad >= 0.0)) {
-    throw Error(ErrorCode::kInvalidArgument,
-                "map: standard deviations and gates must be positive, min_matches at least 4");
-  }
+  RequireOption(sigma_px > 0.0, "map.sigma_px must be positive");
+  RequireOption(match_gate_quantile > 0.0, "map.match_gate_quantile must be positive");
+  RequireOption(response_gate_quantile > 0.0, "map.response_gate_quantile must be positive");
+  RequireOption(min_matches >= 4, "map.min_matches must be at least 4");
+  RequireWithin("map.min_inlier_fraction", min_inlier_fraction, 0.0, 1.0);
+  RequireOption(tilt_sigma_rad >= 0.0, "map.tilt_sigma_rad must not be negative");
 }
 
 std::optional<MapRows> LinearizeSight(const Camera& camera, const Rig& rig,

@@ -4,15 +4,15 @@
 #include <cmath>
 #include <vector>
 
-#include "core/error.h"
+#include "core/require.h"
 #include "fusion/camera_view.h"
 
 namespace cairn::fusion {
 
 void RotationOnlyOptions::Validate() const {
-  if (!(median_distance_m > 0.0 && min_tracks >= 1 && gate_quantile > 0.0)) {
-    throw Error(ErrorCode::kInvalidArgument, "rotation_only: every limit must be positive");
-  }
+  RequireOption(median_distance_m > 0.0, "rotation_only.median_distance_m must be positive");
+  RequireOption(min_tracks >= 1, "rotation_only.min_tracks must be at least 1");
+  RequireOption(gate_quantile > 0.0, "rotation_only.gate_quantile must be positive");
 }
 
 std::optional<double> MedianParallaxPx(const FilterState& state, const Camera& camera,

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/error.h"
+#include "core/require.h"
 
 namespace cairn::fusion {
 namespace {
@@ -71,19 +71,21 @@ Matrix15d StartCovariance(const Eigen::Matrix3d& rotation, double gravity_m_s2, 
 }  // namespace
 
 void StandstillOptions::Validate() const {
-  for (const double value :
-       {window_s, start_window_s, max_gyro_std_rad_s, max_accel_std_m_s2, max_disparity_px,
-        velocity_sigma_m_s, position_sigma_m, rotation_sigma_rad, gate_quantile}) {
-    if (!(value > 0.0)) {
-      throw Error(ErrorCode::kInvalidArgument, "standstill: every limit must be positive");
-    }
-  }
+  RequireOption(window_s > 0.0, "standstill.window_s must be positive");
+  RequireOption(start_window_s > 0.0, "standstill.start_window_s must be positive");
+  RequireOption(max_gyro_std_rad_s > 0.0, "standstill.max_gyro_std_rad_s must be positive");
+  RequireOption(max_accel_std_m_s2 > 0.0, "standstill.max_accel_std_m_s2 must be positive");
+  RequireOption(max_disparity_px > 0.0, "standstill.max_disparity_px must be positive");
+  RequireOption(velocity_sigma_m_s > 0.0, "standstill.velocity_sigma_m_s must be positive");
+  RequireOption(position_sigma_m > 0.0, "standstill.position_sigma_m must be positive");
+  RequireOption(rotation_sigma_rad > 0.0, "standstill.rotation_sigma_rad must be positive");
+  RequireOption(gate_quantile > 0.0, "standstill.gate_quantile must be positive");
 }
 
 void StartPrior::Validate() const {
-  if (!(gyro_bias_sigma_rad_s > 0.0 && accel_bias_sigma_m_s2 > 0.0 && velocity_sigma_m_s > 0.0)) {
-    throw Error(ErrorCode::kInvalidArgument, "start: standard deviations must be positive");
-  }
+  RequireOption(gyro_bias_sigma_rad_s > 0.0, "start.gyro_bias_sigma_rad_s must be positive");
+  RequireOption(accel_bias_sigma_m_s2 > 0.0, "start.accel_bias_sigma_m_s2 must be positive");
+  RequireOption(velocity_sigma_m_s > 0.0, "start.velocity_sigma_m_s must be positive");
 }
 
 bool IsQuiet(const ImuBuffer& buffer, int64_t begin_ns, int64_t end_ns,

@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/error.h"
+#include "core/require.h"
 
 namespace cairn::fusion {
 
 void SteadyPoseOptions::Validate() const {
-  if (!(time_constant_s >= 0.0 && std::isfinite(time_constant_s) && max_held_back_m >= 0.0 &&
-        max_held_back_rad >= 0.0 && max_held_back_rad < M_PI)) {
-    throw Error(ErrorCode::kInvalidArgument,
-                "steady: times and bounds must not be negative, the turn must be below pi");
-  }
+  RequireOption(time_constant_s >= 0.0 && std::isfinite(time_constant_s),
+                "steady.time_constant_s must be finite and not negative");
+  RequireOption(max_held_back_m >= 0.0, "steady.max_held_back_m must not be negative");
+  RequireOption(max_held_back_rad >= 0.0 && max_held_back_rad < M_PI,
+                "steady.max_held_back_rad must lie in [0, pi)");
 }
 
 double SteadyPose::ShareLeftAfter(int64_t duration_ns) const {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/check.h"
-#include "core/error.h"
+#include "core/require.h"
 #include "fusion/chi_square.h"
 
 namespace cairn::fusion {
@@ -100,12 +100,14 @@ void EnterPoints(const Camera& camera, const std::vector<const FinishedTrack*>& 
 }  // namespace
 
 void TrackUpdateOptions::Validate() const {
-  if (!(sigma_px > 0.0 && min_views >= 2 && max_tracks >= 1 && gate_quantile > 0.0 &&
-        max_relative_baseline_sigma > 0.0 && max_relative_point_sigma > 0.0)) {
-    throw Error(ErrorCode::kInvalidArgument,
-                "tracks: sigma_px and gate_quantile must be positive, min_views at least 2");
-  }
   triangulate.Validate();
+  RequireOption(sigma_px > 0.0, "tracks.sigma_px must be positive");
+  RequireOption(min_views >= 2, "tracks.min_views must be at least 2");
+  RequireOption(max_tracks >= 1, "tracks.max_tracks must be at least 1");
+  RequireOption(gate_quantile > 0.0, "tracks.gate_quantile must be positive");
+  RequireOption(max_relative_baseline_sigma > 0.0,
+                "tracks.max_relative_baseline_sigma must be positive");
+  RequireOption(max_relative_point_sigma > 0.0, "tracks.max_relative_point_sigma must be positive");
 }
 
 std::vector<CameraView> ViewsOfClones(const FilterState& state) {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/error.h"
+#include "core/require.h"
 
 namespace cairn::fusion {
 namespace {
@@ -100,11 +100,11 @@ bool WithinLimits(std::span<const Sight> sights, const InverseDepth& point,
 }  // namespace
 
 void TriangulateOptions::Validate() const {
-  if (!(min_depth_m > 0.0 && max_depth_m > min_depth_m && max_relative_depth_sigma > 0.0 &&
-        max_iterations >= 0)) {
-    throw Error(ErrorCode::kInvalidArgument,
-                "triangulation: depths must be positive and in order, limits positive");
-  }
+  RequireOption(min_depth_m > 0.0, "triangulate.min_depth_m must be positive");
+  RequireOption(max_depth_m > min_depth_m, "triangulate.max_depth_m must be more than min_depth_m");
+  RequireOption(max_relative_depth_sigma > 0.0,
+                "triangulate.max_relative_depth_sigma must be positive");
+  RequireOption(max_iterations >= 0, "triangulate.max_iterations must not be negative");
 }
 
 std::optional<Eigen::Vector3d> Triangulate(const Camera& camera, std::span<const Sight> sights,
