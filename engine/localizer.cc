@@ -262,8 +262,9 @@ bool QueryRun::DoubtsGravity() const {
       hypotheses_.begin(), hypotheses_.end(), [](const PoseHypothesis& a, const PoseHypothesis& b) {
         return a.estimate.effective_inliers < b.estimate.effective_inliers;
       });
-  if (best == hypotheses_.end() ||
-      best->estimate.effective_inliers < options_.answer.min_effective_inliers) {
+  const double min_trusted = std::max(options_.answer.min_effective_inliers,
+                                      options_.refinement.min_trusted_effective_inliers);
+  if (best == hypotheses_.end() || best->estimate.effective_inliers < min_trusted) {
     return true;
   }
   const Eigen::Vector3d down_in_cam =

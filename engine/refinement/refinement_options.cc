@@ -17,6 +17,9 @@ void RefinementOptions::Validate() const {
                 "refinement.min_separation_m must not be negative");
   RequireOption(relaxed_distance_quantile > 0.0 && relaxed_distance_quantile <= 1.0,
                 "refinement.relaxed_distance_quantile must lie in (0, 1]");
+  RequireOption(
+      min_trusted_effective_inliers >= 0.0 && std::isfinite(min_trusted_effective_inliers),
+      "refinement.min_trusted_effective_inliers must not be negative");
   RequireOption(max_gravity_error_sigmas >= 0.0,
                 "refinement.max_gravity_error_sigmas must not be negative");
 }

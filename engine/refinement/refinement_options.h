@@ -21,9 +21,11 @@ struct RefinementOptions {
   double min_separation_m = 3.0;
   double relaxed_distance_quantile = 0.95;  // Threshold of the re-matching.
   // Gravity is doubted, and everything from matching on is tried once more as if the query had had
-  // none, if there is still no pose good enough for an answer, or one with fewer than
-  // good_effective_inliers that is tilted against gravity by more than so many standard deviations
-  // (PoseOptions::gravity_sigma_rad). Infinity: only if there is no answer. Not in mode kNever.
+  // none (not in mode kNever), if the best pose has fewer effective inliers than this, or than an
+  // answer needs; docs/decisions/0004.
+  double min_trusted_effective_inliers = 12.0;
+  // It is doubted, too, if the best pose has fewer than good_effective_inliers and is tilted
+  // against gravity by more than so many standard deviations (PoseOptions::gravity_sigma_rad).
   double max_gravity_error_sigmas = 2.0;
 
   // Throws Error(kInvalidArgument) naming the field.

@@ -157,6 +157,19 @@ TEST_F(LocalizerOnOneStreet, DoubtsGravityThatAWeakAnswerIsTiltedAgainst) {
   EXPECT_EQ(num_distances(3.0 * sigma_rad, 4.0), num_distances(3.0 * sigma_rad, kNoLimit));
 }
 
+TEST_F(LocalizerOnOneStreet, DoubtsGravityIfTheAnswerHasFewInliers) {
+  const Rigid3d cam_from_enu = QueryPose(20.0);
+  const LocalizeQuery query = QueryAt(*world_, cam_from_enu);
+  LocalizerOptions options;
+  const auto num_distances = [&](double min_trusted) {
+    options.refinement.min_trusted_effective_inliers = min_trusted;
+    const LocalizeResult result = map_->WithOptions(options).Localize(query);
+    ExpectPose(result, *world_, cam_from_enu, 0.05, 0.1 * kRadPerDeg);
+    return result.counters.num_distances;
+  };
+  EXPECT_GT(num_distances(1e6), num_distances(0.0));
+}
+
 TEST_F(LocalizerOnOneStreet, WorksWithoutPrior) {
   const Rigid3d cam_from_enu = QueryPose(20.0);
   LocalizeQuery query = QueryAt(*world_, cam_from_enu);
