@@ -35,7 +35,7 @@ struct BenchFigures {
   double cold_query_seconds = 0;  // The first query of all, with an empty cache.
   // From the map file in the page cache until a tile can be searched; the same from the blob in
   // memory, without SQLite; and to read the blob's bytes of a plain file in the page cache, into
-  // memory that is new or has been used before. Medians of many tiles.
+  // memory that is new or has been used before. Processor time; medians of many tiles.
   double tile_load_seconds = 0.0;
   double blob_load_seconds = 0.0;
   double new_read_seconds = 0.0;
