@@ -194,7 +194,7 @@ NotLocalizedReason QueryRun::Vote() {
       candidates_ =
           context_.level_from_cam
               ? VoteForPoses(context_, *correspondences_, options_.voting, &result_.counters,
-                             workers_)
+                             workers_, [this] { return DeadlinePassed(); })
               : KeyframeCandidates(context_, tiles_, *correspondences_, options_.refinement);
       break;
     case OutlierFilter::kCovisibility:

@@ -57,9 +57,10 @@ struct YawRangePeaks {
 };
 
 // The peaks between yaw bins `begin` and `end`, smoothed over pairs of neighbours along all four
-// axes: peak i sums the bins i and i + 1, so the bin after the range is filled as well.
+// axes: peak i sums the bins i and i + 1, so the bin after the range is filled as well. Fewer if it
+// is told to stop.
 YawRangePeaks FindPeaksInRange(const Ballot& ballot, int begin, int end,
-                               const VotingOptions& options) {
+                               const VotingOptions& options, const StopFunction& should_stop) {
   VoteSegments segments(ballot.rays.padded_size());
   VoteSlice slice(ballot.grid);
   PeakCollector peaks(kPeaksPerCandidate * options.max_candidates,
@@ -81,6 +82,9 @@ YawRangePeaks FindPeaksInRange(const Ballot& ballot, int begin, int end,
     first = previous;
   }
   for (int yaw_idx = begin + 1; yaw_idx < end; ++yaw_idx) {
+    if (should_stop && should_stop()) {
+      return result;
+    }
     result.num_votes += fill(yaw_idx, &current);
     peaks.Offer(yaw_idx - 1, previous, current);
     std::swap(previous, current);
@@ -98,13 +102,14 @@ YawRangePeaks FindPeaksInRange(const Ballot& ballot, int begin, int end,
 // Cells with the most votes, best first. Ranges of yaw are independent but for one slice each that
 // is filled twice, so there are no more of them than threads.
 std::vector<VotePeak> FindPeaks(const Ballot& ballot, const VotingOptions& options,
-                                SharedWorkers* workers, StageCounters* counters) {
+                                SharedWorkers* workers, StageCounters* counters,
+                                const StopFunction& should_stop) {
   const int num_ranges =
       std::clamp(workers != nullptr ? workers->NumFree() : 1, 1, ballot.num_yaws / 2);
   std::vector<YawRangePeaks> ranges(num_ranges);
   ForEachStep(workers, num_ranges, [&](int i) {
     ranges[i] = FindPeaksInRange(ballot, i * ballot.num_yaws / num_ranges,
-                                 (i + 1) * ballot.num_yaws / num_ranges, options);
+                                 (i + 1) * ballot.num_yaws / num_ranges, options, should_stop);
   });
   std::vector<VotePeak> peaks;
   for (const YawRangePeaks& range : ranges) {
@@ -161,7 +166,7 @@ std::vector<PoseCandidate> SuppressNeighbors(const std::vector<PoseCandidate>& o
 std::vector<PoseCandidate> VoteForPoses(const QueryContext& query,
                                         const std::vector<Correspondence>& correspondences,
                                         const VotingOptions& options, StageCounters* counters,
-                                        SharedWorkers* workers) {
+                                        SharedWorkers* workers, const StopFunction& should_stop) {
   CAIRN_CHECK(query.level_from_cam.has_value(), "voting needs gravity");
   counters->num_votes = 0;
   counters->num_candidates = 0;
@@ -181,7 +186,7 @@ std::vector<PoseCandidate> VoteForPoses(const QueryContext& query,
   // but too dear for all of them. So a few times as many maxima as asked for are judged.
   constexpr int kJudgedPerCandidate = 4;
   std::vector<PoseCandidate> candidates;
-  for (const VotePeak& peak : FindPeaks(ballot, options, workers, counters)) {
+  for (const VotePeak& peak : FindPeaks(ballot, options, workers, counters, should_stop)) {
     candidates.push_back(CandidateAt(peak, grid, ballot.num_yaws));
   }
   candidates = SuppressNeighbors(candidates, grid, options.yaw_step_rad,
@@ -189,8 +194,10 @@ std::vector<PoseCandidate> VoteForPoses(const QueryContext& query,
   const RayArrays<double> support_rays(rays, center);
   const auto judge_by = [&](const auto& judge) {
     ForEachStep(workers, static_cast<int>(candidates.size()), [&](int i) {
-      candidates[i] =
-          judge(support_rays, candidates[i].center_in_anchor, candidates[i].yaw_rad, options);
+      if (!should_stop || !should_stop()) {
+        candidates[i] =
+            judge(support_rays, candidates[i].center_in_anchor, candidates[i].yaw_rad, options);
+      }
     });
   };
   judge_by(SupportedCandidate);
@@ -199,6 +206,9 @@ std::vector<PoseCandidate> VoteForPoses(const QueryContext& query,
   });
   if (options.filter != OutlierFilter::kVoting3d) {
     judge_by(SettledCandidate);
+  }
+  if (should_stop && should_stop()) {
+    return {};
   }
   std::stable_sort(
       candidates.begin(), candidates.end(),

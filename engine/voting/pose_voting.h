@@ -9,6 +9,7 @@
 #include "engine/pose_candidate.h"
 #include "engine/query_context.h"
 #include "engine/shared_workers.h"
+#include "engine/stop_function.h"
 #include "engine/voting/voting_options.h"
 
 namespace cairn {
@@ -19,10 +20,14 @@ namespace cairn {
 // once in a cell. The heights of candidates mean nothing if they were not voted over. Needs gravity
 // (query.level_from_cam). Sets the voting counters. `workers` (may be null) share the work, by
 // ranges of yaw; the result is the same.
+//
+// When `should_stop` says so, which it is asked for every heading and every candidate, the rest is
+// left and there are no candidates.
 std::vector<PoseCandidate> VoteForPoses(const QueryContext& query,
                                         const std::vector<Correspondence>& correspondences,
                                         const VotingOptions& options, StageCounters* counters,
-                                        SharedWorkers* workers = nullptr);
+                                        SharedWorkers* workers = nullptr,
+                                        const StopFunction& should_stop = {});
 
 }  // namespace cairn
 

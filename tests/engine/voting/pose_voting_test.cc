@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 
 #include "engine/pose/estimate_pose.h"
 #include "support/cameras.h"
@@ -90,6 +91,35 @@ TEST(VoteForPoses, WorkersDoNotChangeTheResult) {
       EXPECT_EQ(shared[i].correspondences, alone[i].correspondences);
     }
   }
+}
+
+// Whenever it is told to, it stops at the next heading or candidate, alone and with workers.
+TEST(VoteForPoses, LeavesTheRestWhenItIsToldToStop) {
+  const PoseScene scene = MakePoseScene(HardScene(60, 3));
+  const auto vote = [&](SharedWorkers* workers, int num_questions, StageCounters* counters) {
+    std::atomic<int> num_asked = 0;
+    const auto candidates =
+        VoteForPoses(scene.query, scene.correspondences, VotingOptions(), counters, workers,
+                     [&] { return ++num_asked > num_questions; });
+    EXPECT_EQ(candidates.empty(), num_asked > num_questions) << num_questions;
+    return num_asked.load();
+  };
+  StageCounters all;
+  const int num_all = vote(nullptr, 1'000'000, &all);
+  EXPECT_GT(num_all, 120);  // Headings, and some candidates.
+  for (const int num_questions : {0, 10, num_all - 5, num_all - 1}) {
+    StageCounters counters;
+    vote(nullptr, num_questions, &counters);
+    EXPECT_EQ(counters.num_candidates, 0);
+    EXPECT_EQ(counters.num_votes < all.num_votes, num_questions < 100) << num_questions;
+  }
+  SharedWorkers workers(4);
+  const SharedWorkers::Caller caller(&workers);
+  StageCounters counters;
+  vote(&workers, 10, &counters);
+  EXPECT_LT(counters.num_votes, all.num_votes);
+  vote(&workers, 1'000'000, &counters);
+  EXPECT_EQ(counters.num_votes, all.num_votes);
 }
 
 TEST(VoteForPoses, FindsTheTruthOfARig) {
