@@ -1,7 +1,6 @@
 #include "eval/bench/run_bench.h"
 
 #include <sched.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -22,6 +21,7 @@
 #include "engine/localizer.h"
 #include "engine/matching/byte_descriptors.h"
 #include "engine/tiles/searchable_tile.h"
+#include "eval/thread_cpu_clock.h"
 #include "storage/descriptor_codec.h"
 #include "storage/tile_cache.h"
 #include "storage/tile_codec.h"
@@ -42,20 +42,14 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// The processor's time of this thread: what a shared machine gives to others does not count. For
-// work that waits for nothing.
+// What a shared machine gives to others does not count. For work of this thread alone that waits
+// for nothing.
 class ProcessorStopwatch {
  public:
-  double Seconds() const { return Now() - start_; }
+  double Seconds() const { return ThreadCpuSeconds() - start_; }
 
  private:
-  static double Now() {
-    timespec now;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-  }
-
-  double start_ = Now();
+  double start_ = ThreadCpuSeconds();
 };
 
 // Binds the thread, and the threads it starts, to the core it runs on, until destroyed.

@@ -10,7 +10,7 @@
 
 #include "core/check.h"
 #include "engine/localizer.h"
-#include "eval/experiments/thread_cpu_clock.h"
+#include "eval/thread_cpu_clock.h"
 #include "eval/experiments/warm_tiles.h"
 #include "eval/parallel_for.h"
 

@@ -1,6 +1,6 @@
 // Processor time of the calling thread, which other load hardly disturbs.
-#ifndef CAIRN_EVAL_EXPERIMENTS_THREAD_CPU_CLOCK_H_
-#define CAIRN_EVAL_EXPERIMENTS_THREAD_CPU_CLOCK_H_
+#ifndef CAIRN_EVAL_THREAD_CPU_CLOCK_H_
+#define CAIRN_EVAL_THREAD_CPU_CLOCK_H_
 
 #include <ctime>
 
@@ -14,4 +14,4 @@ inline double ThreadCpuSeconds() {
 
 }  // namespace cairn
 
-#endif  // CAIRN_EVAL_EXPERIMENTS_THREAD_CPU_CLOCK_H_
+#endif  // CAIRN_EVAL_THREAD_CPU_CLOCK_H_
