@@ -19,3 +19,13 @@ if(CAIRN_BUILD_TESTS)
   target_precompile_headers(cairn_test_headers PRIVATE
     <filesystem> <map> <random> <gmock/gmock.h> <gtest/gtest.h>)
 endif()
+
+# cairn_source_options(SOURCES a.cc b.cc OPTIONS -O3)
+#
+# Options of single sources of a folder. These do without precompiled headers, with which GCC takes
+# some options, such as -fno-tree-vectorize, from the headers instead, and says nothing.
+function(cairn_source_options)
+  cmake_parse_arguments(ARG "" "" "SOURCES;OPTIONS" ${ARGN})
+  set_source_files_properties(${ARG_SOURCES} PROPERTIES
+    COMPILE_OPTIONS "${ARG_OPTIONS}" SKIP_PRECOMPILE_HEADERS ON)
+endfunction()
