@@ -6,18 +6,20 @@ set(cairn_common_headers
   <unordered_map> <vector> <Eigen/Cholesky> <Eigen/Geometry> <Eigen/LU> <Eigen/QR> <Eigen/SVD>)
 
 file(WRITE ${CMAKE_BINARY_DIR}/generated/precompiled/empty.cc "")
-foreach(kind library test)
-  add_library(cairn_${kind}_headers OBJECT ${CMAKE_BINARY_DIR}/generated/precompiled/empty.cc)
-  target_link_libraries(cairn_${kind}_headers PRIVATE Eigen3::Eigen cairn_compiler_options)
-  target_precompile_headers(cairn_${kind}_headers PRIVATE ${cairn_common_headers})
-endforeach()
-# Tests are executables, which the compiler tells from libraries.
-set_target_properties(cairn_test_headers PROPERTIES POSITION_INDEPENDENT_CODE OFF)
-target_compile_options(cairn_test_headers PRIVATE -fPIE)
+function(cairn_precompiled_headers target)
+  add_library(${target} OBJECT ${CMAKE_BINARY_DIR}/generated/precompiled/empty.cc)
+  target_link_libraries(${target} PRIVATE Eigen3::Eigen cairn_compiler_options)
+  target_precompile_headers(${target} PRIVATE ${cairn_common_headers} ${ARGN})
+endfunction()
+
+cairn_precompiled_headers(cairn_library_headers)
 if(CAIRN_BUILD_TESTS)
-  target_link_libraries(cairn_test_headers PRIVATE GTest::gmock)
-  target_precompile_headers(cairn_test_headers PRIVATE
+  cairn_precompiled_headers(cairn_test_headers
     <filesystem> <map> <random> <gmock/gmock.h> <gtest/gtest.h>)
+  target_link_libraries(cairn_test_headers PRIVATE GTest::gmock)
+  # Tests are executables, which the compiler tells from libraries.
+  set_target_properties(cairn_test_headers PROPERTIES POSITION_INDEPENDENT_CODE OFF)
+  target_compile_options(cairn_test_headers PRIVATE -fPIE)
 endif()
 
 # cairn_source_options(SOURCES a.cc b.cc OPTIONS -O3)
