@@ -9,9 +9,9 @@
 #include "core/check.h"
 #include "engine/matching/match_features.h"
 #include "eval/experiments/right_landmarks.h"
-#include "eval/thread_cpu_clock.h"
 #include "eval/experiments/warm_tiles.h"
 #include "eval/parallel_for.h"
+#include "eval/thread_cpu_clock.h"
 
 namespace cairn {
 namespace {

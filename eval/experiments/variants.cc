@@ -10,9 +10,9 @@
 
 #include "core/check.h"
 #include "engine/localizer.h"
-#include "eval/thread_cpu_clock.h"
 #include "eval/experiments/warm_tiles.h"
 #include "eval/parallel_for.h"
+#include "eval/thread_cpu_clock.h"
 
 namespace cairn {
 namespace {

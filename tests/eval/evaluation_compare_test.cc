@@ -83,9 +83,8 @@ TEST(PairedContrast, IsADifferenceOfDifferences) {
   const EvalReport half = ReportWithErrors({0.1, 0.1, -1.0, -1.0});
   const EvalReport none = ReportWithErrors({-1.0, -1.0, -1.0, -1.0});
   // (1 - 1/2) - (1/2 - 0).
-  const Interval contrast =
-      PairedContrast({{1.0, &all}, {-1.0, &half}, {-1.0, &half}, {1.0, &none}},
-                     AccuracyMeasure::kRecallAtCorrect);
+  const Interval contrast = PairedContrast(
+      {{1.0, &all}, {-1.0, &half}, {-1.0, &half}, {1.0, &none}}, AccuracyMeasure::kRecallAtCorrect);
   EXPECT_NEAR(contrast.value, 0.0, 1e-12);
   EXPECT_LT(contrast.low, 0.0);
   EXPECT_GT(contrast.high, 0.0);

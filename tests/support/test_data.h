@@ -19,8 +19,8 @@ inline std::filesystem::path TestDataDir() {
 }  // namespace cairn::testing
 
 // Skips the running test, saying so, if a file or folder of the test data is not there.
-#define CAIRN_SKIP_WITHOUT_DATA(relative_path)                                                \
-  if (!std::filesystem::exists(::cairn::testing::TestDataDir() / (relative_path)))            \
+#define CAIRN_SKIP_WITHOUT_DATA(relative_path)                                                 \
+  if (!std::filesystem::exists(::cairn::testing::TestDataDir() / (relative_path)))             \
   GTEST_SKIP() << "test data not found: " << ::cairn::testing::TestDataDir() / (relative_path) \
                << " (set CAIRN_TEST_DATA)"
 

@@ -61,9 +61,8 @@ QueryMatchSet MatchesWithFewRight(const PreparedQuery& query, const Rigid3d& tru
     num_right += is_right[i];
   }
   const double num_wrong = static_cast<double>(all.size()) - num_right;
-  int num_to_keep =
-      static_cast<int>(std::min(static_cast<double>(num_right),
-                                num_wrong * max_right_share / (1.0 - max_right_share)));
+  int num_to_keep = static_cast<int>(std::min(
+      static_cast<double>(num_right), num_wrong * max_right_share / (1.0 - max_right_share)));
   QueryMatchSet kept;
   Random random(seed);
   for (size_t i = 0; i < all.size(); ++i) {
