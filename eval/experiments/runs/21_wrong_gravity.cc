@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "eval/eval_query.h"
@@ -30,8 +29,7 @@ ExperimentWorld WithGravity(ExperimentWorld world, double gravity_sigma_deg, boo
   return world;
 }
 
-// The engine as it is: whether a pose is good enough for an answer is what makes it doubt gravity,
-// so unlike in BestVariant() it must be asked.
+// The engine as users run it: unlike with BestVariant(), weak and ambiguous poses are no answers.
 MeasuredVariant Measure(const ExperimentWorld& world, const std::string& method, double x,
                         const ExperimentContext& context) {
   return MeasureVariants(world, {{method, x, LocalizerOptions()}}, context).front();
