@@ -106,7 +106,6 @@ std::optional<PoseEstimate> Polish(const QueryContext& query,
   constexpr int kMaxRounds = 4;
   RefinePoseOptions refine_options;
   refine_options.keypoint_sigma_px = options.keypoint_sigma_px;
-  refine_options.with_covariance = false;  // Of the last round only.
   const std::optional<GravityPrior> gravity = MakeGravityPrior(query, options);
   RefinedPose refined;
   refined.cam_from_anchor = cam_from_anchor;

@@ -260,7 +260,6 @@ std::optional<std::pair<PoseEstimator::Model, double>> PoseEstimator::Optimize(
   refine_options.keypoint_sigma_px = options_.keypoint_sigma_px;
   refine_options.max_iterations = 5;
   refine_options.min_relative_decrease = 1e-3;  // The best pose is refined to the end afterwards.
-  refine_options.with_covariance = false;
   Model model = cam_from_anchor;
   double extra_sq_rad = minimal_extra_sq_rad_;
   for (int i = 0; i < options_.num_local_optimizations; ++i) {

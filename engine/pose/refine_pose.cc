@@ -162,10 +162,6 @@ RefinedPose RefinePose(const Camera& camera, const std::vector<PoseObservation>&
   }
   refined.cam_from_anchor = anchor_from_cam.Inverse();
   refined.cost = system.cost;
-  if (options.with_covariance) {
-    refined.covariance = PoseCovariance(camera, observations, gravity, refined.cam_from_anchor,
-                                        options, other_cameras);
-  }
   return refined;
 }
 

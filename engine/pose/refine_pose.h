@@ -1,4 +1,4 @@
-// Robust maximum-likelihood refinement of a pose in all six degrees of freedom, with covariance.
+// Robust maximum-likelihood refinement of a pose in all six degrees of freedom, and its covariance.
 #ifndef CAIRN_ENGINE_POSE_REFINE_POSE_H_
 #define CAIRN_ENGINE_POSE_REFINE_POSE_H_
 
@@ -34,15 +34,12 @@ struct RefinePoseOptions {
   double cauchy_scale = 2.4;
   int max_iterations = 10;
   double min_relative_decrease = 1e-6;  // Of the cost; a step with less is the last one.
-  bool with_covariance = true;          // If not, it stays zero, and less time is spent.
 };
 
 struct RefinedPose {
   Rigid3d cam_from_anchor;
   double cost = 0.0;       // Half the sum of the robust squared residuals.
   int num_iterations = 0;  // Accepted steps.
-  // See PoseCovariance.
-  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
 };
 
 // Minimises the Cauchy-robust reprojection errors in the true (distorted) image, each weighted by
