@@ -4,7 +4,6 @@
 #define CAIRN_FUSION_POINT_CHART_H_
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
 
 namespace cairn::fusion {
 
@@ -14,11 +13,7 @@ class PointChart {
  public:
   PointChart() = default;
   // A chart whose axis goes from `center` to `x`, two different points of one frame.
-  PointChart(const Eigen::Vector3d& center, const Eigen::Vector3d& x) : center_(center) {
-    const Eigen::Vector3d way = x - center;
-    axes_ = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), way).toRotationMatrix();
-    origin_ = {0.0, 0.0, 1.0 / way.norm()};
-  }
+  PointChart(const Eigen::Vector3d& center, const Eigen::Vector3d& x);
 
   // Coordinates of the `x` the chart was made for.
   const Eigen::Vector3d& origin() const { return origin_; }
