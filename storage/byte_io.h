@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -122,6 +123,21 @@ class ByteReader {
       }
     }
     throw Error(ErrorCode::kMapDamaged, what_ + ": malformed variable-length number");
+  }
+
+  // The next eight bytes, the first the lowest, if each of them is a number in PutVarint's form;
+  // else nothing is read.
+  std::optional<uint64_t> GetShortVarints() {
+    constexpr uint64_t kMore = 0x8080808080808080;
+    uint64_t bytes = kMore;
+    if (bytes_.size() >= sizeof(bytes)) {
+      std::memcpy(&bytes, bytes_.data(), sizeof(bytes));
+    }
+    if ((bytes & kMore) != 0) {
+      return std::nullopt;
+    }
+    bytes_ = bytes_.subspan(sizeof(bytes));
+    return bytes;
   }
 
  private:

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -48,14 +49,28 @@ inline Rigid3d PoseFromNumbers(const std::array<double, kNumPoseNumbers>& number
 template <typename Set>
 void GetAscending(size_t count, uint32_t end, const char* problem, ByteReader* reader,
                   const Set& set) {
+  // Numbers of one byte each are the usual case. So many together do not get farther than this.
+  constexpr size_t kNumTogether = sizeof(uint64_t), kMaxAdvance = kNumTogether << 7;
   uint64_t next = 0;
-  for (size_t i = 0; i < count; ++i) {
+  for (size_t i = 0; i < count;) {
+    if (count - i >= kNumTogether && next + kMaxAdvance <= end) {
+      if (const std::optional<uint64_t> bytes = reader->GetShortVarints()) {
+        for (size_t j = 0; j < kNumTogether; ++j) {
+          next += *bytes >> 8 * j & 0x7f;
+          set(static_cast<uint32_t>(next));
+          ++next;
+        }
+        i += kNumTogether;
+        continue;
+      }
+    }
     next += reader->GetVarint();
     if (next >= end) {
       ThrowDamagedTile(problem);
     }
     set(static_cast<uint32_t>(next));
     ++next;
+    ++i;
   }
 }
 

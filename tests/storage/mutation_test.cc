@@ -82,10 +82,11 @@ TileLists SmallLists(const Tile& tile) {
 }
 
 // Mutates the bytes in [begin, end) and seals the payload again.
-Outcome DecodeMutated(const std::vector<uint8_t>& blob, size_t begin, size_t end, uint64_t seed) {
+Outcome DecodeMutated(const std::vector<uint8_t>& blob, size_t begin, size_t end, uint64_t seed,
+                      int num_trials = 5'000) {
   std::mt19937_64 random(seed);
   Outcome outcome;
-  for (int trial = 0; trial < 5'000; ++trial) {
+  for (int trial = 0; trial < num_trials; ++trial) {
     std::vector<uint8_t> part(blob.begin() + static_cast<ptrdiff_t>(begin),
                               blob.begin() + static_cast<ptrdiff_t>(end));
     Mutate(&random, &part);
@@ -127,6 +128,21 @@ TEST(Mutation, TileColumnsWithAValidChecksum) {
       DecodeMutated(blob, kHeaderSize + kDirectorySize + tile.codes.size(), blob.size(), 3);
   EXPECT_GT(outcome.num_decoded, 100);
   EXPECT_GT(outcome.num_refused, 100);
+}
+
+// As many landmarks as it takes for their indices to be read several at a time.
+TEST(Mutation, ObservationsOfManyLandmarksWithAValidChecksum) {
+  testing::RandomTileOptions options;
+  options.num_landmarks = 3'000;
+  options.num_landmarks_per_keyframe = 1'400;
+  const std::vector<uint8_t> blob = EncodeTile(testing::RandomTile(options));
+  uint32_t observations_size = 0;
+  std::memcpy(&observations_size, blob.data() + kHeaderSize + kDirectorySize - sizeof(uint32_t),
+              sizeof(observations_size));
+  const Outcome outcome =
+      DecodeMutated(blob, blob.size() - observations_size, blob.size(), 7, 1'000);
+  EXPECT_GT(outcome.num_decoded, 20);
+  EXPECT_GT(outcome.num_refused, 20);
 }
 
 // Columns that are compressed.
