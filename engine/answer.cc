@@ -90,7 +90,7 @@ void FillMatches(const QueryContext& query, const std::vector<TileView>& tiles,
     out.camera_idx = query.CameraIdxOf(match.keypoint_idx);
     out.keypoint_idx = match.keypoint_idx - first_keypoint[out.camera_idx];
     out.pixel = {keypoint.x_px, keypoint.y_px};
-    out.landmark_id = tiles[match.tile_idx].tile->tile().landmark_ids[match.landmark_idx];
+    out.landmark_id = tiles[match.tile_idx].tile->landmarks().landmark_ids[match.landmark_idx];
     out.tile_idx = match.tile_idx;
     out.x_in_anchor = match.x_in_anchor;
     out.sigma_m = match.sigma_m;

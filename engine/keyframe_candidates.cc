@@ -17,7 +17,7 @@ std::unordered_set<uint64_t> LandmarksOf(const std::vector<TileView>& tiles,
                                          const std::vector<KeyframeRef>& keyframes) {
   std::unordered_set<uint64_t> landmarks;
   for (const KeyframeRef& keyframe : keyframes) {
-    const Tile& tile = tiles[keyframe.tile_idx].tile->tile();
+    const TileCovisibility& tile = tiles[keyframe.tile_idx].tile->covisibility();
     for (const uint32_t landmark_idx : tile.LandmarksOfKeyframe(keyframe.keyframe_idx)) {
       landmarks.insert(LandmarkKey(keyframe.tile_idx, landmark_idx));
     }

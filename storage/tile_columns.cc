@@ -127,12 +127,20 @@ size_t TileHeader::ColumnSize(size_t column) const {
       ->size;
 }
 
-uint64_t TileHeader::TileSize() const {
+uint64_t TileHeader::LandmarksSize() const {
   constexpr uint64_t kPerLandmark =
-      sizeof(LandmarkId) + sizeof(SessionId) + sizeof(Eigen::Vector3f) + sizeof(uint32_t) + 1;
-  return kPerLandmark * num_landmarks + 3 * uint64_t{num_descriptors} + codes_size() +
-         (sizeof(TileKeyframe) + sizeof(uint32_t)) * num_keyframes +
+      sizeof(LandmarkId) + sizeof(Eigen::Vector3f) + sizeof(uint32_t) + 1;
+  return kPerLandmark * num_landmarks + 3 * uint64_t{num_descriptors};
+}
+
+uint64_t TileHeader::CovisibilitySize() const {
+  return (sizeof(TileKeyframe) + sizeof(uint32_t)) * num_keyframes +
          sizeof(uint32_t) * uint64_t{num_observations};
+}
+
+uint64_t TileHeader::TileSize() const {
+  return LandmarksSize() + CovisibilitySize() + sizeof(SessionId) * uint64_t{num_landmarks} +
+         codes_size();
 }
 
 void TileColumnWriter::Put(std::span<const uint8_t> column) {
@@ -233,15 +241,23 @@ std::span<const uint8_t> TileColumnReader::Get(size_t column, LargeVector<uint8_
     return stored;
   }
   buffer->resize(std::max(buffer->size(), size));
-  if (stored.size() == 1) {
-    std::memset(buffer->data(), stored[0], size);
-  } else if (ZSTD_getFrameContentSize(stored.data(), stored.size()) != size ||
+  const std::span<uint8_t> decoded(buffer->data(), size);
+  Get(column, decoded);
+  return decoded;
+}
+
+void TileColumnReader::Get(size_t column, std::span<uint8_t> to) {
+  const std::span<const uint8_t> stored = columns_.Stored(column);
+  if (stored.size() == to.size()) {
+    std::copy(stored.begin(), stored.end(), to.begin());
+  } else if (stored.size() == 1) {
+    std::fill(to.begin(), to.end(), stored[0]);
+  } else if (ZSTD_getFrameContentSize(stored.data(), stored.size()) != to.size() ||
              ZSTD_findFrameCompressedSize(stored.data(), stored.size()) != stored.size() ||
-             ZSTD_decompressDCtx(context_.get(), buffer->data(), size, stored.data(),
-                                 stored.size()) != size) {
+             ZSTD_decompressDCtx(context_.get(), to.data(), to.size(), stored.data(),
+                                 stored.size()) != to.size()) {
     ThrowDamagedTile("column " + std::to_string(column) + " is not a frame of its size");
   }
-  return {buffer->data(), size};
 }
 
 template <typename T>
@@ -282,23 +298,25 @@ void TileColumnReader::GetDeltas(
   }
 }
 
-template <typename Vector>
-void TileColumnReader::GetOffsets(size_t column, uint32_t total, const char* what, Vector* begin) {
-  const LargeVector<uint32_t> sizes = GetPlanes32(column);
-  begin->resize(sizes.size() + 1);
-  // 32 bits suffice while the sum is not above the total; what is added later is not used.
+void TileColumnReader::GetOffsets(size_t column, uint32_t total, const char* what,
+                                  uint32_t* begin) {
+  const std::array planes = GetPlanes<uint32_t>(column);
+  const size_t num_groups = columns_.header().ColumnSize(column);
+  std::array<uint32_t, kStretch> sizes;
+  // 32 bits of it suffice while it is not above the total; what is written later is not used.
   uint64_t sum = 0;
-  for (size_t i = 0; i < sizes.size(); ++i) {
-    (*begin)[i] = static_cast<uint32_t>(sum);
-    sum += sizes[i];
+  for (size_t done = 0; done < num_groups; done += kStretch) {
+    const size_t count = std::min(kStretch, num_groups - done);
+    JoinPlanes(planes, done, count, sizes.data());
+    for (size_t i = 0; i < count; ++i) {
+      begin[done + i] = static_cast<uint32_t>(sum);
+      sum += sizes[i];
+    }
   }
-  (*begin)[sizes.size()] = static_cast<uint32_t>(sum);
+  begin[num_groups] = static_cast<uint32_t>(sum);
   if (sum != total) {
     ThrowDamagedTile(std::string("numbers of ") + what + " do not add up");
   }
 }
-
-template void TileColumnReader::GetOffsets(size_t, uint32_t, const char*, std::vector<uint32_t>*);
-template void TileColumnReader::GetOffsets(size_t, uint32_t, const char*, LargeVector<uint32_t>*);
 
 }  // namespace cairn

@@ -55,7 +55,9 @@ struct TileHeader {
   uint32_t num_members() const { return num_lists > 0 ? num_descriptors : 0; }
   // Bytes of a column when it is decoded.
   size_t ColumnSize(size_t column) const;
-  // Heap bytes of the tile.
+  // Heap bytes of the tile's landmarks, of its covisibility and of all of it.
+  uint64_t LandmarksSize() const;
+  uint64_t CovisibilitySize() const;
   uint64_t TileSize() const;
 };
 
@@ -121,16 +123,17 @@ class TileColumnReader {
 
   // Valid until the next call. Throws Error(kMapDamaged).
   std::span<const uint8_t> Get(size_t column);
+  // The same, to memory of the column's size.
+  void Get(size_t column, std::span<uint8_t> to);
 
   // The numbers whose planes begin with `column`.
   LargeVector<uint32_t> GetPlanes32(size_t column);
   // What the differences that begin with `column` add up to, each the sum of all before: calls
   // take(begin, sums) for one stretch after the other, which is a cache's worth of numbers.
   void GetDeltas(size_t column, const std::function<void(size_t, std::span<const uint64_t>)>& take);
-  // Offsets that begin with 0, from the lengths of groups that begin with `column`. Throws
-  // Error(kMapDamaged), saying `what` they are of, unless these add up to `total`.
-  template <typename Vector>
-  void GetOffsets(size_t column, uint32_t total, const char* what, Vector* begin);
+  // Offsets that begin with 0, one more than there are lengths of groups, which begin with
+  // `column`. Throws Error(kMapDamaged), saying `what` they are of, unless they add up to `total`.
+  void GetOffsets(size_t column, uint32_t total, const char* what, uint32_t* begin);
 
  private:
   // Valid until the next call with the same buffer.

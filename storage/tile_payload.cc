@@ -26,12 +26,16 @@ TileId TilePayload::id() const { return TileIdFromPayload(columns_->header().til
 CodebookId TilePayload::codebook_id() const { return CodebookId(columns_->header().codebook_id); }
 int TilePayload::code_size() const { return columns_->header().code_size; }
 size_t TilePayload::num_descriptors() const { return columns_->header().num_descriptors; }
-size_t TilePayload::TileBytes() const { return columns_->header().TileSize(); }
+size_t TilePayload::LandmarkBytes() const { return columns_->header().LandmarksSize(); }
+size_t TilePayload::CovisibilityBytes() const { return columns_->header().CovisibilitySize(); }
 std::span<const uint8_t> TilePayload::codes() const { return columns_->codes(); }
 TileLists TilePayload::Lists() const { return DecodeLists(*columns_); }
 
-Tile TilePayload::Decode(const TileLists& lists) const {
-  return DecodeTileColumns(*columns_, lists.members);
+LoadedLandmarks TilePayload::Landmarks() const { return DecodeLandmarks(*columns_); }
+LoadedCovisibility TilePayload::Covisibility() const { return DecodeCovisibility(*columns_); }
+
+LargeVector<uint8_t> TilePayload::CodesInTileOrder(const TileLists& lists) const {
+  return cairn::CodesInTileOrder(*columns_, lists.members);
 }
 
 }  // namespace cairn

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "core/large_vector.h"
 #include "core/tile_id.h"
@@ -13,10 +14,24 @@
 #include "storage/tile.h"
 #include "storage/tile_codec.h"
 #include "storage/tile_lists.h"
+#include "storage/tile_views.h"
 
 namespace cairn {
 
 class TileColumns;
+
+// A tile's landmarks in one block of memory, of which the view tells.
+struct LoadedLandmarks {
+  LargeVector<uint8_t> memory;
+  TileLandmarks view;
+};
+
+// The arrays of TileCovisibility.
+struct LoadedCovisibility {
+  std::vector<TileKeyframe> keyframes;
+  LargeVector<uint32_t> keyframe_begin;
+  LargeVector<uint32_t> keyframe_landmarks;
+};
 
 // A payload of version 3 that has lists: what search needs stands by itself in it. Immutable; safe
 // to use from any thread.
@@ -35,15 +50,19 @@ class TilePayload {
   int code_size() const;
   size_t num_descriptors() const;
   size_t num_bytes() const { return bytes_.size(); }
-  // Heap bytes of the tile it decodes to.
-  size_t TileBytes() const;
+  // Heap bytes of what Landmarks and Covisibility return.
+  size_t LandmarkBytes() const;
+  size_t CovisibilityBytes() const;
 
   // num_descriptors() x code_size(), in the order of the lists; valid as long as the payload.
   std::span<const uint8_t> codes() const;
   // Throws Error(kMapDamaged).
   TileLists Lists() const;
-  // All of the tile; `lists` are its lists. Throws Error(kMapDamaged).
-  Tile Decode(const TileLists& lists) const;
+  // The same codes in the order of the tile; `lists` are its lists.
+  LargeVector<uint8_t> CodesInTileOrder(const TileLists& lists) const;
+  // Both throw Error(kMapDamaged).
+  LoadedLandmarks Landmarks() const;
+  LoadedCovisibility Covisibility() const;
 
  private:
   LargeVector<uint8_t> bytes_;

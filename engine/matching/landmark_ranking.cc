@@ -115,7 +115,7 @@ LandmarkRanking::TileHits::TileHits(LandmarkRanking* ranking, const TileView& vi
                                     const DescriptorPlaces& places, int tile_idx,
                                     uint32_t first_keypoint)
     : ranking_(*ranking),
-      tile_(view.tile->tile()),
+      tile_(view.tile->landmarks()),
       places_(places),
       tile_idx_(tile_idx),
       first_keypoint_(first_keypoint) {
@@ -238,7 +238,7 @@ void LandmarkRanking::PrefetchNeighbors(int keypoint_idx,
                                         const std::vector<TileView>& tiles) const {
   for (int i = 0; i < num_neighbors_[keypoint_idx]; ++i) {
     const Neighbor& neighbor = neighbors_[size_t{1} * keypoint_idx * options_.max_neighbors + i];
-    const Tile& tile = tiles[neighbor.tile_idx].tile->tile();
+    const TileLandmarks& tile = tiles[neighbor.tile_idx].tile->landmarks();
     __builtin_prefetch(&tile.x_in_tile[neighbor.landmark_idx]);
     __builtin_prefetch(&tile.sigma_codes[neighbor.landmark_idx]);
     __builtin_prefetch(&tile.azimuth_codes[neighbor.descriptor_idx]);
@@ -258,7 +258,7 @@ std::vector<Correspondence> LandmarkRanking::Correspondences(
     for (int i = 0; i < num_neighbors_[keypoint_idx]; ++i) {
       const Neighbor& neighbor = neighbors_[size_t{1} * keypoint_idx * options_.max_neighbors + i];
       const TileView& view = tiles[neighbor.tile_idx];
-      const Tile& tile = view.tile->tile();
+      const TileLandmarks& tile = view.tile->landmarks();
       correspondences.push_back(
           {.keypoint_idx = keypoint_idx,
            .tile_idx = neighbor.tile_idx,

@@ -134,7 +134,7 @@ class LandmarkRanking::TileHits : public HitReceiver {
   void Rank(Candidate* candidate);
 
   LandmarkRanking& ranking_;
-  const Tile& tile_;
+  const TileLandmarks& tile_;
   const DescriptorPlaces& places_;
   const int tile_idx_;
   const uint32_t first_keypoint_;

@@ -28,19 +28,19 @@ struct SomeDescriptors {
 };
 
 // Those of the landmarks that any of the keyframes of one tile saw.
-SomeDescriptors DescriptorsOfKeyframes(const Tile& tile,
+SomeDescriptors DescriptorsOfKeyframes(const SearchableTile& tile,
                                        std::span<const uint32_t> keyframe_indices) {
   std::vector<uint32_t> seen;
   for (const uint32_t keyframe_idx : keyframe_indices) {
-    const auto landmarks = tile.LandmarksOfKeyframe(keyframe_idx);
+    const auto landmarks = tile.covisibility().LandmarksOfKeyframe(keyframe_idx);
     seen.insert(seen.end(), landmarks.begin(), landmarks.end());
   }
   std::sort(seen.begin(), seen.end());
   seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
   SomeDescriptors some;
+  const std::span<const uint32_t> descriptor_begin = tile.landmarks().descriptor_begin;
   for (const uint32_t landmark_idx : seen) {
-    for (uint32_t i = tile.descriptor_begin[landmark_idx];
-         i < tile.descriptor_begin[landmark_idx + 1]; ++i) {
+    for (uint32_t i = descriptor_begin[landmark_idx]; i < descriptor_begin[landmark_idx + 1]; ++i) {
       some.descriptors.push_back(i);
       some.landmarks.push_back(landmark_idx);
     }
@@ -53,11 +53,10 @@ const Codebook& CommonCodebook(const std::vector<TileView>& tiles) {
   const Codebook& codebook = tiles.front().tile->codebook();
   for (const TileView& view : tiles) {
     if (view.tile->codebook().id != codebook.id) {
-      throw Error(
-          ErrorCode::kInternal,
-          fmt::format("tiles {} and {} have different codebooks ({} and {})",
-                      tiles.front().tile->tile().id.ToString(), view.tile->tile().id.ToString(),
-                      Value(codebook.id), Value(view.tile->codebook().id)));
+      throw Error(ErrorCode::kInternal,
+                  fmt::format("tiles {} and {} have different codebooks ({} and {})",
+                              tiles.front().tile->id().ToString(), view.tile->id().ToString(),
+                              Value(codebook.id), Value(view.tile->codebook().id)));
     }
   }
   return codebook;
@@ -124,12 +123,15 @@ int64_t SearchTile(const DescriptorMatrix& queries, const KeypointRange& range,
 }
 
 // The codes of some descriptors, in the order given.
-std::vector<uint8_t> GatherCodes(const Tile& tile, std::span<const uint32_t> descriptors) {
+std::vector<uint8_t> GatherCodes(const SearchableTile& tile,
+                                 std::span<const uint32_t> descriptors) {
+  const size_t code_size = tile.codebook().num_subspaces;
+  const std::span<const uint8_t> tile_codes = tile.codes();
   std::vector<uint8_t> codes;
-  codes.reserve(descriptors.size() * tile.code_size);
+  codes.reserve(descriptors.size() * code_size);
   for (const uint32_t descriptor : descriptors) {
-    const auto first = tile.codes.begin() + static_cast<ptrdiff_t>(descriptor) * tile.code_size;
-    codes.insert(codes.end(), first, first + tile.code_size);
+    const std::span<const uint8_t> code = tile_codes.subspan(descriptor * code_size, code_size);
+    codes.insert(codes.end(), code.begin(), code.end());
   }
   return codes;
 }
@@ -192,12 +194,12 @@ std::vector<Correspondence> MatchAgainstKeyframes(const QueryContext& query,
   LandmarkRanking ranking(query, codebook, options);
   for (size_t tile_idx = 0; tile_idx < tiles.size(); ++tile_idx) {
     const SearchableTile& tile = *tiles[tile_idx].tile;
-    SomeDescriptors some = DescriptorsOfKeyframes(tile.tile(), keyframes_of_tile[tile_idx]);
-    const DescriptorPlaces places(tile.tile(), tile.places().grid(), some.descriptors,
+    SomeDescriptors some = DescriptorsOfKeyframes(tile, keyframes_of_tile[tile_idx]);
+    const DescriptorPlaces places(tile.landmarks(), tile.places().grid(), some.descriptors,
                                   std::move(some.landmarks));
     LandmarkRanking::TileHits tile_hits(&ranking, tiles[tile_idx], places,
                                         static_cast<int>(tile_idx));
-    ByteDescriptors(codebook, GatherCodes(tile.tile(), some.descriptors))
+    ByteDescriptors(codebook, GatherCodes(tile, some.descriptors))
         .Search(
             {.queries = query.descriptors, .max_distances = max_distances, .receiver = &tile_hits},
             nullptr);

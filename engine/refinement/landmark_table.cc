@@ -46,7 +46,7 @@ int LandmarkTable::Find(LandmarkId id) const {
   return MayHold(id) ? slots_[SlotOf(id)].number : -1;
 }
 
-LandmarkMarks LandmarkTable::Mark(const Tile& tile) const {
+LandmarkMarks LandmarkTable::Mark(const TileLandmarks& tile) const {
   LandmarkMarks marks(tile.num_landmarks());
   for (size_t i = 0; i < tile.num_landmarks(); ++i) {
     if (Find(tile.landmark_ids[i]) >= 0) {

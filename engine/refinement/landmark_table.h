@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "storage/ids.h"
-#include "storage/tile.h"
+#include "storage/tile_views.h"
 
 namespace cairn {
 
@@ -43,7 +43,7 @@ class LandmarkTable {
   int size() const { return size_; }
 
   // The landmarks of a tile that are in the table, by index into the tile.
-  LandmarkMarks Mark(const Tile& tile) const;
+  LandmarkMarks Mark(const TileLandmarks& tile) const;
 
  private:
   struct Slot {

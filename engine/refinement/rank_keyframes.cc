@@ -16,17 +16,17 @@ namespace {
 Rigid3d AnchorFromCam(const std::vector<TileView>& tiles, const KeyframeRef& ref) {
   const TileView& view = tiles[ref.tile_idx];
   return view.anchor_from_tile *
-         view.tile->tile().keyframes[ref.keyframe_idx].cam_from_tile.Inverse();
+         view.tile->covisibility().keyframes[ref.keyframe_idx].cam_from_tile.Inverse();
 }
 
-Eigen::Vector3d CenterInTile(const Tile& tile, size_t keyframe_idx) {
+Eigen::Vector3d CenterInTile(const TileCovisibility& tile, size_t keyframe_idx) {
   const Rigid3d& cam_from_tile = tile.keyframes[keyframe_idx].cam_from_tile;
   return -(cam_from_tile.rotation.conjugate() * cam_from_tile.translation);
 }
 
 Eigen::Vector3d CenterInAnchor(const std::vector<TileView>& tiles, const KeyframeRef& ref) {
   const TileView& view = tiles[ref.tile_idx];
-  return view.anchor_from_tile * CenterInTile(view.tile->tile(), ref.keyframe_idx);
+  return view.anchor_from_tile * CenterInTile(view.tile->covisibility(), ref.keyframe_idx);
 }
 
 // The matched landmarks and, for each, the keypoints that matched it.
@@ -38,7 +38,7 @@ class MatchedLandmarks {
     std::vector<std::pair<int, int>> pairs;  // Landmark number, keypoint.
     pairs.reserve(correspondences.size());
     for (const Correspondence& match : correspondences) {
-      const Tile& tile = tiles[match.tile_idx].tile->tile();
+      const TileLandmarks& tile = tiles[match.tile_idx].tile->landmarks();
       pairs.emplace_back(table_.Insert(tile.landmark_ids[match.landmark_idx]), match.keypoint_idx);
     }
     std::sort(pairs.begin(), pairs.end());
@@ -72,12 +72,13 @@ std::vector<RankedKeyframe> CountVotes(const QueryContext& query,
   // Per keypoint, one past the index of the last keyframe it voted for.
   std::vector<size_t> last_vote(query.num_keypoints(), 0);
   for (size_t t = 0; t < tiles.size(); ++t) {
-    const Tile& tile = tiles[t].tile->tile();
+    const TileLandmarks& tile = tiles[t].tile->landmarks();
+    const TileCovisibility& covisibility = tiles[t].tile->covisibility();
     const LandmarkMarks marks = matched.table().Mark(tile);
-    for (size_t k = 0; k < tile.num_keyframes(); ++k) {
+    for (size_t k = 0; k < covisibility.num_keyframes(); ++k) {
       RankedKeyframe& entry = counted.emplace_back();
       entry.keyframe = {static_cast<int>(t), static_cast<uint32_t>(k)};
-      for (const uint32_t landmark_idx : tile.LandmarksOfKeyframe(k)) {
+      for (const uint32_t landmark_idx : covisibility.LandmarksOfKeyframe(k)) {
         if (!marks.Has(landmark_idx)) {
           continue;
         }
@@ -143,7 +144,7 @@ std::vector<RankedKeyframe> RankKeyframes(const QueryContext& query,
   std::vector<RankedKeyframe> counted = CountVotes(query, tiles, correspondences);
   const auto num_observations_of = [&](const KeyframeRef& ref) {
     return static_cast<double>(
-        tiles[ref.tile_idx].tile->tile().LandmarksOfKeyframe(ref.keyframe_idx).size());
+        tiles[ref.tile_idx].tile->covisibility().LandmarksOfKeyframe(ref.keyframe_idx).size());
   };
   double num_votes = 0.0, num_observations = 0.0;
   for (const RankedKeyframe& entry : counted) {
@@ -168,17 +169,17 @@ std::vector<RankedKeyframe> RankKeyframes(const QueryContext& query,
 std::vector<KeyframeRef> KeyframeNeighborhood(const std::vector<TileView>& tiles,
                                               const KeyframeRef& keyframe, int num_neighbors) {
   constexpr double kMaxDistanceM = 50.0;
-  const Tile& own_tile = tiles[keyframe.tile_idx].tile->tile();
-  const auto own_landmarks = own_tile.LandmarksOfKeyframe(keyframe.keyframe_idx);
+  const SearchableTile& own_tile = *tiles[keyframe.tile_idx].tile;
+  const auto own_landmarks = own_tile.covisibility().LandmarksOfKeyframe(keyframe.keyframe_idx);
   LandmarkTable own_ids(own_landmarks.size());
   for (const uint32_t landmark_idx : own_landmarks) {
-    own_ids.Insert(own_tile.landmark_ids[landmark_idx]);
+    own_ids.Insert(own_tile.landmarks().landmark_ids[landmark_idx]);
   }
   const Eigen::Vector3d own_center = CenterInAnchor(tiles, keyframe);
 
   std::vector<std::tuple<int, int, uint32_t>> shared;  // Minus the number shared, tile, keyframe.
   for (int t = 0; t < static_cast<int>(tiles.size()); ++t) {
-    const Tile& tile = tiles[t].tile->tile();
+    const TileCovisibility& tile = tiles[t].tile->covisibility();
     const Eigen::Vector3d own_center_in_tile = tiles[t].anchor_from_tile.Inverse() * own_center;
     std::optional<LandmarkMarks> marks;  // Made when the first keyframe of the tile is near.
     for (uint32_t k = 0; k < tile.num_keyframes(); ++k) {
@@ -187,7 +188,7 @@ std::vector<KeyframeRef> KeyframeNeighborhood(const std::vector<TileView>& tiles
         continue;
       }
       if (!marks) {
-        marks = own_ids.Mark(tile);
+        marks = own_ids.Mark(tiles[t].tile->landmarks());
       }
       int num_shared = 0;
       for (const uint32_t landmark_idx : tile.LandmarksOfKeyframe(k)) {

@@ -3,19 +3,20 @@
 #define CAIRN_ENGINE_TILES_DESCRIPTOR_PLACES_H_
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "core/large_vector.h"
-#include "storage/tile.h"
+#include "storage/tile_views.h"
 
 namespace cairn {
 
 // A grid of 4096 x 4096 points about the landmarks of a tile, on which a place takes 24 bits.
 class CoarseGrid {
  public:
-  explicit CoarseGrid(const Tile& tile);
+  explicit CoarseGrid(const TileLandmarks& tile);
 
   const Eigen::Vector2f& corner() const { return corner_; }  // In the tile frame, metres.
   float step_m() const { return step_m_; }
@@ -23,7 +24,13 @@ class CoarseGrid {
   float max_height_m() const { return max_height_m_; }
 
   // The nearest point to a landmark, as the upper bits of a word.
-  uint32_t WordOf(const Eigen::Vector3f& x_in_tile) const;
+  uint32_t WordOf(const Eigen::Vector3f& x_in_tile) const {
+    // Rounds to the nearest.
+    const Eigen::Vector2f steps =
+        (x_in_tile.head<2>() - corner_) * steps_per_m_ + Eigen::Vector2f(0.5f, 0.5f);
+    return std::min(static_cast<uint32_t>(steps.x()), kMaxCoordinate) << kXShift |
+           std::min(static_cast<uint32_t>(steps.y()), kMaxCoordinate) << kYShift;
+  }
   // That point from the corner, in steps.
   static Eigen::Vector2f XyOf(uint32_t word) {
     return {static_cast<float>(word >> kXShift & kMaxCoordinate),
@@ -36,6 +43,7 @@ class CoarseGrid {
 
   Eigen::Vector2f corner_ = Eigen::Vector2f::Zero();
   float step_m_ = 0.0f;
+  float steps_per_m_ = 0.0f;
   float max_height_m_ = 0.0f;
 };
 
@@ -45,11 +53,11 @@ class CoarseGrid {
 class DescriptorPlaces {
  public:
   // `order` is the index's (MatchingIndex::order) and must outlive this.
-  DescriptorPlaces(const Tile& tile, std::span<const uint32_t> order);
+  DescriptorPlaces(const TileLandmarks& tile, std::span<const uint32_t> order);
   // Some descriptors of a tile and the landmark of each; `grid` is the tile's. `descriptors` must
   // outlive this. Linear in their number.
-  DescriptorPlaces(const Tile& tile, const CoarseGrid& grid, std::span<const uint32_t> descriptors,
-                   LargeVector<uint32_t> landmarks);
+  DescriptorPlaces(const TileLandmarks& tile, const CoarseGrid& grid,
+                   std::span<const uint32_t> descriptors, LargeVector<uint32_t> landmarks);
 
   size_t size() const { return landmarks_.size(); }
   uint32_t landmark(size_t place) const { return landmarks_[place]; }

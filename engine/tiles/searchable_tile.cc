@@ -48,8 +48,8 @@ SearchableTile::SearchableTile(Tile tile, std::shared_ptr<const Codebook> codebo
   if (options.num_reference_words > 0) {
     constexpr int kNumIterations = 5;
     constexpr uint64_t kSeed = 1;
-    reference_words_.emplace(ByteDescriptors(*codebook_, this->tile().codes),
-                             options.num_reference_words, kNumIterations, kSeed);
+    reference_words_.emplace(ByteDescriptors(*codebook_, codes()), options.num_reference_words,
+                             kNumIterations, kSeed);
   }
 }
 

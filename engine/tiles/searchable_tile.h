@@ -3,8 +3,10 @@
 #define CAIRN_ENGINE_TILES_SEARCHABLE_TILE_H_
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/geodesy.h"
@@ -33,8 +35,8 @@ class SearchableTile : public CachedTile {
 
   // True if these options search a payload by its own lists and need nothing else of it.
   static bool NeedsListsOnly(const IndexOptions& options);
-  // For such options: searches by the payload's lists; the rest of it is decoded when the first
-  // query asks for it. Throws as the other.
+  // For such options: searches by the payload's lists; the rest of it is decoded when a query asks
+  // for it. Throws as the other.
   SearchableTile(TilePayload payload, std::shared_ptr<const Codebook> codebook,
                  const IndexOptions& options);
 
@@ -47,10 +49,14 @@ class SearchableTile : public CachedTile {
   std::vector<double> ReferenceDistances(const DescriptorMatrix& queries) const;
   const Rigid3d& ecef_from_tile() const { return ecef_from_tile_; }
 
-  // Both may have to wait for the tile to be decoded. Throw Error(kMapDamaged) if it cannot be.
-  const Tile& tile() const { return content_.tile(); }
+  // All may have to wait for that half of the tile to be decoded: what matching needs, or the rest.
+  // Throw Error(kMapDamaged) if it cannot be.
+  const TileLandmarks& landmarks() const { return content_.landmarks(); }
   // In the order of the index.
   const DescriptorPlaces& places() const { return content_.places(); }
+  const TileCovisibility& covisibility() const { return content_.covisibility(); }
+  // num_descriptors() x codebook().num_subspaces, in the order of the tile.
+  std::span<const uint8_t> codes() const { return content_.codes(); }
 
   size_t MemoryBytes() const override;
 

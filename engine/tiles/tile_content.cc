@@ -8,35 +8,63 @@
 #include "core/error.h"
 
 namespace cairn {
-TileContent::Parts::Parts(Tile tile_in, std::span<const uint32_t> order)
-    : tile(std::move(tile_in)), places(tile, order) {}
+
+TileContent::Matched::Matched(LoadedLandmarks loaded_in, std::span<const uint32_t> order)
+    : loaded(std::move(loaded_in)), places(loaded.view, order) {}
 
 TileContent::TileContent(Tile tile, std::span<const uint32_t> order)
-    : parts_(std::make_unique<const Parts>(std::move(tile), order)) {
-  num_bytes_ = parts_->tile.MemoryBytes() + parts_->places.MemoryBytes();
-  decoded_ = parts_.get();
+    : tile_(std::move(tile)),
+      matched_(std::make_unique<const Matched>(LoadedLandmarks{{}, *tile_}, order)),
+      rest_(new Rest{{}, {}, *tile_, tile_->codes}) {
+  num_bytes_ = tile_->MemoryBytes() + matched_->places.MemoryBytes();
+  ready_matched_ = matched_.get();
+  ready_rest_ = rest_.get();
 }
 
 TileContent::TileContent(TilePayload payload, const TileLists* lists)
-    : num_bytes_(std::max(
-          payload.num_bytes(),
-          payload.TileBytes() + payload.num_descriptors() * DescriptorPlaces::kBytesPerDescriptor)),
+    : num_bytes_(
+          payload.LandmarkBytes() +
+          payload.num_descriptors() * DescriptorPlaces::kBytesPerDescriptor +
+          std::max(payload.num_bytes(), payload.CovisibilityBytes() + payload.codes().size())),
       payload_(std::move(payload)),
       lists_(lists) {}
 
-const TileContent::Parts& TileContent::Decode() const {
+template <typename Half, typename Decode>
+const Half& TileContent::Complete(std::unique_ptr<const Half>* half,
+                                  std::atomic<const Half*>* ready, const Decode& decode) const {
   const std::lock_guard lock(mutex_);
-  if (parts_ == nullptr) {
+  if (*half == nullptr) {
     try {
-      parts_ = std::make_unique<const Parts>(payload_->Decode(*lists_), lists_->members);
+      *half = decode();
     } catch (const Error& error) {
       throw Error(error.code(), fmt::format("tile {}: {}; `cairn check` looks for more",
                                             payload_->id().ToString(), error.what()));
     }
-    payload_.reset();
-    decoded_.store(parts_.get(), std::memory_order_release);
+    ready->store(half->get(), std::memory_order_release);
+    if (matched_ != nullptr && rest_ != nullptr) {
+      payload_.reset();
+    }
   }
-  return *parts_;
+  return **half;
+}
+
+const TileContent::Matched& TileContent::DecodeMatched() const {
+  return Complete(&matched_, &ready_matched_, [this] {
+    return std::make_unique<const Matched>(payload_->Landmarks(), lists_->members);
+  });
+}
+
+const TileContent::Rest& TileContent::DecodeRest() const {
+  return Complete(&rest_, &ready_rest_, [this] {
+    auto rest = std::make_unique<Rest>();
+    rest->loaded = payload_->Covisibility();
+    rest->loaded_codes = payload_->CodesInTileOrder(*lists_);
+    rest->view.keyframes = rest->loaded.keyframes;
+    rest->view.keyframe_begin = rest->loaded.keyframe_begin;
+    rest->view.keyframe_landmarks = rest->loaded.keyframe_landmarks;
+    rest->codes = rest->loaded_codes;
+    return std::unique_ptr<const Rest>(std::move(rest));
+  });
 }
 
 }  // namespace cairn

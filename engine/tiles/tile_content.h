@@ -10,48 +10,75 @@
 #include <optional>
 #include <span>
 
+#include "core/large_vector.h"
 #include "engine/tiles/descriptor_places.h"
 #include "storage/tile.h"
 #include "storage/tile_lists.h"
 #include "storage/tile_payload.h"
+#include "storage/tile_views.h"
 
 namespace cairn {
 
-// A tile is decoded once, by the first thread that asks; others wait for it. Safe to use from any
-// thread.
+// Matching needs landmarks and places; covisibility and codes are for queries that it leaves in
+// doubt. Each of the two halves is decoded once, by the first thread that asks; others wait for it.
+// Safe to use from any thread.
 class TileContent {
  public:
-  // `order` is the index's (MatchingIndex::order), and must outlive this.
+  // `order` is the index's (MatchingIndex::order), and must outlive this. The codes stay where they
+  // are in memory.
   TileContent(Tile tile, std::span<const uint32_t> order);
   // `lists` are the payload's, and must outlive this.
   TileContent(TilePayload payload, const TileLists* lists);
 
-  // Both throw Error(kMapDamaged), every time, if the payload does not decode.
-  const Tile& tile() const { return Decoded().tile; }
-  const DescriptorPlaces& places() const { return Decoded().places; }
+  // All throw Error(kMapDamaged), every time, if the payload does not decode.
+  const TileLandmarks& landmarks() const { return matched().loaded.view; }
+  const DescriptorPlaces& places() const { return matched().places; }
+  const TileCovisibility& covisibility() const { return rest().view; }
+  // num_descriptors x code_size, in the order of the tile.
+  std::span<const uint8_t> codes() const { return rest().codes; }
 
-  // Heap bytes, those of the decoded tile also while it is not decoded yet.
+  // Heap bytes, as many as it takes at most, decoded or not.
   size_t MemoryBytes() const { return num_bytes_; }
 
  private:
-  struct Parts {
-    Parts(Tile tile_in, std::span<const uint32_t> order);
+  struct Matched {
+    Matched(LoadedLandmarks loaded_in, std::span<const uint32_t> order);
 
-    Tile tile;
+    LoadedLandmarks loaded;
     DescriptorPlaces places;
   };
+  // Without contents of their own if views of tile_.
+  struct Rest {
+    LoadedCovisibility loaded;
+    LargeVector<uint8_t> loaded_codes;
+    TileCovisibility view;
+    std::span<const uint8_t> codes;
+  };
 
-  const Parts& Decoded() const {
-    const Parts* parts = decoded_.load(std::memory_order_acquire);
-    return parts != nullptr ? *parts : Decode();
+  const Matched& matched() const {
+    const Matched* matched = ready_matched_.load(std::memory_order_acquire);
+    return matched != nullptr ? *matched : DecodeMatched();
   }
-  const Parts& Decode() const;
+  const Rest& rest() const {
+    const Rest* rest = ready_rest_.load(std::memory_order_acquire);
+    return rest != nullptr ? *rest : DecodeRest();
+  }
+  const Matched& DecodeMatched() const;
+  const Rest& DecodeRest() const;
+  // Sets a half to what decode() makes, unless another thread has done so.
+  template <typename Half, typename Decode>
+  const Half& Complete(std::unique_ptr<const Half>* half, std::atomic<const Half*>* ready,
+                       const Decode& decode) const;
 
+  std::optional<const Tile> tile_;  // If it was decoded from the beginning.
   size_t num_bytes_;
-  mutable std::mutex mutex_;                    // Of the next two.
-  mutable std::optional<TilePayload> payload_;  // Until it is decoded.
-  mutable std::unique_ptr<const Parts> parts_;
-  mutable std::atomic<const Parts*> decoded_ = nullptr;  // parts_ as soon as there are any.
+  mutable std::mutex mutex_;                    // Of the next three.
+  mutable std::optional<TilePayload> payload_;  // Until all of it is decoded.
+  mutable std::unique_ptr<const Matched> matched_;
+  mutable std::unique_ptr<const Rest> rest_;
+  // The same as soon as they are there.
+  mutable std::atomic<const Matched*> ready_matched_ = nullptr;
+  mutable std::atomic<const Rest*> ready_rest_ = nullptr;
   const TileLists* lists_ = nullptr;
 };
 

@@ -52,16 +52,17 @@ std::vector<PoseCandidate> CovisibilityCandidates(
   LandmarkTable table(correspondences.size());
   std::vector<int> landmarks;  // Of each correspondence.
   for (const Correspondence& match : correspondences) {
-    const Tile& tile = tiles[match.tile_idx].tile->tile();
+    const TileLandmarks& tile = tiles[match.tile_idx].tile->landmarks();
     landmarks.push_back(table.Insert(tile.landmark_ids[match.landmark_idx]));
   }
   DisjointSets sets(table.size());
   for (const TileView& view : tiles) {
-    const Tile& tile = view.tile->tile();
+    const TileLandmarks& tile = view.tile->landmarks();
+    const TileCovisibility& covisibility = view.tile->covisibility();
     const LandmarkMarks marks = table.Mark(tile);
-    for (size_t keyframe = 0; keyframe < tile.num_keyframes(); ++keyframe) {
+    for (size_t keyframe = 0; keyframe < covisibility.num_keyframes(); ++keyframe) {
       int first = -1;
-      for (const uint32_t landmark_idx : tile.LandmarksOfKeyframe(keyframe)) {
+      for (const uint32_t landmark_idx : covisibility.LandmarksOfKeyframe(keyframe)) {
         if (marks.Has(landmark_idx)) {
           const int number = table.Find(tile.landmark_ids[landmark_idx]);
           first = first < 0 ? number : first;

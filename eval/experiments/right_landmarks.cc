@@ -58,11 +58,11 @@ class KeypointBins {
 float NearestSquaredDistance(const SearchableTile& tile, const DescriptorCodec& codec,
                              uint32_t landmark_idx,
                              const Eigen::Ref<const Eigen::RowVectorXf>& of) {
-  const Tile& content = tile.tile();
-  const uint32_t begin = content.descriptor_begin[landmark_idx];
-  const auto count = static_cast<int>(content.descriptor_begin[landmark_idx + 1] - begin);
+  const std::span<const uint32_t> descriptor_begin = tile.landmarks().descriptor_begin;
+  const uint32_t begin = descriptor_begin[landmark_idx];
+  const auto count = static_cast<int>(descriptor_begin[landmark_idx + 1] - begin);
   const DescriptorMatrix decoded =
-      codec.Decode(content.codes.data() + size_t{begin} * content.code_size, count);
+      codec.Decode(tile.codes().data() + size_t{begin} * tile.codebook().num_subspaces, count);
   return (decoded.rowwise() - of).rowwise().squaredNorm().minCoeff();
 }
 
@@ -90,14 +90,14 @@ std::vector<bool> MatchableKeypoints(const PreparedQuery& query,
     const double max_distance = SameLandmarkDistance(tile.codebook(), kMatchableQuantile);
     const DescriptorCodec codec(
         std::shared_ptr<const Codebook>(std::shared_ptr<void>(), &tile.codebook()));
-    for (uint32_t i = 0; i < tile.tile().num_landmarks(); ++i) {
+    for (uint32_t i = 0; i < tile.landmarks().num_landmarks(); ++i) {
       const Eigen::Vector3d x_in_anchor =
-          view.anchor_from_tile * tile.tile().x_in_tile[i].cast<double>();
+          view.anchor_from_tile * tile.landmarks().x_in_tile[i].cast<double>();
       const auto pixel = query.context.camera.Project(true_cam_from_anchor * x_in_anchor);
       if (!pixel || !query.context.camera.Contains(*pixel)) {
         continue;
       }
-      const double sigma_m = SigmaFromCode(tile.tile().sigma_codes[i]);
+      const double sigma_m = SigmaFromCode(tile.landmarks().sigma_codes[i]);
       bins.ForEachNear(*pixel, [&](int k) {
         if (!matchable[k] &&
             IsRight(query.context, true_cam_from_anchor, k, x_in_anchor, sigma_m)) {

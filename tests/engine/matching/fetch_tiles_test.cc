@@ -7,6 +7,7 @@
 #include <cstring>
 #include <latch>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <thread>
 #include <vector>
@@ -77,7 +78,7 @@ class FetchTilesTest : public ::testing::Test {
   static std::vector<TileId> Ids(const std::vector<TileView>& views) {
     std::vector<TileId> ids;
     for (const TileView& view : views) {
-      ids.push_back(view.tile->tile().id);
+      ids.push_back(view.tile->id());
     }
     return ids;
   }
@@ -143,8 +144,7 @@ TEST_F(FetchTilesTest, LoadsEachTileOnceAndCountsDescriptors) {
   SearchRegion region = Disc(0.0, 50.0);
   const auto first = Fetch(&region);
   EXPECT_EQ(counters_.num_tiles_loaded, 1);
-  EXPECT_EQ(counters_.num_descriptors,
-            static_cast<int64_t>(first[0].tile->tile().num_descriptors()));
+  EXPECT_EQ(counters_.num_descriptors, static_cast<int64_t>(first[0].tile->num_descriptors()));
   const auto again = Fetch(&region);
   EXPECT_EQ(counters_.num_tiles_loaded, 0);
   EXPECT_EQ(again[0].tile, first[0].tile);
@@ -157,7 +157,7 @@ TEST_F(FetchTilesTest, LoadsSeveralMissingTilesOnceEachInOrder) {
   EXPECT_EQ(counters_.num_tiles_loaded, kNumTiles);
   ASSERT_EQ(first.size(), size_t{kNumTiles});
   for (int i = 0; i < kNumTiles; ++i) {
-    EXPECT_EQ(first[i].tile->tile().id, TileInRow(i));
+    EXPECT_EQ(first[i].tile->id(), TileInRow(i));
   }
   Fetch(&region);
   EXPECT_EQ(counters_.num_tiles_loaded, 0);
@@ -209,7 +209,7 @@ TEST_F(FetchTilesTest, AQueryIsServedWhileAnotherBuildsTheIndex) {
   ASSERT_EQ(hasty.size(), 1u);
   std::vector<DescriptorHit> some, all;
   const DescriptorMatrix queries = DescriptorCodec(store_.Snapshot().CurrentCodebook())
-                                       .Decode(hasty[0].tile->tile().codes.data(), 100);
+                                       .Decode(hasty[0].tile->codes().data(), 100);
   hasty[0].tile->index().RangeSearch(queries, 10.0, &some);
   EXPECT_GE(some.size(), 100u);
   const auto patient = Fetch(&region);
@@ -270,8 +270,8 @@ TEST_F(FetchTilesTest, MovesTilesIntoTheAnchorFrame) {
   SearchRegion region = Disc(60.0, 20.0);
   for (const TileView& view : Fetch(&region)) {
     const Eigen::Vector3d x_in_tile(10.0, 20.0, 30.0);
-    const Eigen::Vector3d expected = region.ecef_from_anchor.Inverse() *
-                                     (EcefFromEnu(view.tile->tile().id.Anchor()) * x_in_tile);
+    const Eigen::Vector3d expected =
+        region.ecef_from_anchor.Inverse() * (EcefFromEnu(view.tile->id().Anchor()) * x_in_tile);
     EXPECT_LT((view.anchor_from_tile * x_in_tile - expected).norm(), 1e-6);
   }
 }
@@ -346,6 +346,48 @@ class FetchListsTest : public ::testing::Test {
         TilePayload(LargeVector<uint8_t>(bytes.begin(), bytes.end())), codebook_, options_);
   }
 
+  // That all that the searchable tile tells of the tile is right.
+  void ExpectContent(const SearchableTile& searchable) const {
+    const auto expect_same = [](const auto& told, const auto& expected) {
+      EXPECT_TRUE(std::equal(told.begin(), told.end(), expected.begin(), expected.end()));
+    };
+    const TileLandmarks& landmarks = searchable.landmarks();
+    expect_same(landmarks.landmark_ids, tile_.landmark_ids);
+    expect_same(landmarks.x_in_tile, tile_.x_in_tile);
+    expect_same(landmarks.sigma_codes, tile_.sigma_codes);
+    expect_same(landmarks.descriptor_begin, tile_.descriptor_begin);
+    expect_same(landmarks.orientation_codes, tile_.orientation_codes);
+    expect_same(landmarks.size_codes, tile_.size_codes);
+    expect_same(landmarks.azimuth_codes, tile_.azimuth_codes);
+    const TileCovisibility& covisibility = searchable.covisibility();
+    expect_same(covisibility.keyframe_begin, tile_.keyframe_begin);
+    expect_same(covisibility.keyframe_landmarks, tile_.keyframe_landmarks);
+    Tile with_keyframes = tile_;
+    with_keyframes.keyframes.assign(covisibility.keyframes.begin(), covisibility.keyframes.end());
+    EXPECT_TRUE(testing::SameTile(with_keyframes, tile_));
+    expect_same(searchable.codes(), tile_.codes);
+  }
+
+  // Where a column of a payload of version 3 begins; docs/formats/tile_v3.md.
+  size_t OffsetOfColumn(const std::vector<uint8_t>& payload, size_t column) const {
+    constexpr size_t kDirectoryOffset = 64, kNumColumns = 62;
+    std::vector<uint32_t> stored_sizes(kNumColumns);
+    std::memcpy(stored_sizes.data(), payload.data() + kDirectoryOffset,
+                kNumColumns * sizeof(uint32_t));
+    return kDirectoryOffset + kNumColumns * sizeof(uint32_t) + tile_.codes.size() +
+           std::accumulate(stored_sizes.begin(),
+                           stored_sizes.begin() + static_cast<ptrdiff_t>(column), size_t{0});
+  }
+
+  // Sets a few bytes to what is too much of anything, and the checksum to what it then is.
+  static std::vector<uint8_t> WithDamage(std::vector<uint8_t> payload, size_t offset) {
+    constexpr size_t kNumBytes = 4, kChecksumOffset = 56;
+    std::fill_n(payload.begin() + static_cast<ptrdiff_t>(offset), kNumBytes, 0xff);
+    const uint64_t checksum = ChecksumOf(payload, kChecksumOffset);
+    std::memcpy(payload.data() + kChecksumOffset, &checksum, sizeof(checksum));
+    return payload;
+  }
+
   std::shared_ptr<const Codebook> codebook_ =
       std::make_shared<const Codebook>(testing::RandomCodebook());
   Tile tile_;
@@ -369,7 +411,7 @@ TEST_F(FetchListsTest, APayloadIsSearchedAsItsTileIs) {
     EXPECT_EQ(hits[i].descriptor_idx, expected[i].descriptor_idx);
     EXPECT_EQ(hits[i].sq_distance, expected[i].sq_distance);
   }
-  EXPECT_TRUE(testing::SameTile(from_payload->tile(), tile_));
+  ExpectContent(*from_payload);
   ASSERT_EQ(from_payload->places().size(), tile_.num_descriptors());
   for (size_t place = 0; place < tile_.num_descriptors(); ++place) {
     EXPECT_EQ(from_payload->places().descriptor(place), decoded.places().descriptor(place));
@@ -379,39 +421,59 @@ TEST_F(FetchListsTest, APayloadIsSearchedAsItsTileIs) {
   EXPECT_EQ(from_payload->num_descriptors(), tile_.num_descriptors());
 }
 
-TEST_F(FetchListsTest, ThreadsThatAskTogetherGetOneDecodedTile) {
-  const auto searchable = FromPayload(EncodeTile(tile_, lists_));
+TEST_F(FetchListsTest, ThreadsThatAskTogetherGetOneDecodedHalf) {
+  const std::vector<uint8_t> payload = EncodeTile(tile_, lists_);
+  const auto searchable = FromPayload(payload);
   const size_t num_bytes = searchable->MemoryBytes();
-  std::vector<const Tile*> tiles(8, nullptr);
+  std::vector<const TileLandmarks*> landmarks(8, nullptr);
+  std::vector<const TileCovisibility*> covisibilities(8, nullptr);
   {
     std::vector<std::jthread> threads;
-    for (const Tile*& tile : tiles) {
-      threads.emplace_back([&] { tile = &searchable->tile(); });
+    for (size_t i = 0; i < landmarks.size(); ++i) {
+      threads.emplace_back([&, i] {
+        if (i % 2 == 0) {  // Either half may come first.
+          landmarks[i] = &searchable->landmarks();
+        }
+        covisibilities[i] = &searchable->covisibility();
+        landmarks[i] = &searchable->landmarks();
+      });
     }
   }
-  EXPECT_THAT(tiles, ::testing::Each(tiles.front()));
-  EXPECT_TRUE(testing::SameTile(*tiles.front(), tile_));
+  EXPECT_THAT(landmarks, ::testing::Each(landmarks.front()));
+  EXPECT_THAT(covisibilities, ::testing::Each(covisibilities.front()));
+  ExpectContent(*searchable);
   EXPECT_EQ(searchable->MemoryBytes(), num_bytes);
-  EXPECT_GE(num_bytes, searchable->tile().MemoryBytes() + searchable->index().MemoryBytes());
+  const size_t session_bytes = tile_.num_landmarks() * sizeof(SessionId);  // Are not kept.
+  const size_t tile_bytes = DecodeTile(payload).MemoryBytes();
+  EXPECT_GE(num_bytes + session_bytes, tile_bytes + searchable->index().MemoryBytes());
 }
 
 // Damage that the checksum does not show: whoever makes it can compute that too.
-TEST_F(FetchListsTest, ATileThatDoesNotDecodeIsDamagedEveryTime) {
-  std::vector<uint8_t> bytes = EncodeTile(tile_, lists_);
-  const uint32_t past_the_end = 0xffffffff;  // A landmark index in the last column.
-  std::memcpy(bytes.data() + bytes.size() - sizeof(past_the_end), &past_the_end,
-              sizeof(past_the_end));
-  constexpr size_t kChecksumOffset = 56;
-  const uint64_t checksum = ChecksumOf(bytes, kChecksumOffset);
-  std::memcpy(bytes.data() + kChecksumOffset, &checksum, sizeof(checksum));
-  const auto searchable = FromPayload(bytes);
+TEST_F(FetchListsTest, AHalfOfATileThatDoesNotDecodeIsDamagedEveryTime) {
+  const std::vector<uint8_t> sound = EncodeTile(tile_, lists_);
+  constexpr size_t kDescriptorCounts = 32, kObservations = 61;
+  const auto bad_landmarks =
+      FromPayload(WithDamage(sound, OffsetOfColumn(sound, kDescriptorCounts)));
+  const auto bad_rest = FromPayload(WithDamage(sound, OffsetOfColumn(sound, kObservations)));
   for (int i = 0; i < 2; ++i) {
-    EXPECT_EQ(ErrorCodeOf([&] { searchable->tile(); }), ErrorCode::kMapDamaged);
+    EXPECT_EQ(ErrorCodeOf([&] { bad_landmarks->landmarks(); }), ErrorCode::kMapDamaged);
+    EXPECT_EQ(ErrorCodeOf([&] { bad_landmarks->places(); }), ErrorCode::kMapDamaged);
+    EXPECT_EQ(ErrorCodeOf([&] { bad_rest->covisibility(); }), ErrorCode::kMapDamaged);
+    EXPECT_EQ(ErrorCodeOf([&] { bad_rest->codes(); }), ErrorCode::kMapDamaged);
   }
+  EXPECT_EQ(bad_landmarks->covisibility().keyframe_landmarks.size(),
+            tile_.keyframe_landmarks.size());
+  EXPECT_EQ(bad_rest->landmarks().num_landmarks(), tile_.num_landmarks());
   std::vector<DescriptorHit> hits;
-  searchable->index().RangeSearch(DescriptorMatrix::Zero(1, codebook_->projected_dim()), 10.0,
-                                  &hits);
+  bad_landmarks->index().RangeSearch(DescriptorMatrix::Zero(1, codebook_->projected_dim()), 10.0,
+                                     &hits);
   EXPECT_FALSE(hits.empty());
+  try {
+    bad_rest->covisibility();
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr(tile_.id.ToString()));
+  }
 }
 
 TEST_F(FetchListsTest, RefusesThePayloadOfAnotherCodebook) {

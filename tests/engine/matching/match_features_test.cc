@@ -41,7 +41,7 @@ std::vector<uint64_t> LandmarkIds(const std::vector<TileView>& tiles,
                                   const std::vector<Correspondence>& matches) {
   std::vector<uint64_t> ids;
   for (const Correspondence& match : matches) {
-    ids.push_back(Value(tiles[match.tile_idx].tile->tile().landmark_ids[match.landmark_idx]));
+    ids.push_back(Value(tiles[match.tile_idx].tile->landmarks().landmark_ids[match.landmark_idx]));
   }
   return ids;
 }
@@ -224,10 +224,10 @@ TEST(MatchFeatures, KeepsTheBestOfAllHitsOfAllTiles) {
   for (int keypoint = 0; keypoint < query.num_keypoints(); ++keypoint) {
     std::map<uint64_t, float> best_of_landmark;
     for (const TileView& view : tiles) {
-      const Tile& tile = view.tile->tile();
+      const TileLandmarks& tile = view.tile->landmarks();
       const DescriptorPlaces places(tile, {});
       std::vector<DescriptorHit> hits;
-      ByteDescriptors(view.tile->codebook(), tile.codes)
+      ByteDescriptors(view.tile->codebook(), view.tile->codes())
           .RangeSearch(query.descriptors.row(keypoint), 1.8, &hits);
       for (const DescriptorHit& hit : hits) {
         const uint32_t landmark = places.landmark(hit.descriptor_idx);
@@ -435,7 +435,8 @@ TEST(SearchableTile, RefusesACodebookThatIsNotTheTiles) {
 }
 
 TEST(SearchableTile, KnowsTheLandmarkOfEachDescriptorAndItsSize) {
-  const TileView view = SimpleView(SimpleTile({{1, {{0.1f}, {0.2f}}}, {2, {{0.3f}}}}));
+  const Tile tile = SimpleTile({{1, {{0.1f}, {0.2f}}}, {2, {{0.3f}}}});
+  const TileView view = SimpleView(tile);
   const DescriptorPlaces& places = view.tile->places();
   ASSERT_EQ(places.size(), 3u);
   for (const auto& [descriptor, landmark] :
@@ -447,8 +448,7 @@ TEST(SearchableTile, KnowsTheLandmarkOfEachDescriptorAndItsSize) {
     EXPECT_EQ(places.descriptor(place), descriptor);
     EXPECT_EQ(places.landmark(place), landmark);
   }
-  EXPECT_GT(view.tile->MemoryBytes(),
-            view.tile->tile().MemoryBytes() + view.tile->index().MemoryBytes());
+  EXPECT_GT(view.tile->MemoryBytes(), tile.MemoryBytes() + view.tile->index().MemoryBytes());
 }
 
 TEST(MatchAgainstKeyframes, SeesOnlyWhatTheKeyframesSaw) {

@@ -48,7 +48,8 @@ struct World {
   World() {
     std::mt19937_64 random(1);
     query.keypoints.resize(kNumKeypoints);
-    const auto seen = tiles[kSeen.tile_idx].tile->tile().LandmarksOfKeyframe(kSeen.keyframe_idx);
+    const auto seen =
+        tiles[kSeen.tile_idx].tile->covisibility().LandmarksOfKeyframe(kSeen.keyframe_idx);
     for (int keypoint = 0; keypoint < kNumKeypoints; ++keypoint) {
       for (int rank = 0; rank < kMatchesPerKeypoint; ++rank) {
         Correspondence match;
