@@ -166,8 +166,12 @@ class TileLoader {
   TilePointers Get(const std::vector<TileRecord>& records, const StopFunction& should_stop) {
     TilePointers tiles(records.size());
     ForEachOnThreads(NumMissing(records), records.size(), [&](size_t i) {
-      if (i == 0 || IsCached(records[i]) || !should_stop || !should_stop()) {
+      const auto has_time = [&should_stop] { return !should_stop || !should_stop(); };
+      if (i == 0 || IsCached(records[i]) || has_time()) {
         tiles[i] = Get(records[i]);
+        if (has_time()) {
+          tiles[i]->Prepare();
+        }
       }
     });
     CompleteIndices(tiles, should_stop);

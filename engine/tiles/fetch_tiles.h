@@ -25,8 +25,9 @@ namespace cairn {
 // camera where none ever was.
 //
 // When `should_stop` says so, tiles that are not in the cache are left out, all but the nearest,
-// and parts that are missing of an index stay so (MatchingIndex::is_complete). Without it all
-// indices are complete: built by this call or by others at the same time, each part once.
+// parts that are missing of an index stay so (MatchingIndex::is_complete), and what matching needs
+// beside it is decoded by whoever asks first. Without it all of that is there: made by this call or
+// by others at the same time, each part once.
 //
 // Sets the tile counters and num_descriptors. Throws Error(kMapDamaged) if a payload does not
 // decode or is not the tile its record says.

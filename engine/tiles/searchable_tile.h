@@ -49,6 +49,9 @@ class SearchableTile : public CachedTile {
   std::vector<double> ReferenceDistances(const DescriptorMatrix& queries) const;
   const Rigid3d& ecef_from_tile() const { return ecef_from_tile_; }
 
+  // Decodes what matching needs, so that it need not wait. Throws as what follows.
+  void Prepare() const { content_.places(); }
+
   // All may have to wait for that half of the tile to be decoded: what matching needs, or the rest.
   // Throw Error(kMapDamaged) if it cannot be.
   const TileLandmarks& landmarks() const { return content_.landmarks(); }

@@ -476,6 +476,30 @@ TEST_F(FetchListsTest, AHalfOfATileThatDoesNotDecodeIsDamagedEveryTime) {
   }
 }
 
+TEST_F(FetchListsTest, WhatMatchingNeedsIsDecodedIfThereIsTime) {
+  constexpr size_t kDescriptorCounts = 32;
+  const testing::TempDir dir;
+  MapStore store = MapStore::Create(dir.File("map.gpkg"));
+  MapUpdate update = store.BeginUpdate();
+  ASSERT_EQ(update.AddCodebook(testing::RandomCodebook()), tile_.codebook_id);
+  testing::AddTile(tile_, &update);
+  const std::vector<uint8_t> sound = EncodeTile(tile_, lists_);
+  update.PutTile(testing::RecordOf(tile_),
+                 WithDamage(sound, OffsetOfColumn(sound, kDescriptorCounts)));
+  update.Publish();
+  const auto fetch = [&](const StopFunction& should_stop) {
+    TileCache cache(1 << 26);
+    SearchRegion region;
+    region.ecef_from_anchor = EcefFromEnu(tile_.id.Anchor());
+    StageCounters counters;
+    return FetchTiles(store.Snapshot(), &cache, {}, options_, &region, &counters, should_stop);
+  };
+  EXPECT_EQ(ErrorCodeOf([&] { fetch({}); }), ErrorCode::kMapDamaged);
+  const std::vector<TileView> hasty = fetch([] { return true; });
+  ASSERT_EQ(hasty.size(), 1u);
+  EXPECT_EQ(ErrorCodeOf([&] { hasty[0].tile->Prepare(); }), ErrorCode::kMapDamaged);
+}
+
 TEST_F(FetchListsTest, RefusesThePayloadOfAnotherCodebook) {
   Codebook other = testing::RandomCodebook();
   other.id = CodebookId(2);
