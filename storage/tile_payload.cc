@@ -34,8 +34,8 @@ TileLists TilePayload::Lists() const { return DecodeLists(*columns_); }
 LoadedLandmarks TilePayload::Landmarks() const { return DecodeLandmarks(*columns_); }
 LoadedCovisibility TilePayload::Covisibility() const { return DecodeCovisibility(*columns_); }
 
-LargeVector<uint8_t> TilePayload::CodesInTileOrder(const TileLists& lists) const {
-  return cairn::CodesInTileOrder(*columns_, lists.members);
+LargeVector<uint8_t> TilePayload::CodesInTileOrder(std::span<const uint32_t> members) const {
+  return cairn::CodesInTileOrder(*columns_, members);
 }
 
 }  // namespace cairn

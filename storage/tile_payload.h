@@ -58,8 +58,8 @@ class TilePayload {
   std::span<const uint8_t> codes() const;
   // Throws Error(kMapDamaged).
   TileLists Lists() const;
-  // The same codes in the order of the tile; `lists` are its lists.
-  LargeVector<uint8_t> CodesInTileOrder(const TileLists& lists) const;
+  // The same codes in the order of the tile; `members` are those of its lists.
+  LargeVector<uint8_t> CodesInTileOrder(std::span<const uint32_t> members) const;
   // Both throw Error(kMapDamaged).
   LoadedLandmarks Landmarks() const;
   LoadedCovisibility Covisibility() const;

@@ -35,6 +35,13 @@ std::unique_ptr<const InvertedLists> IndexOf(const TilePayload& payload, const C
                                                payload.Lists());
 }
 
+std::unique_ptr<const MatchingIndex> IndexOf(const TilePayload& payload, const Codebook& codebook,
+                                             const IndexOptions& options,
+                                             std::span<const uint8_t> codes, BuildExtent extent) {
+  RequireCodebook(payload.id(), payload.codebook_id(), payload.code_size(), codebook);
+  return MakeMatchingIndex(codebook, codes, options, {}, extent);
+}
+
 }  // namespace
 
 SearchableTile::SearchableTile(Tile tile, std::shared_ptr<const Codebook> codebook,
@@ -67,9 +74,19 @@ SearchableTile::SearchableTile(TilePayload&& payload, std::shared_ptr<const Code
       num_descriptors_(payload.num_descriptors()),
       codebook_(std::move(codebook)),
       ecef_from_tile_(EcefFromEnu(id_.Anchor())),
-      content_(std::move(payload), &index->lists()) {
+      content_(std::move(payload), index->order()) {
   index_ = std::move(index);
 }
+
+SearchableTile::SearchableTile(TilePayload payload, std::shared_ptr<const Codebook> codebook,
+                               const IndexOptions& options, LargeVector<uint8_t> codes,
+                               BuildExtent extent)
+    : id_(payload.id()),
+      num_descriptors_(payload.num_descriptors()),
+      codebook_(std::move(codebook)),
+      ecef_from_tile_(EcefFromEnu(id_.Anchor())),
+      index_(IndexOf(payload, *codebook_, options, codes, extent)),
+      content_(std::move(payload), index_->order(), std::move(codes)) {}
 
 std::vector<double> SearchableTile::ReferenceDistances(const DescriptorMatrix& queries) const {
   return reference_words_ ? reference_words_->NearestDistances(ByteScale(*codebook_), queries)
@@ -84,9 +101,14 @@ size_t SearchableTile::MemoryBytes() const {
 std::shared_ptr<const SearchableTile> MakeSearchableTile(LargeVector<uint8_t> payload,
                                                          std::shared_ptr<const Codebook> codebook,
                                                          const IndexOptions& options) {
-  if (SearchableTile::NeedsListsOnly(options) && TilePayload::IsSearchReady(payload)) {
-    return std::make_shared<const SearchableTile>(TilePayload(std::move(payload)),
-                                                  std::move(codebook), options);
+  if (options.num_reference_words == 0 && TilePayload::IsSearchReady(payload)) {
+    TilePayload parts(std::move(payload));
+    if (SearchableTile::NeedsListsOnly(options)) {
+      return std::make_shared<const SearchableTile>(std::move(parts), std::move(codebook), options);
+    }
+    LargeVector<uint8_t> codes = parts.CodesInTileOrder(parts.Lists().members);
+    return std::make_shared<const SearchableTile>(std::move(parts), std::move(codebook), options,
+                                                  std::move(codes), BuildExtent::kFirstPart);
   }
   TileLists lists;
   Tile tile = DecodeTile(payload, {}, &lists);

@@ -39,6 +39,10 @@ class SearchableTile : public CachedTile {
   // for it. Throws as the other.
   SearchableTile(TilePayload payload, std::shared_ptr<const Codebook> codebook,
                  const IndexOptions& options);
+  // For options without reference words: the same with an index of any kind, made of the payload's
+  // codes in the order of the tile. Throws as the other.
+  SearchableTile(TilePayload payload, std::shared_ptr<const Codebook> codebook,
+                 const IndexOptions& options, LargeVector<uint8_t> codes, BuildExtent extent);
 
   TileId id() const { return id_; }
   size_t num_descriptors() const { return num_descriptors_; }

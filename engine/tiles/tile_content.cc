@@ -13,21 +13,24 @@ TileContent::Matched::Matched(LoadedLandmarks loaded_in, std::span<const uint32_
     : loaded(std::move(loaded_in)), places(loaded.view, order) {}
 
 TileContent::TileContent(Tile tile, std::span<const uint32_t> order)
-    : tile_(std::move(tile)),
+    : order_(order),
+      tile_(std::move(tile)),
       matched_(std::make_unique<const Matched>(LoadedLandmarks{{}, *tile_}, order)),
-      rest_(new Rest{{}, {}, *tile_, tile_->codes}) {
+      rest_(new Rest{{}, *tile_, tile_->codes}) {
   num_bytes_ = tile_->MemoryBytes() + matched_->places.MemoryBytes();
   ready_matched_ = matched_.get();
   ready_rest_ = rest_.get();
 }
 
-TileContent::TileContent(TilePayload payload, const TileLists* lists)
-    : num_bytes_(
-          payload.LandmarkBytes() +
-          payload.num_descriptors() * DescriptorPlaces::kBytesPerDescriptor +
-          std::max(payload.num_bytes(), payload.CovisibilityBytes() + payload.codes().size())),
-      payload_(std::move(payload)),
-      lists_(lists) {}
+TileContent::TileContent(TilePayload payload, std::span<const uint32_t> order,
+                         LargeVector<uint8_t> codes)
+    : order_(order),
+      codes_(std::move(codes)),
+      num_bytes_(payload.LandmarkBytes() +
+                 payload.num_descriptors() * DescriptorPlaces::kBytesPerDescriptor + codes_.size() +
+                 std::max(payload.num_bytes(),
+                          payload.CovisibilityBytes() + payload.codes().size() - codes_.size())),
+      payload_(std::move(payload)) {}
 
 template <typename Half, typename Decode>
 const Half& TileContent::Complete(std::unique_ptr<const Half>* half,
@@ -50,7 +53,7 @@ const Half& TileContent::Complete(std::unique_ptr<const Half>* half,
 
 const TileContent::Matched& TileContent::DecodeMatched() const {
   return Complete(&matched_, &ready_matched_, [this] {
-    return std::make_unique<const Matched>(payload_->Landmarks(), lists_->members);
+    return std::make_unique<const Matched>(payload_->Landmarks(), order_);
   });
 }
 
@@ -58,11 +61,13 @@ const TileContent::Rest& TileContent::DecodeRest() const {
   return Complete(&rest_, &ready_rest_, [this] {
     auto rest = std::make_unique<Rest>();
     rest->loaded = payload_->Covisibility();
-    rest->loaded_codes = payload_->CodesInTileOrder(*lists_);
+    if (codes_.empty()) {
+      codes_ = payload_->CodesInTileOrder(order_);
+    }
     rest->view.keyframes = rest->loaded.keyframes;
     rest->view.keyframe_begin = rest->loaded.keyframe_begin;
     rest->view.keyframe_landmarks = rest->loaded.keyframe_landmarks;
-    rest->codes = rest->loaded_codes;
+    rest->codes = codes_;
     return std::unique_ptr<const Rest>(std::move(rest));
   });
 }

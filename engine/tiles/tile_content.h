@@ -13,7 +13,6 @@
 #include "core/large_vector.h"
 #include "engine/tiles/descriptor_places.h"
 #include "storage/tile.h"
-#include "storage/tile_lists.h"
 #include "storage/tile_payload.h"
 #include "storage/tile_views.h"
 
@@ -27,8 +26,10 @@ class TileContent {
   // `order` is the index's (MatchingIndex::order), and must outlive this. The codes stay where they
   // are in memory.
   TileContent(Tile tile, std::span<const uint32_t> order);
-  // `lists` are the payload's, and must outlive this.
-  TileContent(TilePayload payload, const TileLists* lists);
+  // The codes of the tile's order stay where they are in memory; without them, `order` is that of
+  // the payload's lists.
+  TileContent(TilePayload payload, std::span<const uint32_t> order,
+              LargeVector<uint8_t> codes = {});
 
   // All throw Error(kMapDamaged), every time, if the payload does not decode.
   const TileLandmarks& landmarks() const { return matched().loaded.view; }
@@ -50,7 +51,6 @@ class TileContent {
   // Without contents of their own if views of tile_.
   struct Rest {
     LoadedCovisibility loaded;
-    LargeVector<uint8_t> loaded_codes;
     TileCovisibility view;
     std::span<const uint8_t> codes;
   };
@@ -70,7 +70,9 @@ class TileContent {
   const Half& Complete(std::unique_ptr<const Half>* half, std::atomic<const Half*>* ready,
                        const Decode& decode) const;
 
-  std::optional<const Tile> tile_;  // If it was decoded from the beginning.
+  std::span<const uint32_t> order_;
+  std::optional<const Tile> tile_;      // If it was decoded from the beginning.
+  mutable LargeVector<uint8_t> codes_;  // Of a payload; not changed any more once it has any.
   size_t num_bytes_;
   mutable std::mutex mutex_;                    // Of the next three.
   mutable std::optional<TilePayload> payload_;  // Until all of it is decoded.
@@ -79,7 +81,6 @@ class TileContent {
   // The same as soon as they are there.
   mutable std::atomic<const Matched*> ready_matched_ = nullptr;
   mutable std::atomic<const Rest*> ready_rest_ = nullptr;
-  const TileLists* lists_ = nullptr;
 };
 
 }  // namespace cairn

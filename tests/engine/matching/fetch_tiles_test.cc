@@ -421,6 +421,39 @@ TEST_F(FetchListsTest, APayloadIsSearchedAsItsTileIs) {
   EXPECT_EQ(from_payload->num_descriptors(), tile_.num_descriptors());
 }
 
+// Its codes are put into the order of the tile first.
+TEST_F(FetchListsTest, APayloadWithAnotherIndexIsSearchedAsItsTileIs) {
+  const std::vector<uint8_t> bytes = EncodeTile(tile_, lists_);
+  const DescriptorMatrix queries =
+      DescriptorCodec(codebook_).Decode(tile_.codes.data(), 50) +
+      DescriptorMatrix::Constant(50, codebook_->projected_dim(), 0.01f);
+  for (const IndexKind kind : {IndexKind::kRandomGrids, IndexKind::kKdTree}) {
+    options_.kind = kind;
+    const SearchableTile decoded(tile_, codebook_, options_);
+    const auto from_payload =
+        MakeSearchableTile(LargeVector<uint8_t>(bytes.begin(), bytes.end()), codebook_, options_);
+    from_payload->Prepare();
+    while (!from_payload->index().is_complete()) {
+      from_payload->index().BuildPart();
+    }
+    std::vector<DescriptorHit> hits, expected;
+    from_payload->index().RangeSearch(queries, 2.0, &hits);
+    decoded.index().RangeSearch(queries, 2.0, &expected);
+    ASSERT_GT(expected.size(), 50u);
+    ASSERT_EQ(hits.size(), expected.size());
+    for (size_t i = 0; i < hits.size(); ++i) {
+      EXPECT_EQ(hits[i].query_idx, expected[i].query_idx);
+      EXPECT_EQ(hits[i].descriptor_idx, expected[i].descriptor_idx);
+      EXPECT_EQ(hits[i].sq_distance, expected[i].sq_distance);
+    }
+    for (size_t place = 0; place < tile_.num_descriptors(); ++place) {
+      ASSERT_EQ(from_payload->places().descriptor(place), decoded.places().descriptor(place));
+      ASSERT_EQ(from_payload->places().landmark(place), decoded.places().landmark(place));
+    }
+    ExpectContent(*from_payload);
+  }
+}
+
 TEST_F(FetchListsTest, ThreadsThatAskTogetherGetOneDecodedHalf) {
   const std::vector<uint8_t> payload = EncodeTile(tile_, lists_);
   const auto searchable = FromPayload(payload);
