@@ -311,7 +311,8 @@ void Estimator::UpdateFromFinishedTracks() {
                  taken);
     if (static_cast<int>(sights.size()) >= options_.tracks.min_views) {
       std::erase_if(track.observations, taken);
-      finished.push_back({track.track_id, track.last_frame_id == frame_id, std::move(sights)});
+      finished.push_back({track.track_id, track.last_frame_id == frame_id, std::move(sights),
+                          std::exchange(track.map_distance, std::nullopt)});
     }
   }
   const TrackUpdateCounts counts =

@@ -129,6 +129,8 @@ class Estimator {
   // What the error of a sight's landmark amounts to in the image; infinite before the alignment.
   double LandmarkNoisePx(const MapSight& sight) const;
   void TakeOut(const LedgerSights& sights, const std::vector<bool>& used);
+  // Leaves with a track what its queried sight, just used, has not told of the landmark.
+  void NoteDistance(const MapSight& sight, Track* track) const;
   // Gives landmarks back what the state has forgotten since the last answer.
   void ForgetUses();
   MapUpdateResult UpdateFromMatches(const std::vector<MapMatch>& matches, int64_t frame_id);

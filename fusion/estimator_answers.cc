@@ -225,11 +225,15 @@ void Estimator::TakeOut(const LedgerSights& sights, const std::vector<bool>& use
     if (!used[i]) {
       continue;
     }
+    Track* track = sights.track_ids[i] ? tracks_.Find(*sights.track_ids[i]) : nullptr;
     if (sights.sights[i].match != last_match) {
       last_match = sights.sights[i].match;
       landmark_uses_.Add(sights.landmark_ids[i]);
+      const bool alone = i + 1 == sights.sights.size() || sights.sights[i + 1].match != last_match;
+      if (track != nullptr && alone) {
+        NoteDistance(sights.sights[i], track);
+      }
     }
-    Track* track = sights.track_ids[i] ? tracks_.Find(*sights.track_ids[i]) : nullptr;
     if (track != nullptr) {
       const int64_t frame_id =
           state_->clones()[static_cast<size_t>(sights.sights[i].clone)].frame_id;
@@ -238,6 +242,16 @@ void Estimator::TakeOut(const LedgerSights& sights, const std::vector<bool>& use
       });
     }
   }
+}
+
+void Estimator::NoteDistance(const MapSight& sight, Track* track) const {
+  if (track->map_distance || !(sight.sigma_m > 0.0)) {
+    return;
+  }
+  const Eigen::Vector3d center_in_local =
+      CameraView(state_->rig(), state_->clones()[static_cast<size_t>(sight.clone)]).center_in_local;
+  const Eigen::Vector3d ray = sight.x_in_global - *state_->global_from_local() * center_in_local;
+  track->map_distance = {sight.x_in_global, ray.normalized(), sight.sigma_m, sight.tile_id};
 }
 
 void Estimator::ForgetUses() {
@@ -297,6 +311,9 @@ void Estimator::NoteContradiction(int64_t frame_id, const Rigid3d& candidate) {
       Seconds(newest->timestamp_ns - oldest->timestamp_ns) >=
           options_.alignment.min_contradiction_span_s) {
     state_->ForgetGlobal();
+    for (Track& track : tracks_.tracks()) {
+      track.map_distance.reset();
+    }
     landmark_uses_.Clear();
     contradictions_.clear();
     last_applied_ns_.reset();

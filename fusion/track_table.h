@@ -28,10 +28,20 @@ struct Observation {
   bool reserved = false;  // For the answer to a query: not to be used locally until it is there.
 };
 
+// What the map says of where a point is along the ray of a queried sight, besides what that sight
+// has told already: direction_in_global' (x_in_global - point) = 0 within sigma_m.
+struct MapDistance {
+  Eigen::Vector3d x_in_global;          // The landmark.
+  Eigen::Vector3d direction_in_global;  // From the camera to the landmark, a unit vector.
+  double sigma_m = 0.0;                 // Positive.
+  uint64_t tile_id = 0;
+};
+
 struct Track {
   uint64_t track_id = 0;
-  int64_t last_frame_id = 0;              // In which it was seen, used or not.
-  std::vector<Observation> observations;  // By frame.
+  int64_t last_frame_id = 0;                // In which it was seen, used or not.
+  std::vector<Observation> observations;    // By frame.
+  std::optional<MapDistance> map_distance;  // Of its point, until an update uses it.
 };
 
 // Not thread-safe. Bounded by max_tracks times the frames that are kept.

@@ -11,29 +11,85 @@
 namespace cairn::fusion {
 namespace {
 
-// All columns that tracks touch: the rig, if it is estimated, and every clone.
-std::vector<StateBlock> TrackColumns(const FilterState& state) {
+// All columns that tracks touch: what they share before the clones, and every clone.
+std::vector<StateBlock> TrackColumns(const FilterState& state, std::span<const TrackRows> tracks) {
   std::vector<StateBlock> blocks;
-  if (state.estimates_rig()) {
-    blocks.push_back({kRigIdx, kRigDim});
+  for (const TrackRows& track : tracks) {
+    for (const StateBlock& block : track.clones.blocks) {
+      if (block.offset < state.CloneIdx(0) &&
+          std::find(blocks.begin(), blocks.end(), block) == blocks.end()) {
+        blocks.push_back(block);
+      }
+    }
   }
   blocks.push_back({state.CloneIdx(0), state.dim() - state.CloneIdx(0)});
   return blocks;
 }
 
 // Writes a track's rows into the columns of TrackColumns.
-void Append(const FilterState& state, const Measurement& track, Eigen::Index row,
-            Measurement* stacked) {
-  const int rig_dims = state.estimates_rig() ? kRigDim : 0;
+void Append(const Measurement& track, Eigen::Index row, Measurement* stacked) {
   Eigen::Index column = 0;
   for (const StateBlock& block : track.blocks) {
-    const Eigen::Index target =
-        block.offset == kRigIdx ? 0 : block.offset - state.CloneIdx(0) + rig_dims;
+    Eigen::Index target = 0;
+    for (const StateBlock& other : stacked->blocks) {
+      if (block.offset >= other.offset && block.offset < other.offset + other.size) {
+        target += block.offset - other.offset;
+        break;
+      }
+      target += other.size;
+    }
     stacked->jacobian.block(row, target, track.num_rows(), block.size) =
         track.jacobian.middleCols(column, block.size);
     column += block.size;
   }
   stacked->residual.segment(row, track.num_rows()) = track.residual;
+}
+
+// What the map says of a track's point, by the state at hand.
+struct DistanceRow {
+  PlanePrior prior;
+  Eigen::Vector3d direction_in_global;
+  std::vector<StateBlock> blocks;  // global_from_local; the tile if the state has tiles.
+  int num_dims = 0;                // Of the blocks.
+};
+
+std::optional<DistanceRow> MakeDistanceRow(const FilterState& state,
+                                           const std::optional<MapDistance>& distance) {
+  if (!distance || !state.global_from_local()) {
+    return std::nullopt;
+  }
+  const Rigid3d local_from_global = state.global_from_local()->Inverse();
+  DistanceRow row{{local_from_global * distance->x_in_global,
+                   local_from_global.rotation * distance->direction_in_global, distance->sigma_m},
+                  distance->direction_in_global,
+                  {{kGlobalIdx, kGlobalDim}},
+                  kGlobalDim};
+  if (state.has_tiles()) {
+    const auto tile_idx = state.FindTileIdx(distance->tile_id);
+    if (!tile_idx) {
+      return std::nullopt;
+    }
+    row.blocks.push_back({*tile_idx, kTileDim});
+    row.num_dims += kTileDim;
+  }
+  return row;
+}
+
+// Fills `row` for a point at `x_in_local`: the point's columns first, those of `distance` from
+// `begin` on, the residual last.
+void WriteDistanceRow(const DistanceRow& distance, const Eigen::Vector3d& x_in_local,
+                      Eigen::Index begin,
+                      Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) {
+  const Eigen::RowVector3d normal = distance.prior.normal_in_local.transpose();
+  const Eigen::RowVector3d by_rotation = -normal * Skew(x_in_local);
+  row.setZero();
+  row.head<3>() = normal;
+  row.segment<kGlobalDim>(begin) << normal, by_rotation.z(), by_rotation.head<2>();
+  if (distance.num_dims > kGlobalDim) {
+    row.segment<kTileDim>(begin + kGlobalDim) = -distance.direction_in_global.transpose();
+  }
+  row[row.size() - 1] = normal.dot(distance.prior.x_in_local - x_in_local);
+  row /= distance.prior.sigma_m;
 }
 
 // Whether the way between the first and the last sight is known well enough to triangulate on.
@@ -54,7 +110,8 @@ bool HasBaseline(const FilterState& state, std::span<const Observation> sights,
   return std::sqrt(std::max(variance, 0.0)) < options.max_relative_baseline_sigma * length_m;
 }
 
-// Whether pixels alone tell the distance of a track's point from the newest clone well enough.
+// Whether pixels, and the map where it was asked, tell the distance of a track's point from the
+// newest clone well enough, the poses taken as known.
 bool PixelsTellDistance(const PointRows& point, const FilterState& state,
                         const TrackUpdateOptions& options) {
   const Eigen::Vector3d view = point.x_in_local - state.clones().back().local_from_imu.translation;
@@ -87,7 +144,8 @@ void EnterPoints(const Camera& camera, const std::vector<const FinishedTrack*>& 
     if (slot == num_slots) {
       return;
     }
-    const auto rows = track->goes_on ? LinearizeTrack(*state, camera, views, track->sights, options)
+    const auto rows = track->goes_on ? LinearizeTrack(*state, camera, views, track->sights, options,
+                                                      track->map_distance)
                                      : std::nullopt;
     if (rows && PixelsTellDistance(rows->point, *state, options) &&
         state->EnterPoint(slot, track->track_id, rows->point) &&
@@ -132,7 +190,8 @@ int FindClone(const FilterState& state, int64_t frame_id) {
 std::optional<TrackRows> LinearizeTrack(const FilterState& state, const Camera& camera,
                                         std::span<const CameraView> views,
                                         std::span<const Observation> observations,
-                                        const TrackUpdateOptions& options) {
+                                        const TrackUpdateOptions& options,
+                                        const std::optional<MapDistance>& map_distance) {
   std::vector<Sight> sights;
   std::vector<StateBlock> blocks;
   for (const Observation& observation : observations) {
@@ -142,15 +201,19 @@ std::optional<TrackRows> LinearizeTrack(const FilterState& state, const Camera& 
         {&views[static_cast<size_t>(clone)], observation.pixel, observation.ray_in_cam});
     blocks.push_back({state.CloneIdx(clone), kCloneDim});
   }
-  const auto x_in_local = Triangulate(camera, sights, options.sigma_px, options.triangulate);
+  const std::optional<DistanceRow> distance = MakeDistanceRow(state, map_distance);
+  const auto x_in_local = Triangulate(camera, sights, options.sigma_px, options.triangulate,
+                                      distance ? std::optional(distance->prior) : std::nullopt);
   if (!x_in_local) {
     return std::nullopt;
   }
-  // Columns: the point, the clones in turn, the rig, the residual.
+  // Columns: the point, the clones in turn, the rig, what the distance depends on, the residual.
   const int num_views = static_cast<int>(sights.size());
-  const int rig_dims = state.estimates_rig() ? kRigDim : 0;
-  const int width = 3 + kCloneDim * num_views + rig_dims;
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(2 * num_views, width + 1);
+  const int rig_begin = 3 + kCloneDim * num_views;
+  const int distance_begin = rig_begin + (state.estimates_rig() ? kRigDim : 0);
+  const int width = distance_begin + (distance ? distance->num_dims : 0);
+  const int num_rows = 2 * num_views + (distance ? 1 : 0);
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(num_rows, width + 1);
   for (int i = 0; i < num_views; ++i) {
     const Sight& sight = sights[static_cast<size_t>(i)];
     const auto predicted = PredictPixel(camera, *sight.view, *x_in_local);
@@ -160,21 +223,25 @@ std::optional<TrackRows> LinearizeTrack(const FilterState& state, const Camera& 
     rows.block<2, 3>(2 * i, 0) = predicted->by_local;
     rows.block<2, kCloneDim>(2 * i, 3 + kCloneDim * i) =
         ByClone(*predicted, *sight.view, *x_in_local);
-    if (rig_dims > 0) {
-      rows.block<2, kRigDim>(2 * i, width - kRigDim) = ByRig(*predicted, state.rig());
+    if (state.estimates_rig()) {
+      rows.block<2, kRigDim>(2 * i, rig_begin) = ByRig(*predicted, state.rig());
     }
     rows.block<2, 1>(2 * i, width) = sight.pixel - predicted->pixel;
   }
-  rows /= options.sigma_px;
-  Triangularize(3, rows);
-  if (rig_dims > 0) {
+  rows.topRows(2 * num_views) /= options.sigma_px;
+  if (state.estimates_rig()) {
     blocks.push_back({kRigIdx, kRigDim});
   }
-  return TrackRows{{blocks, rows.block(3, 3, 2 * num_views - 3, width - 3),
-                    rows.col(width).tail(2 * num_views - 3)},
-                   {*x_in_local,
-                    rows.topLeftCorner<3, 3>(),
-                    {blocks, rows.block(0, 3, 3, width - 3), rows.col(width).head<3>()}}};
+  if (distance) {
+    WriteDistanceRow(*distance, *x_in_local, distance_begin, rows.row(num_rows - 1));
+    blocks.insert(blocks.end(), distance->blocks.begin(), distance->blocks.end());
+  }
+  Triangularize(3, rows);
+  return TrackRows{
+      {blocks, rows.block(3, 3, num_rows - 3, width - 3), rows.col(width).tail(num_rows - 3)},
+      {*x_in_local,
+       rows.topLeftCorner<3, 3>(),
+       {blocks, rows.block(0, 3, 3, width - 3), rows.col(width).head<3>()}}};
 }
 
 Measurement StackTracks(const FilterState& state, std::span<const TrackRows> tracks) {
@@ -183,7 +250,7 @@ Measurement StackTracks(const FilterState& state, std::span<const TrackRows> tra
     num_rows += track.clones.num_rows();
   }
   Measurement stacked;
-  stacked.blocks = TrackColumns(state);
+  stacked.blocks = TrackColumns(state, tracks);
   Eigen::Index width = 0;
   for (const StateBlock& block : stacked.blocks) {
     width += block.size;
@@ -192,7 +259,7 @@ Measurement StackTracks(const FilterState& state, std::span<const TrackRows> tra
   stacked.residual.resize(num_rows);
   Eigen::Index row = 0;
   for (const TrackRows& track : tracks) {
-    Append(state, track.clones, row, &stacked);
+    Append(track.clones, row, &stacked);
     row += track.clones.num_rows();
   }
   Compress(&stacked);
@@ -205,19 +272,30 @@ TrackUpdateCounts UpdateFromTracks(const Camera& camera, std::vector<FinishedTra
                    [](const auto& a, const auto& b) { return a.sights.size() > b.sights.size(); });
   TrackUpdateCounts counts;
   const std::vector<CameraView> views = ViewsOfClones(*state);
+  const auto linearize_here = [&](const FinishedTrack& track) {
+    return LinearizeTrack(*state, camera, views, track.sights, options, track.map_distance);
+  };
+  const auto passes = [&](const TrackRows& rows) {
+    return state->SquaredMahalanobis(rows.clones) <
+           ChiSquareQuantile(rows.clones.num_rows(), options.gate_quantile);
+  };
   std::vector<TrackRows> accepted;
   std::vector<const FinishedTrack*> accepted_tracks;
-  for (const FinishedTrack& track : tracks) {
+  for (FinishedTrack& track : tracks) {
     if (static_cast<int>(accepted.size()) == options.max_tracks) {
       break;
     }
-    auto rows = HasBaseline(*state, track.sights, options)
-                    ? LinearizeTrack(*state, camera, views, track.sights, options)
-                    : std::nullopt;
+    const bool has_baseline = HasBaseline(*state, track.sights, options);
+    auto rows = has_baseline ? linearize_here(track) : std::nullopt;
+    bool fits = rows && passes(*rows);
+    if (!fits && has_baseline && track.map_distance) {
+      track.map_distance.reset();  // The map may be wrong where the sights are not.
+      rows = linearize_here(track);
+      fits = rows && passes(*rows);
+    }
     if (!rows) {
       ++counts.num_not_triangulated;
-    } else if (!(state->SquaredMahalanobis(rows->clones) <
-                 ChiSquareQuantile(rows->clones.num_rows(), options.gate_quantile))) {
+    } else if (!fits) {
       ++counts.num_gated;
     } else {
       accepted.push_back(std::move(*rows));
@@ -234,7 +312,8 @@ TrackUpdateCounts UpdateFromTracks(const Camera& camera, std::vector<FinishedTra
       accepted.clear();
       const std::vector<CameraView> moved_views = ViewsOfClones(at);
       for (const FinishedTrack* track : accepted_tracks) {
-        if (auto rows = LinearizeTrack(at, camera, moved_views, track->sights, options)) {
+        if (auto rows = LinearizeTrack(at, camera, moved_views, track->sights, options,
+                                       track->map_distance)) {
           accepted.push_back(std::move(*rows));
         }
       }

@@ -46,20 +46,23 @@ struct FinishedTrack {
   uint64_t track_id = 0;
   bool goes_on = false;  // It is still in view: its point may enter the state.
   std::vector<Observation> sights;
+  std::optional<MapDistance> map_distance;
 };
 
-// The 2 M rows of a track's M sights, turned so that the first three alone touch the point.
+// The 2 M rows of a track's M sights, and one more of the distance that the map knows, turned so
+// that the first three alone touch the point.
 struct TrackRows {
-  Measurement clones;  // 2 M - 3 rows, without the point.
+  Measurement clones;  // 2 M - 3 rows or one more, without the point.
   PointRows point;
 };
 
 // Nothing if the point cannot be found. `views[i]` belongs to clone i of `state`; `observations`
-// are at clones.
-std::optional<TrackRows> LinearizeTrack(const FilterState& state, const Camera& camera,
-                                        std::span<const CameraView> views,
-                                        std::span<const Observation> observations,
-                                        const TrackUpdateOptions& options);
+// are at clones. Before the alignment, and where the tile of the landmark is no longer in the
+// state, `map_distance` is not used.
+std::optional<TrackRows> LinearizeTrack(
+    const FilterState& state, const Camera& camera, std::span<const CameraView> views,
+    std::span<const Observation> observations, const TrackUpdateOptions& options,
+    const std::optional<MapDistance>& map_distance = std::nullopt);
 
 // The rows of all tracks without their points, compressed.
 Measurement StackTracks(const FilterState& state, std::span<const TrackRows> tracks);

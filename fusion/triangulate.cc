@@ -62,7 +62,9 @@ struct NormalEquations {
   double cost = 0.0;
 };
 
+// In pixels: what the prior says is weighed as `sigma_px` is.
 std::optional<NormalEquations> Linearize(const Camera& camera, std::span<const Sight> sights,
+                                         double sigma_px, const std::optional<PlanePrior>& prior,
                                          const InverseDepth& point) {
   NormalEquations equations;
   const Eigen::Vector3d x_in_local = point.Point();
@@ -77,6 +79,14 @@ std::optional<NormalEquations> Linearize(const Camera& camera, std::span<const S
     equations.normal.noalias() += jacobian.transpose() * jacobian;
     equations.gradient.noalias() += jacobian.transpose() * residual;
     equations.cost += residual.squaredNorm();
+  }
+  if (prior) {
+    const Eigen::Vector3d normal = sigma_px / prior->sigma_m * prior->normal_in_local;
+    const double residual = normal.dot(prior->x_in_local - x_in_local);
+    const Eigen::RowVector3d jacobian = normal.transpose() * by_params;
+    equations.normal.noalias() += jacobian.transpose() * jacobian;
+    equations.gradient.noalias() += residual * jacobian.transpose();
+    equations.cost += residual * residual;
   }
   return equations;
 }
@@ -108,17 +118,20 @@ void TriangulateOptions::Validate() const {
 }
 
 std::optional<Eigen::Vector3d> Triangulate(const Camera& camera, std::span<const Sight> sights,
-                                           double sigma_px, const TriangulateOptions& options) {
+                                           double sigma_px, const TriangulateOptions& options,
+                                           const std::optional<PlanePrior>& prior) {
   if (sights.size() < 2) {
     return std::nullopt;
   }
-  const auto inverse_depth = InitialInverseDepth(sights);
+  const auto inverse_depth =
+      prior ? std::optional(1.0 / sights.back().view->ToCam(prior->x_in_local).z())
+            : InitialInverseDepth(sights);
   if (!inverse_depth) {
     return std::nullopt;
   }
   InverseDepth point(sights.back(), std::clamp(*inverse_depth, 1.0 / options.max_depth_m,
                                                1.0 / options.min_depth_m));
-  auto equations = Linearize(camera, sights, point);
+  auto equations = Linearize(camera, sights, sigma_px, prior, point);
   double damping = 1e-6;
   bool converged = false;
   for (int i = 0; equations; ++i) {
@@ -132,7 +145,8 @@ std::optional<Eigen::Vector3d> Triangulate(const Camera& camera, std::span<const
     }
     const Eigen::Vector3d old_params = point.params();
     point.set_params(old_params + step);
-    const auto moved = point.params()[2] > 0.0 ? Linearize(camera, sights, point) : std::nullopt;
+    const auto moved =
+        point.params()[2] > 0.0 ? Linearize(camera, sights, sigma_px, prior, point) : std::nullopt;
     if (moved && moved->cost <= equations->cost) {
       equations = moved;
       damping *= 0.1;

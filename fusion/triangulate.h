@@ -31,12 +31,20 @@ struct Sight {
   Eigen::Vector3d ray_in_cam;  // Unit vector through the pixel.
 };
 
-// Least squares of the reprojection errors: the point nearest to all rays first, then Gauss-Newton
-// in the image coordinates and inverse depth of the last sight. Nothing with fewer than two sights,
-// with rays that do not meet in front of every camera, or outside the limits of the options.
-// `sigma_px` is the standard deviation of a pixel per axis.
+// What is known of the point beforehand: normal' (x_in_local - point) = 0 within sigma_m.
+struct PlanePrior {
+  Eigen::Vector3d x_in_local;  // Where the search for the point begins.
+  Eigen::Vector3d normal_in_local;
+  double sigma_m = 0.0;  // Positive.
+};
+
+// Least squares of the reprojection errors: the point nearest to all rays first, or that of the
+// prior, then Gauss-Newton in the image coordinates and inverse depth of the last sight. Nothing
+// with fewer than two sights, with rays that do not meet in front of every camera, or outside the
+// limits of the options. `sigma_px` is the standard deviation of a pixel per axis.
 std::optional<Eigen::Vector3d> Triangulate(const Camera& camera, std::span<const Sight> sights,
-                                           double sigma_px, const TriangulateOptions& options);
+                                           double sigma_px, const TriangulateOptions& options,
+                                           const std::optional<PlanePrior>& prior = std::nullopt);
 
 }  // namespace cairn::fusion
 

@@ -87,6 +87,24 @@ TEST_F(TriangulateTest, FindsThePointOfExactSights) {
   EXPECT_GT(num_found, 300);
 }
 
+// A point so far away that pixels alone do not tell its distance.
+TEST_F(TriangulateTest, ADistanceKnownBeforehandMakesUpForAShortBaseline) {
+  int num_refused = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector3d x = MakeViews(3, Uniform(20.0, 40.0));
+    if (!Observe(x, 0.0)) {
+      continue;
+    }
+    num_refused += Triangulate(camera_, sights_, 1.0, {}).has_value() ? 0 : 1;
+    const Eigen::Vector3d across = x.unitOrthogonal();
+    const auto found =
+        Triangulate(camera_, sights_, 1.0, {}, PlanePrior{x + 0.3 * across, x.normalized(), 0.05});
+    ASSERT_TRUE(found.has_value());
+    EXPECT_LT((*found - x).norm(), 0.01);
+  }
+  EXPECT_GT(num_refused, 50);
+}
+
 // With poses that are off, as those of a filter that has just started, the rays to a far point may
 // part. The point is then not known, or at least where the sights say: it never explains them
 // worse than the true one does.
