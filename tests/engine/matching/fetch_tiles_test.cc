@@ -368,6 +368,29 @@ class FetchListsTest : public ::testing::Test {
     expect_same(searchable.codes(), tile_.codes);
   }
 
+  // That a search finds the same hits in both, whose places and contents are the same.
+  void ExpectAlike(const SearchableTile& from_payload, const SearchableTile& decoded) const {
+    const DescriptorMatrix queries =
+        DescriptorCodec(codebook_).Decode(tile_.codes.data(), 50) +
+        DescriptorMatrix::Constant(50, codebook_->projected_dim(), 0.01f);
+    std::vector<DescriptorHit> hits, expected;
+    EXPECT_EQ(from_payload.index().RangeSearch(queries, 2.0, &hits),
+              decoded.index().RangeSearch(queries, 2.0, &expected));
+    ASSERT_GT(expected.size(), 50u);
+    ASSERT_EQ(hits.size(), expected.size());
+    for (size_t i = 0; i < hits.size(); ++i) {
+      EXPECT_EQ(hits[i].query_idx, expected[i].query_idx);
+      EXPECT_EQ(hits[i].descriptor_idx, expected[i].descriptor_idx);
+      EXPECT_EQ(hits[i].sq_distance, expected[i].sq_distance);
+    }
+    ASSERT_EQ(from_payload.places().size(), tile_.num_descriptors());
+    for (size_t place = 0; place < tile_.num_descriptors(); ++place) {
+      ASSERT_EQ(from_payload.places().descriptor(place), decoded.places().descriptor(place));
+      ASSERT_EQ(from_payload.places().landmark(place), decoded.places().landmark(place));
+    }
+    ExpectContent(from_payload);
+  }
+
   // Where a column of a payload of version 3 begins; docs/formats/tile_v3.md.
   size_t OffsetOfColumn(const std::vector<uint8_t>& payload, size_t column) const {
     constexpr size_t kDirectoryOffset = 64, kNumColumns = 62;
@@ -396,27 +419,8 @@ class FetchListsTest : public ::testing::Test {
 };
 
 TEST_F(FetchListsTest, APayloadIsSearchedAsItsTileIs) {
-  const SearchableTile decoded(tile_, codebook_, options_, lists_);
   const auto from_payload = FromPayload(EncodeTile(tile_, lists_));
-  const DescriptorMatrix queries =
-      DescriptorCodec(codebook_).Decode(tile_.codes.data(), 50) +
-      DescriptorMatrix::Constant(50, codebook_->projected_dim(), 0.01f);
-  std::vector<DescriptorHit> hits, expected;
-  EXPECT_EQ(from_payload->index().RangeSearch(queries, 2.0, &hits),
-            decoded.index().RangeSearch(queries, 2.0, &expected));
-  ASSERT_GT(expected.size(), 50u);
-  ASSERT_EQ(hits.size(), expected.size());
-  for (size_t i = 0; i < hits.size(); ++i) {
-    EXPECT_EQ(hits[i].query_idx, expected[i].query_idx);
-    EXPECT_EQ(hits[i].descriptor_idx, expected[i].descriptor_idx);
-    EXPECT_EQ(hits[i].sq_distance, expected[i].sq_distance);
-  }
-  ExpectContent(*from_payload);
-  ASSERT_EQ(from_payload->places().size(), tile_.num_descriptors());
-  for (size_t place = 0; place < tile_.num_descriptors(); ++place) {
-    EXPECT_EQ(from_payload->places().descriptor(place), decoded.places().descriptor(place));
-    EXPECT_EQ(from_payload->places().landmark(place), decoded.places().landmark(place));
-  }
+  ExpectAlike(*from_payload, SearchableTile(tile_, codebook_, options_, lists_));
   EXPECT_EQ(from_payload->id(), tile_.id);
   EXPECT_EQ(from_payload->num_descriptors(), tile_.num_descriptors());
 }
@@ -424,33 +428,15 @@ TEST_F(FetchListsTest, APayloadIsSearchedAsItsTileIs) {
 // Its codes are put into the order of the tile first.
 TEST_F(FetchListsTest, APayloadWithAnotherIndexIsSearchedAsItsTileIs) {
   const std::vector<uint8_t> bytes = EncodeTile(tile_, lists_);
-  const DescriptorMatrix queries =
-      DescriptorCodec(codebook_).Decode(tile_.codes.data(), 50) +
-      DescriptorMatrix::Constant(50, codebook_->projected_dim(), 0.01f);
   for (const IndexKind kind : {IndexKind::kRandomGrids, IndexKind::kKdTree}) {
     options_.kind = kind;
-    const SearchableTile decoded(tile_, codebook_, options_);
     const auto from_payload =
         MakeSearchableTile(LargeVector<uint8_t>(bytes.begin(), bytes.end()), codebook_, options_);
     from_payload->Prepare();
     while (!from_payload->index().is_complete()) {
       from_payload->index().BuildPart();
     }
-    std::vector<DescriptorHit> hits, expected;
-    from_payload->index().RangeSearch(queries, 2.0, &hits);
-    decoded.index().RangeSearch(queries, 2.0, &expected);
-    ASSERT_GT(expected.size(), 50u);
-    ASSERT_EQ(hits.size(), expected.size());
-    for (size_t i = 0; i < hits.size(); ++i) {
-      EXPECT_EQ(hits[i].query_idx, expected[i].query_idx);
-      EXPECT_EQ(hits[i].descriptor_idx, expected[i].descriptor_idx);
-      EXPECT_EQ(hits[i].sq_distance, expected[i].sq_distance);
-    }
-    for (size_t place = 0; place < tile_.num_descriptors(); ++place) {
-      ASSERT_EQ(from_payload->places().descriptor(place), decoded.places().descriptor(place));
-      ASSERT_EQ(from_payload->places().landmark(place), decoded.places().landmark(place));
-    }
-    ExpectContent(*from_payload);
+    ExpectAlike(*from_payload, SearchableTile(tile_, codebook_, options_));
   }
 }
 
