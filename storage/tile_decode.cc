@@ -52,15 +52,19 @@ struct LandmarkArrays {
   uint8_t* azimuth_codes;
 };
 
-// Parts of a block of memory, one after the other, each at the start of a cache line.
+// Parts of a block of memory, one after the other, each at the start of a cache line. Without
+// memory it only counts how much there has to be.
 class Allotter {
  public:
   explicit Allotter(uint8_t* memory) : memory_(memory) {}
 
   template <typename T>
   T* Take(size_t count) {
-    auto* values = reinterpret_cast<T*>(memory_ + size_);
-    std::uninitialized_default_construct_n(values, count);  // Leaves numbers as they are.
+    T* values = nullptr;
+    if (memory_ != nullptr) {
+      values = reinterpret_cast<T*>(memory_ + size_);
+      std::uninitialized_default_construct_n(values, count);  // Leaves numbers as they are.
+    }
     size_ += (count * sizeof(T) + kCacheLineBytes - 1) / kCacheLineBytes * kCacheLineBytes;
     return values;
   }
