@@ -1,6 +1,7 @@
 #include "engine/matching/bucket_table.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "core/check.h"
@@ -38,46 +39,81 @@ void SortByBucket(int num_bucket_bits, BucketTable::Scratch* scratch) {
                &scratch->pairs);
 }
 
-// Cuts the items from `begin` to the end down to a random `max_items` of them, still ascending.
-void KeepRandomSubset(size_t begin, int max_items, uint64_t seed, std::vector<uint32_t>* items) {
-  const auto first = items->begin() + static_cast<ptrdiff_t>(begin);
-  std::nth_element(first, first + max_items, items->end(), [seed](uint32_t a, uint32_t b) {
-    return RandomBits(seed, a) < RandomBits(seed, b);
-  });
-  items->resize(begin + max_items);
-  std::sort(items->begin() + static_cast<ptrdiff_t>(begin), items->end());
+uint32_t BucketOfPair(uint64_t pair) { return static_cast<uint32_t>(pair >> kItemBits); }
+uint32_t ItemOfPair(uint64_t pair) { return static_cast<uint32_t>(pair & kItemMask); }
+
+// Of each bucket of the sorted pairs keeps at most `max_items`, random by seed.
+void CapBuckets(size_t max_items, uint64_t seed, std::vector<uint64_t>* pairs) {
+  size_t num_kept = 0;
+  for (size_t begin = 0, end = 0; begin < pairs->size(); begin = end) {
+    const uint32_t bucket = BucketOfPair((*pairs)[begin]);
+    while (end < pairs->size() && BucketOfPair((*pairs)[end]) == bucket) {
+      ++end;
+    }
+    const auto first = pairs->begin() + static_cast<ptrdiff_t>(begin);
+    auto last = pairs->begin() + static_cast<ptrdiff_t>(end);
+    if (end - begin > max_items) {
+      std::nth_element(first, first + static_cast<ptrdiff_t>(max_items), last,
+                       [seed](uint64_t a, uint64_t b) {
+                         return RandomBits(seed, ItemOfPair(a)) < RandomBits(seed, ItemOfPair(b));
+                       });
+      last = first + static_cast<ptrdiff_t>(max_items);
+      std::sort(first, last);
+    }
+    std::copy(first, last, pairs->begin() + static_cast<ptrdiff_t>(num_kept));
+    num_kept += static_cast<size_t>(last - first);
+  }
+  pairs->resize(num_kept);
+}
+
+// For each bucket the number of pairs before it, and that of all.
+std::vector<uint32_t> FirstOfBuckets(const std::vector<uint64_t>& pairs, uint32_t num_buckets) {
+  std::vector<uint32_t> begin(num_buckets + 1, 0);
+  for (const uint64_t pair : pairs) {
+    ++begin[BucketOfPair(pair) + 1];
+  }
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  return begin;
+}
+
+size_t LargestBucket(const std::vector<uint32_t>& begin) {
+  uint32_t largest = 0;
+  for (size_t bucket = 0; bucket + 1 < begin.size(); ++bucket) {
+    largest = std::max(largest, begin[bucket + 1] - begin[bucket]);
+  }
+  return largest;
 }
 
 }  // namespace
 
-BucketTable::BucketTable(std::span<const uint64_t> hashes, int num_bucket_bits, int max_items,
-                         uint64_t seed, Scratch* scratch)
+BucketTable::BucketTable(std::span<const uint64_t> hashes, std::span<const uint32_t> sketches,
+                         int num_bucket_bits, int max_items, uint64_t seed, Scratch* scratch)
     : shift_(64 - num_bucket_bits) {
   CAIRN_CHECK(hashes.size() < kItemMask, "items must fit 32 bits");
-  scratch->pairs.resize(hashes.size());
+  std::vector<uint64_t>& pairs = scratch->pairs;
+  pairs.resize(hashes.size());
   for (size_t i = 0; i < hashes.size(); ++i) {
-    scratch->pairs[i] = uint64_t{BucketOf(hashes[i])} << kItemBits | i;
+    pairs[i] = uint64_t{BucketOf(hashes[i])} << kItemBits | i;
   }
   SortByBucket(num_bucket_bits, scratch);
-
   const uint32_t num_buckets = uint32_t{1} << num_bucket_bits;
-  begin_.reserve(num_buckets + 1);
-  begin_.push_back(0);
-  items_.reserve(hashes.size());
-  auto pair = scratch->pairs.begin();
-  for (uint32_t bucket = 0; bucket < num_buckets; ++bucket) {
-    for (; pair != scratch->pairs.end() && *pair >> kItemBits == bucket; ++pair) {
-      items_.push_back(static_cast<uint32_t>(*pair & kItemMask));
-    }
-    if (items_.size() - begin_.back() > static_cast<size_t>(max_items)) {
-      KeepRandomSubset(begin_.back(), max_items, seed, &items_);
-    }
-    begin_.push_back(static_cast<uint32_t>(items_.size()));
+  begin_ = FirstOfBuckets(pairs, num_buckets);
+  if (LargestBucket(begin_) > static_cast<size_t>(max_items)) {
+    CapBuckets(max_items, seed, &pairs);
+    begin_ = FirstOfBuckets(pairs, num_buckets);
+  }
+  // Before a bucket's i-th sketch come twice as many numbers as items of earlier buckets, and i.
+  content_.resize(2 * pairs.size());
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    const uint32_t bucket = BucketOfPair(pairs[i]);
+    const uint32_t item = ItemOfPair(pairs[i]);
+    content_[begin_[bucket] + i] = sketches[item];
+    content_[begin_[bucket + 1] + i] = item;
   }
 }
 
 size_t BucketTable::MemoryBytes() const {
-  return (begin_.capacity() + items_.capacity()) * sizeof(uint32_t);
+  return (begin_.capacity() + content_.capacity()) * sizeof(uint32_t);
 }
 
 }  // namespace cairn

@@ -11,6 +11,7 @@
 #include <random>
 
 #include "engine/matching/byte_descriptors.h"
+#include "engine/matching/cell_sketch.h"
 #include "engine/matching/distance_statistics.h"
 #include "engine/matching/probe_sequence.h"
 #include "engine/matching/random_bits.h"
@@ -27,10 +28,13 @@ constexpr int kUnitsPerCell = 1 << kCellBits;
 using Coordinates = uint16_t __attribute__((vector_size(32)));
 using HalfCoordinates = int16_t __attribute__((vector_size(16)));
 using Products = uint64_t __attribute__((vector_size(64)));
-using Floats = float __attribute__((vector_size(16)));
-using Ints = int32_t __attribute__((vector_size(16)));
+using Floats = float __attribute__((vector_size(64)));
+using Ints = int32_t __attribute__((vector_size(64)));
+using Packed = uint32_t __attribute__((vector_size(64)));
 constexpr int kCoordinateLanes = 16;
-constexpr int kFloatLanes = 4;
+constexpr int kFloatLanes = 16;
+constexpr int kPackedLanes = 16;
+constexpr int kMaxHashedDims = 128;
 
 // Whole turns of the 16-bit coordinates: added to all units to make them positive, so that the
 // conversion to integers, which rounds towards zero, rounds down.
@@ -102,8 +106,10 @@ struct PackedStep {
     return (cost * cost << kLaneBits | static_cast<uint32_t>(lane)) << 1 | (down ? 1 : 0);
   }
   static BorderStep Unpack(uint32_t packed, const uint64_t* factors) {
-    const uint64_t factor = factors[packed >> 1 & ((1 << kLaneBits) - 1)];
-    return {static_cast<int32_t>(packed >> (kLaneBits + 1)), (packed & 1) != 0 ? -factor : factor};
+    const uint32_t lane = packed >> 1 & ((1 << kLaneBits) - 1);
+    const uint64_t factor = factors[lane];
+    return {static_cast<int32_t>(packed >> (kLaneBits + 1)),
+            {(packed & 1) != 0 ? -factor : factor, lane < kSketchDims ? uint32_t{1} << lane : 0}};
   }
 };
 
@@ -115,12 +121,27 @@ struct PackedStep {
   *sum += __builtin_convertvector(coordinates >> kCellBits, Products) * factors_of_lanes;
 }
 
+// The quarters of a cell that sixteen coordinates lie in, two bits each.
+[[gnu::always_inline]] inline uint32_t SketchOf(const Coordinates& coordinates) {
+  static_assert(kCoordinateLanes == kSketchDims);
+  constexpr Coordinates kPowersOfFour = {1, 4, 16, 64, 256, 1024, 4096, 16384,
+                                         1, 4, 16, 64, 256, 1024, 4096, 16384};
+  const Coordinates quarters = (coordinates >> (kCellBits - 2) & 3) * kPowersOfFour;
+  std::array<uint64_t, 4> fours;
+  std::memcpy(fours.data(), &quarters, sizeof(quarters));
+  const uint64_t lower = fours[0] | fours[1];
+  const uint64_t upper = fours[2] | fours[3];
+  const uint64_t first = (lower | lower >> 32 | lower >> 16 | lower >> 48) & 0xFFFF;
+  return static_cast<uint32_t>(first | (upper | upper >> 32 | upper >> 16 | upper >> 48) << 16);
+}
+
 // Adds the hashes of the cells that rows of codes lie in, by the rotated words (num_subspaces x
 // kNumWords x kCoordinateLanes) that make up their coordinates. Lanes without a factor add nothing.
-// A constant number of subspaces lets the loop unroll.
+// Writes sketches unless there are none to write. A constant number of subspaces lets the loop
+// unroll.
 [[gnu::always_inline]] inline void AddHashesOf(size_t num_subspaces, const int16_t* words,
                                                const uint64_t* factors, const uint8_t* codes,
-                                               std::span<uint64_t> hashes) {
+                                               std::span<uint64_t> hashes, uint32_t* sketches) {
   for (uint64_t& hash : hashes) {
     Coordinates sum = {};
     const int16_t* words_of_subspace = words;
@@ -129,6 +150,9 @@ struct PackedStep {
       std::memcpy(&word, words_of_subspace + size_t{*codes++} * kCoordinateLanes, sizeof(word));
       sum += word;
       words_of_subspace += Codebook::kNumWords * kCoordinateLanes;
+    }
+    if (sketches != nullptr) {
+      *sketches++ = SketchOf(sum);
     }
     HalfCoordinates halves[2];
     std::memcpy(halves, &sum, sizeof(sum));
@@ -143,21 +167,50 @@ struct PackedStep {
 
 CAIRN_VECTOR_CLONES void AddHashes(size_t num_subspaces, const int16_t* words,
                                    const uint64_t* factors, const uint8_t* codes,
-                                   std::span<uint64_t> hashes) {
+                                   std::span<uint64_t> hashes, uint32_t* sketches) {
   constexpr size_t kUsualSubspaces = 8;
   if (num_subspaces == kUsualSubspaces) {
-    AddHashesOf(kUsualSubspaces, words, factors, codes, hashes);
+    AddHashesOf(kUsualSubspaces, words, factors, codes, hashes, sketches);
   } else {
-    AddHashesOf(num_subspaces, words, factors, codes, hashes);
+    AddHashesOf(num_subspaces, words, factors, codes, hashes, sketches);
   }
 }
 
-// Keeps the smallest values seen, ascending. Without branches, which would be mispredicted.
-void InsertSorted(uint32_t value, std::span<uint32_t> smallest) {
-  for (uint32_t& kept : smallest) {
-    const uint32_t smaller = std::min(kept, value);
-    value = std::max(kept, value);
-    kept = smaller;
+// Coordinates of a descriptor, rounded down: the sums of rotations (dim x num_lanes, row-major)
+// times its values, and of shifts.
+CAIRN_VECTOR_CLONES void Project(const float* projected, int dim, const float* rotations,
+                                 const float* shifts, int num_lanes, int32_t* coordinates) {
+  for (int begin = 0; begin < num_lanes; begin += kFloatLanes) {
+    Floats sum;
+    std::memcpy(&sum, shifts + begin, sizeof(sum));
+    for (int d = 0; d < dim; ++d) {
+      Floats rotation;
+      std::memcpy(&rotation, rotations + size_t{1} * d * num_lanes + begin, sizeof(rotation));
+      sum += projected[d] * rotation;
+    }
+    // Far coordinates and NaN become some coordinate.
+    sum = sum < kMaxUnits ? sum : Floats{} + kMaxUnits;
+    sum = sum > -kMaxUnits ? sum : Floats{} - kMaxUnits;
+    const Ints rounded = __builtin_convertvector(sum, Ints);
+    std::memcpy(coordinates + begin, &rounded, sizeof(rounded));
+  }
+}
+
+// Writes `count` distinct values, padded with larger ones to whole vectors, in ascending order:
+// each to the place that is the number of smaller ones.
+CAIRN_VECTOR_CLONES void SortByRank(const uint32_t* values, int count, uint32_t* sorted) {
+  for (int begin = 0; begin < count; begin += kPackedLanes) {
+    Packed compared;
+    std::memcpy(&compared, values + begin, sizeof(compared));
+    Packed ranks = {};
+    for (int i = 0; i < count; ++i) {
+      ranks -= Packed(values[i] < compared);  // A lane of a comparison that holds is -1.
+    }
+    std::array<uint32_t, kPackedLanes> places;
+    std::memcpy(places.data(), &ranks, sizeof(ranks));
+    for (int i = begin; i < std::min(count, begin + kPackedLanes); ++i) {
+      sorted[places[i - begin]] = values[i];
+    }
   }
 }
 
@@ -169,28 +222,27 @@ CellHasher::CellHasher(const Codebook& codebook, const RandomGridsOptions& optio
       num_hashed_dims_(std::min(options.num_hashed_dims, dim_)),
       num_probes_(num_hashed_dims_ < 5 ? std::min(options.num_probes, 1 << num_hashed_dims_)
                                        : options.num_probes),
+      units_per_length_(kUnitsPerCell / CellWidth(codebook, options.cell_width_sigmas)),
       num_lanes_((num_grids_ * num_hashed_dims_ + kFloatLanes - 1) / kFloatLanes * kFloatLanes),
       rotations_(size_t{1} * dim_ * num_lanes_),
       shifts_(num_lanes_),
       factors_(num_lanes_) {
-  const double cell_width = CellWidth(codebook, options.cell_width_sigmas);
   std::vector<int> rotated_dims = DimsByVariance(codebook);
   rotated_dims.resize(std::max(num_hashed_dims_, 3 * dim_ / 4));
   for (int grid = 0; grid < num_grids_; ++grid) {
-    FillGrid(grid, rotated_dims, RandomBits(options.seed, grid), cell_width);
+    FillGrid(grid, rotated_dims, RandomBits(options.seed, grid));
   }
 }
 
-void CellHasher::FillGrid(int grid, const std::vector<int>& rotated_dims, uint64_t seed,
-                          double cell_width) {
+void CellHasher::FillGrid(int grid, const std::vector<int>& rotated_dims, uint64_t seed) {
   std::mt19937_64 random(seed);
   const Eigen::MatrixXd rotation = RandomRotation(static_cast<int>(rotated_dims.size()), &random);
   std::uniform_real_distribution<float> uniform(0.0f, kUnitsPerCell);
   for (int j = 0; j < num_hashed_dims_; ++j) {
     const int lane = grid * num_hashed_dims_ + j;
     for (size_t d = 0; d < rotated_dims.size(); ++d) {
-      rotations_[size_t{1} * rotated_dims[d] * num_lanes_ + lane] = static_cast<float>(
-          rotation(j, static_cast<Eigen::Index>(d)) / cell_width * kUnitsPerCell);
+      rotations_[size_t{1} * rotated_dims[d] * num_lanes_ + lane] =
+          static_cast<float>(rotation(j, static_cast<Eigen::Index>(d)) * units_per_length_);
     }
     shifts_[lane] = kPositiveShift + uniform(random);
     factors_[lane] = random() | 1;
@@ -217,62 +269,44 @@ std::vector<int16_t> CellHasher::RotatedWords(const Codebook& codebook, int firs
   return rotated;
 }
 
-std::vector<uint64_t> CellHasher::HashCodes(const Codebook& codebook,
-                                            std::span<const uint8_t> codes, int grid) const {
+CellHasher::CellPlaces CellHasher::PlaceCodes(const Codebook& codebook,
+                                              std::span<const uint8_t> codes, int grid) const {
   const size_t num_subspaces = codebook.num_subspaces;
-  std::vector<uint64_t> hashes(codes.size() / num_subspaces);
+  const size_t num_codes = codes.size() / num_subspaces;
+  CellPlaces places{std::vector<uint64_t>(num_codes), std::vector<uint32_t>(num_codes)};
   for (int begin = 0; begin < num_hashed_dims_; begin += kCoordinateLanes) {
     const int first_lane = grid * num_hashed_dims_ + begin;
     const int num_used = std::min(kCoordinateLanes, num_hashed_dims_ - begin);
     const std::vector<int16_t> words = RotatedWords(codebook, first_lane, num_used);
     std::array<uint64_t, kCoordinateLanes> factors{};
     std::copy_n(factors_.begin() + first_lane, num_used, factors.begin());
-    AddHashes(num_subspaces, words.data(), factors.data(), codes.data(), hashes);
+    AddHashes(num_subspaces, words.data(), factors.data(), codes.data(), places.hashes,
+              begin == 0 ? places.sketches.data() : nullptr);
   }
-  return hashes;
+  return places;
 }
 
-void CellHasher::ProjectQuery(const float* projected, int32_t* units) const {
-  for (int begin = 0; begin < num_lanes_; begin += kFloatLanes) {
-    Floats sum;
-    std::memcpy(&sum, shifts_.data() + begin, sizeof(sum));
-    for (int d = 0; d < dim_; ++d) {
-      Floats rotation;
-      std::memcpy(&rotation, rotations_.data() + size_t{1} * d * num_lanes_ + begin,
-                  sizeof(rotation));
-      sum += projected[d] * rotation;
-    }
-    // Far coordinates and NaN become some coordinate.
-    sum = sum < kMaxUnits ? sum : Floats{} + kMaxUnits;
-    sum = sum > -kMaxUnits ? sum : Floats{} - kMaxUnits;
-    const Ints rounded = __builtin_convertvector(sum, Ints);
-    std::memcpy(units + begin, &rounded, sizeof(rounded));
-  }
-}
-
-void CellHasher::HashProbes(const float* projected, int num_grids, std::span<int32_t> units,
-                            uint64_t* hashes) const {
-  ProjectQuery(projected, units.data());
+void CellHasher::FindProbes(const float* projected, int num_grids, std::span<int32_t> coordinates,
+                            Probe* probes) const {
+  Project(projected, dim_, rotations_.data(), shifts_.data(), num_lanes_, coordinates.data());
   const int num_steps = std::min(num_hashed_dims_, num_probes_ - 1);
-  std::array<uint32_t, kMaxProbes> packed_steps;
+  std::array<uint32_t, kMaxHashedDims> packed, sorted;
+  packed.fill(std::numeric_limits<uint32_t>::max());
   std::array<BorderStep, kMaxProbes> steps;
   for (int grid = 0; grid < num_grids; ++grid) {
     const uint64_t* factors = factors_.data() + grid * num_hashed_dims_;
-    std::fill_n(packed_steps.begin(), num_steps, std::numeric_limits<uint32_t>::max());
-    uint64_t own_hash = 0;
+    Probe own;
     for (int j = 0; j < num_hashed_dims_; ++j) {
-      const auto coordinate = static_cast<int16_t>(units[grid * num_hashed_dims_ + j]);
-      own_hash += static_cast<uint64_t>(int64_t{CellOf(coordinate)}) * factors[j];
-      InsertSorted(PackedStep::Pack(coordinate, j), {packed_steps.data(), size_t(num_steps)});
+      const auto coordinate = static_cast<int16_t>(coordinates[grid * num_hashed_dims_ + j]);
+      own.hash += static_cast<uint64_t>(int64_t{CellOf(coordinate)}) * factors[j];
+      packed[j] = PackedStep::Pack(coordinate, j);
     }
+    SortByRank(packed.data(), num_hashed_dims_, sorted.data());
     for (int i = 0; i < num_steps; ++i) {
-      steps[i] = PackedStep::Unpack(packed_steps[i], factors);
+      steps[i] = PackedStep::Unpack(sorted[i], factors);
     }
-    const std::span<uint64_t> row(hashes + grid * num_probes_, num_probes_);
-    FillProbeSequence({steps.data(), size_t(num_steps)}, row);
-    for (uint64_t& hash : row) {
-      hash += own_hash;
-    }
+    FillProbeSequence(own, {steps.data(), size_t(num_steps)},
+                      {probes + grid * num_probes_, size_t(num_probes_)});
   }
 }
 

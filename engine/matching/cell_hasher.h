@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/matching/index_options.h"
+#include "engine/matching/probe_sequence.h"
 #include "storage/codebook.h"
 
 namespace cairn {
@@ -31,35 +32,48 @@ class CellHasher {
   CellHasher(const Codebook& codebook, const RandomGridsOptions& options);
 
   int num_grids() const { return num_grids_; }
+  int num_hashed_dims() const { return num_hashed_dims_; }
   // Cells a query is sent to in each grid: options.num_probes, or all 2^k if that is less.
   int num_probes() const { return num_probes_; }
 
-  // Hash of the cell of each code (n x num_subspaces bytes) in one grid.
-  std::vector<uint64_t> HashCodes(const Codebook& codebook, std::span<const uint8_t> codes,
-                                  int grid) const;
+  // Where codes lie in a grid; one value a code.
+  struct CellPlaces {
+    std::vector<uint64_t> hashes;    // Of their cells.
+    std::vector<uint32_t> sketches;  // Of their places in the cells, see cell_sketch.h.
+  };
+  // Of codes (n x num_subspaces bytes) in one grid.
+  CellPlaces PlaceCodes(const Codebook& codebook, std::span<const uint8_t> codes, int grid) const;
 
-  // Hashes of the cells to look into for a descriptor in projected space: rows of num_probes() for
-  // the first `num_grids` grids. A row starts with the own cell; then, as in multi-probe LSH (Lv et
-  // al. 2007), come the cells across the nearest borders, by the distance to them. `units` is
-  // working memory of num_units() numbers.
-  void HashProbes(const float* projected, int num_grids, std::span<int32_t> units,
-                  uint64_t* hashes) const;
-  size_t num_units() const { return shifts_.size(); }
+  // The cells to look into for a descriptor in projected space: rows of num_probes() for the first
+  // `num_grids` grids. A row starts with the own cell; then, as in multi-probe LSH (Lv et al.
+  // 2007), come the cells across the nearest borders, by the distance to them. `coordinates` gets
+  // num_coordinates() numbers, see Coordinates.
+  void FindProbes(const float* projected, int num_grids, std::span<int32_t> coordinates,
+                  Probe* probes) const;
+  size_t num_coordinates() const { return shifts_.size(); }
+  // Those of one grid among the coordinates of a descriptor: one a hashed dimension, in units of
+  // 1/256 cell from an origin of the grid's own.
+  std::span<const int32_t> Coordinates(std::span<const int32_t> coordinates, int grid) const {
+    return coordinates.subspan(size_t{1} * grid * num_hashed_dims_, num_hashed_dims_);
+  }
+  // How long a squared length in projected space is in these units.
+  double SqUnitsOf(double sq_length) const {
+    return sq_length * units_per_length_ * units_per_length_;
+  }
 
   size_t MemoryBytes() const;
 
  private:
-  void FillGrid(int grid, const std::vector<int>& rotated_dims, uint64_t seed, double cell_width);
+  void FillGrid(int grid, const std::vector<int>& rotated_dims, uint64_t seed);
   // Of every word (num_subspaces x 256), `num_used` of 8 coordinates from a lane on; the shift is
   // included in the first subspace.
   std::vector<int16_t> RotatedWords(const Codebook& codebook, int first_lane, int num_used) const;
-  // Coordinates of a descriptor in all grids, rounded down but not yet wrapped.
-  void ProjectQuery(const float* projected, int32_t* units) const;
 
   int dim_;
   int num_grids_;
   int num_hashed_dims_;
   int num_probes_;
+  double units_per_length_;  // In projected space.
   int num_lanes_;  // num_grids_ x num_hashed_dims_ coordinates, padded with 0 for the vector unit.
   // From projected space to units of 1/256 cell: dim_ x num_lanes_, row-major, and shifts.
   std::vector<float> rotations_;

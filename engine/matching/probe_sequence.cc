@@ -11,7 +11,7 @@ namespace {
 struct Combination {
   int32_t sq_cost;
   uint32_t last;
-  uint64_t hash_delta;
+  Probe probe;
 };
 
 // Combinations not yet taken. Sequences are short: a scan for the cheapest beats a heap.
@@ -31,29 +31,42 @@ class Frontier {
   size_t size_ = 0;
 };
 
+// `combination` with the step `index`, which is not among its own.
+Combination Added(const Combination& combination, const BorderStep& step, uint32_t index) {
+  return {combination.sq_cost + step.sq_cost,
+          index,
+          {combination.probe.hash + step.delta.hash,
+           combination.probe.crossed_dims | step.delta.crossed_dims}};
+}
+
+// `combination` without one of its steps.
+Combination Removed(const Combination& combination, const BorderStep& step) {
+  return {combination.sq_cost - step.sq_cost,
+          combination.last,
+          {combination.probe.hash - step.delta.hash,
+           combination.probe.crossed_dims & ~step.delta.crossed_dims}};
+}
+
 }  // namespace
 
 // Every combination is reached exactly once, from a cheaper one, by moving its last step to the
 // next or by adding the next (Lv et al. 2007, section 4.4).
-void FillProbeSequence(std::span<const BorderStep> steps, std::span<uint64_t> deltas) {
-  deltas[0] = 0;
-  if (deltas.size() == 1) {
+void FillProbeSequence(const Probe& own, std::span<const BorderStep> steps,
+                       std::span<Probe> probes) {
+  probes[0] = own;
+  if (probes.size() == 1) {
     return;
   }
   Frontier frontier;
-  frontier.Push({steps[0].sq_cost, 0, steps[0].hash_delta});
-  for (size_t i = 1; i < deltas.size(); ++i) {
+  frontier.Push(Added({0, 0, own}, steps[0], 0));
+  for (size_t i = 1; i < probes.size(); ++i) {
     const Combination best = frontier.PopCheapest();
-    deltas[i] = best.hash_delta;
+    probes[i] = best.probe;
     const uint32_t next = best.last + 1;
     if (next < steps.size()) {
-      const BorderStep& old_step = steps[best.last];
-      const BorderStep& new_step = steps[next];
-      const Combination added = {best.sq_cost + new_step.sq_cost, next,
-                                 best.hash_delta + new_step.hash_delta};
+      const Combination added = Added(best, steps[next], next);
       frontier.Push(added);
-      frontier.Push(
-          {added.sq_cost - old_step.sq_cost, next, added.hash_delta - old_step.hash_delta});
+      frontier.Push(Removed(added, steps[best.last]));
     }
   }
 }

@@ -7,19 +7,26 @@
 
 namespace cairn {
 
+// A cell to look into.
+struct Probe {
+  uint64_t hash = 0;
+  uint32_t crossed_dims = 0;  // Bit i: it lies across the nearer border of dimension i < 32.
+};
+
 // A step across the nearer border of a cell in one dimension.
 struct BorderStep {
-  int32_t sq_cost = 0;      // Squared distance to the border.
-  uint64_t hash_delta = 0;  // What the step adds to the cell's hash.
+  int32_t sq_cost = 0;  // Squared distance to the border.
+  Probe delta;          // What the step adds to a probe.
 };
 
 inline constexpr int kMaxProbes = 32;
 
-// Fills `deltas` with the hash deltas of the cells that combinations of steps lead to, by ascending
-// sum of costs: the first is the cell itself, 0. `steps` are sorted by cost, at least
-// log2(deltas.size()) of them; those beyond the first deltas.size() - 1 are never needed.
-// deltas.size() is at most kMaxProbes.
-void FillProbeSequence(std::span<const BorderStep> steps, std::span<uint64_t> deltas);
+// Fills `probes` with the cells that combinations of steps lead to, by ascending sum of costs: the
+// first is the cell itself, `own`. `steps` are sorted by cost, at least log2(probes.size()) of
+// them; those beyond the first probes.size() - 1 are never needed. probes.size() is at most
+// kMaxProbes.
+void FillProbeSequence(const Probe& own, std::span<const BorderStep> steps,
+                       std::span<Probe> probes);
 
 }  // namespace cairn
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
+#include "engine/matching/cell_sketch.h"
 #include "engine/matching/distance_kernels.h"
 #include "engine/matching/random_bits.h"
 
@@ -43,7 +45,7 @@ class DescriptorSet {
 }  // namespace
 
 // Works through blocks of queries in three steps, each of which asks for the memory that the next
-// one reads: bounds of buckets, their items, the items' descriptors.
+// one reads: bounds of buckets, their content, the descriptors' rows.
 class RandomGrids::Searcher {
  public:
   Searcher(const RandomGrids& grids, const DescriptorMatrix& queries)
@@ -52,54 +54,49 @@ class RandomGrids::Searcher {
         steps_(grids.descriptors_.scale().QuantizeQueries(queries)),
         num_grids_(grids.num_standing()),
         probes_per_query_(size_t{1} * num_grids_ * grids.hasher_.num_probes()),
-        units_(grids.hasher_.num_units()),
-        hashes_(probes_per_query_),
+        sq_units_per_sq_step_(
+            grids.hasher_.SqUnitsOf(std::pow(grids.descriptors_.scale().step(), 2))),
+        coordinates_(kQueriesPerBlock * grids.hasher_.num_coordinates()),
+        probes_(kQueriesPerBlock * probes_per_query_),
         buckets_(kQueriesPerBlock * probes_per_query_),
-        items_(kQueriesPerBlock * probes_per_query_),
+        contents_(kQueriesPerBlock * probes_per_query_ + kProbesAhead),
         visited_(grids.descriptors_.size()) {}
 
   void LocateBuckets(size_t begin, size_t end) {
     const size_t num_probes = grids_.hasher_.num_probes();
-    uint32_t* bucket = buckets_.data();
     for (size_t query = begin; query < end; ++query) {
-      grids_.hasher_.HashProbes(queries_.row(query).data(), num_grids_, units_, hashes_.data());
+      const size_t first = (query - begin) * probes_per_query_;
+      grids_.hasher_.FindProbes(queries_.row(query).data(), num_grids_,
+                                CoordinatesOf(query - begin), &probes_[first]);
       for (size_t i = 0; i < probes_per_query_; ++i) {
         const BucketTable& table = *grids_.tables_[i / num_probes];
-        *bucket = table.BucketOf(hashes_[i]);
-        table.Prefetch(*bucket++);
+        buckets_[first + i] = table.BucketOf(probes_[first + i].hash);
+        table.Prefetch(buckets_[first + i]);
       }
     }
   }
 
-  void LocateItems(size_t num_queries) {
+  void LocateContents(size_t num_queries) {
     const size_t num_probes = grids_.hasher_.num_probes();
     for (size_t i = 0; i < num_queries * probes_per_query_; ++i) {
-      const BucketTable& table = *grids_.tables_[i % probes_per_query_ / num_probes];
-      items_[i] = table.Items(buckets_[i]);
-      const auto* bytes = reinterpret_cast<const char*>(items_[i].data());
-      for (size_t offset = 0; offset < items_[i].size_bytes(); offset += kCacheLineBytes) {
-        __builtin_prefetch(bytes + offset);
-      }
+      contents_[i] = (*grids_.tables_[i % probes_per_query_ / num_probes])[buckets_[i]];
+      Prefetch(contents_[i]);
     }
   }
 
-  // Distinct descriptors of the cells of one query of the block.
-  void GatherCandidates(size_t query_in_block, std::vector<uint32_t>* candidates) {
-    const std::span<const std::span<const uint32_t>> probes(
-        items_.data() + query_in_block * probes_per_query_, probes_per_query_);
-    size_t max_candidates = 0;
-    for (const std::span<const uint32_t> items : probes) {
-      max_candidates += items.size();
-    }
-    candidates->resize(max_candidates);
+  // Distinct descriptors, of the cells of one query of the block, that may lie within
+  // `max_sq_steps` of it.
+  void GatherCandidates(size_t query_in_block, int32_t max_sq_steps,
+                        std::vector<uint32_t>* candidates) {
+    const size_t num_within = FilterCells(query_in_block, max_sq_steps);
+    candidates->resize(num_within);
     const size_t stride = grids_.descriptors_.scale().stride();
     uint32_t* next = candidates->data();
-    for (const std::span<const uint32_t> items : probes) {
-      for (const uint32_t item : items) {
-        __builtin_prefetch(grids_.descriptors_.rows() + item * stride);
-        *next = item;
-        next += visited_.Insert(item) ? 1 : 0;  // Without a branch, which would be mispredicted.
-      }
+    for (size_t i = 0; i < num_within; ++i) {
+      const uint32_t item = within_[i];
+      __builtin_prefetch(grids_.descriptors_.rows() + item * stride);
+      *next = item;
+      next += visited_.Insert(item) ? 1 : 0;  // Without a branch, which would be mispredicted.
     }
     candidates->resize(next - candidates->data());
     visited_.Erase(*candidates);
@@ -122,15 +119,57 @@ class RandomGrids::Searcher {
   }
 
  private:
+  std::span<int32_t> CoordinatesOf(size_t query_in_block) {
+    const size_t count = grids_.hasher_.num_coordinates();
+    return {coordinates_.data() + query_in_block * count, count};
+  }
+
+  // Writes to within_ what the sketches do not tell to be beyond reach; returns the number.
+  size_t FilterCells(size_t query_in_block, int32_t max_sq_steps) {
+    const size_t num_probes = grids_.hasher_.num_probes();
+    const int32_t max_sum =
+        MaxSketchSum(max_sq_steps * sq_units_per_sq_step_, grids_.hasher_.num_hashed_dims());
+    const SketchKernels& kernels = BestSketchKernels();
+    size_t num_within = 0;
+    for (int grid = 0; grid < num_grids_; ++grid) {
+      tables_.SetQuery(grids_.hasher_.Coordinates(CoordinatesOf(query_in_block), grid));
+      for (size_t i = 0; i < num_probes; ++i) {
+        const size_t probe = query_in_block * probes_per_query_ + grid * num_probes + i;
+        const BucketTable::Bucket& bucket = contents_[probe];
+        Prefetch(contents_[probe + kProbesAhead]);
+        within_.resize(std::max(within_.size(), num_within + bucket.items.size() + kSketchSlack));
+        num_within +=
+            kernels.filter(tables_.Across(probes_[probe].crossed_dims), tables_.num_pairs(),
+                           max_sum, bucket.sketches.data(), bucket.items.data(),
+                           bucket.items.size(), within_.data() + num_within);
+      }
+    }
+    return num_within;
+  }
+
+  static void Prefetch(const BucketTable::Bucket& bucket) {
+    const auto* bytes = reinterpret_cast<const char*>(bucket.sketches.data());
+    for (size_t offset = 0; offset < 2 * bucket.sketches.size_bytes(); offset += kCacheLineBytes) {
+      __builtin_prefetch(bytes + offset);
+    }
+  }
+
+  // What was asked for with its block of queries has gone on to the second level of the cache; so
+  // many probes before it is read it is asked for again.
+  static constexpr size_t kProbesAhead = 8;
+
   const RandomGrids& grids_;
   const DescriptorMatrix& queries_;
   const std::vector<int16_t> steps_;  // Queries as ByteScale makes them.
   const int num_grids_;               // That stand.
   const size_t probes_per_query_;
-  std::vector<int32_t> units_;
-  std::vector<uint64_t> hashes_;
-  std::vector<uint32_t> buckets_;                 // kQueriesPerBlock x probes_per_query_.
-  std::vector<std::span<const uint32_t>> items_;  // Likewise.
+  const double sq_units_per_sq_step_;
+  std::vector<int32_t> coordinates_;           // kQueriesPerBlock x num_coordinates().
+  std::vector<Probe> probes_;                  // kQueriesPerBlock x probes_per_query_.
+  std::vector<uint32_t> buckets_;              // Likewise.
+  std::vector<BucketTable::Bucket> contents_;  // Likewise; empty ones at the end.
+  SketchTables tables_;
+  std::vector<uint32_t> within_;
   DescriptorSet visited_;
   std::vector<int32_t> sq_distances_;
   std::vector<BlockHit> hits_;
@@ -155,9 +194,10 @@ void RandomGrids::BuildPart() const {
     return;
   }
   const int grid = num_standing();
-  tables_[grid].emplace(hasher_.HashCodes(*codebook_, codes_, grid),
-                        NumBucketBits(descriptors_.size()), options_.max_candidates_per_cell,
-                        RandomBits(options_.seed, grid), &scratch_);
+  const CellHasher::CellPlaces places = hasher_.PlaceCodes(*codebook_, codes_, grid);
+  tables_[grid].emplace(places.hashes, places.sketches, NumBucketBits(descriptors_.size()),
+                        options_.max_candidates_per_cell, RandomBits(options_.seed, grid),
+                        &scratch_);
   num_standing_.store(grid + 1, std::memory_order_release);
   if (is_complete()) {
     scratch_ = {};
@@ -175,11 +215,13 @@ int64_t RandomGrids::Search(const SearchRequest& request, std::vector<Descriptor
        begin += kQueriesPerBlock) {
     const size_t end = std::min(begin + kQueriesPerBlock, num_queries);
     searcher.LocateBuckets(begin, end);
-    searcher.LocateItems(end - begin);
-    searcher.GatherCandidates(0, &candidates);
+    searcher.LocateContents(end - begin);
+    searcher.GatherCandidates(0, collector.max_sq_steps(static_cast<uint32_t>(begin)), &candidates);
     for (size_t query = begin; query < end; ++query) {
       if (query + 1 < end) {
-        searcher.GatherCandidates(query + 1 - begin, &next_candidates);
+        searcher.GatherCandidates(query + 1 - begin,
+                                  collector.max_sq_steps(static_cast<uint32_t>(query + 1)),
+                                  &next_candidates);
       }
       searcher.AddHits(static_cast<uint32_t>(query), candidates, &collector);
       num_distances += static_cast<int64_t>(candidates.size());

@@ -22,11 +22,13 @@
 namespace cairn {
 
 // Cells are hashed into as many buckets a grid as there are descriptors, up to a factor of two;
-// cells that collide share a bucket and its cap. Its parts are the grids: a search looks into those
-// that stand when it begins. Memory: the descriptors themselves, a byte a dimension (padded, see
-// distance_kernels.h), and 6 to 8 bytes a descriptor and grid: its index, and half to one bucket.
-// That is 16 and 49 bytes a descriptor for the defaults and a tile of 500,000. Safe to use from any
-// thread. Deterministic by options.seed.
+// cells that collide share a bucket and its cap. Of a cell's descriptors those are compared with
+// the query that their sketches (cell_sketch.h) do not tell to be farther away than asked for; a
+// few per cent of the farthest hits are lost by that. Its parts are the grids: a search looks into
+// those that stand when it begins. Memory: the descriptors themselves, a byte a dimension (padded,
+// see distance_kernels.h), and 10 to 12 bytes a descriptor and grid: its index, its sketch, and
+// half to one bucket. That is 16 and 51 bytes a descriptor for the defaults and a tile of 500,000.
+// Safe to use from any thread. Deterministic by options.seed.
 class RandomGrids : public MatchingIndex {
  public:
   // See MakeMatchingIndex. Time and memory are linear in n * num_grids. Throws Error(kMapDamaged)

@@ -227,9 +227,10 @@ void AgainstPeers(benchmark::State& state) {
 
     IndexOptions options;
     options.kind = IndexKind::kRandomGrids;
+    options.grids.max_candidates_per_cell = 1'000;
     const Measured grids = MeasureOwn(
-        options, 45, 100,
-        [](int effort, IndexOptions* o) { o->grids.cell_width_sigmas = 0.1 * effort; }, &megabytes);
+        options, 1, 32, [](int effort, IndexOptions* o) { o->grids.num_probes = effort; },
+        &megabytes);
     Report(state, "grids", grids, megabytes, hnsw, faiss_imi);
     options.kind = IndexKind::kInvertedLists;
     const Measured lists = MeasureOwn(

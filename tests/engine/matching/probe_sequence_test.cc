@@ -35,7 +35,7 @@ std::vector<BorderStep> RandomSteps(size_t count, uint64_t seed) {
   std::sort(steps.begin(), steps.end(),
             [](const BorderStep& a, const BorderStep& b) { return a.sq_cost < b.sq_cost; });
   for (size_t i = 0; i < count; ++i) {
-    steps[i].hash_delta = uint64_t{1} << i;
+    steps[i].delta = {uint64_t{1} << i, uint32_t{2} << i};
   }
   return steps;
 }
@@ -48,15 +48,23 @@ int32_t CostOf(const std::vector<BorderStep>& steps, uint64_t delta) {
   return sq_cost;
 }
 
+std::vector<Probe> SequenceOf(const std::vector<BorderStep>& steps, size_t num_probes) {
+  std::vector<Probe> probes(num_probes);
+  FillProbeSequence({.hash = 1'000'000, .crossed_dims = 1}, steps, probes);
+  return probes;
+}
+
 TEST(ProbeSequence, VisitsTheCheapestCombinationsInOrderOnceEach) {
   for (uint64_t seed = 0; seed < 20; ++seed) {
     for (const size_t num_probes : {1, 2, 3, 4, 8, 31, 32}) {
       const std::vector<BorderStep> steps = RandomSteps(10, seed);
-      std::vector<uint64_t> deltas(num_probes);
-      FillProbeSequence(steps, deltas);
+      const std::vector<Probe> probes = SequenceOf(steps, num_probes);
       const auto expected = AllCombinations(steps);
+      std::vector<uint64_t> deltas;
       for (size_t i = 0; i < num_probes; ++i) {
+        deltas.push_back(probes[i].hash - 1'000'000);
         EXPECT_EQ(CostOf(steps, deltas[i]), expected[i].first);
+        EXPECT_EQ(probes[i].crossed_dims, 1 | deltas[i] << 1);
       }
       std::sort(deltas.begin(), deltas.end());
       EXPECT_EQ(std::unique(deltas.begin(), deltas.end()), deltas.end());
@@ -65,9 +73,10 @@ TEST(ProbeSequence, VisitsTheCheapestCombinationsInOrderOnceEach) {
 }
 
 TEST(ProbeSequence, CoversAllNeighboursOfAFewDimensions) {
-  const std::vector<BorderStep> steps = RandomSteps(3, 7);
-  std::vector<uint64_t> deltas(8);
-  FillProbeSequence(steps, deltas);
+  std::vector<uint64_t> deltas;
+  for (const Probe& probe : SequenceOf(RandomSteps(3, 7), 8)) {
+    deltas.push_back(probe.hash - 1'000'000);
+  }
   EXPECT_THAT(deltas, ::testing::UnorderedElementsAre(0, 1, 2, 3, 4, 5, 6, 7));
 }
 

@@ -65,6 +65,24 @@ TEST(RandomGrids, ComputesAFractionOfTheDistances) {
   EXPECT_LT(num_distances, 200 * 40'000 / 50);
 }
 
+// Descriptors of the query's cells that lie within the threshold, but not in the answer, were
+// refused by their sketches.
+TEST(RandomGrids, SketchesRefuseFewHits) {
+  const SyntheticDescriptors data =
+      MakeSyntheticDescriptors({.num_landmarks = 5'000, .num_queries = 500});
+  for (const double cell_width_sigmas : {7.0, 20.0, 1000.0}) {
+    // Whatever lies within the threshold shares a bucket with its query in one of many grids.
+    const RandomGridsOptions options{.num_grids = 16,
+                                     .num_hashed_dims = 4,
+                                     .cell_width_sigmas = cell_width_sigmas,
+                                     .num_probes = 16,
+                                     .max_candidates_per_cell = 10'000};
+    const auto found = static_cast<double>(GridHits(data, options).size());
+    const auto all = static_cast<double>(ExhaustiveHits(data).size());
+    EXPECT_GT(found, 0.97 * all) << cell_width_sigmas;
+  }
+}
+
 TEST(RandomGrids, SameSeedGivesTheSameHitsAnotherSeedOthers) {
   const SyntheticDescriptors data = MakeSyntheticDescriptors({});
   const auto hits = Sorted(GridHits(data, {.seed = 1}));
