@@ -49,8 +49,8 @@ class SketchTables {
  private:
   int num_pairs_ = 0;
   SketchTable own_;
-  // What crossing a dimension's nearer border adds to the table of its pair.
-  alignas(64) std::array<int32_t, kSketchDims * kSketchEntries> crossing_;
+  // What crossing a dimension's nearer border adds to the table of its pair; 0 for those not there.
+  alignas(64) std::array<int32_t, kSketchDims * kSketchEntries> crossing_{};
   SketchTable across_;
 };
 

@@ -10,7 +10,8 @@ namespace cairn {
 // A cell to look into.
 struct Probe {
   uint64_t hash = 0;
-  uint32_t crossed_dims = 0;  // Bit i: it lies across the nearer border of dimension i < 32.
+  // Bit i: it lies across the nearer border of dimension i, if a sketch (cell_sketch.h) has that.
+  uint32_t crossed_dims = 0;
 };
 
 // A step across the nearer border of a cell in one dimension.
