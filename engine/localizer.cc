@@ -85,8 +85,11 @@ class QueryRun {
   int TryInRounds(int count, const std::function<Attempt(int, double)>& attempt);
   void AddHypothesis(Attempt attempt);
   bool NeedsRefinement() const;
-  // Matches the image against the keyframes that got most matches, and tries poses on these
-  // matches.
+  // The `count` hypotheses with most effective inliers, best first; fewer if there are no more.
+  std::vector<const PoseHypothesis*> BestHypotheses(int count) const;
+  // Those that see what the best poses so far explain, and those that got most matches.
+  std::vector<KeyframeRef> KeyframesToMatch() const;
+  // Matches the image against these keyframes and their neighbours, and tries poses on the matches.
   void MatchKeyframes();
   // See RefinementOptions::max_gravity_error_sigmas.
   bool DoubtsGravity() const;
@@ -230,25 +233,59 @@ NotLocalizedReason QueryRun::Refine() {
   return hypotheses_.empty() ? NotLocalizedReason::kTooFewInliers : NotLocalizedReason::kNone;
 }
 
+std::vector<const PoseHypothesis*> QueryRun::BestHypotheses(int count) const {
+  std::vector<const PoseHypothesis*> best;
+  for (const PoseHypothesis& hypothesis : hypotheses_) {
+    best.push_back(&hypothesis);
+  }
+  std::stable_sort(best.begin(), best.end(), [](const PoseHypothesis* a, const PoseHypothesis* b) {
+    return a->estimate.effective_inliers > b->estimate.effective_inliers;
+  });
+  best.resize(std::min(best.size(), static_cast<size_t>(count)));
+  return best;
+}
+
+std::vector<KeyframeRef> QueryRun::KeyframesToMatch() const {
+  std::vector<KeyframeRef> keyframes;
+  const auto add_first = [&](const std::vector<Correspondence>& correspondences, int count) {
+    RefinementOptions options = options_.refinement;
+    options.max_keyframes = count;
+    for (const RankedKeyframe& ranked : RankKeyframes(context_, tiles_, correspondences, options)) {
+      if (std::find(keyframes.begin(), keyframes.end(), ranked.keyframe) == keyframes.end()) {
+        keyframes.push_back(ranked.keyframe);
+      }
+    }
+  };
+  for (const PoseHypothesis* pose : BestHypotheses(options_.refinement.max_pose_keyframes)) {
+    std::vector<Correspondence> inliers;
+    for (const int index : pose->estimate.inliers) {
+      inliers.push_back((*pose->correspondences)[index]);
+    }
+    add_first(inliers, 1);
+  }
+  add_first(*correspondences_, options_.refinement.max_keyframes);
+  return keyframes;
+}
+
 void QueryRun::MatchKeyframes() {
-  const auto ranked = RankKeyframes(context_, tiles_, *correspondences_, options_.refinement);
-  std::vector<int64_t> num_rematches(ranked.size(), 0);
+  const std::vector<KeyframeRef> keyframes = KeyframesToMatch();
+  std::vector<int64_t> num_rematches(keyframes.size(), 0);
   const auto attempt = [&](int i, double min_consensus) -> Attempt {
-    const auto rematches = std::make_shared<const std::vector<Correspondence>>(
-        MatchAgainstKeyframes(context_, tiles_,
-                              KeyframeNeighborhood(tiles_, ranked[i].keyframe,
-                                                   options_.refinement.neighbors_per_keyframe),
-                              options_.refinement.relaxed_distance_quantile, options_.matching));
+    const auto rematches =
+        std::make_shared<const std::vector<Correspondence>>(MatchAgainstKeyframes(
+            context_, tiles_,
+            KeyframeNeighborhood(tiles_, keyframes[i], options_.refinement.neighbors_per_keyframe),
+            options_.refinement.relaxed_distance_quantile, options_.matching));
     num_rematches[i] = static_cast<int64_t>(rematches->size());
     std::vector<int> all(rematches->size());
     std::iota(all.begin(), all.end(), 0);
     return {rematches,
             EstimatePose(context_, *rematches, all, options_.pose, options_.seed, min_consensus)};
   };
-  const auto num_ranked = static_cast<int>(ranked.size());
-  const int num_tried = TryInRounds(num_ranked, attempt);
+  const auto num_keyframes = static_cast<int>(keyframes.size());
+  const int num_tried = TryInRounds(num_keyframes, attempt);
   result_.counters.num_refined_keyframes += num_tried;
-  result_.counters.refinement_cut_short |= num_tried < num_ranked;
+  result_.counters.refinement_cut_short |= num_tried < num_keyframes;
   result_.counters.num_rematches +=
       std::accumulate(num_rematches.begin(), num_rematches.end(), int64_t{0});
 }
@@ -258,19 +295,16 @@ bool QueryRun::DoubtsGravity() const {
       options_.pose.solver == MinimalSolver::kGravityTwoPoint || DeadlinePassed()) {
     return false;
   }
-  const auto best = std::max_element(
-      hypotheses_.begin(), hypotheses_.end(), [](const PoseHypothesis& a, const PoseHypothesis& b) {
-        return a.estimate.effective_inliers < b.estimate.effective_inliers;
-      });
+  const std::vector<const PoseHypothesis*> best = BestHypotheses(1);
   const double min_trusted = std::max(options_.answer.min_effective_inliers,
                                       options_.refinement.min_trusted_effective_inliers);
-  if (best == hypotheses_.end() || best->estimate.effective_inliers < min_trusted) {
+  if (best.empty() || best.front()->estimate.effective_inliers < min_trusted) {
     return true;
   }
-  const Eigen::Vector3d down_in_cam =
-      best->estimate.cam_from_anchor.rotation * -Eigen::Vector3d::UnitZ();
+  const PoseEstimate& estimate = best.front()->estimate;
+  const Eigen::Vector3d down_in_cam = estimate.cam_from_anchor.rotation * -Eigen::Vector3d::UnitZ();
   const double tilt_rad = std::acos(std::clamp(down_in_cam.dot(*context_.down_in_cam), -1.0, 1.0));
-  return best->estimate.effective_inliers < options_.refinement.good_effective_inliers &&
+  return estimate.effective_inliers < options_.refinement.good_effective_inliers &&
          tilt_rad > options_.refinement.max_gravity_error_sigmas * options_.pose.gravity_sigma_rad;
 }
 

@@ -32,6 +32,8 @@ std::vector<Correspondence> MatchFeatures(const QueryContext& query,
 struct KeyframeRef {
   int tile_idx = 0;
   uint32_t keyframe_idx = 0;
+
+  bool operator==(const KeyframeRef&) const = default;
 };
 std::vector<Correspondence> MatchAgainstKeyframes(const QueryContext& query,
                                                   const std::vector<TileView>& tiles,

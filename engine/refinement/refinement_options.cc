@@ -11,6 +11,8 @@ void RefinementOptions::Validate() const {
                 "refinement.good_effective_inliers must not be negative");
   RequireOption(max_keyframes >= 0 && max_keyframes <= 1000,
                 "refinement.max_keyframes must lie in [0, 1000]");
+  RequireOption(max_pose_keyframes >= 0 && max_pose_keyframes <= 1000,
+                "refinement.max_pose_keyframes must lie in [0, 1000]");
   RequireOption(neighbors_per_keyframe >= 0 && neighbors_per_keyframe <= 1000,
                 "refinement.neighbors_per_keyframe must lie in [0, 1000]");
   RequireOption(min_separation_m >= 0.0 && std::isfinite(min_separation_m),

@@ -14,7 +14,11 @@ struct RefinementOptions {
   RefinementMode mode = RefinementMode::kWhenWeak;
   // A best candidate with at least this many effective inliers needs no keyframe re-matching.
   double good_effective_inliers = 25.0;
-  int max_keyframes = 5;           // M: keyframes whose neighbourhoods are matched again.
+  int max_keyframes = 5;  // M: keyframes whose neighbourhoods are matched again.
+  // Of so many of the best poses so far, the keyframe that saw most of what the pose explains is
+  // matched again, too, so that a right pose competes with what other keyframes suggest by matches
+  // of the same kind.
+  int max_pose_keyframes = 2;
   int neighbors_per_keyframe = 4;  // Keyframes that share most landmarks with it, matched along.
   // A keyframe nearer than this to a better one that looks the same way (within 45 degrees) is the
   // same location and not ranked, metres. Covers the neighbours of a walk or a slow drive.

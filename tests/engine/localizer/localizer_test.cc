@@ -89,6 +89,22 @@ TEST_F(LocalizerOnOneStreet, RefinesWhenToldTo) {
   EXPECT_GT(map_->WithOptions(options).Localize(query).counters.num_refined_keyframes, 0);
 }
 
+// Without keyframes ranked by matches those are left that see what the best poses explain.
+TEST_F(LocalizerOnOneStreet, RefinesWhereItsBestPosesAre) {
+  const Rigid3d cam_from_enu = QueryPose(20.0);
+  const LocalizeQuery query = QueryAt(*world_, cam_from_enu);
+  LocalizerOptions options;
+  options.refinement.mode = RefinementMode::kAlways;
+  options.refinement.max_keyframes = 0;
+  options.refinement.max_pose_keyframes = 1;
+  const LocalizeResult result = map_->WithOptions(options).Localize(query);
+  ExpectPose(result, *world_, cam_from_enu, 0.05, 0.1 * kRadPerDeg);
+  EXPECT_EQ(result.counters.num_refined_keyframes, 1);
+  EXPECT_GT(result.counters.num_rematches, 0);
+  options.refinement.max_pose_keyframes = 0;
+  EXPECT_EQ(map_->WithOptions(options).Localize(query).counters.num_refined_keyframes, 0);
+}
+
 TEST_F(LocalizerOnOneStreet, ReportsItsEvidence) {
   const LocalizeQuery query = QueryAt(*world_, QueryPose(20.0));
   const LocalizeResult result = localizer().Localize(query);
