@@ -10,6 +10,7 @@
 #define CAIRN_ENGINE_MATCHING_CELL_SKETCH_H_
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -58,6 +59,7 @@ class SketchTables {
 struct SketchKernels {
   const char* name;  // "plain", "avx2", "avx512".
 
+  // The first num_pairs pairs of `table` count; bits of a sketch beyond them are not looked at.
   // Copies those of `count` items to `kept` whose sketch has a sum of at most `max_sum`, in order;
   // returns their number. `kept` has room for count + kSketchSlack items.
   size_t (*filter)(const SketchTable& table, int num_pairs, int32_t max_sum,

@@ -1,6 +1,6 @@
 // Random grids: nearest-neighbour search by hashing into several randomly rotated and shifted grids
 // (paper, section "Random Grids"; Aiger, Kokiopoulou, Rivlin, ICCV 2013). Against the exhaustive
-// ExhaustiveIndex it trades a few per cent of recall for a fiftieth of the time.
+// ExhaustiveIndex it trades a few per cent of recall for a fortieth of the time.
 #ifndef CAIRN_ENGINE_MATCHING_RANDOM_GRIDS_H_
 #define CAIRN_ENGINE_MATCHING_RANDOM_GRIDS_H_
 
