@@ -170,8 +170,9 @@ void AddExperimentCommand(CLI::App* app, Shell* shell) {
   command
       ->add_option(
           "--trajectories", arguments->trajectories_folder,
-          "Folder with euroc_V1_02_medium and tumvi_room1 (imu.csv, groundtruth.csv): real "
-          "inertial samples for 16 and 17")
+          "Folder with euroc_V1_01_easy/mav0 (as EuRoC lays it out), vi_imu_gt/euroc_V1_02_medium "
+          "and vi_imu_gt/tumvi_room1 (imu.csv, groundtruth.csv): real inertial samples for 16 and "
+          "17")
       ->check(CLI::ExistingDirectory);
   command->footer(
       "Examples:\n"

@@ -29,7 +29,7 @@ struct ExperimentContext {
   uint64_t seed = 1;
   int num_queries = 0;  // Of a world; 0: as many as the size asks for.
   int num_threads = 2;
-  // Folder of the trajectories in fusion/rival/room_recordings.h; empty: 16 and 17 walk in the city
+  // Folder of the recordings of fusion/rival/room_recordings.h; empty: 16 and 17 walk in the city
   // only.
   std::string trajectories_folder;
   ExperimentWorlds* worlds = nullptr;

@@ -39,14 +39,7 @@ RecordingOptions RoomRecordingOptions(const Eigen::Matrix3d& cam_from_imu) {
   return options;
 }
 
-}  // namespace
-
-Trajectory EurocTrajectory(const std::string& folder) {
-  const std::string dir = folder + "/euroc_V1_02_medium";
-  return ReadTrajectory("EuRoC V1_02", dir + "/imu.csv", dir + "/groundtruth.csv",
-                        EurocSmoothingNoise());
-}
-
+// The quadcopter of both flights.
 RecordingOptions EurocRecordingOptions() {
   Eigen::Matrix3d cam_from_imu;
   cam_from_imu << 0, 1, 0, -1, 0, 0, 0, 0, 1;
@@ -55,12 +48,6 @@ RecordingOptions EurocRecordingOptions() {
   options.imu_noise = EurocSmoothingNoise();
   options.imu_noise.gyro_walk = 2.0e-4;
   return options;
-}
-
-Trajectory TumTrajectory(const std::string& folder) {
-  const std::string dir = folder + "/tumvi_room1";
-  return ReadTrajectory("TUM-VI room1", dir + "/imu.csv", dir + "/groundtruth.csv",
-                        TumSmoothingNoise());
 }
 
 RecordingOptions TumRecordingOptions() {
@@ -73,6 +60,33 @@ RecordingOptions TumRecordingOptions() {
   options.imu_noise.accel_density = 5.0e-3;
   options.imu_noise.accel_walk = 2.5e-3;
   return options;
+}
+
+}  // namespace
+
+Room EurocV101(const std::string& folder) {
+  const std::string dir = folder + "/euroc_V1_01_easy/mav0";
+  return {ReadTrajectory("EuRoC V1_01", dir + "/imu0/data.csv",
+                         dir + "/state_groundtruth_estimate0/data.csv", EurocSmoothingNoise()),
+          EurocRecordingOptions()};
+}
+
+Room EurocV102(const std::string& folder) {
+  const std::string dir = folder + "/vi_imu_gt/euroc_V1_02_medium";
+  return {ReadTrajectory("EuRoC V1_02", dir + "/imu.csv", dir + "/groundtruth.csv",
+                         EurocSmoothingNoise()),
+          EurocRecordingOptions()};
+}
+
+Room TumRoom1(const std::string& folder) {
+  const std::string dir = folder + "/vi_imu_gt/tumvi_room1";
+  return {ReadTrajectory("TUM-VI room1", dir + "/imu.csv", dir + "/groundtruth.csv",
+                         TumSmoothingNoise()),
+          TumRecordingOptions()};
+}
+
+std::vector<Room> AllRooms(const std::string& folder) {
+  return {EurocV101(folder), EurocV102(folder), TumRoom1(folder)};
 }
 
 }  // namespace cairn::fusion

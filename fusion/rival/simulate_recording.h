@@ -91,9 +91,10 @@ struct PoseNoise {
 };
 
 // Replaces the poses by those that agree best with both the poses and the samples (a
-// Rauch-Tung-Striebel smoother), and the biases by those at the first pose. A camera simulated on
-// poses as they were captured would shake against the inertial unit to which it is bolted. The
-// trajectory must have been through FitToSamples; poses outside the samples are dropped. Throws
+// Rauch-Tung-Striebel smoother), and the biases by those at the first pose. Where poses are more
+// than 20 ms apart, those at the samples between them are added. A camera simulated on poses as
+// they were captured would shake against the inertial unit to which it is bolted. The trajectory
+// must have been through FitToSamples; poses outside the samples are dropped. Throws
 // Error(kBadInput) if fewer than two remain, Error(kInvalidArgument) if a sigma is not positive.
 void SmoothPoses(const PoseNoise& pose_noise, const ImuNoise& imu_noise, Trajectory* trajectory);
 

@@ -1,6 +1,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "core/error.h"
@@ -19,11 +20,35 @@ struct Gaussian {
   Matrix15d covariance;
 };
 
-// One pose in the forward pass.
+// Where a pose is wanted, and what motion capture says of it.
+struct Knot {
+  int64_t timestamp_ns = 0;
+  std::optional<Rigid3d> captured;
+};
+
+// One knot in the forward pass.
 struct FilteredPose {
   Gaussian predicted, updated;
   Matrix15d from_previous = Matrix15d::Identity();
 };
+
+// The poses and, where they are further apart than the straight line between them is good for, the
+// samples between them.
+std::vector<Knot> Knots(const Trajectory& trajectory) {
+  constexpr int64_t kMaxStepNs = 20'000'000;
+  std::vector<Knot> knots;
+  auto sample = trajectory.imu.begin();
+  for (const TruePose& pose : trajectory.poses) {
+    const int64_t last_ns = knots.empty() ? pose.timestamp_ns : knots.back().timestamp_ns;
+    for (; sample != trajectory.imu.end() && sample->timestamp_ns < pose.timestamp_ns; ++sample) {
+      if (pose.timestamp_ns - last_ns > kMaxStepNs && sample->timestamp_ns > last_ns) {
+        knots.push_back({sample->timestamp_ns, std::nullopt});
+      }
+    }
+    knots.push_back({pose.timestamp_ns, pose.global_from_imu});
+  }
+  return knots;
+}
 
 // What is known before the first pose is taken up.
 Gaussian Start(const Trajectory& trajectory) {
@@ -71,22 +96,24 @@ Gaussian Updated(Gaussian state, const Rigid3d& measured, const PoseNoise& noise
   return state;
 }
 
-std::vector<FilteredPose> FilterForward(const Trajectory& trajectory, const PoseNoise& pose_noise,
+std::vector<FilteredPose> FilterForward(const Trajectory& trajectory,
+                                        const std::vector<Knot>& knots, const PoseNoise& pose_noise,
                                         const ImuNoise& imu_noise) {
   ImuBuffer buffer(static_cast<int>(trajectory.imu.size()));
   for (const ImuSample& sample : trajectory.imu) {
     buffer.Push(sample);
   }
-  std::vector<FilteredPose> filtered(trajectory.poses.size());
+  std::vector<FilteredPose> filtered(knots.size());
   filtered.front().predicted = Start(trajectory);
   for (size_t i = 0; i < filtered.size(); ++i) {
     if (i > 0) {
       filtered[i].predicted = filtered[i - 1].updated;
-      Predict(buffer, trajectory.poses[i - 1].timestamp_ns, trajectory.poses[i].timestamp_ns,
-              imu_noise, trajectory.gravity_m_s2, &filtered[i]);
+      Predict(buffer, knots[i - 1].timestamp_ns, knots[i].timestamp_ns, imu_noise,
+              trajectory.gravity_m_s2, &filtered[i]);
     }
-    filtered[i].updated =
-        Updated(filtered[i].predicted, trajectory.poses[i].global_from_imu, pose_noise);
+    filtered[i].updated = knots[i].captured
+                              ? Updated(filtered[i].predicted, *knots[i].captured, pose_noise)
+                              : filtered[i].predicted;
   }
   return filtered;
 }
@@ -105,9 +132,12 @@ void SmoothPoses(const PoseNoise& pose_noise, const ImuNoise& imu_noise, Traject
     throw Error(ErrorCode::kBadInput,
                 "trajectory " + trajectory->name + ": fewer than two poses within the samples");
   }
-  const std::vector<FilteredPose> filtered = FilterForward(*trajectory, pose_noise, imu_noise);
+  const std::vector<Knot> knots = Knots(*trajectory);
+  const std::vector<FilteredPose> filtered =
+      FilterForward(*trajectory, knots, pose_noise, imu_noise);
   ImuState smoothed = filtered.back().updated.mean;
-  trajectory->poses.back().global_from_imu = smoothed.local_from_imu;
+  trajectory->poses.resize(knots.size());
+  trajectory->poses.back() = {knots.back().timestamp_ns, smoothed.local_from_imu};
   for (size_t i = filtered.size() - 1; i-- > 0;) {
     // Rauch-Tung-Striebel: gain P_i Phi' (P_i+1 predicted)^-1.
     const FilteredPose& next = filtered[i + 1];
@@ -116,7 +146,7 @@ void SmoothPoses(const PoseNoise& pose_noise, const ImuNoise& imu_noise, Traject
         next.predicted.covariance.ldlt().solve(Difference(smoothed, next.predicted.mean));
     smoothed = filtered[i].updated.mean;
     MoveBy(error, &smoothed);
-    trajectory->poses[i].global_from_imu = smoothed.local_from_imu;
+    trajectory->poses[i] = {knots[i].timestamp_ns, smoothed.local_from_imu};
   }
   trajectory->gyro_bias = smoothed.gyro_bias;
   trajectory->accel_bias = smoothed.accel_bias;

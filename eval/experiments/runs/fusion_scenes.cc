@@ -53,14 +53,14 @@ std::vector<fusion::Recording> CityRecordings(const ExperimentContext& context) 
 }
 
 // One trajectory under cameras, landmarks and noise of several seeds.
-std::vector<fusion::Recording> RoomRecordings(const fusion::Trajectory& trajectory,
-                                              fusion::RecordingOptions options,
+std::vector<fusion::Recording> RoomRecordings(const fusion::Room& room,
                                               const ExperimentContext& context) {
+  fusion::RecordingOptions options = room.options;
   options.duration_s = context.Pick(12.0, 60.0);
   std::vector<fusion::Recording> recordings;
   for (int i = 0; i < context.Pick(2, 4); ++i) {
     options.seed = context.seed + static_cast<uint64_t>(i);
-    recordings.push_back(fusion::SimulateRecording(trajectory, options));
+    recordings.push_back(fusion::SimulateRecording(room.trajectory, options));
   }
   return recordings;
 }
@@ -96,13 +96,10 @@ std::vector<FusionScene> RunFusionScenes(const ExperimentContext& context,
   const std::string city = fmt::format("{} city", CityCharacterName(kCharacter));
   scenes.push_back(RunScene(city, CityRecordings(context), comparison, context));
   if (const std::string& folder = context.trajectories_folder; !folder.empty()) {
-    const auto run = [&](const fusion::Trajectory& trajectory,
-                         const fusion::RecordingOptions& options) {
-      scenes.push_back(RunScene(trajectory.name, RoomRecordings(trajectory, options, context),
-                                comparison, context));
-    };
-    run(fusion::EurocTrajectory(folder), fusion::EurocRecordingOptions());
-    run(fusion::TumTrajectory(folder), fusion::TumRecordingOptions());
+    for (const fusion::Room& room : fusion::AllRooms(folder)) {
+      scenes.push_back(
+          RunScene(room.trajectory.name, RoomRecordings(room, context), comparison, context));
+    }
   }
   return scenes;
 }

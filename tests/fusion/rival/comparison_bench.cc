@@ -31,13 +31,14 @@ void Compare(const Trajectory& trajectory, RecordingOptions options, double dura
 void Run(double duration_s, uint64_t seed, int num_timings) {
   Compare(testing::WalkTrajectory(duration_s, seed), testing::WalkRecordingOptions(seed),
           duration_s, seed, num_timings);
-  const std::filesystem::path data = cairn::testing::TestDataDir() / "vi_imu_gt";
+  const std::filesystem::path data = cairn::testing::TestDataDir();
   if (!std::filesystem::exists(data)) {
     std::printf("no real trajectories: %s is not there (set CAIRN_TEST_DATA)\n", data.c_str());
     return;
   }
-  Compare(EurocTrajectory(data), EurocRecordingOptions(), duration_s, seed, num_timings);
-  Compare(TumTrajectory(data), TumRecordingOptions(), duration_s, seed, num_timings);
+  for (const Room& room : AllRooms(data)) {
+    Compare(room.trajectory, room.options, duration_s, seed, num_timings);
+  }
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include "fusion/rival/run_estimators.h"
 #include "fusion/rival/trajectories.h"
 #include "fusion/rival/trajectory_interpolation.h"
+#include "fusion/standstill.h"
 #include "support/test_data.h"
 
 namespace cairn::fusion {
@@ -225,6 +226,26 @@ TEST(SmoothPoses, TakesOutTheNoiseOfMotionCapture) {
   EXPECT_LT((trajectory.accel_bias - truth.accel_bias).norm(), 0.03);
 }
 
+// 20 poses a second: what happens between them is in the samples.
+TEST(SmoothPoses, FillsInWhatMotionCaptureLeavesOut) {
+  const Trajectory truth = testing::WalkTrajectory(20.0, 4);
+  Trajectory trajectory = truth;
+  std::erase_if(trajectory.poses, [&](const TruePose& pose) {
+    return (pose.timestamp_ns - truth.poses.front().timestamp_ns) % 50'000'000 != 0;
+  });
+  const std::vector<TruePose> sparse = trajectory.poses;
+  ASSERT_EQ(sparse.size(), 401u);
+  SmoothPoses({1e-4, 1e-4}, ImuNoise(), &trajectory);
+  Rms filled_rad, straight_rad;
+  for (const TruePose& pose : truth.poses) {
+    const Eigen::Quaterniond& rotation = pose.global_from_imu.rotation;
+    filled_rad.Add(
+        RotationAngleRad(PoseAt(trajectory.poses, pose.timestamp_ns).rotation, rotation));
+    straight_rad.Add(RotationAngleRad(PoseAt(sparse, pose.timestamp_ns).rotation, rotation));
+  }
+  EXPECT_LT(filled_rad.Value(), 0.5 * straight_rad.Value());
+}
+
 TEST(SmoothPoses, RefusesWhatItCannotSmooth) {
   Trajectory trajectory = testing::WalkTrajectory(2.0, 1);
   EXPECT_THROW(SmoothPoses({0.0, 0.01}, ImuNoise(), &trajectory), Error);
@@ -292,11 +313,9 @@ InertialErrors NormalizedInertialErrors(const Trajectory& trajectory, const ImuN
 // The noise that estimators are told must be that of the samples against the poses that the
 // cameras stand on, or the comparison measures how well each bears being misled.
 TEST(RoomRecordings, SamplesAgreeWithThePosesToWithinTheirNoise) {
+  CAIRN_SKIP_WITHOUT_DATA("euroc_V1_01_easy");
   CAIRN_SKIP_WITHOUT_DATA("vi_imu_gt");
-  const std::filesystem::path data = cairn::testing::TestDataDir() / "vi_imu_gt";
-  for (const auto& [trajectory, options] :
-       {std::pair(EurocTrajectory(data), EurocRecordingOptions()),
-        std::pair(TumTrajectory(data), TumRecordingOptions())}) {
+  for (const auto& [trajectory, options] : AllRooms(cairn::testing::TestDataDir())) {
     const InertialErrors errors =
         NormalizedInertialErrors(trajectory, options.imu_noise, 500'000'000);
     EXPECT_LT(errors.rotation.Value(), 1.5) << trajectory.name;
@@ -310,16 +329,50 @@ TEST(RoomRecordings, SamplesAgreeWithThePosesToWithinTheirNoise) {
   }
 }
 
+// The quadcopter stands for its first seconds while its motors start: it shakes by up to 0.1 rad/s
+// and 1.3 m/s^2.
+TEST(StaticStart, FindsTiltAndRateBiasOfARealDeviceAtRest) {
+  CAIRN_SKIP_WITHOUT_DATA("euroc_V1_01_easy");
+  const auto [trajectory, recording] = EurocV101(cairn::testing::TestDataDir());
+  ImuBuffer buffer(static_cast<int>(trajectory.imu.size()));
+  for (const ImuSample& sample : trajectory.imu) {
+    buffer.Push(sample);
+  }
+  const auto start_over = [&](double begin_s, double end_s, const StandstillOptions& options) {
+    const int64_t zero_ns = trajectory.poses.front().timestamp_ns;
+    return StaticStart(buffer, zero_ns + std::llround(1e9 * begin_s),
+                       zero_ns + std::llround(1e9 * end_s), recording.imu_noise,
+                       trajectory.gravity_m_s2, {}, options);
+  };
+  StandstillOptions with_motors;
+  with_motors.max_gyro_std_rad_s = 0.1;
+  with_motors.max_accel_std_m_s2 = 1.5;
+  EXPECT_FALSE(start_over(0.0, 1.5, {}));
+  for (const std::optional<StartState>& start :
+       {start_over(2.0, 2.5, {}), start_over(0.0, 4.0, with_motors)}) {
+    ASSERT_TRUE(start);
+    const Eigen::Vector3d up =
+        start->imu.local_from_imu.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d true_up =
+        trajectory.poses.front().global_from_imu.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+    const double tilt_sigma_rad = std::sqrt(start->covariance(kThetaIdx, kThetaIdx));
+    EXPECT_LT(up.cross(true_up).norm(), 2.0 * tilt_sigma_rad);
+    EXPECT_LT((start->imu.gyro_bias - trajectory.gyro_bias).norm(), 2.5e-3);  // Of 0.08.
+  }
+  // It flies.
+  EXPECT_FALSE(start_over(24.0, 25.0, {}));
+  EXPECT_FALSE(start_over(24.0, 25.0, with_motors));
+}
+
 // On real samples, the estimators must still find the map and hold on to it.
 TEST(Comparison, HoldsOnRealInertialSamples) {
   CAIRN_SKIP_WITHOUT_DATA("vi_imu_gt");
-  const std::filesystem::path data = cairn::testing::TestDataDir() / "vi_imu_gt";
-  RecordingOptions options = EurocRecordingOptions();
-  options.duration_s = 15.0;
+  Room room = EurocV102(cairn::testing::TestDataDir());
+  room.options.duration_s = 15.0;
   ComparisonOptions comparison;
   comparison.variants = {{5, 5, DiscardPolicy::kDiscard}, {5, 5, DiscardPolicy::kMarginalize}};
   for (const MethodResult& result :
-       CompareEstimators(SimulateRecording(EurocTrajectory(data), options), comparison)) {
+       CompareEstimators(SimulateRecording(room.trajectory, room.options), comparison)) {
     EXPECT_LT(result.position_rmse_m, 0.1) << result.name;
     EXPECT_LT(result.rotation_rmse_rad, 0.015) << result.name;
   }
