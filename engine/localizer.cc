@@ -49,6 +49,10 @@ struct Attempt {
   std::optional<PoseEstimate> estimate;
 };
 
+// A pose with a smaller share of what speaks for the best one could neither win nor make the answer
+// ambiguous.
+constexpr double kMinShareOfBest = 0.5;
+
 // There might have been more with more time.
 bool FoundTooLittle(NotLocalizedReason reason) {
   return reason == NotLocalizedReason::kTooFewMatches ||
@@ -87,10 +91,16 @@ class QueryRun {
   bool NeedsRefinement() const;
   // The `count` hypotheses with most effective inliers, best first; fewer if there are no more.
   std::vector<const PoseHypothesis*> BestHypotheses(int count) const;
+  // Those with enough effective inliers beside the best one.
+  std::vector<PoseHypothesis*> HypothesesThatMayWin();
   // Those that see what the best poses so far explain, and those that got most matches.
   std::vector<KeyframeRef> KeyframesToMatch() const;
-  // Matches the image against these keyframes and their neighbours, and tries poses on the matches.
+  // Matches the image against these keyframes and their neighbours, tries poses on the matches and
+  // refines the best on all of them.
   void MatchKeyframes();
+  // A pose has been judged by the matches among which it was found, strict ones of all landmarks or
+  // lenient ones near a keyframe. Refines those that may win on the matches of all of them.
+  void RefineOnAllMatches();
   // See RefinementOptions::max_gravity_error_sigmas.
   bool DoubtsGravity() const;
   // From matching on, as if the query had had no gravity; the hypotheses so far stay.
@@ -245,6 +255,20 @@ std::vector<const PoseHypothesis*> QueryRun::BestHypotheses(int count) const {
   return best;
 }
 
+std::vector<PoseHypothesis*> QueryRun::HypothesesThatMayWin() {
+  double most = 0.0;
+  for (const PoseHypothesis& hypothesis : hypotheses_) {
+    most = std::max(most, hypothesis.estimate.effective_inliers);
+  }
+  std::vector<PoseHypothesis*> rivals;
+  for (PoseHypothesis& hypothesis : hypotheses_) {
+    if (hypothesis.estimate.effective_inliers >= kMinShareOfBest * most) {
+      rivals.push_back(&hypothesis);
+    }
+  }
+  return rivals;
+}
+
 std::vector<KeyframeRef> QueryRun::KeyframesToMatch() const {
   std::vector<KeyframeRef> keyframes;
   const auto add_first = [&](const std::vector<Correspondence>& correspondences, int count) {
@@ -288,6 +312,28 @@ void QueryRun::MatchKeyframes() {
   result_.counters.refinement_cut_short |= num_tried < num_keyframes;
   result_.counters.num_rematches +=
       std::accumulate(num_rematches.begin(), num_rematches.end(), int64_t{0});
+  RefineOnAllMatches();
+}
+
+void QueryRun::RefineOnAllMatches() {
+  const std::vector<PoseHypothesis*> rivals = HypothesesThatMayWin();
+  const auto all = std::make_shared<std::vector<Correspondence>>();
+  std::vector<const std::vector<Correspondence>*> taken;
+  for (const PoseHypothesis* rival : rivals) {
+    const std::vector<Correspondence>* matches = rival->correspondences.get();
+    if (std::find(taken.begin(), taken.end(), matches) == taken.end()) {
+      taken.push_back(matches);
+      all->insert(all->end(), matches->begin(), matches->end());
+    }
+  }
+  if (taken.size() < 2 || DeadlinePassed()) {
+    return;
+  }
+  workers_->ForEach(static_cast<int>(rivals.size()), [&](int i) {
+    if (auto refined = RefineEstimate(context_, *all, rivals[i]->estimate, options_.pose)) {
+      *rivals[i] = {std::move(*refined), all, context_.down_in_cam.has_value()};
+    }
+  });
 }
 
 bool QueryRun::DoubtsGravity() const {
@@ -323,13 +369,10 @@ void QueryRun::TryWithoutGravity() {
 // the number of threads, so neither does the answer.
 int QueryRun::TryInRounds(int count, const std::function<Attempt(int, double)>& attempt) {
   constexpr int kRoundSize = 4;
-  // A pose with a smaller share of the best one's consensus could neither win nor make the answer
-  // ambiguous.
-  constexpr double kMinConsensusShare = 0.5;
   int num_made = 0;
   for (int begin = 0, end = 1; begin < count; begin = end, end += kRoundSize) {
     std::vector<Attempt> round(std::min(count, end) - begin);
-    const double min_consensus = kMinConsensusShare * best_consensus_;
+    const double min_consensus = kMinShareOfBest * best_consensus_;
     workers_->ForEach(static_cast<int>(round.size()), [&](int i) {
       if (!DeadlinePassed()) {
         round[i] = attempt(begin + i, min_consensus);

@@ -1,6 +1,7 @@
 #include "engine/pose/estimate_pose.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "engine/pose/effective_inliers.h"
 #include "engine/pose/pose_estimator.h"
@@ -99,18 +100,45 @@ double EffectiveInliersOf(const QueryContext& query,
   return sum;
 }
 
+}  // namespace
+
+std::optional<PoseEstimate> EstimatePose(const QueryContext& query,
+                                         const std::vector<Correspondence>& correspondences,
+                                         const std::vector<int>& subset, const PoseOptions& options,
+                                         uint64_t seed, double min_consensus) {
+  if (options.solver == MinimalSolver::kGravityTwoPoint && !query.level_from_cam) {
+    return std::nullopt;
+  }
+  PoseEstimator estimator(query, correspondences, subset, options, seed);
+  if (estimator.num_keypoints() < options.min_inliers ||
+      estimator.num_keypoints() <= min_consensus) {  // A keypoint gains at most 1.
+    return std::nullopt;
+  }
+  const RansacOptions ransac_options = {options.min_iterations, options.max_iterations,
+                                        options.success_probability, min_consensus};
+  const auto ransac = LoRansac(&estimator, ransac_options, seed);
+  if (!ransac.model) {
+    return std::nullopt;
+  }
+  PoseEstimate estimate;
+  estimate.cam_from_anchor = {Eigen::Matrix3d(ransac.model->leftCols<3>()), ransac.model->col(3)};
+  estimate.consensus = ransac.score;
+  estimate.num_iterations = ransac.num_iterations;
+  return RefineEstimate(query, correspondences, std::move(estimate), options);
+}
+
 // Refines on all inliers and gathers them anew until the set settles.
-std::optional<PoseEstimate> Polish(const QueryContext& query,
-                                   const std::vector<Correspondence>& correspondences,
-                                   const Rigid3d& cam_from_anchor, const PoseOptions& options) {
+std::optional<PoseEstimate> RefineEstimate(const QueryContext& query,
+                                           const std::vector<Correspondence>& correspondences,
+                                           PoseEstimate estimate, const PoseOptions& options) {
   constexpr int kMaxRounds = 4;
   RefinePoseOptions refine_options;
   refine_options.keypoint_sigma_px = options.keypoint_sigma_px;
   const std::optional<GravityPrior> gravity = MakeGravityPrior(query, options);
   RefinedPose refined;
-  refined.cam_from_anchor = cam_from_anchor;
+  refined.cam_from_anchor = estimate.cam_from_anchor;
   std::vector<PoseObservation> observations;
-  InlierSet inliers = GatherInliers(query, correspondences, cam_from_anchor, options);
+  InlierSet inliers = GatherInliers(query, correspondences, refined.cam_from_anchor, options);
   for (int round = 0; round < kMaxRounds; ++round) {
     if (static_cast<int>(inliers.indices.size()) < options.min_inliers) {
       return std::nullopt;
@@ -135,44 +163,12 @@ std::optional<PoseEstimate> Polish(const QueryContext& query,
   if (static_cast<int>(inliers.indices.size()) < options.min_inliers) {
     return std::nullopt;
   }
-  PoseEstimate estimate;
   estimate.cam_from_anchor = refined.cam_from_anchor;
   estimate.covariance = PoseCovariance(query.camera, observations, gravity, refined.cam_from_anchor,
                                        refine_options, query.other_cameras);
   estimate.mean_sq_error_px = inliers.sum_sq_error_px / static_cast<double>(inliers.indices.size());
   estimate.inliers = std::move(inliers.indices);
-  return estimate;
-}
-
-}  // namespace
-
-std::optional<PoseEstimate> EstimatePose(const QueryContext& query,
-                                         const std::vector<Correspondence>& correspondences,
-                                         const std::vector<int>& subset, const PoseOptions& options,
-                                         uint64_t seed, double min_consensus) {
-  if (options.solver == MinimalSolver::kGravityTwoPoint && !query.level_from_cam) {
-    return std::nullopt;
-  }
-  PoseEstimator estimator(query, correspondences, subset, options, seed);
-  if (estimator.num_keypoints() < options.min_inliers ||
-      estimator.num_keypoints() <= min_consensus) {  // A keypoint gains at most 1.
-    return std::nullopt;
-  }
-  const RansacOptions ransac_options = {options.min_iterations, options.max_iterations,
-                                        options.success_probability, min_consensus};
-  const auto ransac = LoRansac(&estimator, ransac_options, seed);
-  if (!ransac.model) {
-    return std::nullopt;
-  }
-  std::optional<PoseEstimate> estimate =
-      Polish(query, correspondences,
-             {Eigen::Matrix3d(ransac.model->leftCols<3>()), ransac.model->col(3)}, options);
-  if (!estimate) {
-    return std::nullopt;
-  }
-  estimate->effective_inliers = EffectiveInliersOf(query, correspondences, estimate->inliers);
-  estimate->num_iterations = ransac.num_iterations;
-  estimate->consensus = ransac.score;
+  estimate.effective_inliers = EffectiveInliersOf(query, correspondences, estimate.inliers);
   return estimate;
 }
 

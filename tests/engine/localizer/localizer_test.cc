@@ -105,6 +105,23 @@ TEST_F(LocalizerOnOneStreet, RefinesWhereItsBestPosesAre) {
   EXPECT_EQ(map_->WithOptions(options).Localize(query).counters.num_refined_keyframes, 0);
 }
 
+// Neither of the strict matches nor of those with a single keyframe alone.
+TEST_F(LocalizerOnOneStreet, JudgesPosesByAllMatches) {
+  const Rigid3d cam_from_enu = QueryPose(20.0);
+  const LocalizeQuery query = QueryAt(*world_, cam_from_enu);
+  LocalizerOptions options;
+  options.refinement.mode = RefinementMode::kNever;
+  const LocalizeResult plain = map_->WithOptions(options).Localize(query);
+  options.refinement.mode = RefinementMode::kAlways;
+  options.refinement.max_keyframes = 1;
+  options.refinement.max_pose_keyframes = 0;
+  options.refinement.neighbors_per_keyframe = 0;
+  const LocalizeResult refined = map_->WithOptions(options).Localize(query);
+  ExpectPose(refined, *world_, cam_from_enu, 0.05, 0.1 * kRadPerDeg);
+  EXPECT_GT(refined.matches.size(), plain.matches.size());
+  EXPECT_GT(refined.matches.size(), static_cast<size_t>(refined.counters.num_rematches));
+}
+
 TEST_F(LocalizerOnOneStreet, ReportsItsEvidence) {
   const LocalizeQuery query = QueryAt(*world_, QueryPose(20.0));
   const LocalizeResult result = localizer().Localize(query);

@@ -276,6 +276,37 @@ TEST(EstimatePose, GathersInliersOutsideTheSubset) {
   EXPECT_GE(estimate->inliers.size(), 75u);
 }
 
+// What a few matches gave is judged by all of them.
+TEST(RefineEstimate, TakesTheInliersAmongOtherMatches) {
+  PoseSceneOptions options;
+  options.num_inliers = 80;
+  const PoseScene scene = MakePoseScene(options);
+  const std::vector<Correspondence> few(scene.correspondences.begin(),
+                                        scene.correspondences.begin() + 10);
+  const std::vector<int> all_of_few = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
+  const auto of_few = EstimatePose(scene.query, few, all_of_few, PoseOptions(), 1);
+  ASSERT_TRUE(of_few);
+  const auto refined = RefineEstimate(scene.query, scene.correspondences, *of_few, PoseOptions());
+  ASSERT_TRUE(IsRight(refined, scene));
+  EXPECT_GE(refined->inliers.size(), 75u);
+  EXPECT_GT(refined->effective_inliers, 3.0 * of_few->effective_inliers);
+  EXPECT_LT(refined->covariance.trace(), of_few->covariance.trace());
+  EXPECT_EQ(refined->consensus, of_few->consensus);
+  EXPECT_EQ(refined->num_iterations, of_few->num_iterations);
+}
+
+TEST(RefineEstimate, NothingFromMatchesThatDisagree) {
+  PoseSceneOptions options;
+  options.num_inliers = 80;
+  const PoseScene scene = MakePoseScene(options);
+  const auto estimate = Estimate(scene);
+  ASSERT_TRUE(estimate);
+  PoseEstimate elsewhere = *estimate;
+  elsewhere.cam_from_anchor.translation.x() += 100.0;
+  EXPECT_FALSE(RefineEstimate(scene.query, scene.correspondences, elsewhere, PoseOptions()));
+  EXPECT_FALSE(RefineEstimate(scene.query, {}, *estimate, PoseOptions()));
+}
+
 TEST(EstimatePose, SameSeedSameAnswer) {
   PoseSceneOptions options;
   options.num_keypoints = 500;
