@@ -5,16 +5,30 @@ include(CMakePackageConfigHelpers)
 set(cairn_config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/cairn)
 
 # The libraries, as cairn::core, cairn::engine, ... The verbs of the shell are no library for others.
-get_property(cairn_libraries GLOBAL PROPERTY CAIRN_LIBRARIES)
-list(REMOVE_ITEM cairn_libraries cairn_cli)
-install(TARGETS ${cairn_libraries} EXPORT cairnTargets
+# What a device needs to track and to ask a server is a component of its own, `fusion`; what servers
+# are built from, `development`, stands on it.
+set(cairn_fusion_libraries
+  cairn_core cairn_fusion cairn_fusion_frontend cairn_fusion_transport cairn_wire)
+get_property(cairn_server_libraries GLOBAL PROPERTY CAIRN_LIBRARIES)
+list(REMOVE_ITEM cairn_server_libraries cairn_cli ${cairn_fusion_libraries})
+install(TARGETS ${cairn_fusion_libraries} EXPORT cairnFusionTargets
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/cairn COMPONENT fusion)
+install(EXPORT cairnFusionTargets NAMESPACE cairn:: DESTINATION ${cairn_config_dir}
+  COMPONENT fusion)
+install(TARGETS ${cairn_server_libraries} EXPORT cairnTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/cairn COMPONENT development)
 install(EXPORT cairnTargets NAMESPACE cairn:: DESTINATION ${cairn_config_dir}
   COMPONENT development)
 
 # Headers lie in one folder per room, as the sources include them.
-foreach(room core storage engine ingest http eval)
+foreach(room core fusion)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cairn
+    COMPONENT fusion FILES_MATCHING PATTERN "*.h" PATTERN rival EXCLUDE)
+endforeach()
+foreach(room storage engine ingest http eval fusion/rival)
+  cmake_path(GET room PARENT_PATH parent)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${room}
+    DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cairn/${parent}
     COMPONENT development FILES_MATCHING PATTERN "*.h")
 endforeach()
 
@@ -26,7 +40,7 @@ write_basic_package_version_file(
 install(FILES
   ${PROJECT_BINARY_DIR}/cairnConfig.cmake ${PROJECT_BINARY_DIR}/cairnConfigVersion.cmake
   ${PROJECT_SOURCE_DIR}/cmake/FindOpenCV.cmake
-  DESTINATION ${cairn_config_dir} COMPONENT development)
+  DESTINATION ${cairn_config_dir} COMPONENT fusion)
 
 # The binary, and the extension that lets the sqlite3 shell look into maps.
 install(TARGETS cairn RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
@@ -35,7 +49,8 @@ install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md
               ${PROJECT_SOURCE_DIR}/CHANGELOG.md
   DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
 
-# cpack --config build/release/CPackConfig.cmake makes cairn_*.deb and libcairn-dev_*.deb.
+# cpack --config build/release/CPackConfig.cmake makes cairn_*.deb, libcairn-dev_*.deb and
+# libcairn-fusion-dev_*.deb.
 set(CPACK_PACKAGE_NAME cairn)
 set(CPACK_PACKAGE_VENDOR "The Cairn authors")
 set(CPACK_PACKAGE_CONTACT "The Cairn authors <cairn@localhost>")
@@ -43,18 +58,26 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY ${PROJECT_DESCRIPTION})
 set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
 set(CPACK_GENERATOR DEB)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
-set(CPACK_COMPONENTS_ALL runtime development)
+set(CPACK_COMPONENTS_ALL runtime development fusion)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME cairn)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libcairn-dev)
+set(CPACK_DEBIAN_FUSION_PACKAGE_NAME libcairn-fusion-dev)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_FUSION_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
 # Static libraries have no shared dependencies to compute; their users link these.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-  "libsqlite3-dev, libeigen3-dev, libfmt-dev, libspdlog-dev, nlohmann-json3-dev, libzstd-dev, \
-libxxhash-dev, libgeographiclib-dev, libceres-dev, libfaiss-dev, libopenblas-dev, libexiv2-dev, \
+  "libcairn-fusion-dev (= ${PROJECT_VERSION}), libsqlite3-dev, nlohmann-json3-dev, libzstd-dev, \
+libxxhash-dev, libcpp-httplib-dev, libceres-dev, libfaiss-dev, libopenblas-dev, libexiv2-dev, \
 libopencv-core-dev, libopencv-imgproc-dev, libopencv-imgcodecs-dev, libopencv-features2d-dev, \
 libopencv-calib3d-dev")
+set(CPACK_DEBIAN_FUSION_PACKAGE_DEPENDS
+  "libeigen3-dev, libfmt-dev, libspdlog-dev, libgeographiclib-dev")
+# For cairn::fusion_transport and cairn::fusion_frontend.
+set(CPACK_DEBIAN_FUSION_PACKAGE_RECOMMENDS
+  "nlohmann-json3-dev, libcpp-httplib-dev, libopencv-core-dev, libopencv-imgproc-dev, \
+libopencv-video-dev")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_STRIP_FILES ON)
 include(CPack)
