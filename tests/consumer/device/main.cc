@@ -1,4 +1,4 @@
-// Stands still before a wall for two seconds, through installed headers and libraries, and must track.
+// Stands before a wall for two seconds, through installed headers and libraries, and must track.
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
