@@ -129,36 +129,45 @@ void FillPose(const QueryContext& query, const PoseEstimate& estimate,
 
 void ConcludeAnswer(const QueryContext& query, const std::vector<TileView>& tiles,
                     const std::vector<PoseHypothesis>& hypotheses, const AnswerOptions& options,
+                    const std::function<PoseHypothesis(const PoseHypothesis&)>& refine,
                     LocalizeResult* result) {
   CAIRN_CHECK(!hypotheses.empty(), "there is nothing to conclude from");
   std::vector<const PoseHypothesis*> by_score;
   bool good_one_outside = false;
+  const auto is_good = [&](const PoseHypothesis& hypothesis) {
+    return hypothesis.estimate.effective_inliers >= options.min_effective_inliers;
+  };
   for (const PoseHypothesis& hypothesis : hypotheses) {
     if (WithinRegion(query.region, hypothesis.estimate.cam_from_anchor)) {
       by_score.push_back(&hypothesis);
-    } else if (hypothesis.estimate.effective_inliers >= options.min_effective_inliers) {
-      good_one_outside = true;
+    } else {
+      good_one_outside |= is_good(hypothesis);
     }
+  }
+  const NotLocalizedReason nothing_good =
+      good_one_outside ? NotLocalizedReason::kPriorMismatch : NotLocalizedReason::kTooFewInliers;
+  if (by_score.empty()) {
+    result->reason = nothing_good;
+    return;
   }
   std::stable_sort(by_score.begin(), by_score.end(),
                    [](const PoseHypothesis* a, const PoseHypothesis* b) {
                      return a->estimate.effective_inliers > b->estimate.effective_inliers;
                    });
-  if (by_score.empty() ||
-      by_score.front()->estimate.effective_inliers < options.min_effective_inliers) {
-    result->reason =
-        good_one_outside ? NotLocalizedReason::kPriorMismatch : NotLocalizedReason::kTooFewInliers;
+  const PoseHypothesis* winner = FindWinner(by_score, options);
+  if (winner == nullptr) {
+    result->reason = is_good(*by_score.front()) ? NotLocalizedReason::kAmbiguous : nothing_good;
     return;
   }
-  const PoseHypothesis* best = FindWinner(by_score, options);
-  if (best == nullptr) {
-    result->reason = NotLocalizedReason::kAmbiguous;
+  const PoseHypothesis refined = refine(*winner);
+  if (!is_good(refined) || !WithinRegion(query.region, refined.estimate.cam_from_anchor)) {
+    result->reason = nothing_good;
     return;
   }
   result->reason = NotLocalizedReason::kNone;
-  result->counters.used_gravity = best->used_gravity;
-  FillPose(query, best->estimate, options.calibration, result);
-  FillMatches(query, tiles, *best, result);
+  result->counters.used_gravity = refined.used_gravity;
+  FillPose(query, refined.estimate, options.calibration, result);
+  FillMatches(query, tiles, refined, result);
 }
 
 }  // namespace cairn

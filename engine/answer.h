@@ -2,6 +2,7 @@
 #ifndef CAIRN_ENGINE_ANSWER_H_
 #define CAIRN_ENGINE_ANSWER_H_
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -21,12 +22,13 @@ struct PoseHypothesis {
 };
 
 // Picks the hypothesis with most effective inliers within the region, or one from elsewhere that
-// has about as many and explains clearly more keypoints, and fills the result: its pose, accuracy,
-// score, confidence and matches; or the reason why there is no answer: kPriorMismatch if only poses
-// outside the region are good enough, kAmbiguous (see AnswerOptions), kTooFewInliers. `hypotheses`
-// must not be empty.
+// has about as many and explains clearly more keypoints, lets `refine` refine it, and fills the
+// result: its pose, accuracy, score, confidence and matches; or the reason why there is no answer:
+// kPriorMismatch if only poses outside the region are good enough, kAmbiguous (see AnswerOptions),
+// kTooFewInliers, of the refined one. `hypotheses` must not be empty.
 void ConcludeAnswer(const QueryContext& query, const std::vector<TileView>& tiles,
                     const std::vector<PoseHypothesis>& hypotheses, const AnswerOptions& options,
+                    const std::function<PoseHypothesis(const PoseHypothesis&)>& refine,
                     LocalizeResult* result);
 
 }  // namespace cairn

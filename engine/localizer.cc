@@ -91,16 +91,13 @@ class QueryRun {
   bool NeedsRefinement() const;
   // The `count` hypotheses with most effective inliers, best first; fewer if there are no more.
   std::vector<const PoseHypothesis*> BestHypotheses(int count) const;
-  // Those with enough effective inliers beside the best one.
-  std::vector<PoseHypothesis*> HypothesesThatMayWin();
   // Those that see what the best poses so far explain, and those that got most matches.
   std::vector<KeyframeRef> KeyframesToMatch() const;
-  // Matches the image against these keyframes and their neighbours, tries poses on the matches and
-  // refines the best on all of them.
+  // Matches the image against these keyframes and their neighbours, and tries poses on the matches.
   void MatchKeyframes();
-  // A pose has been judged by the matches among which it was found, strict ones of all landmarks or
-  // lenient ones near a keyframe. Refines those that may win on the matches of all of them.
-  void RefineOnAllMatches();
+  // Refined on the matches of all poses that might have won, not only those among which it was
+  // found.
+  PoseHypothesis RefinedOnAllMatches(const PoseHypothesis& winner) const;
   // See RefinementOptions::max_gravity_error_sigmas.
   bool DoubtsGravity() const;
   // From matching on, as if the query had had no gravity; the hypotheses so far stay.
@@ -143,7 +140,9 @@ LocalizeResult QueryRun::Run() {
     }
   }
   if (!hypotheses_.empty()) {
-    ConcludeAnswer(context_, tiles_, hypotheses_, options_.answer, &result_);
+    ConcludeAnswer(
+        context_, tiles_, hypotheses_, options_.answer,
+        [this](const PoseHypothesis& winner) { return RefinedOnAllMatches(winner); }, &result_);
   }
   if (FoundTooLittle(result_.reason) && (DeadlinePassed() || result_.counters.is_cut_short())) {
     result_.reason = NotLocalizedReason::kTimeout;
@@ -255,20 +254,6 @@ std::vector<const PoseHypothesis*> QueryRun::BestHypotheses(int count) const {
   return best;
 }
 
-std::vector<PoseHypothesis*> QueryRun::HypothesesThatMayWin() {
-  double most = 0.0;
-  for (const PoseHypothesis& hypothesis : hypotheses_) {
-    most = std::max(most, hypothesis.estimate.effective_inliers);
-  }
-  std::vector<PoseHypothesis*> rivals;
-  for (PoseHypothesis& hypothesis : hypotheses_) {
-    if (hypothesis.estimate.effective_inliers >= kMinShareOfBest * most) {
-      rivals.push_back(&hypothesis);
-    }
-  }
-  return rivals;
-}
-
 std::vector<KeyframeRef> QueryRun::KeyframesToMatch() const {
   std::vector<KeyframeRef> keyframes;
   const auto add_first = [&](const std::vector<Correspondence>& correspondences, int count) {
@@ -312,28 +297,27 @@ void QueryRun::MatchKeyframes() {
   result_.counters.refinement_cut_short |= num_tried < num_keyframes;
   result_.counters.num_rematches +=
       std::accumulate(num_rematches.begin(), num_rematches.end(), int64_t{0});
-  RefineOnAllMatches();
 }
 
-void QueryRun::RefineOnAllMatches() {
-  const std::vector<PoseHypothesis*> rivals = HypothesesThatMayWin();
+PoseHypothesis QueryRun::RefinedOnAllMatches(const PoseHypothesis& winner) const {
   const auto all = std::make_shared<std::vector<Correspondence>>();
   std::vector<const std::vector<Correspondence>*> taken;
-  for (const PoseHypothesis* rival : rivals) {
-    const std::vector<Correspondence>* matches = rival->correspondences.get();
-    if (std::find(taken.begin(), taken.end(), matches) == taken.end()) {
+  const double min_effective_inliers =
+      kMinShareOfBest * BestHypotheses(1).front()->estimate.effective_inliers;
+  for (const PoseHypothesis& hypothesis : hypotheses_) {
+    const std::vector<Correspondence>* matches = hypothesis.correspondences.get();
+    if (hypothesis.estimate.effective_inliers >= min_effective_inliers &&
+        std::find(taken.begin(), taken.end(), matches) == taken.end()) {
       taken.push_back(matches);
       all->insert(all->end(), matches->begin(), matches->end());
     }
   }
-  if (taken.size() < 2 || DeadlinePassed()) {
-    return;
+  if (taken.size() < 2) {
+    return winner;
   }
-  workers_->ForEach(static_cast<int>(rivals.size()), [&](int i) {
-    if (auto refined = RefineEstimate(context_, *all, rivals[i]->estimate, options_.pose)) {
-      *rivals[i] = {std::move(*refined), all, context_.down_in_cam.has_value()};
-    }
-  });
+  auto refined = RefineEstimate(context_, *all, winner.estimate, options_.pose);
+  return refined ? PoseHypothesis{std::move(*refined), all, context_.down_in_cam.has_value()}
+                 : winner;
 }
 
 bool QueryRun::DoubtsGravity() const {

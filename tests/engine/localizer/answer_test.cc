@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -21,15 +22,18 @@ PoseHypothesis HypothesisAt(const Eigen::Vector3d& center_in_anchor, double effe
   return hypothesis;
 }
 
-LocalizeResult Conclude(const std::vector<PoseHypothesis>& hypotheses,
-                        const AnswerOptions& options = {}) {
+PoseHypothesis AsItIs(const PoseHypothesis& hypothesis) { return hypothesis; }
+
+LocalizeResult Conclude(
+    const std::vector<PoseHypothesis>& hypotheses, const AnswerOptions& options = {},
+    const std::function<PoseHypothesis(const PoseHypothesis&)>& refine = AsItIs) {
   QueryContext query;
   query.region.origin = Geodetic::FromDegrees(47.0, 8.0, 0.0);
   query.region.ecef_from_anchor = EcefFromEnu(query.region.origin);
   query.region.has_prior = true;
   query.region.radius_m = 50.0;
   LocalizeResult result;
-  ConcludeAnswer(query, {}, hypotheses, options, &result);
+  ConcludeAnswer(query, {}, hypotheses, options, refine, &result);
   return result;
 }
 
@@ -42,6 +46,28 @@ TEST(ConcludeAnswer, TakesTheBestScore) {
   // sqrt(3.506 * 0.01): the 68 % radius of an isotropic Gaussian with sigma 0.1 m.
   EXPECT_NEAR(result.position_accuracy_m, AnswerOptions{}.calibration.PositionAccuracyM(0.18724),
               1e-4);
+}
+
+// Only the winner is refined, and what it is then decides whether it is good enough.
+TEST(ConcludeAnswer, JudgesTheWinnerAsRefined) {
+  const auto refine_to = [](double effective_inliers) {
+    return [effective_inliers](const PoseHypothesis& winner) {
+      PoseHypothesis refined = winner;
+      refined.estimate.effective_inliers = effective_inliers;
+      refined.estimate.cam_from_anchor.translation.y() -= 0.5;
+      return refined;
+    };
+  };
+  const std::vector<PoseHypothesis> hypotheses = {HypothesisAt({1, 0, 0}, 2.0),
+                                                  HypothesisAt({20, 0, 0}, 6.0)};
+  EXPECT_EQ(Conclude(hypotheses).reason, NotLocalizedReason::kTooFewInliers);
+  const LocalizeResult result = Conclude(hypotheses, {}, refine_to(9.0));
+  ASSERT_TRUE(result.localized);
+  EXPECT_DOUBLE_EQ(result.score, 9.0);
+  EXPECT_NEAR(result.cam_from_anchor.Inverse().translation.x(), 20.0, 1e-12);
+  EXPECT_NEAR(result.cam_from_anchor.Inverse().translation.y(), 0.5, 1e-12);
+  EXPECT_EQ(Conclude({HypothesisAt({1, 0, 0}, 12.0)}, {}, refine_to(3.0)).reason,
+            NotLocalizedReason::kTooFewInliers);
 }
 
 TEST(ConcludeAnswer, SaysAmbiguousWhenTheRunnerUpIsFarAndAboutAsGood) {
@@ -82,7 +108,7 @@ double WinningScore(const PoseHypothesis& a, const PoseHypothesis& b,
                                               IndexOptions()),
        Rigid3d()}};
   LocalizeResult result;
-  ConcludeAnswer(query, tiles, {a, b}, options, &result);
+  ConcludeAnswer(query, tiles, {a, b}, options, AsItIs, &result);
   EXPECT_EQ(result.localized, result.reason != NotLocalizedReason::kAmbiguous);
   return result.localized ? result.score : 0.0;
 }

@@ -106,7 +106,7 @@ TEST_F(LocalizerOnOneStreet, RefinesWhereItsBestPosesAre) {
 }
 
 // Neither of the strict matches nor of those with a single keyframe alone.
-TEST_F(LocalizerOnOneStreet, JudgesPosesByAllMatches) {
+TEST_F(LocalizerOnOneStreet, RefinesTheAnswerOnAllMatches) {
   const Rigid3d cam_from_enu = QueryPose(20.0);
   const LocalizeQuery query = QueryAt(*world_, cam_from_enu);
   LocalizerOptions options;
