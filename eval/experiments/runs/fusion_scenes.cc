@@ -92,14 +92,16 @@ std::vector<FusionScene> RunFusionScenes(const ExperimentContext& context,
   fusion::ComparisonOptions comparison;
   comparison.variants = variants;
   comparison.steadies_rivals = steadies_rivals;
+  // Read first: the walks take minutes, and the folder may not be right.
+  const std::vector<fusion::Room> rooms = context.trajectories_folder.empty()
+                                              ? std::vector<fusion::Room>()
+                                              : fusion::AllRooms(context.trajectories_folder);
   std::vector<FusionScene> scenes;
   const std::string city = fmt::format("{} city", CityCharacterName(kCharacter));
   scenes.push_back(RunScene(city, CityRecordings(context), comparison, context));
-  if (const std::string& folder = context.trajectories_folder; !folder.empty()) {
-    for (const fusion::Room& room : fusion::AllRooms(folder)) {
-      scenes.push_back(
-          RunScene(room.trajectory.name, RoomRecordings(room, context), comparison, context));
-    }
+  for (const fusion::Room& room : rooms) {
+    scenes.push_back(
+        RunScene(room.trajectory.name, RoomRecordings(room, context), comparison, context));
   }
   return scenes;
 }
