@@ -12,7 +12,7 @@
 namespace cairn::fusion {
 namespace {
 
-constexpr int64_t kMaxGapNs = 60'000'000;
+constexpr int64_t kMaxGapNs = 60'000'000;  // Poses at 20 Hz follow each other by 50 ms or so.
 
 // A line: a timestamp and kNumValues numbers.
 template <size_t kNumValues>

@@ -1,8 +1,6 @@
 // Stands before a wall for two seconds, through installed headers and libraries, and must track.
-#include <chrono>
 #include <cstdint>
 #include <cstdio>
-#include <memory>
 #include <utility>
 #include <vector>
 
