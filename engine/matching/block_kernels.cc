@@ -1,6 +1,7 @@
 #include "engine/matching/block_kernels.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
 
@@ -137,41 +138,76 @@ inline size_t AppendHits(uint32_t rows, size_t first, const int32_t* sq_distance
 #define CAIRN_AVX2 __attribute__((target("avx2")))
 #define CAIRN_AVX512VNNI __attribute__((target("avx512f,avx512bw,avx512vl,avx512vnni")))
 
-CAIRN_AVX2 inline __m256i Avx2LoadBytes(const uint8_t* from) {
-  return _mm256_cvtepu8_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(from)));
-}
-
-// Squared distances of the lower (half = 0) or upper eight rows of a block.
-CAIRN_AVX2 inline __m256i Avx2HalfBlock(const BlockQuery& query, const uint8_t* block,
-                                        const int32_t* sq_norms, int stride, int half) {
-  // Two partial sums a row, four rows a register.
-  __m256i low = _mm256_setzero_si256(), high = _mm256_setzero_si256();
-  const uint8_t* bytes = block + half * kBlockRows / 2 * kGroupDims;
-  for (int begin = 0; begin < stride; begin += kGroupDims) {
-    int64_t four_values;
-    std::memcpy(&four_values, query.values + begin, sizeof(four_values));
-    const __m256i values = _mm256_set1_epi64x(four_values);
-    low = _mm256_add_epi32(low, _mm256_madd_epi16(Avx2LoadBytes(bytes), values));
-    high = _mm256_add_epi32(high, _mm256_madd_epi16(Avx2LoadBytes(bytes + 16), values));
-    bytes += kBlockRows * kGroupDims;
+// The squared distances of half a block after another, the usual case by itself: rows of 16 bytes
+// and a query that stays in registers.
+class Avx2Query {
+ public:
+  CAIRN_AVX2 Avx2Query(const BlockQuery& query, int stride)
+      : query_(query),
+        stride_(stride),
+        is_small_(stride == kNumSmall * kGroupDims),
+        constant_(_mm256_set1_epi32(query.constant)) {
+    for (int group = 0; group < kNumSmall; ++group) {
+      small_even_[group] = Values(query.values + group * kGroupDims);
+      small_odd_[group] = Values(query.values + group * kGroupDims + 1);
+    }
   }
-  // Rows 0 1 4 5 2 3 6 7 after the addition, 0 to 7 after the permutation.
-  const __m256i products =
-      _mm256_permute4x64_epi64(_mm256_hadd_epi32(low, high), _MM_SHUFFLE(3, 1, 2, 0));
-  const __m256i norms =
-      _mm256_loadu_si256(reinterpret_cast<const __m256i*>(sq_norms + half * kBlockRows / 2));
-  return _mm256_sub_epi32(_mm256_add_epi32(_mm256_set1_epi32(query.constant), norms),
-                          _mm256_slli_epi32(products, 1));
-}
+
+  // Of the lower (half = 0) or upper eight rows of a block.
+  CAIRN_AVX2 __m256i SqDistances(const uint8_t* block, const int32_t* sq_norms, int half) const {
+    const auto* bytes = reinterpret_cast<const __m256i*>(block) + half;
+    const auto* norms = reinterpret_cast<const __m256i*>(sq_norms) + half;
+    __m256i products;
+    if (is_small_) {
+      products =
+          _mm256_add_epi32(_mm256_add_epi32(Products(bytes[0], small_even_[0], small_odd_[0]),
+                                            Products(bytes[2], small_even_[1], small_odd_[1])),
+                           _mm256_add_epi32(Products(bytes[4], small_even_[2], small_odd_[2]),
+                                            Products(bytes[6], small_even_[3], small_odd_[3])));
+    } else {
+      products = _mm256_setzero_si256();
+      for (int group = 0; group < stride_ / kGroupDims; ++group) {
+        const int16_t* values = query_.values + group * kGroupDims;
+        products = _mm256_add_epi32(products,
+                                    Products(bytes[2 * group], Values(values), Values(values + 1)));
+      }
+    }
+    return _mm256_sub_epi32(_mm256_add_epi32(constant_, _mm256_loadu_si256(norms)),
+                            _mm256_slli_epi32(products, 1));
+  }
+
+ private:
+  static constexpr int kNumSmall = 4;
+
+  // Every second of the four values of a group, from `from` on.
+  CAIRN_AVX2 static __m256i Values(const int16_t* from) {
+    return _mm256_set1_epi32(static_cast<uint16_t>(from[0]) |
+                             static_cast<int32_t>(static_cast<uint32_t>(from[2]) << 16));
+  }
+  // Of one group: even and odd bytes are multiplied one after the other.
+  CAIRN_AVX2 static __m256i Products(const __m256i& bytes, __m256i even_values,
+                                     __m256i odd_values) {
+    const __m256i rows = _mm256_loadu_si256(&bytes);
+    const __m256i even = _mm256_and_si256(rows, _mm256_set1_epi16(0xff));
+    return _mm256_add_epi32(_mm256_madd_epi16(even, even_values),
+                            _mm256_madd_epi16(_mm256_srli_epi16(rows, 8), odd_values));
+  }
+
+  const BlockQuery& query_;
+  int stride_;
+  bool is_small_;
+  __m256i constant_;
+  __m256i small_even_[kNumSmall], small_odd_[kNumSmall];  // Of the first groups.
+};
 
 CAIRN_AVX2 void Avx2Scan(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms,
                          int stride, size_t num_blocks, int32_t* sq_distances) {
+  const Avx2Query avx2(query, stride);
   for (size_t i = 0; i < num_blocks; ++i) {
     for (int half = 0; half < 2; ++half) {
       _mm256_storeu_si256(
           reinterpret_cast<__m256i*>(sq_distances + i * kBlockRows + half * kBlockRows / 2),
-          Avx2HalfBlock(query, blocks + i * kBlockRows * stride, sq_norms + i * kBlockRows, stride,
-                        half));
+          avx2.SqDistances(blocks + i * kBlockRows * stride, sq_norms + i * kBlockRows, half));
     }
   }
 }
@@ -179,14 +215,14 @@ CAIRN_AVX2 void Avx2Scan(const BlockQuery& query, const uint8_t* blocks, const i
 CAIRN_AVX2 size_t Avx2Nearest(const BlockQuery& query, const uint8_t* blocks,
                               const int32_t* sq_norms, int stride, size_t num_rows) {
   constexpr int kLanes = 8;
+  const Avx2Query avx2(query, stride);
   // Of each lane, the first of its nearest rows.
   __m256i nearest = _mm256_set1_epi32(std::numeric_limits<int32_t>::max());
   __m256i nearest_rows = _mm256_setzero_si256();
   __m256i rows = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
   for (size_t first = 0; first < num_rows; first += kBlockRows) {
     for (int half = 0; half < 2; ++half) {
-      const __m256i eight =
-          Avx2HalfBlock(query, blocks + first * stride, sq_norms + first, stride, half);
+      const __m256i eight = avx2.SqDistances(blocks + first * stride, sq_norms + first, half);
       const __m256i is_nearer = _mm256_cmpgt_epi32(nearest, eight);
       nearest = _mm256_min_epi32(nearest, eight);
       nearest_rows = _mm256_blendv_epi8(nearest_rows, rows, is_nearer);
@@ -203,16 +239,16 @@ CAIRN_AVX2 size_t Avx2Nearest(const BlockQuery& query, const uint8_t* blocks,
   return NearestOf(candidates, kLanes);
 }
 
-CAIRN_AVX2 void Avx2MinimaOfPart(const BlockQuery& query, const uint8_t* blocks,
+CAIRN_AVX2 void Avx2MinimaOfPart(const Avx2Query& avx2, const uint8_t* blocks,
                                  const int32_t* sq_norms, int stride, size_t first, size_t last,
                                  int32_t* minima) {
   __m256i smallest[2];
   smallest[0] = smallest[1] = _mm256_set1_epi32(std::numeric_limits<int32_t>::max());
   for (size_t i = first; i < last; ++i) {
     for (int half = 0; half < 2; ++half) {
-      smallest[half] =
-          _mm256_min_epi32(smallest[half], Avx2HalfBlock(query, blocks + i * kBlockRows * stride,
-                                                         sq_norms + i * kBlockRows, stride, half));
+      smallest[half] = _mm256_min_epi32(
+          smallest[half],
+          avx2.SqDistances(blocks + i * kBlockRows * stride, sq_norms + i * kBlockRows, half));
     }
   }
   for (int half = 0; half < 2; ++half) {
@@ -220,31 +256,68 @@ CAIRN_AVX2 void Avx2MinimaOfPart(const BlockQuery& query, const uint8_t* blocks,
   }
 }
 
-void Avx2Minima(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms, int stride,
-                size_t num_blocks, size_t num_parts, int32_t* minima) {
+CAIRN_AVX2 void Avx2Minima(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms,
+                           int stride, size_t num_blocks, size_t num_parts, int32_t* minima) {
+  const Avx2Query avx2(query, stride);
   MinimaOfParts(num_blocks, num_parts, minima, [&](size_t first, size_t last, int32_t* smallest) {
-    Avx2MinimaOfPart(query, blocks, sq_norms, stride, first, last, smallest);
+    Avx2MinimaOfPart(avx2, blocks, sq_norms, stride, first, last, smallest);
   });
+}
+
+// Bits of the rows of a block within the bound.
+CAIRN_AVX2 inline uint32_t Avx2Near(const Avx2Query& avx2, const uint8_t* block,
+                                    const int32_t* sq_norms, __m256i bound) {
+  const __m256i beyond_low = _mm256_cmpgt_epi32(avx2.SqDistances(block, sq_norms, 0), bound);
+  const __m256i beyond_high = _mm256_cmpgt_epi32(avx2.SqDistances(block, sq_norms, 1), bound);
+  const auto low = static_cast<uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(beyond_low)));
+  const auto high = static_cast<uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(beyond_high)));
+  return (low | high << (kBlockRows / 2)) ^ ((uint32_t{1} << kBlockRows) - 1);
+}
+
+// Blocks whose near rows are noted before they are appended.
+constexpr size_t kNotedBlocks = 32;
+
+// The range within the kNotedBlocks blocks from `first` on. Few of them hold a hit, and a branch
+// for each would often be mispredicted: near rows are noted without one, and their blocks are
+// computed again.
+CAIRN_AVX2 size_t Avx2RangeOfFew(const Avx2Query& avx2, const uint8_t* blocks,
+                                 const int32_t* sq_norms, int stride, size_t first, size_t begin,
+                                 size_t end, __m256i bound, BlockHit* hits) {
+  std::array<uint32_t, kNotedBlocks> near;
+  const size_t num_blocks = (end - first + kBlockRows - 1) / kBlockRows;
+  uint32_t noted = 0;
+  for (size_t i = 0; i < num_blocks; ++i) {
+    const size_t row = first + i * kBlockRows;
+    near[i] = Avx2Near(avx2, blocks + row * stride, sq_norms + row, bound);
+    noted |= (near[i] != 0 ? uint32_t{1} : 0) << i;
+  }
+  near[0] &= RowsInRange(first, begin, end);
+  near[num_blocks - 1] &= RowsInRange(first + (num_blocks - 1) * kBlockRows, begin, end);
+  size_t num_hits = 0;
+  for (; noted != 0; noted &= noted - 1) {
+    const int i = __builtin_ctz(noted);
+    const size_t row = first + i * kBlockRows;
+    alignas(32) std::array<int32_t, kBlockRows> sq_distances;
+    for (int half = 0; half < 2; ++half) {
+      _mm256_store_si256(reinterpret_cast<__m256i*>(sq_distances.data()) + half,
+                         avx2.SqDistances(blocks + row * stride, sq_norms + row, half));
+    }
+    num_hits += AppendHits(near[i], row, sq_distances.data(), hits + num_hits);
+  }
+  return num_hits;
 }
 
 CAIRN_AVX2 size_t Avx2Range(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms,
                             int stride, size_t begin, size_t end, int32_t max_sq_distance,
                             BlockHit* hits) {
+  const Avx2Query avx2(query, stride);
   const __m256i bound = _mm256_set1_epi32(max_sq_distance);
   size_t num_hits = 0;
-  for (size_t first = begin / kBlockRows * kBlockRows; first < end; first += kBlockRows) {
-    alignas(32) int32_t sq_distances[kBlockRows];
-    uint32_t beyond = 0;
-    for (int half = 0; half < 2; ++half) {
-      const __m256i eight =
-          Avx2HalfBlock(query, blocks + first * stride, sq_norms + first, stride, half);
-      _mm256_store_si256(reinterpret_cast<__m256i*>(sq_distances) + half, eight);
-      const __m256i is_beyond = _mm256_cmpgt_epi32(eight, bound);
-      beyond |= static_cast<uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(is_beyond)))
-                << (half * kBlockRows / 2);
-    }
+  for (size_t first = begin / kBlockRows * kBlockRows; first < end;
+       first += kNotedBlocks * kBlockRows) {
     num_hits +=
-        AppendHits(~beyond & RowsInRange(first, begin, end), first, sq_distances, hits + num_hits);
+        Avx2RangeOfFew(avx2, blocks, sq_norms, stride, first, begin,
+                       std::min(end, first + kNotedBlocks * kBlockRows), bound, hits + num_hits);
   }
   return num_hits;
 }
@@ -378,12 +451,7 @@ CAIRN_AVX512VNNI inline size_t VnniAppend(__m512i sq_distances, __mmask16 near, 
   return static_cast<size_t>(__builtin_popcount(near));
 }
 
-// Blocks whose near rows are noted before they are appended.
-constexpr size_t kNotedBlocks = 32;
-
-// The range within the kNotedBlocks blocks from `first` on. Few of them hold a hit, and a branch
-// for each would often be mispredicted: near rows are noted without one, and their blocks are
-// computed again.
+// As Avx2RangeOfFew.
 CAIRN_AVX512VNNI size_t VnniRangeOfFew(const VnniQuery& vnni, const uint8_t* blocks,
                                        const int32_t* sq_norms, int stride, size_t first,
                                        size_t begin, size_t end, __m512i bound, BlockHit* hits) {

@@ -26,52 +26,94 @@ std::vector<int32_t> WordSqNorms(const CodeWords& words, uint8_t center) {
   return sq_norms;
 }
 
-// Writes words of `dim` dimensions from dimension `first` on to a row of a block. The constant
-// dimension, a divisor of kGroupDims, lets the copy be a single move; kDim 0 stands for any.
-template <int kDim>
-void PutWord(const uint8_t* word, int dim, int first, size_t row, uint8_t* block) {
-  const auto place = [&](int d) {
-    return (d / kGroupDims * kBlockRows + row) * kGroupDims + d % kGroupDims;
-  };
-  if constexpr (kDim > 0) {
-    std::memcpy(block + place(first), word, kDim);
-  } else {
-    for (int d = 0; d < dim; ++d) {
-      block[place(first + d)] = word[d];
+// What a word adds to a row, of words whose dimension divides kGroupDims: its bytes at their place
+// in the group, and above them its squared norm. The sum of a group's words is its four bytes below
+// their squared norm.
+std::vector<uint64_t> WordSummands(const CodeWords& words, uint8_t center) {
+  const std::vector<int32_t> sq_norms = WordSqNorms(words, center);
+  const int dim = words.subspace_dim();
+  std::vector<uint64_t> summands;
+  for (size_t i = 0; i < sq_norms.size(); ++i) {
+    const auto subspace = static_cast<int>(i / Codebook::kNumWords);
+    const uint8_t* word = words.Word(subspace, static_cast<uint8_t>(i % Codebook::kNumWords));
+    std::array<uint8_t, kGroupDims> group{};
+    std::copy_n(word, dim, group.begin() + subspace * dim % kGroupDims);
+    uint32_t bytes = 0;
+    std::memcpy(&bytes, group.data(), sizeof(bytes));
+    summands.push_back(static_cast<uint64_t>(sq_norms[i]) << 32 | bytes);
+  }
+  return summands;
+}
+
+// Expands one row of codes to its place in a block; returns its squared norm. Constant numbers let
+// the loops unroll.
+[[gnu::always_inline]] inline int32_t ExpandRow(const uint64_t* summands, const uint8_t* codes,
+                                                int num_subspaces, int subspaces_per_group,
+                                                uint8_t* to) {
+  uint64_t sq_norm = 0;
+  for (int first = 0; first < num_subspaces; first += subspaces_per_group) {
+    uint64_t group = 0;
+    for (int m = first; m < std::min(num_subspaces, first + subspaces_per_group); ++m) {
+      group += summands[size_t{Codebook::kNumWords} * m + codes[m]];
     }
+    const auto bytes = static_cast<uint32_t>(group);
+    std::memcpy(to, &bytes, sizeof(bytes));
+    to += kBlockRows * kGroupDims;
+    sq_norm += group >> 32;
+  }
+  return static_cast<int32_t>(sq_norm);
+}
+
+// Words whose dimension divides kGroupDims. kNumSubspaces 0 stands for any number.
+template <int kDim, int kNumSubspaces>
+void ExpandGroups(const CodeWords& words, uint8_t center, const uint8_t* codes, size_t num_rows,
+                  uint8_t* blocks, int32_t* sq_norms) {
+  const int num_subspaces = kNumSubspaces > 0 ? kNumSubspaces : words.num_subspaces();
+  const std::vector<uint64_t> summands = WordSummands(words, center);
+  const int32_t padding_sq_norm = (words.stride() - num_subspaces * kDim) * center * center;
+  const size_t block_size = size_t{kBlockRows} * words.stride();
+  for (size_t row = 0; row < num_rows; ++row) {
+    uint8_t* block = blocks + row / kBlockRows * block_size;
+    if (row % kBlockRows == 0 && (padding_sq_norm > 0 || num_rows - row < kBlockRows)) {
+      std::memset(block, 0, block_size);
+    }
+    sq_norms[row] =
+        padding_sq_norm + ExpandRow(summands.data(), codes, num_subspaces, kGroupDims / kDim,
+                                    block + row % kBlockRows * kGroupDims);
+    codes += num_subspaces;
   }
 }
 
-template <int kDim>
-void ExpandBlocks(const CodeWords& words, uint8_t center, const uint8_t* codes, size_t num_rows,
-                  uint8_t* blocks, int32_t* sq_norms) {
+// Words of any dimension.
+void ExpandWords(const CodeWords& words, uint8_t center, const uint8_t* codes, size_t num_rows,
+                 uint8_t* blocks, int32_t* sq_norms) {
   const int dim = words.subspace_dim();
-  const int num_subspaces = words.num_subspaces();
   const std::vector<int32_t> word_sq_norms = WordSqNorms(words, center);
-  const int32_t padding_sq_norm = (words.stride() - num_subspaces * dim) * center * center;
-  const size_t block_size = size_t{kBlockRows} * words.stride();
-  for (size_t begin = 0; begin < num_rows; begin += kBlockRows, blocks += block_size) {
-    if (padding_sq_norm > 0 || num_rows - begin < kBlockRows) {
-      std::memset(blocks, 0, block_size);
-    }
-    for (size_t row = begin; row < std::min(num_rows, begin + kBlockRows); ++row) {
-      int32_t sq_norm = padding_sq_norm;
-      for (int m = 0; m < num_subspaces; ++m) {
-        const uint8_t code = codes[row * num_subspaces + m];
-        PutWord<kDim>(words.Word(m, code), dim, m * dim, row - begin, blocks);
-        sq_norm += word_sq_norms[size_t{Codebook::kNumWords} * m + code];
+  const int32_t padding_sq_norm = (words.stride() - words.num_subspaces() * dim) * center * center;
+  const size_t num_blocks = (num_rows + kBlockRows - 1) / kBlockRows;
+  std::memset(blocks, 0, num_blocks * kBlockRows * words.stride());
+  for (size_t row = 0; row < num_rows; ++row) {
+    uint8_t* block = blocks + row / kBlockRows * kBlockRows * words.stride();
+    sq_norms[row] = padding_sq_norm;
+    for (int m = 0; m < words.num_subspaces(); ++m) {
+      const uint8_t code = *codes++;
+      for (int d = m * dim; d < (m + 1) * dim; ++d) {
+        block[(d / kGroupDims * kBlockRows + row % kBlockRows) * kGroupDims + d % kGroupDims] =
+            words.Word(m, code)[d - m * dim];
       }
-      sq_norms[row] = sq_norm;
+      sq_norms[row] += word_sq_norms[size_t{Codebook::kNumWords} * m + code];
     }
   }
 }
 
 void PlainExpand(const CodeWords& words, uint8_t center, const uint8_t* codes, size_t num_rows,
                  uint8_t* blocks, int32_t* sq_norms) {
-  const auto expand = words.subspace_dim() == 1   ? ExpandBlocks<1>
-                      : words.subspace_dim() == 2 ? ExpandBlocks<2>
-                      : words.subspace_dim() == 4 ? ExpandBlocks<4>
-                                                  : ExpandBlocks<0>;
+  const bool is_usual = words.num_subspaces() == 8 && words.subspace_dim() == 2;
+  const auto expand = is_usual                    ? ExpandGroups<2, 8>
+                      : words.subspace_dim() == 1 ? ExpandGroups<1, 0>
+                      : words.subspace_dim() == 2 ? ExpandGroups<2, 0>
+                      : words.subspace_dim() == 4 ? ExpandGroups<4, 0>
+                                                  : ExpandWords;
   expand(words, center, codes, num_rows, blocks, sq_norms);
 }
 
