@@ -11,9 +11,7 @@
 #include <random>
 
 #include "engine/matching/byte_descriptors.h"
-#include "engine/matching/cell_sketch.h"
 #include "engine/matching/distance_statistics.h"
-#include "engine/matching/probe_sequence.h"
 #include "engine/matching/random_bits.h"
 #include "engine/vector_clones.h"
 
@@ -23,17 +21,15 @@ namespace {
 constexpr int kCellBits = 8;  // Of a coordinate's 16 bits, those below the cell.
 constexpr int kUnitsPerCell = 1 << kCellBits;
 
-// Coordinates of one rotated word, unsigned so that sums may wrap around; half of them; their
-// shares of a hash; numbers of one register.
+// Coordinates of one rotated word, unsigned so that sums may wrap around; the same as what they
+// mean; their shares of a hash; numbers of one register.
 using Coordinates = uint16_t __attribute__((vector_size(32)));
-using HalfCoordinates = int16_t __attribute__((vector_size(16)));
-using Products = uint64_t __attribute__((vector_size(64)));
-using Floats = float __attribute__((vector_size(64)));
-using Ints = int32_t __attribute__((vector_size(64)));
-using Packed = uint32_t __attribute__((vector_size(64)));
+using SignedCoordinates = int16_t __attribute__((vector_size(32)));
+using Products = uint32_t __attribute__((vector_size(64)));
+using Floats = float __attribute__((vector_size(32)));
+using Ints = int32_t __attribute__((vector_size(32)));
 constexpr int kCoordinateLanes = 16;
-constexpr int kFloatLanes = 16;
-constexpr int kPackedLanes = 16;
+constexpr int kLanes = 8;  // Of AVX2: wider sums stay in no register that it has.
 constexpr int kMaxHashedDims = 128;
 
 // Whole turns of the 16-bit coordinates: added to all units to make them positive, so that the
@@ -93,56 +89,34 @@ int16_t WrapToCoordinate(double units) {
 
 int32_t CellOf(int16_t coordinate) { return coordinate >> kCellBits; }
 
-// The step across the nearer border in one dimension: the squared distance to it in units, with the
+// The step across the nearer border in one dimension: the distance to it in units, with the
 // dimension and the direction packed below it so that steps sort as plain integers.
 struct PackedStep {
   static constexpr int kLaneBits = 8;
 
-  static uint32_t Pack(int16_t coordinate, int lane) {
+  static int32_t Pack(int16_t coordinate, int lane) {
     const int32_t above_lower = coordinate & (kUnitsPerCell - 1);
     const int32_t below_upper = kUnitsPerCell - above_lower;
     const bool down = above_lower < below_upper;
-    const auto cost = static_cast<uint32_t>(down ? above_lower : below_upper);
-    return (cost * cost << kLaneBits | static_cast<uint32_t>(lane)) << 1 | (down ? 1 : 0);
+    const int32_t length = down ? above_lower : below_upper;
+    return (length << kLaneBits | lane) << 1 | (down ? 1 : 0);
   }
-  static BorderStep Unpack(uint32_t packed, const uint64_t* factors) {
-    const uint32_t lane = packed >> 1 & ((1 << kLaneBits) - 1);
-    const uint64_t factor = factors[lane];
-    return {static_cast<int32_t>(packed >> (kLaneBits + 1)),
-            {(packed & 1) != 0 ? -factor : factor, lane < kSketchDims ? uint32_t{1} << lane : 0}};
+  // What it adds to a hash.
+  static uint32_t Unpack(int32_t packed, const uint32_t* factors) {
+    const uint32_t factor = factors[packed >> 1 & ((1 << kLaneBits) - 1)];
+    return (packed & 1) != 0 ? -factor : factor;
   }
 };
 
-// Adds the cells of eight coordinates, each times its factor.
-[[gnu::always_inline]] inline void AddCells(const HalfCoordinates& coordinates,
-                                            const uint64_t* factors, Products* sum) {
-  Products factors_of_lanes;
-  std::memcpy(&factors_of_lanes, factors, sizeof(factors_of_lanes));
-  *sum += __builtin_convertvector(coordinates >> kCellBits, Products) * factors_of_lanes;
-}
-
-// The quarters of a cell that sixteen coordinates lie in, two bits each.
-[[gnu::always_inline]] inline uint32_t SketchOf(const Coordinates& coordinates) {
-  static_assert(kCoordinateLanes == kSketchDims);
-  constexpr Coordinates kPowersOfFour = {1, 4, 16, 64, 256, 1024, 4096, 16384,
-                                         1, 4, 16, 64, 256, 1024, 4096, 16384};
-  const Coordinates quarters = (coordinates >> (kCellBits - 2) & 3) * kPowersOfFour;
-  std::array<uint64_t, 4> fours;
-  std::memcpy(fours.data(), &quarters, sizeof(quarters));
-  const uint64_t lower = fours[0] | fours[1];
-  const uint64_t upper = fours[2] | fours[3];
-  const uint64_t first = (lower | lower >> 32 | lower >> 16 | lower >> 48) & 0xFFFF;
-  return static_cast<uint32_t>(first | (upper | upper >> 32 | upper >> 16 | upper >> 48) << 16);
-}
-
 // Adds the hashes of the cells that rows of codes lie in, by the rotated words (num_subspaces x
 // kNumWords x kCoordinateLanes) that make up their coordinates. Lanes without a factor add nothing.
-// Writes sketches unless there are none to write. A constant number of subspaces lets the loop
-// unroll.
+// A constant number of subspaces lets the loop unroll.
 [[gnu::always_inline]] inline void AddHashesOf(size_t num_subspaces, const int16_t* words,
-                                               const uint64_t* factors, const uint8_t* codes,
-                                               std::span<uint64_t> hashes, uint32_t* sketches) {
-  for (uint64_t& hash : hashes) {
+                                               const uint32_t* factors_of_lanes,
+                                               const uint8_t* codes, std::span<uint32_t> hashes) {
+  Products factors;
+  std::memcpy(&factors, factors_of_lanes, sizeof(factors));
+  for (uint32_t& hash : hashes) {
     Coordinates sum = {};
     const int16_t* words_of_subspace = words;
     for (size_t m = 0; m < num_subspaces; ++m) {
@@ -151,28 +125,25 @@ struct PackedStep {
       sum += word;
       words_of_subspace += Codebook::kNumWords * kCoordinateLanes;
     }
-    if (sketches != nullptr) {
-      *sketches++ = SketchOf(sum);
-    }
-    HalfCoordinates halves[2];
-    std::memcpy(halves, &sum, sizeof(sum));
-    Products products = {};
-    AddCells(halves[0], factors, &products);
-    AddCells(halves[1], factors + kCoordinateLanes / 2, &products);
-    products += __builtin_shufflevector(products, products, 4, 5, 6, 7, 0, 1, 2, 3);
-    products += __builtin_shufflevector(products, products, 2, 3, 0, 1, 2, 3, 0, 1);
-    hash += products[0] + products[1];
+    SignedCoordinates coordinates;
+    std::memcpy(&coordinates, &sum, sizeof(sum));
+    Products products = __builtin_convertvector(coordinates >> kCellBits, Products) * factors;
+    products += __builtin_shufflevector(products, products, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2,
+                                        3, 4, 5, 6, 7);
+    products += __builtin_shufflevector(products, products, 4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15,
+                                        8, 9, 10, 11);
+    hash += products[0] + products[1] + products[2] + products[3];
   }
 }
 
 CAIRN_VECTOR_CLONES void AddHashes(size_t num_subspaces, const int16_t* words,
-                                   const uint64_t* factors, const uint8_t* codes,
-                                   std::span<uint64_t> hashes, uint32_t* sketches) {
+                                   const uint32_t* factors, const uint8_t* codes,
+                                   std::span<uint32_t> hashes) {
   constexpr size_t kUsualSubspaces = 8;
   if (num_subspaces == kUsualSubspaces) {
-    AddHashesOf(kUsualSubspaces, words, factors, codes, hashes, sketches);
+    AddHashesOf(kUsualSubspaces, words, factors, codes, hashes);
   } else {
-    AddHashesOf(num_subspaces, words, factors, codes, hashes, sketches);
+    AddHashesOf(num_subspaces, words, factors, codes, hashes);
   }
 }
 
@@ -180,7 +151,7 @@ CAIRN_VECTOR_CLONES void AddHashes(size_t num_subspaces, const int16_t* words,
 // times its values, and of shifts.
 CAIRN_VECTOR_CLONES void Project(const float* projected, int dim, const float* rotations,
                                  const float* shifts, int num_lanes, int32_t* coordinates) {
-  for (int begin = 0; begin < num_lanes; begin += kFloatLanes) {
+  for (int begin = 0; begin < num_lanes; begin += kLanes) {
     Floats sum;
     std::memcpy(&sum, shifts + begin, sizeof(sum));
     for (int d = 0; d < dim; ++d) {
@@ -198,17 +169,17 @@ CAIRN_VECTOR_CLONES void Project(const float* projected, int dim, const float* r
 
 // Writes `count` distinct values, padded with larger ones to whole vectors, in ascending order:
 // each to the place that is the number of smaller ones.
-CAIRN_VECTOR_CLONES void SortByRank(const uint32_t* values, int count, uint32_t* sorted) {
-  for (int begin = 0; begin < count; begin += kPackedLanes) {
-    Packed compared;
+CAIRN_VECTOR_CLONES void SortByRank(const int32_t* values, int count, int32_t* sorted) {
+  for (int begin = 0; begin < count; begin += kLanes) {
+    Ints compared;
     std::memcpy(&compared, values + begin, sizeof(compared));
-    Packed ranks = {};
+    Ints ranks = {};
     for (int i = 0; i < count; ++i) {
-      ranks -= Packed(values[i] < compared);  // A lane of a comparison that holds is -1.
+      ranks -= values[i] < compared;  // A lane of a comparison that holds is -1.
     }
-    std::array<uint32_t, kPackedLanes> places;
+    std::array<int32_t, kLanes> places;
     std::memcpy(places.data(), &ranks, sizeof(ranks));
-    for (int i = begin; i < std::min(count, begin + kPackedLanes); ++i) {
+    for (int i = begin; i < std::min(count, begin + kLanes); ++i) {
       sorted[places[i - begin]] = values[i];
     }
   }
@@ -220,13 +191,12 @@ CellHasher::CellHasher(const Codebook& codebook, const RandomGridsOptions& optio
     : dim_(codebook.projected_dim()),
       num_grids_(options.num_grids),
       num_hashed_dims_(std::min(options.num_hashed_dims, dim_)),
-      num_probes_(num_hashed_dims_ < 5 ? std::min(options.num_probes, 1 << num_hashed_dims_)
-                                       : options.num_probes),
+      sequence_(num_hashed_dims_, options.num_probes),
       units_per_length_(kUnitsPerCell / CellWidth(codebook, options.cell_width_sigmas)),
-      num_lanes_((num_grids_ * num_hashed_dims_ + kFloatLanes - 1) / kFloatLanes * kFloatLanes),
-      rotations_(size_t{1} * dim_ * num_lanes_),
-      shifts_(num_lanes_),
-      factors_(num_lanes_) {
+      num_lanes_((num_hashed_dims_ + kLanes - 1) / kLanes * kLanes),
+      rotations_(size_t{1} * num_grids_ * dim_ * num_lanes_),
+      shifts_(size_t{1} * num_grids_ * num_lanes_),
+      factors_(size_t{1} * num_grids_ * num_lanes_) {
   std::vector<int> rotated_dims = DimsByVariance(codebook);
   rotated_dims.resize(std::max(num_hashed_dims_, 3 * dim_ / 4));
   for (int grid = 0; grid < num_grids_; ++grid) {
@@ -238,19 +208,21 @@ void CellHasher::FillGrid(int grid, const std::vector<int>& rotated_dims, uint64
   std::mt19937_64 random(seed);
   const Eigen::MatrixXd rotation = RandomRotation(static_cast<int>(rotated_dims.size()), &random);
   std::uniform_real_distribution<float> uniform(0.0f, kUnitsPerCell);
+  float* of_grid = rotations_.data() + size_t{1} * grid * dim_ * num_lanes_;
   for (int j = 0; j < num_hashed_dims_; ++j) {
-    const int lane = grid * num_hashed_dims_ + j;
     for (size_t d = 0; d < rotated_dims.size(); ++d) {
-      rotations_[size_t{1} * rotated_dims[d] * num_lanes_ + lane] =
+      of_grid[size_t{1} * rotated_dims[d] * num_lanes_ + j] =
           static_cast<float>(rotation(j, static_cast<Eigen::Index>(d)) * units_per_length_);
     }
-    shifts_[lane] = kPositiveShift + uniform(random);
-    factors_[lane] = random() | 1;
+    shifts_[size_t{1} * grid * num_lanes_ + j] = kPositiveShift + uniform(random);
+    factors_[size_t{1} * grid * num_lanes_ + j] = static_cast<uint32_t>(random()) | 1;
   }
 }
 
-std::vector<int16_t> CellHasher::RotatedWords(const Codebook& codebook, int first_lane,
+std::vector<int16_t> CellHasher::RotatedWords(const Codebook& codebook, int grid, int first_lane,
                                               int num_used) const {
+  const float* rotation = Rotation(grid) + first_lane;
+  const float* shifts = Shifts(grid) + first_lane;
   const int sub_dim = codebook.subspace_dim();
   const size_t num_words = size_t{Codebook::kNumWords} * codebook.num_subspaces;
   std::vector<int16_t> rotated(num_words * kCoordinateLanes);
@@ -258,10 +230,10 @@ std::vector<int16_t> CellHasher::RotatedWords(const Codebook& codebook, int firs
     const size_t subspace = word / Codebook::kNumWords;
     for (int j = 0; j < num_used; ++j) {
       // Half a unit, so that sums of rounded words are rounded down like queries.
-      double units = subspace == 0 ? shifts_[first_lane + j] - 0.5 : 0.0;
+      double units = subspace == 0 ? shifts[j] - 0.5 : 0.0;
       for (int d = 0; d < sub_dim; ++d) {
         units += static_cast<double>(codebook.words[word * sub_dim + d]) *
-                 rotations_[(subspace * sub_dim + d) * num_lanes_ + first_lane + j];
+                 rotation[(subspace * sub_dim + d) * num_lanes_ + j];
       }
       rotated[word * kCoordinateLanes + j] = WrapToCoordinate(units);
     }
@@ -269,50 +241,43 @@ std::vector<int16_t> CellHasher::RotatedWords(const Codebook& codebook, int firs
   return rotated;
 }
 
-CellHasher::CellPlaces CellHasher::PlaceCodes(const Codebook& codebook,
-                                              std::span<const uint8_t> codes, int grid) const {
+std::vector<uint32_t> CellHasher::HashCodes(const Codebook& codebook,
+                                            std::span<const uint8_t> codes, int grid) const {
   const size_t num_subspaces = codebook.num_subspaces;
-  const size_t num_codes = codes.size() / num_subspaces;
-  CellPlaces places{std::vector<uint64_t>(num_codes), std::vector<uint32_t>(num_codes)};
+  std::vector<uint32_t> hashes(codes.size() / num_subspaces);
   for (int begin = 0; begin < num_hashed_dims_; begin += kCoordinateLanes) {
-    const int first_lane = grid * num_hashed_dims_ + begin;
     const int num_used = std::min(kCoordinateLanes, num_hashed_dims_ - begin);
-    const std::vector<int16_t> words = RotatedWords(codebook, first_lane, num_used);
-    std::array<uint64_t, kCoordinateLanes> factors{};
-    std::copy_n(factors_.begin() + first_lane, num_used, factors.begin());
-    AddHashes(num_subspaces, words.data(), factors.data(), codes.data(), places.hashes,
-              begin == 0 ? places.sketches.data() : nullptr);
+    const std::vector<int16_t> words = RotatedWords(codebook, grid, begin, num_used);
+    std::array<uint32_t, kCoordinateLanes> factors{};
+    std::copy_n(Factors(grid) + begin, num_used, factors.begin());
+    AddHashes(num_subspaces, words.data(), factors.data(), codes.data(), hashes);
   }
-  return places;
+  return hashes;
 }
 
-void CellHasher::FindProbes(const float* projected, int num_grids, std::span<int32_t> coordinates,
-                            Probe* probes) const {
-  Project(projected, dim_, rotations_.data(), shifts_.data(), num_lanes_, coordinates.data());
-  const int num_steps = std::min(num_hashed_dims_, num_probes_ - 1);
-  std::array<uint32_t, kMaxHashedDims> packed, sorted;
-  packed.fill(std::numeric_limits<uint32_t>::max());
-  std::array<BorderStep, kMaxProbes> steps;
-  for (int grid = 0; grid < num_grids; ++grid) {
-    const uint64_t* factors = factors_.data() + grid * num_hashed_dims_;
-    Probe own;
-    for (int j = 0; j < num_hashed_dims_; ++j) {
-      const auto coordinate = static_cast<int16_t>(coordinates[grid * num_hashed_dims_ + j]);
-      own.hash += static_cast<uint64_t>(int64_t{CellOf(coordinate)}) * factors[j];
-      packed[j] = PackedStep::Pack(coordinate, j);
-    }
-    SortByRank(packed.data(), num_hashed_dims_, sorted.data());
-    for (int i = 0; i < num_steps; ++i) {
-      steps[i] = PackedStep::Unpack(sorted[i], factors);
-    }
-    FillProbeSequence(own, {steps.data(), size_t(num_steps)},
-                      {probes + grid * num_probes_, size_t(num_probes_)});
+void CellHasher::FindProbes(const float* projected, int grid, uint32_t* hashes) const {
+  std::array<int32_t, kMaxHashedDims> coordinates;
+  Project(projected, dim_, Rotation(grid), Shifts(grid), num_lanes_, coordinates.data());
+  const uint32_t* factors = Factors(grid);
+  std::array<int32_t, kMaxHashedDims> packed, sorted;
+  packed.fill(std::numeric_limits<int32_t>::max());
+  uint32_t own = 0;
+  for (int j = 0; j < num_hashed_dims_; ++j) {
+    const auto coordinate = static_cast<int16_t>(coordinates[j]);
+    own += static_cast<uint32_t>(CellOf(coordinate)) * factors[j];
+    packed[j] = PackedStep::Pack(coordinate, j);
   }
+  SortByRank(packed.data(), num_hashed_dims_, sorted.data());
+  std::array<uint32_t, kMaxHashedDims> steps;
+  for (int i = 0; i < sequence_.num_steps(); ++i) {
+    steps[i] = PackedStep::Unpack(sorted[i], factors);
+  }
+  sequence_.Fill(own, steps, hashes);
 }
 
 size_t CellHasher::MemoryBytes() const {
   return (rotations_.capacity() + shifts_.capacity()) * sizeof(float) +
-         factors_.capacity() * sizeof(uint64_t);
+         factors_.capacity() * sizeof(uint32_t);
 }
 
 }  // namespace cairn

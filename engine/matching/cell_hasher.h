@@ -19,7 +19,7 @@ namespace cairn {
 // quarters of all but at least k, and s_n uniform in [0, 1)^k. Rotating all dimensions gives away
 // what the projection to principal axes has gathered: half a million descriptors of 16 dimensions
 // then need three times the candidates for the same recall (k = 12). The cell's hash is the sum of
-// its coordinates times random 64-bit factors, of which the upper bits are universal
+// its coordinates times random 32-bit factors, of which the upper bits are universal
 // (Dietzfelbinger 1996) and which changes by one factor per step to a neighbour.
 //
 // Coordinates are 16-bit integers of 1/256 cell that wrap around after 256 cells; cells that far
@@ -32,53 +32,45 @@ class CellHasher {
   CellHasher(const Codebook& codebook, const RandomGridsOptions& options);
 
   int num_grids() const { return num_grids_; }
-  int num_hashed_dims() const { return num_hashed_dims_; }
   // Cells a query is sent to in each grid: options.num_probes, or all 2^k if that is less.
-  int num_probes() const { return num_probes_; }
+  int num_probes() const { return sequence_.size(); }
 
-  // Where codes lie in a grid; one value a code.
-  struct CellPlaces {
-    std::vector<uint64_t> hashes;    // Of their cells.
-    std::vector<uint32_t> sketches;  // Of their places in the cells, see cell_sketch.h.
-  };
-  // Of codes (n x num_subspaces bytes) in one grid.
-  CellPlaces PlaceCodes(const Codebook& codebook, std::span<const uint8_t> codes, int grid) const;
+  // Hashes of the cells of codes (n x num_subspaces bytes) in one grid.
+  std::vector<uint32_t> HashCodes(const Codebook& codebook, std::span<const uint8_t> codes,
+                                  int grid) const;
 
-  // The cells to look into for a descriptor in projected space: rows of num_probes() for the first
-  // `num_grids` grids. A row starts with the own cell; then, as in multi-probe LSH (Lv et al.
-  // 2007), come the cells across the nearest borders, by the distance to them. `coordinates` gets
-  // num_coordinates() numbers, see Coordinates.
-  void FindProbes(const float* projected, int num_grids, std::span<int32_t> coordinates,
-                  Probe* probes) const;
-  size_t num_coordinates() const { return shifts_.size(); }
-  // Those of one grid among the coordinates of a descriptor: one a hashed dimension, in units of
-  // 1/256 cell from an origin of the grid's own.
-  std::span<const int32_t> Coordinates(std::span<const int32_t> coordinates, int grid) const {
-    return coordinates.subspan(size_t{1} * grid * num_hashed_dims_, num_hashed_dims_);
-  }
-  // How long a squared length in projected space is in these units.
-  double SqUnitsOf(double sq_length) const {
-    return sq_length * units_per_length_ * units_per_length_;
-  }
+  // num_probes() hashes of the cells to look into, in one grid, for a descriptor in projected
+  // space: first the own cell; then, as in multi-probe LSH (Lv et al. 2007), cells across the
+  // nearest borders.
+  void FindProbes(const float* projected, int grid, uint32_t* hashes) const;
 
   size_t MemoryBytes() const;
 
  private:
   void FillGrid(int grid, const std::vector<int>& rotated_dims, uint64_t seed);
-  // Of every word (num_subspaces x 256), `num_used` of 8 coordinates from a lane on; the shift is
-  // included in the first subspace.
-  std::vector<int16_t> RotatedWords(const Codebook& codebook, int first_lane, int num_used) const;
+  // Of every word (num_subspaces x 256), `num_used` of 16 coordinates in a grid from a lane on; the
+  // shift is included in the first subspace.
+  std::vector<int16_t> RotatedWords(const Codebook& codebook, int grid, int first_lane,
+                                    int num_used) const;
+  const float* Rotation(int grid) const {
+    return rotations_.data() + size_t{1} * grid * dim_ * num_lanes_;
+  }
+  const float* Shifts(int grid) const { return shifts_.data() + size_t{1} * grid * num_lanes_; }
+  const uint32_t* Factors(int grid) const {
+    return factors_.data() + size_t{1} * grid * num_lanes_;
+  }
 
   int dim_;
   int num_grids_;
   int num_hashed_dims_;
-  int num_probes_;
+  ProbeSequence sequence_;
   double units_per_length_;  // In projected space.
-  int num_lanes_;  // num_grids_ x num_hashed_dims_ coordinates, padded with 0 for the vector unit.
-  // From projected space to units of 1/256 cell: dim_ x num_lanes_, row-major, and shifts.
+  int num_lanes_;            // num_hashed_dims_ coordinates, padded with 0 for the vector unit.
+  // From projected space to units of 1/256 cell: num_grids_ x dim_ x num_lanes_, row-major, and
+  // shifts.
   std::vector<float> rotations_;
   std::vector<float> shifts_;
-  std::vector<uint64_t> factors_;  // Of the hash, one a lane.
+  std::vector<uint32_t> factors_;  // Of the hash: num_grids_ x num_lanes_.
 };
 
 }  // namespace cairn

@@ -54,10 +54,12 @@ CellLists::CellLists(const ByteDescriptors& descriptors, std::span<const uint32_
   CAIRN_CHECK(lists_.members.size() == descriptors.size(), "every descriptor has a cell");
 }
 
-CellLists::CellLists(ByteScale scale, BlockedRows rows, TileLists lists)
+CellLists::CellLists(ByteScale scale, BlockedRows rows, TileLists lists,
+                     const CellListsOptions& options)
     : scale_(std::move(scale)),
       lists_(std::move(lists)),
       rows_(std::move(rows)),
+      options_(options),
       max_cell_size_(MaxSize(lists_)) {
   CAIRN_CHECK(lists_.members.size() == rows_.size(), "every descriptor has a cell");
 }
@@ -78,8 +80,8 @@ class CellLists::Prefetcher {
       }
       if (run_end_ < visits_.size()) {
         const uint32_t cell = visits_[run_end_].cell;
-        next_ = lists_.lists_.begin[cell];
-        end_ = lists_.lists_.begin[cell + 1];
+        next_ = lists_.Begin(cell);
+        end_ = lists_.End(cell);
         slice_ = (end_ - next_) / (run_end_ - i) + 1;
       }
     }
@@ -90,6 +92,9 @@ class CellLists::Prefetcher {
   void Fetch(size_t end) {
     for (; next_ < end; next_ += kBlockRows) {
       lists_.rows_.Prefetch(next_);
+      if (!lists_.options_.order.empty()) {
+        __builtin_prefetch(&lists_.lists_.members[next_]);
+      }
     }
   }
 
@@ -112,14 +117,25 @@ int64_t CellLists::Search(const BlockQueries& queries, std::span<const CellVisit
     }
     prefetcher.Step(i);
     const auto [cell, query_idx] = visits[i];
-    const uint32_t begin = lists_.begin[cell];
-    const uint32_t end = lists_.begin[cell + 1];
+    const uint32_t begin = Begin(cell), end = End(cell);
     const size_t num_hits = rows_.Range(queries[query_idx], begin, end,
                                         collector->max_sq_steps(query_idx), hits.data());
-    collector->Add(query_idx, {hits.data(), num_hits}, lists_.members);
+    HandOn(query_idx, {hits.data(), num_hits}, collector);
     num_distances += end - begin;
   }
   return num_distances;
+}
+
+void CellLists::HandOn(uint32_t query_idx, std::span<BlockHit> hits,
+                       HitCollector* collector) const {
+  if (options_.order.empty()) {
+    collector->Add(query_idx, hits, lists_.members);
+    return;
+  }
+  for (BlockHit& hit : hits) {
+    hit.row = lists_.members[hit.row];
+  }
+  collector->Add(query_idx, hits, options_.order);
 }
 
 size_t CellLists::MemoryBytes() const {

@@ -3,8 +3,10 @@
 #ifndef CAIRN_ENGINE_MATCHING_CELL_LISTS_H_
 #define CAIRN_ENGINE_MATCHING_CELL_LISTS_H_
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -24,6 +26,13 @@ struct CellVisit {
   uint32_t query_idx = 0;
 };
 
+struct CellListsOptions {
+  // Of a cell only the first so many members are compared with a query.
+  uint32_t max_compared = std::numeric_limits<uint32_t>::max();
+  // If there is one, members are places in it, and hits are given by them. Must outlive the lists.
+  std::span<const uint32_t> order = {};
+};
+
 // The descriptors of a cell lie in a row in memory. Immutable; safe to use from any thread.
 class CellLists {
  public:
@@ -31,7 +40,8 @@ class CellLists {
   CellLists(const ByteDescriptors& descriptors, std::span<const uint32_t> cells, size_t num_cells);
   // Every descriptor is in one of the lists, which are the cells. `rows` are the descriptors in the
   // order of the lists.
-  CellLists(ByteScale scale, BlockedRows rows, TileLists lists);
+  CellLists(ByteScale scale, BlockedRows rows, TileLists lists,
+            const CellListsOptions& options = {});
 
   const ByteScale& scale() const { return scale_; }
   const BlockedRows& rows() const { return rows_; }
@@ -55,9 +65,18 @@ class CellLists {
  private:
   class Prefetcher;
 
+  // Rows of a cell that are compared.
+  uint32_t Begin(uint32_t cell) const { return lists_.begin[cell]; }
+  uint32_t End(uint32_t cell) const {
+    const uint32_t begin = lists_.begin[cell];
+    return begin + std::min(lists_.begin[cell + 1] - begin, options_.max_compared);
+  }
+  void HandOn(uint32_t query_idx, std::span<BlockHit> hits, HitCollector* collector) const;
+
   ByteScale scale_;
   TileLists lists_;  // The members are the descriptors of the rows.
   BlockedRows rows_;
+  CellListsOptions options_;
   size_t max_cell_size_ = 0;
 };
 

@@ -34,7 +34,7 @@ struct HitRun {
   float SqDistance(size_t i) const { return static_cast<float>(hits[i].sq_distance) * sq_step; }
 };
 
-// Takes hits as they are found, in any order.
+// Takes hits as they are found, in any order, some perhaps more than once.
 class HitReceiver {
  public:
   virtual ~HitReceiver() = default;

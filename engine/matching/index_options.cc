@@ -2,6 +2,7 @@
 
 #include "core/check.h"
 #include "core/require.h"
+#include "engine/matching/probe_sequence.h"
 
 namespace cairn {
 
@@ -9,7 +10,7 @@ void RandomGridsOptions::Validate() const {
   RequireWithin("matching.index.grids.num_grids", num_grids, 1, 64);
   RequireWithin("matching.index.grids.num_hashed_dims", num_hashed_dims, 1, 128);
   RequireWithin("matching.index.grids.cell_width_sigmas", cell_width_sigmas, 1e-3, 1e3);
-  RequireWithin("matching.index.grids.num_probes", num_probes, 1, 32);
+  RequireWithin("matching.index.grids.num_probes", num_probes, 1, kMaxProbes);
   RequireWithin("matching.index.grids.max_candidates_per_cell", max_candidates_per_cell, 1, 10'000);
 }
 

@@ -8,24 +8,23 @@ namespace cairn {
 
 // Random grids (paper, section "Random Grids"; Aiger, Kokiopoulou, Rivlin, ICCV 2013). The defaults
 // were chosen on SIFT of photos and on synthetic descriptors, for recall of the nearest landmark
-// against time (docs/decisions/0009).
+// against time and memory (docs/decisions/0010).
 struct RandomGridsOptions {
   // N, 1 to 64: each descriptor stands in one cell of every grid. Time and memory are linear in it.
-  int num_grids = 5;
+  int num_grids = 2;
   // Leading dimensions of the rotated descriptor (see CellHasher) that make up a cell's key, 1 to
   // 128; a smaller descriptor is hashed whole. Fewer make coarser cells: more recall a grid, more
   // candidates.
-  int num_hashed_dims = 13;
+  int num_hashed_dims = 10;
   // Side of a cell, [0.001, 1000], in units of sigma = d / sqrt(projected_dim), where d is the
   // codebook's median same-landmark distance: the standard deviation, per dimension, between two
-  // descriptors of one landmark. 7 in 16 dimensions is 1.75 times d.
-  double cell_width_sigmas = 7.0;
-  // Cells looked into per grid, 1 to 32: the own one, then those across the nearest borders.
-  int num_probes = 10;
-  // Descriptors of a cell, 1 to 10,000; of a fuller cell a random subset is kept. The paper keeps
-  // 100; here most of a cell is passed over by sketches (see cell_sketch.h), and more is
-  // affordable.
-  int max_candidates_per_cell = 400;
+  // descriptors of one landmark. 6 in 16 dimensions is 1.5 times d.
+  double cell_width_sigmas = 6.0;
+  // Cells looked into per grid, 1 to 128: the own one, then those across the nearest borders.
+  int num_probes = 28;
+  // Descriptors of a cell that are compared, 1 to 10,000; of a fuller cell a random subset. The
+  // paper has 100; here the descriptors of a cell lie in a row, and more is affordable.
+  int max_candidates_per_cell = 5'000;
   uint64_t seed = 1;  // Of rotations, shifts and subsets.
 
   // Throws Error(kInvalidArgument) naming the field.
@@ -34,7 +33,7 @@ struct RandomGridsOptions {
 
 // Inverted lists: k-means cells, each a list of descriptors that lie in a row in memory. On the
 // same tile the defaults find 98 % with 5,900 descriptors a query, in less than a third of the time
-// of random grids and in 24 bytes a descriptor instead of 65. 8 probes find 96 %, 16 find 99 %; in
+// of random grids and in 24 bytes a descriptor instead of 49. 8 probes find 96 %, 16 find 99 %; in
 // the simulated cities 12 answer as many queries as all 1,024, and 8 do not. Lists that ingest has
 // stored with a tile are taken as they are, whatever num_lists, num_iterations and seed.
 struct InvertedListsOptions {

@@ -38,10 +38,10 @@ class MatchingIndex {
 
   // Finds descriptors within each query's own distance: all of them (exhaustive) or most. Appends
   // to `hits`, ordered by query; a descriptor at most once for a query. What is found for a query
-  // does not depend on the others. With a receiver it gets the hits, in any order, `hits` may be
-  // null, and what is found depends on its answers too. Returns the number of distances computed,
-  // of fewer if it is told to stop.
-  // Throws Error(kInternal) if the queries' dimension is not the codebook's.
+  // does not depend on the others. With a receiver it gets the hits, in any order and some more
+  // than once, `hits` may be null, and what is found depends on its answers too. Returns the number
+  // of distances computed, of fewer if it is told to stop. Throws Error(kInternal) if the queries'
+  // dimension is not the codebook's.
   virtual int64_t Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const = 0;
 
   // The descriptor at each of the index's places, by which a receiver gets its hits; empty if the

@@ -1,72 +1,47 @@
 #include "engine/matching/probe_sequence.h"
 
-#include <array>
-#include <cstddef>
-#include <utility>
+#include <algorithm>
+#include <queue>
+#include <tuple>
 
 namespace cairn {
 namespace {
 
-// A combination of steps, the last of which is steps[last].
+// A combination of steps: `parent`, a probe, and the step `last`, which is longer than its others.
 struct Combination {
-  int32_t sq_cost;
-  uint32_t last;
-  Probe probe;
-};
+  double sq_length = 0.0;
+  int parent = 0;
+  int last = 0;
 
-// Combinations not yet taken. Sequences are short: a scan for the cheapest beats a heap.
-class Frontier {
- public:
-  void Push(const Combination& combination) { combinations_[size_++] = combination; }
-  Combination PopCheapest() {
-    size_t cheapest = 0;
-    for (size_t i = 1; i < size_; ++i) {
-      cheapest = combinations_[i].sq_cost < combinations_[cheapest].sq_cost ? i : cheapest;
-    }
-    return std::exchange(combinations_[cheapest], combinations_[--size_]);
+  friend bool operator>(const Combination& a, const Combination& b) {
+    return std::tie(a.sq_length, a.parent, a.last) > std::tie(b.sq_length, b.parent, b.last);
   }
-
- private:
-  std::array<Combination, 2 * kMaxProbes> combinations_;
-  size_t size_ = 0;
 };
 
-// `combination` with the step `index`, which is not among its own.
-Combination Added(const Combination& combination, const BorderStep& step, uint32_t index) {
-  return {combination.sq_cost + step.sq_cost,
-          index,
-          {combination.probe.hash + step.delta.hash,
-           combination.probe.crossed_dims | step.delta.crossed_dims}};
-}
-
-// `combination` without one of its steps.
-Combination Removed(const Combination& combination, const BorderStep& step) {
-  return {combination.sq_cost - step.sq_cost,
-          combination.last,
-          {combination.probe.hash - step.delta.hash,
-           combination.probe.crossed_dims & ~step.delta.crossed_dims}};
+// Mean squared length of the i-th shortest of `num_dims` steps, each uniform in [0, 1]: the second
+// moment of an order statistic.
+double MeanSqLength(int i, int num_dims) {
+  return (i + 1.0) * (i + 2.0) / ((num_dims + 1.0) * (num_dims + 2.0));
 }
 
 }  // namespace
 
-// Every combination is reached exactly once, from a cheaper one, by moving its last step to the
-// next or by adding the next (Lv et al. 2007, section 4.4).
-void FillProbeSequence(const Probe& own, std::span<const BorderStep> steps,
-                       std::span<Probe> probes) {
-  probes[0] = own;
-  if (probes.size() == 1) {
-    return;
-  }
-  Frontier frontier;
-  frontier.Push(Added({0, 0, own}, steps[0], 0));
-  for (size_t i = 1; i < probes.size(); ++i) {
-    const Combination best = frontier.PopCheapest();
-    probes[i] = best.probe;
-    const uint32_t next = best.last + 1;
-    if (next < steps.size()) {
-      const Combination added = Added(best, steps[next], next);
-      frontier.Push(added);
-      frontier.Push(Removed(added, steps[best.last]));
+// Every combination is reached once, from a shorter one: by the next step in addition, or in place
+// of its last one.
+ProbeSequence::ProbeSequence(int num_dims, int num_probes) : probes_(1) {
+  std::priority_queue<Combination, std::vector<Combination>, std::greater<>> waiting;
+  waiting.push({MeanSqLength(0, num_dims), 0, 0});
+  while (static_cast<int>(probes_.size()) < num_probes && !waiting.empty()) {
+    const Combination next = waiting.top();
+    waiting.pop();
+    const int probe = static_cast<int>(probes_.size());
+    probes_.push_back({static_cast<uint8_t>(next.parent), static_cast<uint8_t>(next.last)});
+    num_steps_ = std::max(num_steps_, next.last + 1);
+    const int step = next.last + 1;
+    if (step < num_dims) {
+      const double added = MeanSqLength(step, num_dims);
+      waiting.push({next.sq_length + added, probe, step});
+      waiting.push({next.sq_length - MeanSqLength(next.last, num_dims) + added, next.parent, step});
     }
   }
 }

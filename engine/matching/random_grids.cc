@@ -2,187 +2,71 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
+#include <numeric>
+#include <utility>
 
-#include "engine/matching/cell_sketch.h"
-#include "engine/matching/distance_kernels.h"
 #include "engine/matching/random_bits.h"
 
 namespace cairn {
 namespace {
 
-// Queries whose buckets are located together, so that the memory they lie in arrives in parallel.
-constexpr size_t kQueriesPerBlock = 16;
-constexpr size_t kCacheLineBytes = 64;
-
+// Buckets are so many that cells that collide cost little, and so few that their bounds fit a level
+// 2 cache.
 int NumBucketBits(size_t num_descriptors) {
-  return std::clamp(static_cast<int>(std::bit_width(num_descriptors)) - 1, 1, 26);
+  constexpr int kBitsLess = 3;
+  return std::clamp(static_cast<int>(std::bit_width(num_descriptors)) - kBitsLess, 1, 26);
 }
 
-// A set of descriptors that is cleared in time linear in its members.
-class DescriptorSet {
- public:
-  explicit DescriptorSet(size_t num_descriptors) : words_((num_descriptors + 63) / 64) {}
-
-  // Returns true if the descriptor was not yet in the set.
-  bool Insert(uint32_t descriptor) {
-    uint64_t& word = words_[descriptor / 64];
-    const uint64_t bit = uint64_t{1} << (descriptor % 64);
-    const bool is_new = (word & bit) == 0;
-    word |= bit;
-    return is_new;
+// Visits, by ascending query, in the order of their cells and once each: cells in one bucket are
+// searched together. A counting sort.
+std::vector<CellVisit> SortedByCell(const std::vector<CellVisit>& visits, size_t num_cells) {
+  std::vector<uint32_t> next(num_cells + 1, 0);
+  for (const CellVisit& visit : visits) {
+    ++next[visit.cell + 1];
   }
-  void Erase(std::span<const uint32_t> descriptors) {
-    for (const uint32_t descriptor : descriptors) {
-      words_[descriptor / 64] = 0;
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<CellVisit> sorted(visits.size());
+  for (const CellVisit& visit : visits) {
+    sorted[next[visit.cell]++] = visit;
+  }
+  const auto end =
+      std::unique(sorted.begin(), sorted.end(), [](const CellVisit& a, const CellVisit& b) {
+        return a.cell == b.cell && a.query_idx == b.query_idx;
+      });
+  sorted.erase(end, sorted.end());
+  return sorted;
+}
+
+// Removes, from the hits from `begin` on, ordered by query, what an earlier grid has found too.
+void RemoveRepeated(size_t begin, size_t num_descriptors, std::vector<DescriptorHit>* hits) {
+  std::vector<bool> was_found(num_descriptors);
+  size_t num_kept = begin;
+  for (size_t first = begin, end = begin; first < hits->size(); first = end) {
+    const size_t first_kept = num_kept;
+    for (; end < hits->size() && (*hits)[end].query_idx == (*hits)[first].query_idx; ++end) {
+      const DescriptorHit hit = (*hits)[end];
+      (*hits)[num_kept] = hit;
+      num_kept += was_found[hit.descriptor_idx] ? 0 : 1;
+      was_found[hit.descriptor_idx] = true;
+    }
+    for (size_t i = first_kept; i < num_kept; ++i) {
+      was_found[(*hits)[i].descriptor_idx] = false;
     }
   }
-
- private:
-  std::vector<uint64_t> words_;
-};
+  hits->resize(num_kept);
+}
 
 }  // namespace
-
-// Works through blocks of queries in three steps, each of which asks for the memory that the next
-// one reads: bounds of buckets, their content, the descriptors' rows.
-class RandomGrids::Searcher {
- public:
-  Searcher(const RandomGrids& grids, const DescriptorMatrix& queries)
-      : grids_(grids),
-        queries_(queries),
-        steps_(grids.descriptors_.scale().QuantizeQueries(queries)),
-        num_grids_(grids.num_standing()),
-        probes_per_query_(size_t{1} * num_grids_ * grids.hasher_.num_probes()),
-        sq_units_per_sq_step_(
-            grids.hasher_.SqUnitsOf(std::pow(grids.descriptors_.scale().step(), 2))),
-        coordinates_(kQueriesPerBlock * grids.hasher_.num_coordinates()),
-        probes_(kQueriesPerBlock * probes_per_query_),
-        buckets_(kQueriesPerBlock * probes_per_query_),
-        contents_(kQueriesPerBlock * probes_per_query_ + kProbesAhead),
-        visited_(grids.descriptors_.size()) {}
-
-  void LocateBuckets(size_t begin, size_t end) {
-    const size_t num_probes = grids_.hasher_.num_probes();
-    for (size_t query = begin; query < end; ++query) {
-      const size_t first = (query - begin) * probes_per_query_;
-      grids_.hasher_.FindProbes(queries_.row(query).data(), num_grids_,
-                                CoordinatesOf(query - begin), &probes_[first]);
-      for (size_t i = 0; i < probes_per_query_; ++i) {
-        const BucketTable& table = *grids_.tables_[i / num_probes];
-        buckets_[first + i] = table.BucketOf(probes_[first + i].hash);
-        table.Prefetch(buckets_[first + i]);
-      }
-    }
-  }
-
-  void LocateContents(size_t num_queries) {
-    const size_t num_probes = grids_.hasher_.num_probes();
-    for (size_t i = 0; i < num_queries * probes_per_query_; ++i) {
-      contents_[i] = (*grids_.tables_[i % probes_per_query_ / num_probes])[buckets_[i]];
-      Prefetch(contents_[i]);
-    }
-  }
-
-  // Distinct descriptors, of the cells of one query of the block, that may lie within
-  // `max_sq_steps` of it.
-  void GatherCandidates(size_t query_in_block, int32_t max_sq_steps,
-                        std::vector<uint32_t>* candidates) {
-    const size_t num_within = FilterCells(query_in_block, max_sq_steps);
-    candidates->resize(num_within);
-    const size_t stride = grids_.descriptors_.scale().stride();
-    uint32_t* next = candidates->data();
-    for (size_t i = 0; i < num_within; ++i) {
-      const uint32_t item = within_[i];
-      __builtin_prefetch(grids_.descriptors_.rows() + item * stride);
-      *next = item;
-      next += visited_.Insert(item) ? 1 : 0;  // Without a branch, which would be mispredicted.
-    }
-    candidates->resize(next - candidates->data());
-    visited_.Erase(*candidates);
-  }
-
-  void AddHits(uint32_t query, const std::vector<uint32_t>& candidates, HitCollector* collector) {
-    const ByteScale& scale = grids_.descriptors_.scale();
-    sq_distances_.resize(std::max(sq_distances_.size(), candidates.size()));
-    BestDistanceKernels().gather(steps_.data() + size_t{query} * scale.stride(),
-                                 grids_.descriptors_.rows(), scale.stride(), candidates.data(),
-                                 candidates.size(), sq_distances_.data());
-    const int32_t max_sq_steps = collector->max_sq_steps(query);
-    hits_.resize(std::max(hits_.size(), candidates.size()));
-    size_t num_hits = 0;
-    for (size_t i = 0; i < candidates.size(); ++i) {
-      hits_[num_hits] = {candidates[i], sq_distances_[i]};
-      num_hits += sq_distances_[i] <= max_sq_steps ? 1 : 0;  // Without a branch.
-    }
-    collector->Add(query, {hits_.data(), num_hits});
-  }
-
- private:
-  std::span<int32_t> CoordinatesOf(size_t query_in_block) {
-    const size_t count = grids_.hasher_.num_coordinates();
-    return {coordinates_.data() + query_in_block * count, count};
-  }
-
-  // Writes to within_ what the sketches do not tell to be beyond reach; returns the number.
-  size_t FilterCells(size_t query_in_block, int32_t max_sq_steps) {
-    const size_t num_probes = grids_.hasher_.num_probes();
-    const int32_t max_sum =
-        MaxSketchSum(max_sq_steps * sq_units_per_sq_step_, grids_.hasher_.num_hashed_dims());
-    const SketchKernels& kernels = BestSketchKernels();
-    size_t num_within = 0;
-    for (int grid = 0; grid < num_grids_; ++grid) {
-      tables_.SetQuery(grids_.hasher_.Coordinates(CoordinatesOf(query_in_block), grid));
-      for (size_t i = 0; i < num_probes; ++i) {
-        const size_t probe = query_in_block * probes_per_query_ + grid * num_probes + i;
-        const BucketTable::Bucket& bucket = contents_[probe];
-        Prefetch(contents_[probe + kProbesAhead]);
-        within_.resize(std::max(within_.size(), num_within + bucket.items.size() + kSketchSlack));
-        num_within +=
-            kernels.filter(tables_.Across(probes_[probe].crossed_dims), tables_.num_pairs(),
-                           max_sum, bucket.sketches.data(), bucket.items.data(),
-                           bucket.items.size(), within_.data() + num_within);
-      }
-    }
-    return num_within;
-  }
-
-  static void Prefetch(const BucketTable::Bucket& bucket) {
-    const auto* bytes = reinterpret_cast<const char*>(bucket.sketches.data());
-    for (size_t offset = 0; offset < 2 * bucket.sketches.size_bytes(); offset += kCacheLineBytes) {
-      __builtin_prefetch(bytes + offset);
-    }
-  }
-
-  // What was asked for with its block of queries has gone on to the second level of the cache; so
-  // many probes before it is read it is asked for again.
-  static constexpr size_t kProbesAhead = 8;
-
-  const RandomGrids& grids_;
-  const DescriptorMatrix& queries_;
-  const std::vector<int16_t> steps_;  // Queries as ByteScale makes them.
-  const int num_grids_;               // That stand.
-  const size_t probes_per_query_;
-  const double sq_units_per_sq_step_;
-  std::vector<int32_t> coordinates_;           // kQueriesPerBlock x num_coordinates().
-  std::vector<Probe> probes_;                  // kQueriesPerBlock x probes_per_query_.
-  std::vector<uint32_t> buckets_;              // Likewise.
-  std::vector<BucketTable::Bucket> contents_;  // Likewise; empty ones at the end.
-  SketchTables tables_;
-  std::vector<uint32_t> within_;
-  DescriptorSet visited_;
-  std::vector<int32_t> sq_distances_;
-  std::vector<BlockHit> hits_;
-};
 
 RandomGrids::RandomGrids(const Codebook& codebook, std::span<const uint8_t> codes,
                          const RandomGridsOptions& options, BuildExtent extent)
     : codebook_(&codebook),
       codes_(codes),
+      words_(codebook, ByteScale(codebook)),
       options_(options),
-      descriptors_(codebook, codes),
       hasher_(codebook, options),
-      tables_(options.num_grids) {
+      num_bucket_bits_(NumBucketBits(codes.size() / codebook.num_subspaces)),
+      grids_(options.num_grids) {
   do {
     RandomGrids::BuildPart();
   } while (extent == BuildExtent::kWhole && !RandomGrids::is_complete());
@@ -194,48 +78,72 @@ void RandomGrids::BuildPart() const {
     return;
   }
   const int grid = num_standing();
-  const CellHasher::CellPlaces places = hasher_.PlaceCodes(*codebook_, codes_, grid);
-  tables_[grid].emplace(places.hashes, places.sketches, NumBucketBits(descriptors_.size()),
-                        options_.max_candidates_per_cell, RandomBits(options_.seed, grid),
-                        &scratch_);
+  grids_[grid].emplace(MakeGrid(grid));
   num_standing_.store(grid + 1, std::memory_order_release);
   if (is_complete()) {
     scratch_ = {};
   }
 }
 
-int64_t RandomGrids::Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const {
-  HitCollector collector(descriptors_.scale(), request);
-  const auto num_queries = static_cast<size_t>(request.queries.rows());
-  Searcher searcher(*this, request.queries);
-  // Two lists: one query's descriptors are on their way while the previous one's are compared.
-  std::vector<uint32_t> candidates, next_candidates;
-  int64_t num_distances = 0;
-  for (size_t begin = 0; begin < num_queries && !collector.ShouldStop();
-       begin += kQueriesPerBlock) {
-    const size_t end = std::min(begin + kQueriesPerBlock, num_queries);
-    searcher.LocateBuckets(begin, end);
-    searcher.LocateContents(end - begin);
-    searcher.GatherCandidates(0, collector.max_sq_steps(static_cast<uint32_t>(begin)), &candidates);
-    for (size_t query = begin; query < end; ++query) {
-      if (query + 1 < end) {
-        searcher.GatherCandidates(query + 1 - begin,
-                                  collector.max_sq_steps(static_cast<uint32_t>(query + 1)),
-                                  &next_candidates);
-      }
-      searcher.AddHits(static_cast<uint32_t>(query), candidates, &collector);
-      num_distances += static_cast<int64_t>(candidates.size());
-      candidates.swap(next_candidates);
+CellLists RandomGrids::MakeGrid(int grid) const {
+  TileLists cells = SortIntoBuckets(hasher_.HashCodes(*codebook_, codes_, grid), num_bucket_bits_,
+                                    options_.max_candidates_per_cell,
+                                    RandomBits(options_.seed, grid), &scratch_.buckets);
+  BlockedRows rows(words_, OrderCodes(codes_, codebook_->num_subspaces, cells));
+  const auto max_compared = static_cast<uint32_t>(options_.max_candidates_per_cell);
+  if (grid == 0) {
+    scratch_.places.resize(cells.members.size());
+    for (uint32_t place = 0; place < cells.members.size(); ++place) {
+      scratch_.places[cells.members[place]] = place;
+    }
+    return CellLists(ByteScale(*codebook_), std::move(rows), std::move(cells),
+                     {.max_compared = max_compared});
+  }
+  for (uint32_t& member : cells.members) {
+    member = scratch_.places[member];
+  }
+  return CellLists(ByteScale(*codebook_), std::move(rows), std::move(cells),
+                   {.max_compared = max_compared, .order = RandomGrids::order()});
+}
+
+std::vector<CellVisit> RandomGrids::MakeVisits(const DescriptorMatrix& queries, int grid) const {
+  const TileLists& cells = grids_[grid]->lists();
+  std::vector<uint32_t> hashes(hasher_.num_probes());
+  std::vector<CellVisit> visits(queries.rows() * hashes.size());
+  size_t num_visits = 0;
+  for (Eigen::Index query = 0; query < queries.rows(); ++query) {
+    hasher_.FindProbes(queries.row(query).data(), grid, hashes.data());
+    for (const uint32_t hash : hashes) {
+      const uint32_t bucket = BucketOf(hash, num_bucket_bits_);
+      visits[num_visits] = {bucket, static_cast<uint32_t>(query)};
+      num_visits += cells.begin[bucket] < cells.begin[bucket + 1] ? 1 : 0;  // Without a branch.
     }
   }
-  collector.MoveTo(hits);
+  visits.resize(num_visits);
+  return SortedByCell(visits, cells.num_lists());
+}
+
+int64_t RandomGrids::Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const {
+  const CellLists& first = *grids_.front();
+  HitCollector collector(first.scale(), request);
+  const std::vector<int16_t> query_steps = first.scale().QuantizeQueries(request.queries);
+  const BlockQueries queries = first.Prepare(query_steps);
+  int64_t num_distances = 0;
+  const int num_grids = num_standing();
+  for (int grid = 0; grid < num_grids; ++grid) {
+    num_distances += grids_[grid]->Search(queries, MakeVisits(request.queries, grid), &collector);
+  }
+  if (request.receiver == nullptr) {
+    const size_t begin = hits->size();
+    collector.MoveTo(hits);
+    RemoveRepeated(begin, first.size(), hits);
+  }
   return num_distances;
 }
 
 size_t RandomGrids::MemoryBytes() const {
-  // All tables are of one size, and the first always stands.
-  return descriptors_.MemoryBytes() + hasher_.MemoryBytes() +
-         tables_.size() * tables_.front()->MemoryBytes();
+  // All grids are of one size, and the first always stands.
+  return hasher_.MemoryBytes() + grids_.size() * grids_.front()->MemoryBytes();
 }
 
 }  // namespace cairn

@@ -13,21 +13,22 @@
 #include <vector>
 
 #include "core/features.h"
-#include "engine/matching/bucket_table.h"
-#include "engine/matching/byte_descriptors.h"
 #include "engine/matching/cell_hasher.h"
+#include "engine/matching/cell_lists.h"
+#include "engine/matching/code_expansion.h"
+#include "engine/matching/hash_buckets.h"
 #include "engine/matching/matching_index.h"
 #include "storage/codebook.h"
 
 namespace cairn {
 
-// Cells are hashed into as many buckets a grid as there are descriptors, up to a factor of two;
-// cells that collide share a bucket and its cap. Of a cell's descriptors those are compared with
-// the query that their sketches (cell_sketch.h) do not tell to be farther away than asked for; a
-// few per cent of the farthest hits are lost by that. Its parts are the grids: a search looks into
-// those that stand when it begins. Memory: the descriptors themselves, a byte a dimension (padded,
-// see distance_kernels.h), and 10 to 12 bytes a descriptor and grid: its index, its sketch, and
-// half to one bucket. That is 16 and 51 bytes a descriptor for the defaults and a tile of 500,000.
+// Every grid holds the descriptors themselves, those of a cell in a row in memory, and a search
+// goes through the cells that queries visit in the order of memory, as in inverted lists: to
+// compare a descriptor that lies beside the last one is twenty times faster than to read one from
+// anywhere. Cells are hashed into buckets, up to four times as few as there are descriptors; those
+// that collide are searched together. Its parts are the grids: a search looks into those that stand
+// when it begins. Memory: 24 bytes a descriptor and grid, a byte a dimension (padded, see
+// distance_kernels.h), norm and number, and half a byte to a byte of bucket.
 // Safe to use from any thread. Deterministic by options.seed.
 class RandomGrids : public MatchingIndex {
  public:
@@ -40,24 +41,34 @@ class RandomGrids : public MatchingIndex {
   void BuildPart() const override;
 
   int64_t Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const override;
+  // That of the first grid.
+  std::span<const uint32_t> order() const override { return grids_.front()->lists().members; }
   size_t MemoryBytes() const override;
 
  private:
-  class Searcher;  // Working memory and steps of one Search.
+  // What is used and made until all grids stand.
+  struct Scratch {
+    BucketScratch buckets;
+    std::vector<uint32_t> places;  // In order(), of the descriptors.
+  };
 
   int num_standing() const { return num_standing_.load(std::memory_order_acquire); }
+  CellLists MakeGrid(int grid) const;
+  // The visits of all queries to the cells of a grid that hold something, in the order of memory.
+  std::vector<CellVisit> MakeVisits(const DescriptorMatrix& queries, int grid) const;
 
   // What grids are built of; not used once all of them stand.
   const Codebook* codebook_;
   std::span<const uint8_t> codes_;
-  RandomGridsOptions options_;
+  CodeWords words_;
 
-  ByteDescriptors descriptors_;
+  RandomGridsOptions options_;
   CellHasher hasher_;
-  mutable std::mutex mutex_;              // Held while a grid is built.
-  mutable BucketTable::Scratch scratch_;  // Empty once all grids stand.
-  // One a grid, of which the first num_standing_ may be read by anyone.
-  mutable std::vector<std::optional<BucketTable>> tables_;
+  int num_bucket_bits_;
+  mutable std::mutex mutex_;  // Held while a grid is built.
+  mutable Scratch scratch_;   // Empty once all grids stand.
+  // Of which the first num_standing_ may be read by anyone.
+  mutable std::vector<std::optional<CellLists>> grids_;
   mutable std::atomic<int> num_standing_ = 0;
 };
 

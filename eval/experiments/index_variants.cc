@@ -36,7 +36,7 @@ IndexOptions IndexWithEffort(IndexKind kind, ExperimentSize size, int effort) {
   IndexOptions options = IndexOfKind(kind, size);
   switch (kind) {
     case IndexKind::kRandomGrids:
-      options.grids.max_candidates_per_cell = effort;
+      options.grids.num_probes = effort;
       break;
     case IndexKind::kInvertedLists:
       options.lists.num_probes = effort;
@@ -57,7 +57,7 @@ std::vector<int> Efforts(IndexKind kind, ExperimentSize size) {
   const bool is_quick = size == ExperimentSize::kQuick;
   switch (kind) {
     case IndexKind::kRandomGrids:
-      return is_quick ? std::vector<int>{10, 100} : std::vector<int>{5, 20, 100};
+      return is_quick ? std::vector<int>{4, 28} : std::vector<int>{4, 28, 100};
     case IndexKind::kInvertedLists:
       return is_quick ? std::vector<int>{8} : std::vector<int>{8};
     case IndexKind::kInvertedMultiIndex:

@@ -29,6 +29,7 @@
 #include "engine/matching/cell_hasher.h"
 #include "engine/matching/distance_kernels.h"
 #include "engine/matching/distance_statistics.h"
+#include "engine/matching/hash_buckets.h"
 #include "engine/matching/match_features.h"
 #include "engine/matching/random_grids.h"
 #include "engine/matching/synthetic_descriptors.h"
@@ -122,13 +123,13 @@ double CpuSeconds() {
 }
 
 void BuildIndex(benchmark::State& state) {
-  constexpr int kBucketShift = 64 - 18;
+  constexpr int kNumBucketBits = 18;
   const RandomGridsOptions options;
   const CellHasher hasher(*Data().codebook, options);
   std::vector<std::vector<std::pair<uint32_t, uint32_t>>> pairs(options.num_grids);
   for (int grid = 0; grid < options.num_grids; ++grid) {
-    for (const uint64_t hash : hasher.PlaceCodes(*Data().codebook, Data().codes, grid).hashes) {
-      pairs[grid].emplace_back(hash >> kBucketShift, pairs[grid].size());
+    for (const uint32_t hash : hasher.HashCodes(*Data().codebook, Data().codes, grid)) {
+      pairs[grid].emplace_back(BucketOf(hash, kNumBucketBits), pairs[grid].size());
     }
   }
   double build_seconds = 0.0, sort_seconds = 0.0;
@@ -170,9 +171,12 @@ void SearchGrids(benchmark::State& state) {
   state.counters["megabytes"] = static_cast<double>(grids.MemoryBytes()) * 1e-6;
 }
 BENCHMARK(SearchGrids)
-    ->Args({5, 13, 70, 10})  // The default.
-    ->Args({5, 13, 70, 4})
-    ->Args({8, 12, 60, 8})
+    ->Args({2, 11, 60, 35})  // The default.
+    ->Args({2, 11, 60, 12})
+    ->Args({3, 10, 50, 22})
+    ->Args({2, 10, 70, 12})
+    ->Args({2, 9, 60, 12})
+    ->Args({1, 9, 70, 24})
     ->Unit(benchmark::kMillisecond);
 
 void SearchKind(benchmark::State& state) {

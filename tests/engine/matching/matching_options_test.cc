@@ -30,7 +30,7 @@ TEST(MatchingOptions, NameTheFieldThatMakesNoSense) {
       {"num_grids", [](auto* options) { options->index.grids.num_grids = 0; }},
       {"num_hashed_dims", [](auto* options) { options->index.grids.num_hashed_dims = 129; }},
       {"cell_width_sigmas", [=](auto* options) { options->index.grids.cell_width_sigmas = nan; }},
-      {"num_probes", [](auto* options) { options->index.grids.num_probes = 33; }},
+      {"num_probes", [](auto* options) { options->index.grids.num_probes = 129; }},
       {"max_candidates_per_cell",
        [](auto* options) { options->index.grids.max_candidates_per_cell = 0; }},
       {"lists.num_lists", [](auto* options) { options->index.lists.num_lists = 0; }},

@@ -229,7 +229,7 @@ void AgainstPeers(benchmark::State& state) {
     options.kind = IndexKind::kRandomGrids;
     options.grids.max_candidates_per_cell = 1'000;
     const Measured grids = MeasureOwn(
-        options, 1, 32, [](int effort, IndexOptions* o) { o->grids.num_probes = effort; },
+        options, 1, 128, [](int effort, IndexOptions* o) { o->grids.num_probes = effort; },
         &megabytes);
     Report(state, "grids", grids, megabytes, hnsw, faiss_imi);
     options.kind = IndexKind::kInvertedLists;

@@ -4,80 +4,71 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <random>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
 namespace cairn {
 namespace {
 
-// All combinations of the steps, cheapest first, by enumeration. Bit i of a delta is step i.
-std::vector<std::pair<int32_t, uint64_t>> AllCombinations(const std::vector<BorderStep>& steps) {
-  std::vector<std::pair<int32_t, uint64_t>> combinations;
-  for (uint64_t chosen = 0; chosen < uint64_t{1} << steps.size(); ++chosen) {
-    int32_t sq_cost = 0;
-    for (size_t i = 0; i < steps.size(); ++i) {
-      sq_cost += (chosen >> i & 1) != 0 ? steps[i].sq_cost : 0;
-    }
-    combinations.emplace_back(sq_cost, chosen);
+// What the sequence makes of steps whose hashes tell them apart: bit i is the i-th shortest step.
+std::vector<uint32_t> CombinationsOf(const ProbeSequence& sequence, int num_dims) {
+  constexpr uint32_t kOwn = uint32_t{1} << 20;
+  std::vector<uint32_t> steps;
+  for (int i = 0; i < num_dims; ++i) {
+    steps.push_back(uint32_t{1} << i);
   }
-  std::sort(combinations.begin(), combinations.end());
+  std::vector<uint32_t> combinations(sequence.size());
+  sequence.Fill(kOwn, steps, combinations.data());
+  for (uint32_t& combination : combinations) {
+    combination -= kOwn;
+  }
   return combinations;
 }
 
-std::vector<BorderStep> RandomSteps(size_t count, uint64_t seed) {
-  std::mt19937_64 random(seed);
-  std::vector<BorderStep> steps;
-  for (size_t i = 0; i < count; ++i) {
-    const auto distance = static_cast<int32_t>(random() % 1'000 + 1);
-    steps.push_back({distance * distance, 0});
+// Up to a factor, the mean squared length of a combination of the shortest of `num_dims` uniform
+// steps.
+int MeanSqLength(uint32_t combination) {
+  int sq_length = 0;
+  for (int i = 0; combination >> i != 0; ++i) {
+    sq_length += (combination >> i & 1) != 0 ? (i + 1) * (i + 2) : 0;
   }
-  std::sort(steps.begin(), steps.end(),
-            [](const BorderStep& a, const BorderStep& b) { return a.sq_cost < b.sq_cost; });
-  for (size_t i = 0; i < count; ++i) {
-    steps[i].delta = {uint64_t{1} << i, uint32_t{2} << i};
-  }
-  return steps;
+  return sq_length;
 }
 
-int32_t CostOf(const std::vector<BorderStep>& steps, uint64_t delta) {
-  int32_t sq_cost = 0;
-  for (size_t i = 0; i < steps.size(); ++i) {
-    sq_cost += (delta >> i & 1) != 0 ? steps[i].sq_cost : 0;
-  }
-  return sq_cost;
-}
-
-std::vector<Probe> SequenceOf(const std::vector<BorderStep>& steps, size_t num_probes) {
-  std::vector<Probe> probes(num_probes);
-  FillProbeSequence({.hash = 1'000'000, .crossed_dims = 1}, steps, probes);
-  return probes;
-}
-
-TEST(ProbeSequence, VisitsTheCheapestCombinationsInOrderOnceEach) {
-  for (uint64_t seed = 0; seed < 20; ++seed) {
-    for (const size_t num_probes : {1, 2, 3, 4, 8, 31, 32}) {
-      const std::vector<BorderStep> steps = RandomSteps(10, seed);
-      const std::vector<Probe> probes = SequenceOf(steps, num_probes);
-      const auto expected = AllCombinations(steps);
-      std::vector<uint64_t> deltas;
-      for (size_t i = 0; i < num_probes; ++i) {
-        deltas.push_back(probes[i].hash - 1'000'000);
-        EXPECT_EQ(CostOf(steps, deltas[i]), expected[i].first);
-        EXPECT_EQ(probes[i].crossed_dims, 1 | deltas[i] << 1);
+TEST(ProbeSequence, VisitsTheShortestCombinationsInOrderOnceEach) {
+  for (const int num_dims : {3, 7, 10}) {
+    std::vector<std::pair<int, uint32_t>> all;
+    for (uint32_t combination = 0; combination < uint32_t{1} << num_dims; ++combination) {
+      all.emplace_back(MeanSqLength(combination), combination);
+    }
+    std::sort(all.begin(), all.end());
+    for (const int num_probes : {1, 2, 3, 8, 31, kMaxProbes}) {
+      std::vector<uint32_t> combinations =
+          CombinationsOf(ProbeSequence(num_dims, num_probes), num_dims);
+      ASSERT_EQ(combinations.size(), std::min<size_t>(num_probes, all.size()));
+      for (size_t i = 0; i < combinations.size(); ++i) {
+        EXPECT_EQ(MeanSqLength(combinations[i]), all[i].first) << num_dims << " " << i;
       }
-      std::sort(deltas.begin(), deltas.end());
-      EXPECT_EQ(std::unique(deltas.begin(), deltas.end()), deltas.end());
+      std::sort(combinations.begin(), combinations.end());
+      EXPECT_EQ(std::unique(combinations.begin(), combinations.end()), combinations.end());
     }
   }
 }
 
-TEST(ProbeSequence, CoversAllNeighboursOfAFewDimensions) {
-  std::vector<uint64_t> deltas;
-  for (const Probe& probe : SequenceOf(RandomSteps(3, 7), 8)) {
-    deltas.push_back(probe.hash - 1'000'000);
+TEST(ProbeSequence, UsesNoMoreStepsThanItSays) {
+  const ProbeSequence sequence(10, 20);
+  uint32_t used = 0;
+  for (const uint32_t combination : CombinationsOf(sequence, 10)) {
+    used |= combination;
   }
-  EXPECT_THAT(deltas, ::testing::UnorderedElementsAre(0, 1, 2, 3, 4, 5, 6, 7));
+  EXPECT_EQ(used + 1, uint32_t{1} << sequence.num_steps());
+}
+
+TEST(ProbeSequence, CoversAllNeighboursOfAFewDimensions) {
+  EXPECT_THAT(CombinationsOf(ProbeSequence(3, 100), 3),
+              ::testing::UnorderedElementsAre(0, 1, 2, 3, 4, 5, 6, 7));
+  EXPECT_THAT(CombinationsOf(ProbeSequence(1, 100), 1), ::testing::ElementsAre(0, 1));
 }
 
 }  // namespace
