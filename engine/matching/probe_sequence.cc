@@ -1,6 +1,7 @@
 #include "engine/matching/probe_sequence.h"
 
 #include <algorithm>
+#include <functional>
 #include <queue>
 #include <tuple>
 
