@@ -1,0 +1,123 @@
+#!/usr/bin/env python3
+"""Asks sparse maps of real photos for the photos they lack: what a change of the engine is judged by
+beside simulated cities, whose lenient matches are wrong too rarely.
+
+For each step n of --steps and each offset below n, every n-th photo of the model is mapped and all
+others are queries of `cairn eval`, with its prior (10 m) and gravity (1 degree off). Right is an answer
+within 3 m and 10 degrees of the model. Maps are kept in --work and used again.
+
+Needs `python3`. Ends with 2 if something is missing or fails.
+
+Example:
+  eval/sparse_maps.py --cairn build/release/cli/cairn --images lund/images \\
+      --model lund/colmap_model --database lund/database.db --work /tmp/sparse
+"""
+
+import argparse
+import csv
+import pathlib
+import subprocess
+import sys
+
+RIGHT_M, RIGHT_DEG = 3.0, 10.0
+NEAR_M, NEAR_DEG = 0.5, 5.0
+COLUMNS = ("queries", "localized", "right", "near", "ambiguous")
+
+
+class FailedError(Exception):
+    """A program or a file is missing, or a program failed."""
+
+
+def parse_arguments():
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--cairn", required=True, help="the cairn binary")
+    parser.add_argument("--images", required=True, type=pathlib.Path,
+                        help="folder of the model's photos, with GPS positions")
+    parser.add_argument("--model", required=True, type=pathlib.Path, help="COLMAP model")
+    parser.add_argument("--database", required=True, type=pathlib.Path, help="its database")
+    parser.add_argument("--work", required=True, type=pathlib.Path, help="scratch folder")
+    parser.add_argument("--steps", type=int, nargs="+", default=[3, 4, 5],
+                        help="every n-th photo is mapped")
+    parser.add_argument("--index", default="random_grids", help="as `cairn eval` has it")
+    arguments = parser.parse_args()
+    if min(arguments.steps) < 2:
+        parser.error("--steps begin at 2, or no photo is left to ask for")
+    return arguments
+
+
+def run(*command):
+    try:
+        result = subprocess.run([str(part) for part in command], stdout=subprocess.PIPE,
+                                stderr=subprocess.STDOUT, text=True, check=False)
+    except OSError as error:
+        raise FailedError(f"{command[0]}: {error.strerror}") from error
+    if result.returncode != 0:
+        raise FailedError(f"{' '.join(map(str, command))}\n{result.stdout[-2000:]}")
+
+
+def photo_names(folder):
+    if not folder.is_dir():
+        raise FailedError(f"{folder}: not a folder")
+    return sorted(path.name for path in folder.iterdir()
+                  if path.suffix.lower() in (".jpg", ".jpeg", ".png"))
+
+
+def make_map(arguments, names, path):
+    """A map of some photos, unless it is there."""
+    if path.exists():
+        return
+    listed, unfinished = path.with_suffix(".txt"), path.with_suffix(".part")
+    listed.write_text("".join(name + "\n" for name in names))
+    unfinished.unlink(missing_ok=True)
+    run(arguments.cairn, "init", unfinished)
+    run(arguments.cairn, "ingest", unfinished, "--model", arguments.model, "--database",
+        arguments.database, "--gps", "--images", listed)
+    unfinished.rename(path)
+
+
+def ask(arguments, path):
+    """How many queries ended how, by COLUMNS."""
+    answers = path.with_suffix(".csv")
+    run(arguments.cairn, "eval", path, "--model", arguments.model, "--database",
+        arguments.database, "--index", arguments.index, "--csv", answers)
+    counts = dict.fromkeys(COLUMNS, 0)
+    with answers.open(newline="") as file:
+        for row in csv.DictReader(file):
+            counts["queries"] += 1
+            counts["ambiguous"] += row["reason"] == "AMBIGUOUS"
+            if row["localized"] == "1":
+                error_m = float(row["position_error_m"])
+                error_deg = float(row["rotation_error_deg"])
+                counts["localized"] += 1
+                counts["right"] += error_m < RIGHT_M and error_deg < RIGHT_DEG
+                counts["near"] += error_m < NEAR_M and error_deg < NEAR_DEG
+    return counts
+
+
+def print_row(name, counts):
+    print(f"{name:16}" + "".join(f"{counts[column]:>11}" for column in COLUMNS), flush=True)
+
+
+def main():
+    arguments = parse_arguments()
+    names = photo_names(arguments.images)
+    arguments.work.mkdir(parents=True, exist_ok=True)
+    print(f"{'mapped':16}" + "".join(f"{column:>11}" for column in COLUMNS))
+    total = dict.fromkeys(COLUMNS, 0)
+    for step in arguments.steps:
+        for offset in range(step):
+            path = arguments.work / f"every_{step}_from_{offset}.gpkg"
+            make_map(arguments, names[offset::step], path)
+            counts = ask(arguments, path)
+            print_row(f"every {step} from {offset}", counts)
+            total = {column: total[column] + counts[column] for column in COLUMNS}
+    print_row("all", total)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except FailedError as error:
+        print(error, file=sys.stderr)
+        sys.exit(2)
