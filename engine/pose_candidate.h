@@ -20,10 +20,11 @@ struct PoseCandidate {
 // A pose found from correspondences.
 struct PoseEstimate {
   Rigid3d cam_from_anchor;
-  std::vector<int> inliers;        // Indices into the correspondences given; one per keypoint.
-  double consensus = 0.0;          // MSAC gain over the candidate, see ConsensusSet.
-  double effective_inliers = 0.0;  // Inliers weighted by their spread over the image.
-  double mean_sq_error_px = 0.0;   // Over the inliers.
+  std::vector<int> inliers;  // Indices into the correspondences given; one per keypoint.
+  double consensus = 0.0;    // MSAC gain over the candidate, see ConsensusSet.
+  // Inliers weighted by their spread over the image and by how exactly they fit.
+  double effective_inliers = 0.0;
+  double mean_sq_error_px = 0.0;  // Over the inliers.
   // As LocalizeResult::covariance.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   int num_iterations = 0;  // Of RANSAC.

@@ -34,6 +34,7 @@ bool IsFarFromRay(const QueryContext& query, int keypoint_idx, const Eigen::Vect
 struct InlierSet {
   std::vector<int> indices;  // Into the correspondences.
   double sum_sq_error_px = 0.0;
+  double sum_gain = 0.0;  // As in ConsensusSet: 1 without an error, 0 at the threshold.
 };
 
 InlierSet GatherInliers(const QueryContext& query,
@@ -78,17 +79,19 @@ InlierSet GatherInliers(const QueryContext& query,
     if (entry.index >= 0) {
       inliers.indices.push_back(entry.index);
       inliers.sum_sq_error_px += entry.sq_error_px;
+      inliers.sum_gain += 1.0 - entry.ratio;
     }
   }
   return inliers;
 }
 
-// Of all images together.
+// Of all images together, times the mean gain: matches that agree with a pose by chance lie
+// anywhere within the threshold and gain a half in the mean.
 double EffectiveInliersOf(const QueryContext& query,
                           const std::vector<Correspondence>& correspondences,
-                          const std::vector<int>& inliers) {
+                          const InlierSet& inliers) {
   std::vector<std::vector<Eigen::Vector2d>> pixels(query.num_cameras());
-  for (const int index : inliers) {
+  for (const int index : inliers.indices) {
     pixels[query.CameraIdxOf(correspondences[index].keypoint_idx)].push_back(
         PixelOf(query, correspondences[index]));
   }
@@ -97,7 +100,7 @@ double EffectiveInliersOf(const QueryContext& query,
     const Camera& camera = i == 0 ? query.camera : query.other_cameras[i - 1].camera;
     sum += EffectiveInliers(pixels[i], camera.width_px(), camera.height_px());
   }
-  return sum;
+  return sum * inliers.sum_gain / static_cast<double>(inliers.indices.size());
 }
 
 }  // namespace
@@ -167,8 +170,8 @@ std::optional<PoseEstimate> RefineEstimate(const QueryContext& query,
   estimate.covariance = PoseCovariance(query.camera, observations, gravity, refined.cam_from_anchor,
                                        refine_options, query.other_cameras);
   estimate.mean_sq_error_px = inliers.sum_sq_error_px / static_cast<double>(inliers.indices.size());
+  estimate.effective_inliers = EffectiveInliersOf(query, correspondences, inliers);
   estimate.inliers = std::move(inliers.indices);
-  estimate.effective_inliers = EffectiveInliersOf(query, correspondences, estimate.inliers);
   return estimate;
 }
 

@@ -404,6 +404,27 @@ TEST(EstimatePose, FarAnchorCostsNoAccuracy) {
   EXPECT_TRUE(IsRight(Estimate(scene), scene));
 }
 
+// Chance agrees anywhere within the threshold, a right pose nearly exactly.
+TEST(EstimatePose, InliersCountByHowExactlyTheyFit) {
+  PoseSceneOptions options;
+  options.num_inliers = options.num_keypoints;
+  PoseScene scene = MakePoseScene(options);
+  const auto exact = Estimate(scene);
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<float> uniform_px(-2.0f, 2.0f);
+  for (Keypoint& keypoint : scene.query.keypoints) {
+    keypoint.x_px += uniform_px(random);
+    keypoint.y_px += uniform_px(random);
+  }
+  const auto loose = Estimate(scene);
+  ASSERT_TRUE(exact);
+  ASSERT_TRUE(loose);
+  ASSERT_GT(loose->inliers.size(), 0.9 * exact->inliers.size());
+  const double mean_exact = exact->effective_inliers / static_cast<double>(exact->inliers.size());
+  const double mean_loose = loose->effective_inliers / static_cast<double>(loose->inliers.size());
+  EXPECT_LT(mean_loose, 0.9 * mean_exact);
+}
+
 TEST(EstimatePose, EffectiveInliersFallWhenInliersCrowd) {
   PoseSceneOptions options;
   options.num_inliers = options.num_keypoints;
