@@ -95,7 +95,7 @@ struct LocalizeResult {
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   double position_accuracy_m = 0.0;  // Radius that holds the truth with 68 % probability.
   double rotation_accuracy_rad = 0.0;
-  double score = 0.0;                  // Effective inlier count.
+  double score = 0.0;                  // Effective inlier count, see PoseEstimate.
   double confidence = 0.0;             // Probability that the pose is within 3 m and 10 degrees.
   std::vector<LocalizeMatch> matches;  // All inliers, by camera and keypoint.
 
