@@ -4,16 +4,10 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "storage/tile_lists.h"
 
 namespace cairn {
-
-// Working memory of SortIntoBuckets, kept from one grid to the next.
-struct BucketScratch {
-  std::vector<uint64_t> pairs, sorted_pairs;  // bucket << 32 | item
-};
 
 // The bucket of a hash: its upper bits. num_bucket_bits is in [1, 26].
 inline uint32_t BucketOf(uint32_t hash, int num_bucket_bits) {
@@ -24,7 +18,7 @@ inline uint32_t BucketOf(uint32_t hash, int num_bucket_bits) {
 // bucket with more than `max_items` the first so many are a subset that is random by seed; the rest
 // follows it. Linear time.
 TileLists SortIntoBuckets(std::span<const uint32_t> hashes, int num_bucket_bits, int max_items,
-                          uint64_t seed, BucketScratch* scratch);
+                          uint64_t seed);
 
 }  // namespace cairn
 

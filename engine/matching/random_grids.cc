@@ -81,26 +81,26 @@ void RandomGrids::BuildPart() const {
   grids_[grid].emplace(MakeGrid(grid));
   num_standing_.store(grid + 1, std::memory_order_release);
   if (is_complete()) {
-    scratch_ = {};
+    places_ = {};
   }
 }
 
 CellLists RandomGrids::MakeGrid(int grid) const {
-  TileLists cells = SortIntoBuckets(hasher_.HashCodes(*codebook_, codes_, grid), num_bucket_bits_,
-                                    options_.max_candidates_per_cell,
-                                    RandomBits(options_.seed, grid), &scratch_.buckets);
+  TileLists cells =
+      SortIntoBuckets(hasher_.HashCodes(*codebook_, codes_, grid), num_bucket_bits_,
+                      options_.max_candidates_per_cell, RandomBits(options_.seed, grid));
   BlockedRows rows(words_, OrderCodes(codes_, codebook_->num_subspaces, cells));
   const auto max_compared = static_cast<uint32_t>(options_.max_candidates_per_cell);
   if (grid == 0) {
-    scratch_.places.resize(cells.members.size());
+    places_.resize(cells.members.size());
     for (uint32_t place = 0; place < cells.members.size(); ++place) {
-      scratch_.places[cells.members[place]] = place;
+      places_[cells.members[place]] = place;
     }
     return CellLists(ByteScale(*codebook_), std::move(rows), std::move(cells),
                      {.max_compared = max_compared});
   }
   for (uint32_t& member : cells.members) {
-    member = scratch_.places[member];
+    member = places_[member];
   }
   return CellLists(ByteScale(*codebook_), std::move(rows), std::move(cells),
                    {.max_compared = max_compared, .order = RandomGrids::order()});

@@ -46,12 +46,6 @@ class RandomGrids : public MatchingIndex {
   size_t MemoryBytes() const override;
 
  private:
-  // What is used and made until all grids stand.
-  struct Scratch {
-    BucketScratch buckets;
-    std::vector<uint32_t> places;  // In order(), of the descriptors.
-  };
-
   int num_standing() const { return num_standing_.load(std::memory_order_acquire); }
   CellLists MakeGrid(int grid) const;
   // The visits of all queries to the cells of a grid that hold something, in the order of memory.
@@ -66,7 +60,8 @@ class RandomGrids : public MatchingIndex {
   CellHasher hasher_;
   int num_bucket_bits_;
   mutable std::mutex mutex_;  // Held while a grid is built.
-  mutable Scratch scratch_;   // Empty once all grids stand.
+  // In order(), of the descriptors. Empty once all grids stand.
+  mutable std::vector<uint32_t> places_;
   // Of which the first num_standing_ may be read by anyone.
   mutable std::vector<std::optional<CellLists>> grids_;
   mutable std::atomic<int> num_standing_ = 0;

@@ -26,15 +26,10 @@ std::vector<uint32_t> ItemsOf(const TileLists& buckets, uint32_t bucket) {
   return {items.begin(), items.end()};
 }
 
-TileLists Sorted(const std::vector<uint32_t>& hashes, int num_bits, int max_items, uint64_t seed) {
-  BucketScratch scratch;
-  return SortIntoBuckets(hashes, num_bits, max_items, seed, &scratch);
-}
-
 TEST(SortIntoBuckets, PutsEveryItemIntoItsBucketInOrder) {
   for (const int num_bits : {1, 2, 7, 12}) {
     const std::vector<uint32_t> hashes = RandomHashes(5'000, num_bits);
-    const TileLists buckets = Sorted(hashes, num_bits, kNoCap, 1);
+    const TileLists buckets = SortIntoBuckets(hashes, num_bits, kNoCap, 1);
     std::map<uint32_t, std::vector<uint32_t>> expected;
     for (uint32_t i = 0; i < hashes.size(); ++i) {
       expected[BucketOf(hashes[i], num_bits)].push_back(i);
@@ -47,7 +42,7 @@ TEST(SortIntoBuckets, PutsEveryItemIntoItsBucketInOrder) {
 }
 
 TEST(SortIntoBuckets, OfAFullBucketARandomSubsetComesFirst) {
-  const TileLists buckets = Sorted(std::vector<uint32_t>(1'000, 0), 4, 100, 1);
+  const TileLists buckets = SortIntoBuckets(std::vector<uint32_t>(1'000, 0), 4, 100, 1);
   std::vector<uint32_t> items = ItemsOf(buckets, 0);
   ASSERT_EQ(items.size(), 1'000u);
   EXPECT_TRUE(std::is_sorted(items.begin(), items.begin() + 100));
@@ -61,7 +56,7 @@ TEST(SortIntoBuckets, OfAFullBucketARandomSubsetComesFirst) {
 }
 
 TEST(SortIntoBuckets, ABucketJustFullStaysInOrder) {
-  const TileLists buckets = Sorted(std::vector<uint32_t>(100, ~uint32_t{0}), 4, 100, 1);
+  const TileLists buckets = SortIntoBuckets(std::vector<uint32_t>(100, ~uint32_t{0}), 4, 100, 1);
   const std::vector<uint32_t> items = ItemsOf(buckets, 15);
   EXPECT_EQ(items.size(), 100u);
   EXPECT_TRUE(std::is_sorted(items.begin(), items.end()));
@@ -69,20 +64,12 @@ TEST(SortIntoBuckets, ABucketJustFullStaysInOrder) {
 
 TEST(SortIntoBuckets, TheSubsetDependsOnTheSeedAlone) {
   const std::vector<uint32_t> hashes(1'000, 0);
-  EXPECT_EQ(Sorted(hashes, 4, 100, 1), Sorted(hashes, 4, 100, 1));
-  EXPECT_NE(Sorted(hashes, 4, 100, 1), Sorted(hashes, 4, 100, 2));
-}
-
-TEST(SortIntoBuckets, ScratchOfOneGridServesTheNext) {
-  BucketScratch scratch;
-  for (const size_t count : {1'000, 10, 500}) {
-    const std::vector<uint32_t> hashes = RandomHashes(count, count);
-    EXPECT_EQ(SortIntoBuckets(hashes, 3, kNoCap, 1, &scratch), Sorted(hashes, 3, kNoCap, 1));
-  }
+  EXPECT_EQ(SortIntoBuckets(hashes, 4, 100, 1), SortIntoBuckets(hashes, 4, 100, 1));
+  EXPECT_NE(SortIntoBuckets(hashes, 4, 100, 1), SortIntoBuckets(hashes, 4, 100, 2));
 }
 
 TEST(SortIntoBuckets, NothingGivesEmptyBuckets) {
-  const TileLists buckets = Sorted({}, 1, 100, 1);
+  const TileLists buckets = SortIntoBuckets({}, 1, 100, 1);
   EXPECT_THAT(ItemsOf(buckets, 0), ::testing::IsEmpty());
   EXPECT_THAT(ItemsOf(buckets, 1), ::testing::IsEmpty());
 }

@@ -227,7 +227,6 @@ void AgainstPeers(benchmark::State& state) {
 
     IndexOptions options;
     options.kind = IndexKind::kRandomGrids;
-    options.grids.max_candidates_per_cell = 1'000;
     const Measured grids = MeasureOwn(
         options, 1, 128, [](int effort, IndexOptions* o) { o->grids.num_probes = effort; },
         &megabytes);
