@@ -77,14 +77,14 @@ void NormalizeDescriptors(DescriptorNormalization normalization, DescriptorMatri
   if (normalization == DescriptorNormalization::kNone) {
     return;
   }
+  Eigen::Array<float, 1, Eigen::Dynamic> roots(descriptors->cols());
   for (Eigen::Index row = 0; row < descriptors->rows(); ++row) {
-    auto descriptor = descriptors->row(row);
-    const float l1_norm = descriptor.lpNorm<1>();
+    auto descriptor = descriptors->row(row).array();
+    const float l1_norm = descriptor.abs().sum();
     if (l1_norm > 0.0f) {
       // Elements of a histogram are not negative; signs of others survive.
-      descriptor = descriptor.unaryExpr([l1_norm](float value) {
-        return std::copysign(std::sqrt(std::abs(value) / l1_norm), value);
-      });
+      roots = (descriptor.abs() / l1_norm).sqrt();
+      descriptor = (descriptor < 0.0f).select(-roots, roots);
     }
   }
 }

@@ -138,46 +138,23 @@ inline size_t AppendHits(uint32_t rows, size_t first, const int32_t* sq_distance
 #define CAIRN_AVX2 __attribute__((target("avx2")))
 #define CAIRN_AVX512VNNI __attribute__((target("avx512f,avx512bw,avx512vl,avx512vnni")))
 
-// The squared distances of half a block after another, the usual case by itself: rows of 16 bytes
-// and a query that stays in registers.
-class Avx2Query {
+// The products of a query with eight rows of a block at a time, of which there are three forms: any
+// query,
+class Avx2AnyQuery {
  public:
-  CAIRN_AVX2 Avx2Query(const BlockQuery& query, int stride)
-      : query_(query),
-        stride_(stride),
-        is_small_(stride == kNumSmall * kGroupDims),
-        constant_(_mm256_set1_epi32(query.constant)) {
-    for (int group = 0; group < kNumSmall; ++group) {
-      small_even_[group] = Values(query.values + group * kGroupDims);
-      small_odd_[group] = Values(query.values + group * kGroupDims + 1);
-    }
-  }
+  Avx2AnyQuery(const BlockQuery& query, int stride) : query_(query), stride_(stride) {}
 
-  // Of the lower (half = 0) or upper eight rows of a block.
-  CAIRN_AVX2 __m256i SqDistances(const uint8_t* block, const int32_t* sq_norms, int half) const {
+  // Twice the products with the lower (half = 0) or upper rows.
+  CAIRN_AVX2 __m256i TwiceProducts(const uint8_t* block, int half) const {
     const auto* bytes = reinterpret_cast<const __m256i*>(block) + half;
-    const auto* norms = reinterpret_cast<const __m256i*>(sq_norms) + half;
-    __m256i products;
-    if (is_small_) {
-      products =
-          _mm256_add_epi32(_mm256_add_epi32(Products(bytes[0], small_even_[0], small_odd_[0]),
-                                            Products(bytes[2], small_even_[1], small_odd_[1])),
-                           _mm256_add_epi32(Products(bytes[4], small_even_[2], small_odd_[2]),
-                                            Products(bytes[6], small_even_[3], small_odd_[3])));
-    } else {
-      products = _mm256_setzero_si256();
-      for (int group = 0; group < stride_ / kGroupDims; ++group) {
-        const int16_t* values = query_.values + group * kGroupDims;
-        products = _mm256_add_epi32(products,
-                                    Products(bytes[2 * group], Values(values), Values(values + 1)));
-      }
+    __m256i products = _mm256_setzero_si256();
+    for (int group = 0; group < stride_ / kGroupDims; ++group) {
+      const int16_t* values = query_.values + group * kGroupDims;
+      products = _mm256_add_epi32(products,
+                                  Products(bytes[2 * group], Values(values), Values(values + 1)));
     }
-    return _mm256_sub_epi32(_mm256_add_epi32(constant_, _mm256_loadu_si256(norms)),
-                            _mm256_slli_epi32(products, 1));
+    return _mm256_slli_epi32(products, 1);
   }
-
- private:
-  static constexpr int kNumSmall = 4;
 
   // Every second of the four values of a group, from `from` on.
   CAIRN_AVX2 static __m256i Values(const int16_t* from) {
@@ -193,36 +170,110 @@ class Avx2Query {
                             _mm256_madd_epi16(_mm256_srli_epi16(rows, 8), odd_values));
   }
 
+ private:
   const BlockQuery& query_;
   int stride_;
-  bool is_small_;
-  __m256i constant_;
-  __m256i small_even_[kNumSmall], small_odd_[kNumSmall];  // Of the first groups.
 };
+
+constexpr int kNumSmall = 4;  // Groups of a query that stays in registers: rows of 16 bytes.
+
+CAIRN_AVX2 inline __m256i Sum(__m256i a, __m256i b, __m256i c, __m256i d) {
+  return _mm256_add_epi32(_mm256_add_epi32(a, b), _mm256_add_epi32(c, d));
+}
+
+// a small one,
+class Avx2SmallQuery {
+ public:
+  CAIRN_AVX2 explicit Avx2SmallQuery(const BlockQuery& query) {
+    for (int group = 0; group < kNumSmall; ++group) {
+      even_[group] = Avx2AnyQuery::Values(query.values + group * kGroupDims);
+      odd_[group] = Avx2AnyQuery::Values(query.values + group * kGroupDims + 1);
+    }
+  }
+  CAIRN_AVX2 __m256i TwiceProducts(const uint8_t* block, int half) const {
+    const auto* bytes = reinterpret_cast<const __m256i*>(block) + half;
+    const auto products = [&](int group) CAIRN_AVX2 {
+      return Avx2AnyQuery::Products(bytes[2 * group], even_[group], odd_[group]);
+    };
+    return _mm256_slli_epi32(Sum(products(0), products(1), products(2), products(3)), 1);
+  }
+
+ private:
+  __m256i even_[kNumSmall], odd_[kNumSmall];
+};
+
+// and the usual one: small with narrow pairs, whose bytes are multiplied as they are.
+class Avx2NarrowQuery {
+ public:
+  CAIRN_AVX2 explicit Avx2NarrowQuery(const BlockQuery& query) {
+    for (int group = 0; group < kNumSmall; ++group) {
+      int32_t four_values;
+      std::memcpy(&four_values, query.parts + group * kGroupDims, sizeof(four_values));
+      parts_[group] = _mm256_set1_epi32(four_values);
+    }
+  }
+  CAIRN_AVX2 __m256i TwiceProducts(const uint8_t* block, int half) const {
+    const auto* bytes = reinterpret_cast<const __m256i*>(block) + half;
+    const auto products = [&](int group) CAIRN_AVX2 {
+      return _mm256_madd_epi16(
+          _mm256_maddubs_epi16(_mm256_loadu_si256(bytes + 2 * group), parts_[group]),
+          _mm256_set1_epi16(2));
+    };
+    return Sum(products(0), products(1), products(2), products(3));
+  }
+
+ private:
+  __m256i parts_[kNumSmall];
+};
+
+// Calls use(q) with q the query in its form.
+template <typename Use>
+CAIRN_AVX2 inline auto WithAvx2Query(const BlockQuery& query, int stride, const Use& use) {
+  if (stride != kNumSmall * kGroupDims) {
+    return use(Avx2AnyQuery(query, stride));
+  }
+  return query.has_narrow_pairs ? use(Avx2NarrowQuery(query)) : use(Avx2SmallQuery(query));
+}
+
+CAIRN_AVX2 inline __m256i Avx2Norms(const int32_t* sq_norms, int half) {
+  return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(sq_norms) + half);
+}
+
+// Of the lower (half = 0) or upper eight rows of a block, with the query's constant.
+template <typename Query>
+CAIRN_AVX2 inline __m256i Avx2SqDistances(const Query& query, __m256i constant,
+                                          const uint8_t* block, const int32_t* sq_norms, int half) {
+  return _mm256_sub_epi32(_mm256_add_epi32(constant, Avx2Norms(sq_norms, half)),
+                          query.TwiceProducts(block, half));
+}
 
 CAIRN_AVX2 void Avx2Scan(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms,
                          int stride, size_t num_blocks, int32_t* sq_distances) {
-  const Avx2Query avx2(query, stride);
-  for (size_t i = 0; i < num_blocks; ++i) {
-    for (int half = 0; half < 2; ++half) {
-      _mm256_storeu_si256(
-          reinterpret_cast<__m256i*>(sq_distances + i * kBlockRows + half * kBlockRows / 2),
-          avx2.SqDistances(blocks + i * kBlockRows * stride, sq_norms + i * kBlockRows, half));
+  const __m256i constant = _mm256_set1_epi32(query.constant);
+  WithAvx2Query(query, stride, [&](const auto& avx2) CAIRN_AVX2 {
+    for (size_t i = 0; i < num_blocks; ++i) {
+      for (int half = 0; half < 2; ++half) {
+        _mm256_storeu_si256(
+            reinterpret_cast<__m256i*>(sq_distances + i * kBlockRows + half * kBlockRows / 2),
+            Avx2SqDistances(avx2, constant, blocks + i * kBlockRows * stride,
+                            sq_norms + i * kBlockRows, half));
+      }
     }
-  }
+  });
 }
 
-CAIRN_AVX2 size_t Avx2Nearest(const BlockQuery& query, const uint8_t* blocks,
-                              const int32_t* sq_norms, int stride, size_t num_rows) {
+template <typename Query>
+CAIRN_AVX2 size_t Avx2NearestTo(const Query& query, __m256i constant, const uint8_t* blocks,
+                                const int32_t* sq_norms, int stride, size_t num_rows) {
   constexpr int kLanes = 8;
-  const Avx2Query avx2(query, stride);
   // Of each lane, the first of its nearest rows.
   __m256i nearest = _mm256_set1_epi32(std::numeric_limits<int32_t>::max());
   __m256i nearest_rows = _mm256_setzero_si256();
   __m256i rows = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
   for (size_t first = 0; first < num_rows; first += kBlockRows) {
     for (int half = 0; half < 2; ++half) {
-      const __m256i eight = avx2.SqDistances(blocks + first * stride, sq_norms + first, half);
+      const __m256i eight =
+          Avx2SqDistances(query, constant, blocks + first * stride, sq_norms + first, half);
       const __m256i is_nearer = _mm256_cmpgt_epi32(nearest, eight);
       nearest = _mm256_min_epi32(nearest, eight);
       nearest_rows = _mm256_blendv_epi8(nearest_rows, rows, is_nearer);
@@ -239,7 +290,16 @@ CAIRN_AVX2 size_t Avx2Nearest(const BlockQuery& query, const uint8_t* blocks,
   return NearestOf(candidates, kLanes);
 }
 
-CAIRN_AVX2 void Avx2MinimaOfPart(const Avx2Query& avx2, const uint8_t* blocks,
+CAIRN_AVX2 size_t Avx2Nearest(const BlockQuery& query, const uint8_t* blocks,
+                              const int32_t* sq_norms, int stride, size_t num_rows) {
+  const __m256i constant = _mm256_set1_epi32(query.constant);
+  return WithAvx2Query(query, stride, [&](const auto& avx2) CAIRN_AVX2 {
+    return Avx2NearestTo(avx2, constant, blocks, sq_norms, stride, num_rows);
+  });
+}
+
+template <typename Query>
+CAIRN_AVX2 void Avx2MinimaOfPart(const Query& query, __m256i constant, const uint8_t* blocks,
                                  const int32_t* sq_norms, int stride, size_t first, size_t last,
                                  int32_t* minima) {
   __m256i smallest[2];
@@ -247,8 +307,8 @@ CAIRN_AVX2 void Avx2MinimaOfPart(const Avx2Query& avx2, const uint8_t* blocks,
   for (size_t i = first; i < last; ++i) {
     for (int half = 0; half < 2; ++half) {
       smallest[half] = _mm256_min_epi32(
-          smallest[half],
-          avx2.SqDistances(blocks + i * kBlockRows * stride, sq_norms + i * kBlockRows, half));
+          smallest[half], Avx2SqDistances(query, constant, blocks + i * kBlockRows * stride,
+                                          sq_norms + i * kBlockRows, half));
     }
   }
   for (int half = 0; half < 2; ++half) {
@@ -258,51 +318,82 @@ CAIRN_AVX2 void Avx2MinimaOfPart(const Avx2Query& avx2, const uint8_t* blocks,
 
 CAIRN_AVX2 void Avx2Minima(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms,
                            int stride, size_t num_blocks, size_t num_parts, int32_t* minima) {
-  const Avx2Query avx2(query, stride);
-  MinimaOfParts(num_blocks, num_parts, minima, [&](size_t first, size_t last, int32_t* smallest) {
-    Avx2MinimaOfPart(avx2, blocks, sq_norms, stride, first, last, smallest);
+  const __m256i constant = _mm256_set1_epi32(query.constant);
+  WithAvx2Query(query, stride, [&](const auto& avx2) CAIRN_AVX2 {
+    MinimaOfParts(num_blocks, num_parts, minima, [&](size_t first, size_t last, int32_t* smallest) {
+      Avx2MinimaOfPart(avx2, constant, blocks, sq_norms, stride, first, last, smallest);
+    });
   });
 }
 
-// Bits of the rows of a block within the bound.
-CAIRN_AVX2 inline uint32_t Avx2Near(const Avx2Query& avx2, const uint8_t* block,
-                                    const int32_t* sq_norms, __m256i bound) {
-  const __m256i beyond_low = _mm256_cmpgt_epi32(avx2.SqDistances(block, sq_norms, 0), bound);
-  const __m256i beyond_high = _mm256_cmpgt_epi32(avx2.SqDistances(block, sq_norms, 1), bound);
-  const auto low = static_cast<uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(beyond_low)));
-  const auto high = static_cast<uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(beyond_high)));
-  return (low | high << (kBlockRows / 2)) ^ ((uint32_t{1} << kBlockRows) - 1);
+// Lanes of the lower or upper rows of a block that are beyond a bound, which the query's constant
+// is given less of.
+template <typename Query>
+CAIRN_AVX2 inline __m256i Avx2Beyond(const Query& query, __m256i constant_less_bound,
+                                     const uint8_t* block, const int32_t* sq_norms, int half) {
+  return _mm256_cmpgt_epi32(_mm256_add_epi32(constant_less_bound, Avx2Norms(sq_norms, half)),
+                            query.TwiceProducts(block, half));
 }
 
-// Blocks whose near rows are noted before they are appended.
+// Blocks with rows within the bound are noted before their hits are appended.
 constexpr size_t kNotedBlocks = 32;
 
-// The range within the kNotedBlocks blocks from `first` on. Few of them hold a hit, and a branch
-// for each would often be mispredicted: near rows are noted without one, and their blocks are
-// computed again.
-CAIRN_AVX2 size_t Avx2RangeOfFew(const Avx2Query& avx2, const uint8_t* blocks,
-                                 const int32_t* sq_norms, int stride, size_t first, size_t begin,
-                                 size_t end, __m256i bound, BlockHit* hits) {
-  std::array<uint32_t, kNotedBlocks> near;
-  const size_t num_blocks = (end - first + kBlockRows - 1) / kBlockRows;
+// Bits of the blocks that hold a row within the bound, of at most kNotedBlocks.
+template <typename Query>
+CAIRN_AVX2 inline uint32_t Avx2BlocksWithin(const Query& query, __m256i constant_less_bound,
+                                            const uint8_t* blocks, const int32_t* sq_norms,
+                                            int stride, size_t num_blocks) {
+  constexpr int kAllLanes = 0xff;
   uint32_t noted = 0;
   for (size_t i = 0; i < num_blocks; ++i) {
-    const size_t row = first + i * kBlockRows;
-    near[i] = Avx2Near(avx2, blocks + row * stride, sq_norms + row, bound);
-    noted |= (near[i] != 0 ? uint32_t{1} : 0) << i;
+    const uint8_t* block = blocks + i * kBlockRows * stride;
+    const int32_t* norms = sq_norms + i * kBlockRows;
+    const __m256i beyond =
+        _mm256_and_si256(Avx2Beyond(query, constant_less_bound, block, norms, 0),
+                         Avx2Beyond(query, constant_less_bound, block, norms, 1));
+    const bool is_noted = _mm256_movemask_ps(_mm256_castsi256_ps(beyond)) != kAllLanes;
+    noted |= (is_noted ? uint32_t{1} : 0) << i;
   }
-  near[0] &= RowsInRange(first, begin, end);
-  near[num_blocks - 1] &= RowsInRange(first + (num_blocks - 1) * kBlockRows, begin, end);
+  return noted;
+}
+
+// Appends the rows of the block at `row` that are within the bound and in [begin, end).
+template <typename Query>
+CAIRN_AVX2 inline size_t Avx2Append(const Query& query, __m256i constant, const uint8_t* block,
+                                    const int32_t* sq_norms, int32_t max_sq_distance, size_t row,
+                                    size_t begin, size_t end, BlockHit* hits) {
+  alignas(32) std::array<int32_t, kBlockRows> sq_distances;
+  uint32_t beyond = 0;
+  for (int half = 0; half < 2; ++half) {
+    const __m256i eight = Avx2SqDistances(query, constant, block, sq_norms, half);
+    const __m256i is_beyond = _mm256_cmpgt_epi32(eight, _mm256_set1_epi32(max_sq_distance));
+    _mm256_store_si256(reinterpret_cast<__m256i*>(sq_distances.data()) + half, eight);
+    beyond |= static_cast<uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(is_beyond)))
+              << half * kBlockRows / 2;
+  }
+  return AppendHits(RowsInRange(row, begin, end) & ~beyond, row, sq_distances.data(), hits);
+}
+
+// Few blocks hold a hit, and a branch for each would often be mispredicted: those with hits are
+// noted without one, and computed again.
+template <typename Query>
+CAIRN_AVX2 size_t Avx2RangeOf(const Query& query, int32_t constant, const uint8_t* blocks,
+                              const int32_t* sq_norms, int stride, size_t begin, size_t end,
+                              int32_t max_sq_distance, BlockHit* hits) {
+  const int64_t constant_less_bound =
+      std::max<int64_t>(int64_t{constant} - max_sq_distance, std::numeric_limits<int32_t>::min());
+  const __m256i lanes = _mm256_set1_epi32(static_cast<int32_t>(constant_less_bound));
   size_t num_hits = 0;
-  for (; noted != 0; noted &= noted - 1) {
-    const int i = __builtin_ctz(noted);
-    const size_t row = first + i * kBlockRows;
-    alignas(32) std::array<int32_t, kBlockRows> sq_distances;
-    for (int half = 0; half < 2; ++half) {
-      _mm256_store_si256(reinterpret_cast<__m256i*>(sq_distances.data()) + half,
-                         avx2.SqDistances(blocks + row * stride, sq_norms + row, half));
+  for (size_t first = begin / kBlockRows * kBlockRows; first < end;
+       first += kNotedBlocks * kBlockRows) {
+    const size_t num_blocks = std::min(kNotedBlocks, (end - first + kBlockRows - 1) / kBlockRows);
+    uint32_t noted = Avx2BlocksWithin(query, lanes, blocks + first * stride, sq_norms + first,
+                                      stride, num_blocks);
+    for (; noted != 0; noted &= noted - 1) {
+      const size_t row = first + static_cast<size_t>(__builtin_ctz(noted)) * kBlockRows;
+      num_hits += Avx2Append(query, _mm256_set1_epi32(constant), blocks + row * stride,
+                             sq_norms + row, max_sq_distance, row, begin, end, hits + num_hits);
     }
-    num_hits += AppendHits(near[i], row, sq_distances.data(), hits + num_hits);
   }
   return num_hits;
 }
@@ -310,16 +401,10 @@ CAIRN_AVX2 size_t Avx2RangeOfFew(const Avx2Query& avx2, const uint8_t* blocks,
 CAIRN_AVX2 size_t Avx2Range(const BlockQuery& query, const uint8_t* blocks, const int32_t* sq_norms,
                             int stride, size_t begin, size_t end, int32_t max_sq_distance,
                             BlockHit* hits) {
-  const Avx2Query avx2(query, stride);
-  const __m256i bound = _mm256_set1_epi32(max_sq_distance);
-  size_t num_hits = 0;
-  for (size_t first = begin / kBlockRows * kBlockRows; first < end;
-       first += kNotedBlocks * kBlockRows) {
-    num_hits +=
-        Avx2RangeOfFew(avx2, blocks, sq_norms, stride, first, begin,
-                       std::min(end, first + kNotedBlocks * kBlockRows), bound, hits + num_hits);
-  }
-  return num_hits;
+  return WithAvx2Query(query, stride, [&](const auto& avx2) CAIRN_AVX2 {
+    return Avx2RangeOf(avx2, query.constant, blocks, sq_norms, stride, begin, end, max_sq_distance,
+                       hits);
+  });
 }
 
 // The squared distances of one block after another, the usual case by itself: rows of 16 bytes and

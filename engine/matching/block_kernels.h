@@ -21,10 +21,12 @@ inline constexpr int kGroupDims = 4;
 
 // A query prepared for the kernels.
 struct BlockQuery {
-  const int16_t* values;  // `stride` of them: q - c.
-  const int8_t* parts;    // num_parts x stride: summands of the values that fit a byte.
-  int num_parts = 0;      // 1 unless the query is far outside of the descriptors.
-  int32_t constant = 0;   // |q - c|^2 + 2 (q - c).c.
+  const int16_t* values = nullptr;  // `stride` of them: q - c.
+  const int8_t* parts = nullptr;    // num_parts x stride: summands of the values that fit a byte.
+  int num_parts = 0;                // 1 unless the query is far outside of the descriptors.
+  int32_t constant = 0;             // |q - c|^2 + 2 (q - c).c.
+  // There is one part, and two neighbouring values times any two bytes add up to 16 bits.
+  bool has_narrow_pairs = false;
 };
 
 struct BlockHit {

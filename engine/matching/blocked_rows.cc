@@ -72,6 +72,18 @@ int32_t CopyRow(const uint8_t* row, int any_stride, uint8_t* to) {
   return sq_norm;
 }
 
+// See BlockQuery.
+bool HasNarrowPairs(std::span<const int16_t> values) {
+  constexpr int kMaxSum = std::numeric_limits<int8_t>::max();  // Times any byte fits 16 bits.
+  bool is_narrow = true;
+  for (size_t dim = 0; dim < values.size(); dim += 2) {
+    const int a = values[dim], b = values[dim + 1];
+    is_narrow &= std::max(a, 0) + std::max(b, 0) <= kMaxSum;
+    is_narrow &= std::min(a, 0) + std::min(b, 0) >= -kMaxSum;
+  }
+  return is_narrow;
+}
+
 // The count-th smallest of few values. Comparing each with all others takes no branches that depend
 // on them.
 CAIRN_VECTOR_CLONES int32_t SmallestOfFew(size_t count, const int32_t* values, int num_values) {
@@ -170,28 +182,31 @@ void BlockedRows::Nearest(const BlockQuery& query, size_t count, NearestScratch*
 }
 
 BlockQueries::BlockQueries(std::span<const int16_t> steps, std::span<const int16_t> centers)
-    : stride_(centers.size()), values_(steps.size()), part_begin_{0} {
-  const size_t num_queries = steps.size() / stride_;
-  parts_.reserve(num_queries * stride_);
-  part_begin_.reserve(num_queries + 1);
-  constants_.reserve(num_queries);
-  for (size_t query = 0; query < num_queries; ++query) {
-    int16_t* values = values_.data() + query * stride_;
-    int32_t constant = 0;
+    : stride_(centers.size()), values_(steps.size()), queries_(steps.size() / stride_) {
+  parts_.reserve(steps.size());
+  for (size_t i = 0; i < queries_.size(); ++i) {
+    int16_t* values = values_.data() + i * stride_;
+    BlockQuery& query = queries_[i];
     for (size_t dim = 0; dim < stride_; ++dim) {
-      values[dim] = static_cast<int16_t>(steps[query * stride_ + dim] - centers[dim]);
-      constant += values[dim] * (values[dim] + 2 * centers[dim]);
+      values[dim] = static_cast<int16_t>(steps[i * stride_ + dim] - centers[dim]);
+      query.constant += values[dim] * (values[dim] + 2 * centers[dim]);
     }
-    constants_.push_back(constant);
-    part_begin_.push_back(part_begin_.back() + AppendParts({values, stride_}));
+    query.values = values;
+    query.num_parts = AppendParts({values, stride_});
+    query.has_narrow_pairs = HasNarrowPairs({values, stride_});
+  }
+  const int8_t* parts = parts_.data();
+  for (BlockQuery& query : queries_) {
+    query.parts = parts;
+    parts += query.num_parts * stride_;
   }
 }
 
-uint32_t BlockQueries::AppendParts(std::span<const int16_t> values) {
+int BlockQueries::AppendParts(std::span<const int16_t> values) {
   constexpr int16_t kMinPart = std::numeric_limits<int8_t>::min();
   constexpr int16_t kMaxPart = std::numeric_limits<int8_t>::max();
   std::vector<int16_t> rest;  // What the parts so far do not make up; empty at first: all.
-  for (uint32_t num_parts = 1;; ++num_parts) {
+  for (int num_parts = 1;; ++num_parts) {
     int16_t unequal = 0;
     const size_t begin = parts_.size();
     parts_.resize(begin + stride_);

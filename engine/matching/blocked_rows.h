@@ -98,22 +98,20 @@ class BlockQueries {
  public:
   // steps: n x stride values as ByteScale makes them; `centers` those of the rows.
   BlockQueries(std::span<const int16_t> steps, std::span<const int16_t> centers);
+  BlockQueries(const BlockQueries&) = delete;  // Queries point into their own memory.
+  BlockQueries& operator=(const BlockQueries&) = delete;
 
-  BlockQuery operator[](size_t query) const {
-    return {values_.data() + query * stride_, parts_.data() + size_t{part_begin_[query]} * stride_,
-            static_cast<int>(part_begin_[query + 1] - part_begin_[query]), constants_[query]};
-  }
-  size_t size() const { return constants_.size(); }
+  const BlockQuery& operator[](size_t query) const { return queries_[query]; }
+  size_t size() const { return queries_.size(); }
 
  private:
   // Appends values as a sum of parts; returns their number.
-  uint32_t AppendParts(std::span<const int16_t> values);
+  int AppendParts(std::span<const int16_t> values);
 
   size_t stride_;
   std::vector<int16_t> values_;  // n x stride.
-  std::vector<int8_t> parts_;
-  std::vector<uint32_t> part_begin_;  // n + 1 offsets into parts_, in units of stride.
-  std::vector<int32_t> constants_;
+  std::vector<int8_t> parts_;    // Of one query after the other.
+  std::vector<BlockQuery> queries_;
 };
 
 }  // namespace cairn

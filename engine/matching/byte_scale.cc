@@ -75,6 +75,10 @@ ByteScale::ByteScale(const Codebook& codebook) {
   if (widest / kMaxByte >= std::numeric_limits<float>::min()) {
     step_ = static_cast<float>(widest / kMaxByte);
   }
+  for (size_t dim = 0; dim < max.size(); ++dim) {
+    const double middle = 0.5 * (static_cast<double>(max[dim]) + offset_[dim]);
+    offset_[dim] = static_cast<float>(middle - 0.5 * kMaxByte * static_cast<double>(step_));
+  }
   stride_ = (dim() + kDistanceBlock - 1) / kDistanceBlock * kDistanceBlock;
 }
 

@@ -14,9 +14,10 @@
 
 namespace cairn {
 
-// The affine map between projected space and bytes: an offset per dimension, one step for all, wide
-// enough for every word of the codebook. Rounding adds a variance of step^2 / 12 per dimension and
-// side, about 0.1 % of a squared same-landmark distance. Immutable; safe to use from any thread.
+// The affine map between projected space and bytes: an offset per dimension, which puts the middle
+// of the codebook's words at the middle of a byte, and one step for all, wide enough for every
+// word. Rounding adds a variance of step^2 / 12 per dimension and side, about 0.1 % of a squared
+// same-landmark distance. Immutable; safe to use from any thread.
 class ByteScale {
  public:
   // Throws Error(kBadInput) if the codebook has more than kMaxDistanceStride dimensions.

@@ -107,20 +107,16 @@ CellLists RandomGrids::MakeGrid(int grid) const {
 }
 
 std::vector<CellVisit> RandomGrids::MakeVisits(const DescriptorMatrix& queries, int grid) const {
-  const TileLists& cells = grids_[grid]->lists();
   std::vector<uint32_t> hashes(hasher_.num_probes());
-  std::vector<CellVisit> visits(queries.rows() * hashes.size());
-  size_t num_visits = 0;
+  std::vector<CellVisit> visits;
+  visits.reserve(queries.rows() * hashes.size());
   for (Eigen::Index query = 0; query < queries.rows(); ++query) {
     hasher_.FindProbes(queries.row(query).data(), grid, hashes.data());
     for (const uint32_t hash : hashes) {
-      const uint32_t bucket = BucketOf(hash, num_bucket_bits_);
-      visits[num_visits] = {bucket, static_cast<uint32_t>(query)};
-      num_visits += cells.begin[bucket] < cells.begin[bucket + 1] ? 1 : 0;  // Without a branch.
+      visits.push_back({BucketOf(hash, num_bucket_bits_), static_cast<uint32_t>(query)});
     }
   }
-  visits.resize(num_visits);
-  return SortedByCell(visits, cells.num_lists());
+  return SortedByCell(visits, grids_[grid]->num_cells());
 }
 
 int64_t RandomGrids::Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const {

@@ -18,7 +18,9 @@
 namespace cairn {
 namespace {
 
-// Random rows and queries; some queries reach far beyond the rows.
+using ::testing::ElementsAreArray;
+
+// Random rows and queries; some queries reach far beyond the rows, some have narrow pairs.
 struct Scene {
   Scene(int stride_in, size_t num_rows, uint64_t seed)
       : stride(stride_in), rows(num_rows * stride) {
@@ -27,8 +29,13 @@ struct Scene {
       value = static_cast<uint8_t>(random() % 256);
     }
     for (int query = 0; query < kNumQueries; ++query) {
-      const int reach = query % 3 == 0 ? 1024 : query % 3 == 1 ? 300 : 0;
+      const int reach = query % 4 == 0 ? 1024 : query % 4 == 1 ? 300 : 0;
       for (int dim = 0; dim < stride; ++dim) {
+        if (query % 4 == 3) {
+          // Some below the middle, whose constant is negative.
+          steps.push_back(static_cast<int16_t>(65 + random() % (query % 8 == 3 ? 64 : 127)));
+          continue;
+        }
         steps.push_back(static_cast<int16_t>(static_cast<int>(random() % (256 + reach)) -
                                              (random() % 2 == 0 ? reach : 0)));
       }
@@ -82,6 +89,31 @@ std::vector<int32_t> MinimaOf(const BlockedRows& rows, const BlockKernels& kerne
   return minima;
 }
 
+// What a variant finds of a range, and what it should: rows and distances.
+using Hits = std::vector<std::pair<uint32_t, int32_t>>;
+
+Hits RangeOf(const BlockedRows& rows, const BlockKernels& kernels, const BlockQuery& query,
+             size_t begin, size_t end, int32_t bound) {
+  std::vector<BlockHit> found(rows.size() + kRangeSlack);
+  found.resize(rows.RangeWith(kernels, query, begin, end, bound, found.data()));
+  Hits hits;
+  for (const BlockHit& hit : found) {
+    hits.emplace_back(hit.row, hit.sq_distance);
+  }
+  return hits;
+}
+
+Hits ExpectedRange(const std::vector<int32_t>& sq_distances, size_t begin, size_t end,
+                   int32_t bound) {
+  Hits hits;
+  for (size_t row = begin; row < end; ++row) {
+    if (sq_distances[row] <= bound) {
+      hits.emplace_back(static_cast<uint32_t>(row), sq_distances[row]);
+    }
+  }
+  return hits;
+}
+
 class BlockKernelsTest : public ::testing::TestWithParam<int> {};
 
 // Every variant against plain distances row by row, as the variant would be used by BlockedRows.
@@ -107,20 +139,12 @@ TEST_P(BlockKernelsTest, EveryVariantGivesTheSame) {
           ASSERT_EQ(MinimaOf(blocked, *kernels, queries[query], num_parts),
                     scene.ExpectedMinima(query, num_parts));
         }
-        const int32_t bound = expected[num_rows / 2];
-        for (const size_t begin : {size_t{0}, num_rows / 3, num_rows - 1}) {
-          std::vector<BlockHit> hits(num_rows + kRangeSlack);
-          hits.resize(blocked.RangeWith(*kernels, queries[query], begin, num_rows - num_rows / 5,
-                                        bound, hits.data()));
-          size_t next = 0;
-          for (size_t row = begin; row < num_rows - num_rows / 5; ++row) {
-            if (expected[row] <= bound) {
-              ASSERT_LT(next, hits.size());
-              ASSERT_EQ(hits[next].row, row);
-              ASSERT_EQ(hits[next++].sq_distance, expected[row]);
-            }
+        for (const int32_t bound : {expected[num_rows / 2], Scene::kNone}) {
+          for (const size_t begin : {size_t{0}, num_rows / 3, num_rows - 1}) {
+            const size_t end = num_rows - num_rows / 5;
+            EXPECT_THAT(RangeOf(blocked, *kernels, queries[query], begin, end, bound),
+                        ElementsAreArray(ExpectedRange(expected, begin, end, bound)));
           }
-          ASSERT_EQ(next, hits.size());
         }
       }
     }
@@ -213,6 +237,42 @@ TEST(BlockedRows, HoldNothing) {
   EXPECT_EQ(blocked.size(), 0u);
   const BlockQueries queries(std::vector<int16_t>(16, 9), blocked.centers());
   EXPECT_EQ(blocked.Range(queries[0], 0, 0, std::numeric_limits<int32_t>::max(), nullptr), 0u);
+}
+
+// The largest products of narrow pairs, which must not saturate.
+TEST(BlockedRows, NarrowPairsOfExtremeBytesAreExact) {
+  constexpr int kStride = 16;
+  std::vector<uint8_t> rows(size_t{2} * kStride, 255);
+  std::fill_n(rows.begin(), kStride, uint8_t{0});
+  const BlockedRows blocked(rows.data(), kStride, std::vector<uint32_t>{0, 1});
+  for (const auto& [even, odd] : std::vector<std::pair<int, int>>{
+           {127, 0}, {0, 127}, {64, 63}, {-127, 0}, {-64, -63}, {127, -127}}) {
+    std::vector<int16_t> steps;
+    for (int dim = 0; dim < kStride; ++dim) {
+      steps.push_back(static_cast<int16_t>(128 + (dim % 2 == 0 ? even : odd)));
+    }
+    const BlockQueries queries(steps, blocked.centers());
+    EXPECT_TRUE(queries[0].has_narrow_pairs) << even << " " << odd;
+    for (const BlockKernels* kernels : SupportedBlockKernels()) {
+      std::vector<int32_t> scanned(blocked.padded_size());
+      blocked.ScanWith(*kernels, queries[0], scanned.data());
+      for (int row = 0; row < 2; ++row) {
+        const int a = steps[0] - 255 * row, b = steps[1] - 255 * row;
+        EXPECT_EQ(scanned[row], kStride / 2 * (a * a + b * b)) << kernels->name;
+      }
+    }
+  }
+}
+
+TEST(BlockQueries, KnowWhetherTheirPairsAreNarrow) {
+  const std::vector<int16_t> centers(16, 128);
+  for (const auto& [even, odd] :
+       std::vector<std::pair<int, int>>{{128, 0}, {64, 64}, {-128, 0}, {-64, -64}, {0, -300}}) {
+    std::vector<int16_t> steps(16, 128);
+    steps[14] = static_cast<int16_t>(128 + even);
+    steps[15] = static_cast<int16_t>(128 + odd);
+    EXPECT_FALSE(BlockQueries(steps, centers)[0].has_narrow_pairs) << even << " " << odd;
+  }
 }
 
 TEST(BlockQueries, NeedOnePartWithinTheRowsRange) {

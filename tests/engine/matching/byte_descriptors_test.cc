@@ -41,6 +41,25 @@ TEST(ByteDescriptors, RowsAreTheDecodedCodesToHalfAStep) {
   }
 }
 
+TEST(ByteScale, WordsLieAboutTheMiddleOfAByte) {
+  const SyntheticDescriptors data = MakeSyntheticDescriptors({.num_landmarks = 300});
+  const std::vector<uint8_t> bytes = ByteScale(*data.codebook).WordBytes(*data.codebook);
+  const int dim = data.codebook->subspace_dim();
+  int widest = 0;
+  for (int of_code = 0; of_code < data.codebook->projected_dim(); ++of_code) {
+    int least = 255, most = 0;
+    for (int word = 0; word < Codebook::kNumWords; ++word) {
+      const uint8_t byte =
+          bytes[size_t{1} * (of_code / dim * Codebook::kNumWords + word) * dim + of_code % dim];
+      least = std::min<int>(least, byte);
+      most = std::max<int>(most, byte);
+    }
+    EXPECT_NEAR(least + most, 255, 1) << of_code;
+    widest = std::max(widest, most - least);
+  }
+  EXPECT_EQ(widest, 255);
+}
+
 TEST(ByteDescriptors, ExhaustiveSearchAgreesWithFloatDistances) {
   const SyntheticDescriptors data =
       MakeSyntheticDescriptors({.num_landmarks = 1500, .num_queries = 60});
