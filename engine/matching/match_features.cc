@@ -13,7 +13,9 @@
 
 #include "core/error.h"
 #include "core/large_vector.h"
-#include "engine/matching/byte_descriptors.h"
+#include "engine/matching/byte_scale.h"
+#include "engine/matching/cell_lists.h"
+#include "engine/matching/code_expansion.h"
 #include "engine/matching/distance_statistics.h"
 #include "engine/matching/landmark_ranking.h"
 #include "engine/tiles/descriptor_places.h"
@@ -136,6 +138,21 @@ std::vector<uint8_t> GatherCodes(const SearchableTile& tile,
   return codes;
 }
 
+// Compares every query with every descriptor. What is found goes to the request's receiver.
+void SearchAll(const CodeWords& words, const ByteScale& scale, std::span<const uint8_t> codes,
+               const SearchRequest& request) {
+  BlockedRows rows(words, codes);
+  TileLists list = ListsOfCells(std::vector<uint32_t>(rows.size(), 0), 1);
+  const CellLists descriptors(scale, std::move(rows), std::move(list));
+  std::vector<CellVisit> visits(request.queries.rows());
+  for (size_t i = 0; i < visits.size(); ++i) {
+    visits[i].query_idx = static_cast<uint32_t>(i);
+  }
+  HitCollector collector(scale, request);
+  descriptors.Search(descriptors.Prepare(scale.QuantizeQueries(request.queries)), visits,
+                     &collector);
+}
+
 }  // namespace
 
 std::vector<Correspondence> MatchFeatures(const QueryContext& query,
@@ -191,18 +208,22 @@ std::vector<Correspondence> MatchAgainstKeyframes(const QueryContext& query,
   for (const KeyframeRef& keyframe : keyframes) {
     keyframes_of_tile[keyframe.tile_idx].push_back(keyframe.keyframe_idx);
   }
+  const ByteScale scale(codebook);
+  const CodeWords words(codebook, scale);
   LandmarkRanking ranking(query, codebook, options);
   for (size_t tile_idx = 0; tile_idx < tiles.size(); ++tile_idx) {
+    if (keyframes_of_tile[tile_idx].empty()) {
+      continue;
+    }
     const SearchableTile& tile = *tiles[tile_idx].tile;
     SomeDescriptors some = DescriptorsOfKeyframes(tile, keyframes_of_tile[tile_idx]);
     const DescriptorPlaces places(tile.landmarks(), tile.places().grid(), some.descriptors,
                                   std::move(some.landmarks));
     LandmarkRanking::TileHits tile_hits(&ranking, tiles[tile_idx], places,
                                         static_cast<int>(tile_idx));
-    ByteDescriptors(codebook, GatherCodes(tile, some.descriptors))
-        .Search(
-            {.queries = query.descriptors, .max_distances = max_distances, .receiver = &tile_hits},
-            nullptr);
+    SearchAll(
+        words, scale, GatherCodes(tile, some.descriptors),
+        {.queries = query.descriptors, .max_distances = max_distances, .receiver = &tile_hits});
     tile_hits.Flush();
   }
   return ranking.Correspondences(tiles);
