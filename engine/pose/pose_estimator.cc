@@ -94,13 +94,13 @@ std::vector<RayObservation> MakeObservations(const QueryContext& query,
   return observations;
 }
 
-// See PoseEstimator::acceptance_. Bounded below: draws end, and no match is out of the question.
-std::vector<double> AcceptanceOf(const std::vector<RayObservation>& observations,
+// See PoseEstimator::preference_. Bounded below: no match is out of the question.
+std::vector<double> PreferenceOf(const std::vector<RayObservation>& observations,
                                  double same_landmark_distance, double distance_weight) {
   constexpr double kMin = 0.01;
-  std::vector<double> acceptance(observations.size(), 1.0);
+  std::vector<double> preference(observations.size(), 1.0);
   if (observations.empty() || same_landmark_distance <= 0.0) {
-    return acceptance;
+    return preference;
   }
   const double scale = distance_weight / (same_landmark_distance * same_landmark_distance);
   const auto nearer = [](const RayObservation& a, const RayObservation& b) {
@@ -109,9 +109,22 @@ std::vector<double> AcceptanceOf(const std::vector<RayObservation>& observations
   const double least =
       std::min_element(observations.begin(), observations.end(), nearer)->sq_distance;
   for (size_t i = 0; i < observations.size(); ++i) {
-    acceptance[i] = std::max(kMin, std::exp(-scale * (observations[i].sq_distance - least)));
+    preference[i] = std::max(kMin, std::exp(-scale * (observations[i].sq_distance - least)));
   }
-  return acceptance;
+  return preference;
+}
+
+// How often observations are drawn: preference, shared among those of a keypoint.
+std::vector<double> DrawWeights(const ConsensusSet& consensus,
+                                const std::vector<double>& preference) {
+  std::vector<double> weights(preference.size());
+  for (int k = 0; k < consensus.num_keypoints(); ++k) {
+    const int begin = consensus.keypoint_begin(k), end = consensus.keypoint_begin(k + 1);
+    for (int i = begin; i < end; ++i) {
+      weights[i] = preference[i] / (end - begin);
+    }
+  }
+  return weights;
 }
 
 PoseEstimator::Model ModelFromLevelPose(const LevelPose& pose,
@@ -149,8 +162,9 @@ PoseEstimator::PoseEstimator(const QueryContext& query,
       options_(options),
       observations_(MakeObservations(query, correspondences, subset, options, seed)),
       consensus_(observations_, options.consensus),
-      acceptance_(
-          AcceptanceOf(observations_, query.same_landmark_distance, options.distance_weight)),
+      preference_(
+          PreferenceOf(observations_, query.same_landmark_distance, options.distance_weight)),
+      draw_(DrawWeights(consensus_, preference_)),
       gravity_(MakeGravityPrior(query, options)) {
   if (query.level_from_cam && options.solver != MinimalSolver::kP3p) {
     level_from_cam_ = query.level_from_cam->toRotationMatrix();
@@ -162,41 +176,36 @@ PoseEstimator::PoseEstimator(const QueryContext& query,
       origins_in_level_.push_back(*level_from_cam_ * observation.origin_in_cam);
     }
   } else if (query.is_rig()) {
-    keypoints_of_camera_.resize(query.num_cameras());
+    const std::vector<double> weights = DrawWeights(consensus_, preference_);
+    for (int camera = 0; camera < query.num_cameras(); ++camera) {
+      std::vector<double> of_camera = weights;
+      for (size_t i = 0; i < of_camera.size(); ++i) {
+        of_camera[i] *= query.CameraIdxOf(observations_[i].keypoint_idx) == camera ? 1.0 : 0.0;
+      }
+      camera_draws_.push_back({0, AliasTable(of_camera)});
+    }
     for (int k = 0; k < num_keypoints(); ++k) {
       const int keypoint_idx = observations_[consensus_.keypoint_begin(k)].keypoint_idx;
-      keypoints_of_camera_[query.CameraIdxOf(keypoint_idx)].push_back(k);
-    }
-  }
-}
-
-int PoseEstimator::DrawObservation(const std::vector<int>* keypoints, Random* random) const {
-  while (true) {
-    const int keypoint = keypoints != nullptr
-                             ? (*keypoints)[random->Index(static_cast<int>(keypoints->size()))]
-                             : random->Index(num_keypoints());
-    const int begin = consensus_.keypoint_begin(keypoint);
-    const int index = begin + random->Index(consensus_.keypoint_begin(keypoint + 1) - begin);
-    if (acceptance_[index] >= 1.0 || random->Fraction() < acceptance_[index]) {
-      return index;
+      ++camera_draws_[query.CameraIdxOf(keypoint_idx)].num_keypoints;
     }
   }
 }
 
 bool PoseEstimator::DrawSample(Random* random, std::array<int, 3>* sample) const {
-  const std::vector<int>* choice = nullptr;  // All, unless the camera of the first decides.
+  const AliasTable* draw = &draw_;  // Unless the camera of the first decides.
   const auto keypoint_of = [this](int index) { return observations_[index].keypoint_idx; };
   for (int i = 0; i < sample_size(); ++i) {
     int& drawn = (*sample)[i];
     do {
-      drawn = DrawObservation(choice, random);
+      drawn = draw->Draw(random);
     } while (std::any_of(sample->begin(), sample->begin() + i,
                          [&](int other) { return keypoint_of(other) == keypoint_of(drawn); }));
-    if (i == 0 && !keypoints_of_camera_.empty()) {
-      choice = &keypoints_of_camera_[query_.CameraIdxOf(keypoint_of(drawn))];
-      if (static_cast<int>(choice->size()) < sample_size()) {
+    if (i == 0 && !camera_draws_.empty()) {
+      const CameraDraw& of_camera = camera_draws_[query_.CameraIdxOf(keypoint_of(drawn))];
+      if (of_camera.num_keypoints < sample_size()) {
         return false;
       }
+      draw = &of_camera.draw;
     }
   }
   return true;
@@ -288,19 +297,19 @@ double PoseEstimator::InlierSampleProbability(const Model& cam_from_anchor) {
     double inliers = 0.0;
     int num_keypoints = 0;
   };
-  const bool by_camera = !keypoints_of_camera_.empty();
-  std::vector<Draws> cameras(by_camera ? keypoints_of_camera_.size() : 1);
+  const bool by_camera = !camera_draws_.empty();
+  std::vector<Draws> cameras(by_camera ? camera_draws_.size() : 1);
   const std::vector<int>& best = consensus_.BestObservations(cam_from_anchor, 0.0);
   double all = 0.0;
   for (int k = 0; k < num_keypoints(); ++k) {
     const int begin = consensus_.keypoint_begin(k), end = consensus_.keypoint_begin(k + 1);
     Draws& draws = cameras[by_camera ? query_.CameraIdxOf(observations_[begin].keypoint_idx) : 0];
     const double of_keypoint =
-        std::accumulate(acceptance_.begin() + begin, acceptance_.begin() + end, 0.0) /
+        std::accumulate(preference_.begin() + begin, preference_.begin() + end, 0.0) /
         (end - begin);
     all += of_keypoint;
     draws.all += of_keypoint;
-    draws.inliers += best[k] < 0 ? 0.0 : acceptance_[best[k]] / (end - begin);
+    draws.inliers += best[k] < 0 ? 0.0 : preference_[best[k]] / (end - begin);
     ++draws.num_keypoints;
   }
   double probability = 0.0;  // Over the cameras, by how often the first draw is of them.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/rigid3.h"
+#include "engine/pose/alias_table.h"
 #include "engine/pose/consensus.h"
 #include "engine/pose/pose_options.h"
 #include "engine/pose/random.h"
@@ -47,8 +48,6 @@ class PoseEstimator {
   double SampleProbabilityOfScore(double score) const;
 
  private:
-  // Draws an observation of one of the keypoints (the numbers of some, or null for all).
-  int DrawObservation(const std::vector<int>* keypoints, Random* random) const;
   // Draws observations of distinct keypoints; false if the first one's camera has not enough for
   // P3P.
   bool DrawSample(Random* random, std::array<int, 3>* sample) const;
@@ -58,14 +57,20 @@ class PoseEstimator {
   const PoseOptions& options_;
   std::vector<RayObservation> observations_;  // Keypoints in random order.
   ConsensusSet consensus_;
-  // Probability that an observation is taken when it is drawn, positive; 1 for the best.
-  std::vector<double> acceptance_;
+  // How much an observation is preferred to others of its keypoint, in (0, 1]; 1 for the nearest
+  // descriptor of all.
+  std::vector<double> preference_;
+  AliasTable draw_;  // Of all observations.
   // For two-point samples only.
   std::optional<Eigen::Matrix3d> level_from_cam_;
   std::vector<Eigen::Vector3d> rays_in_level_;  // Of the observations.
   std::vector<Eigen::Vector3d> origins_in_level_;
-  // For P3P in a rig only: the numbers of the keypoints that each camera saw.
-  std::vector<std::vector<int>> keypoints_of_camera_;
+  // For P3P in a rig only.
+  struct CameraDraw {
+    int num_keypoints = 0;
+    AliasTable draw;  // Of the camera's observations.
+  };
+  std::vector<CameraDraw> camera_draws_;
   std::optional<GravityPrior> gravity_;
   double minimal_extra_sq_rad_ = 0.0;
 };

@@ -156,7 +156,8 @@ TEST(EstimatePose, FindsTenPercentInliersWithoutGravity) {
   options.num_inliers = 100;
   options.pixel_noise_px = 1.0;
   options.has_gravity = false;
-  EXPECT_GE(NumRight(options, 20), 18);
+  // 0.87 are found by a sample without outliers in 2,000, and 0.84 of 1,000 scenes are.
+  EXPECT_GE(NumRight(options, 40), 30);
 }
 
 TEST(EstimatePose, ToleratesGravityOffByThreeSigma) {
