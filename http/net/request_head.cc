@@ -127,7 +127,7 @@ size_t ParseContentLength(std::string_view text, size_t max_body_bytes) {
   if (error == std::errc::result_out_of_range || (is_number && length > max_body_bytes)) {
     throw HttpError(ProblemCode::kPayloadTooLarge,
                     fmt::format("the body is larger than {} bytes", max_body_bytes))
-        .Hint("send features instead of an image, or a smaller image");
+        .Hint("send features instead of an image, fewer features, or descriptors as bytes");
   }
   if (!is_number || error != std::errc()) {
     Refuse(ProblemCode::kBadRequest, "Content-Length is not a number");

@@ -376,7 +376,7 @@ class FetchListsTest : public ::testing::Test {
     std::vector<DescriptorHit> hits, expected;
     EXPECT_EQ(from_payload.index().RangeSearch(queries, 2.0, &hits),
               decoded.index().RangeSearch(queries, 2.0, &expected));
-    ASSERT_GT(expected.size(), 50u);
+    ASSERT_GE(expected.size(), 50u);  // Each query at least its own descriptor.
     ASSERT_EQ(hits.size(), expected.size());
     for (size_t i = 0; i < hits.size(); ++i) {
       EXPECT_EQ(hits[i].query_idx, expected[i].query_idx);
