@@ -4,13 +4,15 @@ beside simulated cities, whose lenient matches are wrong too rarely.
 
 For each step n of --steps and each offset below n, every n-th photo of the model is mapped and all
 others are queries of `cairn eval`, with its prior (10 m) and gravity (1 degree off). Right is an answer
-within 3 m and 10 degrees of the model. Maps are kept in --work and used again.
+within 3 m and 10 degrees of the model. Maps are kept in --work and used again. Below the counts stands
+what the confidence of the answers says, in five parts from the least confident on, and how many of
+them were right.
 
 Needs `python3`. Ends with 2 if something is missing or fails.
 
 Example:
   eval/sparse_maps.py --cairn build/release/cli/cairn --images lund/images \\
-      --model lund/colmap_model --database lund/database.db --work /tmp/sparse
+      --model lund/colmap_model --database lund/database.db --work /tmp/sparse --leave-out 20.jpg
 """
 
 import argparse
@@ -21,6 +23,7 @@ import sys
 
 RIGHT_M, RIGHT_DEG = 3.0, 10.0
 NEAR_M, NEAR_DEG = 0.5, 5.0
+NUM_PARTS = 5  # Of the answers by confidence.
 COLUMNS = ("queries", "localized", "right", "near", "ambiguous")
 
 
@@ -39,6 +42,8 @@ def parse_arguments():
     parser.add_argument("--work", required=True, type=pathlib.Path, help="scratch folder")
     parser.add_argument("--steps", type=int, nargs="+", default=[3, 4, 5],
                         help="every n-th photo is mapped")
+    parser.add_argument("--leave-out", nargs="+", default=[], metavar="NAME",
+                        help="photos that the model misplaces: mapped, but not asked for")
     parser.add_argument("--index", default="random_grids", help="as `cairn eval` has it")
     arguments = parser.parse_args()
     if min(arguments.steps) < 2:
@@ -76,21 +81,25 @@ def make_map(arguments, names, path):
     unfinished.rename(path)
 
 
-def ask(arguments, path):
-    """How many queries ended how, by COLUMNS."""
+def ask(arguments, path, judged):
+    """How many queries ended how, by COLUMNS; appends (confidence, whether right) of answers."""
     answers = path.with_suffix(".csv")
     run(arguments.cairn, "eval", path, "--model", arguments.model, "--database",
         arguments.database, "--index", arguments.index, "--csv", answers)
     counts = dict.fromkeys(COLUMNS, 0)
     with answers.open(newline="") as file:
         for row in csv.DictReader(file):
+            if row["name"] in arguments.leave_out:
+                continue
             counts["queries"] += 1
             counts["ambiguous"] += row["reason"] == "AMBIGUOUS"
             if row["localized"] == "1":
                 error_m = float(row["position_error_m"])
                 error_deg = float(row["rotation_error_deg"])
+                is_right = error_m < RIGHT_M and error_deg < RIGHT_DEG
+                judged.append((float(row["confidence"]), is_right))
                 counts["localized"] += 1
-                counts["right"] += error_m < RIGHT_M and error_deg < RIGHT_DEG
+                counts["right"] += is_right
                 counts["near"] += error_m < NEAR_M and error_deg < NEAR_DEG
     return counts
 
@@ -99,20 +108,33 @@ def print_row(name, counts):
     print(f"{name:16}" + "".join(f"{counts[column]:>11}" for column in COLUMNS), flush=True)
 
 
+def print_confidence(judged):
+    print(f"\n{'confidence':16}{'mean':>11}{'right':>11}{'answers':>11}")
+    judged = sorted(judged)
+    parts = [judged[len(judged) * i // NUM_PARTS:len(judged) * (i + 1) // NUM_PARTS]
+             for i in range(NUM_PARTS)]
+    for part in [part for part in parts if part] + [judged]:
+        mean, right = (sum(values) / len(part) for values in zip(*part))
+        print(f"{part[0][0]:.3f} to {part[-1][0]:.3f}  {mean:>11.3f}{right:>11.3f}{len(part):>11}")
+
+
 def main():
     arguments = parse_arguments()
     names = photo_names(arguments.images)
     arguments.work.mkdir(parents=True, exist_ok=True)
     print(f"{'mapped':16}" + "".join(f"{column:>11}" for column in COLUMNS))
     total = dict.fromkeys(COLUMNS, 0)
+    judged = []
     for step in arguments.steps:
         for offset in range(step):
             path = arguments.work / f"every_{step}_from_{offset}.gpkg"
             make_map(arguments, names[offset::step], path)
-            counts = ask(arguments, path)
+            counts = ask(arguments, path, judged)
             print_row(f"every {step} from {offset}", counts)
             total = {column: total[column] + counts[column] for column in COLUMNS}
     print_row("all", total)
+    if judged:
+        print_confidence(judged)
 
 
 if __name__ == "__main__":
