@@ -338,6 +338,7 @@ class FetchListsTest : public ::testing::Test {
   FetchListsTest() : tile_(RandomTile({.num_landmarks = 500})) {
     options_.kind = IndexKind::kInvertedLists;
     options_.lists.num_lists = 20;
+    options_.grids.num_probes = 28;  // Some queries find more than their own descriptor.
     lists_ = MakeTileLists(*codebook_, tile_.codes, options_.lists);
   }
 
@@ -376,7 +377,7 @@ class FetchListsTest : public ::testing::Test {
     std::vector<DescriptorHit> hits, expected;
     EXPECT_EQ(from_payload.index().RangeSearch(queries, 2.0, &hits),
               decoded.index().RangeSearch(queries, 2.0, &expected));
-    ASSERT_GE(expected.size(), 50u);  // Each query at least its own descriptor.
+    ASSERT_GT(expected.size(), 50u);
     ASSERT_EQ(hits.size(), expected.size());
     for (size_t i = 0; i < hits.size(); ++i) {
       EXPECT_EQ(hits[i].query_idx, expected[i].query_idx);
