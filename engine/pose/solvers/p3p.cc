@@ -1,6 +1,5 @@
 #include "engine/pose/solvers/p3p.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -64,16 +63,19 @@ std::optional<double> RealCubicRoot(double c3, double c2, double c1, double c0) 
   } else {
     const double radius = 2.0 * std::sqrt(std::max(0.0, -p / 3.0));
     const double cosine = radius > 0.0 ? std::clamp(3.0 * q / (p * radius), -1.0, 1.0) : 1.0;
-    const double angle = std::acos(cosine) / 3.0;
+    // The cosines of a third of the angle and of that less one and two thirds of a turn.
+    const double third = std::cos(std::acos(cosine) / 3.0);
+    const double sine = 0.5 * std::numbers::sqrt3 * std::sqrt(1.0 - third * third);
     num_roots = 3;
-    for (int i = 0; i < 3; ++i) {
-      roots[i] = radius * std::cos(angle - 2.0 * std::numbers::pi * i / 3.0) - b / 3.0;
-    }
+    roots = {radius * third - b / 3.0, radius * (sine - 0.5 * third) - b / 3.0,
+             radius * (-sine - 0.5 * third) - b / 3.0};
   }
   const auto slope = [&](double x) { return (3.0 * x + 2.0 * b) * x + c; };
-  const auto steepness = [&](double x) { return std::abs(slope(x)) / std::hypot(1.0, x); };
-  double best = *std::max_element(roots.begin(), roots.begin() + num_roots,
-                                  [&](double x, double y) { return steepness(x) < steepness(y); });
+  const auto sq_steepness = [&](double x) { return slope(x) * slope(x) / (1.0 + x * x); };
+  double best = roots[0];
+  for (int i = 1; i < num_roots; ++i) {
+    best = sq_steepness(roots[i]) > sq_steepness(best) ? roots[i] : best;
+  }
   for (int i = 0; i < 2 && slope(best) != 0.0; ++i) {  // Newton: undoes the closed form's rounding.
     best -= (((best + b) * best + c) * best + d) / slope(best);
   }
@@ -83,6 +85,26 @@ std::optional<double> RealCubicRoot(double c3, double c2, double c1, double c0) 
 // Determinant of the matrix with these columns.
 double Det(const Eigen::Vector3d& x, const Eigen::Vector3d& y, const Eigen::Vector3d& z) {
   return x.dot(y.cross(z));
+}
+
+// Sum of the principal 2x2 minors of a symmetric matrix.
+double PrincipalMinors(const Eigen::Matrix3d& m) {
+  return m(0, 0) * m(1, 1) - m(0, 1) * m(0, 1) + m(0, 0) * m(2, 2) - m(0, 2) * m(0, 2) +
+         m(1, 1) * m(2, 2) - m(1, 2) * m(1, 2);
+}
+
+// The eigenvector of a symmetric matrix to a single eigenvalue, of length sqrt(|value|).
+Eigen::Vector3d ScaledEigenvector(const Eigen::Matrix3d& m, double value) {
+  const Eigen::Matrix3d shifted = m - value * Eigen::Matrix3d::Identity();
+  // It is orthogonal to all rows; of the products of two the longest is the best conditioned.
+  const Eigen::Vector3d row0 = shifted.col(0), row1 = shifted.col(1), row2 = shifted.col(2);
+  Eigen::Vector3d best = row0.cross(row1);
+  for (const Eigen::Vector3d& other : {row0.cross(row2), row1.cross(row2)}) {
+    if (other.squaredNorm() > best.squaredNorm()) {
+      best = other;
+    }
+  }
+  return std::sqrt(std::abs(value) / best.squaredNorm()) * best;
 }
 
 // Two lines n . l = 0 and a conic that pass through the same points as the whole pencil.
@@ -104,13 +126,19 @@ std::optional<LinesAndConic> SplitDegenerateConic(const Eigen::Matrix3d& a,
   if (!x) {
     return std::nullopt;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(a + *x * b);
-  const Eigen::Vector3d values = eigen.eigenvalues();  // Ascending; the middle one is zero.
-  if (!(values[0] < 0.0) || !(values[2] > 0.0)) {
+  const Eigen::Matrix3d degenerate = a + *x * b;
+  // One eigenvalue is zero, so the others are the roots of a quadratic: their sum is the trace,
+  // their product the sum of the principal minors.
+  const double half_trace = 0.5 * degenerate.trace();
+  const double product = PrincipalMinors(degenerate);
+  if (!(product < 0.0)) {
     return std::nullopt;
   }
-  const Eigen::Vector3d plus = std::sqrt(values[2]) * eigen.eigenvectors().col(2);
-  const Eigen::Vector3d minus = std::sqrt(-values[0]) * eigen.eigenvectors().col(0);
+  const double larger =
+      half_trace + std::copysign(std::sqrt(half_trace * half_trace - product), half_trace);
+  const double smaller = product / larger;
+  const Eigen::Vector3d plus = ScaledEigenvector(degenerate, std::max(larger, smaller));
+  const Eigen::Vector3d minus = ScaledEigenvector(degenerate, std::min(larger, smaller));
   return LinesAndConic{{plus + minus, plus - minus}, std::abs(*x) > 1.0 ? a : b};
 }
 
@@ -169,6 +197,9 @@ bool PolishDepths(const DistanceEquations& equations, Eigen::Vector3d* depths) {
       break;
     }
     *depths -= inverse * r;
+    if (worst < 1e-9 * sum) {  // The next residual would be about the square of this one.
+      break;
+    }
   }
   return depths->minCoeff() > 0.0 && worst < 1e-6 * sum;
 }
