@@ -25,7 +25,9 @@ TilePayload::~TilePayload() = default;
 TileId TilePayload::id() const { return TileIdFromPayload(columns_->header().tile_id); }
 CodebookId TilePayload::codebook_id() const { return CodebookId(columns_->header().codebook_id); }
 int TilePayload::code_size() const { return columns_->header().code_size; }
+size_t TilePayload::num_landmarks() const { return columns_->header().num_landmarks; }
 size_t TilePayload::num_descriptors() const { return columns_->header().num_descriptors; }
+size_t TilePayload::num_observations() const { return columns_->header().num_observations; }
 size_t TilePayload::LandmarkBytes() const { return columns_->header().LandmarksSize(); }
 size_t TilePayload::CovisibilityBytes() const { return columns_->header().CovisibilitySize(); }
 std::span<const uint8_t> TilePayload::codes() const { return columns_->codes(); }

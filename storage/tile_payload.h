@@ -48,7 +48,9 @@ class TilePayload {
   TileId id() const;
   CodebookId codebook_id() const;
   int code_size() const;
+  size_t num_landmarks() const;
   size_t num_descriptors() const;
+  size_t num_observations() const;
   size_t num_bytes() const { return bytes_.size(); }
   // Heap bytes of what Landmarks and Covisibility return.
   size_t LandmarkBytes() const;

@@ -2,13 +2,9 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <optional>
-#include <span>
 #include <tuple>
-#include <utility>
 
 #include "engine/refinement/bernoulli_divergence.h"
-#include "engine/refinement/landmark_table.h"
 
 namespace cairn {
 namespace {
@@ -29,67 +25,33 @@ Eigen::Vector3d CenterInAnchor(const std::vector<TileView>& tiles, const Keyfram
   return view.anchor_from_tile * CenterInTile(view.tile->covisibility(), ref.keyframe_idx);
 }
 
-// The matched landmarks and, for each, the keypoints that matched it.
-class MatchedLandmarks {
- public:
-  MatchedLandmarks(const std::vector<TileView>& tiles,
-                   const std::vector<Correspondence>& correspondences)
-      : table_(correspondences.size()) {
-    std::vector<std::pair<int, int>> pairs;  // Landmark number, keypoint.
-    pairs.reserve(correspondences.size());
-    for (const Correspondence& match : correspondences) {
-      const TileLandmarks& tile = tiles[match.tile_idx].tile->landmarks();
-      pairs.emplace_back(table_.Insert(tile.landmark_ids[match.landmark_idx]), match.keypoint_idx);
-    }
-    std::sort(pairs.begin(), pairs.end());
-    begin_.assign(table_.size() + 1, 0);
-    for (const auto& [number, keypoint_idx] : pairs) {
-      ++begin_[number + 1];
-      keypoints_.push_back(keypoint_idx);
-    }
-    for (int i = 0; i < table_.size(); ++i) {
-      begin_[i + 1] += begin_[i];
+// The keyframes of all tiles, in order of tile and keyframe.
+std::vector<RankedKeyframe> AllKeyframes(const std::vector<TileView>& tiles) {
+  std::vector<RankedKeyframe> keyframes;
+  for (size_t t = 0; t < tiles.size(); ++t) {
+    for (uint32_t k = 0; k < tiles[t].tile->covisibility().num_keyframes(); ++k) {
+      keyframes.push_back({.keyframe = {static_cast<int>(t), k}});
     }
   }
-
-  const LandmarkTable& table() const { return table_; }
-  std::span<const int> KeypointsOf(int number) const {
-    return {keypoints_.data() + begin_[number], keypoints_.data() + begin_[number + 1]};
-  }
-
- private:
-  LandmarkTable table_;
-  std::vector<int> begin_;
-  std::vector<int> keypoints_;
-};
+  return keyframes;
+}
 
 // Votes of every keyframe, in order of tile and keyframe.
-std::vector<RankedKeyframe> CountVotes(const QueryContext& query,
-                                       const std::vector<TileView>& tiles,
+std::vector<RankedKeyframe> CountVotes(const std::vector<TileView>& tiles,
                                        const std::vector<Correspondence>& correspondences) {
-  const MatchedLandmarks matched(tiles, correspondences);
-  std::vector<RankedKeyframe> counted;
-  // Per keypoint, one past the index of the last keyframe it voted for.
-  std::vector<size_t> last_vote(query.num_keypoints(), 0);
-  for (size_t t = 0; t < tiles.size(); ++t) {
-    const TileLandmarks& tile = tiles[t].tile->landmarks();
-    const TileCovisibility& covisibility = tiles[t].tile->covisibility();
-    const LandmarkMarks marks = matched.table().Mark(tile);
-    for (size_t k = 0; k < covisibility.num_keyframes(); ++k) {
-      RankedKeyframe& entry = counted.emplace_back();
-      entry.keyframe = {static_cast<int>(t), static_cast<uint32_t>(k)};
-      for (const uint32_t landmark_idx : covisibility.LandmarksOfKeyframe(k)) {
-        if (!marks.Has(landmark_idx)) {
-          continue;
-        }
-        const int number = matched.table().Find(tile.landmark_ids[landmark_idx]);
-        for (const int keypoint_idx : matched.KeypointsOf(number)) {
-          if (last_vote[keypoint_idx] != counted.size()) {
-            last_vote[keypoint_idx] = counted.size();
-            ++entry.num_votes;
-          }
-        }
+  std::vector<RankedKeyframe> counted = AllKeyframes(tiles);
+  // The last keypoint that voted for each; those of a keypoint are adjacent.
+  std::vector<int> last_voter(counted.size(), -1);
+  for (const Correspondence& match : correspondences) {
+    const LandmarkId id = tiles[match.tile_idx].tile->landmarks().landmark_ids[match.landmark_idx];
+    size_t first = 0;  // Of the tile's keyframes.
+    for (const TileView& view : tiles) {
+      for (const uint32_t keyframe_idx : view.tile->sightings().KeyframesThatSaw(id)) {
+        int& voter = last_voter[first + keyframe_idx];
+        counted[first + keyframe_idx].num_votes += voter != match.keypoint_idx;
+        voter = match.keypoint_idx;
       }
+      first += view.tile->covisibility().num_keyframes();
     }
   }
   return counted;
@@ -141,7 +103,7 @@ std::vector<RankedKeyframe> RankKeyframes(const QueryContext& query,
                                           const std::vector<TileView>& tiles,
                                           const std::vector<Correspondence>& correspondences,
                                           const RefinementOptions& options) {
-  std::vector<RankedKeyframe> counted = CountVotes(query, tiles, correspondences);
+  std::vector<RankedKeyframe> counted = CountVotes(tiles, correspondences);
   const auto num_observations_of = [&](const KeyframeRef& ref) {
     return static_cast<double>(
         tiles[ref.tile_idx].tile->covisibility().LandmarksOfKeyframe(ref.keyframe_idx).size());
@@ -171,31 +133,25 @@ std::vector<KeyframeRef> KeyframeNeighborhood(const std::vector<TileView>& tiles
   constexpr double kMaxDistanceM = 50.0;
   const SearchableTile& own_tile = *tiles[keyframe.tile_idx].tile;
   const auto own_landmarks = own_tile.covisibility().LandmarksOfKeyframe(keyframe.keyframe_idx);
-  LandmarkTable own_ids(own_landmarks.size());
-  for (const uint32_t landmark_idx : own_landmarks) {
-    own_ids.Insert(own_tile.landmarks().landmark_ids[landmark_idx]);
-  }
   const Eigen::Vector3d own_center = CenterInAnchor(tiles, keyframe);
 
   std::vector<std::tuple<int, int, uint32_t>> shared;  // Minus the number shared, tile, keyframe.
   for (int t = 0; t < static_cast<int>(tiles.size()); ++t) {
     const TileCovisibility& tile = tiles[t].tile->covisibility();
+    const LandmarkSightings& sightings = tiles[t].tile->sightings();
+    std::vector<int> num_shared(tile.num_keyframes(), 0);
+    for (const uint32_t landmark_idx : own_landmarks) {
+      const LandmarkId id = own_tile.landmarks().landmark_ids[landmark_idx];
+      for (const uint32_t keyframe_idx : sightings.KeyframesThatSaw(id)) {
+        ++num_shared[keyframe_idx];
+      }
+    }
     const Eigen::Vector3d own_center_in_tile = tiles[t].anchor_from_tile.Inverse() * own_center;
-    std::optional<LandmarkMarks> marks;  // Made when the first keyframe of the tile is near.
     for (uint32_t k = 0; k < tile.num_keyframes(); ++k) {
       const bool is_own = t == keyframe.tile_idx && k == keyframe.keyframe_idx;
-      if (is_own || (CenterInTile(tile, k) - own_center_in_tile).norm() > kMaxDistanceM) {
-        continue;
-      }
-      if (!marks) {
-        marks = own_ids.Mark(tiles[t].tile->landmarks());
-      }
-      int num_shared = 0;
-      for (const uint32_t landmark_idx : tile.LandmarksOfKeyframe(k)) {
-        num_shared += marks->Has(landmark_idx);
-      }
-      if (num_shared > 0) {
-        shared.emplace_back(-num_shared, t, k);
+      if (num_shared[k] > 0 && !is_own &&
+          (CenterInTile(tile, k) - own_center_in_tile).norm() <= kMaxDistanceM) {
+        shared.emplace_back(-num_shared[k], t, k);
       }
     }
   }

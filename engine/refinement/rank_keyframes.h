@@ -26,15 +26,16 @@ struct RankedKeyframe {
 // votes at most once for a keyframe; landmarks are recognised across tiles. The paper's p counts
 // descriptors, ours observations, which is what a keyframe's share of random votes goes by here.
 //
-// Linear in the landmarks and observations of the tiles.
+// Matches of a keypoint must be adjacent. Linear in the matches times the tiles, the sightings of
+// their landmarks and the number of keyframes.
 std::vector<RankedKeyframe> RankKeyframes(const QueryContext& query,
                                           const std::vector<TileView>& tiles,
                                           const std::vector<Correspondence>& correspondences,
                                           const RefinementOptions& options);
 
 // The keyframe itself, then up to `num_neighbors` of those that share landmarks with it, most
-// shared first, for re-matching. Looks among the keyframes within 50 m. Linear in their
-// observations and in the landmarks of their tiles.
+// shared first, for re-matching. Looks among the keyframes within 50 m. Linear in the keyframe's
+// landmarks times the tiles, their sightings and the number of keyframes.
 std::vector<KeyframeRef> KeyframeNeighborhood(const std::vector<TileView>& tiles,
                                               const KeyframeRef& keyframe, int num_neighbors);
 

@@ -64,6 +64,8 @@ class SearchableTile : public CachedTile {
   const TileCovisibility& covisibility() const { return content_.covisibility(); }
   // num_descriptors() x codebook().num_subspaces, in the order of the tile.
   std::span<const uint8_t> codes() const { return content_.codes(); }
+  // Of both halves.
+  const LandmarkSightings& sightings() const { return content_.sightings(); }
 
   size_t MemoryBytes() const override;
 

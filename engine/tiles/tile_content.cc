@@ -17,7 +17,9 @@ TileContent::TileContent(Tile tile, std::span<const uint32_t> order)
       tile_(std::move(tile)),
       matched_(std::make_unique<const Matched>(LoadedLandmarks{{}, *tile_}, order)),
       rest_(new Rest{{}, *tile_, tile_->codes}) {
-  num_bytes_ = tile_->MemoryBytes() + matched_->places.MemoryBytes();
+  num_bytes_ =
+      tile_->MemoryBytes() + matched_->places.MemoryBytes() +
+      LandmarkSightings::MemoryBytes(tile_->num_landmarks(), tile_->keyframe_landmarks.size());
   ready_matched_ = matched_.get();
   ready_rest_ = rest_.get();
 }
@@ -26,29 +28,32 @@ TileContent::TileContent(TilePayload payload, std::span<const uint32_t> order,
                          LargeVector<uint8_t> codes)
     : order_(order),
       codes_(std::move(codes)),
-      num_bytes_(payload.LandmarkBytes() +
-                 payload.num_descriptors() * DescriptorPlaces::kBytesPerDescriptor + codes_.size() +
-                 std::max(payload.num_bytes(),
-                          payload.CovisibilityBytes() + payload.codes().size() - codes_.size())),
+      num_bytes_(
+          payload.LandmarkBytes() +
+          payload.num_descriptors() * DescriptorPlaces::kBytesPerDescriptor +
+          LandmarkSightings::MemoryBytes(payload.num_landmarks(), payload.num_observations()) +
+          codes_.size() +
+          std::max(payload.num_bytes(),
+                   payload.CovisibilityBytes() + payload.codes().size() - codes_.size())),
       payload_(std::move(payload)) {}
 
-template <typename Half, typename Decode>
-const Half& TileContent::Complete(std::unique_ptr<const Half>* half,
-                                  std::atomic<const Half*>* ready, const Decode& decode) const {
+template <typename Part, typename Make>
+const Part& TileContent::Complete(std::unique_ptr<const Part>* part,
+                                  std::atomic<const Part*>* ready, const Make& make) const {
   const std::lock_guard lock(mutex_);
-  if (*half == nullptr) {
+  if (*part == nullptr) {
     try {
-      *half = decode();
+      *part = make();
     } catch (const Error& error) {
       throw Error(error.code(), fmt::format("tile {}: {}; `cairn check` looks for more",
                                             payload_->id().ToString(), error.what()));
     }
-    ready->store(half->get(), std::memory_order_release);
+    ready->store(part->get(), std::memory_order_release);
     if (matched_ != nullptr && rest_ != nullptr) {
       payload_.reset();
     }
   }
-  return **half;
+  return **part;
 }
 
 const TileContent::Matched& TileContent::DecodeMatched() const {
@@ -69,6 +74,14 @@ const TileContent::Rest& TileContent::DecodeRest() const {
     rest->view.keyframe_landmarks = rest->loaded.keyframe_landmarks;
     rest->codes = codes_;
     return std::unique_ptr<const Rest>(std::move(rest));
+  });
+}
+
+const LandmarkSightings& TileContent::MakeSightings() const {
+  const TileLandmarks& of_landmarks = landmarks();
+  const TileCovisibility& of_keyframes = covisibility();
+  return Complete(&sightings_, &ready_sightings_, [&] {
+    return std::make_unique<const LandmarkSightings>(of_landmarks, of_keyframes);
   });
 }
 

@@ -12,6 +12,7 @@
 
 #include "core/large_vector.h"
 #include "engine/tiles/descriptor_places.h"
+#include "engine/tiles/landmark_sightings.h"
 #include "storage/tile.h"
 #include "storage/tile_payload.h"
 #include "storage/tile_views.h"
@@ -20,6 +21,7 @@ namespace cairn {
 
 // Matching needs landmarks and places; covisibility and codes are for queries that it leaves in
 // doubt. Each of the two halves is decoded once, by the first thread that asks; others wait for it.
+// So are the sightings made, of both.
 // Safe to use from any thread.
 class TileContent {
  public:
@@ -37,6 +39,10 @@ class TileContent {
   const TileCovisibility& covisibility() const { return rest().view; }
   // num_descriptors x code_size, in the order of the tile.
   std::span<const uint8_t> codes() const { return rest().codes; }
+  const LandmarkSightings& sightings() const {
+    const LandmarkSightings* sightings = ready_sightings_.load(std::memory_order_acquire);
+    return sightings != nullptr ? *sightings : MakeSightings();
+  }
 
   // Heap bytes, as many as it takes at most, decoded or not.
   size_t MemoryBytes() const { return num_bytes_; }
@@ -65,22 +71,25 @@ class TileContent {
   }
   const Matched& DecodeMatched() const;
   const Rest& DecodeRest() const;
-  // Sets a half to what decode() makes, unless another thread has done so.
-  template <typename Half, typename Decode>
-  const Half& Complete(std::unique_ptr<const Half>* half, std::atomic<const Half*>* ready,
-                       const Decode& decode) const;
+  const LandmarkSightings& MakeSightings() const;
+  // Sets a part to what make() makes, unless another thread has done so.
+  template <typename Part, typename Make>
+  const Part& Complete(std::unique_ptr<const Part>* part, std::atomic<const Part*>* ready,
+                       const Make& make) const;
 
   std::span<const uint32_t> order_;
   std::optional<const Tile> tile_;      // If it was decoded from the beginning.
   mutable LargeVector<uint8_t> codes_;  // Of a payload; not changed any more once it has any.
   size_t num_bytes_;
-  mutable std::mutex mutex_;                    // Of the next three.
+  mutable std::mutex mutex_;                    // Of the next four.
   mutable std::optional<TilePayload> payload_;  // Until all of it is decoded.
   mutable std::unique_ptr<const Matched> matched_;
   mutable std::unique_ptr<const Rest> rest_;
+  mutable std::unique_ptr<const LandmarkSightings> sightings_;
   // The same as soon as they are there.
   mutable std::atomic<const Matched*> ready_matched_ = nullptr;
   mutable std::atomic<const Rest*> ready_rest_ = nullptr;
+  mutable std::atomic<const LandmarkSightings*> ready_sightings_ = nullptr;
 };
 
 }  // namespace cairn

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
+#include <unordered_map>
 #include <utility>
-
-#include "engine/refinement/landmark_table.h"
 
 namespace cairn {
 namespace {
@@ -49,29 +48,27 @@ double CountKeypoints(const std::vector<Correspondence>& correspondences,
 std::vector<PoseCandidate> CovisibilityCandidates(
     const std::vector<TileView>& tiles, const std::vector<Correspondence>& correspondences,
     const VotingOptions& options, StageCounters* counters) {
-  LandmarkTable table(correspondences.size());
-  std::vector<int> landmarks;  // Of each correspondence.
+  std::unordered_map<LandmarkId, int> numbers;  // Of distinct landmarks.
+  std::vector<int> landmarks;                   // Of each correspondence, its number.
   for (const Correspondence& match : correspondences) {
     const TileLandmarks& tile = tiles[match.tile_idx].tile->landmarks();
-    landmarks.push_back(table.Insert(tile.landmark_ids[match.landmark_idx]));
+    const LandmarkId id = tile.landmark_ids[match.landmark_idx];
+    landmarks.push_back(numbers.try_emplace(id, static_cast<int>(numbers.size())).first->second);
   }
-  DisjointSets sets(table.size());
+  DisjointSets sets(static_cast<int>(numbers.size()));
   for (const TileView& view : tiles) {
-    const TileLandmarks& tile = view.tile->landmarks();
-    const TileCovisibility& covisibility = view.tile->covisibility();
-    const LandmarkMarks marks = table.Mark(tile);
-    for (size_t keyframe = 0; keyframe < covisibility.num_keyframes(); ++keyframe) {
-      int first = -1;
-      for (const uint32_t landmark_idx : covisibility.LandmarksOfKeyframe(keyframe)) {
-        if (marks.Has(landmark_idx)) {
-          const int number = table.Find(tile.landmark_ids[landmark_idx]);
-          first = first < 0 ? number : first;
-          sets.Join(first, number);
+    // A landmark that each keyframe saw.
+    std::vector<int> seen(view.tile->covisibility().num_keyframes(), -1);
+    for (const auto& [id, number] : numbers) {
+      for (const uint32_t keyframe_idx : view.tile->sightings().KeyframesThatSaw(id)) {
+        if (seen[keyframe_idx] >= 0) {
+          sets.Join(seen[keyframe_idx], number);
         }
+        seen[keyframe_idx] = number;
       }
     }
   }
-  std::vector<PoseCandidate> components(table.size());
+  std::vector<PoseCandidate> components(numbers.size());
   for (size_t i = 0; i < correspondences.size(); ++i) {
     components[sets.Find(landmarks[i])].correspondences.push_back(static_cast<int>(i));
   }

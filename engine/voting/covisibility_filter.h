@@ -17,7 +17,8 @@ namespace cairn {
 // across tiles. Each component of at least options.min_score distinct keypoints is a candidate with
 // that number as score, highest first, equal ones by their first correspondence, at most
 // options.max_candidates. The literature keeps just the largest: max_candidates = 1. Centre and yaw
-// are left at zero. Sets the voting counters. Linear in the observations of the tiles.
+// are left at zero. Sets the voting counters. Linear in the matches
+// times the tiles and in the sightings of their landmarks.
 std::vector<PoseCandidate> CovisibilityCandidates(
     const std::vector<TileView>& tiles, const std::vector<Correspondence>& correspondences,
     const VotingOptions& options, StageCounters* counters);

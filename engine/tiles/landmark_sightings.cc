@@ -1,0 +1,61 @@
+#include "engine/tiles/landmark_sightings.h"
+
+#include <bit>
+#include <numeric>
+
+namespace cairn {
+namespace {
+
+size_t NumSlots(size_t num_landmarks) { return std::bit_ceil(2 * num_landmarks + 2); }
+
+}  // namespace
+
+LandmarkSightings::LandmarkSightings(const TileLandmarks& landmarks,
+                                     const TileCovisibility& covisibility)
+    : ids_(landmarks.landmark_ids),
+      slots_(NumSlots(ids_.size()), 0),
+      shift_(64 - std::countr_zero(slots_.size())),
+      begin_(ids_.size() + 2, 0),
+      keyframes_(covisibility.keyframe_landmarks.size()) {
+  for (size_t i = 0; i < ids_.size(); ++i) {
+    size_t slot = FirstSlot(ids_[i]);
+    while (slots_[slot] != 0) {
+      slot = (slot + 1) & (slots_.size() - 1);
+    }
+    slots_[slot] = static_cast<uint32_t>(i) + 1;
+  }
+  // A counting sort. While it fills, landmark i's next place is at i + 1, where its end will be.
+  for (const uint32_t landmark_idx : covisibility.keyframe_landmarks) {
+    ++begin_[landmark_idx + 2];
+  }
+  std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+  for (size_t k = 0; k < covisibility.num_keyframes(); ++k) {
+    for (const uint32_t landmark_idx : covisibility.LandmarksOfKeyframe(k)) {
+      keyframes_[begin_[landmark_idx + 1]++] = static_cast<uint32_t>(k);
+    }
+  }
+}
+
+// Fibonacci hashing: ids are often consecutive. The upper bits are the good ones.
+size_t LandmarkSightings::FirstSlot(LandmarkId id) const {
+  return Value(id) * 0x9e3779b97f4a7c15u >> shift_;
+}
+
+std::span<const uint32_t> LandmarkSightings::KeyframesThatSaw(LandmarkId id) const {
+  size_t slot = FirstSlot(id);
+  while (slots_[slot] != 0 && ids_[slots_[slot] - 1] != id) {
+    slot = (slot + 1) & (slots_.size() - 1);
+  }
+  if (slots_[slot] == 0) {
+    return {};
+  }
+  const uint32_t landmark_idx = slots_[slot] - 1;
+  return std::span(keyframes_)
+      .subspan(begin_[landmark_idx], begin_[landmark_idx + 1] - begin_[landmark_idx]);
+}
+
+size_t LandmarkSightings::MemoryBytes(size_t num_landmarks, size_t num_observations) {
+  return (NumSlots(num_landmarks) + num_landmarks + 2 + num_observations) * sizeof(uint32_t);
+}
+
+}  // namespace cairn
