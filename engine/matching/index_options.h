@@ -20,10 +20,11 @@ struct RandomGridsOptions {
   // codebook's median same-landmark distance: the standard deviation, per dimension, between two
   // descriptors of one landmark. 6 in 16 dimensions is 1.5 times d.
   double cell_width_sigmas = 6.0;
-  // Cells looked into per grid, 1 to 128: the own one, then those across the nearest borders. 20
-  // find the nearest landmark 0.95 to 0.98 times as often as exhaustive search, 28 0.97 to 0.99
-  // times; no more queries were localized with 28 or 56 than with 12 (docs/decisions/0010).
-  int num_probes = 20;
+  // Cells looked into per grid, 1 to 128: the own one, then those across the nearest borders. 12
+  // find the nearest landmark 0.92 to 0.96 times as often as exhaustive search, 20 0.95 to 0.98
+  // times, 28 0.97 to 0.99 times; no more queries were localized with 20, 28 or 56 than with 12,
+  // fewer with 8 (docs/decisions/0010).
+  int num_probes = 12;
   // Descriptors of a cell that are compared, 1 to 10,000; of a fuller cell a random subset. The
   // paper has 100; here the descriptors of a cell lie in a row, and more is affordable.
   int max_candidates_per_cell = 5'000;
@@ -34,8 +35,8 @@ struct RandomGridsOptions {
 };
 
 // Inverted lists: k-means cells, each a list of descriptors that lie in a row in memory. On the
-// same tile the defaults find 98 % with 5,900 descriptors a query, in three quarters of the time
-// of random grids and in 24 bytes a descriptor instead of 49. 8 probes find 96 %, 16 find 99 %; in
+// same tile the defaults find 98 % with 5,900 descriptors a query, in about the time that random
+// grids take and in 24 bytes a descriptor instead of 49. 8 probes find 96 %, 16 find 99 %; in
 // the simulated cities 12 answer as many queries as all 1,024, and 8 do not. Lists that ingest has
 // stored with a tile are taken as they are, whatever num_lists, num_iterations and seed.
 struct InvertedListsOptions {
