@@ -43,11 +43,15 @@ class HitReceiver {
   virtual float Take(const HitRun& run) = 0;
 };
 
+class SharedVisits;
+
 struct SearchRequest {
   const DescriptorMatrix& queries;        // n x dim, projected space.
   std::span<const double> max_distances;  // One a query, projected space; infinity is allowed.
   // If there is one, it gets the hits instead of the caller.
   HitReceiver* receiver = nullptr;
+  // If there are some, they may save the index work.
+  SharedVisits* shared_visits = nullptr;
   // What is found until it says so is all.
   StopFunction should_stop = {};
 };

@@ -18,6 +18,7 @@
 #include "engine/matching/code_expansion.h"
 #include "engine/matching/distance_statistics.h"
 #include "engine/matching/landmark_ranking.h"
+#include "engine/matching/shared_visits.h"
 #include "engine/tiles/descriptor_places.h"
 
 namespace cairn {
@@ -108,7 +109,8 @@ std::vector<KeypointRange> SplitKeypoints(int num_keypoints, int num_threads) {
 // nothing of other keypoints in it. Returns the number of distances computed.
 int64_t SearchTile(const DescriptorMatrix& queries, const KeypointRange& range,
                    const TileView& view, int tile_idx, const MatchingOptions& options,
-                   const StopFunction& should_stop, LandmarkRanking* ranking) {
+                   const StopFunction& should_stop, SharedVisits* shared_visits,
+                   LandmarkRanking* ranking) {
   std::vector<double> max_distances = MaxDistances(queries, *view.tile, options);
   for (int i = 0; i < range.size(); ++i) {
     max_distances[i] = std::min(max_distances[i], ranking->MaxUsefulDistance(range.begin + i));
@@ -118,6 +120,7 @@ int64_t SearchTile(const DescriptorMatrix& queries, const KeypointRange& range,
   const int64_t num_distances = view.tile->index().Search({.queries = queries,
                                                            .max_distances = max_distances,
                                                            .receiver = &tile_hits,
+                                                           .shared_visits = shared_visits,
                                                            .should_stop = should_stop},
                                                           nullptr);
   tile_hits.Flush();
@@ -176,12 +179,14 @@ std::vector<Correspondence> MatchFeatures(const QueryContext& query,
   ForEachStep(workers, static_cast<int>(ranges.size()), [&](int i) {
     const DescriptorMatrix queries =
         query.descriptors.middleRows(ranges[i].begin, ranges[i].size());
+    SharedVisits shared_visits;
     for (size_t tile_idx = 0; tile_idx < tiles.size(); ++tile_idx) {
       if (stop_all()) {
         return;
       }
-      num_distances[i] += SearchTile(queries, ranges[i], tiles[tile_idx],
-                                     static_cast<int>(tile_idx), options, stop_all, &ranking);
+      num_distances[i] +=
+          SearchTile(queries, ranges[i], tiles[tile_idx], static_cast<int>(tile_idx), options,
+                     stop_all, &shared_visits, &ranking);
     }
   });
   counters->matching_cut_short |= was_stopped;

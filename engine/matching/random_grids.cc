@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/matching/random_bits.h"
+#include "engine/matching/shared_visits.h"
 
 namespace cairn {
 namespace {
@@ -126,8 +127,12 @@ int64_t RandomGrids::Search(const SearchRequest& request, std::vector<Descriptor
   const BlockQueries queries = first.Prepare(query_steps);
   int64_t num_distances = 0;
   const int num_grids = num_standing();
+  SharedVisits own_visits;
+  SharedVisits& visits = request.shared_visits != nullptr ? *request.shared_visits : own_visits;
   for (int grid = 0; grid < num_grids; ++grid) {
-    num_distances += grids_[grid]->Search(queries, MakeVisits(request.queries, grid), &collector);
+    const std::vector<CellVisit>& to_grid =
+        visits.OfGrid(grid, num_bucket_bits_, [&] { return MakeVisits(request.queries, grid); });
+    num_distances += grids_[grid]->Search(queries, to_grid, &collector);
   }
   if (request.receiver == nullptr) {
     const size_t begin = hits->size();

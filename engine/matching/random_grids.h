@@ -48,7 +48,7 @@ class RandomGrids : public MatchingIndex {
  private:
   int num_standing() const { return num_standing_.load(std::memory_order_acquire); }
   CellLists MakeGrid(int grid) const;
-  // The visits of all queries to the cells of a grid that hold something, in the order of memory.
+  // The visits of all queries to the buckets of a grid, in the order of memory.
   std::vector<CellVisit> MakeVisits(const DescriptorMatrix& queries, int grid) const;
 
   // What grids are built of; not used once all of them stand.

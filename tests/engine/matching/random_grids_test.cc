@@ -11,6 +11,7 @@
 
 #include "engine/matching/distance_statistics.h"
 #include "engine/matching/real_sift.h"
+#include "engine/matching/shared_visits.h"
 #include "engine/matching/synthetic_descriptors.h"
 #include "support/test_data.h"
 
@@ -125,6 +126,25 @@ TEST(RandomGrids, GiveAReceiverTheirPlaces) {
   EXPECT_GT(found.size(), expected.size());  // Some are found in several grids.
   found.erase(std::unique(found.begin(), found.end()), found.end());
   EXPECT_EQ(found, expected);
+}
+
+// As for the tiles of a query: one codebook, as many buckets in two of them and fewer in the third.
+TEST(RandomGrids, VisitsThatTilesShareChangeNothing) {
+  const SyntheticDescriptors data = MakeSyntheticDescriptors({.num_landmarks = 8'000});
+  const std::span<const uint8_t> codes = data.codes;
+  const std::vector<double> max_distances(data.queries.rows(), Threshold(data));
+  SharedVisits visits;
+  const size_t few = codes.size() / 16;
+  for (const auto& part : {codes, codes.subspan(few), codes.first(few)}) {
+    const RandomGrids grids(*data.codebook, part, {});
+    std::vector<DescriptorHit> shared, alone;
+    const SearchRequest request = {.queries = data.queries, .max_distances = max_distances};
+    SearchRequest sharing = request;
+    sharing.shared_visits = &visits;
+    EXPECT_EQ(grids.Search(sharing, &shared), grids.Search(request, &alone));
+    EXPECT_FALSE(alone.empty());
+    EXPECT_EQ(Sorted(shared), Sorted(alone));
+  }
 }
 
 TEST(RandomGrids, WorkInAnyDimension) {
