@@ -2,11 +2,19 @@
 
 #include <bit>
 #include <numeric>
+#include <random>
+
+#include "engine/matching/random_bits.h"
 
 namespace cairn {
 namespace {
 
 size_t NumSlots(size_t num_landmarks) { return std::bit_ceil(2 * num_landmarks + 2); }
+
+uint64_t Hash(LandmarkId id) {
+  static const uint64_t seed = std::random_device()();
+  return RandomBits(seed, Value(id));
+}
 
 }  // namespace
 
@@ -18,11 +26,8 @@ LandmarkSightings::LandmarkSightings(const TileLandmarks& landmarks,
       begin_(ids_.size() + 2, 0),
       keyframes_(covisibility.keyframe_landmarks.size()) {
   for (size_t i = 0; i < ids_.size(); ++i) {
-    size_t slot = FirstSlot(ids_[i]);
-    while (slots_[slot] != 0) {
-      slot = (slot + 1) & (slots_.size() - 1);
-    }
-    slots_[slot] = static_cast<uint32_t>(i) + 1;
+    uint32_t& slot = slots_[SlotOf(ids_[i])];
+    slot = slot == 0 ? static_cast<uint32_t>(i) + 1 : slot;
   }
   // A counting sort. While it fills, landmark i's next place is at i + 1, where its end will be.
   for (const uint32_t landmark_idx : covisibility.keyframe_landmarks) {
@@ -36,20 +41,20 @@ LandmarkSightings::LandmarkSightings(const TileLandmarks& landmarks,
   }
 }
 
-// Fibonacci hashing: ids are often consecutive. The upper bits are the good ones.
-size_t LandmarkSightings::FirstSlot(LandmarkId id) const {
-  return Value(id) * 0x9e3779b97f4a7c15u >> shift_;
-}
-
-std::span<const uint32_t> LandmarkSightings::KeyframesThatSaw(LandmarkId id) const {
-  size_t slot = FirstSlot(id);
+size_t LandmarkSightings::SlotOf(LandmarkId id) const {
+  size_t slot = Hash(id) >> shift_;
   while (slots_[slot] != 0 && ids_[slots_[slot] - 1] != id) {
     slot = (slot + 1) & (slots_.size() - 1);
   }
-  if (slots_[slot] == 0) {
+  return slot;
+}
+
+std::span<const uint32_t> LandmarkSightings::KeyframesThatSaw(LandmarkId id) const {
+  const uint32_t slot = slots_[SlotOf(id)];
+  if (slot == 0) {
     return {};
   }
-  const uint32_t landmark_idx = slots_[slot] - 1;
+  const uint32_t landmark_idx = slot - 1;
   return std::span(keyframes_)
       .subspan(begin_[landmark_idx], begin_[landmark_idx + 1] - begin_[landmark_idx]);
 }

@@ -68,5 +68,17 @@ TEST(LandmarkSightings, OfTheLastLandmarkAndKeyframeAreThere) {
   EXPECT_THAT(sightings.KeyframesThatSaw(LandmarkId(8)), ElementsAre(0, 1));
 }
 
+// No sound tile has them, and none may keep a query waiting: not quadratic.
+TEST(LandmarkSightings, OfManyLandmarksWithOneIdTheFirstIsFound) {
+  constexpr int kNumLandmarks = 1'000'000;
+  Tile tile;
+  tile.landmark_ids.assign(kNumLandmarks, LandmarkId(3));
+  tile.keyframes.resize(1);
+  tile.keyframe_landmarks = {0, kNumLandmarks - 1};
+  tile.keyframe_begin = {0, 2};
+  const LandmarkSightings sightings(tile, tile);
+  EXPECT_THAT(sightings.KeyframesThatSaw(LandmarkId(3)), ElementsAre(0));
+}
+
 }  // namespace
 }  // namespace cairn
