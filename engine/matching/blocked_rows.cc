@@ -1,6 +1,7 @@
 #include "engine/matching/blocked_rows.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
 
@@ -10,48 +11,61 @@
 namespace cairn {
 namespace {
 
-constexpr int16_t kCenter = 128;  // Queries within the bytes' range then need one part.
-
 constexpr int32_t kFarAway = 1 << 30;
 
 size_t PaddedSize(size_t num_rows) { return (num_rows + kBlockRows - 1) / kBlockRows * kBlockRows; }
 
-constexpr int kNumGroups = kDistanceBlock / kGroupDims;  // Of a block that are added together.
+// A word for each row of a block.
+using RowWords = std::array<uint32_t, kBlockRows>;
 
-// Adds up kDistanceBlock dimensions of whole blocks, which begin at `bytes` in the first one: adds
-// to as many sums. At most 257 blocks, so that a sum of bytes fits 16 bits.
-CAIRN_VECTOR_CLONES void AddBlocks(const uint8_t* bytes, size_t block_size, size_t num_blocks,
-                                   uint32_t* sums) {
-  constexpr uint32_t kEvenBytes = 0x00ff00ff;
-  using Words = uint32_t __attribute__((vector_size(kBlockRows * kGroupDims)));  // A row each.
-  Words even[kNumGroups] = {}, odd[kNumGroups] = {};  // Two sums of 16 bits each.
-  for (size_t i = 0; i < num_blocks; ++i, bytes += block_size) {
-    for (int group = 0; group < kNumGroups; ++group) {
-      Words words;
-      std::memcpy(&words, bytes + group * sizeof(words), sizeof(words));
-      even[group] += words & kEvenBytes;
-      odd[group] += (words >> 8) & kEvenBytes;
-    }
+// All bits of the rows of a block that lie in [begin, end).
+RowWords MaskOfRows(size_t begin, size_t end, size_t block) {
+  RowWords mask;
+  for (size_t i = 0; i < kBlockRows; ++i) {
+    const size_t row = block * kBlockRows + i;
+    mask[i] = row >= begin && row < end ? ~uint32_t{0} : 0;
   }
-  for (int group = 0; group < kNumGroups; ++group, sums += kGroupDims) {
-    std::array<uint32_t, kBlockRows> even_sums, odd_sums;
-    std::memcpy(even_sums.data(), &even[group], sizeof(even_sums));
-    std::memcpy(odd_sums.data(), &odd[group], sizeof(odd_sums));
-    for (int row = 0; row < kBlockRows; ++row) {
-      sums[0] += even_sums[row] & 0xffff;
-      sums[1] += odd_sums[row] & 0xffff;
-      sums[2] += even_sums[row] >> 16;
-      sums[3] += odd_sums[row] >> 16;
-    }
-  }
+  return mask;
 }
 
-// The same of `num_rows` rows of a block.
-void AddRows(const uint8_t* bytes, size_t num_rows, uint32_t* sums) {
-  for (int group = 0; group < kNumGroups; ++group, sums += kGroupDims) {
-    const uint8_t* row = bytes + group * kBlockRows * kGroupDims;
-    for (size_t i = 0; i < num_rows * kGroupDims; ++i) {
-      sums[i % kGroupDims] += row[i];
+// Blocks that follow one another, and what is wanted of the first and of the last.
+struct BlockRun {
+  size_t num_blocks;  // At most 257, so that a sum of bytes fits 16 bits.
+  RowWords first_mask;
+  RowWords last_mask;
+};
+
+// Adds each dimension of a group, which begins at `bytes` in the first block, to its sum.
+CAIRN_VECTOR_CLONES void AddGroup(const BlockRun& run, const uint8_t* bytes, size_t block_size,
+                                  uint32_t* sums) {
+  constexpr uint32_t kEvenBytes = 0x00ff00ff, kLowHalf = 0x0000ffff;
+  constexpr int kLanes = 8;
+  using Words = uint32_t __attribute__((vector_size(kLanes * sizeof(uint32_t))));
+  for (int row = 0; row < kBlockRows; row += kLanes) {
+    Words even = {}, odd = {};  // Two sums of 16 bits each.
+    const auto add = [&](size_t block, const RowWords* mask) {
+      Words words;
+      std::memcpy(&words, bytes + block * block_size + row * sizeof(uint32_t), sizeof(words));
+      if (mask != nullptr) {
+        Words wanted;
+        std::memcpy(&wanted, mask->data() + row, sizeof(wanted));
+        words &= wanted;
+      }
+      even += words & kEvenBytes;
+      odd += (words >> 8) & kEvenBytes;
+    };
+    add(0, &run.first_mask);
+    for (size_t block = 1; block + 1 < run.num_blocks; ++block) {
+      add(block, nullptr);
+    }
+    if (run.num_blocks > 1) {
+      add(run.num_blocks - 1, &run.last_mask);
+    }
+    const Words by_dim[kGroupDims] = {even & kLowHalf, odd & kLowHalf, even >> 16, odd >> 16};
+    for (int dim = 0; dim < kGroupDims; ++dim) {
+      for (int lane = 0; lane < kLanes; ++lane) {
+        sums[dim] += by_dim[dim][lane];
+      }
     }
   }
 }
@@ -66,7 +80,7 @@ int32_t CopyRow(const uint8_t* row, int any_stride, uint8_t* to) {
   }
   int32_t sq_norm = 0;
   for (int dim = 0; dim < stride; ++dim) {
-    const int32_t centered = row[dim] - kCenter;
+    const int32_t centered = row[dim] - kRowCenter;
     sq_norm += centered * centered;
   }
   return sq_norm;
@@ -113,7 +127,7 @@ int32_t Smallest(size_t count, std::vector<int32_t>* values) {
 }  // namespace
 
 BlockedRows::BlockedRows(const uint8_t* rows, int stride, std::span<const uint32_t> order)
-    : size_(order.size()), stride_(stride), centers_(stride, kCenter) {
+    : size_(order.size()), stride_(stride), centers_(stride, kRowCenter) {
   constexpr size_t kAhead = 16;  // Rows that are asked for ahead.
   blocks_.assign(PaddedSize(size_) * stride, 0);
   sq_norms_.assign(PaddedSize(size_), kFarAway);
@@ -127,34 +141,45 @@ BlockedRows::BlockedRows(const uint8_t* rows, int stride, std::span<const uint32
 }
 
 BlockedRows::BlockedRows(const CodeWords& words, std::span<const uint8_t> codes)
+    : BlockedRows(words, codes, {}, nullptr) {}
+
+BlockedRows::BlockedRows(const CodeWords& words, std::span<const uint8_t> codes,
+                         std::span<const uint32_t> run_begin, std::vector<uint32_t>* run_sums)
     : size_(codes.size() / words.num_subspaces()),
       stride_(words.stride()),
-      centers_(stride_, kCenter),
+      centers_(stride_, kRowCenter),
       blocks_(PaddedSize(size_) * stride_),
       sq_norms_(PaddedSize(size_)) {
-  BestExpansionKernel().expand(words, kCenter, codes.data(), size_, blocks_.data(),
-                               sq_norms_.data());
+  constexpr size_t kMaxRows = 4096;  // Of 16 bytes each they fill a part of a level 2 cache.
+  const size_t num_runs = run_begin.empty() ? 0 : run_begin.size() - 1;
+  if (num_runs > 0) {
+    run_sums->resize(num_runs * stride_);
+  }
+  size_t run = 0;
+  for (size_t begin = 0; begin < size_; begin += kMaxRows) {
+    const size_t end = std::min(size_, begin + kMaxRows);
+    BestExpansionKernel().expand(words, codes.data() + begin * words.num_subspaces(), end - begin,
+                                 blocks_.data() + begin * stride_, sq_norms_.data() + begin);
+    for (; run < num_runs && run_begin[run + 1] <= end; ++run) {
+      Sum(run_begin[run], run_begin[run + 1], run_sums->data() + run * stride_);
+    }
+  }
   std::fill(sq_norms_.begin() + static_cast<ptrdiff_t>(size_), sq_norms_.end(), kFarAway);
 }
 
 void BlockedRows::Sum(size_t begin, size_t end, uint32_t* sums) const {
-  constexpr size_t kMaxBlocks = 257;  // See AddBlocks.
+  constexpr size_t kMaxRows = size_t{256} * kBlockRows;  // In 257 blocks at most.
   const size_t block_size = size_t{kBlockRows} * stride_;
   std::fill_n(sums, stride_, 0u);
-  for (size_t row = begin; row < end;) {
-    const uint8_t* block = blocks_.data() + row / kBlockRows * block_size;
-    const size_t first = row % kBlockRows;
-    const size_t num_rows = std::min(end - row, kBlockRows - first);
-    const size_t num_blocks = std::min((end - row) / kBlockRows, kMaxBlocks);
-    for (int dim = 0; dim < stride_; dim += kDistanceBlock) {
-      const uint8_t* bytes = block + dim * kBlockRows;
-      if (first == 0 && num_blocks > 0) {
-        AddBlocks(bytes, block_size, num_blocks, sums + dim);
-      } else {
-        AddRows(bytes + first * kGroupDims, num_rows, sums + dim);
-      }
+  for (; begin < end; begin += std::min(kMaxRows, end - begin)) {
+    const size_t stop = std::min(end, begin + kMaxRows);
+    const size_t first = begin / kBlockRows, last = (stop - 1) / kBlockRows;
+    const BlockRun run = {.num_blocks = last - first + 1,
+                          .first_mask = MaskOfRows(begin, stop, first),
+                          .last_mask = MaskOfRows(begin, stop, last)};
+    for (int dim = 0; dim < stride_; dim += kGroupDims) {
+      AddGroup(run, blocks_.data() + first * block_size + dim * kBlockRows, block_size, sums + dim);
     }
-    row += first == 0 && num_blocks > 0 ? num_blocks * kBlockRows : num_rows;
   }
 }
 

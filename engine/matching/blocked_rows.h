@@ -27,6 +27,10 @@ class BlockedRows {
   BlockedRows(const uint8_t* rows, int stride, std::span<const uint32_t> order);
   // codes: rows of words.num_subspaces() bytes, to hold in their order.
   BlockedRows(const CodeWords& words, std::span<const uint8_t> codes);
+  // The same, and Sum of each run of rows, which it reads while they are in the cache. Run i are
+  // the rows from run_begin[i] to run_begin[i + 1]; `run_sums` gets stride() numbers a run.
+  BlockedRows(const CodeWords& words, std::span<const uint8_t> codes,
+              std::span<const uint32_t> run_begin, std::vector<uint32_t>* run_sums);
 
   size_t size() const { return size_; }
   size_t padded_size() const { return sq_norms_.size(); }  // Whole blocks.

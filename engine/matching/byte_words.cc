@@ -108,25 +108,21 @@ BlockedRows Train(const ByteDescriptors& descriptors, const ByteWords::Options& 
   return MakeBlocks(words, stride);
 }
 
-BlockedRows MeansOfLists(const BlockedRows& rows, std::span<const uint32_t> begin) {
-  const size_t stride = rows.stride();
-  const size_t num_lists = begin.empty() ? 0 : begin.size() - 1;
-  std::vector<uint8_t> means(num_lists * stride, 0);
-  std::vector<uint32_t> sums(stride);
-  for (size_t list = 0; list < num_lists; ++list) {
+BlockedRows MeansOfLists(std::span<const uint32_t> sums, std::span<const uint32_t> begin,
+                         int stride) {
+  std::vector<uint8_t> means(sums.size(), 0);
+  for (size_t i = 0; i < sums.size(); ++i) {
+    const size_t list = i / stride;
     const uint32_t count = begin[list + 1] - begin[list];
-    rows.Sum(begin[list], begin[list + 1], sums.data());
-    for (size_t dim = 0; dim < stride && count > 0; ++dim) {
-      means[list * stride + dim] = static_cast<uint8_t>((sums[dim] + count / 2) / count);
-    }
+    means[i] = count == 0 ? 0 : static_cast<uint8_t>((sums[i] + count / 2) / count);
   }
-  return MakeBlocks(means, static_cast<int>(stride));
+  return MakeBlocks(means, stride);
 }
 
 }  // namespace
 
-ByteWords::ByteWords(const BlockedRows& rows, int num_dims, std::span<const uint32_t> begin)
-    : first_dim_(0), num_dims_(num_dims), words_(MeansOfLists(rows, begin)) {}
+ByteWords::ByteWords(std::span<const uint32_t> sums, std::span<const uint32_t> begin, int num_dims)
+    : first_dim_(0), num_dims_(num_dims), words_(MeansOfLists(sums, begin, PaddedDims(num_dims))) {}
 
 ByteWords::ByteWords(const ByteDescriptors& descriptors, const Options& options)
     : first_dim_(options.first_dim),

@@ -30,8 +30,9 @@ class ByteWords {
   ByteWords(const ByteDescriptors& descriptors, const Options& options);
 
   // The mean of each list's rows, over all of `num_dims` dimensions, rounded; zeros for an empty
-  // list. `begin` are the offsets of the lists in the rows, one more than there are.
-  ByteWords(const BlockedRows& rows, int num_dims, std::span<const uint32_t> begin);
+  // list. `begin` are the offsets of the lists in the rows, one more than there are; `sums` those
+  // that BlockedRows makes of them.
+  ByteWords(std::span<const uint32_t> sums, std::span<const uint32_t> begin, int num_dims);
 
   size_t size() const { return words_.size(); }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <span>
 
 #include "engine/matching/block_kernels.h"
 
@@ -13,26 +14,26 @@
 namespace cairn {
 namespace {
 
-// Squared norms of all words about the center, subspace by subspace.
-std::vector<int32_t> WordSqNorms(const CodeWords& words, uint8_t center) {
+std::vector<int32_t> WordSqNorms(const CodeWords& words) {
   std::vector<int32_t> sq_norms(size_t{Codebook::kNumWords} * words.num_subspaces(), 0);
   for (size_t i = 0; i < sq_norms.size(); ++i) {
     const uint8_t* word = words.Word(static_cast<int>(i / Codebook::kNumWords),
                                      static_cast<uint8_t>(i % Codebook::kNumWords));
     for (int d = 0; d < words.subspace_dim(); ++d) {
-      sq_norms[i] += (word[d] - center) * (word[d] - center);
+      sq_norms[i] += (word[d] - kRowCenter) * (word[d] - kRowCenter);
     }
   }
   return sq_norms;
 }
 
-// What a word adds to a row, of words whose dimension divides kGroupDims: its bytes at their place
-// in the group, and above them its squared norm. The sum of a group's words is its four bytes below
-// their squared norm.
-std::vector<uint64_t> WordSummands(const CodeWords& words, uint8_t center) {
-  const std::vector<int32_t> sq_norms = WordSqNorms(words, center);
+// See CodeWords::summands.
+std::vector<uint64_t> WordSummands(const CodeWords& words, std::span<const int32_t> sq_norms) {
   const int dim = words.subspace_dim();
+  if (kGroupDims % dim != 0) {
+    return {};
+  }
   std::vector<uint64_t> summands;
+  summands.reserve(sq_norms.size());
   for (size_t i = 0; i < sq_norms.size(); ++i) {
     const auto subspace = static_cast<int>(i / Codebook::kNumWords);
     const uint8_t* word = words.Word(subspace, static_cast<uint8_t>(i % Codebook::kNumWords));
@@ -43,6 +44,11 @@ std::vector<uint64_t> WordSummands(const CodeWords& words, uint8_t center) {
     summands.push_back(static_cast<uint64_t>(sq_norms[i]) << 32 | bytes);
   }
   return summands;
+}
+
+// What the zeros of a row's padding add to its squared norm.
+int32_t PaddingSqNorm(const CodeWords& words) {
+  return (words.stride() - words.num_subspaces() * words.subspace_dim()) * kRowCenter * kRowCenter;
 }
 
 // Expands one row of codes to its place in a block; returns its squared norm. Constant numbers let
@@ -66,11 +72,10 @@ std::vector<uint64_t> WordSummands(const CodeWords& words, uint8_t center) {
 
 // Words whose dimension divides kGroupDims. kNumSubspaces 0 stands for any number.
 template <int kDim, int kNumSubspaces>
-void ExpandGroups(const CodeWords& words, uint8_t center, const uint8_t* codes, size_t num_rows,
-                  uint8_t* blocks, int32_t* sq_norms) {
+void ExpandGroups(const CodeWords& words, const uint8_t* codes, size_t num_rows, uint8_t* blocks,
+                  int32_t* sq_norms) {
   const int num_subspaces = kNumSubspaces > 0 ? kNumSubspaces : words.num_subspaces();
-  const std::vector<uint64_t> summands = WordSummands(words, center);
-  const int32_t padding_sq_norm = (words.stride() - num_subspaces * kDim) * center * center;
+  const int32_t padding_sq_norm = PaddingSqNorm(words);
   const size_t block_size = size_t{kBlockRows} * words.stride();
   for (size_t row = 0; row < num_rows; ++row) {
     uint8_t* block = blocks + row / kBlockRows * block_size;
@@ -78,18 +83,17 @@ void ExpandGroups(const CodeWords& words, uint8_t center, const uint8_t* codes, 
       std::memset(block, 0, block_size);
     }
     sq_norms[row] =
-        padding_sq_norm + ExpandRow(summands.data(), codes, num_subspaces, kGroupDims / kDim,
+        padding_sq_norm + ExpandRow(words.summands(), codes, num_subspaces, kGroupDims / kDim,
                                     block + row % kBlockRows * kGroupDims);
     codes += num_subspaces;
   }
 }
 
 // Words of any dimension.
-void ExpandWords(const CodeWords& words, uint8_t center, const uint8_t* codes, size_t num_rows,
-                 uint8_t* blocks, int32_t* sq_norms) {
+void ExpandWords(const CodeWords& words, const uint8_t* codes, size_t num_rows, uint8_t* blocks,
+                 int32_t* sq_norms) {
   const int dim = words.subspace_dim();
-  const std::vector<int32_t> word_sq_norms = WordSqNorms(words, center);
-  const int32_t padding_sq_norm = (words.stride() - words.num_subspaces() * dim) * center * center;
+  const int32_t padding_sq_norm = PaddingSqNorm(words);
   const size_t num_blocks = (num_rows + kBlockRows - 1) / kBlockRows;
   std::memset(blocks, 0, num_blocks * kBlockRows * words.stride());
   for (size_t row = 0; row < num_rows; ++row) {
@@ -101,20 +105,20 @@ void ExpandWords(const CodeWords& words, uint8_t center, const uint8_t* codes, s
         block[(d / kGroupDims * kBlockRows + row % kBlockRows) * kGroupDims + d % kGroupDims] =
             words.Word(m, code)[d - m * dim];
       }
-      sq_norms[row] += word_sq_norms[size_t{Codebook::kNumWords} * m + code];
+      sq_norms[row] += words.SqNorm(m, code);
     }
   }
 }
 
-void PlainExpand(const CodeWords& words, uint8_t center, const uint8_t* codes, size_t num_rows,
-                 uint8_t* blocks, int32_t* sq_norms) {
+void PlainExpand(const CodeWords& words, const uint8_t* codes, size_t num_rows, uint8_t* blocks,
+                 int32_t* sq_norms) {
   const bool is_usual = words.num_subspaces() == 8 && words.subspace_dim() == 2;
   const auto expand = is_usual                    ? ExpandGroups<2, 8>
                       : words.subspace_dim() == 1 ? ExpandGroups<1, 0>
                       : words.subspace_dim() == 2 ? ExpandGroups<2, 0>
                       : words.subspace_dim() == 4 ? ExpandGroups<4, 0>
                                                   : ExpandWords;
-  expand(words, center, codes, num_rows, blocks, sq_norms);
+  expand(words, codes, num_rows, blocks, sq_norms);
 }
 
 constexpr ExpansionKernel kPlain = {"plain", PlainExpand};
@@ -178,10 +182,10 @@ CAIRN_AVX512VBMI inline __m512i LookUp(const uint8_t* plane, __m512i bytes) {
   return _mm512_mask_mov_epi8(low, _mm512_movepi8_mask(bytes), high);
 }
 
-CAIRN_AVX512VBMI void VbmiExpand(const CodeWords& words, uint8_t center, const uint8_t* codes,
-                                 size_t num_rows, uint8_t* blocks, int32_t* sq_norms) {
+CAIRN_AVX512VBMI void VbmiExpand(const CodeWords& words, const uint8_t* codes, size_t num_rows,
+                                 uint8_t* blocks, int32_t* sq_norms) {
   const bool is_usual = words.num_subspaces() == kNumSubspaces && words.subspace_dim() == 2 &&
-                        words.stride() == kStride && center == 128;
+                        words.stride() == kStride;
   size_t begin = 0;
   const __m512i ones = _mm512_set1_epi8(1);
   const __m512i sign = _mm512_set1_epi8(static_cast<char>(0x80));
@@ -213,7 +217,7 @@ CAIRN_AVX512VBMI void VbmiExpand(const CodeWords& words, uint8_t center, const u
                           _mm512_sub_epi32(products[i], _mm512_slli_epi32(sums[i], 7)));
     }
   }
-  PlainExpand(words, center, codes + begin * words.num_subspaces(), num_rows - begin,
+  PlainExpand(words, codes + begin * words.num_subspaces(), num_rows - begin,
               blocks + begin * words.stride(), sq_norms + begin);
 }
 
@@ -228,7 +232,9 @@ CodeWords::CodeWords(const Codebook& codebook, const ByteScale& scale)
       subspace_dim_(codebook.subspace_dim()),
       stride_(scale.stride()),
       bytes_(scale.WordBytes(codebook)),
-      planes_(bytes_.size()) {
+      planes_(bytes_.size()),
+      sq_norms_(WordSqNorms(*this)),
+      summands_(WordSummands(*this, sq_norms_)) {
   uint8_t* plane = planes_.data();
   for (int m = 0; m < num_subspaces_; ++m) {
     for (int d = 0; d < subspace_dim_; ++d) {

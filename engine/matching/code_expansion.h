@@ -11,6 +11,10 @@
 
 namespace cairn {
 
+// What squared norms of rows are about, in every dimension. Queries within the bytes' range then
+// need one part (see BlockQuery).
+inline constexpr uint8_t kRowCenter = 128;
+
 // What a codebook's words are in bytes. Immutable; safe to use from any thread.
 class CodeWords {
  public:
@@ -27,6 +31,14 @@ class CodeWords {
   const uint8_t* Plane(int subspace, int dim) const {
     return planes_.data() + size_t{Codebook::kNumWords} * (subspace * subspace_dim_ + dim);
   }
+  // |word - kRowCenter|^2.
+  int32_t SqNorm(int subspace, uint8_t code) const {
+    return sq_norms_[size_t{Codebook::kNumWords} * subspace + code];
+  }
+  // What each word adds to a row, num_subspaces() x 256, if subspace_dim() divides kGroupDims: its
+  // bytes at their place in the group, and above them its squared norm. The sum of a group's words
+  // is its four bytes below their squared norm.
+  const uint64_t* summands() const { return summands_.data(); }
 
  private:
   int num_subspaces_;
@@ -34,6 +46,8 @@ class CodeWords {
   int stride_;
   std::vector<uint8_t> bytes_;   // num_subspaces x 256 x subspace_dim.
   std::vector<uint8_t> planes_;  // num_subspaces x subspace_dim x 256.
+  std::vector<int32_t> sq_norms_;
+  std::vector<uint64_t> summands_;
 };
 
 // Results are integers, so every variant gives the same.
@@ -41,10 +55,10 @@ struct ExpansionKernel {
   const char* name;  // "plain", "avx512vbmi".
 
   // codes: num_rows x num_subspaces -> whole blocks (see block_kernels.h) of stride bytes a row and
-  // the squared norms of the rows about the byte `center`. Bytes of padding are 0; squared norms of
+  // the squared norms of the rows about kRowCenter. Bytes of padding are 0; squared norms of
   // padding rows are left as they are.
-  void (*expand)(const CodeWords& words, uint8_t center, const uint8_t* codes, size_t num_rows,
-                 uint8_t* blocks, int32_t* sq_norms);
+  void (*expand)(const CodeWords& words, const uint8_t* codes, size_t num_rows, uint8_t* blocks,
+                 int32_t* sq_norms);
 };
 
 // The fastest variant this processor runs.

@@ -26,16 +26,26 @@ TileLists MakeTileLists(const Codebook& codebook, std::span<const uint8_t> codes
   return codes.empty() ? TileLists() : MakeLists(ByteDescriptors(codebook, codes), options);
 }
 
+struct InvertedLists::ExpandedLists {
+  ExpandedLists(const CodeWords& words, std::span<const uint8_t> codes,
+                std::span<const uint32_t> begin)
+      : rows(words, codes, begin, &sums) {}
+
+  std::vector<uint32_t> sums;  // Of the rows of each list.
+  BlockedRows rows;
+};
+
 InvertedLists::InvertedLists(const Codebook& codebook, std::span<const uint8_t> codes,
                              const InvertedListsOptions& options, TileLists lists)
-    : InvertedLists(ByteScale(codebook), CodeWords(codebook, ByteScale(codebook)), codes,
+    : InvertedLists(ByteScale(codebook),
+                    ExpandedLists(CodeWords(codebook, ByteScale(codebook)), codes, lists.begin),
                     options.num_probes, std::move(lists)) {}
 
-InvertedLists::InvertedLists(const ByteScale& scale, const CodeWords& words,
-                             std::span<const uint8_t> codes, size_t num_probes, TileLists lists)
+InvertedLists::InvertedLists(const ByteScale& scale, ExpandedLists&& expanded, size_t num_probes,
+                             TileLists&& lists)
     : num_probes_(std::min(num_probes, lists.num_lists())),
-      lists_(scale, BlockedRows(words, codes), std::move(lists)),
-      words_(lists_.rows(), scale.dim(), lists_.lists().begin) {}
+      lists_(scale, std::move(expanded.rows), std::move(lists)),
+      words_(expanded.sums, lists_.lists().begin, scale.dim()) {}
 
 std::vector<CellVisit> InvertedLists::MakeVisits(const std::vector<int16_t>& query_steps,
                                                  size_t num_queries) const {

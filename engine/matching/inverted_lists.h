@@ -34,8 +34,9 @@ class InvertedLists : public MatchingIndex {
   size_t MemoryBytes() const override { return words_.MemoryBytes() + lists_.MemoryBytes(); }
 
  private:
-  InvertedLists(const ByteScale& scale, const CodeWords& words, std::span<const uint8_t> codes,
-                size_t num_probes, TileLists lists);
+  struct ExpandedLists;
+  InvertedLists(const ByteScale& scale, ExpandedLists&& expanded, size_t num_probes,
+                TileLists&& lists);
   // Ordered by cell, then query.
   std::vector<CellVisit> MakeVisits(const std::vector<int16_t>& query_steps,
                                     size_t num_queries) const;

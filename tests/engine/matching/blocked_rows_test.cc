@@ -232,6 +232,27 @@ TEST(BlockedRows, OfCodesAreThoseOfTheirBytes) {
   }
 }
 
+// Runs that are empty, end within a block, and are longer than what is expanded at once.
+TEST(BlockedRows, OfCodesSumTheirRuns) {
+  const Codebook codebook = testing::RandomCodebook();
+  const ByteScale scale(codebook);
+  std::mt19937_64 random(7);
+  std::vector<uint8_t> codes(15'000 * size_t{8});
+  std::generate(codes.begin(), codes.end(), [&] { return static_cast<uint8_t>(random()); });
+  const std::vector<uint32_t> begin = {0, 0, 5, 4'095, 4'097, 4'112, 14'000, 14'000, 15'000};
+  std::vector<uint32_t> sums;
+  const BlockedRows blocked(CodeWords(codebook, scale), codes, begin, &sums);
+  const size_t stride = scale.stride();
+  const std::vector<uint8_t> rows = scale.ExpandCodes(codebook, codes);
+  std::vector<uint32_t> expected((begin.size() - 1) * stride, 0);
+  for (size_t run = 0; run + 1 < begin.size(); ++run) {
+    for (size_t i = begin[run] * stride; i < begin[run + 1] * stride; ++i) {
+      expected[run * stride + i % stride] += rows[i];
+    }
+  }
+  EXPECT_EQ(sums, expected);
+}
+
 TEST(BlockedRows, HoldNothing) {
   const BlockedRows blocked(nullptr, 16, {});
   EXPECT_EQ(blocked.size(), 0u);

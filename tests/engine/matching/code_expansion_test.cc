@@ -12,8 +12,6 @@
 namespace cairn {
 namespace {
 
-constexpr uint8_t kCenter = 128;
-
 struct Expanded {
   std::vector<uint8_t> blocks;
   std::vector<int32_t> sq_norms;
@@ -38,8 +36,7 @@ Expanded Expand(const ExpansionKernel& kernel, const CodeWords& words,
   Expanded expanded;
   expanded.blocks.resize(PaddedSize(num_rows) * words.stride(), 0xaa);
   expanded.sq_norms.resize(PaddedSize(num_rows), -1);
-  kernel.expand(words, kCenter, codes.data(), num_rows, expanded.blocks.data(),
-                expanded.sq_norms.data());
+  kernel.expand(words, codes.data(), num_rows, expanded.blocks.data(), expanded.sq_norms.data());
   return expanded;
 }
 
@@ -68,7 +65,7 @@ TEST(CodeExpansion, GivesTheRowsOfTheCodesInBlocks) {
                              (dim / kGroupDims * kBlockRows + row % kBlockRows) * kGroupDims +
                              dim % kGroupDims;
         ASSERT_EQ(expanded.blocks[place], byte) << "row " << row << ", dimension " << dim;
-        sq_norm += (byte - kCenter) * (byte - kCenter);
+        sq_norm += (byte - kRowCenter) * (byte - kRowCenter);
       }
       ASSERT_EQ(expanded.sq_norms[row], sq_norm) << "row " << row;
     }
