@@ -55,4 +55,14 @@ Interval PairedDifference(const EvalReport& a, const EvalReport& b, AccuracyMeas
   return PairedContrast({{1.0, &a}, {-1.0, &b}}, measure);
 }
 
+Interval MeanPairedDifference(const std::vector<ReportPair>& pairs, AccuracyMeasure measure) {
+  const double weight = 1.0 / static_cast<double>(pairs.size());
+  std::vector<ContrastTerm> terms;
+  for (const auto& [a, b] : pairs) {
+    terms.push_back({weight, a});
+    terms.push_back({-weight, b});
+  }
+  return PairedContrast(terms, measure);
+}
+
 }  // namespace cairn

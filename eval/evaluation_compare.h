@@ -2,6 +2,7 @@
 #ifndef CAIRN_EVAL_EVALUATION_COMPARE_H_
 #define CAIRN_EVAL_EVALUATION_COMPARE_H_
 
+#include <utility>
 #include <vector>
 
 #include "eval/evaluation.h"
@@ -32,6 +33,10 @@ struct ContrastTerm {
   const EvalReport* report = nullptr;
 };
 Interval PairedContrast(const std::vector<ContrastTerm>& terms, AccuracyMeasure measure);
+
+// The mean of PairedDifference over pairs of reports, all on the same queries; there must be some.
+using ReportPair = std::pair<const EvalReport*, const EvalReport*>;
+Interval MeanPairedDifference(const std::vector<ReportPair>& pairs, AccuracyMeasure measure);
 
 }  // namespace cairn
 

@@ -86,13 +86,12 @@ Figure MemoryFigure(const std::string& name, const std::string& title,
 
 Interval MeanApDifference(const std::vector<MeasuredIngest>& measured, const std::string& a,
                           const std::string& b, const std::vector<double>& knobs) {
-  const double weight = 1.0 / static_cast<double>(knobs.size());
-  std::vector<ContrastTerm> terms;
+  std::vector<ReportPair> pairs;
   for (const double knob : knobs) {
-    terms.push_back({weight, &At(measured, a, knob).answers.report});
-    terms.push_back({-weight, &At(measured, b, knob).answers.report});
+    pairs.emplace_back(&At(measured, a, knob).answers.report,
+                       &At(measured, b, knob).answers.report);
   }
-  return PairedContrast(terms, AccuracyMeasure::kAveragePrecision);
+  return MeanPairedDifference(pairs, AccuracyMeasure::kAveragePrecision);
 }
 
 ExperimentWorldOptions MemoryWorld(const ExperimentContext& context) {

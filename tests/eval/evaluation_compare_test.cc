@@ -90,6 +90,18 @@ TEST(PairedContrast, IsADifferenceOfDifferences) {
   EXPECT_GT(contrast.high, 0.0);
 }
 
+// One query of four in the mean, where each pair alone differs by two or by none.
+TEST(MeanPairedDifference, IsTheMeanOverPairs) {
+  const EvalReport all = ReportWithErrors({0.1, 0.1, 0.1, 0.1});
+  const EvalReport half = ReportWithErrors({0.1, 0.1, -1.0, -1.0});
+  const Interval mean =
+      MeanPairedDifference({{&all, &half}, {&half, &half}}, AccuracyMeasure::kRecallAtCorrect);
+  const Interval one = PairedDifference(all, half, AccuracyMeasure::kRecallAtCorrect);
+  EXPECT_DOUBLE_EQ(mean.value, 0.25);
+  EXPECT_DOUBLE_EQ(mean.low, one.low / 2.0);
+  EXPECT_DOUBLE_EQ(mean.high, one.high / 2.0);
+}
+
 TEST(MapSizes, AreRatiosOfWhatTheMapHolds) {
   MapInfo info;
   info.num_tiles = 2;
