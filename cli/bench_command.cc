@@ -57,11 +57,10 @@ void PrintTimes(const std::string& name, const Percentiles& seconds) {
              1e3 * seconds.p90, 1e3 * seconds.p99, 1e3 * seconds.max);
 }
 
-// Beside plain reads of the tile's bytes.
+// Beside a plain read of the tile's bytes.
 void PrintLoad(const char* name, double seconds, const BenchFigures& figures) {
-  fmt::print("{:<18} {:.2f} ms; {:.1f} times a plain read into new memory, {:.1f} into used\n",
-             name, 1e3 * seconds, seconds / figures.new_read_seconds,
-             seconds / figures.used_read_seconds);
+  fmt::print("{:<18} {:.2f} ms; {:.1f} times a plain read\n", name, 1e3 * seconds,
+             seconds / figures.plain_read_seconds);
 }
 
 // Mean of a counter over the answers.
