@@ -12,8 +12,6 @@ namespace cairn {
 // Memory that starts with a cache line. Large blocks are in huge pages if the system has some to
 // give: memory that is touched for the first time costs a page fault, which takes longer than to
 // fill the page, and a huge page is one instead of 512. At most half a huge page is left unused.
-// Freed blocks, up to 64 MB of them, wait for the next of their size: a tile that comes into a full
-// cache finds the pages of the one that went, which need no fault at all.
 void* AllocateLarge(size_t num_bytes);
 void FreeLarge(void* memory, size_t num_bytes);
 
