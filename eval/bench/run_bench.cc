@@ -139,7 +139,8 @@ void MeasureTileLoads(const MapSnapshot& snapshot, const IndexOptions& options,
       const ProcessorStopwatch load;
       LargeVector<uint8_t> blob = snapshot.LoadPayload(records[i].payload_id);
       const ProcessorStopwatch from_blob;
-      tiles[i] = MakeSearchableTile(std::move(blob), codebook, options);
+      const auto gone =
+          std::exchange(tiles[i], MakeSearchableTile(std::move(blob), codebook, options));
       blob_seconds.push_back(from_blob.Seconds());
       load_seconds.push_back(load.Seconds());
     }
