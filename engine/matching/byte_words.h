@@ -30,8 +30,8 @@ class ByteWords {
   ByteWords(const ByteDescriptors& descriptors, const Options& options);
 
   // The mean of each list's rows, over all of `num_dims` dimensions, rounded; zeros for an empty
-  // list. `begin` are the offsets of the lists in the rows, one more than there are; `sums` those
-  // that BlockedRows makes of them.
+  // list. `begin` are the offsets of the lists in the rows, one more than there are; `sums` are
+  // those of the rows' bytes, num_lists x stride, as BlockedRows adds them up.
   ByteWords(std::span<const uint32_t> sums, std::span<const uint32_t> begin, int num_dims);
 
   size_t size() const { return words_.size(); }

@@ -34,9 +34,9 @@ struct BenchFigures {
   double cold_tile_seconds = 0;
   double cold_query_seconds = 0;  // The first query of all, with an empty cache.
   // From the map file in the page cache until a tile can be searched; the same from the blob in
-  // memory, without SQLite; and to read the blob's bytes of a plain file in the page cache. All of
-  // them into memory that has been used before, as in a cache that is full. Processor time; medians
-  // of many tiles.
+  // memory, without SQLite, tile after tile as in a cache that is full; and to read the blob's
+  // bytes of a plain file in the page cache into memory that has been used before. Processor time;
+  // medians of many tiles.
   double tile_load_seconds = 0.0;
   double blob_load_seconds = 0.0;
   double plain_read_seconds = 0.0;
