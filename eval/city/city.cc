@@ -155,6 +155,7 @@ CityBox BoxAroundPoint(const Eigen::Vector2d& middle, double radius_m) {
 
 City::City(const CityOptions& options)
     : options_((options.Validate(), options)),
+      looks_seed_(HashOf(options.seed, static_cast<int>(options.character))),
       shape_(kShapes[static_cast<size_t>(options.character)]),
       ecef_from_site_(EcefFromEnu(options.center)) {
   HashedRandom random(HashOf(options_.seed, kLayout));
@@ -204,7 +205,7 @@ double City::StreetWidthM(int axis, int line) const {
 
 CityStreet City::StreetAt(int axis, int i, int j) const {
   CityStreet street;
-  street.id = HashOf(options_.seed, kStreetId, axis, i, j);
+  street.id = HashOf(looks_seed_, kStreetId, axis, i, j);
   street.begin = Crossing(i, j);
   street.end = axis == 0 ? Crossing(i + 1, j) : Crossing(i, j + 1);
   street.width_m = StreetWidthM(axis, axis == 0 ? j : i);
@@ -277,7 +278,7 @@ void City::AppendBlock(int i, int j, std::vector<CityBuilding>* buildings) const
 
 uint64_t City::DrawStyle(double uniform) const {
   const auto rank = std::lower_bound(style_cdf_.begin(), style_cdf_.end(), uniform);
-  return HashOf(options_.seed, kStyle, rank - style_cdf_.begin());
+  return HashOf(looks_seed_, kStyle, rank - style_cdf_.begin());
 }
 
 void City::AppendRow(const Row& row, std::vector<CityBuilding>* buildings) const {
@@ -292,8 +293,8 @@ void City::AppendRow(const Row& row, std::vector<CityBuilding>* buildings) const
     const double end = lot_ends_m[lot] / lot_ends_m.back();
     const double half_gap = 0.5 * shape_.gap_share * (end - begin);
     CityBuilding building;
-    building.id = HashOf(row.id, kBuilding, lot);
-    HashedRandom facts(building.id);
+    building.id = HashOf(row.id, kBuilding, lot, looks_seed_);
+    HashedRandom facts(HashOf(row.id, kBuilding, lot));
     const auto at = [](const Eigen::Vector2d& from, const Eigen::Vector2d& to, double share) {
       return Eigen::Vector2d(from + share * (to - from));
     };

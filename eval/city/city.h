@@ -102,6 +102,9 @@ class City {
   void ForBlocksIn(const CityBox& box, const Visit& visit) const;
 
   CityOptions options_;
+  // Of what houses and streets look like. Cities of another character share no looks, whatever
+  // their seed: a photo of the one shows nothing of the other.
+  uint64_t looks_seed_;
   CityShape shape_;
   Rigid3d ecef_from_site_;
   Eigen::Rotation2Dd site_from_lattice_;

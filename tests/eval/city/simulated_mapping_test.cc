@@ -86,7 +86,7 @@ TEST(SimulatedMapping, MakesAValidReconstructionOfOneTile) {
   chunk.reconstruction.Validate();
   EXPECT_GT(chunk.num_keyframes, 20);
   EXPECT_EQ(chunk.reconstruction.images.size(), 4u * static_cast<size_t>(chunk.num_keyframes));
-  EXPECT_GT(chunk.reconstruction.landmarks.size(), 1000u);
+  EXPECT_GT(chunk.reconstruction.landmarks.size(), 600u);
   std::set<std::string> names;
   for (size_t i = 0; i < chunk.reconstruction.images.size(); ++i) {
     names.insert(chunk.reconstruction.images[i].name);
