@@ -20,16 +20,6 @@ constexpr double kRadius68PerSigma = 1.5095921854516636;
 // Reported accuracies are positive even where there is no noise.
 constexpr double kMinAccuracyM = 0.1;
 
-// Seeded by the query's name, so that a query gets the same noise in whatever list it stands.
-std::mt19937_64 GeneratorFor(const EvalQuery& query, uint64_t seed) {
-  std::vector<uint32_t> words = {static_cast<uint32_t>(seed), static_cast<uint32_t>(seed >> 32)};
-  for (const char letter : query.name) {
-    words.push_back(static_cast<unsigned char>(letter));
-  }
-  std::seed_seq sequence(words.begin(), words.end());
-  return std::mt19937_64(sequence);
-}
-
 // `direction` turned by independent Gaussian angles about two axes across it.
 Eigen::Vector3d Tilted(const Eigen::Vector3d& direction, double first_rad, double second_rad) {
   const Eigen::Vector3d first_axis = direction.unitOrthogonal();
@@ -38,6 +28,15 @@ Eigen::Vector3d Tilted(const Eigen::Vector3d& direction, double first_rad, doubl
 }
 
 }  // namespace
+
+std::mt19937_64 GeneratorOfQuery(const EvalQuery& query, uint64_t seed) {
+  std::vector<uint32_t> words = {static_cast<uint32_t>(seed), static_cast<uint32_t>(seed >> 32)};
+  for (const char letter : query.name) {
+    words.push_back(static_cast<unsigned char>(letter));
+  }
+  std::seed_seq sequence(words.begin(), words.end());
+  return std::mt19937_64(sequence);
+}
 
 void PriorNoiseOptions::Validate() const {
   constexpr double kMaxSigmaM = 10e3;
@@ -49,7 +48,7 @@ void PriorNoiseOptions::Validate() const {
 void AddNoisyPriors(const PriorNoiseOptions& options, std::vector<EvalQuery>* queries) {
   options.Validate();
   for (EvalQuery& query : *queries) {
-    std::mt19937_64 generator = GeneratorFor(query, options.seed);
+    std::mt19937_64 generator = GeneratorOfQuery(query, options.seed);
     std::normal_distribution<double> normal;
     // All numbers are drawn whether they are used or not: switching one prior off leaves the other
     // as it was.

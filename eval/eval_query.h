@@ -3,6 +3,7 @@
 #define CAIRN_EVAL_EVAL_QUERY_H_
 
 #include <cstdint>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,9 @@ struct EvalQuery {
   LocalizeQuery query;    // Features may be empty if one of the paths is set.
   Rigid3d cam_from_ecef;  // Reference pose.
 };
+
+// Seeded by the query's name, so that a query draws the same numbers in whatever list it stands.
+std::mt19937_64 GeneratorOfQuery(const EvalQuery& query, uint64_t seed);
 
 // Noise that turns reference poses into what a phone would send.
 struct PriorNoiseOptions {

@@ -77,4 +77,12 @@ double Quantile(std::vector<double> values, double share) {
   return values[lower] + fraction * (values[upper] - values[lower]);
 }
 
+Interval WilsonInterval(int num_yes, int num) {
+  constexpr double kZ = 1.959964;  // 97.5 % quantile of the normal distribution.
+  const double n = num, p = num_yes / n, z2 = kZ * kZ;
+  const double center = (p + z2 / (2.0 * n)) / (1.0 + z2 / n);
+  const double half = kZ / (1.0 + z2 / n) * std::sqrt(p * (1.0 - p) / n + z2 / (4.0 * n * n));
+  return {p, std::max(0.0, center - half), std::min(1.0, center + half)};
+}
+
 }  // namespace cairn

@@ -30,6 +30,9 @@ Interval Bootstrap(size_t num_queries, const IndexStatistic& statistic);
 // `group_of_query` numbers the groups, in any way. As many groups are drawn as there are.
 Interval GroupBootstrap(const std::vector<int>& group_of_query, const IndexStatistic& statistic);
 
+// Share `num_yes` / `num` with its 95 % Wilson score interval. num > 0.
+Interval WilsonInterval(int num_yes, int num);
+
 // `share` in [0, 1]; linear between the two nearest ranks. `values` must not be empty.
 double Quantile(std::vector<double> values, double share);
 

@@ -59,9 +59,6 @@ struct CalibrationReport {
 CalibrationReport MeasureCalibration(const std::vector<CalibrationSample>& samples,
                                      const ScoreCalibration& calibration);
 
-// Share `num_yes` / `num` with its 95 % Wilson score interval. num > 0.
-Interval WilsonInterval(int num_yes, int num);
-
 }  // namespace cairn
 
 #endif  // CAIRN_EVAL_CALIBRATION_CALIBRATION_H_
