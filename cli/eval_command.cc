@@ -17,6 +17,7 @@
 #include "cli/open_localizer.h"
 #include "cli/shell.h"
 #include "core/error.h"
+#include "eval/elsewhere.h"
 #include "eval/evaluation.h"
 #include "eval/parallel_for.h"
 #include "http/client.h"
@@ -37,12 +38,16 @@ struct EvalArguments {
   bool no_prior = false;
   bool no_gravity = false;
   bool given_priors = false;
+  bool elsewhere = false;
+  bool permute_descriptors = false;
+  double min_score = AnswerOptions().min_score;
   std::string server_url;
   SendAs send_as = SendAs::kFeatures;
   FeatureSource feature_source = FeatureSource::kModel;
   IndexKind index = IndexOptions().kind;
   std::string json_path;
   std::string csv_path;
+  std::string matches_path;
   int num_threads = 1;
 };
 
@@ -128,6 +133,20 @@ void PrintMapSize(const MapSnapshot& map) {
                  static_cast<double>(std::max<int64_t>(1, info.num_landmarks)));
 }
 
+// Where the map's photos were taken.
+std::vector<Geodetic> KeyframePlaces(const MapSnapshot& map) {
+  std::vector<Geodetic> places;
+  for (const SessionRecord& session : map.Sessions()) {
+    for (const KeyframeRecord& keyframe : map.KeyframesOfSession(session.id)) {
+      places.push_back(GeodeticFromEcef(keyframe.cam_from_ecef.Inverse().translation));
+    }
+  }
+  if (places.empty()) {
+    throw Error(ErrorCode::kInvalidArgument, "--elsewhere needs a map that is not empty");
+  }
+  return places;
+}
+
 ExitCode RunEval(const EvalArguments& arguments, ProgressMode progress_mode) {
   PriorNoiseOptions noise = arguments.noise;
   noise.gravity_sigma_rad = arguments.gravity_noise_deg * 0.017453292519943295;
@@ -138,8 +157,12 @@ ExitCode RunEval(const EvalArguments& arguments, ProgressMode progress_mode) {
   LocalizerOptions localizer_options;
   localizer_options.seed = noise.seed;
   localizer_options.matching.index.kind = arguments.index;
+  localizer_options.answer.min_score = arguments.min_score;
   const OpenedMap map = OpenLocalizer(arguments.map_path, localizer_options);
   std::vector<EvalQuery> queries = LoadEvalQueries(arguments.queries, map.store->Snapshot());
+  if (arguments.elsewhere) {
+    PlaceElsewhere(KeyframePlaces(map.store->Snapshot()), noise.seed, &queries);
+  }
   if (!arguments.given_priors) {
     AddNoisyPriors(noise, &queries);
   }
@@ -147,17 +170,25 @@ ExitCode RunEval(const EvalArguments& arguments, ProgressMode progress_mode) {
   {
     Progress progress(progress_mode);
     ExtractFeatures(arguments, &progress, &queries);
+    if (arguments.permute_descriptors) {
+      PermuteDescriptors(noise.seed, &queries);
+    }
     results = AnswerAll(arguments, map, queries, &progress);
   }
   const EvalReport report = Evaluate(
       queries, [&](const EvalQuery& query) { return results[&query - queries.data()]; }, {});
-  fmt::print("{}", ReportAsText(report));
+  const bool is_chance = arguments.elsewhere || arguments.permute_descriptors;
+  fmt::print("{}",
+             is_chance ? ElsewhereAsText(MeasureElsewhere(report.answers)) : ReportAsText(report));
   PrintMapSize(map.store->Snapshot());
   if (!arguments.json_path.empty()) {
     WriteTextFile(arguments.json_path, ReportAsJson(report));
   }
   if (!arguments.csv_path.empty()) {
     WriteTextFile(arguments.csv_path, ReportAsCsv(report));
+  }
+  if (!arguments.matches_path.empty()) {
+    WriteTextFile(arguments.matches_path, MatchesAsCsv(queries, report));
   }
   return ExitCode::kOk;
 }
@@ -208,6 +239,17 @@ void AddNoiseOptions(CLI::App* command, EvalArguments* arguments) {
       ->capture_default_str();
 }
 
+void AddElsewhereOptions(CLI::App* command, EvalArguments* arguments) {
+  command
+      ->add_flag("--elsewhere", arguments->elsewhere,
+                 "The queries show nothing of the map: ask for each at one of the map's keyframes "
+                 "and count the answers")
+      ->excludes("--given-priors");
+  command->add_flag("--permute-descriptors", arguments->permute_descriptors,
+                    "Make such queries of any photos: deal their descriptors out anew among their "
+                    "keypoints, and count the answers");
+}
+
 void AddTransportOptions(CLI::App* command, EvalArguments* arguments) {
   static const std::map<std::string, SendAs> kSendAs = {{"image", SendAs::kImage},
                                                         {"features", SendAs::kFeatures}};
@@ -239,10 +281,19 @@ void AddEvalCommand(CLI::App* app, Shell* shell) {
   command->add_option("MAP", arguments->map_path, "Map file")->required();
   AddQuerySourceOptions(command, &arguments->queries);
   AddNoiseOptions(command, arguments.get());
+  AddElsewhereOptions(command, arguments.get());
   AddTransportOptions(command, arguments.get());
   AddIndexOption(command, &arguments->index);
   command->add_option("--json", arguments->json_path, "Write the report")->type_name("FILE");
   command->add_option("--csv", arguments->csv_path, "Write one line an answer")->type_name("FILE");
+  command
+      ->add_option("--matches-csv", arguments->matches_path,
+                   "Write one line an inlier, with how it deviates from its landmark")
+      ->type_name("FILE");
+  command
+      ->add_option("--min-score", arguments->min_score,
+                   "Answers with a lower score are not given (not with --server)")
+      ->capture_default_str();
   command->footer(
       "Example:\n"
       "  cairn eval city.gpkg --model sparse/0 --database database.db --images held_out.txt");

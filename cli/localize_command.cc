@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <vector>
@@ -120,7 +121,15 @@ void PrintPose(const LocalizeResult& result) {
   fmt::print("accuracy     {:.3f} m, {:.3f} deg  (68 %)\n", result.position_accuracy_m,
              result.rotation_accuracy_rad * kDegPerRad);
   fmt::print("confidence   {:.3f}\n", result.confidence);
-  fmt::print("inliers      {} ({:.1f} effective)\n", result.matches.size(), result.score);
+  fmt::print("evidence     score {:.1f}; by chance {:.1g} of such queries score as high\n",
+             result.score, result.false_alarm_rate);
+  const double num_right = std::accumulate(
+      result.matches.begin(), result.matches.end(), 0.0,
+      [](double sum, const LocalizeMatch& match) { return sum + match.right_probability; });
+  fmt::print("inliers      {} ({:.0f} of them right)\n", result.matches.size(), num_right);
+  if (result.prior_disagrees) {
+    fmt::print("prior        disagrees: the answer is far from it\n");
+  }
 }
 
 void PrintText(const LocalizeResult& result) {
@@ -130,7 +139,7 @@ void PrintText(const LocalizeResult& result) {
     fmt::print("not localized: {}\n", NotLocalizedReasonName(result.reason));
   }
   const StageCounters& counters = result.counters;
-  fmt::print("evidence     {} keypoints, {} tiles, {} matches, {} candidates\n",
+  fmt::print("searched     {} keypoints, {} tiles, {} matches, {} candidates\n",
              counters.num_keypoints, counters.num_tiles_searched, counters.num_matches,
              counters.num_candidates);
   fmt::print("time         {:.1f} ms:", 1e3 * result.times.total_seconds);

@@ -2,20 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <map>
 #include <utility>
 
 #include "core/check.h"
+#include "engine/pose/evidence.h"
+#include "engine/prior/pose_share.h"
 #include "engine/refinement/bernoulli_divergence.h"
 
 namespace cairn {
 namespace {
-
-bool WithinRegion(const SearchRegion& region, const Rigid3d& cam_from_anchor) {
-  const Eigen::Vector3d center_in_anchor = cam_from_anchor.Inverse().translation;
-  return !region.has_prior ||
-         (center_in_anchor.head<2>() - region.prior_xy_in_anchor).norm() <= region.radius_m;
-}
 
 bool AreFarApart(const Rigid3d& a, const Rigid3d& b, const AnswerOptions& options) {
   return (a.Inverse().translation - b.Inverse().translation).norm() >
@@ -23,52 +19,72 @@ bool AreFarApart(const Rigid3d& a, const Rigid3d& b, const AnswerOptions& option
          RotationAngleRad(a.rotation, b.rotation) > options.ambiguous_rotation_rad;
 }
 
-std::vector<int> SortedKeypoints(const PoseHypothesis& hypothesis) {
-  std::vector<int> keypoints;
-  for (const int inlier : hypothesis.estimate.inliers) {
-    keypoints.push_back((*hypothesis.correspondences)[inlier].keypoint_idx);
+// A hypothesis and what speaks for it.
+struct Contender {
+  const PoseHypothesis* hypothesis = nullptr;
+  double score = 0.0;
+};
+
+Contender MakeContender(const QueryContext& query, const PoseHypothesis& hypothesis) {
+  const Eigen::Vector3d center_in_anchor =
+      hypothesis.estimate.cam_from_anchor.Inverse().translation;
+  return {&hypothesis, hypothesis.estimate.evidence +
+                           LogPoseShare(query.region, center_in_anchor, hypothesis.used_gravity)};
+}
+
+// The probability that a pose's match is right, by keypoint.
+std::map<int, double> RightByKeypoint(const PoseHypothesis& hypothesis) {
+  std::map<int, double> right;
+  const PoseEstimate& estimate = hypothesis.estimate;
+  for (size_t i = 0; i < estimate.inliers.size(); ++i) {
+    right[(*hypothesis.correspondences)[estimate.inliers[i]].keypoint_idx] =
+        estimate.right_probabilities[i];
   }
-  std::sort(keypoints.begin(), keypoints.end());
-  return keypoints;
+  return right;
 }
 
 // True if the inliers decide between two poses that are far apart. What both explain, such as a
 // facade that repeats, tells nothing; see AnswerOptions.
 bool Outdoes(const PoseHypothesis& a, const PoseHypothesis& b, const AnswerOptions& options) {
-  const std::vector<int> of_a = SortedKeypoints(a), of_b = SortedKeypoints(b);
-  std::vector<int> shared;
-  std::set_intersection(of_a.begin(), of_a.end(), of_b.begin(), of_b.end(),
-                        std::back_inserter(shared));
-  const auto num_for = static_cast<double>(of_a.size() - shared.size());
-  const auto num_against = static_cast<double>(of_b.size() - shared.size());
+  const std::map<int, double> of_a = RightByKeypoint(a), of_b = RightByKeypoint(b);
+  double sum_a = 0.0, sum_b = 0.0, num_for = 0.0, num_against = 0.0;
+  for (const auto& [keypoint_idx, right] : of_a) {
+    const auto other = of_b.find(keypoint_idx);
+    sum_a += right;
+    num_for += std::max(0.0, right - (other == of_b.end() ? 0.0 : other->second));
+  }
+  for (const auto& [keypoint_idx, right] : of_b) {
+    const auto other = of_a.find(keypoint_idx);
+    sum_b += right;
+    num_against += std::max(0.0, right - (other == of_a.end() ? 0.0 : other->second));
+  }
   const double num_all = num_for + num_against;
-  return num_for > num_against &&
-         static_cast<double>(of_b.size()) <=
-             options.decisive_inlier_share * static_cast<double>(of_a.size()) &&
+  return num_for > num_against && sum_b <= options.decisive_inlier_share * sum_a &&
          num_all * BernoulliDivergence(num_for / num_all, 0.5) >= options.decisive_evidence;
 }
 
 // True if `rival` explains the image about as well as `best` from somewhere else.
-bool Rivals(const PoseHypothesis& rival, const PoseHypothesis& best, const AnswerOptions& options) {
-  return rival.estimate.effective_inliers >=
-             options.ambiguous_score_ratio * best.estimate.effective_inliers &&
-         AreFarApart(best.estimate.cam_from_anchor, rival.estimate.cam_from_anchor, options);
+bool Rivals(const Contender& rival, const Contender& best, const AnswerOptions& options) {
+  return rival.score >= options.ambiguous_score_ratio * best.score &&
+         AreFarApart(best.hypothesis->estimate.cam_from_anchor,
+                     rival.hypothesis->estimate.cam_from_anchor, options);
 }
 
-// The hypothesis that wins, `by_score` being in order; null if the answer is ambiguous.
-const PoseHypothesis* FindWinner(const std::vector<const PoseHypothesis*>& by_score,
+// The contender that wins, `by_score` being in order; nothing if the answer is ambiguous.
+const PoseHypothesis* FindWinner(const std::vector<Contender>& by_score,
                                  const AnswerOptions& options) {
-  const PoseHypothesis* best = by_score.front();
-  for (const PoseHypothesis* rival : by_score) {
-    if (Rivals(*rival, *best, options) && Outdoes(*rival, *best, options)) {
+  Contender best = by_score.front();
+  for (const Contender& rival : by_score) {
+    if (Rivals(rival, best, options) && Outdoes(*rival.hypothesis, *best.hypothesis, options)) {
       best = rival;
     }
   }
   const bool is_ambiguous =
-      std::any_of(by_score.begin(), by_score.end(), [&](const PoseHypothesis* rival) {
-        return Rivals(*rival, *best, options) && !Outdoes(*best, *rival, options);
+      std::any_of(by_score.begin(), by_score.end(), [&](const Contender& rival) {
+        return Rivals(rival, best, options) &&
+               !Outdoes(*best.hypothesis, *rival.hypothesis, options);
       });
-  return is_ambiguous ? nullptr : best;
+  return is_ambiguous ? nullptr : best.hypothesis;
 }
 
 // Radius that holds 68 % of an isotropic Gaussian with this covariance trace: the square root of
@@ -83,8 +99,8 @@ void FillMatches(const QueryContext& query, const std::vector<TileView>& tiles,
   for (int i = query.is_rig() ? query.num_keypoints() - 1 : -1; i >= 0; --i) {
     first_keypoint[query.CameraIdxOf(i)] = i;
   }
-  for (const int inlier : hypothesis.estimate.inliers) {
-    const Correspondence& match = (*hypothesis.correspondences)[inlier];
+  for (size_t i = 0; i < hypothesis.estimate.inliers.size(); ++i) {
+    const Correspondence& match = (*hypothesis.correspondences)[hypothesis.estimate.inliers[i]];
     const Keypoint& keypoint = query.keypoints[match.keypoint_idx];
     LocalizeMatch out;
     out.camera_idx = query.CameraIdxOf(match.keypoint_idx);
@@ -94,12 +110,10 @@ void FillMatches(const QueryContext& query, const std::vector<TileView>& tiles,
     out.tile_idx = match.tile_idx;
     out.x_in_anchor = match.x_in_anchor;
     out.sigma_m = match.sigma_m;
-    const auto pixel =
-        query.CameraOf(match.keypoint_idx)
-            .Project(query.InCameraOf(match.keypoint_idx,
-                                      hypothesis.estimate.cam_from_anchor * match.x_in_anchor));
-    CAIRN_CHECK(pixel.has_value(), "an inlier projects into the image");
-    out.error_px = (*pixel - out.pixel).norm();
+    const auto traits = TraitsOf(query, match, hypothesis.estimate.cam_from_anchor);
+    CAIRN_CHECK(traits.has_value(), "an inlier projects into the image");
+    out.traits = *traits;
+    out.right_probability = hypothesis.estimate.right_probabilities[i];
     result->matches.push_back(out);
   }
   std::sort(result->matches.begin(), result->matches.end(),
@@ -109,8 +123,9 @@ void FillMatches(const QueryContext& query, const std::vector<TileView>& tiles,
             });
 }
 
-void FillPose(const QueryContext& query, const PoseEstimate& estimate,
+void FillPose(const QueryContext& query, const Contender& winner,
               const ScoreCalibration& calibration, LocalizeResult* result) {
+  const PoseEstimate& estimate = winner.hypothesis->estimate;
   result->localized = true;
   result->anchor = query.region.origin;
   result->cam_from_anchor = estimate.cam_from_anchor;
@@ -121,8 +136,25 @@ void FillPose(const QueryContext& query, const PoseEstimate& estimate,
       calibration.RotationAccuracyRad(Radius68(estimate.covariance.topLeftCorner<3, 3>()));
   result->position_accuracy_m =
       calibration.PositionAccuracyM(Radius68(estimate.covariance.bottomRightCorner<3, 3>()));
-  result->score = estimate.effective_inliers;
-  result->confidence = calibration.Confidence(result->score);
+  result->score = winner.score;
+  result->confidence = calibration.Confidence(winner.score);
+  result->false_alarm_rate = calibration.FalseAlarmRate(winner.score);
+  result->prior_disagrees =
+      DisagreesWithPrior(query.region, estimate.cam_from_anchor.Inverse().translation);
+  result->counters.used_gravity = winner.hypothesis->used_gravity;
+}
+
+// Why a pose of too low a score is no answer: the prior, if it would be one without it.
+NotLocalizedReason ReasonOfWeakness(const QueryContext& query, const Contender& best,
+                                    const AnswerOptions& options) {
+  const bool the_prior_decides =
+      DisagreesWithPrior(query.region,
+                         best.hypothesis->estimate.cam_from_anchor.Inverse().translation) &&
+      best.hypothesis->estimate.evidence + LogPoseShare(query.region, PriorCenter(query.region),
+                                                        best.hypothesis->used_gravity) >=
+          options.min_score;
+  return the_prior_decides ? NotLocalizedReason::kPriorMismatch
+                           : NotLocalizedReason::kTooFewInliers;
 }
 
 }  // namespace
@@ -132,41 +164,27 @@ void ConcludeAnswer(const QueryContext& query, const std::vector<TileView>& tile
                     const std::function<PoseHypothesis(const PoseHypothesis&)>& refine,
                     LocalizeResult* result) {
   CAIRN_CHECK(!hypotheses.empty(), "there is nothing to conclude from");
-  std::vector<const PoseHypothesis*> by_score;
-  bool good_one_outside = false;
-  const auto is_good = [&](const PoseHypothesis& hypothesis) {
-    return hypothesis.estimate.effective_inliers >= options.min_effective_inliers;
-  };
+  std::vector<Contender> by_score;
   for (const PoseHypothesis& hypothesis : hypotheses) {
-    if (WithinRegion(query.region, hypothesis.estimate.cam_from_anchor)) {
-      by_score.push_back(&hypothesis);
-    } else {
-      good_one_outside |= is_good(hypothesis);
-    }
-  }
-  const NotLocalizedReason nothing_good =
-      good_one_outside ? NotLocalizedReason::kPriorMismatch : NotLocalizedReason::kTooFewInliers;
-  if (by_score.empty()) {
-    result->reason = nothing_good;
-    return;
+    by_score.push_back(MakeContender(query, hypothesis));
   }
   std::stable_sort(by_score.begin(), by_score.end(),
-                   [](const PoseHypothesis* a, const PoseHypothesis* b) {
-                     return a->estimate.effective_inliers > b->estimate.effective_inliers;
-                   });
+                   [](const Contender& a, const Contender& b) { return a.score > b.score; });
   const PoseHypothesis* winner = FindWinner(by_score, options);
   if (winner == nullptr) {
-    result->reason = is_good(*by_score.front()) ? NotLocalizedReason::kAmbiguous : nothing_good;
+    result->reason = by_score.front().score >= options.min_score
+                         ? NotLocalizedReason::kAmbiguous
+                         : ReasonOfWeakness(query, by_score.front(), options);
     return;
   }
   const PoseHypothesis refined = refine(*winner);
-  if (!is_good(refined) || !WithinRegion(query.region, refined.estimate.cam_from_anchor)) {
-    result->reason = nothing_good;
+  const Contender answer = MakeContender(query, refined);
+  if (answer.score < options.min_score) {
+    result->reason = ReasonOfWeakness(query, answer, options);
     return;
   }
   result->reason = NotLocalizedReason::kNone;
-  result->counters.used_gravity = refined.used_gravity;
-  FillPose(query, refined.estimate, options.calibration, result);
+  FillPose(query, answer, options.calibration, result);
   FillMatches(query, tiles, refined, result);
 }
 

@@ -21,11 +21,11 @@ struct PoseHypothesis {
   bool used_gravity = false;
 };
 
-// Picks the hypothesis with most effective inliers within the region, or one from elsewhere that
-// has about as many and explains clearly more keypoints, lets `refine` refine it, and fills the
-// result: its pose, accuracy, score, confidence and matches; or the reason why there is no answer:
-// kPriorMismatch if only poses outside the region are good enough, kAmbiguous (see AnswerOptions),
-// kTooFewInliers, of the refined one. `hypotheses` must not be empty.
+// Picks the hypothesis with the highest score, or another that has about as high a score and
+// explains clearly more keypoints, lets `refine` refine it, and fills the result: its pose,
+// accuracy, score, confidence and matches; or the reason why there is no answer: kAmbiguous (see
+// AnswerOptions), kPriorMismatch if the score is too low only because the pose is far from the
+// prior, kTooFewInliers. `hypotheses` must not be empty.
 void ConcludeAnswer(const QueryContext& query, const std::vector<TileView>& tiles,
                     const std::vector<PoseHypothesis>& hypotheses, const AnswerOptions& options,
                     const std::function<PoseHypothesis(const PoseHypothesis&)>& refine,

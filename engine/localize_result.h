@@ -12,6 +12,7 @@
 #include "core/geodesy.h"
 #include "core/rigid3.h"
 #include "core/tile_id.h"
+#include "engine/pose/inlier_traits.h"
 #include "storage/ids.h"
 
 namespace cairn {
@@ -24,7 +25,7 @@ enum class NotLocalizedReason {
   kTooFewMatches,   // The map knows too few of the descriptors.
   kTooFewInliers,   // No pose explains enough of the matches.
   kAmbiguous,       // Two poses far apart explain the image about equally well.
-  kPriorMismatch,   // The best pose lies outside the region the prior allows.
+  kPriorMismatch,   // The best pose is too far from the prior for how little speaks for it.
   kTimeout,         // The deadline left no time to find an answer.
 };
 const char* NotLocalizedReasonName(NotLocalizedReason reason);
@@ -77,8 +78,9 @@ struct LocalizeMatch {
   LandmarkId landmark_id{};
   int tile_idx = 0;  // Into LocalizeResult::tiles.
   Eigen::Vector3d x_in_anchor;
-  double sigma_m = 0.0;   // Landmark position standard deviation.
-  double error_px = 0.0;  // Reprojection error.
+  double sigma_m = 0.0;            // Landmark position standard deviation.
+  double right_probability = 0.0;  // That this is the right landmark, if the pose is right.
+  InlierTraits traits;             // Its reprojection error among them.
 };
 
 struct LocalizeResult {
@@ -95,8 +97,14 @@ struct LocalizeResult {
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   double position_accuracy_m = 0.0;  // Radius that holds the truth with 68 % probability.
   double rotation_accuracy_rad = 0.0;
-  double score = 0.0;                  // Effective inlier count, see PoseEstimate.
-  double confidence = 0.0;             // Probability that the pose is within 3 m and 10 degrees.
+  // How far the evidence is from chance: the logarithm of the likelihood ratio of the pose against
+  // chance, less the logarithm of the number of poses that the prior leaves, see docs/math.
+  double score = 0.0;
+  double confidence = 0.0;  // Probability that the pose is within 3 m and 10 degrees.
+  // Probability that a query that shows nothing of the map gets an answer of this score.
+  double false_alarm_rate = 0.0;
+  // The position is farther from the prior than one position in a hundred.
+  bool prior_disagrees = false;
   std::vector<LocalizeMatch> matches;  // All inliers, by camera and keypoint.
 
   // Always set.

@@ -7,6 +7,7 @@
 #include <memory>
 #include <numeric>
 #include <optional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -59,6 +60,22 @@ bool FoundTooLittle(NotLocalizedReason reason) {
          reason == NotLocalizedReason::kTooFewInliers;
 }
 
+// Orders the matches of several searches by keypoint and leaves of each only the nearest.
+void MergeMatches(std::vector<Correspondence>* matches) {
+  const auto key = [](const Correspondence& match) {
+    return std::tuple(match.keypoint_idx, match.tile_idx, match.landmark_idx);
+  };
+  std::sort(matches->begin(), matches->end(),
+            [&](const Correspondence& a, const Correspondence& b) {
+              return std::pair(key(a), a.sq_distance) < std::pair(key(b), b.sq_distance);
+            });
+  matches->erase(std::unique(matches->begin(), matches->end(),
+                             [&](const Correspondence& a, const Correspondence& b) {
+                               return key(a) == key(b);
+                             }),
+                 matches->end());
+}
+
 // One query on its way through the stages. A stage that finds that there cannot be an answer
 // returns the reason, and the ones after it do not run.
 class QueryRun {
@@ -89,7 +106,7 @@ class QueryRun {
   int TryInRounds(int count, const std::function<Attempt(int, double)>& attempt);
   void AddHypothesis(Attempt attempt);
   bool NeedsRefinement() const;
-  // The `count` hypotheses with most effective inliers, best first; fewer if there are no more.
+  // The `count` hypotheses with most evidence, best first; fewer if there are no more.
   std::vector<const PoseHypothesis*> BestHypotheses(int count) const;
   // Those that see what the best poses so far explain, and those that got most matches.
   std::vector<KeyframeRef> KeyframesToMatch() const;
@@ -248,7 +265,7 @@ std::vector<const PoseHypothesis*> QueryRun::BestHypotheses(int count) const {
     best.push_back(&hypothesis);
   }
   std::stable_sort(best.begin(), best.end(), [](const PoseHypothesis* a, const PoseHypothesis* b) {
-    return a->estimate.effective_inliers > b->estimate.effective_inliers;
+    return a->estimate.evidence > b->estimate.evidence;
   });
   best.resize(std::min(best.size(), static_cast<size_t>(count)));
   return best;
@@ -302,11 +319,10 @@ void QueryRun::MatchKeyframes() {
 PoseHypothesis QueryRun::RefinedOnAllMatches(const PoseHypothesis& winner) const {
   const auto all = std::make_shared<std::vector<Correspondence>>();
   std::vector<const std::vector<Correspondence>*> taken;
-  const double min_effective_inliers =
-      kMinShareOfBest * BestHypotheses(1).front()->estimate.effective_inliers;
+  const double min_evidence = kMinShareOfBest * BestHypotheses(1).front()->estimate.evidence;
   for (const PoseHypothesis& hypothesis : hypotheses_) {
     const std::vector<Correspondence>* matches = hypothesis.correspondences.get();
-    if (hypothesis.estimate.effective_inliers >= min_effective_inliers &&
+    if (hypothesis.estimate.evidence >= min_evidence &&
         std::find(taken.begin(), taken.end(), matches) == taken.end()) {
       taken.push_back(matches);
       all->insert(all->end(), matches->begin(), matches->end());
@@ -315,6 +331,7 @@ PoseHypothesis QueryRun::RefinedOnAllMatches(const PoseHypothesis& winner) const
   if (taken.size() < 2) {
     return winner;
   }
+  MergeMatches(all.get());
   auto refined = RefineEstimate(context_, *all, winner.estimate, options_.pose);
   return refined ? PoseHypothesis{std::move(*refined), all, context_.down_in_cam.has_value()}
                  : winner;
@@ -326,15 +343,13 @@ bool QueryRun::DoubtsGravity() const {
     return false;
   }
   const std::vector<const PoseHypothesis*> best = BestHypotheses(1);
-  const double min_trusted = std::max(options_.answer.min_effective_inliers,
-                                      options_.refinement.min_trusted_effective_inliers);
-  if (best.empty() || best.front()->estimate.effective_inliers < min_trusted) {
+  if (best.empty() || best.front()->estimate.evidence < options_.refinement.min_trusted_evidence) {
     return true;
   }
   const PoseEstimate& estimate = best.front()->estimate;
   const Eigen::Vector3d down_in_cam = estimate.cam_from_anchor.rotation * -Eigen::Vector3d::UnitZ();
   const double tilt_rad = std::acos(std::clamp(down_in_cam.dot(*context_.down_in_cam), -1.0, 1.0));
-  return estimate.effective_inliers < options_.refinement.good_effective_inliers &&
+  return estimate.evidence < options_.refinement.good_evidence &&
          tilt_rad > options_.refinement.max_gravity_error_sigmas * options_.pose.gravity_sigma_rad;
 }
 
@@ -388,10 +403,10 @@ bool QueryRun::NeedsRefinement() const {
     case RefinementMode::kWhenWeak:
       break;
   }
-  return std::none_of(
-      hypotheses_.begin(), hypotheses_.end(), [this](const PoseHypothesis& hypothesis) {
-        return hypothesis.estimate.effective_inliers >= options_.refinement.good_effective_inliers;
-      });
+  return std::none_of(hypotheses_.begin(), hypotheses_.end(),
+                      [this](const PoseHypothesis& hypothesis) {
+                        return hypothesis.estimate.evidence >= options_.refinement.good_evidence;
+                      });
 }
 
 }  // namespace

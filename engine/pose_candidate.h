@@ -22,9 +22,9 @@ struct PoseEstimate {
   Rigid3d cam_from_anchor;
   std::vector<int> inliers;  // Indices into the correspondences given; one per keypoint.
   double consensus = 0.0;    // MSAC gain over the candidate, see ConsensusSet.
-  // Inliers weighted by their spread over the image and by how exactly they fit.
-  double effective_inliers = 0.0;
-  double mean_sq_error_px = 0.0;  // Over the inliers.
+  double evidence = 0.0;     // That the inliers are no chance, see PoseEvidence::log_ratio.
+  std::vector<double> right_probabilities;  // Of the inliers, see PoseEvidence.
+  double mean_sq_error_px = 0.0;            // Over the inliers.
   // As LocalizeResult::covariance.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   int num_iterations = 0;  // Of RANSAC.

@@ -63,9 +63,13 @@ struct QueryContext {
   int CameraIdxOf(int keypoint_idx) const {
     return is_rig() ? camera_of_keypoint[keypoint_idx] : 0;
   }
-  const Camera& CameraOf(int keypoint_idx) const {
-    const int camera_idx = CameraIdxOf(keypoint_idx);
+  const Camera& CameraAt(int camera_idx) const {
     return camera_idx == 0 ? camera : other_cameras[camera_idx - 1].camera;
+  }
+  const Camera& CameraOf(int keypoint_idx) const { return CameraAt(CameraIdxOf(keypoint_idx)); }
+  // From the frame `cam` into that of a camera.
+  Rigid3d OwnFromFirst(int camera_idx) const {
+    return camera_idx == 0 ? Rigid3d() : other_cameras[camera_idx - 1].cam_from_first;
   }
   Eigen::Vector3d OriginInCam(int keypoint_idx) const {
     return is_rig() ? origins_in_cam[keypoint_idx] : Eigen::Vector3d::Zero();
@@ -87,6 +91,8 @@ struct Correspondence {
   float sigma_m = 0.0f;         // Landmark position standard deviation.
   float azimuth_rad = 0.0f;     // From landmark to mapping camera of the matched descriptor.
   float size_m = 0.0f;          // Physical size of the matched keypoint.
+  float descriptor_sq_distance = 0.0f;   // Of the descriptors alone.
+  std::optional<float> orientation_rad;  // Gravity-rectified, of the matched descriptor.
 };
 
 }  // namespace cairn

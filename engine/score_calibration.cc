@@ -11,6 +11,9 @@ void ScoreCalibration::Validate() const {
   const auto is_positive = [](double value) { return value > 0.0 && std::isfinite(value); };
   RequireOption(is_positive(confidence_slope) && std::isfinite(confidence_offset),
                 "answer.calibration: the confidence needs a positive slope and a finite offset");
+  RequireOption(is_positive(false_alarm_slope) && std::isfinite(false_alarm_start),
+                "answer.calibration: the false alarm rate needs a positive slope and a finite "
+                "start");
   RequireOption(is_positive(position_accuracy_factor) && is_positive(rotation_accuracy_factor),
                 "answer.calibration: the accuracy factors must be positive and finite");
   RequireOption(map_accuracy_m >= 0.0 && std::isfinite(map_accuracy_m),
@@ -20,6 +23,10 @@ void ScoreCalibration::Validate() const {
 double ScoreCalibration::Confidence(double score) const {
   const double logit = confidence_slope * std::log(std::max(score, 1e-9)) + confidence_offset;
   return 1.0 / (1.0 + std::exp(-logit));
+}
+
+double ScoreCalibration::FalseAlarmRate(double score) const {
+  return std::min(1.0, std::exp(-false_alarm_slope * (score - false_alarm_start)));
 }
 
 double ScoreCalibration::PositionAccuracyM(double predicted_m) const {

@@ -4,15 +4,21 @@
 
 namespace cairn {
 
-// Fitted by FitCalibration (eval/calibration) on one set of queries and tested on others. The
-// defaults are of answers in a simulated grid city, accepted down to 3 effective inliers: the
-// confidence of 381, the radii of 565. Experiment 19_calibration holds them against other cities.
+// Of answers to hard queries of simulated cities, of photos that sparse maps lack, and of queries
+// from elsewhere; docs/math/metrics.md, "Calibration". FitCalibration (eval/calibration) fits the
+// radii, whose defaults are of 565 answers in a simulated grid city. Experiment 19_calibration
+// holds all against other cities.
 struct ScoreCalibration {
   // The probability that a pose is within 3 m and 10 degrees of the truth is a logistic function of
-  // the logarithm of its score, slope * log(score) + offset; the slope is positive. 5 effective
-  // inliers mean 0.45, the acceptance threshold of 8 means 0.82 and 30 mean 0.998.
-  double confidence_slope = 3.714;
-  double confidence_offset = -6.181;
+  // the logarithm of its score, slope * log(score) + offset; the slope is positive. A score of 8,
+  // where answers begin, means 0.50, 20 mean 0.90 and 60 mean 0.99.
+  double confidence_slope = 2.4;
+  double confidence_offset = -5.0;
+  // The probability that a query that shows nothing of the map reaches a score is
+  // exp(-false_alarm_slope * (score - false_alarm_start)), 1 below the start; the slope is
+  // positive. In theory the slope is 1; descriptors that repeat make it smaller.
+  double false_alarm_slope = 0.3;
+  double false_alarm_start = -15.0;
   // What the radii that the covariance predicts are multiplied with, so that 68 % of the truths lie
   // within; positive.
   double position_accuracy_factor = 2.27;
@@ -28,6 +34,8 @@ struct ScoreCalibration {
 
   // In (0, 1), rising with the score; a score that is not positive counts as 1e-9.
   double Confidence(double score) const;
+  // In (0, 1], falling with the score.
+  double FalseAlarmRate(double score) const;
 
   // The reported 68 % radii for those that the covariance predicts.
   double PositionAccuracyM(double predicted_m) const;

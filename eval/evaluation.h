@@ -86,6 +86,9 @@ std::string ReportAsText(const EvalReport& report);
 std::string ReportAsJson(const EvalReport& report);
 // One line an answer, with a header line; what cannot be measured is empty.
 std::string ReportAsCsv(const EvalReport& report);
+// One line an inlier of an answer, with a header line: what EvidenceModel is fitted to.
+// report.answers[i] answers queries[i].
+std::string MatchesAsCsv(const std::vector<EvalQuery>& queries, const EvalReport& report);
 
 }  // namespace cairn
 

@@ -176,4 +176,25 @@ std::string ReportAsCsv(const EvalReport& report) {
   return text;
 }
 
+std::string MatchesAsCsv(const std::vector<EvalQuery>& queries, const EvalReport& report) {
+  std::string text =
+      "name,score,position_error_m,rotation_error_deg,focal_px,error_px,keypoint_scale_px,"
+      "landmark_sigma_px,sq_distance,log_size,orientation_rad,azimuth_rad,right_probability\n";
+  for (size_t i = 0; i < report.answers.size(); ++i) {
+    const EvalAnswer& answer = report.answers[i];
+    const std::string of_answer = fmt::format(
+        "{},{},{},{},{}", CsvText(answer.name), CsvNumber(answer.result.score),
+        CsvNumber(answer.position_error_m), CsvNumber(kDegFromRad * answer.rotation_error_rad),
+        CsvNumber(queries[i].query.camera.focal_px()));
+    for (const LocalizeMatch& match : answer.result.matches) {
+      const InlierTraits& traits = match.traits;
+      text += fmt::format("{},{:.5g},{:.5g},{:.5g},{:.5g},{:.5g},{:.5g},{:.5g},{:.5g}\n", of_answer,
+                          traits.error_px, traits.keypoint_scale_px, traits.landmark_sigma_px,
+                          traits.sq_distance, traits.log_size, traits.orientation_rad,
+                          traits.azimuth_rad, match.right_probability);
+    }
+  }
+  return text;
+}
+
 }  // namespace cairn

@@ -18,6 +18,11 @@ namespace {
 // Chords are rounded; the hard filter lets a difference of exactly the bound pass.
 constexpr float kChordTolerance = 1e-5f;
 
+std::optional<float> OrientationOf(uint8_t code) {
+  return code == kNoOrientation ? std::nullopt
+                                : std::optional(static_cast<float>(OrientationFromCode(code)));
+}
+
 }  // namespace
 
 const std::array<LandmarkRanking::Direction, 256>& LandmarkRanking::CodeDirections() {
@@ -243,7 +248,26 @@ void LandmarkRanking::PrefetchNeighbors(int keypoint_idx,
     __builtin_prefetch(&tile.sigma_codes[neighbor.landmark_idx]);
     __builtin_prefetch(&tile.azimuth_codes[neighbor.descriptor_idx]);
     __builtin_prefetch(&tile.size_codes[neighbor.descriptor_idx]);
+    __builtin_prefetch(&tile.orientation_codes[neighbor.descriptor_idx]);
   }
+}
+
+float LandmarkRanking::DescriptorSqDistance(int keypoint_idx, const Neighbor& neighbor,
+                                            const TileView& view) const {
+  const TileLandmarks& tile = view.tile->landmarks();
+  float sq_distance =
+      neighbor.sq_distance -
+      orientation_factor_ *
+          SqChord(keypoint_directions_[keypoint_idx],
+                  CodeDirections()[tile.orientation_codes[neighbor.descriptor_idx]]);
+  if (uses_position_) {
+    const Eigen::Vector3d x_in_anchor =
+        view.anchor_from_tile * tile.x_in_tile[neighbor.landmark_idx].cast<double>();
+    sq_distance -=
+        position_factor_ *
+        SqPositionExcess((x_in_anchor.head<2>() - query_.region.prior_xy_in_anchor).cast<float>());
+  }
+  return std::max(0.0f, sq_distance);
 }
 
 std::vector<Correspondence> LandmarkRanking::Correspondences(
@@ -269,7 +293,9 @@ std::vector<Correspondence> LandmarkRanking::Correspondences(
            .sigma_m = static_cast<float>(SigmaFromCode(tile.sigma_codes[neighbor.landmark_idx])),
            .azimuth_rad =
                static_cast<float>(AzimuthFromCode(tile.azimuth_codes[neighbor.descriptor_idx])),
-           .size_m = static_cast<float>(SizeFromCode(tile.size_codes[neighbor.descriptor_idx]))});
+           .size_m = static_cast<float>(SizeFromCode(tile.size_codes[neighbor.descriptor_idx])),
+           .descriptor_sq_distance = DescriptorSqDistance(keypoint_idx, neighbor, view),
+           .orientation_rad = OrientationOf(tile.orientation_codes[neighbor.descriptor_idx])});
     }
   }
   return correspondences;

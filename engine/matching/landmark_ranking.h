@@ -76,6 +76,9 @@ class LandmarkRanking {
   // x_from_prior is horizontal, metres.
   float SqPositionExcess(const Eigen::Vector2f& x_from_prior) const;
   void Insert(uint32_t keypoint_idx, const Neighbor& neighbor);
+  // The squared distance of the descriptors alone, up to rounding.
+  float DescriptorSqDistance(int keypoint_idx, const Neighbor& neighbor,
+                             const TileView& view) const;
   // Asks for what Correspondences reads of a keypoint's landmarks, which lie anywhere in the tiles.
   void PrefetchNeighbors(int keypoint_idx, const std::vector<TileView>& tiles) const;
 

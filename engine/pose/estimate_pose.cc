@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/pose/effective_inliers.h"
+#include "engine/pose/evidence.h"
 #include "engine/pose/pose_estimator.h"
 #include "engine/pose/ransac.h"
 #include "engine/pose/refine_pose.h"
@@ -34,7 +34,6 @@ bool IsFarFromRay(const QueryContext& query, int keypoint_idx, const Eigen::Vect
 struct InlierSet {
   std::vector<int> indices;  // Into the correspondences.
   double sum_sq_error_px = 0.0;
-  double sum_gain = 0.0;  // As in ConsensusSet: 1 without an error, 0 at the threshold.
 };
 
 InlierSet GatherInliers(const QueryContext& query,
@@ -79,28 +78,9 @@ InlierSet GatherInliers(const QueryContext& query,
     if (entry.index >= 0) {
       inliers.indices.push_back(entry.index);
       inliers.sum_sq_error_px += entry.sq_error_px;
-      inliers.sum_gain += 1.0 - entry.ratio;
     }
   }
   return inliers;
-}
-
-// Of all images together, times the mean gain: matches that agree with a pose by chance lie
-// anywhere within the threshold and gain a half in the mean.
-double EffectiveInliersOf(const QueryContext& query,
-                          const std::vector<Correspondence>& correspondences,
-                          const InlierSet& inliers) {
-  std::vector<std::vector<Eigen::Vector2d>> pixels(query.num_cameras());
-  for (const int index : inliers.indices) {
-    pixels[query.CameraIdxOf(correspondences[index].keypoint_idx)].push_back(
-        PixelOf(query, correspondences[index]));
-  }
-  double sum = 0.0;
-  for (int i = 0; i < query.num_cameras(); ++i) {
-    const Camera& camera = i == 0 ? query.camera : query.other_cameras[i - 1].camera;
-    sum += EffectiveInliers(pixels[i], camera.width_px(), camera.height_px());
-  }
-  return sum * inliers.sum_gain / static_cast<double>(inliers.indices.size());
 }
 
 }  // namespace
@@ -170,7 +150,10 @@ std::optional<PoseEstimate> RefineEstimate(const QueryContext& query,
   estimate.covariance = PoseCovariance(query.camera, observations, gravity, refined.cam_from_anchor,
                                        refine_options, query.other_cameras);
   estimate.mean_sq_error_px = inliers.sum_sq_error_px / static_cast<double>(inliers.indices.size());
-  estimate.effective_inliers = EffectiveInliersOf(query, correspondences, inliers);
+  PoseEvidence evidence = WeighEvidence(query, correspondences, inliers.indices,
+                                        estimate.cam_from_anchor, options.evidence);
+  estimate.evidence = evidence.log_ratio;
+  estimate.right_probabilities = std::move(evidence.right_probabilities);
   estimate.inliers = std::move(inliers.indices);
   return estimate;
 }

@@ -23,7 +23,7 @@ std::optional<PoseEstimate> EstimatePose(const QueryContext& query,
                                          uint64_t seed, double min_consensus = 0.0);
 
 // The pose of `estimate` refined on its inliers among `correspondences`, which need not be those it
-// was estimated from, with the covariance and the effective inliers that they give it. Nothing if
+// was estimated from, with the covariance and the evidence that they give it. Nothing if
 // they are fewer than options.min_inliers.
 std::optional<PoseEstimate> RefineEstimate(const QueryContext& query,
                                            const std::vector<Correspondence>& correspondences,

@@ -13,6 +13,7 @@ void ConsensusOptions::Validate() const {
 
 void PoseOptions::Validate() const {
   consensus.Validate();
+  evidence.Validate();
   RequireOption(max_error_px > 0.0 && max_error_px <= 1000.0,
                 "pose.max_error_px must lie in (0, 1000]");
   RequireOption(keypoint_sigma_px > 0.0 && keypoint_sigma_px <= 1000.0,

@@ -2,6 +2,8 @@
 #ifndef CAIRN_ENGINE_POSE_POSE_OPTIONS_H_
 #define CAIRN_ENGINE_POSE_POSE_OPTIONS_H_
 
+#include "engine/pose/evidence_model.h"
+
 namespace cairn {
 
 // How a pose is computed from a minimal sample.
@@ -51,6 +53,7 @@ struct PoseOptions {
   // model's threshold is widened by it, the final refinement uses it as a weak prior.
   double gravity_sigma_rad = 0.0175;
   ConsensusOptions consensus;
+  EvidenceModel evidence;
 
   // Throws Error(kInvalidArgument) naming the field.
   void Validate() const;

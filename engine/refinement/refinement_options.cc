@@ -7,8 +7,8 @@
 namespace cairn {
 
 void RefinementOptions::Validate() const {
-  RequireOption(good_effective_inliers >= 0.0 && std::isfinite(good_effective_inliers),
-                "refinement.good_effective_inliers must not be negative");
+  RequireOption(good_evidence >= 0.0 && std::isfinite(good_evidence),
+                "refinement.good_evidence must not be negative");
   RequireOption(max_keyframes >= 0 && max_keyframes <= 1000,
                 "refinement.max_keyframes must lie in [0, 1000]");
   RequireOption(max_pose_keyframes >= 0 && max_pose_keyframes <= 1000,
@@ -19,9 +19,8 @@ void RefinementOptions::Validate() const {
                 "refinement.min_separation_m must not be negative");
   RequireOption(relaxed_distance_quantile > 0.0 && relaxed_distance_quantile <= 1.0,
                 "refinement.relaxed_distance_quantile must lie in (0, 1]");
-  RequireOption(
-      min_trusted_effective_inliers >= 0.0 && std::isfinite(min_trusted_effective_inliers),
-      "refinement.min_trusted_effective_inliers must not be negative");
+  RequireOption(min_trusted_evidence >= 0.0 && std::isfinite(min_trusted_evidence),
+                "refinement.min_trusted_evidence must not be negative");
   RequireOption(max_gravity_error_sigmas >= 0.0,
                 "refinement.max_gravity_error_sigmas must not be negative");
 }

@@ -6,14 +6,15 @@ namespace cairn {
 
 enum class RefinementMode {
   kNever,
-  kWhenWeak,  // If no candidate has good_effective_inliers.
+  kWhenWeak,  // If no candidate has good_evidence.
   kAlways,
 };
 
 struct RefinementOptions {
   RefinementMode mode = RefinementMode::kWhenWeak;
-  // A best candidate with at least this many effective inliers needs no keyframe re-matching.
-  double good_effective_inliers = 25.0;
+  // A best candidate with at least this evidence (PoseEstimate::evidence) needs no keyframe
+  // re-matching.
+  double good_evidence = 120.0;
   int max_keyframes = 5;  // M: keyframes whose neighbourhoods are matched again.
   // Of so many of the best poses so far, the keyframe that saw most of what the pose explains is
   // matched again, too, so that a right pose competes with what other keyframes suggest by matches
@@ -25,10 +26,10 @@ struct RefinementOptions {
   double min_separation_m = 3.0;
   double relaxed_distance_quantile = 0.95;  // Threshold of the re-matching.
   // Gravity is doubted, and everything from matching on is tried once more as if the query had had
-  // none (not in mode kNever), if the best pose has fewer effective inliers than this, or than an
-  // answer needs; docs/decisions/0004.
-  double min_trusted_effective_inliers = 12.0;
-  // It is doubted, too, if the best pose has fewer than good_effective_inliers and is tilted
+  // none (not in mode kNever), if the best pose has less evidence than this;
+  // docs/decisions/0004.
+  double min_trusted_evidence = 40.0;
+  // It is doubted, too, if the best pose has less than good_evidence and is tilted
   // against gravity by more than so many standard deviations (PoseOptions::gravity_sigma_rad).
   double max_gravity_error_sigmas = 2.0;
 

@@ -45,7 +45,7 @@ double MeasuredVariant::MeanCpuSeconds() const {
 
 LocalizerOptions BestVariant() {
   LocalizerOptions options;
-  options.answer.min_effective_inliers = 0.0;
+  options.answer.min_score = -std::numeric_limits<double>::infinity();
   options.answer.ambiguous_distance_m = std::numeric_limits<double>::infinity();
   options.answer.ambiguous_rotation_rad = std::numeric_limits<double>::infinity();
   return options;

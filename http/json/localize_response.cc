@@ -95,7 +95,8 @@ Json MatchesJson(const LocalizeResult& result, int max_matches) {
              {"landmarkId", Value(match.landmark_id)},
              {"enu", {match.x_in_anchor.x(), match.x_in_anchor.y(), match.x_in_anchor.z()}},
              {"sigma", match.sigma_m},
-             {"error", match.error_px},
+             {"error", match.traits.error_px},
+             {"probability", match.right_probability},
              {"keypoint", match.keypoint_idx},
              {"tile", match.tile_idx}});
     if (match.camera_idx > 0) json["camera"] = match.camera_idx;
@@ -142,6 +143,8 @@ void AddPose(const LocalizeResult& result, const ResponseOptions& options, Json*
   }
   (*json)["confidence"] = result.confidence;
   (*json)["score"] = result.score;
+  (*json)["falseAlarmRate"] = result.false_alarm_rate;
+  (*json)["priorDisagrees"] = result.prior_disagrees;
   (*json)["inlierCount"] = result.matches.size();
 }
 
@@ -174,6 +177,8 @@ void ReadPose(const JsonReader& json, LocalizeResult* result) {
   result->rotation_accuracy_rad = ReadNumber(accuracy.At("orientation")) / kDegPerRad;
   result->confidence = ReadNumber(json.At("confidence"));
   result->score = ReadNumber(json.At("score"));
+  result->false_alarm_rate = ReadNumber(json.At("falseAlarmRate"));
+  result->prior_disagrees = json.At("priorDisagrees").Bool();
   if (const auto covariance = json.Find("covariance")) {
     const std::vector<double> numbers = covariance->Numbers(36, 36);
     result->covariance = ResultCovariance(Eigen::Map<const Matrix6d>(numbers.data()),
@@ -193,7 +198,8 @@ LocalizeMatch ReadMatch(const JsonReader& json) {
   }
   match.x_in_anchor = {enu[0], enu[1], enu[2]};
   match.sigma_m = ReadNumber(json.At("sigma"));
-  match.error_px = ReadNumber(json.At("error"));
+  match.traits.error_px = ReadNumber(json.At("error"));
+  match.right_probability = ReadNumber(json.At("probability"));
   return match;
 }
 

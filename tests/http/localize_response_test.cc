@@ -23,6 +23,8 @@ LocalizeResult SomeResult() {
   result.rotation_accuracy_rad = 0.015;
   result.score = 88.5;
   result.confidence = 0.97;
+  result.false_alarm_rate = 1e-9;
+  result.prior_disagrees = true;
   for (int i = 0; i < 10; ++i) {
     result.matches.push_back({.keypoint_idx = 3 * i,
                               .pixel = {10.5 * i, 20.25},
@@ -30,7 +32,8 @@ LocalizeResult SomeResult() {
                               .tile_idx = i % 2,
                               .x_in_anchor = {1.0 * i, 2.0, 3.0},
                               .sigma_m = 0.125,
-                              .error_px = 0.5 * i});
+                              .right_probability = 0.25 * i,
+                              .traits = {.error_px = 0.5 * i}});
   }
   result.map_version = MapVersion(42);
   result.tiles = {TileId::Containing(result.anchor)};
@@ -67,6 +70,8 @@ TEST(LocalizeResponse, RoundTripsThroughTheWire) {
     EXPECT_EQ(out.position_accuracy_m, in.position_accuracy_m);
     EXPECT_EQ(out.score, in.score);
     EXPECT_EQ(out.confidence, in.confidence);
+    EXPECT_EQ(out.false_alarm_rate, in.false_alarm_rate);
+    EXPECT_EQ(out.prior_disagrees, in.prior_disagrees);
     EXPECT_EQ(out.map_version, in.map_version);
     EXPECT_EQ(out.tiles, in.tiles);
     EXPECT_EQ(out.counters.num_tiles_found, 4);

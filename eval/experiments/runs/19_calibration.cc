@@ -22,7 +22,7 @@ constexpr double kMaxCalibrationError = 0.05;
 // The engine's defaults come from such a city.
 constexpr CityCharacter kFittedTo = CityCharacter::kGrid;
 // Weak answers too, so that the fit sees where they begin to be wrong.
-constexpr double kMinEffectiveInliers = 3.0;
+constexpr double kMinScore = 1.0;
 
 struct CitySamples {
   std::string city;
@@ -32,7 +32,7 @@ struct CitySamples {
 std::vector<CitySamples> MeasureCities(const ExperimentContext& context,
                                        ExperimentOutcome* outcome) {
   LocalizerOptions options;
-  options.answer.min_effective_inliers = kMinEffectiveInliers;
+  options.answer.min_score = kMinScore;
   std::vector<CitySamples> cities;
   for (auto& [city, world_options] : Cities(context)) {
     world_options.num_queries = context.Pick(60, 600);

@@ -83,7 +83,7 @@ TEST_F(LocalizerOnOneStreet, RefinesWhenToldTo) {
   options.refinement.mode = RefinementMode::kAlways;
   EXPECT_GT(map_->WithOptions(options).Localize(query).counters.num_refined_keyframes, 0);
   options.refinement.mode = RefinementMode::kNever;
-  options.refinement.good_effective_inliers = 1e6;
+  options.refinement.good_evidence = 1e6;
   EXPECT_EQ(map_->WithOptions(options).Localize(query).counters.num_refined_keyframes, 0);
   options.refinement.mode = RefinementMode::kWhenWeak;
   EXPECT_GT(map_->WithOptions(options).Localize(query).counters.num_refined_keyframes, 0);
@@ -131,7 +131,7 @@ TEST_F(LocalizerOnOneStreet, ReportsItsEvidence) {
     EXPECT_EQ(match.pixel.x(), query.features.keypoints[match.keypoint_idx].x_px);
     const auto pixel = query.camera.Project(result.cam_from_anchor * match.x_in_anchor);
     ASSERT_TRUE(pixel);
-    EXPECT_NEAR((*pixel - match.pixel).norm(), match.error_px, 1e-9);
+    EXPECT_NEAR((*pixel - match.pixel).norm(), match.traits.error_px, 1e-9);
   }
   EXPECT_FALSE(result.tiles.empty());
   EXPECT_EQ(result.counters.num_keypoints, query.features.size());
@@ -173,7 +173,7 @@ TEST_F(LocalizerOnOneStreet, DoubtsGravityThatAWeakAnswerIsTiltedAgainst) {
   const Rigid3d cam_from_enu = QueryPose(20.0);
   LocalizeQuery query = QueryAt(*world_, cam_from_enu);
   LocalizerOptions options;
-  options.refinement.good_effective_inliers = 1e6;  // Every answer is weak.
+  options.refinement.good_evidence = 1e6;  // Every answer is weak.
   const auto num_distances = [&](double tilt_rad, double max_error_sigmas) {
     options.refinement.max_gravity_error_sigmas = max_error_sigmas;
     LocalizeQuery tilted = query;
@@ -190,12 +190,12 @@ TEST_F(LocalizerOnOneStreet, DoubtsGravityThatAWeakAnswerIsTiltedAgainst) {
   EXPECT_EQ(num_distances(3.0 * sigma_rad, 4.0), num_distances(3.0 * sigma_rad, kNoLimit));
 }
 
-TEST_F(LocalizerOnOneStreet, DoubtsGravityIfTheAnswerHasFewInliers) {
+TEST_F(LocalizerOnOneStreet, DoubtsGravityIfTheAnswerHasLittleEvidence) {
   const Rigid3d cam_from_enu = QueryPose(20.0);
   const LocalizeQuery query = QueryAt(*world_, cam_from_enu);
   LocalizerOptions options;
   const auto num_distances = [&](double min_trusted) {
-    options.refinement.min_trusted_effective_inliers = min_trusted;
+    options.refinement.min_trusted_evidence = min_trusted;
     const LocalizeResult result = map_->WithOptions(options).Localize(query);
     ExpectPose(result, *world_, cam_from_enu, 0.05, 0.1 * kRadPerDeg);
     return result.counters.num_distances;
@@ -227,12 +227,16 @@ TEST_F(LocalizerOnOneStreet, SaysNoCoverageFarAway) {
   EXPECT_EQ(result.reason, NotLocalizedReason::kNoCoverage);
 }
 
-TEST_F(LocalizerOnOneStreet, NeverAnswersOutsideThePriorsRegion) {
-  LocalizeQuery query = QueryAt(*world_, QueryPose(50.0));
+TEST_F(LocalizerOnOneStreet, AnswersFarFromThePriorAndSaysSo) {
+  const Rigid3d cam_from_enu = QueryPose(50.0);
+  LocalizeQuery query = QueryAt(*world_, cam_from_enu);
+  EXPECT_FALSE(localizer().Localize(query).prior_disagrees);
   query.prior->position =
-      GeodeticFromEcef(EcefFromEnu(world_->options().origin) * Eigen::Vector3d(-20.0, 0.0, 1.6));
+      GeodeticFromEcef(EcefFromEnu(world_->options().origin) * Eigen::Vector3d(20.0, 0.0, 1.6));
   query.prior->accuracy_m = 5.0;
-  EXPECT_FALSE(localizer().Localize(query).localized);
+  const LocalizeResult result = localizer().Localize(query);
+  ExpectPose(result, *world_, cam_from_enu, 0.05, 0.1 * kRadPerDeg);
+  EXPECT_TRUE(result.prior_disagrees);
 }
 
 TEST_F(LocalizerOnOneStreet, SaysTooFewFeatures) {
@@ -396,7 +400,7 @@ void KeepEvery(int n, LocalizeQuery* query) {
 
 // A rig of three cameras that see so little that none of them is localized alone.
 LocalizeQuery PoorRigQuery(const StreetWorld& world, const Rigid3d& cam_from_enu) {
-  constexpr int kThinning = 60;
+  constexpr int kThinning = 100;
   LocalizeQuery query = QueryAt(world, cam_from_enu);
   KeepEvery(kThinning, &query);
   for (const double azimuth_rad : {-0.5, 0.9}) {

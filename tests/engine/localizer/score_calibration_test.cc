@@ -29,10 +29,22 @@ TEST(ScoreCalibration, ConfidenceRisesWithTheScoreAndStaysAProbability) {
   }
 }
 
+TEST(ScoreCalibration, FalseAlarmsFallWithTheScoreAndStayAProbability) {
+  const ScoreCalibration calibration;
+  EXPECT_EQ(calibration.FalseAlarmRate(calibration.false_alarm_start - 1.0), 1.0);
+  double last = 1.0;
+  for (const double score : {0.0, 1.0, 8.0, 20.0, 100.0}) {
+    const double rate = calibration.FalseAlarmRate(score);
+    EXPECT_LT(rate, last);
+    EXPECT_GT(rate, 0.0);
+    last = rate;
+  }
+}
+
 TEST(ScoreCalibration, RefusesNonsense) {
   for (double ScoreCalibration::*field :
-       {&ScoreCalibration::confidence_slope, &ScoreCalibration::position_accuracy_factor,
-        &ScoreCalibration::rotation_accuracy_factor}) {
+       {&ScoreCalibration::confidence_slope, &ScoreCalibration::false_alarm_slope,
+        &ScoreCalibration::position_accuracy_factor, &ScoreCalibration::rotation_accuracy_factor}) {
     for (const double value : {0.0, -1.0, std::numeric_limits<double>::infinity(),
                                std::numeric_limits<double>::quiet_NaN()}) {
       ScoreCalibration calibration;

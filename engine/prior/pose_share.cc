@@ -1,0 +1,48 @@
+#include "engine/prior/pose_share.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace cairn {
+namespace {
+
+double SqDistanceFromPrior(const SearchRegion& region, const Eigen::Vector3d& center_in_anchor) {
+  return (center_in_anchor.head<2>() - region.prior_xy_in_anchor).squaredNorm();
+}
+
+// Logarithm of the density of positions, per square metre.
+double LogPositionDensity(const SearchRegion& region, const Eigen::Vector3d& center_in_anchor) {
+  constexpr double kFreedom = 3.0;
+  constexpr double kMinLengthM = 1.0;  // Positions nearer to each other are one.
+  if (!region.has_prior) {
+    const double radius_m = std::max(kMinLengthM, region.radius_m);
+    return -std::log(std::numbers::pi * radius_m * radius_m);
+  }
+  const double sigma_m = std::max(kMinLengthM, region.prior_sigma_m);
+  const double sq_sigma = sigma_m * sigma_m;
+  return -std::log(2.0 * std::numbers::pi * sq_sigma) -
+         0.5 * (kFreedom + 2.0) *
+             std::log1p(SqDistanceFromPrior(region, center_in_anchor) / (kFreedom * sq_sigma));
+}
+
+}  // namespace
+
+double LogPoseShare(const SearchRegion& region, const Eigen::Vector3d& center_in_anchor,
+                    bool used_gravity) {
+  constexpr double kNumHeights = 5.0, kNumHeadings = 180.0, kNumTilts = 30.0 * 30.0;
+  return LogPositionDensity(region, center_in_anchor) - std::log(kNumHeights * kNumHeadings) -
+         (used_gravity ? 0.0 : std::log(kNumTilts));
+}
+
+Eigen::Vector3d PriorCenter(const SearchRegion& region) {
+  return {region.prior_xy_in_anchor.x(), region.prior_xy_in_anchor.y(), 0.0};
+}
+
+bool DisagreesWithPrior(const SearchRegion& region, const Eigen::Vector3d& center_in_anchor) {
+  constexpr double kMaxSigmas = 3.0;
+  return region.has_prior && SqDistanceFromPrior(region, center_in_anchor) >
+                                 std::pow(kMaxSigmas * region.prior_sigma_m, 2);
+}
+
+}  // namespace cairn
