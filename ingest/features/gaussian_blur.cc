@@ -75,6 +75,8 @@ CAIRN_VECTOR_CLONES
 void BlurAll(const FloatImage& image, const Kernel& kernel, int radius, float* sums,
              FloatImage* blurred) {
   switch (radius) {
+    case 4:
+      return BlurRows<4>(image, kernel, sums, blurred);
     case 5:
       return BlurRows<5>(image, kernel, sums, blurred);
     case 6:
@@ -89,7 +91,10 @@ void BlurAll(const FloatImage& image, const Kernel& kernel, int radius, float* s
 // The smallest radius of BlurAll that reaches three sigmas.
 int RadiusOf(double sigma_px) {
   const double three_sigmas_px = 3.0 * sigma_px;
-  return three_sigmas_px <= 5.0 ? 5 : three_sigmas_px <= 6.0 ? 6 : three_sigmas_px <= 8.0 ? 8 : 10;
+  for (const int radius : {4, 5, 6, 8}) {
+    if (three_sigmas_px <= radius) return radius;
+  }
+  return kMaxRadius;
 }
 
 }  // namespace

@@ -18,13 +18,14 @@ double SiftSigmaPx(double level) {
   return kSiftBaseSigmaPx * std::exp2(level / kSiftLevelsPerOctave);
 }
 
-ScaleSpaceOctave MakeScaleSpaceOctave(const FloatImage& image, double sigma_px) {
-  ScaleSpaceOctave octave;
-  octave[0] = GaussianBlur(image, SigmaBetween(sigma_px, SiftSigmaPx(0)));
-  for (size_t i = 1; i < octave.size(); ++i) {
-    const auto level = static_cast<double>(i);
-    octave[i] =
-        GaussianBlur(octave[i - 1], SigmaBetween(SiftSigmaPx(level - 1.0), SiftSigmaPx(level)));
+ScaleSpaceOctave MakeScaleSpaceOctave(const FloatImage& image, double sigma_px,
+                                      const SiftLevels& levels) {
+  ScaleSpaceOctave octave{.levels = levels, .gaussians = {}};
+  const int lowest = levels.first - 1;
+  octave.gaussians.push_back(GaussianBlur(image, SigmaBetween(sigma_px, SiftSigmaPx(lowest))));
+  for (int level = lowest + 1; level <= levels.last + 2; ++level) {
+    octave.gaussians.push_back(GaussianBlur(
+        octave.Level(level - 1), SigmaBetween(SiftSigmaPx(level - 1), SiftSigmaPx(level))));
   }
   return octave;
 }

@@ -2,7 +2,7 @@
 #ifndef CAIRN_INGEST_FEATURES_SCALE_SPACE_H_
 #define CAIRN_INGEST_FEATURES_SCALE_SPACE_H_
 
-#include <array>
+#include <vector>
 
 #include "ingest/features/float_image.h"
 
@@ -16,13 +16,26 @@ inline constexpr double kSharpSigmaPx = 0.5;
 // The blur of a level, which may lie between two, in pixels of its octave.
 double SiftSigmaPx(double level);
 
-// Blurred by SiftSigmaPx(0), SiftSigmaPx(1), ... . The differences of neighbours, in which
-// keypoints are found, are subtracted where they are needed: writing them costs more.
-using ScaleSpaceOctave = std::array<FloatImage, kSiftLevelsPerOctave + 3>;
+// The levels at which an octave has keypoints. Finer ones than 1 belong to the octave before.
+struct SiftLevels {
+  int first = 1;
+  int last = kSiftLevelsPerOctave;
+};
+
+// Keypoints of a level are found in the differences between one Gaussian below it and two above,
+// which are subtracted where they are needed: writing them costs more.
+struct ScaleSpaceOctave {
+  SiftLevels levels;
+  std::vector<FloatImage> gaussians;  // Of levels.first - 1 to levels.last + 2.
+
+  // Blurred by SiftSigmaPx(level).
+  const FloatImage& Level(int level) const { return gaussians[level - (levels.first - 1)]; }
+};
 
 // `image` has pixels of the octave's size and a blur of `sigma_px` of them, less than
-// kSiftBaseSigmaPx.
-ScaleSpaceOctave MakeScaleSpaceOctave(const FloatImage& image, double sigma_px);
+// SiftSigmaPx(levels.first - 1).
+ScaleSpaceOctave MakeScaleSpaceOctave(const FloatImage& image, double sigma_px,
+                                      const SiftLevels& levels = {});
 
 }  // namespace cairn
 

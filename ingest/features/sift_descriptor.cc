@@ -179,7 +179,7 @@ void Normalize(std::span<float, kSiftDim> descriptor) {
 
 void DescribeSift(const ScaleSpaceOctave& octave, const SiftExtremum& extremum, float angle_rad,
                   std::span<float, kSiftDim> descriptor) {
-  const FloatImage& gaussian = octave[extremum.level];
+  const FloatImage& gaussian = octave.Level(extremum.level);
   // Interpolation also reads the pixel to the right and the one below.
   const float last_x = std::nextafter(static_cast<float>(gaussian.width_px() - 1), 0.0f);
   const float last_y = std::nextafter(static_cast<float>(gaussian.height_px() - 1), 0.0f);

@@ -51,9 +51,9 @@ void MarkExtremaOfRow(const float* above, const float* centre, const float* belo
 class Neighbourhood {
  public:
   Neighbourhood(const ScaleSpaceOctave& octave, int x, int y, int level)
-      : stride_(static_cast<ptrdiff_t>(octave[0].stride())) {
+      : stride_(static_cast<ptrdiff_t>(octave.gaussians[0].stride())) {
     for (int i = 0; i < 4; ++i) {
-      gaussians_[i] = octave[level - 1 + i].Row(y) + x;
+      gaussians_[i] = octave.Level(level - 1 + i).Row(y) + x;
     }
   }
 
@@ -112,7 +112,7 @@ bool IsOnEdge(const Eigen::Matrix3d& hessian, double edge_threshold) {
 // Nothing if there is no stable extremum of enough contrast.
 std::optional<SiftExtremum> Refine(const ScaleSpaceOctave& octave,
                                    const SiftDetectorOptions& options, int x, int y, int level) {
-  const int width = octave[0].width_px(), height = octave[0].height_px();
+  const int width = octave.gaussians[0].width_px(), height = octave.gaussians[0].height_px();
   Eigen::Vector3d gradient, offset;
   Eigen::Matrix3d hessian;
   double value = 0.0;
@@ -134,7 +134,8 @@ std::optional<SiftExtremum> Refine(const ScaleSpaceOctave& octave,
   const double refined_level = level + offset.z();
   const bool is_inside = x + offset.x() >= 0.0 && x + offset.x() <= width - 1 &&
                          y + offset.y() >= 0.0 && y + offset.y() <= height - 1 &&
-                         refined_level >= 0.0 && refined_level <= kSiftLevelsPerOctave + 1;
+                         refined_level >= octave.levels.first - 1 &&
+                         refined_level <= octave.levels.last + 1;
   const bool is_near = offset.cwiseAbs().maxCoeff() < kMaxOffsetPx;  // False for NaN.
   if (!is_near || !is_inside || contrast <= options.contrast_threshold * kGreyLevels ||
       IsOnEdge(hessian, options.edge_threshold)) {
@@ -165,15 +166,16 @@ void ForEachMark(const std::vector<uint8_t>& marks, const Use& use) {
 
 std::vector<SiftExtremum> DetectSiftExtrema(const ScaleSpaceOctave& octave,
                                             const SiftDetectorOptions& options) {
-  const int width = octave[0].width_px(), height = octave[0].height_px();
+  const int width = octave.gaussians[0].width_px(), height = octave.gaussians[0].height_px();
   std::vector<SiftExtremum> extrema;
   if (width < 3 || height < 3) return extrema;
   const auto threshold = static_cast<float>(kTriedShare * options.contrast_threshold * kGreyLevels);
   std::vector<uint8_t> marks((static_cast<size_t>(width) + 7) / 8 * 8);
   FloatImage differences(width, 3);  // The row that is searched and its neighbours.
-  for (int level = 1; level <= kSiftLevelsPerOctave; ++level) {
+  for (int level = octave.levels.first; level <= octave.levels.last; ++level) {
     for (int y = 0; y < height; ++y) {
-      SubtractRow(octave[level + 1].Row(y), octave[level].Row(y), width, differences.Row(y % 3));
+      SubtractRow(octave.Level(level + 1).Row(y), octave.Level(level).Row(y), width,
+                  differences.Row(y % 3));
       if (y < 2) continue;
       MarkExtremaOfRow(differences.Row((y - 2) % 3), differences.Row((y - 1) % 3),
                        differences.Row(y % 3), width, threshold, marks.data());

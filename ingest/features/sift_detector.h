@@ -13,7 +13,7 @@ struct SiftExtremum {
   float x_px = 0.0f;
   float y_px = 0.0f;
   float sigma_px = 0.0f;  // Of the Gaussian, SiftSigmaPx of the refined level.
-  int level = 0;          // The Gaussian it was found beside, 1 to kSiftLevelsPerOctave.
+  int level = 0;          // The Gaussian of ScaleSpaceOctave::levels that it was found beside.
   float contrast = 0.0f;  // Of the difference of Gaussians, grey levels; the sign is dropped.
 };
 

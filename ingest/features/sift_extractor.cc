@@ -21,16 +21,23 @@ constexpr int kMinOctaveSidePx = 16;
 // Photos with fewer features are doubled to find more, which takes four times as long as all other
 // octaves together. Photos of half a megapixel or more have this many.
 constexpr int kFewFeatures = 800;
+// The octave of the image itself takes over the coarsest levels of the doubled image, for one blur
+// more each instead of a pyramid of four times the pixels.
+constexpr int kNumLevelsTakenOver = 1;
 
 // An image from which an octave is made.
 struct OctaveImage {
   FloatImage image;
   double sigma_px = 0.0;  // Of its blur, in its own pixels.
   double pixel_px = 0.0;  // The size of its pixels, in those of the reduced image.
+  SiftLevels levels;
 };
 
 OctaveImage Doubled(const FloatImage& image) {
-  return {.image = Double(image), .sigma_px = 2.0 * kSharpSigmaPx, .pixel_px = 0.5};
+  return {.image = Double(image),
+          .sigma_px = 2.0 * kSharpSigmaPx,
+          .pixel_px = 0.5,
+          .levels = {.last = kSiftLevelsPerOctave - kNumLevelsTakenOver}};
 }
 
 // The image and what is made of it by halving, from the finest to the coarsest.
@@ -39,8 +46,10 @@ std::vector<OctaveImage> HalvedImages(const GrayImage& image) {
   // VLFeat comes down from the doubled image, and overlooks that interpolation has blurred it by
   // half a variance of its pixels.
   double variance_px2 = kSharpSigmaPx * kSharpSigmaPx - 0.125;
-  octaves.push_back(
-      {.image = ToFloatImage(image), .sigma_px = std::sqrt(variance_px2), .pixel_px = 1.0});
+  octaves.push_back({.image = ToFloatImage(image),
+                     .sigma_px = std::sqrt(variance_px2),
+                     .pixel_px = 1.0,
+                     .levels = {.first = 1 - kNumLevelsTakenOver}});
   while (true) {
     const OctaveImage& last = octaves.back();
     if (std::min(last.image.width_px(), last.image.height_px()) < 2 * kMinOctaveSidePx) {
@@ -49,7 +58,8 @@ std::vector<OctaveImage> HalvedImages(const GrayImage& image) {
     variance_px2 = (variance_px2 + kHalvingVariancePx2) / 4.0;
     OctaveImage half{.image = Halve(last.image),
                      .sigma_px = std::sqrt(variance_px2),
-                     .pixel_px = 2.0 * last.pixel_px};
+                     .pixel_px = 2.0 * last.pixel_px,
+                     .levels = {}};
     octaves.push_back(std::move(half));
   }
 }
@@ -65,7 +75,8 @@ class FeatureCollector {
 
   // The largest keypoints first, as far as there is room.
   void AddOctave(const OctaveImage& octave_image) {
-    const ScaleSpaceOctave octave = MakeScaleSpaceOctave(octave_image.image, octave_image.sigma_px);
+    const ScaleSpaceOctave octave =
+        MakeScaleSpaceOctave(octave_image.image, octave_image.sigma_px, octave_image.levels);
     std::vector<SiftExtremum> extrema =
         DetectSiftExtrema(octave, {.contrast_threshold = options_.contrast_threshold});
     std::stable_sort(

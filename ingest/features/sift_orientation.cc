@@ -52,6 +52,9 @@ void AddRow(const GradientRow& row, int first, int last, float* bins_around) {
   }
 }
 
+// Where the image is blurred by two pixels or more, every second row tells as much as all.
+int RowStep(const SiftExtremum& extremum) { return extremum.sigma_px < 2.0f ? 1 : 2; }
+
 Histogram DirectionsAround(const FloatImage& gaussian, const SiftExtremum& extremum) {
   const double window_sigma = kWindowSigmas * extremum.sigma_px;
   const int radius = std::clamp(static_cast<int>(kWindowReach * window_sigma), 1, kMaxRadius);
@@ -68,7 +71,7 @@ Histogram DirectionsAround(const FloatImage& gaussian, const SiftExtremum& extre
   const double sq_radius = radius * radius + 0.6;
   std::array<float, kNumBins + 2> bins_around = {};
   GradientRow gradients;
-  for (int row = top; row <= bottom; ++row) {
+  for (int row = top; row <= bottom; row += RowStep(extremum)) {
     const double dy = row - extremum.y_px;
     const double reach = std::sqrt(std::max(sq_radius - dy * dy, 0.0));
     const int first = std::max(left, static_cast<int>(std::ceil(extremum.x_px - reach)));
@@ -101,7 +104,7 @@ void Smooth(Histogram* histogram) {
 
 SiftOrientations FindSiftOrientations(const ScaleSpaceOctave& octave,
                                       const SiftExtremum& extremum) {
-  Histogram histogram = DirectionsAround(octave[extremum.level], extremum);
+  Histogram histogram = DirectionsAround(octave.Level(extremum.level), extremum);
   Smooth(&histogram);
   const float least =
       static_cast<float>(kSecondPeakShare) * *std::max_element(histogram.begin(), histogram.end());

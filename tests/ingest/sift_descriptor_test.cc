@@ -101,7 +101,7 @@ TEST(DescribeSift, IsNearTheDescriptorOfAllPixels) {
       Descriptor descriptor;
       DescribeSift(octave, extremum, angle_rad, descriptor);
       const Descriptor plain =
-          PlainDescriptor(octave[extremum.level], extremum, angle_rad).Normalized();
+          PlainDescriptor(octave.Level(extremum.level), extremum, angle_rad).Normalized();
       double sq_distance = 0.0;
       for (int i = 0; i < kSiftDim; ++i) {
         sq_distance += (descriptor[i] - plain[i]) * (descriptor[i] - plain[i]);
@@ -114,7 +114,8 @@ TEST(DescribeSift, IsNearTheDescriptorOfAllPixels) {
 
 TEST(DescribeSift, AFlatSurroundingHasNoGradients) {
   ScaleSpaceOctave octave;
-  for (FloatImage& gaussian : octave) {
+  octave.gaussians.resize(kSiftLevelsPerOctave + 3);
+  for (FloatImage& gaussian : octave.gaussians) {
     gaussian = FloatImage(40, 40);
     for (int row = 0; row < 40; ++row) std::fill_n(gaussian.Row(row), 40, 90.0f);
   }
