@@ -17,7 +17,7 @@ inline constexpr int kSiftDim = 128;
 //
 // The square of 15 sigma that the cells reach is sampled on a grid that turns with it, so that each
 // sample's share of each cell is the same for all keypoints and the time does not depend on sigma.
-// Classic SIFT visits all pixels instead; RootSIFT descriptors of both are 0.04 apart in the
+// Classic SIFT visits all pixels instead; RootSIFT descriptors of both are 0.06 apart in the
 // median.
 void DescribeSift(const ScaleSpaceOctave& octave, const SiftExtremum& extremum, float angle_rad,
                   std::span<float, kSiftDim> descriptor);

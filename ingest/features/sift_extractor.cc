@@ -77,8 +77,7 @@ class FeatureCollector {
   void AddOctave(const OctaveImage& octave_image) {
     const ScaleSpaceOctave octave =
         MakeScaleSpaceOctave(octave_image.image, octave_image.sigma_px, octave_image.levels);
-    std::vector<SiftExtremum> extrema =
-        DetectSiftExtrema(octave, {.contrast_threshold = options_.contrast_threshold});
+    std::vector<SiftExtremum> extrema = DetectSiftExtrema(octave, {});
     std::stable_sort(
         extrema.begin(), extrema.end(),
         [](const SiftExtremum& a, const SiftExtremum& b) { return a.sigma_px > b.sigma_px; });
@@ -133,8 +132,6 @@ FeatureSet ExtractFrom(const GrayImage& image, double x_scale, double y_scale,
 
 void SiftOptions::Validate() const {
   RequireOption(max_features >= 1, "sift.max_features must be at least 1");
-  RequireOption(contrast_threshold >= 0.0 && contrast_threshold < 1.0,
-                "sift.contrast_threshold must lie in [0, 1)");
   RequireOption(max_pixels >= 1, "sift.max_pixels must be at least 1");
 }
 

@@ -15,8 +15,6 @@ struct SiftOptions {
   // Those of the largest scales, as COLMAP keeps them: the strongest are leaves and other fine
   // texture, which no other photo sees again.
   int max_features = 2500;
-  // Of the difference of Gaussians, of all grey levels. COLMAP's.
-  double contrast_threshold = 0.02 / 3.0;
   // Images with more pixels are reduced to so many before extraction; keypoints are in pixels of
   // the original image.
   int64_t max_pixels = 3'000'000;
@@ -26,13 +24,14 @@ struct SiftOptions {
 
 // Classic SIFT (descriptor type "sift"): 128-D, whole numbers up to 255, not yet root-normalised.
 // Keypoints and descriptors are those of COLMAP's (VLFeat's) extractor: RootSIFT descriptors of
-// keypoints that both find are 0.05 apart in the median, against 0.5 and more for different places.
+// keypoints that both find are 0.07 apart in the median, against 0.5 and more for different places.
 //
-// The image is searched from its coarsest octave to its finest, in pixels of half the size, and no
-// further than max_features needs; of the last octave the largest keypoints are taken. The
-// features are in this order. Runs on the calling thread. Results are equal for equal processors;
-// they may differ in the last bit between others (core/vector_clones.h). Throws Error(kBadInput) if
-// the image's size is not that of its pixels. Thread-safe.
+// The image is searched from its coarsest octave to its own and no further than max_features needs;
+// of the last octave the largest keypoints are taken. Only images with few features are searched at
+// twice their size, too. The features are in this order. Runs on the calling thread. Results are
+// equal for equal processors; they may differ in the last bit between others
+// (core/vector_clones.h). Throws Error(kBadInput) if the image's size is not that of its pixels.
+// Thread-safe.
 FeatureSet ExtractSift(const GrayImage& image, const SiftOptions& options = {});
 
 }  // namespace cairn
