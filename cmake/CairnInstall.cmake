@@ -70,8 +70,8 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
   "libcairn-fusion-dev (= ${PROJECT_VERSION}), libsqlite3-dev, nlohmann-json3-dev, libzstd-dev, \
 libxxhash-dev, libcpp-httplib-dev, libceres-dev, libfaiss-dev, libopenblas-dev, libexiv2-dev, \
-libopencv-core-dev, libopencv-imgproc-dev, libopencv-imgcodecs-dev, libopencv-features2d-dev, \
-libopencv-calib3d-dev, libopencv-video-dev")
+libopencv-core-dev, libopencv-imgproc-dev, libopencv-imgcodecs-dev, libopencv-calib3d-dev, \
+libopencv-video-dev")
 set(CPACK_DEBIAN_FUSION_PACKAGE_DEPENDS
   "libeigen3-dev, libfmt-dev, libspdlog-dev, libgeographiclib-dev")
 # For cairn::fusion_transport and cairn::fusion_frontend.

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
 
 #include "core/check.h"
@@ -83,32 +82,27 @@ GrayImage Decode(const Picture& picture, int64_t max_pixels) {
   }
 }
 
-FeatureSet Extract(const Picture& picture, int64_t max_pixels, int max_features,
-                   ServerTimes* times) {
+FeatureSet Extract(const Picture& picture, int64_t max_pixels, ServerTimes* times) {
   const auto start = std::chrono::steady_clock::now();
   const GrayImage image = Decode(picture, max_pixels);
   times->decode_seconds += SecondsSince(start);
   const auto extraction_start = std::chrono::steady_clock::now();
-  SiftOptions options;
-  options.max_features = std::min(options.max_features, max_features);
-  FeatureSet features = ExtractSift(image, options);
+  FeatureSet features = ExtractSift(image);
   times->extract_seconds += SecondsSince(extraction_start);
   return features;
 }
 
 }  // namespace
 
-void ExtractQueryFeatures(int64_t max_pixels, int max_features, LocalizeRequest* request,
-                          ServerTimes* times) {
+void ExtractQueryFeatures(int64_t max_pixels, LocalizeRequest* request, ServerTimes* times) {
   LocalizeQuery& query = request->query;
   const std::vector<RequestImage>& images = request->images;
   CAIRN_CHECK(images.size() == 1 + query.other_cameras.size(), "every camera has an image");
-  const int max_of_each = std::max(1, max_features / static_cast<int>(images.size()));
-  query.features = Extract({images[0], query.camera, ""}, max_pixels, max_of_each, times);
+  query.features = Extract({images[0], query.camera, ""}, max_pixels, times);
   for (size_t i = 0; i < query.other_cameras.size(); ++i) {
     RigCamera& other = query.other_cameras[i];
-    other.features = Extract({images[i + 1], other.camera, fmt::format("/rig/{}", i)}, max_pixels,
-                             max_of_each, times);
+    other.features =
+        Extract({images[i + 1], other.camera, fmt::format("/rig/{}", i)}, max_pixels, times);
   }
 }
 

@@ -28,7 +28,6 @@ LocalizeService::LocalizeService(const ServerOptions& options)
           std::make_shared<const MapStore>(MapStore::Open(options.map_path, OpenMode::kReadOnly))),
       cache_(std::make_shared<TileCache>(options.cache_bytes)),
       localizer_(std::make_unique<Localizer>(store_, cache_, MakeLocalizerOptions(options))),
-      extraction_slots_(NumCores()),
       gate_(NumCores()) {
   map_tag_ = store_->Snapshot().Info().created_at;
   std::erase_if(map_tag_, [](unsigned char c) { return std::isalnum(c) == 0; });
@@ -67,41 +66,39 @@ void LocalizeService::CheckCodec(const LocalizeQuery& query) const {
   }
 }
 
-void LocalizeService::Extract(LocalizeRequest* request, ServerTimes* times) {
-  if (!extraction_slots_.try_acquire_until(*request->query.deadline)) {
-    throw HttpError(ProblemCode::kUnavailable, "the server is busy with other images")
-        .Header("Retry-After", "1")
-        .Hint("try again, or send features: they cost the server less");
-  }
-  // Released on every way out.
-  const std::unique_ptr<std::counting_semaphore<>, void (*)(std::counting_semaphore<>*)> slot(
-      &extraction_slots_, [](std::counting_semaphore<>* slots) { slots->release(); });
-  ExtractQueryFeatures(options_.max_image_pixels, options_.max_features, request, times);
+LocalizeResult LocalizeService::LateResult(const LocalizeQuery& query) const {
+  LocalizeResult late;
+  late.reason = NotLocalizedReason::kTimeout;
+  late.map_version = store_->Snapshot().version();
+  late.counters.num_keypoints = query.num_features();
+  return late;
 }
 
-LocalizeResult LocalizeService::LocalizeInTurn(const LocalizeQuery& query) {
+LocalizeService::Answer LocalizeService::AnswerInTurn(LocalizeRequest* request) {
+  Answer answer;
+  LocalizeQuery& query = request->query;
   if (!gate_.Enter(*query.deadline)) {
-    LocalizeResult late;
-    late.reason = NotLocalizedReason::kTimeout;
-    late.map_version = store_->Snapshot().version();
-    late.counters.num_keypoints = query.num_features();
-    return late;
+    answer.result = LateResult(query);
+    return answer;
   }
+  // Left on every way out.
   const std::unique_ptr<FairGate, void (*)(FairGate*)> slot(&gate_,
                                                             [](FairGate* gate) { gate->Leave(); });
-  return localizer_->Localize(query);
+  if (request->has_images()) {
+    ExtractQueryFeatures(options_.max_image_pixels, request, &answer.times);
+    CheckCodec(query);
+  }
+  answer.result = localizer_->Localize(query);
+  return answer;
 }
 
 LocalizeService::Answer LocalizeService::Localize(std::chrono::steady_clock::time_point arrival,
                                                   LocalizeRequest* request) {
-  Answer answer;
-  LocalizeQuery& query = request->query;
-  query.deadline = arrival + std::chrono::milliseconds(request->timeout_ms);
-  if (request->has_images()) {
-    Extract(request, &answer.times);
+  request->query.deadline = arrival + std::chrono::milliseconds(request->timeout_ms);
+  if (!request->has_images()) {
+    CheckCodec(request->query);
   }
-  CheckCodec(query);
-  answer.result = LocalizeInTurn(query);
+  Answer answer = AnswerInTurn(request);
   metrics_.CountLocalize(answer.result, answer.times, request->has_images());
   return answer;
 }

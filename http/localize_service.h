@@ -4,7 +4,6 @@
 
 #include <chrono>
 #include <memory>
-#include <semaphore>
 #include <string>
 
 #include "engine/localizer.h"
@@ -43,16 +42,17 @@ class LocalizeService {
   // Names the contents of a tile, for ETag: differs whenever the bytes differ, also between maps.
   std::string TileTag(const TileRecord& tile) const;
 
-  // Fills in the query's features if there is an image, and its deadline (the client's timeout
-  // counts from `arrival`), checks that the features are of the map's codec, waits for its turn if
-  // there are more queries than cores, and localizes; kTimeout if its turn does not come in time.
-  // Throws
-  // HttpError kInvalidImage, kImageTooLarge, kWrongCodec, and as Localizer::Localize.
+  // Fills in the query's deadline (the client's timeout counts from `arrival`), waits for its turn
+  // if there are more requests than cores, extracts features if there is an image, checks that the
+  // features are of the map's codec, and localizes; kTimeout if its turn does not come in time.
+  // Throws HttpError kInvalidImage, kImageTooLarge, kWrongCodec, and as Localizer::Localize.
   Answer Localize(std::chrono::steady_clock::time_point arrival, LocalizeRequest* request);
 
  private:
-  void Extract(LocalizeRequest* request, ServerTimes* times);
-  LocalizeResult LocalizeInTurn(const LocalizeQuery& query);
+  // A request has one turn, in which its image becomes features and these an answer: whoever comes
+  // first is served first, with an image or without.
+  Answer AnswerInTurn(LocalizeRequest* request);
+  LocalizeResult LateResult(const LocalizeQuery& query) const;
   // Throws unless the features are what the map's codebook takes.
   void CheckCodec(const LocalizeQuery& query) const;
 
@@ -62,9 +62,7 @@ class LocalizeService {
   std::unique_ptr<Localizer> localizer_;
   std::string map_tag_;
   Metrics metrics_;
-  // SIFT's scale space takes hundreds of megabytes an image: as many at a time as there are cores.
-  std::counting_semaphore<> extraction_slots_;
-  FairGate gate_;  // As many queries at a time as there are cores.
+  FairGate gate_;  // As many requests at a time as there are cores.
 };
 
 }  // namespace cairn

@@ -5,8 +5,8 @@
 #include <cstring>
 #include <limits>
 
+#include "core/vector_clones.h"
 #include "engine/matching/distance_kernels.h"
-#include "engine/vector_clones.h"
 
 namespace cairn {
 namespace {

@@ -10,10 +10,10 @@
 #include <numeric>
 #include <random>
 
+#include "core/vector_clones.h"
 #include "engine/matching/byte_descriptors.h"
 #include "engine/matching/distance_statistics.h"
 #include "engine/matching/random_bits.h"
-#include "engine/vector_clones.h"
 
 namespace cairn {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/vector_clones.h"
+#include "core/vector_clones.h"
 
 namespace cairn {
 namespace {

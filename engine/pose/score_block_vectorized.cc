@@ -1,5 +1,5 @@
+#include "core/vector_clones.h"
 #include "engine/pose/score_block.h"
-#include "engine/vector_clones.h"
 
 namespace cairn {
 namespace {

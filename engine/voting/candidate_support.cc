@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/features.h"
-#include "engine/vector_clones.h"
+#include "core/vector_clones.h"
 
 namespace cairn {
 namespace {

@@ -1,6 +1,6 @@
 #include "engine/voting/trace_rays.h"
 
-#include "engine/vector_clones.h"
+#include "core/vector_clones.h"
 
 namespace cairn {
 namespace {

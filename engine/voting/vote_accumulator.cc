@@ -4,7 +4,7 @@
 #include <tuple>
 #include <utility>
 
-#include "engine/vector_clones.h"
+#include "core/vector_clones.h"
 
 namespace cairn {
 namespace {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "eval/street/paint.h"
+#include "eval/street/trees.h"
 
 namespace cairn {
 namespace {
@@ -57,6 +58,8 @@ class StreetBuilder {
     AddRect(frame.Point(box.a0, box.o0, box.z1), right, out, textures.caps);
     AddRect(frame.Point(box.a0, box.o1, box.z0), right, -out, textures.caps);
   }
+
+  std::vector<TexturedRect>* rects() { return &rects_; }
 
   std::vector<TexturedRect> Finish(const Rigid3d& enu_from_street) && {
     for (TexturedRect& rect : rects_) {
@@ -166,6 +169,15 @@ void AddFurniture(const FrontFrame& frame, double length, cv::RNG* rng, StreetBu
   }
 }
 
+// Along the curb of one pavement, in the street frame.
+void PlantTrees(const FrontFrame& frame, const StreetOptions& options, TreePlanter* planter,
+                std::vector<TexturedRect>* rects) {
+  for (int i = 0; i < options.num_trees; ++i) {
+    const double a = (i + 0.5) * options.length_m / options.num_trees;
+    planter->Plant(frame.Point(a, kSidewalkM - 0.6, 0.0), rects);
+  }
+}
+
 }  // namespace
 
 Rigid3d EnuFromStreet(const StreetOptions& options) {
@@ -195,6 +207,12 @@ std::vector<TexturedRect> BuildStreet(const StreetOptions& options) {
       PaintGround(length + 2.0, options.width_m + 2.0, kSidewalkM + 1.0, &rng).ToTexture();
   builder.AddRect(Eigen::Vector3d(-1.0, half_width + 1.0, 0.0), (length + 2.0) * x,
                   -(options.width_m + 2.0) * y, ground);
+  if (options.num_trees > 0) {
+    // By random numbers of their own: the street behind them is the one without trees.
+    TreePlanter planter(options.seed);
+    PlantTrees(left, options, &planter, builder.rects());
+    PlantTrees(right, options, &planter, builder.rects());
+  }
   return std::move(builder).Finish(EnuFromStreet(options));
 }
 

@@ -82,6 +82,7 @@ void StreetOptions::Validate() const {
   RequireWithin("street.image_width_px", image_width_px, 64, 8192);
   RequireWithin("street.image_height_px", image_height_px, 64, 8192);
   RequireWithin("street.focal_px", focal_px, 32.0, 1e5);
+  RequireWithin("street.num_trees", num_trees, 0, 1000);
   RequireWithin("street.gps_sigma_m", gps_sigma_m, 0.0, 1000.0);
 }
 

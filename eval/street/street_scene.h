@@ -30,6 +30,9 @@ struct StreetOptions {
   int image_height_px = 480;
   double focal_px = 420.0;
   double gps_sigma_m = 3.0;  // Of the photos' GPS, per axis.
+  // Along each pavement, with fine foliage. The rest of the street does not depend on them, so that
+  // photos with trees can be asked of a map without: of real ones no two photos see the same.
+  int num_trees = 0;
   uint64_t seed = 1;
 
   // Throws Error(kInvalidArgument) naming the field.

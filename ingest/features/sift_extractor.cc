@@ -1,97 +1,138 @@
 #include "ingest/features/sift_extractor.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <numeric>
-#include <opencv2/features2d.hpp>
-#include <opencv2/imgproc.hpp>
-#include <tuple>
+#include <utility>
+#include <vector>
 
 #include "core/error.h"
 #include "core/require.h"
+#include "ingest/features/reduce_image.h"
+#include "ingest/features/scale_space.h"
+#include "ingest/features/sift_descriptor.h"
+#include "ingest/features/sift_detector.h"
+#include "ingest/features/sift_orientation.h"
 
 namespace cairn {
 namespace {
 
-// From OpenCV's keypoint coordinates to ours. OpenCV counts from the centre of the upper left pixel
-// (+0.5), but its SIFT doubles the image about pixel corners and halves coordinates about pixel
-// centres, which leaves every keypoint a quarter of a pixel too far right and down (-0.25; OpenCV
-// 4.8 names the cure `enable_precise_upscale`). Measured against COLMAP's keypoints of the same
-// images with +0.5: a median excess of 0.248 px in x and 0.247 px in y.
-//
-// The rest agrees as it is: scale = size / 2 (median ratio to COLMAP's 1.002), the orientation's
-// sign and zero, and the order of the 128 bins (each bin correlates best, at 0.98, with its own
-// number). COLMAP stores descriptors square-rooted, see readers/colmap_database.h.
-constexpr float kPixelOffset = 0.25f;
+// Shorter octaves have no room for the window of a keypoint.
+constexpr int kMinOctaveSidePx = 16;
+// Photos with fewer features are doubled to find more, which takes four times as long as all other
+// octaves together. Photos of half a megapixel or more have this many.
+constexpr int kFewFeatures = 800;
+// The octave of the image itself takes over the coarsest levels of the doubled image, for one blur
+// more each instead of a pyramid of four times the pixels.
+constexpr int kNumLevelsTakenOver = 1;
 
-// Wraps the caller's pixels; OpenCV only reads them.
-cv::Mat AsMat(const GrayImage& image) {
-  return cv::Mat(image.height_px, image.width_px, CV_8UC1,
-                 const_cast<uint8_t*>(image.pixels.data()));
+// An image from which an octave is made.
+struct OctaveImage {
+  FloatImage image;
+  double sigma_px = 0.0;  // Of its blur, in its own pixels.
+  double pixel_px = 0.0;  // The size of its pixels, in those of the reduced image.
+  SiftLevels levels;
+};
+
+OctaveImage Doubled(const FloatImage& image) {
+  return {.image = Double(image),
+          .sigma_px = 2.0 * kSharpSigmaPx,
+          .pixel_px = 0.5,
+          .levels = {.last = kSiftLevelsPerOctave - kNumLevelsTakenOver}};
 }
 
-cv::Mat HalveUntilItFits(cv::Mat image, int64_t max_pixels) {
-  while (static_cast<int64_t>(image.total()) > max_pixels && image.cols > 1 && image.rows > 1) {
-    cv::Mat half;
-    cv::resize(image, half, cv::Size(image.cols / 2, image.rows / 2), 0.0, 0.0, cv::INTER_AREA);
-    image = half;
+// The image and what is made of it by halving, from the finest to the coarsest.
+std::vector<OctaveImage> HalvedImages(const GrayImage& image) {
+  std::vector<OctaveImage> octaves;
+  // VLFeat comes down from the doubled image, and overlooks that interpolation has blurred it by
+  // half a variance of its pixels.
+  double variance_px2 = kSharpSigmaPx * kSharpSigmaPx - 0.125;
+  octaves.push_back({.image = ToFloatImage(image),
+                     .sigma_px = std::sqrt(variance_px2),
+                     .pixel_px = 1.0,
+                     .levels = {.first = 1 - kNumLevelsTakenOver}});
+  while (true) {
+    const OctaveImage& last = octaves.back();
+    if (std::min(last.image.width_px(), last.image.height_px()) < 2 * kMinOctaveSidePx) {
+      return octaves;
+    }
+    variance_px2 = (variance_px2 + kHalvingVariancePx2) / 4.0;
+    OctaveImage half{.image = Halve(last.image),
+                     .sigma_px = std::sqrt(variance_px2),
+                     .pixel_px = 2.0 * last.pixel_px,
+                     .levels = {}};
+    octaves.push_back(std::move(half));
   }
-  return image;
 }
 
-// Indices of the keypoints, strongest first; the rest of the key makes the order independent of the
-// detector's threads.
-std::vector<int> StrongestFirst(const std::vector<cv::KeyPoint>& keypoints, int max_features) {
-  const auto key = [&](int i) {
-    const cv::KeyPoint& k = keypoints[i];
-    return std::make_tuple(-k.response, k.pt.y, k.pt.x, k.size, k.angle);
-  };
-  std::vector<int> order(keypoints.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
-  order.resize(std::min(order.size(), static_cast<size_t>(max_features)));
-  return order;
-}
+// Collects the features of one octave after the other until there are enough.
+class FeatureCollector {
+ public:
+  FeatureCollector(const SiftOptions& options, double x_scale, double y_scale)
+      : options_(options), x_scale_(x_scale), y_scale_(y_scale) {}
 
-Keypoint ToKeypoint(const cv::KeyPoint& keypoint, double scale_x, double scale_y) {
-  const double angle_rad = keypoint.angle * std::numbers::pi / 180.0;
-  return {.x_px = static_cast<float>((keypoint.pt.x + kPixelOffset) * scale_x),
-          .y_px = static_cast<float>((keypoint.pt.y + kPixelOffset) * scale_y),
-          .scale_px = static_cast<float>(0.5 * keypoint.size * std::sqrt(scale_x * scale_y)),
-          .orientation_rad = static_cast<float>(WrapAngleRad(angle_rad))};
-}
+  int size() const { return features_.size(); }
+  bool is_full() const { return size() == options_.max_features; }
 
-FeatureSet DetectAndDescribe(const GrayImage& image, const SiftOptions& options) {
-  const cv::Mat scaled = HalveUntilItFits(AsMat(image), options.max_pixels);
-  const double scale_x = static_cast<double>(image.width_px) / scaled.cols;
-  const double scale_y = static_cast<double>(image.height_px) / scaled.rows;
-  const auto sift = cv::SIFT::create(options.max_features, 3, options.contrast_threshold);
-  std::vector<cv::KeyPoint> keypoints;
-  cv::Mat descriptors;
-  sift->detectAndCompute(scaled, cv::noArray(), keypoints, descriptors);
-
-  const std::vector<int> order = StrongestFirst(keypoints, options.max_features);
-  FeatureSet features;
-  features.keypoints.reserve(order.size());
-  features.descriptors.resize(order.size(), sift->descriptorSize());
-  for (size_t i = 0; i < order.size(); ++i) {
-    features.keypoints.push_back(ToKeypoint(keypoints[order[i]], scale_x, scale_y));
-    features.descriptors.row(i) = Eigen::Map<const Eigen::RowVectorXf>(
-        descriptors.ptr<float>(order[i]), sift->descriptorSize());
+  // The largest keypoints first, as far as there is room.
+  void AddOctave(const OctaveImage& octave_image) {
+    const ScaleSpaceOctave octave =
+        MakeScaleSpaceOctave(octave_image.image, octave_image.sigma_px, octave_image.levels);
+    std::vector<SiftExtremum> extrema = DetectSiftExtrema(octave, {});
+    std::stable_sort(
+        extrema.begin(), extrema.end(),
+        [](const SiftExtremum& a, const SiftExtremum& b) { return a.sigma_px > b.sigma_px; });
+    for (const SiftExtremum& extremum : extrema) {
+      const SiftOrientations orientations = FindSiftOrientations(octave, extremum);
+      for (int i = 0; i < orientations.num && !is_full(); ++i) {
+        Add(octave, extremum, orientations.angles_rad[i], octave_image);
+      }
+    }
   }
-  return features;
+
+  FeatureSet Take() {
+    features_.descriptors =
+        Eigen::Map<const DescriptorMatrix>(descriptors_.data(), features_.size(), kSiftDim);
+    return std::move(features_);
+  }
+
+ private:
+  void Add(const ScaleSpaceOctave& octave, const SiftExtremum& extremum, float angle_rad,
+           const OctaveImage& o) {
+    features_.keypoints.push_back(
+        {.x_px = static_cast<float>((extremum.x_px * o.pixel_px + 0.5) * x_scale_),
+         .y_px = static_cast<float>((extremum.y_px * o.pixel_px + 0.5) * y_scale_),
+         .scale_px =
+             static_cast<float>(extremum.sigma_px * o.pixel_px * std::sqrt(x_scale_ * y_scale_)),
+         .orientation_rad = static_cast<float>(WrapAngleRad(angle_rad))});
+    descriptors_.resize(descriptors_.size() + kSiftDim);
+    DescribeSift(octave, extremum, angle_rad,
+                 std::span<float, kSiftDim>(descriptors_.end() - kSiftDim, kSiftDim));
+  }
+
+  const SiftOptions& options_;
+  const double x_scale_, y_scale_;  // From the reduced image to the original one.
+  FeatureSet features_;
+  std::vector<float> descriptors_;  // Row after row.
+};
+
+FeatureSet ExtractFrom(const GrayImage& image, double x_scale, double y_scale,
+                       const SiftOptions& options) {
+  FeatureCollector collector(options, x_scale, y_scale);
+  std::vector<OctaveImage> octaves = HalvedImages(image);
+  for (; !octaves.empty() && !collector.is_full(); octaves.pop_back()) {
+    collector.AddOctave(octaves.back());
+    if (octaves.size() == 1 && collector.size() < kFewFeatures) {
+      collector.AddOctave(Doubled(octaves.back().image));
+    }
+  }
+  return collector.Take();
 }
 
 }  // namespace
 
 void SiftOptions::Validate() const {
   RequireOption(max_features >= 1, "sift.max_features must be at least 1");
-  RequireOption(contrast_threshold >= 0.0 && contrast_threshold < 1.0,
-                "sift.contrast_threshold must lie in [0, 1)");
-  RequireOption(max_pixels >= 1024, "sift.max_pixels must be at least 1024");
+  RequireOption(max_pixels >= 1, "sift.max_pixels must be at least 1");
 }
 
 FeatureSet ExtractSift(const GrayImage& image, const SiftOptions& options) {
@@ -100,11 +141,12 @@ FeatureSet ExtractSift(const GrayImage& image, const SiftOptions& options) {
   if (!sized || image.pixels.size() != static_cast<size_t>(image.width_px) * image.height_px) {
     throw Error(ErrorCode::kBadInput, "the grey image's size is not that of its pixels");
   }
-  try {
-    return DetectAndDescribe(image, options);
-  } catch (const cv::Exception& e) {
-    throw Error(ErrorCode::kInternal, fmt::format("OpenCV's SIFT failed: {}", e.what()));
+  if (static_cast<int64_t>(image.pixels.size()) <= options.max_pixels) {
+    return ExtractFrom(image, 1.0, 1.0, options);
   }
+  const GrayImage reduced = ReduceByArea(image, options.max_pixels);
+  return ExtractFrom(reduced, static_cast<double>(image.width_px) / reduced.width_px,
+                     static_cast<double>(image.height_px) / reduced.height_px, options);
 }
 
 }  // namespace cairn

@@ -1,6 +1,6 @@
 // One copy of a hot loop per vector width, chosen when the program starts.
-#ifndef CAIRN_ENGINE_VECTOR_CLONES_H_
-#define CAIRN_ENGINE_VECTOR_CLONES_H_
+#ifndef CAIRN_CORE_VECTOR_CLONES_H_
+#define CAIRN_CORE_VECTOR_CLONES_H_
 
 // Before a function with plain loops that the compiler vectorises: compiles it for AVX-512, AVX2
 // and baseline x86-64; the loader picks the best that the processor has. Results may differ in the
@@ -14,4 +14,4 @@
 #define CAIRN_VECTOR_CLONES
 #endif
 
-#endif  // CAIRN_ENGINE_VECTOR_CLONES_H_
+#endif  // CAIRN_CORE_VECTOR_CLONES_H_

@@ -1,0 +1,33 @@
+#include "ingest/features/scale_space.h"
+
+#include <cmath>
+
+#include "ingest/features/gaussian_blur.h"
+
+namespace cairn {
+namespace {
+
+// What a blur of `from_px` lacks of one of `to_px`.
+double SigmaBetween(double from_px, double to_px) {
+  return std::sqrt(to_px * to_px - from_px * from_px);
+}
+
+}  // namespace
+
+double SiftSigmaPx(double level) {
+  return kSiftBaseSigmaPx * std::exp2(level / kSiftLevelsPerOctave);
+}
+
+ScaleSpaceOctave MakeScaleSpaceOctave(const FloatImage& image, double sigma_px,
+                                      const SiftLevels& levels) {
+  ScaleSpaceOctave octave{.levels = levels, .gaussians = {}};
+  const int lowest = levels.first - 1;
+  octave.gaussians.push_back(GaussianBlur(image, SigmaBetween(sigma_px, SiftSigmaPx(lowest))));
+  for (int level = lowest + 1; level <= levels.last + 2; ++level) {
+    octave.gaussians.push_back(GaussianBlur(
+        octave.Level(level - 1), SigmaBetween(SiftSigmaPx(level - 1), SiftSigmaPx(level))));
+  }
+  return octave;
+}
+
+}  // namespace cairn
