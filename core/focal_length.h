@@ -15,9 +15,9 @@ struct FocalPrior {
   // The distortion is not known either; the camera is a SIMPLE_RADIAL.
   bool with_distortion = false;
 
-  // Of a camera that nobody measured: from tele lenses of 70 mm (35 mm film) to wide ones of 15 mm
-  // lie two standard deviations about kUnknownFocalRatio.
-  static constexpr double kUnknownLogSigma = 0.35;
+  // Of a camera that nobody measured: two standard deviations about kUnknownFocalRatio reach from
+  // wide lenses of 19 mm to tele ones of 50 mm (35 mm film).
+  static constexpr double kUnknownLogSigma = 0.25;
   static constexpr double kMinLogSigma = 1e-4;
   static constexpr double kMaxLogSigma = 0.5;
 

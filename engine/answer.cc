@@ -94,10 +94,10 @@ void FillMatches(const QueryContext& query, const std::vector<TileView>& tiles,
     out.tile_idx = match.tile_idx;
     out.x_in_anchor = match.x_in_anchor;
     out.sigma_m = match.sigma_m;
-    const auto pixel =
-        query.CameraOf(match.keypoint_idx)
-            .Project(query.InCameraOf(match.keypoint_idx,
-                                      hypothesis.estimate.cam_from_anchor * match.x_in_anchor));
+    const Camera& camera =
+        hypothesis.camera ? hypothesis.camera->camera : query.CameraOf(match.keypoint_idx);
+    const auto pixel = camera.Project(query.InCameraOf(
+        match.keypoint_idx, hypothesis.estimate.cam_from_anchor * match.x_in_anchor));
     CAIRN_CHECK(pixel.has_value(), "an inlier projects into the image");
     out.error_px = (*pixel - out.pixel).norm();
     result->matches.push_back(out);
@@ -167,6 +167,7 @@ void ConcludeAnswer(const QueryContext& query, const std::vector<TileView>& tile
   result->reason = NotLocalizedReason::kNone;
   result->counters.used_gravity = refined.used_gravity;
   FillPose(query, refined.estimate, options.calibration, result);
+  result->camera = refined.camera;
   FillMatches(query, tiles, refined, result);
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/camera.h"
 #include "core/geodesy.h"
 #include "core/rigid3.h"
 #include "core/tile_id.h"
@@ -81,6 +82,17 @@ struct LocalizeMatch {
   double error_px = 0.0;  // Reprojection error.
 };
 
+// The camera of an answer, where that is not simply the query's.
+struct CameraEstimate {
+  Camera camera;
+  double focal_sigma_px = 0.0;  // Standard deviation of its focal length.
+  // What the query said, or was taken to say, of it, and the standard deviation of that.
+  double assumed_focal_px = 0.0;
+  double assumed_focal_sigma_px = 0.0;
+  // The inliers say something else, by more than three standard deviations.
+  bool focal_disagrees = false;
+};
+
 struct LocalizeResult {
   bool localized = false;
   NotLocalizedReason reason = NotLocalizedReason::kNone;
@@ -98,6 +110,9 @@ struct LocalizeResult {
   double score = 0.0;                  // Effective inlier count, see PoseEstimate.
   double confidence = 0.0;             // Probability that the pose is within 3 m and 10 degrees.
   std::vector<LocalizeMatch> matches;  // All inliers, by camera and keypoint.
+  // Set if the camera was estimated along with the pose: the query has a focal prior, or the
+  // inliers contradict its focal length. The pose and the errors of the matches go with it.
+  std::optional<CameraEstimate> camera;
 
   // Always set.
   MapVersion map_version{};

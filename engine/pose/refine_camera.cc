@@ -192,6 +192,26 @@ State Minimize(const Problem& problem, State state) {
   return state;
 }
 
+// Compares the prior with the observations. The prior has the variance v about 0, both together p
+// about m; so the observations alone have p v / (v - p) about d = m v / (v - p), which differs from
+// the prior by d with the variance v^2 / (v - p). The prior pulls by d - m = m p / (v - p).
+void Judge(const CameraPrior& prior, double log_focal, Matrix8d* covariance,
+           RefinedCamera* refined) {
+  const double variance = prior.focal.log_sigma * prior.focal.log_sigma;
+  const double after = (*covariance)(kFocal, kFocal);
+  const double learnt = variance - after;
+  if (!(learnt > 1e-6 * variance)) {
+    return;
+  }
+  refined->focal_disagreement = std::abs(log_focal) / std::sqrt(learnt);
+  refined->focal_significance = std::abs(log_focal) * std::sqrt(variance / (after * learnt));
+  if (refined->FocalDisagrees()) {
+    const double pull = log_focal * after / learnt;
+    const Vector8d by_focal = covariance->col(kFocal) / after;
+    *covariance += pull * pull * by_focal * by_focal.transpose();
+  }
+}
+
 }  // namespace
 
 RefinedCamera RefineCamera(const CameraPrior& prior, const Camera& initial_camera,
@@ -214,14 +234,9 @@ RefinedCamera RefineCamera(const CameraPrior& prior, const Camera& initial_camer
   RefinedCamera refined;
   refined.camera = problem.CameraOf(state);
   refined.cam_from_anchor = state.anchor_from_cam.Inverse();
+  Judge(prior, state.log_focal, &covariance, &refined);
   refined.covariance = covariance.topLeftCorner<6, 6>();
   refined.focal_log_sigma = std::sqrt(covariance(kFocal, kFocal));
-  // With the variance v of the prior and p of what it and the observations say together, their
-  // estimates differ by d = m v / (v - p) with the variance v^2 / (v - p), m being the estimate.
-  const double variance = prior.focal.log_sigma * prior.focal.log_sigma;
-  const double learnt = variance - covariance(kFocal, kFocal);
-  refined.focal_disagreement =
-      learnt > 1e-6 * variance ? std::abs(state.log_focal) / std::sqrt(learnt) : 0.0;
   return refined;
 }
 

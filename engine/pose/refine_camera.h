@@ -29,9 +29,13 @@ struct RefinedCamera {
   // As LocalizeResult::covariance, over whatever focal length and distortion may be.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   double focal_log_sigma = 0.0;  // Standard deviation of the logarithm of the focal length.
-  // How far apart the prior and the observations alone are in the focal length, in standard
-  // deviations of their difference.
+  // How far apart the prior and the observations alone are in the focal length: in standard
+  // deviations of their difference, and of what the observations say.
   double focal_disagreement = 0.0;
+  double focal_significance = 0.0;
+
+  bool FocalDisagrees() const { return focal_disagreement > kMaxDisagreement; }
+  static constexpr double kMaxDisagreement = 3.0;
 };
 
 // Minimises what RefinePose minimises plus the squared errors of the prior, over the pose, the
@@ -40,7 +44,8 @@ struct RefinedCamera {
 //
 // The Jacobian of a pixel u by ln f is u - c, c being the principal point. Where depth and focal
 // length exchange, the prior holds the latter and the covariance says the rest. The prior's weight
-// grows with the residuals as the covariance does, see ResidualSpread.
+// grows with the residuals as the covariance does, see ResidualSpread. If the two disagree, the
+// covariance includes how far the prior then pulls the focal length off what the observations say.
 RefinedCamera RefineCamera(const CameraPrior& prior, const Camera& initial_camera,
                            const std::vector<PoseObservation>& observations,
                            const std::optional<GravityPrior>& gravity,
