@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@
 #include "core/error.h"
 #include "eval/evaluation.h"
 #include "eval/parallel_for.h"
+#include "eval/stated_focal.h"
 #include "http/client.h"
 #include "ingest/features/gray_image.h"
 #include "ingest/features/sift_extractor.h"
@@ -37,6 +39,9 @@ struct EvalArguments {
   bool no_prior = false;
   bool no_gravity = false;
   bool given_priors = false;
+  StatedFocalOptions focal;
+  double focal_error_percent = 0.0;
+  std::optional<double> focal_sigma_percent;
   std::string server_url;
   SendAs send_as = SendAs::kFeatures;
   FeatureSource feature_source = FeatureSource::kModel;
@@ -128,6 +133,17 @@ void PrintMapSize(const MapSnapshot& map) {
                  static_cast<double>(std::max<int64_t>(1, info.num_landmarks)));
 }
 
+StatedFocalOptions FocalOptionsOf(const EvalArguments& arguments) {
+  StatedFocalOptions options = arguments.focal;
+  options.error = 0.01 * arguments.focal_error_percent;
+  if (arguments.focal_sigma_percent) {
+    options.sigma = 0.01 * *arguments.focal_sigma_percent;
+  }
+  options.seed = arguments.noise.seed;
+  options.Validate();
+  return options;
+}
+
 ExitCode RunEval(const EvalArguments& arguments, ProgressMode progress_mode) {
   PriorNoiseOptions noise = arguments.noise;
   noise.gravity_sigma_rad = arguments.gravity_noise_deg * 0.017453292519943295;
@@ -143,6 +159,7 @@ ExitCode RunEval(const EvalArguments& arguments, ProgressMode progress_mode) {
   if (!arguments.given_priors) {
     AddNoisyPriors(noise, &queries);
   }
+  StateFocalLengths(FocalOptionsOf(arguments), &queries);
   std::vector<LocalizeResult> results;
   {
     Progress progress(progress_mode);
@@ -208,6 +225,24 @@ void AddNoiseOptions(CLI::App* command, EvalArguments* arguments) {
       ->capture_default_str();
 }
 
+void AddFocalOptions(CLI::App* command, EvalArguments* arguments) {
+  CLI::Option* error =
+      command
+          ->add_option("--focal-error", arguments->focal_error_percent,
+                       "Queries state a focal length too long or too short by so much, percent")
+          ->type_name("PCT")
+          ->capture_default_str();
+  CLI::Option* sigma =
+      command
+          ->add_option("--focal-sigma", arguments->focal_sigma_percent,
+                       "and this as its standard deviation. Default: they do not say")
+          ->type_name("PCT");
+  command
+      ->add_flag("--unknown-camera", arguments->focal.withheld,
+                 "Queries state the size of their images only")
+      ->excludes(error, sigma);
+}
+
 void AddTransportOptions(CLI::App* command, EvalArguments* arguments) {
   static const std::map<std::string, SendAs> kSendAs = {{"image", SendAs::kImage},
                                                         {"features", SendAs::kFeatures}};
@@ -239,6 +274,7 @@ void AddEvalCommand(CLI::App* app, Shell* shell) {
   command->add_option("MAP", arguments->map_path, "Map file")->required();
   AddQuerySourceOptions(command, &arguments->queries);
   AddNoiseOptions(command, arguments.get());
+  AddFocalOptions(command, arguments.get());
   AddTransportOptions(command, arguments.get());
   AddIndexOption(command, &arguments->index);
   command->add_option("--json", arguments->json_path, "Write the report")->type_name("FILE");
