@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@
 #include "eval/elsewhere.h"
 #include "eval/evaluation.h"
 #include "eval/parallel_for.h"
+#include "eval/stated_focal.h"
 #include "http/client.h"
 #include "ingest/features/gray_image.h"
 #include "ingest/features/sift_extractor.h"
@@ -41,6 +43,9 @@ struct EvalArguments {
   bool elsewhere = false;
   bool permute_descriptors = false;
   double min_score = AnswerOptions().min_score;
+  StatedFocalOptions focal;
+  double focal_error_percent = 0.0;
+  std::optional<double> focal_sigma_percent;
   std::string server_url;
   SendAs send_as = SendAs::kFeatures;
   FeatureSource feature_source = FeatureSource::kModel;
@@ -147,6 +152,17 @@ std::vector<Geodetic> KeyframePlaces(const MapSnapshot& map) {
   return places;
 }
 
+StatedFocalOptions FocalOptionsOf(const EvalArguments& arguments) {
+  StatedFocalOptions options = arguments.focal;
+  options.error = 0.01 * arguments.focal_error_percent;
+  if (arguments.focal_sigma_percent) {
+    options.sigma = 0.01 * *arguments.focal_sigma_percent;
+  }
+  options.seed = arguments.noise.seed;
+  options.Validate();
+  return options;
+}
+
 ExitCode RunEval(const EvalArguments& arguments, ProgressMode progress_mode) {
   PriorNoiseOptions noise = arguments.noise;
   noise.gravity_sigma_rad = arguments.gravity_noise_deg * 0.017453292519943295;
@@ -166,6 +182,7 @@ ExitCode RunEval(const EvalArguments& arguments, ProgressMode progress_mode) {
   if (!arguments.given_priors) {
     AddNoisyPriors(noise, &queries);
   }
+  StateFocalLengths(FocalOptionsOf(arguments), &queries);
   std::vector<LocalizeResult> results;
   {
     Progress progress(progress_mode);
@@ -250,6 +267,24 @@ void AddElsewhereOptions(CLI::App* command, EvalArguments* arguments) {
                     "keypoints, and count the answers");
 }
 
+void AddFocalOptions(CLI::App* command, EvalArguments* arguments) {
+  CLI::Option* error =
+      command
+          ->add_option("--focal-error", arguments->focal_error_percent,
+                       "Queries state a focal length too long or too short by so much, percent")
+          ->type_name("PCT")
+          ->capture_default_str();
+  CLI::Option* sigma =
+      command
+          ->add_option("--focal-sigma", arguments->focal_sigma_percent,
+                       "and this as its standard deviation. Default: they do not say")
+          ->type_name("PCT");
+  command
+      ->add_flag("--unknown-camera", arguments->focal.withheld,
+                 "Queries state the size of their images only")
+      ->excludes(error, sigma);
+}
+
 void AddTransportOptions(CLI::App* command, EvalArguments* arguments) {
   static const std::map<std::string, SendAs> kSendAs = {{"image", SendAs::kImage},
                                                         {"features", SendAs::kFeatures}};
@@ -282,6 +317,7 @@ void AddEvalCommand(CLI::App* app, Shell* shell) {
   AddQuerySourceOptions(command, &arguments->queries);
   AddNoiseOptions(command, arguments.get());
   AddElsewhereOptions(command, arguments.get());
+  AddFocalOptions(command, arguments.get());
   AddTransportOptions(command, arguments.get());
   AddIndexOption(command, &arguments->index);
   command->add_option("--json", arguments->json_path, "Write the report")->type_name("FILE");

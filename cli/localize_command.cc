@@ -19,6 +19,7 @@
 #include "cli/rig_photos.h"
 #include "cli/shell.h"
 #include "core/error.h"
+#include "core/focal_length.h"
 #include "core/geodesy.h"
 #include "eval/pictures/pictures.h"
 #include "http/client.h"
@@ -30,8 +31,10 @@ namespace cairn {
 namespace {
 
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
-// Width of a 35 mm film frame, which EXIF's equivalent focal length refers to.
+// Width of a 35 mm film frame, which EXIF's equivalent focal length refers to; some cameras mean
+// the diagonal, and all round to millimetres.
 constexpr double kFilmWidthMm = 36.0;
+constexpr double kExifFocalLogSigma = 0.05;
 
 struct LocalizeArguments {
   std::string map_path;
@@ -39,6 +42,7 @@ struct LocalizeArguments {
   std::string image_path;
   std::string rig_path;  // Empty: one camera.
   std::optional<std::string> camera;
+  std::optional<double> focal_sigma_percent;
   std::optional<std::string> prior;
   double accuracy_m = 15.0;
   std::optional<std::string> gravity;
@@ -48,25 +52,40 @@ struct LocalizeArguments {
   bool json = false;
 };
 
-Camera CameraFromExif(const LocalizeArguments& arguments, const ExifInfo& exif,
-                      const GrayImage& photo) {
+// From the EXIF focal length; without one it is unknown.
+void SetCameraFromExif(const ExifInfo& exif, const GrayImage& photo, LocalizeQuery* query) {
   if (!exif.focal_35mm) {
-    throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("{} does not say its focal length (no EXIF 35 mm equivalent); give "
-                            "--camera MODEL,width,height,param,...",
-                            arguments.image_path));
+    query->camera = CameraOfUnknownFocal(photo.width_px, photo.height_px);
+    query->focal = FocalPrior{.with_distortion = true};
+    return;
   }
   const double focal_px =
       *exif.focal_35mm / kFilmWidthMm * std::max(photo.width_px, photo.height_px);
-  return Camera(CameraModel::kSimplePinhole, photo.width_px, photo.height_px,
-                {focal_px, 0.5 * photo.width_px, 0.5 * photo.height_px});
+  query->camera = Camera(CameraModel::kSimplePinhole, photo.width_px, photo.height_px,
+                         {focal_px, 0.5 * photo.width_px, 0.5 * photo.height_px});
+  query->focal = FocalPrior{.log_sigma = kExifFocalLogSigma};
 }
 
 LocalizeQuery MakeQuery(const LocalizeArguments& arguments, const Photo& photo) {
   LocalizeQuery query;
   query.id = arguments.image_path;
-  query.camera = arguments.camera ? ParseCamera("--camera", *arguments.camera)
-                                  : CameraFromExif(arguments, ReadExif(photo.bytes), photo.image);
+  if (arguments.camera) {
+    query.camera = ParseCamera("--camera", *arguments.camera);
+  } else {
+    SetCameraFromExif(ReadExif(photo.bytes), photo.image, &query);
+  }
+  if (arguments.focal_sigma_percent) {
+    query.focal = FocalPrior{.log_sigma = 0.01 * *arguments.focal_sigma_percent};
+  }
+  if (query.focal && !arguments.rig_path.empty()) {
+    if (query.focal->with_distortion) {
+      throw Error(ErrorCode::kInvalidArgument,
+                  fmt::format("{} does not say its focal length, which the cameras of a rig need; "
+                              "give --camera MODEL,width,height,param,...",
+                              arguments.image_path));
+    }
+    query.focal.reset();
+  }
   const GrayImage& pixels = photo.image;
   if (query.camera.width_px() != pixels.width_px || query.camera.height_px() != pixels.height_px) {
     throw Error(ErrorCode::kBadInput,
@@ -120,6 +139,13 @@ void PrintPose(const LocalizeResult& result) {
       std::asin(std::clamp(right.z(), -1.0, 1.0)) * kDegPerRad);
   fmt::print("accuracy     {:.3f} m, {:.3f} deg  (68 %)\n", result.position_accuracy_m,
              result.rotation_accuracy_rad * kDegPerRad);
+  if (result.camera) {
+    const CameraEstimate& camera = *result.camera;
+    fmt::print("focal length {:.1f} px, standard deviation {:.1f}; {} {:.1f}, {:.1f}\n",
+               camera.camera.focal_px(), camera.focal_sigma_px,
+               camera.focal_disagrees ? "contradicts" : "assumed were", camera.assumed_focal_px,
+               camera.assumed_focal_sigma_px);
+  }
   fmt::print("confidence   {:.3f}\n", result.confidence);
   fmt::print("evidence     score {:.1f}; by chance {:.1g} of such queries score as high\n",
              result.score, result.false_alarm_rate);
@@ -184,8 +210,15 @@ void AddQueryOptions(CLI::App* command, LocalizeArguments* arguments) {
       ->type_name("FILE");
   command
       ->add_option("--camera", arguments->camera,
-                   "Intrinsics, COLMAP's models in pixels. Default: from the EXIF focal length")
+                   "Intrinsics, COLMAP's models in pixels. Default: from the EXIF focal length; "
+                   "without one, estimated along with the pose")
       ->type_name("MODEL,w,h,param,...");
+  command
+      ->add_option("--focal-sigma", arguments->focal_sigma_percent,
+                   "Standard deviation of the focal length of --camera or EXIF, percent. Default: "
+                   "5 of EXIF; that of --camera is kept unless the photo contradicts it")
+      ->check(CLI::Range(100.0 * FocalPrior::kMinLogSigma, 100.0 * FocalPrior::kMaxLogSigma))
+      ->type_name("PCT");
   command
       ->add_option("--rig", arguments->rig_path,
                    "Photos that other cameras of the body took at the same instant, as the rig of "

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/check.h"
+#include "engine/build_query_context.h"
 #include "engine/pose/evidence.h"
 #include "engine/prior/pose_share.h"
 #include "engine/refinement/bernoulli_divergence.h"
@@ -185,7 +186,9 @@ void ConcludeAnswer(const QueryContext& query, const std::vector<TileView>& tile
   }
   result->reason = NotLocalizedReason::kNone;
   FillPose(query, answer, options.calibration, result);
-  FillMatches(query, tiles, refined, result);
+  result->camera = refined.camera;
+  FillMatches(refined.camera ? WithCamera(query, refined.camera->camera) : query, tiles, refined,
+              result);
 }
 
 }  // namespace cairn

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "engine/localize_result.h"
@@ -19,6 +20,7 @@ struct PoseHypothesis {
   PoseEstimate estimate;
   std::shared_ptr<const std::vector<Correspondence>> correspondences;
   bool used_gravity = false;
+  std::optional<CameraEstimate> camera;  // As LocalizeResult::camera.
 };
 
 // Picks the hypothesis with the highest score, or another that has about as high a score and

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "core/check.h"
 #include "core/error.h"
 #include "engine/matching/distance_statistics.h"
 #include "engine/pose/level_frame.h"
@@ -22,6 +23,20 @@ void CheckCodec(const LocalizeQuery& query, const DescriptorCodec& codec) {
   }
 }
 
+std::optional<float> GravityOrientationRad(const Camera& camera, const Keypoint& keypoint,
+                                           const std::optional<Eigen::Vector3d>& down_in_own) {
+  if (down_in_own) {
+    if (const auto angle_rad = GravityRectifiedOrientationRad(camera, keypoint, *down_in_own)) {
+      return static_cast<float>(*angle_rad);
+    }
+  }
+  return std::nullopt;
+}
+
+Eigen::Vector3d RayOf(const Camera& camera, const Keypoint& keypoint) {
+  return camera.Unproject({keypoint.x_px, keypoint.y_px}).value_or(Eigen::Vector3d::Zero());
+}
+
 // Appends what one camera saw, but for the descriptors. `rotation` is cam_from_first's.
 void AddKeypoints(const Camera& camera, const FeatureSet& features,
                   const Eigen::Quaterniond& rotation, QueryContext* context) {
@@ -31,16 +46,9 @@ void AddKeypoints(const Camera& camera, const FeatureSet& features,
   }
   for (const Keypoint& keypoint : features.keypoints) {
     context->keypoints.push_back(keypoint);
-    context->rays_in_cam.push_back(
-        rotation.conjugate() *
-        camera.Unproject({keypoint.x_px, keypoint.y_px}).value_or(Eigen::Vector3d::Zero()));
-    std::optional<float>& orientation_rad = context->gravity_orientations_rad.emplace_back();
-    if (down_in_own) {
-      const auto angle_rad = GravityRectifiedOrientationRad(camera, keypoint, *down_in_own);
-      if (angle_rad) {
-        orientation_rad = static_cast<float>(*angle_rad);
-      }
-    }
+    context->rays_in_cam.push_back(rotation.conjugate() * RayOf(camera, keypoint));
+    context->gravity_orientations_rad.push_back(
+        GravityOrientationRad(camera, keypoint, down_in_own));
   }
 }
 
@@ -84,6 +92,17 @@ QueryContext BuildQueryContext(const LocalizeQuery& query, const DescriptorCodec
   AddKeypoints(query.camera, query.features, Eigen::Quaterniond::Identity(), &context);
   if (!query.other_cameras.empty()) {
     AddOtherCameras(query, codec, &context);
+  }
+  return context;
+}
+
+QueryContext WithCamera(QueryContext context, const Camera& camera) {
+  CAIRN_CHECK(!context.is_rig(), "the camera of a rig is not replaced");
+  context.camera = camera;
+  for (int i = 0; i < context.num_keypoints(); ++i) {
+    context.rays_in_cam[i] = RayOf(camera, context.keypoints[i]);
+    context.gravity_orientations_rad[i] =
+        GravityOrientationRad(camera, context.keypoints[i], context.down_in_cam);
   }
   return context;
 }

@@ -14,6 +14,9 @@ namespace cairn {
 QueryContext BuildQueryContext(const LocalizeQuery& query, const DescriptorCodec& codec,
                                const SearchRegion& region);
 
+// The context of the same query, which is not of a rig, as another camera of that size saw it.
+QueryContext WithCamera(QueryContext context, const Camera& camera);
+
 // The context of the same query without its gravity.
 QueryContext WithoutGravity(QueryContext context);
 

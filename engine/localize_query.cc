@@ -45,6 +45,14 @@ void LocalizeQuery::Validate() const {
   for (size_t i = 0; i < other_cameras.size(); ++i) {
     ValidateRigCamera(other_cameras[i], features.space, i);
   }
+  if (focal) {
+    focal->Validate(camera);
+    if (!other_cameras.empty()) {
+      throw Error(ErrorCode::kBadInput,
+                  "camera: the focal lengths of a rig are not estimated; state them, without "
+                  "focalLength and focalLengthSigma");
+    }
+  }
   if (prior) {
     ValidateGeodetic(prior->position, "prior.position");
     constexpr double kMaxAccuracyM = 100e3;

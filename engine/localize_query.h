@@ -10,6 +10,7 @@
 
 #include "core/camera.h"
 #include "core/features.h"
+#include "core/focal_length.h"
 #include "core/geodesy.h"
 #include "core/rigid3.h"
 
@@ -33,6 +34,10 @@ struct RigCamera {
 struct LocalizeQuery {
   std::string id;  // Echoed; may be empty.
   Camera camera;
+  // How well its focal length is known, if the client says so: it is then estimated along with the
+  // pose. If not, it is taken to be right within 1 % and kept unless the inliers contradict it; see
+  // LocalizeResult::camera. Not for a rig, whose cameras are what they are said to be.
+  std::optional<FocalPrior> focal;
   FeatureSet features;  // Raw or projected; see DescriptorSpace.
   // Wire codec of projected features; must be the map's (Codebook::CodecName). Unused for raw ones.
   std::string codec;
@@ -50,8 +55,8 @@ struct LocalizeQuery {
   int num_features() const;
 
   // Throws Error(kBadInput) naming the field on non-finite numbers, an accuracy outside (0, 100
-  // km], a gravity vector that is not of unit length within 1e-3, inconsistent features, or cameras
-  // of a rig that are more than 100 m apart.
+  // km], a gravity vector that is not of unit length within 1e-3, inconsistent features, cameras of
+  // a rig that are more than 100 m apart, or a focal prior that makes no sense or is of a rig.
   void Validate() const;
 };
 

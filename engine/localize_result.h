@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/camera.h"
 #include "core/geodesy.h"
 #include "core/rigid3.h"
 #include "core/tile_id.h"
@@ -83,6 +84,17 @@ struct LocalizeMatch {
   InlierTraits traits;             // Its reprojection error among them.
 };
 
+// The camera of an answer, where that is not simply the query's.
+struct CameraEstimate {
+  Camera camera;
+  double focal_sigma_px = 0.0;  // Standard deviation of its focal length.
+  // What the query said, or was taken to say, of it, and the standard deviation of that.
+  double assumed_focal_px = 0.0;
+  double assumed_focal_sigma_px = 0.0;
+  // The inliers say something else, by more than three standard deviations.
+  bool focal_disagrees = false;
+};
+
 struct LocalizeResult {
   bool localized = false;
   NotLocalizedReason reason = NotLocalizedReason::kNone;
@@ -106,6 +118,9 @@ struct LocalizeResult {
   // The position is farther from the prior than one position in a hundred.
   bool prior_disagrees = false;
   std::vector<LocalizeMatch> matches;  // All inliers, by camera and keypoint.
+  // Set if the camera was estimated along with the pose: the query has a focal prior, or the
+  // inliers contradict its focal length. The pose and the errors of the matches go with it.
+  std::optional<CameraEstimate> camera;
 
   // Always set.
   MapVersion map_version{};

@@ -13,6 +13,8 @@
 
 #include "engine/answer.h"
 #include "engine/build_query_context.h"
+#include "engine/focal_refinement.h"
+#include "engine/focal_search.h"
 #include "engine/keyframe_candidates.h"
 #include "engine/matching/match_features.h"
 #include "engine/pose/estimate_pose.h"
@@ -94,6 +96,7 @@ class QueryRun {
   NotLocalizedReason GatherTiles();
   NotLocalizedReason Match();
   NotLocalizedReason Vote();
+  NotLocalizedReason FindCameraAndVote();
   NotLocalizedReason EstimatePoses();
   NotLocalizedReason Refine();
 
@@ -115,6 +118,11 @@ class QueryRun {
   // Refined on the matches of all poses that might have won, not only those among which it was
   // found.
   PoseHypothesis RefinedOnAllMatches(const PoseHypothesis& winner) const;
+  // Makes `context_` that of the camera with which the best pose goes, of all that are tried.
+  void FindCamera();
+  // With the camera that goes with it, if the query or the inliers ask for one; its covariance
+  // includes the camera's.
+  PoseHypothesis RefinedWithCamera(PoseHypothesis winner) const;
   // See RefinementOptions::max_gravity_error_sigmas.
   bool DoubtsGravity() const;
   // From matching on, as if the query had had no gravity; the hypotheses so far stay.
@@ -139,7 +147,7 @@ class QueryRun {
 LocalizeResult QueryRun::Run() {
   static constexpr std::pair<Stage, StageMethod> kStages[] = {
       {Stage::kPrior, &QueryRun::ResolvePrior}, {Stage::kTiles, &QueryRun::GatherTiles},
-      {Stage::kMatching, &QueryRun::Match},     {Stage::kVoting, &QueryRun::Vote},
+      {Stage::kMatching, &QueryRun::Match},     {Stage::kVoting, &QueryRun::FindCameraAndVote},
       {Stage::kPose, &QueryRun::EstimatePoses}, {Stage::kRefinement, &QueryRun::Refine},
   };
   const Clock::time_point start = Clock::now();
@@ -159,7 +167,10 @@ LocalizeResult QueryRun::Run() {
   if (!hypotheses_.empty()) {
     ConcludeAnswer(
         context_, tiles_, hypotheses_, options_.answer,
-        [this](const PoseHypothesis& winner) { return RefinedOnAllMatches(winner); }, &result_);
+        [this](const PoseHypothesis& winner) {
+          return RefinedWithCamera(RefinedOnAllMatches(winner));
+        },
+        &result_);
   }
   if (FoundTooLittle(result_.reason) && (DeadlinePassed() || result_.counters.is_cut_short())) {
     result_.reason = NotLocalizedReason::kTimeout;
@@ -236,6 +247,61 @@ NotLocalizedReason QueryRun::Vote() {
   }
   result_.counters.num_candidates = static_cast<int64_t>(candidates_.size());
   return NotLocalizedReason::kNone;
+}
+
+NotLocalizedReason QueryRun::FindCameraAndVote() {
+  if (query_.focal && query_.focal->log_sigma > kMaxTrustedFocalLogSigma) {
+    FindCamera();
+  }
+  return Vote();
+}
+
+void QueryRun::FindCamera() {
+  constexpr int kNumRefined = 2;
+  const QueryContext stated = context_;
+  const CameraPrior prior = CameraPriorOf(query_);
+  FocalSearch search(prior.focal, options_.refinement.good_evidence);
+  Camera best_camera = prior.camera;
+  double best_score = 0.0;
+  while (const auto factor = DeadlinePassed() ? std::nullopt : search.Next()) {
+    context_ = WithCamera(stated, WithFocalScaled(prior.camera, *factor));
+    Vote();
+    EstimatePoses();
+    double score = 0.0;
+    for (const PoseHypothesis* pose : BestHypotheses(kNumRefined)) {
+      if (pose->estimate.evidence < kMinShareOfBest * best_score) {
+        continue;
+      }
+      const auto refined =
+          RefineWithCamera(context_, *pose->correspondences, pose->estimate, prior, options_.pose);
+      if (refined && refined->estimate.evidence > score) {
+        score = refined->estimate.evidence;
+        if (score > best_score) {
+          best_score = score;
+          best_camera = refined->camera.camera;
+        }
+      }
+    }
+    search.Report(score);
+    hypotheses_.clear();
+  }
+  context_ = WithCamera(stated, best_camera);
+  best_consensus_ = 0.0;
+}
+
+PoseHypothesis QueryRun::RefinedWithCamera(PoseHypothesis winner) const {
+  if (context_.is_rig()) {
+    return winner;
+  }
+  const CameraPrior prior = CameraPriorOf(query_);
+  AnsweredCamera refined =
+      RefineAnswer(context_, *winner.correspondences, std::move(winner.estimate), prior,
+                   /*keep_if_possible=*/!query_.focal, options_.pose);
+  winner.estimate = std::move(refined.estimate);
+  if (refined.camera) {
+    winner.camera = MakeCameraEstimate(prior, *refined.camera);
+  }
+  return winner;
 }
 
 NotLocalizedReason QueryRun::EstimatePoses() {
@@ -333,7 +399,7 @@ PoseHypothesis QueryRun::RefinedOnAllMatches(const PoseHypothesis& winner) const
   }
   MergeMatches(all.get());
   auto refined = RefineEstimate(context_, *all, winner.estimate, options_.pose);
-  return refined ? PoseHypothesis{std::move(*refined), all, context_.down_in_cam.has_value()}
+  return refined ? PoseHypothesis{std::move(*refined), all, context_.down_in_cam.has_value(), {}}
                  : winner;
 }
 
@@ -390,7 +456,7 @@ void QueryRun::AddHypothesis(Attempt attempt) {
     best_consensus_ = std::max(best_consensus_, attempt.estimate->consensus);
     result_.counters.num_ransac_iterations += attempt.estimate->num_iterations;
     hypotheses_.push_back({std::move(*attempt.estimate), std::move(attempt.correspondences),
-                           context_.down_in_cam.has_value()});
+                           context_.down_in_cam.has_value(), std::nullopt});
   }
 }
 

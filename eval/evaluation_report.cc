@@ -156,18 +156,22 @@ std::string ReportAsJson(const EvalReport& report) {
 
 std::string ReportAsCsv(const EvalReport& report) {
   std::string text =
-      "name,localized,reason,position_error_m,rotation_error_deg,score,confidence,num_inliers";
+      "name,localized,reason,position_error_m,rotation_error_deg,score,confidence,num_inliers,"
+      "position_accuracy_m,focal_px,focal_disagrees";
   for (int stage = 0; stage < kNumStages; ++stage) {
     text += fmt::format(",{}_ms", StageName(static_cast<Stage>(stage)));
   }
   text += ",total_ms\n";
   for (const EvalAnswer& answer : report.answers) {
     const LocalizeResult& result = answer.result;
-    text += fmt::format("{},{},{},{},{},{},{},{}", CsvText(answer.name), result.localized ? 1 : 0,
-                        result.localized ? "" : NotLocalizedReasonName(result.reason),
-                        CsvNumber(answer.position_error_m),
-                        CsvNumber(kDegFromRad * answer.rotation_error_rad), CsvNumber(result.score),
-                        CsvNumber(result.confidence), result.matches.size());
+    text += fmt::format(
+        "{},{},{},{},{},{},{},{},{},{},{}", CsvText(answer.name), result.localized ? 1 : 0,
+        result.localized ? "" : NotLocalizedReasonName(result.reason),
+        CsvNumber(answer.position_error_m), CsvNumber(kDegFromRad * answer.rotation_error_rad),
+        CsvNumber(result.score), CsvNumber(result.confidence), result.matches.size(),
+        result.localized ? CsvNumber(result.position_accuracy_m) : "",
+        result.camera ? CsvNumber(result.camera->camera.focal_px()) : "",
+        result.camera ? (result.camera->focal_disagrees ? "1" : "0") : "");
     for (const double seconds : result.times.seconds) {
       text += "," + CsvNumber(kMsFromSeconds * seconds);
     }

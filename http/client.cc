@@ -22,10 +22,22 @@ nlohmann::json CameraJson(const Camera& camera) {
           {"modelParams", camera.params()}};
 }
 
+// The query's own camera. A focal prior about parameters is sent as its standard deviation, however
+// large: the server would replace an "unknown" focal length by its own guess.
+nlohmann::json StatedCameraJson(const LocalizeQuery& query) {
+  if (query.focal && query.focal->with_distortion) {
+    return {{"size", {query.camera.width_px(), query.camera.height_px()}},
+            {"focalLength", "unknown"}};
+  }
+  nlohmann::json json = CameraJson(query.camera);
+  if (query.focal) json["focalLengthSigma"] = query.focal->log_sigma;
+  return json;
+}
+
 std::string RequestJson(const LocalizeQuery& query, bool want_matches) {
   nlohmann::json json;
   if (!query.id.empty()) json["id"] = query.id;
-  json["camera"] = CameraJson(query.camera);
+  json["camera"] = StatedCameraJson(query);
   for (const RigCamera& other : query.other_cameras) {
     const Eigen::Quaterniond& q = other.cam_from_first.rotation;
     const Eigen::Vector3d& t = other.cam_from_first.translation;

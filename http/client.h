@@ -28,10 +28,11 @@ class LocalizeClient {
   ~LocalizeClient();
 
   // Send one query, as encoded images of its camera and the others of its rig in this order (the
-  // features of `query` are ignored) or as the query's features. The result has what the wire
-  // carries: pose, position, covariance, confidence, tiles, counters, times, matches. Throws
-  // Error(kUnavailable) if no server answers, Error(kBadInput) with the server's own explanation if
-  // it refuses the request.
+  // features of `query` are ignored) or as the query's features. Of a camera of which the
+  // distortion is unknown, too, only the size is sent. The result has what the wire carries: pose,
+  // position, covariance, confidence, tiles, counters, times, matches. Throws Error(kUnavailable)
+  // if no server answers, Error(kBadInput) with the server's own explanation if it refuses the
+  // request.
   LocalizeResult LocalizeImages(const LocalizeQuery& query,
                                 const std::vector<std::vector<uint8_t>>& images);
   LocalizeResult LocalizeFeatures(const LocalizeQuery& query);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/pose/m_estimate.h"
 #include "engine/pose/normal_equations.h"
 #include "engine/pose/pose_residuals.h"
 
@@ -12,9 +13,6 @@ namespace {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-// Residual of an observation that does not project, in standard deviations.
-constexpr double kGrossError = 100.0;
-
 // The normal equations at one pose.
 struct Linearization {
   Matrix6d normal = Matrix6d::Zero();          // Sum of w J'J, with the gravity prior.
@@ -22,13 +20,11 @@ struct Linearization {
   double cost = 0.0;
 };
 
-// What the covariance at one pose is made of. Residuals r are in standard deviations, w is their
-// robust weight.
+// What the covariance at one pose is made of. Residuals are in standard deviations.
 struct Spread {
   Matrix6d information = Matrix6d::Zero();          // Sum of J'J of the reprojections alone.
   Matrix6d gravity_information = Matrix6d::Zero();  // J'J of the gravity prior.
-  double sum_sq_weight = 0.0;                       // Sum of w^2.
-  double sum_sq_weighted = 0.0;                     // Sum of w^2 r'r.
+  ResidualSpread residuals;
 };
 
 // The problem in the form the iterations need.
@@ -98,8 +94,8 @@ struct Problem {
       const double sq_robust = std::pow(RobustWeight(weights, sq_residual), 2);
       const auto jacobian = ReprojectionJacobian(pixel_by_anchor, from_center);
       spread.information += information * jacobian.transpose() * jacobian;
-      spread.sum_sq_weight += sq_robust;
-      spread.sum_sq_weighted += sq_robust * sq_residual;
+      spread.residuals.sum_sq_weight += sq_robust;
+      spread.residuals.sum_sq_weighted += sq_robust * sq_residual;
     });
     if (gravity) {
       Eigen::Matrix<double, 3, 6> gravity_jacobian;
@@ -111,20 +107,10 @@ struct Problem {
   }
 };
 
-// Asymptotic covariance of the M-estimate (Huber 1981, section 7.6): the inverse information of the
-// reprojections is scaled by mean(psi^2) / mean(psi')^2. For the Cauchy loss on two-dimensional
-// residuals psi = w r and psi' averages to w^2. A floor keeps free directions finite.
 Matrix6d Covariance(const Spread& spread, double num_observations) {
-  PoseTangent floor;
-  floor << Eigen::Vector3d::Constant(1.0 / 9.0), Eigen::Vector3d::Constant(1e-6);
-  double scale = 1.0;
-  if (spread.sum_sq_weight > 0.0) {
-    const double degrees_of_freedom = std::max(1.0, 2.0 * num_observations - 6.0);
-    const double mean_slope = spread.sum_sq_weight / num_observations;
-    scale = std::max(1.0, spread.sum_sq_weighted / degrees_of_freedom / (mean_slope * mean_slope));
-  }
   const Matrix6d total =
-      spread.information / scale + spread.gravity_information + Matrix6d(floor.asDiagonal());
+      spread.information / spread.residuals.CovarianceScale(num_observations, 6) +
+      spread.gravity_information + Matrix6d(InformationFloor().asDiagonal());
   const Matrix6d covariance = total.ldlt().solve(Matrix6d::Identity());
   return 0.5 * (covariance + covariance.transpose());
 }

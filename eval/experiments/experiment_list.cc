@@ -32,7 +32,8 @@ std::vector<Experiment> AllExperiments() {
           FourCitiesExperiment(),
           CalibrationExperiment(),
           FirstCandidatesExperiment(),
-          WrongGravityExperiment()};
+          WrongGravityExperiment(),
+          FocalLengthExperiment()};
 }
 
 Experiment FindExperiment(const std::string& name) {

@@ -4,8 +4,11 @@
 
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
+#include <utility>
 
 #include "http/base64.h"
+#include "http/json/stated_camera.h"
 #include "http/multipart.h"
 #include "http/problem.h"
 
@@ -44,9 +47,14 @@ std::string_view WithoutDataUrlPrefix(std::string_view text) {
 }
 
 void ReadCameraReading(const JsonReader& reading, LocalizeRequest* request) {
-  const JsonReader params = reading.At("params");
-  request->query.camera =
-      ReadCamera(params.At("model"), reading.At("size"), params.At("modelParams"));
+  std::optional<JsonReader> model, model_params;
+  if (const auto params = reading.Find("params")) {
+    model = params->Find("model");
+    model_params = params->Find("modelParams");
+  }
+  StatedCamera stated = ReadCameraParts(model, reading.At("size"), model_params);
+  request->query.camera = std::move(stated.camera);
+  request->query.focal = stated.focal;
   if (const auto orientation = reading.Find("imageOrientation")) {
     const auto mirrored = orientation->Find("mirrored");
     if (mirrored && mirrored->Bool()) {

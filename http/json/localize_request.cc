@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "http/base64.h"
 #include "http/feature_codec.h"
+#include "http/json/stated_camera.h"
 #include "http/multipart.h"
 #include "http/problem.h"
 
@@ -146,19 +147,23 @@ Rigid3d ReadCamFromFirst(const JsonReader& json) {
   return {rotation, offset};
 }
 
-// The member `camera`.
-Camera ReadCameraMember(const JsonReader& json) {
-  const JsonReader camera = json.At("camera");
-  camera.RequireOnly({"model", "size", "modelParams"});
-  return ReadCamera(camera.At("model"), camera.At("size"), camera.At("modelParams"));
-}
-
 // The further cameras of a rig, without their features and images.
 void ReadRig(const JsonReader& json, LocalizeQuery* query) {
   for (const JsonReader& element : json.Elements(0, LocalizeQuery::kMaxOtherCameras)) {
     element.RequireOnly({"camera", "camFromFirst", "features", "image"});
     query->other_cameras.push_back(ReadRigCamera(element));
   }
+}
+
+// The query's own camera. In a rig its focal length has to be known as well.
+void ReadOwnCamera(const JsonReader& json, LocalizeQuery* query) {
+  if (!query->other_cameras.empty()) {
+    query->camera = ReadKnownCamera(json);
+    return;
+  }
+  StatedCamera stated = ReadStatedCamera(json);
+  query->camera = std::move(stated.camera);
+  query->focal = stated.focal;
 }
 
 // What JSON says about the features beside the blob has to agree with the blob.
@@ -210,8 +215,9 @@ LocalizeRequest ReadCommon(const JsonReader& json, const RequestLimits& limits) 
   if (const auto timestamp = json.Find("timestamp")) {
     request.timestamp_ms = timestamp->Integer(-kMaxTimestampMs, kMaxTimestampMs);
   }
-  request.query.camera = ReadCameraMember(json);
-  if (const auto rig = json.Find("rig")) ReadRig(*rig, &request.query);
+  const auto rig = json.Find("rig");
+  if (rig) ReadRig(*rig, &request.query);
+  ReadOwnCamera(json.At("camera"), &request.query);
   if (const auto prior = json.Find("prior")) request.query.prior = ReadPrior(*prior);
   if (const auto gravity = json.Find("gravity")) request.query.down_in_cam = ReadGravity(*gravity);
   if (const auto options = json.Find("options")) ReadOptions(*options, &request);
@@ -360,29 +366,9 @@ LocalizeRequest ParseMultipartBody(std::string_view content_type, std::string_vi
 
 }  // namespace
 
-Camera ReadCamera(const JsonReader& model, const JsonReader& size, const JsonReader& params) {
-  const std::vector<JsonReader> sides = size.Elements(2, 2);
-  const auto width_px = static_cast<int>(sides[0].Integer(1, 100'000));
-  const auto height_px = static_cast<int>(sides[1].Integer(1, 100'000));
-  CameraModel camera_model;
-  try {
-    camera_model = CameraModelFromName(model.String());
-  } catch (const HttpError&) {
-    throw;
-  } catch (const Error& e) {
-    model.Fail(e.what());
-  }
-  const std::vector<double> numbers = params.Numbers(0, 16);
-  try {
-    return Camera(camera_model, width_px, height_px, numbers);
-  } catch (const Error& e) {
-    params.Fail(e.what());
-  }
-}
-
 RigCamera ReadRigCamera(const JsonReader& element) {
   RigCamera camera;
-  camera.camera = ReadCameraMember(element);
+  camera.camera = ReadKnownCamera(element.At("camera"));
   camera.cam_from_first = ReadCamFromFirst(element.At("camFromFirst"));
   return camera;
 }

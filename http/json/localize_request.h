@@ -53,8 +53,6 @@ LocalizeRequest ParseLocalizeRequest(std::string_view content_type, std::string_
                                      const RequestLimits& limits);
 
 // Parts that GeoPoseProtocol and the command line share.
-// The camera from its members: a model name, an array [width, height], an array of parameters.
-Camera ReadCamera(const JsonReader& model, const JsonReader& size, const JsonReader& params);
 // Of an element of `rig`: its members `camera` and `camFromFirst`; without features.
 RigCamera ReadRigCamera(const JsonReader& element);
 // Strict base64; throws with the pointer of the string.

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "http/json/json_reader.h"
+#include "http/json/stated_camera.h"
 
 namespace cairn {
 namespace {
@@ -127,6 +128,19 @@ Json StagesJson(const LocalizeResult& result, const ServerTimes& times, bool has
   return stages;
 }
 
+Json CameraJson(const CameraEstimate& estimate) {
+  const Camera& camera = estimate.camera;
+  return {{"model", CameraModelName(camera.model())},
+          {"size", {camera.width_px(), camera.height_px()}},
+          {"modelParams", camera.params()},
+          {"estimated", true},
+          {"focalLength", camera.focal_px()},
+          {"focalLengthAccuracy", estimate.focal_sigma_px},
+          {"assumedFocalLength", estimate.assumed_focal_px},
+          {"assumedFocalLengthAccuracy", estimate.assumed_focal_sigma_px},
+          {"focalLengthDisagrees", estimate.focal_disagrees}};
+}
+
 void AddPose(const LocalizeResult& result, const ResponseOptions& options, Json* json) {
   const GeoPose geopose = GeoPoseFromCamera(result.cam_from_ecef, options.inner_frame);
   const Eigen::Quaterniond& q = geopose.enu_from_inner;
@@ -141,6 +155,7 @@ void AddPose(const LocalizeResult& result, const ResponseOptions& options, Json*
     // Symmetric, so the storage order does not matter.
     (*json)["covariance"] = std::vector<double>(wire.data(), wire.data() + wire.size());
   }
+  if (result.camera) (*json)["camera"] = CameraJson(*result.camera);
   (*json)["confidence"] = result.confidence;
   (*json)["score"] = result.score;
   (*json)["falseAlarmRate"] = result.false_alarm_rate;
@@ -163,6 +178,17 @@ double ReadNumber(const JsonReader& json) {
   return json.Number(-kMax, kMax);
 }
 
+CameraEstimate ReadCameraEstimate(const JsonReader& json) {
+  CameraEstimate estimate;
+  estimate.camera =
+      ReadCameraParts(json.At("model"), json.At("size"), json.At("modelParams")).camera;
+  estimate.focal_sigma_px = ReadNumber(json.At("focalLengthAccuracy"));
+  estimate.assumed_focal_px = ReadNumber(json.At("assumedFocalLength"));
+  estimate.assumed_focal_sigma_px = ReadNumber(json.At("assumedFocalLengthAccuracy"));
+  estimate.focal_disagrees = json.At("focalLengthDisagrees").Bool();
+  return estimate;
+}
+
 void ReadPose(const JsonReader& json, LocalizeResult* result) {
   const GeoPose geopose = ReadGeoPose(json.At("geopose"));
   const auto frame = InnerFrameFromName(json.At("innerFrame").String());
@@ -179,6 +205,7 @@ void ReadPose(const JsonReader& json, LocalizeResult* result) {
   result->score = ReadNumber(json.At("score"));
   result->false_alarm_rate = ReadNumber(json.At("falseAlarmRate"));
   result->prior_disagrees = json.At("priorDisagrees").Bool();
+  if (const auto camera = json.Find("camera")) result->camera = ReadCameraEstimate(*camera);
   if (const auto covariance = json.Find("covariance")) {
     const std::vector<double> numbers = covariance->Numbers(36, 36);
     result->covariance = ResultCovariance(Eigen::Map<const Matrix6d>(numbers.data()),

@@ -212,8 +212,6 @@ form.photo.addEventListener("change", async () => {
   photoScale = Math.min(1, MAX_SIDE_PX / side);
   photo = await createImageBitmap(original, {
     resizeWidth: Math.round(original.width * photoScale), resizeQuality: "high" });
-  // A phone's main camera sees about 65 degrees across.
-  if (!form.focal.value) form.focal.value = Math.round(0.78 * side);
   drawPhoto([]);
 });
 for (const name of ["lat", "lon", "accuracy"]) form[name].addEventListener("input", updatePrior);
@@ -243,13 +241,14 @@ function drawPhoto(matches) {
 }
 
 function requestFor() {
-  const focal = number("focal") * photoScale;
+  const focal = number("focal");
+  const size = [photo.width, photo.height];
   const request = {
     timestamp: Date.now(),
-    camera: {
+    camera: focal === null ? { size, focalLength: "unknown" } : {
       model: "SIMPLE_PINHOLE",
-      size: [photo.width, photo.height],
-      modelParams: [focal, photo.width / 2, photo.height / 2],
+      size,
+      modelParams: [focal * photoScale, photo.width / 2, photo.height / 2],
     },
     options: { innerFrame: "FLU", timeoutMs: 10000, maxMatches: 2000,
                include: ["matches", "timings"] },
@@ -259,6 +258,15 @@ function requestFor() {
                       accuracy: state.prior.accuracy };
   }
   return request;
+}
+
+// What the answer says about the focal length, in pixels of the file.
+function describeCamera(camera) {
+  if (!camera) return [];
+  const focal = (camera.focalLength / photoScale).toFixed(0);
+  const accuracy = (camera.focalLengthAccuracy / photoScale).toFixed(0);
+  const note = camera.focalLengthDisagrees ? ", contradicts what was given" : "";
+  return [`focal length ${focal} ± ${accuracy} px${note}`];
 }
 
 // Compass heading of the x axis (forward) of an FLU quaternion.
@@ -278,6 +286,7 @@ function describe(answer) {
     `${position.lat.toFixed(7)}°, ${position.lon.toFixed(7)}°, ${position.h.toFixed(2)} m`,
     `heading ${headingDeg(quaternion).toFixed(1)}°`,
     `± ${answer.accuracy.position.toFixed(2)} m, ± ${answer.accuracy.orientation.toFixed(2)}°`,
+    ...describeCamera(answer.camera),
     `${answer.inlierCount} inliers, confidence ${answer.confidence.toFixed(2)}`,
     `ms: ${times}`,
   ].join("\n");

@@ -160,8 +160,20 @@ TEST_F(ExitCode, GravityWithoutDirectionIsUsage) {
                 2, "--gravity");
 }
 
-TEST_F(ExitCode, PhotoWithoutFocalLengthAsksForTheCamera) {
-  ExpectFailure(RunCairn({"localize", EmptyMap(), "--image", Photo()}), 2, "--camera");
+TEST_F(ExitCode, PhotoWithoutFocalLengthIsOfAnUnknownCamera) {
+  const std::string map = EmptyMap();
+  EXPECT_EQ(RunCairn({"localize", map, "--image", Photo()}).exit_code, 3);
+  ExpectFailure(RunCairn({"localize", map, "--image", Photo(), "--rig", "rig.json"}), 2,
+                "--camera");
+}
+
+TEST_F(ExitCode, FocalSigmaThatIsNoneIsUsage) {
+  const std::string map = EmptyMap();
+  for (const char* sigma : {"0", "-5", "80", "much"}) {
+    ExpectFailure(RunCairn({"localize", map, "--image", Photo(), "--camera",
+                            "SIMPLE_PINHOLE,64,48,50,32,24", "--focal-sigma", sigma}),
+                  2, "--focal-sigma");
+  }
 }
 
 TEST_F(ExitCode, PhotoThatDoesNotDecodeIsBadInput) {

@@ -89,6 +89,25 @@ TEST(LocalizeResponse, RoundTripsThroughTheWire) {
   }
 }
 
+TEST(LocalizeResponse, RoundTripsAnEstimatedCamera) {
+  LocalizeResult in = SomeResult();
+  EXPECT_FALSE(ParseLocalizeResponse(LocalizeResponseJson(in, SomeRequest(), {})).camera);
+  in.camera = CameraEstimate{
+      .camera = Camera(CameraModel::kSimpleRadial, 640, 480, {501.5, 320, 240, -0.05}),
+      .focal_sigma_px = 2.5,
+      .assumed_focal_px = 544,
+      .assumed_focal_sigma_px = 190.4,
+      .focal_disagrees = true};
+  const LocalizeResult out = ParseLocalizeResponse(LocalizeResponseJson(in, SomeRequest(), {}));
+  ASSERT_TRUE(out.camera);
+  EXPECT_EQ(out.camera->camera.model(), CameraModel::kSimpleRadial);
+  EXPECT_EQ(out.camera->camera.params(), in.camera->camera.params());
+  EXPECT_EQ(out.camera->focal_sigma_px, 2.5);
+  EXPECT_EQ(out.camera->assumed_focal_px, 544);
+  EXPECT_EQ(out.camera->assumed_focal_sigma_px, 190.4);
+  EXPECT_TRUE(out.camera->focal_disagrees);
+}
+
 TEST(LocalizeResponse, GeoPoseHasNothingButPositionAndQuaternion) {
   const auto json = nlohmann::json::parse(LocalizeResponseJson(SomeResult(), SomeRequest(), {}));
   EXPECT_EQ(json["geopose"].size(), 2u);

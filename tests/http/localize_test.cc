@@ -99,6 +99,25 @@ TEST_F(HttpLocalize, FeaturesThroughTheClientAgreeWithTheEngine) {
   EXPECT_LT((there.covariance - here.covariance).cwiseAbs().maxCoeff(), 1e-9);
 }
 
+TEST_F(HttpLocalize, UncertainCamerasThroughTheClientAgreeWithTheEngine) {
+  LocalizeQuery uncertain = Query(), unknown = Query();
+  uncertain.camera = WithFocalScaled(uncertain.camera, 1.05);
+  uncertain.focal = FocalPrior{.log_sigma = 0.1};
+  unknown.camera = CameraOfUnknownFocal(unknown.camera.width_px(), unknown.camera.height_px());
+  unknown.focal = FocalPrior{.with_distortion = true};
+  for (const LocalizeQuery& query : {uncertain, unknown}) {
+    const LocalizeResult here = LocalizeHere(query);
+    const LocalizeResult there = Client().LocalizeFeatures(query);
+    ExpectNearTruth(there, kQueryX);
+    ExpectSamePose(here, there);
+    ASSERT_TRUE(here.camera && there.camera);
+    EXPECT_NEAR(there.camera->camera.focal_px(), here.camera->camera.focal_px(), 1e-6);
+    EXPECT_NEAR(there.camera->camera.focal_px(), Query().camera.focal_px(), 10.0);
+    EXPECT_NEAR(there.camera->focal_sigma_px, here.camera->focal_sigma_px, 1e-6);
+    EXPECT_EQ(there.camera->assumed_focal_px, query.camera.focal_px());
+  }
+}
+
 TEST_F(HttpLocalize, ARigThroughTheClientAgreesWithTheEngine) {
   const LocalizeQuery query = RigQuery();
   const LocalizeResult here = LocalizeHere(query);

@@ -53,6 +53,27 @@ TEST_F(KittiDrive, LocalizesEveryOddFrame) {
   EXPECT_DOUBLE_EQ(report.average_precision.value, 1.0);
 }
 
+// The same frames with a focal length that is off, or without one.
+TEST_F(KittiDrive, NeedsNoFocalLength) {
+  const EvalReport unknown = drive_->Run(QueryRoute::kInProcessFeatures, {.withheld = true});
+  EXPECT_GE(unknown.num_localized, 24);
+  EXPECT_LE(unknown.median_position_error_m.value, 0.1);
+  for (const double error : {0.05, 0.2}) {
+    const EvalReport stated =
+        drive_->Run(QueryRoute::kInProcessFeatures, {.error = error, .sigma = error});
+    EXPECT_GE(stated.num_localized, 24) << error;
+    EXPECT_LE(stated.median_position_error_m.value, 0.1) << error;
+  }
+}
+
+TEST_F(KittiDrive, SaysThatAStatedFocalLengthIsWrong) {
+  const EvalReport report = drive_->Run(QueryRoute::kInProcessFeatures, {.error = 0.1});
+  EXPECT_LE(report.median_position_error_m.value, 0.2);
+  for (const EvalAnswer& answer : report.answers) {
+    EXPECT_TRUE(answer.result.camera && answer.result.camera->focal_disagrees) << answer.name;
+  }
+}
+
 TEST_F(KittiDrive, ServerAnswersFeaturesAsTheLibraryDoes) {
   const EvalReport library = drive_->Run(QueryRoute::kInProcessFeatures);
   const EvalReport server = drive_->Run(QueryRoute::kServerFeatures);

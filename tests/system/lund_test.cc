@@ -50,6 +50,13 @@ TEST_F(LundStreet, LocalizesHeldOutPhotos) {
   EXPECT_LE(report.median_rotation_error_rad.value, 0.2 * kRadPerDeg);
 }
 
+TEST_F(LundStreet, NeedsNoFocalLength) {
+  const EvalReport known = street_->Run(QueryRoute::kInProcessFeatures);
+  const EvalReport unknown = street_->Run(QueryRoute::kInProcessFeatures, {.withheld = true});
+  EXPECT_GE(unknown.num_localized, known.num_localized);
+  EXPECT_LE(unknown.median_position_error_m.value, 0.3);
+}
+
 TEST_F(LundStreet, ServerAnswersFeaturesAsTheLibraryDoes) {
   const EvalReport library = street_->Run(QueryRoute::kInProcessFeatures);
   const EvalReport server = street_->Run(QueryRoute::kServerFeatures);

@@ -77,8 +77,10 @@ RealDrive::RealDrive(const RealDriveInput& input) {
 
 RealDrive::~RealDrive() = default;
 
-EvalReport RealDrive::Run(QueryRoute route) {
-  return Evaluate(queries_, [&](const EvalQuery& query) { return LocalizeBy(route, query); }, {});
+EvalReport RealDrive::Run(QueryRoute route, const StatedFocalOptions& focal) {
+  std::vector<EvalQuery> queries = queries_;
+  StateFocalLengths(focal, &queries);
+  return Evaluate(queries, [&](const EvalQuery& query) { return LocalizeBy(route, query); }, {});
 }
 
 LocalizeResult RealDrive::LocalizeBy(QueryRoute route, const EvalQuery& query) {

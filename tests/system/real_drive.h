@@ -11,6 +11,7 @@
 #include "engine/localizer.h"
 #include "eval/eval_query.h"
 #include "eval/evaluation.h"
+#include "eval/stated_focal.h"
 #include "http/client.h"
 #include "http/server.h"
 #include "ingest/georegister/georegister.h"
@@ -50,7 +51,7 @@ class RealDrive {
   const Georegistration& georegistration() const { return georegistration_; }
   const std::vector<EvalQuery>& queries() const { return queries_; }
 
-  EvalReport Run(QueryRoute route);
+  EvalReport Run(QueryRoute route, const StatedFocalOptions& focal = {});
 
  private:
   LocalizeResult LocalizeBy(QueryRoute route, const EvalQuery& query);

@@ -1,0 +1,98 @@
+#include "http/json/stated_camera.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "core/error.h"
+#include "http/problem.h"
+
+namespace cairn {
+namespace {
+
+constexpr char kUnknown[] = "unknown";
+
+CameraModel ReadModel(const JsonReader& model) {
+  const std::string& name = model.String();
+  try {
+    return CameraModelFromName(name);
+  } catch (const Error& e) {
+    model.Fail(e.what());
+  }
+}
+
+std::pair<int, int> ReadSize(const JsonReader& size) {
+  const std::vector<JsonReader> sides = size.Elements(2, 2);
+  return {static_cast<int>(sides[0].Integer(1, 100'000)),
+          static_cast<int>(sides[1].Integer(1, 100'000))};
+}
+
+// What the parameters say of the focal length does not count.
+Camera WithoutFocal(const Camera& camera) {
+  const double unknown_px = CameraOfUnknownFocal(camera.width_px(), camera.height_px()).focal_px();
+  return WithFocalScaled(camera, unknown_px / camera.focal_px());
+}
+
+bool SaysUnknown(const JsonReader& focal_length) {
+  if (focal_length.String() != kUnknown) {
+    focal_length.Fail("is not \"unknown\"",
+                      "a focal length that is known stands in modelParams; how well, in "
+                      "focalLengthSigma");
+  }
+  return true;
+}
+
+}  // namespace
+
+StatedCamera ReadCameraParts(const std::optional<JsonReader>& model, const JsonReader& size,
+                             const std::optional<JsonReader>& params) {
+  const auto [width_px, height_px] = ReadSize(size);
+  if (params) {
+    if (!model) params->Fail("have no model", "name it in model, as SIMPLE_PINHOLE");
+    const CameraModel camera_model = ReadModel(*model);
+    const std::vector<double> numbers = params->Numbers(0, 16);
+    try {
+      return {Camera(camera_model, width_px, height_px, numbers), std::nullopt};
+    } catch (const Error& e) {
+      params->Fail(e.what());
+    }
+  }
+  if (model && ReadModel(*model) == CameraModel::kOpenCvFisheye) {
+    model->Fail("needs modelParams: a fisheye is not guessed");
+  }
+  return {CameraOfUnknownFocal(width_px, height_px), FocalPrior{.with_distortion = true}};
+}
+
+StatedCamera ReadStatedCamera(const JsonReader& camera) {
+  camera.RequireOnly({"model", "size", "modelParams", "focalLength", "focalLengthSigma"});
+  StatedCamera stated =
+      ReadCameraParts(camera.Find("model"), camera.At("size"), camera.Find("modelParams"));
+  const auto focal_length = camera.Find("focalLength");
+  const auto sigma = camera.Find("focalLengthSigma");
+  const bool is_unknown = focal_length && SaysUnknown(*focal_length);
+  if (sigma && (is_unknown || !camera.Has("modelParams"))) {
+    sigma->Fail("says how far off a focal length may be that is not stated",
+                "state it in modelParams, or leave the standard deviation out");
+  }
+  if (sigma) {
+    stated.focal =
+        FocalPrior{.log_sigma = sigma->Number(FocalPrior::kMinLogSigma, FocalPrior::kMaxLogSigma)};
+  } else if (is_unknown && camera.Has("modelParams")) {
+    stated = {WithoutFocal(stated.camera), FocalPrior()};
+  }
+  return stated;
+}
+
+Camera ReadKnownCamera(const JsonReader& camera) {
+  for (const char* member : {"focalLength", "focalLengthSigma"}) {
+    if (const auto uncertain = camera.Find(member)) {
+      uncertain->Fail("is not for a rig, whose focal lengths have to be known");
+    }
+  }
+  camera.RequireOnly({"model", "size", "modelParams"});
+  const JsonReader model = camera.At("model");
+  const JsonReader size = camera.At("size");
+  return ReadCameraParts(model, size, camera.At("modelParams")).camera;
+}
+
+}  // namespace cairn
