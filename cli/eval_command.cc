@@ -138,20 +138,6 @@ void PrintMapSize(const MapSnapshot& map) {
                  static_cast<double>(std::max<int64_t>(1, info.num_landmarks)));
 }
 
-// Where the map's photos were taken.
-std::vector<Geodetic> KeyframePlaces(const MapSnapshot& map) {
-  std::vector<Geodetic> places;
-  for (const SessionRecord& session : map.Sessions()) {
-    for (const KeyframeRecord& keyframe : map.KeyframesOfSession(session.id)) {
-      places.push_back(GeodeticFromEcef(keyframe.cam_from_ecef.Inverse().translation));
-    }
-  }
-  if (places.empty()) {
-    throw Error(ErrorCode::kInvalidArgument, "--elsewhere needs a map that is not empty");
-  }
-  return places;
-}
-
 StatedFocalOptions FocalOptionsOf(const EvalArguments& arguments) {
   StatedFocalOptions options = arguments.focal;
   options.error = 0.01 * arguments.focal_error_percent;

@@ -112,7 +112,9 @@ void FillMatches(const QueryContext& query, const std::vector<TileView>& tiles,
     out.x_in_anchor = match.x_in_anchor;
     out.sigma_m = match.sigma_m;
     const auto traits = TraitsOf(query, match, hypothesis.estimate.cam_from_anchor);
-    CAIRN_CHECK(traits.has_value(), "an inlier projects into the image");
+    if (!traits) {
+      continue;  // At the very edge of what the camera sees, by rounding.
+    }
     out.traits = *traits;
     out.right_probability = hypothesis.estimate.right_probabilities[i];
     result->matches.push_back(out);
@@ -138,7 +140,7 @@ void FillPose(const QueryContext& query, const Contender& winner,
   result->position_accuracy_m =
       calibration.PositionAccuracyM(Radius68(estimate.covariance.bottomRightCorner<3, 3>()));
   result->score = winner.score;
-  result->confidence = calibration.Confidence(winner.score);
+  result->confidence = calibration.Confidence(winner.score, result->position_accuracy_m);
   result->false_alarm_rate = calibration.FalseAlarmRate(winner.score);
   result->prior_disagrees =
       DisagreesWithPrior(query.region, estimate.cam_from_anchor.Inverse().translation);

@@ -2,10 +2,25 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/require.h"
 
 namespace cairn {
+namespace {
+
+constexpr double kCorrectM = 3.0;
+
+// Of an isotropic Gaussian in space of which 68 % lies within `radius68_m`, the share within
+// `radius_m` (Maxwell's distribution).
+double ShareWithin(double radius_m, double radius68_m) {
+  constexpr double kSigmasOfRadius68 = 1.8724;  // sqrt of the 0.68 quantile of chi-squared, 3.506.
+  const double sigmas = radius_m * kSigmasOfRadius68 / std::max(1e-9, radius68_m);
+  return std::erf(sigmas / std::numbers::sqrt2) -
+         std::sqrt(2.0 * std::numbers::inv_pi) * sigmas * std::exp(-0.5 * sigmas * sigmas);
+}
+
+}  // namespace
 
 void ScoreCalibration::Validate() const {
   const auto is_positive = [](double value) { return value > 0.0 && std::isfinite(value); };
@@ -20,9 +35,9 @@ void ScoreCalibration::Validate() const {
                 "answer.calibration.map_accuracy_m must be finite and not negative");
 }
 
-double ScoreCalibration::Confidence(double score) const {
+double ScoreCalibration::Confidence(double score, double position_accuracy_m) const {
   const double logit = confidence_slope * std::log(std::max(score, 1e-9)) + confidence_offset;
-  return 1.0 / (1.0 + std::exp(-logit));
+  return ShareWithin(kCorrectM, position_accuracy_m) / (1.0 + std::exp(-logit));
 }
 
 double ScoreCalibration::FalseAlarmRate(double score) const {

@@ -32,8 +32,10 @@ struct ScoreCalibration {
   // Throws Error(kInvalidArgument) naming the field.
   void Validate() const;
 
-  // In (0, 1), rising with the score; a score that is not positive counts as 1e-9.
-  double Confidence(double score) const;
+  // In [0, 1), rising with the score; a score that is not positive counts as 1e-9. This holds if
+  // the reported position accuracy is far below 3 m; else it is multiplied by the probability that
+  // an isotropic Gaussian with this 68 % radius lies within 3 m.
+  double Confidence(double score, double position_accuracy_m) const;
   // In (0, 1], falling with the score.
   double FalseAlarmRate(double score) const;
 

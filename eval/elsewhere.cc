@@ -23,6 +23,17 @@ size_t DrawIndex(std::mt19937_64* generator, size_t count) { return (*generator)
 
 }  // namespace
 
+std::vector<Geodetic> KeyframePlaces(const MapSnapshot& map) {
+  std::vector<Geodetic> places;
+  for (const SessionRecord& session : map.Sessions()) {
+    for (const KeyframeRecord& keyframe : map.KeyframesOfSession(session.id)) {
+      places.push_back(GeodeticFromEcef(keyframe.cam_from_ecef.Inverse().translation));
+    }
+  }
+  RequireOption(!places.empty(), "queries from elsewhere need a map that holds photos");
+  return places;
+}
+
 void PlaceElsewhere(const std::vector<Geodetic>& places, uint64_t seed,
                     std::vector<EvalQuery>* queries) {
   CAIRN_CHECK(!places.empty(), "somewhere a photo was taken");

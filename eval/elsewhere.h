@@ -9,8 +9,12 @@
 #include "core/geodesy.h"
 #include "eval/eval_query.h"
 #include "eval/evaluation.h"
+#include "storage/map_store.h"
 
 namespace cairn {
+
+// Where a map's photos were taken. Throws Error(kInvalidArgument) if it has none.
+std::vector<Geodetic> KeyframePlaces(const MapSnapshot& map);
 
 // Moves each reference pose to one of `places`, drawn by the seed and the query's name; the camera
 // keeps its orientation against east, north and up. AddNoisyPriors then tells the map that the

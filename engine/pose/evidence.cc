@@ -66,7 +66,7 @@ double FitShare(const std::vector<double>& ratios, int num_keypoints,
       (*right_probabilities)[k] = right / (1.0 - share + right);
       num_right += (*right_probabilities)[k];
     }
-    const double next = std::clamp(num_right / num_keypoints, 1.0 / num_keypoints, kMaxShare);
+    const double next = std::min(kMaxShare, std::max(num_right, 1.0) / num_keypoints);
     const bool settled = std::abs(next - share) < 1e-3 * share;
     share = next;
     if (settled) {

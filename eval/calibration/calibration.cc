@@ -12,6 +12,11 @@
 namespace cairn {
 namespace {
 
+double ConfidenceOf(const CalibrationSample& sample, const ScoreCalibration& calibration) {
+  return calibration.Confidence(sample.score,
+                                calibration.PositionAccuracyM(sample.predicted_position_m));
+}
+
 constexpr int kMinSamples = 20;
 constexpr double kMinSlope = 0.1;
 constexpr double kCoverage = 0.68;
@@ -184,7 +189,7 @@ std::vector<ReliabilityBin> ReliabilityBins(const std::vector<CalibrationSample>
     bin.num_samples = end - begin;
     int num_correct = 0;
     for (int i = begin; i < end; ++i) {
-      bin.mean_confidence += calibration.Confidence(by_score[i].score) / bin.num_samples;
+      bin.mean_confidence += ConfidenceOf(by_score[i], calibration) / bin.num_samples;
       num_correct += by_score[i].correct ? 1 : 0;
     }
     bin.share_correct = WilsonInterval(num_correct, bin.num_samples);
@@ -253,7 +258,7 @@ CalibrationReport MeasureCalibration(const std::vector<CalibrationSample>& sampl
   }
   int num_position_within = 0, num_rotation_within = 0;
   for (const CalibrationSample& sample : samples) {
-    const double miss = calibration.Confidence(sample.score) - (sample.correct ? 1.0 : 0.0);
+    const double miss = ConfidenceOf(sample, calibration) - (sample.correct ? 1.0 : 0.0);
     report.brier_score += miss * miss / report.num_samples;
     num_position_within +=
         sample.position_error_m <= calibration.PositionAccuracyM(sample.predicted_position_m);

@@ -33,6 +33,7 @@ std::vector<Experiment> AllExperiments() {
           CalibrationExperiment(),
           FirstCandidatesExperiment(),
           WrongGravityExperiment(),
+          ElsewhereExperiment(),
           FocalLengthExperiment()};
 }
 

@@ -52,6 +52,7 @@ class RealDrive {
   const std::vector<EvalQuery>& queries() const { return queries_; }
 
   EvalReport Run(QueryRoute route, const StatedFocalOptions& focal = {});
+  const Localizer& localizer() const { return *localizer_; }
 
  private:
   LocalizeResult LocalizeBy(QueryRoute route, const EvalQuery& query);

@@ -27,6 +27,7 @@ Experiment FourCitiesExperiment();
 Experiment CalibrationExperiment();
 Experiment FirstCandidatesExperiment();
 Experiment WrongGravityExperiment();
+Experiment ElsewhereExperiment();
 Experiment FocalLengthExperiment();
 
 // The world that 7 to 9, 11 to 15, 20 and 21 share.

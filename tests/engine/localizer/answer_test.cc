@@ -190,7 +190,8 @@ TEST(ConcludeAnswer, ScalesTheAccuraciesAsCalibrated) {
   const double predicted = std::sqrt(3.506 * 0.01);
   EXPECT_NEAR(result.position_accuracy_m, std::hypot(3.0 * predicted, 0.25), 1e-9);
   EXPECT_NEAR(result.rotation_accuracy_rad, 2.0 * predicted, 1e-9);
-  EXPECT_DOUBLE_EQ(result.confidence, options.calibration.Confidence(result.score));
+  EXPECT_DOUBLE_EQ(result.confidence,
+                   options.calibration.Confidence(result.score, result.position_accuracy_m));
   EXPECT_DOUBLE_EQ(result.false_alarm_rate, options.calibration.FalseAlarmRate(result.score));
 }
 

@@ -14,19 +14,26 @@ TEST(ScoreCalibration, ConfidenceIsALogisticOfTheLogarithm) {
   ScoreCalibration calibration;
   calibration.confidence_slope = 2.0;
   calibration.confidence_offset = -std::log(100.0);  // Even odds at a score of 10.
-  EXPECT_NEAR(calibration.Confidence(10.0), 0.5, 1e-12);
-  EXPECT_NEAR(calibration.Confidence(30.0), 0.9, 1e-12);  // Odds of 9.
+  EXPECT_NEAR(calibration.Confidence(10.0, 0.1), 0.5, 1e-12);
+  EXPECT_NEAR(calibration.Confidence(30.0, 0.1), 0.9, 1e-12);  // Odds of 9.
 }
 
 TEST(ScoreCalibration, ConfidenceRisesWithTheScoreAndStaysAProbability) {
   const ScoreCalibration calibration;
   double last = 0.0;
   for (const double score : {-1.0, 0.0, 1.0, 8.0, 20.0, 100.0, 1000.0}) {
-    const double confidence = calibration.Confidence(score);
+    const double confidence = calibration.Confidence(score, 0.1);
     EXPECT_GE(confidence, last);
     EXPECT_LE(confidence, 1.0);
     last = confidence;
   }
+}
+
+TEST(ScoreCalibration, ConfidenceFallsWhereThePositionMayBeFartherOffThanCorrect) {
+  const ScoreCalibration calibration;
+  const double sure = calibration.Confidence(1000.0, 0.1);
+  EXPECT_NEAR(calibration.Confidence(1000.0, 3.0), 0.68 * sure, 1e-3);
+  EXPECT_LT(calibration.Confidence(1000.0, 30.0), 0.01);
 }
 
 TEST(ScoreCalibration, FalseAlarmsFallWithTheScoreAndStayAProbability) {

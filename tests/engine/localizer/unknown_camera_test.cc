@@ -70,7 +70,7 @@ TEST_F(UnknownCamera, IsEstimatedWithThePose) {
   for (const LocalizeMatch& match : result.matches) {
     const auto pixel = result.camera->camera.Project(result.cam_from_anchor * match.x_in_anchor);
     ASSERT_TRUE(pixel);
-    EXPECT_NEAR((*pixel - match.pixel).norm(), match.error_px, 1e-9);
+    EXPECT_NEAR((*pixel - match.pixel).norm(), match.traits.error_px, 1e-9);
   }
 }
 

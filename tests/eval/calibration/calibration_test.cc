@@ -71,8 +71,8 @@ TEST(FitCalibration, HoldsOnSamplesItHasNotSeen) {
 TEST(FitCalibration, StaysFiniteWhenAllAnswersAreCorrect) {
   const ScoreCalibration fit = FitCalibration(MakeSamples(100, 2.0, 100.0, 1.0, 7));
   EXPECT_NO_THROW(fit.Validate());
-  EXPECT_GT(fit.Confidence(20.0), 0.95);
-  EXPECT_LT(fit.Confidence(20.0), 1.0);
+  EXPECT_GT(fit.Confidence(20.0, 0.1), 0.95);
+  EXPECT_LT(fit.Confidence(20.0, 0.1), 1.0);
 }
 
 TEST(FitCalibration, NeverFallsWithTheScore) {

@@ -63,7 +63,7 @@ ExperimentOutcome Run(const ExperimentContext& context) {
   ExperimentOutcome outcome;
   outcome.parameters = WorldParameters(*world);
   outcome.table = AccuracyTable("focal_error_percent", measured, right);
-  outcome.figures = {AccuracyFigure("24_focal_length", "A focal length that is off",
+  outcome.figures = {AccuracyFigure("23_focal_length", "A focal length that is off",
                                     "error of the stated focal length, %", measured)};
   const double margin = kMaxLoss * right.report.average_precision.value;
   std::vector<Verdict> parts = {JudgeGreater(ApDifference(unknown, right), -margin)};
@@ -89,7 +89,7 @@ ExperimentOutcome Run(const ExperimentContext& context) {
 }  // namespace
 
 Experiment FocalLengthExperiment() {
-  return {"24_focal_length",
+  return {"23_focal_length",
           "A focal length that is off, or unknown",
           "not in the paper",
           "A query that says how far its focal length may be off, or that it is unknown, keeps "

@@ -1,0 +1,88 @@
+// Photos that show nothing of the map, real ones: none may get an answer that claims to be right.
+#include "eval/elsewhere.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "support/test_data.h"
+#include "system/real_drive.h"
+
+namespace cairn::testing {
+namespace {
+
+std::unique_ptr<RealDrive> SparseLund() {
+  const auto root = TestDataDir() / "street_lund";
+  RealDriveInput input;
+  input.model_dir = root / "colmap_model";
+  input.database_path = root / "database.db";
+  input.image_dir = root / "images";
+  input.positions = [](const Reconstruction& reconstruction) {
+    return GpsPositions(reconstruction, 5.0);
+  };
+  input.is_query = [](const std::string& name) { return std::stoi(name) % 3 != 0; };
+  return std::make_unique<RealDrive>(input);
+}
+
+std::unique_ptr<RealDrive> SparseKitti() {
+  const auto root = TestDataDir() / "kitti_vo_2x51";
+  RealDriveInput input;
+  input.model_dir = root / "colmap_model_seq1";
+  input.database_path = root / "database_seq1.db";
+  input.image_dir = root / "KITTI_sequence_1" / "image_l";
+  input.positions = [root](const Reconstruction&) {
+    return ReadCameraPositions((root / "georef_seq1.csv").string());
+  };
+  input.is_query = [](const std::string& name) { return std::stoi(name) % 3 != 0; };
+  return std::make_unique<RealDrive>(input);
+}
+
+std::vector<Geodetic> PlacesOf(const RealDrive& drive) {
+  std::vector<Geodetic> places;
+  for (const EvalQuery& query : drive.queries()) {
+    places.push_back(GeodeticFromEcef(query.cam_from_ecef.Inverse().translation));
+  }
+  return places;
+}
+
+ElsewhereReport Ask(const RealDrive& map, const std::vector<EvalQuery>& queries) {
+  std::vector<EvalAnswer> answers;
+  for (const EvalQuery& query : queries) {
+    answers.push_back({.name = query.name, .result = map.localizer().Localize(query.query)});
+  }
+  return MeasureElsewhere(answers);
+}
+
+void ExpectNothing(const ElsewhereReport& report) {
+  EXPECT_EQ(report.num_confident, 0) << ElsewhereAsText(report);
+}
+
+// The photos of one place asked for in the other, with a prior and gravity and without.
+TEST(Elsewhere, PhotosOfAnotherPlaceAreNotAnswered) {
+  CAIRN_SKIP_WITHOUT_DATA("street_lund");
+  CAIRN_SKIP_WITHOUT_DATA("kitti_vo_2x51");
+  const std::unique_ptr<RealDrive> lund = SparseLund(), kitti = SparseKitti();
+  for (const auto& [map, other] : {std::pair{lund.get(), kitti.get()}, {kitti.get(), lund.get()}}) {
+    for (const bool with_priors : {true, false}) {
+      std::vector<EvalQuery> queries = other->queries();
+      PlaceElsewhere(PlacesOf(*map), 1, &queries);
+      AddNoisyPriors({.with_prior = with_priors, .with_gravity = with_priors}, &queries);
+      ExpectNothing(Ask(*map, queries));
+    }
+  }
+}
+
+TEST(Elsewhere, PhotosWhosePartsArePermutedAreNotAnswered) {
+  CAIRN_SKIP_WITHOUT_DATA("street_lund");
+  const std::unique_ptr<RealDrive> lund = SparseLund();
+  for (const uint64_t seed : {1, 2, 3}) {
+    std::vector<EvalQuery> queries = lund->queries();
+    PermuteDescriptors(seed, &queries);
+    ExpectNothing(Ask(*lund, queries));
+  }
+}
+
+}  // namespace
+}  // namespace cairn::testing
