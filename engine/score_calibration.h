@@ -6,7 +6,7 @@ namespace cairn {
 
 // Of answers to hard queries of simulated cities, of photos that sparse maps lack, and of queries
 // from elsewhere; docs/math/metrics.md, "Calibration". FitCalibration (eval/calibration) fits the
-// radii, whose defaults are of 565 answers in a simulated grid city. Experiment 19_calibration
+// radii, whose defaults are of 585 answers in a simulated grid city. Experiment 19_calibration
 // holds all against other cities.
 struct ScoreCalibration {
   // The probability that a pose is within 3 m and 10 degrees of the truth is a logistic function of
@@ -21,8 +21,8 @@ struct ScoreCalibration {
   double false_alarm_start = -15.0;
   // What the radii that the covariance predicts are multiplied with, so that 68 % of the truths lie
   // within; positive.
-  double position_accuracy_factor = 2.27;
-  double rotation_accuracy_factor = 1.88;
+  double position_accuracy_factor = 1.2;
+  double rotation_accuracy_factor = 1.5;
   // What matches cannot tell: how far the map itself is from where it should be, as a 68 % radius,
   // metres, not negative. Adds in quadrature to the position accuracy. 0.28 m is what a standard
   // deviation of 0.15 m per axis makes, as georegistration leaves in the simulated city; set it to

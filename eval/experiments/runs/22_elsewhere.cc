@@ -1,6 +1,7 @@
 // Queries that show nothing of the map: how many are answered, and how surely.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -53,6 +54,25 @@ void AddRow(const std::string& map, const std::string& queries,
   all->insert(all->end(), answers.begin(), answers.end());
 }
 
+// The share of the queries that are answered with more than a confidence.
+Figure ShareOverConfidence(const std::vector<EvalAnswer>& answers) {
+  Figure figure{.name = "22_elsewhere",
+                .title = "Queries from elsewhere that are answered",
+                .x_label = "with a confidence of more than",
+                .y_label = "share of the queries"};
+  FigureSeries series{"four cities", {}};
+  for (const double confidence : {0.0, 0.5, 0.6, 0.7, 0.8, 0.9}) {
+    const auto num_above =
+        std::count_if(answers.begin(), answers.end(), [confidence](const EvalAnswer& answer) {
+          return answer.result.localized && answer.result.confidence > confidence;
+        });
+    series.points.push_back({confidence, WilsonInterval(static_cast<int>(num_above),
+                                                        static_cast<int>(answers.size()))});
+  }
+  figure.series = {series};
+  return figure;
+}
+
 ExperimentOutcome Run(const ExperimentContext& context) {
   ExperimentOutcome outcome;
   outcome.table = ResultTable({{"map"},
@@ -86,6 +106,7 @@ ExperimentOutcome Run(const ExperimentContext& context) {
            &outcome.table, &all);
   }
   const ElsewhereReport report = MeasureElsewhere(all);
+  outcome.figures = {ShareOverConfidence(all)};
   outcome.verdict = report.share_confident.value <= kMaxConfidentShare && report.num_sure == 0
                         ? Verdict::kHolds
                         : Verdict::kDoesNotHold;
