@@ -17,8 +17,12 @@ import argparse
 import csv
 import sys
 
-import numpy
-from scipy.optimize import minimize
+try:
+    import numpy
+    from scipy.optimize import minimize
+except ImportError as missing:
+    print(f"{missing}: install python3-numpy and python3-scipy", file=sys.stderr)
+    sys.exit(2)
 
 MAX_ERROR_M, MAX_ERROR_DEG = 1.0, 5.0
 NUM_ROUNDS = 12
