@@ -14,8 +14,8 @@ struct TraitModel {
   double LogRatio(double deviation) const;
 };
 
-// Fitted by eval/fit_evidence.py to the inliers of right poses of photos and simulated cities, against
-// those of poses found for queries from elsewhere; docs/math/localization.md, "Evidence".
+// Fitted by eval/fit_evidence.py to the inliers of right poses of photos and simulated cities,
+// against those of poses found for queries from elsewhere; docs/math/localization.md, "Evidence".
 struct EvidenceModel {
   // The reprojection error of a right match has a bivariate Student distribution with this scale,
   //   sqrt(error_px^2 + (error_per_scale * s)^2 + (landmark_share * l)^2),
