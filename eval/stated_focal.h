@@ -15,7 +15,7 @@ struct StatedFocalOptions {
   // depends on the seed and the query's name.
   double error = 0.0;
   // The standard deviation that the queries state along with it, relative; nothing: none.
-  std::optional<double> sigma;
+  std::optional<double> sigma = std::nullopt;
   // Nothing of the camera is told but the size of its images.
   bool withheld = false;
   uint64_t seed = 1;
