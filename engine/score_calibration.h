@@ -4,10 +4,10 @@
 
 namespace cairn {
 
-// Of answers to hard queries of simulated cities, of photos that sparse maps lack, and of queries
-// from elsewhere; docs/math/metrics.md, "Calibration". FitCalibration (eval/calibration) fits the
-// radii, whose defaults are of 585 answers in a simulated grid city. Experiment 19_calibration
-// holds all against other cities.
+// The confidence was set after answers to hard queries of simulated cities, to photos that sparse
+// maps lack, and to queries from elsewhere; docs/math/metrics.md, "Calibration". FitCalibration
+// (eval/calibration) fits the radii, whose defaults are of 585 answers in a simulated grid city.
+// Experiment 19_calibration holds all against other cities.
 struct ScoreCalibration {
   // The probability that a pose is within 3 m and 10 degrees of the truth is a logistic function of
   // the logarithm of its score, slope * log(score) + offset; the slope is positive. A score of 8,

@@ -27,8 +27,8 @@ struct EvidenceModel {
   double error_degrees_of_freedom = 1.63;
   // What a right match without a deviation adds beside its place in the image.
   double offset = 6.18;
-  // Falls by this with the squared distance of the descriptors, in units of that of a median pair
-  // of one landmark.
+  // The logarithm falls by this for each unit of the squared descriptor distance. The unit is the
+  // squared distance of a median pair of one landmark.
   double distance_weight = 2.8;
   // Logarithm of the keypoint's scale over the one that the landmark's size predicts.
   TraitModel size = {4.4, 0.49};
