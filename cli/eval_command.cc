@@ -40,6 +40,7 @@ struct EvalArguments {
   bool no_prior = false;
   bool no_gravity = false;
   bool given_priors = false;
+  double prior_offset_m = 0.0;
   bool elsewhere = false;
   bool permute_descriptors = false;
   double min_score = AnswerOptions().min_score;
@@ -168,6 +169,9 @@ ExitCode RunEval(const EvalArguments& arguments, ProgressMode progress_mode) {
   if (!arguments.given_priors) {
     AddNoisyPriors(noise, &queries);
   }
+  if (arguments.prior_offset_m > 0.0) {
+    OffsetPriors(arguments.prior_offset_m, noise.seed, &queries);
+  }
   StateFocalLengths(FocalOptionsOf(arguments), &queries);
   std::vector<LocalizeResult> results;
   {
@@ -238,6 +242,12 @@ void AddNoiseOptions(CLI::App* command, EvalArguments* arguments) {
                  "Take position and gravity from the query list as they are")
       ->needs("--queries")
       ->excludes("--no-prior", "--no-gravity", "--prior-noise", "--gravity-noise-deg");
+  command
+      ->add_option("--prior-offset", arguments->prior_offset_m,
+                   "Move each position prior by so much, metres, and leave its accuracy")
+      ->type_name("M")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   command->add_option("--seed", arguments->noise.seed, "Seed of the noise and of the localizer")
       ->capture_default_str();
 }

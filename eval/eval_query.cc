@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <random>
 #include <utility>
 
@@ -74,6 +75,25 @@ void AddNoisyPriors(const PriorNoiseOptions& options, std::vector<EvalQuery>* qu
           (query.cam_from_ecef * ecef_from_enu).rotation * DownInEnu();
       query.query.down_in_cam = Tilted(down_in_cam, tilt_a_rad, tilt_b_rad);
     }
+  }
+}
+
+void OffsetPriors(double distance_m, uint64_t seed, std::vector<EvalQuery>* queries) {
+  RequireOption(std::isfinite(distance_m), "the offset of priors must be finite");
+  for (EvalQuery& query : *queries) {
+    if (!query.query.prior) {
+      continue;
+    }
+    // Not the numbers that AddNoisyPriors drew for this query.
+    std::mt19937_64 generator = GeneratorOfQuery(query, ~seed);
+    std::uniform_real_distribution<double> direction_rad(0.0, 2.0 * std::numbers::pi);
+    const double azimuth_rad = direction_rad(generator);
+    Geodetic& position = query.query.prior->position;
+    const double h_m = position.h_m;
+    position = GeodeticFromEcef(
+        EcefFromEnu(position) *
+        (distance_m * Eigen::Vector3d(std::sin(azimuth_rad), std::cos(azimuth_rad), 0.0)));
+    position.h_m = h_m;
   }
 }
 

@@ -92,6 +92,32 @@ TEST(AddNoisyPriors, LeavesOutWhatIsSwitchedOff) {
   EXPECT_FALSE(without[0].query.down_in_cam.has_value());
 }
 
+TEST(OffsetPriors, MovesEachByTheDistanceInADirectionOfItsOwn) {
+  constexpr double kOffsetM = 60.0;
+  std::vector<EvalQuery> queries = MakeQueries(20);
+  AddNoisyPriors({}, &queries);
+  const std::vector<EvalQuery> before = queries;
+  OffsetPriors(kOffsetM, 1, &queries);
+  int num_north = 0;
+  for (size_t i = 0; i < queries.size(); ++i) {
+    const PositionPrior& moved = *queries[i].query.prior;
+    const PositionPrior& from = *before[i].query.prior;
+    EXPECT_NEAR(GroundDistanceM(moved.position, from.position), kOffsetM, 0.01);
+    EXPECT_EQ(moved.position.h_m, from.position.h_m);
+    EXPECT_EQ(moved.accuracy_m, from.accuracy_m);
+    num_north += moved.position.lat_rad > from.position.lat_rad;
+  }
+  EXPECT_GT(num_north, 0);
+  EXPECT_LT(num_north, 20);
+}
+
+TEST(OffsetPriors, LeavesQueriesWithoutPriorAlone) {
+  std::vector<EvalQuery> queries = MakeQueries(1);
+  AddNoisyPriors({.with_prior = false}, &queries);
+  OffsetPriors(60.0, 1, &queries);
+  EXPECT_FALSE(queries[0].query.prior.has_value());
+}
+
 TEST(AddNoisyPriors, WithoutNoiseGivesTheTruthAsAValidQuery) {
   std::vector<EvalQuery> queries = MakeQueries(1);
   AddNoisyPriors({.position_sigma_m = 0.0, .height_sigma_m = 0.0, .gravity_sigma_rad = 0.0},

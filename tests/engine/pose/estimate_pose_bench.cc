@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "engine/pose/estimate_pose.h"
+#include "engine/pose/evidence.h"
 #include "engine/pose/solvers/gravity_two_point.h"
 #include "engine/pose/solvers/p3p.h"
 #include "support/pose_scene.h"
@@ -94,6 +95,22 @@ BENCHMARK(EstimatePoseP3p)
     ->ArgNames({"inliers", "loop"})
     ->ArgsProduct({{50, 10}, {kFull, kPlain}})
     ->Unit(benchmark::kMicrosecond);
+
+// The evidence alone, which every pose is weighed by once.
+void WeighEvidenceOfScene(benchmark::State& state) {
+  const auto scenes = MakeScenes(static_cast<int>(state.range(0)), true);
+  const EvidenceModel model;
+  while (state.KeepRunningBatch(kNumScenes)) {
+    for (const PoseScene& scene : scenes) {
+      std::vector<int> inliers = scene.AllIndices();
+      inliers.resize(kNumMatches * state.range(0) / 100);  // The right ones come first.
+      benchmark::DoNotOptimize(WeighEvidence(scene.query, scene.correspondences, inliers,
+                                             scene.cam_from_anchor, model));
+    }
+  }
+}
+BENCHMARK(WeighEvidenceOfScene)->ArgName("inliers")->Arg(50)->Arg(10)->Arg(5)->Unit(
+    benchmark::kMicrosecond);
 
 enum class OpenCvMethod { kClassic = 0, kUsac = 1 };
 
