@@ -41,8 +41,8 @@ struct PriorNoiseOptions {
 // and the query's name alone (docs/math/metrics.md). Validates the options.
 void AddNoisyPriors(const PriorNoiseOptions& options, std::vector<EvalQuery>* queries);
 
-// Moves the position of each prior by `distance_m` (finite) in a horizontal direction that depends on
-// the seed and the query's name alone. The accuracy stays as it was stated, so it is wrong.
+// Moves the position of each prior by `distance_m` (finite) in a horizontal direction that depends
+// on the seed and the query's name alone. The accuracy stays as it was stated, so it is wrong.
 void OffsetPriors(double distance_m, uint64_t seed, std::vector<EvalQuery>* queries);
 
 // Queries from the images of a georeferenced reconstruction: features from the reconstruction,

@@ -104,13 +104,17 @@ void WeighEvidenceOfScene(benchmark::State& state) {
     for (const PoseScene& scene : scenes) {
       std::vector<int> inliers = scene.AllIndices();
       inliers.resize(kNumMatches * state.range(0) / 100);  // The right ones come first.
-      benchmark::DoNotOptimize(WeighEvidence(scene.query, scene.correspondences, inliers,
-                                             scene.cam_from_anchor, model));
+      benchmark::DoNotOptimize(
+          WeighEvidence(scene.query, scene.correspondences, inliers, scene.cam_from_anchor, model));
     }
   }
 }
-BENCHMARK(WeighEvidenceOfScene)->ArgName("inliers")->Arg(50)->Arg(10)->Arg(5)->Unit(
-    benchmark::kMicrosecond);
+BENCHMARK(WeighEvidenceOfScene)
+    ->ArgName("inliers")
+    ->Arg(50)
+    ->Arg(10)
+    ->Arg(5)
+    ->Unit(benchmark::kMicrosecond);
 
 enum class OpenCvMethod { kClassic = 0, kUsac = 1 };
 
