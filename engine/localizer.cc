@@ -168,7 +168,10 @@ LocalizeResult QueryRun::Run() {
     ConcludeAnswer(
         context_, tiles_, hypotheses_, options_.answer,
         [this](const PoseHypothesis& winner) {
-          return RefinedWithCamera(RefinedOnAllMatches(winner));
+          PoseHypothesis refined = RefinedOnAllMatches(winner);
+          refined.estimate = RefineOnLikelyInliers(context_, *refined.correspondences,
+                                                   std::move(refined.estimate), options_.pose);
+          return RefinedWithCamera(std::move(refined));
         },
         &result_);
   }

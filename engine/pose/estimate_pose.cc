@@ -83,6 +83,43 @@ InlierSet GatherInliers(const QueryContext& query,
   return inliers;
 }
 
+std::vector<PoseObservation> ObservationsOf(const QueryContext& query,
+                                            const std::vector<Correspondence>& correspondences,
+                                            const std::vector<int>& indices) {
+  std::vector<PoseObservation> observations;
+  observations.reserve(indices.size());
+  for (const int index : indices) {
+    const Correspondence& correspondence = correspondences[index];
+    observations.push_back({PixelOf(query, correspondence), correspondence.x_in_anchor,
+                            correspondence.sigma_m,
+                            query.CameraIdxOf(correspondence.keypoint_idx)});
+  }
+  return observations;
+}
+
+RefinePoseOptions RefinementOf(const PoseOptions& options) {
+  RefinePoseOptions refine_options;
+  refine_options.keypoint_sigma_px = options.keypoint_sigma_px;
+  return refine_options;
+}
+
+// What is to be said of a pose that was refined on `refined_on`, some of its inliers.
+void Conclude(const QueryContext& query, const std::vector<Correspondence>& correspondences,
+              const std::vector<PoseObservation>& refined_on, const Rigid3d& cam_from_anchor,
+              InlierSet inliers, const PoseOptions& options, PoseEstimate* estimate) {
+  estimate->cam_from_anchor = cam_from_anchor;
+  estimate->covariance =
+      PoseCovariance(query.camera, refined_on, MakeGravityPrior(query, options), cam_from_anchor,
+                     RefinementOf(options), query.other_cameras);
+  estimate->mean_sq_error_px =
+      inliers.sum_sq_error_px / static_cast<double>(inliers.indices.size());
+  PoseEvidence evidence =
+      WeighEvidence(query, correspondences, inliers.indices, cam_from_anchor, options.evidence);
+  estimate->evidence = evidence.log_ratio;
+  estimate->right_probabilities = std::move(evidence.right_probabilities);
+  estimate->inliers = std::move(inliers.indices);
+}
+
 }  // namespace
 
 std::optional<PoseEstimate> EstimatePose(const QueryContext& query,
@@ -110,33 +147,23 @@ std::optional<PoseEstimate> EstimatePose(const QueryContext& query,
   return RefineEstimate(query, correspondences, std::move(estimate), options);
 }
 
-// Refines on all inliers and gathers them anew until the set settles.
 std::optional<PoseEstimate> RefineEstimate(const QueryContext& query,
                                            const std::vector<Correspondence>& correspondences,
                                            PoseEstimate estimate, const PoseOptions& options) {
   constexpr int kMaxRounds = 4;
-  RefinePoseOptions refine_options;
-  refine_options.keypoint_sigma_px = options.keypoint_sigma_px;
   const std::optional<GravityPrior> gravity = MakeGravityPrior(query, options);
-  RefinedPose refined;
-  refined.cam_from_anchor = estimate.cam_from_anchor;
+  Rigid3d cam_from_anchor = estimate.cam_from_anchor;
   std::vector<PoseObservation> observations;
-  InlierSet inliers = GatherInliers(query, correspondences, refined.cam_from_anchor, options);
+  InlierSet inliers = GatherInliers(query, correspondences, cam_from_anchor, options);
   for (int round = 0; round < kMaxRounds; ++round) {
     if (static_cast<int>(inliers.indices.size()) < options.min_inliers) {
       return std::nullopt;
     }
-    observations.clear();
-    observations.reserve(inliers.indices.size());
-    for (int index : inliers.indices) {
-      const Correspondence& correspondence = correspondences[index];
-      observations.push_back({PixelOf(query, correspondence), correspondence.x_in_anchor,
-                              correspondence.sigma_m,
-                              query.CameraIdxOf(correspondence.keypoint_idx)});
-    }
-    refined = RefinePose(query.camera, observations, gravity, refined.cam_from_anchor,
-                         refine_options, query.other_cameras);
-    InlierSet next = GatherInliers(query, correspondences, refined.cam_from_anchor, options);
+    observations = ObservationsOf(query, correspondences, inliers.indices);
+    cam_from_anchor = RefinePose(query.camera, observations, gravity, cam_from_anchor,
+                                 RefinementOf(options), query.other_cameras)
+                          .cam_from_anchor;
+    InlierSet next = GatherInliers(query, correspondences, cam_from_anchor, options);
     const bool settled = next.indices == inliers.indices;
     inliers = std::move(next);
     if (settled) {
@@ -146,15 +173,45 @@ std::optional<PoseEstimate> RefineEstimate(const QueryContext& query,
   if (static_cast<int>(inliers.indices.size()) < options.min_inliers) {
     return std::nullopt;
   }
-  estimate.cam_from_anchor = refined.cam_from_anchor;
-  estimate.covariance = PoseCovariance(query.camera, observations, gravity, refined.cam_from_anchor,
-                                       refine_options, query.other_cameras);
-  estimate.mean_sq_error_px = inliers.sum_sq_error_px / static_cast<double>(inliers.indices.size());
-  PoseEvidence evidence = WeighEvidence(query, correspondences, inliers.indices,
-                                        estimate.cam_from_anchor, options.evidence);
-  estimate.evidence = evidence.log_ratio;
-  estimate.right_probabilities = std::move(evidence.right_probabilities);
-  estimate.inliers = std::move(inliers.indices);
+  Conclude(query, correspondences, observations, cam_from_anchor, std::move(inliers), options,
+           &estimate);
+  return estimate;
+}
+
+PoseEstimate RefineOnLikelyInliers(const QueryContext& query,
+                                   const std::vector<Correspondence>& correspondences,
+                                   PoseEstimate estimate, const PoseOptions& options) {
+  constexpr int kMaxRounds = 3;
+  constexpr double kLikely = 0.5;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    std::vector<int> likely;
+    for (size_t i = 0; i < estimate.inliers.size(); ++i) {
+      if (estimate.right_probabilities[i] >= kLikely) {
+        likely.push_back(estimate.inliers[i]);
+      }
+    }
+    if (static_cast<int>(likely.size()) < options.min_inliers ||
+        likely.size() == estimate.inliers.size()) {
+      return estimate;
+    }
+    const std::vector<PoseObservation> observations =
+        ObservationsOf(query, correspondences, likely);
+    const Rigid3d cam_from_anchor =
+        RefinePose(query.camera, observations, MakeGravityPrior(query, options),
+                   estimate.cam_from_anchor, RefinementOf(options), query.other_cameras)
+            .cam_from_anchor;
+    InlierSet inliers = GatherInliers(query, correspondences, cam_from_anchor, options);
+    if (static_cast<int>(inliers.indices.size()) < options.min_inliers) {
+      return estimate;
+    }
+    PoseEstimate refined = estimate;
+    Conclude(query, correspondences, observations, cam_from_anchor, std::move(inliers), options,
+             &refined);
+    if (refined.evidence <= estimate.evidence) {
+      return estimate;
+    }
+    estimate = std::move(refined);
+  }
   return estimate;
 }
 

@@ -29,6 +29,13 @@ std::optional<PoseEstimate> RefineEstimate(const QueryContext& query,
                                            const std::vector<Correspondence>& correspondences,
                                            PoseEstimate estimate, const PoseOptions& options);
 
+// Refines on those inliers of `estimate`, an answer of the functions above, that are more likely
+// right than not by their evidence (PoseEstimate::right_probabilities), gathers inliers anew, and
+// repeats it while the evidence grows. Lenient matches agree with a pose by chance and pull at it.
+PoseEstimate RefineOnLikelyInliers(const QueryContext& query,
+                                   const std::vector<Correspondence>& correspondences,
+                                   PoseEstimate estimate, const PoseOptions& options);
+
 }  // namespace cairn
 
 #endif  // CAIRN_ENGINE_POSE_ESTIMATE_POSE_H_

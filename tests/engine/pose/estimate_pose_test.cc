@@ -6,6 +6,7 @@
 #include <random>
 #include <set>
 
+#include "engine/pose/evidence.h"
 #include "support/cameras.h"
 #include "support/pose_scene.h"
 
@@ -311,6 +312,48 @@ TEST(RefineEstimate, NothingFromMatchesThatDisagree) {
   elsewhere.cam_from_anchor.translation.x() += 100.0;
   EXPECT_FALSE(RefineEstimate(scene.query, scene.correspondences, elsewhere, PoseOptions()));
   EXPECT_FALSE(RefineEstimate(scene.query, {}, *estimate, PoseOptions()));
+}
+
+// Landmarks moved to one side, within the threshold, by matches that do not look like right ones.
+TEST(RefineOnLikelyInliers, IsNotPulledByUnlikelyMatches) {
+  constexpr int kNumMoved = 30;
+  PoseSceneOptions options;
+  options.num_inliers = 80;
+  PoseScene scene = MakePoseScene(options);
+  const Eigen::Vector3d right_in_anchor =
+      scene.cam_from_anchor.rotation.conjugate() * Eigen::Vector3d::UnitX();
+  for (int i = 0; i < kNumMoved; ++i) {
+    Correspondence& match = scene.correspondences[i];
+    const double depth_m = (scene.cam_from_anchor * match.x_in_anchor).z();
+    match.x_in_anchor += 3.0 * depth_m / scene.query.camera.focal_px() * right_in_anchor;
+    match.size_m *= 8.0f;
+  }
+  const auto pulled = Estimate(scene);
+  ASSERT_TRUE(pulled);
+  const PoseEstimate refined =
+      RefineOnLikelyInliers(scene.query, scene.correspondences, *pulled, PoseOptions());
+  EXPECT_GT(refined.evidence, pulled->evidence);
+  const auto mean_right_error_px = [&](const Rigid3d& cam_from_anchor) {
+    double sum_px = 0.0;
+    for (int i = kNumMoved; i < options.num_inliers; ++i) {
+      sum_px += TraitsOf(scene.query, scene.correspondences[i], cam_from_anchor)->error_px;
+    }
+    return sum_px / (options.num_inliers - kNumMoved);
+  };
+  EXPECT_LT(mean_right_error_px(refined.cam_from_anchor),
+            mean_right_error_px(pulled->cam_from_anchor));
+  EXPECT_EQ(refined.right_probabilities.size(), refined.inliers.size());
+}
+
+TEST(RefineOnLikelyInliers, LeavesAPoseOfLikelyInliersAlone) {
+  PoseSceneOptions options;
+  options.num_keypoints = options.num_inliers = 80;
+  const PoseScene scene = MakePoseScene(options);
+  const auto estimate = Estimate(scene);
+  ASSERT_TRUE(estimate);
+  const PoseEstimate refined =
+      RefineOnLikelyInliers(scene.query, scene.correspondences, *estimate, PoseOptions());
+  EXPECT_EQ(refined.cam_from_anchor.ToMatrix(), estimate->cam_from_anchor.ToMatrix());
 }
 
 TEST(EstimatePose, SameSeedSameAnswer) {
