@@ -85,6 +85,20 @@ void LocalizeService::Read(const HttpRequest& http, BodyParser* parse,
   }
 }
 
+bool LocalizeService::ExtractInTime(LocalizeRequest* request, ServerTimes* times) const {
+  const auto deadline = *request->query.deadline;
+  const ImageDecodeLimits limits{.max_pixels = options_.max_image_pixels, .should_stop = [&] {
+                                   return stopping_ || std::chrono::steady_clock::now() >= deadline;
+                                 }};
+  try {
+    ExtractQueryFeatures(limits, request, times);
+    return true;
+  } catch (const DecodingStopped&) {
+    if (stopping_) throw HttpError(ProblemCode::kUnavailable, "the server is stopping");
+    return false;
+  }
+}
+
 // A request has one turn, in which its JSON is parsed if that is long, its image becomes features
 // and these an answer: whoever comes first is served first, with an image or without.
 LocalizeService::Answer LocalizeService::AnswerInTurn(const HttpRequest& http, BodyParser* parse,
@@ -108,7 +122,10 @@ LocalizeService::Answer LocalizeService::AnswerInTurn(const HttpRequest& http, B
     Read(http, parse, request);
   }
   if (request->has_images()) {
-    ExtractQueryFeatures(options_.max_image_pixels, request, &answer.times);
+    if (!ExtractInTime(request, &answer.times)) {
+      answer.result = LateResult(request->query);
+      return answer;
+    }
     CheckCodec(request->query);
   }
   answer.result = localizer_->Localize(request->query);

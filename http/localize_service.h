@@ -2,6 +2,7 @@
 #ifndef CAIRN_HTTP_LOCALIZE_SERVICE_H_
 #define CAIRN_HTTP_LOCALIZE_SERVICE_H_
 
+#include <atomic>
 #include <chrono>
 #include <memory>
 #include <string>
@@ -51,7 +52,13 @@ class LocalizeService {
   // HttpError kInvalidImage, kImageTooLarge, kWrongCodec, and as Localizer::Localize.
   Answer Localize(const HttpRequest& http, BodyParser* parse, LocalizeRequest* request);
 
+  // From now on images are given up instead of decoded, so that the server can stop soon.
+  void BeginStop() { stopping_ = true; }
+
  private:
+  // Gives the query the features of its images; false if the deadline passes first. Throws
+  // HttpError kUnavailable if BeginStop was called.
+  bool ExtractInTime(LocalizeRequest* request, ServerTimes* times) const;
   // Parses the body; throws if its features are not of the map's codec.
   void Read(const HttpRequest& http, BodyParser* parse, LocalizeRequest* request) const;
   Answer AnswerInTurn(const HttpRequest& http, BodyParser* parse, LocalizeRequest* request);
@@ -65,6 +72,7 @@ class LocalizeService {
   std::unique_ptr<Localizer> localizer_;
   std::string map_tag_;
   Metrics metrics_;
+  std::atomic<bool> stopping_{false};
   FairGate gate_;  // As many requests at a time as there are cores.
 };
 

@@ -84,5 +84,34 @@ TEST_F(HttpLocalizeService, LongJsonIsParsedInItsTurnOrNotAtAll) {
   EXPECT_THROW(service.Localize(late, CountAndRefuse, &read), HttpError);  // The turns are free.
 }
 
+// A request with a grey picture of 8 x 8 pixels.
+constexpr char kWithImage[] =
+    R"({"camera":{"model":"SIMPLE_PINHOLE","size":[8,8],"modelParams":[8,4,4]},
+        "image":{"format":"GRAY8","data":"AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA=="},
+        "options":{"timeoutMs":1000}})";
+
+TEST_F(HttpLocalizeService, ImagesAreNotDecodedAfterTheDeadline) {
+  LocalizeService service(Options());
+  LocalizeRequest read;
+  HttpRequest request = Request(kWithImage);
+  request.arrival -= std::chrono::milliseconds(1001);
+  EXPECT_EQ(service.Localize(request, ParseLocalizeRequest, &read).result.reason,
+            NotLocalizedReason::kTimeout);
+}
+
+TEST_F(HttpLocalizeService, ImagesAreNotDecodedWhenTheServerStops) {
+  LocalizeService service(Options());
+  LocalizeRequest read;
+  EXPECT_EQ(service.Localize(Request(kWithImage), ParseLocalizeRequest, &read).result.reason,
+            NotLocalizedReason::kTooFewFeatures);
+  service.BeginStop();
+  try {
+    service.Localize(Request(kWithImage), ParseLocalizeRequest, &read);
+    FAIL();
+  } catch (const HttpError& e) {
+    EXPECT_EQ(e.problem(), ProblemCode::kUnavailable);
+  }
+}
+
 }  // namespace
 }  // namespace cairn
