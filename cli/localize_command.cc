@@ -205,7 +205,7 @@ ExitCode RunLocalize(const LocalizeArguments& arguments) {
 }
 
 void AddQueryOptions(CLI::App* command, LocalizeArguments* arguments) {
-  command->add_option("--image", arguments->image_path, "Photo (JPEG, PNG, ...)")
+  command->add_option("--image", arguments->image_path, "Photo (JPEG, PNG or binary PNM)")
       ->required()
       ->type_name("FILE");
   command

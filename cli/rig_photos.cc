@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "http/json/json_reader.h"
@@ -37,7 +36,7 @@ RigPhoto ReadRigPhoto(const JsonReader& element, const std::filesystem::path& fo
 std::vector<RigPhoto> ReadRigPhotos(const std::string& path) {
   const std::vector<uint8_t> bytes = ReadFileBytes(path, kMaxRigBytes);
   try {
-    const nlohmann::json document =
+    const JsonDocument document =
         ParseJson({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     std::vector<RigPhoto> photos;
     for (const JsonReader& element :

@@ -6,8 +6,10 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <csignal>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <ctime>
 #include <memory>
 #include <string>
 #include <thread>
@@ -15,10 +17,13 @@
 #include "cli/index_option.h"
 #include "cli/shell.h"
 #include "core/logging.h"
+#include "core/memory_reserve.h"
 #include "http/server.h"
 
 namespace cairn {
 namespace {
+
+constexpr size_t kMemoryReserveBytes = size_t{16} << 20;
 
 struct ServeArguments {
   ServerOptions options;
@@ -43,6 +48,24 @@ void ShareHeapsAmongThreads() {
   mallopt(M_ARENA_MAX, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
 }
 
+// Waits for one of the signals, and after every second with requests gives the memory that they
+// have freed back to the system: glibc keeps it otherwise.
+int WaitForStop(const sigset_t& stop_signals, const Server& server) {
+  constexpr timespec kInterval{.tv_sec = 1, .tv_nsec = 0};
+  uint64_t num_requests = 0;
+  while (true) {
+    const int signal_number = sigtimedwait(&stop_signals, nullptr, &kInterval);
+    if (signal_number > 0) {
+      return signal_number;
+    }
+    RefillMemoryReserve();
+    if (num_requests != server.num_requests()) {
+      num_requests = server.num_requests();
+      malloc_trim(0);
+    }
+  }
+}
+
 std::string Url(const std::string& host, int port) {
   const bool is_ipv6 = host.find(':') != std::string::npos;
   return is_ipv6 ? fmt::format("http://[{}]:{}", host, port)
@@ -53,6 +76,7 @@ ExitCode RunServe(const ServeArguments& arguments) {
   ServerOptions options = arguments.options;
   options.cache_bytes = static_cast<size_t>(arguments.cache_mb) << 20;
   ShareHeapsAmongThreads();
+  SetUpMemoryReserve(kMemoryReserveBytes);
   const sigset_t stop_signals = BlockStopSignals();
   Server server(options);
   server.Start();
@@ -62,8 +86,7 @@ ExitCode RunServe(const ServeArguments& arguments) {
   }
   std::fflush(stdout);
 
-  int signal_number = 0;
-  sigwait(&stop_signals, &signal_number);
+  const int signal_number = WaitForStop(stop_signals, server);
   LogInfo("stopping after the running requests");
   server.Stop();
   return signal_number == SIGINT ? ExitCode::kInterrupted : ExitCode::kOk;

@@ -1,7 +1,8 @@
 # Flags that hold for every target.
 add_library(cairn_compiler_options INTERFACE)
 target_compile_options(cairn_compiler_options INTERFACE
-  -Wall -Wextra -Wshadow=local -Wnon-virtual-dtor -Woverloaded-virtual -Wno-unused-parameter
+  -Wall -Wextra $<$<CXX_COMPILER_ID:GNU>:-Wshadow=local>
+  -Wnon-virtual-dtor -Woverloaded-virtual -Wno-unused-parameter
   # GCC 12's flow-based warnings see overflows and overlaps in inlined std::vector and std::string
   # code that are not there, more of them at -O3.
   $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow -Wno-stringop-overread -Wno-array-bounds>

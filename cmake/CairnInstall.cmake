@@ -69,7 +69,8 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
 # Static libraries have no shared dependencies to compute; their users link these.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
   "libcairn-fusion-dev (= ${PROJECT_VERSION}), libsqlite3-dev, nlohmann-json3-dev, libzstd-dev, \
-libxxhash-dev, libcpp-httplib-dev, libceres-dev, libfaiss-dev, libopenblas-dev, libexiv2-dev, \
+libxxhash-dev, libcpp-httplib-dev, libjpeg62-turbo-dev, libpng-dev, libceres-dev, libfaiss-dev, \
+libopenblas-dev, libexiv2-dev, \
 libopencv-core-dev, libopencv-imgproc-dev, libopencv-imgcodecs-dev, libopencv-calib3d-dev, \
 libopencv-video-dev")
 set(CPACK_DEBIAN_FUSION_PACKAGE_DEPENDS

@@ -50,6 +50,27 @@ function(cairn_test)
   gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${ARG_TIMEOUT})
 endfunction()
 
+# cairn_fuzz_target(NAME base64 DEPENDS cairn::http)
+#
+# A decoder under test, `cairn_base64_fuzz`, from base64_fuzz.cc; tests/fuzz/fuzz_target.h says what
+# such a file has. With CAIRN_FUZZ libFuzzer drives it (scripts/fuzz). Without, it replays the inputs
+# in corpus/base64/ as the test Fuzz.base64.
+function(cairn_fuzz_target)
+  cmake_parse_arguments(ARG "" "NAME" "DEPENDS" ${ARGN})
+  set(target cairn_${ARG_NAME}_fuzz)
+  add_executable(${target} ${ARG_NAME}_fuzz.cc)
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  target_link_libraries(${target} PRIVATE ${ARG_DEPENDS} fmt::fmt cairn_compiler_options)
+  if(CAIRN_FUZZ)
+    target_link_options(${target} PRIVATE -fsanitize=fuzzer)
+    add_dependencies(cairn_fuzz_targets ${target})
+  else()
+    target_sources(${target} PRIVATE ${PROJECT_SOURCE_DIR}/tests/fuzz/replay_main.cc)
+    add_test(NAME Fuzz.${ARG_NAME}
+      COMMAND ${target} ${CMAKE_CURRENT_SOURCE_DIR}/corpus/${ARG_NAME})
+  endif()
+endfunction()
+
 # cairn_benchmark(NAME matching SOURCES x_bench.cc DEPENDS cairn::engine)
 function(cairn_benchmark)
   if(NOT CAIRN_BUILD_BENCHMARKS)

@@ -50,9 +50,7 @@ HttpResponse Dispatcher::Run(const HttpRequest& request, std::string* route_patt
     }
     return ProblemResponse(shown, request.request_id);
   } catch (const std::bad_alloc&) {
-    LogError("{} {}: out of memory [{}]", request.method, *route_pattern, request.request_id);
-    return ProblemResponse(HttpError(ProblemCode::kUnavailable, "the server is out of memory"),
-                           request.request_id);
+    throw;  // The listener's answer needs no memory.
   } catch (const std::exception& e) {
     LogError("{} {}: {} [{}]", request.method, *route_pattern, e.what(), request.request_id);
     return ProblemResponse(PublicError(Error(ErrorCode::kInternal, e.what())), request.request_id);

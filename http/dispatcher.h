@@ -10,8 +10,8 @@
 
 namespace cairn {
 
-// Finds the route, runs its handler, turns every exception into a problem, counts, and adds the
-// headers that all responses have. Safe to call from any thread.
+// Finds the route, runs its handler, turns every exception but std::bad_alloc into a problem,
+// counts, and adds the headers that all responses have. Safe to call from any thread.
 class Dispatcher : public RequestHandler {
  public:
   // `metrics` must outlive the dispatcher.

@@ -65,27 +65,35 @@ std::optional<GrayImage> FromRawPixels(const RequestImage& sent, const Camera& c
   return std::nullopt;
 }
 
-GrayImage Decode(const Picture& picture, int64_t max_pixels) {
+GrayImage Decode(const Picture& picture, const ImageDecodeLimits& limits) {
   const RequestImage& sent = picture.image;
   if (std::optional<GrayImage> raw = FromRawPixels(sent, picture.camera)) {
-    CheckSize(raw->width_px, raw->height_px, picture, max_pixels);
+    CheckSize(raw->width_px, raw->height_px, picture, limits.max_pixels);
     return std::move(*raw);
   }
   try {
     const ImageHeader header = ParseImageHeader(sent.bytes);
-    CheckSize(header.width_px, header.height_px, picture, max_pixels);
-    return DecodeGrayImage(sent.bytes, {.max_pixels = max_pixels});
+    CheckSize(header.width_px, header.height_px, picture, limits.max_pixels);
+    return DecodeGrayImage(sent.bytes, limits);
   } catch (const HttpError&) {
+    throw;
+  } catch (const DecodingStopped&) {
     throw;
   } catch (const Error& e) {
     throw HttpError(ProblemCode::kInvalidImage, e.what()).At(picture.pointer + "/image");
   }
 }
 
-FeatureSet Extract(const Picture& picture, int64_t max_pixels, ServerTimes* times) {
+void ThrowIfStopped(const ImageDecodeLimits& limits) {
+  if (limits.should_stop && limits.should_stop()) throw DecodingStopped();
+}
+
+FeatureSet Extract(const Picture& picture, const ImageDecodeLimits& limits, ServerTimes* times) {
+  ThrowIfStopped(limits);
   const auto start = std::chrono::steady_clock::now();
-  const GrayImage image = Decode(picture, max_pixels);
+  const GrayImage image = Decode(picture, limits);
   times->decode_seconds += SecondsSince(start);
+  ThrowIfStopped(limits);
   const auto extraction_start = std::chrono::steady_clock::now();
   FeatureSet features = ExtractSift(image);
   times->extract_seconds += SecondsSince(extraction_start);
@@ -94,15 +102,16 @@ FeatureSet Extract(const Picture& picture, int64_t max_pixels, ServerTimes* time
 
 }  // namespace
 
-void ExtractQueryFeatures(int64_t max_pixels, LocalizeRequest* request, ServerTimes* times) {
+void ExtractQueryFeatures(const ImageDecodeLimits& limits, LocalizeRequest* request,
+                          ServerTimes* times) {
   LocalizeQuery& query = request->query;
   const std::vector<RequestImage>& images = request->images;
   CAIRN_CHECK(images.size() == 1 + query.other_cameras.size(), "every camera has an image");
-  query.features = Extract({images[0], query.camera, ""}, max_pixels, times);
+  query.features = Extract({images[0], query.camera, ""}, limits, times);
   for (size_t i = 0; i < query.other_cameras.size(); ++i) {
     RigCamera& other = query.other_cameras[i];
     other.features =
-        Extract({images[i + 1], other.camera, fmt::format("/rig/{}", i)}, max_pixels, times);
+        Extract({images[i + 1], other.camera, fmt::format("/rig/{}", i)}, limits, times);
   }
 }
 

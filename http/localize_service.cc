@@ -12,6 +12,8 @@
 namespace cairn {
 namespace {
 
+using std::chrono::milliseconds;
+
 int NumCores() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 
 LocalizerOptions MakeLocalizerOptions(const ServerOptions& options) {
@@ -74,31 +76,65 @@ LocalizeResult LocalizeService::LateResult(const LocalizeQuery& query) const {
   return late;
 }
 
-LocalizeService::Answer LocalizeService::AnswerInTurn(LocalizeRequest* request) {
+void LocalizeService::Read(const HttpRequest& http, BodyParser* parse,
+                           LocalizeRequest* request) const {
+  *request = parse(http.Header("content-type"), http.body, request_limits());
+  request->query.deadline = http.arrival + milliseconds(request->timeout_ms);
+  if (!request->has_images()) {
+    CheckCodec(request->query);
+  }
+}
+
+bool LocalizeService::ExtractInTime(LocalizeRequest* request, ServerTimes* times) const {
+  const auto deadline = *request->query.deadline;
+  const ImageDecodeLimits limits{.max_pixels = options_.max_image_pixels, .should_stop = [&] {
+                                   return stopping_ || std::chrono::steady_clock::now() >= deadline;
+                                 }};
+  try {
+    ExtractQueryFeatures(limits, request, times);
+    return true;
+  } catch (const DecodingStopped&) {
+    if (stopping_) throw HttpError(ProblemCode::kUnavailable, "the server is stopping");
+    return false;
+  }
+}
+
+// A request has one turn, in which its JSON is parsed if that is long, its image becomes features
+// and these an answer: whoever comes first is served first, with an image or without.
+LocalizeService::Answer LocalizeService::AnswerInTurn(const HttpRequest& http, BodyParser* parse,
+                                                      LocalizeRequest* request) {
   Answer answer;
-  LocalizeQuery& query = request->query;
-  if (!gate_.Enter(*query.deadline)) {
-    answer.result = LateResult(query);
+  const bool reads_in_turn = IsLongJson(http.Header("content-type"), http.body);
+  if (!reads_in_turn) {
+    Read(http, parse, request);
+  }
+  const auto deadline =
+      reads_in_turn ? http.arrival + milliseconds(PeekTimeoutMs(http.body, request_limits()))
+                    : *request->query.deadline;
+  if (!gate_.Enter(deadline)) {
+    answer.result = LateResult(request->query);
     return answer;
   }
   // Left on every way out.
   const std::unique_ptr<FairGate, void (*)(FairGate*)> slot(&gate_,
                                                             [](FairGate* gate) { gate->Leave(); });
-  if (request->has_images()) {
-    ExtractQueryFeatures(options_.max_image_pixels, request, &answer.times);
-    CheckCodec(query);
+  if (reads_in_turn) {
+    Read(http, parse, request);
   }
-  answer.result = localizer_->Localize(query);
+  if (request->has_images()) {
+    if (!ExtractInTime(request, &answer.times)) {
+      answer.result = LateResult(request->query);
+      return answer;
+    }
+    CheckCodec(request->query);
+  }
+  answer.result = localizer_->Localize(request->query);
   return answer;
 }
 
-LocalizeService::Answer LocalizeService::Localize(std::chrono::steady_clock::time_point arrival,
+LocalizeService::Answer LocalizeService::Localize(const HttpRequest& http, BodyParser* parse,
                                                   LocalizeRequest* request) {
-  request->query.deadline = arrival + std::chrono::milliseconds(request->timeout_ms);
-  if (!request->has_images()) {
-    CheckCodec(request->query);
-  }
-  Answer answer = AnswerInTurn(request);
+  Answer answer = AnswerInTurn(http, parse, request);
   metrics_.CountLocalize(answer.result, answer.times, request->has_images());
   return answer;
 }

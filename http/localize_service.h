@@ -2,6 +2,7 @@
 #ifndef CAIRN_HTTP_LOCALIZE_SERVICE_H_
 #define CAIRN_HTTP_LOCALIZE_SERVICE_H_
 
+#include <atomic>
 #include <chrono>
 #include <memory>
 #include <string>
@@ -10,6 +11,7 @@
 #include "http/fair_gate.h"
 #include "http/json/localize_request.h"
 #include "http/json/localize_response.h"
+#include "http/message.h"
 #include "http/metrics.h"
 #include "http/server.h"
 #include "storage/map_store.h"
@@ -42,16 +44,24 @@ class LocalizeService {
   // Names the contents of a tile, for ETag: differs whenever the bytes differ, also between maps.
   std::string TileTag(const TileRecord& tile) const;
 
-  // Fills in the query's deadline (the client's timeout counts from `arrival`), waits for its turn
-  // if there are more requests than cores, extracts features if there is an image, checks that the
-  // features are of the map's codec, and localizes; kTimeout if its turn does not come in time.
-  // Throws HttpError kInvalidImage, kImageTooLarge, kWrongCodec, and as Localizer::Localize.
-  Answer Localize(std::chrono::steady_clock::time_point arrival, LocalizeRequest* request);
+  // Reads the body into `request` with `parse`, fills in the query's deadline (the client's timeout
+  // counts from the arrival), waits for its turn if there are more requests than cores, extracts
+  // features if there is an image, checks that the features are of the map's codec, and localizes.
+  // kTimeout if the turn does not come in time. A long JSON body is parsed in its turn, and is not
+  // parsed at all if that does not come: `request` then stays as it is. Throws as `parse`,
+  // HttpError kInvalidImage, kImageTooLarge, kWrongCodec, and as Localizer::Localize.
+  Answer Localize(const HttpRequest& http, BodyParser* parse, LocalizeRequest* request);
+
+  // From now on images are given up instead of decoded, so that the server can stop soon.
+  void BeginStop() { stopping_ = true; }
 
  private:
-  // A request has one turn, in which its image becomes features and these an answer: whoever comes
-  // first is served first, with an image or without.
-  Answer AnswerInTurn(LocalizeRequest* request);
+  // Gives the query the features of its images; false if the deadline passes first. Throws
+  // HttpError kUnavailable if BeginStop was called.
+  bool ExtractInTime(LocalizeRequest* request, ServerTimes* times) const;
+  // Parses the body; throws if its features are not of the map's codec.
+  void Read(const HttpRequest& http, BodyParser* parse, LocalizeRequest* request) const;
+  Answer AnswerInTurn(const HttpRequest& http, BodyParser* parse, LocalizeRequest* request);
   LocalizeResult LateResult(const LocalizeQuery& query) const;
   // Throws unless the features are what the map's codebook takes.
   void CheckCodec(const LocalizeQuery& query) const;
@@ -62,6 +72,7 @@ class LocalizeService {
   std::unique_ptr<Localizer> localizer_;
   std::string map_tag_;
   Metrics metrics_;
+  std::atomic<bool> stopping_{false};
   FairGate gate_;  // As many requests at a time as there are cores.
 };
 

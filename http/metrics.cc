@@ -68,6 +68,13 @@ void Metrics::CountRequest(const std::string& route, int status, double seconds)
   request_seconds_[route].Add(seconds);
 }
 
+uint64_t Metrics::num_requests() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  uint64_t sum = 0;
+  for (const auto& [route_and_status, count] : requests_) sum += count;
+  return sum;
+}
+
 void Metrics::CountLocalize(const LocalizeResult& result, const ServerTimes& times,
                             bool has_image) {
   const std::lock_guard lock(mutex_);

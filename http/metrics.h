@@ -36,6 +36,7 @@ class Metrics {
   // `route` is the pattern of the route, never the client's path, so that the number of series is
   // bounded; empty for requests that reached none.
   void CountRequest(const std::string& route, int status, double seconds);
+  uint64_t num_requests() const;  // Counted so far.
   void CountLocalize(const LocalizeResult& result, const ServerTimes& times, bool has_image);
 
   std::string Render(const TileCacheStats& cache, MapVersion map_version) const;

@@ -120,7 +120,8 @@ std::vector<MultipartPart> ParseMultipart(std::string_view content_type, std::st
     if (parts.size() == kMaxParts) Refuse(fmt::format("more than {} parts", kMaxParts));
     const MultipartPart part = ParsePart(body.substr(0, end));
     for (const MultipartPart& other : parts) {
-      if (other.name == part.name) Refuse(fmt::format("two parts are named '{}'", part.name));
+      if (other.name == part.name)
+        Refuse(fmt::format("two parts are named '{}'", part.name.substr(0, 64)));
     }
     parts.push_back(part);
     body.remove_prefix(end + delimiter.size());

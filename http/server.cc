@@ -88,9 +88,12 @@ void Server::Start() {
 }
 
 void Server::Stop() {
+  impl_->service.BeginStop();
   impl_->main_listener.Stop();
   if (impl_->admin_listener) impl_->admin_listener->Stop();
 }
+
+uint64_t Server::num_requests() const { return impl_->service.metrics().num_requests(); }
 
 int Server::port() const { return impl_->main_listener.port(); }
 

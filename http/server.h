@@ -43,8 +43,11 @@ class Server {
 
   // Binds, then returns; requests are answered by background threads from then on.
   void Start();
-  // Lets running requests finish; returns when all threads have ended. Idempotent.
+  // Lets running requests finish, but decodes no more images; returns when all threads have ended.
+  // Idempotent.
   void Stop();
+
+  uint64_t num_requests() const;  // Answered so far, refusals among them.
 
   int port() const;  // Bound ports, valid after Start.
   int admin_port() const;

@@ -176,7 +176,7 @@ CAIRN_AVX2 size_t Avx2Nearest(const BlockQuery& query, const uint8_t* blocks,
 }
 
 template <typename Query>
-CAIRN_AVX2 void Avx2MinimaOfPart(const Query& query, __m256i constant, const uint8_t* blocks,
+CAIRN_AVX2 void Avx2MinimaOfPart(const Query& query, const __m256i& constant, const uint8_t* blocks,
                                  const int32_t* sq_norms, int stride, size_t first, size_t last,
                                  int32_t* minima) {
   __m256i smallest[2];

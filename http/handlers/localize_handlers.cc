@@ -11,16 +11,14 @@
 namespace cairn {
 
 HttpResponse HandleLocalize(const HttpRequest& request, LocalizeService* service) {
-  LocalizeRequest query =
-      ParseLocalizeRequest(request.Header("content-type"), request.body, service->request_limits());
-  const LocalizeService::Answer answer = service->Localize(request.arrival, &query);
+  LocalizeRequest query;
+  const LocalizeService::Answer answer = service->Localize(request, ParseLocalizeRequest, &query);
   return HttpResponse::Json(LocalizeResponseJson(answer.result, query, answer.times));
 }
 
 HttpResponse HandleGeoPose(const HttpRequest& request, LocalizeService* service) {
-  LocalizeRequest query =
-      ParseGeoPoseRequest(request.Header("content-type"), request.body, service->request_limits());
-  const LocalizeService::Answer answer = service->Localize(request.arrival, &query);
+  LocalizeRequest query;
+  const LocalizeService::Answer answer = service->Localize(request, ParseGeoPoseRequest, &query);
   if (!answer.result.localized) {
     throw HttpError(
         ProblemCode::kNotLocalized,

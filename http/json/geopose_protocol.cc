@@ -81,7 +81,7 @@ LocalizeRequest ParseGeoPoseRequest(std::string_view content_type, std::string_v
     throw HttpError(ProblemCode::kUnsupportedMediaType, "the content type is not accepted")
         .Hint(fmt::format("send application/json or {}", kMediaType));
   }
-  const nlohmann::json document = ParseJson(body);
+  const JsonDocument document = ParseJson(body);
   const JsonReader json(document);
   LocalizeRequest request;
   request.timeout_ms = limits.default_timeout_ms;

@@ -5,14 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
+#include <limits>
 
 #include "http/problem.h"
 
 namespace cairn {
 namespace {
-
-constexpr int kMaxDepth = 16;
 
 // Escapes a member name for a JSON pointer.
 std::string EscapePointer(std::string_view member) {
@@ -31,27 +29,6 @@ std::string EscapePointer(std::string_view member) {
 
 }  // namespace
 
-nlohmann::json ParseJson(std::string_view text) {
-  using Event = nlohmann::json::parse_event_t;
-  const auto check_depth = [](int depth, Event event, nlohmann::json&) {
-    const bool opens = event == Event::object_start || event == Event::array_start;
-    if (opens && depth >= kMaxDepth) {
-      throw HttpError(ProblemCode::kInvalidJson,
-                      fmt::format("the JSON is nested deeper than {}", kMaxDepth));
-    }
-    return true;
-  };
-  try {
-    return nlohmann::json::parse(text.begin(), text.end(), check_depth);
-  } catch (const nlohmann::json::parse_error& e) {
-    // The library's message quotes the input, which may be long and need not be text.
-    throw HttpError(ProblemCode::kInvalidJson,
-                    fmt::format("the JSON does not parse at byte {} of {}", e.byte, text.size()));
-  } catch (const nlohmann::json::exception&) {
-    throw HttpError(ProblemCode::kInvalidJson, "the JSON has a number that is out of range");
-  }
-}
-
 void JsonReader::Fail(const std::string& detail, const std::string& hint) const {
   throw HttpError(ProblemCode::kInvalidField,
                   fmt::format("{}: {}", pointer_.empty() ? "the top level" : pointer_, detail))
@@ -59,45 +36,65 @@ void JsonReader::Fail(const std::string& detail, const std::string& hint) const 
       .Hint(hint);
 }
 
+template <typename Visit>
+void JsonReader::ForEachChild(const Visit& visit) const {
+  if (value().num_children == 0) return;
+  for (size_t child = index_ + 1; child != 0; child = (*document_)[child].next) {
+    visit(child);
+  }
+}
+
 void JsonReader::RequireObject() const {
-  if (!value_->is_object()) Fail("has to be an object");
+  if (value().kind != JsonValue::Kind::kObject) Fail("has to be an object");
 }
 
 void JsonReader::RequireOnly(std::initializer_list<std::string_view> members) const {
   RequireObject();
-  for (const auto& [name, value] : value_->items()) {
+  ForEachChild([&](size_t child) {
+    const std::string& name = (*document_)[child].name;
     if (std::find(members.begin(), members.end(), name) == members.end()) {
-      JsonReader(value, fmt::format("{}/{}", pointer_, EscapePointer(name)))
+      Member(child, name)
           .Fail("is not a member this server knows",
                 fmt::format("known here: {}", fmt::join(members, ", ")));
     }
-  }
+  });
+}
+
+JsonReader JsonReader::Member(size_t index, std::string_view name) const {
+  return JsonReader(*document_, index, fmt::format("{}/{}", pointer_, EscapePointer(name)));
 }
 
 bool JsonReader::Has(std::string_view member) const { return Find(member).has_value(); }
 
 std::optional<JsonReader> JsonReader::Find(std::string_view member) const {
   RequireObject();
-  const auto it = value_->find(member);
-  if (it == value_->end() || it->is_null()) return std::nullopt;
-  return JsonReader(*it, fmt::format("{}/{}", pointer_, EscapePointer(member)));
+  std::optional<JsonReader> found;
+  ForEachChild([&](size_t child) {
+    const JsonValue& candidate = (*document_)[child];
+    if (candidate.name == member && candidate.kind != JsonValue::Kind::kNull) {
+      found = Member(child, member);
+    }
+  });
+  return found;
 }
 
 JsonReader JsonReader::At(std::string_view member) const {
   const std::optional<JsonReader> found = Find(member);
   if (found) return *found;
-  JsonReader(*value_, fmt::format("{}/{}", pointer_, EscapePointer(member))).Fail("is missing");
+  Member(index_, member).Fail("is missing");
 }
 
 std::vector<JsonReader> JsonReader::Elements(size_t min_size, size_t max_size) const {
-  if (!value_->is_array() || value_->size() < min_size || value_->size() > max_size) {
+  const size_t size = value().num_children;
+  if (!IsArray() || size < min_size || size > max_size) {
     Fail(min_size == max_size ? fmt::format("has to be an array of {}", min_size)
                               : fmt::format("has to be an array of {} to {}", min_size, max_size));
   }
   std::vector<JsonReader> elements;
-  for (size_t i = 0; i < value_->size(); ++i) {
-    elements.push_back(JsonReader((*value_)[i], fmt::format("{}/{}", pointer_, i)));
-  }
+  ForEachChild([&](size_t child) {
+    elements.push_back(
+        JsonReader(*document_, child, fmt::format("{}/{}", pointer_, elements.size())));
+  });
   return elements;
 }
 
@@ -110,16 +107,16 @@ std::vector<double> JsonReader::Numbers(size_t min_size, size_t max_size) const 
   return numbers;
 }
 
-bool JsonReader::IsArray() const { return value_->is_array(); }
+bool JsonReader::IsArray() const { return value().kind == JsonValue::Kind::kArray; }
 
 bool JsonReader::Bool() const {
-  if (!value_->is_boolean()) Fail("has to be true or false");
-  return value_->get<bool>();
+  if (value().kind != JsonValue::Kind::kBool) Fail("has to be true or false");
+  return value().number != 0.0;
 }
 
 double JsonReader::Number(double min, double max) const {
-  if (!value_->is_number()) Fail("has to be a number");
-  const auto number = value_->get<double>();
+  if (value().kind != JsonValue::Kind::kNumber) Fail("has to be a number");
+  const double number = value().number;
   if (!(number >= min && number <= max)) {
     Fail(fmt::format("is {}, outside [{}, {}]", number, min, max));
   }
@@ -133,8 +130,8 @@ int64_t JsonReader::Integer(int64_t min, int64_t max) const {
 }
 
 const std::string& JsonReader::String() const {
-  if (!value_->is_string()) Fail("has to be a string");
-  return value_->get_ref<const std::string&>();
+  if (value().kind != JsonValue::Kind::kString) Fail("has to be a string");
+  return value().text;
 }
 
 const std::string& JsonReader::String(size_t max_length) const {

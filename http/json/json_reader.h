@@ -4,24 +4,21 @@
 
 #include <cstdint>
 #include <initializer_list>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-namespace cairn {
+#include "http/json/json_document.h"
 
-// Parses one JSON value. Throws HttpError kInvalidJson, with the byte offset, if it does not parse,
-// is nested deeper than 16, or is not UTF-8. Numbers outside the range of a double do not parse;
-// NaN and Infinity are no JSON.
-nlohmann::json ParseJson(std::string_view text);
+namespace cairn {
 
 // A value and where it stands. Refers to the document, which must outlive it. All functions throw
 // HttpError kInvalidField with the pointer of the value at fault.
 class JsonReader {
  public:
-  explicit JsonReader(const nlohmann::json& value) : JsonReader(value, "") {}
+  // The top level.
+  explicit JsonReader(const JsonDocument& document) : JsonReader(document, 0, "") {}
 
   const std::string& pointer() const { return pointer_; }
 
@@ -47,11 +44,18 @@ class JsonReader {
   [[noreturn]] void Fail(const std::string& detail, const std::string& hint = "") const;
 
  private:
-  JsonReader(const nlohmann::json& value, std::string pointer)
-      : value_(&value), pointer_(std::move(pointer)) {}
+  JsonReader(const JsonDocument& document, size_t index, std::string pointer)
+      : document_(&document), index_(index), pointer_(std::move(pointer)) {}
+  const JsonValue& value() const { return (*document_)[index_]; }
+  // The value at `index`, named as a member of this one.
+  JsonReader Member(size_t index, std::string_view name) const;
   void RequireObject() const;
+  // Calls visit(index) for the elements or members, in their order.
+  template <typename Visit>
+  void ForEachChild(const Visit& visit) const;
 
-  const nlohmann::json* value_;
+  const JsonDocument* document_;
+  size_t index_;
   std::string pointer_;
 };
 

@@ -2,9 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "http/base64.h"
@@ -25,6 +26,7 @@ constexpr size_t kMaxIdLength = 128;
 // Phones report directions in single precision and rounded; they are normalised here.
 constexpr double kUnitNormTolerance = 0.02;
 constexpr int64_t kMaxTimestampMs = int64_t{1} << 53;
+constexpr size_t kMaxShortJsonBytes = size_t{64} << 10;
 
 PositionPrior ReadPrior(const JsonReader& json) {
   json.RequireOnly({"position", "accuracy", "altitudeAccuracy"});
@@ -168,7 +170,7 @@ void ReadOwnCamera(const JsonReader& json, LocalizeQuery* query) {
 
 // What JSON says about the features beside the blob has to agree with the blob.
 void CheckFeatureMembers(const JsonReader& json, const LocalizeQuery& query) {
-  if (const auto codec = json.Find("codec"); codec && codec->String() != query.codec) {
+  if (const auto codec = json.Find("codec"); codec && codec->String(64) != query.codec) {
     codec->Fail(fmt::format("is '{}' but the data say '{}'", codec->String(), query.codec));
   }
   if (const auto count = json.Find("count");
@@ -252,7 +254,7 @@ void ReadJsonImagesOfAll(const JsonReader& json, LocalizeRequest* request) {
 }
 
 LocalizeRequest ParseJsonBody(std::string_view body, const RequestLimits& limits) {
-  const nlohmann::json document = ParseJson(body);
+  const JsonDocument document = ParseJson(body);
   const JsonReader json(document);
   LocalizeRequest request = ReadCommon(json, limits);
   const bool has_image = json.Find("image").has_value();
@@ -343,7 +345,11 @@ RequestImage ImageOfPart(std::string_view content, std::string_view name) {
 LocalizeRequest ParseMultipartBody(std::string_view content_type, std::string_view body,
                                    const RequestLimits& limits) {
   const RequestParts parts = SortParts(ParseMultipart(content_type, body));
-  const nlohmann::json document = ParseJson(*parts.request);
+  if (parts.request->size() > kMaxShortJsonBytes) {
+    throw HttpError(ProblemCode::kInvalidMultipart,
+                    fmt::format("the part 'request' is longer than {} bytes", kMaxShortJsonBytes));
+  }
+  const JsonDocument document = ParseJson(*parts.request);
   const JsonReader json(document);
   LocalizeRequest request = ReadCommon(json, limits);
   RefuseMembersOfParts(json);
@@ -385,6 +391,24 @@ Geodetic ReadGeodetic(const JsonReader& lat, const JsonReader& lon,
                       const std::optional<JsonReader>& h) {
   return Geodetic::FromDegrees(lat.Number(-90.0, 90.0), lon.Number(-180.0, 180.0),
                                h ? h->Number(kMinHeightM, kMaxHeightM) : 0.0);
+}
+
+bool IsLongJson(std::string_view content_type, std::string_view body) {
+  return body.size() > kMaxShortJsonBytes && !IsMultipart(content_type);
+}
+
+int PeekTimeoutMs(std::string_view body, const RequestLimits& limits) {
+  // Inside of a string the quotes would have backslashes.
+  constexpr std::string_view kName = "\"timeoutMs\"";
+  constexpr size_t kMaxBlanks = 64;
+  const size_t at = body.find(kName);
+  if (at == std::string_view::npos) return limits.default_timeout_ms;
+  std::string_view rest = body.substr(at + kName.size(), kMaxBlanks);
+  rest.remove_prefix(std::min(rest.find_first_not_of(" \t\r\n:"), rest.size()));
+  int timeout_ms = 0;
+  const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), timeout_ms);
+  return error == std::errc() ? std::clamp(timeout_ms, 1, kMaxTimeoutMs)
+                              : limits.default_timeout_ms;
 }
 
 LocalizeRequest ParseLocalizeRequest(std::string_view content_type, std::string_view body,

@@ -52,6 +52,18 @@ struct LocalizeRequest {
 LocalizeRequest ParseLocalizeRequest(std::string_view content_type, std::string_view body,
                                      const RequestLimits& limits);
 
+// ParseLocalizeRequest or ParseGeoPoseRequest.
+using BodyParser = LocalizeRequest(std::string_view content_type, std::string_view body,
+                                   const RequestLimits& limits);
+
+// True if parsing the body takes more than about 3 ms of a core's time, so that it has to wait for
+// its turn: JSON of more than 64 KiB. The JSON part of a multipart body is never as long.
+bool IsLongJson(std::string_view content_type, std::string_view body);
+
+// The `timeoutMs` that a JSON body seems to state, found without parsing; the default if it states
+// none. Says how long the body's turn is worth waiting for, nothing else.
+int PeekTimeoutMs(std::string_view body, const RequestLimits& limits);
+
 // Parts that GeoPoseProtocol and the command line share.
 // Of an element of `rig`: its members `camera` and `camFromFirst`; without features.
 RigCamera ReadRigCamera(const JsonReader& element);

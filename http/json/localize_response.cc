@@ -163,6 +163,8 @@ void AddPose(const LocalizeResult& result, const ResponseOptions& options, Json*
   (*json)["inlierCount"] = result.matches.size();
 }
 
+constexpr size_t kMaxElements = 1 << 20;  // Of an array in an answer.
+
 GeoPose ReadGeoPose(const JsonReader& json) {
   const JsonReader position = json.At("position");
   const JsonReader quaternion = json.At("quaternion");
@@ -260,7 +262,6 @@ NotLocalizedReason ReadReason(const JsonReader& json) {
 }
 
 LocalizeResult ReadResult(const JsonReader& json) {
-  constexpr size_t kMany = 1 << 20;
   LocalizeResult result;
   result.localized = json.At("status").String() == "LOCALIZED";
   if (result.localized) {
@@ -269,14 +270,14 @@ LocalizeResult ReadResult(const JsonReader& json) {
     result.reason = ReadReason(json.At("reason"));
   }
   if (const auto matches = json.Find("matches")) {
-    for (const JsonReader& match : matches->Elements(0, kMany)) {
+    for (const JsonReader& match : matches->Elements(0, kMaxElements)) {
       result.matches.push_back(ReadMatch(match));
     }
   }
   ReadStages(json.At("stages"), &result);
   const JsonReader map = json.At("map");
   result.map_version = MapVersion(map.At("version").Integer(0, int64_t{1} << 53));
-  for (const JsonReader& tile : map.At("tiles").Elements(0, kMany)) {
+  for (const JsonReader& tile : map.At("tiles").Elements(0, kMaxElements)) {
     result.tiles.push_back(TileId::Parse(tile.String()));
   }
   return result;
@@ -304,8 +305,10 @@ std::string LocalizeResponseJson(const LocalizeResult& result, const LocalizeReq
 }
 
 LocalizeResult ParseLocalizeResponse(std::string_view text) {
+  // 100,000 matches of 13 values, as ResponseOptions::max_matches allows them, and many tiles.
+  constexpr JsonLimits kAnswerLimits{.max_values = 4'000'000, .max_elements = kMaxElements};
   try {
-    const nlohmann::json document = ParseJson(text);
+    const JsonDocument document = ParseJson(text, kAnswerLimits);
     return ReadResult(JsonReader(document));
   } catch (const Error& e) {
     throw Error(ErrorCode::kBadInput,

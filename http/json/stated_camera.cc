@@ -13,7 +13,7 @@ namespace {
 constexpr char kUnknown[] = "unknown";
 
 CameraModel ReadModel(const JsonReader& model) {
-  const std::string& name = model.String();
+  const std::string& name = model.String(64);
   try {
     return CameraModelFromName(name);
   } catch (const Error& e) {

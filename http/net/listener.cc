@@ -10,11 +10,13 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <new>
 #include <random>
 #include <string_view>
 #include <thread>
 
 #include "core/logging.h"
+#include "core/memory_reserve.h"
 #include "http/net/url.h"
 
 namespace cairn {
@@ -55,6 +57,15 @@ std::string Serialize(const HttpResponse& response, bool is_head, bool keep_aliv
   text += keep_alive ? "Connection: keep-alive\r\n\r\n" : "Connection: close\r\n\r\n";
   if (!is_head) text += response.body;
   return text;
+}
+
+// Without the request's id, as it is made before there are requests.
+HttpResponse OutOfMemoryResponse() {
+  const HttpError error(ProblemCode::kUnavailable, "the server is out of memory");
+  return {.status = InfoOf(error.problem()).status,
+          .content_type = "application/problem+json",
+          .body = ProblemJson(error, ""),
+          .headers = {}};
 }
 
 // Unique within and, by a random start, across runs.
@@ -98,16 +109,33 @@ class CountingPool : public httplib::TaskQueue {
   CountingPool(int num_threads, std::atomic<int>* num_waiting)
       : pool_(static_cast<size_t>(num_threads)), num_waiting_(num_waiting) {}
 
+  // Called by the thread that accepts, which must not end. A connection for which there is no
+  // memory waits; if there is none for long, the thread serves it itself.
   void enqueue(std::function<void()> task) override {
-    num_waiting_->fetch_add(1);
-    pool_.enqueue([this, task = std::move(task)] {
-      num_waiting_->fetch_sub(1);
-      task();
-    });
+    constexpr int kMaxTries = 100;
+    for (int i = 0; i < kMaxTries; ++i) {
+      if (TryEnqueue(task)) return;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    task();
   }
   void shutdown() override { pool_.shutdown(); }
 
  private:
+  bool TryEnqueue(const std::function<void()>& task) {
+    num_waiting_->fetch_add(1);
+    try {
+      pool_.enqueue([this, task] {
+        num_waiting_->fetch_sub(1);
+        task();
+      });
+      return true;
+    } catch (const std::bad_alloc&) {
+      num_waiting_->fetch_sub(1);
+      return false;
+    }
+  }
+
   httplib::ThreadPool pool_;
   std::atomic<int>* num_waiting_;
 };
@@ -116,7 +144,9 @@ class CountingPool : public httplib::TaskQueue {
 class AcceptLoop : public httplib::Server {
  public:
   AcceptLoop(const ListenerOptions& options, RequestHandler* handler)
-      : limits_(options.limits), handler_(handler) {
+      : limits_(options.limits),
+        handler_(handler),
+        out_of_memory_(Serialize(OutOfMemoryResponse(), /*is_head=*/false, /*keep_alive=*/false)) {
     set_tcp_nodelay(true);
     // Not SO_REUSEPORT, httplib's default: a second server would silently share the port.
     set_socket_options([](socket_t socket) {
@@ -135,6 +165,8 @@ class AcceptLoop : public httplib::Server {
   bool process_and_close_socket(socket_t socket) override {
     try {
       Converse(socket);
+    } catch (const std::bad_alloc&) {
+      WriteLog(LogLevel::kError, "connection given up: out of memory");
     } catch (const std::exception& e) {
       LogError("connection given up: {}", e.what());
     }
@@ -166,6 +198,13 @@ class AcceptLoop : public httplib::Server {
                                  /*keep_alive=*/false));
       connection->FinishSending();
       return false;
+    } catch (const std::bad_alloc&) {
+      // Nothing here allocates until the answer is on its way.
+      connection->Send(out_of_memory_);
+      RefillMemoryReserve();
+      WriteLog(LogLevel::kError, "a request was refused: out of memory");
+      connection->FinishSending();
+      return false;
     }
   }
 
@@ -193,6 +232,7 @@ class AcceptLoop : public httplib::Server {
 
   const ConnectionLimits limits_;
   RequestHandler* const handler_;
+  const std::string out_of_memory_;  // The whole response.
   std::atomic<int> num_waiting_{0};
   std::atomic<bool> stopping_{false};
   RequestIds request_ids_;

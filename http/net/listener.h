@@ -19,7 +19,8 @@ struct ListenerOptions {
   ConnectionLimits limits;
 };
 
-// What a listener serves. Called from many threads at once; must not throw.
+// What a listener serves. Called from many threads at once; throws nothing but std::bad_alloc,
+// which the listener answers with 503.
 class RequestHandler {
  public:
   virtual ~RequestHandler() = default;

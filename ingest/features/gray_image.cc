@@ -2,12 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <limits>
-#include <opencv2/imgcodecs.hpp>
-#include <utility>
-
 #include "core/error.h"
 #include "ingest/features/image_header.h"
+#include "ingest/features/jpeg_decoder.h"
+#include "ingest/features/png_decoder.h"
+#include "ingest/features/pnm_decoder.h"
 #include "ingest/readers/file_bytes.h"
 
 namespace cairn {
@@ -17,6 +16,14 @@ constexpr uint64_t kMaxImageFileBytes = uint64_t{256} << 20;
 
 }  // namespace
 
+GrayImage BlankImage(int64_t width_px, int64_t height_px) {
+  GrayImage image{.width_px = static_cast<int>(width_px),
+                  .height_px = static_cast<int>(height_px),
+                  .pixels = {}};
+  image.pixels.resize(static_cast<size_t>(width_px) * static_cast<size_t>(height_px));
+  return image;
+}
+
 GrayImage DecodeGrayImage(std::span<const uint8_t> image_bytes, const ImageDecodeLimits& limits) {
   const ImageHeader header = ParseImageHeader(image_bytes);
   if (header.width_px > limits.max_pixels / header.height_px) {
@@ -24,23 +31,15 @@ GrayImage DecodeGrayImage(std::span<const uint8_t> image_bytes, const ImageDecod
                 fmt::format("the image is {} x {} pixels, more than the limit of {}; scale it down",
                             header.width_px, header.height_px, limits.max_pixels));
   }
-  if (image_bytes.size() > static_cast<size_t>(std::numeric_limits<int>::max())) {
-    throw Error(ErrorCode::kBadInput, "the image file is larger than 2 GiB");
+  switch (header.format) {
+    case ImageFormat::kJpeg:
+      return DecodeJpeg(image_bytes, header, limits);
+    case ImageFormat::kPng:
+      return DecodePng(image_bytes, header, limits);
+    case ImageFormat::kPnm:
+      break;
   }
-  cv::Mat decoded;
-  try {
-    const cv::Mat buffer(1, static_cast<int>(image_bytes.size()), CV_8UC1,
-                         const_cast<uint8_t*>(image_bytes.data()));
-    decoded = cv::imdecode(buffer, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
-  } catch (const cv::Exception& e) {
-    throw Error(ErrorCode::kBadInput, fmt::format("the image does not decode: {}", e.err));
-  }
-  if (decoded.empty() || decoded.type() != CV_8UC1) {
-    throw Error(ErrorCode::kBadInput, "the image does not decode; its file is damaged");
-  }
-  GrayImage image{.width_px = decoded.cols, .height_px = decoded.rows, .pixels = {}};
-  image.pixels.assign(decoded.begin<uint8_t>(), decoded.end<uint8_t>());
-  return image;
+  return DecodePnm(image_bytes, limits);
 }
 
 std::vector<uint8_t> ReadImageBytes(const std::string& path) {

@@ -3,9 +3,12 @@
 #define CAIRN_INGEST_FEATURES_GRAY_IMAGE_H_
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
+
+#include "core/error.h"
 
 namespace cairn {
 
@@ -16,8 +19,20 @@ struct GrayImage {
   std::vector<uint8_t> pixels;  // width * height.
 };
 
+// A black image.
+GrayImage BlankImage(int64_t width_px, int64_t height_px);
+
 struct ImageDecodeLimits {
   int64_t max_pixels = 12'000'000;
+  // Asked every few rows, in every pass of a progressive image; true ends the decoding. Must not
+  // throw. Empty: nothing does.
+  std::function<bool()> should_stop = {};
+};
+
+// What a decoder throws when `should_stop` said so.
+class DecodingStopped : public Error {
+ public:
+  DecodingStopped() : Error(ErrorCode::kUnavailable, "the decoding of an image was stopped") {}
 };
 
 // An image file, as it is and decoded.
@@ -28,7 +43,8 @@ struct Photo {
 
 // Decodes JPEG, PNG and binary PGM/PPM, ignoring EXIF rotation (camera intrinsics refer to the
 // stored pixels). Throws Error(kBadInput) if the bytes are none of these, do not decode or are cut
-// short, or if the header claims more pixels than the limit (checked before decoding).
+// short, or if the header claims more pixels than the limit (checked before decoding), and
+// DecodingStopped.
 GrayImage DecodeGrayImage(std::span<const uint8_t> image_bytes,
                           const ImageDecodeLimits& limits = {});
 

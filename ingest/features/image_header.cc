@@ -4,8 +4,11 @@
 #include <array>
 #include <cstring>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "core/error.h"
+#include "ingest/features/pnm_decoder.h"
 
 namespace cairn {
 namespace {
@@ -68,6 +71,7 @@ ImageHeader ParseJpeg(Bytes bytes) {
 ImageHeader ParsePng(Bytes bytes) {
   ImageHeader header{.format = ImageFormat::kPng, .exif = {}};
   size_t at = kPngSignature.size();
+  bool is_first = true;
   while (true) {
     if (bytes.size() - at < 12) ThrowTruncated("PNG");  // Length, type, checksum.
     const size_t length = BigEndian32(bytes.subspan(at));
@@ -75,7 +79,12 @@ ImageHeader ParsePng(Bytes bytes) {
     const char* type = reinterpret_cast<const char*>(bytes.data()) + at + 4;
     const Bytes chunk = bytes.subspan(at + 8, length);
     at += 12 + length;
-    if (std::memcmp(type, "IHDR", 4) == 0 && chunk.size() >= 8) {
+    const bool is_header = std::memcmp(type, "IHDR", 4) == 0;
+    // It comes first and once; of two, decoders differ in which counts.
+    if (is_header != std::exchange(is_first, false) || (is_header && length != 13)) {
+      throw Error(ErrorCode::kBadInput, "the PNG image does not have one header, at its begin");
+    }
+    if (is_header) {
       header.width_px = BigEndian32(chunk);
       header.height_px = BigEndian32(chunk.subspan(4));
     } else if (std::memcmp(type, "eXIf", 4) == 0) {
@@ -86,35 +95,40 @@ ImageHeader ParsePng(Bytes bytes) {
   }
 }
 
-// Next decimal number of a PNM header; comments run from '#' to the end of the line.
-int64_t ReadPnmNumber(Bytes bytes, size_t* at) {
-  while (*at < bytes.size() && (bytes[*at] <= ' ' || bytes[*at] == '#')) {
-    const bool is_comment = bytes[*at] == '#';
-    ++*at;
-    while (is_comment && *at < bytes.size() && bytes[*at] != '\n') ++*at;
-  }
-  int64_t number = 0;
-  for (int num_digits = 0; *at < bytes.size() && bytes[*at] >= '0' && bytes[*at] <= '9'; ++*at) {
-    number = number * 10 + (bytes[*at] - '0');
-    if (++num_digits > 9) break;
-  }
-  return number;
+ImageHeader ParsePnm(Bytes bytes) {
+  const PnmHeader pnm = ParsePnmHeader(bytes);
+  return {.format = ImageFormat::kPnm,
+          .width_px = pnm.width_px,
+          .height_px = pnm.height_px,
+          .exif = {}};
 }
 
-ImageHeader ParsePnm(Bytes bytes) {
-  ImageHeader header{.format = ImageFormat::kPnm, .exif = {}};
-  size_t at = 2;
-  header.width_px = ReadPnmNumber(bytes, &at);
-  header.height_px = ReadPnmNumber(bytes, &at);
-  const int64_t max_value = ReadPnmNumber(bytes, &at);
-  if (at == bytes.size()) ThrowTruncated("PNM");
-  ++at;  // One blank, then pixels.
-  const uint64_t bytes_per_pixel = (bytes[1] == '6' ? 3 : 1) * (max_value > 255 ? 2 : 1);
-  // Below 10^10 a side and 6 bytes a pixel: no overflow once one side is divided away.
-  const uint64_t width = static_cast<uint64_t>(header.width_px);
-  const uint64_t height = static_cast<uint64_t>(header.height_px);
-  if (height != 0 && (bytes.size() - at) / height < width * bytes_per_pixel) ThrowTruncated("PNM");
-  return header;
+// Formats that a sender may take for usable.
+struct OtherFormat {
+  const char* name;
+  size_t at;
+  std::string_view magic;
+};
+constexpr OtherFormat kOtherFormats[] = {
+    {"GIF", 0, "GIF8"},
+    {"TIFF", 0, std::string_view("II*\0", 4)},
+    {"TIFF", 0, std::string_view("MM\0*", 4)},
+    {"BMP", 0, "BM"},
+    {"WebP", 8, "WEBP"},
+    {"HEIC or AVIF", 4, "ftyp"},
+    {"JPEG 2000", 4, "jP  "},
+    {"text PNM", 0, "P2"},
+    {"text PNM", 0, "P3"},
+};
+
+std::string FormatName(Bytes bytes) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  for (const OtherFormat& format : kOtherFormats) {
+    if (text.substr(std::min(format.at, text.size())).starts_with(format.magic)) {
+      return std::string("the image is a ") + format.name + ", not";
+    }
+  }
+  return "the bytes are not";
 }
 
 ImageHeader ParseByFormat(Bytes bytes) {
@@ -124,7 +138,7 @@ ImageHeader ParseByFormat(Bytes bytes) {
     return ParsePnm(bytes);
   }
   throw Error(ErrorCode::kBadInput,
-              "the bytes are not a JPEG, PNG or binary PGM/PPM image; convert it first");
+              FormatName(bytes) + " a JPEG, PNG or binary PGM/PPM image; convert it first");
 }
 
 }  // namespace

@@ -377,5 +377,31 @@ TEST(GeoPoseContentType, FollowsTheAcceptHeader) {
   EXPECT_EQ(GeoPoseContentType(""), "application/json");
 }
 
+TEST(LocalizeRequest, LongJsonWaitsForItsTurn) {
+  const std::string many(size_t{65} << 10, ' ');
+  EXPECT_TRUE(IsLongJson("application/json", many));
+  EXPECT_FALSE(IsLongJson("application/json", "{}"));
+  EXPECT_FALSE(IsLongJson("multipart/form-data; boundary=B", many));
+  EXPECT_THROW(ParseLocalizeRequest(
+                   "multipart/form-data; boundary=B",
+                   "--B\r\nContent-Disposition: form-data; name=\"request\"\r\n\r\n{" + many +
+                       "}\r\n--B\r\nContent-Disposition: form-data; name=\"image\"\r\n\r\nx"
+                       "\r\n--B--\r\n",
+                   RequestLimits{}),
+               HttpError);
+}
+
+TEST(LocalizeRequest, PeeksAtTheTimeout) {
+  const RequestLimits limits{.default_timeout_ms = 1234};
+  EXPECT_EQ(PeekTimeoutMs(R"({"options":{"timeoutMs":500}})", limits), 500);
+  EXPECT_EQ(PeekTimeoutMs("{\"options\":{\"timeoutMs\" :\n 70}}", limits), 70);
+  EXPECT_EQ(PeekTimeoutMs(R"({"timeoutMs":99999999})", limits), 60'000);
+  EXPECT_EQ(PeekTimeoutMs(R"({"timeoutMs":-5})", limits), 1);
+  for (const char* without : {"", "{}", R"({"timeoutMs":"x"})", R"({"timeoutMs")",
+                              R"({"id":"\"timeoutMs\":5"})", R"({"timeoutMs":99999999999})"}) {
+    EXPECT_EQ(PeekTimeoutMs(without, limits), 1234) << without;
+  }
+}
+
 }  // namespace
 }  // namespace cairn

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,7 +14,7 @@ namespace cairn {
 namespace {
 
 StatedCamera Read(const std::string& json) {
-  const nlohmann::json document = ParseJson(json);
+  const JsonDocument document = ParseJson(json);
   return ReadStatedCamera(JsonReader(document));
 }
 

@@ -74,6 +74,16 @@ void BM_Decode(benchmark::State& state) {
 }
 BENCHMARK(BM_Decode)->Unit(benchmark::kMillisecond);
 
+// The peer.
+void BM_OpenCvDecode(benchmark::State& state) {
+  for (auto _ : state) {
+    const cv::Mat image = cv::imdecode(JpegBytes(), cv::IMREAD_GRAYSCALE);
+    if (image.total() != Photo().pixels.size()) state.SkipWithError("other size");
+  }
+  CountMegapixels(&state);
+}
+BENCHMARK(BM_OpenCvDecode)->Unit(benchmark::kMillisecond);
+
 void BM_ScaleSpaceOfFullOctave(benchmark::State& state) {
   const FloatImage image = ToFloatImage(Photo());
   for (auto _ : state) {

@@ -1,0 +1,11 @@
+// Base64 of requests: what decodes is what the encoder writes.
+#include "fuzz/fuzz_target.h"
+#include "http/base64.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  const std::string_view text = cairn::testing::AsText(data, size);
+  if (const auto bytes = cairn::DecodeBase64(text)) {
+    CAIRN_CHECK(cairn::EncodeBase64(*bytes) == text, "decoding is not the inverse of encoding");
+  }
+  return 0;
+}

@@ -1,0 +1,28 @@
+// What a fuzz target needs beside its decoder.
+//
+// A target is one file `<name>_fuzz.cc` that defines LLVMFuzzerTestOneInput. The function hands the
+// bytes to a decoder, catches the errors that the decoder documents and nothing else, and checks
+// what has to hold of a result with CAIRN_CHECK. `scripts/fuzz` runs the targets with libFuzzer;
+// the ordinary build replays the inputs in `corpus/<name>/` as a test.
+#ifndef CAIRN_TESTS_FUZZ_FUZZ_TARGET_H_
+#define CAIRN_TESTS_FUZZ_FUZZ_TARGET_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "core/check.h"
+
+// Returns 0. Every exception that leaves it is a finding, as are all aborts.
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
+
+namespace cairn::testing {
+
+inline std::string_view AsText(const uint8_t* data, size_t size) {
+  return {reinterpret_cast<const char*>(data), size};
+}
+
+}  // namespace cairn::testing
+
+#endif  // CAIRN_TESTS_FUZZ_FUZZ_TARGET_H_

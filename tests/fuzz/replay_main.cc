@@ -1,0 +1,58 @@
+// Runs a fuzz target on the files of a folder, once each; the main function of the targets in
+// builds without libFuzzer.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "fuzz/fuzz_target.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> FilesOf(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (entry.is_regular_file()) {
+      files.push_back(entry.path());
+    }
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+void Replay(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::vector<char> bytes{std::istreambuf_iterator<char>(file),
+                                std::istreambuf_iterator<char>()};
+  LLVMFuzzerTestOneInput(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    fmt::print(stderr, "usage: {} FOLDER\n", argv[0]);
+    return 2;
+  }
+  std::string current = argv[1];
+  try {
+    const std::vector<fs::path> files = FilesOf(argv[1]);
+    for (const fs::path& path : files) {
+      current = path.string();
+      Replay(path);
+    }
+    fmt::print("{} inputs replayed\n", files.size());
+    return files.empty() ? 1 : 0;
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "{}: {}\n", current, e.what());
+    return 1;
+  }
+}

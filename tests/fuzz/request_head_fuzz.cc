@@ -1,0 +1,18 @@
+// The head of an HTTP request, and its target.
+#include "core/error.h"
+#include "fuzz/fuzz_target.h"
+#include "http/net/request_head.h"
+#include "http/net/url.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  const cairn::HeadLimits limits;
+  try {
+    const cairn::RequestHead head =
+        cairn::ParseRequestHead(cairn::testing::AsText(data, size), limits);
+    CAIRN_CHECK(head.content_length <= limits.max_body_bytes, "a body beyond the limit");
+    CAIRN_CHECK(head.headers.size() <= limits.max_headers, "headers beyond the limit");
+    cairn::ParseTarget(head.target);
+  } catch (const cairn::Error&) {
+  }
+  return 0;
+}
