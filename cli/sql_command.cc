@@ -17,6 +17,7 @@ struct SqlArguments {
   std::string map_path;
   std::string query;  // Read from stdin if empty.
   RowFormat format = RowFormat::kTable;
+  SqlOptions options;
 };
 
 ExitCode RunSqlCommand(const SqlArguments& arguments) {
@@ -28,7 +29,7 @@ ExitCode RunSqlCommand(const SqlArguments& arguments) {
   SqlSink sink;
   sink.on_columns = [&](const std::vector<std::string>& names) { printer->BeginResult(names); };
   sink.on_row = [&](const std::vector<SqlCell>& row) { printer->AddRow(row); };
-  RunSql(arguments.map_path, query, sink);
+  RunSql(arguments.map_path, query, arguments.options, sink);
   printer->Finish();
   return ExitCode::kOk;
 }
@@ -45,6 +46,12 @@ void AddSqlCommand(CLI::App* app, Shell* shell) {
   command->add_option("--format", arguments->format, "How rows are printed")
       ->transform(CLI::CheckedTransformer(kFormats).description(""))
       ->type_name("table|csv|json");
+  command
+      ->add_option("--timeout", arguments->options.timeout_s,
+                   "Seconds after which the statements are stopped")
+      ->check(CLI::Range(1e-3, 1e6))
+      ->type_name("S")
+      ->capture_default_str();
   command->footer(
       "Example:\n"
       "  cairn sql city.gpkg \"SELECT * FROM v_sessions\"\n"

@@ -34,7 +34,6 @@ constexpr std::array kProblems = {
     ProblemInfo{kImageTooLarge, 413, "image_too_large", "The image has too many pixels"},
     ProblemInfo{kNotLocalized, 404, "not_localized", "No pose was found"},
     ProblemInfo{kBadInput, 400, "bad_input", "The request cannot be used"},
-    ProblemInfo{kConflict, 409, "conflict", "The request does not fit the map's state"},
     ProblemInfo{kMapDamaged, 500, "map_damaged", "The map is damaged"},
     ProblemInfo{kIo, 500, "io", "The server could not read or write"},
     ProblemInfo{kInternal, 500, "internal", "Internal error"},
@@ -48,7 +47,6 @@ ErrorCode ErrorCodeOf(ProblemCode problem) {
     case kNotLocalized:
       return ErrorCode::kNotFound;
     case kWrongCodec:
-    case kConflict:
       return ErrorCode::kConflict;
     case kMapDamaged:
       return ErrorCode::kMapDamaged;
@@ -78,16 +76,14 @@ ProblemCode ProblemFromErrorCode(ErrorCode code) {
     case ErrorCode::kInvalidArgument:
     case ErrorCode::kBadInput:
       return kBadInput;
-    case ErrorCode::kNotFound:
-      return kNotFound;
-    case ErrorCode::kConflict:
-      return kConflict;
     case ErrorCode::kMapDamaged:
       return kMapDamaged;
     case ErrorCode::kIo:
       return kIo;
+    case ErrorCode::kConflict:  // Another program holds the map.
     case ErrorCode::kUnavailable:
       return kUnavailable;
+    case ErrorCode::kNotFound:  // Routes that find nothing throw HttpError; this is a file.
     case ErrorCode::kInternal:
       break;
   }

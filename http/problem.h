@@ -40,7 +40,6 @@ enum class ProblemCode {
   kNotLocalized,  // GeoPoseProtocol only, which has no word for a miss.
   // The server.
   kBadInput,
-  kConflict,
   kMapDamaged,
   kIo,
   kInternal,
@@ -86,8 +85,9 @@ class HttpError : public Error {
   std::vector<std::pair<std::string, std::string>> headers_;
 };
 
-// An Error as the client may see it: messages about the request pass, messages about the server's
-// own files and state are replaced by a reference to its log.
+// An Error as the client may see it: messages about the request (kBadInput, kInvalidArgument) pass,
+// all others are about the server's own files and state and are replaced by a reference to its log,
+// so that no path of a file leaves the server.
 HttpError PublicError(const Error& error);
 
 // The application/problem+json body. Bytes that are not UTF-8 are replaced.

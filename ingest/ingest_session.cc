@@ -15,6 +15,7 @@
 #include "ingest/tiling/build_tile.h"
 #include "ingest/tiling/placed_session.h"
 #include "ingest/tiling/tile_edit.h"
+#include "storage/describe_tile.h"
 #include "storage/descriptor_codec.h"
 #include "storage/tile_codec.h"
 

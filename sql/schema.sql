@@ -37,7 +37,8 @@ CREATE TABLE gpkg_contents (
   data_type   TEXT     NOT NULL,
   identifier  TEXT     UNIQUE,
   description TEXT     DEFAULT '',
-  last_change DATETIME NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now')),
+  -- To the letter, blanks too, what GeoPackage validators compare with.
+  last_change DATETIME NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ','now')),
   min_x       DOUBLE,
   min_y       DOUBLE,
   max_x       DOUBLE,

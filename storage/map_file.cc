@@ -12,8 +12,8 @@
 #include <system_error>
 
 #include "core/error.h"
-#include "sql/schema.h"
 #include "storage/inspection/register.h"
+#include "storage/map_schema.h"
 #include "storage/sqlite/error.h"
 #include "storage/sqlite/transaction.h"
 
@@ -175,6 +175,7 @@ void CheckIsMap(sqlite::Connection* connection) {
                ", this program reads format " + std::to_string(kMapFormatVersion) +
                "; use a newer Cairn");
   }
+  RequireMapSchema(connection);
 }
 
 std::unique_ptr<sqlite::Connection> Connect(const std::string& path, sqlite::Access access,
@@ -184,7 +185,6 @@ std::unique_ptr<sqlite::Connection> Connect(const std::string& path, sqlite::Acc
       result != SQLITE_OK) {
     sqlite::ThrowError(connection->handle(), result, path, "register functions");
   }
-  connection->Execute("PRAGMA cell_size_check = ON");
   return connection;
 }
 
@@ -207,8 +207,7 @@ void FillEmptyMap(const std::string& path) {
   connection->Execute("PRAGMA page_size = 16384");
   connection->Execute("PRAGMA journal_mode = WAL");
   sqlite::Transaction transaction(connection.get(), sqlite::Transaction::Kind::kImmediate);
-  connection->Execute(std::string(sql::k_schema_sql));
-  connection->Execute(std::string(sql::k_views_sql));
+  CreateMapSchema(connection.get());
   connection
       ->Prepare(
           "INSERT INTO cairn_map (map_id, format_version, oldest_reader_version, created_at, "

@@ -1,5 +1,7 @@
 #include "storage/map_queries.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
@@ -8,8 +10,10 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/printable.h"
 #include "storage/geo_box.h"
 #include "storage/sqlite/blob.h"
+#include "storage/tile_checks.h"
 
 namespace cairn::queries {
 namespace {
@@ -23,13 +27,18 @@ constexpr std::string_view kTilesOfSessionSql =
     "SELECT DISTINCT tile_id FROM keyframes WHERE session_id = ? ORDER BY tile_id";
 
 // Columns of ReadKeyframe, in its order.
+#define CAIRN_KEYFRAME_COLUMNS                                                         \
+  "SELECT k.keyframe_id, k.session_id, k.tile_id, k.image_name, c.model, c.width_px, " \
+  "c.height_px, c.params, p.qw, p.qx, p.qy, p.qz, p.tx_m, p.ty_m, p.tz_m "             \
+  "FROM keyframes AS k "                                                               \
+  "JOIN cairn_keyframe_poses AS p ON p.keyframe_id = k.keyframe_id "                   \
+  "JOIN cairn_cameras AS c ON c.camera_id = p.camera_id "
+
 constexpr std::string_view kKeyframesOfSessionSql =
-    "SELECT k.keyframe_id, k.session_id, k.tile_id, k.image_name, c.model, c.width_px, "
-    "c.height_px, c.params, p.qw, p.qx, p.qy, p.qz, p.tx_m, p.ty_m, p.tz_m "
-    "FROM keyframes AS k "
-    "JOIN cairn_keyframe_poses AS p ON p.keyframe_id = k.keyframe_id "
-    "JOIN cairn_cameras AS c ON c.camera_id = p.camera_id "
-    "WHERE k.session_id = ? ORDER BY k.keyframe_id";
+    CAIRN_KEYFRAME_COLUMNS "WHERE k.session_id = ? ORDER BY k.keyframe_id";
+constexpr std::string_view kFindKeyframeSql = CAIRN_KEYFRAME_COLUMNS "WHERE k.keyframe_id = ?";
+
+#undef CAIRN_KEYFRAME_COLUMNS
 
 // Columns of ReadTile, in its order.
 #define CAIRN_TILE_COLUMNS                                                       \
@@ -79,6 +88,18 @@ TileId ReadTileId(const sqlite::Connection& connection, int64_t value) {
                      [value] { return TileId::FromValue(static_cast<uint64_t>(value)); });
 }
 
+// Queries look for cameras between these heights.
+void RequireHeights(const sqlite::Connection& connection, const TileRecord& tile) {
+  constexpr double kMaxHeightM = 1e5;
+  if (!(-kMaxHeightM <= tile.min_h_m && tile.min_h_m <= tile.max_h_m &&
+        tile.max_h_m <= kMaxHeightM)) {
+    throw Error(
+        ErrorCode::kMapDamaged,
+        fmt::format("{}: tile {}: its cameras are said to stand {} to {} m high", connection.path(),
+                    tile.tile_id.ToString(), tile.min_h_m, tile.max_h_m));
+  }
+}
+
 TileRecord ReadTile(const sqlite::Connection& connection, const sqlite::Statement& row) {
   TileRecord tile;
   tile.tile_id = ReadTileId(connection, row.Int64(0));
@@ -90,6 +111,7 @@ TileRecord ReadTile(const sqlite::Connection& connection, const sqlite::Statemen
   tile.num_bytes = row.Int64(6);
   tile.min_h_m = row.Double(7);
   tile.max_h_m = row.Double(8);
+  RequireHeights(connection, tile);
   tile.landmark_bounds = {row.Double(9) / kDegPerRad, row.Double(10) / kDegPerRad,
                           row.Double(11) / kDegPerRad, row.Double(12) / kDegPerRad};
   return tile;
@@ -112,7 +134,7 @@ std::vector<double> ParseNumbers(std::string_view text) {
   std::vector<double> numbers;
   const auto refuse = [text] {
     return Error(ErrorCode::kMapDamaged,
-                 "camera parameters '" + std::string(text) + "' are not a list of numbers");
+                 "camera parameters '" + Excerpt(text) + "' are not a list of numbers");
   };
   if (text.size() < 2 || text.front() != '[' || text.back() != ']') {
     throw refuse();
@@ -150,6 +172,11 @@ KeyframeRecord ReadKeyframe(const sqlite::Connection& connection, const sqlite::
   keyframe.cam_from_ecef.rotation =
       Eigen::Quaterniond(row.Double(8), row.Double(9), row.Double(10), row.Double(11));
   keyframe.cam_from_ecef.translation = {row.Double(12), row.Double(13), row.Double(14)};
+  if (!IsPose(keyframe.cam_from_ecef)) {
+    throw Error(ErrorCode::kMapDamaged,
+                fmt::format("{}: keyframe {}: its pose is not a rotation and a translation",
+                            connection.path(), Value(keyframe.id)));
+  }
   return keyframe;
 }
 
@@ -182,9 +209,11 @@ MapVersion CurrentVersion(sqlite::Connection* connection) {
 MapInfo Info(sqlite::Connection* connection) {
   MapInfo info;
   info.version = CurrentVersion(connection);
+  // sum(1), since SQLite counts rows for count(*) without looking whether it should stop.
   sqlite::Statement row = connection->Prepare(
-      "SELECT (SELECT created_at FROM cairn_map), (SELECT count(*) FROM cairn_sessions), "
-      "(SELECT count(*) FROM keyframes), count(*), coalesce(sum(num_landmarks), 0), "
+      "SELECT (SELECT created_at FROM cairn_map), "
+      "(SELECT coalesce(sum(1), 0) FROM cairn_sessions), "
+      "(SELECT coalesce(sum(1), 0) FROM keyframes), count(*), coalesce(sum(num_landmarks), 0), "
       "coalesce(sum(num_descriptors), 0), coalesce(sum(num_bytes), 0) FROM coverage");
   row.Step();
   info.created_at = row.Text(0);
@@ -198,9 +227,8 @@ MapInfo Info(sqlite::Connection* connection) {
   info.file_bytes = static_cast<int64_t>(std::filesystem::file_size(connection->path(), ignored));
 
   std::vector<GeoBox> boxes;
-  sqlite::Statement tiles = connection->Prepare("SELECT tile_id FROM coverage ORDER BY tile_id");
-  while (tiles.Step()) {
-    boxes.push_back(ReadTileId(*connection, tiles.Int64(0)).Bounds());
+  for (const int64_t tile_id : AllTileIds(connection)) {
+    boxes.push_back(ReadTileId(*connection, tile_id).Bounds());
   }
   info.bounds = BoxAroundAll(std::move(boxes));
   return info;
@@ -237,6 +265,15 @@ std::vector<TileRecord> AllTiles(sqlite::Connection* connection, int64_t limit) 
   return tiles;
 }
 
+std::vector<int64_t> AllTileIds(sqlite::Connection* connection) {
+  std::vector<int64_t> tile_ids;
+  sqlite::Statement rows = connection->Prepare("SELECT tile_id FROM coverage ORDER BY tile_id");
+  while (rows.Step()) {
+    tile_ids.push_back(rows.Int64(0));
+  }
+  return tile_ids;
+}
+
 std::optional<TileRecord> FindTile(sqlite::Connection* connection, TileId tile_id) {
   sqlite::Statement row = connection->Prepare(kFindTileSql);
   if (!row.Bind(static_cast<int64_t>(tile_id.value())).Step()) {
@@ -248,7 +285,7 @@ std::optional<TileRecord> FindTile(sqlite::Connection* connection, TileId tile_i
 LargeVector<uint8_t> LoadPayload(sqlite::Connection* connection, PayloadId payload_id) {
   auto payload = sqlite::ReadBlob(connection, "cairn_payloads", "bytes", Value(payload_id));
   if (!payload) {
-    throw Error(ErrorCode::kNotFound,
+    throw Error(ErrorCode::kMapDamaged,
                 connection->path() + ": has no payload " + std::to_string(Value(payload_id)));
   }
   return *std::move(payload);
@@ -265,13 +302,23 @@ std::shared_ptr<const Codebook> LoadCodebook(sqlite::Connection* connection,
                                              CodebookId codebook_id) {
   const auto bytes = sqlite::ReadBlob(connection, "cairn_codebooks", "bytes", Value(codebook_id));
   if (!bytes) {
-    throw Error(ErrorCode::kNotFound,
+    throw Error(ErrorCode::kMapDamaged,
                 connection->path() + ": has no codebook " + std::to_string(Value(codebook_id)));
   }
   return MakeFromRow(*connection, [&] {
     return std::make_shared<const Codebook>(
         DecodeCodebook(bytes->data(), bytes->size(), codebook_id));
   });
+}
+
+std::vector<CodebookId> CodebookIds(sqlite::Connection* connection) {
+  std::vector<CodebookId> ids;
+  sqlite::Statement rows =
+      connection->Prepare("SELECT codebook_id FROM cairn_codebooks ORDER BY codebook_id");
+  while (rows.Step()) {
+    ids.push_back(CodebookId(rows.Int64(0)));
+  }
+  return ids;
 }
 
 std::vector<SessionRecord> Sessions(sqlite::Connection* connection) {
@@ -299,6 +346,14 @@ std::vector<TileId> TilesOfSession(sqlite::Connection* connection, SessionId ses
     tile_ids.push_back(ReadTileId(*connection, rows.Int64(0)));
   }
   return tile_ids;
+}
+
+std::optional<KeyframeRecord> FindKeyframe(sqlite::Connection* connection, KeyframeId keyframe_id) {
+  sqlite::Statement row = connection->Prepare(kFindKeyframeSql);
+  if (!row.Bind(Value(keyframe_id)).Step()) {
+    return std::nullopt;
+  }
+  return ReadKeyframe(*connection, row);
 }
 
 std::vector<KeyframeRecord> KeyframesOfSession(sqlite::Connection* connection,

@@ -28,6 +28,8 @@ MapInfo Info(sqlite::Connection* connection);
 
 std::vector<TileRecord> FindTiles(sqlite::Connection* connection, const GeoBox& box);
 std::vector<TileRecord> AllTiles(sqlite::Connection* connection, int64_t limit);
+// As they are in the file, which need not be those of tiles.
+std::vector<int64_t> AllTileIds(sqlite::Connection* connection);
 std::optional<TileRecord> FindTile(sqlite::Connection* connection, TileId tile_id);
 LargeVector<uint8_t> LoadPayload(sqlite::Connection* connection, PayloadId payload_id);
 
@@ -36,9 +38,12 @@ CodebookId CurrentCodebookId(sqlite::Connection* connection);
 std::shared_ptr<const Codebook> LoadCodebook(sqlite::Connection* connection,
                                              CodebookId codebook_id);
 
+std::vector<CodebookId> CodebookIds(sqlite::Connection* connection);
+
 std::vector<SessionRecord> Sessions(sqlite::Connection* connection);
 std::optional<SessionRecord> FindSession(sqlite::Connection* connection, const std::string& name);
 std::vector<TileId> TilesOfSession(sqlite::Connection* connection, SessionId session_id);
+std::optional<KeyframeRecord> FindKeyframe(sqlite::Connection* connection, KeyframeId keyframe_id);
 std::vector<KeyframeRecord> KeyframesOfSession(sqlite::Connection* connection,
                                                SessionId session_id);
 

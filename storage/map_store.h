@@ -86,10 +86,11 @@ class MapSnapshot {
   std::vector<TileRecord> AllTiles(int64_t limit) const;
   std::optional<TileRecord> FindTile(TileId tile_id) const;
 
-  // The encoded bytes of a tile. Throws Error(kNotFound) if this version has no such payload.
+  // The encoded bytes of a tile. Ids come from the map itself, so a payload that this
+  // version does not have is damage: Error(kMapDamaged).
   LargeVector<uint8_t> LoadPayload(PayloadId payload_id) const;
 
-  // Cached by the store; throws Error(kNotFound).
+  // Cached by the store. Throws Error(kMapDamaged) if it is missing or does not decode.
   std::shared_ptr<const Codebook> LoadCodebook(CodebookId codebook_id) const;
   // The codebook new sessions are coded with; nothing if nothing was ingested yet.
   std::shared_ptr<const Codebook> CurrentCodebook() const;

@@ -13,6 +13,7 @@
 #include "storage/map_file.h"
 #include "storage/map_internal.h"
 #include "storage/map_queries.h"
+#include "storage/map_schema.h"
 #include "storage/map_store.h"
 
 namespace cairn {
@@ -57,12 +58,12 @@ double HeadingDeg(const Rigid3d& cam_from_ecef, const Geodetic& position) {
 // What GeoPackage readers show of a layer without reading it.
 void UpdateContents(sqlite::Connection* connection) {
   connection->Execute(
-      "UPDATE gpkg_contents SET last_change = strftime('%Y-%m-%dT%H:%M:%fZ', 'now'), "
-      "(min_x, min_y, max_x, max_y) = "
+      "UPDATE gpkg_contents SET last_change = strftime('%Y-%m-%dT%H:%M:%fZ', 'now') "
+      "WHERE table_name IN ('coverage', 'keyframes', 'cairn_sessions');"
+      "UPDATE gpkg_contents SET (min_x, min_y, max_x, max_y) = "
       "(SELECT min(minx), min(miny), max(maxx), max(maxy) FROM rtree_coverage_geom) "
       "WHERE table_name = 'coverage';"
-      "UPDATE gpkg_contents SET last_change = strftime('%Y-%m-%dT%H:%M:%fZ', 'now'), "
-      "(min_x, min_y, max_x, max_y) = "
+      "UPDATE gpkg_contents SET (min_x, min_y, max_x, max_y) = "
       "(SELECT min(minx), min(miny), max(maxx), max(maxy) FROM rtree_keyframes_geom) "
       "WHERE table_name = 'keyframes';");
 }
@@ -79,6 +80,8 @@ MapUpdate::Impl::Impl(const std::string& path) : connection(OpenMapFileForUpdate
     }
     throw;
   }
+  // In the transaction, so that the triggers that run now are those that were checked.
+  RequireMapSchema(connection.get());
 }
 
 MapUpdate::MapUpdate(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

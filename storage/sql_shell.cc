@@ -3,10 +3,17 @@
 #include <sqlite3.h>
 
 #include <algorithm>
+#include <chrono>
+#include <condition_variable>
 #include <memory>
+#include <mutex>
+#include <stop_token>
 #include <string_view>
+#include <thread>
 
 #include "core/error.h"
+#include "core/printable.h"
+#include "core/require.h"
 #include "storage/inspection/register.h"
 #include "storage/map_file.h"
 #include "storage/sqlite/connection.h"
@@ -16,6 +23,8 @@ namespace cairn {
 namespace {
 
 using StatementPtr = std::unique_ptr<sqlite3_stmt, decltype(&sqlite3_finalize)>;
+
+constexpr size_t kMaxQuotedSqlBytes = 300;
 
 // Pragmas that only show something.
 constexpr std::string_view kPragmas[] = {
@@ -38,11 +47,39 @@ int Authorize(void* /*user_data*/, int action, const char* first, const char* /*
   return SQLITE_OK;
 }
 
+// Interrupts a connection when the time is up. A progress handler would not do: SQLite counts the
+// rows of a table without calling it.
+class Watchdog {
+ public:
+  Watchdog(sqlite3* db, double timeout_s)
+      : thread_([db, timeout_s](const std::stop_token& stop) {
+          const auto until = std::chrono::steady_clock::now() +
+                             std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                                 std::chrono::duration<double>(timeout_s));
+          std::mutex mutex;
+          std::condition_variable_any wake;
+          std::unique_lock lock(mutex);
+          wake.wait_until(lock, stop, until, [] { return false; });
+          while (!stop.stop_requested()) {  // Again, for statements that begin later.
+            sqlite3_interrupt(db);
+            wake.wait_for(lock, stop, std::chrono::milliseconds(10), [] { return false; });
+          }
+        }) {}
+
+ private:
+  std::jthread thread_;  // Stopped and joined on destruction.
+};
+
 // What is not the map's or the machine's fault is the statement's.
 [[noreturn]] void ThrowStatementError(const sqlite::Connection& connection, int result) {
+  if ((result & 0xff) == SQLITE_INTERRUPT) {
+    throw Error(ErrorCode::kBadInput,
+                "SQL: stopped, the time is up; give a longer --timeout or ask for less");
+  }
   const ErrorCode code = sqlite::CodeFromResult(result);
   if (code == ErrorCode::kInternal) {
-    throw Error(ErrorCode::kBadInput, std::string("SQL: ") + sqlite3_errmsg(connection.handle()));
+    throw Error(ErrorCode::kBadInput,
+                "SQL: " + Excerpt(sqlite3_errmsg(connection.handle()), kMaxQuotedSqlBytes));
   }
   sqlite::ThrowError(connection.handle(), result, connection.path(), "read");
 }
@@ -65,7 +102,7 @@ void RunStatement(const sqlite::Connection& connection, sqlite3_stmt* statement,
                   const SqlSink& sink) {
   if (sqlite3_stmt_readonly(statement) == 0) {
     throw Error(ErrorCode::kBadInput, "SQL: this statement writes, and maps are only read here: " +
-                                          std::string(sqlite3_sql(statement)));
+                                          Excerpt(sqlite3_sql(statement)));
   }
   const int num_columns = sqlite3_column_count(statement);
   if (num_columns > 0) {
@@ -90,7 +127,11 @@ void RunStatement(const sqlite::Connection& connection, sqlite3_stmt* statement,
 
 }  // namespace
 
-void RunSql(const std::string& map_path, const std::string& sql, const SqlSink& sink) {
+void SqlOptions::Validate() const { RequireWithin("timeout_s", timeout_s, 1e-3, 1e6); }
+
+void RunSql(const std::string& map_path, const std::string& sql, const SqlOptions& options,
+            const SqlSink& sink) {
+  options.Validate();
   sqlite::Access access = sqlite::Access::kReadOnly;
   const std::unique_ptr<sqlite::Connection> connection = OpenMapFile(map_path, &access);
   connection->TrustSchema();  // The views show R*Trees.
@@ -99,6 +140,8 @@ void RunSql(const std::string& map_path, const std::string& sql, const SqlSink& 
     sqlite::ThrowError(connection->handle(), result, map_path, "register functions");
   }
   sqlite3_set_authorizer(connection->handle(), &Authorize, nullptr);
+  connection->LiftWorkLimit();
+  const Watchdog watchdog(connection->handle(), options.timeout_s);
 
   const char* next = sql.c_str();
   while (*next != '\0') {

@@ -21,10 +21,18 @@ struct SqlSink {
   std::function<void(const std::vector<SqlCell>& row)> on_row;
 };
 
+struct SqlOptions {
+  double timeout_s = 60.0;  // For all statements together.
+
+  void Validate() const;  // Throws Error(kInvalidArgument).
+};
+
 // Opens the map read-only with all inspection functions and virtual tables registered and runs
 // every statement of `sql`. Throws Error(kBadInput) with SQLite's message on an SQL error or an
-// attempt to write, to attach another file or to change a setting, and as MapStore::Open.
-void RunSql(const std::string& map_path, const std::string& sql, const SqlSink& sink);
+// attempt to write, to attach another file or to change a setting, or when the time is up, and as
+// MapStore::Open. Messages quote the beginning of a statement.
+void RunSql(const std::string& map_path, const std::string& sql, const SqlOptions& options,
+            const SqlSink& sink);
 
 }  // namespace cairn
 

@@ -89,7 +89,7 @@ void RequireCurrentCodebook(const MapSnapshot& snapshot, const std::vector<TileR
   const std::shared_ptr<const Codebook> current = snapshot.CurrentCodebook();
   for (const TileRecord& tile : tiles) {
     if (current == nullptr || tile.codebook_id != current->id) {
-      throw Error(ErrorCode::kInternal,
+      throw Error(ErrorCode::kMapDamaged,
                   fmt::format("tile {} is coded with codebook {}, which is not the map's current "
                               "one; ingest its sessions again",
                               tile.tile_id.ToString(), Value(tile.codebook_id)));

@@ -5,7 +5,8 @@
 #include <cstdint>
 #include <span>
 
-#include "storage/map_store.h"
+#include "core/tile_id.h"
+#include "storage/ids.h"
 #include "storage/tile.h"
 
 namespace cairn {
@@ -21,10 +22,6 @@ Tile WithoutSession(const Tile& tile, SessionId session_id);
 
 // Adds the content of `other`, which must be of the same tile and codebook.
 void AppendTile(const Tile& other, Tile* tile);
-
-// What the index says about a tile that has at least one landmark and one keyframe. The payload's
-// id and size are left to the store.
-TileRecord DescribeTile(const Tile& tile);
 
 }  // namespace cairn
 

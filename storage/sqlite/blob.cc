@@ -4,9 +4,15 @@
 
 #include <memory>
 
+#include "core/error.h"
 #include "storage/sqlite/error.h"
 
 namespace cairn::sqlite {
+namespace {
+
+constexpr size_t kAlwaysAllowedBytes = size_t{64} << 20;  // Not worth a look at the file's size.
+
+}  // namespace
 
 std::optional<LargeVector<uint8_t>> ReadBlob(Connection* connection, const char* table,
                                              const char* column, int64_t row_id) {
@@ -21,7 +27,13 @@ std::optional<LargeVector<uint8_t>> ReadBlob(Connection* connection, const char*
   if (opened != SQLITE_OK) {
     ThrowError(connection->handle(), opened, connection->path(), "read a blob");
   }
-  LargeVector<uint8_t> bytes(sqlite3_blob_bytes(handle));
+  const auto num_bytes = static_cast<size_t>(sqlite3_blob_bytes(handle));
+  // A chain of pages in a circle holds as many bytes as the row likes to say.
+  if (num_bytes > kAlwaysAllowedBytes && num_bytes > connection->FileBytes()) {
+    throw Error(ErrorCode::kMapDamaged, connection->path() + ": " + table + "." + column +
+                                            " is said to hold more bytes than the file");
+  }
+  LargeVector<uint8_t> bytes(num_bytes);
   const int read = sqlite3_blob_read(handle, bytes.data(), static_cast<int>(bytes.size()), 0);
   if (read != SQLITE_OK) {
     ThrowError(connection->handle(), read, connection->path(), "read a blob");

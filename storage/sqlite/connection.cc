@@ -3,12 +3,19 @@
 #include <sqlite3.h>
 
 #include <filesystem>
+#include <system_error>
 
 #include "core/error.h"
 #include "storage/sqlite/error.h"
 
 namespace cairn::sqlite {
 namespace {
+
+// A scan takes tens of steps a row, and the smallest row takes some bytes. What is not in the file
+// yet is in SQLite's cache of 2 MB.
+constexpr int kStepsACall = 1000;
+constexpr int64_t kBaseSteps = 20'000'000;
+constexpr int64_t kStepsAByte = 20;
 
 // "file:" URI of a path, in which %, ? and # would have a meaning.
 std::string ImmutableUri(const std::string& absolute_path) {
@@ -35,6 +42,8 @@ int OpenFlags(Access access) {
       return kCommon | SQLITE_OPEN_READONLY;
     case Access::kImmutable:
       return kCommon | SQLITE_OPEN_READONLY | SQLITE_OPEN_URI;
+    case Access::kMemory:
+      return kCommon | SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_MEMORY;
   }
   throw Error(ErrorCode::kInternal, "unknown access to an SQLite file");
 }
@@ -44,17 +53,21 @@ int OpenFlags(Access access) {
 Connection::Connection(const std::string& path, Access access, int busy_timeout_ms) : path_(path) {
   // Absolute, because names like ":memory:" mean something to SQLite.
   const std::string absolute = std::filesystem::absolute(path).string();
-  const std::string name = access == Access::kImmutable ? ImmutableUri(absolute) : absolute;
+  const std::string name = access == Access::kImmutable ? ImmutableUri(absolute)
+                           : access == Access::kMemory  ? ":memory:"
+                                                        : absolute;
   if (const int result = sqlite3_open_v2(name.c_str(), &handle_, OpenFlags(access), nullptr);
       result != SQLITE_OK) {
-    const std::string detail = handle_ ? sqlite3_errmsg(handle_) : sqlite3_errstr(result);
+    const std::string detail = DetailOf(handle_, result);
     Close();
-    throw Error(CodeFromResult(result), path + ": cannot open: SQLite says \"" + detail + "\"");
+    throw Error(CodeFromResult(result), path + ": cannot open: " + detail);
   }
   sqlite3_busy_timeout(handle_, busy_timeout_ms);
   sqlite3_db_config(handle_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
   sqlite3_db_config(handle_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
   sqlite3_db_config(handle_, SQLITE_DBCONFIG_ENABLE_FKEY, 1, nullptr);
+  sqlite3_progress_handler(handle_, kStepsACall, &OnProgress, this);
+  sqlite3_exec(handle_, "PRAGMA cell_size_check = ON", nullptr, nullptr, nullptr);
 }
 
 Connection::~Connection() { Close(); }
@@ -72,15 +85,48 @@ void Connection::TrustSchema() {
   sqlite3_db_config(handle_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 1, nullptr);
 }
 
+void Connection::LiftWorkLimit() { sqlite3_progress_handler(handle_, 0, nullptr, nullptr); }
+
+uint64_t Connection::FileBytes() const {
+  uint64_t num_bytes = 0;
+  for (const char* suffix : {"", "-wal"}) {
+    std::error_code error;
+    const auto size = std::filesystem::file_size(path_ + suffix, error);
+    num_bytes += error ? 0 : size;
+  }
+  return num_bytes;
+}
+
+int Connection::OnProgress(void* connection) {
+  return static_cast<Connection*>(connection)->MayGoOn() ? 0 : 1;
+}
+
+bool Connection::MayGoOn() {
+  num_steps_ += kStepsACall;
+  if (num_steps_ > max_steps_) {  // The file may have grown.
+    max_steps_ = kBaseSteps + kStepsAByte * static_cast<int64_t>(FileBytes());
+  }
+  return num_steps_ <= max_steps_;
+}
+
+void Connection::ResetSteps() {
+  if (num_statements_ == 0) {
+    num_steps_ = 0;
+  }
+}
+
 void Connection::Execute(const std::string& script) {
+  ResetSteps();
   if (const int result = sqlite3_exec(handle_, script.c_str(), nullptr, nullptr, nullptr);
       result != SQLITE_OK) {
-    ThrowError(handle_, result, path_, "run a statement");
+    ThrowContentError(handle_, result, path_, "run a statement");
   }
 }
 
 Statement Connection::Prepare(std::string_view sql) {
+  ResetSteps();
   if (auto idle = idle_statements_.extract(std::string(sql)); !idle.empty()) {
+    ++num_statements_;
     return {this, idle.mapped()};
   }
   sqlite3_stmt* statement = nullptr;
@@ -88,16 +134,17 @@ Statement Connection::Prepare(std::string_view sql) {
                                         SQLITE_PREPARE_PERSISTENT, &statement, nullptr);
   if (result == SQLITE_ERROR) {
     throw Error(ErrorCode::kMapDamaged,
-                path_ + ": its tables are not those of a Cairn map: SQLite says \"" +
-                    sqlite3_errmsg(handle_) + "\"");
+                path_ + ": its tables are not those of a Cairn map: " + DetailOf(handle_, result));
   }
   if (result != SQLITE_OK) {
-    ThrowError(handle_, result, path_, "read the schema");
+    ThrowContentError(handle_, result, path_, "read the schema");
   }
+  ++num_statements_;
   return {this, statement};
 }
 
 void Connection::GiveBack(sqlite3_stmt* statement) noexcept {
+  --num_statements_;
   sqlite3_reset(statement);
   sqlite3_clear_bindings(statement);
   try {

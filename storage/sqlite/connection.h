@@ -19,10 +19,15 @@ enum class Access {
   kReadWrite,
   kReadOnly,
   kImmutable,  // Read-only, without locks or a write-ahead log: nobody may change the file.
+  kMemory,     // A new, empty database in memory; the path is a name for messages.
 };
 
 // Foreign keys are enforced. Schemas are not trusted: triggers and views may use only what is
-// marked as innocuous. One thread at a time.
+// marked as innocuous, and pages are checked as they are read.
+//
+// No file makes a statement run for ever. A statement of ours does work in proportion to the size
+// of the file; one that does far more, because the pages of a file refer to each other in circles
+// or a view never ends, is broken off with Error(kMapDamaged). One thread at a time.
 class Connection {
  public:
   // `busy_timeout_ms` is how long a lock of another connection is waited for. Throws Error.
@@ -37,6 +42,13 @@ class Connection {
   // Lets triggers and views use R*Trees, which SQLite 3.40 does not mark as innocuous.
   void TrustSchema();
 
+  // From now on statements may do as much work as they like. For the statements of people, who have
+  // a time limit instead.
+  void LiftWorkLimit();
+
+  // Size of the file and its write-ahead log now, bytes.
+  uint64_t FileBytes() const;
+
   // Runs statements whose rows, if any, do not matter.
   void Execute(const std::string& script);
 
@@ -50,6 +62,10 @@ class Connection {
 
  private:
   friend class Statement;
+  // SQLite calls it every so many steps of a statement; anything but 0 ends the statement.
+  static int OnProgress(void* connection);
+  bool MayGoOn();
+  void ResetSteps();
   // Resets the statement and keeps it for the next Prepare of the same text.
   void GiveBack(sqlite3_stmt* statement) noexcept;
   void Close() noexcept;
@@ -57,6 +73,9 @@ class Connection {
   std::string path_;
   sqlite3* handle_ = nullptr;
   std::unordered_map<std::string, sqlite3_stmt*> idle_statements_;
+  int num_statements_ = 0;  // Borrowed.
+  int64_t num_steps_ = 0;   // Since none was borrowed: of a statement and those in its loops.
+  int64_t max_steps_ = 0;
 };
 
 }  // namespace cairn::sqlite

@@ -14,9 +14,22 @@ namespace cairn::sqlite {
 // locks, kIo for what the operating system refused, else kInternal.
 ErrorCode CodeFromResult(int result);
 
+// The same for a statement of our own on a file from outside. Such a statement is right, so that
+// what SQLite refuses of it (a number too large, a constraint, endless work) is the file's fault:
+// damage where the above says kInternal, unless memory is short.
+ErrorCode CodeFromContent(int result);
+
+// "SQLite says "..."" with what the connection says last, cut: SQLite quotes names and values of
+// the file. `db` may be null if there is no connection yet.
+std::string DetailOf(sqlite3* db, int result);
+
 // Throws Error with `path`, `action` ("read", "write", ...) and SQLite's own message. `db` may be
 // null if there is no connection yet.
 [[noreturn]] void ThrowError(sqlite3* db, int result, const std::string& path, const char* action);
+
+// The same with the code of CodeFromContent.
+[[noreturn]] void ThrowContentError(sqlite3* db, int result, const std::string& path,
+                                    const char* action);
 
 }  // namespace cairn::sqlite
 

@@ -29,7 +29,7 @@ bool Statement::Step() {
   }
   if (result != SQLITE_DONE) {
     const char* action = sqlite3_stmt_readonly(handle_) != 0 ? "read" : "write";
-    ThrowError(connection_->handle(), result, connection_->path(), action);
+    ThrowContentError(connection_->handle(), result, connection_->path(), action);
   }
   return false;
 }

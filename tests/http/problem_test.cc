@@ -37,9 +37,10 @@ TEST(Problem, JsonSurvivesDetailsThatAreNotUtf8) {
 }
 
 TEST(Problem, ServerFaultsDoNotTellTheirMessages) {
-  for (const ErrorCode code : {ErrorCode::kInternal, ErrorCode::kIo, ErrorCode::kMapDamaged}) {
+  for (const ErrorCode code : {ErrorCode::kInternal, ErrorCode::kIo, ErrorCode::kMapDamaged,
+                               ErrorCode::kNotFound, ErrorCode::kConflict}) {
     const HttpError shown = PublicError(Error(code, "/secret/path is damaged"));
-    EXPECT_EQ(InfoOf(shown.problem()).status, 500);
+    EXPECT_EQ(InfoOf(shown.problem()).status, code == ErrorCode::kConflict ? 503 : 500);
     EXPECT_EQ(std::string(shown.what()).find("secret"), std::string::npos);
   }
   EXPECT_STREQ(PublicError(Error(ErrorCode::kBadInput, "too short")).what(), "too short");

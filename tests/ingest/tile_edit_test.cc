@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "storage/describe_tile.h"
+
 namespace cairn {
 namespace {
 

@@ -12,6 +12,8 @@
 #include <string>
 
 #include "storage/inspection/register.h"
+#include "storage/sql_shell.h"
+#include "support/raw_sql.h"
 #include "support/street_map.h"
 #include "support/temp_dir.h"
 
@@ -66,6 +68,74 @@ TEST(GeoPackage, OgrinfoOpensAMapWithoutAWarning) {
   EXPECT_THAT(result.output, HasSubstr("POINT Z (8.416"));
   EXPECT_THAT(result.output, HasSubstr("POLYGON ((8.41"));
   EXPECT_THAT(result.output, Not(HasSubstr("Layer name: cairn_payloads")));
+}
+
+// GDAL's validator goes through the requirements of the standard.
+constexpr const char* kValidator = "/usr/bin/python3 -m osgeo_utils.samples.validate_gpkg";
+
+bool HasValidator() {
+  return std::system(
+             "/usr/bin/python3 -c 'import osgeo_utils.samples.validate_gpkg' 2> /dev/null") == 0;
+}
+
+TEST(GeoPackage, NewMapsAndFilledOnesAreValid) {
+  if (!HasValidator()) {
+    GTEST_SKIP() << "validate_gpkg not found (apt-get install python3-gdal)";
+  }
+  const TempDir dir;
+  const std::string filled = MakeStreetMap(dir.File("filled.gpkg"));
+  const std::string empty = dir.File("empty.gpkg");
+  MapStore::Create(empty);
+  for (const std::string& path : {empty, filled}) {
+    const CommandResult result =
+        RunCommand(std::string(kValidator) + " -k --extra --warning-as-error '" + path + "'");
+    EXPECT_EQ(result.status, 0) << path << ": " << result.output;
+    EXPECT_EQ(result.output, "") << path;
+  }
+}
+
+TEST(GeoPackage, TheValidatorFindsWhatIsWrong) {
+  if (!HasValidator()) {
+    GTEST_SKIP() << "validate_gpkg not found (apt-get install python3-gdal)";
+  }
+  const TempDir dir;
+  const std::string path = MakeStreetMap(dir.File("a.gpkg"));
+  testing::ExecuteRaw(path, "DELETE FROM gpkg_spatial_ref_sys WHERE srs_id = 4326");
+  EXPECT_NE(RunCommand(std::string(kValidator) + " -k '" + path + "'").status, 0);
+}
+
+// What QGIS does when it saves a style into the map, by the same library.
+TEST(GeoPackage, MapsStayMapsWhenGdalAddsATable) {
+  if (!HasValidator()) {
+    GTEST_SKIP() << "no GDAL for Python (apt-get install python3-gdal)";
+  }
+  const TempDir dir;
+  const std::string path = MakeStreetMap(dir.File("a.gpkg"));
+  const CommandResult result = RunCommand(
+      "/usr/bin/python3 -c \"from osgeo import gdal, ogr; gdal.UseExceptions(); "
+      "map = gdal.OpenEx('" +
+      path +
+      "', gdal.OF_UPDATE | gdal.OF_VECTOR); "
+      "map.SetMetadataItem('author', 'somebody'); "
+      "styles = map.CreateLayer('layer_styles', geom_type=ogr.wkbNone); "
+      "styles.CreateField(ogr.FieldDefn('styleQML', ogr.OFTString)); "
+      "row = ogr.Feature(styles.GetLayerDefn()); row['styleQML'] = '<qgis/>'; "
+      "styles.CreateFeature(row); map = None\"");
+  ASSERT_EQ(result.status, 0) << result.output;
+  EXPECT_THAT(MapStore::Open(path, OpenMode::kReadWrite).Check({}).problems, ::testing::IsEmpty());
+}
+
+TEST(GeoPackage, EveryUpdateIsTheLastChangeOfEveryLayer) {
+  const TempDir dir;
+  const std::string path = MakeStreetMap(dir.File("a.gpkg"));
+  testing::ExecuteRaw(path, "UPDATE gpkg_contents SET last_change = '2000-01-01T00:00:00.000Z'");
+  MapStore::Open(path, OpenMode::kReadWrite).BeginUpdate().Publish();
+  std::vector<std::string> left_behind;
+  SqlSink sink;
+  sink.on_columns = [](const std::vector<std::string>&) {};
+  sink.on_row = [&](const std::vector<SqlCell>& row) { left_behind.push_back(row.at(0).text); };
+  RunSql(path, "SELECT table_name FROM gpkg_contents WHERE last_change < '2001'", {}, sink);
+  EXPECT_THAT(left_behind, ::testing::IsEmpty());
 }
 
 TEST(GeoPackage, OgrFindsFeaturesThroughTheIndex) {

@@ -2,7 +2,6 @@
 // writer.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sqlite3.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -18,10 +17,10 @@
 #include <vector>
 
 #include "core/error.h"
-#include "storage/inspection/register.h"
 #include "storage/map_store.h"
 #include "storage/tile_codec.h"
 #include "support/map_builder.h"
+#include "support/raw_sql.h"
 #include "support/street_map.h"
 #include "support/temp_dir.h"
 #include "support/tile_builder.h"
@@ -30,6 +29,7 @@ namespace cairn {
 namespace {
 
 using testing::ErrorCodeOf;
+using testing::ExecuteRaw;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::MakeStreetMap;
@@ -43,16 +43,6 @@ std::string ReadFile(const std::string& path) {
 std::string WriteFile(const std::string& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
   return path;
-}
-
-// Runs SQL in a database, past all that MapStore guards.
-void Execute(const std::string& path, const std::string& sql) {
-  sqlite3* db = nullptr;
-  ASSERT_EQ(sqlite3_open(path.c_str(), &db), SQLITE_OK);
-  ASSERT_EQ(inspection::RegisterInspection(db), SQLITE_OK);
-  char* error = nullptr;
-  ASSERT_EQ(sqlite3_exec(db, sql.c_str(), nullptr, nullptr, &error), SQLITE_OK) << error;
-  sqlite3_close(db);
 }
 
 void ExpectRefused(const std::string& path, ErrorCode code, const std::string& text) {
@@ -94,7 +84,7 @@ TEST(MapFile, PagesAreLargeAndOthersAreReadAndWritten) {
   EXPECT_EQ(PageSize(path), 16384u);
   const std::vector<TileRecord> tiles =
       MapStore::Open(path, OpenMode::kReadOnly).Snapshot().AllTiles(9);
-  Execute(path, "PRAGMA journal_mode = DELETE; PRAGMA page_size = 4096; VACUUM");
+  ExecuteRaw(path, "PRAGMA journal_mode = DELETE; PRAGMA page_size = 4096; VACUUM");
   ASSERT_EQ(PageSize(path), 4096u);
   MapStore store = MapStore::Open(path, OpenMode::kReadWrite);
   ReadAll(store);
@@ -119,36 +109,36 @@ TEST(MapFile, ForeignFilesAreNamedForWhatTheySeemToBe) {
 
 TEST(MapFile, ForeignDatabasesAreNamedForWhatTheySeemToBe) {
   const TempDir dir;
-  Execute(dir.File("a.db"), "CREATE TABLE t (x)");
+  ExecuteRaw(dir.File("a.db"), "CREATE TABLE t (x)");
   ExpectRefused(dir.File("a.db"), ErrorCode::kBadInput, "SQLite database of another program");
-  Execute(dir.File("b.db"), "CREATE TABLE keypoints (x); CREATE TABLE descriptors (x)");
+  ExecuteRaw(dir.File("b.db"), "CREATE TABLE keypoints (x); CREATE TABLE descriptors (x)");
   ExpectRefused(dir.File("b.db"), ErrorCode::kBadInput, "COLMAP database");
-  Execute(dir.File("c.gpkg"), "CREATE TABLE t (x); PRAGMA application_id = 0x47504B47");
+  ExecuteRaw(dir.File("c.gpkg"), "CREATE TABLE t (x); PRAGMA application_id = 0x47504B47");
   ExpectRefused(dir.File("c.gpkg"), ErrorCode::kBadInput, "GeoPackage of another program");
 }
 
 TEST(MapFile, AMapOfANewerFormatAsksForANewerCairn) {
   const TempDir dir;
   const std::string path = MakeStreetMap(dir.File("a.gpkg"));
-  Execute(path, "UPDATE cairn_map SET format_version = 7");
+  ExecuteRaw(path, "UPDATE cairn_map SET format_version = 7");
   ReadAll(MapStore::Open(path, OpenMode::kReadOnly));  // Its oldest reader is still 1.
-  Execute(path, "UPDATE cairn_map SET oldest_reader_version = 2");
+  ExecuteRaw(path, "UPDATE cairn_map SET oldest_reader_version = 2");
   ExpectRefused(path, ErrorCode::kConflict, "use a newer Cairn");
 }
 
 TEST(MapFile, MissingTablesAndColumnsAreDamage) {
   const TempDir dir;
   const std::string path = MakeStreetMap(dir.File("a.gpkg"));
-  Execute(path,
-          "PRAGMA writable_schema = ON; DELETE FROM sqlite_schema WHERE name = 'cairn_tiles'");
+  ExecuteRaw(path,
+             "PRAGMA writable_schema = ON; DELETE FROM sqlite_schema WHERE name = 'cairn_tiles'");
   EXPECT_EQ(ErrorCodeOf([&] { ReadAll(MapStore::Open(path, OpenMode::kReadOnly)); }),
             ErrorCode::kMapDamaged);
   const std::string renamed = MakeStreetMap(dir.File("b.gpkg"));
-  Execute(renamed, "ALTER TABLE cairn_keyframe_poses RENAME COLUMN qw TO w");
-  const MapStore store = MapStore::Open(renamed, OpenMode::kReadOnly);
-  EXPECT_EQ(ErrorCodeOf([&] { ReadAll(store); }), ErrorCode::kMapDamaged);
-  Execute(renamed, "DELETE FROM cairn_map");
-  ExpectRefused(renamed, ErrorCode::kMapDamaged, "cairn_map is empty");
+  ExecuteRaw(renamed, "ALTER TABLE cairn_keyframe_poses RENAME COLUMN qw TO w");
+  ExpectRefused(renamed, ErrorCode::kMapDamaged, "cairn_keyframe_poses");
+  const std::string empty = MakeStreetMap(dir.File("c.gpkg"));
+  ExecuteRaw(empty, "DELETE FROM cairn_map");
+  ExpectRefused(empty, ErrorCode::kMapDamaged, "cairn_map is empty");
 }
 
 TEST(MapFile, ATruncatedMapIsDamaged) {
@@ -211,11 +201,11 @@ TEST(MapFile, CheckFindsAFlippedBitInAPayload) {
 TEST(MapFile, CheckFindsRowsThatDoNotAgree) {
   const TempDir dir;
   const std::string path = MakeStreetMap(dir.File("a.gpkg"));
-  Execute(path,
-          "UPDATE coverage SET num_landmarks = num_landmarks + 1;"
-          "DELETE FROM rtree_coverage_geom;"
-          "DELETE FROM cairn_keyframe_poses WHERE keyframe_id = 1;"
-          "INSERT INTO cairn_payloads (bytes) VALUES (x'00');");
+  ExecuteRaw(path,
+             "UPDATE coverage SET num_landmarks = num_landmarks + 1;"
+             "DELETE FROM rtree_coverage_geom;"
+             "DELETE FROM cairn_keyframe_poses WHERE keyframe_id = 1;"
+             "INSERT INTO cairn_payloads (bytes) VALUES (x'00');");
   const CheckReport report = MapStore::Open(path, OpenMode::kReadOnly).Check({});
   EXPECT_THAT(report.problems,
               ::testing::IsSupersetOf({HasSubstr("3 tiles are missing in the spatial index"),

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "storage/describe_tile.h"
 #include "storage/tile_codec.h"
 #include "support/map_builder.h"
 #include "support/street_map.h"
@@ -85,8 +86,13 @@ TEST(MapStore, WhatWasPublishedIsReadBack) {
   const SessionId session_id = update.AddSession(described);
   const KeyframeRecord written = KeyframeAt(position, session_id);
   const KeyframeId keyframe_id = update.AddKeyframe(written);
-  const Tile tile = RandomTile({.id = TileId::Containing(position), .codebook_id = codebook_id});
-  const PayloadId payload_id = AddTile(tile, &update);
+  Tile tile = RandomTile({.id = TileId::Containing(position),
+                          .codebook_id = codebook_id,
+                          .num_keyframes = 1,
+                          .first_keyframe_id = Value(keyframe_id),
+                          .first_landmark_id = Value(update.ReserveLandmarkIds(100))});
+  tile.keyframes[0].cam_from_tile = written.cam_from_ecef * EcefFromEnu(tile.id.Anchor());
+  const PayloadId payload_id = update.PutTile(DescribeTile(tile), EncodeTile(tile));
   EXPECT_EQ(update.Publish(), MapVersion(2));
 
   const MapSnapshot snapshot = MapStore::Open(store.path(), OpenMode::kReadOnly).Snapshot();
@@ -96,7 +102,7 @@ TEST(MapStore, WhatWasPublishedIsReadBack) {
   EXPECT_EQ(record->payload_id, payload_id);
   EXPECT_EQ(record->codebook_id, codebook_id);
   EXPECT_EQ(record->num_landmarks, 100);
-  EXPECT_NEAR(record->landmark_bounds.west_rad, tile.id.Bounds().west_rad, 1e-15);
+  EXPECT_NEAR(record->landmark_bounds.west_rad, DescribeTile(tile).landmark_bounds.west_rad, 1e-15);
   EXPECT_TRUE(testing::SameTile(DecodeTile(snapshot.LoadPayload(payload_id)), tile));
   EXPECT_EQ(snapshot.LoadCodebook(codebook_id)->words, RandomCodebook().words);
   EXPECT_EQ(snapshot.CurrentCodebook(), snapshot.LoadCodebook(codebook_id));
@@ -230,7 +236,7 @@ TEST(MapStore, SnapshotKeepsItsVersionWhileAnUpdateIsPublished) {
   EXPECT_TRUE(testing::SameTile(DecodeTile(before.LoadPayload(old_payload)), tile));
   EXPECT_EQ(after.version(), MapVersion(3));
   EXPECT_EQ(after.FindTile(tile.id)->payload_id, new_payload);
-  EXPECT_EQ(ErrorCodeOf([&] { after.LoadPayload(old_payload); }), ErrorCode::kNotFound);
+  EXPECT_EQ(ErrorCodeOf([&] { after.LoadPayload(old_payload); }), ErrorCode::kMapDamaged);
 }
 
 TEST(MapStore, ThreadsReadWholeVersionsWhileUpdatesArePublished) {

@@ -36,7 +36,7 @@ Result Query(const std::string& path, const std::string& sql) {
   SqlSink sink;
   sink.on_columns = [&](const std::vector<std::string>& names) { result = {names, {}}; };
   sink.on_row = [&](const std::vector<SqlCell>& row) { result.rows.push_back(row); };
-  RunSql(path, sql, sink);
+  RunSql(path, sql, {}, sink);
   return result;
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/camera.h"
 #include "core/geodesy.h"
+#include "storage/describe_tile.h"
 #include "storage/map_store.h"
 #include "support/map_builder.h"
 #include "support/tile_builder.h"
@@ -44,11 +45,16 @@ inline std::string MakeStreetMap(const std::string& path) {
     options.session_id = Value(i == 2 ? second : first);
     options.first_landmark_id = Value(update.ReserveLandmarkIds(50));
     options.seed = i;
+    const KeyframeRecord keyframe = KeyframeAt(place, SessionId(options.session_id));
     for (int k = 0; k < options.num_keyframes; ++k) {
-      const KeyframeId id = update.AddKeyframe(KeyframeAt(place, SessionId(options.session_id)));
+      const KeyframeId id = update.AddKeyframe(keyframe);
       options.first_keyframe_id = k == 0 ? Value(id) : options.first_keyframe_id;
     }
-    AddTile(RandomTile(options), &update);
+    Tile tile = RandomTile(options);
+    for (TileKeyframe& in_tile : tile.keyframes) {
+      in_tile.cam_from_tile = keyframe.cam_from_ecef * EcefFromEnu(tile.id.Anchor());
+    }
+    update.PutTile(DescribeTile(tile), EncodeTile(tile));
   }
   update.Publish();
   return path;

@@ -317,7 +317,7 @@ TEST_F(FetchTilesTest, RefusesTilesOfAnOldCodebook) {
   update.AddCodebook(testing::RandomCodebook({.seed = 2}));
   update.Publish();
   SearchRegion region = Disc(0.0, 50.0);
-  EXPECT_EQ(ErrorCodeOf([&] { Fetch(&region); }), ErrorCode::kInternal);
+  EXPECT_EQ(ErrorCodeOf([&] { Fetch(&region); }), ErrorCode::kMapDamaged);
 }
 
 TEST_F(FetchTilesTest, NamesTheTileWhosePayloadDoesNotDecode) {
