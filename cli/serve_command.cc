@@ -94,8 +94,8 @@ void AddServeCommand(CLI::App* app, Shell* shell) {
       ->capture_default_str();
   command
       ->add_option("--threads", options.num_threads,
-                   "Connections served at once; 0 is 64, or twice the cores if that is more")
-      ->check(CLI::Range(0, 4096))
+                   "Requests answered at once; 0 is 64, or twice the cores if that is more")
+      ->check(CLI::Range(0, 1024))
       ->type_name("N")
       ->capture_default_str();
   command

@@ -17,7 +17,7 @@ constexpr int kAdminThreads = 2;
 
 int NumThreads(const ServerOptions& options) {
   if (options.num_threads > 0) return options.num_threads;
-  constexpr int kMinThreads = 64;  // Most of them read, write or wait in line.
+  constexpr int kMinThreads = 64;  // Most of them wait in line.
   return std::max(kMinThreads, 2 * static_cast<int>(std::thread::hardware_concurrency()));
 }
 
@@ -60,20 +60,16 @@ struct Server::Impl {
         admin_dispatcher(AdminRoutes(&service), &service.metrics()),
         main_listener(MainListenerOptions(options), &main_dispatcher) {
     if (options.admin_port >= 0) {
-      const ListenerOptions admin{.host = options.admin_host,
-                                  .port = options.admin_port,
-                                  .num_threads = kAdminThreads,
-                                  .limits = {}};
+      const ListenerOptions admin{
+          .host = options.admin_host, .port = options.admin_port, .num_threads = kAdminThreads};
       admin_listener.emplace(admin, &admin_dispatcher);
     }
   }
 
   static ListenerOptions MainListenerOptions(const ServerOptions& options) {
-    ListenerOptions listener{.host = options.host,
-                             .port = options.port,
-                             .num_threads = NumThreads(options),
-                             .limits = {}};
-    listener.limits.head.max_body_bytes = options.max_body_bytes;
+    ListenerOptions listener{
+        .host = options.host, .port = options.port, .num_threads = NumThreads(options)};
+    listener.connection.head.max_body_bytes = options.max_body_bytes;
     return listener;
   }
 };
