@@ -9,7 +9,6 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <semaphore>
 #include <tuple>
 #include <utility>
 
@@ -55,10 +54,6 @@ struct EventLoop::Entry : Connection {
   bool has_event_while_lent = false;  // Guarded by mutex_.
 };
 
-struct EventLoop::Follower {
-  std::binary_semaphore promoted{0};
-};
-
 EventLoop::EventLoop(Socket listening, const ConnectionLimits& connection_limits,
                      const LoopLimits& loop_limits, int max_answering, RefuseFunction refuse)
     : listening_(std::move(listening)),
@@ -80,39 +75,14 @@ EventLoop::EventLoop(Socket listening, const ConnectionLimits& connection_limits
 
 EventLoop::~EventLoop() = default;
 
-void EventLoop::WaitForLead() {
-  thread_local const auto self = std::make_shared<Follower>();
-  {
-    const std::lock_guard lock(lead_mutex_);
-    if (!is_led_) {
-      is_led_ = true;
-      return;
-    }
-    followers_.push_back(self);
-  }
-  self->promoted.acquire();
-}
-
-void EventLoop::PassLead() {
-  std::shared_ptr<Follower> next;
-  {
-    const std::lock_guard lock(lead_mutex_);
-    is_led_ = !followers_.empty();
-    if (!is_led_) return;
-    next = std::move(followers_.back());
-    followers_.pop_back();
-  }
-  next->promoted.release();
-}
-
 std::optional<RequestJob> EventLoop::Next() {
-  WaitForLead();
+  lead_.Take();
   std::optional<RequestJob> job = TakeReady();
   while (!job && !HasEnded()) {
     RunRound();
     job = TakeReady();
   }
-  PassLead();
+  lead_.Pass();
   return job;
 }
 

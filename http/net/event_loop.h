@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "http/net/connection.h"
+#include "http/net/lead.h"
 #include "http/problem.h"
 
 namespace cairn {
@@ -69,7 +70,6 @@ class EventLoop {
 
  private:
   struct Entry;
-  struct Follower;
   using TimePoint = Connection::TimePoint;
 
   // What one client (Peer::network) has.
@@ -77,9 +77,6 @@ class EventLoop {
     int num_connections = 0;
     size_t bytes = 0;
   };
-
-  void WaitForLead();
-  void PassLead();
 
   bool HasEnded() const { return is_closing_ && entries_.empty(); }
   std::optional<RequestJob> TakeReady();
@@ -123,10 +120,7 @@ class EventLoop {
   Socket epoll_;
   Socket wake_;  // An eventfd.
 
-  std::mutex lead_mutex_;  // Of the next two.
-  bool is_led_ = false;
-  // The last is the next leader: what it uses is in the caches still.
-  std::vector<std::shared_ptr<Follower>> followers_;
+  Lead lead_;
 
   // The leader only.
   std::vector<std::unique_ptr<Entry>> entries_;
