@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <thread>
 
 #include "http/image_features.h"
@@ -20,25 +19,9 @@ LocalizerOptions MakeLocalizerOptions(const ServerOptions& options) {
   return localizer;
 }
 
-}  // namespace
-
-LocalizeService::LocalizeService(const ServerOptions& options)
-    : options_(options),
-      store_(
-          std::make_shared<const MapStore>(MapStore::Open(options.map_path, OpenMode::kReadOnly))),
-      cache_(std::make_shared<TileCache>(options.cache_bytes)),
-      localizer_(std::make_unique<Localizer>(store_, cache_, MakeLocalizerOptions(options))),
-      gate_(NumCores()) {
-  map_tag_ = store_->Snapshot().Info().created_at;
-  std::erase_if(map_tag_, [](unsigned char c) { return std::isalnum(c) == 0; });
-}
-
-std::string LocalizeService::TileTag(const TileRecord& tile) const {
-  return fmt::format("\"{}-{}\"", map_tag_, Value(tile.payload_id));
-}
-
-void LocalizeService::CheckCodec(const LocalizeQuery& query) const {
-  const std::shared_ptr<const Codebook> codebook = store_->Snapshot().CurrentCodebook();
+// Throws unless the features are what the map's codebook takes.
+void CheckCodec(const ServedMap& map, const LocalizeQuery& query) {
+  const std::shared_ptr<const Codebook> codebook = map.store->Snapshot().CurrentCodebook();
   if (codebook == nullptr) return;  // An empty map: nothing is covered, whatever the features.
   const bool is_raw = query.features.space == DescriptorSpace::kRaw;
   const std::string codec = is_raw ? codebook->descriptor_type : codebook->CodecName();
@@ -66,19 +49,29 @@ void LocalizeService::CheckCodec(const LocalizeQuery& query) const {
   }
 }
 
-LocalizeResult LocalizeService::LateResult(const LocalizeQuery& query) const {
+LocalizeResult LateResult(const ServedMap& map, const LocalizeQuery& query) {
   LocalizeResult late;
   late.reason = NotLocalizedReason::kTimeout;
-  late.map_version = store_->Snapshot().version();
+  late.map_version = map.store->Snapshot().version();
   late.counters.num_keypoints = query.num_features();
   return late;
 }
 
-LocalizeService::Answer LocalizeService::AnswerInTurn(LocalizeRequest* request) {
+}  // namespace
+
+LocalizeService::LocalizeService(const ServerOptions& options)
+    : options_(options),
+      maps_({.path = options.map_path,
+             .cache_bytes = options.cache_bytes,
+             .localizer = MakeLocalizerOptions(options)}),
+      gate_(NumCores()) {}
+
+LocalizeService::Answer LocalizeService::AnswerInTurn(const ServedMap& map,
+                                                      LocalizeRequest* request) {
   Answer answer;
   LocalizeQuery& query = request->query;
   if (!gate_.Enter(*query.deadline)) {
-    answer.result = LateResult(query);
+    answer.result = LateResult(map, query);
     return answer;
   }
   // Left on every way out.
@@ -86,20 +79,21 @@ LocalizeService::Answer LocalizeService::AnswerInTurn(LocalizeRequest* request) 
                                                             [](FairGate* gate) { gate->Leave(); });
   if (request->has_images()) {
     ExtractQueryFeatures(options_.max_image_pixels, request, &answer.times);
-    CheckCodec(query);
+    CheckCodec(map, query);
   }
-  answer.result = localizer_->Localize(query);
+  answer.result = map.localizer->Localize(query);
   return answer;
 }
 
 LocalizeService::Answer LocalizeService::Localize(std::chrono::steady_clock::time_point arrival,
                                                   LocalizeRequest* request) {
   request->query.deadline = arrival + std::chrono::milliseconds(request->timeout_ms);
+  const std::shared_ptr<const ServedMap> map = maps_.Current();
   if (!request->has_images()) {
-    CheckCodec(request->query);
+    CheckCodec(*map, request->query);
   }
-  Answer answer = AnswerInTurn(request);
-  metrics_.CountLocalize(answer.result, answer.times, request->has_images());
+  Answer answer = AnswerInTurn(*map, request);
+  metrics_.CountLocalize(answer.result, answer.times);
   return answer;
 }
 

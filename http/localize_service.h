@@ -11,9 +11,8 @@
 #include "http/json/localize_request.h"
 #include "http/json/localize_response.h"
 #include "http/metrics.h"
+#include "http/served_map.h"
 #include "http/server.h"
-#include "storage/map_store.h"
-#include "storage/tile_cache.h"
 
 namespace cairn {
 
@@ -33,14 +32,12 @@ class LocalizeService {
             .default_timeout_ms = options_.default_timeout_ms};
   }
   const ServerOptions& options() const { return options_; }
-  const MapStore& store() const { return *store_; }
-  const Localizer& localizer() const { return *localizer_; }
-  TileCacheStats cache_stats() const { return cache_->Stats(); }
+  // A request holds one map from its beginning to its end.
+  std::shared_ptr<const ServedMap> map() const { return maps_.Current(); }
+  ServedMaps& maps() { return maps_; }
+  const ServedMaps& maps() const { return maps_; }
   Metrics& metrics() { return metrics_; }
   const Metrics& metrics() const { return metrics_; }
-
-  // Names the contents of a tile, for ETag: differs whenever the bytes differ, also between maps.
-  std::string TileTag(const TileRecord& tile) const;
 
   // Fills in the query's deadline (the client's timeout counts from `arrival`), waits for its turn
   // if there are more requests than cores, extracts features if there is an image, checks that the
@@ -51,16 +48,10 @@ class LocalizeService {
  private:
   // A request has one turn, in which its image becomes features and these an answer: whoever comes
   // first is served first, with an image or without.
-  Answer AnswerInTurn(LocalizeRequest* request);
-  LocalizeResult LateResult(const LocalizeQuery& query) const;
-  // Throws unless the features are what the map's codebook takes.
-  void CheckCodec(const LocalizeQuery& query) const;
+  Answer AnswerInTurn(const ServedMap& map, LocalizeRequest* request);
 
   const ServerOptions options_;
-  std::shared_ptr<const MapStore> store_;
-  std::shared_ptr<TileCache> cache_;
-  std::unique_ptr<Localizer> localizer_;
-  std::string map_tag_;
+  ServedMaps maps_;
   Metrics metrics_;
   FairGate gate_;  // As many requests at a time as there are cores.
 };

@@ -47,6 +47,12 @@ class Server {
   // Lets running requests finish; returns when all threads have ended. Idempotent.
   void Stop();
 
+  // Opens the file at map_path again; what runs is answered from the map it began with. If there is
+  // another map, requests see it from now on; if there is none, /healthz says so and the old one
+  // stays. Between Start and Stop a new file is found without it, within about a second, but not
+  // one that was overwritten in place.
+  void ReloadMap();
+
   int port() const;  // Bound ports, valid after Start.
   int admin_port() const;
 
