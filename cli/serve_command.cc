@@ -1,21 +1,29 @@
-// `cairn serve`: answers queries over HTTP until SIGINT or SIGTERM.
+// `cairn serve`: answers queries over HTTP until SIGINT or SIGTERM; SIGHUP opens the map again.
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <malloc.h>
-#include <pthread.h>
+#include <poll.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
-#include <ctime>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 
 #include "cli/index_option.h"
 #include "cli/shell.h"
+#include "core/error.h"
 #include "core/logging.h"
 #include "core/memory_reserve.h"
 #include "http/server.h"
@@ -30,15 +38,62 @@ struct ServeArguments {
   int64_t cache_mb = 1024;
 };
 
-// Keeps SIGINT and SIGTERM from every thread that is started from now on, so that one can wait for
-// them.
-sigset_t BlockStopSignals() {
-  sigset_t stop_signals;
-  sigemptyset(&stop_signals);
-  sigaddset(&stop_signals, SIGINT);
-  sigaddset(&stop_signals, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &stop_signals, nullptr);
-  return stop_signals;
+constexpr std::array kSignals = {SIGHUP, SIGINT, SIGTERM};
+
+// The handler's end of a SignalQueue's pipe.
+std::atomic<int> signal_pipe{-1};
+
+extern "C" void QueueSignal(int signal_number) {
+  const int error = errno;
+  const auto byte = static_cast<char>(signal_number);
+  [[maybe_unused]] const ssize_t ignored = write(signal_pipe, &byte, 1);
+  errno = error;
+}
+
+// The signals that a server heeds, in the order in which they come, from the making of the queue
+// on. They are not waited for by sigwait: libraries have threads of their own, which a signal ends
+// if it comes while nobody waits.
+class SignalQueue {
+ public:
+  SignalQueue() {
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC) != 0 || fcntl(ends[1], F_SETFL, O_NONBLOCK) != 0) {
+      throw Error(ErrorCode::kIo, "cannot make a pipe");
+    }
+    read_end_ = ends[0];
+    signal_pipe = ends[1];
+    for (const int signal_number : kSignals) std::signal(signal_number, QueueSignal);
+  }
+  // Makes threads that are started between two calls do without interruptions.
+  static void Block(int how) {
+    sigset_t signals;
+    sigemptyset(&signals);
+    for (const int signal_number : kSignals) sigaddset(&signals, signal_number);
+    pthread_sigmask(how, &signals, nullptr);
+  }
+  // The next one, if there is one within `patience`.
+  std::optional<int> WaitFor(std::chrono::milliseconds patience) const {
+    pollfd poll_fd{.fd = read_end_, .events = POLLIN, .revents = 0};
+    char byte = 0;
+    if (poll(&poll_fd, 1, static_cast<int>(patience.count())) <= 0 ||
+        read(read_end_, &byte, 1) != 1) {
+      return std::nullopt;
+    }
+    return byte;
+  }
+
+ private:
+  int read_end_ = -1;
+};
+
+// Connections and maps need more open files than the 1,024 that a process has by default; it may
+// raise that by itself.
+void AllowOpenFiles() {
+  constexpr rlim_t kEnough = 8192;
+  rlimit files{};
+  if (getrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur >= kEnough) return;
+  files.rlim_cur = std::min(files.rlim_max, kEnough);
+  setrlimit(RLIMIT_NOFILE, &files);
 }
 
 // glibc gives every thread a heap of its own, and each keeps what its largest request took: 72 MB
@@ -48,15 +103,13 @@ void ShareHeapsAmongThreads() {
   mallopt(M_ARENA_MAX, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
 }
 
-// Waits for one of the signals, and after every second with requests gives the memory that they
-// have freed back to the system: glibc keeps it otherwise.
-int WaitForStop(const sigset_t& stop_signals, const Server& server) {
-  constexpr timespec kInterval{.tv_sec = 1, .tv_nsec = 0};
+// Waits for a signal, and after every second with requests gives the memory that they have freed
+// back to the system: glibc keeps it otherwise.
+int WaitForSignal(const SignalQueue& signals, const Server& server) {
   uint64_t num_requests = 0;
   while (true) {
-    const int signal_number = sigtimedwait(&stop_signals, nullptr, &kInterval);
-    if (signal_number > 0) {
-      return signal_number;
+    if (const std::optional<int> signal_number = signals.WaitFor(std::chrono::seconds(1))) {
+      return *signal_number;
     }
     RefillMemoryReserve();
     if (num_requests != server.num_requests()) {
@@ -77,16 +130,23 @@ ExitCode RunServe(const ServeArguments& arguments) {
   options.cache_bytes = static_cast<size_t>(arguments.cache_mb) << 20;
   ShareHeapsAmongThreads();
   SetUpMemoryReserve(kMemoryReserveBytes);
-  const sigset_t stop_signals = BlockStopSignals();
+  AllowOpenFiles();
+  const SignalQueue signals;
+  SignalQueue::Block(SIG_BLOCK);
   Server server(options);
   server.Start();
+  SignalQueue::Block(SIG_UNBLOCK);
   fmt::print("{}\n", Url(options.host, server.port()));
   if (options.admin_port >= 0) {
     LogInfo("health and metrics on {}", Url(options.admin_host, server.admin_port()));
   }
   std::fflush(stdout);
 
-  const int signal_number = WaitForStop(stop_signals, server);
+  int signal_number = WaitForSignal(signals, server);
+  while (signal_number == SIGHUP) {
+    server.ReloadMap();
+    signal_number = WaitForSignal(signals, server);
+  }
   LogInfo("stopping after the running requests");
   server.Stop();
   return signal_number == SIGINT ? ExitCode::kInterrupted : ExitCode::kOk;
@@ -117,8 +177,8 @@ void AddServeCommand(CLI::App* app, Shell* shell) {
       ->capture_default_str();
   command
       ->add_option("--threads", options.num_threads,
-                   "Connections served at once; 0 is 64, or twice the cores if that is more")
-      ->check(CLI::Range(0, 4096))
+                   "Requests answered at once; 0 is 64, or twice the cores if that is more")
+      ->check(CLI::Range(0, 1024))
       ->type_name("N")
       ->capture_default_str();
   command
@@ -129,7 +189,8 @@ void AddServeCommand(CLI::App* app, Shell* shell) {
       ->capture_default_str();
   AddIndexOption(command, &options.localizer.matching.index.kind);
   command->footer(
-      "Prints the URL when it is ready. SIGTERM and SIGINT stop it after the running requests.\n"
+      "Prints the URL when it is ready. SIGTERM and SIGINT stop it after the running requests,\n"
+      "SIGHUP opens the map again.\n"
       "Example:\n"
       "  cairn serve city.gpkg --port 8080");
   command->callback(

@@ -37,7 +37,7 @@ inline constexpr int kNumStages = 6;
 const char* StageName(Stage stage);  // "prior", "tiles", ...
 
 struct StageTimes {
-  std::array<double, kNumStages> seconds{};  // Wall time, indexed by Stage.
+  std::array<double, kNumStages> seconds{};  // Wall time, indexed by Stage; 0: it did not run.
   double total_seconds = 0.0;
 };
 

@@ -74,13 +74,22 @@ std::string RequestJson(const LocalizeQuery& query, bool want_matches) {
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
+// A member for people; empty if it is missing or is no text, as in the answer of another program.
+std::string TextOf(const nlohmann::json& problem, const char* name) {
+  const auto member = problem.find(name);
+  return member != problem.end() && member->is_string() ? member->get<std::string>() : "";
+}
+
 // What a refusal says, for people.
 std::string Explanation(const httplib::Response& response) {
   const nlohmann::json problem = nlohmann::json::parse(response.body, nullptr, false);
   std::string text = fmt::format("the server answered {}", response.status);
   if (problem.is_object()) {
-    text += fmt::format(": {}", problem.value("detail", problem.value("title", "")));
-    if (problem.contains("hint")) text += fmt::format(" ({})", problem.value("hint", ""));
+    const std::string detail = TextOf(problem, "detail");
+    const std::string reason = detail.empty() ? TextOf(problem, "title") : detail;
+    const std::string hint = TextOf(problem, "hint");
+    if (!reason.empty()) text += ": " + reason;
+    if (!hint.empty()) text += fmt::format(" ({})", hint);
   }
   return text;
 }

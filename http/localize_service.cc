@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <thread>
 
 #include "http/image_features.h"
@@ -22,25 +21,9 @@ LocalizerOptions MakeLocalizerOptions(const ServerOptions& options) {
   return localizer;
 }
 
-}  // namespace
-
-LocalizeService::LocalizeService(const ServerOptions& options)
-    : options_(options),
-      store_(
-          std::make_shared<const MapStore>(MapStore::Open(options.map_path, OpenMode::kReadOnly))),
-      cache_(std::make_shared<TileCache>(options.cache_bytes)),
-      localizer_(std::make_unique<Localizer>(store_, cache_, MakeLocalizerOptions(options))),
-      gate_(NumCores()) {
-  map_tag_ = store_->Snapshot().Info().created_at;
-  std::erase_if(map_tag_, [](unsigned char c) { return std::isalnum(c) == 0; });
-}
-
-std::string LocalizeService::TileTag(const TileRecord& tile) const {
-  return fmt::format("\"{}-{}\"", map_tag_, Value(tile.payload_id));
-}
-
-void LocalizeService::CheckCodec(const LocalizeQuery& query) const {
-  const std::shared_ptr<const Codebook> codebook = store_->Snapshot().CurrentCodebook();
+// Throws unless the features are what the map's codebook takes.
+void CheckCodec(const ServedMap& map, const LocalizeQuery& query) {
+  const std::shared_ptr<const Codebook> codebook = map.store->Snapshot().CurrentCodebook();
   if (codebook == nullptr) return;  // An empty map: nothing is covered, whatever the features.
   const bool is_raw = query.features.space == DescriptorSpace::kRaw;
   const std::string codec = is_raw ? codebook->descriptor_type : codebook->CodecName();
@@ -68,20 +51,29 @@ void LocalizeService::CheckCodec(const LocalizeQuery& query) const {
   }
 }
 
-LocalizeResult LocalizeService::LateResult(const LocalizeQuery& query) const {
+LocalizeResult LateResult(const ServedMap& map, const LocalizeQuery& query) {
   LocalizeResult late;
   late.reason = NotLocalizedReason::kTimeout;
-  late.map_version = store_->Snapshot().version();
+  late.map_version = map.store->Snapshot().version();
   late.counters.num_keypoints = query.num_features();
   return late;
 }
 
-void LocalizeService::Read(const HttpRequest& http, BodyParser* parse,
+}  // namespace
+
+LocalizeService::LocalizeService(const ServerOptions& options)
+    : options_(options),
+      maps_({.path = options.map_path,
+             .cache_bytes = options.cache_bytes,
+             .localizer = MakeLocalizerOptions(options)}),
+      gate_(NumCores()) {}
+
+void LocalizeService::Read(const ServedMap& map, const HttpRequest& http, BodyParser* parse,
                            LocalizeRequest* request) const {
   *request = parse(http.Header("content-type"), http.body, request_limits());
   request->query.deadline = http.arrival + milliseconds(request->timeout_ms);
   if (!request->has_images()) {
-    CheckCodec(request->query);
+    CheckCodec(map, request->query);
   }
 }
 
@@ -101,41 +93,43 @@ bool LocalizeService::ExtractInTime(LocalizeRequest* request, ServerTimes* times
 
 // A request has one turn, in which its JSON is parsed if that is long, its image becomes features
 // and these an answer: whoever comes first is served first, with an image or without.
-LocalizeService::Answer LocalizeService::AnswerInTurn(const HttpRequest& http, BodyParser* parse,
+LocalizeService::Answer LocalizeService::AnswerInTurn(const ServedMap& map,
+                                                      const HttpRequest& http, BodyParser* parse,
                                                       LocalizeRequest* request) {
   Answer answer;
   const bool reads_in_turn = IsLongJson(http.Header("content-type"), http.body);
   if (!reads_in_turn) {
-    Read(http, parse, request);
+    Read(map, http, parse, request);
   }
   const auto deadline =
       reads_in_turn ? http.arrival + milliseconds(PeekTimeoutMs(http.body, request_limits()))
                     : *request->query.deadline;
   if (!gate_.Enter(deadline)) {
-    answer.result = LateResult(request->query);
+    answer.result = LateResult(map, request->query);
     return answer;
   }
   // Left on every way out.
   const std::unique_ptr<FairGate, void (*)(FairGate*)> slot(&gate_,
                                                             [](FairGate* gate) { gate->Leave(); });
   if (reads_in_turn) {
-    Read(http, parse, request);
+    Read(map, http, parse, request);
   }
   if (request->has_images()) {
     if (!ExtractInTime(request, &answer.times)) {
-      answer.result = LateResult(request->query);
+      answer.result = LateResult(map, request->query);
       return answer;
     }
-    CheckCodec(request->query);
+    CheckCodec(map, request->query);
   }
-  answer.result = localizer_->Localize(request->query);
+  answer.result = map.localizer->Localize(request->query);
   return answer;
 }
 
 LocalizeService::Answer LocalizeService::Localize(const HttpRequest& http, BodyParser* parse,
                                                   LocalizeRequest* request) {
-  Answer answer = AnswerInTurn(http, parse, request);
-  metrics_.CountLocalize(answer.result, answer.times, request->has_images());
+  const std::shared_ptr<const ServedMap> map = maps_.Current();
+  Answer answer = AnswerInTurn(*map, http, parse, request);
+  metrics_.CountLocalize(answer.result, answer.times);
   return answer;
 }
 

@@ -13,9 +13,8 @@
 #include "http/json/localize_response.h"
 #include "http/message.h"
 #include "http/metrics.h"
+#include "http/served_map.h"
 #include "http/server.h"
-#include "storage/map_store.h"
-#include "storage/tile_cache.h"
 
 namespace cairn {
 
@@ -35,14 +34,12 @@ class LocalizeService {
             .default_timeout_ms = options_.default_timeout_ms};
   }
   const ServerOptions& options() const { return options_; }
-  const MapStore& store() const { return *store_; }
-  const Localizer& localizer() const { return *localizer_; }
-  TileCacheStats cache_stats() const { return cache_->Stats(); }
+  // A request holds one map from its beginning to its end.
+  std::shared_ptr<const ServedMap> map() const { return maps_.Current(); }
+  ServedMaps& maps() { return maps_; }
+  const ServedMaps& maps() const { return maps_; }
   Metrics& metrics() { return metrics_; }
   const Metrics& metrics() const { return metrics_; }
-
-  // Names the contents of a tile, for ETag: differs whenever the bytes differ, also between maps.
-  std::string TileTag(const TileRecord& tile) const;
 
   // Reads the body into `request` with `parse`, fills in the query's deadline (the client's timeout
   // counts from the arrival), waits for its turn if there are more requests than cores, extracts
@@ -60,17 +57,13 @@ class LocalizeService {
   // HttpError kUnavailable if BeginStop was called.
   bool ExtractInTime(LocalizeRequest* request, ServerTimes* times) const;
   // Parses the body; throws if its features are not of the map's codec.
-  void Read(const HttpRequest& http, BodyParser* parse, LocalizeRequest* request) const;
-  Answer AnswerInTurn(const HttpRequest& http, BodyParser* parse, LocalizeRequest* request);
-  LocalizeResult LateResult(const LocalizeQuery& query) const;
-  // Throws unless the features are what the map's codebook takes.
-  void CheckCodec(const LocalizeQuery& query) const;
+  void Read(const ServedMap& map, const HttpRequest& http, BodyParser* parse,
+            LocalizeRequest* request) const;
+  Answer AnswerInTurn(const ServedMap& map, const HttpRequest& http, BodyParser* parse,
+                      LocalizeRequest* request);
 
   const ServerOptions options_;
-  std::shared_ptr<const MapStore> store_;
-  std::shared_ptr<TileCache> cache_;
-  std::unique_ptr<Localizer> localizer_;
-  std::string map_tag_;
+  ServedMaps maps_;
   Metrics metrics_;
   std::atomic<bool> stopping_{false};
   FairGate gate_;  // As many requests at a time as there are cores.

@@ -13,6 +13,11 @@ void Describe(const char* name, const char* type, const char* help, std::string*
   *text += fmt::format("# HELP {} {}\n# TYPE {} {}\n", name, help, name, type);
 }
 
+// Of what did not run, as the query needed no refinement or its turn came too late, the time is 0.
+void AddIfRun(double seconds, DurationHistogram* histogram) {
+  if (seconds > 0.0) histogram->Add(seconds);
+}
+
 void Single(const char* name, const char* type, const char* help, double value, std::string* text) {
   Describe(name, type, help, text);
   *text += fmt::format("{} {}\n", name, value);
@@ -69,23 +74,22 @@ void Metrics::CountRequest(const std::string& route, int status, double seconds)
 }
 
 uint64_t Metrics::num_requests() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard lock(mutex_);
   uint64_t sum = 0;
   for (const auto& [route_and_status, count] : requests_) sum += count;
   return sum;
 }
 
-void Metrics::CountLocalize(const LocalizeResult& result, const ServerTimes& times,
-                            bool has_image) {
+void Metrics::CountLocalize(const LocalizeResult& result, const ServerTimes& times) {
   const std::lock_guard lock(mutex_);
   ++localize_outcomes_[result.localized ? "LOCALIZED" : NotLocalizedReasonName(result.reason)];
   for (int i = 0; i < kNumStages; ++i) {
-    stage_seconds_[i].Add(result.times.seconds[i]);
+    AddIfRun(result.times.seconds[i], &stage_seconds_[i]);
   }
-  if (has_image) extraction_seconds_.Add(times.decode_seconds + times.extract_seconds);
+  AddIfRun(times.decode_seconds + times.extract_seconds, &extraction_seconds_);
 }
 
-std::string Metrics::Render(const TileCacheStats& cache, MapVersion map_version) const {
+std::string Metrics::Render(const MapMetrics& map) const {
   std::string text;
   const std::lock_guard lock(mutex_);
   Describe("cairn_http_requests_total", "counter", "Requests by route and status.", &text);
@@ -107,9 +111,11 @@ std::string Metrics::Render(const TileCacheStats& cache, MapVersion map_version)
                              fmt::format("stage=\"{}\"", StageName(static_cast<Stage>(i))), &text);
   }
   extraction_seconds_.Render("cairn_stage_seconds", "stage=\"extraction\"", &text);
-  RenderCache(cache, &text);
+  RenderCache(map.cache, &text);
   Single("cairn_map_version", "gauge", "Version of the map that queries see.",
-         static_cast<double>(Value(map_version)), &text);
+         static_cast<double>(Value(map.version)), &text);
+  Single("cairn_map_degraded", "gauge", "1 if the map served is not the one in the file.",
+         map.is_degraded ? 1.0 : 0.0, &text);
   return text;
 }
 

@@ -30,6 +30,13 @@ class DurationHistogram {
   double sum_seconds_ = 0.0;
 };
 
+// What is to be said of the map that is being served.
+struct MapMetrics {
+  TileCacheStats cache;
+  MapVersion version{};
+  bool is_degraded = false;  // See ServedMaps::Problem.
+};
+
 // Safe to call from any thread.
 class Metrics {
  public:
@@ -37,9 +44,10 @@ class Metrics {
   // bounded; empty for requests that reached none.
   void CountRequest(const std::string& route, int status, double seconds);
   uint64_t num_requests() const;  // Counted so far.
-  void CountLocalize(const LocalizeResult& result, const ServerTimes& times, bool has_image);
+  // Stages that did not run do not count as quick ones.
+  void CountLocalize(const LocalizeResult& result, const ServerTimes& times);
 
-  std::string Render(const TileCacheStats& cache, MapVersion map_version) const;
+  std::string Render(const MapMetrics& map) const;
 
  private:
   mutable std::mutex mutex_;

@@ -1,7 +1,11 @@
 #include "http/server.h"
 
 #include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
 #include <optional>
+#include <stop_token>
 #include <thread>
 
 #include "core/require.h"
@@ -14,12 +18,31 @@ namespace cairn {
 namespace {
 
 constexpr int kAdminThreads = 2;
+constexpr std::chrono::seconds kMapRefreshInterval{1};
 
 int NumThreads(const ServerOptions& options) {
   if (options.num_threads > 0) return options.num_threads;
-  constexpr int kMinThreads = 64;  // Most of them read, write or wait in line.
+  constexpr int kMinThreads = 64;  // Most of them wait in line.
   return std::max(kMinThreads, 2 * static_cast<int>(std::thread::hardware_concurrency()));
 }
+
+// Refreshes the maps about once a second for as long as it lives.
+class MapWatcher {
+ public:
+  explicit MapWatcher(ServedMaps* maps)
+      : thread_([this, maps](const std::stop_token& stop) {
+          std::unique_lock lock(mutex_);
+          while (!wake_.wait_for(lock, stop, kMapRefreshInterval, [&] { return false; }) &&
+                 !stop.stop_requested()) {
+            maps->Refresh();
+          }
+        }) {}
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable_any wake_;
+  std::jthread thread_;  // The last member, so that it ends before the others do.
+};
 
 ServerOptions Validated(const ServerOptions& options) {
   options.Validate();
@@ -52,6 +75,7 @@ struct Server::Impl {
   Dispatcher admin_dispatcher;
   Listener main_listener;
   std::optional<Listener> admin_listener;
+  std::optional<MapWatcher> watcher;
 
   explicit Impl(const ServerOptions& options)
       : service(options),
@@ -60,20 +84,16 @@ struct Server::Impl {
         admin_dispatcher(AdminRoutes(&service), &service.metrics()),
         main_listener(MainListenerOptions(options), &main_dispatcher) {
     if (options.admin_port >= 0) {
-      const ListenerOptions admin{.host = options.admin_host,
-                                  .port = options.admin_port,
-                                  .num_threads = kAdminThreads,
-                                  .limits = {}};
+      const ListenerOptions admin{
+          .host = options.admin_host, .port = options.admin_port, .num_threads = kAdminThreads};
       admin_listener.emplace(admin, &admin_dispatcher);
     }
   }
 
   static ListenerOptions MainListenerOptions(const ServerOptions& options) {
-    ListenerOptions listener{.host = options.host,
-                             .port = options.port,
-                             .num_threads = NumThreads(options),
-                             .limits = {}};
-    listener.limits.head.max_body_bytes = options.max_body_bytes;
+    ListenerOptions listener{
+        .host = options.host, .port = options.port, .num_threads = NumThreads(options)};
+    listener.connection.head.max_body_bytes = options.max_body_bytes;
     return listener;
   }
 };
@@ -85,15 +105,19 @@ Server::~Server() { Stop(); }
 void Server::Start() {
   impl_->main_listener.Start();
   if (impl_->admin_listener) impl_->admin_listener->Start();
+  impl_->watcher.emplace(&impl_->service.maps());
 }
 
 void Server::Stop() {
   impl_->service.BeginStop();
+  impl_->watcher.reset();
   impl_->main_listener.Stop();
   if (impl_->admin_listener) impl_->admin_listener->Stop();
 }
 
 uint64_t Server::num_requests() const { return impl_->service.metrics().num_requests(); }
+
+void Server::ReloadMap() { impl_->service.maps().Reload(); }
 
 int Server::port() const { return impl_->main_listener.port(); }
 

@@ -1,4 +1,4 @@
-// The REST server. cpp-httplib is hidden behind it.
+// The REST server.
 #ifndef CAIRN_HTTP_SERVER_H_
 #define CAIRN_HTTP_SERVER_H_
 
@@ -17,8 +17,9 @@ struct ServerOptions {
   int port = 8080;  // 0 picks a free one; see Server::port.
   std::string admin_host = "127.0.0.1";
   int admin_port = -1;  // Health and metrics apart; 0 picks a free one, -1: same listener.
-  // Connections served at once; 0 is 64, or twice the cores if that is more. No more queries are
-  // computed at once than there are cores: the others wait in line.
+  // Requests answered at once; 0 is 64, or twice the cores if that is more. No more queries are
+  // computed at once than there are cores: the others wait in line. Open connections need no
+  // thread.
   int num_threads = 0;
   // Threads that one query may use while cores are free; 0 is as many as there are cores. Counts
   // instead of localizer.num_threads.
@@ -48,6 +49,12 @@ class Server {
   void Stop();
 
   uint64_t num_requests() const;  // Answered so far, refusals among them.
+
+  // Opens the file at map_path again; what runs is answered from the map it began with. If there is
+  // another map, requests see it from now on; if there is none, /healthz says so and the old one
+  // stays. Between Start and Stop a new file is found without it, within about a second, but not
+  // one that was overwritten in place.
+  void ReloadMap();
 
   int port() const;  // Bound ports, valid after Start.
   int admin_port() const;

@@ -1,5 +1,7 @@
 #include "storage/map_store.h"
 
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "core/error.h"
@@ -8,6 +10,22 @@
 #include "storage/map_internal.h"
 
 namespace cairn {
+
+namespace {
+
+sqlite::Access AccessFor(OpenMode mode) {
+  switch (mode) {
+    case OpenMode::kReadOnly:
+      return sqlite::Access::kReadOnly;
+    case OpenMode::kReadWrite:
+      return sqlite::Access::kReadWrite;
+    case OpenMode::kImmutable:
+      return sqlite::Access::kImmutable;
+  }
+  throw Error(ErrorCode::kInternal, "unknown mode of opening a map");
+}
+
+}  // namespace
 
 struct MapStore::Impl {
   OpenMode mode;
@@ -25,21 +43,34 @@ MapStore MapStore::Create(const std::string& path) {
 }
 
 MapStore MapStore::Open(const std::string& path, OpenMode mode) {
-  sqlite::Access access =
-      mode == OpenMode::kReadOnly ? sqlite::Access::kReadOnly : sqlite::Access::kReadWrite;
+  sqlite::Access access = AccessFor(mode);
+  PinnedFile file(path);
   std::unique_ptr<sqlite::Connection> first = OpenMapFile(path, &access);
-  return MapStore(
-      std::make_unique<Impl>(Impl{mode, std::make_shared<ReaderPool>(std::move(first), access)}));
+  if (!file.IsAt(path)) {
+    throw Error(ErrorCode::kConflict, path + ": was replaced while it was being opened; try again");
+  }
+  return MapStore(std::make_unique<Impl>(
+      Impl{mode, std::make_shared<ReaderPool>(std::move(first), access, std::move(file))}));
 }
 
 const std::string& MapStore::path() const { return impl_->readers->path(); }
+
+MapFileState MapStore::FileState() const {
+  if (impl_->readers->IsInPlace()) {
+    return MapFileState::kInPlace;
+  }
+  std::error_code error;
+  return std::filesystem::exists(path(), error) ? MapFileState::kReplaced : MapFileState::kMissing;
+}
+
+std::string MapStore::LogPath() const { return path() + "-wal"; }
 
 MapSnapshot MapStore::Snapshot() const {
   return MapSnapshot(std::make_unique<MapSnapshot::Impl>(impl_->readers));
 }
 
 MapUpdate MapStore::BeginUpdate() {
-  if (impl_->mode == OpenMode::kReadOnly) {
+  if (impl_->mode != OpenMode::kReadWrite) {
     throw Error(ErrorCode::kConflict, path() + ": was opened for reading only");
   }
   return MapUpdate(std::make_unique<MapUpdate::Impl>(path()));

@@ -149,14 +149,24 @@ class MapUpdate {
   std::unique_ptr<Impl> impl_;
 };
 
-enum class OpenMode { kReadOnly, kReadWrite };
+enum class OpenMode {
+  kReadOnly,
+  kReadWrite,
+  // For reading a file that nobody writes to: without locks, and as if there were no write-ahead
+  // log beside it. The store does not see updates, and may not be used while there are any.
+  kImmutable,
+};
+
+// What the name of an open map stands for now.
+enum class MapFileState { kInPlace, kReplaced, kMissing };
 
 struct CheckReport {
   int64_t num_tiles_checked = 0;
   std::vector<std::string> problems;  // Empty if the map is sound.
 };
 
-// An open map file. Safe to call from any thread.
+// An open map file. Safe to call from any thread. It stays the same file when another one takes its
+// name; then no more snapshots can be open at a time than there were before.
 class MapStore {
  public:
   // Makes an empty map, which has version 1. Throws Error(kConflict) if the file exists, Error(kIo)
@@ -165,7 +175,7 @@ class MapStore {
 
   // Throws Error(kNotFound) if there is no file, Error(kBadInput) if it is not a Cairn map (says
   // what it seems to be), Error(kMapDamaged) if it fails its first checks, Error(kConflict) if it
-  // needs a newer Cairn.
+  // needs a newer Cairn, or is replaced while it is being opened.
   static MapStore Open(const std::string& path, OpenMode mode);
 
   MapStore(MapStore&&) noexcept;
@@ -173,10 +183,14 @@ class MapStore {
   ~MapStore();
 
   const std::string& path() const;
+  MapFileState FileState() const;
+  // The name of the write-ahead log, which need not be there. Whoever opens a map by this path
+  // takes the file of that name for its log, also if another map has left it.
+  std::string LogPath() const;
 
   MapSnapshot Snapshot() const;
 
-  // Throws Error(kConflict) if the store is read-only or another update is open.
+  // Throws Error(kConflict) if the store is not open for writing or another update is open.
   MapUpdate BeginUpdate();
 
   // Integrity of the database and of every payload (checksum and decode). `progress` (may be empty)

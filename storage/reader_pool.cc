@@ -1,32 +1,65 @@
 #include "storage/reader_pool.h"
 
+#include <chrono>
 #include <utility>
 
+#include "core/error.h"
 #include "storage/map_file.h"
 #include "storage/map_queries.h"
 
 namespace cairn {
+namespace {
 
-ReaderPool::ReaderPool(std::unique_ptr<sqlite::Connection> first, sqlite::Access access)
-    : path_(first->path()), access_(access) {
+constexpr std::chrono::seconds kMaxWait{10};
+
+}  // namespace
+
+ReaderPool::ReaderPool(std::unique_ptr<sqlite::Connection> first, sqlite::Access access,
+                       PinnedFile file)
+    : path_(first->path()), file_(std::move(file)), access_(access) {
   idle_.push_back(std::move(first));
 }
 
+std::unique_ptr<sqlite::Connection> ReaderPool::TakeIdle() {
+  const std::lock_guard lock(mutex_);
+  if (idle_.empty()) {
+    return nullptr;
+  }
+  std::unique_ptr<sqlite::Connection> connection = std::move(idle_.back());
+  idle_.pop_back();
+  return connection;
+}
+
 std::unique_ptr<sqlite::Connection> ReaderPool::Take() {
-  {
-    const std::lock_guard lock(mutex_);
-    if (!idle_.empty()) {
-      std::unique_ptr<sqlite::Connection> connection = std::move(idle_.back());
-      idle_.pop_back();
+  if (auto idle = TakeIdle()) {
+    return idle;
+  }
+  if (IsInPlace()) {
+    auto connection = ReopenMapFile(path_, access_);
+    if (IsInPlace()) {  // Nothing was read through it yet.
       return connection;
     }
   }
-  return ReopenMapFile(path_, access_);
+  return WaitForIdle();
+}
+
+std::unique_ptr<sqlite::Connection> ReaderPool::WaitForIdle() {
+  std::unique_lock lock(mutex_);
+  if (!given_back_.wait_for(lock, kMaxWait, [this] { return !idle_.empty(); })) {
+    throw Error(ErrorCode::kUnavailable,
+                path_ + ": the file was replaced, and what is open of it is in use");
+  }
+  std::unique_ptr<sqlite::Connection> connection = std::move(idle_.back());
+  idle_.pop_back();
+  return connection;
 }
 
 void ReaderPool::GiveBack(std::unique_ptr<sqlite::Connection> connection) {
-  const std::lock_guard lock(mutex_);
-  idle_.push_back(std::move(connection));
+  {
+    const std::lock_guard lock(mutex_);
+    idle_.push_back(std::move(connection));
+  }
+  given_back_.notify_one();
 }
 
 std::shared_ptr<const Codebook> ReaderPool::LoadCodebook(sqlite::Connection* connection,

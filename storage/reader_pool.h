@@ -2,6 +2,7 @@
 #ifndef CAIRN_STORAGE_READER_POOL_H_
 #define CAIRN_STORAGE_READER_POOL_H_
 
+#include <condition_variable>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -10,6 +11,7 @@
 
 #include "storage/codebook.h"
 #include "storage/ids.h"
+#include "storage/pinned_file.h"
 #include "storage/sqlite/connection.h"
 
 namespace cairn {
@@ -19,11 +21,15 @@ namespace cairn {
 // from any thread.
 class ReaderPool {
  public:
-  // `first` has passed the checks of OpenMapFile with `access`.
-  ReaderPool(std::unique_ptr<sqlite::Connection> first, sqlite::Access access);
+  // `first` has passed the checks of OpenMapFile with `access`; `file` is the one it has open.
+  ReaderPool(std::unique_ptr<sqlite::Connection> first, sqlite::Access access, PinnedFile file);
 
   const std::string& path() const { return path_; }
+  // The path still stands for the file.
+  bool IsInPlace() const { return file_.IsAt(path_); }
 
+  // All connections are to the same file. When it has lost its name, waits for one that is given
+  // back; throws Error(kUnavailable) if none is for a long time.
   std::unique_ptr<sqlite::Connection> Take();
   void GiveBack(std::unique_ptr<sqlite::Connection> connection);
 
@@ -32,9 +38,14 @@ class ReaderPool {
                                                CodebookId codebook_id);
 
  private:
+  std::unique_ptr<sqlite::Connection> TakeIdle();
+  std::unique_ptr<sqlite::Connection> WaitForIdle();
+
   const std::string path_;
+  const PinnedFile file_;
   const sqlite::Access access_;
   std::mutex mutex_;
+  std::condition_variable given_back_;
   std::vector<std::unique_ptr<sqlite::Connection>> idle_;
   std::unordered_map<CodebookId, std::shared_ptr<const Codebook>> codebooks_;
 };

@@ -96,8 +96,8 @@ TileList FindTiles(const HttpRequest& request, const MapSnapshot& snapshot) {
   return list;
 }
 
-Json TileJson(const TileRecord& tile, const LocalizeService& service) {
-  return {{"id", tile.tile_id.ToString()},   {"etag", service.TileTag(tile)},
+Json TileJson(const TileRecord& tile, const ServedMap& map) {
+  return {{"id", tile.tile_id.ToString()},   {"etag", map.TileTag(tile)},
           {"landmarks", tile.num_landmarks}, {"descriptors", tile.num_descriptors},
           {"keyframes", tile.num_keyframes}, {"bytes", tile.num_bytes},
           {"minHeight", tile.min_h_m},       {"maxHeight", tile.max_h_m}};
@@ -146,9 +146,10 @@ HttpResponse HandleAvailability(const HttpRequest& request, const LocalizeServic
   if (const std::string* accuracy = FindParameter(request, "accuracy")) {
     query.prior->accuracy_m = NumberInRange("accuracy", *accuracy, 1e-3, 1e5);
   }
-  const MapSnapshot snapshot = service.store().Snapshot();
+  const std::shared_ptr<const ServedMap> map = service.map();
+  const MapSnapshot snapshot = map->store->Snapshot();
   const SearchRegion region =
-      ResolveSearchRegion(query, MapInfo{}, service.localizer().options().prior);
+      ResolveSearchRegion(query, MapInfo{}, map->localizer->options().prior);
   Json tiles = Json::array();
   for (const TileRecord& tile : snapshot.FindTiles(RegionBounds(region))) {
     tiles.push_back(tile.tile_id.ToString());
@@ -163,11 +164,12 @@ HttpResponse HandleAvailability(const HttpRequest& request, const LocalizeServic
 }
 
 HttpResponse HandleCoverage(const HttpRequest& request, const LocalizeService& service) {
-  const MapSnapshot snapshot = service.store().Snapshot();
+  const std::shared_ptr<const ServedMap> map = service.map();
+  const MapSnapshot snapshot = map->store->Snapshot();
   const TileList list = FindTiles(request, snapshot);
   Json features = Json::array();
   for (const TileRecord& tile : list.tiles) {
-    Json properties = TileJson(tile, service);
+    Json properties = TileJson(tile, *map);
     properties.erase("id");
     features.push_back({{"type", "Feature"},
                         {"id", tile.tile_id.ToString()},
@@ -184,10 +186,11 @@ HttpResponse HandleCoverage(const HttpRequest& request, const LocalizeService& s
 }
 
 HttpResponse HandleTiles(const HttpRequest& request, const LocalizeService& service) {
-  const MapSnapshot snapshot = service.store().Snapshot();
+  const std::shared_ptr<const ServedMap> map = service.map();
+  const MapSnapshot snapshot = map->store->Snapshot();
   const TileList list = FindTiles(request, snapshot);
   Json tiles = Json::array();
-  for (const TileRecord& tile : list.tiles) tiles.push_back(TileJson(tile, service));
+  for (const TileRecord& tile : list.tiles) tiles.push_back(TileJson(tile, *map));
   Json json = {{"tiles", std::move(tiles)},
                {"truncated", list.truncated},
                {"map", {{"version", Value(snapshot.version())}}}};
@@ -196,17 +199,19 @@ HttpResponse HandleTiles(const HttpRequest& request, const LocalizeService& serv
 
 HttpResponse HandleTile(const HttpRequest& request, const std::string& id,
                         const LocalizeService& service) {
-  const TileRecord tile = RequireTile(id, service.store().Snapshot());
-  const std::string tag = service.TileTag(tile);
+  const std::shared_ptr<const ServedMap> map = service.map();
+  const TileRecord tile = RequireTile(id, map->store->Snapshot());
+  const std::string tag = map->TileTag(tile);
   if (IsUnchanged(request, tag)) return WithTag({.status = 304}, tag);
-  return WithTag(HttpResponse::Json(TileJson(tile, service).dump()), tag);
+  return WithTag(HttpResponse::Json(TileJson(tile, *map).dump()), tag);
 }
 
 HttpResponse HandleTilePayload(const HttpRequest& request, const std::string& id,
                                const LocalizeService& service) {
-  const MapSnapshot snapshot = service.store().Snapshot();
+  const std::shared_ptr<const ServedMap> map = service.map();
+  const MapSnapshot snapshot = map->store->Snapshot();
   const TileRecord tile = RequireTile(id, snapshot);
-  const std::string tag = service.TileTag(tile);
+  const std::string tag = map->TileTag(tile);
   if (IsUnchanged(request, tag)) return WithTag({.status = 304}, tag);
   const LargeVector<uint8_t> payload = snapshot.LoadPayload(tile.payload_id);
   return WithTag({.status = 200,

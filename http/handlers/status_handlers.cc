@@ -12,9 +12,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // The current map version; a map that cannot be read makes the server unavailable, not broken.
-MapVersion RequireReadableMap(const LocalizeService& service) {
+MapVersion RequireReadableMap(const ServedMap& map) {
   try {
-    return service.store().Snapshot().version();
+    return map.store->Snapshot().version();
   } catch (const Error& e) {
     LogError("the map cannot be read: {}", e.what());
     throw HttpError(ProblemCode::kUnavailable, "the map cannot be read; see the server's log");
@@ -33,30 +33,38 @@ Json BoundsJson(const std::optional<GeoBox>& bounds) {
 HttpResponse HandleLive() { return HttpResponse::Json(R"({"status":"ok"})"); }
 
 HttpResponse HandleReady(const LocalizeService& service) {
-  RequireReadableMap(service);
+  RequireReadableMap(*service.map());
   return HttpResponse::Json(R"({"status":"ok"})");
 }
 
 HttpResponse HandleHealth(const LocalizeService& service) {
-  const MapVersion version = RequireReadableMap(service);
-  const TileCacheStats cache = service.cache_stats();
-  const Json json = {
-      {"status", "ok"},
-      {"map", {{"version", Value(version)}}},
+  const std::shared_ptr<const ServedMap> map = service.map();
+  const MapVersion version = RequireReadableMap(*map);
+  const TileCacheStats cache = map->cache->Stats();
+  const std::string problem = service.maps().Problem();
+  Json json = {
+      {"status", problem.empty() ? "ok" : "degraded"},
+      {"map", {{"version", Value(version)}, {"created", map->created_at}}},
       {"cache",
        {{"tiles", cache.num_entries}, {"bytes", cache.bytes}, {"maxBytes", cache.max_bytes}}}};
+  if (!problem.empty()) json["problem"] = problem;
   return HttpResponse::Json(json.dump());
 }
 
 HttpResponse HandleMetrics(const LocalizeService& service) {
+  const std::shared_ptr<const ServedMap> map = service.map();
+  const MapMetrics metrics{.cache = map->cache->Stats(),
+                           .version = RequireReadableMap(*map),
+                           .is_degraded = !service.maps().Problem().empty()};
   return {.status = 200,
           .content_type = "text/plain; version=0.0.4",
-          .body = service.metrics().Render(service.cache_stats(), RequireReadableMap(service)),
+          .body = service.metrics().Render(metrics),
           .headers = {}};
 }
 
 HttpResponse HandleVersion(const LocalizeService& service) {
-  const MapSnapshot snapshot = service.store().Snapshot();
+  const std::shared_ptr<const ServedMap> map = service.map();
+  const MapSnapshot snapshot = map->store->Snapshot();
   const MapInfo info = snapshot.Info();
   const std::shared_ptr<const Codebook> codebook = snapshot.CurrentCodebook();
   const ServerOptions& options = service.options();
@@ -65,6 +73,7 @@ HttpResponse HandleVersion(const LocalizeService& service) {
       {"version", CAIRN_VERSION},
       {"map",
        {{"version", Value(info.version)},
+        {"created", info.created_at},
         {"sessions", info.num_sessions},
         {"keyframes", info.num_keyframes},
         {"tiles", info.num_tiles},

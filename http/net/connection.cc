@@ -1,12 +1,13 @@
 #include "http/net/connection.h"
 
 #include <fmt/format.h>
-#include <poll.h>
 #include <sys/socket.h>
+#include <sys/uio.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <utility>
 
 #include "http/problem.h"
 
@@ -16,146 +17,187 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-// How often an idle connection asks whether it should give its worker up.
-constexpr milliseconds kIdleSlice{25};
-// How long a new connection may keep its worker from others before its first byte; it just opened,
-// so that byte is on its way.
-constexpr milliseconds kFirstPatience{100};
 constexpr size_t kReceiveBytes = 64 * 1024;
-// What FinishSending swallows at most.
+// An idle connection keeps no larger buffer.
+constexpr size_t kIdleBytes = 4096;
+// What is swallowed at most after the last answer: closing on unread data would reset the
+// connection, and the peer could not read the answer.
 constexpr size_t kMaxDrainBytes = size_t{8} << 20;
 constexpr milliseconds kDrainTime{1000};
 
-milliseconds Until(steady_clock::time_point deadline) {
-  const auto left = std::chrono::ceil<milliseconds>(deadline - steady_clock::now());
-  return std::max(left, milliseconds(0));
-}
+bool WouldBlock() { return errno == EAGAIN || errno == EWOULDBLOCK; }
 
-// True if the socket can be read (or has ended) within `wait`.
-bool PollReadable(int socket, milliseconds wait) {
-  pollfd poll_fd{.fd = socket, .events = POLLIN, .revents = 0};
-  return poll(&poll_fd, 1, static_cast<int>(wait.count())) > 0;
-}
+void Release(std::string* text) { std::string().swap(*text); }
 
 }  // namespace
 
-Connection::Connection(int socket, const ConnectionLimits& limits,
-                       std::function<bool()> give_up_idle)
-    : socket_(socket), limits_(limits), give_up_idle_(std::move(give_up_idle)) {}
+Connection::Connection(Socket socket, Peer peer, const ConnectionLimits* limits)
+    : socket_(std::move(socket)), peer_(std::move(peer)), limits_(limits) {
+  Enter(Phase::kIdle, limits_->idle_timeout);
+}
 
-Connection::ReadResult Connection::ReadSome(TimePoint deadline) {
-  if (!PollReadable(socket_, Until(deadline))) return ReadResult::kTimeout;
+void Connection::Enter(Phase phase, milliseconds time) {
+  phase_ = phase;
+  waiting_since_ = steady_clock::now();
+  deadline_ = waiting_since_ + time;
+}
+
+Connection::Next Connection::Proceed() {
+  while (true) {
+    if (phase_ == Phase::kDraining) return Drain();
+    // Outside of kSending the most that can be unsent is "100 Continue".
+    const Transfer sent = SendSome();
+    if (sent == Transfer::kBroken) return Next::kClose;
+    if (phase_ == Phase::kSending) {
+      if (sent == Transfer::kBlocked) return Next::kWait;
+      FinishResponse();
+      continue;
+    }
+    if (FindRequest()) return Next::kRequest;
+    if (out_.head.empty() || sent == Transfer::kBlocked) {
+      const Transfer received = ReadSome();
+      if (received == Transfer::kBroken) return Next::kClose;
+      if (received == Transfer::kBlocked) return Next::kWait;
+    }
+  }
+}
+
+bool Connection::FindRequest() {
+  if (phase_ == Phase::kIdle) {
+    // A client may send an empty line after a body (RFC 9112 section 2.2).
+    in_.erase(0, in_.find_first_not_of("\r\n"));
+    if (in_.empty()) return false;
+    Enter(Phase::kHead, limits_->head_timeout);
+    request_ = {.head = {}, .body = {}, .arrival = waiting_since_};
+    num_searched_ = 0;
+  }
+  if (phase_ == Phase::kHead && FindHead()) {
+    Enter(Phase::kBody, limits_->body_timeout);
+    if (request_.head.expects_continue && in_.size() < request_.head.content_length) {
+      out_.head += "HTTP/1.1 100 Continue\r\n\r\n";
+    }
+  }
+  return phase_ == Phase::kBody && in_.size() >= request_.head.content_length;
+}
+
+bool Connection::FindHead() {
+  const HeadLimits& limits = limits_->head;
+  const size_t end = in_.find("\r\n\r\n", num_searched_);
+  const size_t head_bytes = end == std::string::npos ? in_.size() : end + 4;
+  if (head_bytes > limits.max_head_bytes) {
+    const bool in_first_line = in_.find("\r\n") > limits.max_target_bytes;
+    throw HttpError(in_first_line ? ProblemCode::kUriTooLong : ProblemCode::kHeadersTooLarge,
+                    fmt::format("the request head is longer than {} bytes", limits.max_head_bytes));
+  }
+  num_searched_ = in_.size() < 3 ? 0 : in_.size() - 3;
+  if (end == std::string::npos) return false;
+  request_.head = ParseRequestHead(std::string_view(in_).substr(0, head_bytes), limits);
+  in_.erase(0, head_bytes);
+  return true;
+}
+
+ReceivedRequest Connection::TakeRequest() {
+  const size_t body_bytes = request_.head.content_length;
+  if (in_.size() == body_bytes) {
+    request_.body.swap(in_);
+  } else {
+    request_.body = in_.substr(0, body_bytes);
+    in_.erase(0, body_bytes);
+  }
+  phase_ = Phase::kAnswering;
+  return std::move(request_);
+}
+
+void Connection::Respond(ResponseText text, bool keep_alive) {
+  out_.head.erase(0, num_sent_);
+  num_sent_ = 0;
+  out_.head += text.head;
+  out_.body = std::move(text.body);
+  keep_alive_ = keep_alive;
+  has_served_ = true;
+  const auto num_bytes = static_cast<int64_t>(out_.head.size() + out_.body.size());
+  Enter(Phase::kSending,
+        limits_->send_timeout + milliseconds(1000 * num_bytes / limits_->min_send_bytes_per_s));
+  if (SendSome() == Transfer::kDone) FinishResponse();
+}
+
+void Connection::GiveUp() const {
+  if (phase_ == Phase::kHead) {
+    throw HttpError(ProblemCode::kRequestTimeout, "the head did not arrive in time");
+  }
+  if (phase_ == Phase::kBody) {
+    throw HttpError(ProblemCode::kRequestTimeout,
+                    fmt::format("{} of {} body bytes arrived in time", in_.size(),
+                                request_.head.content_length));
+  }
+}
+
+Connection::Transfer Connection::ReadSome() {
+  if (!is_readable_) return Transfer::kBlocked;
   std::array<char, kReceiveBytes> chunk;
   ssize_t received;
   do {
-    received = recv(socket_, chunk.data(), chunk.size(), MSG_DONTWAIT);
+    received = recv(socket_.fd(), chunk.data(), chunk.size(), MSG_DONTWAIT);
   } while (received < 0 && errno == EINTR);
-  if (received <= 0) return ReadResult::kClosed;
-  buffer_.append(chunk.data(), static_cast<size_t>(received));
-  return ReadResult::kData;
-}
-
-bool Connection::WaitForFirstByte() {
-  const TimePoint start = steady_clock::now();
-  const TimePoint deadline = start + limits_.idle_timeout;
-  const TimePoint patient_until = start + (is_new_ ? kFirstPatience : milliseconds(0));
-  is_new_ = false;
-  while (true) {
-    // A client may send an empty line after a body (RFC 9112 section 2.2).
-    buffer_.erase(0, buffer_.find_first_not_of("\r\n"));
-    if (!buffer_.empty()) return true;
-    const TimePoint now = steady_clock::now();
-    if (now >= deadline || (now >= patient_until && give_up_idle_())) return false;
-    if (ReadSome(std::min(deadline, now + kIdleSlice)) == ReadResult::kClosed) return false;
+  if (received < 0 && WouldBlock()) {
+    is_readable_ = false;
+    return Transfer::kBlocked;
   }
-}
-
-std::optional<size_t> Connection::ReadHead() {
-  const TimePoint deadline = steady_clock::now() + limits_.head_timeout;
-  size_t searched = 0;
-  while (true) {
-    const size_t end = buffer_.find("\r\n\r\n", searched);
-    const size_t head_bytes = end == std::string::npos ? buffer_.size() : end + 4;
-    if (head_bytes > limits_.head.max_head_bytes) {
-      const bool in_first_line = buffer_.find("\r\n") > limits_.head.max_target_bytes;
-      throw HttpError(
-          in_first_line ? ProblemCode::kUriTooLong : ProblemCode::kHeadersTooLarge,
-          fmt::format("the request head is longer than {} bytes", limits_.head.max_head_bytes));
-    }
-    if (end != std::string::npos) return head_bytes;
-    searched = buffer_.size() < 3 ? 0 : buffer_.size() - 3;
-    switch (ReadSome(deadline)) {
-      case ReadResult::kData:
-        break;
-      case ReadResult::kClosed:
-        return std::nullopt;
-      case ReadResult::kTimeout:
-        throw HttpError(ProblemCode::kRequestTimeout, "the head did not arrive in time");
-    }
-  }
-}
-
-bool Connection::ReadBody(size_t num_bytes) {
-  const TimePoint deadline = steady_clock::now() + limits_.body_timeout;
-  buffer_.reserve(num_bytes);
-  while (buffer_.size() < num_bytes) {
-    switch (ReadSome(deadline)) {
-      case ReadResult::kData:
-        break;
-      case ReadResult::kClosed:
-        return false;
-      case ReadResult::kTimeout:
-        throw HttpError(
-            ProblemCode::kRequestTimeout,
-            fmt::format("{} of {} body bytes arrived in time", buffer_.size(), num_bytes));
-    }
-  }
-  return true;
-}
-
-std::optional<ReceivedRequest> Connection::ReadRequest() {
-  if (!WaitForFirstByte()) return std::nullopt;
-  const TimePoint arrival = steady_clock::now();
-  const std::optional<size_t> head_bytes = ReadHead();
-  if (!head_bytes) return std::nullopt;
-  ReceivedRequest request;
-  request.arrival = arrival;
-  request.head = ParseRequestHead(std::string_view(buffer_).substr(0, *head_bytes), limits_.head);
-  buffer_.erase(0, *head_bytes);
-  const size_t body_bytes = request.head.content_length;
-  if (request.head.expects_continue && buffer_.size() < body_bytes &&
-      !Send("HTTP/1.1 100 Continue\r\n\r\n")) {
-    return std::nullopt;
-  }
-  if (!ReadBody(body_bytes)) return std::nullopt;
-  if (buffer_.size() == body_bytes) {
-    request.body.swap(buffer_);
+  if (received <= 0) return Transfer::kBroken;
+  // Less than was asked for: the next edge is to come.
+  is_readable_ = peer_has_finished_ || received == static_cast<ssize_t>(chunk.size());
+  if (phase_ == Phase::kDraining) {
+    num_drained_ += static_cast<size_t>(received);
   } else {
-    request.body = buffer_.substr(0, body_bytes);
-    buffer_.erase(0, body_bytes);
+    in_.append(chunk.data(), static_cast<size_t>(received));
   }
-  return request;
+  return Transfer::kDone;
 }
 
-bool Connection::Send(std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t sent = send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+Connection::Transfer Connection::SendSome() {
+  const size_t num_bytes = out_.head.size() + out_.body.size();
+  while (num_sent_ < num_bytes) {
+    const size_t head_sent = std::min(num_sent_, out_.head.size());
+    const size_t body_sent = num_sent_ - head_sent;
+    std::array<iovec, 2> parts = {
+        iovec{.iov_base = out_.head.data() + head_sent, .iov_len = out_.head.size() - head_sent},
+        iovec{.iov_base = out_.body.data() + body_sent, .iov_len = out_.body.size() - body_sent}};
+    msghdr message{};
+    message.msg_iov = parts.data();
+    message.msg_iovlen = parts.size();
+    const ssize_t sent = sendmsg(socket_.fd(), &message, MSG_NOSIGNAL | MSG_DONTWAIT);
     if (sent < 0 && errno == EINTR) continue;
-    if (sent <= 0) return false;
-    bytes.remove_prefix(static_cast<size_t>(sent));
+    if (sent < 0) return WouldBlock() ? Transfer::kBlocked : Transfer::kBroken;
+    num_sent_ += static_cast<size_t>(sent);
   }
-  return true;
+  Release(&out_.head);
+  Release(&out_.body);
+  num_sent_ = 0;
+  return Transfer::kDone;
 }
 
-void Connection::FinishSending() {
-  shutdown(socket_, SHUT_WR);
-  const TimePoint deadline = steady_clock::now() + kDrainTime;
-  size_t drained = 0;
-  while (drained < kMaxDrainBytes) {
-    buffer_.clear();
-    if (ReadSome(deadline) != ReadResult::kData) return;
-    drained += buffer_.size();
+void Connection::FinishResponse() {
+  if (keep_alive_) {
+    if (in_.empty() && in_.capacity() > kIdleBytes) Release(&in_);
+    Enter(Phase::kIdle, limits_->idle_timeout);
+    return;
   }
+  shutdown(socket_.fd(), SHUT_WR);
+  Release(&in_);
+  Enter(Phase::kDraining, kDrainTime);
+}
+
+Connection::Next Connection::Drain() {
+  while (num_drained_ < kMaxDrainBytes) {
+    const Transfer received = ReadSome();
+    if (received == Transfer::kBlocked) return Next::kWait;
+    if (received == Transfer::kBroken) break;
+  }
+  return Next::kClose;
+}
+
+size_t Connection::buffered_bytes() const {
+  return in_.capacity() + request_.body.capacity() + out_.head.capacity() + out_.body.capacity();
 }
 
 }  // namespace cairn

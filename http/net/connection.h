@@ -1,25 +1,31 @@
-// One accepted TCP connection: reads whole requests within bounds of size and time.
+// One TCP connection: what has arrived of its requests, what is unsent of its answers, and by when
+// the peer has to go on.
 #ifndef CAIRN_HTTP_NET_CONNECTION_H_
 #define CAIRN_HTTP_NET_CONNECTION_H_
 
 #include <chrono>
-#include <functional>
-#include <optional>
+#include <cstddef>
+#include <cstdint>
 #include <string>
-#include <string_view>
 
 #include "http/net/request_head.h"
+#include "http/net/response_text.h"
+#include "http/net/socket.h"
 
 namespace cairn {
 
 struct ConnectionLimits {
   HeadLimits head;
-  // How long a kept connection may be silent between requests. Short, because it holds a worker.
+  // How long a connection may be silent before its first request and between requests.
   std::chrono::milliseconds idle_timeout{3000};
-  // From the first byte of a head to its end, and from there to the end of the body. Bounds what a
-  // client that drips bytes can hold.
+  // From the first byte of a head to its end, and from there to the end of the body. They bound
+  // what a client that drips bytes can hold.
   std::chrono::milliseconds head_timeout{5000};
   std::chrono::milliseconds body_timeout{15000};
+  // A whole answer has to be taken within `send_timeout`, plus a second for each
+  // `min_send_bytes_per_s` of it: a tile of 7 MB has about two minutes.
+  std::chrono::milliseconds send_timeout{15000};
+  int64_t min_send_bytes_per_s = 64 * 1024;
 };
 
 struct ReceivedRequest {
@@ -28,39 +34,85 @@ struct ReceivedRequest {
   std::chrono::steady_clock::time_point arrival;  // Of its first byte.
 };
 
-// Owns neither the socket nor its closing. One thread.
+// Reads and writes without waiting; whoever owns it waits for the socket (see event_loop.h) and
+// calls Proceed when there is something to do. One thread at a time.
 class Connection {
  public:
-  // `give_up_idle` is asked while the connection is idle: true ends it early (a new connection not
-  // before its first byte had time to come).
-  Connection(int socket, const ConnectionLimits& limits, std::function<bool()> give_up_idle);
+  using TimePoint = std::chrono::steady_clock::time_point;
 
-  // The next request; nothing if the peer closed, fell silent between requests, or left in the
-  // middle of one. Throws HttpError if what arrives is refused; the connection cannot be used for
-  // another request then.
-  std::optional<ReceivedRequest> ReadRequest();
+  enum class Next {
+    kWait,     // For the socket or for the deadline.
+    kRequest,  // TakeRequest has one, and Respond is due.
+    kClose,    // The peer is gone, or everything is said.
+  };
 
-  // Sends all of it; false if the peer is gone or does not read.
-  bool Send(std::string_view bytes);
+  // `limits` must outlive the connection.
+  Connection(Socket socket, Peer peer, const ConnectionLimits* limits);
 
-  // Says that no more will be sent and swallows what the peer still sends, for a short while, so
-  // that it can read the answer: closing on unread data would reset the connection.
-  void FinishSending();
+  // Note what the socket is ready for. Edges: each is to be told once.
+  void NoteReadable() { is_readable_ = true; }
+  void NotePeerFinished() { is_readable_ = peer_has_finished_ = true; }
+
+  // Does what can be done now. Throws HttpError if what arrives is refused; Respond with its answer
+  // is due then.
+  Next Proceed();
+
+  // After kRequest, once. Nothing more is read until the answer has been sent.
+  ReceivedRequest TakeRequest();
+
+  // Queues an answer and sends what the socket takes at once; Proceed sends the rest. Without
+  // `keep_alive` the connection ends after it, but not before the peer had time to read it.
+  void Respond(ResponseText text, bool keep_alive);
+
+  // The deadline has passed. Throws HttpError kRequestTimeout if a request was on its way;
+  // otherwise the connection is to be closed.
+  void GiveUp() const;
+
+  // By when the peer has to do its part, and since when it could have.
+  TimePoint deadline() const { return deadline_; }
+  TimePoint waiting_since() const { return waiting_since_; }
+  // No byte of a request has come, or of the next one, and nothing is unsent.
+  bool is_idle() const { return phase_ == Phase::kIdle; }
+  bool has_served() const { return has_served_; }
+  // A part of an answer is still with us, as the peer has not read enough.
+  bool is_sending() const { return phase_ == Phase::kSending; }
+  // Proceed may find something to do without a further event of the socket.
+  bool has_more() const { return is_readable_ || !in_.empty() || is_sending(); }
+  size_t buffered_bytes() const;
+  const Peer& peer() const { return peer_; }
+  Socket& socket() { return socket_; }
 
  private:
-  using TimePoint = std::chrono::steady_clock::time_point;
-  enum class ReadResult { kData, kClosed, kTimeout };
+  enum class Phase { kIdle, kHead, kBody, kAnswering, kSending, kDraining };
+  enum class Transfer { kDone, kBlocked, kBroken };
 
-  ReadResult ReadSome(TimePoint deadline);
-  bool WaitForFirstByte();
-  std::optional<size_t> ReadHead();  // Length of the head, in buffer_.
-  bool ReadBody(size_t num_bytes);
+  void Enter(Phase phase, std::chrono::milliseconds time);
+  // Looks at what has arrived; true if a request is whole.
+  bool FindRequest();
+  bool FindHead();
+  void AskForBody();
+  Transfer ReadSome();
+  Transfer SendSome();
+  void FinishResponse();
+  Next Drain();
 
-  int socket_;
-  ConnectionLimits limits_;
-  std::function<bool()> give_up_idle_;
-  std::string buffer_;  // Received and not yet consumed.
-  bool is_new_ = true;
+  Socket socket_;
+  const Peer peer_;
+  const ConnectionLimits* limits_;
+  Phase phase_ = Phase::kIdle;
+  bool is_readable_ = true;  // Perhaps; the next read tells.
+  bool peer_has_finished_ = false;
+  bool has_served_ = false;
+  bool keep_alive_ = true;
+  TimePoint waiting_since_;
+  TimePoint deadline_;
+
+  std::string in_;           // Received and not yet consumed.
+  size_t num_searched_ = 0;  // Bytes of `in_` in which the end of the head does not begin.
+  ReceivedRequest request_;  // All but its body, from the end of its head on.
+  ResponseText out_;         // The first num_sent_ bytes of head and body are gone.
+  size_t num_sent_ = 0;
+  size_t num_drained_ = 0;
 };
 
 }  // namespace cairn

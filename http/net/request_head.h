@@ -1,10 +1,6 @@
-// The head of an HTTP/1.1 request, read strictly before any library sees it.
-//
-// cpp-httplib 0.11.4 accepts heads that a server on the open network must not: duplicate
-// Content-Length, Content-Length beside Transfer-Encoding (request smuggling), any number of header
-// lines, compressed and chunked bodies that bypass the size limit, and client headers that pose as
-// its own REMOTE_ADDR. This check stands in front of it (RFC 9112, and stricter: no chunked bodies,
-// no line folding, no bare line feeds).
+// The head of an HTTP/1.1 request, read strictly: RFC 9112, and stricter (no chunked bodies, no
+// line folding, no bare line feeds). What is ambiguous about the length of a body is refused, as is
+// a head beyond its bounds, before anything is allocated for it or routed.
 #ifndef CAIRN_HTTP_NET_REQUEST_HEAD_H_
 #define CAIRN_HTTP_NET_REQUEST_HEAD_H_
 

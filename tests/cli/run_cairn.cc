@@ -97,8 +97,10 @@ std::string BackgroundCairn::ReadLine() {
   return line;
 }
 
+void BackgroundCairn::Signal(int signal) const { kill(pid_, signal); }
+
 int BackgroundCairn::Stop(int signal) {
-  kill(pid_, signal);
+  Signal(signal);
   const int exit_code = WaitForExit(pid_);
   pid_ = -1;
   return exit_code;

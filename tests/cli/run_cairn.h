@@ -30,6 +30,8 @@ class BackgroundCairn {
   // Waits for the first line of standard output; without its newline, empty if there is none.
   std::string ReadLine();
 
+  void Signal(int signal) const;
+
   // Sends the signal, waits for the end, returns the exit code as Finished::exit_code.
   int Stop(int signal);
 

@@ -2,9 +2,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <csignal>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <thread>
 
 #include "cli/run_cairn.h"
 #include "http/client.h"
@@ -107,6 +111,71 @@ TEST_F(Verbs, ServeSaysThatItWasInterrupted) {
   BackgroundCairn server({"serve", map_, "--port", "0", "--log-level", "off"});
   ASSERT_THAT(server.ReadLine(), StartsWith("http://"));
   EXPECT_EQ(server.Stop(SIGINT), 130);
+}
+
+// What /version says of the map, when it has that many sessions, or after a long time.
+nlohmann::json MapWithSessions(LocalizeClient* client, int num_sessions) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(120);
+  nlohmann::json map;
+  do {
+    map = nlohmann::json::parse(client->Get("/version"))["map"];
+  } while (map["sessions"] != num_sessions && std::chrono::steady_clock::now() < end);
+  return map;
+}
+
+TEST_F(Verbs, ServeFindsAMapThatReplacesTheOldOne) {
+  const std::string next = dir_.File("next.gpkg");
+  MapStore::Create(next);
+  ASSERT_EQ(RunInChild([&] { Ingest(next, "monday"); }), 0);
+  BackgroundCairn server({"serve", map_, "--port", "0", "--log-level", "off"});
+  LocalizeClient client(ClientOptions{.url = server.ReadLine()});
+  EXPECT_EQ(MapWithSessions(&client, 0)["sessions"], 0);
+  std::filesystem::rename(next, map_);
+  EXPECT_EQ(MapWithSessions(&client, 1)["sessions"], 1);
+  // And sees what is written to it from then on.
+  ASSERT_EQ(RunInChild([&] { Ingest(map_, "tuesday"); }), 0);
+  EXPECT_EQ(MapWithSessions(&client, 2)["sessions"], 2);
+  EXPECT_EQ(server.Stop(SIGTERM), 0);
+}
+
+TEST_F(Verbs, ServeSaysThatItsMapIsGoneAndAnswersOn) {
+  BackgroundCairn server({"serve", map_, "--port", "0", "--log-level", "off"});
+  LocalizeClient client(ClientOptions{.url = server.ReadLine()});
+  EXPECT_EQ(nlohmann::json::parse(client.Get("/healthz"))["status"], "ok");
+  std::filesystem::remove(map_);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(120);
+  nlohmann::json health;
+  do {
+    health = nlohmann::json::parse(client.Get("/healthz"));
+  } while (health["status"] == "ok" && std::chrono::steady_clock::now() < end);
+  EXPECT_EQ(health["status"], "degraded");
+  EXPECT_EQ(health["problem"], "the map file is missing");
+  EXPECT_EQ(MapWithSessions(&client, 0)["sessions"], 0);
+}
+
+TEST_F(Verbs, ServeLosesNoRequestWhenItHangsUp) {
+  BackgroundCairn server({"serve", map_, "--port", "0", "--log-level", "off"});
+  const std::string url = server.ReadLine();
+  std::atomic<bool> done{false};
+  std::atomic<int> num_answered{0};
+  std::thread asker([&] {
+    LocalizeClient client(ClientOptions{.url = url});
+    while (!done) {
+      EXPECT_NO_THROW(client.Get("/version"));
+      ++num_answered;
+    }
+  });
+  for (int i = 0; i < 10; ++i) {
+    const std::string next = dir_.File("next.gpkg");
+    MapStore::Create(next);
+    std::filesystem::rename(next, map_);
+    server.Signal(SIGHUP);
+    const int num_before = num_answered;
+    while (num_answered < num_before + 10) std::this_thread::yield();
+  }
+  done = true;
+  asker.join();
+  EXPECT_EQ(server.Stop(SIGTERM), 0);
 }
 
 TEST_F(Verbs, ServeRefusesATakenPort) {

@@ -4,31 +4,54 @@
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 
 namespace cairn::testing {
 
+struct RawSocketOptions {
+  const char* source = "127.0.0.1";  // All of 127.0.0.0/8 is this machine.
+  int receive_bytes = 0;             // Of the kernel's buffer; 0 leaves it as it is.
+};
+
 class RawSocket {
  public:
-  explicit RawSocket(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(static_cast<uint16_t>(port));
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    if (connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof(address)) != 0) {
+  explicit RawSocket(int port, const RawSocketOptions& options = {}) : RawSocket(options) {
+    Connect(port);
+  }
+  // Not connected.
+  explicit RawSocket(const RawSocketOptions& options) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    if (options.receive_bytes > 0) {
+      setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &options.receive_bytes, sizeof(int));
+    }
+    sockaddr_in source{};
+    source.sin_family = AF_INET;
+    if (inet_pton(AF_INET, options.source, &source.sin_addr) != 1 ||
+        bind(socket_, reinterpret_cast<sockaddr*>(&source), sizeof(source)) != 0) {
       ::close(socket_);
-      throw std::runtime_error("connect failed");
+      throw std::runtime_error("bind failed");
     }
   }
   ~RawSocket() { ::close(socket_); }
   RawSocket(const RawSocket&) = delete;
   RawSocket& operator=(const RawSocket&) = delete;
+
+  void Connect(int port) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    if (connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof(address)) != 0) {
+      throw std::runtime_error("connect failed");
+    }
+  }
 
   void Send(std::string_view bytes) {
     while (!bytes.empty()) {
@@ -36,6 +59,23 @@ class RawSocket {
       if (sent <= 0) return;  // The server has seen enough.
       bytes.remove_prefix(static_cast<size_t>(sent));
     }
+  }
+
+  // Says that nothing more will be sent; answers can still be read.
+  void FinishSending() { shutdown(socket_, SHUT_WR); }
+
+  // True if the server has neither closed nor reset the connection, nor sent anything.
+  bool IsWaiting() const {
+    char c;
+    return recv(socket_, &c, 1, MSG_PEEK | MSG_DONTWAIT) < 0 && errno == EAGAIN;
+  }
+
+  // Returns when the server has reset the connection, whether or not it has sent something before;
+  // false if it does not for a long time.
+  bool WaitForReset() const {
+    constexpr int kLongMs = 120'000;
+    pollfd poll_fd{.fd = socket_, .events = 0, .revents = 0};
+    return poll(&poll_fd, 1, kLongMs) == 1;
   }
 
   // Everything until the server closes.

@@ -1,0 +1,392 @@
+#include "http/net/event_loop.h"
+
+#include <fmt/format.h>
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <tuple>
+#include <utility>
+
+#include "core/error.h"
+#include "core/logging.h"
+
+namespace cairn {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr int kMaxEvents = 128;
+constexpr int kMaxAcceptsARound = 64;
+// Room above max_connections for those that are told that there is none.
+constexpr size_t kMaxTurnedAway = 64;
+// How long the port rests when the system has no descriptors left and none can be freed.
+constexpr milliseconds kAcceptPause{100};
+// Answered connections come back without waking the loop: their deadlines are seen this late.
+constexpr milliseconds kMaxSleepWhileLent{500};
+// Deadlines are looked at no more often.
+constexpr milliseconds kExpiryGrain{10};
+// At Stop, how long a new connection has for its first byte, which is on its way.
+constexpr milliseconds kFirstByteTime{100};
+constexpr milliseconds kReportInterval{1000};
+
+[[noreturn]] void ThrowSystemError(const char* what) {
+  throw Error(ErrorCode::kIo, fmt::format("cannot make {}: {}", what, std::strerror(errno)));
+}
+
+}  // namespace
+
+struct EventLoop::Entry : Connection {
+  using Connection::Connection;
+
+  size_t index = 0;          // In entries_.
+  Usage* usage = nullptr;    // Of its client.
+  size_t counted_bytes = 0;  // In buffered_bytes_.
+  bool is_closed = false;
+  // Of all of the rest of the connection, only whoever has it may know while it is lent.
+  bool is_lent = false;
+  uint32_t events_while_lent = 0;
+  bool has_event_while_lent = false;  // Guarded by mutex_.
+};
+
+EventLoop::EventLoop(Socket listening, const ConnectionLimits& connection_limits,
+                     const LoopLimits& loop_limits, int max_answering, RefuseFunction refuse)
+    : listening_(std::move(listening)),
+      connection_limits_(connection_limits),
+      limits_(loop_limits),
+      max_answering_(max_answering),
+      refuse_(std::move(refuse)),
+      epoll_(epoll_create1(EPOLL_CLOEXEC)),
+      wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
+      next_expiry_(TimePoint::max()) {
+  if (epoll_.fd() < 0 || wake_.fd() < 0) ThrowSystemError("an event loop");
+  epoll_event wake{.events = EPOLLIN, .data = {.ptr = &wake_}};
+  epoll_event accept{.events = EPOLLIN, .data = {.ptr = &listening_}};
+  if (epoll_ctl(epoll_.fd(), EPOLL_CTL_ADD, wake_.fd(), &wake) != 0 ||
+      epoll_ctl(epoll_.fd(), EPOLL_CTL_ADD, listening_.fd(), &accept) != 0) {
+    ThrowSystemError("an event loop");
+  }
+}
+
+EventLoop::~EventLoop() = default;
+
+std::optional<RequestJob> EventLoop::Next() {
+  lead_.Take();
+  std::optional<RequestJob> job = TakeReady();
+  while (!job && !HasEnded()) {
+    RunRound();
+    job = TakeReady();
+  }
+  lead_.Pass();
+  return job;
+}
+
+std::optional<RequestJob> EventLoop::TakeReady() {
+  if (ready_.empty() || num_answering_ == max_answering_) return std::nullopt;
+  ++num_answering_;
+  std::optional<RequestJob> job = std::move(ready_.front());
+  ready_.pop_front();
+  return job;
+}
+
+void EventLoop::RunRound() {
+  std::array<epoll_event, kMaxEvents> events;
+  const int num_events = epoll_wait(epoll_.fd(), events.data(), kMaxEvents, WaitMs());
+  TakeBackAnswered();
+  for (int i = 0; i < num_events; ++i) {
+    void* const source = events[i].data.ptr;
+    if (source == &wake_) {
+      uint64_t count;
+      [[maybe_unused]] const ssize_t ignored = read(wake_.fd(), &count, sizeof(count));
+    } else if (source == &listening_) {
+      AcceptSome();
+    } else {
+      HandleEvent(events[i].events, static_cast<Entry*>(source));
+    }
+  }
+  TakeBackAnswered();  // Of those that had an event meanwhile nobody may have called Wake.
+  if (stop_requested_ && !is_closing_) BeginClosing();
+  const TimePoint now = steady_clock::now();
+  if (accept_again_ && now >= *accept_again_) ResumeAccepting();
+  if (now >= next_expiry_) Expire();
+  closed_.clear();
+}
+
+int EventLoop::WaitMs() {
+  {
+    const std::lock_guard lock(mutex_);
+    wake_when_answered_ = !ready_.empty() || is_closing_;
+    if (wake_when_answered_ && !answered_.empty()) return 0;
+  }
+  TimePoint wake_at = next_expiry_;
+  if (accept_again_) wake_at = std::min(wake_at, *accept_again_);
+  if (num_answering_ > 0) wake_at = std::min(wake_at, steady_clock::now() + kMaxSleepWhileLent);
+  if (wake_at == TimePoint::max()) return -1;
+  const auto left = std::chrono::ceil<milliseconds>(wake_at - steady_clock::now());
+  return static_cast<int>(std::max<int64_t>(left.count(), 0));
+}
+
+void EventLoop::HandleEvent(uint32_t events, Entry* entry) {
+  if (entry->is_closed) return;
+  if (entry->is_lent) {
+    entry->events_while_lent |= events;
+    const std::lock_guard lock(mutex_);
+    entry->has_event_while_lent = true;
+    return;
+  }
+  if ((events & (EPOLLRDHUP | EPOLLHUP | EPOLLERR)) != 0) {
+    entry->NotePeerFinished();
+  } else if ((events & EPOLLIN) != 0) {
+    entry->NoteReadable();
+  }
+  Advance(entry);
+}
+
+void EventLoop::Wake() {
+  const uint64_t one = 1;
+  [[maybe_unused]] const ssize_t ignored = write(wake_.fd(), &one, sizeof(one));
+}
+
+void EventLoop::Stop() {
+  stop_requested_ = true;
+  Wake();
+}
+
+void EventLoop::AcceptSome() {
+  for (int i = 0; i < kMaxAcceptsARound && listening_.fd() >= 0; ++i) {
+    Peer peer;
+    Socket socket = Accept(listening_, connection_limits_.send_timeout, &peer);
+    if (socket.fd() < 0) {
+      HandleAcceptError(errno);
+      return;
+    }
+    Adopt(std::move(socket), std::move(peer));
+  }
+}
+
+void EventLoop::HandleAcceptError(int error) {
+  const bool is_exhausted =
+      error == EMFILE || error == ENFILE || error == ENOBUFS || error == ENOMEM;
+  // Otherwise nobody waits, or one that waited has gone. The port stays readable for the next.
+  if (!is_exhausted) return;
+  if (!DropMostConnections()) PauseAccepting();
+  ReportShortage(std::strerror(error));
+}
+
+void EventLoop::PauseAccepting() {
+  epoll_ctl(epoll_.fd(), EPOLL_CTL_DEL, listening_.fd(), nullptr);
+  accept_again_ = steady_clock::now() + kAcceptPause;
+}
+
+void EventLoop::ResumeAccepting() {
+  accept_again_.reset();
+  epoll_event accept{.events = EPOLLIN, .data = {.ptr = &listening_}};
+  if (epoll_ctl(epoll_.fd(), EPOLL_CTL_ADD, listening_.fd(), &accept) != 0) PauseAccepting();
+}
+
+void EventLoop::Adopt(Socket socket, Peer peer) {
+  const auto max_connections = static_cast<size_t>(limits_.max_connections);
+  bool is_full = entries_.size() >= max_connections;
+  if (is_full) {
+    is_full = !DropMostConnections();
+    num_dropped_ += is_full;
+    ReportShortage("too many connections");
+  }
+  if (is_full && entries_.size() >= max_connections + kMaxTurnedAway) return;
+  auto entry = std::make_unique<Entry>(std::move(socket), std::move(peer), &connection_limits_);
+  epoll_event event{.events = EPOLLIN | EPOLLOUT | EPOLLRDHUP | EPOLLET,
+                    .data = {.ptr = entry.get()}};
+  if (epoll_ctl(epoll_.fd(), EPOLL_CTL_ADD, entry->socket().fd(), &event) != 0) return;
+  entry->index = entries_.size();
+  entry->usage = &usage_[entry->peer().network];
+  ++entry->usage->num_connections;
+  Entry* const adopted = entry.get();
+  entries_.push_back(std::move(entry));
+  next_expiry_ = std::min(next_expiry_, DeadlineOf(*adopted));
+  if (is_full) {
+    Refuse(adopted, HttpError(ProblemCode::kUnavailable, "too many requests are being answered"));
+  } else {
+    Advance(adopted);
+  }
+}
+
+void EventLoop::Advance(Entry* entry) {
+  try {
+    switch (entry->Proceed()) {
+      case Connection::Next::kRequest:
+        return Lend(entry);
+      case Connection::Next::kClose:
+        return Close(entry);
+      case Connection::Next::kWait:
+        break;
+    }
+    if (is_closing_ && entry->is_idle() && entry->has_served()) return Close(entry);
+  } catch (const HttpError& error) {
+    return Refuse(entry, error);
+  } catch (const std::exception& error) {
+    LogError("connection given up: {}", error.what());
+    return Close(entry);
+  }
+  next_expiry_ = std::min(next_expiry_, DeadlineOf(*entry));
+  Account(entry, entry->buffered_bytes());
+}
+
+void EventLoop::Lend(Entry* entry) {
+  ReceivedRequest request = entry->TakeRequest();
+  Account(entry, entry->buffered_bytes() + request.body.capacity());
+  if (entry->is_closed) return;
+  entry->is_lent = true;
+  ready_.push_back({entry, std::move(request)});
+}
+
+void EventLoop::Refuse(Entry* entry, const HttpError& error) {
+  entry->Respond(refuse_(error), /*keep_alive=*/false);
+  next_expiry_ = std::min(next_expiry_, DeadlineOf(*entry));
+  // It sends and reads only; what is refused is refused once.
+  if (entry->Proceed() == Connection::Next::kClose) return Close(entry);
+  Account(entry, entry->buffered_bytes());
+}
+
+void EventLoop::TakeBack(Connection* connection) {
+  auto* const entry = static_cast<Entry*>(connection);
+  bool must_wake = entry->has_more();
+  {
+    const std::lock_guard lock(mutex_);
+    must_wake = must_wake || wake_when_answered_ || entry->has_event_while_lent;
+    answered_.push_back(entry);
+  }
+  if (must_wake) Wake();
+}
+
+void EventLoop::TakeBackAnswered() {
+  std::vector<Entry*> answered;
+  {
+    const std::lock_guard lock(mutex_);
+    answered.swap(answered_);
+    for (Entry* entry : answered) entry->has_event_while_lent = false;
+  }
+  for (Entry* entry : answered) {
+    entry->is_lent = false;
+    --num_answering_;
+    const uint32_t events = std::exchange(entry->events_while_lent, 0);
+    next_expiry_ = std::min(next_expiry_, DeadlineOf(*entry));
+    HandleEvent(events, entry);
+  }
+}
+
+EventLoop::TimePoint EventLoop::DeadlineOf(const Entry& entry) const {
+  if (is_closing_ && entry.is_idle()) return entry.waiting_since() + kFirstByteTime;
+  return std::min(entry.deadline(), closing_deadline_);
+}
+
+void EventLoop::Expire() {
+  const TimePoint now = steady_clock::now();
+  std::vector<Entry*> late;
+  next_expiry_ = TimePoint::max();
+  for (const auto& entry : entries_) {
+    if (entry->is_lent) continue;
+    const TimePoint deadline = DeadlineOf(*entry);
+    if (deadline <= now) {
+      late.push_back(entry.get());
+    } else {
+      next_expiry_ = std::min(next_expiry_, deadline);
+    }
+  }
+  for (Entry* entry : late) {
+    if (entry->is_closed) continue;
+    try {
+      entry->GiveUp();
+      if (entry->is_sending()) entry->socket().Abort();
+      Close(entry);
+    } catch (const HttpError& error) {
+      Refuse(entry, error);
+    }
+  }
+  if (next_expiry_ != TimePoint::max()) next_expiry_ = std::max(next_expiry_, now + kExpiryGrain);
+}
+
+void EventLoop::BeginClosing() {
+  AcceptSome();  // Those that connected before Stop.
+  listening_.Close();
+  accept_again_.reset();
+  is_closing_ = true;
+  next_expiry_ = steady_clock::now();
+  closing_deadline_ = next_expiry_ + limits_.stop_timeout;
+  std::vector<Entry*> served;
+  for (const auto& entry : entries_) {
+    if (!entry->is_lent && entry->is_idle() && entry->has_served()) served.push_back(entry.get());
+  }
+  for (Entry* entry : served) Close(entry);
+}
+
+void EventLoop::Account(Entry* entry, size_t bytes) {
+  buffered_bytes_ += bytes - entry->counted_bytes;
+  entry->usage->bytes += bytes - entry->counted_bytes;
+  entry->counted_bytes = bytes;
+  while (buffered_bytes_ > limits_.max_buffered_bytes && DropMostBytes()) {
+    ReportShortage("too many bytes of requests and answers in memory");
+  }
+}
+
+template <typename Rank>
+EventLoop::Entry* EventLoop::Foremost(const Rank& rank) const {
+  Entry* foremost = nullptr;
+  for (const auto& entry : entries_) {
+    if (entry->is_lent) continue;
+    if (foremost == nullptr || rank(*entry) > rank(*foremost)) foremost = entry.get();
+  }
+  return foremost;
+}
+
+bool EventLoop::DropMostConnections() {
+  const TimePoint now = steady_clock::now();
+  Entry* const foremost = Foremost([now](const Entry& entry) {
+    return std::tuple(entry.usage->num_connections, now - entry.waiting_since());
+  });
+  if (foremost != nullptr) Drop(foremost);
+  return foremost != nullptr;
+}
+
+bool EventLoop::DropMostBytes() {
+  const TimePoint now = steady_clock::now();
+  Entry* const foremost = Foremost([now](const Entry& entry) {
+    const std::chrono::duration<double> age = now - entry.waiting_since();
+    return std::tuple(entry.usage->bytes, static_cast<double>(entry.counted_bytes) * age.count());
+  });
+  if (foremost != nullptr) Drop(foremost);
+  return foremost != nullptr;
+}
+
+void EventLoop::Drop(Entry* entry) {
+  LogDebug("a connection of {} is ended for want of room", entry->peer().address);
+  entry->socket().Abort();
+  Close(entry);
+  ++num_dropped_;
+}
+
+void EventLoop::ReportShortage(const char* cause) {
+  const TimePoint now = steady_clock::now();
+  if (now < next_report_) return;
+  next_report_ = now + kReportInterval;
+  LogWarning("{} connections were ended or turned away: {}", std::exchange(num_dropped_, 0), cause);
+}
+
+void EventLoop::Close(Entry* entry) {
+  if (entry->is_closed) return;
+  entry->is_closed = true;
+  buffered_bytes_ -= entry->counted_bytes;
+  entry->usage->bytes -= entry->counted_bytes;
+  if (--entry->usage->num_connections == 0) usage_.erase(entry->peer().network);
+  entry->socket().Close();
+  std::swap(entries_[entry->index], entries_.back());
+  entries_[entry->index]->index = entry->index;
+  closed_.push_back(std::move(entries_.back()));
+  entries_.pop_back();
+}
+
+}  // namespace cairn

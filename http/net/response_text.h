@@ -1,0 +1,22 @@
+// A response as bytes.
+#ifndef CAIRN_HTTP_NET_RESPONSE_TEXT_H_
+#define CAIRN_HTTP_NET_RESPONSE_TEXT_H_
+
+#include <string>
+
+#include "http/message.h"
+
+namespace cairn {
+
+// Apart, so that a body of megabytes is not copied.
+struct ResponseText {
+  std::string head;
+  std::string body;
+};
+
+// `is_head`: the request was HEAD, which gets the Content-Length but no body.
+ResponseText SerializeResponse(HttpResponse response, bool is_head, bool keep_alive);
+
+}  // namespace cairn
+
+#endif  // CAIRN_HTTP_NET_RESPONSE_TEXT_H_

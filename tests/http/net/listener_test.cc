@@ -1,0 +1,332 @@
+// Clients that hold on to connections, and what they must not be able to do.
+#include "http/net/listener.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "http/raw_socket.h"
+
+namespace cairn {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using testing::RawSocket;
+using testing::RawSocketOptions;
+using ::testing::StartsWith;
+
+using Clients = std::vector<std::unique_ptr<RawSocket>>;
+
+constexpr char kGet[] = "GET / HTTP/1.1\r\nHost: h\r\n\r\n";
+constexpr char kHalfHead[] = "GET / HTTP/1.1\r\nHost: h\r\nX: ";
+constexpr char kOtherClient[] = "127.0.0.2";
+// More than the kernel buffers for a connection.
+constexpr size_t kLargeBytes = size_t{4} << 20;
+
+std::string Post(size_t num_bytes) {
+  return "POST / HTTP/1.1\r\nHost: h\r\nContent-Length: " + std::to_string(num_bytes) + "\r\n\r\n";
+}
+
+// Answers "/" at once, "/large" with kLargeBytes, and "/hold" when Release is called.
+class Handler : public RequestHandler {
+ public:
+  HttpResponse Handle(const HttpRequest& request) override {
+    ++num_handled;
+    HttpResponse response{.status = 200, .content_type = "text/plain", .body = "fine"};
+    if (request.path == "/large") response.body.assign(kLargeBytes, 'x');
+    if (request.path == "/hold") {
+      std::unique_lock lock(mutex_);
+      released_.wait(lock, [this] { return is_released_; });
+    }
+    return response;
+  }
+  HttpResponse Refuse(const HttpError& error, const std::string& /*request_id*/) override {
+    return {.status = InfoOf(error.problem()).status, .content_type = "text/plain", .body = "no"};
+  }
+
+  void Release() {
+    const std::lock_guard lock(mutex_);
+    is_released_ = true;
+    released_.notify_all();
+  }
+  // False if they do not come for a long time.
+  bool WaitForRequests(int count) const {
+    const auto end = std::chrono::steady_clock::now() + seconds(120);
+    while (num_handled < count && std::chrono::steady_clock::now() < end) {
+      std::this_thread::yield();
+    }
+    return num_handled >= count;
+  }
+
+  std::atomic<int> num_handled{0};
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable released_;
+  bool is_released_ = false;
+};
+
+class ListenerUnderAttack : public ::testing::Test {
+ protected:
+  static constexpr int kNumAttackers = 64;
+
+  ListenerUnderAttack() {
+    options_.num_threads = 2;
+    // No client is late in these tests unless one says so.
+    options_.connection.idle_timeout = seconds(120);
+    options_.connection.head_timeout = seconds(120);
+    options_.connection.body_timeout = seconds(120);
+    options_.connection.send_timeout = seconds(120);
+  }
+  ~ListenerUnderAttack() override { handler_.Release(); }
+
+  void Start() {
+    listener_ = std::make_unique<Listener>(options_, &handler_);
+    listener_->Start();
+  }
+  std::unique_ptr<RawSocket> Connect(const std::string& bytes,
+                                     const RawSocketOptions& options = {}) const {
+    auto client = std::make_unique<RawSocket>(listener_->port(), options);
+    client->Send(bytes);
+    return client;
+  }
+  Clients ConnectMany(int count, const std::string& bytes,
+                      const RawSocketOptions& options = {}) const {
+    Clients clients;
+    for (int i = 0; i < count; ++i) clients.push_back(Connect(bytes, options));
+    return clients;
+  }
+  void ExpectServed() const {
+    EXPECT_THAT(Connect(kGet)->ReadResponse(), StartsWith("HTTP/1.1 200"));
+  }
+  // All attackers still hold their connections, and get their answers when they go on.
+  static void ExpectAllServedAfter(const std::string& rest, const Clients& clients) {
+    for (const auto& client : clients) EXPECT_TRUE(client->IsWaiting());
+    for (const auto& client : clients) {
+      client->Send(rest);
+      EXPECT_THAT(client->ReadResponse(), StartsWith("HTTP/1.1 200"));
+    }
+  }
+  static int NumWaiting(const Clients& clients) {
+    return static_cast<int>(std::count_if(clients.begin(), clients.end(),
+                                          [](const auto& client) { return client->IsWaiting(); }));
+  }
+
+  Handler handler_;
+  ListenerOptions options_;
+  std::unique_ptr<Listener> listener_;
+};
+
+TEST_F(ListenerUnderAttack, SlowHeadsHoldNoWorker) {
+  Start();
+  const Clients attackers = ConnectMany(kNumAttackers, kHalfHead);
+  ExpectServed();
+  ExpectAllServedAfter("y\r\n\r\n", attackers);
+}
+
+TEST_F(ListenerUnderAttack, SlowBodiesHoldNoWorker) {
+  Start();
+  const Clients attackers = ConnectMany(kNumAttackers, Post(1000) + "half");
+  ExpectServed();
+  ExpectAllServedAfter(std::string(996, 'x'), attackers);
+}
+
+TEST_F(ListenerUnderAttack, IdleConnectionsHoldNoWorker) {
+  Start();
+  const Clients attackers = ConnectMany(kNumAttackers, "");
+  ExpectServed();
+  ExpectAllServedAfter(kGet, attackers);
+}
+
+TEST_F(ListenerUnderAttack, ClientsThatDoNotReadHoldNoWorker) {
+  constexpr int kNumSilent = 12;
+  Start();
+  const Clients attackers =
+      ConnectMany(kNumSilent, "GET /large HTTP/1.1\r\nHost: h\r\n\r\n", {.receive_bytes = 65536});
+  ASSERT_TRUE(handler_.WaitForRequests(kNumSilent));
+  ExpectServed();
+  // None had its answer by then, and all get the whole of it.
+  for (const auto& attacker : attackers) {
+    const std::string response = attacker->ReadResponse();
+    EXPECT_THAT(response.substr(0, 64), StartsWith("HTTP/1.1 200"));
+    EXPECT_GT(response.size(), kLargeBytes);
+  }
+}
+
+TEST_F(ListenerUnderAttack, AnAnswerThatIsNotReadInTimeEndsTheConnection) {
+  options_.connection.send_timeout = milliseconds(50);
+  options_.connection.min_send_bytes_per_s = int64_t{1} << 40;
+  Start();
+  const auto attacker = Connect("GET /large HTTP/1.1\r\nHost: h\r\n\r\n", {.receive_bytes = 65536});
+  EXPECT_TRUE(attacker->WaitForReset());
+  ExpectServed();
+}
+
+TEST_F(ListenerUnderAttack, RequestsThatDoNotArriveInTimeAreToldSo) {
+  options_.connection.head_timeout = milliseconds(50);
+  options_.connection.body_timeout = milliseconds(50);
+  options_.connection.idle_timeout = milliseconds(50);
+  Start();
+  EXPECT_THAT(Connect(kHalfHead)->ReadAll(), StartsWith("HTTP/1.1 408"));
+  EXPECT_THAT(Connect(Post(10))->ReadAll(), StartsWith("HTTP/1.1 408"));
+  EXPECT_EQ(Connect("")->ReadAll(), "");
+}
+
+TEST_F(ListenerUnderAttack, TheConnectionThatWaitedLongestGivesWayToANewOne) {
+  options_.loop.max_connections = 8;
+  Start();
+  const Clients attackers = ConnectMany(8, kHalfHead);
+  ExpectServed();
+  EXPECT_TRUE(attackers.front()->WaitForReset());
+  EXPECT_EQ(NumWaiting(attackers), 7);
+}
+
+TEST_F(ListenerUnderAttack, TheClientWithMostConnectionsGivesWay) {
+  options_.loop.max_connections = 8;
+  Start();
+  const auto good = Connect(kHalfHead);  // Has waited longest.
+  const Clients attackers = ConnectMany(20, kHalfHead, {.source = kOtherClient});
+  ExpectServed();
+  EXPECT_TRUE(good->IsWaiting());
+  EXPECT_LE(NumWaiting(attackers), 7);
+  good->Send("y\r\n\r\n");
+  EXPECT_THAT(good->ReadResponse(), StartsWith("HTTP/1.1 200"));
+}
+
+TEST_F(ListenerUnderAttack, WithAllConnectionsBeingAnsweredANewOneIsTurnedAway) {
+  options_.loop.max_connections = 2;
+  Start();
+  const Clients busy = ConnectMany(2, "GET /hold HTTP/1.1\r\nHost: h\r\n\r\n");
+  ASSERT_TRUE(handler_.WaitForRequests(2));
+  EXPECT_THAT(Connect(kGet)->ReadAll(), StartsWith("HTTP/1.1 503"));
+  handler_.Release();
+  for (const auto& client : busy) {
+    EXPECT_THAT(client->ReadResponse(), StartsWith("HTTP/1.1 200"));
+  }
+  ExpectServed();
+}
+
+TEST_F(ListenerUnderAttack, BytesInMemoryAreBounded) {
+  constexpr size_t kBodyBytes = size_t{1} << 20;
+  options_.loop.max_buffered_bytes = 4 * kBodyBytes;
+  Start();
+  const auto good = Connect(Post(4) + "12");  // Holds its bytes for longest.
+  const Clients attackers = ConnectMany(16, Post(kBodyBytes) + std::string(kBodyBytes - 1, 'x'),
+                                        {.source = kOtherClient});
+  // Three bodies fit beside each other, and not four, with what strings have in reserve.
+  const auto end = std::chrono::steady_clock::now() + seconds(120);
+  while (NumWaiting(attackers) > 3 && std::chrono::steady_clock::now() < end) {
+    std::this_thread::yield();
+  }
+  EXPECT_LE(NumWaiting(attackers), 3);
+  ExpectServed();
+  good->Send("34");
+  EXPECT_THAT(good->ReadResponse(), StartsWith("HTTP/1.1 200"));
+}
+
+// The process may open no more files than are open now, as long as this lives.
+class NoMoreFiles {
+ public:
+  NoMoreFiles() {
+    getrlimit(RLIMIT_NOFILE, &before_);
+    const int next = dup(0);
+    close(next);
+    const rlimit limit{.rlim_cur = static_cast<rlim_t>(next), .rlim_max = before_.rlim_max};
+    setrlimit(RLIMIT_NOFILE, &limit);
+  }
+  ~NoMoreFiles() { setrlimit(RLIMIT_NOFILE, &before_); }
+
+ private:
+  rlimit before_{};
+};
+
+TEST_F(ListenerUnderAttack, WithoutFreeDescriptorsAnIdleConnectionGivesWay) {
+  Start();
+  const Clients attackers = ConnectMany(4, kHalfHead);
+  ExpectServed();  // By now they have been accepted.
+  RawSocket good{RawSocketOptions{}};
+  const NoMoreFiles no_more_files;
+  good.Connect(listener_->port());
+  good.Send(kGet);
+  EXPECT_THAT(good.ReadResponse(), StartsWith("HTTP/1.1 200"));
+  EXPECT_TRUE(attackers.front()->WaitForReset());
+}
+
+TEST_F(ListenerUnderAttack, AcceptingGoesOnWhenThereAreDescriptorsAgain) {
+  Start();
+  const Clients busy = ConnectMany(2, "GET /hold HTTP/1.1\r\nHost: h\r\nConnection: close\r\n\r\n");
+  ASSERT_TRUE(handler_.WaitForRequests(2));
+  RawSocket good{RawSocketOptions{}};
+  const NoMoreFiles no_more_files;
+  good.Connect(listener_->port());
+  good.Send(kGet);
+  EXPECT_TRUE(good.IsWaiting());
+  handler_.Release();  // Their connections end and leave room.
+  EXPECT_THAT(good.ReadResponse(), StartsWith("HTTP/1.1 200"));
+}
+
+TEST_F(ListenerUnderAttack, AClientThatHasFinishedSendingGetsItsAnswers) {
+  Start();
+  const auto client = Connect(std::string(kGet) + kGet);
+  client->FinishSending();
+  const std::string all = client->ReadAll();
+  EXPECT_THAT(all, StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(all.substr(1), HasSubstr("HTTP/1.1 200"));
+}
+
+TEST_F(ListenerUnderAttack, AClientThatLeavesWhileItsRequestIsAnsweredIsForgotten) {
+  Start();
+  Connect("GET /hold HTTP/1.1\r\nHost: h\r\n\r\n");
+  ASSERT_TRUE(handler_.WaitForRequests(1));
+  handler_.Release();
+  ExpectServed();
+}
+
+TEST_F(ListenerUnderAttack, StopLetsRunningRequestsFinishAndWaitsForNobodyElse) {
+  options_.loop.stop_timeout = milliseconds(100);
+  Start();
+  const auto running = Connect("GET /hold HTTP/1.1\r\nHost: h\r\n\r\n");
+  ASSERT_TRUE(handler_.WaitForRequests(1));
+  const Clients attackers = ConnectMany(8, kHalfHead);
+  const Clients silent =
+      ConnectMany(2, "GET /large HTTP/1.1\r\nHost: h\r\n\r\n", {.receive_bytes = 65536});
+  ASSERT_TRUE(handler_.WaitForRequests(3));
+  std::thread stop([this] { listener_->Stop(); });
+  for (const auto& attacker : attackers)
+    EXPECT_THAT(attacker->ReadAll(), StartsWith("HTTP/1.1 408"));
+  for (const auto& client : silent) EXPECT_TRUE(client->WaitForReset());
+  EXPECT_TRUE(running->IsWaiting());
+  EXPECT_THROW(RawSocket{listener_->port()}, std::runtime_error);
+  handler_.Release();
+  const std::string response = running->ReadAll();
+  EXPECT_THAT(response, StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(response, HasSubstr("Connection: close"));
+  EXPECT_THAT(response, EndsWith("fine"));
+  stop.join();
+}
+
+TEST_F(ListenerUnderAttack, ARequestThatArrivesInPiecesIsOneRequest) {
+  Start();
+  const auto client = Connect("");
+  const std::string request = Post(20'000) + std::string(20'000, 'x') + kGet;
+  for (size_t i = 0; i < request.size(); i += 17) client->Send(request.substr(i, 17));
+  EXPECT_THAT(client->ReadResponse(), StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(client->ReadResponse(), StartsWith("HTTP/1.1 200"));
+  EXPECT_EQ(handler_.num_handled, 2);
+}
+
+}  // namespace
+}  // namespace cairn
