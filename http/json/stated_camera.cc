@@ -57,7 +57,7 @@ StatedCamera ReadCameraParts(const std::optional<JsonReader>& model, const JsonR
       params->Fail(e.what());
     }
   }
-  if (model && ReadModel(*model) == CameraModel::kOpenCvFisheye) {
+  if (model && IsFisheye(ReadModel(*model))) {
     model->Fail("needs modelParams: a fisheye is not guessed");
   }
   return {CameraOfUnknownFocal(width_px, height_px), FocalPrior{.with_distortion = true}};
