@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "cli/arguments.h"
+#include "cli/height_option.h"
 #include "cli/index_option.h"
 #include "cli/open_localizer.h"
 #include "cli/rig_photos.h"
@@ -21,6 +22,7 @@
 #include "core/error.h"
 #include "core/focal_length.h"
 #include "core/geodesy.h"
+#include "core/geoid.h"
 #include "eval/pictures/pictures.h"
 #include "http/client.h"
 #include "http/json/localize_response.h"
@@ -44,6 +46,7 @@ struct LocalizeArguments {
   std::optional<std::string> camera;
   std::optional<double> focal_sigma_percent;
   std::optional<std::string> prior;
+  std::optional<HeightReference> prior_height;
   double accuracy_m = 15.0;
   std::optional<std::string> gravity;
   std::string picture_path;
@@ -94,8 +97,10 @@ LocalizeQuery MakeQuery(const LocalizeArguments& arguments, const Photo& photo) 
                             query.camera.width_px(), query.camera.height_px()));
   }
   if (arguments.prior) {
-    query.prior = PositionPrior{ParseGeodetic("--prior", *arguments.prior), arguments.accuracy_m,
-                                std::nullopt};
+    const Geodetic position =
+        WithEllipsoidalHeight(ParseGeodetic("--prior", *arguments.prior),
+                              arguments.prior_height.value_or(HeightReference::kEllipsoid));
+    query.prior = PositionPrior{position, arguments.accuracy_m, std::nullopt};
   }
   if (arguments.gravity) {
     query.down_in_cam = ParseDirection("--gravity", *arguments.gravity);
@@ -227,6 +232,10 @@ void AddQueryOptions(CLI::App* command, LocalizeArguments* arguments) {
   CLI::Option* prior =
       command->add_option("--prior", arguments->prior, "Rough position, degrees and metres")
           ->type_name("lat,lon,h");
+  AddHeightOption(command, &arguments->prior_height,
+                  "What the height of --prior is measured from: the WGS84 ellipsoid or mean sea "
+                  "level (EGM96). Default: ellipsoid")
+      ->needs(prior);
   command->add_option("--accuracy", arguments->accuracy_m, "Metres that hold 68 % of such priors")
       ->needs(prior)
       ->check(CLI::PositiveNumber)
