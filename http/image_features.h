@@ -10,10 +10,11 @@
 
 namespace cairn {
 
-// Decodes the request's images (JPEG, PNG, PNM by their content; GRAY8 and RGBA32 by their name)
-// and gives the query the SIFT features of each camera, as `cairn localize` extracts them. Throws
-// HttpError kInvalidImage if one does not decode or is not of its camera's size, kImageTooLarge
-// before decoding if its header claims more than `max_pixels`. Adds to `times`.
+// Decodes the request's images (JPEG, PNG, PNM by their content; GRAY8 and RGBA32 by their name),
+// turns them as their `orientation` says and gives the query the SIFT features of each camera, as
+// `cairn localize` extracts them. Throws HttpError kInvalidImage if one does not decode or is not
+// of its camera's size, kImageTooLarge before decoding if its header claims more than `max_pixels`.
+// Adds to `times`.
 void ExtractQueryFeatures(int64_t max_pixels, LocalizeRequest* request, ServerTimes* times);
 
 }  // namespace cairn
