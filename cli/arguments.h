@@ -19,7 +19,7 @@ std::vector<double> ParseNumbers(const std::string& option, const std::string& t
 // "MODEL,width,height,param,...", COLMAP's names and parameter order, pixels.
 Camera ParseCamera(const std::string& option, const std::string& text);
 
-// "lat,lon,h": degrees and ellipsoidal metres.
+// "lat,lon,h": degrees and metres.
 Geodetic ParseGeodetic(const std::string& option, const std::string& text);
 
 // "x,y,z", any length but zero; returned with unit length.

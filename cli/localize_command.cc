@@ -11,9 +11,11 @@
 #include <numeric>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cli/arguments.h"
+#include "cli/height_option.h"
 #include "cli/index_option.h"
 #include "cli/open_localizer.h"
 #include "cli/rig_photos.h"
@@ -21,20 +23,20 @@
 #include "core/error.h"
 #include "core/focal_length.h"
 #include "core/geodesy.h"
+#include "core/geoid.h"
 #include "eval/pictures/pictures.h"
 #include "http/client.h"
+#include "http/json/image_orientation.h"
 #include "http/json/localize_response.h"
+#include "ingest/features/orient_image.h"
 #include "ingest/features/sift_extractor.h"
 #include "ingest/readers/exif.h"
+#include "ingest/readers/photo_camera.h"
 
 namespace cairn {
 namespace {
 
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
-// Width of a 35 mm film frame, which EXIF's equivalent focal length refers to; some cameras mean
-// the diagonal, and all round to millimetres.
-constexpr double kFilmWidthMm = 36.0;
-constexpr double kExifFocalLogSigma = 0.05;
 
 struct LocalizeArguments {
   std::string map_path;
@@ -44,6 +46,7 @@ struct LocalizeArguments {
   std::optional<std::string> camera;
   std::optional<double> focal_sigma_percent;
   std::optional<std::string> prior;
+  std::optional<HeightReference> prior_height;
   double accuracy_m = 15.0;
   std::optional<std::string> gravity;
   std::string picture_path;
@@ -52,27 +55,28 @@ struct LocalizeArguments {
   bool json = false;
 };
 
-// From the EXIF focal length; without one it is unknown.
-void SetCameraFromExif(const ExifInfo& exif, const GrayImage& photo, LocalizeQuery* query) {
-  if (!exif.focal_35mm) {
-    query->camera = CameraOfUnknownFocal(photo.width_px, photo.height_px);
-    query->focal = FocalPrior{.with_distortion = true};
-    return;
-  }
-  const double focal_px =
-      *exif.focal_35mm / kFilmWidthMm * std::max(photo.width_px, photo.height_px);
-  query->camera = Camera(CameraModel::kSimplePinhole, photo.width_px, photo.height_px,
-                         {focal_px, 0.5 * photo.width_px, 0.5 * photo.height_px});
-  query->focal = FocalPrior{.log_sigma = kExifFocalLogSigma};
+// The photo turned so that it is the picture of --camera, or upright as EXIF has it without one;
+// returns which of the two it is.
+ImageOrientation TurnPhoto(const std::optional<Camera>& camera, const ExifInfo& exif,
+                           GrayImage* photo) {
+  const PictureHeader header{photo->width_px, photo->height_px, exif.orientation};
+  const int orientation = camera ? OrientationToApply(header, ImageOrientation::kAsSize,
+                                                      camera->width_px(), camera->height_px())
+                                 : exif.orientation;
+  *photo = OrientImage(std::move(*photo), orientation);
+  return orientation == 1 ? ImageOrientation::kStored : ImageOrientation::kUpright;
 }
 
-LocalizeQuery MakeQuery(const LocalizeArguments& arguments, const Photo& photo) {
+LocalizeQuery MakeQuery(const LocalizeArguments& arguments, const std::optional<Camera>& camera,
+                        const ExifInfo& exif, const GrayImage& pixels) {
   LocalizeQuery query;
   query.id = arguments.image_path;
-  if (arguments.camera) {
-    query.camera = ParseCamera("--camera", *arguments.camera);
+  if (camera) {
+    query.camera = *camera;
   } else {
-    SetCameraFromExif(ReadExif(photo.bytes), photo.image, &query);
+    PhotoCamera of_photo = CameraOfPhoto(exif, pixels.width_px, pixels.height_px);
+    query.camera = std::move(of_photo.camera);
+    query.focal = of_photo.focal;
   }
   if (arguments.focal_sigma_percent) {
     query.focal = FocalPrior{.log_sigma = 0.01 * *arguments.focal_sigma_percent};
@@ -86,7 +90,6 @@ LocalizeQuery MakeQuery(const LocalizeArguments& arguments, const Photo& photo) 
     }
     query.focal.reset();
   }
-  const GrayImage& pixels = photo.image;
   if (query.camera.width_px() != pixels.width_px || query.camera.height_px() != pixels.height_px) {
     throw Error(ErrorCode::kBadInput,
                 fmt::format("{} has {} x {} pixels, but --camera says {} x {}",
@@ -94,8 +97,10 @@ LocalizeQuery MakeQuery(const LocalizeArguments& arguments, const Photo& photo) 
                             query.camera.width_px(), query.camera.height_px()));
   }
   if (arguments.prior) {
-    query.prior = PositionPrior{ParseGeodetic("--prior", *arguments.prior), arguments.accuracy_m,
-                                std::nullopt};
+    const Geodetic position =
+        WithEllipsoidalHeight(ParseGeodetic("--prior", *arguments.prior),
+                              arguments.prior_height.value_or(HeightReference::kEllipsoid));
+    query.prior = PositionPrior{position, arguments.accuracy_m, std::nullopt};
   }
   if (arguments.gravity) {
     query.down_in_cam = ParseDirection("--gravity", *arguments.gravity);
@@ -104,13 +109,18 @@ LocalizeQuery MakeQuery(const LocalizeArguments& arguments, const Photo& photo) 
 }
 
 LocalizeResult Answer(const LocalizeArguments& arguments, const Photo& photo,
-                      const std::vector<RigPhoto>& others, LocalizeQuery* query) {
+                      ImageOrientation orientation, const std::vector<RigPhoto>& others,
+                      LocalizeQuery* query) {
   if (!arguments.server_url.empty()) {
     std::vector<std::vector<uint8_t>> images = {photo.bytes};
     for (const RigPhoto& other : others) {
       images.push_back(other.photo.bytes);
     }
-    return LocalizeClient(ClientOptions{.url = arguments.server_url})
+    // Those of a rig have sizes that say which picture is meant.
+    return LocalizeClient(ClientOptions{.url = arguments.server_url,
+                                        .image_orientation = others.empty()
+                                                                 ? orientation
+                                                                 : ImageOrientation::kAsSize})
         .LocalizeImages(*query, images);
   }
   LocalizerOptions options;
@@ -180,8 +190,14 @@ ExitCode RunLocalize(const LocalizeArguments& arguments) {
   if (arguments.map_path.empty() == arguments.server_url.empty()) {
     throw Error(ErrorCode::kInvalidArgument, "give either a MAP or --server URL");
   }
-  const Photo photo = ReadPhoto(arguments.image_path);
-  LocalizeQuery query = MakeQuery(arguments, photo);
+  Photo photo = ReadPhoto(arguments.image_path);
+  const ExifInfo exif = ReadExif(photo.bytes);
+  std::optional<Camera> camera;
+  if (arguments.camera) {
+    camera = ParseCamera("--camera", *arguments.camera);
+  }
+  const ImageOrientation orientation = TurnPhoto(camera, exif, &photo.image);
+  LocalizeQuery query = MakeQuery(arguments, camera, exif, photo.image);
   std::vector<RigPhoto> others;
   if (!arguments.rig_path.empty()) {
     others = ReadRigPhotos(arguments.rig_path);
@@ -189,7 +205,7 @@ ExitCode RunLocalize(const LocalizeArguments& arguments) {
   for (const RigPhoto& other : others) {
     query.other_cameras.push_back(other.camera);
   }
-  const LocalizeResult result = Answer(arguments, photo, others, &query);
+  const LocalizeResult result = Answer(arguments, photo, orientation, others, &query);
   if (!arguments.picture_path.empty()) {
     DrawMatches(arguments.picture_path, photo.image, query, result);
   }
@@ -209,9 +225,11 @@ void AddQueryOptions(CLI::App* command, LocalizeArguments* arguments) {
       ->required()
       ->type_name("FILE");
   command
-      ->add_option("--camera", arguments->camera,
-                   "Intrinsics, COLMAP's models in pixels. Default: from the EXIF focal length; "
-                   "without one, estimated along with the pose")
+      ->add_option(
+          "--camera", arguments->camera,
+          "Intrinsics, COLMAP's models in pixels, of the photo as it is stored or, if w and h are "
+          "those, as EXIF turns it. Default: from the EXIF focal length, of the photo "
+          "upright; without one, estimated along with the pose")
       ->type_name("MODEL,w,h,param,...");
   command
       ->add_option("--focal-sigma", arguments->focal_sigma_percent,
@@ -227,14 +245,19 @@ void AddQueryOptions(CLI::App* command, LocalizeArguments* arguments) {
   CLI::Option* prior =
       command->add_option("--prior", arguments->prior, "Rough position, degrees and metres")
           ->type_name("lat,lon,h");
+  AddHeightOption(command, &arguments->prior_height,
+                  "What the height of --prior is measured from: the WGS84 ellipsoid or mean sea "
+                  "level (EGM96). Default: ellipsoid")
+      ->needs(prior);
   command->add_option("--accuracy", arguments->accuracy_m, "Metres that hold 68 % of such priors")
       ->needs(prior)
       ->check(CLI::PositiveNumber)
       ->type_name("M")
       ->capture_default_str();
   command
-      ->add_option("--gravity", arguments->gravity,
-                   "Direction of down in the camera frame (x right, y down, z forward)")
+      ->add_option(
+          "--gravity", arguments->gravity,
+          "Direction of down in the camera frame (x right, y down, z forward) of that photo")
       ->type_name("x,y,z");
 }
 

@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <vector>
 
+#include "cli/height_option.h"
+
 namespace cairn {
 
 void AddReconstructionOptions(CLI::App* command, ReconstructionArguments* arguments) {
@@ -14,8 +16,9 @@ void AddReconstructionOptions(CLI::App* command, ReconstructionArguments* argume
       ->type_name("FILE");
   CLI::Option* georef =
       command
-          ->add_option("--georef", arguments->georef_path,
-                       "Camera positions: CSV with image,lat_deg,lon_deg,h_m[,accuracy_m]")
+          ->add_option(
+              "--georef", arguments->georef_path,
+              "Camera positions: CSV with image,lat_deg,lon_deg,h_m[,accuracy_m]; see --height")
           ->type_name("CSV");
   CLI::Option* gps =
       command->add_flag("--gps", arguments->use_gps, "Camera positions: the database's GPS priors");
@@ -27,13 +30,21 @@ void AddReconstructionOptions(CLI::App* command, ReconstructionArguments* argume
       ->check(CLI::PositiveNumber)
       ->type_name("M")
       ->capture_default_str();
+  AddHeightOption(command, &arguments->height,
+                  "What the heights of --georef or --gps are measured from: the WGS84 ellipsoid or "
+                  "mean sea level (EGM96). Default: ellipsoid for --georef; msl for --gps, as EXIF "
+                  "has it");
 }
 
 Georegistration GeoregisterByArguments(const Reconstruction& reconstruction,
                                        const ReconstructionArguments& arguments) {
-  const std::vector<CameraPosition> positions =
+  std::vector<CameraPosition> positions =
       arguments.use_gps ? GpsPositions(reconstruction, arguments.gps_accuracy_m)
                         : ReadCameraPositions(arguments.georef_path);
+  MakeHeightsEllipsoidal(
+      arguments.height.value_or(arguments.use_gps ? HeightReference::kMeanSeaLevel
+                                                  : HeightReference::kEllipsoid),
+      &positions);
   return Georegister(reconstruction, positions, GeoregisterOptions());
 }
 

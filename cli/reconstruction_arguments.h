@@ -3,6 +3,7 @@
 #ifndef CAIRN_CLI_RECONSTRUCTION_ARGUMENTS_H_
 #define CAIRN_CLI_RECONSTRUCTION_ARGUMENTS_H_
 
+#include <optional>
 #include <string>
 
 #include "ingest/georegister/georegister.h"
@@ -20,11 +21,14 @@ struct ReconstructionArguments {
   std::string georef_path;      // CSV of camera positions; empty if not given.
   bool use_gps = false;         // Positions from the database or the photos' EXIF.
   double gps_accuracy_m = 5.0;  // 68 %.
+  // Of the positions' heights; without it mean sea level for GPS, which comes from EXIF, and the
+  // ellipsoid for `georef_path`.
+  std::optional<HeightReference> height;
 
   bool HasPositions() const { return use_gps || !georef_path.empty(); }
 };
 
-// --model, --database, --georef, --gps, --gps-accuracy.
+// --model, --database, --georef, --gps, --gps-accuracy, --height.
 void AddReconstructionOptions(CLI::App* command, ReconstructionArguments* arguments);
 
 // Fits the reconstruction to the positions the arguments name. Throws as Georegister.

@@ -12,6 +12,7 @@
 #include <atomic>
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstddef>
 #include <cstdint>
@@ -36,6 +37,8 @@ constexpr size_t kMemoryReserveBytes = size_t{16} << 20;
 struct ServeArguments {
   ServerOptions options;
   int64_t cache_mb = 1024;
+  int64_t max_body_mb = 16;
+  double max_image_megapixels = 12.0;
 };
 
 constexpr std::array kSignals = {SIGHUP, SIGINT, SIGTERM};
@@ -128,6 +131,8 @@ std::string Url(const std::string& host, int port) {
 ExitCode RunServe(const ServeArguments& arguments) {
   ServerOptions options = arguments.options;
   options.cache_bytes = static_cast<size_t>(arguments.cache_mb) << 20;
+  options.max_body_bytes = static_cast<size_t>(arguments.max_body_mb) << 20;
+  options.max_image_pixels = std::llround(1e6 * arguments.max_image_megapixels);
   ShareHeapsAmongThreads();
   SetUpMemoryReserve(kMemoryReserveBytes);
   AllowOpenFiles();
@@ -186,6 +191,19 @@ void AddServeCommand(CLI::App* app, Shell* shell) {
                    "Threads one query may use while cores are free; 0 is as many as cores")
       ->check(CLI::Range(0, 1024))
       ->type_name("N")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--max-body-mb", arguments->max_body_mb,
+          "Largest request, MiB; 12 megapixels take up to 16 as JPEG or as GRAY8 in base64")
+      ->check(CLI::Range(int64_t{1}, int64_t{1024}))
+      ->type_name("MB")
+      ->capture_default_str();
+  command
+      ->add_option("--max-image-mp", arguments->max_image_megapixels,
+                   "Largest image that is decoded, megapixels")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->type_name("MP")
       ->capture_default_str();
   AddIndexOption(command, &options.localizer.matching.index.kind);
   command->footer(

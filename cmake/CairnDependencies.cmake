@@ -9,6 +9,8 @@ find_package(PNG REQUIRED)
 find_package(Ceres 2.1 REQUIRED)
 list(APPEND CMAKE_MODULE_PATH /usr/share/cmake/geographiclib)
 find_package(GeographicLib REQUIRED)
+# Data, not a library: the heights of the geoid, read at run time (core/geoid.h).
+find_file(CAIRN_EGM96_GRID egm96_15.gtx PATHS /usr/share/proj /usr/local/share/proj NO_DEFAULT_PATH REQUIRED)
 find_package(OpenMP REQUIRED)
 find_package(BLAS REQUIRED)
 find_package(LAPACK REQUIRED)

@@ -66,6 +66,7 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_FUSION_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS "proj-data")  # The geoid; OpenCV's GDAL brings it anyway.
 # Static libraries have no shared dependencies to compute; their users link these.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
   "libcairn-fusion-dev (= ${PROJECT_VERSION}), libsqlite3-dev, nlohmann-json3-dev, libzstd-dev, \
@@ -74,7 +75,7 @@ libopenblas-dev, libexiv2-dev, \
 libopencv-core-dev, libopencv-imgproc-dev, libopencv-imgcodecs-dev, libopencv-calib3d-dev, \
 libopencv-video-dev")
 set(CPACK_DEBIAN_FUSION_PACKAGE_DEPENDS
-  "libeigen3-dev, libfmt-dev, libspdlog-dev, libgeographiclib-dev")
+  "libeigen3-dev, libfmt-dev, libspdlog-dev, libgeographiclib-dev, proj-data")
 # For cairn::fusion_transport and cairn::fusion_frontend.
 set(CPACK_DEBIAN_FUSION_PACKAGE_RECOMMENDS
   "nlohmann-json3-dev, libcpp-httplib-dev, libopencv-core-dev, libopencv-imgproc-dev, \

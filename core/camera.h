@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/lens.h"
+
 namespace cairn {
 
 // Values are COLMAP's model ids. Parameters, in order:
@@ -16,6 +18,11 @@ namespace cairn {
 //   SIMPLE_RADIAL   f, cx, cy, k                 RADIAL   f, cx, cy, k1, k2
 //   OPENCV          fx, fy, cx, cy, k1, k2, p1, p2
 //   OPENCV_FISHEYE  fx, fy, cx, cy, k1, k2, k3, k4
+//   FULL_OPENCV     fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, k5, k6
+//   FOV             fx, fy, cx, cy, omega
+//   SIMPLE_RADIAL_FISHEYE  f, cx, cy, k
+//   RADIAL_FISHEYE         f, cx, cy, k1, k2
+//   THIN_PRISM_FISHEYE     fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, sx1, sy1
 enum class CameraModel {
   kSimplePinhole = 0,
   kPinhole = 1,
@@ -23,17 +30,29 @@ enum class CameraModel {
   kRadial = 3,
   kOpenCv = 4,
   kOpenCvFisheye = 5,
+  kFullOpenCv = 6,
+  kFov = 7,
+  kSimpleRadialFisheye = 8,
+  kRadialFisheye = 9,
+  kThinPrismFisheye = 10,
 };
 
 // COLMAP's name of a model, e.g. "SIMPLE_RADIAL".
 const char* CameraModelName(CameraModel model);
 
-// Throws Error(kBadInput) naming the supported models if `name` or `colmap_id` is not one of them.
+// Throws Error(kBadInput) that names the model, if COLMAP knows it, and the supported ones.
 CameraModel CameraModelFromName(std::string_view name);
 CameraModel CameraModelFromColmapId(int colmap_id);
 
 // Number of parameters of a model.
 int NumCameraParams(CameraModel model);
+
+// How many of the first parameters are focal lengths: 1 (f) or 2 (fx, fy).
+int NumFocalLengths(CameraModel model);
+
+// True of the models whose images may show more than a perspective one can: no other model stands
+// for them.
+bool IsFisheye(CameraModel model);
 
 // Intrinsics of one camera. Immutable after construction; safe to use from any thread.
 class Camera {
@@ -42,7 +61,8 @@ class Camera {
   Camera();
 
   // Throws Error(kBadInput) on a wrong number of parameters, a size outside [1, 100000], a focal
-  // length that is not positive and finite, or any parameter that is not finite.
+  // length that is not positive and finite, any parameter that is not finite, or an omega of FOV
+  // outside (-pi, pi).
   Camera(CameraModel model, int width_px, int height_px, std::vector<double> params);
 
   CameraModel model() const { return model_; }
@@ -69,18 +89,12 @@ class Camera {
   bool Contains(const Eigen::Vector2d& pixel) const;
 
  private:
-  // Distorts normalised coordinates; `jacobian` (2x2, may be null) is d(distorted)/d(undistorted).
-  Eigen::Vector2d Distort(const Eigen::Vector2d& normalized, Eigen::Matrix2d* jacobian) const;
-  std::optional<Eigen::Vector2d> Undistort(const Eigen::Vector2d& distorted) const;
-
   CameraModel model_;
   int width_px_;
   int height_px_;
   std::vector<double> params_;
-  double fx_ = 0.0, fy_ = 0.0, cx_ = 0.0, cy_ = 0.0;
-  double k1_ = 0.0, k2_ = 0.0, k3_ = 0.0, k4_ = 0.0;  // Radial or fisheye coefficients.
-  double p1_ = 0.0, p2_ = 0.0;                        // Tangential coefficients.
-  double max_sq_radius_ = 0.0;  // Largest squared normalised radius (fisheye: squared angle).
+  double fx_, fy_, cx_, cy_;
+  Lens lens_;
 };
 
 }  // namespace cairn

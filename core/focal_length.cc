@@ -9,25 +9,6 @@
 #include "core/error.h"
 
 namespace cairn {
-namespace {
-
-// fx and fy, or the f of both.
-size_t NumFocalLengths(CameraModel model) {
-  switch (model) {
-    case CameraModel::kSimplePinhole:
-    case CameraModel::kSimpleRadial:
-    case CameraModel::kRadial:
-      return 1;
-    case CameraModel::kPinhole:
-    case CameraModel::kOpenCv:
-    case CameraModel::kOpenCvFisheye:
-      return 2;
-  }
-  return 0;
-}
-
-}  // namespace
-
 void FocalPrior::Validate(const Camera& camera) const {
   if (!(log_sigma >= kMinLogSigma && log_sigma <= kMaxLogSigma)) {
     throw Error(ErrorCode::kBadInput,
@@ -50,14 +31,14 @@ Camera CameraOfUnknownFocal(int width_px, int height_px) {
 
 Camera WithFocalScaled(const Camera& camera, double factor) {
   std::vector<double> params = camera.params();
-  for (size_t i = 0; i < NumFocalLengths(camera.model()); ++i) {
+  for (int i = 0; i < NumFocalLengths(camera.model()); ++i) {
     params[i] *= factor;
   }
   return Camera(camera.model(), camera.width_px(), camera.height_px(), std::move(params));
 }
 
 Eigen::Vector2d PrincipalPointPx(const Camera& camera) {
-  const size_t first = NumFocalLengths(camera.model());
+  const int first = NumFocalLengths(camera.model());
   return {camera.params()[first], camera.params()[first + 1]};
 }
 

@@ -34,7 +34,7 @@ nlohmann::json StatedCameraJson(const LocalizeQuery& query) {
   return json;
 }
 
-std::string RequestJson(const LocalizeQuery& query, bool want_matches) {
+std::string RequestJson(const LocalizeQuery& query, const ClientOptions& client) {
   nlohmann::json json;
   if (!query.id.empty()) json["id"] = query.id;
   json["camera"] = StatedCameraJson(query);
@@ -62,7 +62,10 @@ std::string RequestJson(const LocalizeQuery& query, bool want_matches) {
   nlohmann::json& options = json["options"];
   options["innerFrame"] = "RDF";
   options["include"] = {"timings", "covariance"};
-  if (want_matches) {
+  if (client.image_orientation != ImageOrientation::kAsSize) {
+    options["imageOrientation"] = ImageOrientationName(client.image_orientation);
+  }
+  if (client.want_matches) {
     options["include"].push_back("matches");
     options["maxMatches"] = 100'000;
   }
@@ -151,7 +154,7 @@ struct LocalizeClient::Impl {
   LocalizeResult Post(const LocalizeQuery& query, const std::string& own_name,
                       const std::vector<std::vector<uint8_t>>& blobs) {
     MultipartWriter writer;
-    writer.Add("request", "application/json", RequestJson(query, options.want_matches));
+    writer.Add("request", "application/json", RequestJson(query, options));
     for (size_t i = 0; i < blobs.size(); ++i) {
       writer.Add(i == 0 ? own_name : fmt::format("rig{}", i - 1), "application/octet-stream",
                  AsText(blobs[i]));

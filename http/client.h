@@ -11,6 +11,7 @@
 
 #include "engine/localize_query.h"
 #include "engine/localize_result.h"
+#include "http/json/image_orientation.h"
 
 namespace cairn {
 
@@ -18,6 +19,7 @@ struct ClientOptions {
   std::string url;          // "http://host:port".
   int timeout_ms = 30'000;  // Connect and read.
   bool want_matches = true;
+  ImageOrientation image_orientation = ImageOrientation::kAsSize;  // Of LocalizeImages.
 };
 
 // One thread per client; it keeps its connection alive.

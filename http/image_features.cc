@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <utility>
 
 #include "core/check.h"
 #include "http/problem.h"
 #include "ingest/features/image_header.h"
+#include "ingest/features/orient_image.h"
 #include "ingest/features/sift_extractor.h"
 
 namespace cairn {
@@ -32,14 +34,15 @@ void CheckSize(int64_t width_px, int64_t height_px, const Picture& picture, int6
         .At(picture.pointer + "/image")
         .Hint("scale it down, and the camera's parameters with it");
   }
+  if (SwapsSides(picture.image.orientation)) std::swap(width_px, height_px);
   if (width_px != camera.width_px() || height_px != camera.height_px()) {
     throw HttpError(ProblemCode::kInvalidImage,
                     fmt::format("the image is {} x {} pixels, the camera's images are {} x {}",
                                 width_px, height_px, camera.width_px(), camera.height_px()))
         .At(picture.pointer + "/camera/size")
         .Hint(
-            "the camera's parameters refer to the pixels as they are stored, before any rotation "
-            "that EXIF asks for");
+            "the camera's size and parameters are of the pixels as they are stored, or of the "
+            "picture as EXIF turns it: options.imageOrientation");
   }
 }
 
@@ -74,7 +77,7 @@ GrayImage Decode(const Picture& picture, const ImageDecodeLimits& limits) {
   try {
     const ImageHeader header = ParseImageHeader(sent.bytes);
     CheckSize(header.width_px, header.height_px, picture, limits.max_pixels);
-    return DecodeGrayImage(sent.bytes, limits);
+    return OrientImage(DecodeGrayImage(sent.bytes, limits), sent.orientation);
   } catch (const HttpError&) {
     throw;
   } catch (const DecodingStopped&) {

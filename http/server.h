@@ -25,7 +25,9 @@ struct ServerOptions {
   // instead of localizer.num_threads.
   int threads_per_query = 0;
   size_t cache_bytes = size_t{1} << 30;
-  size_t max_body_bytes = size_t{2} << 20;
+  // Holds a picture of max_image_pixels: as JPEG, and as GRAY8 in base64, which takes 16,000,000
+  // bytes. RGBA32 of that size needs 64 MB.
+  size_t max_body_bytes = size_t{16} << 20;
   int64_t max_image_pixels = 12'000'000;
   int max_features = 5000;
   int default_timeout_ms = 2000;

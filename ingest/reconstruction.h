@@ -20,7 +20,9 @@ struct ReconImage {
   int camera_idx = 0;
   Rigid3d cam_from_world;
   FeatureSet features;
-  std::optional<Geodetic> gps;  // A position prior that came with the image.
+  // A position prior that came with the image; its height is as it came, with photos above mean sea
+  // level.
+  std::optional<Geodetic> gps;
 };
 
 struct ReconObservation {

@@ -10,21 +10,39 @@
 
 namespace cairn {
 
+namespace {
+
+// Formats that can only say a pose.
+void RequirePose(const LocalizeResult& result, const char* hint) {
+  if (result.localized) return;
+  throw HttpError(ProblemCode::kNotLocalized,
+                  fmt::format("no pose was found: {}", NotLocalizedReasonName(result.reason)))
+      .Hint(hint);
+}
+
+HttpResponse OgcGeoPose(const LocalizeResult& result, const LocalizeRequest& query) {
+  HttpResponse response = HttpResponse::Json(OgcGeoPoseJson(result, query));
+  response.content_type = "application/geopose+json";
+  return response;
+}
+
+}  // namespace
+
 HttpResponse HandleLocalize(const HttpRequest& request, LocalizeService* service) {
   LocalizeRequest query;
   const LocalizeService::Answer answer = service->Localize(request, ParseLocalizeRequest, &query);
+  if (WantsOgcGeoPose(request.Header("accept"))) {
+    RequirePose(answer.result, "ask for application/json to learn more about a miss");
+    return OgcGeoPose(answer.result, query);
+  }
   return HttpResponse::Json(LocalizeResponseJson(answer.result, query, answer.times));
 }
 
 HttpResponse HandleGeoPose(const HttpRequest& request, LocalizeService* service) {
   LocalizeRequest query;
   const LocalizeService::Answer answer = service->Localize(request, ParseGeoPoseRequest, &query);
-  if (!answer.result.localized) {
-    throw HttpError(
-        ProblemCode::kNotLocalized,
-        fmt::format("no pose was found: {}", NotLocalizedReasonName(answer.result.reason)))
-        .Hint("POST /v1/localize tells more about a miss");
-  }
+  RequirePose(answer.result, "POST /v1/localize tells more about a miss");
+  if (WantsOgcGeoPose(request.Header("accept"))) return OgcGeoPose(answer.result, query);
   HttpResponse response = HttpResponse::Json(GeoPoseResponseJson(answer.result, query));
   response.content_type = GeoPoseContentType(request.Header("accept"));
   return response;

@@ -2,41 +2,35 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <utility>
+#include <vector>
 
+#include "core/error.h"
 #include "http/base64.h"
+#include "http/json/geopose_readings.h"
+#include "http/json/image_orientation.h"
 #include "http/json/stated_camera.h"
 #include "http/multipart.h"
 #include "http/problem.h"
+#include "ingest/features/orient_image.h"
+#include "ingest/readers/exif.h"
+#include "ingest/readers/photo_camera.h"
 
 namespace cairn {
 namespace {
 
 constexpr char kMediaType[] = "application/vnd.oscp+json";
-constexpr double kUnknownAccuracyM = 25.0;
-constexpr double kMaxAccuracyM = 100'000.0;
-constexpr double kMaxHeightM = 1e5;
+constexpr char kOgcMediaType[] = "application/geopose+json";
 constexpr size_t kMaxReadings = 1000;
 constexpr int64_t kMaxTimestampMs = int64_t{1} << 53;
-
-PositionPrior ReadGeolocation(const JsonReader& reading) {
-  PositionPrior prior;
-  prior.position = Geodetic::FromDegrees(reading.At("latitude").Number(-90.0, 90.0),
-                                         reading.At("longitude").Number(-180.0, 180.0), 0.0);
-  const auto accuracy = reading.Find("accuracy");
-  const double accuracy_m = accuracy ? accuracy->Number(0.0, kMaxAccuracyM) : 0.0;
-  prior.accuracy_m = accuracy_m > 0.0 ? accuracy_m : kUnknownAccuracyM;
-  const auto altitude = reading.Find("altitude");
-  const auto altitude_accuracy = reading.Find("altitudeAccuracy");
-  if (altitude) prior.position.h_m = altitude->Number(-kMaxHeightM / 10.0, kMaxHeightM);
-  if (altitude && altitude_accuracy && altitude_accuracy->Number(0.0, kMaxAccuracyM) > 0.0) {
-    prior.height_sigma_m = altitude_accuracy->Number(0.0, kMaxAccuracyM);
-  }
-  return prior;
-}
+// Pictures of a rig are of one instant.
+constexpr double kMaxRigDelayMs = 10.0;
 
 // Clients in browsers send data URLs.
 std::string_view WithoutDataUrlPrefix(std::string_view text) {
@@ -46,30 +40,149 @@ std::string_view WithoutDataUrlPrefix(std::string_view text) {
   return marker == std::string_view::npos ? text : text.substr(marker + kMarker.size());
 }
 
-void ReadCameraReading(const JsonReader& reading, LocalizeRequest* request) {
-  std::optional<JsonReader> model, model_params;
-  if (const auto params = reading.Find("params")) {
-    model = params->Find("model");
-    model_params = params->Find("modelParams");
-  }
-  StatedCamera stated = ReadCameraParts(model, reading.At("size"), model_params);
-  request->query.camera = std::move(stated.camera);
-  request->query.focal = stated.focal;
-  if (const auto orientation = reading.Find("imageOrientation")) {
-    const auto mirrored = orientation->Find("mirrored");
-    if (mirrored && mirrored->Bool()) {
-      mirrored->Fail("is true: a mirrored image cannot be localized; send the camera's own pixels");
-    }
-  }
+RequestImage ReadImage(const JsonReader& reading) {
   RequestImage sent;
-  if (const auto format = reading.Find("imageFormat")) {
-    sent.format = format->String(16);
-  }
+  if (const auto format = reading.Find("imageFormat")) sent.format = format->String(16);
   const JsonReader image = reading.At("imageBytes");
   auto bytes = DecodeBase64(WithoutDataUrlPrefix(image.String()));
   if (!bytes || bytes->empty()) image.Fail("is not the base64 of an image");
   sent.bytes = std::move(*bytes);
-  request->images.push_back(std::move(sent));
+  return sent;
+}
+
+// Nothing if the reading leaves it out: no member, no numbers, or zeros.
+std::optional<ImageSize> StatedSize(const JsonReader& reading) {
+  const auto size = reading.Find("size");
+  if (!size) return std::nullopt;
+  const std::vector<double> sides = size->Numbers(0, 2);
+  const bool is_unset = std::all_of(sides.begin(), sides.end(), [](double s) { return s == 0.0; });
+  return is_unset ? std::nullopt : std::optional(ReadImageSize(*size));
+}
+
+// The member of `params`, unless it says that it is not known.
+std::optional<JsonReader> StatedModel(const JsonReader& params) {
+  const auto model = params.Find("model");
+  if (!model) return std::nullopt;
+  const std::string& name = model->String();
+  const bool is_unknown = name.empty() || name == "UNKNOWN" || name == "UNKNOWN_CAMERA";
+  return is_unknown ? std::nullopt : model;
+}
+
+std::optional<JsonReader> StatedParams(const JsonReader& params) {
+  const auto numbers = params.Find("modelParams");
+  return numbers && numbers->Numbers(0, 16).empty() ? std::nullopt : numbers;
+}
+
+// Sets how the image is turned, which EXIF may say, and returns the size of what comes out.
+ImageSize SettleSize(const JsonReader& reading, RequestImage* image) {
+  const std::optional<ImageSize> stated = StatedSize(reading);
+  const std::optional<PictureHeader> header = ReadPictureHeader(image->bytes);
+  if (stated && !header) return *stated;
+  if (!header) {
+    reading.At("size").Fail("is missing, and the image is none that says its own size");
+  }
+  if (stated) {
+    image->orientation =
+        OrientationToApply(*header, ImageOrientation::kAsSize, stated->width_px, stated->height_px);
+    return *stated;
+  }
+  image->orientation = ReadRotationDeg(reading) ? 1 : header->exif_orientation;
+  ImageSize size{header->width_px, header->height_px};
+  if (SwapsSides(image->orientation)) std::swap(size.width_px, size.height_px);
+  return size;
+}
+
+// The camera as far as the reading knows it, then EXIF, then nothing.
+StatedCamera ReadCamera(const JsonReader& reading, RequestImage* image) {
+  const ImageSize size = SettleSize(reading, image);
+  std::optional<JsonReader> model, params;
+  if (const auto members = reading.Find("params")) {
+    model = StatedModel(*members);
+    params = StatedParams(*members);
+  }
+  StatedCamera stated = ReadCameraParts(model, size, params);
+  if (params) return stated;
+  ExifInfo exif;
+  try {
+    exif = ReadExif(image->bytes);
+  } catch (const Error&) {  // Raw pixels, or what will not decode.
+  }
+  PhotoCamera camera = CameraOfPhoto(exif, size.width_px, size.height_px);
+  return {std::move(camera.camera), camera.focal};
+}
+
+// The reading's sensor by its id; empty if it has none.
+std::string SensorIdOf(const JsonReader& reading) {
+  const auto id = reading.Find("sensorId");
+  return id ? id->String() : std::string();
+}
+
+bool IsPicture(const JsonReader& reading) {
+  const auto format = reading.Find("imageFormat");
+  return !format || format->String() != "DEPTH";
+}
+
+// Adds what the other cameras of the first one's rig took at the same time, one picture each.
+void ReadOtherCameras(const JsonReader& request, const std::vector<JsonReader>& pictures,
+                      LocalizeRequest* out) {
+  const auto first_place = RigPlaceOf(request, pictures.front());
+  if (!first_place || out->query.focal) return;
+  const auto first_time_ms = TimeOf(pictures.front());
+  std::set<std::string> used = {SensorIdOf(pictures.front())};
+  for (const JsonReader& picture : pictures) {
+    const auto place = RigPlaceOf(request, picture);
+    const auto time_ms = TimeOf(picture);
+    const bool is_late =
+        first_time_ms && time_ms && std::abs(*time_ms - *first_time_ms) > kMaxRigDelayMs;
+    const bool is_full = out->query.other_cameras.size() == LocalizeQuery::kMaxOtherCameras;
+    if (!place || place->rig != first_place->rig || is_late || is_full) continue;
+    if (used.contains(SensorIdOf(picture))) continue;
+    RequestImage image = ReadImage(picture);
+    StatedCamera stated = ReadCamera(picture, &image);
+    if (stated.focal) continue;  // Rigs need cameras that are known.
+    used.insert(SensorIdOf(picture));
+    out->query.other_cameras.push_back(
+        {std::move(stated.camera),
+         place->sensor_from_rig * first_place->sensor_from_rig.Inverse(),
+         {}});
+    out->images.push_back(std::move(image));
+  }
+}
+
+void ReadCameras(const JsonReader& request, LocalizeRequest* out) {
+  const JsonReader readings = request.At("sensorReadings").At("cameraReadings");
+  std::vector<JsonReader> pictures = readings.Elements(1, kMaxReadings);
+  std::erase_if(pictures, [](const JsonReader& reading) { return !IsPicture(reading); });
+  if (pictures.empty()) readings.Fail("has no picture: all are of the format DEPTH");
+  const JsonReader& first = pictures.front();
+  if (const auto rotation_deg = ReadRotationDeg(first)) {
+    out->answer.answer_from_cam = UprightFromSent(*rotation_deg);
+  }
+  RequestImage image = ReadImage(first);
+  StatedCamera stated = ReadCamera(first, &image);
+  out->query.camera = std::move(stated.camera);
+  out->query.focal = stated.focal;
+  out->images.push_back(std::move(image));
+  ReadOtherCameras(request, pictures, out);
+  out->query.prior = ReadGeoPosePrior(request, TimeOf(first));
+  out->query.down_in_cam = ReadGeoPoseGravity(request, first);
+}
+
+// Pose of the camera that is answered, as an OGC GeoPose.
+nlohmann::ordered_json GeoPoseJson(const LocalizeResult& result, const ResponseOptions& options) {
+  const Rigid3d answer_from_cam(options.answer_from_cam, Eigen::Vector3d::Zero());
+  const GeoPose geopose =
+      GeoPoseFromCamera(answer_from_cam * result.cam_from_ecef, options.inner_frame);
+  const Eigen::Quaterniond& q = geopose.enu_from_inner;
+  return {{"position",
+           {{"lat", geopose.position.lat_deg()},
+            {"lon", geopose.position.lon_deg()},
+            {"h", geopose.position.h_m}}},
+          {"quaternion", {{"x", q.x()}, {"y", q.y()}, {"z", q.z()}, {"w", q.w()}}}};
+}
+
+std::string Dump(const nlohmann::ordered_json& json) {
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 }  // namespace
@@ -85,6 +198,12 @@ LocalizeRequest ParseGeoPoseRequest(std::string_view content_type, std::string_v
   const JsonReader json(document);
   LocalizeRequest request;
   request.timeout_ms = limits.default_timeout_ms;
+  if (const JsonReader readings = json.At("sensorReadings"); readings.IsArray()) {
+    readings.Fail(
+        "is an array: this request is of GeoPoseProtocol 1, and this server speaks version 2",
+        "version 2 sorts the readings: {\"cameraReadings\": [...], \"geolocationReadings\": "
+        "[...]}");
+  }
   if (const auto id = json.Find("id")) request.query.id = id->String(128);
   if (const auto timestamp = json.Find("timestamp")) {
     // Reference clients send fractions of milliseconds.
@@ -94,35 +213,32 @@ LocalizeRequest ParseGeoPoseRequest(std::string_view content_type, std::string_v
   if (const auto type = json.Find("type"); type && type->String() != "geopose") {
     type->Fail("is not 'geopose'");
   }
-  const JsonReader readings = json.At("sensorReadings");
-  ReadCameraReading(readings.At("cameraReadings").Elements(1, kMaxReadings).front(), &request);
-  if (const auto geolocations = readings.Find("geolocationReadings")) {
-    const std::vector<JsonReader> elements = geolocations->Elements(0, kMaxReadings);
-    if (!elements.empty()) request.query.prior = ReadGeolocation(elements.front());
-  }
+  ReadCameras(json, &request);
   return request;
 }
 
 std::string GeoPoseResponseJson(const LocalizeResult& result, const LocalizeRequest& request) {
-  const GeoPose geopose = GeoPoseFromCamera(result.cam_from_ecef, request.answer.inner_frame);
-  const Eigen::Quaterniond& q = geopose.enu_from_inner;
   nlohmann::ordered_json json = {{"id", request.query.id}};
   json["timestamp"] = request.timestamp_ms.value_or(0);
   json["type"] = "geopose";
   json["accuracy"] = {{"position", result.position_accuracy_m},
                       {"orientation", result.rotation_accuracy_rad * 180.0 / std::numbers::pi}};
-  json["geopose"] = {{"position",
-                      {{"lat", geopose.position.lat_deg()},
-                       {"lon", geopose.position.lon_deg()},
-                       {"h", geopose.position.h_m}}},
-                     {"quaternion", {{"x", q.x()}, {"y", q.y()}, {"z", q.z()}, {"w", q.w()}}}};
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  json["geopose"] = GeoPoseJson(result, request.answer);
+  return Dump(json);
+}
+
+std::string OgcGeoPoseJson(const LocalizeResult& result, const LocalizeRequest& request) {
+  return Dump(GeoPoseJson(result, request.answer));
 }
 
 std::string GeoPoseContentType(std::string_view accept) {
   return accept.find(kMediaType) != std::string_view::npos
              ? fmt::format("{};version=2.0", kMediaType)
              : "application/json";
+}
+
+bool WantsOgcGeoPose(std::string_view accept) {
+  return accept.find(kOgcMediaType) != std::string_view::npos;
 }
 
 }  // namespace cairn

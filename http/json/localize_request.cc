@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "http/base64.h"
 #include "http/feature_codec.h"
+#include "http/json/request_options.h"
 #include "http/json/stated_camera.h"
 #include "http/multipart.h"
 #include "http/problem.h"
@@ -20,8 +21,6 @@ namespace {
 constexpr double kMaxAccuracyM = 100'000.0;
 constexpr double kMinHeightM = -12'000.0;  // As ValidateGeodetic.
 constexpr double kMaxHeightM = 100'000.0;
-constexpr int kMaxTimeoutMs = 60'000;
-constexpr int kMaxMatches = 100'000;
 constexpr size_t kMaxIdLength = 128;
 // Phones report directions in single precision and rounded; they are normalised here.
 constexpr double kUnitNormTolerance = 0.02;
@@ -29,11 +28,14 @@ constexpr int64_t kMaxTimestampMs = int64_t{1} << 53;
 constexpr size_t kMaxShortJsonBytes = size_t{64} << 10;
 
 PositionPrior ReadPrior(const JsonReader& json) {
-  json.RequireOnly({"position", "accuracy", "altitudeAccuracy"});
+  json.RequireOnly({"position", "accuracy", "altitudeAccuracy", "altitudeReference"});
   const JsonReader position = json.At("position");
   position.RequireOnly({"lat", "lon", "h"});
   PositionPrior prior;
   prior.position = ReadGeodetic(position.At("lat"), position.At("lon"), position.Find("h"));
+  if (const auto reference = json.Find("altitudeReference")) {
+    prior.position = WithEllipsoidalHeight(prior.position, ReadHeightReference(*reference));
+  }
   if (const auto accuracy = json.Find("accuracy")) {
     prior.accuracy_m = accuracy->Number(1e-3, kMaxAccuracyM);
   }
@@ -54,38 +56,6 @@ Eigen::Vector3d ReadGravity(const JsonReader& json) {
               "z forward)");
   }
   return down / norm;
-}
-
-void ReadInclude(const JsonReader& json, ResponseOptions* options) {
-  options->with_matches = options->with_timings = options->with_covariance = false;
-  for (const JsonReader& element : json.Elements(0, 8)) {
-    const std::string& name = element.String();
-    if (name == "matches") {
-      options->with_matches = true;
-    } else if (name == "timings") {
-      options->with_timings = true;
-    } else if (name == "covariance") {
-      options->with_covariance = true;
-    } else {
-      element.Fail("is unknown", "known: matches, timings, covariance");
-    }
-  }
-}
-
-void ReadOptions(const JsonReader& json, LocalizeRequest* request) {
-  json.RequireOnly({"innerFrame", "timeoutMs", "maxMatches", "include"});
-  if (const auto name = json.Find("innerFrame")) {
-    const std::optional<InnerFrame> frame = InnerFrameFromName(name->String());
-    if (!frame) name->Fail("is unknown", "known: FLU, RDF, RUB, EUS");
-    request->answer.inner_frame = *frame;
-  }
-  if (const auto timeout = json.Find("timeoutMs")) {
-    request->timeout_ms = static_cast<int>(timeout->Integer(1, kMaxTimeoutMs));
-  }
-  if (const auto max_matches = json.Find("maxMatches")) {
-    request->answer.max_matches = static_cast<int>(max_matches->Integer(0, kMaxMatches));
-  }
-  if (const auto include = json.Find("include")) ReadInclude(*include, &request->answer);
 }
 
 // Decodes the features of one camera; `camera_pointer` is where the request describes it.
@@ -266,6 +236,7 @@ LocalizeRequest ParseJsonBody(std::string_view body, const RequestLimits& limits
   } else {
     ReadJsonFeaturesOfAll(json, limits.max_features, &request);
   }
+  SetOrientations(ReadImageOrientation(json.Find("options")), &request);
   return request;
 }
 
@@ -367,10 +338,29 @@ LocalizeRequest ParseMultipartBody(std::string_view content_type, std::string_vi
       request.images.push_back(ImageOfPart(others[i], fmt::format("rig{}", i)));
     }
   }
+  SetOrientations(ReadImageOrientation(json.Find("options")), &request);
   return request;
 }
 
 }  // namespace
+
+void SetOrientations(ImageOrientation meant, LocalizeRequest* request) {
+  if (meant == ImageOrientation::kStored) return;
+  for (size_t i = 0; i < request->images.size(); ++i) {
+    const LocalizeQuery& query = request->query;
+    const Camera& camera = i == 0 ? query.camera : query.other_cameras[i - 1].camera;
+    if (const auto header = ReadPictureHeader(request->images[i].bytes)) {
+      request->images[i].orientation =
+          OrientationToApply(*header, meant, camera.width_px(), camera.height_px());
+    }
+  }
+}
+
+HeightReference ReadHeightReference(const JsonReader& name) {
+  const std::optional<HeightReference> reference = HeightReferenceFromName(name.String());
+  if (!reference) name.Fail("is unknown", "known: ellipsoid, msl (mean sea level)");
+  return *reference;
+}
 
 RigCamera ReadRigCamera(const JsonReader& element) {
   RigCamera camera;

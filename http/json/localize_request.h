@@ -8,7 +8,9 @@
 #include <string_view>
 #include <vector>
 
+#include "core/geoid.h"
 #include "engine/localize_query.h"
+#include "http/json/image_orientation.h"
 #include "http/json/inner_frame.h"
 #include "http/json/json_reader.h"
 
@@ -19,20 +21,25 @@ struct RequestLimits {
   int default_timeout_ms = 2000;
 };
 
-// What the client wants in the answer.
+// What the client wants in the answer. `answer_from_cam` is of GeoPoseResponseJson and
+// OgcGeoPoseJson only.
 struct ResponseOptions {
   InnerFrame inner_frame = InnerFrame::kFlu;
   int max_matches = 200;
   bool with_matches = false;
   bool with_timings = true;
   bool with_covariance = true;
+  // From the frame of the query's camera into that of the camera whose pose is answered: a turn
+  // about the optical axis by what GeoPoseProtocol's imageOrientation says.
+  Eigen::Quaterniond answer_from_cam = Eigen::Quaterniond::Identity();
 };
 
 // A picture as the client sent it.
 struct RequestImage {
   std::vector<uint8_t>
-      bytes;           // Encoded, or raw pixels with the formats GRAY8 and RGBA32; not empty.
-  std::string format;  // As the client named it; JPEG, PNG and PNM are recognised anyway.
+      bytes;            // Encoded, or raw pixels with the formats GRAY8 and RGBA32; not empty.
+  std::string format;   // As the client named it; JPEG, PNG and PNM are recognised anyway.
+  int orientation = 1;  // EXIF's number of how the decoded picture is turned before it is used.
 };
 
 struct LocalizeRequest {
@@ -65,6 +72,10 @@ bool IsLongJson(std::string_view content_type, std::string_view body);
 int PeekTimeoutMs(std::string_view body, const RequestLimits& limits);
 
 // Parts that GeoPoseProtocol and the command line share.
+// Sets how each image is to be turned, by its header and the size of its camera.
+void SetOrientations(ImageOrientation meant, LocalizeRequest* request);
+// "ellipsoid" or "msl".
+HeightReference ReadHeightReference(const JsonReader& name);
 // Of an element of `rig`: its members `camera` and `camFromFirst`; without features.
 RigCamera ReadRigCamera(const JsonReader& element);
 // Strict base64; throws with the pointer of the string.

@@ -183,7 +183,8 @@ double ReadNumber(const JsonReader& json) {
 CameraEstimate ReadCameraEstimate(const JsonReader& json) {
   CameraEstimate estimate;
   estimate.camera =
-      ReadCameraParts(json.At("model"), json.At("size"), json.At("modelParams")).camera;
+      ReadCameraParts(json.At("model"), ReadImageSize(json.At("size")), json.At("modelParams"))
+          .camera;
   estimate.focal_sigma_px = ReadNumber(json.At("focalLengthAccuracy"));
   estimate.assumed_focal_px = ReadNumber(json.At("assumedFocalLength"));
   estimate.assumed_focal_sigma_px = ReadNumber(json.At("assumedFocalLengthAccuracy"));
@@ -292,6 +293,9 @@ std::string LocalizeResponseJson(const LocalizeResult& result, const LocalizeReq
   if (request.timestamp_ms) json["timestamp"] = *request.timestamp_ms;
   json["status"] = result.localized ? "LOCALIZED" : "NOT_LOCALIZED";
   json["reason"] = result.localized ? Json(nullptr) : Json(NotLocalizedReasonName(result.reason));
+  if (request.has_images() && request.images.front().orientation != 1) {
+    json["imageOrientation"] = ImageOrientationName(ImageOrientation::kUpright);
+  }
   if (result.localized) AddPose(result, options, &json);
   json["stages"] = StagesJson(result, times, request.has_images(), options.with_timings);
   if (result.localized && options.with_matches) {

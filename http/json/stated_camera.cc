@@ -21,12 +21,6 @@ CameraModel ReadModel(const JsonReader& model) {
   }
 }
 
-std::pair<int, int> ReadSize(const JsonReader& size) {
-  const std::vector<JsonReader> sides = size.Elements(2, 2);
-  return {static_cast<int>(sides[0].Integer(1, 100'000)),
-          static_cast<int>(sides[1].Integer(1, 100'000))};
-}
-
 // What the parameters say of the focal length does not count.
 Camera WithoutFocal(const Camera& camera) {
   const double unknown_px = CameraOfUnknownFocal(camera.width_px(), camera.height_px()).focal_px();
@@ -44,9 +38,15 @@ bool SaysUnknown(const JsonReader& focal_length) {
 
 }  // namespace
 
-StatedCamera ReadCameraParts(const std::optional<JsonReader>& model, const JsonReader& size,
+ImageSize ReadImageSize(const JsonReader& size) {
+  const std::vector<JsonReader> sides = size.Elements(2, 2);
+  return {static_cast<int>(sides[0].Integer(1, 100'000)),
+          static_cast<int>(sides[1].Integer(1, 100'000))};
+}
+
+StatedCamera ReadCameraParts(const std::optional<JsonReader>& model, const ImageSize& size,
                              const std::optional<JsonReader>& params) {
-  const auto [width_px, height_px] = ReadSize(size);
+  const auto [width_px, height_px] = size;
   if (params) {
     if (!model) params->Fail("have no model", "name it in model, as SIMPLE_PINHOLE");
     const CameraModel camera_model = ReadModel(*model);
@@ -57,7 +57,7 @@ StatedCamera ReadCameraParts(const std::optional<JsonReader>& model, const JsonR
       params->Fail(e.what());
     }
   }
-  if (model && ReadModel(*model) == CameraModel::kOpenCvFisheye) {
+  if (model && IsFisheye(ReadModel(*model))) {
     model->Fail("needs modelParams: a fisheye is not guessed");
   }
   return {CameraOfUnknownFocal(width_px, height_px), FocalPrior{.with_distortion = true}};
@@ -65,8 +65,8 @@ StatedCamera ReadCameraParts(const std::optional<JsonReader>& model, const JsonR
 
 StatedCamera ReadStatedCamera(const JsonReader& camera) {
   camera.RequireOnly({"model", "size", "modelParams", "focalLength", "focalLengthSigma"});
-  StatedCamera stated =
-      ReadCameraParts(camera.Find("model"), camera.At("size"), camera.Find("modelParams"));
+  StatedCamera stated = ReadCameraParts(camera.Find("model"), ReadImageSize(camera.At("size")),
+                                        camera.Find("modelParams"));
   const auto focal_length = camera.Find("focalLength");
   const auto sigma = camera.Find("focalLengthSigma");
   const bool is_unknown = focal_length && SaysUnknown(*focal_length);
@@ -92,7 +92,7 @@ Camera ReadKnownCamera(const JsonReader& camera) {
   camera.RequireOnly({"model", "size", "modelParams"});
   const JsonReader model = camera.At("model");
   const JsonReader size = camera.At("size");
-  return ReadCameraParts(model, size, camera.At("modelParams")).camera;
+  return ReadCameraParts(model, ReadImageSize(size), camera.At("modelParams")).camera;
 }
 
 }  // namespace cairn

@@ -10,6 +10,10 @@
 
 namespace cairn {
 
+struct ImageSize {
+  int width_px = 0, height_px = 0;
+};
+
 struct StatedCamera {
   Camera camera;
   std::optional<FocalPrior> focal;  // As LocalizeQuery::focal.
@@ -26,8 +30,10 @@ StatedCamera ReadStatedCamera(const JsonReader& camera);
 Camera ReadKnownCamera(const JsonReader& camera);
 
 // Of members that need not stand side by side; without `params` it is unknown.
-StatedCamera ReadCameraParts(const std::optional<JsonReader>& model, const JsonReader& size,
+StatedCamera ReadCameraParts(const std::optional<JsonReader>& model, const ImageSize& size,
                              const std::optional<JsonReader>& params);
+// [width, height].
+ImageSize ReadImageSize(const JsonReader& size);
 
 }  // namespace cairn
 

@@ -121,4 +121,10 @@ std::vector<CameraPosition> GpsPositions(const Reconstruction& reconstruction, d
   return positions;
 }
 
+void MakeHeightsEllipsoidal(HeightReference reference, std::vector<CameraPosition>* positions) {
+  for (CameraPosition& position : *positions) {
+    position.position = WithEllipsoidalHeight(position.position, reference);
+  }
+}
+
 }  // namespace cairn

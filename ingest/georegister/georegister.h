@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/geodesy.h"
+#include "core/geoid.h"
 #include "core/rigid3.h"
 #include "ingest/reconstruction.h"
 
@@ -14,7 +15,7 @@ namespace cairn {
 // A known camera position.
 struct CameraPosition {
   std::string image_name;
-  Geodetic position;
+  Geodetic position;        // Georegister takes the height as ellipsoidal.
   double accuracy_m = 5.0;  // 68 %.
 };
 
@@ -22,8 +23,13 @@ struct CameraPosition {
 // Throws Error(kBadInput) naming file, line and column.
 std::vector<CameraPosition> ReadCameraPositions(const std::string& path);
 
-// The GPS priors of the reconstruction's images, with one accuracy for all.
+// The GPS priors of the reconstruction's images, with one accuracy for all. Heights are as they
+// came; those of EXIF are above mean sea level.
 std::vector<CameraPosition> GpsPositions(const Reconstruction& reconstruction, double accuracy_m);
+
+// Turns heights above `reference` into heights above the ellipsoid. Throws as
+// WithEllipsoidalHeight.
+void MakeHeightsEllipsoidal(HeightReference reference, std::vector<CameraPosition>* positions);
 
 struct GeoregisterOptions {
   int min_positions = 3;

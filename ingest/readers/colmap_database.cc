@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/logging.h"
 #include "storage/sqlite/connection.h"
 
 namespace cairn {
@@ -21,9 +22,13 @@ constexpr float kDefaultScalePx = 1.0f;
 constexpr float kMinScalePx = 0.01f;
 constexpr int64_t kMaxKeypoints = 10'000'000;
 
-// COLMAP's PosePrior::CoordinateSystem::WGS84 and SensorType::CAMERA.
+// COLMAP's PosePrior::CoordinateSystem and SensorType::CAMERA.
 constexpr int64_t kWgs84 = 0;
+constexpr int64_t kCartesian = 1;
 constexpr int64_t kCameraSensor = 0;
+
+// How many images the statistics of descriptors look at, at most.
+constexpr int64_t kMaxStatisticsImages = 64;
 
 // A matrix as COLMAP stores it.
 struct MatrixBlob {
@@ -32,12 +37,18 @@ struct MatrixBlob {
   std::vector<uint8_t> bytes;
 };
 
-MatrixBlob ReadMatrix(sqlite::Connection* connection, const char* table,
-                      const std::string& image_name, int64_t element_bytes) {
-  sqlite::Statement statement =
-      connection->Prepare(fmt::format("SELECT m.rows, m.cols, m.data FROM {} AS m JOIN images AS i "
-                                      "ON i.image_id = m.image_id WHERE i.name = ?",
-                                      table));
+// The matrix of an image and, with `type_column`, the integer that stands beside it.
+struct StoredMatrix {
+  MatrixBlob matrix;
+  std::optional<int64_t> type;
+};
+
+StoredMatrix ReadMatrix(sqlite::Connection* connection, const char* table, bool type_column,
+                        const std::string& image_name) {
+  sqlite::Statement statement = connection->Prepare(
+      fmt::format("SELECT m.rows, m.cols, m.data, {} FROM {} AS m JOIN images AS i "
+                  "ON i.image_id = m.image_id WHERE i.name = ?",
+                  type_column ? "m.type" : "NULL", table));
   statement.Bind(std::string_view(image_name));
   if (!statement.Step()) {
     throw Error(ErrorCode::kBadInput,
@@ -45,8 +56,14 @@ MatrixBlob ReadMatrix(sqlite::Connection* connection, const char* table,
                             "from, and were features extracted?",
                             table, image_name));
   }
-  MatrixBlob matrix{statement.Int64(0), statement.Int64(1), {}};
-  if (!statement.IsNull(2)) matrix.bytes = statement.Blob(2);
+  StoredMatrix stored{.matrix = {statement.Int64(0), statement.Int64(1), {}}, .type = {}};
+  if (!statement.IsNull(2)) stored.matrix.bytes = statement.Blob(2);
+  if (!statement.IsNull(3)) stored.type = statement.Int64(3);
+  return stored;
+}
+
+void CheckSize(const MatrixBlob& matrix, int64_t element_bytes, const char* table,
+               const std::string& image_name) {
   const bool in_range =
       matrix.rows >= 0 && matrix.rows <= kMaxKeypoints && matrix.cols >= 1 && matrix.cols <= 4096;
   if (!in_range ||
@@ -55,7 +72,6 @@ MatrixBlob ReadMatrix(sqlite::Connection* connection, const char* table,
                 fmt::format("the {} of image {} are said to be {} x {} but have {} bytes", table,
                             image_name, matrix.rows, matrix.cols, matrix.bytes.size()));
   }
-  return matrix;
 }
 
 // `row` has `cols` floats: x, y; x, y, scale, orientation; or x, y, a11, a12, a21, a22.
@@ -117,6 +133,19 @@ std::string GpsSql(sqlite::Connection* connection) {
   return "";
 }
 
+// Positions that are no places on Earth are passed over, but not without a word.
+void WarnOfOtherPriors(const std::string& path, sqlite::Connection* connection) {
+  if (!HasColumn(connection, "pose_priors", "coordinate_system")) return;
+  sqlite::Statement statement =
+      connection->Prepare("SELECT COUNT(*) FROM pose_priors WHERE coordinate_system = ?");
+  statement.Bind(kCartesian);
+  if (statement.Step() && statement.Int64(0) > 0) {
+    LogWarning(
+        "COLMAP database {}: {} of its pose priors are Cartesian, not WGS84, and are not read",
+        path, statement.Int64(0));
+  }
+}
+
 // Runs `read` and turns what the wrapper says about maps into what is wrong with the database.
 template <typename Read>
 auto WithDatabaseErrors(const std::string& path, const Read& read) {
@@ -145,6 +174,8 @@ ColmapDatabase::ColmapDatabase(const std::string& path) : path_(path) {
       }
     }
     gps_sql_ = GpsSql(connection_.get());
+    has_descriptor_type_ = HasColumn(connection_.get(), "descriptors", "type");
+    WarnOfOtherPriors(path_, connection_.get());
   });
 }
 
@@ -158,20 +189,49 @@ bool ColmapDatabase::HasImage(const std::string& image_name) {
   });
 }
 
+SiftNormalization ColmapDatabase::NormalizationOfAll() {
+  if (normalization_) return *normalization_;
+  SiftStatistics statistics;
+  sqlite::Statement statement = connection_->Prepare(
+      "SELECT data FROM descriptors WHERE cols = ? AND data IS NOT NULL LIMIT ?");
+  statement.Bind(int64_t{kSiftDim}, kMaxStatisticsImages);
+  while (!statistics.IsEnough() && statement.Step()) {
+    statistics.Add(statement.Blob(0));
+  }
+  normalization_ = statistics.Normalization();
+  if (*normalization_ == SiftNormalization::kL2) {
+    LogInfo("COLMAP database {}: its SIFT is L2-normalised, not L1_ROOT", path_);
+  }
+  return *normalization_;
+}
+
+DescriptorMatrix ColmapDatabase::ReadDescriptors(const std::string& image_name) {
+  const auto [matrix, type] =
+      ReadMatrix(connection_.get(), "descriptors", has_descriptor_type_, image_name);
+  CheckSiftBlob(image_name, type, matrix.rows, matrix.cols, matrix.bytes.size());
+  CheckSize(matrix, 1, "descriptors", image_name);
+  using ByteMatrix = Eigen::Matrix<uint8_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const Eigen::Map<const ByteMatrix> bytes(matrix.bytes.data(), matrix.rows, matrix.cols);
+  DescriptorMatrix descriptors = bytes.cast<float>();
+  if (NormalizationOfAll() == SiftNormalization::kL1Root) {
+    descriptors = descriptors.array().square() / kDescriptorUnit;
+  }
+  return descriptors;
+}
+
 FeatureSet ColmapDatabase::ReadFeatures(const std::string& image_name) {
   return WithDatabaseErrors(path_, [&] {
-    const MatrixBlob keypoints = ReadMatrix(connection_.get(), "keypoints", image_name, 4);
-    const MatrixBlob descriptors = ReadMatrix(connection_.get(), "descriptors", image_name, 1);
-    if (keypoints.rows != descriptors.rows) {
-      throw Error(ErrorCode::kBadInput, fmt::format("image {} has {} keypoints but {} descriptors",
-                                                    image_name, keypoints.rows, descriptors.rows));
-    }
+    const MatrixBlob keypoints =
+        ReadMatrix(connection_.get(), "keypoints", /*type_column=*/false, image_name).matrix;
+    CheckSize(keypoints, sizeof(float), "keypoints", image_name);
     FeatureSet features;
+    features.descriptors = ReadDescriptors(image_name);
+    if (keypoints.rows != features.descriptors.rows()) {
+      throw Error(ErrorCode::kBadInput,
+                  fmt::format("image {} has {} keypoints but {} descriptors", image_name,
+                              keypoints.rows, features.descriptors.rows()));
+    }
     features.keypoints = ToKeypoints(keypoints, image_name);
-    using ByteMatrix = Eigen::Matrix<uint8_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    const Eigen::Map<const ByteMatrix> bytes(descriptors.bytes.data(), descriptors.rows,
-                                             descriptors.cols);
-    features.descriptors = bytes.cast<float>().array().square() / kDescriptorUnit;
     return features;
   });
 }

@@ -33,7 +33,9 @@ struct ColmapModel {
   std::vector<ColmapPoint> points;  // In file order.
 };
 
-// Reads {cameras,images,points3D} with the extension .bin if all three are there, else .txt. Checks
+// Reads {cameras,images,points3D} with the extension .bin if all three are there, else .txt. The
+// rigs and frames of COLMAP 3.12 and later are not read: `images` has the whole pose of each image
+// all the same. Checks
 // the form of the files and every number, not whether ids refer to anything. Throws
 // Error(kNotFound) if neither set is complete, Error(kBadInput) naming the file and the byte offset
 // (text: the line).

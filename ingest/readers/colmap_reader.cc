@@ -149,9 +149,6 @@ Reconstruction ReadColmap(const ColmapInput& input) {
   Reconstruction reconstruction;
   ReadImages(input, model, &database, &reconstruction, &index);
   ReadLandmarks(input, model, index, &reconstruction);
-  if (const int dim = reconstruction.descriptor_dim(); dim != 128) {
-    reconstruction.descriptor_type = fmt::format("colmap-u8x{}", dim);
-  }
   reconstruction.Validate();
   LogDebug("{}: {} images, {} of {} landmarks", input.model_dir, reconstruction.images.size(),
            reconstruction.landmarks.size(), model.points.size());

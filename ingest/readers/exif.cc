@@ -37,12 +37,22 @@ std::optional<double> AngleRad(const Exiv2::ExifData& exif, const char* key, con
   return (negative ? -angle_deg : angle_deg) * kRadPerDeg;
 }
 
-std::optional<double> AltitudeM(const Exiv2::ExifData& exif) {
+// The whole number of a tag, or `fallback`.
+long WholeNumber(const Exiv2::ExifData& exif, const char* key, long fallback) {
+  const auto tag = exif.findKey(Exiv2::ExifKey(key));
+  return tag != exif.end() && tag->count() > 0 ? tag->toLong() : fallback;
+}
+
+// Altitude and what it is measured from. GPSAltitudeRef is 0 above and 1 below sea level, 2 above
+// and 3 below the ellipsoid.
+void ReadAltitude(const Exiv2::ExifData& exif, ExifInfo* info) {
   const std::optional<double> altitude_m = Number(exif, "Exif.GPSInfo.GPSAltitude");
-  if (!altitude_m || std::abs(*altitude_m) > 10'000.0) return std::nullopt;
-  const auto ref = exif.findKey(Exiv2::ExifKey("Exif.GPSInfo.GPSAltitudeRef"));
-  const bool below_sea_level = ref != exif.end() && ref->count() > 0 && ref->toLong() == 1;
-  return below_sea_level ? -*altitude_m : *altitude_m;
+  if (!altitude_m || std::abs(*altitude_m) > 10'000.0) return;
+  const long reference = WholeNumber(exif, "Exif.GPSInfo.GPSAltitudeRef", 0);
+  info->has_altitude = true;
+  info->gps->h_m = reference == 1 || reference == 3 ? -*altitude_m : *altitude_m;
+  info->height_reference = reference == 2 || reference == 3 ? HeightReference::kEllipsoid
+                                                            : HeightReference::kMeanSeaLevel;
 }
 
 void ReadTags(const Exiv2::ExifData& exif, ExifInfo* info) {
@@ -50,11 +60,12 @@ void ReadTags(const Exiv2::ExifData& exif, ExifInfo* info) {
       AngleRad(exif, "Exif.GPSInfo.GPSLatitude", "Exif.GPSInfo.GPSLatitudeRef", 'S', 90.0);
   const auto lon_rad =
       AngleRad(exif, "Exif.GPSInfo.GPSLongitude", "Exif.GPSInfo.GPSLongitudeRef", 'W', 180.0);
-  const std::optional<double> altitude_m = AltitudeM(exif);
   if (lat_rad && lon_rad) {
-    info->gps = Geodetic{*lat_rad, *lon_rad, altitude_m.value_or(0.0)};
-    info->has_altitude = altitude_m.has_value();
+    info->gps = Geodetic{*lat_rad, *lon_rad, 0.0};
+    ReadAltitude(exif, info);
   }
+  const long orientation = WholeNumber(exif, "Exif.Image.Orientation", 1);
+  info->orientation = orientation >= 1 && orientation <= 8 ? static_cast<int>(orientation) : 1;
   const std::optional<double> focal_35mm = Number(exif, "Exif.Photo.FocalLengthIn35mmFilm");
   if (focal_35mm && *focal_35mm > 0.0) {
     info->focal_35mm = focal_35mm;

@@ -4,13 +4,19 @@
 
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
+#include <iomanip>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "cli/run_cairn.h"
+#include "core/geoid.h"
+#include "eval/colmap/write_colmap.h"
 #include "http/client.h"
 #include "ingest/ingest_session.h"
 #include "storage/map_store.h"
@@ -185,6 +191,76 @@ TEST_F(Verbs, ServeRefusesATakenPort) {
   const Finished second = RunCairn({"serve", map_, "--port", port, "--log-level", "off"});
   EXPECT_EQ(second.exit_code, 4);
   EXPECT_THAT(second.err, HasSubstr(port));
+}
+
+// A reconstruction of a street with the GPS that photos' EXIF has: altitudes above the sea.
+class IngestedHeights : public Verbs {
+ protected:
+  IngestedHeights() : reconstruction_(world_.Reconstruct()) {
+    for (ReconImage& image : reconstruction_.images) {
+      image.gps->h_m -= Geoid::Egm96().HeightM(image.gps->lat_rad, image.gps->lon_rad);
+    }
+    WriteColmapModel(reconstruction_, dir_.path().string(), ColmapModelFormat::kBinary);
+    WriteColmapDatabase(reconstruction_, dir_.File("database.db"), {});
+    WritePositions();
+  }
+
+  // Height of the keyframe of image 0 against the truth after `cairn ingest` with these options.
+  double HeightErrorM(const std::vector<std::string>& options) {
+    std::vector<std::string> arguments = {"ingest",     map_,
+                                          "--model",    dir_.path().string(),
+                                          "--database", dir_.File("database.db"),
+                                          "--session",  "photos"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const Finished finished = RunCairn(arguments);
+    EXPECT_EQ(finished.exit_code, 0) << finished.err;
+    const auto rows = nlohmann::json::parse(
+        RunCairn({"sql", map_, "SELECT h_m FROM v_keyframes WHERE image_name = '0000.jpg'",
+                  "--format", "json"})
+            .out);
+    const Eigen::Vector3d center = reconstruction_.images[0].cam_from_world.Inverse().translation;
+    return rows[0]["h_m"].get<double>() - GeodeticFromEcef(world_.EcefFromWorld() * center).h_m;
+  }
+
+  double geoid_m() const {
+    const Geodetic& origin = world_.options().origin;
+    return Geoid::Egm96().HeightM(origin.lat_rad, origin.lon_rad);
+  }
+
+ private:
+  void WritePositions() {
+    std::ofstream csv(dir_.File("positions.csv"));
+    csv << "image,lat_deg,lon_deg,h_m\n" << std::setprecision(12);
+    for (const ReconImage& image : reconstruction_.images) {
+      csv << image.name << ',' << image.gps->lat_deg() << ',' << image.gps->lon_deg() << ','
+          << image.gps->h_m << '\n';
+    }
+  }
+
+  const StreetWorld world_;
+  Reconstruction reconstruction_;
+};
+
+TEST_F(IngestedHeights, OfPhotosGpsAreAboveTheEllipsoid) {
+  EXPECT_NEAR(HeightErrorM({"--gps"}), 0.0, 0.1);
+}
+
+TEST_F(IngestedHeights, OfGpsThatIsSaidToBeEllipsoidalAreKept) {
+  ASSERT_GT(std::abs(geoid_m()), 10.0);
+  EXPECT_NEAR(HeightErrorM({"--gps", "--height", "ellipsoid"}), -geoid_m(), 0.1);
+}
+
+TEST_F(IngestedHeights, OfSurveyedPositionsAreEllipsoidalUnlessTheFlagSaysOtherwise) {
+  const std::string csv = dir_.File("positions.csv");
+  EXPECT_NEAR(HeightErrorM({"--georef", csv}), -geoid_m(), 0.1);
+  EXPECT_NEAR(HeightErrorM({"--georef", csv, "--height", "msl"}), 0.0, 0.1);
+}
+
+TEST_F(IngestedHeights, OfNoKnownReferenceAreAUsageError) {
+  const Finished finished =
+      RunCairn({"ingest", map_, "--model", "m", "--database", "d", "--gps", "--height", "geoid"});
+  EXPECT_EQ(finished.exit_code, 2);
+  EXPECT_THAT(finished.err, HasSubstr("--height"));
 }
 
 TEST_F(Verbs, KilledIngestLeavesTheMapAsItWas) {

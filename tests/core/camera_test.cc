@@ -20,7 +20,101 @@ std::vector<Camera> AllModels() {
       Camera(CameraModel::kRadial, 640, 480, {500, 320, 240, -0.12, 0.03}),
       Camera(CameraModel::kOpenCv, 640, 480, {500, 510, 321, 242, -0.1, 0.02, 1e-3, -2e-3}),
       Camera(CameraModel::kOpenCvFisheye, 640, 480, {300, 301, 320, 240, 0.03, -0.01, 2e-3, -1e-4}),
+      Camera(CameraModel::kFullOpenCv, 640, 480,
+             {500, 510, 321, 242, 0.3, -0.1, 1e-3, -2e-3, 0.02, 0.35, 0.02, -0.01}),
+      Camera(CameraModel::kFov, 640, 480, {400, 410, 320, 240, 0.9}),
+      Camera(CameraModel::kSimpleRadialFisheye, 640, 480, {300, 320, 240, 0.03}),
+      Camera(CameraModel::kRadialFisheye, 640, 480, {300, 320, 240, 0.03, -0.01}),
+      Camera(CameraModel::kThinPrismFisheye, 640, 480,
+             {300, 301, 320, 240, 0.03, -0.01, 1e-3, -2e-3, 2e-3, -1e-4, 3e-3, -4e-3}),
   };
+}
+
+// COLMAP's documentation of its models, written out once more and without any of our code: the
+// pixel of a point at (u, v, 1).
+Eigen::Vector2d ByTheFormula(const Camera& camera, double u, double v) {
+  const std::vector<double>& p = camera.params();
+  const double r = std::hypot(u, v), theta = std::atan(r);
+  const double a = theta * u / r, b = theta * v / r;
+  switch (camera.model()) {
+    case CameraModel::kFullOpenCv: {
+      const double r2 = r * r, r4 = r2 * r2, r6 = r4 * r2;
+      const double radial =
+          (1 + p[4] * r2 + p[5] * r4 + p[8] * r6) / (1 + p[9] * r2 + p[10] * r4 + p[11] * r6);
+      return {p[0] * (u * radial + 2 * p[6] * u * v + p[7] * (r2 + 2 * u * u)) + p[2],
+              p[1] * (v * radial + 2 * p[7] * u * v + p[6] * (r2 + 2 * v * v)) + p[3]};
+    }
+    case CameraModel::kFov: {
+      const double bent = std::atan(2 * r * std::tan(p[4] / 2)) / p[4];
+      return {p[0] * u / r * bent + p[2], p[1] * v / r * bent + p[3]};
+    }
+    case CameraModel::kSimpleRadialFisheye: {
+      const double bent = 1 + p[3] * theta * theta;
+      return {p[0] * a * bent + p[1], p[0] * b * bent + p[2]};
+    }
+    case CameraModel::kRadialFisheye: {
+      const double bent = 1 + p[3] * std::pow(theta, 2) + p[4] * std::pow(theta, 4);
+      return {p[0] * a * bent + p[1], p[0] * b * bent + p[2]};
+    }
+    case CameraModel::kThinPrismFisheye: {
+      const double t2 = theta * theta;
+      const double radial =
+          p[4] * t2 + p[5] * t2 * t2 + p[8] * std::pow(theta, 6) + p[9] * std::pow(theta, 8);
+      const double da = a * radial + 2 * p[6] * a * b + p[7] * (t2 + 2 * a * a) + p[10] * t2;
+      const double db = b * radial + 2 * p[7] * a * b + p[6] * (t2 + 2 * b * b) + p[11] * t2;
+      return {p[0] * (a + da) + p[2], p[1] * (b + db) + p[3]};
+    }
+    default:
+      return *camera.Project({u, v, 1.0});  // Tested by hand below, and older than this function.
+  }
+}
+
+TEST(Camera, ProjectsByColmapsFormulae) {
+  for (const Camera& camera : AllModels()) {
+    for (const Eigen::Vector2d& point :
+         {Eigen::Vector2d(0.2, -0.1), Eigen::Vector2d(-0.5, 0.4), Eigen::Vector2d(0.01, 0.3)}) {
+      const auto pixel = camera.Project({3.0 * point.x(), 3.0 * point.y(), 3.0});
+      ASSERT_TRUE(pixel) << CameraModelName(camera.model());
+      EXPECT_LT((*pixel - ByTheFormula(camera, point.x(), point.y())).norm(), 1e-9)
+          << CameraModelName(camera.model());
+    }
+  }
+}
+
+// With coefficients that switch a part off, a model is another one.
+TEST(Camera, ModelsAgreeWhereOneContainsTheOther) {
+  const auto expect_same = [](const Camera& a, const Camera& b) {
+    for (const Eigen::Vector3d& x_in_cam :
+         {Eigen::Vector3d(0.3, -0.2, 1.0), Eigen::Vector3d(-0.8, 0.6, 1.0)}) {
+      EXPECT_LT((*a.Project(x_in_cam) - *b.Project(x_in_cam)).norm(), 1e-9);
+    }
+  };
+  expect_same(
+      Camera(CameraModel::kFullOpenCv, 640, 480,
+             {500, 510, 321, 242, -0.1, 0.02, 1e-3, -2e-3, 0, 0, 0, 0}),
+      Camera(CameraModel::kOpenCv, 640, 480, {500, 510, 321, 242, -0.1, 0.02, 1e-3, -2e-3}));
+  expect_same(Camera(CameraModel::kThinPrismFisheye, 640, 480,
+                     {300, 301, 320, 240, 0.03, -0.01, 0, 0, 2e-3, -1e-4, 0, 0}),
+              Camera(CameraModel::kOpenCvFisheye, 640, 480,
+                     {300, 301, 320, 240, 0.03, -0.01, 2e-3, -1e-4}));
+  expect_same(Camera(CameraModel::kFov, 640, 480, {500, 510, 320, 240, 2e-6}),
+              Camera(CameraModel::kFov, 640, 480, {500, 510, 320, 240, 0.0}));
+  expect_same(Camera(CameraModel::kFov, 640, 480, {500, 510, 320, 240, 0.0}),
+              Camera(CameraModel::kPinhole, 640, 480, {500, 510, 320, 240}));
+}
+
+// What bends a fisheye's image stays invertible up to where the picture ends, 80 degrees off axis.
+TEST(Camera, FisheyesReachTheEdgeOfTheirField) {
+  for (const Camera& camera : AllModels()) {
+    if (!IsFisheye(camera.model()) || camera.model() == CameraModel::kFov) continue;
+    const double radius = std::tan(80.0 / 57.29577951308232);
+    const Eigen::Vector3d ray = Eigen::Vector3d(0.6 * radius, 0.8 * radius, 1.0).normalized();
+    const auto pixel = camera.Project(ray);
+    ASSERT_TRUE(pixel) << CameraModelName(camera.model());
+    const auto back = camera.Unproject(*pixel);
+    ASSERT_TRUE(back) << CameraModelName(camera.model());
+    EXPECT_LT((*back - ray).norm(), 1e-8);
+  }
 }
 
 TEST(Camera, UnprojectInvertsProjectOverTheWholeImage) {
@@ -85,8 +179,33 @@ TEST(Camera, PointsBeyondTheInvertibleRadiusDoNotProject) {
 TEST(Camera, NamesAndIdsAreColmaps) {
   EXPECT_EQ(CameraModelFromName("OPENCV_FISHEYE"), CameraModel::kOpenCvFisheye);
   EXPECT_EQ(CameraModelFromColmapId(4), CameraModel::kOpenCv);
-  EXPECT_THROW(CameraModelFromName("FULL_OPENCV"), Error);
-  EXPECT_THROW(CameraModelFromColmapId(6), Error);
+  for (const Camera& camera : AllModels()) {
+    const CameraModel model = camera.model();
+    EXPECT_EQ(CameraModelFromName(CameraModelName(model)), model);
+    EXPECT_EQ(CameraModelFromColmapId(static_cast<int>(model)), model);
+  }
+}
+
+TEST(Camera, ModelsOfColmapThatAreNotKnownAreRefusedByName) {
+  const auto message_of = [](const auto& look_up) -> std::string {
+    try {
+      look_up();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string by_name = message_of([] { CameraModelFromName("RAD_TAN_THIN_PRISM_FISHEYE"); });
+  EXPECT_NE(by_name.find("RAD_TAN_THIN_PRISM_FISHEYE"), std::string::npos);
+  EXPECT_NE(by_name.find("THIN_PRISM_FISHEYE"), std::string::npos);
+  const std::string by_id = message_of([] { CameraModelFromColmapId(11); });
+  EXPECT_NE(by_id.find("RAD_TAN_THIN_PRISM_FISHEYE"), std::string::npos);
+  EXPECT_NE(message_of([] { CameraModelFromColmapId(17); }).find("EQUIRECTANGULAR"),
+            std::string::npos);
+  EXPECT_NE(message_of([] { CameraModelFromColmapId(-1); }).find("-1"), std::string::npos);
+  EXPECT_NE(message_of([] { CameraModelFromColmapId(2'000'000'000); }).find("2000000000"),
+            std::string::npos);
+  EXPECT_LT(message_of([] { CameraModelFromName(std::string(100'000, 'x')); }).size(), 400u);
 }
 
 TEST(Camera, RefusesNonsense) {
@@ -96,6 +215,7 @@ TEST(Camera, RefusesNonsense) {
   EXPECT_THROW(Camera(CameraModel::kSimplePinhole, 640, 480,
                       {500, std::numeric_limits<double>::quiet_NaN(), 240}),
                Error);
+  EXPECT_THROW(Camera(CameraModel::kFov, 640, 480, {500, 500, 320, 240, 3.2}), Error);
 }
 
 }  // namespace

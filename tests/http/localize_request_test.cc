@@ -229,8 +229,9 @@ std::vector<BadRequest> BadRequests() {
       {"no camera", fmt::format("{{{}}}", kImage), kInvalidField, "/camera"},
       {"no image", fmt::format("{{{}}}", kCamera), kInvalidField, ""},
       {"both", WithImage(R"("features":{"data":""})"), kInvalidField, ""},
-      {"model", R"({"camera":{"model":"FOV","size":[1,1],"modelParams":[]}})", kInvalidField,
-       "/camera/model"},
+      {"model",
+       R"({"camera":{"model":"RAD_TAN_THIN_PRISM_FISHEYE","size":[1,1],"modelParams":[]}})",
+       kInvalidField, "/camera/model"},
       {"model type", R"({"camera":{"model":4,"size":[1,1],"modelParams":[]}})", kInvalidField,
        "/camera/model"},
       {"size", R"({"camera":{"model":"PINHOLE","size":[640],"modelParams":[]}})", kInvalidField,
@@ -255,6 +256,11 @@ std::vector<BadRequest> BadRequests() {
        "/prior/accuracy"},
       {"altitude accuracy", prior(R"("position":{"lat":0,"lon":0},"altitudeAccuracy":3)"),
        kInvalidField, "/prior/altitudeAccuracy"},
+      {"altitude reference",
+       prior(R"("position":{"lat":0,"lon":0,"h":3},"altitudeReference":"sea")"), kInvalidField,
+       "/prior/altitudeReference"},
+      {"image orientation", WithImage(R"("options":{"imageOrientation":"exif"})"), kInvalidField,
+       "/options/imageOrientation"},
       {"gravity length", WithImage(R"("gravity":[0,9.81,0])"), kInvalidField, "/gravity"},
       {"gravity size", WithImage(R"("gravity":[0,1])"), kInvalidField, "/gravity"},
       {"gravity type", WithImage(R"("gravity":[0,"1",0])"), kInvalidField, "/gravity/1"},
@@ -299,6 +305,17 @@ TEST(LocalizeRequest, RefusesBadRequestsWithThePointerOfTheFault) {
       EXPECT_EQ(e.pointer(), bad.pointer) << bad.name << ": " << e.what();
     }
   }
+}
+
+TEST(LocalizeRequest, HeightsOfPriorsAreEllipsoidalUnlessTheySayMeanSeaLevel) {
+  const auto height_m = [](const std::string& reference) {
+    return Parse(WithImage(fmt::format(
+                     R"("prior":{{"position":{{"lat":55.705,"lon":13.19,"h":50}}{}}})", reference)))
+        .query.prior->position.h_m;
+  };
+  EXPECT_EQ(height_m(""), 50.0);
+  EXPECT_EQ(height_m(R"(,"altitudeReference":"ellipsoid")"), 50.0);
+  EXPECT_NEAR(height_m(R"(,"altitudeReference":"msl")"), 50.0 + 35.7, 0.1);
 }
 
 TEST(LocalizeRequest, RefusesOtherContentTypes) {

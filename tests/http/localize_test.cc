@@ -326,6 +326,44 @@ TEST_F(HttpLocalize, ImagesThatCannotBeUsedAreRefused) {
   }
 }
 
+// What a map of features can tell: the pose, asked for in the two media types.
+TEST_F(HttpLocalize, AnOgcGeoPoseIsGivenToWhoAsksForIt) {
+  const LocalizeQuery query = Query();
+  const auto post = [&](const LocalizeQuery& asked, const char* accept) {
+    httplib::Client http(url());
+    http.set_read_timeout(60);
+    auto result = http.Post("/v1/localize", {{"Accept", accept}},
+                            WithFeatures(asked, "", LosslessEncoding(asked.features)).dump(),
+                            "application/json");
+    if (!result) throw std::runtime_error(httplib::to_string(result.error()));
+    return *result;
+  };
+  const httplib::Response full = post(query, "application/json");
+  const httplib::Response pose = post(query, "application/geopose+json");
+  EXPECT_EQ(pose.status, 200);
+  EXPECT_EQ(pose.get_header_value("Content-Type"), "application/geopose+json");
+  EXPECT_EQ(nlohmann::json::parse(pose.body), nlohmann::json::parse(full.body)["geopose"]);
+  LocalizeQuery elsewhere = query;
+  elsewhere.prior->position = Geodetic::FromDegrees(10.0, 10.0, 0.0);
+  const httplib::Response miss = post(elsewhere, "application/geopose+json");
+  EXPECT_EQ(miss.status, 404);
+  EXPECT_EQ(nlohmann::json::parse(miss.body)["code"], "not_localized");
+}
+
+// The largest picture that is promised is no larger than the largest request.
+TEST_F(HttpLocalize, TwelveMegapixelsFitIntoARequest) {
+  nlohmann::json request = RequestJson(Query());
+  request["camera"] = {
+      {"model", "SIMPLE_PINHOLE"}, {"size", {4000, 3000}}, {"modelParams", {3000, 2000, 1500}}};
+  request["image"] = {{"format", "GRAY8"},
+                      {"data", EncodeBase64(std::vector<uint8_t>(size_t{4000} * 3000, 90))}};
+  const Reply reply = PostJson(request);
+  EXPECT_EQ(reply.status, 200) << reply.json;
+  EXPECT_EQ(reply.json["reason"], "TOO_FEW_FEATURES");
+  request["camera"]["size"] = {4001, 3000};
+  EXPECT_EQ(PostJson(request).status, 400);
+}
+
 TEST_F(HttpLocalize, AGeoPoseMissIsAProblemWithTheReason) {
   httplib::Client http(url());
   const nlohmann::json request = {

@@ -154,6 +154,17 @@ TEST(Georegister, RefusesNumbersThatAreNotFinite) {
   EXPECT_NE(RefusalOf(reconstruction, positions), "no error");
 }
 
+TEST(MakeHeightsEllipsoidal, AddsTheGeoidToHeightsAboveMeanSeaLevel) {
+  const Geodetic lund = Geodetic::FromDegrees(55.705, 13.19, 50.0);
+  const Geodetic philadelphia = Geodetic::FromDegrees(39.95, -75.16, 50.0);
+  std::vector<CameraPosition> positions = {{"a", lund}, {"b", philadelphia}};
+  MakeHeightsEllipsoidal(HeightReference::kEllipsoid, &positions);
+  EXPECT_EQ(positions[0].position.h_m, 50.0);
+  MakeHeightsEllipsoidal(HeightReference::kMeanSeaLevel, &positions);
+  EXPECT_NEAR(positions[0].position.h_m, 50.0 + 35.7, 0.1);
+  EXPECT_NEAR(positions[1].position.h_m, 50.0 - 34.2, 0.1);
+}
+
 class CameraPositionsCsv : public ::testing::Test {
  protected:
   std::vector<CameraPosition> Read(const std::string& text) {

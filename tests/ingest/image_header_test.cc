@@ -143,6 +143,52 @@ TEST(ReadExif, ReadsPlaceAndFocalLength) {
   EXPECT_EQ(exif.height_px, 768);
 }
 
+// A JPEG skeleton with the EXIF of a phone: `altitude_ref` and the orientation.
+Bytes JpegWithExif(uint8_t altitude_ref, uint8_t orientation) {
+  const Bytes tiff = {'I',  'I',  42, 0, 8, 0, 0, 0,                         // Header, IFD0 at 8.
+                      2,    0,                                               // Two entries.
+                      0x12, 0x01, 3,  0, 1, 0, 0, 0, orientation,  0, 0, 0,  // Orientation.
+                      0x25, 0x88, 4,  0, 1, 0, 0, 0, 38,           0, 0, 0,  // GPS IFD at 38.
+                      0,    0,    0,  0,                                     // No IFD1.
+                      6,    0,                                               // Six entries.
+                      1,    0,    2,  0, 2, 0, 0, 0, 'N',          0, 0, 0,  // Latitude is north,
+                      2,    0,    5,  0, 3, 0, 0, 0, 116,          0, 0, 0,  // at 116.
+                      3,    0,    2,  0, 2, 0, 0, 0, 'E',          0, 0, 0,  // Longitude is east,
+                      4,    0,    5,  0, 3, 0, 0, 0, 116,          0, 0, 0,  // the same numbers.
+                      5,    0,    1,  0, 1, 0, 0, 0, altitude_ref, 0, 0, 0,  //
+                      6,    0,    5,  0, 1, 0, 0, 0, 140,          0, 0, 0,  // Altitude at 140.
+                      0,    0,    0,  0,                                     //
+                      10,   0,    0,  0, 1, 0, 0, 0, 30,           0, 0, 0, 1, 0, 0, 0,
+                      0,    0,    0,  0, 1, 0, 0, 0,   // 10 deg 30'.
+                      25,   0,    0,  0, 2, 0, 0, 0};  // 12.5 m.
+  Bytes app1 = {0xff, 0xe1, 0, static_cast<uint8_t>(2 + 6 + tiff.size()), 'E', 'x', 'i', 'f', 0, 0};
+  app1.insert(app1.end(), tiff.begin(), tiff.end());
+  Bytes jpeg = JpegSkeleton();
+  jpeg.insert(jpeg.begin() + 2, app1.begin(), app1.end());
+  return jpeg;
+}
+
+TEST(ReadExif, AltitudesAreAboveSeaLevelUnlessTheySayTheEllipsoid) {
+  const auto read = [](uint8_t altitude_ref) { return ReadExif(JpegWithExif(altitude_ref, 1)); };
+  ASSERT_TRUE(read(0).gps.has_value());
+  EXPECT_NEAR(read(0).gps->lat_deg(), 10.5, 1e-9);
+  EXPECT_EQ(read(0).gps->h_m, 12.5);
+  EXPECT_EQ(read(0).height_reference, HeightReference::kMeanSeaLevel);
+  EXPECT_EQ(read(1).gps->h_m, -12.5);
+  EXPECT_EQ(read(1).height_reference, HeightReference::kMeanSeaLevel);
+  EXPECT_EQ(read(2).gps->h_m, 12.5);
+  EXPECT_EQ(read(2).height_reference, HeightReference::kEllipsoid);
+  EXPECT_EQ(read(3).gps->h_m, -12.5);
+  EXPECT_EQ(read(3).height_reference, HeightReference::kEllipsoid);
+}
+
+TEST(ReadExif, ReadsTheOrientation) {
+  EXPECT_EQ(ReadExif(JpegWithExif(0, 6)).orientation, 6);
+  EXPECT_EQ(ReadExif(JpegWithExif(0, 0)).orientation, 1);
+  EXPECT_EQ(ReadExif(JpegWithExif(0, 9)).orientation, 1);
+  EXPECT_EQ(ReadExif(JpegSkeleton()).orientation, 1);
+}
+
 TEST(ReadExif, AnImageWithoutExifHasJustASize) {
   const ExifInfo exif = ReadExif(JpegSkeleton());
   EXPECT_FALSE(exif.gps.has_value());

@@ -88,8 +88,9 @@ TEST(RealData, KittiFitsItsExactPositions) {
 TEST(RealData, LundIsLevelOnGpsAlone) {
   CAIRN_SKIP_WITHOUT_DATA("street_lund");
   const Reconstruction reconstruction = ReadColmap(LundInput());
-  const auto positions = GpsPositions(reconstruction, 5.0);
+  auto positions = GpsPositions(reconstruction, 5.0);
   ASSERT_EQ(positions.size(), 29u);
+  MakeHeightsEllipsoidal(HeightReference::kMeanSeaLevel, &positions);
   const Georegistration result = Georegister(reconstruction, positions, GeoregisterOptions());
   std::vector<double> rolls_deg = RollsDeg(reconstruction, result.ecef_from_world);
   std::vector<double> heights_m;
@@ -106,6 +107,8 @@ TEST(RealData, LundIsLevelOnGpsAlone) {
   EXPECT_EQ(result.num_inliers, 28);
   EXPECT_NEAR(Median(rolls_deg), 0.0, 1.0);
   EXPECT_LT(heights_m[heights_m.size() - 2] - heights_m.front(), 5.0);
+  // The photos' EXIF says 30 to 40 m, above the sea; the ellipsoid is 35.7 m lower.
+  EXPECT_NEAR(heights_m[heights_m.size() / 2], 36.0 + 35.7, 6.0);
 }
 
 // The extractor's keypoints and descriptors are those in COLMAP's database, for the features that

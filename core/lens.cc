@@ -1,0 +1,184 @@
+#include "core/lens.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace cairn {
+namespace {
+
+constexpr double kHalfPi = 0.5 * std::numbers::pi;
+// The tangent of 84 degrees off the axis, beyond what a perspective image shows.
+constexpr double kMaxRadius = 10.0;
+// Below, series stand for quotients of small numbers.
+constexpr double kSmallSqRadius = 1e-16;
+constexpr double kSmallOmegaRad = 1e-6;
+constexpr double kMaxThetaRad = kHalfPi - 1e-3;
+
+// The derivative of `point` times a factor that depends on its radius.
+Eigen::Matrix2d ScaleJacobian(const Eigen::Vector2d& point, double factor, double by_square) {
+  return factor * Eigen::Matrix2d::Identity() + 2.0 * by_square * point * point.transpose();
+}
+
+}  // namespace
+
+Lens::Lens(const LensCoefficients& coefficients) : k_(coefficients) {
+  if (k_.projection == LensProjection::kFov && std::abs(k_.omega_rad) < kSmallOmegaRad) {
+    k_.projection = LensProjection::kPerspective;
+  }
+  const auto is_set = [](double value) { return value != 0.0; };
+  has_radial_ = std::any_of(k_.numerator.begin(), k_.numerator.end(), is_set) ||
+                std::any_of(k_.denominator.begin(), k_.denominator.end(), is_set);
+  has_asymmetric_ = is_set(k_.p1) || is_set(k_.p2) || is_set(k_.s1) || is_set(k_.s2);
+  max_sq_radius_ = FindMaxSqRadius();
+}
+
+Lens::Scale Lens::ProjectionScale(double sq_radius) const {
+  if (k_.projection == LensProjection::kPerspective) return {};
+  const bool is_fov = k_.projection == LensProjection::kFov;
+  // Both are atan(slope * radius) / (turn * radius).
+  const double slope = is_fov ? 2.0 * std::tan(0.5 * k_.omega_rad) : 1.0;
+  const double turn = is_fov ? k_.omega_rad : 1.0;
+  if (sq_radius < kSmallSqRadius) {
+    return {slope / turn, -slope * slope * slope / (3.0 * turn)};
+  }
+  const double radius = std::sqrt(sq_radius);
+  const double factor = std::atan(slope * radius) / (turn * radius);
+  const double derivative = slope / (turn * (1.0 + slope * slope * sq_radius));
+  return {factor, (derivative - factor) / (2.0 * sq_radius)};
+}
+
+Lens::Scale Lens::RadialScale(double q) const {
+  if (!has_radial_) return {};
+  const auto& n = k_.numerator;
+  const auto& d = k_.denominator;
+  const double numerator = 1.0 + q * (n[0] + q * (n[1] + q * (n[2] + q * n[3])));
+  const double numerator_by_q = n[0] + q * (2.0 * n[1] + q * (3.0 * n[2] + q * 4.0 * n[3]));
+  const double denominator = 1.0 + q * (d[0] + q * (d[1] + q * d[2]));
+  const double denominator_by_q = d[0] + q * (2.0 * d[1] + q * 3.0 * d[2]);
+  const double factor = numerator / denominator;
+  return {factor, (numerator_by_q - factor * denominator_by_q) / denominator};
+}
+
+// The distorted radius grows while factor + 2 q factor' is positive; a denominator that reaches
+// zero ends it as well.
+double Lens::FindMaxSqRadius() const {
+  double max_q = kMaxRadius * kMaxRadius;
+  if (k_.projection == LensProjection::kEquidistant) {
+    max_q = kHalfPi * kHalfPi;
+  } else if (k_.projection == LensProjection::kFov) {
+    max_q *= std::pow(ProjectionScale(max_q).factor, 2);
+  }
+  if (!has_radial_) return max_q;
+  const auto& d = k_.denominator;
+  const auto grows = [&](double q) {
+    const Scale scale = RadialScale(q);
+    return 1.0 + q * (d[0] + q * (d[1] + q * d[2])) > 0.0 &&
+           scale.factor + 2.0 * q * scale.by_square > 0.0;
+  };
+  constexpr int kNumSteps = 2000;
+  double low = 0.0;
+  for (int i = 1; i <= kNumSteps; ++i) {
+    double high = max_q * i / kNumSteps;
+    if (grows(high)) {
+      low = high;
+      continue;
+    }
+    for (int j = 0; j < 60; ++j) {
+      const double middle = 0.5 * (low + high);
+      (grows(middle) ? low : high) = middle;
+    }
+    return low;
+  }
+  return max_q;
+}
+
+Eigen::Vector2d Lens::Bend(const Eigen::Vector2d& projected, Eigen::Matrix2d* jacobian) const {
+  const double u = projected.x(), v = projected.y();
+  const double q = projected.squaredNorm();
+  const Scale radial = RadialScale(q);
+  if (jacobian != nullptr) {
+    *jacobian = ScaleJacobian(projected, radial.factor, radial.by_square);
+    const double cross = 2.0 * k_.p1 * u + 2.0 * k_.p2 * v;
+    (*jacobian)(0, 0) += 2.0 * k_.p1 * v + 6.0 * k_.p2 * u + 2.0 * k_.s1 * u;
+    (*jacobian)(0, 1) += cross + 2.0 * k_.s1 * v;
+    (*jacobian)(1, 0) += cross + 2.0 * k_.s2 * u;
+    (*jacobian)(1, 1) += 6.0 * k_.p1 * v + 2.0 * k_.p2 * u + 2.0 * k_.s2 * v;
+  }
+  return {u * radial.factor + 2.0 * k_.p1 * u * v + k_.p2 * (q + 2.0 * u * u) + k_.s1 * q,
+          v * radial.factor + 2.0 * k_.p2 * u * v + k_.p1 * (q + 2.0 * v * v) + k_.s2 * q};
+}
+
+std::optional<Eigen::Vector2d> Lens::Distort(const Eigen::Vector2d& normalized,
+                                             Eigen::Matrix2d* jacobian) const {
+  const Scale projection = ProjectionScale(normalized.squaredNorm());
+  const Eigen::Vector2d projected = projection.factor * normalized;
+  if (!(projected.squaredNorm() <= max_sq_radius_)) return std::nullopt;
+  const Eigen::Vector2d distorted = Bend(projected, jacobian);
+  if (jacobian != nullptr && k_.projection != LensProjection::kPerspective) {
+    *jacobian *= ScaleJacobian(normalized, projection.factor, projection.by_square);
+  }
+  return distorted;
+}
+
+// Newton's method between bounds: the distorted radius grows with the radius up to max_sq_radius_.
+double Lens::StraightenRadius(double distorted_radius) const {
+  double low = 0.0, high = std::sqrt(max_sq_radius_);
+  double radius = std::min(distorted_radius, high);
+  for (int i = 0; i < 100; ++i) {
+    const Scale scale = RadialScale(radius * radius);
+    const double excess = radius * scale.factor - distorted_radius;
+    (excess > 0.0 ? high : low) = radius;
+    const double slope = scale.factor + 2.0 * radius * radius * scale.by_square;
+    double next = radius - excess / slope;
+    if (!(next >= low && next <= high)) next = 0.5 * (low + high);
+    const double step = std::abs(next - radius);
+    radius = next;
+    if (step <= 1e-15 * (1.0 + radius)) break;
+  }
+  return radius;
+}
+
+std::optional<Eigen::Vector2d> Lens::Straighten(const Eigen::Vector2d& distorted) const {
+  Eigen::Vector2d projected = distorted;
+  const double distorted_radius = distorted.norm();
+  if (has_radial_ && distorted_radius > 1e-8) {
+    projected *= StraightenRadius(distorted_radius) / distorted_radius;
+  }
+  for (int i = 0; has_asymmetric_ && i < 50; ++i) {
+    Eigen::Matrix2d jacobian;
+    const Eigen::Vector2d excess = Bend(projected, &jacobian) - distorted;
+    if (!(jacobian.determinant() > 0.0)) return std::nullopt;
+    const Eigen::Vector2d step = jacobian.inverse() * excess;
+    projected -= step;
+    if (step.squaredNorm() < 1e-24) break;
+  }
+  return projected;
+}
+
+std::optional<Eigen::Vector2d> Lens::Unproject(const Eigen::Vector2d& projected) const {
+  if (k_.projection == LensProjection::kPerspective) return projected;
+  const bool is_fov = k_.projection == LensProjection::kFov;
+  const double slope = is_fov ? 2.0 * std::tan(0.5 * k_.omega_rad) : 1.0;
+  const double turn = is_fov ? k_.omega_rad : 1.0;
+  const double radius = projected.norm();
+  if (radius < 1e-8) return projected * (turn / slope);
+  if (!(radius * std::abs(turn) < kMaxThetaRad)) return std::nullopt;
+  return projected * (std::tan(radius * turn) / (radius * slope));
+}
+
+std::optional<Eigen::Vector2d> Lens::Undistort(const Eigen::Vector2d& distorted) const {
+  const std::optional<Eigen::Vector2d> projected = Straighten(distorted);
+  if (!projected) return std::nullopt;
+  const std::optional<Eigen::Vector2d> normalized = Unproject(*projected);
+  if (!normalized) return std::nullopt;
+  const std::optional<Eigen::Vector2d> again = Distort(*normalized, nullptr);
+  constexpr double kTolerance = 1e-11;
+  if (!again || !((*again - distorted).norm() < kTolerance * (1.0 + distorted.norm()))) {
+    return std::nullopt;
+  }
+  return normalized;
+}
+
+}  // namespace cairn

@@ -1,0 +1,48 @@
+#include "http/json/image_orientation.h"
+
+#include "core/check.h"
+#include "core/error.h"
+#include "ingest/features/orient_image.h"
+#include "ingest/readers/exif.h"
+
+namespace cairn {
+
+std::optional<ImageOrientation> ImageOrientationFromName(std::string_view name) {
+  for (const ImageOrientation orientation :
+       {ImageOrientation::kStored, ImageOrientation::kUpright}) {
+    if (name == ImageOrientationName(orientation)) return orientation;
+  }
+  return std::nullopt;
+}
+
+const char* ImageOrientationName(ImageOrientation orientation) {
+  CAIRN_CHECK(orientation != ImageOrientation::kAsSize, "it is said by leaving the name out");
+  return orientation == ImageOrientation::kStored ? "stored" : "upright";
+}
+
+std::optional<PictureHeader> ReadPictureHeader(std::span<const uint8_t> image_bytes) {
+  try {
+    const ExifInfo exif = ReadExif(image_bytes);
+    return PictureHeader{exif.width_px, exif.height_px, exif.orientation};
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+int OrientationToApply(const PictureHeader& header, ImageOrientation meant, int stated_width_px,
+                       int stated_height_px) {
+  switch (meant) {
+    case ImageOrientation::kStored:
+      return 1;
+    case ImageOrientation::kUpright:
+      return header.exif_orientation;
+    case ImageOrientation::kAsSize:
+      break;
+  }
+  const bool is_stored = header.width_px == stated_width_px && header.height_px == stated_height_px;
+  const bool is_turned = header.width_px == stated_height_px && header.height_px == stated_width_px;
+  return !is_stored && is_turned && SwapsSides(header.exif_orientation) ? header.exif_orientation
+                                                                        : 1;
+}
+
+}  // namespace cairn
