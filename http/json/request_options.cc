@@ -5,7 +5,6 @@
 namespace cairn {
 namespace {
 
-constexpr int kMaxTimeoutMs = 60'000;
 constexpr int kMaxMatches = 100'000;
 
 void ReadInclude(const JsonReader& json, ResponseOptions* options) {

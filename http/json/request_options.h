@@ -10,6 +10,9 @@
 
 namespace cairn {
 
+// The longest time that a request may ask for.
+inline constexpr int kMaxTimeoutMs = 60'000;
+
 // Sets the timeout and what is wanted in the answer. Throws HttpError kInvalidField, also for
 // members that are unknown.
 void ReadOptions(const JsonReader& json, LocalizeRequest* request);
