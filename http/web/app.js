@@ -202,12 +202,12 @@ function updatePrior() {
 }
 
 const MAX_SIDE_PX = 1920;
-let photo = null;      // ImageBitmap of the stored pixels, not rotated by EXIF; what is sent.
+let photo = null;      // ImageBitmap of the photo as EXIF turns it; the request says so.
 let photoScale = 1;    // Its size over that of the file.
 form.photo.addEventListener("change", async () => {
   const file = form.photo.files[0];
   if (!file) return;
-  const original = await createImageBitmap(file, { imageOrientation: "none" });
+  const original = await createImageBitmap(file);
   const side = Math.max(original.width, original.height);
   photoScale = Math.min(1, MAX_SIDE_PX / side);
   photo = await createImageBitmap(original, {
@@ -250,7 +250,7 @@ function requestFor() {
       size,
       modelParams: [focal * photoScale, photo.width / 2, photo.height / 2],
     },
-    options: { innerFrame: "FLU", timeoutMs: 10000, maxMatches: 2000,
+    options: { innerFrame: "FLU", timeoutMs: 10000, maxMatches: 2000, imageOrientation: "upright",
                include: ["matches", "timings"] },
   };
   if (state.prior) {

@@ -1,0 +1,235 @@
+// Clients as users have them, against a `cairn serve` of a rendered street.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "cli/demo/demo_world.h"
+#include "cli/run_cairn.h"
+#include "core/error.h"
+#include "eval/pictures/encode_png.h"
+#include "http/client.h"
+#include "http/json/inner_frame.h"
+#include "ingest/features/orient_image.h"
+#include "support/temp_dir.h"
+
+namespace cairn::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using ::nlohmann::json;
+using ::testing::HasSubstr;
+
+// Output and exit code of a shell command.
+std::pair<std::string, int> RunShell(const std::string& command) {
+  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
+  std::string text;
+  std::array<char, 4096> buffer;
+  while (const size_t size = fread(buffer.data(), 1, buffer.size(), pipe)) {
+    text.append(buffer.data(), size);
+  }
+  const int status = pclose(pipe);
+  return {text, WIFEXITED(status) ? WEXITSTATUS(status) : -1};
+}
+
+class Clients : public ::testing::Test {
+ protected:
+  Clients()
+      : world_([this] {
+          Progress silent(ProgressMode::kPlain);
+          return MakeDemoWorld({.output_dir = dir_.path(), .quick = true}, &silent);
+        }()) {}
+
+  // Height, latitude and longitude of an answer against the truth.
+  static double ErrorM(const json& geopose, const EvalQuery& query) {
+    const json& position = geopose["position"];
+    const Geodetic answer = Geodetic::FromDegrees(position["lat"], position["lon"], position["h"]);
+    return (EcefFromGeodetic(answer) - query.cam_from_ecef.Inverse().translation).norm();
+  }
+
+  // Angle between the answer's quaternion and the pose of the photo, FLU.
+  static double ErrorDeg(const json& geopose, const EvalQuery& query) {
+    const json& q = geopose["quaternion"];
+    const Eigen::Quaterniond answer(q["w"], q["x"], q["y"], q["z"]);
+    return 57.2957795 *
+           RotationAngleRad(
+               answer, GeoPoseFromCamera(query.cam_from_ecef, InnerFrame::kFlu).enu_from_inner);
+  }
+
+  TempDir dir_;
+  DemoWorld world_;
+};
+
+class NpmClient : public Clients {
+ protected:
+  // Installs the client once for a build; empty, or why it cannot be.
+  static std::string Install() {
+    if (RunShell("node --version && npm --version").second != 0) {
+      return "node and npm are not installed";
+    }
+    const fs::path source = fs::path(CAIRN_SOURCE_DIR) / "tests/cli/gpp_access";
+    fs::create_directories(Folder());
+    for (const auto& file : fs::directory_iterator(source)) {
+      fs::copy_file(file.path(), Folder() / file.path().filename(),
+                    fs::copy_options::overwrite_existing);
+    }
+    const auto [text, code] = RunShell("cd '" + Folder().string() +
+                                       "' && { test -d node_modules/@oarc/gpp-access || npm ci "
+                                       "--ignore-scripts --no-audit --no-fund; }");
+    return code == 0 ? "" : "npm cannot install @oarc/gpp-access: " + text.substr(0, 500);
+  }
+  static fs::path Folder() { return fs::path(CAIRN_BINARY_DIR) / "gpp_access_test"; }
+
+  json Ask(const json& request) {
+    std::ofstream(dir_.File("ask.json")) << request;
+    const auto [text, code] =
+        RunShell("cd '" + Folder().string() + "' && node ask.mjs '" + dir_.File("ask.json") + "'");
+    EXPECT_EQ(code, 0) << text;
+    const json answer = json::parse(text, nullptr, false);
+    EXPECT_TRUE(answer.is_object()) << text;
+    return answer;
+  }
+};
+
+TEST_F(NpmClient, OfGeoPoseProtocolIsAnswered) {
+  if (const std::string why_not = Install(); !why_not.empty()) GTEST_SKIP() << why_not;
+  BackgroundCairn server({"serve", world_.map_path, "--port", "0", "--log-level", "off"});
+  const EvalQuery& query = world_.queries[1];
+  const Camera& camera = query.query.camera;
+  const Geodetic& prior = query.query.prior->position;
+  json ask = {{"url", server.ReadLine()},
+              {"photo", query.image_path},
+              {"size", {camera.width_px(), camera.height_px()}},
+              {"modelParams", camera.params()},
+              {"lat", prior.lat_deg()},
+              {"lon", prior.lon_deg()},
+              {"accuracy", 15}};
+  const json known = Ask(ask);
+  ASSERT_TRUE(known.contains("geopose")) << known;
+  EXPECT_EQ(known["id"], "asked-by-npm");
+  EXPECT_LT(ErrorM(known["geopose"], query), 0.5);
+  EXPECT_LT(ErrorDeg(known["geopose"], query), 2.0);
+
+  // The client's own defaults for a camera that nobody knows.
+  json unknown = ask;
+  unknown["modelParams"] = nullptr;
+  unknown["size"] = {0, 0};
+  const json estimated = Ask(unknown);
+  ASSERT_TRUE(estimated.contains("geopose")) << estimated;
+  EXPECT_LT(ErrorM(estimated["geopose"], query), 2.0);
+
+  // Its GPS is read, although it spells the member in its own way: elsewhere there is no map.
+  ask["lat"] = prior.lat_deg() + 1.0;
+  const json elsewhere = Ask(ask);
+  ASSERT_TRUE(elsewhere.contains("error")) << elsewhere;
+  EXPECT_THAT(elsewhere["error"].get<std::string>(), HasSubstr("NO_COVERAGE"));
+}
+
+uint32_t Crc32(const std::string& bytes) {
+  uint32_t crc = ~0u;
+  for (const char byte : bytes) {
+    crc ^= static_cast<uint8_t>(byte);
+    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0u);
+  }
+  return ~crc;
+}
+
+std::string BigEndian32(uint32_t value) {
+  std::string bytes;
+  for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift);
+  return bytes;
+}
+
+// The picture as a camera that is held upright stores it: the sensor's landscape pixels, with an
+// EXIF that turns them by 90 degrees clockwise.
+std::vector<uint8_t> StoredOnItsSide(const GrayImage& upright) {
+  constexpr int kTurnClockwise = 6, kTurnAnticlockwise = 8;
+  const std::vector<uint8_t> png = EncodePng(OrientImage(upright, kTurnAnticlockwise));
+  std::string exif("eXIfII\x2a\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\0\0\0\0\0\0\0\0", 30);
+  exif[22] = kTurnClockwise;
+  const size_t after_header = 8 + 25;  // Signature, IHDR.
+  std::string file(png.begin(), png.end());
+  file.insert(after_header, BigEndian32(static_cast<uint32_t>(exif.size() - 4)) + exif +
+                                BigEndian32(Crc32(exif)));
+  return {file.begin(), file.end()};
+}
+
+class PortraitPhotos : public Clients {
+ protected:
+  PortraitPhotos() : bytes_(StoredOnItsSide(world_.photos[1])) {
+    std::ofstream file(path_, std::ios::binary);
+    file.write(reinterpret_cast<const char*>(bytes_.data()),
+               static_cast<std::streamsize>(bytes_.size()));
+  }
+
+  // A pinhole camera of these pixels, as --camera has it.
+  static std::string CameraOption(const Camera& camera) {
+    std::string text = std::string(CameraModelName(camera.model())) + "," +
+                       std::to_string(camera.width_px()) + "," + std::to_string(camera.height_px());
+    for (const double param : camera.params()) text += "," + std::to_string(param);
+    return text;
+  }
+
+  // `cairn localize` of the photo; the answer's geopose.
+  json Localize(const std::vector<std::string>& options) {
+    std::vector<std::string> arguments = {"localize", "--image", path_, "--json"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const Finished finished = RunCairn(arguments);
+    EXPECT_EQ(finished.exit_code, 0) << finished.err << finished.out;
+    const json answer = json::parse(finished.out, nullptr, false);
+    return answer.is_object() ? answer["geopose"] : json();
+  }
+
+  const EvalQuery& query() const { return world_.queries[1]; }
+
+  // The stored pixels' camera: what was right is above, what was below is right.
+  Camera StoredCamera() const {
+    const Camera& upright = query().query.camera;
+    const std::vector<double>& p = upright.params();
+    return Camera(CameraModel::kPinhole, upright.height_px(), upright.width_px(),
+                  {p[1], p[0], p[3], upright.width_px() - p[2]});
+  }
+
+  std::vector<uint8_t> bytes_;
+  std::string path_ = dir_.File("portrait.png");
+};
+
+TEST_F(PortraitPhotos, AreAnsweredAsTheirOwnerHeldTheCamera) {
+  // Nothing said: the photo is upright, and so is the pose.
+  const json guessed = Localize({world_.map_path});
+  EXPECT_LT(ErrorM(guessed, query()), 2.0);
+  EXPECT_LT(ErrorDeg(guessed, query()), 4.0);
+  // The camera of the upright picture, as its size says.
+  const json upright = Localize({world_.map_path, "--camera", CameraOption(query().query.camera)});
+  EXPECT_LT(ErrorM(upright, query()), 0.5);
+  EXPECT_LT(ErrorDeg(upright, query()), 2.0);
+  // The camera of the stored pixels: the same place, turned by 90 degrees about the optical axis.
+  const json stored = Localize({world_.map_path, "--camera", CameraOption(StoredCamera())});
+  EXPECT_LT(ErrorM(stored, query()), 0.5);
+  EXPECT_NEAR(ErrorDeg(stored, query()), 90.0, 2.0);
+}
+
+TEST_F(PortraitPhotos, AreAnsweredTheSameByAServer) {
+  BackgroundCairn server({"serve", world_.map_path, "--port", "0", "--log-level", "off"});
+  const std::string url = server.ReadLine();
+  const json guessed = Localize({"--server", url});
+  EXPECT_LT(ErrorM(guessed, query()), 2.0);
+  EXPECT_LT(ErrorDeg(guessed, query()), 4.0);
+  const json stored = Localize({"--server", url, "--camera", CameraOption(StoredCamera())});
+  EXPECT_NEAR(ErrorDeg(stored, query()), 90.0, 2.0);
+  // Neither of the two pictures.
+  EvalQuery other = query();
+  other.query.camera = Camera(CameraModel::kSimplePinhole, 100, 100, {90, 50, 50});
+  EXPECT_THROW(LocalizeClient({.url = url}).LocalizeImages(other.query, {bytes_}), Error);
+}
+
+}  // namespace
+}  // namespace cairn::testing
