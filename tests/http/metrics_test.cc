@@ -28,7 +28,9 @@ TEST(Metrics, StagesThatRanCountAndOthersDoNot) {
   result.reason = NotLocalizedReason::kTooFewMatches;
   result.times.seconds[static_cast<size_t>(Stage::kMatching)] = 0.02;
   metrics.CountLocalize(result, {.decode_seconds = 0.01, .extract_seconds = 0.03});
-  const std::string text = metrics.Render({.is_degraded = true});
+  MapMetrics map;
+  map.is_degraded = true;
+  const std::string text = metrics.Render(map);
   EXPECT_THAT(text, HasSubstr("cairn_stage_seconds_count{stage=\"matching\"} 1"));
   EXPECT_THAT(text, HasSubstr("cairn_stage_seconds_count{stage=\"extraction\"} 1"));
   EXPECT_THAT(text, HasSubstr("cairn_stage_seconds_count{stage=\"voting\"} 0"));
