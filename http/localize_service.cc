@@ -93,9 +93,8 @@ bool LocalizeService::ExtractInTime(LocalizeRequest* request, ServerTimes* times
 
 // A request has one turn, in which its JSON is parsed if that is long, its image becomes features
 // and these an answer: whoever comes first is served first, with an image or without.
-LocalizeService::Answer LocalizeService::AnswerInTurn(const ServedMap& map,
-                                                      const HttpRequest& http, BodyParser* parse,
-                                                      LocalizeRequest* request) {
+LocalizeService::Answer LocalizeService::AnswerInTurn(const ServedMap& map, const HttpRequest& http,
+                                                      BodyParser* parse, LocalizeRequest* request) {
   Answer answer;
   const bool reads_in_turn = IsLongJson(http.Header("content-type"), http.body);
   if (!reads_in_turn) {

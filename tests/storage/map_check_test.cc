@@ -142,7 +142,7 @@ TEST_F(MapCheck, AMovedPose) {
 }
 
 TEST_F(MapCheck, AnUnknownCameraModel) {
-  ExpectFound("UPDATE cairn_cameras SET model = 'MAGIC'", "unknown camera model 'MAGIC'");
+  ExpectFound("UPDATE cairn_cameras SET model = 'MAGIC'", "camera model 'MAGIC' is not supported");
 }
 
 TEST_F(MapCheck, CameraParametersThatAreNone) {
