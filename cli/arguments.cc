@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
+#include <optional>
 #include <string_view>
 
 #include "core/error.h"
+#include "core/printable.h"
 
 namespace cairn {
 namespace {
@@ -23,14 +26,23 @@ std::vector<std::string_view> SplitAtCommas(std::string_view text) {
   }
 }
 
-double ParseNumber(const std::string& option, std::string_view text) {
+// Nothing unless all of the text is a finite number.
+std::optional<double> FiniteNumber(std::string_view text) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
-    throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("{}: '{}' is not a finite number", option, text));
+    return std::nullopt;
   }
   return value;
+}
+
+double ParseNumber(const std::string& option, std::string_view text) {
+  const std::optional<double> value = FiniteNumber(text);
+  if (!value) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("{}: '{}' is not a finite number", option, Excerpt(text)));
+  }
+  return *value;
 }
 
 int ParsePixels(const std::string& option, std::string_view text) {
@@ -38,12 +50,46 @@ int ParsePixels(const std::string& option, std::string_view text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) {
     throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("{}: '{}' is not a whole number of pixels", option, text));
+                fmt::format("{}: '{}' is not a whole number of pixels", option, Excerpt(text)));
   }
   return value;
 }
 
 }  // namespace
+
+CLI::Validator NumberWithin(double min, double max) {
+  return CLI::Validator(
+      [min, max](std::string& text) {
+        const std::optional<double> value = FiniteNumber(text);
+        return value && *value >= min && *value <= max
+                   ? std::string()
+                   : fmt::format("'{}' is not a number from {} to {}", Excerpt(text), min, max);
+      },
+      "");
+}
+
+CLI::Validator PositiveNumber() {
+  return CLI::Validator(
+      [](std::string& text) {
+        const std::optional<double> value = FiniteNumber(text);
+        return value && *value > 0.0 ? std::string()
+                                     : fmt::format("'{}' is not a number above 0", Excerpt(text));
+      },
+      "");
+}
+
+void AddSeedOption(CLI::App* command, uint64_t* seed, const std::string& description) {
+  const auto check = [](std::string& text) {
+    uint64_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool is_whole = error == std::errc() && end == text.data() + text.size();
+    return is_whole ? std::string()
+                    : fmt::format("'{}' is not a whole number from 0 to 2^64 - 1", Excerpt(text));
+  };
+  command->add_option("--seed", *seed, description)
+      ->check(CLI::Validator(check, ""))
+      ->capture_default_str();
+}
 
 std::vector<double> ParseNumbers(const std::string& option, const std::string& text, int count) {
   std::vector<double> numbers;
@@ -53,7 +99,7 @@ std::vector<double> ParseNumbers(const std::string& option, const std::string& t
   if (count != 0 && static_cast<int>(numbers.size()) != count) {
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("{}: expected {} numbers separated by commas, got {} in '{}'", option,
-                            count, numbers.size(), text));
+                            count, numbers.size(), Excerpt(text)));
   }
   return numbers;
 }
@@ -61,8 +107,9 @@ std::vector<double> ParseNumbers(const std::string& option, const std::string& t
 Camera ParseCamera(const std::string& option, const std::string& text) {
   const std::vector<std::string_view> parts = SplitAtCommas(text);
   if (parts.size() < 4) {
-    throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("{}: expected MODEL,width,height,param,... got '{}'", option, text));
+    throw Error(
+        ErrorCode::kInvalidArgument,
+        fmt::format("{}: expected MODEL,width,height,param,... got '{}'", option, Excerpt(text)));
   }
   const int width_px = ParsePixels(option, parts[1]);
   const int height_px = ParsePixels(option, parts[2]);
@@ -93,7 +140,7 @@ Eigen::Vector3d ParseDirection(const std::string& option, const std::string& tex
   const Eigen::Vector3d direction(numbers[0], numbers[1], numbers[2]);
   if (direction.norm() < 1e-9) {
     throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("{}: '{}' has no direction", option, text));
+                fmt::format("{}: '{}' has no direction", option, Excerpt(text)));
   }
   return direction.normalized();
 }

@@ -3,13 +3,27 @@
 #define CAIRN_CLI_ARGUMENTS_H_
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "core/camera.h"
 #include "core/geodesy.h"
 
+namespace CLI {
+class App;
+class Validator;
+}  // namespace CLI
+
 namespace cairn {
+
+// For CLI::Option::check: a finite number in [min, max]. CLI11's own checks take "nan".
+CLI::Validator NumberWithin(double min, double max);
+// The same above 0.
+CLI::Validator PositiveNumber();
+
+// --seed, which takes whole numbers that are not negative. CLI11 makes 2^64 - 1 of "-1".
+void AddSeedOption(CLI::App* command, uint64_t* seed, const std::string& description);
 
 // All throw Error(kInvalidArgument) naming `option`.
 

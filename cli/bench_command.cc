@@ -14,6 +14,7 @@
 #include <system_error>
 #include <vector>
 
+#include "cli/arguments.h"
 #include "cli/index_option.h"
 #include "cli/shell.h"
 #include "core/error.h"
@@ -141,8 +142,7 @@ void AddBenchCommand(CLI::App* app, Shell* shell) {
   command->add_option("--repeats", arguments->run.num_repeats, "Of every query")
       ->capture_default_str();
   AddIndexOption(command, &arguments->run.localizer.matching.index.kind);
-  command->add_option("--seed", world.seed, "Seed of map, queries and localizer")
-      ->capture_default_str();
+  AddSeedOption(command, &world.seed, "Seed of map, queries and localizer");
   command->footer(
       "Fails if an answer is wrong.\n"
       "Example:\n"

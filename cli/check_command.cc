@@ -7,10 +7,13 @@
 
 #include "cli/shell.h"
 #include "core/error.h"
+#include "core/printable.h"
 #include "storage/map_store.h"
 
 namespace cairn {
 namespace {
+
+constexpr size_t kMaxProblemBytes = 1000;
 
 ExitCode RunCheck(const std::string& map_path, ProgressMode progress_mode) {
   const MapStore store = MapStore::Open(map_path, OpenMode::kReadOnly);
@@ -21,7 +24,7 @@ ExitCode RunCheck(const std::string& map_path, ProgressMode progress_mode) {
         store.Check([&](int64_t done, int64_t total) { progress.Update("check", done, total); });
   }
   for (const std::string& problem : report.problems) {
-    fmt::print("{}\n", problem);
+    fmt::print("{}\n", Excerpt(problem, kMaxProblemBytes));
   }
   if (!report.problems.empty()) {
     throw Error(ErrorCode::kMapDamaged,
@@ -29,7 +32,7 @@ ExitCode RunCheck(const std::string& map_path, ProgressMode progress_mode) {
                             "ingest the sessions into a new map",
                             map_path, report.problems.size(), report.num_tiles_checked));
   }
-  fmt::print("{}: {} tiles, no problems\n", map_path, report.num_tiles_checked);
+  fmt::print("{}: {} tiles, no problems\n", Printable(map_path), report.num_tiles_checked);
   return ExitCode::kOk;
 }
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/arguments.h"
 #include "cli/demo/demo_world.h"
 #include "cli/shell.h"
 #include "core/error.h"
@@ -180,8 +181,7 @@ void AddDemoCommand(CLI::App* app, Shell* shell) {
       ->type_name("DIR")
       ->capture_default_str();
   command->add_flag("--quick", arguments->quick, "Half the street, half the photos");
-  command->add_option("--seed", arguments->seed, "Seed of street, noise and codebook")
-      ->capture_default_str();
+  AddSeedOption(command, &arguments->seed, "Seed of street, noise and codebook");
   command->footer(
       "Fails if fewer than 80 % of the photos are localized within 0.5 m and 2 degrees.\n"
       "Example:\n"

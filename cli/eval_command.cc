@@ -13,11 +13,13 @@
 #include <string>
 #include <vector>
 
+#include "cli/arguments.h"
 #include "cli/eval_queries.h"
 #include "cli/index_option.h"
 #include "cli/open_localizer.h"
 #include "cli/shell.h"
 #include "core/error.h"
+#include "core/printable.h"
 #include "eval/elsewhere.h"
 #include "eval/evaluation.h"
 #include "eval/parallel_for.h"
@@ -76,8 +78,9 @@ void ExtractFeatures(const EvalArguments& arguments, Progress* progress,
       continue;
     }
     if (query.image_path.empty()) {
-      throw Error(ErrorCode::kInvalidArgument,
-                  fmt::format("query {} needs its photo; give --image-dir DIR", query.name));
+      throw Error(
+          ErrorCode::kInvalidArgument,
+          fmt::format("query {} needs its photo; give --image-dir DIR", Excerpt(query.name)));
     }
     if (arguments.server_url.empty() || arguments.send_as == SendAs::kFeatures) {
       query.query.features = ExtractSift(ReadGrayImage(query.image_path));
@@ -228,11 +231,13 @@ void AddNoiseOptions(CLI::App* command, EvalArguments* arguments) {
   command
       ->add_option("--prior-noise", arguments->noise.position_sigma_m,
                    "Standard deviation of the position prior, metres an axis")
+      ->check(NumberWithin(0.0, 1e6))
       ->type_name("M")
       ->capture_default_str();
   command
       ->add_option("--gravity-noise-deg", arguments->gravity_noise_deg,
                    "Standard deviation of the gravity direction, degrees")
+      ->check(NumberWithin(0.0, 180.0))
       ->type_name("DEG")
       ->capture_default_str();
   command->add_flag("--no-prior", arguments->no_prior, "Queries without position");
@@ -246,10 +251,9 @@ void AddNoiseOptions(CLI::App* command, EvalArguments* arguments) {
       ->add_option("--prior-offset", arguments->prior_offset_m,
                    "Move each position prior by so much, metres, and leave its accuracy")
       ->type_name("M")
-      ->check(CLI::NonNegativeNumber)
+      ->check(NumberWithin(0.0, 1e6))
       ->capture_default_str();
-  command->add_option("--seed", arguments->noise.seed, "Seed of the noise and of the localizer")
-      ->capture_default_str();
+  AddSeedOption(command, &arguments->noise.seed, "Seed of the noise and of the localizer");
 }
 
 void AddElsewhereOptions(CLI::App* command, EvalArguments* arguments) {
@@ -268,12 +272,14 @@ void AddFocalOptions(CLI::App* command, EvalArguments* arguments) {
       command
           ->add_option("--focal-error", arguments->focal_error_percent,
                        "Queries state a focal length too long or too short by so much, percent")
+          ->check(NumberWithin(-99.0, 1e4))
           ->type_name("PCT")
           ->capture_default_str();
   CLI::Option* sigma =
       command
           ->add_option("--focal-sigma", arguments->focal_sigma_percent,
                        "and this as its standard deviation. Default: they do not say")
+          ->check(PositiveNumber())
           ->type_name("PCT");
   command
       ->add_flag("--unknown-camera", arguments->focal.withheld,
@@ -325,6 +331,7 @@ void AddEvalCommand(CLI::App* app, Shell* shell) {
   command
       ->add_option("--min-score", arguments->min_score,
                    "Answers with a lower score are not given (not with --server)")
+      ->check(NumberWithin(-1e9, 1e9))
       ->capture_default_str();
   command->footer(
       "Example:\n"

@@ -9,6 +9,7 @@
 #include "cli/query_features.h"
 #include "core/error.h"
 #include "core/logging.h"
+#include "core/printable.h"
 #include "eval/reference_alignment.h"
 #include "ingest/readers/colmap_reader.h"
 
@@ -92,11 +93,11 @@ std::set<std::string> QueryNames(const Reconstruction& reconstruction,
   std::set<std::string> listed;
   for (const std::string& name : ReadImageList(arguments.image_list_path)) {
     if (!names.contains(name)) {
-      throw Error(ErrorCode::kBadInput,
-                  fmt::format("{}: the model has no image '{}'", arguments.image_list_path, name));
+      throw Error(ErrorCode::kBadInput, fmt::format("{}: the model has no image '{}'",
+                                                    arguments.image_list_path, Excerpt(name)));
     }
     if (in_map.contains(name)) {
-      LogWarning("query {} is also a mapping image: its answer is too good", name);
+      LogWarning("query {} is also a mapping image: its answer is too good", Excerpt(name));
     }
     listed.insert(name);
   }

@@ -11,6 +11,7 @@
 #include <system_error>
 #include <vector>
 
+#include "cli/arguments.h"
 #include "cli/shell.h"
 #include "core/error.h"
 #include "eval/experiments/experiment_list.h"
@@ -159,8 +160,7 @@ void AddExperimentCommand(CLI::App* app, Shell* shell) {
       ->capture_default_str();
   command->add_option("--to", arguments->report_path, "Page that report writes")
       ->capture_default_str();
-  command->add_option("--seed", arguments->seed, "Of cities, queries and localizer")
-      ->capture_default_str();
+  AddSeedOption(command, &arguments->seed, "Of cities, queries and localizer");
   command
       ->add_option("--queries", arguments->num_queries,
                    "Of each world; fewer are faster and decide less (0: as the size has it)")

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cli/shell.h"
+#include "core/printable.h"
 #include "storage/map_store.h"
 
 namespace cairn {
@@ -46,12 +47,12 @@ void PrintJson(const MapInfo& info, const std::vector<SessionRecord>& sessions) 
                                 {"landmarksRead", session.num_landmarks},
                                 {"georefMedianResidualM", session.georef_median_residual_m}});
   }
-  fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  fmt::print("{}\n", json.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace));
 }
 
 void PrintText(const MapInfo& info, const std::vector<SessionRecord>& sessions) {
   fmt::print("version      {}\n", Value(info.version));
-  fmt::print("created      {}\n", info.created_at);
+  fmt::print("created      {}\n", Excerpt(info.created_at));
   fmt::print("file         {:.1f} kB, of which tiles {:.1f} kB\n",
              1e-3 * static_cast<double>(info.file_bytes),
              1e-3 * static_cast<double>(info.payload_bytes));
@@ -66,8 +67,8 @@ void PrintText(const MapInfo& info, const std::vector<SessionRecord>& sessions) 
   }
   for (const SessionRecord& session : sessions) {
     fmt::print("session      {}: {} images, {} landmarks read, {}, georegistered to {:.3f} m\n",
-               session.name, session.num_images, session.num_landmarks, session.created_at,
-               session.georef_median_residual_m);
+               Excerpt(session.name), session.num_images, session.num_landmarks,
+               Excerpt(session.created_at), session.georef_median_residual_m);
   }
 }
 

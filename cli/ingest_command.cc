@@ -10,6 +10,7 @@
 #include "cli/reconstruction_arguments.h"
 #include "cli/shell.h"
 #include "core/error.h"
+#include "core/printable.h"
 #include "ingest/ingest_session.h"
 #include "ingest/readers/colmap_reader.h"
 #include "storage/map_store.h"
@@ -49,12 +50,12 @@ void PrintJson(const IngestOptions& options, const Georegistration& georegistrat
                                        {"descriptors", report.num_descriptors_written},
                                        {"payloadBytes", report.num_payload_bytes},
                                        {"mapVersion", Value(report.map_version)}};
-  fmt::print("{}\n", json.dump(2));
+  fmt::print("{}\n", json.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace));
 }
 
 void PrintText(const IngestOptions& options, const Georegistration& georegistration,
                const IngestReport& report) {
-  fmt::print("session          {}{}\n", options.session_name,
+  fmt::print("session          {}{}\n", Excerpt(options.session_name),
              report.replaced_session ? " (replaced)" : "");
   fmt::print("images           {}\n", report.num_images);
   fmt::print(

@@ -24,6 +24,7 @@
 #include "core/focal_length.h"
 #include "core/geodesy.h"
 #include "core/geoid.h"
+#include "eval/pictures/picture_format.h"
 #include "eval/pictures/pictures.h"
 #include "http/client.h"
 #include "http/json/image_orientation.h"
@@ -190,6 +191,9 @@ ExitCode RunLocalize(const LocalizeArguments& arguments) {
   if (arguments.map_path.empty() == arguments.server_url.empty()) {
     throw Error(ErrorCode::kInvalidArgument, "give either a MAP or --server URL");
   }
+  if (!arguments.picture_path.empty()) {
+    RequirePictureFormat("--picture", arguments.picture_path);
+  }
   Photo photo = ReadPhoto(arguments.image_path);
   const ExifInfo exif = ReadExif(photo.bytes);
   std::optional<Camera> camera;
@@ -235,7 +239,7 @@ void AddQueryOptions(CLI::App* command, LocalizeArguments* arguments) {
       ->add_option("--focal-sigma", arguments->focal_sigma_percent,
                    "Standard deviation of the focal length of --camera or EXIF, percent. Default: "
                    "5 of EXIF; that of --camera is kept unless the photo contradicts it")
-      ->check(CLI::Range(100.0 * FocalPrior::kMinLogSigma, 100.0 * FocalPrior::kMaxLogSigma))
+      ->check(NumberWithin(100.0 * FocalPrior::kMinLogSigma, 100.0 * FocalPrior::kMaxLogSigma))
       ->type_name("PCT");
   command
       ->add_option("--rig", arguments->rig_path,
@@ -251,7 +255,7 @@ void AddQueryOptions(CLI::App* command, LocalizeArguments* arguments) {
       ->needs(prior);
   command->add_option("--accuracy", arguments->accuracy_m, "Metres that hold 68 % of such priors")
       ->needs(prior)
-      ->check(CLI::PositiveNumber)
+      ->check(PositiveNumber())
       ->type_name("M")
       ->capture_default_str();
   command
@@ -269,8 +273,7 @@ void AddLocalizeCommand(CLI::App* app, Shell* shell) {
   command->add_option("MAP", arguments->map_path, "Map file, unless --server is given");
   command->add_option("--server", arguments->server_url, "Ask this server")->type_name("URL");
   AddQueryOptions(command, arguments.get());
-  command->add_option("--seed", arguments->seed, "Seed of everything random (not with --server)")
-      ->capture_default_str();
+  AddSeedOption(command, &arguments->seed, "Seed of everything random (not with --server)");
   AddIndexOption(command, &arguments->index);
   command->add_flag("--json", arguments->json, "Print the answer as the server's JSON");
   command->add_option("--picture", arguments->picture_path, "Draw the matched keypoints")

@@ -6,14 +6,17 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <iostream>
 #include <map>
 #include <new>
 #include <string>
+#include <system_error>
 
 #include "cli/exit_codes.h"
 #include "cli/shell.h"
 #include "core/error.h"
 #include "core/logging.h"
+#include "core/printable.h"
 
 namespace cairn {
 namespace {
@@ -61,21 +64,47 @@ void AddVerbs(CLI::App* app, Shell* shell) {
 }
 
 ExitCode Report(ExitCode exit_code, const std::string& message) {
-  std::fprintf(stderr, "cairn: %s\n", message.c_str());
+  std::fprintf(stderr, "cairn: %s\n", PrintableLines(message).c_str());
   return exit_code;
+}
+
+// The first word of the command line that is neither a global option nor a verb; empty if there is
+// none. For command lines without a verb.
+std::string FirstUnknown(const CLI::App& app, int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (!word.starts_with("-")) {
+      return fmt::format("there is no verb '{}'", Excerpt(word));
+    }
+    const std::string name = word.substr(0, word.find('='));
+    const CLI::Option* option = app.get_option_no_throw(name);
+    if (option == nullptr) {
+      return fmt::format("there is no option '{}'", Excerpt(name));
+    }
+    i += option->get_expected_min() > 0 && name == word ? 1 : 0;
+  }
+  return "";
 }
 
 // What is wrong with the command line and where help is.
 std::string UsageMessage(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
+  constexpr size_t kMaxBytes = 500;
   const auto verbs = app.get_subcommands();
   if (!verbs.empty()) {
-    return fmt::format("{}\nRun 'cairn {} --help' for help.", error.what(),
+    return fmt::format("{}\nRun 'cairn {} --help' for help.", Excerpt(error.what(), kMaxBytes),
                        verbs.front()->get_name());
   }
-  const bool has_unknown_verb = argc > 1 && argv[1][0] != '-';
-  return fmt::format(
-      "{}\nRun 'cairn --help' for help.",
-      has_unknown_verb ? fmt::format("there is no verb '{}'", argv[1]) : std::string(error.what()));
+  const std::string unknown = FirstUnknown(app, argc, argv);
+  return fmt::format("{}\nRun 'cairn --help' for help.",
+                     unknown.empty() ? Excerpt(error.what(), kMaxBytes) : unknown);
+}
+
+// Throws Error(kIo) unless all that was printed has been written.
+void FlushOutput() {
+  std::cout.flush();
+  if (!std::cout || std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    throw Error(ErrorCode::kIo, "cannot write to standard output");
+  }
 }
 
 ExitCode ParseAndRun(int argc, char** argv) {
@@ -95,15 +124,14 @@ ExitCode ParseAndRun(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {
     app.exit(help_or_version);
+    FlushOutput();
     return ExitCode::kOk;
   } catch (const CLI::ParseError& error) {
     return Report(ExitCode::kUsage, UsageMessage(app, error, argc, argv));
   }
   SetLogLevel(log_level);
   const ExitCode exit_code = shell.run();
-  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-    throw Error(ErrorCode::kIo, "cannot write to standard output");
-  }
+  FlushOutput();
   return exit_code;
 }
 
@@ -112,6 +140,8 @@ ExitCode RunShell(int argc, char** argv) {
     return ParseAndRun(argc, argv);
   } catch (const Error& error) {
     return Report(ExitCodeFor(error.code()), error.what());
+  } catch (const std::system_error& error) {  // {fmt} throws it for output that cannot be written.
+    return Report(ExitCode::kIo, std::string("the operating system refused: ") + error.what());
   } catch (const std::bad_alloc&) {
     return Report(ExitCode::kInternal, "out of memory");
   } catch (const std::exception& error) {

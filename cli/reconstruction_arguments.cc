@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <vector>
 
+#include "cli/arguments.h"
 #include "cli/height_option.h"
 
 namespace cairn {
@@ -27,7 +28,7 @@ void AddReconstructionOptions(CLI::App* command, ReconstructionArguments* argume
       ->add_option("--gps-accuracy", arguments->gps_accuracy_m,
                    "Metres that hold 68 % of the GPS priors")
       ->needs(gps)
-      ->check(CLI::PositiveNumber)
+      ->check(PositiveNumber())
       ->type_name("M")
       ->capture_default_str();
   AddHeightOption(command, &arguments->height,

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "cli/shell.h"
+#include "core/printable.h"
 #include "ingest/ingest_session.h"
 #include "storage/map_store.h"
 
@@ -20,7 +21,7 @@ struct RemoveArguments {
 ExitCode RunRemove(const RemoveArguments& arguments) {
   MapStore store = MapStore::Open(arguments.map_path, OpenMode::kReadWrite);
   const MapVersion version = RemoveSession(arguments.session_name, &store);
-  fmt::print("removed session {}; the map is now version {}\n", arguments.session_name,
+  fmt::print("removed session {}; the map is now version {}\n", Excerpt(arguments.session_name),
              Value(version));
   return ExitCode::kOk;
 }

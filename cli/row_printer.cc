@@ -6,7 +6,10 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
+
+#include "core/printable.h"
 
 namespace cairn {
 namespace {
@@ -25,20 +28,25 @@ class TablePrinter : public RowPrinter {
     if (num_results_++ > 0) {
       fmt::print("\n");
     }
-    names_ = column_names;
+    names_.clear();
     header_pending_ = true;
     widths_.clear();
-    for (const std::string& name : names_) {
-      widths_.push_back(DisplayWidth(name));
+    for (const std::string& name : column_names) {
+      names_.push_back(Printable(name));
+      widths_.push_back(DisplayWidth(names_.back()));
     }
   }
 
   void AddRow(const std::vector<SqlCell>& row) override {
+    std::vector<SqlCell> printable = row;
+    for (SqlCell& cell : printable) {
+      cell.text = Printable(cell.text);
+    }
     if (!header_pending_) {
-      PrintRow(row);
+      PrintRow(printable);
       return;
     }
-    buffered_.push_back(row);
+    buffered_.push_back(std::move(printable));
     if (buffered_.size() >= kMaxBufferedRows) {
       Flush();
     }
@@ -104,6 +112,8 @@ std::string CsvField(const std::string& text) {
 
 class CsvPrinter : public RowPrinter {
  public:
+  explicit CsvPrinter(bool for_terminal) : for_terminal_(for_terminal) {}
+
   void BeginResult(const std::vector<std::string>& column_names) override {
     std::vector<SqlCell> header;
     for (const std::string& name : column_names) {
@@ -115,12 +125,16 @@ class CsvPrinter : public RowPrinter {
   void AddRow(const std::vector<SqlCell>& row) override {
     std::string line;
     for (size_t i = 0; i < row.size(); ++i) {
-      line += (i > 0 ? "," : "") + CsvField(row[i].text);
+      line +=
+          (i > 0 ? "," : "") + CsvField(for_terminal_ ? PrintableLines(row[i].text) : row[i].text);
     }
     fmt::print("{}\r\n", line);
   }
 
   void Finish() override {}
+
+ private:
+  bool for_terminal_;
 };
 
 class JsonPrinter : public RowPrinter {
@@ -149,8 +163,9 @@ class JsonPrinter : public RowPrinter {
   }
 
  private:
+  // In ASCII, so that no character has a meaning to a terminal.
   static std::string Quoted(const std::string& text) {
-    return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    return nlohmann::json(text).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
   }
 
   // SQLite prints infinities as "Inf", which JSON does not know.
@@ -168,10 +183,10 @@ class JsonPrinter : public RowPrinter {
 
 }  // namespace
 
-std::unique_ptr<RowPrinter> MakeRowPrinter(RowFormat format) {
+std::unique_ptr<RowPrinter> MakeRowPrinter(RowFormat format, bool for_terminal) {
   switch (format) {
     case RowFormat::kCsv:
-      return std::make_unique<CsvPrinter>();
+      return std::make_unique<CsvPrinter>(for_terminal);
     case RowFormat::kJson:
       return std::make_unique<JsonPrinter>();
     case RowFormat::kTable:

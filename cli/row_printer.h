@@ -25,7 +25,9 @@ class RowPrinter {
   virtual void Finish() = 0;
 };
 
-std::unique_ptr<RowPrinter> MakeRowPrinter(RowFormat format);
+// What a terminal might obey is escaped in tables and JSON, and in CSV if it is for a terminal:
+// programs get values as they are.
+std::unique_ptr<RowPrinter> MakeRowPrinter(RowFormat format, bool for_terminal);
 
 }  // namespace cairn
 

@@ -145,7 +145,9 @@ ExitCode RunServe(const ServeArguments& arguments) {
   if (options.admin_port >= 0) {
     LogInfo("health and metrics on {}", Url(options.admin_host, server.admin_port()));
   }
-  std::fflush(stdout);
+  if (std::fflush(stdout) != 0) {
+    throw Error(ErrorCode::kIo, "cannot write to standard output");
+  }
 
   int signal_number = WaitForSignal(signals, server);
   while (signal_number == SIGHUP) {

@@ -20,6 +20,7 @@
 #include "eval/city/phone_sequence.h"
 #include "eval/city/whole_city.h"
 #include "eval/colmap/write_colmap.h"
+#include "eval/pictures/picture_format.h"
 #include "storage/map_store.h"
 
 namespace cairn {
@@ -171,6 +172,9 @@ ExitCode RunSimulate(const SimulateArguments& arguments, ProgressMode progress_m
                 "FILE");
   }
   Progress progress(progress_mode);
+  if (!arguments.picture_path.empty()) {
+    RequirePictureFormat("--picture", arguments.picture_path);
+  }
   if (!arguments.map_path.empty()) {
     WriteMap(arguments, world, &progress);
   }
@@ -225,7 +229,7 @@ void AddCityOptions(CLI::App* command, SimulateArguments* arguments) {
   command->add_option("--repeated-share", arguments->repeated_share,
                       "Of facade landmarks, 0 to 0.95");
   command->add_option("--lifetime-factor", arguments->lifetime_factor, "How long things last");
-  command->add_option("--seed", arguments->seed, "Of everything")->capture_default_str();
+  AddSeedOption(command, &arguments->seed, "Of everything");
   command->add_option("--threads", arguments->num_threads, "The result does not depend on it")
       ->capture_default_str();
 }
@@ -272,6 +276,13 @@ void AddSimulateCommand(CLI::App* app, Shell* shell) {
   AddCityOptions(command, arguments.get());
   AddMappingOptions(command, arguments.get());
   AddQueryOptions(command, arguments.get());
+  for (const char* number :
+       {"--area", "--relief", "--min-landmark-size", "--repeated-share", "--lifetime-factor",
+        "--years", "--keyframe-spacing", "--deformation", "--clutter", "--mapped-fraction",
+        "--mapped-log-sigma", "--query-years", "--gps-noise", "--canyon-bias",
+        "--gravity-noise-deg", "--duration", "--frame-rate"}) {
+    command->get_option(number)->check(NumberWithin(0.0, 1e9));
+  }
   command->footer(
       "Same options, same bytes. docs/simulated_city.md says what is simulated and what is not.\n"
       "Example:\n"

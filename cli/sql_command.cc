@@ -1,13 +1,17 @@
 // `cairn sql`: read-only SQL over a map.
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <iostream>
-#include <iterator>
 #include <map>
 #include <memory>
 #include <string>
 
+#include "cli/arguments.h"
 #include "cli/row_printer.h"
 #include "cli/shell.h"
+#include "core/error.h"
 #include "storage/sql_shell.h"
 
 namespace cairn {
@@ -20,12 +24,25 @@ struct SqlArguments {
   SqlOptions options;
 };
 
+std::string ReadStandardInput() {
+  constexpr size_t kMaxBytes = size_t{16} << 20;
+  std::string text(kMaxBytes + 1, '\0');
+  std::cin.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<size_t>(std::cin.gcount()));
+  if (text.size() > kMaxBytes) {
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("standard input: more than {} bytes of SQL", kMaxBytes));
+  }
+  return text;
+}
+
 ExitCode RunSqlCommand(const SqlArguments& arguments) {
   std::string query = arguments.query;
   if (query.empty()) {
-    query.assign(std::istreambuf_iterator<char>(std::cin), std::istreambuf_iterator<char>());
+    query = ReadStandardInput();
   }
-  const std::unique_ptr<RowPrinter> printer = MakeRowPrinter(arguments.format);
+  const std::unique_ptr<RowPrinter> printer =
+      MakeRowPrinter(arguments.format, isatty(STDOUT_FILENO) == 1);
   SqlSink sink;
   sink.on_columns = [&](const std::vector<std::string>& names) { printer->BeginResult(names); };
   sink.on_row = [&](const std::vector<SqlCell>& row) { printer->AddRow(row); };
@@ -49,7 +66,7 @@ void AddSqlCommand(CLI::App* app, Shell* shell) {
   command
       ->add_option("--timeout", arguments->options.timeout_s,
                    "Seconds after which the statements are stopped")
-      ->check(CLI::Range(1e-3, 1e6))
+      ->check(NumberWithin(1e-3, 1e6))
       ->type_name("S")
       ->capture_default_str();
   command->footer(

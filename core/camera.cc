@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/printable.h"
 
 namespace cairn {
 namespace {
@@ -144,7 +145,7 @@ CameraModel CameraModelFromName(std::string_view name) {
     }
   }
   throw Error(ErrorCode::kBadInput, fmt::format("camera model '{}' is not supported; {}",
-                                                name.substr(0, 64), SupportedModels()));
+                                                Excerpt(name), SupportedModels()));
 }
 
 CameraModel CameraModelFromColmapId(int colmap_id) {

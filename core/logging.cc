@@ -4,6 +4,9 @@
 #include <spdlog/spdlog.h>
 
 #include <memory>
+#include <string>
+
+#include "core/printable.h"
 
 namespace cairn {
 namespace {
@@ -42,7 +45,8 @@ bool LogEnabled(LogLevel level) { return Logger().should_log(SpdlogLevel(level))
 
 void WriteLog(LogLevel level, std::string_view message) noexcept {
   try {
-    Logger().log(SpdlogLevel(level), spdlog::string_view_t(message.data(), message.size()));
+    const std::string line = Printable(message);
+    Logger().log(SpdlogLevel(level), spdlog::string_view_t(line.data(), line.size()));
   } catch (...) {
     // A log line that cannot be written must not stop the work it describes.
   }

@@ -14,7 +14,7 @@ enum class LogLevel { kDebug, kInfo, kWarning, kError, kOff };
 // Messages below `level` are dropped. Thread-safe. The default is kInfo.
 void SetLogLevel(LogLevel level);
 
-// Writes one line. Thread-safe; never throws.
+// Writes one line, escaped as Printable does. Thread-safe; never throws.
 void WriteLog(LogLevel level, std::string_view message) noexcept;
 
 // True if a message of this level would be written.

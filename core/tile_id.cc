@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "core/error.h"
+#include "core/printable.h"
 
 namespace cairn {
 namespace {
@@ -76,8 +77,9 @@ TileId TileId::FromValue(uint64_t value) {
 
 TileId TileId::Parse(std::string_view text) {
   const auto refuse = [text] {
-    return Error(ErrorCode::kBadInput,
-                 fmt::format("'{}' is not a tile id; they look like 32N-03104-35120", text));
+    return Error(
+        ErrorCode::kBadInput,
+        fmt::format("'{}' is not a tile id; they look like 32N-03104-35120", Excerpt(text)));
   };
   if (text.size() != 15 || (text[2] != 'N' && text[2] != 'S') || text[3] != '-' || text[9] != '-') {
     throw refuse();

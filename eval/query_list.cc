@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/printable.h"
 #include "eval/eval_query.h"
+#include "ingest/readers/file_bytes.h"
 
 namespace cairn {
 namespace {
@@ -20,6 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "cairn query list";
 constexpr int kVersion = 1;
+constexpr uint64_t kMaxListBytes = uint64_t{64} << 20;
 
 // A JSON value and where it stands, for messages such as
 // "queries.json: /queries/3/prior/accuracy: is missing".
@@ -230,14 +233,11 @@ Json QueryAsJson(const EvalQuery& query, const fs::path& folder) {
 }
 
 Json ParseFile(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) {
-    throw Error(ErrorCode::kNotFound, path + ": cannot open the query list");
-  }
   try {
-    return Json::parse(file);
+    return Json::parse(ReadTextFile(path, kMaxListBytes));
   } catch (const Json::exception& exception) {
-    throw Error(ErrorCode::kBadInput, fmt::format("{}: is not JSON: {}", path, exception.what()));
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("{}: is not JSON: {}", path, Excerpt(exception.what(), 200)));
   }
 }
 
@@ -247,7 +247,7 @@ std::vector<EvalQuery> ReadQueryList(const std::string& path) {
   const Json json = ParseFile(path);
   const Field root(path, "", json);
   if (const std::string format = root.At("format").Text(); format != kFormat) {
-    root.At("format").Fail(fmt::format("is '{}', not '{}'", format, kFormat));
+    root.At("format").Fail(fmt::format("is '{}', not '{}'", Excerpt(format), kFormat));
   }
   if (const int version = root.At("version").Integer(); version != kVersion) {
     root.At("version").Fail(fmt::format("is {}; this Cairn reads {}", version, kVersion));

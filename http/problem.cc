@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/check.h"
+#include "core/printable.h"
 
 namespace cairn {
 namespace {
@@ -39,6 +40,12 @@ constexpr std::array kProblems = {
     ProblemInfo{kInternal, 500, "internal", "Internal error"},
     ProblemInfo{kUnavailable, 503, "unavailable", "Not available now"},
 };
+
+// Whoever asks must not get an answer of megabytes because names in the request are that long.
+std::string Cut(const std::string& text) {
+  constexpr size_t kMaxBytes = 1000;
+  return text.size() <= kMaxBytes ? text : Excerpt(text, kMaxBytes);
+}
 
 // Which project error a problem is, for callers that only know Error.
 ErrorCode ErrorCodeOf(ProblemCode problem) {
@@ -91,16 +98,16 @@ ProblemCode ProblemFromErrorCode(ErrorCode code) {
 }
 
 HttpError::HttpError(ProblemCode code, const std::string& detail)
-    : Error(ErrorCodeOf(code), detail), problem_(code) {}
+    : Error(ErrorCodeOf(code), Cut(detail)), problem_(code) {}
 
 HttpError&& HttpError::At(std::string pointer) && {
-  pointer_ = std::move(pointer);
+  pointer_ = Cut(pointer);
   has_pointer_ = true;
   return std::move(*this);
 }
 
 HttpError&& HttpError::Hint(std::string hint) && {
-  hint_ = std::move(hint);
+  hint_ = Cut(hint);
   return std::move(*this);
 }
 

@@ -60,7 +60,8 @@ const ProblemInfo& InfoOf(ProblemCode code);
 // The one mapping from the project's errors to problems.
 ProblemCode ProblemFromErrorCode(ErrorCode code);
 
-// A failed request. `what()` is the detail, for the client's developer.
+// A failed request. `what()` is the detail, for the client's developer. Detail, pointer and hint
+// are cut after 1,000 bytes.
 class HttpError : public Error {
  public:
   HttpError(ProblemCode code, const std::string& detail);

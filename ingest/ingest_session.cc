@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/printable.h"
 #include "core/require.h"
 #include "engine/matching/inverted_lists.h"
 #include "ingest/tiling/build_tile.h"
@@ -33,7 +34,7 @@ void RequireFits(const Codebook& codebook, const Reconstruction& reconstruction)
                 fmt::format("the reconstruction has {}-D descriptors of type '{}', the map holds "
                             "{}-D ones of type '{}'; use the same extractor or a map of its own",
                             dim, reconstruction.descriptor_type, codebook.raw_dim(),
-                            codebook.descriptor_type));
+                            Excerpt(codebook.descriptor_type)));
   }
 }
 
@@ -251,7 +252,7 @@ MapVersion RemoveSession(const std::string& session_name, MapStore* store) {
   const std::optional<SessionRecord> record = update.FindSession(session_name);
   if (!record) {
     throw Error(ErrorCode::kNotFound,
-                fmt::format("{}: has no session '{}'", store->path(), session_name));
+                fmt::format("{}: has no session '{}'", store->path(), Excerpt(session_name)));
   }
   const std::shared_ptr<const Codebook> codebook = store->Snapshot().CurrentCodebook();
   for (const TileId tile_id : DetachSession(record->id, &update)) {

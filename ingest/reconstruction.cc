@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/printable.h"
 
 namespace cairn {
 namespace {
@@ -15,24 +16,25 @@ namespace {
 
 void ValidateImage(const ReconImage& image, size_t num_cameras, Eigen::Index descriptor_dim) {
   if (image.camera_idx < 0 || static_cast<size_t>(image.camera_idx) >= num_cameras) {
-    ThrowBadInput(
-        fmt::format("image {} names camera {} of {}", image.name, image.camera_idx, num_cameras));
+    ThrowBadInput(fmt::format("image {} names camera {} of {}", Excerpt(image.name),
+                              image.camera_idx, num_cameras));
   }
   const Rigid3d& pose = image.cam_from_world;
   if (!pose.translation.allFinite() || std::abs(pose.rotation.norm() - 1.0) > 1e-6) {
-    ThrowBadInput(fmt::format("the pose of image {} is not finite", image.name));
+    ThrowBadInput(fmt::format("the pose of image {} is not finite", Excerpt(image.name)));
   }
-  ValidateFeatures(image.features, image.name.c_str());
+  ValidateFeatures(image.features, Excerpt(image.name).c_str());
   if (image.features.space != DescriptorSpace::kRaw) {
-    ThrowBadInput(
-        fmt::format("image {} has projected descriptors; raw ones are needed", image.name));
+    ThrowBadInput(fmt::format("image {} has projected descriptors; raw ones are needed",
+                              Excerpt(image.name)));
   }
   if (image.features.size() > 0 && image.features.descriptors.cols() != descriptor_dim) {
-    ThrowBadInput(fmt::format("image {} has {}-D descriptors where others have {}-D", image.name,
-                              image.features.descriptors.cols(), descriptor_dim));
+    ThrowBadInput(fmt::format("image {} has {}-D descriptors where others have {}-D",
+                              Excerpt(image.name), image.features.descriptors.cols(),
+                              descriptor_dim));
   }
   if (image.gps) {
-    ValidateGeodetic(*image.gps, image.name.c_str());
+    ValidateGeodetic(*image.gps, Excerpt(image.name).c_str());
   }
 }
 
@@ -57,10 +59,12 @@ void Reconstruction::Validate() const {
       const ReconImage& image = images[observation.image_idx];
       if (observation.keypoint_idx < 0 || observation.keypoint_idx >= image.features.size()) {
         ThrowBadInput(fmt::format("landmark {} names keypoint {} of {} in image {}", i,
-                                  observation.keypoint_idx, image.features.size(), image.name));
+                                  observation.keypoint_idx, image.features.size(),
+                                  Excerpt(image.name)));
       }
       if (last_landmark_of_image[observation.image_idx] == i) {
-        ThrowBadInput(fmt::format("landmark {} is observed twice in image {}", i, image.name));
+        ThrowBadInput(
+            fmt::format("landmark {} is observed twice in image {}", i, Excerpt(image.name)));
       }
       last_landmark_of_image[observation.image_idx] = i;
     }

@@ -1,9 +1,13 @@
 #include "storage/map_file.h"
 
+#include <fcntl.h>
 #include <sqlite3.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -220,27 +224,51 @@ void FillEmptyMap(const std::string& path) {
   transaction.Commit();
 }
 
-// Makes the file, empty, unless it exists: the check and the making are one step.
-void MakeFile(const std::string& path) {
-  std::FILE* file = std::fopen(path.c_str(), "wbx");
-  if (file == nullptr) {
-    const int error = errno;
-    if (error == EEXIST) {
-      Refuse(ErrorCode::kConflict, path, "exists already; remove it or choose another name");
-    }
-    Refuse(ErrorCode::kIo, path, std::string("cannot be made: ") + std::strerror(error));
+[[noreturn]] void RefuseToMake(const std::string& path, int error) {
+  if (error == EEXIST) {
+    Refuse(ErrorCode::kConflict, path, "exists already; remove it or choose another name");
   }
-  std::fclose(file);
+  Refuse(ErrorCode::kIo, path, std::string("cannot be made: ") + std::strerror(error));
+}
+
+// Gives a file its name unless there is one of that name: the check and the giving are one step.
+void Rename(const std::string& from, const std::string& to) {
+  if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) {
+    return;
+  }
+  if (errno != EINVAL && errno != ENOSYS) {
+    RefuseToMake(to, errno);
+  }
+  // File systems without that; a hard link is one step, too.
+  if (link(from.c_str(), to.c_str()) != 0) {
+    RefuseToMake(to, errno);
+  }
+  unlink(from.c_str());
 }
 
 }  // namespace
 
 void CreateMapFile(const std::string& path) {
-  MakeFile(path);
+  std::error_code ignored;
+  if (fs::exists(path, ignored)) {
+    RefuseToMake(path, EEXIST);
+  }
+  // Under another name until it is whole: a process that dies here leaves nothing at `path`.
+  const std::string unfinished = path + ".unfinished-" + std::to_string(getpid());
+  RemoveMapFile(unfinished);
   try {
-    FillEmptyMap(path);
+    FillEmptyMap(unfinished);
+    Rename(unfinished, path);
+  } catch (const Error& error) {
+    RemoveMapFile(unfinished);
+    // The file that cannot be made is the one that was asked for.
+    std::string what = error.what();
+    if (what.starts_with(unfinished)) {
+      what.replace(0, unfinished.size(), path);
+    }
+    throw Error(error.code(), what);
   } catch (...) {
-    RemoveMapFile(path);
+    RemoveMapFile(unfinished);
     throw;
   }
 }

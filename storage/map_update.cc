@@ -9,6 +9,7 @@
 
 #include "core/check.h"
 #include "core/error.h"
+#include "core/printable.h"
 #include "storage/geopackage.h"
 #include "storage/map_file.h"
 #include "storage/map_internal.h"
@@ -123,8 +124,8 @@ CodebookId MapUpdate::AddCodebook(const Codebook& codebook) {
 
 SessionId MapUpdate::AddSession(const SessionRecord& session) {
   if (FindSession(session.name)) {
-    throw Error(ErrorCode::kConflict,
-                impl_->connection->path() + ": has a session named '" + session.name + "' already");
+    throw Error(ErrorCode::kConflict, impl_->connection->path() + ": has a session named '" +
+                                          Excerpt(session.name) + "' already");
   }
   impl_->connection
       ->Prepare(

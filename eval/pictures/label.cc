@@ -72,14 +72,13 @@ void DrawColorBar(const cv::Rect& bar, const std::vector<std::string>& labels, d
 
 void WritePicture(const std::string& path, const cv::Mat& image) {
   bool written = false;
-  std::string why = "cannot write the picture";
   try {
     written = cv::imwrite(path, image);
-  } catch (const cv::Exception& exception) {
-    why = exception.what();
+  } catch (const cv::Exception&) {
+    // The path is what can be wrong; OpenCV's words are for its developers.
   }
   if (!written) {
-    throw Error(ErrorCode::kIo, path + ": " + why);
+    throw Error(ErrorCode::kIo, path + ": cannot write the picture");
   }
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/printable.h"
 #include "http/problem.h"
 
 namespace cairn {
@@ -53,7 +54,7 @@ void JsonReader::RequireOnly(std::initializer_list<std::string_view> members) co
   ForEachChild([&](size_t child) {
     const std::string& name = (*document_)[child].name;
     if (std::find(members.begin(), members.end(), name) == members.end()) {
-      Member(child, name)
+      Member(child, Excerpt(name))
           .Fail("is not a member this server knows",
                 fmt::format("known here: {}", fmt::join(members, ", ")));
     }

@@ -2,12 +2,14 @@
 
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <map>
+#include <sstream>
 #include <string_view>
 
 #include "core/error.h"
+#include "core/printable.h"
 #include "ingest/georegister/georegister.h"
+#include "ingest/readers/file_bytes.h"
 
 namespace cairn {
 namespace {
@@ -29,11 +31,13 @@ std::vector<std::string_view> SplitCells(std::string_view line) {
   }
 }
 
+constexpr uint64_t kMaxTableBytes = uint64_t{256} << 20;
+
 // One CSV file; its errors say where.
 class PositionTable {
  public:
-  explicit PositionTable(const std::string& path) : path_(path), file_(path) {
-    if (!file_) throw Error(ErrorCode::kNotFound, fmt::format("{}: no such file", path));
+  explicit PositionTable(const std::string& path)
+      : path_(path), file_(ReadTextFile(path, kMaxTableBytes)) {
     if (!NextLine()) Throw("the header is missing");
     for (size_t i = 0; i < cells_.size(); ++i) column_of_name_.emplace(cells_[i], i);
     for (const char* name : {"image", "lat_deg", "lon_deg", "h_m"}) {
@@ -72,7 +76,7 @@ class PositionTable {
     double value = 0.0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
-      Throw(fmt::format("column {}: '{}' is not a number", name, text));
+      Throw(fmt::format("column {}: '{}' is not a number", name, Excerpt(text)));
     }
     return value;
   }
@@ -83,7 +87,7 @@ class PositionTable {
 
  private:
   std::string path_;
-  std::ifstream file_;
+  std::istringstream file_;
   std::string line_;
   int64_t line_number_ = 0;
   std::vector<std::string_view> cells_;  // Of line_.
@@ -104,7 +108,7 @@ std::vector<CameraPosition> ReadCameraPositions(const std::string& path) {
     if (table.Has("accuracy_m")) position.accuracy_m = table.Number("accuracy_m");
     if (!(position.accuracy_m > 0.0)) table.Throw("column accuracy_m: must be positive");
     try {
-      ValidateGeodetic(position.position, position.image_name.c_str());
+      ValidateGeodetic(position.position, Excerpt(position.image_name).c_str());
     } catch (const Error& e) {
       table.Throw(e.what());
     }

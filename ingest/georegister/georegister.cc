@@ -8,6 +8,7 @@
 #include <unordered_map>
 
 #include "core/error.h"
+#include "core/printable.h"
 #include "core/require.h"
 #include "ingest/georegister/similarity_problem.h"
 
@@ -55,7 +56,7 @@ std::vector<MatchedPosition> MatchByName(const Reconstruction& reconstruction,
     ValidateGeodetic(position.position, position.image_name.c_str());
     if (!(position.accuracy_m > 0.0) || !std::isfinite(position.accuracy_m)) {
       throw Error(ErrorCode::kBadInput,
-                  fmt::format("the accuracy of {} must be positive", position.image_name));
+                  fmt::format("the accuracy of {} must be positive", Excerpt(position.image_name)));
     }
     matched.push_back(
         {CenterInWorld(*image->second), EcefFromGeodetic(position.position), position.accuracy_m});

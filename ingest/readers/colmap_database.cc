@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/logging.h"
+#include "core/printable.h"
 #include "storage/sqlite/connection.h"
 
 namespace cairn {
@@ -54,7 +55,7 @@ StoredMatrix ReadMatrix(sqlite::Connection* connection, const char* table, bool 
     throw Error(ErrorCode::kBadInput,
                 fmt::format("it has no {} for image {}; is it the database this model was built "
                             "from, and were features extracted?",
-                            table, image_name));
+                            table, Excerpt(image_name)));
   }
   StoredMatrix stored{.matrix = {statement.Int64(0), statement.Int64(1), {}}, .type = {}};
   if (!statement.IsNull(2)) stored.matrix.bytes = statement.Blob(2);
@@ -70,7 +71,7 @@ void CheckSize(const MatrixBlob& matrix, int64_t element_bytes, const char* tabl
       matrix.bytes.size() != static_cast<uint64_t>(matrix.rows * matrix.cols * element_bytes)) {
     throw Error(ErrorCode::kBadInput,
                 fmt::format("the {} of image {} are said to be {} x {} but have {} bytes", table,
-                            image_name, matrix.rows, matrix.cols, matrix.bytes.size()));
+                            Excerpt(image_name), matrix.rows, matrix.cols, matrix.bytes.size()));
   }
 }
 
@@ -93,7 +94,7 @@ std::vector<Keypoint> ToKeypoints(const MatrixBlob& matrix, const std::string& i
   if (matrix.cols != 2 && matrix.cols != 4 && matrix.cols != 6) {
     throw Error(ErrorCode::kBadInput,
                 fmt::format("the keypoints of image {} have {} columns; 2, 4 or 6 are known",
-                            image_name, matrix.cols));
+                            Excerpt(image_name), matrix.cols));
   }
   std::vector<Keypoint> keypoints(matrix.rows);
   for (int64_t i = 0; i < matrix.rows; ++i) {
@@ -127,8 +128,8 @@ std::string GpsSql(sqlite::Connection* connection) {
         kWgs84);
   }
   if (HasColumn(connection, "images", "prior_tx")) {
-    return "SELECT CAST(prior_tx AS REAL), CAST(prior_ty AS REAL), CAST(prior_tz AS REAL) "
-           "FROM images WHERE prior_tx IS NOT NULL AND prior_ty IS NOT NULL AND name = ?";
+    return "SELECT prior_tx, prior_ty, prior_tz FROM images WHERE prior_tx IS NOT NULL AND "
+           "prior_ty IS NOT NULL AND name = ?";
   }
   return "";
 }
@@ -228,7 +229,7 @@ FeatureSet ColmapDatabase::ReadFeatures(const std::string& image_name) {
     features.descriptors = ReadDescriptors(image_name);
     if (keypoints.rows != features.descriptors.rows()) {
       throw Error(ErrorCode::kBadInput,
-                  fmt::format("image {} has {} keypoints but {} descriptors", image_name,
+                  fmt::format("image {} has {} keypoints but {} descriptors", Excerpt(image_name),
                               keypoints.rows, features.descriptors.rows()));
     }
     features.keypoints = ToKeypoints(keypoints, image_name);
@@ -249,7 +250,7 @@ std::optional<Geodetic> ColmapDatabase::ReadGps(const std::string& image_name) {
       std::memcpy(lat_lon_h, position.data(), sizeof(lat_lon_h));
     } else {
       for (int i = 0; i < 3; ++i) {
-        lat_lon_h[i] = statement.IsNull(i) ? 0.0 : statement.Double(i);
+        lat_lon_h[i] = statement.IsNull(i) ? 0.0 : statement.Number(i);
       }
     }
     const auto [lat_deg, lon_deg, h_m] = lat_lon_h;

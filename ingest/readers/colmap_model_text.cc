@@ -15,6 +15,7 @@
 #include <type_traits>
 
 #include "core/error.h"
+#include "core/printable.h"
 #include "ingest/readers/colmap_model.h"
 #include "ingest/readers/file_bytes.h"
 
@@ -78,7 +79,7 @@ class TextFile {
     T value{};
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (error != std::errc() || end != word.data() + word.size()) {
-      Throw(fmt::format("'{}' is not a valid {}", word, what));
+      Throw(fmt::format("'{}' is not a valid {}", Excerpt(word), what));
     }
     if constexpr (std::is_floating_point_v<T>) {
       if (!std::isfinite(value)) Throw(fmt::format("the {} is not finite", what));

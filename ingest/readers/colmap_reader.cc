@@ -2,20 +2,24 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <set>
+#include <sstream>
 #include <string_view>
 #include <unordered_map>
 #include <unordered_set>
 
 #include "core/error.h"
 #include "core/logging.h"
+#include "core/printable.h"
 #include "ingest/readers/colmap_database.h"
 #include "ingest/readers/colmap_model.h"
+#include "ingest/readers/file_bytes.h"
 #include "ingest/sfm/triangulate.h"
 
 namespace cairn {
 namespace {
+
+constexpr uint64_t kMaxListBytes = uint64_t{256} << 20;
 
 [[noreturn]] void ThrowBadModel(const ColmapInput& input, const std::string& what) {
   throw Error(ErrorCode::kBadInput, fmt::format("COLMAP model {}: {}", input.model_dir, what));
@@ -35,7 +39,7 @@ void KeepImages(const ColmapInput& input, ColmapDatabase* database,
   for (const std::string& name : missing) {
     if (!database->HasImage(name)) {
       ThrowBadModel(input, fmt::format("image {}, which was asked for, is neither in it nor in {}",
-                                       name, input.database_path));
+                                       Excerpt(name), input.database_path));
     }
   }
   if (missing.size() == wanted.size()) {
@@ -43,7 +47,7 @@ void KeepImages(const ColmapInput& input, ColmapDatabase* database,
   }
   if (!missing.empty()) {
     LogWarning("{} of the {} images asked for are left out: COLMAP did not register them, e.g. {}",
-               missing.size(), wanted.size(), *missing.begin());
+               missing.size(), wanted.size(), Excerpt(*missing.begin()));
   }
   std::erase_if(*images, [&](const ColmapImage& image) { return !wanted.contains(image.name); });
 }
@@ -59,8 +63,8 @@ ReconImage ReadImage(const ColmapInput& input, const ColmapImage& source, int ca
     ThrowBadModel(
         input, fmt::format("image {} has {} keypoints here but {} in {}; is it the database this "
                            "model was built from?",
-                           source.name, source.pixels.size(), image.features.keypoints.size(),
-                           input.database_path));
+                           Excerpt(source.name), source.pixels.size(),
+                           image.features.keypoints.size(), input.database_path));
   }
   // The model's pixels, not the database's: they fit the cameras even after image_undistorter.
   for (size_t i = 0; i < source.pixels.size(); ++i) {
@@ -81,8 +85,8 @@ void ReadImages(const ColmapInput& input, const ColmapModel& model, ColmapDataba
   for (const ColmapImage& image : model.images) {
     const auto camera_idx = camera_idx_of_id.find(image.camera_id);
     if (camera_idx == camera_idx_of_id.end()) {
-      ThrowBadModel(input, fmt::format("image {} names camera {}, which does not exist", image.name,
-                                       image.camera_id));
+      ThrowBadModel(input, fmt::format("image {} names camera {}, which does not exist",
+                                       Excerpt(image.name), image.camera_id));
     }
     (*index)[image.image_id] = static_cast<int>(reconstruction->images.size());
     reconstruction->images.push_back(ReadImage(input, image, camera_idx->second, database));
@@ -103,8 +107,9 @@ std::vector<ReconObservation> ReadTrack(const ColmapInput& input, const ColmapPo
     if (found->second < 0) continue;
     const ReconImage& image = reconstruction.images[found->second];
     if (keypoint_idx >= image.features.keypoints.size()) {
-      ThrowBadModel(input, fmt::format("a point is observed as keypoint {} of {} in image {}",
-                                       keypoint_idx, image.features.keypoints.size(), image.name));
+      ThrowBadModel(
+          input, fmt::format("a point is observed as keypoint {} of {} in image {}", keypoint_idx,
+                             image.features.keypoints.size(), Excerpt(image.name)));
     }
     observations.push_back({found->second, static_cast<int>(keypoint_idx)});
   }
@@ -156,10 +161,7 @@ Reconstruction ReadColmap(const ColmapInput& input) {
 }
 
 std::vector<std::string> ReadImageList(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) {
-    throw Error(ErrorCode::kNotFound, fmt::format("{}: no such image list", path));
-  }
+  std::istringstream file(ReadTextFile(path, kMaxListBytes));
   std::vector<std::string> names;
   for (std::string line; std::getline(file, line);) {
     constexpr std::string_view kBlanks = " \t\r";

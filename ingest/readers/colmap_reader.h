@@ -27,7 +27,8 @@ struct ColmapInput {
 // and if the model has none of them.
 Reconstruction ReadColmap(const ColmapInput& input);
 
-// Reads one image name per line; blank lines and lines starting with '#' do not count.
+// Reads one image name per line, of at most 256 MiB; a byte order mark, blank lines and lines
+// starting with '#' do not count.
 std::vector<std::string> ReadImageList(const std::string& path);
 
 }  // namespace cairn

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/geodesy.h"
+#include "core/printable.h"
 #include "ingest/sfm/triangulate.h"
 #include "storage/tile.h"
 
@@ -34,10 +35,11 @@ void ValidateSimilarity(const Sim3d& ecef_from_world) {
 TileId TileOfCamera(const std::string& image_name, const Rigid3d& cam_from_ecef) {
   const Geodetic position = GeodeticFromEcef(cam_from_ecef.Inverse().translation);
   if (!(std::abs(position.h_m) <= kMaxCameraHeightM)) {
-    throw Error(ErrorCode::kBadInput,
-                fmt::format("image {} would stand {:.0f} m above the ellipsoid; maps reach from "
-                            "-{:.0f} to {:.0f} m; check the georegistration",
-                            image_name, position.h_m, kMaxCameraHeightM, kMaxCameraHeightM));
+    throw Error(
+        ErrorCode::kBadInput,
+        fmt::format("image {} would stand {:.0f} m above the ellipsoid; maps reach from "
+                    "-{:.0f} to {:.0f} m; check the georegistration",
+                    Excerpt(image_name), position.h_m, kMaxCameraHeightM, kMaxCameraHeightM));
   }
   return TileId::Containing(position);
 }

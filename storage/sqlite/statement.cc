@@ -49,6 +49,11 @@ double Statement::Double(int column) const {
   return sqlite3_column_double(handle_, column);
 }
 
+double Statement::Number(int column) const {
+  const bool is_whole = sqlite3_column_type(handle_, column) == SQLITE_INTEGER;
+  return is_whole ? static_cast<double>(Int64(column)) : Double(column);
+}
+
 std::string Statement::Text(int column) const {
   CheckType(column, SQLITE_TEXT);
   const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(handle_, column));

@@ -41,6 +41,7 @@ class Statement {
   // are STRICT. Throws Error(kMapDamaged).
   int64_t Int64(int column) const;
   double Double(int column) const;
+  double Number(int column) const;  // A whole one or not, for tables that are not ours.
   std::string Text(int column) const;
   std::vector<uint8_t> Blob(int column) const;
   bool IsNull(int column) const;

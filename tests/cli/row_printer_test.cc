@@ -13,7 +13,7 @@ namespace {
 
 std::string Print(RowFormat format, const std::vector<std::vector<SqlCell>>& rows) {
   ::testing::internal::CaptureStdout();
-  const std::unique_ptr<RowPrinter> printer = MakeRowPrinter(format);
+  const std::unique_ptr<RowPrinter> printer = MakeRowPrinter(format, false);
   printer->BeginResult({"name", "n"});
   for (const std::vector<SqlCell>& row : rows) {
     printer->AddRow(row);

@@ -16,6 +16,8 @@
 #include "ingest/readers/colmap_model.h"
 #include "storage/descriptor_codec.h"
 #include "storage/sqlite/connection.h"
+#include "support/map_builder.h"
+#include "support/raw_sql.h"
 #include "support/reconstruction_builder.h"
 #include "support/temp_dir.h"
 #include "support/test_data.h"
@@ -158,6 +160,34 @@ INSTANTIATE_TEST_SUITE_P(Schemas, ColmapGps,
                          ::testing::Values(ColmapGpsTable::kImageColumns,
                                            ColmapGpsTable::kPosePriorsOfImages,
                                            ColmapGpsTable::kPosePriorsOfData));
+
+// Text was taken for latitude 0.
+TEST_F(ColmapReader, GpsThatIsTextIsRefused) {
+  const ColmapInput input = Write(SmallStreet(), true, {.gps = ColmapGpsTable::kImageColumns});
+  testing::ExecuteRaw(input.database_path, "UPDATE images SET prior_ty = 'north'");
+  EXPECT_EQ(testing::ErrorCodeOf([&] { ReadColmap(input); }), ErrorCode::kBadInput);
+}
+
+TEST_F(ColmapReader, GpsInWholeDegreesIsGps) {
+  const ColmapInput input = Write(SmallStreet(), true, {.gps = ColmapGpsTable::kImageColumns});
+  testing::ExecuteRaw(input.database_path,
+                      "CREATE TABLE whole AS SELECT image_id, name, camera_id, 47 AS prior_tx, "
+                      "8 AS prior_ty, NULL AS prior_tz FROM images; DROP TABLE images; "
+                      "ALTER TABLE whole RENAME TO images");
+  const auto gps = ReadColmap(input).images[0].gps;
+  ASSERT_TRUE(gps.has_value());
+  EXPECT_NEAR(gps->lat_deg(), 47.0, 1e-12);
+  EXPECT_EQ(gps->h_m, 0.0);
+}
+
+TEST_F(ColmapReader, ImagesThatAreAViewWithoutEndAreRefused) {
+  const ColmapInput input = Write(SmallStreet());
+  testing::ExecuteRaw(input.database_path,
+                      "DROP TABLE images; CREATE VIEW images AS WITH RECURSIVE n(image_id) AS "
+                      "(SELECT 1 UNION ALL SELECT image_id + 1 FROM n) "
+                      "SELECT image_id, 'none' AS name FROM n");
+  EXPECT_EQ(testing::ErrorCodeOf([&] { ReadColmap(input); }), ErrorCode::kBadInput);
+}
 
 TEST_F(ColmapReader, GpsAtNullIslandIsNoGps) {
   Reconstruction written = SmallStreet();

@@ -182,6 +182,20 @@ class CameraPositionsCsv : public ::testing::Test {
   testing::TempDir dir_;
 };
 
+TEST_F(CameraPositionsCsv, AByteOrderMarkIsNoPartOfTheHeader) {
+  EXPECT_EQ(Read("\xef\xbb\xbfimage,lat_deg,lon_deg,h_m\r\na.jpg,47,8,400\r\n").size(), 1u);
+}
+
+TEST_F(CameraPositionsCsv, CellsOfMegabytesAreNotEchoed) {
+  EXPECT_LT(RefusalOf("image,lat_deg,lon_deg,h_m\na.jpg," + std::string(2'000'000, 'x') + ",8,1\n")
+                .size(),
+            500u);
+}
+
+TEST_F(CameraPositionsCsv, AFileWithoutEndIsRefused) {
+  EXPECT_THROW(ReadCameraPositions("/dev/zero"), Error);
+}
+
 TEST_F(CameraPositionsCsv, ReadsColumnsInAnyOrder) {
   const auto positions =
       Read("h_m, lon_deg,image,lat_deg\n400.5,8.5,a.jpg,47.25\n\n401,8.6,b.jpg,-47\n");
