@@ -1,0 +1,15 @@
+// The CSV of `cairn ingest --georef`.
+#include "core/error.h"
+#include "fuzz/fuzz_file.h"
+#include "fuzz/fuzz_target.h"
+#include "ingest/georegister/georegister.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using namespace cairn;
+  try {
+    ReadCameraPositions(testing::WriteFuzzFile("positions.csv", testing::AsText(data, size)));
+  } catch (const Error& error) {
+    CAIRN_CHECK(error.code() == ErrorCode::kBadInput, error.what());
+  }
+  return 0;
+}

@@ -1,0 +1,14 @@
+// What photos say about themselves.
+#include "core/error.h"
+#include "fuzz/fuzz_target.h"
+#include "ingest/readers/exif.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  try {
+    const cairn::ExifInfo exif = cairn::ReadExif({data, size});
+    CAIRN_CHECK(exif.orientation >= 1 && exif.orientation <= 8, "an orientation that is none");
+  } catch (const cairn::Error& error) {
+    CAIRN_CHECK(error.code() == cairn::ErrorCode::kBadInput, error.what());
+  }
+  return 0;
+}

@@ -1,0 +1,32 @@
+// A file that a fuzz target writes anew for each input, for decoders that read by name.
+#ifndef CAIRN_TESTS_FUZZ_FUZZ_FILE_H_
+#define CAIRN_TESTS_FUZZ_FUZZ_FILE_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <fstream>
+#include <ios>
+#include <string>
+#include <string_view>
+
+#include "support/temp_dir.h"
+
+namespace cairn::testing {
+
+// The folder of this process; it goes with it.
+inline const TempDir& FuzzFolder() {
+  static const TempDir folder;
+  return folder;
+}
+
+// Returns the path of the file `name`, which then holds `bytes`.
+inline std::string WriteFuzzFile(const std::string& name, std::string_view bytes) {
+  const std::string path = FuzzFolder().File(name);
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  return path;
+}
+
+}  // namespace cairn::testing
+
+#endif  // CAIRN_TESTS_FUZZ_FUZZ_FILE_H_

@@ -1,0 +1,13 @@
+// The answers that a device reads, which must neither throw nor name a feature that was not sent.
+#include "fusion/transport/map_messages.h"
+#include "fuzz/fuzz_target.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using namespace cairn;
+  fusion::MapQuery query;
+  query.features.keypoints.resize(3);
+  query.features.descriptors.setZero(3, 2);
+  query.track_of_keypoint = {uint64_t{1}, std::nullopt, uint64_t{2}};
+  fusion::ReadMapAnswer(testing::AsText(data, size), query, Geodetic::FromDegrees(55.7, 13.2, 50));
+  return 0;
+}

@@ -1,0 +1,16 @@
+// The lists of `cairn eval --queries`, whose feature files may be missing.
+#include "core/error.h"
+#include "eval/eval_query.h"
+#include "fuzz/fuzz_file.h"
+#include "fuzz/fuzz_target.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using namespace cairn;
+  try {
+    ReadQueryList(testing::WriteFuzzFile("queries.json", testing::AsText(data, size)));
+  } catch (const Error& error) {
+    CAIRN_CHECK(error.code() == ErrorCode::kBadInput || error.code() == ErrorCode::kNotFound,
+                error.what());
+  }
+  return 0;
+}

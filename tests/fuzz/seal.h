@@ -1,0 +1,27 @@
+// Checksums set right, so that a fuzz target reaches what stands behind them: whoever makes a
+// hostile payload can compute its checksum, too.
+#ifndef CAIRN_TESTS_FUZZ_SEAL_H_
+#define CAIRN_TESTS_FUZZ_SEAL_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+#include "storage/checksum.h"
+
+namespace cairn::testing {
+
+// The bytes with the checksum at `checksum_offset` as the format wants it, if they are that long.
+inline std::vector<uint8_t> Sealed(const uint8_t* data, size_t size, size_t checksum_offset) {
+  std::vector<uint8_t> bytes(data, data + size);
+  if (size >= checksum_offset + sizeof(uint64_t)) {
+    const uint64_t checksum = ChecksumOf(bytes, checksum_offset);
+    std::memcpy(bytes.data() + checksum_offset, &checksum, sizeof(checksum));
+  }
+  return bytes;
+}
+
+}  // namespace cairn::testing
+
+#endif  // CAIRN_TESTS_FUZZ_SEAL_H_
