@@ -150,13 +150,16 @@ map.addEventListener("wheel", (event) => {
 
 // --- Server --------------------------------------------------------------------------------------
 
+const describeBytes = (bytes) =>
+  bytes < 1e6 ? `${(bytes / 1e3).toFixed(0)} kB` : `${(bytes / 1e6).toFixed(1)} MB`;
+
 function showFacts(version) {
   const facts = {
     "Map version": version.map.version,
     Tiles: version.map.tiles.toLocaleString(),
     Landmarks: version.map.landmarks.toLocaleString(),
     Keyframes: version.map.keyframes.toLocaleString(),
-    Payload: `${(version.map.payloadBytes / 1e6).toFixed(1)} MB`,
+    Payload: describeBytes(version.map.payloadBytes),
     Codec: version.map.codec ?? "none yet",
   };
   byId("facts").replaceChildren(...Object.entries(facts).flatMap(([name, value]) => {
@@ -204,15 +207,26 @@ function updatePrior() {
 const MAX_SIDE_PX = 1920;
 let photo = null;      // ImageBitmap of the photo as EXIF turns it; the request says so.
 let photoScale = 1;    // Its size over that of the file.
-form.photo.addEventListener("change", async () => {
-  const file = form.photo.files[0];
-  if (!file) return;
+
+async function loadPhoto(file) {
   const original = await createImageBitmap(file);
   const side = Math.max(original.width, original.height);
   photoScale = Math.min(1, MAX_SIDE_PX / side);
   photo = await createImageBitmap(original, {
     resizeWidth: Math.round(original.width * photoScale), resizeQuality: "high" });
-  drawPhoto([]);
+}
+
+let loading = Promise.resolve();   // Rejected if the chosen file is no photo.
+form.photo.addEventListener("change", () => {
+  const file = form.photo.files[0];
+  photo = null;
+  byId("photo").hidden = true;
+  byId("answer").hidden = true;
+  if (!file) return;
+  loading = loadPhoto(file).then(() => drawPhoto([]), () => {
+    throw new Error(`${file.name} is not a photo that this browser can read; JPEG and PNG work`);
+  });
+  loading.catch((error) => say(error.message));
 });
 for (const name of ["lat", "lon", "accuracy"]) form[name].addEventListener("input", updatePrior);
 
@@ -269,6 +283,11 @@ function describeCamera(camera) {
   return [`focal length ${focal} ± ${accuracy} px${note}`];
 }
 
+function say(text) {
+  byId("answer").hidden = false;
+  byId("answer").textContent = text;
+}
+
 // Compass heading of the x axis (forward) of an FLU quaternion.
 function headingDeg({ x, y, z, w }) {
   const east = 1 - 2 * (y * y + z * z);
@@ -292,28 +311,32 @@ function describe(answer) {
   ].join("\n");
 }
 
+async function localize() {
+  await loading;
+  const body = new FormData();
+  body.append("request", new Blob([JSON.stringify(requestFor())], { type: "application/json" }));
+  body.append("image", await photoFile());
+  const response = await fetch("/v1/localize", { method: "POST", body });
+  const answer = await response.json();
+  if (!response.ok) throw new Error([answer.detail, answer.hint].filter(Boolean).join("\n"));
+  return answer;
+}
+
 form.addEventListener("submit", async (event) => {
   event.preventDefault();
-  const output = byId("answer");
   const button = form.querySelector("button");
   updatePrior();
   button.disabled = true;
-  output.hidden = false;
-  output.textContent = "…";
+  say("…");
   try {
-    const body = new FormData();
-    body.append("request", new Blob([JSON.stringify(requestFor())], { type: "application/json" }));
-    body.append("image", await photoFile());
-    const response = await fetch("/v1/localize", { method: "POST", body });
-    const answer = await response.json();
-    if (!response.ok) throw new Error([answer.detail, answer.hint].filter(Boolean).join("\n"));
+    const answer = await localize();
     state.pose = answer.geopose
       ? { ...answer.geopose.position, headingDeg: headingDeg(answer.geopose.quaternion) } : null;
     drawPhoto(answer.matches ?? []);
-    output.textContent = describe(answer);
+    say(describe(answer));
     drawMap();
   } catch (error) {
-    output.textContent = error.message;
+    say(error.message);
   } finally {
     button.disabled = false;
   }

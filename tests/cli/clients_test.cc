@@ -231,5 +231,65 @@ TEST_F(PortraitPhotos, AreAnsweredTheSameByAServer) {
   EXPECT_THROW(LocalizeClient({.url = url}).LocalizeImages(other.query, {bytes_}), Error);
 }
 
+class Page : public PortraitPhotos {
+ protected:
+  // Empty, or why there is no browser to open the page with.
+  static std::string WhyNoBrowser() {
+    const auto [text, code] =
+        RunShell("test -x /usr/bin/chromium && /usr/bin/python3 -c 'import selenium'");
+    return code == 0 ? "" : "chromium and python3-selenium are not installed " + text;
+  }
+
+  json Open(const json& todo) {
+    std::ofstream(dir_.File("visits.json")) << todo;
+    const auto [text, code] = RunShell("'" CAIRN_SOURCE_DIR "/tests/cli/ui_page/open_page.py' '" +
+                                       dir_.File("visits.json") + "'");
+    EXPECT_EQ(code, 0) << text;
+    const json seen = json::parse(text, nullptr, false);
+    EXPECT_TRUE(seen.is_object()) << text;
+    return seen;
+  }
+
+  // Metres between the position that the page shows, "55.1234567°, 13.1234567°, 12.34 m", and the
+  // truth.
+  double ShownErrorM(const std::string& answer) const {
+    double lat_deg = 0.0, lon_deg = 0.0, h_m = 0.0;
+    EXPECT_EQ(std::sscanf(answer.c_str(), "%lf°, %lf°, %lf m", &lat_deg, &lon_deg, &h_m), 3)
+        << answer;
+    return ErrorM({{"position", {{"lat", lat_deg}, {"lon", lon_deg}, {"h", h_m}}}}, query());
+  }
+};
+
+TEST_F(Page, LocalizesPhotosInABrowser) {
+  if (const std::string why_not = WhyNoBrowser(); !why_not.empty()) GTEST_SKIP() << why_not;
+  std::ofstream(dir_.File("letter.jpg")) << "This is no photo.";
+  BackgroundCairn server({"serve", world_.map_path, "--port", "0", "--log-level", "off"});
+  const Geodetic& prior = query().query.prior->position;
+  const json near = {{"photo", query().image_path},
+                     {"lat", prior.lat_deg()},
+                     {"lon", prior.lon_deg()},
+                     {"accuracy", 15},
+                     {"focal", query().query.camera.params()[0]}};
+  json elsewhere = near;
+  elsewhere["lat"] = prior.lat_deg() + 1.0;
+  const json seen = Open({{"url", server.ReadLine()},
+                          {"visits",
+                           {near,
+                            {{"photo", query().image_path}},
+                            {{"photo", path_}},
+                            elsewhere,
+                            {{"photo", dir_.File("letter.jpg")}}}}});
+  const std::vector<std::string> answers = seen.value("answers", std::vector<std::string>());
+  ASSERT_EQ(answers.size(), 5u) << seen;
+  EXPECT_LT(ShownErrorM(answers[0]), 0.5);
+  EXPECT_LT(ShownErrorM(answers[1]), 2.0);
+  EXPECT_THAT(answers[1], HasSubstr("focal length"));
+  EXPECT_LT(ShownErrorM(answers[2]), 2.0);  // Stored on its side.
+  EXPECT_THAT(answers[3], HasSubstr("NO_COVERAGE"));
+  EXPECT_THAT(answers[4], HasSubstr("letter.jpg is not a photo"));
+  EXPECT_EQ(seen["console"], json::array());
+  EXPECT_THAT(seen["status"].get<std::string>(), HasSubstr("running"));
+}
+
 }  // namespace
 }  // namespace cairn::testing
