@@ -2,6 +2,8 @@
 
 #include <sqlite3.h>
 
+#include <new>
+
 #include "core/printable.h"
 
 namespace cairn::sqlite {
@@ -9,6 +11,16 @@ namespace {
 
 std::string MessageOf(sqlite3* db, int result, const std::string& path, const char* action) {
   return path + ": cannot " + action + ": " + DetailOf(db, result);
+}
+
+bool IsOutOfMemory(int result) {
+  return (result & 0xff) == SQLITE_NOMEM || result == SQLITE_IOERR_NOMEM;
+}
+
+void ThrowIfOutOfMemory(int result) {
+  if (IsOutOfMemory(result)) {
+    throw std::bad_alloc();
+  }
 }
 
 }  // namespace
@@ -44,15 +56,17 @@ ErrorCode CodeFromResult(int result) {
 
 ErrorCode CodeFromContent(int result) {
   const ErrorCode code = CodeFromResult(result);
-  const bool is_ours = (result & 0xff) == SQLITE_NOMEM || (result & 0xff) == SQLITE_MISUSE;
+  const bool is_ours = IsOutOfMemory(result) || (result & 0xff) == SQLITE_MISUSE;
   return code == ErrorCode::kInternal && !is_ours ? ErrorCode::kMapDamaged : code;
 }
 
 void ThrowError(sqlite3* db, int result, const std::string& path, const char* action) {
+  ThrowIfOutOfMemory(result);
   throw Error(CodeFromResult(result), MessageOf(db, result, path, action));
 }
 
 void ThrowContentError(sqlite3* db, int result, const std::string& path, const char* action) {
+  ThrowIfOutOfMemory(result);
   if ((result & 0xff) == SQLITE_INTERRUPT) {
     throw Error(ErrorCode::kMapDamaged,
                 path + ": cannot " + action +

@@ -23,8 +23,8 @@ ErrorCode CodeFromContent(int result);
 // the file. `db` may be null if there is no connection yet.
 std::string DetailOf(sqlite3* db, int result);
 
-// Throws Error with `path`, `action` ("read", "write", ...) and SQLite's own message. `db` may be
-// null if there is no connection yet.
+// Throws Error with `path`, `action` ("read", "write", ...) and SQLite's own message, or
+// std::bad_alloc if SQLite got no memory. `db` may be null if there is no connection yet.
 [[noreturn]] void ThrowError(sqlite3* db, int result, const std::string& path, const char* action);
 
 // The same with the code of CodeFromContent.
