@@ -222,6 +222,8 @@ void FillEmptyMap(const std::string& path) {
       "INSERT INTO cairn_versions (version, created_at) "
       "VALUES (1, strftime('%Y-%m-%dT%H:%M:%SZ', 'now'))");
   transaction.Commit();
+  // Closing would do this too, but keep to itself that the disk is full.
+  connection->Execute("PRAGMA wal_checkpoint(TRUNCATE)");
 }
 
 [[noreturn]] void RefuseToMake(const std::string& path, int error) {

@@ -206,5 +206,29 @@ TEST_F(HostileInput, AnInterruptedInitDoesNotBlockTheNext) {
   ExpectRefused({"init", map}, 4, "exists already");
 }
 
+// A map is whole, or it is not there: on disks that are full at every stage of its making.
+TEST_F(HostileInput, AFullDiskLeavesNoHalfMap) {
+  const std::string script = WriteFile("fill.sh", R"sh(set -e
+mount -t tmpfs -o size="$1k" tmpfs "$2"
+code=0
+"$3" init "$2/a.gpkg" 2> "$4" || code=$?
+if [ "$code" -eq 0 ]; then "$3" check "$2/a.gpkg" > /dev/null; exit; fi
+[ "$code" -eq 6 ] && [ -z "$(ls "$2")" ] && grep -q full "$4"
+)sh");
+  std::filesystem::create_directory(dir_.path() / "disk");
+  const auto in_namespace = [](const std::string& command) {
+    return WEXITSTATUS(std::system(("unshare --map-root-user --mount " + command).c_str()));
+  };
+  if (in_namespace("mount -t tmpfs tmpfs '" + dir_.File("disk") + "' 2> /dev/null") != 0) {
+    GTEST_SKIP() << "needs a user namespace";
+  }
+  for (const int disk_kb : {100, 300, 500, 600, 700, 800, 900, 1000, 1100, 1300}) {
+    EXPECT_EQ(in_namespace("sh " + script + " " + std::to_string(disk_kb) + " " +
+                           dir_.File("disk") + " " CAIRN_BINARY " " + dir_.File("err")),
+              0)
+        << disk_kb << " kB";
+  }
+}
+
 }  // namespace
 }  // namespace cairn::testing
