@@ -19,14 +19,14 @@
 #include "cli/open_localizer.h"
 #include "cli/shell.h"
 #include "core/error.h"
+#include "core/parallel_for.h"
 #include "core/printable.h"
 #include "eval/elsewhere.h"
 #include "eval/evaluation.h"
-#include "eval/parallel_for.h"
 #include "eval/stated_focal.h"
 #include "http/client.h"
-#include "ingest/features/gray_image.h"
 #include "ingest/features/sift_extractor.h"
+#include "ingest/images/gray_image.h"
 
 namespace cairn {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "cli/reconstruction_arguments.h"
 #include "eval/eval_query.h"
-#include "storage/map_store.h"
+#include "storage/map/map_store.h"
 
 namespace cairn {
 

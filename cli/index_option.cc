@@ -9,8 +9,7 @@ namespace cairn {
 
 void AddIndexOption(CLI::App* command, IndexKind* kind) {
   std::map<std::string, IndexKind> kinds;
-  for (const IndexKind choice : {IndexKind::kRandomGrids, IndexKind::kInvertedLists,
-                                 IndexKind::kInvertedMultiIndex, IndexKind::kKdTree}) {
+  for (const IndexKind choice : {IndexKind::kRandomGrids, IndexKind::kInvertedLists}) {
     kinds.emplace(IndexKindName(choice), choice);
   }
   std::vector<std::string> names;

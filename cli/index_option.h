@@ -2,7 +2,7 @@
 #ifndef CAIRN_CLI_INDEX_OPTION_H_
 #define CAIRN_CLI_INDEX_OPTION_H_
 
-#include "engine/matching/index_options.h"
+#include "engine/index/index_options.h"
 
 namespace CLI {
 class App;

@@ -10,7 +10,7 @@
 
 #include "cli/shell.h"
 #include "core/printable.h"
-#include "storage/map_store.h"
+#include "storage/map/map_store.h"
 
 namespace cairn {
 namespace {

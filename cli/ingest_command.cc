@@ -13,7 +13,7 @@
 #include "core/printable.h"
 #include "ingest/ingest_session.h"
 #include "ingest/readers/colmap_reader.h"
-#include "storage/map_store.h"
+#include "storage/map/map_store.h"
 
 namespace cairn {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "cli/shell.h"
-#include "storage/map_store.h"
+#include "storage/map/map_store.h"
 
 namespace cairn {
 

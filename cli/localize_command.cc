@@ -29,10 +29,10 @@
 #include "http/client.h"
 #include "http/json/image_orientation.h"
 #include "http/json/localize_response.h"
-#include "ingest/features/orient_image.h"
 #include "ingest/features/sift_extractor.h"
-#include "ingest/readers/exif.h"
-#include "ingest/readers/photo_camera.h"
+#include "ingest/images/exif.h"
+#include "ingest/images/orient_image.h"
+#include "ingest/images/photo_camera.h"
 
 namespace cairn {
 namespace {

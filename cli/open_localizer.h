@@ -7,8 +7,8 @@
 #include <string>
 
 #include "engine/localizer.h"
-#include "storage/map_store.h"
-#include "storage/tile_cache.h"
+#include "storage/map/map_store.h"
+#include "storage/map/tile_cache.h"
 
 namespace cairn {
 

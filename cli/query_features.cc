@@ -8,8 +8,8 @@
 #include <system_error>
 
 #include "core/error.h"
-#include "http/feature_codec.h"
-#include "ingest/readers/file_bytes.h"
+#include "core/file_bytes.h"
+#include "http/wire/feature_codec.h"
 
 namespace cairn {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "ingest/georegister/georegister.h"
-#include "ingest/reconstruction.h"
+#include "ingest/sfm/reconstruction.h"
 
 namespace CLI {
 class App;

@@ -8,7 +8,7 @@
 #include "cli/shell.h"
 #include "core/printable.h"
 #include "ingest/ingest_session.h"
-#include "storage/map_store.h"
+#include "storage/map/map_store.h"
 
 namespace cairn {
 namespace {

@@ -5,10 +5,10 @@
 #include <filesystem>
 
 #include "core/error.h"
+#include "core/file_bytes.h"
 #include "http/json/json_reader.h"
 #include "http/json/localize_request.h"
-#include "http/problem.h"
-#include "ingest/readers/file_bytes.h"
+#include "http/wire/problem.h"
 
 namespace cairn {
 namespace {

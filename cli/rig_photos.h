@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/localize_query.h"
-#include "ingest/features/gray_image.h"
+#include "engine/query/localize_query.h"
+#include "ingest/images/gray_image.h"
 
 namespace cairn {
 

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "storage/sql_shell.h"
+#include "storage/map/sql_shell.h"
 
 namespace cairn {
 

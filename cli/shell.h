@@ -1,4 +1,4 @@
-// What the verbs of the `cairn` binary share, and how each adds itself to the command line.
+// What verbs share, and how each adds itself to the command line.
 #ifndef CAIRN_CLI_SHELL_H_
 #define CAIRN_CLI_SHELL_H_
 
@@ -30,9 +30,6 @@ void AddInfoCommand(CLI::App* app, Shell* shell);
 void AddSqlCommand(CLI::App* app, Shell* shell);
 void AddCheckCommand(CLI::App* app, Shell* shell);
 void AddDemoCommand(CLI::App* app, Shell* shell);
-void AddBenchCommand(CLI::App* app, Shell* shell);
-void AddExperimentCommand(CLI::App* app, Shell* shell);
-void AddSimulateCommand(CLI::App* app, Shell* shell);
 
 }  // namespace cairn
 

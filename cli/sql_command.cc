@@ -12,7 +12,7 @@
 #include "cli/row_printer.h"
 #include "cli/shell.h"
 #include "core/error.h"
-#include "storage/sql_shell.h"
+#include "storage/map/sql_shell.h"
 
 namespace cairn {
 namespace {

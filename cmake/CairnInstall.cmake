@@ -4,13 +4,16 @@ include(CMakePackageConfigHelpers)
 
 set(cairn_config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/cairn)
 
-# The libraries, as cairn::core, cairn::engine, ... The verbs of the shell are no library for others.
+# The libraries, as cairn::core, cairn::engine, ... Neither the verbs of the shell
+# nor the laboratory are a library for others.
 # What a device needs to track and to ask a server is a component of its own, `fusion`; what servers
 # are built from, `development`, stands on it.
-set(cairn_fusion_libraries
-  cairn_core cairn_fusion cairn_fusion_frontend cairn_fusion_transport cairn_wire)
-get_property(cairn_server_libraries GLOBAL PROPERTY CAIRN_LIBRARIES)
-list(REMOVE_ITEM cairn_server_libraries cairn_cli ${cairn_fusion_libraries})
+get_property(cairn_libraries GLOBAL PROPERTY CAIRN_LIBRARIES)
+list(FILTER cairn_libraries EXCLUDE REGEX "^cairn_(cli|lab)(_|$)")
+set(cairn_fusion_libraries ${cairn_libraries})
+list(FILTER cairn_fusion_libraries INCLUDE REGEX "^cairn_(core|fusion|wire)(_|$)")
+set(cairn_server_libraries ${cairn_libraries})
+list(REMOVE_ITEM cairn_server_libraries ${cairn_fusion_libraries})
 install(TARGETS ${cairn_fusion_libraries} EXPORT cairnFusionTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/cairn COMPONENT fusion)
 install(EXPORT cairnFusionTargets NAMESPACE cairn:: DESTINATION ${cairn_config_dir}
@@ -23,12 +26,10 @@ install(EXPORT cairnTargets NAMESPACE cairn:: DESTINATION ${cairn_config_dir}
 # Headers lie in one folder per room, as the sources include them.
 foreach(room core fusion)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cairn
-    COMPONENT fusion FILES_MATCHING PATTERN "*.h" PATTERN rival EXCLUDE)
+    COMPONENT fusion FILES_MATCHING PATTERN "*.h")
 endforeach()
-foreach(room storage engine ingest http eval fusion/rival)
-  cmake_path(GET room PARENT_PATH parent)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${room}
-    DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cairn/${parent}
+foreach(room storage engine ingest http eval)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cairn
     COMPONENT development FILES_MATCHING PATTERN "*.h")
 endforeach()
 

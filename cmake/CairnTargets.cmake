@@ -23,7 +23,8 @@ function(cairn_library)
     PUBLIC ${ARG_PUBLIC}
     PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:cairn_compiler_options>)
   if(NOT OpenMP::OpenMP_CXX IN_LIST ARG_PRIVATE)  # Whose flag the precompiled headers lack.
-    target_precompile_headers(${target} REUSE_FROM cairn_library_headers)
+    cairn_headers_for(headers ${ARG_PUBLIC} ${ARG_PRIVATE})
+    target_precompile_headers(${target} REUSE_FROM ${headers})
   endif()
   set_property(GLOBAL APPEND PROPERTY CAIRN_LIBRARIES ${target})
 endfunction()

@@ -11,21 +11,20 @@
 #include <utility>
 #include <vector>
 
-#include "engine/answer.h"
-#include "engine/build_query_context.h"
-#include "engine/focal_refinement.h"
-#include "engine/focal_search.h"
-#include "engine/keyframe_candidates.h"
+#include "core/shared_workers.h"
+#include "engine/answer/answer.h"
+#include "engine/focal/focal_refinement.h"
+#include "engine/focal/focal_search.h"
 #include "engine/matching/match_features.h"
 #include "engine/pose/estimate_pose.h"
 #include "engine/prior/search_region.h"
+#include "engine/query/build_query_context.h"
+#include "engine/refinement/keyframe_candidates.h"
 #include "engine/refinement/rank_keyframes.h"
-#include "engine/shared_workers.h"
 #include "engine/tiles/fetch_tiles.h"
 #include "engine/tiles/tile_finisher.h"
-#include "engine/voting/covisibility_filter.h"
 #include "engine/voting/pose_voting.h"
-#include "storage/descriptor_codec.h"
+#include "storage/codebook/descriptor_codec.h"
 
 namespace cairn {
 
@@ -240,12 +239,9 @@ NotLocalizedReason QueryRun::Vote() {
                              workers_, [this] { return DeadlinePassed(); })
               : KeyframeCandidates(context_, tiles_, *correspondences_, options_.refinement);
       break;
-    case OutlierFilter::kCovisibility:
-      candidates_ =
-          CovisibilityCandidates(tiles_, *correspondences_, options_.voting, &result_.counters);
-      break;
-    case OutlierFilter::kNone:
-      candidates_ = UnfilteredCandidate(*correspondences_, &result_.counters);
+    case OutlierFilter::kOther:
+      candidates_ = options_.voting.other_filter(tiles_, *correspondences_, options_.voting,
+                                                 &result_.counters);
       break;
   }
   result_.counters.num_candidates = static_cast<int64_t>(candidates_.size());

@@ -4,11 +4,11 @@
 
 #include <memory>
 
-#include "engine/localize_query.h"
-#include "engine/localize_result.h"
 #include "engine/localizer_options.h"
-#include "storage/map_store.h"
-#include "storage/tile_cache.h"
+#include "engine/query/localize_query.h"
+#include "engine/query/localize_result.h"
+#include "storage/map/map_store.h"
+#include "storage/map/tile_cache.h"
 
 namespace cairn {
 

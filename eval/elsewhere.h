@@ -9,7 +9,7 @@
 #include "core/geodesy.h"
 #include "eval/eval_query.h"
 #include "eval/evaluation.h"
-#include "storage/map_store.h"
+#include "storage/map/map_store.h"
 
 namespace cairn {
 

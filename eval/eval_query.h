@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/rigid3.h"
-#include "engine/localize_query.h"
-#include "ingest/reconstruction.h"
+#include "engine/query/localize_query.h"
+#include "ingest/sfm/reconstruction.h"
 
 namespace cairn {
 

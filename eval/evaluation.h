@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/localize_result.h"
+#include "engine/query/localize_result.h"
 #include "eval/eval_query.h"
 #include "eval/evaluation_bootstrap.h"
 

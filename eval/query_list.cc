@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/file_bytes.h"
 #include "core/printable.h"
 #include "eval/eval_query.h"
-#include "ingest/readers/file_bytes.h"
 
 namespace cairn {
 namespace {

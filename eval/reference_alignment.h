@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/rigid3.h"
-#include "ingest/reconstruction.h"
-#include "storage/map_store.h"
+#include "ingest/sfm/reconstruction.h"
+#include "storage/map/map_store.h"
 
 namespace cairn {
 

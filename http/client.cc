@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "core/error.h"
-#include "http/feature_codec.h"
 #include "http/json/localize_response.h"
-#include "http/multipart.h"
+#include "http/wire/feature_codec.h"
+#include "http/wire/multipart.h"
 
 namespace cairn {
 namespace {

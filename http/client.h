@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/localize_query.h"
-#include "engine/localize_result.h"
+#include "engine/query/localize_query.h"
+#include "engine/query/localize_result.h"
 #include "http/json/image_orientation.h"
 
 namespace cairn {

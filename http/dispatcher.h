@@ -4,9 +4,9 @@
 
 #include <string>
 
-#include "http/metrics.h"
 #include "http/net/listener.h"
 #include "http/router.h"
+#include "http/service/metrics.h"
 
 namespace cairn {
 

@@ -2,8 +2,8 @@
 #ifndef CAIRN_HTTP_ROUTES_H_
 #define CAIRN_HTTP_ROUTES_H_
 
-#include "http/localize_service.h"
 #include "http/router.h"
+#include "http/service/localize_service.h"
 
 namespace cairn {
 

@@ -10,9 +10,9 @@
 
 #include "core/require.h"
 #include "http/dispatcher.h"
-#include "http/localize_service.h"
 #include "http/net/listener.h"
 #include "http/routes.h"
+#include "http/service/localize_service.h"
 
 namespace cairn {
 namespace {
@@ -50,24 +50,6 @@ ServerOptions Validated(const ServerOptions& options) {
 }
 
 }  // namespace
-
-void ServerOptions::Validate() const {
-  RequireOption(!map_path.empty(), "server.map_path is empty");
-  RequireOption(!host.empty(), "server.host is empty");
-  RequireWithin("server.port", port, 0, 65535);
-  RequireWithin("server.admin_port", admin_port, -1, 65535);
-  RequireOption(admin_port < 0 || !admin_host.empty(), "server.admin_host is empty");
-  RequireOption(admin_port <= 0 || admin_port != port || admin_host != host,
-                "server.admin_port is the same as port; leave it at -1 to serve both from one");
-  RequireWithin("server.num_threads", num_threads, 0, 1024);
-  RequireWithin("server.threads_per_query", threads_per_query, 0, 1024);
-  RequireOption(cache_bytes > 0, "server.cache_bytes must be positive");
-  RequireOption(max_body_bytes >= 1024, "server.max_body_bytes must be at least 1024");
-  RequireOption(max_image_pixels >= 1, "server.max_image_pixels must be positive");
-  RequireOption(max_features >= 1, "server.max_features must be positive");
-  RequireOption(default_timeout_ms >= 1, "server.default_timeout_ms must be positive");
-  localizer.Validate();
-}
 
 struct Server::Impl {
   LocalizeService service;

@@ -12,13 +12,13 @@
 #include "core/error.h"
 #include "core/printable.h"
 #include "core/require.h"
-#include "engine/matching/inverted_lists.h"
+#include "engine/index/inverted_lists.h"
 #include "ingest/tiling/build_tile.h"
 #include "ingest/tiling/placed_session.h"
 #include "ingest/tiling/tile_edit.h"
-#include "storage/describe_tile.h"
-#include "storage/descriptor_codec.h"
-#include "storage/tile_codec.h"
+#include "storage/codebook/descriptor_codec.h"
+#include "storage/map/describe_tile.h"
+#include "storage/tile/tile_codec.h"
 
 namespace cairn {
 namespace {
@@ -211,7 +211,11 @@ IngestReport IngestSession(const Reconstruction& reconstruction, const Sim3d& ec
                            const IngestProgress& progress) {
   options.Validate();
   reconstruction.Validate();
-  const PlacedSession session = PlaceSession(reconstruction, ecef_from_world, options);
+  const PlacedSession session =
+      PlaceSession(reconstruction, ecef_from_world,
+                   {.min_observations = options.selection.min_observations,
+                    .max_sigma_m = options.max_sigma_m,
+                    .max_reprojection_error_px = options.max_reprojection_error_px});
   std::shared_ptr<const Codebook> codebook =
       FindOrTrainCodebook(reconstruction, options, *store, progress);
 

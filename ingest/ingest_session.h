@@ -9,10 +9,10 @@
 
 #include "core/rigid3.h"
 #include "ingest/quantize/train_codebook.h"
-#include "ingest/reconstruction.h"
+#include "ingest/sfm/reconstruction.h"
 #include "ingest/summarize/appearance.h"
 #include "ingest/summarize/landmark_selection.h"
-#include "storage/map_store.h"
+#include "storage/map/map_store.h"
 
 namespace cairn {
 

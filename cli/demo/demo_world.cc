@@ -6,11 +6,11 @@
 #include <utility>
 
 #include "core/error.h"
-#include "eval/known_poses/reconstruct_known_poses.h"
-#include "eval/parallel_for.h"
+#include "core/parallel_for.h"
 #include "eval/pictures/encode_png.h"
-#include "eval/street/street_scene.h"
-#include "storage/map_store.h"
+#include "lab/known_poses/reconstruct_known_poses.h"
+#include "lab/street/street_scene.h"
+#include "storage/map/map_store.h"
 
 namespace cairn {
 namespace {

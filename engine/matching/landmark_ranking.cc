@@ -10,7 +10,7 @@
 #include <optional>
 #include <tuple>
 
-#include "engine/matching/distance_statistics.h"
+#include "engine/index/distance_statistics.h"
 
 namespace cairn {
 namespace {

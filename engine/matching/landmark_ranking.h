@@ -10,12 +10,12 @@
 #include <span>
 #include <vector>
 
-#include "engine/matching/hit_collector.h"
+#include "engine/index/kernels/hit_collector.h"
 #include "engine/matching/matching_options.h"
-#include "engine/query_context.h"
+#include "engine/query/query_context.h"
 #include "engine/tiles/descriptor_places.h"
 #include "engine/tiles/searchable_tile.h"
-#include "storage/codebook.h"
+#include "storage/codebook/codebook.h"
 
 namespace cairn {
 

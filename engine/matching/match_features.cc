@@ -13,12 +13,12 @@
 
 #include "core/error.h"
 #include "core/large_vector.h"
-#include "engine/matching/byte_scale.h"
-#include "engine/matching/cell_lists.h"
-#include "engine/matching/code_expansion.h"
-#include "engine/matching/distance_statistics.h"
+#include "engine/index/cell_lists.h"
+#include "engine/index/distance_statistics.h"
+#include "engine/index/kernels/byte_scale.h"
+#include "engine/index/kernels/code_expansion.h"
+#include "engine/index/shared_visits.h"
 #include "engine/matching/landmark_ranking.h"
-#include "engine/matching/shared_visits.h"
 #include "engine/tiles/descriptor_places.h"
 
 namespace cairn {

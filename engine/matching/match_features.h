@@ -4,11 +4,11 @@
 
 #include <vector>
 
-#include "engine/localize_result.h"
+#include "core/shared_workers.h"
+#include "core/stop_function.h"
 #include "engine/matching/matching_options.h"
-#include "engine/query_context.h"
-#include "engine/shared_workers.h"
-#include "engine/stop_function.h"
+#include "engine/query/localize_result.h"
+#include "engine/query/query_context.h"
 #include "engine/tiles/searchable_tile.h"
 
 namespace cairn {

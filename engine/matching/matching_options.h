@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "engine/matching/index_options.h"
+#include "engine/index/index_options.h"
 
 namespace cairn {
 
@@ -25,7 +25,7 @@ struct MatchingOptions {
 
   // Of the time that a query has left until its deadline when matching begins, the share after
   // which the search is broken off, [0, 1]; the stages after it work with what was found. Two
-  // thirds is what matching takes of a warm query (`cairn bench`).
+  // thirds is what matching takes of a warm query (`cairn-lab bench`).
   double deadline_share = 0.67;
 
   // k nearest landmarks per keypoint, 1 to 64 (paper: performance peaks at 4).

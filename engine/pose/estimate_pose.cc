@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/pose/evidence.h"
+#include "engine/pose/evidence/evidence.h"
+#include "engine/pose/least_squares/refine_pose.h"
 #include "engine/pose/pose_estimator.h"
-#include "engine/pose/ransac.h"
-#include "engine/pose/refine_pose.h"
+#include "engine/pose/sampling/ransac.h"
 
 namespace cairn {
 namespace {

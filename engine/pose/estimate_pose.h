@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "engine/pose/pose_options.h"
-#include "engine/pose_candidate.h"
-#include "engine/query_context.h"
+#include "engine/query/pose_candidate.h"
+#include "engine/query/query_context.h"
 
 namespace cairn {
 

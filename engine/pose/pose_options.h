@@ -2,7 +2,7 @@
 #ifndef CAIRN_ENGINE_POSE_POSE_OPTIONS_H_
 #define CAIRN_ENGINE_POSE_POSE_OPTIONS_H_
 
-#include "engine/pose/evidence_model.h"
+#include "engine/pose/evidence/evidence_model.h"
 
 namespace cairn {
 

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "engine/query_context.h"
+#include "engine/query/query_context.h"
 
 namespace cairn {
 

@@ -2,10 +2,10 @@
 #ifndef CAIRN_ENGINE_PRIOR_SEARCH_REGION_H_
 #define CAIRN_ENGINE_PRIOR_SEARCH_REGION_H_
 
-#include "engine/localize_query.h"
 #include "engine/prior/prior_options.h"
-#include "engine/query_context.h"
-#include "storage/map_store.h"
+#include "engine/query/localize_query.h"
+#include "engine/query/query_context.h"
+#include "storage/map/map_store.h"
 
 namespace cairn {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/matching/match_features.h"
-#include "engine/query_context.h"
+#include "engine/query/query_context.h"
 #include "engine/refinement/refinement_options.h"
 #include "engine/tiles/searchable_tile.h"
 

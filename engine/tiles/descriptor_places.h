@@ -9,7 +9,7 @@
 #include <span>
 
 #include "core/large_vector.h"
-#include "storage/tile_views.h"
+#include "storage/tile/tile_views.h"
 
 namespace cairn {
 

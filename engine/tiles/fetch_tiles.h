@@ -4,14 +4,14 @@
 
 #include <vector>
 
-#include "engine/localize_result.h"
-#include "engine/matching/index_options.h"
-#include "engine/query_context.h"
-#include "engine/stop_function.h"
+#include "core/stop_function.h"
+#include "engine/index/index_options.h"
+#include "engine/query/localize_result.h"
+#include "engine/query/query_context.h"
 #include "engine/tiles/searchable_tile.h"
 #include "engine/tiles/tiles_options.h"
-#include "storage/map_store.h"
-#include "storage/tile_cache.h"
+#include "storage/map/map_store.h"
+#include "storage/map/tile_cache.h"
 
 namespace cairn {
 

@@ -4,7 +4,7 @@
 #include <numeric>
 #include <random>
 
-#include "engine/matching/random_bits.h"
+#include "core/random.h"
 
 namespace cairn {
 namespace {

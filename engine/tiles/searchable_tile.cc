@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "storage/tile_codec.h"
+#include "storage/tile/tile_codec.h"
 
 namespace cairn {
 namespace {

@@ -11,16 +11,16 @@
 
 #include "core/geodesy.h"
 #include "core/large_vector.h"
-#include "engine/matching/inverted_lists.h"
-#include "engine/matching/matching_index.h"
-#include "engine/matching/product_words.h"
+#include "engine/index/inverted_lists.h"
+#include "engine/index/matching_index.h"
+#include "engine/index/product_words.h"
 #include "engine/tiles/descriptor_places.h"
 #include "engine/tiles/tile_content.h"
-#include "storage/codebook.h"
-#include "storage/tile.h"
-#include "storage/tile_cache.h"
-#include "storage/tile_lists.h"
-#include "storage/tile_payload.h"
+#include "storage/codebook/codebook.h"
+#include "storage/map/tile_cache.h"
+#include "storage/tile/tile.h"
+#include "storage/tile/tile_lists.h"
+#include "storage/tile/tile_payload.h"
 
 namespace cairn {
 

@@ -13,9 +13,9 @@
 #include "core/large_vector.h"
 #include "engine/tiles/descriptor_places.h"
 #include "engine/tiles/landmark_sightings.h"
-#include "storage/tile.h"
-#include "storage/tile_payload.h"
-#include "storage/tile_views.h"
+#include "storage/tile/tile.h"
+#include "storage/tile/tile_payload.h"
+#include "storage/tile/tile_views.h"
 
 namespace cairn {
 

@@ -3,7 +3,7 @@
 #include <exception>
 #include <utility>
 
-#include "engine/localize_result.h"
+#include "engine/query/localize_result.h"
 #include "engine/tiles/fetch_tiles.h"
 
 namespace cairn {

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "engine/pose_candidate.h"
+#include "engine/query/pose_candidate.h"
 #include "engine/voting/ray_arrays.h"
 #include "engine/voting/voting_options.h"
 

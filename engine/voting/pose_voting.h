@@ -5,11 +5,11 @@
 
 #include <vector>
 
-#include "engine/localize_result.h"
-#include "engine/pose_candidate.h"
-#include "engine/query_context.h"
-#include "engine/shared_workers.h"
-#include "engine/stop_function.h"
+#include "core/shared_workers.h"
+#include "core/stop_function.h"
+#include "engine/query/localize_result.h"
+#include "engine/query/pose_candidate.h"
+#include "engine/query/query_context.h"
 #include "engine/voting/voting_options.h"
 
 namespace cairn {

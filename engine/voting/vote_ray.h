@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "engine/query_context.h"
+#include "engine/query/query_context.h"
 #include "engine/voting/voting_options.h"
 
 namespace cairn {

@@ -1,26 +1,12 @@
 #include "engine/voting/voting_options.h"
 
-#include "core/check.h"
 #include "core/require.h"
 
 namespace cairn {
 
-const char* OutlierFilterName(OutlierFilter filter) {
-  switch (filter) {
-    case OutlierFilter::kVoting4d:
-      return "voting_4d";
-    case OutlierFilter::kVoting3d:
-      return "voting_3d";
-    case OutlierFilter::kCovisibility:
-      return "covisibility";
-    case OutlierFilter::kNone:
-      return "none";
-  }
-  CAIRN_CHECK(false, "an OutlierFilter has a name");
-  return "";
-}
-
 void VotingOptions::Validate() const {
+  RequireOption((filter == OutlierFilter::kOther) == static_cast<bool>(other_filter),
+                "voting.other_filter must be set for the filter \"other\" and for no other one");
   RequireWithin("voting.cell_xy_m", cell_xy_m, 0.1, 100.0);
   RequireWithin("voting.cell_z_m", cell_z_m, 0.1, 100.0);
   RequireWithin("voting.yaw_step_rad", yaw_step_rad, 0.005, 0.8);

@@ -2,7 +2,15 @@
 #ifndef CAIRN_ENGINE_VOTING_VOTING_OPTIONS_H_
 #define CAIRN_ENGINE_VOTING_VOTING_OPTIONS_H_
 
+#include <functional>
+#include <vector>
+
 namespace cairn {
+
+struct Correspondence;
+struct PoseCandidate;
+struct StageCounters;
+struct TileView;
 
 // What thins out the matches before poses are estimated (paper, section "Co-Visibility-Based and
 // Geometric Outlier Filtering").
@@ -11,17 +19,22 @@ enum class OutlierFilter {
   // Votes over (x, y, yaw), as Zeisl, Sattler, Pollefeys, ICCV 2015: the cells reach through all
   // heights that the camera may have. Needs gravity.
   kVoting3d,
-  // Connected components of the graph of matched landmarks and the keyframes that saw them
-  // (Sattler, Leibe, Kobbelt, "Efficient & Effective Prioritized Matching", PAMI 2017).
-  kCovisibility,
-  kNone,  // All matches are one candidate.
+  kOther,  // VotingOptions::other_filter.
 };
-const char* OutlierFilterName(OutlierFilter filter);  // "voting_4d", "voting_3d", ...
+
+struct VotingOptions;
+
+// A filter that the engine does not know: what a comparison brings along (lab/rivals/voting). Gives
+// candidates, best first, and sets the counters of voting.
+using CandidateFilter = std::function<std::vector<PoseCandidate>(
+    const std::vector<TileView>& tiles, const std::vector<Correspondence>& correspondences,
+    const VotingOptions& options, StageCounters* counters)>;
 
 struct VotingOptions {
   // A query without gravity cannot be voted for; candidates then come from the best ranked
   // keyframes (see KeyframeCandidates).
   OutlierFilter filter = OutlierFilter::kVoting4d;
+  CandidateFilter other_filter = {};  // Of OutlierFilter::kOther only.
   double cell_xy_m = 2.0;           // Horizontal cell of the accumulator, metres.
   double cell_z_m = 2.0;            // Vertical cell, metres.
   double yaw_step_rad = 0.0523599;  // 3 degrees.

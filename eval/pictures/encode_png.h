@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "ingest/features/gray_image.h"
+#include "ingest/images/gray_image.h"
 
 namespace cairn {
 

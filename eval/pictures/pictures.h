@@ -8,10 +8,10 @@
 
 #include "core/geodesy.h"
 #include "core/rigid3.h"
-#include "engine/localize_query.h"
-#include "engine/localize_result.h"
-#include "ingest/features/gray_image.h"
-#include "storage/map_store.h"
+#include "engine/query/localize_query.h"
+#include "engine/query/localize_result.h"
+#include "ingest/images/gray_image.h"
+#include "storage/map/map_store.h"
 
 namespace cairn {
 

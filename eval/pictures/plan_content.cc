@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 #include "core/geodesy.h"
-#include "storage/tile_codec.h"
+#include "storage/tile/tile_codec.h"
 
 namespace cairn {
 namespace {

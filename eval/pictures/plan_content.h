@@ -10,7 +10,7 @@
 #include "eval/pictures/pictures.h"
 #include "eval/pictures/plan_symbols.h"
 #include "eval/pictures/plan_view.h"
-#include "storage/map_store.h"
+#include "storage/map/map_store.h"
 
 namespace cairn {
 

@@ -20,15 +20,15 @@
 #include <vector>
 
 #include "core/error.h"
-#include "eval/street/street_scene.h"
+#include "fusion/client/fusion_client.h"
 #include "fusion/frontend/klt_tracker.h"
-#include "fusion/fusion_client.h"
 #include "fusion/transport/map_transport.h"
 #include "http/server.h"
 #include "ingest/features/sift_extractor.h"
+#include "lab/street/street_scene.h"
 #include "phone_walk.h"
-#include "storage/descriptor_codec.h"
-#include "storage/map_store.h"
+#include "storage/codebook/descriptor_codec.h"
+#include "storage/map/map_store.h"
 #include "street_map.h"
 #include "write_results.h"
 

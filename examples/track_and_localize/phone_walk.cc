@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "eval/street/build_street.h"
+#include "lab/street/build_street.h"
 
 namespace cairn {
 namespace {

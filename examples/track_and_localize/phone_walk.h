@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "core/rigid3.h"
-#include "eval/street/street_scene.h"
-#include "fusion/filter_state.h"
-#include "fusion/imu.h"
+#include "fusion/filter/filter_state.h"
+#include "fusion/filter/imu.h"
+#include "lab/street/street_scene.h"
 
 namespace cairn {
 

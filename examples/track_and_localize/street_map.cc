@@ -5,9 +5,9 @@
 #include <thread>
 #include <vector>
 
-#include "eval/known_poses/reconstruct_known_poses.h"
 #include "ingest/ingest_session.h"
-#include "storage/map_store.h"
+#include "lab/known_poses/reconstruct_known_poses.h"
+#include "storage/map/map_store.h"
 
 namespace cairn {
 

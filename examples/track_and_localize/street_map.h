@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "eval/street/street_scene.h"
+#include "lab/street/street_scene.h"
 
 namespace cairn {
 

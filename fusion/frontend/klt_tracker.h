@@ -7,7 +7,7 @@
 #include <memory>
 #include <span>
 
-#include "fusion/track_table.h"
+#include "fusion/tracks/track_table.h"
 
 namespace cairn::fusion {
 

@@ -6,8 +6,8 @@
 #include <stdexcept>
 
 #include "core/tile_id.h"
-#include "http/feature_codec.h"
-#include "http/multipart.h"
+#include "http/wire/feature_codec.h"
+#include "http/wire/multipart.h"
 
 namespace cairn::fusion {
 namespace {

@@ -11,7 +11,7 @@
 #include "core/camera.h"
 #include "core/features.h"
 #include "core/geodesy.h"
-#include "fusion/fusion_types.h"
+#include "fusion/client/fusion_types.h"
 
 namespace cairn::fusion {
 

@@ -6,7 +6,7 @@
 
 #include "http/json/geopose_protocol.h"
 #include "http/json/localize_response.h"
-#include "http/problem.h"
+#include "http/wire/problem.h"
 
 namespace cairn {
 

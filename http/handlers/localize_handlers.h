@@ -2,8 +2,8 @@
 #ifndef CAIRN_HTTP_HANDLERS_LOCALIZE_HANDLERS_H_
 #define CAIRN_HTTP_HANDLERS_LOCALIZE_HANDLERS_H_
 
-#include "http/localize_service.h"
-#include "http/message.h"
+#include "http/net/message.h"
+#include "http/service/localize_service.h"
 
 namespace cairn {
 

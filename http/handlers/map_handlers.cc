@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "engine/prior/search_region.h"
-#include "http/problem.h"
+#include "http/wire/problem.h"
 
 namespace cairn {
 namespace {

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "core/logging.h"
-#include "http/problem.h"
+#include "http/wire/problem.h"
 
 namespace cairn {
 namespace {

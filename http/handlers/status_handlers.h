@@ -4,8 +4,8 @@
 
 #include <string_view>
 
-#include "http/localize_service.h"
-#include "http/message.h"
+#include "http/net/message.h"
+#include "http/service/localize_service.h"
 
 namespace cairn {
 

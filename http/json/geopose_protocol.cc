@@ -12,15 +12,15 @@
 #include <vector>
 
 #include "core/error.h"
-#include "http/base64.h"
 #include "http/json/geopose_readings.h"
 #include "http/json/image_orientation.h"
 #include "http/json/stated_camera.h"
-#include "http/multipart.h"
-#include "http/problem.h"
-#include "ingest/features/orient_image.h"
-#include "ingest/readers/exif.h"
-#include "ingest/readers/photo_camera.h"
+#include "http/wire/base64.h"
+#include "http/wire/multipart.h"
+#include "http/wire/problem.h"
+#include "ingest/images/exif.h"
+#include "ingest/images/orient_image.h"
+#include "ingest/images/photo_camera.h"
 
 namespace cairn {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "engine/localize_result.h"
+#include "engine/query/localize_result.h"
 #include "http/json/localize_request.h"
 
 namespace cairn {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/localize_query.h"
+#include "engine/query/localize_query.h"
 #include "http/json/json_reader.h"
 
 namespace cairn {

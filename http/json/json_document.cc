@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "http/problem.h"
+#include "http/wire/problem.h"
 
 namespace cairn {
 namespace {

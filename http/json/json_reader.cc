@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "core/printable.h"
-#include "http/problem.h"
+#include "http/wire/problem.h"
 
 namespace cairn {
 namespace {

@@ -8,12 +8,12 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "http/base64.h"
-#include "http/feature_codec.h"
 #include "http/json/request_options.h"
 #include "http/json/stated_camera.h"
-#include "http/multipart.h"
-#include "http/problem.h"
+#include "http/wire/base64.h"
+#include "http/wire/feature_codec.h"
+#include "http/wire/multipart.h"
+#include "http/wire/problem.h"
 
 namespace cairn {
 namespace {

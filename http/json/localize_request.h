@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/geoid.h"
-#include "engine/localize_query.h"
+#include "engine/query/localize_query.h"
 #include "http/json/image_orientation.h"
 #include "http/json/inner_frame.h"
 #include "http/json/json_reader.h"

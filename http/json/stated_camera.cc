@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "http/problem.h"
+#include "http/wire/problem.h"
 
 namespace cairn {
 namespace {

@@ -9,7 +9,7 @@
 #include <cerrno>
 #include <utility>
 
-#include "http/problem.h"
+#include "http/wire/problem.h"
 
 namespace cairn {
 namespace {

@@ -17,7 +17,7 @@
 
 #include "http/net/connection.h"
 #include "http/net/lead.h"
-#include "http/problem.h"
+#include "http/wire/problem.h"
 
 namespace cairn {
 

@@ -5,10 +5,10 @@
 #include <memory>
 #include <string>
 
-#include "http/message.h"
 #include "http/net/connection.h"
 #include "http/net/event_loop.h"
-#include "http/problem.h"
+#include "http/net/message.h"
+#include "http/wire/problem.h"
 
 namespace cairn {
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <charconv>
 
-#include "http/problem.h"
+#include "http/wire/problem.h"
 
 namespace cairn {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <iterator>
 
-#include "http/problem.h"
+#include "http/wire/problem.h"
 
 namespace cairn {
 namespace {

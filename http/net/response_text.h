@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "http/message.h"
+#include "http/net/message.h"
 
 namespace cairn {
 

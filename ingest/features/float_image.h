@@ -5,7 +5,7 @@
 #include <cstddef>
 
 #include "core/large_vector.h"
-#include "ingest/features/gray_image.h"
+#include "ingest/images/gray_image.h"
 
 namespace cairn {
 

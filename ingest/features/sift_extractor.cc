@@ -7,11 +7,11 @@
 
 #include "core/error.h"
 #include "core/require.h"
-#include "ingest/features/reduce_image.h"
 #include "ingest/features/scale_space.h"
 #include "ingest/features/sift_descriptor.h"
 #include "ingest/features/sift_detector.h"
 #include "ingest/features/sift_orientation.h"
+#include "ingest/images/reduce_image.h"
 
 namespace cairn {
 namespace {

@@ -7,9 +7,9 @@
 #include <string_view>
 
 #include "core/error.h"
+#include "core/file_bytes.h"
 #include "core/printable.h"
 #include "ingest/georegister/georegister.h"
-#include "ingest/readers/file_bytes.h"
 
 namespace cairn {
 namespace {

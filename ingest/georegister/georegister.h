@@ -8,7 +8,7 @@
 #include "core/geodesy.h"
 #include "core/geoid.h"
 #include "core/rigid3.h"
-#include "ingest/reconstruction.h"
+#include "ingest/sfm/reconstruction.h"
 
 namespace cairn {
 

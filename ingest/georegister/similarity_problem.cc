@@ -11,7 +11,7 @@
 #include <random>
 
 #include "core/error.h"
-#include "ingest/random.h"
+#include "core/random.h"
 
 namespace cairn {
 namespace {

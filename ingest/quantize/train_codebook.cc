@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/random.h"
 #include "core/require.h"
-#include "ingest/random.h"
-#include "storage/descriptor_codec.h"
+#include "storage/codebook/descriptor_codec.h"
 
 namespace cairn {
 namespace {

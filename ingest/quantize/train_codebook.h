@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
-#include "ingest/reconstruction.h"
-#include "storage/codebook.h"
+#include "ingest/sfm/reconstruction.h"
+#include "storage/codebook/codebook.h"
 
 namespace cairn {
 

@@ -15,8 +15,8 @@
 #include <span>
 
 #include "core/error.h"
+#include "core/file_bytes.h"
 #include "ingest/readers/colmap_model.h"
-#include "ingest/readers/file_bytes.h"
 
 namespace cairn {
 namespace {

@@ -15,9 +15,9 @@
 #include <type_traits>
 
 #include "core/error.h"
+#include "core/file_bytes.h"
 #include "core/printable.h"
 #include "ingest/readers/colmap_model.h"
-#include "ingest/readers/file_bytes.h"
 
 namespace cairn {
 namespace {

@@ -9,11 +9,11 @@
 #include <unordered_set>
 
 #include "core/error.h"
+#include "core/file_bytes.h"
 #include "core/logging.h"
 #include "core/printable.h"
 #include "ingest/readers/colmap_database.h"
 #include "ingest/readers/colmap_model.h"
-#include "ingest/readers/file_bytes.h"
 #include "ingest/sfm/triangulate.h"
 
 namespace cairn {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "ingest/reconstruction.h"
+#include "ingest/sfm/reconstruction.h"
 
 namespace cairn {
 

@@ -9,7 +9,7 @@
 
 #include "core/camera.h"
 #include "core/rigid3.h"
-#include "ingest/reconstruction.h"
+#include "ingest/sfm/reconstruction.h"
 
 namespace cairn {
 

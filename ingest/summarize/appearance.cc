@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "core/check.h"
+#include "core/random.h"
 #include "core/require.h"
-#include "ingest/random.h"
 
 namespace cairn {
 namespace {

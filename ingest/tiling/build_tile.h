@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "core/tile_id.h"
-#include "ingest/reconstruction.h"
+#include "ingest/sfm/reconstruction.h"
 #include "ingest/summarize/appearance.h"
 #include "ingest/tiling/placed_session.h"
-#include "storage/descriptor_codec.h"
+#include "storage/codebook/descriptor_codec.h"
 #include "storage/ids.h"
-#include "storage/tile.h"
+#include "storage/tile/tile.h"
 
 namespace cairn {
 

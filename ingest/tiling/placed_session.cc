@@ -10,7 +10,7 @@
 #include "core/geodesy.h"
 #include "core/printable.h"
 #include "ingest/sfm/triangulate.h"
-#include "storage/tile.h"
+#include "storage/tile/tile.h"
 
 namespace cairn {
 namespace {
@@ -48,12 +48,12 @@ TileId TileOfCamera(const std::string& image_name, const Rigid3d& cam_from_ecef)
 class LandmarkJudge {
  public:
   LandmarkJudge(const Reconstruction& reconstruction, const Sim3d& ecef_from_world,
-                const IngestOptions& options)
+                const PlacementOptions& options)
       : reconstruction_(reconstruction), ecef_from_world_(ecef_from_world), options_(options) {}
 
   std::optional<PlacedLandmark> Place(uint32_t recon_idx) const {
     const ReconLandmark& landmark = reconstruction_.landmarks[recon_idx];
-    if (static_cast<int>(landmark.observations.size()) < options_.selection.min_observations) {
+    if (static_cast<int>(landmark.observations.size()) < options_.min_observations) {
       return std::nullopt;
     }
     const std::vector<PointView> views = ViewsOf(reconstruction_, landmark);
@@ -78,7 +78,7 @@ class LandmarkJudge {
 
   const Reconstruction& reconstruction_;
   const Sim3d& ecef_from_world_;
-  const IngestOptions& options_;
+  const PlacementOptions& options_;
 };
 
 // Sorts by the Morton code of positions, shrunk into the range that such codes cover.
@@ -104,7 +104,7 @@ void SortInSpace(std::vector<PlacedLandmark>* landmarks) {
 }  // namespace
 
 PlacedSession PlaceSession(const Reconstruction& reconstruction, const Sim3d& ecef_from_world,
-                           const IngestOptions& options) {
+                           const PlacementOptions& options) {
   ValidateSimilarity(ecef_from_world);
   PlacedSession session;
   std::vector<TileId> tile_of_image;
@@ -122,7 +122,7 @@ PlacedSession PlaceSession(const Reconstruction& reconstruction, const Sim3d& ec
                 fmt::format("none of the {} landmarks can be kept: they have fewer than {} "
                             "observations, a position uncertain by more than {} m or reprojection "
                             "errors above {} px",
-                            reconstruction.landmarks.size(), options.selection.min_observations,
+                            reconstruction.landmarks.size(), options.min_observations,
                             options.max_sigma_m, options.max_reprojection_error_px));
   }
   SortInSpace(&session.landmarks);

@@ -10,10 +10,16 @@
 
 #include "core/rigid3.h"
 #include "core/tile_id.h"
-#include "ingest/ingest_session.h"
-#include "ingest/reconstruction.h"
+#include "ingest/sfm/reconstruction.h"
 
 namespace cairn {
+
+// Which landmarks are worth keeping.
+struct PlacementOptions {
+  int min_observations = 2;
+  double max_sigma_m = 2.0;                // Root mean square over the axes of the position.
+  double max_reprojection_error_px = 4.0;  // Median over the observations.
+};
 
 struct PlacedLandmark {
   uint32_t recon_idx = 0;  // In Reconstruction::landmarks.
@@ -35,11 +41,11 @@ struct PlacedSession {
   std::map<TileId, std::vector<int>> images_of_tile;
 };
 
-// Drops landmarks with fewer observations than the selection asks for, and those that are less
-// certain or fit worse than the options allow. Throws Error(kBadInput) if the similarity or a
-// camera's place makes no sense or if no landmark is left. Linear but for one sort.
+// Drops landmarks that are seen less often, are less certain or fit worse than the options allow.
+// Throws Error(kBadInput) if the similarity or a camera's place makes no sense or if no landmark is
+// left. Linear but for one sort.
 PlacedSession PlaceSession(const Reconstruction& reconstruction, const Sim3d& ecef_from_world,
-                           const IngestOptions& options);
+                           const PlacementOptions& options);
 
 }  // namespace cairn
 

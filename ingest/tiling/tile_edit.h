@@ -7,7 +7,7 @@
 
 #include "core/tile_id.h"
 #include "storage/ids.h"
-#include "storage/tile.h"
+#include "storage/tile/tile.h"
 
 namespace cairn {
 

@@ -11,8 +11,8 @@
 #include "core/geodesy.h"
 #include "storage/inspection/register.h"
 #include "storage/inspection/sqlite_api.h"
-#include "storage/tile.h"
-#include "storage/tile_codec.h"
+#include "storage/tile/tile.h"
+#include "storage/tile/tile_codec.h"
 
 namespace cairn::inspection {
 namespace {

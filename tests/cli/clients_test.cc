@@ -18,7 +18,7 @@
 #include "eval/pictures/encode_png.h"
 #include "http/client.h"
 #include "http/json/inner_frame.h"
-#include "ingest/features/orient_image.h"
+#include "ingest/images/orient_image.h"
 #include "support/temp_dir.h"
 
 namespace cairn::testing {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "cli/run_cairn.h"
-#include "storage/map_store.h"
+#include "storage/map/map_store.h"
 #include "support/map_builder.h"
 #include "support/raw_sql.h"
 #include "support/street_map.h"
@@ -83,9 +83,6 @@ TEST_F(HostileInput, NoiseThatIsNoNumberIsUsage) {
   for (const char* option : {"--prior-noise", "--gravity-noise-deg", "--min-score"}) {
     ExpectRefused({"eval", map, "--queries", "q.json", option, "nan"}, 2, option);
   }
-  for (const char* option : {"--area", "--relief", "--duration", "--frame-rate"}) {
-    ExpectRefused({"simulate", "--sequence", dir_.File("s"), option, "nan"}, 2, option);
-  }
 }
 
 TEST_F(HostileInput, ThreadsThatTheServerDoesNotHaveAreUsage) {
@@ -106,8 +103,6 @@ TEST_F(HostileInput, ADirectoryIsNamedAsOne) {
 TEST_F(HostileInput, PicturesOfUnknownFormatsAreRefusedBeforeTheWork) {
   // The photo does not exist: nobody looked for it.
   ExpectRefused({"localize", Map(), "--image", "none.jpg", "--picture", "x.foo"}, 2, ".png, .jpg");
-  ExpectRefused({"simulate", "--map", dir_.File("m.gpkg"), "--picture", "x"}, 2, ".png, .jpg");
-  EXPECT_FALSE(std::filesystem::exists(dir_.File("m.gpkg")));
 }
 
 TEST_F(HostileInput, EndlessFilesAreReadToALimit) {

@@ -22,14 +22,14 @@ int WaitForExit(pid_t pid) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-// Becomes `cairn <arguments>`; never returns.
-[[noreturn]] void Exec(const std::vector<std::string>& arguments) {
-  std::vector<char*> argv = {const_cast<char*>(CAIRN_BINARY)};
+// Becomes `<binary> <arguments>`; never returns.
+[[noreturn]] void Exec(const char* binary, const std::vector<std::string>& arguments) {
+  std::vector<char*> argv = {const_cast<char*>(binary)};
   for (const std::string& argument : arguments) {
     argv.push_back(const_cast<char*>(argument.c_str()));
   }
   argv.push_back(nullptr);
-  execv(CAIRN_BINARY, argv.data());
+  execv(binary, argv.data());
   _exit(127);
 }
 
@@ -46,9 +46,8 @@ std::string ReadAll(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-}  // namespace
-
-Finished RunCairn(const std::vector<std::string>& arguments, const std::string& input) {
+Finished RunBinary(const char* binary, const std::vector<std::string>& arguments,
+                   const std::string& input) {
   const TempDir dir;
   std::ofstream(dir.File("in"), std::ios::binary) << input;
   const pid_t pid = fork();
@@ -56,13 +55,23 @@ Finished RunCairn(const std::vector<std::string>& arguments, const std::string& 
     Redirect(dir.File("in"), O_RDONLY, STDIN_FILENO);
     Redirect(dir.File("out"), O_WRONLY | O_CREAT, STDOUT_FILENO);
     Redirect(dir.File("err"), O_WRONLY | O_CREAT, STDERR_FILENO);
-    Exec(arguments);
+    Exec(binary, arguments);
   }
   Finished finished;
   finished.exit_code = WaitForExit(pid);
   finished.out = ReadAll(dir.File("out"));
   finished.err = ReadAll(dir.File("err"));
   return finished;
+}
+
+}  // namespace
+
+Finished RunCairn(const std::vector<std::string>& arguments, const std::string& input) {
+  return RunBinary(CAIRN_BINARY, arguments, input);
+}
+
+Finished RunCairnLab(const std::vector<std::string>& arguments) {
+  return RunBinary(CAIRN_LAB_BINARY, arguments, "");
 }
 
 BackgroundCairn::BackgroundCairn(const std::vector<std::string>& arguments) {
@@ -75,7 +84,7 @@ BackgroundCairn::BackgroundCairn(const std::vector<std::string>& arguments) {
     dup2(pipe_fds[1], STDOUT_FILENO);
     close(pipe_fds[0]);
     close(pipe_fds[1]);
-    Exec(arguments);
+    Exec(CAIRN_BINARY, arguments);
   }
   close(pipe_fds[1]);
   out_fd_ = pipe_fds[0];

@@ -1,4 +1,4 @@
-// Runs the built `cairn` binary as a shell would.
+// Runs the built binaries as a shell would.
 #ifndef CAIRN_TESTS_CLI_RUN_CAIRN_H_
 #define CAIRN_TESTS_CLI_RUN_CAIRN_H_
 
@@ -18,6 +18,9 @@ struct Finished {
 
 // Runs `cairn <arguments>` to its end; `input` becomes its standard input.
 Finished RunCairn(const std::vector<std::string>& arguments, const std::string& input = "");
+
+// Runs `cairn-lab <arguments>` to its end.
+Finished RunCairnLab(const std::vector<std::string>& arguments);
 
 // A `cairn` that runs in the background; killed at destruction if it still runs.
 class BackgroundCairn {

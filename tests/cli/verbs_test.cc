@@ -16,10 +16,10 @@
 
 #include "cli/run_cairn.h"
 #include "core/geoid.h"
-#include "eval/colmap/write_colmap.h"
 #include "http/client.h"
 #include "ingest/ingest_session.h"
-#include "storage/map_store.h"
+#include "lab/colmap/write_colmap.h"
+#include "storage/map/map_store.h"
 #include "support/reconstruction_builder.h"
 #include "support/temp_dir.h"
 
@@ -51,8 +51,8 @@ class Verbs : public ::testing::Test {
 };
 
 TEST_F(Verbs, EveryVerbHasHelpWithAnExample) {
-  for (const char* verb : {"init", "ingest", "remove", "serve", "localize", "eval", "info", "sql",
-                           "check", "demo", "bench", "simulate"}) {
+  for (const char* verb :
+       {"init", "ingest", "remove", "serve", "localize", "eval", "info", "sql", "check", "demo"}) {
     const Finished finished = RunCairn({verb, "--help"});
     EXPECT_EQ(finished.exit_code, 0) << verb;
     EXPECT_THAT(finished.out, HasSubstr(std::string("Example:\n  cairn ") + verb)) << verb;

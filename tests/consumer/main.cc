@@ -4,8 +4,8 @@
 
 #include "core/geodesy.h"
 #include "engine/localizer.h"
-#include "storage/map_store.h"
-#include "storage/tile_cache.h"
+#include "storage/map/map_store.h"
+#include "storage/map/tile_cache.h"
 
 int main(int argc, char** argv) {
   if (argc != 2) {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "eval/evaluation_size.h"
+#include "lab/experiments/measure/evaluation_size.h"
 
 namespace cairn {
 namespace {

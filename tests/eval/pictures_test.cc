@@ -10,8 +10,8 @@
 #include "core/error.h"
 #include "eval/pictures/encode_png.h"
 #include "eval/pictures/plan_view.h"
-#include "ingest/features/gray_image.h"
-#include "storage/map_store.h"
+#include "ingest/images/gray_image.h"
+#include "storage/map/map_store.h"
 #include "support/temp_dir.h"
 
 namespace cairn {

@@ -11,9 +11,9 @@
 #include <string_view>
 #include <vector>
 
-#include "fusion/chi_square.h"
+#include "fusion/client/estimator.h"
 #include "fusion/errors.h"
-#include "fusion/estimator.h"
+#include "fusion/filter/chi_square.h"
 #include "fusion/simulation.h"
 
 namespace cairn::fusion::testing {

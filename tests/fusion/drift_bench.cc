@@ -17,8 +17,8 @@
 #include <string_view>
 #include <vector>
 
+#include "fusion/client/estimator.h"
 #include "fusion/errors.h"
-#include "fusion/estimator.h"
 #include "fusion/simulation.h"
 
 namespace cairn::fusion::testing {

@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <cmath>
 
-#include "fusion/filter_state.h"
+#include "fusion/filter/filter_state.h"
 #include "fusion/simulation.h"
 
 namespace cairn::fusion::testing {

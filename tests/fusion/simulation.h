@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/camera.h"
-#include "fusion/fusion_options.h"
-#include "fusion/fusion_types.h"
+#include "fusion/client/fusion_options.h"
+#include "fusion/client/fusion_types.h"
 #include "fusion/motion.h"
 
 namespace cairn::fusion::testing {

@@ -4,7 +4,7 @@
 #include "core/error.h"
 #include "fuzz/fuzz_target.h"
 #include "fuzz/seal.h"
-#include "storage/codebook.h"
+#include "storage/codebook/codebook.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   constexpr size_t kChecksumOffset = 32;

@@ -1,7 +1,7 @@
 // What photos say about themselves.
 #include "core/error.h"
 #include "fuzz/fuzz_target.h"
-#include "ingest/readers/exif.h"
+#include "ingest/images/exif.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   try {

@@ -1,6 +1,6 @@
 // GeoPackage geometries, which a map's layers hold and other programs may write.
 #include "fuzz/fuzz_target.h"
-#include "storage/geopackage.h"
+#include "storage/geometry/geopackage.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   cairn::EnvelopeOfGeometry({data, size});

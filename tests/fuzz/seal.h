@@ -8,7 +8,7 @@
 #include <cstring>
 #include <vector>
 
-#include "storage/checksum.h"
+#include "storage/bytes/checksum.h"
 
 namespace cairn::testing {
 

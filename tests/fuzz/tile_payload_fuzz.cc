@@ -3,8 +3,8 @@
 #include "core/error.h"
 #include "fuzz/fuzz_target.h"
 #include "fuzz/seal.h"
-#include "storage/tile_codec.h"
-#include "storage/tile_payload.h"
+#include "storage/tile/tile_codec.h"
+#include "storage/tile/tile_payload.h"
 #include "support/tile_builder.h"
 
 namespace cairn {

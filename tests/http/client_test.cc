@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "core/error.h"
-#include "plain_http.h"
+#include "http/plain_http.h"
 
 namespace cairn {
 namespace {

@@ -8,9 +8,9 @@
 #include <string>
 
 #include "core/error.h"
-#include "http/feature_codec.h"
-#include "plain_http.h"
-#include "server_fixture.h"
+#include "http/wire/feature_codec.h"
+#include "http/plain_http.h"
+#include "http/server_fixture.h"
 
 namespace cairn {
 namespace {

@@ -7,9 +7,9 @@
 #include <random>
 #include <string>
 
-#include "http/base64.h"
-#include "http/feature_codec.h"
 #include "http/json/localize_request.h"
+#include "http/wire/base64.h"
+#include "http/wire/feature_codec.h"
 
 namespace cairn {
 namespace {

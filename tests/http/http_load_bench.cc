@@ -15,9 +15,9 @@
 #include <thread>
 #include <vector>
 
-#include "eval/bench/bench_world.h"
 #include "http/client.h"
 #include "http/server.h"
+#include "lab/bench/bench_world.h"
 #include "support/temp_dir.h"
 
 namespace cairn {

@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "core/error.h"
-#include "http/base64.h"
 #include "http/client.h"
-#include "http/feature_codec.h"
-#include "plain_http.h"
-#include "server_fixture.h"
-#include "storage/descriptor_codec.h"
+#include "http/wire/base64.h"
+#include "http/wire/feature_codec.h"
+#include "http/plain_http.h"
+#include "http/server_fixture.h"
+#include "storage/codebook/descriptor_codec.h"
 
 namespace cairn {
 namespace {

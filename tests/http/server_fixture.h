@@ -11,7 +11,7 @@
 #include "http/client.h"
 #include "http/server.h"
 #include "ingest/ingest_session.h"
-#include "storage/map_store.h"
+#include "storage/map/map_store.h"
 #include "support/reconstruction_builder.h"
 #include "support/temp_dir.h"
 

@@ -8,12 +8,12 @@
 #include <thread>
 
 #include "core/error.h"
-#include "http/localize_service.h"
 #include "http/routes.h"
-#include "plain_http.h"
-#include "raw_socket.h"
-#include "server_fixture.h"
-#include "storage/tile_codec.h"
+#include "http/service/localize_service.h"
+#include "http/plain_http.h"
+#include "http/raw_socket.h"
+#include "http/server_fixture.h"
+#include "storage/tile/tile_codec.h"
 
 namespace cairn {
 namespace {

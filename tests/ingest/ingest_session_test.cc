@@ -15,7 +15,7 @@
 
 #include "core/error.h"
 #include "core/frames.h"
-#include "storage/tile_codec.h"
+#include "storage/tile/tile_codec.h"
 #include "support/reconstruction_builder.h"
 #include "support/temp_dir.h"
 

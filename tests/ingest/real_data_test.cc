@@ -13,7 +13,7 @@
 #include "ingest/georegister/georegister.h"
 #include "ingest/ingest_session.h"
 #include "ingest/readers/colmap_reader.h"
-#include "storage/descriptor_codec.h"
+#include "storage/codebook/descriptor_codec.h"
 #include "support/temp_dir.h"
 #include "support/test_data.h"
 

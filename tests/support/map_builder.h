@@ -6,9 +6,9 @@
 #include <string>
 
 #include "core/error.h"
-#include "storage/map_store.h"
-#include "storage/tile.h"
-#include "storage/tile_codec.h"
+#include "storage/map/map_store.h"
+#include "storage/tile/tile.h"
+#include "storage/tile/tile_codec.h"
 
 namespace cairn::testing {
 

@@ -13,8 +13,8 @@
 
 #include "core/camera.h"
 #include "core/rigid3.h"
-#include "engine/pose/level_frame.h"
-#include "engine/query_context.h"
+#include "engine/query/level_frame.h"
+#include "engine/query/query_context.h"
 
 namespace cairn::testing {
 

@@ -6,8 +6,8 @@
 
 #include "core/camera.h"
 #include "core/geodesy.h"
-#include "storage/describe_tile.h"
-#include "storage/map_store.h"
+#include "storage/map/describe_tile.h"
+#include "storage/map/map_store.h"
 #include "support/map_builder.h"
 #include "support/tile_builder.h"
 

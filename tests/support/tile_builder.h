@@ -10,8 +10,8 @@
 #include "core/geodesy.h"
 #include "core/rigid3.h"
 #include "core/tile_id.h"
-#include "storage/codebook.h"
-#include "storage/tile.h"
+#include "storage/codebook/codebook.h"
+#include "storage/tile/tile.h"
 
 namespace cairn::testing {
 

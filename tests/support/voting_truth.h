@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/features.h"
-#include "engine/pose_candidate.h"
+#include "engine/query/pose_candidate.h"
 #include "support/pose_scene.h"
 
 namespace cairn::testing {

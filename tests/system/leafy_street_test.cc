@@ -5,12 +5,12 @@
 
 #include "engine/localizer.h"
 #include "eval/evaluation.h"
-#include "eval/known_poses/reconstruct_known_poses.h"
-#include "eval/street/street_scene.h"
 #include "ingest/features/sift_extractor.h"
 #include "ingest/ingest_session.h"
-#include "storage/map_store.h"
-#include "storage/tile_cache.h"
+#include "lab/known_poses/reconstruct_known_poses.h"
+#include "lab/street/street_scene.h"
+#include "storage/map/map_store.h"
+#include "storage/map/tile_cache.h"
 #include "support/temp_dir.h"
 
 namespace cairn::testing {

@@ -16,7 +16,7 @@
 #include "http/server.h"
 #include "ingest/georegister/georegister.h"
 #include "ingest/ingest_session.h"
-#include "storage/map_store.h"
+#include "storage/map/map_store.h"
 #include "support/temp_dir.h"
 
 namespace cairn::testing {

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "fusion/fusion_client.h"
+#include "fusion/client/fusion_client.h"
 #include "fusion/transport/map_transport.h"
 
 namespace fusion = cairn::fusion;

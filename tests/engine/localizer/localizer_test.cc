@@ -15,7 +15,9 @@
 
 #include "core/error.h"
 #include "engine/localizer/mapped_streets.h"
-#include "storage/descriptor_codec.h"
+#include "lab/rivals/index/index_methods.h"
+#include "lab/rivals/voting/covisibility_filter.h"
+#include "storage/codebook/descriptor_codec.h"
 
 namespace cairn {
 namespace {
@@ -56,14 +58,12 @@ TEST_F(LocalizerOnOneStreet, FindsPosesBetweenTheKeyframes) {
 
 TEST_F(LocalizerOnOneStreet, WorksWithEveryAlternative) {
   std::vector<LocalizerOptions> alternatives;
-  for (const IndexKind kind : {IndexKind::kInvertedLists, IndexKind::kInvertedMultiIndex,
-                               IndexKind::kKdTree, IndexKind::kExhaustive}) {
-    alternatives.emplace_back().matching.index.kind = kind;
+  for (const IndexMethod method : {IndexMethod::kInvertedLists, IndexMethod::kInvertedMultiIndex,
+                                   IndexMethod::kKdTree, IndexMethod::kExhaustive}) {
+    alternatives.emplace_back().matching.index = MakeIndexOptions(method);
   }
-  for (const OutlierFilter filter :
-       {OutlierFilter::kVoting3d, OutlierFilter::kCovisibility, OutlierFilter::kNone}) {
-    alternatives.emplace_back().voting.filter = filter;
-  }
+  alternatives.emplace_back().voting.filter = OutlierFilter::kVoting3d;
+  alternatives.emplace_back().voting = WithCovisibility({});
   alternatives.emplace_back().matching.distance_filter = DistanceFilter::kNone;
   LocalizerOptions& word_ratio = alternatives.emplace_back();
   word_ratio.matching.distance_filter = DistanceFilter::kWordRatio;

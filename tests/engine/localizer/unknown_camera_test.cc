@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "engine/focal_search.h"
+#include "engine/focal/focal_search.h"
 #include "engine/localizer/mapped_streets.h"
 
 namespace cairn {

@@ -13,8 +13,9 @@
 #include <utility>
 
 #include "core/error.h"
-#include "engine/matching/simple_tile.h"
-#include "engine/matching/synthetic_descriptors.h"
+#include "engine/index/synthetic_descriptors.h"
+#include "engine/tiles/simple_tile.h"
+#include "lab/rivals/index/index_methods.h"
 
 namespace cairn {
 namespace {
@@ -172,14 +173,14 @@ TEST(MatchFeatures, EveryKindOfIndexGivesTheSameMatches) {
   const QueryContext query = SimpleQuery({{0.0f}, {1.0f}});
   MatchingOptions options;
   options.max_neighbors = 2;
-  for (const IndexKind kind :
-       {IndexKind::kRandomGrids, IndexKind::kInvertedLists, IndexKind::kInvertedMultiIndex,
-        IndexKind::kKdTree, IndexKind::kExhaustive}) {
-    IndexOptions index = testing::ExhaustiveGrids();
-    index.kind = kind;
+  for (const IndexMethod method :
+       {IndexMethod::kRandomGrids, IndexMethod::kInvertedLists, IndexMethod::kInvertedMultiIndex,
+        IndexMethod::kKdTree, IndexMethod::kExhaustive}) {
+    const IndexOptions index =
+        MakeIndexOptions(method, {.grids = testing::ExhaustiveGrids().grids});
     const std::vector<TileView> tiles = {SimpleView(tile, Rigid3d(), index)};
     EXPECT_THAT(LandmarkIds(tiles, Match(query, tiles, options)), ElementsAre(2, 1, 1, 4))
-        << IndexKindName(kind);
+        << IndexMethodName(method);
   }
 }
 

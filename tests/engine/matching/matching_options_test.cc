@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "engine/matching/distance_statistics.h"
+#include "engine/index/distance_statistics.h"
 #include "engine/tiles/tiles_options.h"
 
 namespace cairn {
@@ -36,12 +36,6 @@ TEST(MatchingOptions, NameTheFieldThatMakesNoSense) {
       {"lists.num_lists", [](auto* options) { options->index.lists.num_lists = 0; }},
       {"lists.num_probes", [](auto* options) { options->index.lists.num_probes = 0; }},
       {"lists.num_iterations", [](auto* options) { options->index.lists.num_iterations = -1; }},
-      {"multi_index.num_words", [](auto* options) { options->index.multi_index.num_words = 4097; }},
-      {"multi_index.num_probes", [](auto* options) { options->index.multi_index.num_probes = 0; }},
-      {"multi_index.num_iterations",
-       [](auto* options) { options->index.multi_index.num_iterations = 101; }},
-      {"kd_tree.max_leaf_size", [](auto* options) { options->index.kd_tree.max_leaf_size = 0; }},
-      {"kd_tree.num_probes", [](auto* options) { options->index.kd_tree.num_probes = 0; }},
       {"num_reference_words", [](auto* options) { options->index.num_reference_words = -1; }},
       {"num_reference_words",
        [](auto* options) { options->distance_filter = DistanceFilter::kWordRatio; }},

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "engine/pose/estimate_pose.h"
-#include "engine/pose/evidence.h"
+#include "engine/pose/evidence/evidence.h"
 #include "engine/pose/solvers/gravity_two_point.h"
 #include "engine/pose/solvers/p3p.h"
 #include "support/pose_scene.h"

@@ -6,7 +6,7 @@
 #include <random>
 #include <set>
 
-#include "engine/pose/evidence.h"
+#include "engine/pose/evidence/evidence.h"
 #include "support/cameras.h"
 #include "support/pose_scene.h"
 

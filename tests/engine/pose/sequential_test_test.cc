@@ -1,8 +1,8 @@
-#include "engine/pose/sequential_test.h"
+#include "engine/pose/sampling/sequential_test.h"
 
 #include <gtest/gtest.h>
 
-#include "engine/pose/random.h"
+#include "core/random.h"
 
 namespace cairn {
 namespace {

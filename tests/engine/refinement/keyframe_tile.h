@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/query_context.h"
+#include "engine/query/query_context.h"
 #include "engine/tiles/searchable_tile.h"
 #include "support/tile_builder.h"
 

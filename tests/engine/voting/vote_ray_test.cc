@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/pose/level_frame.h"
+#include "engine/query/level_frame.h"
 
 namespace cairn {
 namespace {

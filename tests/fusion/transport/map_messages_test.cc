@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "core/tile_id.h"
-#include "http/multipart.h"
+#include "http/wire/multipart.h"
 
 namespace cairn::fusion {
 namespace {

@@ -2,11 +2,11 @@
 #ifndef CAIRN_TESTS_FUSION_TRANSPORT_STREET_QUERY_H_
 #define CAIRN_TESTS_FUSION_TRANSPORT_STREET_QUERY_H_
 
-#include "engine/localize_query.h"
+#include "engine/query/localize_query.h"
 #include "fusion/transport/map_messages.h"
-#include "storage/codebook.h"
-#include "storage/descriptor_codec.h"
-#include "storage/map_store.h"
+#include "storage/codebook/codebook.h"
+#include "storage/codebook/descriptor_codec.h"
+#include "storage/map/map_store.h"
 
 namespace cairn::fusion::testing {
 

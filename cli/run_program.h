@@ -1,0 +1,21 @@
+// What a binary of verbs does around them: parses the command line, runs one verb, turns failures
+// into messages and exit codes.
+#ifndef CAIRN_CLI_RUN_PROGRAM_H_
+#define CAIRN_CLI_RUN_PROGRAM_H_
+
+#include "cli/shell.h"
+
+namespace cairn {
+
+struct Program {
+  const char* name;         // "cairn".
+  const char* description;  // One sentence, the first of its help.
+  void (*add_verbs)(CLI::App* app, Shell* shell);
+};
+
+// The exit code of main().
+int RunProgram(const Program& program, int argc, char** argv);
+
+}  // namespace cairn
+
+#endif  // CAIRN_CLI_RUN_PROGRAM_H_

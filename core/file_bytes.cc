@@ -1,0 +1,82 @@
+#include "core/file_bytes.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+#include <system_error>
+
+#include "core/error.h"
+
+namespace cairn {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kChunkBytes = size_t{1} << 20;
+
+[[noreturn]] void ThrowTooLarge(const std::string& path, uint64_t max_bytes) {
+  throw Error(
+      ErrorCode::kBadInput,
+      fmt::format("{}: the file has more than {} bytes, the most that are read", path, max_bytes));
+}
+
+// Bytes that a regular file is said to have; 0 of all others.
+uint64_t ExpectedBytes(const std::string& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (status.type() == fs::file_type::not_found) {
+    throw Error(ErrorCode::kNotFound, fmt::format("{}: no such file", path));
+  }
+  if (status.type() == fs::file_type::directory) {
+    throw Error(ErrorCode::kBadInput, fmt::format("{}: is a directory, not a file", path));
+  }
+  if (status.type() != fs::file_type::regular) {
+    return 0;
+  }
+  const uint64_t num_bytes = fs::file_size(path, error);
+  if (error) {
+    throw Error(ErrorCode::kIo, fmt::format("{}: {}", path, error.message()));
+  }
+  return num_bytes;
+}
+
+}  // namespace
+
+std::vector<uint8_t> ReadFileBytes(const std::string& path, uint64_t max_bytes) {
+  const uint64_t expected_bytes = ExpectedBytes(path);
+  if (expected_bytes > max_bytes) {
+    ThrowTooLarge(path, max_bytes);
+  }
+  std::ifstream file(path, std::ios::binary);
+  std::vector<uint8_t> bytes;
+  while (file) {
+    const size_t begin = bytes.size();
+    // Of a regular file all at once and the end of it, without a copy.
+    const bool is_expected = begin == 0 && expected_bytes > 0;
+    bytes.resize(begin + (is_expected ? expected_bytes + 1 : kChunkBytes));
+    file.read(reinterpret_cast<char*>(bytes.data() + begin),
+              static_cast<std::streamsize>(bytes.size() - begin));
+    bytes.resize(begin + static_cast<size_t>(file.gcount()));
+    if (bytes.size() > max_bytes) {
+      ThrowTooLarge(path, max_bytes);
+    }
+  }
+  if (!file.eof()) {
+    throw Error(ErrorCode::kIo, fmt::format("{}: cannot be read", path));
+  }
+  return bytes;
+}
+
+std::string ReadTextFile(const std::string& path, uint64_t max_bytes) {
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  const std::vector<uint8_t> bytes = ReadFileBytes(path, max_bytes);
+  std::string text(bytes.begin(), bytes.end());
+  if (text.starts_with(kByteOrderMark)) {
+    text.erase(0, kByteOrderMark.size());
+  }
+  return text;
+}
+
+}  // namespace cairn

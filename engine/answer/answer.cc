@@ -1,0 +1,196 @@
+#include "engine/answer/answer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "core/check.h"
+#include "engine/pose/evidence/evidence.h"
+#include "engine/prior/pose_share.h"
+#include "engine/query/build_query_context.h"
+#include "engine/refinement/bernoulli_divergence.h"
+
+namespace cairn {
+namespace {
+
+bool AreFarApart(const Rigid3d& a, const Rigid3d& b, const AnswerOptions& options) {
+  return (a.Inverse().translation - b.Inverse().translation).norm() >
+             options.ambiguous_distance_m ||
+         RotationAngleRad(a.rotation, b.rotation) > options.ambiguous_rotation_rad;
+}
+
+// A hypothesis and what speaks for it.
+struct Contender {
+  const PoseHypothesis* hypothesis = nullptr;
+  double score = 0.0;
+};
+
+Contender MakeContender(const QueryContext& query, const PoseHypothesis& hypothesis) {
+  const Eigen::Vector3d center_in_anchor =
+      hypothesis.estimate.cam_from_anchor.Inverse().translation;
+  return {&hypothesis, hypothesis.estimate.evidence +
+                           LogPoseShare(query.region, center_in_anchor, hypothesis.used_gravity)};
+}
+
+// The probability that a pose's match is right, by keypoint.
+std::map<int, double> RightByKeypoint(const PoseHypothesis& hypothesis) {
+  std::map<int, double> right;
+  const PoseEstimate& estimate = hypothesis.estimate;
+  for (size_t i = 0; i < estimate.inliers.size(); ++i) {
+    right[(*hypothesis.correspondences)[estimate.inliers[i]].keypoint_idx] =
+        estimate.right_probabilities[i];
+  }
+  return right;
+}
+
+// True if the inliers decide between two poses that are far apart. What both explain, such as a
+// facade that repeats, tells nothing; see AnswerOptions.
+bool Outdoes(const PoseHypothesis& a, const PoseHypothesis& b, const AnswerOptions& options) {
+  const std::map<int, double> of_a = RightByKeypoint(a), of_b = RightByKeypoint(b);
+  double sum_a = 0.0, sum_b = 0.0, num_for = 0.0, num_against = 0.0;
+  for (const auto& [keypoint_idx, right] : of_a) {
+    const auto other = of_b.find(keypoint_idx);
+    sum_a += right;
+    num_for += std::max(0.0, right - (other == of_b.end() ? 0.0 : other->second));
+  }
+  for (const auto& [keypoint_idx, right] : of_b) {
+    const auto other = of_a.find(keypoint_idx);
+    sum_b += right;
+    num_against += std::max(0.0, right - (other == of_a.end() ? 0.0 : other->second));
+  }
+  const double num_all = num_for + num_against;
+  return num_for > num_against && sum_b <= options.decisive_inlier_share * sum_a &&
+         num_all * BernoulliDivergence(num_for / num_all, 0.5) >= options.decisive_evidence;
+}
+
+// True if `rival` explains the image about as well as `best` from somewhere else.
+bool Rivals(const Contender& rival, const Contender& best, const AnswerOptions& options) {
+  return rival.score >= options.ambiguous_score_ratio * best.score &&
+         AreFarApart(best.hypothesis->estimate.cam_from_anchor,
+                     rival.hypothesis->estimate.cam_from_anchor, options);
+}
+
+// The contender that wins, `by_score` being in order; nothing if the answer is ambiguous.
+const PoseHypothesis* FindWinner(const std::vector<Contender>& by_score,
+                                 const AnswerOptions& options) {
+  Contender best = by_score.front();
+  for (const Contender& rival : by_score) {
+    if (Rivals(rival, best, options) && Outdoes(*rival.hypothesis, *best.hypothesis, options)) {
+      best = rival;
+    }
+  }
+  const bool is_ambiguous =
+      std::any_of(by_score.begin(), by_score.end(), [&](const Contender& rival) {
+        return Rivals(rival, best, options) &&
+               !Outdoes(*best.hypothesis, *rival.hypothesis, options);
+      });
+  return is_ambiguous ? nullptr : best.hypothesis;
+}
+
+// Radius that holds 68 % of an isotropic Gaussian with this covariance trace: the square root of
+// the 0.68 quantile of chi-squared with three degrees of freedom, 3.506.
+double Radius68(const Eigen::Matrix3d& covariance) {
+  return std::sqrt(3.506 * covariance.trace() / 3.0);
+}
+
+void FillMatches(const QueryContext& query, const std::vector<TileView>& tiles,
+                 const PoseHypothesis& hypothesis, LocalizeResult* result) {
+  std::vector<int> first_keypoint(query.num_cameras(), 0);
+  for (int i = query.is_rig() ? query.num_keypoints() - 1 : -1; i >= 0; --i) {
+    first_keypoint[query.CameraIdxOf(i)] = i;
+  }
+  for (size_t i = 0; i < hypothesis.estimate.inliers.size(); ++i) {
+    const Correspondence& match = (*hypothesis.correspondences)[hypothesis.estimate.inliers[i]];
+    const Keypoint& keypoint = query.keypoints[match.keypoint_idx];
+    LocalizeMatch out;
+    out.camera_idx = query.CameraIdxOf(match.keypoint_idx);
+    out.keypoint_idx = match.keypoint_idx - first_keypoint[out.camera_idx];
+    out.pixel = {keypoint.x_px, keypoint.y_px};
+    out.landmark_id = tiles[match.tile_idx].tile->landmarks().landmark_ids[match.landmark_idx];
+    out.tile_idx = match.tile_idx;
+    out.x_in_anchor = match.x_in_anchor;
+    out.sigma_m = match.sigma_m;
+    const auto traits = TraitsOf(query, match, hypothesis.estimate.cam_from_anchor);
+    if (!traits) {
+      continue;  // At the very edge of what the camera sees, by rounding.
+    }
+    out.traits = *traits;
+    out.right_probability = hypothesis.estimate.right_probabilities[i];
+    result->matches.push_back(out);
+  }
+  std::sort(result->matches.begin(), result->matches.end(),
+            [](const LocalizeMatch& a, const LocalizeMatch& b) {
+              return std::pair(a.camera_idx, a.keypoint_idx) <
+                     std::pair(b.camera_idx, b.keypoint_idx);
+            });
+}
+
+void FillPose(const QueryContext& query, const Contender& winner,
+              const ScoreCalibration& calibration, LocalizeResult* result) {
+  const PoseEstimate& estimate = winner.hypothesis->estimate;
+  result->localized = true;
+  result->anchor = query.region.origin;
+  result->cam_from_anchor = estimate.cam_from_anchor;
+  result->cam_from_ecef = estimate.cam_from_anchor * query.region.ecef_from_anchor.Inverse();
+  result->position = GeodeticFromEcef(result->cam_from_ecef.Inverse().translation);
+  result->covariance = estimate.covariance;
+  result->rotation_accuracy_rad =
+      calibration.RotationAccuracyRad(Radius68(estimate.covariance.topLeftCorner<3, 3>()));
+  result->position_accuracy_m =
+      calibration.PositionAccuracyM(Radius68(estimate.covariance.bottomRightCorner<3, 3>()));
+  result->score = winner.score;
+  result->confidence = calibration.Confidence(winner.score, result->position_accuracy_m);
+  result->false_alarm_rate = calibration.FalseAlarmRate(winner.score);
+  result->prior_disagrees =
+      DisagreesWithPrior(query.region, estimate.cam_from_anchor.Inverse().translation);
+  result->counters.used_gravity = winner.hypothesis->used_gravity;
+}
+
+// Why a pose of too low a score is no answer: the prior, if it would be one without it.
+NotLocalizedReason ReasonOfWeakness(const QueryContext& query, const Contender& best,
+                                    const AnswerOptions& options) {
+  const bool the_prior_decides =
+      DisagreesWithPrior(query.region,
+                         best.hypothesis->estimate.cam_from_anchor.Inverse().translation) &&
+      best.hypothesis->estimate.evidence + LogPoseShare(query.region, PriorCenter(query.region),
+                                                        best.hypothesis->used_gravity) >=
+          options.min_score;
+  return the_prior_decides ? NotLocalizedReason::kPriorMismatch
+                           : NotLocalizedReason::kTooFewInliers;
+}
+
+}  // namespace
+
+void ConcludeAnswer(const QueryContext& query, const std::vector<TileView>& tiles,
+                    const std::vector<PoseHypothesis>& hypotheses, const AnswerOptions& options,
+                    const std::function<PoseHypothesis(const PoseHypothesis&)>& refine,
+                    LocalizeResult* result) {
+  CAIRN_CHECK(!hypotheses.empty(), "there is nothing to conclude from");
+  std::vector<Contender> by_score;
+  for (const PoseHypothesis& hypothesis : hypotheses) {
+    by_score.push_back(MakeContender(query, hypothesis));
+  }
+  std::stable_sort(by_score.begin(), by_score.end(),
+                   [](const Contender& a, const Contender& b) { return a.score > b.score; });
+  const PoseHypothesis* winner = FindWinner(by_score, options);
+  if (winner == nullptr) {
+    result->reason = by_score.front().score >= options.min_score
+                         ? NotLocalizedReason::kAmbiguous
+                         : ReasonOfWeakness(query, by_score.front(), options);
+    return;
+  }
+  const PoseHypothesis refined = refine(*winner);
+  const Contender answer = MakeContender(query, refined);
+  if (answer.score < options.min_score) {
+    result->reason = ReasonOfWeakness(query, answer, options);
+    return;
+  }
+  result->reason = NotLocalizedReason::kNone;
+  FillPose(query, answer, options.calibration, result);
+  result->camera = refined.camera;
+  FillMatches(refined.camera ? WithCamera(query, refined.camera->camera) : query, tiles, refined,
+              result);
+}
+
+}  // namespace cairn

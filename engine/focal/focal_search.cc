@@ -1,0 +1,52 @@
+#include "engine/focal/focal_search.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cairn {
+
+CameraPrior CameraPriorOf(const LocalizeQuery& query) {
+  return {query.camera, query.focal.value_or(FocalPrior{kAssumedFocalLogSigma})};
+}
+
+FocalSearch::FocalSearch(const FocalPrior& prior, double good_score) : good_score_(good_score) {
+  constexpr double kMaxLogStep = 0.15;
+  const double reach = 3.0 * prior.log_sigma;
+  const int num_steps = prior.log_sigma > kMaxTrustedFocalLogSigma
+                            ? static_cast<int>(std::ceil(reach / kMaxLogStep))
+                            : 0;
+  for (int i = -num_steps; i <= num_steps; ++i) {
+    factors_.push_back(i == 0 ? 1.0 : std::exp(reach * i / num_steps));
+  }
+  scores_.resize(factors_.size());
+}
+
+std::optional<double> FocalSearch::Next() {
+  const auto size = static_cast<int>(factors_.size());
+  const auto best = std::max_element(scores_.begin(), scores_.end()) - scores_.begin();
+  const bool is_good = scores_[best] >= good_score_;
+  const auto middle = is_good ? static_cast<int>(best) : size / 2;
+  for (int distance = 0; distance < (is_good ? 2 : size); ++distance) {
+    for (const int i : {middle - distance, middle + distance}) {
+      if (i >= 0 && i < size && !scores_[i]) {
+        current_ = i;
+        return factors_[i];
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+void FocalSearch::Report(double score) { scores_[current_] = score; }
+
+CameraEstimate MakeCameraEstimate(const CameraPrior& prior, const RefinedCamera& refined) {
+  CameraEstimate estimate;
+  estimate.camera = refined.camera;
+  estimate.focal_sigma_px = refined.focal_log_sigma * refined.camera.focal_px();
+  estimate.assumed_focal_px = prior.camera.focal_px();
+  estimate.assumed_focal_sigma_px = prior.focal.log_sigma * prior.camera.focal_px();
+  estimate.focal_disagrees = refined.FocalDisagrees();
+  return estimate;
+}
+
+}  // namespace cairn

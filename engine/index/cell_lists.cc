@@ -1,0 +1,146 @@
+#include "engine/index/cell_lists.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "core/check.h"
+
+namespace cairn {
+namespace {
+
+// Offsets of the cells, one more than there are.
+std::vector<uint32_t> CellBegins(std::span<const uint32_t> cells, size_t num_cells) {
+  std::vector<uint32_t> begin(num_cells + 1, 0);
+  for (const uint32_t cell : cells) {
+    ++begin[cell + 1];
+  }
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  return begin;
+}
+
+// Descriptors in order of their cells; a counting sort.
+LargeVector<uint32_t> OrderByCell(std::span<const uint32_t> cells, std::vector<uint32_t> next) {
+  LargeVector<uint32_t> order(cells.size());
+  for (size_t descriptor = 0; descriptor < cells.size(); ++descriptor) {
+    order[next[cells[descriptor]]++] = static_cast<uint32_t>(descriptor);
+  }
+  return order;
+}
+
+size_t MaxSize(const TileLists& lists) {
+  size_t max_size = 0;
+  for (size_t list = 0; list < lists.num_lists(); ++list) {
+    max_size = std::max(max_size, lists.Members(list).size());
+  }
+  return max_size;
+}
+
+}  // namespace
+
+TileLists ListsOfCells(std::span<const uint32_t> cells, size_t num_cells) {
+  TileLists lists;
+  lists.begin = CellBegins(cells, num_cells);
+  lists.members = OrderByCell(cells, lists.begin);
+  return lists;
+}
+
+CellLists::CellLists(const ByteDescriptors& descriptors, std::span<const uint32_t> cells,
+                     size_t num_cells)
+    : scale_(descriptors.scale()),
+      lists_(ListsOfCells(cells, num_cells)),
+      rows_(descriptors.rows(), scale_.stride(), lists_.members),
+      max_cell_size_(MaxSize(lists_)) {
+  CAIRN_CHECK(lists_.members.size() == descriptors.size(), "every descriptor has a cell");
+}
+
+CellLists::CellLists(ByteScale scale, BlockedRows rows, TileLists lists,
+                     const CellListsOptions& options)
+    : scale_(std::move(scale)),
+      lists_(std::move(lists)),
+      rows_(std::move(rows)),
+      options_(options),
+      max_cell_size_(MaxSize(lists_)) {
+  CAIRN_CHECK(lists_.members.size() == rows_.size(), "every descriptor has a cell");
+}
+
+// Asks for the memory of the next cell in slices, one a visit of the current cell: lists of many
+// tiles come from memory, and the comparisons go on meanwhile.
+class CellLists::Prefetcher {
+ public:
+  Prefetcher(const CellLists& lists, std::span<const CellVisit> visits)
+      : lists_(lists), visits_(visits) {}
+
+  // Before visit i is worked on; i ascends by 1.
+  void Step(size_t i) {
+    if (i == run_end_) {
+      Fetch(end_);
+      while (run_end_ < visits_.size() && visits_[run_end_].cell == visits_[i].cell) {
+        ++run_end_;
+      }
+      if (run_end_ < visits_.size()) {
+        const uint32_t cell = visits_[run_end_].cell;
+        next_ = lists_.Begin(cell);
+        end_ = lists_.End(cell);
+        slice_ = (end_ - next_) / (run_end_ - i) + 1;
+      }
+    }
+    Fetch(std::min(end_, next_ + slice_));
+  }
+
+ private:
+  void Fetch(size_t end) {
+    for (; next_ < end; next_ += kBlockRows) {
+      lists_.rows_.Prefetch(next_);
+      if (!lists_.options_.order.empty()) {
+        __builtin_prefetch(&lists_.lists_.members[next_]);
+      }
+    }
+  }
+
+  const CellLists& lists_;
+  const std::span<const CellVisit> visits_;
+  size_t run_end_ = 0;         // Of the visits of the current cell.
+  size_t next_ = 0, end_ = 0;  // Rows of the next cell that are still to be asked for.
+  size_t slice_ = 0;
+};
+
+int64_t CellLists::Search(const BlockQueries& queries, std::span<const CellVisit> visits,
+                          HitCollector* collector) const {
+  constexpr size_t kVisitsPerQuestion = 64;  // About 0.1 ms.
+  std::vector<BlockHit> hits(max_cell_size_ + kRangeSlack);
+  Prefetcher prefetcher(*this, visits);
+  int64_t num_distances = 0;
+  for (size_t i = 0; i < visits.size(); ++i) {
+    if (i % kVisitsPerQuestion == 0 && collector->ShouldStop()) {
+      break;
+    }
+    prefetcher.Step(i);
+    const auto [cell, query_idx] = visits[i];
+    const uint32_t begin = Begin(cell), end = End(cell);
+    const size_t num_hits = rows_.Range(queries[query_idx], begin, end,
+                                        collector->max_sq_steps(query_idx), hits.data());
+    HandOn(query_idx, {hits.data(), num_hits}, collector);
+    num_distances += end - begin;
+  }
+  return num_distances;
+}
+
+void CellLists::HandOn(uint32_t query_idx, std::span<BlockHit> hits,
+                       HitCollector* collector) const {
+  if (options_.order.empty()) {
+    collector->Add(query_idx, hits, lists_.members);
+    return;
+  }
+  for (BlockHit& hit : hits) {
+    hit.row = lists_.members[hit.row];
+  }
+  collector->Add(query_idx, hits, options_.order);
+}
+
+size_t CellLists::MemoryBytes() const {
+  return rows_.MemoryBytes() +
+         (lists_.begin.capacity() + lists_.members.capacity()) * sizeof(uint32_t);
+}
+
+}  // namespace cairn

@@ -1,0 +1,40 @@
+#include "engine/index/hash_buckets.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "core/random.h"
+#include "engine/index/cell_lists.h"
+
+namespace cairn {
+namespace {
+
+// Puts a subset of `max_items` items, random by seed, in front of the others; both ascending.
+void PutSubsetFirst(size_t max_items, uint64_t seed, std::span<uint32_t> items) {
+  const auto middle = items.begin() + static_cast<ptrdiff_t>(max_items);
+  std::nth_element(items.begin(), middle, items.end(), [seed](uint32_t a, uint32_t b) {
+    return RandomBits(seed, a) < RandomBits(seed, b);
+  });
+  std::sort(items.begin(), middle);
+  std::sort(middle, items.end());
+}
+
+}  // namespace
+
+TileLists SortIntoBuckets(std::span<const uint32_t> hashes, int num_bucket_bits, int max_items,
+                          uint64_t seed) {
+  std::vector<uint32_t> buckets(hashes.size());
+  std::transform(hashes.begin(), hashes.end(), buckets.begin(),
+                 [&](uint32_t hash) { return BucketOf(hash, num_bucket_bits); });
+  TileLists lists = ListsOfCells(buckets, size_t{1} << num_bucket_bits);
+  for (size_t bucket = 0; bucket < lists.num_lists(); ++bucket) {
+    const size_t size = lists.begin[bucket + 1] - lists.begin[bucket];
+    if (size > static_cast<size_t>(max_items)) {
+      PutSubsetFirst(max_items, seed, {lists.members.data() + lists.begin[bucket], size});
+    }
+  }
+  return lists;
+}
+
+}  // namespace cairn

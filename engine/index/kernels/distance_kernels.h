@@ -1,0 +1,38 @@
+// Squared distances between a query and rows of bytes: the innermost loop of matching, in portable
+// code and in variants for wider vector units chosen at run time.
+#ifndef CAIRN_ENGINE_INDEX_KERNELS_DISTANCE_KERNELS_H_
+#define CAIRN_ENGINE_INDEX_KERNELS_DISTANCE_KERNELS_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace cairn {
+
+// Rows are `stride` bytes, the query `stride` int16 values in [-1024, 1279]; stride is a multiple
+// of kDistanceBlock, at most kMaxDistanceStride. Results are integers, so every variant gives the
+// same.
+inline constexpr int kDistanceBlock = 16;
+inline constexpr int kMaxDistanceStride = 128;
+
+struct DistanceKernels {
+  const char* name;  // "plain", "avx2", "avx512".
+
+  // sq_distances[i] = |query - rows[indices[i]]|^2, for i < count.
+  void (*gather)(const int16_t* query, const uint8_t* rows, int stride, const uint32_t* indices,
+                 size_t count, int32_t* sq_distances);
+
+  // sq_distances[i] = |query - rows[i]|^2, for i < count.
+  void (*scan)(const int16_t* query, const uint8_t* rows, int stride, size_t count,
+               int32_t* sq_distances);
+};
+
+// The fastest variant this processor runs.
+const DistanceKernels& BestDistanceKernels();
+
+// Every variant this processor runs, the portable one first. For tests and benchmarks.
+std::vector<const DistanceKernels*> SupportedDistanceKernels();
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_INDEX_KERNELS_DISTANCE_KERNELS_H_

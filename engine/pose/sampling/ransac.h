@@ -1,0 +1,95 @@
+// Locally optimised RANSAC (Chum, Matas, Kittler, DAGM 2003): one loop for every estimator.
+#ifndef CAIRN_ENGINE_POSE_SAMPLING_RANSAC_H_
+#define CAIRN_ENGINE_POSE_SAMPLING_RANSAC_H_
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+
+#include "core/random.h"
+
+namespace cairn {
+
+struct RansacOptions {
+  int min_iterations = 50;
+  int max_iterations = 2000;
+  double success_probability = 0.999;
+  // Models with a lower score are not wanted.
+  double min_score = 0.0;
+};
+
+template <typename Model>
+struct RansacResult {
+  std::optional<Model> model;  // The best optimised model; nothing if no sample gave any.
+  double score = 0.0;
+  int num_iterations = 0;
+};
+
+// Iterations after which a sample free of outliers was drawn with `success_probability`, if one
+// sample is so with `inlier_sample_probability`; between the bounds of the options.
+inline int RequiredIterations(double inlier_sample_probability, const RansacOptions& options) {
+  const double log_miss = std::log1p(-std::clamp(inlier_sample_probability, 0.0, 1.0 - 1e-12));
+  const double needed =
+      log_miss < 0.0 ? std::ceil(std::log1p(-options.success_probability) / log_miss) : 1e18;
+  return static_cast<int>(std::clamp(needed, static_cast<double>(options.min_iterations),
+                                     static_cast<double>(options.max_iterations)));
+}
+
+// The loop. An Estimator offers, with Model a copyable type of its own:
+//
+//   static constexpr int kMaxModels;
+//     Most models that one minimal sample gives.
+//   int SampleModels(Random* random, std::array<Model, kMaxModels>* models);
+//     Draws a minimal sample, solves it, returns the number of models.
+//   double ScoreMinimal(const Model& model, double score_to_beat);
+//     Score of a minimal model, the higher the better, 0 is worthless. May stop early and return
+//     any value not above `score_to_beat` once the model is unlikely to beat it.
+//   std::optional<std::pair<Model, double>> Optimize(const Model& model);
+//     Local optimisation: a better model near `model` and its final score, which is comparable
+//     among optimised models only. Nothing if the model falls apart.
+//   double InlierSampleProbability(const Model& model);
+//     Probability that a minimal sample holds only inliers of the optimised `model`.
+//   double SampleProbabilityOfScore(double score);
+//     The same for a model of which only the score is known.
+//
+// With a min_score the loop ends as soon as a model of that score would have been found: searches
+// for something worse than what is known already stay short. Deterministic by seed.
+template <typename Estimator>
+RansacResult<typename Estimator::Model> LoRansac(Estimator* estimator, const RansacOptions& options,
+                                                 uint64_t seed) {
+  using Model = typename Estimator::Model;
+  RansacResult<Model> best;
+  Random random(seed);
+  std::array<Model, Estimator::kMaxModels> models;
+  double best_minimal_score = options.min_score;
+  int num_required =
+      options.min_score > 0.0
+          ? RequiredIterations(estimator->SampleProbabilityOfScore(options.min_score), options)
+          : options.max_iterations;
+  while (best.num_iterations < num_required) {
+    ++best.num_iterations;
+    const int num_models = estimator->SampleModels(&random, &models);
+    for (int i = 0; i < num_models; ++i) {
+      const double minimal_score = estimator->ScoreMinimal(models[i], best_minimal_score);
+      if (minimal_score <= best_minimal_score) {
+        continue;
+      }
+      best_minimal_score = minimal_score;
+      const auto optimized = estimator->Optimize(models[i]);
+      if (optimized && optimized->second > best.score) {
+        best.model = optimized->first;
+        best.score = optimized->second;
+        num_required = std::min(
+            num_required,
+            RequiredIterations(estimator->InlierSampleProbability(optimized->first), options));
+      }
+    }
+  }
+  return best;
+}
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_POSE_SAMPLING_RANSAC_H_

@@ -1,0 +1,24 @@
+// Pose candidates from covisibility instead of votes: for queries without gravity.
+#ifndef CAIRN_ENGINE_REFINEMENT_KEYFRAME_CANDIDATES_H_
+#define CAIRN_ENGINE_REFINEMENT_KEYFRAME_CANDIDATES_H_
+
+#include <vector>
+
+#include "engine/query/pose_candidate.h"
+#include "engine/query/query_context.h"
+#include "engine/refinement/refinement_options.h"
+#include "engine/tiles/searchable_tile.h"
+
+namespace cairn {
+
+// For each of the best ranked keyframes (see RankKeyframes), the correspondences to landmarks that
+// it or its neighbourhood saw; the candidate's score is their number of distinct keypoints. Centre
+// and yaw are left at zero: P3P does not use them.
+std::vector<PoseCandidate> KeyframeCandidates(const QueryContext& query,
+                                              const std::vector<TileView>& tiles,
+                                              const std::vector<Correspondence>& correspondences,
+                                              const RefinementOptions& options);
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_REFINEMENT_KEYFRAME_CANDIDATES_H_

@@ -1,0 +1,429 @@
+#include "fusion/filter/filter_state.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/check.h"
+#include "core/require.h"
+
+namespace cairn::fusion {
+
+void FilterStateOptions::Validate() const {
+  RequireOption(extrinsic_rotation_sigma_rad >= 0.0 && std::isfinite(extrinsic_rotation_sigma_rad),
+                "state.extrinsic_rotation_sigma_rad must be finite and not negative");
+  RequireOption(
+      extrinsic_translation_sigma_m >= 0.0 && std::isfinite(extrinsic_translation_sigma_m),
+      "state.extrinsic_translation_sigma_m must be finite and not negative");
+  RequireOption(time_offset_sigma_s >= 0.0 && std::isfinite(time_offset_sigma_s),
+                "state.time_offset_sigma_s must be finite and not negative");
+  RequireOption(tile_sigma_m >= 0.0 && std::isfinite(tile_sigma_m),
+                "state.tile_sigma_m must be finite and not negative");
+  RequireWithin("state.max_points", max_points, 0, kMaxPoints);
+}
+
+FilterState::FilterState(const ImuState& imu, const Matrix15d& covariance, const Rig& rig,
+                         const FilterStateOptions& options)
+    : mean_{imu, rig, std::nullopt, {}, {}},
+      first_{imu.local_from_imu.translation, imu.velocity_in_local},
+      estimates_rig_(options.extrinsic_rotation_sigma_rad > 0.0 ||
+                     options.extrinsic_translation_sigma_m > 0.0 ||
+                     options.time_offset_sigma_s > 0.0),
+      tile_sigma_m_(options.tile_sigma_m),
+      tiles_idx_(kRigIdx + (estimates_rig_ ? kRigDim : 0)),
+      points_idx_(tiles_idx_ + (options.tile_sigma_m > 0.0 ? kTileDim * kMaxTiles : 0)),
+      clones_idx_(points_idx_ + kPointDim * options.max_points),
+      covariance_(Eigen::MatrixXd::Zero(clones_idx_ + kCloneDim * kMaxClones,
+                                        clones_idx_ + kCloneDim * kMaxClones)) {
+  mean_.clones.reserve(kMaxClones);
+  mean_.points.resize(static_cast<size_t>(options.max_points));
+  covariance_.topLeftCorner<kImuDim, kImuDim>() = covariance;
+  if (estimates_rig_) {
+    auto diagonal = covariance_.diagonal().segment<kRigDim>(kRigIdx);
+    diagonal.head<3>().setConstant(std::pow(options.extrinsic_rotation_sigma_rad, 2));
+    diagonal.segment<3>(3).setConstant(std::pow(options.extrinsic_translation_sigma_m, 2));
+    diagonal[6] = std::pow(options.time_offset_sigma_s, 2);
+  }
+}
+
+void FilterState::Propagate(const ImuState& end, const FirstEstimate& first,
+                            const ImuTransition& transition) {
+  const int rest = dim() - kImuDim;
+  const Matrix15d moved = transition.phi * covariance_.topLeftCorner<kImuDim, kImuDim>();
+  Matrix15d imu_covariance = moved * transition.phi.transpose() + transition.noise;
+  covariance_.topLeftCorner<kImuDim, kImuDim>() =
+      0.5 * (imu_covariance + imu_covariance.transpose());
+  const Eigen::Matrix<double, kImuDim, Eigen::Dynamic> cross =
+      transition.phi * covariance_.block(0, kImuDim, kImuDim, rest);
+  covariance_.block(0, kImuDim, kImuDim, rest) = cross;
+  covariance_.block(kImuDim, 0, rest, kImuDim) = cross.transpose();
+  mean_.imu = end;
+  first_ = first;
+}
+
+void FilterState::AddClone(int64_t frame_id, int64_t timestamp_ns,
+                           const Eigen::Vector3d& imu_rate_rad_s) {
+  CAIRN_CHECK(mean_.clones.size() < kMaxClones, "room for one more clone");
+  const int old_dim = dim();
+  // The clone's error is the pose's, plus how far the pose moves in an error of the time offset.
+  covariance_.block(old_dim, 0, kCloneDim, old_dim) = covariance_.block(0, 0, kCloneDim, old_dim);
+  if (estimates_rig_) {
+    Eigen::Matrix<double, kCloneDim, 1> by_time;
+    by_time << mean_.imu.local_from_imu.rotation * imu_rate_rad_s, mean_.imu.velocity_in_local;
+    covariance_.block(old_dim, 0, kCloneDim, old_dim) +=
+        by_time * covariance_.row(kRigIdx + 6).head(old_dim);
+    covariance_.block(0, old_dim, old_dim, kCloneDim) =
+        covariance_.block(old_dim, 0, kCloneDim, old_dim).transpose();
+    covariance_.block<kCloneDim, kCloneDim>(old_dim, old_dim) =
+        covariance_.block<kCloneDim, kCloneDim>(old_dim, 0) +
+        covariance_.block<kCloneDim, 1>(old_dim, kRigIdx + 6) * by_time.transpose();
+  } else {
+    covariance_.block(0, old_dim, old_dim, kCloneDim) =
+        covariance_.block(old_dim, 0, kCloneDim, old_dim).transpose();
+    covariance_.block<kCloneDim, kCloneDim>(old_dim, old_dim) =
+        covariance_.block<kCloneDim, kCloneDim>(0, 0);
+  }
+  mean_.clones.push_back(
+      {frame_id, timestamp_ns, mean_.imu.local_from_imu, first_.position_in_local});
+}
+
+void FilterState::RemoveClone(int clone) {
+  const int newest = static_cast<int>(mean_.clones.size()) - 1;
+  const int next_anchor = clone == newest ? newest - 1 : newest;
+  for (int slot = 0; slot < static_cast<int>(mean_.points.size()); ++slot) {
+    auto& point = mean_.points[static_cast<size_t>(slot)];
+    if (point && point->anchor == clone) {
+      next_anchor < 0 ? RemovePoint(slot) : MoveAnchor(slot, next_anchor);
+    }
+    if (point && point->anchor > clone) {
+      --point->anchor;
+    }
+  }
+  const int begin = CloneIdx(clone);
+  const int old_dim = dim();
+  const int after = old_dim - begin - kCloneDim;
+  // Rows and columns behind the clone move up, one at a time so that nothing is overwritten early.
+  for (int i = 0; i < after; ++i) {
+    covariance_.col(begin + i).head(old_dim) = covariance_.col(begin + kCloneDim + i).head(old_dim);
+  }
+  for (int i = 0; i < after; ++i) {
+    covariance_.row(begin + i).head(old_dim) = covariance_.row(begin + kCloneDim + i).head(old_dim);
+  }
+  covariance_.block(old_dim - kCloneDim, 0, kCloneDim, old_dim).setZero();
+  covariance_.block(0, old_dim - kCloneDim, old_dim, kCloneDim).setZero();
+  mean_.clones.erase(mean_.clones.begin() + clone);
+}
+
+int FilterState::TileIdx(uint64_t tile_id) {
+  CAIRN_CHECK(has_tiles(), "tiles are part of the state");
+  size_t slot = 0;
+  for (size_t i = 0; i < tiles_.size(); ++i) {
+    if (tiles_[i].tile_id == tile_id) {
+      slot = i;
+      break;
+    }
+    if (tiles_[i].last_use < tiles_[slot].last_use) {
+      slot = i;
+    }
+  }
+  const int offset = tiles_idx_ + kTileDim * static_cast<int>(slot);
+  if (tiles_[slot].tile_id != tile_id) {
+    tiles_[slot].tile_id = tile_id;
+    covariance_.middleRows<kTileDim>(offset).setZero();
+    covariance_.middleCols<kTileDim>(offset).setZero();
+    covariance_.diagonal().segment<kTileDim>(offset).setConstant(tile_sigma_m_ * tile_sigma_m_);
+  }
+  tiles_[slot].last_use = ++tile_clock_;
+  return offset;
+}
+
+std::optional<int> FilterState::FindTileIdx(uint64_t tile_id) const {
+  for (size_t i = 0; i < tiles_.size(); ++i) {
+    if (tiles_[i].tile_id == tile_id) {
+      return tiles_idx_ + kTileDim * static_cast<int>(i);
+    }
+  }
+  return std::nullopt;
+}
+
+bool FilterState::EnterPoint(int slot, uint64_t track_id, const PointRows& rows) {
+  // A standard deviation of 1 km is no position.
+  if (!(rows.by_point.diagonal().cwiseAbs().minCoeff() > 1e-3)) {
+    return false;
+  }
+  const int newest = static_cast<int>(mean_.clones.size()) - 1;
+  StatePoint point;
+  point.track_id = track_id;
+  SetAnchor(newest, rows.x_in_local, rows.x_in_local, &point);
+  const LocatedPoint located = Locate(point);
+  // The error of the point in local is that of its coordinates and of its anchor.
+  Measurement top = rows.clones;
+  top.blocks.push_back({CloneIdx(newest), kCloneDim});
+  top.jacobian.conservativeResize(Eigen::NoChange, top.jacobian.cols() + kCloneDim);
+  top.jacobian.rightCols<kCloneDim>() = rows.by_point * located.by_anchor;
+  point.coordinates += EnterVariable(PointIdx(slot), rows.by_point * located.by_coordinates, top);
+  mean_.points[static_cast<size_t>(slot)] = point;
+  return true;
+}
+
+LocatedPoint FilterState::Locate(int slot) const {
+  return Locate(*mean_.points[static_cast<size_t>(slot)]);
+}
+
+LocatedPoint FilterState::Locate(const StatePoint& point) const {
+  const Clone& anchor = mean_.clones[static_cast<size_t>(point.anchor)];
+  LocatedPoint located;
+  located.x_in_local = anchor.local_from_imu * point.chart.ToPoint(point.coordinates);
+  located.first_x_in_local = anchor.local_from_imu * point.chart.ToPoint(point.chart.origin());
+  located.by_anchor << -Skew(located.first_x_in_local - anchor.first_position_in_local),
+      Eigen::Matrix3d::Identity();
+  located.by_coordinates = anchor.local_from_imu.rotation.toRotationMatrix() *
+                           point.chart.Jacobian(point.chart.origin());
+  return located;
+}
+
+void FilterState::SetAnchor(int clone, const Eigen::Vector3d& first_x_in_local,
+                            const Eigen::Vector3d& x_in_local, StatePoint* point) const {
+  const Rigid3d imu_from_local = mean_.clones[static_cast<size_t>(clone)].local_from_imu.Inverse();
+  point->anchor = clone;
+  point->chart =
+      PointChart(mean_.rig.cam_from_imu.Inverse().translation, imu_from_local * first_x_in_local);
+  point->coordinates = point->chart.FromPoint(imu_from_local * x_in_local);
+}
+
+void FilterState::MoveAnchor(int slot, int clone) {
+  StatePoint& point = *mean_.points[static_cast<size_t>(slot)];
+  const int old_idx = CloneIdx(point.anchor);
+  const int new_idx = CloneIdx(clone);
+  const LocatedPoint before = Locate(point);
+  SetAnchor(clone, before.first_x_in_local, before.x_in_local, &point);
+  const LocatedPoint after = Locate(point);
+  // Where the point is in local does not change: after.by_coordinates * (new coordinates) =
+  // before.by_coordinates * (old ones) + before.by_anchor * (old anchor) - after.by_anchor * (new).
+  const Eigen::Matrix3d inverse = after.by_coordinates.inverse();
+  const Eigen::MatrixXd rows =
+      inverse * (before.by_coordinates * covariance_.block(PointIdx(slot), 0, kPointDim, dim()) +
+                 before.by_anchor * covariance_.block(old_idx, 0, kCloneDim, dim()) -
+                 after.by_anchor * covariance_.block(new_idx, 0, kCloneDim, dim()));
+  const Eigen::Matrix3d own =
+      (rows.middleCols<kPointDim>(PointIdx(slot)) * before.by_coordinates.transpose() +
+       rows.middleCols<kCloneDim>(old_idx) * before.by_anchor.transpose() -
+       rows.middleCols<kCloneDim>(new_idx) * after.by_anchor.transpose()) *
+      inverse.transpose();
+  covariance_.block(PointIdx(slot), 0, kPointDim, dim()) = rows;
+  covariance_.block(0, PointIdx(slot), dim(), kPointDim) = rows.transpose();
+  covariance_.block<kPointDim, kPointDim>(PointIdx(slot), PointIdx(slot)) =
+      0.5 * (own + own.transpose());
+}
+
+void FilterState::RemovePoint(int slot) {
+  covariance_.block(PointIdx(slot), 0, kPointDim, dim()).setZero();
+  covariance_.block(0, PointIdx(slot), dim(), kPointDim).setZero();
+  mean_.points[static_cast<size_t>(slot)].reset();
+}
+
+Eigen::MatrixXd FilterState::StateByRows(std::span<const Measurement> parts) const {
+  Eigen::Index num_rows = 0;
+  for (const Measurement& part : parts) {
+    num_rows += part.num_rows();
+  }
+  Eigen::MatrixXd state_by_rows = Eigen::MatrixXd::Zero(dim(), num_rows);
+  Eigen::Index row = 0;
+  for (const Measurement& part : parts) {
+    Eigen::Index column = 0;
+    for (const StateBlock& block : part.blocks) {
+      state_by_rows.middleCols(row, part.num_rows()).noalias() +=
+          covariance_.block(0, block.offset, dim(), block.size) *
+          part.jacobian.middleCols(column, block.size).transpose();
+      column += block.size;
+    }
+    row += part.num_rows();
+  }
+  return state_by_rows;
+}
+
+Eigen::MatrixXd FilterState::InnovationCovariance(std::span<const Measurement> parts,
+                                                  const Eigen::MatrixXd& state_by_rows) {
+  Eigen::MatrixXd innovation =
+      Eigen::MatrixXd::Identity(state_by_rows.cols(), state_by_rows.cols());
+  Eigen::Index row = 0;
+  for (const Measurement& part : parts) {
+    Eigen::Index column = 0;
+    for (const StateBlock& block : part.blocks) {
+      innovation.middleRows(row, part.num_rows()).noalias() +=
+          part.jacobian.middleCols(column, block.size) *
+          state_by_rows.middleRows(block.offset, block.size);
+      column += block.size;
+    }
+    row += part.num_rows();
+  }
+  return innovation;
+}
+
+double FilterState::SquaredMahalanobis(const Measurement& measurement) const {
+  Eigen::MatrixXd block_covariance(measurement.jacobian.cols(), measurement.jacobian.cols());
+  Eigen::Index column = 0;
+  for (const StateBlock& right : measurement.blocks) {
+    Eigen::Index row = 0;
+    for (const StateBlock& left : measurement.blocks) {
+      block_covariance.block(row, column, left.size, right.size) =
+          covariance_.block(left.offset, right.offset, left.size, right.size);
+      row += left.size;
+    }
+    column += right.size;
+  }
+  Eigen::MatrixXd innovation =
+      measurement.jacobian * block_covariance * measurement.jacobian.transpose();
+  innovation.diagonal().array() += 1.0;
+  const Eigen::LLT<Eigen::MatrixXd> llt(innovation);
+  return llt.info() == Eigen::Success ? llt.matrixL().solve(measurement.residual).squaredNorm()
+                                      : std::numeric_limits<double>::infinity();
+}
+
+bool FilterState::Update(std::span<const Measurement> parts) {
+  const auto is_empty = [](const Measurement& part) { return part.num_rows() == 0; };
+  if (std::all_of(parts.begin(), parts.end(), is_empty)) {
+    return true;
+  }
+  const std::optional<Correction> correction = Solve(parts);
+  if (correction) {
+    Apply(*correction);
+  }
+  return correction.has_value();
+}
+
+std::optional<Correction> FilterState::Solve(std::span<const Measurement> parts) const {
+  const Eigen::MatrixXd state_by_rows = StateByRows(parts);
+  if (state_by_rows.cols() == 0) {
+    return std::nullopt;
+  }
+  Eigen::VectorXd residual(state_by_rows.cols());
+  Eigen::Index row = 0;
+  for (const Measurement& part : parts) {
+    residual.segment(row, part.num_rows()) = part.residual;
+    row += part.num_rows();
+  }
+  const Eigen::LLT<Eigen::MatrixXd> llt(InnovationCovariance(parts, state_by_rows));
+  const Eigen::VectorXd whitened = llt.matrixL().solve(residual);
+  if (llt.info() != Eigen::Success || !whitened.allFinite()) {
+    return std::nullopt;
+  }
+  // With S = L L' and W = L^-1 H P: the correction is W' L^-1 r, the covariance loses W' W.
+  Correction correction;
+  correction.gain = state_by_rows.transpose();
+  llt.matrixL().solveInPlace(correction.gain);
+  correction.error = correction.gain.transpose() * whitened;
+  correction.error.segment(tiles_idx_, points_idx_ - tiles_idx_).setZero();  // Considered only.
+  return correction;
+}
+
+void FilterState::Apply(const Correction& correction) {
+  const int num_tiles_dims = points_idx_ - tiles_idx_;
+  const Eigen::MatrixXd tiles =
+      covariance_.block(tiles_idx_, tiles_idx_, num_tiles_dims, num_tiles_dims);
+  auto lower = covariance_.topLeftCorner(dim(), dim()).selfadjointView<Eigen::Lower>();
+  lower.rankUpdate(correction.gain.transpose(), -1.0);
+  covariance_.topLeftCorner(dim(), dim()).triangularView<Eigen::StrictlyUpper>() =
+      covariance_.topLeftCorner(dim(), dim()).transpose();
+  covariance_.block(tiles_idx_, tiles_idx_, num_tiles_dims, num_tiles_dims) = tiles;
+  MoveMean(correction.error);
+}
+
+void FilterState::MoveMean(const Eigen::VectorXd& error) {
+  const auto turn = [&error](int offset, Eigen::Quaterniond* rotation) {
+    *rotation = (ExpSo3(error.segment<3>(offset)) * *rotation).normalized();
+  };
+  MoveBy(error.head<kImuDim>(), &mean_.imu);
+  if (mean_.global_from_local) {
+    const Eigen::Vector3d rotation(error[kGlobalIdx + 4], error[kGlobalIdx + 5],
+                                   error[kGlobalIdx + 3]);
+    *mean_.global_from_local =
+        *mean_.global_from_local * Rigid3d(ExpSo3(rotation), error.segment<3>(kGlobalIdx));
+  }
+  if (estimates_rig_) {
+    turn(kRigIdx, &mean_.rig.cam_from_imu.rotation);
+    mean_.rig.cam_from_imu.translation += error.segment<3>(kRigIdx + 3);
+    mean_.rig.time_offset_s += error[kRigIdx + 6];
+  }
+  for (size_t i = 0; i < mean_.points.size(); ++i) {
+    if (auto& point = mean_.points[i]) {
+      point->coordinates += error.segment<3>(PointIdx(static_cast<int>(i)));
+    }
+  }
+  for (size_t i = 0; i < mean_.clones.size(); ++i) {
+    const int offset = CloneIdx(static_cast<int>(i));
+    turn(offset, &mean_.clones[i].local_from_imu.rotation);
+    mean_.clones[i].local_from_imu.translation += error.segment<3>(offset + 3);
+  }
+}
+
+double FilterState::LinearizationDoubt(const Eigen::VectorXd& error) const {
+  constexpr double kMaxTurnRad = 3e-3;
+  constexpr double kMaxShiftM = 0.02;
+  double doubt = 0.0;
+  for (int i = 0; i < static_cast<int>(mean_.clones.size()); ++i) {
+    const int offset = CloneIdx(i);
+    doubt = std::max({doubt, error.segment<3>(offset).norm() / kMaxTurnRad,
+                      error.segment<3>(offset + 3).norm() / kMaxShiftM});
+  }
+  return doubt;
+}
+
+bool FilterState::InitializeGlobal(const Rigid3d& global_from_local,
+                                   const Measurement& measurement) {
+  const int num_dims = measurement.blocks.front().size;
+  const Eigen::Index num_rows = measurement.num_rows();
+  const Eigen::Index num_rest_columns = measurement.jacobian.cols() - num_dims;
+  if (num_rows < num_dims) {
+    return false;
+  }
+  Eigen::MatrixXd rows(num_rows, measurement.jacobian.cols() + 1);
+  rows << measurement.jacobian, measurement.residual;
+  Triangularize(num_dims, rows);
+  const Eigen::MatrixXd by_global = rows.topLeftCorner(num_dims, num_dims);
+  // Standard deviations of 1 km or 60 degrees are no alignment.
+  if (!(by_global.diagonal().cwiseAbs().minCoeff() > 1e-3)) {
+    return false;
+  }
+  // The top rows read r = T g + H x + n: g = T^-1 (r - H x - n), as an error about the given value.
+  Measurement top{{measurement.blocks.begin() + 1, measurement.blocks.end()},
+                  rows.block(0, num_dims, num_dims, num_rest_columns),
+                  rows.col(rows.cols() - 1).head(num_dims)};
+  Measurement rest{top.blocks,
+                   rows.block(num_dims, num_dims, num_rows - num_dims, num_rest_columns),
+                   rows.col(rows.cols() - 1).tail(num_rows - num_dims)};
+  mean_.global_from_local = global_from_local;
+  Eigen::VectorXd error = Eigen::VectorXd::Zero(dim());
+  error.segment(kGlobalIdx, num_dims) = EnterVariable(kGlobalIdx, by_global, top);
+  MoveMean(error);
+  Compress(&rest);
+  if (!Update(rest)) {
+    ForgetGlobal();
+    return false;
+  }
+  return true;
+}
+
+Eigen::VectorXd FilterState::EnterVariable(int offset, const Eigen::MatrixXd& by_variable,
+                                           const Measurement& top) {
+  const Eigen::Index size = by_variable.rows();
+  const Eigen::MatrixXd inverse = by_variable.inverse();
+  const Eigen::MatrixXd state_by_rows = StateByRows({&top, 1});
+  const Eigen::MatrixXd block =
+      inverse * InnovationCovariance({&top, 1}, state_by_rows) * inverse.transpose();
+  const Eigen::MatrixXd by_state = -inverse * state_by_rows.transpose();
+  covariance_.block(offset, 0, size, dim()) = by_state;
+  covariance_.block(0, offset, dim(), size) = by_state.transpose();
+  covariance_.block(offset, offset, size, size) = 0.5 * (block + block.transpose());
+  return inverse * top.residual;
+}
+
+void FilterState::ForgetGlobal() {
+  mean_.global_from_local.reset();
+  covariance_.middleRows<kGlobalDim>(kGlobalIdx).setZero();
+  covariance_.middleCols<kGlobalDim>(kGlobalIdx).setZero();
+}
+
+}  // namespace cairn::fusion

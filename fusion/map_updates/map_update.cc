@@ -1,0 +1,357 @@
+#include "fusion/map_updates/map_update.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/require.h"
+#include "fusion/filter/chi_square.h"
+#include "fusion/tracks/track_update.h"
+
+namespace cairn::fusion {
+namespace {
+
+// All matches of a response together may contradict the state by more than chance allows, and yet
+// each alone fits: an error that they share, as that of the time of exposure. Up to this ratio of
+// squared distance to gate, such a response enters with its noise enlarged until it passes.
+constexpr double kMaxExcess = 25.0;
+
+// The columns every sight shares.
+struct SharedColumns {
+  std::vector<StateBlock> blocks;
+  std::vector<uint64_t> tiles;  // In the order of their columns.
+  int num_global_dims = 0;
+  int rig_begin = 0;
+  int tiles_begin = 0;
+  int width = 0;
+};
+
+SharedColumns CollectShared(const std::vector<MapRows>& rows, int num_global_dims,
+                            const FilterState& state) {
+  SharedColumns shared;
+  shared.num_global_dims = num_global_dims;
+  shared.blocks.push_back({kGlobalIdx, num_global_dims});
+  shared.rig_begin = num_global_dims;
+  shared.tiles_begin = shared.rig_begin;
+  if (state.estimates_rig()) {
+    shared.blocks.push_back({kRigIdx, kRigDim});
+    shared.tiles_begin += kRigDim;
+  }
+  shared.width = shared.tiles_begin;
+  for (const MapRows& row : rows) {
+    const auto tile_idx = state.FindTileIdx(row.tile_id);
+    if (tile_idx &&
+        std::find(shared.tiles.begin(), shared.tiles.end(), row.tile_id) == shared.tiles.end()) {
+      shared.tiles.push_back(row.tile_id);
+      shared.blocks.push_back({*tile_idx, kTileDim});
+      shared.width += kTileDim;
+    }
+  }
+  return shared;
+}
+
+// Sights at one clone see global_from_local only together with the clone's pose: by_global =
+// by_clone * this, whatever the landmark. With p the clone's first position: rho moves as p does, a
+// turn about e as one of the clone about e and a shift by e x p.
+Eigen::Matrix<double, kCloneDim, kGlobalDim> CloneByGlobal(const Clone& clone) {
+  const Eigen::Matrix3d cross = Skew(clone.first_position_in_local);
+  Eigen::Matrix<double, kCloneDim, kGlobalDim> matrix =
+      Eigen::Matrix<double, kCloneDim, kGlobalDim>::Zero();
+  matrix.bottomLeftCorner<3, 3>().setIdentity();
+  constexpr int kAxes[] = {2, 0, 1};  // psi, then the tilts.
+  for (int i = 0; i < 3; ++i) {
+    matrix(kAxes[i], 3 + i) = 1.0;
+    matrix.block<3, 1>(3, 3 + i) = -cross.col(kAxes[i]);
+  }
+  return matrix;
+}
+
+// As CloneRows, where global_from_local is all that is shared: triangularised by the clone's
+// columns alone.
+Eigen::MatrixXd PlainCloneRows(const std::vector<const MapRows*>& rows, const Clone& clone,
+                               int num_global_dims) {
+  Eigen::Matrix<double, Eigen::Dynamic, kCloneDim + 1> stacked(
+      2 * static_cast<Eigen::Index>(rows.size()), kCloneDim + 1);
+  Eigen::Index row = 0;
+  for (const MapRows* sight : rows) {
+    stacked.middleRows<2>(row) << sight->by_clone, sight->residual;
+    row += 2;
+  }
+  Triangularize(kCloneDim, stacked);
+  const Eigen::Index num_rows = std::min<Eigen::Index>(stacked.rows(), kCloneDim);
+  Eigen::MatrixXd triangle(num_rows, kCloneDim + num_global_dims + 1);
+  triangle.leftCols<kCloneDim>() = stacked.topLeftCorner(num_rows, kCloneDim);
+  triangle.middleCols(kCloneDim, num_global_dims) =
+      triangle.leftCols<kCloneDim>() * CloneByGlobal(clone).leftCols(num_global_dims);
+  triangle.rightCols<1>() = stacked.topRightCorner(num_rows, 1);
+  return triangle;
+}
+
+// The rows of one clone, its own columns first, the residual last; triangularised.
+Eigen::MatrixXd CloneRows(const std::vector<const MapRows*>& rows, const SharedColumns& shared) {
+  const int width = kCloneDim + shared.width + 1;
+  Eigen::MatrixXd stacked =
+      Eigen::MatrixXd::Zero(2 * static_cast<Eigen::Index>(rows.size()), width);
+  Eigen::Index row = 0;
+  for (const MapRows* sight : rows) {
+    auto target = stacked.middleRows<2>(row);
+    target.leftCols<kCloneDim>() = sight->by_clone;
+    target.middleCols(kCloneDim, shared.num_global_dims) =
+        sight->by_global.leftCols(shared.num_global_dims);
+    if (shared.tiles_begin > shared.rig_begin) {
+      target.middleCols<kRigDim>(kCloneDim + shared.rig_begin) = sight->by_rig;
+    }
+    const auto tile = std::find(shared.tiles.begin(), shared.tiles.end(), sight->tile_id);
+    if (tile != shared.tiles.end()) {
+      const auto slot = static_cast<int>(tile - shared.tiles.begin());
+      target.middleCols<kTileDim>(kCloneDim + shared.tiles_begin + kTileDim * slot) =
+          sight->by_tile;
+    }
+    target.col(width - 1) = sight->residual;
+    row += 2;
+  }
+  Triangularize(width - 1, stacked);
+  return stacked.topRows(std::min<Eigen::Index>(stacked.rows(), width - 1));
+}
+
+// Squared Mahalanobis distances of the sights at one clone.
+class CloneGate {
+ public:
+  CloneGate(const FilterState& state, int clone)
+      : tile_variance_(state.has_tiles() ? state.tile_sigma_m() * state.tile_sigma_m() : 0.0),
+        estimates_rig_(state.estimates_rig()) {
+    // That of the clone's error plus what global_from_local adds to it, as both are seen as one.
+    const auto covariance = state.covariance();
+    const int idx = state.CloneIdx(clone);
+    const Eigen::Matrix<double, kCloneDim, kGlobalDim> by_global =
+        CloneByGlobal(state.clones()[static_cast<size_t>(clone)]);
+    const Eigen::Matrix<double, kCloneDim, kCloneDim> cross =
+        by_global * covariance.block<kGlobalDim, kCloneDim>(kGlobalIdx, idx);
+    of_pose_ = covariance.block<kCloneDim, kCloneDim>(idx, idx) + cross + cross.transpose() +
+               by_global * covariance.block<kGlobalDim, kGlobalDim>(kGlobalIdx, kGlobalIdx) *
+                   by_global.transpose();
+    if (estimates_rig_) {
+      with_rig_ = covariance.block<kCloneDim, kRigDim>(idx, kRigIdx) +
+                  by_global * covariance.block<kGlobalDim, kRigDim>(kGlobalIdx, kRigIdx);
+      of_rig_ = covariance.block<kRigDim, kRigDim>(kRigIdx, kRigIdx);
+    }
+  }
+
+  double SquaredDistance(const MapRows& rows) const {
+    const Eigen::Matrix<double, 2, kCloneDim> moved = rows.by_clone * of_pose_;
+    Eigen::Matrix2d innovation = moved * rows.by_clone.transpose();
+    innovation.diagonal().array() += 1.0;
+    if (estimates_rig_) {
+      const Eigen::Matrix2d cross = rows.by_clone * with_rig_ * rows.by_rig.transpose();
+      innovation += cross + cross.transpose() + rows.by_rig * of_rig_ * rows.by_rig.transpose();
+    }
+    innovation += tile_variance_ * rows.by_tile * rows.by_tile.transpose();
+    return rows.residual.dot(innovation.inverse() * rows.residual);
+  }
+
+ private:
+  Eigen::Matrix<double, kCloneDim, kCloneDim> of_pose_;
+  Eigen::Matrix<double, kCloneDim, kRigDim> with_rig_;
+  Eigen::Matrix<double, kRigDim, kRigDim> of_rig_;
+  double tile_variance_;
+  bool estimates_rig_;
+};
+
+void Weigh(double weight, Measurement* measurement) {
+  measurement->jacobian *= weight;
+  measurement->residual *= weight;
+}
+
+// The used sights, linearised at a state.
+std::vector<MapRows> LinearizeUsed(const Camera& camera, const FilterState& state,
+                                   std::span<const MapSight> sights, const std::vector<bool>& used,
+                                   const MapUpdateOptions& options) {
+  const std::vector<CameraView> views = ViewsOfClones(state);
+  std::vector<MapRows> rows;
+  for (size_t i = 0; i < sights.size(); ++i) {
+    const auto linearized =
+        used[i] ? LinearizeSight(camera, state.rig(), views, *state.global_from_local(), sights[i],
+                                 options.sigma_px)
+                : std::nullopt;
+    if (linearized) {
+      rows.push_back(*linearized);
+    }
+  }
+  return rows;
+}
+
+}  // namespace
+
+void MapUpdateOptions::Validate() const {
+  RequireOption(sigma_px > 0.0, "map.sigma_px must be positive");
+  RequireOption(match_gate_quantile > 0.0, "map.match_gate_quantile must be positive");
+  RequireOption(response_gate_quantile > 0.0, "map.response_gate_quantile must be positive");
+  RequireOption(min_matches >= 4, "map.min_matches must be at least 4");
+  RequireWithin("map.min_inlier_fraction", min_inlier_fraction, 0.0, 1.0);
+  RequireOption(tilt_sigma_rad >= 0.0, "map.tilt_sigma_rad must not be negative");
+}
+
+std::optional<MapRows> LinearizeSight(const Camera& camera, const Rig& rig,
+                                      std::span<const CameraView> views,
+                                      const Rigid3d& global_from_local, const MapSight& sight,
+                                      double sigma_px) {
+  const CameraView& view = views[static_cast<size_t>(sight.clone)];
+  const Eigen::Matrix3d local_from_global =
+      global_from_local.rotation.conjugate().toRotationMatrix();
+  const Eigen::Vector3d x_in_local =
+      local_from_global * (sight.x_in_global - global_from_local.translation);
+  const auto predicted = PredictPixel(camera, view, x_in_local);
+  if (!predicted) {
+    return std::nullopt;
+  }
+  // Noise of the pixel, plus that of the landmark: s^2 I + sigma^2 D D'.
+  Eigen::Matrix2d noise =
+      sight.sigma_m * sight.sigma_m * predicted->by_local * predicted->by_local.transpose();
+  noise.diagonal().array() += sigma_px * sigma_px;
+  const Eigen::Matrix2d whitening =
+      Eigen::LLT<Eigen::Matrix2d>(noise).matrixL().solve(Eigen::Matrix2d::Identity());
+  MapRows rows;
+  rows.clone = sight.clone;
+  rows.tile_id = sight.tile_id;
+  rows.by_clone = whitening * ByClone(*predicted, view, x_in_local);
+  rows.by_global = whitening * ByGlobal(*predicted, x_in_local);
+  rows.by_tile = whitening * predicted->by_local * local_from_global;
+  rows.by_rig = whitening * ByRig(*predicted, rig);
+  rows.residual = whitening * (sight.pixel - predicted->pixel);
+  return rows;
+}
+
+void AddTiles(std::span<const MapSight> sights, FilterState* state) {
+  if (state->has_tiles()) {
+    for (const MapSight& sight : sights) {
+      state->TileIdx(sight.tile_id);
+    }
+  }
+}
+
+Measurement CompressMapRows(const std::vector<MapRows>& rows, int num_global_dims,
+                            const FilterState& state) {
+  const SharedColumns shared = CollectShared(rows, num_global_dims, state);
+  std::vector<std::vector<const MapRows*>> by_clone(state.clones().size());
+  for (const MapRows& row : rows) {
+    by_clone[static_cast<size_t>(row.clone)].push_back(&row);
+  }
+  Measurement measurement;
+  measurement.blocks = shared.blocks;
+  std::vector<Eigen::MatrixXd> triangles;
+  Eigen::Index num_shared_rows = 0;
+  Eigen::Index num_clone_rows = 0;
+  for (size_t i = 0; i < by_clone.size(); ++i) {
+    if (by_clone[i].empty()) {
+      continue;
+    }
+    measurement.blocks.push_back({state.CloneIdx(static_cast<int>(i)), kCloneDim});
+    triangles.push_back(shared.width == num_global_dims
+                            ? PlainCloneRows(by_clone[i], state.clones()[i], num_global_dims)
+                            : CloneRows(by_clone[i], shared));
+    const Eigen::Index own = std::min<Eigen::Index>(kCloneDim, triangles.back().rows());
+    num_clone_rows += own;
+    num_shared_rows += triangles.back().rows() - own;
+  }
+  Eigen::MatrixXd rest(num_shared_rows, shared.width + 1);
+  const Eigen::Index num_kept = std::min<Eigen::Index>(num_shared_rows, shared.width);
+  measurement.jacobian =
+      Eigen::MatrixXd::Zero(num_clone_rows + num_kept,
+                            shared.width + kCloneDim * static_cast<Eigen::Index>(triangles.size()));
+  measurement.residual.resize(num_clone_rows + num_kept);
+  Eigen::Index row = 0;
+  Eigen::Index rest_row = 0;
+  Eigen::Index column = shared.width;
+  for (const Eigen::MatrixXd& triangle : triangles) {
+    const Eigen::Index own = std::min<Eigen::Index>(kCloneDim, triangle.rows());
+    measurement.jacobian.block(row, column, own, kCloneDim) =
+        triangle.topLeftCorner(own, kCloneDim);
+    measurement.jacobian.block(row, 0, own, shared.width) =
+        triangle.block(0, kCloneDim, own, shared.width);
+    measurement.residual.segment(row, own) = triangle.col(triangle.cols() - 1).head(own);
+    const Eigen::Index below = triangle.rows() - own;
+    rest.middleRows(rest_row, below) = triangle.bottomRightCorner(below, shared.width + 1);
+    row += own;
+    rest_row += below;
+    column += kCloneDim;
+  }
+  Triangularize(shared.width, rest);
+  measurement.jacobian.block(row, 0, num_kept, shared.width) =
+      rest.topLeftCorner(num_kept, shared.width);
+  measurement.residual.tail(num_kept) = rest.col(shared.width).head(num_kept);
+  return measurement;
+}
+
+MapUpdateResult UpdateFromMap(const Camera& camera, std::span<const MapSight> sights,
+                              const MapUpdateOptions& options, FilterState* state) {
+  const int num_dims = options.num_global_dims();
+  AddTiles(sights, state);
+  const std::vector<CameraView> views = ViewsOfClones(*state);
+  const double quantile = ChiSquareQuantile(2, options.match_gate_quantile);
+  std::vector<std::optional<CloneGate>> gates(views.size());
+  const auto passes = [&](const MapRows& row) {
+    auto& gate = gates[static_cast<size_t>(row.clone)];
+    if (!gate) {
+      gate.emplace(*state, row.clone);
+    }
+    return gate->SquaredDistance(row) < quantile;
+  };
+  MapUpdateResult result;
+  result.used_sights.assign(sights.size(), false);
+  std::vector<MapRows> rows;
+  rows.reserve(sights.size());
+  int num_seen = 0;
+  bool match_accepted = false;
+  for (size_t i = 0; i < sights.size(); ++i) {
+    const bool queried = i == 0 || sights[i].match != sights[i - 1].match;
+    if (!queried && !match_accepted) {
+      continue;
+    }
+    const auto linearized = LinearizeSight(camera, state->rig(), views, *state->global_from_local(),
+                                           sights[i], options.sigma_px);
+    const bool accepted = linearized && passes(*linearized);
+    if (queried) {
+      ++num_seen;
+      match_accepted = accepted;
+      ++(accepted ? result.num_matches : result.num_gated);
+    }
+    if (accepted) {
+      rows.push_back(*linearized);
+      result.used_sights[i] = true;
+    }
+  }
+  const auto refuse = [&result](MapUpdateStatus status) {
+    result.status = status;
+    std::fill(result.used_sights.begin(), result.used_sights.end(), false);
+    return result;
+  };
+  if (result.num_matches < options.min_inlier_fraction * num_seen) {
+    return refuse(MapUpdateStatus::kDisagrees);
+  }
+  if (result.num_matches < options.min_matches) {
+    return refuse(MapUpdateStatus::kTooFewMatches);
+  }
+  Measurement measurement = CompressMapRows(rows, num_dims, *state);
+  const double excess = state->SquaredMahalanobis(measurement) /
+                        ChiSquareQuantile(measurement.num_rows(), options.response_gate_quantile);
+  if (!(excess < kMaxExcess)) {
+    return refuse(MapUpdateStatus::kDisagrees);
+  }
+  const double weight = 1.0 / std::sqrt(std::max(1.0, excess));
+  Weigh(weight, &measurement);
+  bool linearized = true;  // `measurement` is at the present state.
+  const auto linearize = [&](const FilterState& at) {
+    if (std::exchange(linearized, false)) {
+      return measurement;
+    }
+    Measurement again = CompressMapRows(
+        LinearizeUsed(camera, at, sights, result.used_sights, options), num_dims, at);
+    Weigh(weight, &again);
+    return again;
+  };
+  return state->IteratedUpdate(linearize) ? result : refuse(MapUpdateStatus::kDisagrees);
+}
+
+}  // namespace cairn::fusion

@@ -1,0 +1,29 @@
+// Updates of the filter from sights of the long-lived points in its state.
+#ifndef CAIRN_FUSION_TRACKS_POINT_UPDATE_H_
+#define CAIRN_FUSION_TRACKS_POINT_UPDATE_H_
+
+#include <cstdint>
+#include <span>
+
+#include "core/camera.h"
+#include "fusion/filter/filter_state.h"
+#include "fusion/tracks/track_table.h"
+#include "fusion/tracks/track_update.h"
+
+namespace cairn::fusion {
+
+struct PointUpdateCounts {
+  int num_used = 0;   // Sights.
+  int num_gated = 0;  // Sights that contradict the state.
+};
+
+// Uses the free sights of the points' tracks and takes them out of `tracks`. Points that were not
+// seen in the newest frame, `frame_id`, leave the state, as do those of which two sights in a row
+// contradict it.
+PointUpdateCounts UpdateFromPoints(const Camera& camera, int64_t frame_id,
+                                   const TrackUpdateOptions& options, TrackTable* tracks,
+                                   FilterState* state);
+
+}  // namespace cairn::fusion
+
+#endif  // CAIRN_FUSION_TRACKS_POINT_UPDATE_H_

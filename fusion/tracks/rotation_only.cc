@@ -1,0 +1,74 @@
+#include "fusion/tracks/rotation_only.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/require.h"
+#include "fusion/filter/camera_view.h"
+
+namespace cairn::fusion {
+
+void RotationOnlyOptions::Validate() const {
+  RequireOption(median_distance_m > 0.0, "rotation_only.median_distance_m must be positive");
+  RequireOption(min_tracks >= 1, "rotation_only.min_tracks must be at least 1");
+  RequireOption(gate_quantile > 0.0, "rotation_only.gate_quantile must be positive");
+}
+
+std::optional<double> MedianParallaxPx(const FilterState& state, const Camera& camera,
+                                       const TrackTable& tracks, int from, int to,
+                                       const RotationOnlyOptions& options) {
+  const Clone& old_clone = state.clones()[static_cast<size_t>(from)];
+  const Clone& new_clone = state.clones()[static_cast<size_t>(to)];
+  const CameraView old_view(state.rig(), old_clone);
+  const CameraView new_view(state.rig(), new_clone);
+  const Eigen::Matrix3d new_from_old =
+      new_view.cam_from_local_rotation * old_view.cam_from_local_rotation.transpose();
+  std::vector<double> parallaxes_px;
+  for (const Track& track : tracks.tracks()) {
+    const Observation* before = nullptr;
+    const Observation* after = nullptr;
+    for (const Observation& observation : track.observations) {
+      before = observation.frame_id == old_clone.frame_id ? &observation : before;
+      after = observation.frame_id == new_clone.frame_id ? &observation : after;
+    }
+    const auto turned = before != nullptr && after != nullptr
+                            ? camera.Project(new_from_old * before->ray_in_cam)
+                            : std::nullopt;
+    if (turned) {
+      parallaxes_px.push_back((after->pixel - *turned).norm());
+    }
+  }
+  if (parallaxes_px.size() < static_cast<size_t>(options.min_tracks)) {
+    return std::nullopt;
+  }
+  const auto middle = parallaxes_px.begin() + static_cast<std::ptrdiff_t>(parallaxes_px.size() / 2);
+  std::nth_element(parallaxes_px.begin(), middle, parallaxes_px.end());
+  return *middle;
+}
+
+std::optional<Measurement> RotationOnlyMeasurement(const FilterState& state, const Camera& camera,
+                                                   double parallax_px, int from, int to,
+                                                   const RotationOnlyOptions& options) {
+  const double sigma_m = options.median_distance_m * parallax_px / camera.focal_px();
+  const int a = state.CloneIdx(from) + 3;
+  const int b = state.CloneIdx(to) + 3;
+  const auto covariance = state.covariance();
+  const Eigen::Matrix3d way_covariance =
+      covariance.block<3, 3>(a, a) + covariance.block<3, 3>(b, b) - covariance.block<3, 3>(a, b) -
+      covariance.block<3, 3>(b, a);
+  if (way_covariance.trace() < 3.0 * sigma_m * sigma_m) {
+    return std::nullopt;
+  }
+  Measurement measurement;
+  measurement.blocks = {{a, 3}, {b, 3}};
+  measurement.jacobian.resize(3, 6);
+  measurement.jacobian << -Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Identity();
+  measurement.jacobian /= sigma_m;
+  measurement.residual = (state.clones()[static_cast<size_t>(from)].local_from_imu.translation -
+                          state.clones()[static_cast<size_t>(to)].local_from_imu.translation) /
+                         sigma_m;
+  return measurement;
+}
+
+}  // namespace cairn::fusion

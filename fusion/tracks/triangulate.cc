@@ -1,0 +1,164 @@
+#include "fusion/tracks/triangulate.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "core/require.h"
+
+namespace cairn::fusion {
+namespace {
+
+// The inverse depth in the last view at which the point on the last sight's ray is seen nearest to
+// the other rays: with d that ray and t the last view's centre in another camera that sees the
+// direction u, the point there is along d + c t, and u x (d + c t) = 0 is linear in c.
+// (The point nearest to all rays in space would stand near the cameras where rays are all but
+// parallel, from where the iterations below do not find back.)
+std::optional<double> InitialInverseDepth(std::span<const Sight> sights) {
+  const Sight& last = sights.back();
+  const Eigen::Vector3d ray =
+      last.view->cam_from_local_rotation.transpose() * (last.ray_in_cam / last.ray_in_cam.z());
+  double product = 0.0;
+  double sq_norm = 0.0;
+  for (const Sight& sight : sights.first(sights.size() - 1)) {
+    const Eigen::Vector3d d = sight.view->cam_from_local_rotation * ray;
+    const Eigen::Vector3d t = sight.view->ToCam(last.view->center_in_local);
+    const Eigen::Vector3d across = sight.ray_in_cam.cross(t);
+    product -= across.dot(sight.ray_in_cam.cross(d));
+    sq_norm += across.squaredNorm();
+  }
+  return sq_norm > 0.0 ? std::optional(product / sq_norm) : std::nullopt;
+}
+
+// A point by its normalised image coordinates (a, b) and inverse depth c in one view.
+class InverseDepth {
+ public:
+  InverseDepth(const Sight& sight, double inverse_depth) : view_(*sight.view) {
+    params_ << sight.ray_in_cam.hnormalized(), inverse_depth;
+  }
+  Eigen::Vector3d Point() const { return PointAt(params_); }
+  Eigen::Vector3d PointAt(const Eigen::Vector3d& params) const {
+    return view_.center_in_local + view_.cam_from_local_rotation.transpose() *
+                                       Eigen::Vector3d(params[0], params[1], 1.0) / params[2];
+  }
+  // d point / d params.
+  Eigen::Matrix3d Jacobian() const {
+    Eigen::Matrix3d by_params = Eigen::Matrix3d::Identity() / params_[2];
+    by_params.col(2) = -Eigen::Vector3d(params_[0], params_[1], 1.0) / (params_[2] * params_[2]);
+    return view_.cam_from_local_rotation.transpose() * by_params;
+  }
+  const Eigen::Vector3d& params() const { return params_; }
+  void set_params(const Eigen::Vector3d& params) { params_ = params; }
+
+ private:
+  const CameraView& view_;
+  Eigen::Vector3d params_;
+};
+
+struct NormalEquations {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+  double cost = 0.0;
+};
+
+// In pixels: what the prior says is weighed as `sigma_px` is.
+std::optional<NormalEquations> Linearize(const Camera& camera, std::span<const Sight> sights,
+                                         double sigma_px, const std::optional<PlanePrior>& prior,
+                                         const InverseDepth& point) {
+  NormalEquations equations;
+  const Eigen::Vector3d x_in_local = point.Point();
+  const Eigen::Matrix3d by_params = point.Jacobian();
+  for (const Sight& sight : sights) {
+    const auto predicted = PredictPixel(camera, *sight.view, x_in_local);
+    if (!predicted) {
+      return std::nullopt;
+    }
+    const Eigen::Vector2d residual = sight.pixel - predicted->pixel;
+    const Eigen::Matrix<double, 2, 3> jacobian = predicted->by_local * by_params;
+    equations.normal.noalias() += jacobian.transpose() * jacobian;
+    equations.gradient.noalias() += jacobian.transpose() * residual;
+    equations.cost += residual.squaredNorm();
+  }
+  if (prior) {
+    const Eigen::Vector3d normal = sigma_px / prior->sigma_m * prior->normal_in_local;
+    const double residual = normal.dot(prior->x_in_local - x_in_local);
+    const Eigen::RowVector3d jacobian = normal.transpose() * by_params;
+    equations.normal.noalias() += jacobian.transpose() * jacobian;
+    equations.gradient.noalias() += residual * jacobian.transpose();
+    equations.cost += residual * residual;
+  }
+  return equations;
+}
+
+bool WithinLimits(std::span<const Sight> sights, const InverseDepth& point,
+                  const NormalEquations& equations, double sigma_px,
+                  const TriangulateOptions& options) {
+  const Eigen::Vector3d x_in_local = point.Point();
+  for (const Sight& sight : sights) {
+    const double depth_m = sight.view->ToCam(x_in_local).z();
+    if (!(depth_m > options.min_depth_m && depth_m < options.max_depth_m)) {
+      return false;
+    }
+  }
+  const double inverse_depth = point.params()[2];
+  const double sq_sigma =
+      sigma_px * sigma_px * equations.normal.ldlt().solve(Eigen::Vector3d::UnitZ())[2];
+  return sq_sigma < std::pow(options.max_relative_depth_sigma * inverse_depth, 2);
+}
+
+}  // namespace
+
+void TriangulateOptions::Validate() const {
+  RequireOption(min_depth_m > 0.0, "triangulate.min_depth_m must be positive");
+  RequireOption(max_depth_m > min_depth_m, "triangulate.max_depth_m must be more than min_depth_m");
+  RequireOption(max_relative_depth_sigma > 0.0,
+                "triangulate.max_relative_depth_sigma must be positive");
+  RequireOption(max_iterations >= 0, "triangulate.max_iterations must not be negative");
+}
+
+std::optional<Eigen::Vector3d> Triangulate(const Camera& camera, std::span<const Sight> sights,
+                                           double sigma_px, const TriangulateOptions& options,
+                                           const std::optional<PlanePrior>& prior) {
+  if (sights.size() < 2) {
+    return std::nullopt;
+  }
+  const auto inverse_depth =
+      prior ? std::optional(1.0 / sights.back().view->ToCam(prior->x_in_local).z())
+            : InitialInverseDepth(sights);
+  if (!inverse_depth) {
+    return std::nullopt;
+  }
+  InverseDepth point(sights.back(), std::clamp(*inverse_depth, 1.0 / options.max_depth_m,
+                                               1.0 / options.min_depth_m));
+  auto equations = Linearize(camera, sights, sigma_px, prior, point);
+  double damping = 1e-6;
+  bool converged = false;
+  for (int i = 0; equations; ++i) {
+    Eigen::Matrix3d damped = equations->normal;
+    damped.diagonal() *= 1.0 + damping;
+    const Eigen::Vector3d step = damped.ldlt().solve(equations->gradient);
+    // What the step promises to take off the cost.
+    converged = step.dot(equations->gradient) < 1e-4 * equations->cost + 1e-12;
+    if (converged || i == options.max_iterations) {
+      break;
+    }
+    const Eigen::Vector3d old_params = point.params();
+    point.set_params(old_params + step);
+    const auto moved =
+        point.params()[2] > 0.0 ? Linearize(camera, sights, sigma_px, prior, point) : std::nullopt;
+    if (moved && moved->cost <= equations->cost) {
+      equations = moved;
+      damping *= 0.1;
+    } else {
+      point.set_params(old_params);
+      damping = std::max(1e-4, damping) * 10.0;
+    }
+  }
+  if (!converged || !WithinLimits(sights, point, *equations, sigma_px, options)) {
+    return std::nullopt;
+  }
+  return point.Point();
+}
+
+}  // namespace cairn::fusion

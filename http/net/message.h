@@ -1,0 +1,46 @@
+// A request and a response as handlers see them; no library type.
+#ifndef CAIRN_HTTP_NET_MESSAGE_H_
+#define CAIRN_HTTP_NET_MESSAGE_H_
+
+#include <chrono>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace cairn {
+
+// A complete, checked request: the head obeyed net/request_head.h and the body is all there.
+struct HttpRequest {
+  std::string method;                               // Upper case.
+  std::string path;                                 // Percent-decoded, without the query.
+  std::multimap<std::string, std::string> query;    // Percent-decoded.
+  std::multimap<std::string, std::string> headers;  // Names in lower case.
+  std::string body;
+  std::string remote_address;
+  std::string request_id;                         // The client's if it is usable, else made here.
+  std::chrono::steady_clock::time_point arrival;  // When its first byte was read.
+
+  // First value, or empty. `lower_case_name` as stored.
+  const std::string& Header(const std::string& lower_case_name) const {
+    static const std::string empty;
+    const auto it = headers.find(lower_case_name);
+    return it == headers.end() ? empty : it->second;
+  }
+};
+
+struct HttpResponse {
+  int status = 200;
+  std::string content_type = {};  // Empty with an empty body.
+  std::string body = {};
+  std::vector<std::pair<std::string, std::string>> headers = {};
+
+  static HttpResponse Json(std::string json) {
+    return {
+        .status = 200, .content_type = "application/json", .body = std::move(json), .headers = {}};
+  }
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_HTTP_NET_MESSAGE_H_

@@ -1,0 +1,135 @@
+#include "http/service/localize_service.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "http/service/image_features.h"
+#include "http/wire/problem.h"
+
+namespace cairn {
+namespace {
+
+using std::chrono::milliseconds;
+
+int NumCores() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+
+LocalizerOptions MakeLocalizerOptions(const ServerOptions& options) {
+  LocalizerOptions localizer = options.localizer;
+  localizer.num_threads = options.threads_per_query > 0 ? options.threads_per_query : NumCores();
+  return localizer;
+}
+
+// Throws unless the features are what the map's codebook takes.
+void CheckCodec(const ServedMap& map, const LocalizeQuery& query) {
+  const std::shared_ptr<const Codebook> codebook = map.store->Snapshot().CurrentCodebook();
+  if (codebook == nullptr) return;  // An empty map: nothing is covered, whatever the features.
+  const bool is_raw = query.features.space == DescriptorSpace::kRaw;
+  const std::string codec = is_raw ? codebook->descriptor_type : codebook->CodecName();
+  const bool unnamed = is_raw && query.codec.empty();
+  if (!unnamed && query.codec != codec) {
+    throw HttpError(
+        ProblemCode::kWrongCodec,
+        fmt::format("the features are of codec '{}', the map's is '{}'", query.codec, codec))
+        .At("/features/codec")
+        .Hint(fmt::format("send raw '{}' features, or project them for '{}'",
+                          codebook->descriptor_type, codebook->CodecName()));
+  }
+  const int dim = is_raw ? codebook->raw_dim() : codebook->projected_dim();
+  const auto check_dim = [&](const FeatureSet& features, const std::string& pointer) {
+    if (features.size() > 0 && features.descriptors.cols() != dim) {
+      throw HttpError(ProblemCode::kInvalidFeatures,
+                      fmt::format("the descriptors have {} dimensions, codec '{}' has {}",
+                                  features.descriptors.cols(), codec, dim))
+          .At(pointer);
+    }
+  };
+  check_dim(query.features, "/features");
+  for (size_t i = 0; i < query.other_cameras.size(); ++i) {
+    check_dim(query.other_cameras[i].features, fmt::format("/rig/{}/features", i));
+  }
+}
+
+LocalizeResult LateResult(const ServedMap& map, const LocalizeQuery& query) {
+  LocalizeResult late;
+  late.reason = NotLocalizedReason::kTimeout;
+  late.map_version = map.store->Snapshot().version();
+  late.counters.num_keypoints = query.num_features();
+  return late;
+}
+
+}  // namespace
+
+LocalizeService::LocalizeService(const ServerOptions& options)
+    : options_(options),
+      maps_({.path = options.map_path,
+             .cache_bytes = options.cache_bytes,
+             .localizer = MakeLocalizerOptions(options)}),
+      gate_(NumCores()) {}
+
+void LocalizeService::Read(const ServedMap& map, const HttpRequest& http, BodyParser* parse,
+                           LocalizeRequest* request) const {
+  *request = parse(http.Header("content-type"), http.body, request_limits());
+  request->query.deadline = http.arrival + milliseconds(request->timeout_ms);
+  if (!request->has_images()) {
+    CheckCodec(map, request->query);
+  }
+}
+
+bool LocalizeService::ExtractInTime(LocalizeRequest* request, ServerTimes* times) const {
+  const auto deadline = *request->query.deadline;
+  const ImageDecodeLimits limits{.max_pixels = options_.max_image_pixels, .should_stop = [&] {
+                                   return stopping_ || std::chrono::steady_clock::now() >= deadline;
+                                 }};
+  try {
+    ExtractQueryFeatures(limits, request, times);
+    return true;
+  } catch (const DecodingStopped&) {
+    if (stopping_) throw HttpError(ProblemCode::kUnavailable, "the server is stopping");
+    return false;
+  }
+}
+
+// A request has one turn, in which its JSON is parsed if that is long, its image becomes features
+// and these an answer: whoever comes first is served first, with an image or without.
+LocalizeService::Answer LocalizeService::AnswerInTurn(const ServedMap& map, const HttpRequest& http,
+                                                      BodyParser* parse, LocalizeRequest* request) {
+  Answer answer;
+  const bool reads_in_turn = IsLongJson(http.Header("content-type"), http.body);
+  if (!reads_in_turn) {
+    Read(map, http, parse, request);
+  }
+  const auto deadline =
+      reads_in_turn ? http.arrival + milliseconds(PeekTimeoutMs(http.body, request_limits()))
+                    : *request->query.deadline;
+  if (!gate_.Enter(deadline)) {
+    answer.result = LateResult(map, request->query);
+    return answer;
+  }
+  // Left on every way out.
+  const std::unique_ptr<FairGate, void (*)(FairGate*)> slot(&gate_,
+                                                            [](FairGate* gate) { gate->Leave(); });
+  if (reads_in_turn) {
+    Read(map, http, parse, request);
+  }
+  if (request->has_images()) {
+    if (!ExtractInTime(request, &answer.times)) {
+      answer.result = LateResult(map, request->query);
+      return answer;
+    }
+    CheckCodec(map, request->query);
+  }
+  answer.result = map.localizer->Localize(request->query);
+  return answer;
+}
+
+LocalizeService::Answer LocalizeService::Localize(const HttpRequest& http, BodyParser* parse,
+                                                  LocalizeRequest* request) {
+  const std::shared_ptr<const ServedMap> map = maps_.Current();
+  Answer answer = AnswerInTurn(*map, http, parse, request);
+  metrics_.CountLocalize(answer.result, answer.times);
+  return answer;
+}
+
+}  // namespace cairn

@@ -1,0 +1,122 @@
+#include "http/service/metrics.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace cairn {
+namespace {
+
+constexpr double kFirstBoundSeconds = 0.25e-3;
+
+void Describe(const char* name, const char* type, const char* help, std::string* text) {
+  *text += fmt::format("# HELP {} {}\n# TYPE {} {}\n", name, help, name, type);
+}
+
+// Of what did not run, as the query needed no refinement or its turn came too late, the time is 0.
+void AddIfRun(double seconds, DurationHistogram* histogram) {
+  if (seconds > 0.0) histogram->Add(seconds);
+}
+
+void Single(const char* name, const char* type, const char* help, double value, std::string* text) {
+  Describe(name, type, help, text);
+  *text += fmt::format("{} {}\n", name, value);
+}
+
+void RenderCache(const TileCacheStats& cache, std::string* text) {
+  Single("cairn_tile_cache_hits_total", "counter", "Tiles found in the cache.",
+         static_cast<double>(cache.num_hits), text);
+  Single("cairn_tile_cache_misses_total", "counter", "Tiles loaded from the map.",
+         static_cast<double>(cache.num_misses), text);
+  Single("cairn_tile_cache_evictions_total", "counter", "Tiles dropped for want of room.",
+         static_cast<double>(cache.num_evictions), text);
+  Single("cairn_tile_cache_entries", "gauge", "Tiles in the cache.",
+         static_cast<double>(cache.num_entries), text);
+  Single("cairn_tile_cache_bytes", "gauge", "Bytes of the tiles in the cache.",
+         static_cast<double>(cache.bytes), text);
+  Single("cairn_tile_cache_max_bytes", "gauge", "Bound of the cache.",
+         static_cast<double>(cache.max_bytes), text);
+}
+
+}  // namespace
+
+double DurationHistogram::BoundSeconds(int bucket) {
+  return std::ldexp(kFirstBoundSeconds, bucket);
+}
+
+void DurationHistogram::Add(double seconds) {
+  int bucket = 0;
+  while (bucket < kNumBounds && seconds > BoundSeconds(bucket)) ++bucket;
+  ++counts_[bucket];
+  sum_seconds_ += seconds;
+}
+
+void DurationHistogram::Render(const std::string& name, const std::string& labels,
+                               std::string* text) const {
+  const std::string separator = labels.empty() ? "" : ",";
+  uint64_t cumulative = 0;
+  for (int bucket = 0; bucket <= kNumBounds; ++bucket) {
+    cumulative += counts_[bucket];
+    const std::string bound =
+        bucket == kNumBounds ? "+Inf" : fmt::format("{}", BoundSeconds(bucket));
+    *text +=
+        fmt::format("{}_bucket{{{}{}le=\"{}\"}} {}\n", name, labels, separator, bound, cumulative);
+  }
+  const std::string braces = labels.empty() ? "" : fmt::format("{{{}}}", labels);
+  *text += fmt::format("{}_sum{} {}\n{}_count{} {}\n", name, braces, sum_seconds_, name, braces,
+                       cumulative);
+}
+
+void Metrics::CountRequest(const std::string& route, int status, double seconds) {
+  const std::lock_guard lock(mutex_);
+  ++requests_[{route, status}];
+  request_seconds_[route].Add(seconds);
+}
+
+uint64_t Metrics::num_requests() const {
+  const std::lock_guard lock(mutex_);
+  uint64_t sum = 0;
+  for (const auto& [route_and_status, count] : requests_) sum += count;
+  return sum;
+}
+
+void Metrics::CountLocalize(const LocalizeResult& result, const ServerTimes& times) {
+  const std::lock_guard lock(mutex_);
+  ++localize_outcomes_[result.localized ? "LOCALIZED" : NotLocalizedReasonName(result.reason)];
+  for (int i = 0; i < kNumStages; ++i) {
+    AddIfRun(result.times.seconds[i], &stage_seconds_[i]);
+  }
+  AddIfRun(times.decode_seconds + times.extract_seconds, &extraction_seconds_);
+}
+
+std::string Metrics::Render(const MapMetrics& map) const {
+  std::string text;
+  const std::lock_guard lock(mutex_);
+  Describe("cairn_http_requests_total", "counter", "Requests by route and status.", &text);
+  for (const auto& [key, count] : requests_) {
+    text += fmt::format("cairn_http_requests_total{{route=\"{}\",status=\"{}\"}} {}\n", key.first,
+                        key.second, count);
+  }
+  Describe("cairn_http_request_seconds", "histogram", "From the first byte to the answer.", &text);
+  for (const auto& [route, histogram] : request_seconds_) {
+    histogram.Render("cairn_http_request_seconds", fmt::format("route=\"{}\"", route), &text);
+  }
+  Describe("cairn_localize_total", "counter", "Queries by outcome.", &text);
+  for (const auto& [outcome, count] : localize_outcomes_) {
+    text += fmt::format("cairn_localize_total{{outcome=\"{}\"}} {}\n", outcome, count);
+  }
+  Describe("cairn_stage_seconds", "histogram", "Time of each stage of a query.", &text);
+  for (int i = 0; i < kNumStages; ++i) {
+    stage_seconds_[i].Render("cairn_stage_seconds",
+                             fmt::format("stage=\"{}\"", StageName(static_cast<Stage>(i))), &text);
+  }
+  extraction_seconds_.Render("cairn_stage_seconds", "stage=\"extraction\"", &text);
+  RenderCache(map.cache, &text);
+  Single("cairn_map_version", "gauge", "Version of the map that queries see.",
+         static_cast<double>(Value(map.version)), &text);
+  Single("cairn_map_degraded", "gauge", "1 if the map served is not the one in the file.",
+         map.is_degraded ? 1.0 : 0.0, &text);
+  return text;
+}
+
+}  // namespace cairn

@@ -1,0 +1,63 @@
+// Counters of a running server in Prometheus' text format.
+#ifndef CAIRN_HTTP_SERVICE_METRICS_H_
+#define CAIRN_HTTP_SERVICE_METRICS_H_
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include "engine/query/localize_result.h"
+#include "http/json/localize_response.h"
+#include "storage/map/tile_cache.h"
+
+namespace cairn {
+
+// Durations in buckets whose bounds double, 0.25 ms to 4 s and above.
+class DurationHistogram {
+ public:
+  static constexpr int kNumBounds = 15;
+  static double BoundSeconds(int bucket);  // 0.25 ms * 2^bucket.
+
+  void Add(double seconds);
+  // Appends the lines `name_bucket{labels,le="..."} n` and so on; `labels` may be empty.
+  void Render(const std::string& name, const std::string& labels, std::string* text) const;
+
+ private:
+  std::array<uint64_t, kNumBounds + 1> counts_{};
+  double sum_seconds_ = 0.0;
+};
+
+// What is to be said of the map that is being served.
+struct MapMetrics {
+  TileCacheStats cache;
+  MapVersion version{};
+  bool is_degraded = false;  // See ServedMaps::Problem.
+};
+
+// Safe to call from any thread.
+class Metrics {
+ public:
+  // `route` is the pattern of the route, never the client's path, so that the number of series is
+  // bounded; empty for requests that reached none.
+  void CountRequest(const std::string& route, int status, double seconds);
+  uint64_t num_requests() const;  // Counted so far.
+  // Stages that did not run do not count as quick ones.
+  void CountLocalize(const LocalizeResult& result, const ServerTimes& times);
+
+  std::string Render(const MapMetrics& map) const;
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<std::pair<std::string, int>, uint64_t> requests_;
+  std::map<std::string, DurationHistogram> request_seconds_;
+  std::map<std::string, uint64_t> localize_outcomes_;
+  std::array<DurationHistogram, kNumStages> stage_seconds_;
+  DurationHistogram extraction_seconds_;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_HTTP_SERVICE_METRICS_H_

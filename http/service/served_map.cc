@@ -1,0 +1,197 @@
+#include "http/service/served_map.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cctype>
+#include <cstdint>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "core/error.h"
+#include "core/logging.h"
+
+namespace cairn {
+namespace {
+
+// FNV-1a, 64 bits.
+class Fingerprint {
+ public:
+  void Add(uint64_t value) {
+    for (int i = 0; i < 64; i += 8) {
+      hash_ = (hash_ ^ (value >> i & 0xff)) * uint64_t{0x100000001b3};
+    }
+  }
+  void Add(double value) { Add(std::bit_cast<uint64_t>(value)); }
+  uint64_t value() const { return hash_; }
+
+ private:
+  uint64_t hash_ = 0xcbf29ce484222325;
+};
+
+std::string Alphanumeric(std::string text) {
+  std::erase_if(text, [](unsigned char c) { return std::isalnum(c) == 0; });
+  return text;
+}
+
+}  // namespace
+
+// A copy of a map that goes its own way has the date and the payload ids of its origin, so the tag
+// says what is known of the tile's contents, too.
+std::string ServedMap::TileTag(const TileRecord& tile) const {
+  Fingerprint contents;
+  for (const int64_t count :
+       {tile.num_bytes, tile.num_landmarks, tile.num_descriptors, tile.num_keyframes}) {
+    contents.Add(static_cast<uint64_t>(count));
+  }
+  const GeoBox& box = tile.landmark_bounds;
+  for (const double number :
+       {tile.min_h_m, tile.max_h_m, box.south_rad, box.west_rad, box.north_rad, box.east_rad}) {
+    contents.Add(number);
+  }
+  return fmt::format("\"{}{:016x}-{}\"", Alphanumeric(created_at), contents.value(),
+                     Value(tile.payload_id));
+}
+
+ServedMaps::ServedMaps(const ServedMapOptions& options)
+    : options_(options),
+      current_(Open(OpenMode::kReadOnly, std::make_shared<TileCache>(options.cache_bytes))) {}
+
+std::shared_ptr<ServedMap> ServedMaps::Open(OpenMode mode, std::shared_ptr<TileCache> cache) const {
+  auto store = std::make_shared<const MapStore>(MapStore::Open(options_.path, mode));
+  auto localizer = std::make_unique<Localizer>(store, cache, options_.localizer);
+  const MapSnapshot snapshot = store->Snapshot();
+  const MapInfo info = snapshot.Info();
+  snapshot.CurrentCodebook();  // Throws if it is damaged.
+  return std::make_shared<ServedMap>(
+      ServedMap{.store = store,
+                .cache = std::move(cache),
+                .localizer = std::move(localizer),
+                .created_at = info.created_at,
+                .version_when_opened = info.version,
+                .is_stand_in = mode == OpenMode::kImmutable,
+                .log = std::make_shared<const PinnedFile>(store->LogPath())});
+}
+
+std::shared_ptr<const ServedMap> ServedMaps::Current() const {
+  const std::lock_guard lock(mutex_);
+  return current_;
+}
+
+std::string ServedMaps::Problem() const {
+  const std::lock_guard lock(mutex_);
+  return problem_;
+}
+
+void ServedMaps::Refresh() { Look(/*is_forced=*/false); }
+
+void ServedMaps::Reload() { Look(/*is_forced=*/true); }
+
+void ServedMaps::Look(bool is_forced) {
+  const std::lock_guard look_lock(look_mutex_);
+  const bool is_alone = ReleaseReplaced();
+  const std::shared_ptr<const ServedMap> current = Current();
+  try {
+    switch (current->store->FileState()) {
+      case MapFileState::kMissing:
+        return SetProblem("the map file is missing", "the map in memory is served on");
+      case MapFileState::kReplaced:
+        return TakeReplacement();
+      case MapFileState::kInPlace:
+        break;
+    }
+    if (current->is_stand_in) {
+      if (is_alone) TakePlaceOfStandIn();
+    } else if (is_forced || must_reload_) {
+      must_reload_ = true;
+      TakeOverwritten();
+      must_reload_ = false;
+    } else {
+      SetProblem("", "");
+    }
+  } catch (const std::exception& error) {
+    SetProblem("the map file cannot be opened; an older map is served", error.what());
+  }
+}
+
+bool ServedMaps::ReleaseReplaced() {
+  std::erase_if(replaced_, [](const auto& map) { return map.use_count() == 1; });
+  return replaced_.empty();
+}
+
+void ServedMaps::ReplaceCurrent(std::shared_ptr<const ServedMap> next) {
+  std::unique_lock lock(mutex_);
+  current_.swap(next);
+  lock.unlock();
+  // Queries hold the tiles that they use.
+  if (next->cache != Current()->cache) next->cache->Clear();
+  replaced_.push_back(std::move(next));
+}
+
+// SQLite shares the log and its index between all who have the name open, whatever file each of
+// them has: while the old map is open, the new one is read without them.
+void ServedMaps::TakeReplacement() {
+  std::shared_ptr<ServedMap> next =
+      Open(OpenMode::kImmutable, std::make_shared<TileCache>(options_.cache_bytes));
+  const std::shared_ptr<const ServedMap> old = Current();
+  if (!old->is_stand_in) replaced_log_ = old->log;
+  LogInfo("{} was replaced; the map of {} is served from now on, no longer the one of {}",
+          options_.path, next->created_at, old->created_at);
+  ReplaceCurrent(std::move(next));
+  SetProblem("", "");
+}
+
+void ServedMaps::TakeOverwritten() {
+  std::shared_ptr<ServedMap> next =
+      Open(OpenMode::kReadOnly, std::make_shared<TileCache>(options_.cache_bytes));
+  const std::shared_ptr<const ServedMap> old = Current();
+  // Updates of the same map are seen without opening it again.
+  const bool is_same = next->created_at == old->created_at &&
+                       Value(next->version_when_opened) >= Value(old->version_when_opened);
+  LogInfo("{} was opened again: {}", options_.path,
+          is_same ? "it is the same map" : "it is another map, which is served from now on");
+  if (!is_same) ReplaceCurrent(std::move(next));
+  SetProblem("", "");
+}
+
+void ServedMaps::TakePlaceOfStandIn() {
+  const std::shared_ptr<const ServedMap> stand_in = Current();
+  const std::string log_path = stand_in->store->LogPath();
+  if (LogIsOfReplacedMap(log_path)) {
+    return SetProblem(
+        "a write-ahead log of the map before lies beside the map file; updates are not seen",
+        fmt::format("remove {} and the -shm file beside it before anybody writes to the map",
+                    log_path));
+  }
+  std::shared_ptr<ServedMap> next = Open(OpenMode::kReadOnly, stand_in->cache);
+  if (next->created_at != stand_in->created_at ||
+      stand_in->store->FileState() != MapFileState::kInPlace) {
+    return;  // It is being replaced again, which the next look sees.
+  }
+  ReplaceCurrent(std::move(next));
+  replaced_log_.reset();
+  SetProblem("", "");
+}
+
+bool ServedMaps::LogIsOfReplacedMap(const std::string& log_path) const {
+  std::error_code error;
+  const auto num_bytes = std::filesystem::file_size(log_path, error);
+  return !error && num_bytes > 0 && replaced_log_ != nullptr && replaced_log_->IsAt(log_path);
+}
+
+void ServedMaps::SetProblem(const std::string& problem, const std::string& detail) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (problem == problem_) return;
+    problem_ = problem;
+  }
+  if (problem.empty()) {
+    LogInfo("{}: all is well with the map file again", options_.path);
+  } else {
+    LogWarning("{}: {}: {}", options_.path, problem, detail);
+  }
+}
+
+}  // namespace cairn

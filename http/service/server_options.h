@@ -1,0 +1,41 @@
+// Options of the server.
+#ifndef CAIRN_HTTP_SERVICE_SERVER_OPTIONS_H_
+#define CAIRN_HTTP_SERVICE_SERVER_OPTIONS_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "engine/localizer_options.h"
+
+namespace cairn {
+
+struct ServerOptions {
+  std::string map_path;
+  std::string host = "127.0.0.1";
+  int port = 8080;  // 0 picks a free one; see Server::port.
+  std::string admin_host = "127.0.0.1";
+  int admin_port = -1;  // Health and metrics apart; 0 picks a free one, -1: same listener.
+  // Requests answered at once; 0 is 64, or twice the cores if that is more. No more queries are
+  // computed at once than there are cores: the others wait in line. Open connections need no
+  // thread.
+  int num_threads = 0;
+  // Threads that one query may use while cores are free; 0 is as many as there are cores. Counts
+  // instead of localizer.num_threads.
+  int threads_per_query = 0;
+  size_t cache_bytes = size_t{1} << 30;
+  // Holds a picture of max_image_pixels: as JPEG, and as GRAY8 in base64, which takes 16,000,000
+  // bytes. RGBA32 of that size needs 64 MB.
+  size_t max_body_bytes = size_t{16} << 20;
+  int64_t max_image_pixels = 12'000'000;
+  int max_features = 5000;
+  int default_timeout_ms = 2000;
+  LocalizerOptions localizer;
+
+  // Throws Error(kInvalidArgument) naming the field.
+  void Validate() const;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_HTTP_SERVICE_SERVER_OPTIONS_H_

@@ -1,0 +1,22 @@
+// Base64 (RFC 4648 section 4): standard alphabet, padded, strict.
+#ifndef CAIRN_HTTP_WIRE_BASE64_H_
+#define CAIRN_HTTP_WIRE_BASE64_H_
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cairn {
+
+std::string EncodeBase64(std::span<const uint8_t> bytes);
+
+// Nothing unless `text` is exactly what EncodeBase64 makes of some bytes: no line breaks, no
+// missing padding, no stray bits in the last symbol.
+std::optional<std::vector<uint8_t>> DecodeBase64(std::string_view text);
+
+}  // namespace cairn
+
+#endif  // CAIRN_HTTP_WIRE_BASE64_H_

@@ -1,0 +1,63 @@
+#include "ingest/images/gray_image.h"
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "core/file_bytes.h"
+#include "ingest/images/image_header.h"
+#include "ingest/images/jpeg_decoder.h"
+#include "ingest/images/png_decoder.h"
+#include "ingest/images/pnm_decoder.h"
+
+namespace cairn {
+namespace {
+
+constexpr uint64_t kMaxImageFileBytes = uint64_t{256} << 20;
+
+}  // namespace
+
+GrayImage BlankImage(int64_t width_px, int64_t height_px) {
+  GrayImage image{.width_px = static_cast<int>(width_px),
+                  .height_px = static_cast<int>(height_px),
+                  .pixels = {}};
+  image.pixels.resize(static_cast<size_t>(width_px) * static_cast<size_t>(height_px));
+  return image;
+}
+
+GrayImage DecodeGrayImage(std::span<const uint8_t> image_bytes, const ImageDecodeLimits& limits) {
+  const ImageHeader header = ParseImageHeader(image_bytes);
+  if (header.width_px > limits.max_pixels / header.height_px) {
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("the image is {} x {} pixels, more than the limit of {}; scale it down",
+                            header.width_px, header.height_px, limits.max_pixels));
+  }
+  switch (header.format) {
+    case ImageFormat::kJpeg:
+      return DecodeJpeg(image_bytes, header, limits);
+    case ImageFormat::kPng:
+      return DecodePng(image_bytes, header, limits);
+    case ImageFormat::kPnm:
+      break;
+  }
+  return DecodePnm(image_bytes, limits);
+}
+
+std::vector<uint8_t> ReadImageBytes(const std::string& path) {
+  return ReadFileBytes(path, kMaxImageFileBytes);
+}
+
+Photo ReadPhoto(const std::string& path, const ImageDecodeLimits& limits) {
+  Photo photo{.bytes = ReadImageBytes(path), .image = {}};
+  try {
+    photo.image = DecodeGrayImage(photo.bytes, limits);
+  } catch (const Error& e) {
+    throw Error(e.code(), fmt::format("{}: {}", path, e.what()));
+  }
+  return photo;
+}
+
+GrayImage ReadGrayImage(const std::string& path, const ImageDecodeLimits& limits) {
+  return ReadPhoto(path, limits).image;
+}
+
+}  // namespace cairn

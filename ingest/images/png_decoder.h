@@ -1,0 +1,22 @@
+// PNG to grey (libpng behind).
+#ifndef CAIRN_INGEST_IMAGES_PNG_DECODER_H_
+#define CAIRN_INGEST_IMAGES_PNG_DECODER_H_
+
+#include <cstdint>
+#include <span>
+
+#include "ingest/images/gray_image.h"
+#include "ingest/images/image_header.h"
+
+namespace cairn {
+
+// Decodes a PNG whose size `header` states. Colours are weighted as in ITU-R BT.601, transparency
+// is left out. Of the chunks that are not needed for pixels none is unpacked. Asks
+// `limits.should_stop` between rows. Throws Error(kBadInput) if the image is damaged, and
+// DecodingStopped.
+GrayImage DecodePng(std::span<const uint8_t> bytes, const ImageHeader& header,
+                    const ImageDecodeLimits& limits);
+
+}  // namespace cairn
+
+#endif  // CAIRN_INGEST_IMAGES_PNG_DECODER_H_

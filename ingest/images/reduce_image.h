@@ -1,0 +1,17 @@
+// Makes images smaller by averaging areas.
+#ifndef CAIRN_INGEST_IMAGES_REDUCE_IMAGE_H_
+#define CAIRN_INGEST_IMAGES_REDUCE_IMAGE_H_
+
+#include <cstdint>
+
+#include "ingest/images/gray_image.h"
+
+namespace cairn {
+
+// The largest image of at most `max_pixels` pixels (at least 1) and, to a pixel, the shape of
+// `image`, which has more. A pixel is the mean of the area that it covers.
+GrayImage ReduceByArea(const GrayImage& image, int64_t max_pixels);
+
+}  // namespace cairn
+
+#endif  // CAIRN_INGEST_IMAGES_REDUCE_IMAGE_H_

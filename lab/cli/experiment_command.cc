@@ -1,0 +1,190 @@
+// `cairn-lab experiment`: the paper's experiments, and the report of their results.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "cli/arguments.h"
+#include "core/error.h"
+#include "lab/cli/lab_verbs.h"
+#include "lab/experiments/experiment_result.h"
+#include "lab/experiments/report/text_file.h"
+#include "lab/experiments/runs/experiment_list.h"
+
+namespace cairn {
+namespace {
+
+struct ExperimentArguments {
+  std::vector<std::string> names;
+  std::string size = "quick";
+  std::string out_folder = "experiments";
+  std::string report_path = "docs/experiments.md";
+  uint64_t seed = 1;
+  int num_queries = 0;
+  int num_threads = 2;
+  std::string trajectories_folder;
+};
+
+void MakeFolder(const std::filesystem::path& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) {
+    throw Error(ErrorCode::kIo, path.string() + ": " + error.message());
+  }
+}
+
+ExitCode List() {
+  fmt::print("{:<30} {:<21} {:<6} {}\n", "name", "paper", "full", "question");
+  for (const Experiment& experiment : AllExperiments()) {
+    fmt::print("{:<30} {:<21} {:<6} {}\n", experiment.name, experiment.paper,
+               experiment.full_duration.empty() ? "-" : experiment.full_duration, experiment.title);
+  }
+  return ExitCode::kOk;
+}
+
+// Writes the page, and beside it the figures that it shows.
+ExitCode Report(const ExperimentArguments& arguments) {
+  const std::vector<Experiment> experiments = AllExperiments();
+  const std::vector<ExperimentResult> results = ReadResults(arguments.out_folder, experiments);
+  if (results.empty()) {
+    throw Error(ErrorCode::kNotFound, arguments.out_folder +
+                                          ": no results; run `cairn-lab experiment all --out " +
+                                          arguments.out_folder + "` first");
+  }
+  const std::string image_folder = "images/experiments";
+  const std::filesystem::path report(arguments.report_path);
+  const std::filesystem::path images = report.parent_path() / image_folder;
+  MakeFolder(images);
+  for (const ExperimentResult& result : results) {
+    for (const std::string& figure : result.figures) {
+      const std::string file = figure + ".svg";
+      std::error_code error;
+      std::filesystem::copy_file(std::filesystem::path(arguments.out_folder) / file, images / file,
+                                 std::filesystem::copy_options::overwrite_existing, error);
+      if (error) {
+        throw Error(ErrorCode::kIo, file + ": " + error.message() + "; was gnuplot installed?");
+      }
+    }
+  }
+  WriteTextFile(report.string(), ReportAsMarkdown(experiments, results, image_folder));
+  fmt::print("{} experiments in {}\n", results.size(), report.string());
+  return ExitCode::kOk;
+}
+
+// What the names ask for, in the paper's order and each once.
+std::vector<Experiment> Chosen(const std::vector<std::string>& names) {
+  std::vector<std::string> wanted;
+  for (const std::string& name : names) {
+    wanted.push_back(name == "all" ? name : FindExperiment(name).name);
+  }
+  std::vector<Experiment> chosen;
+  for (const Experiment& experiment : AllExperiments()) {
+    const auto is_wanted = [&](const std::string& name) {
+      return name == "all" || name == experiment.name;
+    };
+    if (std::any_of(wanted.begin(), wanted.end(), is_wanted)) {
+      chosen.push_back(experiment);
+    }
+  }
+  return chosen;
+}
+
+ExitCode Run(const ExperimentArguments& arguments, ProgressMode progress_mode) {
+  const std::vector<Experiment> chosen = Chosen(arguments.names);
+  const std::filesystem::path out(arguments.out_folder);
+  MakeFolder(out);
+  ExperimentWorlds worlds((out / "worlds").string());
+  ExperimentContext context;
+  context.size = ExperimentSizeFromName(arguments.size);
+  context.seed = arguments.seed;
+  context.num_queries = arguments.num_queries;
+  context.num_threads = arguments.num_threads;
+  context.trajectories_folder = arguments.trajectories_folder;
+  context.worlds = &worlds;
+  for (const Experiment& experiment : chosen) {
+    bool figures_drawn = true;
+    ExperimentResult result;
+    {
+      Progress progress(progress_mode);
+      context.progress = [&](const std::string& phase, int done, int total) {
+        progress.Update(experiment.name + ": " + phase, done, total);
+      };
+      result = RunExperiment(experiment, context, out.string(), &figures_drawn);
+    }
+    fmt::print("{}: {}\n{}\n", result.name, VerdictName(result.verdict), result.sentence);
+    if (!figures_drawn) {
+      fmt::print("gnuplot did not draw the figures; their scripts are {}/*.gp\n", out.string());
+    }
+    fmt::print("\n");
+    std::fflush(stdout);
+  }
+  return ExitCode::kOk;
+}
+
+ExitCode RunExperimentCommand(const ExperimentArguments& arguments, ProgressMode progress_mode) {
+  if (arguments.num_threads < 1 || arguments.num_queries < 0) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "--threads must be at least 1 and --queries not negative");
+  }
+  if (arguments.names.size() == 1 && arguments.names.front() == "list") {
+    return List();
+  }
+  if (arguments.names.size() == 1 && arguments.names.front() == "report") {
+    return Report(arguments);
+  }
+  return Run(arguments, progress_mode);
+}
+
+}  // namespace
+
+void AddExperimentCommand(CLI::App* app, Shell* shell) {
+  CLI::App* command = app->add_subcommand(
+      "experiment", "Ask the paper's questions of this engine in a simulated city");
+  auto arguments = std::make_shared<ExperimentArguments>();
+  command
+      ->add_option("what", arguments->names,
+                   "Names or numbers of experiments, or list, all, report")
+      ->required()
+      ->type_name("list|all|report|NAME...");
+  command->add_option("--size", arguments->size, "quick: seconds, means little; full: minutes each")
+      ->capture_default_str()
+      ->type_name("quick|full");
+  command->add_option("--out", arguments->out_folder, "Folder of results and worlds")
+      ->capture_default_str();
+  command->add_option("--to", arguments->report_path, "Page that report writes")
+      ->capture_default_str();
+  AddSeedOption(command, &arguments->seed, "Of cities, queries and localizer");
+  command
+      ->add_option("--queries", arguments->num_queries,
+                   "Of each world; fewer are faster and decide less (0: as the size has it)")
+      ->capture_default_str();
+  command->add_option("--threads", arguments->num_threads, "Queries measured at a time")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--trajectories", arguments->trajectories_folder,
+          "Folder with euroc_V1_01_easy/mav0 (as EuRoC lays it out), vi_imu_gt/euroc_V1_02_medium "
+          "and vi_imu_gt/tumvi_room1 (imu.csv, groundtruth.csv): real inertial samples for 16 and "
+          "17")
+      ->check(CLI::ExistingDirectory);
+  command->footer(
+      "Examples:\n"
+      "  cairn-lab experiment list\n"
+      "  cairn-lab experiment 07 --size full --out results\n"
+      "  cairn-lab experiment all --size full --out results\n"
+      "  cairn-lab experiment report --out results --to docs/experiments.md");
+  command->callback([shell, arguments] {
+    shell->run = [shell, arguments] {
+      return RunExperimentCommand(*arguments, shell->progress_mode);
+    };
+  });
+}
+
+}  // namespace cairn

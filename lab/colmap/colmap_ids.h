@@ -1,0 +1,16 @@
+// The ids that written models and databases share; private to lab/colmap.
+#ifndef CAIRN_LAB_COLMAP_COLMAP_IDS_H_
+#define CAIRN_LAB_COLMAP_COLMAP_IDS_H_
+
+#include <cstdint>
+
+namespace cairn {
+
+// COLMAP's ids begin at 1; these differ, so that mix-ups show.
+inline constexpr uint32_t kFirstColmapCameraId = 3;
+inline constexpr uint32_t kFirstColmapImageId = 11;
+inline constexpr uint64_t kFirstColmapPointId = 1;
+
+}  // namespace cairn
+
+#endif  // CAIRN_LAB_COLMAP_COLMAP_IDS_H_

@@ -1,0 +1,44 @@
+// Tiles in the cache before anything is timed; private to experiments.
+#ifndef CAIRN_LAB_EXPERIMENTS_MEASURE_WARM_TILES_H_
+#define CAIRN_LAB_EXPERIMENTS_MEASURE_WARM_TILES_H_
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/localizer_options.h"
+#include "engine/query/query_context.h"
+#include "engine/tiles/searchable_tile.h"
+#include "lab/experiments/experiment_world.h"
+#include "storage/map/tile_cache.h"
+
+namespace cairn {
+
+// Caches that hold the tiles of all queries of one world, indexed as options say. Keeps the last
+// one: variants in a row that do not differ in their index share it. One thread.
+class WarmTiles {
+ public:
+  // `world` must outlive it. Tiles are indexed on `num_threads` threads.
+  WarmTiles(const ExperimentWorld& world, int num_threads)
+      : world_(world), num_threads_(num_threads) {}
+
+  std::shared_ptr<TileCache> For(const LocalizerOptions& options);
+
+ private:
+  const ExperimentWorld& world_;
+  int num_threads_;
+  std::string key_;  // Of the index of last_.
+  std::shared_ptr<TileCache> last_;
+};
+
+// A query up to the matching stage.
+struct PreparedQuery {
+  QueryContext context;
+  std::vector<TileView> tiles;
+};
+PreparedQuery PrepareQuery(const ExperimentWorld& world, const LocalizerOptions& options,
+                           const EvalQuery& query, TileCache* cache);
+
+}  // namespace cairn
+
+#endif  // CAIRN_LAB_EXPERIMENTS_MEASURE_WARM_TILES_H_

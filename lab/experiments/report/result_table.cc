@@ -1,0 +1,76 @@
+#include "lab/experiments/report/result_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/check.h"
+
+namespace cairn {
+namespace {
+
+std::string CsvText(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) {
+    return text;
+  }
+  std::string quoted = "\"";
+  for (const char letter : text) {
+    quoted += letter == '"' ? "\"\"" : std::string(1, letter);
+  }
+  return quoted + "\"";
+}
+
+std::string CsvCell(const Cell& cell) {
+  if (const auto* text = std::get_if<std::string>(&cell)) {
+    return CsvText(*text);
+  }
+  const double value = std::get<double>(cell);
+  return std::isfinite(value) ? fmt::format("{:.6g}", value) : "";
+}
+
+}  // namespace
+
+ResultTable::ResultTable(std::vector<Column> columns) : columns_(std::move(columns)) {}
+
+void ResultTable::AddRow(std::vector<Cell> row) {
+  CAIRN_CHECK(row.size() == columns_.size(), "a row has a cell a column");
+  rows_.push_back(std::move(row));
+}
+
+size_t ResultTable::ColumnIndex(const std::string& name) const {
+  const auto found = std::find_if(columns_.begin(), columns_.end(),
+                                  [&](const Column& column) { return column.name == name; });
+  CAIRN_CHECK(found != columns_.end(), "the table has no such column");
+  return static_cast<size_t>(found - columns_.begin());
+}
+
+std::string ResultTable::Csv() const {
+  std::string text;
+  for (size_t i = 0; i < columns_.size(); ++i) {
+    text += (i == 0 ? "" : ",") + CsvText(columns_[i].name);
+  }
+  text += "\n";
+  for (const std::vector<Cell>& row : rows_) {
+    for (size_t i = 0; i < row.size(); ++i) {
+      text += (i == 0 ? "" : ",") + CsvCell(row[i]);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+void AddIntervalColumns(const std::string& name, std::vector<Column>* columns) {
+  for (const char* suffix : {"", "_low", "_high"}) {
+    columns->push_back({name + suffix});
+  }
+}
+
+void AddIntervalCells(const Interval& interval, std::vector<Cell>* row) {
+  for (const double value : {interval.value, interval.low, interval.high}) {
+    row->emplace_back(value);
+  }
+}
+
+}  // namespace cairn

@@ -1,0 +1,17 @@
+// Whole text files; private to experiments.
+#ifndef CAIRN_LAB_EXPERIMENTS_REPORT_TEXT_FILE_H_
+#define CAIRN_LAB_EXPERIMENTS_REPORT_TEXT_FILE_H_
+
+#include <string>
+
+namespace cairn {
+
+// Replaces the file. Throws Error(kIo) naming it.
+void WriteTextFile(const std::string& path, const std::string& text);
+
+// Throws Error(kNotFound) naming the file if it cannot be read.
+std::string ReadTextFile(const std::string& path);
+
+}  // namespace cairn
+
+#endif  // CAIRN_LAB_EXPERIMENTS_REPORT_TEXT_FILE_H_

@@ -1,0 +1,34 @@
+// A fixed number of descriptors per landmark: k-means, k-medoids, random.
+#include "lab/experiments/runs/appearance_runs.h"
+#include "lab/experiments/runs/runs.h"
+
+namespace cairn {
+namespace {
+
+IngestVariant Make(const std::string& method, AppearanceKind kind, double knob,
+                   const ExperimentContext& context) {
+  return FixedCountVariant(method, kind, static_cast<int>(knob), context);
+}
+
+ExperimentOutcome Run(const ExperimentContext& context) {
+  return CompareKinds(context, "02_fixed_descriptors", "A fixed number of descriptors",
+                      "descriptors", context.Pick<std::vector<double>>({1, 3}, {1, 2, 4}), Make);
+}
+
+}  // namespace
+
+Experiment FixedDescriptorsExperiment() {
+  return {
+      "02_fixed_descriptors",
+      "A fixed number of descriptors per landmark",
+      "Figure 3",
+      "Centres of k-means serve better than those of k-medoids or a random choice, and memory "
+      "can be reduced by some 40 % at a moderate loss.",
+      "holds if the average precision of k-means, in the mean over counts, is greater than that "
+      "of k-medoids and that of a random choice, each by a paired interval; does not hold if it "
+      "is smaller than one.",
+      "8 min",
+      Run};
+}
+
+}  // namespace cairn

@@ -1,0 +1,19 @@
+// The cities of different character that 10 and 18 compare; private to experiments.
+#ifndef CAIRN_LAB_EXPERIMENTS_RUNS_CITIES_H_
+#define CAIRN_LAB_EXPERIMENTS_RUNS_CITIES_H_
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lab/experiments/experiment.h"
+
+namespace cairn {
+
+// Name and world of each.
+std::vector<std::pair<std::string, ExperimentWorldOptions>> Cities(
+    const ExperimentContext& context);
+
+}  // namespace cairn
+
+#endif  // CAIRN_LAB_EXPERIMENTS_RUNS_CITIES_H_

@@ -1,0 +1,110 @@
+#include "lab/known_poses/neighbour_pairs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+
+#include "core/require.h"
+
+namespace cairn {
+namespace {
+
+// Images by the square of the ground they stand on; squares are max_baseline_m wide, so that
+// neighbours of an image stand in its square or the eight around it.
+class ImageGrid {
+ public:
+  ImageGrid(const std::vector<PosedFeatures>& images, double cell_m) : cell_m_(cell_m) {
+    for (size_t i = 0; i < images.size(); ++i) {
+      cells_[CellOf(images[i].center_in_world)].push_back(static_cast<int>(i));
+    }
+  }
+
+  template <typename Visit>
+  void ForEachAround(const Eigen::Vector3d& x_in_world, const Visit& visit) const {
+    const auto [cell_x, cell_y] = CellOf(x_in_world);
+    for (int64_t x = cell_x - 1; x <= cell_x + 1; ++x) {
+      for (int64_t y = cell_y - 1; y <= cell_y + 1; ++y) {
+        if (const auto cell = cells_.find({x, y}); cell != cells_.end()) {
+          std::for_each(cell->second.begin(), cell->second.end(), visit);
+        }
+      }
+    }
+  }
+
+ private:
+  using Cell = std::pair<int64_t, int64_t>;
+
+  Cell CellOf(const Eigen::Vector3d& x_in_world) const {
+    return {static_cast<int64_t>(std::floor(x_in_world.x() / cell_m_)),
+            static_cast<int64_t>(std::floor(x_in_world.y() / cell_m_))};
+  }
+
+  double cell_m_;
+  std::map<Cell, std::vector<int>> cells_;
+};
+
+// Share of points spread through the view of `a` that `b` sees.
+double ViewOverlap(const PosedFeatures& a, const PosedFeatures& b) {
+  constexpr int kColumns = 5, kRows = 4;
+  constexpr double kDepthsM[] = {4.0, 8.0, 16.0, 32.0};
+  const Rigid3d b_from_a = b.cam_from_world * a.cam_from_world.Inverse();
+  int num_points = 0, num_seen = 0;
+  for (int i = 0; i < kColumns * kRows; ++i) {
+    const auto ray = a.camera->Unproject({(i % kColumns + 0.5) / kColumns * a.camera->width_px(),
+                                          (i / kColumns + 0.5) / kRows * a.camera->height_px()});
+    for (const double depth_m : kDepthsM) {
+      ++num_points;
+      if (ray) {
+        const auto pixel = b.camera->Project(b_from_a * Eigen::Vector3d(depth_m * *ray));
+        num_seen += pixel && b.camera->Contains(*pixel) ? 1 : 0;
+      }
+    }
+  }
+  return static_cast<double>(num_seen) / num_points;
+}
+
+}  // namespace
+
+void NeighbourOptions::Validate() const {
+  RequireOption(max_neighbours >= 1, "neighbours.max_neighbours must be at least 1");
+  RequireOption(min_baseline_m >= 0.0 && max_baseline_m > min_baseline_m,
+                "neighbours: need 0 <= min_baseline_m < max_baseline_m");
+  RequireOption(max_turn_rad > 0.0, "neighbours.max_turn_rad must be positive");
+  RequireWithin("neighbours.min_overlap", min_overlap, 0.0, 1.0);
+}
+
+std::vector<std::pair<int, int>> FindNeighbourPairs(const std::vector<PosedFeatures>& images,
+                                                    const NeighbourOptions& options) {
+  options.Validate();
+  const ImageGrid grid(images, options.max_baseline_m);
+  const double min_cos_turn = std::cos(options.max_turn_rad);
+  std::vector<std::pair<int, int>> pairs;
+  for (int a = 0; a < static_cast<int>(images.size()); ++a) {
+    const Eigen::Vector3d forward_in_world =
+        images[a].cam_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+    std::vector<std::pair<double, int>> by_overlap;  // Negated, so that the largest sorts first.
+    grid.ForEachAround(images[a].center_in_world, [&](int b) {
+      const double baseline_m = (images[b].center_in_world - images[a].center_in_world).norm();
+      if (baseline_m < options.min_baseline_m || baseline_m > options.max_baseline_m ||
+          (images[b].cam_from_world.rotation * forward_in_world).z() < min_cos_turn) {
+        return;
+      }
+      const double overlap =
+          std::min(ViewOverlap(images[a], images[b]), ViewOverlap(images[b], images[a]));
+      if (overlap >= options.min_overlap) {
+        by_overlap.emplace_back(-overlap, b);
+      }
+    });
+    std::sort(by_overlap.begin(), by_overlap.end());
+    by_overlap.resize(std::min(by_overlap.size(), static_cast<size_t>(options.max_neighbours)));
+    for (const auto& [negated_overlap, b] : by_overlap) {
+      pairs.emplace_back(std::minmax(a, b));
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  return pairs;
+}
+
+}  // namespace cairn

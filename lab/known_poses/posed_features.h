@@ -1,0 +1,29 @@
+// Features of an image whose pose is known.
+#ifndef CAIRN_LAB_KNOWN_POSES_POSED_FEATURES_H_
+#define CAIRN_LAB_KNOWN_POSES_POSED_FEATURES_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/features.h"
+#include "core/rigid3.h"
+
+namespace cairn {
+
+// Neither camera nor features are owned. Immutable once made; safe to use from any thread.
+struct PosedFeatures {
+  const Camera* camera = nullptr;
+  const FeatureSet* features = nullptr;
+  Rigid3d cam_from_world;
+  Eigen::Vector3d center_in_world = Eigen::Vector3d::Zero();
+  // Unit viewing rays of the keypoints; zero where the lens model cannot be inverted.
+  std::vector<Eigen::Vector3d> rays_in_world;
+};
+
+PosedFeatures MakePosedFeatures(const Camera& camera, const FeatureSet& features,
+                                const Rigid3d& cam_from_world);
+
+}  // namespace cairn
+
+#endif  // CAIRN_LAB_KNOWN_POSES_POSED_FEATURES_H_

@@ -1,0 +1,96 @@
+// The rival of the filter: sliding-window visual-inertial bundle adjustment with the map held fixed
+// (paper, "Evaluation of the Pose Fusion"; Middelberg et al. 2014).
+#ifndef CAIRN_LAB_RIVALS_FUSION_BUNDLE_ADJUSTER_H_
+#define CAIRN_LAB_RIVALS_FUSION_BUNDLE_ADJUSTER_H_
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/rigid3.h"
+#include "fusion/client/fusion_types.h"
+#include "fusion/filter/imu.h"
+#include "fusion/filter/imu_propagation.h"
+#include "fusion/tracks/track_table.h"
+#include "lab/rivals/fusion/bundle_adjuster_options.h"
+#include "lab/rivals/fusion/marginal_prior.h"
+#include "lab/rivals/fusion/window_problem.h"
+#include "lab/rivals/fusion/window_tracks.h"
+#include "lab/rivals/fusion/window_variables.h"
+
+namespace cairn::fusion {
+
+// A camera frame, as the tracker saw it.
+struct AdjusterFrame {
+  int64_t frame_id = 0;
+  int64_t timestamp_ns = 0;
+  // Between keyframes the newest camera gives way to the next one.
+  bool is_keyframe = true;
+  std::span<const ImuStep> steps_since_previous;
+  std::span<const TrackedFeature> features;
+};
+
+// The window holds the newest frame and keyframes before it. A match to the map turns its track
+// from a variable landmark into a fixed one, for every camera that sees it, so no sight counts
+// twice.
+//
+// Not thread-safe. Repeats up to rounding: Ceres orders variables by their address.
+class BundleAdjuster {
+ public:
+  // Starts at the frame `first`, in which the imu is in `state`, known to `covariance` of its error
+  // [theta, p, v, b_g, b_a]. What defines local, position and yaw, may have none: it is held as the
+  // options say. Throws as Validate.
+  BundleAdjuster(const BundleAdjusterOptions& options, const ImuState& state,
+                 const Matrix15d& covariance, const AdjusterFrame& first);
+
+  // Moves on to the next frame: prediction and preintegration. The inertial steps must have a
+  // positive duration.
+  void AddFrame(const AdjusterFrame& frame);
+
+  // Sets or replaces global_from_local; without it matches do not count.
+  void SetGlobalFromLocal(const Rigid3d& global_from_local);
+
+  // Gates the matches of a frame at the present estimate and enters those that pass. Returns how
+  // many: none if the frame is not in the window.
+  int AddMatches(int64_t frame_id, std::span<const MapMatch> matches);
+
+  // Discards cameras beyond the size of the window, triangulates new tracks and optimises.
+  AdjustmentSummary Optimize();
+
+  ImuState state() const { return cameras_.back()->State(); }
+  std::optional<Rigid3d> global_from_local() const;
+  int num_cameras() const { return static_cast<int>(cameras_.size()); }
+  std::vector<int64_t> frame_ids() const;
+  // local_from_imu of a frame; nothing if it is not in the window.
+  std::optional<Rigid3d> PoseOf(int64_t frame_id) const;
+
+ private:
+  // Keypoints that are no tracked features become tracks of one sight; their ids count from here.
+  static constexpr uint64_t kFirstUntrackedId = uint64_t{1} << 63;
+
+  using Camera = std::unique_ptr<WindowCamera>;
+
+  WindowCamera* FindCamera(int64_t frame_id) const;
+  void RemoveCamera(size_t idx);
+  void DiscardOne();
+  size_t FurthestFromNewest() const;
+  void MarginalizeOldest();
+  std::vector<WindowTrack*> SelectTracks();
+  void RefreshPreintegration();
+  void DropBadLandmarks(std::span<WindowTrack* const> tracks);
+
+  const BundleAdjusterOptions options_;
+  std::deque<Camera> cameras_;  // By time.
+  std::optional<WindowAlignment> alignment_;
+  WindowTracks tracks_;
+  std::optional<MarginalPrior> prior_;
+  WindowProblem problem_;
+  uint64_t next_untracked_id_ = kFirstUntrackedId;
+};
+
+}  // namespace cairn::fusion
+
+#endif  // CAIRN_LAB_RIVALS_FUSION_BUNDLE_ADJUSTER_H_

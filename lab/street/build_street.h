@@ -1,0 +1,26 @@
+// Lays out houses, their relief, street furniture and the ground as textured rectangles.
+#ifndef CAIRN_LAB_STREET_BUILD_STREET_H_
+#define CAIRN_LAB_STREET_BUILD_STREET_H_
+
+#include <vector>
+
+#include "core/rigid3.h"
+#include "lab/street/renderer.h"
+#include "lab/street/street_scene.h"
+
+namespace cairn {
+
+// The street frame: x along the street from 0 to length_m, y to the left, z up from the pavement.
+// The middle of the street is the origin of the scene's enu frame.
+Rigid3d EnuFromStreet(const StreetOptions& options);
+
+// Width of each pavement.
+inline constexpr double kSidewalkM = 3.0;
+
+// Houses on both sides and across both ends, with bay windows, balconies, columns and cornices that
+// stand out of their fronts; kiosks, advertising columns and signs on the pavements. In enu.
+std::vector<TexturedRect> BuildStreet(const StreetOptions& options);
+
+}  // namespace cairn
+
+#endif  // CAIRN_LAB_STREET_BUILD_STREET_H_

@@ -1,0 +1,419 @@
+#include "lab/street/paint.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <string>
+
+namespace cairn {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+// Lower left corner and size on a canvas, metres.
+struct Box {
+  double x, z, width, height;
+};
+
+bool Chance(cv::RNG* rng, double probability) { return rng->uniform(0.0, 1.0) < probability; }
+
+std::string RandomWord(cv::RNG* rng, int num_syllables) {
+  static constexpr std::array<const char*, 20> kSyllables = {
+      "BA",  "KO", "LI",  "MER", "TAN", "RO",  "SEL", "VI",  "GRA", "DUN",
+      "FEN", "HO", "ZUR", "PAX", "NEL", "QUI", "WO",  "JAS", "CHE", "BRI"};
+  std::string word;
+  for (int i = 0; i < num_syllables; ++i) {
+    word += kSyllables[rng->uniform(0, static_cast<int>(kSyllables.size()))];
+  }
+  return word;
+}
+
+std::string ShopName(cv::RNG* rng) {
+  static constexpr std::array<const char*, 8> kTrades = {"CAFE", "BOOKS", "OPTIK",  "BAR",
+                                                         "TOYS", "BANK",  "BAKERY", "HOTEL"};
+  const std::string word = RandomWord(rng, rng->uniform(2, 4));
+  return Chance(rng, 0.6) ? word + " " + kTrades[rng->uniform(0, static_cast<int>(kTrades.size()))]
+                          : word;
+}
+
+// Rows of bricks or stones, each a little lighter or darker than the next.
+void PaintMasonry(double stone_width_m, double stone_height_m, double joint_m, double spread,
+                  double grey, cv::RNG* rng, Canvas* canvas) {
+  bool shifted = false;
+  for (double z = 0.0; z < canvas->height_m(); z += stone_height_m, shifted = !shifted) {
+    for (double x = shifted ? -0.5 * stone_width_m : 0.0; x < canvas->width_m();
+         x += stone_width_m) {
+      canvas->FillRect(x, z, stone_width_m - joint_m, stone_height_m - joint_m,
+                       grey + rng->gaussian(spread));
+    }
+  }
+}
+
+void PaintWallSurface(const HouseStyle& style, cv::RNG* rng, Canvas* canvas) {
+  switch (style.wall) {
+    case WallKind::kPlaster:
+      for (int i = 0; i < static_cast<int>(canvas->width_m() * canvas->height_m() * 0.6); ++i) {
+        // Flakes and cracks.
+        const double x = rng->uniform(0.0, canvas->width_m());
+        const double z = rng->uniform(0.0, canvas->height_m());
+        canvas->FillEllipse(x, z, rng->uniform(0.02, 0.12), rng->uniform(0.02, 0.09),
+                            style.wall_grey + rng->gaussian(14.0));
+      }
+      break;
+    case WallKind::kBrick:
+      PaintMasonry(0.26, 0.085, 0.015, 8.0, style.wall_grey - 8.0, rng, canvas);
+      break;
+    case WallKind::kStone:
+      PaintMasonry(0.85, 0.42, 0.03, 9.0, style.wall_grey - 5.0, rng, canvas);
+      break;
+  }
+}
+
+// Dirt of all sizes; the largest makes two equal houses differ, the smallest two equal windows.
+void Weather(double strength, cv::RNG* rng, Canvas* canvas) {
+  canvas->AddPatches(rng, 2.5, 10.0 * strength);
+  canvas->AddPatches(rng, 0.6, 10.0 * strength);
+  canvas->AddStreaks(rng, 0.15, 1.2, 9.0 * strength);
+  canvas->AddPatches(rng, 0.16, 10.0 * strength);
+  canvas->AddPatches(rng, 0.05, 6.0 * strength);
+}
+
+void PaintOrnament(const HouseStyle& style, const Box& box, Canvas* canvas) {
+  const double middle = box.x + 0.5 * box.width;
+  switch (style.ornament) {
+    case 1:  // A gable.
+      canvas->Line(box.x - 0.1, box.z, middle, box.z + box.height, 0.08, style.trim_grey);
+      canvas->Line(middle, box.z + box.height, box.x + box.width + 0.1, box.z, 0.08,
+                   style.trim_grey);
+      canvas->FillEllipse(middle, box.z + 0.3 * box.height, 0.09, 0.09, style.trim_grey - 60.0);
+      break;
+    case 2:  // Dentils.
+      for (double x = box.x - 0.08; x < box.x + box.width; x += 0.16) {
+        canvas->FillRect(x, box.z + 0.05, 0.09, 0.14, style.trim_grey);
+      }
+      canvas->FillRect(box.x - 0.1, box.z + 0.19, box.width + 0.2, 0.08, style.trim_grey);
+      break;
+    case 3:  // A keystone with a ring.
+      canvas->FillRect(middle - 0.1, box.z, 0.2, 0.35, style.trim_grey);
+      canvas->FillEllipse(middle, box.z + 0.18, 0.06, 0.06, style.wall_grey - 50.0);
+      canvas->FillRect(box.x - 0.1, box.z, box.width + 0.2, 0.06, style.trim_grey);
+      break;
+    default:
+      canvas->FillRect(box.x - 0.12, box.z, box.width + 0.24, 0.12, style.trim_grey);
+      break;
+  }
+}
+
+void PaintGlass(const HouseStyle& style, const Box& box, cv::RNG* rng, Canvas* canvas) {
+  canvas->FillRect(box.x, box.z, box.width, box.height, style.glass_grey);
+  // The sky in the upper panes, and a curtain more or less drawn.
+  const double reflection = rng->uniform(0.2, 0.6);
+  canvas->FillRect(box.x, box.z + box.height * (1.0 - reflection), box.width,
+                   box.height * reflection, style.glass_grey + rng->uniform(15.0, 50.0));
+  if (Chance(rng, 0.55)) {
+    const double drawn = rng->uniform(0.15, 0.45) * box.width;
+    const double grey = rng->uniform(120.0, 210.0);
+    canvas->FillRect(box.x, box.z, drawn, box.height, grey);
+    canvas->FillRect(box.x + box.width - drawn, box.z, drawn, box.height, grey - 6.0);
+    for (double x = 0.04; x < drawn; x += 0.07) {
+      canvas->FillRect(box.x + x, box.z, 0.02, box.height, grey - 30.0);
+    }
+  }
+  if (Chance(rng, 0.35)) {  // A blind.
+    const double height = rng->uniform(0.15, 0.7) * box.height;
+    for (double z = 0.0; z < height; z += 0.06) {
+      canvas->FillRect(box.x, box.z + box.height - z - 0.06, box.width, 0.045, 175.0);
+    }
+  }
+  if (Chance(rng, 0.4)) {  // A plant on the sill.
+    const double x = box.x + rng->uniform(0.2, 0.8) * box.width;
+    for (int leaf = 0; leaf < 9; ++leaf) {
+      canvas->FillEllipse(x + rng->gaussian(0.10), box.z + 0.18 + rng->gaussian(0.07), 0.05, 0.03,
+                          rng->uniform(20.0, 130.0));
+    }
+  }
+}
+
+void PaintWindow(const HouseStyle& style, const Box& box, cv::RNG* rng, Canvas* canvas) {
+  constexpr double kFrameM = 0.07;
+  canvas->FillRect(box.x - 2 * kFrameM, box.z - kFrameM, box.width + 4 * kFrameM,
+                   box.height + 3 * kFrameM, style.trim_grey - 25.0);
+  canvas->FillRect(box.x - kFrameM, box.z, box.width + 2 * kFrameM, box.height + kFrameM,
+                   style.trim_grey);
+  PaintGlass(style, box, rng, canvas);
+  for (int i = 1; i < style.panes_x; ++i) {
+    canvas->FillRect(box.x + box.width * i / style.panes_x - 0.03, box.z, 0.06, box.height,
+                     style.trim_grey);
+  }
+  for (int i = 1; i < style.panes_z; ++i) {
+    canvas->FillRect(box.x, box.z + box.height * i / style.panes_z - 0.02, box.width, 0.04,
+                     style.trim_grey);
+  }
+  // Sill and its shadow.
+  canvas->FillRect(box.x - 0.18, box.z - 0.14, box.width + 0.36, 0.1, style.trim_grey + 10.0);
+  canvas->FillRect(box.x - 0.14, box.z - 0.2, box.width + 0.28, 0.06, style.wall_grey - 70.0);
+  if (style.arched) {
+    for (int step = 0; step <= 12; ++step) {
+      const double angle = kPi * step / 12.0;
+      canvas->FillRect(box.x + 0.5 * box.width * (1.0 - std::cos(angle)) - 0.05,
+                       box.z + box.height + 0.08 + 0.3 * std::sin(angle), 0.1, 0.1,
+                       step % 2 ? style.trim_grey : style.trim_grey - 35.0);
+    }
+  } else {
+    PaintOrnament(style, {box.x, box.z + box.height + 0.14, box.width, 0.4}, canvas);
+  }
+  if (style.shutters) {
+    const double width = 0.42 * box.width;
+    for (const double x : {box.x - width - 0.12, box.x + box.width + 0.12}) {
+      canvas->FillRect(x, box.z, width, box.height, style.glass_grey + 30.0);
+      for (double z = 0.06; z < box.height - 0.05; z += 0.1) {
+        canvas->FillRect(x + 0.04, box.z + z, width - 0.08, 0.045, style.glass_grey + 65.0);
+      }
+    }
+  }
+}
+
+void PaintFloors(const HouseStyle& style, double first_floor_z_m, double margin_m, int num_floors,
+                 cv::RNG* rng, Canvas* canvas) {
+  const double usable = canvas->width_m() - 2.0 * margin_m;
+  const int num_windows = std::max(1, static_cast<int>(usable / style.window_pitch_m));
+  const double pitch = usable / num_windows;
+  for (int floor = 0; floor < num_floors; ++floor) {
+    const double z = first_floor_z_m + floor * style.floor_m;
+    canvas->FillRect(0.0, z - 0.12, canvas->width_m(), 0.14, style.trim_grey - 15.0);
+    canvas->FillRect(0.0, z - 0.17, canvas->width_m(), 0.05, style.wall_grey - 55.0);
+    for (int i = 0; i < num_windows; ++i) {
+      const double x = margin_m + (i + 0.5) * pitch - 0.5 * style.window_width_m;
+      PaintWindow(style, {x, z + 0.75, style.window_width_m, style.window_height_m}, rng, canvas);
+    }
+  }
+}
+
+void PaintDoor(const HouseStyle& style, const Box& box, cv::RNG* rng, Canvas* canvas) {
+  canvas->FillRect(box.x - 0.15, 0.0, box.width + 0.3, box.height + 0.2, style.trim_grey);
+  canvas->FillRect(box.x, 0.0, box.width, box.height, style.glass_grey + 20.0);
+  for (int column = 0; column < 2; ++column) {
+    for (int row = 0; row < 3; ++row) {
+      canvas->FillRect(box.x + 0.08 + column * 0.5 * box.width, 0.15 + row * box.height / 3.2,
+                       0.5 * box.width - 0.16, box.height / 3.2 - 0.12,
+                       style.glass_grey + rng->uniform(35.0, 55.0));
+    }
+  }
+  canvas->FillEllipse(box.x + 0.5 * box.width + 0.06, 1.05, 0.035, 0.05, 230.0);
+  canvas->FillRect(box.x + box.width + 0.2, 1.4, 0.14, 0.24, 215.0);  // Bells.
+  canvas->Text(box.x + box.width + 0.2, 2.0, 0.16, 0.3, std::to_string(rng->uniform(1, 99)), 240.0);
+}
+
+// What lies in a shop window: goods and price tags.
+void PaintGoods(const Box& box, cv::RNG* rng, Canvas* canvas) {
+  canvas->FillRect(box.x, box.z, box.width, box.height, rng->uniform(35.0, 80.0));
+  const int num_goods = static_cast<int>(box.width * box.height * 9.0);
+  for (int i = 0; i < num_goods; ++i) {
+    const double x = box.x + rng->uniform(0.02, 0.92) * box.width;
+    const double z = box.z + rng->uniform(0.02, 0.85) * box.height;
+    const double size = std::min(rng->uniform(0.06, 0.3), box.x + box.width - x);
+    const double grey = rng->uniform(40.0, 240.0);
+    if (Chance(rng, 0.4)) {
+      canvas->FillEllipse(x, z, 0.5 * size, 0.4 * size, grey);
+    } else {
+      canvas->FillRect(x, z, size, size * rng->uniform(0.4, 1.2), grey);
+      canvas->FillRect(x + 0.2 * size, z + 0.1 * size, 0.4 * size, 0.2 * size, 255.0 - grey);
+    }
+  }
+  canvas->FillRect(box.x, box.z + box.height * 0.62, box.width, 0.04, 200.0);
+}
+
+void PaintShopFloor(const HouseStyle& style, cv::RNG* rng, Canvas* canvas) {
+  const double height = style.ground_floor_m;
+  canvas->FillRect(0.0, 0.0, canvas->width_m(), 0.45, style.wall_grey - 60.0);
+  double x = 0.5;
+  while (x + 2.0 < canvas->width_m()) {
+    const double width = std::min(rng->uniform(2.8, 4.8), canvas->width_m() - 0.4 - x);
+    const double sign_grey =
+        Chance(rng, 0.5) ? rng->uniform(25.0, 70.0) : rng->uniform(190.0, 235.0);
+    const double text_grey =
+        sign_grey > 128.0 ? rng->uniform(10.0, 60.0) : rng->uniform(215.0, 250.0);
+    canvas->FillRect(x - 0.1, 0.45, width + 0.1, height - 1.45, style.trim_grey);
+    PaintGoods({x, 0.55, width - 1.25, height - 1.75}, rng, canvas);
+    PaintDoor(style, {x + width - 1.05, 0.0, 0.85, 2.3}, rng, canvas);
+    canvas->FillRect(x - 0.1, height - 0.95, width + 0.1, 0.7, sign_grey);
+    canvas->Text(x + 0.15, height - 0.8, 0.38, width - 0.4, ShopName(rng), text_grey);
+    x += width + 0.35;
+  }
+}
+
+void PaintPlainFloor(const HouseStyle& style, cv::RNG* rng, Canvas* canvas) {
+  canvas->FillRect(0.0, 0.0, canvas->width_m(), 0.7, style.wall_grey - 40.0);
+  for (double z = 0.7; z < style.ground_floor_m - 0.3; z += 0.55) {
+    canvas->FillRect(0.0, z, canvas->width_m(), 0.05, style.wall_grey - 45.0);
+  }
+  const int door_at = rng->uniform(0, std::max(1, static_cast<int>(canvas->width_m() / 2.4)));
+  for (int i = 0; 0.6 + i * 2.4 + 1.4 < canvas->width_m(); ++i) {
+    const double x = 0.6 + i * 2.4;
+    if (i == door_at) {
+      PaintDoor(style, {x, 0.0, 1.2, 2.5}, rng, canvas);
+      canvas->Text(x - 0.1, 2.9, 0.2, 1.6, RandomWord(rng, 3), 240.0);
+    } else {
+      PaintWindow(style, {x, 1.2, 1.2, 1.6}, rng, canvas);
+    }
+  }
+}
+
+void PaintRoofCornice(const HouseStyle& style, Canvas* canvas) {
+  const double z = canvas->height_m() - 0.8;
+  canvas->FillRect(0.0, z, canvas->width_m(), 0.8, style.trim_grey - 10.0);
+  for (double x = 0.1; x < canvas->width_m(); x += 0.4) {
+    canvas->FillRect(x, z + 0.15, 0.22, 0.3, style.wall_grey - 60.0);
+  }
+}
+
+// Scrawls that look like letters.
+void PaintGraffiti(double x_m, double z_m, double size_m, cv::RNG* rng, Canvas* canvas) {
+  const double grey = Chance(rng, 0.5) ? 25.0 : 235.0;
+  for (int glyph = 0; glyph < rng->uniform(3, 7); ++glyph) {
+    double x = x_m + glyph * 0.7 * size_m, z = z_m;
+    for (int stroke = 0; stroke < 4; ++stroke) {
+      const double next_x = x_m + (glyph * 0.7 + rng->uniform(0.0, 0.6)) * size_m;
+      const double next_z = z_m + rng->uniform(0.0, 1.0) * size_m;
+      canvas->Line(x, z, next_x, next_z, 0.035, grey);
+      x = next_x;
+      z = next_z;
+    }
+  }
+}
+
+}  // namespace
+
+HouseStyle RandomHouseStyle(cv::RNG* rng) {
+  HouseStyle style;
+  style.wall = static_cast<WallKind>(rng->uniform(0, 3));
+  style.wall_grey = rng->uniform(85.0, 190.0);
+  style.trim_grey = std::clamp(
+      style.wall_grey + (Chance(rng, 0.75) ? 1.0 : -1.0) * rng->uniform(25.0, 60.0), 50.0, 235.0);
+  style.glass_grey = rng->uniform(35.0, 80.0);
+  style.num_floors = rng->uniform(1, 5);
+  style.ground_floor_m = rng->uniform(3.6, 4.4);
+  style.floor_m = rng->uniform(3.0, 3.6);
+  style.window_pitch_m = rng->uniform(1.9, 2.9);
+  style.window_width_m = rng->uniform(0.9, 1.3);
+  style.window_height_m = rng->uniform(1.5, 1.9);
+  style.panes_x = rng->uniform(1, 4);
+  style.panes_z = rng->uniform(1, 4);
+  style.shutters = style.window_pitch_m > 2.4 && Chance(rng, 0.5);
+  style.arched = Chance(rng, 0.3);
+  style.ornament = rng->uniform(0, 4);
+  style.shop = Chance(rng, 0.65);
+  return style;
+}
+
+Canvas PaintFacade(const HouseStyle& style, double width_m, cv::RNG* rng) {
+  Canvas canvas(width_m, style.height_m(), kFacadeTexelsPerM, style.wall_grey);
+  PaintWallSurface(style, rng, &canvas);
+  PaintFloors(style, style.ground_floor_m, 0.3, style.num_floors, rng, &canvas);
+  if (style.shop) {
+    PaintShopFloor(style, rng, &canvas);
+  } else {
+    PaintPlainFloor(style, rng, &canvas);
+  }
+  PaintRoofCornice(style, &canvas);
+  if (Chance(rng, 0.6)) {
+    PaintGraffiti(rng->uniform(0.2, 0.6) * width_m, rng->uniform(0.5, 1.2), rng->uniform(0.4, 0.9),
+                  rng, &canvas);
+  }
+  Weather(1.0, rng, &canvas);
+  return canvas;
+}
+
+Canvas PaintBay(const HouseStyle& style, double width_m, double height_m, cv::RNG* rng) {
+  Canvas canvas(width_m, height_m, kFacadeTexelsPerM, style.wall_grey);
+  PaintWallSurface(style, rng, &canvas);
+  PaintFloors(style, 0.15, 0.1, static_cast<int>(height_m / style.floor_m), rng, &canvas);
+  Weather(1.0, rng, &canvas);
+  return canvas;
+}
+
+Canvas PaintWall(const HouseStyle& style, double width_m, double height_m, cv::RNG* rng) {
+  Canvas canvas(width_m, height_m, kFacadeTexelsPerM, style.wall_grey);
+  PaintWallSurface(style, rng, &canvas);
+  Weather(1.2, rng, &canvas);
+  return canvas;
+}
+
+Canvas PaintRailing(double width_m, double height_m, cv::RNG* rng) {
+  Canvas canvas(width_m, height_m, kFacadeTexelsPerM, 60.0);
+  for (double x = 0.04; x < width_m; x += 0.12) {
+    canvas.FillRect(x, 0.0, 0.035, height_m, 165.0);
+  }
+  for (double x = 0.3; x < width_m; x += 0.6) {
+    canvas.FillEllipse(x, 0.5 * height_m, 0.12, 0.12, 190.0);
+    canvas.FillEllipse(x, 0.5 * height_m, 0.07, 0.07, 50.0);
+  }
+  canvas.FillRect(0.0, height_m - 0.08, width_m, 0.08, 185.0);
+  canvas.FillRect(0.0, 0.0, width_m, 0.14, 150.0);
+  Weather(1.0, rng, &canvas);
+  return canvas;
+}
+
+Canvas PaintPosters(double width_m, double height_m, cv::RNG* rng) {
+  Canvas canvas(width_m, height_m, kFacadeTexelsPerM, 110.0);
+  for (double z = 0.3; z + 0.5 < height_m; z += 0.8) {
+    for (double x = 0.05; x + 0.3 < width_m; x += 0.6) {
+      const double grey = rng->uniform(40.0, 230.0), ink = grey > 128.0 ? 30.0 : 225.0;
+      canvas.FillRect(x, z, 0.55, 0.75, grey);
+      canvas.Text(x + 0.04, z + 0.55, 0.12, 0.46, RandomWord(rng, 2), ink);
+      canvas.FillEllipse(x + rng->uniform(0.15, 0.4), z + 0.3, rng->uniform(0.06, 0.14),
+                         rng->uniform(0.06, 0.18), rng->uniform(30.0, 240.0));
+      canvas.Text(x + 0.04, z + 0.06, 0.06, 0.46, RandomWord(rng, 4), ink);
+    }
+  }
+  Weather(0.8, rng, &canvas);
+  return canvas;
+}
+
+Canvas PaintSign(double width_m, double height_m, cv::RNG* rng) {
+  const double grey = Chance(rng, 0.5) ? 215.0 : 50.0, ink = 265.0 - grey;
+  Canvas canvas(width_m, height_m, 2.0 * kFacadeTexelsPerM, ink);
+  canvas.FillRect(0.04, 0.04, width_m - 0.08, height_m - 0.08, grey);
+  canvas.Text(0.08, 0.58 * height_m, 0.22 * height_m, width_m - 0.16, RandomWord(rng, 2), ink);
+  canvas.Text(0.08, 0.2 * height_m, 0.22 * height_m, width_m - 0.16, RandomWord(rng, 3), ink);
+  Weather(0.5, rng, &canvas);
+  return canvas;
+}
+
+Canvas PaintGround(double length_m, double width_m, double sidewalk_m, cv::RNG* rng) {
+  Canvas canvas(length_m, width_m, kGroundTexelsPerM, 95.0);
+  for (int i = 0; i < static_cast<int>(length_m * width_m * 0.5); ++i) {  // Repairs and spots.
+    canvas.FillEllipse(rng->uniform(0.0, length_m), rng->uniform(0.0, width_m),
+                       rng->uniform(0.02, 0.16), rng->uniform(0.02, 0.12),
+                       95.0 + rng->gaussian(20.0));
+  }
+  for (double x = 1.0; x < length_m; x += 4.0) {  // Lane marks.
+    canvas.FillRect(x, 0.5 * width_m - 0.07, 2.0, 0.14, 205.0);
+  }
+  for (double z = sidewalk_m + 0.5; z < width_m - sidewalk_m - 0.5; z += 1.0) {  // A crossing.
+    canvas.FillRect(0.45 * length_m, z, 3.0, 0.5, 210.0);
+  }
+  for (const double curb : {0.0, width_m - sidewalk_m}) {
+    canvas.FillRect(0.0, curb, length_m, sidewalk_m, 120.0);
+    for (double x = 0.0; x < length_m; x += 0.5) {
+      for (double z = curb; z < curb + sidewalk_m - 0.1; z += 0.5) {
+        canvas.FillRect(x, z, 0.47, 0.47, 140.0 + rng->gaussian(9.0));
+      }
+    }
+  }
+  for (const double curb : {sidewalk_m - 0.15, width_m - sidewalk_m}) {
+    canvas.FillRect(0.0, curb, length_m, 0.15, 175.0);
+  }
+  for (double x = 3.0; x < length_m; x += rng->uniform(6.0, 14.0)) {  // Manholes.
+    const double z = rng->uniform(0.3, 0.7) * width_m;
+    canvas.FillEllipse(x, z, 0.35, 0.35, 60.0);
+    for (double bar = -0.24; bar <= 0.25; bar += 0.12) {
+      canvas.FillRect(x - 0.22, z + bar, 0.44, 0.05, 125.0);
+    }
+  }
+  Weather(0.9, rng, &canvas);
+  return canvas;
+}
+
+}  // namespace cairn

@@ -1,0 +1,20 @@
+// Boxes of latitudes and longitudes: tests and unions on the circle; private to storage.
+#ifndef CAIRN_STORAGE_GEOMETRY_GEO_BOX_H_
+#define CAIRN_STORAGE_GEOMETRY_GEO_BOX_H_
+
+#include <optional>
+#include <vector>
+
+#include "core/geodesy.h"
+
+namespace cairn {
+
+// True if the closed boxes have a point in common.
+bool BoxesMeet(const GeoBox& a, const GeoBox& b);
+
+// The smallest box that holds all of them; nothing if there are none.
+std::optional<GeoBox> BoxAroundAll(std::vector<GeoBox> boxes);
+
+}  // namespace cairn
+
+#endif  // CAIRN_STORAGE_GEOMETRY_GEO_BOX_H_

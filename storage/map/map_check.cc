@@ -1,0 +1,64 @@
+#include "storage/map/map_check.h"
+
+#include <fmt/format.h>
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/error.h"
+#include "storage/map/map_queries.h"
+
+namespace cairn {
+
+void Findings::Add(const std::string& where, const std::string& problem) {
+  constexpr int64_t kMaxOfAKind = 10;
+  constexpr size_t kMaxProblems = 1000;
+  if (report_->problems.size() >= kMaxProblems) {
+    ++num_left_out_["problems that are not listed"];
+  } else if (++count_of_problem_[problem] <= kMaxOfAKind) {
+    report_->problems.push_back(where.empty() ? problem : where + ": " + problem);
+  } else {
+    ++num_left_out_[problem];
+  }
+}
+
+void Findings::Add(const std::string& problem) { Add("", problem); }
+
+void Findings::Finish() {
+  for (const auto& [problem, count] : num_left_out_) {
+    report_->problems.push_back(fmt::format("{} more: {}", count, problem));
+  }
+}
+
+CheckReport CheckMap(sqlite::Connection* connection,
+                     const std::function<void(int64_t, int64_t)>& progress) {
+  CheckReport report;
+  Findings findings(&report);
+  try {
+    if (CheckPages(connection, &findings)) {
+      CheckTables(connection, &findings);
+      CheckLayers(connection, &findings);
+    }
+    CheckCodebooks(connection, &findings);
+    // Bad pages may hold a tile any number of times.
+    const std::vector<int64_t> in_pages = queries::AllTileIds(connection);
+    const std::set<int64_t> tile_ids(in_pages.begin(), in_pages.end());
+    for (const int64_t tile_id : tile_ids) {
+      CheckTile(connection, tile_id, &findings);
+      ++report.num_tiles_checked;
+      if (progress) {
+        progress(report.num_tiles_checked, static_cast<int64_t>(tile_ids.size()));
+      }
+    }
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kMapDamaged) {
+      throw;
+    }
+    findings.Add(error.what());
+  }
+  findings.Finish();
+  return report;
+}
+
+}  // namespace cairn

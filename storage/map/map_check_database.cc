@@ -1,0 +1,139 @@
+// The part of the check that SQL alone does.
+#include <fmt/format.h>
+
+#include <string>
+#include <string_view>
+
+#include "core/printable.h"
+#include "storage/map/map_check.h"
+
+namespace cairn {
+namespace {
+
+constexpr size_t kMaxLineBytes = 300;  // Of what SQLite says.
+
+void CheckSpatialIndices(sqlite::Connection* connection, Findings* findings) {
+  for (const char* index : {"rtree_coverage_geom", "rtree_keyframes_geom"}) {
+    sqlite::Statement tree = connection->Prepare("SELECT rtreecheck(?)");
+    tree.Bind(std::string_view(index)).Step();
+    if (const std::string line = tree.Text(0); line != "ok") {
+      findings->Add(index, Excerpt(line, kMaxLineBytes));
+    }
+  }
+}
+
+// Of the tables of maps; those of other programs are their own affair.
+void CheckReferences(sqlite::Connection* connection, Findings* findings) {
+  for (const char* table : {"gpkg_contents", "gpkg_geometry_columns", "cairn_tiles",
+                            "cairn_keyframe_poses", "keyframes"}) {
+    sqlite::Statement references =
+        connection->Prepare("SELECT coalesce(sum(1), 0) FROM pragma_foreign_key_check(?)");
+    references.Bind(std::string_view(table)).Step();
+    if (const int64_t count = references.Int64(0); count != 0) {
+      findings->Add(
+          fmt::format("table {}: {} rows refer to rows that are not there", table, count));
+    }
+  }
+}
+
+// A query that counts rows which should not be, and what they are.
+struct Rule {
+  const char* sql;
+  const char* problem;
+};
+
+// Numbers from here on are too near the largest there is: updates count them up.
+#define CAIRN_TOO_LARGE "4611686018427387904"
+
+constexpr Rule kRules[] = {
+    {"SELECT count(*) FROM coverage WHERE tile_id NOT IN (SELECT tile_id FROM cairn_tiles)",
+     "squares in coverage have no tile"},
+    {"SELECT count(*) FROM coverage WHERE tile_id NOT IN (SELECT id FROM rtree_coverage_geom)",
+     "tiles are missing in the spatial index"},
+    {"SELECT count(*) FROM rtree_coverage_geom WHERE id NOT IN (SELECT tile_id FROM coverage)",
+     "boxes of the spatial index belong to no tile"},
+    {"SELECT count(*) FROM keyframes WHERE keyframe_id NOT IN (SELECT id FROM "
+     "rtree_keyframes_geom)",
+     "keyframes are missing in their spatial index"},
+    {"SELECT count(*) FROM rtree_keyframes_geom "
+     "WHERE id NOT IN (SELECT keyframe_id FROM keyframes)",
+     "boxes of the spatial index belong to no keyframe"},
+    {"SELECT count(*) FROM cairn_payloads "
+     "WHERE payload_id NOT IN (SELECT payload_id FROM cairn_tiles)",
+     "payloads belong to no tile"},
+    {"SELECT count(*) FROM cairn_tiles AS t JOIN coverage AS c ON c.tile_id = t.tile_id "
+     "JOIN cairn_payloads AS p ON p.payload_id = t.payload_id WHERE length(p.bytes) <> c.num_bytes",
+     "tiles have payloads of another size than the coverage says"},
+    {"SELECT count(*) FROM keyframes "
+     "WHERE keyframe_id NOT IN (SELECT keyframe_id FROM cairn_keyframe_poses)",
+     "keyframes have no pose"},
+    {"SELECT (SELECT coalesce(sum(1), 0) FROM cairn_map) <> 1", "table cairn_map: not one row"},
+    {"SELECT count(*) FROM cairn_map WHERE next_landmark_id >= " CAIRN_TOO_LARGE,
+     "table cairn_map: the next landmark id is too large to count on"},
+    {"SELECT coalesce(max(version), 0) NOT BETWEEN 1 AND " CAIRN_TOO_LARGE " FROM cairn_versions",
+     "table cairn_versions: no version, or one too large to count on"},
+    {"SELECT count(*) FROM sqlite_sequence "
+     "WHERE typeof(seq) <> 'integer' OR seq >= " CAIRN_TOO_LARGE,
+     "sequences of ids are too large to count on"},
+    {"SELECT count(*) FROM cairn_sessions WHERE num_images < 0 OR num_landmarks < 0 "
+     "OR NOT georef_median_residual_m BETWEEN 0 AND 1e9",
+     "sessions have impossible numbers"},
+    // What GeoPackage readers find the layers by.
+    {"SELECT 3 - count(*) FROM gpkg_contents WHERE (table_name, data_type) IN "
+     "(VALUES ('coverage', 'features'), ('keyframes', 'features'), "
+     "('cairn_sessions', 'attributes'))",
+     "layers are missing in gpkg_contents"},
+    {"SELECT 2 - count(*) FROM gpkg_geometry_columns WHERE (table_name, column_name, "
+     "geometry_type_name, srs_id, z, m) IN (VALUES ('coverage', 'geom', 'POLYGON', 4326, 0, 0), "
+     "('keyframes', 'geom', 'POINT', 4326, 1, 0))",
+     "layers are missing in gpkg_geometry_columns"},
+    {"SELECT 2 - count(*) FROM gpkg_extensions WHERE (table_name, column_name, extension_name) IN "
+     "(VALUES ('coverage', 'geom', 'gpkg_rtree_index'), "
+     "('keyframes', 'geom', 'gpkg_rtree_index'))",
+     "spatial indices are missing in gpkg_extensions"},
+    {"SELECT 1 - count(*) FROM gpkg_spatial_ref_sys WHERE srs_id = 4326 "
+     "AND organization = 'EPSG' COLLATE NOCASE AND organization_coordsys_id = 4326",
+     "WGS 84 is missing in gpkg_spatial_ref_sys"},
+    {"SELECT count(*) FROM gpkg_contents AS c, (SELECT min(minx) AS west, min(miny) AS south, "
+     "max(maxx) AS east, max(maxy) AS north FROM rtree_coverage_geom) AS r "
+     "WHERE c.table_name = 'coverage' AND r.west IS NOT NULL AND NOT coalesce("
+     "abs(c.min_x - r.west) < 1e-3 AND abs(c.min_y - r.south) < 1e-3 AND "
+     "abs(c.max_x - r.east) < 1e-3 AND abs(c.max_y - r.north) < 1e-3, 0)",
+     "layers have an extent in gpkg_contents that is not theirs"},
+};
+
+#undef CAIRN_TOO_LARGE
+
+void CheckRules(sqlite::Connection* connection, Findings* findings) {
+  for (const Rule& rule : kRules) {
+    sqlite::Statement row = connection->Prepare(rule.sql);
+    row.Step();
+    if (const int64_t count = row.Int64(0); count != 0) {
+      findings->Add(fmt::format("{} {}", count, rule.problem));
+    }
+  }
+}
+
+}  // namespace
+
+// The check ends with the first problem: after bad pages SQLite would count the rows of indices,
+// for ever if their pages refer to each other in circles.
+bool CheckPages(sqlite::Connection* connection, Findings* findings) {
+  bool are_sound = true;
+  sqlite::Statement pages = connection->Prepare("PRAGMA integrity_check(1)");
+  while (pages.Step()) {
+    if (const std::string line = pages.Text(0); line != "ok") {
+      findings->Add("database", Excerpt(line, kMaxLineBytes));
+      are_sound = false;
+    }
+  }
+  return are_sound;
+}
+
+void CheckTables(sqlite::Connection* connection, Findings* findings) {
+  CheckSpatialIndices(connection, findings);
+  CheckReferences(connection, findings);
+  CheckRules(connection, findings);
+}
+
+}  // namespace cairn

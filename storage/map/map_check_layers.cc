@@ -1,0 +1,144 @@
+// The part of the check that looks at each row of the layers.
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string>
+
+#include "core/error.h"
+#include "core/geodesy.h"
+#include "storage/geometry/geopackage.h"
+#include "storage/map/map_check.h"
+#include "storage/map/map_queries.h"
+
+namespace cairn {
+namespace {
+
+constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+constexpr double kSlackDeg = 1e-7;  // A centimetre: other machines round otherwise.
+// R*Trees round boxes outwards to floats, which lie 3e-5 degrees apart at 360.
+constexpr double kIndexSlackDeg = 1e-4;
+
+// Runs `check` on a row; values that cannot be read are a problem of that row alone.
+template <typename Check>
+void CheckRow(const std::string& where, const Check& check, Findings* findings) {
+  try {
+    check();
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kMapDamaged && error.code() != ErrorCode::kBadInput) {
+      throw;
+    }
+    findings->Add(where, error.what());
+  }
+}
+
+// Columns `first` to `first` + 3 of an R*Tree's row: min x, max x, min y, max y. NULL if there is
+// no row, which is found elsewhere.
+bool IsIndexed(const sqlite::Statement& row, int first, const GeometryEnvelope& envelope) {
+  if (row.IsNull(first)) {
+    return true;
+  }
+  const auto is_outward = [](double slack_deg) {
+    return slack_deg >= -1e-9 && slack_deg <= kIndexSlackDeg;
+  };
+  return is_outward(envelope.min_x - row.Double(first)) &&
+         is_outward(row.Double(first + 1) - envelope.max_x) &&
+         is_outward(envelope.min_y - row.Double(first + 2)) &&
+         is_outward(row.Double(first + 3) - envelope.max_y);
+}
+
+bool SameEnvelope(const GeometryEnvelope& a, const GeometryEnvelope& b) {
+  const auto near = [](double x, double y) { return std::abs(x - y) <= kSlackDeg; };
+  return a.is_empty == b.is_empty && near(a.min_x, b.min_x) && near(a.max_x, b.max_x) &&
+         near(a.min_y, b.min_y) && near(a.max_y, b.max_y);
+}
+
+// Geometry and indexed box of a row against what they should be. Columns: geom, then the box.
+void CheckGeometry(const sqlite::Statement& row, int geom_column, const GeometryEnvelope& expected,
+                   const std::string& where, Findings* findings) {
+  const std::optional<GeometryEnvelope> envelope = EnvelopeOfGeometry(row.Blob(geom_column));
+  if (!envelope || !SameEnvelope(*envelope, expected)) {
+    findings->Add(where, "its geometry is not where it should be");
+  }
+  if (!IsIndexed(row, geom_column + 1, expected)) {
+    findings->Add(where, "its box in the spatial index is not around it");
+  }
+}
+
+void CheckSquare(const sqlite::Statement& row, const std::string& where, Findings* findings) {
+  const TileId tile_id = TileId::FromValue(static_cast<uint64_t>(row.Int64(0)));
+  if (row.Text(1) != tile_id.ToString()) {
+    findings->Add(where, "its name is not that of its id");
+  }
+  CheckGeometry(row, 2, *EnvelopeOfGeometry(TileGeometry(tile_id)), where, findings);
+}
+
+// Positions on the border of two squares may be in either.
+bool StandsIn(const Geodetic& position, TileId tile_id) {
+  constexpr double kSlackRad = kSlackDeg / kDegPerRad;
+  for (const double south_rad : {0.0, -kSlackRad, kSlackRad}) {
+    for (const double west_rad : {0.0, -kSlackRad, kSlackRad}) {
+      const Geodetic near = {position.lat_rad + south_rad, position.lon_rad + west_rad,
+                             position.h_m};
+      if (TileId::Containing(near) == tile_id) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+// Columns: keyframe_id, geom, box, lat_deg, lon_deg, h_m, heading_deg.
+void CheckKeyframe(const sqlite::Statement& row, sqlite::Connection* connection,
+                   const std::string& where, Findings* findings) {
+  const std::optional<KeyframeRecord> keyframe =
+      queries::FindKeyframe(connection, KeyframeId(row.Int64(0)));
+  if (!keyframe) {
+    return;  // Without a pose or a camera, which is found elsewhere.
+  }
+  const Geodetic position = GeodeticFromEcef(keyframe->cam_from_ecef.Inverse().translation);
+  ValidateGeodetic(position, "its pose");
+  if (!StandsIn(position, keyframe->tile_id)) {
+    findings->Add(where, "it does not stand in the tile that it names");
+  }
+  const double lat_deg = row.Double(6), lon_deg = row.Double(7), h_m = row.Double(8);
+  const double off_lon_deg = std::remainder(lon_deg - position.lon_deg(), 360.0);
+  if (!(std::abs(lat_deg - position.lat_deg()) <= kSlackDeg &&
+        std::abs(off_lon_deg) * std::cos(position.lat_rad) <= kSlackDeg &&
+        std::abs(h_m - position.h_m) <= 0.01)) {
+    findings->Add(where, "its latitude, longitude and height are not those of its pose");
+  }
+  CheckGeometry(row, 1, {lon_deg, lon_deg, lat_deg, lat_deg, false}, where, findings);
+  const Eigen::Vector3d axis_in_enu =
+      EcefFromEnu(position).rotation.conjugate() *
+      (keyframe->cam_from_ecef.rotation.conjugate() * Eigen::Vector3d::UnitZ());
+  const double heading_deg = std::atan2(axis_in_enu.x(), axis_in_enu.y()) * kDegPerRad;
+  const double off_deg = std::remainder(row.Double(9) - heading_deg, 360.0);
+  const bool has_heading = axis_in_enu.head<2>().norm() > 1e-3;
+  if (has_heading && !(std::abs(off_deg) <= 0.01)) {
+    findings->Add(where, "its heading is not that of its pose");
+  }
+}
+
+}  // namespace
+
+void CheckLayers(sqlite::Connection* connection, Findings* findings) {
+  sqlite::Statement squares = connection->Prepare(
+      "SELECT c.tile_id, c.tile, c.geom, r.minx, r.maxx, r.miny, r.maxy FROM coverage AS c "
+      "LEFT JOIN rtree_coverage_geom AS r ON r.id = c.tile_id");
+  while (squares.Step()) {
+    const std::string where = "square " + std::to_string(squares.Int64(0));
+    CheckRow(
+        where, [&] { CheckSquare(squares, where, findings); }, findings);
+  }
+  sqlite::Statement keyframes = connection->Prepare(
+      "SELECT k.keyframe_id, k.geom, r.minx, r.maxx, r.miny, r.maxy, k.lat_deg, k.lon_deg, k.h_m, "
+      "k.heading_deg FROM keyframes AS k LEFT JOIN rtree_keyframes_geom AS r ON r.id = "
+      "k.keyframe_id");
+  while (keyframes.Step()) {
+    const std::string where = "keyframe " + std::to_string(keyframes.Int64(0));
+    CheckRow(
+        where, [&] { CheckKeyframe(keyframes, connection, where, findings); }, findings);
+  }
+}
+
+}  // namespace cairn

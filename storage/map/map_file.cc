@@ -1,0 +1,307 @@
+#include "storage/map/map_file.h"
+
+#include <fcntl.h>
+#include <sqlite3.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string_view>
+#include <system_error>
+
+#include "core/error.h"
+#include "storage/inspection/register.h"
+#include "storage/map/map_schema.h"
+#include "storage/sqlite/error.h"
+#include "storage/sqlite/transaction.h"
+
+namespace cairn {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Readers wait for the short exclusive lock under which a crashed writer's log is recovered.
+constexpr int kReaderTimeoutMs = 5000;
+constexpr size_t kSqliteHeaderSize = 100;
+constexpr std::string_view kSqliteMagic("SQLite format 3\0", 16);
+constexpr size_t kPageSizeOffset = 16;
+constexpr size_t kApplicationIdOffset = 68;
+constexpr std::string_view kGeoPackageId = "GPKG";
+
+[[noreturn]] void Refuse(ErrorCode code, const std::string& path, const std::string& problem) {
+  throw Error(code, path + ": " + problem);
+}
+
+// What a file that is not SQLite seems to be.
+std::string GuessKind(std::string_view head) {
+  struct Magic {
+    std::string_view bytes;
+    const char* kind;
+  };
+  constexpr Magic kMagics[] = {
+      {"\x89PNG", "a PNG image"},
+      {"\xff\xd8\xff", "a JPEG image"},
+      {"PK\x03\x04", "a ZIP archive"},
+      {"\x1f\x8b", "a gzip file"},
+      {"%PDF", "a PDF document"},
+      {"\x7f"
+       "ELF",
+       "a program"},
+      {"CTIL", "a single encoded tile"},
+  };
+  for (const Magic& magic : kMagics) {
+    if (head.starts_with(magic.bytes)) {
+      return magic.kind;
+    }
+  }
+  const bool is_text = std::all_of(head.begin(), head.end(), [](unsigned char c) {
+    return c >= 0x80 || std::isprint(c) != 0 || std::isspace(c) != 0;
+  });
+  return is_text ? "a text file" : "an unknown binary file";
+}
+
+// A log with something in it; an empty one is what readers leave behind.
+bool HasWriteAheadLog(const std::string& path) {
+  std::error_code error;
+  const auto size = fs::file_size(path + "-wal", error);
+  return !error && size > 0;
+}
+
+void CheckFileType(const std::string& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (status.type() == fs::file_type::not_found) {
+    Refuse(ErrorCode::kNotFound, path, "there is no such map file; `cairn init` makes one");
+  }
+  if (status.type() == fs::file_type::directory) {
+    Refuse(ErrorCode::kBadInput, path, "is a directory, not a Cairn map");
+  }
+  if (status.type() != fs::file_type::regular) {
+    Refuse(error ? ErrorCode::kIo : ErrorCode::kBadInput, path,
+           error ? "cannot be read: " + error.message() : "is not a regular file");
+  }
+}
+
+std::string ReadHead(const std::string& path) {
+  std::string head(kSqliteHeaderSize, '\0');
+  std::ifstream file(path, std::ios::binary);
+  if (!file) {
+    Refuse(ErrorCode::kIo, path, "cannot be read; check its permissions");
+  }
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(file.gcount());
+  return head;
+}
+
+[[noreturn]] void RefuseCutOff(const std::string& path, uint64_t size) {
+  Refuse(ErrorCode::kMapDamaged, path, "is cut off after " + std::to_string(size) + " bytes");
+}
+
+// SQLite reads what is missing of the last page as zeros.
+void CheckWholePages(const std::string& path, std::string_view head) {
+  const auto byte = [head](size_t i) { return static_cast<unsigned char>(head[i]); };
+  const uint64_t announced = byte(kPageSizeOffset) << 8 | byte(kPageSizeOffset + 1);
+  const uint64_t page_size = announced == 1 ? 65536 : announced;
+  std::error_code error;
+  const uint64_t size = fs::file_size(path, error);
+  if (error) {
+    Refuse(ErrorCode::kIo, path, "cannot be read: " + error.message());
+  }
+  if (page_size == 0 || (size % page_size != 0 && !HasWriteAheadLog(path))) {
+    RefuseCutOff(path, size);
+  }
+}
+
+// Refuses what cannot be a map before SQLite sees it.
+void CheckFile(const std::string& path) {
+  CheckFileType(path);
+  const std::string head = ReadHead(path);
+  if (head.empty()) {
+    Refuse(ErrorCode::kBadInput, path, "is an empty file, not a Cairn map");
+  }
+  const size_t num_magic_bytes = std::min(head.size(), kSqliteMagic.size());
+  if (head.compare(0, num_magic_bytes, kSqliteMagic.substr(0, num_magic_bytes)) != 0) {
+    if (head.size() == kSqliteHeaderSize &&
+        head.compare(kApplicationIdOffset, kGeoPackageId.size(), kGeoPackageId) == 0) {
+      Refuse(ErrorCode::kMapDamaged, path, "the first bytes are damaged");
+    }
+    Refuse(ErrorCode::kBadInput, path, "is not a Cairn map; it seems to be " + GuessKind(head));
+  }
+  if (head.size() < kSqliteHeaderSize) {
+    RefuseCutOff(path, head.size());
+  }
+  CheckWholePages(path, head);
+}
+
+bool HasTable(sqlite::Connection* connection, std::string_view name) {
+  sqlite::Statement statement =
+      connection->Prepare("SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name = ?");
+  return statement.Bind(name).Step() && statement.Int64(0) > 0;
+}
+
+int64_t ApplicationId(sqlite::Connection* connection) {
+  sqlite::Statement statement = connection->Prepare("PRAGMA application_id");
+  statement.Step();
+  return statement.Int64(0);
+}
+
+// Refuses SQLite databases that are not maps, and maps from the future.
+void CheckIsMap(sqlite::Connection* connection) {
+  constexpr int64_t kGeoPackageApplicationId = 0x47504b47;
+  const std::string& path = connection->path();
+  const int64_t application_id = ApplicationId(connection);
+  if (!HasTable(connection, "cairn_map")) {
+    std::string kind = "an SQLite database of another program";
+    if (application_id == kGeoPackageApplicationId) {
+      kind = "a GeoPackage of another program";
+    } else if (HasTable(connection, "keypoints") && HasTable(connection, "descriptors")) {
+      kind = "a COLMAP database; give it to `cairn ingest` as --database";
+    }
+    Refuse(ErrorCode::kBadInput, path, "is not a Cairn map; it seems to be " + kind);
+  }
+  if (application_id != kGeoPackageApplicationId) {
+    Refuse(ErrorCode::kMapDamaged, path, "its application id is damaged");
+  }
+  sqlite::Statement statement =
+      connection->Prepare("SELECT format_version, oldest_reader_version FROM cairn_map");
+  if (!statement.Step()) {
+    Refuse(ErrorCode::kMapDamaged, path, "the table cairn_map is empty");
+  }
+  if (statement.Int64(1) > kMapFormatVersion) {
+    Refuse(ErrorCode::kConflict, path,
+           "is a map of format " + std::to_string(statement.Int64(0)) +
+               ", this program reads format " + std::to_string(kMapFormatVersion) +
+               "; use a newer Cairn");
+  }
+  RequireMapSchema(connection);
+}
+
+std::unique_ptr<sqlite::Connection> Connect(const std::string& path, sqlite::Access access,
+                                            int busy_timeout_ms) {
+  auto connection = std::make_unique<sqlite::Connection>(path, access, busy_timeout_ms);
+  if (const int result = inspection::RegisterGeometryFunctions(connection->handle());
+      result != SQLITE_OK) {
+    sqlite::ThrowError(connection->handle(), result, path, "register functions");
+  }
+  return connection;
+}
+
+std::unique_ptr<sqlite::Connection> OpenAndCheck(const std::string& path, sqlite::Access access) {
+  std::unique_ptr<sqlite::Connection> connection = ReopenMapFile(path, access);
+  CheckIsMap(connection.get());
+  return connection;
+}
+
+void RemoveMapFile(const std::string& path) {
+  std::error_code ignored;
+  for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
+    fs::remove(path + suffix, ignored);
+  }
+}
+
+void FillEmptyMap(const std::string& path) {
+  const auto connection = Connect(path, sqlite::Access::kCreate, 0);
+  // Before anything is written. docs/decisions/0008-pages-of-16-kilobytes.md.
+  connection->Execute("PRAGMA page_size = 16384");
+  connection->Execute("PRAGMA journal_mode = WAL");
+  sqlite::Transaction transaction(connection.get(), sqlite::Transaction::Kind::kImmediate);
+  CreateMapSchema(connection.get());
+  connection
+      ->Prepare(
+          "INSERT INTO cairn_map (map_id, format_version, oldest_reader_version, created_at, "
+          "next_landmark_id) VALUES (1, ?, ?, strftime('%Y-%m-%dT%H:%M:%SZ', 'now'), 1)")
+      .Bind(kMapFormatVersion, kOldestReaderVersion)
+      .Run();
+  connection->Execute(
+      "INSERT INTO cairn_versions (version, created_at) "
+      "VALUES (1, strftime('%Y-%m-%dT%H:%M:%SZ', 'now'))");
+  transaction.Commit();
+  // Closing would do this too, but keep to itself that the disk is full.
+  connection->Execute("PRAGMA wal_checkpoint(TRUNCATE)");
+}
+
+[[noreturn]] void RefuseToMake(const std::string& path, int error) {
+  if (error == EEXIST) {
+    Refuse(ErrorCode::kConflict, path, "exists already; remove it or choose another name");
+  }
+  Refuse(ErrorCode::kIo, path, std::string("cannot be made: ") + std::strerror(error));
+}
+
+// Gives a file its name unless there is one of that name: the check and the giving are one step.
+void Rename(const std::string& from, const std::string& to) {
+  if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) {
+    return;
+  }
+  if (errno != EINVAL && errno != ENOSYS) {
+    RefuseToMake(to, errno);
+  }
+  // File systems without that; a hard link is one step, too.
+  if (link(from.c_str(), to.c_str()) != 0) {
+    RefuseToMake(to, errno);
+  }
+  unlink(from.c_str());
+}
+
+}  // namespace
+
+void CreateMapFile(const std::string& path) {
+  std::error_code ignored;
+  if (fs::exists(path, ignored)) {
+    RefuseToMake(path, EEXIST);
+  }
+  // Under another name until it is whole: a process that dies here leaves nothing at `path`.
+  const std::string unfinished = path + ".unfinished-" + std::to_string(getpid());
+  RemoveMapFile(unfinished);
+  try {
+    FillEmptyMap(unfinished);
+    Rename(unfinished, path);
+  } catch (const Error& error) {
+    RemoveMapFile(unfinished);
+    // The file that cannot be made is the one that was asked for.
+    std::string what = error.what();
+    if (what.starts_with(unfinished)) {
+      what.replace(0, unfinished.size(), path);
+    }
+    throw Error(error.code(), what);
+  } catch (...) {
+    RemoveMapFile(unfinished);
+    throw;
+  }
+}
+
+std::unique_ptr<sqlite::Connection> ReopenMapFile(const std::string& path, sqlite::Access access) {
+  std::unique_ptr<sqlite::Connection> connection = Connect(path, access, kReaderTimeoutMs);
+  connection->Execute("PRAGMA query_only = ON");
+  return connection;
+}
+
+std::unique_ptr<sqlite::Connection> OpenMapFile(const std::string& path, sqlite::Access* access) {
+  CheckFile(path);
+  try {
+    return OpenAndCheck(path, *access);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kIo || *access != sqlite::Access::kReadOnly ||
+        HasWriteAheadLog(path)) {
+      throw;
+    }
+  }
+  *access = sqlite::Access::kImmutable;
+  return OpenAndCheck(path, *access);
+}
+
+std::unique_ptr<sqlite::Connection> OpenMapFileForUpdate(const std::string& path) {
+  std::unique_ptr<sqlite::Connection> connection = Connect(path, sqlite::Access::kReadWrite, 0);
+  connection->TrustSchema();  // The triggers of the layers write to R*Trees.
+  // Overwriting freed pages costs as much as writing them; FAST does it where it costs nothing.
+  connection->Execute("PRAGMA secure_delete = FAST");
+  connection->Execute("PRAGMA journal_size_limit = 67108864");
+  return connection;
+}
+
+}  // namespace cairn

@@ -1,0 +1,55 @@
+// The reading connections of an open map; private to storage.
+#ifndef CAIRN_STORAGE_MAP_READER_POOL_H_
+#define CAIRN_STORAGE_MAP_READER_POOL_H_
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "storage/codebook/codebook.h"
+#include "storage/ids.h"
+#include "storage/map/pinned_file.h"
+#include "storage/sqlite/connection.h"
+
+namespace cairn {
+
+// Connections are opened as needed and kept for reuse with their compiled statements: as many as
+// there were snapshots at one time. Also keeps decoded codebooks, which never change. Safe to call
+// from any thread.
+class ReaderPool {
+ public:
+  // `first` has passed the checks of OpenMapFile with `access`; `file` is the one it has open.
+  ReaderPool(std::unique_ptr<sqlite::Connection> first, sqlite::Access access, PinnedFile file);
+
+  const std::string& path() const { return path_; }
+  // The path still stands for the file.
+  bool IsInPlace() const { return file_.IsAt(path_); }
+
+  // All connections are to the same file. When it has lost its name, waits for one that is given
+  // back; throws Error(kUnavailable) if none is for a long time.
+  std::unique_ptr<sqlite::Connection> Take();
+  void GiveBack(std::unique_ptr<sqlite::Connection> connection);
+
+  // Reads through `connection` what is not kept yet.
+  std::shared_ptr<const Codebook> LoadCodebook(sqlite::Connection* connection,
+                                               CodebookId codebook_id);
+
+ private:
+  std::unique_ptr<sqlite::Connection> TakeIdle();
+  std::unique_ptr<sqlite::Connection> WaitForIdle();
+
+  const std::string path_;
+  const PinnedFile file_;
+  const sqlite::Access access_;
+  std::mutex mutex_;
+  std::condition_variable given_back_;
+  std::vector<std::unique_ptr<sqlite::Connection>> idle_;
+  std::unordered_map<CodebookId, std::shared_ptr<const Codebook>> codebooks_;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_STORAGE_MAP_READER_POOL_H_

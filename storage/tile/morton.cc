@@ -1,0 +1,37 @@
+#include "storage/tile/morton.h"
+
+#include <algorithm>
+#include <array>
+
+#include "storage/bytes/avx2_clone.h"
+
+namespace cairn {
+namespace {
+
+// Codes that are worked on together, one coordinate after the other.
+constexpr size_t kBatch = 256;
+
+// Whole steps of one coordinate, whose bits begin with bit `axis`.
+CAIRN_AVX2_CLONE void GatherSteps(const uint64_t* codes, size_t count, int axis, int32_t* steps) {
+  for (size_t i = 0; i < count; ++i) {
+    steps[i] = static_cast<int32_t>(GatherBits(codes[i] >> axis));
+  }
+}
+
+}  // namespace
+
+void PositionsFromMorton(std::span<const uint64_t> codes, Eigen::Vector3f* x_in_tile) {
+  constexpr auto kStepM = static_cast<float>(Tile::kPositionStepM);
+  std::array<int32_t, kBatch> steps;
+  for (size_t begin = 0; begin < codes.size(); begin += kBatch) {
+    const size_t count = std::min(kBatch, codes.size() - begin);
+    for (int axis = 0; axis < 3; ++axis) {
+      GatherSteps(codes.data() + begin, count, axis, steps.data());
+      for (size_t i = 0; i < count; ++i) {
+        x_in_tile[begin + i][axis] = static_cast<float>(steps[i] - kMaxPositionSteps) * kStepM;
+      }
+    }
+  }
+}
+
+}  // namespace cairn

@@ -1,0 +1,169 @@
+#include "storage/tile/tile_codec.h"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <string>
+
+#include "core/error.h"
+#include "storage/bytes/byte_io.h"
+#include "storage/tile/morton.h"
+#include "storage/tile/tile_checks.h"
+#include "storage/tile/tile_codec_v1.h"
+#include "storage/tile/tile_columns.h"
+#include "storage/tile/tile_decode.h"
+#include "storage/tile/tile_parts.h"
+
+namespace cairn {
+namespace {
+
+// Differences to the predecessor, zigzag, in byte planes.
+template <typename Range, typename ToUnsigned>
+void PutDeltas(const Range& values, const ToUnsigned& to_unsigned, TileColumnWriter* writer) {
+  std::vector<uint64_t> deltas(values.size());
+  uint64_t previous = 0;
+  for (size_t i = 0; i < values.size(); ++i) {
+    const auto value = static_cast<uint64_t>(to_unsigned(values[i]));
+    deltas[i] = ZigZag(value - previous);
+    previous = value;
+  }
+  writer->PutPlanes(std::span<const uint64_t>(deltas));
+}
+
+// Lengths of the groups that the offsets delimit.
+void PutGroupSizes(std::span<const uint32_t> begin, TileColumnWriter* writer) {
+  std::vector<uint32_t> sizes(begin.size() - 1);
+  for (size_t i = 0; i < sizes.size(); ++i) {
+    sizes[i] = begin[i + 1] - begin[i];
+  }
+  writer->PutPlanes(std::span<const uint32_t>(sizes));
+}
+
+void PutByteDifferences(std::span<const uint8_t> values, TileColumnWriter* writer) {
+  std::vector<uint8_t> differences(values.size());
+  uint8_t previous = 0;
+  for (size_t i = 0; i < values.size(); ++i) {
+    differences[i] = static_cast<uint8_t>(values[i] - previous);
+    previous = values[i];
+  }
+  writer->Put(differences);
+}
+
+std::array<double, kNumPoseNumbers> PoseNumbers(const Rigid3d& pose) {
+  const Eigen::Quaterniond& q = pose.rotation;
+  const Eigen::Vector3d& t = pose.translation;
+  return {q.x(), q.y(), q.z(), q.w(), t.x(), t.y(), t.z()};
+}
+
+void PutKeyframes(const std::vector<TileKeyframe>& keyframes, TileColumnWriter* writer) {
+  PutDeltas(
+      keyframes, [](const TileKeyframe& keyframe) { return Value(keyframe.id); }, writer);
+  PutDeltas(
+      keyframes, [](const TileKeyframe& keyframe) { return Value(keyframe.session_id); }, writer);
+  std::vector<uint8_t> poses;
+  ByteWriter poses_writer(&poses);
+  for (const TileKeyframe& keyframe : keyframes) {
+    poses_writer.PutArray(std::span<const double>(PoseNumbers(keyframe.cam_from_tile)));
+  }
+  writer->Put(poses);
+}
+
+// Keyframe by keyframe: the first index as it is, then the gaps less the 1 that is sure.
+std::vector<uint8_t> EncodeObservations(const Tile& tile) {
+  std::vector<uint8_t> observations;
+  ByteWriter writer(&observations);
+  for (size_t k = 0; k < tile.num_keyframes(); ++k) {
+    uint32_t next = 0;
+    for (const uint32_t landmark_idx : tile.LandmarksOfKeyframe(k)) {
+      writer.PutVarint(landmark_idx - next);
+      next = landmark_idx + 1;
+    }
+  }
+  return observations;
+}
+
+void RequireListsOf(const TileLists& lists, const Tile& tile) {
+  bool is_sound = lists.num_lists() <= tile.num_descriptors() && lists.begin.front() == 0 &&
+                  lists.begin.back() == tile.num_descriptors() &&
+                  lists.members.size() == tile.num_descriptors() &&
+                  std::is_sorted(lists.begin.begin(), lists.begin.end());
+  for (size_t list = 0; is_sound && list < lists.num_lists(); ++list) {
+    const std::span<const uint32_t> members = lists.Members(list);
+    is_sound = std::is_sorted(members.begin(), members.end(), std::less_equal<>());
+  }
+  if (!is_sound) {
+    throw Error(ErrorCode::kInternal, "lists are not of the tile's descriptors");
+  }
+}
+
+void PutLists(const TileLists& lists, TileColumnWriter* writer) {
+  if (lists.num_lists() == 0) {
+    writer->PutPlanes(std::span<const uint32_t>());
+    writer->PutPlanes(std::span<const uint32_t>());
+    return;
+  }
+  PutGroupSizes(lists.begin, writer);
+  std::vector<uint32_t> gaps;
+  gaps.reserve(lists.members.size());
+  for (size_t list = 0; list < lists.num_lists(); ++list) {
+    uint32_t next = 0;
+    for (const uint32_t member : lists.Members(list)) {
+      gaps.push_back(member - next);
+      next = member + 1;
+    }
+  }
+  writer->PutPlanes(std::span<const uint32_t>(gaps));
+}
+
+}  // namespace
+
+std::vector<uint8_t> EncodeTile(const Tile& tile, const TileLists& lists) {
+  tile.Validate();
+  if (!lists.empty()) {
+    RequireListsOf(lists, tile);
+  }
+  const std::vector<uint8_t> observations = EncodeObservations(tile);
+  TileColumnWriter writer;
+  PutLists(lists, &writer);
+  PutDeltas(tile.x_in_tile, MortonFromPosition, &writer);
+  PutDeltas(
+      tile.landmark_ids, [](LandmarkId id) { return Value(id); }, &writer);
+  PutDeltas(
+      tile.landmark_sessions, [](SessionId id) { return Value(id); }, &writer);
+  PutGroupSizes(tile.descriptor_begin, &writer);
+  writer.Put(tile.sigma_codes);
+  PutByteDifferences(tile.orientation_codes, &writer);
+  PutByteDifferences(tile.size_codes, &writer);
+  PutByteDifferences(tile.azimuth_codes, &writer);
+  PutKeyframes(tile.keyframes, &writer);
+  PutGroupSizes(tile.keyframe_begin, &writer);
+  writer.Put(observations);
+
+  TileHeader header;
+  header.code_size = static_cast<uint16_t>(tile.code_size);
+  header.tile_id = tile.id.value();
+  header.codebook_id = Value(tile.codebook_id);
+  header.num_landmarks = static_cast<uint32_t>(tile.num_landmarks());
+  header.num_descriptors = static_cast<uint32_t>(tile.num_descriptors());
+  header.num_keyframes = static_cast<uint32_t>(tile.num_keyframes());
+  header.num_observations = static_cast<uint32_t>(tile.keyframe_landmarks.size());
+  header.num_lists = static_cast<uint32_t>(lists.num_lists());
+  header.observations_size = static_cast<uint32_t>(observations.size());
+  return writer.Finish(header, OrderCodes(tile.codes, tile.code_size, lists));
+}
+
+Tile DecodeTile(std::span<const uint8_t> blob, const TileDecodeLimits& limits) {
+  TileLists lists;
+  return DecodeTile(blob, limits, &lists);
+}
+
+Tile DecodeTile(std::span<const uint8_t> blob, const TileDecodeLimits& limits, TileLists* lists) {
+  if (!TileColumns::IsPayload(blob)) {
+    return DecodeTileV1(blob, limits, lists);
+  }
+  const TileColumns columns(blob, limits);
+  *lists = DecodeLists(columns);
+  return DecodeTileColumns(columns, lists->members);
+}
+
+}  // namespace cairn

@@ -1,0 +1,35 @@
+// The descriptors of a tile grouped for search: what need not be computed when it is loaded.
+#ifndef CAIRN_STORAGE_TILE_TILE_LISTS_H_
+#define CAIRN_STORAGE_TILE_TILE_LISTS_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/large_vector.h"
+
+namespace cairn {
+
+// Lists of similar descriptors, each descriptor in one. Plain value; without lists if `begin` is
+// empty.
+struct TileLists {
+  std::vector<uint32_t> begin;    // num_lists + 1 offsets into `members`.
+  LargeVector<uint32_t> members;  // Descriptor indices, ascending within a list.
+
+  bool empty() const { return begin.empty(); }
+  size_t num_lists() const { return begin.empty() ? 0 : begin.size() - 1; }
+  std::span<const uint32_t> Members(size_t list) const {
+    return {members.data() + begin[list], begin[list + 1] - begin[list]};
+  }
+
+  friend bool operator==(const TileLists&, const TileLists&) = default;
+};
+
+// Rows of `code_size` bytes in the order of the lists' members; as they are if there are no lists.
+LargeVector<uint8_t> OrderCodes(std::span<const uint8_t> codes, size_t code_size,
+                                const TileLists& lists);
+
+}  // namespace cairn
+
+#endif  // CAIRN_STORAGE_TILE_TILE_LISTS_H_

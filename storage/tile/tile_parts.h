@@ -1,0 +1,79 @@
+// What the versions of the tile payload have in common; private to storage.
+#ifndef CAIRN_STORAGE_TILE_TILE_PARTS_H_
+#define CAIRN_STORAGE_TILE_TILE_PARTS_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "core/error.h"
+#include "core/rigid3.h"
+#include "core/tile_id.h"
+#include "storage/bytes/byte_io.h"
+
+namespace cairn {
+
+inline constexpr uint32_t kTileMagic = 0x4c495443;  // "CTIL".
+inline constexpr size_t kTileHeaderSize = 64;
+inline constexpr size_t kTileChecksumOffset = 56;
+inline constexpr size_t kMaxVarintSize = 5;
+
+[[noreturn]] inline void ThrowDamagedTile(const std::string& problem) {
+  throw Error(ErrorCode::kMapDamaged, "tile payload: " + problem);
+}
+
+// The id in a header; 0 is "no tile".
+inline TileId TileIdFromPayload(uint64_t value) {
+  try {
+    return value == 0 ? TileId() : TileId::FromValue(value);
+  } catch (const Error& error) {
+    ThrowDamagedTile(error.what());
+  }
+}
+
+inline constexpr size_t kNumPoseNumbers = 7;  // Quaternion x, y, z, w, translation x, y, z.
+
+// Leaves the rotation as it was stored: the constructor of Rigid3d would normalise it again.
+inline Rigid3d PoseFromNumbers(const std::array<double, kNumPoseNumbers>& numbers) {
+  Rigid3d pose;
+  pose.rotation.coeffs() << numbers[0], numbers[1], numbers[2], numbers[3];
+  pose.translation << numbers[4], numbers[5], numbers[6];
+  return pose;
+}
+
+// Reads ascending indices below `end`, the first as it is, then the gaps less the 1 that is sure,
+// each as a varint; calls set(index) for each of `count`.
+template <typename Set>
+void GetAscending(size_t count, uint32_t end, const char* problem, ByteReader* reader,
+                  const Set& set) {
+  // Numbers of one byte each are the usual case. So many together do not get farther than this.
+  constexpr size_t kNumTogether = sizeof(uint64_t), kMaxAdvance = kNumTogether << 7;
+  uint64_t next = 0;
+  for (size_t i = 0; i < count;) {
+    if (count - i >= kNumTogether && next + kMaxAdvance <= end) {
+      if (const std::optional<uint64_t> bytes = reader->GetShortVarints()) {
+        for (size_t j = 0; j < kNumTogether; ++j) {
+          next += *bytes >> 8 * j & 0x7f;
+          set(static_cast<uint32_t>(next));
+          ++next;
+        }
+        i += kNumTogether;
+        continue;
+      }
+    }
+    next += reader->GetVarint();
+    if (next >= end) {
+      ThrowDamagedTile(problem);
+    }
+    set(static_cast<uint32_t>(next));
+    ++next;
+    ++i;
+  }
+}
+
+}  // namespace cairn
+
+#endif  // CAIRN_STORAGE_TILE_TILE_PARTS_H_

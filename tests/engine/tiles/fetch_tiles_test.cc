@@ -1,0 +1,552 @@
+#include "engine/tiles/fetch_tiles.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <latch>
+#include <memory>
+#include <numeric>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "core/error.h"
+#include "core/large_vector.h"
+#include "core/shared_workers.h"
+#include "engine/index/inverted_lists.h"
+#include "engine/tiles/tile_finisher.h"
+#include "lab/rivals/index/index_methods.h"
+#include "storage/bytes/checksum.h"
+#include "storage/codebook/descriptor_codec.h"
+#include "storage/tile/tile_codec.h"
+#include "storage/tile/tile_payload.h"
+#include "support/map_builder.h"
+#include "support/temp_dir.h"
+#include "support/tile_builder.h"
+
+namespace cairn {
+namespace {
+
+using ::testing::ElementsAre;
+using testing::ErrorCodeOf;
+using ::testing::IsEmpty;
+using testing::RandomTile;
+
+// A map of squares in a row from west to east, each 150 m wide, with keyframes at heights of 100 to
+// 110 m.
+class FetchTilesTest : public ::testing::Test {
+ protected:
+  static constexpr int kNumTiles = 4;
+
+  FetchTilesTest() : store_(MapStore::Create(dir_.File("map.gpkg"))), cache_(1 << 26) {
+    MapUpdate update = store_.BeginUpdate();
+    const CodebookId codebook_id = update.AddCodebook(testing::RandomCodebook());
+    for (int i = 0; i < kNumTiles; ++i) {
+      const Tile tile = RandomTile(
+          {.id = TileInRow(i), .codebook_id = codebook_id, .seed = static_cast<uint64_t>(i)});
+      testing::AddTile(tile, &update);
+    }
+    update.Publish();
+  }
+
+  static TileId TileInRow(int i) {
+    const TileId first = TileId::Containing(Geodetic::FromDegrees(49.011, 8.416, 0.0));
+    return TileId::FromValue(first.value() + (static_cast<uint64_t>(i) << 26));
+  }
+
+  // A disc about a point `east_m` of the anchor of the first tile.
+  static SearchRegion Disc(double east_m, double radius_m) {
+    SearchRegion region;
+    region.origin =
+        GeodeticFromEcef(EcefFromEnu(TileInRow(0).Anchor()) * Eigen::Vector3d(east_m, 0.0, 0.0));
+    region.origin.h_m = 0.0;
+    region.ecef_from_anchor = EcefFromEnu(region.origin);
+    region.has_prior = true;
+    region.prior_sigma_m = 10.0;
+    region.radius_m = radius_m;
+    return region;
+  }
+
+  std::vector<TileView> Fetch(SearchRegion* region, const TilesOptions& options = {},
+                              const StopFunction& should_stop = {}) {
+    counters_ = StageCounters();
+    return FetchTiles(store_.Snapshot(), &cache_, options, IndexOptions(), region, &counters_,
+                      should_stop);
+  }
+
+  static std::vector<TileId> Ids(const std::vector<TileView>& views) {
+    std::vector<TileId> ids;
+    for (const TileView& view : views) {
+      ids.push_back(view.tile->id());
+    }
+    return ids;
+  }
+
+  // Puts a payload in its place that does not decode.
+  void DamageTile(int i) {
+    MapUpdate update = store_.BeginUpdate();
+    const Tile tile = RandomTile({.id = TileInRow(i)});
+    std::vector<uint8_t> payload = EncodeTile(tile);
+    payload.back() ^= 1;
+    update.PutTile(testing::RecordOf(tile), payload);
+    update.Publish();
+  }
+
+  testing::TempDir dir_;
+  MapStore store_;
+  TileCache cache_;
+  StageCounters counters_;
+};
+
+TEST_F(FetchTilesTest, ReturnsTilesThatMeetTheDiscNearestFirst) {
+  // 60 m east of the first tile's centre: 15 m from the second square, 165 m from the third, and
+  // the grid's north deviates from true north by less than 2 m over that distance.
+  SearchRegion region = Disc(60.0, 100.0);
+  EXPECT_THAT(Ids(Fetch(&region)), ElementsAre(TileInRow(0), TileInRow(1)));
+  region = Disc(60.0, 10.0);
+  EXPECT_THAT(Ids(Fetch(&region)), ElementsAre(TileInRow(0)));
+  region = Disc(90.0, 20.0);
+  EXPECT_THAT(Ids(Fetch(&region)), ElementsAre(TileInRow(1), TileInRow(0)));
+  region = Disc(60.0, 200.0);
+  EXPECT_THAT(Ids(Fetch(&region)), ElementsAre(TileInRow(0), TileInRow(1), TileInRow(2)));
+}
+
+TEST_F(FetchTilesTest, RespectsTheLimitAndSaysSo) {
+  SearchRegion region = Disc(60.0, 200.0);
+  EXPECT_EQ(Ids(Fetch(&region, {.max_tiles = 2})), (std::vector{TileInRow(0), TileInRow(1)}));
+  EXPECT_EQ(counters_.num_tiles_found, 3);
+  EXPECT_EQ(counters_.num_tiles_searched, 2);
+  EXPECT_TRUE(counters_.tile_limit_hit);
+  Fetch(&region, {.max_tiles = 3});
+  EXPECT_FALSE(counters_.tile_limit_hit);
+}
+
+TEST_F(FetchTilesTest, FarFromTheMapFindsNothingAndLeavesTheHeightsOpen) {
+  SearchRegion region = Disc(5000.0, 100.0);
+  const double min_z_m = region.min_z_m;
+  EXPECT_THAT(Fetch(&region), IsEmpty());
+  EXPECT_EQ(counters_.num_tiles_found, 0);
+  EXPECT_EQ(region.min_z_m, min_z_m);
+}
+
+TEST_F(FetchTilesTest, WithoutAPriorTakesTheFirstTilesOfTheMap) {
+  SearchRegion region = Disc(0.0, 1.0);
+  region.has_prior = false;
+  EXPECT_EQ(Fetch(&region).size(), size_t{kNumTiles});
+  EXPECT_FALSE(counters_.tile_limit_hit);
+  EXPECT_THAT(Ids(Fetch(&region, {.max_tiles = 1})), ElementsAre(TileInRow(0)));
+  EXPECT_EQ(counters_.num_tiles_found, kNumTiles);
+  EXPECT_TRUE(counters_.tile_limit_hit);
+}
+
+TEST_F(FetchTilesTest, LoadsEachTileOnceAndCountsDescriptors) {
+  SearchRegion region = Disc(0.0, 50.0);
+  const auto first = Fetch(&region);
+  EXPECT_EQ(counters_.num_tiles_loaded, 1);
+  EXPECT_EQ(counters_.num_descriptors, static_cast<int64_t>(first[0].tile->num_descriptors()));
+  const auto again = Fetch(&region);
+  EXPECT_EQ(counters_.num_tiles_loaded, 0);
+  EXPECT_EQ(again[0].tile, first[0].tile);
+}
+
+TEST_F(FetchTilesTest, LoadsSeveralMissingTilesOnceEachInOrder) {
+  SearchRegion region = Disc(0.0, 1.0);
+  region.has_prior = false;
+  const auto first = Fetch(&region);
+  EXPECT_EQ(counters_.num_tiles_loaded, kNumTiles);
+  ASSERT_EQ(first.size(), size_t{kNumTiles});
+  for (int i = 0; i < kNumTiles; ++i) {
+    EXPECT_EQ(first[i].tile->id(), TileInRow(i));
+  }
+  Fetch(&region);
+  EXPECT_EQ(counters_.num_tiles_loaded, 0);
+}
+
+TEST_F(FetchTilesTest, ToldToStopItTakesTheNearestTileWithAFirstPartOfItsIndex) {
+  const auto stop = [] { return true; };
+  SearchRegion region = Disc(60.0, 200.0);
+  const auto cut = Fetch(&region, {}, stop);
+  ASSERT_THAT(Ids(cut), ElementsAre(TileInRow(0)));
+  EXPECT_FALSE(cut[0].tile->index().is_complete());
+  EXPECT_TRUE(counters_.tiles_cut_short);
+  EXPECT_EQ(counters_.num_tiles_found, 3);
+  EXPECT_EQ(counters_.num_tiles_searched, 1);
+  EXPECT_FALSE(counters_.tile_limit_hit);
+
+  const auto whole = Fetch(&region);
+  ASSERT_EQ(whole.size(), 3u);
+  EXPECT_EQ(whole[0].tile, cut[0].tile);
+  for (const TileView& view : whole) {
+    EXPECT_TRUE(view.tile->index().is_complete());
+  }
+  EXPECT_FALSE(counters_.tiles_cut_short);
+  EXPECT_EQ(counters_.num_tiles_loaded, 2);
+
+  // What is in the cache costs no time.
+  EXPECT_EQ(Fetch(&region, {}, stop).size(), 3u);
+  EXPECT_FALSE(counters_.tiles_cut_short);
+}
+
+TEST_F(FetchTilesTest, AQueryIsServedWhileAnotherBuildsTheIndex) {
+  std::latch is_building(1), may_go_on(1);
+  std::vector<TileView> paused;
+  std::jthread builder([&] {
+    SearchRegion region = Disc(0.0, 50.0);
+    StageCounters counters;
+    // Pauses when the first part stands.
+    const auto pause = [&] {
+      is_building.count_down();
+      may_go_on.wait();
+      return true;
+    };
+    paused = FetchTiles(store_.Snapshot(), &cache_, {}, IndexOptions(), &region, &counters, pause);
+  });
+  is_building.wait();
+  SearchRegion region = Disc(0.0, 50.0);
+  const auto hasty = Fetch(&region, {}, [] { return true; });
+  EXPECT_TRUE(counters_.tiles_cut_short);
+  ASSERT_EQ(hasty.size(), 1u);
+  std::vector<DescriptorHit> some, all;
+  const DescriptorMatrix queries = DescriptorCodec(store_.Snapshot().CurrentCodebook())
+                                       .Decode(hasty[0].tile->codes().data(), 100);
+  hasty[0].tile->index().RangeSearch(queries, 10.0, &some);
+  EXPECT_GE(some.size(), 100u);
+  const auto patient = Fetch(&region);
+  EXPECT_FALSE(counters_.tiles_cut_short);
+  EXPECT_EQ(counters_.num_tiles_loaded, 0);
+  EXPECT_TRUE(patient[0].tile->index().is_complete());
+  patient[0].tile->index().RangeSearch(queries, 10.0, &all);
+  EXPECT_GT(all.size(), some.size());
+  may_go_on.count_down();
+  builder.join();
+  EXPECT_EQ(paused[0].tile, patient[0].tile);
+}
+
+class TileFinisherTest : public FetchTilesTest {
+ protected:
+  // Of a query in a hurry.
+  std::vector<TileView> FetchLittle(SearchRegion region) {
+    return Fetch(&region, {}, [] { return true; });
+  }
+
+  TilesOptions options_;
+  IndexOptions index_options_;
+  SharedWorkers workers_{2};
+  TileFinisher finisher_{&store_, &cache_, &options_, &index_options_, &workers_};
+};
+
+TEST_F(TileFinisherTest, LoadsTilesThatWereLeftOutAndCompletesIndices) {
+  const SearchRegion region = Disc(60.0, 200.0);
+  const auto few = FetchLittle(region);
+  ASSERT_THAT(Ids(few), ElementsAre(TileInRow(0)));
+  ASSERT_FALSE(few[0].tile->index().is_complete());
+  finisher_.Add(region);
+  while (FetchLittle(region).size() < 3 || counters_.tiles_cut_short) {
+    EXPECT_EQ(counters_.num_tiles_loaded, 0);
+    std::this_thread::yield();
+  }
+  EXPECT_TRUE(few[0].tile->index().is_complete());
+}
+
+TEST_F(TileFinisherTest, GoesOnAfterARegionThatCannotBeLoaded) {
+  const SearchRegion damaged = Disc(60.0, 200.0), sound = Disc(450.0, 10.0);
+  DamageTile(1);
+  finisher_.Add(damaged);
+  finisher_.Add(sound);
+  while (FetchLittle(sound).empty() || counters_.tiles_cut_short) {
+    std::this_thread::yield();
+  }
+}
+
+TEST_F(TileFinisherTest, EndsWithoutWorkAndWithWorkLeft) {
+  const TileFinisher idle(&store_, &cache_, &options_, &index_options_, &workers_);
+  for (size_t i = 0; i < 2 * TileFinisher::kMaxWaiting; ++i) {
+    finisher_.Add(Disc(0.0, 50.0));
+  }
+}
+
+TEST_F(FetchTilesTest, MovesTilesIntoTheAnchorFrame) {
+  SearchRegion region = Disc(60.0, 20.0);
+  for (const TileView& view : Fetch(&region)) {
+    const Eigen::Vector3d x_in_tile(10.0, 20.0, 30.0);
+    const Eigen::Vector3d expected =
+        region.ecef_from_anchor.Inverse() * (EcefFromEnu(view.tile->id().Anchor()) * x_in_tile);
+    EXPECT_LT((view.anchor_from_tile * x_in_tile - expected).norm(), 1e-6);
+  }
+}
+
+TEST_F(FetchTilesTest, SetsTheHeightsFromTheKeyframesAndTheMargin) {
+  SearchRegion region = Disc(0.0, 50.0);
+  Fetch(&region, {.height_margin_m = 8.0});
+  EXPECT_NEAR(region.min_z_m, 92.0, 0.01);
+  EXPECT_NEAR(region.max_z_m, 118.0, 0.01);
+}
+
+TEST_F(FetchTilesTest, NarrowsThePriorsHeights) {
+  SearchRegion region = Disc(0.0, 50.0);
+  region.min_z_m = 105.0;
+  region.max_z_m = 500.0;
+  Fetch(&region, {.height_margin_m = 8.0});
+  EXPECT_NEAR(region.min_z_m, 105.0, 1e-9);
+  EXPECT_NEAR(region.max_z_m, 118.0, 0.01);
+}
+
+TEST_F(FetchTilesTest, DropsAHeightPriorThatContradictsTheMap) {
+  SearchRegion region = Disc(0.0, 50.0);
+  region.min_z_m = 40.0;
+  region.max_z_m = 60.0;
+  Fetch(&region, {.height_margin_m = 8.0});
+  EXPECT_NEAR(region.min_z_m, 92.0, 0.01);
+  EXPECT_NEAR(region.max_z_m, 118.0, 0.01);
+}
+
+TEST_F(FetchTilesTest, RefusesAPayloadThatIsAnotherTile) {
+  MapUpdate update = store_.BeginUpdate();
+  const Tile tile = RandomTile({.id = TileInRow(0)});
+  TileRecord record = testing::RecordOf(tile);
+  record.tile_id = TileInRow(1);
+  update.PutTile(record, EncodeTile(tile));
+  update.Publish();
+  SearchRegion region = Disc(150.0, 20.0);
+  EXPECT_EQ(ErrorCodeOf([&] { Fetch(&region); }), ErrorCode::kMapDamaged);
+}
+
+TEST_F(FetchTilesTest, RefusesTilesOfAnOldCodebook) {
+  MapUpdate update = store_.BeginUpdate();
+  update.AddCodebook(testing::RandomCodebook({.seed = 2}));
+  update.Publish();
+  SearchRegion region = Disc(0.0, 50.0);
+  EXPECT_EQ(ErrorCodeOf([&] { Fetch(&region); }), ErrorCode::kMapDamaged);
+}
+
+TEST_F(FetchTilesTest, NamesTheTileWhosePayloadDoesNotDecode) {
+  DamageTile(1);
+  SearchRegion region = Disc(150.0, 20.0);
+  try {
+    Fetch(&region);
+    FAIL() << "took a damaged payload";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kMapDamaged);
+    EXPECT_THAT(error.what(), ::testing::HasSubstr(TileInRow(1).ToString()));
+  }
+}
+
+// Lists need not decode a tile to search it.
+class FetchListsTest : public ::testing::Test {
+ protected:
+  FetchListsTest() : tile_(RandomTile({.num_landmarks = 500})) {
+    options_.kind = IndexKind::kInvertedLists;
+    options_.lists.num_lists = 20;
+    options_.grids.num_probes = 28;  // Some queries find more than their own descriptor.
+    lists_ = MakeTileLists(*codebook_, tile_.codes, options_.lists);
+  }
+
+  std::unique_ptr<const SearchableTile> FromPayload(const std::vector<uint8_t>& bytes) const {
+    return std::make_unique<const SearchableTile>(
+        TilePayload(LargeVector<uint8_t>(bytes.begin(), bytes.end())), codebook_, options_);
+  }
+
+  // That all that the searchable tile tells of the tile is right.
+  void ExpectContent(const SearchableTile& searchable) const {
+    const auto expect_same = [](const auto& told, const auto& expected) {
+      EXPECT_TRUE(std::equal(told.begin(), told.end(), expected.begin(), expected.end()));
+    };
+    const TileLandmarks& landmarks = searchable.landmarks();
+    expect_same(landmarks.landmark_ids, tile_.landmark_ids);
+    expect_same(landmarks.x_in_tile, tile_.x_in_tile);
+    expect_same(landmarks.sigma_codes, tile_.sigma_codes);
+    expect_same(landmarks.descriptor_begin, tile_.descriptor_begin);
+    expect_same(landmarks.orientation_codes, tile_.orientation_codes);
+    expect_same(landmarks.size_codes, tile_.size_codes);
+    expect_same(landmarks.azimuth_codes, tile_.azimuth_codes);
+    const TileCovisibility& covisibility = searchable.covisibility();
+    expect_same(covisibility.keyframe_begin, tile_.keyframe_begin);
+    expect_same(covisibility.keyframe_landmarks, tile_.keyframe_landmarks);
+    Tile with_keyframes = tile_;
+    with_keyframes.keyframes.assign(covisibility.keyframes.begin(), covisibility.keyframes.end());
+    EXPECT_TRUE(testing::SameTile(with_keyframes, tile_));
+    expect_same(searchable.codes(), tile_.codes);
+    const LandmarkSightings sightings(tile_, tile_);
+    for (const LandmarkId id : tile_.landmark_ids) {
+      expect_same(searchable.sightings().KeyframesThatSaw(id), sightings.KeyframesThatSaw(id));
+    }
+  }
+
+  // That a search finds the same hits in both, whose places and contents are the same.
+  void ExpectAlike(const SearchableTile& from_payload, const SearchableTile& decoded) const {
+    const DescriptorMatrix queries =
+        DescriptorCodec(codebook_).Decode(tile_.codes.data(), 50) +
+        DescriptorMatrix::Constant(50, codebook_->projected_dim(), 0.01f);
+    std::vector<DescriptorHit> hits, expected;
+    EXPECT_EQ(from_payload.index().RangeSearch(queries, 2.0, &hits),
+              decoded.index().RangeSearch(queries, 2.0, &expected));
+    ASSERT_GT(expected.size(), 50u);
+    ASSERT_EQ(hits.size(), expected.size());
+    for (size_t i = 0; i < hits.size(); ++i) {
+      EXPECT_EQ(hits[i].query_idx, expected[i].query_idx);
+      EXPECT_EQ(hits[i].descriptor_idx, expected[i].descriptor_idx);
+      EXPECT_EQ(hits[i].sq_distance, expected[i].sq_distance);
+    }
+    ASSERT_EQ(from_payload.places().size(), tile_.num_descriptors());
+    for (size_t place = 0; place < tile_.num_descriptors(); ++place) {
+      ASSERT_EQ(from_payload.places().descriptor(place), decoded.places().descriptor(place));
+      ASSERT_EQ(from_payload.places().landmark(place), decoded.places().landmark(place));
+    }
+    ExpectContent(from_payload);
+  }
+
+  // Where a column of a payload of version 3 begins; docs/formats/tile_v3.md.
+  size_t OffsetOfColumn(const std::vector<uint8_t>& payload, size_t column) const {
+    constexpr size_t kDirectoryOffset = 64, kNumColumns = 62;
+    std::vector<uint32_t> stored_sizes(kNumColumns);
+    std::memcpy(stored_sizes.data(), payload.data() + kDirectoryOffset,
+                kNumColumns * sizeof(uint32_t));
+    return kDirectoryOffset + kNumColumns * sizeof(uint32_t) + tile_.codes.size() +
+           std::accumulate(stored_sizes.begin(),
+                           stored_sizes.begin() + static_cast<ptrdiff_t>(column), size_t{0});
+  }
+
+  // Sets a few bytes to what is too much of anything, and the checksum to what it then is.
+  static std::vector<uint8_t> WithDamage(std::vector<uint8_t> payload, size_t offset) {
+    constexpr size_t kNumBytes = 4, kChecksumOffset = 56;
+    std::fill_n(payload.begin() + static_cast<ptrdiff_t>(offset), kNumBytes, 0xff);
+    const uint64_t checksum = ChecksumOf(payload, kChecksumOffset);
+    std::memcpy(payload.data() + kChecksumOffset, &checksum, sizeof(checksum));
+    return payload;
+  }
+
+  std::shared_ptr<const Codebook> codebook_ =
+      std::make_shared<const Codebook>(testing::RandomCodebook());
+  Tile tile_;
+  IndexOptions options_;
+  TileLists lists_;
+};
+
+TEST_F(FetchListsTest, APayloadIsSearchedAsItsTileIs) {
+  const auto from_payload = FromPayload(EncodeTile(tile_, lists_));
+  ExpectAlike(*from_payload, SearchableTile(tile_, codebook_, options_, lists_));
+  EXPECT_EQ(from_payload->id(), tile_.id);
+  EXPECT_EQ(from_payload->num_descriptors(), tile_.num_descriptors());
+}
+
+// Its codes are put into the order of the tile first.
+TEST_F(FetchListsTest, APayloadWithAnotherIndexIsSearchedAsItsTileIs) {
+  const std::vector<uint8_t> bytes = EncodeTile(tile_, lists_);
+  for (const IndexMethod method : {IndexMethod::kRandomGrids, IndexMethod::kKdTree}) {
+    const IndexOptions other = MakeIndexOptions(method);
+    options_.kind = other.kind;
+    options_.other = other.other;
+    const auto from_payload =
+        MakeSearchableTile(LargeVector<uint8_t>(bytes.begin(), bytes.end()), codebook_, options_);
+    from_payload->Prepare();
+    while (!from_payload->index().is_complete()) {
+      from_payload->index().BuildPart();
+    }
+    ExpectAlike(*from_payload, SearchableTile(tile_, codebook_, options_));
+  }
+}
+
+TEST_F(FetchListsTest, ThreadsThatAskTogetherGetOneOfEachPart) {
+  const std::vector<uint8_t> payload = EncodeTile(tile_, lists_);
+  const auto searchable = FromPayload(payload);
+  const size_t num_bytes = searchable->MemoryBytes();
+  std::vector<const TileLandmarks*> landmarks(8, nullptr);
+  std::vector<const TileCovisibility*> covisibilities(8, nullptr);
+  std::vector<const LandmarkSightings*> sightings(8, nullptr);
+  {
+    std::vector<std::jthread> threads;
+    for (size_t i = 0; i < landmarks.size(); ++i) {
+      threads.emplace_back([&, i] {
+        if (i % 4 == 1) {  // Any part may come first.
+          sightings[i] = &searchable->sightings();
+        } else if (i % 2 == 0) {
+          landmarks[i] = &searchable->landmarks();
+        }
+        covisibilities[i] = &searchable->covisibility();
+        landmarks[i] = &searchable->landmarks();
+        sightings[i] = &searchable->sightings();
+      });
+    }
+  }
+  EXPECT_THAT(landmarks, ::testing::Each(landmarks.front()));
+  EXPECT_THAT(covisibilities, ::testing::Each(covisibilities.front()));
+  EXPECT_THAT(sightings, ::testing::Each(sightings.front()));
+  ExpectContent(*searchable);
+  EXPECT_EQ(searchable->MemoryBytes(), num_bytes);
+  const size_t session_bytes = tile_.num_landmarks() * sizeof(SessionId);  // Are not kept.
+  const size_t tile_bytes = DecodeTile(payload).MemoryBytes();
+  EXPECT_GE(num_bytes + session_bytes, tile_bytes + searchable->index().MemoryBytes());
+}
+
+// Damage that the checksum does not show: whoever makes it can compute that too.
+TEST_F(FetchListsTest, AHalfOfATileThatDoesNotDecodeIsDamagedEveryTime) {
+  const std::vector<uint8_t> sound = EncodeTile(tile_, lists_);
+  constexpr size_t kDescriptorCounts = 32, kObservations = 61;
+  const auto bad_landmarks =
+      FromPayload(WithDamage(sound, OffsetOfColumn(sound, kDescriptorCounts)));
+  const auto bad_rest = FromPayload(WithDamage(sound, OffsetOfColumn(sound, kObservations)));
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(ErrorCodeOf([&] { bad_landmarks->landmarks(); }), ErrorCode::kMapDamaged);
+    EXPECT_EQ(ErrorCodeOf([&] { bad_landmarks->places(); }), ErrorCode::kMapDamaged);
+    EXPECT_EQ(ErrorCodeOf([&] { bad_rest->covisibility(); }), ErrorCode::kMapDamaged);
+    EXPECT_EQ(ErrorCodeOf([&] { bad_rest->codes(); }), ErrorCode::kMapDamaged);
+    EXPECT_EQ(ErrorCodeOf([&] { bad_landmarks->sightings(); }), ErrorCode::kMapDamaged);
+    EXPECT_EQ(ErrorCodeOf([&] { bad_rest->sightings(); }), ErrorCode::kMapDamaged);
+  }
+  EXPECT_EQ(bad_landmarks->covisibility().keyframe_landmarks.size(),
+            tile_.keyframe_landmarks.size());
+  EXPECT_EQ(bad_rest->landmarks().num_landmarks(), tile_.num_landmarks());
+  std::vector<DescriptorHit> hits;
+  bad_landmarks->index().RangeSearch(DescriptorMatrix::Zero(1, codebook_->projected_dim()), 10.0,
+                                     &hits);
+  EXPECT_FALSE(hits.empty());
+  try {
+    bad_rest->covisibility();
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr(tile_.id.ToString()));
+  }
+}
+
+TEST_F(FetchListsTest, WhatMatchingNeedsIsDecodedIfThereIsTime) {
+  constexpr size_t kDescriptorCounts = 32;
+  const testing::TempDir dir;
+  MapStore store = MapStore::Create(dir.File("map.gpkg"));
+  MapUpdate update = store.BeginUpdate();
+  ASSERT_EQ(update.AddCodebook(testing::RandomCodebook()), tile_.codebook_id);
+  testing::AddTile(tile_, &update);
+  const std::vector<uint8_t> sound = EncodeTile(tile_, lists_);
+  update.PutTile(testing::RecordOf(tile_),
+                 WithDamage(sound, OffsetOfColumn(sound, kDescriptorCounts)));
+  update.Publish();
+  const auto fetch = [&](const StopFunction& should_stop) {
+    TileCache cache(1 << 26);
+    SearchRegion region;
+    region.ecef_from_anchor = EcefFromEnu(tile_.id.Anchor());
+    StageCounters counters;
+    return FetchTiles(store.Snapshot(), &cache, {}, options_, &region, &counters, should_stop);
+  };
+  EXPECT_EQ(ErrorCodeOf([&] { fetch({}); }), ErrorCode::kMapDamaged);
+  const std::vector<TileView> hasty = fetch([] { return true; });
+  ASSERT_EQ(hasty.size(), 1u);
+  EXPECT_EQ(ErrorCodeOf([&] { hasty[0].tile->Prepare(); }), ErrorCode::kMapDamaged);
+}
+
+TEST_F(FetchListsTest, RefusesThePayloadOfAnotherCodebook) {
+  Codebook other = testing::RandomCodebook();
+  other.id = CodebookId(2);
+  codebook_ = std::make_shared<const Codebook>(other);
+  const std::vector<uint8_t> bytes = EncodeTile(tile_, lists_);
+  EXPECT_EQ(ErrorCodeOf([&] { FromPayload(bytes); }), ErrorCode::kMapDamaged);
+}
+
+TEST_F(FetchListsTest, APayloadWithoutListsIsNotSearchReady) {
+  EXPECT_FALSE(TilePayload::IsSearchReady(EncodeTile(tile_)));
+  EXPECT_TRUE(TilePayload::IsSearchReady(EncodeTile(tile_, lists_)));
+  EXPECT_EQ(ErrorCodeOf([&] { FromPayload(EncodeTile(tile_)); }), ErrorCode::kMapDamaged);
+}
+
+}  // namespace
+}  // namespace cairn

@@ -1,0 +1,198 @@
+#include "fusion/client/fusion_client.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <thread>
+#include <vector>
+
+#include "fusion/client/published.h"
+#include "fusion/simulation.h"
+
+namespace cairn::fusion::testing {
+namespace {
+
+// A walk that begins at rest, so that the client starts on its own.
+Simulation WalkFromRest(uint64_t seed = 1) {
+  SimulationOptions options;
+  options.seed = seed;
+  options.walk.seed = seed;
+  options.duration_s = 12.0;
+  options.walk.start_stop_s = {2.0};
+  return Simulation(options);
+}
+
+// Runs the client over the simulation; answers come two frames late.
+template <typename Callback>
+void Feed(const Simulation& simulation, FusionClient* client, const Callback& after_frame) {
+  size_t next_imu = 0;
+  std::vector<std::pair<size_t, Answer>> in_flight;
+  for (size_t i = 0; i < simulation.frames().size(); ++i) {
+    const SimulatedFrame& frame = simulation.frames()[i];
+    size_t end = next_imu;
+    while (end < simulation.imu().size() &&
+           simulation.imu()[end].timestamp_ns <= frame.truth.timestamp_ns) {
+      ++end;
+    }
+    client->AddImu(std::span(simulation.imu()).subspan(next_imu, end - next_imu));
+    next_imu = end;
+    client->AddFrame({frame.truth.timestamp_ns, frame.features});
+    if (const auto query = client->PollQuery()) {
+      in_flight.emplace_back(i + 2, simulation.MakeAnswer(*query, i, {}));
+    }
+    if (!in_flight.empty() && in_flight.front().first <= i) {
+      client->Submit(in_flight.front().second);
+      in_flight.erase(in_flight.begin());
+    }
+    after_frame(i);
+  }
+}
+
+TEST(FusionClient, RefusesNonsenseWithoutThrowing) {
+  FusionOptions options;
+  options.max_clones = 1;
+  const auto result = FusionClient::Create(options);
+  EXPECT_EQ(result.client, nullptr);
+  EXPECT_NE(result.error.find("max_clones"), std::string::npos);
+}
+
+TEST(FusionClient, StartsAtRestAndFindsTheMap) {
+  const Simulation simulation = WalkFromRest();
+  const auto [client, error] = FusionClient::Create(simulation.MatchingOptions());
+  ASSERT_NE(client, nullptr) << error;
+  EXPECT_EQ(client->Latest().mode, Mode::kInitializing);
+  EXPECT_EQ(client->Predict(0).status, PredictStatus::kNoState);
+  bool was_tracking = false;
+  Feed(simulation, client.get(),
+       [&](size_t) { was_tracking |= client->Latest().mode == Mode::kTracking; });
+  EXPECT_TRUE(was_tracking);
+  const Estimate estimate = client->Latest();
+  EXPECT_EQ(estimate.mode, Mode::kLocalized);
+  const FrameTruth& truth = simulation.frames().back().truth;
+  EXPECT_LT((estimate.global_from_imu.translation - truth.world_from_imu.translation).norm(), 0.05);
+  EXPECT_LT(RotationAngleRad(estimate.global_from_imu.rotation, truth.world_from_imu.rotation),
+            0.01);
+  EXPECT_LT((estimate.global_from_local * estimate.imu.local_from_imu.translation -
+             estimate.global_from_imu.translation)
+                .norm(),
+            1e-9);
+}
+
+TEST(FusionClient, PredictsAHundredMillisecondsAhead) {
+  const Simulation simulation = WalkFromRest();
+  const auto [client, error] = FusionClient::Create(simulation.MatchingOptions());
+  ASSERT_NE(client, nullptr) << error;
+  Prediction prediction;
+  const size_t last = simulation.frames().size() - 1;
+  Feed(simulation, client.get(), [&](size_t i) {
+    if (i + 1 == last) {
+      prediction = client->Predict(simulation.frames()[last].truth.timestamp_ns);
+    }
+  });
+  ASSERT_EQ(prediction.status, PredictStatus::kOk);
+  const FrameTruth& truth = simulation.frames()[last].truth;
+  EXPECT_LT(
+      (prediction.estimate.global_from_imu.translation - truth.world_from_imu.translation).norm(),
+      0.08);
+  const int64_t now_ns = client->Latest().timestamp_ns;
+  EXPECT_EQ(client->Predict(now_ns + 600'000'000).status, PredictStatus::kTooFarAhead);
+  EXPECT_EQ(client->Predict(now_ns - 60'000'000).status, PredictStatus::kTooFarBehind);
+}
+
+TEST(FusionClient, PredictsWhatIsHeldBackOfTheCorrectionsAsWell) {
+  const Simulation simulation = WalkFromRest();
+  FusionOptions options = simulation.MatchingOptions();
+  options.steady.time_constant_s = 5.0;
+  const auto [client, error] = FusionClient::Create(options);
+  ASSERT_NE(client, nullptr) << error;
+  Feed(simulation, client.get(), [](size_t) {});
+  const Estimate now = client->Latest();
+  const auto held_back_m = [](const Estimate& estimate) {
+    return Eigen::Vector3d(estimate.steady_global_from_imu.translation -
+                           estimate.global_from_imu.translation);
+  };
+  ASSERT_GT(held_back_m(now).norm(), 1e-3);
+  EXPECT_LT((held_back_m(client->Predict(now.timestamp_ns).estimate) - held_back_m(now)).norm(),
+            1e-12);
+  const Prediction later = client->Predict(now.timestamp_ns + 500'000'000);
+  ASSERT_EQ(later.status, PredictStatus::kOk);
+  EXPECT_LT((held_back_m(later.estimate) - std::exp(-0.1) * held_back_m(now)).norm(), 1e-9);
+}
+
+TEST(FusionClient, ReplaysBitForBit) {
+  const Simulation simulation = WalkFromRest();
+  Estimate estimates[2];
+  for (Estimate& estimate : estimates) {
+    const auto [client, error] = FusionClient::Create(simulation.MatchingOptions());
+    ASSERT_NE(client, nullptr) << error;
+    Feed(simulation, client.get(), [](size_t) {});
+    estimate = client->Latest();
+  }
+  EXPECT_EQ(estimates[0].imu.local_from_imu.translation,
+            estimates[1].imu.local_from_imu.translation);
+  EXPECT_EQ(estimates[0].covariance, estimates[1].covariance);
+  EXPECT_EQ(estimates[0].global_from_imu.rotation.coeffs(),
+            estimates[1].global_from_imu.rotation.coeffs());
+  EXPECT_EQ(estimates[0].steady_global_from_imu.rotation.coeffs(),
+            estimates[1].steady_global_from_imu.rotation.coeffs());
+  EXPECT_EQ(estimates[0].steady_global_from_imu.translation,
+            estimates[1].steady_global_from_imu.translation);
+}
+
+TEST(FusionClient, ServesReadersAndSubmittersOnOtherThreads) {
+  const Simulation simulation = WalkFromRest();
+  const auto created = FusionClient::Create(simulation.MatchingOptions());
+  FusionClient* client = created.client.get();
+  ASSERT_NE(client, nullptr) << created.error;
+  std::atomic<bool> done{false};
+  std::atomic<int> num_bad{0};
+  std::thread reader([&] {
+    int64_t newest_ns = 0;
+    while (!done) {
+      const Estimate estimate = client->Latest();
+      num_bad += estimate.timestamp_ns < newest_ns;
+      num_bad += std::abs(estimate.imu.local_from_imu.rotation.norm() - 1.0) > 1e-6;
+      newest_ns = estimate.timestamp_ns;
+    }
+  });
+  std::thread submitter([&] {
+    for (int i = 0; i < 1000; ++i) {
+      Answer stranger;
+      stranger.query_id = 1'000'000 + i;
+      client->Submit(stranger);
+    }
+  });
+  Feed(simulation, client, [](size_t) {});
+  submitter.join();
+  done = true;
+  reader.join();
+  EXPECT_EQ(num_bad, 0);
+  EXPECT_EQ(client->Latest().mode, Mode::kLocalized);
+}
+
+TEST(Published, ReadersNeverSeeHalfAValue) {
+  Published<64> channel;
+  std::atomic<bool> done{false};
+  std::atomic<int> num_torn{0};
+  std::thread reader([&] {
+    while (!done) {
+      const auto words = channel.Load();
+      for (const double word : words) {
+        num_torn += word != words[0];
+      }
+    }
+  });
+  for (int i = 0; i < 20000; ++i) {
+    Published<64>::Words words;
+    words.fill(i);
+    channel.Store(words);
+  }
+  done = true;
+  reader.join();
+  EXPECT_EQ(num_torn, 0);
+  EXPECT_EQ(channel.Load()[0], 19999.0);
+}
+
+}  // namespace
+}  // namespace cairn::fusion::testing

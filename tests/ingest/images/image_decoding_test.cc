@@ -1,0 +1,233 @@
+// The image decoders on files that somebody else wrote, and on files that nobody should have.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <ctime>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
+
+#include "core/error.h"
+#include "ingest/images/gray_image.h"
+#include "ingest/images/image_header.h"
+#include "support/test_data.h"
+
+namespace cairn {
+namespace {
+
+using ::testing::HasSubstr;
+using Bytes = std::vector<uint8_t>;
+
+Bytes BytesOf(const std::string& text) { return {text.begin(), text.end()}; }
+
+// A picture with slopes, edges and noise; `type` as CV_8UC3.
+cv::Mat Picture(int type) {
+  const int max = CV_MAT_DEPTH(type) == CV_16U ? 65535 : 255;
+  cv::Mat picture(123, 157, type);
+  for (int y = 0; y < picture.rows; ++y) {
+    for (int x = 0; x < picture.cols; ++x) {
+      for (int c = 0; c < picture.channels(); ++c) {
+        const int value = (x * (c + 2) * 3 + y * 2 + (x / 16 + y / 16) % 2 * 90 + x * y * 7 % 31) %
+                          256 * max / 255;
+        if (max == 255) {
+          picture.ptr(y)[x * picture.channels() + c] = static_cast<uint8_t>(value);
+        } else {
+          picture.ptr<uint16_t>(y)[x * picture.channels() + c] = static_cast<uint16_t>(value);
+        }
+      }
+    }
+  }
+  return picture;
+}
+
+Bytes Encode(const std::string& extension, int type, const std::vector<int>& parameters = {}) {
+  Bytes bytes;
+  cv::imencode(extension, Picture(type), bytes, parameters);
+  return bytes;
+}
+
+// The largest difference from what OpenCV, a user of the same libraries, makes of the file.
+int DifferenceFromOpenCv(const Bytes& bytes) {
+  const GrayImage ours = DecodeGrayImage(bytes);
+  const cv::Mat theirs = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+  if (theirs.cols != ours.width_px || theirs.rows != ours.height_px) return 256;
+  int largest = 0;
+  for (size_t i = 0; i < ours.pixels.size(); ++i) {
+    largest = std::max(largest, std::abs(int{ours.pixels[i]} - int{theirs.data[i]}));
+  }
+  return largest;
+}
+
+// What the decoder says of a file that it refuses.
+std::string Refusal(const Bytes& bytes) {
+  try {
+    DecodeGrayImage(bytes);
+    return "accepted";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::kBadInput);
+    return e.what();
+  }
+}
+
+Bytes HostileFile(const std::string& name) {
+  return ReadImageBytes((testing::TestDataDir() / "hostile" / name).string());
+}
+
+TEST(ImageDecoding, JpegsAreGreyAsByOpenCv) {
+  for (const int type : {CV_8UC1, CV_8UC3}) {
+    for (const int quality : {30, 90, 100}) {
+      EXPECT_EQ(DifferenceFromOpenCv(Encode(".jpg", type, {cv::IMWRITE_JPEG_QUALITY, quality})), 0);
+    }
+    EXPECT_EQ(DifferenceFromOpenCv(Encode(".jpg", type, {cv::IMWRITE_JPEG_PROGRESSIVE, 1})), 0);
+    EXPECT_EQ(DifferenceFromOpenCv(Encode(".jpg", type, {cv::IMWRITE_JPEG_RST_INTERVAL, 3})), 0);
+  }
+}
+
+TEST(ImageDecoding, PngsAreGreyAsByOpenCv) {
+  for (const int type : {CV_8UC1, CV_8UC3, CV_8UC4, CV_16UC1, CV_16UC3, CV_16UC4}) {
+    EXPECT_EQ(DifferenceFromOpenCv(Encode(".png", type)), 0) << type;
+  }
+  EXPECT_EQ(DifferenceFromOpenCv(Encode(".png", CV_8UC1, {cv::IMWRITE_PNG_BILEVEL, 1})), 0);
+}
+
+TEST(ImageDecoding, PnmsAreGreyAsByOpenCv) {
+  EXPECT_EQ(DifferenceFromOpenCv(Encode(".pgm", CV_8UC1)), 0);
+  EXPECT_EQ(DifferenceFromOpenCv(Encode(".ppm", CV_8UC3)), 0);
+  EXPECT_LE(DifferenceFromOpenCv(Encode(".pgm", CV_16UC1)),
+            1);  // OpenCV cuts, the rest is rounded.
+  EXPECT_LE(DifferenceFromOpenCv(Encode(".ppm", CV_16UC3)), 1);
+}
+
+TEST(ImageDecoding, PnmCommentsStandAnywhereBeforeThePixels) {
+  const Bytes expected = {'#', '\n', 'a', 'b', 'c', 'd'};
+  for (const char* head : {"P5 3 2 255\n", "P5\n# 9 9\n3 2\n255\n", "P5#x\r3#y\n2\t255 ",
+                           "P5 3 2 255#z\n", "P5\n#\n#\n\n3\n#255\n2\n# 1\n255\n"}) {
+    const GrayImage image = DecodeGrayImage(BytesOf(std::string(head) + "#\nabcd"));
+    EXPECT_EQ(image.width_px, 3) << head;
+    EXPECT_EQ(image.height_px, 2) << head;
+    EXPECT_EQ(image.pixels, expected) << head;
+  }
+  for (const char* bad :
+       {"P5 3 2 255\n#\nabc", "P53 2 255\n#\nabcd", "P5 3 2\n#\nabcd", "P5 3 -2 255\n",
+        "P5 0 2 255\n#\nabcd", "P5 3 2 0\n#\nabcd", "P5 3 2 70000\n#\nabcd",
+        "P5 99999999999 2 255\n#\nabcd", "P5 3 2 255", "P5 3x2 255\n#\nabcd"}) {
+    EXPECT_THAT(Refusal(BytesOf(bad)), HasSubstr("PNM")) << bad;
+  }
+}
+
+TEST(ImageDecoding, PnmSamplesAreScaled) {
+  EXPECT_EQ(DecodeGrayImage(BytesOf("P5 3 1 3\n\x01\x03\x7f")).pixels, (Bytes{85, 255, 255}));
+  EXPECT_EQ(DecodeGrayImage(BytesOf(std::string("P5 2 1 1023\n\x03\xff\x01\xff", 16))).pixels,
+            (Bytes{255, 127}));
+}
+
+TEST(ImageDecoding, OtherFormatsAreRefusedByName) {
+  EXPECT_THAT(Refusal(BytesOf("GIF89a.............")), HasSubstr("GIF"));
+  EXPECT_THAT(Refusal(Encode(".tiff", CV_8UC1)), HasSubstr("TIFF"));
+  EXPECT_THAT(Refusal(Encode(".bmp", CV_8UC1)), HasSubstr("BMP"));
+  EXPECT_THAT(Refusal(Encode(".webp", CV_8UC3)), HasSubstr("WebP"));
+  EXPECT_THAT(Refusal(BytesOf("hello, world")), HasSubstr("not a JPEG, PNG"));
+}
+
+TEST(ImageDecoding, AJpegOfFourColoursIsRefused) {
+  const Bytes cmyk = {0xff, 0xd8,                                                         // Start.
+                      0xff, 0xc0, 0, 20, 8,    0, 8, 0, 8,  4, 1, 0x11, 0,   2, 0x11, 0,  // Frame
+                      3,    0x11, 0, 4,  0x11, 0,                               // of four.
+                      0xff, 0xda, 0, 8,  1,    1, 0, 0, 63, 0, 0, 0xff, 0xd9};  // Scan, end.
+  EXPECT_THAT(Refusal(cmyk), HasSubstr("three colours"));
+}
+
+TEST(ImageDecoding, DamagedPixelsAreRefusedOrDecodedButNothingElse) {
+  for (const Bytes& whole :
+       {Encode(".jpg", CV_8UC3), Encode(".jpg", CV_8UC1, {cv::IMWRITE_JPEG_PROGRESSIVE, 1}),
+        Encode(".png", CV_8UC3), Encode(".ppm", CV_8UC3)}) {
+    for (size_t i = 2; i < whole.size(); i += 1 + whole.size() / 300) {
+      Bytes damaged = whole;
+      damaged[i] ^= 0x55;
+      try {
+        EXPECT_FALSE(DecodeGrayImage(damaged).pixels.empty());
+      } catch (const Error& e) {
+        EXPECT_EQ(e.code(), ErrorCode::kBadInput);
+      }
+    }
+  }
+}
+
+// How often the decoder asks whether it should stop; it is told so the `stop_at`-th time.
+int NumQuestions(const Bytes& bytes, int stop_at) {
+  int num_questions = 0;
+  const auto decode = [&] {
+    DecodeGrayImage(bytes, {.should_stop = [&] { return ++num_questions == stop_at; }});
+  };
+  if (stop_at > 0) {
+    EXPECT_THROW(decode(), DecodingStopped);
+  } else {
+    decode();
+  }
+  return num_questions;
+}
+
+TEST(ImageDecoding, StopsWhenItIsTold) {
+  for (const char* extension : {".jpg", ".png", ".ppm"}) {
+    const Bytes bytes = Encode(extension, CV_8UC3);
+    const int num_questions = NumQuestions(bytes, 0);
+    EXPECT_GE(num_questions, 7) << extension;
+    for (int stop_at = 1; stop_at <= num_questions; ++stop_at) {
+      EXPECT_EQ(NumQuestions(bytes, stop_at), stop_at) << extension;
+    }
+  }
+}
+
+TEST(ImageDecoding, EveryScanOfAJpegAsks) {
+  constexpr int kRowsOfBlocks = 8;
+  constexpr int kNumScans = 10;  // As libjpeg writes them.
+  EXPECT_GE(NumQuestions(Encode(".jpg", CV_8UC3, {cv::IMWRITE_JPEG_PROGRESSIVE, 1}), 0),
+            NumQuestions(Encode(".jpg", CV_8UC3), 0) + (kNumScans - 1) * kRowsOfBlocks);
+}
+
+// A progressive JPEG whose first scan comes `count` times.
+Bytes WithFirstScanRepeated(int count) {
+  const Bytes whole = Encode(".jpg", CV_8UC1, {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
+  const Bytes start_of_scan = {0xff, 0xda};
+  const auto begin =
+      std::search(whole.begin(), whole.end(), start_of_scan.begin(), start_of_scan.end());
+  auto end = begin + 2;
+  while (end[0] != 0xff || end[1] == 0) ++end;  // To the next marker.
+  Bytes repeated(whole.begin(), begin);
+  for (int i = 0; i < count; ++i) repeated.insert(repeated.end(), begin, end);
+  repeated.insert(repeated.end(), end, whole.end());
+  return repeated;
+}
+
+TEST(ImageDecoding, AJpegOfManyScansIsRefused) {
+  EXPECT_EQ(Refusal(WithFirstScanRepeated(50)), "accepted");
+  EXPECT_THAT(Refusal(WithFirstScanRepeated(150)), HasSubstr("more than 100 scans"));
+}
+
+TEST(ImageDecoding, SmallJpegsThatTakeMinutesAreRefused) {
+  CAIRN_SKIP_WITHOUT_DATA("hostile/progressive_jpeg_2000_scans.jpg");
+  for (const char* name : {"progressive_jpeg_2000_scans.jpg", "progressive_jpeg_72000_scans.jpg"}) {
+    const std::clock_t start = std::clock();
+    EXPECT_THAT(Refusal(HostileFile(name)), HasSubstr("does not decode"));
+    EXPECT_LT(std::clock() - start, 8 * CLOCKS_PER_SEC);  // 0.1 s; all scans take 18 s or more.
+  }
+}
+
+TEST(ImageDecoding, TextChunksAreNotUnpacked) {
+  CAIRN_SKIP_WITHOUT_DATA("hostile/png_240_zTXt.png");
+  const Bytes bytes = HostileFile("png_240_zTXt.png");
+  const std::clock_t start = std::clock();
+  EXPECT_EQ(DecodeGrayImage(bytes).width_px, 640);
+  EXPECT_LT(std::clock() - start, 4 * CLOCKS_PER_SEC);  // 0.02 s; to unpack them takes 8 s or more.
+}
+
+TEST(ImageDecoding, ASecondHeaderIsRefused) {
+  CAIRN_SKIP_WITHOUT_DATA("hostile/png_two_IHDR_30000x30000_then_640x480.png");
+  EXPECT_THAT(Refusal(HostileFile("png_two_IHDR_30000x30000_then_640x480.png")),
+              HasSubstr("one header"));
+}
+
+}  // namespace
+}  // namespace cairn

@@ -1,0 +1,504 @@
+#include "ingest/readers/colmap_reader.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <limits>
+
+#include "core/error.h"
+#include "ingest/readers/colmap_descriptors.h"
+#include "ingest/readers/colmap_model.h"
+#include "lab/colmap/colmap_ids.h"
+#include "lab/colmap/write_colmap.h"
+#include "storage/codebook/descriptor_codec.h"
+#include "storage/sqlite/connection.h"
+#include "support/map_builder.h"
+#include "support/raw_sql.h"
+#include "support/reconstruction_builder.h"
+#include "support/temp_dir.h"
+#include "support/test_data.h"
+
+namespace cairn {
+namespace {
+
+using ::testing::HasSubstr;
+
+Reconstruction SmallStreet() {
+  testing::StreetWorldOptions options;
+  options.length_m = 15.0;
+  options.num_landmarks = 200;
+  return testing::StreetWorld(options).Reconstruct();
+}
+
+// Two landmarks and two images with two keypoints: a model of a few hundred bytes.
+Reconstruction TinyModel() {
+  Reconstruction model = SmallStreet();
+  model.images.resize(2);
+  model.landmarks.resize(2);
+  for (ReconImage& image : model.images) {
+    image.features.keypoints.resize(2);
+    image.features.descriptors.conservativeResize(2, Eigen::NoChange);
+  }
+  for (int i = 0; i < 2; ++i) model.landmarks[i].observations = {{0, i}, {1, i}};
+  return model;
+}
+
+std::string ReadAll(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void WriteAll(const std::string& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+// The code and message of the Error that `action` throws.
+std::pair<ErrorCode, std::string> ErrorOf(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& e) {
+    return {e.code(), e.what()};
+  }
+  return {ErrorCode::kInternal, "no error"};
+}
+
+class ColmapReader : public ::testing::Test {
+ protected:
+  ColmapInput Write(const Reconstruction& reconstruction, bool binary = true,
+                    const ColmapDatabaseOptions& options = {}) {
+    WriteColmapModel(reconstruction, dir_.path().string(),
+                     binary ? ColmapModelFormat::kBinary : ColmapModelFormat::kText);
+    WriteColmapDatabase(reconstruction, dir_.File("database.db"), options);
+    return {dir_.path().string(), dir_.File("database.db"), {}};
+  }
+
+  testing::TempDir dir_;
+};
+
+void ExpectSameReconstruction(const Reconstruction& read, const Reconstruction& written) {
+  ASSERT_EQ(read.cameras.size(), written.cameras.size());
+  EXPECT_EQ(read.cameras[0].params(), written.cameras[0].params());
+  ASSERT_EQ(read.images.size(), written.images.size());
+  for (size_t i = 0; i < read.images.size(); ++i) {
+    const ReconImage& a = read.images[i];
+    const ReconImage& b = written.images[i];
+    EXPECT_EQ(a.name, b.name);
+    EXPECT_LT(RotationAngleRad(a.cam_from_world.rotation, b.cam_from_world.rotation), 1e-7);
+    EXPECT_LT((a.cam_from_world.translation - b.cam_from_world.translation).norm(), 1e-12);
+    ASSERT_EQ(a.features.size(), b.features.size());
+    for (int k = 0; k < a.features.size(); ++k) {
+      EXPECT_FLOAT_EQ(a.features.keypoints[k].x_px, b.features.keypoints[k].x_px);
+      EXPECT_FLOAT_EQ(a.features.keypoints[k].y_px, b.features.keypoints[k].y_px);
+    }
+  }
+  ASSERT_EQ(read.landmarks.size(), written.landmarks.size());
+  for (size_t i = 0; i < read.landmarks.size(); ++i) {
+    EXPECT_LT((read.landmarks[i].x_in_world - written.landmarks[i].x_in_world).norm(), 1e-12);
+    EXPECT_EQ(read.landmarks[i].observations.size(), written.landmarks[i].observations.size());
+  }
+}
+
+TEST_F(ColmapReader, ReadsBinaryModels) {
+  const Reconstruction written = SmallStreet();
+  ExpectSameReconstruction(ReadColmap(Write(written)), written);
+}
+
+TEST_F(ColmapReader, ReadsTextModels) {
+  const Reconstruction written = SmallStreet();
+  ExpectSameReconstruction(ReadColmap(Write(written, /*binary=*/false)), written);
+}
+
+TEST_F(ColmapReader, UndoesTheSquareRootOfColmapsDescriptors) {
+  const Reconstruction written = SmallStreet();
+  DescriptorMatrix read = ReadColmap(Write(written)).images[0].features.descriptors;
+  DescriptorMatrix expected = written.images[0].features.descriptors;
+  NormalizeDescriptors(DescriptorNormalization::kRootSift, &read);
+  NormalizeDescriptors(DescriptorNormalization::kRootSift, &expected);
+  EXPECT_LT((read - expected).cwiseAbs().maxCoeff(), 1.0f / 512.0f);
+}
+
+TEST_F(ColmapReader, ReadsAffineShapesAsScaleAndOrientation) {
+  const Reconstruction written = SmallStreet();
+  const Reconstruction read = ReadColmap(Write(written));
+  for (int k = 0; k < read.images[0].features.size(); ++k) {
+    const Keypoint& a = read.images[0].features.keypoints[k];
+    const Keypoint& b = written.images[0].features.keypoints[k];
+    EXPECT_NEAR(a.scale_px, b.scale_px, 1e-4 * b.scale_px);
+    EXPECT_NEAR(WrapAngleRad(a.orientation_rad - b.orientation_rad), 0.0, 1e-4);
+  }
+}
+
+TEST_F(ColmapReader, ReadsKeypointsOfFourAndTwoColumns) {
+  const Reconstruction written = SmallStreet();
+  const Keypoint& expected = written.images[0].features.keypoints[0];
+  const Reconstruction four = ReadColmap(Write(written, true, {.keypoint_columns = 4}));
+  EXPECT_FLOAT_EQ(four.images[0].features.keypoints[0].scale_px, expected.scale_px);
+  EXPECT_FLOAT_EQ(four.images[0].features.keypoints[0].orientation_rad, expected.orientation_rad);
+  std::filesystem::remove(dir_.File("database.db"));
+  const Reconstruction two = ReadColmap(Write(written, true, {.keypoint_columns = 2}));
+  EXPECT_FLOAT_EQ(two.images[0].features.keypoints[0].x_px, expected.x_px);
+  EXPECT_FLOAT_EQ(two.images[0].features.keypoints[0].scale_px, 1.0f);
+}
+
+class ColmapGps : public ColmapReader, public ::testing::WithParamInterface<ColmapGpsTable> {};
+
+TEST_P(ColmapGps, IsReadFromEverySchema) {
+  const Reconstruction written = SmallStreet();
+  const Reconstruction read = ReadColmap(Write(written, true, {.gps = GetParam()}));
+  for (size_t i = 0; i < read.images.size(); ++i) {
+    ASSERT_TRUE(read.images[i].gps.has_value());
+    EXPECT_LT(GroundDistanceM(*read.images[i].gps, *written.images[i].gps), 1e-3);
+    EXPECT_NEAR(read.images[i].gps->h_m, written.images[i].gps->h_m, 1e-6);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Schemas, ColmapGps,
+                         ::testing::Values(ColmapGpsTable::kImageColumns,
+                                           ColmapGpsTable::kPosePriorsOfImages,
+                                           ColmapGpsTable::kPosePriorsOfData));
+
+// Text was taken for latitude 0.
+TEST_F(ColmapReader, GpsThatIsTextIsRefused) {
+  const ColmapInput input = Write(SmallStreet(), true, {.gps = ColmapGpsTable::kImageColumns});
+  testing::ExecuteRaw(input.database_path, "UPDATE images SET prior_ty = 'north'");
+  EXPECT_EQ(testing::ErrorCodeOf([&] { ReadColmap(input); }), ErrorCode::kBadInput);
+}
+
+TEST_F(ColmapReader, GpsInWholeDegreesIsGps) {
+  const ColmapInput input = Write(SmallStreet(), true, {.gps = ColmapGpsTable::kImageColumns});
+  testing::ExecuteRaw(input.database_path,
+                      "CREATE TABLE whole AS SELECT image_id, name, camera_id, 47 AS prior_tx, "
+                      "8 AS prior_ty, NULL AS prior_tz FROM images; DROP TABLE images; "
+                      "ALTER TABLE whole RENAME TO images");
+  const auto gps = ReadColmap(input).images[0].gps;
+  ASSERT_TRUE(gps.has_value());
+  EXPECT_NEAR(gps->lat_deg(), 47.0, 1e-12);
+  EXPECT_EQ(gps->h_m, 0.0);
+}
+
+TEST_F(ColmapReader, ImagesThatAreAViewWithoutEndAreRefused) {
+  const ColmapInput input = Write(SmallStreet());
+  testing::ExecuteRaw(input.database_path,
+                      "DROP TABLE images; CREATE VIEW images AS WITH RECURSIVE n(image_id) AS "
+                      "(SELECT 1 UNION ALL SELECT image_id + 1 FROM n) "
+                      "SELECT image_id, 'none' AS name FROM n");
+  EXPECT_EQ(testing::ErrorCodeOf([&] { ReadColmap(input); }), ErrorCode::kBadInput);
+}
+
+TEST_F(ColmapReader, GpsAtNullIslandIsNoGps) {
+  Reconstruction written = SmallStreet();
+  written.images[0].gps = Geodetic{};
+  EXPECT_FALSE(ReadColmap(Write(written)).images[0].gps.has_value());
+}
+
+TEST_F(ColmapReader, RestrictedReadTriangulatesFromTheRemainingImagesAlone) {
+  Reconstruction written = SmallStreet();
+  const Reconstruction truth = written;
+  // Positions in the file that only the images left out could explain.
+  for (ReconLandmark& landmark : written.landmarks) landmark.x_in_world.array() += 0.1;
+  ColmapInput input = Write(written);
+  input.image_names = {"0000.jpg", "0001.jpg", "0003.jpg"};
+  const Reconstruction read = ReadColmap(input);
+  ASSERT_EQ(read.images.size(), 3u);
+  ASSERT_GT(read.landmarks.size(), 20u);
+  size_t num_expected = 0, next = 0;
+  for (const ReconLandmark& landmark : truth.landmarks) {
+    int num_left = 0;
+    for (const ReconObservation& observation : landmark.observations) {
+      num_left +=
+          observation.image_idx == 0 || observation.image_idx == 1 || observation.image_idx == 3;
+    }
+    if (num_left < 2) continue;
+    ++num_expected;
+    if (next < read.landmarks.size() &&
+        (read.landmarks[next].x_in_world - landmark.x_in_world).norm() < 0.1) {
+      ++next;
+    }
+  }
+  EXPECT_GE(read.landmarks.size(), num_expected * 9 / 10);
+  EXPECT_GE(next, num_expected * 8 / 10);
+  for (const ReconLandmark& landmark : read.landmarks) {
+    EXPECT_GE(landmark.observations.size(), 2u);
+  }
+}
+
+TEST_F(ColmapReader, RefusesNamesThatNeitherModelNorDatabaseHas) {
+  ColmapInput input = Write(SmallStreet());
+  input.image_names = {"0000.jpg", "nowhere.jpg"};
+  const auto [code, message] = ErrorOf([&] { ReadColmap(input); });
+  EXPECT_EQ(code, ErrorCode::kBadInput);
+  EXPECT_THAT(message, HasSubstr("nowhere.jpg"));
+}
+
+TEST_F(ColmapReader, LeavesOutNamesThatWereNotRegistered) {
+  ColmapInput input = Write(SmallStreet());
+  sqlite::Connection(input.database_path, sqlite::Access::kReadWrite, 100)
+      .Execute("INSERT INTO images (image_id, name, camera_id) VALUES (9001, 'dark.jpg', 1)");
+  input.image_names = {"0000.jpg", "0001.jpg", "0003.jpg"};
+  const size_t num_landmarks = ReadColmap(input).landmarks.size();
+  input.image_names.push_back("dark.jpg");
+  const Reconstruction read = ReadColmap(input);
+  EXPECT_EQ(read.images.size(), 3u);
+  EXPECT_EQ(read.landmarks.size(), num_landmarks);
+
+  input.image_names = {"dark.jpg"};
+  const auto [code, message] = ErrorOf([&] { ReadColmap(input); });
+  EXPECT_EQ(code, ErrorCode::kBadInput);
+  EXPECT_THAT(message, HasSubstr("none of the 1 images"));
+}
+
+TEST_F(ColmapReader, RefusesADatabaseWithoutDescriptors) {
+  const ColmapInput input = Write(SmallStreet());
+  sqlite::Connection(input.database_path, sqlite::Access::kReadWrite, 100)
+      .Execute("DELETE FROM descriptors WHERE image_id = 12");
+  const auto [code, message] = ErrorOf([&] { ReadColmap(input); });
+  EXPECT_EQ(code, ErrorCode::kBadInput);
+  EXPECT_THAT(message, HasSubstr("no descriptors for image 0001.jpg"));
+}
+
+TEST_F(ColmapReader, RefusesADatabaseOfAnotherModel) {
+  ColmapInput input = Write(SmallStreet());
+  testing::StreetWorldOptions options;
+  options.seed = 5;
+  input.database_path = dir_.File("other.db");
+  WriteColmapDatabase(testing::StreetWorld(options).Reconstruct(), input.database_path, {});
+  EXPECT_EQ(ErrorOf([&] { ReadColmap(input); }).first, ErrorCode::kBadInput);
+}
+
+TEST_F(ColmapReader, RefusesAFileThatIsNoDatabase) {
+  ColmapInput input = Write(SmallStreet());
+  input.database_path = dir_.File("images.bin");
+  EXPECT_EQ(ErrorOf([&] { ReadColmap(input); }).first, ErrorCode::kBadInput);
+  input.database_path = dir_.File("missing.db");
+  EXPECT_EQ(ErrorOf([&] { ReadColmap(input); }).first, ErrorCode::kNotFound);
+}
+
+TEST_F(ColmapReader, RefusesBlobsOfTheWrongSize) {
+  const ColmapInput input = Write(SmallStreet());
+  sqlite::Connection(input.database_path, sqlite::Access::kReadWrite, 100)
+      .Execute("UPDATE keypoints SET rows = rows + 1 WHERE image_id = 11");
+  EXPECT_EQ(ErrorOf([&] { ReadColmap(input); }).first, ErrorCode::kBadInput);
+}
+
+// What ReadColmap says of the database after `change` was made to it.
+class ColmapDescriptors : public ColmapReader {
+ protected:
+  std::string RefusalAfter(const std::string& change) {
+    const ColmapInput input = Write(SmallStreet());
+    sqlite::Connection(input.database_path, sqlite::Access::kReadWrite, 100).Execute(change);
+    const auto [code, message] = ErrorOf([&] { ReadColmap(input); });
+    EXPECT_EQ(code, ErrorCode::kBadInput) << message;
+    EXPECT_THAT(message, HasSubstr("database.db"));
+    return message;
+  }
+};
+
+TEST_F(ColmapDescriptors, OfAnotherExtractorAreRefusedByItsName) {
+  constexpr char kTypeColumn[] = "ALTER TABLE descriptors ADD COLUMN type INTEGER DEFAULT 0;";
+  const auto refusal_of_type = [&](const char* type) {
+    std::filesystem::remove(dir_.File("database.db"));
+    return RefusalAfter(std::string(kTypeColumn) + "UPDATE descriptors SET type = " + type +
+                        " WHERE image_id = 11");
+  };
+  EXPECT_THAT(refusal_of_type("1"), HasSubstr("0000.jpg are ALIKED_N16ROT"));
+  EXPECT_THAT(refusal_of_type("2"), HasSubstr("ALIKED_N32"));
+  EXPECT_THAT(refusal_of_type("77"), HasSubstr("type 77"));
+}
+
+TEST_F(ColmapDescriptors, OfTypeSiftAreReadAsWithoutTheColumn) {
+  const Reconstruction written = SmallStreet();
+  const ColmapInput input = Write(written);
+  const DescriptorMatrix before = ReadColmap(input).images[0].features.descriptors;
+  sqlite::Connection(input.database_path, sqlite::Access::kReadWrite, 100)
+      .Execute("ALTER TABLE descriptors ADD COLUMN type INTEGER NOT NULL DEFAULT 0");
+  EXPECT_EQ(ReadColmap(input).images[0].features.descriptors, before);
+}
+
+// ALIKED's 128 floats a keypoint, as COLMAP 4 stores them (512 columns of bytes) and as scripts do
+// (128 columns of four bytes).
+TEST_F(ColmapDescriptors, OfFloatsAreRefusedAsSuch) {
+  EXPECT_THAT(RefusalAfter("UPDATE descriptors SET cols = 512, data = zeroblob(512 * rows)"),
+              HasSubstr("512 bytes a keypoint, probably floats of 128 dimensions"));
+  std::filesystem::remove(dir_.File("database.db"));
+  EXPECT_THAT(RefusalAfter("UPDATE descriptors SET data = zeroblob(512 * rows)"),
+              HasSubstr("floats of 128 dimensions"));
+}
+
+TEST_F(ColmapDescriptors, OfAnotherDimensionAreRefused) {
+  EXPECT_THAT(RefusalAfter("UPDATE descriptors SET cols = 64, data = zeroblob(64 * rows)"),
+              HasSubstr("64 bytes a keypoint"));
+}
+
+TEST_F(ColmapDescriptors, ThatAreNoiseAreNotTakenForSift) {
+  EXPECT_THAT(RefusalAfter("UPDATE descriptors SET data = randomblob(128 * rows)"),
+              HasSubstr("no SIFT: their length is"));
+}
+
+TEST_F(ColmapDescriptors, WithL2NormalisationAreToldByTheirStatistics) {
+  const Reconstruction written = SmallStreet();
+  const ColmapInput input = Write(written);
+  {
+    sqlite::Connection database(input.database_path, sqlite::Access::kReadWrite, 100);
+    for (size_t i = 0; i < written.images.size(); ++i) {
+      // The builder's descriptors are whole numbers of length 512: what COLMAP stores with
+      // --SiftExtraction.normalization L2.
+      const DescriptorMatrix& descriptors = written.images[i].features.descriptors;
+      std::vector<uint8_t> bytes(descriptors.data(), descriptors.data() + descriptors.size());
+      database.Prepare("UPDATE descriptors SET data = ? WHERE image_id = ?")
+          .Bind(std::span<const uint8_t>(bytes), static_cast<int64_t>(kFirstColmapImageId + i))
+          .Run();
+    }
+  }
+  EXPECT_EQ(ReadColmap(input).images[3].features.descriptors,
+            written.images[3].features.descriptors);
+}
+
+// The same photos' descriptors by COLMAP, and as COLMAP would have stored them with the
+// normalisation L2.
+TEST(SiftStatistics, TellTheNormalisationsOfRealPhotosApart) {
+  CAIRN_SKIP_WITHOUT_DATA("street_lund/database.db");
+  sqlite::Connection database((testing::TestDataDir() / "street_lund/database.db").string(),
+                              sqlite::Access::kImmutable, 100);
+  sqlite::Statement statement = database.Prepare("SELECT data FROM descriptors");
+  int num_images = 0;
+  while (statement.Step()) {
+    ++num_images;
+    const std::vector<uint8_t> l1_root = statement.Blob(0);
+    SiftStatistics statistics;
+    statistics.Add(l1_root);
+    EXPECT_EQ(statistics.Normalization(), SiftNormalization::kL1Root);
+
+    std::vector<uint8_t> l2 = l1_root;
+    for (size_t row = 0; row < l2.size(); row += kSiftDim) {
+      Eigen::Map<Eigen::Array<uint8_t, kSiftDim, 1>> bytes(l2.data() + row);
+      const Eigen::ArrayXd squares = bytes.cast<double>().square();
+      bytes = (512.0 / squares.matrix().norm() * squares).round().min(255.0).cast<uint8_t>();
+    }
+    SiftStatistics of_l2;
+    of_l2.Add(l2);
+    EXPECT_EQ(of_l2.Normalization(), SiftNormalization::kL2);
+  }
+  EXPECT_GT(num_images, 20);
+}
+
+// COLMAP 3.12 writes rigs and frames beside the images, which have their whole poses still.
+TEST_F(ColmapReader, RigsAndFramesOfColmap312ChangeNothing) {
+  const Reconstruction written = SmallStreet();
+  const ColmapInput input = Write(written, true, {.gps = ColmapGpsTable::kPosePriorsOfData});
+  WriteAll(dir_.File("rigs.bin"), std::string("\1\0\0\0\0\0\0\0 a rig", 14));
+  WriteAll(dir_.File("frames.bin"), "frames");
+  sqlite::Connection(input.database_path, sqlite::Access::kReadWrite, 100)
+      .Execute(
+          "CREATE TABLE rigs (rig_id INTEGER PRIMARY KEY, ref_sensor_id INTEGER, "
+          "ref_sensor_type INTEGER);"
+          "CREATE TABLE rig_sensors (rig_id INTEGER, sensor_id INTEGER, sensor_type INTEGER, "
+          "sensor_from_rig BLOB);"
+          "CREATE TABLE frames (frame_id INTEGER PRIMARY KEY, rig_id INTEGER);"
+          "CREATE TABLE frame_data (frame_id INTEGER, data_id INTEGER, sensor_id INTEGER, "
+          "sensor_type INTEGER);");
+  const Reconstruction read = ReadColmap(input);
+  ExpectSameReconstruction(read, written);
+  EXPECT_TRUE(read.images[0].gps.has_value());
+}
+
+TEST_F(ColmapReader, CartesianPosePriorsAreNoGps) {
+  const ColmapInput input = Write(SmallStreet(), true, {.gps = ColmapGpsTable::kPosePriorsOfData});
+  sqlite::Connection(input.database_path, sqlite::Access::kReadWrite, 100)
+      .Execute("UPDATE pose_priors SET coordinate_system = 1");
+  EXPECT_FALSE(ReadColmap(input).images[0].gps.has_value());
+}
+
+TEST_F(ColmapReader, RefusesAnUnknownCameraModel) {
+  const ColmapInput input = Write(TinyModel());
+  std::string bytes = ReadAll(dir_.File("cameras.bin"));
+  bytes[12] = 11;
+  WriteAll(dir_.File("cameras.bin"), bytes);
+  const auto [code, message] = ErrorOf([&] { ReadColmap(input); });
+  EXPECT_EQ(code, ErrorCode::kBadInput);
+  EXPECT_THAT(message, HasSubstr("cameras.bin"));
+  EXPECT_THAT(message, HasSubstr("RAD_TAN_THIN_PRISM_FISHEYE"));
+}
+
+TEST_F(ColmapReader, SaysWhereAMissingModelWasExpected) {
+  const auto [code, message] = ErrorOf([&] { ReadColmapModel(dir_.path().string()); });
+  EXPECT_EQ(code, ErrorCode::kNotFound);
+  EXPECT_THAT(message, HasSubstr(dir_.path().string()));
+}
+
+TEST_F(ColmapReader, EveryTruncationOfABinaryModelIsAnErrorThatNamesTheFile) {
+  Write(TinyModel());
+  for (const char* name : {"cameras.bin", "images.bin", "points3D.bin"}) {
+    const std::string whole = ReadAll(dir_.File(name));
+    for (size_t size = 0; size < whole.size(); ++size) {
+      WriteAll(dir_.File(name), whole.substr(0, size));
+      const auto [code, message] = ErrorOf([&] { ReadColmapModel(dir_.path().string()); });
+      ASSERT_EQ(code, ErrorCode::kBadInput) << name << " cut to " << size;
+      ASSERT_THAT(message, HasSubstr(name));
+    }
+    WriteAll(dir_.File(name), whole);
+  }
+  EXPECT_NO_THROW(ReadColmapModel(dir_.path().string()));
+}
+
+TEST_F(ColmapReader, NoFlippedByteOfABinaryModelGetsPastTheChecksUnharmed) {
+  const ColmapInput input = Write(TinyModel());
+  for (const char* name : {"cameras.bin", "images.bin", "points3D.bin"}) {
+    const std::string whole = ReadAll(dir_.File(name));
+    for (size_t i = 0; i < whole.size(); ++i) {
+      std::string flipped = whole;
+      flipped[i] = static_cast<char>(flipped[i] ^ 0xff);
+      WriteAll(dir_.File(name), flipped);
+      try {  // Either a sound reconstruction or an Error.
+        if (i % 8 == 0) {
+          ReadColmap(input).Validate();
+        } else {
+          ReadColmapModel(input.model_dir);  // Opens no database: much faster.
+        }
+      } catch (const Error& e) {
+        ASSERT_EQ(e.code(), ErrorCode::kBadInput) << name << " byte " << i << ": " << e.what();
+      }
+    }
+    WriteAll(dir_.File(name), whole);
+  }
+}
+
+TEST_F(ColmapReader, TextErrorsNameTheLine) {
+  Write(TinyModel(), /*binary=*/false);
+  std::string cameras = ReadAll(dir_.File("cameras.txt"));
+  WriteAll(dir_.File("cameras.txt"), cameras + "4 PINHOLE 640 abc 1 1 1 1\n");
+  const auto [code, message] = ErrorOf([&] { ReadColmapModel(dir_.path().string()); });
+  EXPECT_EQ(code, ErrorCode::kBadInput);
+  EXPECT_THAT(message, HasSubstr("cameras.txt: line 3"));
+  EXPECT_THAT(message, HasSubstr("abc"));
+}
+
+TEST_F(ColmapReader, TruncatedTextModelsNeverCrash) {
+  Write(TinyModel(), /*binary=*/false);
+  for (const char* name : {"cameras.txt", "images.txt", "points3D.txt"}) {
+    const std::string whole = ReadAll(dir_.File(name));
+    for (size_t size = 0; size < whole.size(); ++size) {
+      WriteAll(dir_.File(name), whole.substr(0, size));
+      try {
+        ReadColmapModel(dir_.path().string());
+      } catch (const Error& e) {
+        ASSERT_EQ(e.code(), ErrorCode::kBadInput) << e.what();
+      }
+    }
+    WriteAll(dir_.File(name), whole);
+  }
+}
+
+TEST(ImageList, SkipsBlanksAndComments) {
+  const testing::TempDir dir;
+  WriteAll(dir.File("list.txt"), "# even frames\n\n a.jpg \r\nfolder/b c.jpg\n");
+  EXPECT_EQ(ReadImageList(dir.File("list.txt")),
+            (std::vector<std::string>{"a.jpg", "folder/b c.jpg"}));
+  EXPECT_EQ(ErrorOf([&] { ReadImageList(dir.File("none.txt")); }).first, ErrorCode::kNotFound);
+}
+
+}  // namespace
+}  // namespace cairn

@@ -1,0 +1,247 @@
+// What MapStore::Check finds: one test a fault.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "storage/map/map_store.h"
+#include "support/map_builder.h"
+#include "support/raw_sql.h"
+#include "support/street_map.h"
+#include "support/temp_dir.h"
+
+namespace cairn {
+namespace {
+
+using ::testing::Contains;
+using testing::ExecuteRaw;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::IsSupersetOf;
+
+// A street map of three tiles with fifteen keyframes.
+class MapCheck : public ::testing::Test {
+ protected:
+  std::vector<std::string> Problems() const {
+    return MapStore::Open(path_, OpenMode::kReadOnly).Check({}).problems;
+  }
+
+  // Runs the statements, which damage the map, and expects the problem to be found.
+  void ExpectFound(const std::string& sql, const std::string& problem) const {
+    ExecuteRaw(path_, sql);
+    EXPECT_THAT(Problems(), Contains(HasSubstr(problem)));
+  }
+
+  testing::TempDir dir_;
+  std::string path_ = testing::MakeStreetMap(dir_.File("a.gpkg"));
+};
+
+TEST_F(MapCheck, ASoundMapHasNoProblems) { EXPECT_THAT(Problems(), IsEmpty()); }
+
+TEST_F(MapCheck, ADamagedCodebook) {
+  ExpectFound("UPDATE cairn_codebooks SET bytes = x'00'", "codebook 1: ");
+}
+
+TEST_F(MapCheck, ADamagedNewestCodebookThatNoTileUses) {
+  ExpectFound("INSERT INTO cairn_codebooks (created_at, bytes) VALUES ('now', x'00')",
+              "codebook 2: ");
+}
+
+TEST_F(MapCheck, TilesOfACodebookThatIsNotTheNewest) {
+  ExpectFound(
+      "INSERT INTO cairn_codebooks (created_at, bytes) SELECT created_at, bytes FROM "
+      "cairn_codebooks",
+      "codebook that is not the newest");
+}
+
+TEST_F(MapCheck, AMissingCodebook) {
+  ExpectFound("DELETE FROM cairn_codebooks", "refer to rows that are not there");
+}
+
+TEST_F(MapCheck, AMissingPayload) {
+  ExpectFound("DELETE FROM cairn_payloads WHERE payload_id = 2", "has no payload 2");
+}
+
+TEST_F(MapCheck, AMovedBoxInTheTileIndex) {
+  ExpectFound(
+      "UPDATE rtree_coverage_geom SET minx = minx + 1, maxx = maxx + 1 WHERE id = "
+      "(SELECT min(tile_id) FROM coverage)",
+      "its box in the spatial index is not around it");
+}
+
+TEST_F(MapCheck, AShrunkBoxInTheTileIndex) {
+  ExpectFound("UPDATE rtree_coverage_geom SET maxy = miny", "its box in the spatial index");
+}
+
+TEST_F(MapCheck, AMovedBoxInTheKeyframeIndex) {
+  ExpectFound("UPDATE rtree_keyframes_geom SET miny = miny - 1, maxy = maxy - 1 WHERE id = 3",
+              "keyframe 3: its box in the spatial index is not around it");
+}
+
+TEST_F(MapCheck, ABoxOfNoTile) {
+  ExpectFound("INSERT INTO rtree_coverage_geom VALUES (77, 8, 9, 49, 50)",
+              "1 boxes of the spatial index belong to no tile");
+}
+
+TEST_F(MapCheck, AMovedGeometry) {
+  ExpectFound(
+      "UPDATE keyframes SET geom = (SELECT geom FROM keyframes WHERE keyframe_id = 15) "
+      "WHERE keyframe_id = 1",
+      "keyframe 1: its geometry is not where it should be");
+}
+
+TEST_F(MapCheck, AGeometryThatIsNone) {
+  ExpectFound("UPDATE keyframes SET geom = zeroblob(3) WHERE keyframe_id = 1",
+              "keyframe 1: its geometry is not where it should be");
+}
+
+// Refused by queries, too, which would look for cameras there.
+TEST_F(MapCheck, ImpossibleHeights) {
+  for (const char* heights :
+       {"min_h_m = -9e9", "max_h_m = 9e999", "min_h_m = -9e999", "min_h_m = 300, max_h_m = 200"}) {
+    ExecuteRaw(path_, "UPDATE coverage SET min_h_m = 115, max_h_m = 115");
+    ExpectFound(std::string("UPDATE coverage SET ") + heights, "its cameras are said to stand");
+    const MapSnapshot snapshot = MapStore::Open(path_, OpenMode::kReadOnly).Snapshot();
+    EXPECT_EQ(testing::ErrorCodeOf([&] { snapshot.AllTiles(10); }), ErrorCode::kMapDamaged);
+  }
+}
+
+TEST_F(MapCheck, HeightsThatAreNotThoseOfTheKeyframes) {
+  ExpectFound("UPDATE coverage SET max_h_m = 200", "its heights are not those of its keyframes");
+}
+
+TEST_F(MapCheck, ARotationOfZero) {
+  ExpectFound(
+      "UPDATE cairn_keyframe_poses SET qw = 0, qx = 0, qy = 0, qz = 0 WHERE keyframe_id = 4",
+      "keyframe 4: ");
+}
+
+TEST_F(MapCheck, ARotationThatIsNone) {
+  ExpectFound("UPDATE cairn_keyframe_poses SET qw = 3 WHERE keyframe_id = 4", "keyframe 4: ");
+}
+
+TEST_F(MapCheck, AnInfiniteRotation) {
+  ExpectFound("UPDATE cairn_keyframe_poses SET qx = 9e999 WHERE keyframe_id = 4", "keyframe 4: ");
+}
+
+TEST_F(MapCheck, AnInfiniteTranslation) {
+  ExpectFound("UPDATE cairn_keyframe_poses SET tx_m = -9e999 WHERE keyframe_id = 5",
+              "keyframe 5: ");
+}
+
+TEST_F(MapCheck, AKeyframeInTheMiddleOfTheEarth) {
+  ExpectFound("UPDATE cairn_keyframe_poses SET tx_m = 0, ty_m = 0, tz_m = 0 WHERE keyframe_id = 5",
+              "keyframe 5: its pose: height");
+}
+
+TEST_F(MapCheck, AMovedPose) {
+  ExpectFound("UPDATE cairn_keyframe_poses SET tz_m = tz_m + 1 WHERE keyframe_id = 5",
+              "keyframe 5: its latitude, longitude and height are not those of its pose");
+  EXPECT_THAT(Problems(), Contains(HasSubstr("has another pose than in the map")));
+}
+
+TEST_F(MapCheck, AnUnknownCameraModel) {
+  ExpectFound("UPDATE cairn_cameras SET model = 'MAGIC'", "camera model 'MAGIC' is not supported");
+}
+
+TEST_F(MapCheck, CameraParametersThatAreNone) {
+  ExpectFound("UPDATE cairn_cameras SET params = '[1,2'", "are not a list of numbers");
+}
+
+TEST_F(MapCheck, AWrongTileOfAKeyframe) {
+  ExpectFound(
+      "UPDATE keyframes SET tile_id = (SELECT max(tile_id) FROM coverage) "
+      "WHERE keyframe_id = 1",
+      "keyframe 1: it does not stand in the tile that it names");
+}
+
+TEST_F(MapCheck, ATileIdThatIsNone) {
+  ExpectFound("UPDATE keyframes SET tile_id = -1 WHERE keyframe_id = 1", "keyframe 1: ");
+}
+
+TEST_F(MapCheck, AWrongHeading) {
+  ExpectFound("UPDATE keyframes SET heading_deg = 90 WHERE keyframe_id = 2",
+              "keyframe 2: its heading is not that of its pose");
+}
+
+TEST_F(MapCheck, BoundsThatDoNotHoldTheLandmarks) {
+  ExpectFound("UPDATE cairn_tiles SET landmarks_north_deg = landmarks_south_deg",
+              "its landmark bounds are not those of its landmarks");
+}
+
+TEST_F(MapCheck, AWrongNameOfATile) {
+  ExpectFound(
+      "UPDATE coverage SET tile = '01N-00001-00001' "
+      "WHERE tile_id = (SELECT min(tile_id) FROM coverage)",
+      "its name is not that of its id");
+}
+
+TEST_F(MapCheck, AWrongSizeOfAPayload) {
+  ExpectFound("UPDATE coverage SET num_bytes = 1", "3 tiles have payloads of another size");
+}
+
+TEST_F(MapCheck, LandmarkIdsThatWouldBeGivenAgain) {
+  ExpectFound("UPDATE cairn_map SET next_landmark_id = 10", "landmark ids that the map will give");
+}
+
+TEST_F(MapCheck, CountersThatCannotGoOn) {
+  ExpectFound("UPDATE cairn_map SET next_landmark_id = 9223372036854775807",
+              "the next landmark id is too large");
+  ExpectFound("INSERT INTO cairn_versions VALUES (9223372036854775807, 'now')",
+              "no version, or one too large");
+  ExpectFound("UPDATE sqlite_sequence SET seq = 9223372036854775807", "sequences of ids");
+}
+
+TEST_F(MapCheck, LandmarksOfAnUnknownSession) {
+  ExpectFound("UPDATE cairn_sessions SET session_id = 9 WHERE session_id = 2",
+              "landmarks of sessions that are not in the map");
+}
+
+TEST_F(MapCheck, KeyframesOfAPayloadThatTheMapLacks) {
+  ExpectFound(
+      "DELETE FROM cairn_keyframe_poses WHERE keyframe_id = 1;"
+      "DELETE FROM keyframes WHERE keyframe_id = 1",
+      "a keyframe of its payload is not in the map");
+}
+
+TEST_F(MapCheck, LayersThatGeoPackageReadersDoNotFind) {
+  ExpectFound(
+      "DELETE FROM gpkg_geometry_columns WHERE table_name = 'coverage';"
+      "DELETE FROM gpkg_extensions WHERE table_name = 'coverage';"
+      "DELETE FROM gpkg_contents WHERE table_name = 'coverage';",
+      "1 layers are missing in gpkg_contents");
+  EXPECT_THAT(Problems(),
+              IsSupersetOf({HasSubstr("gpkg_geometry_columns"), HasSubstr("gpkg_extensions")}));
+}
+
+TEST_F(MapCheck, AnExtentThatIsNotTheLayers) {
+  ExpectFound("UPDATE gpkg_contents SET min_x = 100 WHERE table_name = 'coverage'",
+              "an extent in gpkg_contents that is not theirs");
+}
+
+TEST_F(MapCheck, TypesOfColumnsThatAreWrong) {
+  ExpectFound("UPDATE keyframes SET lat_deg = 'north' WHERE keyframe_id = 7", "keyframe 7: ");
+}
+
+TEST_F(MapCheck, ReportsOfManyEqualProblemsStayShort) {
+  ExecuteRaw(path_, "UPDATE cairn_keyframe_poses SET qw = 0, qx = 0, qy = 0, qz = 0");
+  EXPECT_LT(Problems().size(), 30u);
+}
+
+// The work of a check in proportion to the map: ten times the keyframes take ten times the steps.
+// Broken off by Connection's limit of steps a byte if it were not so.
+TEST_F(MapCheck, AMapOfManyKeyframesIsCheckedToTheEnd) {
+  MapStore store = MapStore::Open(path_, OpenMode::kReadWrite);
+  MapUpdate update = store.BeginUpdate();
+  const KeyframeRecord keyframe =
+      testing::KeyframeAt(Geodetic::FromDegrees(49.011, 8.416, 115.0), SessionId(1));
+  for (int i = 0; i < 5000; ++i) {
+    update.AddKeyframe(keyframe);
+  }
+  update.Publish();
+  EXPECT_THAT(Problems(), IsEmpty());
+}
+
+}  // namespace
+}  // namespace cairn

@@ -1,0 +1,66 @@
+// The hot queries must find their rows through an index.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "storage/map/map_file.h"
+#include "storage/map/map_queries.h"
+#include "support/street_map.h"
+#include "support/temp_dir.h"
+
+namespace cairn {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::MakeStreetMap;
+using ::testing::Not;
+using testing::TempDir;
+
+// The steps of the plan, one a line.
+std::string PlanOf(const std::string& path, std::string_view sql) {
+  sqlite::Access access = sqlite::Access::kReadOnly;
+  const auto connection = OpenMapFile(path, &access);
+  sqlite::Statement rows = connection->Prepare("EXPLAIN QUERY PLAN " + std::string(sql));
+  std::string plan;
+  while (rows.Step()) {
+    plan += rows.Text(3) + "\n";
+  }
+  return plan;
+}
+
+TEST(QueryPlan, TilesOfABoxComeThroughTheRTree) {
+  const TempDir dir;
+  const std::string plan = PlanOf(MakeStreetMap(dir.File("a.gpkg")), queries::FindTilesSql());
+  EXPECT_THAT(plan, HasSubstr("SCAN r VIRTUAL TABLE INDEX 2:"));
+  EXPECT_THAT(plan, HasSubstr("SEARCH c USING INTEGER PRIMARY KEY"));
+  EXPECT_THAT(plan, HasSubstr("SEARCH t USING INTEGER PRIMARY KEY"));
+  EXPECT_THAT(plan, Not(HasSubstr("SCAN c")));
+  EXPECT_THAT(plan, Not(HasSubstr("SCAN t")));
+}
+
+TEST(QueryPlan, ATileComesByItsKey) {
+  const TempDir dir;
+  const std::string plan = PlanOf(MakeStreetMap(dir.File("a.gpkg")), queries::FindTileSql());
+  EXPECT_THAT(plan, Not(HasSubstr("SCAN")));
+}
+
+TEST(QueryPlan, KeyframesAndTilesOfASessionComeThroughItsIndex) {
+  const TempDir dir;
+  const std::string path = MakeStreetMap(dir.File("a.gpkg"));
+  for (const std::string_view sql :
+       {queries::KeyframesOfSessionSql(), queries::TilesOfSessionSql()}) {
+    const std::string plan = PlanOf(path, sql);
+    EXPECT_THAT(plan, HasSubstr("INDEX keyframes_by_session (session_id=?)"));
+    EXPECT_THAT(plan, Not(HasSubstr("SCAN")));
+  }
+}
+
+TEST(QueryPlan, TheVersionIsOneStepFromTheEnd) {
+  const TempDir dir;
+  const std::string plan = PlanOf(MakeStreetMap(dir.File("a.gpkg")), queries::CurrentVersionSql());
+  EXPECT_THAT(plan, Not(HasSubstr("TEMP B-TREE")));
+}
+
+}  // namespace
+}  // namespace cairn
