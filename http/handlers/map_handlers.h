@@ -18,7 +18,7 @@ HttpResponse HandleTiles(const HttpRequest& request, const LocalizeService& serv
 // GET /v1/tiles/{id}, with ETag.
 HttpResponse HandleTile(const HttpRequest& request, const std::string& id,
                         const LocalizeService& service);
-// GET /v1/tiles/{id}/payload: the bytes of docs/formats/tile_v3.md, with ETag.
+// GET /v1/tiles/{id}/payload: the bytes of docs/formats/tile_v1.md, with ETag.
 HttpResponse HandleTilePayload(const HttpRequest& request, const std::string& id,
                                const LocalizeService& service);
 

@@ -9,7 +9,6 @@
 #include "storage/bytes/byte_io.h"
 #include "storage/tile/morton.h"
 #include "storage/tile/tile_checks.h"
-#include "storage/tile/tile_codec_v1.h"
 #include "storage/tile/tile_columns.h"
 #include "storage/tile/tile_decode.h"
 #include "storage/tile/tile_parts.h"
@@ -158,9 +157,6 @@ Tile DecodeTile(std::span<const uint8_t> blob, const TileDecodeLimits& limits) {
 }
 
 Tile DecodeTile(std::span<const uint8_t> blob, const TileDecodeLimits& limits, TileLists* lists) {
-  if (!TileColumns::IsPayload(blob)) {
-    return DecodeTileV1(blob, limits, lists);
-  }
   const TileColumns columns(blob, limits);
   *lists = DecodeLists(columns);
   return DecodeTileColumns(columns, lists->members);

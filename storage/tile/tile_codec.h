@@ -1,5 +1,4 @@
-// Decoded tile <-> compressed blob. The format is docs/formats/tile_v3.md; versions 1 and 2 are
-// still read.
+// Decoded tile <-> compressed blob. The format is docs/formats/tile_v1.md.
 #ifndef CAIRN_STORAGE_TILE_TILE_CODEC_H_
 #define CAIRN_STORAGE_TILE_TILE_CODEC_H_
 

@@ -57,7 +57,7 @@ void JoinPlanes(const std::array<const uint8_t*, sizeof(T)>& planes, size_t begi
 
 void PutHeader(const TileHeader& header, uint64_t columns_size, ByteWriter* writer) {
   writer->Put(kTileMagic);
-  writer->Put(kTileVersionWithColumns);
+  writer->Put(kTileVersion);
   writer->Put(header.code_size);
   writer->Put(header.tile_id);
   writer->Put(header.codebook_id);
@@ -182,7 +182,7 @@ bool TileColumns::IsPayload(std::span<const uint8_t> payload) {
     return false;
   }
   ByteReader reader(payload, "tile payload");
-  return reader.Get<uint32_t>() == kTileMagic && reader.Get<uint16_t>() == kTileVersionWithColumns;
+  return reader.Get<uint32_t>() == kTileMagic && reader.Get<uint16_t>() == kTileVersion;
 }
 
 bool TileColumns::HasLists(std::span<const uint8_t> payload) {
@@ -193,7 +193,7 @@ bool TileColumns::HasLists(std::span<const uint8_t> payload) {
 
 TileColumns::TileColumns(std::span<const uint8_t> payload, const TileDecodeLimits& limits) {
   if (!IsPayload(payload)) {
-    ThrowDamagedTile("is not of format version 3");
+    ThrowDamagedTile("is not of format version 1");
   }
   ByteReader reader(payload.subspan(sizeof(uint32_t) + sizeof(uint16_t)), "tile payload");
   header_ = GetHeader(&reader);

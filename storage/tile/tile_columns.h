@@ -1,4 +1,4 @@
-// The columns of a tile payload of version 3, docs/formats/tile_v3.md; private to storage.
+// The columns of a tile payload, docs/formats/tile_v1.md; private to storage.
 #ifndef CAIRN_STORAGE_TILE_TILE_COLUMNS_H_
 #define CAIRN_STORAGE_TILE_TILE_COLUMNS_H_
 
@@ -38,7 +38,7 @@ enum TileColumn : size_t {
   kNumTileColumns = 62,
 };
 
-inline constexpr uint16_t kTileVersionWithColumns = 3;
+inline constexpr uint16_t kTileVersion = 1;
 
 struct TileHeader {
   uint16_t code_size = 0;
@@ -90,7 +90,7 @@ class TileColumnWriter {
 // The parts of a payload, which must outlive it. Immutable; safe to use from any thread.
 class TileColumns {
  public:
-  // True if the bytes say that they are a payload of version 3.
+  // True if the bytes say that they are a tile payload of version 1.
   static bool IsPayload(std::span<const uint8_t> payload);
 
   // Of such a payload: true if its header announces lists.

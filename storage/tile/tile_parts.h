@@ -1,4 +1,4 @@
-// What the versions of the tile payload have in common; private to storage.
+// What writing and reading a tile payload have in common; private to storage.
 #ifndef CAIRN_STORAGE_TILE_TILE_PARTS_H_
 #define CAIRN_STORAGE_TILE_TILE_PARTS_H_
 

@@ -33,7 +33,7 @@ struct LoadedCovisibility {
   LargeVector<uint32_t> keyframe_landmarks;
 };
 
-// A payload of version 3 that has lists: what search needs stands by itself in it. Immutable; safe
+// A payload that has lists: what search needs stands by itself in it. Immutable; safe
 // to use from any thread.
 class TilePayload {
  public:

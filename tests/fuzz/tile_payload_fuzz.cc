@@ -1,4 +1,4 @@
-// Tile payloads of all versions: what decodes is consistent and decodes again from its encoding,
+// Tile payloads: what decodes is consistent and decodes again from its encoding,
 // and the parts of a payload that is ready for search are those of the decoded tile.
 #include "core/error.h"
 #include "fuzz/fuzz_target.h"

@@ -397,7 +397,7 @@ class FetchListsTest : public ::testing::Test {
     ExpectContent(from_payload);
   }
 
-  // Where a column of a payload of version 3 begins; docs/formats/tile_v3.md.
+  // Where a column of a payload begins; docs/formats/tile_v1.md.
   size_t OffsetOfColumn(const std::vector<uint8_t>& payload, size_t column) const {
     constexpr size_t kDirectoryOffset = 64, kNumColumns = 62;
     std::vector<uint32_t> stored_sizes(kNumColumns);

@@ -22,7 +22,6 @@ namespace {
 
 constexpr size_t kHeaderSize = 64;
 constexpr size_t kTileChecksumOffset = 56;
-constexpr size_t kBodySizeOffset = 40;  // Versions 1 and 2.
 constexpr size_t kDirectorySize = 62 * sizeof(uint32_t);
 constexpr size_t kCodebookChecksumOffset = 32;
 
@@ -157,49 +156,6 @@ TEST(Mutation, TileFramesWithAValidChecksum) {
   EXPECT_GT(outcome.num_refused, 100);
 }
 
-TEST(Mutation, TilesOfVersion1WithAValidChecksum) {
-  const std::vector<uint8_t> blob = testing::GoldenFile("tile_v1.bin");
-  const Outcome outcome = DecodeMutated(blob, 0, blob.size(), 5);
-  EXPECT_GT(outcome.num_decoded, 100);
-  EXPECT_GT(outcome.num_refused, 100);
-}
-
-TEST(Mutation, TileListsOfVersion2WithAValidChecksum) {
-  const size_t begin = testing::GoldenFile("tile_v1.bin").size();  // They follow the same tile.
-  const std::vector<uint8_t> blob = testing::GoldenFile("tile_v2.bin");
-  const Outcome outcome = DecodeMutated(blob, begin, blob.size(), 6);
-  EXPECT_GT(outcome.num_decoded, 10);
-  EXPECT_GT(outcome.num_refused, 1'000);
-}
-
-TEST(Mutation, TileBodiesOfVersion1InAValidFrame) {
-  const std::vector<uint8_t> blob = testing::GoldenFile("tile_v1.bin");
-  const size_t frame_begin = kHeaderSize + DecodeTile(blob).codes.size();
-  uint64_t body_size = 0;
-  std::memcpy(&body_size, blob.data() + kBodySizeOffset, sizeof(body_size));
-  std::vector<uint8_t> body(body_size);
-  ASSERT_EQ(ZSTD_decompress(body.data(), body.size(), blob.data() + frame_begin,
-                            blob.size() - frame_begin),
-            body_size);
-  std::mt19937_64 random(2);
-  Outcome outcome;
-  for (int trial = 0; trial < 5'000; ++trial) {
-    std::vector<uint8_t> mutated_body = body;
-    Mutate(&random, &mutated_body);
-    std::vector<uint8_t> mutated(blob.begin(), blob.begin() + frame_begin);
-    std::vector<uint8_t> frame(ZSTD_compressBound(body.size()));
-    frame.resize(
-        ZSTD_compress(frame.data(), frame.size(), mutated_body.data(), mutated_body.size(), 1));
-    const uint64_t frame_size = frame.size();
-    std::memcpy(mutated.data() + kBodySizeOffset + 8, &frame_size, sizeof(frame_size));
-    mutated.insert(mutated.end(), frame.begin(), frame.end());
-    Seal(&mutated, kTileChecksumOffset);
-    DecodeHostileTile(mutated, &outcome);
-  }
-  EXPECT_GT(outcome.num_decoded, 100);
-  EXPECT_GT(outcome.num_refused, 100);
-}
-
 TEST(Mutation, CodebooksWithAValidChecksum) {
   const std::vector<uint8_t> bytes = EncodeCodebook(
       testing::RandomCodebook({.raw_dim = 3, .projected_dim = 2, .num_subspaces = 1}));
@@ -236,14 +192,6 @@ TEST(Mutation, RandomBytesAreDamage) {
     EXPECT_THROW(DecodeCodebook(bytes.data(), bytes.size(), CodebookId(1)), Error);
   }
   EXPECT_EQ(outcome.num_decoded, 0);
-}
-
-TEST(Mutation, AFrameThatAnnouncesGigabytesIsRefusedBeforeItIsUnpacked) {
-  std::vector<uint8_t> blob = testing::GoldenFile("tile_v1.bin");
-  const uint64_t huge = uint64_t{1} << 40;
-  std::memcpy(blob.data() + kBodySizeOffset, &huge, sizeof(huge));
-  Seal(&blob, kTileChecksumOffset);
-  EXPECT_THROW(DecodeTile(blob), Error);
 }
 
 // A column of one byte stands for as many as the header announces.
