@@ -126,6 +126,10 @@ class QueryRun {
   bool DoubtsGravity() const;
   // From matching on, as if the query had had no gravity; the hypotheses so far stay.
   void TryWithoutGravity();
+  // The context in which the pose was found: with gravity or without.
+  const QueryContext& ContextOf(const PoseHypothesis& pose) const {
+    return pose.used_gravity && context_with_gravity_ ? *context_with_gravity_ : context_;
+  }
 
   const MapStore& store_;
   TileCache* cache_;
@@ -135,6 +139,7 @@ class QueryRun {
 
   std::optional<MapSnapshot> snapshot_;  // Until the tiles are there.
   QueryContext context_;
+  std::optional<QueryContext> context_with_gravity_;  // Once it was tried without.
   std::vector<TileView> tiles_;
   std::shared_ptr<const std::vector<Correspondence>> correspondences_;
   std::vector<PoseCandidate> candidates_;
@@ -151,6 +156,11 @@ LocalizeResult QueryRun::Run() {
   };
   const Clock::time_point start = Clock::now();
   query_.Validate();
+  result_.counters.num_keypoints = query_.num_features();
+  result_.counters.used_prior = query_.prior.has_value();
+  result_.counters.used_gravity = query_.down_in_cam.has_value();
+  snapshot_.emplace(store_.Snapshot());
+  result_.map_version = snapshot_->version();
   for (const auto& [stage, method] : kStages) {
     if (DeadlinePassed()) {
       result_.reason = NotLocalizedReason::kTimeout;
@@ -168,7 +178,7 @@ LocalizeResult QueryRun::Run() {
         context_, tiles_, hypotheses_, options_.answer,
         [this](const PoseHypothesis& winner) {
           PoseHypothesis refined = RefinedOnAllMatches(winner);
-          refined.estimate = RefineOnLikelyInliers(context_, *refined.correspondences,
+          refined.estimate = RefineOnLikelyInliers(ContextOf(winner), *refined.correspondences,
                                                    std::move(refined.estimate), options_.pose);
           return RefinedWithCamera(std::move(refined));
         },
@@ -193,11 +203,6 @@ StopFunction QueryRun::StopAfter(double share) const {
 }
 
 NotLocalizedReason QueryRun::ResolvePrior() {
-  result_.counters.num_keypoints = query_.num_features();
-  result_.counters.used_prior = query_.prior.has_value();
-  result_.counters.used_gravity = query_.down_in_cam.has_value();
-  snapshot_.emplace(store_.Snapshot());
-  result_.map_version = snapshot_->version();
   const auto codebook = snapshot_->CurrentCodebook();
   // A prior needs nothing of the map; summing it up is for queries without one.
   const MapInfo map = query_.prior ? MapInfo{} : snapshot_->Info();
@@ -294,7 +299,7 @@ PoseHypothesis QueryRun::RefinedWithCamera(PoseHypothesis winner) const {
   }
   const CameraPrior prior = CameraPriorOf(query_);
   AnsweredCamera refined =
-      RefineAnswer(context_, *winner.correspondences, std::move(winner.estimate), prior,
+      RefineAnswer(ContextOf(winner), *winner.correspondences, std::move(winner.estimate), prior,
                    /*keep_if_possible=*/!query_.focal, options_.pose);
   winner.estimate = std::move(refined.estimate);
   if (refined.camera) {
@@ -397,9 +402,8 @@ PoseHypothesis QueryRun::RefinedOnAllMatches(const PoseHypothesis& winner) const
     return winner;
   }
   MergeMatches(all.get());
-  auto refined = RefineEstimate(context_, *all, winner.estimate, options_.pose);
-  return refined ? PoseHypothesis{std::move(*refined), all, context_.down_in_cam.has_value(), {}}
-                 : winner;
+  auto refined = RefineEstimate(ContextOf(winner), *all, winner.estimate, options_.pose);
+  return refined ? PoseHypothesis{std::move(*refined), all, winner.used_gravity, {}} : winner;
 }
 
 bool QueryRun::DoubtsGravity() const {
@@ -419,6 +423,7 @@ bool QueryRun::DoubtsGravity() const {
 }
 
 void QueryRun::TryWithoutGravity() {
+  context_with_gravity_ = context_;
   context_ = WithoutGravity(std::move(context_));
   if (Match() == NotLocalizedReason::kNone && Vote() == NotLocalizedReason::kNone) {
     EstimatePoses();

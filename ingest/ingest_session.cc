@@ -258,7 +258,11 @@ MapVersion RemoveSession(const std::string& session_name, MapStore* store) {
     throw Error(ErrorCode::kNotFound,
                 fmt::format("{}: has no session '{}'", store->path(), Excerpt(session_name)));
   }
-  const std::shared_ptr<const Codebook> codebook = store->Snapshot().CurrentCodebook();
+  const std::shared_ptr<const Codebook> codebook = update.CurrentCodebook();
+  if (codebook == nullptr) {
+    throw Error(ErrorCode::kMapDamaged,
+                fmt::format("{}: has sessions but no codebook", store->path()));
+  }
   for (const TileId tile_id : DetachSession(record->id, &update)) {
     if (const auto tile = LoadWithoutSession(tile_id, record->id, update)) {
       WriteTile(*tile, *codebook, &update);

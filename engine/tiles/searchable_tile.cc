@@ -15,7 +15,7 @@ void RequireCodebook(TileId id, CodebookId codebook_id, int code_size, const Cod
   if (codebook_id != codebook.id || code_size != codebook.num_subspaces) {
     throw Error(ErrorCode::kMapDamaged,
                 fmt::format("tile {} has {}-byte codes of codebook {}, but codebook {} has {}-byte "
-                            "codes; run `cairn info --check` on the map",
+                            "codes; `cairn check` says more",
                             id.ToString(), code_size, Value(codebook_id), Value(codebook.id),
                             codebook.num_subspaces));
   }

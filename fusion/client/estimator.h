@@ -53,6 +53,7 @@ class Estimator {
   // Taken up at the next frame, together with all that have arrived by then, in the order of their
   // queries.
   SubmitStatus Submit(Answer answer);
+  bool has_room_for_answer() const { return inbox_.size() < kMaxInbox; }
 
   // What became of the answers since the last call; the last 64 at most.
   std::vector<AnswerReport> TakeReports();
@@ -66,6 +67,8 @@ class Estimator {
   int64_t filter_time_ns() const { return filter_time_ns_; }
 
  private:
+  static constexpr size_t kMaxInbox = 32;
+
   struct WaitingFrame {
     int64_t timestamp_ns;
     std::vector<TrackedFeature> features;

@@ -12,7 +12,6 @@
 namespace cairn::fusion {
 namespace {
 
-constexpr size_t kMaxInbox = 32;
 constexpr size_t kMaxReports = 64;
 constexpr size_t kMaxGivenUp = 64;
 constexpr size_t kMaxCandidates = 5;
@@ -74,7 +73,7 @@ std::optional<Query> Estimator::PollQuery() {
 }
 
 SubmitStatus Estimator::Submit(Answer answer) {
-  if (inbox_.size() == kMaxInbox) {
+  if (!has_room_for_answer()) {
     return SubmitStatus::kQueueFull;
   }
   inbox_.push_back(std::move(answer));

@@ -113,12 +113,14 @@ struct FusionClient::Impl {
     channel.Store(Pack({estimator.latest(), last_imu}));
   }
 
+  // Hands the answers on. Those for which the estimator has no room wait for the next call.
   void DrainInbox() {
     const std::lock_guard<std::mutex> lock(inbox_mutex);
-    for (Answer& answer : inbox) {
-      estimator.Submit(std::move(answer));
+    auto next = inbox.begin();
+    while (next != inbox.end() && estimator.has_room_for_answer()) {
+      estimator.Submit(std::move(*next++));
     }
-    inbox.clear();
+    inbox.erase(inbox.begin(), next);
   }
 
   const FusionOptions options;

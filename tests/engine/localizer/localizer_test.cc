@@ -203,6 +203,16 @@ TEST_F(LocalizerOnOneStreet, DoubtsGravityIfTheAnswerHasLittleEvidence) {
   EXPECT_GT(num_distances(1e6), num_distances(0.0));
 }
 
+// The poses that are tried without gravity lose to one that was found with it.
+TEST_F(LocalizerOnOneStreet, APoseFoundWithGravityIsRefinedWithIt) {
+  const Rigid3d cam_from_enu = QueryPose(20.0);
+  LocalizerOptions options;
+  options.refinement.min_trusted_evidence = 1e6;
+  const LocalizeResult result = map_->WithOptions(options).Localize(QueryAt(*world_, cam_from_enu));
+  ExpectPose(result, *world_, cam_from_enu, 0.05, 0.1 * kRadPerDeg);
+  EXPECT_TRUE(result.counters.used_gravity);
+}
+
 TEST_F(LocalizerOnOneStreet, WorksWithoutPrior) {
   const Rigid3d cam_from_enu = QueryPose(20.0);
   LocalizeQuery query = QueryAt(*world_, cam_from_enu);
@@ -257,7 +267,11 @@ TEST_F(LocalizerOnOneStreet, DoesNotLocalizeAnotherPlace) {
 TEST_F(LocalizerOnOneStreet, SaysTimeoutWhenTheDeadlineHasPassed) {
   LocalizeQuery query = QueryAt(*world_, QueryPose(20.0));
   query.deadline = std::chrono::steady_clock::now() - std::chrono::seconds(1);
-  EXPECT_EQ(localizer().Localize(query).reason, NotLocalizedReason::kTimeout);
+  const LocalizeResult result = localizer().Localize(query);
+  EXPECT_EQ(result.reason, NotLocalizedReason::kTimeout);
+  EXPECT_EQ(result.map_version,
+            localizer().Localize(QueryAt(*world_, QueryPose(20.0))).map_version);
+  EXPECT_EQ(result.counters.num_keypoints, query.num_features());
 }
 
 // Wherever in the query the deadline falls.

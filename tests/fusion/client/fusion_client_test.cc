@@ -171,6 +171,32 @@ TEST(FusionClient, ServesReadersAndSubmittersOnOtherThreads) {
   EXPECT_EQ(client->Latest().mode, Mode::kLocalized);
 }
 
+// Between two frames, more than the estimator has room for.
+TEST(FusionClient, ReportsEveryAnswerThatItQueued) {
+  const Simulation simulation = WalkFromRest();
+  const auto created = FusionClient::Create(simulation.MatchingOptions());
+  FusionClient* client = created.client.get();
+  ASSERT_NE(client, nullptr) << created.error;
+  constexpr int64_t kFirstId = 1'000'000;
+  int num_queued = 0, num_reported = 0;
+  const size_t middle = simulation.frames().size() / 2;
+  Feed(simulation, client, [&](size_t frame) {
+    for (int i = 0; frame == middle && i < 60; ++i) {
+      Answer stranger;
+      stranger.query_id = kFirstId + i;
+      num_queued += client->Submit(stranger) == SubmitStatus::kQueued;
+      if (i % 20 == 19) {
+        client->AddImu({});  // Drains.
+      }
+    }
+    for (const AnswerReport& report : client->TakeReports()) {
+      num_reported += report.query_id >= kFirstId;
+    }
+  });
+  EXPECT_GT(num_queued, 40);
+  EXPECT_EQ(num_reported, num_queued);
+}
+
 TEST(Published, ReadersNeverSeeHalfAValue) {
   Published<64> channel;
   std::atomic<bool> done{false};
