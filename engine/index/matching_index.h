@@ -37,10 +37,10 @@ class MatchingIndex {
   virtual void BuildPart() const {}
 
   // Finds descriptors within each query's own distance: all of them (exhaustive) or most. Appends
-  // to `hits`, ordered by query; a descriptor at most once for a query. What is found for a query
-  // does not depend on the others. With a receiver it gets the hits, in any order and some more
-  // than once, `hits` may be null, and what is found depends on its answers too. Returns the number
-  // of distances computed, of fewer if it is told to stop. Throws Error(kInternal) if the queries'
+  // to `hits`, ordered by query; a descriptor occurs at most once for a query. The hits of a query
+  // do not depend on the other queries. If `request.receiver` is set, hits go to it instead of
+  // `hits`: unordered, possibly repeated, and dependent on what it returns; `hits` may then be
+  // null. Returns the number of distances computed. Throws Error(kInternal) if the queries'
   // dimension is not the codebook's.
   virtual int64_t Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const = 0;
 

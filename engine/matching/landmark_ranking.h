@@ -36,7 +36,7 @@ class LandmarkRanking {
   // max_neighbors.
   double MaxUsefulDistance(uint32_t keypoint_idx) const;
 
-  // The squared of it.
+  // The square of MaxUsefulDistance.
   float MaxUsefulSqDistance(uint32_t keypoint_idx) const {
     return max_useful_sq_distances_[keypoint_idx];
   }

@@ -30,8 +30,8 @@ class SteadyPose {
  public:
   explicit SteadyPose(const SteadyPoseOptions& options) : options_(options) {}
 
-  // At this instant a pose has been corrected from `before` to `after`: that of the device
-  // `since_ns` ago. Of the correction is held back what would be if it had been known since then.
+  // The pose of this instant was corrected from `before` to `after` by a measurement that is
+  // `since_ns` old. Smooths the correction as if it had arrived when the measurement was taken.
   void TakeUp(int64_t timestamp_ns, const Rigid3d& before, const Rigid3d& after,
               int64_t since_ns = 0);
 

@@ -48,11 +48,11 @@ class SharedVisits;
 struct SearchRequest {
   const DescriptorMatrix& queries;        // n x dim, projected space.
   std::span<const double> max_distances;  // One a query, projected space; infinity is allowed.
-  // If there is one, it gets the hits instead of the caller.
+  // If set, hits go to it instead of to the caller.
   HitReceiver* receiver = nullptr;
-  // If there are some, they may save the index work.
+  // If set, the index may take visits from here that another tile of the query has computed.
   SharedVisits* shared_visits = nullptr;
-  // What is found until it says so is all.
+  // Polled between batches; once it returns true, the search stops and returns the hits so far.
   StopFunction should_stop = {};
 };
 
