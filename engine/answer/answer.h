@@ -3,25 +3,15 @@
 #define CAIRN_ENGINE_ANSWER_ANSWER_H_
 
 #include <functional>
-#include <memory>
-#include <optional>
 #include <vector>
 
 #include "engine/answer/answer_options.h"
+#include "engine/pose/pose_hypotheses.h"
 #include "engine/query/localize_result.h"
-#include "engine/query/pose_candidate.h"
 #include "engine/query/query_context.h"
 #include "engine/tiles/searchable_tile.h"
 
 namespace cairn {
-
-// A pose and the correspondences its inliers index.
-struct PoseHypothesis {
-  PoseEstimate estimate;
-  std::shared_ptr<const std::vector<Correspondence>> correspondences;
-  bool used_gravity = false;
-  std::optional<CameraEstimate> camera;  // As LocalizeResult::camera.
-};
 
 // Picks the hypothesis with the highest score, or another that has about as high a score and
 // explains clearly more keypoints, lets `refine` refine it, and fills the result: its pose,

@@ -1,0 +1,24 @@
+// The camera of a query whose focal length is uncertain.
+#ifndef CAIRN_ENGINE_FIND_CAMERA_H_
+#define CAIRN_ENGINE_FIND_CAMERA_H_
+
+#include <vector>
+
+#include "engine/localizer_options.h"
+#include "engine/pose/pose_hypotheses.h"
+#include "engine/query/localize_query.h"
+#include "engine/tiles/searchable_tile.h"
+
+namespace cairn {
+
+// Votes and estimates poses with several focal lengths (FocalSearch). Returns the context of the
+// query as the camera saw it that goes with the best pose of all. `stated` is the context with the
+// camera that the query states.
+QueryContext FindCamera(const QueryContext& stated, const LocalizeQuery& query,
+                        const std::vector<TileView>& tiles, const SharedMatches& matches,
+                        const LocalizerOptions& options, const QueryBudget& budget,
+                        StageCounters* counters);
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_FIND_CAMERA_H_

@@ -1,0 +1,55 @@
+#include "engine/pose/pose_hypotheses.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace cairn {
+
+std::vector<const PoseHypothesis*> PoseHypotheses::Best(int count) const {
+  std::vector<const PoseHypothesis*> best;
+  for (const PoseHypothesis& hypothesis : all_) {
+    best.push_back(&hypothesis);
+  }
+  std::stable_sort(best.begin(), best.end(), [](const PoseHypothesis* a, const PoseHypothesis* b) {
+    return a->estimate.evidence > b->estimate.evidence;
+  });
+  best.resize(std::min(best.size(), static_cast<size_t>(count)));
+  return best;
+}
+
+bool PoseHypotheses::AnyHasEvidence(double min_evidence) const {
+  return std::any_of(all_.begin(), all_.end(), [&](const PoseHypothesis& hypothesis) {
+    return hypothesis.estimate.evidence >= min_evidence;
+  });
+}
+
+// The first attempt is made alone: it succeeds more often than not, and then the others need not
+// look for less. They follow four at a time, in parallel if cores are free. Rounds do not depend on
+// the number of threads, so neither does the answer.
+int PoseHypotheses::TryInRounds(int count, bool use_gravity, const QueryBudget& budget,
+                                const std::function<PoseAttempt(int, double)>& attempt,
+                                StageCounters* counters) {
+  constexpr int kRoundSize = 4;
+  int num_made = 0;
+  for (int begin = 0, end = 1; begin < count; begin = end, end += kRoundSize) {
+    std::vector<PoseAttempt> round(std::min(count, end) - begin);
+    const double min_consensus = kMinShareOfBest * best_consensus_;
+    ForEachStep(budget.workers, static_cast<int>(round.size()), [&](int i) {
+      if (!budget.DeadlinePassed()) {
+        round[i] = attempt(begin + i, min_consensus);
+      }
+    });
+    for (PoseAttempt& made : round) {
+      num_made += made.correspondences != nullptr;
+      if (made.estimate) {
+        best_consensus_ = std::max(best_consensus_, made.estimate->consensus);
+        counters->num_ransac_iterations += made.estimate->num_iterations;
+        all_.push_back({std::move(*made.estimate), std::move(made.correspondences), use_gravity,
+                        std::nullopt});
+      }
+    }
+  }
+  return num_made;
+}
+
+}  // namespace cairn

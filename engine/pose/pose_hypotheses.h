@@ -1,0 +1,63 @@
+// The poses that a query has led to so far.
+#ifndef CAIRN_ENGINE_POSE_POSE_HYPOTHESES_H_
+#define CAIRN_ENGINE_POSE_POSE_HYPOTHESES_H_
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "engine/query/localize_result.h"
+#include "engine/query/pose_candidate.h"
+#include "engine/query/query_budget.h"
+#include "engine/query/query_context.h"
+
+namespace cairn {
+
+// Matches that several hypotheses share; never null in a hypothesis.
+using SharedMatches = std::shared_ptr<const std::vector<Correspondence>>;
+
+// A pose and the matches that its inliers index.
+struct PoseHypothesis {
+  PoseEstimate estimate;
+  SharedMatches correspondences;
+  bool used_gravity = false;
+  std::optional<CameraEstimate> camera;  // As LocalizeResult::camera.
+};
+
+// A pose that was searched for, and the matches it was searched in. No matches: there was no time.
+struct PoseAttempt {
+  SharedMatches correspondences;
+  std::optional<PoseEstimate> estimate;
+};
+
+// A pose with a smaller share of what speaks for the best one can neither win nor make the answer
+// ambiguous.
+inline constexpr double kMinShareOfBest = 0.5;
+
+class PoseHypotheses {
+ public:
+  const std::vector<PoseHypothesis>& all() const { return all_; }
+  bool empty() const { return all_.empty(); }
+
+  // The `count` hypotheses with the most evidence, best first; fewer if there are no more.
+  std::vector<const PoseHypothesis*> Best(int count) const;
+  bool AnyHasEvidence(double min_evidence) const;
+
+  // Makes attempts 0 ... count - 1 until the deadline and keeps the poses they find. An attempt
+  // gets the consensus below which a pose is of no interest. Counts samples. Returns the number of
+  // attempts made.
+  int TryInRounds(int count, bool use_gravity, const QueryBudget& budget,
+                  const std::function<PoseAttempt(int, double)>& attempt, StageCounters* counters);
+
+  // Drops the poses. What the best of them reached stays the mark for later attempts.
+  void DropPoses() { all_.clear(); }
+
+ private:
+  std::vector<PoseHypothesis> all_;
+  double best_consensus_ = 0.0;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_POSE_POSE_HYPOTHESES_H_

@@ -1,0 +1,36 @@
+// What a query may use while it runs: threads, and time.
+#ifndef CAIRN_ENGINE_QUERY_QUERY_BUDGET_H_
+#define CAIRN_ENGINE_QUERY_QUERY_BUDGET_H_
+
+#include <chrono>
+#include <optional>
+
+#include "core/shared_workers.h"
+#include "core/stop_function.h"
+
+namespace cairn {
+
+struct QueryBudget {
+  using Clock = std::chrono::steady_clock;
+
+  SharedWorkers* workers = nullptr;           // Null: the calling thread alone.
+  std::optional<Clock::time_point> deadline;  // None: as long as it takes.
+
+  bool DeadlinePassed() const { return deadline && Clock::now() >= *deadline; }
+
+  // Stops when this share of the time from now to the deadline has passed; without a deadline,
+  // never.
+  StopFunction StopAfter(double share) const {
+    if (!deadline) {
+      return {};
+    }
+    const Clock::time_point now = Clock::now();
+    const std::chrono::duration<double> left = *deadline - now;
+    const Clock::time_point end = now + std::chrono::duration_cast<Clock::duration>(share * left);
+    return [end] { return Clock::now() >= end; };
+  }
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_QUERY_QUERY_BUDGET_H_

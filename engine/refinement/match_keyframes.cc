@@ -1,0 +1,102 @@
+#include "engine/refinement/match_keyframes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+
+#include "engine/matching/match_features.h"
+#include "engine/pose/estimate_pose.h"
+#include "engine/refinement/rank_keyframes.h"
+
+namespace cairn {
+namespace {
+
+std::vector<Correspondence> InliersOf(const PoseHypothesis& pose) {
+  std::vector<Correspondence> inliers;
+  for (const int index : pose.estimate.inliers) {
+    inliers.push_back((*pose.correspondences)[index]);
+  }
+  return inliers;
+}
+
+std::vector<KeyframeRef> KeyframesToMatch(const QueryContext& query,
+                                          const std::vector<TileView>& tiles,
+                                          const std::vector<Correspondence>& matches,
+                                          const PoseHypotheses& hypotheses,
+                                          const RefinementOptions& options) {
+  std::vector<KeyframeRef> keyframes;
+  const auto add_first = [&](const std::vector<Correspondence>& correspondences, int count) {
+    RefinementOptions ranking = options;
+    ranking.max_keyframes = count;
+    for (const RankedKeyframe& ranked : RankKeyframes(query, tiles, correspondences, ranking)) {
+      if (std::find(keyframes.begin(), keyframes.end(), ranked.keyframe) == keyframes.end()) {
+        keyframes.push_back(ranked.keyframe);
+      }
+    }
+  };
+  for (const PoseHypothesis* pose : hypotheses.Best(options.max_pose_keyframes)) {
+    add_first(InliersOf(*pose), 1);
+  }
+  add_first(matches, options.max_keyframes);
+  return keyframes;
+}
+
+}  // namespace
+
+bool NeedsRefinement(const PoseHypotheses& hypotheses, const RefinementOptions& options) {
+  switch (options.mode) {
+    case RefinementMode::kNever:
+      return false;
+    case RefinementMode::kAlways:
+      return true;
+    case RefinementMode::kWhenWeak:
+      break;
+  }
+  return !hypotheses.AnyHasEvidence(options.good_evidence);
+}
+
+void MatchKeyframes(const QueryContext& query, const std::vector<TileView>& tiles,
+                    const std::vector<Correspondence>& matches, const RefinementOptions& options,
+                    const MatchingOptions& matching, const PoseOptions& pose, uint64_t seed,
+                    const QueryBudget& budget, PoseHypotheses* hypotheses,
+                    StageCounters* counters) {
+  const std::vector<KeyframeRef> keyframes =
+      KeyframesToMatch(query, tiles, matches, *hypotheses, options);
+  std::vector<int64_t> num_rematches(keyframes.size(), 0);
+  const auto attempt = [&](int i, double min_consensus) -> PoseAttempt {
+    const auto rematches =
+        std::make_shared<const std::vector<Correspondence>>(MatchAgainstKeyframes(
+            query, tiles, KeyframeNeighborhood(tiles, keyframes[i], options.neighbors_per_keyframe),
+            options.relaxed_distance_quantile, matching));
+    num_rematches[i] = static_cast<int64_t>(rematches->size());
+    std::vector<int> all(rematches->size());
+    std::iota(all.begin(), all.end(), 0);
+    return {rematches, EstimatePose(query, *rematches, all, pose, seed, min_consensus)};
+  };
+  const auto num_keyframes = static_cast<int>(keyframes.size());
+  const int num_tried = hypotheses->TryInRounds(num_keyframes, query.down_in_cam.has_value(),
+                                                budget, attempt, counters);
+  counters->num_refined_keyframes += num_tried;
+  counters->refinement_cut_short |= num_tried < num_keyframes;
+  counters->num_rematches +=
+      std::accumulate(num_rematches.begin(), num_rematches.end(), int64_t{0});
+}
+
+bool DoubtsGravity(const QueryContext& query, const PoseHypotheses& hypotheses,
+                   const RefinementOptions& options, const PoseOptions& pose) {
+  if (!query.down_in_cam || options.mode == RefinementMode::kNever ||
+      pose.solver == MinimalSolver::kGravityTwoPoint) {
+    return false;
+  }
+  if (!hypotheses.AnyHasEvidence(options.min_trusted_evidence)) {
+    return true;
+  }
+  const PoseEstimate& best = hypotheses.Best(1).front()->estimate;
+  const Eigen::Vector3d down_in_cam = best.cam_from_anchor.rotation * -Eigen::Vector3d::UnitZ();
+  const double tilt_rad = std::acos(std::clamp(down_in_cam.dot(*query.down_in_cam), -1.0, 1.0));
+  return best.evidence < options.good_evidence &&
+         tilt_rad > options.max_gravity_error_sigmas * pose.gravity_sigma_rad;
+}
+
+}  // namespace cairn
