@@ -37,10 +37,22 @@ IndexOptions IndexOfMethod(IndexMethod method, ExperimentSize size) {
 
 IndexOptions IndexWithEffort(IndexMethod method, ExperimentSize size, int effort) {
   IndexMethodOptions options = DefaultsAt(size);
-  options.grids.num_probes = effort;
-  options.lists.num_probes = effort;
-  options.multi_index.num_probes = effort;
-  options.kd_tree.num_probes = effort;
+  switch (method) {
+    case IndexMethod::kRandomGrids:
+      options.grids.num_probes = effort;
+      break;
+    case IndexMethod::kInvertedLists:
+      options.lists.num_probes = effort;
+      break;
+    case IndexMethod::kInvertedMultiIndex:
+      options.multi_index.num_probes = effort;
+      break;
+    case IndexMethod::kKdTree:
+      options.kd_tree.num_probes = effort;
+      break;
+    case IndexMethod::kExhaustive:
+      break;
+  }
   return MakeIndexOptions(method, options);
 }
 
