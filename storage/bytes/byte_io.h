@@ -1,4 +1,4 @@
-// Little-endian writing and bounds-checked reading of byte strings; private to storage.
+// Little-endian writing and bounds-checked reading of byte strings. Private to storage.
 #ifndef CAIRN_STORAGE_BYTES_BYTE_IO_H_
 #define CAIRN_STORAGE_BYTES_BYTE_IO_H_
 
@@ -19,7 +19,8 @@ namespace cairn {
 static_assert(std::endian::native == std::endian::little,
               "numbers are copied as they are; a big-endian machine must swap their bytes here");
 
-// Maps signed to unsigned so that small magnitudes stay small: 0, -1, 1, -2 become 0, 1, 2, 3.
+// Maps signed to unsigned values so that small magnitudes stay small: 0, -1, 1, -2 become 0, 1, 2,
+// 3.
 constexpr uint64_t ZigZag(uint64_t difference) {
   return (difference << 1) ^ (uint64_t{0} - (difference >> 63));
 }
@@ -42,7 +43,7 @@ class ByteWriter {
     out_->insert(out_->end(), bytes, bytes + values.size_bytes());
   }
 
-  // LEB128: seven bits a byte, lowest first, the top bit says that more follow.
+  // Appends LEB128: seven bits a byte, lowest first; the top bit is set if more bytes follow.
   void PutVarint(uint32_t value) {
     for (; value >= 0x80; value >>= 7) {
       out_->push_back(static_cast<uint8_t>(value | 0x80));
@@ -54,8 +55,8 @@ class ByteWriter {
   std::vector<uint8_t>* out_;
 };
 
-// Reads bytes of unknown origin front to back; every read past the end throws Error(kMapDamaged)
-// that names `what`.
+// Reads untrusted bytes front to back. Every read past the end throws Error(kMapDamaged); the
+// message begins with `what`.
 class ByteReader {
  public:
   ByteReader(std::span<const uint8_t> bytes, std::string what)
@@ -94,7 +95,8 @@ class ByteReader {
     return values;
   }
 
-  // All lowest bytes, then all second bytes, and so on.
+  // Reads byte planes: the lowest bytes of all values, then the second bytes of all values, and so
+  // on.
   template <typename T>
   std::vector<T> GetPlanes(size_t count) {
     static_assert(std::is_unsigned_v<T>);
@@ -109,7 +111,7 @@ class ByteReader {
     return values;
   }
 
-  // Inverse of PutVarint; only the shortest form of a value is accepted.
+  // The inverse of PutVarint. Accepts only the shortest form of a value.
   uint32_t GetVarint() {
     uint64_t value = 0;
     for (int shift = 0; shift < 35; shift += 7) {
@@ -125,8 +127,8 @@ class ByteReader {
     throw Error(ErrorCode::kMapDamaged, what_ + ": malformed variable-length number");
   }
 
-  // The next eight bytes, the first the lowest, if each of them is a number in PutVarint's form;
-  // else nothing is read.
+  // If each of the next eight bytes is a complete varint (below 128), consumes them and returns
+  // them with the first byte lowest. Otherwise consumes nothing.
   std::optional<uint64_t> GetShortVarints() {
     constexpr uint64_t kMore = 0x8080808080808080;
     uint64_t bytes = kMore;

@@ -1,4 +1,4 @@
-// The checksum of storage's byte formats; private to storage.
+// The checksum of storage's byte formats. Private to storage.
 #ifndef CAIRN_STORAGE_BYTES_CHECKSUM_H_
 #define CAIRN_STORAGE_BYTES_CHECKSUM_H_
 
@@ -11,7 +11,7 @@
 
 namespace cairn {
 
-// XXH64 with seed 0 of all bytes but the 8 at `checksum_offset`, where the checksum itself stands.
+// XXH64 with seed 0 over all bytes except the 8 at `checksum_offset`, which hold the checksum.
 inline uint64_t ChecksumOf(std::span<const uint8_t> bytes, size_t checksum_offset) {
   const std::unique_ptr<XXH64_state_t, decltype(&XXH64_freeState)> state(XXH64_createState(),
                                                                          &XXH64_freeState);

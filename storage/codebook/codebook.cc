@@ -39,7 +39,7 @@ bool AreQuantiles(const std::vector<float>& values) {
          std::is_sorted(values.begin(), values.end()) && (values.empty() || values.front() >= 0.0f);
 }
 
-// The first thing that is wrong with the sizes, or an empty string.
+// Returns the first problem with the sizes, or an empty string.
 std::string FindShapeProblem(const Codebook& codebook) {
   if (codebook.raw_dim() < 1 || codebook.raw_dim() > kMaxRawDim) {
     return "descriptor dimension " + std::to_string(codebook.raw_dim()) + " is out of range";
@@ -128,7 +128,7 @@ Header GetHeader(std::span<const uint8_t> bytes) {
     ThrowDamaged("a number in the header is out of range");
   }
   if (bytes.size() != header.TotalSize()) {
-    ThrowDamaged("is " + std::to_string(bytes.size()) + " bytes long, its header says " +
+    ThrowDamaged("is " + std::to_string(bytes.size()) + " bytes long, but its header says " +
                  std::to_string(header.TotalSize()));
   }
   if (checksum != ChecksumOf(bytes, kChecksumOffset)) {
@@ -164,7 +164,7 @@ std::vector<uint8_t> EncodeCodebook(const Codebook& codebook) {
   writer.Put(static_cast<uint32_t>(codebook.same_landmark_distance_quantiles.size()));
   writer.Put(static_cast<uint32_t>(codebook.other_landmark_distance_quantiles.size()));
   writer.Put(uint32_t{0});
-  writer.Put(uint64_t{0});  // Room for the checksum.
+  writer.Put(uint64_t{0});  // Placeholder for the checksum.
   const std::string& type = codebook.descriptor_type;
   writer.PutArray(std::span<const char>(type));
   writer.PutArray(std::span<const float>(codebook.mean.data(), codebook.mean.size()));

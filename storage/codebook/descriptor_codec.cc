@@ -13,8 +13,9 @@
 namespace cairn {
 namespace {
 
-// Words are compared eight at a time, each lane keeping its own minimum. Vector types, because
-// compilers unroll the equivalent loops over lanes before they see that these are vectors.
+// Compares eight words at a time; each lane keeps its own minimum. The code uses vector types
+// because compilers unroll the equivalent loops over lanes before they recognise them as vector
+// operations.
 constexpr int kNumLanes = 8;
 using FloatLanes [[gnu::vector_size(kNumLanes * sizeof(float))]] = float;
 using IntLanes [[gnu::vector_size(kNumLanes * sizeof(int32_t))]] = int32_t;
@@ -26,13 +27,13 @@ void ThrowDimension(const char* what, Eigen::Index actual, int expected) {
                                         std::to_string(expected));
 }
 
-// Index of the word nearest to `piece` (kDim floats), the lowest on a tie. `words` is transposed:
-// kDim x kNumWords. kDim is 0 if the dimension is known only at run time.
+// Returns the index of the word nearest to `piece` (kDim floats), the lowest index on a tie.
+// `words` is transposed: kDim x kNumWords. kDim is 0 if the dimension is known only at run time.
 template <int kDim>
 [[gnu::always_inline]] inline uint8_t NearestWord(const float* piece, const float* words, int dim) {
   const int num_dims = kDim > 0 ? kDim : dim;
   FloatLanes best = FloatLanes{} + std::numeric_limits<float>::infinity();
-  IntLanes best_begin{};  // First word of the block that `best` is from.
+  IntLanes best_begin{};  // For each lane, the first word of the block that holds its best word.
   for (int begin = 0; begin < Codebook::kNumWords; begin += kNumLanes) {
     FloatLanes sq_dist{};
     for (int d = 0; d < num_dims; ++d) {
@@ -82,7 +83,7 @@ void NormalizeDescriptors(DescriptorNormalization normalization, DescriptorMatri
     auto descriptor = descriptors->row(row).array();
     const float l1_norm = descriptor.abs().sum();
     if (l1_norm > 0.0f) {
-      // Elements of a histogram are not negative; signs of others survive.
+      // Histogram elements are never negative. For other descriptors the signs are kept.
       roots = (descriptor.abs() / l1_norm).sqrt();
       descriptor = (descriptor < 0.0f).select(-roots, roots);
     }

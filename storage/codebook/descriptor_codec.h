@@ -1,4 +1,4 @@
-// Applies a codebook: the one encoder that ingest and engine share.
+// Applies a codebook. Ingest and engine share this one encoder.
 #ifndef CAIRN_STORAGE_CODEBOOK_DESCRIPTOR_CODEC_H_
 #define CAIRN_STORAGE_CODEBOOK_DESCRIPTOR_CODEC_H_
 
@@ -11,7 +11,7 @@
 
 namespace cairn {
 
-// Normalises rows in place as the codebook asks. All-zero rows stay zero.
+// Normalises the rows in place. All-zero rows stay zero.
 void NormalizeDescriptors(DescriptorNormalization normalization, DescriptorMatrix* descriptors);
 
 // Immutable; safe to use from any thread.
@@ -22,11 +22,11 @@ class DescriptorCodec {
 
   const Codebook& codebook() const { return *codebook_; }
 
-  // raw: n x raw_dim -> n x projected_dim. Throws Error(kBadInput), naming both dimensions, if the
-  // descriptors' dimension is not the codebook's.
+  // n x raw_dim -> n x projected_dim. Throws Error(kBadInput), naming both dimensions, if `raw`
+  // does not have raw_dim columns.
   DescriptorMatrix Project(const DescriptorMatrix& raw) const;
 
-  // Brings features of either space to the projected space; throws as Project.
+  // Converts features in either space to projected space. Throws what Project throws.
   DescriptorMatrix ProjectFeatures(const FeatureSet& features) const;
 
   // projected: n x projected_dim -> n x num_subspaces bytes, row-major.

@@ -26,7 +26,7 @@ std::optional<GeoBox> BoxAroundAll(std::vector<GeoBox> boxes) {
   }
   std::sort(boxes.begin(), boxes.end(),
             [](const GeoBox& a, const GeoBox& b) { return a.west_rad < b.west_rad; });
-  // Going east from the first box, the widest gap that no box covers is what the union leaves out.
+  // Walks east from the first box. The union leaves out the widest gap that no box covers.
   GeoBox all = boxes.front();
   double reach_rad = boxes.front().west_rad;
   double widest_gap_rad = -1.0;
@@ -44,7 +44,7 @@ std::optional<GeoBox> BoxAroundAll(std::vector<GeoBox> boxes) {
     all.south_rad = std::min(all.south_rad, box.south_rad);
     all.north_rad = std::max(all.north_rad, box.north_rad);
   }
-  // The last gap ends where the first box begins, once around.
+  // The last gap ends where the first box begins, one turn later.
   const double first_west_rad = boxes.front().west_rad;
   take_gap(first_west_rad + kTurnRad - reach_rad, first_west_rad);
   if (widest_gap_rad <= 0.0) {

@@ -1,4 +1,5 @@
-// Boxes of latitudes and longitudes: tests and unions on the circle; private to storage.
+// Boxes of latitudes and longitudes: intersection tests and unions on the circle. Private to
+// storage.
 #ifndef CAIRN_STORAGE_GEOMETRY_GEO_BOX_H_
 #define CAIRN_STORAGE_GEOMETRY_GEO_BOX_H_
 
@@ -9,10 +10,10 @@
 
 namespace cairn {
 
-// True if the closed boxes have a point in common.
+// Returns true if the closed boxes have a point in common.
 bool BoxesMeet(const GeoBox& a, const GeoBox& b);
 
-// The smallest box that holds all of them; nothing if there are none.
+// Returns the smallest box that contains all `boxes`; nothing if there are none.
 std::optional<GeoBox> BoxAroundAll(std::vector<GeoBox> boxes);
 
 }  // namespace cairn

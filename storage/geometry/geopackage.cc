@@ -11,12 +11,12 @@ namespace cairn {
 namespace {
 
 constexpr uint8_t kLittleEndian = 1;
-constexpr uint8_t kEnvelopeXy = 1 << 1;  // Header flags: envelope of min x, max x, min y, max y.
+constexpr uint8_t kEnvelopeXy = 1 << 1;  // Header flags: envelope is min x, max x, min y, max y.
 constexpr uint8_t kEmpty = 1 << 4;
 constexpr int32_t kWgs84 = 4326;
 constexpr uint32_t kWkbPolygon = 3;
 constexpr uint32_t kWkbPointZ = 1001;
-constexpr int kMaxNesting = 8;  // Of collections in collections.
+constexpr int kMaxNesting = 8;  // Nesting depth of geometry collections.
 
 struct LonLat {
   double lon_deg;
@@ -31,7 +31,7 @@ void PutHeader(uint8_t flags, ByteWriter* writer) {
   writer->Put(kWgs84);
 }
 
-// Corners counter-clockwise from south-west.
+// Returns the corners counter-clockwise from the south-west.
 std::vector<LonLat> CornersOf(TileId tile_id) {
   constexpr double kHalfTurnDeg = 180.0;
   const GeoBox bounds = tile_id.Bounds();
@@ -56,7 +56,7 @@ std::vector<LonLat> CornersOf(TileId tile_id) {
 
 void Extend(double x, double y, GeometryEnvelope* envelope) {
   if (std::isnan(x) || std::isnan(y)) {
-    return;  // How WKB writes an empty point.
+    return;  // WKB writes an empty point like this.
   }
   if (envelope->is_empty) {
     *envelope = {x, x, y, y, false};
@@ -68,7 +68,7 @@ void Extend(double x, double y, GeometryEnvelope* envelope) {
   envelope->max_y = std::max(envelope->max_y, y);
 }
 
-// Reads numbers of either byte order; past the end they are 0 and ok() is false.
+// Reads numbers of either byte order. Reads past the end return 0 and make ok() false.
 class GeometryReader {
  public:
   explicit GeometryReader(std::span<const uint8_t> bytes) : bytes_(bytes) {}
@@ -115,7 +115,7 @@ void ReadPoints(uint64_t count, int num_coordinates, GeometryReader* reader,
   }
 }
 
-// One well-known-binary geometry. False if it is none.
+// Reads one well-known-binary geometry. Returns false if the bytes are not one.
 bool ReadWkb(int nesting, GeometryReader* reader, GeometryEnvelope* envelope) {
   const uint8_t byte_order = reader->Byte();
   reader->set_little_endian(byte_order == kLittleEndian);
@@ -178,7 +178,7 @@ std::vector<uint8_t> TileGeometry(TileId tile_id) {
   }
   writer.Put(kLittleEndian);
   writer.Put(kWkbPolygon);
-  writer.Put(uint32_t{1});  // Rings.
+  writer.Put(uint32_t{1});  // Number of rings.
   writer.Put(static_cast<uint32_t>(ring.size()));
   for (const LonLat& corner : ring) {
     writer.Put(corner.lon_deg);
@@ -193,7 +193,7 @@ std::optional<GeometryEnvelope> EnvelopeOfGeometry(std::span<const uint8_t> blob
   const bool has_magic = reader.Byte() == 'G' && reader.Byte() == 'P' && reader.Byte() == 0;
   const uint8_t flags = reader.Byte();
   reader.set_little_endian((flags & kLittleEndian) != 0);
-  reader.Word();  // The reference system does not matter here.
+  reader.Word();  // Skips the reference system.
   const int envelope_code = flags >> 1 & 7;
   if (!has_magic || envelope_code > 4) {
     return std::nullopt;

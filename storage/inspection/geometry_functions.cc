@@ -19,14 +19,14 @@ std::optional<GeometryEnvelope> EnvelopeOfValue(sqlite3_value* value) {
   return EnvelopeOfGeometry({bytes, static_cast<size_t>(sqlite3_value_bytes(value))});
 }
 
-// NULL for what is no geometry, as in GDAL.
+// Returns NULL if the value is not a geometry, as GDAL does.
 void IsEmpty(sqlite3_context* context, int /*num_values*/, sqlite3_value** values) {
   if (const auto envelope = EnvelopeOfValue(values[0])) {
     sqlite3_result_int(context, envelope->is_empty ? 1 : 0);
   }
 }
 
-// NULL also for an empty geometry. Which bound is the function's user data.
+// Returns NULL also for an empty geometry. The function's user data selects the bound.
 void BoundOf(sqlite3_context* context, int /*num_values*/, sqlite3_value** values) {
   const auto envelope = EnvelopeOfValue(values[0]);
   if (envelope && !envelope->is_empty) {

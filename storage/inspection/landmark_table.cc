@@ -1,7 +1,6 @@
-// The virtual table `cairn_landmarks`: the landmarks of every tile, or with the tile's id as
-// argument
-// (`cairn_landmarks(:tile_id)`) of one, decoded while it is read. A landmark stands in as many rows
-// as there are tiles that hold it.
+// The virtual table `cairn_landmarks`: the landmarks of all tiles, or with a tile id as argument
+// (`cairn_landmarks(:tile_id)`), the landmarks of that tile. Tiles are decoded as the rows are
+// read. A landmark has one row for each tile that holds it.
 #include <cstdint>
 #include <exception>
 #include <optional>
@@ -40,7 +39,7 @@ enum Column {  // In the order of the declaration; x_m, y_m, z_m are in the tile
 
 enum Plan { kAllTiles = 0, kOneTile = 1 };
 
-// SQLite knows the base classes only; it keeps pointers to them and gives them back.
+// SQLite knows only the base classes. It stores pointers to them and passes the pointers back.
 struct Table : sqlite3_vtab {
   sqlite3* db = nullptr;
 };
@@ -52,7 +51,7 @@ class Cursor : public sqlite3_vtab_cursor {
   Cursor(const Cursor&) = delete;
   Cursor& operator=(const Cursor&) = delete;
 
-  // Returns an SQLite result code, as does Next.
+  // Start and Next return an SQLite result code.
   int Start(Plan plan, sqlite3_value* tile_id) {
     sqlite3_finalize(payloads_);
     payloads_ = nullptr;
@@ -110,7 +109,7 @@ class Cursor : public sqlite3_vtab_cursor {
   }
 
  private:
-  // Goes to the first landmark of the next tile that has any, or to the end.
+  // Advances to the first landmark of the next tile that has any, or to the end.
   int NextTile() {
     while (true) {
       const int result = sqlite3_step(payloads_);
@@ -154,12 +153,12 @@ class Cursor : public sqlite3_vtab_cursor {
   Rigid3d ecef_from_tile_;
   std::vector<uint32_t> num_keyframes_;  // Per landmark.
   size_t landmark_idx_ = 0;
-  std::optional<Geodetic> position_;  // Of the current landmark, once asked for.
+  std::optional<Geodetic> position_;  // Of the current landmark; computed on first use.
 };
 
 Cursor* CursorOf(sqlite3_vtab_cursor* cursor) { return static_cast<Cursor*>(cursor); }
 
-// Runs what may throw; an exception becomes the table's error message.
+// Runs an action that may throw. An exception becomes the table's error message.
 template <typename Action>
 int Guard(sqlite3_vtab* table, const Action& action) {
   try {
@@ -246,7 +245,8 @@ int RowId(sqlite3_vtab_cursor* cursor, sqlite3_int64* row_id) {
   return SQLITE_OK;
 }
 
-// Without xCreate the table is eponymous: it exists in every database under its module's name.
+// A module without xCreate is eponymous: the table exists in every database under the module's
+// name.
 constexpr sqlite3_module MakeModule() {
   sqlite3_module module{};
   module.xConnect = &Connect;

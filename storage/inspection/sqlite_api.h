@@ -1,6 +1,6 @@
-// SQLite's API for sources that are compiled twice: into cairn_storage, where they call the library
-// that is linked, and into the loadable extension (CAIRN_SQLITE_EXTENSION), where they call the
-// program that loads it.
+// SQLite's API for sources that are compiled twice. In cairn_storage, they call the linked library.
+// In the loadable extension (CAIRN_SQLITE_EXTENSION), they call the program that loads the
+// extension.
 #ifndef CAIRN_STORAGE_INSPECTION_SQLITE_API_H_
 #define CAIRN_STORAGE_INSPECTION_SQLITE_API_H_
 

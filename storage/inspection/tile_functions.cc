@@ -12,7 +12,7 @@ namespace {
 
 using Function = void (*)(sqlite3_context* context, sqlite3_value** values);
 
-// Runs a function; NULL in any argument gives NULL, an exception becomes an SQL error.
+// Runs a function. A NULL argument gives NULL; an exception becomes an SQL error.
 template <Function kFunction>
 void Call(sqlite3_context* context, int num_values, sqlite3_value** values) {
   for (int i = 0; i < num_values; ++i) {

@@ -11,8 +11,8 @@
 namespace cairn {
 namespace {
 
-// The smallest box of the landmarks. Longitudes are taken relative to the tile's anchor, so that a
-// tile at the antimeridian gets a narrow box.
+// Returns the smallest box around the landmarks. Longitudes are measured from the tile's anchor, so
+// a tile at the antimeridian gets a narrow box.
 GeoBox LandmarkBounds(const Tile& tile) {
   constexpr double kTurnRad = 2.0 * std::numbers::pi;
   const Geodetic anchor = tile.id.Anchor();

@@ -1,4 +1,4 @@
-// What the index of a map says about a tile.
+// Builds the record that a map's index keeps of a tile.
 #ifndef CAIRN_STORAGE_MAP_DESCRIBE_TILE_H_
 #define CAIRN_STORAGE_MAP_DESCRIBE_TILE_H_
 
@@ -7,8 +7,8 @@
 
 namespace cairn {
 
-// The record of a tile that has at least one landmark and one keyframe. The payload's id and size
-// are left to the store.
+// Describes a tile that has at least one landmark and one keyframe. The store fills in the
+// payload's id and size later.
 TileRecord DescribeTile(const Tile& tile);
 
 }  // namespace cairn

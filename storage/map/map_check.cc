@@ -41,7 +41,7 @@ CheckReport CheckMap(sqlite::Connection* connection,
       CheckLayers(connection, &findings);
     }
     CheckCodebooks(connection, &findings);
-    // Bad pages may hold a tile any number of times.
+    // A damaged page may list the same tile more than once.
     const std::vector<int64_t> in_pages = queries::AllTileIds(connection);
     const std::set<int64_t> tile_ids(in_pages.begin(), in_pages.end());
     for (const int64_t tile_id : tile_ids) {

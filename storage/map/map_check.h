@@ -1,4 +1,4 @@
-// The thorough check of a map; private to storage.
+// The thorough check of a map. Private to storage.
 #ifndef CAIRN_STORAGE_MAP_MAP_CHECK_H_
 #define CAIRN_STORAGE_MAP_MAP_CHECK_H_
 
@@ -12,21 +12,22 @@
 
 namespace cairn {
 
-// See MapStore::Check. Damage that SQLite finds on the way ends the check and is reported.
+// Implements MapStore::Check. If SQLite itself finds damage, the check ends there and reports that
+// damage.
 CheckReport CheckMap(sqlite::Connection* connection,
                      const std::function<void(int64_t, int64_t)>& progress);
 
-// The problems of a check. Of each kind the first few are kept and the others counted, so that a
-// report stays short however large the map is.
+// Collects the problems that a check finds. For each kind of problem, the first few are kept and
+// the rest are only counted, so the report of a large map stays short.
 class Findings {
  public:
   explicit Findings(CheckReport* report) : report_(report) {}
 
-  // "tile 32N-...: its boxes ..." for where = "tile 32N-..." and problem = "its boxes ...".
-  // Problems with the same words are of one kind.
+  // Adds "tile 32N-...: its boxes ..." for where = "tile 32N-..." and problem = "its boxes ...".
+  // Two problems are of the same kind if `problem` is the same text.
   void Add(const std::string& where, const std::string& problem);
   void Add(const std::string& problem);
-  // Says how many of each kind were not kept.
+  // Adds a line for each kind of problem that has more occurrences than were kept.
   void Finish();
 
  private:
@@ -35,24 +36,26 @@ class Findings {
   std::map<std::string, int64_t> num_left_out_;
 };
 
-// Parts of CheckMap. Every one takes time in proportion to the map's size. They throw
-// Error(kMapDamaged) where they cannot go on.
+// The parts of CheckMap. Each takes time in proportion to the map's size, and throws
+// Error(kMapDamaged) if damage keeps the check from going on.
 
-// Pages of the file, indices and constraints: SQLite's own check. If it is false, the pages of a
-// table may refer to each other in circles.
+// Runs SQLite's own check of the file's pages, indices and constraints. If it returns false, do not
+// read the tables: their pages may form cycles.
 bool CheckPages(sqlite::Connection* connection, Findings* findings);
 
-// What else SQL alone can tell: R*Trees, references, and rows that do not agree.
+// Checks everything else that SQL alone can check: the R*Trees, the references, and rows that
+// contradict each other.
 void CheckTables(sqlite::Connection* connection, Findings* findings);
 
-// Geometries and spatial indices of the two layers, and every keyframe's pose, camera and place.
+// Checks the geometries and the spatial indices of the two layers, and every keyframe's pose,
+// camera and tile.
 void CheckLayers(sqlite::Connection* connection, Findings* findings);
 
-// Every codebook.
+// Decodes every codebook.
 void CheckCodebooks(sqlite::Connection* connection, Findings* findings);
 
-// A tile's payload, and what the tables say of it. `tile_id` is a row of the coverage, whatever its
-// bits.
+// Checks a tile's payload and compares it with the tables. `tile_id` is the key of a row of the
+// coverage layer; it need not be a valid tile id.
 void CheckTile(sqlite::Connection* connection, int64_t tile_id, Findings* findings);
 
 }  // namespace cairn

@@ -1,4 +1,4 @@
-// The part of the check that SQL alone does.
+// The part of the check that needs only SQL.
 #include <fmt/format.h>
 
 #include <string>
@@ -10,7 +10,7 @@
 namespace cairn {
 namespace {
 
-constexpr size_t kMaxLineBytes = 300;  // Of what SQLite says.
+constexpr size_t kMaxLineBytes = 300;  // Limit on each line that SQLite reports.
 
 void CheckSpatialIndices(sqlite::Connection* connection, Findings* findings) {
   for (const char* index : {"rtree_coverage_geom", "rtree_keyframes_geom"}) {
@@ -22,7 +22,7 @@ void CheckSpatialIndices(sqlite::Connection* connection, Findings* findings) {
   }
 }
 
-// Of the tables of maps; those of other programs are their own affair.
+// Checks only the tables of the map. Tables that other programs added are not Cairn's to check.
 void CheckReferences(sqlite::Connection* connection, Findings* findings) {
   for (const char* table : {"gpkg_contents", "gpkg_geometry_columns", "cairn_tiles",
                             "cairn_keyframe_poses", "keyframes"}) {
@@ -30,19 +30,18 @@ void CheckReferences(sqlite::Connection* connection, Findings* findings) {
         connection->Prepare("SELECT coalesce(sum(1), 0) FROM pragma_foreign_key_check(?)");
     references.Bind(std::string_view(table)).Step();
     if (const int64_t count = references.Int64(0); count != 0) {
-      findings->Add(
-          fmt::format("table {}: {} rows refer to rows that are not there", table, count));
+      findings->Add(fmt::format("table {}: {} rows refer to missing rows", table, count));
     }
   }
 }
 
-// A query that counts rows which should not be, and what they are.
+// A query that counts invalid rows, and the message that describes them.
 struct Rule {
   const char* sql;
   const char* problem;
 };
 
-// Numbers from here on are too near the largest there is: updates count them up.
+// Updates increment these numbers. From this bound on, a number could overflow.
 #define CAIRN_TOO_LARGE "4611686018427387904"
 
 constexpr Rule kRules[] = {
@@ -63,22 +62,22 @@ constexpr Rule kRules[] = {
      "payloads belong to no tile"},
     {"SELECT count(*) FROM cairn_tiles AS t JOIN coverage AS c ON c.tile_id = t.tile_id "
      "JOIN cairn_payloads AS p ON p.payload_id = t.payload_id WHERE length(p.bytes) <> c.num_bytes",
-     "tiles have payloads of another size than the coverage says"},
+     "tiles have a payload size that differs from the one in coverage"},
     {"SELECT count(*) FROM keyframes "
      "WHERE keyframe_id NOT IN (SELECT keyframe_id FROM cairn_keyframe_poses)",
      "keyframes have no pose"},
     {"SELECT (SELECT coalesce(sum(1), 0) FROM cairn_map) <> 1", "table cairn_map: not one row"},
     {"SELECT count(*) FROM cairn_map WHERE next_landmark_id >= " CAIRN_TOO_LARGE,
-     "table cairn_map: the next landmark id is too large to count on"},
+     "table cairn_map: the next landmark id is too large"},
     {"SELECT coalesce(max(version), 0) NOT BETWEEN 1 AND " CAIRN_TOO_LARGE " FROM cairn_versions",
-     "table cairn_versions: no version, or one too large to count on"},
+     "table cairn_versions: no version, or a version that is too large"},
     {"SELECT count(*) FROM sqlite_sequence "
      "WHERE typeof(seq) <> 'integer' OR seq >= " CAIRN_TOO_LARGE,
-     "sequences of ids are too large to count on"},
+     "id sequences are too large"},
     {"SELECT count(*) FROM cairn_sessions WHERE num_images < 0 OR num_landmarks < 0 "
      "OR NOT georef_median_residual_m BETWEEN 0 AND 1e9",
-     "sessions have impossible numbers"},
-    // What GeoPackage readers find the layers by.
+     "sessions have invalid numbers"},
+    // GeoPackage readers find the layers through these rows.
     {"SELECT 3 - count(*) FROM gpkg_contents WHERE (table_name, data_type) IN "
      "(VALUES ('coverage', 'features'), ('keyframes', 'features'), "
      "('cairn_sessions', 'attributes'))",
@@ -99,7 +98,7 @@ constexpr Rule kRules[] = {
      "WHERE c.table_name = 'coverage' AND r.west IS NOT NULL AND NOT coalesce("
      "abs(c.min_x - r.west) < 1e-3 AND abs(c.min_y - r.south) < 1e-3 AND "
      "abs(c.max_x - r.east) < 1e-3 AND abs(c.max_y - r.north) < 1e-3, 0)",
-     "layers have an extent in gpkg_contents that is not theirs"},
+     "layers have a wrong extent in gpkg_contents"},
 };
 
 #undef CAIRN_TOO_LARGE
@@ -116,8 +115,8 @@ void CheckRules(sqlite::Connection* connection, Findings* findings) {
 
 }  // namespace
 
-// The check ends with the first problem: after bad pages SQLite would count the rows of indices,
-// for ever if their pages refer to each other in circles.
+// Stops at the first problem. If damaged pages form a cycle, SQLite would count the rows of an
+// index forever.
 bool CheckPages(sqlite::Connection* connection, Findings* findings) {
   bool are_sound = true;
   sqlite::Statement pages = connection->Prepare("PRAGMA integrity_check(1)");

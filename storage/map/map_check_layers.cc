@@ -1,4 +1,4 @@
-// The part of the check that looks at each row of the layers.
+// The part of the check that reads every row of the layers.
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -14,11 +14,12 @@ namespace cairn {
 namespace {
 
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
-constexpr double kSlackDeg = 1e-7;  // A centimetre: other machines round otherwise.
-// R*Trees round boxes outwards to floats, which lie 3e-5 degrees apart at 360.
+constexpr double kSlackDeg = 1e-7;  // A centimetre; machines may round differently.
+// R*Trees round boxes outwards to floats. Near 360 degrees, floats are 3e-5 degrees apart.
 constexpr double kIndexSlackDeg = 1e-4;
 
-// Runs `check` on a row; values that cannot be read are a problem of that row alone.
+// Runs `check` on a row. If a value of the row cannot be read, the problem is reported for that row
+// and the check continues.
 template <typename Check>
 void CheckRow(const std::string& where, const Check& check, Findings* findings) {
   try {
@@ -31,8 +32,9 @@ void CheckRow(const std::string& where, const Check& check, Findings* findings) 
   }
 }
 
-// Columns `first` to `first` + 3 of an R*Tree's row: min x, max x, min y, max y. NULL if there is
-// no row, which is found elsewhere.
+// Returns true if the box of an R*Tree row contains the envelope. The box is in columns `first` to
+// `first` + 3: min x, max x, min y, max y. Its columns are NULL if the R*Tree has no row; another
+// check reports that.
 bool IsIndexed(const sqlite::Statement& row, int first, const GeometryEnvelope& envelope) {
   if (row.IsNull(first)) {
     return true;
@@ -52,27 +54,28 @@ bool SameEnvelope(const GeometryEnvelope& a, const GeometryEnvelope& b) {
          near(a.min_y, b.min_y) && near(a.max_y, b.max_y);
 }
 
-// Geometry and indexed box of a row against what they should be. Columns: geom, then the box.
+// Compares the geometry and the indexed box of a row with the expected envelope. `geom_column`
+// holds the geometry; the four columns of the box follow.
 void CheckGeometry(const sqlite::Statement& row, int geom_column, const GeometryEnvelope& expected,
                    const std::string& where, Findings* findings) {
   const std::optional<GeometryEnvelope> envelope = EnvelopeOfGeometry(row.Blob(geom_column));
   if (!envelope || !SameEnvelope(*envelope, expected)) {
-    findings->Add(where, "its geometry is not where it should be");
+    findings->Add(where, "its geometry is in the wrong place");
   }
   if (!IsIndexed(row, geom_column + 1, expected)) {
-    findings->Add(where, "its box in the spatial index is not around it");
+    findings->Add(where, "its box in the spatial index does not contain it");
   }
 }
 
 void CheckSquare(const sqlite::Statement& row, const std::string& where, Findings* findings) {
   const TileId tile_id = TileId::FromValue(static_cast<uint64_t>(row.Int64(0)));
   if (row.Text(1) != tile_id.ToString()) {
-    findings->Add(where, "its name is not that of its id");
+    findings->Add(where, "its name does not match its id");
   }
   CheckGeometry(row, 2, *EnvelopeOfGeometry(TileGeometry(tile_id)), where, findings);
 }
 
-// Positions on the border of two squares may be in either.
+// A position on the border of two squares may belong to either tile.
 bool StandsIn(const Geodetic& position, TileId tile_id) {
   constexpr double kSlackRad = kSlackDeg / kDegPerRad;
   for (const double south_rad : {0.0, -kSlackRad, kSlackRad}) {
@@ -87,25 +90,25 @@ bool StandsIn(const Geodetic& position, TileId tile_id) {
   return false;
 }
 
-// Columns: keyframe_id, geom, box, lat_deg, lon_deg, h_m, heading_deg.
+// The columns are keyframe_id, geom, box, lat_deg, lon_deg, h_m, heading_deg.
 void CheckKeyframe(const sqlite::Statement& row, sqlite::Connection* connection,
                    const std::string& where, Findings* findings) {
   const std::optional<KeyframeRecord> keyframe =
       queries::FindKeyframe(connection, KeyframeId(row.Int64(0)));
   if (!keyframe) {
-    return;  // Without a pose or a camera, which is found elsewhere.
+    return;  // The keyframe has no pose or no camera; another check reports that.
   }
   const Geodetic position = GeodeticFromEcef(keyframe->cam_from_ecef.Inverse().translation);
   ValidateGeodetic(position, "its pose");
   if (!StandsIn(position, keyframe->tile_id)) {
-    findings->Add(where, "it does not stand in the tile that it names");
+    findings->Add(where, "it stands outside its tile");
   }
   const double lat_deg = row.Double(6), lon_deg = row.Double(7), h_m = row.Double(8);
   const double off_lon_deg = std::remainder(lon_deg - position.lon_deg(), 360.0);
   if (!(std::abs(lat_deg - position.lat_deg()) <= kSlackDeg &&
         std::abs(off_lon_deg) * std::cos(position.lat_rad) <= kSlackDeg &&
         std::abs(h_m - position.h_m) <= 0.01)) {
-    findings->Add(where, "its latitude, longitude and height are not those of its pose");
+    findings->Add(where, "its latitude, longitude and height do not match its pose");
   }
   CheckGeometry(row, 1, {lon_deg, lon_deg, lat_deg, lat_deg, false}, where, findings);
   const Eigen::Vector3d axis_in_enu =
@@ -115,7 +118,7 @@ void CheckKeyframe(const sqlite::Statement& row, sqlite::Connection* connection,
   const double off_deg = std::remainder(row.Double(9) - heading_deg, 360.0);
   const bool has_heading = axis_in_enu.head<2>().norm() > 1e-3;
   if (has_heading && !(std::abs(off_deg) <= 0.01)) {
-    findings->Add(where, "its heading is not that of its pose");
+    findings->Add(where, "its heading does not match its pose");
   }
 }
 

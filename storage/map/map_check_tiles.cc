@@ -17,7 +17,7 @@
 namespace cairn {
 namespace {
 
-// Of what is computed from the same numbers on another machine.
+// Tolerances for values that another machine computed from the same numbers.
 constexpr double kSlackRad = 1e-9;  // 6 mm on the ground.
 constexpr double kSlackM = 0.01;
 
@@ -29,7 +29,7 @@ bool SameBounds(const GeoBox& a, const GeoBox& b) {
          near(a.north_rad, b.north_rad) && near(a.east_rad, b.east_rad);
 }
 
-// What the tables say of a tile against its payload.
+// Compares the tables' record of a tile with its payload.
 class TileCheck {
  public:
   TileCheck(sqlite::Connection* connection, const TileRecord& record, Findings* findings)
@@ -37,7 +37,7 @@ class TileCheck {
 
   void Run() {
     const Tile tile = DecodeTile(queries::LoadPayload(connection_, record_.payload_id));
-    Require(tile.id == record_.tile_id, "its payload is that of another tile");
+    Require(tile.id == record_.tile_id, "its payload belongs to another tile");
     Require(tile.codebook_id == record_.codebook_id, "its payload names another codebook");
     CheckCodebook(tile);
     if (tile.num_landmarks() == 0 || tile.num_keyframes() == 0) {
@@ -60,7 +60,7 @@ class TileCheck {
 
   void CheckCodebook(const Tile& tile) {
     Require(record_.codebook_id == queries::CurrentCodebookId(connection_),
-            "it is coded with a codebook that is not the newest, so that queries cannot use it");
+            "it is coded with an outdated codebook, so queries cannot use it");
     Require(
         queries::LoadCodebook(connection_, record_.codebook_id)->num_subspaces == tile.code_size,
         "its codes do not fit its codebook");
@@ -70,12 +70,12 @@ class TileCheck {
     Require(of_payload.num_landmarks == record_.num_landmarks &&
                 of_payload.num_descriptors == record_.num_descriptors &&
                 of_payload.num_keyframes == record_.num_keyframes,
-            "its counts are not those of its payload");
+            "its counts do not match its payload");
     Require(std::abs(of_payload.min_h_m - record_.min_h_m) <= kSlackM &&
                 std::abs(of_payload.max_h_m - record_.max_h_m) <= kSlackM,
-            "its heights are not those of its keyframes");
+            "its heights do not match its keyframes");
     Require(SameBounds(of_payload.landmark_bounds, record_.landmark_bounds),
-            "its landmark bounds are not those of its landmarks");
+            "its landmark bounds do not match its landmarks");
   }
 
   void CheckLandmarks(const Tile& tile) {
@@ -85,7 +85,7 @@ class TileCheck {
     for (const LandmarkId id : tile.landmark_ids) {
       are_reserved = are_reserved && Value(id) >= 1 && Value(id) < next_id;
     }
-    Require(are_reserved, "it has landmark ids that the map will give again");
+    Require(are_reserved, "it has landmark ids that the map has not reserved");
     SessionId known{};
     bool have_sessions = true;
     for (const SessionId id : tile.landmark_sessions) {
@@ -106,19 +106,19 @@ class TileCheck {
     try {
       row = queries::FindKeyframe(connection_, keyframe.id);
     } catch (const Error&) {
-      return;  // Found with the layers.
+      return;  // The check of the layers reports this.
     }
     Require(row.has_value(), "a keyframe of its payload is not in the map");
     if (!row) {
       return;
     }
     Require(row->tile_id == tile_id && row->session_id == keyframe.session_id,
-            "a keyframe of its payload is of another tile or session");
+            "a keyframe of its payload belongs to another tile or session");
     const Rigid3d difference =
         row->cam_from_ecef * EcefFromEnu(tile_id.Anchor()) * keyframe.cam_from_tile.Inverse();
     const double angle_rad = 2.0 * difference.rotation.vec().norm();
     Require(difference.translation.norm() <= kSlackM && angle_rad <= 1e-4,
-            "a keyframe of its payload has another pose than in the map");
+            "a keyframe of its payload has a different pose in the map");
   }
 
   sqlite::Connection* connection_;

@@ -26,7 +26,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Readers wait for the short exclusive lock under which a crashed writer's log is recovered.
+// A reader waits this long for the exclusive lock that recovery of a crashed writer's log holds
+// briefly.
 constexpr int kReaderTimeoutMs = 5000;
 constexpr size_t kSqliteHeaderSize = 100;
 constexpr std::string_view kSqliteMagic("SQLite format 3\0", 16);
@@ -38,7 +39,7 @@ constexpr std::string_view kGeoPackageId = "GPKG";
   throw Error(code, path + ": " + problem);
 }
 
-// What a file that is not SQLite seems to be.
+// Guesses the kind of a file that is not an SQLite database.
 std::string GuessKind(std::string_view head) {
   struct Magic {
     std::string_view bytes;
@@ -66,7 +67,7 @@ std::string GuessKind(std::string_view head) {
   return is_text ? "a text file" : "an unknown binary file";
 }
 
-// A log with something in it; an empty one is what readers leave behind.
+// Returns true if the write-ahead log has content. Readers leave empty logs behind.
 bool HasWriteAheadLog(const std::string& path) {
   std::error_code error;
   const auto size = fs::file_size(path + "-wal", error);
@@ -77,7 +78,7 @@ void CheckFileType(const std::string& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (status.type() == fs::file_type::not_found) {
-    Refuse(ErrorCode::kNotFound, path, "there is no such map file; `cairn init` makes one");
+    Refuse(ErrorCode::kNotFound, path, "this map file does not exist; `cairn init` creates one");
   }
   if (status.type() == fs::file_type::directory) {
     Refuse(ErrorCode::kBadInput, path, "is a directory, not a Cairn map");
@@ -100,10 +101,11 @@ std::string ReadHead(const std::string& path) {
 }
 
 [[noreturn]] void RefuseCutOff(const std::string& path, uint64_t size) {
-  Refuse(ErrorCode::kMapDamaged, path, "is cut off after " + std::to_string(size) + " bytes");
+  Refuse(ErrorCode::kMapDamaged, path, "is truncated after " + std::to_string(size) + " bytes");
 }
 
-// SQLite reads what is missing of the last page as zeros.
+// SQLite would read the missing part of a truncated last page as zeros, so truncation is detected
+// here.
 void CheckWholePages(const std::string& path, std::string_view head) {
   const auto byte = [head](size_t i) { return static_cast<unsigned char>(head[i]); };
   const uint64_t announced = byte(kPageSizeOffset) << 8 | byte(kPageSizeOffset + 1);
@@ -118,7 +120,7 @@ void CheckWholePages(const std::string& path, std::string_view head) {
   }
 }
 
-// Refuses what cannot be a map before SQLite sees it.
+// Refuses files that cannot be maps before SQLite opens them.
 void CheckFile(const std::string& path) {
   CheckFileType(path);
   const std::string head = ReadHead(path);
@@ -151,7 +153,7 @@ int64_t ApplicationId(sqlite::Connection* connection) {
   return statement.Int64(0);
 }
 
-// Refuses SQLite databases that are not maps, and maps from the future.
+// Refuses SQLite databases that are not maps, and maps of a newer format.
 void CheckIsMap(sqlite::Connection* connection) {
   constexpr int64_t kGeoPackageApplicationId = 0x47504b47;
   const std::string& path = connection->path();
@@ -207,7 +209,8 @@ void RemoveMapFile(const std::string& path) {
 
 void FillEmptyMap(const std::string& path) {
   const auto connection = Connect(path, sqlite::Access::kCreate, 0);
-  // Before anything is written. docs/decisions/0008-pages-of-16-kilobytes.md.
+  // The page size must be set before anything is written. See
+  // docs/decisions/0008-pages-of-16-kilobytes.md.
   connection->Execute("PRAGMA page_size = 16384");
   connection->Execute("PRAGMA journal_mode = WAL");
   sqlite::Transaction transaction(connection.get(), sqlite::Transaction::Kind::kImmediate);
@@ -222,18 +225,18 @@ void FillEmptyMap(const std::string& path) {
       "INSERT INTO cairn_versions (version, created_at) "
       "VALUES (1, strftime('%Y-%m-%dT%H:%M:%SZ', 'now'))");
   transaction.Commit();
-  // Closing would do this too, but keep to itself that the disk is full.
+  // Closing the connection would also checkpoint, but would not report a full disk.
   connection->Execute("PRAGMA wal_checkpoint(TRUNCATE)");
 }
 
 [[noreturn]] void RefuseToMake(const std::string& path, int error) {
   if (error == EEXIST) {
-    Refuse(ErrorCode::kConflict, path, "exists already; remove it or choose another name");
+    Refuse(ErrorCode::kConflict, path, "already exists; remove it or choose another name");
   }
-  Refuse(ErrorCode::kIo, path, std::string("cannot be made: ") + std::strerror(error));
+  Refuse(ErrorCode::kIo, path, std::string("cannot be created: ") + std::strerror(error));
 }
 
-// Gives a file its name unless there is one of that name: the check and the giving are one step.
+// Renames a file unless `to` exists. The check and the rename are one atomic step.
 void Rename(const std::string& from, const std::string& to) {
   if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) {
     return;
@@ -241,7 +244,7 @@ void Rename(const std::string& from, const std::string& to) {
   if (errno != EINVAL && errno != ENOSYS) {
     RefuseToMake(to, errno);
   }
-  // File systems without that; a hard link is one step, too.
+  // This file system does not support RENAME_NOREPLACE. Creating a hard link is atomic, too.
   if (link(from.c_str(), to.c_str()) != 0) {
     RefuseToMake(to, errno);
   }
@@ -255,7 +258,7 @@ void CreateMapFile(const std::string& path) {
   if (fs::exists(path, ignored)) {
     RefuseToMake(path, EEXIST);
   }
-  // Under another name until it is whole: a process that dies here leaves nothing at `path`.
+  // The map is built under a temporary name, so a process that dies here leaves nothing at `path`.
   const std::string unfinished = path + ".unfinished-" + std::to_string(getpid());
   RemoveMapFile(unfinished);
   try {
@@ -263,7 +266,7 @@ void CreateMapFile(const std::string& path) {
     Rename(unfinished, path);
   } catch (const Error& error) {
     RemoveMapFile(unfinished);
-    // The file that cannot be made is the one that was asked for.
+    // Name the requested file in the message, not the temporary one.
     std::string what = error.what();
     if (what.starts_with(unfinished)) {
       what.replace(0, unfinished.size(), path);
@@ -298,7 +301,8 @@ std::unique_ptr<sqlite::Connection> OpenMapFile(const std::string& path, sqlite:
 std::unique_ptr<sqlite::Connection> OpenMapFileForUpdate(const std::string& path) {
   std::unique_ptr<sqlite::Connection> connection = Connect(path, sqlite::Access::kReadWrite, 0);
   connection->TrustSchema();  // The triggers of the layers write to R*Trees.
-  // Overwriting freed pages costs as much as writing them; FAST does it where it costs nothing.
+  // secure_delete = ON would overwrite freed pages, which costs as much as writing them. FAST
+  // overwrites only where no extra page is written.
   connection->Execute("PRAGMA secure_delete = FAST");
   connection->Execute("PRAGMA journal_size_limit = 67108864");
   return connection;

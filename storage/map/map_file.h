@@ -1,4 +1,5 @@
-// Opens the database of a map, or says what is wrong with the file; private to storage.
+// Opens the database of a map or reports why the file cannot be opened as a map. Private to
+// storage.
 #ifndef CAIRN_STORAGE_MAP_MAP_FILE_H_
 #define CAIRN_STORAGE_MAP_MAP_FILE_H_
 
@@ -10,23 +11,23 @@
 
 namespace cairn {
 
-// The format this code writes, and with it the oldest reader of what it writes.
+// The format version that this code writes, and the oldest reader that can read it. See
 // docs/formats/map_v1.md.
 inline constexpr int64_t kMapFormatVersion = 1;
 inline constexpr int64_t kOldestReaderVersion = 1;
 
-// Makes the file with an empty map, version 1. Throws Error(kConflict) if the file exists,
-// Error(kIo) if it cannot be made.
+// Creates the file with an empty map of version 1. Throws Error(kConflict) if the file exists and
+// Error(kIo) if the file cannot be created.
 void CreateMapFile(const std::string& path);
 
-// A connection for reading, after the checks that MapStore::Open promises. Turns kReadOnly into
-// kImmutable where the directory cannot be written and no write-ahead log is left.
+// Opens a connection for reading, after the checks that MapStore::Open promises. Changes *access
+// from kReadOnly to kImmutable if the directory is not writable and no write-ahead log is left.
 std::unique_ptr<sqlite::Connection> OpenMapFile(const std::string& path, sqlite::Access* access);
 
-// Another connection for reading a map that passed the checks already.
+// Opens another connection for reading a map that has already passed the checks.
 std::unique_ptr<sqlite::Connection> ReopenMapFile(const std::string& path, sqlite::Access access);
 
-// A connection for one update; waits for no lock.
+// Opens a connection for one update. Does not wait for locks.
 std::unique_ptr<sqlite::Connection> OpenMapFileForUpdate(const std::string& path);
 
 }  // namespace cairn

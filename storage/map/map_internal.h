@@ -1,4 +1,4 @@
-// What is behind MapSnapshot and MapUpdate; private to storage.
+// The implementation structs of MapSnapshot and MapUpdate. Private to storage.
 #ifndef CAIRN_STORAGE_MAP_MAP_INTERNAL_H_
 #define CAIRN_STORAGE_MAP_MAP_INTERNAL_H_
 
@@ -12,7 +12,7 @@
 
 namespace cairn {
 
-// Borrows a connection of the pool and holds a read transaction on it.
+// Borrows a connection from the pool and holds a read transaction on the connection.
 struct MapSnapshot::Impl {
   explicit Impl(std::shared_ptr<ReaderPool> reader_pool);
   ~Impl();
@@ -21,16 +21,16 @@ struct MapSnapshot::Impl {
 
   std::shared_ptr<ReaderPool> pool;
   std::unique_ptr<sqlite::Connection> connection;
-  std::optional<sqlite::Transaction> transaction;  // Ends before the connection is given back.
+  std::optional<sqlite::Transaction> transaction;  // Ends before the connection is returned.
   MapVersion version{};
 };
 
-// Owns a connection and holds the write transaction of the map on it.
+// Owns a connection and holds the map's write transaction on the connection.
 struct MapUpdate::Impl {
   explicit Impl(const std::string& path);
 
   std::unique_ptr<sqlite::Connection> connection;
-  std::optional<sqlite::Transaction> transaction;  // Nothing once published.
+  std::optional<sqlite::Transaction> transaction;  // Empty once published.
 };
 
 }  // namespace cairn

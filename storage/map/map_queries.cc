@@ -26,7 +26,7 @@ constexpr std::string_view kCurrentVersionSql =
 constexpr std::string_view kTilesOfSessionSql =
     "SELECT DISTINCT tile_id FROM keyframes WHERE session_id = ? ORDER BY tile_id";
 
-// Columns of ReadKeyframe, in its order.
+// The columns that ReadKeyframe expects, in order.
 #define CAIRN_KEYFRAME_COLUMNS                                                         \
   "SELECT k.keyframe_id, k.session_id, k.tile_id, k.image_name, c.model, c.width_px, " \
   "c.height_px, c.params, p.qw, p.qx, p.qy, p.qz, p.tx_m, p.ty_m, p.tz_m "             \
@@ -40,7 +40,7 @@ constexpr std::string_view kFindKeyframeSql = CAIRN_KEYFRAME_COLUMNS "WHERE k.ke
 
 #undef CAIRN_KEYFRAME_COLUMNS
 
-// Columns of ReadTile, in its order.
+// The columns that ReadTile expects, in order.
 #define CAIRN_TILE_COLUMNS                                                       \
   "c.tile_id, t.payload_id, t.codebook_id, c.num_landmarks, c.num_descriptors, " \
   "c.num_keyframes, c.num_bytes, c.min_h_m, c.max_h_m, t.landmarks_south_deg, "  \
@@ -63,7 +63,7 @@ constexpr std::string_view kAllTilesSql =
 
 #undef CAIRN_TILE_COLUMNS
 
-// Columns of ReadSession, in its order.
+// The columns that ReadSession expects, in order.
 #define CAIRN_SESSION_COLUMNS                                                \
   "SELECT session_id, name, source, created_at, num_images, num_landmarks, " \
   "georef_median_residual_m FROM cairn_sessions "
@@ -73,7 +73,7 @@ constexpr std::string_view kFindSessionSql = CAIRN_SESSION_COLUMNS "WHERE name =
 
 #undef CAIRN_SESSION_COLUMNS
 
-// Calls `make`; what it finds wrong with values of the map is damage to the map.
+// Calls `make`. If `make` rejects a value that was read from the map, throws Error(kMapDamaged).
 template <typename Make>
 auto MakeFromRow(const sqlite::Connection& connection, const Make& make) {
   try {
@@ -88,14 +88,14 @@ TileId ReadTileId(const sqlite::Connection& connection, int64_t value) {
                      [value] { return TileId::FromValue(static_cast<uint64_t>(value)); });
 }
 
-// Queries look for cameras between these heights.
+// Queries search for cameras between these heights.
 void RequireHeights(const sqlite::Connection& connection, const TileRecord& tile) {
   constexpr double kMaxHeightM = 1e5;
   if (!(-kMaxHeightM <= tile.min_h_m && tile.min_h_m <= tile.max_h_m &&
         tile.max_h_m <= kMaxHeightM)) {
     throw Error(
         ErrorCode::kMapDamaged,
-        fmt::format("{}: tile {}: its cameras are said to stand {} to {} m high", connection.path(),
+        fmt::format("{}: tile {}: its cameras have heights of {} to {} m", connection.path(),
                     tile.tile_id.ToString(), tile.min_h_m, tile.max_h_m));
   }
 }
@@ -129,7 +129,7 @@ SessionRecord ReadSession(const sqlite::Statement& row) {
   return session;
 }
 
-// Reads "[1.5,2,3]". Throws Error if it is anything else.
+// Parses "[1.5,2,3]". Throws Error if the text is anything else.
 std::vector<double> ParseNumbers(std::string_view text) {
   std::vector<double> numbers;
   const auto refuse = [text] {
@@ -168,19 +168,19 @@ KeyframeRecord ReadKeyframe(const sqlite::Connection& connection, const sqlite::
     return Camera(CameraModelFromName(row.Text(4)), static_cast<int>(row.Int64(5)),
                   static_cast<int>(row.Int64(6)), ParseNumbers(row.Text(7)));
   });
-  // As they were written: the constructor would normalise the rotation again.
+  // Keeps the stored quaternion; the constructor would normalise it again.
   keyframe.cam_from_ecef.rotation =
       Eigen::Quaterniond(row.Double(8), row.Double(9), row.Double(10), row.Double(11));
   keyframe.cam_from_ecef.translation = {row.Double(12), row.Double(13), row.Double(14)};
   if (!IsPose(keyframe.cam_from_ecef)) {
     throw Error(ErrorCode::kMapDamaged,
-                fmt::format("{}: keyframe {}: its pose is not a rotation and a translation",
-                            connection.path(), Value(keyframe.id)));
+                fmt::format("{}: keyframe {}: its pose is not a rigid transform", connection.path(),
+                            Value(keyframe.id)));
   }
   return keyframe;
 }
 
-// Appends the tiles whose indexed rectangle meets the one given, degrees.
+// Appends the tiles whose indexed rectangle intersects the given rectangle, in degrees.
 void AppendTiles(sqlite::Connection* connection, double west_deg, double east_deg, double south_deg,
                  double north_deg, std::vector<TileRecord>* tiles) {
   sqlite::Statement rows = connection->Prepare(kFindTilesSql);
@@ -209,7 +209,7 @@ MapVersion CurrentVersion(sqlite::Connection* connection) {
 MapInfo Info(sqlite::Connection* connection) {
   MapInfo info;
   info.version = CurrentVersion(connection);
-  // sum(1), since SQLite counts rows for count(*) without looking whether it should stop.
+  // Uses sum(1) because SQLite does not check for interruption while it counts rows for count(*).
   sqlite::Statement row = connection->Prepare(
       "SELECT (SELECT created_at FROM cairn_map), "
       "(SELECT coalesce(sum(1), 0) FROM cairn_sessions), "
@@ -243,7 +243,7 @@ std::vector<TileRecord> FindTiles(sqlite::Connection* connection, const GeoBox& 
     AppendTiles(connection, west_deg + turn_deg, east_deg + turn_deg, box.south_rad * kDegPerRad,
                 box.north_rad * kDegPerRad, &tiles);
   }
-  // The index rounds to floats, outwards, and may have found a tile twice.
+  // The index rounds boxes outwards to floats, and the searches may return a tile twice.
   std::erase_if(tiles,
                 [&box](const TileRecord& tile) { return !BoxesMeet(tile.tile_id.Bounds(), box); });
   const auto by_id = [](const TileRecord& a, const TileRecord& b) { return a.tile_id < b.tile_id; };

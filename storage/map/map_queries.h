@@ -1,6 +1,6 @@
-// What snapshots, updates and checks read from a map's tables; private to storage. Every function
-// works in the transaction that is open on the connection, and throws Error(kMapDamaged) for values
-// that no writer of ours makes.
+// Reads the tables of a map for snapshots, updates and checks. Private to storage. Every function
+// runs in the transaction that is open on the connection, and throws Error(kMapDamaged) for values
+// that Cairn never writes.
 #ifndef CAIRN_STORAGE_MAP_MAP_QUERIES_H_
 #define CAIRN_STORAGE_MAP_MAP_QUERIES_H_
 
@@ -16,7 +16,7 @@
 
 namespace cairn::queries {
 
-// The hot ones, for the EXPLAIN QUERY PLAN tests.
+// The SQL of the frequent queries, for the tests of EXPLAIN QUERY PLAN.
 std::string_view CurrentVersionSql();
 std::string_view FindTilesSql();
 std::string_view FindTileSql();
@@ -28,12 +28,12 @@ MapInfo Info(sqlite::Connection* connection);
 
 std::vector<TileRecord> FindTiles(sqlite::Connection* connection, const GeoBox& box);
 std::vector<TileRecord> AllTiles(sqlite::Connection* connection, int64_t limit);
-// As they are in the file, which need not be those of tiles.
+// Returns the ids as stored; in a damaged map they need not be valid tile ids.
 std::vector<int64_t> AllTileIds(sqlite::Connection* connection);
 std::optional<TileRecord> FindTile(sqlite::Connection* connection, TileId tile_id);
 LargeVector<uint8_t> LoadPayload(sqlite::Connection* connection, PayloadId payload_id);
 
-// The id of the latest codebook, 0 if there is none.
+// Returns the id of the latest codebook, or 0 if the map has none.
 CodebookId CurrentCodebookId(sqlite::Connection* connection);
 std::shared_ptr<const Codebook> LoadCodebook(sqlite::Connection* connection,
                                              CodebookId codebook_id);

@@ -17,10 +17,10 @@ struct SchemaObject {
   std::string type;
   std::string name;
   std::string table;
-  SqlTokens sql;  // None of indices that constraints make.
+  SqlTokens sql;  // Empty for an index that a constraint created.
 };
 
-// By type and name.
+// The key is type and name.
 using Schema = std::map<std::pair<std::string, std::string>, SchemaObject>;
 
 bool IsWordCharacter(char c) {
@@ -28,7 +28,8 @@ bool IsWordCharacter(char c) {
          static_cast<unsigned char>(c) >= 0x80;
 }
 
-// Bytes of a quoted name or string at the front; the quote doubled stands for itself.
+// Returns the number of bytes of the quoted name or string at the front. A doubled quote stands for
+// one quote character.
 size_t QuotedSize(std::string_view text) {
   const char end = text[0] == '[' ? ']' : text[0];
   size_t i = 1;
@@ -44,7 +45,7 @@ size_t QuotedSize(std::string_view text) {
   return text.size();
 }
 
-// Bytes of white space and comments at the front.
+// Returns the number of bytes of white space and comments at the front.
 size_t BlankSize(std::string_view text) {
   size_t size = 0;
   while (size < text.size()) {
@@ -76,7 +77,7 @@ bool HasWord(const SqlTokens& tokens, const char* word) {
                      [word](const std::string& token) { return Lower(token) == word; });
 }
 
-// A name without its quotes, in lower case.
+// Returns the name without quotes, in lower case.
 std::string PlainName(const std::string& token) {
   const bool is_quoted = token.size() >= 2 && !IsWordCharacter(token[0]);
   return Lower(is_quoted ? token.substr(1, token.size() - 2) : token);
@@ -108,7 +109,8 @@ bool IsTableOfMaps(const std::string& name) {
   });
 }
 
-// Rows of Cairn's tables are removed, so that a table that refers to them would be searched then.
+// Returns true if the table references a table of Cairn. Cairn deletes rows of its tables, and each
+// deletion would search a table that references them.
 bool RefersToCairn(const SqlTokens& sql) {
   for (size_t i = 0; i + 1 < sql.size(); ++i) {
     const std::string target = PlainName(sql[i + 1]);
@@ -119,10 +121,10 @@ bool RefersToCairn(const SqlTokens& sql) {
   return false;
 }
 
-// Checks and generated columns are SQL that runs whenever the table is looked through.
+// A check or a generated column is SQL that runs whenever its table is read or written.
 std::string WhyNotPlainTable(const SchemaObject& table) {
   if (Lower(table.name).starts_with("cairn_")) {
-    return "tables of this name are Cairn's own";
+    return "names that begin with cairn_ are reserved";
   }
   if (HasWord(table.sql, "virtual")) {
     return "it is a virtual table";
@@ -131,15 +133,15 @@ std::string WhyNotPlainTable(const SchemaObject& table) {
     return "it has checks or generated columns";
   }
   if (RefersToCairn(table.sql)) {
-    return "it refers to Cairn's tables";
+    return "it references Cairn's tables";
   }
   return "";
 }
 
-// Of columns alone, not of expressions.
+// A plain index has only columns, no expressions.
 std::string WhyNotPlainIndex(const SchemaObject& index) {
   if (IsTableOfMaps(index.table)) {
-    return "it is on one of the map's tables";
+    return "it indexes one of the map's tables";
   }
   const auto is_plain = [](const std::string& token) {
     return IsWordCharacter(token[0]) || token == "," || token == ")" || token.size() > 1;
@@ -147,10 +149,13 @@ std::string WhyNotPlainIndex(const SchemaObject& index) {
   const auto num_others = std::count_if(index.sql.begin(), index.sql.end(),
                                         [&](const auto& token) { return !is_plain(token); });
   const bool is_of_columns = num_others == (index.sql.empty() ? 0 : 1);
-  return is_of_columns && !HasWord(index.sql, "where") ? "" : "it is of expressions";
+  return is_of_columns && !HasWord(index.sql, "where")
+             ? ""
+             : "it indexes expressions or a part of the rows";
 }
 
-// Why an object that a new map does not have may not be in one; empty if it may.
+// Returns the reason why a map may not contain an object that a new map does not have; empty if the
+// object is allowed.
 std::string WhyNotAllowed(const SchemaObject& object) {
   if (object.type == "table") {
     return WhyNotPlainTable(object);
@@ -158,7 +163,7 @@ std::string WhyNotAllowed(const SchemaObject& object) {
   if (object.type == "index") {
     return WhyNotPlainIndex(object);
   }
-  return "other programs may add plain tables only";
+  return "other programs may add only plain tables and indices";
 }
 
 [[noreturn]] void Refuse(const sqlite::Connection& connection, const SchemaObject& object,
@@ -201,7 +206,7 @@ void RequireMapSchema(sqlite::Connection* connection) {
       Refuse(*connection, expected, "is missing");
     }
     if (found->second.sql != expected.sql || found->second.table != expected.table) {
-      Refuse(*connection, expected, "is not as Cairn makes it");
+      Refuse(*connection, expected, "differs from the one in a new map");
     }
   }
   for (const auto& [key, object] : schema) {

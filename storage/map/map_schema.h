@@ -1,5 +1,5 @@
-// The tables, views and triggers of a map: made for a new one, compared in one from outside;
-// private to storage.
+// Creates the tables, views and triggers of a new map, and verifies them in an existing file.
+// Private to storage.
 #ifndef CAIRN_STORAGE_MAP_MAP_SCHEMA_H_
 #define CAIRN_STORAGE_MAP_MAP_SCHEMA_H_
 
@@ -14,17 +14,17 @@ namespace cairn {
 // Runs schema.sql and views.sql.
 void CreateMapSchema(sqlite::Connection* connection);
 
-// Throws Error(kMapDamaged), naming the object, unless the file has everything that a new map has,
-// made by the same SQL but for white space and comments, and otherwise only plain tables and their
-// indices, which other programs may add and Cairn does not read (docs/formats/map_v1.md). So no
-// view or trigger of a stranger ever runs.
+// Throws Error(kMapDamaged), naming the object, unless the schema is that of a new map. SQL is
+// compared without white space and comments. Other programs may add plain tables and indices on
+// them, which Cairn does not read (docs/formats/map_v1.md). Views and triggers that Cairn did not
+// create are refused, so none of them ever runs.
 void RequireMapSchema(sqlite::Connection* connection);
 
-// A word, a quoted name or string with its quotes, or a single other character.
+// Each token is a word, a quoted name or string with its quotes, or any other single character.
 using SqlTokens = std::vector<std::string>;
 
-// The tokens of a statement, without white space and comments. Quotes that do not end reach to the
-// end of the text.
+// Splits a statement into tokens and drops white space and comments. An unterminated quote extends
+// to the end of the text.
 SqlTokens TokenizeSql(std::string_view sql);
 
 }  // namespace cairn

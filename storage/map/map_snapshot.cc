@@ -11,7 +11,7 @@ namespace cairn {
 MapSnapshot::Impl::Impl(std::shared_ptr<ReaderPool> reader_pool)
     : pool(std::move(reader_pool)), connection(pool->Take()) {
   transaction.emplace(connection.get(), sqlite::Transaction::Kind::kDeferred);
-  version = queries::CurrentVersion(connection.get());  // The first read takes the snapshot.
+  version = queries::CurrentVersion(connection.get());  // The first read starts the snapshot.
 }
 
 MapSnapshot::Impl::~Impl() {
@@ -19,7 +19,7 @@ MapSnapshot::Impl::~Impl() {
   try {
     pool->GiveBack(std::move(connection));
   } catch (const std::exception&) {
-    // Out of memory for the list: the connection is closed instead of kept.
+    // No memory for the pool's list: the connection is closed instead of kept.
   }
 }
 

@@ -22,14 +22,14 @@ sqlite::Access AccessFor(OpenMode mode) {
     case OpenMode::kImmutable:
       return sqlite::Access::kImmutable;
   }
-  throw Error(ErrorCode::kInternal, "unknown mode of opening a map");
+  throw Error(ErrorCode::kInternal, "unknown OpenMode");
 }
 
 }  // namespace
 
 struct MapStore::Impl {
   OpenMode mode;
-  std::shared_ptr<ReaderPool> readers;  // Shared with the snapshots, which may live longer.
+  std::shared_ptr<ReaderPool> readers;  // Shared with the snapshots, which may outlive the store.
 };
 
 MapStore::MapStore(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -71,7 +71,7 @@ MapSnapshot MapStore::Snapshot() const {
 
 MapUpdate MapStore::BeginUpdate() {
   if (impl_->mode != OpenMode::kReadWrite) {
-    throw Error(ErrorCode::kConflict, path() + ": was opened for reading only");
+    throw Error(ErrorCode::kConflict, path() + ": was opened read-only");
   }
   return MapUpdate(std::make_unique<MapUpdate::Impl>(path()));
 }

@@ -1,4 +1,5 @@
-// The map file: one SQLite database that is also a GeoPackage. Create, open, read, update.
+// The map file: one SQLite database that is also a GeoPackage. Creates, opens, reads and updates
+// maps.
 #ifndef CAIRN_STORAGE_MAP_MAP_STORE_H_
 #define CAIRN_STORAGE_MAP_MAP_STORE_H_
 
@@ -21,7 +22,7 @@
 
 namespace cairn {
 
-// One tile as the index knows it; everything but the payload bytes.
+// The index's record of one tile: everything except the payload bytes.
 struct TileRecord {
   TileId tile_id;
   PayloadId payload_id{};
@@ -29,17 +30,17 @@ struct TileRecord {
   int64_t num_landmarks = 0;
   int64_t num_descriptors = 0;
   int64_t num_keyframes = 0;
-  int64_t num_bytes = 0;  // Of the encoded payload.
+  int64_t num_bytes = 0;  // Size of the encoded payload.
   double min_h_m = 0.0;   // Ellipsoidal heights of the tile's keyframes.
   double max_h_m = 0.0;
-  GeoBox landmark_bounds;  // Of the landmarks, which can reach far outside the square.
+  GeoBox landmark_bounds;  // Box of the landmarks; they can lie far outside the tile's square.
 };
 
 // One ingested reconstruction.
 struct SessionRecord {
   SessionId id{};
   std::string name;        // Unique; re-ingesting a name replaces the session.
-  std::string source;      // Where it came from, for people.
+  std::string source;      // Origin of the reconstruction, for people.
   std::string created_at;  // UTC, RFC 3339; set by the store.
   int64_t num_images = 0;
   int64_t num_landmarks = 0;  // In the reconstruction, before selection.
@@ -50,7 +51,7 @@ struct SessionRecord {
 struct KeyframeRecord {
   KeyframeId id{};
   SessionId session_id{};
-  TileId tile_id;  // The tile it stands in.
+  TileId tile_id;  // The tile that contains the camera.
   std::string image_name;
   Camera camera;
   Rigid3d cam_from_ecef;
@@ -66,11 +67,12 @@ struct MapInfo {
   int64_t num_descriptors = 0;
   int64_t payload_bytes = 0;
   int64_t file_bytes = 0;
-  std::optional<GeoBox> bounds;  // Nothing if the map is empty.
+  std::optional<GeoBox> bounds;  // Empty if the map is empty.
 };
 
-// A consistent view of one map version for as long as it lives; holds a read transaction. Keep it
-// for one query, not longer: the write-ahead log cannot shrink past it. One thread at a time.
+// A consistent view of one map version. A snapshot holds a read transaction for as long as it
+// lives. Keep a snapshot for one query only, because the write-ahead log cannot shrink past it. Use
+// each snapshot from one thread at a time.
 class MapSnapshot {
  public:
   MapSnapshot(MapSnapshot&&) noexcept;
@@ -80,19 +82,20 @@ class MapSnapshot {
   MapVersion version() const;
   MapInfo Info() const;
 
-  // Tiles whose square's bounding box meets the box, ordered by tile id.
+  // Returns the tiles whose square's bounding box intersects `box`, ordered by tile id.
   std::vector<TileRecord> FindTiles(const GeoBox& box) const;
-  // The first `limit` tiles of the map by tile id.
+  // Returns the first `limit` tiles of the map by tile id.
   std::vector<TileRecord> AllTiles(int64_t limit) const;
   std::optional<TileRecord> FindTile(TileId tile_id) const;
 
-  // The encoded bytes of a tile. Ids come from the map itself, so a payload that this
-  // version does not have is damage: Error(kMapDamaged).
+  // Returns the encoded bytes of a tile. Payload ids come from the map, so a missing payload is
+  // damage. Throws Error(kMapDamaged).
   LargeVector<uint8_t> LoadPayload(PayloadId payload_id) const;
 
-  // Cached by the store. Throws Error(kMapDamaged) if it is missing or does not decode.
+  // The store caches decoded codebooks. Throws Error(kMapDamaged) if the codebook is missing or
+  // does not decode.
   std::shared_ptr<const Codebook> LoadCodebook(CodebookId codebook_id) const;
-  // The codebook new sessions are coded with; nothing if nothing was ingested yet.
+  // Returns the codebook that encodes new sessions, or null if nothing has been ingested yet.
   std::shared_ptr<const Codebook> CurrentCodebook() const;
 
   std::vector<SessionRecord> Sessions() const;
@@ -106,26 +109,26 @@ class MapSnapshot {
   std::unique_ptr<Impl> impl_;
 };
 
-// A write transaction that becomes the next map version, or nothing at all. At most one exists per
-// map file, across processes. One thread.
+// A write transaction that either becomes the next map version or changes nothing. At most one
+// exists per map file, across processes. Use each update from one thread.
 class MapUpdate {
  public:
   MapUpdate(MapUpdate&&) noexcept;
   ~MapUpdate();  // Rolls back unless published.
 
-  // Reads see what was written in this update.
+  // These reads include what this update has written.
   std::optional<TileRecord> FindTile(TileId tile_id) const;
   LargeVector<uint8_t> LoadPayload(PayloadId payload_id) const;
   std::optional<SessionRecord> FindSession(const std::string& name) const;
   std::vector<TileId> TilesOfSession(SessionId session_id) const;
   std::shared_ptr<const Codebook> CurrentCodebook() const;
 
-  // Ignores `id` and makes it current.
+  // Adds a codebook and makes it current. Ignores `codebook.id`.
   CodebookId AddCodebook(const Codebook& codebook);
 
   // Ignores `id` and `created_at`. Throws Error(kConflict) if the name is taken.
   SessionId AddSession(const SessionRecord& session);
-  // Deletes the session's row and keyframes. The caller rewrites or removes its tiles.
+  // Deletes the session's row and keyframes. The caller must rewrite or remove the session's tiles.
   void RemoveSession(SessionId session_id);
 
   // Ignores `id`.
@@ -134,12 +137,12 @@ class MapUpdate {
   // Reserves `count` consecutive landmark ids and returns the first.
   LandmarkId ReserveLandmarkIds(uint64_t count);
 
-  // Inserts or replaces a tile and its payload. Its codebook must be in the map. Ignores
-  // `payload_id` and `num_bytes` and returns the new payload id.
+  // Inserts or replaces a tile and its payload. The tile's codebook must be in the map. Ignores
+  // `payload_id` and `num_bytes`. Returns the new payload id.
   PayloadId PutTile(const TileRecord& tile, std::span<const uint8_t> payload);
   void RemoveTile(TileId tile_id);
 
-  // Commits. Nothing may be called after it but the destructor.
+  // Commits. After Publish, only the destructor may be called.
   MapVersion Publish();
 
  private:
@@ -152,12 +155,12 @@ class MapUpdate {
 enum class OpenMode {
   kReadOnly,
   kReadWrite,
-  // For reading a file that nobody writes to: without locks, and as if there were no write-ahead
-  // log beside it. The store does not see updates, and may not be used while there are any.
+  // For a file that nobody writes to. Reads without locks and ignores any write-ahead log. The
+  // store does not see updates, and must not be used while the map is updated.
   kImmutable,
 };
 
-// What the name of an open map stands for now.
+// What an open map's path refers to now.
 enum class MapFileState { kInPlace, kReplaced, kMissing };
 
 struct CheckReport {
@@ -165,17 +168,19 @@ struct CheckReport {
   std::vector<std::string> problems;  // Empty if the map is sound.
 };
 
-// An open map file. Safe to call from any thread. It stays the same file when another one takes its
-// name; then no more snapshots can be open at a time than there were before.
+// An open map file. Safe to call from any thread. If another file takes the map's path, the store
+// keeps reading the file it opened; the number of snapshots open at a time can then no longer grow.
 class MapStore {
  public:
-  // Makes an empty map, which has version 1. Throws Error(kConflict) if the file exists, Error(kIo)
-  // if it cannot be made.
+  // Creates an empty map of version 1. Throws Error(kConflict) if the file exists and Error(kIo) if
+  // the file cannot be created.
   static MapStore Create(const std::string& path);
 
-  // Throws Error(kNotFound) if there is no file, Error(kBadInput) if it is not a Cairn map (says
-  // what it seems to be), Error(kMapDamaged) if it fails its first checks, Error(kConflict) if it
-  // needs a newer Cairn, or is replaced while it is being opened.
+  // Throws:
+  //  - Error(kNotFound) if there is no file;
+  //  - Error(kBadInput) if the file is not a Cairn map, with a guess of its kind;
+  //  - Error(kMapDamaged) if the file fails its first checks;
+  //  - Error(kConflict) if the map needs a newer Cairn, or is replaced while it is being opened.
   static MapStore Open(const std::string& path, OpenMode mode);
 
   MapStore(MapStore&&) noexcept;
@@ -184,8 +189,8 @@ class MapStore {
 
   const std::string& path() const;
   MapFileState FileState() const;
-  // The name of the write-ahead log, which need not be there. Whoever opens a map by this path
-  // takes the file of that name for its log, also if another map has left it.
+  // Returns the path of the write-ahead log, which need not exist. SQLite uses the file of this
+  // name as the log of any map opened at this path, even a log that another map left behind.
   std::string LogPath() const;
 
   MapSnapshot Snapshot() const;
@@ -193,8 +198,8 @@ class MapStore {
   // Throws Error(kConflict) if the store is not open for writing or another update is open.
   MapUpdate BeginUpdate();
 
-  // Integrity of the database and of every payload (checksum and decode). `progress` (may be empty)
-  // gets tiles done and total.
+  // Checks the integrity of the database and of every payload (checksum and decoding). `progress`
+  // may be empty; it receives the number of tiles done and the total.
   CheckReport Check(const std::function<void(int64_t, int64_t)>& progress) const;
 
  private:

@@ -22,12 +22,12 @@ namespace {
 
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
-// "[1.5,2,3]", every number as short as it can be read back exactly.
+// Formats numbers as "[1.5,2,3]". Each number is as short as an exact round trip allows.
 std::string FormatNumbers(const std::vector<double>& numbers) {
   return fmt::format("[{}]", fmt::join(numbers, ","));
 }
 
-// The row of equal intrinsics, made if there is none.
+// Returns the id of the row with equal intrinsics. Inserts a row if there is none.
 int64_t CameraRow(sqlite::Connection* connection, const Camera& camera) {
   const std::string model = CameraModelName(camera.model());
   const int64_t width_px = camera.width_px();
@@ -47,7 +47,7 @@ int64_t CameraRow(sqlite::Connection* connection, const Camera& camera) {
   return connection->LastInsertId();
 }
 
-// Direction of the optical axis on the ground, degrees clockwise from north in [0, 360).
+// Returns the heading of the optical axis: degrees clockwise from north, in [0, 360).
 double HeadingDeg(const Rigid3d& cam_from_ecef, const Geodetic& position) {
   const Eigen::Vector3d axis_in_enu =
       EcefFromEnu(position).rotation.conjugate() *
@@ -56,7 +56,8 @@ double HeadingDeg(const Rigid3d& cam_from_ecef, const Geodetic& position) {
   return heading_deg < 0.0 ? heading_deg + 360.0 : heading_deg;
 }
 
-// What GeoPackage readers show of a layer without reading it.
+// Updates gpkg_contents, from which GeoPackage readers learn a layer's extent and last change
+// without reading the layer.
 void UpdateContents(sqlite::Connection* connection) {
   connection->Execute(
       "UPDATE gpkg_contents SET last_change = strftime('%Y-%m-%dT%H:%M:%fZ', 'now') "
@@ -77,11 +78,12 @@ MapUpdate::Impl::Impl(const std::string& path) : connection(OpenMapFileForUpdate
   } catch (const Error& error) {
     if (error.code() == ErrorCode::kConflict) {
       throw Error(ErrorCode::kConflict,
-                  path + ": another update of this map is running; try again when it is done");
+                  path + ": another update of this map is running; try again when it has finished");
     }
     throw;
   }
-  // In the transaction, so that the triggers that run now are those that were checked.
+  // The schema is checked inside the transaction, so the triggers that run later are the checked
+  // ones.
   RequireMapSchema(connection.get());
 }
 
@@ -124,7 +126,8 @@ CodebookId MapUpdate::AddCodebook(const Codebook& codebook) {
 
 SessionId MapUpdate::AddSession(const SessionRecord& session) {
   if (FindSession(session.name)) {
-    throw Error(ErrorCode::kConflict, impl_->connection->path() + ": has a session named '" +
+    throw Error(ErrorCode::kConflict, impl_->connection->path() +
+                                          ": already has a session named '" +
                                           Excerpt(session.name) + "' already");
   }
   impl_->connection
@@ -181,8 +184,8 @@ KeyframeId MapUpdate::AddKeyframe(const KeyframeRecord& keyframe) {
 }
 
 LandmarkId MapUpdate::ReserveLandmarkIds(uint64_t count) {
-  constexpr uint64_t kMaxCount = uint64_t{1} << 48;  // Far from the end of 63 bits.
-  CAIRN_CHECK(count <= kMaxCount, "more landmarks than a map can number");
+  constexpr uint64_t kMaxCount = uint64_t{1} << 48;  // Far below the limit of 63 bits.
+  CAIRN_CHECK(count <= kMaxCount, "a map cannot number this many landmarks");
   sqlite::Statement row = impl_->connection->Prepare(
       "UPDATE cairn_map SET next_landmark_id = next_landmark_id + ? RETURNING next_landmark_id");
   row.Bind(static_cast<int64_t>(count));
@@ -236,7 +239,7 @@ void MapUpdate::RemoveTile(TileId tile_id) {
 }
 
 MapVersion MapUpdate::Publish() {
-  CAIRN_CHECK(impl_->transaction.has_value(), "the update was published before");
+  CAIRN_CHECK(impl_->transaction.has_value(), "the update was already published");
   UpdateContents(impl_->connection.get());
   impl_->connection->Execute(
       "INSERT INTO cairn_versions (version, created_at) "
@@ -244,7 +247,8 @@ MapVersion MapUpdate::Publish() {
   const MapVersion version = queries::CurrentVersion(impl_->connection.get());
   impl_->transaction->Commit();
   impl_->transaction.reset();
-  // Moves what no reader holds back into the file; what is left is moved by a later publication.
+  // Moves the log's pages into the file, except those that a reader still needs; a later
+  // publication moves these.
   sqlite3_wal_checkpoint_v2(impl_->connection->handle(), nullptr, SQLITE_CHECKPOINT_PASSIVE,
                             nullptr, nullptr);
   return version;

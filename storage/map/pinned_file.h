@@ -1,4 +1,4 @@
-// A file that stays the same one, whatever becomes of its name.
+// A handle that identifies a file even after its path is renamed or replaced.
 #ifndef CAIRN_STORAGE_MAP_PINNED_FILE_H_
 #define CAIRN_STORAGE_MAP_PINNED_FILE_H_
 
@@ -6,17 +6,18 @@
 
 namespace cairn {
 
-// Remembers which file a name stood for. Does not open the file, so that closing it takes no locks
-// from others in this process, but keeps the system from giving its number to another file.
+// Remembers which file a path referred to. While the handle exists, the file system cannot reuse
+// the file's inode number. The handle is opened without access to the content, so closing it does
+// not release locks that this process holds on the file.
 class PinnedFile {
  public:
-  // Of a name that stands for nothing, or for what may not be looked at, nothing is pinned.
+  // Pins nothing if the path does not exist or may not be accessed.
   explicit PinnedFile(const std::string& path);
   ~PinnedFile();
   PinnedFile(PinnedFile&& other) noexcept;
   PinnedFile& operator=(PinnedFile&& other) noexcept;
 
-  // The name stands for the pinned file; false if nothing is pinned.
+  // Returns true if the path refers to the pinned file; false if nothing is pinned.
   bool IsAt(const std::string& path) const;
 
  private:

@@ -36,7 +36,7 @@ std::unique_ptr<sqlite::Connection> ReaderPool::Take() {
   }
   if (IsInPlace()) {
     auto connection = ReopenMapFile(path_, access_);
-    if (IsInPlace()) {  // Nothing was read through it yet.
+    if (IsInPlace()) {  // Nothing has been read through this connection yet.
       return connection;
     }
   }
@@ -47,7 +47,7 @@ std::unique_ptr<sqlite::Connection> ReaderPool::WaitForIdle() {
   std::unique_lock lock(mutex_);
   if (!given_back_.wait_for(lock, kMaxWait, [this] { return !idle_.empty(); })) {
     throw Error(ErrorCode::kUnavailable,
-                path_ + ": the file was replaced, and what is open of it is in use");
+                path_ + ": the file was replaced, and all its open connections are in use");
   }
   std::unique_ptr<sqlite::Connection> connection = std::move(idle_.back());
   idle_.pop_back();

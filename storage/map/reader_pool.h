@@ -1,4 +1,4 @@
-// The reading connections of an open map; private to storage.
+// The reading connections of an open map. Private to storage.
 #ifndef CAIRN_STORAGE_MAP_READER_POOL_H_
 #define CAIRN_STORAGE_MAP_READER_POOL_H_
 
@@ -16,24 +16,26 @@
 
 namespace cairn {
 
-// Connections are opened as needed and kept for reuse with their compiled statements: as many as
-// there were snapshots at one time. Also keeps decoded codebooks, which never change. Safe to call
-// from any thread.
+// Opens connections as needed and keeps them, with their compiled statements, for reuse. The pool
+// holds as many connections as there were snapshots at one time. The pool also keeps decoded
+// codebooks, which never change. Safe to call from any thread.
 class ReaderPool {
  public:
-  // `first` has passed the checks of OpenMapFile with `access`; `file` is the one it has open.
+  // `first` has passed the checks of OpenMapFile with `access`. `file` pins the file that `first`
+  // has open.
   ReaderPool(std::unique_ptr<sqlite::Connection> first, sqlite::Access access, PinnedFile file);
 
   const std::string& path() const { return path_; }
-  // The path still stands for the file.
+  // Returns true if the path still refers to the open file.
   bool IsInPlace() const { return file_.IsAt(path_); }
 
-  // All connections are to the same file. When it has lost its name, waits for one that is given
-  // back; throws Error(kUnavailable) if none is for a long time.
+  // Borrows a connection. All connections read the same file. If another file has taken the path,
+  // waits for a connection to be returned; throws Error(kUnavailable) if none is returned for a
+  // long time.
   std::unique_ptr<sqlite::Connection> Take();
   void GiveBack(std::unique_ptr<sqlite::Connection> connection);
 
-  // Reads through `connection` what is not kept yet.
+  // Returns a codebook, reading it through `connection` if the pool does not hold it yet.
   std::shared_ptr<const Codebook> LoadCodebook(sqlite::Connection* connection,
                                                CodebookId codebook_id);
 

@@ -26,7 +26,7 @@ using StatementPtr = std::unique_ptr<sqlite3_stmt, decltype(&sqlite3_finalize)>;
 
 constexpr size_t kMaxQuotedSqlBytes = 300;
 
-// Pragmas that only show something.
+// Pragmas that only report something.
 constexpr std::string_view kPragmas[] = {
     "application_id",  "compile_options", "database_list", "foreign_key_check", "foreign_key_list",
     "freelist_count",  "function_list",   "index_info",    "index_list",        "index_xinfo",
@@ -34,7 +34,8 @@ constexpr std::string_view kPragmas[] = {
     "table_info",      "table_list",      "table_xinfo",   "user_version",
 };
 
-// The file is open read-only; what is left to refuse are other files and settings.
+// The connection is read-only. The authorizer refuses the rest: other files and changes of
+// settings.
 int Authorize(void* /*user_data*/, int action, const char* first, const char* /*second*/,
               const char* /*database*/, const char* /*trigger*/) {
   if (action == SQLITE_ATTACH || action == SQLITE_DETACH) {
@@ -47,8 +48,8 @@ int Authorize(void* /*user_data*/, int action, const char* first, const char* /*
   return SQLITE_OK;
 }
 
-// Interrupts a connection when the time is up. A progress handler would not do: SQLite counts the
-// rows of a table without calling it.
+// Interrupts a connection once the time is up. SQLite counts the rows of a table without calling a
+// progress handler, so a progress handler would not suffice.
 class Watchdog {
  public:
   Watchdog(sqlite3* db, double timeout_s)
@@ -60,7 +61,8 @@ class Watchdog {
           std::condition_variable_any wake;
           std::unique_lock lock(mutex);
           wake.wait_until(lock, stop, until, [] { return false; });
-          while (!stop.stop_requested()) {  // Again, for statements that begin later.
+          // Repeats the interrupt for statements that begin later.
+          while (!stop.stop_requested()) {
             sqlite3_interrupt(db);
             wake.wait_for(lock, stop, std::chrono::milliseconds(10), [] { return false; });
           }
@@ -70,11 +72,12 @@ class Watchdog {
   std::jthread thread_;  // Stopped and joined on destruction.
 };
 
-// What is not the map's or the machine's fault is the statement's.
+// Throws the error of a failed statement. Failures that neither the map nor the machine causes are
+// the statement's fault: Error(kBadInput).
 [[noreturn]] void ThrowStatementError(const sqlite::Connection& connection, int result) {
   if ((result & 0xff) == SQLITE_INTERRUPT) {
     throw Error(ErrorCode::kBadInput,
-                "SQL: stopped, the time is up; give a longer --timeout or ask for less");
+                "SQL: stopped because the time is up; set a longer --timeout or select fewer rows");
   }
   const ErrorCode code = sqlite::CodeFromResult(result);
   if (code == ErrorCode::kInternal) {
@@ -101,8 +104,9 @@ SqlCell CellOf(sqlite3_stmt* statement, int column) {
 void RunStatement(const sqlite::Connection& connection, sqlite3_stmt* statement,
                   const SqlSink& sink) {
   if (sqlite3_stmt_readonly(statement) == 0) {
-    throw Error(ErrorCode::kBadInput, "SQL: this statement writes, and maps are only read here: " +
-                                          Excerpt(sqlite3_sql(statement)));
+    throw Error(ErrorCode::kBadInput,
+                "SQL: this statement writes, but `cairn sql` only reads maps: " +
+                    Excerpt(sqlite3_sql(statement)));
   }
   const int num_columns = sqlite3_column_count(statement);
   if (num_columns > 0) {
@@ -134,7 +138,7 @@ void RunSql(const std::string& map_path, const std::string& sql, const SqlOption
   options.Validate();
   sqlite::Access access = sqlite::Access::kReadOnly;
   const std::unique_ptr<sqlite::Connection> connection = OpenMapFile(map_path, &access);
-  connection->TrustSchema();  // The views show R*Trees.
+  connection->TrustSchema();  // The views read R*Trees.
   if (const int result = inspection::RegisterInspection(connection->handle());
       result != SQLITE_OK) {
     sqlite::ThrowError(connection->handle(), result, map_path, "register functions");
@@ -151,7 +155,7 @@ void RunSql(const std::string& map_path, const std::string& sql, const SqlOption
     if (result != SQLITE_OK) {
       ThrowStatementError(*connection, result);
     }
-    if (handle != nullptr) {  // Else there were only blanks or a comment.
+    if (handle != nullptr) {  // The text held more than blanks and comments.
       RunStatement(*connection, handle, sink);
     }
   }

@@ -1,4 +1,4 @@
-// Read-only SQL over a map for people: `cairn sql`.
+// Read-only SQL on a map for people: `cairn sql`.
 #ifndef CAIRN_STORAGE_MAP_SQL_SHELL_H_
 #define CAIRN_STORAGE_MAP_SQL_SHELL_H_
 
@@ -8,14 +8,14 @@
 
 namespace cairn {
 
-// One value of a result row, as text. NULL has no text; a blob shows its size.
+// One value of a result row as text. NULL has empty text; a blob's text is its size.
 struct SqlCell {
   std::string text;
   bool is_null = false;
   bool is_number = false;
 };
 
-// Where results go: for each statement that gives any, its columns and then its rows.
+// Receives results: for each statement that returns rows, first the column names, then the rows.
 struct SqlSink {
   std::function<void(const std::vector<std::string>& column_names)> on_columns;
   std::function<void(const std::vector<SqlCell>& row)> on_row;
@@ -27,10 +27,10 @@ struct SqlOptions {
   void Validate() const;  // Throws Error(kInvalidArgument).
 };
 
-// Opens the map read-only with all inspection functions and virtual tables registered and runs
-// every statement of `sql`. Throws Error(kBadInput) with SQLite's message on an SQL error or an
-// attempt to write, to attach another file or to change a setting, or when the time is up, and as
-// MapStore::Open. Messages quote the beginning of a statement.
+// Opens the map read-only, registers all inspection functions and virtual tables, and runs every
+// statement of `sql`. Throws what MapStore::Open throws. Throws Error(kBadInput) if a statement
+// fails, with SQLite's message; if a statement writes, attaches another file or changes a setting;
+// and if the time is up. Messages quote the beginning of the statement.
 void RunSql(const std::string& map_path, const std::string& sql, const SqlOptions& options,
             const SqlSink& sink);
 

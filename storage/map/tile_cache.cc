@@ -21,12 +21,13 @@ struct TileCache::Impl {
   };
 
   mutable std::mutex mutex;
-  std::list<PayloadId> recently_used;  // Front is the latest.
+  std::list<PayloadId> recently_used;  // The front is the most recently used.
   std::unordered_map<PayloadId, Entry> entries;
   std::unordered_map<PayloadId, std::shared_future<CachedTilePtr>> loading;
   TileCacheStats stats;
 
-  // Keeps a value if it fits and returns what had to go, to be destroyed without the lock.
+  // Keeps the value if it fits. Returns the evicted values, so that the caller destroys them
+  // without holding the lock.
   std::vector<CachedTilePtr> Insert(PayloadId payload_id, const CachedTilePtr& tile, size_t bytes) {
     std::vector<CachedTilePtr> evicted;
     if (bytes > stats.max_bytes) {
@@ -62,7 +63,7 @@ struct TileCache::Impl {
 
 TileCache::TileCache(size_t max_bytes) : impl_(std::make_unique<Impl>()) {
   if (max_bytes == 0) {
-    throw Error(ErrorCode::kInvalidArgument, "the tile cache needs a size above 0 bytes");
+    throw Error(ErrorCode::kInvalidArgument, "the size of the tile cache must be above 0 bytes");
   }
   impl_->stats.max_bytes = max_bytes;
 }
@@ -116,7 +117,7 @@ TileCacheStats TileCache::Stats() const {
 }
 
 void TileCache::Clear() {
-  std::unordered_map<PayloadId, Impl::Entry> cleared;  // Destroyed without the lock.
+  std::unordered_map<PayloadId, Impl::Entry> cleared;  // Destroyed after the lock is released.
   const std::lock_guard lock(impl_->mutex);
   cleared.swap(impl_->entries);
   impl_->recently_used.clear();

@@ -1,4 +1,4 @@
-// A byte-bounded, thread-safe cache that loads each missing value once.
+// A thread-safe cache, bounded in bytes, that loads each missing value once.
 #ifndef CAIRN_STORAGE_MAP_TILE_CACHE_H_
 #define CAIRN_STORAGE_MAP_TILE_CACHE_H_
 
@@ -13,40 +13,43 @@ namespace cairn {
 
 struct TileCacheStats {
   uint64_t num_hits = 0;
-  uint64_t num_misses = 0;  // Each miss is one load; callers that waited for it count as hits.
+  uint64_t num_misses = 0;  // Each miss is one load; callers that wait for the load count as hits.
   uint64_t num_evictions = 0;
   size_t num_entries = 0;
   size_t bytes = 0;
   size_t max_bytes = 0;
 };
 
-// What the cache holds: a tile in whatever form its user searches it. The engine derives from it.
+// The base class of cached values: a tile in the form that its user searches. The engine derives
+// from it.
 class CachedTile {
  public:
   virtual ~CachedTile() = default;
   virtual size_t MemoryBytes() const = 0;
 };
 
-// Least-recently-used by bytes. A payload id names bytes that never change, so nothing is ever
-// invalidated: tiles of old map versions just age out. Values stay alive while someone holds them,
-// even after eviction. Safe to call from any thread; loads of different tiles run in parallel.
+// Evicts the least recently used values once the sum of their bytes exceeds the bound. Nothing is
+// ever invalidated, because the bytes of a payload id never change; tiles of old map versions age
+// out. An evicted value stays alive as long as a caller holds it. Safe to call from any thread;
+// loads of different tiles run in parallel.
 class TileCache {
  public:
   using Loader = std::function<std::shared_ptr<const CachedTile>()>;
 
-  // A value larger than the bound is handed out but not kept. Throws Error(kInvalidArgument) if
+  // A value larger than the bound is returned but not kept. Throws Error(kInvalidArgument) if
   // `max_bytes` is 0.
   explicit TileCache(size_t max_bytes);
   ~TileCache();
   TileCache(const TileCache&) = delete;
   TileCache& operator=(const TileCache&) = delete;
 
-  // Returns the cached value, or runs `loader` in the calling thread. Threads that ask for a tile
-  // that another thread is loading wait for that one load. An exception from the loader reaches
-  // every waiting thread and is not cached: the next call loads again.
+  // Returns the cached value, or runs `loader` in the calling thread. Threads that request a tile
+  // while another thread loads it wait for that load. If the loader throws, every waiting thread
+  // gets the exception and nothing is cached: the next call loads again.
   std::shared_ptr<const CachedTile> GetOrLoad(PayloadId payload_id, const Loader& loader);
 
-  // The value if it is there and loaded, else null; does not wait and does not count.
+  // Returns the value if it is loaded, else null. Does not wait and does not count as a hit or a
+  // miss.
   std::shared_ptr<const CachedTile> Peek(PayloadId payload_id) const;
 
   TileCacheStats Stats() const;

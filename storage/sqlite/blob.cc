@@ -10,7 +10,8 @@
 namespace cairn::sqlite {
 namespace {
 
-constexpr size_t kAlwaysAllowedBytes = size_t{64} << 20;  // Not worth a look at the file's size.
+// Below this size, the file size need not be queried.
+constexpr size_t kAlwaysAllowedBytes = size_t{64} << 20;
 
 }  // namespace
 
@@ -28,10 +29,11 @@ std::optional<LargeVector<uint8_t>> ReadBlob(Connection* connection, const char*
     ThrowError(connection->handle(), opened, connection->path(), "read a blob");
   }
   const auto num_bytes = static_cast<size_t>(sqlite3_blob_bytes(handle));
-  // A chain of pages in a circle holds as many bytes as the row likes to say.
+  // If the pages of a blob form a cycle, the blob can claim any size, so it is compared with the
+  // file size.
   if (num_bytes > kAlwaysAllowedBytes && num_bytes > connection->FileBytes()) {
     throw Error(ErrorCode::kMapDamaged, connection->path() + ": " + table + "." + column +
-                                            " is said to hold more bytes than the file");
+                                            " claims more bytes than the file has");
   }
   LargeVector<uint8_t> bytes(num_bytes);
   const int read = sqlite3_blob_read(handle, bytes.data(), static_cast<int>(bytes.size()), 0);

@@ -1,4 +1,4 @@
-// Incremental blob I/O: reads a blob straight into its destination.
+// Incremental blob I/O, which reads a blob directly into its destination.
 #ifndef CAIRN_STORAGE_SQLITE_BLOB_H_
 #define CAIRN_STORAGE_SQLITE_BLOB_H_
 
@@ -10,8 +10,8 @@
 
 namespace cairn::sqlite {
 
-// The bytes of a blob in a rowid table of the main database; nothing if there is no such row.
-// Copies once, where a SELECT copies twice. Throws Error.
+// Returns the bytes of a blob in a rowid table of the main database; nothing if the row does not
+// exist. Copies the bytes once; a SELECT would copy them twice. Throws Error.
 std::optional<LargeVector<uint8_t>> ReadBlob(Connection* connection, const char* table,
                                              const char* column, int64_t row_id);
 

@@ -11,13 +11,13 @@
 namespace cairn::sqlite {
 namespace {
 
-// A scan takes tens of steps a row, and the smallest row takes some bytes. What is not in the file
-// yet is in SQLite's cache of 2 MB.
+// The work limit grows with the file size: a scan takes tens of steps per row, and the smallest row
+// takes some bytes. The base covers rows that are not in the file yet but in SQLite's 2 MB cache.
 constexpr int kStepsACall = 1000;
 constexpr int64_t kBaseSteps = 20'000'000;
 constexpr int64_t kStepsAByte = 20;
 
-// "file:" URI of a path, in which %, ? and # would have a meaning.
+// Returns the "file:" URI of a path. In a URI, %, ? and # have a special meaning and are escaped.
 std::string ImmutableUri(const std::string& absolute_path) {
   std::string uri = "file:";
   for (const char c : absolute_path) {
@@ -45,13 +45,13 @@ int OpenFlags(Access access) {
     case Access::kMemory:
       return kCommon | SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_MEMORY;
   }
-  throw Error(ErrorCode::kInternal, "unknown access to an SQLite file");
+  throw Error(ErrorCode::kInternal, "unknown sqlite::Access");
 }
 
 }  // namespace
 
 Connection::Connection(const std::string& path, Access access, int busy_timeout_ms) : path_(path) {
-  // Absolute, because names like ":memory:" mean something to SQLite.
+  // An absolute path cannot be mistaken for a special name such as ":memory:".
   const std::string absolute = std::filesystem::absolute(path).string();
   const std::string name = access == Access::kImmutable ? ImmutableUri(absolute)
                            : access == Access::kMemory  ? ":memory:"
@@ -103,7 +103,7 @@ int Connection::OnProgress(void* connection) {
 
 bool Connection::MayGoOn() {
   num_steps_ += kStepsACall;
-  if (num_steps_ > max_steps_) {  // The file may have grown.
+  if (num_steps_ > max_steps_) {  // The file may have grown; update the limit.
     max_steps_ = kBaseSteps + kStepsAByte * static_cast<int64_t>(FileBytes());
   }
   return num_steps_ <= max_steps_;
@@ -152,7 +152,7 @@ void Connection::GiveBack(sqlite3_stmt* statement) noexcept {
       return;
     }
   } catch (const std::bad_alloc&) {
-    // Then it is compiled again next time.
+    // No memory for the cache: the statement is compiled again next time.
   }
   sqlite3_finalize(statement);
 }

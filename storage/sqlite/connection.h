@@ -1,4 +1,4 @@
-// One connection to an SQLite database file.
+// A connection to an SQLite database file.
 #ifndef CAIRN_STORAGE_SQLITE_CONNECTION_H_
 #define CAIRN_STORAGE_SQLITE_CONNECTION_H_
 
@@ -15,22 +15,24 @@ struct sqlite3_stmt;
 namespace cairn::sqlite {
 
 enum class Access {
-  kCreate,  // Makes the file if it is not there.
+  kCreate,  // Creates the file if it does not exist.
   kReadWrite,
   kReadOnly,
-  kImmutable,  // Read-only, without locks or a write-ahead log: nobody may change the file.
-  kMemory,     // A new, empty database in memory; the path is a name for messages.
+  // Read-only, without locks and without a write-ahead log; nobody may change the file.
+  kImmutable,
+  kMemory,  // A new, empty database in memory; the path is only a name for messages.
 };
 
-// Foreign keys are enforced. Schemas are not trusted: triggers and views may use only what is
-// marked as innocuous, and pages are checked as they are read.
+// Foreign keys are enforced. Schemas are not trusted: triggers and views may use only functions and
+// tables that SQLite marks as innocuous, and pages are checked as they are read.
 //
-// No file makes a statement run for ever. A statement of ours does work in proportion to the size
-// of the file; one that does far more, because the pages of a file refer to each other in circles
-// or a view never ends, is broken off with Error(kMapDamaged). One thread at a time.
+// The work of a statement is limited in proportion to the file size. A statement exceeds the limit
+// if damaged pages form a cycle or a view never ends; it then fails with Error(kMapDamaged).
+//
+// Use each connection from one thread at a time.
 class Connection {
  public:
-  // `busy_timeout_ms` is how long a lock of another connection is waited for. Throws Error.
+  // `busy_timeout_ms` is how long to wait for another connection's lock. Throws Error.
   Connection(const std::string& path, Access access, int busy_timeout_ms);
   ~Connection();
   Connection(const Connection&) = delete;
@@ -42,27 +44,27 @@ class Connection {
   // Lets triggers and views use R*Trees, which SQLite 3.40 does not mark as innocuous.
   void TrustSchema();
 
-  // From now on statements may do as much work as they like. For the statements of people, who have
-  // a time limit instead.
+  // Removes the work limit. For statements that people write, which have a time limit instead.
   void LiftWorkLimit();
 
-  // Size of the file and its write-ahead log now, bytes.
+  // Returns the current size of the file and its write-ahead log, bytes.
   uint64_t FileBytes() const;
 
-  // Runs statements whose rows, if any, do not matter.
+  // Runs statements and ignores their rows.
   void Execute(const std::string& script);
 
-  // A statement of our own making; SQL that does not compile means that the schema is not what we
-  // made: Error(kMapDamaged). Compiled once a connection.
+  // Prepares one of Cairn's own statements. If the SQL does not compile, the file does not have the
+  // schema of a map: throws Error(kMapDamaged). Each connection compiles a statement once.
   Statement Prepare(std::string_view sql);
 
   int64_t LastInsertId() const;
-  // Rows that the last INSERT, UPDATE or DELETE changed.
+  // Returns the number of rows that the last INSERT, UPDATE or DELETE changed.
   int64_t NumChanges() const;
 
  private:
   friend class Statement;
-  // SQLite calls it every so many steps of a statement; anything but 0 ends the statement.
+  // SQLite calls OnProgress every kStepsACall steps of a statement. A result other than 0 ends the
+  // statement.
   static int OnProgress(void* connection);
   bool MayGoOn();
   void ResetSteps();
@@ -73,8 +75,9 @@ class Connection {
   std::string path_;
   sqlite3* handle_ = nullptr;
   std::unordered_map<std::string, sqlite3_stmt*> idle_statements_;
-  int num_statements_ = 0;  // Borrowed.
-  int64_t num_steps_ = 0;   // Since none was borrowed: of a statement and those in its loops.
+  int num_statements_ = 0;  // Number of borrowed statements.
+  // Steps since no statement was borrowed: those of a statement and of the statements in its loops.
+  int64_t num_steps_ = 0;
   int64_t max_steps_ = 0;
 };
 

@@ -70,8 +70,8 @@ void ThrowContentError(sqlite3* db, int result, const std::string& path, const c
   if ((result & 0xff) == SQLITE_INTERRUPT) {
     throw Error(ErrorCode::kMapDamaged,
                 path + ": cannot " + action +
-                    ": this takes far more work than a sound file of its size; its pages refer to "
-                    "each other in circles");
+                    ": this takes far more work than in an undamaged file of this size; "
+                    "the file's pages may form cycles");
   }
   throw Error(CodeFromContent(result), MessageOf(db, result, path, action));
 }

@@ -1,4 +1,4 @@
-// SQLite's result codes as cairn::Error.
+// Converts SQLite's result codes to cairn::Error.
 #ifndef CAIRN_STORAGE_SQLITE_ERROR_H_
 #define CAIRN_STORAGE_SQLITE_ERROR_H_
 
@@ -10,24 +10,24 @@ struct sqlite3;
 
 namespace cairn::sqlite {
 
-// What kind of failure a result code is: damage for SQLITE_CORRUPT and its like, kConflict for
-// locks, kIo for what the operating system refused, else kInternal.
+// Classifies a result code: kMapDamaged for SQLITE_CORRUPT and similar codes, kConflict for locks,
+// kIo for refusals of the operating system, else kInternal.
 ErrorCode CodeFromResult(int result);
 
-// The same for a statement of our own on a file from outside. Such a statement is right, so that
-// what SQLite refuses of it (a number too large, a constraint, endless work) is the file's fault:
-// damage where the above says kInternal, unless memory is short.
+// Classifies a result code of one of Cairn's own statements on an untrusted file. Cairn's
+// statements are valid, so a failure such as an overflow, a violated constraint or too much work is
+// the file's fault: kMapDamaged where CodeFromResult returns kInternal, unless memory ran out.
 ErrorCode CodeFromContent(int result);
 
-// "SQLite says "..."" with what the connection says last, cut: SQLite quotes names and values of
-// the file. `db` may be null if there is no connection yet.
+// Returns "SQLite says "..."" with the connection's last message, shortened, since SQLite quotes
+// names and values of the file. `db` may be null if there is no connection yet.
 std::string DetailOf(sqlite3* db, int result);
 
-// Throws Error with `path`, `action` ("read", "write", ...) and SQLite's own message, or
-// std::bad_alloc if SQLite got no memory. `db` may be null if there is no connection yet.
+// Throws Error with `path`, `action` ("read", "write", ...) and SQLite's message, or std::bad_alloc
+// if SQLite ran out of memory. `db` may be null if there is no connection yet.
 [[noreturn]] void ThrowError(sqlite3* db, int result, const std::string& path, const char* action);
 
-// The same with the code of CodeFromContent.
+// Like ThrowError, with the code of CodeFromContent.
 [[noreturn]] void ThrowContentError(sqlite3* db, int result, const std::string& path,
                                     const char* action);
 

@@ -14,16 +14,16 @@ namespace cairn::sqlite {
 
 class Connection;
 
-// Borrowed from a Connection's cache and given back, reset, on destruction; must not outlive the
-// connection. Used by the thread that uses the connection.
+// Borrowed from a connection's cache; the destructor resets and returns the statement. A statement
+// must not outlive its connection, and is used by the thread that uses the connection.
 class Statement {
  public:
   Statement(Statement&& other) noexcept;
   Statement& operator=(Statement&&) = delete;
   ~Statement();
 
-  // Binds every value in order, from parameter 1. Blobs are not copied: they must stay until Step
-  // returned.
+  // Binds the values in order, from parameter 1. Blobs are not copied: they must stay valid until
+  // Step returns.
   template <typename... Values>
   Statement& Bind(const Values&... values) {
     int index = 0;
@@ -31,17 +31,18 @@ class Statement {
     return *this;
   }
 
-  // Moves to the next row; false after the last. Throws Error.
+  // Moves to the next row. Returns false after the last. Throws Error.
   bool Step();
 
-  // Steps a statement that returns no rows, and resets it so that it can be bound and run again.
+  // Runs a statement that returns no rows, then resets it so that it can be bound and run again.
   void Run();
 
-  // Column of the current row, from 0. A value of another type than asked for is damage: the tables
-  // are STRICT. Throws Error(kMapDamaged).
+  // Return a column of the current row; columns count from 0. The tables are STRICT, so a value of
+  // another type is damage. Throw Error(kMapDamaged).
   int64_t Int64(int column) const;
   double Double(int column) const;
-  double Number(int column) const;  // A whole one or not, for tables that are not ours.
+  // Accepts an integer or a real, for tables that are not Cairn's.
+  double Number(int column) const;
   std::string Text(int column) const;
   std::vector<uint8_t> Blob(int column) const;
   bool IsNull(int column) const;

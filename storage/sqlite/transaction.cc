@@ -9,7 +9,7 @@ Transaction::Transaction(Connection* connection, Kind kind) : connection_(connec
 }
 
 Transaction::~Transaction() {
-  // After a failure such as a full disk SQLite may have rolled back already.
+  // After a failure such as a full disk, SQLite may have rolled back already.
   if (connection_ != nullptr && sqlite3_get_autocommit(connection_->handle()) == 0) {
     sqlite3_exec(connection_->handle(), "ROLLBACK", nullptr, nullptr, nullptr);
   }

@@ -7,12 +7,12 @@
 namespace cairn::sqlite {
 
 // Rolls back on destruction unless committed; rolling back never throws. The connection must
-// outlive it. Used by the thread that uses the connection.
+// outlive the transaction. Used by the thread that uses the connection.
 class Transaction {
  public:
   enum class Kind {
-    kDeferred,   // Takes its snapshot with the first read.
-    kImmediate,  // Takes the write lock at once or throws Error(kConflict).
+    kDeferred,   // Takes its snapshot at the first read.
+    kImmediate,  // Takes the write lock immediately or throws Error(kConflict).
   };
 
   Transaction(Connection* connection, Kind kind);

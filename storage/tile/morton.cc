@@ -8,10 +8,10 @@
 namespace cairn {
 namespace {
 
-// Codes that are worked on together, one coordinate after the other.
+// Number of codes that are processed together, one coordinate at a time.
 constexpr size_t kBatch = 256;
 
-// Whole steps of one coordinate, whose bits begin with bit `axis`.
+// Gathers the steps of one coordinate, whose lowest bit is bit `axis` of a code.
 CAIRN_AVX2_CLONE void GatherSteps(const uint64_t* codes, size_t count, int axis, int32_t* steps) {
   for (size_t i = 0; i < count; ++i) {
     steps[i] = static_cast<int32_t>(GatherBits(codes[i] >> axis));

@@ -1,4 +1,4 @@
-// Morton (Z-order) codes of quantised tile positions; private to storage.
+// Morton (Z-order) codes of quantised tile positions. Private to storage.
 #ifndef CAIRN_STORAGE_TILE_MORTON_H_
 #define CAIRN_STORAGE_TILE_MORTON_H_
 
@@ -22,7 +22,7 @@ constexpr uint64_t SpreadBits(uint64_t value) {
   return value;
 }
 
-// Inverse of SpreadBits; ignores the other bits.
+// The inverse of SpreadBits; ignores the other bits.
 constexpr uint64_t GatherBits(uint64_t value) {
   value &= 0x1249249249249249;
   value = (value | value >> 2) & 0x10c30c30c30c30c3;
@@ -33,7 +33,7 @@ constexpr uint64_t GatherBits(uint64_t value) {
   return value;
 }
 
-// 63-bit code of a quantised position; x has the lowest bit of each triple, then y, then z. Each
+// Returns the 63-bit code of a quantised position. Each triple of bits holds x (lowest), y, z. Each
 // coordinate counts steps of Tile::kPositionStepM from -4096 m.
 inline uint64_t MortonFromPosition(const Eigen::Vector3f& x_in_tile) {
   constexpr auto kStepsPerM = static_cast<float>(1.0 / Tile::kPositionStepM);
@@ -45,7 +45,7 @@ inline uint64_t MortonFromPosition(const Eigen::Vector3f& x_in_tile) {
          SpreadBits(steps(x_in_tile.z())) << 2;
 }
 
-// Inverse of MortonFromPosition; ignores bit 63.
+// The inverse of MortonFromPosition; ignores bit 63.
 inline Eigen::Vector3f PositionFromMorton(uint64_t code) {
   constexpr auto kStepM = static_cast<float>(Tile::kPositionStepM);
   const auto coordinate_m = [](uint64_t steps) {
@@ -55,7 +55,7 @@ inline Eigen::Vector3f PositionFromMorton(uint64_t code) {
           coordinate_m(GatherBits(code >> 2))};
 }
 
-// The same of many codes at once; there must be room for as many positions.
+// Decodes many codes at once. `x_in_tile` must have room for codes.size() positions.
 void PositionsFromMorton(std::span<const uint64_t> codes, Eigen::Vector3f* x_in_tile);
 
 }  // namespace cairn

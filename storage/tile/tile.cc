@@ -17,7 +17,7 @@ constexpr double kTurnRad = 2.0 * std::numbers::pi;
 constexpr double kMinSizeM = 1e-3;
 constexpr double kMaxSizeM = 60.0;
 
-// Angle in units of the 256th turn, in [0, 256].
+// Converts an angle to steps of 1/256 turn, in [0, 256].
 double TurnSteps(double angle_rad) {
   CAIRN_CHECK(std::isfinite(angle_rad), "angle must be finite");
   const double turns = angle_rad / kTurnRad;
@@ -42,7 +42,7 @@ size_t HeapBytes(const std::vector<T>& values) {
   return values.capacity() * sizeof(T);
 }
 
-// Offsets must start at 0, never fall, and end at `num_values`.
+// Returns true if the offsets start at 0, never decrease, and end at `num_values`.
 bool AreOffsets(const std::vector<uint32_t>& begin, size_t num_groups, size_t num_values) {
   return begin.size() == num_groups + 1 && begin.front() == 0 && begin.back() == num_values &&
          std::is_sorted(begin.begin(), begin.end());
@@ -60,12 +60,12 @@ bool IsOnGrid(const Eigen::Vector3f& x_in_tile) {
 
 std::string FindCovisibilityProblem(const Tile& tile) {
   if (!AreOffsets(tile.keyframe_begin, tile.num_keyframes(), tile.keyframe_landmarks.size())) {
-    return "offsets of keyframe_landmarks do not fit";
+    return "the offsets of keyframe_landmarks are inconsistent";
   }
   for (size_t k = 0; k < tile.num_keyframes(); ++k) {
     const std::span<const uint32_t> landmarks = tile.LandmarksOfKeyframe(k);
     if (!landmarks.empty() && landmarks.back() >= tile.num_landmarks()) {
-      return "keyframe " + std::to_string(k) + " refers to a landmark that is not there";
+      return "keyframe " + std::to_string(k) + " refers to a missing landmark";
     }
     if (std::adjacent_find(landmarks.begin(), landmarks.end(), std::greater_equal<>()) !=
         landmarks.end()) {
@@ -112,7 +112,7 @@ std::string FindTileProblem(const Tile& tile) {
     return "arrays of descriptors differ in length";
   }
   if (!AreOffsets(tile.descriptor_begin, num_landmarks, num_descriptors)) {
-    return "offsets of descriptors do not fit";
+    return "the offsets of descriptors are inconsistent";
   }
   const auto off_grid = std::find_if_not(tile.x_in_tile.begin(), tile.x_in_tile.end(), IsOnGrid);
   if (off_grid != tile.x_in_tile.end()) {

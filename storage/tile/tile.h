@@ -1,4 +1,4 @@
-// A decoded tile: the unit of the map that is stored, cached and searched.
+// A decoded tile. Tiles are the units in which the map is stored, cached and searched.
 #ifndef CAIRN_STORAGE_TILE_TILE_H_
 #define CAIRN_STORAGE_TILE_TILE_H_
 
@@ -20,35 +20,36 @@ struct TileKeyframe {
   Rigid3d cam_from_tile;
 };
 
-// What the keyframes standing in one tile saw. Structure of arrays; the descriptors of a landmark
-// are contiguous. Landmarks should be in Morton order (see MortonOrder), which is what makes the
-// encoded tile small; any order is kept.
+// The landmarks seen by the keyframes that stand in the tile. Structure of arrays; the descriptors
+// of a landmark are contiguous. Sort landmarks in Morton order (see MortonOrder) to make the
+// encoded tile small; any other order is kept.
 //
 // Positions are exact multiples of kPositionStepM and the per-descriptor bytes are stored as they
-// are, so decode(encode(tile)) == tile and a tile can be rewritten without loss.
+// are. Hence decode(encode(tile)) == tile, and a tile can be rewritten without loss.
 struct Tile {
-  static constexpr double kPositionStepM = 1.0 / 256.0;  // 3.9 mm; error at most 2 mm an axis.
+  static constexpr double kPositionStepM = 1.0 / 256.0;  // 3.9 mm; error at most 2 mm per axis.
 
   TileId id;
   CodebookId codebook_id{};
   int code_size = 0;  // Bytes of a descriptor code.
 
   // Per landmark.
-  std::vector<LandmarkId> landmark_ids;      // The same landmark keeps its id in every tile.
-  std::vector<SessionId> landmark_sessions;  // The session that made it.
+  std::vector<LandmarkId> landmark_ids;      // A landmark has the same id in every tile.
+  std::vector<SessionId> landmark_sessions;  // The session that created the landmark.
   std::vector<Eigen::Vector3f> x_in_tile;    // Metres.
-  std::vector<uint8_t> sigma_codes;          // Position uncertainty, see SigmaFromCode.
-  std::vector<uint32_t> descriptor_begin;    // num_landmarks + 1 offsets into the next arrays.
+  std::vector<uint8_t> sigma_codes;          // Position uncertainty; see SigmaFromCode.
+  // num_landmarks + 1 offsets into the per-descriptor arrays.
+  std::vector<uint32_t> descriptor_begin;
 
   // Per descriptor.
   std::vector<uint8_t> codes;              // num_descriptors x code_size, row-major.
-  std::vector<uint8_t> orientation_codes;  // Gravity-rectified, see OrientationFromCode.
-  std::vector<uint8_t> size_codes;         // Physical keypoint size, see SizeFromCode.
-  std::vector<uint8_t> azimuth_codes;      // Direction from landmark to camera, as orientation.
+  std::vector<uint8_t> orientation_codes;  // Gravity-rectified; see OrientationFromCode.
+  std::vector<uint8_t> size_codes;         // Physical keypoint size; see SizeFromCode.
+  std::vector<uint8_t> azimuth_codes;  // Direction from landmark to camera; see AzimuthFromCode.
 
   // Covisibility.
   std::vector<TileKeyframe> keyframes;
-  std::vector<uint32_t> keyframe_begin;      // num_keyframes + 1 offsets into the next array.
+  std::vector<uint32_t> keyframe_begin;      // num_keyframes + 1 offsets into keyframe_landmarks.
   std::vector<uint32_t> keyframe_landmarks;  // Landmark indices, ascending within a keyframe.
 
   size_t num_landmarks() const { return x_in_tile.size(); }
@@ -60,37 +61,37 @@ struct Tile {
             keyframe_begin[keyframe_idx + 1] - keyframe_begin[keyframe_idx]};
   }
 
-  // Heap bytes in use.
+  // Returns the heap bytes in use.
   size_t MemoryBytes() const;
 
-  // CAIRN_CHECKs nothing, throws Error(kInternal) if the arrays disagree; for use before encoding.
+  // Call before encoding. Throws Error(kInternal) if the arrays are inconsistent.
   void Validate() const;
 };
 
-// One-byte codes of a descriptor's and landmark's attributes.
-// Angles and sizes must be numbers. Angle: 256 steps of a full turn; code 0 is angle 0.
-// kNoOrientation marks "meaningless" (the viewing ray was vertical); the angle that would get this
-// code is moved to its neighbour.
+// One-byte codes of the attributes of descriptors and landmarks. Angles must be finite and sizes
+// must be numbers. A full turn has 256 angle codes; code 0 is angle 0. In orientations,
+// kNoOrientation marks a meaningless angle (the viewing ray was vertical); an angle that would get
+// this code gets the neighbouring code.
 inline constexpr uint8_t kNoOrientation = 255;
-uint8_t OrientationCode(double angle_rad);  // Never kNoOrientation.
-double OrientationFromCode(uint8_t code);   // (-pi, pi]; must not be kNoOrientation.
-uint8_t AzimuthCode(double azimuth_rad);    // All 256 codes; azimuth = atan2(north, east).
+uint8_t OrientationCode(double angle_rad);  // Never returns kNoOrientation.
+double OrientationFromCode(uint8_t code);   // In (-pi, pi]; `code` must not be kNoOrientation.
+uint8_t AzimuthCode(double azimuth_rad);    // Uses all 256 codes; azimuth = atan2(north, east).
 double AzimuthFromCode(uint8_t code);
-// Physical size of a keypoint: scale_px / focal_px * distance, metres; 1 mm to 60 m in steps of
-// 4.4 % (log scale), clamped.
+// The physical size of a keypoint is scale_px / focal_px * distance, metres. Codes cover 1 mm to 60
+// m in steps of 4.4 % (log scale); sizes outside are clamped.
 uint8_t SizeCode(double size_m);
 double SizeFromCode(uint8_t code);
-// Standard deviation of a landmark position (root mean square over the axes), metres; 1 mm to 60 m
-// on the same scale as the size, clamped.
+// Standard deviation of a landmark position (root mean square over the axes), metres. The scale is
+// that of SizeCode: 1 mm to 60 m, clamped.
 uint8_t SigmaCode(double sigma_m);
 double SigmaFromCode(uint8_t code);
 
-// The nearest position a tile can hold; coordinates are clamped to [-4096 m, 4096 m). The position
-// must be finite.
+// Returns the nearest position that a tile can hold. Coordinates are clamped to [-4096 m, 4096 m).
+// The position must be finite.
 Eigen::Vector3f QuantizePosition(const Eigen::Vector3d& x_in_tile);
 
-// Indices of quantised positions in the order of the Z-shaped curve through space; equal positions
-// keep their order. Element i of the result is the position that comes i-th.
+// Returns the indices of quantised positions in Morton (Z-curve) order: element i is the index of
+// the i-th position on the curve. Equal positions keep their order.
 std::vector<uint32_t> MortonOrder(std::span<const Eigen::Vector3f> x_in_tile);
 
 }  // namespace cairn

@@ -1,4 +1,4 @@
-// What makes a tile consistent; private to storage.
+// Consistency checks of tiles. Private to storage.
 #ifndef CAIRN_STORAGE_TILE_TILE_CHECKS_H_
 #define CAIRN_STORAGE_TILE_TILE_CHECKS_H_
 
@@ -11,10 +11,11 @@ namespace cairn {
 inline constexpr int kMaxCodeSize = 64;            // Bytes of a descriptor code.
 inline constexpr int kMaxPositionSteps = 1 << 20;  // Positions lie in [-2^20, 2^20) steps: 4096 m.
 
-// The first inconsistency of a tile in words, or an empty string. Linear in the tile's size.
+// Returns a description of the first inconsistency, or an empty string. Takes time linear in the
+// tile's size.
 std::string FindTileProblem(const Tile& tile);
 
-// True if the transform is finite and its quaternion of unit norm.
+// Returns true if the transform is finite and its quaternion has unit norm.
 bool IsPose(const Rigid3d& pose);
 
 }  // namespace cairn

@@ -16,7 +16,7 @@
 namespace cairn {
 namespace {
 
-// Differences to the predecessor, zigzag, in byte planes.
+// Writes the difference of each value to its predecessor, zigzag-coded, in byte planes.
 template <typename Range, typename ToUnsigned>
 void PutDeltas(const Range& values, const ToUnsigned& to_unsigned, TileColumnWriter* writer) {
   std::vector<uint64_t> deltas(values.size());
@@ -29,7 +29,7 @@ void PutDeltas(const Range& values, const ToUnsigned& to_unsigned, TileColumnWri
   writer->PutPlanes(std::span<const uint64_t>(deltas));
 }
 
-// Lengths of the groups that the offsets delimit.
+// Writes the sizes of the groups that the offsets delimit.
 void PutGroupSizes(std::span<const uint32_t> begin, TileColumnWriter* writer) {
   std::vector<uint32_t> sizes(begin.size() - 1);
   for (size_t i = 0; i < sizes.size(); ++i) {
@@ -67,7 +67,8 @@ void PutKeyframes(const std::vector<TileKeyframe>& keyframes, TileColumnWriter* 
   writer->Put(poses);
 }
 
-// Keyframe by keyframe: the first index as it is, then the gaps less the 1 that is sure.
+// Encodes the landmark indices of each keyframe: the first index, then each gap minus 1, since
+// indices ascend.
 std::vector<uint8_t> EncodeObservations(const Tile& tile) {
   std::vector<uint8_t> observations;
   ByteWriter writer(&observations);
@@ -91,7 +92,7 @@ void RequireListsOf(const TileLists& lists, const Tile& tile) {
     is_sound = std::is_sorted(members.begin(), members.end(), std::less_equal<>());
   }
   if (!is_sound) {
-    throw Error(ErrorCode::kInternal, "lists are not of the tile's descriptors");
+    throw Error(ErrorCode::kInternal, "the lists do not match the tile's descriptors");
   }
 }
 

@@ -1,4 +1,4 @@
-// Decoded tile <-> compressed blob. The format is docs/formats/tile_v1.md.
+// Encodes and decodes tiles. The format is docs/formats/tile_v1.md.
 #ifndef CAIRN_STORAGE_TILE_TILE_CODEC_H_
 #define CAIRN_STORAGE_TILE_TILE_CODEC_H_
 
@@ -13,23 +13,23 @@
 namespace cairn {
 
 struct TileDecodeLimits {
-  // A blob that claims more is refused before anything of that size is allocated.
+  // A blob that claims more than these limits is refused before memory of that size is allocated.
   uint32_t max_landmarks = 4'000'000;
   uint32_t max_descriptors = 16'000'000;
   uint32_t max_keyframes = 200'000;
   uint64_t max_decoded_bytes = uint64_t{1} << 30;
 };
 
-// Deterministic: equal tiles give equal bytes. Throws Error(kInternal) if the tile is inconsistent
-// or the lists are not of its descriptors.
+// Deterministic: equal tiles and lists give equal bytes. Throws Error(kInternal) if the tile is
+// inconsistent or the lists are not lists of its descriptors.
 std::vector<uint8_t> EncodeTile(const Tile& tile, const TileLists& lists = {});
 
-// Checks magic, version, lengths, checksum and every index before it returns. Throws
-// Error(kMapDamaged) that says what is wrong; no input can make it read or write out of bounds or
-// allocate more than the limits allow.
+// Checks magic, version, lengths, checksum and every index before returning. Throws
+// Error(kMapDamaged) with a description of the problem. Untrusted bytes cannot cause reads or
+// writes out of bounds or allocations beyond the limits.
 Tile DecodeTile(std::span<const uint8_t> blob, const TileDecodeLimits& limits = {});
 
-// The same and its lists, if it has any.
+// Also decodes the lists; `lists` becomes empty if the tile has none.
 Tile DecodeTile(std::span<const uint8_t> blob, const TileDecodeLimits& limits, TileLists* lists);
 
 }  // namespace cairn

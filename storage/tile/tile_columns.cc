@@ -16,10 +16,11 @@
 namespace cairn {
 namespace {
 
-// On the tile of cairn_storage_bench, higher levels save less than 1 % of the payload, and level 3
-// takes half as long again to be read.
+// On the tile of cairn_storage_bench, higher levels save less than 1 % of the payload, and reading
+// level 3 takes 50 % longer.
 constexpr int kZstdLevel = 1;
-// A frame that does not save this share of a column is not worth its time: 1/8.
+// A column is compressed only if compression saves at least 1/8 of it; a smaller saving is not
+// worth the decoding time.
 constexpr size_t kMinSavingDivisor = 8;
 constexpr size_t kDirectorySize = kNumTileColumns * sizeof(uint32_t);
 
@@ -28,7 +29,8 @@ bool IsConstant(std::span<const uint8_t> bytes) {
          std::all_of(bytes.begin(), bytes.end(), [&](uint8_t byte) { return byte == bytes[0]; });
 }
 
-// Adds the plane's bytes, moved left by `shift` bits. Two functions, as templates get no clones.
+// Adds the bytes of a plane, shifted left by `shift` bits. There are two functions because target
+// clones do not work on templates.
 CAIRN_AVX2_CLONE void AddPlane(const uint8_t* plane, size_t count, int shift, uint32_t* values) {
   for (size_t i = 0; i < count; ++i) {
     values[i] |= uint32_t{plane[i]} << shift;
@@ -40,10 +42,12 @@ CAIRN_AVX2_CLONE void AddPlane(const uint8_t* plane, size_t count, int shift, ui
   }
 }
 
-// Numbers of a column that are worked on together: of 64 bits they fill half a level 1 cache.
+// Number of values that are processed together; as 64-bit numbers, they fill half of the level 1
+// cache.
 constexpr size_t kStretch = 2048;
 
-// Puts numbers together from their planes, from number `begin` on; null planes are zeros.
+// Joins numbers from their byte planes, starting with number `begin`. A null plane stands for
+// zeros.
 template <typename T>
 void JoinPlanes(const std::array<const uint8_t*, sizeof(T)>& planes, size_t begin, size_t count,
                 T* values) {
@@ -68,10 +72,10 @@ void PutHeader(const TileHeader& header, uint64_t columns_size, ByteWriter* writ
   writer->Put(header.num_lists);
   writer->Put(header.observations_size);
   writer->Put(columns_size);
-  writer->Put(uint64_t{0});  // Room for the checksum.
+  writer->Put(uint64_t{0});  // Placeholder for the checksum.
 }
 
-// After magic and version.
+// Reads the header after magic and version.
 TileHeader GetHeader(ByteReader* reader) {
   TileHeader header;
   header.code_size = reader->Get<uint16_t>();
@@ -199,11 +203,11 @@ TileColumns::TileColumns(std::span<const uint8_t> payload, const TileDecodeLimit
   header_ = GetHeader(&reader);
   CheckHeader(header_, limits);
   const auto columns_size = reader.Get<uint64_t>();
-  // Nothing can wrap around: the code bytes are limited above, and differences are compared.
+  // Nothing can overflow here: codes_size is limited above, and differences are compared.
   if (payload.size() < kTileHeaderSize + kDirectorySize + header_.codes_size() ||
       payload.size() - kTileHeaderSize - kDirectorySize - header_.codes_size() != columns_size) {
     ThrowDamagedTile("is " + std::to_string(payload.size()) +
-                     " bytes long, its header says otherwise");
+                     " bytes long, which contradicts its header");
   }
   if (reader.Get<uint64_t>() != ChecksumOf(payload, kTileChecksumOffset)) {
     ThrowDamagedTile("checksum does not match");
@@ -213,12 +217,12 @@ TileColumns::TileColumns(std::span<const uint8_t> payload, const TileDecodeLimit
   begin_[0] = 0;
   for (size_t column = 0; column < kNumTileColumns; ++column) {
     if (stored_sizes[column] > header_.ColumnSize(column)) {
-      ThrowDamagedTile("a column is stored in more bytes than it has");
+      ThrowDamagedTile("a stored column is longer than its content");
     }
     begin_[column + 1] = begin_[column] + stored_sizes[column];
   }
   if (begin_.back() != columns_size) {
-    ThrowDamagedTile("stored columns are not as long as all together");
+    ThrowDamagedTile("the stored columns do not add up to the payload's size");
   }
   codes_ = reader.Take(header_.codes_size());
   stored_ = reader.Take(columns_size);
@@ -256,7 +260,8 @@ void TileColumnReader::Get(size_t column, std::span<uint8_t> to) {
              ZSTD_findFrameCompressedSize(stored.data(), stored.size()) != stored.size() ||
              ZSTD_decompressDCtx(context_.get(), to.data(), to.size(), stored.data(),
                                  stored.size()) != to.size()) {
-    ThrowDamagedTile("column " + std::to_string(column) + " is not a frame of its size");
+    ThrowDamagedTile("column " + std::to_string(column) +
+                     " is not a compressed frame of the announced size");
   }
 }
 
@@ -303,7 +308,8 @@ void TileColumnReader::GetOffsets(size_t column, uint32_t total, const char* wha
   const std::array planes = GetPlanes<uint32_t>(column);
   const size_t num_groups = columns_.header().ColumnSize(column);
   std::array<uint32_t, kStretch> sizes;
-  // 32 bits of it suffice while it is not above the total; what is written later is not used.
+  // Offsets are stored as 32 bits, which suffice up to `total`. If the sum exceeds `total`, the
+  // function throws and the offsets are not used.
   uint64_t sum = 0;
   for (size_t done = 0; done < num_groups; done += kStretch) {
     const size_t count = std::min(kStretch, num_groups - done);

@@ -1,4 +1,4 @@
-// The columns of a tile payload, docs/formats/tile_v1.md; private to storage.
+// The columns of a tile payload; see docs/formats/tile_v1.md. Private to storage.
 #ifndef CAIRN_STORAGE_TILE_TILE_COLUMNS_H_
 #define CAIRN_STORAGE_TILE_TILE_COLUMNS_H_
 
@@ -18,7 +18,7 @@ struct ZSTD_DCtx_s;
 
 namespace cairn {
 
-// Where the columns of each field begin. Planes of uN take N / 8 columns.
+// The first column of each field. A field of N-bit numbers takes N / 8 columns, one per byte plane.
 enum TileColumn : size_t {
   kListSizesColumn = 0,
   kListMembersColumn = 4,
@@ -48,25 +48,25 @@ struct TileHeader {
   uint32_t num_descriptors = 0;
   uint32_t num_keyframes = 0;
   uint32_t num_observations = 0;
-  uint32_t num_lists = 0;          // 0: the descriptors have no lists.
+  uint32_t num_lists = 0;          // 0 if the descriptors have no lists.
   uint32_t observations_size = 0;  // Bytes of the decoded observations column.
 
   uint64_t codes_size() const { return uint64_t{num_descriptors} * code_size; }
   uint32_t num_members() const { return num_lists > 0 ? num_descriptors : 0; }
-  // Bytes of a column when it is decoded.
+  // Returns the bytes of a decoded column.
   size_t ColumnSize(size_t column) const;
-  // Heap bytes of the tile's landmarks, of its covisibility and of all of it.
+  // Return the heap bytes of the decoded landmarks, of the covisibility, and of the whole tile.
   uint64_t LandmarksSize() const;
   uint64_t CovisibilitySize() const;
   uint64_t TileSize() const;
 };
 
-// Gathers codes and columns, and puts them together to a payload.
+// Collects columns and assembles them with the codes into a payload.
 class TileColumnWriter {
  public:
-  // Columns are put in the order of their numbers.
+  // Call once per column, in the order of TileColumn.
   void Put(std::span<const uint8_t> column);
-  // A column of all lowest bytes, one of all second bytes, and so on.
+  // Puts one column per byte plane: all lowest bytes, then all second bytes, and so on.
   template <typename T>
   void PutPlanes(std::span<const T> values) {
     static_assert(std::is_unsigned_v<T>);
@@ -79,7 +79,7 @@ class TileColumnWriter {
     }
   }
 
-  // `codes` are in the order of the lists.
+  // `codes` are in list order.
   std::vector<uint8_t> Finish(const TileHeader& header, std::span<const uint8_t> codes) const;
 
  private:
@@ -87,33 +87,34 @@ class TileColumnWriter {
   std::vector<uint8_t> bytes_;
 };
 
-// The parts of a payload, which must outlive it. Immutable; safe to use from any thread.
+// The parts of a payload. The payload must outlive the object. Immutable; safe to use from any
+// thread.
 class TileColumns {
  public:
-  // True if the bytes say that they are a tile payload of version 1.
+  // Returns true if magic and version are those of a tile payload of version 1.
   static bool IsPayload(std::span<const uint8_t> payload);
 
-  // Of such a payload: true if its header announces lists.
+  // Returns true if the header of such a payload announces lists.
   static bool HasLists(std::span<const uint8_t> payload);
 
-  // Checks everything but what is in the columns; throws as DecodeTile.
+  // Checks everything except the content of the columns. Throws what DecodeTile throws.
   TileColumns(std::span<const uint8_t> payload, const TileDecodeLimits& limits);
 
   const TileHeader& header() const { return header_; }
   std::span<const uint8_t> codes() const { return codes_; }
-  // A column as it is stored.
+  // Returns the stored bytes of a column, which may be compressed.
   std::span<const uint8_t> Stored(size_t column) const {
     return stored_.subspan(begin_[column], begin_[column + 1] - begin_[column]);
   }
 
  private:
   TileHeader header_;
-  std::span<const uint8_t> codes_;   // Rows of code_size bytes, in order of the lists if any.
+  std::span<const uint8_t> codes_;  // Rows of code_size bytes; in list order if the tile has lists.
   std::span<const uint8_t> stored_;  // All columns.
   std::array<uint64_t, kNumTileColumns + 1> begin_;
 };
 
-// Decodes columns. For use within one thread.
+// Decodes columns. Use each reader from one thread.
 class TileColumnReader {
  public:
   explicit TileColumnReader(const TileColumns& columns);
@@ -121,30 +122,33 @@ class TileColumnReader {
   TileColumnReader(const TileColumnReader&) = delete;
   TileColumnReader& operator=(const TileColumnReader&) = delete;
 
-  // Valid until the next call. Throws Error(kMapDamaged).
+  // The result is valid until the next call. Throws Error(kMapDamaged).
   std::span<const uint8_t> Get(size_t column);
-  // The same, to memory of the column's size.
+  // Decodes into `to`, which has the column's size.
   void Get(size_t column, std::span<uint8_t> to);
 
-  // The numbers whose planes begin with `column`.
+  // Joins the numbers whose byte planes start at `column`.
   LargeVector<uint32_t> GetPlanes32(size_t column);
-  // What the differences that begin with `column` add up to, each the sum of all before: calls
-  // take(begin, sums) for one stretch after the other, which is a cache's worth of numbers.
+  // Decodes the running sums of the differences whose planes start at `column`. Calls take(begin,
+  // sums) for consecutive stretches of numbers, each small enough for the cache.
   void GetDeltas(size_t column, const std::function<void(size_t, std::span<const uint64_t>)>& take);
-  // Offsets that begin with 0, one more than there are lengths of groups, which begin with
-  // `column`. Throws Error(kMapDamaged), saying `what` they are of, unless they add up to `total`.
+  // Decodes group sizes whose planes start at `column` into offsets: the first is 0, and there is
+  // one more offset than groups. Throws Error(kMapDamaged), naming `what`, unless the sizes add up
+  // to `total`.
   void GetOffsets(size_t column, uint32_t total, const char* what, uint32_t* begin);
 
  private:
-  // Valid until the next call with the same buffer.
+  // The result is valid until the next call with the same buffer.
   std::span<const uint8_t> Get(size_t column, LargeVector<uint8_t>* buffer);
-  // The planes of uN that begin with `column`, valid until the next call; null for all zeros.
+  // Returns the byte planes that start at `column`, valid until the next call; null for a plane of
+  // zeros.
   template <typename T>
   std::array<const uint8_t*, sizeof(T)> GetPlanes(size_t column);
 
   const TileColumns& columns_;
   std::unique_ptr<ZSTD_DCtx_s, size_t (*)(ZSTD_DCtx_s*)> context_;
-  std::array<LargeVector<uint8_t>, sizeof(uint64_t)> decoded_;  // One for each plane of a number.
+  // One buffer for each byte plane of a number.
+  std::array<LargeVector<uint8_t>, sizeof(uint64_t)> decoded_;
 };
 
 }  // namespace cairn

@@ -17,7 +17,8 @@
 namespace cairn {
 namespace {
 
-// From gaps to indices, list by list, in place. Throws unless every index below `end` comes once.
+// Converts gaps to indices in place, list by list. Throws unless every index below `end` occurs
+// exactly once.
 void SumGaps(const std::vector<uint32_t>& begin, uint32_t end, std::span<uint32_t> members) {
   std::vector<uint64_t> seen(end / 64 + 1);
   for (size_t list = 0; list + 1 < begin.size(); ++list) {
@@ -25,7 +26,7 @@ void SumGaps(const std::vector<uint32_t>& begin, uint32_t end, std::span<uint32_
     for (uint32_t& member : members.subspan(begin[list], begin[list + 1] - begin[list])) {
       next += member;
       if (next >= end) {
-        ThrowDamagedTile("a list refers to a descriptor that is not there");
+        ThrowDamagedTile("a list refers to a missing descriptor");
       }
       member = static_cast<uint32_t>(next);
       seen[next / 64] |= uint64_t{1} << (next % 64);
@@ -41,7 +42,7 @@ void SumGaps(const std::vector<uint32_t>& begin, uint32_t end, std::span<uint32_
   }
 }
 
-// Where the arrays of landmarks and descriptors go; see TileLandmarks.
+// Destination arrays of landmarks and descriptors; see TileLandmarks.
 struct LandmarkArrays {
   LandmarkId* landmark_ids;
   Eigen::Vector3f* x_in_tile;
@@ -52,8 +53,8 @@ struct LandmarkArrays {
   uint8_t* azimuth_codes;
 };
 
-// Parts of a block of memory, one after the other, each at the start of a cache line. Without
-// memory it only counts how much there has to be.
+// Hands out consecutive parts of a block of memory, each aligned to a cache line. Without a block,
+// it only counts the bytes needed.
 class Allotter {
  public:
   explicit Allotter(uint8_t* memory) : memory_(memory) {}
@@ -63,7 +64,7 @@ class Allotter {
     T* values = nullptr;
     if (memory_ != nullptr) {
       values = reinterpret_cast<T*>(memory_ + size_);
-      std::uninitialized_default_construct_n(values, count);  // Leaves numbers as they are.
+      std::uninitialized_default_construct_n(values, count);  // Does not initialise numbers.
     }
     size_ += (count * sizeof(T) + kCacheLineBytes - 1) / kCacheLineBytes * kCacheLineBytes;
     return values;
@@ -85,8 +86,9 @@ void GetIds(size_t column, TileColumnReader* reader, Id* ids) {
   });
 }
 
-// The sums of all bytes so far, modulo 256, in place. Sixteen at a time: within them by doubling,
-// and what came before is added in the end, so that only one addition waits for the last one.
+// Replaces each byte by the sum of all bytes up to it, modulo 256. Sixteen bytes are summed at a
+// time by doubling, and the total of the preceding bytes is added last, so only one addition
+// depends on the previous block.
 CAIRN_AVX2_CLONE void SumBytes(uint8_t* values, size_t count) {
   using Bytes = uint8_t __attribute__((vector_size(16)));
   constexpr Bytes kZeros = {};
@@ -152,7 +154,8 @@ std::vector<TileKeyframe> GetKeyframes(size_t count, TileColumnReader* reader) {
   return keyframes;
 }
 
-// num_keyframes + 1 offsets, and as many landmark indices as the last of them says.
+// Decodes num_keyframes + 1 offsets into `begin`, and begin[num_keyframes] landmark indices into
+// `landmarks`.
 void GetObservations(const TileHeader& header, TileColumnReader* reader, uint32_t* begin,
                      uint32_t* landmarks) {
   reader->GetOffsets(kObservationCountsColumn, header.num_observations, "observations", begin);
@@ -160,15 +163,15 @@ void GetObservations(const TileHeader& header, TileColumnReader* reader, uint32_
   for (size_t k = 0; k < header.num_keyframes; ++k) {
     uint32_t* landmark = landmarks + begin[k];
     GetAscending(begin[k + 1] - begin[k], header.num_landmarks,
-                 "a keyframe refers to a landmark that is not there", &observations,
+                 "a keyframe refers to a missing landmark", &observations,
                  [&](uint32_t index) { *landmark++ = index; });
   }
   if (observations.remaining() != 0) {
-    ThrowDamagedTile("bytes are left over after the last landmark index");
+    ThrowDamagedTile("unexpected bytes follow the last landmark index");
   }
 }
 
-// From the order of the lists to that of the tile.
+// Reorders codes from list order to tile order.
 void PutInTileOrder(const TileColumns& columns, std::span<const uint32_t> members, uint8_t* to) {
   const std::span<const uint8_t> codes = columns.codes();
   if (members.empty()) {
@@ -181,7 +184,7 @@ void PutInTileOrder(const TileColumns& columns, std::span<const uint32_t> member
       std::memcpy(to + members[row] * size, codes.data() + row * size, size);
     }
   };
-  if (code_size == 8) {  // The default; a constant size lets a copy be a single move.
+  if (code_size == 8) {  // The default size; a constant lets a copy be a single move.
     copy(std::integral_constant<size_t, 8>());
   } else {
     copy(code_size);

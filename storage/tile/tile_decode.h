@@ -1,4 +1,4 @@
-// From the columns of a payload to a tile; private to storage.
+// Decodes the columns of a payload to a tile. Private to storage.
 #ifndef CAIRN_STORAGE_TILE_TILE_DECODE_H_
 #define CAIRN_STORAGE_TILE_TILE_DECODE_H_
 
@@ -13,18 +13,18 @@
 
 namespace cairn {
 
-// The lists of a tile, if it has any. Throws Error(kMapDamaged).
+// Decodes the lists of a tile; empty if it has none. Throws Error(kMapDamaged).
 TileLists DecodeLists(const TileColumns& columns);
 
-// Parts of a tile. Throw Error(kMapDamaged).
+// Decode parts of a tile. Throw Error(kMapDamaged).
 LoadedLandmarks DecodeLandmarks(const TileColumns& columns);
 LoadedCovisibility DecodeCovisibility(const TileColumns& columns);
 
-// num_descriptors x code_size; `members` are those of the tile's lists.
+// Returns num_descriptors x code_size bytes. `members` are the members of the tile's lists.
 LargeVector<uint8_t> CodesInTileOrder(const TileColumns& columns,
                                       std::span<const uint32_t> members);
 
-// All of a tile; `members` are those of its lists. Throws Error(kMapDamaged).
+// Decodes the whole tile. `members` are the members of its lists. Throws Error(kMapDamaged).
 Tile DecodeTileColumns(const TileColumns& columns, std::span<const uint32_t> members);
 
 }  // namespace cairn

@@ -7,7 +7,8 @@
 namespace cairn {
 namespace {
 
-// `size` bytes a row. Rows lie anywhere and are asked for ahead.
+// Copies rows of `size` bytes in the order of `members`. The rows are scattered in memory, so they
+// are prefetched.
 template <typename Size>
 void Gather(const uint8_t* rows, Size size, std::span<const uint32_t> members, uint8_t* to) {
   constexpr size_t kAhead = 16;
@@ -30,7 +31,7 @@ LargeVector<uint8_t> OrderCodes(std::span<const uint8_t> codes, size_t code_size
   if (lists.empty()) {
     std::copy(codes.begin(), codes.end(), ordered.begin());
   }
-  if (code_size == 8) {  // The default; a constant size lets a copy be a single move.
+  if (code_size == 8) {  // The default size; a constant lets a copy be a single move.
     Gather(codes.data(), std::integral_constant<size_t, 8>(), lists.members, ordered.data());
   } else {
     Gather(codes.data(), code_size, lists.members, ordered.data());

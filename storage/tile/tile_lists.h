@@ -1,4 +1,5 @@
-// The descriptors of a tile grouped for search: what need not be computed when it is loaded.
+// Lists that group the descriptors of a tile for search, stored so that loading need not compute
+// them.
 #ifndef CAIRN_STORAGE_TILE_TILE_LISTS_H_
 #define CAIRN_STORAGE_TILE_TILE_LISTS_H_
 
@@ -11,8 +12,8 @@
 
 namespace cairn {
 
-// Lists of similar descriptors, each descriptor in one. Plain value; without lists if `begin` is
-// empty.
+// Lists of similar descriptors; each descriptor is in one list. A plain value. `begin` is empty if
+// there are no lists.
 struct TileLists {
   std::vector<uint32_t> begin;    // num_lists + 1 offsets into `members`.
   LargeVector<uint32_t> members;  // Descriptor indices, ascending within a list.
@@ -26,7 +27,7 @@ struct TileLists {
   friend bool operator==(const TileLists&, const TileLists&) = default;
 };
 
-// Rows of `code_size` bytes in the order of the lists' members; as they are if there are no lists.
+// Returns the rows of `code_size` bytes in list order; in the given order if there are no lists.
 LargeVector<uint8_t> OrderCodes(std::span<const uint8_t> codes, size_t code_size,
                                 const TileLists& lists);
 

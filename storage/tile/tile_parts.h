@@ -1,4 +1,4 @@
-// What writing and reading a tile payload have in common; private to storage.
+// Shared by the writer and the reader of tile payloads. Private to storage.
 #ifndef CAIRN_STORAGE_TILE_TILE_PARTS_H_
 #define CAIRN_STORAGE_TILE_TILE_PARTS_H_
 
@@ -25,7 +25,7 @@ inline constexpr size_t kMaxVarintSize = 5;
   throw Error(ErrorCode::kMapDamaged, "tile payload: " + problem);
 }
 
-// The id in a header; 0 is "no tile".
+// Converts the id in a header; 0 means "no tile".
 inline TileId TileIdFromPayload(uint64_t value) {
   try {
     return value == 0 ? TileId() : TileId::FromValue(value);
@@ -36,7 +36,7 @@ inline TileId TileIdFromPayload(uint64_t value) {
 
 inline constexpr size_t kNumPoseNumbers = 7;  // Quaternion x, y, z, w, translation x, y, z.
 
-// Leaves the rotation as it was stored: the constructor of Rigid3d would normalise it again.
+// Keeps the stored rotation; the constructor of Rigid3d would normalise it again.
 inline Rigid3d PoseFromNumbers(const std::array<double, kNumPoseNumbers>& numbers) {
   Rigid3d pose;
   pose.rotation.coeffs() << numbers[0], numbers[1], numbers[2], numbers[3];
@@ -44,12 +44,12 @@ inline Rigid3d PoseFromNumbers(const std::array<double, kNumPoseNumbers>& number
   return pose;
 }
 
-// Reads ascending indices below `end`, the first as it is, then the gaps less the 1 that is sure,
-// each as a varint; calls set(index) for each of `count`.
+// Reads `count` ascending indices below `end` and calls set(index) for each. The first varint is
+// the first index; each following varint is a gap minus 1, since indices ascend.
 template <typename Set>
 void GetAscending(size_t count, uint32_t end, const char* problem, ByteReader* reader,
                   const Set& set) {
-  // Numbers of one byte each are the usual case. So many together do not get farther than this.
+  // Most varints have one byte. kNumTogether such varints advance the index by at most kMaxAdvance.
   constexpr size_t kNumTogether = sizeof(uint64_t), kMaxAdvance = kNumTogether << 7;
   uint64_t next = 0;
   for (size_t i = 0; i < count;) {

@@ -1,4 +1,4 @@
-// A tile as it is stored, whose parts are decoded when they are wanted.
+// An encoded tile whose parts are decoded on demand.
 #ifndef CAIRN_STORAGE_TILE_TILE_PAYLOAD_H_
 #define CAIRN_STORAGE_TILE_TILE_PAYLOAD_H_
 
@@ -20,27 +20,27 @@ namespace cairn {
 
 class TileColumns;
 
-// A tile's landmarks in one block of memory, of which the view tells.
+// A tile's landmarks. `view` points into `memory`.
 struct LoadedLandmarks {
   LargeVector<uint8_t> memory;
   TileLandmarks view;
 };
 
-// The arrays of TileCovisibility.
+// The arrays behind a TileCovisibility.
 struct LoadedCovisibility {
   std::vector<TileKeyframe> keyframes;
   LargeVector<uint32_t> keyframe_begin;
   LargeVector<uint32_t> keyframe_landmarks;
 };
 
-// A payload that has lists: what search needs stands by itself in it. Immutable; safe
-// to use from any thread.
+// A payload with lists, from which the parts needed for search can be read separately. Immutable;
+// safe to use from any thread.
 class TilePayload {
  public:
-  // True if the bytes say that they are such a payload.
+  // Returns true if the bytes are marked as a tile payload with lists.
   static bool IsSearchReady(std::span<const uint8_t> bytes);
 
-  // Checks header, sizes and checksum. Throws Error(kMapDamaged), also if they are no such payload.
+  // Checks header, sizes and checksum. Throws Error(kMapDamaged), also if the payload has no lists.
   explicit TilePayload(LargeVector<uint8_t> bytes, const TileDecodeLimits& limits = {});
   TilePayload(TilePayload&&) noexcept;
   ~TilePayload();
@@ -52,17 +52,17 @@ class TilePayload {
   size_t num_descriptors() const;
   size_t num_observations() const;
   size_t num_bytes() const { return bytes_.size(); }
-  // Heap bytes of what Landmarks and Covisibility return.
+  // Heap bytes of the results of Landmarks and Covisibility.
   size_t LandmarkBytes() const;
   size_t CovisibilityBytes() const;
 
-  // num_descriptors() x code_size(), in the order of the lists; valid as long as the payload.
+  // num_descriptors() x code_size(), in list order; valid as long as the payload.
   std::span<const uint8_t> codes() const;
   // Throws Error(kMapDamaged).
   TileLists Lists() const;
-  // The same codes in the order of the tile; `members` are those of its lists.
+  // Returns the codes in tile order. `members` are the members of the tile's lists.
   LargeVector<uint8_t> CodesInTileOrder(std::span<const uint32_t> members) const;
-  // Both throw Error(kMapDamaged).
+  // Landmarks and Covisibility throw Error(kMapDamaged).
   LoadedLandmarks Landmarks() const;
   LoadedCovisibility Covisibility() const;
 

@@ -1,4 +1,4 @@
-// Parts of a tile for readers, wherever they stand in memory: in a Tile, or decoded by themselves.
+// Views of the parts of a tile. The parts may belong to a Tile or be decoded separately.
 #ifndef CAIRN_STORAGE_TILE_TILE_VIEWS_H_
 #define CAIRN_STORAGE_TILE_TILE_VIEWS_H_
 
@@ -12,8 +12,8 @@
 
 namespace cairn {
 
-// Landmarks and what is known of their descriptors, but for the codes; the fields are those of
-// Tile. A view: valid as long as what it was made of.
+// The landmarks and the attributes of their descriptors, without the codes. The fields have the
+// meaning they have in Tile. A view: valid as long as the arrays it refers to.
 struct TileLandmarks {
   TileLandmarks() = default;
   TileLandmarks(const Tile& tile)  // NOLINT: a tile may stand for its landmarks.
@@ -40,7 +40,8 @@ struct TileLandmarks {
   size_t num_descriptors() const { return orientation_codes.size(); }
 };
 
-// Which keyframes saw which landmarks; the fields are those of Tile. A view, as TileLandmarks.
+// The landmarks that each keyframe saw. The fields have the meaning they have in Tile. A view, like
+// TileLandmarks.
 struct TileCovisibility {
   TileCovisibility() = default;
   TileCovisibility(const Tile& tile)  // NOLINT: a tile may stand for its covisibility.
@@ -49,7 +50,7 @@ struct TileCovisibility {
         keyframe_landmarks(tile.keyframe_landmarks) {}
 
   std::span<const TileKeyframe> keyframes;
-  std::span<const uint32_t> keyframe_begin;  // One more than there are keyframes.
+  std::span<const uint32_t> keyframe_begin;  // num_keyframes + 1 offsets.
   std::span<const uint32_t> keyframe_landmarks;
 
   size_t num_keyframes() const { return keyframes.size(); }

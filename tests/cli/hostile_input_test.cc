@@ -198,7 +198,7 @@ TEST_F(HostileInput, AnInterruptedInitDoesNotBlockTheNext) {
     if (name.find("unfinished") != std::string::npos) unfinished.push_back(name);
   }
   EXPECT_THAT(unfinished, ElementsAre("new.gpkg.unfinished-1"));
-  ExpectRefused({"init", map}, 4, "exists already");
+  ExpectRefused({"init", map}, 4, "already exists");
 }
 
 // A map is whole, or it is not there: on disks that are full at every stage of its making.

@@ -52,11 +52,11 @@ TEST_F(MapCheck, TilesOfACodebookThatIsNotTheNewest) {
   ExpectFound(
       "INSERT INTO cairn_codebooks (created_at, bytes) SELECT created_at, bytes FROM "
       "cairn_codebooks",
-      "codebook that is not the newest");
+      "outdated codebook");
 }
 
 TEST_F(MapCheck, AMissingCodebook) {
-  ExpectFound("DELETE FROM cairn_codebooks", "refer to rows that are not there");
+  ExpectFound("DELETE FROM cairn_codebooks", "refer to missing rows");
 }
 
 TEST_F(MapCheck, AMissingPayload) {
@@ -67,7 +67,7 @@ TEST_F(MapCheck, AMovedBoxInTheTileIndex) {
   ExpectFound(
       "UPDATE rtree_coverage_geom SET minx = minx + 1, maxx = maxx + 1 WHERE id = "
       "(SELECT min(tile_id) FROM coverage)",
-      "its box in the spatial index is not around it");
+      "its box in the spatial index does not contain it");
 }
 
 TEST_F(MapCheck, AShrunkBoxInTheTileIndex) {
@@ -76,7 +76,7 @@ TEST_F(MapCheck, AShrunkBoxInTheTileIndex) {
 
 TEST_F(MapCheck, AMovedBoxInTheKeyframeIndex) {
   ExpectFound("UPDATE rtree_keyframes_geom SET miny = miny - 1, maxy = maxy - 1 WHERE id = 3",
-              "keyframe 3: its box in the spatial index is not around it");
+              "keyframe 3: its box in the spatial index does not contain it");
 }
 
 TEST_F(MapCheck, ABoxOfNoTile) {
@@ -88,12 +88,12 @@ TEST_F(MapCheck, AMovedGeometry) {
   ExpectFound(
       "UPDATE keyframes SET geom = (SELECT geom FROM keyframes WHERE keyframe_id = 15) "
       "WHERE keyframe_id = 1",
-      "keyframe 1: its geometry is not where it should be");
+      "keyframe 1: its geometry is in the wrong place");
 }
 
 TEST_F(MapCheck, AGeometryThatIsNone) {
   ExpectFound("UPDATE keyframes SET geom = zeroblob(3) WHERE keyframe_id = 1",
-              "keyframe 1: its geometry is not where it should be");
+              "keyframe 1: its geometry is in the wrong place");
 }
 
 // Refused by queries, too, which would look for cameras there.
@@ -101,14 +101,14 @@ TEST_F(MapCheck, ImpossibleHeights) {
   for (const char* heights :
        {"min_h_m = -9e9", "max_h_m = 9e999", "min_h_m = -9e999", "min_h_m = 300, max_h_m = 200"}) {
     ExecuteRaw(path_, "UPDATE coverage SET min_h_m = 115, max_h_m = 115");
-    ExpectFound(std::string("UPDATE coverage SET ") + heights, "its cameras are said to stand");
+    ExpectFound(std::string("UPDATE coverage SET ") + heights, "its cameras have heights of");
     const MapSnapshot snapshot = MapStore::Open(path_, OpenMode::kReadOnly).Snapshot();
     EXPECT_EQ(testing::ErrorCodeOf([&] { snapshot.AllTiles(10); }), ErrorCode::kMapDamaged);
   }
 }
 
 TEST_F(MapCheck, HeightsThatAreNotThoseOfTheKeyframes) {
-  ExpectFound("UPDATE coverage SET max_h_m = 200", "its heights are not those of its keyframes");
+  ExpectFound("UPDATE coverage SET max_h_m = 200", "its heights do not match its keyframes");
 }
 
 TEST_F(MapCheck, ARotationOfZero) {
@@ -137,8 +137,8 @@ TEST_F(MapCheck, AKeyframeInTheMiddleOfTheEarth) {
 
 TEST_F(MapCheck, AMovedPose) {
   ExpectFound("UPDATE cairn_keyframe_poses SET tz_m = tz_m + 1 WHERE keyframe_id = 5",
-              "keyframe 5: its latitude, longitude and height are not those of its pose");
-  EXPECT_THAT(Problems(), Contains(HasSubstr("has another pose than in the map")));
+              "keyframe 5: its latitude, longitude and height do not match its pose");
+  EXPECT_THAT(Problems(), Contains(HasSubstr("has a different pose in the map")));
 }
 
 TEST_F(MapCheck, AnUnknownCameraModel) {
@@ -153,7 +153,7 @@ TEST_F(MapCheck, AWrongTileOfAKeyframe) {
   ExpectFound(
       "UPDATE keyframes SET tile_id = (SELECT max(tile_id) FROM coverage) "
       "WHERE keyframe_id = 1",
-      "keyframe 1: it does not stand in the tile that it names");
+      "keyframe 1: it stands outside its tile");
 }
 
 TEST_F(MapCheck, ATileIdThatIsNone) {
@@ -162,35 +162,36 @@ TEST_F(MapCheck, ATileIdThatIsNone) {
 
 TEST_F(MapCheck, AWrongHeading) {
   ExpectFound("UPDATE keyframes SET heading_deg = 90 WHERE keyframe_id = 2",
-              "keyframe 2: its heading is not that of its pose");
+              "keyframe 2: its heading does not match its pose");
 }
 
 TEST_F(MapCheck, BoundsThatDoNotHoldTheLandmarks) {
   ExpectFound("UPDATE cairn_tiles SET landmarks_north_deg = landmarks_south_deg",
-              "its landmark bounds are not those of its landmarks");
+              "its landmark bounds do not match its landmarks");
 }
 
 TEST_F(MapCheck, AWrongNameOfATile) {
   ExpectFound(
       "UPDATE coverage SET tile = '01N-00001-00001' "
       "WHERE tile_id = (SELECT min(tile_id) FROM coverage)",
-      "its name is not that of its id");
+      "its name does not match its id");
 }
 
 TEST_F(MapCheck, AWrongSizeOfAPayload) {
-  ExpectFound("UPDATE coverage SET num_bytes = 1", "3 tiles have payloads of another size");
+  ExpectFound("UPDATE coverage SET num_bytes = 1", "3 tiles have a payload size that differs");
 }
 
 TEST_F(MapCheck, LandmarkIdsThatWouldBeGivenAgain) {
-  ExpectFound("UPDATE cairn_map SET next_landmark_id = 10", "landmark ids that the map will give");
+  ExpectFound("UPDATE cairn_map SET next_landmark_id = 10",
+              "landmark ids that the map has not reserved");
 }
 
 TEST_F(MapCheck, CountersThatCannotGoOn) {
   ExpectFound("UPDATE cairn_map SET next_landmark_id = 9223372036854775807",
               "the next landmark id is too large");
   ExpectFound("INSERT INTO cairn_versions VALUES (9223372036854775807, 'now')",
-              "no version, or one too large");
-  ExpectFound("UPDATE sqlite_sequence SET seq = 9223372036854775807", "sequences of ids");
+              "no version, or a version that is too large");
+  ExpectFound("UPDATE sqlite_sequence SET seq = 9223372036854775807", "id sequences");
 }
 
 TEST_F(MapCheck, LandmarksOfAnUnknownSession) {
@@ -217,7 +218,7 @@ TEST_F(MapCheck, LayersThatGeoPackageReadersDoNotFind) {
 
 TEST_F(MapCheck, AnExtentThatIsNotTheLayers) {
   ExpectFound("UPDATE gpkg_contents SET min_x = 100 WHERE table_name = 'coverage'",
-              "an extent in gpkg_contents that is not theirs");
+              "a wrong extent in gpkg_contents");
 }
 
 TEST_F(MapCheck, TypesOfColumnsThatAreWrong) {

@@ -211,7 +211,7 @@ TEST(MapFile, CheckFindsRowsThatDoNotAgree) {
               ::testing::IsSupersetOf({HasSubstr("3 tiles are missing in the spatial index"),
                                        HasSubstr("1 keyframes have no pose"),
                                        HasSubstr("1 payloads belong to no tile"),
-                                       HasSubstr("its counts are not those of its payload")}));
+                                       HasSubstr("its counts do not match its payload")}));
 }
 
 TEST(MapFile, AKilledWriterLeavesTheMapAsItWas) {

@@ -110,12 +110,13 @@ TEST_F(MapSchema, TablesThatRunSqlOrHoldUpUpdatesAreRefused) {
   ExpectRefused("CREATE TABLE mine (a CHECK (length(hex(a)) > 0))", "checks or generated columns");
   ExpectRefused("CREATE TABLE mine (a, b AS (hex(a)))", "checks or generated columns");
   ExpectRefused("CREATE TABLE mine (a REFERENCES \"Coverage\" (tile_id))",
-                "it refers to Cairn's tables");
+                "it references Cairn's tables");
   ExpectRefused("CREATE VIRTUAL TABLE mine USING rtree (id, a, b)", "it is a virtual table");
-  ExpectRefused("CREATE TABLE cairn_mine (a)", "tables of this name are Cairn's own");
-  ExpectRefused("CREATE TABLE mine (a); CREATE INDEX i ON mine (hex(a))", "it is of expressions");
+  ExpectRefused("CREATE TABLE cairn_mine (a)", "names that begin with cairn_ are reserved");
+  ExpectRefused("CREATE TABLE mine (a); CREATE INDEX i ON mine (hex(a))",
+                "it indexes expressions or a part of the rows");
   ExpectRefused("CREATE TABLE mine (a); CREATE INDEX i ON mine (a) WHERE a LIKE 'b'",
-                "it is of expressions");
+                "it indexes expressions or a part of the rows");
 }
 
 // As GDAL and QGIS make them.
