@@ -1,8 +1,9 @@
--- A Cairn map, format version 1. docs/formats/map_v1.md says what each table is for.
+-- A Cairn map, format version 1. docs/formats/map_v1.md explains each table.
 --
--- First what GeoPackage 1.3 demands, then the two layers that QGIS and GDAL show, then the private
--- tables, all STRICT and with the prefix cairn_. MapStore::Create runs this file and views.sql in one
--- transaction. Angles are degrees (WGS84), heights are metres above the ellipsoid.
+-- This file creates the tables that GeoPackage 1.3 requires, then the private tables (all STRICT,
+-- with the prefix cairn_), then the two layers that QGIS and GDAL show. MapStore::Create runs this
+-- file and views.sql in one transaction. Angles are degrees (WGS84), heights are metres above the
+-- ellipsoid.
 
 PRAGMA application_id = 0x47504B47;  -- 'GPKG'
 PRAGMA user_version = 10300;         -- GeoPackage 1.3.0
@@ -37,7 +38,7 @@ CREATE TABLE gpkg_contents (
   data_type   TEXT     NOT NULL,
   identifier  TEXT     UNIQUE,
   description TEXT     DEFAULT '',
-  -- To the letter, blanks too, what GeoPackage validators compare with.
+  -- GeoPackage validators compare this text exactly, blanks included.
   last_change DATETIME NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ','now')),
   min_x       DOUBLE,
   min_y       DOUBLE,
@@ -73,7 +74,7 @@ CREATE TABLE gpkg_extensions (
 -- The private tables
 -- ---------------------------------------------------------------------------------------------------
 
--- One row. A program reads a map if it knows oldest_reader_version or a later format.
+-- One row. A program can read the map if it reads format oldest_reader_version or a later one.
 CREATE TABLE cairn_map (
   map_id                INTEGER NOT NULL PRIMARY KEY CHECK (map_id = 1),
   format_version        INTEGER NOT NULL CHECK (format_version >= 1),
@@ -82,13 +83,14 @@ CREATE TABLE cairn_map (
   next_landmark_id      INTEGER NOT NULL CHECK (next_landmark_id >= 1)
 ) STRICT;
 
--- One row a published update; the latest is the map's version. The first is the empty map.
+-- One row per published update. The largest version is the map's version; version 1 is the empty
+-- map.
 CREATE TABLE cairn_versions (
   version    INTEGER NOT NULL PRIMARY KEY CHECK (version >= 1),
   created_at TEXT    NOT NULL
 ) STRICT;
 
--- One ingested reconstruction each.
+-- One row per ingested reconstruction.
 CREATE TABLE cairn_sessions (
   session_id               INTEGER NOT NULL PRIMARY KEY AUTOINCREMENT,
   name                     TEXT    NOT NULL UNIQUE CHECK (name <> ''),
@@ -99,14 +101,14 @@ CREATE TABLE cairn_sessions (
   georef_median_residual_m REAL    NOT NULL
 ) STRICT;
 
--- docs/formats/codebook_v1.md. New sessions are coded with the latest.
+-- Codebooks, encoded as docs/formats/codebook_v1.md describes. New sessions use the latest.
 CREATE TABLE cairn_codebooks (
   codebook_id INTEGER NOT NULL PRIMARY KEY AUTOINCREMENT,
   created_at  TEXT    NOT NULL,
   bytes       BLOB    NOT NULL
 ) STRICT;
 
--- Intrinsics, each once. params is a JSON array in COLMAP's order.
+-- Intrinsics without repetition. params is a JSON array in COLMAP's parameter order.
 CREATE TABLE cairn_cameras (
   camera_id INTEGER NOT NULL PRIMARY KEY,
   model     TEXT    NOT NULL,
@@ -116,16 +118,17 @@ CREATE TABLE cairn_cameras (
   UNIQUE (model, width_px, height_px, params)
 ) STRICT;
 
--- The encoded tiles, docs/formats/tile_v1.md. A rowid table, so that blobs can be read in place. A
--- payload never changes and its id is never used again: ids are the keys of caches.
+-- Encoded tiles, see docs/formats/tile_v1.md. A rowid table, so that blobs can be read
+-- incrementally. A payload never changes and its id is never reused, because payload ids are keys
+-- of caches.
 CREATE TABLE cairn_payloads (
   payload_id INTEGER NOT NULL PRIMARY KEY AUTOINCREMENT,
   bytes      BLOB    NOT NULL
 ) STRICT;
 
--- What the engine needs of a tile besides the attributes of its coverage feature. landmarks_* is the
--- box of its landmarks, which can reach far outside the square; west > east if it crosses the
--- antimeridian.
+-- The engine's data of a tile, in addition to the attributes of its coverage feature. landmarks_*
+-- is the box around the landmarks, which can reach far outside the square; west > east if the box
+-- crosses the antimeridian.
 CREATE TABLE cairn_tiles (
   tile_id             INTEGER NOT NULL PRIMARY KEY REFERENCES coverage (tile_id),
   payload_id          INTEGER NOT NULL UNIQUE REFERENCES cairn_payloads (payload_id),
@@ -136,7 +139,7 @@ CREATE TABLE cairn_tiles (
   landmarks_east_deg  REAL    NOT NULL
 ) STRICT;
 
--- What the engine needs of a keyframe besides the attributes of its feature: cam_from_ecef as a
+-- The engine's data of a keyframe, in addition to the attributes of its feature: cam_from_ecef as a
 -- Hamilton quaternion and a translation.
 CREATE TABLE cairn_keyframe_poses (
   keyframe_id INTEGER NOT NULL PRIMARY KEY REFERENCES keyframes (keyframe_id),
@@ -156,7 +159,7 @@ CREATE INDEX cairn_keyframe_poses_by_camera ON cairn_keyframe_poses (camera_id);
 -- The layers. GeoPackage's column types (POLYGON, POINT) rule out STRICT.
 -- ---------------------------------------------------------------------------------------------------
 
--- One square a tile. Longitudes of a square on the antimeridian run on past 180.
+-- One square per tile. Longitudes of a square on the antimeridian continue past 180.
 CREATE TABLE coverage (
   tile_id         INTEGER NOT NULL PRIMARY KEY,  -- Bits as in core/tile_id.h.
   geom            POLYGON NOT NULL,
@@ -169,12 +172,12 @@ CREATE TABLE coverage (
   max_h_m         DOUBLE  NOT NULL
 );
 
--- One point a mapping image.
+-- One point per mapping image.
 CREATE TABLE keyframes (
   keyframe_id INTEGER NOT NULL PRIMARY KEY AUTOINCREMENT,
   geom        POINT   NOT NULL,                  -- With height.
   session_id  INTEGER NOT NULL REFERENCES cairn_sessions (session_id),
-  tile_id     INTEGER NOT NULL,                  -- The tile it stands in.
+  tile_id     INTEGER NOT NULL,                  -- The tile that contains it.
   image_name  TEXT    NOT NULL,
   lat_deg     DOUBLE  NOT NULL,
   lon_deg     DOUBLE  NOT NULL,
@@ -206,9 +209,9 @@ INSERT INTO gpkg_extensions VALUES
   ('cairn_tiles', NULL, 'cairn_map', 'docs/formats/map_v1.md', 'read-write'),
   ('cairn_keyframe_poses', NULL, 'cairn_map', 'docs/formats/map_v1.md', 'read-write');
 
--- The R*Trees of the layers, with the triggers that the GeoPackage extension prescribes. Whoever
--- writes must have ST_IsEmpty, ST_MinX, ST_MaxX, ST_MinY and ST_MaxY: GDAL, QGIS, Cairn and the
--- cairn_sqlite extension do.
+-- The R*Trees of the layers, with the triggers that the GeoPackage extension requires. A program
+-- that writes to a layer needs ST_IsEmpty, ST_MinX, ST_MaxX, ST_MinY and ST_MaxY. GDAL, QGIS, Cairn
+-- and the cairn_sqlite extension have them.
 
 CREATE VIRTUAL TABLE rtree_coverage_geom USING rtree (id, minx, maxx, miny, maxy);
 

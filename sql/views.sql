@@ -1,7 +1,7 @@
--- Views for people. They are part of every map and need no extension: the sqlite3 shell, DB Browser and
--- QGIS show them as they are. Cairn itself does not read them.
+-- Views for people. Every map contains them, and they need no extension: the sqlite3 shell, DB
+-- Browser and QGIS show them. Cairn itself does not read them.
 
--- Tiles with everything that is known without decoding them.
+-- Tiles, with everything that is known without decoding them.
 CREATE VIEW v_tiles AS
 SELECT c.tile,
        c.tile_id,
@@ -21,7 +21,7 @@ SELECT c.tile,
 FROM coverage AS c
 JOIN cairn_tiles AS t ON t.tile_id = c.tile_id;
 
--- The boxes of the tiles' squares, as the index holds them: rounded outwards by up to 2 m.
+-- Boxes around the tiles' squares, as stored in the index, which rounds them outwards by up to 2 m.
 CREATE VIEW v_coverage AS
 SELECT c.tile,
        c.tile_id,
@@ -34,7 +34,7 @@ SELECT c.tile,
 FROM coverage AS c
 JOIN rtree_coverage_geom AS r ON r.id = c.tile_id;
 
--- Sessions with what is left of them in the map.
+-- Sessions, with the counts of their keyframes and tiles that are still in the map.
 CREATE VIEW v_sessions AS
 SELECT s.session_id,
        s.name,
