@@ -38,7 +38,7 @@ constexpr std::array<ModelInfo, 11> kModels = {{
     {CameraModel::kThinPrismFisheye, "THIN_PRISM_FISHEYE", 12, 2, true},
 }};
 
-// COLMAP's models that follow, which are not supported.
+// COLMAP's later models, which are not supported.
 constexpr std::array<const char*, 7> kUnsupported = {"RAD_TAN_THIN_PRISM_FISHEYE",
                                                      "SIMPLE_DIVISION",
                                                      "DIVISION",
@@ -50,14 +50,14 @@ constexpr std::array<const char*, 7> kUnsupported = {"RAD_TAN_THIN_PRISM_FISHEYE
 const ModelInfo& Info(CameraModel model) { return kModels[static_cast<size_t>(model)]; }
 
 std::string SupportedModels() {
-  std::string text = "supported are";
+  std::string text = "the supported models are";
   for (const ModelInfo& info : kModels) {
     text += fmt::format("{} {}", info.model == kModels.front().model ? "" : ",", info.name);
   }
   return text;
 }
 
-// `k` are the parameters after the principal point.
+// `k` points to the parameters after the principal point.
 LensCoefficients CoefficientsOf(CameraModel model, const double* k) {
   LensCoefficients lens;
   if (IsFisheye(model)) {
@@ -100,7 +100,7 @@ LensCoefficients CoefficientsOf(CameraModel model, const double* k) {
   return lens;
 }
 
-// Everything that the constructor of Camera promises to throw.
+// Throws every error that the constructor of Camera documents.
 void CheckCamera(CameraModel model, int width_px, int height_px,
                  const std::vector<double>& params) {
   constexpr int kMaxSidePx = 100'000;
@@ -127,7 +127,7 @@ void CheckCamera(CameraModel model, int width_px, int height_px,
   }
 }
 
-// So that members can be initialised from what has been checked.
+// Returns the checked parameters, so that members can be initialised from them.
 std::vector<double> Checked(CameraModel model, int width_px, int height_px,
                             std::vector<double> params) {
   CheckCamera(model, width_px, height_px, params);

@@ -1,4 +1,4 @@
-// Pinhole and fisheye camera models with COLMAP's names, parameter order and pixel convention: the
+// Pinhole and fisheye camera models with COLMAP's names, parameter order and pixel convention. The
 // centre of the upper left pixel is (0.5, 0.5).
 #ifndef CAIRN_CORE_CAMERA_H_
 #define CAIRN_CORE_CAMERA_H_
@@ -37,31 +37,32 @@ enum class CameraModel {
   kThinPrismFisheye = 10,
 };
 
-// COLMAP's name of a model, e.g. "SIMPLE_RADIAL".
+// Returns COLMAP's name of a model, e.g. "SIMPLE_RADIAL".
 const char* CameraModelName(CameraModel model);
 
-// Throws Error(kBadInput) that names the model, if COLMAP knows it, and the supported ones.
+// Throw Error(kBadInput) for an unsupported model. The message names the model, if COLMAP knows it,
+// and the supported models.
 CameraModel CameraModelFromName(std::string_view name);
 CameraModel CameraModelFromColmapId(int colmap_id);
 
-// Number of parameters of a model.
+// Returns the number of parameters of a model.
 int NumCameraParams(CameraModel model);
 
-// How many of the first parameters are focal lengths: 1 (f) or 2 (fx, fy).
+// Returns how many of the first parameters are focal lengths: 1 (f) or 2 (fx, fy).
 int NumFocalLengths(CameraModel model);
 
-// True of the models whose images may show more than a perspective one can: no other model stands
-// for them.
+// Returns true for fisheye models. Their images may show a wider view than a perspective image can,
+// so no perspective model can replace them.
 bool IsFisheye(CameraModel model);
 
-// Intrinsics of one camera. Immutable after construction; safe to use from any thread.
+// The intrinsics of one camera. Immutable after construction; safe to use from any thread.
 class Camera {
  public:
-  // A 640 x 480 pinhole camera; exists so that Camera can be a plain struct member.
+  // A 640 x 480 pinhole camera. The default constructor lets Camera be a member of plain structs.
   Camera();
 
-  // Throws Error(kBadInput) on a wrong number of parameters, a size outside [1, 100000], a focal
-  // length that is not positive and finite, any parameter that is not finite, or an omega of FOV
+  // Throws Error(kBadInput) if the number of parameters is wrong, a side of the image is outside
+  // [1, 100000] px, a focal length is not positive, any parameter is not finite, or FOV's omega is
   // outside (-pi, pi).
   Camera(CameraModel model, int width_px, int height_px, std::vector<double> params);
 
@@ -70,22 +71,22 @@ class Camera {
   int height_px() const { return height_px_; }
   const std::vector<double>& params() const { return params_; }
 
-  // Mean of fx and fy.
+  // The mean of fx and fy.
   double focal_px() const { return 0.5 * (fx_ + fy_); }
 
-  // Pixel of a point in the camera frame; nothing if the point is not in front of the camera, or
+  // Projects a point to a pixel. Returns nothing if the point is not in front of the camera or lies
   // outside the field of view in which the distortion is invertible.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& x_in_cam) const;
 
-  // As Project, and the 2x3 Jacobian of the pixel by the point.
+  // Like Project; also computes the 2x3 Jacobian of the pixel with respect to the point.
   std::optional<Eigen::Vector2d> ProjectWithJacobian(const Eigen::Vector3d& x_in_cam,
                                                      Eigen::Matrix<double, 2, 3>* jacobian) const;
 
-  // Unit ray through a pixel, in the camera frame; nothing if the distortion cannot be inverted
-  // there. Inverse of Project to 1e-8 px.
+  // Returns the unit ray through a pixel, in the camera frame; nothing if the distortion cannot be
+  // inverted there. The inverse of Project to 1e-8 px.
   std::optional<Eigen::Vector3d> Unproject(const Eigen::Vector2d& pixel) const;
 
-  // True if the pixel lies in [0, width] x [0, height].
+  // Returns true if the pixel lies in [0, width] x [0, height].
   bool Contains(const Eigen::Vector2d& pixel) const;
 
  private:

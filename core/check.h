@@ -1,4 +1,4 @@
-// CAIRN_CHECK: for bugs only. No input from outside may reach a failing check.
+// CAIRN_CHECK is for bugs only. No input from outside may make a check fail.
 #ifndef CAIRN_CORE_CHECK_H_
 #define CAIRN_CORE_CHECK_H_
 

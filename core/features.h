@@ -1,4 +1,4 @@
-// Local image features as every room exchanges them.
+// Local image features, the format that all rooms exchange.
 #ifndef CAIRN_CORE_FEATURES_H_
 #define CAIRN_CORE_FEATURES_H_
 
@@ -17,17 +17,18 @@ using DescriptorMatrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Ei
 struct Keypoint {
   float x_px = 0.0f;
   float y_px = 0.0f;
-  float scale_px = 1.0f;         // Standard deviation of the detector's Gaussian.
-  float orientation_rad = 0.0f;  // Direction of the dominant gradient; x axis is 0, y axis pi/2.
+  float scale_px = 1.0f;  // Standard deviation of the detector's Gaussian.
+  // Direction of the dominant gradient; 0 is the x axis, pi/2 the y axis.
+  float orientation_rad = 0.0f;
 };
 
-// In which space descriptors live.
+// The space of a set of descriptors.
 enum class DescriptorSpace {
-  kRaw,        // As the extractor made them, e.g. 128-D SIFT.
+  kRaw,        // As the extractor outputs them, e.g. 128-D SIFT.
   kProjected,  // Normalised and projected by a map's codebook, e.g. 16-D.
 };
 
-// Features of one image: keypoints[i] belongs to descriptors.row(i).
+// The features of one image: keypoints[i] belongs to descriptors.row(i).
 struct FeatureSet {
   std::vector<Keypoint> keypoints;
   DescriptorMatrix descriptors;
@@ -36,13 +37,14 @@ struct FeatureSet {
   int size() const { return static_cast<int>(keypoints.size()); }
 };
 
-// Throws Error(kBadInput) if counts differ or any number is not finite. Names `what`.
+// Throws Error(kBadInput), naming `what`, if the counts differ, a number is not finite, or a scale
+// is not positive.
 void ValidateFeatures(const FeatureSet& features, const char* what);
 
-// Gravity-rectified orientation (Kurz and Benhimane 2011): the keypoint's direction relative to the
-// image of the gravity direction at the keypoint, in (-pi, pi]. Nothing where the viewing ray is
-// within 3 degrees of the vertical and the direction is meaningless. `down_in_cam` is a unit
-// vector.
+// Returns the gravity-rectified orientation (Kurz and Benhimane 2011): the keypoint's direction
+// relative to the image of the gravity direction at the keypoint, in (-pi, pi]. Returns nothing if
+// the viewing ray is within 3 degrees of the vertical, where the direction is meaningless.
+// `down_in_cam` is a unit vector.
 std::optional<double> GravityRectifiedOrientationRad(const Camera& camera, const Keypoint& keypoint,
                                                      const Eigen::Vector3d& down_in_cam);
 

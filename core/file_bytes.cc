@@ -17,12 +17,11 @@ namespace fs = std::filesystem;
 constexpr size_t kChunkBytes = size_t{1} << 20;
 
 [[noreturn]] void ThrowTooLarge(const std::string& path, uint64_t max_bytes) {
-  throw Error(
-      ErrorCode::kBadInput,
-      fmt::format("{}: the file has more than {} bytes, the most that are read", path, max_bytes));
+  throw Error(ErrorCode::kBadInput,
+              fmt::format("{}: the file is larger than the limit of {} bytes", path, max_bytes));
 }
 
-// Bytes that a regular file is said to have; 0 of all others.
+// Returns the reported size of a regular file, and 0 for any other file.
 uint64_t ExpectedBytes(const std::string& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
@@ -30,7 +29,7 @@ uint64_t ExpectedBytes(const std::string& path) {
     throw Error(ErrorCode::kNotFound, fmt::format("{}: no such file", path));
   }
   if (status.type() == fs::file_type::directory) {
-    throw Error(ErrorCode::kBadInput, fmt::format("{}: is a directory, not a file", path));
+    throw Error(ErrorCode::kBadInput, fmt::format("{}: this is a directory, not a file", path));
   }
   if (status.type() != fs::file_type::regular) {
     return 0;
@@ -53,7 +52,7 @@ std::vector<uint8_t> ReadFileBytes(const std::string& path, uint64_t max_bytes) 
   std::vector<uint8_t> bytes;
   while (file) {
     const size_t begin = bytes.size();
-    // Of a regular file all at once and the end of it, without a copy.
+    // A regular file is read at once, without copies. The extra byte detects the end of the file.
     const bool is_expected = begin == 0 && expected_bytes > 0;
     bytes.resize(begin + (is_expected ? expected_bytes + 1 : kChunkBytes));
     file.read(reinterpret_cast<char*>(bytes.data() + begin),

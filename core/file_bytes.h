@@ -1,4 +1,4 @@
-// Whole files as bytes.
+// Reads whole files.
 #ifndef CAIRN_CORE_FILE_BYTES_H_
 #define CAIRN_CORE_FILE_BYTES_H_
 
@@ -8,12 +8,13 @@
 
 namespace cairn {
 
-// Reads files, pipes and devices to their end. Throws Error(kNotFound) if there is nothing at
-// `path`, Error(kBadInput) if it is a directory or has more than `max_bytes`, of which no more is
-// read, Error(kIo) if reading fails.
+// Reads a file, pipe or device to its end. Throws Error(kNotFound) if `path` does not exist,
+// Error(kBadInput) if it is a directory or holds more than `max_bytes`, and Error(kIo) if reading
+// fails. Never reads much beyond `max_bytes`.
 std::vector<uint8_t> ReadFileBytes(const std::string& path, uint64_t max_bytes);
 
-// The same as text, without the byte order mark that some programs write first.
+// Reads a file as text, without the byte order mark that some programs write first. Throws what
+// ReadFileBytes throws.
 std::string ReadTextFile(const std::string& path, uint64_t max_bytes);
 
 }  // namespace cairn

@@ -16,10 +16,11 @@ void FocalPrior::Validate(const Camera& camera) const {
                             kMinLogSigma, kMaxLogSigma));
   }
   if (with_distortion && camera.model() != CameraModel::kSimpleRadial) {
-    throw Error(ErrorCode::kBadInput,
-                fmt::format("camera.model: the distortion of a {} cannot be found, only that of a "
-                            "SIMPLE_RADIAL",
-                            CameraModelName(camera.model())));
+    throw Error(
+        ErrorCode::kBadInput,
+        fmt::format("camera.model: the distortion of a {} cannot be estimated, only that of a "
+                    "SIMPLE_RADIAL",
+                    CameraModelName(camera.model())));
   }
 }
 

@@ -1,4 +1,4 @@
-// Cameras whose focal length is not known for sure.
+// Cameras whose focal length is uncertain.
 #ifndef CAIRN_CORE_FOCAL_LENGTH_H_
 #define CAIRN_CORE_FOCAL_LENGTH_H_
 
@@ -10,33 +10,34 @@ namespace cairn {
 
 // How well the focal length of a camera is known.
 struct FocalPrior {
-  // Standard deviation of the logarithm of the focal length about that of the camera.
+  // Standard deviation of the logarithm of the focal length; the mean is the camera's.
   double log_sigma = kUnknownLogSigma;
-  // The distortion is not known either; the camera is a SIMPLE_RADIAL.
+  // True if the distortion is unknown, too; the camera is then a SIMPLE_RADIAL.
   bool with_distortion = false;
 
-  // Of a camera that nobody measured: two standard deviations about kUnknownFocalRatio reach from
-  // wide lenses of 19 mm to tele ones of 50 mm (35 mm film).
+  // For a camera that nobody calibrated. Two standard deviations around kUnknownFocalRatio cover
+  // lenses from 19 mm (wide) to 50 mm (tele), as focal lengths for 35 mm film.
   static constexpr double kUnknownLogSigma = 0.25;
   static constexpr double kMinLogSigma = 1e-4;
   static constexpr double kMaxLogSigma = 0.5;
 
-  // Throws Error(kBadInput) if log_sigma is outside [kMinLogSigma, kMaxLogSigma], or the camera's
-  // distortion is to be found and it is no SIMPLE_RADIAL.
+  // Throws Error(kBadInput) if log_sigma is outside [kMinLogSigma, kMaxLogSigma], or if
+  // with_distortion is set and the camera is not a SIMPLE_RADIAL.
   void Validate(const Camera& camera) const;
 };
 
-// The focal length of a camera that nobody measured, in units of the image's long side.
+// The assumed focal length of an uncalibrated camera, in units of the image's long side.
 inline constexpr double kUnknownFocalRatio = 0.85;
 
-// A SIMPLE_RADIAL camera of that focal length, without distortion, its principal point in the
-// middle. Throws Error(kBadInput) as Camera does.
+// Returns a SIMPLE_RADIAL camera with the assumed focal length, no distortion, and the principal
+// point in the middle. Throws Error(kBadInput) as Camera does.
 Camera CameraOfUnknownFocal(int width_px, int height_px);
 
-// The camera with its focal lengths multiplied by `factor` (positive); all else stays.
+// Returns the camera with its focal lengths multiplied by `factor` (positive); the other parameters
+// stay.
 Camera WithFocalScaled(const Camera& camera, double factor);
 
-// The pixel of the optical axis.
+// Returns the pixel of the optical axis.
 Eigen::Vector2d PrincipalPointPx(const Camera& camera);
 
 }  // namespace cairn

@@ -1,18 +1,18 @@
-// The coordinate frames of the project, listed once.
+// The coordinate frames of the project.
 //
 //   ecef    Earth-centred Earth-fixed WGS84, metres.
-//   enu     East-north-up at some geodetic point, metres; the point is always named beside it.
+//   enu     East-north-up at a geodetic point, metres; a comment always names the point.
 //   tile    The enu frame at a tile's anchor (TileId::Anchor).
-//   anchor  The enu frame of one query; every tile the query touches is moved into it.
-//   world   The arbitrary, arbitrarily scaled frame of a reconstruction before georegistration.
+//   anchor  The enu frame of one query; every tile of the query is transformed to it.
+//   world   The frame of a reconstruction before georegistration; its pose and scale are arbitrary.
 //   cam     x right, y down, z forward; metres.
 //   imu     The body frame of an inertial unit.
 //   local   A client's gravity-aligned tracking frame (z up).
-//   global  The map frame a client is aligned to.
+//   global  The map frame to which a client is aligned.
 //
-// A transform is `target_from_source`, a point `x_in_frame`. Neighbouring names cancel:
-// `cam_from_ecef = cam_from_tile * tile_from_ecef`. Gravity in a query is `down_in_cam`, a unit
-// vector.
+// A transform is named `target_from_source`, a point `x_in_frame`. Neighbouring names cancel:
+// `cam_from_ecef = cam_from_tile * tile_from_ecef`. The gravity direction of a query is
+// `down_in_cam`, a unit vector.
 #ifndef CAIRN_CORE_FRAMES_H_
 #define CAIRN_CORE_FRAMES_H_
 
@@ -20,7 +20,7 @@
 
 namespace cairn {
 
-// Unit vector that points down in any of the enu, tile, anchor frames.
+// The unit vector that points down in the enu, tile and anchor frames.
 inline Eigen::Vector3d DownInEnu() { return -Eigen::Vector3d::UnitZ(); }
 
 }  // namespace cairn

@@ -31,7 +31,7 @@ double Geodetic::lon_deg() const { return lon_rad * kDegPerRad; }
 void ValidateGeodetic(const Geodetic& position, const char* what) {
   const double lat_deg = position.lat_deg();
   const double lon_deg = position.lon_deg();
-  constexpr double kSlackDeg = 1e-9;  // Rounding of the conversion from degrees.
+  constexpr double kSlackDeg = 1e-9;  // Allows for rounding in the conversion from degrees.
   if (!(std::abs(lat_deg) <= 90.0 + kSlackDeg)) {
     throw Error(ErrorCode::kBadInput,
                 fmt::format("{}: latitude {} is not within [-90, 90] degrees", what, lat_deg));
@@ -78,8 +78,8 @@ double GroundDistanceM(const Geodetic& a, const Geodetic& b) {
 
 GeoBox BoxAround(const Geodetic& center, double radius_m) {
   constexpr double kHalfPi = 0.5 * std::numbers::pi;
-  // The smallest radius of curvature anywhere on the ellipsoid, b^2 / a (the meridian's at the
-  // equator), so that the box never comes out too small.
+  // The radius is the smallest radius of curvature of the ellipsoid, b^2 / a (the meridian's at the
+  // equator), so that the box is never too small.
   const double equatorial_m = GeographicLib::Constants::WGS84_a();
   const double polar_m = equatorial_m * (1.0 - GeographicLib::Constants::WGS84_f());
   const double reach_rad = radius_m / (polar_m * polar_m / equatorial_m);
@@ -91,7 +91,7 @@ GeoBox BoxAround(const Geodetic& center, double radius_m) {
   if (contains_pole) {
     return box;
   }
-  // Largest longitude difference on a spherical cap.
+  // The largest longitude difference on a spherical cap.
   const double sine = std::sin(std::min(reach_rad, kHalfPi)) / std::cos(center.lat_rad);
   if (sine >= 1.0) {
     return box;

@@ -1,4 +1,4 @@
-// WGS84 positions and local frames, by GeographicLib.
+// WGS84 positions and local frames, computed by GeographicLib.
 #ifndef CAIRN_CORE_GEODESY_H_
 #define CAIRN_CORE_GEODESY_H_
 
@@ -8,7 +8,7 @@
 
 namespace cairn {
 
-// A WGS84 position. Height is above the ellipsoid.
+// A WGS84 position. The height is above the ellipsoid.
 struct Geodetic {
   double lat_rad = 0.0;  // [-pi/2, pi/2]
   double lon_rad = 0.0;  // [-pi, pi)
@@ -26,22 +26,22 @@ void ValidateGeodetic(const Geodetic& position, const char* what);
 Eigen::Vector3d EcefFromGeodetic(const Geodetic& position);
 Geodetic GeodeticFromEcef(const Eigen::Vector3d& x_in_ecef);
 
-// The east-north-up frame at `origin`.
+// Returns the east-north-up frame at `origin`.
 Rigid3d EcefFromEnu(const Geodetic& origin);
 
-// Great-ellipse distance on the ground, metres; heights do not count. Accurate to centimetres below
-// 100 km.
+// Returns the great-ellipse distance on the ground, metres; heights are ignored. Accurate to
+// centimetres below 100 km.
 double GroundDistanceM(const Geodetic& a, const Geodetic& b);
 
-// A latitude-longitude box, degrees-free. If west > east the box crosses the antimeridian.
+// A latitude-longitude box in radians. If west > east, the box crosses the antimeridian.
 struct GeoBox {
   double south_rad = 0.0, west_rad = 0.0, north_rad = 0.0, east_rad = 0.0;
 
   bool CrossesAntimeridian() const { return west_rad > east_rad; }
 };
 
-// The smallest box that contains the disc of `radius_m` about `center`; spans all longitudes when
-// the disc contains a pole.
+// Returns the smallest box that contains the disc of `radius_m` around `center`. The box spans all
+// longitudes if the disc contains a pole.
 GeoBox BoxAround(const Geodetic& center, double radius_m);
 
 }  // namespace cairn

@@ -15,8 +15,9 @@
 namespace cairn {
 namespace {
 
-// GTX: latitude and longitude of the south-west corner and the steps as doubles, the numbers of
-// rows and columns as int32, then the heights as float32, rows from the south; all big-endian.
+// A GTX file is big-endian. It holds the latitude and longitude of the south-west corner and the
+// two steps as doubles, the numbers of rows and columns as int32, and the heights as float32, rows
+// from south to north.
 constexpr size_t kHeaderBytes = 4 * 8 + 2 * 4;
 constexpr int kMaxSide = 100'000;
 
@@ -43,7 +44,8 @@ std::string ReadFile(const std::string& path) {
   return bytes;
 }
 
-// Weights of four neighbours at a fraction of the step after the second (Catmull and Rom).
+// Returns the weights of four neighbours (Catmull-Rom) at fraction `t` of the step after the second
+// neighbour.
 std::array<double, 4> CubicWeights(double t) {
   return {0.5 * t * (-1.0 + t * (2.0 - t)), 1.0 + 0.5 * t * t * (-5.0 + 3.0 * t),
           0.5 * t * (1.0 + t * (4.0 - 3.0 * t)), 0.5 * t * t * (t - 1.0)};
@@ -68,7 +70,8 @@ std::optional<HeightReference> HeightReferenceFromName(std::string_view name) {
 Geoid::Geoid(const std::string& gtx_path) {
   const std::string bytes = ReadFile(gtx_path);
   const auto fail = [&](const char* what) {
-    throw Error(ErrorCode::kBadInput, fmt::format("{}: is no global GTX grid: {}", gtx_path, what));
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("{}: is not a global GTX grid: {}", gtx_path, what));
   };
   if (bytes.size() < kHeaderBytes) {
     fail("it ends within its header");
@@ -83,12 +86,12 @@ Geoid::Geoid(const std::string& gtx_path) {
                         num_columns_ < kMaxSide &&
                         bytes.size() == kHeaderBytes + sizeof(float) * num_rows_ * num_columns_;
   if (!has_size) {
-    fail("its length does not fit its header");
+    fail("its length does not match its header");
   }
   const bool is_global = south_deg == -90.0 && number(16) == step_deg_ &&
                          step_deg_ * (num_rows_ - 1) == 180.0 && step_deg_ * num_columns_ == 360.0;
   if (!is_global || num_columns_ % 2 != 0) {
-    fail("it does not cover the Earth once");
+    fail("it does not cover the Earth exactly once");
   }
   heights_m_.resize(static_cast<size_t>(num_rows_) * num_columns_);
   for (size_t i = 0; i < heights_m_.size(); ++i) {
@@ -101,7 +104,7 @@ const Geoid& Geoid::Egm96() {
   return geoid;
 }
 
-// Beyond a pole the meridian goes on on the other side of the Earth.
+// Beyond a pole, a meridian continues on the other side of the Earth.
 double Geoid::At(int row, int column) const {
   if (row < 0 || row >= num_rows_) {
     row = row < 0 ? -row : 2 * (num_rows_ - 1) - row;

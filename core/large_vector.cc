@@ -12,7 +12,8 @@ constexpr std::align_val_t kCacheLine{64};
 constexpr size_t kHugePageBytes = size_t{2} << 20;
 constexpr std::align_val_t kHugePage{kHugePageBytes};
 
-// The huge pages of a block: as many as are at least half used.
+// Returns the number of huge pages for a block. A partial page counts if the block uses at least
+// half of it.
 size_t NumHugePages(size_t num_bytes) { return (num_bytes + kHugePageBytes / 2) / kHugePageBytes; }
 
 }  // namespace
@@ -24,7 +25,8 @@ void* AllocateLarge(size_t num_bytes) {
   }
   void* memory = ::operator new(std::max(num_bytes, huge_bytes), kHugePage);
 #if defined(MADV_HUGEPAGE)
-  madvise(memory, huge_bytes, MADV_HUGEPAGE);  // Advice; the memory is as good without.
+  // Only advice: if it fails, the memory works without huge pages.
+  madvise(memory, huge_bytes, MADV_HUGEPAGE);
 #endif
   return memory;
 }

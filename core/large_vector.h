@@ -1,4 +1,4 @@
-// Vectors for arrays of megabytes that are written right after they were made.
+// Vectors for arrays of megabytes that are written immediately after allocation.
 #ifndef CAIRN_CORE_LARGE_VECTOR_H_
 #define CAIRN_CORE_LARGE_VECTOR_H_
 
@@ -9,20 +9,20 @@
 
 namespace cairn {
 
-// Memory that starts with a cache line. Large blocks are in huge pages if the system has some to
-// give: memory that is touched for the first time costs a page fault, which takes longer than to
-// fill the page, and a huge page is one instead of 512. At most half a huge page is left unused.
+// Allocates memory that starts at a cache line. Large blocks use huge pages if the system has any.
+// The first access to a page causes a page fault, which takes longer than filling the page; a huge
+// page causes one fault instead of 512. At most half a huge page stays unused.
 void* AllocateLarge(size_t num_bytes);
 void FreeLarge(void* memory, size_t num_bytes);
 
-// Leaves numbers that are given no value as they are in memory.
+// Does not initialise numbers that are constructed without a value.
 template <typename T>
 struct LargeAllocator {
   using value_type = T;
 
   LargeAllocator() = default;
   template <typename U>
-  LargeAllocator(const LargeAllocator<U>&) {}  // NOLINT: required of an allocator.
+  LargeAllocator(const LargeAllocator<U>&) {}  // NOLINT: allocators need this conversion.
 
   T* allocate(size_t count) { return static_cast<T*>(AllocateLarge(count * sizeof(T))); }
   void deallocate(T* memory, size_t count) { FreeLarge(memory, count * sizeof(T)); }
@@ -37,8 +37,8 @@ struct LargeAllocator {
   bool operator==(const LargeAllocator&) const { return true; }
 };
 
-// A std::vector whose constructor and resize leave numbers without a value: every one must be
-// written before it is read.
+// A std::vector whose constructor and resize leave numbers uninitialised. Write every element
+// before you read it.
 template <typename T>
 using LargeVector = std::vector<T, LargeAllocator<T>>;
 

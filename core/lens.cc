@@ -9,14 +9,15 @@ namespace cairn {
 namespace {
 
 constexpr double kHalfPi = 0.5 * std::numbers::pi;
-// The tangent of 84 degrees off the axis, beyond what a perspective image shows.
+// The tangent of 84 degrees off the axis, which is beyond the edge of any perspective image.
 constexpr double kMaxRadius = 10.0;
-// Below, series stand for quotients of small numbers.
+// Below these bounds, series replace quotients of small numbers.
 constexpr double kSmallSqRadius = 1e-16;
 constexpr double kSmallOmegaRad = 1e-6;
 constexpr double kMaxThetaRad = kHalfPi - 1e-3;
 
-// The derivative of `point` times a factor that depends on its radius.
+// Returns the derivative of `point` times `factor`, which depends on the point's radius;
+// `by_square` is d(factor)/d(squared radius).
 Eigen::Matrix2d ScaleJacobian(const Eigen::Vector2d& point, double factor, double by_square) {
   return factor * Eigen::Matrix2d::Identity() + 2.0 * by_square * point * point.transpose();
 }
@@ -37,7 +38,7 @@ Lens::Lens(const LensCoefficients& coefficients) : k_(coefficients) {
 Lens::Scale Lens::ProjectionScale(double sq_radius) const {
   if (k_.projection == LensProjection::kPerspective) return {};
   const bool is_fov = k_.projection == LensProjection::kFov;
-  // Both are atan(slope * radius) / (turn * radius).
+  // Both projections are atan(slope * radius) / (turn * radius).
   const double slope = is_fov ? 2.0 * std::tan(0.5 * k_.omega_rad) : 1.0;
   const double turn = is_fov ? k_.omega_rad : 1.0;
   if (sq_radius < kSmallSqRadius) {
@@ -61,8 +62,8 @@ Lens::Scale Lens::RadialScale(double q) const {
   return {factor, (numerator_by_q - factor * denominator_by_q) / denominator};
 }
 
-// The distorted radius grows while factor + 2 q factor' is positive; a denominator that reaches
-// zero ends it as well.
+// The distorted radius grows while factor + 2 q factor' is positive and the denominator has not
+// reached zero.
 double Lens::FindMaxSqRadius() const {
   double max_q = kMaxRadius * kMaxRadius;
   if (k_.projection == LensProjection::kEquidistant) {
@@ -122,7 +123,7 @@ std::optional<Eigen::Vector2d> Lens::Distort(const Eigen::Vector2d& normalized,
   return distorted;
 }
 
-// Newton's method between bounds: the distorted radius grows with the radius up to max_sq_radius_.
+// Newton's method between bounds; the distorted radius grows with the radius up to max_sq_radius_.
 double Lens::StraightenRadius(double distorted_radius) const {
   double low = 0.0, high = std::sqrt(max_sq_radius_);
   double radius = std::min(distorted_radius, high);

@@ -1,5 +1,5 @@
-// How a lens bends rays: the map from normalised image coordinates (x / z, y / z) to distorted
-// ones.
+// Lens distortion: the map from normalised image coordinates (x / z, y / z) to distorted
+// coordinates.
 #ifndef CAIRN_CORE_LENS_H_
 #define CAIRN_CORE_LENS_H_
 
@@ -9,7 +9,7 @@
 
 namespace cairn {
 
-// What the radius of an undistorted point is measured in.
+// The measure of an undistorted point's radius.
 enum class LensProjection {
   kPerspective,  // The tangent of the angle off the axis.
   kEquidistant,  // The angle itself: the fisheyes.
@@ -22,14 +22,14 @@ enum class LensProjection {
 //   x = u radial + 2 p1 u v + p2 (q + 2 u^2) + s1 q
 //   y = v radial + 2 p2 u v + p1 (q + 2 v^2) + s2 q
 //
-// The models of COLMAP (core/camera.h) are this with some of the coefficients zero.
+// In each of COLMAP's models (core/camera.h), some of these coefficients are zero.
 struct LensCoefficients {
   LensProjection projection = LensProjection::kPerspective;
   std::array<double, 4> numerator = {};
   std::array<double, 3> denominator = {};
   double p1 = 0.0, p2 = 0.0;  // Tangential.
   double s1 = 0.0, s2 = 0.0;  // Thin prism.
-  double omega_rad = 0.0;     // Of kFov only; its magnitude is below pi.
+  double omega_rad = 0.0;     // Only for kFov; its magnitude is below pi.
 };
 
 // Immutable; safe to use from any thread.
@@ -37,24 +37,24 @@ class Lens {
  public:
   explicit Lens(const LensCoefficients& coefficients);
 
-  // The distorted point; nothing beyond the radius at which the distortion stops to grow with the
-  // radius, or 84 degrees off the axis of a lens that is no fisheye. `jacobian` (may be null) is
-  // d(distorted)/d(normalized).
+  // Returns the distorted point. Returns nothing beyond the radius at which the distorted radius
+  // stops growing, or beyond 84 degrees off the axis for a lens that is not a fisheye. `jacobian`
+  // (may be null) receives d(distorted)/d(normalized).
   std::optional<Eigen::Vector2d> Distort(const Eigen::Vector2d& normalized,
                                          Eigen::Matrix2d* jacobian) const;
 
-  // The inverse of Distort to 1e-11; nothing where there is none.
+  // The inverse of Distort to 1e-11; nothing if the point has no inverse.
   std::optional<Eigen::Vector2d> Undistort(const Eigen::Vector2d& distorted) const;
 
  private:
-  // A factor on a point and the factor's derivative by the squared radius.
+  // A factor on a point, and the factor's derivative with respect to the squared radius.
   struct Scale {
     double factor = 1.0;
     double by_square = 0.0;
   };
   Scale ProjectionScale(double sq_radius) const;
   Scale RadialScale(double sq_radius) const;
-  // From the projected point to the distorted one.
+  // Maps the projected point to the distorted point.
   Eigen::Vector2d Bend(const Eigen::Vector2d& projected, Eigen::Matrix2d* jacobian) const;
   std::optional<Eigen::Vector2d> Straighten(const Eigen::Vector2d& distorted) const;
   double StraightenRadius(double distorted_radius) const;
@@ -62,9 +62,9 @@ class Lens {
   double FindMaxSqRadius() const;
 
   LensCoefficients k_;
-  bool has_radial_ = false;      // Some coefficient of `radial` is not zero.
-  bool has_asymmetric_ = false;  // p1, p2, s1 or s2 is not zero.
-  double max_sq_radius_ = 0.0;   // Of the projected point.
+  bool has_radial_ = false;      // True if a coefficient of `radial` is not zero.
+  bool has_asymmetric_ = false;  // True if p1, p2, s1 or s2 is not zero.
+  double max_sq_radius_ = 0.0;   // Limit on the projected point.
 };
 
 }  // namespace cairn

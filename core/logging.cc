@@ -48,7 +48,7 @@ void WriteLog(LogLevel level, std::string_view message) noexcept {
     const std::string line = Printable(message);
     Logger().log(SpdlogLevel(level), spdlog::string_view_t(line.data(), line.size()));
   } catch (...) {
-    // A log line that cannot be written must not stop the work it describes.
+    // A failure to log must not stop the work that the log describes.
   }
 }
 

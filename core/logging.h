@@ -1,4 +1,4 @@
-// Logging to stderr, formatted with {fmt}. spdlog does the work behind this header.
+// Logging to stderr, formatted with {fmt}. Implemented with spdlog.
 #ifndef CAIRN_CORE_LOGGING_H_
 #define CAIRN_CORE_LOGGING_H_
 
@@ -11,13 +11,13 @@ namespace cairn {
 
 enum class LogLevel { kDebug, kInfo, kWarning, kError, kOff };
 
-// Messages below `level` are dropped. Thread-safe. The default is kInfo.
+// Drops messages below `level`. Thread-safe. The default is kInfo.
 void SetLogLevel(LogLevel level);
 
 // Writes one line, escaped as Printable does. Thread-safe; never throws.
 void WriteLog(LogLevel level, std::string_view message) noexcept;
 
-// True if a message of this level would be written.
+// Returns true if a message of this level would be written.
 bool LogEnabled(LogLevel level);
 
 template <typename... Args>

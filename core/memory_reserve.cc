@@ -7,10 +7,11 @@
 namespace cairn {
 namespace {
 
-std::atomic<size_t> reserve_bytes{0};  // 0: the process has no reserve.
+std::atomic<size_t> reserve_bytes{0};  // 0 if the process has no reserve.
 std::atomic<void*> reserve{nullptr};
 
-// operator new calls this again and again until it has memory or this throws.
+// The handler of operator new, which calls it repeatedly until the allocation succeeds or this
+// function throws.
 void GiveReserveBack() {
   void* kept = reserve.exchange(nullptr);
   if (kept == nullptr) {
@@ -34,7 +35,7 @@ void RefillMemoryReserve() noexcept {
   void* kept = std::malloc(reserve_bytes);
   void* expected = nullptr;
   if (!reserve.compare_exchange_strong(expected, kept)) {
-    std::free(kept);  // Another thread was faster.
+    std::free(kept);  // Another thread refilled the reserve first.
   }
 }
 

@@ -1,4 +1,4 @@
-// Memory kept for the moment when there is none left.
+// A reserve of memory for the moment when allocation fails.
 #ifndef CAIRN_CORE_MEMORY_RESERVE_H_
 #define CAIRN_CORE_MEMORY_RESERVE_H_
 
@@ -6,15 +6,15 @@
 
 namespace cairn {
 
-// Sets `num_bytes` of address space aside; nothing of it is touched. When operator new fails, the
-// reserve is given back and the allocation tried again: a small one then succeeds, a large one
-// throws std::bad_alloc and leaves the reserve to what unwinds and reports the failure. That
-// matters where failing is no option, as in destructors that allocate (nlohmann::json's do). Once a
-// process.
+// Reserves `num_bytes` of address space without touching it. When operator new fails, the reserve
+// is released and the allocation is tried again. A small allocation then succeeds; a large one
+// throws std::bad_alloc and leaves the released memory for unwinding and reporting. The reserve
+// matters where failure is not an option, as in destructors that allocate (nlohmann::json's do).
+// Call once per process.
 void SetUpMemoryReserve(size_t num_bytes);
 
-// Sets the reserve aside again if it was given back and memory allows. Does nothing in a process
-// without one. Safe to call from any thread; never throws.
+// Sets the reserve aside again if it was released and memory allows. Does nothing in a process
+// without a reserve. Safe to call from any thread; never throws.
 void RefillMemoryReserve() noexcept;
 
 }  // namespace cairn

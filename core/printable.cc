@@ -10,10 +10,10 @@ namespace {
 struct Character {
   uint32_t code = 0;
   size_t size = 1;          // Bytes.
-  bool is_encoded = false;  // False: the first byte begins no valid UTF-8 sequence.
+  bool is_encoded = false;  // False if the first byte does not begin a valid UTF-8 sequence.
 };
 
-// The first character of a text that is not empty.
+// Returns the first character of a non-empty text.
 Character FirstCharacter(std::string_view text) {
   const auto byte = [text](size_t i) { return static_cast<uint8_t>(text[i]); };
   const uint8_t first = byte(0);
@@ -39,7 +39,7 @@ Character FirstCharacter(std::string_view text) {
   return {code, size, true};
 }
 
-// Controls, line separators and marks of direction.
+// Returns true for controls, line separators and marks of writing direction.
 bool IsHarmful(uint32_t code) {
   return code < 0x20 || (code >= 0x7f && code < 0xa0) || code == 0x61c || code == 0x200e ||
          code == 0x200f || (code >= 0x2028 && code <= 0x202e) ||

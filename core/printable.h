@@ -1,4 +1,4 @@
-// Text from outside, made fit for messages, logs and terminals.
+// Makes text from outside safe for messages, logs and terminals.
 #ifndef CAIRN_CORE_PRINTABLE_H_
 #define CAIRN_CORE_PRINTABLE_H_
 
@@ -8,19 +8,19 @@
 
 namespace cairn {
 
-// Most bytes of outside text that a message quotes.
+// A message quotes at most this many bytes of text from outside.
 inline constexpr size_t kMaxExcerptBytes = 100;
 
-// The text with everything escaped that a terminal might obey or that hides what the text says:
-// control characters (as \n, \t, \r or \x1b), C1 controls and marks of writing direction (as
-// \u202e), bytes that are not UTF-8 (as \xff).
+// Escapes everything that a terminal might interpret or that disguises the text: control characters
+// (as \n, \t, \r or \x1b), C1 controls and marks of writing direction (as \u202e), and bytes that
+// are not UTF-8 (as \xff).
 std::string Printable(std::string_view text);
 
-// The same, but line feeds stay, for text that is made of lines.
+// Like Printable, but keeps line feeds, for text that consists of lines.
 std::string PrintableLines(std::string_view text);
 
-// What a message quotes of a name, cell or value from outside: at most `max_bytes` of it, cut
-// between characters, as Printable. If it is cut, the excerpt says how long the whole is:
+// Quotes a name, cell or value from outside in a message: at most `max_bytes` of the text, cut
+// between characters and escaped as Printable does. A shortened excerpt states the full length:
 // "aaaa... (2000000 bytes)".
 std::string Excerpt(std::string_view text, size_t max_bytes = kMaxExcerptBytes);
 

@@ -1,4 +1,4 @@
-// Random numbers that are the same on every platform and compiler.
+// Random numbers that are the same on every platform and with every compiler.
 #ifndef CAIRN_CORE_RANDOM_H_
 #define CAIRN_CORE_RANDOM_H_
 
@@ -9,7 +9,7 @@ namespace cairn {
 
 inline constexpr uint64_t kSplitMixStep = 0x9E3779B97F4A7C15u;
 
-// The output function of SplitMix64 (Steele, Lea, Flood 2014): a bijection; neighbouring inputs
+// The output function of SplitMix64 (Steele, Lea, Flood 2014): a bijection. Neighbouring inputs
 // give independent outputs.
 inline uint64_t HashWord(uint64_t value) {
   value += kSplitMixStep;
@@ -18,13 +18,13 @@ inline uint64_t HashWord(uint64_t value) {
   return value ^ (value >> 31);
 }
 
-// The index-th output of the SplitMix64 generator of this seed, addressed instead of drawn in
-// sequence; a bijection of the index, so values can be compared without ties.
+// Returns the index-th output of the SplitMix64 generator with this seed, without generating the
+// outputs before it. A bijection of `index`, so comparisons of values have no ties.
 inline uint64_t RandomBits(uint64_t seed, uint64_t index) {
   return HashWord(seed + index * kSplitMixStep);
 }
 
-// SplitMix64 drawn in sequence: nothing to set up. Not thread-safe.
+// The SplitMix64 generator. Needs no setup. Not thread-safe.
 class Random {
  public:
   explicit Random(uint64_t seed) : state_(seed) {}
@@ -47,8 +47,8 @@ class Random {
   uint64_t state_;
 };
 
-// For std::mt19937_64, of which the standard fixes the bits but not the distributions. What maps
-// are made with draws from it, so that maps stay what they are.
+// Distributions for std::mt19937_64; the standard specifies the generator's bits but not the
+// distributions. Ingest uses them, so changing them would change the maps.
 //
 // Uniform in [0, 1).
 inline double UniformUnit(std::mt19937_64* rng) { return ((*rng)() >> 11) * 0x1.0p-53; }

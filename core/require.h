@@ -1,4 +1,4 @@
-// Checks of options, with errors that name the field.
+// Checks of options. Errors name the field.
 #ifndef CAIRN_CORE_REQUIRE_H_
 #define CAIRN_CORE_REQUIRE_H_
 
@@ -13,16 +13,16 @@
 
 namespace cairn {
 
-// Throws Error(kInvalidArgument) that says `what`, as "pose.min_inliers must be at least 4", unless
-// the condition holds.
+// Throws Error(kInvalidArgument) with the message `what`, e.g. "pose.min_inliers must be at least
+// 4", unless the condition holds.
 inline void RequireOption(bool condition, std::string_view what) {
   if (!condition) {
     throw Error(ErrorCode::kInvalidArgument, std::string(what));
   }
 }
 
-// Throws Error(kInvalidArgument), naming the field and the nearest possible value, unless
-// min <= value <= max. Comparisons are false for NaN, so that it is refused too.
+// Throws Error(kInvalidArgument), naming the field and the nearest possible value, unless min <=
+// value <= max. NaN is refused, since comparisons with NaN are false.
 template <typename Value, typename Min, typename Max>
 void RequireWithin(std::string_view field, Value value, Min min, Max max) {
   using Number = std::common_type_t<Value, Min, Max>;

@@ -7,7 +7,7 @@ namespace cairn {
 
 Eigen::Quaterniond ExpSo3(const Eigen::Vector3d& rotation_vector) {
   const double angle_rad = rotation_vector.norm();
-  // sin(x / 2) / x, by its series where the quotient loses digits.
+  // sin(x / 2) / x, by its series where the quotient would lose digits.
   const double factor =
       angle_rad < 1e-4 ? 0.5 - angle_rad * angle_rad / 48.0 : std::sin(0.5 * angle_rad) / angle_rad;
   const Eigen::Vector3d imaginary = factor * rotation_vector;
@@ -15,7 +15,7 @@ Eigen::Quaterniond ExpSo3(const Eigen::Vector3d& rotation_vector) {
 }
 
 Eigen::Vector3d LogSo3(const Eigen::Quaterniond& rotation) {
-  const double sign = rotation.w() < 0.0 ? -1.0 : 1.0;  // The shorter way round.
+  const double sign = rotation.w() < 0.0 ? -1.0 : 1.0;  // Selects the shorter of the two rotations.
   const double sin_half = rotation.vec().norm();
   const double angle_rad = 2.0 * std::atan2(sin_half, sign * rotation.w());
   const double factor = sin_half < 1e-8 ? 2.0 : angle_rad / sin_half;

@@ -1,4 +1,4 @@
-// Rigid and similarity transforms of three-space.
+// Rigid and similarity transforms of three-dimensional space.
 #ifndef CAIRN_CORE_RIGID3_H_
 #define CAIRN_CORE_RIGID3_H_
 
@@ -10,7 +10,8 @@ namespace cairn {
 // target_from_source: x_in_target = rotation * x_in_source + translation.
 struct Rigid3d {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  // Hamilton, unit norm.
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();         // Source origin in target, m.
+  // Origin of the source frame in the target frame, m.
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
 
   Rigid3d() = default;
   Rigid3d(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& translation)
@@ -57,8 +58,8 @@ inline Sim3d operator*(const Rigid3d& a_from_b, const Sim3d& b_from_c) {
           a_from_b.rotation * b_from_c.translation + a_from_b.translation};
 }
 
-// The pose `cam_from_world` seen from a frame the similarity maps `world` into: returns
-// cam_from_target in the target's metric scale.
+// Expresses a pose in the frame to which the similarity maps `world`. Returns cam_from_target in
+// the target's metric scale.
 inline Rigid3d CamFromTarget(const Rigid3d& cam_from_world, const Sim3d& target_from_world) {
   const Eigen::Quaterniond cam_from_target =
       cam_from_world.rotation * target_from_world.rotation.conjugate();
@@ -68,14 +69,14 @@ inline Rigid3d CamFromTarget(const Rigid3d& cam_from_world, const Sim3d& target_
   return {cam_from_target, -(cam_from_target * center_in_target)};
 }
 
-// Rotation matrix of a rotation vector (axis times angle in radians), and its inverse.
+// Converts a rotation vector (axis times angle in radians) to a rotation, and back.
 Eigen::Quaterniond ExpSo3(const Eigen::Vector3d& rotation_vector);
 Eigen::Vector3d LogSo3(const Eigen::Quaterniond& rotation);
 
-// Cross-product matrix: Skew(a) * b == a.cross(b).
+// Returns the cross-product matrix: Skew(a) * b == a.cross(b).
 Eigen::Matrix3d Skew(const Eigen::Vector3d& a);
 
-// Angle between two rotations, radians in [0, pi].
+// Returns the angle between two rotations, radians in [0, pi].
 double RotationAngleRad(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b);
 
 }  // namespace cairn

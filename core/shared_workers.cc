@@ -15,8 +15,8 @@ namespace {
 struct Job {
   const std::function<void(int)>& step;
   int count = 0;
-  int next = 0;         // Step that starts next.
-  int num_running = 0;  // Steps.
+  int next = 0;         // Index of the step that starts next.
+  int num_running = 0;  // Number of running steps.
   std::exception_ptr failure;
 
   bool has_started_all() const { return next >= count; }
@@ -27,10 +27,10 @@ struct Job {
 
 struct SharedWorkers::Impl {
   const int num_threads;
-  std::mutex mutex;  // Guards all below but the threads.
+  std::mutex mutex;  // Guards all members below except the threads.
   std::condition_variable work_changed;
   std::condition_variable job_done;
-  std::deque<Job*> jobs;  // Those with steps to start.
+  std::deque<Job*> jobs;  // Jobs that still have steps to start.
   int num_callers = 0;
   int num_helping = 0;
   bool is_stopping = false;
@@ -44,7 +44,7 @@ struct SharedWorkers::Impl {
 
   bool CanHelp() const { return !jobs.empty() && num_callers + num_helping < num_threads; }
 
-  // Runs the next step of a job, which must have one; the lock is free meanwhile.
+  // Runs the next step of a job, which must have one. Releases the lock while the step runs.
   void RunStep(Job* job, std::unique_lock<std::mutex>* lock) {
     const int index = job->next++;
     ++job->num_running;
@@ -70,7 +70,7 @@ struct SharedWorkers::Impl {
     }
   }
 
-  // The life of a helper.
+  // The loop of a helper thread.
   void Help() {
     std::unique_lock<std::mutex> lock(mutex);
     while (true) {

@@ -7,16 +7,16 @@
 
 namespace cairn {
 
-// A query that is alone gets help from as many threads as there are; queries that come at once get
-// a thread each, their callers', and the helpers rest. Safe to call from any thread.
+// A single query gets help from all idle threads. If several queries run at once, each runs on its
+// caller's thread and the helpers stay idle. Safe to call from any thread.
 class SharedWorkers {
  public:
-  // `num_threads` is how many work at once, the callers' among them: one helper less is started.
-  // At least 1, which starts none.
+  // `num_threads` is the number of threads that work at once, including the callers'; the
+  // constructor starts one helper fewer. `num_threads` is at least 1, which starts no helper.
   explicit SharedWorkers(int num_threads);
   ~SharedWorkers();  // No call may be running.
 
-  // Announces, while it lives, that its thread computes: so long the helpers leave it a core.
+  // While a Caller lives, its thread computes, and the helpers leave one core to it.
   class Caller {
    public:
     explicit Caller(SharedWorkers* workers);
@@ -28,13 +28,13 @@ class SharedWorkers {
     SharedWorkers* workers_;
   };
 
-  // How many threads would work on a ForEach that started now; at least 1.
+  // Returns how many threads would work on a ForEach that started now; at least 1.
   int NumFree() const;
 
-  // Calls step(0) ... step(count - 1), each once, on the calling thread and on helpers that are
-  // free; they start in this order. Helpers serve callers in turn, one step each. Returns when all
-  // are done; the first exception keeps the steps that have not started from starting and is thrown
-  // again here. Steps must not call ForEach.
+  // Calls step(0) ... step(count - 1) once each, on the calling thread and on idle helpers. Steps
+  // start in this order. Helpers serve callers in turn, one step at a time. Returns when all steps
+  // are done. The first exception prevents further steps from starting and is rethrown to the
+  // caller. Steps must not call ForEach.
   void ForEach(int count, const std::function<void(int)>& step);
 
  private:
@@ -42,7 +42,7 @@ class SharedWorkers {
   std::unique_ptr<Impl> impl_;
 };
 
-// SharedWorkers::ForEach, or, without workers (null), all steps on the calling thread.
+// Calls SharedWorkers::ForEach. If `workers` is null, runs all steps on the calling thread.
 void ForEachStep(SharedWorkers* workers, int count, const std::function<void(int)>& step);
 
 }  // namespace cairn

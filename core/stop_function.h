@@ -1,4 +1,4 @@
-// How a stage is told that its time is up.
+// Tells a stage that its time is up.
 #ifndef CAIRN_CORE_STOP_FUNCTION_H_
 #define CAIRN_CORE_STOP_FUNCTION_H_
 
@@ -6,8 +6,9 @@
 
 namespace cairn {
 
-// Asked between two pieces of work whether to leave the rest; once it has said so it keeps to it.
-// Several threads may ask at once. Without a function in it: never.
+// Polled between pieces of work. Once the function returns true, it keeps returning true, and the
+// stage skips its remaining work. Must be safe to call from several threads. An empty function
+// never stops the stage.
 using StopFunction = std::function<bool()>;
 
 }  // namespace cairn

@@ -26,14 +26,15 @@ uint64_t Pack(int zone, bool north, int64_t easting_idx, int64_t northing_idx) {
          static_cast<uint64_t>(easting_idx) << kIndexBits | static_cast<uint64_t>(northing_idx);
 }
 
-// Position of a grid point, metres east and north in the zone.
+// Returns the position of a grid point, given in metres east and north in the zone.
 Geodetic GeodeticFromGrid(int zone, bool north, double easting_m, double northing_m) {
   double lat_deg = 0.0, lon_deg = 0.0;
   UTMUPS::Reverse(zone, north, easting_m, northing_m, lat_deg, lon_deg);
   return Geodetic::FromDegrees(lat_deg, lon_deg, 0.0);
 }
 
-// Reads an unsigned decimal of exactly `num_digits`; -1 if it is not one.
+// Parses an unsigned decimal number of exactly `num_digits` digits; returns -1 if the text is not
+// one.
 int64_t ParseDigits(std::string_view text, size_t num_digits) {
   int64_t value = 0;
   if (text.size() != num_digits || text.front() < '0' || text.front() > '9') {
@@ -79,7 +80,7 @@ TileId TileId::Parse(std::string_view text) {
   const auto refuse = [text] {
     return Error(
         ErrorCode::kBadInput,
-        fmt::format("'{}' is not a tile id; they look like 32N-03104-35120", Excerpt(text)));
+        fmt::format("'{}' is not a tile id; an example of one is 32N-03104-35120", Excerpt(text)));
   };
   if (text.size() != 15 || (text[2] != 'N' && text[2] != 'S') || text[3] != '-' || text[9] != '-') {
     throw refuse();
@@ -129,7 +130,7 @@ GeoBox TileId::Bounds() const {
     box.south_rad = std::min(box.south_rad, corner.lat_rad);
     box.north_rad = std::max(box.north_rad, corner.lat_rad);
   }
-  if (max_lon_offset_rad - min_lon_offset_rad >= std::numbers::pi) {  // Contains a pole.
+  if (max_lon_offset_rad - min_lon_offset_rad >= std::numbers::pi) {  // The tile contains a pole.
     const double pole_rad = std::copysign(0.5 * std::numbers::pi, anchor.lat_rad);
     box.south_rad = std::min(box.south_rad, pole_rad);
     box.north_rad = std::max(box.north_rad, pole_rad);

@@ -1,4 +1,4 @@
-// Identity of a 150 m map tile on the UTM/UPS grid.
+// The id of a 150 m map tile on the UTM/UPS grid.
 #ifndef CAIRN_CORE_TILE_ID_H_
 #define CAIRN_CORE_TILE_ID_H_
 
@@ -13,7 +13,7 @@
 
 namespace cairn {
 
-// One square of the 150 m grid laid over the UTM zone (or, near the poles, UPS) of its centre.
+// A square of the 150 m grid in the UTM zone of its centre (near the poles, UPS).
 //
 // Bit layout of the 64-bit value, most significant first:
 //   63..59  zero, so that the value is positive as an SQLite integer
@@ -28,10 +28,10 @@ class TileId {
 
   TileId() = default;  // Invalid; value() is 0.
 
-  // The tile that contains a position, in the position's standard zone.
+  // Returns the tile that contains a position, in the position's standard zone.
   static TileId Containing(const Geodetic& position);
 
-  // Throws Error(kBadInput) if the bits or the text are not a tile on Earth.
+  // Throw Error(kBadInput) if the bits or the text do not name a tile on Earth.
   static TileId FromValue(uint64_t value);
   static TileId Parse(std::string_view text);
 
@@ -42,13 +42,13 @@ class TileId {
   int northing_idx() const;
   std::string ToString() const;
 
-  // Centre of the square at ellipsoidal height 0: origin of the tile frame.
+  // Returns the centre of the square at ellipsoidal height 0, the origin of the tile frame.
   Geodetic Anchor() const;
 
-  // The four corners, counter-clockwise from south-west, at height 0.
+  // Returns the four corners, counter-clockwise from the south-west, at height 0.
   std::vector<Geodetic> Corners() const;
 
-  // Box around the square.
+  // Returns the box around the square.
   GeoBox Bounds() const;
 
   auto operator<=>(const TileId&) const = default;
