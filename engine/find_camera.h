@@ -1,4 +1,4 @@
-// The camera of a query whose focal length is uncertain.
+// Finds the camera of a query whose focal length is uncertain.
 #ifndef CAIRN_ENGINE_FIND_CAMERA_H_
 #define CAIRN_ENGINE_FIND_CAMERA_H_
 
@@ -11,9 +11,9 @@
 
 namespace cairn {
 
-// Votes and estimates poses with several focal lengths (FocalSearch). Returns the context of the
-// query as the camera saw it that goes with the best pose of all. `stated` is the context with the
-// camera that the query states.
+// Tries several focal lengths (FocalSearch), voting and estimating poses with each. Returns the
+// query's context with the camera of the best pose. `stated` is the context with the camera that
+// the query states.
 QueryContext FindCamera(const QueryContext& stated, const LocalizeQuery& query,
                         const std::vector<TileView>& tiles, const SharedMatches& matches,
                         const LocalizerOptions& options, const QueryBudget& budget,

@@ -1,4 +1,4 @@
-// Stage `voting`: places where the camera may be, each with the matches that say so.
+// Stage `voting`: finds places where the camera may be, each with the matches that support it.
 #ifndef CAIRN_ENGINE_FIND_CANDIDATES_H_
 #define CAIRN_ENGINE_FIND_CANDIDATES_H_
 
@@ -13,8 +13,8 @@
 
 namespace cairn {
 
-// By the filter of the options. A query without gravity cannot be voted for: its candidates are
-// those of the best ranked keyframes.
+// Runs the filter that the options select. Voting needs gravity, so a query without gravity gets
+// its candidates from the best ranked keyframes.
 std::vector<PoseCandidate> FindCandidates(const QueryContext& query,
                                           const std::vector<TileView>& tiles,
                                           const std::vector<Correspondence>& matches,

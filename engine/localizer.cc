@@ -43,8 +43,8 @@ double SecondsSince(QueryBudget::Clock::time_point start) {
   return std::chrono::duration<double>(QueryBudget::Clock::now() - start).count();
 }
 
-// Runs stages until one of them says why there cannot be an answer or the deadline passes, and
-// takes their times.
+// Runs stages and measures their times, until a stage returns a reason why there is no answer, or
+// the deadline passes.
 class StageRunner {
  public:
   StageRunner(const QueryBudget& budget, LocalizeResult* result)
@@ -80,11 +80,11 @@ LocalizeResult EmptyResult(const LocalizeQuery& query, const MapSnapshot& snapsh
   return result;
 }
 
-// Nothing if the map has nothing to search.
+// Returns nothing if the map is empty.
 std::optional<QueryContext> ResolvePrior(const LocalizeQuery& query, const MapSnapshot& snapshot,
                                          const PriorOptions& options) {
   const auto codebook = snapshot.CurrentCodebook();
-  // A prior needs nothing of the map; summing it up is for queries without one.
+  // Map totals take time to compute and are needed only by queries without a prior.
   const MapInfo map = query.prior ? MapInfo{} : snapshot.Info();
   if (codebook == nullptr || (!query.prior && !map.bounds)) {
     return std::nullopt;
@@ -105,7 +105,8 @@ std::vector<TileId> IdsOf(const std::vector<TileView>& tiles) {
   return ids;
 }
 
-// The stages that are run again without gravity: what they work on, and what they have led to.
+// The stages that may run again without gravity, with their shared input and the hypotheses they
+// have found.
 struct Search {
   const LocalizerOptions& options;
   const QueryBudget& budget;
@@ -113,7 +114,7 @@ struct Search {
   std::vector<TileView> tiles;
   PoseHypotheses hypotheses;
 
-  // Null if too few keypoints have a match.
+  // Returns null if too few keypoints have a match.
   SharedMatches Match(const QueryContext& context) {
     auto matches = std::make_shared<const std::vector<Correspondence>>(
         MatchFeatures(context, tiles, options.matching, counters, budget.workers,
@@ -139,7 +140,7 @@ struct Search {
     }
   }
 
-  // From matching on, as if the query had had no gravity; the hypotheses so far stay.
+  // Runs the stages from matching on again without gravity. Keeps the hypotheses found so far.
   void TryWithoutGravity(const QueryContext& context) {
     if (const SharedMatches matches = Match(context)) {
       Estimate(context, matches, Vote(context, matches));
@@ -166,7 +167,7 @@ void Conclude(const LocalizeQuery& query, const std::optional<QueryContext>& con
     ConcludeAnswer(*context, search.tiles, search.hypotheses.all(), search.options.answer, refine,
                    result);
   }
-  // There might have been more with more time.
+  // With more time, the stages might have found enough.
   const bool found_too_little =
       result->reason == Reason::kTooFewMatches || result->reason == Reason::kTooFewInliers;
   if (found_too_little && (search.budget.DeadlinePassed() || result->counters.is_cut_short())) {
@@ -180,7 +181,7 @@ LocalizeResult Localizer::Impl::Localize(const LocalizeQuery& query) {
   const QueryBudget::Clock::time_point start = QueryBudget::Clock::now();
   query.Validate();
   const QueryBudget budget{&workers, query.deadline};
-  std::optional<MapSnapshot> snapshot(store->Snapshot());  // Until the tiles are there.
+  std::optional<MapSnapshot> snapshot(store->Snapshot());  // Held until the tiles are fetched.
   LocalizeResult result = EmptyResult(query, *snapshot);
   Search search{options, budget, &result.counters, {}, {}};
   std::optional<QueryContext> context, without_gravity;

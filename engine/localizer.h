@@ -1,4 +1,4 @@
-// One query, one pose: calls the stages prior, tiles, matching, voting, pose, refinement in order.
+// Localizes a query: calls the stages prior, tiles, matching, voting, pose, refinement in order.
 #ifndef CAIRN_ENGINE_LOCALIZER_H_
 #define CAIRN_ENGINE_LOCALIZER_H_
 
@@ -12,20 +12,20 @@
 
 namespace cairn {
 
-// Answers queries against one map. Safe to call from any thread; each call pins the map version
-// that is current when it starts.
+// Answers queries against one map. Safe to call from any thread. Each call pins the map version
+// that is current when the call starts.
 class Localizer {
  public:
-  // `store` and `cache` are shared with whoever else uses them; a cache must hold tiles of this
-  // store made with the same options.matching.index, as it knows them by payload only. Validates
-  // the options.
+  // Other objects may share `store` and `cache`. The cache identifies tiles by payload only, so it
+  // must hold only tiles of this store that were made with the same options.matching.index.
+  // Validates the options.
   Localizer(std::shared_ptr<const MapStore> store, std::shared_ptr<TileCache> cache,
             const LocalizerOptions& options);
   ~Localizer();
 
-  // A query without an answer is a result with a reason. Throws Error(kBadInput) on a query that
-  // makes no sense (see LocalizeQuery::Validate, descriptor dimension, codec), Error(kMapDamaged)
-  // if a tile does not decode.
+  // If the query has no answer, the result states the reason. Throws Error(kBadInput) for an
+  // invalid query (see LocalizeQuery::Validate; also a wrong descriptor dimension or codec), and
+  // Error(kMapDamaged) if a tile does not decode.
   LocalizeResult Localize(const LocalizeQuery& query) const;
 
   const LocalizerOptions& options() const;

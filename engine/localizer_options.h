@@ -1,4 +1,4 @@
-// Every knob of a query, nested by stage.
+// All options of a query, nested by stage.
 #ifndef CAIRN_ENGINE_LOCALIZER_OPTIONS_H_
 #define CAIRN_ENGINE_LOCALIZER_OPTIONS_H_
 
@@ -23,14 +23,15 @@ struct LocalizerOptions {
   RefinementOptions refinement;
   AnswerOptions answer;
 
-  // Threads that a query may use while no other query needs them, its own among them; the others
-  // are shared by all queries of a localizer. At least 1. The answer does not depend on it.
+  // Number of threads that a query may use while no other query needs them, including its own. The
+  // other threads are shared by all queries of a localizer. At least 1. The answer does not depend
+  // on num_threads.
   int num_threads = 1;
 
-  // Seed of everything random in a query; the same seed gives the same answer.
+  // Seed of all randomness in a query; the same seed gives the same answer.
   uint64_t seed = 1;
 
-  // Throws Error(kInvalidArgument) naming the field.
+  // Throws Error(kInvalidArgument), naming the field.
   void Validate() const;
 };
 

@@ -20,7 +20,7 @@ bool AreFarApart(const Rigid3d& a, const Rigid3d& b, const AnswerOptions& option
          RotationAngleRad(a.rotation, b.rotation) > options.ambiguous_rotation_rad;
 }
 
-// A hypothesis and what speaks for it.
+// A hypothesis with its score.
 struct Contender {
   const PoseHypothesis* hypothesis = nullptr;
   double score = 0.0;
@@ -33,7 +33,7 @@ Contender MakeContender(const QueryContext& query, const PoseHypothesis& hypothe
                            LogPoseShare(query.region, center_in_anchor, hypothesis.used_gravity)};
 }
 
-// The probability that a pose's match is right, by keypoint.
+// Returns the probability that each keypoint's match is right if the pose is right.
 std::map<int, double> RightByKeypoint(const PoseHypothesis& hypothesis) {
   std::map<int, double> right;
   const PoseEstimate& estimate = hypothesis.estimate;
@@ -44,8 +44,8 @@ std::map<int, double> RightByKeypoint(const PoseHypothesis& hypothesis) {
   return right;
 }
 
-// True if the inliers decide between two poses that are far apart. What both explain, such as a
-// facade that repeats, tells nothing; see AnswerOptions.
+// Returns true if the inliers decide for `a` over `b`, two poses that are far apart. Keypoints that
+// both poses explain, such as those on a facade that repeats, do not count. See AnswerOptions.
 bool Outdoes(const PoseHypothesis& a, const PoseHypothesis& b, const AnswerOptions& options) {
   const std::map<int, double> of_a = RightByKeypoint(a), of_b = RightByKeypoint(b);
   double sum_a = 0.0, sum_b = 0.0, num_for = 0.0, num_against = 0.0;
@@ -71,7 +71,8 @@ bool Rivals(const Contender& rival, const Contender& best, const AnswerOptions& 
                      rival.hypothesis->estimate.cam_from_anchor, options);
 }
 
-// The contender that wins, `by_score` being in order; nothing if the answer is ambiguous.
+// Returns the winner among contenders in descending order of score; null if the answer is
+// ambiguous.
 const PoseHypothesis* FindWinner(const std::vector<Contender>& by_score,
                                  const AnswerOptions& options) {
   Contender best = by_score.front();
@@ -88,8 +89,8 @@ const PoseHypothesis* FindWinner(const std::vector<Contender>& by_score,
   return is_ambiguous ? nullptr : best.hypothesis;
 }
 
-// Radius that holds 68 % of an isotropic Gaussian with this covariance trace: the square root of
-// the 0.68 quantile of chi-squared with three degrees of freedom, 3.506.
+// Returns the radius that holds 68 % of an isotropic Gaussian whose covariance has this trace.
+// 3.506 is the 0.68 quantile of chi-squared with three degrees of freedom.
 double Radius68(const Eigen::Matrix3d& covariance) {
   return std::sqrt(3.506 * covariance.trace() / 3.0);
 }
@@ -113,7 +114,7 @@ void FillMatches(const QueryContext& query, const std::vector<TileView>& tiles,
     out.sigma_m = match.sigma_m;
     const auto traits = TraitsOf(query, match, hypothesis.estimate.cam_from_anchor);
     if (!traits) {
-      continue;  // At the very edge of what the camera sees, by rounding.
+      continue;  // Rounding put the landmark just outside the camera's field of view.
     }
     out.traits = *traits;
     out.right_probability = hypothesis.estimate.right_probabilities[i];
@@ -147,7 +148,8 @@ void FillPose(const QueryContext& query, const Contender& winner,
   result->counters.used_gravity = winner.hypothesis->used_gravity;
 }
 
-// Why a pose of too low a score is no answer: the prior, if it would be one without it.
+// Returns why a pose with too low a score is not an answer: kPriorMismatch if the pose would be one
+// without the prior.
 NotLocalizedReason ReasonOfWeakness(const QueryContext& query, const Contender& best,
                                     const AnswerOptions& options) {
   const bool the_prior_decides =
@@ -166,7 +168,7 @@ void ConcludeAnswer(const QueryContext& query, const std::vector<TileView>& tile
                     const std::vector<PoseHypothesis>& hypotheses, const AnswerOptions& options,
                     const std::function<PoseHypothesis(const PoseHypothesis&)>& refine,
                     LocalizeResult* result) {
-  CAIRN_CHECK(!hypotheses.empty(), "there is nothing to conclude from");
+  CAIRN_CHECK(!hypotheses.empty(), "there are no hypotheses");
   std::vector<Contender> by_score;
   for (const PoseHypothesis& hypothesis : hypotheses) {
     by_score.push_back(MakeContender(query, hypothesis));

@@ -1,4 +1,5 @@
-// From pose hypotheses to the answer: which one wins, whether it may be trusted, what is reported.
+// Turns pose hypotheses into an answer: picks the winner, decides whether to trust it, and fills
+// the result.
 #ifndef CAIRN_ENGINE_ANSWER_ANSWER_H_
 #define CAIRN_ENGINE_ANSWER_ANSWER_H_
 
@@ -13,11 +14,14 @@
 
 namespace cairn {
 
-// Picks the hypothesis with the highest score, or another that has about as high a score and
-// explains clearly more keypoints, lets `refine` refine it, and fills the result: its pose,
-// accuracy, score, confidence and matches; or the reason why there is no answer: kAmbiguous (see
-// AnswerOptions), kPriorMismatch if the score is too low only because the pose is far from the
-// prior, kTooFewInliers. `hypotheses` must not be empty.
+// Picks the hypothesis with the highest score, or a hypothesis with about as high a score that
+// explains clearly more keypoints. Passes the winner to `refine` and fills the result with the
+// refined pose, its accuracy, score, confidence and matches. If there is no answer, fills in the
+// reason:
+//  - kAmbiguous: see AnswerOptions;
+//  - kPriorMismatch: the score is too low only because the pose is far from the prior;
+//  - kTooFewInliers: otherwise.
+// `hypotheses` must not be empty.
 void ConcludeAnswer(const QueryContext& query, const std::vector<TileView>& tiles,
                     const std::vector<PoseHypothesis>& hypotheses, const AnswerOptions& options,
                     const std::function<PoseHypothesis(const PoseHypothesis&)>& refine,

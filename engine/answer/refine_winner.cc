@@ -12,7 +12,8 @@
 namespace cairn {
 namespace {
 
-// Orders the matches of several searches by keypoint and leaves of each only the nearest.
+// Merges the matches of several searches. Sorts by keypoint and removes repeated matches, keeping
+// the nearest.
 void MergeMatches(std::vector<Correspondence>* matches) {
   const auto key = [](const Correspondence& match) {
     return std::tuple(match.keypoint_idx, match.tile_idx, match.landmark_idx);
@@ -28,7 +29,8 @@ void MergeMatches(std::vector<Correspondence>* matches) {
                  matches->end());
 }
 
-// On the matches of all poses that might have won, not only those among which it was found.
+// Refines the winner on the matches of all poses that might have won, not only on those in which
+// the winner was found.
 PoseHypothesis RefinedOnAllMatches(const QueryContext& query, const PoseHypotheses& hypotheses,
                                    const PoseHypothesis& winner, const PoseOptions& options) {
   const auto all = std::make_shared<std::vector<Correspondence>>();
@@ -50,7 +52,8 @@ PoseHypothesis RefinedOnAllMatches(const QueryContext& query, const PoseHypothes
   return refined ? PoseHypothesis{std::move(*refined), all, winner.used_gravity, {}} : winner;
 }
 
-// With the camera that goes with it; the covariance of the pose then includes the camera's.
+// Refines the pose together with its camera. The covariance of the pose then includes the camera's
+// uncertainty.
 PoseHypothesis RefinedWithCamera(const QueryContext& query, const LocalizeQuery& stated,
                                  PoseHypothesis winner, const PoseOptions& options) {
   if (query.is_rig()) {

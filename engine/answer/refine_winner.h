@@ -1,4 +1,4 @@
-// The winning pose, refined on all that speaks for it.
+// Refines the winning pose on all of its evidence.
 #ifndef CAIRN_ENGINE_ANSWER_REFINE_WINNER_H_
 #define CAIRN_ENGINE_ANSWER_REFINE_WINNER_H_
 
@@ -8,9 +8,9 @@
 
 namespace cairn {
 
-// Refines the winner on the matches of all poses that might have won, then on its likely inliers,
-// then together with its camera if the query or the inliers ask for it. `query` is the context in
-// which the winner was found; `stated` says what is known of the camera.
+// Refines the winner on the matches of all poses that might have won, then on its likely inliers.
+// Then refines pose and camera together if the query or the inliers require it. `query` is the
+// context in which the winner was found; `stated` holds what the client knows about the camera.
 PoseHypothesis RefineWinner(const QueryContext& query, const LocalizeQuery& stated,
                             const PoseHypotheses& hypotheses, const PoseHypothesis& winner,
                             const PoseOptions& options);

@@ -11,10 +11,11 @@ namespace {
 
 constexpr double kCorrectM = 3.0;
 
-// Of an isotropic Gaussian in space of which 68 % lies within `radius68_m`, the share within
-// `radius_m` (Maxwell's distribution).
+// Returns the share within `radius_m` of an isotropic 3-D Gaussian that has 68 % within
+// `radius68_m` (Maxwell's distribution).
 double ShareWithin(double radius_m, double radius68_m) {
-  constexpr double kSigmasOfRadius68 = 1.8724;  // sqrt of the 0.68 quantile of chi-squared, 3.506.
+  // The square root of the 0.68 quantile of chi-squared, 3.506.
+  constexpr double kSigmasOfRadius68 = 1.8724;
   const double sigmas = radius_m * kSigmasOfRadius68 / std::max(1e-9, radius68_m);
   return std::erf(sigmas / std::numbers::sqrt2) -
          std::sqrt(2.0 * std::numbers::inv_pi) * sigmas * std::exp(-0.5 * sigmas * sigmas);

@@ -1,45 +1,47 @@
-// What a score and a covariance are worth: learned from answers whose truth is known.
+// Converts scores and covariances to probabilities and accuracies, calibrated on answers whose
+// truth is known.
 #ifndef CAIRN_ENGINE_ANSWER_SCORE_CALIBRATION_H_
 #define CAIRN_ENGINE_ANSWER_SCORE_CALIBRATION_H_
 
 namespace cairn {
 
-// The confidence was set after answers to hard queries of simulated cities, to photos that sparse
-// maps lack, and to queries from elsewhere; docs/math/metrics.md, "Calibration". FitCalibration
-// (lab/calibration) fits the radii, whose defaults are of 585 answers in a simulated grid city.
-// Experiment 19_calibration holds all against other cities.
+// Sources of the defaults: the confidence was fitted to answers to hard queries of simulated
+// cities, to photos that sparse maps lack, and to queries from elsewhere (docs/math/metrics.md,
+// "Calibration"). FitCalibration (lab/calibration) fits the radii; their defaults come from 585
+// answers in a simulated grid city. Experiment 19_calibration tests all of them on other cities.
 struct ScoreCalibration {
   // The probability that a pose is within 3 m and 10 degrees of the truth is a logistic function of
-  // the logarithm of its score, slope * log(score) + offset; the slope is positive. A score of 8,
-  // where answers begin, means 0.50, 20 mean 0.90 and 60 mean 0.99.
+  // slope * log(score) + offset. The slope is positive. Scores of 8 (the lowest score of an
+  // answer), 20 and 60 mean probabilities of 0.50, 0.90 and 0.99.
   double confidence_slope = 2.4;
   double confidence_offset = -5.0;
   // The probability that a query that shows nothing of the map reaches a score is
-  // exp(-false_alarm_slope * (score - false_alarm_start)), 1 below the start; the slope is
-  // positive. In theory the slope is 1; descriptors that repeat make it smaller.
+  // exp(-false_alarm_slope * (score - false_alarm_start)), and 1 below the start. The slope is
+  // positive. In theory the slope is 1; repeated descriptors make it smaller.
   double false_alarm_slope = 0.3;
   double false_alarm_start = -15.0;
-  // What the radii that the covariance predicts are multiplied with, so that 68 % of the truths lie
-  // within; positive.
+  // Factors on the radii that the covariance predicts, chosen so that 68 % of the truths lie within
+  // the radii. Positive.
   double position_accuracy_factor = 1.2;
   double rotation_accuracy_factor = 1.5;
-  // What matches cannot tell: how far the map itself is from where it should be, as a 68 % radius,
-  // metres, not negative. Adds in quadrature to the position accuracy. 0.28 m is what a standard
-  // deviation of 0.15 m per axis makes, as georegistration leaves in the simulated city; set it to
-  // what your maps have.
+  // The map's own error as a 68 % radius, metres, not negative; matches cannot reveal it. Added in
+  // quadrature to the position accuracy. The default, 0.28 m, corresponds to a standard deviation
+  // of 0.15 m per axis, which georegistration leaves in the simulated city. Set it to the accuracy
+  // of your maps.
   double map_accuracy_m = 0.28;
 
-  // Throws Error(kInvalidArgument) naming the field.
+  // Throws Error(kInvalidArgument), naming the field.
   void Validate() const;
 
-  // In [0, 1), rising with the score; a score that is not positive counts as 1e-9. This holds if
-  // the reported position accuracy is far below 3 m; else it is multiplied by the probability that
-  // an isotropic Gaussian with this 68 % radius lies within 3 m.
+  // Returns the confidence in [0, 1), which rises with the score; a score that is not positive
+  // counts as 1e-9. The calibration assumes a position accuracy far below 3 m. Otherwise the
+  // confidence is multiplied by the probability that an isotropic Gaussian with this 68 % radius
+  // lies within 3 m.
   double Confidence(double score, double position_accuracy_m) const;
-  // In (0, 1], falling with the score.
+  // In (0, 1]; falls as the score rises.
   double FalseAlarmRate(double score) const;
 
-  // The reported 68 % radii for those that the covariance predicts.
+  // Convert the 68 % radii that the covariance predicts to the reported radii.
   double PositionAccuracyM(double predicted_m) const;
   double RotationAccuracyRad(double predicted_rad) const;
 };

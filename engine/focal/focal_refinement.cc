@@ -10,7 +10,7 @@
 namespace cairn {
 namespace {
 
-// The inliers stay as they are.
+// Refines pose and camera without changing the set of inliers.
 RefinedCamera RefineCameraOnInliers(const QueryContext& query,
                                     const std::vector<Correspondence>& correspondences,
                                     const PoseEstimate& estimate, const CameraPrior& prior,
@@ -34,7 +34,7 @@ std::optional<EstimateWithCamera> RefineWithCamera(
     const QueryContext& query, const std::vector<Correspondence>& correspondences,
     PoseEstimate estimate, const CameraPrior& prior, const PoseOptions& options) {
   constexpr int kMaxRounds = 8;
-  // A focal length that moves by less than this share of its standard deviation has settled.
+  // The focal length has settled once it moves by less than this share of its standard deviation.
   constexpr double kSettledShare = 0.1;
   QueryContext seen = query;
   RefinedCamera refined;
@@ -64,7 +64,7 @@ AnsweredCamera RefineAnswer(const QueryContext& query,
                             const std::vector<Correspondence>& correspondences,
                             PoseEstimate estimate, const CameraPrior& prior, bool keep_if_possible,
                             const PoseOptions& options) {
-  // Standard deviation of the focal length when the inliers are to say it alone.
+  // Standard deviation of a prior so weak that the inliers alone determine the focal length.
   constexpr double kLooseLogSigma = 0.2;
   constexpr double kSuspicious = 1.5, kSignificant = 3.0;
   const RefinedCamera near =

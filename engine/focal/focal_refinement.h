@@ -1,4 +1,4 @@
-// The pose of an answer and its camera, refined together.
+// Refines the pose of an answer together with its camera.
 #ifndef CAIRN_ENGINE_FOCAL_FOCAL_REFINEMENT_H_
 #define CAIRN_ENGINE_FOCAL_FOCAL_REFINEMENT_H_
 
@@ -12,30 +12,31 @@
 
 namespace cairn {
 
-// A pose and the camera that goes with it.
+// A pose and the camera that was estimated with it.
 struct EstimateWithCamera {
-  PoseEstimate estimate;  // Its covariance is that of RefineCamera.
+  PoseEstimate estimate;  // Its covariance comes from RefineCamera.
   RefinedCamera camera;
 };
 
-// Refines `estimate`, a pose under query.camera, and the camera on the pose's inliers, gathers
-// these anew among `correspondences` under the new camera, and so on until they settle, since a
-// wrong focal length hides inliers. Nothing if they become fewer than options.min_inliers. The
-// query is not a rig's; query.camera is the prior's but for what RefineCamera changes.
+// Refines `estimate`, a pose under query.camera, together with the camera on the pose's inliers. A
+// wrong focal length hides inliers, so the function gathers inliers again among `correspondences`
+// under the new camera and repeats until they settle. Returns nothing if fewer than
+// options.min_inliers remain. The query must not be a rig's. query.camera must equal the prior's
+// camera except for the parameters that RefineCamera changes.
 std::optional<EstimateWithCamera> RefineWithCamera(
     const QueryContext& query, const std::vector<Correspondence>& correspondences,
     PoseEstimate estimate, const CameraPrior& prior, const PoseOptions& options);
 
-// The pose of an answer and what is to be said of its camera.
+// The pose of an answer, and its camera if that differs from the query's.
 struct AnsweredCamera {
-  PoseEstimate estimate;                // Its covariance includes the camera's.
-  std::optional<RefinedCamera> camera;  // Nothing: query.camera is kept.
+  PoseEstimate estimate;                // Its covariance includes the camera's uncertainty.
+  std::optional<RefinedCamera> camera;  // Empty if query.camera is kept.
 };
 
-// Refines the winner of a query. If the inliers contradict the prior, they are gathered with a
-// camera that follows them alone before the prior is heard again, since they were gathered with a
-// wrong one. With `keep_if_possible` query.camera, then the prior's, and the pose stay as they are
-// unless the inliers significantly say otherwise.
+// Refines the winner of a query. If the inliers contradict the prior, they were gathered with a
+// wrong camera. The function then gathers them again with a camera that follows the inliers alone,
+// before it applies the prior. If `keep_if_possible` is set, query.camera (then the prior's camera)
+// and the pose stay unchanged unless the inliers contradict the prior significantly.
 AnsweredCamera RefineAnswer(const QueryContext& query,
                             const std::vector<Correspondence>& correspondences,
                             PoseEstimate estimate, const CameraPrior& prior, bool keep_if_possible,

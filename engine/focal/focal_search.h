@@ -1,5 +1,5 @@
-// Which focal lengths are tried for a camera that nobody calibrated, and what the answer makes of
-// the focal length that was stated.
+// Chooses the focal lengths to try for an uncalibrated camera, and reports what the answer says
+// about the stated focal length.
 #ifndef CAIRN_ENGINE_FOCAL_FOCAL_SEARCH_H_
 #define CAIRN_ENGINE_FOCAL_FOCAL_SEARCH_H_
 
@@ -12,32 +12,34 @@
 
 namespace cairn {
 
-// A focal length of which nothing is said is taken to be right within this, relative.
+// If a query does not state the uncertainty of its focal length, its relative standard deviation is
+// assumed to be this.
 inline constexpr double kAssumedFocalLogSigma = 0.01;
-// Poses are found with a focal length that is at most so far off, relative; where it may be further
-// off, others are tried.
+// Pose estimation works with a relative error of the focal length up to this. If the error may be
+// larger, several focal lengths are tried.
 inline constexpr double kMaxTrustedFocalLogSigma = 0.03;
 
-// What a query says of its camera, which is not of a rig.
+// Returns what a query states about its camera. The query must not be a rig's.
 CameraPrior CameraPriorOf(const LocalizeQuery& query);
 
-// Which focal lengths to try: factors of the prior's, three standard deviations to either side,
-// near enough to each other for RefineWithCamera to reach what lies between.
+// Chooses factors of the prior's focal length, up to three standard deviations on either side, so
+// close together that RefineWithCamera reaches the focal lengths in between.
 //
-// Likeliest first until one leads to a good score; then its neighbours, since a wrong focal length
-// may have a fair score as well, and so on until the best one's neighbours are both worse.
+// The search tries the likeliest factors first until one leads to a good score. A wrong focal
+// length may have a fair score, too, so the search then tries the neighbours of the best factor
+// until both of its neighbours are worse.
 class FocalSearch {
  public:
   FocalSearch(const FocalPrior& prior, double good_score);
 
-  // The next factor to try; nothing if there is none, or no need.
+  // Returns the next factor to try; nothing if the search is complete.
   std::optional<double> Next();
-  // Of the factor that Next() gave last.
+  // Reports the score of the factor that Next returned last.
   void Report(double score);
 
  private:
   std::vector<double> factors_;                // Ascending.
-  std::vector<std::optional<double>> scores_;  // Parallel.
+  std::vector<std::optional<double>> scores_;  // Parallel to factors_.
   double good_score_;
   int current_ = 0;
 };

@@ -13,15 +13,15 @@ namespace cairn {
 namespace {
 
 constexpr size_t kSamplesPerWord = 32;
-// Descriptors that are prepared together as queries.
+// Number of descriptors that are prepared as queries together.
 constexpr size_t kDescriptorsPerBatch = 256;
 
-// At least one block, also of no dimensions.
+// Rounds up to whole blocks. Zero dimensions take one block, too.
 int PaddedDims(int num_dims) {
   return std::max(1, (num_dims + kDistanceBlock - 1) / kDistanceBlock) * kDistanceBlock;
 }
 
-// The first `count` of a random permutation of [0, size).
+// Returns the first `count` numbers of a random permutation of [0, size).
 std::vector<uint32_t> RandomSample(size_t size, size_t count, uint64_t seed) {
   std::vector<uint32_t> indices(size);
   std::iota(indices.begin(), indices.end(), 0u);
@@ -32,7 +32,7 @@ std::vector<uint32_t> RandomSample(size_t size, size_t count, uint64_t seed) {
   return indices;
 }
 
-// Some dimensions of rows, padded: count x PaddedDims(num_dims).
+// Copies some dimensions of the rows and pads them: count x PaddedDims(num_dims).
 template <typename To, typename From>
 std::vector<To> CutDims(const From* rows, size_t count, int stride, int first_dim, int num_dims) {
   std::vector<To> cut(count * PaddedDims(num_dims), 0);
@@ -49,7 +49,7 @@ BlockedRows MakeBlocks(const std::vector<uint8_t>& rows, int stride) {
   return BlockedRows(rows.data(), stride, order);
 }
 
-// The nearest of `words` for each of `count` rows of as many dimensions.
+// Returns the nearest of `words` for each of `count` rows with as many dimensions as the words.
 std::vector<uint32_t> Nearest(const BlockedRows& words, const uint8_t* rows, size_t count,
                               int stride, int first_dim, int num_dims) {
   std::vector<uint32_t> nearest;
@@ -66,8 +66,8 @@ std::vector<uint32_t> Nearest(const BlockedRows& words, const uint8_t* rows, siz
   return nearest;
 }
 
-// Lloyd's iteration on `samples` (n x PaddedDims(num_dims)). A word that no sample is nearest to
-// stays where it is.
+// Runs one Lloyd iteration on `samples` (n x PaddedDims(num_dims)). A word that is nearest to no
+// sample does not move.
 void Iterate(const std::vector<uint8_t>& samples, int num_dims, std::vector<uint8_t>* words) {
   const int stride = PaddedDims(num_dims);
   const size_t num_words = words->size() / stride;

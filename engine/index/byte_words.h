@@ -1,5 +1,5 @@
-// Vocabularies: k-means centroids of descriptors, for the indices that cut the space into cells and
-// for the word ratio filter.
+// Words: k-means centroids of descriptors. They serve the indices that partition descriptor space
+// into cells, and the word ratio filter.
 #ifndef CAIRN_ENGINE_INDEX_BYTE_WORDS_H_
 #define CAIRN_ENGINE_INDEX_BYTE_WORDS_H_
 
@@ -13,7 +13,7 @@
 
 namespace cairn {
 
-// Words over some dimensions of descriptors, each rounded to bytes. Immutable; safe to use from any
+// Words over a range of descriptor dimensions, rounded to bytes. Immutable; safe to use from any
 // thread.
 class ByteWords {
  public:
@@ -25,23 +25,23 @@ class ByteWords {
     uint64_t seed = 1;
   };
 
-  // Trains on a random sample of 32 descriptors a word. There are at most as many words as
+  // Trains on a random sample of 32 descriptors per word. There are at most as many words as
   // descriptors. Deterministic by seed.
   ByteWords(const ByteDescriptors& descriptors, const Options& options);
 
-  // The mean of each list's rows, over all of `num_dims` dimensions, rounded; zeros for an empty
-  // list. `begin` are the offsets of the lists in the rows, one more than there are; `sums` are
-  // those of the rows' bytes, num_lists x stride, as BlockedRows adds them up.
+  // Each word is the mean of a list's rows, rounded, over all `num_dims` dimensions; an empty list
+  // gives zeros. `begin` holds the lists' offsets in the rows, num_lists + 1 of them. `sums` holds
+  // the sums of the rows' bytes, num_lists x stride, as BlockedRows computes them.
   ByteWords(std::span<const uint32_t> sums, std::span<const uint32_t> begin, int num_dims);
 
   size_t size() const { return words_.size(); }
 
-  // Queries in the form that SqDistances takes; steps as ByteScale makes them (n x stride, all
-  // dimensions).
+  // Converts queries to the form that SqDistances takes. `query_steps` come from ByteScale (n x
+  // stride, all dimensions).
   BlockQueries Prepare(std::span<const int16_t> query_steps, int stride) const;
 
-  // Squared distances in steps of a query to all words, over the words' dimensions; there must be
-  // room for size() rounded up to a multiple of kBlockRows.
+  // Computes the squared distances, in steps, from a query to all words, over the words'
+  // dimensions. `sq_steps` must have room for size() rounded up to a multiple of kBlockRows.
   void SqDistances(const BlockQuery& query, int32_t* sq_steps) const {
     words_.Scan(query, sq_steps);
   }
@@ -52,10 +52,10 @@ class ByteWords {
     words_.Nearest(query, count, scratch, nearest);
   }
 
-  // The smallest distance; there must be words.
+  // Returns the smallest distance. There must be at least one word.
   int32_t NearestSqDistance(const BlockQuery& query) const;
 
-  // The nearest word of each descriptor, of equally near ones the first.
+  // Returns the nearest word of each descriptor; among equally near words, the first.
   std::vector<uint32_t> NearestWords(const ByteDescriptors& descriptors) const;
 
   size_t MemoryBytes() const { return words_.MemoryBytes(); }

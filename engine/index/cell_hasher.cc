@@ -18,33 +18,36 @@
 namespace cairn {
 namespace {
 
-constexpr int kCellBits = 8;  // Of a coordinate's 16 bits, those below the cell.
+// The lower bits of a 16-bit coordinate, which give the position within the cell.
+constexpr int kCellBits = 8;
 constexpr int kUnitsPerCell = 1 << kCellBits;
 
-// Coordinates of one rotated word, unsigned so that sums may wrap around; the same as what they
-// mean; their shares of a hash; numbers of one register.
+// Vector types. Coordinates: coordinates of one rotated word, unsigned so that sums may wrap
+// around; SignedCoordinates: their signed values; Products: their contributions to a hash; Floats
+// and Ints: the numbers of one AVX2 register.
 using Coordinates = uint16_t __attribute__((vector_size(32)));
 using SignedCoordinates = int16_t __attribute__((vector_size(32)));
 using Products = uint32_t __attribute__((vector_size(64)));
 using Floats = float __attribute__((vector_size(32)));
 using Ints = int32_t __attribute__((vector_size(32)));
 constexpr int kCoordinateLanes = 16;
-constexpr int kLanes = 8;  // Of AVX2: wider sums stay in no register that it has.
+constexpr int kLanes = 8;  // Lanes of AVX2, so that a sum fits one of its registers.
 constexpr int kMaxHashedDims = 128;
 
-// Whole turns of the 16-bit coordinates: added to all units to make them positive, so that the
+// A multiple of the coordinates' 16-bit range. Adding it makes all values positive, so the
 // conversion to integers, which rounds towards zero, rounds down.
 constexpr float kPositiveShift = 65536.0f;
 constexpr float kMaxUnits = 1e9f;
 
-// Side of a cell in projected space; never so small that the coordinates lose their meaning.
+// Returns the side of a cell in projected space. A lower bound keeps the coordinates within their
+// precision.
 double CellWidth(const Codebook& codebook, double cell_width_sigmas) {
   const double sigma = SameLandmarkDistance(codebook, 0.5) /
                        std::sqrt(static_cast<double>(codebook.projected_dim()));
   return std::max(cell_width_sigmas * sigma, static_cast<double>(ByteScale(codebook).step()));
 }
 
-// A uniformly distributed rotation or reflection.
+// Returns a uniformly distributed rotation or reflection.
 Eigen::MatrixXd RandomRotation(int dim, std::mt19937_64* random) {
   std::normal_distribution<double> normal;
   Eigen::MatrixXd gaussian(dim, dim);
@@ -56,7 +59,7 @@ Eigen::MatrixXd RandomRotation(int dim, std::mt19937_64* random) {
   return Eigen::HouseholderQR<Eigen::MatrixXd>(gaussian).householderQ();
 }
 
-// Dimensions by falling variance of the codebook's words.
+// Returns the dimensions by descending variance of the codebook's words.
 std::vector<int> DimsByVariance(const Codebook& codebook) {
   const int sub_dim = codebook.subspace_dim();
   std::vector<double> variances;
@@ -78,7 +81,7 @@ std::vector<int> DimsByVariance(const Codebook& codebook) {
   return dims;
 }
 
-// Rounds to a coordinate, wrapping around.
+// Rounds to a coordinate and wraps around.
 int16_t WrapToCoordinate(double units) {
   constexpr double kRange = 65536.0;
   if (std::abs(units) >= kRange / 2) {
@@ -89,8 +92,8 @@ int16_t WrapToCoordinate(double units) {
 
 int32_t CellOf(int16_t coordinate) { return coordinate >> kCellBits; }
 
-// The step across the nearer border in one dimension: the distance to it in units, with the
-// dimension and the direction packed below it so that steps sort as plain integers.
+// The step across the nearer border in one dimension. The distance to the border, in units, is in
+// the upper bits; dimension and direction are below it. Hence steps sort as plain integers.
 struct PackedStep {
   static constexpr int kLaneBits = 8;
 
@@ -101,16 +104,16 @@ struct PackedStep {
     const int32_t length = down ? above_lower : below_upper;
     return (length << kLaneBits | lane) << 1 | (down ? 1 : 0);
   }
-  // What it adds to a hash.
+  // Returns the step's contribution to a hash.
   static uint32_t Unpack(int32_t packed, const uint32_t* factors) {
     const uint32_t factor = factors[packed >> 1 & ((1 << kLaneBits) - 1)];
     return (packed & 1) != 0 ? -factor : factor;
   }
 };
 
-// Adds the hashes of the cells that rows of codes lie in, by the rotated words (num_subspaces x
-// kNumWords x kCoordinateLanes) that make up their coordinates. Lanes without a factor add nothing.
-// A constant number of subspaces lets the loop unroll.
+// Adds the hashes of the cells of `codes`. The coordinates of a code are sums of rotated words
+// (num_subspaces x kNumWords x kCoordinateLanes). Lanes with factor 0 add nothing. A constant
+// number of subspaces lets the loop unroll.
 [[gnu::always_inline]] inline void AddHashesOf(size_t num_subspaces, const int16_t* words,
                                                const uint32_t* factors_of_lanes,
                                                const uint8_t* codes, std::span<uint32_t> hashes) {
@@ -147,8 +150,8 @@ CAIRN_VECTOR_CLONES void AddHashes(size_t num_subspaces, const int16_t* words,
   }
 }
 
-// Coordinates of a descriptor, rounded down: the sums of rotations (dim x num_lanes, row-major)
-// times its values, and of shifts.
+// Computes a descriptor's coordinates, rounded down: rotations (dim x num_lanes, row-major) times
+// the descriptor, plus shifts.
 CAIRN_VECTOR_CLONES void Project(const float* projected, int dim, const float* rotations,
                                  const float* shifts, int num_lanes, int32_t* coordinates) {
   for (int begin = 0; begin < num_lanes; begin += kLanes) {
@@ -159,7 +162,7 @@ CAIRN_VECTOR_CLONES void Project(const float* projected, int dim, const float* r
       std::memcpy(&rotation, rotations + size_t{1} * d * num_lanes + begin, sizeof(rotation));
       sum += projected[d] * rotation;
     }
-    // Far coordinates and NaN become some coordinate.
+    // Clamps values that are too large; a NaN becomes an arbitrary coordinate.
     sum = sum < kMaxUnits ? sum : Floats{} + kMaxUnits;
     sum = sum > -kMaxUnits ? sum : Floats{} - kMaxUnits;
     const Ints rounded = __builtin_convertvector(sum, Ints);
@@ -167,15 +170,15 @@ CAIRN_VECTOR_CLONES void Project(const float* projected, int dim, const float* r
   }
 }
 
-// Writes `count` distinct values, padded with larger ones to whole vectors, in ascending order:
-// each to the place that is the number of smaller ones.
+// Sorts `count` distinct values, which are padded to whole vectors with larger ones. The position
+// of a value is the number of smaller values.
 CAIRN_VECTOR_CLONES void SortByRank(const int32_t* values, int count, int32_t* sorted) {
   for (int begin = 0; begin < count; begin += kLanes) {
     Ints compared;
     std::memcpy(&compared, values + begin, sizeof(compared));
     Ints ranks = {};
     for (int i = 0; i < count; ++i) {
-      ranks -= values[i] < compared;  // A lane of a comparison that holds is -1.
+      ranks -= values[i] < compared;  // In a comparison that holds, a lane is -1.
     }
     std::array<int32_t, kLanes> places;
     std::memcpy(places.data(), &ranks, sizeof(ranks));
@@ -229,7 +232,7 @@ std::vector<int16_t> CellHasher::RotatedWords(const Codebook& codebook, int grid
   for (size_t word = 0; word < num_words; ++word) {
     const size_t subspace = word / Codebook::kNumWords;
     for (int j = 0; j < num_used; ++j) {
-      // Half a unit, so that sums of rounded words are rounded down like queries.
+      // Adds half a unit, so that the rounded sum rounds down as the coordinates of queries do.
       double units = subspace == 0 ? shifts[j] - 0.5 : 0.0;
       for (int d = 0; d < sub_dim; ++d) {
         units += static_cast<double>(codebook.words[word * sub_dim + d]) *

@@ -9,7 +9,7 @@
 namespace cairn {
 namespace {
 
-// Offsets of the cells, one more than there are.
+// Returns the offsets of the cells' lists: num_cells + 1 numbers.
 std::vector<uint32_t> CellBegins(std::span<const uint32_t> cells, size_t num_cells) {
   std::vector<uint32_t> begin(num_cells + 1, 0);
   for (const uint32_t cell : cells) {
@@ -19,7 +19,7 @@ std::vector<uint32_t> CellBegins(std::span<const uint32_t> cells, size_t num_cel
   return begin;
 }
 
-// Descriptors in order of their cells; a counting sort.
+// Sorts the descriptors by cell. A counting sort.
 LargeVector<uint32_t> OrderByCell(std::span<const uint32_t> cells, std::vector<uint32_t> next) {
   LargeVector<uint32_t> order(cells.size());
   for (size_t descriptor = 0; descriptor < cells.size(); ++descriptor) {
@@ -64,14 +64,14 @@ CellLists::CellLists(ByteScale scale, BlockedRows rows, TileLists lists,
   CAIRN_CHECK(lists_.members.size() == rows_.size(), "every descriptor has a cell");
 }
 
-// Asks for the memory of the next cell in slices, one a visit of the current cell: lists of many
-// tiles come from memory, and the comparisons go on meanwhile.
+// Prefetches the next cell, one slice per visit of the current cell. The lists of many tiles do not
+// fit the cache, so memory is read while the comparisons run.
 class CellLists::Prefetcher {
  public:
   Prefetcher(const CellLists& lists, std::span<const CellVisit> visits)
       : lists_(lists), visits_(visits) {}
 
-  // Before visit i is worked on; i ascends by 1.
+  // Call before processing visit i; i increases by 1 each time.
   void Step(size_t i) {
     if (i == run_end_) {
       Fetch(end_);
@@ -100,8 +100,8 @@ class CellLists::Prefetcher {
 
   const CellLists& lists_;
   const std::span<const CellVisit> visits_;
-  size_t run_end_ = 0;         // Of the visits of the current cell.
-  size_t next_ = 0, end_ = 0;  // Rows of the next cell that are still to be asked for.
+  size_t run_end_ = 0;         // End of the visits to the current cell.
+  size_t next_ = 0, end_ = 0;  // Rows of the next cell that are not prefetched yet.
   size_t slice_ = 0;
 };
 

@@ -1,5 +1,9 @@
-// Descriptors sorted into the cells of a partition: what inverted lists, inverted multi-index and
-// kd-tree have in common.
+// Descriptors sorted by the cells of a partition. Shared by inverted lists, random grids, the
+// inverted multi-index and the kd-tree.
+//
+// The terms of engine/index: a cell is a region of descriptor space; a list holds the descriptors
+// of a cell; a word is the centroid of a cell; a bucket is the list of all cells whose hashes share
+// the upper bits.
 #ifndef CAIRN_ENGINE_INDEX_CELL_LISTS_H_
 #define CAIRN_ENGINE_INDEX_CELL_LISTS_H_
 
@@ -17,29 +21,30 @@
 
 namespace cairn {
 
-// The descriptors of each cell; cells[i] < num_cells is that of descriptor i.
+// Returns the list of each cell. cells[i] < num_cells is the cell of descriptor i.
 TileLists ListsOfCells(std::span<const uint32_t> cells, size_t num_cells);
 
-// A query looks into a cell.
+// A query visits a cell: it is compared with the cell's descriptors.
 struct CellVisit {
   uint32_t cell = 0;
   uint32_t query_idx = 0;
 };
 
 struct CellListsOptions {
-  // Of a cell only the first so many members are compared with a query.
+  // A query is compared with only this many members of a cell, the first ones.
   uint32_t max_compared = std::numeric_limits<uint32_t>::max();
-  // If there is one, members are places in it, and hits are given by them. Must outlive the lists.
+  // If not empty, the lists' members are indices into `order`, and hits report these indices.
+  // `order` must outlive the lists.
   std::span<const uint32_t> order = {};
 };
 
-// The descriptors of a cell lie in a row in memory. Immutable; safe to use from any thread.
+// The descriptors of each cell are contiguous in memory. Immutable; safe to use from any thread.
 class CellLists {
  public:
-  // The cell of each descriptor is below num_cells.
+  // The cell of each descriptor must be below num_cells.
   CellLists(const ByteDescriptors& descriptors, std::span<const uint32_t> cells, size_t num_cells);
-  // Every descriptor is in one of the lists, which are the cells. `rows` are the descriptors in the
-  // order of the lists.
+  // Each list is a cell; every descriptor is in one list. `rows` holds the descriptors in list
+  // order.
   CellLists(ByteScale scale, BlockedRows rows, TileLists lists,
             const CellListsOptions& options = {});
 
@@ -49,14 +54,13 @@ class CellLists {
   size_t size() const { return lists_.members.size(); }
   size_t num_cells() const { return lists_.num_lists(); }
 
-  // Queries, as ByteScale makes them, in the form that Search takes.
+  // Converts queries from ByteScale to the form that Search takes.
   BlockQueries Prepare(std::span<const int16_t> query_steps) const {
     return BlockQueries(query_steps, rows_.centers());
   }
 
   // Compares queries with the descriptors of the cells they visit, in the order of the visits,
-  // until the collector wants no more.
-  // Returns the number of distances computed.
+  // until the collector asks to stop. Returns the number of distances computed.
   int64_t Search(const BlockQueries& queries, std::span<const CellVisit> visits,
                  HitCollector* collector) const;
 
@@ -65,7 +69,7 @@ class CellLists {
  private:
   class Prefetcher;
 
-  // Rows of a cell that are compared.
+  // Return the range of a cell's rows that are compared.
   uint32_t Begin(uint32_t cell) const { return lists_.begin[cell]; }
   uint32_t End(uint32_t cell) const {
     const uint32_t begin = lists_.begin[cell];

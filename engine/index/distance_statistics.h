@@ -1,4 +1,4 @@
-// What a codebook knows about how far apart the descriptors of one landmark lie.
+// Statistics of a codebook on the distances between descriptors of the same landmark.
 #ifndef CAIRN_ENGINE_INDEX_DISTANCE_STATISTICS_H_
 #define CAIRN_ENGINE_INDEX_DISTANCE_STATISTICS_H_
 
@@ -6,9 +6,10 @@
 
 namespace cairn {
 
-// Distance (not squared, projected space) below which the fraction `quantile` of a codebook's
-// same-landmark distances lies; linear between the stored quantiles, clamped to [0.05, 0.95].
-// Throws Error(kMapDamaged) if the codebook has no such statistics.
+// Returns the distance (not squared, projected space) below which the fraction `quantile` of a
+// codebook's same-landmark distances lies. Interpolates linearly between the stored quantiles and
+// clamps `quantile` to [0.05, 0.95]. Throws Error(kMapDamaged) if the codebook has no such
+// statistics.
 double SameLandmarkDistance(const Codebook& codebook, double quantile);
 
 }  // namespace cairn

@@ -1,4 +1,4 @@
-// No index: every query is compared with every descriptor. What the others are measured by.
+// The baseline without an index: compares every query with every descriptor.
 #ifndef CAIRN_ENGINE_INDEX_EXHAUSTIVE_INDEX_H_
 #define CAIRN_ENGINE_INDEX_EXHAUSTIVE_INDEX_H_
 

@@ -10,7 +10,8 @@
 namespace cairn {
 namespace {
 
-// Puts a subset of `max_items` items, random by seed, in front of the others; both ascending.
+// Moves a random subset of `max_items` items to the front. The subset and the remaining items are
+// each ascending.
 void PutSubsetFirst(size_t max_items, uint64_t seed, std::span<uint32_t> items) {
   const auto middle = items.begin() + static_cast<ptrdiff_t>(max_items);
   std::nth_element(items.begin(), middle, items.end(), [seed](uint32_t a, uint32_t b) {

@@ -24,7 +24,7 @@ void IndexOptions::Validate() const {
   grids.Validate();
   lists.Validate();
   RequireOption((kind == IndexKind::kOther) == (other != nullptr),
-                "matching.index.other must be set for the kind \"other\" and for no other kind");
+                "matching.index.other must be set if and only if the kind is \"other\"");
   RequireWithin("matching.index.num_reference_words", num_reference_words, 0, 4'096);
 }
 
@@ -39,7 +39,7 @@ const char* IndexKindName(IndexKind kind) {
     case IndexKind::kOther:
       return "other";
   }
-  CAIRN_CHECK(false, "an IndexKind has a name");
+  CAIRN_CHECK(false, "every IndexKind has a name");
   return "";
 }
 

@@ -14,7 +14,7 @@ TileLists MakeLists(const ByteDescriptors& descriptors, const InvertedListsOptio
                                       .num_iterations = options.num_iterations,
                                       .seed = options.seed});
   TileLists lists = ListsOfCells(words.NearestWords(descriptors), words.size());
-  // Equal offsets enclose an empty list.
+  // Two equal offsets enclose an empty list.
   lists.begin.erase(std::unique(lists.begin.begin(), lists.begin.end()), lists.begin.end());
   return lists;
 }
@@ -31,7 +31,7 @@ struct InvertedLists::ExpandedLists {
                 std::span<const uint32_t> begin)
       : rows(words, codes, begin, &sums) {}
 
-  std::vector<uint32_t> sums;  // Of the rows of each list.
+  std::vector<uint32_t> sums;  // Sums of the rows of each list.
   BlockedRows rows;
 };
 
@@ -51,7 +51,7 @@ std::vector<CellVisit> InvertedLists::MakeVisits(const std::vector<int16_t>& que
                                                  size_t num_queries) const {
   const BlockQueries queries = words_.Prepare(query_steps, lists_.scale().stride());
   NearestScratch scratch;
-  std::vector<BlockHit> probed;  // num_probes_ a query.
+  std::vector<BlockHit> probed;  // num_probes_ per query.
   probed.reserve(num_queries * num_probes_);
   std::vector<uint32_t> begin(words_.size() + 1, 0);
   for (size_t query = 0; query < num_queries; ++query) {

@@ -1,4 +1,4 @@
-// Inverted lists: k-means cells, of which a query looks into the nearest.
+// Inverted lists: k-means cells. A query searches the nearest cells.
 #ifndef CAIRN_ENGINE_INDEX_INVERTED_LISTS_H_
 #define CAIRN_ENGINE_INDEX_INVERTED_LISTS_H_
 
@@ -16,15 +16,15 @@
 namespace cairn {
 
 // Groups descriptors (codes: n x codebook.num_subspaces bytes) into lists around words trained on
-// them; none of them is empty, and there are none without descriptors. What ingest stores with a
+// them. No list is empty; without descriptors there are no lists. Ingest stores the result with a
 // tile. Deterministic by seed.
 TileLists MakeTileLists(const Codebook& codebook, std::span<const uint8_t> codes,
                         const InvertedListsOptions& options);
 
-// Queries are compared list by list, so that a list that several of them visit is read once.
+// Compares queries list by list, so that a list that several queries visit is read once.
 class InvertedLists : public MatchingIndex {
  public:
-  // `codes` are in the order of `lists`, as `OrderCodes` puts them and a tile stores them.
+  // `codes` are in list order, as OrderCodes returns them and as tiles store them.
   InvertedLists(const Codebook& codebook, std::span<const uint8_t> codes,
                 const InvertedListsOptions& options, TileLists lists);
 
@@ -37,7 +37,7 @@ class InvertedLists : public MatchingIndex {
   struct ExpandedLists;
   InvertedLists(const ByteScale& scale, ExpandedLists&& expanded, size_t num_probes,
                 TileLists&& lists);
-  // Ordered by cell, then query.
+  // Returns the visits, ordered by cell, then query.
   std::vector<CellVisit> MakeVisits(const std::vector<int16_t>& query_steps,
                                     size_t num_queries) const;
 

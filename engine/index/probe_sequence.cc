@@ -8,7 +8,8 @@
 namespace cairn {
 namespace {
 
-// A combination of steps: `parent`, a probe, and the step `last`, which is longer than its others.
+// A combination of steps: those of the probe `parent`, and the step `last`, which is longer than
+// them.
 struct Combination {
   double sq_length = 0.0;
   int parent = 0;
@@ -19,16 +20,16 @@ struct Combination {
   }
 };
 
-// Mean squared length of the i-th shortest of `num_dims` steps, each uniform in [0, 1]: the second
-// moment of an order statistic.
+// Returns the mean squared length of the i-th shortest of `num_dims` steps, each uniform in [0, 1]:
+// the second moment of an order statistic.
 double MeanSqLength(int i, int num_dims) {
   return (i + 1.0) * (i + 2.0) / ((num_dims + 1.0) * (num_dims + 2.0));
 }
 
 }  // namespace
 
-// Every combination is reached once, from a shorter one: by the next step in addition, or in place
-// of its last one.
+// Each combination is reached exactly once, from a shorter one: by adding the next step, or by
+// replacing the last step with the next.
 ProbeSequence::ProbeSequence(int num_dims, int num_probes) : probes_(1) {
   std::priority_queue<Combination, std::vector<Combination>, std::greater<>> waiting;
   waiting.push({MeanSqLength(0, num_dims), 0, 0});

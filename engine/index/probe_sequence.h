@@ -1,4 +1,4 @@
-// Which neighbours of a cell to look into, nearest first.
+// The order in which the neighbours of a cell are searched, nearest first.
 #ifndef CAIRN_ENGINE_INDEX_PROBE_SEQUENCE_H_
 #define CAIRN_ENGINE_INDEX_PROBE_SEQUENCE_H_
 
@@ -10,22 +10,22 @@ namespace cairn {
 
 inline constexpr int kMaxProbes = 128;
 
-// Combinations of steps across the nearest borders of a cell, by ascending distance to the cells
-// that they lead to, if the steps are as long as those of a random point are in the mean (Lv et al.
-// 2007, section 4.5). One order for all queries spares the search for each query's own; it finds
-// the same with one probe in twenty more. Immutable; safe to use from any thread.
+// Combinations of steps across the nearest borders of a cell, ordered by the distance to the cell
+// they lead to. The distance assumes the mean step lengths of a random point (Lv et al. 2007,
+// section 4.5). Sharing one order among all queries saves computing an order for each query; the
+// same recall then takes one more probe in twenty. Immutable; safe to use from any thread.
 class ProbeSequence {
  public:
-  // Of a grid with `num_dims` >= 1 dimensions; num_probes is in [1, kMaxProbes]. There are fewer
-  // where there are not so many combinations.
+  // For a grid with `num_dims` >= 1 dimensions; num_probes is in [1, kMaxProbes]. There are fewer
+  // probes if there are fewer combinations.
   ProbeSequence(int num_dims, int num_probes);
 
   int size() const { return static_cast<int>(probes_.size()); }
-  // How many of the shortest steps it uses.
+  // Number of shortest steps that the sequence uses.
   int num_steps() const { return num_steps_; }
 
-  // Writes size() hashes: first `own`, that of the cell itself, then those that combinations of
-  // steps change it to. steps[i] is what the i-th shortest step adds to a hash.
+  // Writes size() hashes. The first is `own`, the hash of the cell itself; the others are the
+  // hashes of the neighbours. steps[i] is the contribution of the i-th shortest step to a hash.
   void Fill(uint32_t own, std::span<const uint32_t> steps, uint32_t* hashes) const {
     hashes[0] = own;
     for (size_t i = 1; i < probes_.size(); ++i) {
@@ -34,7 +34,7 @@ class ProbeSequence {
   }
 
  private:
-  // What an earlier one becomes by one more step.
+  // Extends an earlier probe by one step.
   struct Probe {
     uint8_t parent = 0;
     uint8_t step = 0;

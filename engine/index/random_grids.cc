@@ -11,15 +11,15 @@
 namespace cairn {
 namespace {
 
-// Buckets are so many that cells that collide cost little, and so few that their bounds fit a level
-// 2 cache.
+// With enough buckets, collisions of cells cost little; with few enough, the buckets' bounds fit a
+// level 2 cache.
 int NumBucketBits(size_t num_descriptors) {
   constexpr int kBitsLess = 3;
   return std::clamp(static_cast<int>(std::bit_width(num_descriptors)) - kBitsLess, 1, 26);
 }
 
-// Visits, by ascending query, in the order of their cells and once each: cells in one bucket are
-// searched together. A counting sort.
+// Sorts visits, which are in order of query, by cell, and removes repetitions, since cells in one
+// bucket are searched together. A counting sort.
 std::vector<CellVisit> SortedByCell(const std::vector<CellVisit>& visits, size_t num_cells) {
   std::vector<uint32_t> next(num_cells + 1, 0);
   for (const CellVisit& visit : visits) {
@@ -38,7 +38,8 @@ std::vector<CellVisit> SortedByCell(const std::vector<CellVisit>& visits, size_t
   return sorted;
 }
 
-// Removes, from the hits from `begin` on, ordered by query, what an earlier grid has found too.
+// Removes hits that an earlier grid has found, too, from the hits starting at `begin`, which are
+// ordered by query.
 void RemoveRepeated(size_t begin, size_t num_descriptors, std::vector<DescriptorHit>* hits) {
   std::vector<bool> was_found(num_descriptors);
   size_t num_kept = begin;
@@ -143,7 +144,7 @@ int64_t RandomGrids::Search(const SearchRequest& request, std::vector<Descriptor
 }
 
 size_t RandomGrids::MemoryBytes() const {
-  // All grids are of one size, and the first always stands.
+  // All grids have the same size, and the first is always built.
   return hasher_.MemoryBytes() + grids_.size() * grids_.front()->MemoryBytes();
 }
 

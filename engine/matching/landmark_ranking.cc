@@ -15,7 +15,7 @@
 namespace cairn {
 namespace {
 
-// Chords are rounded; the hard filter lets a difference of exactly the bound pass.
+// Chords are rounded; the tolerance lets a difference of exactly the bound pass the hard filter.
 constexpr float kChordTolerance = 1e-5f;
 
 std::optional<float> OrientationOf(uint8_t code) {
@@ -69,7 +69,7 @@ LandmarkRanking::LandmarkRanking(const QueryContext& query, const Codebook& code
 }
 
 double LandmarkRanking::MaxUsefulDistance(uint32_t keypoint_idx) const {
-  // Distances are rounded to floats, of which the next one still counts.
+  // Distances are rounded to floats; a hit one rounding step beyond still counts.
   constexpr double kRounding = 1.0 + 1e-6;
   return kRounding * std::sqrt(static_cast<double>(MaxUsefulSqDistance(keypoint_idx)));
 }
@@ -94,7 +94,8 @@ void LandmarkRanking::Insert(uint32_t keypoint_idx, const Neighbor& neighbor) {
   const std::span<Neighbor> row(neighbors_.data() + size_t{keypoint_idx} * options_.max_neighbors,
                                 options_.max_neighbors);
   int& count = num_neighbors_[keypoint_idx];
-  // The entry that the neighbour displaces: its landmark's, else a free one, else the last.
+  // The neighbour replaces the entry of its landmark, else takes a free entry, else replaces the
+  // last.
   int place = 0;
   while (place < count && row[place].landmark_id != neighbor.landmark_id) {
     ++place;
@@ -132,7 +133,8 @@ LandmarkRanking::TileHits::TileHits(LandmarkRanking* ranking, const TileView& vi
   const CoarseGrid& grid = places.grid();
   prior_from_coarse_ = grid.step_m() * prior_from_tile_.leftCols<2>();
   coarse_in_prior_ = prior_from_tile_.leftCols<2>() * grid.corner() + tile_in_prior_;
-  // Half a diagonal, what the height does where the two frames' verticals differ, and rounding.
+  // The error is half a diagonal of the grid, the effect of the height where the verticals of the
+  // two frames differ, and rounding.
   constexpr float kRounding = 1e-5f;
   const float coarse_error_m = grid.step_m() +
                                prior_from_tile_.col(2).norm() * grid.max_height_m() +
@@ -164,7 +166,8 @@ void LandmarkRanking::TileHits::TakeLast() {
 }
 
 size_t LandmarkRanking::TileHits::Keep() {
-  // The least that the position adds is computed from less: it must not come out larger.
+  // The lower bound of the position term comes from coarser numbers; rounding must not make it
+  // larger than the term.
   constexpr float kRounding = 1.0f + 1e-5f;
   const uint32_t keypoint_idx = last_.front().keypoint_idx;
   const float max_sq_distance = kRounding * ranking_.MaxUsefulSqDistance(keypoint_idx);
@@ -182,7 +185,7 @@ size_t LandmarkRanking::TileHits::Keep() {
         (sq_chord <= ranking_.max_sq_chord_) &
         (hit.sq_distance + ranking_.position_factor_ * excess * excess <= max_sq_distance);
     last_[num_kept] = hit;
-    num_kept += is_kept ? 1 : 0;  // Without a branch, which would be mispredicted.
+    num_kept += is_kept ? 1 : 0;  // Avoids a branch, which would be mispredicted.
   }
   return num_kept;
 }
@@ -272,7 +275,7 @@ float LandmarkRanking::DescriptorSqDistance(int keypoint_idx, const Neighbor& ne
 
 std::vector<Correspondence> LandmarkRanking::Correspondences(
     const std::vector<TileView>& tiles) const {
-  constexpr int kAhead = 4;  // Keypoints whose landmarks are asked for ahead.
+  constexpr int kAhead = 4;  // Number of keypoints ahead whose landmarks are prefetched.
   std::vector<Correspondence> correspondences;
   correspondences.reserve(std::accumulate(num_neighbors_.begin(), num_neighbors_.end(), size_t{0}));
   for (int keypoint_idx = 0; keypoint_idx < query_.num_keypoints(); ++keypoint_idx) {

@@ -1,5 +1,5 @@
-// From descriptor hits to correspondences: prior terms, the hard filters, and the k best landmarks
-// of each keypoint.
+// Turns descriptor hits into correspondences: applies the prior terms and the hard filters, and
+// keeps the k best landmarks of each keypoint.
 #ifndef CAIRN_ENGINE_MATCHING_LANDMARK_RANKING_H_
 #define CAIRN_ENGINE_MATCHING_LANDMARK_RANKING_H_
 
@@ -19,21 +19,21 @@
 
 namespace cairn {
 
-// Keeps, for every keypoint of a query, the max_neighbors landmarks with the smallest distance
-// among all hits added so far. A landmark counts once, by its best descriptor in any tile. Equal
+// For every keypoint of a query, keeps the max_neighbors landmarks with the smallest distance among
+// all hits added so far. A landmark counts once, by its best descriptor in any tile. Equal
 // distances are ordered by landmark id, then tile and descriptor. Threads may share a ranking if
-// each has keypoints of its own.
+// each thread adds hits of its own keypoints only.
 class LandmarkRanking {
  public:
-  class TileHits;  // How hits are added.
+  class TileHits;  // Adds hits.
 
   // `query` and `options` must outlive the ranking.
   LandmarkRanking(const QueryContext& query, const Codebook& codebook,
                   const MatchingOptions& options);
 
-  // A descriptor farther from the keypoint than this cannot become one of its correspondences any
-  // more, whatever its landmark; projected space, infinity while there are fewer than
-  // max_neighbors.
+  // Returns the distance, in projected space, beyond which a descriptor can no longer become a
+  // correspondence of the keypoint, whatever its landmark. Infinity while the keypoint has fewer
+  // than max_neighbors neighbours.
   double MaxUsefulDistance(uint32_t keypoint_idx) const;
 
   // The square of MaxUsefulDistance.
@@ -41,30 +41,31 @@ class LandmarkRanking {
     return max_useful_sq_distances_[keypoint_idx];
   }
 
-  // Ordered by keypoint, then distance. `tiles` are those that were added.
+  // Returns the correspondences, ordered by keypoint, then distance. `tiles` must be the tiles
+  // whose hits were added.
   std::vector<Correspondence> Correspondences(const std::vector<TileView>& tiles) const;
 
   int64_t NumMatchedKeypoints() const;
 
  private:
   struct Neighbor {
-    float sq_distance = 0.0f;  // With the prior terms.
+    float sq_distance = 0.0f;  // Including the prior terms.
     int tile_idx = 0;
     uint32_t landmark_idx = 0;
     uint32_t descriptor_idx = 0;
     LandmarkId landmark_id{};
   };
 
-  // Of an orientation.
+  // The direction of an orientation.
   struct Direction {
     float cos = 0.0f;
     float sin = 0.0f;
-    float is_known = 0.0f;  // 1, or 0 where there is none.
+    float is_known = 0.0f;  // 1, or 0 if the orientation is unknown.
   };
 
-  // Direction of each orientation code.
+  // Returns the direction of each orientation code.
   static const std::array<Direction, 256>& CodeDirections();
-  // Squared chord between two orientations, (2 - 2 cos), in [0, 4]; 0 if one is not known.
+  // Returns the squared chord between two orientations, 2 - 2 cos, in [0, 4]; 0 if one is unknown.
   static float SqChord(const Direction& a, const Direction& b) {
     const float x = a.cos - b.cos, y = a.sin - b.sin;
     return a.is_known * b.is_known * (x * x + y * y);
@@ -72,68 +73,74 @@ class LandmarkRanking {
 
   static bool IsCloser(const Neighbor& a, const Neighbor& b);
 
-  // Square of how far, in standard deviations of the prior, a landmark is out of its view;
-  // x_from_prior is horizontal, metres.
+  // Returns the square of e / prior sigma, where e is how far a landmark is out of view; see
+  // MatchingOptions::position_weight. x_from_prior is horizontal, metres.
   float SqPositionExcess(const Eigen::Vector2f& x_from_prior) const;
   void Insert(uint32_t keypoint_idx, const Neighbor& neighbor);
-  // The squared distance of the descriptors alone, up to rounding.
+  // Returns the squared distance of the descriptors alone, up to rounding.
   float DescriptorSqDistance(int keypoint_idx, const Neighbor& neighbor,
                              const TileView& view) const;
-  // Asks for what Correspondences reads of a keypoint's landmarks, which lie anywhere in the tiles.
+  // Prefetches the data of a keypoint's landmarks that Correspondences reads. The landmarks are
+  // scattered over the tiles.
   void PrefetchNeighbors(int keypoint_idx, const std::vector<TileView>& tiles) const;
 
   const QueryContext& query_;
   const MatchingOptions& options_;
-  float orientation_factor_ = 0.0f;  // Of the squared chord.
-  float position_factor_ = 0.0f;     // Of the squared excess.
-  // The hard filters.
+  float orientation_factor_ = 0.0f;  // Factor of the squared chord.
+  float position_factor_ = 0.0f;     // Factor of the squared excess.
+  // Bounds of the hard filters.
   float max_sq_chord_ = 4.0f;
   float max_sq_excess_ = std::numeric_limits<float>::infinity();
-  bool uses_position_ = false;  // The region has a prior, and one of the options uses it.
+  bool uses_position_ = false;  // True if the region has a prior and an option uses it.
   std::vector<Direction> keypoint_directions_;
   std::vector<Neighbor> neighbors_;  // num_keypoints x max_neighbors, each row sorted by IsCloser.
-  std::vector<int> num_neighbors_;   // Used entries of each row.
-  // Distance of each keypoint's last neighbour, infinity while there are fewer than max_neighbors.
+  std::vector<int> num_neighbors_;   // Number of used entries in each row.
+  // The squared distance of each keypoint's last neighbour; infinity while it has fewer than
+  // max_neighbors.
   std::vector<float> max_useful_sq_distances_;
 };
 
-// The way of a tile's hits into the ranking. They wait for the memory that they need, while more
-// are found: first for what their places say of them, by which most are refused, then for their
-// landmarks, then for what is known of these, which lies anywhere in the tile. What a hit says
-// about further ones is therefore known a little later. For use within one thread.
+// Adds the hits of one tile to a ranking. Each hit passes three stages, and the memory that a stage
+// reads is prefetched while other hits are processed. The first stage reads the hit's place, which
+// rejects most hits; the second reads its landmark index; the third reads the landmark, which lies
+// anywhere in the tile. Because of this delay, MaxUsefulDistance reacts to a hit a little later.
+// Use each object from one thread.
 class LandmarkRanking::TileHits : public HitReceiver {
  public:
-  // The hits are of the tile_idx-th tile of the query, and of its keypoints from `first_keypoint`
-  // on; their rows are among `places`. All must outlive this.
+  // The hits belong to the tile_idx-th tile of the query and to the keypoints from `first_keypoint`
+  // on; their rows are places in `places`. All arguments must outlive the object.
   TileHits(LandmarkRanking* ranking, const TileView& view, const DescriptorPlaces& places,
            int tile_idx, uint32_t first_keypoint = 0);
 
   float Take(const HitRun& run) override;
-  // Adds what still waits. Call it after the last hit.
+  // Adds the hits that are still queued. Call after the last hit.
   void Flush();
 
  private:
-  static constexpr size_t kAhead = 16;  // Hits that wait.
+  static constexpr size_t kAhead = 16;  // Length of each queue.
 
   struct Hit {
     uint32_t keypoint_idx = 0;
     uint32_t place = 0;
-    float sq_distance = 0.0f;  // With the orientation's term.
+    float sq_distance = 0.0f;  // With the orientation term.
   };
   struct Candidate {
     uint32_t keypoint_idx = 0;
     Neighbor neighbor;
   };
 
-  // Works on the hits of the last run.
+  // Processes the hits of the last run.
   void TakeLast();
-  // Moves those of them that may be of use to the front; returns their number.
+  // Moves the hits of the last run that may be useful to the front and adds the orientation term.
+  // Returns their number.
   size_t Keep();
-  // Asks for a hit's landmark.
+  // Prefetches a hit's landmark index and queues the hit. If the queue is full, first passes its
+  // oldest hit to QueueCandidate.
   void Wait(const Hit& hit);
-  // Asks for what is known of it.
+  // Prefetches a hit's landmark and queues it as a candidate. If the queue is full, first ranks its
+  // oldest candidate.
   void LookUp(const Hit& hit);
-  // Adds the position's term and ranks it.
+  // Adds the position term and ranks the candidate.
   void Rank(Candidate* candidate);
 
   LandmarkRanking& ranking_;
@@ -141,18 +148,18 @@ class LandmarkRanking::TileHits : public HitReceiver {
   const DescriptorPlaces& places_;
   const int tile_idx_;
   const uint32_t first_keypoint_;
-  // Horizontally from the prior to a point of the tile; floats resolve a millimetre.
+  // Maps a point of the tile to its horizontal offset from the prior; floats resolve a millimetre.
   Eigen::Matrix<float, 2, 3> prior_from_tile_;
   Eigen::Vector2f tile_in_prior_;
-  // The same from a place's CoarseXy.
+  // Maps a place's CoarseXy to the same offset.
   Eigen::Matrix2f prior_from_coarse_;
   Eigen::Vector2f coarse_in_prior_;
-  float max_free_m_ = 0.0f;  // A coarse place up to so far from the prior may be in view.
+  float max_free_m_ = 0.0f;  // A coarse place up to this distance from the prior may be in view.
   float per_sigma_ = 0.0f;
-  // Of the last run; its size and the distances are those of the descriptors.
+  // The last run; its distances are still those of the descriptors alone.
   std::vector<Hit> last_;
   size_t num_last_ = 0;
-  // Rings; the last kAhead of all that came wait.
+  // Ring buffers that hold the last kAhead hits and candidates.
   std::array<Hit, kAhead> hits_;
   std::array<Candidate, kAhead> candidates_;
   size_t num_hits_ = 0;

@@ -24,13 +24,13 @@
 namespace cairn {
 namespace {
 
-// Descriptors, ascending, and the landmark of each.
+// Descriptor indices, ascending, and the landmark of each.
 struct SomeDescriptors {
   std::vector<uint32_t> descriptors;
   LargeVector<uint32_t> landmarks;
 };
 
-// Those of the landmarks that any of the keyframes of one tile saw.
+// Returns the descriptors of the landmarks that any of the keyframes of one tile saw.
 SomeDescriptors DescriptorsOfKeyframes(const SearchableTile& tile,
                                        std::span<const uint32_t> keyframe_indices) {
   std::vector<uint32_t> seen;
@@ -51,7 +51,7 @@ SomeDescriptors DescriptorsOfKeyframes(const SearchableTile& tile,
   return some;
 }
 
-// All tiles share one codebook: the one the query's descriptors were projected with.
+// Returns the codebook that all tiles share, with which the query's descriptors were projected.
 const Codebook& CommonCodebook(const std::vector<TileView>& tiles) {
   const Codebook& codebook = tiles.front().tile->codebook();
   for (const TileView& view : tiles) {
@@ -65,7 +65,7 @@ const Codebook& CommonCodebook(const std::vector<TileView>& tiles) {
   return codebook;
 }
 
-// How far from each query descriptor a match may be.
+// Returns the largest distance of a match for each query descriptor.
 std::vector<double> MaxDistances(const DescriptorMatrix& queries, const SearchableTile& tile,
                                  const MatchingOptions& options) {
   switch (options.distance_filter) {
@@ -92,8 +92,9 @@ struct KeypointRange {
   int size() const { return end - begin; }
 };
 
-// About equal ranges, at most one a thread. Short ones do not pay: the fewer keypoints are compared
-// with a list of descriptors while it is in the cache, the more it costs to get it there.
+// Splits the keypoints into about equal ranges, at most one per thread. Short ranges do not pay:
+// loading a list of descriptors into the cache costs the same however few keypoints are compared
+// with it.
 std::vector<KeypointRange> SplitKeypoints(int num_keypoints, int num_threads) {
   constexpr int kMinRangeSize = 128;
   const int count = std::clamp(num_keypoints / kMinRangeSize, 1, num_threads);
@@ -105,8 +106,8 @@ std::vector<KeypointRange> SplitKeypoints(int num_keypoints, int num_threads) {
   return ranges;
 }
 
-// Adds one tile's hits of a range of keypoints, with descriptors `queries`, to the ranking; touches
-// nothing of other keypoints in it. Returns the number of distances computed.
+// Searches one tile for a range of keypoints, whose descriptors are `queries`, and adds the hits to
+// the ranking without touching its other keypoints. Returns the number of distances computed.
 int64_t SearchTile(const DescriptorMatrix& queries, const KeypointRange& range,
                    const TileView& view, int tile_idx, const MatchingOptions& options,
                    const StopFunction& should_stop, SharedVisits* shared_visits,
@@ -127,7 +128,7 @@ int64_t SearchTile(const DescriptorMatrix& queries, const KeypointRange& range,
   return num_distances;
 }
 
-// The codes of some descriptors, in the order given.
+// Returns the codes of some descriptors, in the given order.
 std::vector<uint8_t> GatherCodes(const SearchableTile& tile,
                                  std::span<const uint32_t> descriptors) {
   const size_t code_size = tile.codebook().num_subspaces;
@@ -141,7 +142,7 @@ std::vector<uint8_t> GatherCodes(const SearchableTile& tile,
   return codes;
 }
 
-// Compares every query with every descriptor. What is found goes to the request's receiver.
+// Compares every query with every descriptor. Hits go to the request's receiver.
 void SearchAll(const CodeWords& words, const ByteScale& scale, std::span<const uint8_t> codes,
                const SearchRequest& request) {
   BlockedRows rows(words, codes);

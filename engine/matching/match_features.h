@@ -1,4 +1,4 @@
-// Stage `matching`: 2D-3D correspondences of a query against tiles.
+// Stage `matching`: finds 2D-3D correspondences between a query and tiles.
 #ifndef CAIRN_ENGINE_MATCHING_MATCH_FEATURES_H_
 #define CAIRN_ENGINE_MATCHING_MATCH_FEATURES_H_
 
@@ -13,22 +13,22 @@
 
 namespace cairn {
 
-// The k best landmarks of each keypoint over all tiles that pass the filters; a landmark that lies
-// in several tiles counts once (its nearest copy). Ordered by keypoint, then distance, then
-// landmark id. Sets the matching counters. Throws Error(kInternal) unless all tiles share the
-// codebook that the query's descriptors were projected with (checked by id among the tiles, by
-// dimension with the query). `workers` (may be null) share the work, by ranges of keypoints; the
-// result is the same. When `should_stop` says so, what has been found by then is all.
+// For each keypoint, returns the k best landmarks over all tiles that pass the filters. A landmark
+// in several tiles counts once (its nearest copy). Results are ordered by keypoint, then distance,
+// then landmark id. Sets the matching counters. `workers` (may be null) share the work by ranges of
+// keypoints; the result does not depend on them. Polls `should_stop`; once it returns true, the
+// search ends with the correspondences found so far. Throws Error(kInternal) unless all tiles share
+// the codebook with which the query's descriptors were projected. The check compares codebook ids
+// among the tiles, and the dimension with the query.
 std::vector<Correspondence> MatchFeatures(const QueryContext& query,
                                           const std::vector<TileView>& tiles,
                                           const MatchingOptions& options, StageCounters* counters,
                                           SharedWorkers* workers = nullptr,
                                           const StopFunction& should_stop = {});
 
-// For the refinement stage: matches all keypoints against just the landmarks that the given
-// keyframes saw, exhaustively, with the absolute threshold at `distance_quantile`
-// whatever the distance filter. Keyframes may repeat.
-// Same order and rules as MatchFeatures.
+// Matches all keypoints against only the landmarks that the given keyframes saw, for the refinement
+// stage. The search is exhaustive, with the absolute threshold at `distance_quantile` whatever the
+// distance filter. Keyframes may repeat. Order and rules are those of MatchFeatures.
 struct KeyframeRef {
   int tile_idx = 0;
   uint32_t keyframe_idx = 0;

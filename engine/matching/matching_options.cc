@@ -20,8 +20,9 @@ void MatchingOptions::Validate() const {
                 std::numbers::pi);
   RequireWithin("matching.max_position_excess_sigmas", max_position_excess_sigmas, 0.0,
                 std::numeric_limits<double>::infinity());
-  RequireOption(distance_filter != DistanceFilter::kWordRatio || index.num_reference_words > 0,
-                "matching.index.num_reference_words is 0; the word ratio filter needs some");
+  RequireOption(
+      distance_filter != DistanceFilter::kWordRatio || index.num_reference_words > 0,
+      "matching.index.num_reference_words is 0; the word ratio filter needs reference words");
 }
 
 }  // namespace cairn

@@ -7,7 +7,7 @@
 namespace cairn {
 namespace {
 
-// A pose about the origin of the set.
+// Returns a pose about the origin of the set.
 FloatModel MakeModel(const Eigen::Matrix<double, 3, 4>& cam_from_anchor,
                      const Eigen::Vector3d& origin_in_anchor, double extra_sq_rad) {
   const Eigen::Vector3d translation =
@@ -33,7 +33,8 @@ ConsensusSet::ConsensusSet(const std::vector<RayObservation>& observations,
   const size_t padded = (observations.size() + kScoreBlock - 1) / kScoreBlock * kScoreBlock;
   for (std::vector<float>* array : {&ray_x_, &ray_y_, &ray_z_, &point_x_, &point_y_, &point_z_,
                                     &sq_threshold_, &sq_sigma_, &gains_}) {
-    array->assign(padded, 0.0f);  // A zero ray has depth 0 from anywhere: never an inlier.
+    // A zero ray has depth 0 from every pose, so padding is never an inlier.
+    array->assign(padded, 0.0f);
   }
   for (const RayObservation& observation : observations) {
     origin_in_anchor_ += observation.x_in_anchor / static_cast<double>(size_);

@@ -16,9 +16,9 @@ Eigen::Vector2d PixelOf(const QueryContext& query, const Correspondence& corresp
   return {keypoint.x_px, keypoint.y_px};
 }
 
-// Whether a point is so far off a keypoint's ray that it cannot be seen within twice `max_error_px`
-// of the keypoint, which is cheaper than to ask the camera. An image may be squeezed by a factor of
-// up to kMaxSqueeze against its middle.
+// Returns true if a point is so far from a keypoint's ray that its image cannot be within twice
+// `max_error_px` of the keypoint. The test is cheaper than a projection. An image may be compressed
+// by up to kMaxSqueeze relative to its middle.
 bool IsFarFromRay(const QueryContext& query, int keypoint_idx, const Eigen::Vector3d& x_in_first,
                   double max_error_px) {
   constexpr double kMaxSqueeze = 10.0;
@@ -30,7 +30,7 @@ bool IsFarFromRay(const QueryContext& query, int keypoint_idx, const Eigen::Vect
          ray.cross(to_point).squaredNorm() > max_sine * max_sine * to_point.squaredNorm();
 }
 
-// The best inlier of each keypoint under the true camera; ascending keypoints.
+// The best inlier of each keypoint under the true camera, in ascending order of keypoint.
 struct InlierSet {
   std::vector<int> indices;  // Into the correspondences.
   double sum_sq_error_px = 0.0;
@@ -61,7 +61,7 @@ InlierSet GatherInliers(const QueryContext& query,
       continue;
     }
     const double max_error_px = options.MaxErrorPx(camera.focal_px());
-    // Widened by the landmark's uncertainty as in ConsensusSet.
+    // Widened by the landmark's uncertainty, as in ConsensusSet.
     const double landmark_px =
         std::min(3.0 * camera.focal_px() * correspondence.sigma_m / x_in_cam.norm(),
                  1.7320508 * max_error_px);
@@ -103,7 +103,7 @@ RefinePoseOptions RefinementOf(const PoseOptions& options) {
   return refine_options;
 }
 
-// What is to be said of a pose that was refined on `refined_on`, some of its inliers.
+// Fills the estimate for a pose that was refined on `refined_on`, which are some of its inliers.
 void Conclude(const QueryContext& query, const std::vector<Correspondence>& correspondences,
               const std::vector<PoseObservation>& refined_on, const Rigid3d& cam_from_anchor,
               InlierSet inliers, const PoseOptions& options, PoseEstimate* estimate) {

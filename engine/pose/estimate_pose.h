@@ -12,26 +12,27 @@
 
 namespace cairn {
 
-// Estimates the pose from `subset` (indices into `correspondences`; samples are drawn from it),
-// then gathers inliers among all correspondences, one per keypoint, and refines on them. Nothing if
-// no model has enough inliers, or the solver needs gravity and the query has none. Poses with a
-// lower consensus score (PoseEstimate::consensus) than `min_consensus` may be missed, which saves
-// most of the time of a wrong candidate after a right one. Deterministic by seed.
+// Estimates the pose from samples of `subset` (indices into `correspondences`). Then gathers
+// inliers among all correspondences, one per keypoint, and refines the pose on them. Returns
+// nothing if no model has enough inliers, or if the solver needs gravity and the query has none.
+// May miss poses with a lower consensus score (PoseEstimate::consensus) than `min_consensus`, which
+// saves most of the time spent on a wrong candidate after a right one. Deterministic by seed.
 std::optional<PoseEstimate> EstimatePose(const QueryContext& query,
                                          const std::vector<Correspondence>& correspondences,
                                          const std::vector<int>& subset, const PoseOptions& options,
                                          uint64_t seed, double min_consensus = 0.0);
 
-// The pose of `estimate` refined on its inliers among `correspondences`, which need not be those it
-// was estimated from, with the covariance and the evidence that they give it. Nothing if
-// they are fewer than options.min_inliers.
+// Refines the pose of `estimate` on its inliers among `correspondences`, which may differ from
+// those it was estimated from. Returns the pose with the covariance and the evidence of these
+// inliers; nothing if they are fewer than options.min_inliers.
 std::optional<PoseEstimate> RefineEstimate(const QueryContext& query,
                                            const std::vector<Correspondence>& correspondences,
                                            PoseEstimate estimate, const PoseOptions& options);
 
-// Refines on those inliers of `estimate`, an answer of the functions above, that are more likely
-// right than not by their evidence (PoseEstimate::right_probabilities), gathers inliers anew, and
-// repeats it while the evidence grows. Lenient matches agree with a pose by chance and pull at it.
+// Refines an estimate of the functions above on its likely inliers, then gathers inliers again, and
+// repeats while the evidence grows. Likely inliers are those with a right_probability above one
+// half (PoseEstimate::right_probabilities). Other inliers often agree with the pose by chance and
+// pull it off.
 PoseEstimate RefineOnLikelyInliers(const QueryContext& query,
                                    const std::vector<Correspondence>& correspondences,
                                    PoseEstimate estimate, const PoseOptions& options);

@@ -1,4 +1,4 @@
-// Stage `pose`: a pose for each candidate.
+// Stage `pose`: estimates a pose for each candidate.
 #ifndef CAIRN_ENGINE_POSE_ESTIMATE_POSES_H_
 #define CAIRN_ENGINE_POSE_ESTIMATE_POSES_H_
 
@@ -10,8 +10,8 @@
 
 namespace cairn {
 
-// Estimates a pose from the matches of each candidate (EstimatePose), best candidate first, until
-// the deadline. Adds what it finds to `hypotheses`.
+// Estimates a pose (EstimatePose) from the matches of each candidate, best candidate first, until
+// the deadline. Adds the poses to `hypotheses`.
 void EstimatePoses(const QueryContext& query, const SharedMatches& matches,
                    const std::vector<PoseCandidate>& candidates, const PoseOptions& options,
                    uint64_t seed, const QueryBudget& budget, PoseHypotheses* hypotheses,

@@ -11,7 +11,7 @@
 namespace cairn {
 namespace {
 
-// Pixels per radian about a viewing ray: the geometric mean of the two principal scales.
+// Returns the pixels per radian at a viewing ray: the geometric mean of the two principal scales.
 double LocalScalePx(const Camera& camera, const Eigen::Vector3d& ray_in_cam) {
   Eigen::Matrix<double, 2, 3> jacobian;
   if (!camera.ProjectWithJacobian(ray_in_cam, &jacobian)) {
@@ -21,7 +21,7 @@ double LocalScalePx(const Camera& camera, const Eigen::Vector3d& ray_in_cam) {
   return determinant > 0.0 ? std::sqrt(std::sqrt(determinant)) : camera.focal_px();
 }
 
-// Angular error at which an observation stops to be an inlier.
+// Returns the angular error beyond which an observation is not an inlier.
 double ThresholdRad(const QueryContext& query, const RayObservation& observation,
                     const PoseOptions& options) {
   const Camera& camera = query.CameraOf(observation.keypoint_idx);
@@ -30,8 +30,8 @@ double ThresholdRad(const QueryContext& query, const RayObservation& observation
          LocalScalePx(camera, query.InCameraOf(observation.keypoint_idx, on_ray));
 }
 
-// The correspondences of `subset` whose keypoint has a ray, ordered by the keypoint's rank, those
-// of a keypoint by their number. A counting sort.
+// Returns the correspondences of `subset` whose keypoint has a ray, ordered by the keypoint's rank,
+// then by index. A counting sort.
 std::vector<int> OrderByRank(const QueryContext& query,
                              const std::vector<Correspondence>& correspondences,
                              const std::vector<int>& subset, const std::vector<int>& rank) {
@@ -48,7 +48,8 @@ std::vector<int> OrderByRank(const QueryContext& query,
       order[begin[rank[keypoint_of(index)]]++] = index;
     }
   }
-  if (!std::is_sorted(subset.begin(), subset.end())) {  // Else the numbers already ascend.
+  // If `subset` is sorted, the indices already ascend.
+  if (!std::is_sorted(subset.begin(), subset.end())) {
     for (size_t i = 0, first = 0; i < order.size(); first = i) {
       while (i < order.size() && keypoint_of(order[i]) == keypoint_of(order[first])) {
         ++i;
@@ -60,7 +61,7 @@ std::vector<int> OrderByRank(const QueryContext& query,
   return order;
 }
 
-// The observations of `subset`, grouped by keypoint, keypoints in random order.
+// Returns the observations of `subset`, grouped by keypoint, with the keypoints in random order.
 std::vector<RayObservation> MakeObservations(const QueryContext& query,
                                              const std::vector<Correspondence>& correspondences,
                                              const std::vector<int>& subset,
@@ -94,7 +95,7 @@ std::vector<RayObservation> MakeObservations(const QueryContext& query,
   return observations;
 }
 
-// See PoseEstimator::preference_. Bounded below: no match is out of the question.
+// See preference_. Bounded below, so that every match can be drawn.
 std::vector<double> PreferenceOf(const std::vector<RayObservation>& observations,
                                  double same_landmark_distance, double distance_weight) {
   constexpr double kMin = 0.01;
@@ -114,7 +115,8 @@ std::vector<double> PreferenceOf(const std::vector<RayObservation>& observations
   return preference;
 }
 
-// How often observations are drawn: preference, shared among those of a keypoint.
+// Returns the weight with which each observation is drawn: its preference divided by the number of
+// its keypoint's observations.
 std::vector<double> DrawWeights(const ConsensusSet& consensus,
                                 const std::vector<double>& preference) {
   std::vector<double> weights(preference.size());
@@ -129,7 +131,7 @@ std::vector<double> DrawWeights(const ConsensusSet& consensus,
 
 PoseEstimator::Model ModelFromLevelPose(const LevelPose& pose,
                                         const Eigen::Matrix3d& level_from_cam) {
-  // The columns of cam_from_level, turned by yaw about the third.
+  // The columns of cam_from_level, rotated by the yaw about the third.
   const double c = pose.yaw_direction.x(), s = pose.yaw_direction.y();
   const Eigen::Vector3d x = level_from_cam.row(0), y = level_from_cam.row(1);
   PoseEstimator::Model cam_from_anchor;
@@ -192,7 +194,7 @@ PoseEstimator::PoseEstimator(const QueryContext& query,
 }
 
 bool PoseEstimator::DrawSample(Random* random, std::array<int, 3>* sample) const {
-  const AliasTable* draw = &draw_;  // Unless the camera of the first decides.
+  const AliasTable* draw = &draw_;  // In a rig, the camera of the first draw replaces this.
   const auto keypoint_of = [this](int index) { return observations_[index].keypoint_idx; };
   for (int i = 0; i < sample_size(); ++i) {
     int& drawn = (*sample)[i];
@@ -246,8 +248,8 @@ double PoseEstimator::ScoreMinimal(const Model& cam_from_anchor, double score_to
 
 std::vector<PoseObservation> PoseEstimator::LocalInliers(const Model& cam_from_anchor,
                                                          double extra_sq_rad) {
-  // More inliers than this make a local optimisation slower, not better. Keypoints stand in random
-  // order, so the first ones are a random subset.
+  // More inliers make a local optimisation slower, not better. Keypoints are in random order, so
+  // the first ones are a random subset.
   constexpr size_t kMaxInliers = 100;
   std::vector<PoseObservation> inliers;
   for (int index : consensus_.BestObservations(cam_from_anchor, extra_sq_rad)) {
@@ -268,7 +270,7 @@ std::optional<std::pair<PoseEstimator::Model, double>> PoseEstimator::Optimize(
   RefinePoseOptions refine_options;
   refine_options.keypoint_sigma_px = options_.keypoint_sigma_px;
   refine_options.max_iterations = 5;
-  refine_options.min_relative_decrease = 1e-3;  // The best pose is refined to the end afterwards.
+  refine_options.min_relative_decrease = 1e-3;  // The best pose is refined to convergence later.
   Model model = cam_from_anchor;
   double extra_sq_rad = minimal_extra_sq_rad_;
   for (int i = 0; i < options_.num_local_optimizations; ++i) {
@@ -285,14 +287,14 @@ std::optional<std::pair<PoseEstimator::Model, double>> PoseEstimator::Optimize(
 }
 
 double PoseEstimator::SampleProbabilityOfScore(double score) const {
-  // A gain is at most 1: there are at least as many inliers. Their keypoints are taken to have as
-  // many observations as others, and these to be drawn as often.
+  // A gain is at most 1, so there are at least `score` inliers. Their keypoints are assumed to have
+  // as many observations as other keypoints, and to be drawn as often.
   const double num_inliers = std::min(score, static_cast<double>(num_keypoints()));
   return std::pow(num_inliers / std::max(1, consensus_.size()), sample_size());
 }
 
 double PoseEstimator::InlierSampleProbability(const Model& cam_from_anchor) {
-  struct Draws {  // By how often they happen.
+  struct Draws {  // Sums of draw weights.
     double all = 0.0;
     double inliers = 0.0;
     int num_keypoints = 0;
@@ -312,7 +314,8 @@ double PoseEstimator::InlierSampleProbability(const Model& cam_from_anchor) {
     draws.inliers += best[k] < 0 ? 0.0 : preference_[best[k]] / (end - begin);
     ++draws.num_keypoints;
   }
-  double probability = 0.0;  // Over the cameras, by how often the first draw is of them.
+  // Sum over the cameras, weighted by the probability that the first draw is from the camera.
+  double probability = 0.0;
   for (const Draws& draws : cameras) {
     if (draws.num_keypoints >= sample_size()) {
       probability += draws.all / all * std::pow(draws.inliers / draws.all, sample_size());

@@ -1,4 +1,4 @@
-// The estimator of LoRansac for camera poses.
+// The problem of camera poses that LoRansac solves.
 #ifndef CAIRN_ENGINE_POSE_POSE_ESTIMATOR_H_
 #define CAIRN_ENGINE_POSE_POSE_ESTIMATOR_H_
 
@@ -18,27 +18,27 @@
 
 namespace cairn {
 
-// Poses from gravity two-point or P3P samples, see MinimalSolver; two-point samples need gravity.
-// See LoRansac for the contract of the methods.
+// Computes poses from gravity two-point or P3P samples (see MinimalSolver). Two-point samples need
+// gravity. See LoRansac for the contract of the methods.
 //
-// In a rig the two points may be of different cameras; the three points of P3P are of one, so that
-// cameras with fewer keypoints give no samples.
+// In a rig, the two points may belong to different cameras. The three points of P3P belong to one
+// camera, so cameras with fewer keypoints give no samples.
 //
-// A two-point pose inherits the error of the measured gravity, so its score takes thresholds
-// widened by twice gravity_sigma_rad; local optimisation frees all six degrees of freedom and is
-// scored with the thresholds as they are. Keeps references to its arguments. Not thread-safe.
+// A two-point pose inherits the error of the measured gravity, so it is scored with thresholds
+// widened by twice gravity_sigma_rad. Local optimisation frees all six degrees of freedom and
+// scores with unwidened thresholds. Keeps references to its arguments. Not thread-safe.
 class PoseEstimator {
  public:
   using Model = Eigen::Matrix<double, 3, 4>;  // cam_from_anchor = [R | t].
   static constexpr int kMaxModels = 4;
 
-  // Samples and scores the correspondences `subset`. `seed` fixes the order of scoring.
+  // Samples and scores the correspondences `subset`. `seed` determines the order of scoring.
   PoseEstimator(const QueryContext& query, const std::vector<Correspondence>& correspondences,
                 const std::vector<int>& subset, const PoseOptions& options, uint64_t seed);
 
-  // Distinct keypoints that have a ray.
+  // Number of distinct keypoints that have a ray.
   int num_keypoints() const { return consensus_.num_keypoints(); }
-  // Keypoints of a minimal sample.
+  // Number of keypoints of a minimal sample.
   int sample_size() const { return level_from_cam_ ? 2 : 3; }
 
   int SampleModels(Random* random, std::array<Model, kMaxModels>* models);
@@ -48,8 +48,8 @@ class PoseEstimator {
   double SampleProbabilityOfScore(double score) const;
 
  private:
-  // Draws observations of distinct keypoints; false if the first one's camera has not enough for
-  // P3P.
+  // Draws observations of distinct keypoints. Returns false if the camera of the first has too few
+  // for P3P.
   bool DrawSample(Random* random, std::array<int, 3>* sample) const;
   std::vector<PoseObservation> LocalInliers(const Model& cam_from_anchor, double extra_sq_rad);
 
@@ -57,25 +57,25 @@ class PoseEstimator {
   const PoseOptions& options_;
   std::vector<RayObservation> observations_;  // Keypoints in random order.
   ConsensusSet consensus_;
-  // How much an observation is preferred to others of its keypoint, in (0, 1]; 1 for the nearest
-  // descriptor of all.
+  // Preference for an observation over others of its keypoint, in (0, 1]; 1 for the observation
+  // with the smallest descriptor distance of all.
   std::vector<double> preference_;
-  AliasTable draw_;  // Of all observations.
-  // For two-point samples only.
+  AliasTable draw_;  // Over all observations.
+  // Only for two-point samples.
   std::optional<Eigen::Matrix3d> level_from_cam_;
-  std::vector<Eigen::Vector3d> rays_in_level_;  // Of the observations.
+  std::vector<Eigen::Vector3d> rays_in_level_;  // Per observation.
   std::vector<Eigen::Vector3d> origins_in_level_;
-  // For P3P in a rig only.
+  // Only for P3P in a rig.
   struct CameraDraw {
     int num_keypoints = 0;
-    AliasTable draw;  // Of the camera's observations.
+    AliasTable draw;  // Over the camera's observations.
   };
   std::vector<CameraDraw> camera_draws_;
   std::optional<GravityPrior> gravity_;
   double minimal_extra_sq_rad_ = 0.0;
 };
 
-// The gravity prior of a query, if it has gravity.
+// Returns the gravity prior of a query; nothing if the query has no gravity.
 std::optional<GravityPrior> MakeGravityPrior(const QueryContext& query, const PoseOptions& options);
 
 }  // namespace cairn

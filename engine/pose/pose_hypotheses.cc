@@ -23,9 +23,9 @@ bool PoseHypotheses::AnyHasEvidence(double min_evidence) const {
   });
 }
 
-// The first attempt is made alone: it succeeds more often than not, and then the others need not
-// look for less. They follow four at a time, in parallel if cores are free. Rounds do not depend on
-// the number of threads, so neither does the answer.
+// The first attempt runs alone. It usually succeeds, and the other attempts can then stop at its
+// consensus. The others follow in rounds of four, which run in parallel if cores are free. The
+// rounds do not depend on the number of threads, so the answer does not either.
 int PoseHypotheses::TryInRounds(int count, bool use_gravity, const QueryBudget& budget,
                                 const std::function<PoseAttempt(int, double)>& attempt,
                                 StageCounters* counters) {

@@ -1,4 +1,4 @@
-// The poses that a query has led to so far.
+// The poses that a query has found so far.
 #ifndef CAIRN_ENGINE_POSE_POSE_HYPOTHESES_H_
 #define CAIRN_ENGINE_POSE_POSE_HYPOTHESES_H_
 
@@ -17,7 +17,7 @@ namespace cairn {
 // Matches that several hypotheses share; never null in a hypothesis.
 using SharedMatches = std::shared_ptr<const std::vector<Correspondence>>;
 
-// A pose and the matches that its inliers index.
+// A pose, and the matches into which its inliers index.
 struct PoseHypothesis {
   PoseEstimate estimate;
   SharedMatches correspondences;
@@ -25,13 +25,14 @@ struct PoseHypothesis {
   std::optional<CameraEstimate> camera;  // As LocalizeResult::camera.
 };
 
-// A pose that was searched for, and the matches it was searched in. No matches: there was no time.
+// An attempt to find a pose, with the matches it searched. `correspondences` is null if the
+// deadline had passed.
 struct PoseAttempt {
   SharedMatches correspondences;
   std::optional<PoseEstimate> estimate;
 };
 
-// A pose with a smaller share of what speaks for the best one can neither win nor make the answer
+// A pose with a smaller share of the best pose's evidence can neither win nor make the answer
 // ambiguous.
 inline constexpr double kMinShareOfBest = 0.5;
 
@@ -40,17 +41,17 @@ class PoseHypotheses {
   const std::vector<PoseHypothesis>& all() const { return all_; }
   bool empty() const { return all_.empty(); }
 
-  // The `count` hypotheses with the most evidence, best first; fewer if there are no more.
+  // Returns the `count` hypotheses with the most evidence, best first; fewer if there are fewer.
   std::vector<const PoseHypothesis*> Best(int count) const;
   bool AnyHasEvidence(double min_evidence) const;
 
-  // Makes attempts 0 ... count - 1 until the deadline and keeps the poses they find. An attempt
-  // gets the consensus below which a pose is of no interest. Counts samples. Returns the number of
-  // attempts made.
+  // Makes attempts 0 ... count - 1 until the deadline and keeps the poses they find. The second
+  // argument of `attempt` is the consensus below which a pose is useless. Counts samples. Returns
+  // the number of attempts made.
   int TryInRounds(int count, bool use_gravity, const QueryBudget& budget,
                   const std::function<PoseAttempt(int, double)>& attempt, StageCounters* counters);
 
-  // Drops the poses. What the best of them reached stays the mark for later attempts.
+  // Drops the poses. The consensus of the best remains the bar for later attempts.
   void DropPoses() { all_.clear(); }
 
  private:

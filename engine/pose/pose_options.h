@@ -10,55 +10,58 @@ namespace cairn {
 enum class MinimalSolver {
   kAuto,             // Two points and gravity if the query has gravity, else P3P.
   kGravityTwoPoint,  // Two points and gravity; a query without gravity gets no pose.
-  kP3p,              // Three points; gravity enters the refinement only.
+  kP3p,              // Three points; gravity is used only in the refinement.
 };
 
-// How the gains of a pose are computed; both give the same but for rounding.
+// How the gains of a pose are computed. Both kernels give the same results up to rounding.
 enum class ConsensusKernel {
   kVectorized,
-  kPlain,  // One correspondence at a time: what the other is measured and tested against.
+  kPlain,  // One correspondence at a time; the reference for tests and measurements.
 };
 
-// How poses are scored, see ConsensusSet.
+// How poses are scored; see ConsensusSet.
 struct ConsensusOptions {
   ConsensusKernel kernel = ConsensusKernel::kVectorized;
-  // Scoring stops as soon as a pose is unlikely to beat the best one.
+  // Stops scoring a pose once it is unlikely to beat the best one.
   bool early_rejection = true;
   // Share of the good poses that may be rejected early, in (0, 1). Drawing another pose costs less
-  // than looking at 100 correspondences, so losing a few is cheaper than being sure: 0.05 takes
-  // 0.92 of the time of 0.005 at 5 % inliers, more gains nothing (cairn_pose_bench).
+  // than scoring 100 correspondences, so losing a few good poses is cheaper than certainty. 0.05
+  // takes 0.92 of the time of 0.005 at 5 % inliers; a larger share saves no more time
+  // (cairn_pose_bench).
   double max_rejected_share = 0.05;
 
-  // Throws Error(kInvalidArgument) naming the field.
+  // Throws Error(kInvalidArgument), naming the field.
   void Validate() const;
 };
 
 struct PoseOptions {
   MinimalSolver solver = MinimalSolver::kAuto;
-  // Reprojection error of an inlier, as an angle: pixels at a focal length of 500. A camera of
-  // focal length f uses max_error_px * f / 500, at least 2 px (see MaxErrorPx).
+  // Largest reprojection error of an inlier, as an angle: in pixels at a focal length of 500 px. A
+  // camera of focal length f uses max_error_px * f / 500, at least 2 px (see MaxErrorPx).
   double max_error_px = 4.0;
-  // Standard deviation of a keypoint's position per axis, pixels: what weighs keypoints against
-  // landmark uncertainty and gravity, and what the covariance is at least based on.
+  // Standard deviation of a keypoint's position per axis, pixels. Determines the weight of
+  // keypoints against landmark uncertainty and gravity, and a lower bound of the covariance.
   double keypoint_sigma_px = 1.0;
   int min_iterations = 50;
   int max_iterations = 2000;
-  double success_probability = 0.999;  // Stop when an all-inlier sample was drawn with this.
-  // How often a match is drawn into a sample falls with the squared distance of its descriptors, d:
-  // as exp(-distance_weight * d / m), m that of a median pair of one landmark. 0 draws all alike.
+  // Stop once an all-inlier sample was drawn with this probability.
+  double success_probability = 0.999;
+  // The weight of a match in sampling falls with the squared distance d of its descriptors, as
+  // exp(-distance_weight * d / m), where m is the squared distance of a median pair of one
+  // landmark. 0 gives all matches the same weight.
   double distance_weight = 3.0;
   int num_local_optimizations = 2;  // Refinements each time a minimal model improves the score.
-  int min_inliers = 6;              // Distinct keypoints; fewer is no estimate.
-  // How far the direction of gravity may be off, radians (1 standard deviation per axis): a minimal
-  // model's threshold is widened by it, the final refinement uses it as a weak prior.
+  int min_inliers = 6;              // Distinct keypoints; a pose with fewer is not an estimate.
+  // Standard deviation of the gravity direction per axis, radians. Widens the threshold of minimal
+  // models and weights gravity as a weak prior in the final refinement.
   double gravity_sigma_rad = 0.0175;
   ConsensusOptions consensus;
   EvidenceModel evidence;
 
-  // Throws Error(kInvalidArgument) naming the field.
+  // Throws Error(kInvalidArgument), naming the field.
   void Validate() const;
 
-  // Inlier threshold in pixels of a camera.
+  // Returns the inlier threshold of a camera, pixels.
   double MaxErrorPx(double focal_px) const;
 };
 

@@ -1,4 +1,4 @@
-// The arithmetic of consensus: the gains of a pose on 64 observations.
+// The arithmetic of consensus: the gains of a pose for 64 observations.
 #ifndef CAIRN_ENGINE_POSE_SCORE_BLOCK_H_
 #define CAIRN_ENGINE_POSE_SCORE_BLOCK_H_
 
@@ -8,14 +8,15 @@ namespace cairn {
 
 inline constexpr int kScoreBlock = 64;
 
-// A pose [R | t] about the origin of the observations, and the addition to squared thresholds.
+// A pose [R | t] relative to the origin of the observations, and the addition to squared
+// thresholds.
 struct FloatModel {
   float r[9];  // Row-major.
   float t[3];
   float extra_sq_rad;
 };
 
-// kScoreBlock observations, see ConsensusSet.
+// kScoreBlock observations; see ConsensusSet.
 struct ScoreBlockInput {
   const float *ray_x, *ray_y, *ray_z;
   const float *origin_x, *origin_y, *origin_z;  // Null if all rays start at the camera.
@@ -23,11 +24,12 @@ struct ScoreBlockInput {
   const float *sq_threshold, *sq_sigma;
 };
 
-// Writes the gains of a block and returns their sum. Both do the same arithmetic; they differ in
-// the order of the sums and, where the processor fuses multiplication and addition, in the last
-// bits. Vectorized: sixteen, eight or four observations at a time, chosen when the program starts.
+// Writes the gains of a block and returns their sum. ScoreBlockVectorized and ScoreBlockPlain do
+// the same arithmetic. They differ in the order of the sums and, on processors with fused
+// multiply-add, in the last bits. ScoreBlockVectorized scores sixteen, eight or four observations
+// at a time, chosen at program start.
 float ScoreBlockVectorized(const ScoreBlockInput& in, const FloatModel& m, float* __restrict gains);
-// Plain: one observation after the other; what the other is measured and tested against.
+// Scores one observation at a time; the reference for tests and measurements.
 float ScoreBlockPlain(const ScoreBlockInput& in, const FloatModel& m, float* __restrict gains);
 
 // The gain of observation i, as defined at ConsensusSet.
@@ -44,7 +46,7 @@ template <bool kHasOrigins>
   const float cross_x = in.ray_y[i] * pz - in.ray_z[i] * py;
   const float cross_y = in.ray_z[i] * px - in.ray_x[i] * pz;
   const float cross_z = in.ray_x[i] * py - in.ray_y[i] * px;
-  // Numerator and denominator of (sin e / t)^2 are both multiplied by the squared distance.
+  // The numerator and the denominator of (sin e / t)^2 are both multiplied by the squared distance.
   const float sq_sine = cross_x * cross_x + cross_y * cross_y + cross_z * cross_z;
   const float sq_distance = px * px + py * py + pz * pz;
   const float sq_base = sq_distance * in.sq_threshold[i];
@@ -52,7 +54,7 @@ template <bool kHasOrigins>
   const float ratio = sq_sine / (sq_widened + sq_distance * m.extra_sq_rad);
   const float depth = in.ray_x[i] * px + in.ray_y[i] * py + in.ray_z[i] * pz;
   float gain = 1.0f - ratio;
-  gain = gain > 0.0f ? gain : 0.0f;  // Not a number if the landmark is the camera centre: 0.
+  gain = gain > 0.0f ? gain : 0.0f;  // 0 also for NaN, when the landmark is the camera centre.
   return depth > 0.0f ? gain : 0.0f;
 }
 

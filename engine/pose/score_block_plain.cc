@@ -1,4 +1,4 @@
-// Apart from the vectorised form because the build keeps the compiler from vectorising this file.
+// A separate file, because the build disables the compiler's vectorisation for this file only.
 #include "engine/pose/score_block.h"
 
 namespace cairn {

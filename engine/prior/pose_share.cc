@@ -11,10 +11,10 @@ double SqDistanceFromPrior(const SearchRegion& region, const Eigen::Vector3d& ce
   return (center_in_anchor.head<2>() - region.prior_xy_in_anchor).squaredNorm();
 }
 
-// Logarithm of the density of positions, per square metre.
+// Returns the logarithm of the density of positions, per square metre.
 double LogPositionDensity(const SearchRegion& region, const Eigen::Vector3d& center_in_anchor) {
   constexpr double kFreedom = 3.0;
-  constexpr double kMinLengthM = 1.0;  // Positions nearer to each other are one.
+  constexpr double kMinLengthM = 1.0;  // Positions closer together than this are not distinguished.
   if (!region.has_prior) {
     const double radius_m = std::max(kMinLengthM, region.radius_m);
     return -std::log(std::numbers::pi * radius_m * radius_m);

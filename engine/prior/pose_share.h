@@ -1,4 +1,4 @@
-// What the prior says about a pose that was found.
+// What the prior says about a found pose.
 #ifndef CAIRN_ENGINE_PRIOR_POSE_SHARE_H_
 #define CAIRN_ENGINE_PRIOR_POSE_SHARE_H_
 
@@ -8,20 +8,21 @@
 
 namespace cairn {
 
-// Logarithm of the prior probability that the pose is the one at `center_in_anchor`: the inverse of
-// the number of poses that can be told apart, which is what evidence against chance has to make up
-// for. Poses are told apart by 1 m in each direction and 2 degrees about each axis; heights reach
-// over 5 m, tilts (unless gravity is used) over 60 degrees each. Positions follow a bivariate
-// Student distribution with three degrees of freedom about the prior: receivers are sometimes
-// wrong by far more than they say. Without a prior they are anywhere in the region alike.
+// Returns the logarithm of the prior probability that the camera's pose is the one at
+// `center_in_anchor`. That probability is the inverse of the number of distinguishable poses, for
+// which the evidence against chance must compensate. Poses are distinguishable if they differ by 1
+// m in a direction or by 2 degrees about an axis. Heights range over 5 m; tilts range over 60
+// degrees each, unless gravity is used. Positions follow a bivariate Student distribution with
+// three degrees of freedom around the prior, because receivers are sometimes wrong by far more than
+// they report. Without a prior, positions are uniform over the region.
 double LogPoseShare(const SearchRegion& region, const Eigen::Vector3d& center_in_anchor,
                     bool used_gravity);
 
-// The place that the prior names, or the middle of the region.
+// Returns the prior's position, or the centre of the region if there is no prior.
 Eigen::Vector3d PriorCenter(const SearchRegion& region);
 
-// True if there is a prior and the position is farther from it than three of its standard
-// deviations, where one in a hundred is.
+// Returns true if there is a prior and the position is more than three of its standard deviations
+// away, as 1 % of positions are.
 bool DisagreesWithPrior(const SearchRegion& region, const Eigen::Vector3d& center_in_anchor);
 
 }  // namespace cairn

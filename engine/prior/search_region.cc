@@ -10,7 +10,7 @@
 namespace cairn {
 namespace {
 
-// Standard deviation per axis of the circular Gaussian whose disc of `radius_m` holds 68 %.
+// Returns the standard deviation per axis of the circular Gaussian with 68 % within `radius_m`.
 double SigmaFromRadius68(double radius_m) { return radius_m / std::sqrt(-2.0 * std::log(0.32)); }
 
 SearchRegion RegionOfMap(const GeoBox& bounds) {
@@ -41,7 +41,7 @@ void PriorOptions::Validate() const {
 SearchRegion ResolveSearchRegion(const LocalizeQuery& query, const MapInfo& map,
                                  const PriorOptions& options) {
   if (!query.prior) {
-    CAIRN_CHECK(map.bounds.has_value(), "an empty map has no region");
+    CAIRN_CHECK(map.bounds.has_value(), "a query without a prior needs a map that is not empty");
     return RegionOfMap(*map.bounds);
   }
   const PositionPrior& prior = *query.prior;

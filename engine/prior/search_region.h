@@ -1,4 +1,4 @@
-// Stage `prior`: from a rough position to the region that is searched.
+// Stage `prior`: converts a rough position to the region to search.
 #ifndef CAIRN_ENGINE_PRIOR_SEARCH_REGION_H_
 #define CAIRN_ENGINE_PRIOR_SEARCH_REGION_H_
 
@@ -9,13 +9,13 @@
 
 namespace cairn {
 
-// The region about the query's prior. Without a prior the region is the bounds of the map, anchored
-// at their centre; has_prior is false. Heights are left open. The map must not be empty if there is
-// no prior (MapInfo::bounds is set).
+// Returns the region around the query's prior, with heights unbounded. Without a prior, the region
+// covers the bounds of the map, is anchored at their centre, and has_prior is false; the map must
+// then not be empty (MapInfo::bounds is set).
 SearchRegion ResolveSearchRegion(const LocalizeQuery& query, const MapInfo& map,
                                  const PriorOptions& options);
 
-// The latitude-longitude box of the region's disc.
+// Returns the latitude-longitude box around the region's disc.
 GeoBox RegionBounds(const SearchRegion& region);
 
 }  // namespace cairn

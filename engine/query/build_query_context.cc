@@ -18,8 +18,8 @@ void CheckCodec(const LocalizeQuery& query, const DescriptorCodec& codec) {
   const std::string map_codec = codec.codebook().CodecName();
   if (query.features.space == DescriptorSpace::kProjected && query.codec != map_codec) {
     throw Error(ErrorCode::kBadInput,
-                fmt::format("features.codec: '{}' is not this map's; it uses '{}'", query.codec,
-                            map_codec));
+                fmt::format("features.codec: '{}' does not match this map's codec '{}'",
+                            query.codec, map_codec));
   }
 }
 
@@ -37,7 +37,7 @@ Eigen::Vector3d RayOf(const Camera& camera, const Keypoint& keypoint) {
   return camera.Unproject({keypoint.x_px, keypoint.y_px}).value_or(Eigen::Vector3d::Zero());
 }
 
-// Appends what one camera saw, but for the descriptors. `rotation` is cam_from_first's.
+// Appends the keypoints of one camera, without descriptors. `rotation` is that of cam_from_first.
 void AddKeypoints(const Camera& camera, const FeatureSet& features,
                   const Eigen::Quaterniond& rotation, QueryContext* context) {
   std::optional<Eigen::Vector3d> down_in_own;
@@ -52,7 +52,7 @@ void AddKeypoints(const Camera& camera, const FeatureSet& features,
   }
 }
 
-// Makes the context of a query's own camera that of its whole rig.
+// Extends the context of a query's own camera to its whole rig.
 void AddOtherCameras(const LocalizeQuery& query, const DescriptorCodec& codec,
                      QueryContext* context) {
   context->camera_of_keypoint.assign(context->keypoints.size(), 0);
@@ -97,7 +97,7 @@ QueryContext BuildQueryContext(const LocalizeQuery& query, const DescriptorCodec
 }
 
 QueryContext WithCamera(QueryContext context, const Camera& camera) {
-  CAIRN_CHECK(!context.is_rig(), "the camera of a rig is not replaced");
+  CAIRN_CHECK(!context.is_rig(), "the camera of a rig cannot be replaced");
   context.camera = camera;
   for (int i = 0; i < context.num_keypoints(); ++i) {
     context.rays_in_cam[i] = RayOf(camera, context.keypoints[i]);

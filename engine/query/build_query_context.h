@@ -1,4 +1,4 @@
-// Computes once what every stage needs of a query.
+// Computes the data of a query that all stages need.
 #ifndef CAIRN_ENGINE_QUERY_BUILD_QUERY_CONTEXT_H_
 #define CAIRN_ENGINE_QUERY_BUILD_QUERY_CONTEXT_H_
 
@@ -9,15 +9,16 @@
 namespace cairn {
 
 // Projects the descriptors, unprojects the keypoints, rectifies orientations and levels the camera.
-// Throws Error(kBadInput) if the descriptors do not fit the codebook: wrong dimension, or projected
-// by the codebook of another map.
+// Throws Error(kBadInput) if the descriptors do not match the codebook: they have another dimension
+// or were projected with the codebook of another map.
 QueryContext BuildQueryContext(const LocalizeQuery& query, const DescriptorCodec& codec,
                                const SearchRegion& region);
 
-// The context of the same query, which is not of a rig, as another camera of that size saw it.
+// Returns the context of the same query as if another camera of the same image size had taken it.
+// The query must not be a rig's.
 QueryContext WithCamera(QueryContext context, const Camera& camera);
 
-// The context of the same query without its gravity.
+// Returns the context of the same query without its gravity.
 QueryContext WithoutGravity(QueryContext context);
 
 }  // namespace cairn

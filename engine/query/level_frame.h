@@ -7,9 +7,10 @@
 
 namespace cairn {
 
-// Rotation level_from_cam that turns `down_in_cam` (not zero; need not be of unit length) into
-// (0, 0, -1). The x axis of level is the horizontal part of the viewing direction (0, 0, 1), or, if
-// that is within 0.06 degrees of the vertical, of the image's y axis.
+// Returns the rotation level_from_cam that maps `down_in_cam` (not zero, of any length) to (0, 0,
+// -1). The x axis of level is the horizontal part of the viewing direction (0, 0, 1). If the
+// viewing direction is within 0.06 degrees of the vertical, the x axis is the horizontal part of
+// the image's y axis.
 Eigen::Quaterniond LevelFromCam(const Eigen::Vector3d& down_in_cam);
 
 }  // namespace cairn

@@ -22,7 +22,8 @@ void ValidateRigCamera(const RigCamera& other, DescriptorSpace space, size_t ind
       !(other.cam_from_first.translation.norm() <= kMaxOffsetM)) {
     throw Error(
         ErrorCode::kBadInput,
-        fmt::format("{}.camFromFirst: the cameras of a rig lie within {} m", name, kMaxOffsetM));
+        fmt::format("{}.camFromFirst: the cameras of a rig must lie within {} m of the first", name,
+                    kMaxOffsetM));
   }
 }
 
@@ -39,8 +40,9 @@ int LocalizeQuery::num_features() const {
 void LocalizeQuery::Validate() const {
   ValidateFeatures(features, "features");
   if (other_cameras.size() > kMaxOtherCameras) {
-    throw Error(ErrorCode::kBadInput, fmt::format("rig: {} cameras beside the first, at most {}",
-                                                  other_cameras.size(), kMaxOtherCameras));
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("rig: {} cameras besides the first; at most {} are allowed",
+                            other_cameras.size(), kMaxOtherCameras));
   }
   for (size_t i = 0; i < other_cameras.size(); ++i) {
     ValidateRigCamera(other_cameras[i], features.space, i);

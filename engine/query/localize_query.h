@@ -1,4 +1,4 @@
-// What a client asks: features of one image and what it knows about its pose.
+// The request of a client: the features of one image and what the client knows about its pose.
 #ifndef CAIRN_ENGINE_QUERY_LOCALIZE_QUERY_H_
 #define CAIRN_ENGINE_QUERY_LOCALIZE_QUERY_H_
 
@@ -19,44 +19,51 @@ namespace cairn {
 // A rough position, as a GPS receiver reports it.
 struct PositionPrior {
   Geodetic position;
-  double accuracy_m = 15.0;  // Radius that holds the truth with 68 % probability.
-  // Standard deviation of the height; nothing if the height is unknown or not to be trusted.
+  double accuracy_m = 15.0;  // Radius that contains the true position with 68 % probability.
+  // Standard deviation of the height; empty if the height is unknown or untrusted.
   std::optional<double> height_sigma_m;
 };
 
-// A further camera of a rig and what it saw at the same instant.
+// Another camera of a rig and its features, seen at the same instant.
 struct RigCamera {
   Camera camera;
-  Rigid3d cam_from_first;  // From the frame of the query's own camera into this one's.
-  FeatureSet features;     // In the descriptor space of the query's own.
+  Rigid3d cam_from_first;  // From the frame of the query's own camera to this camera's frame.
+  FeatureSet features;     // In the same descriptor space as the query's own features.
 };
 
 struct LocalizeQuery {
-  std::string id;  // Echoed; may be empty.
+  std::string id;  // Copied to the answer; may be empty.
   Camera camera;
-  // How well its focal length is known, if the client says so: it is then estimated along with the
-  // pose. If not, it is taken to be right within 1 % and kept unless the inliers contradict it; see
-  // LocalizeResult::camera. Not for a rig, whose cameras are what they are said to be.
+  // The uncertainty of the focal length, if the client knows it. The focal length is then estimated
+  // with the pose. Otherwise the focal length is assumed to be right within 1 % and kept unless the
+  // inliers contradict it; see LocalizeResult::camera. Must be empty for a rig, whose cameras are
+  // taken as stated.
   std::optional<FocalPrior> focal;
   FeatureSet features;  // Raw or projected; see DescriptorSpace.
-  // Wire codec of projected features; must be the map's (Codebook::CodecName). Unused for raw ones.
+  // Wire codec of projected features; must be the map's (Codebook::CodecName). Ignored for raw
+  // features.
   std::string codec;
-  // The other cameras of a rig; all together are one query, whose pose is that of `camera`. Cameras
-  // may have no features; at most kMaxOtherCameras.
+  // The other cameras of a rig, at most kMaxOtherCameras. All cameras together are one query, whose
+  // pose is that of `camera`. A camera may have no features.
   std::vector<RigCamera> other_cameras;
-  std::optional<PositionPrior> prior;          // Without it the whole map is searched.
-  std::optional<Eigen::Vector3d> down_in_cam;  // Unit vector; without it P3P replaces two points.
-  // The best answer found by then is returned; nothing means no deadline.
+  std::optional<PositionPrior> prior;  // If empty, the whole map is searched.
+  // Unit vector. If empty, P3P replaces the two-point solver.
+  std::optional<Eigen::Vector3d> down_in_cam;
+  // At the deadline, the best answer found so far is returned. Empty means no deadline.
   std::optional<std::chrono::steady_clock::time_point> deadline;
 
   static constexpr int kMaxOtherCameras = 7;
 
-  // Of all cameras.
+  // Sum over all cameras.
   int num_features() const;
 
-  // Throws Error(kBadInput) naming the field on non-finite numbers, an accuracy outside (0, 100
-  // km], a gravity vector that is not of unit length within 1e-3, inconsistent features, cameras of
-  // a rig that are more than 100 m apart, or a focal prior that makes no sense or is of a rig.
+  // Throws Error(kBadInput), naming the field, if
+  //  - a number is not finite;
+  //  - the accuracy is outside (0, 100 km];
+  //  - the gravity vector's length differs from 1 by more than 1e-3;
+  //  - features are inconsistent;
+  //  - a camera of a rig is more than 100 m from the first;
+  //  - the focal prior is invalid or the query is a rig's.
   void Validate() const;
 };
 

@@ -1,4 +1,4 @@
-// The answer to a query, with the evidence behind it.
+// The answer to a query, with its evidence.
 #ifndef CAIRN_ENGINE_QUERY_LOCALIZE_RESULT_H_
 #define CAIRN_ENGINE_QUERY_LOCALIZE_RESULT_H_
 
@@ -18,7 +18,7 @@
 
 namespace cairn {
 
-// Why there is no pose. Names on the wire are the upper-case forms (NO_COVERAGE, ...).
+// The reason why there is no pose. The wire uses the upper-case forms (NO_COVERAGE, ...).
 enum class NotLocalizedReason {
   kNone,            // There is a pose.
   kNoCoverage,      // No tile near the prior.
@@ -26,8 +26,9 @@ enum class NotLocalizedReason {
   kTooFewMatches,   // The map knows too few of the descriptors.
   kTooFewInliers,   // No pose explains enough of the matches.
   kAmbiguous,       // Two poses far apart explain the image about equally well.
-  kPriorMismatch,   // The best pose is too far from the prior for how little speaks for it.
-  kTimeout,         // The deadline left no time to find an answer.
+  // The best pose is far from the prior and has too little evidence for that distance.
+  kPriorMismatch,
+  kTimeout,  // The deadline passed before an answer was found.
 };
 const char* NotLocalizedReasonName(NotLocalizedReason reason);
 
@@ -37,33 +38,35 @@ inline constexpr int kNumStages = 6;
 const char* StageName(Stage stage);  // "prior", "tiles", ...
 
 struct StageTimes {
-  std::array<double, kNumStages> seconds{};  // Wall time, indexed by Stage; 0: it did not run.
+  // Wall time, indexed by Stage; 0 if the stage did not run.
+  std::array<double, kNumStages> seconds{};
   double total_seconds = 0.0;
 };
 
 struct StageCounters {
   int64_t num_keypoints = 0;
-  int64_t num_tiles_found = 0;     // By the geo-query.
-  int64_t num_tiles_searched = 0;  // After the tile limit, and the deadline.
+  int64_t num_tiles_found = 0;     // By the query of the map's spatial index.
+  int64_t num_tiles_searched = 0;  // After the tile limit and the deadline.
   int64_t num_tiles_loaded = 0;    // Cache misses.
-  int64_t num_descriptors = 0;     // In the tiles searched.
+  int64_t num_descriptors = 0;     // In the searched tiles.
   int64_t num_distances = 0;       // Descriptor distances computed.
-  // Keypoint-landmark pairs under the threshold; this and the next three are of the last try, which
-  // may have been the one without gravity.
+  // Keypoint-landmark pairs below the threshold. If the stages ran again without gravity,
+  // num_matches, num_matched_keypoints, num_votes and num_candidates are those of the last run.
   int64_t num_matches = 0;
   int64_t num_matched_keypoints = 0;
   int64_t num_votes = 0;
-  int64_t num_candidates = 0;  // Voting maxima handed to pose estimation.
+  int64_t num_candidates = 0;  // Maxima of voting that pose estimation received.
   int64_t num_ransac_iterations = 0;
   int64_t num_refined_keyframes = 0;  // 0 if the refinement stage was not needed.
   int64_t num_rematches = 0;          // Matches of the refinement stage.
   bool used_prior = false;
-  bool used_gravity = false;    // By the answer; in the query, if there is none.
-  bool tile_limit_hit = false;  // More tiles in the region than the limit: a part was not seen.
-  // The deadline kept a stage from all of its work; with more time the answer might be better.
-  bool tiles_cut_short = false;     // Tiles left out, or parts of their indices not yet built.
-  bool matching_cut_short = false;  // Not all keypoints searched everywhere.
-  bool pose_cut_short = false;      // Candidates not tried.
+  bool used_gravity = false;  // Of the answer; of the query if there is no answer.
+  // The region has more tiles than the limit, so a part was not searched.
+  bool tile_limit_hit = false;
+  // The deadline cut a stage short; with more time, the answer might be better.
+  bool tiles_cut_short = false;  // Tiles were left out, or parts of their indices were not built.
+  bool matching_cut_short = false;  // Some keypoints were not searched everywhere.
+  bool pose_cut_short = false;      // Some candidates were not tried.
   bool refinement_cut_short = false;
 
   bool is_cut_short() const {
@@ -74,24 +77,24 @@ struct StageCounters {
 // An inlier of the final pose.
 struct LocalizeMatch {
   int keypoint_idx = 0;  // Into the features of its camera.
-  int camera_idx = 0;    // 0 is the query's own, i is other_cameras[i - 1] of a rig.
+  int camera_idx = 0;    // 0 is the query's own camera, i is other_cameras[i - 1] of a rig.
   Eigen::Vector2d pixel;
   LandmarkId landmark_id{};
   int tile_idx = 0;  // Into LocalizeResult::tiles.
   Eigen::Vector3d x_in_anchor;
   double sigma_m = 0.0;            // Landmark position standard deviation.
-  double right_probability = 0.0;  // That this is the right landmark, if the pose is right.
-  InlierTraits traits;             // Its reprojection error among them.
+  double right_probability = 0.0;  // Probability that the landmark is right if the pose is right.
+  InlierTraits traits;             // Include the reprojection error.
 };
 
-// The camera of an answer, where that is not simply the query's.
+// The camera of an answer, if it was estimated.
 struct CameraEstimate {
   Camera camera;
-  double focal_sigma_px = 0.0;  // Standard deviation of its focal length.
-  // What the query said, or was taken to say, of it, and the standard deviation of that.
+  double focal_sigma_px = 0.0;  // Standard deviation of the focal length.
+  // The focal length that the query stated, or that was assumed for it, and its standard deviation.
   double assumed_focal_px = 0.0;
   double assumed_focal_sigma_px = 0.0;
-  // The inliers say something else, by more than three standard deviations.
+  // The inliers contradict that focal length by more than three standard deviations.
   bool focal_disagrees = false;
 };
 
@@ -99,32 +102,35 @@ struct LocalizeResult {
   bool localized = false;
   NotLocalizedReason reason = NotLocalizedReason::kNone;
 
-  // Below: meaningful if localized.
+  // The fields from here to `camera` are meaningful if localized.
   Geodetic anchor;  // Origin of the anchor frame.
   Rigid3d cam_from_anchor;
   Rigid3d cam_from_ecef;
   Geodetic position;  // Of the camera centre.
-  // Of (rotation, translation) of the camera in the anchor frame, perturbed on the left:
+  // Covariance of (rotation, translation) of the camera in the anchor frame, perturbed on the left:
   // anchor_from_cam = (Exp(rotation), translation + .) applied to the estimate; rad^2, rad m, m^2.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
-  double position_accuracy_m = 0.0;  // Radius that holds the truth with 68 % probability.
+  // Radius that contains the true position with 68 % probability.
+  double position_accuracy_m = 0.0;
   double rotation_accuracy_rad = 0.0;
-  // How far the evidence is from chance: the logarithm of the likelihood ratio of the pose against
-  // chance, less the logarithm of the number of poses that the prior leaves, see docs/math.
+  // Measures how far the evidence is from chance: the logarithm of the likelihood ratio of the pose
+  // against chance, minus the logarithm of the number of poses that the prior leaves. See
+  // docs/math.
   double score = 0.0;
-  double confidence = 0.0;  // Probability that the pose is within 3 m and 10 degrees.
-  // Probability that a query that shows nothing of the map gets an answer of this score.
+  double confidence = 0.0;  // Probability that the pose is within 3 m and 10 degrees of the truth.
+  // Probability that a query that shows nothing of the map reaches this score.
   double false_alarm_rate = 0.0;
-  // The position is farther from the prior than one position in a hundred.
+  // The position is farther from the prior than 99 % of positions are.
   bool prior_disagrees = false;
   std::vector<LocalizeMatch> matches;  // All inliers, by camera and keypoint.
-  // Set if the camera was estimated along with the pose: the query has a focal prior, or the
-  // inliers contradict its focal length. The pose and the errors of the matches go with it.
+  // Set if the camera was estimated with the pose, because the query has a focal prior or the
+  // inliers contradict the focal length. The pose and the errors of the matches are then for this
+  // camera.
   std::optional<CameraEstimate> camera;
 
   // Always set.
   MapVersion map_version{};
-  std::vector<TileId> tiles;  // Searched.
+  std::vector<TileId> tiles;  // The searched tiles.
   StageCounters counters;
   StageTimes times;
 };

@@ -1,4 +1,4 @@
-// What voting and keyframe ranking hand to pose estimation, and what that returns.
+// The input of pose estimation, which voting and keyframe ranking produce, and its output.
 #ifndef CAIRN_ENGINE_QUERY_POSE_CANDIDATE_H_
 #define CAIRN_ENGINE_QUERY_POSE_CANDIDATE_H_
 
@@ -9,10 +9,10 @@
 
 namespace cairn {
 
-// A region of pose space and the correspondences that agree with it.
+// A region of pose space with the correspondences that agree with it.
 struct PoseCandidate {
   Eigen::Vector3d center_in_anchor = Eigen::Vector3d::Zero();  // Camera centre.
-  double yaw_rad = 0.0;              // anchor_from_level = rotation by yaw about z.
+  double yaw_rad = 0.0;              // anchor_from_level is the rotation by yaw about z.
   double score = 0.0;                // Weighted number of distinct keypoints.
   std::vector<int> correspondences;  // Indices into the query's correspondences, ascending.
 };
@@ -20,10 +20,10 @@ struct PoseCandidate {
 // A pose found from correspondences.
 struct PoseEstimate {
   Rigid3d cam_from_anchor;
-  std::vector<int> inliers;  // Indices into the correspondences given; one per keypoint.
-  double consensus = 0.0;    // MSAC gain over the candidate, see ConsensusSet.
-  double evidence = 0.0;     // That the inliers are no chance, see PoseEvidence::log_ratio.
-  std::vector<double> right_probabilities;  // Of the inliers, see PoseEvidence.
+  std::vector<int> inliers;  // Indices into the given correspondences; one per keypoint.
+  double consensus = 0.0;    // MSAC gain over the candidate's correspondences; see ConsensusSet.
+  double evidence = 0.0;  // That the inliers do not agree by chance; see PoseEvidence::log_ratio.
+  std::vector<double> right_probabilities;  // Of the inliers; see PoseEvidence.
   double mean_sq_error_px = 0.0;            // Over the inliers.
   // As LocalizeResult::covariance.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();

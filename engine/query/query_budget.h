@@ -1,4 +1,4 @@
-// What a query may use while it runs: threads, and time.
+// The threads and the time that a query may use.
 #ifndef CAIRN_ENGINE_QUERY_QUERY_BUDGET_H_
 #define CAIRN_ENGINE_QUERY_QUERY_BUDGET_H_
 
@@ -13,13 +13,13 @@ namespace cairn {
 struct QueryBudget {
   using Clock = std::chrono::steady_clock;
 
-  SharedWorkers* workers = nullptr;           // Null: the calling thread alone.
-  std::optional<Clock::time_point> deadline;  // None: as long as it takes.
+  SharedWorkers* workers = nullptr;           // If null, only the calling thread works.
+  std::optional<Clock::time_point> deadline;  // If empty, time is unlimited.
 
   bool DeadlinePassed() const { return deadline && Clock::now() >= *deadline; }
 
-  // Stops when this share of the time from now to the deadline has passed; without a deadline,
-  // never.
+  // Returns a function that returns true once this share of the time from now to the deadline has
+  // passed; without a deadline, never.
   StopFunction StopAfter(double share) const {
     if (!deadline) {
       return {};

@@ -1,4 +1,4 @@
-// What every stage needs of a query, computed once.
+// The data of a query that all stages need, computed once.
 #ifndef CAIRN_ENGINE_QUERY_QUERY_CONTEXT_H_
 #define CAIRN_ENGINE_QUERY_QUERY_CONTEXT_H_
 
@@ -15,45 +15,45 @@
 
 namespace cairn {
 
-// Where in the world the camera may be, in the query's anchor frame: east-north-up at `origin`.
+// The region where the camera may be, in the query's anchor frame: east-north-up at `origin`.
 struct SearchRegion {
   Geodetic origin;  // Ellipsoidal height 0.
   Rigid3d ecef_from_anchor;
-  bool has_prior = false;  // If not, the region is the whole map, up to the tile limit.
-  Eigen::Vector2d prior_xy_in_anchor = Eigen::Vector2d::Zero();  // Meaningful with a prior.
+  bool has_prior = false;  // If false, the region is the whole map, up to the tile limit.
+  Eigen::Vector2d prior_xy_in_anchor = Eigen::Vector2d::Zero();  // Meaningful if has_prior.
   double prior_sigma_m = 0.0;  // Per axis, from the 68 % radius of a circular Gaussian.
-  double radius_m = 0.0;       // Horizontal bound of the search about prior_xy_in_anchor.
-  // Heights (z in anchor) at which the camera may be. Set by `tiles` from the keyframes' heights,
-  // narrowed by the prior's own height where it has one.
+  double radius_m = 0.0;       // Horizontal bound of the search around prior_xy_in_anchor.
+  // Range of the camera's height (z in anchor). Stage `tiles` sets it from the keyframes' heights
+  // and narrows it by the prior's height, if any.
   double min_z_m = -1e4;
   double max_z_m = 1e4;
 };
 
-// A further camera of a rig.
+// Another camera of a rig.
 struct QueryRigCamera {
   Camera camera;
   Rigid3d cam_from_first;
 };
 
-// Per-keypoint arrays hold the features of the query's own camera, then those of the other cameras
-// in turn. The frame `cam` is that of the own camera. Immutable once built.
+// Per-keypoint arrays hold the features of the query's own camera, followed by those of the other
+// cameras in order. The frame `cam` is that of the query's own camera. Immutable once built.
 struct QueryContext {
   Camera camera;
   std::vector<Keypoint> keypoints;  // In the pixels of the camera that saw them.
   DescriptorMatrix descriptors;     // num_keypoints x projected_dim.
-  // Half of the pairs of descriptors of one landmark are nearer to each other; projected space, 0
-  // if not known.
+  // The median distance between descriptors of one landmark, in projected space; 0 if unknown.
   double same_landmark_distance = 0.0;
-  std::vector<Eigen::Vector3d> rays_in_cam;  // Unit; a zero vector if not invertible.
-  // Rigs only, else all empty.
+  std::vector<Eigen::Vector3d> rays_in_cam;  // Unit vectors; a zero vector if the pixel has no ray.
+  // The next three are empty unless the query is a rig's.
   std::vector<QueryRigCamera> other_cameras;
   std::vector<uint8_t> camera_of_keypoint;      // 0 is `camera`, i is other_cameras[i - 1].
-  std::vector<Eigen::Vector3d> origins_in_cam;  // Per keypoint: where its ray starts.
-  std::vector<std::optional<float>> gravity_orientations_rad;  // All empty without gravity.
+  std::vector<Eigen::Vector3d> origins_in_cam;  // Per keypoint, where its ray starts.
+  // Gravity-rectified; no element is set without gravity.
+  std::vector<std::optional<float>> gravity_orientations_rad;
   std::optional<Eigen::Vector3d> down_in_cam;
-  // Rotation that turns the camera so that down_in_cam becomes (0, 0, -1): level is z-up, its x
-  // axis is the horizontal part of the viewing direction (or, looking straight up or down, of the
-  // image's y axis). Present with gravity. anchor_from_level is a rotation by yaw about z.
+  // The rotation that maps down_in_cam to (0, 0, -1). The frame level is z-up. Its x axis is the
+  // horizontal part of the viewing direction, or of the image's y axis if the camera looks straight
+  // up or down. Set if the query has gravity. anchor_from_level is then a rotation by yaw about z.
   std::optional<Eigen::Quaterniond> level_from_cam;
   SearchRegion region;
 
@@ -67,32 +67,33 @@ struct QueryContext {
     return camera_idx == 0 ? camera : other_cameras[camera_idx - 1].camera;
   }
   const Camera& CameraOf(int keypoint_idx) const { return CameraAt(CameraIdxOf(keypoint_idx)); }
-  // From the frame `cam` into that of a camera.
+  // Transforms from the frame `cam` to the frame of a camera.
   Rigid3d OwnFromFirst(int camera_idx) const {
     return camera_idx == 0 ? Rigid3d() : other_cameras[camera_idx - 1].cam_from_first;
   }
   Eigen::Vector3d OriginInCam(int keypoint_idx) const {
     return is_rig() ? origins_in_cam[keypoint_idx] : Eigen::Vector3d::Zero();
   }
-  // A point of `cam` in the frame of the camera that saw the keypoint.
+  // Transforms a point from `cam` to the frame of the camera that saw the keypoint.
   Eigen::Vector3d InCameraOf(int keypoint_idx, const Eigen::Vector3d& x_in_cam) const {
     const int camera_idx = CameraIdxOf(keypoint_idx);
     return camera_idx == 0 ? x_in_cam : other_cameras[camera_idx - 1].cam_from_first * x_in_cam;
   }
 };
 
-// A 2D-3D match: keypoint to landmark.
+// A 2D-3D match between a keypoint and a landmark.
 struct Correspondence {
   int keypoint_idx = 0;
-  int tile_idx = 0;             // Into the query's tiles.
-  uint32_t landmark_idx = 0;    // Into that tile.
+  int tile_idx = 0;             // Index into the query's tiles.
+  uint32_t landmark_idx = 0;    // Index into that tile's landmarks.
   Eigen::Vector3d x_in_anchor;  // Landmark position.
-  float sq_distance = 0.0f;     // Of the descriptors, with the weighted prior terms added.
-  float sigma_m = 0.0f;         // Landmark position standard deviation.
-  float azimuth_rad = 0.0f;     // From landmark to mapping camera of the matched descriptor.
-  float size_m = 0.0f;          // Physical size of the matched keypoint.
+  float sq_distance = 0.0f;     // Of the descriptors, including the weighted prior terms.
+  float sigma_m = 0.0f;         // Standard deviation of the landmark position.
+  // Direction from the landmark to the mapping camera of the matched descriptor.
+  float azimuth_rad = 0.0f;
+  float size_m = 0.0f;                   // Physical size of the matched keypoint.
   float descriptor_sq_distance = 0.0f;   // Of the descriptors alone.
-  std::optional<float> orientation_rad;  // Gravity-rectified, of the matched descriptor.
+  std::optional<float> orientation_rad;  // Gravity-rectified orientation of the matched descriptor.
 };
 
 }  // namespace cairn

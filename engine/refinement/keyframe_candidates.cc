@@ -8,7 +8,7 @@
 namespace cairn {
 namespace {
 
-// Tile and landmark in one word.
+// Packs tile and landmark into one number.
 uint64_t LandmarkKey(int tile_idx, uint32_t landmark_idx) {
   return static_cast<uint64_t>(tile_idx) << 32 | landmark_idx;
 }

@@ -1,4 +1,4 @@
-// Pose candidates from covisibility instead of votes: for queries without gravity.
+// Pose candidates from covisibility instead of votes, for queries without gravity.
 #ifndef CAIRN_ENGINE_REFINEMENT_KEYFRAME_CANDIDATES_H_
 #define CAIRN_ENGINE_REFINEMENT_KEYFRAME_CANDIDATES_H_
 
@@ -11,9 +11,9 @@
 
 namespace cairn {
 
-// For each of the best ranked keyframes (see RankKeyframes), the correspondences to landmarks that
-// it or its neighbourhood saw; the candidate's score is their number of distinct keypoints. Centre
-// and yaw are left at zero: P3P does not use them.
+// Returns a candidate for each of the best ranked keyframes (see RankKeyframes). The candidate has
+// the correspondences to landmarks that the keyframe or its neighbourhood saw. Its score is the
+// number of their distinct keypoints. Centre and yaw stay zero, since P3P does not use them.
 std::vector<PoseCandidate> KeyframeCandidates(const QueryContext& query,
                                               const std::vector<TileView>& tiles,
                                               const std::vector<Correspondence>& correspondences,

@@ -1,4 +1,4 @@
-// Stage `refinement`: matches the query again, against what single keyframes saw.
+// Stage `refinement`: matches the query again, against the landmarks of single keyframes.
 #ifndef CAIRN_ENGINE_REFINEMENT_MATCH_KEYFRAMES_H_
 #define CAIRN_ENGINE_REFINEMENT_MATCH_KEYFRAMES_H_
 
@@ -13,19 +13,19 @@
 
 namespace cairn {
 
-// Whether the poses so far are too weak to go without refinement; see RefinementOptions::mode.
+// Returns true if the poses found so far need refinement; see RefinementOptions::mode.
 bool NeedsRefinement(const PoseHypotheses& hypotheses, const RefinementOptions& options);
 
-// Matches the query against the keyframes that see what the best poses so far explain and those
-// that got most matches, each with its neighbours, and estimates a pose from each. Adds what it
-// finds to `hypotheses`.
+// Matches the query against two kinds of keyframes, each with its neighbours: those that saw most
+// of what the best poses explain, and those with the most matches. Estimates a pose from each and
+// adds the poses to `hypotheses`.
 void MatchKeyframes(const QueryContext& query, const std::vector<TileView>& tiles,
                     const std::vector<Correspondence>& matches, const RefinementOptions& options,
                     const MatchingOptions& matching, const PoseOptions& pose, uint64_t seed,
                     const QueryBudget& budget, PoseHypotheses* hypotheses, StageCounters* counters);
 
-// Whether gravity may be wrong: no pose has RefinementOptions::min_trusted_evidence, or a weak one
-// is tilted against gravity (max_gravity_error_sigmas).
+// Returns true if gravity may be wrong: no pose has RefinementOptions::min_trusted_evidence, or the
+// best pose is weak and tilted against gravity (max_gravity_error_sigmas).
 bool DoubtsGravity(const QueryContext& query, const PoseHypotheses& hypotheses,
                    const RefinementOptions& options, const PoseOptions& pose);
 

@@ -25,7 +25,7 @@ Eigen::Vector3d CenterInAnchor(const std::vector<TileView>& tiles, const Keyfram
   return view.anchor_from_tile * CenterInTile(view.tile->covisibility(), ref.keyframe_idx);
 }
 
-// The keyframes of all tiles, in order of tile and keyframe.
+// Returns the keyframes of all tiles, in order of tile and keyframe.
 std::vector<RankedKeyframe> AllKeyframes(const std::vector<TileView>& tiles) {
   std::vector<RankedKeyframe> keyframes;
   for (size_t t = 0; t < tiles.size(); ++t) {
@@ -36,15 +36,15 @@ std::vector<RankedKeyframe> AllKeyframes(const std::vector<TileView>& tiles) {
   return keyframes;
 }
 
-// Votes of every keyframe, in order of tile and keyframe.
+// Counts the votes for every keyframe, in order of tile and keyframe.
 std::vector<RankedKeyframe> CountVotes(const std::vector<TileView>& tiles,
                                        const std::vector<Correspondence>& correspondences) {
   std::vector<RankedKeyframe> counted = AllKeyframes(tiles);
-  // The last keypoint that voted for each; those of a keypoint are adjacent.
+  // The last keypoint that voted for each keyframe. Matches of a keypoint are adjacent.
   std::vector<int> last_voter(counted.size(), -1);
   for (const Correspondence& match : correspondences) {
     const LandmarkId id = tiles[match.tile_idx].tile->landmarks().landmark_ids[match.landmark_idx];
-    size_t first = 0;  // Of the tile's keyframes.
+    size_t first = 0;  // Index of the tile's first keyframe.
     for (const TileView& view : tiles) {
       for (const uint32_t keyframe_idx : view.tile->sightings().KeyframesThatSaw(id)) {
         int& voter = last_voter[first + keyframe_idx];
@@ -74,7 +74,7 @@ bool IsSameLocation(const Rigid3d& anchor_from_a, const Rigid3d& anchor_from_b,
                  .dot(anchor_from_b.rotation * Eigen::Vector3d::UnitZ()) > kMinCosine;
 }
 
-// The best keyframe of each location. `ranked` is in order.
+// Returns the best keyframe of each location. `ranked` is in order of rank.
 std::vector<RankedKeyframe> BestOfEachLocation(const std::vector<TileView>& tiles,
                                                const std::vector<RankedKeyframe>& ranked,
                                                const RefinementOptions& options) {
@@ -135,7 +135,8 @@ std::vector<KeyframeRef> KeyframeNeighborhood(const std::vector<TileView>& tiles
   const auto own_landmarks = own_tile.covisibility().LandmarksOfKeyframe(keyframe.keyframe_idx);
   const Eigen::Vector3d own_center = CenterInAnchor(tiles, keyframe);
 
-  std::vector<std::tuple<int, int, uint32_t>> shared;  // Minus the number shared, tile, keyframe.
+  // Minus the number of shared landmarks, tile, keyframe.
+  std::vector<std::tuple<int, int, uint32_t>> shared;
   for (int t = 0; t < static_cast<int>(tiles.size()); ++t) {
     const TileCovisibility& tile = tiles[t].tile->covisibility();
     const LandmarkSightings& sightings = tiles[t].tile->sightings();

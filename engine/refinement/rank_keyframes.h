@@ -1,5 +1,5 @@
-// Stage `refinement`: which mapping keyframes got more matches than chance (paper, section "Pose
-// Candidate Refinement"; Gehrig et al. 2017).
+// Stage `refinement`: ranks the mapping keyframes that have more matches than chance explains
+// (paper, section "Pose Candidate Refinement"; Gehrig et al. 2017).
 #ifndef CAIRN_ENGINE_REFINEMENT_RANK_KEYFRAMES_H_
 #define CAIRN_ENGINE_REFINEMENT_RANK_KEYFRAMES_H_
 
@@ -14,28 +14,31 @@ namespace cairn {
 
 struct RankedKeyframe {
   KeyframeRef keyframe;
-  int num_votes = 0;  // Keypoints with a match among the landmarks that the keyframe saw.
-  // n KL(x/n || p), with x the votes of the keyframe, n those of all keyframes and p the keyframe's
-  // share of all observations: the Chernoff bound on minus the logarithm of the probability that
-  // random matches give as many votes. Plus the logarithm of the GPS prior, -d^2 / (2 sigma^2).
+  int num_votes = 0;  // Number of keypoints with a match among the keyframe's landmarks.
+  // n KL(x/n || p), plus the logarithm of the GPS prior, -d^2 / (2 sigma^2). x is the number of
+  // votes for the keyframe, n that for all keyframes, and p the keyframe's share of all
+  // observations. The first term is the Chernoff bound on minus the logarithm of the probability
+  // that random matches give as many votes.
   double log_score = 0.0;
 };
 
-// Keyframes with more votes than expected at random, highest score first, at most
-// options.max_keyframes, of each location only the best (options.min_separation_m). A keypoint
-// votes at most once for a keyframe; landmarks are recognised across tiles. The paper's p counts
-// descriptors, ours observations, which is what a keyframe's share of random votes goes by here.
+// Returns the keyframes with more votes than random matches would give, highest score first, at
+// most options.max_keyframes. Of each location, only the best keyframe is returned
+// (options.min_separation_m). A keypoint votes at most once for a keyframe. Landmarks are
+// recognised across tiles. The paper's p counts descriptors; this p counts observations, because a
+// keyframe's share of random votes here is its share of observations.
 //
-// Matches of a keypoint must be adjacent. Linear in the matches times the tiles, the sightings of
-// their landmarks and the number of keyframes.
+// Matches of a keypoint must be adjacent. Takes time linear in the number of matches times the
+// number of tiles, the sightings of their landmarks, and the number of keyframes.
 std::vector<RankedKeyframe> RankKeyframes(const QueryContext& query,
                                           const std::vector<TileView>& tiles,
                                           const std::vector<Correspondence>& correspondences,
                                           const RefinementOptions& options);
 
-// The keyframe itself, then up to `num_neighbors` of those that share landmarks with it, most
-// shared first, for re-matching. Looks among the keyframes within 50 m. Linear in the keyframe's
-// landmarks times the tiles, their sightings and the number of keyframes.
+// Returns the keyframe itself, then up to `num_neighbors` keyframes that share the most landmarks
+// with it, for re-matching. Searches among the keyframes within 50 m. Takes time linear in the
+// number of the keyframe's landmarks times the number of tiles, the sightings of these landmarks,
+// and the number of keyframes.
 std::vector<KeyframeRef> KeyframeNeighborhood(const std::vector<TileView>& tiles,
                                               const KeyframeRef& keyframe, int num_neighbors);
 

@@ -6,13 +6,13 @@
 namespace cairn {
 namespace {
 
-// Of a descriptor: the word in the lower half, the landmark in the upper one.
+// The packed word of a descriptor in the lower half, its landmark in the upper half.
 using Entry = uint64_t;
 
-// The entries of all descriptors of a tile, in its order.
+// Returns the entries of all descriptors of a tile, in the tile's order.
 LargeVector<Entry> MakeEntries(const TileLandmarks& tile, const CoarseGrid& grid) {
-  // Most landmarks have a few descriptors: writing that many and going back is faster than to
-  // count.
+  // Most landmarks have few descriptors. Always writing kAhead entries and stepping back is faster
+  // than counting.
   constexpr size_t kAhead = 4;
   LargeVector<Entry> entries(tile.num_descriptors() + kAhead);
   for (uint32_t landmark = 0; landmark < tile.num_landmarks(); ++landmark) {
@@ -52,8 +52,8 @@ DescriptorPlaces::DescriptorPlaces(const TileLandmarks& tile, std::span<const ui
       order_(order),
       words_(tile.num_descriptors()),
       landmarks_(tile.num_descriptors()) {
-  // Entries of neighbours lie anywhere in an array larger than a level 2 cache: one look for both
-  // numbers, asked for ahead.
+  // The entries of adjacent places are scattered over an array larger than a level 2 cache. Both
+  // numbers are read with one access, which is prefetched.
   constexpr size_t kAhead = 32;
   const LargeVector<Entry> entries = MakeEntries(tile, grid_);
   for (size_t place = 0; place < words_.size(); ++place) {

@@ -1,4 +1,4 @@
-// What matching asks about a tile's descriptors, in the order in which an index holds them.
+// The attributes of a tile's descriptors that matching reads, in the order of an index.
 #ifndef CAIRN_ENGINE_TILES_DESCRIPTOR_PLACES_H_
 #define CAIRN_ENGINE_TILES_DESCRIPTOR_PLACES_H_
 
@@ -13,25 +13,25 @@
 
 namespace cairn {
 
-// A grid of 4096 x 4096 points about the landmarks of a tile, on which a place takes 24 bits.
+// A grid of 4096 x 4096 points around the landmarks of a tile. A grid point takes 24 bits.
 class CoarseGrid {
  public:
   explicit CoarseGrid(const TileLandmarks& tile);
 
   const Eigen::Vector2f& corner() const { return corner_; }  // In the tile frame, metres.
   float step_m() const { return step_m_; }
-  // No landmark is higher above or below the tile's origin, metres.
+  // The largest height of a landmark above or below the tile's origin, metres.
   float max_height_m() const { return max_height_m_; }
 
-  // The nearest point to a landmark, as the upper bits of a word.
+  // Returns the grid point nearest to a landmark, in the upper 24 bits.
   uint32_t WordOf(const Eigen::Vector3f& x_in_tile) const {
-    // Rounds to the nearest.
+    // Rounds to the nearest step.
     const Eigen::Vector2f steps =
         (x_in_tile.head<2>() - corner_) * steps_per_m_ + Eigen::Vector2f(0.5f, 0.5f);
     return std::min(static_cast<uint32_t>(steps.x()), kMaxCoordinate) << kXShift |
            std::min(static_cast<uint32_t>(steps.y()), kMaxCoordinate) << kYShift;
   }
-  // That point from the corner, in steps.
+  // Returns the offset of that grid point from the corner, in steps.
   static Eigen::Vector2f XyOf(uint32_t word) {
     return {static_cast<float>(word >> kXShift & kMaxCoordinate),
             static_cast<float>(word >> kYShift)};
@@ -47,15 +47,15 @@ class CoarseGrid {
   float max_height_m_ = 0.0f;
 };
 
-// Hits of a list lie close together in these arrays, however far apart they are in the tile. Most
-// hits are refused by what one word says of them: the orientation, exactly, and about where the
-// landmark is. Immutable; safe to use from any thread.
+// In these arrays, the hits of a list are close together, even if they are far apart in the tile. A
+// single word per descriptor, with its exact orientation and its landmark's approximate position,
+// suffices to reject most hits. Immutable; safe to use from any thread.
 class DescriptorPlaces {
  public:
-  // `order` is the index's (MatchingIndex::order) and must outlive this.
+  // `order` is the index's (MatchingIndex::order) and must outlive the object.
   DescriptorPlaces(const TileLandmarks& tile, std::span<const uint32_t> order);
-  // Some descriptors of a tile and the landmark of each; `grid` is the tile's. `descriptors` must
-  // outlive this. Linear in their number.
+  // For some descriptors of a tile; `landmarks` holds the landmark of each and `grid` is the
+  // tile's. `descriptors` must outlive the object. Linear in the number of descriptors.
   DescriptorPlaces(const TileLandmarks& tile, const CoarseGrid& grid,
                    std::span<const uint32_t> descriptors, LargeVector<uint32_t> landmarks);
 
@@ -65,11 +65,12 @@ class DescriptorPlaces {
     return order_.empty() ? static_cast<uint32_t>(place) : order_[place];
   }
   uint8_t orientation_code(size_t place) const { return static_cast<uint8_t>(words_[place]); }
-  // The landmark's place on the grid.
+  // Returns the landmark's grid point, in steps from the corner.
   Eigen::Vector2f CoarseXy(size_t place) const { return CoarseGrid::XyOf(words_[place]); }
   const CoarseGrid& grid() const { return grid_; }
 
-  // Ask the processor to fetch what orientation_code and CoarseXy read, or the other two.
+  // Prefetch prefetches the memory that orientation_code and CoarseXy read; PrefetchLandmark, the
+  // memory that landmark and descriptor read.
   void Prefetch(size_t place) const { __builtin_prefetch(&words_[place]); }
   void PrefetchLandmark(size_t place) const {
     __builtin_prefetch(&landmarks_[place]);
@@ -86,7 +87,7 @@ class DescriptorPlaces {
  private:
   CoarseGrid grid_;
   std::span<const uint32_t> order_;
-  LargeVector<uint32_t> words_;  // Orientation code and place on the grid: 8 and 24 bits.
+  LargeVector<uint32_t> words_;  // Orientation code (8 bits) and grid point (24 bits).
   LargeVector<uint32_t> landmarks_;
 };
 

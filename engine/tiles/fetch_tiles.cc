@@ -20,7 +20,8 @@
 namespace cairn {
 namespace {
 
-// The corners of a tile's square in the anchor frame, counter-clockwise from south-west.
+// Returns the corners of a tile's square in the anchor frame, counter-clockwise from the
+// south-west.
 std::vector<Eigen::Vector2d> SquareInAnchor(TileId tile_id, const Rigid3d& anchor_from_ecef) {
   std::vector<Eigen::Vector2d> corners;
   for (const Geodetic& corner : tile_id.Corners()) {
@@ -30,7 +31,7 @@ std::vector<Eigen::Vector2d> SquareInAnchor(TileId tile_id, const Rigid3d& ancho
   return corners;
 }
 
-// Distance of a point from a convex polygon with counter-clockwise corners; 0 inside.
+// Returns the distance of a point from a convex polygon with counter-clockwise corners; 0 inside.
 double DistanceToPolygon(const Eigen::Vector2d& point,
                          const std::vector<Eigen::Vector2d>& corners) {
   bool inside = true;
@@ -45,7 +46,8 @@ double DistanceToPolygon(const Eigen::Vector2d& point,
   return inside ? 0.0 : distance;
 }
 
-// Tiles whose square meets the region's disc, nearest first; equally near ones by tile id.
+// Returns the tiles whose square intersects the region's disc, nearest first; equally near tiles
+// are ordered by tile id.
 std::vector<TileRecord> TilesInDisc(const MapSnapshot& snapshot, const SearchRegion& region) {
   const Rigid3d anchor_from_ecef = region.ecef_from_anchor.Inverse();
   std::vector<std::pair<double, TileRecord>> tiles_by_distance;
@@ -65,7 +67,7 @@ std::vector<TileRecord> TilesInDisc(const MapSnapshot& snapshot, const SearchReg
   return tiles;
 }
 
-// The tiles to search and, in the counters, how many there were.
+// Returns the tiles to search, and counts the tiles found.
 std::vector<TileRecord> SelectTiles(const MapSnapshot& snapshot, const SearchRegion& region,
                                     int max_tiles, StageCounters* counters) {
   std::vector<TileRecord> tiles;
@@ -84,7 +86,7 @@ std::vector<TileRecord> SelectTiles(const MapSnapshot& snapshot, const SearchReg
   return tiles;
 }
 
-// Queries are projected with the current codebook; tiles of another cannot be matched with them.
+// Queries are projected with the current codebook, so tiles of another codebook cannot be matched.
 void RequireCurrentCodebook(const MapSnapshot& snapshot, const std::vector<TileRecord>& tiles) {
   const std::shared_ptr<const Codebook> current = snapshot.CurrentCodebook();
   for (const TileRecord& tile : tiles) {
@@ -97,8 +99,9 @@ void RequireCurrentCodebook(const MapSnapshot& snapshot, const std::vector<TileR
   }
 }
 
-// Calls step(0) ... step(count - 1), each once, on up to `num_threads` threads and no more than
-// there are cores. They start in this order; all are made, and the first error in order is thrown.
+// Calls step(0) ... step(count - 1) once each, on at most `num_threads` threads and at most one
+// thread per core. Steps start in this order. All steps run; then the first error in order is
+// thrown.
 void ForEachOnThreads(size_t num_threads, size_t count, const std::function<void(size_t)>& step) {
   std::vector<std::exception_ptr> errors(count);
   std::atomic<size_t> next = 0;
@@ -126,15 +129,15 @@ void ForEachOnThreads(size_t num_threads, size_t count, const std::function<void
   }
 }
 
-// Null: left out.
+// Null if the tile was left out.
 using TilePointers = std::vector<std::shared_ptr<const SearchableTile>>;
 
 bool IsComplete(const std::shared_ptr<const SearchableTile>& tile) {
   return tile != nullptr && tile->index().is_complete();
 }
 
-// Builds what is missing of the indices, a part of each in turn, so that none is far behind if
-// there is no time for all. Several threads at once take turns at different tiles.
+// Builds the missing parts of the indices, one part of each tile in turn, so that no tile is far
+// behind when the time runs out. Concurrent threads work on different tiles.
 void CompleteIndices(const TilePointers& tiles, const StopFunction& should_stop) {
   const auto has_more = [](const auto& tile) { return tile != nullptr && !IsComplete(tile); };
   const size_t num_incomplete = std::count_if(tiles.begin(), tiles.end(), has_more);
@@ -155,14 +158,14 @@ void CompleteIndices(const TilePointers& tiles, const StopFunction& should_stop)
   });
 }
 
-// Gets the tiles of a query out of the cache or into it.
+// Gets the tiles of a query from the cache and loads missing ones.
 class TileLoader {
  public:
   TileLoader(const MapSnapshot& snapshot, TileCache* cache, const IndexOptions& index_options)
       : snapshot_(snapshot), cache_(cache), index_options_(index_options) {}
 
-  // The tiles of the records, in their order. Several that are missing are loaded by as many
-  // threads. Throws the first error in order.
+  // Returns the tiles of the records, in order. Loads missing tiles in parallel, one thread each.
+  // Throws the first error in order.
   TilePointers Get(const std::vector<TileRecord>& records, const StopFunction& should_stop) {
     TilePointers tiles(records.size());
     ForEachOnThreads(NumMissing(records), records.size(), [&](size_t i) {
@@ -199,7 +202,7 @@ class TileLoader {
         cache_->GetOrLoad(record.payload_id, load));
   }
 
-  // Fetches and decodes a tile and builds the first part of its index; errors name it.
+  // Fetches and decodes a tile and builds the first part of its index. Errors name the tile.
   std::shared_ptr<const SearchableTile> Load(const TileRecord& record) {
     try {
       std::shared_ptr<const Codebook> codebook;
@@ -211,12 +214,12 @@ class TileLoader {
       return tile;
     } catch (const Error& error) {
       throw Error(error.code(),
-                  fmt::format("tile {}, payload {}: {}; `cairn check` looks for more",
+                  fmt::format("tile {}, payload {}: {}; run `cairn check` to find all damage",
                               record.tile_id.ToString(), Value(record.payload_id), error.what()));
     }
   }
 
-  // A snapshot serves one thread at a time.
+  // Locks, because a snapshot serves one thread at a time.
   LargeVector<uint8_t> Fetch(const TileRecord& record, std::shared_ptr<const Codebook>* codebook) {
     const std::lock_guard lock(mutex_);
     *codebook = snapshot_.LoadCodebook(record.codebook_id);
@@ -230,13 +233,14 @@ class TileLoader {
   std::atomic<int64_t> num_loaded_ = 0;
 };
 
-// Heights of the cameras in anchor_from_ecef's frame, as [min, max].
+// Returns the [min, max] heights of the cameras in the frame `anchor`.
 std::pair<double, double> HeightBand(const std::vector<TileRecord>& tiles,
                                      const Rigid3d& anchor_from_ecef, double margin_m) {
   double min_z_m = std::numeric_limits<double>::max();
   double max_z_m = std::numeric_limits<double>::lowest();
   for (const TileRecord& tile : tiles) {
-    // Through ECEF: the ellipsoid falls off below the anchor's tangent plane, 2 cm in 500 m.
+    // Computes heights through ECEF, because the ellipsoid falls below the anchor's tangent plane:
+    // 2 cm at 500 m.
     Geodetic position = tile.tile_id.Anchor();
     position.h_m = tile.min_h_m;
     min_z_m = std::min(min_z_m, (anchor_from_ecef * EcefFromGeodetic(position)).z());
@@ -246,7 +250,8 @@ std::pair<double, double> HeightBand(const std::vector<TileRecord>& tiles,
   return {min_z_m - margin_m, max_z_m + margin_m};
 }
 
-// Narrows the region to the band; takes the band alone if the prior's own height contradicts it.
+// Intersects the region's heights with the band. If they are disjoint, the prior's height is wrong
+// and the band is used alone.
 void NarrowHeights(const std::pair<double, double>& band, SearchRegion* region) {
   const double min_z_m = std::max(band.first, region->min_z_m);
   const double max_z_m = std::min(band.second, region->max_z_m);

@@ -1,4 +1,4 @@
-// Stage `tiles`: the map near the region, through the cache.
+// Stage `tiles`: gets the tiles near the region, through the cache.
 #ifndef CAIRN_ENGINE_TILES_FETCH_TILES_H_
 #define CAIRN_ENGINE_TILES_FETCH_TILES_H_
 
@@ -15,22 +15,23 @@
 
 namespace cairn {
 
-// With a prior: the tiles whose square meets the region's disc, nearest first. Without: the first
-// of the map by tile id. At most options.max_tiles. Loads what the cache misses (fetch, decode,
-// index), several tiles in parallel; the cache must hold nothing but tiles of this map made with
-// these index_options.
+// With a prior, returns the tiles whose square intersects the region's disc, nearest first. Without
+// a prior, returns the first tiles of the map by tile id. Returns at most options.max_tiles. Loads
+// missing tiles (fetch, decode, index) into the cache, several in parallel. The cache must hold
+// only tiles of this map that were made with the same index_options.
 //
-// Intersects the region's heights with those of the tiles' keyframes, widened by the margin. A
-// height prior that lies wholly outside them is dropped: it is more often a wrong datum than a
-// camera where none ever was.
+// Intersects the region's heights with the range of the tiles' keyframe heights, widened by the
+// margin. A height prior entirely outside that range is dropped: a wrong datum is a likelier cause
+// than a camera where no camera ever was.
 //
-// When `should_stop` says so, tiles that are not in the cache are left out, all but the nearest,
-// parts that are missing of an index stay so (MatchingIndex::is_complete), and what matching needs
-// beside it is decoded by whoever asks first. Without it all of that is there: made by this call or
-// by others at the same time, each part once.
+// Polls `should_stop`. Once it returns true, tiles that are not in the cache are left out, except
+// the nearest, and missing parts of indices stay missing (MatchingIndex::is_complete). The other
+// data that matching needs is then decoded by the first thread that requests it. Without
+// `should_stop`, all of this is complete on return: each part is built once, by this call or by a
+// concurrent one.
 //
 // Sets the tile counters and num_descriptors. Throws Error(kMapDamaged) if a payload does not
-// decode or is not the tile its record says.
+// decode or belongs to another tile than its record.
 std::vector<TileView> FetchTiles(const MapSnapshot& snapshot, TileCache* cache,
                                  const TilesOptions& options, const IndexOptions& index_options,
                                  SearchRegion* region, StageCounters* counters,

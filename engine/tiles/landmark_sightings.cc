@@ -29,7 +29,8 @@ LandmarkSightings::LandmarkSightings(const TileLandmarks& landmarks,
     uint32_t& slot = slots_[SlotOf(ids_[i])];
     slot = slot == 0 ? static_cast<uint32_t>(i) + 1 : slot;
   }
-  // A counting sort. While it fills, landmark i's next place is at i + 1, where its end will be.
+  // A counting sort. While it runs, begin_[i + 1] is the next position of landmark i; at the end,
+  // it is the end of landmark i.
   for (const uint32_t landmark_idx : covisibility.keyframe_landmarks) {
     ++begin_[landmark_idx + 2];
   }

@@ -1,4 +1,4 @@
-// Which keyframes of a tile saw a landmark, found by its id.
+// Finds the keyframes of a tile that saw a landmark, by the landmark's id.
 #ifndef CAIRN_ENGINE_TILES_LANDMARK_SIGHTINGS_H_
 #define CAIRN_ENGINE_TILES_LANDMARK_SIGHTINGS_H_
 
@@ -13,30 +13,32 @@
 
 namespace cairn {
 
-// The other way round than TileCovisibility. A landmark that stands in several tiles has the same
-// id in each, so whoever knows it from one tile finds who saw it in another. Open addressing, at
-// most half of the slots in use; hashes have a seed of the process, so that no map can be made
-// whose ids collide. Immutable; safe to use from any thread.
+// The inverse of TileCovisibility. A landmark has the same id in every tile, so a landmark known
+// from one tile can be looked up in another. The hash table uses open addressing with at most half
+// of the slots filled. Each process has its own random hash seed, so nobody can make a map whose
+// ids collide. Immutable; safe to use from any thread.
 class LandmarkSightings {
  public:
-  // Linear in landmarks and observations. The landmarks must outlive this. Of several with the same
-  // id, which no sound tile has, only the first is found.
+  // Linear in landmarks and observations. The landmarks must outlive the object. If several
+  // landmarks have the same id, as only a damaged tile has, only the first can be found.
   LandmarkSightings(const TileLandmarks& landmarks, const TileCovisibility& covisibility);
 
-  // The keyframes of the tile that saw the landmark, ascending; none if the tile does not hold it.
+  // Returns the keyframes of the tile that saw the landmark, ascending; empty if the tile does not
+  // hold the landmark.
   std::span<const uint32_t> KeyframesThatSaw(LandmarkId id) const;
 
-  // Heap bytes for a tile of that size.
+  // Returns the heap bytes for a tile of this size.
   static size_t MemoryBytes(size_t num_landmarks, size_t num_observations);
 
  private:
-  // The slot of a landmark, or the empty one where it belongs.
+  // Returns the slot of a landmark, or the empty slot for it.
   size_t SlotOf(LandmarkId id) const;
 
   std::span<const LandmarkId> ids_;
-  LargeVector<uint32_t> slots_;  // A power of two; one more than the landmark's index, 0 is empty.
+  // The size is a power of two. A slot holds a landmark's index plus 1; 0 is empty.
+  LargeVector<uint32_t> slots_;
   int shift_;
-  // Keyframes of landmark i are [begin_[i], begin_[i + 1]) of keyframes_.
+  // The keyframes of landmark i are keyframes_[begin_[i]] to keyframes_[begin_[i + 1] - 1].
   LargeVector<uint32_t> begin_;
   LargeVector<uint32_t> keyframes_;
 };

@@ -15,7 +15,7 @@ void RequireCodebook(TileId id, CodebookId codebook_id, int code_size, const Cod
   if (codebook_id != codebook.id || code_size != codebook.num_subspaces) {
     throw Error(ErrorCode::kMapDamaged,
                 fmt::format("tile {} has {}-byte codes of codebook {}, but codebook {} has {}-byte "
-                            "codes; `cairn check` says more",
+                            "codes; run `cairn check` for details",
                             id.ToString(), code_size, Value(codebook_id), Value(codebook.id),
                             codebook.num_subspaces));
   }
@@ -51,7 +51,7 @@ SearchableTile::SearchableTile(Tile tile, std::shared_ptr<const Codebook> codebo
       codebook_(std::move(codebook)),
       ecef_from_tile_(EcefFromEnu(id_.Anchor())),
       index_(IndexOf(tile, *codebook_, options, std::move(lists), extent)),
-      content_(std::move(tile), index_->order()) {  // The codes stay where they are.
+      content_(std::move(tile), index_->order()) {  // Moving a tile does not move its codes.
   if (options.num_reference_words > 0) {
     constexpr int kNumIterations = 5;
     constexpr uint64_t kSeed = 1;

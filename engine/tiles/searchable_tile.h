@@ -1,4 +1,4 @@
-// A tile in the form the engine searches: with its matching index built.
+// A tile with its matching index, ready for search.
 #ifndef CAIRN_ENGINE_TILES_SEARCHABLE_TILE_H_
 #define CAIRN_ENGINE_TILES_SEARCHABLE_TILE_H_
 
@@ -24,23 +24,23 @@
 
 namespace cairn {
 
-// Shared by queries through the cache. Safe to use from any thread.
+// Queries share tiles through the cache. Safe to use from any thread.
 class SearchableTile : public CachedTile {
  public:
-  // Builds the index, or the first part of it. `tile` must be consistent (as DecodeTile returns
-  // it). Throws Error(kMapDamaged) if `codebook` is not the tile's, and as MakeMatchingIndex.
-  // `lists` are the tile's, if it has any.
+  // Builds the index or its first part. `tile` must be consistent (as DecodeTile returns it).
+  // `lists` are the tile's lists, if any. Throws Error(kMapDamaged) if `codebook` is not the
+  // tile's, and what MakeMatchingIndex throws.
   SearchableTile(Tile tile, std::shared_ptr<const Codebook> codebook, const IndexOptions& options,
                  TileLists lists = {}, BuildExtent extent = BuildExtent::kWhole);
 
-  // True if these options search a payload by its own lists and need nothing else of it.
+  // Returns true if these options search a payload by its own lists and need no other part of it.
   static bool NeedsListsOnly(const IndexOptions& options);
-  // For such options: searches by the payload's lists; the rest of it is decoded when a query asks
-  // for it. Throws as the other.
+  // For such options: searches by the payload's lists and decodes the rest when a query needs it.
+  // Throws what the first constructor throws.
   SearchableTile(TilePayload payload, std::shared_ptr<const Codebook> codebook,
                  const IndexOptions& options);
-  // For options without reference words: the same with an index of any kind, made of the payload's
-  // codes in the order of the tile. Throws as the other.
+  // For options without reference words: works like the constructor above, with an index of any
+  // kind. `codes` are the payload's codes in tile order. Throws what the first constructor throws.
   SearchableTile(TilePayload payload, std::shared_ptr<const Codebook> codebook,
                  const IndexOptions& options, LargeVector<uint8_t> codes, BuildExtent extent);
 
@@ -48,23 +48,25 @@ class SearchableTile : public CachedTile {
   size_t num_descriptors() const { return num_descriptors_; }
   const Codebook& codebook() const { return *codebook_; }
   const MatchingIndex& index() const { return *index_; }
-  // Distance in projected space from each query (n x dim) to the nearest of the reference words; 0
-  // if the options ask for none. Throws Error(kInternal) if the dimension is another.
+  // Returns the distance in projected space from each query (n x dim) to the nearest reference
+  // word; 0 if the options ask for no reference words. Throws Error(kInternal) if the dimensions
+  // differ.
   std::vector<double> ReferenceDistances(const DescriptorMatrix& queries) const;
   const Rigid3d& ecef_from_tile() const { return ecef_from_tile_; }
 
-  // Decodes what matching needs, so that it need not wait. Throws as what follows.
+  // Decodes the half of the tile that matching needs, so that matching does not wait for it. Throws
+  // what landmarks() throws.
   void Prepare() const { content_.places(); }
 
-  // All may have to wait for that half of the tile to be decoded: what matching needs, or the rest.
-  // Throw Error(kMapDamaged) if it cannot be.
+  // The accessors below may wait until their half of the tile is decoded: the half that matching
+  // needs, or the rest. They throw Error(kMapDamaged) if it does not decode.
   const TileLandmarks& landmarks() const { return content_.landmarks(); }
   // In the order of the index.
   const DescriptorPlaces& places() const { return content_.places(); }
   const TileCovisibility& covisibility() const { return content_.covisibility(); }
-  // num_descriptors() x codebook().num_subspaces, in the order of the tile.
+  // num_descriptors() x codebook().num_subspaces, in tile order.
   std::span<const uint8_t> codes() const { return content_.codes(); }
-  // Of both halves.
+  // Needs both halves.
   const LandmarkSightings& sightings() const { return content_.sightings(); }
 
   size_t MemoryBytes() const override;
@@ -82,13 +84,14 @@ class SearchableTile : public CachedTile {
   TileContent content_;
 };
 
-// Makes a payload, as LoadPayload returns it, searchable in the quickest way, or at least the first
-// part of its index. Throws Error(kMapDamaged) if it does not decode or is not of the codebook.
+// Makes a payload from LoadPayload searchable in the fastest way, with at least the first part of
+// its index. Throws Error(kMapDamaged) if the payload does not decode or belongs to another
+// codebook.
 std::shared_ptr<const SearchableTile> MakeSearchableTile(LargeVector<uint8_t> payload,
                                                          std::shared_ptr<const Codebook> codebook,
                                                          const IndexOptions& options);
 
-// A tile as one query sees it.
+// A tile in the anchor frame of one query.
 struct TileView {
   std::shared_ptr<const SearchableTile> tile;
   Rigid3d anchor_from_tile;

@@ -45,7 +45,7 @@ const Part& TileContent::Complete(std::unique_ptr<const Part>* part,
     try {
       *part = make();
     } catch (const Error& error) {
-      throw Error(error.code(), fmt::format("tile {}: {}; `cairn check` looks for more",
+      throw Error(error.code(), fmt::format("tile {}: {}; run `cairn check` to find all damage",
                                             payload_->id().ToString(), error.what()));
     }
     ready->store(part->get(), std::memory_order_release);

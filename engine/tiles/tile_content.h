@@ -1,4 +1,4 @@
-// What a tile holds beside its index, decoded when it is wanted.
+// The content of a tile apart from its index, decoded on demand.
 #ifndef CAIRN_ENGINE_TILES_TILE_CONTENT_H_
 #define CAIRN_ENGINE_TILES_TILE_CONTENT_H_
 
@@ -19,32 +19,32 @@
 
 namespace cairn {
 
-// Matching needs landmarks and places; covisibility and codes are for queries that it leaves in
-// doubt. Each of the two halves is decoded once, by the first thread that asks; others wait for it.
-// So are the sightings made, of both.
-// Safe to use from any thread.
+// Matching needs landmarks and places; covisibility and codes are for queries that matching leaves
+// in doubt. Each of these two halves is decoded once, by the first thread that requests it, while
+// other threads wait. The sightings are built from both halves in the same way. Safe to use from
+// any thread.
 class TileContent {
  public:
-  // `order` is the index's (MatchingIndex::order), and must outlive this. The codes stay where they
-  // are in memory.
+  // `order` is the index's (MatchingIndex::order) and must outlive the object. The codes keep their
+  // address.
   TileContent(Tile tile, std::span<const uint32_t> order);
-  // The codes of the tile's order stay where they are in memory; without them, `order` is that of
+  // `codes` are in tile order and keep their address. If `codes` is empty, `order` must be that of
   // the payload's lists.
   TileContent(TilePayload payload, std::span<const uint32_t> order,
               LargeVector<uint8_t> codes = {});
 
-  // All throw Error(kMapDamaged), every time, if the payload does not decode.
+  // The accessors throw Error(kMapDamaged), on every call, if the payload does not decode.
   const TileLandmarks& landmarks() const { return matched().loaded.view; }
   const DescriptorPlaces& places() const { return matched().places; }
   const TileCovisibility& covisibility() const { return rest().view; }
-  // num_descriptors x code_size, in the order of the tile.
+  // num_descriptors x code_size, in tile order.
   std::span<const uint8_t> codes() const { return rest().codes; }
   const LandmarkSightings& sightings() const {
     const LandmarkSightings* sightings = ready_sightings_.load(std::memory_order_acquire);
     return sightings != nullptr ? *sightings : MakeSightings();
   }
 
-  // Heap bytes, as many as it takes at most, decoded or not.
+  // Upper bound on the heap bytes, decoded or not.
   size_t MemoryBytes() const { return num_bytes_; }
 
  private:
@@ -54,7 +54,7 @@ class TileContent {
     LoadedLandmarks loaded;
     DescriptorPlaces places;
   };
-  // Without contents of their own if views of tile_.
+  // `loaded` is empty if the views point into tile_.
   struct Rest {
     LoadedCovisibility loaded;
     TileCovisibility view;
@@ -72,21 +72,21 @@ class TileContent {
   const Matched& DecodeMatched() const;
   const Rest& DecodeRest() const;
   const LandmarkSightings& MakeSightings() const;
-  // Sets a part to what make() makes, unless another thread has done so.
+  // Sets a part to the result of make(), unless another thread has set it.
   template <typename Part, typename Make>
   const Part& Complete(std::unique_ptr<const Part>* part, std::atomic<const Part*>* ready,
                        const Make& make) const;
 
   std::span<const uint32_t> order_;
-  std::optional<const Tile> tile_;      // If it was decoded from the beginning.
-  mutable LargeVector<uint8_t> codes_;  // Of a payload; not changed any more once it has any.
+  std::optional<const Tile> tile_;      // Set if the tile was decoded at construction.
+  mutable LargeVector<uint8_t> codes_;  // Codes of a payload; not changed once set.
   size_t num_bytes_;
-  mutable std::mutex mutex_;                    // Of the next four.
-  mutable std::optional<TilePayload> payload_;  // Until all of it is decoded.
+  mutable std::mutex mutex_;                    // Guards the next four members.
+  mutable std::optional<TilePayload> payload_;  // Set until all of it is decoded.
   mutable std::unique_ptr<const Matched> matched_;
   mutable std::unique_ptr<const Rest> rest_;
   mutable std::unique_ptr<const LandmarkSightings> sightings_;
-  // The same as soon as they are there.
+  // Published once the parts above are built, for reading without the lock.
   mutable std::atomic<const Matched*> ready_matched_ = nullptr;
   mutable std::atomic<const Rest*> ready_rest_ = nullptr;
   mutable std::atomic<const LandmarkSightings*> ready_sightings_ = nullptr;

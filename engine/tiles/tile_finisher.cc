@@ -49,8 +49,8 @@ void TileFinisher::Load(SearchRegion region, const std::stop_token& stop) {
     FetchTiles(store_->Snapshot(), cache_, *options_, *index_options_, &region, &counters,
                [&stop] { return stop.stop_requested(); });
   } catch (const std::exception&) {
-    // A damaged tile, out of memory: there is nobody to tell here. The next query that needs the
-    // rest will be told.
+    // A damaged tile or lack of memory cannot be reported from here. The next query that needs the
+    // missing part reports it.
   }
 }
 

@@ -1,4 +1,4 @@
-// Loads what queries in a hurry have left of the map around them.
+// Loads in the background what queries had no time to load.
 #ifndef CAIRN_ENGINE_TILES_TILE_FINISHER_H_
 #define CAIRN_ENGINE_TILES_TILE_FINISHER_H_
 
@@ -18,21 +18,21 @@
 
 namespace cairn {
 
-// One thread, started when there is something to do for the first time. Safe to use from any
-// thread. Its end waits for the tile or the part of an index that is being built and leaves the
-// rest.
+// Uses one thread, which starts with the first call of Add. Safe to use from any thread. The
+// destructor waits for the tile or the part of an index that is being built, and skips the rest.
 class TileFinisher {
  public:
-  // Regions that wait; of more the oldest are forgotten, and a query that needs them loads them.
+  // Number of queued regions. If there are more, the oldest is dropped; a query that needs it loads
+  // it.
   static constexpr size_t kMaxWaiting = 64;
 
-  // Loads as FetchTiles would with these arguments. All of them must outlive this. While it loads,
+  // Loads as FetchTiles does with these arguments, which must outlive the object. While it loads,
   // the thread counts as a caller of `workers`.
   TileFinisher(const MapStore* store, TileCache* cache, const TilesOptions* options,
                const IndexOptions* index_options, SharedWorkers* workers);
 
-  // Has the tiles of a region loaded and their indices completed, after those of earlier calls.
-  // Does not wait.
+  // Queues the loading of a region's tiles and the completion of their indices, after earlier
+  // calls. Does not wait.
   void Add(const SearchRegion& region);
 
  private:
@@ -44,10 +44,11 @@ class TileFinisher {
   const TilesOptions* options_;
   const IndexOptions* index_options_;
   SharedWorkers* workers_;
-  std::mutex mutex_;  // Of the next three.
+  std::mutex mutex_;  // Guards the next three members.
   std::condition_variable_any has_regions_;
   std::deque<SearchRegion> regions_;
-  std::jthread thread_;  // The last member, so that it ends before the others do.
+  // The last member, so that the thread ends before the others are destroyed.
+  std::jthread thread_;
 };
 
 }  // namespace cairn

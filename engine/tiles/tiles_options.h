@@ -6,14 +6,14 @@ namespace cairn {
 
 struct TilesOptions {
   // At most this many tiles are searched, nearest to the prior first. A 50 m prior (3 sigma: a disc
-  // of 200 m diameter) meets at most 9 squares of 150 m.
+  // of 200 m diameter) intersects at most 9 squares of 150 m.
   int max_tiles = 16;
-  // A camera may be this much lower or higher than the lowest and highest keyframe of the tiles,
-  // metres: phones below a car's roof rig, balconies, steep streets.
+  // A camera may be this much below the lowest or above the highest keyframe of the tiles, metres:
+  // phones below a car's roof rig, balconies, steep streets.
   double height_margin_m = 8.0;
-  // Of the time that a query has left until its deadline, the share that may pass with tiles that
-  // are not in the cache, [0, 1]. The nearest tile and a first part of its index are loaded
-  // whatever it takes. Half: as much again is about what searching the tiles then takes.
+  // The share of the time until the query's deadline that loading missing tiles may take, [0, 1].
+  // The nearest tile and a first part of its index are loaded in any case. The default is one half,
+  // because searching the tiles then takes about as long as loading them.
   double deadline_share = 0.5;
 
   void Validate() const;

@@ -12,16 +12,16 @@
 namespace cairn {
 namespace {
 
-// A candidate and how far off a ray may be.
+// A candidate with the tolerances of the test.
 struct SupportTest {
-  double x, y, z;  // Camera centre, relative to that of the rays.
+  double x, y, z;  // Camera centre, relative to RayArrays::center_in_anchor.
   double cos_yaw, sin_yaw;
-  double min_cosine;     // Of the azimuth difference.
-  double tolerance_rad;  // Of directions.
-  double slack_m;        // Of distances.
+  double min_cosine;     // Cosine of the largest azimuth difference.
+  double tolerance_rad;  // Tolerance of directions.
+  double slack_m;        // Tolerance of distances.
 };
 
-// 1 - (e / t)^2 of ray i, or 0 if it does not agree.
+// Returns 1 - (e / t)^2 of ray i, or 0 if the ray does not agree.
 template <bool kIn3d, bool kHasOrigins>
 [[gnu::always_inline]] inline double RayGain(const RayPointers<double>& rays,
                                              const SupportTest& test, int i) {
@@ -75,7 +75,7 @@ void RayGains(const RayPointers<double>& pointers, const SupportTest& test, bool
   }
 }
 
-// Centre relative to that of the rays.
+// The centre is relative to RayArrays::center_in_anchor.
 struct SupportPose {
   Eigen::Vector3d center;
   double yaw_rad;
@@ -90,7 +90,7 @@ SupportTolerance WidestTolerance(const VotingOptions& options) {
   return {options.direction_tolerance_rad, options.cell_xy_m};
 }
 
-// Per ray, padding included.
+// Returns the gain of each ray, including padding.
 std::vector<double> GainsAt(const RayArrays<double>& rays, const SupportPose& pose,
                             const SupportTolerance& tolerance, const VotingOptions& options,
                             bool in_3d) {
@@ -104,9 +104,9 @@ std::vector<double> GainsAt(const RayArrays<double>& rays, const SupportPose& po
   return gains;
 }
 
-// The best gain of each keypoint, summed.
+// Sums the best gain of each keypoint.
 double SumOverKeypoints(const RayArrays<double>& rays, const std::vector<double>& gains) {
-  double sum = 0.0, best_gain = 0.0;  // The latter of the current keypoint.
+  double sum = 0.0, best_gain = 0.0;  // best_gain is that of the current keypoint.
   for (int i = 0; i < rays.num_rays; ++i) {
     if (i > 0 && rays.voters[i - 1] != rays.voters[i]) {
       sum += best_gain;
@@ -129,11 +129,11 @@ std::vector<int> AgreeingCorrespondences(const RayArrays<double>& rays,
   return correspondences;
 }
 
-// One step of Gauss-Newton on the offsets of the landmarks from the rays that agree, weighted by
-// their gains, with the pose held to within a cell and a yaw step. With P the projection across a
-// ray of direction d, v the way to the landmark, l = d.v and o the ray's origin, the offset is
-// e = P v, its derivatives are -P by the centre and c = -l z x d - P (z x o) by the yaw. As P e = e
-// and P c = c, they enter the normal equations as they are.
+// One Gauss-Newton step on the offsets of the landmarks from the rays that agree, weighted by their
+// gains. The pose is held to within a cell and a yaw step. Let P be the projection perpendicular to
+// a ray of direction d, v the vector to the landmark, l = d.v, and o the ray's origin. The offset
+// is e = P v. Its derivatives are -P with respect to the centre, and c = -l z x d - P (z x o) with
+// respect to the yaw. As P e = e and P c = c, they enter the normal equations unprojected.
 SupportPose Settle(const RayArrays<double>& rays, const std::vector<double>& gains,
                    const SupportPose& pose, const SupportTolerance& tolerance,
                    const VotingOptions& options) {
@@ -191,7 +191,7 @@ PoseCandidate SettledCandidate(const RayArrays<double>& rays,
                                const Eigen::Vector3d& center_in_anchor, double yaw_rad,
                                const VotingOptions& options) {
   constexpr int kNumSteps = 2;
-  constexpr double kNarrowing = 0.7;  // Of the tolerances, by each step.
+  constexpr double kNarrowing = 0.7;  // Factor of the tolerances in each step.
   SupportPose pose = {center_in_anchor - rays.center_in_anchor, yaw_rad};
   SupportTolerance tolerance = WidestTolerance(options);
   std::vector<double> gains = GainsAt(rays, pose, tolerance, options, /*in_3d=*/false);

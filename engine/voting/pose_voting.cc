@@ -17,7 +17,8 @@
 namespace cairn {
 namespace {
 
-// The camera positions that are voted over: the region, cut to where a landmark can be seen from.
+// Returns the grid of camera positions: the region, limited to positions from which a landmark can
+// be seen.
 VoteGrid MakeGrid(const std::vector<VoteRay>& rays, const SearchRegion& region,
                   const VotingOptions& options) {
   Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
@@ -40,7 +41,7 @@ VoteGrid MakeGrid(const std::vector<VoteRay>& rays, const SearchRegion& region,
   return VoteGrid(low, high, {options.cell_xy_m, options.cell_xy_m, cell_z_m});
 }
 
-// What all votes of a query have in common.
+// The data that all votes of a query share.
 struct Ballot {
   RayArrays<float> rays;
   VoteGrid grid;
@@ -49,16 +50,16 @@ struct Ballot {
   int num_yaws = 0;
 };
 
-constexpr int kPeaksPerCandidate = 32;  // Most are neighbours of a few maxima.
+constexpr int kPeaksPerCandidate = 32;  // Most peaks are neighbours of a few maxima.
 
 struct YawRangePeaks {
-  std::vector<VotePeak> peaks;  // The best ones, best first.
+  std::vector<VotePeak> peaks;  // The best peaks, best first.
   int64_t num_votes = 0;
 };
 
-// The peaks between yaw bins `begin` and `end`, smoothed over pairs of neighbours along all four
-// axes: peak i sums the bins i and i + 1, so the bin after the range is filled as well. Fewer if it
-// is told to stop.
+// Finds the peaks between yaw bins `begin` and `end`. Peak i sums bins i and i + 1 along each of
+// the four axes, so the bin after the range is filled as well. Returns fewer peaks if `should_stop`
+// returns true.
 YawRangePeaks FindPeaksInRange(const Ballot& ballot, int begin, int end,
                                const VotingOptions& options, const StopFunction& should_stop) {
   VoteSegments segments(ballot.rays.padded_size());
@@ -92,15 +93,15 @@ YawRangePeaks FindPeaksInRange(const Ballot& ballot, int begin, int end,
   if (is_full_circle) {
     current = std::move(first);
   } else {
-    fill(end % ballot.num_yaws, &current);  // Its votes are counted in its own range.
+    fill(end % ballot.num_yaws, &current);  // The votes of this bin count in another range.
   }
   peaks.Offer(end - 1, previous, current);
   result.peaks = peaks.TakeSorted();
   return result;
 }
 
-// Cells with the most votes, best first. Ranges of yaw are independent but for one slice each that
-// is filled twice, so there are no more of them than threads.
+// Finds the cells with the most votes, best first. Ranges of yaw are independent, but one slice per
+// range is filled twice, so there are at most as many ranges as threads.
 std::vector<VotePeak> FindPeaks(const Ballot& ballot, const VotingOptions& options,
                                 SharedWorkers* workers, StageCounters* counters,
                                 const StopFunction& should_stop) {
@@ -122,7 +123,7 @@ std::vector<VotePeak> FindPeaks(const Ballot& ballot, const VotingOptions& optio
   return peaks;
 }
 
-// The pose in the middle of the cells that a peak sums.
+// Returns the pose in the middle of the cells that a peak sums.
 PoseCandidate CandidateAt(const VotePeak& peak, const VoteGrid& grid, int num_yaws) {
   const auto strides = grid.strides();
   const Eigen::Vector3d corner(peak.cell_idx % strides[1] + 1,
@@ -135,7 +136,7 @@ PoseCandidate CandidateAt(const VotePeak& peak, const VoteGrid& grid, int num_ya
   return candidate;
 }
 
-// True if two candidates are neighbours in the accumulator.
+// Returns true if two candidates are neighbours in the accumulator.
 bool IsNear(const PoseCandidate& a, const PoseCandidate& b, const VoteGrid& grid,
             double yaw_step_rad) {
   constexpr double kNumCells = 2.5;
@@ -145,7 +146,7 @@ bool IsNear(const PoseCandidate& a, const PoseCandidate& b, const VoteGrid& grid
          std::abs(WrapAngleRad(a.yaw_rad - b.yaw_rad)) < kNumCells * yaw_step_rad;
 }
 
-// Keeps candidates in order, each only if it is not near one that was kept.
+// Keeps the candidates that are not near an earlier kept candidate, in order.
 std::vector<PoseCandidate> SuppressNeighbors(const std::vector<PoseCandidate>& ordered,
                                              const VoteGrid& grid, double yaw_step_rad,
                                              size_t max_candidates) {
@@ -182,8 +183,9 @@ std::vector<PoseCandidate> VoteForPoses(const QueryContext& query,
       std::cos(options.max_azimuth_difference_rad),
       static_cast<int>(std::ceil(2.0 * std::numbers::pi / options.yaw_step_rad - 1e-3))};
 
-  // Votes rank on a coarse lattice with all cells alike; the support of a pose is the better judge
-  // but too dear for all of them. So a few times as many maxima as asked for are judged.
+  // Votes rank poses on a coarse lattice in which every vote of a cell counts the same. The support
+  // of a pose ranks better but takes too long for all cells, so only kJudgedPerCandidate times the
+  // requested number of maxima are judged by support.
   constexpr int kJudgedPerCandidate = 4;
   std::vector<PoseCandidate> candidates;
   for (const VotePeak& peak : FindPeaks(ballot, options, workers, counters, should_stop)) {
@@ -213,7 +215,7 @@ std::vector<PoseCandidate> VoteForPoses(const QueryContext& query,
   std::stable_sort(
       candidates.begin(), candidates.end(),
       [](const PoseCandidate& a, const PoseCandidate& b) { return a.score > b.score; });
-  // Some have settled at the same place.
+  // Different candidates may have settled at the same place.
   candidates = SuppressNeighbors(candidates, grid, options.yaw_step_rad, options.max_candidates);
   counters->num_candidates = static_cast<int64_t>(candidates.size());
   return candidates;

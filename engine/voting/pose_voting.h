@@ -14,15 +14,15 @@
 
 namespace cairn {
 
-// Votes of all correspondences over (x, y, z, yaw), or, with OutlierFilter::kVoting3d, (x, y, yaw),
-// within the region; returns the best maxima, in 4D settled on their rays (SettledCandidate),
-// highest score first, each with the correspondences that agree with it. A keypoint counts at most
-// once in a cell. The heights of candidates mean nothing if they were not voted over. Needs gravity
-// (query.level_from_cam). Sets the voting counters. `workers` (may be null) share the work, by
-// ranges of yaw; the result is the same.
+// Lets all correspondences vote over (x, y, z, yaw), or over (x, y, yaw) with
+// OutlierFilter::kVoting3d, within the region. Returns the best maxima, highest score first, each
+// with the correspondences that agree with it; in 4D, the maxima are settled on their rays
+// (SettledCandidate). A keypoint counts at most once per cell. The heights of candidates are
+// meaningless with kVoting3d. Needs gravity (query.level_from_cam). Sets the voting counters.
+// `workers` (may be null) share the work by ranges of yaw; the result does not depend on them.
 //
-// When `should_stop` says so, which it is asked for every heading and every candidate, the rest is
-// left and there are no candidates.
+// Polls `should_stop` for every heading and every candidate; once it returns true, voting stops and
+// returns no candidates.
 std::vector<PoseCandidate> VoteForPoses(const QueryContext& query,
                                         const std::vector<Correspondence>& correspondences,
                                         const VotingOptions& options, StageCounters* counters,

@@ -1,4 +1,4 @@
-// Rays as arrays, for loops over all of them that the compiler vectorises.
+// Rays as arrays, for loops that the compiler vectorises.
 #ifndef CAIRN_ENGINE_VOTING_RAY_ARRAYS_H_
 #define CAIRN_ENGINE_VOTING_RAY_ARRAYS_H_
 
@@ -9,8 +9,9 @@
 
 namespace cairn {
 
-// Element i of every array belongs to ray i, as VoteRay names it; positions are relative to
-// `center_in_anchor`. Arrays are padded to a multiple of kBlock with rays that hold no distance.
+// Element i of every array belongs to ray i and has the meaning of VoteRay's member. Positions are
+// relative to `center_in_anchor`. The arrays are padded to a multiple of kBlock with rays whose
+// range of distances is empty.
 template <typename Scalar>
 struct RayArrays {
   static constexpr int kBlock = 16;
@@ -22,17 +23,19 @@ struct RayArrays {
 
   int num_rays = 0;
   Eigen::Vector3d center_in_anchor;
-  std::vector<int> correspondence_idxs;  // num_rays.
-  // The keypoint as its rank among those that have rays, from 1; num_rays, ascending.
+  std::vector<int> correspondence_idxs;  // num_rays elements.
+  // The rank of each ray's keypoint among the keypoints that have rays, from 1; num_rays elements,
+  // ascending.
   std::vector<int> voters;
-  std::vector<Scalar> x, y, z;  // Of the landmark.
+  std::vector<Scalar> x, y, z;  // The landmark.
   std::vector<Scalar> direction_x, direction_y, direction_z;
   std::vector<Scalar> horizontal, view_x, view_y;
   std::vector<Scalar> min_distance_m, max_distance_m;
-  std::vector<Scalar> origin_x, origin_y, origin_z;  // All empty if all rays start at zero.
+  std::vector<Scalar> origin_x, origin_y, origin_z;  // Empty if all rays start at zero.
 };
 
-// The arrays as bare pointers: loops over them are vectorised, those over vectors are not.
+// The arrays as bare pointers. The compiler vectorises loops over pointers, but not loops over
+// vectors.
 template <typename Scalar>
 struct RayPointers {
   explicit RayPointers(const RayArrays<Scalar>& rays)

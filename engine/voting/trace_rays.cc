@@ -5,7 +5,7 @@
 namespace cairn {
 namespace {
 
-// Iterations are independent: outputs and inputs are different arrays.
+// The iterations are independent, since outputs and inputs are different arrays.
 CAIRN_VECTOR_CLONES
 void TraceWithOrigins(const RayPointers<float> rays, const TraceFrame frame, int size,
                       const SegmentPointers segments) {

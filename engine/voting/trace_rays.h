@@ -1,4 +1,4 @@
-// The camera positions that rays allow at one yaw, in cells of the accumulator.
+// Traces the camera positions that rays allow at one yaw, in cells of the accumulator.
 #ifndef CAIRN_ENGINE_VOTING_TRACE_RAYS_H_
 #define CAIRN_ENGINE_VOTING_TRACE_RAYS_H_
 
@@ -12,23 +12,25 @@
 
 namespace cairn {
 
-// What tracing needs beside the rays, for one yaw.
+// The parameters of tracing, apart from the rays, for one yaw.
 struct TraceFrame {
-  // The region is the vertical cylinder of `radius_m` about `center_in_anchor`, the origin of the
-  // rays; heights are clipped already. `min_cosine`: of the largest azimuth difference.
+  // The region is the vertical cylinder of `radius_m` around `center_in_anchor`, the origin of the
+  // rays' positions; heights are clipped already. `min_cosine` is the cosine of the largest azimuth
+  // difference.
   TraceFrame(const VoteGrid& grid, const Eigen::Vector3d& center_in_anchor, double radius_m,
              double min_cosine, double yaw_rad);
 
   float cos_yaw, sin_yaw, sq_radius, min_cosine;
-  // A position in cells is position * scale + shift, kept between `low` and `high`: rounding must
+  // A position in cells is position * scale + shift, clamped to [kLow, high] so that rounding does
   // not lead out of the accumulator.
   float scale[3], shift[3], high[3];
   static constexpr float kLow = 1.0f;
 };
 
-// Segments of camera positions, element i of each array for ray i: `num_steps` samples, the first
-// at (x, y, z), each on by (step_x, step_y, step_z), all in cells (see VoteGrid::ToCells). A step
-// is at most one cell along each axis. No steps: there is no such position.
+// Segments of camera positions; element i of each array belongs to ray i. A segment has `num_steps`
+// samples. The first is at (x, y, z), and each following one is (step_x, step_y, step_z) further,
+// all in cells (see VoteGrid::ToCells). A step is at most one cell along each axis. num_steps is 0
+// if the ray allows no position.
 struct VoteSegments {
   explicit VoteSegments(int size);
 
@@ -36,12 +38,12 @@ struct VoteSegments {
   std::vector<int32_t> num_steps;
 };
 
-// The camera positions on each ray, padding included, that lie within its distances and the region,
-// if the azimuth of the view fits. In single precision: good to a hundredth of a cell up to some
-// thousand cells along an axis. `segments` has the rays' padded size.
+// Computes, for each ray including padding, the camera positions within the ray's distances and the
+// region, if the azimuth of the view fits. Uses single precision: accurate to a hundredth of a cell
+// up to some thousand cells along an axis. `segments` must have the rays' padded size.
 void TraceRays(const RayArrays<float>& rays, const TraceFrame& frame, VoteSegments* segments);
 
-// The arrays of VoteSegments as bare pointers, see RayPointers.
+// The arrays of VoteSegments as bare pointers; see RayPointers.
 struct SegmentPointers {
   explicit SegmentPointers(VoteSegments* segments);
 
@@ -49,7 +51,7 @@ struct SegmentPointers {
   int32_t* num_steps;
 };
 
-// The arithmetic of TraceRays for ray i alone.
+// The arithmetic of TraceRays for ray i.
 template <bool kHasOrigins>
 [[gnu::always_inline]] inline void TraceRay(const RayPointers<float>& rays, const TraceFrame& frame,
                                             int i, const SegmentPointers& segments) {
@@ -65,7 +67,7 @@ template <bool kHasOrigins>
     y -= sin_yaw * rays.origin_x[i] + cos_yaw * rays.origin_y[i];
     z -= rays.origin_z[i];
   }
-  // |(x, y) - l (dx, dy)| <= radius. The least slope lets vertical rays pass as well.
+  // Solves |(x, y) - l (dx, dy)| <= radius. The lower bound of the slope admits vertical rays.
   const float a = larger(rays.horizontal[i] * rays.horizontal[i], 1e-12f);
   const float b = x * dx + y * dy;
   const float discriminant = b * b - a * (x * x + y * y - frame.sq_radius);
@@ -76,7 +78,7 @@ template <bool kHasOrigins>
   const bool is_empty =
       (discriminant < 0.0f) | (begin > end) | (cosine < frame.min_cosine * rays.horizontal[i]);
 
-  // Comparisons are such that what is not a number ends up in the grid, too.
+  // The comparisons map NaN into the grid, too.
   const auto to_cells = [&](float position, int axis) {
     const float cells = position * frame.scale[axis] + frame.shift[axis];
     return smaller(larger(cells, TraceFrame::kLow), frame.high[axis]);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kBorder = 1;
 
-// pairs[i] = count of cell i + count of cell i + 1; empties cells 0 ... size - 1.
+// pairs[i] = count of cell i + count of cell i + 1. Clears cells 0 ... size - 1.
 CAIRN_VECTOR_CLONES
 void MovePairsAlongX(uint16_t* __restrict counts, int size, uint16_t* __restrict pairs) {
   const auto capped = [](uint16_t count) { return std::min(count, VoteSlice::kMaxCount); };
@@ -21,7 +21,7 @@ void MovePairsAlongX(uint16_t* __restrict counts, int size, uint16_t* __restrict
   }
 }
 
-// sums[i] = sum of pairs over i and its successors along y in two planes.
+// sums[i] = sum of pairs over i and its successors along y, in two planes.
 CAIRN_VECTOR_CLONES
 void SumSquaresAlongYz(const uint16_t* __restrict lower, const uint16_t* __restrict upper, int size,
                        int stride_y, uint16_t* __restrict sums) {
@@ -31,7 +31,7 @@ void SumSquaresAlongYz(const uint16_t* __restrict lower, const uint16_t* __restr
   }
 }
 
-// maxima[i] = the largest sum of block i of two smoothed slices.
+// maxima[i] = the largest sum of two smoothed slices in block i.
 CAIRN_VECTOR_CLONES
 void MaximaOfBlocks(const uint16_t* __restrict a, const uint16_t* __restrict b, int num_blocks,
                     uint16_t* __restrict maxima) {
@@ -44,11 +44,11 @@ void MaximaOfBlocks(const uint16_t* __restrict a, const uint16_t* __restrict b, 
   }
 }
 
-// Cells are written in whole lanes, so up to kLanes - 1 beyond the last.
+// Cells are written in whole vectors, so up to kLanes - 1 elements beyond the last are written.
 constexpr int kLanes = 16;
 
-// The cells of all steps of the segments listed, one after the other, each with the tag of its
-// voter: their number plus `first_tag`.
+// Lists the cells of all steps of the listed segments, one step after the other, with the tag of
+// each step's voter: voter number plus `first_tag`.
 CAIRN_VECTOR_CLONES
 void ListCells(const VoteSegments& segments, const int* segment_idxs, int num_listed,
                const int* voters, int first_tag, int stride_y, int stride_z,
@@ -77,7 +77,7 @@ void ListCells(const VoteSegments& segments, const int* segment_idxs, int num_li
 
 }  // namespace
 
-// Position decides between equal sums, so that the result does not depend on the heap.
+// Compares positions if sums are equal, so that the result does not depend on the heap.
 bool IsBetterPeak(const VotePeak& a, const VotePeak& b) {
   return std::tuple(-a.sum, a.yaw_idx, a.cell_idx) < std::tuple(-b.sum, b.yaw_idx, b.cell_idx);
 }
@@ -89,7 +89,7 @@ VoteSlice::VoteSlice(const VoteGrid& grid)
       lower_(grid.strides()[2] + grid.strides()[1], 0),
       upper_(grid.strides()[2] + grid.strides()[1], 0) {}
 
-// Lists the segments with steps; returns the number of these.
+// Lists the segments that have steps; returns their number.
 int64_t VoteSlice::ListVoting(const VoteSegments& segments, const std::vector<int>& voters) {
   const int size = static_cast<int>(voters.size());
   voting_.resize(size + 1);
@@ -97,7 +97,8 @@ int64_t VoteSlice::ListVoting(const VoteSegments& segments, const std::vector<in
   int num_voting = 0;
   for (int i = 0; i < size && voters[i] <= kMaxVoters; ++i) {
     voting_[num_voting] = i;
-    num_voting += segments.num_steps[i] > 0;  // Most have none, at random: no branch.
+    // Most segments have no steps, at random, so a branch would be mispredicted.
+    num_voting += segments.num_steps[i] > 0;
     num_steps += segments.num_steps[i];
   }
   voting_.resize(num_voting);
@@ -145,7 +146,8 @@ void PeakCollector::Offer(int yaw_idx, const std::vector<uint16_t>& a,
   const int num_blocks = static_cast<int>(a.size()) / kBlock;
   block_maxima_.resize(num_blocks);
   MaximaOfBlocks(a.data(), b.data(), num_blocks, block_maxima_.data());
-  // The ends of rows are border without votes, so the neighbours in memory are those along x.
+  // The ends of rows are border cells without votes, so the neighbours in memory are the neighbours
+  // along x.
   const auto sum = [&](int i) { return i >= 0 && i < num_blocks * kBlock ? a[i] + b[i] : 0; };
   for (int block = 0; block < num_blocks; ++block) {
     if (block_maxima_[block] <= threshold_) {

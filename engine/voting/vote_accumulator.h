@@ -1,4 +1,4 @@
-// The accumulator of pose voting: one slice of yaw at a time.
+// The accumulator of pose voting, one slice of yaw at a time.
 #ifndef CAIRN_ENGINE_VOTING_VOTE_ACCUMULATOR_H_
 #define CAIRN_ENGINE_VOTING_VOTE_ACCUMULATOR_H_
 
@@ -18,14 +18,15 @@ class VoteSlice {
 
   explicit VoteSlice(const VoteGrid& grid);
 
-  // Votes along the segments, of which segment i belongs to voter voters[i]; they are numbered from
-  // 1 in ascending order, and those beyond kMaxVoters do not vote. A voter counts at most once in a
-  // cell. Returns the number of steps. Takes time in proportion to segments and steps.
+  // Casts the votes along the segments; segment i belongs to voter voters[i]. Voters are numbered
+  // from 1 in ascending order; voters beyond kMaxVoters do not vote. A voter counts at most once
+  // per cell. Returns the number of steps. Takes time proportional to segments and steps.
   int64_t Vote(const VoteSegments& segments, const std::vector<int>& voters);
 
-  // Moves the counts out, smoothed over 2 x 2 x 2 cells: (*smoothed)[i] is the sum over cell i and
-  // its successors in x, y and z, so it belongs to the corner that they share. Counts saturate at
-  // kMaxCount. Leaves the slice empty. The size is that of the cells rounded up to kBlock.
+  // Moves the counts out, smoothed over 2 x 2 x 2 cells. (*smoothed)[i] is the sum over cell i and
+  // its successors in x, y and z, so it belongs to the corner that these cells share. Counts
+  // saturate at kMaxCount. Leaves the slice empty. The size of *smoothed is the number of cells
+  // rounded up to kBlock.
   void SmoothAndClear(std::vector<uint16_t>* smoothed);
 
   // Two smoothed slices can be added without overflow.
@@ -37,13 +38,13 @@ class VoteSlice {
 
   const VoteGrid& grid_;
   std::vector<uint16_t> counts_;
-  // Who voted last for a cell: voters get new tags in each slice, so that nothing has to be cleared
-  // until they run out.
+  // The tag of each cell's last voter. Voters get new tags in each slice, so tags need clearing
+  // only when they run out.
   std::vector<uint16_t> tags_;
   int last_tag_ = 0;
-  // Scratch: counts of two planes smoothed along x, with a row of zeros after them.
+  // Scratch: counts of two planes smoothed along x, followed by a row of zeros.
   std::vector<uint16_t> lower_, upper_;
-  // Scratch: segments with steps; cells and tags step by step.
+  // Scratch: segments with steps, and their cells and tags, one step after the other.
   std::vector<int> voting_;
   std::vector<uint32_t> voted_cells_;
   std::vector<uint16_t> voted_tags_;
@@ -56,19 +57,19 @@ struct VotePeak {
   int cell_idx = 0;
 };
 
-// Order of peaks: the higher sum, then the earlier yaw, then the earlier cell.
+// Orders peaks by higher sum, then earlier yaw, then earlier cell.
 bool IsBetterPeak(const VotePeak& a, const VotePeak& b);
 
-// Keeps the cells with the highest sums of all slices offered. Ties go to the earlier cell.
+// Keeps the cells with the highest sums of all offered slices; among equal sums, the earlier cell.
 class PeakCollector {
  public:
   PeakCollector(int max_peaks, int min_sum);
 
-  // Offers the sum of two smoothed slices of kBlock-aligned size, cell by cell; only maxima along x
-  // are taken.
+  // Offers the sum of two smoothed slices, cell by cell. The size must be a multiple of kBlock.
+  // Takes only maxima along x.
   void Offer(int yaw_idx, const std::vector<uint16_t>& a, const std::vector<uint16_t>& b);
 
-  // Highest first.
+  // Returns the peaks, highest first.
   std::vector<VotePeak> TakeSorted();
 
  private:
@@ -76,7 +77,7 @@ class PeakCollector {
 
   size_t max_peaks_;
   int threshold_;                       // Sums must exceed it.
-  std::vector<VotePeak> heap_;          // The lowest on top.
+  std::vector<VotePeak> heap_;          // The lowest is on top.
   std::vector<uint16_t> block_maxima_;  // Scratch.
 };
 

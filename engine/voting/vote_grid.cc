@@ -15,7 +15,7 @@ VoteGrid::VoteGrid(const Eigen::Vector3d& min_corner, const Eigen::Vector3d& max
     return ((extent.array() / cell_m_.array()).floor() + 1.0 + 2.0 * kBorder).prod();
   };
   while (num_cells() > kMaxCells) {
-    // Coarsens the axis with most cells.
+    // Coarsens the axis with the most cells.
     int axis = 0;
     (extent.array() / cell_m_.array()).maxCoeff(&axis);
     cell_m_[axis] *= 2.0;

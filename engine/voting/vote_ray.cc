@@ -7,7 +7,7 @@
 namespace cairn {
 namespace {
 
-// Narrows [min, max] to the distances at which the camera is in the height band.
+// Narrows [min, max] to the distances at which the camera is within the height band.
 void ClipToHeights(const SearchRegion& region, VoteRay* ray) {
   constexpr double kMinSlope = 1e-6;
   const double slope = ray->direction_in_level.z();

@@ -6,7 +6,7 @@ namespace cairn {
 
 void VotingOptions::Validate() const {
   RequireOption((filter == OutlierFilter::kOther) == static_cast<bool>(other_filter),
-                "voting.other_filter must be set for the filter \"other\" and for no other one");
+                "voting.other_filter must be set if and only if the filter is \"other\"");
   RequireWithin("voting.cell_xy_m", cell_xy_m, 0.1, 100.0);
   RequireWithin("voting.cell_z_m", cell_z_m, 0.1, 100.0);
   RequireWithin("voting.yaw_step_rad", yaw_step_rad, 0.005, 0.8);

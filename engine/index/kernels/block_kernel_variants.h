@@ -1,4 +1,4 @@
-// What the variants of the block kernels have in common; private to block_kernels*.cc.
+// Shared by the variants of the block kernels. Private to block_kernels*.cc.
 #ifndef CAIRN_ENGINE_INDEX_KERNELS_BLOCK_KERNEL_VARIANTS_H_
 #define CAIRN_ENGINE_INDEX_KERNELS_BLOCK_KERNEL_VARIANTS_H_
 
@@ -11,17 +11,17 @@
 namespace cairn {
 
 #if defined(__x86_64__)
-// Only for processors that know the instructions of their names.
+// Only for processors that support the instructions in the names.
 extern const BlockKernels kAvx2BlockKernels;
 extern const BlockKernels kAvx512VnniBlockKernels;
 
-// Groups of a query that stays in registers: rows of 16 bytes.
+// Number of groups of a query that fits registers: rows of 16 bytes.
 inline constexpr int kNumSmallGroups = 4;
 // Blocks with rows within the bound are noted before their hits are appended.
 inline constexpr size_t kNotedBlocks = 32;
 #endif
 
-// The smallest of `candidates` by distance, then row.
+// Returns the row of the smallest candidate by distance, then row.
 inline size_t NearestOf(const BlockHit* candidates, int count) {
   const BlockHit* nearest =
       std::min_element(candidates, candidates + count, [](const BlockHit& a, const BlockHit& b) {
@@ -30,7 +30,7 @@ inline size_t NearestOf(const BlockHit* candidates, int count) {
   return nearest->row;
 }
 
-// Calls reduce(first, last, minima) for each part of the blocks.
+// Splits the blocks into parts and calls reduce(first, last, minima) for each.
 template <typename ReducePart>
 void MinimaOfParts(size_t num_blocks, size_t num_parts, int32_t* minima, const ReducePart& reduce) {
   for (size_t part = 0; part < num_parts; ++part) {
@@ -39,7 +39,7 @@ void MinimaOfParts(size_t num_blocks, size_t num_parts, int32_t* minima, const R
   }
 }
 
-// Bits of the rows of the block at `first` that lie in [begin, end).
+// Returns a bit for each row of the block at `first` that lies in [begin, end).
 inline uint32_t RowsInRange(size_t first, size_t begin, size_t end) {
   uint32_t rows = (uint32_t{1} << kBlockRows) - 1;
   if (first < begin) {
@@ -51,7 +51,7 @@ inline uint32_t RowsInRange(size_t first, size_t begin, size_t end) {
   return rows & ((uint32_t{1} << kBlockRows) - 1);
 }
 
-// Appends the rows whose bits are set.
+// Appends the rows whose bits are set. Returns their number.
 inline size_t AppendHits(uint32_t rows, size_t first, const int32_t* sq_distances, BlockHit* hits) {
   size_t num_hits = 0;
   for (; rows != 0; rows &= rows - 1) {

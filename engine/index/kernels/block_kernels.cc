@@ -8,7 +8,7 @@
 namespace cairn {
 namespace {
 
-// One block: products of the query's values with the bytes, per row.
+// For each row of a block, computes the product of the query's values with the row's bytes.
 void PlainProducts(const BlockQuery& query, const uint8_t* block, int stride, int32_t* products) {
   std::fill_n(products, kBlockRows, 0);
   for (int begin = 0; begin < stride; begin += kGroupDims) {

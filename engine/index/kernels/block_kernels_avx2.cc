@@ -17,13 +17,13 @@
 namespace cairn {
 namespace {
 
-// The products of a query with eight rows of a block at a time, of which there are three forms: any
-// query,
+// The Avx2...Query classes multiply a query with eight rows of a block at a time. This class takes
+// any query.
 class Avx2AnyQuery {
  public:
   Avx2AnyQuery(const BlockQuery& query, int stride) : query_(query), stride_(stride) {}
 
-  // Twice the products with the lower (half = 0) or upper rows.
+  // Returns twice the products with the lower (half = 0) or upper rows.
   CAIRN_AVX2 __m256i TwiceProducts(const uint8_t* block, int half) const {
     const auto* bytes = reinterpret_cast<const __m256i*>(block) + half;
     __m256i products = _mm256_setzero_si256();
@@ -35,12 +35,12 @@ class Avx2AnyQuery {
     return _mm256_slli_epi32(products, 1);
   }
 
-  // Every second of the four values of a group, from `from` on.
+  // Returns values 0 and 2, counted from `from`, of a group, in every lane.
   CAIRN_AVX2 static __m256i Values(const int16_t* from) {
     return _mm256_set1_epi32(static_cast<uint16_t>(from[0]) |
                              static_cast<int32_t>(static_cast<uint32_t>(from[2]) << 16));
   }
-  // Of one group: even and odd bytes are multiplied one after the other.
+  // Returns the products of one group. Even and odd bytes are multiplied separately.
   CAIRN_AVX2 static __m256i Products(const __m256i& bytes, __m256i even_values,
                                      __m256i odd_values) {
     const __m256i rows = _mm256_loadu_si256(&bytes);
@@ -58,7 +58,7 @@ CAIRN_AVX2 inline __m256i Sum(__m256i a, __m256i b, __m256i c, __m256i d) {
   return _mm256_add_epi32(_mm256_add_epi32(a, b), _mm256_add_epi32(c, d));
 }
 
-// a small one,
+// Takes a small query: its values fit registers.
 class Avx2SmallQuery {
  public:
   CAIRN_AVX2 explicit Avx2SmallQuery(const BlockQuery& query) {
@@ -79,7 +79,8 @@ class Avx2SmallQuery {
   __m256i even_[kNumSmallGroups], odd_[kNumSmallGroups];
 };
 
-// and the usual one: small with narrow pairs, whose bytes are multiplied as they are.
+// Takes the usual query: small with narrow pairs. Its values are multiplied with the bytes as
+// stored.
 class Avx2NarrowQuery {
  public:
   CAIRN_AVX2 explicit Avx2NarrowQuery(const BlockQuery& query) {
@@ -103,7 +104,7 @@ class Avx2NarrowQuery {
   __m256i parts_[kNumSmallGroups];
 };
 
-// Calls use(q) with q the query in its form.
+// Calls use(q), where q is the query in its Avx2...Query class.
 template <typename Use>
 CAIRN_AVX2 inline auto WithAvx2Query(const BlockQuery& query, int stride, const Use& use) {
   if (stride != kNumSmallGroups * kGroupDims) {
@@ -116,7 +117,8 @@ CAIRN_AVX2 inline __m256i Avx2Norms(const int32_t* sq_norms, int half) {
   return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(sq_norms) + half);
 }
 
-// Of the lower (half = 0) or upper eight rows of a block, with the query's constant.
+// Returns the squared distances of the lower (half = 0) or upper eight rows of a block, for a query
+// with this constant.
 template <typename Query>
 CAIRN_AVX2 inline __m256i Avx2SqDistances(const Query& query, __m256i constant,
                                           const uint8_t* block, const int32_t* sq_norms, int half) {
@@ -143,7 +145,7 @@ template <typename Query>
 CAIRN_AVX2 size_t Avx2NearestTo(const Query& query, __m256i constant, const uint8_t* blocks,
                                 const int32_t* sq_norms, int stride, size_t num_rows) {
   constexpr int kLanes = 8;
-  // Of each lane, the first of its nearest rows.
+  // For each lane, the first of its nearest rows.
   __m256i nearest = _mm256_set1_epi32(std::numeric_limits<int32_t>::max());
   __m256i nearest_rows = _mm256_setzero_si256();
   __m256i rows = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
@@ -203,8 +205,8 @@ CAIRN_AVX2 void Avx2Minima(const BlockQuery& query, const uint8_t* blocks, const
   });
 }
 
-// Lanes of the lower or upper rows of a block that are beyond a bound, which the query's constant
-// is given less of.
+// Returns the lanes of the lower or upper rows of a block that are beyond the bound.
+// `constant_less_bound` is the query's constant minus the bound.
 template <typename Query>
 CAIRN_AVX2 inline __m256i Avx2Beyond(const Query& query, __m256i constant_less_bound,
                                      const uint8_t* block, const int32_t* sq_norms, int half) {
@@ -212,7 +214,7 @@ CAIRN_AVX2 inline __m256i Avx2Beyond(const Query& query, __m256i constant_less_b
                             query.TwiceProducts(block, half));
 }
 
-// Bits of the blocks that hold a row within the bound, of at most kNotedBlocks.
+// Returns a bit for each block, of at most kNotedBlocks, that holds a row within the bound.
 template <typename Query>
 CAIRN_AVX2 inline uint32_t Avx2BlocksWithin(const Query& query, __m256i constant_less_bound,
                                             const uint8_t* blocks, const int32_t* sq_norms,
@@ -248,8 +250,8 @@ CAIRN_AVX2 inline size_t Avx2Append(const Query& query, __m256i constant, const 
   return AppendHits(RowsInRange(row, begin, end) & ~beyond, row, sq_distances.data(), hits);
 }
 
-// Few blocks hold a hit, and a branch for each would often be mispredicted: those with hits are
-// noted without one, and computed again.
+// Few blocks hold a hit, so a branch for each block would often be mispredicted. The blocks with
+// hits are noted without branches, and then computed again.
 template <typename Query>
 CAIRN_AVX2 size_t Avx2RangeOf(const Query& query, int32_t constant, const uint8_t* blocks,
                               const int32_t* sq_norms, int stride, size_t begin, size_t end,

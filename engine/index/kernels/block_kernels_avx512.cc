@@ -1,4 +1,4 @@
-// The block kernels for AVX-512 with its byte products (VNNI).
+// The block kernels for AVX-512 with byte products (VNNI).
 #if defined(__x86_64__)
 // See distance_kernels.cc.
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
@@ -16,8 +16,8 @@
 namespace cairn {
 namespace {
 
-// The squared distances of one block after another, the usual case by itself: rows of 16 bytes and
-// a query of one part, which stays in registers.
+// Computes the squared distances of one block after another. The usual case has its own code: rows
+// of 16 bytes and a query of one part, which stays in registers.
 class VnniQuery {
  public:
   CAIRN_AVX512VNNI VnniQuery(const BlockQuery& query, int stride)
@@ -33,7 +33,7 @@ class VnniQuery {
   CAIRN_AVX512VNNI __m512i SqDistances(const uint8_t* block, const int32_t* sq_norms) const {
     __m512i products = _mm512_setzero_si512();
     if (is_small_) {
-      // Two sums, so that one product need not wait for the last.
+      // Two independent sums, so that a product need not wait for the previous one.
       __m512i more_products = _mm512_setzero_si512();
       products = _mm512_dpbusd_epi32(products, Bytes(block, 0), small_[0]);
       more_products = _mm512_dpbusd_epi32(more_products, Bytes(block, 1), small_[1]);
@@ -84,7 +84,7 @@ CAIRN_AVX512VNNI void VnniScan(const BlockQuery& query, const uint8_t* blocks,
 CAIRN_AVX512VNNI size_t VnniNearest(const BlockQuery& query, const uint8_t* blocks,
                                     const int32_t* sq_norms, int stride, size_t num_rows) {
   const VnniQuery vnni(query, stride);
-  // Of each lane, the first of its nearest rows.
+  // For each lane, the first of its nearest rows.
   __m512i nearest = _mm512_set1_epi32(std::numeric_limits<int32_t>::max());
   __m512i nearest_rows = _mm512_setzero_si512();
   __m512i rows = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
@@ -125,7 +125,8 @@ CAIRN_AVX512VNNI void VnniMinima(const BlockQuery& query, const uint8_t* blocks,
   });
 }
 
-// Appends the `near` rows of one block without a branch. Writes beyond them, up to a whole block.
+// Appends the `near` rows of one block without a branch. May overwrite up to a whole block beyond
+// the appended rows.
 CAIRN_AVX512VNNI inline size_t VnniAppend(__m512i sq_distances, __mmask16 near, size_t first,
                                           BlockHit* hits) {
   const __m512i row_in_block =
@@ -143,7 +144,8 @@ CAIRN_AVX512VNNI inline size_t VnniAppend(__m512i sq_distances, __mmask16 near, 
   return static_cast<size_t>(__builtin_popcount(near));
 }
 
-// As Avx2RangeOfFew.
+// For at most kNotedBlocks blocks. Notes the blocks with hits without branches, as Avx2RangeOf
+// does, and computes them again.
 CAIRN_AVX512VNNI size_t VnniRangeOfFew(const VnniQuery& vnni, const uint8_t* blocks,
                                        const int32_t* sq_norms, int stride, size_t first,
                                        size_t begin, size_t end, __m512i bound, BlockHit* hits) {

@@ -15,10 +15,10 @@ constexpr int32_t kFarAway = 1 << 30;
 
 size_t PaddedSize(size_t num_rows) { return (num_rows + kBlockRows - 1) / kBlockRows * kBlockRows; }
 
-// A word for each row of a block.
+// A 32-bit number for each row of a block.
 using RowWords = std::array<uint32_t, kBlockRows>;
 
-// All bits of the rows of a block that lie in [begin, end).
+// For each row of a block, all bits set if the row lies in [begin, end), else none.
 RowWords MaskOfRows(size_t begin, size_t end, size_t block) {
   RowWords mask;
   for (size_t i = 0; i < kBlockRows; ++i) {
@@ -28,21 +28,21 @@ RowWords MaskOfRows(size_t begin, size_t end, size_t block) {
   return mask;
 }
 
-// Blocks that follow one another, and what is wanted of the first and of the last.
+// Consecutive blocks, with masks of the wanted rows in the first and the last block.
 struct BlockRun {
   size_t num_blocks;  // At most 257, so that a sum of bytes fits 16 bits.
   RowWords first_mask;
   RowWords last_mask;
 };
 
-// Adds each dimension of a group, which begins at `bytes` in the first block, to its sum.
+// Adds each dimension of a group to its sum. `bytes` is the start of the group in the first block.
 CAIRN_VECTOR_CLONES void AddGroup(const BlockRun& run, const uint8_t* bytes, size_t block_size,
                                   uint32_t* sums) {
   constexpr uint32_t kEvenBytes = 0x00ff00ff, kLowHalf = 0x0000ffff;
   constexpr int kLanes = 8;
   using Words = uint32_t __attribute__((vector_size(kLanes * sizeof(uint32_t))));
   for (int row = 0; row < kBlockRows; row += kLanes) {
-    Words even = {}, odd = {};  // Two sums of 16 bits each.
+    Words even = {}, odd = {};  // Two 16-bit sums per lane.
     const auto add = [&](size_t block, const RowWords* mask) {
       Words words;
       std::memcpy(&words, bytes + block * block_size + row * sizeof(uint32_t), sizeof(words));
@@ -70,8 +70,8 @@ CAIRN_VECTOR_CLONES void AddGroup(const BlockRun& run, const uint8_t* bytes, siz
   }
 }
 
-// Copies the groups of a row to their places in its block, and returns |row - center|^2. The
-// constant stride lets the loops unroll; kStride 0 stands for any.
+// Copies the groups of a row to their places in its block and returns |row - center|^2. A constant
+// stride lets the loops unroll; kStride 0 stands for any stride.
 template <int kStride>
 int32_t CopyRow(const uint8_t* row, int any_stride, uint8_t* to) {
   const int stride = kStride > 0 ? kStride : any_stride;
@@ -88,7 +88,8 @@ int32_t CopyRow(const uint8_t* row, int any_stride, uint8_t* to) {
 
 // See BlockQuery.
 bool HasNarrowPairs(std::span<const int16_t> values) {
-  constexpr int kMaxSum = std::numeric_limits<int8_t>::max();  // Times any byte fits 16 bits.
+  // Products of this sum with any byte fit 16 bits.
+  constexpr int kMaxSum = std::numeric_limits<int8_t>::max();
   bool is_narrow = true;
   for (size_t dim = 0; dim < values.size(); dim += 2) {
     const int a = values[dim], b = values[dim + 1];
@@ -98,8 +99,8 @@ bool HasNarrowPairs(std::span<const int16_t> values) {
   return is_narrow;
 }
 
-// The count-th smallest of few values. Comparing each with all others takes no branches that depend
-// on them.
+// Returns the count-th smallest of few values. Compares each value with all others, which needs no
+// branches that depend on the values.
 CAIRN_VECTOR_CLONES int32_t SmallestOfFew(size_t count, const int32_t* values, int num_values) {
   int32_t smallest = std::numeric_limits<int32_t>::max();
   for (int i = 0; i < num_values; ++i) {
@@ -113,7 +114,7 @@ CAIRN_VECTOR_CLONES int32_t SmallestOfFew(size_t count, const int32_t* values, i
   return smallest;
 }
 
-// The count-th smallest value; may change their order.
+// Returns the count-th smallest value; may reorder the values.
 int32_t Smallest(size_t count, std::vector<int32_t>* values) {
   constexpr size_t kMaxFew = 64;
   if (values->size() <= kMaxFew) {
@@ -128,7 +129,7 @@ int32_t Smallest(size_t count, std::vector<int32_t>* values) {
 
 BlockedRows::BlockedRows(const uint8_t* rows, int stride, std::span<const uint32_t> order)
     : size_(order.size()), stride_(stride), centers_(stride, kRowCenter) {
-  constexpr size_t kAhead = 16;  // Rows that are asked for ahead.
+  constexpr size_t kAhead = 16;  // Number of rows that are prefetched.
   blocks_.assign(PaddedSize(size_) * stride, 0);
   sq_norms_.assign(PaddedSize(size_), kFarAway);
   const auto copy = stride == kDistanceBlock ? CopyRow<kDistanceBlock> : CopyRow<0>;
@@ -150,7 +151,7 @@ BlockedRows::BlockedRows(const CodeWords& words, std::span<const uint8_t> codes,
       centers_(stride_, kRowCenter),
       blocks_(PaddedSize(size_) * stride_),
       sq_norms_(PaddedSize(size_)) {
-  constexpr size_t kMaxRows = 4096;  // Of 16 bytes each they fill a part of a level 2 cache.
+  constexpr size_t kMaxRows = 4096;  // Rows of 16 bytes each, which fill a part of a level 2 cache.
   const size_t num_runs = run_begin.empty() ? 0 : run_begin.size() - 1;
   if (num_runs > 0) {
     run_sums->resize(num_runs * stride_);
@@ -168,7 +169,7 @@ BlockedRows::BlockedRows(const CodeWords& words, std::span<const uint8_t> codes,
 }
 
 void BlockedRows::Sum(size_t begin, size_t end, uint32_t* sums) const {
-  constexpr size_t kMaxRows = size_t{256} * kBlockRows;  // In 257 blocks at most.
+  constexpr size_t kMaxRows = size_t{256} * kBlockRows;  // In at most 257 blocks.
   const size_t block_size = size_t{kBlockRows} * stride_;
   std::fill_n(sums, stride_, 0u);
   for (; begin < end; begin += std::min(kMaxRows, end - begin)) {
@@ -183,8 +184,9 @@ void BlockedRows::Sum(size_t begin, size_t end, uint32_t* sums) const {
   }
 }
 
-// Each minimum is the distance of another row, so at least `count` rows are within the count-th of
-// them. Twice as many minima as rows that are asked for leave few more.
+// Each minimum is the distance of a different row, so at least `count` rows are within the count-th
+// smallest minimum. With twice as many minima as requested rows, few other rows are within this
+// bound.
 void BlockedRows::Nearest(const BlockQuery& query, size_t count, NearestScratch* scratch,
                           std::vector<BlockHit>* nearest) const {
   if (count == 0) {
@@ -230,7 +232,8 @@ BlockQueries::BlockQueries(std::span<const int16_t> steps, std::span<const int16
 int BlockQueries::AppendParts(std::span<const int16_t> values) {
   constexpr int16_t kMinPart = std::numeric_limits<int8_t>::min();
   constexpr int16_t kMaxPart = std::numeric_limits<int8_t>::max();
-  std::vector<int16_t> rest;  // What the parts so far do not make up; empty at first: all.
+  // What the previous parts leave of the values; not used for the first part.
+  std::vector<int16_t> rest;
   for (int num_parts = 1;; ++num_parts) {
     int16_t unequal = 0;
     const size_t begin = parts_.size();

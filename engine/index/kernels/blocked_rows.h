@@ -1,4 +1,4 @@
-// Descriptors in blocks, and queries prepared for them: see block_kernels.h.
+// Descriptors in blocks, and queries prepared for them; see block_kernels.h.
 #ifndef CAIRN_ENGINE_INDEX_KERNELS_BLOCKED_ROWS_H_
 #define CAIRN_ENGINE_INDEX_KERNELS_BLOCKED_ROWS_H_
 
@@ -22,13 +22,14 @@ struct NearestScratch {
 // Immutable; safe to use from any thread.
 class BlockedRows {
  public:
-  // rows: any number x stride bytes, row-major; `order` lists those to hold, in order. stride as in
-  // distance_kernels.h.
+  // `rows` are row-major with `stride` bytes each (see distance_kernels.h). `order` lists the rows
+  // to hold, in order.
   BlockedRows(const uint8_t* rows, int stride, std::span<const uint32_t> order);
-  // codes: rows of words.num_subspaces() bytes, to hold in their order.
+  // `codes` are rows of words.num_subspaces() bytes, which are held in the given order.
   BlockedRows(const CodeWords& words, std::span<const uint8_t> codes);
-  // The same, and Sum of each run of rows, which it reads while they are in the cache. Run i are
-  // the rows from run_begin[i] to run_begin[i + 1]; `run_sums` gets stride() numbers a run.
+  // Like the constructor above; also computes Sum for each run of rows while the rows are in the
+  // cache. Run i consists of the rows from run_begin[i] to run_begin[i + 1]. `run_sums` receives
+  // stride() numbers per run.
   BlockedRows(const CodeWords& words, std::span<const uint8_t> codes,
               std::span<const uint32_t> run_begin, std::vector<uint32_t>* run_sums);
 
@@ -37,14 +38,14 @@ class BlockedRows {
   int stride() const { return stride_; }
   std::span<const int16_t> centers() const { return centers_; }
 
-  // Squared distances to all rows; there must be room for padded_size().
+  // Computes the squared distances to all rows. `sq_distances` must have room for padded_size().
   void Scan(const BlockQuery& query, int32_t* sq_distances) const {
     ScanWith(BestBlockKernels(), query, sq_distances);
   }
-  // The first of the nearest rows; there must be some.
+  // Returns the first of the nearest rows. There must be at least one row.
   size_t Nearest(const BlockQuery& query) const { return NearestWith(BestBlockKernels(), query); }
-  // Appends the `count` nearest rows to `nearest`, of equally near ones the first, in no particular
-  // order; count <= size().
+  // Appends the `count` nearest rows to `nearest`, in no particular order; among equally near rows,
+  // the first. count <= size().
   void Nearest(const BlockQuery& query, size_t count, NearestScratch* scratch,
                std::vector<BlockHit>* nearest) const;
   // See BlockKernels::range.
@@ -53,7 +54,7 @@ class BlockedRows {
     return RangeWith(BestBlockKernels(), query, begin, end, max_sq_distance, hits);
   }
 
-  // The same by a variant of the kernels.
+  // Like the methods above, with a given variant of the kernels.
   void ScanWith(const BlockKernels& kernels, const BlockQuery& query, int32_t* sq_distances) const {
     kernels.scan(query, blocks_.data(), sq_norms_.data(), stride_, sq_norms_.size() / kBlockRows,
                  sq_distances);
@@ -72,7 +73,7 @@ class BlockedRows {
                          max_sq_distance, hits);
   }
 
-  // Asks the processor to fetch a row's block.
+  // Prefetches a row's block.
   void Prefetch(size_t row) const {
     const uint8_t* block = blocks_.data() + row / kBlockRows * kBlockRows * stride_;
     for (int i = 0; i < kBlockRows * stride_; i += kCacheLineBytes) {
@@ -81,7 +82,7 @@ class BlockedRows {
     __builtin_prefetch(sq_norms_.data() + row);
   }
 
-  // The sums of each dimension over the rows in [begin, end): stride() numbers.
+  // Computes the sum of each dimension over the rows in [begin, end): stride() numbers.
   void Sum(size_t begin, size_t end, uint32_t* sums) const;
 
   size_t MemoryBytes() const { return blocks_.capacity() + sq_norms_.capacity() * sizeof(int32_t); }
@@ -91,30 +92,32 @@ class BlockedRows {
 
   size_t size_;
   int stride_;
-  std::vector<int16_t> centers_;  // The same for all rows: the middle of a byte.
-  // No group of a block lies across two cache lines.
-  LargeVector<uint8_t> blocks_;    // The last one is padded.
-  LargeVector<int32_t> sq_norms_;  // About the centers, of whole blocks; large in the padding.
+  std::vector<int16_t> centers_;  // The same for all rows: the middle of a byte's range.
+  // Aligned so that no group of a block crosses a cache line.
+  LargeVector<uint8_t> blocks_;    // The last block is padded.
+  LargeVector<int32_t> sq_norms_;  // About the centers, for whole blocks; large for padding rows.
 };
 
-// Queries in the form of the kernels. Immutable; safe to use from any thread.
+// Queries in the form that the kernels take. Immutable; safe to use from any thread.
 class BlockQueries {
  public:
-  // steps: n x stride values as ByteScale makes them; `centers` those of the rows.
+  // `steps` holds n x stride values from ByteScale; `centers` are those of the rows.
   BlockQueries(std::span<const int16_t> steps, std::span<const int16_t> centers);
-  BlockQueries(const BlockQueries&) = delete;  // Queries point into their own memory.
+  // Not copyable: queries point into the object's memory.
+  BlockQueries(const BlockQueries&) = delete;
   BlockQueries& operator=(const BlockQueries&) = delete;
 
   const BlockQuery& operator[](size_t query) const { return queries_[query]; }
   size_t size() const { return queries_.size(); }
 
  private:
-  // Appends values as a sum of parts; returns their number.
+  // Splits values into parts that add up to them, and appends the parts. Returns the number of
+  // parts.
   int AppendParts(std::span<const int16_t> values);
 
   size_t stride_;
   std::vector<int16_t> values_;  // n x stride.
-  std::vector<int8_t> parts_;    // Of one query after the other.
+  std::vector<int8_t> parts_;    // The parts of all queries, one query after the other.
   std::vector<BlockQuery> queries_;
 };
 

@@ -8,7 +8,7 @@
 namespace cairn {
 namespace {
 
-// Rows that stay in the first-level cache while all queries visit them.
+// Number of rows that fit the level 1 cache while all queries are compared with them.
 constexpr size_t kScanRows = 1024;
 
 }  // namespace

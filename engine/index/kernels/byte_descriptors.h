@@ -1,4 +1,4 @@
-// Descriptors in the form that is searched, in the order of the tile.
+// Descriptors as bytes, in the order of the tile.
 #ifndef CAIRN_ENGINE_INDEX_KERNELS_BYTE_DESCRIPTORS_H_
 #define CAIRN_ENGINE_INDEX_KERNELS_BYTE_DESCRIPTORS_H_
 
@@ -25,12 +25,12 @@ class ByteDescriptors {
   size_t size() const { return num_rows_; }
   size_t MemoryBytes() const { return rows_.capacity(); }
 
-  // All hits, by comparing every query with every descriptor; see MatchingIndex::Search. Ordered by
-  // query, then descriptor.
+  // Finds all hits by comparing every query with every descriptor; see MatchingIndex::Search. Hits
+  // are ordered by query, then descriptor.
   int64_t Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const;
 
-  // All descriptors within `max_distance` of each query (n x dim, projected space). Appends to
-  // `hits`, ordered by query, then descriptor. Throws Error(kInternal) if the dimension is another.
+  // Finds all descriptors within `max_distance` of each query (n x dim, projected space). Appends
+  // to `hits`, ordered by query, then descriptor. Throws Error(kInternal) if the dimensions differ.
   void RangeSearch(const DescriptorMatrix& queries, double max_distance,
                    std::vector<DescriptorHit>* hits) const;
 

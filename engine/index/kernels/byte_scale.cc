@@ -14,12 +14,12 @@ namespace cairn {
 namespace {
 
 constexpr int kMaxByte = 255;
-// Queries may lie outside the words' box; beyond four times its side they are clamped.
+// Queries may lie outside the words' bounding box. Beyond four times its side they are clamped.
 constexpr float kMinQuerySteps = -1024.0f;
 constexpr float kMaxQuerySteps = 1279.0f;
 
-// Copies num_subspaces words of `subspace_dim` bytes a code. The constant size lets the copies
-// become single moves; kSubspaceDim 0 stands for any.
+// Copies num_subspaces words of `subspace_dim` bytes per code. A constant size turns the copies
+// into single moves; kSubspaceDim 0 stands for any size.
 template <int kSubspaceDim>
 void CopyWords(std::span<const uint8_t> codes, const std::vector<uint8_t>& word_bytes,
                int num_subspaces, int subspace_dim, int stride, uint8_t* rows) {
@@ -33,7 +33,7 @@ void CopyWords(std::span<const uint8_t> codes, const std::vector<uint8_t>& word_
   }
 }
 
-// Nearest step, clamped; the sum is positive, so that the cast rounds down.
+// Returns the nearest step, clamped. The sum is positive, so the cast rounds down.
 int16_t RoundToSteps(float value) {
   const float above = value > kMinQuerySteps ? value : kMinQuerySteps;
   const float clamped = above < kMaxQuerySteps ? above : kMaxQuerySteps;
@@ -41,7 +41,7 @@ int16_t RoundToSteps(float value) {
                               static_cast<int32_t>(kMinQuerySteps));
 }
 
-// The smallest and largest coordinate of the words, per dimension.
+// Computes the smallest and largest coordinate of the words in each dimension.
 void WordBounds(const Codebook& codebook, std::vector<float>* min, std::vector<float>* max) {
   const int sub_dim = codebook.subspace_dim();
   min->assign(codebook.projected_dim(), std::numeric_limits<float>::max());

@@ -46,13 +46,13 @@ std::vector<uint64_t> WordSummands(const CodeWords& words, std::span<const int32
   return summands;
 }
 
-// What the zeros of a row's padding add to its squared norm.
+// Returns the contribution of a row's zero padding to its squared norm.
 int32_t PaddingSqNorm(const CodeWords& words) {
   return (words.stride() - words.num_subspaces() * words.subspace_dim()) * kRowCenter * kRowCenter;
 }
 
-// Expands one row of codes to its place in a block; returns its squared norm. Constant numbers let
-// the loops unroll.
+// Expands one row of codes to its place in a block; returns the row's squared norm. Constant
+// numbers let the loops unroll.
 [[gnu::always_inline]] inline int32_t ExpandRow(const uint64_t* summands, const uint8_t* codes,
                                                 int num_subspaces, int subspaces_per_group,
                                                 uint8_t* to) {
@@ -70,7 +70,7 @@ int32_t PaddingSqNorm(const CodeWords& words) {
   return static_cast<int32_t>(sq_norm);
 }
 
-// Words whose dimension divides kGroupDims. kNumSubspaces 0 stands for any number.
+// For words whose dimension divides kGroupDims. kNumSubspaces 0 stands for any number.
 template <int kDim, int kNumSubspaces>
 void ExpandGroups(const CodeWords& words, const uint8_t* codes, size_t num_rows, uint8_t* blocks,
                   int32_t* sq_norms) {
@@ -89,7 +89,7 @@ void ExpandGroups(const CodeWords& words, const uint8_t* codes, size_t num_rows,
   }
 }
 
-// Words of any dimension.
+// For words of any dimension.
 void ExpandWords(const CodeWords& words, const uint8_t* codes, size_t num_rows, uint8_t* blocks,
                  int32_t* sq_norms) {
   const int dim = words.subspace_dim();
@@ -127,15 +127,15 @@ constexpr ExpansionKernel kPlain = {"plain", PlainExpand};
 
 #define CAIRN_AVX512VBMI __attribute__((target("avx512f,avx512bw,avx512vl,avx512vbmi,avx512vnni")))
 
-// The shape that the vectors are made for: eight subspaces of two dimensions.
+// The vector code handles this shape only: eight subspaces of two dimensions.
 constexpr int kNumSubspaces = 8;
 constexpr int kStride = 16;
-constexpr int kNumBlocks = 4;  // Expanded together: a vector has a byte for each of their rows.
+constexpr int kNumBlocks = 4;  // Expanded together: a vector has one byte for each of their rows.
 constexpr size_t kNumRows = size_t{kNumBlocks} * kBlockRows;
 constexpr int kVectorBytes = 64;
 
-// Codes of the rows of four blocks, a vector a subspace. Of every 16 bytes, the first four are rows
-// of the first block, the next four of the second, and so on.
+// Loads the codes of four blocks, one vector per subspace. In each 16 bytes, the first four are
+// rows of the first block, the next four rows of the second, and so on.
 CAIRN_AVX512VBMI inline void LoadCodes(const uint8_t* codes, __m512i* by_subspace) {
   constexpr int kRowsPerLoad = 4;
   const auto load = [&](int place) CAIRN_AVX512VBMI {
@@ -148,7 +148,7 @@ CAIRN_AVX512VBMI inline void LoadCodes(const uint8_t* codes, __m512i* by_subspac
     transposed[i] = static_cast<uint8_t>(i % kNumSubspaces * kNumSubspaces + i / kNumSubspaces);
   }
   const __m512i order = _mm512_load_si512(transposed.data());
-  __m512i rows[kNumSubspaces];  // Of eight rows each; one subspace after the other.
+  __m512i rows[kNumSubspaces];  // Eight rows each; one subspace after the other.
   for (int i = 0; i < kNumSubspaces; ++i) {
     rows[i] = _mm512_permutexvar_epi8(
         order, _mm512_inserti64x4(_mm512_castsi256_si512(load(2 * i)), load(2 * i + 1), 1));
@@ -173,7 +173,7 @@ CAIRN_AVX512VBMI inline void LoadCodes(const uint8_t* codes, __m512i* by_subspac
   }
 }
 
-// For each byte, the byte of that number in a plane of 256.
+// Replaces each byte by the byte of that index in a plane of 256.
 CAIRN_AVX512VBMI inline __m512i LookUp(const uint8_t* plane, __m512i bytes) {
   const __m512i low = _mm512_permutex2var_epi8(_mm512_loadu_si512(plane), bytes,
                                                _mm512_loadu_si512(plane + kVectorBytes));

@@ -1,8 +1,7 @@
 #include "engine/index/kernels/distance_kernels.h"
 
 #if defined(__x86_64__)
-// GCC 12 takes the deliberately undefined registers of its own AVX-512 header for a mistake (bug
-// 105593).
+// GCC 12 warns about the deliberately undefined registers in its own AVX-512 header (bug 105593).
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #include <immintrin.h>
 #endif
@@ -42,7 +41,7 @@ constexpr DistanceKernels kPlain = {"plain", PlainGather, PlainScan};
 #define CAIRN_AVX2 __attribute__((target("avx2")))
 #define CAIRN_AVX512 __attribute__((target("avx512f,avx512bw,avx512vl")))
 
-// Eight partial sums of one row's squared distance.
+// Returns eight partial sums of one row's squared distance.
 CAIRN_AVX2 inline __m256i Avx2PartialSums(const int16_t* query, const uint8_t* row, int stride) {
   __m256i sums = _mm256_setzero_si256();
   for (int begin = 0; begin < stride; begin += kDistanceBlock) {
@@ -54,7 +53,7 @@ CAIRN_AVX2 inline __m256i Avx2PartialSums(const int16_t* query, const uint8_t* r
   return sums;
 }
 
-// Sums of the eight lanes of each argument, in order.
+// Returns the sum over the eight lanes of each argument, in order.
 CAIRN_AVX2 inline __m128i Avx2ReduceFour(__m256i a, __m256i b, __m256i c, __m256i d) {
   const __m256i sums = _mm256_hadd_epi32(_mm256_hadd_epi32(a, b), _mm256_hadd_epi32(c, d));
   return _mm_add_epi32(_mm256_castsi256_si128(sums), _mm256_extracti128_si256(sums, 1));
@@ -87,7 +86,7 @@ CAIRN_AVX2 void Avx2Scan(const int16_t* query, const uint8_t* rows, int stride, 
   PlainScan(query, rows + i * stride, stride, count - i, sq_distances + i);
 }
 
-// Eight partial sums of each of two rows, the first row's in the lower half.
+// Returns eight partial sums for each of two rows; the first row's are in the lower half.
 CAIRN_AVX512 inline __m512i Avx512PartialSums(const int16_t* query, const uint8_t* row_a,
                                               const uint8_t* row_b, int stride) {
   __m512i sums = _mm512_setzero_si512();
@@ -103,7 +102,7 @@ CAIRN_AVX512 inline __m512i Avx512PartialSums(const int16_t* query, const uint8_
   return sums;
 }
 
-// Sums of the lower and upper halves of `ab` and `cd`, in order.
+// Returns the sums over the lower and upper halves of `ab` and `cd`, in order.
 CAIRN_AVX512 inline __m128i Avx512ReduceFour(__m512i ab, __m512i cd) {
   return Avx2ReduceFour(_mm512_castsi512_si256(ab), _mm512_extracti64x4_epi64(ab, 1),
                         _mm512_castsi512_si256(cd), _mm512_extracti64x4_epi64(cd, 1));

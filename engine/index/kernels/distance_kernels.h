@@ -1,5 +1,5 @@
-// Squared distances between a query and rows of bytes: the innermost loop of matching, in portable
-// code and in variants for wider vector units chosen at run time.
+// Squared distances between a query and rows of bytes, the innermost loop of matching. There is a
+// portable variant, and variants for wider vector units that are chosen at run time.
 #ifndef CAIRN_ENGINE_INDEX_KERNELS_DISTANCE_KERNELS_H_
 #define CAIRN_ENGINE_INDEX_KERNELS_DISTANCE_KERNELS_H_
 
@@ -9,8 +9,8 @@
 
 namespace cairn {
 
-// Rows are `stride` bytes, the query `stride` int16 values in [-1024, 1279]; stride is a multiple
-// of kDistanceBlock, at most kMaxDistanceStride. Results are integers, so every variant gives the
+// A row has `stride` bytes, the query `stride` int16 values in [-1024, 1279]. stride is a multiple
+// of kDistanceBlock, at most kMaxDistanceStride. Results are integers, so every variant returns the
 // same.
 inline constexpr int kDistanceBlock = 16;
 inline constexpr int kMaxDistanceStride = 128;
@@ -27,10 +27,11 @@ struct DistanceKernels {
                int32_t* sq_distances);
 };
 
-// The fastest variant this processor runs.
+// Returns the fastest variant that this processor supports.
 const DistanceKernels& BestDistanceKernels();
 
-// Every variant this processor runs, the portable one first. For tests and benchmarks.
+// Returns every variant that this processor supports, the portable one first. For tests and
+// benchmarks.
 std::vector<const DistanceKernels*> SupportedDistanceKernels();
 
 }  // namespace cairn

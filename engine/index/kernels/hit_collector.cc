@@ -35,7 +35,7 @@ void HitCollector::Add(uint32_t query_idx, std::span<const BlockHit> hits,
 
 void HitCollector::HandOn(const HitRun& run) {
   const float max_sq_distance = receiver_->Take(run);
-  // Rounded up: what is just useful passes.
+  // Rounded up, so that a hit exactly at the bound passes.
   constexpr float kRounding = 1.0f + 1e-6f;
   const float max_sq_steps = max_sq_distance / sq_step_ * kRounding + 1.0f;
   int32_t& bound = max_sq_steps_[run.query_idx];

@@ -9,12 +9,12 @@
 namespace cairn {
 namespace {
 
-// A word with its lowest `count` bits set; `count` may lie outside [0, 64].
+// Returns a number whose lowest `count` bits are set; `count` may lie outside [0, 64].
 uint64_t BitsBelow(int count) {
   return count <= 0 ? 0 : count >= 64 ? ~uint64_t{0} : (uint64_t{1} << count) - 1;
 }
 
-// The smallest number in {0, 1, ...} that is not less. Without std::ceil, which is a call.
+// Returns the smallest integer >= max(value, 0). Avoids std::ceil, which is a function call.
 int CeilOrZero(double value) {
   const int truncated = static_cast<int>(value);
   return std::max(0, truncated + (truncated < value ? 1 : 0));
@@ -30,7 +30,7 @@ double EffectiveInliers(const std::vector<Eigen::Vector2d>& pixels, int width_px
   const double cells_per_px = 1.0 / cell_width_px;
   const double cell_height_px = static_cast<double>(height_px) / kGridSide;
 
-  std::array<std::array<uint64_t, 2>, kGridSide> covered{};  // A bit per cell.
+  std::array<std::array<uint64_t, 2>, kGridSide> covered{};  // One bit per cell.
   int64_t summed_area = 0;
   for (const Eigen::Vector2d& pixel : pixels) {
     const double x_px = std::clamp(pixel.x(), 0.0, static_cast<double>(width_px));
@@ -44,7 +44,7 @@ double EffectiveInliers(const std::vector<Eigen::Vector2d>& pixels, int width_px
       if (sq_half_chord <= 0.0) {
         continue;
       }
-      // Columns whose centre lies on the chord: [begin, end).
+      // The columns whose centre lies on the chord are [begin, end).
       const double half_chord_px = std::sqrt(sq_half_chord);
       const int begin = CeilOrZero((x_px - half_chord_px) * cells_per_px - 0.5);
       const int end =

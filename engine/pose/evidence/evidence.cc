@@ -18,16 +18,17 @@ Eigen::Vector2d PixelOf(const QueryContext& query, const Correspondence& match) 
   return {keypoint.x_px, keypoint.y_px};
 }
 
-// Difference of two angles, [0, pi].
+// Returns the difference of two angles, [0, pi].
 double AngleBetweenRad(double a_rad, double b_rad) { return std::abs(WrapAngleRad(a_rad - b_rad)); }
 
-// The likelihood ratio of each inlier over the number of its keypoint's matches.
+// Returns each inlier's likelihood ratio divided by the number of its keypoint's matches.
 std::vector<double> LikelihoodRatios(const QueryContext& query,
                                      const std::vector<Correspondence>& correspondences,
                                      const std::vector<int>& num_matches,
                                      const std::vector<int>& inliers,
                                      const Rigid3d& cam_from_anchor, const EvidenceModel& model) {
-  constexpr double kMaxLogRatio = 30.0;  // More is no surer, and sums of it stay finite.
+  // Limits a ratio, which adds no certainty beyond, and keeps sums finite.
+  constexpr double kMaxLogRatio = 30.0;
   std::vector<LandmarkDensity> densities;
   for (int i = 0; i < query.num_cameras(); ++i) {
     densities.emplace_back(query, correspondences, cam_from_anchor, i);
@@ -51,8 +52,8 @@ std::vector<double> LikelihoodRatios(const QueryContext& query,
   return ratios;
 }
 
-// The share of right keypoints with the largest likelihood, by expectation maximisation. Writes the
-// probability that each of the inliers is right.
+// Returns the maximum-likelihood share of right keypoints, by expectation maximisation. Writes the
+// probability that each inlier is right.
 double FitShare(const std::vector<double>& ratios, int num_keypoints,
                 std::vector<double>* right_probabilities) {
   constexpr int kMaxIterations = 30;
@@ -76,7 +77,7 @@ double FitShare(const std::vector<double>& ratios, int num_keypoints,
   return share;
 }
 
-// The share of what inliers say that they say independently of each other, (0, 1].
+// Returns the share of the inliers' information that is independent, (0, 1].
 double IndependentShare(const QueryContext& query,
                         const std::vector<Correspondence>& correspondences,
                         const std::vector<int>& inliers,

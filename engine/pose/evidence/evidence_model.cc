@@ -24,8 +24,8 @@ void EvidenceModel::Validate() const {
   const auto is_positive = [](double value) { return value > 0.0 && std::isfinite(value); };
   RequireOption(is_positive(error_px) && error_per_scale >= 0.0 && std::isfinite(error_per_scale) &&
                     landmark_share >= 0.0 && std::isfinite(landmark_share),
-                "pose.evidence: the scale of errors needs a positive error_px and other parts that "
-                "are finite and not negative");
+                "pose.evidence: error_px must be positive; error_per_scale and landmark_share must "
+                "be finite and not negative");
   RequireOption(is_positive(error_degrees_of_freedom),
                 "pose.evidence.error_degrees_of_freedom must be positive");
   RequireOption(std::isfinite(offset) && std::isfinite(orientation_offset),

@@ -21,7 +21,7 @@ LandmarkDensity::LandmarkDensity(const QueryContext& query,
       counts[CellOf(*pixel)] += 1.0;
     }
   }
-  // One landmark more lies anywhere in the image, so that no cell is empty.
+  // One extra landmark is spread over the image, so that no cell is empty.
   const double per_count = 1.0 / ((num_samples + 1.0) * cell_size_px_.prod());
   for (int y = 0; y < kSide; ++y) {
     for (int x = 0; x < kSide; ++x) {

@@ -1,5 +1,6 @@
-// Where the landmarks of a query's matches fall in an image under a pose, whichever keypoints they
-// were matched to: what a keypoint may meet by chance.
+// The density, in an image under a pose, of the landmarks of a query's matches. The landmarks count
+// regardless of the keypoints they were matched to. The density gives the chance that a keypoint
+// meets one of them.
 #ifndef CAIRN_ENGINE_POSE_EVIDENCE_LANDMARK_DENSITY_H_
 #define CAIRN_ENGINE_POSE_EVIDENCE_LANDMARK_DENSITY_H_
 
@@ -12,16 +13,16 @@
 
 namespace cairn {
 
-// A smoothed histogram of 16 x 16 cells. Landmarks that a pose sees crowded in a small part of the
-// image have a high density there.
+// A smoothed histogram of 16 x 16 cells. Where a pose crowds landmarks in a small part of the
+// image, the density there is high.
 class LandmarkDensity {
  public:
-  // Of the landmarks of at most 1,000 of the correspondences, taken evenly. `camera_idx` is 0 for
+  // Uses the landmarks of at most 1,000 correspondences, at even intervals. `camera_idx` is 0 for
   // the query's own camera, i for other_cameras[i - 1].
   LandmarkDensity(const QueryContext& query, const std::vector<Correspondence>& correspondences,
                   const Rigid3d& cam_from_anchor, int camera_idx);
 
-  // The share of the landmarks that fall into a square pixel there; positive.
+  // Returns the share of the landmarks that fall into a square pixel at `pixel`; positive.
   double At(const Eigen::Vector2d& pixel) const;
 
  private:

@@ -1,4 +1,4 @@
-// What the covariances of robust estimates share.
+// Shared by the covariances of robust estimates.
 #ifndef CAIRN_ENGINE_POSE_LEAST_SQUARES_M_ESTIMATE_H_
 #define CAIRN_ENGINE_POSE_LEAST_SQUARES_M_ESTIMATE_H_
 
@@ -11,15 +11,15 @@ namespace cairn {
 // Residual of an observation that does not project, in standard deviations.
 inline constexpr double kGrossError = 100.0;
 
-// How large the residuals of an estimate are against what their standard deviations say. Residuals
-// r are in standard deviations, w is their robust weight.
+// Compares the residuals of an estimate with their standard deviations. Residuals r are in standard
+// deviations; w is the robust weight.
 struct ResidualSpread {
   double sum_sq_weight = 0.0;    // Sum of w^2.
   double sum_sq_weighted = 0.0;  // Sum of w^2 r'r.
 
-  // Asymptotic covariance of an M-estimate (Huber 1981, section 7.6): the inverse information is
-  // scaled by mean(psi^2) / mean(psi')^2. For the Cauchy loss on two-dimensional residuals
-  // psi = w r and psi' averages to w^2. At least 1.
+  // Returns the factor on the inverse information that gives the asymptotic covariance of an
+  // M-estimate (Huber 1981, section 7.6): mean(psi^2) / mean(psi')^2. For the Cauchy loss on
+  // two-dimensional residuals, psi = w r and psi' averages to w^2. At least 1.
   double CovarianceScale(double num_observations, int num_params) const {
     if (!(sum_sq_weight > 0.0)) {
       return 1.0;
@@ -30,7 +30,7 @@ struct ResidualSpread {
   }
 };
 
-// Information that keeps the directions finite that observations leave free.
+// Information that keeps the variance finite in directions that observations leave free.
 inline PoseTangent InformationFloor() {
   PoseTangent floor;
   floor << Eigen::Vector3d::Constant(1.0 / 9.0), Eigen::Vector3d::Constant(1e-6);

@@ -104,8 +104,8 @@ void NormalEquations::Add(const Eigen::Matrix<double, 2, 3>& pixel_by_anchor,
 void NormalEquations::Flush() {
   AddBatch(batch_, weights_, num_in_batch_, &sums_);
   num_in_batch_ = 0;
-  // A sum of logarithms is the logarithm of a product: one call for many residuals. The product of
-  // eight is in range for residuals of up to 1e18 standard deviations.
+  // A sum of logarithms is the logarithm of a product, so one call serves many residuals. The
+  // product of eight stays in range for residuals of up to 1e18 standard deviations.
   constexpr int kBatchesPerLog = 8;
   if (++num_batches_ == kBatchesPerLog) {
     for (double& product : sums_.loss_product) {

@@ -1,7 +1,8 @@
-// Residuals of a pose and their Jacobians, by which it is refined.
+// Residuals of a pose and their Jacobians, for refinement.
 //
-// All Jacobians are by (rotation, translation) of the camera in the anchor frame, perturbed on the
-// left: anchor_from_cam = (Exp(rotation) R, translation + C), as LocalizeResult::covariance.
+// All Jacobians are with respect to (rotation, translation) of the camera in the anchor frame,
+// perturbed on the left: anchor_from_cam = (Exp(rotation) R, translation + C), as in
+// LocalizeResult::covariance.
 #ifndef CAIRN_ENGINE_POSE_LEAST_SQUARES_POSE_RESIDUALS_H_
 #define CAIRN_ENGINE_POSE_LEAST_SQUARES_POSE_RESIDUALS_H_
 
@@ -15,10 +16,10 @@ namespace cairn {
 
 using PoseTangent = Eigen::Matrix<double, 6, 1>;
 
-// `anchor_from_cam` moved by a tangent vector.
+// Returns `anchor_from_cam` moved by a tangent vector.
 Rigid3d PerturbPose(const Rigid3d& anchor_from_cam, const PoseTangent& tangent);
 
-// A camera at a pose, in the form that many projections take.
+// A camera at a pose, prepared for many projections.
 struct PosedCamera {
   PosedCamera(const Camera& camera_in, const Rigid3d& anchor_from_cam)
       : camera(&camera_in),
@@ -30,7 +31,8 @@ struct PosedCamera {
   Eigen::Vector3d center_in_anchor;
 };
 
-// Pixel of a landmark and its derivative by the landmark; nothing if it does not project.
+// Returns the pixel of a landmark and its derivative with respect to the landmark; nothing if the
+// landmark does not project.
 inline std::optional<Eigen::Vector2d> ProjectLandmark(
     const PosedCamera& camera, const Eigen::Vector3d& x_in_anchor,
     Eigen::Matrix<double, 2, 3>* pixel_by_anchor) {
@@ -43,8 +45,8 @@ inline std::optional<Eigen::Vector2d> ProjectLandmark(
   return pixel;
 }
 
-// The Jacobian of that pixel by the pose of a rig, which turns about a centre: `from_center` is the
-// way from there to the landmark, anchor frame.
+// Returns the Jacobian of the pixel with respect to the pose of a rig, which rotates about a
+// centre. `from_center` is the vector from that centre to the landmark, anchor frame.
 inline Eigen::Matrix<double, 2, 6> ReprojectionJacobian(
     const Eigen::Matrix<double, 2, 3>& pixel_by_anchor, const Eigen::Vector3d& from_center) {
   // x_in_cam = R' Exp(-rotation) (x - C - translation).
@@ -53,8 +55,8 @@ inline Eigen::Matrix<double, 2, 6> ReprojectionJacobian(
   return jacobian;
 }
 
-// Down direction of the pose in the camera frame minus the measured one (a unit vector); for small
-// errors its norm is the angle between them. `jacobian` may be null.
+// Returns the pose's down direction in the camera frame minus the measured one (a unit vector). For
+// small errors, its norm is the angle between the two. `jacobian` may be null.
 Eigen::Vector3d GravityResidual(const Eigen::Vector3d& down_in_cam, const Rigid3d& anchor_from_cam,
                                 Eigen::Matrix<double, 3, 6>* jacobian);
 

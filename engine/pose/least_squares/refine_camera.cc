@@ -13,23 +13,23 @@
 namespace cairn {
 namespace {
 
-// The pose's six, the logarithm of the focal length, the radial coefficient.
+// Six parameters of the pose, the logarithm of the focal length, the radial coefficient.
 constexpr int kNumParams = 8;
 constexpr int kFocal = 6, kRadial = 7;
 using Vector8d = Eigen::Matrix<double, kNumParams, 1>;
 using Matrix8d = Eigen::Matrix<double, kNumParams, kNumParams>;
 using Jacobian8d = Eigen::Matrix<double, 2, kNumParams>;
 
-constexpr size_t kSimpleRadialK = 3;  // Where a SIMPLE_RADIAL has its coefficient.
-// What the parameters cannot leave: the logarithm of the focal length, against the prior's, and the
+constexpr size_t kSimpleRadialK = 3;  // Index of a SIMPLE_RADIAL's radial coefficient.
+// Bounds of the parameters: the logarithm of the focal length relative to the prior's, and the
 // radial coefficient.
 constexpr double kMaxLogFocal = 2.0;
 constexpr double kMaxRadial = 0.5;
 
 struct State {
   Rigid3d anchor_from_cam;
-  double log_focal = 0.0;  // Against the prior's camera.
-  double radial = 0.0;     // Without distortion: 0, and not the camera's.
+  double log_focal = 0.0;  // Relative to the prior's camera.
+  double radial = 0.0;     // 0 without distortion, whatever the camera's coefficient.
 };
 
 struct Linearization {
@@ -43,7 +43,7 @@ struct Problem {
   const std::vector<PoseObservation>& observations;
   const std::optional<GravityPrior>& gravity;
   const RefinePoseOptions& options;
-  double prior_weight = 1.0;  // Of the camera's prior.
+  double prior_weight = 1.0;  // Weight of the camera's prior.
 
   ResidualWeights Weights() const { return {options.keypoint_sigma_px, options.cauchy_scale}; }
 
@@ -57,7 +57,7 @@ struct Problem {
     return Camera(scaled.model(), scaled.width_px(), scaled.height_px(), std::move(params));
   }
 
-  // Of a pixel of a landmark that is at `x_in_cam`.
+  // Returns the Jacobian of the pixel of a landmark at `x_in_cam`.
   Jacobian8d PixelJacobian(const Camera& camera, const Eigen::Vector2d& pixel,
                            const Eigen::Matrix<double, 2, 3>& pixel_by_anchor,
                            const Eigen::Vector3d& from_center,
@@ -73,7 +73,8 @@ struct Problem {
     return jacobian;
   }
 
-  // Calls visit(jacobian, residual_px, information) for what projects; returns how many do not.
+  // Calls visit(jacobian, residual_px, information) for each observation that projects; returns the
+  // number of those that do not.
   template <typename Visit>
   int ForEachProjected(const State& state, const Visit& visit) const {
     const Camera camera = CameraOf(state);
@@ -134,7 +135,8 @@ struct Problem {
     return system;
   }
 
-  // The inverse of the information, reprojections scaled as in PoseCovariance. `scale` is by what.
+  // Returns the inverse of the information, in which reprojections are scaled as in PoseCovariance.
+  // `scale` receives the factor.
   Matrix8d CovarianceAt(const State& state, double* scale) const {
     const ResidualWeights weights = Weights();
     Matrix8d information = Matrix8d::Zero();
@@ -192,9 +194,10 @@ State Minimize(const Problem& problem, State state) {
   return state;
 }
 
-// Compares the prior with the observations. The prior has the variance v about 0, both together p
-// about m; so the observations alone have p v / (v - p) about d = m v / (v - p), which differs from
-// the prior by d with the variance v^2 / (v - p). The prior pulls by d - m = m p / (v - p).
+// Compares the prior with the observations. The prior has variance v about 0; prior and
+// observations together have variance p about m. So the observations alone have variance p v / (v -
+// p) about d = m v / (v - p). The prior and the observations differ by d, whose variance is v^2 /
+// (v - p). The prior pulls the estimate by d - m = m p / (v - p).
 void Judge(const CameraPrior& prior, double log_focal, Matrix8d* covariance,
            RefinedCamera* refined) {
   const double variance = prior.focal.log_sigma * prior.focal.log_sigma;

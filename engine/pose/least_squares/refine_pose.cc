@@ -20,14 +20,14 @@ struct Linearization {
   double cost = 0.0;
 };
 
-// What the covariance at one pose is made of. Residuals are in standard deviations.
+// The parts of the covariance at one pose. Residuals are in standard deviations.
 struct Spread {
   Matrix6d information = Matrix6d::Zero();          // Sum of J'J of the reprojections alone.
   Matrix6d gravity_information = Matrix6d::Zero();  // J'J of the gravity prior.
   ResidualSpread residuals;
 };
 
-// The problem in the form the iterations need.
+// The problem in the form that the iterations need.
 struct Problem {
   const Camera& camera;
   const std::vector<PoseObservation>& observations;
@@ -37,8 +37,8 @@ struct Problem {
 
   ResidualWeights Weights() const { return {options.keypoint_sigma_px, options.cauchy_scale}; }
 
-  // Calls visit(pixel_by_anchor, from_center, residual_px, landmark_px_m) for what
-  // projects, with the arguments of NormalEquations::Add. Returns the number of others.
+  // Calls visit(pixel_by_anchor, from_center, residual_px, landmark_px_m) for each observation that
+  // projects, with the arguments of NormalEquations::Add. Returns the number of those that do not.
   template <typename Visit>
   int ForEachProjected(const Rigid3d& anchor_from_cam, const Visit& visit) const {
     const PosedCamera first(camera, anchor_from_cam);

@@ -29,34 +29,35 @@ struct GravityPrior {
 
 struct RefinePoseOptions {
   double keypoint_sigma_px = 1.0;  // Standard deviation of a keypoint per axis.
-  // Scale of the Cauchy loss, in standard deviations: 2.4 keeps 95 % of the efficiency of least
+  // Scale of the Cauchy loss, in standard deviations. 2.4 keeps 95 % of the efficiency of least
   // squares on Gaussian noise.
   double cauchy_scale = 2.4;
   int max_iterations = 10;
-  double min_relative_decrease = 1e-6;  // Of the cost; a step with less is the last one.
+  // Iterations stop after a step that decreases the cost by a smaller share.
+  double min_relative_decrease = 1e-6;
 };
 
 struct RefinedPose {
   Rigid3d cam_from_anchor;
   double cost = 0.0;       // Half the sum of the robust squared residuals.
-  int num_iterations = 0;  // Accepted steps.
+  int num_iterations = 0;  // Number of accepted steps.
 };
 
-// Minimises the Cauchy-robust reprojection errors in the true (distorted) image, each weighted by
-// 1 / (keypoint_sigma_px^2 + (focal * sigma_m / distance)^2), plus the squared gravity residual, by
-// Levenberg-Marquardt from `initial`. An observation that does not project counts as a gross
-// outlier. Linear in the observations. Works for any number of them; with fewer than three (two
-// with gravity) the pose stays at or near `initial` in the free directions. In a rig the pose is
-// that of `camera`, and all cameras move with it.
+// Minimises the Cauchy-robust reprojection errors in the true (distorted) image plus the squared
+// gravity residual, by Levenberg-Marquardt from `initial_cam_from_anchor`. Each reprojection error
+// is weighted by 1 / (keypoint_sigma_px^2 + (focal * sigma_m / distance)^2). An observation that
+// does not project counts as a gross outlier. Works for any number of observations, in linear time.
+// With fewer than three observations (two with gravity), the pose stays at or near the initial pose
+// in the free directions. For a rig, the pose is that of `camera`, and all cameras move with it.
 RefinedPose RefinePose(const Camera& camera, const std::vector<PoseObservation>& observations,
                        const std::optional<GravityPrior>& gravity,
                        const Rigid3d& initial_cam_from_anchor, const RefinePoseOptions& options,
                        std::span<const QueryRigCamera> other_cameras = {});
 
-// The covariance of a refined pose, as LocalizeResult::covariance; arguments as of RefinePose. The
-// reprojections' part is scaled by how large their residuals are, robustly, if that is larger than
-// keypoint_sigma_px and sigma_m say. A direction that the observations leave free gets a large
-// finite variance (about 3 rad, 1 km).
+// Returns the covariance of a refined pose, as LocalizeResult::covariance. The arguments are those
+// of RefinePose. If the residuals are larger (robustly measured) than keypoint_sigma_px and sigma_m
+// predict, the reprojections' part is scaled up accordingly. A direction that the observations
+// leave free gets a large finite variance (about 3 rad, 1 km).
 Eigen::Matrix<double, 6, 6> PoseCovariance(const Camera& camera,
                                            const std::vector<PoseObservation>& observations,
                                            const std::optional<GravityPrior>& gravity,

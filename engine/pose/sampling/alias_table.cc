@@ -9,14 +9,14 @@ namespace cairn {
 AliasTable::AliasTable(const std::vector<double>& weights) : entries_(weights.size()) {
   const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
   const double scale = sum > 0.0 ? static_cast<double>(weights.size()) / sum : 0.0;
-  std::vector<double> shares(weights.size(), 1.0);  // 1 in the mean.
+  std::vector<double> shares(weights.size(), 1.0);  // Scaled to a mean of 1.
   std::vector<int> below, above;
   for (int i = 0; i < size(); ++i) {
     shares[i] = sum > 0.0 ? weights[i] * scale : 1.0;
-    entries_[i].alias = i;  // Kept by those that need no other.
+    entries_[i].alias = i;  // Kept by numbers that need no alias.
     (shares[i] < 1.0 ? below : above).push_back(i);
   }
-  // What a number below the mean lacks is given to one above, which may fall below by it.
+  // Fills up a number below the mean from a number above, which may thereby fall below the mean.
   while (!below.empty() && !above.empty()) {
     const int poor = below.back(), rich = above.back();
     below.pop_back();

@@ -1,4 +1,4 @@
-// Locally optimised RANSAC (Chum, Matas, Kittler, DAGM 2003): one loop for every estimator.
+// Locally optimised RANSAC (Chum, Matas, Kittler, DAGM 2003), one loop for all problems.
 #ifndef CAIRN_ENGINE_POSE_SAMPLING_RANSAC_H_
 #define CAIRN_ENGINE_POSE_SAMPLING_RANSAC_H_
 
@@ -16,19 +16,20 @@ struct RansacOptions {
   int min_iterations = 50;
   int max_iterations = 2000;
   double success_probability = 0.999;
-  // Models with a lower score are not wanted.
+  // Models with a lower score are not needed.
   double min_score = 0.0;
 };
 
 template <typename Model>
 struct RansacResult {
-  std::optional<Model> model;  // The best optimised model; nothing if no sample gave any.
+  std::optional<Model> model;  // The best optimised model; empty if no sample gave one.
   double score = 0.0;
   int num_iterations = 0;
 };
 
-// Iterations after which a sample free of outliers was drawn with `success_probability`, if one
-// sample is so with `inlier_sample_probability`; between the bounds of the options.
+// Returns the number of iterations after which a sample without outliers has been drawn with
+// `success_probability`, if each sample is free of outliers with `inlier_sample_probability`.
+// Clamped to the bounds of the options.
 inline int RequiredIterations(double inlier_sample_probability, const RansacOptions& options) {
   const double log_miss = std::log1p(-std::clamp(inlier_sample_probability, 0.0, 1.0 - 1e-12));
   const double needed =
@@ -37,25 +38,26 @@ inline int RequiredIterations(double inlier_sample_probability, const RansacOpti
                                      static_cast<double>(options.max_iterations)));
 }
 
-// The loop. An Estimator offers, with Model a copyable type of its own:
+// Runs the RANSAC loop. An Estimator provides the following, where Model is a copyable type of its
+// own:
 //
 //   static constexpr int kMaxModels;
-//     Most models that one minimal sample gives.
+//     The largest number of models that one minimal sample gives.
 //   int SampleModels(Random* random, std::array<Model, kMaxModels>* models);
-//     Draws a minimal sample, solves it, returns the number of models.
+//     Draws a minimal sample, solves it, and returns the number of models.
 //   double ScoreMinimal(const Model& model, double score_to_beat);
-//     Score of a minimal model, the higher the better, 0 is worthless. May stop early and return
-//     any value not above `score_to_beat` once the model is unlikely to beat it.
+//     Returns the score of a minimal model; higher is better, 0 is worthless. May stop early and
+//     return any value not above `score_to_beat` once the model is unlikely to beat it.
 //   std::optional<std::pair<Model, double>> Optimize(const Model& model);
-//     Local optimisation: a better model near `model` and its final score, which is comparable
-//     among optimised models only. Nothing if the model falls apart.
+//     Local optimisation: returns a better model near `model` and its final score, which is
+//     comparable among optimised models only. Returns nothing if the optimisation fails.
 //   double InlierSampleProbability(const Model& model);
-//     Probability that a minimal sample holds only inliers of the optimised `model`.
+//     Returns the probability that a minimal sample contains only inliers of the optimised `model`.
 //   double SampleProbabilityOfScore(double score);
-//     The same for a model of which only the score is known.
+//     Returns the same probability for a model of which only the score is known.
 //
-// With a min_score the loop ends as soon as a model of that score would have been found: searches
-// for something worse than what is known already stay short. Deterministic by seed.
+// With a min_score, the loop ends once a model of that score would have been found. So if a good
+// model is already known, searches for others stay short. Deterministic by seed.
 template <typename Estimator>
 RansacResult<typename Estimator::Model> LoRansac(Estimator* estimator, const RansacOptions& options,
                                                  uint64_t seed) {

@@ -15,7 +15,8 @@ void SequentialTest::SetGoodGain(double mean_gain) {
 
 void SequentialTest::LearnBadGain(double mean_gain) {
   constexpr double kMemory = 0.95;
-  constexpr double kTolerance = 0.05;  // Two logarithms cost as much as scoring 64 observations.
+  // Computing the two logarithms takes as long as scoring 64 observations.
+  constexpr double kTolerance = 0.05;
   bad_gain_ = kMemory * bad_gain_ + (1.0 - kMemory) * mean_gain;
   if (std::abs(bad_gain_ - used_bad_gain_) > kTolerance * used_bad_gain_) {
     Update();

@@ -19,7 +19,8 @@ int SolveGravityTwoPoint(const std::array<Eigen::Vector3d, 2>& bearings_in_level
   if (!(slope > kMinSlope) || !(distance_xy > kMinDistanceM)) {
     return 0;
   }
-  // Depths (l1, l2) = base + s * step; the horizontal vector between the points is then u + s v.
+  // The depths are (l1, l2) = base + s * step; the horizontal vector between the points is then u +
+  // s v.
   const double base = (difference.z() - offset.z()) / (slope * slope);
   const double base1 = base * b1.z(), base2 = -base * b2.z();
   const double step1 = b2.z() / slope, step2 = b1.z() / slope;
@@ -30,7 +31,7 @@ int SolveGravityTwoPoint(const std::array<Eigen::Vector3d, 2>& bearings_in_level
     return 0;
   }
   const double half_b = u.dot(v);
-  // half_b^2 - a c, arranged so that it does not cancel: |u x v|^2 = |u|^2 |v|^2 - (u.v)^2.
+  // half_b^2 - a c, rearranged to avoid cancellation: |u x v|^2 = |u|^2 |v|^2 - (u.v)^2.
   const double cross = u.x() * v.y() - u.y() * v.x();
   const double discriminant = a * distance_xy * distance_xy - cross * cross;
   if (!(discriminant >= 0.0)) {
@@ -46,7 +47,7 @@ int SolveGravityTwoPoint(const std::array<Eigen::Vector3d, 2>& bearings_in_level
     if (!(l1 > 0.0) || !(l2 > 0.0)) {
       continue;
     }
-    // Rotation that turns w = u + s v into the horizontal difference of the landmarks.
+    // The rotation from w = u + s v to the horizontal difference of the landmarks.
     const Eigen::Vector2d w = u + s * v;
     const double scale = 1.0 / (distance_xy * w.norm());
     const double cos_yaw = (w.x() * difference.x() + w.y() * difference.y()) * scale;

@@ -11,8 +11,8 @@ namespace {
 
 using Triple = std::array<Eigen::Vector3d, 3>;
 
-// Cosines b between bearings and squared distances a between landmarks, for the pairs (1, 2),
-// (1, 3), (2, 3): the depths l satisfy l_i^2 + l_j^2 - 2 b_ij l_i l_j = a_ij.
+// The cosines b between bearings and the squared distances a between landmarks, for the pairs (1,
+// 2), (1, 3), (2, 3). The depths l satisfy l_i^2 + l_j^2 - 2 b_ij l_i l_j = a_ij.
 struct DistanceEquations {
   std::array<double, 3> cosine;
   std::array<double, 3> sq_distance;
@@ -29,7 +29,7 @@ DistanceEquations MakeEquations(const Triple& bearings, const Triple& points) {
   return equations;
 }
 
-// The quadratic form of the left side of equation `k`.
+// Returns the quadratic form of the left side of equation `k`.
 Eigen::Matrix3d DistanceForm(const DistanceEquations& equations, int k) {
   const auto [i, j] = kPairs[k];
   Eigen::Matrix3d form = Eigen::Matrix3d::Zero();
@@ -38,19 +38,19 @@ Eigen::Matrix3d DistanceForm(const DistanceEquations& equations, int k) {
   return form;
 }
 
-// A real root of c3 x^3 + c2 x^2 + c1 x + c0, where |c3| >= |c0|; of several the best conditioned:
-// the one at which the cubic, as a form on the circle of (cos t, sin t) with x = tan t, is
-// steepest. Nothing if all coefficients are zero.
+// Returns a real root of c3 x^3 + c2 x^2 + c1 x + c0, where |c3| >= |c0|. Among several roots,
+// returns the best conditioned one. With x = tan t, that is the root at which the cubic, as a form
+// on the circle of (cos t, sin t), is steepest. Returns nothing if all coefficients are zero.
 std::optional<double> RealCubicRoot(double c3, double c2, double c1, double c0) {
   const double scale = std::max({std::abs(c3), std::abs(c2), std::abs(c1)});
   if (!(scale > 0.0)) {
     return std::nullopt;
   }
   if (std::abs(c3) <= 1e-14 * scale) {
-    return 0.0;  // c0 vanishes, too.
+    return 0.0;  // c0 is zero, too.
   }
   const double b = c2 / c3, c = c1 / c3, d = c0 / c3;
-  // x = y - b / 3 removes the square: y^3 + p y + q = 0.
+  // x = y - b / 3 removes the quadratic term: y^3 + p y + q = 0.
   const double p = c - b * b / 3.0;
   const double q = b * (2.0 * b * b / 27.0 - c / 3.0) + d;
   const double discriminant = q * q / 4.0 + p * p * p / 27.0;
@@ -63,7 +63,7 @@ std::optional<double> RealCubicRoot(double c3, double c2, double c1, double c0) 
   } else {
     const double radius = 2.0 * std::sqrt(std::max(0.0, -p / 3.0));
     const double cosine = radius > 0.0 ? std::clamp(3.0 * q / (p * radius), -1.0, 1.0) : 1.0;
-    // The cosines of a third of the angle and of that less one and two thirds of a turn.
+    // The cosines of a third of the angle, and of that angle less one and two thirds of a turn.
     const double third = std::cos(std::acos(cosine) / 3.0);
     const double sine = 0.5 * std::numbers::sqrt3 * std::sqrt(1.0 - third * third);
     num_roots = 3;
@@ -76,27 +76,29 @@ std::optional<double> RealCubicRoot(double c3, double c2, double c1, double c0) 
   for (int i = 1; i < num_roots; ++i) {
     best = sq_steepness(roots[i]) > sq_steepness(best) ? roots[i] : best;
   }
-  for (int i = 0; i < 2 && slope(best) != 0.0; ++i) {  // Newton: undoes the closed form's rounding.
+  // Newton steps remove the rounding errors of the closed form.
+  for (int i = 0; i < 2 && slope(best) != 0.0; ++i) {
     best -= (((best + b) * best + c) * best + d) / slope(best);
   }
   return best;
 }
 
-// Determinant of the matrix with these columns.
+// Returns the determinant of the matrix with these columns.
 double Det(const Eigen::Vector3d& x, const Eigen::Vector3d& y, const Eigen::Vector3d& z) {
   return x.dot(y.cross(z));
 }
 
-// Sum of the principal 2x2 minors of a symmetric matrix.
+// Returns the sum of the principal 2x2 minors of a symmetric matrix.
 double PrincipalMinors(const Eigen::Matrix3d& m) {
   return m(0, 0) * m(1, 1) - m(0, 1) * m(0, 1) + m(0, 0) * m(2, 2) - m(0, 2) * m(0, 2) +
          m(1, 1) * m(2, 2) - m(1, 2) * m(1, 2);
 }
 
-// The eigenvector of a symmetric matrix to a single eigenvalue, of length sqrt(|value|).
+// Returns the eigenvector of a symmetric matrix for a simple eigenvalue, with length sqrt(|value|).
 Eigen::Vector3d ScaledEigenvector(const Eigen::Matrix3d& m, double value) {
   const Eigen::Matrix3d shifted = m - value * Eigen::Matrix3d::Identity();
-  // It is orthogonal to all rows; of the products of two the longest is the best conditioned.
+  // The eigenvector is orthogonal to all rows. The longest cross product of two rows is the best
+  // conditioned.
   const Eigen::Vector3d row0 = shifted.col(0), row1 = shifted.col(1), row2 = shifted.col(2);
   Eigen::Vector3d best = row0.cross(row1);
   for (const Eigen::Vector3d& other : {row0.cross(row2), row1.cross(row2)}) {
@@ -107,14 +109,14 @@ Eigen::Vector3d ScaledEigenvector(const Eigen::Matrix3d& m, double value) {
   return std::sqrt(std::abs(value) / best.squaredNorm()) * best;
 }
 
-// Two lines n . l = 0 and a conic that pass through the same points as the whole pencil.
+// Two lines n . l = 0 and a conic, which meet in the points that all conics of the pencil share.
 struct LinesAndConic {
   std::array<Eigen::Vector3d, 2> lines;
   Eigen::Matrix3d conic;
 };
 
-// Splits a degenerate member A + x B of the pencil into its lines; the conic is whichever of A and
-// B is farther from that member. |det B| >= |det A|.
+// Splits a degenerate member A + x B of the pencil into its lines. The conic is A or B, whichever
+// is farther from that member. Requires |det B| >= |det A|.
 std::optional<LinesAndConic> SplitDegenerateConic(const Eigen::Matrix3d& a,
                                                   const Eigen::Matrix3d& b) {
   const auto col = [](const Eigen::Matrix3d& m, int i) -> Eigen::Vector3d { return m.col(i); };
@@ -127,7 +129,7 @@ std::optional<LinesAndConic> SplitDegenerateConic(const Eigen::Matrix3d& a,
     return std::nullopt;
   }
   const Eigen::Matrix3d degenerate = a + *x * b;
-  // One eigenvalue is zero, so the others are the roots of a quadratic: their sum is the trace,
+  // One eigenvalue is zero, so the others are the roots of a quadratic. Their sum is the trace and
   // their product the sum of the principal minors.
   const double half_trace = 0.5 * degenerate.trace();
   const double product = PrincipalMinors(degenerate);
@@ -142,7 +144,8 @@ std::optional<LinesAndConic> SplitDegenerateConic(const Eigen::Matrix3d& a,
   return LinesAndConic{{plus + minus, plus - minus}, std::abs(*x) > 1.0 ? a : b};
 }
 
-// Points in which the line n . l = 0 meets the conic l' D l = 0, up to scale. Returns 0 or 2.
+// Finds the points, up to scale, in which the line n . l = 0 meets the conic l' D l = 0. Returns
+// their number, 0 or 2.
 int MeetLineWithConic(const Eigen::Vector3d& n, const Eigen::Matrix3d& conic,
                       std::array<Eigen::Vector3d, 2>* points) {
   const Eigen::Vector3d e = n.unitOrthogonal();
@@ -160,8 +163,8 @@ int MeetLineWithConic(const Eigen::Vector3d& n, const Eigen::Matrix3d& conic,
   return 2;
 }
 
-// Scales the depths to the distances and polishes them by Gauss-Newton; false unless all are
-// positive and the distances are met.
+// Scales the depths to the distances and refines them by Gauss-Newton. Returns false unless all
+// depths are positive and the distances are met.
 bool PolishDepths(const DistanceEquations& equations, Eigen::Vector3d* depths) {
   const auto residual = [&](const Eigen::Vector3d& l, int k, double sq_distance) {
     const auto [i, j] = kPairs[k];
@@ -204,7 +207,8 @@ bool PolishDepths(const DistanceEquations& equations, Eigen::Vector3d* depths) {
   return depths->minCoeff() > 0.0 && worst < 1e-6 * sum;
 }
 
-// Orthonormal axes of the plane through three points; false if they are collinear.
+// Computes orthonormal axes of the plane through three points. Returns false if the points are
+// collinear.
 bool TriangleAxes(const Triple& points, Eigen::Matrix3d* axes) {
   const Eigen::Vector3d side = points[1] - points[0];
   const Eigen::Vector3d normal = side.cross(points[2] - points[0]);
@@ -231,8 +235,8 @@ int SolveP3p(const std::array<Eigen::Vector3d, 3>& bearings_in_cam,
   if (*std::max_element(equations.cosine.begin(), equations.cosine.end()) >= 1.0 - 1e-15) {
     return 0;
   }
-  // Two members of the pencil, dimensionless: equations 1 and 2 with the right side eliminated by
-  // the third.
+  // Two members of the pencil, dimensionless: equations 1 and 2, with the right side eliminated by
+  // equation 3.
   const double a12 = equations.sq_distance[0] / equations.sq_distance[2];
   const double a13 = equations.sq_distance[1] / equations.sq_distance[2];
   const Eigen::Matrix3d form23 = DistanceForm(equations, 2);

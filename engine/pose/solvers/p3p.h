@@ -9,13 +9,14 @@
 namespace cairn {
 
 // Finds the poses cam_from_anchor = [R | t] from which the landmarks `x_in_anchor` are seen along
-// the unit vectors `bearings_in_cam`, all at positive depth. Returns their number, 0 to 4, and
-// writes them to `solutions`; R is a rotation to rounding. None if the landmarks are collinear (or
-// two of them coincide) or two bearings are equal.
+// the unit vectors `bearings_in_cam`, all at positive depth. Returns the number of poses, 0 to 4,
+// and writes them to `solutions`; R is a rotation up to rounding. Returns 0 if the landmarks are
+// collinear (or two coincide) or two bearings are equal.
 //
-// The depths lie on two conics of the pencil spanned by the three distance equations. As in the
-// paper, a degenerate member of the pencil splits into two lines; we then meet each line with
-// another member in homogeneous coordinates, so that no depth is singled out as the divisor.
+// The depths lie on two conics of the pencil that the three distance equations span. As in the
+// paper, a degenerate member of the pencil splits into two lines. This implementation intersects
+// each line with another member in homogeneous coordinates, so that it never divides by a
+// particular depth.
 int SolveP3p(const std::array<Eigen::Vector3d, 3>& bearings_in_cam,
              const std::array<Eigen::Vector3d, 3>& x_in_anchor,
              std::array<Eigen::Matrix<double, 3, 4>, 4>* solutions);
