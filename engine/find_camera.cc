@@ -3,7 +3,7 @@
 #include "engine/find_candidates.h"
 #include "engine/focal/focal_refinement.h"
 #include "engine/focal/focal_search.h"
-#include "engine/pose/estimate_poses.h"
+#include "engine/pose/estimate_candidate_poses.h"
 #include "engine/query/build_query_context.h"
 
 namespace cairn {
@@ -20,9 +20,9 @@ QueryContext FindCamera(const QueryContext& stated, const LocalizeQuery& query,
   double best_score = 0.0;
   while (const auto factor = budget.DeadlinePassed() ? std::nullopt : search.Next()) {
     const QueryContext scaled = WithCamera(stated, WithFocalScaled(prior.camera, *factor));
-    EstimatePoses(scaled, matches,
-                  FindCandidates(scaled, tiles, *matches, options, budget, counters), options.pose,
-                  options.seed, budget, &hypotheses, counters);
+    EstimateCandidatePoses(scaled, matches,
+                           FindCandidates(scaled, tiles, *matches, options, budget, counters),
+                           options.pose, options.seed, budget, &hypotheses, counters);
     double score = 0.0;
     for (const PoseHypothesis* pose : hypotheses.Best(kNumRefined)) {
       if (pose->estimate.evidence < kMinShareOfBest * best_score) {

@@ -13,7 +13,7 @@
 #include "engine/find_candidates.h"
 #include "engine/focal/focal_search.h"
 #include "engine/matching/match_features.h"
-#include "engine/pose/estimate_poses.h"
+#include "engine/pose/estimate_candidate_poses.h"
 #include "engine/prior/search_region.h"
 #include "engine/query/build_query_context.h"
 #include "engine/query/query_budget.h"
@@ -129,8 +129,8 @@ struct Search {
 
   void Estimate(const QueryContext& context, const SharedMatches& matches,
                 const std::vector<PoseCandidate>& candidates) {
-    EstimatePoses(context, matches, candidates, options.pose, options.seed, budget, &hypotheses,
-                  counters);
+    EstimateCandidatePoses(context, matches, candidates, options.pose, options.seed, budget,
+                           &hypotheses, counters);
   }
 
   void Refine(const QueryContext& context, const SharedMatches& matches) {

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "engine/pose/estimate_pose.h"
-#include "engine/pose/pose_estimator.h"
+#include "engine/pose/pose_ransac_problem.h"
 #include "engine/query/build_query_context.h"
 
 namespace cairn {

@@ -79,9 +79,9 @@ void RandomGrids::BuildPart() const {
   if (is_complete()) {
     return;
   }
-  const int grid = num_standing();
+  const int grid = num_built();
   grids_[grid].emplace(MakeGrid(grid));
-  num_standing_.store(grid + 1, std::memory_order_release);
+  num_built_.store(grid + 1, std::memory_order_release);
   if (is_complete()) {
     places_ = {};
   }
@@ -127,7 +127,7 @@ int64_t RandomGrids::Search(const SearchRequest& request, std::vector<Descriptor
   const std::vector<int16_t> query_steps = first.scale().QuantizeQueries(request.queries);
   const BlockQueries queries = first.Prepare(query_steps);
   int64_t num_distances = 0;
-  const int num_grids = num_standing();
+  const int num_grids = num_built();
   SharedVisits own_visits;
   SharedVisits& visits = request.shared_visits != nullptr ? *request.shared_visits : own_visits;
   for (int grid = 0; grid < num_grids; ++grid) {

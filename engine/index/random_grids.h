@@ -40,7 +40,7 @@ class RandomGrids : public MatchingIndex {
   RandomGrids(const Codebook& codebook, std::span<const uint8_t> codes,
               const RandomGridsOptions& options, BuildExtent extent = BuildExtent::kWhole);
 
-  bool is_complete() const override { return num_standing() == hasher_.num_grids(); }
+  bool is_complete() const override { return num_built() == hasher_.num_grids(); }
   void BuildPart() const override;
 
   int64_t Search(const SearchRequest& request, std::vector<DescriptorHit>* hits) const override;
@@ -49,7 +49,7 @@ class RandomGrids : public MatchingIndex {
   size_t MemoryBytes() const override;
 
  private:
-  int num_standing() const { return num_standing_.load(std::memory_order_acquire); }
+  int num_built() const { return num_built_.load(std::memory_order_acquire); }
   CellLists MakeGrid(int grid) const;
   // Returns the visits of all queries to the buckets of a grid, in memory order.
   std::vector<CellVisit> MakeVisits(const DescriptorMatrix& queries, int grid) const;
@@ -65,9 +65,9 @@ class RandomGrids : public MatchingIndex {
   mutable std::mutex mutex_;  // Held while a grid is built.
   // The place in order() of each descriptor. Empty once all grids are built.
   mutable std::vector<uint32_t> places_;
-  // Any thread may read the first num_standing_ grids.
+  // Any thread may read the first num_built_ grids.
   mutable std::vector<std::optional<CellLists>> grids_;
-  mutable std::atomic<int> num_standing_ = 0;
+  mutable std::atomic<int> num_built_ = 0;
 };
 
 }  // namespace cairn

@@ -160,7 +160,7 @@ float LandmarkRanking::TileHits::Take(const HitRun& run) {
 void LandmarkRanking::TileHits::TakeLast() {
   const size_t num_kept = num_last_ > 0 ? Keep() : 0;
   for (size_t i = 0; i < num_kept; ++i) {
-    Wait(last_[i]);
+    QueueHit(last_[i]);
   }
   num_last_ = 0;
 }
@@ -190,17 +190,17 @@ size_t LandmarkRanking::TileHits::Keep() {
   return num_kept;
 }
 
-void LandmarkRanking::TileHits::Wait(const Hit& hit) {
+void LandmarkRanking::TileHits::QueueHit(const Hit& hit) {
   places_.PrefetchLandmark(hit.place);
   Hit& place = hits_[num_hits_ % kAhead];
   if (num_hits_ >= kAhead) {
-    LookUp(place);
+    QueueCandidate(place);
   }
   place = hit;
   ++num_hits_;
 }
 
-void LandmarkRanking::TileHits::LookUp(const Hit& hit) {
+void LandmarkRanking::TileHits::QueueCandidate(const Hit& hit) {
   if (hit.sq_distance > ranking_.MaxUsefulSqDistance(hit.keypoint_idx)) {
     return;
   }
@@ -233,7 +233,7 @@ void LandmarkRanking::TileHits::Rank(Candidate* candidate) {
 void LandmarkRanking::TileHits::Flush() {
   TakeLast();
   for (size_t i = num_hits_ - std::min(num_hits_, kAhead); i < num_hits_; ++i) {
-    LookUp(hits_[i % kAhead]);
+    QueueCandidate(hits_[i % kAhead]);
   }
   for (size_t i = num_candidates_ - std::min(num_candidates_, kAhead); i < num_candidates_; ++i) {
     Rank(&candidates_[i % kAhead]);

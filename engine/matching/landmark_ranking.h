@@ -136,10 +136,10 @@ class LandmarkRanking::TileHits : public HitReceiver {
   size_t Keep();
   // Prefetches a hit's landmark index and queues the hit. If the queue is full, first passes its
   // oldest hit to QueueCandidate.
-  void Wait(const Hit& hit);
+  void QueueHit(const Hit& hit);
   // Prefetches a hit's landmark and queues it as a candidate. If the queue is full, first ranks its
   // oldest candidate.
-  void LookUp(const Hit& hit);
+  void QueueCandidate(const Hit& hit);
   // Adds the position term and ranks the candidate.
   void Rank(Candidate* candidate);
 

@@ -5,7 +5,7 @@
 
 #include "engine/pose/evidence/evidence.h"
 #include "engine/pose/least_squares/refine_pose.h"
-#include "engine/pose/pose_estimator.h"
+#include "engine/pose/pose_ransac_problem.h"
 #include "engine/pose/sampling/ransac.h"
 
 namespace cairn {
@@ -104,9 +104,9 @@ RefinePoseOptions RefinementOf(const PoseOptions& options) {
 }
 
 // Fills the estimate for a pose that was refined on `refined_on`, which are some of its inliers.
-void Conclude(const QueryContext& query, const std::vector<Correspondence>& correspondences,
-              const std::vector<PoseObservation>& refined_on, const Rigid3d& cam_from_anchor,
-              InlierSet inliers, const PoseOptions& options, PoseEstimate* estimate) {
+void FillEstimate(const QueryContext& query, const std::vector<Correspondence>& correspondences,
+                  const std::vector<PoseObservation>& refined_on, const Rigid3d& cam_from_anchor,
+                  InlierSet inliers, const PoseOptions& options, PoseEstimate* estimate) {
   estimate->cam_from_anchor = cam_from_anchor;
   estimate->covariance =
       PoseCovariance(query.camera, refined_on, MakeGravityPrior(query, options), cam_from_anchor,
@@ -129,14 +129,14 @@ std::optional<PoseEstimate> EstimatePose(const QueryContext& query,
   if (options.solver == MinimalSolver::kGravityTwoPoint && !query.level_from_cam) {
     return std::nullopt;
   }
-  PoseEstimator estimator(query, correspondences, subset, options, seed);
-  if (estimator.num_keypoints() < options.min_inliers ||
-      estimator.num_keypoints() <= min_consensus) {  // A keypoint gains at most 1.
+  PoseRansacProblem problem(query, correspondences, subset, options, seed);
+  if (problem.num_keypoints() < options.min_inliers ||
+      problem.num_keypoints() <= min_consensus) {  // A keypoint gains at most 1.
     return std::nullopt;
   }
   const RansacOptions ransac_options = {options.min_iterations, options.max_iterations,
                                         options.success_probability, min_consensus};
-  const auto ransac = LoRansac(&estimator, ransac_options, seed);
+  const auto ransac = LoRansac(&problem, ransac_options, seed);
   if (!ransac.model) {
     return std::nullopt;
   }
@@ -173,8 +173,8 @@ std::optional<PoseEstimate> RefineEstimate(const QueryContext& query,
   if (static_cast<int>(inliers.indices.size()) < options.min_inliers) {
     return std::nullopt;
   }
-  Conclude(query, correspondences, observations, cam_from_anchor, std::move(inliers), options,
-           &estimate);
+  FillEstimate(query, correspondences, observations, cam_from_anchor, std::move(inliers), options,
+               &estimate);
   return estimate;
 }
 
@@ -205,8 +205,8 @@ PoseEstimate RefineOnLikelyInliers(const QueryContext& query,
       return estimate;
     }
     PoseEstimate refined = estimate;
-    Conclude(query, correspondences, observations, cam_from_anchor, std::move(inliers), options,
-             &refined);
+    FillEstimate(query, correspondences, observations, cam_from_anchor, std::move(inliers), options,
+                 &refined);
     if (refined.evidence <= estimate.evidence) {
       return estimate;
     }

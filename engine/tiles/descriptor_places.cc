@@ -6,7 +6,7 @@
 namespace cairn {
 namespace {
 
-// The packed word of a descriptor in the lower half, its landmark in the upper half.
+// The packed attributes of a descriptor in the lower half, its landmark in the upper half.
 using Entry = uint64_t;
 
 // Returns the entries of all descriptors of a tile, in the tile's order.
@@ -18,7 +18,7 @@ LargeVector<Entry> MakeEntries(const TileLandmarks& tile, const CoarseGrid& grid
   for (uint32_t landmark = 0; landmark < tile.num_landmarks(); ++landmark) {
     const uint32_t begin = tile.descriptor_begin[landmark];
     const size_t count = tile.descriptor_begin[landmark + 1] - begin;
-    const Entry entry = Entry{landmark} << 32 | grid.WordOf(tile.x_in_tile[landmark]);
+    const Entry entry = Entry{landmark} << 32 | grid.PackXy(tile.x_in_tile[landmark]);
     std::fill_n(entries.data() + begin, kAhead, entry);
     if (count > kAhead) {
       std::fill_n(entries.data() + begin, count, entry);
@@ -50,16 +50,16 @@ CoarseGrid::CoarseGrid(const TileLandmarks& tile) {
 DescriptorPlaces::DescriptorPlaces(const TileLandmarks& tile, std::span<const uint32_t> order)
     : grid_(tile),
       order_(order),
-      words_(tile.num_descriptors()),
+      packed_(tile.num_descriptors()),
       landmarks_(tile.num_descriptors()) {
   // The entries of adjacent places are scattered over an array larger than a level 2 cache. Both
   // numbers are read with one access, which is prefetched.
   constexpr size_t kAhead = 32;
   const LargeVector<Entry> entries = MakeEntries(tile, grid_);
-  for (size_t place = 0; place < words_.size(); ++place) {
-    __builtin_prefetch(&entries[descriptor(std::min(place + kAhead, words_.size() - 1))]);
+  for (size_t place = 0; place < packed_.size(); ++place) {
+    __builtin_prefetch(&entries[descriptor(std::min(place + kAhead, packed_.size() - 1))]);
     const Entry entry = entries[descriptor(place)];
-    words_[place] = static_cast<uint32_t>(entry);
+    packed_[place] = static_cast<uint32_t>(entry);
     landmarks_[place] = static_cast<uint32_t>(entry >> 32);
   }
 }
@@ -67,10 +67,13 @@ DescriptorPlaces::DescriptorPlaces(const TileLandmarks& tile, std::span<const ui
 DescriptorPlaces::DescriptorPlaces(const TileLandmarks& tile, const CoarseGrid& grid,
                                    std::span<const uint32_t> descriptors,
                                    LargeVector<uint32_t> landmarks)
-    : grid_(grid), order_(descriptors), words_(landmarks.size()), landmarks_(std::move(landmarks)) {
-  for (size_t place = 0; place < words_.size(); ++place) {
-    words_[place] =
-        grid_.WordOf(tile.x_in_tile[landmarks_[place]]) | tile.orientation_codes[descriptor(place)];
+    : grid_(grid),
+      order_(descriptors),
+      packed_(landmarks.size()),
+      landmarks_(std::move(landmarks)) {
+  for (size_t place = 0; place < packed_.size(); ++place) {
+    packed_[place] =
+        grid_.PackXy(tile.x_in_tile[landmarks_[place]]) | tile.orientation_codes[descriptor(place)];
   }
 }
 

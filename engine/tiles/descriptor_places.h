@@ -24,7 +24,7 @@ class CoarseGrid {
   float max_height_m() const { return max_height_m_; }
 
   // Returns the grid point nearest to a landmark, in the upper 24 bits.
-  uint32_t WordOf(const Eigen::Vector3f& x_in_tile) const {
+  uint32_t PackXy(const Eigen::Vector3f& x_in_tile) const {
     // Rounds to the nearest step.
     const Eigen::Vector2f steps =
         (x_in_tile.head<2>() - corner_) * steps_per_m_ + Eigen::Vector2f(0.5f, 0.5f);
@@ -32,9 +32,9 @@ class CoarseGrid {
            std::min(static_cast<uint32_t>(steps.y()), kMaxCoordinate) << kYShift;
   }
   // Returns the offset of that grid point from the corner, in steps.
-  static Eigen::Vector2f XyOf(uint32_t word) {
-    return {static_cast<float>(word >> kXShift & kMaxCoordinate),
-            static_cast<float>(word >> kYShift)};
+  static Eigen::Vector2f UnpackXy(uint32_t packed) {
+    return {static_cast<float>(packed >> kXShift & kMaxCoordinate),
+            static_cast<float>(packed >> kYShift)};
   }
 
  private:
@@ -47,9 +47,9 @@ class CoarseGrid {
   float max_height_m_ = 0.0f;
 };
 
-// In these arrays, the hits of a list are close together, even if they are far apart in the tile. A
-// single word per descriptor, with its exact orientation and its landmark's approximate position,
-// suffices to reject most hits. Immutable; safe to use from any thread.
+// In these arrays, the hits of a list are close together, even if they are far apart in the tile.
+// Most hits can be rejected by one 32-bit number per descriptor: its exact orientation and its
+// landmark's approximate position. Immutable; safe to use from any thread.
 class DescriptorPlaces {
  public:
   // `order` is the index's (MatchingIndex::order) and must outlive the object.
@@ -64,14 +64,14 @@ class DescriptorPlaces {
   uint32_t descriptor(size_t place) const {
     return order_.empty() ? static_cast<uint32_t>(place) : order_[place];
   }
-  uint8_t orientation_code(size_t place) const { return static_cast<uint8_t>(words_[place]); }
+  uint8_t orientation_code(size_t place) const { return static_cast<uint8_t>(packed_[place]); }
   // Returns the landmark's grid point, in steps from the corner.
-  Eigen::Vector2f CoarseXy(size_t place) const { return CoarseGrid::XyOf(words_[place]); }
+  Eigen::Vector2f CoarseXy(size_t place) const { return CoarseGrid::UnpackXy(packed_[place]); }
   const CoarseGrid& grid() const { return grid_; }
 
   // Prefetch prefetches the memory that orientation_code and CoarseXy read; PrefetchLandmark, the
   // memory that landmark and descriptor read.
-  void Prefetch(size_t place) const { __builtin_prefetch(&words_[place]); }
+  void Prefetch(size_t place) const { __builtin_prefetch(&packed_[place]); }
   void PrefetchLandmark(size_t place) const {
     __builtin_prefetch(&landmarks_[place]);
     if (!order_.empty()) {
@@ -80,14 +80,14 @@ class DescriptorPlaces {
   }
 
   size_t MemoryBytes() const {
-    return (words_.capacity() + landmarks_.capacity()) * sizeof(uint32_t);
+    return (packed_.capacity() + landmarks_.capacity()) * sizeof(uint32_t);
   }
   static constexpr size_t kBytesPerDescriptor = 2 * sizeof(uint32_t);
 
  private:
   CoarseGrid grid_;
   std::span<const uint32_t> order_;
-  LargeVector<uint32_t> words_;  // Orientation code (8 bits) and grid point (24 bits).
+  LargeVector<uint32_t> packed_;  // Orientation code (8 bits) and grid point (24 bits).
   LargeVector<uint32_t> landmarks_;
 };
 

@@ -15,12 +15,12 @@ constexpr int32_t kFarAway = 1 << 30;
 
 size_t PaddedSize(size_t num_rows) { return (num_rows + kBlockRows - 1) / kBlockRows * kBlockRows; }
 
-// A 32-bit number for each row of a block.
-using RowWords = std::array<uint32_t, kBlockRows>;
+// A 32-bit mask for each row of a block.
+using RowMasks = std::array<uint32_t, kBlockRows>;
 
 // For each row of a block, all bits set if the row lies in [begin, end), else none.
-RowWords MaskOfRows(size_t begin, size_t end, size_t block) {
-  RowWords mask;
+RowMasks MaskOfRows(size_t begin, size_t end, size_t block) {
+  RowMasks mask;
   for (size_t i = 0; i < kBlockRows; ++i) {
     const size_t row = block * kBlockRows + i;
     mask[i] = row >= begin && row < end ? ~uint32_t{0} : 0;
@@ -31,8 +31,8 @@ RowWords MaskOfRows(size_t begin, size_t end, size_t block) {
 // Consecutive blocks, with masks of the wanted rows in the first and the last block.
 struct BlockRun {
   size_t num_blocks;  // At most 257, so that a sum of bytes fits 16 bits.
-  RowWords first_mask;
-  RowWords last_mask;
+  RowMasks first_mask;
+  RowMasks last_mask;
 };
 
 // Adds each dimension of a group to its sum. `bytes` is the start of the group in the first block.
@@ -43,7 +43,7 @@ CAIRN_VECTOR_CLONES void AddGroup(const BlockRun& run, const uint8_t* bytes, siz
   using Words = uint32_t __attribute__((vector_size(kLanes * sizeof(uint32_t))));
   for (int row = 0; row < kBlockRows; row += kLanes) {
     Words even = {}, odd = {};  // Two 16-bit sums per lane.
-    const auto add = [&](size_t block, const RowWords* mask) {
+    const auto add = [&](size_t block, const RowMasks* mask) {
       Words words;
       std::memcpy(&words, bytes + block * block_size + row * sizeof(uint32_t), sizeof(words));
       if (mask != nullptr) {

@@ -38,7 +38,7 @@ inline int RequiredIterations(double inlier_sample_probability, const RansacOpti
                                      static_cast<double>(options.max_iterations)));
 }
 
-// Runs the RANSAC loop. An Estimator provides the following, where Model is a copyable type of its
+// Runs the RANSAC loop. A Problem provides the following, where Model is a copyable type of its
 // own:
 //
 //   static constexpr int kMaxModels;
@@ -58,34 +58,34 @@ inline int RequiredIterations(double inlier_sample_probability, const RansacOpti
 //
 // With a min_score, the loop ends once a model of that score would have been found. So if a good
 // model is already known, searches for others stay short. Deterministic by seed.
-template <typename Estimator>
-RansacResult<typename Estimator::Model> LoRansac(Estimator* estimator, const RansacOptions& options,
-                                                 uint64_t seed) {
-  using Model = typename Estimator::Model;
+template <typename Problem>
+RansacResult<typename Problem::Model> LoRansac(Problem* problem, const RansacOptions& options,
+                                               uint64_t seed) {
+  using Model = typename Problem::Model;
   RansacResult<Model> best;
   Random random(seed);
-  std::array<Model, Estimator::kMaxModels> models;
+  std::array<Model, Problem::kMaxModels> models;
   double best_minimal_score = options.min_score;
   int num_required =
       options.min_score > 0.0
-          ? RequiredIterations(estimator->SampleProbabilityOfScore(options.min_score), options)
+          ? RequiredIterations(problem->SampleProbabilityOfScore(options.min_score), options)
           : options.max_iterations;
   while (best.num_iterations < num_required) {
     ++best.num_iterations;
-    const int num_models = estimator->SampleModels(&random, &models);
+    const int num_models = problem->SampleModels(&random, &models);
     for (int i = 0; i < num_models; ++i) {
-      const double minimal_score = estimator->ScoreMinimal(models[i], best_minimal_score);
+      const double minimal_score = problem->ScoreMinimal(models[i], best_minimal_score);
       if (minimal_score <= best_minimal_score) {
         continue;
       }
       best_minimal_score = minimal_score;
-      const auto optimized = estimator->Optimize(models[i]);
+      const auto optimized = problem->Optimize(models[i]);
       if (optimized && optimized->second > best.score) {
         best.model = optimized->first;
         best.score = optimized->second;
         num_required = std::min(
             num_required,
-            RequiredIterations(estimator->InlierSampleProbability(optimized->first), options));
+            RequiredIterations(problem->InlierSampleProbability(optimized->first), options));
       }
     }
   }

@@ -9,12 +9,12 @@ namespace {
 
 // Finds the most frequent of some numbers. The model of a sample is the number drawn plus noise
 // that optimisation takes away.
-class ModeEstimator {
+class ModeProblem {
  public:
   using Model = double;
   static constexpr int kMaxModels = 1;
 
-  explicit ModeEstimator(std::vector<int> numbers) : numbers_(std::move(numbers)) {}
+  explicit ModeProblem(std::vector<int> numbers) : numbers_(std::move(numbers)) {}
 
   int SampleModels(Random* random, std::array<Model, kMaxModels>* models) {
     (*models)[0] = numbers_[random->Index(static_cast<int>(numbers_.size()))] + 0.25;
@@ -64,14 +64,14 @@ TEST(LoRansac, WithAScoreToReachStopsWhenItWouldHaveBeenReached) {
   options.min_iterations = 1;
   options.max_iterations = 100'000;
   options.success_probability = 0.99;
-  ModeEstimator nothing_good(Numbers(0, 100));
+  ModeProblem nothing_good(Numbers(0, 100));
   options.min_score = 50.0;
   const auto result = LoRansac(&nothing_good, options, 1);
   EXPECT_FALSE(result.model);
   EXPECT_EQ(result.num_iterations, 7);  // As for a half of inliers.
-  ModeEstimator better(Numbers(60, 40));
+  ModeProblem better(Numbers(60, 40));
   EXPECT_EQ(LoRansac(&better, options, 1).model, 7.0);
-  ModeEstimator worse(Numbers(40, 60));
+  ModeProblem worse(Numbers(40, 60));
   EXPECT_FALSE(LoRansac(&worse, options, 1).model);
 }
 
@@ -85,8 +85,8 @@ TEST(RequiredIterations, StaysWithinBounds) {
 }
 
 TEST(LoRansac, ReturnsOptimisedModel) {
-  ModeEstimator estimator(Numbers(30, 70));
-  const auto result = LoRansac(&estimator, RansacOptions(), 1);
+  ModeProblem problem(Numbers(30, 70));
+  const auto result = LoRansac(&problem, RansacOptions(), 1);
   ASSERT_TRUE(result.model);
   EXPECT_EQ(*result.model, 7.0);
   EXPECT_EQ(result.score, 30.0);
@@ -95,21 +95,21 @@ TEST(LoRansac, ReturnsOptimisedModel) {
 TEST(LoRansac, StopsEarlyWhenTheModelExplainsEnough) {
   RansacOptions options;
   options.min_iterations = 5;
-  ModeEstimator estimator(Numbers(90, 10));
-  EXPECT_EQ(LoRansac(&estimator, options, 1).num_iterations, 5);
-  ModeEstimator hard(Numbers(2, 98));
+  ModeProblem problem(Numbers(90, 10));
+  EXPECT_EQ(LoRansac(&problem, options, 1).num_iterations, 5);
+  ModeProblem hard(Numbers(2, 98));
   EXPECT_GT(LoRansac(&hard, options, 1).num_iterations, 100);
 }
 
 TEST(LoRansac, OptimisesOnlyImprovements) {
-  ModeEstimator estimator(Numbers(50, 50));
-  LoRansac(&estimator, RansacOptions(), 1);
-  EXPECT_LE(estimator.num_optimizations, 2);  // A single number may come first.
+  ModeProblem problem(Numbers(50, 50));
+  LoRansac(&problem, RansacOptions(), 1);
+  EXPECT_LE(problem.num_optimizations, 2);  // A single number may come first.
 }
 
 TEST(LoRansac, SameSeedSameResult) {
   for (const uint64_t seed : {1u, 2u, 3u}) {
-    ModeEstimator a(Numbers(3, 97)), b(Numbers(3, 97));
+    ModeProblem a(Numbers(3, 97)), b(Numbers(3, 97));
     const auto first = LoRansac(&a, RansacOptions(), seed);
     const auto second = LoRansac(&b, RansacOptions(), seed);
     EXPECT_EQ(first.model, second.model);

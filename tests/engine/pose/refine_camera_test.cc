@@ -6,7 +6,7 @@
 #include <random>
 
 #include "engine/pose/estimate_pose.h"
-#include "engine/pose/pose_estimator.h"
+#include "engine/pose/pose_ransac_problem.h"
 #include "support/cameras.h"
 #include "support/pose_scene.h"
 

@@ -1,4 +1,4 @@
-#include "engine/pose/pose_estimator.h"
+#include "engine/pose/pose_ransac_problem.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -129,12 +129,12 @@ std::vector<double> DrawWeights(const ConsensusSet& consensus,
   return weights;
 }
 
-PoseEstimator::Model ModelFromLevelPose(const LevelPose& pose,
-                                        const Eigen::Matrix3d& level_from_cam) {
+PoseRansacProblem::Model ModelFromLevelPose(const LevelPose& pose,
+                                            const Eigen::Matrix3d& level_from_cam) {
   // The columns of cam_from_level, rotated by the yaw about the third.
   const double c = pose.yaw_direction.x(), s = pose.yaw_direction.y();
   const Eigen::Vector3d x = level_from_cam.row(0), y = level_from_cam.row(1);
-  PoseEstimator::Model cam_from_anchor;
+  PoseRansacProblem::Model cam_from_anchor;
   cam_from_anchor.col(0) = c * x - s * y;
   cam_from_anchor.col(1) = s * x + c * y;
   cam_from_anchor.col(2) = level_from_cam.row(2);
@@ -142,7 +142,7 @@ PoseEstimator::Model ModelFromLevelPose(const LevelPose& pose,
   return cam_from_anchor;
 }
 
-Rigid3d ToRigid(const PoseEstimator::Model& cam_from_anchor) {
+Rigid3d ToRigid(const PoseRansacProblem::Model& cam_from_anchor) {
   return {Eigen::Matrix3d(cam_from_anchor.leftCols<3>()), cam_from_anchor.col(3)};
 }
 
@@ -156,10 +156,10 @@ std::optional<GravityPrior> MakeGravityPrior(const QueryContext& query,
   return GravityPrior{*query.down_in_cam, options.gravity_sigma_rad};
 }
 
-PoseEstimator::PoseEstimator(const QueryContext& query,
-                             const std::vector<Correspondence>& correspondences,
-                             const std::vector<int>& subset, const PoseOptions& options,
-                             uint64_t seed)
+PoseRansacProblem::PoseRansacProblem(const QueryContext& query,
+                                     const std::vector<Correspondence>& correspondences,
+                                     const std::vector<int>& subset, const PoseOptions& options,
+                                     uint64_t seed)
     : query_(query),
       options_(options),
       observations_(MakeObservations(query, correspondences, subset, options, seed)),
@@ -193,7 +193,7 @@ PoseEstimator::PoseEstimator(const QueryContext& query,
   }
 }
 
-bool PoseEstimator::DrawSample(Random* random, std::array<int, 3>* sample) const {
+bool PoseRansacProblem::DrawSample(Random* random, std::array<int, 3>* sample) const {
   const AliasTable* draw = &draw_;  // In a rig, the camera of the first draw replaces this.
   const auto keypoint_of = [this](int index) { return observations_[index].keypoint_idx; };
   for (int i = 0; i < sample_size(); ++i) {
@@ -213,7 +213,7 @@ bool PoseEstimator::DrawSample(Random* random, std::array<int, 3>* sample) const
   return true;
 }
 
-int PoseEstimator::SampleModels(Random* random, std::array<Model, kMaxModels>* models) {
+int PoseRansacProblem::SampleModels(Random* random, std::array<Model, kMaxModels>* models) {
   std::array<int, 3> sample;
   if (!DrawSample(random, &sample)) {
     return 0;
@@ -242,12 +242,12 @@ int PoseEstimator::SampleModels(Random* random, std::array<Model, kMaxModels>* m
   return num_poses;
 }
 
-double PoseEstimator::ScoreMinimal(const Model& cam_from_anchor, double score_to_beat) {
+double PoseRansacProblem::ScoreMinimal(const Model& cam_from_anchor, double score_to_beat) {
   return consensus_.Gain(cam_from_anchor, minimal_extra_sq_rad_, score_to_beat);
 }
 
-std::vector<PoseObservation> PoseEstimator::LocalInliers(const Model& cam_from_anchor,
-                                                         double extra_sq_rad) {
+std::vector<PoseObservation> PoseRansacProblem::LocalInliers(const Model& cam_from_anchor,
+                                                             double extra_sq_rad) {
   // More inliers make a local optimisation slower, not better. Keypoints are in random order, so
   // the first ones are a random subset.
   constexpr size_t kMaxInliers = 100;
@@ -265,7 +265,7 @@ std::vector<PoseObservation> PoseEstimator::LocalInliers(const Model& cam_from_a
   return inliers;
 }
 
-std::optional<std::pair<PoseEstimator::Model, double>> PoseEstimator::Optimize(
+std::optional<std::pair<PoseRansacProblem::Model, double>> PoseRansacProblem::Optimize(
     const Model& cam_from_anchor) {
   RefinePoseOptions refine_options;
   refine_options.keypoint_sigma_px = options_.keypoint_sigma_px;
@@ -286,14 +286,14 @@ std::optional<std::pair<PoseEstimator::Model, double>> PoseEstimator::Optimize(
   return std::pair(model, consensus_.Gain(model, 0.0, -1.0));
 }
 
-double PoseEstimator::SampleProbabilityOfScore(double score) const {
+double PoseRansacProblem::SampleProbabilityOfScore(double score) const {
   // A gain is at most 1, so there are at least `score` inliers. Their keypoints are assumed to have
   // as many observations as other keypoints, and to be drawn as often.
   const double num_inliers = std::min(score, static_cast<double>(num_keypoints()));
   return std::pow(num_inliers / std::max(1, consensus_.size()), sample_size());
 }
 
-double PoseEstimator::InlierSampleProbability(const Model& cam_from_anchor) {
+double PoseRansacProblem::InlierSampleProbability(const Model& cam_from_anchor) {
   struct Draws {  // Sums of draw weights.
     double all = 0.0;
     double inliers = 0.0;

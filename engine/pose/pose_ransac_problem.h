@@ -1,6 +1,6 @@
 // The problem of camera poses that LoRansac solves.
-#ifndef CAIRN_ENGINE_POSE_POSE_ESTIMATOR_H_
-#define CAIRN_ENGINE_POSE_POSE_ESTIMATOR_H_
+#ifndef CAIRN_ENGINE_POSE_POSE_RANSAC_PROBLEM_H_
+#define CAIRN_ENGINE_POSE_POSE_RANSAC_PROBLEM_H_
 
 #include <Eigen/Core>
 #include <array>
@@ -27,14 +27,14 @@ namespace cairn {
 // A two-point pose inherits the error of the measured gravity, so it is scored with thresholds
 // widened by twice gravity_sigma_rad. Local optimisation frees all six degrees of freedom and
 // scores with unwidened thresholds. Keeps references to its arguments. Not thread-safe.
-class PoseEstimator {
+class PoseRansacProblem {
  public:
   using Model = Eigen::Matrix<double, 3, 4>;  // cam_from_anchor = [R | t].
   static constexpr int kMaxModels = 4;
 
   // Samples and scores the correspondences `subset`. `seed` determines the order of scoring.
-  PoseEstimator(const QueryContext& query, const std::vector<Correspondence>& correspondences,
-                const std::vector<int>& subset, const PoseOptions& options, uint64_t seed);
+  PoseRansacProblem(const QueryContext& query, const std::vector<Correspondence>& correspondences,
+                    const std::vector<int>& subset, const PoseOptions& options, uint64_t seed);
 
   // Number of distinct keypoints that have a ray.
   int num_keypoints() const { return consensus_.num_keypoints(); }
@@ -80,4 +80,4 @@ std::optional<GravityPrior> MakeGravityPrior(const QueryContext& query, const Po
 
 }  // namespace cairn
 
-#endif  // CAIRN_ENGINE_POSE_POSE_ESTIMATOR_H_
+#endif  // CAIRN_ENGINE_POSE_POSE_RANSAC_PROBLEM_H_

@@ -1,0 +1,22 @@
+// Stage `pose`: estimates a pose for each candidate.
+#ifndef CAIRN_ENGINE_POSE_ESTIMATE_CANDIDATE_POSES_H_
+#define CAIRN_ENGINE_POSE_ESTIMATE_CANDIDATE_POSES_H_
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/pose/pose_hypotheses.h"
+#include "engine/pose/pose_options.h"
+
+namespace cairn {
+
+// Estimates a pose (EstimatePose) from the matches of each candidate, best candidate first, until
+// the deadline. Adds the poses to `hypotheses`.
+void EstimateCandidatePoses(const QueryContext& query, const SharedMatches& matches,
+                            const std::vector<PoseCandidate>& candidates,
+                            const PoseOptions& options, uint64_t seed, const QueryBudget& budget,
+                            PoseHypotheses* hypotheses, StageCounters* counters);
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_POSE_ESTIMATE_CANDIDATE_POSES_H_
