@@ -65,13 +65,17 @@ class SignalQueue {
     }
     read_end_ = ends[0];
     signal_pipe = ends[1];
-    for (const int signal_number : kSignals) std::signal(signal_number, QueueSignal);
+    for (const int signal_number : kSignals) {
+      std::signal(signal_number, QueueSignal);
+    }
   }
   // Makes threads that are started between two calls do without interruptions.
   static void Block(int how) {
     sigset_t signals;
     sigemptyset(&signals);
-    for (const int signal_number : kSignals) sigaddset(&signals, signal_number);
+    for (const int signal_number : kSignals) {
+      sigaddset(&signals, signal_number);
+    }
     pthread_sigmask(how, &signals, nullptr);
   }
   // The next one, if there is one within `patience`.
@@ -94,7 +98,9 @@ class SignalQueue {
 void AllowOpenFiles() {
   constexpr rlim_t kEnough = 8192;
   rlimit files{};
-  if (getrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur >= kEnough) return;
+  if (getrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur >= kEnough) {
+    return;
+  }
   files.rlim_cur = std::min(files.rlim_max, kEnough);
   setrlimit(RLIMIT_NOFILE, &files);
 }

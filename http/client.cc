@@ -30,13 +30,17 @@ nlohmann::json StatedCameraJson(const LocalizeQuery& query) {
             {"focalLength", "unknown"}};
   }
   nlohmann::json json = CameraJson(query.camera);
-  if (query.focal) json["focalLengthSigma"] = query.focal->log_sigma;
+  if (query.focal) {
+    json["focalLengthSigma"] = query.focal->log_sigma;
+  }
   return json;
 }
 
 std::string RequestJson(const LocalizeQuery& query, const ClientOptions& client) {
   nlohmann::json json;
-  if (!query.id.empty()) json["id"] = query.id;
+  if (!query.id.empty()) {
+    json["id"] = query.id;
+  }
   json["camera"] = StatedCameraJson(query);
   for (const RigCamera& other : query.other_cameras) {
     const Eigen::Quaterniond& q = other.cam_from_first.rotation;
@@ -53,7 +57,9 @@ std::string RequestJson(const LocalizeQuery& query, const ClientOptions& client)
     prior["position"] = {
         {"lat", position.lat_deg()}, {"lon", position.lon_deg()}, {"h", position.h_m}};
     prior["accuracy"] = query.prior->accuracy_m;
-    if (query.prior->height_sigma_m) prior["altitudeAccuracy"] = *query.prior->height_sigma_m;
+    if (query.prior->height_sigma_m) {
+      prior["altitudeAccuracy"] = *query.prior->height_sigma_m;
+    }
   }
   if (query.down_in_cam) {
     const Eigen::Vector3d& down = *query.down_in_cam;
@@ -91,8 +97,12 @@ std::string Explanation(const httplib::Response& response) {
     const std::string detail = TextOf(problem, "detail");
     const std::string reason = detail.empty() ? TextOf(problem, "title") : detail;
     const std::string hint = TextOf(problem, "hint");
-    if (!reason.empty()) text += ": " + reason;
-    if (!hint.empty()) text += fmt::format(" ({})", hint);
+    if (!reason.empty()) {
+      text += ": " + reason;
+    }
+    if (!hint.empty()) {
+      text += fmt::format(" ({})", hint);
+    }
   }
   return text;
 }
@@ -146,7 +156,9 @@ struct LocalizeClient::Impl {
                   fmt::format("no answer from {}: {}; is the server running?", options.url,
                               httplib::to_string(result.error())));
     }
-    if (result->status != 200) throw Error(CodeOfStatus(result->status), Explanation(*result));
+    if (result->status != 200) {
+      throw Error(CodeOfStatus(result->status), Explanation(*result));
+    }
     return result->body;
   }
 

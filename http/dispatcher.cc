@@ -38,7 +38,9 @@ HttpResponse PreflightResponse(const std::string& allow) {
 HttpResponse Dispatcher::Run(const HttpRequest& request, std::string* route_pattern) const {
   try {
     const Router::Match match = router_.Find(request);
-    if (match.route == nullptr) return PreflightResponse(match.allow);
+    if (match.route == nullptr) {
+      return PreflightResponse(match.allow);
+    }
     *route_pattern = match.route->pattern;
     return match.route->handler(request, match.path_parameter);
   } catch (const HttpError& e) {

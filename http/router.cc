@@ -23,7 +23,9 @@ std::optional<std::string> MatchPattern(std::string_view pattern, std::string_vi
   }
   const std::string_view segment =
       path.substr(prefix.size(), path.size() - prefix.size() - suffix.size());
-  if (segment.find('/') != std::string_view::npos) return std::nullopt;
+  if (segment.find('/') != std::string_view::npos) {
+    return std::nullopt;
+  }
   return std::string(segment);
 }
 
@@ -34,7 +36,9 @@ Router::Match Router::Find(const HttpRequest& request) const {
   const std::string method = request.method == "HEAD" ? "GET" : request.method;
   for (const Route& route : routes_) {
     const std::optional<std::string> parameter = MatchPattern(route.pattern, request.path);
-    if (!parameter) continue;
+    if (!parameter) {
+      continue;
+    }
     match.allow += match.allow.empty() ? "" : ", ";
     match.allow += route.method == "GET" ? "GET, HEAD" : route.method;
     if (route.method == method) {

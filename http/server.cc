@@ -21,7 +21,9 @@ constexpr int kAdminThreads = 2;
 constexpr std::chrono::seconds kMapRefreshInterval{1};
 
 int NumThreads(const ServerOptions& options) {
-  if (options.num_threads > 0) return options.num_threads;
+  if (options.num_threads > 0) {
+    return options.num_threads;
+  }
   constexpr int kMinThreads = 64;  // Most of them wait in line.
   return std::max(kMinThreads, 2 * static_cast<int>(std::thread::hardware_concurrency()));
 }
@@ -86,7 +88,9 @@ Server::~Server() { Stop(); }
 
 void Server::Start() {
   impl_->main_listener.Start();
-  if (impl_->admin_listener) impl_->admin_listener->Start();
+  if (impl_->admin_listener) {
+    impl_->admin_listener->Start();
+  }
   impl_->watcher.emplace(&impl_->service.maps());
 }
 
@@ -94,7 +98,9 @@ void Server::Stop() {
   impl_->service.BeginStop();
   impl_->watcher.reset();
   impl_->main_listener.Stop();
-  if (impl_->admin_listener) impl_->admin_listener->Stop();
+  if (impl_->admin_listener) {
+    impl_->admin_listener->Stop();
+  }
 }
 
 uint64_t Server::num_requests() const { return impl_->service.metrics().num_requests(); }

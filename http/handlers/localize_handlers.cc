@@ -14,7 +14,9 @@ namespace {
 
 // Formats that can only say a pose.
 void RequirePose(const LocalizeResult& result, const char* hint) {
-  if (result.localized) return;
+  if (result.localized) {
+    return;
+  }
   throw HttpError(ProblemCode::kNotLocalized,
                   fmt::format("no pose was found: {}", NotLocalizedReasonName(result.reason)))
       .Hint(hint);
@@ -42,7 +44,9 @@ HttpResponse HandleGeoPose(const HttpRequest& request, LocalizeService* service)
   LocalizeRequest query;
   const LocalizeService::Answer answer = service->Localize(request, ParseGeoPoseRequest, &query);
   RequirePose(answer.result, "POST /v1/localize tells more about a miss");
-  if (WantsOgcGeoPose(request.Header("accept"))) return OgcGeoPose(answer.result, query);
+  if (WantsOgcGeoPose(request.Header("accept"))) {
+    return OgcGeoPose(answer.result, query);
+  }
   HttpResponse response = HttpResponse::Json(GeoPoseResponseJson(answer.result, query));
   response.content_type = GeoPoseContentType(request.Header("accept"));
   return response;

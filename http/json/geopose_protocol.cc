@@ -35,17 +35,23 @@ constexpr double kMaxRigDelayMs = 10.0;
 // Clients in browsers send data URLs.
 std::string_view WithoutDataUrlPrefix(std::string_view text) {
   constexpr std::string_view kMarker = ";base64,";
-  if (!text.starts_with("data:")) return text;
+  if (!text.starts_with("data:")) {
+    return text;
+  }
   const size_t marker = text.substr(0, 128).find(kMarker);
   return marker == std::string_view::npos ? text : text.substr(marker + kMarker.size());
 }
 
 RequestImage ReadImage(const JsonReader& reading) {
   RequestImage sent;
-  if (const auto format = reading.Find("imageFormat")) sent.format = format->String(16);
+  if (const auto format = reading.Find("imageFormat")) {
+    sent.format = format->String(16);
+  }
   const JsonReader image = reading.At("imageBytes");
   auto bytes = DecodeBase64(WithoutDataUrlPrefix(image.String()));
-  if (!bytes || bytes->empty()) image.Fail("is not the base64 of an image");
+  if (!bytes || bytes->empty()) {
+    image.Fail("is not the base64 of an image");
+  }
   sent.bytes = std::move(*bytes);
   return sent;
 }
@@ -53,7 +59,9 @@ RequestImage ReadImage(const JsonReader& reading) {
 // Nothing if the reading leaves it out: no member, no numbers, or zeros.
 std::optional<ImageSize> StatedSize(const JsonReader& reading) {
   const auto size = reading.Find("size");
-  if (!size) return std::nullopt;
+  if (!size) {
+    return std::nullopt;
+  }
   const std::vector<double> sides = size->Numbers(0, 2);
   const bool is_unset = std::all_of(sides.begin(), sides.end(), [](double s) { return s == 0.0; });
   return is_unset ? std::nullopt : std::optional(ReadImageSize(*size));
@@ -62,7 +70,9 @@ std::optional<ImageSize> StatedSize(const JsonReader& reading) {
 // The member of `params`, unless it says that it is not known.
 std::optional<JsonReader> StatedModel(const JsonReader& params) {
   const auto model = params.Find("model");
-  if (!model) return std::nullopt;
+  if (!model) {
+    return std::nullopt;
+  }
   const std::string& name = model->String();
   const bool is_unknown = name.empty() || name == "UNKNOWN" || name == "UNKNOWN_CAMERA";
   return is_unknown ? std::nullopt : model;
@@ -77,7 +87,9 @@ std::optional<JsonReader> StatedParams(const JsonReader& params) {
 ImageSize SettleSize(const JsonReader& reading, RequestImage* image) {
   const std::optional<ImageSize> stated = StatedSize(reading);
   const std::optional<PictureHeader> header = ReadPictureHeader(image->bytes);
-  if (stated && !header) return *stated;
+  if (stated && !header) {
+    return *stated;
+  }
   if (!header) {
     reading.At("size").Fail("is missing, and the image is none that says its own size");
   }
@@ -88,7 +100,9 @@ ImageSize SettleSize(const JsonReader& reading, RequestImage* image) {
   }
   image->orientation = ReadRotationDeg(reading) ? 1 : header->exif_orientation;
   ImageSize size{header->width_px, header->height_px};
-  if (SwapsSides(image->orientation)) std::swap(size.width_px, size.height_px);
+  if (SwapsSides(image->orientation)) {
+    std::swap(size.width_px, size.height_px);
+  }
   return size;
 }
 
@@ -101,7 +115,9 @@ StatedCamera ReadCamera(const JsonReader& reading, RequestImage* image) {
     params = StatedParams(*members);
   }
   StatedCamera stated = ReadCameraParts(model, size, params);
-  if (params) return stated;
+  if (params) {
+    return stated;
+  }
   ExifInfo exif;
   try {
     exif = ReadExif(image->bytes);
@@ -126,7 +142,9 @@ bool IsPicture(const JsonReader& reading) {
 void ReadOtherCameras(const JsonReader& request, const std::vector<JsonReader>& pictures,
                       LocalizeRequest* out) {
   const auto first_place = RigPlaceOf(request, pictures.front());
-  if (!first_place || out->query.focal) return;
+  if (!first_place || out->query.focal) {
+    return;
+  }
   const auto first_time_ms = TimeOf(pictures.front());
   std::set<std::string> used = {SensorIdOf(pictures.front())};
   for (const JsonReader& picture : pictures) {
@@ -135,11 +153,17 @@ void ReadOtherCameras(const JsonReader& request, const std::vector<JsonReader>& 
     const bool is_late =
         first_time_ms && time_ms && std::abs(*time_ms - *first_time_ms) > kMaxRigDelayMs;
     const bool is_full = out->query.other_cameras.size() == LocalizeQuery::kMaxOtherCameras;
-    if (!place || place->rig != first_place->rig || is_late || is_full) continue;
-    if (used.contains(SensorIdOf(picture))) continue;
+    if (!place || place->rig != first_place->rig || is_late || is_full) {
+      continue;
+    }
+    if (used.contains(SensorIdOf(picture))) {
+      continue;
+    }
     RequestImage image = ReadImage(picture);
     StatedCamera stated = ReadCamera(picture, &image);
-    if (stated.focal) continue;  // Rigs need cameras that are known.
+    if (stated.focal) {
+      continue;  // Rigs need cameras that are known.
+    }
     used.insert(SensorIdOf(picture));
     out->query.other_cameras.push_back(
         {std::move(stated.camera),
@@ -153,7 +177,9 @@ void ReadCameras(const JsonReader& request, LocalizeRequest* out) {
   const JsonReader readings = request.At("sensorReadings").At("cameraReadings");
   std::vector<JsonReader> pictures = readings.Elements(1, kMaxReadings);
   std::erase_if(pictures, [](const JsonReader& reading) { return !IsPicture(reading); });
-  if (pictures.empty()) readings.Fail("has no picture: all are of the format DEPTH");
+  if (pictures.empty()) {
+    readings.Fail("has no picture: all are of the format DEPTH");
+  }
   const JsonReader& first = pictures.front();
   if (const auto rotation_deg = ReadRotationDeg(first)) {
     out->answer.answer_from_cam = UprightFromSent(*rotation_deg);
@@ -204,7 +230,9 @@ LocalizeRequest ParseGeoPoseRequest(std::string_view content_type, std::string_v
         "version 2 sorts the readings: {\"cameraReadings\": [...], \"geolocationReadings\": "
         "[...]}");
   }
-  if (const auto id = json.Find("id")) request.query.id = id->String(128);
+  if (const auto id = json.Find("id")) {
+    request.query.id = id->String(128);
+  }
   if (const auto timestamp = json.Find("timestamp")) {
     // Reference clients send fractions of milliseconds.
     request.timestamp_ms = static_cast<int64_t>(

@@ -10,7 +10,9 @@ namespace cairn {
 std::optional<ImageOrientation> ImageOrientationFromName(std::string_view name) {
   for (const ImageOrientation orientation :
        {ImageOrientation::kStored, ImageOrientation::kUpright}) {
-    if (name == ImageOrientationName(orientation)) return orientation;
+    if (name == ImageOrientationName(orientation)) {
+      return orientation;
+    }
   }
   return std::nullopt;
 }

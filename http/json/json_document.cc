@@ -52,7 +52,9 @@ class DocumentBuilder {
 
   bool parse_error(size_t position, const std::string&, const nlohmann::json::exception& e) {
     // The library's message quotes the input, which may be long and need not be text.
-    if (e.id == kOutOfRangeError) Refuse("the JSON has a number that is out of range");
+    if (e.id == kOutOfRangeError) {
+      Refuse("the JSON has a number that is out of range");
+    }
     Refuse(fmt::format("the JSON does not parse at byte {} of {}", position, text_bytes_));
   }
 
@@ -74,7 +76,9 @@ class DocumentBuilder {
   // Objects are small, so looking at every member is as good as an index.
   void RefuseDuplicate(const std::string& name) const {
     const size_t parent = open_.back().index;
-    if (values_[parent].num_children == 0) return;
+    if (values_[parent].num_children == 0) {
+      return;
+    }
     for (size_t i = parent + 1; i != 0; i = values_[i].next) {
       if (values_[i].name == name) {
         Refuse(fmt::format("an object has two members '{}'", name));
@@ -91,7 +95,9 @@ class DocumentBuilder {
       RefuseSize(is_array ? fmt::format("an array has more than {} elements", max_children)
                           : fmt::format("an object has more than {} members", max_children));
     }
-    if (parent.num_children > 0) values_[open.last_child].next = values_.size();
+    if (parent.num_children > 0) {
+      values_[open.last_child].next = values_.size();
+    }
     ++parent.num_children;
     open.last_child = values_.size();
   }
@@ -100,7 +106,9 @@ class DocumentBuilder {
     if (values_.size() >= limits_.max_values) {
       RefuseSize(fmt::format("the JSON has more than {} values", limits_.max_values));
     }
-    if (!open_.empty()) CountChild();
+    if (!open_.empty()) {
+      CountChild();
+    }
     JsonValue& value = values_.emplace_back();
     value.kind = kind;
     value.name = std::exchange(name_, {});

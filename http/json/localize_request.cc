@@ -40,7 +40,9 @@ PositionPrior ReadPrior(const JsonReader& json) {
     prior.accuracy_m = accuracy->Number(1e-3, kMaxAccuracyM);
   }
   if (const auto altitude_accuracy = json.Find("altitudeAccuracy")) {
-    if (!position.Has("h")) altitude_accuracy->Fail("has no height to speak of; give position.h");
+    if (!position.Has("h")) {
+      altitude_accuracy->Fail("has no height to speak of; give position.h");
+    }
     prior.height_sigma_m = altitude_accuracy->Number(1e-3, kMaxAccuracyM);
   }
   return prior;
@@ -153,13 +155,19 @@ void ReadJsonFeatures(const JsonReader& json, int max_features, LocalizeRequest*
   constexpr char kHint[] =
       "send the binary form, docs/formats/features_v1.md, as a multipart part or as base64 in "
       "features.data: numbers in JSON are ten times larger and sixty times slower to read";
-  if (json.IsArray()) json.Fail("may not be an array of numbers", kHint);
+  if (json.IsArray()) {
+    json.Fail("may not be an array of numbers", kHint);
+  }
   for (const char* member : {"descriptors", "keypoints"}) {
-    if (const auto numbers = json.Find(member)) numbers->Fail("is not accepted as JSON", kHint);
+    if (const auto numbers = json.Find(member)) {
+      numbers->Fail("is not accepted as JSON", kHint);
+    }
   }
   json.RequireOnly({"codec", "count", "encoding", "data"});
   const JsonReader data = json.At("data");
-  if (data.IsArray()) data.Fail("may not be an array of numbers", kHint);
+  if (data.IsArray()) {
+    data.Fail("may not be an array of numbers", kHint);
+  }
   if (const auto encoding = json.Find("encoding");
       encoding && encoding->String() != "features_v1") {
     encoding->Fail("is unknown", "known: features_v1; the data say the rest themselves");
@@ -171,9 +179,13 @@ void ReadJsonFeatures(const JsonReader& json, int max_features, LocalizeRequest*
 RequestImage ReadJsonImage(const JsonReader& json) {
   json.RequireOnly({"format", "data"});
   RequestImage image;
-  if (const auto format = json.Find("format")) image.format = format->String(16);
+  if (const auto format = json.Find("format")) {
+    image.format = format->String(16);
+  }
   image.bytes = ReadBase64(json.At("data"));
-  if (image.bytes.empty()) json.At("data").Fail("is empty");
+  if (image.bytes.empty()) {
+    json.At("data").Fail("is empty");
+  }
   return image;
 }
 
@@ -183,16 +195,26 @@ LocalizeRequest ReadCommon(const JsonReader& json, const RequestLimits& limits) 
       {"id", "timestamp", "camera", "image", "features", "rig", "prior", "gravity", "options"});
   LocalizeRequest request;
   request.timeout_ms = limits.default_timeout_ms;
-  if (const auto id = json.Find("id")) request.query.id = id->String(kMaxIdLength);
+  if (const auto id = json.Find("id")) {
+    request.query.id = id->String(kMaxIdLength);
+  }
   if (const auto timestamp = json.Find("timestamp")) {
     request.timestamp_ms = timestamp->Integer(-kMaxTimestampMs, kMaxTimestampMs);
   }
   const auto rig = json.Find("rig");
-  if (rig) ReadRig(*rig, &request.query);
+  if (rig) {
+    ReadRig(*rig, &request.query);
+  }
   ReadOwnCamera(json.At("camera"), &request.query);
-  if (const auto prior = json.Find("prior")) request.query.prior = ReadPrior(*prior);
-  if (const auto gravity = json.Find("gravity")) request.query.down_in_cam = ReadGravity(*gravity);
-  if (const auto options = json.Find("options")) ReadOptions(*options, &request);
+  if (const auto prior = json.Find("prior")) {
+    request.query.prior = ReadPrior(*prior);
+  }
+  if (const auto gravity = json.Find("gravity")) {
+    request.query.down_in_cam = ReadGravity(*gravity);
+  }
+  if (const auto options = json.Find("options")) {
+    ReadOptions(*options, &request);
+  }
   return request;
 }
 
@@ -253,7 +275,9 @@ struct RequestParts {
 // What parts of their own hold may not stand in the JSON as well.
 void RefuseMembersOfParts(const JsonReader& json) {
   for (const char* member : {"image", "features"}) {
-    if (const auto twice = json.Find(member)) twice->Fail("is in a part of its own already");
+    if (const auto twice = json.Find(member)) {
+      twice->Fail("is in a part of its own already");
+    }
   }
 }
 
@@ -345,7 +369,9 @@ LocalizeRequest ParseMultipartBody(std::string_view content_type, std::string_vi
 }  // namespace
 
 void SetOrientations(ImageOrientation meant, LocalizeRequest* request) {
-  if (meant == ImageOrientation::kStored) return;
+  if (meant == ImageOrientation::kStored) {
+    return;
+  }
   for (size_t i = 0; i < request->images.size(); ++i) {
     const LocalizeQuery& query = request->query;
     const Camera& camera = i == 0 ? query.camera : query.other_cameras[i - 1].camera;
@@ -358,7 +384,9 @@ void SetOrientations(ImageOrientation meant, LocalizeRequest* request) {
 
 HeightReference ReadHeightReference(const JsonReader& name) {
   const std::optional<HeightReference> reference = HeightReferenceFromName(name.String());
-  if (!reference) name.Fail("is unknown", "known: ellipsoid, msl (mean sea level)");
+  if (!reference) {
+    name.Fail("is unknown", "known: ellipsoid, msl (mean sea level)");
+  }
   return *reference;
 }
 
@@ -392,7 +420,9 @@ int PeekTimeoutMs(std::string_view body, const RequestLimits& limits) {
   constexpr std::string_view kName = "\"timeoutMs\"";
   constexpr size_t kMaxBlanks = 64;
   const size_t at = body.find(kName);
-  if (at == std::string_view::npos) return limits.default_timeout_ms;
+  if (at == std::string_view::npos) {
+    return limits.default_timeout_ms;
+  }
   std::string_view rest = body.substr(at + kName.size(), kMaxBlanks);
   rest.remove_prefix(std::min(rest.find_first_not_of(" \t\r\n:"), rest.size()));
   int timeout_ms = 0;
@@ -403,8 +433,12 @@ int PeekTimeoutMs(std::string_view body, const RequestLimits& limits) {
 
 LocalizeRequest ParseLocalizeRequest(std::string_view content_type, std::string_view body,
                                      const RequestLimits& limits) {
-  if (IsMultipart(content_type)) return ParseMultipartBody(content_type, body, limits);
-  if (MediaType(content_type) == "application/json") return ParseJsonBody(body, limits);
+  if (IsMultipart(content_type)) {
+    return ParseMultipartBody(content_type, body, limits);
+  }
+  if (MediaType(content_type) == "application/json") {
+    return ParseJsonBody(body, limits);
+  }
   throw HttpError(ProblemCode::kUnsupportedMediaType,
                   fmt::format("the content type '{}' is not accepted", content_type.substr(0, 64)))
       .Hint("send application/json or multipart/form-data");

@@ -48,7 +48,9 @@ StatedCamera ReadCameraParts(const std::optional<JsonReader>& model, const Image
                              const std::optional<JsonReader>& params) {
   const auto [width_px, height_px] = size;
   if (params) {
-    if (!model) params->Fail("have no model", "name it in model, as SIMPLE_PINHOLE");
+    if (!model) {
+      params->Fail("have no model", "name it in model, as SIMPLE_PINHOLE");
+    }
     const CameraModel camera_model = ReadModel(*model);
     const std::vector<double> numbers = params->Numbers(0, 16);
     try {

@@ -64,7 +64,9 @@ EventLoop::EventLoop(Socket listening, const ConnectionLimits& connection_limits
       epoll_(epoll_create1(EPOLL_CLOEXEC)),
       wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
       next_expiry_(TimePoint::max()) {
-  if (epoll_.fd() < 0 || wake_.fd() < 0) ThrowSystemError("an event loop");
+  if (epoll_.fd() < 0 || wake_.fd() < 0) {
+    ThrowSystemError("an event loop");
+  }
   epoll_event wake{.events = EPOLLIN, .data = {.ptr = &wake_}};
   epoll_event accept{.events = EPOLLIN, .data = {.ptr = &listening_}};
   if (epoll_ctl(epoll_.fd(), EPOLL_CTL_ADD, wake_.fd(), &wake) != 0 ||
@@ -87,7 +89,9 @@ std::optional<RequestJob> EventLoop::Next() {
 }
 
 std::optional<RequestJob> EventLoop::TakeReady() {
-  if (ready_.empty() || num_answering_ == max_answering_) return std::nullopt;
+  if (ready_.empty() || num_answering_ == max_answering_) {
+    return std::nullopt;
+  }
   ++num_answering_;
   std::optional<RequestJob> job = std::move(ready_.front());
   ready_.pop_front();
@@ -110,10 +114,16 @@ void EventLoop::RunRound() {
     }
   }
   TakeBackAnswered();  // Of those that had an event meanwhile nobody may have called Wake.
-  if (stop_requested_ && !is_closing_) BeginClosing();
+  if (stop_requested_ && !is_closing_) {
+    BeginClosing();
+  }
   const TimePoint now = steady_clock::now();
-  if (accept_again_ && now >= *accept_again_) ResumeAccepting();
-  if (now >= next_expiry_) Expire();
+  if (accept_again_ && now >= *accept_again_) {
+    ResumeAccepting();
+  }
+  if (now >= next_expiry_) {
+    Expire();
+  }
   closed_.clear();
 }
 
@@ -121,18 +131,28 @@ int EventLoop::WaitMs() {
   {
     const std::lock_guard lock(mutex_);
     wake_when_answered_ = !ready_.empty() || is_closing_;
-    if (wake_when_answered_ && !answered_.empty()) return 0;
+    if (wake_when_answered_ && !answered_.empty()) {
+      return 0;
+    }
   }
   TimePoint wake_at = next_expiry_;
-  if (accept_again_) wake_at = std::min(wake_at, *accept_again_);
-  if (num_answering_ > 0) wake_at = std::min(wake_at, steady_clock::now() + kMaxSleepWhileLent);
-  if (wake_at == TimePoint::max()) return -1;
+  if (accept_again_) {
+    wake_at = std::min(wake_at, *accept_again_);
+  }
+  if (num_answering_ > 0) {
+    wake_at = std::min(wake_at, steady_clock::now() + kMaxSleepWhileLent);
+  }
+  if (wake_at == TimePoint::max()) {
+    return -1;
+  }
   const auto left = std::chrono::ceil<milliseconds>(wake_at - steady_clock::now());
   return static_cast<int>(std::max<int64_t>(left.count(), 0));
 }
 
 void EventLoop::HandleEvent(uint32_t events, Entry* entry) {
-  if (entry->is_closed) return;
+  if (entry->is_closed) {
+    return;
+  }
   if (entry->is_lent) {
     entry->events_while_lent |= events;
     const std::lock_guard lock(mutex_);
@@ -173,8 +193,12 @@ void EventLoop::HandleAcceptError(int error) {
   const bool is_exhausted =
       error == EMFILE || error == ENFILE || error == ENOBUFS || error == ENOMEM;
   // Otherwise nobody waits, or one that waited has gone. The port stays readable for the next.
-  if (!is_exhausted) return;
-  if (!DropMostConnections()) PauseAccepting();
+  if (!is_exhausted) {
+    return;
+  }
+  if (!DropMostConnections()) {
+    PauseAccepting();
+  }
   ReportShortage(std::strerror(error));
 }
 
@@ -186,7 +210,9 @@ void EventLoop::PauseAccepting() {
 void EventLoop::ResumeAccepting() {
   accept_again_.reset();
   epoll_event accept{.events = EPOLLIN, .data = {.ptr = &listening_}};
-  if (epoll_ctl(epoll_.fd(), EPOLL_CTL_ADD, listening_.fd(), &accept) != 0) PauseAccepting();
+  if (epoll_ctl(epoll_.fd(), EPOLL_CTL_ADD, listening_.fd(), &accept) != 0) {
+    PauseAccepting();
+  }
 }
 
 void EventLoop::Adopt(Socket socket, Peer peer) {
@@ -197,11 +223,15 @@ void EventLoop::Adopt(Socket socket, Peer peer) {
     num_dropped_ += is_full;
     ReportShortage("too many connections");
   }
-  if (is_full && entries_.size() >= max_connections + kMaxTurnedAway) return;
+  if (is_full && entries_.size() >= max_connections + kMaxTurnedAway) {
+    return;
+  }
   auto entry = std::make_unique<Entry>(std::move(socket), std::move(peer), &connection_limits_);
   epoll_event event{.events = EPOLLIN | EPOLLOUT | EPOLLRDHUP | EPOLLET,
                     .data = {.ptr = entry.get()}};
-  if (epoll_ctl(epoll_.fd(), EPOLL_CTL_ADD, entry->socket().fd(), &event) != 0) return;
+  if (epoll_ctl(epoll_.fd(), EPOLL_CTL_ADD, entry->socket().fd(), &event) != 0) {
+    return;
+  }
   entry->index = entries_.size();
   entry->usage = &usage_[entry->peer().network];
   ++entry->usage->num_connections;
@@ -225,7 +255,9 @@ void EventLoop::Advance(Entry* entry) {
       case Connection::Next::kWait:
         break;
     }
-    if (is_closing_ && entry->is_idle() && entry->has_served()) return Close(entry);
+    if (is_closing_ && entry->is_idle() && entry->has_served()) {
+      return Close(entry);
+    }
   } catch (const HttpError& error) {
     return Refuse(entry, error);
   } catch (const std::exception& error) {
@@ -239,7 +271,9 @@ void EventLoop::Advance(Entry* entry) {
 void EventLoop::Lend(Entry* entry) {
   ReceivedRequest request = entry->TakeRequest();
   Account(entry, entry->buffered_bytes() + request.body.capacity());
-  if (entry->is_closed) return;
+  if (entry->is_closed) {
+    return;
+  }
   entry->is_lent = true;
   ready_.push_back({entry, std::move(request)});
 }
@@ -248,7 +282,9 @@ void EventLoop::Refuse(Entry* entry, const HttpError& error) {
   entry->Respond(refuse_(error), /*keep_alive=*/false);
   next_expiry_ = std::min(next_expiry_, DeadlineOf(*entry));
   // It sends and reads only; what is refused is refused once.
-  if (entry->Proceed() == Connection::Next::kClose) return Close(entry);
+  if (entry->Proceed() == Connection::Next::kClose) {
+    return Close(entry);
+  }
   Account(entry, entry->buffered_bytes());
 }
 
@@ -260,7 +296,9 @@ void EventLoop::TakeBack(Connection* connection) {
     must_wake = must_wake || wake_when_answered_ || entry->has_event_while_lent;
     answered_.push_back(entry);
   }
-  if (must_wake) Wake();
+  if (must_wake) {
+    Wake();
+  }
 }
 
 void EventLoop::TakeBackAnswered() {
@@ -268,7 +306,9 @@ void EventLoop::TakeBackAnswered() {
   {
     const std::lock_guard lock(mutex_);
     answered.swap(answered_);
-    for (Entry* entry : answered) entry->has_event_while_lent = false;
+    for (Entry* entry : answered) {
+      entry->has_event_while_lent = false;
+    }
   }
   for (Entry* entry : answered) {
     entry->is_lent = false;
@@ -280,7 +320,9 @@ void EventLoop::TakeBackAnswered() {
 }
 
 EventLoop::TimePoint EventLoop::DeadlineOf(const Entry& entry) const {
-  if (is_closing_ && entry.is_idle()) return entry.waiting_since() + kFirstByteTime;
+  if (is_closing_ && entry.is_idle()) {
+    return entry.waiting_since() + kFirstByteTime;
+  }
   return std::min(entry.deadline(), closing_deadline_);
 }
 
@@ -289,7 +331,9 @@ void EventLoop::Expire() {
   std::vector<Entry*> late;
   next_expiry_ = TimePoint::max();
   for (const auto& entry : entries_) {
-    if (entry->is_lent) continue;
+    if (entry->is_lent) {
+      continue;
+    }
     const TimePoint deadline = DeadlineOf(*entry);
     if (deadline <= now) {
       late.push_back(entry.get());
@@ -298,16 +342,22 @@ void EventLoop::Expire() {
     }
   }
   for (Entry* entry : late) {
-    if (entry->is_closed) continue;
+    if (entry->is_closed) {
+      continue;
+    }
     try {
       entry->GiveUp();
-      if (entry->is_sending()) entry->socket().Abort();
+      if (entry->is_sending()) {
+        entry->socket().Abort();
+      }
       Close(entry);
     } catch (const HttpError& error) {
       Refuse(entry, error);
     }
   }
-  if (next_expiry_ != TimePoint::max()) next_expiry_ = std::max(next_expiry_, now + kExpiryGrain);
+  if (next_expiry_ != TimePoint::max()) {
+    next_expiry_ = std::max(next_expiry_, now + kExpiryGrain);
+  }
 }
 
 void EventLoop::BeginClosing() {
@@ -319,9 +369,13 @@ void EventLoop::BeginClosing() {
   closing_deadline_ = next_expiry_ + limits_.stop_timeout;
   std::vector<Entry*> served;
   for (const auto& entry : entries_) {
-    if (!entry->is_lent && entry->is_idle() && entry->has_served()) served.push_back(entry.get());
+    if (!entry->is_lent && entry->is_idle() && entry->has_served()) {
+      served.push_back(entry.get());
+    }
   }
-  for (Entry* entry : served) Close(entry);
+  for (Entry* entry : served) {
+    Close(entry);
+  }
 }
 
 void EventLoop::Account(Entry* entry, size_t bytes) {
@@ -337,8 +391,12 @@ template <typename Rank>
 EventLoop::Entry* EventLoop::Foremost(const Rank& rank) const {
   Entry* foremost = nullptr;
   for (const auto& entry : entries_) {
-    if (entry->is_lent) continue;
-    if (foremost == nullptr || rank(*entry) > rank(*foremost)) foremost = entry.get();
+    if (entry->is_lent) {
+      continue;
+    }
+    if (foremost == nullptr || rank(*entry) > rank(*foremost)) {
+      foremost = entry.get();
+    }
   }
   return foremost;
 }
@@ -348,7 +406,9 @@ bool EventLoop::DropMostConnections() {
   Entry* const foremost = Foremost([now](const Entry& entry) {
     return std::tuple(entry.usage->num_connections, now - entry.waiting_since());
   });
-  if (foremost != nullptr) Drop(foremost);
+  if (foremost != nullptr) {
+    Drop(foremost);
+  }
   return foremost != nullptr;
 }
 
@@ -358,7 +418,9 @@ bool EventLoop::DropMostBytes() {
     const std::chrono::duration<double> age = now - entry.waiting_since();
     return std::tuple(entry.usage->bytes, static_cast<double>(entry.counted_bytes) * age.count());
   });
-  if (foremost != nullptr) Drop(foremost);
+  if (foremost != nullptr) {
+    Drop(foremost);
+  }
   return foremost != nullptr;
 }
 
@@ -371,17 +433,23 @@ void EventLoop::Drop(Entry* entry) {
 
 void EventLoop::ReportShortage(const char* cause) {
   const TimePoint now = steady_clock::now();
-  if (now < next_report_) return;
+  if (now < next_report_) {
+    return;
+  }
   next_report_ = now + kReportInterval;
   LogWarning("{} connections were ended or turned away: {}", std::exchange(num_dropped_, 0), cause);
 }
 
 void EventLoop::Close(Entry* entry) {
-  if (entry->is_closed) return;
+  if (entry->is_closed) {
+    return;
+  }
   entry->is_closed = true;
   buffered_bytes_ -= entry->counted_bytes;
   entry->usage->bytes -= entry->counted_bytes;
-  if (--entry->usage->num_connections == 0) usage_.erase(entry->peer().network);
+  if (--entry->usage->num_connections == 0) {
+    usage_.erase(entry->peer().network);
+  }
   entry->socket().Close();
   std::swap(entries_[entry->index], entries_.back());
   entries_[entry->index]->index = entry->index;

@@ -65,7 +65,9 @@ HttpRequest ToRequest(ReceivedRequest received, const std::string& remote_addres
     throw HttpError(ProblemCode::kBadRequest, "the target has a malformed percent escape");
   }
   const std::string_view client_id = received.head.Header("x-request-id");
-  if (IsUsableRequestId(client_id)) request_id = client_id;
+  if (IsUsableRequestId(client_id)) {
+    request_id = client_id;
+  }
   HttpRequest request{.method = std::move(received.head.method),
                       .path = std::move(target->path),
                       .query = std::move(target->query),
@@ -83,7 +85,9 @@ HttpRequest ToRequest(ReceivedRequest received, const std::string& remote_addres
 // Handlers open files, too.
 LoopLimits WithinOpenFiles(LoopLimits limits) {
   rlimit files{};
-  if (getrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur == RLIM_INFINITY) return limits;
+  if (getrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur == RLIM_INFINITY) {
+    return limits;
+  }
   const auto half = static_cast<int64_t>(std::min<rlim_t>(files.rlim_cur, 1 << 20) / 2);
   if (half < limits.max_connections) {
     LogWarning("the process may open {} files: at most {} connections at once", files.rlim_cur,
@@ -168,10 +172,14 @@ void Listener::Start() {
 }
 
 void Listener::Stop() {
-  if (impl_->threads.empty()) return;
+  if (impl_->threads.empty()) {
+    return;
+  }
   impl_->is_stopping = true;
   impl_->loop->Stop();
-  for (std::thread& thread : impl_->threads) thread.join();
+  for (std::thread& thread : impl_->threads) {
+    thread.join();
+  }
   impl_->threads.clear();
 }
 

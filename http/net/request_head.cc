@@ -45,14 +45,18 @@ std::string ToLower(std::string_view text) {
 
 std::string_view Trim(std::string_view text) {
   const size_t begin = text.find_first_not_of(" \t");
-  if (begin == std::string_view::npos) return {};
+  if (begin == std::string_view::npos) {
+    return {};
+  }
   return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
 }
 
 // Takes the next line, without its CRLF, off the front of `rest`.
 std::string_view TakeLine(std::string_view* rest) {
   const size_t end = rest->find("\r\n");
-  if (end == std::string_view::npos) Refuse(ProblemCode::kBadRequest, "a line does not end");
+  if (end == std::string_view::npos) {
+    Refuse(ProblemCode::kBadRequest, "a line does not end");
+  }
   const std::string_view line = rest->substr(0, end);
   rest->remove_prefix(end + 2);
   return line;
@@ -177,7 +181,9 @@ void ReadConnectionHeaders(RequestHead* head) {
 
 std::string_view RequestHead::Header(std::string_view lower_case_name) const {
   for (const auto& [name, value] : headers) {
-    if (name == lower_case_name) return value;
+    if (name == lower_case_name) {
+      return value;
+    }
   }
   return {};
 }

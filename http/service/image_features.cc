@@ -34,7 +34,9 @@ void CheckSize(int64_t width_px, int64_t height_px, const Picture& picture, int6
         .At(picture.pointer + "/image")
         .Hint("scale it down, and the camera's parameters with it");
   }
-  if (SwapsSides(picture.image.orientation)) std::swap(width_px, height_px);
+  if (SwapsSides(picture.image.orientation)) {
+    std::swap(width_px, height_px);
+  }
   if (width_px != camera.width_px() || height_px != camera.height_px()) {
     throw HttpError(ProblemCode::kInvalidImage,
                     fmt::format("the image is {} x {} pixels, the camera's images are {} x {}",
@@ -88,7 +90,9 @@ GrayImage Decode(const Picture& picture, const ImageDecodeLimits& limits) {
 }
 
 void ThrowIfStopped(const ImageDecodeLimits& limits) {
-  if (limits.should_stop && limits.should_stop()) throw DecodingStopped();
+  if (limits.should_stop && limits.should_stop()) {
+    throw DecodingStopped();
+  }
 }
 
 FeatureSet Extract(const Picture& picture, const ImageDecodeLimits& limits, ServerTimes* times) {

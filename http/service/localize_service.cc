@@ -24,7 +24,9 @@ LocalizerOptions MakeLocalizerOptions(const ServerOptions& options) {
 // Throws unless the features are what the map's codebook takes.
 void CheckCodec(const ServedMap& map, const LocalizeQuery& query) {
   const std::shared_ptr<const Codebook> codebook = map.store->Snapshot().CurrentCodebook();
-  if (codebook == nullptr) return;  // An empty map: nothing is covered, whatever the features.
+  if (codebook == nullptr) {
+    return;  // An empty map: nothing is covered, whatever the features.
+  }
   const bool is_raw = query.features.space == DescriptorSpace::kRaw;
   const std::string codec = is_raw ? codebook->descriptor_type : codebook->CodecName();
   const bool unnamed = is_raw && query.codec.empty();
@@ -86,7 +88,9 @@ bool LocalizeService::ExtractInTime(LocalizeRequest* request, ServerTimes* times
     ExtractQueryFeatures(limits, request, times);
     return true;
   } catch (const DecodingStopped&) {
-    if (stopping_) throw HttpError(ProblemCode::kUnavailable, "the server is stopping");
+    if (stopping_) {
+      throw HttpError(ProblemCode::kUnavailable, "the server is stopping");
+    }
     return false;
   }
 }

@@ -15,7 +15,9 @@ void Describe(const char* name, const char* type, const char* help, std::string*
 
 // Of what did not run, as the query needed no refinement or its turn came too late, the time is 0.
 void AddIfRun(double seconds, DurationHistogram* histogram) {
-  if (seconds > 0.0) histogram->Add(seconds);
+  if (seconds > 0.0) {
+    histogram->Add(seconds);
+  }
 }
 
 void Single(const char* name, const char* type, const char* help, double value, std::string* text) {
@@ -46,7 +48,9 @@ double DurationHistogram::BoundSeconds(int bucket) {
 
 void DurationHistogram::Add(double seconds) {
   int bucket = 0;
-  while (bucket < kNumBounds && seconds > BoundSeconds(bucket)) ++bucket;
+  while (bucket < kNumBounds && seconds > BoundSeconds(bucket)) {
+    ++bucket;
+  }
   ++counts_[bucket];
   sum_seconds_ += seconds;
 }
@@ -76,7 +80,9 @@ void Metrics::CountRequest(const std::string& route, int status, double seconds)
 uint64_t Metrics::num_requests() const {
   const std::lock_guard lock(mutex_);
   uint64_t sum = 0;
-  for (const auto& [route_and_status, count] : requests_) sum += count;
+  for (const auto& [route_and_status, count] : requests_) {
+    sum += count;
+  }
   return sum;
 }
 

@@ -103,7 +103,9 @@ void ServedMaps::Look(bool is_forced) {
         break;
     }
     if (current->is_stand_in) {
-      if (is_alone) TakePlaceOfStandIn();
+      if (is_alone) {
+        TakePlaceOfStandIn();
+      }
     } else if (is_forced || must_reload_) {
       must_reload_ = true;
       TakeOverwritten();
@@ -126,7 +128,9 @@ void ServedMaps::ReplaceCurrent(std::shared_ptr<const ServedMap> next) {
   current_.swap(next);
   lock.unlock();
   // Queries hold the tiles that they use.
-  if (next->cache != Current()->cache) next->cache->Clear();
+  if (next->cache != Current()->cache) {
+    next->cache->Clear();
+  }
   replaced_.push_back(std::move(next));
 }
 
@@ -136,7 +140,9 @@ void ServedMaps::TakeReplacement() {
   std::shared_ptr<ServedMap> next =
       Open(OpenMode::kImmutable, std::make_shared<TileCache>(options_.cache_bytes));
   const std::shared_ptr<const ServedMap> old = Current();
-  if (!old->is_stand_in) replaced_log_ = old->log;
+  if (!old->is_stand_in) {
+    replaced_log_ = old->log;
+  }
   LogInfo("{} was replaced; the map of {} is served from now on, no longer the one of {}",
           options_.path, next->created_at, old->created_at);
   ReplaceCurrent(std::move(next));
@@ -152,7 +158,9 @@ void ServedMaps::TakeOverwritten() {
                        Value(next->version_when_opened) >= Value(old->version_when_opened);
   LogInfo("{} was opened again: {}", options_.path,
           is_same ? "it is the same map" : "it is another map, which is served from now on");
-  if (!is_same) ReplaceCurrent(std::move(next));
+  if (!is_same) {
+    ReplaceCurrent(std::move(next));
+  }
   SetProblem("", "");
 }
 
@@ -184,7 +192,9 @@ bool ServedMaps::LogIsOfReplacedMap(const std::string& log_path) const {
 void ServedMaps::SetProblem(const std::string& problem, const std::string& detail) {
   {
     const std::lock_guard lock(mutex_);
-    if (problem == problem_) return;
+    if (problem == problem_) {
+      return;
+    }
     problem_ = problem;
   }
   if (problem.empty()) {

@@ -229,7 +229,9 @@ Header ReadHeader(std::span<const uint8_t> blob, int max_features) {
     Refuse(fmt::format("version {} is not supported; this server reads version {}", header.version,
                        kVersion));
   }
-  if (header.space > 1) Refuse(fmt::format("unknown descriptor space {}", header.space));
+  if (header.space > 1) {
+    Refuse(fmt::format("unknown descriptor space {}", header.space));
+  }
   if (header.descriptor_encoding > 3) {
     Refuse(fmt::format("unknown descriptor encoding {}", header.descriptor_encoding));
   }
@@ -333,7 +335,9 @@ DescriptorMatrix ReadDescriptors(const Layout& layout) {
   float* values = descriptors.data();
   switch (static_cast<DescriptorEncoding>(layout.header.descriptor_encoding)) {
     case DescriptorEncoding::kFloat32:
-      if (num_values > 0) std::memcpy(values, layout.descriptors, num_values * sizeof(float));
+      if (num_values > 0) {
+        std::memcpy(values, layout.descriptors, num_values * sizeof(float));
+      }
       break;
     case DescriptorEncoding::kFloat16:
       for (size_t i = 0; i < num_values; ++i) {
@@ -349,7 +353,9 @@ DescriptorMatrix ReadDescriptors(const Layout& layout) {
       ReadScaled(layout, &descriptors);
       break;
   }
-  if (!descriptors.allFinite()) Refuse("a descriptor is not finite");
+  if (!descriptors.allFinite()) {
+    Refuse("a descriptor is not finite");
+  }
   return descriptors;
 }
 

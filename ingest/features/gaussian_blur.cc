@@ -92,7 +92,9 @@ void BlurAll(const FloatImage& image, const Kernel& kernel, int radius, float* s
 int RadiusOf(double sigma_px) {
   const double three_sigmas_px = 3.0 * sigma_px;
   for (const int radius : {4, 5, 6, 8}) {
-    if (three_sigmas_px <= radius) return radius;
+    if (three_sigmas_px <= radius) {
+      return radius;
+    }
   }
   return kMaxRadius;
 }

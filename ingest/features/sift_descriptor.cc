@@ -153,7 +153,9 @@ void SumColumns(const Columns& columns, const SampleShares& shares, float* __res
           }
         }
         for (int half = kLanes / 2; half > 0; half /= 2) {
-          for (int lane = 0; lane < half; ++lane) sums[lane] += sums[lane + half];
+          for (int lane = 0; lane < half; ++lane) {
+            sums[lane] += sums[lane + half];
+          }
         }
         *descriptor++ = sums[0];
       }
@@ -163,16 +165,24 @@ void SumColumns(const Columns& columns, const SampleShares& shares, float* __res
 
 float Norm(std::span<const float, kSiftDim> values) {
   float sum = 0.0f;
-  for (const float value : values) sum += value * value;
+  for (const float value : values) {
+    sum += value * value;
+  }
   return std::sqrt(sum);
 }
 
 void Normalize(std::span<float, kSiftDim> descriptor) {
   const float norm = Norm(descriptor);
-  if (!(norm > 0.0f)) return;
-  for (float& value : descriptor) value = std::min(value, kLargestShare * norm);
+  if (!(norm > 0.0f)) {
+    return;
+  }
+  for (float& value : descriptor) {
+    value = std::min(value, kLargestShare * norm);
+  }
   const float scale = kLength / Norm(descriptor);
-  for (float& value : descriptor) value = std::min(std::round(scale * value), kLargestValue);
+  for (float& value : descriptor) {
+    value = std::min(std::round(scale * value), kLargestValue);
+  }
 }
 
 }  // namespace

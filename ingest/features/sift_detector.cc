@@ -68,7 +68,9 @@ class Neighbourhood {
     const float value = sign * At(0, 0, 0);
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
-        if (sign * At(dx, dy, ds) >= value) return false;
+        if (sign * At(dx, dy, ds) >= value) {
+          return false;
+        }
       }
     }
     return true;
@@ -125,10 +127,14 @@ std::optional<SiftExtremum> Refine(const ScaleSpaceOctave& octave,
     bool is_invertible = false;
     Eigen::Matrix3d inverse;
     hessian.computeInverseWithCheck(inverse, is_invertible);
-    if (!is_invertible) return std::nullopt;
+    if (!is_invertible) {
+      return std::nullopt;
+    }
     offset = -inverse * gradient;
     step_x = StepTowards(offset.x(), x, width), step_y = StepTowards(offset.y(), y, height);
-    if (step_x == 0 && step_y == 0) break;
+    if (step_x == 0 && step_y == 0) {
+      break;
+    }
   }
   const double contrast = std::abs(value + 0.5 * gradient.dot(offset));
   const double refined_level = level + offset.z();
@@ -155,9 +161,13 @@ void ForEachMark(const std::vector<uint8_t>& marks, const Use& use) {
   for (size_t first = 0; first < marks.size(); first += kWordBytes) {
     uint64_t word;
     std::memcpy(&word, marks.data() + first, kWordBytes);
-    if (word == 0) continue;
+    if (word == 0) {
+      continue;
+    }
     for (size_t x = first; x < first + kWordBytes; ++x) {
-      if (marks[x] != 0) use(static_cast<int>(x));
+      if (marks[x] != 0) {
+        use(static_cast<int>(x));
+      }
     }
   }
 }
@@ -168,7 +178,9 @@ std::vector<SiftExtremum> DetectSiftExtrema(const ScaleSpaceOctave& octave,
                                             const SiftDetectorOptions& options) {
   const int width = octave.gaussians[0].width_px(), height = octave.gaussians[0].height_px();
   std::vector<SiftExtremum> extrema;
-  if (width < 3 || height < 3) return extrema;
+  if (width < 3 || height < 3) {
+    return extrema;
+  }
   const auto threshold = static_cast<float>(kTriedShare * options.contrast_threshold * kGreyLevels);
   std::vector<uint8_t> marks((static_cast<size_t>(width) + 7) / 8 * 8);
   FloatImage differences(width, 3);  // The row that is searched and its neighbours.
@@ -176,12 +188,16 @@ std::vector<SiftExtremum> DetectSiftExtrema(const ScaleSpaceOctave& octave,
     for (int y = 0; y < height; ++y) {
       SubtractRow(octave.Level(level + 1).Row(y), octave.Level(level).Row(y), width,
                   differences.Row(y % 3));
-      if (y < 2) continue;
+      if (y < 2) {
+        continue;
+      }
       MarkExtremaOfRow(differences.Row((y - 2) % 3), differences.Row((y - 1) % 3),
                        differences.Row(y % 3), width, threshold, marks.data());
       ForEachMark(marks, [&](int x) {
         const Neighbourhood around(octave, x, y - 1, level);
-        if (!around.IsBeyondLevel(-1) || !around.IsBeyondLevel(1)) return;
+        if (!around.IsBeyondLevel(-1) || !around.IsBeyondLevel(1)) {
+          return;
+        }
         if (const auto extremum = Refine(octave, options, x, y - 1, level)) {
           extrema.push_back(*extremum);
         }

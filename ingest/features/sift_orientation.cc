@@ -76,7 +76,9 @@ Histogram DirectionsAround(const FloatImage& gaussian, const SiftExtremum& extre
     const double reach = std::sqrt(std::max(sq_radius - dy * dy, 0.0));
     const int first = std::max(left, static_cast<int>(std::ceil(extremum.x_px - reach)));
     const int last = std::min(right, static_cast<int>(std::floor(extremum.x_px + reach)));
-    if (first > last) continue;
+    if (first > last) {
+      continue;
+    }
     MeasureRow(gaussian.Row(row - 1) + first, gaussian.Row(row) + first,
                gaussian.Row(row + 1) + first, window + first - left, falloff(dy), last - first + 1,
                &gradients);
@@ -114,7 +116,9 @@ SiftOrientations FindSiftOrientations(const ScaleSpaceOctave& octave,
     const float right = histogram[bin == kNumBins - 1 ? 0 : bin + 1];
     const float value = histogram[bin];
     // Of two equal bins the first is the peak, which then lies between them.
-    if (!(value > least && value > left && value >= right)) continue;
+    if (!(value > least && value > left && value >= right)) {
+      continue;
+    }
     const float offset = -0.5f * (right - left) / (right + left - 2.0f * value);
     orientations.angles_rad[orientations.num++] =
         static_cast<float>(2.0 * std::numbers::pi / kNumBins) *

@@ -17,7 +17,9 @@ namespace {
 std::string_view Trimmed(std::string_view text) {
   constexpr std::string_view kBlanks = " \t\r";
   const size_t begin = text.find_first_not_of(kBlanks);
-  if (begin == std::string_view::npos) return {};
+  if (begin == std::string_view::npos) {
+    return {};
+  }
   return text.substr(begin, text.find_last_not_of(kBlanks) + 1 - begin);
 }
 
@@ -26,7 +28,9 @@ std::vector<std::string_view> SplitCells(std::string_view line) {
   while (true) {
     const size_t comma = line.find(',');
     cells.push_back(Trimmed(line.substr(0, comma)));
-    if (comma == std::string_view::npos) return cells;
+    if (comma == std::string_view::npos) {
+      return cells;
+    }
     line.remove_prefix(comma + 1);
   }
 }
@@ -38,8 +42,12 @@ class PositionTable {
  public:
   explicit PositionTable(const std::string& path)
       : path_(path), file_(ReadTextFile(path, kMaxTableBytes)) {
-    if (!NextLine()) Throw("the header is missing");
-    for (size_t i = 0; i < cells_.size(); ++i) column_of_name_.emplace(cells_[i], i);
+    if (!NextLine()) {
+      Throw("the header is missing");
+    }
+    for (size_t i = 0; i < cells_.size(); ++i) {
+      column_of_name_.emplace(cells_[i], i);
+    }
     for (const char* name : {"image", "lat_deg", "lon_deg", "h_m"}) {
       if (!Has(name)) {
         Throw(
@@ -55,7 +63,9 @@ class PositionTable {
   bool NextLine() {
     while (std::getline(file_, line_)) {
       ++line_number_;
-      if (Trimmed(line_).empty()) continue;
+      if (Trimmed(line_).empty()) {
+        continue;
+      }
       cells_ = SplitCells(line_);
       if (num_columns_ != 0 && cells_.size() != num_columns_) {
         Throw(fmt::format("{} columns where the header has {}", cells_.size(), num_columns_));
@@ -105,8 +115,12 @@ std::vector<CameraPosition> ReadCameraPositions(const std::string& path) {
     position.image_name = table.Text("image");
     position.position = Geodetic::FromDegrees(table.Number("lat_deg"), table.Number("lon_deg"),
                                               table.Number("h_m"));
-    if (table.Has("accuracy_m")) position.accuracy_m = table.Number("accuracy_m");
-    if (!(position.accuracy_m > 0.0)) table.Throw("column accuracy_m: must be positive");
+    if (table.Has("accuracy_m")) {
+      position.accuracy_m = table.Number("accuracy_m");
+    }
+    if (!(position.accuracy_m > 0.0)) {
+      table.Throw("column accuracy_m: must be positive");
+    }
     try {
       ValidateGeodetic(position.position, Excerpt(position.image_name).c_str());
     } catch (const Error& e) {
@@ -120,7 +134,9 @@ std::vector<CameraPosition> ReadCameraPositions(const std::string& path) {
 std::vector<CameraPosition> GpsPositions(const Reconstruction& reconstruction, double accuracy_m) {
   std::vector<CameraPosition> positions;
   for (const ReconImage& image : reconstruction.images) {
-    if (image.gps) positions.push_back({image.name, *image.gps, accuracy_m});
+    if (image.gps) {
+      positions.push_back({image.name, *image.gps, accuracy_m});
+    }
   }
   return positions;
 }

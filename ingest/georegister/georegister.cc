@@ -48,11 +48,15 @@ struct MatchedPosition {
 std::vector<MatchedPosition> MatchByName(const Reconstruction& reconstruction,
                                          const std::vector<CameraPosition>& positions) {
   std::unordered_map<std::string, const ReconImage*> image_of_name;
-  for (const ReconImage& image : reconstruction.images) image_of_name.emplace(image.name, &image);
+  for (const ReconImage& image : reconstruction.images) {
+    image_of_name.emplace(image.name, &image);
+  }
   std::vector<MatchedPosition> matched;
   for (const CameraPosition& position : positions) {
     const auto image = image_of_name.find(position.image_name);
-    if (image == image_of_name.end()) continue;
+    if (image == image_of_name.end()) {
+      continue;
+    }
     ValidateGeodetic(position.position, position.image_name.c_str());
     if (!(position.accuracy_m > 0.0) || !std::isfinite(position.accuracy_m)) {
       throw Error(ErrorCode::kBadInput,
@@ -68,10 +72,14 @@ std::vector<MatchedPosition> MatchByName(const Reconstruction& reconstruction,
 // solver sees well-scaled numbers whatever the reconstruction's units.
 Sim3d NormalizedFromWorld(const std::vector<MatchedPosition>& matched) {
   std::vector<Eigen::Vector3d> centers;
-  for (const MatchedPosition& position : matched) centers.push_back(position.center_in_world);
+  for (const MatchedPosition& position : matched) {
+    centers.push_back(position.center_in_world);
+  }
   const Eigen::Vector3d middle = Median3(centers);
   std::vector<double> distances;
-  for (const Eigen::Vector3d& center : centers) distances.push_back((center - middle).norm());
+  for (const Eigen::Vector3d& center : centers) {
+    distances.push_back((center - middle).norm());
+  }
   const double spread = Median(distances);
   if (!(spread > 0.0)) {
     throw Error(ErrorCode::kBadInput,
@@ -111,7 +119,9 @@ void RequireSpread(const SimilarityProblem& problem) {
   }
   const Eigen::Vector3d middle = Median3(centers);
   double sum_sq_m = 0.0;
-  for (const Eigen::Vector3d& center : centers) sum_sq_m += (center - middle).squaredNorm();
+  for (const Eigen::Vector3d& center : centers) {
+    sum_sq_m += (center - middle).squaredNorm();
+  }
   const double accuracy_m = Median(accuracies_m);
   // The standard deviation of a scale fitted to n positions of this spread.
   if (!(accuracy_m < kMaxRelativeScaleError * std::sqrt(sum_sq_m))) {
@@ -180,8 +190,9 @@ Georegistration Georegister(const Reconstruction& reconstruction,
                             options.min_positions));
   }
   std::vector<Eigen::Vector3d> centers_in_ecef;
-  for (const MatchedPosition& position : matched)
+  for (const MatchedPosition& position : matched) {
     centers_in_ecef.push_back(position.center_in_ecef);
+  }
   const Rigid3d ecef_from_enu = EcefFromEnu(GeodeticFromEcef(Median3(centers_in_ecef)));
   const Sim3d normalized_from_world = NormalizedFromWorld(matched);
   const SimilarityProblem problem =

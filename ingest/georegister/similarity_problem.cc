@@ -95,7 +95,9 @@ std::optional<Sim3d> FromTwoPositions(const SimilarityProblem::Position& a,
   const Eigen::Vector3d across_enu = b.center_in_enu - a.center_in_enu;
   const double level_length = across_level.head<2>().norm();
   const double enu_length = across_enu.head<2>().norm();
-  if (!(level_length > 0.0) || !(enu_length > 0.0)) return std::nullopt;
+  if (!(level_length > 0.0) || !(enu_length > 0.0)) {
+    return std::nullopt;
+  }
   const double yaw_rad =
       std::atan2(across_enu.y(), across_enu.x()) - std::atan2(across_level.y(), across_level.x());
   Sim3d enu_from_world;
@@ -119,7 +121,9 @@ std::optional<Sim3d> FromThreePositions(const std::array<SimilarityProblem::Posi
     const Eigen::Vector3d a = p.col(1) - p.col(0), b = p.col(2) - p.col(0);
     return !(a.cross(b).norm() > 1e-3 * a.norm() * b.norm());
   };
-  if (is_line(world) || is_line(enu)) return std::nullopt;
+  if (is_line(world) || is_line(enu)) {
+    return std::nullopt;
+  }
   const Eigen::Matrix4d matrix = Eigen::umeyama(world, enu, /*with_scaling=*/true);
   Sim3d enu_from_world;
   enu_from_world.scale = std::cbrt(matrix.topLeftCorner<3, 3>().determinant());
@@ -136,7 +140,9 @@ class Cheapest {
   explicit Cheapest(const SimilarityProblem* problem) : problem_(problem) {}
 
   void Consider(const std::optional<Sim3d>& candidate) {
-    if (!candidate || !IsUsable(*candidate)) return;
+    if (!candidate || !IsUsable(*candidate)) {
+      return;
+    }
     const double cost = problem_->Cost(*candidate);
     if (cost < best_cost_) {
       best_ = *candidate;

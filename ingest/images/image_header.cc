@@ -48,21 +48,31 @@ ImageHeader ParseJpeg(Bytes bytes) {
   ImageHeader header{.format = ImageFormat::kJpeg, .exif = {}};
   size_t at = 2;
   while (true) {
-    while (at < bytes.size() && bytes[at] == 0xff) ++at;  // Marker prefix and fill bytes.
-    if (at + 3 > bytes.size()) ThrowTruncated("JPEG");
+    while (at < bytes.size() && bytes[at] == 0xff) {
+      ++at;  // Marker prefix and fill bytes.
+    }
+    if (at + 3 > bytes.size()) {
+      ThrowTruncated("JPEG");
+    }
     const uint8_t marker = bytes[at++];
     const size_t length = BigEndian16(bytes.subspan(at));
-    if (length < 2 || length > bytes.size() - at) ThrowTruncated("JPEG");
+    if (length < 2 || length > bytes.size() - at) {
+      ThrowTruncated("JPEG");
+    }
     const Bytes segment = bytes.subspan(at + 2, length - 2);
     at += length;
     if (marker == 0xe1 && header.exif.empty() && StartsWith(segment, kExifSignature)) {
       header.exif = segment.subspan(kExifSignature.size());
     } else if (IsStartOfFrame(marker)) {
-      if (segment.size() < 5) ThrowTruncated("JPEG");
+      if (segment.size() < 5) {
+        ThrowTruncated("JPEG");
+      }
       header.height_px = BigEndian16(segment.subspan(1));
       header.width_px = BigEndian16(segment.subspan(3));
     } else if (marker == 0xda) {  // Start of scan: pixels follow.
-      if (!HasEndOfImage(bytes.subspan(at))) ThrowTruncated("JPEG");
+      if (!HasEndOfImage(bytes.subspan(at))) {
+        ThrowTruncated("JPEG");
+      }
       return header;
     }
   }
@@ -73,9 +83,13 @@ ImageHeader ParsePng(Bytes bytes) {
   size_t at = kPngSignature.size();
   bool is_first = true;
   while (true) {
-    if (bytes.size() - at < 12) ThrowTruncated("PNG");  // Length, type, checksum.
+    if (bytes.size() - at < 12) {
+      ThrowTruncated("PNG");  // Length, type, checksum.
+    }
     const size_t length = BigEndian32(bytes.subspan(at));
-    if (length > bytes.size() - at - 12) ThrowTruncated("PNG");
+    if (length > bytes.size() - at - 12) {
+      ThrowTruncated("PNG");
+    }
     const char* type = reinterpret_cast<const char*>(bytes.data()) + at + 4;
     const Bytes chunk = bytes.subspan(at + 8, length);
     at += 12 + length;
@@ -132,8 +146,12 @@ std::string FormatName(Bytes bytes) {
 }
 
 ImageHeader ParseByFormat(Bytes bytes) {
-  if (bytes.size() >= 4 && bytes[0] == 0xff && bytes[1] == 0xd8) return ParseJpeg(bytes);
-  if (StartsWith(bytes, kPngSignature)) return ParsePng(bytes);
+  if (bytes.size() >= 4 && bytes[0] == 0xff && bytes[1] == 0xd8) {
+    return ParseJpeg(bytes);
+  }
+  if (StartsWith(bytes, kPngSignature)) {
+    return ParsePng(bytes);
+  }
   if (bytes.size() >= 2 && bytes[0] == 'P' && (bytes[1] == '5' || bytes[1] == '6')) {
     return ParsePnm(bytes);
   }

@@ -22,23 +22,35 @@ bool IsBlank(uint8_t c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 // The next byte of the header that is not in a comment.
 uint8_t NextByte(Bytes bytes, size_t* at) {
   if (*at < bytes.size() && bytes[*at] == '#') {
-    while (*at < bytes.size() && bytes[*at] != '\n' && bytes[*at] != '\r') ++*at;
+    while (*at < bytes.size() && bytes[*at] != '\n' && bytes[*at] != '\r') {
+      ++*at;
+    }
   }
-  if (*at >= bytes.size()) Refuse("is cut short");
+  if (*at >= bytes.size()) {
+    Refuse("is cut short");
+  }
   return bytes[(*at)++];
 }
 
 // The next number and the blank behind it.
 int64_t ReadNumber(Bytes bytes, size_t* at, int64_t max) {
   uint8_t c = NextByte(bytes, at);
-  while (IsBlank(c)) c = NextByte(bytes, at);
+  while (IsBlank(c)) {
+    c = NextByte(bytes, at);
+  }
   int64_t number = 0;
   for (; !IsBlank(c); c = NextByte(bytes, at)) {
-    if (c < '0' || c > '9') Refuse("has a header that is not of numbers");
+    if (c < '0' || c > '9') {
+      Refuse("has a header that is not of numbers");
+    }
     number = number * 10 + (c - '0');
-    if (number > max) Refuse("has a number in its header that is too large");
+    if (number > max) {
+      Refuse("has a number in its header that is too large");
+    }
   }
-  if (number < 1) Refuse("has a number in its header that is not positive");
+  if (number < 1) {
+    Refuse("has a number in its header that is not positive");
+  }
   return number;
 }
 
@@ -94,7 +106,9 @@ GrayImage DecodePnm(Bytes bytes, const ImageDecodeLimits& limits) {
   const size_t width = static_cast<size_t>(header.width_px);
   const size_t row_bytes = width * header.samples_per_pixel * (header.max_value > 255 ? 2 : 1);
   for (size_t y = 0; y < static_cast<size_t>(header.height_px); ++y) {
-    if (y % 16 == 0 && limits.should_stop && limits.should_stop()) throw DecodingStopped();
+    if (y % 16 == 0 && limits.should_stop && limits.should_stop()) {
+      throw DecodingStopped();
+    }
     DecodeRow(header, bytes.data() + header.pixels_at + y * row_bytes,
               image.pixels.data() + y * width);
   }

@@ -36,7 +36,9 @@ GrayImage ReduceByArea(const GrayImage& image, int64_t max_pixels) {
     cv::Mat target = AsMat(reduced);
     cv::resize(AsMat(image), target, target.size(), 0.0, 0.0, cv::INTER_AREA);
   } catch (const cv::Exception& e) {
-    if (e.code == cv::Error::StsNoMem) throw std::bad_alloc();
+    if (e.code == cv::Error::StsNoMem) {
+      throw std::bad_alloc();
+    }
     throw Error(ErrorCode::kInternal, fmt::format("OpenCV does not resize: {}", e.what()));
   }
   return reduced;

@@ -49,7 +49,9 @@ std::vector<int64_t> SampleIndices(int64_t total, int64_t count, std::mt19937_64
   sample.reserve(std::min(total, count));
   for (int64_t i = 0; i < total && static_cast<int64_t>(sample.size()) < count; ++i) {
     const double needed = static_cast<double>(count - static_cast<int64_t>(sample.size()));
-    if (UniformUnit(rng) * static_cast<double>(total - i) < needed) sample.push_back(i);
+    if (UniformUnit(rng) * static_cast<double>(total - i) < needed) {
+      sample.push_back(i);
+    }
   }
   return sample;
 }
@@ -102,7 +104,9 @@ std::vector<int> BalanceSubspaces(const Eigen::VectorXd& variances, int num_subs
     int best = -1;
     for (int s = 0; s < num_subspaces; ++s) {
       const bool full = static_cast<int>(components[s].size()) == subspace_dim;
-      if (!full && (best < 0 || log_products[s] < log_products[best])) best = s;
+      if (!full && (best < 0 || log_products[s] < log_products[best])) {
+        best = s;
+      }
     }
     components[best].push_back(component);
     // Relative to the smallest, so that no factor is below one and a product only grows.
@@ -140,8 +144,9 @@ void TrainProjection(const DescriptorMatrix& normalized, const CodebookOptions& 
     Eigen::VectorXd component = components.col(order[i]);
     Eigen::Index largest;
     component.cwiseAbs().maxCoeff(&largest);
-    if (component[largest] < 0.0)
+    if (component[largest] < 0.0) {
       component = -component;  // Eigenvectors have no sign of their own.
+    }
     codebook->projection.row(i) = component.transpose().cast<float>();
   }
 }
@@ -179,7 +184,9 @@ float NearestDistance(const Eigen::RowVectorXf& query, const DescriptorMatrix& r
                       Eigen::Index excluded) {
   float best = std::numeric_limits<float>::infinity();
   for (Eigen::Index i = 0; i < rows.rows(); ++i) {
-    if (i != excluded) best = std::min(best, (rows.row(i) - query).squaredNorm());
+    if (i != excluded) {
+      best = std::min(best, (rows.row(i) - query).squaredNorm());
+    }
   }
   return std::sqrt(best);
 }
@@ -215,7 +222,9 @@ void MeasureDistances(const Reconstruction& reconstruction, std::mt19937_64* rng
       SampleIndices(static_cast<int64_t>(reconstruction.landmarks.size()), kNumProbes, rng);
   for (const int64_t landmark_idx : probes) {
     const ReconLandmark& landmark = reconstruction.landmarks[landmark_idx];
-    if (landmark.observations.size() < 2) continue;
+    if (landmark.observations.size() < 2) {
+      continue;
+    }
     const DescriptorMatrix projected =
         codec.Project(DescriptorsOf(reconstruction, landmark.observations));
     const auto probe = static_cast<Eigen::Index>(UniformIndex(projected.rows(), rng));
@@ -225,7 +234,9 @@ void MeasureDistances(const Reconstruction& reconstruction, std::mt19937_64* rng
     const bool is_other = self != other_idx.end() && *self == landmark_idx;
     const float distance =
         NearestDistance(projected.row(probe), others, is_other ? self - other_idx.begin() : -1);
-    if (std::isfinite(distance)) other_distances.push_back(distance);
+    if (std::isfinite(distance)) {
+      other_distances.push_back(distance);
+    }
   }
   codebook->same_landmark_distance_quantiles = Quantiles(std::move(same_distances));
   codebook->other_landmark_distance_quantiles = Quantiles(std::move(other_distances));

@@ -58,8 +58,12 @@ StoredMatrix ReadMatrix(sqlite::Connection* connection, const char* table, bool 
                             table, Excerpt(image_name)));
   }
   StoredMatrix stored{.matrix = {statement.Int64(0), statement.Int64(1), {}}, .type = {}};
-  if (!statement.IsNull(2)) stored.matrix.bytes = statement.Blob(2);
-  if (!statement.IsNull(3)) stored.type = statement.Int64(3);
+  if (!statement.IsNull(2)) {
+    stored.matrix.bytes = statement.Blob(2);
+  }
+  if (!statement.IsNull(3)) {
+    stored.type = statement.Int64(3);
+  }
   return stored;
 }
 
@@ -86,7 +90,9 @@ Keypoint ToKeypoint(const float* row, int64_t cols) {
     keypoint.orientation_rad = std::atan2(row[4], row[2]);
   }
   // Written so that NaN stays what it is, for validation to find.
-  if (keypoint.scale_px < kMinScalePx) keypoint.scale_px = kMinScalePx;
+  if (keypoint.scale_px < kMinScalePx) {
+    keypoint.scale_px = kMinScalePx;
+  }
   return keypoint;
 }
 
@@ -136,7 +142,9 @@ std::string GpsSql(sqlite::Connection* connection) {
 
 // Positions that are no places on Earth are passed over, but not without a word.
 void WarnOfOtherPriors(const std::string& path, sqlite::Connection* connection) {
-  if (!HasColumn(connection, "pose_priors", "coordinate_system")) return;
+  if (!HasColumn(connection, "pose_priors", "coordinate_system")) {
+    return;
+  }
   sqlite::Statement statement =
       connection->Prepare("SELECT COUNT(*) FROM pose_priors WHERE coordinate_system = ?");
   statement.Bind(kCartesian);
@@ -191,7 +199,9 @@ bool ColmapDatabase::HasImage(const std::string& image_name) {
 }
 
 SiftNormalization ColmapDatabase::NormalizationOfAll() {
-  if (normalization_) return *normalization_;
+  if (normalization_) {
+    return *normalization_;
+  }
   SiftStatistics statistics;
   sqlite::Statement statement = connection_->Prepare(
       "SELECT data FROM descriptors WHERE cols = ? AND data IS NOT NULL LIMIT ?");
@@ -238,15 +248,21 @@ FeatureSet ColmapDatabase::ReadFeatures(const std::string& image_name) {
 }
 
 std::optional<Geodetic> ColmapDatabase::ReadGps(const std::string& image_name) {
-  if (gps_sql_.empty()) return std::nullopt;
+  if (gps_sql_.empty()) {
+    return std::nullopt;
+  }
   return WithDatabaseErrors(path_, [&]() -> std::optional<Geodetic> {
     sqlite::Statement statement = connection_->Prepare(gps_sql_);
     statement.Bind(std::string_view(image_name));
-    if (!statement.Step() || statement.IsNull(0)) return std::nullopt;
+    if (!statement.Step() || statement.IsNull(0)) {
+      return std::nullopt;
+    }
     double lat_lon_h[3];
     if (gps_sql_.find("pose_priors") != std::string::npos) {
       const std::vector<uint8_t> position = statement.Blob(0);
-      if (position.size() != sizeof(lat_lon_h)) return std::nullopt;
+      if (position.size() != sizeof(lat_lon_h)) {
+        return std::nullopt;
+      }
       std::memcpy(lat_lon_h, position.data(), sizeof(lat_lon_h));
     } else {
       for (int i = 0; i < 3; ++i) {
@@ -256,7 +272,9 @@ std::optional<Geodetic> ColmapDatabase::ReadGps(const std::string& image_name) {
     const auto [lat_deg, lon_deg, h_m] = lat_lon_h;
     const bool is_place = std::abs(lat_deg) <= 90.0 && std::abs(lon_deg) <= 180.0 &&
                           std::abs(h_m) <= 12'000.0 && (lat_deg != 0.0 || lon_deg != 0.0);
-    if (!is_place) return std::nullopt;
+    if (!is_place) {
+      return std::nullopt;
+    }
     return Geodetic::FromDegrees(lat_deg, lon_deg, h_m);
   });
 }

@@ -35,7 +35,9 @@ void KeepImages(const ColmapInput& input, ColmapDatabase* database,
   const std::unordered_set<std::string> wanted(input.image_names.begin(), input.image_names.end());
   // Ordered, so that messages do not depend on hashing.
   std::set<std::string> missing(wanted.begin(), wanted.end());
-  for (const ColmapImage& image : *images) missing.erase(image.name);
+  for (const ColmapImage& image : *images) {
+    missing.erase(image.name);
+  }
   for (const std::string& name : missing) {
     if (!database->HasImage(name)) {
       ThrowBadModel(input, fmt::format("image {}, which was asked for, is neither in it nor in {}",
@@ -104,7 +106,9 @@ std::vector<ReconObservation> ReadTrack(const ColmapInput& input, const ColmapPo
       ThrowBadModel(input,
                     fmt::format("a point is observed in image {}, which does not exist", image_id));
     }
-    if (found->second < 0) continue;
+    if (found->second < 0) {
+      continue;
+    }
     const ReconImage& image = reconstruction.images[found->second];
     if (keypoint_idx >= image.features.keypoints.size()) {
       ThrowBadModel(
@@ -127,10 +131,14 @@ void ReadLandmarks(const ColmapInput& input, const ColmapModel& model, const Ima
   const bool restricted = !input.image_names.empty();
   for (const ColmapPoint& point : model.points) {
     ReconLandmark landmark{point.x_in_world, ReadTrack(input, point, index, *reconstruction)};
-    if (landmark.observations.size() < 2) continue;
+    if (landmark.observations.size() < 2) {
+      continue;
+    }
     if (restricted) {
       const auto x_in_world = TriangulatePoint(ViewsOf(*reconstruction, landmark));
-      if (!x_in_world) continue;
+      if (!x_in_world) {
+        continue;
+      }
       landmark.x_in_world = *x_in_world;
     }
     reconstruction->landmarks.push_back(std::move(landmark));
@@ -166,7 +174,9 @@ std::vector<std::string> ReadImageList(const std::string& path) {
   for (std::string line; std::getline(file, line);) {
     constexpr std::string_view kBlanks = " \t\r";
     const size_t begin = line.find_first_not_of(kBlanks);
-    if (begin == std::string::npos || line[begin] == '#') continue;
+    if (begin == std::string::npos || line[begin] == '#') {
+      continue;
+    }
     names.push_back(line.substr(begin, line.find_last_not_of(kBlanks) + 1 - begin));
   }
   return names;

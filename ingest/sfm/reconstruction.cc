@@ -73,7 +73,9 @@ void Reconstruction::Validate() const {
 
 int Reconstruction::descriptor_dim() const {
   for (const ReconImage& image : images) {
-    if (image.features.size() > 0) return static_cast<int>(image.features.descriptors.cols());
+    if (image.features.size() > 0) {
+      return static_cast<int>(image.features.descriptors.cols());
+    }
   }
   return 0;
 }
