@@ -22,8 +22,8 @@ nlohmann::json CameraJson(const Camera& camera) {
           {"modelParams", camera.params()}};
 }
 
-// The query's own camera. A focal prior about parameters is sent as its standard deviation, however
-// large: the server would replace an "unknown" focal length by its own guess.
+// The query's own camera. A focal prior that comes with parameters is sent as a standard deviation,
+// however large, because the server replaces an "unknown" focal length by its own guess.
 nlohmann::json StatedCameraJson(const LocalizeQuery& query) {
   if (query.focal && query.focal->with_distortion) {
     return {{"size", {query.camera.width_px(), query.camera.height_px()}},
@@ -83,13 +83,14 @@ std::string RequestJson(const LocalizeQuery& query, const ClientOptions& client)
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-// A member for people; empty if it is missing or is no text, as in the answer of another program.
+// A text member; empty if the member is missing or is not a string, as in the response of another
+// program.
 std::string TextOf(const nlohmann::json& problem, const char* name) {
   const auto member = problem.find(name);
   return member != problem.end() && member->is_string() ? member->get<std::string>() : "";
 }
 
-// What a refusal says, for people.
+// The explanation of a refused request.
 std::string Explanation(const httplib::Response& response) {
   const nlohmann::json problem = nlohmann::json::parse(response.body, nullptr, false);
   std::string text = fmt::format("the server answered {}", response.status);
@@ -141,8 +142,9 @@ struct LocalizeClient::Impl {
     http.set_write_timeout(seconds, microseconds);
   }
 
-  // The server may close a silent connection just when the next request is on its way: an exchange
-  // that fails at once is tried again, on a new connection. Every request can safely be repeated.
+  // The server may close a silent connection just when the next request is on its way. An exchange
+  // that fails at once is therefore repeated on a new connection. Every request can safely be
+  // repeated.
   template <typename Exchange>
   std::string BodyOf(const Exchange& exchange) {
     const auto start = std::chrono::steady_clock::now();
@@ -162,7 +164,8 @@ struct LocalizeClient::Impl {
     return result->body;
   }
 
-  // One part a camera, `own_name` the query's own, of the bytes of each.
+  // Sends one part for each camera, with the camera's bytes. `own_name` names the part of the
+  // query's own camera.
   LocalizeResult Post(const LocalizeQuery& query, const std::string& own_name,
                       const std::vector<std::vector<uint8_t>>& blobs) {
     MultipartWriter writer;
@@ -183,7 +186,7 @@ LocalizeClient::LocalizeClient(const ClientOptions& options) {
   if (!url.starts_with(kScheme) || url.size() == kScheme.size() ||
       url.substr(kScheme.size()).find('/') != std::string_view::npos) {
     throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("'{}' is no server; write http://host:port", options.url));
+                fmt::format("'{}' is not a server address; write http://host:port", options.url));
   }
   if (options.timeout_ms < 1) {
     throw Error(ErrorCode::kInvalidArgument, "ClientOptions: timeout_ms must be positive");

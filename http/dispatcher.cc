@@ -52,7 +52,7 @@ HttpResponse Dispatcher::Run(const HttpRequest& request, std::string* route_patt
     }
     return ProblemResponse(shown, request.request_id);
   } catch (const std::bad_alloc&) {
-    throw;  // The listener's answer needs no memory.
+    throw;  // The listener's response needs no memory.
   } catch (const std::exception& e) {
     LogError("{} {}: {} [{}]", request.method, *route_pattern, e.what(), request.request_id);
     return ProblemResponse(PublicError(Error(ErrorCode::kInternal, e.what())), request.request_id);

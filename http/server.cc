@@ -24,11 +24,11 @@ int NumThreads(const ServerOptions& options) {
   if (options.num_threads > 0) {
     return options.num_threads;
   }
-  constexpr int kMinThreads = 64;  // Most of them wait in line.
+  constexpr int kMinThreads = 64;  // Most threads wait in line.
   return std::max(kMinThreads, 2 * static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-// Refreshes the maps about once a second for as long as it lives.
+// Refreshes the maps about once a second until it is destroyed.
 class MapWatcher {
  public:
   explicit MapWatcher(ServedMaps* maps)
@@ -43,7 +43,7 @@ class MapWatcher {
  private:
   std::mutex mutex_;
   std::condition_variable_any wake_;
-  std::jthread thread_;  // The last member, so that it ends before the others do.
+  std::jthread thread_;  // The last member, so that the thread ends before the other members.
 };
 
 ServerOptions Validated(const ServerOptions& options) {

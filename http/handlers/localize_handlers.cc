@@ -12,7 +12,7 @@ namespace cairn {
 
 namespace {
 
-// Formats that can only say a pose.
+// For formats that can express nothing but a pose: throws HttpError kNotLocalized if there is none.
 void RequirePose(const LocalizeResult& result, const char* hint) {
   if (result.localized) {
     return;
@@ -34,7 +34,7 @@ HttpResponse HandleLocalize(const HttpRequest& request, LocalizeService* service
   LocalizeRequest query;
   const LocalizeService::Answer answer = service->Localize(request, ParseLocalizeRequest, &query);
   if (WantsOgcGeoPose(request.Header("accept"))) {
-    RequirePose(answer.result, "ask for application/json to learn more about a miss");
+    RequirePose(answer.result, "ask for application/json to get more details");
     return OgcGeoPose(answer.result, query);
   }
   return HttpResponse::Json(LocalizeResponseJson(answer.result, query, answer.times));
@@ -43,7 +43,7 @@ HttpResponse HandleLocalize(const HttpRequest& request, LocalizeService* service
 HttpResponse HandleGeoPose(const HttpRequest& request, LocalizeService* service) {
   LocalizeRequest query;
   const LocalizeService::Answer answer = service->Localize(request, ParseGeoPoseRequest, &query);
-  RequirePose(answer.result, "POST /v1/localize tells more about a miss");
+  RequirePose(answer.result, "use POST /v1/localize to get more details");
   if (WantsOgcGeoPose(request.Header("accept"))) {
     return OgcGeoPose(answer.result, query);
   }

@@ -38,7 +38,7 @@ std::optional<double> ParseNumber(std::string_view text) {
 double NumberInRange(const char* name, std::string_view text, double min, double max) {
   const std::optional<double> number = ParseNumber(text);
   if (!number || !(*number >= min && *number <= max)) {
-    RefuseParameter(name, fmt::format("has to be a number in [{}, {}]", min, max));
+    RefuseParameter(name, fmt::format("must be a number in [{}, {}]", min, max));
   }
   return *number;
 }
@@ -62,7 +62,8 @@ int64_t Limit(const HttpRequest& request) {
                          : static_cast<int64_t>(NumberInRange("limit", *text, 1, kMaxLimit));
 }
 
-// west,south,east,north in degrees, as GeoJSON has it; west > east crosses the antimeridian.
+// Reads west,south,east,north in degrees, in the order of GeoJSON. West > east crosses the
+// antimeridian.
 std::optional<GeoBox> BoundingBox(const HttpRequest& request) {
   const std::string* text = FindParameter(request, "bbox");
   if (text == nullptr) {
@@ -74,14 +75,14 @@ std::optional<GeoBox> BoundingBox(const HttpRequest& request) {
     const size_t comma = rest.find(',');
     const bool is_last = i == 3;
     if ((comma == std::string_view::npos) != is_last) {
-      RefuseParameter("bbox", "has to be west,south,east,north in degrees");
+      RefuseParameter("bbox", "must be west,south,east,north in degrees");
     }
     const double bound = i % 2 == 0 ? 180.0 : 90.0;
     values[i] = NumberInRange("bbox", rest.substr(0, comma), -bound, bound);
     rest.remove_prefix(is_last ? 0 : comma + 1);
   }
   if (values[1] > values[3]) {
-    RefuseParameter("bbox", "has its south above its north");
+    RefuseParameter("bbox", "has a south greater than its north");
   }
   return GeoBox{.south_rad = values[1] / kDegPerRad,
                 .west_rad = values[0] / kDegPerRad,
@@ -113,8 +114,8 @@ Json TileJson(const TileRecord& tile, const ServedMap& map) {
           {"minHeight", tile.min_h_m},       {"maxHeight", tile.max_h_m}};
 }
 
-// The square as a closed ring. A tile on the antimeridian goes on beyond 180 degrees rather than
-// around the world.
+// The square as a closed ring. A tile on the antimeridian has longitudes beyond 180 degrees, so
+// that the ring does not span the globe.
 Json SquareJson(const TileId& tile) {
   Json ring = Json::array();
   std::vector<Geodetic> corners = tile.Corners();

@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The current map version; a map that cannot be read makes the server unavailable, not broken.
+// Returns the current map version. If the map cannot be read, throws HttpError kUnavailable.
 MapVersion RequireReadableMap(const ServedMap& map) {
   try {
     return map.store->Snapshot().version();

@@ -29,10 +29,10 @@ constexpr char kMediaType[] = "application/vnd.oscp+json";
 constexpr char kOgcMediaType[] = "application/geopose+json";
 constexpr size_t kMaxReadings = 1000;
 constexpr int64_t kMaxTimestampMs = int64_t{1} << 53;
-// Pictures of a rig are of one instant.
+// Pictures of a rig must be taken within this time of each other.
 constexpr double kMaxRigDelayMs = 10.0;
 
-// Clients in browsers send data URLs.
+// Browser clients send data URLs.
 std::string_view WithoutDataUrlPrefix(std::string_view text) {
   constexpr std::string_view kMarker = ";base64,";
   if (!text.starts_with("data:")) {
@@ -50,13 +50,13 @@ RequestImage ReadImage(const JsonReader& reading) {
   const JsonReader image = reading.At("imageBytes");
   auto bytes = DecodeBase64(WithoutDataUrlPrefix(image.String()));
   if (!bytes || bytes->empty()) {
-    image.Fail("is not the base64 of an image");
+    image.Fail("is not an image in base64");
   }
   sent.bytes = std::move(*bytes);
   return sent;
 }
 
-// Nothing if the reading leaves it out: no member, no numbers, or zeros.
+// Returns nothing if the reading has no size: no member, no numbers, or zeros.
 std::optional<ImageSize> StatedSize(const JsonReader& reading) {
   const auto size = reading.Find("size");
   if (!size) {
@@ -67,7 +67,7 @@ std::optional<ImageSize> StatedSize(const JsonReader& reading) {
   return is_unset ? std::nullopt : std::optional(ReadImageSize(*size));
 }
 
-// The member of `params`, unless it says that it is not known.
+// The `model` member of `params`, unless it is marked unknown.
 std::optional<JsonReader> StatedModel(const JsonReader& params) {
   const auto model = params.Find("model");
   if (!model) {
@@ -83,7 +83,7 @@ std::optional<JsonReader> StatedParams(const JsonReader& params) {
   return numbers && numbers->Numbers(0, 16).empty() ? std::nullopt : numbers;
 }
 
-// Sets how the image is turned, which EXIF may say, and returns the size of what comes out.
+// Sets how the image is turned (its EXIF may decide) and returns the size of the turned image.
 ImageSize SettleSize(const JsonReader& reading, RequestImage* image) {
   const std::optional<ImageSize> stated = StatedSize(reading);
   const std::optional<PictureHeader> header = ReadPictureHeader(image->bytes);
@@ -91,7 +91,7 @@ ImageSize SettleSize(const JsonReader& reading, RequestImage* image) {
     return *stated;
   }
   if (!header) {
-    reading.At("size").Fail("is missing, and the image is none that says its own size");
+    reading.At("size").Fail("is missing, and the image data do not contain the size");
   }
   if (stated) {
     image->orientation =
@@ -106,7 +106,7 @@ ImageSize SettleSize(const JsonReader& reading, RequestImage* image) {
   return size;
 }
 
-// The camera as far as the reading knows it, then EXIF, then nothing.
+// The camera from the reading; without parameters, from EXIF; without EXIF, unknown.
 StatedCamera ReadCamera(const JsonReader& reading, RequestImage* image) {
   const ImageSize size = SettleSize(reading, image);
   std::optional<JsonReader> model, params;
@@ -121,13 +121,13 @@ StatedCamera ReadCamera(const JsonReader& reading, RequestImage* image) {
   ExifInfo exif;
   try {
     exif = ReadExif(image->bytes);
-  } catch (const Error&) {  // Raw pixels, or what will not decode.
+  } catch (const Error&) {  // Raw pixels, or an image that does not decode.
   }
   PhotoCamera camera = CameraOfPhoto(exif, size.width_px, size.height_px);
   return {std::move(camera.camera), camera.focal};
 }
 
-// The reading's sensor by its id; empty if it has none.
+// The id of the reading's sensor; empty if it has none.
 std::string SensorIdOf(const JsonReader& reading) {
   const auto id = reading.Find("sensorId");
   return id ? id->String() : std::string();
@@ -138,7 +138,8 @@ bool IsPicture(const JsonReader& reading) {
   return !format || format->String() != "DEPTH";
 }
 
-// Adds what the other cameras of the first one's rig took at the same time, one picture each.
+// Adds the pictures that other cameras on the first camera's rig took at the same time, one a
+// camera.
 void ReadOtherCameras(const JsonReader& request, const std::vector<JsonReader>& pictures,
                       LocalizeRequest* out) {
   const auto first_place = RigPlaceOf(request, pictures.front());
@@ -162,7 +163,7 @@ void ReadOtherCameras(const JsonReader& request, const std::vector<JsonReader>& 
     RequestImage image = ReadImage(picture);
     StatedCamera stated = ReadCamera(picture, &image);
     if (stated.focal) {
-      continue;  // Rigs need cameras that are known.
+      continue;  // Rigs need cameras with a known focal length.
     }
     used.insert(SensorIdOf(picture));
     out->query.other_cameras.push_back(
@@ -178,7 +179,7 @@ void ReadCameras(const JsonReader& request, LocalizeRequest* out) {
   std::vector<JsonReader> pictures = readings.Elements(1, kMaxReadings);
   std::erase_if(pictures, [](const JsonReader& reading) { return !IsPicture(reading); });
   if (pictures.empty()) {
-    readings.Fail("has no picture: all are of the format DEPTH");
+    readings.Fail("has no picture: all readings have the format DEPTH");
   }
   const JsonReader& first = pictures.front();
   if (const auto rotation_deg = ReadRotationDeg(first)) {
@@ -194,7 +195,7 @@ void ReadCameras(const JsonReader& request, LocalizeRequest* out) {
   out->query.down_in_cam = ReadGeoPoseGravity(request, first);
 }
 
-// Pose of the camera that is answered, as an OGC GeoPose.
+// The pose of the answered camera as an OGC GeoPose.
 nlohmann::ordered_json GeoPoseJson(const LocalizeResult& result, const ResponseOptions& options) {
   const Rigid3d answer_from_cam(options.answer_from_cam, Eigen::Vector3d::Zero());
   const GeoPose geopose =
@@ -226,8 +227,8 @@ LocalizeRequest ParseGeoPoseRequest(std::string_view content_type, std::string_v
   request.timeout_ms = limits.default_timeout_ms;
   if (const JsonReader readings = json.At("sensorReadings"); readings.IsArray()) {
     readings.Fail(
-        "is an array: this request is of GeoPoseProtocol 1, and this server speaks version 2",
-        "version 2 sorts the readings: {\"cameraReadings\": [...], \"geolocationReadings\": "
+        "is an array, as in GeoPoseProtocol 1; this server speaks version 2",
+        "version 2 groups the readings: {\"cameraReadings\": [...], \"geolocationReadings\": "
         "[...]}");
   }
   if (const auto id = json.Find("id")) {

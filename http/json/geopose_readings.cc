@@ -20,23 +20,23 @@ constexpr double kMaxAccuracyM = 100'000.0;
 constexpr double kMaxHeightM = 10'000.0;
 constexpr double kMaxTimeMs = 9007199254740992.0;
 constexpr size_t kMaxReadings = 1000;
-// How fast the bearer of a camera may have moved since a prior pose.
+// Assumed maximum speed of the camera since a prior pose.
 constexpr double kMaxSpeedMPerS = 3.0;
 constexpr double kStandardGravity = 9.80665;
 constexpr double kGravityTolerance = 0.03;
 constexpr double kMaxGravityAgeMs = 500.0;
 
-// Any finite number.
+// Reads any finite number.
 double AnyNumber(const JsonReader& json) {
   return json.Number(std::numeric_limits<double>::lowest(), std::numeric_limits<double>::max());
 }
 
-// Seconds between two times; 0 if one is not known.
+// Milliseconds between two times; 0 if either is unknown.
 double AgeMs(std::optional<double> a, std::optional<double> b) {
   return a && b ? std::abs(*a - *b) : 0.0;
 }
 
-// Height and its standard deviation, if the reading has both.
+// Sets the height, and its standard deviation if the reading states it.
 void ReadAltitude(const JsonReader& reading, PositionPrior* prior) {
   const auto altitude = reading.Find("altitude");
   const auto accuracy = reading.Find("altitudeAccuracy");
@@ -62,7 +62,7 @@ void ReadAltitude(const JsonReader& reading, PositionPrior* prior) {
                 : std::hypot(sigma_m, Geoid::Egm96().HeightM(place.lat_rad, place.lon_rad));
 }
 
-// Nothing if the reading says that it is invalid.
+// Returns nothing if the reading is marked invalid.
 std::optional<PositionPrior> ReadGeolocation(const JsonReader& reading) {
   const double lat_deg = reading.At("latitude").Number(-90.0, 90.0);
   const double lon_deg = reading.At("longitude").Number(-180.0, 180.0);
@@ -79,7 +79,7 @@ std::optional<PositionPrior> ReadGeolocation(const JsonReader& reading) {
   return prior;
 }
 
-// A pose that a service answered before, as an OGC GeoPose with or without its accuracy.
+// A pose from an earlier response, as an OGC GeoPose with or without accuracy.
 std::optional<PositionPrior> ReadPriorPose(const JsonReader& pose, std::optional<double> time_ms) {
   const JsonReader geopose = pose.Has("geopose") ? pose.At("geopose") : pose;
   const JsonReader position = geopose.At("position");
@@ -103,13 +103,13 @@ std::optional<PositionPrior> ReadPriorPose(const JsonReader& pose, std::optional
   return prior;
 }
 
-// The elements of a member, if it is there.
+// The elements of a member; empty if the member is absent.
 std::vector<JsonReader> ElementsOf(const JsonReader& json, const char* member) {
   const auto array = json.Find(member);
   return array ? array->Elements(0, kMaxReadings) : std::vector<JsonReader>();
 }
 
-// The acceleration of a device at rest, away from the Earth's centre, in the accelerometer's axes.
+// The direction of the acceleration of a device at rest: up, in the accelerometer's axes.
 std::optional<Eigen::Vector3d> ReadAtRest(const JsonReader& reading) {
   const Eigen::Vector3d acceleration(AnyNumber(reading.At("x")), AnyNumber(reading.At("y")),
                                      AnyNumber(reading.At("z")));
@@ -147,7 +147,7 @@ std::optional<double> TimeOf(const JsonReader& reading) {
 }
 
 std::optional<RigPlace> RigPlaceOf(const JsonReader& request, const JsonReader& reading) {
-  constexpr double kMaxOffsetM = 100.0;  // As LocalizeQuery::Validate.
+  constexpr double kMaxOffsetM = 100.0;  // Same limit as LocalizeQuery::Validate.
   const auto id = reading.Find("sensorId");
   if (!id) {
     return std::nullopt;
@@ -215,7 +215,7 @@ std::optional<int> ReadRotationDeg(const JsonReader& camera_reading) {
   const double turns = rotation->Number(-3600.0, 3600.0) / 90.0;
   if (turns != std::round(turns)) {
     rotation->Fail("is no multiple of 90 degrees",
-                   "it says by how much the picture is turned clockwise to be upright");
+                   "send the clockwise turn that makes the picture upright");
   }
   return (static_cast<int>(turns) % 4 + 4) % 4 * 90;
 }

@@ -18,7 +18,7 @@ std::optional<ImageOrientation> ImageOrientationFromName(std::string_view name) 
 }
 
 const char* ImageOrientationName(ImageOrientation orientation) {
-  CAIRN_CHECK(orientation != ImageOrientation::kAsSize, "it is said by leaving the name out");
+  CAIRN_CHECK(orientation != ImageOrientation::kAsSize, "kAsSize has no name");
   return orientation == ImageOrientation::kStored ? "stored" : "upright";
 }
 

@@ -49,7 +49,7 @@ void JsonReader::ForEachChild(const Visit& visit) const {
 
 void JsonReader::RequireObject() const {
   if (value().kind != JsonValue::Kind::kObject) {
-    Fail("has to be an object");
+    Fail("must be an object");
   }
 }
 
@@ -59,8 +59,7 @@ void JsonReader::RequireOnly(std::initializer_list<std::string_view> members) co
     const std::string& name = (*document_)[child].name;
     if (std::find(members.begin(), members.end(), name) == members.end()) {
       Member(child, Excerpt(name))
-          .Fail("is not a member this server knows",
-                fmt::format("known here: {}", fmt::join(members, ", ")));
+          .Fail("is an unknown member", fmt::format("known members: {}", fmt::join(members, ", ")));
     }
   });
 }
@@ -94,8 +93,8 @@ JsonReader JsonReader::At(std::string_view member) const {
 std::vector<JsonReader> JsonReader::Elements(size_t min_size, size_t max_size) const {
   const size_t size = value().num_children;
   if (!IsArray() || size < min_size || size > max_size) {
-    Fail(min_size == max_size ? fmt::format("has to be an array of {}", min_size)
-                              : fmt::format("has to be an array of {} to {}", min_size, max_size));
+    Fail(min_size == max_size ? fmt::format("must be an array of {}", min_size)
+                              : fmt::format("must be an array of {} to {}", min_size, max_size));
   }
   std::vector<JsonReader> elements;
   ForEachChild([&](size_t child) {
@@ -118,14 +117,14 @@ bool JsonReader::IsArray() const { return value().kind == JsonValue::Kind::kArra
 
 bool JsonReader::Bool() const {
   if (value().kind != JsonValue::Kind::kBool) {
-    Fail("has to be true or false");
+    Fail("must be true or false");
   }
   return value().number != 0.0;
 }
 
 double JsonReader::Number(double min, double max) const {
   if (value().kind != JsonValue::Kind::kNumber) {
-    Fail("has to be a number");
+    Fail("must be a number");
   }
   const double number = value().number;
   if (!(number >= min && number <= max)) {
@@ -137,14 +136,14 @@ double JsonReader::Number(double min, double max) const {
 int64_t JsonReader::Integer(int64_t min, int64_t max) const {
   const double number = Number(static_cast<double>(min), static_cast<double>(max));
   if (number != std::floor(number)) {
-    Fail("has to be an integer");
+    Fail("must be an integer");
   }
   return static_cast<int64_t>(number);
 }
 
 const std::string& JsonReader::String() const {
   if (value().kind != JsonValue::Kind::kString) {
-    Fail("has to be a string");
+    Fail("must be a string");
   }
   return value().text;
 }

@@ -25,7 +25,7 @@ constexpr std::array kReasons = {
     NotLocalizedReason::kPriorMismatch,  NotLocalizedReason::kTimeout,
 };
 
-// A counter and where it stands on the wire; one table for both directions.
+// A counter and its place on the wire. One table serves both directions.
 struct CounterField {
   Stage stage;
   const char* name;
@@ -66,8 +66,8 @@ Json GeodeticJson(const Geodetic& position) {
   return {{"lat", position.lat_deg()}, {"lon", position.lon_deg()}, {"h", position.h_m}};
 }
 
-// (rotation, translation) in the anchor frame to (translation, rotation) in enu at the camera:
-// J C J' with J = [[0, R], [R, 0]], R = enu_from_anchor.
+// Converts a covariance of (rotation, translation) in the anchor frame to one of (translation,
+// rotation) in enu at the camera: J C J' with J = [[0, R], [R, 0]], R = enu_from_anchor.
 Matrix6d WireCovariance(const Matrix6d& covariance, const Eigen::Matrix3d& enu_from_anchor) {
   Matrix6d jacobian = Matrix6d::Zero();
   jacobian.topRightCorner<3, 3>() = enu_from_anchor;
@@ -162,7 +162,7 @@ void AddPose(const LocalizeResult& result, const ResponseOptions& options, Json*
   if (options.with_covariance) {
     const Matrix6d wire =
         WireCovariance(result.covariance, EnuFromAnchor(geopose.position, result.anchor));
-    // Symmetric, so the storage order does not matter.
+    // The matrix is symmetric, so the storage order does not matter.
     (*json)["covariance"] = std::vector<double>(wire.data(), wire.data() + wire.size());
   }
   if (result.camera) {
@@ -175,7 +175,7 @@ void AddPose(const LocalizeResult& result, const ResponseOptions& options, Json*
   (*json)["inlierCount"] = result.matches.size();
 }
 
-constexpr size_t kMaxElements = 1 << 20;  // Of an array in an answer.
+constexpr size_t kMaxElements = 1 << 20;  // Of an array in a response.
 
 GeoPose ReadGeoPose(const JsonReader& json) {
   const JsonReader position = json.At("position");
@@ -256,7 +256,7 @@ void ReadStages(const JsonReader& json, LocalizeResult* result) {
         json.At(StageName(counter.stage)).At(counter.name).Integer(0, kMaxCount);
   }
   for (const FlagField& flag : kFlags) {
-    // Older servers have fewer.
+    // Older servers send fewer flags.
     if (const auto value = json.At(StageName(flag.stage)).Find(flag.name)) {
       result->counters.*flag.value = value->Bool();
     }
@@ -335,14 +335,15 @@ std::string LocalizeResponseJson(const LocalizeResult& result, const LocalizeReq
 }
 
 LocalizeResult ParseLocalizeResponse(std::string_view text) {
-  // 100,000 matches of 13 values, as ResponseOptions::max_matches allows them, and many tiles.
+  // Enough for the 100,000 matches of 13 values that ResponseOptions::max_matches allows, and many
+  // tiles.
   constexpr JsonLimits kAnswerLimits{.max_values = 4'000'000, .max_elements = kMaxElements};
   try {
     const JsonDocument document = ParseJson(text, kAnswerLimits);
     return ReadResult(JsonReader(document));
   } catch (const Error& e) {
     throw Error(ErrorCode::kBadInput,
-                std::string("the server's answer is not what this client reads: ") + e.what());
+                std::string("this client cannot read the server's response: ") + e.what());
   }
 }
 

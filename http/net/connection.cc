@@ -18,10 +18,10 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr size_t kReceiveBytes = 64 * 1024;
-// An idle connection keeps no larger buffer.
+// Capacity that the buffer of an idle connection keeps.
 constexpr size_t kIdleBytes = 4096;
-// What is swallowed at most after the last answer: closing on unread data would reset the
-// connection, and the peer could not read the answer.
+// Bytes discarded at most after the last response. Closing a socket with unread data resets the
+// connection, and the peer could not read the response.
 constexpr size_t kMaxDrainBytes = size_t{8} << 20;
 constexpr milliseconds kDrainTime{1000};
 
@@ -47,7 +47,7 @@ Connection::Next Connection::Proceed() {
     if (phase_ == Phase::kDraining) {
       return Drain();
     }
-    // Outside of kSending the most that can be unsent is "100 Continue".
+    // Outside kSending, at most "100 Continue" is unsent.
     const Transfer sent = SendSome();
     if (sent == Transfer::kBroken) {
       return Next::kClose;
@@ -166,7 +166,7 @@ Connection::Transfer Connection::ReadSome() {
   if (received <= 0) {
     return Transfer::kBroken;
   }
-  // Less than was asked for: the next edge is to come.
+  // A short read empties the socket; the next edge is still to come.
   is_readable_ = peer_has_finished_ || received == static_cast<ssize_t>(chunk.size());
   if (phase_ == Phase::kDraining) {
     num_drained_ += static_cast<size_t>(received);

@@ -23,20 +23,21 @@ using std::chrono::steady_clock;
 
 constexpr int kMaxEvents = 128;
 constexpr int kMaxAcceptsARound = 64;
-// Room above max_connections for those that are told that there is none.
+// Room above max_connections for connections that get status 503.
 constexpr size_t kMaxTurnedAway = 64;
-// How long the port rests when the system has no descriptors left and none can be freed.
+// How long accepting pauses when the system has no descriptors left and the loop cannot free any.
 constexpr milliseconds kAcceptPause{100};
-// Answered connections come back without waking the loop: their deadlines are seen this late.
+// Threads return answered connections without waking the loop, so the loop may see their deadlines
+// this late.
 constexpr milliseconds kMaxSleepWhileLent{500};
-// Deadlines are looked at no more often.
+// Minimum interval between two checks of the deadlines.
 constexpr milliseconds kExpiryGrain{10};
-// At Stop, how long a new connection has for its first byte, which is on its way.
+// At Stop, time allowed for the first byte of a new connection, which may be on its way.
 constexpr milliseconds kFirstByteTime{100};
 constexpr milliseconds kReportInterval{1000};
 
 [[noreturn]] void ThrowSystemError(const char* what) {
-  throw Error(ErrorCode::kIo, fmt::format("cannot make {}: {}", what, std::strerror(errno)));
+  throw Error(ErrorCode::kIo, fmt::format("cannot create {}: {}", what, std::strerror(errno)));
 }
 
 }  // namespace
@@ -44,11 +45,11 @@ constexpr milliseconds kReportInterval{1000};
 struct EventLoop::Entry : Connection {
   using Connection::Connection;
 
-  size_t index = 0;          // In entries_.
-  Usage* usage = nullptr;    // Of its client.
-  size_t counted_bytes = 0;  // In buffered_bytes_.
+  size_t index = 0;          // Index in entries_.
+  Usage* usage = nullptr;    // Of the entry's client.
+  size_t counted_bytes = 0;  // Bytes included in buffered_bytes_.
   bool is_closed = false;
-  // Of all of the rest of the connection, only whoever has it may know while it is lent.
+  // While lent, all other state of the connection belongs to the borrower.
   bool is_lent = false;
   uint32_t events_while_lent = 0;
   bool has_event_while_lent = false;  // Guarded by mutex_.
@@ -113,7 +114,7 @@ void EventLoop::RunRound() {
       HandleEvent(events[i].events, static_cast<Entry*>(source));
     }
   }
-  TakeBackAnswered();  // Of those that had an event meanwhile nobody may have called Wake.
+  TakeBackAnswered();  // Connections with an event meanwhile may come back without a Wake.
   if (stop_requested_ && !is_closing_) {
     BeginClosing();
   }
@@ -192,7 +193,8 @@ void EventLoop::AcceptSome() {
 void EventLoop::HandleAcceptError(int error) {
   const bool is_exhausted =
       error == EMFILE || error == ENFILE || error == ENOBUFS || error == ENOMEM;
-  // Otherwise nobody waits, or one that waited has gone. The port stays readable for the next.
+  // With other errors, no connection waits or a waiting one has gone. The port stays readable for
+  // the next.
   if (!is_exhausted) {
     return;
   }
@@ -261,7 +263,7 @@ void EventLoop::Advance(Entry* entry) {
   } catch (const HttpError& error) {
     return Refuse(entry, error);
   } catch (const std::exception& error) {
-    LogError("connection given up: {}", error.what());
+    LogError("connection closed because of an error: {}", error.what());
     return Close(entry);
   }
   next_expiry_ = std::min(next_expiry_, DeadlineOf(*entry));
@@ -281,7 +283,7 @@ void EventLoop::Lend(Entry* entry) {
 void EventLoop::Refuse(Entry* entry, const HttpError& error) {
   entry->Respond(refuse_(error), /*keep_alive=*/false);
   next_expiry_ = std::min(next_expiry_, DeadlineOf(*entry));
-  // It sends and reads only; what is refused is refused once.
+  // Proceed only sends and drains here, so it cannot refuse again.
   if (entry->Proceed() == Connection::Next::kClose) {
     return Close(entry);
   }
@@ -361,7 +363,7 @@ void EventLoop::Expire() {
 }
 
 void EventLoop::BeginClosing() {
-  AcceptSome();  // Those that connected before Stop.
+  AcceptSome();  // Accepts the connections made before Stop.
   listening_.Close();
   accept_again_.reset();
   is_closing_ = true;
@@ -425,7 +427,7 @@ bool EventLoop::DropMostBytes() {
 }
 
 void EventLoop::Drop(Entry* entry) {
-  LogDebug("a connection of {} is ended for want of room", entry->peer().address);
+  LogDebug("closing a connection of {} to make room", entry->peer().address);
   entry->socket().Abort();
   Close(entry);
   ++num_dropped_;
@@ -437,7 +439,7 @@ void EventLoop::ReportShortage(const char* cause) {
     return;
   }
   next_report_ = now + kReportInterval;
-  LogWarning("{} connections were ended or turned away: {}", std::exchange(num_dropped_, 0), cause);
+  LogWarning("{} connections were closed or refused: {}", std::exchange(num_dropped_, 0), cause);
 }
 
 void EventLoop::Close(Entry* entry) {

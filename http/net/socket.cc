@@ -36,13 +36,13 @@ AddressList Resolve(const std::string& host, int port) {
   return {list, freeaddrinfo};
 }
 
-// No descriptor and errno if the address cannot be listened on.
+// If the address cannot be listened on, the socket has no descriptor and errno has the reason.
 Socket TryToListen(const addrinfo& address) {
   Socket socket(::socket(address.ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (socket.fd() < 0) {
     return socket;
   }
-  // Not SO_REUSEPORT: a second server would silently share the port.
+  // SO_REUSEPORT would let a second server silently share the port.
   SetOption(socket.fd(), SOL_SOCKET, SO_REUSEADDR, 1);
   if (address.ai_family == AF_INET6) {
     SetOption(socket.fd(), IPPROTO_IPV6, IPV6_V6ONLY, 0);

@@ -6,7 +6,7 @@ namespace cairn {
 namespace {
 
 constexpr char kAlphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-constexpr uint8_t kInvalid = 0x80;  // Bit that no symbol's value has.
+constexpr uint8_t kInvalid = 0x80;  // A bit that no valid symbol value has.
 
 constexpr std::array<uint8_t, 256> MakeValues() {
   std::array<uint8_t, 256> values{};
@@ -55,7 +55,7 @@ std::optional<std::vector<uint8_t>> DecodeBase64(std::string_view text) {
   const size_t num_groups = text.size() / 4 - (padding > 0 ? 1 : 0);
   std::vector<uint8_t> bytes(text.size() / 4 * 3 - padding);
   uint32_t seen =
-      0;  // Collects the invalid bit; one test at the end keeps the loop free of branches.
+      0;  // Collects kInvalid bits; a single test after the loop keeps the loop free of branches.
   size_t out = 0;
   for (size_t g = 0; g < num_groups; ++g) {
     const char* in = text.data() + 4 * g;

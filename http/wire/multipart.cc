@@ -11,7 +11,7 @@
 namespace cairn {
 namespace {
 
-// Of the bodies written here.
+// The boundary of all bodies written here.
 constexpr char kBoundary[] = "cairn-client-5f1c2a9e7d304b68";
 
 constexpr size_t kMaxParts = 16;
@@ -20,7 +20,8 @@ constexpr size_t kMaxBoundaryLength = 70;  // RFC 2046.
 
 [[noreturn]] void Refuse(const std::string& detail) {
   throw HttpError(ProblemCode::kInvalidMultipart, "multipart body: " + detail)
-      .Hint("send the parts 'request' (JSON) and 'image' or 'features'; curl -F does it right");
+      .Hint(
+          "send the parts 'request' (JSON) and 'image' or 'features'; curl -F writes such a body");
 }
 
 bool EqualsIgnoringCase(std::string_view a, std::string_view b) {
@@ -38,7 +39,7 @@ std::string_view Trim(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
 }
 
-// The name in the part's Content-Disposition.
+// The part's name from its Content-Disposition.
 std::string_view PartName(std::string_view head) {
   while (!head.empty()) {
     const size_t end = head.find("\r\n");
@@ -58,7 +59,7 @@ MultipartPart ParsePart(std::string_view part) {
   const bool no_headers = part.starts_with("\r\n");
   const size_t head_end = no_headers ? 0 : part.substr(0, kMaxPartHeadBytes).find("\r\n\r\n");
   if (head_end == std::string_view::npos) {
-    Refuse("a part has no end of its headers");
+    Refuse("the headers of a part have no end");
   }
   const std::string_view name = PartName(part.substr(0, head_end));
   if (name.empty()) {
@@ -122,7 +123,7 @@ std::vector<MultipartPart> ParseMultipart(std::string_view content_type, std::st
   const std::string first = fmt::format("--{}", boundary);
   const std::string delimiter = fmt::format("\r\n--{}", boundary);
   if (!body.starts_with(first)) {
-    Refuse("it does not start with its boundary");
+    Refuse("the body does not start with the boundary");
   }
   body.remove_prefix(first.size());
   std::vector<MultipartPart> parts;
