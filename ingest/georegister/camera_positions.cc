@@ -37,7 +37,7 @@ std::vector<std::string_view> SplitCells(std::string_view line) {
 
 constexpr uint64_t kMaxTableBytes = uint64_t{256} << 20;
 
-// One CSV file; its errors say where.
+// One CSV file. Its errors name the place of the fault.
 class PositionTable {
  public:
   explicit PositionTable(const std::string& path)
@@ -59,7 +59,7 @@ class PositionTable {
     num_columns_ = cells_.size();
   }
 
-  // Moves to the next line that is not blank.
+  // Moves to the next non-blank line.
   bool NextLine() {
     while (std::getline(file_, line_)) {
       ++line_number_;
@@ -68,7 +68,8 @@ class PositionTable {
       }
       cells_ = SplitCells(line_);
       if (num_columns_ != 0 && cells_.size() != num_columns_) {
-        Throw(fmt::format("{} columns where the header has {}", cells_.size(), num_columns_));
+        Throw(fmt::format("the line has {} columns, but the header has {}", cells_.size(),
+                          num_columns_));
       }
       return true;
     }
@@ -100,7 +101,7 @@ class PositionTable {
   std::istringstream file_;
   std::string line_;
   int64_t line_number_ = 0;
-  std::vector<std::string_view> cells_;  // Of line_.
+  std::vector<std::string_view> cells_;  // Views of line_.
   std::map<std::string, size_t, std::less<>> column_of_name_;
   size_t num_columns_ = 0;
 };

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
-// The `n`-th rational of a tag; nothing if the tag or the number is missing or not finite.
+// The `n`-th rational of a tag. Returns nothing if the tag or the number is missing or not finite.
 std::optional<double> Number(const Exiv2::ExifData& exif, const char* key, long n = 0) {
   const auto tag = exif.findKey(Exiv2::ExifKey(key));
   if (tag == exif.end() || tag->count() <= n) {
@@ -27,7 +27,7 @@ std::optional<double> Number(const Exiv2::ExifData& exif, const char* key, long 
   return static_cast<double>(rational.first) / rational.second;
 }
 
-// Degrees, minutes and seconds with a reference letter; minutes and seconds may be missing.
+// Reads degrees, minutes and seconds with a reference letter. Minutes and seconds may be missing.
 std::optional<double> AngleRad(const Exiv2::ExifData& exif, const char* key, const char* ref_key,
                                char negative_ref, double max_deg) {
   const std::optional<double> degrees = Number(exif, key);
@@ -45,13 +45,13 @@ std::optional<double> AngleRad(const Exiv2::ExifData& exif, const char* key, con
   return (negative ? -angle_deg : angle_deg) * kRadPerDeg;
 }
 
-// The whole number of a tag, or `fallback`.
+// The whole number of a tag, or `fallback` if there is none.
 long WholeNumber(const Exiv2::ExifData& exif, const char* key, long fallback) {
   const auto tag = exif.findKey(Exiv2::ExifKey(key));
   return tag != exif.end() && tag->count() > 0 ? tag->toLong() : fallback;
 }
 
-// Altitude and what it is measured from. GPSAltitudeRef is 0 above and 1 below sea level, 2 above
+// Reads the altitude and its reference. GPSAltitudeRef is 0 above and 1 below sea level, 2 above
 // and 3 below the ellipsoid.
 void ReadAltitude(const Exiv2::ExifData& exif, ExifInfo* info) {
   const std::optional<double> altitude_m = Number(exif, "Exif.GPSInfo.GPSAltitude");
@@ -93,7 +93,7 @@ ExifInfo ReadExif(std::span<const uint8_t> image_bytes) {
     return info;
   }
 
-  // Exiv2 prints what it finds odd; a photo with odd EXIF is just a photo with less EXIF.
+  // Exiv2 prints warnings about odd EXIF. Such a photo merely has less usable EXIF.
   static const bool muted = (Exiv2::LogMsg::setLevel(Exiv2::LogMsg::mute), true);
   static_cast<void>(muted);
   ExifInfo tagged = info;

@@ -37,7 +37,7 @@ bool IsStartOfFrame(uint8_t marker) {
   return marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
 }
 
-// In entropy-coded data every FF is followed by 00 or a restart marker, so FF D9 ends the image.
+// In entropy-coded data, 00 or a restart marker follows every FF, so FF D9 ends the image.
 bool HasEndOfImage(Bytes entropy_coded) {
   constexpr std::array<uint8_t, 2> kEndOfImage = {0xff, 0xd9};
   return std::search(entropy_coded.begin(), entropy_coded.end(), kEndOfImage.begin(),
@@ -94,9 +94,10 @@ ImageHeader ParsePng(Bytes bytes) {
     const Bytes chunk = bytes.subspan(at + 8, length);
     at += 12 + length;
     const bool is_header = std::memcmp(type, "IHDR", 4) == 0;
-    // It comes first and once; of two, decoders differ in which counts.
+    // The header must come first and only once. For two headers, decoders disagree about which one
+    // counts.
     if (is_header != std::exchange(is_first, false) || (is_header && length != 13)) {
-      throw Error(ErrorCode::kBadInput, "the PNG image does not have one header, at its begin");
+      throw Error(ErrorCode::kBadInput, "the PNG image does not begin with its only header");
     }
     if (is_header) {
       header.width_px = BigEndian32(chunk);
@@ -117,7 +118,7 @@ ImageHeader ParsePnm(Bytes bytes) {
           .exif = {}};
 }
 
-// Formats that a sender may take for usable.
+// Formats that a sender may assume to be supported.
 struct OtherFormat {
   const char* name;
   size_t at;

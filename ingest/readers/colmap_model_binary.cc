@@ -21,16 +21,17 @@
 namespace cairn {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "numbers are copied as they are");
+static_assert(std::endian::native == std::endian::little, "numbers are copied unchanged");
 
-// Fixed parts of the records above, bytes; a count is checked against them before it is trusted.
+// Sizes of the fixed parts of the records above, in bytes. Counts are checked against them before
+// use.
 constexpr size_t kMinCameraBytes = 4 + 4 + 8 + 8 + 3 * 8;
 constexpr size_t kMinImageBytes = 4 + 7 * 8 + 4 + 1 + 8;
 constexpr size_t kKeypointBytes = 8 + 8 + 8;
 constexpr size_t kMinPointBytes = 8 + 3 * 8 + 3 + 8 + 8;
 constexpr size_t kTrackElementBytes = 4 + 4;
 
-// Reads a file front to back; knows where it stands.
+// Reads a file from front to back and tracks the position.
 class ModelFile {
  public:
   ModelFile(const std::string& model_dir, const char* name)
@@ -61,7 +62,7 @@ class ModelFile {
     return value;
   }
 
-  // A number of records of at least `record_bytes` each.
+  // Reads a number of records that have at least `record_bytes` each.
   size_t GetCount(size_t record_bytes, const char* what) {
     const uint64_t count = Get<uint64_t>();
     if (count > (bytes_.size() - at_) / record_bytes) {
@@ -82,7 +83,7 @@ class ModelFile {
 
   void ExpectEnd() const {
     if (at_ != bytes_.size()) {
-      Throw("bytes are left over after the last record");
+      Throw("the file goes on after the last record");
     }
   }
 
@@ -142,7 +143,7 @@ void ReadImages(const std::string& model_dir, ColmapModel* model) {
       const double x_px = file.GetFinite("a keypoint");
       const double y_px = file.GetFinite("a keypoint");
       pixel = Eigen::Vector2d(x_px, y_px).cast<float>();
-      file.Get<int64_t>();  // The point; points3D.bin says the same.
+      file.Get<int64_t>();  // Point id; points3D.bin has the same information.
     }
   }
   file.ExpectEnd();
@@ -152,12 +153,12 @@ void ReadPoints(const std::string& model_dir, ColmapModel* model) {
   ModelFile file(model_dir, "points3D.bin");
   model->points.resize(file.GetCount(kMinPointBytes, "points"));
   for (ColmapPoint& point : model->points) {
-    file.Get<uint64_t>();  // Id.
+    file.Get<uint64_t>();  // Point id.
     for (double& coordinate : point.x_in_world) {
       coordinate = file.GetFinite("a point");
     }
     for (int i = 0; i < 3; ++i) {
-      file.Get<uint8_t>();  // Colour.
+      file.Get<uint8_t>();  // Color.
     }
     file.Get<double>();  // Reprojection error.
     point.track.resize(file.GetCount(kTrackElementBytes, "observations"));

@@ -2,8 +2,7 @@
 //
 //   cameras.txt   CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]
 //   images.txt    IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then a line of X Y POINT3D_ID
-//   triples
-//                 (which is empty for an image without keypoints)
+//                 triples; the line is empty for an image without keypoints
 //   points3D.txt  POINT3D_ID X Y Z R G B ERROR, then IMAGE_ID POINT2D_IDX pairs on the same line
 #include <fmt/format.h>
 
@@ -22,7 +21,7 @@
 namespace cairn {
 namespace {
 
-// Hands out the lines of a file and, within the current line, its words.
+// Reads the lines of a file and the words of the current line.
 class TextFile {
  public:
   TextFile(const std::string& model_dir, const char* name)
@@ -34,7 +33,7 @@ class TextFile {
     throw Error(ErrorCode::kBadInput, fmt::format("{}: line {}: {}", path_, line_number_, what));
   }
 
-  // Moves to the next line, whatever it holds; false at the end of the file.
+  // Moves to the next line of any kind. Returns false at the end of the file.
   bool NextLine() {
     if (rest_.empty()) {
       return false;
@@ -75,7 +74,7 @@ class TextFile {
     return word;
   }
 
-  // What is left of the line, without surrounding blanks.
+  // The rest of the line, without surrounding blanks.
   std::string Rest(const char* what) {
     if (AtEndOfLine()) {
       Throw(fmt::format("{} is missing", what));
@@ -159,7 +158,7 @@ void ReadImages(const std::string& model_dir, ColmapModel* model) {
       const double x_px = file.Number<double>("keypoint");
       const double y_px = file.Number<double>("keypoint");
       image.pixels.push_back(Eigen::Vector2d(x_px, y_px).cast<float>());
-      file.Word("point id");  // points3D.txt says the same.
+      file.Word("point id");  // points3D.txt has the same information.
     }
     model->images.push_back(std::move(image));
   }

@@ -12,8 +12,8 @@ namespace {
 constexpr int kMaxIterations = 30;
 // Scale of Cauchy's loss, in standard deviations of a pixel.
 constexpr double kLossScaleSigmas = 2.0;
-// The smallest eigenvalue, relative to the largest, of a system that is taken as solvable: rays
-// that span an angle of 1e-4 radians give 1e-8.
+// Smallest ratio of the smallest to the largest eigenvalue of a solvable system. Rays that span an
+// angle of 1e-4 radians give 1e-8.
 constexpr double kMinConditioning = 1e-9;
 
 bool IsSolvable(const Eigen::Matrix3d& hessian) {
@@ -22,7 +22,7 @@ bool IsSolvable(const Eigen::Matrix3d& hessian) {
   return eigenvalues[0] > kMinConditioning * eigenvalues[2];
 }
 
-// The point with the least sum of squared distances to all rays.
+// The point with the smallest sum of squared distances to all rays.
 std::optional<Eigen::Vector3d> NearestToRays(std::span<const PointView> views) {
   Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
   Eigen::Vector3d rhs = Eigen::Vector3d::Zero();
@@ -50,7 +50,7 @@ struct NormalEquations {
   double cost = 0.0;
 };
 
-// Nothing if a view does not see the point. `robust` applies Cauchy's loss.
+// Returns nothing if the point is not visible in a view. `robust` applies Cauchy's loss.
 std::optional<NormalEquations> Linearize(std::span<const PointView> views,
                                          const Eigen::Vector3d& x_in_world, bool robust) {
   constexpr double kSqLossScale = kLossScaleSigmas * kLossScaleSigmas;
