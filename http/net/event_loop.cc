@@ -9,7 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <tuple>
+#include <memory>
 #include <utility>
 
 #include "core/error.h"
@@ -41,19 +41,6 @@ constexpr milliseconds kReportInterval{1000};
 }
 
 }  // namespace
-
-struct EventLoop::Entry : Connection {
-  using Connection::Connection;
-
-  size_t index = 0;          // Index in entries_.
-  Usage* usage = nullptr;    // Of the entry's client.
-  size_t counted_bytes = 0;  // Bytes included in buffered_bytes_.
-  bool is_closed = false;
-  // While lent, all other state of the connection belongs to the borrower.
-  bool is_lent = false;
-  uint32_t events_while_lent = 0;
-  bool has_event_while_lent = false;  // Guarded by mutex_.
-};
 
 EventLoop::EventLoop(Socket listening, const ConnectionLimits& connection_limits,
                      const LoopLimits& loop_limits, int max_answering, RefuseFunction refuse)
@@ -125,7 +112,7 @@ void EventLoop::RunRound() {
   if (now >= next_expiry_) {
     Expire();
   }
-  closed_.clear();
+  connections_.FreeClosed();
 }
 
 int EventLoop::WaitMs() {
@@ -198,7 +185,7 @@ void EventLoop::HandleAcceptError(int error) {
   if (!is_exhausted) {
     return;
   }
-  if (!DropMostConnections()) {
+  if (!Drop(connections_.LongestWaiting())) {
     PauseAccepting();
   }
   ReportShortage(std::strerror(error));
@@ -219,13 +206,13 @@ void EventLoop::ResumeAccepting() {
 
 void EventLoop::Adopt(Socket socket, Peer peer) {
   const auto max_connections = static_cast<size_t>(limits_.max_connections);
-  bool is_full = entries_.size() >= max_connections;
+  bool is_full = connections_.entries().size() >= max_connections;
   if (is_full) {
-    is_full = !DropMostConnections();
+    is_full = !Drop(connections_.LongestWaiting());
     num_dropped_ += is_full;
     ReportShortage("too many connections");
   }
-  if (is_full && entries_.size() >= max_connections + kMaxTurnedAway) {
+  if (is_full && connections_.entries().size() >= max_connections + kMaxTurnedAway) {
     return;
   }
   auto entry = std::make_unique<Entry>(std::move(socket), std::move(peer), &connection_limits_);
@@ -234,11 +221,7 @@ void EventLoop::Adopt(Socket socket, Peer peer) {
   if (epoll_ctl(epoll_.fd(), EPOLL_CTL_ADD, entry->socket().fd(), &event) != 0) {
     return;
   }
-  entry->index = entries_.size();
-  entry->usage = &usage_[entry->peer().network];
-  ++entry->usage->num_connections;
-  Entry* const adopted = entry.get();
-  entries_.push_back(std::move(entry));
+  Entry* const adopted = connections_.Add(std::move(entry));
   next_expiry_ = std::min(next_expiry_, DeadlineOf(*adopted));
   if (is_full) {
     Refuse(adopted, HttpError(ProblemCode::kUnavailable, "too many requests are being answered"));
@@ -253,18 +236,18 @@ void EventLoop::Advance(Entry* entry) {
       case Connection::Next::kRequest:
         return Lend(entry);
       case Connection::Next::kClose:
-        return Close(entry);
+        return connections_.Close(entry);
       case Connection::Next::kWait:
         break;
     }
     if (is_closing_ && entry->is_idle() && entry->has_served()) {
-      return Close(entry);
+      return connections_.Close(entry);
     }
   } catch (const HttpError& error) {
     return Refuse(entry, error);
   } catch (const std::exception& error) {
     LogError("connection closed because of an error: {}", error.what());
-    return Close(entry);
+    return connections_.Close(entry);
   }
   next_expiry_ = std::min(next_expiry_, DeadlineOf(*entry));
   Account(entry, entry->buffered_bytes());
@@ -285,7 +268,7 @@ void EventLoop::Refuse(Entry* entry, const HttpError& error) {
   next_expiry_ = std::min(next_expiry_, DeadlineOf(*entry));
   // Proceed only sends and drains here, so it cannot refuse again.
   if (entry->Proceed() == Connection::Next::kClose) {
-    return Close(entry);
+    return connections_.Close(entry);
   }
   Account(entry, entry->buffered_bytes());
 }
@@ -332,7 +315,7 @@ void EventLoop::Expire() {
   const TimePoint now = steady_clock::now();
   std::vector<Entry*> late;
   next_expiry_ = TimePoint::max();
-  for (const auto& entry : entries_) {
+  for (const auto& entry : connections_.entries()) {
     if (entry->is_lent) {
       continue;
     }
@@ -352,7 +335,7 @@ void EventLoop::Expire() {
       if (entry->is_sending()) {
         entry->socket().Abort();
       }
-      Close(entry);
+      connections_.Close(entry);
     } catch (const HttpError& error) {
       Refuse(entry, error);
     }
@@ -370,67 +353,33 @@ void EventLoop::BeginClosing() {
   next_expiry_ = steady_clock::now();
   closing_deadline_ = next_expiry_ + limits_.stop_timeout;
   std::vector<Entry*> served;
-  for (const auto& entry : entries_) {
+  for (const auto& entry : connections_.entries()) {
     if (!entry->is_lent && entry->is_idle() && entry->has_served()) {
       served.push_back(entry.get());
     }
   }
   for (Entry* entry : served) {
-    Close(entry);
+    connections_.Close(entry);
   }
 }
 
 void EventLoop::Account(Entry* entry, size_t bytes) {
-  buffered_bytes_ += bytes - entry->counted_bytes;
-  entry->usage->bytes += bytes - entry->counted_bytes;
-  entry->counted_bytes = bytes;
-  while (buffered_bytes_ > limits_.max_buffered_bytes && DropMostBytes()) {
+  connections_.Count(bytes, entry);
+  while (connections_.buffered_bytes() > limits_.max_buffered_bytes &&
+         Drop(connections_.HeaviestWaiting())) {
     ReportShortage("too many bytes of requests and answers in memory");
   }
 }
 
-template <typename Rank>
-EventLoop::Entry* EventLoop::Foremost(const Rank& rank) const {
-  Entry* foremost = nullptr;
-  for (const auto& entry : entries_) {
-    if (entry->is_lent) {
-      continue;
-    }
-    if (foremost == nullptr || rank(*entry) > rank(*foremost)) {
-      foremost = entry.get();
-    }
+bool EventLoop::Drop(Entry* entry) {
+  if (entry == nullptr) {
+    return false;
   }
-  return foremost;
-}
-
-bool EventLoop::DropMostConnections() {
-  const TimePoint now = steady_clock::now();
-  Entry* const foremost = Foremost([now](const Entry& entry) {
-    return std::tuple(entry.usage->num_connections, now - entry.waiting_since());
-  });
-  if (foremost != nullptr) {
-    Drop(foremost);
-  }
-  return foremost != nullptr;
-}
-
-bool EventLoop::DropMostBytes() {
-  const TimePoint now = steady_clock::now();
-  Entry* const foremost = Foremost([now](const Entry& entry) {
-    const std::chrono::duration<double> age = now - entry.waiting_since();
-    return std::tuple(entry.usage->bytes, static_cast<double>(entry.counted_bytes) * age.count());
-  });
-  if (foremost != nullptr) {
-    Drop(foremost);
-  }
-  return foremost != nullptr;
-}
-
-void EventLoop::Drop(Entry* entry) {
   LogDebug("closing a connection of {} to make room", entry->peer().address);
   entry->socket().Abort();
-  Close(entry);
+  connections_.Close(entry);
   ++num_dropped_;
+  return true;
 }
 
 void EventLoop::ReportShortage(const char* cause) {
@@ -440,23 +389,6 @@ void EventLoop::ReportShortage(const char* cause) {
   }
   next_report_ = now + kReportInterval;
   LogWarning("{} connections were closed or refused: {}", std::exchange(num_dropped_, 0), cause);
-}
-
-void EventLoop::Close(Entry* entry) {
-  if (entry->is_closed) {
-    return;
-  }
-  entry->is_closed = true;
-  buffered_bytes_ -= entry->counted_bytes;
-  entry->usage->bytes -= entry->counted_bytes;
-  if (--entry->usage->num_connections == 0) {
-    usage_.erase(entry->peer().network);
-  }
-  entry->socket().Close();
-  std::swap(entries_[entry->index], entries_.back());
-  entries_[entry->index]->index = entry->index;
-  closed_.push_back(std::move(entries_.back()));
-  entries_.pop_back();
 }
 
 }  // namespace cairn

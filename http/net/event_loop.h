@@ -9,13 +9,12 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
-#include <memory>
 #include <mutex>
 #include <optional>
-#include <unordered_map>
 #include <vector>
 
 #include "http/net/connection.h"
+#include "http/net/connection_table.h"
 #include "http/net/lead.h"
 #include "http/wire/problem.h"
 
@@ -70,16 +69,10 @@ class EventLoop {
   void Stop();
 
  private:
-  struct Entry;
+  using Entry = ConnectionTable::Entry;
   using TimePoint = Connection::TimePoint;
 
-  // The resources that one client (Peer::network) holds.
-  struct Usage {
-    int num_connections = 0;
-    size_t bytes = 0;
-  };
-
-  bool HasEnded() const { return is_closing_ && entries_.empty(); }
+  bool HasEnded() const { return is_closing_ && connections_.entries().empty(); }
   std::optional<RequestJob> TakeReady();
   // Waits for events and handles them.
   void RunRound();
@@ -102,14 +95,8 @@ class EventLoop {
   void BeginClosing();
 
   void Account(Entry* entry, size_t bytes);
-  bool DropMostConnections();
-  bool DropMostBytes();
-  // Among the connections that wait for their clients, the one with the highest rank.
-  template <typename Rank>
-  Entry* Foremost(const Rank& rank) const;
-  void Drop(Entry* entry);
-  // Closes the connection. Its memory is freed after the events of this round.
-  void Close(Entry* entry);
+  // Closes the connection to make room. False if `entry` is null.
+  bool Drop(Entry* entry);
   // Logs how many connections were closed or not accepted, and why; at most once a second.
   void ReportShortage(const char* cause);
 
@@ -124,10 +111,7 @@ class EventLoop {
   Lead lead_;
 
   // Used by the leader only.
-  std::vector<std::unique_ptr<Entry>> entries_;
-  std::vector<std::unique_ptr<Entry>> closed_;
-  std::unordered_map<uint64_t, Usage> usage_;
-  size_t buffered_bytes_ = 0;
+  ConnectionTable connections_;
   std::deque<RequestJob> ready_;
   int num_answering_ = 0;
   TimePoint next_expiry_;  // No deadline is earlier than this.
