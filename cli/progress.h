@@ -12,7 +12,7 @@ enum class ProgressMode {
   kAuto,   // A bar if stderr is a terminal, else plain lines.
   kBar,    // One line, redrawn in place.
   kPlain,  // Lines at the start and end of each phase and every ten seconds in between.
-  kJson,   // One JSON object a line: {"phase": "tiles", "done": 3, "total": 12}.
+  kJson,   // One JSON object per line: {"phase": "tiles", "done": 3, "total": 12}.
 };
 
 // Shows one phase at a time. Use from one thread.
