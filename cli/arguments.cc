@@ -26,7 +26,7 @@ std::vector<std::string_view> SplitAtCommas(std::string_view text) {
   }
 }
 
-// Nothing unless all of the text is a finite number.
+// Returns nothing unless the whole text is a finite number.
 std::optional<double> FiniteNumber(std::string_view text) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

@@ -1,4 +1,4 @@
-// Values that people type on the command line.
+// Parsers and checks for values on the command line.
 #ifndef CAIRN_CLI_ARGUMENTS_H_
 #define CAIRN_CLI_ARGUMENTS_H_
 
@@ -17,26 +17,26 @@ class Validator;
 
 namespace cairn {
 
-// For CLI::Option::check: a finite number in [min, max]. CLI11's own checks take "nan".
+// For CLI::Option::check: accepts a finite number in [min, max]. CLI11's own checks accept "nan".
 CLI::Validator NumberWithin(double min, double max);
-// The same above 0.
+// Accepts a finite number above 0.
 CLI::Validator PositiveNumber();
 
-// --seed, which takes whole numbers that are not negative. CLI11 makes 2^64 - 1 of "-1".
+// Adds --seed, which accepts whole numbers from 0. CLI11 itself would turn "-1" into 2^64 - 1.
 void AddSeedOption(CLI::App* command, uint64_t* seed, const std::string& description);
 
-// All throw Error(kInvalidArgument) naming `option`.
+// All functions below throw Error(kInvalidArgument), which names `option`.
 
-// "1,2.5,-3": exactly `count` finite numbers, or any number of them if `count` is 0.
+// Parses "1,2.5,-3": exactly `count` finite numbers, or any number of them if `count` is 0.
 std::vector<double> ParseNumbers(const std::string& option, const std::string& text, int count);
 
-// "MODEL,width,height,param,...", COLMAP's names and parameter order, pixels.
+// Parses "MODEL,width,height,param,...": COLMAP's model names and parameter order, in pixels.
 Camera ParseCamera(const std::string& option, const std::string& text);
 
-// "lat,lon,h": degrees and metres.
+// Parses "lat,lon,h" in degrees and meters.
 Geodetic ParseGeodetic(const std::string& option, const std::string& text);
 
-// "x,y,z", any length but zero; returned with unit length.
+// Parses "x,y,z" of any length except zero. Returns a unit vector.
 Eigen::Vector3d ParseDirection(const std::string& option, const std::string& text);
 
 }  // namespace cairn

@@ -1,4 +1,4 @@
-// `cairn check`: proves that every byte of a map is sound.
+// `cairn check`: checks every page and tile of a map for damage.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

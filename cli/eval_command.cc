@@ -1,4 +1,4 @@
-// `cairn eval`: how well and how fast a map localizes queries with known poses.
+// `cairn eval`: measures how well and how fast a map localizes queries with known poses.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -59,7 +59,7 @@ struct EvalArguments {
   int num_threads = 1;
 };
 
-// Answers one query; each worker has its own.
+// Answers one query. Each worker has its own Answerer.
 using Answerer = std::function<LocalizeResult(const EvalQuery&)>;
 
 bool NeedsImages(const EvalArguments& arguments, const EvalQuery& query) {
@@ -68,7 +68,7 @@ bool NeedsImages(const EvalArguments& arguments, const EvalQuery& query) {
          query.query.features.size() == 0;
 }
 
-// Replaces the features by extracted ones where that is asked for, or where there are none.
+// Extracts features if the arguments ask for extracted features or if a query has none.
 void ExtractFeatures(const EvalArguments& arguments, Progress* progress,
                      std::vector<EvalQuery>* queries) {
   const auto total = static_cast<int64_t>(queries->size());
@@ -103,7 +103,7 @@ Answerer MakeAnswerer(const EvalArguments& arguments, const OpenedMap& map) {
   };
 }
 
-// Asks all queries; the results are parallel to them.
+// Runs all queries. The results are parallel to the queries.
 std::vector<LocalizeResult> AnswerAll(const EvalArguments& arguments, const OpenedMap& map,
                                       const std::vector<EvalQuery>& queries, Progress* progress) {
   const auto num_queries = static_cast<int64_t>(queries.size());
@@ -136,7 +136,7 @@ void PrintMapSize(const MapSnapshot& map) {
     return;
   }
   const auto num_tiles = static_cast<double>(info.num_tiles);
-  fmt::print("map: {} tiles, {:.1f} kB a tile, {:.1f} bytes a landmark\n", info.num_tiles,
+  fmt::print("map: {} tiles, {:.1f} kB per tile, {:.1f} bytes per landmark\n", info.num_tiles,
              1e-3 * static_cast<double>(info.payload_bytes) / num_tiles,
              static_cast<double>(info.payload_bytes) /
                  static_cast<double>(std::max<int64_t>(1, info.num_landmarks)));
@@ -215,13 +215,15 @@ void AddQuerySourceOptions(CLI::App* command, EvalQueryArguments* arguments) {
   AddReconstructionOptions(command, &arguments->reconstruction);
   command->get_option("--model")->excludes(list);
   command
-      ->add_option("--align-to", arguments->reference_source,
-                   "What places the model: the images it shares with the map, or the positions")
+      ->add_option(
+          "--align-to", arguments->reference_source,
+          "Reference that places the model: the images shared with the map, or the positions")
       ->transform(CLI::CheckedTransformer(kSources).description(""))
       ->type_name("auto|map|positions");
   command
       ->add_option("--images", arguments->image_list_path,
-                   "Images of the model to query, one name a line. Default: those not in the map")
+                   "File with the images of the model to query, one name per line. Default: all "
+                   "that are not in the map")
       ->type_name("FILE");
   command->add_option("--image-dir", arguments->image_dir, "Folder of the model's photos")
       ->type_name("DIR");
@@ -230,7 +232,7 @@ void AddQuerySourceOptions(CLI::App* command, EvalQueryArguments* arguments) {
 void AddNoiseOptions(CLI::App* command, EvalArguments* arguments) {
   command
       ->add_option("--prior-noise", arguments->noise.position_sigma_m,
-                   "Standard deviation of the position prior, metres an axis")
+                   "Standard deviation of the position prior, meters per axis")
       ->check(NumberWithin(0.0, 1e6))
       ->type_name("M")
       ->capture_default_str();
@@ -240,50 +242,51 @@ void AddNoiseOptions(CLI::App* command, EvalArguments* arguments) {
       ->check(NumberWithin(0.0, 180.0))
       ->type_name("DEG")
       ->capture_default_str();
-  command->add_flag("--no-prior", arguments->no_prior, "Queries without position");
-  command->add_flag("--no-gravity", arguments->no_gravity, "Queries without gravity");
+  command->add_flag("--no-prior", arguments->no_prior, "Leave out the position prior");
+  command->add_flag("--no-gravity", arguments->no_gravity, "Leave out the gravity prior");
   command
       ->add_flag("--given-priors", arguments->given_priors,
-                 "Take position and gravity from the query list as they are")
+                 "Use position and gravity of the query list unchanged")
       ->needs("--queries")
       ->excludes("--no-prior", "--no-gravity", "--prior-noise", "--gravity-noise-deg");
   command
-      ->add_option("--prior-offset", arguments->prior_offset_m,
-                   "Move each position prior by so much, metres, and leave its accuracy")
+      ->add_option(
+          "--prior-offset", arguments->prior_offset_m,
+          "Move each position prior by this distance, meters; its stated accuracy stays unchanged")
       ->type_name("M")
       ->check(NumberWithin(0.0, 1e6))
       ->capture_default_str();
-  AddSeedOption(command, &arguments->noise.seed, "Seed of the noise and of the localizer");
+  AddSeedOption(command, &arguments->noise.seed, "Random seed of the noise and of the localizer");
 }
 
 void AddElsewhereOptions(CLI::App* command, EvalArguments* arguments) {
   command
       ->add_flag("--elsewhere", arguments->elsewhere,
-                 "The queries show nothing of the map: ask for each at one of the map's keyframes "
-                 "and count the answers")
+                 "The queries show nothing of the map: place each at one of the map's keyframes "
+                 "and count the false answers")
       ->excludes("--given-priors");
   command->add_flag("--permute-descriptors", arguments->permute_descriptors,
-                    "Make such queries of any photos: deal their descriptors out anew among their "
-                    "keypoints, and count the answers");
+                    "Make such queries from any photos: permute the descriptors among the "
+                    "keypoints and count the false answers");
 }
 
 void AddFocalOptions(CLI::App* command, EvalArguments* arguments) {
-  CLI::Option* error =
-      command
-          ->add_option("--focal-error", arguments->focal_error_percent,
-                       "Queries state a focal length too long or too short by so much, percent")
-          ->check(NumberWithin(-99.0, 1e4))
-          ->type_name("PCT")
-          ->capture_default_str();
-  CLI::Option* sigma =
-      command
-          ->add_option("--focal-sigma", arguments->focal_sigma_percent,
-                       "and this as its standard deviation. Default: they do not say")
-          ->check(PositiveNumber())
-          ->type_name("PCT");
+  CLI::Option* error = command
+                           ->add_option("--focal-error", arguments->focal_error_percent,
+                                        "Error of the focal length that queries state, percent: "
+                                        "too long or too short at random")
+                           ->check(NumberWithin(-99.0, 1e4))
+                           ->type_name("PCT")
+                           ->capture_default_str();
+  CLI::Option* sigma = command
+                           ->add_option("--focal-sigma", arguments->focal_sigma_percent,
+                                        "Standard deviation of the focal length that queries "
+                                        "state, percent. Default: none stated")
+                           ->check(PositiveNumber())
+                           ->type_name("PCT");
   command
       ->add_flag("--unknown-camera", arguments->focal.withheld,
-                 "Queries state the size of their images only")
+                 "Queries state only the size of their images")
       ->excludes(error, sigma);
 }
 
@@ -292,19 +295,20 @@ void AddTransportOptions(CLI::App* command, EvalArguments* arguments) {
                                                         {"features", SendAs::kFeatures}};
   static const std::map<std::string, FeatureSource> kFeatureSources = {
       {"model", FeatureSource::kModel}, {"extract", FeatureSource::kExtract}};
-  CLI::Option* server =
-      command->add_option("--server", arguments->server_url, "Ask this server, not the map file")
-          ->type_name("URL");
-  command->add_option("--send", arguments->send_as, "What the server gets")
+  CLI::Option* server = command
+                            ->add_option("--server", arguments->server_url,
+                                         "Query this server instead of the map file")
+                            ->type_name("URL");
+  command->add_option("--send", arguments->send_as, "Data to send to the server")
       ->needs(server)
       ->transform(CLI::CheckedTransformer(kSendAs).description(""))
       ->type_name("image|features");
   command
       ->add_option("--features", arguments->feature_source,
-                   "The model's keypoints, or fresh ones from the photos")
+                   "Use the model's features, or extract new ones from the photos")
       ->transform(CLI::CheckedTransformer(kFeatureSources).description(""))
       ->type_name("model|extract");
-  command->add_option("--threads", arguments->num_threads, "Queries asked at once")
+  command->add_option("--threads", arguments->num_threads, "Queries run in parallel")
       ->check(CLI::Range(1, 256))
       ->type_name("N")
       ->capture_default_str();
@@ -322,15 +326,18 @@ void AddEvalCommand(CLI::App* app, Shell* shell) {
   AddFocalOptions(command, arguments.get());
   AddTransportOptions(command, arguments.get());
   AddIndexOption(command, &arguments->index);
-  command->add_option("--json", arguments->json_path, "Write the report")->type_name("FILE");
-  command->add_option("--csv", arguments->csv_path, "Write one line an answer")->type_name("FILE");
-  command
-      ->add_option("--matches-csv", arguments->matches_path,
-                   "Write one line an inlier, with how it deviates from its landmark")
+  command->add_option("--json", arguments->json_path, "Write the report as JSON")
+      ->type_name("FILE");
+  command->add_option("--csv", arguments->csv_path, "Write a CSV with one line per answer")
       ->type_name("FILE");
   command
-      ->add_option("--min-score", arguments->min_score,
-                   "Answers with a lower score are not given (not with --server)")
+      ->add_option("--matches-csv", arguments->matches_path,
+                   "Write a CSV with one line per inlier and its deviation from the landmark")
+      ->type_name("FILE");
+  command
+      ->add_option(
+          "--min-score", arguments->min_score,
+          "Lowest score of an answer; lower ones count as not localized (no effect with --server)")
       ->check(NumberWithin(-1e9, 1e9))
       ->capture_default_str();
   command->footer(

@@ -16,8 +16,8 @@
 namespace cairn {
 namespace {
 
-// Images that map and model share by name but whose poses are this far apart are not the same
-// images: another drive that counts its frames alike.
+// If the shared images of map and model differ by more than this, they merely have the same names:
+// the model is another drive with the same frame numbers.
 constexpr double kMaxAlignmentResidualM = 0.5;
 
 std::vector<KeyframeRecord> AllKeyframes(const MapSnapshot& map) {
@@ -29,7 +29,7 @@ std::vector<KeyframeRecord> AllKeyframes(const MapSnapshot& map) {
   return keyframes;
 }
 
-// Empty, with the reason in `why_not`, if the map cannot place the model.
+// Returns nothing, with the reason in `why_not`, if the map cannot place the model.
 std::optional<Sim3d> AlignToMap(const Reconstruction& reconstruction,
                                 const std::vector<KeyframeRecord>& keyframes,
                                 std::string* why_not) {
@@ -39,7 +39,7 @@ std::optional<Sim3d> AlignToMap(const Reconstruction& reconstruction,
     return std::nullopt;
   }
   if (alignment->median_residual_m > kMaxAlignmentResidualM) {
-    *why_not = fmt::format("the {} images that map and model share by name lie {:.2f} m apart",
+    *why_not = fmt::format("the {} images that map and model share by name are {:.2f} m apart",
                            alignment->num_shared_images, alignment->median_residual_m);
     return std::nullopt;
   }
@@ -63,8 +63,9 @@ Sim3d PlaceReference(const Reconstruction& reconstruction, const EvalQueryArgume
     }
   }
   if (!arguments.reconstruction.HasPositions()) {
-    throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("where are the true poses? Give --georef CSV or --gps ({})", why_not));
+    throw Error(
+        ErrorCode::kInvalidArgument,
+        fmt::format("the true poses are unknown; give --georef CSV or --gps ({})", why_not));
   }
   const Georegistration fit = GeoregisterByArguments(reconstruction, arguments.reconstruction);
   LogInfo("reference: the model, fitted to {} positions ({}); residual {:.3f} m median",
@@ -72,7 +73,8 @@ Sim3d PlaceReference(const Reconstruction& reconstruction, const EvalQueryArgume
   return fit.ecef_from_world;
 }
 
-// The names to query: the list's, or all of the model that the map does not hold.
+// The names of the queries: those of the list, or all images of the model that the map does not
+// contain.
 std::set<std::string> QueryNames(const Reconstruction& reconstruction,
                                  const EvalQueryArguments& arguments,
                                  const std::vector<KeyframeRecord>& keyframes) {
@@ -97,7 +99,7 @@ std::set<std::string> QueryNames(const Reconstruction& reconstruction,
                                                     arguments.image_list_path, Excerpt(name)));
     }
     if (in_map.contains(name)) {
-      LogWarning("query {} is also a mapping image: its answer is too good", Excerpt(name));
+      LogWarning("query {} is also a mapping image; its errors will be too small", Excerpt(name));
     }
     listed.insert(name);
   }
@@ -109,7 +111,7 @@ std::vector<EvalQuery> QueriesFromModel(const EvalQueryArguments& arguments,
   if (arguments.reconstruction.model_dir.empty() ||
       arguments.reconstruction.database_path.empty()) {
     throw Error(ErrorCode::kInvalidArgument,
-                "what are the queries? Give --queries FILE, or --model DIR with --database FILE");
+                "no queries given; use --queries FILE, or --model DIR with --database FILE");
   }
   ColmapInput input;
   input.model_dir = arguments.reconstruction.model_dir;
@@ -136,7 +138,7 @@ std::vector<EvalQuery> LoadEvalQueries(const EvalQueryArguments& arguments,
   }
   if (queries.empty()) {
     throw Error(ErrorCode::kBadInput,
-                "there is no query to ask: the map holds every image of the "
+                "no queries remain: the map contains every image of the "
                 "model, or the list is empty");
   }
   return queries;

@@ -1,4 +1,4 @@
-// Which queries `cairn eval` asks, and what it takes as their true poses.
+// The queries of `cairn eval` and their reference poses.
 #ifndef CAIRN_CLI_EVAL_QUERIES_H_
 #define CAIRN_CLI_EVAL_QUERIES_H_
 
@@ -11,9 +11,9 @@
 
 namespace cairn {
 
-// What places the reference reconstruction on Earth.
+// The source that places the reference reconstruction on Earth.
 enum class ReferenceSource {
-  kAuto,       // The map if it holds three of the model's images, else the positions.
+  kAuto,       // The map if it contains three of the model's images, else the positions.
   kMap,        // The poses of the images that map and model share.
   kPositions,  // --georef or --gps, fitted over the whole model.
 };
@@ -22,13 +22,14 @@ struct EvalQueryArguments {
   std::string query_list_path;  // Empty if the queries come from a reconstruction.
   ReconstructionArguments reconstruction;
   ReferenceSource reference_source = ReferenceSource::kAuto;
-  std::string image_list_path;  // Names of the queries; empty: all images the map does not hold.
+  std::string image_list_path;  // Names of the query images. If empty, all images that the map does
+                                // not contain.
   std::string image_dir;
 };
 
 // Reads or makes the queries, without priors. Logs how the reference was placed. Throws
-// Error(kInvalidArgument) if the arguments do not say enough, Error(kBadInput) if there is no query
-// left or the reference does not fit.
+// Error(kInvalidArgument) if arguments are missing, and Error(kBadInput) if no query remains or the
+// reference does not fit.
 std::vector<EvalQuery> LoadEvalQueries(const EvalQueryArguments& arguments, const MapSnapshot& map);
 
 }  // namespace cairn

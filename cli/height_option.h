@@ -1,4 +1,4 @@
-// The option --height of the verbs that take heights.
+// The option --height of verbs that take heights.
 #ifndef CAIRN_CLI_HEIGHT_OPTION_H_
 #define CAIRN_CLI_HEIGHT_OPTION_H_
 
@@ -14,7 +14,7 @@ class Option;
 
 namespace cairn {
 
-// --height ellipsoid|msl.
+// Adds --height ellipsoid|msl.
 CLI::Option* AddHeightOption(CLI::App* command, std::optional<HeightReference>* height,
                              const std::string& help);
 

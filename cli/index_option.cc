@@ -19,7 +19,7 @@ void AddIndexOption(CLI::App* command, IndexKind* kind) {
   command
       ->add_option_function<std::string>(
           "--index", [kinds, kind](const std::string& name) { *kind = kinds.at(name); },
-          "What a tile is searched with; inverted_lists is fastest")
+          "Search structure of a tile; inverted_lists is the fastest")
       ->check(CLI::IsMember(names))
       ->type_name("KIND")
       ->default_str(IndexKindName(*kind));

@@ -1,4 +1,4 @@
-// --index: what a tile is searched with.
+// The option --index: the search structure of a tile.
 #ifndef CAIRN_CLI_INDEX_OPTION_H_
 #define CAIRN_CLI_INDEX_OPTION_H_
 
@@ -10,7 +10,7 @@ class App;
 
 namespace cairn {
 
-// Sets *kind, whose value is the default. Exhaustive search is no choice: it is for tests.
+// Sets *kind; its initial value is the default. Exhaustive search is for tests and not offered.
 void AddIndexOption(CLI::App* command, IndexKind* kind);
 
 }  // namespace cairn

@@ -1,4 +1,4 @@
-// `cairn info`: what a map holds.
+// `cairn info`: shows the contents of a map.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -53,7 +53,7 @@ void PrintJson(const MapInfo& info, const std::vector<SessionRecord>& sessions) 
 void PrintText(const MapInfo& info, const std::vector<SessionRecord>& sessions) {
   fmt::print("version      {}\n", Value(info.version));
   fmt::print("created      {}\n", Excerpt(info.created_at));
-  fmt::print("file         {:.1f} kB, of which tiles {:.1f} kB\n",
+  fmt::print("file         {:.1f} kB, including {:.1f} kB of tiles\n",
              1e-3 * static_cast<double>(info.file_bytes),
              1e-3 * static_cast<double>(info.payload_bytes));
   fmt::print("tiles        {}\n", info.num_tiles);
@@ -66,9 +66,10 @@ void PrintText(const MapInfo& info, const std::vector<SessionRecord>& sessions) 
                info.bounds->west_rad * kDegPerRad, info.bounds->east_rad * kDegPerRad);
   }
   for (const SessionRecord& session : sessions) {
-    fmt::print("session      {}: {} images, {} landmarks read, {}, georegistered to {:.3f} m\n",
-               Excerpt(session.name), session.num_images, session.num_landmarks,
-               Excerpt(session.created_at), session.georef_median_residual_m);
+    fmt::print(
+        "session      {}: {} images, {} landmarks read, {}, georegistration residual {:.3f} m\n",
+        Excerpt(session.name), session.num_images, session.num_landmarks,
+        Excerpt(session.created_at), session.georef_median_residual_m);
   }
 }
 
@@ -86,7 +87,7 @@ ExitCode RunInfo(const InfoArguments& arguments) {
 }  // namespace
 
 void AddInfoCommand(CLI::App* app, Shell* shell) {
-  CLI::App* command = app->add_subcommand("info", "Say what a map holds");
+  CLI::App* command = app->add_subcommand("info", "Show the contents of a map");
   auto arguments = std::make_shared<InfoArguments>();
   command->add_option("MAP", arguments->map_path, "Map file")->required();
   command->add_flag("--json", arguments->json, "Print JSON");

@@ -26,8 +26,8 @@ struct IngestArguments {
   bool json = false;
 };
 
-// COLMAP projects keep their database at the top: its folder's name is what people call the
-// project.
+// COLMAP projects keep their database in the top folder, so the name of that folder usually names
+// the project.
 std::string DefaultSessionName(const std::string& database_path) {
   const auto folder = std::filesystem::absolute(database_path).parent_path().filename().string();
   return folder.empty() ? "session" : folder;
@@ -63,8 +63,8 @@ void PrintText(const IngestOptions& options, const Georegistration& georegistrat
       georegistration.num_inliers, georegistration.num_positions, georegistration.median_residual_m,
       georegistration.max_residual_m);
   fmt::print(
-      "landmarks        {} read, {} dropped as uncertain, {} written, one for each tile that sees "
-      "it\n",
+      "landmarks        {} read, {} dropped as uncertain, {} written (once for each tile that "
+      "observes them)\n",
       report.num_landmarks_read, report.num_landmarks_dropped, report.num_landmarks_written);
   fmt::print("descriptors      {}\n", report.num_descriptors_written);
   fmt::print("tiles            {} ({:.1f} kB)\n", report.num_tiles_written,
@@ -80,7 +80,7 @@ Reconstruction ReadReconstruction(const IngestArguments& arguments) {
     input.image_names = ReadImageList(arguments.image_list_path);
     if (input.image_names.empty()) {
       throw Error(ErrorCode::kBadInput,
-                  fmt::format("{}: the list names no image", arguments.image_list_path));
+                  fmt::format("{}: the list has no image names", arguments.image_list_path));
     }
   }
   return ReadColmap(input);
@@ -89,9 +89,9 @@ Reconstruction ReadReconstruction(const IngestArguments& arguments) {
 ExitCode RunIngest(const IngestArguments& arguments, ProgressMode progress_mode) {
   if (!arguments.reconstruction.HasPositions()) {
     throw Error(ErrorCode::kInvalidArgument,
-                "where on Earth is the model? Give --georef CSV or --gps");
+                "the position of the model on Earth is unknown; give --georef CSV or --gps");
   }
-  // Opened first: a map that cannot be written should not cost a long read.
+  // Open the map first, so that an unwritable map fails before the long read.
   MapStore store = MapStore::Open(arguments.map_path, OpenMode::kReadWrite);
   const Reconstruction reconstruction = ReadReconstruction(arguments);
   const Georegistration georegistration =
@@ -130,21 +130,20 @@ void AddIngestCommand(CLI::App* app, Shell* shell) {
   command->get_option("--database")->required();
   command
       ->add_option("--images", arguments->image_list_path,
-                   "Use only these images of the model: one name a line")
+                   "File with the images of the model to use, one name per line. Default: all")
       ->type_name("FILE");
   command
-      ->add_option(
-          "--session", arguments->options.session_name,
-          "Name of the session; a name that exists is replaced. Default: the folder of the "
-          "database")
+      ->add_option("--session", arguments->options.session_name,
+                   "Name of the session. Replaces an existing session of that name. Default: the "
+                   "folder of the database")
       ->type_name("NAME");
   command
       ->add_option("--max-descriptors", arguments->options.selection.max_descriptors,
-                   "Descriptors a tile may hold")
+                   "Maximum number of descriptors per tile")
       ->capture_default_str();
   command
       ->add_option("--code-bytes", arguments->options.codebook.num_subspaces,
-                   "Bytes of a descriptor; counts only for the first session of a map")
+                   "Bytes per descriptor; used only for the first session of a map")
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "Print the summary as JSON");
   command->footer(

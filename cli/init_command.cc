@@ -1,4 +1,4 @@
-// `cairn init`: makes an empty map.
+// `cairn init`: creates an empty map.
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
@@ -9,9 +9,9 @@
 namespace cairn {
 
 void AddInitCommand(CLI::App* app, Shell* shell) {
-  CLI::App* command = app->add_subcommand("init", "Make an empty map file");
+  CLI::App* command = app->add_subcommand("init", "Create an empty map file");
   auto map_path = std::make_shared<std::string>();
-  command->add_option("MAP", *map_path, "Map file to make, e.g. city.gpkg")->required();
+  command->add_option("MAP", *map_path, "Map file to create, e.g. city.gpkg")->required();
   command->footer("Example:\n  cairn init city.gpkg");
   command->callback([shell, map_path] {
     shell->run = [map_path] {

@@ -1,4 +1,4 @@
-// `cairn localize`: where was this photo taken?
+// `cairn localize`: computes where a photo was taken.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -43,7 +43,7 @@ struct LocalizeArguments {
   std::string map_path;
   std::string server_url;
   std::string image_path;
-  std::string rig_path;  // Empty: one camera.
+  std::string rig_path;  // Empty for one camera.
   std::optional<std::string> camera;
   std::optional<double> focal_sigma_percent;
   std::optional<std::string> prior;
@@ -56,8 +56,8 @@ struct LocalizeArguments {
   bool json = false;
 };
 
-// The photo turned so that it is the picture of --camera, or upright as EXIF has it without one;
-// returns which of the two it is.
+// Turns the photo to match the size in --camera; without --camera, turns it upright according to
+// its EXIF. Returns the orientation used.
 ImageOrientation TurnPhoto(const std::optional<Camera>& camera, const ExifInfo& exif,
                            GrayImage* photo) {
   const PictureHeader header{photo->width_px, photo->height_px, exif.orientation};
@@ -85,7 +85,7 @@ LocalizeQuery MakeQuery(const LocalizeArguments& arguments, const std::optional<
   if (query.focal && !arguments.rig_path.empty()) {
     if (query.focal->with_distortion) {
       throw Error(ErrorCode::kInvalidArgument,
-                  fmt::format("{} does not say its focal length, which the cameras of a rig need; "
+                  fmt::format("{} does not state its focal length, but a rig needs it; "
                               "give --camera MODEL,width,height,param,...",
                               arguments.image_path));
     }
@@ -93,7 +93,7 @@ LocalizeQuery MakeQuery(const LocalizeArguments& arguments, const std::optional<
   }
   if (query.camera.width_px() != pixels.width_px || query.camera.height_px() != pixels.height_px) {
     throw Error(ErrorCode::kBadInput,
-                fmt::format("{} has {} x {} pixels, but --camera says {} x {}",
+                fmt::format("{} has {} x {} pixels, but --camera states {} x {}",
                             arguments.image_path, pixels.width_px, pixels.height_px,
                             query.camera.width_px(), query.camera.height_px()));
   }
@@ -117,7 +117,7 @@ LocalizeResult Answer(const LocalizeArguments& arguments, const Photo& photo,
     for (const RigPhoto& other : others) {
       images.push_back(other.photo.bytes);
     }
-    // Those of a rig have sizes that say which picture is meant.
+    // For a rig, the sizes of the cameras determine the orientation.
     return LocalizeClient(ClientOptions{.url = arguments.server_url,
                                         .image_orientation = others.empty()
                                                                  ? orientation
@@ -152,20 +152,20 @@ void PrintPose(const LocalizeResult& result) {
              result.rotation_accuracy_rad * kDegPerRad);
   if (result.camera) {
     const CameraEstimate& camera = *result.camera;
-    fmt::print("focal length {:.1f} px, standard deviation {:.1f}; {} {:.1f}, {:.1f}\n",
+    fmt::print("focal length {:.1f} +- {:.1f} px; {} {:.1f} +- {:.1f} px\n",
                camera.camera.focal_px(), camera.focal_sigma_px,
-               camera.focal_disagrees ? "contradicts" : "assumed were", camera.assumed_focal_px,
-               camera.assumed_focal_sigma_px);
+               camera.focal_disagrees ? "contradicts the assumed" : "assumed:",
+               camera.assumed_focal_px, camera.assumed_focal_sigma_px);
   }
   fmt::print("confidence   {:.3f}\n", result.confidence);
-  fmt::print("evidence     score {:.1f}; by chance {:.1g} of such queries score as high\n",
-             result.score, result.false_alarm_rate);
+  fmt::print("evidence     score {:.1f}; probability by chance {:.1g}\n", result.score,
+             result.false_alarm_rate);
   const double num_right = std::accumulate(
       result.matches.begin(), result.matches.end(), 0.0,
       [](double sum, const LocalizeMatch& match) { return sum + match.right_probability; });
-  fmt::print("inliers      {} ({:.0f} of them right)\n", result.matches.size(), num_right);
+  fmt::print("inliers      {} (about {:.0f} correct)\n", result.matches.size(), num_right);
   if (result.prior_disagrees) {
-    fmt::print("prior        disagrees: the answer is far from it\n");
+    fmt::print("prior        disagrees with the answer\n");
   }
 }
 
@@ -229,57 +229,60 @@ void AddQueryOptions(CLI::App* command, LocalizeArguments* arguments) {
       ->required()
       ->type_name("FILE");
   command
-      ->add_option(
-          "--camera", arguments->camera,
-          "Intrinsics, COLMAP's models in pixels, of the photo as it is stored or, if w and h are "
-          "those, as EXIF turns it. Default: from the EXIF focal length, of the photo "
-          "upright; without one, estimated along with the pose")
+      ->add_option("--camera", arguments->camera,
+                   "Intrinsics as a COLMAP model, in pixels, for the photo as stored or as turned "
+                   "by its EXIF, whichever has size w x h. Default: from the EXIF focal length, "
+                   "for the upright photo; without an EXIF focal length, estimated with the pose")
       ->type_name("MODEL,w,h,param,...");
   command
-      ->add_option("--focal-sigma", arguments->focal_sigma_percent,
-                   "Standard deviation of the focal length of --camera or EXIF, percent. Default: "
-                   "5 of EXIF; that of --camera is kept unless the photo contradicts it")
+      ->add_option(
+          "--focal-sigma", arguments->focal_sigma_percent,
+          "Standard deviation of the focal length of --camera or EXIF, percent. Default: "
+          "5 for EXIF; the focal length of --camera is fixed unless the photo contradicts it")
       ->check(NumberWithin(100.0 * FocalPrior::kMinLogSigma, 100.0 * FocalPrior::kMaxLogSigma))
       ->type_name("PCT");
   command
-      ->add_option("--rig", arguments->rig_path,
-                   "Photos that other cameras of the body took at the same instant, as the rig of "
-                   "docs/http.md with a path as image; the answer is the pose of --image")
+      ->add_option(
+          "--rig", arguments->rig_path,
+          "JSON file of the photos that the rig's other cameras took at the same instant, like rig "
+          "in docs/http.md but with file paths as image. The answer is the pose of --image")
       ->type_name("FILE.json");
   CLI::Option* prior =
-      command->add_option("--prior", arguments->prior, "Rough position, degrees and metres")
+      command->add_option("--prior", arguments->prior, "Approximate position, degrees and meters")
           ->type_name("lat,lon,h");
   AddHeightOption(command, &arguments->prior_height,
-                  "What the height of --prior is measured from: the WGS84 ellipsoid or mean sea "
+                  "Reference of the height in --prior: the WGS84 ellipsoid or mean sea "
                   "level (EGM96). Default: ellipsoid")
       ->needs(prior);
-  command->add_option("--accuracy", arguments->accuracy_m, "Metres that hold 68 % of such priors")
+  command
+      ->add_option("--accuracy", arguments->accuracy_m, "Accuracy of --prior: 68 % radius, meters")
       ->needs(prior)
       ->check(PositiveNumber())
       ->type_name("M")
       ->capture_default_str();
   command
-      ->add_option(
-          "--gravity", arguments->gravity,
-          "Direction of down in the camera frame (x right, y down, z forward) of that photo")
+      ->add_option("--gravity", arguments->gravity,
+                   "Down direction in the camera frame (x right, y down, z forward) of that photo")
       ->type_name("x,y,z");
 }
 
 }  // namespace
 
 void AddLocalizeCommand(CLI::App* app, Shell* shell) {
-  CLI::App* command = app->add_subcommand("localize", "Say where a photo was taken");
+  CLI::App* command = app->add_subcommand("localize", "Compute where a photo was taken");
   auto arguments = std::make_shared<LocalizeArguments>();
-  command->add_option("MAP", arguments->map_path, "Map file, unless --server is given");
-  command->add_option("--server", arguments->server_url, "Ask this server")->type_name("URL");
+  command->add_option("MAP", arguments->map_path, "Map file; omit with --server");
+  command->add_option("--server", arguments->server_url, "Query this server instead of a map file")
+      ->type_name("URL");
   AddQueryOptions(command, arguments.get());
-  AddSeedOption(command, &arguments->seed, "Seed of everything random (not with --server)");
+  AddSeedOption(command, &arguments->seed, "Random seed (no effect with --server)");
   AddIndexOption(command, &arguments->index);
-  command->add_flag("--json", arguments->json, "Print the answer as the server's JSON");
-  command->add_option("--picture", arguments->picture_path, "Draw the matched keypoints")
+  command->add_flag("--json", arguments->json, "Print the answer as JSON, like the server");
+  command
+      ->add_option("--picture", arguments->picture_path, "Write a picture of the matched keypoints")
       ->type_name("FILE.png");
   command->footer(
-      "Exits with 3 if there is no pose.\n"
+      "The exit code is 3 if no pose was found.\n"
       "Example:\n"
       "  cairn localize city.gpkg --image photo.jpg --prior 47.3769,8.5417,408 --accuracy 15 \\\n"
       "    --gravity 0,1,0");

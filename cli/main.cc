@@ -1,4 +1,4 @@
-// The `cairn` binary: what users of maps do.
+// The `cairn` binary, with the verbs for users of maps.
 #include "cli/run_program.h"
 #include "cli/shell.h"
 
@@ -23,7 +23,8 @@ void AddVerbs(CLI::App* app, Shell* shell) {
 
 int main(int argc, char** argv) {
   return cairn::RunProgram(
-      {"cairn", "Cairn, a visual positioning server: photos in, six-degree-of-freedom poses out.",
+      {"cairn",
+       "Cairn, a visual positioning system: computes six-degree-of-freedom poses from photos.",
        cairn::AddVerbs},
       argc, argv);
 }

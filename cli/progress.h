@@ -1,4 +1,4 @@
-// Progress of long work, on stderr.
+// Shows the progress of long work on stderr.
 #ifndef CAIRN_CLI_PROGRESS_H_
 #define CAIRN_CLI_PROGRESS_H_
 
@@ -10,12 +10,12 @@ namespace cairn {
 
 enum class ProgressMode {
   kAuto,   // A bar if stderr is a terminal, else plain lines.
-  kBar,    // One line that is redrawn.
-  kPlain,  // A line at the start and end of each phase and every ten seconds between.
-  kJson,   // One JSON object a line: {"phase": "tiles", "done": 3, "total": 12}.
+  kBar,    // One line, redrawn in place.
+  kPlain,  // Lines at the start and end of each phase and every ten seconds in between.
+  kJson,   // One JSON object per line: {"phase": "tiles", "done": 3, "total": 12}.
 };
 
-// Shows one phase at a time. One thread.
+// Shows one phase at a time. Use from one thread.
 class Progress {
  public:
   explicit Progress(ProgressMode mode);
@@ -23,8 +23,8 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  // Cheap to call often: output is limited to a few lines a second. A new `phase` begins a new
-  // line; done == total completes it. A total of 0 means "unknown".
+  // Cheap to call often: at most a few lines appear per second. A new `phase` begins a new line;
+  // done == total completes the phase. A total of 0 means "unknown".
   void Update(const std::string& phase, int64_t done, int64_t total);
 
  private:

@@ -27,8 +27,8 @@ void ReadFeatures(EvalQuery* query) {
     if (wire.width_px != camera.width_px() || wire.height_px != camera.height_px()) {
       throw Error(
           ErrorCode::kBadInput,
-          fmt::format("is of an image of {} x {} pixels, the camera's is {} x {}", wire.width_px,
-                      wire.height_px, camera.width_px(), camera.height_px()));
+          fmt::format("comes from an image of {} x {} pixels, but the camera's images have {} x {}",
+                      wire.width_px, wire.height_px, camera.width_px(), camera.height_px()));
     }
     if (wire.features.size() == 0) {
       throw Error(ErrorCode::kBadInput, "has no features");

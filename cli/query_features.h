@@ -1,4 +1,4 @@
-// Query lists whose features are files of their own.
+// Reads and writes query lists that keep features in separate files.
 #ifndef CAIRN_CLI_QUERY_FEATURES_H_
 #define CAIRN_CLI_QUERY_FEATURES_H_
 
@@ -9,12 +9,14 @@
 
 namespace cairn {
 
-// Fills the features of queries that have a features_path. Throws Error(kBadInput) naming the file
-// if it is not one of features, has none, or is of an image of another size than the camera's.
+// Reads the features of queries with a features_path. Throws Error(kBadInput), which names the
+// file, if the file does not hold features, holds none, or comes from an image of another size than
+// the camera's.
 void ReadQueryFeatures(std::vector<EvalQuery>* queries);
 
-// Writes the list to `path` and the features of each query, without loss, to "<name>.features" in
-// the folder "<path without extension>_features" beside it. Sets features_path. Throws Error(kIo).
+// Writes the list to `path`, and the features of each query, losslessly, to "<name>.features" in
+// the folder "<path without extension>_features" beside the list. Sets features_path. Throws
+// Error(kIo).
 void WriteQueryListWithFeatures(const std::string& path, std::vector<EvalQuery>* queries);
 
 }  // namespace cairn

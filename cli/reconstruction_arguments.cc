@@ -9,32 +9,34 @@
 namespace cairn {
 
 void AddReconstructionOptions(CLI::App* command, ReconstructionArguments* arguments) {
-  command->add_option("--model", arguments->model_dir, "COLMAP sparse model, e.g. sparse/0")
+  command
+      ->add_option("--model", arguments->model_dir,
+                   "Folder of the COLMAP sparse model, e.g. sparse/0")
       ->type_name("DIR");
   command
       ->add_option("--database", arguments->database_path,
-                   "COLMAP database with the model's keypoints and descriptors")
+                   "COLMAP database with the keypoints and descriptors of the model")
       ->type_name("FILE");
   CLI::Option* georef =
       command
           ->add_option(
               "--georef", arguments->georef_path,
-              "Camera positions: CSV with image,lat_deg,lon_deg,h_m[,accuracy_m]; see --height")
+              "CSV of camera positions: image,lat_deg,lon_deg,h_m[,accuracy_m]; see --height")
           ->type_name("CSV");
-  CLI::Option* gps =
-      command->add_flag("--gps", arguments->use_gps, "Camera positions: the database's GPS priors");
+  CLI::Option* gps = command->add_flag("--gps", arguments->use_gps,
+                                       "Take camera positions from the GPS priors in the database");
   georef->excludes(gps);
   command
       ->add_option("--gps-accuracy", arguments->gps_accuracy_m,
-                   "Metres that hold 68 % of the GPS priors")
+                   "Accuracy of the GPS priors: 68 % radius, meters")
       ->needs(gps)
       ->check(PositiveNumber())
       ->type_name("M")
       ->capture_default_str();
   AddHeightOption(command, &arguments->height,
-                  "What the heights of --georef or --gps are measured from: the WGS84 ellipsoid or "
-                  "mean sea level (EGM96). Default: ellipsoid for --georef; msl for --gps, as EXIF "
-                  "has it");
+                  "Reference of the heights of --georef or --gps: the WGS84 ellipsoid or "
+                  "mean sea level (EGM96). Default: ellipsoid for --georef; msl for --gps, as in "
+                  "EXIF");
 }
 
 Georegistration GeoregisterByArguments(const Reconstruction& reconstruction,

@@ -1,5 +1,4 @@
-// The options that name a reconstruction and say where on Earth it lies; `ingest` and `eval` share
-// them.
+// Options of `ingest` and `eval` that name a reconstruction and place it on Earth.
 #ifndef CAIRN_CLI_RECONSTRUCTION_ARGUMENTS_H_
 #define CAIRN_CLI_RECONSTRUCTION_ARGUMENTS_H_
 
@@ -19,19 +18,19 @@ struct ReconstructionArguments {
   std::string model_dir;
   std::string database_path;
   std::string georef_path;      // CSV of camera positions; empty if not given.
-  bool use_gps = false;         // Positions from the database or the photos' EXIF.
-  double gps_accuracy_m = 5.0;  // 68 %.
-  // Of the positions' heights; without it mean sea level for GPS, which comes from EXIF, and the
+  bool use_gps = false;         // Take positions from the database or the photos' EXIF.
+  double gps_accuracy_m = 5.0;  // Radius that contains 68 % of the positions.
+  // Reference of the heights. If unset: mean sea level for GPS, which comes from EXIF, and the
   // ellipsoid for `georef_path`.
   std::optional<HeightReference> height;
 
   bool HasPositions() const { return use_gps || !georef_path.empty(); }
 };
 
-// --model, --database, --georef, --gps, --gps-accuracy, --height.
+// Adds --model, --database, --georef, --gps, --gps-accuracy and --height.
 void AddReconstructionOptions(CLI::App* command, ReconstructionArguments* arguments);
 
-// Fits the reconstruction to the positions the arguments name. Throws as Georegister.
+// Fits the reconstruction to the positions named by the arguments. Throws as Georegister.
 Georegistration GeoregisterByArguments(const Reconstruction& reconstruction,
                                        const ReconstructionArguments& arguments);
 

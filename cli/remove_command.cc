@@ -1,4 +1,4 @@
-// `cairn remove`: takes a session out of a map.
+// `cairn remove`: removes a session from a map.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -21,7 +21,7 @@ struct RemoveArguments {
 ExitCode RunRemove(const RemoveArguments& arguments) {
   MapStore store = MapStore::Open(arguments.map_path, OpenMode::kReadWrite);
   const MapVersion version = RemoveSession(arguments.session_name, &store);
-  fmt::print("removed session {}; the map is now version {}\n", Excerpt(arguments.session_name),
+  fmt::print("removed session {}; the map now has version {}\n", Excerpt(arguments.session_name),
              Value(version));
   return ExitCode::kOk;
 }
@@ -29,10 +29,13 @@ ExitCode RunRemove(const RemoveArguments& arguments) {
 }  // namespace
 
 void AddRemoveCommand(CLI::App* app, Shell* shell) {
-  CLI::App* command = app->add_subcommand("remove", "Take a session out of a map");
+  CLI::App* command = app->add_subcommand("remove", "Remove a session from a map");
   auto arguments = std::make_shared<RemoveArguments>();
   command->add_option("MAP", arguments->map_path, "Map file")->required();
-  command->add_option("SESSION", arguments->session_name, "Name; see cairn info")->required();
+  command
+      ->add_option("SESSION", arguments->session_name,
+                   "Name of the session, as listed by cairn info")
+      ->required();
   command->footer("Example:\n  cairn remove city.gpkg monday");
   command->callback(
       [shell, arguments] { shell->run = [arguments] { return RunRemove(*arguments); }; });

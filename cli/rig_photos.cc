@@ -25,8 +25,9 @@ RigPhoto ReadRigPhoto(const JsonReader& element, const std::filesystem::path& fo
   const GrayImage& pixels = photo.photo.image;
   const Camera& camera = photo.camera.camera;
   if (camera.width_px() != pixels.width_px || camera.height_px() != pixels.height_px) {
-    image.Fail(fmt::format("has {} x {} pixels, its camera's images are {} x {}", pixels.width_px,
-                           pixels.height_px, camera.width_px(), camera.height_px()));
+    image.Fail(fmt::format("has {} x {} pixels, but its camera's images have {} x {}",
+                           pixels.width_px, pixels.height_px, camera.width_px(),
+                           camera.height_px()));
   }
   return photo;
 }

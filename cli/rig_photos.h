@@ -1,4 +1,4 @@
-// The photos of a rig's other cameras, as `localize --rig` names them.
+// Reads the photos of a rig's other cameras for `localize --rig`.
 #ifndef CAIRN_CLI_RIG_PHOTOS_H_
 #define CAIRN_CLI_RIG_PHOTOS_H_
 
@@ -10,15 +10,15 @@
 
 namespace cairn {
 
-// A photo by a camera of the rig; the camera has no features yet.
+// A photo and the rig camera that took it; the camera has no features yet.
 struct RigPhoto {
   RigCamera camera;
   Photo photo;
 };
 
-// Reads a JSON array of {"camera", "camFromFirst", "image"}: the first two as in the `rig` of
-// POST /v1/localize (docs/http.md), `image` a file's path, relative to the folder of `path`. Throws
-// Error with the path and what is wrong.
+// Reads a JSON array of {"camera", "camFromFirst", "image"}. The first two members are those of
+// `rig` in POST /v1/localize (docs/http.md). `image` is a file path relative to the folder of
+// `path`. Throws Error with the path and the fault.
 std::vector<RigPhoto> ReadRigPhotos(const std::string& path);
 
 }  // namespace cairn

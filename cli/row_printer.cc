@@ -16,7 +16,7 @@ namespace {
 
 constexpr size_t kMaxBufferedRows = 1000;
 
-// Characters, not bytes: continuation bytes of UTF-8 take no column.
+// Counts characters, not bytes: continuation bytes of UTF-8 take no column.
 size_t DisplayWidth(std::string_view text) {
   return std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; });
 }
@@ -55,7 +55,7 @@ class TablePrinter : public RowPrinter {
   void Finish() override { Flush(); }
 
  private:
-  // Chooses the widths from the rows at hand, prints header and rows.
+  // Chooses the column widths from the buffered rows; prints the header and the rows.
   void Flush() {
     if (!header_pending_) {
       return;
@@ -163,12 +163,12 @@ class JsonPrinter : public RowPrinter {
   }
 
  private:
-  // In ASCII, so that no character has a meaning to a terminal.
+  // Quotes in ASCII, so that no character controls a terminal.
   static std::string Quoted(const std::string& text) {
     return nlohmann::json(text).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
   }
 
-  // SQLite prints infinities as "Inf", which JSON does not know.
+  // SQLite prints infinities as "Inf", which is not JSON.
   static std::string Value(const SqlCell& cell) {
     if (cell.is_null) {
       return "null";

@@ -9,24 +9,24 @@
 namespace cairn {
 
 enum class RowFormat {
-  kTable,  // Columns aligned on the first thousand rows; NULL is empty.
+  kTable,  // Columns are aligned on the first thousand rows; NULL is empty.
   kCsv,    // RFC 4180 with a header; NULL is an empty field.
-  kJson,   // One array of objects a result.
+  kJson,   // One array of objects for each result.
 };
 
-// Takes the rows of any number of results in turn, e.g. as the sink of RunSql, and prints them to
-// stdout. One thread.
+// Prints the rows of any number of consecutive results to stdout, for example as the sink of
+// RunSql. Use from one thread.
 class RowPrinter {
  public:
   virtual ~RowPrinter() = default;
   virtual void BeginResult(const std::vector<std::string>& column_names) = 0;
   virtual void AddRow(const std::vector<SqlCell>& row) = 0;
-  // Ends the last result. Must be called once, at the end.
+  // Ends the last result. Must be called exactly once, at the end.
   virtual void Finish() = 0;
 };
 
-// What a terminal might obey is escaped in tables and JSON, and in CSV if it is for a terminal:
-// programs get values as they are.
+// Tables and JSON escape control characters, and CSV does so for a terminal. For programs, CSV
+// keeps values unchanged.
 std::unique_ptr<RowPrinter> MakeRowPrinter(RowFormat format, bool for_terminal);
 
 }  // namespace cairn

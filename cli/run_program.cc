@@ -22,7 +22,7 @@
 namespace cairn {
 namespace {
 
-// A map file survives this at any moment, as it survives kill -9; `serve` handles SIGINT itself.
+// A map file survives an exit at any moment, as it survives kill -9. `serve` handles SIGINT itself.
 extern "C" void ExitOnInterrupt(int /*signal*/) {
   static constexpr char kMessage[] = "\ncairn: interrupted\n";
   [[maybe_unused]] const ssize_t ignored = write(STDERR_FILENO, kMessage, sizeof(kMessage) - 1);
@@ -40,10 +40,10 @@ void AddGlobalOptions(CLI::App* app, Shell* shell, LogLevel* log_level) {
                                                              {"warning", LogLevel::kWarning},
                                                              {"error", LogLevel::kError},
                                                              {"off", LogLevel::kOff}};
-  app->add_option("--progress", shell->progress_mode, "How progress is shown on stderr")
+  app->add_option("--progress", shell->progress_mode, "Style of the progress on stderr")
       ->transform(CLI::CheckedTransformer(kProgressModes).description(""))
       ->type_name("auto|bar|plain|json");
-  app->add_option("--log-level", *log_level, "Least severe message that is logged to stderr")
+  app->add_option("--log-level", *log_level, "Minimum severity of messages logged to stderr")
       ->transform(CLI::CheckedTransformer(kLogLevels).description(""))
       ->type_name("debug|info|warning|error|off");
 }
@@ -53,8 +53,8 @@ ExitCode Report(const Program& program, ExitCode exit_code, const std::string& m
   return exit_code;
 }
 
-// The first word of the command line that is neither a global option nor a verb; empty if there is
-// none. For command lines without a verb.
+// For command lines without a verb: the first word that is neither a global option nor a verb;
+// empty if there is none.
 std::string FirstUnknown(const CLI::App& app, int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
@@ -71,7 +71,7 @@ std::string FirstUnknown(const CLI::App& app, int argc, char** argv) {
   return "";
 }
 
-// What is wrong with the command line and where help is.
+// Describes the fault of the command line and refers to the help.
 std::string UsageMessage(const Program& program, const CLI::App& app, const CLI::ParseError& error,
                          int argc, char** argv) {
   constexpr size_t kMaxBytes = 500;
@@ -85,7 +85,7 @@ std::string UsageMessage(const Program& program, const CLI::App& app, const CLI:
                      unknown.empty() ? Excerpt(error.what(), kMaxBytes) : unknown, program.name);
 }
 
-// Throws Error(kIo) unless all that was printed has been written.
+// Throws Error(kIo) unless all output has been written.
 void FlushOutput() {
   std::cout.flush();
   if (!std::cout || std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
@@ -125,7 +125,7 @@ ExitCode RunShell(const Program& program, int argc, char** argv) {
     return ParseAndRun(program, argc, argv);
   } catch (const Error& error) {
     return Report(program, ExitCodeFor(error.code()), error.what());
-  } catch (const std::system_error& error) {  // {fmt} throws it for output that cannot be written.
+  } catch (const std::system_error& error) {  // {fmt} throws it if output cannot be written.
     return Report(program, ExitCode::kIo,
                   std::string("the operating system refused: ") + error.what());
   } catch (const std::bad_alloc&) {

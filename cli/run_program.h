@@ -1,4 +1,4 @@
-// What a binary of verbs does around them: parses the command line, runs one verb, turns failures
+// Runs a binary that consists of verbs: parses the command line, runs one verb, and turns failures
 // into messages and exit codes.
 #ifndef CAIRN_CLI_RUN_PROGRAM_H_
 #define CAIRN_CLI_RUN_PROGRAM_H_
@@ -9,11 +9,11 @@ namespace cairn {
 
 struct Program {
   const char* name;         // "cairn".
-  const char* description;  // One sentence, the first of its help.
+  const char* description;  // One sentence; begins the help text.
   void (*add_verbs)(CLI::App* app, Shell* shell);
 };
 
-// The exit code of main().
+// Returns the exit code of main().
 int RunProgram(const Program& program, int argc, char** argv);
 
 }  // namespace cairn

@@ -1,4 +1,4 @@
-// `cairn serve`: answers queries over HTTP until SIGINT or SIGTERM; SIGHUP opens the map again.
+// `cairn serve`: answers queries over HTTP until SIGINT or SIGTERM. SIGHUP reopens the map.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <malloc.h>
@@ -43,7 +43,7 @@ struct ServeArguments {
 
 constexpr std::array kSignals = {SIGHUP, SIGINT, SIGTERM};
 
-// The handler's end of a SignalQueue's pipe.
+// The write end of a SignalQueue's pipe, for the signal handler.
 std::atomic<int> signal_pipe{-1};
 
 extern "C" void QueueSignal(int signal_number) {
@@ -53,28 +53,32 @@ extern "C" void QueueSignal(int signal_number) {
   errno = error;
 }
 
-// The signals that a server heeds, in the order in which they come, from the making of the queue
-// on. They are not waited for by sigwait: libraries have threads of their own, which a signal ends
-// if it comes while nobody waits.
+// Queues the signals that the server handles, in order of arrival, from its construction on. A pipe
+// replaces sigwait, because libraries run their own threads: a signal that arrives there while no
+// thread waits would end the process.
 class SignalQueue {
  public:
   SignalQueue() {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0 || fcntl(ends[1], F_SETFL, O_NONBLOCK) != 0) {
-      throw Error(ErrorCode::kIo, "cannot make a pipe");
+      throw Error(ErrorCode::kIo, "cannot create a pipe");
     }
     read_end_ = ends[0];
     signal_pipe = ends[1];
-    for (const int signal_number : kSignals) std::signal(signal_number, QueueSignal);
+    for (const int signal_number : kSignals) {
+      std::signal(signal_number, QueueSignal);
+    }
   }
-  // Makes threads that are started between two calls do without interruptions.
+  // Threads started between the two calls get no signals.
   static void Block(int how) {
     sigset_t signals;
     sigemptyset(&signals);
-    for (const int signal_number : kSignals) sigaddset(&signals, signal_number);
+    for (const int signal_number : kSignals) {
+      sigaddset(&signals, signal_number);
+    }
     pthread_sigmask(how, &signals, nullptr);
   }
-  // The next one, if there is one within `patience`.
+  // Returns the next signal, or nothing if none arrives within `patience`.
   std::optional<int> WaitFor(std::chrono::milliseconds patience) const {
     pollfd poll_fd{.fd = read_end_, .events = POLLIN, .revents = 0};
     char byte = 0;
@@ -89,25 +93,27 @@ class SignalQueue {
   int read_end_ = -1;
 };
 
-// Connections and maps need more open files than the 1,024 that a process has by default; it may
-// raise that by itself.
+// Connections and maps need more open files than the default limit of 1,024. A process may raise
+// its own limit.
 void AllowOpenFiles() {
   constexpr rlim_t kEnough = 8192;
   rlimit files{};
-  if (getrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur >= kEnough) return;
+  if (getrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur >= kEnough) {
+    return;
+  }
   files.rlim_cur = std::min(files.rlim_max, kEnough);
   setrlimit(RLIMIT_NOFILE, &files);
 }
 
-// glibc gives every thread a heap of its own, and each keeps what its largest request took: 72 MB
-// after a photo of 450,000 pixels. With as many heaps as cores, the server's memory is the tile
-// cache plus a constant that --threads does not multiply. Call before there are threads.
+// glibc gives every thread its own heap, and each heap keeps the memory of its largest request: 72
+// MB after a photo of 450,000 pixels. With as many heaps as cores, the server's memory is the tile
+// cache plus a constant, independent of --threads. Call before any thread starts.
 void ShareHeapsAmongThreads() {
   mallopt(M_ARENA_MAX, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
 }
 
-// Waits for a signal, and after every second with requests gives the memory that they have freed
-// back to the system: glibc keeps it otherwise.
+// Waits for a signal. After every second with requests, returns freed memory to the system, because
+// glibc would keep it.
 int WaitForSignal(const SignalQueue& signals, const Server& server) {
   uint64_t num_requests = 0;
   while (true) {
@@ -154,7 +160,7 @@ ExitCode RunServe(const ServeArguments& arguments) {
     server.ReloadMap();
     signal_number = WaitForSignal(signals, server);
   }
-  LogInfo("stopping after the running requests");
+  LogInfo("stopping when the running requests have finished");
   server.Stop();
   return signal_number == SIGINT ? ExitCode::kInterrupted : ExitCode::kOk;
 }
@@ -167,13 +173,13 @@ void AddServeCommand(CLI::App* app, Shell* shell) {
   ServerOptions& options = arguments->options;
   command->add_option("MAP", options.map_path, "Map file")->required();
   command->add_option("--host", options.host, "Address to listen on")->capture_default_str();
-  command->add_option("--port", options.port, "Port to listen on; 0 picks a free one")
+  command->add_option("--port", options.port, "Port to listen on; 0 picks a free port")
       ->check(CLI::Range(0, 65535))
       ->type_name("PORT")
       ->capture_default_str();
   command
       ->add_option("--admin-port", options.admin_port,
-                   "Loopback port for health and metrics alone; 0 picks a free one, -1 has them on "
+                   "Separate loopback port for health and metrics; 0 picks a free port, -1 uses "
                    "the main port")
       ->check(CLI::Range(-1, 65535))
       ->type_name("PORT")
@@ -183,34 +189,35 @@ void AddServeCommand(CLI::App* app, Shell* shell) {
       ->type_name("MB")
       ->capture_default_str();
   command
-      ->add_option("--threads", options.num_threads,
-                   "Requests answered at once; 0 is 64, or twice the cores if that is more")
+      ->add_option(
+          "--threads", options.num_threads,
+          "Requests answered at once; 0: 64 or twice the number of cores, whichever is more")
       ->check(CLI::Range(0, 1024))
       ->type_name("N")
       ->capture_default_str();
   command
       ->add_option("--query-threads", options.threads_per_query,
-                   "Threads one query may use while cores are free; 0 is as many as cores")
+                   "Threads that one query may use while cores are free; 0: the number of cores")
       ->check(CLI::Range(0, 1024))
       ->type_name("N")
       ->capture_default_str();
   command
-      ->add_option(
-          "--max-body-mb", arguments->max_body_mb,
-          "Largest request, MiB; 12 megapixels take up to 16 as JPEG or as GRAY8 in base64")
+      ->add_option("--max-body-mb", arguments->max_body_mb,
+                   "Largest request, MiB. An image of 12 megapixels takes up to 16, as JPEG or as "
+                   "GRAY8 in base64")
       ->check(CLI::Range(int64_t{1}, int64_t{1024}))
       ->type_name("MB")
       ->capture_default_str();
   command
       ->add_option("--max-image-mp", arguments->max_image_megapixels,
-                   "Largest image that is decoded, megapixels")
+                   "Largest image to decode, megapixels")
       ->check(CLI::Range(0.01, 1000.0))
       ->type_name("MP")
       ->capture_default_str();
   AddIndexOption(command, &options.localizer.matching.index.kind);
   command->footer(
-      "Prints the URL when it is ready. SIGTERM and SIGINT stop it after the running requests,\n"
-      "SIGHUP opens the map again.\n"
+      "Prints the URL when the server is ready. SIGTERM and SIGINT stop the server after the\n"
+      "running requests. SIGHUP reopens the map.\n"
       "Example:\n"
       "  cairn serve city.gpkg --port 8080");
   command->callback(

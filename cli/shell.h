@@ -1,4 +1,4 @@
-// What verbs share, and how each adds itself to the command line.
+// State that verbs share, and the functions that add verbs to the command line.
 #ifndef CAIRN_CLI_SHELL_H_
 #define CAIRN_CLI_SHELL_H_
 
@@ -13,13 +13,14 @@ class App;
 
 namespace cairn {
 
-// Global options, and the verb that parsing chose.
+// The global options and the verb selected by the command line.
 struct Shell {
   ProgressMode progress_mode = ProgressMode::kAuto;
   std::function<ExitCode()> run;  // Throws Error.
 };
 
-// Each adds its verb to `app`; when the verb is parsed, `shell->run` becomes its action.
+// Each function adds its verb to `app`. If the command line selects the verb, `shell->run` becomes
+// its action.
 void AddInitCommand(CLI::App* app, Shell* shell);
 void AddIngestCommand(CLI::App* app, Shell* shell);
 void AddRemoveCommand(CLI::App* app, Shell* shell);

@@ -19,7 +19,7 @@ namespace {
 
 struct SqlArguments {
   std::string map_path;
-  std::string query;  // Read from stdin if empty.
+  std::string query;  // If empty, stdin is read.
   RowFormat format = RowFormat::kTable;
   SqlOptions options;
 };
@@ -56,16 +56,16 @@ ExitCode RunSqlCommand(const SqlArguments& arguments) {
 void AddSqlCommand(CLI::App* app, Shell* shell) {
   static const std::map<std::string, RowFormat> kFormats = {
       {"table", RowFormat::kTable}, {"csv", RowFormat::kCsv}, {"json", RowFormat::kJson}};
-  CLI::App* command = app->add_subcommand("sql", "Look inside a map with SQL (read-only)");
+  CLI::App* command = app->add_subcommand("sql", "Query a map with SQL (read-only)");
   auto arguments = std::make_shared<SqlArguments>();
   command->add_option("MAP", arguments->map_path, "Map file")->required();
-  command->add_option("QUERY", arguments->query, "SQL statements; without it, read from stdin");
-  command->add_option("--format", arguments->format, "How rows are printed")
+  command->add_option("QUERY", arguments->query, "SQL statements. Default: read from stdin");
+  command->add_option("--format", arguments->format, "Output format of the rows")
       ->transform(CLI::CheckedTransformer(kFormats).description(""))
       ->type_name("table|csv|json");
   command
       ->add_option("--timeout", arguments->options.timeout_s,
-                   "Seconds after which the statements are stopped")
+                   "Time limit of the statements, seconds")
       ->check(NumberWithin(1e-3, 1e6))
       ->type_name("S")
       ->capture_default_str();

@@ -14,11 +14,11 @@
 namespace cairn {
 namespace {
 
-// Not the numbers of the priors' noise, which is seeded by the same names.
+// Separates these random numbers from the noise of the priors, which is seeded by the same names.
 constexpr uint64_t kPlaceStream = 0x706c616365ull;
 constexpr uint64_t kPermutationStream = 0x7065726dull;
 
-// In [0, count), the same with every standard library.
+// An index in [0, count). Gives the same value with every standard library.
 size_t DrawIndex(std::mt19937_64* generator, size_t count) { return (*generator)() % count; }
 
 }  // namespace
@@ -30,13 +30,13 @@ std::vector<Geodetic> KeyframePlaces(const MapSnapshot& map) {
       places.push_back(GeodeticFromEcef(keyframe.cam_from_ecef.Inverse().translation));
     }
   }
-  RequireOption(!places.empty(), "queries from elsewhere need a map that holds photos");
+  RequireOption(!places.empty(), "the map has no keyframes to move queries to");
   return places;
 }
 
 void PlaceElsewhere(const std::vector<Geodetic>& places, uint64_t seed,
                     std::vector<EvalQuery>* queries) {
-  CAIRN_CHECK(!places.empty(), "somewhere a photo was taken");
+  CAIRN_CHECK(!places.empty(), "places must not be empty");
   for (EvalQuery& query : *queries) {
     std::mt19937_64 generator = GeneratorOfQuery(query, seed ^ kPlaceStream);
     const Geodetic& place = places[DrawIndex(&generator, places.size())];
@@ -58,7 +58,7 @@ void PermuteDescriptors(uint64_t seed, std::vector<EvalQuery>* queries) {
 }
 
 ElsewhereReport MeasureElsewhere(const std::vector<EvalAnswer>& answers) {
-  RequireOption(!answers.empty(), "no query was asked");
+  RequireOption(!answers.empty(), "there are no answers to measure");
   ElsewhereReport report;
   report.num_queries = static_cast<int>(answers.size());
   for (const EvalAnswer& answer : answers) {

@@ -15,13 +15,13 @@
 namespace cairn {
 namespace {
 
-// What a receiver that knows its noise exactly reports as accuracy, per metre of sigma: the radius
-// that holds 68 % of a circular Gaussian, sqrt(-2 ln 0.32).
+// The accuracy that a receiver with exactly known noise reports, per meter of sigma: the radius
+// that contains 68 % of a circular Gaussian, sqrt(-2 ln 0.32).
 constexpr double kRadius68PerSigma = 1.5095921854516636;
-// Reported accuracies are positive even where there is no noise.
+// Reported accuracies are positive even without noise.
 constexpr double kMinAccuracyM = 0.1;
 
-// `direction` turned by independent Gaussian angles about two axes across it.
+// Turns `direction` by independent Gaussian angles about two axes perpendicular to it.
 Eigen::Vector3d Tilted(const Eigen::Vector3d& direction, double first_rad, double second_rad) {
   const Eigen::Vector3d first_axis = direction.unitOrthogonal();
   const Eigen::Vector3d second_axis = direction.cross(first_axis);
@@ -51,8 +51,8 @@ void AddNoisyPriors(const PriorNoiseOptions& options, std::vector<EvalQuery>* qu
   for (EvalQuery& query : *queries) {
     std::mt19937_64 generator = GeneratorOfQuery(query, options.seed);
     std::normal_distribution<double> normal;
-    // All numbers are drawn whether they are used or not: switching one prior off leaves the other
-    // as it was.
+    // Draws all numbers whether they are used or not, so that switching off one prior does not
+    // change the other.
     const double east_m = options.position_sigma_m * normal(generator);
     const double north_m = options.position_sigma_m * normal(generator);
     const double up_m = options.height_sigma_m * normal(generator);
@@ -84,7 +84,7 @@ void OffsetPriors(double distance_m, uint64_t seed, std::vector<EvalQuery>* quer
     if (!query.query.prior) {
       continue;
     }
-    // Not the numbers that AddNoisyPriors drew for this query.
+    // Uses other random numbers than AddNoisyPriors for the same query.
     std::mt19937_64 generator = GeneratorOfQuery(query, ~seed);
     std::uniform_real_distribution<double> direction_rad(0.0, 2.0 * std::numbers::pi);
     const double azimuth_rad = direction_rad(generator);

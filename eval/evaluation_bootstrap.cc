@@ -68,7 +68,7 @@ Interval Bootstrap(size_t num_queries, const IndexStatistic& statistic) {
 }
 
 double Quantile(std::vector<double> values, double share) {
-  CAIRN_CHECK(!values.empty(), "nothing has no quantile");
+  CAIRN_CHECK(!values.empty(), "a quantile needs values");
   std::sort(values.begin(), values.end());
   const double rank = share * static_cast<double>(values.size() - 1);
   const auto lower = static_cast<size_t>(rank);

@@ -1,6 +1,7 @@
-// How much a measure depends on which queries were asked, and whether two methods differ.
+// Confidence intervals: how far a measure depends on the choice of queries, and whether two methods
+// differ.
 //
-// The definitions are in docs/math/metrics.md, section "Intervals".
+// docs/math/metrics.md, section "Intervals", has the definitions.
 #ifndef CAIRN_EVAL_EVALUATION_BOOTSTRAP_H_
 #define CAIRN_EVAL_EVALUATION_BOOTSTRAP_H_
 
@@ -11,29 +12,31 @@
 
 namespace cairn {
 
-// Value with a 95 % bootstrap interval: the 2.5 and 97.5 percentiles over 1,000 resamplings of the
-// queries. Not a number where there is nothing to measure.
+// A value with a 95 % bootstrap interval: the 2.5 and 97.5 percentiles over 1,000 resamplings of
+// the queries. NaN if there is nothing to measure.
 struct Interval {
   double value = 0.0, low = 0.0, high = 0.0;
 };
 
-// A measure of a multiset of queries, given by index, never empty. Not a number if undefined.
+// A measure of a non-empty multiset of queries, given by index. Returns NaN if the measure is
+// undefined.
 using IndexStatistic = std::function<double(std::span<const size_t>)>;
 
-// `statistic` of the queries 0 ... num_queries - 1, each once, with its percentile bootstrap
-// interval. Resamplings where the statistic is not a number do not count. The same resamplings for
-// every statistic: a statistic that is the difference of two methods on the drawn queries makes a
-// paired bootstrap.
+// Evaluates `statistic` on the queries 0 ... num_queries - 1 and adds a percentile bootstrap
+// interval. Ignores resamplings for which the statistic is NaN. All statistics use the same
+// resamplings. A statistic that computes the difference of two methods on the drawn queries
+// therefore gives a paired bootstrap.
 Interval Bootstrap(size_t num_queries, const IndexStatistic& statistic);
 
-// Same, where queries that depend on each other (frames of one sequence) are drawn together:
-// `group_of_query` numbers the groups, in any way. As many groups are drawn as there are.
+// Like Bootstrap, for queries that depend on each other (frames of one sequence): the bootstrap
+// draws whole groups, as many as there are. `group_of_query` numbers the groups arbitrarily.
 Interval GroupBootstrap(const std::vector<int>& group_of_query, const IndexStatistic& statistic);
 
-// Share `num_yes` / `num` with its 95 % Wilson score interval. num > 0.
+// The share `num_yes` / `num` with its 95 % Wilson score interval. num > 0.
 Interval WilsonInterval(int num_yes, int num);
 
-// `share` in [0, 1]; linear between the two nearest ranks. `values` must not be empty.
+// The quantile at `share` in [0, 1], linear between the two nearest ranks. `values` must not be
+// empty.
 double Quantile(std::vector<double> values, double share);
 
 }  // namespace cairn

@@ -36,11 +36,10 @@ Interval MeasureAccuracy(const EvalReport& report, AccuracyMeasure measure) {
 }
 
 Interval PairedContrast(const std::vector<ContrastTerm>& terms, AccuracyMeasure measure) {
-  CAIRN_CHECK(!terms.empty(), "there is something to compare");
+  CAIRN_CHECK(!terms.empty(), "a contrast needs terms");
   const size_t num_answers = terms.front().report->answers.size();
   for (const ContrastTerm& term : terms) {
-    CAIRN_CHECK(term.report->answers.size() == num_answers,
-                "answers to the same queries are compared");
+    CAIRN_CHECK(term.report->answers.size() == num_answers, "the reports answer the same queries");
   }
   return Bootstrap(num_answers, [&](std::span<const size_t> sample) {
     double sum = 0.0;

@@ -11,17 +11,17 @@
 
 namespace cairn {
 
-// All: not a number for an empty sample. A sample may name an answer more than once.
+// All functions return NaN for an empty sample. A sample may contain an index more than once.
 
-// Share of the sample within the threshold.
+// The share of the sample within the threshold.
 double RecallOf(const std::vector<EvalAnswer>& answers, std::span<const size_t> sample,
                 const RecallThreshold& threshold);
 
-// Median error over the localized answers of the sample; not a number if there are none.
+// The median error over the localized answers of the sample; NaN if there are none.
 double MedianOfLocalized(const std::vector<EvalAnswer>& answers, std::span<const size_t> sample,
                          double EvalAnswer::*error);
 
-// Score and correctness (kCorrect) of the localized answers of the sample.
+// Score and correctness (within kCorrect) of the localized answers of the sample.
 std::vector<std::pair<double, bool>> RankedResponses(const std::vector<EvalAnswer>& answers,
                                                      std::span<const size_t> sample);
 

@@ -1,4 +1,4 @@
-// An evaluation as text, JSON and CSV.
+// Formats an evaluation as text, JSON and CSV.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -18,7 +18,7 @@ constexpr double kDegFromRad = 180.0 / std::numbers::pi;
 constexpr double kMsFromSeconds = 1e3;
 constexpr double kPercent = 100.0;
 
-// JSON knows no infinity and no NaN.
+// JSON has neither infinity nor NaN.
 Json NumberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json IntervalAsJson(const Interval& interval, double scale) {
@@ -70,7 +70,7 @@ std::string LatencyLine(const char* stage, const Percentiles& seconds) {
                      kMsFromSeconds * seconds.p99, kMsFromSeconds * seconds.max);
 }
 
-// "2 NO_COVERAGE, 1 TIMEOUT".
+// For example "2 NO_COVERAGE, 1 TIMEOUT".
 std::string ReasonsWhyNot(const EvalReport& report) {
   std::map<std::string, int> count_of_reason;
   for (const EvalAnswer& answer : report.answers) {
@@ -85,7 +85,7 @@ std::string ReasonsWhyNot(const EvalReport& report) {
   return text;
 }
 
-// RFC 4180.
+// Quotes a field as in RFC 4180.
 std::string CsvText(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) {
     return text;

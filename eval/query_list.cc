@@ -1,4 +1,4 @@
-// The query list format; docs/formats/query_list_v1.md.
+// The query list format, specified in docs/formats/query_list_v1.md.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -24,8 +24,8 @@ constexpr const char* kFormat = "cairn query list";
 constexpr int kVersion = 1;
 constexpr uint64_t kMaxListBytes = uint64_t{64} << 20;
 
-// A JSON value and where it stands, for messages such as
-// "queries.json: /queries/3/prior/accuracy: is missing".
+// A JSON value and its position in the document, for messages such as "queries.json:
+// /queries/3/prior/accuracy: is missing".
 class Field {
  public:
   Field(const std::string& file, std::string pointer, const Json& value)
@@ -95,7 +95,8 @@ class Field {
     return value_->get<std::string>();
   }
 
-  // Runs a checked constructor and adds the place to its message.
+  // Runs a constructor that checks its arguments. Prefixes the field's position to an error
+  // message.
   template <typename Make>
   auto Checked(const Make& make) const {
     try {
@@ -237,7 +238,7 @@ Json ParseFile(const std::string& path) {
     return Json::parse(ReadTextFile(path, kMaxListBytes));
   } catch (const Json::exception& exception) {
     throw Error(ErrorCode::kBadInput,
-                fmt::format("{}: is not JSON: {}", path, Excerpt(exception.what(), 200)));
+                fmt::format("{}: the file is not JSON: {}", path, Excerpt(exception.what(), 200)));
   }
 }
 
@@ -250,7 +251,8 @@ std::vector<EvalQuery> ReadQueryList(const std::string& path) {
     root.At("format").Fail(fmt::format("is '{}', not '{}'", Excerpt(format), kFormat));
   }
   if (const int version = root.At("version").Integer(); version != kVersion) {
-    root.At("version").Fail(fmt::format("is {}; this Cairn reads {}", version, kVersion));
+    root.At("version").Fail(
+        fmt::format("is {}, but this version of Cairn reads {}", version, kVersion));
   }
   const fs::path folder = fs::path(path).parent_path();
   std::vector<EvalQuery> queries;

@@ -8,7 +8,7 @@
 namespace cairn {
 namespace {
 
-// One image as both sides know it.
+// One image with its poses in the reconstruction and in the map.
 struct SharedImage {
   Rigid3d cam_from_world;
   Rigid3d cam_from_ecef;
@@ -36,7 +36,7 @@ std::vector<SharedImage> FindSharedImages(const Reconstruction& reconstruction,
   return shared;
 }
 
-// The rotation nearest to all ecef_from_cam * cam_from_world (chordal mean).
+// The chordal mean of the rotations of all ecef_from_cam * cam_from_world.
 Eigen::Quaterniond MeanRotation(const std::vector<SharedImage>& shared) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (const SharedImage& image : shared) {
@@ -49,7 +49,8 @@ Eigen::Quaterniond MeanRotation(const std::vector<SharedImage>& shared) {
   return Eigen::Quaterniond(Eigen::Matrix3d(svd.matrixU() * sign * svd.matrixV().transpose()));
 }
 
-// Least squares of scale and translation with the rotation given; nothing if the centres coincide.
+// Fits scale and translation by least squares, with the rotation given. Returns nothing if the
+// centers coincide.
 std::optional<Sim3d> FitScaleAndTranslation(const std::vector<SharedImage>& shared,
                                             const Eigen::Quaterniond& ecef_from_world) {
   Eigen::Vector3d mean_in_world = Eigen::Vector3d::Zero();

@@ -1,4 +1,4 @@
-// Brings a reconstruction into the frame of a map that holds some of its images.
+// Aligns a reconstruction with a map that contains some of its images.
 #ifndef CAIRN_EVAL_REFERENCE_ALIGNMENT_H_
 #define CAIRN_EVAL_REFERENCE_ALIGNMENT_H_
 
@@ -14,17 +14,17 @@ namespace cairn {
 struct ReferenceAlignment {
   Sim3d ecef_from_world;
   int num_shared_images = 0;
-  // How far camera centres and directions of the shared images are apart after alignment.
+  // Distances between the camera centers of the shared images after alignment.
   double median_residual_m = 0.0;
   double max_residual_m = 0.0;
   double max_residual_rad = 0.0;
 };
 
-// Aligns by the poses of the images that reconstruction and map share by name. A map made from a
-// part of a reconstruction fits it without residual; that makes the rest of the reconstruction an
-// exact reference, whatever the error of the positions the map was placed by. Rotations fix the
-// orientation, so cameras along a line are enough. Nothing if fewer than three images are shared or
-// their centres coincide. Keyframes with a name that occurs twice do not count.
+// Aligns the reconstruction by the poses of the images that it shares with the map by name. A map
+// made from a part of the reconstruction fits without residual. The rest of the reconstruction then
+// is an exact reference, independent of the error of the positions that placed the map. Rotations
+// fix the orientation, so cameras along a line suffice. Returns nothing if fewer than three images
+// are shared or if their centers coincide. Ignores keyframes whose name occurs twice.
 std::optional<ReferenceAlignment> AlignToKeyframes(const Reconstruction& reconstruction,
                                                    const std::vector<KeyframeRecord>& keyframes);
 

@@ -6,8 +6,8 @@
 namespace cairn {
 namespace {
 
-// A bit of the name and the seed: FNV-1a, and the last step of MurmurHash3, as FNV hardly mixes the
-// last letters.
+// One bit from the name and the seed: FNV-1a, followed by the last step of MurmurHash3, because FNV
+// barely mixes the last letters.
 bool IsTooLong(const EvalQuery& query, uint64_t seed) {
   uint64_t hash = 0xcbf29ce484222325 ^ seed;
   for (const char letter : query.name) {
@@ -26,7 +26,7 @@ void StatedFocalOptions::Validate() const {
     RequireWithin("focal.sigma", *sigma, FocalPrior::kMinLogSigma, FocalPrior::kMaxLogSigma);
   }
   RequireOption(!withheld || (error == 0.0 && !sigma),
-                "focal.withheld: what is not stated has no error and no sigma");
+                "focal.withheld excludes focal.error and focal.sigma");
 }
 
 void StateFocalLengths(const StatedFocalOptions& options, std::vector<EvalQuery>* queries) {

@@ -1,4 +1,4 @@
-// What queries say about their focal length: the truth, something else, or nothing.
+// Changes the focal lengths that queries state: correct, wrong, or unknown.
 #ifndef CAIRN_EVAL_STATED_FOCAL_H_
 #define CAIRN_EVAL_STATED_FOCAL_H_
 
@@ -11,20 +11,21 @@
 namespace cairn {
 
 struct StatedFocalOptions {
-  // The stated focal length is so much too long or too short, relative, [0, 0.5]; which of the two
-  // depends on the seed and the query's name.
+  // Relative error of the stated focal length, in [0, 0.5]. The seed and the query's name decide
+  // whether the length is too long or too short.
   double error = 0.0;
-  // The standard deviation that the queries state along with it, relative; nothing: none.
+  // The relative standard deviation that the queries state with the focal length; nullopt if they
+  // state none.
   std::optional<double> sigma = std::nullopt;
-  // Nothing of the camera is told but the size of its images.
+  // If true, queries state only the size of their images.
   bool withheld = false;
   uint64_t seed = 1;
 
-  // Throws Error(kInvalidArgument) naming the field.
+  // Throws Error(kInvalidArgument) that names the field.
   void Validate() const;
 };
 
-// Changes the cameras of the queries, but not those of the rest of a rig. Validates the options.
+// Changes the queries' own cameras; other cameras of a rig stay unchanged. Validates the options.
 void StateFocalLengths(const StatedFocalOptions& options, std::vector<EvalQuery>* queries);
 
 }  // namespace cairn

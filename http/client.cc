@@ -22,21 +22,25 @@ nlohmann::json CameraJson(const Camera& camera) {
           {"modelParams", camera.params()}};
 }
 
-// The query's own camera. A focal prior about parameters is sent as its standard deviation, however
-// large: the server would replace an "unknown" focal length by its own guess.
+// The query's own camera. A focal prior that comes with parameters is sent as a standard deviation,
+// however large, because the server replaces an "unknown" focal length by its own guess.
 nlohmann::json StatedCameraJson(const LocalizeQuery& query) {
   if (query.focal && query.focal->with_distortion) {
     return {{"size", {query.camera.width_px(), query.camera.height_px()}},
             {"focalLength", "unknown"}};
   }
   nlohmann::json json = CameraJson(query.camera);
-  if (query.focal) json["focalLengthSigma"] = query.focal->log_sigma;
+  if (query.focal) {
+    json["focalLengthSigma"] = query.focal->log_sigma;
+  }
   return json;
 }
 
 std::string RequestJson(const LocalizeQuery& query, const ClientOptions& client) {
   nlohmann::json json;
-  if (!query.id.empty()) json["id"] = query.id;
+  if (!query.id.empty()) {
+    json["id"] = query.id;
+  }
   json["camera"] = StatedCameraJson(query);
   for (const RigCamera& other : query.other_cameras) {
     const Eigen::Quaterniond& q = other.cam_from_first.rotation;
@@ -53,7 +57,9 @@ std::string RequestJson(const LocalizeQuery& query, const ClientOptions& client)
     prior["position"] = {
         {"lat", position.lat_deg()}, {"lon", position.lon_deg()}, {"h", position.h_m}};
     prior["accuracy"] = query.prior->accuracy_m;
-    if (query.prior->height_sigma_m) prior["altitudeAccuracy"] = *query.prior->height_sigma_m;
+    if (query.prior->height_sigma_m) {
+      prior["altitudeAccuracy"] = *query.prior->height_sigma_m;
+    }
   }
   if (query.down_in_cam) {
     const Eigen::Vector3d& down = *query.down_in_cam;
@@ -77,13 +83,14 @@ std::string RequestJson(const LocalizeQuery& query, const ClientOptions& client)
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-// A member for people; empty if it is missing or is no text, as in the answer of another program.
+// A text member; empty if the member is missing or is not a string, as in the response of another
+// program.
 std::string TextOf(const nlohmann::json& problem, const char* name) {
   const auto member = problem.find(name);
   return member != problem.end() && member->is_string() ? member->get<std::string>() : "";
 }
 
-// What a refusal says, for people.
+// The explanation of a refused request.
 std::string Explanation(const httplib::Response& response) {
   const nlohmann::json problem = nlohmann::json::parse(response.body, nullptr, false);
   std::string text = fmt::format("the server answered {}", response.status);
@@ -91,8 +98,12 @@ std::string Explanation(const httplib::Response& response) {
     const std::string detail = TextOf(problem, "detail");
     const std::string reason = detail.empty() ? TextOf(problem, "title") : detail;
     const std::string hint = TextOf(problem, "hint");
-    if (!reason.empty()) text += ": " + reason;
-    if (!hint.empty()) text += fmt::format(" ({})", hint);
+    if (!reason.empty()) {
+      text += ": " + reason;
+    }
+    if (!hint.empty()) {
+      text += fmt::format(" ({})", hint);
+    }
   }
   return text;
 }
@@ -131,8 +142,9 @@ struct LocalizeClient::Impl {
     http.set_write_timeout(seconds, microseconds);
   }
 
-  // The server may close a silent connection just when the next request is on its way: an exchange
-  // that fails at once is tried again, on a new connection. Every request can safely be repeated.
+  // The server may close a silent connection just when the next request is on its way. An exchange
+  // that fails at once is therefore repeated on a new connection. Every request can safely be
+  // repeated.
   template <typename Exchange>
   std::string BodyOf(const Exchange& exchange) {
     const auto start = std::chrono::steady_clock::now();
@@ -146,11 +158,14 @@ struct LocalizeClient::Impl {
                   fmt::format("no answer from {}: {}; is the server running?", options.url,
                               httplib::to_string(result.error())));
     }
-    if (result->status != 200) throw Error(CodeOfStatus(result->status), Explanation(*result));
+    if (result->status != 200) {
+      throw Error(CodeOfStatus(result->status), Explanation(*result));
+    }
     return result->body;
   }
 
-  // One part a camera, `own_name` the query's own, of the bytes of each.
+  // Sends one part for each camera, with the camera's bytes. `own_name` names the part of the
+  // query's own camera.
   LocalizeResult Post(const LocalizeQuery& query, const std::string& own_name,
                       const std::vector<std::vector<uint8_t>>& blobs) {
     MultipartWriter writer;
@@ -171,7 +186,7 @@ LocalizeClient::LocalizeClient(const ClientOptions& options) {
   if (!url.starts_with(kScheme) || url.size() == kScheme.size() ||
       url.substr(kScheme.size()).find('/') != std::string_view::npos) {
     throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("'{}' is no server; write http://host:port", options.url));
+                fmt::format("'{}' is not a server address; write http://host:port", options.url));
   }
   if (options.timeout_ms < 1) {
     throw Error(ErrorCode::kInvalidArgument, "ClientOptions: timeout_ms must be positive");

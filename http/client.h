@@ -17,29 +17,30 @@ namespace cairn {
 
 struct ClientOptions {
   std::string url;          // "http://host:port".
-  int timeout_ms = 30'000;  // Connect and read.
+  int timeout_ms = 30'000;  // For connecting and for reading, each.
   bool want_matches = true;
-  ImageOrientation image_orientation = ImageOrientation::kAsSize;  // Of LocalizeImages.
+  ImageOrientation image_orientation = ImageOrientation::kAsSize;  // Used by LocalizeImages.
 };
 
-// One thread per client; it keeps its connection alive.
+// Use a client from one thread only. The client keeps its connection alive.
 class LocalizeClient {
  public:
-  // Throws Error(kInvalidArgument) if the URL makes no sense.
+  // Throws Error(kInvalidArgument) unless the URL is "http://host:port".
   explicit LocalizeClient(const ClientOptions& options);
   ~LocalizeClient();
 
-  // Send one query, as encoded images of its camera and the others of its rig in this order (the
-  // features of `query` are ignored) or as the query's features. Of a camera of which the
-  // distortion is unknown, too, only the size is sent. The result has what the wire carries: pose,
-  // position, covariance, confidence, tiles, counters, times, matches. Throws Error(kUnavailable)
-  // if no server answers, Error(kBadInput) with the server's own explanation if it refuses the
-  // request.
+  // Send one query. LocalizeImages sends encoded images: first the image of the query's camera,
+  // then the images of the other cameras of its rig, in order; it ignores the features of `query`.
+  // LocalizeFeatures sends the query's features. If the distortion of a camera is unknown too, the
+  // client sends only the camera's size. The result has the fields that the wire carries: pose,
+  // position, covariance, confidence, tiles, counters, times, matches. Both throw
+  // Error(kUnavailable) if no server answers, and Error(kBadInput) with the server's explanation if
+  // the server refuses the request.
   LocalizeResult LocalizeImages(const LocalizeQuery& query,
                                 const std::vector<std::vector<uint8_t>>& images);
   LocalizeResult LocalizeFeatures(const LocalizeQuery& query);
 
-  // The body of a GET, for scripts and tests; throws as above.
+  // Returns the body of a GET, for scripts and tests. Throws as above.
   std::string Get(const std::string& path);
 
  private:

@@ -38,7 +38,9 @@ HttpResponse PreflightResponse(const std::string& allow) {
 HttpResponse Dispatcher::Run(const HttpRequest& request, std::string* route_pattern) const {
   try {
     const Router::Match match = router_.Find(request);
-    if (match.route == nullptr) return PreflightResponse(match.allow);
+    if (match.route == nullptr) {
+      return PreflightResponse(match.allow);
+    }
     *route_pattern = match.route->pattern;
     return match.route->handler(request, match.path_parameter);
   } catch (const HttpError& e) {
@@ -50,7 +52,7 @@ HttpResponse Dispatcher::Run(const HttpRequest& request, std::string* route_patt
     }
     return ProblemResponse(shown, request.request_id);
   } catch (const std::bad_alloc&) {
-    throw;  // The listener's answer needs no memory.
+    throw;  // The listener's response needs no memory.
   } catch (const std::exception& e) {
     LogError("{} {}: {} [{}]", request.method, *route_pattern, e.what(), request.request_id);
     return ProblemResponse(PublicError(Error(ErrorCode::kInternal, e.what())), request.request_id);

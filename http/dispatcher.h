@@ -1,4 +1,4 @@
-// From a request to a response, whatever happens in between.
+// Turns every request into a response, including requests that fail.
 #ifndef CAIRN_HTTP_DISPATCHER_H_
 #define CAIRN_HTTP_DISPATCHER_H_
 
@@ -10,8 +10,8 @@
 
 namespace cairn {
 
-// Finds the route, runs its handler, turns every exception but std::bad_alloc into a problem,
-// counts, and adds the headers that all responses have. Safe to call from any thread.
+// Finds the route, runs its handler, counts the request, and adds the headers that all responses
+// have. Turns every exception except std::bad_alloc into a problem. Safe to call from any thread.
 class Dispatcher : public RequestHandler {
  public:
   // `metrics` must outlive the dispatcher.

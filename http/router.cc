@@ -9,7 +9,8 @@
 namespace cairn {
 namespace {
 
-// What stands for the pattern's parameter ("" if it has none); nothing if the path does not fit.
+// The text that the pattern's parameter matches ("" without parameter). Returns nothing if the path
+// does not match the pattern.
 std::optional<std::string> MatchPattern(std::string_view pattern, std::string_view path) {
   const size_t open = pattern.find('{');
   if (open == std::string_view::npos) {
@@ -23,7 +24,9 @@ std::optional<std::string> MatchPattern(std::string_view pattern, std::string_vi
   }
   const std::string_view segment =
       path.substr(prefix.size(), path.size() - prefix.size() - suffix.size());
-  if (segment.find('/') != std::string_view::npos) return std::nullopt;
+  if (segment.find('/') != std::string_view::npos) {
+    return std::nullopt;
+  }
   return std::string(segment);
 }
 
@@ -34,7 +37,9 @@ Router::Match Router::Find(const HttpRequest& request) const {
   const std::string method = request.method == "HEAD" ? "GET" : request.method;
   for (const Route& route : routes_) {
     const std::optional<std::string> parameter = MatchPattern(route.pattern, request.path);
-    if (!parameter) continue;
+    if (!parameter) {
+      continue;
+    }
     match.allow += match.allow.empty() ? "" : ", ";
     match.allow += route.method == "GET" ? "GET, HEAD" : route.method;
     if (route.method == method) {
@@ -44,13 +49,13 @@ Router::Match Router::Find(const HttpRequest& request) const {
   }
   if (match.allow.empty()) {
     throw HttpError(ProblemCode::kNotFound,
-                    fmt::format("there is no '{}' here", request.path.substr(0, 128)))
-        .Hint("GET /openapi.json lists what there is");
+                    fmt::format("this server has no '{}'", request.path.substr(0, 128)))
+        .Hint("GET /openapi.json lists all paths");
   }
   match.allow += ", OPTIONS";
   if (match.route == nullptr && method != "OPTIONS") {
     throw HttpError(ProblemCode::kMethodNotAllowed,
-                    fmt::format("{} is not allowed here", request.method))
+                    fmt::format("{} is not allowed for this path", request.method))
         .Header("Allow", match.allow)
         .Hint("allowed: " + match.allow);
   }

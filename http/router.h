@@ -1,4 +1,4 @@
-// Which handler answers which path and method.
+// Maps a method and a path to a handler.
 #ifndef CAIRN_HTTP_ROUTER_H_
 #define CAIRN_HTTP_ROUTER_H_
 
@@ -11,13 +11,13 @@
 
 namespace cairn {
 
-// `path_parameter` is what stood for the {...} of the pattern, or empty.
+// `path_parameter` is the text that the pattern's {...} matched, or empty.
 using RouteHandler =
     std::function<HttpResponse(const HttpRequest& request, const std::string& path_parameter)>;
 
 struct Route {
-  std::string method;   // "GET" serves HEAD, too.
-  std::string pattern;  // "/v1/tiles/{id}": at most one {...}, which stands for one whole segment.
+  std::string method;   // "GET" also serves HEAD.
+  std::string pattern;  // "/v1/tiles/{id}": at most one {...}, which matches one whole segment.
   RouteHandler handler;
 };
 
@@ -28,9 +28,9 @@ class Router {
   const std::vector<Route>& routes() const { return routes_; }
 
   struct Match {
-    const Route* route;  // Null for OPTIONS, which `allow` answers.
+    const Route* route;  // Null for OPTIONS; the dispatcher answers OPTIONS from `allow`.
     std::string path_parameter;
-    std::string allow;  // The methods of the path, for an Allow header.
+    std::string allow;  // The methods that the path accepts, for an Allow header.
   };
 
   // Throws HttpError kNotFound, or kMethodNotAllowed with an Allow header.

@@ -69,7 +69,9 @@ Router MainRoutes(LocalizeService* service, bool with_admin) {
   Router router;
   AddApi(service, &router);
   AddPages(&router);
-  if (with_admin) AddAdmin(service, &router);
+  if (with_admin) {
+    AddAdmin(service, &router);
+  }
   return router;
 }
 

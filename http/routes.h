@@ -7,7 +7,7 @@
 
 namespace cairn {
 
-// The API and the pages. With `with_admin` the routes of AdminRoutes, too.
+// The API and the pages; with `with_admin`, also the routes of AdminRoutes.
 Router MainRoutes(LocalizeService* service, bool with_admin);
 
 // Health and metrics.

@@ -21,12 +21,14 @@ constexpr int kAdminThreads = 2;
 constexpr std::chrono::seconds kMapRefreshInterval{1};
 
 int NumThreads(const ServerOptions& options) {
-  if (options.num_threads > 0) return options.num_threads;
-  constexpr int kMinThreads = 64;  // Most of them wait in line.
+  if (options.num_threads > 0) {
+    return options.num_threads;
+  }
+  constexpr int kMinThreads = 64;  // Most threads wait in line.
   return std::max(kMinThreads, 2 * static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-// Refreshes the maps about once a second for as long as it lives.
+// Refreshes the maps about once a second until it is destroyed.
 class MapWatcher {
  public:
   explicit MapWatcher(ServedMaps* maps)
@@ -41,7 +43,7 @@ class MapWatcher {
  private:
   std::mutex mutex_;
   std::condition_variable_any wake_;
-  std::jthread thread_;  // The last member, so that it ends before the others do.
+  std::jthread thread_;  // The last member, so that the thread ends before the other members.
 };
 
 ServerOptions Validated(const ServerOptions& options) {
@@ -86,7 +88,9 @@ Server::~Server() { Stop(); }
 
 void Server::Start() {
   impl_->main_listener.Start();
-  if (impl_->admin_listener) impl_->admin_listener->Start();
+  if (impl_->admin_listener) {
+    impl_->admin_listener->Start();
+  }
   impl_->watcher.emplace(&impl_->service.maps());
 }
 
@@ -94,7 +98,9 @@ void Server::Stop() {
   impl_->service.BeginStop();
   impl_->watcher.reset();
   impl_->main_listener.Stop();
-  if (impl_->admin_listener) impl_->admin_listener->Stop();
+  if (impl_->admin_listener) {
+    impl_->admin_listener->Stop();
+  }
 }
 
 uint64_t Server::num_requests() const { return impl_->service.metrics().num_requests(); }

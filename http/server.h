@@ -9,28 +9,29 @@
 
 namespace cairn {
 
-// Opens the map and serves it. Start and Stop from one thread.
+// Opens the map and serves it. Call Start and Stop from the same thread.
 class Server {
  public:
-  // Throws as MapStore::Open, and Error(kConflict) if a port is taken.
+  // Throws as MapStore::Open. Throws Error(kConflict) if a port is taken.
   explicit Server(const ServerOptions& options);
   ~Server();  // Stops.
 
-  // Binds, then returns; requests are answered by background threads from then on.
+  // Binds the ports and returns. Background threads then answer requests.
   void Start();
-  // Lets running requests finish, but decodes no more images; returns when all threads have ended.
+  // Lets running requests finish, but decodes no more images. Returns when all threads have ended.
   // Idempotent.
   void Stop();
 
-  uint64_t num_requests() const;  // Answered so far, refusals among them.
+  uint64_t num_requests() const;  // Answered so far, including refused ones.
 
-  // Opens the file at map_path again; what runs is answered from the map it began with. If there is
-  // another map, requests see it from now on; if there is none, /healthz says so and the old one
-  // stays. Between Start and Stop a new file is found without it, within about a second, but not
-  // one that was overwritten in place.
+  // Opens the file at map_path again. Requests that are running keep the map that they started
+  // with. If the file holds another map, new requests use the new map. If there is no map, the old
+  // map stays in use and /healthz reports the problem. Between Start and Stop, the server finds a
+  // new file within about a second without this call. Only a file that was overwritten in place
+  // needs the call.
   void ReloadMap();
 
-  int port() const;  // Bound ports, valid after Start.
+  int port() const;  // The ports bound; valid after Start.
   int admin_port() const;
 
  private:

@@ -1,4 +1,4 @@
-// `cairn demo`: the whole pipeline on a street that it renders itself, localized over HTTP.
+// `cairn demo`: runs the whole pipeline on a rendered street and localizes photos over HTTP.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -26,7 +26,7 @@ namespace cairn {
 namespace {
 
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
-// The demo's mark: so many answers must be so near to the truth.
+// The demo succeeds if at least this share of the answers is within these errors.
 constexpr double kMinShareRight = 0.8;
 constexpr double kMaxPositionErrorM = 0.5;
 constexpr double kMaxRotationErrorDeg = 2.0;
@@ -37,7 +37,7 @@ struct DemoArguments {
   uint64_t seed = 1;
 };
 
-// Answers over HTTP and how long each took from here.
+// Answers over HTTP and the round-trip times measured by the client.
 struct Answers {
   EvalReport report;
   std::vector<double> round_trip_seconds;  // Parallel to report.answers.
@@ -123,8 +123,8 @@ void DrawPictures(const DemoWorld& world, const EvalReport& report,
 void PrintWorld(const DemoWorld& world) {
   fmt::print(
       "Mapped a rendered street from {} photos: {} landmarks, {} descriptors, {} tiles, {:.0f} kB\n"
-      "Asked a server on this machine where {} other photos were taken; prior off by 10 m per axis,"
-      "\ngravity by 1 degree.\n\n",
+      "Queried a local server with {} other photos; noise of the priors: 10 m per axis for the\n"
+      "position, 1 degree for gravity.\n\n",
       world.num_mapping_photos, world.ingest.num_landmarks_written,
       world.ingest.num_descriptors_written, world.ingest.num_tiles_written,
       1e-3 * static_cast<double>(world.ingest.num_payload_bytes), world.queries.size());
@@ -159,14 +159,14 @@ ExitCode RunDemo(const DemoArguments& arguments, ProgressMode progress_mode) {
   PrintSummary("sent images:", from_images.report);
   PrintSummary("sent features:", from_features.report);
   fmt::print(
-      "\nPictures, photos and the map are in {0}/; look around with\n"
+      "\nPictures, photos and the map are in {0}/. To look at the map, run\n"
       "  cairn serve {0}/street.gpkg\n",
       arguments.output_dir);
   const int num_right = std::min(CountRight(from_images.report), CountRight(from_features.report));
   if (num_right < kMinShareRight * from_images.report.num_queries) {
     throw Error(ErrorCode::kInternal,
-                "the demo missed its mark: fewer than 80 % of the answers are "
-                "near the truth");
+                "the demo failed: fewer than 80 % of the answers are within 0.5 m and "
+                "2 degrees of the truth");
   }
   return ExitCode::kOk;
 }
@@ -177,11 +177,12 @@ void AddDemoCommand(CLI::App* app, Shell* shell) {
   CLI::App* command =
       app->add_subcommand("demo", "Map a rendered street and localize photos against it");
   auto arguments = std::make_shared<DemoArguments>();
-  command->add_option("--output", arguments->output_dir, "Folder for map, photos and pictures")
+  command
+      ->add_option("--output", arguments->output_dir, "Output folder for map, photos and pictures")
       ->type_name("DIR")
       ->capture_default_str();
-  command->add_flag("--quick", arguments->quick, "Half the street, half the photos");
-  AddSeedOption(command, &arguments->seed, "Seed of street, noise and codebook");
+  command->add_flag("--quick", arguments->quick, "Use half of the street and half of the photos");
+  AddSeedOption(command, &arguments->seed, "Random seed of street, noise and codebook");
   command->footer(
       "Fails if fewer than 80 % of the photos are localized within 0.5 m and 2 degrees.\n"
       "Example:\n"

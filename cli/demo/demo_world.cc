@@ -51,7 +51,7 @@ void WriteFile(const std::string& path, const std::vector<uint8_t>& bytes) {
   }
 }
 
-// The reconstruction's world is east-north-up at the scene's origin, in metres.
+// The world of the reconstruction is east-north-up at the scene's origin, in meters.
 Sim3d EcefFromWorld(const Geodetic& origin) {
   const Rigid3d ecef_from_enu = EcefFromEnu(origin);
   return {1.0, ecef_from_enu.rotation, ecef_from_enu.translation};

@@ -1,4 +1,4 @@
-// The demo's map and queries: a street that is rendered, reconstructed and ingested on the spot.
+// The demo's map and queries, from a street that the demo renders, reconstructs and ingests.
 #ifndef CAIRN_CLI_DEMO_DEMO_WORLD_H_
 #define CAIRN_CLI_DEMO_DEMO_WORLD_H_
 
@@ -24,13 +24,14 @@ struct DemoWorld {
   std::string map_path;  // <output_dir>/street.gpkg
   IngestReport ingest;
   int num_mapping_photos = 0;
-  // Held-out photos with their true poses and noisy prior and gravity; the features are extracted
-  // from the pixels. The photos are files, too: EvalQuery::image_path.
+  // Held-out photos with true poses and noisy prior and gravity. Their features are extracted from
+  // the pixels. The photos are also files, see EvalQuery::image_path.
   std::vector<EvalQuery> queries;
   std::vector<GrayImage> photos;  // Parallel to queries.
 };
 
-// Replaces what an earlier demo left in `output_dir`. Throws Error(kIo) if it cannot be written.
+// Replaces the results of an earlier demo in `output_dir`. Throws Error(kIo) if the folder cannot
+// be written.
 DemoWorld MakeDemoWorld(const DemoWorldOptions& options, Progress* progress);
 
 }  // namespace cairn

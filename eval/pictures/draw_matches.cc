@@ -18,13 +18,13 @@ namespace {
 constexpr double kTextPx = 15.0;
 constexpr double kSmallTextPx = 11.0;
 constexpr int kCaptionPx = 76;
-constexpr int kBarColumnPx = 130;  // Beside the photo, for the colour bar.
+constexpr int kBarColumnPx = 130;  // Beside the photo, for the color bar.
 constexpr double kMinPictureWidthPx = 1200.0;
 constexpr double kKeypointRadiusPx = 2.6;
 const cv::Scalar kKeypointColor(225, 225, 225);
 constexpr double kDegFromRad = 180.0 / std::numbers::pi;
 
-// Subpixel drawing: OpenCV takes fixed-point coordinates.
+// For subpixel drawing, OpenCV takes fixed-point coordinates.
 constexpr int kShift = 4;
 
 cv::Point FixedPoint(double x_px, double y_px) {
@@ -34,7 +34,7 @@ cv::Point FixedPoint(double x_px, double y_px) {
 
 void DrawDot(double x_px, double y_px, double radius_px, const cv::Scalar& color, int thickness,
              cv::Mat* image) {
-  // Keypoints count from pixel corners, OpenCV from pixel centres.
+  // Keypoints are measured from pixel corners, OpenCV coordinates from pixel centers.
   cv::circle(*image, FixedPoint(x_px - 0.5, y_px - 0.5),
              static_cast<int>(std::lround(radius_px * (1 << kShift))), color, thickness,
              cv::LINE_AA, kShift);
@@ -44,7 +44,8 @@ double DistanceM(const LocalizeResult& result, const LocalizeMatch& match) {
   return (result.cam_from_anchor * match.x_in_anchor).norm();
 }
 
-// Nearest and farthest that get a colour of their own: the bulk of the matches, on a log scale.
+// The smallest and largest distance with a color of their own. They span the bulk of the matches,
+// on a log scale.
 struct DistanceScale {
   double near_m = 1.0, far_m = 100.0;
 
@@ -90,7 +91,7 @@ std::string Details(const LocalizeResult& result) {
       result.position_accuracy_m, kDegFromRad * result.rotation_accuracy_rad, result.score, time);
 }
 
-// The photo, a little pale so that dots stand out.
+// Pales the photo a little so that dots stand out.
 cv::Mat PalePhoto(const GrayImage& photo, double zoom) {
   const cv::Mat gray(photo.height_px, photo.width_px, CV_8UC1,
                      const_cast<uint8_t*>(photo.pixels.data()));
@@ -126,7 +127,7 @@ void DrawInliers(const LocalizeQuery& query, const LocalizeResult& result,
 
 void DrawDistanceBar(const DistanceScale& scale, const cv::Rect& area, cv::Mat* picture) {
   std::vector<std::string> labels;
-  for (const double share : {1.0, 0.75, 0.5, 0.25, 0.0}) {  // Near is red, at the top.
+  for (const double share : {1.0, 0.75, 0.5, 0.25, 0.0}) {  // Near is red and at the top.
     const double distance_m = scale.AtShare(share);
     labels.push_back(fmt::format("{:.{}f} m", distance_m, distance_m < 10.0 ? 1 : 0));
   }

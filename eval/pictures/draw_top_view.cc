@@ -57,7 +57,7 @@ void DrawTiles(const PlanContent& content, PlanView* view) {
   }
 }
 
-// A tile's name in the upper left corner of the part of it that is in the picture.
+// Draws the name of each tile in the upper left corner of its visible part.
 void DrawTileNames(const PlanContent& content, PlanView* view) {
   for (const PlanTile& tile : content.tiles) {
     const PlanArea square = AreaAround(tile.corners, 0.0);
@@ -111,7 +111,7 @@ void DrawPose(const TopViewPose& pose, const Rigid3d& plan_from_ecef, PlanView* 
     label_at = estimate->center;
     forward = estimate->forward;
   }
-  if (label_at) {  // Behind the camera, where the symbols leave room.
+  if (label_at) {  // Behind the camera, where no symbol is.
     const Eigen::Vector2d pixel =
         view->PixelOf(*label_at - forward * (kLabelDistancePx / view->px_per_m()));
     DrawLabel(
@@ -143,7 +143,8 @@ void DrawNorthArrow(PlanView* view) {
   DrawLabel("N", tip - cv::Point(0, 9), kPoseTextPx, kInk, LabelAnchor::kCenter, true, &image);
 }
 
-// One legend line: a symbol at the given plan position, and what it means.
+// One legend line: the meaning of a symbol, and a function that draws the symbol at a plan
+// position.
 struct LegendEntry {
   std::string meaning;
   std::function<void(const Eigen::Vector2d& at, PlanView* view)> draw;
@@ -182,7 +183,7 @@ std::vector<LegendEntry> LegendEntries(const PlanContent& content) {
 
 cv::Mat DrawLegend(const PlanContent& content) {
   constexpr double kRowPx = 48.0;
-  // A plan of its own at a pixel a metre.
+  // The legend is a plan of its own with one pixel per meter.
   PlanView legend({{0.0, -kLegendHeightPx}, {kLegendWidthPx, 0.0}}, kLegendWidthPx);
   Eigen::Vector2d at(44.0, -40.0);
   for (const LegendEntry& entry : LegendEntries(content)) {

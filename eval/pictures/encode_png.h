@@ -1,4 +1,4 @@
-// Photos as files.
+// Encodes photos as files.
 #ifndef CAIRN_EVAL_PICTURES_ENCODE_PNG_H_
 #define CAIRN_EVAL_PICTURES_ENCODE_PNG_H_
 
@@ -9,7 +9,7 @@
 
 namespace cairn {
 
-// The bytes of a PNG file; lossless. Throws Error(kInternal) if the image is empty.
+// Returns the bytes of a lossless PNG file. Throws Error(kInternal) if the image is empty.
 std::vector<uint8_t> EncodePng(const GrayImage& image);
 
 }  // namespace cairn

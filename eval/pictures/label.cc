@@ -13,7 +13,7 @@ namespace cairn {
 namespace {
 
 constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
-constexpr double kCapitalHeightPx = 21.0;  // Of the font at scale 1.
+constexpr double kCapitalHeightPx = 21.0;  // Of OpenCV's font at scale 1.
 
 double FontScale(double height_px) { return height_px / kCapitalHeightPx; }
 
@@ -47,7 +47,7 @@ cv::Scalar ColorOf(double share) {
     cv::applyColorMap(ramp, colors, cv::COLORMAP_TURBO);
     return colors;
   }();
-  // The ends of the map are too dark to tell apart.
+  // The ends of the color map are too dark to distinguish.
   const double inner = 0.08 + 0.84 * std::clamp(share, 0.0, 1.0);
   const auto color = table.at<cv::Vec3b>(0, static_cast<int>(255.0 * inner));
   return {static_cast<double>(color[0]), static_cast<double>(color[1]),
@@ -75,7 +75,7 @@ void WritePicture(const std::string& path, const cv::Mat& image) {
   try {
     written = cv::imwrite(path, image);
   } catch (const cv::Exception&) {
-    // The path is what can be wrong; OpenCV's words are for its developers.
+    // Only the path can be wrong; OpenCV's message is meant for its developers.
   }
   if (!written) {
     throw Error(ErrorCode::kIo, path + ": cannot write the picture");

@@ -1,4 +1,4 @@
-// Text on pictures, and writing them.
+// Draws text and color scales on pictures, and writes pictures to files.
 #ifndef CAIRN_EVAL_PICTURES_LABEL_H_
 #define CAIRN_EVAL_PICTURES_LABEL_H_
 
@@ -9,27 +9,27 @@
 
 namespace cairn {
 
-// Colours are BGR, as OpenCV's.
+// Colors are BGR, as in OpenCV.
 inline const cv::Scalar kInk(45, 38, 32);
 inline const cv::Scalar kPaper(250, 251, 252);
 
 enum class LabelAnchor { kLeft, kCenter, kRight };
 
-// Writes `text` with its base line at `at`. `height_px` is that of capitals. A halo in the paper's
-// colour keeps text legible on anything.
+// Draws `text` with its baseline at `at`. `height_px` is the height of capitals. The halo has the
+// paper's color and keeps text legible on any background.
 void DrawLabel(const std::string& text, cv::Point at, double height_px, const cv::Scalar& color,
                LabelAnchor anchor, bool halo, cv::Mat* image);
 
 int LabelWidthPx(const std::string& text, double height_px);
 
-// Colours of values in [0, 1]: dark blue over green to yellow and red, as CV_8UC3 BGR.
+// Colors of values in [0, 1], from dark blue over green to yellow and red, as CV_8UC3 BGR.
 cv::Scalar ColorOf(double share);
 
-// A vertical bar of ColorOf with ticks: `labels` from bottom to top, evenly spaced.
+// A vertical bar of ColorOf with ticks. `labels` go from bottom to top, evenly spaced.
 void DrawColorBar(const cv::Rect& bar, const std::vector<std::string>& labels, double height_px,
                   cv::Mat* image);
 
-// Format by the extension. Throws Error(kIo) if the file cannot be written.
+// The extension selects the format. Throws Error(kIo) if the file cannot be written.
 void WritePicture(const std::string& path, const cv::Mat& image);
 
 }  // namespace cairn

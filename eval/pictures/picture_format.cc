@@ -21,7 +21,7 @@ void RequirePictureFormat(const std::string& option, const std::string& path) {
   if (std::find(std::begin(kExtensions), std::end(kExtensions), extension) ==
       std::end(kExtensions)) {
     throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("{}: '{}' has no extension of a picture: {}", option, path,
+                fmt::format("{}: '{}' needs a picture extension: {}", option, path,
                             fmt::join(kExtensions, ", ")));
   }
 }

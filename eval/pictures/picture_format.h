@@ -1,4 +1,4 @@
-// Which files pictures can be written to.
+// The file formats of pictures.
 #ifndef CAIRN_EVAL_PICTURES_PICTURE_FORMAT_H_
 #define CAIRN_EVAL_PICTURES_PICTURE_FORMAT_H_
 
@@ -6,8 +6,8 @@
 
 namespace cairn {
 
-// Throws Error(kInvalidArgument), naming `option`, unless the path's extension is that of a format
-// that pictures can be written in. For use before the work.
+// Checks an output path before the work begins. Throws Error(kInvalidArgument), which names
+// `option`, unless the path's extension belongs to a supported picture format.
 void RequirePictureFormat(const std::string& option, const std::string& path);
 
 }  // namespace cairn

@@ -15,8 +15,8 @@
 
 namespace cairn {
 
-// Photo with all keypoints (small, grey) and inliers (coloured by landmark distance), with a
-// caption of what was found. PNG by extension. Throws Error(kIo).
+// Draws the photo with all keypoints (small, gray), the inliers (colored by landmark distance) and
+// a caption with the result. The extension selects the format. Throws Error(kIo).
 void DrawMatches(const std::string& path, const GrayImage& photo, const LocalizeQuery& query,
                  const LocalizeResult& result);
 
@@ -29,8 +29,9 @@ struct TopViewPose {
   std::optional<Rigid3d> reference_cam_from_ecef;
 };
 
-// North-up plan in metres with a scale bar and a legend: tiles, landmarks, keyframes, priors with
-// their accuracy circle, estimated and true poses with viewing direction.
+// Draws a north-up plan in meters with a scale bar and a legend. It shows tiles, landmarks,
+// keyframes, priors with their accuracy circles, and estimated and true poses with their viewing
+// directions.
 void DrawTopView(const std::string& path, const MapStore& store,
                  const std::vector<TopViewPose>& poses);
 

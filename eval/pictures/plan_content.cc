@@ -10,8 +10,8 @@
 namespace cairn {
 namespace {
 
-constexpr int kMaxTiles = 64;             // Decoded for one picture.
-constexpr double kSearchRadiusM = 200.0;  // Of tiles about a pose.
+constexpr int kMaxTiles = 64;             // Maximum number decoded for one picture.
+constexpr double kSearchRadiusM = 200.0;  // Distance between a pose and the tiles drawn.
 constexpr double kMarginM = 12.0;
 constexpr double kMaxDrawnAccuracyM = 100.0;
 
@@ -30,7 +30,7 @@ std::vector<Eigen::Vector3d> PositionsInEcef(const std::vector<TopViewPose>& pos
   return positions;
 }
 
-// Tiles near the poses; without poses the first ones of the map.
+// The tiles near the poses; without poses, the first tiles of the map.
 std::vector<TileRecord> TilesToDraw(const MapSnapshot& map,
                                     const std::vector<Eigen::Vector3d>& positions_in_ecef) {
   std::vector<TileRecord> tiles;
@@ -53,7 +53,7 @@ std::vector<TileRecord> TilesToDraw(const MapSnapshot& map,
   return tiles;
 }
 
-// The middle of what is drawn, on the ground.
+// The center of the drawn area, at ground level.
 Geodetic PlanOrigin(const std::vector<TileRecord>& tiles,
                     const std::vector<Eigen::Vector3d>& positions_in_ecef) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -75,7 +75,7 @@ void AddTile(const TileRecord& record, const Tile& tile, PlanContent* content) {
   PlanTile plan_tile;
   plan_tile.name = record.tile_id.ToString();
   for (const Geodetic& corner : record.tile_id.Corners()) {
-    // Corners are at height 0; the plan shows where they are on its own level.
+    // The corners have height 0; the plan needs their positions at its own height.
     const Geodetic raised = {corner.lat_rad, corner.lon_rad, record.min_h_m};
     plan_tile.corners.push_back((content->plan_from_ecef * EcefFromGeodetic(raised)).head<2>());
   }
@@ -89,7 +89,8 @@ void AddTile(const TileRecord& record, const Tile& tile, PlanContent* content) {
   }
 }
 
-// Poses, priors with their circles, and keyframes; without any of them the tiles.
+// The area of poses, priors with their circles, and keyframes. If there are none, the area of the
+// tiles.
 PlanArea AreaToDraw(const PlanContent& content, const std::vector<TopViewPose>& poses,
                     const std::vector<Eigen::Vector3d>& positions_in_ecef) {
   std::vector<Eigen::Vector2d> points;

@@ -1,4 +1,4 @@
-// What a top view shows of a map.
+// The parts of a map that a top view shows.
 #ifndef CAIRN_EVAL_PICTURES_PLAN_CONTENT_H_
 #define CAIRN_EVAL_PICTURES_PLAN_CONTENT_H_
 
@@ -19,19 +19,20 @@ struct PlanTile {
   std::vector<Eigen::Vector2d> corners;
 };
 
-// In the plan frame: east-north-up at the middle of what is drawn.
+// All positions are in the plan frame: east-north-up at the center of the drawn area.
 struct PlanContent {
   Rigid3d plan_from_ecef;
   std::vector<PlanTile> tiles;
   std::vector<Eigen::Vector3d> landmarks;
   std::vector<PlanPose> keyframes;
-  PlanArea area;  // Poses, priors and keyframes.
-  // Heights above the plan's origin between which nearly all landmarks lie.
+  PlanArea area;  // Holds poses, priors and keyframes.
+  // Heights above the plan's origin; nearly all landmarks lie between them.
   double low_m = 0.0, high_m = 1.0;
 };
 
-// The tiles near the poses; without poses the first ones of the map. At most 64 are decoded. Throws
-// Error(kBadInput) if there are neither poses nor tiles, Error(kMapDamaged) as DecodeTile.
+// Loads the tiles near the poses; without poses, the first tiles of the map. Decodes at most 64
+// tiles. Throws Error(kBadInput) if there are neither poses nor tiles, and Error(kMapDamaged) as
+// DecodeTile.
 PlanContent LoadPlanContent(const MapSnapshot& map, const std::vector<TopViewPose>& poses);
 
 }  // namespace cairn

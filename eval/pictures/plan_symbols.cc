@@ -10,7 +10,7 @@ const cv::Scalar kPriorColor(60, 60, 215);
 const cv::Scalar kTrueColor(70, 150, 20);
 const cv::Scalar kEstimateColor(200, 80, 20);
 
-// What the camera sees, as a wedge of about 60 degrees.
+// The camera's field of view, as a wedge of about 60 degrees.
 std::vector<Eigen::Vector2d> Wedge(const PlanPose& pose, double length_m) {
   const Eigen::Vector2d left(-pose.forward.y(), pose.forward.x());
   return {pose.center, pose.center + length_m * (pose.forward + 0.58 * left),

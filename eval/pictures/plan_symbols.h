@@ -1,4 +1,4 @@
-// The symbols of a top view; plan and legend draw them alike.
+// The symbols of a top view. Plan and legend share them.
 #ifndef CAIRN_EVAL_PICTURES_PLAN_SYMBOLS_H_
 #define CAIRN_EVAL_PICTURES_PLAN_SYMBOLS_H_
 
@@ -15,18 +15,20 @@ inline const cv::Scalar kTileColor(150, 130, 120);
 // A camera on the plan.
 struct PlanPose {
   Eigen::Vector2d center = Eigen::Vector2d::Zero();
-  Eigen::Vector2d forward = Eigen::Vector2d::Zero();  // Unit; zero if it looks straight up or down.
+  Eigen::Vector2d forward =
+      Eigen::Vector2d::Zero();  // Unit vector; zero if the camera looks straight up or down.
 };
 
 PlanPose OnPlan(const Rigid3d& cam_from_plan);
 
 void DrawKeyframe(const PlanPose& keyframe, PlanView* view);
-// A cross and the circle of its accuracy.
+// Draws a cross and the circle of the prior's accuracy.
 void DrawPrior(const Eigen::Vector2d& prior, double accuracy_m, PlanView* view);
-// Hollow and larger than an estimate, so that both show where they agree.
+// Draws a hollow symbol, larger than that of an estimate, so that both stay visible where they
+// agree.
 void DrawTruth(const PlanPose& pose, PlanView* view);
 void DrawEstimate(const PlanPose& pose, PlanView* view);
-// From the prior to the answer.
+// Draws the line from the prior to the answer.
 void DrawCorrection(const Eigen::Vector2d& prior, const Eigen::Vector2d& answer, PlanView* view);
 
 }  // namespace cairn

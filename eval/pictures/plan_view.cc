@@ -22,7 +22,7 @@ int LineWidth(double width_px) { return std::max(1, static_cast<int>(std::lround
 }  // namespace
 
 PlanArea AreaAround(const std::vector<Eigen::Vector2d>& points, double margin_m) {
-  CAIRN_CHECK(!points.empty(), "an area around nothing");
+  CAIRN_CHECK(!points.empty(), "an area needs points");
   PlanArea area = {points.front(), points.front()};
   for (const Eigen::Vector2d& point : points) {
     area = Union(area, {point, point});
@@ -55,7 +55,7 @@ Eigen::Vector2d PlanView::PixelOf(const Eigen::Vector2d& at) const {
 }
 
 cv::Point PlanView::FixedPoint(const Eigen::Vector2d& at) const {
-  // Clamped far outside the picture: OpenCV's fixed point overflows.
+  // OpenCV's fixed-point coordinates overflow, so coordinates are clamped far outside the picture.
   constexpr double kMaxPx = 30000.0;
   const Eigen::Vector2d pixel = PixelOf(at).cwiseMax(-kMaxPx).cwiseMin(kMaxPx) * (1 << kShift);
   return {static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))};

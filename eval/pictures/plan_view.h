@@ -1,4 +1,4 @@
-// A north-up plan in metres to draw on.
+// A north-up plan in meters, as a drawing surface.
 #ifndef CAIRN_EVAL_PICTURES_PLAN_VIEW_H_
 #define CAIRN_EVAL_PICTURES_PLAN_VIEW_H_
 
@@ -9,22 +9,22 @@
 
 namespace cairn {
 
-// An area of the plan, metres east and north of its origin.
+// An area of the plan in meters east and north of the plan's origin.
 struct PlanArea {
   Eigen::Vector2d low = Eigen::Vector2d::Zero();
   Eigen::Vector2d high = Eigen::Vector2d::Zero();
 };
 
-// The smallest area that holds the points, grown by `margin_m`. `points` must not be empty.
+// The smallest area that contains the points, extended by `margin_m`. `points` must not be empty.
 PlanArea AreaAround(const std::vector<Eigen::Vector2d>& points, double margin_m);
 
-// The smallest area that holds both.
+// The smallest area that contains both areas.
 PlanArea Union(const PlanArea& a, const PlanArea& b);
 
-// Draws by metres with subpixel accuracy; widths are in pixels.
+// Draws in meters with subpixel accuracy. Line widths are in pixels.
 class PlanView {
  public:
-  // The area, widened if it is more oblong than 5 : 2, fills `width_px`.
+  // `area` fills `width_px`. An area more oblong than 5 : 2 is widened first.
   PlanView(PlanArea area, int width_px);
 
   cv::Mat& image() { return image_; }
@@ -34,7 +34,7 @@ class PlanView {
   Eigen::Vector2d PixelOf(const Eigen::Vector2d& at) const;
 
   void Dot(const Eigen::Vector2d& at, double radius_px, const cv::Scalar& color);
-  // A square of whole pixels; for very many of them.
+  // Draws a square of whole pixels; fast enough for very many points.
   void Speck(const Eigen::Vector2d& at, int size_px, const cv::Scalar& color);
   void Line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double width_px,
             const cv::Scalar& color);
@@ -42,7 +42,7 @@ class PlanView {
                   const cv::Scalar& color);
   void DashedCircle(const Eigen::Vector2d& center, double radius_m, double width_px,
                     const cv::Scalar& color);
-  // Blends a filled polygon over the picture; `opacity` in [0, 1].
+  // Blends a filled polygon over the picture. `opacity` is in [0, 1].
   void Polygon(const std::vector<Eigen::Vector2d>& corners, const cv::Scalar& color,
                double opacity);
 

@@ -12,9 +12,11 @@ namespace cairn {
 
 namespace {
 
-// Formats that can only say a pose.
+// For formats that can express nothing but a pose: throws HttpError kNotLocalized if there is none.
 void RequirePose(const LocalizeResult& result, const char* hint) {
-  if (result.localized) return;
+  if (result.localized) {
+    return;
+  }
   throw HttpError(ProblemCode::kNotLocalized,
                   fmt::format("no pose was found: {}", NotLocalizedReasonName(result.reason)))
       .Hint(hint);
@@ -32,7 +34,7 @@ HttpResponse HandleLocalize(const HttpRequest& request, LocalizeService* service
   LocalizeRequest query;
   const LocalizeService::Answer answer = service->Localize(request, ParseLocalizeRequest, &query);
   if (WantsOgcGeoPose(request.Header("accept"))) {
-    RequirePose(answer.result, "ask for application/json to learn more about a miss");
+    RequirePose(answer.result, "ask for application/json to get more details");
     return OgcGeoPose(answer.result, query);
   }
   return HttpResponse::Json(LocalizeResponseJson(answer.result, query, answer.times));
@@ -41,8 +43,10 @@ HttpResponse HandleLocalize(const HttpRequest& request, LocalizeService* service
 HttpResponse HandleGeoPose(const HttpRequest& request, LocalizeService* service) {
   LocalizeRequest query;
   const LocalizeService::Answer answer = service->Localize(request, ParseGeoPoseRequest, &query);
-  RequirePose(answer.result, "POST /v1/localize tells more about a miss");
-  if (WantsOgcGeoPose(request.Header("accept"))) return OgcGeoPose(answer.result, query);
+  RequirePose(answer.result, "use POST /v1/localize to get more details");
+  if (WantsOgcGeoPose(request.Header("accept"))) {
+    return OgcGeoPose(answer.result, query);
+  }
   HttpResponse response = HttpResponse::Json(GeoPoseResponseJson(answer.result, query));
   response.content_type = GeoPoseContentType(request.Header("accept"));
   return response;

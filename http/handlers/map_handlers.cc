@@ -24,7 +24,9 @@ constexpr int64_t kMaxLimit = 10'000;
 std::optional<double> ParseNumber(std::string_view text) {
   double number = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  if (error != std::errc() || end != text.data() + text.size()) {
+    return std::nullopt;
+  }
   return number;
 }
 
@@ -36,7 +38,7 @@ std::optional<double> ParseNumber(std::string_view text) {
 double NumberInRange(const char* name, std::string_view text, double min, double max) {
   const std::optional<double> number = ParseNumber(text);
   if (!number || !(*number >= min && *number <= max)) {
-    RefuseParameter(name, fmt::format("has to be a number in [{}, {}]", min, max));
+    RefuseParameter(name, fmt::format("must be a number in [{}, {}]", min, max));
   }
   return *number;
 }
@@ -48,7 +50,9 @@ const std::string* FindParameter(const HttpRequest& request, const char* name) {
 
 double RequiredNumber(const HttpRequest& request, const char* name, double min, double max) {
   const std::string* text = FindParameter(request, name);
-  if (text == nullptr) RefuseParameter(name, "is missing");
+  if (text == nullptr) {
+    RefuseParameter(name, "is missing");
+  }
   return NumberInRange(name, *text, min, max);
 }
 
@@ -58,23 +62,28 @@ int64_t Limit(const HttpRequest& request) {
                          : static_cast<int64_t>(NumberInRange("limit", *text, 1, kMaxLimit));
 }
 
-// west,south,east,north in degrees, as GeoJSON has it; west > east crosses the antimeridian.
+// Reads west,south,east,north in degrees, in the order of GeoJSON. West > east crosses the
+// antimeridian.
 std::optional<GeoBox> BoundingBox(const HttpRequest& request) {
   const std::string* text = FindParameter(request, "bbox");
-  if (text == nullptr) return std::nullopt;
+  if (text == nullptr) {
+    return std::nullopt;
+  }
   double values[4];
   std::string_view rest = *text;
   for (int i = 0; i < 4; ++i) {
     const size_t comma = rest.find(',');
     const bool is_last = i == 3;
     if ((comma == std::string_view::npos) != is_last) {
-      RefuseParameter("bbox", "has to be west,south,east,north in degrees");
+      RefuseParameter("bbox", "must be west,south,east,north in degrees");
     }
     const double bound = i % 2 == 0 ? 180.0 : 90.0;
     values[i] = NumberInRange("bbox", rest.substr(0, comma), -bound, bound);
     rest.remove_prefix(is_last ? 0 : comma + 1);
   }
-  if (values[1] > values[3]) RefuseParameter("bbox", "has its south above its north");
+  if (values[1] > values[3]) {
+    RefuseParameter("bbox", "has a south greater than its north");
+  }
   return GeoBox{.south_rad = values[1] / kDegPerRad,
                 .west_rad = values[0] / kDegPerRad,
                 .north_rad = values[3] / kDegPerRad,
@@ -92,7 +101,9 @@ TileList FindTiles(const HttpRequest& request, const MapSnapshot& snapshot) {
   TileList list;
   list.tiles = box ? snapshot.FindTiles(*box) : snapshot.AllTiles(static_cast<int64_t>(limit) + 1);
   list.truncated = list.tiles.size() > limit;
-  if (list.truncated) list.tiles.resize(limit);
+  if (list.truncated) {
+    list.tiles.resize(limit);
+  }
   return list;
 }
 
@@ -103,8 +114,8 @@ Json TileJson(const TileRecord& tile, const ServedMap& map) {
           {"minHeight", tile.min_h_m},       {"maxHeight", tile.max_h_m}};
 }
 
-// The square as a closed ring. A tile on the antimeridian goes on beyond 180 degrees rather than
-// around the world.
+// The square as a closed ring. A tile on the antimeridian has longitudes beyond 180 degrees, so
+// that the ring does not span the globe.
 Json SquareJson(const TileId& tile) {
   Json ring = Json::array();
   std::vector<Geodetic> corners = tile.Corners();
@@ -190,7 +201,9 @@ HttpResponse HandleTiles(const HttpRequest& request, const LocalizeService& serv
   const MapSnapshot snapshot = map->store->Snapshot();
   const TileList list = FindTiles(request, snapshot);
   Json tiles = Json::array();
-  for (const TileRecord& tile : list.tiles) tiles.push_back(TileJson(tile, *map));
+  for (const TileRecord& tile : list.tiles) {
+    tiles.push_back(TileJson(tile, *map));
+  }
   Json json = {{"tiles", std::move(tiles)},
                {"truncated", list.truncated},
                {"map", {{"version", Value(snapshot.version())}}}};
@@ -202,7 +215,9 @@ HttpResponse HandleTile(const HttpRequest& request, const std::string& id,
   const std::shared_ptr<const ServedMap> map = service.map();
   const TileRecord tile = RequireTile(id, map->store->Snapshot());
   const std::string tag = map->TileTag(tile);
-  if (IsUnchanged(request, tag)) return WithTag({.status = 304}, tag);
+  if (IsUnchanged(request, tag)) {
+    return WithTag({.status = 304}, tag);
+  }
   return WithTag(HttpResponse::Json(TileJson(tile, *map).dump()), tag);
 }
 
@@ -212,7 +227,9 @@ HttpResponse HandleTilePayload(const HttpRequest& request, const std::string& id
   const MapSnapshot snapshot = map->store->Snapshot();
   const TileRecord tile = RequireTile(id, snapshot);
   const std::string tag = map->TileTag(tile);
-  if (IsUnchanged(request, tag)) return WithTag({.status = 304}, tag);
+  if (IsUnchanged(request, tag)) {
+    return WithTag({.status = 304}, tag);
+  }
   const LargeVector<uint8_t> payload = snapshot.LoadPayload(tile.payload_id);
   return WithTag({.status = 200,
                   .content_type = "application/octet-stream",

@@ -1,4 +1,4 @@
-// What the map covers: availability, coverage, tiles.
+// Endpoints that describe the map: availability, coverage, tiles.
 #ifndef CAIRN_HTTP_HANDLERS_MAP_HANDLERS_H_
 #define CAIRN_HTTP_HANDLERS_MAP_HANDLERS_H_
 
@@ -9,7 +9,7 @@
 
 namespace cairn {
 
-// GET /v1/availability?lat&lon[&accuracy]: would a query with this prior find tiles?
+// GET /v1/availability?lat&lon[&accuracy]: the tiles that a query with this prior would search.
 HttpResponse HandleAvailability(const HttpRequest& request, const LocalizeService& service);
 // GET /v1/coverage[?bbox=w,s,e,n][&limit]: GeoJSON squares of the tiles.
 HttpResponse HandleCoverage(const HttpRequest& request, const LocalizeService& service);

@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The current map version; a map that cannot be read makes the server unavailable, not broken.
+// Returns the current map version. If the map cannot be read, throws HttpError kUnavailable.
 MapVersion RequireReadableMap(const ServedMap& map) {
   try {
     return map.store->Snapshot().version();
@@ -22,7 +22,9 @@ MapVersion RequireReadableMap(const ServedMap& map) {
 }
 
 Json BoundsJson(const std::optional<GeoBox>& bounds) {
-  if (!bounds) return nullptr;
+  if (!bounds) {
+    return nullptr;
+  }
   constexpr double kDegPerRad = 180.0 / std::numbers::pi;
   return {bounds->west_rad * kDegPerRad, bounds->south_rad * kDegPerRad,
           bounds->east_rad * kDegPerRad, bounds->north_rad * kDegPerRad};
@@ -47,7 +49,9 @@ HttpResponse HandleHealth(const LocalizeService& service) {
       {"map", {{"version", Value(version)}, {"created", map->created_at}}},
       {"cache",
        {{"tiles", cache.num_entries}, {"bytes", cache.bytes}, {"maxBytes", cache.max_bytes}}}};
-  if (!problem.empty()) json["problem"] = problem;
+  if (!problem.empty()) {
+    json["problem"] = problem;
+  }
   return HttpResponse::Json(json.dump());
 }
 

@@ -1,4 +1,4 @@
-// How the server is: health, metrics, version; and its embedded pages.
+// Endpoints for the state of the server (health, metrics, version) and its embedded pages.
 #ifndef CAIRN_HTTP_HANDLERS_STATUS_HANDLERS_H_
 #define CAIRN_HTTP_HANDLERS_STATUS_HANDLERS_H_
 
@@ -9,18 +9,18 @@
 
 namespace cairn {
 
-// GET /livez: the process answers.
+// GET /livez: 200 as long as the process answers.
 HttpResponse HandleLive();
-// GET /readyz: the map can be read; else 503.
+// GET /readyz: 200 if the map can be read, else 503.
 HttpResponse HandleReady(const LocalizeService& service);
-// GET /healthz: as /readyz, with map version and cache.
+// GET /healthz: like /readyz, with the map version and the cache.
 HttpResponse HandleHealth(const LocalizeService& service);
 // GET /metrics: Prometheus text.
 HttpResponse HandleMetrics(const LocalizeService& service);
-// GET /version: the program, the map, the codec, the limits.
+// GET /version: program, map, codec and limits.
 HttpResponse HandleVersion(const LocalizeService& service);
 
-// An embedded file.
+// The response with an embedded file.
 HttpResponse Asset(std::string_view content, const char* content_type);
 
 }  // namespace cairn

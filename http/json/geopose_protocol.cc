@@ -29,40 +29,50 @@ constexpr char kMediaType[] = "application/vnd.oscp+json";
 constexpr char kOgcMediaType[] = "application/geopose+json";
 constexpr size_t kMaxReadings = 1000;
 constexpr int64_t kMaxTimestampMs = int64_t{1} << 53;
-// Pictures of a rig are of one instant.
+// Pictures of a rig must be taken within this time of each other.
 constexpr double kMaxRigDelayMs = 10.0;
 
-// Clients in browsers send data URLs.
+// Browser clients send data URLs.
 std::string_view WithoutDataUrlPrefix(std::string_view text) {
   constexpr std::string_view kMarker = ";base64,";
-  if (!text.starts_with("data:")) return text;
+  if (!text.starts_with("data:")) {
+    return text;
+  }
   const size_t marker = text.substr(0, 128).find(kMarker);
   return marker == std::string_view::npos ? text : text.substr(marker + kMarker.size());
 }
 
 RequestImage ReadImage(const JsonReader& reading) {
   RequestImage sent;
-  if (const auto format = reading.Find("imageFormat")) sent.format = format->String(16);
+  if (const auto format = reading.Find("imageFormat")) {
+    sent.format = format->String(16);
+  }
   const JsonReader image = reading.At("imageBytes");
   auto bytes = DecodeBase64(WithoutDataUrlPrefix(image.String()));
-  if (!bytes || bytes->empty()) image.Fail("is not the base64 of an image");
+  if (!bytes || bytes->empty()) {
+    image.Fail("is not an image in base64");
+  }
   sent.bytes = std::move(*bytes);
   return sent;
 }
 
-// Nothing if the reading leaves it out: no member, no numbers, or zeros.
+// Returns nothing if the reading has no size: no member, no numbers, or zeros.
 std::optional<ImageSize> StatedSize(const JsonReader& reading) {
   const auto size = reading.Find("size");
-  if (!size) return std::nullopt;
+  if (!size) {
+    return std::nullopt;
+  }
   const std::vector<double> sides = size->Numbers(0, 2);
   const bool is_unset = std::all_of(sides.begin(), sides.end(), [](double s) { return s == 0.0; });
   return is_unset ? std::nullopt : std::optional(ReadImageSize(*size));
 }
 
-// The member of `params`, unless it says that it is not known.
+// The `model` member of `params`, unless it is marked unknown.
 std::optional<JsonReader> StatedModel(const JsonReader& params) {
   const auto model = params.Find("model");
-  if (!model) return std::nullopt;
+  if (!model) {
+    return std::nullopt;
+  }
   const std::string& name = model->String();
   const bool is_unknown = name.empty() || name == "UNKNOWN" || name == "UNKNOWN_CAMERA";
   return is_unknown ? std::nullopt : model;
@@ -73,13 +83,15 @@ std::optional<JsonReader> StatedParams(const JsonReader& params) {
   return numbers && numbers->Numbers(0, 16).empty() ? std::nullopt : numbers;
 }
 
-// Sets how the image is turned, which EXIF may say, and returns the size of what comes out.
+// Sets how the image is turned (its EXIF may decide) and returns the size of the turned image.
 ImageSize SettleSize(const JsonReader& reading, RequestImage* image) {
   const std::optional<ImageSize> stated = StatedSize(reading);
   const std::optional<PictureHeader> header = ReadPictureHeader(image->bytes);
-  if (stated && !header) return *stated;
+  if (stated && !header) {
+    return *stated;
+  }
   if (!header) {
-    reading.At("size").Fail("is missing, and the image is none that says its own size");
+    reading.At("size").Fail("is missing, and the image data do not contain the size");
   }
   if (stated) {
     image->orientation =
@@ -88,11 +100,13 @@ ImageSize SettleSize(const JsonReader& reading, RequestImage* image) {
   }
   image->orientation = ReadRotationDeg(reading) ? 1 : header->exif_orientation;
   ImageSize size{header->width_px, header->height_px};
-  if (SwapsSides(image->orientation)) std::swap(size.width_px, size.height_px);
+  if (SwapsSides(image->orientation)) {
+    std::swap(size.width_px, size.height_px);
+  }
   return size;
 }
 
-// The camera as far as the reading knows it, then EXIF, then nothing.
+// The camera from the reading; without parameters, from EXIF; without EXIF, unknown.
 StatedCamera ReadCamera(const JsonReader& reading, RequestImage* image) {
   const ImageSize size = SettleSize(reading, image);
   std::optional<JsonReader> model, params;
@@ -101,17 +115,19 @@ StatedCamera ReadCamera(const JsonReader& reading, RequestImage* image) {
     params = StatedParams(*members);
   }
   StatedCamera stated = ReadCameraParts(model, size, params);
-  if (params) return stated;
+  if (params) {
+    return stated;
+  }
   ExifInfo exif;
   try {
     exif = ReadExif(image->bytes);
-  } catch (const Error&) {  // Raw pixels, or what will not decode.
+  } catch (const Error&) {  // Raw pixels, or an image that does not decode.
   }
   PhotoCamera camera = CameraOfPhoto(exif, size.width_px, size.height_px);
   return {std::move(camera.camera), camera.focal};
 }
 
-// The reading's sensor by its id; empty if it has none.
+// The id of the reading's sensor; empty if it has none.
 std::string SensorIdOf(const JsonReader& reading) {
   const auto id = reading.Find("sensorId");
   return id ? id->String() : std::string();
@@ -122,11 +138,14 @@ bool IsPicture(const JsonReader& reading) {
   return !format || format->String() != "DEPTH";
 }
 
-// Adds what the other cameras of the first one's rig took at the same time, one picture each.
+// Adds the pictures that other cameras on the first camera's rig took at the same time, one a
+// camera.
 void ReadOtherCameras(const JsonReader& request, const std::vector<JsonReader>& pictures,
                       LocalizeRequest* out) {
   const auto first_place = RigPlaceOf(request, pictures.front());
-  if (!first_place || out->query.focal) return;
+  if (!first_place || out->query.focal) {
+    return;
+  }
   const auto first_time_ms = TimeOf(pictures.front());
   std::set<std::string> used = {SensorIdOf(pictures.front())};
   for (const JsonReader& picture : pictures) {
@@ -135,11 +154,17 @@ void ReadOtherCameras(const JsonReader& request, const std::vector<JsonReader>& 
     const bool is_late =
         first_time_ms && time_ms && std::abs(*time_ms - *first_time_ms) > kMaxRigDelayMs;
     const bool is_full = out->query.other_cameras.size() == LocalizeQuery::kMaxOtherCameras;
-    if (!place || place->rig != first_place->rig || is_late || is_full) continue;
-    if (used.contains(SensorIdOf(picture))) continue;
+    if (!place || place->rig != first_place->rig || is_late || is_full) {
+      continue;
+    }
+    if (used.contains(SensorIdOf(picture))) {
+      continue;
+    }
     RequestImage image = ReadImage(picture);
     StatedCamera stated = ReadCamera(picture, &image);
-    if (stated.focal) continue;  // Rigs need cameras that are known.
+    if (stated.focal) {
+      continue;  // Rigs need cameras with a known focal length.
+    }
     used.insert(SensorIdOf(picture));
     out->query.other_cameras.push_back(
         {std::move(stated.camera),
@@ -153,7 +178,9 @@ void ReadCameras(const JsonReader& request, LocalizeRequest* out) {
   const JsonReader readings = request.At("sensorReadings").At("cameraReadings");
   std::vector<JsonReader> pictures = readings.Elements(1, kMaxReadings);
   std::erase_if(pictures, [](const JsonReader& reading) { return !IsPicture(reading); });
-  if (pictures.empty()) readings.Fail("has no picture: all are of the format DEPTH");
+  if (pictures.empty()) {
+    readings.Fail("has no picture: all readings have the format DEPTH");
+  }
   const JsonReader& first = pictures.front();
   if (const auto rotation_deg = ReadRotationDeg(first)) {
     out->answer.answer_from_cam = UprightFromSent(*rotation_deg);
@@ -168,7 +195,7 @@ void ReadCameras(const JsonReader& request, LocalizeRequest* out) {
   out->query.down_in_cam = ReadGeoPoseGravity(request, first);
 }
 
-// Pose of the camera that is answered, as an OGC GeoPose.
+// The pose of the answered camera as an OGC GeoPose.
 nlohmann::ordered_json GeoPoseJson(const LocalizeResult& result, const ResponseOptions& options) {
   const Rigid3d answer_from_cam(options.answer_from_cam, Eigen::Vector3d::Zero());
   const GeoPose geopose =
@@ -200,11 +227,13 @@ LocalizeRequest ParseGeoPoseRequest(std::string_view content_type, std::string_v
   request.timeout_ms = limits.default_timeout_ms;
   if (const JsonReader readings = json.At("sensorReadings"); readings.IsArray()) {
     readings.Fail(
-        "is an array: this request is of GeoPoseProtocol 1, and this server speaks version 2",
-        "version 2 sorts the readings: {\"cameraReadings\": [...], \"geolocationReadings\": "
+        "is an array, as in GeoPoseProtocol 1; this server speaks version 2",
+        "version 2 groups the readings: {\"cameraReadings\": [...], \"geolocationReadings\": "
         "[...]}");
   }
-  if (const auto id = json.Find("id")) request.query.id = id->String(128);
+  if (const auto id = json.Find("id")) {
+    request.query.id = id->String(128);
+  }
   if (const auto timestamp = json.Find("timestamp")) {
     // Reference clients send fractions of milliseconds.
     request.timestamp_ms = static_cast<int64_t>(

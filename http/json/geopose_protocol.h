@@ -10,28 +10,30 @@
 
 namespace cairn {
 
-// Reads a GeoPoseRequest of version 2. The first camera reading that is a picture is the query's;
-// pictures that other cameras of its rig took at the same time make it a query of a rig. What
-// `size` and `params` leave out is taken from the picture and its EXIF. Position and gravity are as
-// http/json/geopose_readings.h says. Members that this server does not use are ignored, as the
-// protocol is open. The reference clients leave what they do not know at 0: an accuracy of 0 means
-// unknown (25 m is assumed), an altitude accuracy of 0 that the altitude is not to be trusted.
-// Throws as ParseLocalizeRequest; a request of version 1 is refused with these words.
+// Reads a GeoPoseRequest of version 2.
+// - The query's picture is the first camera reading that holds a picture. Pictures that other
+//   cameras of its rig took at the same time turn the query into a rig query.
+// - Parts that `size` and `params` leave out come from the picture and its EXIF.
+// - http/json/geopose_readings.h documents position and gravity.
+// - Unknown members are ignored, because the protocol is open.
+// - Reference clients send 0 for unknown values. An accuracy of 0 means unknown (25 m is assumed).
+//   With an altitude accuracy of 0, the altitude is not used.
+// Throws as ParseLocalizeRequest. A request of version 1 is refused with a message that says so.
 LocalizeRequest ParseGeoPoseRequest(std::string_view content_type, std::string_view body,
                                     const RequestLimits& limits);
 
-// The GeoPoseResponse of a result that is localized. The inner frame is FLU, of the picture as the
-// request's imageOrientation turns it.
+// The GeoPoseResponse of a localized result. The inner frame is FLU, for the picture turned
+// according to the request's imageOrientation.
 std::string GeoPoseResponseJson(const LocalizeResult& result, const LocalizeRequest& request);
 
-// Its pose alone: an OGC GeoPose 1.0 Basic-Quaternion, of the type application/geopose+json.
+// Only the pose: an OGC GeoPose 1.0 Basic-Quaternion, media type application/geopose+json.
 std::string OgcGeoPoseJson(const LocalizeResult& result, const LocalizeRequest& request);
 
-// True if an Accept header asks for that type.
+// True if the Accept header asks for application/geopose+json.
 bool WantsOgcGeoPose(std::string_view accept);
 
-// The protocol's media type if the client's Accept header asks for it, else application/json.
-// Reference clients send "application/vnd.oscp+json;version=2.0;" with the semicolon at the end.
+// The protocol's media type if the Accept header asks for it, else application/json. Reference
+// clients send "application/vnd.oscp+json;version=2.0;", including the final semicolon.
 std::string GeoPoseContentType(std::string_view accept);
 
 }  // namespace cairn

@@ -20,50 +20,58 @@ constexpr double kMaxAccuracyM = 100'000.0;
 constexpr double kMaxHeightM = 10'000.0;
 constexpr double kMaxTimeMs = 9007199254740992.0;
 constexpr size_t kMaxReadings = 1000;
-// How fast the bearer of a camera may have moved since a prior pose.
+// Assumed maximum speed of the camera since a prior pose.
 constexpr double kMaxSpeedMPerS = 3.0;
 constexpr double kStandardGravity = 9.80665;
 constexpr double kGravityTolerance = 0.03;
 constexpr double kMaxGravityAgeMs = 500.0;
 
-// Any finite number.
+// Reads any finite number.
 double AnyNumber(const JsonReader& json) {
   return json.Number(std::numeric_limits<double>::lowest(), std::numeric_limits<double>::max());
 }
 
-// Seconds between two times; 0 if one is not known.
+// Milliseconds between two times; 0 if either is unknown.
 double AgeMs(std::optional<double> a, std::optional<double> b) {
   return a && b ? std::abs(*a - *b) : 0.0;
 }
 
-// Height and its standard deviation, if the reading has both.
+// Sets the height, and its standard deviation if the reading states it.
 void ReadAltitude(const JsonReader& reading, PositionPrior* prior) {
   const auto altitude = reading.Find("altitude");
   const auto accuracy = reading.Find("altitudeAccuracy");
-  if (!altitude) return;
+  if (!altitude) {
+    return;
+  }
   const double height_m = AnyNumber(*altitude);
   const double sigma_m = accuracy ? AnyNumber(*accuracy) : 0.0;
-  if (!(std::abs(height_m) <= kMaxHeightM)) return;
+  if (!(std::abs(height_m) <= kMaxHeightM)) {
+    return;
+  }
   prior->position.h_m = height_m;
   const auto reference = reading.Find("altitudeReference");
   if (reference) {
     prior->position = WithEllipsoidalHeight(prior->position, ReadHeightReference(*reference));
   }
-  if (!(sigma_m > 0.0 && sigma_m <= kMaxAccuracyM)) return;
+  if (!(sigma_m > 0.0 && sigma_m <= kMaxAccuracyM)) {
+    return;
+  }
   const Geodetic& place = prior->position;
   prior->height_sigma_m =
       reference ? sigma_m
                 : std::hypot(sigma_m, Geoid::Egm96().HeightM(place.lat_rad, place.lon_rad));
 }
 
-// Nothing if the reading says that it is invalid.
+// Returns nothing if the reading is marked invalid.
 std::optional<PositionPrior> ReadGeolocation(const JsonReader& reading) {
   const double lat_deg = reading.At("latitude").Number(-90.0, 90.0);
   const double lon_deg = reading.At("longitude").Number(-180.0, 180.0);
   const auto accuracy = reading.Find("accuracy");
   const double accuracy_m = accuracy ? AnyNumber(*accuracy) : 0.0;
   const bool is_unset = lat_deg == 0.0 && lon_deg == 0.0;
-  if (is_unset || accuracy_m < 0.0 || accuracy_m > kMaxAccuracyM) return std::nullopt;
+  if (is_unset || accuracy_m < 0.0 || accuracy_m > kMaxAccuracyM) {
+    return std::nullopt;
+  }
   PositionPrior prior;
   prior.position = Geodetic::FromDegrees(lat_deg, lon_deg, 0.0);
   prior.accuracy_m = accuracy_m > 0.0 ? accuracy_m : kUnknownAccuracyM;
@@ -71,36 +79,44 @@ std::optional<PositionPrior> ReadGeolocation(const JsonReader& reading) {
   return prior;
 }
 
-// A pose that a service answered before, as an OGC GeoPose with or without its accuracy.
+// A pose from an earlier response, as an OGC GeoPose with or without accuracy.
 std::optional<PositionPrior> ReadPriorPose(const JsonReader& pose, std::optional<double> time_ms) {
   const JsonReader geopose = pose.Has("geopose") ? pose.At("geopose") : pose;
   const JsonReader position = geopose.At("position");
   const auto accuracy = pose.Find("accuracy");
   const auto position_accuracy = accuracy ? accuracy->Find("position") : std::nullopt;
   const double accuracy_m = position_accuracy ? AnyNumber(*position_accuracy) : 0.0;
-  if (accuracy_m < 0.0 || accuracy_m > kMaxAccuracyM) return std::nullopt;
+  if (accuracy_m < 0.0 || accuracy_m > kMaxAccuracyM) {
+    return std::nullopt;
+  }
   const double moved_m = kMaxSpeedMPerS * 1e-3 * AgeMs(time_ms, TimeOf(pose));
   const double radius_m = moved_m + (accuracy_m > 0.0 ? accuracy_m : kUnknownAccuracyM);
-  if (radius_m > kMaxAccuracyM) return std::nullopt;
+  if (radius_m > kMaxAccuracyM) {
+    return std::nullopt;
+  }
   PositionPrior prior;
   prior.position = ReadGeodetic(position.At("lat"), position.At("lon"), position.Find("h"));
   prior.accuracy_m = radius_m;
-  if (position.Has("h")) prior.height_sigma_m = radius_m;
+  if (position.Has("h")) {
+    prior.height_sigma_m = radius_m;
+  }
   return prior;
 }
 
-// The elements of a member, if it is there.
+// The elements of a member; empty if the member is absent.
 std::vector<JsonReader> ElementsOf(const JsonReader& json, const char* member) {
   const auto array = json.Find(member);
   return array ? array->Elements(0, kMaxReadings) : std::vector<JsonReader>();
 }
 
-// The acceleration of a device at rest, away from the Earth's centre, in the accelerometer's axes.
+// The direction of the acceleration of a device at rest: up, in the accelerometer's axes.
 std::optional<Eigen::Vector3d> ReadAtRest(const JsonReader& reading) {
   const Eigen::Vector3d acceleration(AnyNumber(reading.At("x")), AnyNumber(reading.At("y")),
                                      AnyNumber(reading.At("z")));
   const double ratio = acceleration.norm() / kStandardGravity;
-  if (!(std::abs(ratio - 1.0) <= kGravityTolerance)) return std::nullopt;
+  if (!(std::abs(ratio - 1.0) <= kGravityTolerance)) {
+    return std::nullopt;
+  }
   return acceleration.normalized();
 }
 
@@ -131,15 +147,21 @@ std::optional<double> TimeOf(const JsonReader& reading) {
 }
 
 std::optional<RigPlace> RigPlaceOf(const JsonReader& request, const JsonReader& reading) {
-  constexpr double kMaxOffsetM = 100.0;  // As LocalizeQuery::Validate.
+  constexpr double kMaxOffsetM = 100.0;  // Same limit as LocalizeQuery::Validate.
   const auto id = reading.Find("sensorId");
-  if (!id) return std::nullopt;
+  if (!id) {
+    return std::nullopt;
+  }
   for (const JsonReader& sensor : ElementsOf(request, "sensors")) {
     const auto sensor_id = sensor.Find("id");
-    if (!sensor_id || sensor_id->String() != id->String()) continue;
+    if (!sensor_id || sensor_id->String() != id->String()) {
+      continue;
+    }
     const auto rig = sensor.Find("rigIdentifier");
     const auto rotation = sensor.Find("rigRotation");
-    if (!rig || rig->String().empty() || !rotation) return std::nullopt;
+    if (!rig || rig->String().empty() || !rotation) {
+      return std::nullopt;
+    }
     RigPlace place{rig->String(), {ReadRotation(*rotation), Eigen::Vector3d::Zero()}};
     if (const auto translation = sensor.Find("rigTranslation")) {
       const auto component = [&](const char* name) {
@@ -171,23 +193,29 @@ std::optional<PositionPrior> ReadGeoPosePrior(const JsonReader& request,
   }
   for (const JsonReader& pose : ElementsOf(request, "priorPoses")) {
     const std::optional<PositionPrior> prior = ReadPriorPose(pose, time_ms);
-    if (prior && (!best || prior->accuracy_m < best->accuracy_m)) best = prior;
+    if (prior && (!best || prior->accuracy_m < best->accuracy_m)) {
+      best = prior;
+    }
   }
   return best;
 }
 
 std::optional<int> ReadRotationDeg(const JsonReader& camera_reading) {
   const auto orientation = camera_reading.Find("imageOrientation");
-  if (!orientation) return std::nullopt;
+  if (!orientation) {
+    return std::nullopt;
+  }
   if (const auto mirrored = orientation->Find("mirrored"); mirrored && mirrored->Bool()) {
     mirrored->Fail("is true: a mirrored image cannot be localized; send the camera's own pixels");
   }
   const auto rotation = orientation->Find("rotation");
-  if (!rotation) return std::nullopt;
+  if (!rotation) {
+    return std::nullopt;
+  }
   const double turns = rotation->Number(-3600.0, 3600.0) / 90.0;
   if (turns != std::round(turns)) {
     rotation->Fail("is no multiple of 90 degrees",
-                   "it says by how much the picture is turned clockwise to be upright");
+                   "send the clockwise turn that makes the picture upright");
   }
   return (static_cast<int>(turns) % 4 + 4) % 4 * 90;
 }
@@ -209,7 +237,9 @@ std::optional<Eigen::Vector3d> ReadGeoPoseGravity(const JsonReader& request,
     }
   }
   const auto up = nearest ? ReadAtRest(*nearest) : std::nullopt;
-  if (!up) return std::nullopt;
+  if (!up) {
+    return std::nullopt;
+  }
   const auto camera_place = RigPlaceOf(request, camera_reading);
   const auto place = RigPlaceOf(request, *nearest);
   if (camera_place && place && camera_place->rig == place->rig) {
@@ -217,7 +247,9 @@ std::optional<Eigen::Vector3d> ReadGeoPoseGravity(const JsonReader& request,
              *up);
   }
   const std::optional<int> rotation_deg = ReadRotationDeg(camera_reading);
-  if (!rotation_deg) return std::nullopt;
+  if (!rotation_deg) {
+    return std::nullopt;
+  }
   const Eigen::Vector3d down_in_upright(-up->x(), up->y(), up->z());
   return UprightFromSent(*rotation_deg).conjugate() * down_in_upright;
 }

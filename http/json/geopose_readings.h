@@ -1,4 +1,4 @@
-// The sensor readings of a GeoPoseRequest (GeoPoseProtocol 2.0), each as a query wants it.
+// Converts the sensor readings of a GeoPoseRequest (GeoPoseProtocol 2.0) into parts of a query.
 #ifndef CAIRN_HTTP_JSON_GEOPOSE_READINGS_H_
 #define CAIRN_HTTP_JSON_GEOPOSE_READINGS_H_
 
@@ -12,48 +12,52 @@
 
 namespace cairn {
 
-// A sensor's place on its rig, of `sensors`.
+// The pose of a sensor on its rig, from the request's `sensors`.
 struct RigPlace {
-  std::string rig;  // Its name; never empty.
+  std::string rig;  // The rig's name; never empty.
   Rigid3d sensor_from_rig;
 };
 
-// The element of `readings.member` for each of the two spellings that clients use; empty if there
-// is none.
+// Returns the elements of the arrays `readings.member` and `readings.other_spelling`; clients use
+// both spellings. Empty if neither array exists.
 std::vector<JsonReader> ReadingsOf(const JsonReader& readings, const char* member,
                                    const char* other_spelling);
 
-// When a reading was taken, milliseconds since the Unix epoch, if it says.
+// The time of a reading in milliseconds since the Unix epoch, if the reading states one.
 std::optional<double> TimeOf(const JsonReader& reading);
 
-// The sensor that made a reading, by its id, if the request places it on a rig with a rotation.
+// Finds the reading's sensor by its id. Returns its place if the request puts the sensor on a rig
+// and states its rotation.
 std::optional<RigPlace> RigPlaceOf(const JsonReader& request, const JsonReader& reading);
 
-// Where the request says it was made, at `time_ms` if that is known: the geolocation reading
-// nearest in time, or the prior pose, whichever is known better. Readings that say that they are
-// invalid (iOS: by a negative accuracy; latitude and longitude 0) do not count.
+// Returns the position prior of the request, at `time_ms` if known: the geolocation reading nearest
+// in time or the prior pose, whichever is more accurate. Readings marked invalid do not count (on
+// iOS, a negative accuracy, or latitude and longitude 0).
 //
-// Altitudes are above the ellipsoid, as the protocol takes them from W3C's Geolocation. Since iOS
-// sends heights above mean sea level all the same, the standard deviation of one that does not say
-// what it is (`altitudeReference`, an extension: "ellipsoid" or "msl") includes the height of the
-// geoid there.
+// The protocol takes altitudes from W3C's Geolocation, which measures them from the ellipsoid. iOS
+// nevertheless sends heights above mean sea level. A reading can state its reference in the
+// extension `altitudeReference` ("ellipsoid" or "msl"). Without a stated reference, the standard
+// deviation of the height includes the local height of the geoid.
 std::optional<PositionPrior> ReadGeoPosePrior(const JsonReader& request,
                                               std::optional<double> time_ms);
 
-// Down in the frame of the picture `camera_reading` as it was sent, by the accelerometer reading
-// nearest in time; nothing without one, if the device was not at rest (the acceleration is not that
-// of gravity within 3 %), or if it is not known how camera and accelerometer are mounted: both on
-// one rig, or the picture from the camera at the device's back with its `imageOrientation`, and the
-// accelerometer in the device's axes as W3C has them (x right, y up, z out of the screen).
+// Returns the down direction in the frame of the picture `camera_reading` as sent, from the
+// accelerometer reading nearest in time. Returns nothing
+// - without an accelerometer reading,
+// - if the device was not at rest (the acceleration differs from gravity by more than 3 %), or
+// - if the mounting of camera and accelerometer is unknown. The mounting is known if both are on
+//   one rig, or if the picture has an `imageOrientation` and comes from the camera at the back of
+//   the device, and the accelerometer uses the device axes of W3C (x right, y up, z out of the
+//   screen).
 std::optional<Eigen::Vector3d> ReadGeoPoseGravity(const JsonReader& request,
                                                   const JsonReader& camera_reading);
 
-// `imageOrientation.rotation`, by how many degrees clockwise the picture as sent is to be turned to
-// be upright, in [0, 360): a multiple of 90. Nothing if the reading does not say.
+// `imageOrientation.rotation`: the clockwise turn in degrees that makes the picture as sent
+// upright, a multiple of 90 in [0, 360). Returns nothing if the reading does not state a rotation.
 std::optional<int> ReadRotationDeg(const JsonReader& camera_reading);
 
-// The turn about the optical axis that takes the frame of a picture as sent into that of the
-// upright one.
+// The rotation about the optical axis from the frame of the picture as sent to the frame of the
+// upright picture.
 Eigen::Quaterniond UprightFromSent(int rotation_deg);
 
 }  // namespace cairn

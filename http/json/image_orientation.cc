@@ -10,13 +10,15 @@ namespace cairn {
 std::optional<ImageOrientation> ImageOrientationFromName(std::string_view name) {
   for (const ImageOrientation orientation :
        {ImageOrientation::kStored, ImageOrientation::kUpright}) {
-    if (name == ImageOrientationName(orientation)) return orientation;
+    if (name == ImageOrientationName(orientation)) {
+      return orientation;
+    }
   }
   return std::nullopt;
 }
 
 const char* ImageOrientationName(ImageOrientation orientation) {
-  CAIRN_CHECK(orientation != ImageOrientation::kAsSize, "it is said by leaving the name out");
+  CAIRN_CHECK(orientation != ImageOrientation::kAsSize, "kAsSize has no name");
   return orientation == ImageOrientation::kStored ? "stored" : "upright";
 }
 

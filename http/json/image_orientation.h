@@ -1,4 +1,4 @@
-// Which way round the pictures of a request are taken.
+// The orientation in which the server takes the pictures of a request.
 #ifndef CAIRN_HTTP_JSON_IMAGE_ORIENTATION_H_
 #define CAIRN_HTTP_JSON_IMAGE_ORIENTATION_H_
 
@@ -9,28 +9,29 @@
 
 namespace cairn {
 
-// A photo file holds pixels as the sensor read them and says in its EXIF how to turn them upright.
-// Camera parameters, gravity, matches and pose are all of one of the two pictures.
+// A photo file stores pixels as the sensor read them; its EXIF states how to turn them upright.
+// Camera parameters, gravity, matches and pose all refer to one of these two pictures.
 enum class ImageOrientation {
-  kAsSize,   // The picture whose width and height the request states; the stored one if both have.
-  kStored,   // The pixels as they are in the file.
-  kUpright,  // The picture as EXIF wants it shown.
+  kAsSize,   // The one that has the stated size; the stored picture if both have.
+  kStored,   // The pixels as stored in the file.
+  kUpright,  // The picture as its EXIF turns it.
 };
 
-// "stored" and "upright"; a request that names neither means kAsSize.
+// The names are "stored" and "upright". A request without a name means kAsSize.
 std::optional<ImageOrientation> ImageOrientationFromName(std::string_view name);
 const char* ImageOrientationName(ImageOrientation orientation);  // kAsSize has no name.
 
-// The size and EXIF of an encoded picture, from its header.
+// Size and EXIF orientation of an encoded picture, read from its header.
 struct PictureHeader {
   int width_px = 0, height_px = 0;  // As stored.
   int exif_orientation = 1;
 };
 
-// Nothing if the bytes are no JPEG, PNG or PNM; decoding says why.
+// Returns nothing if the bytes are not JPEG, PNG or PNM. Decoding them reports the reason.
 std::optional<PictureHeader> ReadPictureHeader(std::span<const uint8_t> image_bytes);
 
-// The EXIF orientation to apply so that a picture is the one meant; 1 leaves it as it is stored.
+// The EXIF orientation to apply in order to get the picture that is meant; 1 leaves the stored
+// picture unchanged.
 int OrientationToApply(const PictureHeader& header, ImageOrientation meant, int stated_width_px,
                        int stated_height_px);
 

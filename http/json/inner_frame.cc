@@ -21,7 +21,9 @@ const char* InnerFrameName(InnerFrame frame) {
 
 std::optional<InnerFrame> InnerFrameFromName(std::string_view name) {
   for (const auto& [frame, frame_name] : kNames) {
-    if (name == frame_name) return frame;
+    if (name == frame_name) {
+      return frame;
+    }
   }
   return std::nullopt;
 }

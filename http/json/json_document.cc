@@ -10,9 +10,10 @@
 namespace cairn {
 namespace {
 
-constexpr size_t kOutOfRangeError = 406;  // The library's id for a number that no double holds.
+constexpr size_t kOutOfRangeError =
+    406;  // The library's id for a number outside the range of double.
 
-// Takes the library's events. The names of the functions are the library's.
+// Handles the library's events. The library prescribes the names of the functions.
 class DocumentBuilder {
  public:
   explicit DocumentBuilder(const JsonLimits& limits, size_t text_bytes)
@@ -35,7 +36,7 @@ class DocumentBuilder {
     Add(JsonValue::Kind::kString).text = std::move(value);
     return true;
   }
-  bool binary(std::vector<uint8_t>&) { return false; }  // No event of text.
+  bool binary(std::vector<uint8_t>&) { return false; }  // JSON text has no such event.
   bool start_object(size_t) { return Open(JsonValue::Kind::kObject); }
   bool end_object() { return Close(); }
   bool start_array(size_t) { return Open(JsonValue::Kind::kArray); }
@@ -51,13 +52,15 @@ class DocumentBuilder {
   }
 
   bool parse_error(size_t position, const std::string&, const nlohmann::json::exception& e) {
-    // The library's message quotes the input, which may be long and need not be text.
-    if (e.id == kOutOfRangeError) Refuse("the JSON has a number that is out of range");
+    // The library's message quotes the input, which may be long and may not be text.
+    if (e.id == kOutOfRangeError) {
+      Refuse("the JSON has a number that is out of range");
+    }
     Refuse(fmt::format("the JSON does not parse at byte {} of {}", position, text_bytes_));
   }
 
  private:
-  // An array or object that has not ended.
+  // An array or object whose end has not been read.
   struct OpenValue {
     size_t index = 0;
     size_t last_child = 0;
@@ -71,10 +74,12 @@ class DocumentBuilder {
         .Hint("send features in their binary form, as base64 or as a part of a multipart body");
   }
 
-  // Objects are small, so looking at every member is as good as an index.
+  // Objects are small, so comparing every member is as fast as an index.
   void RefuseDuplicate(const std::string& name) const {
     const size_t parent = open_.back().index;
-    if (values_[parent].num_children == 0) return;
+    if (values_[parent].num_children == 0) {
+      return;
+    }
     for (size_t i = parent + 1; i != 0; i = values_[i].next) {
       if (values_[i].name == name) {
         Refuse(fmt::format("an object has two members '{}'", name));
@@ -91,7 +96,9 @@ class DocumentBuilder {
       RefuseSize(is_array ? fmt::format("an array has more than {} elements", max_children)
                           : fmt::format("an object has more than {} members", max_children));
     }
-    if (parent.num_children > 0) values_[open.last_child].next = values_.size();
+    if (parent.num_children > 0) {
+      values_[open.last_child].next = values_.size();
+    }
     ++parent.num_children;
     open.last_child = values_.size();
   }
@@ -100,7 +107,9 @@ class DocumentBuilder {
     if (values_.size() >= limits_.max_values) {
       RefuseSize(fmt::format("the JSON has more than {} values", limits_.max_values));
     }
-    if (!open_.empty()) CountChild();
+    if (!open_.empty()) {
+      CountChild();
+    }
     JsonValue& value = values_.emplace_back();
     value.kind = kind;
     value.name = std::exchange(name_, {});
@@ -129,8 +138,8 @@ class DocumentBuilder {
   const JsonLimits& limits_;
   const size_t text_bytes_;
   JsonDocument values_;
-  std::vector<OpenValue> open_;  // From the top level to the innermost.
-  std::string name_;             // Of the member whose value comes next.
+  std::vector<OpenValue> open_;  // From the top level inwards.
+  std::string name_;             // Name of the member whose value comes next.
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Untrusted JSON as a tree of bounded size.
+// Parses untrusted JSON into a tree of bounded size.
 #ifndef CAIRN_HTTP_JSON_JSON_DOCUMENT_H_
 #define CAIRN_HTTP_JSON_JSON_DOCUMENT_H_
 
@@ -10,37 +10,37 @@
 
 namespace cairn {
 
-// A document that exceeds one of these is refused before the value that is too much is stored. The
-// defaults are for requests, of which an honest one has fewer than 200 values.
+// Limits of a document. The parser refuses a document before it stores the value that exceeds a
+// limit. The defaults suit requests, which normally have fewer than 200 values.
 struct JsonLimits {
-  size_t max_values = 50'000;    // Of the whole document: numbers, strings, objects, ...
-  size_t max_elements = 10'000;  // Of one array.
-  size_t max_members = 256;      // Of one object.
-  size_t max_depth = 16;         // Arrays and objects inside each other.
-  size_t max_name_bytes = 100;   // Of the name of a member, which errors quote.
+  size_t max_values = 50'000;    // In the whole document: numbers, strings, objects, ...
+  size_t max_elements = 10'000;  // In one array.
+  size_t max_members = 256;      // In one object.
+  size_t max_depth = 16;         // Arrays and objects nested in each other.
+  size_t max_name_bytes = 100;   // Of a member's name; error messages quote names.
 };
 
-// One value. Children of arrays and objects are linked: the first one stands right behind its
-// parent, and each has the index of the next.
+// One value. The children of an array or object form a linked list: the first child directly
+// follows its parent, and each child has the index of the next one.
 struct JsonValue {
   enum class Kind : uint8_t { kNull, kBool, kNumber, kString, kArray, kObject };
 
   Kind kind = Kind::kNull;
   uint32_t num_children = 0;
-  uint32_t next = 0;    // Index of the next sibling; 0 of the last one.
-  double number = 0.0;  // Of kNumber; 0 or 1 of kBool.
-  std::string name;     // Of a member of an object.
-  std::string text;     // Of kString.
+  uint32_t next = 0;    // Index of the next sibling; 0 for the last one.
+  double number = 0.0;  // Value of kNumber; 0 or 1 for kBool.
+  std::string name;     // Name, for a member of an object.
+  std::string text;     // Value of kString.
 };
 
-// The values in the order of the text; the first is the top level. Destroying a document allocates
-// nothing, so that one can be given up when memory has run out.
+// The values in the order of the text, beginning with the top level. Destroying a document
+// allocates nothing, so a document can be dropped when memory has run out.
 using JsonDocument = std::vector<JsonValue>;
 
-// Parses one JSON value, in time and memory linear in the text. Throws HttpError kInvalidJson, with
-// the byte offset, if the text does not parse, is not UTF-8 or exceeds `limits`, and if an object
-// has two members of one name. Numbers outside the range of a double do not parse; NaN and Infinity
-// are no JSON.
+// Parses one JSON value in time and memory linear in the text. Throws HttpError kInvalidJson, with
+// the byte offset, if the text does not parse, is not UTF-8 or exceeds `limits`, or if an object
+// has two members with the same name. Numbers outside the range of a double, NaN and Infinity do
+// not parse.
 JsonDocument ParseJson(std::string_view text, const JsonLimits& limits = {});
 
 }  // namespace cairn

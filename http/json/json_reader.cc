@@ -39,14 +39,18 @@ void JsonReader::Fail(const std::string& detail, const std::string& hint) const 
 
 template <typename Visit>
 void JsonReader::ForEachChild(const Visit& visit) const {
-  if (value().num_children == 0) return;
+  if (value().num_children == 0) {
+    return;
+  }
   for (size_t child = index_ + 1; child != 0; child = (*document_)[child].next) {
     visit(child);
   }
 }
 
 void JsonReader::RequireObject() const {
-  if (value().kind != JsonValue::Kind::kObject) Fail("has to be an object");
+  if (value().kind != JsonValue::Kind::kObject) {
+    Fail("must be an object");
+  }
 }
 
 void JsonReader::RequireOnly(std::initializer_list<std::string_view> members) const {
@@ -55,8 +59,7 @@ void JsonReader::RequireOnly(std::initializer_list<std::string_view> members) co
     const std::string& name = (*document_)[child].name;
     if (std::find(members.begin(), members.end(), name) == members.end()) {
       Member(child, Excerpt(name))
-          .Fail("is not a member this server knows",
-                fmt::format("known here: {}", fmt::join(members, ", ")));
+          .Fail("is an unknown member", fmt::format("known members: {}", fmt::join(members, ", ")));
     }
   });
 }
@@ -81,15 +84,17 @@ std::optional<JsonReader> JsonReader::Find(std::string_view member) const {
 
 JsonReader JsonReader::At(std::string_view member) const {
   const std::optional<JsonReader> found = Find(member);
-  if (found) return *found;
+  if (found) {
+    return *found;
+  }
   Member(index_, member).Fail("is missing");
 }
 
 std::vector<JsonReader> JsonReader::Elements(size_t min_size, size_t max_size) const {
   const size_t size = value().num_children;
   if (!IsArray() || size < min_size || size > max_size) {
-    Fail(min_size == max_size ? fmt::format("has to be an array of {}", min_size)
-                              : fmt::format("has to be an array of {} to {}", min_size, max_size));
+    Fail(min_size == max_size ? fmt::format("must be an array of {}", min_size)
+                              : fmt::format("must be an array of {} to {}", min_size, max_size));
   }
   std::vector<JsonReader> elements;
   ForEachChild([&](size_t child) {
@@ -111,12 +116,16 @@ std::vector<double> JsonReader::Numbers(size_t min_size, size_t max_size) const 
 bool JsonReader::IsArray() const { return value().kind == JsonValue::Kind::kArray; }
 
 bool JsonReader::Bool() const {
-  if (value().kind != JsonValue::Kind::kBool) Fail("has to be true or false");
+  if (value().kind != JsonValue::Kind::kBool) {
+    Fail("must be true or false");
+  }
   return value().number != 0.0;
 }
 
 double JsonReader::Number(double min, double max) const {
-  if (value().kind != JsonValue::Kind::kNumber) Fail("has to be a number");
+  if (value().kind != JsonValue::Kind::kNumber) {
+    Fail("must be a number");
+  }
   const double number = value().number;
   if (!(number >= min && number <= max)) {
     Fail(fmt::format("is {}, outside [{}, {}]", number, min, max));
@@ -126,18 +135,24 @@ double JsonReader::Number(double min, double max) const {
 
 int64_t JsonReader::Integer(int64_t min, int64_t max) const {
   const double number = Number(static_cast<double>(min), static_cast<double>(max));
-  if (number != std::floor(number)) Fail("has to be an integer");
+  if (number != std::floor(number)) {
+    Fail("must be an integer");
+  }
   return static_cast<int64_t>(number);
 }
 
 const std::string& JsonReader::String() const {
-  if (value().kind != JsonValue::Kind::kString) Fail("has to be a string");
+  if (value().kind != JsonValue::Kind::kString) {
+    Fail("must be a string");
+  }
   return value().text;
 }
 
 const std::string& JsonReader::String(size_t max_length) const {
   const std::string& text = String();
-  if (text.size() > max_length) Fail(fmt::format("is longer than {} bytes", max_length));
+  if (text.size() > max_length) {
+    Fail(fmt::format("is longer than {} bytes", max_length));
+  }
   return text;
 }
 

@@ -1,4 +1,4 @@
-// Reads untrusted JSON; every failure names the member by its JSON pointer (RFC 6901).
+// Reads untrusted JSON. Every error names the member by its JSON pointer (RFC 6901).
 #ifndef CAIRN_HTTP_JSON_JSON_READER_H_
 #define CAIRN_HTTP_JSON_JSON_READER_H_
 
@@ -13,8 +13,8 @@
 
 namespace cairn {
 
-// A value and where it stands. Refers to the document, which must outlive it. All functions throw
-// HttpError kInvalidField with the pointer of the value at fault.
+// A value and its position in the document. The document must outlive the reader. All functions
+// throw HttpError kInvalidField with the pointer of the value at fault.
 class JsonReader {
  public:
   // The top level.
@@ -22,15 +22,15 @@ class JsonReader {
 
   const std::string& pointer() const { return pointer_; }
 
-  // Throws unless the value is an object with no member but these.
+  // Throws unless the value is an object without other members than these.
   void RequireOnly(std::initializer_list<std::string_view> members) const;
 
-  // Members. A member that is null counts as absent.
+  // Access to members. A null member counts as absent.
   bool Has(std::string_view member) const;
   JsonReader At(std::string_view member) const;  // Throws if absent.
   std::optional<JsonReader> Find(std::string_view member) const;
 
-  // Elements of an array of [min_size, max_size] elements.
+  // Returns the elements of an array. Throws unless their number is in [min_size, max_size].
   std::vector<JsonReader> Elements(size_t min_size, size_t max_size) const;
   std::vector<double> Numbers(size_t min_size, size_t max_size) const;
 
@@ -47,10 +47,10 @@ class JsonReader {
   JsonReader(const JsonDocument& document, size_t index, std::string pointer)
       : document_(&document), index_(index), pointer_(std::move(pointer)) {}
   const JsonValue& value() const { return (*document_)[index_]; }
-  // The value at `index`, named as a member of this one.
+  // The value at `index`, which is the member `name` of this value.
   JsonReader Member(size_t index, std::string_view name) const;
   void RequireObject() const;
-  // Calls visit(index) for the elements or members, in their order.
+  // Calls visit(index) for each element or member, in order.
   template <typename Visit>
   void ForEachChild(const Visit& visit) const;
 

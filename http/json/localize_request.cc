@@ -19,10 +19,10 @@ namespace cairn {
 namespace {
 
 constexpr double kMaxAccuracyM = 100'000.0;
-constexpr double kMinHeightM = -12'000.0;  // As ValidateGeodetic.
+constexpr double kMinHeightM = -12'000.0;  // Same limits as ValidateGeodetic.
 constexpr double kMaxHeightM = 100'000.0;
 constexpr size_t kMaxIdLength = 128;
-// Phones report directions in single precision and rounded; they are normalised here.
+// Phones report directions rounded and in single precision. They are normalized here.
 constexpr double kUnitNormTolerance = 0.02;
 constexpr int64_t kMaxTimestampMs = int64_t{1} << 53;
 constexpr size_t kMaxShortJsonBytes = size_t{64} << 10;
@@ -40,7 +40,9 @@ PositionPrior ReadPrior(const JsonReader& json) {
     prior.accuracy_m = accuracy->Number(1e-3, kMaxAccuracyM);
   }
   if (const auto altitude_accuracy = json.Find("altitudeAccuracy")) {
-    if (!position.Has("h")) altitude_accuracy->Fail("has no height to speak of; give position.h");
+    if (!position.Has("h")) {
+      altitude_accuracy->Fail("needs the height position.h");
+    }
     prior.height_sigma_m = altitude_accuracy->Number(1e-3, kMaxAccuracyM);
   }
   return prior;
@@ -52,20 +54,20 @@ Eigen::Vector3d ReadGravity(const JsonReader& json) {
   const double norm = down.norm();
   if (!(std::abs(norm - 1.0) <= kUnitNormTolerance)) {
     json.Fail(fmt::format("has length {}, not 1", norm),
-              "gravity is the unit vector that points down, in the camera frame (x right, y down, "
+              "send the unit vector that points down in the camera frame (x right, y down, "
               "z forward)");
   }
   return down / norm;
 }
 
-// Decodes the features of one camera; `camera_pointer` is where the request describes it.
+// Decodes the features of one camera. `camera_pointer` points to the camera in the request.
 WireFeatures DecodeFeaturesOf(const Camera& camera, const std::string& camera_pointer,
                               std::span<const uint8_t> blob, int max_features) {
   WireFeatures wire = DecodeFeatures(blob, max_features);
   if (wire.width_px != camera.width_px() || wire.height_px != camera.height_px()) {
     throw HttpError(
         ProblemCode::kInvalidFeatures,
-        fmt::format("the features are of an image of {} x {} pixels, the camera's "
+        fmt::format("the features come from an image of {} x {} pixels, but the camera's "
                     "images are {} x {}",
                     wire.width_px, wire.height_px, camera.width_px(), camera.height_px()))
         .At(camera_pointer + "/size");
@@ -79,7 +81,7 @@ void SetFeatures(std::span<const uint8_t> blob, int max_features, LocalizeReques
   request->query.features = std::move(wire.features);
 }
 
-// The features of rig[index]; those of the query's own camera have been set.
+// Sets the features of rig[index]. Call it after the query's own features have been set.
 void SetRigFeatures(std::span<const uint8_t> blob, size_t index, int max_features,
                     LocalizeRequest* request) {
   LocalizeQuery& query = request->query;
@@ -87,21 +89,23 @@ void SetRigFeatures(std::span<const uint8_t> blob, size_t index, int max_feature
   const std::string pointer = fmt::format("/rig/{}", index);
   WireFeatures wire = DecodeFeaturesOf(other.camera, pointer + "/camera", blob, max_features);
   if (wire.codec != query.codec) {
-    throw HttpError(ProblemCode::kWrongCodec,
-                    fmt::format("the features are of codec '{}', those of the first camera of '{}'",
-                                wire.codec, query.codec))
+    throw HttpError(
+        ProblemCode::kWrongCodec,
+        fmt::format("the features have codec '{}', but those of the first camera have '{}'",
+                    wire.codec, query.codec))
         .At(pointer + "/features");
   }
   other.features = std::move(wire.features);
   if (query.num_features() > max_features) {
-    throw HttpError(ProblemCode::kTooManyFeatures,
-                    fmt::format("the cameras of the rig have more than {} features", max_features))
+    throw HttpError(
+        ProblemCode::kTooManyFeatures,
+        fmt::format("the cameras of the rig together have more than {} features", max_features))
         .At(pointer + "/features");
   }
 }
 
 Rigid3d ReadCamFromFirst(const JsonReader& json) {
-  constexpr double kMaxOffsetM = 100.0;  // As LocalizeQuery::Validate.
+  constexpr double kMaxOffsetM = 100.0;  // Same limit as LocalizeQuery::Validate.
   json.RequireOnly({"quaternion", "translation"});
   const JsonReader quaternion = json.At("quaternion");
   quaternion.RequireOnly({"x", "y", "z", "w"});
@@ -119,7 +123,7 @@ Rigid3d ReadCamFromFirst(const JsonReader& json) {
   return {rotation, offset};
 }
 
-// The further cameras of a rig, without their features and images.
+// Reads the other cameras of a rig, without features and images.
 void ReadRig(const JsonReader& json, LocalizeQuery* query) {
   for (const JsonReader& element : json.Elements(0, LocalizeQuery::kMaxOtherCameras)) {
     element.RequireOnly({"camera", "camFromFirst", "features", "image"});
@@ -127,7 +131,7 @@ void ReadRig(const JsonReader& json, LocalizeQuery* query) {
   }
 }
 
-// The query's own camera. In a rig its focal length has to be known as well.
+// Reads the query's own camera. In a rig, its focal length must also be known.
 void ReadOwnCamera(const JsonReader& json, LocalizeQuery* query) {
   if (!query->other_cameras.empty()) {
     query->camera = ReadKnownCamera(json);
@@ -138,31 +142,37 @@ void ReadOwnCamera(const JsonReader& json, LocalizeQuery* query) {
   query->focal = stated.focal;
 }
 
-// What JSON says about the features beside the blob has to agree with the blob.
+// JSON members that describe the features must agree with the blob.
 void CheckFeatureMembers(const JsonReader& json, const LocalizeQuery& query) {
   if (const auto codec = json.Find("codec"); codec && codec->String(64) != query.codec) {
-    codec->Fail(fmt::format("is '{}' but the data say '{}'", codec->String(), query.codec));
+    codec->Fail(fmt::format("is '{}', but the data state '{}'", codec->String(), query.codec));
   }
   if (const auto count = json.Find("count");
       count && count->Integer(0, 1 << 30) != query.features.size()) {
-    count->Fail(fmt::format("does not agree with the data, which hold {}", query.features.size()));
+    count->Fail(fmt::format("does not match the {} features in the data", query.features.size()));
   }
 }
 
 void ReadJsonFeatures(const JsonReader& json, int max_features, LocalizeRequest* request) {
   constexpr char kHint[] =
-      "send the binary form, docs/formats/features_v1.md, as a multipart part or as base64 in "
-      "features.data: numbers in JSON are ten times larger and sixty times slower to read";
-  if (json.IsArray()) json.Fail("may not be an array of numbers", kHint);
+      "send the binary form (docs/formats/features_v1.md) as a multipart part or as base64 in "
+      "features.data; JSON numbers take ten times the bytes and sixty times the time to read";
+  if (json.IsArray()) {
+    json.Fail("may not be an array of numbers", kHint);
+  }
   for (const char* member : {"descriptors", "keypoints"}) {
-    if (const auto numbers = json.Find(member)) numbers->Fail("is not accepted as JSON", kHint);
+    if (const auto numbers = json.Find(member)) {
+      numbers->Fail("is not accepted as JSON", kHint);
+    }
   }
   json.RequireOnly({"codec", "count", "encoding", "data"});
   const JsonReader data = json.At("data");
-  if (data.IsArray()) data.Fail("may not be an array of numbers", kHint);
+  if (data.IsArray()) {
+    data.Fail("may not be an array of numbers", kHint);
+  }
   if (const auto encoding = json.Find("encoding");
       encoding && encoding->String() != "features_v1") {
-    encoding->Fail("is unknown", "known: features_v1; the data say the rest themselves");
+    encoding->Fail("is unknown", "known: features_v1; the data contain all other properties");
   }
   SetFeatures(ReadBase64(data), max_features, request);
   CheckFeatureMembers(json, request->query);
@@ -171,38 +181,53 @@ void ReadJsonFeatures(const JsonReader& json, int max_features, LocalizeRequest*
 RequestImage ReadJsonImage(const JsonReader& json) {
   json.RequireOnly({"format", "data"});
   RequestImage image;
-  if (const auto format = json.Find("format")) image.format = format->String(16);
+  if (const auto format = json.Find("format")) {
+    image.format = format->String(16);
+  }
   image.bytes = ReadBase64(json.At("data"));
-  if (image.bytes.empty()) json.At("data").Fail("is empty");
+  if (image.bytes.empty()) {
+    json.At("data").Fail("is empty");
+  }
   return image;
 }
 
-// Everything but images and features.
+// Reads everything except images and features.
 LocalizeRequest ReadCommon(const JsonReader& json, const RequestLimits& limits) {
   json.RequireOnly(
       {"id", "timestamp", "camera", "image", "features", "rig", "prior", "gravity", "options"});
   LocalizeRequest request;
   request.timeout_ms = limits.default_timeout_ms;
-  if (const auto id = json.Find("id")) request.query.id = id->String(kMaxIdLength);
+  if (const auto id = json.Find("id")) {
+    request.query.id = id->String(kMaxIdLength);
+  }
   if (const auto timestamp = json.Find("timestamp")) {
     request.timestamp_ms = timestamp->Integer(-kMaxTimestampMs, kMaxTimestampMs);
   }
   const auto rig = json.Find("rig");
-  if (rig) ReadRig(*rig, &request.query);
+  if (rig) {
+    ReadRig(*rig, &request.query);
+  }
   ReadOwnCamera(json.At("camera"), &request.query);
-  if (const auto prior = json.Find("prior")) request.query.prior = ReadPrior(*prior);
-  if (const auto gravity = json.Find("gravity")) request.query.down_in_cam = ReadGravity(*gravity);
-  if (const auto options = json.Find("options")) ReadOptions(*options, &request);
+  if (const auto prior = json.Find("prior")) {
+    request.query.prior = ReadPrior(*prior);
+  }
+  if (const auto gravity = json.Find("gravity")) {
+    request.query.down_in_cam = ReadGravity(*gravity);
+  }
+  if (const auto options = json.Find("options")) {
+    ReadOptions(*options, &request);
+  }
   return request;
 }
 
-// Element `index` of the rig, of which `kind` is "features" or "image" as of the first camera.
+// The member `kind` ("features" or "image") of element `index` of the rig. `kind` is the one that
+// the first camera sends.
 JsonReader RigMember(const JsonReader& json, size_t index, const char* kind) {
   const JsonReader element = json.At("rig").Elements(0, LocalizeQuery::kMaxOtherCameras)[index];
   const bool is_image = std::string_view(kind) == "image";
   if (const auto other = element.Find(is_image ? "features" : "image")) {
-    other->Fail("is not what the first camera sends",
-                "send images of all cameras or features of all");
+    other->Fail("differs from the first camera",
+                "send images for all cameras or features for all cameras");
   }
   return element.At(kind);
 }
@@ -229,7 +254,7 @@ LocalizeRequest ParseJsonBody(std::string_view body, const RequestLimits& limits
   LocalizeRequest request = ReadCommon(json, limits);
   const bool has_image = json.Find("image").has_value();
   if (has_image == json.Find("features").has_value()) {
-    json.Fail("has to have either an image or features, not both");
+    json.Fail("must have either an image or features, not both");
   }
   if (has_image) {
     ReadJsonImagesOfAll(json, &request);
@@ -250,10 +275,12 @@ struct RequestParts {
   std::array<std::optional<std::string_view>, LocalizeQuery::kMaxOtherCameras> rig;
 };
 
-// What parts of their own hold may not stand in the JSON as well.
+// Data sent as parts must not also occur in the JSON.
 void RefuseMembersOfParts(const JsonReader& json) {
   for (const char* member : {"image", "features"}) {
-    if (const auto twice = json.Find(member)) twice->Fail("is in a part of its own already");
+    if (const auto twice = json.Find(member)) {
+      twice->Fail("is already present as a multipart part");
+    }
   }
 }
 
@@ -279,21 +306,22 @@ RequestParts SortParts(const std::vector<MultipartPart>& parts) {
   }
   if (!sorted.request || sorted.image.has_value() == sorted.features.has_value()) {
     throw HttpError(ProblemCode::kInvalidMultipart,
-                    "the body has to have a part 'request' and either 'image' or 'features'");
+                    "the body must have a part 'request' and either 'image' or 'features'");
   }
   return sorted;
 }
 
-// The parts of the rig's other cameras, as many as the request names.
+// The parts of the rig's other cameras. There must be one for each camera in the request.
 std::vector<std::string_view> RigParts(const JsonReader& json, const RequestParts& parts,
                                        size_t num_others) {
   std::vector<std::string_view> contents;
   for (size_t i = 0; i < parts.rig.size(); ++i) {
     if (parts.rig[i].has_value() != (i < num_others)) {
-      throw HttpError(ProblemCode::kInvalidMultipart,
-                      fmt::format("the request has {} cameras in 'rig' and needs as many parts: "
-                                  "rig0, rig1, ...",
-                                  num_others));
+      throw HttpError(
+          ProblemCode::kInvalidMultipart,
+          fmt::format("the request has {} cameras in 'rig' and needs one part for each: "
+                      "rig0, rig1, ...",
+                      num_others));
     }
     if (i < num_others) {
       const JsonReader element = json.At("rig").Elements(0, LocalizeQuery::kMaxOtherCameras)[i];
@@ -345,7 +373,9 @@ LocalizeRequest ParseMultipartBody(std::string_view content_type, std::string_vi
 }  // namespace
 
 void SetOrientations(ImageOrientation meant, LocalizeRequest* request) {
-  if (meant == ImageOrientation::kStored) return;
+  if (meant == ImageOrientation::kStored) {
+    return;
+  }
   for (size_t i = 0; i < request->images.size(); ++i) {
     const LocalizeQuery& query = request->query;
     const Camera& camera = i == 0 ? query.camera : query.other_cameras[i - 1].camera;
@@ -358,7 +388,9 @@ void SetOrientations(ImageOrientation meant, LocalizeRequest* request) {
 
 HeightReference ReadHeightReference(const JsonReader& name) {
   const std::optional<HeightReference> reference = HeightReferenceFromName(name.String());
-  if (!reference) name.Fail("is unknown", "known: ellipsoid, msl (mean sea level)");
+  if (!reference) {
+    name.Fail("is unknown", "known: ellipsoid, msl (mean sea level)");
+  }
   return *reference;
 }
 
@@ -372,7 +404,7 @@ RigCamera ReadRigCamera(const JsonReader& element) {
 std::vector<uint8_t> ReadBase64(const JsonReader& text) {
   std::optional<std::vector<uint8_t>> bytes = DecodeBase64(text.String());
   if (!bytes) {
-    text.Fail("is not base64", "the standard alphabet with padding, without line breaks");
+    text.Fail("is not base64", "use the standard alphabet with padding and without line breaks");
   }
   return std::move(*bytes);
 }
@@ -388,11 +420,13 @@ bool IsLongJson(std::string_view content_type, std::string_view body) {
 }
 
 int PeekTimeoutMs(std::string_view body, const RequestLimits& limits) {
-  // Inside of a string the quotes would have backslashes.
+  // Inside a string, the quotes would be escaped by backslashes.
   constexpr std::string_view kName = "\"timeoutMs\"";
   constexpr size_t kMaxBlanks = 64;
   const size_t at = body.find(kName);
-  if (at == std::string_view::npos) return limits.default_timeout_ms;
+  if (at == std::string_view::npos) {
+    return limits.default_timeout_ms;
+  }
   std::string_view rest = body.substr(at + kName.size(), kMaxBlanks);
   rest.remove_prefix(std::min(rest.find_first_not_of(" \t\r\n:"), rest.size()));
   int timeout_ms = 0;
@@ -403,8 +437,12 @@ int PeekTimeoutMs(std::string_view body, const RequestLimits& limits) {
 
 LocalizeRequest ParseLocalizeRequest(std::string_view content_type, std::string_view body,
                                      const RequestLimits& limits) {
-  if (IsMultipart(content_type)) return ParseMultipartBody(content_type, body, limits);
-  if (MediaType(content_type) == "application/json") return ParseJsonBody(body, limits);
+  if (IsMultipart(content_type)) {
+    return ParseMultipartBody(content_type, body, limits);
+  }
+  if (MediaType(content_type) == "application/json") {
+    return ParseJsonBody(body, limits);
+  }
   throw HttpError(ProblemCode::kUnsupportedMediaType,
                   fmt::format("the content type '{}' is not accepted", content_type.substr(0, 64)))
       .Hint("send application/json or multipart/form-data");

@@ -1,4 +1,4 @@
-// The body of POST /v1/localize, JSON or multipart, as a query.
+// Parses the body of POST /v1/localize (JSON or multipart) into a query.
 #ifndef CAIRN_HTTP_JSON_LOCALIZE_REQUEST_H_
 #define CAIRN_HTTP_JSON_LOCALIZE_REQUEST_H_
 
@@ -21,31 +21,32 @@ struct RequestLimits {
   int default_timeout_ms = 2000;
 };
 
-// What the client wants in the answer. `answer_from_cam` is of GeoPoseResponseJson and
-// OgcGeoPoseJson only.
+// The contents that the client wants in the response. Only GeoPoseResponseJson and OgcGeoPoseJson
+// use `answer_from_cam`.
 struct ResponseOptions {
   InnerFrame inner_frame = InnerFrame::kFlu;
   int max_matches = 200;
   bool with_matches = false;
   bool with_timings = true;
   bool with_covariance = true;
-  // From the frame of the query's camera into that of the camera whose pose is answered: a turn
-  // about the optical axis by what GeoPoseProtocol's imageOrientation says.
+  // Rotates the frame of the query's camera into the frame of the camera whose pose is returned: a
+  // rotation about the optical axis, given by GeoPoseProtocol's imageOrientation.
   Eigen::Quaterniond answer_from_cam = Eigen::Quaterniond::Identity();
 };
 
-// A picture as the client sent it.
+// A picture as sent by the client.
 struct RequestImage {
   std::vector<uint8_t>
       bytes;            // Encoded, or raw pixels with the formats GRAY8 and RGBA32; not empty.
-  std::string format;   // As the client named it; JPEG, PNG and PNM are recognised anyway.
-  int orientation = 1;  // EXIF's number of how the decoded picture is turned before it is used.
+  std::string format;   // As the client named it; JPEG, PNG and PNM are recognized anyway.
+  int orientation = 1;  // EXIF orientation by which the decoded picture is turned before use.
 };
 
 struct LocalizeRequest {
-  LocalizeQuery query;                  // No features yet if there are images.
-  std::optional<int64_t> timestamp_ms;  // Of the picture, since the Unix epoch; echoed.
-  // Of the query's camera and the others of its rig, in this order; empty if there are features.
+  LocalizeQuery query;                  // Without features as long as there are images.
+  std::optional<int64_t> timestamp_ms;  // When the picture was taken, since the Unix epoch; echoed.
+  // The images of the query's camera and of the other cameras of its rig, in this order. Empty if
+  // there are features.
   std::vector<RequestImage> images;
   int timeout_ms = 0;
   ResponseOptions answer;
@@ -53,9 +54,9 @@ struct LocalizeRequest {
   bool has_images() const { return !images.empty(); }
 };
 
-// Throws HttpError kUnsupportedMediaType unless `content_type` is JSON or multipart/form-data, and
-// kInvalidJson, kInvalidField, kInvalidMultipart, kInvalidFeatures, kTooManyFeatures with the JSON
-// pointer of what is wrong. Images are not decoded.
+// Throws HttpError kUnsupportedMediaType unless `content_type` is JSON or multipart/form-data.
+// Throws kInvalidJson, kInvalidField, kInvalidMultipart, kInvalidFeatures or kTooManyFeatures with
+// the JSON pointer of the member at fault. Does not decode images.
 LocalizeRequest ParseLocalizeRequest(std::string_view content_type, std::string_view body,
                                      const RequestLimits& limits);
 
@@ -63,24 +64,25 @@ LocalizeRequest ParseLocalizeRequest(std::string_view content_type, std::string_
 using BodyParser = LocalizeRequest(std::string_view content_type, std::string_view body,
                                    const RequestLimits& limits);
 
-// True if parsing the body takes more than about 3 ms of a core's time, so that it has to wait for
-// its turn: JSON of more than 64 KiB. The JSON part of a multipart body is never as long.
+// True if parsing the body takes more than about 3 ms on one core, so that the body must wait for
+// its turn: JSON of more than 64 KiB. The JSON part of a multipart body is always shorter.
 bool IsLongJson(std::string_view content_type, std::string_view body);
 
-// The `timeoutMs` that a JSON body seems to state, found without parsing; the default if it states
-// none. Says how long the body's turn is worth waiting for, nothing else.
+// Guesses the `timeoutMs` of a JSON body without parsing it; returns the default if it finds none.
+// The result only bounds how long the body waits for its turn.
 int PeekTimeoutMs(std::string_view body, const RequestLimits& limits);
 
-// Parts that GeoPoseProtocol and the command line share.
-// Sets how each image is to be turned, by its header and the size of its camera.
+// The functions below are shared with GeoPoseProtocol and the command line.
+//
+// Sets the turn of each image from its header and the size of its camera.
 void SetOrientations(ImageOrientation meant, LocalizeRequest* request);
-// "ellipsoid" or "msl".
+// Reads "ellipsoid" or "msl".
 HeightReference ReadHeightReference(const JsonReader& name);
-// Of an element of `rig`: its members `camera` and `camFromFirst`; without features.
+// Reads `camera` and `camFromFirst` of an element of `rig`. The result has no features.
 RigCamera ReadRigCamera(const JsonReader& element);
-// Strict base64; throws with the pointer of the string.
+// Decodes strict base64. Throws with the pointer of the string.
 std::vector<uint8_t> ReadBase64(const JsonReader& text);
-// Degrees and metres; checked.
+// Reads and checks degrees and meters.
 Geodetic ReadGeodetic(const JsonReader& lat, const JsonReader& lon,
                       const std::optional<JsonReader>& h);
 

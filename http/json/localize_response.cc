@@ -25,7 +25,7 @@ constexpr std::array kReasons = {
     NotLocalizedReason::kPriorMismatch,  NotLocalizedReason::kTimeout,
 };
 
-// A counter and where it stands on the wire; one table for both directions.
+// A counter and its place on the wire. One table serves both directions.
 struct CounterField {
   Stage stage;
   const char* name;
@@ -66,8 +66,8 @@ Json GeodeticJson(const Geodetic& position) {
   return {{"lat", position.lat_deg()}, {"lon", position.lon_deg()}, {"h", position.h_m}};
 }
 
-// (rotation, translation) in the anchor frame to (translation, rotation) in enu at the camera:
-// J C J' with J = [[0, R], [R, 0]], R = enu_from_anchor.
+// Converts a covariance of (rotation, translation) in the anchor frame to one of (translation,
+// rotation) in enu at the camera: J C J' with J = [[0, R], [R, 0]], R = enu_from_anchor.
 Matrix6d WireCovariance(const Matrix6d& covariance, const Eigen::Matrix3d& enu_from_anchor) {
   Matrix6d jacobian = Matrix6d::Zero();
   jacobian.topRightCorner<3, 3>() = enu_from_anchor;
@@ -100,7 +100,9 @@ Json MatchesJson(const LocalizeResult& result, int max_matches) {
              {"probability", match.right_probability},
              {"keypoint", match.keypoint_idx},
              {"tile", match.tile_idx}});
-    if (match.camera_idx > 0) json["camera"] = match.camera_idx;
+    if (match.camera_idx > 0) {
+      json["camera"] = match.camera_idx;
+    }
   }
   return matches;
 }
@@ -115,16 +117,24 @@ Json StagesJson(const LocalizeResult& result, const ServerTimes& times, bool has
   for (int i = 0; i < kNumStages; ++i) {
     const auto stage = static_cast<Stage>(i);
     Json fields = Json::object();
-    if (with_timings) fields["ms"] = 1e3 * result.times.seconds[i];
+    if (with_timings) {
+      fields["ms"] = 1e3 * result.times.seconds[i];
+    }
     for (const FlagField& flag : kFlags) {
-      if (flag.stage == stage) fields[flag.name] = result.counters.*flag.value;
+      if (flag.stage == stage) {
+        fields[flag.name] = result.counters.*flag.value;
+      }
     }
     for (const CounterField& counter : kCounters) {
-      if (counter.stage == stage) fields[counter.name] = result.counters.*counter.value;
+      if (counter.stage == stage) {
+        fields[counter.name] = result.counters.*counter.value;
+      }
     }
     stages[StageName(stage)] = std::move(fields);
   }
-  if (with_timings) stages["totalMs"] = 1e3 * result.times.total_seconds;
+  if (with_timings) {
+    stages["totalMs"] = 1e3 * result.times.total_seconds;
+  }
   return stages;
 }
 
@@ -152,10 +162,12 @@ void AddPose(const LocalizeResult& result, const ResponseOptions& options, Json*
   if (options.with_covariance) {
     const Matrix6d wire =
         WireCovariance(result.covariance, EnuFromAnchor(geopose.position, result.anchor));
-    // Symmetric, so the storage order does not matter.
+    // The matrix is symmetric, so the storage order does not matter.
     (*json)["covariance"] = std::vector<double>(wire.data(), wire.data() + wire.size());
   }
-  if (result.camera) (*json)["camera"] = CameraJson(*result.camera);
+  if (result.camera) {
+    (*json)["camera"] = CameraJson(*result.camera);
+  }
   (*json)["confidence"] = result.confidence;
   (*json)["score"] = result.score;
   (*json)["falseAlarmRate"] = result.false_alarm_rate;
@@ -163,7 +175,7 @@ void AddPose(const LocalizeResult& result, const ResponseOptions& options, Json*
   (*json)["inlierCount"] = result.matches.size();
 }
 
-constexpr size_t kMaxElements = 1 << 20;  // Of an array in an answer.
+constexpr size_t kMaxElements = 1 << 20;  // Of an array in a response.
 
 GeoPose ReadGeoPose(const JsonReader& json) {
   const JsonReader position = json.At("position");
@@ -195,7 +207,9 @@ CameraEstimate ReadCameraEstimate(const JsonReader& json) {
 void ReadPose(const JsonReader& json, LocalizeResult* result) {
   const GeoPose geopose = ReadGeoPose(json.At("geopose"));
   const auto frame = InnerFrameFromName(json.At("innerFrame").String());
-  if (!frame) json.At("innerFrame").Fail("is unknown");
+  if (!frame) {
+    json.At("innerFrame").Fail("is unknown");
+  }
   result->cam_from_ecef = CameraFromGeoPose(geopose, *frame);
   result->position = geopose.position;
   const JsonReader anchor = json.At("anchor");
@@ -208,7 +222,9 @@ void ReadPose(const JsonReader& json, LocalizeResult* result) {
   result->score = ReadNumber(json.At("score"));
   result->false_alarm_rate = ReadNumber(json.At("falseAlarmRate"));
   result->prior_disagrees = json.At("priorDisagrees").Bool();
-  if (const auto camera = json.Find("camera")) result->camera = ReadCameraEstimate(*camera);
+  if (const auto camera = json.Find("camera")) {
+    result->camera = ReadCameraEstimate(*camera);
+  }
   if (const auto covariance = json.Find("covariance")) {
     const std::vector<double> numbers = covariance->Numbers(36, 36);
     result->covariance = ResultCovariance(Eigen::Map<const Matrix6d>(numbers.data()),
@@ -240,7 +256,7 @@ void ReadStages(const JsonReader& json, LocalizeResult* result) {
         json.At(StageName(counter.stage)).At(counter.name).Integer(0, kMaxCount);
   }
   for (const FlagField& flag : kFlags) {
-    // Older servers have fewer.
+    // Older servers send fewer flags.
     if (const auto value = json.At(StageName(flag.stage)).Find(flag.name)) {
       result->counters.*flag.value = value->Bool();
     }
@@ -257,7 +273,9 @@ void ReadStages(const JsonReader& json, LocalizeResult* result) {
 
 NotLocalizedReason ReadReason(const JsonReader& json) {
   for (const NotLocalizedReason reason : kReasons) {
-    if (NotLocalizedReasonName(reason) == json.String()) return reason;
+    if (NotLocalizedReasonName(reason) == json.String()) {
+      return reason;
+    }
   }
   json.Fail("is unknown");
 }
@@ -290,33 +308,42 @@ std::string LocalizeResponseJson(const LocalizeResult& result, const LocalizeReq
                                  const ServerTimes& times) {
   const ResponseOptions& options = request.answer;
   Json json = {{"id", request.query.id}};
-  if (request.timestamp_ms) json["timestamp"] = *request.timestamp_ms;
+  if (request.timestamp_ms) {
+    json["timestamp"] = *request.timestamp_ms;
+  }
   json["status"] = result.localized ? "LOCALIZED" : "NOT_LOCALIZED";
   json["reason"] = result.localized ? Json(nullptr) : Json(NotLocalizedReasonName(result.reason));
   if (request.has_images() && request.images.front().orientation != 1) {
     json["imageOrientation"] = ImageOrientationName(ImageOrientation::kUpright);
   }
-  if (result.localized) AddPose(result, options, &json);
+  if (result.localized) {
+    AddPose(result, options, &json);
+  }
   json["stages"] = StagesJson(result, times, request.has_images(), options.with_timings);
   if (result.localized && options.with_matches) {
     json["matches"] = MatchesJson(result, options.max_matches);
   }
-  if (result.localized) json["anchor"] = GeodeticJson(result.anchor);
+  if (result.localized) {
+    json["anchor"] = GeodeticJson(result.anchor);
+  }
   Json tiles = Json::array();
-  for (const TileId& tile : result.tiles) tiles.push_back(tile.ToString());
+  for (const TileId& tile : result.tiles) {
+    tiles.push_back(tile.ToString());
+  }
   json["map"] = {{"version", Value(result.map_version)}, {"tiles", std::move(tiles)}};
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 LocalizeResult ParseLocalizeResponse(std::string_view text) {
-  // 100,000 matches of 13 values, as ResponseOptions::max_matches allows them, and many tiles.
+  // Enough for the 100,000 matches of 13 values that ResponseOptions::max_matches allows, and many
+  // tiles.
   constexpr JsonLimits kAnswerLimits{.max_values = 4'000'000, .max_elements = kMaxElements};
   try {
     const JsonDocument document = ParseJson(text, kAnswerLimits);
     return ReadResult(JsonReader(document));
   } catch (const Error& e) {
     throw Error(ErrorCode::kBadInput,
-                std::string("the server's answer is not what this client reads: ") + e.what());
+                std::string("this client cannot read the server's response: ") + e.what());
   }
 }
 

@@ -1,4 +1,4 @@
-// The answer of POST /v1/localize: from a result to JSON on the server, and back on the client.
+// The response of POST /v1/localize: the server writes a result as JSON, and the client reads it.
 #ifndef CAIRN_HTTP_JSON_LOCALIZE_RESPONSE_H_
 #define CAIRN_HTTP_JSON_LOCALIZE_RESPONSE_H_
 
@@ -12,19 +12,22 @@
 
 namespace cairn {
 
-// What only the server knows.
+// Times that only the server measures.
 struct ServerTimes {
-  double decode_seconds = 0.0;   // Of all images; 0 without one.
-  double extract_seconds = 0.0;  // Of its features.
+  double decode_seconds = 0.0;   // Of all images; 0 without images.
+  double extract_seconds = 0.0;  // Of the features of all images.
 };
 
-// The wire form. Departs from LocalizeResult in this: degrees instead of radians; the covariance is
-// of (translation, rotation), in the east-north-up frame at the camera instead of the anchor's;
-// matches are thinned evenly to ResponseOptions::max_matches.
+// Writes the wire form. It differs from LocalizeResult as follows:
+// - Angles are in degrees instead of radians.
+// - The covariance is of (translation, rotation), in the east-north-up frame at the camera instead
+//   of the anchor's frame.
+// - Matches are thinned evenly to ResponseOptions::max_matches.
 std::string LocalizeResponseJson(const LocalizeResult& result, const LocalizeRequest& request,
                                  const ServerTimes& times);
 
-// Inverse, as far as the wire carries a result. Throws Error(kBadInput) if it is not such a JSON.
+// Reads the wire form; fields that the wire does not carry keep their defaults. Throws
+// Error(kBadInput) if the JSON is not such a response.
 LocalizeResult ParseLocalizeResponse(std::string_view json);
 
 }  // namespace cairn

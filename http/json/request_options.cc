@@ -27,9 +27,13 @@ void ReadInclude(const JsonReader& json, ResponseOptions* options) {
 
 ImageOrientation ReadImageOrientation(const std::optional<JsonReader>& options) {
   const auto name = options ? options->Find("imageOrientation") : std::nullopt;
-  if (!name) return ImageOrientation::kAsSize;
+  if (!name) {
+    return ImageOrientation::kAsSize;
+  }
   const std::optional<ImageOrientation> meant = ImageOrientationFromName(name->String());
-  if (!meant) name->Fail("is unknown", "known: stored, upright");
+  if (!meant) {
+    name->Fail("is unknown", "known: stored, upright");
+  }
   return *meant;
 }
 
@@ -37,7 +41,9 @@ void ReadOptions(const JsonReader& json, LocalizeRequest* request) {
   json.RequireOnly({"innerFrame", "timeoutMs", "maxMatches", "include", "imageOrientation"});
   if (const auto name = json.Find("innerFrame")) {
     const std::optional<InnerFrame> frame = InnerFrameFromName(name->String());
-    if (!frame) name->Fail("is unknown", "known: FLU, RDF, RUB, EUS");
+    if (!frame) {
+      name->Fail("is unknown", "known: FLU, RDF, RUB, EUS");
+    }
     request->answer.inner_frame = *frame;
   }
   if (const auto timeout = json.Find("timeoutMs")) {
@@ -46,7 +52,9 @@ void ReadOptions(const JsonReader& json, LocalizeRequest* request) {
   if (const auto max_matches = json.Find("maxMatches")) {
     request->answer.max_matches = static_cast<int>(max_matches->Integer(0, kMaxMatches));
   }
-  if (const auto include = json.Find("include")) ReadInclude(*include, &request->answer);
+  if (const auto include = json.Find("include")) {
+    ReadInclude(*include, &request->answer);
+  }
 }
 
 }  // namespace cairn

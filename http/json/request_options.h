@@ -10,14 +10,14 @@
 
 namespace cairn {
 
-// The longest time that a request may ask for.
+// The longest timeout that a request may ask for.
 inline constexpr int kMaxTimeoutMs = 60'000;
 
-// Sets the timeout and what is wanted in the answer. Throws HttpError kInvalidField, also for
-// members that are unknown.
+// Sets the timeout and the wanted contents of the response. Throws HttpError kInvalidField, also
+// for unknown members.
 void ReadOptions(const JsonReader& json, LocalizeRequest* request);
 
-// Which picture the request describes.
+// Reads which picture the request describes.
 ImageOrientation ReadImageOrientation(const std::optional<JsonReader>& options);
 
 }  // namespace cairn

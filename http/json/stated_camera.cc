@@ -21,7 +21,7 @@ CameraModel ReadModel(const JsonReader& model) {
   }
 }
 
-// What the parameters say of the focal length does not count.
+// Replaces the focal length in the parameters, which does not count.
 Camera WithoutFocal(const Camera& camera) {
   const double unknown_px = CameraOfUnknownFocal(camera.width_px(), camera.height_px()).focal_px();
   return WithFocalScaled(camera, unknown_px / camera.focal_px());
@@ -29,8 +29,8 @@ Camera WithoutFocal(const Camera& camera) {
 
 bool SaysUnknown(const JsonReader& focal_length) {
   if (focal_length.String() != kUnknown) {
-    focal_length.Fail("is not \"unknown\"",
-                      "a focal length that is known stands in modelParams; how well, in "
+    focal_length.Fail("must be \"unknown\" if present",
+                      "put a known focal length in modelParams and its uncertainty in "
                       "focalLengthSigma");
   }
   return true;
@@ -48,7 +48,9 @@ StatedCamera ReadCameraParts(const std::optional<JsonReader>& model, const Image
                              const std::optional<JsonReader>& params) {
   const auto [width_px, height_px] = size;
   if (params) {
-    if (!model) params->Fail("have no model", "name it in model, as SIMPLE_PINHOLE");
+    if (!model) {
+      params->Fail("have no model", "set model, for example to SIMPLE_PINHOLE");
+    }
     const CameraModel camera_model = ReadModel(*model);
     const std::vector<double> numbers = params->Numbers(0, 16);
     try {
@@ -58,7 +60,7 @@ StatedCamera ReadCameraParts(const std::optional<JsonReader>& model, const Image
     }
   }
   if (model && IsFisheye(ReadModel(*model))) {
-    model->Fail("needs modelParams: a fisheye is not guessed");
+    model->Fail("needs modelParams, because the server does not guess fisheye parameters");
   }
   return {CameraOfUnknownFocal(width_px, height_px), FocalPrior{.with_distortion = true}};
 }
@@ -71,8 +73,8 @@ StatedCamera ReadStatedCamera(const JsonReader& camera) {
   const auto sigma = camera.Find("focalLengthSigma");
   const bool is_unknown = focal_length && SaysUnknown(*focal_length);
   if (sigma && (is_unknown || !camera.Has("modelParams"))) {
-    sigma->Fail("says how far off a focal length may be that is not stated",
-                "state it in modelParams, or leave the standard deviation out");
+    sigma->Fail("needs a focal length in modelParams",
+                "add modelParams, or leave out focalLengthSigma");
   }
   if (sigma) {
     stated.focal =
@@ -86,7 +88,7 @@ StatedCamera ReadStatedCamera(const JsonReader& camera) {
 Camera ReadKnownCamera(const JsonReader& camera) {
   for (const char* member : {"focalLength", "focalLengthSigma"}) {
     if (const auto uncertain = camera.Find(member)) {
-      uncertain->Fail("is not for a rig, whose focal lengths have to be known");
+      uncertain->Fail("is not allowed in a rig: its cameras need known focal lengths");
     }
   }
   camera.RequireOnly({"model", "size", "modelParams"});

@@ -1,4 +1,4 @@
-// The camera of a request and how well its focal length is known.
+// Reads the camera of a request and the uncertainty of its focal length.
 #ifndef CAIRN_HTTP_JSON_STATED_CAMERA_H_
 #define CAIRN_HTTP_JSON_STATED_CAMERA_H_
 
@@ -16,23 +16,23 @@ struct ImageSize {
 
 struct StatedCamera {
   Camera camera;
-  std::optional<FocalPrior> focal;  // As LocalizeQuery::focal.
+  std::optional<FocalPrior> focal;  // Same meaning as LocalizeQuery::focal.
 };
 
-// Of an object with `size` ([width, height]) and, as far as the client knows them, `model`,
-// `modelParams` (the parameters, which need a model), `focalLength` ("unknown") or
-// `focalLengthSigma` (relative). Without parameters the focal length and the distortion are
-// unknown; with an unknown focal length the parameters count but for it. Throws HttpError with the
-// JSON pointer of what is wrong.
+// Reads an object with `size` ([width, height]) and, as far as the client knows them, `model`,
+// `modelParams` (the parameters, which need a model), and `focalLength` ("unknown") or
+// `focalLengthSigma` (relative). Without parameters, focal length and distortion are unknown. With
+// focalLength "unknown", all parameters count except the focal length. Throws HttpError with the
+// JSON pointer of the member at fault.
 StatedCamera ReadStatedCamera(const JsonReader& camera);
 
-// Of an object with `model`, `size` and `modelParams`, where the focal length has to be known.
+// Reads an object with `model`, `size` and `modelParams`. The focal length must be known.
 Camera ReadKnownCamera(const JsonReader& camera);
 
-// Of members that need not stand side by side; without `params` it is unknown.
+// Reads members that may come from different objects. Without `params`, the camera is unknown.
 StatedCamera ReadCameraParts(const std::optional<JsonReader>& model, const ImageSize& size,
                              const std::optional<JsonReader>& params);
-// [width, height].
+// Reads [width, height].
 ImageSize ReadImageSize(const JsonReader& size);
 
 }  // namespace cairn

@@ -18,10 +18,10 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr size_t kReceiveBytes = 64 * 1024;
-// An idle connection keeps no larger buffer.
+// Capacity that the buffer of an idle connection keeps.
 constexpr size_t kIdleBytes = 4096;
-// What is swallowed at most after the last answer: closing on unread data would reset the
-// connection, and the peer could not read the answer.
+// Bytes discarded at most after the last response. Closing a socket with unread data resets the
+// connection, and the peer could not read the response.
 constexpr size_t kMaxDrainBytes = size_t{8} << 20;
 constexpr milliseconds kDrainTime{1000};
 
@@ -44,20 +44,32 @@ void Connection::Enter(Phase phase, milliseconds time) {
 
 Connection::Next Connection::Proceed() {
   while (true) {
-    if (phase_ == Phase::kDraining) return Drain();
-    // Outside of kSending the most that can be unsent is "100 Continue".
+    if (phase_ == Phase::kDraining) {
+      return Drain();
+    }
+    // Outside kSending, at most "100 Continue" is unsent.
     const Transfer sent = SendSome();
-    if (sent == Transfer::kBroken) return Next::kClose;
+    if (sent == Transfer::kBroken) {
+      return Next::kClose;
+    }
     if (phase_ == Phase::kSending) {
-      if (sent == Transfer::kBlocked) return Next::kWait;
+      if (sent == Transfer::kBlocked) {
+        return Next::kWait;
+      }
       FinishResponse();
       continue;
     }
-    if (FindRequest()) return Next::kRequest;
+    if (FindRequest()) {
+      return Next::kRequest;
+    }
     if (out_.head.empty() || sent == Transfer::kBlocked) {
       const Transfer received = ReadSome();
-      if (received == Transfer::kBroken) return Next::kClose;
-      if (received == Transfer::kBlocked) return Next::kWait;
+      if (received == Transfer::kBroken) {
+        return Next::kClose;
+      }
+      if (received == Transfer::kBlocked) {
+        return Next::kWait;
+      }
     }
   }
 }
@@ -66,7 +78,9 @@ bool Connection::FindRequest() {
   if (phase_ == Phase::kIdle) {
     // A client may send an empty line after a body (RFC 9112 section 2.2).
     in_.erase(0, in_.find_first_not_of("\r\n"));
-    if (in_.empty()) return false;
+    if (in_.empty()) {
+      return false;
+    }
     Enter(Phase::kHead, limits_->head_timeout);
     request_ = {.head = {}, .body = {}, .arrival = waiting_since_};
     num_searched_ = 0;
@@ -90,7 +104,9 @@ bool Connection::FindHead() {
                     fmt::format("the request head is longer than {} bytes", limits.max_head_bytes));
   }
   num_searched_ = in_.size() < 3 ? 0 : in_.size() - 3;
-  if (end == std::string::npos) return false;
+  if (end == std::string::npos) {
+    return false;
+  }
   request_.head = ParseRequestHead(std::string_view(in_).substr(0, head_bytes), limits);
   in_.erase(0, head_bytes);
   return true;
@@ -118,7 +134,9 @@ void Connection::Respond(ResponseText text, bool keep_alive) {
   const auto num_bytes = static_cast<int64_t>(out_.head.size() + out_.body.size());
   Enter(Phase::kSending,
         limits_->send_timeout + milliseconds(1000 * num_bytes / limits_->min_send_bytes_per_s));
-  if (SendSome() == Transfer::kDone) FinishResponse();
+  if (SendSome() == Transfer::kDone) {
+    FinishResponse();
+  }
 }
 
 void Connection::GiveUp() const {
@@ -133,7 +151,9 @@ void Connection::GiveUp() const {
 }
 
 Connection::Transfer Connection::ReadSome() {
-  if (!is_readable_) return Transfer::kBlocked;
+  if (!is_readable_) {
+    return Transfer::kBlocked;
+  }
   std::array<char, kReceiveBytes> chunk;
   ssize_t received;
   do {
@@ -143,8 +163,10 @@ Connection::Transfer Connection::ReadSome() {
     is_readable_ = false;
     return Transfer::kBlocked;
   }
-  if (received <= 0) return Transfer::kBroken;
-  // Less than was asked for: the next edge is to come.
+  if (received <= 0) {
+    return Transfer::kBroken;
+  }
+  // A short read empties the socket; the next edge is still to come.
   is_readable_ = peer_has_finished_ || received == static_cast<ssize_t>(chunk.size());
   if (phase_ == Phase::kDraining) {
     num_drained_ += static_cast<size_t>(received);
@@ -166,8 +188,12 @@ Connection::Transfer Connection::SendSome() {
     message.msg_iov = parts.data();
     message.msg_iovlen = parts.size();
     const ssize_t sent = sendmsg(socket_.fd(), &message, MSG_NOSIGNAL | MSG_DONTWAIT);
-    if (sent < 0 && errno == EINTR) continue;
-    if (sent < 0) return WouldBlock() ? Transfer::kBlocked : Transfer::kBroken;
+    if (sent < 0 && errno == EINTR) {
+      continue;
+    }
+    if (sent < 0) {
+      return WouldBlock() ? Transfer::kBlocked : Transfer::kBroken;
+    }
     num_sent_ += static_cast<size_t>(sent);
   }
   Release(&out_.head);
@@ -178,7 +204,9 @@ Connection::Transfer Connection::SendSome() {
 
 void Connection::FinishResponse() {
   if (keep_alive_) {
-    if (in_.empty() && in_.capacity() > kIdleBytes) Release(&in_);
+    if (in_.empty() && in_.capacity() > kIdleBytes) {
+      Release(&in_);
+    }
     Enter(Phase::kIdle, limits_->idle_timeout);
     return;
   }
@@ -190,8 +218,12 @@ void Connection::FinishResponse() {
 Connection::Next Connection::Drain() {
   while (num_drained_ < kMaxDrainBytes) {
     const Transfer received = ReadSome();
-    if (received == Transfer::kBlocked) return Next::kWait;
-    if (received == Transfer::kBroken) break;
+    if (received == Transfer::kBlocked) {
+      return Next::kWait;
+    }
+    if (received == Transfer::kBroken) {
+      break;
+    }
   }
   return Next::kClose;
 }

@@ -1,5 +1,5 @@
-// One TCP connection: what has arrived of its requests, what is unsent of its answers, and by when
-// the peer has to go on.
+// One TCP connection: the received part of its requests, the unsent part of its responses, and the
+// deadline for the peer's next step.
 #ifndef CAIRN_HTTP_NET_CONNECTION_H_
 #define CAIRN_HTTP_NET_CONNECTION_H_
 
@@ -16,14 +16,15 @@ namespace cairn {
 
 struct ConnectionLimits {
   HeadLimits head;
-  // How long a connection may be silent before its first request and between requests.
+  // How long a connection may be silent, before its first request and between requests.
   std::chrono::milliseconds idle_timeout{3000};
-  // From the first byte of a head to its end, and from there to the end of the body. They bound
-  // what a client that drips bytes can hold.
+  // Limits for the head (from its first byte to its end) and for the body (from the end of the head
+  // to the end of the body). They bound the resources that a client can hold by sending very
+  // slowly.
   std::chrono::milliseconds head_timeout{5000};
   std::chrono::milliseconds body_timeout{15000};
-  // A whole answer has to be taken within `send_timeout`, plus a second for each
-  // `min_send_bytes_per_s` of it: a tile of 7 MB has about two minutes.
+  // The peer must take a whole response within `send_timeout`, plus one second for every
+  // `min_send_bytes_per_s` of the response. A tile of 7 MB has about two minutes.
   std::chrono::milliseconds send_timeout{15000};
   int64_t min_send_bytes_per_s = 64 * 1024;
 };
@@ -31,52 +32,52 @@ struct ConnectionLimits {
 struct ReceivedRequest {
   RequestHead head;
   std::string body;
-  std::chrono::steady_clock::time_point arrival;  // Of its first byte.
+  std::chrono::steady_clock::time_point arrival;  // When the first byte arrived.
 };
 
-// Reads and writes without waiting; whoever owns it waits for the socket (see event_loop.h) and
-// calls Proceed when there is something to do. One thread at a time.
+// Reads and writes without blocking. The owner waits for the socket (see event_loop.h) and calls
+// Proceed when the socket is ready. Use a connection from one thread at a time.
 class Connection {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
 
   enum class Next {
-    kWait,     // For the socket or for the deadline.
-    kRequest,  // TakeRequest has one, and Respond is due.
-    kClose,    // The peer is gone, or everything is said.
+    kWait,     // Wait for the socket or for the deadline.
+    kRequest,  // TakeRequest returns a request; the caller must then call Respond.
+    kClose,    // The peer has gone, or all responses have been sent.
   };
 
   // `limits` must outlive the connection.
   Connection(Socket socket, Peer peer, const ConnectionLimits* limits);
 
-  // Note what the socket is ready for. Edges: each is to be told once.
+  // Record the readiness of the socket. The events are edge-triggered: report each one once.
   void NoteReadable() { is_readable_ = true; }
   void NotePeerFinished() { is_readable_ = peer_has_finished_ = true; }
 
-  // Does what can be done now. Throws HttpError if what arrives is refused; Respond with its answer
-  // is due then.
+  // Does all work that is possible now. Throws HttpError to refuse the received data; the caller
+  // must then call Respond with the refusal.
   Next Proceed();
 
-  // After kRequest, once. Nothing more is read until the answer has been sent.
+  // Call once after kRequest. The connection reads nothing more until the response has been sent.
   ReceivedRequest TakeRequest();
 
-  // Queues an answer and sends what the socket takes at once; Proceed sends the rest. Without
-  // `keep_alive` the connection ends after it, but not before the peer had time to read it.
+  // Queues a response and sends as much as the socket takes now; Proceed sends the rest. Without
+  // `keep_alive`, the connection closes after the response, once the peer has had time to read it.
   void Respond(ResponseText text, bool keep_alive);
 
-  // The deadline has passed. Throws HttpError kRequestTimeout if a request was on its way;
-  // otherwise the connection is to be closed.
+  // Call when the deadline has passed. Throws HttpError kRequestTimeout if a request was partly
+  // received. Otherwise the caller closes the connection.
   void GiveUp() const;
 
-  // By when the peer has to do its part, and since when it could have.
+  // The deadline for the peer's next step, and the time since when the peer could have taken it.
   TimePoint deadline() const { return deadline_; }
   TimePoint waiting_since() const { return waiting_since_; }
-  // No byte of a request has come, or of the next one, and nothing is unsent.
+  // True if no byte of the next request has arrived and nothing is unsent.
   bool is_idle() const { return phase_ == Phase::kIdle; }
   bool has_served() const { return has_served_; }
-  // A part of an answer is still with us, as the peer has not read enough.
+  // True if a part of a response is unsent because the peer has not read enough.
   bool is_sending() const { return phase_ == Phase::kSending; }
-  // Proceed may find something to do without a further event of the socket.
+  // True if Proceed may find work without a further event of the socket.
   bool has_more() const { return is_readable_ || !in_.empty() || is_sending(); }
   size_t buffered_bytes() const;
   const Peer& peer() const { return peer_; }
@@ -87,7 +88,7 @@ class Connection {
   enum class Transfer { kDone, kBlocked, kBroken };
 
   void Enter(Phase phase, std::chrono::milliseconds time);
-  // Looks at what has arrived; true if a request is whole.
+  // Searches the received bytes; returns true if they hold a whole request.
   bool FindRequest();
   bool FindHead();
   void AskForBody();
@@ -100,17 +101,17 @@ class Connection {
   const Peer peer_;
   const ConnectionLimits* limits_;
   Phase phase_ = Phase::kIdle;
-  bool is_readable_ = true;  // Perhaps; the next read tells.
+  bool is_readable_ = true;  // Possibly; the next read finds out.
   bool peer_has_finished_ = false;
   bool has_served_ = false;
   bool keep_alive_ = true;
   TimePoint waiting_since_;
   TimePoint deadline_;
 
-  std::string in_;           // Received and not yet consumed.
-  size_t num_searched_ = 0;  // Bytes of `in_` in which the end of the head does not begin.
-  ReceivedRequest request_;  // All but its body, from the end of its head on.
-  ResponseText out_;         // The first num_sent_ bytes of head and body are gone.
+  std::string in_;           // Received but not yet consumed.
+  size_t num_searched_ = 0;  // The end of the head does not begin in these first bytes of `in_`.
+  ReceivedRequest request_;  // Valid, except for its body, once the end of the head has arrived.
+  ResponseText out_;         // The first num_sent_ bytes of head and body have been sent.
   size_t num_sent_ = 0;
   size_t num_drained_ = 0;
 };

@@ -9,7 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <tuple>
+#include <memory>
 #include <utility>
 
 #include "core/error.h"
@@ -23,36 +23,24 @@ using std::chrono::steady_clock;
 
 constexpr int kMaxEvents = 128;
 constexpr int kMaxAcceptsARound = 64;
-// Room above max_connections for those that are told that there is none.
+// Room above max_connections for connections that get status 503.
 constexpr size_t kMaxTurnedAway = 64;
-// How long the port rests when the system has no descriptors left and none can be freed.
+// How long accepting pauses when the system has no descriptors left and the loop cannot free any.
 constexpr milliseconds kAcceptPause{100};
-// Answered connections come back without waking the loop: their deadlines are seen this late.
+// Threads return answered connections without waking the loop, so the loop may see their deadlines
+// this late.
 constexpr milliseconds kMaxSleepWhileLent{500};
-// Deadlines are looked at no more often.
+// Minimum interval between two checks of the deadlines.
 constexpr milliseconds kExpiryGrain{10};
-// At Stop, how long a new connection has for its first byte, which is on its way.
+// At Stop, time allowed for the first byte of a new connection, which may be on its way.
 constexpr milliseconds kFirstByteTime{100};
 constexpr milliseconds kReportInterval{1000};
 
 [[noreturn]] void ThrowSystemError(const char* what) {
-  throw Error(ErrorCode::kIo, fmt::format("cannot make {}: {}", what, std::strerror(errno)));
+  throw Error(ErrorCode::kIo, fmt::format("cannot create {}: {}", what, std::strerror(errno)));
 }
 
 }  // namespace
-
-struct EventLoop::Entry : Connection {
-  using Connection::Connection;
-
-  size_t index = 0;          // In entries_.
-  Usage* usage = nullptr;    // Of its client.
-  size_t counted_bytes = 0;  // In buffered_bytes_.
-  bool is_closed = false;
-  // Of all of the rest of the connection, only whoever has it may know while it is lent.
-  bool is_lent = false;
-  uint32_t events_while_lent = 0;
-  bool has_event_while_lent = false;  // Guarded by mutex_.
-};
 
 EventLoop::EventLoop(Socket listening, const ConnectionLimits& connection_limits,
                      const LoopLimits& loop_limits, int max_answering, RefuseFunction refuse)
@@ -64,7 +52,9 @@ EventLoop::EventLoop(Socket listening, const ConnectionLimits& connection_limits
       epoll_(epoll_create1(EPOLL_CLOEXEC)),
       wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
       next_expiry_(TimePoint::max()) {
-  if (epoll_.fd() < 0 || wake_.fd() < 0) ThrowSystemError("an event loop");
+  if (epoll_.fd() < 0 || wake_.fd() < 0) {
+    ThrowSystemError("an event loop");
+  }
   epoll_event wake{.events = EPOLLIN, .data = {.ptr = &wake_}};
   epoll_event accept{.events = EPOLLIN, .data = {.ptr = &listening_}};
   if (epoll_ctl(epoll_.fd(), EPOLL_CTL_ADD, wake_.fd(), &wake) != 0 ||
@@ -87,7 +77,9 @@ std::optional<RequestJob> EventLoop::Next() {
 }
 
 std::optional<RequestJob> EventLoop::TakeReady() {
-  if (ready_.empty() || num_answering_ == max_answering_) return std::nullopt;
+  if (ready_.empty() || num_answering_ == max_answering_) {
+    return std::nullopt;
+  }
   ++num_answering_;
   std::optional<RequestJob> job = std::move(ready_.front());
   ready_.pop_front();
@@ -109,30 +101,46 @@ void EventLoop::RunRound() {
       HandleEvent(events[i].events, static_cast<Entry*>(source));
     }
   }
-  TakeBackAnswered();  // Of those that had an event meanwhile nobody may have called Wake.
-  if (stop_requested_ && !is_closing_) BeginClosing();
+  TakeBackAnswered();  // Connections with an event meanwhile may come back without a Wake.
+  if (stop_requested_ && !is_closing_) {
+    BeginClosing();
+  }
   const TimePoint now = steady_clock::now();
-  if (accept_again_ && now >= *accept_again_) ResumeAccepting();
-  if (now >= next_expiry_) Expire();
-  closed_.clear();
+  if (accept_again_ && now >= *accept_again_) {
+    ResumeAccepting();
+  }
+  if (now >= next_expiry_) {
+    Expire();
+  }
+  connections_.FreeClosed();
 }
 
 int EventLoop::WaitMs() {
   {
     const std::lock_guard lock(mutex_);
     wake_when_answered_ = !ready_.empty() || is_closing_;
-    if (wake_when_answered_ && !answered_.empty()) return 0;
+    if (wake_when_answered_ && !answered_.empty()) {
+      return 0;
+    }
   }
   TimePoint wake_at = next_expiry_;
-  if (accept_again_) wake_at = std::min(wake_at, *accept_again_);
-  if (num_answering_ > 0) wake_at = std::min(wake_at, steady_clock::now() + kMaxSleepWhileLent);
-  if (wake_at == TimePoint::max()) return -1;
+  if (accept_again_) {
+    wake_at = std::min(wake_at, *accept_again_);
+  }
+  if (num_answering_ > 0) {
+    wake_at = std::min(wake_at, steady_clock::now() + kMaxSleepWhileLent);
+  }
+  if (wake_at == TimePoint::max()) {
+    return -1;
+  }
   const auto left = std::chrono::ceil<milliseconds>(wake_at - steady_clock::now());
   return static_cast<int>(std::max<int64_t>(left.count(), 0));
 }
 
 void EventLoop::HandleEvent(uint32_t events, Entry* entry) {
-  if (entry->is_closed) return;
+  if (entry->is_closed) {
+    return;
+  }
   if (entry->is_lent) {
     entry->events_while_lent |= events;
     const std::lock_guard lock(mutex_);
@@ -172,9 +180,14 @@ void EventLoop::AcceptSome() {
 void EventLoop::HandleAcceptError(int error) {
   const bool is_exhausted =
       error == EMFILE || error == ENFILE || error == ENOBUFS || error == ENOMEM;
-  // Otherwise nobody waits, or one that waited has gone. The port stays readable for the next.
-  if (!is_exhausted) return;
-  if (!DropMostConnections()) PauseAccepting();
+  // With other errors, no connection waits or a waiting one has gone. The port stays readable for
+  // the next.
+  if (!is_exhausted) {
+    return;
+  }
+  if (!Drop(connections_.LongestWaiting())) {
+    PauseAccepting();
+  }
   ReportShortage(std::strerror(error));
 }
 
@@ -186,27 +199,29 @@ void EventLoop::PauseAccepting() {
 void EventLoop::ResumeAccepting() {
   accept_again_.reset();
   epoll_event accept{.events = EPOLLIN, .data = {.ptr = &listening_}};
-  if (epoll_ctl(epoll_.fd(), EPOLL_CTL_ADD, listening_.fd(), &accept) != 0) PauseAccepting();
+  if (epoll_ctl(epoll_.fd(), EPOLL_CTL_ADD, listening_.fd(), &accept) != 0) {
+    PauseAccepting();
+  }
 }
 
 void EventLoop::Adopt(Socket socket, Peer peer) {
   const auto max_connections = static_cast<size_t>(limits_.max_connections);
-  bool is_full = entries_.size() >= max_connections;
+  bool is_full = connections_.entries().size() >= max_connections;
   if (is_full) {
-    is_full = !DropMostConnections();
+    is_full = !Drop(connections_.LongestWaiting());
     num_dropped_ += is_full;
     ReportShortage("too many connections");
   }
-  if (is_full && entries_.size() >= max_connections + kMaxTurnedAway) return;
+  if (is_full && connections_.entries().size() >= max_connections + kMaxTurnedAway) {
+    return;
+  }
   auto entry = std::make_unique<Entry>(std::move(socket), std::move(peer), &connection_limits_);
   epoll_event event{.events = EPOLLIN | EPOLLOUT | EPOLLRDHUP | EPOLLET,
                     .data = {.ptr = entry.get()}};
-  if (epoll_ctl(epoll_.fd(), EPOLL_CTL_ADD, entry->socket().fd(), &event) != 0) return;
-  entry->index = entries_.size();
-  entry->usage = &usage_[entry->peer().network];
-  ++entry->usage->num_connections;
-  Entry* const adopted = entry.get();
-  entries_.push_back(std::move(entry));
+  if (epoll_ctl(epoll_.fd(), EPOLL_CTL_ADD, entry->socket().fd(), &event) != 0) {
+    return;
+  }
+  Entry* const adopted = connections_.Add(std::move(entry));
   next_expiry_ = std::min(next_expiry_, DeadlineOf(*adopted));
   if (is_full) {
     Refuse(adopted, HttpError(ProblemCode::kUnavailable, "too many requests are being answered"));
@@ -221,16 +236,18 @@ void EventLoop::Advance(Entry* entry) {
       case Connection::Next::kRequest:
         return Lend(entry);
       case Connection::Next::kClose:
-        return Close(entry);
+        return connections_.Close(entry);
       case Connection::Next::kWait:
         break;
     }
-    if (is_closing_ && entry->is_idle() && entry->has_served()) return Close(entry);
+    if (is_closing_ && entry->is_idle() && entry->has_served()) {
+      return connections_.Close(entry);
+    }
   } catch (const HttpError& error) {
     return Refuse(entry, error);
   } catch (const std::exception& error) {
-    LogError("connection given up: {}", error.what());
-    return Close(entry);
+    LogError("connection closed because of an error: {}", error.what());
+    return connections_.Close(entry);
   }
   next_expiry_ = std::min(next_expiry_, DeadlineOf(*entry));
   Account(entry, entry->buffered_bytes());
@@ -239,7 +256,9 @@ void EventLoop::Advance(Entry* entry) {
 void EventLoop::Lend(Entry* entry) {
   ReceivedRequest request = entry->TakeRequest();
   Account(entry, entry->buffered_bytes() + request.body.capacity());
-  if (entry->is_closed) return;
+  if (entry->is_closed) {
+    return;
+  }
   entry->is_lent = true;
   ready_.push_back({entry, std::move(request)});
 }
@@ -247,8 +266,10 @@ void EventLoop::Lend(Entry* entry) {
 void EventLoop::Refuse(Entry* entry, const HttpError& error) {
   entry->Respond(refuse_(error), /*keep_alive=*/false);
   next_expiry_ = std::min(next_expiry_, DeadlineOf(*entry));
-  // It sends and reads only; what is refused is refused once.
-  if (entry->Proceed() == Connection::Next::kClose) return Close(entry);
+  // Proceed only sends and drains here, so it cannot refuse again.
+  if (entry->Proceed() == Connection::Next::kClose) {
+    return connections_.Close(entry);
+  }
   Account(entry, entry->buffered_bytes());
 }
 
@@ -260,7 +281,9 @@ void EventLoop::TakeBack(Connection* connection) {
     must_wake = must_wake || wake_when_answered_ || entry->has_event_while_lent;
     answered_.push_back(entry);
   }
-  if (must_wake) Wake();
+  if (must_wake) {
+    Wake();
+  }
 }
 
 void EventLoop::TakeBackAnswered() {
@@ -268,7 +291,9 @@ void EventLoop::TakeBackAnswered() {
   {
     const std::lock_guard lock(mutex_);
     answered.swap(answered_);
-    for (Entry* entry : answered) entry->has_event_while_lent = false;
+    for (Entry* entry : answered) {
+      entry->has_event_while_lent = false;
+    }
   }
   for (Entry* entry : answered) {
     entry->is_lent = false;
@@ -280,7 +305,9 @@ void EventLoop::TakeBackAnswered() {
 }
 
 EventLoop::TimePoint EventLoop::DeadlineOf(const Entry& entry) const {
-  if (is_closing_ && entry.is_idle()) return entry.waiting_since() + kFirstByteTime;
+  if (is_closing_ && entry.is_idle()) {
+    return entry.waiting_since() + kFirstByteTime;
+  }
   return std::min(entry.deadline(), closing_deadline_);
 }
 
@@ -288,8 +315,10 @@ void EventLoop::Expire() {
   const TimePoint now = steady_clock::now();
   std::vector<Entry*> late;
   next_expiry_ = TimePoint::max();
-  for (const auto& entry : entries_) {
-    if (entry->is_lent) continue;
+  for (const auto& entry : connections_.entries()) {
+    if (entry->is_lent) {
+      continue;
+    }
     const TimePoint deadline = DeadlineOf(*entry);
     if (deadline <= now) {
       late.push_back(entry.get());
@@ -298,95 +327,68 @@ void EventLoop::Expire() {
     }
   }
   for (Entry* entry : late) {
-    if (entry->is_closed) continue;
+    if (entry->is_closed) {
+      continue;
+    }
     try {
       entry->GiveUp();
-      if (entry->is_sending()) entry->socket().Abort();
-      Close(entry);
+      if (entry->is_sending()) {
+        entry->socket().Abort();
+      }
+      connections_.Close(entry);
     } catch (const HttpError& error) {
       Refuse(entry, error);
     }
   }
-  if (next_expiry_ != TimePoint::max()) next_expiry_ = std::max(next_expiry_, now + kExpiryGrain);
+  if (next_expiry_ != TimePoint::max()) {
+    next_expiry_ = std::max(next_expiry_, now + kExpiryGrain);
+  }
 }
 
 void EventLoop::BeginClosing() {
-  AcceptSome();  // Those that connected before Stop.
+  AcceptSome();  // Accepts the connections made before Stop.
   listening_.Close();
   accept_again_.reset();
   is_closing_ = true;
   next_expiry_ = steady_clock::now();
   closing_deadline_ = next_expiry_ + limits_.stop_timeout;
   std::vector<Entry*> served;
-  for (const auto& entry : entries_) {
-    if (!entry->is_lent && entry->is_idle() && entry->has_served()) served.push_back(entry.get());
+  for (const auto& entry : connections_.entries()) {
+    if (!entry->is_lent && entry->is_idle() && entry->has_served()) {
+      served.push_back(entry.get());
+    }
   }
-  for (Entry* entry : served) Close(entry);
+  for (Entry* entry : served) {
+    connections_.Close(entry);
+  }
 }
 
 void EventLoop::Account(Entry* entry, size_t bytes) {
-  buffered_bytes_ += bytes - entry->counted_bytes;
-  entry->usage->bytes += bytes - entry->counted_bytes;
-  entry->counted_bytes = bytes;
-  while (buffered_bytes_ > limits_.max_buffered_bytes && DropMostBytes()) {
+  connections_.Count(bytes, entry);
+  while (connections_.buffered_bytes() > limits_.max_buffered_bytes &&
+         Drop(connections_.HeaviestWaiting())) {
     ReportShortage("too many bytes of requests and answers in memory");
   }
 }
 
-template <typename Rank>
-EventLoop::Entry* EventLoop::Foremost(const Rank& rank) const {
-  Entry* foremost = nullptr;
-  for (const auto& entry : entries_) {
-    if (entry->is_lent) continue;
-    if (foremost == nullptr || rank(*entry) > rank(*foremost)) foremost = entry.get();
+bool EventLoop::Drop(Entry* entry) {
+  if (entry == nullptr) {
+    return false;
   }
-  return foremost;
-}
-
-bool EventLoop::DropMostConnections() {
-  const TimePoint now = steady_clock::now();
-  Entry* const foremost = Foremost([now](const Entry& entry) {
-    return std::tuple(entry.usage->num_connections, now - entry.waiting_since());
-  });
-  if (foremost != nullptr) Drop(foremost);
-  return foremost != nullptr;
-}
-
-bool EventLoop::DropMostBytes() {
-  const TimePoint now = steady_clock::now();
-  Entry* const foremost = Foremost([now](const Entry& entry) {
-    const std::chrono::duration<double> age = now - entry.waiting_since();
-    return std::tuple(entry.usage->bytes, static_cast<double>(entry.counted_bytes) * age.count());
-  });
-  if (foremost != nullptr) Drop(foremost);
-  return foremost != nullptr;
-}
-
-void EventLoop::Drop(Entry* entry) {
-  LogDebug("a connection of {} is ended for want of room", entry->peer().address);
+  LogDebug("closing a connection of {} to make room", entry->peer().address);
   entry->socket().Abort();
-  Close(entry);
+  connections_.Close(entry);
   ++num_dropped_;
+  return true;
 }
 
 void EventLoop::ReportShortage(const char* cause) {
   const TimePoint now = steady_clock::now();
-  if (now < next_report_) return;
+  if (now < next_report_) {
+    return;
+  }
   next_report_ = now + kReportInterval;
-  LogWarning("{} connections were ended or turned away: {}", std::exchange(num_dropped_, 0), cause);
-}
-
-void EventLoop::Close(Entry* entry) {
-  if (entry->is_closed) return;
-  entry->is_closed = true;
-  buffered_bytes_ -= entry->counted_bytes;
-  entry->usage->bytes -= entry->counted_bytes;
-  if (--entry->usage->num_connections == 0) usage_.erase(entry->peer().network);
-  entry->socket().Close();
-  std::swap(entries_[entry->index], entries_.back());
-  entries_[entry->index]->index = entry->index;
-  closed_.push_back(std::move(entries_.back()));
-  entries_.pop_back();
+  LogWarning("{} connections were closed or refused: {}", std::exchange(num_dropped_, 0), cause);
 }
 
 }  // namespace cairn

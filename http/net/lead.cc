@@ -22,7 +22,9 @@ void Lead::Pass() {
   {
     const std::lock_guard lock(mutex_);
     is_taken_ = !followers_.empty();
-    if (!is_taken_) return;
+    if (!is_taken_) {
+      return;
+    }
     next = std::move(followers_.back());
     followers_.pop_back();
   }

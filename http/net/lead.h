@@ -1,4 +1,4 @@
-// A lead that threads pass to each other.
+// A leader role that threads pass to each other.
 #ifndef CAIRN_HTTP_NET_LEAD_H_
 #define CAIRN_HTTP_NET_LEAD_H_
 
@@ -9,14 +9,14 @@
 
 namespace cairn {
 
-// One thread has it, or none. What the leader does comes before what the next leader does. Safe to
-// call from any thread.
+// At most one thread holds the lead. The actions of one leader happen before the actions of the
+// next. Safe to call from any thread.
 class Lead {
  public:
   // Returns when the caller has the lead.
   void Take();
-  // The thread that began to wait last is the next to have it: what it uses is in the caches still.
-  // The others are spares.
+  // Gives the lead to the thread that began to wait last, because its data are still in the caches.
+  // The other threads are spares.
   void Pass();
 
  private:

@@ -25,7 +25,7 @@ namespace {
 
 constexpr size_t kMaxRequestIdLength = 64;
 
-// Without the request's id, as it is made before there are requests.
+// Made before any request exists, hence without a request id.
 ResponseText OutOfMemoryText() {
   const HttpError error(ProblemCode::kUnavailable, "the server is out of memory");
   return SerializeResponse({.status = InfoOf(error.problem()).status,
@@ -35,7 +35,7 @@ ResponseText OutOfMemoryText() {
                            /*is_head=*/false, /*keep_alive=*/false);
 }
 
-// Unique within and, by a random start, across runs.
+// Ids are unique within a run and, because of the random start, across runs.
 class RequestIds {
  public:
   RequestIds() {
@@ -65,7 +65,9 @@ HttpRequest ToRequest(ReceivedRequest received, const std::string& remote_addres
     throw HttpError(ProblemCode::kBadRequest, "the target has a malformed percent escape");
   }
   const std::string_view client_id = received.head.Header("x-request-id");
-  if (IsUsableRequestId(client_id)) request_id = client_id;
+  if (IsUsableRequestId(client_id)) {
+    request_id = client_id;
+  }
   HttpRequest request{.method = std::move(received.head.method),
                       .path = std::move(target->path),
                       .query = std::move(target->query),
@@ -80,14 +82,16 @@ HttpRequest ToRequest(ReceivedRequest received, const std::string& remote_addres
   return request;
 }
 
-// Handlers open files, too.
+// Leaves half of the files to handlers.
 LoopLimits WithinOpenFiles(LoopLimits limits) {
   rlimit files{};
-  if (getrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur == RLIM_INFINITY) return limits;
+  if (getrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur == RLIM_INFINITY) {
+    return limits;
+  }
   const auto half = static_cast<int64_t>(std::min<rlim_t>(files.rlim_cur, 1 << 20) / 2);
   if (half < limits.max_connections) {
-    LogWarning("the process may open {} files: at most {} connections at once", files.rlim_cur,
-               half);
+    LogWarning("the process may open only {} files, so the server accepts at most {} connections",
+               files.rlim_cur, half);
     limits.max_connections = static_cast<int>(std::max<int64_t>(half, 1));
   }
   return limits;
@@ -102,7 +106,7 @@ struct Listener::Impl {
   const ResponseText out_of_memory = OutOfMemoryText();
   std::atomic<bool> is_stopping{false};
   int port = 0;
-  std::optional<EventLoop> loop;  // Made by Start.
+  std::optional<EventLoop> loop;  // Created by Start.
   std::vector<std::thread> threads;
 
   Impl(const ListenerOptions& listener_options, RequestHandler* request_handler)
@@ -135,14 +139,14 @@ struct Listener::Impl {
       *keep_alive = false;
       return Refusal(error);
     } catch (const std::bad_alloc&) {
-      // The little that the answer takes comes from the reserve.
+      // The memory reserve covers this small response.
       *keep_alive = false;
       ResponseText text = out_of_memory;
       RefillMemoryReserve();
       WriteLog(LogLevel::kError, "a request was refused: out of memory");
       return text;
     } catch (const std::exception& error) {
-      LogError("connection given up: {}", error.what());
+      LogError("connection closed because of an error: {}", error.what());
       *keep_alive = false;
       return {};
     }
@@ -162,16 +166,20 @@ void Listener::Start() {
   impl->loop.emplace(std::move(listening), options.connection, WithinOpenFiles(options.loop),
                      options.num_threads,
                      [impl](const HttpError& error) { return impl->Refusal(error); });
-  for (int i = 0; i < options.num_threads + 1; ++i) {  // One more waits for the sockets.
+  for (int i = 0; i < options.num_threads + 1; ++i) {  // One more thread waits for the sockets.
     impl->threads.emplace_back([impl] { impl->Work(); });
   }
 }
 
 void Listener::Stop() {
-  if (impl_->threads.empty()) return;
+  if (impl_->threads.empty()) {
+    return;
+  }
   impl_->is_stopping = true;
   impl_->loop->Stop();
-  for (std::thread& thread : impl_->threads) thread.join();
+  for (std::thread& thread : impl_->threads) {
+    thread.join();
+  }
   impl_->threads.clear();
 }
 

@@ -1,4 +1,4 @@
-// A bound port, the loop that holds its connections and the threads that answer its requests.
+// A bound port, the event loop of its connections, and the threads that answer its requests.
 #ifndef CAIRN_HTTP_NET_LISTENER_H_
 #define CAIRN_HTTP_NET_LISTENER_H_
 
@@ -15,33 +15,33 @@ namespace cairn {
 struct ListenerOptions {
   std::string host = "127.0.0.1";
   int port = 0;         // 0 picks a free one.
-  int num_threads = 8;  // Requests that are worked on at once.
+  int num_threads = 8;  // Requests handled at the same time.
   ConnectionLimits connection = {};
-  // Its max_connections is lowered to half of the files that the process may open.
+  // Start lowers `loop.max_connections` to at most half of the files that the process may open.
   LoopLimits loop = {};
 };
 
-// What a listener serves. Called from many threads at once; throws nothing but std::bad_alloc,
-// which the listener answers with 503.
+// The application behind a listener. The listener calls it from many threads at once. The functions
+// throw nothing but std::bad_alloc, to which the listener responds with 503.
 class RequestHandler {
  public:
   virtual ~RequestHandler() = default;
   virtual HttpResponse Handle(const HttpRequest& request) = 0;
-  // The answer to a request that was refused before it was complete. Must not block.
+  // Makes the response to a request that is refused before it is complete. Must not block.
   virtual HttpResponse Refuse(const HttpError& error, const std::string& request_id) = 0;
 };
 
-// A thread sees a request when it is whole, and is free again when the answer is written, not when
-// the client has read it. Start and Stop from one thread.
+// A thread receives a request when the request is whole. The thread is free again when the response
+// is written, before the client has read it. Call Start and Stop from the same thread.
 class Listener {
  public:
   // `handler` must outlive the listener.
   Listener(const ListenerOptions& options, RequestHandler* handler);
-  ~Listener();  // Stops.
+  ~Listener();  // Calls Stop.
 
   // Binds and listens. Throws as ListenOn.
   void Start();
-  // Closes the port, lets running requests finish, joins all threads. Idempotent.
+  // Closes the port, lets running requests finish, and joins all threads. Idempotent.
   void Stop();
 
   int port() const;  // Valid after Start.

@@ -1,4 +1,4 @@
-// A request and a response as handlers see them; no library type.
+// A request and a response as handlers see them, free of library types.
 #ifndef CAIRN_HTTP_NET_MESSAGE_H_
 #define CAIRN_HTTP_NET_MESSAGE_H_
 
@@ -10,7 +10,8 @@
 
 namespace cairn {
 
-// A complete, checked request: the head obeyed net/request_head.h and the body is all there.
+// A complete, checked request: the head satisfies net/request_head.h, and the whole body is
+// present.
 struct HttpRequest {
   std::string method;                               // Upper case.
   std::string path;                                 // Percent-decoded, without the query.
@@ -18,10 +19,10 @@ struct HttpRequest {
   std::multimap<std::string, std::string> headers;  // Names in lower case.
   std::string body;
   std::string remote_address;
-  std::string request_id;                         // The client's if it is usable, else made here.
+  std::string request_id;                         // The client's id if usable, else made here.
   std::chrono::steady_clock::time_point arrival;  // When its first byte was read.
 
-  // First value, or empty. `lower_case_name` as stored.
+  // The first value, or empty. `lower_case_name` has lower case, as the stored names do.
   const std::string& Header(const std::string& lower_case_name) const {
     static const std::string empty;
     const auto it = headers.find(lower_case_name);
@@ -31,7 +32,7 @@ struct HttpRequest {
 
 struct HttpResponse {
   int status = 200;
-  std::string content_type = {};  // Empty with an empty body.
+  std::string content_type = {};  // Empty if the body is empty.
   std::string body = {};
   std::vector<std::pair<std::string, std::string>> headers = {};
 

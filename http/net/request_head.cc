@@ -27,10 +27,10 @@ bool IsToken(std::string_view text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), IsTokenChar);
 }
 
-// Visible ASCII, the only characters a target may have.
+// True for visible ASCII, the only characters allowed in a target.
 bool IsTargetChar(char c) { return c > ' ' && c <= '~'; }
 
-// No control characters but the tab.
+// True except for control characters other than tab.
 bool IsValueChar(char c) {
   const auto byte = static_cast<unsigned char>(c);
   return byte == '\t' || (byte >= ' ' && byte != 0x7f);
@@ -45,14 +45,18 @@ std::string ToLower(std::string_view text) {
 
 std::string_view Trim(std::string_view text) {
   const size_t begin = text.find_first_not_of(" \t");
-  if (begin == std::string_view::npos) return {};
+  if (begin == std::string_view::npos) {
+    return {};
+  }
   return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
 }
 
-// Takes the next line, without its CRLF, off the front of `rest`.
+// Removes and returns the first line of `rest`, without its CRLF.
 std::string_view TakeLine(std::string_view* rest) {
   const size_t end = rest->find("\r\n");
-  if (end == std::string_view::npos) Refuse(ProblemCode::kBadRequest, "a line does not end");
+  if (end == std::string_view::npos) {
+    Refuse(ProblemCode::kBadRequest, "a line has no end");
+  }
   const std::string_view line = rest->substr(0, end);
   rest->remove_prefix(end + 2);
   return line;
@@ -102,7 +106,7 @@ void ParseHeaderLine(std::string_view line, RequestHead* head) {
   head->headers.emplace_back(ToLower(line.substr(0, colon)), value);
 }
 
-// The value of a header that may stand at most once.
+// The value of a header that may occur at most once.
 std::string_view SingleHeader(const RequestHead& head, std::string_view name) {
   const auto is_name = [&](const auto& header) { return header.first == name; };
   if (std::count_if(head.headers.begin(), head.headers.end(), is_name) > 1) {
@@ -140,7 +144,7 @@ void CheckBodyFraming(const HeadLimits& limits, RequestHead* head) {
   const std::string_view length = SingleHeader(*head, "content-length");
   if (Has(*head, "transfer-encoding")) {
     if (has_length) {
-      Refuse(ProblemCode::kBadRequest, "Content-Length and Transfer-Encoding exclude each other");
+      Refuse(ProblemCode::kBadRequest, "the request has both Content-Length and Transfer-Encoding");
     }
     throw HttpError(ProblemCode::kLengthRequired, "chunked bodies are not accepted")
         .Hint("send the body with a Content-Length");
@@ -168,7 +172,7 @@ void ReadConnectionHeaders(RequestHead* head) {
   head->keep_alive = head->is_http_1_0 ? connection == "keep-alive" : connection != "close";
   const std::string expect = ToLower(SingleHeader(*head, "expect"));
   if (!expect.empty() && expect != "100-continue") {
-    Refuse(ProblemCode::kExpectationFailed, "the only expectation known is 100-continue");
+    Refuse(ProblemCode::kExpectationFailed, "this server knows only the expectation 100-continue");
   }
   head->expects_continue = !expect.empty();
 }
@@ -177,7 +181,9 @@ void ReadConnectionHeaders(RequestHead* head) {
 
 std::string_view RequestHead::Header(std::string_view lower_case_name) const {
   for (const auto& [name, value] : headers) {
-    if (name == lower_case_name) return value;
+    if (name == lower_case_name) {
+      return value;
+    }
   }
   return {};
 }

@@ -1,6 +1,6 @@
-// The head of an HTTP/1.1 request, read strictly: RFC 9112, and stricter (no chunked bodies, no
-// line folding, no bare line feeds). What is ambiguous about the length of a body is refused, as is
-// a head beyond its bounds, before anything is allocated for it or routed.
+// A strict parser for the head of an HTTP/1.1 request. It follows RFC 9112 and also refuses chunked
+// bodies, line folding and bare line feeds. It refuses any ambiguity about the length of the body,
+// and any head beyond the limits, before allocating memory for the head or routing the request.
 #ifndef CAIRN_HTTP_NET_REQUEST_HEAD_H_
 #define CAIRN_HTTP_NET_REQUEST_HEAD_H_
 
@@ -21,7 +21,7 @@ struct HeadLimits {
 
 struct RequestHead {
   std::string method;
-  std::string target;  // As sent: percent-encoded, with the query.
+  std::string target;  // As sent: percent-encoded, including the query.
   bool is_http_1_0 = false;
   std::vector<std::pair<std::string, std::string>> headers;  // Names in lower case.
   size_t content_length = 0;
@@ -32,8 +32,8 @@ struct RequestHead {
   std::string_view Header(std::string_view lower_case_name) const;
 };
 
-// `text` is everything up to and including the empty line. Throws HttpError with the status that
-// RFC 9110 has for what is wrong.
+// `text` ends with the empty line and includes it. Throws HttpError with the status that RFC 9110
+// assigns to the fault.
 RequestHead ParseRequestHead(std::string_view text, const HeadLimits& limits);
 
 }  // namespace cairn

@@ -21,7 +21,9 @@ const char* ReasonPhrase(int status) {
       break;
   }
   for (const ProblemInfo& problem : AllProblems()) {
-    if (problem.status == status) return problem.title;
+    if (problem.status == status) {
+      return problem.title;
+    }
   }
   return "";
 }
@@ -42,7 +44,9 @@ ResponseText SerializeResponse(HttpResponse response, bool is_head, bool keep_al
     fmt::format_to(out, "Content-Length: {}\r\n", response.body.size());
   }
   text.head += keep_alive ? "Connection: keep-alive\r\n\r\n" : "Connection: close\r\n\r\n";
-  if (!is_head) text.body = std::move(response.body);
+  if (!is_head) {
+    text.body = std::move(response.body);
+  }
   return text;
 }
 

@@ -8,13 +8,13 @@
 
 namespace cairn {
 
-// Apart, so that a body of megabytes is not copied.
+// Head and body are separate so that a body of megabytes is not copied.
 struct ResponseText {
   std::string head;
   std::string body;
 };
 
-// `is_head`: the request was HEAD, which gets the Content-Length but no body.
+// `is_head` marks the response to HEAD, which has a Content-Length but no body.
 ResponseText SerializeResponse(HttpResponse response, bool is_head, bool keep_alive);
 
 }  // namespace cairn

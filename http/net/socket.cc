@@ -36,11 +36,13 @@ AddressList Resolve(const std::string& host, int port) {
   return {list, freeaddrinfo};
 }
 
-// No descriptor and errno if the address cannot be listened on.
+// If the address cannot be listened on, the socket has no descriptor and errno has the reason.
 Socket TryToListen(const addrinfo& address) {
   Socket socket(::socket(address.ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  if (socket.fd() < 0) return socket;
-  // Not SO_REUSEPORT: a second server would silently share the port.
+  if (socket.fd() < 0) {
+    return socket;
+  }
+  // SO_REUSEPORT would let a second server silently share the port.
   SetOption(socket.fd(), SOL_SOCKET, SO_REUSEADDR, 1);
   if (address.ai_family == AF_INET6) {
     SetOption(socket.fd(), IPPROTO_IPV6, IPV6_V6ONLY, 0);
@@ -78,7 +80,9 @@ Socket& Socket::operator=(Socket&& other) noexcept {
 }
 
 void Socket::Close() {
-  if (fd_ >= 0) ::close(std::exchange(fd_, -1));
+  if (fd_ >= 0) {
+    ::close(std::exchange(fd_, -1));
+  }
 }
 
 void Socket::Abort() {
@@ -92,7 +96,9 @@ Socket ListenOn(const std::string& host, int port) {
   int error = 0;
   for (const addrinfo* address = list.get(); address != nullptr; address = address->ai_next) {
     Socket socket = TryToListen(*address);
-    if (socket.fd() >= 0) return socket;
+    if (socket.fd() >= 0) {
+      return socket;
+    }
     error = errno;
   }
   if (error == EADDRINUSE) {
@@ -107,7 +113,9 @@ Socket ListenOn(const std::string& host, int port) {
 int LocalPort(const Socket& listening) {
   sockaddr_storage address{};
   socklen_t size = sizeof(address);
-  if (getsockname(listening.fd(), reinterpret_cast<sockaddr*>(&address), &size) != 0) return 0;
+  if (getsockname(listening.fd(), reinterpret_cast<sockaddr*>(&address), &size) != 0) {
+    return 0;
+  }
   return ntohs(address.ss_family == AF_INET6 ? reinterpret_cast<sockaddr_in6&>(address).sin6_port
                                              : reinterpret_cast<sockaddr_in&>(address).sin_port);
 }
@@ -117,7 +125,9 @@ Socket Accept(const Socket& listening, std::chrono::milliseconds peer_timeout, P
   socklen_t size = sizeof(address);
   Socket socket(accept4(listening.fd(), reinterpret_cast<sockaddr*>(&address), &size,
                         SOCK_NONBLOCK | SOCK_CLOEXEC));
-  if (socket.fd() < 0) return socket;
+  if (socket.fd() < 0) {
+    return socket;
+  }
   SetOption(socket.fd(), IPPROTO_TCP, TCP_NODELAY, 1);
   SetOption(socket.fd(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, kMaxUnsentBytes);
   SetOption(socket.fd(), IPPROTO_TCP, TCP_USER_TIMEOUT, static_cast<int>(peer_timeout.count()));

@@ -1,4 +1,4 @@
-// TCP sockets that are owned and never block.
+// Owning, non-blocking TCP sockets.
 #ifndef CAIRN_HTTP_NET_SOCKET_H_
 #define CAIRN_HTTP_NET_SOCKET_H_
 
@@ -9,7 +9,7 @@
 
 namespace cairn {
 
-// A file descriptor with one owner, which closes it.
+// A file descriptor with one owner. The owner closes the descriptor.
 class Socket {
  public:
   Socket() = default;
@@ -18,37 +18,38 @@ class Socket {
   Socket& operator=(Socket&& other) noexcept;
   ~Socket() { Close(); }
 
-  int fd() const { return fd_; }  // Negative: there is none.
+  int fd() const { return fd_; }  // Negative if there is no descriptor.
   void Close();
-  // Closes and forgets what is unsent. After Close alone, the kernel keeps unsent bytes for as long
-  // as the peer answers without reading.
+  // Closes and discards unsent bytes. After Close alone, the kernel keeps unsent bytes as long as
+  // the peer acknowledges packets without reading.
   void Abort();
 
  private:
   int fd_ = -1;
 };
 
-// Who is at the other end.
+// The other end of a connection.
 struct Peer {
   std::string address = "unknown";  // Numeric.
-  // The same for all connections of one client: its IPv4 address, or the first 64 bits of its IPv6
-  // address, as whoever has one address of such a network has all of them.
+  // Identifies a client: equal for all of its connections. Holds the IPv4 address, or the first 64
+  // bits of the IPv6 address, because a client with one address of such a network has all of them.
   uint64_t network = 0;
 };
 
-// Binds and listens. `port` 0 picks a free one. Throws Error(kConflict) naming the port if it is
-// taken, Error(kIo) if the system refuses otherwise (privileged port, foreign address).
+// Binds and listens. Port 0 picks a free port. Throws Error(kConflict), which names the port, if
+// the port is taken. Throws Error(kIo) if the system refuses for another reason (privileged port,
+// foreign address).
 Socket ListenOn(const std::string& host, int port);
 
 int LocalPort(const Socket& listening);
 
-// What the kernel holds for a connection of an answer that its peer does not read, beyond what is
-// on its way.
+// Unsent bytes that the kernel buffers for a response that the peer does not read, beyond the bytes
+// in flight.
 inline constexpr int kMaxUnsentBytes = 128 * 1024;
 
-// The next connection that waits. The kernel gives it up when its peer acknowledges nothing for
-// `peer_timeout`, also after it was closed. Without one, or if the system refuses, the socket has
-// no descriptor and errno says why.
+// Accepts the next waiting connection. The kernel drops the connection, even after it was closed,
+// if the peer acknowledges nothing for `peer_timeout`. If no connection waits or the system
+// refuses, the returned socket has no descriptor and errno has the reason.
 Socket Accept(const Socket& listening, std::chrono::milliseconds peer_timeout, Peer* peer);
 
 }  // namespace cairn

@@ -32,19 +32,25 @@ std::optional<Target> ParseTarget(std::string_view target) {
   const size_t question = target.find('?');
   const std::optional<std::string> path =
       PercentDecode(target.substr(0, question), /*plus_is_space=*/false);
-  if (!path) return std::nullopt;
+  if (!path) {
+    return std::nullopt;
+  }
   Target parsed{.path = *path, .query = {}};
   std::string_view rest = question == std::string_view::npos ? "" : target.substr(question + 1);
   while (!rest.empty()) {
     const size_t ampersand = rest.find('&');
     const std::string_view pair = rest.substr(0, ampersand);
     rest = ampersand == std::string_view::npos ? "" : rest.substr(ampersand + 1);
-    if (pair.empty()) continue;
+    if (pair.empty()) {
+      continue;
+    }
     const size_t equals = pair.find('=');
     const auto key = PercentDecode(pair.substr(0, equals), /*plus_is_space=*/true);
     const auto value = PercentDecode(
         equals == std::string_view::npos ? "" : pair.substr(equals + 1), /*plus_is_space=*/true);
-    if (!key || !value) return std::nullopt;
+    if (!key || !value) {
+      return std::nullopt;
+    }
     parsed.query.emplace(*key, *value);
   }
   return parsed;

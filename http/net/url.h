@@ -9,8 +9,8 @@
 
 namespace cairn {
 
-// Undoes percent-encoding; with `plus_is_space` also '+'. Nothing if an escape is malformed or
-// stands for a NUL.
+// Undoes percent-encoding; with `plus_is_space`, also turns '+' into a space. Returns nothing if an
+// escape is malformed or encodes NUL.
 std::optional<std::string> PercentDecode(std::string_view text, bool plus_is_space);
 
 struct Target {
@@ -18,7 +18,7 @@ struct Target {
   std::multimap<std::string, std::string> query;
 };
 
-// Splits and decodes "path?key=value&..."; nothing if an escape is malformed.
+// Splits and decodes "path?key=value&...". Returns nothing if an escape is malformed.
 std::optional<Target> ParseTarget(std::string_view target);
 
 }  // namespace cairn

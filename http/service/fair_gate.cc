@@ -23,7 +23,7 @@ void FairGate::Leave() {
     ++num_free_;
     return;
   }
-  // The slot goes from hand to hand. Under the lock, as the waiter is gone once it has woken.
+  // Hands the slot to the waiter under the lock, because the waiter is destroyed once it wakes.
   waiters_.front()->is_admitted = true;
   waiters_.front()->admitted.notify_one();
   waiters_.pop_front();

@@ -1,4 +1,4 @@
-// Lets as many threads compute at once as there are cores, first come, first served.
+// Lets as many threads compute at once as there are cores, in order of arrival.
 #ifndef CAIRN_HTTP_SERVICE_FAIR_GATE_H_
 #define CAIRN_HTTP_SERVICE_FAIR_GATE_H_
 
@@ -9,14 +9,14 @@
 
 namespace cairn {
 
-// More queries at once than cores make all of them late: each would be served in small slices, and
-// by the time they are done their deadlines have passed. In line, those that have come first are
-// done in time. Safe to call from any thread.
+// With more concurrent queries than cores, every query would run in small slices and finish after
+// its deadline. In a queue, the queries at the front finish in time. Safe to call from any thread.
 class FairGate {
  public:
   explicit FairGate(int num_slots) : num_free_(num_slots) {}
 
-  // Waits in line for a slot; false if the deadline passes first. True obliges to Leave.
+  // Waits in line for a slot. Returns false if the deadline passes first. After true, the caller
+  // must call Leave.
   bool Enter(std::chrono::steady_clock::time_point deadline);
   void Leave();
 
@@ -29,7 +29,7 @@ class FairGate {
   };
 
   mutable std::mutex mutex_;
-  int num_free_;                // 0 while somebody waits.
+  int num_free_;                // 0 while a thread waits.
   std::list<Waiter*> waiters_;  // In order of arrival.
 };
 

@@ -18,7 +18,7 @@ namespace {
 struct Picture {
   const RequestImage& image;
   const Camera& camera;
-  std::string pointer;  // "" of the query's own camera, else "/rig/1".
+  std::string pointer;  // "" for the query's own camera, else "/rig/1".
 };
 
 double SecondsSince(std::chrono::steady_clock::time_point start) {
@@ -29,25 +29,28 @@ void CheckSize(int64_t width_px, int64_t height_px, const Picture& picture, int6
   const Camera& camera = picture.camera;
   if (width_px > max_pixels / height_px) {
     throw HttpError(ProblemCode::kImageTooLarge,
-                    fmt::format("the image is {} x {} pixels, more than the limit of {}", width_px,
+                    fmt::format("the image has {} x {} pixels, more than the limit of {}", width_px,
                                 height_px, max_pixels))
         .At(picture.pointer + "/image")
-        .Hint("scale it down, and the camera's parameters with it");
+        .Hint("scale down the image and the camera's parameters");
   }
-  if (SwapsSides(picture.image.orientation)) std::swap(width_px, height_px);
+  if (SwapsSides(picture.image.orientation)) {
+    std::swap(width_px, height_px);
+  }
   if (width_px != camera.width_px() || height_px != camera.height_px()) {
-    throw HttpError(ProblemCode::kInvalidImage,
-                    fmt::format("the image is {} x {} pixels, the camera's images are {} x {}",
-                                width_px, height_px, camera.width_px(), camera.height_px()))
+    throw HttpError(
+        ProblemCode::kInvalidImage,
+        fmt::format("the image has {} x {} pixels, but the camera's images have {} x {}", width_px,
+                    height_px, camera.width_px(), camera.height_px()))
         .At(picture.pointer + "/camera/size")
         .Hint(
-            "the camera's size and parameters are of the pixels as they are stored, or of the "
-            "picture as EXIF turns it: options.imageOrientation");
+            "options.imageOrientation states whether size and parameters describe the picture as "
+            "stored or as turned by its EXIF");
   }
 }
 
-// Raw pixels as the camera's driver has them; nothing if the format or the length is not of that
-// kind.
+// Raw pixels from a camera driver. Returns nothing if the format or the length is not that of raw
+// pixels.
 std::optional<GrayImage> FromRawPixels(const RequestImage& sent, const Camera& camera) {
   const size_t num_pixels = static_cast<size_t>(camera.width_px()) * camera.height_px();
   GrayImage image{.width_px = camera.width_px(), .height_px = camera.height_px(), .pixels = {}};
@@ -59,7 +62,7 @@ std::optional<GrayImage> FromRawPixels(const RequestImage& sent, const Camera& c
     image.pixels.resize(num_pixels);
     for (size_t i = 0; i < num_pixels; ++i) {
       const uint8_t* rgba = sent.bytes.data() + 4 * i;
-      // ITU-R BT.601 luma in 1/256, as JPEG decoders have it.
+      // ITU-R BT.601 luma in units of 1/256, as in JPEG decoders.
       image.pixels[i] =
           static_cast<uint8_t>((77 * rgba[0] + 150 * rgba[1] + 29 * rgba[2] + 128) >> 8);
     }
@@ -88,7 +91,9 @@ GrayImage Decode(const Picture& picture, const ImageDecodeLimits& limits) {
 }
 
 void ThrowIfStopped(const ImageDecodeLimits& limits) {
-  if (limits.should_stop && limits.should_stop()) throw DecodingStopped();
+  if (limits.should_stop && limits.should_stop()) {
+    throw DecodingStopped();
+  }
 }
 
 FeatureSet Extract(const Picture& picture, const ImageDecodeLimits& limits, ServerTimes* times) {

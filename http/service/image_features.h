@@ -1,4 +1,4 @@
-// From the image of a request to features.
+// Extracts features from the images of a request.
 #ifndef CAIRN_HTTP_SERVICE_IMAGE_FEATURES_H_
 #define CAIRN_HTTP_SERVICE_IMAGE_FEATURES_H_
 
@@ -9,12 +9,15 @@
 
 namespace cairn {
 
-// Decodes the request's images (JPEG, PNG, PNM by their content; GRAY8 and RGBA32 by their name),
-// turns them as their `orientation` says and gives the query the SIFT features of each camera, as
-// `cairn localize` extracts them. Throws HttpError kInvalidImage if one does not decode or is not
-// of its camera's size, kImageTooLarge before decoding if its header claims more than
-// `limits.max_pixels`, and DecodingStopped once `limits.should_stop` says so, which is asked while
-// an image is decoded and before each step. Adds to `times`.
+// Decodes the request's images, turns them as their `orientation` states, and stores the SIFT
+// features of each camera in the query, extracted as `cairn localize` does. The content of an image
+// identifies JPEG, PNG and PNM; the name of the format identifies GRAY8 and RGBA32. Adds to
+// `times`. Throws
+// - HttpError kInvalidImage if an image does not decode or does not have the size of its camera,
+// - HttpError kImageTooLarge, before decoding, if an image header states more than
+//   `limits.max_pixels`,
+// - DecodingStopped once `limits.should_stop` returns true. `should_stop` is called while an image
+//   is decoded and before each step.
 void ExtractQueryFeatures(const ImageDecodeLimits& limits, LocalizeRequest* request,
                           ServerTimes* times);
 

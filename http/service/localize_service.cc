@@ -21,17 +21,19 @@ LocalizerOptions MakeLocalizerOptions(const ServerOptions& options) {
   return localizer;
 }
 
-// Throws unless the features are what the map's codebook takes.
+// Throws unless the features fit the map's codebook.
 void CheckCodec(const ServedMap& map, const LocalizeQuery& query) {
   const std::shared_ptr<const Codebook> codebook = map.store->Snapshot().CurrentCodebook();
-  if (codebook == nullptr) return;  // An empty map: nothing is covered, whatever the features.
+  if (codebook == nullptr) {
+    return;  // An empty map covers no query, whatever the features.
+  }
   const bool is_raw = query.features.space == DescriptorSpace::kRaw;
   const std::string codec = is_raw ? codebook->descriptor_type : codebook->CodecName();
   const bool unnamed = is_raw && query.codec.empty();
   if (!unnamed && query.codec != codec) {
     throw HttpError(
         ProblemCode::kWrongCodec,
-        fmt::format("the features are of codec '{}', the map's is '{}'", query.codec, codec))
+        fmt::format("the features have codec '{}', but the map has '{}'", query.codec, codec))
         .At("/features/codec")
         .Hint(fmt::format("send raw '{}' features, or project them for '{}'",
                           codebook->descriptor_type, codebook->CodecName()));
@@ -40,7 +42,7 @@ void CheckCodec(const ServedMap& map, const LocalizeQuery& query) {
   const auto check_dim = [&](const FeatureSet& features, const std::string& pointer) {
     if (features.size() > 0 && features.descriptors.cols() != dim) {
       throw HttpError(ProblemCode::kInvalidFeatures,
-                      fmt::format("the descriptors have {} dimensions, codec '{}' has {}",
+                      fmt::format("the descriptors have {} dimensions, but codec '{}' has {}",
                                   features.descriptors.cols(), codec, dim))
           .At(pointer);
     }
@@ -86,13 +88,15 @@ bool LocalizeService::ExtractInTime(LocalizeRequest* request, ServerTimes* times
     ExtractQueryFeatures(limits, request, times);
     return true;
   } catch (const DecodingStopped&) {
-    if (stopping_) throw HttpError(ProblemCode::kUnavailable, "the server is stopping");
+    if (stopping_) {
+      throw HttpError(ProblemCode::kUnavailable, "the server is stopping");
+    }
     return false;
   }
 }
 
-// A request has one turn, in which its JSON is parsed if that is long, its image becomes features
-// and these an answer: whoever comes first is served first, with an image or without.
+// A request has one turn. During the turn its JSON is parsed (if long), its image becomes features,
+// and the features become an answer. Turns follow the order of arrival, with or without an image.
 LocalizeService::Answer LocalizeService::AnswerInTurn(const ServedMap& map, const HttpRequest& http,
                                                       BodyParser* parse, LocalizeRequest* request) {
   Answer answer;
@@ -107,7 +111,7 @@ LocalizeService::Answer LocalizeService::AnswerInTurn(const ServedMap& map, cons
     answer.result = LateResult(map, request->query);
     return answer;
   }
-  // Left on every way out.
+  // Leaves the gate on every return path.
   const std::unique_ptr<FairGate, void (*)(FairGate*)> slot(&gate_,
                                                             [](FairGate* gate) { gate->Leave(); });
   if (reads_in_turn) {

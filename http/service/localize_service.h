@@ -1,4 +1,4 @@
-// The map being served and the one way to ask it: what the endpoints share.
+// The served map and the one way to query it. All endpoints share it.
 #ifndef CAIRN_HTTP_SERVICE_LOCALIZE_SERVICE_H_
 #define CAIRN_HTTP_SERVICE_LOCALIZE_SERVICE_H_
 
@@ -34,29 +34,31 @@ class LocalizeService {
             .default_timeout_ms = options_.default_timeout_ms};
   }
   const ServerOptions& options() const { return options_; }
-  // A request holds one map from its beginning to its end.
+  // A request keeps one map from its beginning to its end.
   std::shared_ptr<const ServedMap> map() const { return maps_.Current(); }
   ServedMaps& maps() { return maps_; }
   const ServedMaps& maps() const { return maps_; }
   Metrics& metrics() { return metrics_; }
   const Metrics& metrics() const { return metrics_; }
 
-  // Reads the body into `request` with `parse`, fills in the query's deadline (the client's timeout
-  // counts from the arrival), waits for its turn if there are more requests than cores, extracts
-  // features if there is an image, checks that the features are of the map's codec, and localizes.
-  // kTimeout if the turn does not come in time. A long JSON body is parsed in its turn, and is not
-  // parsed at all if that does not come: `request` then stays as it is. Throws as `parse`,
-  // HttpError kInvalidImage, kImageTooLarge, kWrongCodec, and as Localizer::Localize.
+  // Answers one request: reads the body into `request` with `parse`, sets the query's deadline (the
+  // client's timeout counts from the arrival), waits for its turn if there are more requests than
+  // cores, extracts features if there is an image, checks that the features have the map's codec,
+  // and localizes. Returns kTimeout if the turn does not come in time. A long JSON body is parsed
+  // during the turn; if the turn does not come, the body is not parsed and `request` stays
+  // unchanged. Throws as `parse` and as Localizer::Localize; throws HttpError kInvalidImage,
+  // kImageTooLarge, kWrongCodec.
   Answer Localize(const HttpRequest& http, BodyParser* parse, LocalizeRequest* request);
 
-  // From now on images are given up instead of decoded, so that the server can stop soon.
+  // From now on, requests drop their images instead of decoding them, so that the server can stop
+  // soon.
   void BeginStop() { stopping_ = true; }
 
  private:
-  // Gives the query the features of its images; false if the deadline passes first. Throws
-  // HttpError kUnavailable if BeginStop was called.
+  // Stores the features of the query's images in the query. Returns false if the deadline passes
+  // first. Throws HttpError kUnavailable if BeginStop was called.
   bool ExtractInTime(LocalizeRequest* request, ServerTimes* times) const;
-  // Parses the body; throws if its features are not of the map's codec.
+  // Parses the body. Throws unless the features have the map's codec.
   void Read(const ServedMap& map, const HttpRequest& http, BodyParser* parse,
             LocalizeRequest* request) const;
   Answer AnswerInTurn(const ServedMap& map, const HttpRequest& http, BodyParser* parse,
@@ -66,7 +68,7 @@ class LocalizeService {
   ServedMaps maps_;
   Metrics metrics_;
   std::atomic<bool> stopping_{false};
-  FairGate gate_;  // As many requests at a time as there are cores.
+  FairGate gate_;  // Admits as many requests at a time as there are cores.
 };
 
 }  // namespace cairn

@@ -13,9 +13,12 @@ void Describe(const char* name, const char* type, const char* help, std::string*
   *text += fmt::format("# HELP {} {}\n# TYPE {} {}\n", name, help, name, type);
 }
 
-// Of what did not run, as the query needed no refinement or its turn came too late, the time is 0.
+// The time is 0 for a stage that did not run: the query needed no refinement, or its turn came too
+// late.
 void AddIfRun(double seconds, DurationHistogram* histogram) {
-  if (seconds > 0.0) histogram->Add(seconds);
+  if (seconds > 0.0) {
+    histogram->Add(seconds);
+  }
 }
 
 void Single(const char* name, const char* type, const char* help, double value, std::string* text) {
@@ -28,13 +31,13 @@ void RenderCache(const TileCacheStats& cache, std::string* text) {
          static_cast<double>(cache.num_hits), text);
   Single("cairn_tile_cache_misses_total", "counter", "Tiles loaded from the map.",
          static_cast<double>(cache.num_misses), text);
-  Single("cairn_tile_cache_evictions_total", "counter", "Tiles dropped for want of room.",
+  Single("cairn_tile_cache_evictions_total", "counter", "Tiles dropped to make room.",
          static_cast<double>(cache.num_evictions), text);
   Single("cairn_tile_cache_entries", "gauge", "Tiles in the cache.",
          static_cast<double>(cache.num_entries), text);
   Single("cairn_tile_cache_bytes", "gauge", "Bytes of the tiles in the cache.",
          static_cast<double>(cache.bytes), text);
-  Single("cairn_tile_cache_max_bytes", "gauge", "Bound of the cache.",
+  Single("cairn_tile_cache_max_bytes", "gauge", "Maximum size of the cache.",
          static_cast<double>(cache.max_bytes), text);
 }
 
@@ -46,7 +49,9 @@ double DurationHistogram::BoundSeconds(int bucket) {
 
 void DurationHistogram::Add(double seconds) {
   int bucket = 0;
-  while (bucket < kNumBounds && seconds > BoundSeconds(bucket)) ++bucket;
+  while (bucket < kNumBounds && seconds > BoundSeconds(bucket)) {
+    ++bucket;
+  }
   ++counts_[bucket];
   sum_seconds_ += seconds;
 }
@@ -76,7 +81,9 @@ void Metrics::CountRequest(const std::string& route, int status, double seconds)
 uint64_t Metrics::num_requests() const {
   const std::lock_guard lock(mutex_);
   uint64_t sum = 0;
-  for (const auto& [route_and_status, count] : requests_) sum += count;
+  for (const auto& [route_and_status, count] : requests_) {
+    sum += count;
+  }
   return sum;
 }
 
@@ -97,7 +104,8 @@ std::string Metrics::Render(const MapMetrics& map) const {
     text += fmt::format("cairn_http_requests_total{{route=\"{}\",status=\"{}\"}} {}\n", key.first,
                         key.second, count);
   }
-  Describe("cairn_http_request_seconds", "histogram", "From the first byte to the answer.", &text);
+  Describe("cairn_http_request_seconds", "histogram",
+           "Time from the first byte of a request to its response.", &text);
   for (const auto& [route, histogram] : request_seconds_) {
     histogram.Render("cairn_http_request_seconds", fmt::format("route=\"{}\"", route), &text);
   }
@@ -112,9 +120,9 @@ std::string Metrics::Render(const MapMetrics& map) const {
   }
   extraction_seconds_.Render("cairn_stage_seconds", "stage=\"extraction\"", &text);
   RenderCache(map.cache, &text);
-  Single("cairn_map_version", "gauge", "Version of the map that queries see.",
+  Single("cairn_map_version", "gauge", "Version of the map that queries use.",
          static_cast<double>(Value(map.version)), &text);
-  Single("cairn_map_degraded", "gauge", "1 if the map served is not the one in the file.",
+  Single("cairn_map_degraded", "gauge", "1 if the served map differs from the map file, else 0.",
          map.is_degraded ? 1.0 : 0.0, &text);
   return text;
 }

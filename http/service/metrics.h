@@ -1,4 +1,4 @@
-// Counters of a running server in Prometheus' text format.
+// Counters of a running server, in the text format of Prometheus.
 #ifndef CAIRN_HTTP_SERVICE_METRICS_H_
 #define CAIRN_HTTP_SERVICE_METRICS_H_
 
@@ -15,14 +15,16 @@
 
 namespace cairn {
 
-// Durations in buckets whose bounds double, 0.25 ms to 4 s and above.
+// A histogram of durations. The bucket bounds double from 0.25 ms to 4 s; the last bucket is
+// unbounded.
 class DurationHistogram {
  public:
   static constexpr int kNumBounds = 15;
   static double BoundSeconds(int bucket);  // 0.25 ms * 2^bucket.
 
   void Add(double seconds);
-  // Appends the lines `name_bucket{labels,le="..."} n` and so on; `labels` may be empty.
+  // Appends the lines `name_bucket{labels,le="..."} n`, `name_sum` and `name_count`. `labels` may
+  // be empty.
   void Render(const std::string& name, const std::string& labels, std::string* text) const;
 
  private:
@@ -30,7 +32,7 @@ class DurationHistogram {
   double sum_seconds_ = 0.0;
 };
 
-// What is to be said of the map that is being served.
+// The metrics of the served map.
 struct MapMetrics {
   TileCacheStats cache;
   MapVersion version{};
@@ -40,11 +42,11 @@ struct MapMetrics {
 // Safe to call from any thread.
 class Metrics {
  public:
-  // `route` is the pattern of the route, never the client's path, so that the number of series is
-  // bounded; empty for requests that reached none.
+  // `route` is the pattern of the route, or empty for requests that reached no route. The client's
+  // path would make the number of series unbounded.
   void CountRequest(const std::string& route, int status, double seconds);
   uint64_t num_requests() const;  // Counted so far.
-  // Stages that did not run do not count as quick ones.
+  // Stages that did not run add nothing to the histograms.
   void CountLocalize(const LocalizeResult& result, const ServerTimes& times);
 
   std::string Render(const MapMetrics& map) const;

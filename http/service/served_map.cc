@@ -38,8 +38,8 @@ std::string Alphanumeric(std::string text) {
 
 }  // namespace
 
-// A copy of a map that goes its own way has the date and the payload ids of its origin, so the tag
-// says what is known of the tile's contents, too.
+// A copy of a map that was changed on its own keeps the date and the payload ids of the original.
+// The tag therefore also covers the recorded facts about the tile's contents.
 std::string ServedMap::TileTag(const TileRecord& tile) const {
   Fingerprint contents;
   for (const int64_t count :
@@ -96,14 +96,17 @@ void ServedMaps::Look(bool is_forced) {
   try {
     switch (current->store->FileState()) {
       case MapFileState::kMissing:
-        return SetProblem("the map file is missing", "the map in memory is served on");
+        return SetProblem("the map file is missing",
+                          "the server keeps serving the map that it has open");
       case MapFileState::kReplaced:
         return TakeReplacement();
       case MapFileState::kInPlace:
         break;
     }
     if (current->is_stand_in) {
-      if (is_alone) TakePlaceOfStandIn();
+      if (is_alone) {
+        TakePlaceOfStandIn();
+      }
     } else if (is_forced || must_reload_) {
       must_reload_ = true;
       TakeOverwritten();
@@ -112,7 +115,8 @@ void ServedMaps::Look(bool is_forced) {
       SetProblem("", "");
     }
   } catch (const std::exception& error) {
-    SetProblem("the map file cannot be opened; an older map is served", error.what());
+    SetProblem("the map file cannot be opened; the server keeps serving an older map",
+               error.what());
   }
 }
 
@@ -125,19 +129,24 @@ void ServedMaps::ReplaceCurrent(std::shared_ptr<const ServedMap> next) {
   std::unique_lock lock(mutex_);
   current_.swap(next);
   lock.unlock();
-  // Queries hold the tiles that they use.
-  if (next->cache != Current()->cache) next->cache->Clear();
+  // Running queries hold the tiles that they use.
+  if (next->cache != Current()->cache) {
+    next->cache->Clear();
+  }
   replaced_.push_back(std::move(next));
 }
 
-// SQLite shares the log and its index between all who have the name open, whatever file each of
-// them has: while the old map is open, the new one is read without them.
+// SQLite shares the write-ahead log and its index among all connections to one file name, even if
+// the connections have different files open. While the old map is open, the new one is therefore
+// read without log and index.
 void ServedMaps::TakeReplacement() {
   std::shared_ptr<ServedMap> next =
       Open(OpenMode::kImmutable, std::make_shared<TileCache>(options_.cache_bytes));
   const std::shared_ptr<const ServedMap> old = Current();
-  if (!old->is_stand_in) replaced_log_ = old->log;
-  LogInfo("{} was replaced; the map of {} is served from now on, no longer the one of {}",
+  if (!old->is_stand_in) {
+    replaced_log_ = old->log;
+  }
+  LogInfo("{} was replaced: serving the map created at {} instead of the one created at {}",
           options_.path, next->created_at, old->created_at);
   ReplaceCurrent(std::move(next));
   SetProblem("", "");
@@ -147,12 +156,14 @@ void ServedMaps::TakeOverwritten() {
   std::shared_ptr<ServedMap> next =
       Open(OpenMode::kReadOnly, std::make_shared<TileCache>(options_.cache_bytes));
   const std::shared_ptr<const ServedMap> old = Current();
-  // Updates of the same map are seen without opening it again.
+  // An open map sees its own updates; reopening is not needed.
   const bool is_same = next->created_at == old->created_at &&
                        Value(next->version_when_opened) >= Value(old->version_when_opened);
   LogInfo("{} was opened again: {}", options_.path,
-          is_same ? "it is the same map" : "it is another map, which is served from now on");
-  if (!is_same) ReplaceCurrent(std::move(next));
+          is_same ? "the same map" : "another map, now being served");
+  if (!is_same) {
+    ReplaceCurrent(std::move(next));
+  }
   SetProblem("", "");
 }
 
@@ -161,14 +172,14 @@ void ServedMaps::TakePlaceOfStandIn() {
   const std::string log_path = stand_in->store->LogPath();
   if (LogIsOfReplacedMap(log_path)) {
     return SetProblem(
-        "a write-ahead log of the map before lies beside the map file; updates are not seen",
-        fmt::format("remove {} and the -shm file beside it before anybody writes to the map",
-                    log_path));
+        "the write-ahead log beside the map file belongs to the previous map; updates are not "
+        "visible",
+        fmt::format("remove {} and its -shm file before any program writes to the map", log_path));
   }
   std::shared_ptr<ServedMap> next = Open(OpenMode::kReadOnly, stand_in->cache);
   if (next->created_at != stand_in->created_at ||
       stand_in->store->FileState() != MapFileState::kInPlace) {
-    return;  // It is being replaced again, which the next look sees.
+    return;  // The file is being replaced again; the next check sees it.
   }
   ReplaceCurrent(std::move(next));
   replaced_log_.reset();
@@ -184,11 +195,13 @@ bool ServedMaps::LogIsOfReplacedMap(const std::string& log_path) const {
 void ServedMaps::SetProblem(const std::string& problem, const std::string& detail) {
   {
     const std::lock_guard lock(mutex_);
-    if (problem == problem_) return;
+    if (problem == problem_) {
+      return;
+    }
     problem_ = problem;
   }
   if (problem.empty()) {
-    LogInfo("{}: all is well with the map file again", options_.path);
+    LogInfo("{}: the problem with the map file is resolved", options_.path);
   } else {
     LogWarning("{}: {}: {}", options_.path, problem, detail);
   }

@@ -1,4 +1,4 @@
-// The map that is being served, which may be replaced by another file while queries run.
+// The served map. Another file may replace the map while queries run.
 #ifndef CAIRN_HTTP_SERVICE_SERVED_MAP_H_
 #define CAIRN_HTTP_SERVICE_SERVED_MAP_H_
 
@@ -15,19 +15,21 @@
 
 namespace cairn {
 
-// One map file, opened. Whoever holds it is served from this file, also when it has been replaced.
+// An open map file. A query that holds a ServedMap uses this file even after another file has
+// replaced it.
 struct ServedMap {
   std::shared_ptr<const MapStore> store;
-  std::shared_ptr<TileCache> cache;  // Of tiles of this file only: payload ids are per file.
+  std::shared_ptr<TileCache> cache;  // Holds tiles of this file only: payload ids are per file.
   std::unique_ptr<Localizer> localizer;
   std::string created_at;
   MapVersion version_when_opened{};
-  // Another map was open under the name when this one was opened, so this one does not share the
-  // write-ahead log beside it; it is opened again when the other is closed.
+  // True if another map with the same name was still open when this one was opened. Such a map does
+  // not share the write-ahead log beside the file. It is opened again when the other map is closed.
   bool is_stand_in = false;
-  std::shared_ptr<const PinnedFile> log;  // The write-ahead log beside it, if there was one.
+  std::shared_ptr<const PinnedFile> log;  // The write-ahead log beside the file, if there was one.
 
-  // Names the contents of a tile, for ETag: differs whenever the bytes differ, also between maps.
+  // Identifies the contents of a tile, for ETag. Different bytes have different tags, also across
+  // maps.
   std::string TileTag(const TileRecord& tile) const;
 };
 
@@ -45,21 +47,21 @@ class ServedMaps {
 
   std::shared_ptr<const ServedMap> Current() const;
 
-  // Looks whether another file stands under the name, and serves it from then on if it is a map;
-  // otherwise the old one stays. To be called about once a second. Does not throw.
+  // Checks whether another file has the map's name. If that file is a map, serves it from then on;
+  // otherwise keeps the old map. Call it about once a second. Does not throw.
   void Refresh();
-  // As Refresh, and opens the file even if it seems to be the same one: it may have been
-  // overwritten in place. Serves it if it holds another map.
+  // Like Refresh, but opens the file even if it seems unchanged, because it may have been
+  // overwritten in place. Serves the file if it holds another map.
   void Reload();
 
-  // Why the served map is not what stands under the name, or is not kept up to date, in words that
-  // name no path; empty if all is well. The log has more.
+  // Why the served map differs from the file with its name, or why it is not kept up to date. Empty
+  // if there is no problem. The text contains no path; the log has the details.
   std::string Problem() const;
 
  private:
   std::shared_ptr<ServedMap> Open(OpenMode mode, std::shared_ptr<TileCache> cache) const;
   void Look(bool is_forced);
-  // Lets go of replaced maps that no query holds any more; true if there is none left.
+  // Releases replaced maps that no query holds any more. Returns true if none is left.
   bool ReleaseReplaced();
   void ReplaceCurrent(std::shared_ptr<const ServedMap> next);
   void TakeReplacement();
@@ -69,11 +71,12 @@ class ServedMaps {
   void SetProblem(const std::string& problem, const std::string& detail);
 
   const ServedMapOptions options_;
-  std::mutex look_mutex_;     // Held while looking; of the next three.
-  bool must_reload_ = false;  // Reload found what cannot be opened.
+  std::mutex look_mutex_;     // Held during a check; guards the next three members.
+  bool must_reload_ = false;  // Reload found a file that cannot be opened.
   std::vector<std::shared_ptr<const ServedMap>> replaced_;
-  std::shared_ptr<const PinnedFile> replaced_log_;  // Of the map before the stand-in.
-  mutable std::mutex mutex_;                        // Of the next two.
+  std::shared_ptr<const PinnedFile>
+      replaced_log_;          // The log of the map that the stand-in replaced.
+  mutable std::mutex mutex_;  // Guards the next two members.
   std::shared_ptr<const ServedMap> current_;
   std::string problem_;
 };

@@ -11,7 +11,7 @@ void ServerOptions::Validate() const {
   RequireWithin("server.admin_port", admin_port, -1, 65535);
   RequireOption(admin_port < 0 || !admin_host.empty(), "server.admin_host is empty");
   RequireOption(admin_port <= 0 || admin_port != port || admin_host != host,
-                "server.admin_port is the same as port; leave it at -1 to serve both from one");
+                "server.admin_port equals server.port; use -1 to share the port");
   RequireWithin("server.num_threads", num_threads, 0, 1024);
   RequireWithin("server.threads_per_query", threads_per_query, 0, 1024);
   RequireOption(cache_bytes > 0, "server.cache_bytes must be positive");

@@ -13,18 +13,19 @@ namespace cairn {
 struct ServerOptions {
   std::string map_path;
   std::string host = "127.0.0.1";
-  int port = 8080;  // 0 picks a free one; see Server::port.
+  int port = 8080;  // 0 picks a free port; see Server::port.
   std::string admin_host = "127.0.0.1";
-  int admin_port = -1;  // Health and metrics apart; 0 picks a free one, -1: same listener.
-  // Requests answered at once; 0 is 64, or twice the cores if that is more. No more queries are
-  // computed at once than there are cores: the others wait in line. Open connections need no
-  // thread.
+  int admin_port =
+      -1;  // Separate port for health and metrics; 0 picks a free port, -1 uses `port`.
+  // Requests answered at once. 0 means 64, or twice the number of cores if that is more. At most as
+  // many queries compute at once as there are cores; the others wait in line. Open connections need
+  // no thread.
   int num_threads = 0;
-  // Threads that one query may use while cores are free; 0 is as many as there are cores. Counts
-  // instead of localizer.num_threads.
+  // Threads that one query may use while cores are free. 0 means the number of cores. Replaces
+  // localizer.num_threads.
   int threads_per_query = 0;
   size_t cache_bytes = size_t{1} << 30;
-  // Holds a picture of max_image_pixels: as JPEG, and as GRAY8 in base64, which takes 16,000,000
+  // Fits a picture of max_image_pixels as JPEG, or as GRAY8 in base64, which takes 16,000,000
   // bytes. RGBA32 of that size needs 64 MB.
   size_t max_body_bytes = size_t{16} << 20;
   int64_t max_image_pixels = 12'000'000;
@@ -32,7 +33,7 @@ struct ServerOptions {
   int default_timeout_ms = 2000;
   LocalizerOptions localizer;
 
-  // Throws Error(kInvalidArgument) naming the field.
+  // Throws Error(kInvalidArgument) that names the field.
   void Validate() const;
 };
 

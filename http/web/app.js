@@ -5,7 +5,7 @@
 const byId = (id) => document.getElementById(id);
 const form = byId("form");
 const state = {
-  tiles: [],                          // Rings of [lon, lat].
+  tiles: [],                          // Rings of [lon, lat], one a tile.
   view: { lon: 0, lat: 0, metersPerPixel: 1 },
   prior: null,                        // { lon, lat, accuracy }
   pose: null,                         // { lon, lat, headingDeg }
@@ -24,7 +24,7 @@ async function getJson(path) {
 const map = byId("map");
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name);
 
-// Local scale: metres per degree of longitude at the middle of the view.
+// Local scale: meters per degree of longitude at the middle of the view.
 const lonScale = () => METERS_PER_DEGREE * Math.max(0.01, Math.cos(state.view.lat * Math.PI / 180));
 
 function toPixel([lon, lat]) {
@@ -185,7 +185,7 @@ async function refresh() {
     if (coverage.truncated) byId("map-note").textContent = "Only the first 10,000 tiles are shown.";
     drawMap();
   } catch (error) {
-    status.textContent = `no answer: ${error.message}`;
+    status.textContent = `the server does not answer: ${error.message}`;
     status.className = "bad";
   }
 }
@@ -205,8 +205,8 @@ function updatePrior() {
 }
 
 const MAX_SIDE_PX = 1920;
-let photo = null;      // ImageBitmap of the photo as EXIF turns it; the request says so.
-let photoScale = 1;    // Its size over that of the file.
+let photo = null;      // ImageBitmap of the photo as turned by its EXIF; the request states this.
+let photoScale = 1;    // Size of the bitmap divided by the size of the file.
 
 async function loadPhoto(file) {
   const original = await createImageBitmap(file);
@@ -216,7 +216,7 @@ async function loadPhoto(file) {
     resizeWidth: Math.round(original.width * photoScale), resizeQuality: "high" });
 }
 
-let loading = Promise.resolve();   // Rejected if the chosen file is no photo.
+let loading = Promise.resolve();   // Rejected if the chosen file is not a photo.
 form.photo.addEventListener("change", () => {
   const file = form.photo.files[0];
   photo = null;
@@ -224,7 +224,7 @@ form.photo.addEventListener("change", () => {
   byId("answer").hidden = true;
   if (!file) return;
   loading = loadPhoto(file).then(() => drawPhoto([]), () => {
-    throw new Error(`${file.name} is not a photo that this browser can read; JPEG and PNG work`);
+    throw new Error(`${file.name} is not a photo that this browser can read; choose a JPEG or PNG file`);
   });
   loading.catch((error) => say(error.message));
 });
@@ -274,12 +274,12 @@ function requestFor() {
   return request;
 }
 
-// What the answer says about the focal length, in pixels of the file.
+// Describes the focal length of the answer, in pixels of the file.
 function describeCamera(camera) {
   if (!camera) return [];
   const focal = (camera.focalLength / photoScale).toFixed(0);
   const accuracy = (camera.focalLengthAccuracy / photoScale).toFixed(0);
-  const note = camera.focalLengthDisagrees ? ", contradicts what was given" : "";
+  const note = camera.focalLengthDisagrees ? ", contradicts the given value" : "";
   return [`focal length ${focal} ± ${accuracy} px${note}`];
 }
 

@@ -6,7 +6,7 @@ namespace cairn {
 namespace {
 
 constexpr char kAlphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-constexpr uint8_t kInvalid = 0x80;  // Bit that no symbol's value has.
+constexpr uint8_t kInvalid = 0x80;  // A bit that no valid symbol value has.
 
 constexpr std::array<uint8_t, 256> MakeValues() {
   std::array<uint8_t, 256> values{};
@@ -37,19 +37,25 @@ std::string EncodeBase64(std::span<const uint8_t> bytes) {
     const uint32_t group = bytes[i] << 16 | (rest == 2 ? bytes[i + 1] << 8 : 0);
     text[out++] = kAlphabet[group >> 18 & 63];
     text[out++] = kAlphabet[group >> 12 & 63];
-    if (rest == 2) text[out++] = kAlphabet[group >> 6 & 63];
+    if (rest == 2) {
+      text[out++] = kAlphabet[group >> 6 & 63];
+    }
   }
   return text;
 }
 
 std::optional<std::vector<uint8_t>> DecodeBase64(std::string_view text) {
-  if (text.size() % 4 != 0) return std::nullopt;
-  if (text.empty()) return std::vector<uint8_t>();
+  if (text.size() % 4 != 0) {
+    return std::nullopt;
+  }
+  if (text.empty()) {
+    return std::vector<uint8_t>();
+  }
   const size_t padding = text.ends_with("==") ? 2 : text.ends_with('=') ? 1 : 0;
   const size_t num_groups = text.size() / 4 - (padding > 0 ? 1 : 0);
   std::vector<uint8_t> bytes(text.size() / 4 * 3 - padding);
   uint32_t seen =
-      0;  // Collects the invalid bit; one test at the end keeps the loop free of branches.
+      0;  // Collects kInvalid bits; a single test after the loop keeps the loop free of branches.
   size_t out = 0;
   for (size_t g = 0; g < num_groups; ++g) {
     const char* in = text.data() + 4 * g;
@@ -64,12 +70,18 @@ std::optional<std::vector<uint8_t>> DecodeBase64(std::string_view text) {
     const uint32_t a = ValueOf(in[0]), b = ValueOf(in[1]);
     const uint32_t c = padding == 1 ? ValueOf(in[2]) : 0;
     const uint32_t stray = padding == 1 ? c & 3 : b & 15;
-    if (stray != 0) return std::nullopt;
+    if (stray != 0) {
+      return std::nullopt;
+    }
     seen |= a | b | c;
     bytes[out++] = static_cast<uint8_t>(a << 2 | b >> 4);
-    if (padding == 1) bytes[out++] = static_cast<uint8_t>(b << 4 | c >> 2);
+    if (padding == 1) {
+      bytes[out++] = static_cast<uint8_t>(b << 4 | c >> 2);
+    }
   }
-  if ((seen & kInvalid) != 0) return std::nullopt;
+  if ((seen & kInvalid) != 0) {
+    return std::nullopt;
+  }
   return bytes;
 }
 

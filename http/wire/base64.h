@@ -13,8 +13,8 @@ namespace cairn {
 
 std::string EncodeBase64(std::span<const uint8_t> bytes);
 
-// Nothing unless `text` is exactly what EncodeBase64 makes of some bytes: no line breaks, no
-// missing padding, no stray bits in the last symbol.
+// Returns nothing unless EncodeBase64 can produce exactly `text`: no line breaks, no missing
+// padding, no stray bits in the last symbol.
 std::optional<std::vector<uint8_t>> DecodeBase64(std::string_view text);
 
 }  // namespace cairn

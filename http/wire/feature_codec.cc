@@ -200,8 +200,8 @@ void CheckEncodable(const WireFeatures& wire) {
   for (int i = 0; i < wire.features.size(); ++i) {
     if (!IsUsable(wire.features.keypoints[i], wire.width_px, wire.height_px)) {
       throw Error(ErrorCode::kBadInput,
-                  fmt::format("keypoint {} does not lie in the image of {} x {} pixels or has a "
-                              "scale that is not positive",
+                  fmt::format("keypoint {} lies outside the image of {} x {} pixels or its "
+                              "scale is not positive",
                               i, wire.width_px, wire.height_px));
     }
   }
@@ -219,7 +219,7 @@ struct Layout {
 Header ReadHeader(std::span<const uint8_t> blob, int max_features) {
   Header header;
   if (blob.size() < kHeaderBytes) {
-    Refuse(fmt::format("{} bytes are less than the header's {}", blob.size(), kHeaderBytes));
+    Refuse(fmt::format("{} bytes are fewer than the {} of the header", blob.size(), kHeaderBytes));
   }
   std::memcpy(&header, blob.data(), kHeaderBytes);
   if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0) {
@@ -229,7 +229,9 @@ Header ReadHeader(std::span<const uint8_t> blob, int max_features) {
     Refuse(fmt::format("version {} is not supported; this server reads version {}", header.version,
                        kVersion));
   }
-  if (header.space > 1) Refuse(fmt::format("unknown descriptor space {}", header.space));
+  if (header.space > 1) {
+    Refuse(fmt::format("unknown descriptor space {}", header.space));
+  }
   if (header.descriptor_encoding > 3) {
     Refuse(fmt::format("unknown descriptor encoding {}", header.descriptor_encoding));
   }
@@ -237,8 +239,8 @@ Header ReadHeader(std::span<const uint8_t> blob, int max_features) {
     Refuse(fmt::format("unknown geometry encoding {}", header.geometry_encoding));
   }
   if (header.codec_length > kMaxCodecLength) {
-    Refuse(fmt::format("a codec name of {} characters; at most {}", header.codec_length,
-                       kMaxCodecLength));
+    Refuse(fmt::format("the codec name has {} characters; at most {} are allowed",
+                       header.codec_length, kMaxCodecLength));
   }
   if (header.dim < 1 || header.dim > kMaxDim) {
     Refuse(fmt::format("dimension {} is outside 1 to {}", header.dim, kMaxDim));
@@ -249,9 +251,8 @@ Header ReadHeader(std::span<const uint8_t> blob, int max_features) {
                        header.height_px));
   }
   if (header.count > static_cast<uint32_t>(max_features)) {
-    throw HttpError(
-        ProblemCode::kTooManyFeatures,
-        fmt::format("{} features are more than the limit of {}", header.count, max_features))
+    throw HttpError(ProblemCode::kTooManyFeatures,
+                    fmt::format("{} features exceed the limit of {}", header.count, max_features))
         .At("/features")
         .Hint("send the features with the strongest response");
   }
@@ -271,7 +272,7 @@ Layout ReadLayout(std::span<const uint8_t> blob, int max_features) {
   const size_t expected =
       kHeaderBytes + header.codec_length + table_bytes + geometry_bytes + descriptor_bytes;
   if (blob.size() != expected) {
-    Refuse(fmt::format("{} features of dimension {} take {} bytes, but there are {}", count,
+    Refuse(fmt::format("{} features of dimension {} need {} bytes, but the blob has {}", count,
                        header.dim, expected, blob.size()));
   }
   layout.codec.assign(reinterpret_cast<const char*>(blob.data()) + kHeaderBytes,
@@ -284,7 +285,7 @@ Layout ReadLayout(std::span<const uint8_t> blob, int max_features) {
     Refuse("the codec name is not printable ASCII");
   }
   if (header.space == 1 && layout.codec.empty()) {
-    Refuse("projected features have to name the codec they were projected for");
+    Refuse("projected features must name the codec that they were projected for");
   }
   return layout;
 }
@@ -307,8 +308,8 @@ std::vector<Keypoint> ReadKeypoints(const Layout& layout) {
     if (!IsUsable(keypoints[i], static_cast<float>(header.width_px),
                   static_cast<float>(header.height_px))) {
       Refuse(
-          fmt::format("keypoint {} does not lie in the image, has a scale that is not positive, "
-                      "or is not finite",
+          fmt::format("keypoint {} lies outside the image, is not finite, "
+                      "or its scale is not positive",
                       i));
     }
   }
@@ -333,7 +334,9 @@ DescriptorMatrix ReadDescriptors(const Layout& layout) {
   float* values = descriptors.data();
   switch (static_cast<DescriptorEncoding>(layout.header.descriptor_encoding)) {
     case DescriptorEncoding::kFloat32:
-      if (num_values > 0) std::memcpy(values, layout.descriptors, num_values * sizeof(float));
+      if (num_values > 0) {
+        std::memcpy(values, layout.descriptors, num_values * sizeof(float));
+      }
       break;
     case DescriptorEncoding::kFloat16:
       for (size_t i = 0; i < num_values; ++i) {
@@ -349,7 +352,9 @@ DescriptorMatrix ReadDescriptors(const Layout& layout) {
       ReadScaled(layout, &descriptors);
       break;
   }
-  if (!descriptors.allFinite()) Refuse("a descriptor is not finite");
+  if (!descriptors.allFinite()) {
+    Refuse("a descriptor is not finite");
+  }
   return descriptors;
 }
 

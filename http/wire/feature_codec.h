@@ -1,4 +1,5 @@
-// Features on the wire: binary, compact, exact length. The format is docs/formats/features_v1.md.
+// Binary encoding of features on the wire: compact, with an exact length.
+// docs/formats/features_v1.md specifies the format.
 #ifndef CAIRN_HTTP_WIRE_FEATURE_CODEC_H_
 #define CAIRN_HTTP_WIRE_FEATURE_CODEC_H_
 
@@ -19,8 +20,9 @@ enum class GeometryEncoding : uint8_t {
 enum class DescriptorEncoding : uint8_t {
   kFloat32 = 0,
   kFloat16 = 1,
-  kUint8 = 2,        // Values that are integers in [0, 255] already.
-  kUint8Scaled = 3,  // One byte a dimension between the dimension's minimum and maximum.
+  kUint8 = 2,  // Only for values that are integers in [0, 255].
+  kUint8Scaled =
+      3,  // One byte a dimension, scaled between the minimum and maximum of the dimension.
 };
 
 struct FeatureEncoding {
@@ -28,24 +30,25 @@ struct FeatureEncoding {
   DescriptorEncoding descriptors = DescriptorEncoding::kFloat32;
 };
 
-// Features with what the blob says about them.
+// Features with the metadata of their blob.
 struct WireFeatures {
   FeatureSet features;
-  // Projected space: the codec they were projected for. Raw: the descriptor type, or empty.
+  // Projected features: the codec that they were projected for. Raw features: the descriptor type,
+  // or empty.
   std::string codec;
-  int width_px = 0;  // Of the image they came from.
+  int width_px = 0;  // Size of the image that the features come from.
   int height_px = 0;
 };
 
-// The smallest encoding that loses nothing.
+// Returns the smallest lossless encoding.
 FeatureEncoding LosslessEncoding(const FeatureSet& features);
 
-// Throws Error(kBadInput) if the features are not valid, do not lie in the image, are of more than
-// 1024 dimensions, or do not fit the encoding (kUint8 with other than bytes, float16 overflow).
+// Throws Error(kBadInput) if the features are invalid, lie outside the image, have more than 1024
+// dimensions, or do not fit the encoding (kUint8 with values that are not bytes, float16 overflow).
 std::vector<uint8_t> EncodeFeatures(const WireFeatures& features, const FeatureEncoding& encoding);
 
-// Inverse of EncodeFeatures, for untrusted bytes: checks everything before it allocates. Throws
-// HttpError kInvalidFeatures that says what is wrong, kTooManyFeatures above `max_features`.
+// Inverse of EncodeFeatures for untrusted bytes; checks everything before it allocates. Throws
+// HttpError kInvalidFeatures that describes the fault, or kTooManyFeatures above `max_features`.
 WireFeatures DecodeFeatures(std::span<const uint8_t> blob, int max_features);
 
 }  // namespace cairn

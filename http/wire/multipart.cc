@@ -11,7 +11,7 @@
 namespace cairn {
 namespace {
 
-// Of the bodies written here.
+// The boundary of all bodies written here.
 constexpr char kBoundary[] = "cairn-client-5f1c2a9e7d304b68";
 
 constexpr size_t kMaxParts = 16;
@@ -20,7 +20,8 @@ constexpr size_t kMaxBoundaryLength = 70;  // RFC 2046.
 
 [[noreturn]] void Refuse(const std::string& detail) {
   throw HttpError(ProblemCode::kInvalidMultipart, "multipart body: " + detail)
-      .Hint("send the parts 'request' (JSON) and 'image' or 'features'; curl -F does it right");
+      .Hint(
+          "send the parts 'request' (JSON) and 'image' or 'features'; curl -F writes such a body");
 }
 
 bool EqualsIgnoringCase(std::string_view a, std::string_view b) {
@@ -32,11 +33,13 @@ bool EqualsIgnoringCase(std::string_view a, std::string_view b) {
 
 std::string_view Trim(std::string_view text) {
   const size_t begin = text.find_first_not_of(" \t");
-  if (begin == std::string_view::npos) return {};
+  if (begin == std::string_view::npos) {
+    return {};
+  }
   return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
 }
 
-// The name in the part's Content-Disposition.
+// The part's name from its Content-Disposition.
 std::string_view PartName(std::string_view head) {
   while (!head.empty()) {
     const size_t end = head.find("\r\n");
@@ -55,9 +58,13 @@ std::string_view PartName(std::string_view head) {
 MultipartPart ParsePart(std::string_view part) {
   const bool no_headers = part.starts_with("\r\n");
   const size_t head_end = no_headers ? 0 : part.substr(0, kMaxPartHeadBytes).find("\r\n\r\n");
-  if (head_end == std::string_view::npos) Refuse("a part has no end of its headers");
+  if (head_end == std::string_view::npos) {
+    Refuse("the headers of a part have no end");
+  }
   const std::string_view name = PartName(part.substr(0, head_end));
-  if (name.empty()) Refuse("a part has no name in its Content-Disposition");
+  if (name.empty()) {
+    Refuse("a part has no name in its Content-Disposition");
+  }
   return {.name = name, .content = part.substr(head_end + 4)};
 }
 
@@ -77,7 +84,9 @@ std::string_view HeaderParameter(std::string_view header_value, std::string_view
     // A quoted value may contain the separator.
     const size_t equals = header_value.find('=');
     const size_t next = header_value.find(';');
-    if (equals == std::string_view::npos) return {};
+    if (equals == std::string_view::npos) {
+      return {};
+    }
     if (next < equals) {
       separator = next;
       continue;
@@ -86,14 +95,18 @@ std::string_view HeaderParameter(std::string_view header_value, std::string_view
     std::string_view value = header_value.substr(equals + 1);
     if (value.starts_with('"')) {
       const size_t quote = value.find('"', 1);
-      if (quote == std::string_view::npos) return {};
+      if (quote == std::string_view::npos) {
+        return {};
+      }
       separator = header_value.find(';', equals + 1 + quote);
       value = value.substr(1, quote - 1);
     } else {
       separator = next;
       value = Trim(value.substr(0, value.find(';')));
     }
-    if (EqualsIgnoringCase(key, parameter)) return value;
+    if (EqualsIgnoringCase(key, parameter)) {
+      return value;
+    }
   }
   return {};
 }
@@ -109,19 +122,28 @@ std::vector<MultipartPart> ParseMultipart(std::string_view content_type, std::st
   }
   const std::string first = fmt::format("--{}", boundary);
   const std::string delimiter = fmt::format("\r\n--{}", boundary);
-  if (!body.starts_with(first)) Refuse("it does not start with its boundary");
+  if (!body.starts_with(first)) {
+    Refuse("the body does not start with the boundary");
+  }
   body.remove_prefix(first.size());
   std::vector<MultipartPart> parts;
   while (!body.starts_with("--")) {
-    if (!body.starts_with("\r\n")) Refuse("a boundary is not followed by a line break");
+    if (!body.starts_with("\r\n")) {
+      Refuse("a boundary is not followed by a line break");
+    }
     body.remove_prefix(2);
     const size_t end = body.find(delimiter);
-    if (end == std::string_view::npos) Refuse("the closing boundary is missing");
-    if (parts.size() == kMaxParts) Refuse(fmt::format("more than {} parts", kMaxParts));
+    if (end == std::string_view::npos) {
+      Refuse("the closing boundary is missing");
+    }
+    if (parts.size() == kMaxParts) {
+      Refuse(fmt::format("more than {} parts", kMaxParts));
+    }
     const MultipartPart part = ParsePart(body.substr(0, end));
     for (const MultipartPart& other : parts) {
-      if (other.name == part.name)
+      if (other.name == part.name) {
         Refuse(fmt::format("two parts are named '{}'", part.name.substr(0, 64)));
+      }
     }
     parts.push_back(part);
     body.remove_prefix(end + delimiter.size());

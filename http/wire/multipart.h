@@ -8,7 +8,7 @@
 
 namespace cairn {
 
-// Views into the body.
+// Views of the body.
 struct MultipartPart {
   std::string_view name;
   std::string_view content;
@@ -17,18 +17,19 @@ struct MultipartPart {
 // True if the Content-Type is multipart/form-data.
 bool IsMultipart(std::string_view content_type);
 
-// Linear in the body. Throws HttpError kInvalidMultipart if the boundary is missing, the framing is
-// broken (also: the last part has no closing boundary), a part has no name, a name comes twice, or
-// there are more than 16 parts.
+// Runs in time linear in the body. Throws HttpError kInvalidMultipart if the boundary is missing,
+// if the framing is broken (for example, no closing boundary after the last part), if a part has no
+// name, if two parts have the same name, or if there are more than 16 parts.
 std::vector<MultipartPart> ParseMultipart(std::string_view content_type, std::string_view body);
 
-// Writes such a body part by part.
+// Writes a multipart body part by part.
 class MultipartWriter {
  public:
-  // Of the whole body; has the boundary.
+  // The Content-Type of the whole body, with the boundary.
   static std::string ContentType();
 
-  // The bytes may be anything but the boundary, whose randomness makes that certain enough.
+  // `bytes` must not contain the boundary. The boundary is a random constant, so a collision is
+  // practically impossible.
   void Add(std::string_view name, std::string_view content_type, std::string_view bytes);
   std::string Finish() &&;
 
@@ -39,7 +40,7 @@ class MultipartWriter {
 // The media type of a Content-Type without its parameters, in lower case.
 std::string MediaType(std::string_view content_type);
 
-// The value of a parameter ("boundary", "name"), without quotes; empty if it is not there.
+// The value of a parameter ("boundary", "name") without quotes; empty if the parameter is absent.
 std::string_view HeaderParameter(std::string_view header_value, std::string_view parameter);
 
 }  // namespace cairn

@@ -26,10 +26,10 @@ constexpr std::array kProblems = {
     ProblemInfo{kNotFound, 404, "not_found", "Not found"},
     ProblemInfo{kMethodNotAllowed, 405, "method_not_allowed", "Method not allowed"},
     ProblemInfo{kInvalidJson, 400, "invalid_json", "The body is not usable JSON"},
-    ProblemInfo{kInvalidField, 400, "invalid_field", "A member of the request makes no sense"},
+    ProblemInfo{kInvalidField, 400, "invalid_field", "A member of the request is invalid"},
     ProblemInfo{kInvalidMultipart, 400, "invalid_multipart", "The multipart body is malformed"},
     ProblemInfo{kInvalidFeatures, 400, "invalid_features", "The features do not decode"},
-    ProblemInfo{kWrongCodec, 409, "wrong_codec", "The features are not of this map's codec"},
+    ProblemInfo{kWrongCodec, 409, "wrong_codec", "The features do not have this map's codec"},
     ProblemInfo{kTooManyFeatures, 413, "too_many_features", "Too many features"},
     ProblemInfo{kInvalidImage, 400, "invalid_image", "The image does not decode"},
     ProblemInfo{kImageTooLarge, 413, "image_too_large", "The image has too many pixels"},
@@ -41,13 +41,13 @@ constexpr std::array kProblems = {
     ProblemInfo{kUnavailable, 503, "unavailable", "Not available now"},
 };
 
-// Whoever asks must not get an answer of megabytes because names in the request are that long.
+// Bounds the response: a name in the request may have megabytes.
 std::string Cut(const std::string& text) {
   constexpr size_t kMaxBytes = 1000;
   return text.size() <= kMaxBytes ? text : Excerpt(text, kMaxBytes);
 }
 
-// Which project error a problem is, for callers that only know Error.
+// The project error of a problem, for callers that only know Error.
 ErrorCode ErrorCodeOf(ProblemCode problem) {
   switch (problem) {
     case kNotFound:
@@ -90,7 +90,7 @@ ProblemCode ProblemFromErrorCode(ErrorCode code) {
     case ErrorCode::kConflict:  // Another program holds the map.
     case ErrorCode::kUnavailable:
       return kUnavailable;
-    case ErrorCode::kNotFound:  // Routes that find nothing throw HttpError; this is a file.
+    case ErrorCode::kNotFound:  // A missing file. Routes that find nothing throw HttpError.
     case ErrorCode::kInternal:
       break;
   }
@@ -121,8 +121,7 @@ HttpError PublicError(const Error& error) {
   if (InfoOf(code).status < 500) {
     return HttpError(code, error.what());
   }
-  return HttpError(code,
-                   "the server could not answer; its log has the cause under this request id");
+  return HttpError(code, "the server failed; its log has the cause under this request id");
 }
 
 std::string ProblemJson(const HttpError& error, const std::string& request_id) {

@@ -1,4 +1,5 @@
-// Every way a request can fail, in one table, and its body on the wire (RFC 9457 problem details).
+// One table of all ways in which a request can fail, and the body of a failure on the wire (RFC
+// 9457 problem details).
 #ifndef CAIRN_HTTP_WIRE_PROBLEM_H_
 #define CAIRN_HTTP_WIRE_PROBLEM_H_
 
@@ -11,34 +12,34 @@
 
 namespace cairn {
 
-// The stable `code` of a problem; docs/http.md lists them for users.
+// The stable `code` of a problem. docs/http.md lists the codes for users.
 enum class ProblemCode {
-  // The message itself.
-  kBadRequest,      // Not HTTP as RFC 9112 wants it.
+  // Faults of the HTTP message.
+  kBadRequest,      // Not HTTP according to RFC 9112.
   kRequestTimeout,  // The request did not arrive in time.
-  kLengthRequired,  // A body without Content-Length, or chunked.
+  kLengthRequired,  // A body without Content-Length, or a chunked body.
   kPayloadTooLarge,
   kUriTooLong,
   kUnsupportedMediaType,
   kUnsupportedEncoding,  // Content-Encoding other than identity.
   kExpectationFailed,
   kHeadersTooLarge,
-  kNotImplemented,  // A method HTTP does not know.
+  kNotImplemented,  // A method that HTTP does not define.
   kVersionNotSupported,
-  // The route.
+  // Faults of the route.
   kNotFound,
   kMethodNotAllowed,
-  // What it says.
-  kInvalidJson,   // Does not parse, is too deep, or is not UTF-8.
-  kInvalidField,  // Parses, but a member is missing or makes no sense.
+  // Faults of the content.
+  kInvalidJson,   // Does not parse, is nested too deeply, or is not UTF-8.
+  kInvalidField,  // Parses, but a member is missing or invalid.
   kInvalidMultipart,
   kInvalidFeatures,  // The features blob does not decode.
-  kWrongCodec,       // Features of another map's codec.
+  kWrongCodec,       // The features have the codec of another map.
   kTooManyFeatures,
-  kInvalidImage,  // Does not decode.
+  kInvalidImage,  // The image does not decode.
   kImageTooLarge,
-  kNotLocalized,  // GeoPoseProtocol only, which has no word for a miss.
-  // The server.
+  kNotLocalized,  // GeoPoseProtocol only: the protocol cannot express a miss.
+  // Faults of the server.
   kBadInput,
   kMapDamaged,
   kIo,
@@ -57,18 +58,18 @@ struct ProblemInfo {
 std::span<const ProblemInfo> AllProblems();
 const ProblemInfo& InfoOf(ProblemCode code);
 
-// The one mapping from the project's errors to problems.
+// Maps the project's errors to problems. No other code does.
 ProblemCode ProblemFromErrorCode(ErrorCode code);
 
-// A failed request. `what()` is the detail, for the client's developer. Detail, pointer and hint
-// are cut after 1,000 bytes.
+// A failed request. `what()` is the detail, written for the client's developer. Detail, pointer and
+// hint are cut after 1,000 bytes.
 class HttpError : public Error {
  public:
   HttpError(ProblemCode code, const std::string& detail);
 
-  // The request member at fault, as a JSON pointer (RFC 6901) into the request's JSON.
+  // Sets the member at fault, as a JSON pointer (RFC 6901) into the request's JSON.
   HttpError&& At(std::string pointer) &&;
-  // What to do about it.
+  // Sets the advice on how to mend the request.
   HttpError&& Hint(std::string hint) &&;
   HttpError&& Header(std::string name, std::string value) &&;
 
@@ -86,9 +87,9 @@ class HttpError : public Error {
   std::vector<std::pair<std::string, std::string>> headers_;
 };
 
-// An Error as the client may see it: messages about the request (kBadInput, kInvalidArgument) pass,
-// all others are about the server's own files and state and are replaced by a reference to its log,
-// so that no path of a file leaves the server.
+// Converts an Error for the client. Messages about the request (kBadInput, kInvalidArgument) pass
+// unchanged. All other messages concern the server's own files and state. A reference to the
+// server's log replaces them, so that no file path leaves the server.
 HttpError PublicError(const Error& error);
 
 // The application/problem+json body. Bytes that are not UTF-8 are replaced.

@@ -1,4 +1,4 @@
-// The direction of a gradient, in a form that compilers vectorise.
+// The direction of a gradient, in a form that compilers can vectorize.
 #ifndef CAIRN_INGEST_FEATURES_ARC_TANGENT_H_
 #define CAIRN_INGEST_FEATURES_ARC_TANGENT_H_
 
@@ -6,9 +6,10 @@
 
 namespace cairn {
 
-// atan2(y, x) in units of 45 degrees, in [0, 8], within 0.0002 units; 0 for (0, 0).
+// Returns atan2(y, x) in units of 45 degrees, in [0, 8], with an error below 0.0002 units; 0 for
+// (0, 0).
 //
-// The polynomial is the one of Abramowitz and Stegun, 4.4.49, in these units.
+// The polynomial is Abramowitz and Stegun, 4.4.49, converted to these units.
 [[gnu::always_inline]] inline float DirectionInEighths(float y, float x) {
   constexpr float kEighthsFromRad = 1.2732395447351628f;
   const float abs_x = std::fabs(x), abs_y = std::fabs(y);

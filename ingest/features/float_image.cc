@@ -15,8 +15,8 @@ void ToFloats(const uint8_t* pixels, int num_pixels, float* values) {
   }
 }
 
-// The second pixel of `sums` belongs to the first of the rows: there are two more on the left and
-// one on the right. `half` has (width + 1) / 2 pixels.
+// The second pixel of `sums` corresponds to the first pixel of the rows: `sums` has two more pixels
+// on the left and one more on the right. `half` has (width + 1) / 2 pixels.
 CAIRN_VECTOR_CLONES
 void HalveRow(const float* const rows[5], int width, float* __restrict sums,
               float* __restrict half) {
@@ -33,7 +33,8 @@ void HalveRow(const float* const rows[5], int width, float* __restrict sums,
   }
 }
 
-// Twice the values of the mean of two rows, and those between their neighbours.
+// Writes the mean of two rows to `means`, and the same row at twice the width, interpolated, to
+// `twice`.
 CAIRN_VECTOR_CLONES
 void DoubleRow(const float* above, const float* below, int width, float* __restrict means,
                float* __restrict twice) {

@@ -1,4 +1,4 @@
-// Grey images of floats, and halving and doubling them.
+// Gray images of floats, with functions to halve and double them.
 #ifndef CAIRN_INGEST_FEATURES_FLOAT_IMAGE_H_
 #define CAIRN_INGEST_FEATURES_FLOAT_IMAGE_H_
 
@@ -9,7 +9,7 @@
 
 namespace cairn {
 
-// Rows begin on cache lines. The values of a new image are undefined.
+// Rows are aligned to cache lines. A new image has undefined values.
 class FloatImage {
  public:
   FloatImage() = default;
@@ -21,7 +21,7 @@ class FloatImage {
 
   int width_px() const { return width_px_; }
   int height_px() const { return height_px_; }
-  // Floats from a value to the one below it.
+  // The number of floats from a value to the value below it.
   size_t stride() const { return stride_; }
 
   float* Row(int row) { return values_.data() + row * stride_; }
@@ -36,16 +36,16 @@ class FloatImage {
   LargeVector<float> values_;
 };
 
-// Grey levels, 0 to 255.
+// Converts to gray levels from 0 to 255.
 FloatImage ToFloatImage(const GrayImage& image);
 
-// Half the width and height, rounded up: every second pixel, from the first on, after a filter of
-// 1 4 6 4 1 along each axis, whose variance is kHalvingVariancePx2.
+// Halves width and height, rounded up. Filters with 1 4 6 4 1 along each axis (variance
+// kHalvingVariancePx2) and keeps every second pixel, beginning with the first.
 inline constexpr double kHalvingVariancePx2 = 1.0;
 FloatImage Halve(const FloatImage& image);
 
-// Twice the width and height, by linear interpolation; every second pixel is one of `image`, the
-// first is its first.
+// Doubles width and height by linear interpolation. Every second pixel, beginning with the first,
+// is a pixel of `image`.
 FloatImage Double(const FloatImage& image);
 
 }  // namespace cairn

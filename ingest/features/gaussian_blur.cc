@@ -15,7 +15,8 @@ namespace {
 
 constexpr int kMaxRadius = 10;
 
-// kernel[k] is the weight of the pixels k away; the weights of all 2 * radius + 1 add to one.
+// kernel[k] is the weight of the pixels at distance k. The weights of all 2 * radius + 1 pixels add
+// up to one.
 using Kernel = std::array<float, kMaxRadius + 1>;
 
 Kernel MakeKernel(double sigma_px, int radius) {
@@ -32,9 +33,9 @@ Kernel MakeKernel(double sigma_px, int radius) {
   return kernel;
 }
 
-// One row of an image, blurred down its columns into `sums` and along it into `blurred`. K counts
-// the pixels to one side, so that the compiler sees sums of fixed length and vectorises over x.
-// `sums` has room for kMaxRadius more values on either side.
+// Blurs one row of an image: first along the columns into `sums`, then along the row into
+// `blurred`. K enumerates the pixels on one side, so that the compiler sees sums of fixed length
+// and vectorizes over x. `sums` has room for kMaxRadius more values on either side.
 template <size_t... K>
 [[gnu::always_inline]] inline void BlurRow(const FloatImage& image, int row, const Kernel& kernel,
                                            float* __restrict sums, float* __restrict blurred,
@@ -88,11 +89,13 @@ void BlurAll(const FloatImage& image, const Kernel& kernel, int radius, float* s
   }
 }
 
-// The smallest radius of BlurAll that reaches three sigmas.
+// The smallest radius supported by BlurAll that covers three sigmas.
 int RadiusOf(double sigma_px) {
   const double three_sigmas_px = 3.0 * sigma_px;
   for (const int radius : {4, 5, 6, 8}) {
-    if (three_sigmas_px <= radius) return radius;
+    if (three_sigmas_px <= radius) {
+      return radius;
+    }
   }
   return kMaxRadius;
 }
@@ -100,7 +103,8 @@ int RadiusOf(double sigma_px) {
 }  // namespace
 
 FloatImage GaussianBlur(const FloatImage& image, double sigma_px) {
-  CAIRN_CHECK(sigma_px > 0.0 && sigma_px <= kMaxBlurSigmaPx, "a Gaussian of few pixels");
+  CAIRN_CHECK(sigma_px > 0.0 && sigma_px <= kMaxBlurSigmaPx,
+              "sigma_px must be in (0, kMaxBlurSigmaPx]");
   const int radius = RadiusOf(sigma_px);
   std::vector<float> sums(static_cast<size_t>(image.width_px()) + 2 * kMaxRadius);
   FloatImage blurred(image.width_px(), image.height_px());

@@ -1,4 +1,4 @@
-// Blurs an image by a Gaussian, in one pass over its rows.
+// Blurs an image with a Gaussian in one pass over its rows.
 #ifndef CAIRN_INGEST_FEATURES_GAUSSIAN_BLUR_H_
 #define CAIRN_INGEST_FEATURES_GAUSSIAN_BLUR_H_
 
@@ -6,11 +6,11 @@
 
 namespace cairn {
 
-// The widest Gaussian, whose samples reach 10 pixels to either side.
+// The widest Gaussian. Its kernel reaches 10 pixels to either side.
 inline constexpr double kMaxBlurSigmaPx = 10.0 / 3.0;
 
-// The Gaussian of `sigma_px`, in (0, kMaxBlurSigmaPx], is cut off at three sigmas or beyond; what
-// lies outside the image is its nearest pixel.
+// `sigma_px` is in (0, kMaxBlurSigmaPx]. The Gaussian is truncated at three sigmas or more. Outside
+// the image, the nearest pixel of the image counts.
 FloatImage GaussianBlur(const FloatImage& image, double sigma_px);
 
 }  // namespace cairn

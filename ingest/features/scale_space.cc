@@ -7,7 +7,7 @@
 namespace cairn {
 namespace {
 
-// What a blur of `from_px` lacks of one of `to_px`.
+// The blur that turns a blur of `from_px` into a blur of `to_px`.
 double SigmaBetween(double from_px, double to_px) {
   return std::sqrt(to_px * to_px - from_px * from_px);
 }

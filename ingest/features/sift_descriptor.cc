@@ -13,24 +13,25 @@ namespace {
 constexpr int kNumCells = 4;  // Along each axis.
 constexpr int kNumDirections = 8;
 constexpr double kCellSigmas = 3.0;
-constexpr double kWindowCells = 2.0;  // Sigma of the Gaussian window.
+constexpr double kWindowCells = 2.0;  // Sigma of the Gaussian window, in cells.
 constexpr float kLargestShare = 0.2f;
 constexpr float kLength = 512.0f;
 constexpr float kLargestValue = 255.0f;
 
 constexpr int kSamplesPerCell = 4;
-// Linear interpolation between cells reaches half a cell beyond the outermost.
+// Linear interpolation between cells reaches half a cell beyond the outermost cells.
 constexpr int kNumSamples = (kNumCells + 1) * kSamplesPerCell;
 constexpr int kPatchSide = kNumSamples + 2;  // One more on every side, for the differences.
-constexpr int kRowFloats = 24;               // Samples are handled by whole vectors.
+constexpr int kRowFloats = 24;               // Rounded up to whole vectors.
 static_assert(kNumSamples <= kRowFloats && kPatchSide <= kRowFloats);
 
-// One row of grey levels more than there are, since differences of whole vectors reach beyond.
+// Has one row of gray levels more than needed, because differences of whole vectors read beyond the
+// end.
 using Patch = std::array<float, kPatchSide * kRowFloats + kRowFloats>;
-// Gradients by row of cells, direction, and column of samples.
+// Gradients, indexed by row of cells, direction, and column of samples.
 using Columns = std::array<std::array<std::array<float, kRowFloats>, kNumDirections>, kNumCells>;
 
-// share[cell][sample]: linear interpolation times the window.
+// share[cell][sample] is the linear interpolation weight times the window.
 struct SampleShares {
   float share[kNumCells][kRowFloats] = {};
 
@@ -51,10 +52,10 @@ const SampleShares& Shares() {
   return shares;
 }
 
-// From samples to pixels of the octave.
+// Maps samples to pixels of the octave.
 struct PatchFrame {
-  float origin_x, origin_y;  // Of the patch's first sample.
-  float along_x, along_y;    // From a sample to the next of its row; the next row is at (-y, x).
+  float origin_x, origin_y;  // Position of the patch's first sample.
+  float along_x, along_y;  // Step to the next sample of a row; the step to the next row is (-y, x).
 };
 
 PatchFrame FrameOf(const SiftExtremum& extremum, float angle_rad) {
@@ -67,7 +68,8 @@ PatchFrame FrameOf(const SiftExtremum& extremum, float angle_rad) {
           .along_y = static_cast<float>(along_y)};
 }
 
-// Grey levels by bilinear interpolation; beyond the border those on the border.
+// Samples gray levels by bilinear interpolation. Beyond the border, the levels of the border
+// continue.
 CAIRN_VECTOR_CLONES
 void SamplePatch(const float* __restrict pixels, int stride, float last_x, float last_y,
                  const PatchFrame& frame, float* __restrict patch) {
@@ -97,7 +99,7 @@ void SamplePatch(const float* __restrict pixels, int stride, float last_x, float
   }
 }
 
-// Adds the gradients of a row of samples to two rows of cells with the row's share of each.
+// Adds the gradients of a row of samples to two rows of cells, weighted by the row's share of each.
 [[gnu::always_inline]] inline void AddRow(const float* lengths, const float* directions,
                                           float share_a, float share_b,
                                           std::array<float, kRowFloats>* __restrict cells_a,
@@ -118,7 +120,7 @@ void SamplePatch(const float* __restrict pixels, int stride, float last_x, float
   }
 }
 
-// The gradients of all samples, added up over the rows.
+// Sums the gradients of all samples over the rows.
 CAIRN_VECTOR_CLONES
 void SumRows(const float* __restrict patch, const SampleShares& shares,
              Columns* __restrict columns) {
@@ -131,14 +133,14 @@ void SumRows(const float* __restrict patch, const SampleShares& shares,
       lengths[i] = std::sqrt(dx * dx + dy * dy);
       directions[i] = static_cast<float>(kNumDirections) - DirectionInEighths(dy, dx);
     }
-    // The two rows of cells that the row lies between; the outermost samples have one neighbour.
+    // The row lies between two rows of cells; the outermost samples have only one neighbor.
     const int cell = std::clamp(row / kSamplesPerCell - 1, 0, kNumCells - 2);
     AddRow(lengths, directions, shares.share[cell][row], shares.share[cell + 1][row],
            (*columns)[cell].data(), (*columns)[cell + 1].data());
   }
 }
 
-// Adds the columns up to cells.
+// Sums the columns into cells.
 CAIRN_VECTOR_CLONES
 void SumColumns(const Columns& columns, const SampleShares& shares, float* __restrict descriptor) {
   for (int cell_y = 0; cell_y < kNumCells; ++cell_y) {
@@ -153,7 +155,9 @@ void SumColumns(const Columns& columns, const SampleShares& shares, float* __res
           }
         }
         for (int half = kLanes / 2; half > 0; half /= 2) {
-          for (int lane = 0; lane < half; ++lane) sums[lane] += sums[lane + half];
+          for (int lane = 0; lane < half; ++lane) {
+            sums[lane] += sums[lane + half];
+          }
         }
         *descriptor++ = sums[0];
       }
@@ -163,16 +167,24 @@ void SumColumns(const Columns& columns, const SampleShares& shares, float* __res
 
 float Norm(std::span<const float, kSiftDim> values) {
   float sum = 0.0f;
-  for (const float value : values) sum += value * value;
+  for (const float value : values) {
+    sum += value * value;
+  }
   return std::sqrt(sum);
 }
 
 void Normalize(std::span<float, kSiftDim> descriptor) {
   const float norm = Norm(descriptor);
-  if (!(norm > 0.0f)) return;
-  for (float& value : descriptor) value = std::min(value, kLargestShare * norm);
+  if (!(norm > 0.0f)) {
+    return;
+  }
+  for (float& value : descriptor) {
+    value = std::min(value, kLargestShare * norm);
+  }
   const float scale = kLength / Norm(descriptor);
-  for (float& value : descriptor) value = std::min(std::round(scale * value), kLargestValue);
+  for (float& value : descriptor) {
+    value = std::min(std::round(scale * value), kLargestValue);
+  }
 }
 
 }  // namespace
@@ -180,7 +192,7 @@ void Normalize(std::span<float, kSiftDim> descriptor) {
 void DescribeSift(const ScaleSpaceOctave& octave, const SiftExtremum& extremum, float angle_rad,
                   std::span<float, kSiftDim> descriptor) {
   const FloatImage& gaussian = octave.Level(extremum.level);
-  // Interpolation also reads the pixel to the right and the one below.
+  // Interpolation also reads the pixel to the right and the pixel below.
   const float last_x = std::nextafter(static_cast<float>(gaussian.width_px() - 1), 0.0f);
   const float last_y = std::nextafter(static_cast<float>(gaussian.height_px() - 1), 0.0f);
   Patch patch;

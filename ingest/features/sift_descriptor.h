@@ -1,4 +1,4 @@
-// Describes the surroundings of a keypoint: histograms of gradients (Lowe 2004, section 6).
+// Describes the surroundings of a keypoint by histograms of gradients (Lowe 2004, section 6).
 #ifndef CAIRN_INGEST_FEATURES_SIFT_DESCRIPTOR_H_
 #define CAIRN_INGEST_FEATURES_SIFT_DESCRIPTOR_H_
 
@@ -11,14 +11,15 @@ namespace cairn {
 
 inline constexpr int kSiftDim = 128;
 
-// 4 x 4 cells of 3 sigma, row by row in the frame that is turned by `angle_rad`, of 8 directions
-// each, in COLMAP's order: against the sense in which angles are measured. Whole numbers up to 255,
-// of length 512 or a little less, as OpenCV has them; zero where there is no gradient.
+// The descriptor has 4 x 4 cells of 3 sigma, row by row in the frame rotated by `angle_rad`. Each
+// cell has 8 directions in COLMAP's order, which runs against the sense of the angles. The values
+// are whole numbers up to 255, as in OpenCV, and have a length of 512 or a little less. Without
+// gradients, all values are zero.
 //
-// The square of 15 sigma that the cells reach is sampled on a grid that turns with it, so that each
-// sample's share of each cell is the same for all keypoints and the time does not depend on sigma.
-// Classic SIFT visits all pixels instead; RootSIFT descriptors of both are 0.06 apart in the
-// median.
+// The cells span a square of 15 sigma. The square is sampled on a grid that rotates with it. The
+// share of each sample in each cell is therefore the same for all keypoints, and the time does not
+// depend on sigma. Classic SIFT visits all pixels instead. The median distance between RootSIFT
+// descriptors of both methods is 0.06.
 void DescribeSift(const ScaleSpaceOctave& octave, const SiftExtremum& extremum, float angle_rad,
                   std::span<float, kSiftDim> descriptor);
 

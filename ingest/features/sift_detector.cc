@@ -14,10 +14,10 @@ namespace cairn {
 namespace {
 
 constexpr double kGreyLevels = 255.0;
-// Refinement may raise the contrast: pixels a little below the threshold are tried, too.
+// Refinement may raise the contrast, so pixels slightly below the threshold are also tried.
 constexpr double kTriedShare = 0.8;
 constexpr int kMaxSteps = 5;
-// Beyond this the neighbouring pixel is the better place to expand about.
+// For a larger offset, expanding about the neighboring pixel is more accurate.
 constexpr double kStepAtPx = 0.6;
 constexpr double kMaxOffsetPx = 1.5;
 
@@ -28,8 +28,8 @@ void SubtractRow(const float* a, const float* b, int width, float* __restrict di
   }
 }
 
-// Marks the pixels of a row, except the first and last, that are above or below all eight
-// neighbours of their level and beyond the threshold. `marks` has `width` bytes.
+// Marks the pixels of a row, except the first and last, that are above or below all eight neighbors
+// of their level and beyond the threshold. `marks` has `width` bytes.
 CAIRN_VECTOR_CLONES
 void MarkExtremaOfRow(const float* above, const float* centre, const float* below, int width,
                       float threshold, uint8_t* __restrict marks) {
@@ -47,7 +47,7 @@ void MarkExtremaOfRow(const float* above, const float* centre, const float* belo
   }
 }
 
-// The differences around a pixel of a level, which is not on the border.
+// The differences around a pixel of a level. The pixel is not on the border.
 class Neighbourhood {
  public:
   Neighbourhood(const ScaleSpaceOctave& octave, int x, int y, int level)
@@ -62,19 +62,21 @@ class Neighbourhood {
     return gaussians_[ds + 2][offset] - gaussians_[ds + 1][offset];
   }
 
-  // Above or below all nine pixels of the level `ds` away.
+  // True if the pixel is above, or below, all nine pixels of the level at distance `ds`.
   bool IsBeyondLevel(int ds) const {
     const float sign = At(0, 0, 0) > 0.0f ? 1.0f : -1.0f;
     const float value = sign * At(0, 0, 0);
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
-        if (sign * At(dx, dy, ds) >= value) return false;
+        if (sign * At(dx, dy, ds) >= value) {
+          return false;
+        }
       }
     }
     return true;
   }
 
-  // By central differences, in x, y and level.
+  // The gradient in x, y and level, by central differences.
   Eigen::Vector3d Gradient() const {
     return 0.5 * Eigen::Vector3d(At(1, 0, 0) - At(-1, 0, 0), At(0, 1, 0) - At(0, -1, 0),
                                  At(0, 0, 1) - At(0, 0, -1));
@@ -94,10 +96,10 @@ class Neighbourhood {
 
  private:
   const ptrdiff_t stride_;
-  const float* gaussians_[4];  // Of the level below to two above.
+  const float* gaussians_[4];  // From the level below to two levels above.
 };
 
-// A step of -1, 0 or 1 that stays off the border.
+// A step of -1, 0 or 1 that does not reach the border.
 int StepTowards(double offset, int at, int size) {
   return (offset > kStepAtPx && at < size - 2 ? 1 : 0) - (offset < -kStepAtPx && at > 1 ? 1 : 0);
 }
@@ -109,7 +111,7 @@ bool IsOnEdge(const Eigen::Matrix3d& hessian, double edge_threshold) {
   return !(determinant > 0.0 && trace * trace < limit * determinant);
 }
 
-// Nothing if there is no stable extremum of enough contrast.
+// Returns nothing unless there is a stable extremum of enough contrast.
 std::optional<SiftExtremum> Refine(const ScaleSpaceOctave& octave,
                                    const SiftDetectorOptions& options, int x, int y, int level) {
   const int width = octave.gaussians[0].width_px(), height = octave.gaussians[0].height_px();
@@ -125,10 +127,14 @@ std::optional<SiftExtremum> Refine(const ScaleSpaceOctave& octave,
     bool is_invertible = false;
     Eigen::Matrix3d inverse;
     hessian.computeInverseWithCheck(inverse, is_invertible);
-    if (!is_invertible) return std::nullopt;
+    if (!is_invertible) {
+      return std::nullopt;
+    }
     offset = -inverse * gradient;
     step_x = StepTowards(offset.x(), x, width), step_y = StepTowards(offset.y(), y, height);
-    if (step_x == 0 && step_y == 0) break;
+    if (step_x == 0 && step_y == 0) {
+      break;
+    }
   }
   const double contrast = std::abs(value + 0.5 * gradient.dot(offset));
   const double refined_level = level + offset.z();
@@ -155,9 +161,13 @@ void ForEachMark(const std::vector<uint8_t>& marks, const Use& use) {
   for (size_t first = 0; first < marks.size(); first += kWordBytes) {
     uint64_t word;
     std::memcpy(&word, marks.data() + first, kWordBytes);
-    if (word == 0) continue;
+    if (word == 0) {
+      continue;
+    }
     for (size_t x = first; x < first + kWordBytes; ++x) {
-      if (marks[x] != 0) use(static_cast<int>(x));
+      if (marks[x] != 0) {
+        use(static_cast<int>(x));
+      }
     }
   }
 }
@@ -168,20 +178,26 @@ std::vector<SiftExtremum> DetectSiftExtrema(const ScaleSpaceOctave& octave,
                                             const SiftDetectorOptions& options) {
   const int width = octave.gaussians[0].width_px(), height = octave.gaussians[0].height_px();
   std::vector<SiftExtremum> extrema;
-  if (width < 3 || height < 3) return extrema;
+  if (width < 3 || height < 3) {
+    return extrema;
+  }
   const auto threshold = static_cast<float>(kTriedShare * options.contrast_threshold * kGreyLevels);
   std::vector<uint8_t> marks((static_cast<size_t>(width) + 7) / 8 * 8);
-  FloatImage differences(width, 3);  // The row that is searched and its neighbours.
+  FloatImage differences(width, 3);  // The row being searched and its two neighbors.
   for (int level = octave.levels.first; level <= octave.levels.last; ++level) {
     for (int y = 0; y < height; ++y) {
       SubtractRow(octave.Level(level + 1).Row(y), octave.Level(level).Row(y), width,
                   differences.Row(y % 3));
-      if (y < 2) continue;
+      if (y < 2) {
+        continue;
+      }
       MarkExtremaOfRow(differences.Row((y - 2) % 3), differences.Row((y - 1) % 3),
                        differences.Row(y % 3), width, threshold, marks.data());
       ForEachMark(marks, [&](int x) {
         const Neighbourhood around(octave, x, y - 1, level);
-        if (!around.IsBeyondLevel(-1) || !around.IsBeyondLevel(1)) return;
+        if (!around.IsBeyondLevel(-1) || !around.IsBeyondLevel(1)) {
+          return;
+        }
         if (const auto extremum = Refine(octave, options, x, y - 1, level)) {
           extrema.push_back(*extremum);
         }

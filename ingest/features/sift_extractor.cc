@@ -16,20 +16,20 @@
 namespace cairn {
 namespace {
 
-// Shorter octaves have no room for the window of a keypoint.
+// Smaller octaves have no room for the window of a keypoint.
 constexpr int kMinOctaveSidePx = 16;
-// Photos with fewer features are doubled to find more, which takes four times as long as all other
-// octaves together. Photos of half a megapixel or more have this many.
+// Photos with fewer features are doubled to find more. Doubling takes four times as long as all
+// other octaves together. Photos of half a megapixel or more have this many features.
 constexpr int kFewFeatures = 800;
-// The octave of the image itself takes over the coarsest levels of the doubled image, for one blur
-// more each instead of a pyramid of four times the pixels.
+// The octave of the original image takes over the coarsest levels of the doubled image. Each such
+// level costs one more blur, instead of a pyramid of four times the pixels.
 constexpr int kNumLevelsTakenOver = 1;
 
-// An image from which an octave is made.
+// An image from which an octave is computed.
 struct OctaveImage {
   FloatImage image;
-  double sigma_px = 0.0;  // Of its blur, in its own pixels.
-  double pixel_px = 0.0;  // The size of its pixels, in those of the reduced image.
+  double sigma_px = 0.0;  // Blur, in the image's own pixels.
+  double pixel_px = 0.0;  // Pixel size, in pixels of the reduced image.
   SiftLevels levels;
 };
 
@@ -40,11 +40,11 @@ OctaveImage Doubled(const FloatImage& image) {
           .levels = {.last = kSiftLevelsPerOctave - kNumLevelsTakenOver}};
 }
 
-// The image and what is made of it by halving, from the finest to the coarsest.
+// The image and its successive halvings, from the finest to the coarsest.
 std::vector<OctaveImage> HalvedImages(const GrayImage& image) {
   std::vector<OctaveImage> octaves;
-  // VLFeat comes down from the doubled image, and overlooks that interpolation has blurred it by
-  // half a variance of its pixels.
+  // VLFeat starts from the doubled image and ignores that interpolation has blurred that image by a
+  // variance of 0.5 of its squared pixels. Subtracting that variance gives the same blur here.
   double variance_px2 = kSharpSigmaPx * kSharpSigmaPx - 0.125;
   octaves.push_back({.image = ToFloatImage(image),
                      .sigma_px = std::sqrt(variance_px2),
@@ -64,7 +64,7 @@ std::vector<OctaveImage> HalvedImages(const GrayImage& image) {
   }
 }
 
-// Collects the features of one octave after the other until there are enough.
+// Collects the features of the octaves in turn until there are enough.
 class FeatureCollector {
  public:
   FeatureCollector(const SiftOptions& options, double x_scale, double y_scale)
@@ -73,7 +73,7 @@ class FeatureCollector {
   int size() const { return features_.size(); }
   bool is_full() const { return size() == options_.max_features; }
 
-  // The largest keypoints first, as far as there is room.
+  // Adds the largest keypoints first, as long as there is room.
   void AddOctave(const OctaveImage& octave_image) {
     const ScaleSpaceOctave octave =
         MakeScaleSpaceOctave(octave_image.image, octave_image.sigma_px, octave_image.levels);
@@ -110,9 +110,9 @@ class FeatureCollector {
   }
 
   const SiftOptions& options_;
-  const double x_scale_, y_scale_;  // From the reduced image to the original one.
+  const double x_scale_, y_scale_;  // From the reduced image to the original image.
   FeatureSet features_;
-  std::vector<float> descriptors_;  // Row after row.
+  std::vector<float> descriptors_;  // Row-major.
 };
 
 FeatureSet ExtractFrom(const GrayImage& image, double x_scale, double y_scale,
@@ -139,7 +139,8 @@ FeatureSet ExtractSift(const GrayImage& image, const SiftOptions& options) {
   options.Validate();
   const bool sized = image.width_px > 0 && image.height_px > 0;
   if (!sized || image.pixels.size() != static_cast<size_t>(image.width_px) * image.height_px) {
-    throw Error(ErrorCode::kBadInput, "the grey image's size is not that of its pixels");
+    throw Error(ErrorCode::kBadInput,
+                "the size of the gray image does not match its number of pixels");
   }
   if (static_cast<int64_t>(image.pixels.size()) <= options.max_pixels) {
     return ExtractFrom(image, 1.0, 1.0, options);

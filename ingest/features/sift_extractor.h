@@ -1,4 +1,4 @@
-// SIFT features of an image (Lowe 2004), as the maps have them that COLMAP makes.
+// Extracts SIFT features (Lowe 2004) that match those in maps made by COLMAP.
 #ifndef CAIRN_INGEST_FEATURES_SIFT_EXTRACTOR_H_
 #define CAIRN_INGEST_FEATURES_SIFT_EXTRACTOR_H_
 
@@ -9,29 +9,31 @@
 
 namespace cairn {
 
-// One set of defaults for every photo that is localized, through a server or not, and for the demo;
+// The same defaults serve every localized photo, with or without a server, and the demo.
 // docs/decisions/0011 has the figures behind them.
 struct SiftOptions {
-  // Those of the largest scales, as COLMAP keeps them: the strongest are leaves and other fine
-  // texture, which no other photo sees again.
+  // Keeps the features with the largest scales, as COLMAP does. The strongest features are leaves
+  // and other fine texture, which no other photo shows again.
   int max_features = 2500;
-  // Images with more pixels are reduced to so many before extraction; keypoints are in pixels of
-  // the original image.
+  // Larger images are reduced to this number of pixels before extraction. Keypoints are in pixels
+  // of the original image.
   int64_t max_pixels = 3'000'000;
 
   void Validate() const;
 };
 
-// Classic SIFT (descriptor type "sift"): 128-D, whole numbers up to 255, not yet root-normalised.
-// Keypoints and descriptors are those of COLMAP's (VLFeat's) extractor: RootSIFT descriptors of
-// keypoints that both find are 0.07 apart in the median, against 0.5 and more for different places.
+// Extracts classic SIFT (descriptor type "sift"): 128-D, whole numbers up to 255, without root
+// normalization. Keypoints and descriptors match those of COLMAP's extractor (VLFeat). For
+// keypoints that both extractors find, the median distance between RootSIFT descriptors is 0.07;
+// descriptors of different places differ by 0.5 or more.
 //
-// The image is searched from its coarsest octave to its own and no further than max_features needs;
-// of the last octave the largest keypoints are taken. Only images with few features are searched at
-// twice their size, too. The features are in this order. Runs on the calling thread. Results are
-// equal for equal processors; they may differ in the last bit between others
-// (core/vector_clones.h). Throws Error(kBadInput) if the image's size is not that of its pixels.
-// Thread-safe.
+// The search goes from the coarsest octave to the octave of the image and stops when max_features
+// are found. From the last octave it takes the largest keypoints. It searches the doubled image
+// only if the image has few features. The features are in the order of the search.
+//
+// Runs on the calling thread. Thread-safe. Results are equal on equal processors; between others
+// they may differ in the last bit (core/vector_clones.h). Throws Error(kBadInput) if the image's
+// size does not match the number of its pixels.
 FeatureSet ExtractSift(const GrayImage& image, const SiftOptions& options = {});
 
 }  // namespace cairn

@@ -11,23 +11,23 @@ namespace cairn {
 namespace {
 
 constexpr int kNumBins = 36;
-constexpr double kWindowSigmas = 1.5;  // Of the window, of the keypoint's sigma.
-constexpr double kWindowReach = 3.0;   // Radius in sigmas of the window.
+constexpr double kWindowSigmas = 1.5;  // Sigma of the window, in units of the keypoint's sigma.
+constexpr double kWindowReach = 3.0;   // Radius of the window, in its own sigmas.
 constexpr double kSecondPeakShare = 0.8;
 constexpr int kNumSmoothings = 6;
 
-// The largest keypoint of an octave lies 1.5 levels above kSiftLevelsPerOctave.
+// Fits the largest keypoint of an octave, which lies 1.5 levels above kSiftLevelsPerOctave.
 constexpr int kMaxRadius = 21;
 constexpr int kMaxSide = 2 * kMaxRadius + 1;
 
 using Histogram = std::array<float, kNumBins>;
 
 struct GradientRow {
-  float weights[kMaxSide];  // Length times the window.
+  float weights[kMaxSide];  // Length of the gradient times the window.
   float bins[kMaxSide];     // Direction, in bins.
 };
 
-// Gradients of the `num` pixels of a row that begins at `centre`; `window` is the part of the
+// Gradients of the `num` pixels of a row, beginning at `centre`. `window` is the factor of the
 // window that depends on x.
 CAIRN_VECTOR_CLONES
 void MeasureRow(const float* __restrict above, const float* __restrict centre,
@@ -41,10 +41,11 @@ void MeasureRow(const float* __restrict above, const float* __restrict centre,
   }
 }
 
-// Bins have their centres at i + 0.5; each gradient is shared between two.
+// Bin i has its center at i + 0.5. Each gradient is shared between two bins.
 void AddRow(const GradientRow& row, int first, int last, float* bins_around) {
   for (int i = first; i <= last; ++i) {
-    const float place = row.bins[i] + 0.5f;  // 0.5 to kNumBins + 0.5: one bin more on either side.
+    const float place =
+        row.bins[i] + 0.5f;  // In [0.5, kNumBins + 0.5], so there is one extra bin on either side.
     const int bin = static_cast<int>(place);
     const float share = place - static_cast<float>(bin);
     bins_around[bin] += (1.0f - share) * row.weights[i];
@@ -52,7 +53,8 @@ void AddRow(const GradientRow& row, int first, int last, float* bins_around) {
   }
 }
 
-// Where the image is blurred by two pixels or more, every second row tells as much as all.
+// If the image is blurred by two pixels or more, every second row has the same information as all
+// rows.
 int RowStep(const SiftExtremum& extremum) { return extremum.sigma_px < 2.0f ? 1 : 2; }
 
 Histogram DirectionsAround(const FloatImage& gaussian, const SiftExtremum& extremum) {
@@ -76,7 +78,9 @@ Histogram DirectionsAround(const FloatImage& gaussian, const SiftExtremum& extre
     const double reach = std::sqrt(std::max(sq_radius - dy * dy, 0.0));
     const int first = std::max(left, static_cast<int>(std::ceil(extremum.x_px - reach)));
     const int last = std::min(right, static_cast<int>(std::floor(extremum.x_px + reach)));
-    if (first > last) continue;
+    if (first > last) {
+      continue;
+    }
     MeasureRow(gaussian.Row(row - 1) + first, gaussian.Row(row) + first,
                gaussian.Row(row + 1) + first, window + first - left, falloff(dy), last - first + 1,
                &gradients);
@@ -113,8 +117,10 @@ SiftOrientations FindSiftOrientations(const ScaleSpaceOctave& octave,
     const float left = histogram[bin == 0 ? kNumBins - 1 : bin - 1];
     const float right = histogram[bin == kNumBins - 1 ? 0 : bin + 1];
     const float value = histogram[bin];
-    // Of two equal bins the first is the peak, which then lies between them.
-    if (!(value > least && value > left && value >= right)) continue;
+    // For two equal bins, the first is the peak; interpolation puts the peak between them.
+    if (!(value > least && value > left && value >= right)) {
+      continue;
+    }
     const float offset = -0.5f * (right - left) / (right + left - 2.0f * value);
     orientations.angles_rad[orientations.num++] =
         static_cast<float>(2.0 * std::numbers::pi / kNumBins) *

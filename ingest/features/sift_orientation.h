@@ -1,4 +1,4 @@
-// The dominant directions of the gradient around a keypoint (Lowe 2004, section 5).
+// The dominant gradient directions around a keypoint (Lowe 2004, section 5).
 #ifndef CAIRN_INGEST_FEATURES_SIFT_ORIENTATION_H_
 #define CAIRN_INGEST_FEATURES_SIFT_ORIENTATION_H_
 
@@ -9,17 +9,18 @@
 
 namespace cairn {
 
-// COLMAP's limit. Most keypoints have one.
+// The same limit as in COLMAP. Most keypoints have one orientation.
 inline constexpr int kMaxSiftOrientations = 2;
 
 struct SiftOrientations {
   int num = 0;
-  // The first peaks of the histogram, from angle 0 on; x axis is 0, y axis pi/2, in [0, 2 pi].
+  // The first peaks of the histogram, starting at angle 0, in [0, 2 pi]. The x axis is 0 and the y
+  // axis is pi/2.
   std::array<float, kMaxSiftOrientations> angles_rad = {};
 };
 
-// Where the histogram of directions within 4.5 sigma is at least 0.8 of its maximum, as VLFeat does
-// it. None where there is no gradient.
+// Finds the peaks of the histogram of directions within 4.5 sigma that reach at least 0.8 of the
+// maximum, as in VLFeat. Finds none if there are no gradients.
 SiftOrientations FindSiftOrientations(const ScaleSpaceOctave& octave, const SiftExtremum& extremum);
 
 }  // namespace cairn

@@ -17,7 +17,9 @@ namespace {
 std::string_view Trimmed(std::string_view text) {
   constexpr std::string_view kBlanks = " \t\r";
   const size_t begin = text.find_first_not_of(kBlanks);
-  if (begin == std::string_view::npos) return {};
+  if (begin == std::string_view::npos) {
+    return {};
+  }
   return text.substr(begin, text.find_last_not_of(kBlanks) + 1 - begin);
 }
 
@@ -26,20 +28,26 @@ std::vector<std::string_view> SplitCells(std::string_view line) {
   while (true) {
     const size_t comma = line.find(',');
     cells.push_back(Trimmed(line.substr(0, comma)));
-    if (comma == std::string_view::npos) return cells;
+    if (comma == std::string_view::npos) {
+      return cells;
+    }
     line.remove_prefix(comma + 1);
   }
 }
 
 constexpr uint64_t kMaxTableBytes = uint64_t{256} << 20;
 
-// One CSV file; its errors say where.
+// One CSV file. Its errors name the place of the fault.
 class PositionTable {
  public:
   explicit PositionTable(const std::string& path)
       : path_(path), file_(ReadTextFile(path, kMaxTableBytes)) {
-    if (!NextLine()) Throw("the header is missing");
-    for (size_t i = 0; i < cells_.size(); ++i) column_of_name_.emplace(cells_[i], i);
+    if (!NextLine()) {
+      Throw("the header is missing");
+    }
+    for (size_t i = 0; i < cells_.size(); ++i) {
+      column_of_name_.emplace(cells_[i], i);
+    }
     for (const char* name : {"image", "lat_deg", "lon_deg", "h_m"}) {
       if (!Has(name)) {
         Throw(
@@ -51,14 +59,17 @@ class PositionTable {
     num_columns_ = cells_.size();
   }
 
-  // Moves to the next line that is not blank.
+  // Moves to the next non-blank line.
   bool NextLine() {
     while (std::getline(file_, line_)) {
       ++line_number_;
-      if (Trimmed(line_).empty()) continue;
+      if (Trimmed(line_).empty()) {
+        continue;
+      }
       cells_ = SplitCells(line_);
       if (num_columns_ != 0 && cells_.size() != num_columns_) {
-        Throw(fmt::format("{} columns where the header has {}", cells_.size(), num_columns_));
+        Throw(fmt::format("the line has {} columns, but the header has {}", cells_.size(),
+                          num_columns_));
       }
       return true;
     }
@@ -90,7 +101,7 @@ class PositionTable {
   std::istringstream file_;
   std::string line_;
   int64_t line_number_ = 0;
-  std::vector<std::string_view> cells_;  // Of line_.
+  std::vector<std::string_view> cells_;  // Views of line_.
   std::map<std::string, size_t, std::less<>> column_of_name_;
   size_t num_columns_ = 0;
 };
@@ -105,8 +116,12 @@ std::vector<CameraPosition> ReadCameraPositions(const std::string& path) {
     position.image_name = table.Text("image");
     position.position = Geodetic::FromDegrees(table.Number("lat_deg"), table.Number("lon_deg"),
                                               table.Number("h_m"));
-    if (table.Has("accuracy_m")) position.accuracy_m = table.Number("accuracy_m");
-    if (!(position.accuracy_m > 0.0)) table.Throw("column accuracy_m: must be positive");
+    if (table.Has("accuracy_m")) {
+      position.accuracy_m = table.Number("accuracy_m");
+    }
+    if (!(position.accuracy_m > 0.0)) {
+      table.Throw("column accuracy_m: must be positive");
+    }
     try {
       ValidateGeodetic(position.position, Excerpt(position.image_name).c_str());
     } catch (const Error& e) {
@@ -120,7 +135,9 @@ std::vector<CameraPosition> ReadCameraPositions(const std::string& path) {
 std::vector<CameraPosition> GpsPositions(const Reconstruction& reconstruction, double accuracy_m) {
   std::vector<CameraPosition> positions;
   for (const ReconImage& image : reconstruction.images) {
-    if (image.gps) positions.push_back({image.name, *image.gps, accuracy_m});
+    if (image.gps) {
+      positions.push_back({image.name, *image.gps, accuracy_m});
+    }
   }
   return positions;
 }

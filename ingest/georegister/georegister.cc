@@ -15,7 +15,7 @@
 namespace cairn {
 namespace {
 
-// Positions must spread so far that their errors change the scale by no more than this.
+// Positions must spread so far that their errors change the scale by at most this share.
 constexpr double kMaxRelativeScaleError = 0.25;
 
 Eigen::Vector3d Median3(std::vector<Eigen::Vector3d> points) {
@@ -48,11 +48,15 @@ struct MatchedPosition {
 std::vector<MatchedPosition> MatchByName(const Reconstruction& reconstruction,
                                          const std::vector<CameraPosition>& positions) {
   std::unordered_map<std::string, const ReconImage*> image_of_name;
-  for (const ReconImage& image : reconstruction.images) image_of_name.emplace(image.name, &image);
+  for (const ReconImage& image : reconstruction.images) {
+    image_of_name.emplace(image.name, &image);
+  }
   std::vector<MatchedPosition> matched;
   for (const CameraPosition& position : positions) {
     const auto image = image_of_name.find(position.image_name);
-    if (image == image_of_name.end()) continue;
+    if (image == image_of_name.end()) {
+      continue;
+    }
     ValidateGeodetic(position.position, position.image_name.c_str());
     if (!(position.accuracy_m > 0.0) || !std::isfinite(position.accuracy_m)) {
       throw Error(ErrorCode::kBadInput,
@@ -64,19 +68,23 @@ std::vector<MatchedPosition> MatchByName(const Reconstruction& reconstruction,
   return matched;
 }
 
-// A world frame about the middle of the cameras in which they spread by about one, so that the
-// solver sees well-scaled numbers whatever the reconstruction's units.
+// A frame centered on the cameras in which their spread is about one, so that the solver sees
+// well-scaled numbers in any units of the reconstruction.
 Sim3d NormalizedFromWorld(const std::vector<MatchedPosition>& matched) {
   std::vector<Eigen::Vector3d> centers;
-  for (const MatchedPosition& position : matched) centers.push_back(position.center_in_world);
+  for (const MatchedPosition& position : matched) {
+    centers.push_back(position.center_in_world);
+  }
   const Eigen::Vector3d middle = Median3(centers);
   std::vector<double> distances;
-  for (const Eigen::Vector3d& center : centers) distances.push_back((center - middle).norm());
+  for (const Eigen::Vector3d& center : centers) {
+    distances.push_back((center - middle).norm());
+  }
   const double spread = Median(distances);
   if (!(spread > 0.0)) {
     throw Error(ErrorCode::kBadInput,
-                "georegistration: the cameras with known positions stand at one place of the "
-                "reconstruction; they determine no similarity");
+                "georegistration: the cameras with known positions are all at one place of the "
+                "reconstruction and determine no similarity");
   }
   return {1.0 / spread, Eigen::Quaterniond::Identity(), -middle / spread};
 }
@@ -111,19 +119,22 @@ void RequireSpread(const SimilarityProblem& problem) {
   }
   const Eigen::Vector3d middle = Median3(centers);
   double sum_sq_m = 0.0;
-  for (const Eigen::Vector3d& center : centers) sum_sq_m += (center - middle).squaredNorm();
+  for (const Eigen::Vector3d& center : centers) {
+    sum_sq_m += (center - middle).squaredNorm();
+  }
   const double accuracy_m = Median(accuracies_m);
-  // The standard deviation of a scale fitted to n positions of this spread.
+  // The standard deviation of a scale that is fitted to n positions with this spread.
   if (!(accuracy_m < kMaxRelativeScaleError * std::sqrt(sum_sq_m))) {
-    throw Error(ErrorCode::kBadInput,
-                fmt::format("georegistration: the {} known positions, accurate to {:.1f} m, spread "
-                            "by only {:.1f} m and cannot tell the scale; give positions further "
-                            "apart or more accurate ones",
-                            centers.size(), accuracy_m, std::sqrt(sum_sq_m / centers.size())));
+    throw Error(
+        ErrorCode::kBadInput,
+        fmt::format("georegistration: the {} known positions, accurate to {:.1f} m, spread "
+                    "by only {:.1f} m and do not determine the scale; give positions farther "
+                    "apart or more accurate ones",
+                    centers.size(), accuracy_m, std::sqrt(sum_sq_m / centers.size())));
   }
 }
 
-// Fills the residuals and refuses a bad fit.
+// Computes the residuals and refuses a bad fit.
 void Judge(const SimilarityProblem& problem, const Sim3d& enu_from_normalized,
            const GeoregisterOptions& options, Georegistration* result) {
   std::vector<double> residuals_sigmas;
@@ -146,7 +157,7 @@ void Judge(const SimilarityProblem& problem, const Sim3d& enu_from_normalized,
   throw Error(
       ErrorCode::kBadInput,
       fmt::format("georegistration: the fit to {} positions is bad: {} inliers, median "
-                  "residual {:.2f} m ({:.1f} times the stated accuracy; allowed are {:.2f} m "
+                  "residual {:.2f} m ({:.1f} times the stated accuracy; the limits are {:.2f} m "
                   "and {:.1f}), largest {:.2f} m; check that positions and images belong "
                   "together, or state a larger accuracy",
                   result->num_positions, result->num_inliers, result->median_residual_m,
@@ -180,8 +191,9 @@ Georegistration Georegister(const Reconstruction& reconstruction,
                             options.min_positions));
   }
   std::vector<Eigen::Vector3d> centers_in_ecef;
-  for (const MatchedPosition& position : matched)
+  for (const MatchedPosition& position : matched) {
     centers_in_ecef.push_back(position.center_in_ecef);
+  }
   const Rigid3d ecef_from_enu = EcefFromEnu(GeodeticFromEcef(Median3(centers_in_ecef)));
   const Sim3d normalized_from_world = NormalizedFromWorld(matched);
   const SimilarityProblem problem =
@@ -193,7 +205,7 @@ Georegistration Georegister(const Reconstruction& reconstruction,
     throw Error(
         ErrorCode::kBadInput,
         fmt::format("georegistration: {} known positions lie on a line and the upright prior "
-                    "is off or undecided, so the roll about the line is unknown",
+                    "is off or undetermined, so the roll about the line is unknown",
                     matched.size()));
   }
   const Sim3d enu_from_normalized = RefineSimilarity(problem, *start);

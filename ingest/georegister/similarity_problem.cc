@@ -16,15 +16,15 @@
 namespace cairn {
 namespace {
 
-constexpr int kNumSamples = 300;  // Of each kind.
+constexpr int kNumSamples = 300;  // Of each kind of sample.
 constexpr uint64_t kSampleSeed = 1;
-// Scales outside are the work of degenerate samples.
+// Scales outside these limits come from degenerate samples.
 constexpr double kMinScale = 1e-6, kMaxScale = 1e6;
-// How much less a camera's forward axis is expected to be horizontal than its x axis is; decides
-// the vertical only where all x axes are parallel.
+// Weight of horizontal forward axes relative to horizontal x axes. It decides the vertical only if
+// all x axes are parallel.
 constexpr double kForwardWeight = 0.02;
 
-// The unknowns as Ceres changes them.
+// The unknowns in the form that Ceres changes.
 struct Parameters {
   Eigen::Quaterniond rotation;
   Eigen::Vector3d translation;
@@ -74,7 +74,7 @@ bool IsUsable(const Sim3d& similarity) {
          similarity.rotation.coeffs().allFinite();
 }
 
-// The direction most nearly perpendicular to all camera x axes.
+// The direction closest to perpendicular to the x axes of all cameras.
 Eigen::Vector3d UpFromCameras(const SimilarityProblem& problem) {
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (const Eigen::Vector3d& right : problem.right_in_world) {
@@ -86,8 +86,8 @@ Eigen::Vector3d UpFromCameras(const SimilarityProblem& problem) {
   return up.dot(problem.mean_up_in_world) < 0.0 ? Eigen::Vector3d(-up) : up;
 }
 
-// The similarity whose rotation is a yaw after `level_from_world`, exact horizontally for positions
-// a and b. Nothing if they stand at one place.
+// The similarity that applies `level_from_world` and then a yaw, and that maps positions a and b
+// exactly in the horizontal plane. Returns nothing if both are at the same place.
 std::optional<Sim3d> FromTwoPositions(const SimilarityProblem::Position& a,
                                       const SimilarityProblem::Position& b,
                                       const Eigen::Quaterniond& level_from_world) {
@@ -95,7 +95,9 @@ std::optional<Sim3d> FromTwoPositions(const SimilarityProblem::Position& a,
   const Eigen::Vector3d across_enu = b.center_in_enu - a.center_in_enu;
   const double level_length = across_level.head<2>().norm();
   const double enu_length = across_enu.head<2>().norm();
-  if (!(level_length > 0.0) || !(enu_length > 0.0)) return std::nullopt;
+  if (!(level_length > 0.0) || !(enu_length > 0.0)) {
+    return std::nullopt;
+  }
   const double yaw_rad =
       std::atan2(across_enu.y(), across_enu.x()) - std::atan2(across_level.y(), across_level.x());
   Sim3d enu_from_world;
@@ -108,7 +110,7 @@ std::optional<Sim3d> FromTwoPositions(const SimilarityProblem::Position& a,
   return enu_from_world;
 }
 
-// Nothing if the three are (nearly) on a line in either frame.
+// Returns nothing if the three positions are (nearly) collinear in either frame.
 std::optional<Sim3d> FromThreePositions(const std::array<SimilarityProblem::Position, 3>& sample) {
   Eigen::Matrix3d world, enu;
   for (int i = 0; i < 3; ++i) {
@@ -119,7 +121,9 @@ std::optional<Sim3d> FromThreePositions(const std::array<SimilarityProblem::Posi
     const Eigen::Vector3d a = p.col(1) - p.col(0), b = p.col(2) - p.col(0);
     return !(a.cross(b).norm() > 1e-3 * a.norm() * b.norm());
   };
-  if (is_line(world) || is_line(enu)) return std::nullopt;
+  if (is_line(world) || is_line(enu)) {
+    return std::nullopt;
+  }
   const Eigen::Matrix4d matrix = Eigen::umeyama(world, enu, /*with_scaling=*/true);
   Sim3d enu_from_world;
   enu_from_world.scale = std::cbrt(matrix.topLeftCorner<3, 3>().determinant());
@@ -130,13 +134,15 @@ std::optional<Sim3d> FromThreePositions(const std::array<SimilarityProblem::Posi
   return enu_from_world;
 }
 
-// Keeps the cheapest similarity it is shown.
+// Keeps the cheapest of the similarities offered to it.
 class Cheapest {
  public:
   explicit Cheapest(const SimilarityProblem* problem) : problem_(problem) {}
 
   void Consider(const std::optional<Sim3d>& candidate) {
-    if (!candidate || !IsUsable(*candidate)) return;
+    if (!candidate || !IsUsable(*candidate)) {
+      return;
+    }
     const double cost = problem_->Cost(*candidate);
     if (cost < best_cost_) {
       best_ = *candidate;

@@ -1,5 +1,5 @@
-// The least-squares problem behind georegistration, and minimal solutions to start it from; private
-// to georegister.
+// The least-squares problem of georegistration, with minimal solutions as a start. Private to
+// georegister.
 #ifndef CAIRN_INGEST_GEOREGISTER_SIMILARITY_PROBLEM_H_
 #define CAIRN_INGEST_GEOREGISTER_SIMILARITY_PROBLEM_H_
 
@@ -12,8 +12,9 @@
 
 namespace cairn {
 
-// Finds enu_from_world that brings camera centres to their known positions and camera x axes to the
-// horizontal. All residuals are in units of their standard deviation and go through Cauchy's loss.
+// Finds the enu_from_world that maps camera centers to their known positions and camera x axes to
+// the horizontal. All residuals are in units of their standard deviation and pass through Cauchy's
+// loss.
 struct SimilarityProblem {
   struct Position {
     Eigen::Vector3d center_in_world;
@@ -21,23 +22,23 @@ struct SimilarityProblem {
     double accuracy_m = 1.0;
   };
   std::vector<Position> positions;
-  // Unit x axes of all cameras, and the mean of their negative y axes; used if upright_sigma_rad >
+  // Unit x axes of all cameras, and the mean of their negative y axes. Used if upright_sigma_rad >
   // 0.
   std::vector<Eigen::Vector3d> right_in_world;
   Eigen::Vector3d mean_up_in_world = Eigen::Vector3d::Zero();
   double upright_sigma_rad = 0.0;
   double loss_scale_sigmas = 2.0;
 
-  // Sum of the robust losses.
+  // The sum of the robust losses.
   double Cost(const Sim3d& enu_from_world) const;
 };
 
-// The best of many minimal solutions: three positions each (Umeyama 1991), and, with the upright
-// prior, two positions each with the vertical taken from the cameras, which also works on a
-// straight line. Nothing if every sample is degenerate. Deterministic.
+// Returns the best of many minimal solutions. Some use three positions each (Umeyama 1991). With
+// the upright prior, others use two positions each and take the vertical from the cameras, which
+// also works on a straight line. Returns nothing if every sample is degenerate. Deterministic.
 std::optional<Sim3d> InitialSimilarity(const SimilarityProblem& problem);
 
-// Minimises Cost from `start`. Throws Error(kInternal) if the solver fails.
+// Minimizes Cost, starting at `start`. Throws Error(kInternal) if the solver fails.
 Sim3d RefineSimilarity(const SimilarityProblem& problem, const Sim3d& start);
 
 }  // namespace cairn

@@ -27,9 +27,10 @@ GrayImage BlankImage(int64_t width_px, int64_t height_px) {
 GrayImage DecodeGrayImage(std::span<const uint8_t> image_bytes, const ImageDecodeLimits& limits) {
   const ImageHeader header = ParseImageHeader(image_bytes);
   if (header.width_px > limits.max_pixels / header.height_px) {
-    throw Error(ErrorCode::kBadInput,
-                fmt::format("the image is {} x {} pixels, more than the limit of {}; scale it down",
-                            header.width_px, header.height_px, limits.max_pixels));
+    throw Error(
+        ErrorCode::kBadInput,
+        fmt::format("the image has {} x {} pixels, more than the limit of {}; scale it down",
+                    header.width_px, header.height_px, limits.max_pixels));
   }
   switch (header.format) {
     case ImageFormat::kJpeg:

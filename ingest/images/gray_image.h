@@ -1,4 +1,4 @@
-// Grey images, and reading them from image files.
+// Gray images, and functions that read them from image files.
 #ifndef CAIRN_INGEST_IMAGES_GRAY_IMAGE_H_
 #define CAIRN_INGEST_IMAGES_GRAY_IMAGE_H_
 
@@ -12,7 +12,7 @@
 
 namespace cairn {
 
-// An 8-bit grey image, row-major.
+// An 8-bit gray image, row-major.
 struct GrayImage {
   int width_px = 0;
   int height_px = 0;
@@ -24,37 +24,39 @@ GrayImage BlankImage(int64_t width_px, int64_t height_px);
 
 struct ImageDecodeLimits {
   int64_t max_pixels = 12'000'000;
-  // Asked every few rows, in every pass of a progressive image; true ends the decoding. Must not
-  // throw. Empty: nothing does.
+  // Polled every few rows, in every pass of a progressive image. Decoding stops when it returns
+  // true. Must not throw. If empty, nothing stops the decoding.
   std::function<bool()> should_stop = {};
 };
 
-// What a decoder throws when `should_stop` said so.
+// Thrown by decoders when `should_stop` returns true.
 class DecodingStopped : public Error {
  public:
   DecodingStopped() : Error(ErrorCode::kUnavailable, "the decoding of an image was stopped") {}
 };
 
-// An image file, as it is and decoded.
+// An image file: its bytes and the decoded image.
 struct Photo {
   std::vector<uint8_t> bytes;
   GrayImage image;
 };
 
-// Decodes JPEG, PNG and binary PGM/PPM, ignoring EXIF rotation (camera intrinsics refer to the
-// stored pixels). Throws Error(kBadInput) if the bytes are none of these, do not decode or are cut
-// short, or if the header claims more pixels than the limit (checked before decoding), and
-// DecodingStopped.
+// Decodes JPEG, PNG and binary PGM/PPM. Ignores EXIF rotation, because camera intrinsics refer to
+// the stored pixels. Throws Error(kBadInput) if the bytes are none of these formats, do not decode
+// or are cut short, or if the header states more pixels than the limit (checked before decoding).
+// Throws DecodingStopped.
 GrayImage DecodeGrayImage(std::span<const uint8_t> image_bytes,
                           const ImageDecodeLimits& limits = {});
 
-// An image file's bytes, as a server is sent them. Throws as ReadFileBytes; at most 256 MiB.
+// The bytes of an image file, in the form that a server receives. At most 256 MiB. Throws as
+// ReadFileBytes.
 std::vector<uint8_t> ReadImageBytes(const std::string& path);
 
-// Reads and decodes a file; throws as ReadImageBytes or as DecodeGrayImage, naming the path.
+// Reads and decodes a file. Throws as ReadImageBytes and DecodeGrayImage; the message names the
+// path.
 Photo ReadPhoto(const std::string& path, const ImageDecodeLimits& limits = {});
 
-// ReadPhoto without the file's bytes.
+// Like ReadPhoto, without the bytes of the file.
 GrayImage ReadGrayImage(const std::string& path, const ImageDecodeLimits& limits = {});
 
 }  // namespace cairn

@@ -37,7 +37,7 @@ bool IsStartOfFrame(uint8_t marker) {
   return marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
 }
 
-// In entropy-coded data every FF is followed by 00 or a restart marker, so FF D9 ends the image.
+// In entropy-coded data, 00 or a restart marker follows every FF, so FF D9 ends the image.
 bool HasEndOfImage(Bytes entropy_coded) {
   constexpr std::array<uint8_t, 2> kEndOfImage = {0xff, 0xd9};
   return std::search(entropy_coded.begin(), entropy_coded.end(), kEndOfImage.begin(),
@@ -48,21 +48,31 @@ ImageHeader ParseJpeg(Bytes bytes) {
   ImageHeader header{.format = ImageFormat::kJpeg, .exif = {}};
   size_t at = 2;
   while (true) {
-    while (at < bytes.size() && bytes[at] == 0xff) ++at;  // Marker prefix and fill bytes.
-    if (at + 3 > bytes.size()) ThrowTruncated("JPEG");
+    while (at < bytes.size() && bytes[at] == 0xff) {
+      ++at;  // Marker prefix and fill bytes.
+    }
+    if (at + 3 > bytes.size()) {
+      ThrowTruncated("JPEG");
+    }
     const uint8_t marker = bytes[at++];
     const size_t length = BigEndian16(bytes.subspan(at));
-    if (length < 2 || length > bytes.size() - at) ThrowTruncated("JPEG");
+    if (length < 2 || length > bytes.size() - at) {
+      ThrowTruncated("JPEG");
+    }
     const Bytes segment = bytes.subspan(at + 2, length - 2);
     at += length;
     if (marker == 0xe1 && header.exif.empty() && StartsWith(segment, kExifSignature)) {
       header.exif = segment.subspan(kExifSignature.size());
     } else if (IsStartOfFrame(marker)) {
-      if (segment.size() < 5) ThrowTruncated("JPEG");
+      if (segment.size() < 5) {
+        ThrowTruncated("JPEG");
+      }
       header.height_px = BigEndian16(segment.subspan(1));
       header.width_px = BigEndian16(segment.subspan(3));
     } else if (marker == 0xda) {  // Start of scan: pixels follow.
-      if (!HasEndOfImage(bytes.subspan(at))) ThrowTruncated("JPEG");
+      if (!HasEndOfImage(bytes.subspan(at))) {
+        ThrowTruncated("JPEG");
+      }
       return header;
     }
   }
@@ -73,16 +83,21 @@ ImageHeader ParsePng(Bytes bytes) {
   size_t at = kPngSignature.size();
   bool is_first = true;
   while (true) {
-    if (bytes.size() - at < 12) ThrowTruncated("PNG");  // Length, type, checksum.
+    if (bytes.size() - at < 12) {
+      ThrowTruncated("PNG");  // Length, type, checksum.
+    }
     const size_t length = BigEndian32(bytes.subspan(at));
-    if (length > bytes.size() - at - 12) ThrowTruncated("PNG");
+    if (length > bytes.size() - at - 12) {
+      ThrowTruncated("PNG");
+    }
     const char* type = reinterpret_cast<const char*>(bytes.data()) + at + 4;
     const Bytes chunk = bytes.subspan(at + 8, length);
     at += 12 + length;
     const bool is_header = std::memcmp(type, "IHDR", 4) == 0;
-    // It comes first and once; of two, decoders differ in which counts.
+    // The header must come first and only once. For two headers, decoders disagree about which one
+    // counts.
     if (is_header != std::exchange(is_first, false) || (is_header && length != 13)) {
-      throw Error(ErrorCode::kBadInput, "the PNG image does not have one header, at its begin");
+      throw Error(ErrorCode::kBadInput, "the PNG image does not begin with its only header");
     }
     if (is_header) {
       header.width_px = BigEndian32(chunk);
@@ -103,7 +118,7 @@ ImageHeader ParsePnm(Bytes bytes) {
           .exif = {}};
 }
 
-// Formats that a sender may take for usable.
+// Formats that a sender may assume to be supported.
 struct OtherFormat {
   const char* name;
   size_t at;
@@ -132,8 +147,12 @@ std::string FormatName(Bytes bytes) {
 }
 
 ImageHeader ParseByFormat(Bytes bytes) {
-  if (bytes.size() >= 4 && bytes[0] == 0xff && bytes[1] == 0xd8) return ParseJpeg(bytes);
-  if (StartsWith(bytes, kPngSignature)) return ParsePng(bytes);
+  if (bytes.size() >= 4 && bytes[0] == 0xff && bytes[1] == 0xd8) {
+    return ParseJpeg(bytes);
+  }
+  if (StartsWith(bytes, kPngSignature)) {
+    return ParsePng(bytes);
+  }
   if (bytes.size() >= 2 && bytes[0] == 'P' && (bytes[1] == '5' || bytes[1] == '6')) {
     return ParsePnm(bytes);
   }

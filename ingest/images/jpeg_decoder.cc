@@ -19,11 +19,11 @@ namespace cairn {
 namespace {
 
 constexpr int kMaxScans = 100;
-// Some cameras write odd bytes between segments; pixels that are damaged give a warning a block.
+// Some cameras write stray bytes between segments. Damaged pixels give one warning per block.
 constexpr int kMaxWarnings = 100;
 
-// One decoding. The library leaves by a jump: what is between setjmp and longjmp has no
-// destructors.
+// The state of one decoding. The library exits by longjmp, so nothing between setjmp and longjmp
+// may have a destructor.
 struct JpegRun {
   std::span<const uint8_t> bytes;
   const ImageHeader& header;
@@ -78,7 +78,7 @@ void SetUp(JpegRun* run) {
   run->progress.progress_monitor = OnProgress;
 }
 
-// False if an error or `should_stop` ended it.
+// Returns false if an error or `should_stop` ended the decoding.
 bool Decode(JpegRun* run) {
   jpeg_decompress_struct* cinfo = &run->cinfo;
   if (setjmp(run->jump) != 0) {
@@ -92,7 +92,7 @@ bool Decode(JpegRun* run) {
     Fail(run, "it has two sizes");
   }
   if (cinfo->num_components != 1 && cinfo->num_components != 3) {
-    Fail(run, "it is neither grey nor of three colours; convert it to RGB");
+    Fail(run, "it has neither one nor three components; convert it to RGB");
   }
   cinfo->out_color_space = JCS_GRAYSCALE;
   jpeg_start_decompress(cinfo);
@@ -100,7 +100,7 @@ bool Decode(JpegRun* run) {
     JSAMPROW row = run->pixels + static_cast<size_t>(cinfo->output_scanline) * cinfo->output_width;
     jpeg_read_scanlines(cinfo, &row, 1);
   }
-  return true;  // What follows the last row, say another image, is not looked at.
+  return true;  // Ignores data after the last row, such as another image.
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// JPEG to grey (libjpeg-turbo behind).
+// Decodes JPEG to gray (by libjpeg-turbo).
 #ifndef CAIRN_INGEST_IMAGES_JPEG_DECODER_H_
 #define CAIRN_INGEST_IMAGES_JPEG_DECODER_H_
 
@@ -10,10 +10,10 @@
 
 namespace cairn {
 
-// Decodes a JPEG of one or three components whose size `header` states; grey is its luma, without
-// the cost of colour. Asks `limits.should_stop` after every row of blocks. Throws Error(kBadInput)
-// if the image is of four components (CMYK), is damaged in more than a few places or has more than
-// 100 scans (an honest progressive one has about 10), and DecodingStopped.
+// Decodes a JPEG of one or three components. `header` states its size. Gray is the luma component,
+// so color costs nothing. Calls `limits.should_stop` after every row of blocks. Throws
+// Error(kBadInput) if the image has four components (CMYK), is damaged in more than a few places,
+// or has more than 100 scans (an honest progressive image has about 10). Throws DecodingStopped.
 GrayImage DecodeJpeg(std::span<const uint8_t> bytes, const ImageHeader& header,
                      const ImageDecodeLimits& limits);
 

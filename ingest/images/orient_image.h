@@ -1,4 +1,4 @@
-// Turning a picture upright.
+// Turns pictures upright.
 #ifndef CAIRN_INGEST_IMAGES_ORIENT_IMAGE_H_
 #define CAIRN_INGEST_IMAGES_ORIENT_IMAGE_H_
 
@@ -9,8 +9,8 @@ namespace cairn {
 // True if EXIF orientation `orientation` exchanges width and height.
 inline bool SwapsSides(int orientation) { return orientation >= 5; }
 
-// The picture as EXIF orientation `orientation` (1 to 8) wants it shown: 3 turns it by 180 degrees,
-// 6 by 90 clockwise, 8 by 90 anticlockwise; 2, 4, 5 and 7 mirror it as well.
+// Turns the picture as EXIF orientation `orientation` (1 to 8) prescribes: 3 by 180 degrees, 6 by
+// 90 clockwise, 8 by 90 counterclockwise. 2, 4, 5 and 7 also mirror the picture.
 GrayImage OrientImage(GrayImage stored, int orientation);
 
 }  // namespace cairn

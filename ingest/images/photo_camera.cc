@@ -5,11 +5,11 @@
 namespace cairn {
 namespace {
 
-// Width of a 35 mm film frame, which EXIF's equivalent focal length refers to; some cameras mean
-// the diagonal, and all round to millimetres.
+// Width of a 35 mm film frame, the reference of EXIF's equivalent focal length. Some cameras use
+// the diagonal instead, and all round to millimeters.
 constexpr double kFilmWidthMm = 36.0;
 constexpr double kExifFocalLogSigma = 0.05;
-// What cameras are made with; EXIF beyond it is damaged.
+// The range of real cameras; EXIF outside this range is damaged.
 constexpr double kMinFocal35Mm = 4.0, kMaxFocal35Mm = 2000.0;
 
 }  // namespace

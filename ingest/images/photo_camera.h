@@ -1,4 +1,4 @@
-// The camera of a photo that says no more than its EXIF.
+// The camera of a photo, from nothing but its EXIF.
 #ifndef CAIRN_INGEST_IMAGES_PHOTO_CAMERA_H_
 #define CAIRN_INGEST_IMAGES_PHOTO_CAMERA_H_
 
@@ -13,8 +13,9 @@ struct PhotoCamera {
   FocalPrior focal;
 };
 
-// Of a photo of this size: a pinhole with the 35 mm equivalent focal length of its EXIF, right
-// within 5 %; without one, a camera of which nothing is known (CameraOfUnknownFocal).
+// Returns a pinhole camera for a photo of this size, with the 35 mm equivalent focal length of the
+// EXIF, which is correct within 5 %. Without such a focal length, returns a camera without any
+// known parameter (CameraOfUnknownFocal).
 PhotoCamera CameraOfPhoto(const ExifInfo& exif, int width_px, int height_px);
 
 }  // namespace cairn

@@ -18,10 +18,10 @@ constexpr png_uint_32 kRowsBetweenStops = 16;
 constexpr png_alloc_size_t kMaxChunkBytes = 8'000'000;  // libpng's own default.
 constexpr png_uint_32 kMaxKeptChunks = 16;
 
-// One decoding. The library leaves by a jump: what is between setjmp and longjmp has no
-// destructors.
+// The state of one decoding. The library exits by longjmp, so nothing between setjmp and longjmp
+// may have a destructor.
 struct PngRun {
-  std::span<const uint8_t> rest;  // Not read yet.
+  std::span<const uint8_t> rest;  // Bytes not yet read.
   const ImageHeader& header;
   const ImageDecodeLimits& limits;
   uint8_t* pixels = nullptr;
@@ -60,8 +60,8 @@ png_voidp Allocate(png_structp png, png_alloc_size_t num_bytes) {
 
 void Free(png_structp, png_voidp memory) { std::free(memory); }
 
-// Chunks that say nothing about pixels are skipped, so that none of them is unpacked. Transparency
-// and the chunks of the colour space stay: they decide what is grey.
+// Skips chunks that do not affect pixels, so that none of them is decompressed. Transparency and
+// color space chunks stay, because they affect the gray level.
 void SkipOtherChunks(png_structp png) {
   static constexpr png_byte kSkipped[] =
       "bKGD\0eXIf\0hIST\0iTXt\0oFFs\0pCAL\0pHYs\0sBIT\0sCAL\0sPLT\0sTER\0tEXt\0tIME\0zTXt";
@@ -77,7 +77,7 @@ void SetLimits(PngRun* run) {
   SkipOtherChunks(run->png);
 }
 
-// Any PNG becomes one byte a pixel.
+// Converts any PNG to one byte per pixel.
 void SetConversions(png_structp png, png_infop info) {
   const int color_type = png_get_color_type(png, info);
   const int bit_depth = png_get_bit_depth(png, info);
@@ -108,7 +108,7 @@ void ReadRows(PngRun* run, int num_passes) {
   }
 }
 
-// False if an error or `should_stop` ended it.
+// Returns false if an error or `should_stop` ended the decoding.
 bool Decode(PngRun* run) {
   if (setjmp(png_jmpbuf(run->png)) != 0) {
     return false;
@@ -124,7 +124,7 @@ bool Decode(PngRun* run) {
   const int num_passes = png_set_interlace_handling(run->png);
   png_read_update_info(run->png, run->info);
   if (png_get_rowbytes(run->png, run->info) != static_cast<size_t>(run->header.width_px)) {
-    png_error(run->png, "its pixels do not become grey");
+    png_error(run->png, "its pixels cannot be converted to gray");
   }
   ReadRows(run, num_passes);
   return true;

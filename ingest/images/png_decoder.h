@@ -1,4 +1,4 @@
-// PNG to grey (libpng behind).
+// Decodes PNG to gray (by libpng).
 #ifndef CAIRN_INGEST_IMAGES_PNG_DECODER_H_
 #define CAIRN_INGEST_IMAGES_PNG_DECODER_H_
 
@@ -10,9 +10,9 @@
 
 namespace cairn {
 
-// Decodes a PNG whose size `header` states. Colours are weighted as in ITU-R BT.601, transparency
-// is left out. Of the chunks that are not needed for pixels none is unpacked. Asks
-// `limits.should_stop` between rows. Throws Error(kBadInput) if the image is damaged, and
+// Decodes a PNG; `header` states its size. Colors are weighted as in ITU-R BT.601, and transparency
+// is ignored. Chunks that are not needed for pixels are not decompressed. Calls
+// `limits.should_stop` between rows. Throws Error(kBadInput) if the image is damaged. Throws
 // DecodingStopped.
 GrayImage DecodePng(std::span<const uint8_t> bytes, const ImageHeader& header,
                     const ImageDecodeLimits& limits);

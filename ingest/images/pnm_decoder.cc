@@ -19,30 +19,42 @@ constexpr int64_t kMaxSample = 65535;
 
 bool IsBlank(uint8_t c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
-// The next byte of the header that is not in a comment.
+// The next byte of the header outside comments.
 uint8_t NextByte(Bytes bytes, size_t* at) {
   if (*at < bytes.size() && bytes[*at] == '#') {
-    while (*at < bytes.size() && bytes[*at] != '\n' && bytes[*at] != '\r') ++*at;
+    while (*at < bytes.size() && bytes[*at] != '\n' && bytes[*at] != '\r') {
+      ++*at;
+    }
   }
-  if (*at >= bytes.size()) Refuse("is cut short");
+  if (*at >= bytes.size()) {
+    Refuse("is cut short");
+  }
   return bytes[(*at)++];
 }
 
-// The next number and the blank behind it.
+// Reads the next number and the blank after it.
 int64_t ReadNumber(Bytes bytes, size_t* at, int64_t max) {
   uint8_t c = NextByte(bytes, at);
-  while (IsBlank(c)) c = NextByte(bytes, at);
+  while (IsBlank(c)) {
+    c = NextByte(bytes, at);
+  }
   int64_t number = 0;
   for (; !IsBlank(c); c = NextByte(bytes, at)) {
-    if (c < '0' || c > '9') Refuse("has a header that is not of numbers");
+    if (c < '0' || c > '9') {
+      Refuse("has a header with something other than numbers");
+    }
     number = number * 10 + (c - '0');
-    if (number > max) Refuse("has a number in its header that is too large");
+    if (number > max) {
+      Refuse("has a number in its header that is too large");
+    }
   }
-  if (number < 1) Refuse("has a number in its header that is not positive");
+  if (number < 1) {
+    Refuse("has a number in its header that is not positive");
+  }
   return number;
 }
 
-// A sample, scaled to 255.
+// Reads a sample and scales it to 255.
 uint32_t Sample(const uint8_t* bytes, int max_value) {
   const auto max = static_cast<uint32_t>(max_value);
   const uint32_t value = max > 255 ? uint32_t{bytes[0]} << 8 | bytes[1] : bytes[0];
@@ -59,7 +71,7 @@ void DecodeRow(const PnmHeader& header, const uint8_t* samples, uint8_t* gray) {
   for (int64_t x = 0; x < width; ++x) {
     const uint8_t* pixel = samples + x * header.samples_per_pixel * sample_bytes;
     const auto sample = [&](int i) { return Sample(pixel + i * sample_bytes, header.max_value); };
-    // ITU-R BT.601 luma in 1/2^14.
+    // ITU-R BT.601 luma in units of 1/2^14.
     gray[x] = static_cast<uint8_t>(
         header.samples_per_pixel == 1
             ? sample(0)
@@ -74,7 +86,7 @@ PnmHeader ParsePnmHeader(Bytes bytes) {
   header.samples_per_pixel = bytes[1] == '6' ? 3 : 1;
   size_t at = 2;
   if (bytes.size() > at && !IsBlank(bytes[at]) && bytes[at] != '#') {
-    Refuse("has no blank behind its magic number");
+    Refuse("has no blank after its magic number");
   }
   header.width_px = ReadNumber(bytes, &at, kMaxSidePx);
   header.height_px = ReadNumber(bytes, &at, kMaxSidePx);
@@ -94,7 +106,9 @@ GrayImage DecodePnm(Bytes bytes, const ImageDecodeLimits& limits) {
   const size_t width = static_cast<size_t>(header.width_px);
   const size_t row_bytes = width * header.samples_per_pixel * (header.max_value > 255 ? 2 : 1);
   for (size_t y = 0; y < static_cast<size_t>(header.height_px); ++y) {
-    if (y % 16 == 0 && limits.should_stop && limits.should_stop()) throw DecodingStopped();
+    if (y % 16 == 0 && limits.should_stop && limits.should_stop()) {
+      throw DecodingStopped();
+    }
     DecodeRow(header, bytes.data() + header.pixels_at + y * row_bytes,
               image.pixels.data() + y * width);
   }

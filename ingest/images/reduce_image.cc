@@ -12,7 +12,7 @@
 namespace cairn {
 namespace {
 
-// Wraps the image's pixels.
+// A view of the image's pixels.
 cv::Mat AsMat(const GrayImage& image) {
   return cv::Mat(image.height_px, image.width_px, CV_8UC1,
                  const_cast<uint8_t*>(image.pixels.data()));
@@ -24,7 +24,7 @@ GrayImage ReduceByArea(const GrayImage& image, int64_t max_pixels) {
   const double num_pixels = static_cast<double>(image.pixels.size());
   const double scale = std::sqrt(static_cast<double>(max_pixels) / num_pixels);
   GrayImage reduced;
-  // A side shorter than a pixel becomes one, which leaves fewer pixels for the other.
+  // A side shorter than a pixel becomes one pixel, which leaves fewer pixels for the other side.
   const auto reduce = [&](int side_px, int64_t at_most_px) {
     return static_cast<int>(std::clamp<int64_t>(static_cast<int64_t>(scale * side_px), 1,
                                                 std::min<int64_t>(side_px, at_most_px)));
@@ -36,8 +36,10 @@ GrayImage ReduceByArea(const GrayImage& image, int64_t max_pixels) {
     cv::Mat target = AsMat(reduced);
     cv::resize(AsMat(image), target, target.size(), 0.0, 0.0, cv::INTER_AREA);
   } catch (const cv::Exception& e) {
-    if (e.code == cv::Error::StsNoMem) throw std::bad_alloc();
-    throw Error(ErrorCode::kInternal, fmt::format("OpenCV does not resize: {}", e.what()));
+    if (e.code == cv::Error::StsNoMem) {
+      throw std::bad_alloc();
+    }
+    throw Error(ErrorCode::kInternal, fmt::format("OpenCV cannot resize the image: {}", e.what()));
   }
   return reduced;
 }

@@ -1,4 +1,4 @@
-// Makes images smaller by averaging areas.
+// Reduces images by averaging areas.
 #ifndef CAIRN_INGEST_IMAGES_REDUCE_IMAGE_H_
 #define CAIRN_INGEST_IMAGES_REDUCE_IMAGE_H_
 
@@ -8,8 +8,9 @@
 
 namespace cairn {
 
-// The largest image of at most `max_pixels` pixels (at least 1) and, to a pixel, the shape of
-// `image`, which has more. A pixel is the mean of the area that it covers.
+// Returns the largest image with at most `max_pixels` pixels (at least 1) and, within a pixel, the
+// aspect ratio of `image`. `image` has more pixels than that. A result pixel is the mean of the
+// area that it covers.
 GrayImage ReduceByArea(const GrayImage& image, int64_t max_pixels);
 
 }  // namespace cairn

@@ -25,12 +25,13 @@ namespace {
 
 constexpr int kNumQuantiles = 19;  // 0.05, 0.10, ... 0.95.
 constexpr int kNumOtherLandmarks = 10'000;
-// Descriptors measured for the statistics: a quantile near the tail is then good to half a percent.
+// Number of descriptors measured for the statistics. It gives a quantile near the tail to within
+// half a percent.
 constexpr int kNumProbes = 2000;
 constexpr int kKMeansIterations = 15;
 constexpr double kMinVariance = 1e-12;
 
-// FAISS trains small problems several times slower with OpenMP's threads than without them.
+// FAISS trains small problems several times more slowly with OpenMP threads than without.
 class SingleOmpThread {
  public:
   SingleOmpThread() : num_threads_(omp_get_max_threads()) { omp_set_num_threads(1); }
@@ -42,19 +43,21 @@ class SingleOmpThread {
   int num_threads_;
 };
 
-// `count` of the numbers below `total`, ascending, each subset equally likely (Knuth's algorithm
-// S); all of them if there are fewer.
+// Draws `count` of the numbers below `total`, ascending, each subset equally likely (Knuth's
+// algorithm S). Returns all numbers if there are fewer.
 std::vector<int64_t> SampleIndices(int64_t total, int64_t count, std::mt19937_64* rng) {
   std::vector<int64_t> sample;
   sample.reserve(std::min(total, count));
   for (int64_t i = 0; i < total && static_cast<int64_t>(sample.size()) < count; ++i) {
     const double needed = static_cast<double>(count - static_cast<int64_t>(sample.size()));
-    if (UniformUnit(rng) * static_cast<double>(total - i) < needed) sample.push_back(i);
+    if (UniformUnit(rng) * static_cast<double>(total - i) < needed) {
+      sample.push_back(i);
+    }
   }
   return sample;
 }
 
-// The raw descriptors of some observations of a landmark.
+// The raw descriptor of an observation of a landmark.
 auto DescriptorOf(const Reconstruction& reconstruction, const ReconObservation& observation) {
   return reconstruction.images[observation.image_idx].features.descriptors.row(
       observation.keypoint_idx);
@@ -90,9 +93,9 @@ DescriptorMatrix SampleTrainingSet(const Reconstruction& reconstruction, int max
   return DescriptorsOf(reconstruction, chosen);
 }
 
-// Deals the principal components, given by falling variance, to subspaces so that the products of
-// their variances come out even (eigenvalue allocation, Ge et al. 2014). Returns the component of
-// each projected dimension.
+// Distributes the principal components, given in order of falling variance, among subspaces so that
+// the products of the variances are about equal (eigenvalue allocation, Ge et al. 2014). Returns
+// the component of each projected dimension.
 std::vector<int> BalanceSubspaces(const Eigen::VectorXd& variances, int num_subspaces) {
   const int subspace_dim = static_cast<int>(variances.size()) / num_subspaces;
   const double smallest = std::max(variances.minCoeff(), kMinVariance);
@@ -102,10 +105,12 @@ std::vector<int> BalanceSubspaces(const Eigen::VectorXd& variances, int num_subs
     int best = -1;
     for (int s = 0; s < num_subspaces; ++s) {
       const bool full = static_cast<int>(components[s].size()) == subspace_dim;
-      if (!full && (best < 0 || log_products[s] < log_products[best])) best = s;
+      if (!full && (best < 0 || log_products[s] < log_products[best])) {
+        best = s;
+      }
     }
     components[best].push_back(component);
-    // Relative to the smallest, so that no factor is below one and a product only grows.
+    // Divides by the smallest variance, so that no factor is below one and products only grow.
     log_products[best] += std::log(std::max(variances[component], kMinVariance) / smallest);
   }
   std::vector<int> order;
@@ -115,8 +120,8 @@ std::vector<int> BalanceSubspaces(const Eigen::VectorXd& variances, int num_subs
   return order;
 }
 
-// Sets mean and projection: the leading principal components, dealt to subspaces. `normalized` is
-// the training set.
+// Sets mean and projection: the leading principal components, distributed among subspaces.
+// `normalized` is the training set.
 void TrainProjection(const DescriptorMatrix& normalized, const CodebookOptions& options,
                      Codebook* codebook) {
   const Eigen::VectorXd mean = normalized.cast<double>().colwise().mean();
@@ -140,8 +145,9 @@ void TrainProjection(const DescriptorMatrix& normalized, const CodebookOptions& 
     Eigen::VectorXd component = components.col(order[i]);
     Eigen::Index largest;
     component.cwiseAbs().maxCoeff(&largest);
-    if (component[largest] < 0.0)
-      component = -component;  // Eigenvectors have no sign of their own.
+    if (component[largest] < 0.0) {
+      component = -component;  // The sign of an eigenvector is arbitrary.
+    }
     codebook->projection.row(i) = component.transpose().cast<float>();
   }
 }
@@ -154,8 +160,9 @@ void TrainWords(const DescriptorMatrix& projected, const CodebookOptions& option
     faiss::ProductQuantizer quantizer(options.projected_dim, options.num_subspaces, 8);
     quantizer.cp.niter = kKMeansIterations;
     quantizer.cp.seed = static_cast<int>(options.seed & 0x7fffffff);
-    quantizer.cp.min_points_per_centroid = 1;  // Fewer make FAISS print a warning.
-    quantizer.cp.max_points_per_centroid = options.max_training_descriptors;  // Already sampled.
+    quantizer.cp.min_points_per_centroid = 1;  // Avoids FAISS's warning about small training sets.
+    quantizer.cp.max_points_per_centroid =
+        options.max_training_descriptors;  // The training set is already sampled.
     quantizer.train(static_cast<size_t>(projected.rows()), projected.data());
     codebook->words = std::move(quantizer.centroids);
   } catch (const faiss::FaissException& e) {
@@ -173,13 +180,14 @@ std::vector<float> Quantiles(std::vector<float> values) {
   return quantiles;
 }
 
-// Distance from `query` to the nearest row; infinite if there is none. Row `excluded` does not
-// count.
+// Distance from `query` to the nearest row other than `excluded`; infinite if there is none.
 float NearestDistance(const Eigen::RowVectorXf& query, const DescriptorMatrix& rows,
                       Eigen::Index excluded) {
   float best = std::numeric_limits<float>::infinity();
   for (Eigen::Index i = 0; i < rows.rows(); ++i) {
-    if (i != excluded) best = std::min(best, (rows.row(i) - query).squaredNorm());
+    if (i != excluded) {
+      best = std::min(best, (rows.row(i) - query).squaredNorm());
+    }
   }
   return std::sqrt(best);
 }
@@ -188,7 +196,8 @@ DescriptorMatrix Requantized(const DescriptorCodec& codec, const DescriptorMatri
   return codec.Decode(codec.Encode(projected).data(), static_cast<int>(projected.rows()));
 }
 
-// One quantised descriptor each of up to kNumOtherLandmarks landmarks; `landmark_idx` says whose.
+// One quantized descriptor from each of up to kNumOtherLandmarks landmarks. `landmark_idx` has the
+// landmark of each row.
 DescriptorMatrix SampleOthers(const Reconstruction& reconstruction, const DescriptorCodec& codec,
                               std::mt19937_64* rng, std::vector<int64_t>* landmark_idx) {
   *landmark_idx =
@@ -205,7 +214,7 @@ DescriptorMatrix SampleOthers(const Reconstruction& reconstruction, const Descri
 
 void MeasureDistances(const Reconstruction& reconstruction, std::mt19937_64* rng,
                       Codebook* codebook) {
-  // The statistics are not there yet; a codec does not need them.
+  // The codec does not need the statistics, which are not computed yet.
   const DescriptorCodec codec(std::make_shared<const Codebook>(*codebook));
   std::vector<int64_t> other_idx;
   const DescriptorMatrix others = SampleOthers(reconstruction, codec, rng, &other_idx);
@@ -215,7 +224,9 @@ void MeasureDistances(const Reconstruction& reconstruction, std::mt19937_64* rng
       SampleIndices(static_cast<int64_t>(reconstruction.landmarks.size()), kNumProbes, rng);
   for (const int64_t landmark_idx : probes) {
     const ReconLandmark& landmark = reconstruction.landmarks[landmark_idx];
-    if (landmark.observations.size() < 2) continue;
+    if (landmark.observations.size() < 2) {
+      continue;
+    }
     const DescriptorMatrix projected =
         codec.Project(DescriptorsOf(reconstruction, landmark.observations));
     const auto probe = static_cast<Eigen::Index>(UniformIndex(projected.rows(), rng));
@@ -225,7 +236,9 @@ void MeasureDistances(const Reconstruction& reconstruction, std::mt19937_64* rng
     const bool is_other = self != other_idx.end() && *self == landmark_idx;
     const float distance =
         NearestDistance(projected.row(probe), others, is_other ? self - other_idx.begin() : -1);
-    if (std::isfinite(distance)) other_distances.push_back(distance);
+    if (std::isfinite(distance)) {
+      other_distances.push_back(distance);
+    }
   }
   codebook->same_landmark_distance_quantiles = Quantiles(std::move(same_distances));
   codebook->other_landmark_distance_quantiles = Quantiles(std::move(other_distances));

@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kBusyTimeoutMs = 2000;
 constexpr float kDescriptorUnit = 512.0f;
-// Keypoints without a scale in the database count as small ones.
+// Keypoints without a scale in the database count as small.
 constexpr float kDefaultScalePx = 1.0f;
 constexpr float kMinScalePx = 0.01f;
 constexpr int64_t kMaxKeypoints = 10'000'000;
@@ -28,17 +28,17 @@ constexpr int64_t kWgs84 = 0;
 constexpr int64_t kCartesian = 1;
 constexpr int64_t kCameraSensor = 0;
 
-// How many images the statistics of descriptors look at, at most.
+// The statistics of descriptors use at most this many images.
 constexpr int64_t kMaxStatisticsImages = 64;
 
-// A matrix as COLMAP stores it.
+// A matrix in COLMAP's storage form.
 struct MatrixBlob {
   int64_t rows = 0;
   int64_t cols = 0;
   std::vector<uint8_t> bytes;
 };
 
-// The matrix of an image and, with `type_column`, the integer that stands beside it.
+// The matrix of an image and, with `type_column`, the integer in the column beside it.
 struct StoredMatrix {
   MatrixBlob matrix;
   std::optional<int64_t> type;
@@ -52,14 +52,19 @@ StoredMatrix ReadMatrix(sqlite::Connection* connection, const char* table, bool 
                   type_column ? "m.type" : "NULL", table));
   statement.Bind(std::string_view(image_name));
   if (!statement.Step()) {
-    throw Error(ErrorCode::kBadInput,
-                fmt::format("it has no {} for image {}; is it the database this model was built "
-                            "from, and were features extracted?",
-                            table, Excerpt(image_name)));
+    throw Error(
+        ErrorCode::kBadInput,
+        fmt::format("it has no {} for image {}; check that the model was built from this database "
+                    "and that features were extracted",
+                    table, Excerpt(image_name)));
   }
   StoredMatrix stored{.matrix = {statement.Int64(0), statement.Int64(1), {}}, .type = {}};
-  if (!statement.IsNull(2)) stored.matrix.bytes = statement.Blob(2);
-  if (!statement.IsNull(3)) stored.type = statement.Int64(3);
+  if (!statement.IsNull(2)) {
+    stored.matrix.bytes = statement.Blob(2);
+  }
+  if (!statement.IsNull(3)) {
+    stored.type = statement.Int64(3);
+  }
   return stored;
 }
 
@@ -70,12 +75,12 @@ void CheckSize(const MatrixBlob& matrix, int64_t element_bytes, const char* tabl
   if (!in_range ||
       matrix.bytes.size() != static_cast<uint64_t>(matrix.rows * matrix.cols * element_bytes)) {
     throw Error(ErrorCode::kBadInput,
-                fmt::format("the {} of image {} are said to be {} x {} but have {} bytes", table,
+                fmt::format("the {} of image {} should be {} x {}, but have {} bytes", table,
                             Excerpt(image_name), matrix.rows, matrix.cols, matrix.bytes.size()));
   }
 }
 
-// `row` has `cols` floats: x, y; x, y, scale, orientation; or x, y, a11, a12, a21, a22.
+// `row` has `cols` floats: x, y; or x, y, scale, orientation; or x, y, a11, a12, a21, a22.
 Keypoint ToKeypoint(const float* row, int64_t cols) {
   Keypoint keypoint{row[0], row[1], kDefaultScalePx, 0.0f};
   if (cols == 4) {
@@ -85,15 +90,17 @@ Keypoint ToKeypoint(const float* row, int64_t cols) {
     keypoint.scale_px = 0.5f * (std::hypot(row[2], row[4]) + std::hypot(row[3], row[5]));
     keypoint.orientation_rad = std::atan2(row[4], row[2]);
   }
-  // Written so that NaN stays what it is, for validation to find.
-  if (keypoint.scale_px < kMinScalePx) keypoint.scale_px = kMinScalePx;
+  // This form of the test keeps NaN unchanged, so that validation can find it.
+  if (keypoint.scale_px < kMinScalePx) {
+    keypoint.scale_px = kMinScalePx;
+  }
   return keypoint;
 }
 
 std::vector<Keypoint> ToKeypoints(const MatrixBlob& matrix, const std::string& image_name) {
   if (matrix.cols != 2 && matrix.cols != 4 && matrix.cols != 6) {
     throw Error(ErrorCode::kBadInput,
-                fmt::format("the keypoints of image {} have {} columns; 2, 4 or 6 are known",
+                fmt::format("the keypoints of image {} have {} columns; 2, 4 or 6 are supported",
                             Excerpt(image_name), matrix.cols));
   }
   std::vector<Keypoint> keypoints(matrix.rows);
@@ -113,7 +120,8 @@ bool HasColumn(sqlite::Connection* connection, const char* table, const char* co
   return statement.Step() && statement.Int64(0) > 0;
 }
 
-// SQL for the prior of the image named ?, as columns lat_deg, lon_deg, h_m or as one blob of them.
+// SQL for the prior of the image named ?, as columns lat_deg, lon_deg, h_m or as one blob of all
+// three.
 std::string GpsSql(sqlite::Connection* connection) {
   if (HasColumn(connection, "pose_priors", "corr_data_id")) {
     return fmt::format(
@@ -134,20 +142,21 @@ std::string GpsSql(sqlite::Connection* connection) {
   return "";
 }
 
-// Positions that are no places on Earth are passed over, but not without a word.
+// Warns about pose priors that are not geographic positions and are therefore skipped.
 void WarnOfOtherPriors(const std::string& path, sqlite::Connection* connection) {
-  if (!HasColumn(connection, "pose_priors", "coordinate_system")) return;
+  if (!HasColumn(connection, "pose_priors", "coordinate_system")) {
+    return;
+  }
   sqlite::Statement statement =
       connection->Prepare("SELECT COUNT(*) FROM pose_priors WHERE coordinate_system = ?");
   statement.Bind(kCartesian);
   if (statement.Step() && statement.Int64(0) > 0) {
-    LogWarning(
-        "COLMAP database {}: {} of its pose priors are Cartesian, not WGS84, and are not read",
-        path, statement.Int64(0));
+    LogWarning("COLMAP database {}: {} of its pose priors are ignored because they are not WGS84",
+               path, statement.Int64(0));
   }
 }
 
-// Runs `read` and turns what the wrapper says about maps into what is wrong with the database.
+// Runs `read` and replaces the wrapper's messages about maps by messages about the database.
 template <typename Read>
 auto WithDatabaseErrors(const std::string& path, const Read& read) {
   try {
@@ -191,7 +200,9 @@ bool ColmapDatabase::HasImage(const std::string& image_name) {
 }
 
 SiftNormalization ColmapDatabase::NormalizationOfAll() {
-  if (normalization_) return *normalization_;
+  if (normalization_) {
+    return *normalization_;
+  }
   SiftStatistics statistics;
   sqlite::Statement statement = connection_->Prepare(
       "SELECT data FROM descriptors WHERE cols = ? AND data IS NOT NULL LIMIT ?");
@@ -201,7 +212,8 @@ SiftNormalization ColmapDatabase::NormalizationOfAll() {
   }
   normalization_ = statistics.Normalization();
   if (*normalization_ == SiftNormalization::kL2) {
-    LogInfo("COLMAP database {}: its SIFT is L2-normalised, not L1_ROOT", path_);
+    LogInfo("COLMAP database {}: its SIFT descriptors have the normalization L2, not L1_ROOT",
+            path_);
   }
   return *normalization_;
 }
@@ -238,15 +250,21 @@ FeatureSet ColmapDatabase::ReadFeatures(const std::string& image_name) {
 }
 
 std::optional<Geodetic> ColmapDatabase::ReadGps(const std::string& image_name) {
-  if (gps_sql_.empty()) return std::nullopt;
+  if (gps_sql_.empty()) {
+    return std::nullopt;
+  }
   return WithDatabaseErrors(path_, [&]() -> std::optional<Geodetic> {
     sqlite::Statement statement = connection_->Prepare(gps_sql_);
     statement.Bind(std::string_view(image_name));
-    if (!statement.Step() || statement.IsNull(0)) return std::nullopt;
+    if (!statement.Step() || statement.IsNull(0)) {
+      return std::nullopt;
+    }
     double lat_lon_h[3];
     if (gps_sql_.find("pose_priors") != std::string::npos) {
       const std::vector<uint8_t> position = statement.Blob(0);
-      if (position.size() != sizeof(lat_lon_h)) return std::nullopt;
+      if (position.size() != sizeof(lat_lon_h)) {
+        return std::nullopt;
+      }
       std::memcpy(lat_lon_h, position.data(), sizeof(lat_lon_h));
     } else {
       for (int i = 0; i < 3; ++i) {
@@ -256,7 +274,9 @@ std::optional<Geodetic> ColmapDatabase::ReadGps(const std::string& image_name) {
     const auto [lat_deg, lon_deg, h_m] = lat_lon_h;
     const bool is_place = std::abs(lat_deg) <= 90.0 && std::abs(lon_deg) <= 180.0 &&
                           std::abs(h_m) <= 12'000.0 && (lat_deg != 0.0 || lon_deg != 0.0);
-    if (!is_place) return std::nullopt;
+    if (!is_place) {
+      return std::nullopt;
+    }
     return Geodetic::FromDegrees(lat_deg, lon_deg, h_m);
   });
 }

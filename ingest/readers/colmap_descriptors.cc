@@ -12,13 +12,12 @@ namespace {
 
 constexpr int kMinRows = 100;
 constexpr size_t kMaxRowsAtOnce = 100;
-// Half way between the two kinds; see SiftStatistics.
+// Half way between the two normalizations; see SiftStatistics.
 constexpr double kEvennessBetween = 0.72;
-// The length that COLMAP gives a row is 512 but for rounding; one that is clipped at 255 is
-// shorter.
+// COLMAP gives every row the length 512, up to rounding. A row clipped at 255 is shorter.
 constexpr double kMinLength = 420.0, kMaxLength = 560.0;
 
-// COLMAP's FeatureExtractorType.
+// The name of a value of COLMAP's FeatureExtractorType.
 std::string TypeName(int64_t type) {
   switch (type) {
     case 0:
@@ -33,10 +32,11 @@ std::string TypeName(int64_t type) {
 }
 
 [[noreturn]] void Refuse(const std::string& image_name, const std::string& what) {
-  throw Error(ErrorCode::kBadInput,
-              fmt::format("the descriptors of image {} are {}; only SIFT is read: extract with "
-                          "COLMAP's SIFT, which stores {} bytes a keypoint",
-                          image_name.substr(0, 100), what, kSiftDim));
+  throw Error(
+      ErrorCode::kBadInput,
+      fmt::format("the descriptors of image {} are {}; only SIFT is supported: extract with "
+                  "COLMAP's SIFT, which stores {} bytes per keypoint",
+                  image_name.substr(0, 100), what, kSiftDim));
 }
 
 }  // namespace
@@ -53,9 +53,9 @@ void CheckSiftBlob(const std::string& image_name, std::optional<int64_t> type, i
   }
   if (rows > 0 && cols != kSiftDim) {
     Refuse(image_name, cols % 4 == 0 && cols > kSiftDim
-                           ? fmt::format("{} bytes a keypoint, probably floats of {} dimensions",
+                           ? fmt::format("{} bytes per keypoint, probably floats of {} dimensions",
                                          cols, cols / 4)
-                           : fmt::format("{} bytes a keypoint", cols));
+                           : fmt::format("{} bytes per keypoint", cols));
   }
 }
 
@@ -85,10 +85,11 @@ SiftNormalization SiftStatistics::Normalization() const {
   }
   const double length = sum_length_ / num_rows_;
   if (!(length >= kMinLength && length <= kMaxLength)) {
-    throw Error(ErrorCode::kBadInput,
-                fmt::format("its descriptors are no SIFT: their length is {:.0f} in the mean, not "
-                            "512 as COLMAP makes it",
-                            length));
+    throw Error(
+        ErrorCode::kBadInput,
+        fmt::format("its descriptors are not SIFT: their mean length is {:.0f} instead of the "
+                    "512 that COLMAP writes",
+                    length));
   }
   return sum_evenness_ / num_rows_ < kEvennessBetween ? SiftNormalization::kL2
                                                       : SiftNormalization::kL1Root;

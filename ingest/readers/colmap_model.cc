@@ -23,8 +23,12 @@ bool HasModel(const std::string& model_dir, const char* extension) {
 }  // namespace
 
 ColmapModel ReadColmapModel(const std::string& model_dir) {
-  if (HasModel(model_dir, ".bin")) return ReadBinaryColmapModel(model_dir);
-  if (HasModel(model_dir, ".txt")) return ReadTextColmapModel(model_dir);
+  if (HasModel(model_dir, ".bin")) {
+    return ReadBinaryColmapModel(model_dir);
+  }
+  if (HasModel(model_dir, ".txt")) {
+    return ReadTextColmapModel(model_dir);
+  }
   throw Error(
       ErrorCode::kNotFound,
       fmt::format("{}: no COLMAP model here; expected cameras, images and points3D, all .bin "

@@ -1,4 +1,4 @@
-// The three files of a COLMAP sparse model as they stand on disk.
+// The three files of a COLMAP sparse model, as stored on disk.
 #ifndef CAIRN_INGEST_READERS_COLMAP_MODEL_H_
 #define CAIRN_INGEST_READERS_COLMAP_MODEL_H_
 
@@ -19,7 +19,7 @@ struct ColmapImage {
   std::string name;
   uint32_t camera_id = 0;
   Rigid3d cam_from_world;
-  std::vector<Eigen::Vector2f> pixels;  // One per keypoint of the image.
+  std::vector<Eigen::Vector2f> pixels;  // One for each keypoint of the image.
 };
 
 struct ColmapPoint {
@@ -33,15 +33,14 @@ struct ColmapModel {
   std::vector<ColmapPoint> points;  // In file order.
 };
 
-// Reads {cameras,images,points3D} with the extension .bin if all three are there, else .txt. The
-// rigs and frames of COLMAP 3.12 and later are not read: `images` has the whole pose of each image
-// all the same. Checks
-// the form of the files and every number, not whether ids refer to anything. Throws
-// Error(kNotFound) if neither set is complete, Error(kBadInput) naming the file and the byte offset
-// (text: the line).
+// Reads {cameras,images,points3D} with the extension .bin if all three files exist, else .txt.
+// Ignores the rigs and frames of COLMAP 3.12 and later, because `images` still has the full pose of
+// each image. Checks the form of the files and every number, but not whether ids refer to existing
+// objects. Throws Error(kNotFound) if neither set is complete, and Error(kBadInput) that names the
+// file and the byte offset (for text: the line).
 ColmapModel ReadColmapModel(const std::string& model_dir);
 
-// The two encodings, for ReadColmapModel.
+// Readers for the two encodings, used by ReadColmapModel.
 ColmapModel ReadBinaryColmapModel(const std::string& model_dir);
 ColmapModel ReadTextColmapModel(const std::string& model_dir);
 

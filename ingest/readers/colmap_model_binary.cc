@@ -21,16 +21,17 @@
 namespace cairn {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "numbers are copied as they are");
+static_assert(std::endian::native == std::endian::little, "numbers are copied unchanged");
 
-// Fixed parts of the records above, bytes; a count is checked against them before it is trusted.
+// Sizes of the fixed parts of the records above, in bytes. Counts are checked against them before
+// use.
 constexpr size_t kMinCameraBytes = 4 + 4 + 8 + 8 + 3 * 8;
 constexpr size_t kMinImageBytes = 4 + 7 * 8 + 4 + 1 + 8;
 constexpr size_t kKeypointBytes = 8 + 8 + 8;
 constexpr size_t kMinPointBytes = 8 + 3 * 8 + 3 + 8 + 8;
 constexpr size_t kTrackElementBytes = 4 + 4;
 
-// Reads a file front to back; knows where it stands.
+// Reads a file from front to back and tracks the position.
 class ModelFile {
  public:
   ModelFile(const std::string& model_dir, const char* name)
@@ -44,7 +45,9 @@ class ModelFile {
 
   template <typename T>
   T Get() {
-    if (bytes_.size() - at_ < sizeof(T)) Throw("the file ends in the middle of a record");
+    if (bytes_.size() - at_ < sizeof(T)) {
+      Throw("the file ends in the middle of a record");
+    }
     T value;
     std::memcpy(&value, bytes_.data() + at_, sizeof(T));
     at_ += sizeof(T);
@@ -53,11 +56,13 @@ class ModelFile {
 
   double GetFinite(const char* what) {
     const double value = Get<double>();
-    if (!std::isfinite(value)) Throw(fmt::format("{} is not finite", what));
+    if (!std::isfinite(value)) {
+      Throw(fmt::format("{} is not finite", what));
+    }
     return value;
   }
 
-  // A number of records of at least `record_bytes` each.
+  // Reads a number of records that have at least `record_bytes` each.
   size_t GetCount(size_t record_bytes, const char* what) {
     const uint64_t count = Get<uint64_t>();
     if (count > (bytes_.size() - at_) / record_bytes) {
@@ -69,13 +74,17 @@ class ModelFile {
   std::string GetName() {
     const auto begin = bytes_.begin() + static_cast<std::ptrdiff_t>(at_);
     const auto end = std::find(begin, bytes_.end(), uint8_t{0});
-    if (end == bytes_.end()) Throw("the file ends in the middle of an image name");
+    if (end == bytes_.end()) {
+      Throw("the file ends in the middle of an image name");
+    }
     at_ += static_cast<size_t>(end - begin) + 1;
     return std::string(begin, end);
   }
 
   void ExpectEnd() const {
-    if (at_ != bytes_.size()) Throw("bytes are left over after the last record");
+    if (at_ != bytes_.size()) {
+      Throw("the file goes on after the last record");
+    }
   }
 
  private:
@@ -95,7 +104,9 @@ void ReadCameras(const std::string& model_dir, ColmapModel* model) {
     try {
       const CameraModel camera_model = CameraModelFromColmapId(model_id);
       std::vector<double> params(NumCameraParams(camera_model));
-      for (double& param : params) param = file.Get<double>();
+      for (double& param : params) {
+        param = file.Get<double>();
+      }
       constexpr uint64_t kMax = std::numeric_limits<int>::max();
       model->cameras.insert_or_assign(
           camera_id, Camera(camera_model, static_cast<int>(std::min(width, kMax)),
@@ -109,9 +120,13 @@ void ReadCameras(const std::string& model_dir, ColmapModel* model) {
 
 Rigid3d ReadPose(ModelFile* file) {
   double values[7];
-  for (double& value : values) value = file->GetFinite("a pose");
+  for (double& value : values) {
+    value = file->GetFinite("a pose");
+  }
   const Eigen::Quaterniond rotation(values[0], values[1], values[2], values[3]);
-  if (!(rotation.norm() > 1e-6)) file->Throw("the rotation quaternion is zero");
+  if (!(rotation.norm() > 1e-6)) {
+    file->Throw("the rotation quaternion is zero");
+  }
   return {rotation, Eigen::Vector3d(values[4], values[5], values[6])};
 }
 
@@ -128,7 +143,7 @@ void ReadImages(const std::string& model_dir, ColmapModel* model) {
       const double x_px = file.GetFinite("a keypoint");
       const double y_px = file.GetFinite("a keypoint");
       pixel = Eigen::Vector2d(x_px, y_px).cast<float>();
-      file.Get<int64_t>();  // The point; points3D.bin says the same.
+      file.Get<int64_t>();  // Point id; points3D.bin has the same information.
     }
   }
   file.ExpectEnd();
@@ -138,10 +153,14 @@ void ReadPoints(const std::string& model_dir, ColmapModel* model) {
   ModelFile file(model_dir, "points3D.bin");
   model->points.resize(file.GetCount(kMinPointBytes, "points"));
   for (ColmapPoint& point : model->points) {
-    file.Get<uint64_t>();  // Id.
-    for (double& coordinate : point.x_in_world) coordinate = file.GetFinite("a point");
-    for (int i = 0; i < 3; ++i) file.Get<uint8_t>();  // Colour.
-    file.Get<double>();                               // Reprojection error.
+    file.Get<uint64_t>();  // Point id.
+    for (double& coordinate : point.x_in_world) {
+      coordinate = file.GetFinite("a point");
+    }
+    for (int i = 0; i < 3; ++i) {
+      file.Get<uint8_t>();  // Color.
+    }
+    file.Get<double>();  // Reprojection error.
     point.track.resize(file.GetCount(kTrackElementBytes, "observations"));
     for (auto& [image_id, keypoint_idx] : point.track) {
       image_id = file.Get<uint32_t>();

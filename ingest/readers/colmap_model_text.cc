@@ -2,8 +2,7 @@
 //
 //   cameras.txt   CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]
 //   images.txt    IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then a line of X Y POINT3D_ID
-//   triples
-//                 (which is empty for an image without keypoints)
+//                 triples; the line is empty for an image without keypoints
 //   points3D.txt  POINT3D_ID X Y Z R G B ERROR, then IMAGE_ID POINT2D_IDX pairs on the same line
 #include <fmt/format.h>
 
@@ -22,7 +21,7 @@
 namespace cairn {
 namespace {
 
-// Hands out the lines of a file and, within the current line, its words.
+// Reads the lines of a file and the words of the current line.
 class TextFile {
  public:
   TextFile(const std::string& model_dir, const char* name)
@@ -34,14 +33,18 @@ class TextFile {
     throw Error(ErrorCode::kBadInput, fmt::format("{}: line {}: {}", path_, line_number_, what));
   }
 
-  // Moves to the next line, whatever it holds; false at the end of the file.
+  // Moves to the next line of any kind. Returns false at the end of the file.
   bool NextLine() {
-    if (rest_.empty()) return false;
+    if (rest_.empty()) {
+      return false;
+    }
     const size_t end = rest_.find('\n');
     line_ = rest_.substr(0, end);
     rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
     ++line_number_;
-    if (line_.ends_with('\r')) line_.remove_suffix(1);
+    if (line_.ends_with('\r')) {
+      line_.remove_suffix(1);
+    }
     return true;
   }
 
@@ -49,7 +52,9 @@ class TextFile {
   bool NextRecord() {
     while (NextLine()) {
       SkipBlanks();
-      if (!line_.empty() && !line_.starts_with('#')) return true;
+      if (!line_.empty() && !line_.starts_with('#')) {
+        return true;
+      }
     }
     return false;
   }
@@ -61,15 +66,19 @@ class TextFile {
 
   std::string_view Word(const char* what) {
     SkipBlanks();
-    if (line_.empty()) Throw(fmt::format("{} is missing", what));
+    if (line_.empty()) {
+      Throw(fmt::format("{} is missing", what));
+    }
     const std::string_view word = line_.substr(0, line_.find_first_of(" \t"));
     line_.remove_prefix(word.size());
     return word;
   }
 
-  // What is left of the line, without surrounding blanks.
+  // The rest of the line, without surrounding blanks.
   std::string Rest(const char* what) {
-    if (AtEndOfLine()) Throw(fmt::format("{} is missing", what));
+    if (AtEndOfLine()) {
+      Throw(fmt::format("{} is missing", what));
+    }
     return std::string(line_.substr(0, line_.find_last_not_of(" \t") + 1));
   }
 
@@ -82,7 +91,9 @@ class TextFile {
       Throw(fmt::format("'{}' is not a valid {}", Excerpt(word), what));
     }
     if constexpr (std::is_floating_point_v<T>) {
-      if (!std::isfinite(value)) Throw(fmt::format("the {} is not finite", what));
+      if (!std::isfinite(value)) {
+        Throw(fmt::format("the {} is not finite", what));
+      }
     }
     return value;
   }
@@ -108,7 +119,9 @@ void ReadCameras(const std::string& model_dir, ColmapModel* model) {
     const int width_px = file.Number<int>("width");
     const int height_px = file.Number<int>("height");
     std::vector<double> params;
-    while (!file.AtEndOfLine()) params.push_back(file.Number<double>("camera parameter"));
+    while (!file.AtEndOfLine()) {
+      params.push_back(file.Number<double>("camera parameter"));
+    }
     try {
       model->cameras.insert_or_assign(camera_id, Camera(CameraModelFromName(model_name), width_px,
                                                         height_px, std::move(params)));
@@ -120,9 +133,13 @@ void ReadCameras(const std::string& model_dir, ColmapModel* model) {
 
 Rigid3d ReadPose(TextFile* file) {
   double values[7];
-  for (double& value : values) value = file->Number<double>("pose");
+  for (double& value : values) {
+    value = file->Number<double>("pose");
+  }
   const Eigen::Quaterniond rotation(values[0], values[1], values[2], values[3]);
-  if (!(rotation.norm() > 1e-6)) file->Throw("the rotation quaternion is zero");
+  if (!(rotation.norm() > 1e-6)) {
+    file->Throw("the rotation quaternion is zero");
+  }
   return {rotation, Eigen::Vector3d(values[4], values[5], values[6])};
 }
 
@@ -134,12 +151,14 @@ void ReadImages(const std::string& model_dir, ColmapModel* model) {
     image.cam_from_world = ReadPose(&file);
     image.camera_id = file.Number<uint32_t>("camera id");
     image.name = file.Rest("image name");
-    if (!file.NextLine()) file.Throw("the line of keypoints is missing");
+    if (!file.NextLine()) {
+      file.Throw("the line of keypoints is missing");
+    }
     while (!file.AtEndOfLine()) {
       const double x_px = file.Number<double>("keypoint");
       const double y_px = file.Number<double>("keypoint");
       image.pixels.push_back(Eigen::Vector2d(x_px, y_px).cast<float>());
-      file.Word("point id");  // points3D.txt says the same.
+      file.Word("point id");  // points3D.txt has the same information.
     }
     model->images.push_back(std::move(image));
   }
@@ -150,8 +169,12 @@ void ReadPoints(const std::string& model_dir, ColmapModel* model) {
   while (file.NextRecord()) {
     ColmapPoint point;
     file.Word("point id");
-    for (double& coordinate : point.x_in_world) coordinate = file.Number<double>("coordinate");
-    for (const char* skipped : {"red", "green", "blue", "reprojection error"}) file.Word(skipped);
+    for (double& coordinate : point.x_in_world) {
+      coordinate = file.Number<double>("coordinate");
+    }
+    for (const char* skipped : {"red", "green", "blue", "reprojection error"}) {
+      file.Word(skipped);
+    }
     while (!file.AtEndOfLine()) {
       const auto image_id = file.Number<uint32_t>("image id");
       const auto keypoint_idx = file.Number<uint32_t>("keypoint index");

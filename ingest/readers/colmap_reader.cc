@@ -25,29 +25,32 @@ constexpr uint64_t kMaxListBytes = uint64_t{256} << 20;
   throw Error(ErrorCode::kBadInput, fmt::format("COLMAP model {}: {}", input.model_dir, what));
 }
 
-// Position in Reconstruction::images by COLMAP's image id; -1 if the image is not read.
+// Index into Reconstruction::images by COLMAP's image id; -1 if the image is not read.
 using ImageIndex = std::unordered_map<uint32_t, int>;
 
-// Removes what is not wanted. Wanted names that the model lacks are passed over if the database
-// knows them, as photos that did not find their place; names that neither knows are refused.
+// Removes the images that are not wanted. Skips a wanted name that only the database knows, because
+// COLMAP did not register that photo. Refuses a name that neither model nor database knows.
 void KeepImages(const ColmapInput& input, ColmapDatabase* database,
                 std::vector<ColmapImage>* images) {
   const std::unordered_set<std::string> wanted(input.image_names.begin(), input.image_names.end());
   // Ordered, so that messages do not depend on hashing.
   std::set<std::string> missing(wanted.begin(), wanted.end());
-  for (const ColmapImage& image : *images) missing.erase(image.name);
+  for (const ColmapImage& image : *images) {
+    missing.erase(image.name);
+  }
   for (const std::string& name : missing) {
     if (!database->HasImage(name)) {
-      ThrowBadModel(input, fmt::format("image {}, which was asked for, is neither in it nor in {}",
+      ThrowBadModel(input, fmt::format("the requested image {} is neither in the model nor in {}",
                                        Excerpt(name), input.database_path));
     }
   }
   if (missing.size() == wanted.size()) {
-    ThrowBadModel(input, fmt::format("none of the {} images asked for is in it", wanted.size()));
+    ThrowBadModel(input, fmt::format("it has none of the {} requested images", wanted.size()));
   }
   if (!missing.empty()) {
-    LogWarning("{} of the {} images asked for are left out: COLMAP did not register them, e.g. {}",
-               missing.size(), wanted.size(), Excerpt(*missing.begin()));
+    LogWarning(
+        "{} of the {} requested images are skipped because COLMAP did not register them, e.g. {}",
+        missing.size(), wanted.size(), Excerpt(*missing.begin()));
   }
   std::erase_if(*images, [&](const ColmapImage& image) { return !wanted.contains(image.name); });
 }
@@ -61,12 +64,14 @@ ReconImage ReadImage(const ColmapInput& input, const ColmapImage& source, int ca
                    .gps = database->ReadGps(source.name)};
   if (image.features.keypoints.size() != source.pixels.size()) {
     ThrowBadModel(
-        input, fmt::format("image {} has {} keypoints here but {} in {}; is it the database this "
-                           "model was built from?",
-                           Excerpt(source.name), source.pixels.size(),
-                           image.features.keypoints.size(), input.database_path));
+        input,
+        fmt::format("image {} has {} keypoints here but {} in {}; check that the model was built "
+                    "from this database",
+                    Excerpt(source.name), source.pixels.size(), image.features.keypoints.size(),
+                    input.database_path));
   }
-  // The model's pixels, not the database's: they fit the cameras even after image_undistorter.
+  // Uses the model's pixels instead of the database's, because they fit the cameras even after
+  // image_undistorter.
   for (size_t i = 0; i < source.pixels.size(); ++i) {
     image.features.keypoints[i].x_px = source.pixels[i].x();
     image.features.keypoints[i].y_px = source.pixels[i].y();
@@ -74,7 +79,7 @@ ReconImage ReadImage(const ColmapInput& input, const ColmapImage& source, int ca
   return image;
 }
 
-// Fills cameras, images and the index of the images read.
+// Fills the cameras, the images and the index of the read images.
 void ReadImages(const ColmapInput& input, const ColmapModel& model, ColmapDatabase* database,
                 Reconstruction* reconstruction, ImageIndex* index) {
   std::unordered_map<uint32_t, int> camera_idx_of_id;
@@ -85,7 +90,7 @@ void ReadImages(const ColmapInput& input, const ColmapModel& model, ColmapDataba
   for (const ColmapImage& image : model.images) {
     const auto camera_idx = camera_idx_of_id.find(image.camera_id);
     if (camera_idx == camera_idx_of_id.end()) {
-      ThrowBadModel(input, fmt::format("image {} names camera {}, which does not exist",
+      ThrowBadModel(input, fmt::format("image {} refers to camera {}, which does not exist",
                                        Excerpt(image.name), image.camera_id));
     }
     (*index)[image.image_id] = static_cast<int>(reconstruction->images.size());
@@ -93,7 +98,7 @@ void ReadImages(const ColmapInput& input, const ColmapModel& model, ColmapDataba
   }
 }
 
-// The observations of a point in the images that are read, the first of each image.
+// The observations of a point in the read images; only the first in each image.
 std::vector<ReconObservation> ReadTrack(const ColmapInput& input, const ColmapPoint& point,
                                         const ImageIndex& index,
                                         const Reconstruction& reconstruction) {
@@ -104,12 +109,14 @@ std::vector<ReconObservation> ReadTrack(const ColmapInput& input, const ColmapPo
       ThrowBadModel(input,
                     fmt::format("a point is observed in image {}, which does not exist", image_id));
     }
-    if (found->second < 0) continue;
+    if (found->second < 0) {
+      continue;
+    }
     const ReconImage& image = reconstruction.images[found->second];
     if (keypoint_idx >= image.features.keypoints.size()) {
-      ThrowBadModel(
-          input, fmt::format("a point is observed as keypoint {} of {} in image {}", keypoint_idx,
-                             image.features.keypoints.size(), Excerpt(image.name)));
+      ThrowBadModel(input,
+                    fmt::format("a point refers to keypoint {} of {} in image {}", keypoint_idx,
+                                image.features.keypoints.size(), Excerpt(image.name)));
     }
     observations.push_back({found->second, static_cast<int>(keypoint_idx)});
   }
@@ -127,10 +134,14 @@ void ReadLandmarks(const ColmapInput& input, const ColmapModel& model, const Ima
   const bool restricted = !input.image_names.empty();
   for (const ColmapPoint& point : model.points) {
     ReconLandmark landmark{point.x_in_world, ReadTrack(input, point, index, *reconstruction)};
-    if (landmark.observations.size() < 2) continue;
+    if (landmark.observations.size() < 2) {
+      continue;
+    }
     if (restricted) {
       const auto x_in_world = TriangulatePoint(ViewsOf(*reconstruction, landmark));
-      if (!x_in_world) continue;
+      if (!x_in_world) {
+        continue;
+      }
       landmark.x_in_world = *x_in_world;
     }
     reconstruction->landmarks.push_back(std::move(landmark));
@@ -166,7 +177,9 @@ std::vector<std::string> ReadImageList(const std::string& path) {
   for (std::string line; std::getline(file, line);) {
     constexpr std::string_view kBlanks = " \t\r";
     const size_t begin = line.find_first_not_of(kBlanks);
-    if (begin == std::string::npos || line[begin] == '#') continue;
+    if (begin == std::string::npos || line[begin] == '#') {
+      continue;
+    }
     names.push_back(line.substr(begin, line.find_last_not_of(kBlanks) + 1 - begin));
   }
   return names;

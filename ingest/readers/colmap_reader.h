@@ -1,4 +1,4 @@
-// Reads COLMAP sparse models (binary and text) with the keypoints and descriptors of their
+// Reads COLMAP sparse models (binary and text) together with the keypoints and descriptors of their
 // database.
 #ifndef CAIRN_INGEST_READERS_COLMAP_READER_H_
 #define CAIRN_INGEST_READERS_COLMAP_READER_H_
@@ -11,24 +11,23 @@
 namespace cairn {
 
 struct ColmapInput {
-  std::string model_dir;      // Holds {cameras,images,points3D}.{bin,txt}; .bin is preferred.
-  std::string database_path;  // database.db with keypoints, descriptors and, if any, GPS priors.
-  // If not empty: only these images (by name) are read; observations in others do not leak in.
-  // Those that the database knows but the model lacks (COLMAP did not register them) are left out
-  // with a warning.
-  // Landmarks seen by fewer than two of them are dropped and the rest are triangulated again from
-  // the remaining observations alone.
+  std::string model_dir;      // Folder of {cameras,images,points3D}.{bin,txt}; .bin is preferred.
+  std::string database_path;  // database.db with keypoints, descriptors and optional GPS priors.
+  // If not empty, only the images with these names are read. Names that only the database knows
+  // (COLMAP did not register the image) are skipped with a warning. Landmarks with fewer than two
+  // observations in these images are dropped. The other landmarks are triangulated again from these
+  // observations alone, so that no observation in another image has an influence.
   std::vector<std::string> image_names;
 };
 
-// Throws Error(kNotFound) for missing files, Error(kBadInput) naming file, offset and what is wrong
-// for malformed ones, for a camera model that is not supported, for images without keypoints or
+// Throws Error(kNotFound) for missing files. Throws Error(kBadInput) that names file, offset and
+// fault for malformed files, for an unsupported camera model, for images without keypoints or
 // descriptors in the database, for names in `image_names` that neither model nor database knows,
-// and if the model has none of them.
+// and if the model has none of the named images.
 Reconstruction ReadColmap(const ColmapInput& input);
 
-// Reads one image name per line, of at most 256 MiB; a byte order mark, blank lines and lines
-// starting with '#' do not count.
+// Reads one image name per line from a file of at most 256 MiB. Ignores a byte order mark, blank
+// lines and lines that begin with '#'.
 std::vector<std::string> ReadImageList(const std::string& path);
 
 }  // namespace cairn

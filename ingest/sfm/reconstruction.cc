@@ -16,7 +16,7 @@ namespace {
 
 void ValidateImage(const ReconImage& image, size_t num_cameras, Eigen::Index descriptor_dim) {
   if (image.camera_idx < 0 || static_cast<size_t>(image.camera_idx) >= num_cameras) {
-    ThrowBadInput(fmt::format("image {} names camera {} of {}", Excerpt(image.name),
+    ThrowBadInput(fmt::format("image {} refers to camera {} of {}", Excerpt(image.name),
                               image.camera_idx, num_cameras));
   }
   const Rigid3d& pose = image.cam_from_world;
@@ -29,7 +29,7 @@ void ValidateImage(const ReconImage& image, size_t num_cameras, Eigen::Index des
                               Excerpt(image.name)));
   }
   if (image.features.size() > 0 && image.features.descriptors.cols() != descriptor_dim) {
-    ThrowBadInput(fmt::format("image {} has {}-D descriptors where others have {}-D",
+    ThrowBadInput(fmt::format("image {} has {}-D descriptors, but other images have {}-D",
                               Excerpt(image.name), image.features.descriptors.cols(),
                               descriptor_dim));
   }
@@ -53,12 +53,12 @@ void Reconstruction::Validate() const {
     for (const ReconObservation& observation : landmarks[i].observations) {
       if (observation.image_idx < 0 ||
           static_cast<size_t>(observation.image_idx) >= images.size()) {
-        ThrowBadInput(fmt::format("landmark {} names image {} of {}", i, observation.image_idx,
+        ThrowBadInput(fmt::format("landmark {} refers to image {} of {}", i, observation.image_idx,
                                   images.size()));
       }
       const ReconImage& image = images[observation.image_idx];
       if (observation.keypoint_idx < 0 || observation.keypoint_idx >= image.features.size()) {
-        ThrowBadInput(fmt::format("landmark {} names keypoint {} of {} in image {}", i,
+        ThrowBadInput(fmt::format("landmark {} refers to keypoint {} of {} in image {}", i,
                                   observation.keypoint_idx, image.features.size(),
                                   Excerpt(image.name)));
       }
@@ -73,7 +73,9 @@ void Reconstruction::Validate() const {
 
 int Reconstruction::descriptor_dim() const {
   for (const ReconImage& image : images) {
-    if (image.features.size() > 0) return static_cast<int>(image.features.descriptors.cols());
+    if (image.features.size() > 0) {
+      return static_cast<int>(image.features.descriptors.cols());
+    }
   }
   return 0;
 }

@@ -1,4 +1,4 @@
-// A reconstruction in memory: what every reader produces and every ingest consumes.
+// A reconstruction in memory: the output of every reader and the input of every ingest.
 #ifndef CAIRN_INGEST_SFM_RECONSTRUCTION_H_
 #define CAIRN_INGEST_SFM_RECONSTRUCTION_H_
 
@@ -14,13 +14,13 @@
 
 namespace cairn {
 
-// One registered image. Features hold all keypoints of the image, with raw descriptors.
+// One registered image with all of its keypoints and their raw descriptors.
 struct ReconImage {
   std::string name;
   int camera_idx = 0;
   Rigid3d cam_from_world;
   FeatureSet features;
-  // A position prior that came with the image; its height is as it came, with photos above mean sea
+  // The position prior of the image. The height is unchanged; for photos it is above mean sea
   // level.
   std::optional<Geodetic> gps;
 };
@@ -41,11 +41,11 @@ struct Reconstruction {
   std::vector<ReconImage> images;
   std::vector<ReconLandmark> landmarks;
 
-  // Of the first image that has features; 0 if none has.
+  // The descriptor dimension of the first image with features; 0 if no image has features.
   int descriptor_dim() const;
 
   // Throws Error(kBadInput) if an index is out of range, a number is not finite, a landmark has two
-  // observations in one image, or descriptor dimensions differ between images.
+  // observations in one image, or images differ in descriptor dimension.
   void Validate() const;
 };
 

@@ -12,8 +12,8 @@ namespace {
 constexpr int kMaxIterations = 30;
 // Scale of Cauchy's loss, in standard deviations of a pixel.
 constexpr double kLossScaleSigmas = 2.0;
-// The smallest eigenvalue, relative to the largest, of a system that is taken as solvable: rays
-// that span an angle of 1e-4 radians give 1e-8.
+// Smallest ratio of the smallest to the largest eigenvalue of a solvable system. Rays that span an
+// angle of 1e-4 radians give 1e-8.
 constexpr double kMinConditioning = 1e-9;
 
 bool IsSolvable(const Eigen::Matrix3d& hessian) {
@@ -22,20 +22,24 @@ bool IsSolvable(const Eigen::Matrix3d& hessian) {
   return eigenvalues[0] > kMinConditioning * eigenvalues[2];
 }
 
-// The point with the least sum of squared distances to all rays.
+// The point with the smallest sum of squared distances to all rays.
 std::optional<Eigen::Vector3d> NearestToRays(std::span<const PointView> views) {
   Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
   Eigen::Vector3d rhs = Eigen::Vector3d::Zero();
   for (const PointView& view : views) {
     const auto ray_in_cam = view.camera->Unproject(view.pixel);
-    if (!ray_in_cam) return std::nullopt;
+    if (!ray_in_cam) {
+      return std::nullopt;
+    }
     const Rigid3d world_from_cam = view.cam_from_world.Inverse();
     const Eigen::Vector3d ray = world_from_cam.rotation * *ray_in_cam;
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
     hessian += across;
     rhs += across * world_from_cam.translation;
   }
-  if (!IsSolvable(hessian)) return std::nullopt;
+  if (!IsSolvable(hessian)) {
+    return std::nullopt;
+  }
   return hessian.ldlt().solve(rhs);
 }
 
@@ -46,7 +50,7 @@ struct NormalEquations {
   double cost = 0.0;
 };
 
-// Nothing if a view does not see the point. `robust` applies Cauchy's loss.
+// Returns nothing if the point is not visible in a view. `robust` applies Cauchy's loss.
 std::optional<NormalEquations> Linearize(std::span<const PointView> views,
                                          const Eigen::Vector3d& x_in_world, bool robust) {
   constexpr double kSqLossScale = kLossScaleSigmas * kLossScaleSigmas;
@@ -55,7 +59,9 @@ std::optional<NormalEquations> Linearize(std::span<const PointView> views,
     Eigen::Matrix<double, 2, 3> pixel_by_cam;
     const auto pixel =
         view.camera->ProjectWithJacobian(view.cam_from_world * x_in_world, &pixel_by_cam);
-    if (!pixel) return std::nullopt;
+    if (!pixel) {
+      return std::nullopt;
+    }
     const Eigen::Vector2d residual = (*pixel - view.pixel) / view.sigma_px;
     const Eigen::Matrix<double, 2, 3> jacobian =
         pixel_by_cam * view.cam_from_world.rotation.toRotationMatrix() / view.sigma_px;
@@ -87,18 +93,26 @@ std::vector<PointView> ViewsOf(const Reconstruction& reconstruction,
 }
 
 std::optional<Eigen::Vector3d> TriangulatePoint(std::span<const PointView> views) {
-  if (views.size() < 2) return std::nullopt;
+  if (views.size() < 2) {
+    return std::nullopt;
+  }
   std::optional<Eigen::Vector3d> x_in_world = NearestToRays(views);
-  if (!x_in_world) return std::nullopt;
+  if (!x_in_world) {
+    return std::nullopt;
+  }
   auto equations = Linearize(views, *x_in_world, /*robust=*/true);
-  if (!equations) return std::nullopt;
+  if (!equations) {
+    return std::nullopt;
+  }
 
   double damping = 1e-4;
   for (int i = 0; i < kMaxIterations && damping < 1e6; ++i) {
     Eigen::Matrix3d damped = equations->hessian;
     damped.diagonal() *= 1.0 + damping;
     const Eigen::Vector3d step = -damped.ldlt().solve(equations->gradient);
-    if (!step.allFinite()) return std::nullopt;
+    if (!step.allFinite()) {
+      return std::nullopt;
+    }
     const Eigen::Vector3d candidate = *x_in_world + step;
     const auto candidate_equations = Linearize(views, candidate, /*robust=*/true);
     if (!candidate_equations || candidate_equations->cost > equations->cost) {
@@ -110,7 +124,9 @@ std::optional<Eigen::Vector3d> TriangulatePoint(std::span<const PointView> views
     x_in_world = candidate;
     equations = candidate_equations;
     damping *= 0.1;
-    if (converged) break;
+    if (converged) {
+      break;
+    }
   }
   return x_in_world;
 }
@@ -120,7 +136,9 @@ double PointUncertainty::Sigma() const { return std::sqrt(covariance.trace() / 3
 std::optional<PointUncertainty> EstimateUncertainty(std::span<const PointView> views,
                                                     const Eigen::Vector3d& x_in_world) {
   const auto equations = Linearize(views, x_in_world, /*robust=*/false);
-  if (views.size() < 2 || !equations || !IsSolvable(equations->hessian)) return std::nullopt;
+  if (views.size() < 2 || !equations || !IsSolvable(equations->hessian)) {
+    return std::nullopt;
+  }
   const double degrees_of_freedom = 2.0 * views.size() - 3.0;
   const double disagreement = std::max(1.0, equations->cost / degrees_of_freedom);
 

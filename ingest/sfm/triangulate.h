@@ -1,4 +1,4 @@
-// A landmark's position and its uncertainty from its observations, the cameras being known.
+// Computes a landmark's position and its uncertainty from observations with known cameras.
 #ifndef CAIRN_INGEST_SFM_TRIANGULATE_H_
 #define CAIRN_INGEST_SFM_TRIANGULATE_H_
 
@@ -13,7 +13,7 @@
 
 namespace cairn {
 
-// One observation of a point. `camera` is not owned.
+// One observation of a point. Does not own `camera`.
 struct PointView {
   const Camera* camera = nullptr;
   Rigid3d cam_from_world;
@@ -21,29 +21,30 @@ struct PointView {
   double sigma_px = 1.0;  // Standard deviation of the pixel, per axis.
 };
 
-// Standard deviation of where SIFT finds a keypoint, per axis: half a pixel for small ones, growing
-// with the scale of large ones.
+// Standard deviation of a SIFT keypoint's position, per axis: half a pixel for small keypoints,
+// growing with the scale of large ones.
 double KeypointSigmaPx(double scale_px);
 
 // The views of a landmark, in the order of its observations.
 std::vector<PointView> ViewsOf(const Reconstruction& reconstruction, const ReconLandmark& landmark);
 
-// Least squares of reprojection errors under Cauchy's loss, by damped Gauss-Newton from the point
-// nearest to all rays. Nothing if there are fewer than two views, if the rays are parallel, or if
-// the point ends up behind a camera or beyond its field of view. Linear in the number of views.
+// Minimizes the reprojection errors under Cauchy's loss by damped Gauss-Newton, starting at the
+// point nearest to all rays. Returns nothing if there are fewer than two views, if the rays are
+// parallel, or if the point ends up behind a camera or outside its field of view. Linear in the
+// number of views.
 std::optional<Eigen::Vector3d> TriangulatePoint(std::span<const PointView> views);
 
 struct PointUncertainty {
-  // Of the position, in world units squared; follows from the views' pixel sigmas. It is scaled up
-  // if the observations disagree by more than their sigmas say.
+  // Covariance of the position in squared world units, derived from the pixel sigmas of the views.
+  // It is scaled up if the observations disagree by more than their sigmas.
   Eigen::Matrix3d covariance;
-  double median_error_px = 0.0;  // Of the reprojection errors.
+  double median_error_px = 0.0;  // Median of the reprojection errors.
 
-  // Root mean square standard deviation over the axes, world units.
+  // Root mean square of the standard deviations along the axes, world units.
   double Sigma() const;
 };
 
-// Nothing if a view does not see the point at all or the views do not determine it.
+// Returns nothing if the point is not visible in a view or if the views do not determine the point.
 std::optional<PointUncertainty> EstimateUncertainty(std::span<const PointView> views,
                                                     const Eigen::Vector3d& x_in_world);
 

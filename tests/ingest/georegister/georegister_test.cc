@@ -131,7 +131,7 @@ TEST(Georegister, RefusesPositionsAtOnePlace) {
   const Reconstruction reconstruction = testing::StreetWorld().Reconstruct();
   std::vector<CameraPosition> positions = GpsPositions(reconstruction, 5.0);
   for (CameraPosition& position : positions) position.position = positions[0].position;
-  EXPECT_THAT(RefusalOf(reconstruction, positions), HasSubstr("cannot tell the scale"));
+  EXPECT_THAT(RefusalOf(reconstruction, positions), HasSubstr("do not determine the scale"));
 }
 
 TEST(Georegister, RefusesPositionsThatDoNotBelongToTheImages) {

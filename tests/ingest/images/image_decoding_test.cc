@@ -136,7 +136,7 @@ TEST(ImageDecoding, AJpegOfFourColoursIsRefused) {
                       0xff, 0xc0, 0, 20, 8,    0, 8, 0, 8,  4, 1, 0x11, 0,   2, 0x11, 0,  // Frame
                       3,    0x11, 0, 4,  0x11, 0,                               // of four.
                       0xff, 0xda, 0, 8,  1,    1, 0, 0, 63, 0, 0, 0xff, 0xd9};  // Scan, end.
-  EXPECT_THAT(Refusal(cmyk), HasSubstr("three colours"));
+  EXPECT_THAT(Refusal(cmyk), HasSubstr("one nor three components"));
 }
 
 TEST(ImageDecoding, DamagedPixelsAreRefusedOrDecodedButNothingElse) {
@@ -226,7 +226,7 @@ TEST(ImageDecoding, TextChunksAreNotUnpacked) {
 TEST(ImageDecoding, ASecondHeaderIsRefused) {
   CAIRN_SKIP_WITHOUT_DATA("hostile/png_two_IHDR_30000x30000_then_640x480.png");
   EXPECT_THAT(Refusal(HostileFile("png_two_IHDR_30000x30000_then_640x480.png")),
-              HasSubstr("one header"));
+              HasSubstr("its only header"));
 }
 
 }  // namespace

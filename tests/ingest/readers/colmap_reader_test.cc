@@ -322,7 +322,7 @@ TEST_F(ColmapDescriptors, OfTypeSiftAreReadAsWithoutTheColumn) {
 // (128 columns of four bytes).
 TEST_F(ColmapDescriptors, OfFloatsAreRefusedAsSuch) {
   EXPECT_THAT(RefusalAfter("UPDATE descriptors SET cols = 512, data = zeroblob(512 * rows)"),
-              HasSubstr("512 bytes a keypoint, probably floats of 128 dimensions"));
+              HasSubstr("512 bytes per keypoint, probably floats of 128 dimensions"));
   std::filesystem::remove(dir_.File("database.db"));
   EXPECT_THAT(RefusalAfter("UPDATE descriptors SET data = zeroblob(512 * rows)"),
               HasSubstr("floats of 128 dimensions"));
@@ -330,12 +330,12 @@ TEST_F(ColmapDescriptors, OfFloatsAreRefusedAsSuch) {
 
 TEST_F(ColmapDescriptors, OfAnotherDimensionAreRefused) {
   EXPECT_THAT(RefusalAfter("UPDATE descriptors SET cols = 64, data = zeroblob(64 * rows)"),
-              HasSubstr("64 bytes a keypoint"));
+              HasSubstr("64 bytes per keypoint"));
 }
 
 TEST_F(ColmapDescriptors, ThatAreNoiseAreNotTakenForSift) {
   EXPECT_THAT(RefusalAfter("UPDATE descriptors SET data = randomblob(128 * rows)"),
-              HasSubstr("no SIFT: their length is"));
+              HasSubstr("not SIFT: their mean length is"));
 }
 
 TEST_F(ColmapDescriptors, WithL2NormalisationAreToldByTheirStatistics) {
