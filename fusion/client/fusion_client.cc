@@ -16,7 +16,7 @@ constexpr size_t kMaxInbox = 32;
 constexpr int64_t kMaxAheadNs = 500'000'000;
 constexpr int64_t kMaxBehindNs = 50'000'000;
 
-// What Latest and Predict need, as one piece.
+// All data that Latest and Predict need.
 struct Snapshot {
   Estimate estimate;
   ImuSample last_imu;
@@ -45,7 +45,8 @@ void VisitNumbers(SnapshotType& snapshot, const Visitor& visit) {
 }
 
 constexpr size_t kNumNumbers = 4 * 7 + 9 + kImuDim * kImuDim + 2 * 36 + 6;
-// Then mode and has_global, epoch, and the timestamp in two halves, each exact as a double.
+// The numbers are followed by the mode with has_global, the epoch, and the timestamp in two halves.
+// Each of these is exact as a double.
 using Channel = Published<kNumNumbers + 4>;
 
 Channel::Words Pack(const Snapshot& snapshot) {
@@ -81,7 +82,7 @@ Snapshot Unpack(const Channel::Words& words) {
   return snapshot;
 }
 
-// Moves an estimate to another time, with the reading held.
+// Moves an estimate to another time. The inertial reading is held constant.
 void CarryOn(const ImuSample& reading, int64_t duration_ns, const FusionOptions& options,
              Estimate* estimate) {
   const ImuStep step{reading.gyro_rad_s, reading.accel_m_s2,
@@ -96,7 +97,7 @@ void CarryOn(const ImuSample& reading, int64_t duration_ns, const FusionOptions&
     SteadyPose steady(options.steady);
     steady.TakeUp(estimate->timestamp_ns, estimate->steady_global_from_imu,
                   estimate->global_from_imu);
-    // The motion in between adds to both poses alike; its noise is small beside theirs.
+    // The motion since the estimate moves both poses alike. Its noise is small beside theirs.
     estimate->global_from_imu = estimate->global_from_local * end.local_from_imu;
     estimate->steady_global_from_imu =
         steady.Show(estimate->timestamp_ns + duration_ns, estimate->global_from_imu);
@@ -113,7 +114,8 @@ struct FusionClient::Impl {
     channel.Store(Pack({estimator.latest(), last_imu}));
   }
 
-  // Hands the answers on. Those for which the estimator has no room wait for the next call.
+  // Passes the answers to the estimator. Answers for which the estimator has no room wait for the
+  // next call.
   void DrainInbox() {
     const std::lock_guard<std::mutex> lock(inbox_mutex);
     auto next = inbox.begin();

@@ -1,11 +1,11 @@
-// The client library's face: visual-inertial tracking that drinks from the map.
+// The interface of the client library: visual-inertial tracking that uses answers of the map.
 //
 //   auto [client, error] = FusionClient::Create(options);
 //   each inertial sample:   client->AddImu({&sample, 1});
 //   each camera frame:      client->AddFrame({timestamp_ns, features});
 //                           if (auto query = client->PollQuery()) transport.Send(*query);
-//   whenever one comes in:  client->Submit(answer);                    // from any thread
-//   whenever one is drawn:  client->Predict(display_time_ns);          // from any thread
+//   each answer:            client->Submit(answer);                    // from any thread
+//   each drawn image:       client->Predict(display_time_ns);          // from any thread
 #ifndef CAIRN_FUSION_CLIENT_FUSION_CLIENT_H_
 #define CAIRN_FUSION_CLIENT_FUSION_CLIENT_H_
 
@@ -24,48 +24,53 @@ namespace cairn::fusion {
 enum class PredictStatus {
   kOk,
   kNoState,       // Initializing or lost.
-  kTooFarAhead,   // More than half a second after the newest sample.
-  kTooFarBehind,  // More than 50 ms before it.
+  kTooFarAhead,   // More than 0.5 s after the newest sample.
+  kTooFarBehind,  // More than 50 ms before the newest sample.
 };
 
 struct Prediction {
   PredictStatus status = PredictStatus::kNoState;
-  Estimate estimate;  // At the time asked for, if kOk.
+  Estimate estimate;  // At the requested time if kOk.
 };
 
-// AddImu, AddFrame, PollQuery and TakeReports belong to one thread; Submit, Latest and Predict may
-// be called from any, at any time. Nothing throws and nothing blocks for longer than it takes to
-// move one answer. Memory is bounded by the options; AddImu allocates only where it completes a
-// waiting frame. From one thread, the same calls give bit for bit the same estimates.
+// Call AddImu, AddFrame, PollQuery and TakeReports from one thread. Submit, Latest and Predict may
+// be called from any thread at any time. No method throws. No method blocks for longer than the
+// move of one answer takes. The options bound the memory; AddImu allocates only if it completes a
+// waiting frame. If all calls come from one thread, the same calls give the same estimates bit for
+// bit.
 class FusionClient {
  public:
   struct CreateResult {
-    std::unique_ptr<FusionClient> client;  // Null if the options make no sense;
-    std::string error;                     // then this says which.
+    std::unique_ptr<FusionClient> client;  // Null if the options are invalid.
+    std::string error;                     // Names the invalid option.
   };
   static CreateResult Create(const FusionOptions& options) noexcept;
   ~FusionClient();
 
-  // In order of time. Returns the first status that is not kAccepted; the rest is processed, too.
+  // Takes samples in order of time. Processes all of them and returns the first status that is not
+  // kAccepted.
   ImuStatus AddImu(std::span<const ImuSample> samples) noexcept;
 
-  // The sights of a frame, in order of time. May come before the inertial samples of its instant.
+  // Takes the features of a frame. Frames come in order of time. A frame may come before the
+  // inertial samples of its time.
   FrameStatus AddFrame(const Frame& frame) noexcept;
 
-  // A question to the map about the newest frame, if it is time for one (QueryOptions).
+  // Returns a query about the newest frame if a query is due (QueryOptions).
   std::optional<Query> PollQuery() noexcept;
 
-  // The map's answer, in any order and as late as may be. Taken up at the next frame; TakeReports
-  // says what became of it. kQueueFull if 32 answers wait already: drop it.
+  // Takes an answer of the map. Answers may come in any order and arbitrarily late. The next frame
+  // processes the answer, and TakeReports returns its outcome. If 32 answers are already waiting,
+  // returns kQueueFull and drops the answer.
   SubmitStatus Submit(Answer answer) noexcept;
 
-  // What became of the answers since the last call; of the last 64 at most.
+  // Returns the outcomes of the answers since the last call, at most the last 64.
   std::vector<AnswerReport> TakeReports() noexcept;
 
   // The state at the newest inertial sample.
   Estimate Latest() const noexcept;
 
-  // The state at a time of the imu's clock, carried on with the last rate and specific force.
+  // Returns the state at a time of the IMU's clock, extrapolated with the last rate and specific
+  // force.
   Prediction Predict(int64_t timestamp_ns) const noexcept;
 
  private:

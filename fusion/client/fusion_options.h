@@ -17,10 +17,10 @@
 namespace cairn::fusion {
 
 struct QueryOptions {
-  double min_interval_s = 1.0;  // Between queries.
-  int max_pending = 4;          // Each keeps one clone and costs the filter its six columns.
-  double timeout_s = 6.0;       // After which a query's clone is given up.
-  int min_features = 20;        // A frame with fewer is not worth a query.
+  double min_interval_s = 1.0;  // Shortest time between two queries.
+  int max_pending = 4;          // Each pending query keeps a clone: six columns.
+  double timeout_s = 6.0;       // A query's clone is released after this time.
+  int min_features = 20;        // A frame with fewer features is not queried.
 
   void Validate() const;
 };
@@ -31,21 +31,22 @@ struct FusionOptions {
   ImuNoise imu_noise;
   double gravity_m_s2 = 9.81;
 
-  int max_clones = 11;    // Of the sliding window; in [3, 16].
-  int max_tracks = 1024;  // Features followed at a time.
-  // Longest gap between inertial samples that is bridged; a longer one loses the track of local.
+  int max_clones = 11;    // Length of the sliding window; in [3, 16].
+  int max_tracks = 1024;  // Most features tracked at a time.
+  // Longest gap between inertial samples that the filter bridges. After a longer gap, `local`
+  // starts anew.
   double max_imu_gap_s = 0.3;
-  // Coasting begins this long after the last answer that went in.
+  // Coasting begins this long after the last applied answer.
   double coasting_after_s = 5.0;
-  // Fastest at which a correction of the position or yaw of `local` by the map is passed on, so
-  // that local_from_imu never jumps.
+  // Largest change per frame by which a correction of the map moves the position or yaw of `local`.
+  // The limits keep local_from_imu free of jumps.
   double max_slew_m_per_frame = 0.01;
   double max_slew_rad_per_frame = 0.002;
-  SteadyPoseOptions steady;  // Of Estimate::steady_global_from_imu.
+  SteadyPoseOptions steady;  // Smoothing of Estimate::steady_global_from_imu.
 
   FilterStateOptions state;
-  // Above it, per axis, the velocity is not known well enough for tracks to be of use; the track of
-  // local is lost and a new start is looked for.
+  // Largest standard deviation of the velocity, per axis. Above it, tracks are of no use: `local`
+  // is lost, and the filter looks for a new start.
   double max_velocity_sigma_m_s = 2.0;
   StandstillOptions standstill;
   RotationOnlyOptions rotation_only;
@@ -56,7 +57,7 @@ struct FusionOptions {
   AlignmentOptions alignment;
   QueryOptions query;
 
-  // Throws Error(kInvalidArgument) naming what makes no sense.
+  // Throws Error(kInvalidArgument) that names the invalid option.
   void Validate() const;
 };
 

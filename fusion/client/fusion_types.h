@@ -1,4 +1,4 @@
-// What goes into the client library and what comes out of it.
+// Inputs and outputs of the client library.
 #ifndef CAIRN_FUSION_CLIENT_FUSION_TYPES_H_
 #define CAIRN_FUSION_CLIENT_FUSION_TYPES_H_
 
@@ -21,51 +21,51 @@ enum class ImuStatus {
   kAccepted,
   kBadInput,    // A number is not finite.
   kOutOfOrder,  // Not newer than the last one: dropped.
-  kRestarted,   // The clock jumped, or a gap was too long to bridge: `local` begins anew.
+  kRestarted,   // Clock jump, or gap too long to bridge: `local` begins anew.
 };
 
 enum class FrameStatus {
-  kAccepted,    // Processed, or waiting for the inertial samples up to it.
+  kAccepted,    // Processed, or waits for its inertial samples.
   kBadInput,    // Negative timestamp.
-  kOutOfOrder,  // Not newer than the last frame, or than the filter: dropped.
+  kOutOfOrder,  // Not newer than the last frame or the filter: dropped.
   kQueueFull,   // Too many frames wait for inertial samples: dropped.
 };
 
-// What one camera frame showed.
+// The features of one camera frame.
 struct Frame {
-  int64_t timestamp_ns = 0;  // Of the camera's clock; see Rig::time_offset_s.
+  int64_t timestamp_ns = 0;  // In the camera's clock; see Rig::time_offset_s.
   std::span<const TrackedFeature> features;
 };
 
-// A pose and the covariance of its (rotation, translation), perturbed on the left in the target
-// frame, as LocalizeResult::covariance; rad^2, rad m, m^2.
+// A pose with the covariance of (rotation, translation), in rad^2, rad m and m^2. The perturbation
+// is on the left in the target frame, as in LocalizeResult::covariance.
 struct PosePrior {
   Rigid3d global_from_cam;
   Matrix6d covariance;
 };
 
-// A frame that the map should be asked about.
+// A question to the map about one frame.
 struct Query {
   int64_t query_id = 0;
-  int64_t timestamp_ns = 0;  // Of the frame.
+  int64_t timestamp_ns = 0;  // Time of the frame.
   std::vector<TrackedFeature> features;
   Eigen::Vector3d down_in_cam;     // Unit vector.
   double down_sigma_rad = 0.0;     // Per axis.
-  std::optional<PosePrior> prior;  // Once aligned.
+  std::optional<PosePrior> prior;  // Set once aligned.
 };
 
-// A landmark of the map found in a queried frame.
+// A landmark of the map that a queried frame sees.
 struct MapMatch {
   Eigen::Vector2d pixel;
-  std::optional<uint64_t> track_id;  // If the keypoint is a tracked feature of the frame.
+  std::optional<uint64_t> track_id;  // Set if the keypoint is a tracked feature.
   Eigen::Vector3d x_in_global;
   double sigma_m = 0.0;  // Standard deviation of the landmark per axis.
   uint64_t landmark_id = 0;
   uint64_t tile_id = 0;
 };
 
-// The answer to a query. `global` is the same frame for all answers of a session: whoever talks to
-// the server moves them there.
+// The answer to a query. All answers of a session must use the same `global` frame; the code that
+// talks to the server transforms them.
 struct Answer {
   int64_t query_id = 0;
   bool localized = false;
@@ -73,55 +73,60 @@ struct Answer {
   std::vector<MapMatch> matches;
 };
 
-// What became of an answer.
+// The outcome of an answer.
 enum class AnswerOutcome {
   kApplied,
-  kAwaitsAlignment,  // Kept, until enough answers agree.
-  kNotLocalized,     // The server had no pose.
-  kUnknownQuery,     // Never asked, already answered, or given up before `local` began anew.
+  kAwaitsAlignment,  // Kept until enough answers agree.
+  kNotLocalized,     // The server found no pose.
+  kUnknownQuery,     // Never asked, already answered, or from before `local` restarted.
   kCloneGone,        // Came after QueryOptions::timeout_s.
-  kBadInput,         // A number is not finite, a sigma negative.
+  kBadInput,         // A number is not finite, or a sigma is negative.
   kTooFewMatches,
-  kGravityMismatch,  // Its pose contradicts gravity.
-  kDisagrees,        // Its matches contradict the state.
+  kGravityMismatch,  // The pose contradicts gravity.
+  kDisagrees,        // The matches contradict the state.
 };
 
 struct AnswerReport {
   int64_t query_id = 0;
   AnswerOutcome outcome = AnswerOutcome::kApplied;
-  int num_matches = 0;  // That were applied.
+  int num_matches = 0;  // Matches that were applied.
 };
 
 enum class SubmitStatus { kQueued, kQueueFull };
 
 enum class Mode {
   kInitializing,  // Waiting for a start.
-  kTracking,      // Locally, without a map.
-  kAligning,      // Some answers are there, not yet enough that agree.
+  kTracking,      // Tracking locally, not yet aligned to the map.
+  kAligning,      // There are answers, but too few agree.
   kLocalized,
-  kCoasting,  // Localized, but without an answer for a while.
-  kLost,      // The track of `local` was lost; waiting for a start.
+  kCoasting,  // Localized, but without a recent answer.
+  kLost,      // `local` was lost; waiting for a start.
 };
 
-// The state at one instant. Covariances are perturbed on the left, in local (global_from_imu: in
-// global). Of the two poses in global, a robot takes global_from_imu, a display the steady one.
+// The state at one time. Covariances are perturbed on the left, in local; that of global_from_imu
+// in global. There are two poses in global: a robot should use global_from_imu, a display
+// steady_global_from_imu.
 struct Estimate {
   Mode mode = Mode::kInitializing;
-  int64_t timestamp_ns = 0;  // Of the imu's clock.
-  int64_t epoch = 0;  // Counts how often `local` began anew; poses of two epochs do not compare.
-  // Continuous: what the map corrects of it is passed on slowly, global_from_local takes the rest.
+  int64_t timestamp_ns = 0;  // In the IMU's clock.
+  // Counts the restarts of `local`. Poses of different epochs are not comparable.
+  int64_t epoch = 0;
+  // Free of jumps: corrections by the map reach `imu` slowly; global_from_local takes the rest at
+  // once.
   ImuState imu;
   Matrix15d covariance = Matrix15d::Zero();  // Of [theta, p, v, b_g, b_a].
   bool has_global = false;
   Rigid3d global_from_local;
-  // Of [rotation, translation] of global_from_local = true value (Exp(rotation), translation) on
-  // the right, in local.
+  // Covariance of [rotation, translation] of global_from_local. The error is on the right, in
+  // local: global_from_local = true value * (Exp(rotation), translation).
   Matrix6d global_covariance = Matrix6d::Zero();
-  Rigid3d global_from_imu;  // The best estimate; jumps where it is corrected.
+  Rigid3d global_from_imu;  // Best estimate; jumps at corrections.
   Matrix6d global_from_imu_covariance = Matrix6d::Zero();
-  // The same without jumps from frame to frame: what is corrected of the last frame's pose passes
-  // over FusionOptions::steady.time_constant_s, but at once if it is an alignment or exceeds the
-  // bounds there. Off by no more than global_from_imu and the difference; equal to it if that is 0.
+  // The same pose without jumps from frame to frame. A correction of the last frame's pose is
+  // blended in over FusionOptions::steady.time_constant_s. An alignment, and a correction beyond
+  // the bounds of FusionOptions::steady, takes effect at once. The error is at most that of
+  // global_from_imu plus the difference of the two poses. With a time constant of 0 the two poses
+  // are equal.
   Rigid3d steady_global_from_imu;
 };
 

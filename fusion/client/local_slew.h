@@ -6,11 +6,11 @@
 
 namespace cairn::fusion {
 
-// Updates correct the filter's pose in local, by decimetres when the map answers after a long
-// silence. A display or a controller must not see that as motion. So what is shown is
-// shown_from_local * pose, where shown_from_local (yaw and translation) takes up each correction
-// and then returns to the identity at a bounded speed. As global_from_local is shown with the
-// inverse, the pose in global is corrected at once. Not thread-safe.
+// Updates correct the filter's pose in local, by decimeters if the map answers after a long
+// silence. A display or a controller must not see such a correction as motion. The published pose
+// is therefore shown_from_local * pose. The transform shown_from_local (yaw and translation)
+// absorbs each correction and then returns to the identity at a bounded speed. global_from_local is
+// published with the inverse, so the pose in global is corrected at once. Not thread-safe.
 class LocalSlew {
  public:
   LocalSlew(double max_m_per_frame, double max_rad_per_frame)
@@ -18,11 +18,11 @@ class LocalSlew {
 
   const Rigid3d& shown_from_local() const { return shown_from_local_; }
 
-  // The pose was `before` and has been corrected to `after`, at one instant.
+  // Absorbs a correction of the pose from `before` to `after`, both at the same time.
   void TakeUp(const Rigid3d& before, const Rigid3d& after);
 
-  // One frame's return towards the identity, which moves what is shown of the pose
-  // `local_from_imu` by no more than the bounds.
+  // Moves shown_from_local towards the identity by one frame. The published pose of
+  // `local_from_imu` moves by no more than the bounds.
   void Return(const Rigid3d& local_from_imu);
 
   void Reset() { shown_from_local_ = Rigid3d(); }

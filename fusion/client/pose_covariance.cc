@@ -32,7 +32,7 @@ PosePrior CameraPrior(const FilterState& state, int clone) {
   Eigen::Matrix<double, 12, 12> joint;
   joint << covariance.block<6, 6>(offset, offset), covariance.block<6, 6>(offset, kGlobalIdx),
       covariance.block<6, 6>(kGlobalIdx, offset), covariance.block<6, 6>(kGlobalIdx, kGlobalIdx);
-  // The camera swings about the imu.
+  // A turn of the IMU moves the camera.
   Matrix6d by_imu = Matrix6d::Identity();
   by_imu.bottomLeftCorner<3, 3>() = -Skew(global_from_imu.rotation * imu_from_cam.translation);
   const Matrix6x12d jacobian =

@@ -11,14 +11,16 @@ namespace cairn::fusion {
 
 using Matrix6x12d = Eigen::Matrix<double, 6, 12>;
 
-// Derivative of the error of global_from_imu (left, in global: rotation, translation) by the errors
-// [theta, p] of local_from_imu and [rho, psi, tilt] of global_from_local.
+// Derivative of the error of global_from_imu by the errors [theta, p] of local_from_imu and [rho,
+// psi, tilt] of global_from_local. The error of global_from_imu is [rotation, translation] on the
+// left, in global.
 Matrix6x12d GlobalPoseJacobian(const Rigid3d& global_from_local, const Rigid3d& local_from_imu);
 
-// Reorders an error [rho, psi, tilt] of global_from_local to [rotation, translation].
+// Returns the matrix that reorders an error [rho, psi, tilt] of global_from_local to [rotation,
+// translation].
 Matrix6d RotationFirst();
 
-// The pose of the camera at a clone in global. `state` must be aligned.
+// Returns the camera's pose in global at a clone, with its covariance. `state` must be aligned.
 PosePrior CameraPrior(const FilterState& state, int clone);
 
 }  // namespace cairn::fusion

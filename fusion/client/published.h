@@ -1,4 +1,5 @@
-// Hands the newest of a stream of values from one thread to any others without a lock.
+// Publishes the newest of a stream of values from one thread to any number of others without a
+// lock.
 #ifndef CAIRN_FUSION_CLIENT_PUBLISHED_H_
 #define CAIRN_FUSION_CLIENT_PUBLISHED_H_
 
@@ -9,10 +10,10 @@
 
 namespace cairn::fusion {
 
-// The value is kNumWords doubles. One thread may Store, any number may Load, at any time. Store
-// never waits. Load never waits for the writer: it reads the newest of eight slots, and again only
-// if the writer has come round to that very slot meanwhile (Boehm 2012, "Can seqlocks get along
-// with programming language memory models?").
+// A value has kNumWords doubles. One thread may call Store, and any number of threads may call
+// Load, at any time. Store never waits. Load does not wait for the writer either: it reads the
+// newest of eight slots, and reads again only if the writer reached the same slot in the meantime
+// (Boehm 2012, "Can seqlocks get along with programming language memory models?").
 template <size_t kNumWords>
 class Published {
  public:

@@ -4,10 +4,10 @@
 
 namespace cairn::fusion {
 
-// Value that a chi-square variable of `degrees_of_freedom` (positive) stays below with the
-// probability at which a standard normal variable stays below `normal_quantile`: 1.645 for 95
-// %, 2.326 for 99 %, 3.09 for 99.9 %. By Wilson and Hilferty (1931): within 1.5 % for quantiles of
-// 95 to 99.9 %; exact for 2 degrees of freedom.
+// Returns the quantile of the chi-square distribution with `degrees_of_freedom` (positive). The
+// probability is that of a standard normal variable below `normal_quantile`: 1.645 for 95 %, 2.326
+// for 99 %, 3.09 for 99.9 %. Uses the approximation of Wilson and Hilferty (1931): within 1.5 % for
+// probabilities of 95 to 99.9 %; exact for 2 degrees of freedom.
 double ChiSquareQuantile(int degrees_of_freedom, double normal_quantile);
 
 }  // namespace cairn::fusion

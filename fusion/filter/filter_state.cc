@@ -67,7 +67,8 @@ void FilterState::AddClone(int64_t frame_id, int64_t timestamp_ns,
                            const Eigen::Vector3d& imu_rate_rad_s) {
   CAIRN_CHECK(mean_.clones.size() < kMaxClones, "room for one more clone");
   const int old_dim = dim();
-  // The clone's error is the pose's, plus how far the pose moves in an error of the time offset.
+  // The clone's error is the pose's error, plus the pose's motion during an error of the time
+  // offset.
   covariance_.block(old_dim, 0, kCloneDim, old_dim) = covariance_.block(0, 0, kCloneDim, old_dim);
   if (estimates_rig_) {
     Eigen::Matrix<double, kCloneDim, 1> by_time;
@@ -104,7 +105,8 @@ void FilterState::RemoveClone(int clone) {
   const int begin = CloneIdx(clone);
   const int old_dim = dim();
   const int after = old_dim - begin - kCloneDim;
-  // Rows and columns behind the clone move up, one at a time so that nothing is overwritten early.
+  // Moves the rows and columns behind the clone forward, one at a time so that nothing is
+  // overwritten early.
   for (int i = 0; i < after; ++i) {
     covariance_.col(begin + i).head(old_dim) = covariance_.col(begin + kCloneDim + i).head(old_dim);
   }
@@ -149,7 +151,7 @@ std::optional<int> FilterState::FindTileIdx(uint64_t tile_id) const {
 }
 
 bool FilterState::EnterPoint(int slot, uint64_t track_id, const PointRows& rows) {
-  // A standard deviation of 1 km is no position.
+  // If the standard deviation is 1 km, the rows do not determine the point.
   if (!(rows.by_point.diagonal().cwiseAbs().minCoeff() > 1e-3)) {
     return false;
   }
@@ -158,7 +160,7 @@ bool FilterState::EnterPoint(int slot, uint64_t track_id, const PointRows& rows)
   point.track_id = track_id;
   SetAnchor(newest, rows.x_in_local, rows.x_in_local, &point);
   const LocatedPoint located = Locate(point);
-  // The error of the point in local is that of its coordinates and of its anchor.
+  // The error of the point in local comes from its coordinates and from its anchor.
   Measurement top = rows.clones;
   top.blocks.push_back({CloneIdx(newest), kCloneDim});
   top.jacobian.conservativeResize(Eigen::NoChange, top.jacobian.cols() + kCloneDim);
@@ -200,7 +202,7 @@ void FilterState::MoveAnchor(int slot, int clone) {
   const LocatedPoint before = Locate(point);
   SetAnchor(clone, before.first_x_in_local, before.x_in_local, &point);
   const LocatedPoint after = Locate(point);
-  // Where the point is in local does not change: after.by_coordinates * (new coordinates) =
+  // The point's position in local does not change: after.by_coordinates * (new coordinates) =
   // before.by_coordinates * (old ones) + before.by_anchor * (old anchor) - after.by_anchor * (new).
   const Eigen::Matrix3d inverse = after.by_coordinates.inverse();
   const Eigen::MatrixXd rows =
@@ -310,12 +312,12 @@ std::optional<Correction> FilterState::Solve(std::span<const Measurement> parts)
   if (llt.info() != Eigen::Success || !whitened.allFinite()) {
     return std::nullopt;
   }
-  // With S = L L' and W = L^-1 H P: the correction is W' L^-1 r, the covariance loses W' W.
+  // With S = L L' and W = L^-1 H P, the correction is W' L^-1 r, and the covariance loses W' W.
   Correction correction;
   correction.gain = state_by_rows.transpose();
   llt.matrixL().solveInPlace(correction.gain);
   correction.error = correction.gain.transpose() * whitened;
-  correction.error.segment(tiles_idx_, points_idx_ - tiles_idx_).setZero();  // Considered only.
+  correction.error.segment(tiles_idx_, points_idx_ - tiles_idx_).setZero();  // Tile offsets stay.
   return correction;
 }
 
@@ -383,11 +385,13 @@ bool FilterState::InitializeGlobal(const Rigid3d& global_from_local,
   rows << measurement.jacobian, measurement.residual;
   Triangularize(num_dims, rows);
   const Eigen::MatrixXd by_global = rows.topLeftCorner(num_dims, num_dims);
-  // Standard deviations of 1 km or 60 degrees are no alignment.
+  // With standard deviations of 1 km or 60 degrees, the measurement does not determine the
+  // transform.
   if (!(by_global.diagonal().cwiseAbs().minCoeff() > 1e-3)) {
     return false;
   }
-  // The top rows read r = T g + H x + n: g = T^-1 (r - H x - n), as an error about the given value.
+  // The top rows read r = T g + H x + n, so g = T^-1 (r - H x - n), as an error about the given
+  // value.
   Measurement top{{measurement.blocks.begin() + 1, measurement.blocks.end()},
                   rows.block(0, num_dims, num_dims, num_rest_columns),
                   rows.col(rows.cols() - 1).head(num_dims)};

@@ -1,4 +1,4 @@
-// Inertial measurements and the state they move.
+// Inertial measurements, and the part of the state that they propagate.
 #ifndef CAIRN_FUSION_FILTER_IMU_H_
 #define CAIRN_FUSION_FILTER_IMU_H_
 
@@ -9,15 +9,15 @@
 
 namespace cairn::fusion {
 
-// One reading of the inertial unit, in its own frame.
+// One reading of the IMU, in the IMU's frame.
 struct ImuSample {
   int64_t timestamp_ns = 0;
   Eigen::Vector3d gyro_rad_s = Eigen::Vector3d::Zero();
-  Eigen::Vector3d accel_m_s2 = Eigen::Vector3d::Zero();  // Specific force: +g upwards at rest.
+  Eigen::Vector3d accel_m_s2 = Eigen::Vector3d::Zero();  // Specific force: +g upward at rest.
 };
 
-// Continuous-time noise of an inertial unit. The defaults are those of the ADIS16448 of the EuRoC
-// recordings, a good unit; phones are a few times noisier.
+// Continuous-time noise of an IMU. The defaults are those of the ADIS16448 in the EuRoC recordings,
+// a good unit. Phones are a few times noisier.
 struct ImuNoise {
   double gyro_density = 1.7e-4;   // rad / s / sqrt(Hz), positive.
   double accel_density = 2.0e-3;  // m / s^2 / sqrt(Hz), positive.
@@ -25,7 +25,7 @@ struct ImuNoise {
   double accel_walk = 3.0e-3;     // m / s^3 / sqrt(Hz), of the bias's random walk, positive.
 };
 
-// The moving part of the state. The `local` frame is z-up.
+// The part of the state that moves. The `local` frame is z-up.
 struct ImuState {
   Rigid3d local_from_imu;
   Eigen::Vector3d velocity_in_local = Eigen::Vector3d::Zero();  // m/s.

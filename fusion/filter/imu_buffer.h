@@ -1,4 +1,4 @@
-// The recent inertial samples, as steps between any two instants.
+// Buffers the recent inertial samples and returns them as integration steps between any two times.
 #ifndef CAIRN_FUSION_FILTER_IMU_BUFFER_H_
 #define CAIRN_FUSION_FILTER_IMU_BUFFER_H_
 
@@ -10,10 +10,11 @@
 
 namespace cairn::fusion {
 
-// A ring of samples in order of time. Allocates only in the constructor. Not thread-safe.
+// A ring buffer of samples in order of time. Only the constructor allocates. Not thread-safe.
 class ImuBuffer {
  public:
-  // Holds at most `capacity` samples (at least 2); the oldest make way.
+  // Holds at most `capacity` samples (at least 2). When the buffer is full, a new sample replaces
+  // the oldest.
   explicit ImuBuffer(int capacity) : samples_(static_cast<size_t>(capacity)) {}
 
   bool empty() const { return size_ == 0; }
@@ -25,23 +26,24 @@ class ImuBuffer {
   int64_t oldest_ns() const { return at(0).timestamp_ns; }
   int64_t newest_ns() const { return at(size_ - 1).timestamp_ns; }
 
-  // `sample` must be newer than the newest.
+  // `sample` must be newer than all samples in the buffer.
   void Push(const ImuSample& sample);
   void Clear() { size_ = 0; }
 
-  // Forgets samples that no step from `timestamp_ns` on needs.
+  // Removes the samples that no step after `timestamp_ns` needs.
   void DropBefore(int64_t timestamp_ns);
 
-  // True if steps over [begin_ns, end_ns] can be formed.
+  // Returns true if the samples cover [begin_ns, end_ns].
   bool Covers(int64_t begin_ns, int64_t end_ns) const {
     return size_ > 1 && oldest_ns() <= begin_ns && end_ns <= newest_ns();
   }
 
-  // The sample at an instant within the buffer, interpolated linearly.
+  // Interpolates the sample at a time within the buffer linearly.
   ImuSample Interpolate(int64_t timestamp_ns) const;
 
-  // Calls visit(ImuStep) over [begin_ns, end_ns], which must be covered: one step between
-  // successive samples, cut at the ends, with the mean of the readings at its two ends.
+  // Calls visit(ImuStep) for each step of [begin_ns, end_ns], which the buffer must cover. A step
+  // lies between two successive samples and is cut at the ends of the interval. Its reading is the
+  // mean of the readings at its two ends.
   template <typename Visitor>
   void ForEachStep(int64_t begin_ns, int64_t end_ns, const Visitor& visit) const {
     if (begin_ns >= end_ns) {
@@ -60,7 +62,7 @@ class ImuBuffer {
   }
 
  private:
-  // Index of the first sample at or after an instant; size() if none.
+  // Returns the index of the first sample at or after a time; size() if there is none.
   int FirstNotBefore(int64_t timestamp_ns) const;
 
   std::vector<ImuSample> samples_;

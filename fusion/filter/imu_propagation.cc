@@ -5,8 +5,8 @@
 namespace cairn::fusion {
 namespace {
 
-// Integrals of Exp(x w) with W = [w dt]x, t = |w dt|: the mean of Exp over the step (the left
-// Jacobian) and the double integral over dt^2.
+// Integrals of Exp(x w) with W = [w dt]x and t = |w dt|: the mean of Exp over the step (the left
+// Jacobian), and the double integral divided by dt^2.
 struct RotationIntegrals {
   Eigen::Matrix3d first;   // J_l = I + (1 - cos t)/t^2 W + (t - sin t)/t^3 W^2.
   Eigen::Matrix3d second;  // G_2 = I/2 + (t - sin t)/t^3 W + (t^2/2 - 1 + cos t)/t^4 W^2.
@@ -15,8 +15,8 @@ struct RotationIntegrals {
 RotationIntegrals IntegrateRotation(const Eigen::Vector3d& rotation_vector) {
   const double t = rotation_vector.norm();
   const double tt = t * t;
-  double a, b, c;  // Of W in J_l; of W^2 in J_l and W in G_2; of W^2 in G_2.
-  if (t < 1e-2) {  // By series: the quotients lose digits.
+  double a, b, c;  // Factors of W in J_l; of W^2 in J_l and W in G_2; of W^2 in G_2.
+  if (t < 1e-2) {  // A series, because the quotients lose digits.
     a = 0.5 - tt / 24.0;
     b = 1.0 / 6.0 - tt / 120.0;
     c = 1.0 / 24.0 - tt / 720.0;

@@ -9,7 +9,7 @@ namespace cairn::fusion {
 void Triangularize(int num_columns, Eigen::Ref<Eigen::MatrixXd> rows) {
   const int num_rows = static_cast<int>(rows.rows());
   const int width = static_cast<int>(rows.cols());
-  // One product per reflected column, for the few columns that remain to its right.
+  // Few columns remain to the right of each reflected column, so each gets its own product.
   Eigen::VectorXd essential(num_rows);
   Eigen::RowVectorXd workspace(width);
   for (int j = 0; j < std::min(num_columns, num_rows - 1); ++j) {

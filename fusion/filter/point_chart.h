@@ -1,5 +1,5 @@
-// Coordinates of a point in which what a camera sees of it is nearly linear even where its distance
-// is not well known.
+// Coordinates of a point in which its image is nearly linear, even if its distance is not well
+// known.
 #ifndef CAIRN_FUSION_FILTER_POINT_CHART_H_
 #define CAIRN_FUSION_FILTER_POINT_CHART_H_
 
@@ -7,15 +7,16 @@
 
 namespace cairn::fusion {
 
-// A point is at center + axes * (a, b, 1) / c, with (a, b) its direction and c its inverse distance
-// as seen from `center` (Civera et al. 2008). Its error is that of (a, b, c).
+// A point is at center + axes * (a, b, 1) / c. Here (a, b) is its direction and c its inverse
+// distance, seen from `center` (Civera et al. 2008). Its error is the error of (a, b, c).
 class PointChart {
  public:
   PointChart() = default;
-  // A chart whose axis goes from `center` to `x`, two different points of one frame.
+  // Makes a chart whose axis points from `center` to `x`. The two points are in the same frame and
+  // must differ.
   PointChart(const Eigen::Vector3d& center, const Eigen::Vector3d& x);
 
-  // Coordinates of the `x` the chart was made for.
+  // Coordinates of the point `x` for which the chart was made.
   const Eigen::Vector3d& origin() const { return origin_; }
 
   Eigen::Vector3d ToPoint(const Eigen::Vector3d& coordinates) const {
@@ -23,7 +24,7 @@ class PointChart {
            axes_ * Eigen::Vector3d(coordinates.x(), coordinates.y(), 1.0) / coordinates.z();
   }
 
-  // Inverse of ToPoint, for points in front of the chart: on the side of its `x`.
+  // Inverse of ToPoint, for points on the same side of the chart as its `x`.
   Eigen::Vector3d FromPoint(const Eigen::Vector3d& x) const {
     const Eigen::Vector3d way = axes_.transpose() * (x - center_);
     return {way.x() / way.z(), way.y() / way.z(), 1.0 / way.z()};

@@ -13,9 +13,9 @@
 namespace cairn::fusion {
 namespace {
 
-// OpenCV puts the centre of the upper left pixel at (0, 0).
+// In OpenCV, the center of the upper left pixel is at (0, 0).
 constexpr double kPixelCentre = 0.5;
-// Corners looked for per feature wanted, so that every cell finds some.
+// Number of corners to detect per wanted feature. The surplus lets every cell find some.
 constexpr int kCornersPerFeature = 8;
 
 }  // namespace
@@ -78,11 +78,12 @@ struct KltTracker::Impl {
     for (const cv::Point2f& point : points) {
       ++num_in_cell[CellOf(point)];
     }
-    // Raise the filling of all cells level by level, the best corner of each cell first.
+    // Raises every cell to one feature, then to two, and so on. Each cell takes its best corners
+    // first.
     std::vector<std::vector<cv::Point2f>> corners_of_cell(num_in_cell.size());
     for (auto corner = corners.rbegin(); corner != corners.rend(); ++corner) {
       if (IsInside(*corner)) {
-        corners_of_cell[CellOf(*corner)].push_back(*corner);  // The best last.
+        corners_of_cell[CellOf(*corner)].push_back(*corner);  // Ascending quality.
       }
     }
     int num_left = num_wanted;
@@ -149,7 +150,7 @@ std::span<const TrackedFeature> KltTracker::Track(const GrayView& view) {
   if (impl.image.cols != view.width_px || impl.image.rows != view.height_px) {
     Reset();
   }
-  // OpenCV has no view of constant pixels; they are only read.
+  // OpenCV has no view of constant pixels. The pixels are only read.
   cv::Mat(view.height_px, view.width_px, CV_8UC1, const_cast<uint8_t*>(view.pixels),
           static_cast<size_t>(view.stride_bytes))
       .copyTo(impl.image);

@@ -17,13 +17,13 @@ double YawRad(const Eigen::Quaterniond& rotation) {
 
 using GlobalVector = Eigen::Matrix<double, kGlobalDim, 1>;
 
-// Moves global_from_local by an error in the order of the state's global block.
+// Moves global_from_local by an error whose entries are in the order of the state's global block.
 Rigid3d Moved(const Rigid3d& global_from_local, const GlobalVector& error) {
   return global_from_local * Rigid3d(ExpSo3({error[4], error[5], error[3]}), error.head<3>());
 }
 
-// A sight, and the variance of its residual: noise plus, per axis, what the errors of clone and
-// tile make of it.
+// A linearized sight and the variance of its residual per axis: the unit noise plus the variance
+// that the errors of the clone and the tile add.
 struct WeighedRows {
   MapRows rows;
   double variance = 1.0;
@@ -31,7 +31,7 @@ struct WeighedRows {
   double SquaredResidual() const { return rows.residual.squaredNorm() / variance; }
 };
 
-// One Gauss-Newton step of the robust least squares, as an error.
+// Returns the error that one Gauss-Newton step of the robust least squares finds.
 GlobalVector RobustStep(const std::vector<WeighedRows>& sights, double cauchy_scale, int num_dims) {
   Eigen::Matrix<double, kGlobalDim, kGlobalDim> normal =
       Eigen::Matrix<double, kGlobalDim, kGlobalDim>::Zero();
@@ -71,7 +71,7 @@ std::vector<WeighedRows> LinearizeAll(const Camera& camera, const FilterState& s
   return weighed;
 }
 
-// Rows that say the tilt is zero within its standard deviation.
+// Appends two rows: the tilt is zero with standard deviation `sigma_rad`.
 void AppendTiltPrior(double sigma_rad, Measurement* measurement) {
   const Eigen::Index num_rows = measurement->num_rows();
   measurement->jacobian.conservativeResize(num_rows + 2, Eigen::NoChange);
@@ -137,7 +137,8 @@ bool Align(const Camera& camera, std::span<const MapSight> sights, const Rigid3d
   // The answer's own pose may be off by tens of pixels, so the loss starts wide.
   double cauchy_scale = 30.0;
   for (int i = 0; i < kMaxIterations; ++i) {
-    // Yaw and translation from anywhere; tilt only by the update that knows its prior.
+    // These steps change yaw and translation only. The tilt needs its prior, which the final update
+    // adds.
     const GlobalVector error =
         RobustStep(LinearizeAll(camera, *state, views, sights, global_from_local, map.sigma_px),
                    cauchy_scale, 4);
@@ -149,7 +150,7 @@ bool Align(const Camera& camera, std::span<const MapSight> sights, const Rigid3d
   }
   const std::vector<WeighedRows> all =
       LinearizeAll(camera, *state, views, sights, global_from_local, map.sigma_px);
-  // Twice, for the part of the clones' errors that all sights of an answer share.
+  // All sights of an answer share part of the clones' errors, so the gate is doubled.
   const double gate = 2.0 * ChiSquareQuantile(2, map.match_gate_quantile);
   std::vector<MapRows> inliers;
   for (const WeighedRows& sight : all) {

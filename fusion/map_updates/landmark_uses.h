@@ -1,5 +1,5 @@
-// How much of what the map knows of a landmark the state still holds: the errors of one landmark do
-// not average out.
+// Tracks how much of each landmark's information the filter state already holds. The errors of one
+// landmark do not average out, so repeated uses of the landmark must count for less.
 #ifndef CAIRN_FUSION_MAP_UPDATES_LANDMARK_USES_H_
 #define CAIRN_FUSION_MAP_UPDATES_LANDMARK_USES_H_
 
@@ -12,14 +12,17 @@
 
 namespace cairn::fusion {
 
-// A landmark's position error is the same in every answer that contains it. Each use takes nine
-// tenths of what is left of the landmark's information, so that all uses together say no more than
-// the map knows. What has been taken comes back as the state forgets it: a device that stays where
-// it is learns nothing new from landmarks it has used, one that drifts may use them again.
+// A landmark's position error is the same in every answer that contains the landmark. Each use
+// takes nine tenths of the landmark's remaining information, so that all uses together say no more
+// than the map knows.
+//
+// Information that was taken returns as the state forgets it. A device that stays in place learns
+// nothing new from landmarks it has already used; a device that drifts may use them again.
+//
 // Remembers at least the last kCapacity landmarks. Not thread-safe.
 class LandmarkUses {
  public:
-  // Factor on the variance of a use now.
+  // Factor by which to multiply the landmark's variance if it is used now.
   double VarianceFactor(uint64_t landmark_id) const { return 1.0 / Share(Spent(landmark_id)); }
 
   void Add(uint64_t landmark_id) {
@@ -30,7 +33,8 @@ class LandmarkUses {
     recent_[landmark_id] = {log_kept_, spent + Share(spent)};
   }
 
-  // The state has lost all but `share_kept`, in [0, 1], of what it knew of where it is in the map.
+  // Call when the state has lost part of its knowledge of its place in the map; `share_kept`, in
+  // [0, 1], is the part that remains.
   void Forget(double share_kept) { log_kept_ += std::log(std::max(share_kept, 1e-12)); }
 
   void Clear() {
@@ -46,7 +50,7 @@ class LandmarkUses {
     double spent;  // In [0, 1).
   };
 
-  // What a use takes.
+  // The share of the landmark's information that one use takes.
   static double Share(double spent) { return 0.9 * std::max(1e-4, 1.0 - spent); }
 
   double Spent(uint64_t landmark_id) const {
@@ -58,7 +62,7 @@ class LandmarkUses {
     return 0.0;
   }
 
-  double log_kept_ = 0.0;  // Of the product of all shares kept.
+  double log_kept_ = 0.0;  // Log of the product of all shares kept.
   std::unordered_map<uint64_t, Use> recent_;
   std::unordered_map<uint64_t, Use> older_;
 };

@@ -13,12 +13,13 @@
 namespace cairn::fusion {
 namespace {
 
-// All matches of a response together may contradict the state by more than chance allows, and yet
-// each alone fits: an error that they share, as that of the time of exposure. Up to this ratio of
-// squared distance to gate, such a response enters with its noise enlarged until it passes.
+// Each match of a response may fit alone while all of them together contradict the state by more
+// than chance allows. The cause is an error that they share, such as an error of the exposure time.
+// If the ratio of the squared distance to the gate is at most kMaxExcess, the response is still
+// applied, with its noise enlarged until it passes the gate.
 constexpr double kMaxExcess = 25.0;
 
-// The columns every sight shares.
+// The columns that all sights share.
 struct SharedColumns {
   std::vector<StateBlock> blocks;
   std::vector<uint64_t> tiles;  // In the order of their columns.
@@ -52,9 +53,10 @@ SharedColumns CollectShared(const std::vector<MapRows>& rows, int num_global_dim
   return shared;
 }
 
-// Sights at one clone see global_from_local only together with the clone's pose: by_global =
-// by_clone * this, whatever the landmark. With p the clone's first position: rho moves as p does, a
-// turn about e as one of the clone about e and a shift by e x p.
+// Sights at one clone observe global_from_local only together with the clone's pose. For every
+// landmark, by_global = by_clone * (the returned matrix). With p the clone's first position: a
+// shift rho acts as a shift of p; a turn of global_from_local about the axis e acts as a turn of
+// the clone about e together with a shift by e x p.
 Eigen::Matrix<double, kCloneDim, kGlobalDim> CloneByGlobal(const Clone& clone) {
   const Eigen::Matrix3d cross = Skew(clone.first_position_in_local);
   Eigen::Matrix<double, kCloneDim, kGlobalDim> matrix =
@@ -68,8 +70,8 @@ Eigen::Matrix<double, kCloneDim, kGlobalDim> CloneByGlobal(const Clone& clone) {
   return matrix;
 }
 
-// As CloneRows, where global_from_local is all that is shared: triangularised by the clone's
-// columns alone.
+// CloneRows for the case in which global_from_local is the only shared block. Triangularizing the
+// clone's columns is then enough.
 Eigen::MatrixXd PlainCloneRows(const std::vector<const MapRows*>& rows, const Clone& clone,
                                int num_global_dims) {
   Eigen::Matrix<double, Eigen::Dynamic, kCloneDim + 1> stacked(
@@ -89,7 +91,7 @@ Eigen::MatrixXd PlainCloneRows(const std::vector<const MapRows*>& rows, const Cl
   return triangle;
 }
 
-// The rows of one clone, its own columns first, the residual last; triangularised.
+// The triangularized rows of one clone: its own columns first, the residual last.
 Eigen::MatrixXd CloneRows(const std::vector<const MapRows*>& rows, const SharedColumns& shared) {
   const int width = kCloneDim + shared.width + 1;
   Eigen::MatrixXd stacked =
@@ -122,7 +124,8 @@ class CloneGate {
   CloneGate(const FilterState& state, int clone)
       : tile_variance_(state.has_tiles() ? state.tile_sigma_m() * state.tile_sigma_m() : 0.0),
         estimates_rig_(state.estimates_rig()) {
-    // That of the clone's error plus what global_from_local adds to it, as both are seen as one.
+    // The sights see the errors of the clone and of global_from_local as one error. of_pose_ is the
+    // covariance of that combined error.
     const auto covariance = state.covariance();
     const int idx = state.CloneIdx(clone);
     const Eigen::Matrix<double, kCloneDim, kGlobalDim> by_global =
@@ -164,7 +167,7 @@ void Weigh(double weight, Measurement* measurement) {
   measurement->residual *= weight;
 }
 
-// The used sights, linearised at a state.
+// Linearizes the used sights at `state`.
 std::vector<MapRows> LinearizeUsed(const Camera& camera, const FilterState& state,
                                    std::span<const MapSight> sights, const std::vector<bool>& used,
                                    const MapUpdateOptions& options) {
@@ -206,7 +209,7 @@ std::optional<MapRows> LinearizeSight(const Camera& camera, const Rig& rig,
   if (!predicted) {
     return std::nullopt;
   }
-  // Noise of the pixel, plus that of the landmark: s^2 I + sigma^2 D D'.
+  // Noise of the pixel plus noise of the landmark: s^2 I + sigma^2 D D'.
   Eigen::Matrix2d noise =
       sight.sigma_m * sight.sigma_m * predicted->by_local * predicted->by_local.transpose();
   noise.diagonal().array() += sigma_px * sigma_px;
@@ -341,7 +344,7 @@ MapUpdateResult UpdateFromMap(const Camera& camera, std::span<const MapSight> si
   }
   const double weight = 1.0 / std::sqrt(std::max(1.0, excess));
   Weigh(weight, &measurement);
-  bool linearized = true;  // `measurement` is at the present state.
+  bool linearized = true;  // `measurement` is linearized at the present state.
   const auto linearize = [&](const FilterState& at) {
     if (std::exchange(linearized, false)) {
       return measurement;

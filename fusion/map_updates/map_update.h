@@ -1,5 +1,5 @@
-// Updates of the filter from matches to the map: "Global Updates to the Local State Estimation" of
-// the paper, with compression by clone.
+// Updates the filter from matches to the map, as in the paper's section "Global Updates to the
+// Local State Estimation". The matches are compressed clone by clone.
 #ifndef CAIRN_FUSION_MAP_UPDATES_MAP_UPDATE_H_
 #define CAIRN_FUSION_MAP_UPDATES_MAP_UPDATE_H_
 
@@ -18,36 +18,37 @@ namespace cairn::fusion {
 
 struct MapUpdateOptions {
   double sigma_px = 1.0;  // Standard deviation of a matched keypoint per axis.
-  // Gate on each match, as the quantile of a standard normal variable; 2.326 passes 99 %.
+  // Gate on each match, given as a quantile of the standard normal distribution; 2.326 passes 99 %.
   double match_gate_quantile = 2.326;
-  // Gate on all that remains of a response; 3.72 passes 99.99 %, as a linearisation error of a part
-  // of a pixel in hundreds of matches must not throw away a response.
+  // Gate on all matches of a response that passed their own gates; 3.72 passes 99.99 %. The gate is
+  // wide so that a linearization error of a fraction of a pixel in hundreds of matches does not
+  // reject a whole response.
   double response_gate_quantile = 3.72;
-  int min_matches = 8;                // Of a response, after gating.
-  double min_inlier_fraction = 0.35;  // Of the matches of a response that must pass their gate.
-  // Estimate the tilt between local and global, too, with this standard deviation at the first
-  // alignment; 0: both are level (4 degrees of freedom).
+  int min_matches = 8;                // Fewest matches of a response that must pass.
+  double min_inlier_fraction = 0.35;  // Share of a response's matches that must pass.
+  // Prior standard deviation of the tilt between local and global at the first alignment. If
+  // positive, the filter also estimates the tilt. 0: both frames are level (4 degrees of freedom).
   double tilt_sigma_rad = 0.0;
 
   int num_global_dims() const { return tilt_sigma_rad > 0.0 ? 6 : 4; }
   void Validate() const;
 };
 
-// One sight of a landmark of the map.
+// One observation of a map landmark at one clone.
 struct MapSight {
-  int match =
-      0;  // Sights of one match share it and lie side by side; its first is the queried one.
-  int clone = 0;  // Where it was taken.
+  // Sights of one match share this number and are adjacent. The first of them is the queried sight.
+  int match = 0;
+  int clone = 0;  // The clone that took the sight.
   Eigen::Vector2d pixel;
   Eigen::Vector3d x_in_global;
-  // Standard deviation of the landmark per axis. Of a landmark seen in M clones, each sight gets
-  // sqrt(M) times that of the map: together they then say no more about it than the map knows,
-  // without a dense covariance among them.
+  // Standard deviation of the landmark per axis. If M clones saw the landmark, each sight gets
+  // sqrt(M) times the map's value. Together the sights then say no more about the landmark than the
+  // map knows, and no dense covariance among them is needed.
   double sigma_m = 0.0;
   uint64_t tile_id = 0;
 };
 
-// A sight linearised and whitened.
+// A linearized and whitened sight.
 struct MapRows {
   int clone = 0;
   uint64_t tile_id = 0;
@@ -58,37 +59,38 @@ struct MapRows {
   Eigen::Vector2d residual;
 };
 
-// Nothing if the landmark does not project. `views[i]` belongs to clone i.
+// Returns nullopt if the landmark does not project into the image. `views[i]` belongs to clone i.
 std::optional<MapRows> LinearizeSight(const Camera& camera, const Rig& rig,
                                       std::span<const CameraView> views,
                                       const Rigid3d& global_from_local, const MapSight& sight,
                                       double sigma_px);
 
-// All rows as one measurement of few rows. A row touches the six columns of its clone and those
-// that all share, so each clone's rows are triangularised alone; what remains below a clone's own
-// columns touches the shared columns only and is triangularised again. Blocks: global_from_local
-// (num_global_dims), the rig if estimated, the tiles that `state` has, the clones.
+// Combines all rows into one measurement with few rows. A row touches the six columns of its clone
+// and the columns that all clones share. Each clone's rows are therefore triangularized alone; the
+// rows below the clone's own columns touch only the shared columns and are triangularized once
+// more. Blocks, in order: global_from_local (num_global_dims), the rig if estimated, the tiles that
+// `state` has, the clones.
 Measurement CompressMapRows(const std::vector<MapRows>& rows, int num_global_dims,
                             const FilterState& state);
 
-// Makes room in `state` for the tiles of the sights, if it considers tiles.
+// Makes room in `state` for the tiles of the sights, if `state` models tile offsets.
 void AddTiles(std::span<const MapSight> sights, FilterState* state);
 
 enum class MapUpdateStatus {
   kApplied,
-  kTooFewMatches,  // Fewer than min_matches that project and pass their gates.
-  kDisagrees,      // Most matches, or all of them together, contradict the state.
+  kTooFewMatches,  // Fewer than min_matches project and pass their gates.
+  kDisagrees,      // Most matches, or all together, contradict the state.
 };
 
 struct MapUpdateResult {
   MapUpdateStatus status = MapUpdateStatus::kApplied;
-  int num_matches = 0;            // That went in.
-  int num_gated = 0;              // Matches rejected alone.
-  std::vector<bool> used_sights;  // By sight; all false unless applied.
+  int num_matches = 0;            // Matches that were applied.
+  int num_gated = 0;              // Matches that their own gate rejected.
+  std::vector<bool> used_sights;  // One entry per sight; all false unless applied.
 };
 
-// Gates and applies the matches of one response. `state` must be aligned; it changes only if the
-// status is kApplied.
+// Gates and applies the matches of one response. `state` must be aligned, and changes only if the
+// returned status is kApplied.
 MapUpdateResult UpdateFromMap(const Camera& camera, std::span<const MapSight> sights,
                               const MapUpdateOptions& options, FilterState* state);
 

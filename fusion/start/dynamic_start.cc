@@ -16,8 +16,8 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-// Where the imu would be at each frame, in its own frame at the first, without gravity and
-// velocity.
+// The pose that the IMU would have at each frame without gravity and initial velocity, in the IMU's
+// frame at the first frame.
 std::vector<Rigid3d> Preintegrate(const DynamicStartInput& input,
                                   const Eigen::Vector3d& gyro_bias) {
   ImuState state;
@@ -32,7 +32,7 @@ std::vector<Rigid3d> Preintegrate(const DynamicStartInput& input,
   return poses;
 }
 
-// The sights of a track in the frames of the window, with the index of the frame.
+// The sights that a track has in the frames of the window, each with the index of its frame.
 std::vector<std::pair<size_t, const Observation*>> SightsInWindow(const DynamicStartInput& input,
                                                                   const Track& track) {
   std::vector<std::pair<size_t, const Observation*>> sights;
@@ -48,7 +48,8 @@ std::vector<std::pair<size_t, const Observation*>> SightsInWindow(const DynamicS
   return sights;
 }
 
-// g of size `gravity_m_s2` that minimises g' S g / 2 - s' g: (S + lambda I) g = s.
+// Returns the g of magnitude `gravity_m_s2` that minimizes g' S g / 2 - s' g, by solving (S +
+// lambda I) g = s.
 std::optional<Eigen::Vector3d> GravityOfSize(const Eigen::Matrix3d& quadratic,
                                              const Eigen::Vector3d& linear, double gravity_m_s2) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(quadratic);
@@ -57,7 +58,8 @@ std::optional<Eigen::Vector3d> GravityOfSize(const Eigen::Matrix3d& quadratic,
   const auto at = [&](double lambda) -> Eigen::Vector3d {
     return along.array() / (values.array() + lambda);
   };
-  // The size falls from infinity to zero as lambda grows from minus the least eigenvalue.
+  // The magnitude of g falls from infinity to zero as lambda grows from minus the smallest
+  // eigenvalue.
   double low = -values[0];
   double high = low + linear.norm() / gravity_m_s2 + 1.0;
   for (int i = 0; i < 100; ++i) {
@@ -71,7 +73,7 @@ std::optional<Eigen::Vector3d> GravityOfSize(const Eigen::Matrix3d& quadratic,
   return gravity;
 }
 
-// Of [velocity, gravity]: the rays of all tracks must meet.
+// Normal equations for [velocity, gravity]. They state that the rays of each track meet.
 struct LinearSystem {
   Matrix6 normal = Matrix6::Zero();
   Vector6 right = Vector6::Zero();
@@ -109,7 +111,7 @@ LinearSystem RaysMeet(const DynamicStartInput& input, const Eigen::Vector3d& gyr
   return system;
 }
 
-// Where the window is linearised: the state at its first frame.
+// The linearization point of the window: the state at its first frame.
 struct StartGuess {
   Eigen::Quaterniond local_from_imu;
   Eigen::Vector3d velocity_in_local;
@@ -122,7 +124,7 @@ StartGuess GuessFrom(const LinearStart& linear, const Eigen::Vector3d& gyro_bias
   return {local_from_imu, local_from_imu * linear.velocity_in_imu, gyro_bias};
 }
 
-// From the state at the last frame back to the first.
+// Integrates backwards from the state at the last frame to the first frame.
 StartGuess GuessFrom(const DynamicStartInput& input, const FilterState& state) {
   ImuState imu = state.imu();
   imu.local_from_imu = state.clones().front().local_from_imu;
@@ -134,7 +136,8 @@ StartGuess GuessFrom(const DynamicStartInput& input, const FilterState& state) {
           state.imu().velocity_in_local - imu.velocity_in_local, state.imu().gyro_bias};
 }
 
-// Before the window's tracks: at the origin, with little known but the accelerometer's bias.
+// The state before the window's tracks are used: at the origin, with wide priors on everything but
+// the accelerometer bias.
 FilterState PriorState(const DynamicStartInput& input, const StartGuess& guess,
                        const DynamicStartOptions& options) {
   ImuState imu;
@@ -142,7 +145,7 @@ FilterState PriorState(const DynamicStartInput& input, const StartGuess& guess,
   imu.velocity_in_local = guess.velocity_in_local;
   imu.gyro_bias = guess.gyro_bias;
   Eigen::Matrix<double, kImuDim, 1> sigma = Eigen::Matrix<double, kImuDim, 1>::Zero();
-  sigma.head<2>().setConstant(0.3);  // Radians: nothing, next to what the tracks say.
+  sigma.head<2>().setConstant(0.3);  // Radians; far wider than what the tracks tell.
   sigma.segment<3>(kVelocityIdx).setConstant(std::max(1.0, guess.velocity_in_local.norm()));
   sigma.segment<3>(kGyroBiasIdx).setConstant(options.gyro_bias_sigma_rad_s);
   sigma.segment<3>(kAccelBiasIdx).setConstant(options.accel_bias_sigma_m_s2);
@@ -151,7 +154,7 @@ FilterState PriorState(const DynamicStartInput& input, const StartGuess& guess,
   return {imu, sigma.cwiseAbs2().asDiagonal(), input.rig, state_options};
 }
 
-// Carries the state over the window, with a clone at each frame.
+// Propagates the state over the window and adds a clone at each frame.
 void CloneAllFrames(const DynamicStartInput& input, FilterState* state) {
   for (size_t i = 0; i < input.frames.size(); ++i) {
     if (i > 0) {
@@ -169,7 +172,8 @@ void CloneAllFrames(const DynamicStartInput& input, FilterState* state) {
   }
 }
 
-// All tracks that can be triangulated, and, if `gates`, agree with the state.
+// Linearizes all tracks that can be triangulated. If `gates` is set, leaves out those that
+// contradict the state. `num_tried` receives the number of triangulated tracks.
 std::vector<TrackRows> UsableTracks(const DynamicStartInput& input, const FilterState& state,
                                     bool gates, int* num_tried) {
   const std::vector<CameraView> views = ViewsOfClones(state);
@@ -195,7 +199,8 @@ std::vector<TrackRows> UsableTracks(const DynamicStartInput& input, const Filter
   return usable;
 }
 
-// The imu's part of the state, seen from a local frame with the imu at its origin and yaw zero.
+// The IMU's part of the state, expressed in a local frame in which the IMU is at the origin with
+// yaw zero.
 StartState AtOrigin(const FilterState& state) {
   const ImuState& imu = state.imu();
   const Eigen::Matrix3d rotation = imu.local_from_imu.rotation.toRotationMatrix();
@@ -204,7 +209,8 @@ StartState AtOrigin(const FilterState& state) {
     ahead = rotation.col(2);
   }
   const Eigen::Quaterniond turn = ExpSo3({0.0, 0.0, -std::atan2(ahead.y(), ahead.x())});
-  // What is left of the error when the new frame takes up the yaw and the position.
+  // The new local frame absorbs the errors of yaw and position. This Jacobian maps the old error to
+  // the part that remains.
   Matrix15d jacobian = Matrix15d::Identity();
   jacobian(kThetaIdx + 2, kThetaIdx + 2) = 0.0;
   jacobian.block<3, 3>(kPositionIdx, kPositionIdx).setZero();
@@ -281,8 +287,8 @@ std::optional<StartState> DynamicStart(const DynamicStartInput& input,
   if (static_cast<int>(input.frames.size()) < options.min_frames) {
     return std::nullopt;
   }
-  // Linearised first at the linear solution, which takes the biases as known, then where that
-  // leads.
+  // The first pass linearizes at the linear solution, which assumes known biases. Each later pass
+  // linearizes at the result of the previous one.
   constexpr int kNumPasses = 3;
   const auto linear = SolveLinearStart(input, Eigen::Vector3d::Zero(), options);
   if (!linear) {

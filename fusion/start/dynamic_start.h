@@ -1,4 +1,5 @@
-// A start in motion: velocity, gravity and biases from a second of inertial samples and tracks.
+// Starts the filter in motion: finds velocity, gravity and biases from about a second of inertial
+// samples and feature tracks.
 #ifndef CAIRN_FUSION_START_DYNAMIC_START_H_
 #define CAIRN_FUSION_START_DYNAMIC_START_H_
 
@@ -19,29 +20,30 @@ namespace cairn::fusion {
 
 struct DynamicStartOptions {
   bool enabled = true;
-  double window_s = 1.2;  // Of samples and frames; longer windows see more of the biases.
-  int max_frames = 12;    // Of the window, evenly spaced; at most kMaxClones.
+  // Length of the window of samples and frames. A longer window tells more about the biases.
+  double window_s = 1.2;
+  int max_frames = 12;  // Evenly spaced frames in the window; at most kMaxClones.
   int min_frames = 6;
   int min_tracks = 20;
-  // Prior standard deviations: nothing is known of the biases but what sensors usually have.
+  // Prior standard deviations of the biases: the usual range of such sensors.
   double gyro_bias_sigma_rad_s = 0.02;
   double accel_bias_sigma_m_s2 = 0.1;
-  // What the start must have reached to be believed.
+  // The start is accepted only if its standard deviations are below these limits.
   double max_tilt_sigma_rad = 0.05;
   double max_velocity_sigma_m_s = 0.15;
-  double min_inlier_fraction = 0.7;  // Tracks that agree with it.
+  double min_inlier_fraction = 0.7;  // Share of the tracks that must agree with the start.
 
   void Validate() const;
 };
 
-// A frame of the window.
+// One camera frame of the window.
 struct StartFrame {
   int64_t frame_id = 0;
-  int64_t timestamp_ns = 0;  // Of the imu's clock.
+  int64_t timestamp_ns = 0;  // In the IMU's clock.
 };
 
-// Everything the start is made of. `frames` by time, covered by `imu`; their sights are in
-// `tracks`.
+// The inputs of the start. `frames` are in order of time, and `imu` covers them. `tracks` holds the
+// sights of these frames.
 struct DynamicStartInput {
   const ImuBuffer& imu;
   const TrackTable& tracks;
@@ -53,9 +55,10 @@ struct DynamicStartInput {
   const TrackUpdateOptions& track_options;
 };
 
-// Velocity and gravity in the frame of the imu at the first frame, such that the rays of every
-// track meet: linear in both and in the points, with the size of gravity given (Dong-Si and
-// Mourikis 2012). Nothing if the motion does not determine them.
+// Velocity and gravity in the frame of the IMU at the first frame, chosen such that the rays of
+// every track meet. The problem is linear in velocity, gravity and the points; the magnitude of
+// gravity is given (Dong-Si and Mourikis 2012). SolveLinearStart returns nullopt if the motion does
+// not determine them.
 struct LinearStart {
   Eigen::Vector3d velocity_in_imu;
   Eigen::Vector3d gravity_in_imu;
@@ -64,9 +67,9 @@ std::optional<LinearStart> SolveLinearStart(const DynamicStartInput& input,
                                             const Eigen::Vector3d& gyro_bias,
                                             const DynamicStartOptions& options);
 
-// The state at the last frame, at the origin of local with yaw zero, with its covariance: the
-// linear solution, refined by one iterated update of a filter over the window. Nothing if the
-// tracks do not bear it out or leave it too uncertain.
+// Returns the state at the last frame with its covariance; the IMU is at the origin of local with
+// yaw zero. The linear solution is refined by one iterated update of a filter over the window.
+// Returns nullopt if the tracks contradict the result or leave it too uncertain.
 std::optional<StartState> DynamicStart(const DynamicStartInput& input,
                                        const DynamicStartOptions& options);
 

@@ -42,8 +42,9 @@ bool IsQuiet(const ReadingStatistics& statistics, const StandstillOptions& optio
          statistics.accel_std.maxCoeff() < options.max_accel_std_m_s2;
 }
 
-// Covariance of a start whose tilt comes from the mean of `duration_s` of specific force. With R
-// the rotation, u = (0, 0, g): mean = R' u + b_a + n, whose derivative by theta is R' [u]x.
+// Returns the covariance of a start whose tilt comes from the mean specific force over
+// `duration_s`. With R the rotation and u = (0, 0, g): mean = R' u + b_a + n. The derivative of the
+// mean by theta is R' [u]x.
 Matrix15d StartCovariance(const Eigen::Matrix3d& rotation, double gravity_m_s2, double duration_s,
                           const ImuNoise& noise, const StartPrior& prior) {
   Matrix15d covariance = Matrix15d::Zero();
@@ -97,7 +98,7 @@ std::optional<StartState> StaticStart(const ImuBuffer& buffer, int64_t begin_ns,
                                       const ImuNoise& noise, double gravity_m_s2,
                                       const StartPrior& prior, const StandstillOptions& options) {
   const ReadingStatistics statistics = Statistics(buffer, begin_ns, end_ns);
-  // A bias of more than 0.1 rad/s or 5 % of gravity is motion, or a broken sensor.
+  // A bias above 0.1 rad/s or 5 % of gravity means motion or a broken sensor.
   if (!IsQuiet(statistics, options) || !(statistics.gyro_mean.norm() < 0.1) ||
       !(std::abs(statistics.accel_mean.norm() / gravity_m_s2 - 1.0) < 0.05)) {
     return std::nullopt;
@@ -105,8 +106,8 @@ std::optional<StartState> StaticStart(const ImuBuffer& buffer, int64_t begin_ns,
   StartState start;
   const Eigen::Quaterniond level =
       Eigen::Quaterniond::FromTwoVectors(statistics.accel_mean, Eigen::Vector3d::UnitZ());
-  // Of all level rotations, that with the x axis of the imu, or else its z axis, over local's x
-  // axis.
+  // Yaw is free. Choose the yaw that points the IMU's x axis along local's x axis. If the IMU's x
+  // axis is nearly vertical, use its z axis.
   Eigen::Vector3d ahead = level * Eigen::Vector3d::UnitX();
   if (ahead.head<2>().norm() < 0.5) {
     ahead = level * Eigen::Vector3d::UnitZ();

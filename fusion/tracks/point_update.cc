@@ -10,7 +10,7 @@
 namespace cairn::fusion {
 namespace {
 
-// The two rows of one sight. Nothing if the point does not project.
+// Linearizes one sight as two rows. Returns nullopt if the point does not project into the image.
 std::optional<Measurement> LinearizeSightOfPoint(const FilterState& state, const Camera& camera,
                                                  std::span<const CameraView> views, int slot,
                                                  const Observation& observation, double sigma_px) {
@@ -45,7 +45,7 @@ std::optional<Measurement> LinearizeSightOfPoint(const FilterState& state, const
   return measurement;
 }
 
-// Takes the free sights of a track out of it.
+// Removes the unreserved sights from a track and returns them.
 std::vector<Observation> TakeFreeSights(Track* track) {
   std::vector<Observation> sights;
   std::erase_if(track->observations, [&sights](const Observation& observation) {

@@ -1,4 +1,4 @@
-// Updates of the filter from sights of the long-lived points in its state.
+// Updates the filter from sights of the long-lived points in its state.
 #ifndef CAIRN_FUSION_TRACKS_POINT_UPDATE_H_
 #define CAIRN_FUSION_TRACKS_POINT_UPDATE_H_
 
@@ -13,13 +13,13 @@
 namespace cairn::fusion {
 
 struct PointUpdateCounts {
-  int num_used = 0;   // Sights.
+  int num_used = 0;   // Sights that were applied.
   int num_gated = 0;  // Sights that contradict the state.
 };
 
-// Uses the free sights of the points' tracks and takes them out of `tracks`. Points that were not
-// seen in the newest frame, `frame_id`, leave the state, as do those of which two sights in a row
-// contradict it.
+// Applies the unreserved sights of the points' tracks and removes these sights from `tracks`. A
+// point leaves the state if the newest frame, `frame_id`, did not see it, or if two consecutive
+// sights of it contradict the state.
 PointUpdateCounts UpdateFromPoints(const Camera& camera, int64_t frame_id,
                                    const TrackUpdateOptions& options, TrackTable* tracks,
                                    FilterState* state);

@@ -1,8 +1,8 @@
-// What a camera that turns but does not move says about the way: that it is short.
+// Bounds the distance moved by a camera that turns in place.
 //
-// Points whose sights differ by a rotation alone have no depth, so their tracks are of no use, and
-// the position would be that of the inertial unit alone, metres off within seconds. But unless
-// everything in view is far away, the device has not gone far.
+// If the sights of a point differ by a rotation alone, the point has no depth, so tracks do not
+// help. The position would then come from the IMU alone and drift by meters within seconds. But
+// unless everything in view is far away, a device whose images show only rotation has moved little.
 #ifndef CAIRN_FUSION_TRACKS_ROTATION_ONLY_H_
 #define CAIRN_FUSION_TRACKS_ROTATION_ONLY_H_
 
@@ -15,7 +15,7 @@
 namespace cairn::fusion {
 
 struct RotationOnlyOptions {
-  // Distance within which half of what is in view stands. A bound, not an estimate.
+  // Half of what is in view stands within this distance. This is a bound, not an estimate.
   double median_distance_m = 20.0;
   int min_tracks = 15;
   double gate_quantile = 3.09;  // Passes 99.9 %.
@@ -23,14 +23,16 @@ struct RotationOnlyOptions {
   void Validate() const;
 };
 
-// Median over the tracks seen at both clones of the distance in pixels between the sight at `to`
-// and the sight at `from` turned there; nothing with fewer than options.min_tracks.
+// For each track that both clones see, turns the sight at `from` into the orientation of `to` and
+// takes its distance in pixels to the sight at `to`. Returns the median of these distances, or
+// nullopt if there are fewer than options.min_tracks such tracks.
 std::optional<double> MedianParallaxPx(const FilterState& state, const Camera& camera,
                                        const TrackTable& tracks, int from, int to,
                                        const RotationOnlyOptions& options);
 
-// "From clone `from` to clone `to` the device went nowhere, but for the way that this parallax is
-// at median_distance_m." Nothing if that says less than the state knows.
+// Returns the measurement "the position did not change from clone `from` to clone `to`". Its
+// standard deviation is the motion that causes `parallax_px` at median_distance_m. Returns nullopt
+// if the state already knows the motion better.
 std::optional<Measurement> RotationOnlyMeasurement(const FilterState& state, const Camera& camera,
                                                    double parallax_px, int from, int to,
                                                    const RotationOnlyOptions& options);

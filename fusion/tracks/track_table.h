@@ -1,5 +1,4 @@
-// The sights of features that have not been used yet: the ledger by which no measurement is counted
-// twice.
+// Keeps the sights that no update has used yet, so that no measurement is counted twice.
 #ifndef CAIRN_FUSION_TRACKS_TRACK_TABLE_H_
 #define CAIRN_FUSION_TRACKS_TRACK_TABLE_H_
 
@@ -14,59 +13,60 @@
 
 namespace cairn::fusion {
 
-// A feature seen in one frame. Features of different frames with the same id show the same point.
+// A feature seen in one frame. Features with the same id in different frames show the same point.
 struct TrackedFeature {
   uint64_t track_id = 0;
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
 };
 
-// A sight of a track that no update has used. Whoever uses it takes it out of the table.
+// A sight that no update has used. The update that uses a sight must remove it from the table.
 struct Observation {
   int64_t frame_id = 0;
   Eigen::Vector2d pixel;
   Eigen::Vector3d ray_in_cam;
-  bool reserved = false;  // For the answer to a query: not to be used locally until it is there.
+  // Reserved for the answer to a query. Local updates must not use this sight until the answer is
+  // there.
+  bool reserved = false;
 };
 
-// What the map says of where a point is along the ray of a queried sight, besides what that sight
-// has told already: direction_in_global' (x_in_global - point) = 0 within sigma_m.
+// The map's knowledge of a point along the ray of a queried sight, beyond what that sight has
+// already told: direction_in_global' (x_in_global - point) = 0 with standard deviation sigma_m.
 struct MapDistance {
   Eigen::Vector3d x_in_global;          // The landmark.
-  Eigen::Vector3d direction_in_global;  // From the camera to the landmark, a unit vector.
+  Eigen::Vector3d direction_in_global;  // Unit vector from the camera to the landmark.
   double sigma_m = 0.0;                 // Positive.
   uint64_t tile_id = 0;
 };
 
 struct Track {
   uint64_t track_id = 0;
-  int64_t last_frame_id = 0;                // In which it was seen, used or not.
-  std::vector<Observation> observations;    // By frame.
-  std::optional<MapDistance> map_distance;  // Of its point, until an update uses it.
+  int64_t last_frame_id = 0;                // Last frame that saw the track, used or not.
+  std::vector<Observation> observations;    // In order of frames.
+  std::optional<MapDistance> map_distance;  // Of the track's point; kept until an update uses it.
 };
 
-// Not thread-safe. Bounded by max_tracks times the frames that are kept.
+// Memory is bounded by max_tracks times the number of kept frames. Not thread-safe.
 class TrackTable {
  public:
   explicit TrackTable(int max_tracks);
 
-  // Enters the features of a new frame. Those with a pixel that the camera cannot unproject, with a
-  // repeated id, or beyond the bound on the number of tracks are left out; returns how many were
-  // entered.
+  // Adds the features of a new frame and returns how many were added. Leaves out a feature if the
+  // camera cannot unproject its pixel, if its id is repeated in the frame, or if the table is full.
   int AddFrame(int64_t frame_id, const Camera& camera, std::span<const TrackedFeature> features);
 
   std::vector<Track>& tracks() { return tracks_; }
   const std::vector<Track>& tracks() const { return tracks_; }
 
-  // Nothing if there is no such track.
+  // Returns nullptr if there is no such track.
   Track* Find(uint64_t track_id);
 
-  // Marks every sight of a frame as reserved, or as free again.
+  // Marks every sight of a frame as reserved or unreserved.
   void SetReserved(int64_t frame_id, bool reserved);
 
-  // Forgets the sights of a frame.
+  // Removes all sights of a frame.
   void DropFrame(int64_t frame_id);
 
-  // Forgets tracks that were not seen in `frame_id` and of which nothing is reserved.
+  // Removes the tracks that `frame_id` did not see and that have no reserved sights.
   void DropFinished(int64_t frame_id);
 
   void Clear();
@@ -75,7 +75,7 @@ class TrackTable {
   void RebuildIndex();
 
   size_t max_tracks_;
-  std::vector<Track> tracks_;  // In order of first sight.
+  std::vector<Track> tracks_;  // Ordered by first sight.
   std::unordered_map<uint64_t, size_t> index_;
 };
 

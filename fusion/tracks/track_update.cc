@@ -11,7 +11,7 @@
 namespace cairn::fusion {
 namespace {
 
-// All columns that tracks touch: what they share before the clones, and every clone.
+// All columns that tracks touch: the shared blocks, then every clone.
 std::vector<StateBlock> TrackColumns(const FilterState& state, std::span<const TrackRows> tracks) {
   std::vector<StateBlock> blocks;
   for (const TrackRows& track : tracks) {
@@ -26,7 +26,7 @@ std::vector<StateBlock> TrackColumns(const FilterState& state, std::span<const T
   return blocks;
 }
 
-// Writes a track's rows into the columns of TrackColumns.
+// Writes a track's rows into the columns that TrackColumns lists.
 void Append(const Measurement& track, Eigen::Index row, Measurement* stacked) {
   Eigen::Index column = 0;
   for (const StateBlock& block : track.blocks) {
@@ -45,12 +45,12 @@ void Append(const Measurement& track, Eigen::Index row, Measurement* stacked) {
   stacked->residual.segment(row, track.num_rows()) = track.residual;
 }
 
-// What the map says of a track's point, by the state at hand.
+// The map's knowledge of a track's point, expressed at the current state.
 struct DistanceRow {
   PlanePrior prior;
   Eigen::Vector3d direction_in_global;
   std::vector<StateBlock> blocks;  // global_from_local; the tile if the state has tiles.
-  int num_dims = 0;                // Of the blocks.
+  int num_dims = 0;                // Total size of the blocks.
 };
 
 std::optional<DistanceRow> MakeDistanceRow(const FilterState& state,
@@ -75,7 +75,7 @@ std::optional<DistanceRow> MakeDistanceRow(const FilterState& state,
   return row;
 }
 
-// Fills `row` for a point at `x_in_local`: the point's columns first, those of `distance` from
+// Fills `row` for a point at `x_in_local`. Columns: the point first, those of `distance` from
 // `begin` on, the residual last.
 void WriteDistanceRow(const DistanceRow& distance, const Eigen::Vector3d& x_in_local,
                       Eigen::Index begin,
@@ -92,7 +92,8 @@ void WriteDistanceRow(const DistanceRow& distance, const Eigen::Vector3d& x_in_l
   row /= distance.prior.sigma_m;
 }
 
-// Whether the way between the first and the last sight is known well enough to triangulate on.
+// Returns true if the baseline between the first and the last sight is known well enough to
+// triangulate on.
 bool HasBaseline(const FilterState& state, std::span<const Observation> sights,
                  const TrackUpdateOptions& options) {
   const int first = FindClone(state, sights.front().frame_id);
@@ -110,18 +111,18 @@ bool HasBaseline(const FilterState& state, std::span<const Observation> sights,
   return std::sqrt(std::max(variance, 0.0)) < options.max_relative_baseline_sigma * length_m;
 }
 
-// Whether pixels, and the map where it was asked, tell the distance of a track's point from the
-// newest clone well enough, the poses taken as known.
+// Returns true if the pixels, and the map if it was asked, tell the distance of the point from the
+// newest clone well enough. Assumes that the poses are exact.
 bool PixelsTellDistance(const PointRows& point, const FilterState& state,
                         const TrackUpdateOptions& options) {
   const Eigen::Vector3d view = point.x_in_local - state.clones().back().local_from_imu.translation;
-  // The standard deviation along the view times the distance.
+  // Standard deviation along the viewing ray, times the distance.
   const double sigma = point.by_point.transpose().triangularView<Eigen::Lower>().solve(view).norm();
   return sigma < options.max_relative_point_sigma * view.squaredNorm();
 }
 
-// Whether the state, the errors of its poses counted, knows the distance of its point well enough
-// for the sights to come to be linear in it.
+// Returns true if the state knows the distance of the point well enough, including the errors of
+// the poses. Future sights are then nearly linear in the point.
 bool IsDistanceKnown(const FilterState& state, int slot, const TrackUpdateOptions& options) {
   const int idx = state.PointIdx(slot) + 2;
   const double inverse_distance = state.points()[static_cast<size_t>(slot)]->coordinates.z();
@@ -129,9 +130,9 @@ bool IsDistanceKnown(const FilterState& state, int slot, const TrackUpdateOption
          options.max_relative_point_sigma * inverse_distance;
 }
 
-// Enters the points of tracks that go on into free slots. After the update by these tracks, so that
-// the points' first estimates, which their derivatives keep, are made with the best poses there
-// are; what the rows of the points say is news still.
+// Adds the points of tracks that go on to the state where slots are free. Call after the update
+// with these tracks: the points' first estimates, at which their derivatives stay, then use the
+// best poses available. The rows of the points themselves are still unused.
 void EnterPoints(const Camera& camera, const std::vector<const FinishedTrack*>& tracks,
                  const TrackUpdateOptions& options, FilterState* state) {
   const std::vector<CameraView> views = ViewsOfClones(*state);
@@ -207,7 +208,7 @@ std::optional<TrackRows> LinearizeTrack(const FilterState& state, const Camera& 
   if (!x_in_local) {
     return std::nullopt;
   }
-  // Columns: the point, the clones in turn, the rig, what the distance depends on, the residual.
+  // Columns: the point, the clones in turn, the rig, the blocks of the distance, the residual.
   const int num_views = static_cast<int>(sights.size());
   const int rig_begin = 3 + kCloneDim * num_views;
   const int distance_begin = rig_begin + (state.estimates_rig() ? kRigDim : 0);
@@ -289,7 +290,7 @@ TrackUpdateCounts UpdateFromTracks(const Camera& camera, std::vector<FinishedTra
     auto rows = has_baseline ? linearize_here(track) : std::nullopt;
     bool fits = rows && passes(*rows);
     if (!fits && has_baseline && track.map_distance) {
-      track.map_distance.reset();  // The map may be wrong where the sights are not.
+      track.map_distance.reset();  // The map may be wrong although the sights are right.
       rows = linearize_here(track);
       fits = rows && passes(*rows);
     }
@@ -306,7 +307,7 @@ TrackUpdateCounts UpdateFromTracks(const Camera& camera, std::vector<FinishedTra
     return counts;
   }
   counts.num_used = static_cast<int>(accepted.size());
-  bool linearized = true;  // `accepted` is at the present state.
+  bool linearized = true;  // `accepted` is linearized at the present state.
   const auto linearize = [&](const FilterState& at) {
     if (!std::exchange(linearized, false)) {
       accepted.clear();

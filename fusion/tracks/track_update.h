@@ -1,5 +1,5 @@
-// Updates of the filter from the tracks of features at unknown points: the multi-state constraint
-// of Mourikis and Roumeliotis (2007).
+// Updates the filter from tracks of features at unknown points: the multi-state constraint of
+// Mourikis and Roumeliotis (2007).
 #ifndef CAIRN_FUSION_TRACKS_TRACK_UPDATE_H_
 #define CAIRN_FUSION_TRACKS_TRACK_UPDATE_H_
 
@@ -17,19 +17,22 @@ namespace cairn::fusion {
 
 struct TrackUpdateOptions {
   double sigma_px = 1.0;  // Standard deviation of a tracked pixel per axis.
-  int min_views = 3;      // Two give one equation that outliers satisfy easily.
-  // Longest tracks first; the rest of a frame's finished tracks is dropped. Bounds the time.
+  int min_views = 3;      // Two views give one equation, which outliers satisfy easily.
+  // Most tracks per update, which bounds the time. The longest tracks are used; the rest of a
+  // frame's finished tracks is dropped.
   int max_tracks = 60;
-  // Gate on each track, as the quantile of a standard normal variable: 1.645 passes 95 % of true
-  // tracks.
+  // Gate on each track, given as a quantile of the standard normal distribution; 1.645 passes 95 %
+  // of the true tracks.
   double gate_quantile = 1.645;
-  // Largest standard deviation of the way between a track's first and last sight, relative to that
-  // way. A point triangulated on a baseline that is a guess is one, too: without this limit a
-  // device that only turns, and by its inertial unit seems to move, grew sure of that motion.
+  // Largest standard deviation of the baseline between a track's first and last sight, relative to
+  // the baseline. If the baseline is a guess, the triangulated point is a guess, too. Without this
+  // limit, a device that only turned, but whose IMU suggested motion, became too sure of that
+  // motion.
   double max_relative_baseline_sigma = 0.5;
   TriangulateOptions triangulate;
-  // Largest standard deviation of the distance of a point that enters the state, relative to it,
-  // the errors of the poses counted. Beyond, the filter is overconfident (docs/math/fusion.md).
+  // Largest standard deviation of the distance of a point that enters the state, relative to the
+  // distance and including the errors of the poses. Above this limit the filter is overconfident
+  // (docs/math/fusion.md).
   double max_relative_point_sigma = 0.06;
 
   void Validate() const;
@@ -41,41 +44,41 @@ struct TrackUpdateCounts {
   int num_gated = 0;  // Triangulated, but contradicting the state.
 };
 
-// A track whose sights are to be used.
+// A track whose sights the next update uses.
 struct FinishedTrack {
   uint64_t track_id = 0;
-  bool goes_on = false;  // It is still in view: its point may enter the state.
+  bool goes_on = false;  // Still in view, so its point may enter the state.
   std::vector<Observation> sights;
   std::optional<MapDistance> map_distance;
 };
 
-// The 2 M rows of a track's M sights, and one more of the distance that the map knows, turned so
-// that the first three alone touch the point.
+// The linearized rows of a track with M sights: 2 M rows, plus one if the map knows the distance.
+// An orthogonal transformation confines the point to the first three rows.
 struct TrackRows {
-  Measurement clones;  // 2 M - 3 rows or one more, without the point.
+  Measurement clones;  // 2 M - 3 rows, or one more, without the point.
   PointRows point;
 };
 
-// Nothing if the point cannot be found. `views[i]` belongs to clone i of `state`; `observations`
-// are at clones. Before the alignment, and where the tile of the landmark is no longer in the
-// state, `map_distance` is not used.
+// Linearizes a track. `views[i]` belongs to clone i of `state`, and every observation is at a
+// clone. Ignores `map_distance` before the alignment and if the landmark's tile is no longer in the
+// state. Returns nullopt if the point cannot be triangulated.
 std::optional<TrackRows> LinearizeTrack(
     const FilterState& state, const Camera& camera, std::span<const CameraView> views,
     std::span<const Observation> observations, const TrackUpdateOptions& options,
     const std::optional<MapDistance>& map_distance = std::nullopt);
 
-// The rows of all tracks without their points, compressed.
+// Stacks the rows of all tracks, without their points, and compresses the result.
 Measurement StackTracks(const FilterState& state, std::span<const TrackRows> tracks);
 
-// Updates `state` with the given tracks, whose sights are at clones of `state`. The points of
-// tracks that go on enter it where slots are free, those seen longest first.
+// Updates `state` with the given tracks, whose sights are all at clones of `state`. If slots are
+// free, the points of tracks that go on enter the state, longest tracks first.
 TrackUpdateCounts UpdateFromTracks(const Camera& camera, std::vector<FinishedTrack> tracks,
                                    const TrackUpdateOptions& options, FilterState* state);
 
-// The views of all clones, in their order.
+// The views of all clones, in the order of the clones.
 std::vector<CameraView> ViewsOfClones(const FilterState& state);
 
-// Index of the clone of a frame, or -1.
+// Returns the index of the clone of a frame, or -1.
 int FindClone(const FilterState& state, int64_t frame_id);
 
 }  // namespace cairn::fusion

@@ -10,11 +10,11 @@
 namespace cairn::fusion {
 namespace {
 
-// The inverse depth in the last view at which the point on the last sight's ray is seen nearest to
-// the other rays: with d that ray and t the last view's centre in another camera that sees the
-// direction u, the point there is along d + c t, and u x (d + c t) = 0 is linear in c.
-// (The point nearest to all rays in space would stand near the cameras where rays are all but
-// parallel, from where the iterations below do not find back.)
+// Returns the inverse depth, along the last sight's ray, of the point that the other views see
+// nearest to their own rays. Let d be that ray and t the last view's center, both in the frame of
+// another camera that sees the direction u. The point is along d + c t there, and u x (d + c t) = 0
+// is linear in c. (The point nearest to all rays in space is not used: for almost parallel rays it
+// is close to the cameras, and the iterations do not recover from there.)
 std::optional<double> InitialInverseDepth(std::span<const Sight> sights) {
   const Sight& last = sights.back();
   const Eigen::Vector3d ray =
@@ -31,7 +31,7 @@ std::optional<double> InitialInverseDepth(std::span<const Sight> sights) {
   return sq_norm > 0.0 ? std::optional(product / sq_norm) : std::nullopt;
 }
 
-// A point by its normalised image coordinates (a, b) and inverse depth c in one view.
+// A point, as normalized image coordinates (a, b) and inverse depth c in one view.
 class InverseDepth {
  public:
   InverseDepth(const Sight& sight, double inverse_depth) : view_(*sight.view) {
@@ -62,7 +62,8 @@ struct NormalEquations {
   double cost = 0.0;
 };
 
-// In pixels: what the prior says is weighed as `sigma_px` is.
+// Residuals are in pixels. The prior is weighted to match: its sigma_m counts as much as
+// `sigma_px`.
 std::optional<NormalEquations> Linearize(const Camera& camera, std::span<const Sight> sights,
                                          double sigma_px, const std::optional<PlanePrior>& prior,
                                          const InverseDepth& point) {
@@ -138,7 +139,7 @@ std::optional<Eigen::Vector3d> Triangulate(const Camera& camera, std::span<const
     Eigen::Matrix3d damped = equations->normal;
     damped.diagonal() *= 1.0 + damping;
     const Eigen::Vector3d step = damped.ldlt().solve(equations->gradient);
-    // What the step promises to take off the cost.
+    // The decrease of the cost that the step predicts.
     converged = step.dot(equations->gradient) < 1e-4 * equations->cost + 1e-12;
     if (converged || i == options.max_iterations) {
       break;

@@ -14,9 +14,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Radius of the disc that holds 68 % of an isotropic Gaussian of unit variance in the plane.
+// Radius of the disk that holds 68 % of an isotropic Gaussian of unit variance in the plane.
 constexpr double kRadiusPerSigma = 1.51;
-// The filter may be surer than the server's search grid is fine.
+// The filter's accuracy may be finer than the server's search grid, so it is limited to this value.
 constexpr double kMinAccuracyM = 1.0;
 
 Json PriorJson(const Geodetic& position, double accuracy_m) {
@@ -25,7 +25,7 @@ Json PriorJson(const Geodetic& position, double accuracy_m) {
       {"accuracy", accuracy_m}};
 }
 
-// Where the camera is, by the filter, else by the receiver.
+// The prior of the camera's position: the filter's, or else the receiver's.
 std::optional<Json> PriorOf(const MapQuery& query, const Geodetic& global_origin) {
   if (const auto& prior = query.query.prior) {
     const Eigen::Matrix3d covariance = prior->covariance.bottomRightCorner<3, 3>();

@@ -1,4 +1,5 @@
-// Queries and answers of the filter, as the server's POST /v1/localize speaks them (docs/http.md).
+// Encodes queries and decodes answers as the server's POST /v1/localize defines them
+// (docs/http.md).
 #ifndef CAIRN_FUSION_TRANSPORT_MAP_MESSAGES_H_
 #define CAIRN_FUSION_TRANSPORT_MAP_MESSAGES_H_
 
@@ -15,41 +16,43 @@
 
 namespace cairn::fusion {
 
-// A rough position from elsewhere, as GPS receivers report it.
+// A rough position from another source, in the form that GPS receivers report.
 struct RoughPosition {
   Geodetic position;
-  double accuracy_m = 15.0;  // Radius that holds the truth with 68 %, positive.
+  double accuracy_m = 15.0;  // Radius that holds the true position with 68 %; positive.
 };
 
-// The filter's question with what only the application has: the features of the frame.
+// A query of the filter together with the frame's features, which only the application has.
 struct MapQuery {
   Query query;
   Camera camera;
-  // Projected by the map's codebook (then `codec` names it), or raw. Keypoints lie in the image.
+  // Features projected by the map's codebook, which `codec` then names, or raw features. Keypoints
+  // lie in the image.
   FeatureSet features;
   std::string codec;
-  // For each keypoint the track it is a sight of, if any. Empty: none is.
+  // For each keypoint, the track it belongs to, if any. Empty: no keypoint belongs to a track.
   std::vector<std::optional<uint64_t>> track_of_keypoint;
-  // Used while the filter has no prior of its own. With neither, the whole map is searched.
+  // Used as long as the filter has no prior of its own. With neither, the server searches the whole
+  // map.
   std::optional<RoughPosition> rough_position;
 };
 
-// A body and its Content-Type.
+// A request body and its Content-Type.
 struct MapRequest {
   std::string content_type;
   std::string body;
 };
 
-// The request of a query: multipart/form-data, features with compact geometry, projected ones as
-// float16: 22 kB for 500 features of 16 dimensions (20 kB of them the features). `global` is the
-// east-north-up frame at `global_origin`. Throws Error(kBadInput) if the features are not valid or
-// do not lie in the image.
+// Encodes a query as multipart/form-data. The geometry of the features is compact; projected
+// descriptors are float16. A query of 500 features with 16 dimensions takes 22 kB, of which the
+// features take 20 kB. `global` is the east-north-up frame at `global_origin`. Throws
+// Error(kBadInput) if the features are invalid or not in the image.
 MapRequest MakeMapRequest(const MapQuery& query, const Geodetic& global_origin, int timeout_ms,
                           int max_matches);
 
-// The answer to `query` from the JSON of a response of status 200, moved to the `global` frame.
-// Nothing if it is not such a JSON, or a number makes no sense; matches that name no keypoint of
-// the query lose their track only.
+// Decodes the answer to `query` from the JSON of a response with status 200, and transforms it to
+// the `global` frame. Returns nullopt if the text is not such a JSON or contains an impossible
+// number. A match whose keypoint is not in the query loses only its track.
 std::optional<Answer> ReadMapAnswer(std::string_view json, const MapQuery& query,
                                     const Geodetic& global_origin) noexcept;
 

@@ -29,7 +29,7 @@ Answer Failed(const MapQuery& query) {
   return answer;
 }
 
-// Statuses that say "later", as opposed to "never".
+// Statuses that ask the client to try again later, as opposed to never.
 bool IsOverload(int status) { return status == 408 || status == 429 || status >= 500; }
 
 }  // namespace
@@ -116,11 +116,11 @@ struct MapTransport::Impl {
     }
   }
 
-  // Never throws: whatever goes wrong is a failed answer.
+  // Never throws: any failure becomes a failed answer.
   Answer Ask(const MapQuery& query) noexcept {
     try {
       return Exchange(query);
-    } catch (const std::exception&) {  // The features do not encode, or there is no memory.
+    } catch (const std::exception&) {  // The features do not encode, or memory ran out.
       Count(&MapTransportCounters::num_bad_queries);
       return Failed(query);
     }
@@ -165,8 +165,8 @@ struct MapTransport::Impl {
     return std::move(*answer);
   }
 
-  // The server may close a silent connection just when the next request is on its way; a failure
-  // without a byte of answer and without a timeout is tried once more, on a new connection.
+  // The server may close an idle connection just as the next request is sent. If a request on a
+  // kept connection fails without any byte of response, it is sent once more on a new connection.
   httplib::Result SendTwiceIfStale(const httplib::Request& request, std::string* response_body) {
     httplib::Result result = http.send(request);
     const bool had_connection = std::exchange(is_connected, static_cast<bool>(result));
@@ -208,19 +208,19 @@ struct MapTransport::Impl {
   MapTransportOptions options;
   Callback on_answer;
   httplib::Client http;
-  bool is_connected = false;  // An exchange succeeded on the kept connection; the worker's.
+  bool is_connected = false;  // The last exchange succeeded. Used by the worker only.
 
-  std::mutex mutex;  // Guards what follows.
+  std::mutex mutex;  // Guards the members below.
   std::condition_variable wake;
   std::deque<MapQuery> queue;
   bool stopping = false;
   Clock::time_point closed_until = Clock::time_point::min();
   std::optional<Clock::time_point> last_accepted;
-  int num_failures = 0;  // In a row.
+  int num_failures = 0;  // Consecutive failures.
   std::mt19937_64 random;
   MapTransportCounters counters;
 
-  std::thread worker;  // Last: it uses all of the above.
+  std::thread worker;  // Last member, because the thread uses all others.
 };
 
 MapTransport::MapTransport(const MapTransportOptions& options, Callback on_answer) {

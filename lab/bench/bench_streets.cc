@@ -11,8 +11,9 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kHalfTileM = 0.5 * TileId::kSideM;
 constexpr double kStreetSpacingM = 50.0;
-constexpr double kFirstStreetM = 5.0;  // Off the tiles' borders, so that cameras stand in one tile.
-constexpr double kFacadeOffsetM = 8.0;  // From the middle of the street.
+// Keeps the streets off the tiles' borders, so that each camera is in one tile.
+constexpr double kFirstStreetM = 5.0;
+constexpr double kFacadeOffsetM = 8.0;  // Distance from the middle of the street.
 constexpr double kFacadeHeightM = 15.0;
 constexpr double kGroundHeightM = 400.0;
 constexpr int kMaxDescriptorsPerLandmark = 4;  // Uniform from 1: 2.5 on average.
@@ -25,7 +26,7 @@ double RandomSign(std::mt19937_64* generator) {
   return std::bernoulli_distribution()(*generator) ? 1.0 : -1.0;
 }
 
-// The middle lines of the streets that cross a tile, along one axis.
+// Returns the center lines of the streets that cross a tile, along one axis.
 std::vector<double> StreetsThrough(double tile_center_m) {
   const double low = tile_center_m - kHalfTileM - kFirstStreetM;
   const double high = tile_center_m + kHalfTileM - kFirstStreetM;

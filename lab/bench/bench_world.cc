@@ -32,15 +32,15 @@ constexpr double kOrientationNoiseRad = 0.05;
 constexpr double kLogSizeNoise = 0.1;
 constexpr int kTrainingLandmarks = 20'000;
 constexpr int kTrainingObservations = 3;
-constexpr int kLandmarksPerView = 800;  // Of a keyframe.
+constexpr int kLandmarksPerView = 800;  // Per keyframe.
 constexpr size_t kEncodeBatch = 8192;
-constexpr uint64_t kQueryObservation = 1'000;  // Beyond those in the map.
+constexpr uint64_t kQueryObservation = 1'000;  // Larger than the numbers of the map's observations.
 
-// Vehicles in one lane see a landmark from much the same side; views differ by up to so much.
+// Vehicles in one lane see a landmark from similar directions; the views differ by up to this much.
 constexpr double kViewSpreadRad = 0.4;
 constexpr double kLog2ScaleSpread = 1.0;
 
-// Landmarks have no likes. Views are a low-discrepancy sequence over observations.
+// Landmarks have no repetitions. Views are a low-discrepancy sequence over the observations.
 DescriptorLook Look(uint64_t landmark, uint64_t observation) {
   const auto unit = [&](double step) {
     const double at = step * static_cast<double>(observation % 4096 + landmark % 4096);
@@ -53,7 +53,7 @@ DescriptorLook Look(uint64_t landmark, uint64_t observation) {
           .observation = observation};
 }
 
-// The landmarks of a tile by lane, sorted along it: what a vehicle sees is a range.
+// The landmarks of a tile by lane, sorted along the lane. A vehicle sees a contiguous range.
 class LaneIndex {
  public:
   explicit LaneIndex(const std::vector<BenchLandmark>& landmarks) {
@@ -65,7 +65,8 @@ class LaneIndex {
     }
   }
 
-  // Ascending indices of at most `max_count` random landmarks that a vehicle at `along_m` sees.
+  // Returns ascending indices of at most `max_count` random landmarks that a vehicle at `along_m`
+  // sees.
   std::vector<uint32_t> Sample(const BenchLane& lane, double along_m, int max_count,
                                std::mt19937_64* generator) {
     std::vector<Entry>& entries = OfLane(lane);
@@ -144,7 +145,7 @@ class WorldBuilder {
   }
   double Normal(double sigma) { return std::normal_distribution<double>(0.0, sigma)(generator_); }
 
-  // Trained as ingest does it, on landmarks that are not in the map but look alike.
+  // Trains the codebook as ingest does, on landmarks that are not in the map but look alike.
   Codebook MakeCodebook() const {
     Reconstruction sample;
     sample.cameras.emplace_back();
@@ -167,7 +168,7 @@ class WorldBuilder {
     return TrainCodebook(sample, codebook_options);
   }
 
-  // Numbers of landmarks that the map does not have start here.
+  // Returns the first number that no landmark of the map has.
   uint64_t NumberAfterMap() const {
     return uint64_t(options_.num_tiles) * uint64_t(options_.landmarks_per_tile);
   }
@@ -245,7 +246,7 @@ class WorldBuilder {
     encode_batch();
   }
 
-  // Keyframes in random lanes; each sees some of what hangs ahead.
+  // Places keyframes in random lanes. Each sees some of the landmarks ahead.
   void FillKeyframes(int tile_idx, const std::vector<BenchLandmark>& landmarks,
                      const Rigid3d& tile_from_site, MapUpdate* update, Tile* tile) {
     LaneIndex lanes(landmarks);
@@ -288,7 +289,7 @@ class WorldBuilder {
                                                            InvertedListsOptions())));
   }
 
-  // Remembers the landmarks that a query can see.
+  // Keeps the landmarks that a query can see.
   void KeepNearCrossing(const std::vector<BenchLandmark>& landmarks) {
     std::copy_if(landmarks.begin(), landmarks.end(), std::back_inserter(near_crossing_),
                  [](const BenchLandmark& landmark) {
@@ -303,7 +304,7 @@ class WorldBuilder {
       queries.push_back(MakeQuery(i));
     }
     PriorNoiseOptions noise;
-    noise.position_sigma_m = 5.0;  // Keeps the search over all tiles wherever the prior falls.
+    noise.position_sigma_m = 5.0;  // Keeps all tiles in the search, wherever the prior is.
     noise.seed = options_.seed;
     AddNoisyPriors(noise, &queries);
     return queries;
@@ -338,8 +339,8 @@ class WorldBuilder {
     return query;
   }
 
-  // First the landmarks seen, then clutter with descriptors of landmarks that the map does not
-  // have.
+  // Fills in the seen landmarks first, then clutter with descriptors of landmarks that are not in
+  // the map.
   void FillFeatures(int query_idx, const Rigid3d& cam_from_site,
                     const std::vector<const BenchLandmark*>& seen, FeatureSet* features) {
     features->descriptors.resize(options_.num_keypoints, DescriptorModel::kDim);
@@ -368,7 +369,8 @@ class WorldBuilder {
     keypoint.y_px = static_cast<float>(pixel.y() + Normal(kPixelNoisePx));
     keypoint.scale_px = static_cast<float>(landmark.size_m * std::exp(Normal(kLogSizeNoise)) *
                                            camera_.focal_px() / x_in_cam.norm());
-    // Rectified orientation is the keypoint's minus the one of gravity there.
+    // The rectified orientation is the keypoint's orientation minus the orientation of gravity
+    // there.
     const Eigen::Vector3d down_in_cam = cam_from_site.rotation * -Eigen::Vector3d::UnitZ();
     const double rectified_zero =
         GravityRectifiedOrientationRad(camera_, keypoint, down_in_cam).value_or(0.0);
@@ -384,7 +386,7 @@ class WorldBuilder {
   Geodetic site_;
   Rigid3d ecef_from_site_;
   Camera camera_;
-  std::vector<Eigen::Vector2d> centers_;  // Of the tiles, in site.
+  std::vector<Eigen::Vector2d> centers_;  // Tile centers, in site.
   std::vector<TileId> tile_ids_;
   std::unique_ptr<DescriptorCodec> codec_;
   CodebookId codebook_id_{};

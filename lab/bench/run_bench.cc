@@ -42,8 +42,8 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// What a shared machine gives to others does not count. For work of this thread alone that waits
-// for nothing.
+// Excludes time that a shared machine gives to others. Use for work of this thread alone that does
+// not wait.
 class ProcessorStopwatch {
  public:
   double Seconds() const { return ThreadCpuSeconds() - start_; }
@@ -52,7 +52,7 @@ class ProcessorStopwatch {
   double start_ = ThreadCpuSeconds();
 };
 
-// Binds the thread, and the threads it starts, to the core it runs on, until destroyed.
+// Binds the thread and the threads that it starts to the current core, until destroyed.
 class OneCore {
  public:
   OneCore() {
@@ -75,7 +75,7 @@ class OneCore {
   bool is_bound_ = false;
 };
 
-// A query with an empty cache, which loads every tile.
+// Measures a query with an empty cache, which loads every tile.
 void MeasureColdQuery(const std::shared_ptr<const MapStore>& store, const EvalQuery& query,
                       const RunBenchOptions& options, BenchFigures* figures) {
   const auto cache = std::make_shared<TileCache>(options.cache_bytes);
@@ -86,7 +86,7 @@ void MeasureColdQuery(const std::shared_ptr<const MapStore>& store, const EvalQu
   figures->cold_query_seconds = result.times.total_seconds;
 }
 
-// A file without a name that holds a payload.
+// An unnamed file that holds a payload.
 class PayloadFile {
  public:
   explicit PayloadFile(std::span<const uint8_t> payload) : file_(std::tmpfile()) {
@@ -98,7 +98,7 @@ class PayloadFile {
   PayloadFile(const PayloadFile&) = delete;
   PayloadFile& operator=(const PayloadFile&) = delete;
 
-  // All of it, by one call.
+  // Reads the whole payload with one call.
   void Read(std::span<uint8_t> payload) const {
     Check(pread(fileno(file_), payload.data(), payload.size(), 0) ==
           static_cast<ssize_t>(payload.size()));
@@ -120,7 +120,8 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
-// Loads and plain reads in turn. As in a cache that is full, a tile goes when another has come.
+// Alternates loads and plain reads. As in a full cache, each tile is dropped when the next has been
+// loaded.
 void MeasureTileLoads(const MapSnapshot& snapshot, const IndexOptions& options,
                       BenchFigures* figures) {
   constexpr int kNumRounds = 15;
@@ -155,8 +156,8 @@ void MeasureTileLoads(const MapSnapshot& snapshot, const IndexOptions& options,
   figures->plain_read_seconds = Median(read_seconds);
 }
 
-// The median of three times, of which each is of all tiles: a single one may be half as long again
-// as another.
+// Takes the median of three runs over all tiles. A single run may take half as long again as
+// another.
 void MeasureExhaustiveSearch(const MapSnapshot& snapshot, const EvalQuery& query,
                              BenchFigures* figures) {
   const std::shared_ptr<const Codebook> codebook = snapshot.CurrentCodebook();
@@ -187,7 +188,7 @@ void MeasureExhaustiveSearch(const MapSnapshot& snapshot, const EvalQuery& query
 void RunBenchOptions::Validate() const {
   RequireOption(num_repeats >= 1, "num_repeats must be at least 1");
   RequireOption(max_position_error_m > 0.0 && max_rotation_error_rad > 0.0,
-                "the errors of a right answer must be positive");
+                "the largest errors of a right answer must be positive");
   localizer.Validate();
 }
 
@@ -195,7 +196,7 @@ BenchFigures RunBench(std::shared_ptr<const MapStore> store, const std::vector<E
                       const RunBenchOptions& options) {
   options.Validate();
   if (queries.empty()) {
-    throw Error(ErrorCode::kInvalidArgument, "there is nothing to measure without a query");
+    throw Error(ErrorCode::kInvalidArgument, "the benchmark needs at least one query");
   }
   const OneCore one_core;
   BenchFigures figures;

@@ -1,4 +1,4 @@
-// Processor time of the calling thread, which other load hardly disturbs.
+// Processor time of the calling thread. Other load on the machine hardly affects it.
 #ifndef CAIRN_LAB_BENCH_THREAD_CPU_CLOCK_H_
 #define CAIRN_LAB_BENCH_THREAD_CPU_CLOCK_H_
 

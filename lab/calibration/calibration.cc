@@ -28,11 +28,11 @@ constexpr int kMinSamplesPerBin = 10;
 // A weighted observation of the logistic regression.
 struct LogitObservation {
   double log_score = 0.0;
-  double outcome = 0.0;  // 0 or 1; in between for several at once.
+  double outcome = 0.0;  // 0 or 1; in between for several outcomes at once.
   double weight = 1.0;
 };
 
-// An error and the radius that was predicted for it.
+// An error and its predicted radius.
 struct RadiusSample {
   double predicted = 0.0;
   double error = 0.0;
@@ -79,7 +79,7 @@ double NegativeLogLikelihood(const std::vector<LogitObservation>& observations,
   return sum;
 }
 
-// Newton's method; the problem is convex. Steps are halved until they improve.
+// Uses Newton's method; the problem is convex. Halves steps until they improve the likelihood.
 Eigen::Vector2d FitLogistic(const std::vector<LogitObservation>& observations) {
   constexpr int kMaxIterations = 100;
   constexpr double kRidge = 1e-9;
@@ -109,7 +109,8 @@ Eigen::Vector2d FitLogistic(const std::vector<LogitObservation>& observations) {
   return x;
 }
 
-// The offset that makes the mean probability the observed share, for a fixed slope. Bisection.
+// Returns, for a fixed slope, the offset with which the mean probability equals the observed share.
+// Uses bisection.
 double FitOffset(const std::vector<LogitObservation>& observations, double slope) {
   double low = -100.0, high = 100.0;
   for (int i = 0; i < 100; ++i) {
@@ -124,8 +125,8 @@ double FitOffset(const std::vector<LogitObservation>& observations, double slope
   return 0.5 * (low + high);
 }
 
-// The smallest factor that, with the map accuracy, covers at least kCoverage of the errors. One
-// that the map accuracy covers alone needs none.
+// Returns the smallest factor with which the radii, together with the map accuracy, cover at least
+// kCoverage of the errors. An error that the map accuracy alone covers needs no factor.
 double CoverageFactor(const std::vector<RadiusSample>& samples, double map_accuracy_m) {
   std::vector<double> factors;
   for (const RadiusSample& sample : samples) {
@@ -138,7 +139,8 @@ double CoverageFactor(const std::vector<RadiusSample>& samples, double map_accur
   return std::max(factors[rank], kMinFactor);
 }
 
-// Sum over the quarters of the samples, by predicted radius, of the squared miss of kCoverage.
+// Divides the samples into quarters by predicted radius and returns the sum of the quarters'
+// squared deviations from kCoverage.
 double CoverageUnevenness(const std::vector<RadiusSample>& by_predicted, double factor,
                           double map_accuracy_m) {
   constexpr size_t kNumParts = 4;
@@ -157,7 +159,7 @@ double CoverageUnevenness(const std::vector<RadiusSample>& by_predicted, double 
   return sum;
 }
 
-// Factor and map accuracy of the positions.
+// Returns the factor and the map accuracy for the positions.
 std::pair<double, double> FitPositionRadius(std::vector<RadiusSample> samples) {
   constexpr double kStepM = 0.01;
   std::sort(samples.begin(), samples.end(),
@@ -244,7 +246,8 @@ ScoreCalibration FitCalibration(const std::vector<CalibrationSample>& samples) {
 CalibrationReport MeasureCalibration(const std::vector<CalibrationSample>& samples,
                                      const ScoreCalibration& calibration) {
   if (samples.empty()) {
-    throw Error(ErrorCode::kInvalidArgument, "there is no answer with a pose to measure");
+    throw Error(ErrorCode::kInvalidArgument,
+                "no answer has a pose, so there is nothing to measure");
   }
   std::vector<CalibrationSample> by_score = samples;
   std::stable_sort(by_score.begin(), by_score.end(),

@@ -1,5 +1,5 @@
-// Makes the engine's confidence a probability and its accuracies honest, and measures how far they
-// are. The definitions are in docs/math/metrics.md, "Calibration".
+// Fits the engine's confidence to be a probability and its accuracies to be right, and measures how
+// well they are. docs/math/metrics.md, "Calibration", defines the terms.
 #ifndef CAIRN_LAB_CALIBRATION_CALIBRATION_H_
 #define CAIRN_LAB_CALIBRATION_CALIBRATION_H_
 
@@ -10,28 +10,34 @@
 
 namespace cairn {
 
-// What calibration needs of one answer with a pose.
+// The data of one answer with a pose that calibration needs.
 struct CalibrationSample {
   double score = 0.0;    // Positive.
   bool correct = false;  // Within 3 m and 10 degrees of the truth.
   double position_error_m = 0.0;
   double rotation_error_rad = 0.0;
-  // The radii that the covariance predicts, before any calibration; positive.
+  // The radii that the covariance predicts before any calibration; positive.
   double predicted_position_m = 0.0;
   double predicted_rotation_rad = 0.0;
 };
 
-// The answers with a pose. `used` is the calibration of the localizer that gave them: what it did
-// to the radii is undone.
+// Returns a sample for each answer with a pose. `used` is the calibration of the localizer that
+// gave the answers; its effect on the radii is undone.
 std::vector<CalibrationSample> CalibrationSamples(const EvalReport& report,
                                                   const ScoreCalibration& used);
 
-// The maximum-likelihood logistic of log(score), and radii that hold 68 % of the truths (wrong
-// answers count as outside): of the map accuracies on a grid with the factor that each needs, the
-// pair whose coverage is most even from small predicted radii to large ones. The likelihood has one
-// correct and one wrong answer more, at the median score, so that samples without a wrong answer
-// have a fit too; a slope that comes out below 0.1 is set to that. Throws Error(kInvalidArgument)
-// with fewer than 20 samples or one that is not positive where it must be.
+// Fits a logistic function of log(score) by maximum likelihood, and radii that hold 68 % of the
+// truths (wrong answers count as outside).
+//
+// Radii: for each map accuracy on a grid, finds the factor that the accuracy needs. Chooses the
+// pair whose coverage is most even from small to large predicted radii.
+//
+// Confidence: the likelihood includes one additional correct and one additional wrong answer at the
+// median score, so that samples without a wrong answer have a fit, too. A slope below 0.1 is set to
+// 0.1.
+//
+// Throws Error(kInvalidArgument) if there are fewer than 20 samples or if a value that must be
+// positive is not.
 ScoreCalibration FitCalibration(const std::vector<CalibrationSample>& samples);
 
 // One bar of a reliability diagram.
@@ -43,19 +49,19 @@ struct ReliabilityBin {
 
 struct CalibrationReport {
   int num_samples = 0;
-  // Ten bins of equally many samples, by confidence; fewer where there are fewer than 10 samples a
-  // bin.
+  // Ten bins with equally many samples each, ordered by confidence. There are fewer bins if a bin
+  // would have fewer than 10 samples.
   std::vector<ReliabilityBin> bins;
-  // Mean over samples of |confidence - share correct| of the bin; sampling noise makes it positive
-  // even for a perfect calibration.
+  // Mean over the samples of |confidence - share correct| of the bin. Sampling noise makes this
+  // value positive even for a perfect calibration.
   double expected_calibration_error = 0.0;
   double brier_score = 0.0;    // Mean squared difference of confidence and outcome.
-  Interval position_coverage;  // Share of truths within the reported radius; 0.68 is right.
+  Interval position_coverage;  // Share of truths within the reported radius; target 0.68.
   Interval rotation_coverage;  // 95 % Wilson intervals.
 };
 
-// Measures a calibration on samples; on others than it was fitted to, or it flatters. Throws
-// Error(kInvalidArgument) without samples.
+// Measures a calibration on samples. Use other samples than those of the fit; otherwise the result
+// is too good. Throws Error(kInvalidArgument) if there are no samples.
 CalibrationReport MeasureCalibration(const std::vector<CalibrationSample>& samples,
                                      const ScoreCalibration& calibration);
 

@@ -19,7 +19,7 @@ namespace {
 constexpr int kMinLandmarksOfTile = 100;
 constexpr std::array<const char*, 3> kSizeNames = {"quick", "medium", "paper"};
 
-// The landmarks that the map has around each query.
+// The mapped landmarks around each query.
 class MappedAroundQueries {
  public:
   explicit MappedAroundQueries(const PhoneQueries& queries)
@@ -51,13 +51,13 @@ class MappedAroundQueries {
   }
 
  private:
-  static constexpr double kMarginM = 5.0;  // What noise moves landmarks by.
+  static constexpr double kMarginM = 5.0;  // Noise moves landmarks by less than this.
 
   const PhoneQueries& queries_;
   std::vector<std::unordered_set<uint64_t>> mapped_;
 };
 
-// The middle of a tile that no zone border cuts, near `place`.
+// Returns the center of a tile near `place` that no zone border cuts.
 Geodetic MiddleOfWholeTile(const Geodetic& place) {
   constexpr double kAwayFromBorderM = 300.0;
   const Eigen::Vector3d x_in_ecef =
@@ -86,7 +86,7 @@ std::vector<EvalQuery> Build(const CityWorldOptions& options, const City& city,
   const auto num_tiles = static_cast<int>(tiles.size());
   for (int i = 0; i < num_tiles; ++i) {
     const MappedChunk chunk = mapping.MapTile(tiles[static_cast<size_t>(i)], options.num_threads);
-    // At the city's rim a tile can have a handful of landmarks; a map has no use for it.
+    // At the city's edge a tile may have only a handful of landmarks, which are of no use in a map.
     if (chunk.city_landmarks.size() >= kMinLandmarksOfTile) {
       mapped.Add(chunk, options.queries.detector.max_range_m);
       Ingest(options, mapping, chunk, &store);
@@ -120,7 +120,7 @@ CityWorldSize CityWorldSizeFromName(const std::string& name) {
   const auto found = std::find(kSizeNames.begin(), kSizeNames.end(), name);
   if (found == kSizeNames.end()) {
     throw Error(ErrorCode::kInvalidArgument,
-                "size '" + name + "' is unknown; there are quick, medium, paper");
+                "size '" + name + "' is unknown; sizes are quick, medium, paper");
   }
   return static_cast<CityWorldSize>(found - kSizeNames.begin());
 }

@@ -1,4 +1,4 @@
-// A plan of a simulated city.
+// Draws a plan of a simulated city.
 #ifndef CAIRN_LAB_CITY_DRAW_CITY_H_
 #define CAIRN_LAB_CITY_DRAW_CITY_H_
 
@@ -9,9 +9,10 @@
 
 namespace cairn {
 
-// North-up: houses coloured by height, facade landmarks as dots, the passes of the mapping cars,
-// and where the phones stand and look. PNG by extension. The city has to be small: everything is
-// drawn. Throws Error(kInvalidArgument) if it has more than 1 km^2, Error(kIo).
+// Draws a north-up plan: houses colored by height, facade landmarks as dots, the passes of the
+// mapping cars, and the positions and viewing directions of the phones. The extension selects PNG.
+// The city must be small, because everything is drawn. Throws Error(kInvalidArgument) if the city
+// has more than 1 km^2, and Error(kIo).
 void DrawCity(const std::string& path, const SimulatedMapping& mapping,
               const PhoneQueries& queries);
 

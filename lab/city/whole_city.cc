@@ -10,7 +10,7 @@
 namespace cairn {
 namespace {
 
-// A descriptor, a keypoint, a part of a landmark.
+// Memory of a descriptor, a keypoint and a share of a landmark.
 constexpr double kBytesPerObservation = 600.0;
 
 void RequireFits(const SimulatedMapping& mapping, double max_bytes) {
@@ -19,9 +19,9 @@ void RequireFits(const SimulatedMapping& mapping, double max_bytes) {
     const double area_km2 = mapping.city().options().area_km2;
     throw Error(
         ErrorCode::kInvalidArgument,
-        fmt::format("city.area_km2 = {} needs up to {:.1f} GB of memory as one "
-                    "reconstruction, {:.1f} GB are allowed; the largest possible value is "
-                    "{:.4g}, or write a map, which is made tile by tile",
+        fmt::format("city.area_km2 = {} needs up to {:.1f} GB of memory as one reconstruction, but "
+                    "only {:.1f} GB are allowed; the largest possible value is {:.4g}. A map is "
+                    "written tile by tile and has no such limit",
                     area_km2, 1e-9 * bytes, 1e-9 * max_bytes, area_km2 * max_bytes / bytes));
   }
 }

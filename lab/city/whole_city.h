@@ -1,4 +1,4 @@
-// All tiles of a small city as one reconstruction, for tools that want it whole.
+// Maps all tiles of a small city into one reconstruction, for tools that need the city as a whole.
 #ifndef CAIRN_LAB_CITY_WHOLE_CITY_H_
 #define CAIRN_LAB_CITY_WHOLE_CITY_H_
 
@@ -9,9 +9,10 @@
 
 namespace cairn {
 
-// The tiles one after the other; their tracks are not joined. The world is `site` but for its
-// errors. Throws Error(kInvalidArgument), naming the largest possible area, if it would need more
-// than `max_bytes` of memory. `progress` (may be empty) gets tiles done and total.
+// Appends the tiles one after the other; their tracks are not joined. The world frame is `site`,
+// apart from the mapping errors. `progress` (may be empty) receives the number of finished tiles
+// and the total. Throws Error(kInvalidArgument) that names the largest possible area if the result
+// would need more than `max_bytes` of memory.
 Reconstruction MapWholeCity(const SimulatedMapping& mapping, int num_threads, double max_bytes,
                             const std::function<void(int done, int total)>& progress);
 

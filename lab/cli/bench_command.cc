@@ -1,5 +1,4 @@
-// `cairn-lab bench`: how long a query takes, stage by stage, on one core and a map of the paper's
-// size.
+// `cairn-lab bench`: measures a query stage by stage, on one core and a map of the paper's size.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -31,7 +30,7 @@ struct BenchArguments {
   RunBenchOptions run;
 };
 
-// A folder that is gone at the end.
+// A folder that is removed at the end.
 class ScratchFolder {
  public:
   ScratchFolder() {
@@ -59,9 +58,9 @@ void PrintTimes(const std::string& name, const Percentiles& seconds) {
              1e3 * seconds.p90, 1e3 * seconds.p99, 1e3 * seconds.max);
 }
 
-// Beside a plain read of the tile's bytes.
+// Prints a load time relative to a plain read of the tile's bytes.
 void PrintLoad(const char* name, double seconds, const BenchFigures& figures) {
-  fmt::print("{:<18} {:.2f} ms; {:.1f} times a plain read\n", name, 1e3 * seconds,
+  fmt::print("{:<18} {:.2f} ms, {:.1f} times a plain read\n", name, 1e3 * seconds,
              seconds / figures.plain_read_seconds);
 }
 
@@ -83,24 +82,25 @@ void Print(const BenchWorldOptions& world, const BenchFigures& figures) {
   }
   PrintTimes("total", figures.warm.total_seconds);
   fmt::print("\nright answers      {} of {}\n", figures.num_right, figures.warm.num_queries);
-  fmt::print("tiles searched     {:.1f} a query\n",
+  fmt::print("tiles searched     {:.1f} per query\n",
              Mean(figures.warm, &StageCounters::num_tiles_searched));
-  fmt::print("distances          {:.0f} a query\n",
+  fmt::print("distances          {:.0f} per query\n",
              Mean(figures.warm, &StageCounters::num_distances));
-  fmt::print("matches            {:.0f} a query\n",
+  fmt::print("matches            {:.0f} per query\n",
              Mean(figures.warm, &StageCounters::num_matches));
-  fmt::print("cold tile load     {:.1f} ms a tile until it can be searched\n",
+  fmt::print("cold tile load     {:.1f} ms per tile until the tile can be searched\n",
              1e3 * figures.cold_tile_seconds);
   PrintLoad("tile load", figures.tile_load_seconds, figures);
-  PrintLoad("of it from blob", figures.blob_load_seconds, figures);
+  PrintLoad("  of which blob", figures.blob_load_seconds, figures);
   fmt::print("cold query         {:.1f} ms with no tile in the cache\n",
              1e3 * figures.cold_query_seconds);
   fmt::print("tile               {:.2f} MB in the file, {:.2f} MB in the cache\n",
              1e-6 * figures.payload_bytes_per_tile, 1e-6 * figures.cached_bytes_per_tile);
-  fmt::print("exhaustive search  {:.1f} ms for the keypoints of one query\n",
+  fmt::print("exhaustive search  {:.1f} ms for all keypoints of one query\n",
              1e3 * figures.exhaustive_seconds);
-  fmt::print("descriptor space   {:.3f} between observations of a landmark, {:.3f} to others\n",
-             figures.same_landmark_distance, figures.other_landmark_distance);
+  fmt::print(
+      "descriptor space   {:.3f} between observations of a landmark, {:.3f} to other landmarks\n",
+      figures.same_landmark_distance, figures.other_landmark_distance);
 }
 
 ExitCode RunBenchCommand(const BenchArguments& arguments, ProgressMode progress_mode) {
@@ -122,7 +122,7 @@ ExitCode RunBenchCommand(const BenchArguments& arguments, ProgressMode progress_
   if (figures.num_right < figures.warm.num_queries) {
     throw Error(
         ErrorCode::kInternal,
-        fmt::format("{} of {} answers are wrong: the times above mean nothing",
+        fmt::format("{} of {} answers are wrong, so the times above are meaningless",
                     figures.warm.num_queries - figures.num_right, figures.warm.num_queries));
   }
   return ExitCode::kOk;
@@ -131,19 +131,26 @@ ExitCode RunBenchCommand(const BenchArguments& arguments, ProgressMode progress_
 }  // namespace
 
 void AddBenchCommand(CLI::App* app, Shell* shell) {
-  CLI::App* command = app->add_subcommand("bench", "Time the stages of a query on a synthetic map");
+  CLI::App* command =
+      app->add_subcommand("bench", "Measure the stages of a query on a synthetic map");
   auto arguments = std::make_shared<BenchArguments>();
   BenchWorldOptions& world = arguments->world;
-  command->add_option("--keypoints", world.num_keypoints, "Of a query")->capture_default_str();
-  command->add_option("--tiles", world.num_tiles, "1, 2 or 4; every query touches all")
+  command->add_option("--keypoints", world.num_keypoints, "Keypoints per query")
       ->capture_default_str();
-  command->add_option("--landmarks", world.landmarks_per_tile, "Of a tile; 2.5 descriptors each")
+  command
+      ->add_option("--tiles", world.num_tiles,
+                   "Number of tiles: 1, 2 or 4; every query touches all")
       ->capture_default_str();
-  command->add_option("--queries", world.num_queries, "Different queries")->capture_default_str();
-  command->add_option("--repeats", arguments->run.num_repeats, "Of every query")
+  command
+      ->add_option("--landmarks", world.landmarks_per_tile,
+                   "Landmarks per tile, with 2.5 descriptors each")
+      ->capture_default_str();
+  command->add_option("--queries", world.num_queries, "Number of different queries")
+      ->capture_default_str();
+  command->add_option("--repeats", arguments->run.num_repeats, "Repeats of each query")
       ->capture_default_str();
   AddIndexOption(command, &arguments->run.localizer.matching.index.kind);
-  AddSeedOption(command, &world.seed, "Seed of map, queries and localizer");
+  AddSeedOption(command, &world.seed, "Seed of the map, the queries and the localizer");
   command->footer(
       "Fails if an answer is wrong.\n"
       "Example:\n"

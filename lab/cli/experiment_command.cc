@@ -1,4 +1,4 @@
-// `cairn-lab experiment`: the paper's experiments, and the report of their results.
+// `cairn-lab experiment`: runs the paper's experiments and reports their results.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -49,7 +49,7 @@ ExitCode List() {
   return ExitCode::kOk;
 }
 
-// Writes the page, and beside it the figures that it shows.
+// Writes the report page and the figures that it shows beside it.
 ExitCode Report(const ExperimentArguments& arguments) {
   const std::vector<Experiment> experiments = AllExperiments();
   const std::vector<ExperimentResult> results = ReadResults(arguments.out_folder, experiments);
@@ -69,7 +69,7 @@ ExitCode Report(const ExperimentArguments& arguments) {
       std::filesystem::copy_file(std::filesystem::path(arguments.out_folder) / file, images / file,
                                  std::filesystem::copy_options::overwrite_existing, error);
       if (error) {
-        throw Error(ErrorCode::kIo, file + ": " + error.message() + "; was gnuplot installed?");
+        throw Error(ErrorCode::kIo, file + ": " + error.message() + "; is gnuplot installed?");
       }
     }
   }
@@ -78,7 +78,7 @@ ExitCode Report(const ExperimentArguments& arguments) {
   return ExitCode::kOk;
 }
 
-// What the names ask for, in the paper's order and each once.
+// Returns the named experiments in the paper's order, each once.
 std::vector<Experiment> Chosen(const std::vector<std::string>& names) {
   std::vector<std::string> wanted;
   for (const std::string& name : names) {
@@ -120,7 +120,7 @@ ExitCode Run(const ExperimentArguments& arguments, ProgressMode progress_mode) {
     }
     fmt::print("{}: {}\n{}\n", result.name, VerdictName(result.verdict), result.sentence);
     if (!figures_drawn) {
-      fmt::print("gnuplot did not draw the figures; their scripts are {}/*.gp\n", out.string());
+      fmt::print("gnuplot did not draw the figures; the scripts are {}/*.gp\n", out.string());
     }
     fmt::print("\n");
     std::fflush(stdout);
@@ -131,7 +131,7 @@ ExitCode Run(const ExperimentArguments& arguments, ProgressMode progress_mode) {
 ExitCode RunExperimentCommand(const ExperimentArguments& arguments, ProgressMode progress_mode) {
   if (arguments.num_threads < 1 || arguments.num_queries < 0) {
     throw Error(ErrorCode::kInvalidArgument,
-                "--threads must be at least 1 and --queries not negative");
+                "--threads must be at least 1, and --queries must not be negative");
   }
   if (arguments.names.size() == 1 && arguments.names.front() == "list") {
     return List();
@@ -146,33 +146,34 @@ ExitCode RunExperimentCommand(const ExperimentArguments& arguments, ProgressMode
 
 void AddExperimentCommand(CLI::App* app, Shell* shell) {
   CLI::App* command = app->add_subcommand(
-      "experiment", "Ask the paper's questions of this engine in a simulated city");
+      "experiment", "Run the paper's experiments on this engine in a simulated city");
   auto arguments = std::make_shared<ExperimentArguments>();
   command
       ->add_option("what", arguments->names,
-                   "Names or numbers of experiments, or list, all, report")
+                   "Names or numbers of experiments; or list, all or report")
       ->required()
       ->type_name("list|all|report|NAME...");
-  command->add_option("--size", arguments->size, "quick: seconds, means little; full: minutes each")
+  command
+      ->add_option("--size", arguments->size,
+                   "quick: seconds, but the figures mean little; full: minutes per experiment")
       ->capture_default_str()
       ->type_name("quick|full");
-  command->add_option("--out", arguments->out_folder, "Folder of results and worlds")
+  command->add_option("--out", arguments->out_folder, "Folder for results and worlds")
       ->capture_default_str();
-  command->add_option("--to", arguments->report_path, "Page that report writes")
+  command->add_option("--to", arguments->report_path, "Page to write with report")
       ->capture_default_str();
-  AddSeedOption(command, &arguments->seed, "Of cities, queries and localizer");
+  AddSeedOption(command, &arguments->seed, "Seed of the cities, the queries and the localizer");
   command
       ->add_option("--queries", arguments->num_queries,
-                   "Of each world; fewer are faster and decide less (0: as the size has it)")
+                   "Queries per world; fewer are faster but decide less (0: the size decides)")
       ->capture_default_str();
-  command->add_option("--threads", arguments->num_threads, "Queries measured at a time")
+  command->add_option("--threads", arguments->num_threads, "Queries to measure in parallel")
       ->capture_default_str();
   command
-      ->add_option(
-          "--trajectories", arguments->trajectories_folder,
-          "Folder with euroc_V1_01_easy/mav0 (as EuRoC lays it out), vi_imu_gt/euroc_V1_02_medium "
-          "and vi_imu_gt/tumvi_room1 (imu.csv, groundtruth.csv): real inertial samples for 16 and "
-          "17")
+      ->add_option("--trajectories", arguments->trajectories_folder,
+                   "Folder with real inertial samples for experiments 16 and 17: "
+                   "euroc_V1_01_easy/mav0 (in EuRoC's layout), vi_imu_gt/euroc_V1_02_medium and "
+                   "vi_imu_gt/tumvi_room1 (imu.csv, groundtruth.csv)")
       ->check(CLI::ExistingDirectory);
   command->footer(
       "Examples:\n"

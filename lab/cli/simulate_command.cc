@@ -1,4 +1,4 @@
-// `cairn-lab simulate`: a city that never was, as a map, as queries, and as files for other tools.
+// `cairn-lab simulate`: writes a simulated city as a map, as queries, and as files for other tools.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -31,7 +31,7 @@ namespace fs = std::filesystem;
 constexpr double kMaxWholeCityBytes = 4e9;
 constexpr double kGeorefAccuracyM = 0.05;
 
-// What the command line says; what it does not say comes from the preset.
+// Arguments of the command line. The preset provides those that are not given.
 struct SimulateArguments {
   std::string map_path, queries_path, colmap_dir, sequence_dir, picture_path;
   std::string character = "old-town", size = "medium", center;
@@ -111,7 +111,8 @@ void WriteMap(const SimulateArguments& arguments, const CityWorldOptions& world,
   }
 }
 
-// Camera positions as `cairn ingest --georef` reads them. The world of the model is `site`.
+// Writes camera positions in the format of `cairn ingest --georef`. The model's world frame is
+// `site`.
 void WriteGeoref(const Reconstruction& reconstruction, const Sim3d& ecef_from_world,
                  const std::string& path) {
   std::ofstream file(path, std::ios::binary);
@@ -167,9 +168,9 @@ ExitCode RunSimulate(const SimulateArguments& arguments, ProgressMode progress_m
   const CityWorldOptions world = WorldOptions(arguments);
   if (arguments.map_path.empty() && arguments.colmap_dir.empty() &&
       arguments.sequence_dir.empty() && arguments.picture_path.empty()) {
-    throw Error(ErrorCode::kInvalidArgument,
-                "what is to be made? Give --map FILE, --colmap DIR, --sequence DIR or --picture "
-                "FILE");
+    throw Error(
+        ErrorCode::kInvalidArgument,
+        "no output requested: give --map FILE, --colmap DIR, --sequence DIR or --picture FILE");
   }
   Progress progress(progress_mode);
   if (!arguments.picture_path.empty()) {
@@ -191,9 +192,10 @@ ExitCode RunSimulate(const SimulateArguments& arguments, ProgressMode progress_m
 }
 
 void AddOutputOptions(CLI::App* command, SimulateArguments* arguments) {
-  CLI::Option* map =
-      command->add_option("--map", arguments->map_path, "Write a map, tile by tile; must not exist")
-          ->type_name("FILE");
+  CLI::Option* map = command
+                         ->add_option("--map", arguments->map_path,
+                                      "Write a map, tile by tile; the file must not exist")
+                         ->type_name("FILE");
   command
       ->add_option("--queries", arguments->queries_path,
                    "Write a query list with feature files, for 'cairn eval --queries'")
@@ -215,62 +217,85 @@ void AddCityOptions(CLI::App* command, SimulateArguments* arguments) {
   command->add_option("--character", arguments->character, "Kind and place of the city")
       ->type_name("old-town|grid|suburb|high-rise")
       ->capture_default_str();
-  command->add_option("--size", arguments->size, "What the options below begin with")
+  command->add_option("--size", arguments->size, "Preset for the options below")
       ->type_name("quick|medium|paper")
       ->capture_default_str();
-  command->add_option("--center", arguments->center, "Degrees and ellipsoidal metres")
+  command
+      ->add_option("--center", arguments->center,
+                   "Center of the city: degrees and ellipsoidal meters")
       ->type_name("LAT,LON,H");
-  command->add_option("--area", arguments->area_km2, "Square kilometres")->type_name("KM2");
-  command->add_option("--relief", arguments->relief_m, "Of the ground, metres")->type_name("M");
+  command->add_option("--area", arguments->area_km2, "Mapped area, square kilometers")
+      ->type_name("KM2");
+  command->add_option("--relief", arguments->relief_m, "Height range of the ground, meters")
+      ->type_name("M");
   command
       ->add_option("--min-landmark-size", arguments->min_landmark_size_m,
-                   "Metres; half of it means four times the landmarks")
+                   "Smallest landmark, meters; half the size gives four times the landmarks")
       ->type_name("M");
   command->add_option("--repeated-share", arguments->repeated_share,
-                      "Of facade landmarks, 0 to 0.95");
-  command->add_option("--lifetime-factor", arguments->lifetime_factor, "How long things last");
-  AddSeedOption(command, &arguments->seed, "Of everything");
-  command->add_option("--threads", arguments->num_threads, "The result does not depend on it")
+                      "Share of facade landmarks that repeat, 0 to 0.95");
+  command->add_option("--lifetime-factor", arguments->lifetime_factor,
+                      "Factor on the lifetimes of things");
+  AddSeedOption(command, &arguments->seed, "Seed of everything");
+  command
+      ->add_option("--threads", arguments->num_threads,
+                   "Threads; the result does not depend on them")
       ->capture_default_str();
 }
 
 void AddMappingOptions(CLI::App* command, SimulateArguments* arguments) {
-  command->add_option("--passes", arguments->num_passes, "Of the mapping cars");
-  command->add_option("--years", arguments->years, "From the first pass to the last");
-  command->add_option("--keyframe-spacing", arguments->keyframe_spacing_m, "Metres")
+  command->add_option("--passes", arguments->num_passes, "Passes of the mapping cars");
+  command->add_option("--years", arguments->years, "Years from the first pass to the last");
+  command
+      ->add_option("--keyframe-spacing", arguments->keyframe_spacing_m,
+                   "Distance between keyframes, meters")
       ->type_name("M");
   command->add_option("--image-keypoints", arguments->keyframe_keypoints,
-                      "Of a mapping image, at most");
-  command->add_option("--min-observations", arguments->min_observations, "Of a landmark");
-  command->add_option("--deformation", arguments->deformation_m, "Of the map, metres an axis")
+                      "Most keypoints per mapping image");
+  command->add_option("--min-observations", arguments->min_observations,
+                      "Fewest observations of a landmark");
+  command
+      ->add_option("--deformation", arguments->deformation_m,
+                   "Deformation of the map, meters per axis")
       ->type_name("M");
   command->add_option("--clutter", arguments->clutter_ratio,
-                      "Keypoints without landmark for each one with");
+                      "Keypoints without a landmark per keypoint with one");
 }
 
 void AddQueryOptions(CLI::App* command, SimulateArguments* arguments) {
-  command->add_option("--num-queries", arguments->num_queries, "Photos on the sidewalk");
-  command->add_option("--keypoints", arguments->num_keypoints, "Of a query");
-  command->add_option("--mapped-fraction", arguments->mapped_fraction,
-                      "Of a query's keypoints, that show a mapped thing: median");
+  command->add_option("--num-queries", arguments->num_queries,
+                      "Number of queries: photos on the sidewalk");
+  command->add_option("--keypoints", arguments->num_keypoints, "Keypoints per query");
+  command->add_option(
+      "--mapped-fraction", arguments->mapped_fraction,
+      "Share of a query's keypoints that show a mapped landmark: median over queries");
   command->add_option("--mapped-log-sigma", arguments->mapped_log_sigma,
-                      "Of that fraction's logarithm; 0: the same in all queries");
-  command->add_option("--query-years", arguments->query_years, "After the first pass");
-  command->add_option("--gps-noise", arguments->gps_median_m, "Median sigma, metres")
+                      "Standard deviation of that share's logarithm; 0: equal in all queries");
+  command->add_option("--query-years", arguments->query_years,
+                      "Time of the queries, years after the first pass");
+  command
+      ->add_option("--gps-noise", arguments->gps_median_m,
+                   "Median standard deviation of GPS, meters")
       ->type_name("M");
-  command->add_option("--canyon-bias", arguments->canyon_bias_m, "Of GPS between houses, metres")
+  command->add_option("--canyon-bias", arguments->canyon_bias_m, "GPS error between houses, meters")
       ->type_name("M");
-  command->add_option("--gravity-noise-deg", arguments->gravity_deg, "Degrees")->type_name("DEG");
-  command->add_option("--duration", arguments->sequence.duration_s, "Of the sequence, seconds")
+  command
+      ->add_option("--gravity-noise-deg", arguments->gravity_deg, "Tilt error of gravity, degrees")
+      ->type_name("DEG");
+  command
+      ->add_option("--duration", arguments->sequence.duration_s,
+                   "Duration of the sequence, seconds")
       ->capture_default_str();
-  command->add_option("--frame-rate", arguments->sequence.frame_rate_hz, "Of the sequence")
+  command
+      ->add_option("--frame-rate", arguments->sequence.frame_rate_hz,
+                   "Frames per second of the sequence")
       ->capture_default_str();
 }
 
 }  // namespace
 
 void AddSimulateCommand(CLI::App* app, Shell* shell) {
-  CLI::App* command = app->add_subcommand("simulate", "Make a city with ground truth");
+  CLI::App* command = app->add_subcommand("simulate", "Simulate a city with ground truth");
   auto arguments = std::make_shared<SimulateArguments>();
   AddOutputOptions(command, arguments.get());
   AddCityOptions(command, arguments.get());
@@ -284,7 +309,8 @@ void AddSimulateCommand(CLI::App* app, Shell* shell) {
     command->get_option(number)->check(NumberWithin(0.0, 1e9));
   }
   command->footer(
-      "Same options, same bytes. docs/simulated_city.md says what is simulated and what is not.\n"
+      "Equal options give equal bytes. docs/simulated_city.md describes the simulation and its "
+      "limits.\n"
       "Example:\n"
       "  cairn-lab simulate --character grid --map city.gpkg --queries queries.json\n"
       "  cairn eval city.gpkg --queries queries.json --given-priors");

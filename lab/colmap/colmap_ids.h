@@ -1,4 +1,4 @@
-// The ids that written models and databases share; private to lab/colmap.
+// Ids that the written models and databases share; private to lab/colmap.
 #ifndef CAIRN_LAB_COLMAP_COLMAP_IDS_H_
 #define CAIRN_LAB_COLMAP_COLMAP_IDS_H_
 
@@ -6,7 +6,7 @@
 
 namespace cairn {
 
-// COLMAP's ids begin at 1; these differ, so that mix-ups show.
+// COLMAP's ids start at 1. These constants differ, so that mixed-up ids are noticed.
 inline constexpr uint32_t kFirstColmapCameraId = 3;
 inline constexpr uint32_t kFirstColmapImageId = 11;
 inline constexpr uint64_t kFirstColmapPointId = 1;

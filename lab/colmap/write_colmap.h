@@ -1,4 +1,4 @@
-// Writes reconstructions the way COLMAP does: for tests of the reader, and for other tools.
+// Writes reconstructions in COLMAP's formats, for tests of the reader and for other tools.
 #ifndef CAIRN_LAB_COLMAP_WRITE_COLMAP_H_
 #define CAIRN_LAB_COLMAP_WRITE_COLMAP_H_
 
@@ -10,12 +10,12 @@ namespace cairn {
 
 enum class ColmapModelFormat { kBinary, kText };
 
-// cameras, images and points3D in the folder `dir`, which must exist. COLMAP's ids are the indices
-// plus a constant that differs between cameras, images and points. Throws Error(kIo).
+// Writes cameras, images and points3D to the folder `dir`, which must exist. COLMAP's ids are the
+// indices plus a constant that differs between cameras, images and points. Throws Error(kIo).
 void WriteColmapModel(const Reconstruction& reconstruction, const std::string& dir,
                       ColmapModelFormat format);
 
-// Where the images' GPS positions go, by version of COLMAP.
+// The place of the images' GPS positions, which depends on COLMAP's version.
 enum class ColmapGpsTable {
   kNone,
   kImageColumns,        // images.prior_t*, until 3.9.
@@ -24,12 +24,13 @@ enum class ColmapGpsTable {
 };
 
 struct ColmapDatabaseOptions {
-  int keypoint_columns = 6;  // 2 (place), 4 (and scale, orientation) or 6 (and affine shape).
+  // 2 (position), 4 (plus scale and orientation) or 6 (plus affine shape).
+  int keypoint_columns = 6;
   ColmapGpsTable gps = ColmapGpsTable::kImageColumns;
 };
 
-// A database with cameras, images, keypoints and byte descriptors (L1 root SIFT, COLMAP's default),
-// and with empty tables of matches. `path` must not exist. Throws Error(kIo).
+// Writes a database with cameras, images, keypoints, byte descriptors (L1 root SIFT, COLMAP's
+// default) and empty tables of matches. `path` must not exist. Throws Error(kIo).
 void WriteColmapDatabase(const Reconstruction& reconstruction, const std::string& path,
                          const ColmapDatabaseOptions& options);
 

@@ -16,7 +16,7 @@ namespace {
 constexpr int kBusyTimeoutMs = 1000;
 constexpr float kDescriptorUnit = 512.0f;
 
-// COLMAP's tables, less its foreign keys and checks.
+// COLMAP's tables without their foreign keys and checks.
 constexpr const char* kTables =
     "CREATE TABLE cameras (camera_id INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL, "
     "model INTEGER NOT NULL, width INTEGER NOT NULL, height INTEGER NOT NULL, params BLOB, "

@@ -14,7 +14,7 @@ constexpr uint8_t kGrey = 128;
 constexpr double kErrorPx = 0.5;
 constexpr int64_t kNoPoint = -1;
 
-// A file that says when it cannot be written.
+// An output file that throws if it cannot be written.
 class OutputFile {
  public:
   explicit OutputFile(const std::string& path) : path_(path), stream_(path, std::ios::binary) {
@@ -38,7 +38,7 @@ class OutputFile {
   std::ofstream stream_;
 };
 
-// COLMAP's id of the point that each keypoint of each image sees.
+// For each keypoint of each image, COLMAP's id of its point.
 using PointIds = std::vector<std::vector<int64_t>>;
 
 PointIds FindPointIds(const Reconstruction& reconstruction) {

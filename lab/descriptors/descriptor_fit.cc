@@ -21,24 +21,25 @@ namespace {
 constexpr int kRounds = 2;
 constexpr int kAxisSteps = 4;
 constexpr int kMaxIterations = 6;
-// Of an axis' spread. Keeping elements from being negative spills from strong axes into weak ones,
-// more than some have.
+// Smallest share of an axis' spread. Elements must not be negative, which moves spread from strong
+// axes to weak ones; some weak axes have less spread than they receive.
 constexpr float kLeastBetweenShare = 0.2f;
 constexpr double kMaxClusterShare = 0.3;
-// Pairs of nearly the same view; few photos of the facade are so alike as those of a street.
+// Limits for pairs with almost the same view. Few photos of the facade are as similar as those of a
+// street.
 constexpr float kNearStreetRad = 0.02f;
 constexpr float kNearFacadeRad = 0.35f;
 constexpr float kNearLog2Scale = 0.2f;
 constexpr int kModeLandmarks = 1000;
 constexpr int kMinPairs = 40;
-constexpr double kManyPairs = 400.0;  // More do not weigh more.
+constexpr double kManyPairs = 400.0;  // More pairs get no more weight.
 constexpr float kMaxRenderedLog2Scale = 0.3f;
 constexpr uint64_t kSeed = 1;
 constexpr float kMaxSamePlaceDistance = 0.6f;
 constexpr float kMaxRepeatDistance = 0.5f;
-// Spread and correlation weigh as much as a quarter of a street's medians each.
+// Spread and correlation each weigh as much as a quarter of a street's medians.
 constexpr double kSpreadWeight = 0.5;
-// Of places that are flatter than streets are.
+// Weight of places that are flatter than streets.
 constexpr double kPlanarWeight = 0.5;
 constexpr double kNumericStep = 0.05;
 
@@ -63,7 +64,7 @@ std::vector<float> Pick(const std::vector<float>& values, const std::vector<int>
   return picked;
 }
 
-// All cells of a place together weigh `sq_weight`.
+// Adds the cells of a place. All cells together have the weight `sq_weight`.
 void AddCells(const std::string& place, const RealLooks& real, const RealLooks& model,
               float max_log2_scale, double sq_weight, ResidualList* residuals) {
   const std::vector<LookPair> pairs = PairsOf(real.looks);
@@ -100,7 +101,7 @@ void AddSpread(const std::string& place, const RealLooks& real, const RealLooks&
                  of_real.landmark_correlation, kSpreadWeight);
 }
 
-// The median of those that are alike at all.
+// Log of the median distance over the pairs that are alike at all.
 double LogRepeatDistance(const DescriptorMatrix& root, const std::vector<LookPair>& pairs) {
   std::vector<float> sq_distances = SqDistances(root, pairs);
   std::erase_if(sq_distances,
@@ -108,7 +109,7 @@ double LogRepeatDistance(const DescriptorMatrix& root, const std::vector<LookPai
   return sq_distances.empty() ? 0.0 : LogOf(Quantile(std::move(sq_distances), 0.5));
 }
 
-// Nearest-neighbour distances of a set of descriptors of different things.
+// Adds the nearest-neighbor distances of a set of descriptors that show different things.
 void AddNearest(const std::string& place, const DescriptorMatrix& real,
                 const DescriptorMatrix& model, ResidualList* residuals) {
   for (const int num_others : {100, 1000, 2500}) {
@@ -127,14 +128,15 @@ void AddNearest(const std::string& place, const DescriptorMatrix& real,
   }
 }
 
-// How the median falls from 1,000 to all of a large crowd, whose own spread may be another.
+// Returns the fall of the median from 1,000 to all descriptors of a large crowd. The crowd's own
+// spread may differ.
 double LogFall(const DescriptorMatrix& root) {
   const auto all = static_cast<int>(root.rows());
   return LogOf(Quantile(NearestDistances(root, all, kSeed), 0.5)) -
          LogOf(Quantile(NearestDistances(root, all / 10, kSeed), 0.5));
 }
 
-// A parameter is `value` times e^(x - 1), x starting at 1, so that all have the same step.
+// A parameter is `value` times e^(x - 1). x starts at 1, so that all parameters have the same step.
 using Setter = std::function<void(const std::vector<double>& factors, DescriptorModelOptions*)>;
 using Residuals = std::function<std::vector<DescriptorResidual>(const DescriptorModelOptions&)>;
 
@@ -161,7 +163,7 @@ class FitFunctor {
       for (const DescriptorResidual& residual : residuals_(OptionsAt(x[0]))) {
         *residuals++ = residual.weight * residual.value;
       }
-    } catch (const Error&) {  // Out of the options' range: a step that is too long.
+    } catch (const Error&) {  // The step left the options' range.
       return false;
     }
     return true;
@@ -209,7 +211,8 @@ void SetAll(const std::vector<double>& factors, DescriptorModelOptions* options)
 }
 constexpr int kNumFitted = 10;
 
-// The streets whose descriptors are spread as real ones; all if none was photographed.
+// Returns the streets whose descriptors spread like real ones. If none was photographed, returns
+// all streets.
 std::vector<const DescriptorFitStreet*> Photographed(const DescriptorFitData& data) {
   const bool has_photos = std::any_of(data.streets.begin(), data.streets.end(),
                                       [](const auto& street) { return !street.is_rendered; });
@@ -222,7 +225,7 @@ std::vector<const DescriptorFitStreet*> Photographed(const DescriptorFitData& da
   return streets;
 }
 
-// The mean over the streets of the logarithm of `values(street)`.
+// Returns the mean over the streets of log(`values(street)`).
 Eigen::ArrayXf MeanLog(const DescriptorFitData& data,
                        const std::function<Eigen::VectorXf(const RealLooks&)>& values) {
   Eigen::ArrayXf sum = Eigen::ArrayXf::Zero(DescriptorModel::kDim);
@@ -233,7 +236,7 @@ Eigen::ArrayXf MeanLog(const DescriptorFitData& data,
   return sum / static_cast<float>(streets.size());
 }
 
-// Neighbouring ranks average out what is peculiar to one street or one seed.
+// Averages neighboring ranks, which removes peculiarities of one street or one seed.
 float MeanAbout(const Eigen::ArrayXf& values, int rank, int width) {
   const int begin = std::max(0, rank - width);
   return values.segment(begin, std::min(DescriptorModel::kDim, rank + width + 1) - begin).mean();
@@ -266,7 +269,7 @@ void FitAxes(const DescriptorFitData& data, DescriptorModelOptions* options) {
   }
 }
 
-// Median of squared distances of pairs that were seen from nearly the same place.
+// Median of the squared distances between looks from almost the same place.
 double NearSqDistance(const RealLooks& looks, float max_angle_rad) {
   std::vector<LookPair> pairs = PairsOf(looks.looks);
   std::erase_if(pairs, [&](const LookPair& pair) {
@@ -275,7 +278,8 @@ double NearSqDistance(const RealLooks& looks, float max_angle_rad) {
   return pairs.empty() ? 0.0 : Quantile(SqDistances(looks.root, pairs), 0.5);
 }
 
-// Descriptors of one view in two modes, without anything else that tells looks apart.
+// Squared distance between descriptors of one view in two modes. Nothing else tells the looks
+// apart.
 double SqDistanceOfModes(DescriptorModelOptions options) {
   options.noise_length = options.view_length = 0.0;
   RealLooks looks;
@@ -288,8 +292,9 @@ double SqDistanceOfModes(DescriptorModelOptions options) {
   return NearSqDistance(Simulate(looks, DescriptorModel(options)), kNearStreetRad);
 }
 
-// The facade's pairs differ in view too, little as it may be, so what its photos add is measured
-// against the streets' pairs that hardly do, and not fitted together with the view's effect.
+// The facade's pairs also differ in view, if only a little. The effect of its modes is therefore
+// measured against pairs of the streets with almost equal views, and is not fitted together with
+// the effect of the view.
 void FitMode(const DescriptorFitData& data, DescriptorModelOptions* options) {
   double of_streets = 0.0;
   for (const DescriptorFitStreet& street : data.streets) {
@@ -343,7 +348,7 @@ std::vector<DescriptorResidual> BetweenResiduals(const DescriptorFitData& data,
 DescriptorModelOptions FitDescriptorModel(const DescriptorFitData& data,
                                           const DescriptorModelOptions& start,
                                           const std::function<void(const std::string&)>& progress) {
-  CAIRN_CHECK(!data.streets.empty(), "nothing to fit on");
+  CAIRN_CHECK(!data.streets.empty(), "the fit needs at least one street");
   const auto report = [&](const char* what, const std::vector<DescriptorResidual>& residuals) {
     double sum = 0.0, weight = 0.0;
     for (const DescriptorResidual& residual : residuals) {

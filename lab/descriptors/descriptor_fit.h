@@ -1,4 +1,5 @@
-// Fits the descriptor model to real SIFT by making it look at what was really seen.
+// Fits the descriptor model to real SIFT. The model simulates the looks of the real data, and the
+// fit compares the statistics.
 #ifndef CAIRN_LAB_DESCRIPTORS_DESCRIPTOR_FIT_H_
 #define CAIRN_LAB_DESCRIPTORS_DESCRIPTOR_FIT_H_
 
@@ -11,40 +12,43 @@
 
 namespace cairn {
 
-// A place that was seen often, in one appearance mode.
+// A place with many looks, all in one appearance mode.
 struct DescriptorFitStreet {
   std::string name;
   RealLooks looks;
-  // Flat textures that stay sharp do not change with distance, and more of them repeats than is
-  // real: only viewing angles count.
+  // For rendered streets, only viewing angles count. Their flat textures stay sharp and do not
+  // change with distance, and more of them repeats than in reality.
   bool is_rendered = false;
 };
 
 struct DescriptorFitData {
   std::vector<DescriptorFitStreet> streets;  // At least one.
-  RealLooks facade;                          // In several modes; may be empty.
+  RealLooks facade;                          // In several appearance modes; may be empty.
   RealLooks repeats;                         // May be empty.
-  DescriptorMatrix crowd;                    // RootSIFT of many things; may be empty.
+  DescriptorMatrix crowd;                    // RootSIFT of many different things; may be empty.
 };
 
-// Named differences of logarithms between model and data; the fit makes their squares small.
+// A named difference of logarithms between model and data. The fit minimizes the sum of their
+// squares.
 struct DescriptorResidual {
   std::string name;
   double value = 0.0;
   double weight = 1.0;
 };
 
-// How well a model fits: the same statistics of real descriptors and of the model's for the same
-// looks.
+// Measures how well a model fits: compares the statistics of real descriptors with those of the
+// model's descriptors for the same looks.
 std::vector<DescriptorResidual> WithinResiduals(const DescriptorFitData& data,
                                                 const DescriptorModelOptions& options);
 std::vector<DescriptorResidual> BetweenResiduals(const DescriptorFitData& data,
                                                  const DescriptorModelOptions& options);
 
-// Fits all but the seed, beginning at `start`: principal axes by fixed-point steps; the length of
-// modes by what the facade's photos add; all else together by least squares over the medians of
-// squared distances in cells of view difference and over quantiles of nearest-neighbour distances.
-// Takes minutes; deterministic. `progress` (may be empty) is told what is done.
+// Fits all options except the seed, starting at `start`:
+// - the principal axes, by fixed-point steps;
+// - the length of modes, from the difference that the facade's photos add;
+// - all other options together, by least squares over the medians of squared distances in cells of
+//   view difference and over quantiles of nearest-neighbor distances.
+// Takes minutes. Deterministic. `progress` (may be empty) receives a description of each step.
 DescriptorModelOptions FitDescriptorModel(const DescriptorFitData& data,
                                           const DescriptorModelOptions& start,
                                           const std::function<void(const std::string&)>& progress);

@@ -14,13 +14,13 @@ namespace cairn {
 namespace {
 
 constexpr int kNormalTableBits = 16;
-constexpr int kRun = 8;       // Normal values that are read from the table in one go.
+constexpr int kRun = 8;       // Normal values per contiguous read of the table.
 constexpr int kNumWaves = 4;  // Random features of the view's effect.
-// Of an ornament's 64 bits, the first so many name its node in each level of the tree.
+// Number of an ornament's 64 bits that name its node, for each level of the tree.
 constexpr std::array kLevelBits = {4, 6, 8};
-constexpr int kSpreadLevel = 1;  // Whose nodes differ in spread.
+constexpr int kSpreadLevel = 1;  // The level whose nodes differ in spread.
 
-// Streams of random numbers that must not meet.
+// Streams of random numbers that must stay separate.
 constexpr uint64_t kOrnamentStream = 0x51;
 constexpr uint64_t kNodeStream = 0x52;
 constexpr uint64_t kInstanceStream = 0x53;
@@ -29,7 +29,7 @@ constexpr uint64_t kModeStream = 0x55;
 constexpr uint64_t kNoiseStream = 0x56;
 constexpr uint64_t kClutterStream = 0x57;
 
-// The mean of RootSIFT over all descriptors: its elements lie in this range and its norm is 0.81.
+// The mean of RootSIFT over all descriptors. Its elements are in this range; its norm is 0.81.
 constexpr float kMinMean = 0.039f;
 constexpr float kMaxMean = 0.164f;
 constexpr float kMeanNorm = 0.81f;
@@ -38,8 +38,8 @@ constexpr float kMaxRaw = 255.0f;
 
 uint64_t Mix(uint64_t a, uint64_t b) { return HashWord(HashWord(a) ^ b); }
 
-// Runs of the normal table repeat among a million landmarks; this order gives each run an equal
-// share of the strong axes, so that no repetition matters.
+// A million landmarks use the same run of the normal table more than once. This order gives each
+// run an equal share of the strong axes, so that a repetition has no visible effect.
 int RankOf(int row) { return row % kRun * (DescriptorModel::kDim / kRun) + row / kRun; }
 
 DescriptorAxis Interpolate(const std::vector<DescriptorAxis>& axes, int rank) {
@@ -56,7 +56,7 @@ DescriptorAxis Interpolate(const std::vector<DescriptorAxis>& axes, int rank) {
           .within = std::lerp(below.within, above->within, t)};
 }
 
-// In-place Walsh-Hadamard transform: an orthogonal change of axes, times sqrt(kDim).
+// In-place Walsh-Hadamard transform: an orthogonal change of axes times sqrt(kDim).
 void HadamardTransform(Eigen::Array<float, 1, DescriptorModel::kDim>* values) {
   for (int half = 1; half < DescriptorModel::kDim; half *= 2) {
     for (int begin = 0; begin < DescriptorModel::kDim; begin += 2 * half) {
@@ -72,7 +72,7 @@ void HadamardTransform(Eigen::Array<float, 1, DescriptorModel::kDim>* values) {
 
 void RequireSpread(double value, const char* field) { RequireWithin(field, value, 0.0, 2.0); }
 
-// Log-normal with a mean square of one, from a standard normal value.
+// Maps a standard normal value to a log-normal value with a mean square of one.
 float LogNormal(double spread, float normal) {
   return std::exp(static_cast<float>(spread) * normal - static_cast<float>(spread * spread));
 }
@@ -203,8 +203,8 @@ void DescriptorModel::AddView(uint64_t seed, const DescriptorLook& look, float l
   const float amplitude = length / std::sqrt(static_cast<float>(kNumWaves));
   for (int wave = 0; wave < kNumWaves; ++wave) {
     const uint64_t wave_seed = HashWord(seed + static_cast<uint64_t>(wave));
-    // Frequencies whose mean cosine is exp(-|difference of views|): Cauchy in three dimensions, a
-    // normal vector over an independent normal value.
+    // Draws frequencies whose mean cosine is exp(-|difference of views|): a Cauchy distribution in
+    // three dimensions, which is a normal vector divided by an independent normal value.
     const Eigen::Vector3f direction(Normal(wave_seed), Normal(wave_seed >> 16),
                                     Normal(wave_seed >> 32));
     const float phase = direction.dot(view) / std::max(1e-3f, std::abs(Normal(wave_seed >> 48)));

@@ -18,7 +18,7 @@ namespace {
 constexpr uint64_t kSeed = 1;
 constexpr int kMinPairs = 40;
 
-// A place as it was seen and as the model sees it.
+// A place in the real data and in the model.
 struct Place {
   std::string name;
   RealLooks real;
@@ -59,7 +59,7 @@ std::string Spectrum(const std::vector<Place>& places) {
   return text;
 }
 
-// Median distance of the pairs that `is_in` takes; empty if they are few.
+// Returns the median distance of the pairs that `is_in` accepts; empty if there are few.
 std::string MedianDistance(const DescriptorMatrix& root, const std::vector<LookPair>& pairs,
                            const std::function<bool(const LookPair&)>& is_in) {
   std::vector<LookPair> taken;
@@ -69,7 +69,7 @@ std::string MedianDistance(const DescriptorMatrix& root, const std::vector<LookP
              : fmt::format("{:.4f}", std::sqrt(Quantile(SqDistances(root, taken), 0.5)));
 }
 
-// Median distance over bins of one kind of view difference while the other is small.
+// Returns median distances over bins of one kind of view difference, while the other kind is small.
 std::string Growth(const char* first, const std::vector<Place>& places,
                    const std::vector<float>& edges,
                    const std::function<float(const LookPair&)>& difference,
@@ -89,7 +89,7 @@ std::string Growth(const char* first, const std::vector<Place>& places,
   return text;
 }
 
-// Columns of sorted distances at the same shares.
+// Returns columns of sorted distances at the same shares.
 std::string Quantiles(const std::string& header, const std::vector<std::vector<float>>& columns) {
   std::string text = header;
   for (int percent = 1; percent < 100; ++percent) {
@@ -115,7 +115,7 @@ std::string Nearest(const std::vector<Place>& places) {
   return Quantiles(header + "\n", columns);
 }
 
-// The question a matcher asks: is the same landmark nearer than the nearest of a thousand others?
+// Answers a matcher's question: is the same landmark nearer than the nearest of a thousand others?
 std::string SameAndOther(const std::vector<Place>& places) {
   std::string header = "share";
   std::vector<std::vector<float>> columns;

@@ -19,9 +19,10 @@ constexpr std::array kAngleEdgesRad = {0.0f,  0.01f, 0.02f, 0.035f, 0.05f, 0.075
 constexpr std::array kScaleEdges = {0.0f, 0.1f, 0.2f, 0.3f, 0.45f, 0.6f, 0.8f, 1.0f, 1.5f, 2.5f};
 constexpr float kNearAngleRad = 0.06f;
 constexpr float kNearLog2Scale = 0.3f;
-constexpr size_t kPairsTried = 5;  // After each, for one that shares no look.
+// Pairs to try after each pair, until one shares no look with it.
+constexpr size_t kPairsTried = 5;
 
-// Principal axes in columns, the strongest first.
+// Returns the principal axes as columns, the strongest first.
 Eigen::MatrixXf PrincipalAxes(const DescriptorMatrix& root, Eigen::VectorXf* variances) {
   const DescriptorMatrix centered = root.rowwise() - root.colwise().mean();
   const Eigen::MatrixXf covariance =
@@ -107,7 +108,7 @@ DescriptorMatrix SimulateClutter(int count, const DescriptorModel& model) {
 }
 
 float Quantile(std::vector<float> values, double share) {
-  CAIRN_CHECK(!values.empty(), "a quantile of nothing");
+  CAIRN_CHECK(!values.empty(), "a quantile needs at least one value");
   const auto at =
       values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());

@@ -16,15 +16,16 @@ constexpr int kMaxFeatures = 4000;
 constexpr float kMaxMatchRatio = 0.8f;
 constexpr double kMaxHomographyErrorPx = 4.0;
 constexpr int kMinInliers = 30;
-constexpr double kFacadeRadiusPx = 40.0;  // What is so near to an inlier is on the facade's plane.
+// A point this near to an inlier is assumed to be on the facade's plane.
+constexpr double kFacadeRadiusPx = 40.0;
 
 struct Match {
-  int a = 0, b = 0;  // Keypoints.
+  int a = 0, b = 0;  // Indices of keypoints.
 };
 
 Eigen::Vector2d At(const Keypoint& keypoint) { return {keypoint.x_px, keypoint.y_px}; }
 
-// Nearest neighbours that are clearly nearer than the second.
+// Matches each descriptor to its nearest neighbor if that is clearly nearer than the second.
 std::vector<Match> RatioMatches(const DescriptorMatrix& a, const DescriptorMatrix& b) {
   std::vector<Match> matches;
   if (b.rows() == 0) {
@@ -90,7 +91,7 @@ std::optional<PlaneTransfer> FindPlane(const FeatureSet& a, const FeatureSet& b,
                                                                     : std::nullopt;
 }
 
-// The keypoint of b that is `keypoint` of a by geometry, or -1.
+// Returns the keypoint of b that corresponds geometrically to `keypoint` of a, or -1.
 int KeypointInB(const FeatureSet& b, const Keypoint& keypoint, const PlaneTransfer& plane,
                 const RealLooksOptions& options) {
   const Eigen::Vector2d pixel = At(keypoint);

@@ -1,7 +1,8 @@
-// Fits the descriptor model on real data and prints its options:
+// Fits the descriptor model to real data and prints the resulting options:
 //   cairn_fit_descriptor_model DATA_DIR OUTPUT_DIR
-// DATA_DIR holds kitti_vo_2x51, street_lund, sacre_coeur10 and ann_bigann10k; what is absent is
-// left out, and the rendered street is always there. OUTPUT_DIR gets a CSV for each plot.
+// DATA_DIR holds kitti_vo_2x51, street_lund, sacre_coeur10 and ann_bigann10k. Data sets that are
+// missing are left out; the rendered street is always used. OUTPUT_DIR receives a CSV file for each
+// plot.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -46,7 +47,7 @@ RealLooks ReadFacade(const fs::path& photo_dir) {
   return LooksAtFacade(photos);
 }
 
-// Number and dimension as int32, then bytes.
+// The file holds the number and the dimension as int32, then bytes.
 DescriptorMatrix ReadCrowd(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   int32_t shape[2] = {};

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kDim = 128;
 constexpr double kMaxLog2Nearer = 2.5;
-constexpr double kMaxViewRad = 1.4;  // Between normal and ray.
+constexpr double kMaxViewRad = 1.4;  // Between the normal and the ray.
 
 double OrientationIn(const PosedImage& image, const Anchor& anchor,
                      const Eigen::Vector2d& projected) {
@@ -27,7 +27,7 @@ double OrientationIn(const PosedImage& image, const Anchor& anchor,
                : std::numeric_limits<double>::quiet_NaN();
 }
 
-// The keypoint that is the landmark by geometry, or -1.
+// Returns the keypoint that corresponds geometrically to the landmark, or -1.
 int KeypointAt(const PosedImage& image, const Anchor& anchor, const RealLooksOptions& options) {
   const double depth = DepthOf(image, anchor.x_in_world);
   const std::optional<Eigen::Vector2d> projected =

@@ -1,4 +1,4 @@
-// Finds looks at landmarks in images whose poses are known; private to this folder.
+// Finds looks at landmarks in images with known poses; private to this folder.
 #ifndef CAIRN_LAB_DESCRIPTORS_LOOK_COLLECTOR_H_
 #define CAIRN_LAB_DESCRIPTORS_LOOK_COLLECTOR_H_
 
@@ -21,22 +21,22 @@ struct PosedImage {
   FeatureSet features;
 };
 
-// A landmark with the axes about which views are counted, and what its first look was.
+// A landmark with the axes for its view angles, and the properties of its first look.
 struct Anchor {
   Eigen::Vector3d x_in_world;
-  Eigen::Matrix3d axes_from_world;  // Rows: right, up and out of the surface.
-  Eigen::Vector3d along_in_world;   // A little way along the keypoint's orientation; zero: unknown.
-  double size = 0.0;                // Physical, of the keypoint.
+  Eigen::Matrix3d axes_from_world;  // Rows: right, up, and out of the surface.
+  Eigen::Vector3d along_in_world;   // A short step along the keypoint's orientation; zero: unknown.
+  double size = 0.0;                // Physical size of the keypoint.
   double depth = 0.0;               // In the first look.
   double orientation_rad = 0.0;     // In the first look.
 };
 
 double DepthOf(const PosedImage& image, const Eigen::Vector3d& x_in_world);
 
-// Rows right, up and out of a surface that faces along `out`, which is not vertical.
+// Returns rows right, up and out for a surface that faces along `out`, which is not vertical.
 Eigen::Matrix3d AxesAbout(const Eigen::Vector3d& out, const Eigen::Vector3d& up);
 
-// Every so manieth of `count` has to be taken to get at most `max_count`.
+// Returns the step with which every step-th of `count` items gives at most `max_count` items.
 size_t StepFor(size_t count, int max_count);
 
 // Keeps references to its arguments.
@@ -45,11 +45,11 @@ class LookCollector {
   LookCollector(const std::vector<PosedImage>& images, const RealLooksOptions& options)
       : images_(images), options_(options) {}
 
-  // A new landmark: the look its anchor was made from, and those in all other images in which
-  // `is_visible` says that it may be.
+  // Adds a new landmark with the look of its anchor and the looks in all other images for which
+  // `is_visible` returns true.
   void Add(const Anchor& anchor, int first_image, int first_keypoint,
            const std::function<bool(int image)>& is_visible);
-  // One look at one landmark.
+  // Appends one look at one landmark.
   void Append(const Anchor& anchor, int ornament, int landmark, int image, int keypoint);
 
   RealLooks Finish();

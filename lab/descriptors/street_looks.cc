@@ -15,8 +15,9 @@ namespace {
 
 constexpr int kNumThreads = 2;
 constexpr double kMaxDepthM = 60.0;
-constexpr double kOcclusionShare = 0.02;  // Sight must reach so near to the point.
-// What repeats.
+// Largest relative gap between the ray's end and the point.
+constexpr double kOcclusionShare = 0.02;
+// Limits for repetitions.
 constexpr int kRepeatPhotoStep = 7;
 constexpr double kMaxHeightDifferenceM = 0.03;
 constexpr double kMaxLog2SizeRatio = 0.2;
@@ -24,7 +25,7 @@ constexpr double kMaxTurnRad = 0.15;
 constexpr double kMinApartM = 0.5;
 constexpr double kMaxFrontOffsetM = 0.01;
 
-// A point of the street's surface that a keypoint shows, and its normal; nothing for the sky.
+// A point on the street's surface that a keypoint shows, with its normal. Null for the sky.
 struct SurfaceHit {
   Eigen::Vector3d x_in_world;
   Eigen::Vector3d normal_in_world;
@@ -41,7 +42,7 @@ std::optional<Eigen::Vector3d> CastRay(const Renderer& renderer, const PosedImag
   return image.center_in_world + distance_m * ray;
 }
 
-// All within the keypoint must lie in one plane.
+// Requires that the whole keypoint lies in one plane.
 std::optional<SurfaceHit> HitSurface(const Renderer& renderer, const PosedImage& image,
                                      const Keypoint& keypoint) {
   const Eigen::Vector2d pixel(keypoint.x_px, keypoint.y_px);
@@ -123,7 +124,7 @@ RealLooks LooksAtStreet(const StreetOptions& street, const RealLooksOptions& opt
   const StreetScene scene(street);
   const Renderer renderer(BuildStreet(street));
   const std::vector<PosedImage> images = PhotographStreet(scene);
-  std::vector<std::pair<int, int>> keypoints;  // Image, keypoint.
+  std::vector<std::pair<int, int>> keypoints;  // Pairs of (image, keypoint).
   for (int i = 0; i < static_cast<int>(scene.MappingPoses().size()); ++i) {
     for (int k = 0; k < images[i].features.size(); ++k) {
       keypoints.emplace_back(i, k);

@@ -1,4 +1,4 @@
-// What an experiment is: a question of the paper, asked of this engine in a simulated city.
+// An experiment: a question of the paper, answered for this engine in a simulated city.
 #ifndef CAIRN_LAB_EXPERIMENTS_EXPERIMENT_H_
 #define CAIRN_LAB_EXPERIMENTS_EXPERIMENT_H_
 
@@ -15,7 +15,8 @@
 
 namespace cairn {
 
-// Quick: seconds, to see that everything runs; its figures mean little. Full: minutes on two cores.
+// kQuick takes seconds and checks that everything runs; its figures mean little. kFull takes
+// minutes on two cores.
 enum class ExperimentSize { kQuick, kFull };
 const char* ExperimentSizeName(ExperimentSize size);  // "quick", "full".
 // Throws Error(kInvalidArgument) that lists the names.
@@ -23,19 +24,19 @@ ExperimentSize ExperimentSizeFromName(const std::string& name);
 
 using ExperimentProgress = std::function<void(const std::string& phase, int done, int total)>;
 
-// What a run may use. The worlds are shared between experiments.
+// The inputs of a run. Experiments share the worlds.
 struct ExperimentContext {
   ExperimentSize size = ExperimentSize::kQuick;
   uint64_t seed = 1;
-  int num_queries = 0;  // Of a world; 0: as many as the size asks for.
+  int num_queries = 0;  // Per world; 0: the size decides.
   int num_threads = 2;
-  // Folder of the recordings of lab/recordings/room_recordings.h; empty: 16 and 17 walk in the city
-  // only.
+  // Folder of the recordings of lab/recordings/room_recordings.h. Empty: experiments 16 and 17 use
+  // city walks only.
   std::string trajectories_folder;
   ExperimentWorlds* worlds = nullptr;
   ExperimentProgress progress;  // May be empty.
 
-  // The parameter of this run's size.
+  // Returns the parameter for this run's size.
   template <typename Value>
   Value Pick(Value quick, Value full) const {
     return size == ExperimentSize::kQuick ? quick : full;
@@ -48,26 +49,26 @@ struct ExperimentContext {
 using ExperimentParameters = std::vector<std::pair<std::string, std::string>>;
 
 struct ExperimentOutcome {
-  ExperimentParameters parameters;  // What was varied and held, for people.
+  ExperimentParameters parameters;  // Settings that were varied or held, for readers.
   ResultTable table;
   std::vector<Figure> figures;
   Verdict verdict = Verdict::kUndecided;
-  std::string sentence;  // Why the verdict, with the numbers.
+  std::string sentence;  // The reason for the verdict, with numbers.
 };
 
 struct Experiment {
   std::string name;   // "07_random_grids_vs_multi_index".
   std::string title;  // "Random grids against the inverted multi-index".
-  std::string paper;  // Where the paper asks it: "Figure 8".
-  std::string claim;  // What the paper says, in one sentence.
-  // How the verdict is decided, in one sentence.
+  std::string paper;  // The paper's place of the question: "Figure 8".
+  std::string claim;  // The paper's statement, in one sentence.
+  // The rule that decides the verdict, in one sentence.
   std::string rule;
-  // Of the full size on two idle cores; estimated from the CPU time of smaller runs.
+  // Duration of the full size on two idle cores, estimated from the CPU time of smaller runs.
   std::string full_duration;
   std::function<ExperimentOutcome(const ExperimentContext&)> run;
 };
 
-// The outcome of an experiment whose subject this build does not have.
+// Returns the outcome of an experiment whose subject is not in this build.
 ExperimentOutcome NotBuilt(const std::string& what_is_missing);
 
 }  // namespace cairn

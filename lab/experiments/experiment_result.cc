@@ -55,7 +55,7 @@ ResultTable TableFromJson(const Json& json, const std::string& what) {
   ResultTable table(std::move(columns));
   for (const Json& row : json.at("rows")) {
     if (!row.is_array() || row.size() != num_columns) {
-      throw Error(ErrorCode::kBadInput, what + ": a row does not have a cell a column");
+      throw Error(ErrorCode::kBadInput, what + ": a row does not have one cell per column");
     }
     std::vector<Cell> cells;
     for (const Json& cell : row) {

@@ -1,4 +1,4 @@
-// An experiment's outcome as it lies in a folder, and the report made of such files.
+// The stored outcome of an experiment, and the report made from such outcomes.
 #ifndef CAIRN_LAB_EXPERIMENTS_EXPERIMENT_RESULT_H_
 #define CAIRN_LAB_EXPERIMENTS_EXPERIMENT_RESULT_H_
 
@@ -14,35 +14,38 @@ struct ExperimentResult {
   std::string name;
   ExperimentSize size = ExperimentSize::kQuick;
   uint64_t seed = 0;
-  std::string commit;  // Of the source that was built; "unknown" outside of a checkout.
+  std::string commit;  // Commit of the built source; "unknown" outside a checkout.
   double seconds = 0.0;
   ExperimentParameters parameters;
   ResultTable table;
-  std::vector<std::string> figures;  // Names; <name>.svg and <name>.png if they could be drawn.
+  std::vector<std::string> figures;  // <name>.svg and <name>.png exist if gnuplot could draw them.
   Verdict verdict = Verdict::kUndecided;
   std::string sentence;
 };
 
-// The commit that this library was built from, "-dirty" after it if files had been changed.
+// Returns the commit that this library was built from, followed by "-dirty" if files had been
+// changed.
 std::string BuildCommit();
 
 std::string ResultAsJson(const ExperimentResult& result);
-// Inverse of ResultAsJson. Throws Error(kBadInput) naming `what` if the text is something else.
+// Inverse of ResultAsJson. Throws Error(kBadInput) that names `what` if the text is not such a
+// JSON.
 ExperimentResult ResultFromJson(const std::string& text, const std::string& what);
 
 // Runs the experiment and writes <name>.csv, <name>.json and, for each figure, <figure>.gp,
-// <figure>.svg and <figure>.png into `folder`, which must exist. `*figures_drawn` is false if
-// gnuplot is not there.
+// <figure>.svg and <figure>.png to `folder`, which must exist. Sets `*figures_drawn` to false if
+// gnuplot is not installed.
 ExperimentResult RunExperiment(const Experiment& experiment, const ExperimentContext& context,
                                const std::string& folder, bool* figures_drawn);
 
-// The results of the given experiments that lie in the folder, in their order; those that were not
-// run are left out.
+// Reads the results of the given experiments from the folder, in their order. Leaves out
+// experiments without results.
 std::vector<ExperimentResult> ReadResults(const std::string& folder,
                                           const std::vector<Experiment>& experiments);
 
-// docs/experiments.md: a summary of verdicts, then for each experiment claim, verdict, figure
-// (`image_folder`/<figure>.svg), table and parameters. What depends on the machine comes last.
+// Returns docs/experiments.md: a summary of the verdicts, then each experiment's claim, verdict,
+// figure (`image_folder`/<figure>.svg), table and parameters. Columns that depend on the machine
+// come last.
 std::string ReportAsMarkdown(const std::vector<Experiment>& experiments,
                              const std::vector<ExperimentResult>& results,
                              const std::string& image_folder);

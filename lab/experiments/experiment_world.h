@@ -1,4 +1,5 @@
-// The worlds that experiments measure in: a map and queries with true poses, built once a run.
+// The worlds of the experiments: a map, and queries with true poses. Each world is built once per
+// run.
 #ifndef CAIRN_LAB_EXPERIMENTS_EXPERIMENT_WORLD_H_
 #define CAIRN_LAB_EXPERIMENTS_EXPERIMENT_WORLD_H_
 
@@ -21,15 +22,15 @@ struct ExperimentWorldOptions {
   CityCharacter character = CityCharacter::kGrid;
   CityWorldSize size = CityWorldSize::kQuick;
   int num_queries = 20;
-  // Queries of half as many keypoints, of which 6 % have a landmark instead of 10 %: some 30 of
-  // 500. The presets' queries are answered too well to tell one method from another by.
+  // Queries with half as many keypoints, of which 6 % instead of 10 % have a landmark: about 30 of
+  // 500. The engine answers the presets' queries too well for comparisons between methods.
   bool hard_queries = false;
   IngestOptions ingest;
-  // Tells worlds apart that differ in `ingest`; letters, digits, '_' and '-'.
+  // Distinguishes worlds with different `ingest`. Letters, digits, '_' and '-'.
   std::string ingest_name;
   uint64_t seed = 1;
 
-  // Names the world: equal keys, equal worlds. For people and file names.
+  // Names the world for people and in file names. Worlds with equal keys are equal.
   std::string Key() const;
 };
 
@@ -40,22 +41,21 @@ struct ExperimentWorld {
   std::vector<EvalQuery> queries;
 };
 
-// Builds worlds on demand, in a folder, and keeps them for the experiments that come after. One
-// thread.
+// Builds worlds on demand in a folder and keeps them for later experiments. Use from one thread.
 class ExperimentWorlds {
  public:
-  // Maps are written to `folder`, which is made.
+  // Creates `folder`, which receives the maps.
   explicit ExperimentWorlds(std::string folder);
 
-  // `progress` (may be empty) gets a phase, steps done and total.
+  // `progress` (may be empty) receives a phase, the steps done and the total.
   std::shared_ptr<const ExperimentWorld> Get(
       const ExperimentWorldOptions& options,
       const std::function<void(const std::string&, int, int)>& progress);
 
-  // A file of that name in the folder, for maps that experiments keep themselves.
+  // Returns the path of a file in the folder, for maps that an experiment manages itself.
   std::string MapPath(const std::string& name) const;
 
-  // Removes a world's map, so that it does not fill the disk. Those who hold it keep it open.
+  // Removes a world's map to free disk space. Holders of the world keep its map open.
   void Forget(const ExperimentWorldOptions& options);
 
  private:

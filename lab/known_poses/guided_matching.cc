@@ -12,20 +12,21 @@
 namespace cairn {
 namespace {
 
-// Rays closer to the baseline than this cannot be triangulated; sine.
+// Sine of the smallest angle to the baseline at which a ray can be triangulated.
 constexpr double kMinSinToBaseline = 0.05;
-// Two keypoints this close are one point, e.g. found with two orientations.
+// Two keypoints this close are one point, for example found with two orientations.
 constexpr double kSamePointPx = 3.0;
 
 // A keypoint in polar coordinates about the baseline.
 struct PolarRay {
-  double plane_rad = 0.0;  // Of its epipolar plane, in (-pi, pi].
-  double cos = 0.0;        // Of the angle between ray and baseline; both images look along a to b.
+  double plane_rad = 0.0;  // Angle of the epipolar plane, in (-pi, pi].
+  // Of the angle between the ray and the baseline, which runs from a to b for both images.
+  double cos = 0.0;
   double sin = 0.0;
   int idx = 0;
 };
 
-// Rays that can be triangulated, by plane angle.
+// Returns the rays that can be triangulated, ordered by plane angle.
 std::vector<PolarRay> PolarRays(const PosedFeatures& image, const Eigen::Matrix3d& axes) {
   std::vector<PolarRay> rays;
   rays.reserve(image.rays_in_world.size());
@@ -42,7 +43,7 @@ std::vector<PolarRay> PolarRays(const PosedFeatures& image, const Eigen::Matrix3
   return rays;
 }
 
-// Repeats the rays near -pi and pi on the other side, so that a window never wraps.
+// Repeats the rays near -pi and pi at the other end, so that a search window never wraps around.
 void UnrollEnds(double window_rad, std::vector<PolarRay>* rays) {
   const size_t num_rays = rays->size();
   std::vector<PolarRay> before, after;
@@ -82,13 +83,13 @@ class PairGeometry {
   double max_error_rad() const { return max_error_rad_; }
   std::vector<PolarRay> RaysOf(const PosedFeatures& image) const { return PolarRays(image, axes_); }
 
-  // True if the two may be one point: the rays meet in front of both cameras within the depth
-  // range, and the keypoints are about equally large there.
+  // Returns true if the two keypoints may show one point: their rays meet in front of both cameras
+  // within the depth range, and the keypoints have about the same size there.
   bool Agree(const PolarRay& ray_a, const PolarRay& ray_b) const {
     if (std::abs(ray_a.plane_rad - ray_b.plane_rad) * ray_b.sin > max_error_rad_) {
       return false;
     }
-    // Law of sines in the triangle of the two centres and the point.
+    // Law of sines in the triangle of the two centers and the point.
     const double sin_parallax = ray_b.sin * ray_a.cos - ray_b.cos * ray_a.sin;
     const double depth_a = baseline_m_ * ray_b.sin / sin_parallax;
     const double depth_b = baseline_m_ * ray_a.sin / sin_parallax;
@@ -109,10 +110,10 @@ class PairGeometry {
   const GuidedMatchingOptions& options_;
   double baseline_m_ = 0.0;
   double max_error_rad_ = 0.0;
-  Eigen::Matrix3d axes_;  // Rows: two across the baseline, and the baseline from a to b.
+  Eigen::Matrix3d axes_;  // Rows: two axes across the baseline, then the baseline from a to b.
 };
 
-// The best candidate if it beats all others that are not the same point; otherwise -1.
+// Returns the best candidate if it beats all candidates that are a different point; otherwise -1.
 int BestByRatio(const std::vector<Candidate>& candidates, const FeatureSet& features_b,
                 double max_ratio) {
   int best = -1;

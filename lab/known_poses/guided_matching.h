@@ -1,4 +1,4 @@
-// Matches two images whose poses are known: only along epipolar lines.
+// Matches two images with known poses along their epipolar lines.
 #ifndef CAIRN_LAB_KNOWN_POSES_GUIDED_MATCHING_H_
 #define CAIRN_LAB_KNOWN_POSES_GUIDED_MATCHING_H_
 
@@ -10,29 +10,30 @@ namespace cairn {
 
 struct GuidedMatchingOptions {
   double max_epipolar_error_px = 2.0;  // In both images.
-  // Best over second best distance. The second best is looked for along the same epipolar line,
-  // where the repetitions of a facade lie, farther than 3 px from the best.
+  // Largest ratio of the best to the second-best distance. The second best is taken from the same
+  // epipolar line, where the repetitions of a facade are, at more than 3 px from the best.
   double max_ratio = 0.8;
-  // Of the descriptors, relative to their length: with few rivals on its line a match could pass
-  // the ratio test without being alike.
+  // Largest descriptor distance, relative to the descriptors' length. If a line has few candidates,
+  // a match could pass the ratio test without being similar.
   double max_relative_distance = 0.5;
-  double min_depth_m = 0.5;  // From either camera.
+  double min_depth_m = 0.5;  // Distance from either camera.
   double max_depth_m = 150.0;
-  double max_size_ratio = 2.0;  // Between the physical sizes of the two keypoints.
+  double max_size_ratio = 2.0;  // Ratio of the physical sizes of the two keypoints.
 
-  // Throws Error(kInvalidArgument) naming the field.
+  // Throws Error(kInvalidArgument) that names the field.
   void Validate() const;
 };
 
 struct FeatureMatch {
   int a_idx = 0;
   int b_idx = 0;
-  float distance = 0.0f;  // Euclidean, of the descriptors.
+  float distance = 0.0f;  // Euclidean distance of the descriptors.
 };
 
-// Mutually best matches that pass the ratio test, by a_idx. The planes through both camera centres
-// are sorted by their angle about the baseline, so a keypoint meets just the candidates of its own
-// epipolar line: O(n log n) and a few dozen descriptor distances a keypoint.
+// Returns the mutually best matches that pass the ratio test, ordered by a_idx. Sorts the planes
+// through both camera centers by their angle about the baseline, so that each keypoint is compared
+// only with candidates on its own epipolar line. Takes O(n log n) time and a few dozen descriptor
+// distances per keypoint.
 std::vector<FeatureMatch> MatchAlongEpipolarLines(const PosedFeatures& a, const PosedFeatures& b,
                                                   const GuidedMatchingOptions& options);
 

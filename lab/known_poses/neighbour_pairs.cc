@@ -10,8 +10,8 @@
 namespace cairn {
 namespace {
 
-// Images by the square of the ground they stand on; squares are max_baseline_m wide, so that
-// neighbours of an image stand in its square or the eight around it.
+// Groups images by the ground square they are in. The squares are max_baseline_m wide, so the
+// neighbors of an image are in its own square or in the eight around it.
 class ImageGrid {
  public:
   ImageGrid(const std::vector<PosedFeatures>& images, double cell_m) : cell_m_(cell_m) {
@@ -44,7 +44,7 @@ class ImageGrid {
   std::map<Cell, std::vector<int>> cells_;
 };
 
-// Share of points spread through the view of `a` that `b` sees.
+// Returns the share of the view of `a`, sampled by points, that `b` sees.
 double ViewOverlap(const PosedFeatures& a, const PosedFeatures& b) {
   constexpr int kColumns = 5, kRows = 4;
   constexpr double kDepthsM[] = {4.0, 8.0, 16.0, 32.0};
@@ -83,7 +83,8 @@ std::vector<std::pair<int, int>> FindNeighbourPairs(const std::vector<PosedFeatu
   for (int a = 0; a < static_cast<int>(images.size()); ++a) {
     const Eigen::Vector3d forward_in_world =
         images[a].cam_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-    std::vector<std::pair<double, int>> by_overlap;  // Negated, so that the largest sorts first.
+    // Overlaps are negated, so that the largest sorts first.
+    std::vector<std::pair<double, int>> by_overlap;
     grid.ForEachAround(images[a].center_in_world, [&](int b) {
       const double baseline_m = (images[b].center_in_world - images[a].center_in_world).norm();
       if (baseline_m < options.min_baseline_m || baseline_m > options.max_baseline_m ||

@@ -1,4 +1,4 @@
-// Features of an image whose pose is known.
+// The features of an image with a known pose.
 #ifndef CAIRN_LAB_KNOWN_POSES_POSED_FEATURES_H_
 #define CAIRN_LAB_KNOWN_POSES_POSED_FEATURES_H_
 
@@ -11,13 +11,14 @@
 
 namespace cairn {
 
-// Neither camera nor features are owned. Immutable once made; safe to use from any thread.
+// Does not own the camera or the features. Immutable after construction; safe to use from any
+// thread.
 struct PosedFeatures {
   const Camera* camera = nullptr;
   const FeatureSet* features = nullptr;
   Rigid3d cam_from_world;
   Eigen::Vector3d center_in_world = Eigen::Vector3d::Zero();
-  // Unit viewing rays of the keypoints; zero where the lens model cannot be inverted.
+  // Unit viewing rays of the keypoints. Zero if the lens model cannot be inverted at the keypoint.
   std::vector<Eigen::Vector3d> rays_in_world;
 };
 

@@ -15,7 +15,7 @@
 namespace cairn {
 namespace {
 
-// ParallelFor that reports each finished step.
+// A ParallelFor that reports each finished step.
 void RunPhase(const char* phase, int count, int num_threads, const KnownPoseProgress& progress,
               const std::function<void(int)>& step) {
   std::mutex mutex;
@@ -69,8 +69,8 @@ double WidestAngleRad(const std::vector<PointView>& views, const Eigen::Vector3d
   return std::acos(std::max(min_cos, -1.0));
 }
 
-// Triangulates a track without the observations that do not fit it. Nothing if too few are left or
-// they look from too narrow an angle.
+// Triangulates a track without the observations that do not fit. Returns nullopt if too few
+// observations are left or their angle is too narrow.
 std::optional<ReconLandmark> TriangulateTrack(const Reconstruction& reconstruction,
                                               std::vector<ReconObservation> track,
                                               const KnownPoseOptions& options) {

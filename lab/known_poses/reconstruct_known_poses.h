@@ -1,4 +1,4 @@
-// A reconstruction from photos whose poses are known exactly.
+// Reconstructs a scene from photos with exactly known poses.
 #ifndef CAIRN_LAB_KNOWN_POSES_RECONSTRUCT_KNOWN_POSES_H_
 #define CAIRN_LAB_KNOWN_POSES_RECONSTRUCT_KNOWN_POSES_H_
 
@@ -18,20 +18,22 @@ struct KnownPoseOptions {
   SiftOptions sift = {.max_features = 1500};
   NeighbourOptions neighbours;
   GuidedMatchingOptions matching;
-  int min_observations = 3;  // Two views cannot tell a point from its repetition.
+  int min_observations = 3;  // With two views, a point looks like its repetition.
   double max_reprojection_error_px = 2.0;
-  double min_angle_rad = 0.035;  // Widest angle between two rays of a landmark.
+  double min_angle_rad = 0.035;  // Smallest allowed value of the widest angle between two rays.
   int num_threads = 2;           // The result does not depend on it.
 
-  // Throws Error(kInvalidArgument) naming the field.
+  // Throws Error(kInvalidArgument) that names the field.
   void Validate() const;
 };
 
-// Phases "features", "matching", "landmarks"; done of total. Called from any thread, one at a time.
+// Receives the phase ("features", "matching", "landmarks"), the steps done and the total. Called
+// from any thread, but by one thread at a time.
 using KnownPoseProgress = std::function<void(const char* phase, int done, int total)>;
 
-// Real SIFT of the photos, matched between neighbouring cameras under their known epipolar
-// geometry, joined to tracks and triangulated; world is enu at the scene's origin. Deterministic.
+// Extracts SIFT features, matches neighboring cameras under their known epipolar geometry, joins
+// the matches to tracks and triangulates them. The world frame is enu at the scene's origin.
+// Deterministic.
 Reconstruction ReconstructWithKnownPoses(const Camera& camera,
                                          const std::vector<StreetPhoto>& photos,
                                          const KnownPoseOptions& options = {},

@@ -1,4 +1,4 @@
-// A photograph and where it was taken.
+// A photo and the place where it was taken.
 #ifndef CAIRN_LAB_KNOWN_POSES_STREET_PHOTO_H_
 #define CAIRN_LAB_KNOWN_POSES_STREET_PHOTO_H_
 
@@ -13,8 +13,8 @@ namespace cairn {
 
 struct StreetPhoto {
   std::string name;
-  Rigid3d cam_from_enu;         // The truth; enu at the origin of the scene.
-  std::optional<Geodetic> gps;  // What the camera's receiver says.
+  Rigid3d cam_from_enu;         // True pose; enu is at the scene's origin.
+  std::optional<Geodetic> gps;  // Position reported by the camera's receiver.
   GrayImage image;
 };
 

@@ -8,7 +8,7 @@
 namespace cairn {
 namespace {
 
-// Disjoint sets of keypoints, at most one of each image.
+// Disjoint sets of keypoints with at most one keypoint per image.
 class KeypointSets {
  public:
   explicit KeypointSets(const std::vector<int>& num_keypoints) {
@@ -21,7 +21,7 @@ class KeypointSets {
     }
   }
 
-  // Does nothing if the sets share an image.
+  // Joins the two sets unless both contain a keypoint of the same image.
   void Join(const ReconObservation& p, const ReconObservation& q) {
     uint32_t large = Root(p), small = Root(q);
     if (large == small) {
@@ -42,7 +42,7 @@ class KeypointSets {
     parents_[small] = large;
   }
 
-  // In the order of their first keypoints' roots; joined sets leave empty ones behind.
+  // Returns the sets in the order of their roots. Sets that were joined to others are empty.
   std::vector<std::vector<ReconObservation>> TakeMembers() && { return std::move(members_); }
 
  private:
@@ -72,7 +72,7 @@ class KeypointSets {
 
   std::vector<uint32_t> first_node_;  // Per image.
   std::vector<uint32_t> parents_;
-  std::vector<std::vector<ReconObservation>> members_;  // Of roots; by image.
+  std::vector<std::vector<ReconObservation>> members_;  // By root; each ordered by image.
 };
 
 struct Edge {

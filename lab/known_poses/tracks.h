@@ -1,4 +1,4 @@
-// Joins pairwise matches to tracks: what one point of the world looks like in many images.
+// Joins pairwise matches to tracks. A track lists the observations of one point in many images.
 #ifndef CAIRN_LAB_KNOWN_POSES_TRACKS_H_
 #define CAIRN_LAB_KNOWN_POSES_TRACKS_H_
 
@@ -15,10 +15,10 @@ struct PairMatches {
   std::vector<FeatureMatch> matches;
 };
 
-// Union-find over keypoints, the most alike descriptors first. A match that would put two keypoints
-// of one image into a track is left out, which splits a track where it goes wrong instead of losing
-// all of it. Tracks shorter than `min_length` are dropped; observations are ascending by image.
-// `num_keypoints` has one entry an image.
+// Joins keypoints by union-find, the most similar descriptors first. Skips a match that would put
+// two keypoints of one image into the same track; this splits a wrong track instead of losing it.
+// Drops tracks shorter than `min_length`. Observations are in ascending order of images.
+// `num_keypoints` has one entry per image.
 std::vector<std::vector<ReconObservation>> BuildTracks(const std::vector<PairMatches>& pairs,
                                                        const std::vector<int>& num_keypoints,
                                                        int min_length);

@@ -59,7 +59,7 @@ struct ForceFit {
   Eigen::Vector3d gravity_in_global;
 };
 
-// Least squares of: change of velocity = sum of R (a - b) dt + g dt.
+// Least squares for: change of velocity = sum of R (a - b) dt + g dt.
 ForceFit FitForces(const Trajectory& trajectory, const ImuBuffer& buffer, const Extent& extent,
                    const Eigen::Vector3d& gyro_bias) {
   Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
@@ -80,7 +80,8 @@ ForceFit FitForces(const Trajectory& trajectory, const ImuBuffer& buffer, const 
     normal += jacobian.transpose() * jacobian;
     right += jacobian.transpose() * change;
   }
-  // An upright device cannot tell the size of gravity from the bias of its vertical axis.
+  // For an upright device, the magnitude of gravity and the bias of the vertical axis are
+  // indistinguishable. The magnitude is therefore held.
   constexpr double kSurely = 1e9;
   normal(5, 5) += kSurely;
   right[5] -= kSurely * trajectory.gravity_m_s2;

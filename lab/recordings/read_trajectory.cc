@@ -12,9 +12,9 @@
 namespace cairn::fusion {
 namespace {
 
-constexpr int64_t kMaxGapNs = 60'000'000;  // Poses at 20 Hz follow each other by 50 ms or so.
+constexpr int64_t kMaxGapNs = 60'000'000;  // Poses at 20 Hz are about 50 ms apart.
 
-// A line: a timestamp and kNumValues numbers.
+// A line of the file: a timestamp and kNumValues numbers.
 template <size_t kNumValues>
 struct Row {
   int64_t timestamp_ns = 0;
@@ -57,7 +57,7 @@ std::vector<Row<kNumValues>> ReadRows(const std::string& path) {
   return rows;
 }
 
-// [first, last) of the longest stretch without gaps.
+// Returns [first, last) of the longest stretch without gaps.
 std::pair<size_t, size_t> LongestStretch(const std::vector<TruePose>& poses) {
   std::pair<size_t, size_t> longest = {0, 0};
   size_t begin = 0;

@@ -1,4 +1,5 @@
-// What estimators are compared on: one trip, as sensors, tracker and map saw it, with the truth.
+// A recording: one trip as sensors, tracker and map saw it, with the truth. Estimators are compared
+// on recordings.
 #ifndef CAIRN_LAB_RECORDINGS_RECORDING_H_
 #define CAIRN_LAB_RECORDINGS_RECORDING_H_
 
@@ -17,23 +18,24 @@ namespace cairn::fusion {
 struct RecordedFrame {
   int64_t timestamp_ns = 0;
   std::vector<TrackedFeature> features;
-  Rigid3d global_from_imu;  // Truth.
-  // The map's answer to a query of this frame, which reaches the estimator with the next frame; not
-  // localized if the frame was not asked about. `query_id` has no meaning.
+  Rigid3d global_from_imu;  // True pose.
+  // The map's answer to a query of this frame. The answer reaches the estimator with the next
+  // frame. Not localized if the frame was not queried. `query_id` has no meaning.
   Answer answer;
 };
 
 struct Recording {
   std::string name;
-  // Camera, rig, noise of the inertial unit, of tracks and of matches, and gravity hold for all
-  // estimators; the rest is the filter's.
+  // Camera, rig, gravity, and the noise of the IMU, of tracks and of matches apply to all
+  // estimators. The remaining options apply to the filter.
   FusionOptions options;
   std::vector<ImuSample> imu;  // From before the first frame to after the last.
   std::vector<RecordedFrame> frames;
-  int frames_per_query = 5;  // Every n-th frame is asked about, and is a keyframe of the rivals.
-  // The state at the first frame, as all estimators believe it.
+  // Every n-th frame is queried. The queried frames are the keyframes of the rivals.
+  int frames_per_query = 5;
+  // The state at the first frame that all estimators start from.
   StartState start;
-  // Errors count from this frame on, by which every estimator must have found the map.
+  // Errors count from this frame on. Every estimator must have found the map by then.
   size_t first_counted_frame = 0;
 };
 

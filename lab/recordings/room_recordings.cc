@@ -5,10 +5,10 @@
 namespace cairn::fusion {
 namespace {
 
-// The noise by which poses are smoothed with the samples: as published, but for the accelerometer
-// in flight. Against the poses, velocities integrated over 0.1 to 2 s are off by four to eight
-// times what the published density and walk (2e-3, 3e-3) allow, and by 0.7 to 2.2 times what these
-// do.
+// The noise with which poses and samples are smoothed. The values are the published ones, except
+// for the accelerometer in flight. Velocities integrated over 0.1 to 2 s were compared with the
+// poses. Their errors are four to eight times as large as the published density and walk (2e-3,
+// 3e-3) allow, and 0.7 to 2.2 times as large as the values below allow.
 ImuNoise EurocSmoothingNoise() {
   ImuNoise noise;
   noise.gyro_density = 1.7e-4;
@@ -27,7 +27,8 @@ ImuNoise TumSmoothingNoise() {
   return noise;
 }
 
-// A room of some metres; `cam_from_imu` as the device's camera is mounted, to the nearest axis.
+// A room of a few meters. `cam_from_imu` is the mounting of the device's camera, to the nearest
+// axis.
 RecordingOptions RoomRecordingOptions(const Eigen::Matrix3d& cam_from_imu) {
   RecordingOptions options;
   options.rig = {Rigid3d(cam_from_imu, Eigen::Vector3d(0.02, -0.06, 0.01)), 0.0};
@@ -39,12 +40,13 @@ RecordingOptions RoomRecordingOptions(const Eigen::Matrix3d& cam_from_imu) {
   return options;
 }
 
-// The quadcopter of both flights.
+// The quadcopter of both EuRoC flights.
 RecordingOptions EurocRecordingOptions() {
   Eigen::Matrix3d cam_from_imu;
   cam_from_imu << 0, 1, 0, -1, 0, 0, 0, 0, 1;
   RecordingOptions options = RoomRecordingOptions(cam_from_imu);
-  // Of what is left between samples and smoothed poses, over 0.1 to 10 s (docs/math/fusion.md).
+  // The walks were measured from the remaining differences between samples and smoothed poses, over
+  // 0.1 to 10 s (docs/math/fusion.md).
   options.imu_noise = EurocSmoothingNoise();
   options.imu_noise.gyro_walk = 2.0e-4;
   return options;
@@ -54,7 +56,7 @@ RecordingOptions TumRecordingOptions() {
   Eigen::Matrix3d cam_from_imu;
   cam_from_imu << -1, 0, 0, 0, 0, -1, 0, -1, 0;
   RecordingOptions options = RoomRecordingOptions(cam_from_imu);
-  // As above. The published noise is half of what is left of the accelerometer.
+  // Measured in the same way. The published noise of the accelerometer is half of the measured one.
   options.imu_noise = TumSmoothingNoise();
   options.imu_noise.gyro_walk = 6.0e-5;
   options.imu_noise.accel_density = 5.0e-3;

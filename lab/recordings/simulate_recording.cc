@@ -14,7 +14,7 @@
 namespace cairn::fusion {
 namespace {
 
-// What the server's own pose is off by; the first alignment starts from it.
+// Error of the server's own pose, from which the first alignment starts.
 constexpr double kAnswerRotationSigmaRad = 0.003;
 constexpr double kAnswerPositionSigmaM = 0.05;
 
@@ -116,7 +116,7 @@ class Simulator {
     }
   }
 
-  // Landmarks in view and where they are seen.
+  // Returns the landmarks in view with their pixels.
   std::vector<std::pair<int, Eigen::Vector2d>> Visible(const Rigid3d& cam_from_global) const {
     const Eigen::Matrix3d rotation = cam_from_global.rotation.toRotationMatrix();
     std::vector<std::pair<int, Eigen::Vector2d>> visible;
@@ -133,7 +133,7 @@ class Simulator {
     return visible;
   }
 
-  // Tracks that go on come first; new ones are drawn from what else is in view.
+  // Tracks that continue come first. New tracks are drawn from the other landmarks in view.
   void Track(RecordedFrame* frame) {
     auto visible = Visible(options_.rig.cam_from_imu * frame->global_from_imu.Inverse());
     std::shuffle(visible.begin(), visible.end(), random_);
@@ -186,8 +186,8 @@ class Simulator {
   const RecordingOptions& options_;
   std::mt19937_64 random_;
   std::vector<Eigen::Vector3d> landmarks_;
-  std::vector<Eigen::Vector3d> in_map_;        // Where the map has them.
-  std::map<int, uint64_t> track_of_landmark_;  // In the last frame.
+  std::vector<Eigen::Vector3d> in_map_;        // Landmark positions in the map.
+  std::map<int, uint64_t> track_of_landmark_;  // Of the last frame.
   std::unordered_map<uint64_t, int> landmark_of_track_;
   uint64_t next_track_id_ = 1;
 };

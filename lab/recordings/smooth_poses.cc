@@ -20,7 +20,7 @@ struct Gaussian {
   Matrix15d covariance;
 };
 
-// Where a pose is wanted, and what motion capture says of it.
+// A time at which a pose is wanted, with the captured pose if there is one.
 struct Knot {
   int64_t timestamp_ns = 0;
   std::optional<Rigid3d> captured;
@@ -32,7 +32,7 @@ struct FilteredPose {
   Matrix15d from_previous = Matrix15d::Identity();
 };
 
-// The poses and, where they are further apart than the straight line between them is good for, the
+// Returns the poses and, where linear interpolation between two poses would be too coarse, the
 // samples between them.
 std::vector<Knot> Knots(const Trajectory& trajectory) {
   constexpr int64_t kMaxStepNs = 20'000'000;
@@ -50,7 +50,7 @@ std::vector<Knot> Knots(const Trajectory& trajectory) {
   return knots;
 }
 
-// What is known before the first pose is taken up.
+// The state before the first pose is applied.
 Gaussian Start(const Trajectory& trajectory) {
   Gaussian start;
   start.mean.local_from_imu = trajectory.poses.front().global_from_imu;

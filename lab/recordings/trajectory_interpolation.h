@@ -1,4 +1,4 @@
-// True poses between those of a trajectory.
+// Interpolates the true poses of a trajectory.
 #ifndef CAIRN_LAB_RECORDINGS_TRAJECTORY_INTERPOLATION_H_
 #define CAIRN_LAB_RECORDINGS_TRAJECTORY_INTERPOLATION_H_
 
@@ -11,10 +11,11 @@
 
 namespace cairn::fusion {
 
-// Spherical and linear; `timestamp_ns` must lie within the poses, of which there are at least 2.
+// Interpolates the rotation spherically and the position linearly. `timestamp_ns` must be within
+// the poses, of which there are at least 2.
 Rigid3d PoseAt(const std::vector<TruePose>& poses, int64_t timestamp_ns);
 
-// From the positions 20 ms before and after (within the poses).
+// Returns the velocity from the positions 20 ms before and after, both within the poses.
 Eigen::Vector3d VelocityAt(const std::vector<TruePose>& poses, int64_t timestamp_ns);
 
 }  // namespace cairn::fusion

@@ -17,8 +17,8 @@ using TexturePtr = std::shared_ptr<const Texture>;
 
 constexpr double kHouseDepthM = 8.0;
 
-// A vertical plane as someone sees it who stands before it: a runs right, o towards the viewer, z
-// up from the pavement.
+// A vertical plane, as seen by a viewer in front of it: a runs right, o toward the viewer, z up
+// from the pavement.
 struct FrontFrame {
   Eigen::Vector3d origin_in_street;
   Eigen::Vector3d out_in_street;  // Unit, horizontal.
@@ -29,7 +29,7 @@ struct FrontFrame {
   }
 };
 
-// Extent of a box in a FrontFrame, metres.
+// Extent of a box in a FrontFrame, meters.
 struct BoxExtent {
   double a0, a1, o0, o1, z0, z1;
 };
@@ -74,7 +74,7 @@ class StreetBuilder {
   std::vector<TexturedRect> rects_;
 };
 
-// Bay windows, balconies or columns on a house that starts at `a0` and is set back to `o`.
+// Adds bay windows, balconies or columns to a house that starts at `a0` and whose front is at `o`.
 void AddRelief(const HouseStyle& style, const FrontFrame& frame, double a0, double width, double o,
                cv::RNG* rng, StreetBuilder* builder) {
   const double upper_m = style.num_floors * style.floor_m;
@@ -111,14 +111,14 @@ void AddRelief(const HouseStyle& style, const FrontFrame& frame, double a0, doub
       builder->AddBox(frame, {a, a + side, o, o + 0.35, 0.0, height}, {texture, texture, nullptr});
     }
   }
-  // A cornice under the roof, on every house.
+  // Every house has a cornice under the roof.
   const TexturePtr cornice = PaintRailing(width, 0.35, rng).ToTexture();
   const double z = style.height_m() - 0.45;
   const TexturePtr soffit = PaintWall(style, width, 0.45, rng).ToTexture();
   builder->AddBox(frame, {a0, a0 + width, o, o + 0.45, z, z + 0.35}, {cornice, soffit, soffit});
 }
 
-// Houses side by side over `length` metres of a front.
+// Adds houses side by side over `length` meters of a front.
 void AddHouseRow(const FrontFrame& frame, double length, cv::RNG* rng, StreetBuilder* builder) {
   HouseStyle style = RandomHouseStyle(rng);
   for (double a = 0.0; a < length;) {
@@ -126,7 +126,7 @@ void AddHouseRow(const FrontFrame& frame, double length, cv::RNG* rng, StreetBui
     if (length - a - width < 6.0) {
       width = length - a;
     }
-    // Now and then two neighbours are built alike: the hardest aliasing there is.
+    // Some neighbors are built alike: the hardest case of aliasing.
     if (rng->uniform(0.0, 1.0) > 0.25) {
       style = RandomHouseStyle(rng);
     }
@@ -141,7 +141,7 @@ void AddHouseRow(const FrontFrame& frame, double length, cv::RNG* rng, StreetBui
   }
 }
 
-// Kiosks at the walls, advertising columns and signs along the curb of one pavement.
+// Adds kiosks at the walls, and advertising columns and signs along the curb of one pavement.
 void AddFurniture(const FrontFrame& frame, double length, cv::RNG* rng, StreetBuilder* builder) {
   for (double a = rng->uniform(8.0, 16.0); a + 4.0 < length; a += rng->uniform(17.0, 26.0)) {
     const TexturePtr front = PaintPosters(2.0, 2.4, rng).ToTexture();
@@ -162,14 +162,14 @@ void AddFurniture(const FrontFrame& frame, double length, cv::RNG* rng, StreetBu
     const TexturePtr sign = PaintSign(0.9, 0.7, rng).ToTexture();
     const double o = kSidewalkM - 0.3;
     builder->AddBox(frame, {a, a + 0.12, o - 0.12, o, 0.0, 3.4}, {pole, pole, nullptr});
-    // The sign faces along the street, both ways, just off its pole.
+    // The sign faces both ways along the street, just off its pole.
     const Eigen::Vector3d down = -0.7 * Eigen::Vector3d::UnitZ();
     builder->AddRect(frame.Point(a - 0.02, o - 0.5, 3.3), 0.9 * frame.out_in_street, down, sign);
     builder->AddRect(frame.Point(a + 0.14, o + 0.4, 3.3), -0.9 * frame.out_in_street, down, sign);
   }
 }
 
-// Along the curb of one pavement, in the street frame.
+// Plants trees along the curb of one pavement, in the street frame.
 void PlantTrees(const FrontFrame& frame, const StreetOptions& options, TreePlanter* planter,
                 std::vector<TexturedRect>* rects) {
   for (int i = 0; i < options.num_trees; ++i) {
@@ -202,13 +202,15 @@ std::vector<TexturedRect> BuildStreet(const StreetOptions& options) {
   AddHouseRow(near_end, options.width_m, &rng, &builder);
   AddFurniture(left, length, &rng, &builder);
   AddFurniture(right, length, &rng, &builder);
-  // A metre wider than the street, under the houses that are set back.
+  // The ground is a meter wider than the street on each side, so that it reaches below houses that
+  // are set back.
   const TexturePtr ground =
       PaintGround(length + 2.0, options.width_m + 2.0, kSidewalkM + 1.0, &rng).ToTexture();
   builder.AddRect(Eigen::Vector3d(-1.0, half_width + 1.0, 0.0), (length + 2.0) * x,
                   -(options.width_m + 2.0) * y, ground);
   if (options.num_trees > 0) {
-    // By random numbers of their own: the street behind them is the one without trees.
+    // Trees use their own random numbers, so that the street behind them equals the street without
+    // trees.
     TreePlanter planter(options.seed);
     PlantTrees(left, options, &planter, builder.rects());
     PlantTrees(right, options, &planter, builder.rects());

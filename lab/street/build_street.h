@@ -1,4 +1,4 @@
-// Lays out houses, their relief, street furniture and the ground as textured rectangles.
+// Builds a street as textured rectangles: houses, their relief, street furniture and the ground.
 #ifndef CAIRN_LAB_STREET_BUILD_STREET_H_
 #define CAIRN_LAB_STREET_BUILD_STREET_H_
 
@@ -10,15 +10,16 @@
 
 namespace cairn {
 
-// The street frame: x along the street from 0 to length_m, y to the left, z up from the pavement.
-// The middle of the street is the origin of the scene's enu frame.
+// Returns the pose of the street frame: x along the street from 0 to length_m, y to the left, z up
+// from the pavement. The middle of the street is the origin of the scene's enu frame.
 Rigid3d EnuFromStreet(const StreetOptions& options);
 
 // Width of each pavement.
 inline constexpr double kSidewalkM = 3.0;
 
-// Houses on both sides and across both ends, with bay windows, balconies, columns and cornices that
-// stand out of their fronts; kiosks, advertising columns and signs on the pavements. In enu.
+// Builds houses on both sides and across both ends of the street, in enu. Bay windows, balconies,
+// columns and cornices stand out of their fronts. Kiosks, advertising columns and signs stand on
+// the pavements.
 std::vector<TexturedRect> BuildStreet(const StreetOptions& options);
 
 }  // namespace cairn

@@ -75,7 +75,7 @@ void Canvas::AddStreaks(cv::RNG* rng, double width_m, double height_m, double am
 }
 
 void Canvas::AddNoise(cv::RNG* rng, double x_patch_m, double z_patch_m, double amplitude) {
-  // Uniform numbers on a coarse lattice, interpolated.
+  // Interpolates uniform random numbers on a coarse lattice.
   const cv::Size lattice(static_cast<int>(std::ceil(width_m_ / x_patch_m)) + 1,
                          static_cast<int>(std::ceil(height_m_ / z_patch_m)) + 1);
   cv::Mat coarse(lattice, CV_32FC1), fine;

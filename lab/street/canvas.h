@@ -1,4 +1,4 @@
-// A grey picture painted in metres.
+// A gray picture that is painted in meters.
 #ifndef CAIRN_LAB_STREET_CANVAS_H_
 #define CAIRN_LAB_STREET_CANVAS_H_
 
@@ -10,12 +10,12 @@
 
 namespace cairn {
 
-// x runs right and z up from the lower left corner, like on a facade; greys are 0 to 255 and are
-// clamped. Painting outside is cut off. Small details are cheap: everything is whole texels, except
-// text and lines, which are anti-aliased.
+// x runs right and z up from the lower left corner, as on a facade. Gray values are 0 to 255 and
+// are clamped. Paint outside the canvas is cut off. Text and lines are anti-aliased; everything
+// else fills whole texels, which makes small details cheap.
 class Canvas {
  public:
-  // The texture gets at least `texels_per_m` texels a metre along both axes.
+  // The texture has at least `texels_per_m` texels per meter along both axes.
   Canvas(double width_m, double height_m, double texels_per_m, double grey);
 
   double width_m() const { return width_m_; }
@@ -25,13 +25,15 @@ class Canvas {
   // Axis-aligned ellipse about (x, z).
   void FillEllipse(double x_m, double z_m, double x_radius_m, double z_radius_m, double grey);
   void Line(double x0_m, double z0_m, double x1_m, double z1_m, double thickness_m, double grey);
-  // Capitals of the given height with their base line from (x, z); squeezed to `max_width_m`.
+  // Writes capitals of the given height. The baseline starts at (x, z). Text wider than
+  // `max_width_m` is squeezed.
   void Text(double x_m, double z_m, double height_m, double max_width_m, const std::string& text,
             double grey);
 
-  // Dirt: smooth random patches of about `patch_m`, with amplitudes up to `amplitude` grey levels.
+  // Adds dirt: smooth random patches of about `patch_m` that change the gray value by up to
+  // `amplitude`.
   void AddPatches(cv::RNG* rng, double patch_m, double amplitude);
-  // As AddPatches but drawn out along z, like what rain leaves below sills.
+  // Adds patches that are drawn out along z, like the marks of rain below sills.
   void AddStreaks(cv::RNG* rng, double width_m, double height_m, double amplitude);
 
   std::shared_ptr<const Texture> ToTexture() const;

@@ -37,7 +37,7 @@ std::string ShopName(cv::RNG* rng) {
                           : word;
 }
 
-// Rows of bricks or stones, each a little lighter or darker than the next.
+// Paints rows of bricks or stones. Each is a little lighter or darker than the next.
 void PaintMasonry(double stone_width_m, double stone_height_m, double joint_m, double spread,
                   double grey, cv::RNG* rng, Canvas* canvas) {
   bool shifted = false;
@@ -70,7 +70,8 @@ void PaintWallSurface(const HouseStyle& style, cv::RNG* rng, Canvas* canvas) {
   }
 }
 
-// Dirt of all sizes; the largest makes two equal houses differ, the smallest two equal windows.
+// Adds dirt of all sizes. The largest patches make two equal houses differ, the smallest make two
+// equal windows differ.
 void Weather(double strength, cv::RNG* rng, Canvas* canvas) {
   canvas->AddPatches(rng, 2.5, 10.0 * strength);
   canvas->AddPatches(rng, 0.6, 10.0 * strength);
@@ -107,7 +108,7 @@ void PaintOrnament(const HouseStyle& style, const Box& box, Canvas* canvas) {
 
 void PaintGlass(const HouseStyle& style, const Box& box, cv::RNG* rng, Canvas* canvas) {
   canvas->FillRect(box.x, box.z, box.width, box.height, style.glass_grey);
-  // The sky in the upper panes, and a curtain more or less drawn.
+  // The upper panes reflect the sky. A curtain is partly drawn.
   const double reflection = rng->uniform(0.2, 0.6);
   canvas->FillRect(box.x, box.z + box.height * (1.0 - reflection), box.width,
                    box.height * reflection, style.glass_grey + rng->uniform(15.0, 50.0));
@@ -150,7 +151,7 @@ void PaintWindow(const HouseStyle& style, const Box& box, cv::RNG* rng, Canvas* 
     canvas->FillRect(box.x, box.z + box.height * i / style.panes_z - 0.02, box.width, 0.04,
                      style.trim_grey);
   }
-  // Sill and its shadow.
+  // The sill and its shadow.
   canvas->FillRect(box.x - 0.18, box.z - 0.14, box.width + 0.36, 0.1, style.trim_grey + 10.0);
   canvas->FillRect(box.x - 0.14, box.z - 0.2, box.width + 0.28, 0.06, style.wall_grey - 70.0);
   if (style.arched) {
@@ -205,7 +206,7 @@ void PaintDoor(const HouseStyle& style, const Box& box, cv::RNG* rng, Canvas* ca
   canvas->Text(box.x + box.width + 0.2, 2.0, 0.16, 0.3, std::to_string(rng->uniform(1, 99)), 240.0);
 }
 
-// What lies in a shop window: goods and price tags.
+// Paints the contents of a shop window: goods and price tags.
 void PaintGoods(const Box& box, cv::RNG* rng, Canvas* canvas) {
   canvas->FillRect(box.x, box.z, box.width, box.height, rng->uniform(35.0, 80.0));
   const int num_goods = static_cast<int>(box.width * box.height * 9.0);
@@ -268,7 +269,7 @@ void PaintRoofCornice(const HouseStyle& style, Canvas* canvas) {
   }
 }
 
-// Scrawls that look like letters.
+// Paints scrawls that look like letters.
 void PaintGraffiti(double x_m, double z_m, double size_m, cv::RNG* rng, Canvas* canvas) {
   const double grey = Chance(rng, 0.5) ? 25.0 : 235.0;
   for (int glyph = 0; glyph < rng->uniform(3, 7); ++glyph) {

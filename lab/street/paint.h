@@ -13,7 +13,7 @@ inline constexpr double kGroundTexelsPerM = 56.0;
 
 enum class WallKind { kPlaster, kBrick, kStone };
 
-// What one architect repeats all over a house: windows of a house are alike, and only dirt,
+// Properties that are the same all over a house. The windows of a house are alike; only dirt,
 // curtains and reflections tell them apart.
 struct HouseStyle {
   WallKind wall = WallKind::kPlaster;
@@ -23,33 +23,33 @@ struct HouseStyle {
   int num_floors = 4;  // Above the ground floor.
   double ground_floor_m = 4.0;
   double floor_m = 3.3;
-  double window_pitch_m = 2.2;  // Between window centres, before it is fitted to the width.
+  double window_pitch_m = 2.2;  // Between window centers, before fitting to the width.
   double window_width_m = 1.1;
   double window_height_m = 1.7;
   int panes_x = 2, panes_z = 3;
   bool shutters = false;
   bool arched = false;  // A round lintel.
   int ornament = 0;     // Kind of the relief above windows, 0 to 3.
-  bool shop = true;     // Ground floor.
+  bool shop = true;     // The ground floor is a shop.
 
   double height_m() const { return ground_floor_m + num_floors * floor_m + 0.9; }
 };
 
 HouseStyle RandomHouseStyle(cv::RNG* rng);
 
-// The front of a house, from the pavement to the roof.
+// The front of a house from the pavement to the roof.
 Canvas PaintFacade(const HouseStyle& style, double width_m, cv::RNG* rng);
-// Upper floors only, for bay windows; a whole number of windows.
+// The front of upper floors only, for bay windows. Has a whole number of windows.
 Canvas PaintBay(const HouseStyle& style, double width_m, double height_m, cv::RNG* rng);
-// A wall without windows: sides of houses, columns, boxes.
+// A wall without windows, for sides of houses, columns and boxes.
 Canvas PaintWall(const HouseStyle& style, double width_m, double height_m, cv::RNG* rng);
-// Iron bars before a dark gap.
+// Iron bars in front of a dark gap.
 Canvas PaintRailing(double width_m, double height_m, cv::RNG* rng);
-// Posters, as on kiosks and advertising columns.
+// Posters, for kiosks and advertising columns.
 Canvas PaintPosters(double width_m, double height_m, cv::RNG* rng);
 // A traffic or street-name sign.
 Canvas PaintSign(double width_m, double height_m, cv::RNG* rng);
-// Asphalt between two pavements of slabs; x runs along the street.
+// Asphalt between two pavements of slabs. x runs along the street.
 Canvas PaintGround(double length_m, double width_m, double sidewalk_m, cv::RNG* rng);
 
 }  // namespace cairn

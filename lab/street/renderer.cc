@@ -17,10 +17,10 @@ constexpr int kSupersampling = 2;
 constexpr double kNearM = 0.1;
 constexpr float kSkyGrey = 222.0f;
 constexpr int32_t kSky = -1;
-// Samples that share one choice of mip level.
+// Number of samples that share one choice of mip level.
 constexpr int kRunLength = 16;
 
-// A rectangle as one camera sees it.
+// A rectangle as seen by one camera.
 struct ProjectedRect {
   // H * (x, y, 1), in sample coordinates, is (u, v, 1) / depth, with (u, v) in texels.
   Eigen::Matrix3f H;
@@ -29,7 +29,7 @@ struct ProjectedRect {
   int num_corners;
 };
 
-// Keeps the part of the rectangle with z >= kNearM. Returns the number of corners: 0, 3, 4 or 5.
+// Clips the rectangle to z >= kNearM. Returns the number of corners: 0, 3, 4 or 5.
 int ClipToNearPlane(const std::array<Eigen::Vector3d, 4>& corners_in_cam,
                     std::array<Eigen::Vector3d, 5>* clipped) {
   int num = 0;
@@ -46,14 +46,14 @@ int ClipToNearPlane(const std::array<Eigen::Vector3d, 4>& corners_in_cam,
   return num;
 }
 
-// K maps points in the camera frame to sample coordinates. False if nothing of the rectangle's
-// front can be seen.
+// Projects a rectangle. K maps points in the camera frame to sample coordinates. Returns false if
+// the front of the rectangle is not visible.
 bool ProjectRect(const TexturedRect& rect, const Rigid3d& cam_from_enu, const Eigen::Matrix3d& K,
                  const Eigen::Vector2d& num_samples, ProjectedRect* projected) {
   const Eigen::Vector3d corner = cam_from_enu * rect.corner_in_enu;
   const Eigen::Vector3d u = cam_from_enu.rotation * rect.u_in_enu;
   const Eigen::Vector3d v = cam_from_enu.rotation * rect.v_in_enu;
-  // The camera centre must be in front: on the side of v x u.
+  // The camera center must be in front of the rectangle: on the side of v x u.
   if (-corner.dot(v.cross(u).normalized()) < 1e-4) {
     return false;
   }
@@ -78,7 +78,7 @@ bool ProjectRect(const TexturedRect& rect, const Rigid3d& cam_from_enu, const Ei
   return true;
 }
 
-// Samples of row y (centre y + 0.5) inside the convex polygon: [first, last).
+// Returns the samples [first, last) of row y (center y + 0.5) inside the convex polygon.
 std::pair<int, int> RowSpan(const ProjectedRect& rect, int y, int num_columns) {
   const double center_y = y + 0.5;
   double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -99,7 +99,7 @@ std::pair<int, int> RowSpan(const ProjectedRect& rect, int y, int num_columns) {
           static_cast<int>(std::ceil(std::clamp(high - 0.5, 0.0, max_x)))};
 }
 
-// For one row of samples, which rectangle is nearest.
+// Finds the nearest rectangle at each sample of one row.
 void FindVisible(std::span<const ProjectedRect> rects, std::span<const int> active, int y,
                  std::span<float> inverse_depth, std::span<int32_t> visible) {
   std::fill(inverse_depth.begin(), inverse_depth.end(), 0.0f);
@@ -118,12 +118,13 @@ void FindVisible(std::span<const ProjectedRect> rects, std::span<const int> acti
   }
 }
 
-// Adds the colours of samples [first, last) of row y, all of `rect`, to `sums`.
+// Adds the gray values of the samples [first, last) of row y to `sums`. All of these samples show
+// `rect`.
 void ShadeRun(const ProjectedRect& rect, int y, int first, int last, std::span<float> sums) {
   const Eigen::Matrix3f& H = rect.H;
   const Eigen::Vector3f start = H.col(1) * (y + 0.5f) + H.col(2);
   const Eigen::Vector3f middle = start + H.col(0) * (0.5f * static_cast<float>(first + last));
-  // d(u, v)/d(x, y) by the quotient rule: how many texels a sample covers.
+  // d(u, v)/d(x, y) by the quotient rule: the number of texels that a sample covers.
   const Eigen::Vector2f uv = middle.hnormalized();
   const Eigen::Vector2f d_dx = (H.col(0).head<2>() - uv * H(2, 0)) / middle.z();
   const Eigen::Vector2f d_dy = (H.col(1).head<2>() - uv * H(2, 1)) / middle.z();
@@ -156,7 +157,7 @@ void ShadeRow(std::span<const ProjectedRect> rects, std::span<const int32_t> vis
   }
 }
 
-// Standard normal numbers, drawn once: a photo's noise reads them from random places.
+// Standard normal numbers, drawn once. A photo's noise reads them from random positions.
 const std::vector<float>& NormalTable() {
   static const std::vector<float> table = [] {
     std::mt19937_64 rng(20220725);
@@ -168,7 +169,7 @@ const std::vector<float>& NormalTable() {
   return table;
 }
 
-// Turns light into grey levels: exposure, vignetting by the squared distance to the image centre
+// Converts light to gray levels: exposure, vignetting by the squared distance to the image center
 // (1 at the corners), noise, rounding.
 void ExposeRow(const PhotoEffects& effects, int y, std::mt19937_64* rng,
                std::span<const float> light, GrayImage* image) {
@@ -208,7 +209,7 @@ std::vector<ProjectedRect> ProjectAll(const std::vector<TexturedRect>& rects, co
   return projected;
 }
 
-// For each row of samples the rectangles that may touch it.
+// Lists, for each row of samples, the rectangles that may touch the row.
 std::vector<std::vector<int>> ActiveByRow(std::span<const ProjectedRect> rects, int num_rows) {
   std::vector<std::vector<int>> active(num_rows);
   for (size_t idx = 0; idx < rects.size(); ++idx) {
@@ -262,7 +263,7 @@ double Renderer::FreeSightM(const Eigen::Vector3d& origin_in_enu,
     const Eigen::Vector3d normal = rect.v_in_enu.cross(rect.u_in_enu);
     const double approach = -direction_in_enu.dot(normal);
     if (approach <= 0.0) {
-      continue;  // From behind or along.
+      continue;  // Seen from behind or edge-on.
     }
     const Eigen::Vector3d offset = origin_in_enu - rect.corner_in_enu;
     const double distance_m = offset.dot(normal) / approach;

@@ -20,8 +20,8 @@ namespace {
 
 constexpr double kRadFromDeg = 0.017453292519943295;
 
-// Where a camera in the street looks: yaw counter-clockwise from the street's x axis, pitch up,
-// roll clockwise about the viewing direction.
+// A viewing direction in the street: yaw counterclockwise from the street's x axis, pitch up, roll
+// clockwise about the viewing direction.
 struct Gaze {
   double yaw_rad, pitch_rad, roll_rad;
 };
@@ -39,7 +39,7 @@ Rigid3d CamFromStreet(const Eigen::Vector3d& center_in_street, const Gaze& gaze)
   return {cam_from_street, -(cam_from_street * center_in_street)};
 }
 
-// True if nothing stands closer than `distance_m` before the camera.
+// Returns true if nothing is closer than `distance_m` in front of the camera.
 bool HasFreeSight(const Renderer& renderer, const Camera& camera, const Rigid3d& cam_from_enu,
                   double distance_m) {
   constexpr int kNumRays = 6;  // Along each image axis.
@@ -119,7 +119,7 @@ std::vector<StreetPhoto> StreetScene::TakePhotos(
     const std::function<void(int, int)>& progress) const {
   const int num_photos = static_cast<int>(cams_from_enu.size());
   std::vector<StreetPhoto> photos(num_photos);
-  // The prefix keeps the noise of a query apart from that of the mapping photo of the same number.
+  // The prefix separates a query's noise from that of the mapping photo with the same number.
   std::seed_seq prefix_seed(prefix.begin(), prefix.end());
   std::mt19937_64 rng(prefix_seed);
   const uint64_t first_seed = rng() ^ impl_->options.seed;
@@ -176,8 +176,9 @@ std::vector<Rigid3d> StreetScene::QueryPoses() const {
   const double walk_m = options.length_m - 2.0 * kEndMarginM;
   std::vector<Rigid3d> poses;
   for (int i = 0; i < options.num_queries; ++i) {
-    const double side = i % 3 == 2 ? -1.0 : 1.0;  // Crosses the street now and then.
-    // Nobody photographs the back of a kiosk: a few steps on if something stands in the way.
+    const double side = i % 3 == 2 ? -1.0 : 1.0;  // Sometimes crosses the street.
+    // Nobody photographs the back of a kiosk. If something stands in the way, try a few steps
+    // further on.
     for (int attempt = 0; attempt < 20; ++attempt) {
       const double share = (i + 0.5 + 0.4 * uniform(rng)) / options.num_queries;
       const Eigen::Vector3d center(kEndMarginM + share * walk_m,

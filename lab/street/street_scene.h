@@ -1,4 +1,4 @@
-// A textured street that can be photographed: the demo's world, with exact ground truth.
+// A textured street that can be photographed, with exact ground truth. The demo uses this world.
 #ifndef CAIRN_LAB_STREET_STREET_SCENE_H_
 #define CAIRN_LAB_STREET_STREET_SCENE_H_
 
@@ -19,58 +19,63 @@
 namespace cairn {
 
 struct StreetOptions {
-  // The middle of the street on the pavement; by default a tile border crosses the street there.
+  // The middle of the street, on the pavement. At the default origin, a tile border crosses the
+  // street.
   Geodetic origin = Geodetic::FromDegrees(47.3769, 8.5417, 408.0);
-  double heading_rad = 0.35;    // Of the street, counter-clockwise from east.
-  double length_m = 120.0;      // [40, 1000]
-  double width_m = 16.0;        // Between facades, [12, 60].
-  double mapping_step_m = 4.5;  // Between the stops of a pass; three photos a stop.
+  double heading_rad = 0.35;  // Of the street, counterclockwise from east.
+  double length_m = 120.0;    // [40, 1000]
+  double width_m = 16.0;      // Between facades, [12, 60].
+  // Distance between the stops of a pass; each stop takes three photos.
+  double mapping_step_m = 4.5;
   int num_queries = 12;
   int image_width_px = 640;
   int image_height_px = 480;
   double focal_px = 420.0;
-  double gps_sigma_m = 3.0;  // Of the photos' GPS, per axis.
-  // Along each pavement, with fine foliage. The rest of the street does not depend on them, so that
-  // photos with trees can be asked of a map without: of real ones no two photos see the same.
+  double gps_sigma_m = 3.0;  // Of the photos' GPS positions, per axis.
+  // Number of trees along each pavement, with fine foliage. The rest of the street does not depend
+  // on the trees, so photos with trees can be matched to a map without them. In reality, too, no
+  // two photos show the same foliage.
   int num_trees = 0;
   uint64_t seed = 1;
 
-  // Throws Error(kInvalidArgument) naming the field.
+  // Throws Error(kInvalidArgument) that names the field.
   void Validate() const;
 };
 
-// Houses of different height, colour and style along both sides of a street, with windows, shops
-// and ornaments that repeat as they do in towns, signs with text, relief that gives parallax, and
-// dirt on everything, as textured rectangles. Deterministic by seed; safe to use from any thread.
+// A street of textured rectangles. The houses on both sides differ in height, color and style. They
+// have windows, shops and ornaments that repeat as they do in towns, signs with text, relief that
+// causes parallax, and dirt on everything. Deterministic by seed; safe to use from any thread.
 class StreetScene {
  public:
-  // Throws Error(kInvalidArgument) on options that make no sense. Paints all textures: takes about
-  // a second and a megabyte per metre of street.
+  // Paints all textures, which takes about a second and a megabyte per meter of street. Throws
+  // Error(kInvalidArgument) if the options are invalid.
   explicit StreetScene(const StreetOptions& options);
   ~StreetScene();
 
   const StreetOptions& options() const;
-  // PINHOLE, with the principal point in the middle.
+  // A PINHOLE camera with the principal point in the middle.
   const Camera& camera() const;
 
-  // A photo with vignetting, and with exposure and sensor noise that depend on `photo_seed`.
+  // Renders a photo with vignetting. `photo_seed` determines the exposure and the sensor noise.
   GrayImage Render(const Rigid3d& cam_from_enu, uint64_t photo_seed = 0) const;
 
-  // Photos "<prefix>000.png" ... at the poses, on `num_threads` threads, with noisy GPS. Equal for
-  // any number of threads. `progress` (may be empty) gets photos done and total, from any thread
-  // but one at a time.
+  // Renders the photos "<prefix>000.png" ... at the given poses on `num_threads` threads, with
+  // noisy GPS positions. The result is equal for any number of threads. `progress` (may be empty)
+  // receives the number of finished photos and the total; it is called from any thread, but by one
+  // thread at a time.
   std::vector<StreetPhoto> TakePhotos(const std::vector<Rigid3d>& cams_from_enu,
                                       const std::string& prefix, int num_threads = 2,
                                       const std::function<void(int, int)>& progress = {}) const;
 
-  // Camera passes of a mapping vehicle: up and down the street, at each stop one photo ahead and
-  // one to either side.
+  // Poses of a mapping vehicle that drives up and down the street. Each stop takes one photo ahead
+  // and one to either side.
   std::vector<Rigid3d> MappingPoses() const;
-  // A walk on the sidewalk with the phone in hand: other places, height, tilt and directions than
-  // the vehicle.
+  // Poses of a phone in hand on the sidewalk. Places, height, tilt and directions differ from those
+  // of the vehicle.
   std::vector<Rigid3d> QueryPoses() const;
 
-  // From a point to the nearest surface of the scene; for checking reconstructions.
+  // Returns the distance from a point to the nearest surface of the scene, for checking
+  // reconstructions.
   double DistanceToSurfaceM(const Eigen::Vector3d& x_in_enu) const;
 
  private:

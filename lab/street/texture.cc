@@ -35,7 +35,7 @@ int LevelIndex(float extent) {
 }  // namespace
 
 Texture::Texture(const cv::Mat& pixels) : width_(pixels.cols), height_(pixels.rows) {
-  CAIRN_CHECK(pixels.type() == CV_8UC1, "a texture is 8-bit grey");
+  CAIRN_CHECK(pixels.type() == CV_8UC1, "a texture is 8-bit gray");
   CAIRN_CHECK(width_ > 0 && width_ % kSizeStep == 0, "texture width is not a multiple of the step");
   CAIRN_CHECK(height_ > 0 && height_ % kSizeStep == 0, "texture height is not a multiple");
   size_t num_texels = 0;

@@ -1,4 +1,4 @@
-// A grey texture with independent mip levels along its two axes (a "ripmap").
+// A gray texture with independent mip levels along its two axes (a "ripmap").
 #ifndef CAIRN_LAB_STREET_TEXTURE_H_
 #define CAIRN_LAB_STREET_TEXTURE_H_
 
@@ -9,23 +9,25 @@
 
 namespace cairn {
 
-// Facades and pavement are mostly foreshortened along one texture axis. Levels that halve u and v
-// independently filter that without blur along the other axis, at one bilinear look-up a sample and
-// four times the memory of the texture. Immutable; safe to use from any thread.
+// Facades and pavements are mostly foreshortened along one texture axis. Mip levels that halve u
+// and v independently filter such a texture without blurring the other axis. This costs one
+// bilinear look-up per sample and four times the memory of the texture. Immutable; safe to use from
+// any thread.
 class Texture {
  public:
-  // Width and height of every texture are multiples of this, so that levels halve exactly.
+  // The width and height of every texture are multiples of this number, so that all levels halve
+  // exactly.
   static constexpr int kSizeStep = 64;
   static constexpr int kNumLevels = 7;  // 1/1 to 1/64.
 
-  // One level, and how its texels relate to those of the texture.
+  // One level, and the relation of its texels to those of the texture.
   struct Level {
     const uint8_t* texels = nullptr;
     int width = 0, height = 0;
     float u_scale = 1.0f, v_scale = 1.0f;  // Level texels per texture texel.
 
-    // Bilinear value at (u, v) in texels of the full texture; (0.5, 0.5) is the centre of the
-    // first.
+    // Bilinear value at (u, v), in texels of the full texture. The center of the first texel is
+    // (0.5, 0.5).
     float Sample(float u, float v) const {
       const float x = std::clamp(u * u_scale - 0.5f, 0.0f, static_cast<float>(width - 1));
       const float y = std::clamp(v * v_scale - 0.5f, 0.0f, static_cast<float>(height - 1));
@@ -40,13 +42,13 @@ class Texture {
     }
   };
 
-  // `pixels`: CV_8UC1 whose sides are multiples of kSizeStep.
+  // `pixels`: CV_8UC1; both sides are multiples of kSizeStep.
   explicit Texture(const cv::Mat& pixels);
 
   int width() const { return width_; }
   int height() const { return height_; }
 
-  // The level for a sample that covers `u_extent` x `v_extent` texels.
+  // Returns the level for a sample that covers `u_extent` x `v_extent` texels.
   Level LevelFor(float u_extent, float v_extent) const;
 
  private:

@@ -15,7 +15,7 @@ constexpr double kTwigM = 0.6;
 constexpr double kCrownSigmaM = 0.8;
 constexpr int kNumTwigs = 80;
 
-// Leaves of a few centimetres, in the sun and in the shade.
+// Leaves of a few centimeters, in the sun and in the shade.
 Canvas PaintFoliage(cv::RNG* rng) {
   Canvas canvas(kTwigM, kTwigM, kFacadeTexelsPerM, 45.0);
   for (int i = 0; i < 700; ++i) {
@@ -32,7 +32,7 @@ Canvas PaintBark(cv::RNG* rng) {
   return canvas;
 }
 
-// A plate that stands on `foot`, the middle of its lower edge, seen from both sides.
+// Adds a plate that is visible from both sides. `foot` is the middle of its lower edge.
 void AddPlate(const Eigen::Vector3d& foot, const Eigen::Vector3d& along, double height_m,
               const std::shared_ptr<const Texture>& texture, std::vector<TexturedRect>* rects) {
   const Eigen::Vector3d up = height_m * Eigen::Vector3d::UnitZ();

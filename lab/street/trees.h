@@ -1,4 +1,4 @@
-// Trees with fine foliage, whose leaves outnumber and outshine what stands behind them.
+// Trees with fine foliage. The leaves give more and stronger keypoints than the houses behind them.
 #ifndef CAIRN_LAB_STREET_TREES_H_
 #define CAIRN_LAB_STREET_TREES_H_
 
@@ -12,9 +12,9 @@
 
 namespace cairn {
 
-// Plants trees: a trunk, and a crown of twigs, which are upright plates of leaves that face any
-// way, seen from both sides, with gaps through which the houses appear. Upright along z. Equal
-// seeds make equal trees.
+// Plants trees. A tree is a trunk and a crown of twigs. Twigs are upright plates of leaves in
+// random directions, visible from both sides, with gaps that show the houses behind. The trees are
+// upright along z. Equal seeds give equal trees.
 class TreePlanter {
  public:
   explicit TreePlanter(uint64_t seed);
@@ -25,7 +25,7 @@ class TreePlanter {
   static constexpr int kNumLooks = 6;
 
   cv::RNG rng_;
-  std::vector<std::shared_ptr<const Texture>> foliage_;  // kNumLooks of it.
+  std::vector<std::shared_ptr<const Texture>> foliage_;  // kNumLooks textures.
   std::shared_ptr<const Texture> bark_;
 };
 

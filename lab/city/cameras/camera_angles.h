@@ -1,4 +1,4 @@
-// How a camera is held.
+// The orientation of a camera as three angles.
 #ifndef CAIRN_LAB_CITY_CAMERAS_CAMERA_ANGLES_H_
 #define CAIRN_LAB_CITY_CAMERAS_CAMERA_ANGLES_H_
 
@@ -11,12 +11,12 @@
 namespace cairn {
 
 struct CameraAngles {
-  double yaw_rad = 0.0;    // Of the optical axis, counter-clockwise from east.
-  double pitch_rad = 0.0;  // Of the optical axis, upwards.
-  double roll_rad = 0.0;   // Of the image about the axis, clockwise seen from behind.
+  double yaw_rad = 0.0;    // Optical axis, counterclockwise from east.
+  double pitch_rad = 0.0;  // Optical axis, upward.
+  double roll_rad = 0.0;   // About the optical axis, clockwise seen from behind.
 };
 
-// A camera at a place in an east-north-up frame.
+// Returns the pose of a camera at a place in an east-north-up frame.
 inline Rigid3d CamFromEnu(const Eigen::Vector3d& center_in_enu, const CameraAngles& angles) {
   const double cos_pitch = std::cos(angles.pitch_rad);
   const Eigen::Vector3d forward(cos_pitch * std::cos(angles.yaw_rad),

@@ -10,7 +10,8 @@ namespace cairn {
 
 void AppendClutter(const Camera& camera, const DetectorOptions& detector,
                    const DescriptorModel& model, uint64_t seed, int count, FeatureSet* features) {
-  CAIRN_CHECK(features->descriptors.rows() == features->size() + count, "a row a keypoint");
+  CAIRN_CHECK(features->descriptors.rows() == features->size() + count,
+              "descriptors have one row per keypoint");
   const double ratio = detector.min_scale_px / detector.max_scale_px;
   for (int i = 0; i < count; ++i) {
     const uint64_t number = HashOf(seed, i);

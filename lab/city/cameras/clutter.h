@@ -1,4 +1,4 @@
-// Keypoints that belong to nothing.
+// Adds keypoints that show no landmark.
 #ifndef CAIRN_LAB_CITY_CAMERAS_CLUTTER_H_
 #define CAIRN_LAB_CITY_CAMERAS_CLUTTER_H_
 
@@ -11,9 +11,9 @@
 
 namespace cairn {
 
-// Appends keypoints anywhere in the image, with scales distributed as those of landmarks are and
-// with descriptors from the model. `features->descriptors` must have the rows for them: `count`
-// more than there are keypoints.
+// Appends `count` keypoints at random places in the image. Their scales are distributed like those
+// of landmarks, and their descriptors come from the model. `features->descriptors` must already
+// have the rows for them: `count` rows more than there are keypoints.
 void AppendClutter(const Camera& camera, const DetectorOptions& detector,
                    const DescriptorModel& model, uint64_t seed, int count, FeatureSet* features);
 

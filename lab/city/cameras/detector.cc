@@ -12,16 +12,16 @@ namespace cairn {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-// Pixels a metre at which a descriptor looks as in its reference: 10 m away at a focal length of
-// 400 pixels.
+// Pixels per meter at the reference distance of a descriptor: 10 m with a focal length of 400
+// pixels.
 constexpr double kReferencePxPerM = 40.0;
-// What a slant costs: foreshortened surfaces lose contrast.
+// Response lost by a slanted view: foreshortened surfaces lose contrast.
 constexpr double kSlantPenalty = 1.5;
 constexpr double kCrowdSectorRad = kPi / 12.0;
 constexpr double kCrowdDistanceM = 4.0;
-constexpr double kCrowdTopRad = 0.05;  // Above the horizon.
+constexpr double kCrowdTopRad = 0.05;  // Height above the horizon.
 
-// Streams of random numbers that must not meet.
+// Streams of random numbers that must stay separate.
 enum Stream : uint64_t {
   kLookStream = 0x301,
   kCrowdStream,
@@ -71,7 +71,7 @@ class Detector {
   }
 
  private:
-  // Quick and generous.
+  // A quick test that errs toward true.
   bool MayBeSeen(const RegionSurface& surface) const {
     const Eigen::Vector2d to_middle = surface.middle - center_.head<2>();
     const double reach_m = options_.max_range_m + surface.radius_m;
@@ -90,7 +90,7 @@ class Detector {
   void Look(const RegionSurface& surface) {
     const double to_middle_m = (surface.middle - center_.head<2>()).norm();
     const double least_range_m = std::max(0.5, to_middle_m - surface.radius_m);
-    // The largest magnification in an image: in its corners.
+    // The magnification in an image is largest in its corners.
     const double corner_stretch = CornerStretch();
     const double least_size_m =
         options_.min_scale_px * least_range_m / (camera_.focal_px() * corner_stretch);
@@ -127,7 +127,8 @@ class Detector {
     if (!pixel || !camera_.Contains(*pixel)) {
       return;
     }
-    // Off the axis a pinhole camera magnifies by 1 / cos along the circle and 1 / cos^2 across.
+    // Off the axis, a pinhole camera magnifies by 1 / cos along the circle and by 1 / cos^2 across
+    // it.
     const double stretch = std::pow(range_m / x_in_cam.z(), 1.5);
     const double scale_px =
         landmark.size_m * camera_.focal_px() / range_m * stretch * std::sqrt(cos_slant);
@@ -173,7 +174,7 @@ class Detector {
 
   double OrientationRad(const Candidate& candidate, HashedRandom* random) const {
     const Eigen::Vector3d pointer = rotation_ * candidate.landmark->pointer.cast<double>();
-    // The derivative of the projection along the pointer.
+    // Derivative of the projection along the pointer.
     const Eigen::Vector2d in_image =
         pointer.head<2>() - pointer.z() / candidate.x_in_cam.z() * candidate.x_in_cam.head<2>();
     double orientation_rad =
@@ -188,7 +189,7 @@ class Detector {
     const CityLandmark& landmark = *candidate.landmark;
     const Eigen::Vector3d normal = landmark.normal.cast<double>();
     const Eigen::Vector3d to_camera = center_ - landmark.x_in_site;
-    // A normal that points up has no azimuth; the pointer stands in for it.
+    // A normal that points up has no azimuth. The pointer takes its place.
     const bool lies = std::abs(normal.z()) > 0.9;
     const Eigen::Vector3d ahead = lies ? Eigen::Vector3d(landmark.pointer.cast<double>()) : normal;
     look->ornament = landmark.ornament;

@@ -20,18 +20,18 @@ namespace cairn {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-// The radius that holds 68 % of a circular Gaussian of unit sigma.
+// Radius that holds 68 % of a circular Gaussian with unit sigma.
 constexpr double kRadius68PerSigma = 1.5095921854516636;
 constexpr double kOutlierFactor = 3.0;
 constexpr double kBiasWaveM = 60.0;
-constexpr double kMaxTurnRad = 1.3;  // Of the view from straight across the street.
+constexpr double kMaxTurnRad = 1.3;  // Between the view and straight across the street.
 constexpr double kMeanPitchRad = 0.1, kPitchSigmaRad = 0.1;
 constexpr double kRollSigmaRad = 0.06;
 constexpr double kHeightSigmaM = 0.08;
 constexpr double kMinAccuracyM = 3.0, kMaxAccuracyM = 150.0;
 constexpr int kMaxTries = 10'000;
 
-// Streams of random numbers that must not meet.
+// Streams of random numbers that must stay separate.
 enum Stream : uint64_t {
   kPlaceStream = 0x501,
   kImageStream,
@@ -45,7 +45,7 @@ enum Stream : uint64_t {
 };
 
 double MeanBuildingHeightM(const CityShape& shape) {
-  // Of heights that grow with the square of a uniform number.
+  // The mean of heights that grow with the square of a uniform number.
   return shape.min_height_m + (shape.max_height_m - shape.min_height_m) / 3.0;
 }
 
@@ -80,9 +80,10 @@ PhonePlace DrawPlace(const City& city, const PhoneQueryOptions& options, int que
     const double z_m = city.GroundM(at) + options.height_m + kHeightSigmaM * random.Normal();
     return PlaceBeside(city, street, CamFromEnu({at.x(), at.y(), z_m}, angles));
   }
-  throw Error(ErrorCode::kInvalidArgument,
-              fmt::format("city.area_km2 = {}: no sidewalk in it for queries; make it larger",
-                          city.options().area_km2));
+  throw Error(
+      ErrorCode::kInvalidArgument,
+      fmt::format("city.area_km2 = {}: the area has no sidewalk for queries; make it larger",
+                  city.options().area_km2));
 }
 
 std::vector<PhonePlace> DrawPlaces(const City& city, const PhoneQueryOptions& options) {

@@ -17,13 +17,13 @@ namespace cairn {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kStreetEndM = 4.0;   // Where the walk turns, from the crossing.
+constexpr double kStreetEndM = 4.0;   // Distance to the crossing at which the walk turns.
 constexpr double kStepHz = 1.9;       // Footsteps.
-constexpr double kBounceM = 0.02;     // Of the phone at each step.
-constexpr double kSidestepM = 0.015;  // And to the sides, at half the frequency.
+constexpr double kBounceM = 0.02;     // Vertical motion of the phone at each step.
+constexpr double kSidestepM = 0.015;  // Sideways motion, at half the frequency.
 constexpr double kDifferenceS = 1e-3;
 
-// Streams of random numbers that must not meet.
+// Streams of random numbers that must stay separate.
 enum Stream : uint64_t {
   kWalkStream = 0x601,
   kBiasStream,
@@ -37,7 +37,7 @@ Eigen::Vector3d DrawVector(double sigma, HashedRandom* random) {
   return sigma * Eigen::Vector3d(x, y, z);
 }
 
-// The phone's IMU has x to the right, y up and z out of the screen, that is: against the camera.
+// The phone's IMU has x to the right, y up, and z out of the screen, opposite to the camera's view.
 Rigid3d CamFromImu() {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitX())),
           Eigen::Vector3d(0.012, 0.058, 0.004)};
@@ -70,7 +70,7 @@ class Walk {
 
   Rigid3d LocalFromImu(double t_s) const { return local_from_site_ * ImuInSite(t_s); }
 
-  // Derivatives by differences of fourth order: wrong by less than 1e-6 of their size.
+  // Differences of fourth order give the derivatives with a relative error below 1e-6.
   Eigen::Vector3d Velocity(double t_s) const {
     const auto at = [&](int steps) { return PositionAt(t_s + steps * kDifferenceS); };
     return (8.0 * (at(1) - at(-1)) - (at(2) - at(-2))) / (12.0 * kDifferenceS);
@@ -86,7 +86,8 @@ class Walk {
       const Eigen::Quaterniond after = LocalFromImu(t_s + steps * kDifferenceS).rotation;
       return LogSo3(before.conjugate() * after);
     };
-    // Turns about the middle; in the frame of the IMU at t they differ by terms of third order.
+    // The turns are taken about the middle. Expressed in the IMU's frame at t, they differ by terms
+    // of third order.
     return (8.0 * turn(1) - turn(2)) / (12.0 * kDifferenceS);
   }
 
@@ -158,7 +159,7 @@ void FillImu(const Walk& walk, const PhoneSequenceOptions& options, PhoneSequenc
   }
 }
 
-// Follows landmarks from frame to frame.
+// Tracks landmarks from frame to frame.
 class Tracker {
  public:
   Tracker(const PhoneSequenceOptions& options, const CityRegion& region)
@@ -203,7 +204,7 @@ class Tracker {
   const PhoneSequenceOptions& options_;
   const CityRegion& region_;
   DetectorOptions detector_;
-  std::map<uint64_t, int64_t> tracks_;  // By landmark, as of the last frame.
+  std::map<uint64_t, int64_t> tracks_;  // By landmark, at the last frame.
   int64_t next_track_id_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// A walk with a phone in hand: inertial samples, feature tracks and the truth.
+// Simulates a walk with a phone in hand: inertial samples, feature tracks and the truth.
 #ifndef CAIRN_LAB_CITY_CAMERAS_PHONE_SEQUENCE_H_
 #define CAIRN_LAB_CITY_CAMERAS_PHONE_SEQUENCE_H_
 
@@ -14,14 +14,15 @@
 
 namespace cairn {
 
-// Densities are continuous-time: noise of a sample is the density times the root of the rate.
+// Densities are in continuous time: the noise of a sample is the density times the square root of
+// the rate.
 struct ImuNoise {
-  double gyroscope_density = 1.5e-3;  // rad / s / sqrt(Hz), [0, 1]: a phone of the cheaper kind.
+  double gyroscope_density = 1.5e-3;       // rad / s / sqrt(Hz), [0, 1]: a cheaper phone.
   double accelerometer_density = 1.5e-2;   // m / s^2 / sqrt(Hz), [0, 10]
-  double gyroscope_walk = 2e-5;            // Of the bias, rad / s^2 / sqrt(Hz), [0, 1]
-  double accelerometer_walk = 3e-4;        // Of the bias, m / s^3 / sqrt(Hz), [0, 10]
-  double gyroscope_bias_sigma = 0.005;     // Of the bias at the start, rad / s, [0, 1]
-  double accelerometer_bias_sigma = 0.05;  // Likewise, m / s^2, [0, 10]
+  double gyroscope_walk = 2e-5;            // Of the bias, rad / s^2 / sqrt(Hz), [0, 1].
+  double accelerometer_walk = 3e-4;        // Of the bias, m / s^3 / sqrt(Hz), [0, 10].
+  double gyroscope_bias_sigma = 0.005;     // Of the initial bias, rad / s, [0, 1].
+  double accelerometer_bias_sigma = 0.05;  // Of the initial bias, m / s^2, [0, 10].
 
   void Validate() const;
 };
@@ -29,19 +30,19 @@ struct ImuNoise {
 struct PhoneSequenceOptions {
   double duration_s = 30.0;     // [0.1, 3600]
   double imu_rate_hz = 200.0;   // [10, 2000]
-  double frame_rate_hz = 10.0;  // [0.1, 120], at most the rate of the IMU.
-  double speed_m_per_s = 1.3;   // The most on the way, [0, 10].
+  double frame_rate_hz = 10.0;  // [0.1, 120]; at most the IMU rate.
+  double speed_m_per_s = 1.3;   // Highest speed of the walk, [0, 10].
   double height_m = 1.5;        // Of the phone, [0.2, 4].
-  int num_tracks = 150;         // Features tracked at once, at most. [1, 5000]
+  int num_tracks = 150;         // Most features tracked at once, [1, 5000].
   double pixel_sigma = 0.5;     // Of a tracked feature, per axis, [0, 20].
-  double lost_share = 0.02;     // Of the tracks, that break from one frame to the next. [0, 1]
+  double lost_share = 0.02;     // Share of the tracks that end from one frame to the next, [0, 1].
   double time_years = 2.5;      // After the first mapping pass, [0, 200].
   Camera camera = Camera(CameraModel::kPinhole, 720, 960, {760.0, 760.0, 360.0, 480.0});
   DetectorOptions detector = {.max_keypoints = 6000, .response_noise = 0.3};
   ImuNoise imu;
   uint64_t seed = 1;
 
-  // Throws Error(kInvalidArgument) naming the field.
+  // Throws Error(kInvalidArgument) that names the field.
   void Validate() const;
 };
 
@@ -49,18 +50,18 @@ struct PhoneSequenceOptions {
 struct ImuSample {
   int64_t timestamp_ns = 0;
   Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero();
-  Eigen::Vector3d specific_force_m_s2 = Eigen::Vector3d::Zero();  // Upwards at rest.
+  Eigen::Vector3d specific_force_m_s2 = Eigen::Vector3d::Zero();  // Upward at rest.
 };
 
 struct TrackedFeature {
-  int64_t track_id = 0;  // Never used again once it is lost.
+  int64_t track_id = 0;  // Not reused after the track is lost.
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
 };
 
 struct SequenceFrame {
-  int64_t timestamp_ns = 0;              // One of the IMU's.
-  std::vector<TrackedFeature> features;  // By track.
-  Rigid3d cam_from_local;                // The truth.
+  int64_t timestamp_ns = 0;              // Timestamp of an IMU sample.
+  std::vector<TrackedFeature> features;  // Ordered by track.
+  Rigid3d cam_from_local;                // True pose.
 };
 
 struct TrueState {
@@ -71,11 +72,11 @@ struct TrueState {
   Eigen::Vector3d accelerometer_bias = Eigen::Vector3d::Zero();
 };
 
-// `local` is east-north-up at the start; gravity there is (0, 0, -kGravityMS2).
+// `local` is east-north-up at the start. Gravity is (0, 0, -kGravityMS2) there.
 inline constexpr double kGravityMS2 = 9.81;
 
 struct PhoneSequence {
-  CityStreet street;  // Whose sidewalk it is.
+  CityStreet street;  // The street whose sidewalk is walked.
   Camera camera;
   Rigid3d cam_from_imu;
   Rigid3d ecef_from_local;
@@ -84,13 +85,13 @@ struct PhoneSequence {
   std::vector<SequenceFrame> frames;
 };
 
-// A walk to and fro on the sidewalk of a street near the city's center, drawn by the seed, the
-// phone swaying and looking across the street. Poses, velocities and inertial samples come from one
-// smooth function of time. Deterministic. Throws Error(kInvalidArgument) as Validate.
+// Simulates a walk to and fro on the sidewalk of a street near the city's center, which the seed
+// selects. The phone sways and looks across the street. Poses, velocities and inertial samples come
+// from one smooth function of time. Deterministic. Throws the Error(kInvalidArgument) of Validate.
 PhoneSequence SimulatePhoneSequence(const City& city, const PhoneSequenceOptions& options);
 
-// Writes the sequence into the folder `dir`, which must exist, as EuRoC's data sets are laid out
-// (mav0/imu0, mav0/cam0, mav0/state_groundtruth_estimate0) and the tracks as mav0/cam0/tracks.csv;
+// Writes the sequence into the folder `dir`, which must exist, in EuRoC's layout (mav0/imu0,
+// mav0/cam0, mav0/state_groundtruth_estimate0). The tracks go to mav0/cam0/tracks.csv; see
 // docs/simulated_city.md. Throws Error(kIo).
 void WriteEurocSequence(const PhoneSequence& sequence, const ImuNoise& noise,
                         const std::string& dir);

@@ -24,14 +24,14 @@ constexpr double kDeformationWaveM = 300.0;
 constexpr double kDriftWaveM = 80.0;
 constexpr double kParkedCarM = 2.0;
 constexpr double kMinLaneOffsetM = 0.5, kMaxLaneOffsetM = 1.9;
-constexpr double kSwayM = 0.2;  // Of the car in its lane.
+constexpr double kSwayM = 0.2;  // The car's deviation from its lane.
 constexpr double kHeadingSigmaRad = 0.02;
-// How far off a wrong observation lies, pixels.
+// Distance of a wrong observation from the right one, pixels.
 constexpr double kWrongPx = 6.0;
 constexpr int kTriangulationBatch = 4096;
 constexpr double kSearchBoxM = 300.0;
 
-// Streams of random numbers that must not meet.
+// Streams of random numbers that must stay separate.
 enum Stream : uint64_t {
   kDeformationStream = 0x401,
   kDriftStream,
@@ -46,7 +46,7 @@ enum Stream : uint64_t {
   kClutterStream,
 };
 
-// The tile's square in site.
+// The tile's square, in site.
 CityBox BoxOfTile(TileId tile_id, const Rigid3d& site_from_ecef) {
   CityBox box;
   for (const Geodetic& corner : tile_id.Corners()) {
@@ -121,7 +121,8 @@ std::vector<RigKeyframe> SimulatedMapping::KeyframesIn(const CityBox& box, int p
       for (int k = 0; first_m + k * options_.keyframe_spacing_m < length_m; ++k) {
         const double along_m = first_m + k * options_.keyframe_spacing_m;
         const double sway_m = kSwayM * std::sin(0.1 * along_m + sway_phase);
-        const Eigen::Vector2d at = street.At(along_m, sway_m - way * lane_m);  // On the right.
+        // Cars drive on the right.
+        const Eigen::Vector2d at = street.At(along_m, sway_m - way * lane_m);
         if (!box.contains(at) || !city_.Contains(at)) {
           continue;
         }
@@ -140,7 +141,7 @@ std::vector<RigKeyframe> SimulatedMapping::KeyframesIn(const CityBox& box, int p
 }
 
 double SimulatedMapping::ExpectedObservations() const {
-  // Streets of a block: two of its four.
+  // A block accounts for two of its four streets.
   const CityShape& shape = city_.shape();
   const double street_m_per_sqm =
       (shape.pitch_x_m + shape.pitch_y_m) / (shape.pitch_x_m * shape.pitch_y_m);
@@ -151,7 +152,7 @@ double SimulatedMapping::ExpectedObservations() const {
          (1.0 + options_.clutter_ratio);
 }
 
-// Makes one chunk, in the order of its functions.
+// Makes one chunk. Its functions are called in the order in which they are declared.
 class SimulatedMapping::ChunkMaker {
  public:
   ChunkMaker(const SimulatedMapping& mapping, TileId tile_id, int num_threads)
@@ -177,7 +178,7 @@ class SimulatedMapping::ChunkMaker {
   }
 
  private:
-  // Of one image; what the descriptor needs is kept, so that only those in a track are made.
+  // A look in one image. Descriptors are made later, and only for looks that are in a track.
   struct Observation {
     uint64_t track = 0;
     uint64_t landmark = 0;
@@ -185,7 +186,7 @@ class SimulatedMapping::ChunkMaker {
     Keypoint keypoint;
     float azimuth_rad = 0.0f, elevation_rad = 0.0f, log2_scale = 0.0f;
     bool is_wrong = false;
-    int keypoint_idx = -1;  // In the image's features, if it is in a track.
+    int keypoint_idx = -1;  // Index into the image's features, if the look is in a track.
   };
   struct Image {
     uint64_t id = 0;
@@ -223,7 +224,7 @@ class SimulatedMapping::ChunkMaker {
     chunk_.num_keyframes += static_cast<int>(keyframes.size());
   }
 
-  // The truth, and what the reconstruction makes of it.
+  // Adds each image's true pose and its pose in the reconstruction.
   void AddImages(const RigKeyframe& keyframe) {
     HashedRandom noise(HashOf(keyframe.id, kPoseNoiseStream));
     const auto draw = [&noise](double sigma) {
@@ -286,7 +287,7 @@ class SimulatedMapping::ChunkMaker {
         static_cast<float>(std::clamp<double>(keypoint->y_px + dy_px, 0.0, camera_.height_px()));
   }
 
-  // Looks at one thing that matching would connect have the same number.
+  // Looks at one landmark get the same track number if matching would connect them.
   uint64_t TrackOf(const DescriptorLook& look, int pass) const {
     HashedRandom phases(HashOf(look.landmark, kTrackStream));
     const double azimuth = look.view_azimuth_rad / options_.track_view_rad + phases.Uniform();
@@ -367,8 +368,8 @@ class SimulatedMapping::ChunkMaker {
     return mapping_.model_.Describe(look);
   }
 
-  // Landmarks as bundle adjustment leaves them: where the noisy keypoints meet, seen from the noisy
-  // cameras. Those that cannot be found are dropped.
+  // Triangulates the landmarks as bundle adjustment would leave them: from the noisy keypoints and
+  // the noisy cameras. Drops landmarks that cannot be triangulated.
   void Triangulate() {
     Reconstruction& reconstruction = chunk_.reconstruction;
     const auto count = static_cast<int>(reconstruction.landmarks.size());

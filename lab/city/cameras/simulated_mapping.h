@@ -1,4 +1,5 @@
-// Cars with a panoramic rig drive through the city; a reconstruction comes out, tile by tile.
+// Simulates cars that drive a panoramic rig through the city. The result is a reconstruction, tile
+// by tile.
 #ifndef CAIRN_LAB_CITY_CAMERAS_SIMULATED_MAPPING_H_
 #define CAIRN_LAB_CITY_CAMERAS_SIMULATED_MAPPING_H_
 
@@ -19,27 +20,29 @@ namespace cairn {
 struct RigKeyframe {
   uint64_t id = 0;
   int pass = 0;
-  Eigen::Vector3d center_in_site = Eigen::Vector3d::Zero();  // Of all cameras.
-  double heading_rad = 0.0;                                  // Counter-clockwise from east.
+  Eigen::Vector3d center_in_site = Eigen::Vector3d::Zero();  // Center of all cameras.
+  double heading_rad = 0.0;                                  // Counterclockwise from east.
 };
 
-// What the keyframes in one tile saw. The world of the reconstruction is `site` but for its errors:
-// place it by Sim3d ecef_from_site.
+// The reconstruction from the keyframes in one tile. Its world frame is `site`, apart from the
+// mapping errors: place the reconstruction with Sim3d ecef_from_site.
 struct MappedChunk {
   TileId tile_id;
-  Reconstruction reconstruction;  // Empty if no car comes here.
-  // Parallel to reconstruction.landmarks: CityLandmark::id. One thing can be several landmarks.
+  Reconstruction reconstruction;  // Empty if no car drives here.
+  // Parallel to reconstruction.landmarks: CityLandmark::id. One physical point can have several
+  // landmarks.
   std::vector<uint64_t> city_landmarks;
-  // The truth, parallel to reconstruction.images.
+  // True poses, parallel to reconstruction.images.
   std::vector<Rigid3d> cam_from_site;
-  int num_keyframes = 0;  // Panoramas.
+  int num_keyframes = 0;  // Number of panoramas.
 };
 
-// The mapping of one city. Tiles are made one by one, in any order, on any number of threads, with
-// the same result. Immutable; safe to use from any thread. `city` and `model` must outlive it.
+// The mapping of one city. Tiles can be made one by one in any order and on any number of threads,
+// with the same result. Immutable; safe to use from any thread. `city` and `model` must outlive the
+// object.
 class SimulatedMapping {
  public:
-  // Throws Error(kInvalidArgument) as MappingOptions::Validate.
+  // Throws the Error(kInvalidArgument) of MappingOptions::Validate.
   SimulatedMapping(const City& city, const DescriptorModel& model, const MappingOptions& options);
 
   const City& city() const { return city_; }
@@ -47,17 +50,17 @@ class SimulatedMapping {
   const MappingOptions& options() const { return options_; }
   Sim3d EcefFromWorld() const;
 
-  // The tiles in which keyframes stand, from the center outwards.
+  // The tiles that contain keyframes, from the center outward.
   std::vector<TileId> Tiles() const;
 
-  // Keyframes of a pass in the box; a pure function of the city and the pass.
+  // Returns the keyframes of a pass in the box. A pure function of the city and the pass.
   std::vector<RigKeyframe> KeyframesIn(const CityBox& box, int pass) const;
 
-  // Only landmarks of min_observations within the tile's own images are in it. Needs memory for
-  // one tile: some 600 bytes an observation.
+  // Maps one tile. A landmark needs min_observations within the tile's own images. Needs memory for
+  // one tile: about 600 bytes per observation.
   MappedChunk MapTile(TileId tile_id, int num_threads) const;
 
-  // Observations that MapTile keeps at most, for estimates of memory.
+  // Upper bound on the observations that MapTile keeps, for estimates of memory.
   double ExpectedObservations() const;
 
  private:
@@ -67,7 +70,7 @@ class SimulatedMapping {
   const DescriptorModel& model_;
   MappingOptions options_;
   SmoothField deformation_;
-  std::vector<SmoothField> drift_;  // By pass.
+  std::vector<SmoothField> drift_;  // One per pass.
 };
 
 }  // namespace cairn

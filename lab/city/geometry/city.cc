@@ -11,12 +11,12 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kEarthRadiusM = 6.371e6;
-constexpr double kMaxTurnRad = 0.35;  // Of the streets from east and north.
-constexpr int kMainStreetEvery = 4;   // Lines, on average.
+constexpr double kMaxTurnRad = 0.35;  // Angle of the streets to east and north.
+constexpr int kMainStreetEvery = 4;   // Average number of lines from one main street to the next.
 constexpr double kMainStreetFactor = 1.5;
 constexpr double kMinReliefWaveM = 250.0, kMaxReliefWaveM = 900.0;
 
-// Streams of random numbers that must not meet.
+// Streams of random numbers that must stay separate.
 enum Stream : uint64_t {
   kLayout = 0x101,
   kCrossing,
@@ -109,8 +109,8 @@ double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 
 using Quad = std::array<Eigen::Vector2d, 4>;
 
-// The counter-clockwise quadrilateral with side k (from corner k to the next) moved inwards by
-// offsets[k].
+// Returns the counterclockwise quadrilateral with side k (from corner k to the next) moved inward
+// by offsets_m[k].
 Quad Inset(const Quad& quad, const std::array<double, 4>& offsets_m) {
   std::array<Eigen::Vector2d, 4> points, directions;
   for (int k = 0; k < 4; ++k) {
@@ -118,7 +118,7 @@ Quad Inset(const Quad& quad, const std::array<double, 4>& offsets_m) {
     points[k] = quad[k] + offsets_m[k] * Eigen::Vector2d(-directions[k].y(), directions[k].x());
   }
   Quad inset;
-  for (int k = 0; k < 4; ++k) {  // Where side k - 1 and side k meet.
+  for (int k = 0; k < 4; ++k) {  // Intersects side k - 1 with side k.
     const int before = (k + 3) % 4;
     const double along =
         Cross(points[k] - points[before], directions[k]) / Cross(directions[before], directions[k]);
@@ -127,7 +127,7 @@ Quad Inset(const Quad& quad, const std::array<double, 4>& offsets_m) {
   return inset;
 }
 
-// The least distance between opposite sides, roughly.
+// Returns the approximate smallest distance between opposite sides.
 double WidthM(const Quad& quad) {
   double width_m = 1e9;
   for (int k = 0; k < 2; ++k) {
@@ -194,7 +194,7 @@ Eigen::Vector2d City::Crossing(int i, int j) const {
   HashedRandom random(HashOf(options_.seed, kCrossing, i, j));
   const double x = i + shape_.jitter * random.Uniform(-1.0, 1.0);
   const double y = j + shape_.jitter * random.Uniform(-1.0, 1.0);
-  // The center lies in the middle of a street.
+  // The city's center is in the middle of a street.
   return site_from_lattice_ * Eigen::Vector2d((x - 0.5) * shape_.pitch_x_m, y * shape_.pitch_y_m);
 }
 
@@ -263,7 +263,7 @@ void City::AppendBlock(int i, int j, std::vector<CityBuilding>* buildings) const
     offset_m += shape_.setback_m;
   }
   const Quad front = Inset(crossings, offsets_m);
-  // Courtyards stay open, and the rear stays a quadrilateral.
+  // The limit keeps courtyards open and the rear a quadrilateral.
   const double depth_m = std::min(shape_.depth_m, 0.3 * WidthM(front));
   for (double& offset_m : offsets_m) {
     offset_m += depth_m;

@@ -1,4 +1,4 @@
-// The plan of a simulated city: ground, streets, buildings.
+// The plan of a simulated city: ground, streets and buildings.
 #ifndef CAIRN_LAB_CITY_GEOMETRY_CITY_H_
 #define CAIRN_LAB_CITY_GEOMETRY_CITY_H_
 
@@ -13,7 +13,7 @@
 
 namespace cairn {
 
-// Metres in `site`, east and north.
+// A box in `site`, in meters east and north.
 using CityBox = Eigen::AlignedBox2d;
 
 CityBox BoxAroundPoint(const Eigen::Vector2d& middle, double radius_m);
@@ -21,72 +21,73 @@ CityBox BoxAroundPoint(const Eigen::Vector2d& middle, double radius_m);
 // A straight street between two crossings.
 struct CityStreet {
   uint64_t id = 0;
-  Eigen::Vector2d begin = Eigen::Vector2d::Zero(), end = Eigen::Vector2d::Zero();  // Middle line.
+  Eigen::Vector2d begin = Eigen::Vector2d::Zero(), end = Eigen::Vector2d::Zero();  // Center line.
   double width_m = 0.0;     // Between the properties on both sides.
-  double sidewalk_m = 0.0;  // Width of each of its two sidewalks.
+  double sidewalk_m = 0.0;  // Width of each of the two sidewalks.
 
   double LengthM() const { return (end - begin).norm(); }
   Eigen::Vector2d Direction() const { return (end - begin).normalized(); }
-  // A point `along_m` from the beginning and `left_m` to the left of the middle line.
+  // Returns the point that is `along_m` from the beginning and `left_m` to the left of the center
+  // line.
   Eigen::Vector2d At(double along_m, double left_m) const {
     const Eigen::Vector2d direction = Direction();
     return begin + along_m * direction + left_m * Eigen::Vector2d(-direction.y(), direction.x());
   }
 };
 
-// A house: a quadrilateral with upright walls and a flat top.
+// A house: a quadrilateral with vertical walls and a flat top.
 struct CityBuilding {
   uint64_t id = 0;
-  // Counter-clockwise: the front's two ends (the street is to the right of the way from the first
-  // to the second), the rear's two.
+  // Counterclockwise: the two ends of the front, then the two ends of the rear. The street is to
+  // the right of the line from the first corner to the second.
   std::array<Eigen::Vector2d, 4> corners;
   double ground_m = 0.0, top_m = 0.0;  // z in site.
-  bool left_is_bare = false;           // The wall at corners[0] can be seen from the street,
-  bool right_is_bare = false;          // and the one at corners[1].
-  uint64_t style = 0;                  // Of the facade: one of the town's, or its own.
+  bool left_is_bare = false;           // The wall at corners[0] is visible from the street.
+  bool right_is_bare = false;          // The wall at corners[1] is visible from the street.
+  uint64_t style = 0;                  // Of the facade: one of the town's styles, or its own.
 };
 
-// What a character means in metres.
+// A city's character, expressed in meters.
 struct CityShape {
-  double pitch_x_m, pitch_y_m;  // Between crossings.
-  double jitter;                // Of a crossing, share of the pitch.
+  double pitch_x_m, pitch_y_m;  // Distance between crossings.
+  double jitter;                // Of a crossing, relative to the pitch.
   double street_m, sidewalk_m;
   double min_height_m, max_height_m;  // Of buildings; low ones are more frequent.
-  double min_lot_m, max_lot_m;        // Along the street.
+  double min_lot_m, max_lot_m;        // Width along the street.
   double depth_m;
   double setback_m;        // From the property line to the front.
-  double gap_share;        // Of a lot's width that is not built on.
-  double row_share;        // Of houses that have the style of their neighbour,
-  double own_style_share;  // and of those that have a style of their own.
-  double floor_m, bay_m;   // Of the grid of windows.
-  double tree_spacing_m;   // Along both sides of the street; 0 is none.
-  double parked_share;     // Of the kerb's length.
+  double gap_share;        // Share of a lot's width that is not built on.
+  double row_share;        // Share of houses in their neighbor's style.
+  double own_style_share;  // Share of houses with a style of their own.
+  double floor_m, bay_m;   // Spacing of the window grid.
+  double tree_spacing_m;   // On both sides of the street; 0: no trees.
+  double parked_share;     // Share of the curb's length.
 };
 
-// The plan of the city: a pure function of its options, without limit; what is outside of the
-// square Contains() knows is there to be seen from within. All positions are in `site`:
+// The plan of the city, a pure function of its options. The plan has no borders: beyond the square
+// of Contains() it exists so that it can be seen from inside. All positions are in `site`, which is
 // east-north-up at the center. Immutable; safe to use from any thread.
 class City {
  public:
-  // Throws Error(kInvalidArgument) as CityOptions::Validate.
+  // Throws the Error(kInvalidArgument) of CityOptions::Validate.
   explicit City(const CityOptions& options);
 
   const CityOptions& options() const { return options_; }
   const CityShape& shape() const { return shape_; }
   const Rigid3d& ecef_from_site() const { return ecef_from_site_; }
 
-  // Is the point within the mapped square?
+  // Returns true if the point is within the mapped square.
   bool Contains(const Eigen::Vector2d& at) const;
-  // z of the ground, which falls away from the plane with the curvature of the Earth.
+  // Returns z of the ground. The ground falls away from the plane with the Earth's curvature.
   double GroundM(const Eigen::Vector2d& at) const;
 
-  // Everything that touches the box; streets and buildings always in the same order.
+  // Return everything that touches the box. Streets and buildings always come in the same order.
   std::vector<CityStreet> StreetsIn(const CityBox& box) const;
   std::vector<CityBuilding> BuildingsIn(const CityBox& box) const;
 
  private:
   Eigen::Vector2d Crossing(int i, int j) const;
-  // From crossing (i, j) to (i + 1, j) if axis is 0, to (i, j + 1) if it is 1.
+  // The street from crossing (i, j) to (i + 1, j) if axis is 0, or to (i, j + 1) if axis is 1.
   CityStreet StreetAt(int axis, int i, int j) const;
   double StreetWidthM(int axis, int line) const;
   void AppendBlock(int i, int j, std::vector<CityBuilding>* buildings) const;
@@ -102,8 +103,8 @@ class City {
   void ForBlocksIn(const CityBox& box, const Visit& visit) const;
 
   CityOptions options_;
-  // Of what houses and streets look like. Cities of another character share no looks, whatever
-  // their seed: a photo of the one shows nothing of the other.
+  // Seed of the looks of houses and streets. Cities of different characters share no looks,
+  // whatever their seeds: a photo of one city shows nothing of another.
   uint64_t looks_seed_;
   CityShape shape_;
   Rigid3d ecef_from_site_;

@@ -46,7 +46,7 @@ CityCharacter CityCharacterFromName(const std::string& name) {
     names += names.empty() ? facts.name : std::string(", ") + facts.name;
   }
   throw Error(ErrorCode::kInvalidArgument,
-              "character '" + name + "' is unknown; there are " + names);
+              "character '" + name + "' is unknown; characters are " + names);
 }
 
 double CityOptions::SideM() const { return std::sqrt(area_km2 * kSqMPerSqKm); }
@@ -59,7 +59,7 @@ void CityOptions::Validate() const {
   RequireWithin("city.center latitude in degrees", center.lat_deg(), -kMaxLatitudeDeg,
                 kMaxLatitudeDeg);
   RequireWithin("city.center longitude in degrees", center.lon_deg(), -180.0, 180.0);
-  // What a map can hold: see PlaceSession.
+  // Limits of what a map can hold; see PlaceSession.
   RequireWithin("city.center height in metres", center.h_m, -400.0, 3000.0);
   RequireWithin("city.area_km2", area_km2, kMinAreaKm2, kMaxAreaKm2);
   RequireWithin("city.relief_m", relief_m, 0.0, 300.0);

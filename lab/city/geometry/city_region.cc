@@ -92,7 +92,7 @@ bool CityRegion::IsHidden(const Eigen::Vector3d& from, const Eigen::Vector3d& to
     return false;
   }
   const Eigen::Vector3d end = to - kOwnWallM / distance_m * (to - from);
-  // From cell to cell along the line (Amanatides and Woo 1987).
+  // Visits the cells along the line (Amanatides and Woo 1987).
   const Eigen::Vector2d start = (from.head<2>() - grid_bounds_.min()) / kCellM;
   const Eigen::Vector2d way = (end - from).head<2>() / kCellM;
   Eigen::Vector2i cell(static_cast<int>(std::floor(start.x())),

@@ -12,9 +12,9 @@ namespace cairn {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-// Landmarks on a facade per square metre, in units of 1 / CityOptions::min_landmark_size_m^2. A
-// photo that is full of facade has this many keypoints of at least one pixel a square pixel
-// (measured: docs/simulated_city.md).
+// Landmarks per square meter of facade, in units of 1 / CityOptions::min_landmark_size_m^2. With
+// this value, a photo that is full of facade has this many keypoints of at least one pixel per
+// square pixel (measured: docs/simulated_city.md).
 constexpr double kFacadeDensity = 0.004;
 constexpr double kMaxSizeM = 2.0;
 constexpr double kHourInYears = 1.0 / (24 * 365.25);
@@ -28,7 +28,7 @@ constexpr int kNumCarStyles = 40;
 constexpr int kNumTreeStyles = 5;
 constexpr double kGroundCellM = 6.0;
 
-// Streams of random numbers that must not meet.
+// Streams of random numbers that must stay separate.
 enum Stream : uint64_t {
   kGroundStream = 0x201,
   kTreeStream,
@@ -39,7 +39,7 @@ enum Stream : uint64_t {
   kSlotTiming,
 };
 
-// How long things of a kind last, years, and the share of the landmarks that do.
+// Lifetimes of a kind of thing, in years, each with the share of the landmarks that have it.
 struct Lifetimes {
   struct Class {
     double share;
@@ -60,22 +60,24 @@ Lifetimes LifetimesOf(SurfaceKind kind, bool is_ground_floor) {
     case SurfaceKind::kSign:
       return {{{{0.7, 15.0}, {0.2, 4.0}, {0.1, 0.3}}}};
     case SurfaceKind::kVehicle:
-      break;  // Whole cars come and go: SurfacesIn.
+      break;  // SurfacesIn replaces whole cars.
   }
   return {{{{1.0, 40.0}, {0.0, 1.0}, {0.0, 1.0}}}};
 }
 
-// Which of the things that succeed each other in one place is there at a time.
+// Returns the number of the thing that occupies a place at a time. Things in one place succeed each
+// other.
 int64_t EpochAt(double time_years, double lifetime_years, double phase) {
   return static_cast<int64_t>(std::floor(time_years / lifetime_years + phase));
 }
 
-// Rank in [0, count) by Zipf's law: that of rank r + 1 is proportional to 1 / r, nearly.
+// Returns a rank in [0, count) by Zipf's law: rank r has a probability approximately proportional
+// to 1 / (r + 1).
 int ZipfRank(int count, HashedRandom* random) {
   return std::min(static_cast<int>(std::pow(count + 1.0, random->Uniform())) - 1, count - 1);
 }
 
-// A wall from `left` to `right`, seen from outside.
+// A wall from `left` to `right`, both as seen from outside.
 CitySurface Upright(const Eigen::Vector2d& left, const Eigen::Vector2d& right, double low_m,
                     double height_m) {
   CitySurface surface;
@@ -92,7 +94,8 @@ class SurfaceCollector {
       : city_(city), shape_(city.shape()), time_years_(time_years) {}
 
   void AddBuilding(const CityBuilding& building) {
-    // The front faces the street, to the right of the way from its first corner to its second.
+    // The front faces the street, which is to the right of the line from the first corner to the
+    // second.
     AddWall(building, 0, 1);
     if (building.right_is_bare) {
       AddWall(building, 1, 2);
@@ -141,12 +144,12 @@ class SurfaceCollector {
     surfaces_.push_back(ground);
   }
 
-  // On both sides of the street, every `spacing_m`: calls add(place, side, random); side is 1 to
+  // Calls add(place, side, random) every `spacing_m` on both sides of the street. `side` is 1 on
   // the left.
   template <typename Add>
   void AlongKerbs(const CityStreet& street, Stream stream, double spacing_m, const Add& add) {
     const double length_m = street.LengthM();
-    const double margin_m = 0.5 * street.width_m;  // The crossing stays free.
+    const double margin_m = 0.5 * street.width_m;  // Keeps the crossing free.
     const int count = static_cast<int>((length_m - 2.0 * margin_m) / spacing_m);
     for (int k = 0; k < count; ++k) {
       for (const int side : {-1, 1}) {
@@ -165,7 +168,7 @@ class SurfaceCollector {
                [&](const Eigen::Vector2d& place, int, HashedRandom* random) {
                  const uint64_t style = HashOf(kSignStream, ZipfRank(kNumSignStyles, random));
                  const double low_m = city_.GroundM(place) + 0.3;
-                 for (const int face : {-1, 1}) {  // Towards both ends of the street.
+                 for (const int face : {-1, 1}) {  // Faces both ends of the street.
                    const Eigen::Vector2d half = 0.5 * kSignWidthM * face * left;
                    CitySurface sign = Upright(place - half, place + half, low_m, kSignHeightM);
                    sign.id = random->Next();
@@ -213,7 +216,7 @@ class SurfaceCollector {
     const Eigen::Vector2d to_middle = -side * Eigen::Vector2d(-direction.y(), direction.x());
     const uint64_t style = HashOf(kParkingStream, ZipfRank(kNumCarStyles, now));
     const double low_m = city_.GroundM(place) + 0.2;
-    for (const int face : {-1, 1}) {  // Towards the sidewalk and towards the road.
+    for (const int face : {-1, 1}) {  // Faces the sidewalk and the road.
       const Eigen::Vector2d middle = place + (face + 1.0) * 0.9 * to_middle;
       const Eigen::Vector2d half = 0.5 * kCarLengthM * face * side * direction;
       CitySurface car = Upright(middle - half, middle + half, low_m, kCarHeightM);
@@ -231,7 +234,7 @@ class SurfaceCollector {
   std::vector<CitySurface> surfaces_;
 };
 
-// Where a landmark is on its surface and what it is like, before it is placed in the city.
+// A landmark's place on its surface and its properties, before the landmark is placed in the city.
 struct Spot {
   double along_m = 0.0, up_m = 0.0, out_m = 0.0;
   double angle_rad = 0.0;
@@ -270,7 +273,7 @@ class LandmarkMaker {
   }
 
  private:
-  // To a whole number that is right on average.
+  // Rounds to a whole number such that the mean is right.
   static int Round(double value, uint64_t hash) {
     return static_cast<int>(value + HashedRandom(hash).Uniform());
   }
@@ -283,13 +286,13 @@ class LandmarkMaker {
     spot.size_m = city_.options().min_landmark_size_m /
                   std::sqrt(std::max(min_share_, random->Uniform(min_share_, 1.0)));
     spot.salience = random->Normal();
-    // Sills, balconies and cornices stand out from the wall; leaves are anywhere in the crown.
+    // Sills, balconies and cornices stand out from the wall. Leaves are anywhere in the crown.
     const bool stands_out = random->Chance(0.25);
     spot.out_m = stands_out ? random->Uniform(0.0, 0.4) : random->Uniform(-0.03, 0.03);
     return spot;
   }
 
-  // One thing of the style, in every cell.
+  // Adds one element of the style to every cell.
   void AddElement(int element) {
     HashedRandom random(HashOf(surface_.style, kElement, element));
     const double cell_length_m = surface_.length_m / surface_.num_cells_along;
@@ -303,16 +306,16 @@ class LandmarkMaker {
         spot.up_m += up * cell_height_m;
         const uint64_t slot = HashOf(surface_.id, kElement, element, up, along);
         const uint64_t id = IdNow(slot, spot);
-        HashedRandom own(id);  // Salience: curtains, dirt, shadows.
+        HashedRandom own(id);  // Salience differs by curtains, dirt and shadows.
         spot.salience = std::sqrt(0.5) * (spot.salience + own.Normal());
         Place(spot, id, ornament);
       }
     }
   }
 
-  // A thing of its own.
+  // Adds a landmark that has no repetition.
   void AddUnique(int k) {
-    // The place is drawn by the slot, so that a successor stands about there.
+    // The slot determines the place, so that a successor is near its predecessor.
     const uint64_t slot = HashOf(surface_.id, kUnique, k);
     HashedRandom place(slot);
     const Spot where = DrawSpot(surface_.length_m, surface_.height_m, &place);
@@ -324,7 +327,7 @@ class LandmarkMaker {
     Place(spot, id, id);
   }
 
-  // Of what is in a slot now.
+  // Returns the id of the thing that is in a slot now.
   uint64_t IdNow(uint64_t slot, const Spot& spot) const {
     const bool is_ground_floor = spot.up_m < city_.shape().floor_m;
     const Lifetimes lifetimes = LifetimesOf(surface_.kind, is_ground_floor);
@@ -348,7 +351,7 @@ class LandmarkMaker {
     landmark.ornament = ornament;
     landmark.size_m = static_cast<float>(spot.size_m);
     landmark.salience = static_cast<float>(spot.salience);
-    Eigen::Vector3d right, up, normal;  // Axes of the surface there.
+    Eigen::Vector3d right, up, normal;  // Axes of the surface at this place.
     if (surface_.kind == SurfaceKind::kTree) {
       const double radius_m = surface_.length_m / (2.0 * kPi);
       const double angle_rad = spot.along_m / radius_m;
@@ -397,7 +400,7 @@ Eigen::Vector2d CitySurface::MiddleInPlan() const {
 }
 
 double CitySurface::RadiusInPlanM() const {
-  constexpr double kMarginM = 0.5;  // What stands out.
+  constexpr double kMarginM = 0.5;  // Covers things that stand out.
   switch (kind) {
     case SurfaceKind::kTree:
       return length_m / (2.0 * kPi) + kMarginM;

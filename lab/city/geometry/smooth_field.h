@@ -1,4 +1,4 @@
-// Errors that vary slowly from place to place.
+// Simulates errors that vary slowly from place to place.
 #ifndef CAIRN_LAB_CITY_GEOMETRY_SMOOTH_FIELD_H_
 #define CAIRN_LAB_CITY_GEOMETRY_SMOOTH_FIELD_H_
 
@@ -11,12 +11,12 @@ namespace cairn {
 // A random displacement of space: a sum of waves along the ground. Immutable.
 class SmoothField {
  public:
-  // `sigma_m` is the standard deviation of each component; waves are between `min_wave_m` and
-  // three times as long.
+  // `sigma_m` is the standard deviation of each component. The wavelengths range from `min_wave_m`
+  // to three times that length.
   SmoothField(uint64_t seed, double sigma_m, double min_wave_m);
 
   Eigen::Vector3d ShiftM(const Eigen::Vector2d& at) const;
-  // The rotation that goes with it, a rotation vector in radians: half the curl of the shift.
+  // The matching rotation as a rotation vector in radians: half the curl of the displacement.
   Eigen::Vector3d RotationRad(const Eigen::Vector2d& at) const;
 
  private:

@@ -36,7 +36,7 @@ bool IsQueried(const CityWalksOptions& options, size_t frame) {
   return frame > 0 && frame % static_cast<size_t>(options.frames_per_query) == 0;
 }
 
-// Places of the queried frames, in order.
+// Returns the places of the queried frames, in order.
 std::vector<PhonePlace> PlacesOf(const PhoneSequence& walk, const City& city,
                                  const CityWalksOptions& options) {
   const Rigid3d local_from_site = walk.ecef_from_local.Inverse() * city.ecef_from_site();
@@ -102,7 +102,7 @@ fusion::FusionOptions OptionsFor(const PhoneSequence& walk, const PhoneSequenceO
   return fused;
 }
 
-// Without answers.
+// Returns a recording without answers.
 fusion::Recording RecordingOf(const PhoneSequence& walk, const PhoneSequenceOptions& sequence,
                               const CityWalksOptions& options) {
   fusion::Recording recording;

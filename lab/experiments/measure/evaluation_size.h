@@ -1,4 +1,4 @@
-// What a map costs in storage.
+// The storage that a map needs.
 #ifndef CAIRN_LAB_EXPERIMENTS_MEASURE_EVALUATION_SIZE_H_
 #define CAIRN_LAB_EXPERIMENTS_MEASURE_EVALUATION_SIZE_H_
 
@@ -6,14 +6,14 @@
 
 namespace cairn {
 
-// Encoded tile payloads only; the rest of the file (index, keyframe rows, free pages) is
-// file_overhead. Ratios are zero if the map is empty.
+// Sizes of the encoded tile payloads. file_overhead covers the rest of the file (index, keyframe
+// rows, free pages). Ratios are zero if the map is empty.
 struct MapSizes {
   double bytes_per_tile = 0.0;
-  double bytes_per_landmark = 0.0;    // Everything in the payload, descriptors too.
-  double bytes_per_descriptor = 0.0;  // Everything in the payload, landmarks too.
+  double bytes_per_landmark = 0.0;    // Whole payload, including descriptors.
+  double bytes_per_descriptor = 0.0;  // Whole payload, including landmarks.
   double descriptors_per_landmark = 0.0;
-  double file_overhead = 0.0;  // File bytes over payload bytes, minus one.
+  double file_overhead = 0.0;  // File size / payload size - 1.
 };
 
 MapSizes MeasureMapSizes(const MapInfo& info);

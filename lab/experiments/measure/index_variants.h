@@ -1,4 +1,4 @@
-// The kinds of index with one knob each that trades time for quality.
+// The kinds of index. Each has one setting (its effort) that trades time for quality.
 #ifndef CAIRN_LAB_EXPERIMENTS_MEASURE_INDEX_VARIANTS_H_
 #define CAIRN_LAB_EXPERIMENTS_MEASURE_INDEX_VARIANTS_H_
 
@@ -11,18 +11,18 @@ namespace cairn {
 
 const char* IndexLabel(IndexMethod method);  // "random grids", "inverted multi-index", ...
 
-// The defaults of all methods; at the quick size the multi-index has small vocabularies.
+// Returns the defaults of all methods. At the quick size, the multi-index has small vocabularies.
 IndexMethodOptions DefaultsAt(ExperimentSize size);
 
-// The index of this method with its defaults.
+// Returns the index of this method with its defaults.
 IndexOptions IndexOfMethod(IndexMethod method, ExperimentSize size);
 
-// The same, but for its knob: random grids, descriptors visited a
-// cell (as the paper varies it); inverted multi-index, inverted lists and kd-tree, cells visited.
-// The exhaustive index has none.
+// Returns the same index with another effort. For random grids, the effort is the number of
+// descriptors visited per cell (which the paper varies). For the inverted multi-index, inverted
+// lists and kd-tree, it is the number of cells visited. The exhaustive index has no such setting.
 IndexOptions IndexWithEffort(IndexMethod method, ExperimentSize size, int effort);
 
-// The knob's values, ascending.
+// Returns the efforts to measure, ascending.
 std::vector<int> Efforts(IndexMethod method, ExperimentSize size);
 
 }  // namespace cairn

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kMsFromSeconds = 1e3;
 
-// Sum of one count over the sample, over the sum of another.
+// Returns the sum of one count over the sample, divided by the sum of another.
 double Ratio(const std::vector<QueryMatches>& queries, std::span<const size_t> sample,
              int QueryMatches::*numerator, int QueryMatches::*denominator) {
   double above = 0.0, below = 0.0;

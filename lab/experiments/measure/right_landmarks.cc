@@ -14,9 +14,9 @@
 namespace cairn {
 namespace {
 
-constexpr double kRightErrorPx = 4.0;        // At the focal length
-constexpr double kReferenceFocalPx = 500;    // of this many pixels,
-constexpr double kMinRightErrorPx = 3.0;     // and at least this.
+constexpr double kRightErrorPx = 4.0;        // At kReferenceFocalPx.
+constexpr double kReferenceFocalPx = 500;    // Pixels.
+constexpr double kMinRightErrorPx = 3.0;     // Lower limit at any focal length.
 constexpr double kMatchableQuantile = 0.95;  // Of same-landmark distances.
 constexpr double kBinPx = 16.0;
 
@@ -24,7 +24,7 @@ double RightErrorPx(double focal_px) {
   return std::max(kMinRightErrorPx, kRightErrorPx * focal_px / kReferenceFocalPx);
 }
 
-// The keypoints of a query by place in the image.
+// The keypoints of a query, grouped by their position in the image.
 class KeypointBins {
  public:
   explicit KeypointBins(const std::vector<Keypoint>& keypoints) {
@@ -54,7 +54,7 @@ class KeypointBins {
   std::unordered_map<int64_t, std::vector<int>> bins_;
 };
 
-// Squared distance to the nearest descriptor of a landmark.
+// Returns the squared distance to the nearest descriptor of a landmark.
 float NearestSquaredDistance(const SearchableTile& tile, const DescriptorCodec& codec,
                              uint32_t landmark_idx,
                              const Eigen::Ref<const Eigen::RowVectorXf>& of) {

@@ -1,4 +1,4 @@
-// Variants of the localizer on one world: the sweep that most experiments are.
+// Measures variants of the localizer on one world. Most experiments are such sweeps.
 #ifndef CAIRN_LAB_EXPERIMENTS_MEASURE_VARIANTS_H_
 #define CAIRN_LAB_EXPERIMENTS_MEASURE_VARIANTS_H_
 
@@ -13,49 +13,49 @@
 namespace cairn {
 
 struct Variant {
-  std::string method;  // A curve of the figure.
-  double x = 0.0;      // Where on it.
+  std::string method;  // The figure's curve.
+  double x = 0.0;      // Position on the curve.
   LocalizerOptions options;
 };
 
 struct MeasuredVariant {
   Variant variant;
   EvalReport report;
-  std::vector<double> cpu_seconds;  // Of each query's thread, tiles warm.
+  std::vector<double> cpu_seconds;  // CPU time of each query's thread, with warm tiles.
 
   double MeanCpuSeconds() const;
 };
 
-// The paper's best variant (section "Best performing and reference method"), which is the engine's
-// default, but for the answer: any hypothesis is a response, however weak or ambiguous, as average
-// precision ranks all responses by score.
+// Returns the paper's best variant (section "Best performing and reference method"). It equals the
+// engine's default except for the answer: every hypothesis is a response, however weak or
+// ambiguous, because average precision ranks all responses by score.
 LocalizerOptions BestVariant();
 
-// Asks the world's queries with every variant. Tiles are indexed before the first query. Queries
-// run on context.num_threads threads; times are CPU times of the query's own thread.
+// Runs the world's queries with every variant. All tiles are indexed before the first query.
+// Queries run on context.num_threads threads; times are CPU times of the query's own thread.
 std::vector<MeasuredVariant> MeasureVariants(const ExperimentWorld& world,
                                              const std::vector<Variant>& variants,
                                              const ExperimentContext& context);
 
-// The variant with most average precision among those of the method; there must be one.
+// Returns the method's variant with the highest average precision; there must be one.
 const MeasuredVariant& BestOf(const std::vector<MeasuredVariant>& measured,
                               const std::string& method);
-// The variant of the method at x; there must be one.
+// Returns the method's variant at x; there must be one.
 const MeasuredVariant& At(const std::vector<MeasuredVariant>& measured, const std::string& method,
                           double x);
-// a's average precision minus b's, paired.
+// Returns the average precision of `a` minus that of `b`, paired.
 Interval ApDifference(const MeasuredVariant& a, const MeasuredVariant& b);
 
-// A row a variant: method, x, average precision, recall within 3 m and 10 degrees, median position
-// error, each with its interval, CPU time in units of that of `reference` and in ms.
+// One row per variant: method, x, average precision, recall within 3 m and 10 degrees, median
+// position error, each with its interval; CPU time relative to `reference` and in ms.
 ResultTable AccuracyTable(const std::string& x_name, const std::vector<MeasuredVariant>& measured,
                           const MeasuredVariant& reference);
 
-// Average precision over x, a curve a method, in the order in which methods first occur.
+// Average precision over x. One curve per method, in the order of the methods' first variants.
 Figure AccuracyFigure(const std::string& name, const std::string& title, const std::string& x_label,
                       const std::vector<MeasuredVariant>& measured);
 
-// What every experiment on one world says about it.
+// Returns the parameters that every experiment on one world reports.
 ExperimentParameters WorldParameters(const ExperimentWorld& world);
 
 }  // namespace cairn

@@ -16,9 +16,9 @@
 namespace cairn {
 namespace {
 
-constexpr size_t kCacheBytes = size_t{8} << 30;  // More than the tiles of any experiment.
+constexpr size_t kCacheBytes = size_t{8} << 30;  // Larger than the tiles of any experiment.
 
-// Equal keys, equal indices.
+// Equal keys mean equal indices.
 std::string IndexKey(const IndexOptions& index) {
   const RandomGridsOptions& grids = index.grids;
   const InvertedListsOptions& lists = index.lists;
@@ -47,7 +47,7 @@ PreparedQuery PrepareQuery(const ExperimentWorld& world, const LocalizerOptions&
 std::shared_ptr<TileCache> WarmTiles::For(const LocalizerOptions& options) {
   const std::string key = IndexKey(options.matching.index);
   if (last_ == nullptr || key != key_) {
-    last_.reset();  // Before the next is made: two may not fit into memory.
+    last_.reset();  // Free it first: two caches may not fit into memory.
     auto cache = std::make_shared<TileCache>(kCacheBytes);
     ParallelFor(static_cast<int>(world_.queries.size()), num_threads_,
                 [&](int i) { PrepareQuery(world_, options, world_.queries[i], cache.get()); });

@@ -1,4 +1,4 @@
-// Tiles in the cache before anything is timed; private to experiments.
+// Puts tiles into the cache before anything is timed. Private to experiments.
 #ifndef CAIRN_LAB_EXPERIMENTS_MEASURE_WARM_TILES_H_
 #define CAIRN_LAB_EXPERIMENTS_MEASURE_WARM_TILES_H_
 
@@ -14,11 +14,11 @@
 
 namespace cairn {
 
-// Caches that hold the tiles of all queries of one world, indexed as options say. Keeps the last
-// one: variants in a row that do not differ in their index share it. One thread.
+// Makes caches that hold the tiles of all queries of one world, with the given index options. Keeps
+// the last cache, so that successive variants with the same index share it. Use from one thread.
 class WarmTiles {
  public:
-  // `world` must outlive it. Tiles are indexed on `num_threads` threads.
+  // `world` must outlive the object. Indexes tiles on `num_threads` threads.
   WarmTiles(const ExperimentWorld& world, int num_threads)
       : world_(world), num_threads_(num_threads) {}
 
@@ -27,11 +27,11 @@ class WarmTiles {
  private:
   const ExperimentWorld& world_;
   int num_threads_;
-  std::string key_;  // Of the index of last_.
+  std::string key_;  // Key of the index of last_.
   std::shared_ptr<TileCache> last_;
 };
 
-// A query up to the matching stage.
+// A query that is ready for the matching stage.
 struct PreparedQuery {
   QueryContext context;
   std::vector<TileView> tiles;

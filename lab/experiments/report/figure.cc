@@ -17,7 +17,7 @@ extern char** environ;
 namespace cairn {
 namespace {
 
-// A gnuplot string in double quotes.
+// Returns a gnuplot string in double quotes.
 std::string Quoted(const std::string& text) {
   std::string quoted = "\"";
   for (const char letter : text) {
@@ -63,7 +63,7 @@ std::string PlotCommand(const Figure& figure) {
   return command + "\n";
 }
 
-// Whether `gnuplot <script>` ran in `folder` and ended well.
+// Runs `gnuplot <script>` in `folder`. Returns true if it succeeded.
 bool RunGnuplot(const std::string& script, const std::string& folder) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);

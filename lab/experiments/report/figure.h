@@ -1,5 +1,5 @@
-// Figures of experiments: a gnuplot script that holds its data, rendered where gnuplot is
-// installed.
+// Figures of experiments. A figure is a gnuplot script that contains its data; gnuplot renders it
+// if installed.
 #ifndef CAIRN_LAB_EXPERIMENTS_REPORT_FIGURE_H_
 #define CAIRN_LAB_EXPERIMENTS_REPORT_FIGURE_H_
 
@@ -21,22 +21,22 @@ struct FigureSeries {
 };
 
 struct Figure {
-  std::string name;  // File name without ending.
+  std::string name;  // File name without extension.
   std::string title;
   std::string x_label;
   std::string y_label;
   bool log_x = false;
   bool log_y = false;
-  // Names of x = 0, 1, ...; empty if x is a number.
+  // Labels of x = 0, 1, ...; empty if x is a number.
   std::vector<std::string> x_names = {};
   std::vector<FigureSeries> series = {};
 };
 
-// The script that draws `<name>.svg` and `<name>.png` into its working directory. Points whose x or
-// y is not finite are left out. Depends on the figure alone.
+// Returns the script that draws `<name>.svg` and `<name>.png` in its working directory. Leaves out
+// points whose x or y is not finite. Depends on the figure alone.
 std::string GnuplotScript(const Figure& figure);
 
-// Writes `<name>.gp` into `folder` and runs gnuplot there. Returns whether the pictures are there;
+// Writes `<name>.gp` to `folder` and runs gnuplot there. Returns true if the pictures exist, and
 // false if gnuplot is not installed or fails. Throws Error(kIo) if the script cannot be written.
 bool WriteFigure(const Figure& figure, const std::string& folder);
 

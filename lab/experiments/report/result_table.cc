@@ -35,7 +35,7 @@ std::string CsvCell(const Cell& cell) {
 ResultTable::ResultTable(std::vector<Column> columns) : columns_(std::move(columns)) {}
 
 void ResultTable::AddRow(std::vector<Cell> row) {
-  CAIRN_CHECK(row.size() == columns_.size(), "a row has a cell a column");
+  CAIRN_CHECK(row.size() == columns_.size(), "a row has one cell per column");
   rows_.push_back(std::move(row));
 }
 

@@ -1,4 +1,4 @@
-// Whole text files; private to experiments.
+// Reads and writes whole text files. Private to experiments.
 #ifndef CAIRN_LAB_EXPERIMENTS_REPORT_TEXT_FILE_H_
 #define CAIRN_LAB_EXPERIMENTS_REPORT_TEXT_FILE_H_
 
@@ -6,10 +6,10 @@
 
 namespace cairn {
 
-// Replaces the file. Throws Error(kIo) naming it.
+// Replaces the file. Throws Error(kIo) that names the file.
 void WriteTextFile(const std::string& path, const std::string& text);
 
-// Throws Error(kNotFound) naming the file if it cannot be read.
+// Throws Error(kNotFound) that names the file if it cannot be read.
 std::string ReadTextFile(const std::string& path);
 
 }  // namespace cairn

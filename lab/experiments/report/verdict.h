@@ -1,4 +1,4 @@
-// Whether a claim holds here: rules on intervals that can fall either way.
+// Decides whether a claim holds here, by rules on intervals that can come out either way.
 #ifndef CAIRN_LAB_EXPERIMENTS_REPORT_VERDICT_H_
 #define CAIRN_LAB_EXPERIMENTS_REPORT_VERDICT_H_
 
@@ -12,31 +12,31 @@ namespace cairn {
 enum class Verdict {
   kHolds,
   kDoesNotHold,
-  kUndecided,  // The interval leaves it open.
-  kNotBuilt,   // What the claim is about is not in this build.
+  kUndecided,  // The interval allows both outcomes.
+  kNotBuilt,   // The subject of the claim is not in this build.
 };
 
 const char* VerdictName(Verdict verdict);  // "holds", "does not hold", "undecided", "not built".
-// Throws Error(kBadInput) on another name.
+// Throws Error(kBadInput) if the name is unknown.
 Verdict VerdictFromName(const std::string& name);
 
-// Of the claim "the quantity is greater than `threshold`", with the interval of the quantity
-// (usually a paired difference): holds if all of it is greater, does not hold if all of it is
-// smaller. Undecided if it is not a number.
+// Judges the claim "the quantity is greater than `threshold`" by the quantity's interval (usually
+// of a paired difference). The claim holds if the whole interval is greater, and does not hold if
+// the whole interval is smaller. Undecided if a value is not a number.
 Verdict JudgeGreater(const Interval& interval, double threshold = 0.0);
 
-// Of the claim "the quantity is smaller than `threshold`", likewise.
+// Judges the claim "the quantity is smaller than `threshold`" in the same way.
 Verdict JudgeSmaller(const Interval& interval, double threshold);
 
-// Of the claim "there is no difference to speak of": holds if all of the interval is within
-// +-margin, does not hold if all of it is outside on one side.
+// Judges the claim "there is no relevant difference". The claim holds if the whole interval is
+// within +-margin, and does not hold if the whole interval is outside on one side.
 Verdict JudgeEqual(const Interval& difference, double margin);
 
-// Of a claim with several parts: holds if all do; does not hold if any does not; undecided
-// otherwise. Empty: undecided.
+// Judges a claim with several parts. The claim holds if all parts hold, does not hold if one part
+// does not, and is undecided otherwise. Without parts: undecided.
 Verdict JudgeAll(const std::vector<Verdict>& parts);
 
-// "+0.031 [+0.012, +0.050]": value and 95 % interval, with sign if it is a difference.
+// Returns "+0.031 [+0.012, +0.050]": the value and its 95 % interval, with signs for a difference.
 std::string DifferenceText(const Interval& difference, int digits = 3);
 std::string IntervalText(const Interval& interval, int digits = 3);
 

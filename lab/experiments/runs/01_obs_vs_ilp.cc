@@ -1,4 +1,4 @@
-// Landmarks chosen by observation count or by integer programming, over memory.
+// Compares landmark selection by observation count and by integer programming, over memory.
 #include <fmt/format.h>
 
 #include <string>
@@ -46,9 +46,8 @@ ExperimentOutcome Run(const ExperimentContext& context) {
   outcome.figures[0].log_x = true;
   outcome.verdict = JudgeGreater(gain);
   outcome.sentence = fmt::format(
-      "With the same budget of descriptors a tile, the integer program changes average precision "
-      "by "
-      "{} against the observation count in the mean over budgets ({}).",
+      "In the mean over the budgets of descriptors per tile, the integer program changes average "
+      "precision by {} against the observation count with the same budget ({}).",
       DifferenceText(gain), gains);
   return outcome;
 }
@@ -56,15 +55,16 @@ ExperimentOutcome Run(const ExperimentContext& context) {
 }  // namespace
 
 Experiment ObsVsIlpExperiment() {
-  return {"01_obs_vs_ilp",
-          "Observation count against integer programming",
-          "Figure 2",
-          "For the same memory, landmarks chosen by integer programming serve better than those "
-          "chosen by their number of observations.",
-          "holds if the mean difference of average precision over equal budgets of descriptors is "
-          "positive, by a paired interval; does not hold if it is negative.",
-          "9 min",
-          Run};
+  return {
+      "01_obs_vs_ilp",
+      "Observation count against integer programming",
+      "Figure 2",
+      "For the same memory, landmarks that integer programming chooses give better answers than "
+      "landmarks chosen by their number of observations.",
+      "holds if the difference of average precision, in the mean over equal budgets of "
+      "descriptors, is positive by a paired interval; does not hold if the difference is negative.",
+      "9 min",
+      Run};
 }
 
 }  // namespace cairn

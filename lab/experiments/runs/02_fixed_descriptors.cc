@@ -1,4 +1,4 @@
-// A fixed number of descriptors per landmark: k-means, k-medoids, random.
+// Compares k-means, k-medoids and random choice for a fixed number of descriptors per landmark.
 #include "lab/experiments/runs/appearance_runs.h"
 #include "lab/experiments/runs/runs.h"
 
@@ -18,17 +18,16 @@ ExperimentOutcome Run(const ExperimentContext& context) {
 }  // namespace
 
 Experiment FixedDescriptorsExperiment() {
-  return {
-      "02_fixed_descriptors",
-      "A fixed number of descriptors per landmark",
-      "Figure 3",
-      "Centres of k-means serve better than those of k-medoids or a random choice, and memory "
-      "can be reduced by some 40 % at a moderate loss.",
-      "holds if the average precision of k-means, in the mean over counts, is greater than that "
-      "of k-medoids and that of a random choice, each by a paired interval; does not hold if it "
-      "is smaller than one.",
-      "8 min",
-      Run};
+  return {"02_fixed_descriptors",
+          "A fixed number of descriptors per landmark",
+          "Figure 3",
+          "The centers of k-means give better answers than those of k-medoids or a random choice, "
+          "and memory can be reduced by about 40 % at a moderate loss.",
+          "holds if k-means, in the mean over counts, has a higher average precision than "
+          "k-medoids and than a random choice, each by a paired interval; does not hold if k-means "
+          "is worse than one of them.",
+          "8 min",
+          Run};
 }
 
 }  // namespace cairn

@@ -1,4 +1,4 @@
-// A ratio of each landmark's descriptors: k-means, k-medoids, random.
+// Compares k-means, k-medoids and random choice for a ratio of each landmark's descriptors.
 #include "lab/experiments/runs/appearance_runs.h"
 #include "lab/experiments/runs/runs.h"
 
@@ -14,17 +14,16 @@ ExperimentOutcome Run(const ExperimentContext& context) {
 }  // namespace
 
 Experiment DescriptorRatioExperiment() {
-  return {
-      "03_descriptor_ratio",
-      "A ratio of the descriptors per landmark",
-      "Figure 4",
-      "Keeping a fraction of each landmark's descriptors, centres of k-means serve better than "
-      "those of k-medoids or a random choice.",
-      "holds if the average precision of k-means, in the mean over ratios, is greater than that "
-      "of k-medoids and that of a random choice, each by a paired interval; does not hold if it "
-      "is smaller than one.",
-      "8 min",
-      Run};
+  return {"03_descriptor_ratio",
+          "A ratio of the descriptors per landmark",
+          "Figure 4",
+          "If a fraction of each landmark's descriptors is kept, the centers of k-means give "
+          "better answers than those of k-medoids or a random choice.",
+          "holds if k-means, in the mean over ratios, has a higher average precision than "
+          "k-medoids and than a random choice, each by a paired interval; does not hold if k-means "
+          "is worse than one of them.",
+          "8 min",
+          Run};
 }
 
 }  // namespace cairn

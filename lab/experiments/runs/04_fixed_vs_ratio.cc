@@ -1,4 +1,4 @@
-// A fixed number against a ratio of descriptors, at about the same memory.
+// Compares a fixed number and a ratio of descriptors at about the same memory.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ constexpr double kMargin = 0.03;
 constexpr const char* kFixed = "fixed number";
 constexpr const char* kRatio = "ratio";
 
-// The fixed number whose map is nearest in size.
+// Returns the fixed number whose map has the nearest size.
 const MeasuredIngest& NearestInSize(const std::vector<MeasuredIngest>& measured,
                                     const MeasuredIngest& to) {
   const MeasuredIngest* nearest = nullptr;
@@ -65,16 +65,16 @@ ExperimentOutcome Run(const ExperimentContext& context) {
 }  // namespace
 
 Experiment FixedVsRatioExperiment() {
-  return {
-      "04_fixed_vs_ratio",
-      "Fixed number against ratio of descriptors",
-      "Figure 5",
-      "For most operating points the difference between a fixed number and a ratio of "
-      "descriptors is marginal.",
-      "holds if every ratio lies within 0.03 average precision of the fixed number whose map is "
-      "nearest in size, by paired intervals; does not hold if one surely lies outside.",
-      "7 min",
-      Run};
+  return {"04_fixed_vs_ratio",
+          "Fixed number against ratio of descriptors",
+          "Figure 5",
+          "For most operating points, a fixed number and a ratio of descriptors differ only "
+          "marginally.",
+          "holds if every ratio is within 0.03 average precision of the fixed number whose map has "
+          "the nearest size, by paired intervals; does not hold if the whole interval of one ratio "
+          "is outside.",
+          "7 min",
+          Run};
 }
 
 }  // namespace cairn

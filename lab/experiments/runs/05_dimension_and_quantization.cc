@@ -1,4 +1,4 @@
-// Descriptor dimension after PCA, and product quantization, on descriptors alone.
+// Measures the descriptor dimension after PCA and product quantization, on descriptors alone.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ constexpr const char* kQuantized = "product quantized";
 struct Case {
   int dim = 0;
   int num_subspaces = 0;         // 0: not quantized.
-  std::vector<char> found = {};  // Per query: the right landmark is among the nearest four.
+  std::vector<char> found = {};  // Per query: the nearest four include the right landmark.
   Interval recall = {};
 
   double Bytes() const { return num_subspaces == 0 ? 4.0 * dim : num_subspaces; }
@@ -43,7 +43,7 @@ std::vector<Case> MakeCases(const ExperimentContext& context) {
   return cases;
 }
 
-// Whether landmark `right` is among the nearest, where rows of `database` are looks.
+// Returns true if landmark `right` is among the nearest. The rows of `database` are looks.
 bool IsFound(const Eigen::VectorXf& sq_distances, int right) {
   float best_of_right =
       sq_distances.segment(Eigen::Index{right} * kLooksEach, kLooksEach).minCoeff();
@@ -156,8 +156,8 @@ ExperimentOutcome Run(const ExperimentContext& context) {
   outcome.figures = {MakeFigure(cases)};
   outcome.verdict = JudgeAll({JudgeGreater(diminishing), JudgeEqual(loss, kMargin)});
   outcome.sentence = fmt::format(
-      "From {} to {} dimensions recall gains {}, from {} to {} {}; quantized to {} bytes, {} "
-      "dimensions lose {}.",
+      "The step from {} to {} dimensions gains {} recall, the step from {} to {} gains {}. "
+      "Quantization to {} bytes at {} dimensions loses {}.",
       kPaperDim / 2, kPaperDim, DifferenceText(up_to), kPaperDim, 2 * kPaperDim,
       DifferenceText(beyond), kPaperBytes, kPaperDim, DifferenceText(loss));
   return outcome;
@@ -166,17 +166,17 @@ ExperimentOutcome Run(const ExperimentContext& context) {
 }  // namespace
 
 Experiment DimensionAndQuantizationExperiment() {
-  return {
-      "05_dimension_and_quantization",
-      "Descriptor dimension and product quantization",
-      "Figure 6",
-      "Beyond 16 dimensions returns diminish, and product quantization to 8 bytes costs nothing "
-      "that can be measured.",
-      "on descriptors alone, by exhaustive search: holds if the step from 8 to 16 dimensions "
-      "gains more recall than that from 16 to 32, by a paired interval, and if the loss by 8 "
-      "bytes lies within 0.02; does not hold if one of them is surely otherwise.",
-      "4 min",
-      Run};
+  return {"05_dimension_and_quantization",
+          "Descriptor dimension and product quantization",
+          "Figure 6",
+          "Above 16 dimensions the gain diminishes, and product quantization to 8 bytes has no "
+          "measurable cost.",
+          "on descriptors alone, by exhaustive search: holds if the step from 8 to 16 dimensions "
+          "gains more recall than the step from 16 to 32, by a paired interval, and if "
+          "quantization to 8 bytes changes recall by at most 0.02; does not hold if an interval "
+          "contradicts one of these conditions.",
+          "4 min",
+          Run};
 }
 
 }  // namespace cairn

@@ -1,4 +1,4 @@
-// How full the buckets of an inverted multi-index get as tiles grow.
+// Measures how the load of an inverted multi-index' buckets grows with the tile.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,16 +26,18 @@ constexpr double kUnevenRatio = 10.0;
 constexpr int kEncodeLandmarks = 2'000;
 
 struct Load {
-  double mean = 0.0;  // Descriptors of a bucket that has any.
+  double mean = 0.0;  // Descriptors per filled bucket.
   double max = 0.0;
-  double filled_share = 0.0;  // Of the buckets.
-  double top_share = 0.0;     // Of the descriptors, in the fullest hundredth of the filled buckets.
+  double filled_share = 0.0;  // Share of the buckets.
+  // Share of the descriptors that is in the fullest hundredth of the filled buckets.
+  double top_share = 0.0;
 };
 
-// One repeat: the loads at each size.
+// The loads at each size, for one repeat.
 using Repeat = std::vector<Load>;
 
-// Codes of descriptors of `num_descriptors / kLooksEach` landmarks, in pieces that fit the cache.
+// Returns the codes of `num_descriptors / kLooksEach` landmarks' descriptors. Works in pieces that
+// fit the cache.
 std::vector<uint8_t> MakeCodes(const DescriptorLooks& looks, const DescriptorCodec& codec,
                                uint64_t first_landmark, int num_descriptors) {
   std::vector<uint8_t> codes;
@@ -70,7 +72,7 @@ Load MeasureLoad(const Codebook& codebook, std::span<const uint8_t> codes,
           in_top / num_descriptors};
 }
 
-// Mean of a measure over repeats, with its interval over them.
+// Returns the mean of a measure over the repeats, with its interval.
 Interval OverRepeats(const std::vector<Repeat>& repeats,
                      const std::function<double(const Repeat&)>& measure) {
   return Bootstrap(repeats.size(), [&](std::span<const size_t> sample) {
@@ -82,7 +84,7 @@ Interval OverRepeats(const std::vector<Repeat>& repeats,
   });
 }
 
-// Exponent by which the maximum grows with the size, from the smallest to the largest tile.
+// Returns the exponent of the load's growth with the size, from the smallest to the largest tile.
 double Slope(const std::vector<int>& sizes, const Repeat& repeat, double Load::*load) {
   return std::log(repeat.back().*load / (repeat.front().*load)) /
          std::log(static_cast<double>(sizes.back()) / sizes.front());
@@ -160,9 +162,9 @@ ExperimentOutcome Run(const ExperimentContext& context) {
                               JudgeGreater({-slope.value, -slope.high, -slope.low}, -kMaxSlope),
                               JudgeGreater(unevenness, kUnevenRatio)});
   outcome.sentence = fmt::format(
-      "The fullest bucket grows with the descriptors to the power of {}; at {} descriptors it is "
-      "{} "
-      "times as full as the mean of the filled ones, and {} of all buckets are filled.",
+      "The load of the fullest bucket grows as the number of descriptors to the power of {}. At {} "
+      "descriptors the fullest bucket is {} times as full as the mean filled bucket, and {} of all "
+      "buckets are filled.",
       IntervalText(slope, 2), sizes.back(), IntervalText(unevenness, 1), IntervalText(filled, 2));
   return outcome;
 }
@@ -170,16 +172,17 @@ ExperimentOutcome Run(const ExperimentContext& context) {
 }  // namespace
 
 Experiment BucketLoadExperiment() {
-  return {"06_bucket_load",
-          "Bucket load of the inverted multi-index",
-          "Figure 7",
-          "Mean and maximum load of the buckets grow about linearly with the descriptors of a tile "
-          "and stay highly uneven; only some 30 % of the product words occur.",
-          "holds if the fullest bucket grows with a power between 0.7 and 1.3 of the tile and is "
-          "more than ten times as full as the mean of the filled ones, by intervals over repeats; "
-          "does not hold if one is surely otherwise.",
-          "1 min",
-          Run};
+  return {
+      "06_bucket_load",
+      "Bucket load of the inverted multi-index",
+      "Figure 7",
+      "The mean and the maximum load of the buckets grow about linearly with the descriptors of a "
+      "tile. The load stays very uneven: only about 30 % of the product words occur.",
+      "holds if the load of the fullest bucket grows as a power between 0.7 and 1.3 of the tile's "
+      "descriptors and is more than ten times that of the mean filled bucket, by intervals over "
+      "repeats; does not hold if an interval contradicts one of these conditions.",
+      "1 min",
+      Run};
 }
 
 }  // namespace cairn

@@ -1,4 +1,4 @@
-// Orientation and position prior in both indices.
+// Measures the orientation and position terms of the matching distance in both indices.
 #include <fmt/format.h>
 
 #include <string>
@@ -21,7 +21,7 @@ constexpr PriorTerms kTerms[] = {{"none", false, false},
                                  {"orientation", true, false},
                                  {"position", false, true},
                                  {"both", true, true}};
-constexpr int kNone = 0, kBoth = 3;  // Into kTerms, the x of variants.
+constexpr int kNone = 0, kBoth = 3;  // Indices into kTerms; x of the variants.
 
 std::vector<Variant> MakeVariants(ExperimentSize size) {
   std::vector<Variant> variants;
@@ -87,8 +87,8 @@ ExperimentOutcome Run(const ExperimentContext& context) {
   outcome.figures = {figure};
   outcome.verdict = JudgeAll({JudgeGreater(grids_gain), JudgeGreater(multi_index_gain)});
   outcome.sentence = fmt::format(
-      "Both terms together change average precision by {} with random grids and {} with the "
-      "inverted multi-index, and recall of right matches by {} and {}.",
+      "Both terms together change average precision by {} with random grids and by {} with the "
+      "inverted multi-index. They change recall of right matches by {} and {}.",
       DifferenceText(grids_gain), DifferenceText(multi_index_gain), DifferenceText(recall_gain),
       DifferenceText(multi_index_recall_gain));
   return outcome;
@@ -100,9 +100,10 @@ Experiment PriorsExperiment() {
   return {"08_priors",
           "Orientation and position prior in matching",
           "Figure 9",
-          "Keypoint orientation and position prior as terms of the distance improve both indices.",
+          "Keypoint orientation and position prior improve both indices if they are terms of the "
+          "distance.",
           "holds if both terms together improve the average precision of random grids and of the "
-          "inverted multi-index, each by a paired interval; does not hold if one gets worse.",
+          "inverted multi-index, each by a paired interval; does not hold if one index gets worse.",
           "3 min",
           Run};
 }

@@ -1,4 +1,4 @@
-// k nearest neighbours with and without a threshold on the distance.
+// Compares k nearest neighbors with and without a threshold on the distance.
 #include <fmt/format.h>
 
 #include "lab/experiments/measure/variants.h"
@@ -39,8 +39,8 @@ ExperimentOutcome Run(const ExperimentContext& context) {
   outcome.figures[0].log_x = true;
   outcome.verdict = JudgeAll({JudgeGreater(to_one), JudgeGreater(to_many), JudgeGreater(to_plain)});
   outcome.sentence = fmt::format(
-      "With a threshold, average precision at k = {} is {}; that is {} against k = {}, {} against "
-      "k = {} and {} against plain kNN at k = {}.",
+      "With a threshold, average precision at k = {} is {}. The difference is {} to k = {}, {} to "
+      "k = {}, and {} to plain kNN at k = {}.",
       kPaperNeighbors, IntervalText(at_four.report.average_precision), DifferenceText(to_one),
       neighbors.front(), DifferenceText(to_many), neighbors.back(), DifferenceText(to_plain),
       kPaperNeighbors);
@@ -50,17 +50,16 @@ ExperimentOutcome Run(const ExperimentContext& context) {
 }  // namespace
 
 Experiment NeighborsExperiment() {
-  return {
-      "09_neighbors",
-      "k neighbours with and without a threshold",
-      "Figure 10",
-      "Performance peaks at k = 4 neighbours a keypoint, and an absolute threshold on the "
-      "descriptor distance improves it.",
-      "holds if average precision with the threshold at k = 4 is greater than at the smallest "
-      "k, than at the largest k and than without the threshold, each by a paired interval; does "
-      "not hold if one of them is smaller.",
-      "1 min",
-      Run};
+  return {"09_neighbors",
+          "k neighbors with and without a threshold",
+          "Figure 10",
+          "Performance is highest at k = 4 neighbors per keypoint, and an absolute threshold on "
+          "the descriptor distance improves it.",
+          "holds if average precision with the threshold at k = 4 is higher than at the smallest "
+          "k, at the largest k, and without the threshold, each by a paired interval; does not "
+          "hold if it is lower than one of these.",
+          "1 min",
+          Run};
 }
 
 }  // namespace cairn

@@ -1,4 +1,4 @@
-// The absolute threshold on the descriptor distance, over cities and indices.
+// Measures the absolute threshold on the descriptor distance over cities and indices.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,7 +31,8 @@ std::vector<Variant> MakeVariants(const std::string& city, ExperimentSize size,
   return variants;
 }
 
-// The threshold with the greatest mean average precision over cities, with random grids.
+// Returns the threshold with the highest average precision in the mean over the cities, with random
+// grids.
 double BestThreshold(const std::vector<std::vector<MeasuredVariant>>& cities,
                      const std::vector<double>& quantiles) {
   const auto sum_at = [&](size_t i) {
@@ -79,8 +80,8 @@ ExperimentOutcome Run(const ExperimentContext& context) {
                                     "threshold, quantile of same-landmark distances", all)};
   outcome.verdict = JudgeAll(verdicts);
   outcome.sentence = fmt::format(
-      "The threshold that is best on average, the {} quantile, loses against each city's own best "
-      "(random grids, average precision) {}.",
+      "The best threshold on average is the {} quantile. Its loss of average precision against "
+      "each city's own best threshold, with random grids: {}.",
       common, losses);
   return outcome;
 }
@@ -92,9 +93,9 @@ Experiment ThresholdOverCitiesExperiment() {
           "One absolute threshold over cities",
           "Figure 11",
           "The best absolute threshold on the descriptor distance is the same in all cities.",
-          "holds if the threshold that is best on average loses at most 0.02 average precision "
-          "against each city's own best, by the upper end of the paired interval; does not hold if "
-          "it surely loses more in one.",
+          "holds if the best threshold on average loses at most 0.02 average precision against "
+          "each city's own best, by the upper end of the paired interval; does not hold if the "
+          "whole interval of one city is above 0.02.",
           "3 min",
           Run};
 }

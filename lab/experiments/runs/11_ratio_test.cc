@@ -1,4 +1,4 @@
-// The ratio test against the absolute threshold, on the inverted multi-index.
+// Compares the ratio test with the absolute threshold on the inverted multi-index.
 #include <fmt/format.h>
 
 #include <vector>
@@ -49,8 +49,8 @@ ExperimentOutcome Run(const ExperimentContext& context) {
                                     measured)};
   outcome.verdict = JudgeGreater(gain);
   outcome.sentence = fmt::format(
-      "At its best (quantile {}) the absolute threshold has an average precision of {}, the ratio "
-      "test at its best (ratio {}) {}: a difference of {}.",
+      "The absolute threshold at its best (quantile {}) has an average precision of {}. The ratio "
+      "test at its best (ratio {}) has {}. The difference is {}.",
       absolute.variant.x, IntervalText(absolute.report.average_precision), ratio.variant.x,
       IntervalText(ratio.report.average_precision), DifferenceText(gain));
   return outcome;
@@ -62,10 +62,10 @@ Experiment RatioTestExperiment() {
   return {"11_ratio_test",
           "Ratio test against absolute threshold",
           "Figure 12",
-          "An absolute threshold serves better than a ratio test against the words of the inverted "
-          "multi-index.",
-          "holds if the best average precision of the absolute threshold is greater than that of "
-          "the ratio test, by a paired interval; does not hold if it is smaller.",
+          "With the inverted multi-index, an absolute threshold gives better answers than a ratio "
+          "test against the words.",
+          "holds if the absolute threshold reaches a higher average precision than the ratio test, "
+          "by a paired interval; does not hold if it reaches a lower one.",
           "1 min",
           Run};
 }

@@ -1,4 +1,4 @@
-// RANSAC iterations that voting and covisibility filtering need.
+// Measures the RANSAC iterations that voting and covisibility filtering need.
 #include <fmt/format.h>
 
 #include <vector>
@@ -16,7 +16,7 @@ std::vector<Variant> MakeVariants(const std::vector<int>& iterations) {
     for (const int count : iterations) {
       Variant variant{filter.name, static_cast<double>(count), BestVariant()};
       variant.options.voting = filter.with_filter(variant.options.voting);
-      variant.options.pose.min_iterations = count;  // Exactly so many, however good.
+      variant.options.pose.min_iterations = count;  // Exactly this many, whatever the quality.
       variant.options.pose.max_iterations = count;
       variant.options.refinement.mode = RefinementMode::kNever;
       variants.push_back(variant);
@@ -25,7 +25,7 @@ std::vector<Variant> MakeVariants(const std::vector<int>& iterations) {
   return variants;
 }
 
-// What few iterations cost covisibility filtering more than voting.
+// Returns how much more covisibility filtering loses with few iterations than voting does.
 Interval ExtraLoss(const std::vector<MeasuredVariant>& measured, int few, int many) {
   return PairedContrast({{1.0, &At(measured, kCovisible.name, many).report},
                          {-1.0, &At(measured, kCovisible.name, few).report},
@@ -53,8 +53,8 @@ ExperimentOutcome Run(const ExperimentContext& context) {
   outcome.figures[0].log_x = true;
   outcome.verdict = JudgeGreater(extra_loss);
   outcome.sentence = fmt::format(
-      "With {} iterations instead of {}, covisibility filtering loses {} more average precision "
-      "than voting; with {}, voting is ahead by {}.",
+      "A cut to {} iterations from {} costs covisibility filtering {} more average precision than "
+      "voting. With {}, voting is ahead by {}.",
       few, many, DifferenceText(extra_loss), many, DifferenceText(at_many));
   return outcome;
 }
@@ -66,9 +66,9 @@ Experiment RansacIterationsExperiment() {
       "12_ransac_iterations",
       "RANSAC iterations: voting against covisibility",
       "Figure 13",
-      "Voting converges at a lower count of RANSAC iterations than covisibility filtering.",
-      "holds if covisibility filtering loses more average precision than voting when iterations "
-      "are cut from the most to few, by a paired interval; does not hold if it loses less.",
+      "Voting converges with fewer RANSAC iterations than covisibility filtering.",
+      "holds if a cut from the most to few iterations costs covisibility filtering more average "
+      "precision than voting, by a paired interval; does not hold if the cut costs less.",
       "1 min",
       Run};
 }

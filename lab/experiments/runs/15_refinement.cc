@@ -1,4 +1,4 @@
-// Voting with and without refinement over the number of candidates.
+// Compares voting with and without refinement over the number of candidates.
 #include <fmt/format.h>
 
 #include <string>
@@ -60,15 +60,15 @@ ExperimentOutcome Run(const ExperimentContext& context) {
 }  // namespace
 
 Experiment RefinementExperiment() {
-  return {
-      "15_refinement",
-      "Voting with refinement over the number of candidates",
-      "Figure 16",
-      "A refinement stage after voting recovers queries, whatever the number of candidates.",
-      "holds if refinement improves average precision with the fewest, the default and the most "
-      "candidates, each by a paired interval; does not hold if it is worse with one.",
-      "1 min",
-      Run};
+  return {"15_refinement",
+          "Voting with refinement over the number of candidates",
+          "Figure 16",
+          "A refinement stage after voting recovers queries with any number of candidates.",
+          "holds if refinement improves average precision with the fewest, the default and the "
+          "most candidates, each by a paired interval; does not hold if refinement reduces it with "
+          "one of these numbers.",
+          "1 min",
+          Run};
 }
 
 }  // namespace cairn

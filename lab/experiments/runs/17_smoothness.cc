@@ -1,4 +1,4 @@
-// Smoothness of the fused trajectory.
+// Measures the smoothness of the fused trajectory.
 #include <fmt/format.h>
 
 #include <string>
@@ -39,16 +39,16 @@ ResultTable MakeTable(const std::vector<FusionScene>& scenes) {
   return table;
 }
 
-// Judges one scene and says why.
+// Judges one scene and appends the reason to `sentence`.
 Verdict Judge(const FusionScene& scene, std::string* sentence) {
   const size_t smoothest = BestRival(scene, ChangeCm);
   const size_t smoothest_steady = BestRival(scene, ChangeCm, true);
   const Interval shown = RatioOver(scene, kSteadyFilter, smoothest, ChangeCm);
   *sentence += fmt::format(
-      "{}In the {}, the position error of what the filter shows a display changes from frame to "
-      "frame by {} times that of the smoothest bundle adjustment ({}), and by {} times that of the "
-      "smoothest one steadied likewise ({}); that of the filter's estimate itself by {} times that "
-      "of {}.",
+      "{}{}: the position error of the filter's pose for displays changes from frame to frame by "
+      "{} times as much as that of the smoothest bundle adjustment ({}), and by {} times as much "
+      "as that of the smoothest bundle adjustment with the same smoothing ({}). The position error "
+      "of the filter's own estimate changes by {} times as much as that of {}.",
       sentence->empty() ? "" : " ", scene.name, IntervalText(shown, 2), scene.methods[smoothest],
       IntervalText(RatioOver(scene, kSteadyFilter, smoothest_steady, ChangeCm), 2),
       scene.methods[smoothest_steady],
@@ -75,18 +75,18 @@ ExperimentOutcome Run(const ExperimentContext& context) {
 }  // namespace
 
 Experiment SmoothnessExperiment() {
-  return {"17_smoothness",
-          "Smoothness of the fused trajectory",
-          "Figure 17",
-          "The filter's trajectory is significantly smoother than that of bundle adjustment in a "
-          "sliding window.",
-          "holds if in every scene, by intervals over its recordings, the position error of what "
-          "the filter shows a display changes less from frame to frame than that of the smoothest "
-          "bundle adjustment as it is; does not hold if it surely changes more in one. The "
-          "filter's estimate itself, and bundle adjustments steadied likewise, are stated but not "
-          "judged.",
-          "6 min",
-          Run};
+  return {
+      "17_smoothness",
+      "Smoothness of the fused trajectory",
+      "Figure 17",
+      "The filter's trajectory is significantly smoother than the trajectory of bundle adjustment "
+      "in a sliding window.",
+      "holds if in every scene, by intervals over its recordings, the position error of the "
+      "filter's pose for displays changes less from frame to frame than that of the smoothest "
+      "bundle adjustment; does not hold if it changes more in one scene. The verdict does not use "
+      "the filter's own estimate and the smoothed bundle adjustments, which are also stated.",
+      "6 min",
+      Run};
 }
 
 }  // namespace cairn

@@ -1,4 +1,4 @@
-// Four cities of different character at one setting: the paper's table of data sets.
+// Measures four cities of different character with one setting: the paper's table of data sets.
 #include <fmt/format.h>
 
 #include <string>
@@ -57,7 +57,7 @@ ExperimentOutcome Run(const ExperimentContext& context) {
   figure.series = {{"average precision", {}}, {"recall at 3 m, 10 degrees", {}}};
   std::vector<Verdict> verdicts;
   for (auto [city, options] : Cities(context)) {
-    options.hard_queries = false;  // As phones are.
+    options.hard_queries = false;  // Ordinary phone queries.
     const auto world = context.worlds->Get(options, context.progress);
     const auto measured = MeasureVariants(*world, {{city, 0.0, BestVariant()}}, context);
     AddRow(city, *world, measured.front(), &outcome.table);
@@ -87,7 +87,7 @@ Experiment FourCitiesExperiment() {
       "Table 1 and abstract",
       "One system with one setting localizes phones in four cities of different character.",
       "holds if in every city more than half of all queries are answered within 3 m and 10°, by "
-      "the interval of the recall; does not hold if it is surely less than half in one.",
+      "the interval of the recall; does not hold if the whole interval of one city is below half.",
       "2 min",
       Run};
 }

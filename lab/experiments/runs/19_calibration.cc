@@ -1,5 +1,5 @@
-// Whether the confidence is a probability and the accuracies hold what they promise, in cities that
-// they were not fitted to.
+// Measures whether the confidence is a probability and the accuracies are right, in cities other
+// than that of the fit.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,9 +19,9 @@ namespace {
 constexpr double kCoverage = 0.68;
 constexpr double kCoverageMargin = 0.1;
 constexpr double kMaxCalibrationError = 0.05;
-// The engine's defaults come from such a city.
+// The engine's defaults were fitted to such a city.
 constexpr CityCharacter kFittedTo = CityCharacter::kGrid;
-// Weak answers too, so that the fit sees where they begin to be wrong.
+// Includes weak answers, so that the fit sees the scores at which answers become wrong.
 constexpr double kMinScore = 1.0;
 
 struct CitySamples {
@@ -126,12 +126,13 @@ ExperimentOutcome Run(const ExperimentContext& context) {
 
 Experiment CalibrationExperiment() {
   return {"19_calibration",
-          "What the confidence and the accuracies are worth",
+          "Calibration of the confidence and the accuracies",
           "not in the paper",
-          "Confidence is the probability of being within 3 m and 10°, and 68 % of the truths lie "
-          "within the reported radii, in cities that neither was fitted to.",
+          "The confidence is the probability that a pose is within 3 m and 10°, and 68 % of the "
+          "true poses are within the reported radii, in cities other than that of the fit.",
           "holds if in every other city the calibration error is below 0.05 and the intervals of "
-          "both coverages are within 0.58 and 0.78; does not hold if one is surely outside.",
+          "both coverages are between 0.58 and 0.78; does not hold if one of these values is "
+          "outside its limits by its whole interval.",
           "8 min",
           Run};
 }

@@ -1,4 +1,5 @@
-// Where the true pose stands among the candidates of an outlier filter when few matches are right.
+// Measures the rank of the true pose among the candidates of an outlier filter when few matches are
+// right.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,13 +32,13 @@ constexpr double kFewRight = 0.015;
 const NamedFilter kFilters[] = {kVoting, kVotingFlat, kCovisible};
 constexpr size_t kNumFilters = std::size(kFilters);
 
-// What became of one query.
+// The result of one query.
 struct Ranking {
-  // The right matches alone, or the candidates of some filter, give the pose.
+  // The pose can be found from the right matches alone or from a candidate of some filter.
   bool is_solvable = false;
   int num_matches = 0;
   int num_right = 0;
-  // The first candidate that leads to the true pose; nothing if none does.
+  // Index of the first candidate that leads to the true pose; null if none does.
   std::optional<int> rank_of_truth[kNumFilters];
 };
 
@@ -46,7 +47,8 @@ struct QueryMatchSet {
   std::vector<int> right;  // Indices into matches.
 };
 
-// The matches of a query, of which at most `max_right_share` are right: others are left out by lot.
+// Returns the matches of a query with at most `max_right_share` right ones. Excess right matches
+// are left out at random.
 QueryMatchSet MatchesWithFewRight(const PreparedQuery& query, const Rigid3d& true_cam_from_anchor,
                                   const MatchingOptions& options, double max_right_share,
                                   uint64_t seed) {
@@ -67,7 +69,7 @@ QueryMatchSet MatchesWithFewRight(const PreparedQuery& query, const Rigid3d& tru
   Random random(seed);
   for (size_t i = 0; i < all.size(); ++i) {
     if (is_right[i]) {
-      // Of the right ones left, as many as are still to be kept: every subset is equally likely.
+      // Keeps the required number of the remaining right matches. Every subset is equally likely.
       const bool keeps = random.Index(num_right--) < num_to_keep;
       if (!keeps) {
         continue;
@@ -142,7 +144,8 @@ std::vector<Ranking> RankAll(const ExperimentWorld& world, const ExperimentConte
   return rankings;
 }
 
-// Of the solvable queries, those whose truth is among the first `num_first` candidates of a filter.
+// Returns the share of solvable queries whose true pose is among the first `num_first` candidates
+// of a filter.
 Interval ShareAmongFirst(const std::vector<Ranking>& rankings, size_t filter, int num_first) {
   std::vector<double> hits;
   for (const Ranking& ranking : rankings) {
@@ -193,13 +196,13 @@ void AddRow(const std::vector<Ranking>& rankings, size_t filter, double max_righ
   table->AddRow(std::move(row));
 }
 
-// The claim is about the first filter with few right matches.
+// Judges the claim, which is about the first filter with few right matches.
 void Judge(const std::vector<Ranking>& few_right, ExperimentOutcome* outcome) {
   const Interval first_five = ShareAmongFirst(few_right, 0, kNumFirst);
   outcome->verdict = JudgeGreater(first_five, kMinShareFirst);
   outcome->sentence = fmt::format(
-      "With at most {} % of the matches right, {} of {} queries can be solved; of them {} has the "
-      "true pose among its first {} candidates for {}.",
+      "With at most {} % of the matches right, {} of {} queries can be solved. For the solvable "
+      "queries, the share for which {} has the true pose among its first {} candidates is {}.",
       100.0 * kFewRight, NumSolvable(few_right), few_right.size(), kFilters[0].name, kNumFirst,
       IntervalText(first_five));
 }
@@ -243,18 +246,17 @@ ExperimentOutcome Run(const ExperimentContext& context) {
 }  // namespace
 
 Experiment FirstCandidatesExperiment() {
-  return {
-      "20_first_candidates",
-      "The truth among the first candidates",
-      "not in the paper",
-      "With 1.5 % of the matches right, the true pose is among the first five candidates of "
-      "voting for 95 % of the queries that can be solved at all.",
-      "holds if the interval of the share is above 0.95, does not hold if it is below. A "
-      "candidate is right if its correspondences give the pose within 3 m and 10°; a query can "
-      "be solved if its right matches alone, or a candidate of some filter, give it. More right "
-      "matches than that are left out by lot.",
-      "2 min",
-      Run};
+  return {"20_first_candidates",
+          "The true pose among the first candidates",
+          "not in the paper",
+          "With 1.5 % of the matches right, the true pose is among the first five candidates of "
+          "voting for 95 % of the solvable queries.",
+          "holds if the interval of the share is above 0.95; does not hold if it is below. A "
+          "candidate is right if its correspondences give the pose within 3 m and 10°. A query is "
+          "solvable if its right matches alone, or a candidate of some filter, give the pose. "
+          "Right matches beyond the given share are left out at random.",
+          "2 min",
+          Run};
 }
 
 }  // namespace cairn

@@ -1,4 +1,4 @@
-// Gravity that is off: what a query loses by it, against having none.
+// Measures the loss through wrong gravity, compared with no gravity.
 #include <fmt/format.h>
 
 #include <string>
@@ -13,12 +13,13 @@ namespace {
 
 constexpr const char* kGiven = "gravity given";
 constexpr const char* kAbsent = "no gravity";
-// What gravity that is off may cost against none, in average precision.
+// Largest acceptable loss of average precision through wrong gravity, compared with no gravity.
 constexpr double kMargin = 0.05;
 constexpr double kPhoneErrorDeg = 1.0;
 constexpr double kRadFromDeg = 0.017453292519943295;
 
-// The world with other priors: off by 10 m an axis, and gravity by `gravity_sigma_deg`.
+// Returns the world with other priors: position errors of 10 m per axis, gravity errors of
+// `gravity_sigma_deg`.
 ExperimentWorld WithGravity(ExperimentWorld world, double gravity_sigma_deg, bool with_gravity,
                             uint64_t seed) {
   PriorNoiseOptions noise;
@@ -29,7 +30,8 @@ ExperimentWorld WithGravity(ExperimentWorld world, double gravity_sigma_deg, boo
   return world;
 }
 
-// The engine as users run it: unlike with BestVariant(), weak and ambiguous poses are no answers.
+// Measures the engine as users run it: unlike BestVariant(), it gives no answer for weak or
+// ambiguous poses.
 MeasuredVariant Measure(const ExperimentWorld& world, const std::string& method, double x,
                         const ExperimentContext& context) {
   return MeasureVariants(world, {{method, x, LocalizerOptions()}}, context).front();
@@ -46,7 +48,7 @@ ExperimentOutcome Run(const ExperimentContext& context) {
     measured.push_back(
         Measure(WithGravity(*world, error_deg, true, context.seed), kGiven, error_deg, context));
   }
-  for (const double error_deg : errors_deg) {  // The same at every error: a line to compare with.
+  for (const double error_deg : errors_deg) {  // Equal at every error: a line for comparison.
     absent.variant.x = error_deg;
     measured.push_back(absent);
   }
@@ -67,8 +69,8 @@ ExperimentOutcome Run(const ExperimentContext& context) {
   }
   outcome.verdict = JudgeAll(parts);
   outcome.sentence = fmt::format(
-      "Against no gravity, which has an average precision of {}, gravity that is off changes it by "
-      "{}. Right to {}°, it takes {:.2f} times the processor time of none.",
+      "Without gravity, average precision is {}. Wrong gravity changes average precision by {}. "
+      "Gravity that is right to {}° takes {:.2f} times the processor time of no gravity.",
       IntervalText(absent.report.average_precision), costs, kPhoneErrorDeg,
       phone.MeanCpuSeconds() / absent.MeanCpuSeconds());
   return outcome;
@@ -78,12 +80,12 @@ ExperimentOutcome Run(const ExperimentContext& context) {
 
 Experiment WrongGravityExperiment() {
   return {"21_wrong_gravity",
-          "Gravity that is off",
+          "Wrong gravity",
           "not in the paper",
-          "Gravity that is off costs at most 0.05 of average precision against none, however far "
-          "it is off.",
+          "Compared with no gravity, wrong gravity costs at most 0.05 average precision, however "
+          "large its error.",
           "holds if the paired interval of the difference is above -0.05 at every error; does not "
-          "hold if it is below at one.",
+          "hold if it is below -0.05 at one error.",
           "3 min",
           Run};
 }

@@ -1,4 +1,4 @@
-// Queries that show nothing of the map: how many are answered, and how surely.
+// Measures queries that show nothing of the map: how many are answered, and with what confidence.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +14,8 @@
 namespace cairn {
 namespace {
 
-// Of the answers to queries from elsewhere, more may not have a confidence above 0.5.
+// Largest acceptable share of queries from elsewhere that get an answer with a confidence above
+// 0.5.
 constexpr double kMaxConfidentShare = 0.002;
 
 struct NamedWorld {
@@ -22,7 +23,7 @@ struct NamedWorld {
   std::shared_ptr<const ExperimentWorld> world;
 };
 
-// The queries of one city, asked of the map of another as if they had been taken there.
+// Returns one city's queries with priors of another city, as if the photos had been taken there.
 std::vector<EvalQuery> AskedIn(const ExperimentWorld& world, std::vector<EvalQuery> queries,
                                bool with_priors, uint64_t seed) {
   PlaceElsewhere(KeyframePlaces(world.store->Snapshot()), seed, &queries);
@@ -33,7 +34,7 @@ std::vector<EvalQuery> AskedIn(const ExperimentWorld& world, std::vector<EvalQue
   return queries;
 }
 
-// The engine as users run it.
+// Queries the engine as users run it.
 std::vector<EvalAnswer> Ask(const ExperimentWorld& world, std::vector<EvalQuery> queries,
                             const ExperimentContext& context) {
   ExperimentWorld asked = world;
@@ -54,7 +55,7 @@ void AddRow(const std::string& map, const std::string& queries,
   all->insert(all->end(), answers.begin(), answers.end());
 }
 
-// The share of the queries that are answered with more than a confidence.
+// Draws the share of the queries that are answered with more than a given confidence.
 Figure ShareOverConfidence(const std::vector<EvalAnswer>& answers) {
   Figure figure{.name = "22_elsewhere",
                 .title = "Queries from elsewhere that are answered",
@@ -111,8 +112,8 @@ ExperimentOutcome Run(const ExperimentContext& context) {
                         ? Verdict::kHolds
                         : Verdict::kDoesNotHold;
   outcome.sentence = fmt::format(
-      "Of {} queries from elsewhere {} are answered, {} with a confidence above 0.5 and {} above "
-      "0.9.",
+      "Of {} queries from elsewhere, {} are answered: {} with a confidence above 0.5, {} with a "
+      "confidence above 0.9.",
       report.num_queries, report.num_answered, report.num_confident, report.num_sure);
   return outcome;
 }
@@ -120,15 +121,14 @@ ExperimentOutcome Run(const ExperimentContext& context) {
 }  // namespace
 
 Experiment ElsewhereExperiment() {
-  return {
-      "22_elsewhere",
-      "Photos of elsewhere",
-      "not in the paper",
-      "Queries that show nothing of the map are not answered.",
-      "holds if at most 0.2 % of the queries get an answer with a confidence above 0.5 and none "
-      "one above 0.9.",
-      "8 min",
-      Run};
+  return {"22_elsewhere",
+          "Photos from elsewhere",
+          "not in the paper",
+          "Queries that show nothing of the map are not answered.",
+          "holds if at most 0.2 % of the queries get an answer with a confidence above 0.5 and no "
+          "query gets one with a confidence above 0.9.",
+          "8 min",
+          Run};
 }
 
 }  // namespace cairn

@@ -1,4 +1,4 @@
-// A focal length that is off, or not known: what an answer loses by it.
+// Measures the loss through a wrong or unknown focal length.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,11 +16,12 @@ constexpr const char* kKept = "kept as it is stated";
 constexpr const char* kTrusted = "stated";
 constexpr const char* kUncertain = "stated, with its error as standard deviation";
 constexpr const char* kUnknown = "unknown";
-// Of the average precision with the right focal length, what may be lost.
+// Largest acceptable loss, as a share of the average precision with the right focal length.
 constexpr double kMaxLoss = 0.05;
-constexpr double kMinSigma = 0.01;  // What a focal length is right within if nobody says so.
+// Assumed error of a focal length that states none.
+constexpr double kMinSigma = 0.01;
 
-// The engine as users run it: weak and ambiguous poses are no answers.
+// Measures the engine as users run it: it gives no answer for weak and ambiguous poses.
 MeasuredVariant Measure(ExperimentWorld world, const StatedFocalOptions& focal,
                         const std::string& method, double error_percent,
                         const ExperimentContext& context) {
@@ -43,7 +44,7 @@ std::vector<MeasuredVariant> MeasureAll(const ExperimentWorld& world,
     measure(kUncertain, percent, {.error = error, .sigma = std::max(kMinSigma, error)});
   }
   measure(kUnknown, 0.0, {.withheld = true});
-  for (const double percent : errors_percent) {  // The same at every error: a line.
+  for (const double percent : errors_percent) {  // Equal at every error: a line.
     if (percent > 0.0) {
       measured.push_back(At(measured, kUnknown, 0.0));
       measured.back().variant.x = percent;
@@ -77,9 +78,9 @@ ExperimentOutcome Run(const ExperimentContext& context) {
   }
   outcome.verdict = JudgeAll(parts);
   outcome.sentence = fmt::format(
-      "Against the right focal length, with an average precision of {}, one that is off and says "
-      "by how much changes it by {}. An unknown camera changes it by {} and takes {:.1f} times the "
-      "processor time.",
+      "With the right focal length, average precision is {}. A wrong focal length that states its "
+      "error changes average precision by {}. An unknown camera changes it by {} and takes {:.1f} "
+      "times the processor time.",
       IntervalText(right.report.average_precision), costs,
       DifferenceText(ApDifference(unknown, right)),
       unknown.MeanCpuSeconds() / right.MeanCpuSeconds());
@@ -90,12 +91,13 @@ ExperimentOutcome Run(const ExperimentContext& context) {
 
 Experiment FocalLengthExperiment() {
   return {"23_focal_length",
-          "A focal length that is off, or unknown",
+          "A wrong or unknown focal length",
           "not in the paper",
-          "A query that says how far its focal length may be off, or that it is unknown, keeps "
-          "0.95 of the average precision that the right one gives.",
-          "holds if the paired intervals of the differences are above -0.05 of that average "
-          "precision, for an unknown camera and at every error; does not hold if one is below.",
+          "A query that states the error of its focal length, or that the focal length is unknown, "
+          "keeps 0.95 of the average precision that the right focal length gives.",
+          "holds if the paired intervals of the differences are above -0.05 times that average "
+          "precision, for an unknown camera and at every error; does not hold if one interval is "
+          "below.",
           "6 min",
           Run};
 }

@@ -74,7 +74,7 @@ ExperimentOutcome CompareKinds(const ExperimentContext& context, const std::stri
   outcome.verdict = JudgeAll({JudgeGreater(to_medoids), JudgeGreater(to_random)});
   outcome.sentence = fmt::format(
       "In the mean, k-means differs by {} average precision from k-medoids and by {} from random "
-      "choice. From {:.2f} to {:.2f} MB a tile ({:.0f} % less) k-means loses {}.",
+      "choice. A reduction from {:.2f} to {:.2f} MB per tile ({:.0f} % less) costs k-means {}.",
       DifferenceText(to_medoids), DifferenceText(to_random), most.MegabytesPerTile(),
       least.MegabytesPerTile(), 100.0 * (1.0 - least.MegabytesPerTile() / most.MegabytesPerTile()),
       DifferenceText(ApDifference(most.answers, least.answers)));

@@ -1,5 +1,5 @@
-// What experiments 2 to 4 share: landmarks chosen by the integer program, their appearance
-// summarized in different ways; private to experiments.
+// Shared code of experiments 2 to 4. The integer program chooses the landmarks; their appearance is
+// summarized in different ways. Private to experiments.
 #ifndef CAIRN_LAB_EXPERIMENTS_RUNS_APPEARANCE_RUNS_H_
 #define CAIRN_LAB_EXPERIMENTS_RUNS_APPEARANCE_RUNS_H_
 
@@ -13,14 +13,14 @@ namespace cairn {
 
 const char* AppearanceLabel(AppearanceKind kind);  // "k-means", "k-medoids", "random".
 
-// A fixed number of descriptors a landmark, or a ratio of those it has. The landmark budget is the
-// same for all and met by the integer program.
+// Keeps a fixed number of descriptors per landmark, or a ratio of each landmark's descriptors. The
+// landmark budget is the same for all variants; the integer program meets it.
 IngestVariant FixedCountVariant(const std::string& method, AppearanceKind kind, int count,
                                 const ExperimentContext& context);
 IngestVariant RatioVariant(const std::string& method, AppearanceKind kind, double ratio,
                            const ExperimentContext& context);
 
-// Measures each kind at each knob and asks whether k-means beats both others.
+// Measures each kind with each setting, and judges whether k-means beats both other kinds.
 ExperimentOutcome CompareKinds(const ExperimentContext& context, const std::string& name,
                                const std::string& title, const std::string& knob_name,
                                const std::vector<double>& knobs,

@@ -1,4 +1,4 @@
-// The cities of different character that 10 and 18 compare; private to experiments.
+// The cities of different character that experiments 10 and 18 compare. Private to experiments.
 #ifndef CAIRN_LAB_EXPERIMENTS_RUNS_CITIES_H_
 #define CAIRN_LAB_EXPERIMENTS_RUNS_CITIES_H_
 
@@ -10,7 +10,7 @@
 
 namespace cairn {
 
-// Name and world of each.
+// Returns the name and the world of each city.
 std::vector<std::pair<std::string, ExperimentWorldOptions>> Cities(
     const ExperimentContext& context);
 

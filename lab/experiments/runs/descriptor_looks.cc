@@ -10,7 +10,8 @@ namespace cairn {
 namespace {
 
 constexpr int kLandmarksPerOrnament = 5;
-constexpr uint64_t kTrainingLandmark = uint64_t{1} << 40;  // Beyond those of experiments.
+// Larger than the numbers of the experiments' landmarks.
+constexpr uint64_t kTrainingLandmark = uint64_t{1} << 40;
 constexpr int kTrainingLandmarks = 15'000;
 constexpr int kTrainingLooks = 3;
 constexpr uint64_t kPhoneObservation = 1'000'000;

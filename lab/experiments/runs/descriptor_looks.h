@@ -1,4 +1,4 @@
-// Descriptors of simulated landmarks without a city around them; private to experiments.
+// Descriptors of simulated landmarks without a city. Private to experiments.
 #ifndef CAIRN_LAB_EXPERIMENTS_RUNS_DESCRIPTOR_LOOKS_H_
 #define CAIRN_LAB_EXPERIMENTS_RUNS_DESCRIPTOR_LOOKS_H_
 
@@ -10,18 +10,19 @@
 
 namespace cairn {
 
-// Looks at landmarks with the numbers from `first` on. A third of the landmarks are one of five
-// that share an ornament.
+// Looks at landmarks, which are numbered from `first` on. A third of the landmarks belong to groups
+// of five that share an ornament.
 class DescriptorLooks {
  public:
   explicit DescriptorLooks(uint64_t seed) : seed_(seed) {}
 
-  // Row i is a look at landmark first + i / looks_each: by a car, or by a phone, which looks from
-  // elsewhere in another light. 128-D, raw.
+  // Row i is a look at landmark first + i / looks_each (ByPhone: one look each). ByCar gives a
+  // car's looks. ByPhone gives a phone's looks, from other directions and in other light. 128-D,
+  // raw.
   DescriptorMatrix ByCar(uint64_t first, int num_landmarks, int looks_each) const;
   DescriptorMatrix ByPhone(uint64_t first, int num_landmarks) const;
 
-  // A codebook trained as ingest does it, on landmarks of which the other methods never tell.
+  // Returns a codebook trained as ingest does, on landmarks that the other methods never return.
   Codebook Train(const CodebookOptions& options) const;
 
  private:

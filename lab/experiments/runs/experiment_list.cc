@@ -6,7 +6,7 @@
 namespace cairn {
 namespace {
 
-// "7" and "07" are "07".
+// Returns "07" for "7" and "07".
 std::string TwoDigits(const std::string& name) { return name.size() == 1 ? "0" + name : name; }
 
 }  // namespace

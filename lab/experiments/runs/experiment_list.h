@@ -11,8 +11,8 @@ namespace cairn {
 
 std::vector<Experiment> AllExperiments();
 
-// By full name or by its number alone ("07", "7"). Throws Error(kInvalidArgument) that lists the
-// names.
+// Finds an experiment by its full name or its number ("07", "7"). Throws Error(kInvalidArgument)
+// that lists the names.
 Experiment FindExperiment(const std::string& name);
 
 }  // namespace cairn

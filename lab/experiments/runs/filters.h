@@ -1,4 +1,4 @@
-// The outlier filters that 12, 13 and 20 compare; private to experiments.
+// The outlier filters that experiments 12, 13 and 20 compare. Private to experiments.
 #ifndef CAIRN_LAB_EXPERIMENTS_RUNS_FILTERS_H_
 #define CAIRN_LAB_EXPERIMENTS_RUNS_FILTERS_H_
 
@@ -9,7 +9,8 @@ namespace cairn {
 
 struct NamedFilter {
   const char* name;
-  VotingOptions (*with_filter)(VotingOptions);  // The options with the filter in place of theirs.
+  // Returns the options with this filter in place of their own.
+  VotingOptions (*with_filter)(VotingOptions);
 };
 
 inline VotingOptions WithVoting(VotingOptions options, OutlierFilter filter) {

@@ -52,7 +52,7 @@ std::vector<fusion::Recording> CityRecordings(const ExperimentContext& context) 
   });
 }
 
-// One trajectory under cameras, landmarks and noise of several seeds.
+// Records one trajectory with cameras, landmarks and noise of several seeds.
 std::vector<fusion::Recording> RoomRecordings(const fusion::Room& room,
                                               const ExperimentContext& context) {
   fusion::RecordingOptions options = room.options;
@@ -92,7 +92,7 @@ std::vector<FusionScene> RunFusionScenes(const ExperimentContext& context,
   fusion::ComparisonOptions comparison;
   comparison.variants = variants;
   comparison.steadies_rivals = steadies_rivals;
-  // Read first: the walks take minutes, and the folder may not be right.
+  // Reads the rooms first, because the walks take minutes and the folder may be wrong.
   const std::vector<fusion::Room> rooms = context.trajectories_folder.empty()
                                               ? std::vector<fusion::Room>()
                                               : fusion::AllRooms(context.trajectories_folder);

@@ -1,4 +1,4 @@
-// The experiments, one function each; private to experiments.
+// The experiments, one function for each. Private to experiments.
 #ifndef CAIRN_LAB_EXPERIMENTS_RUNS_RUNS_H_
 #define CAIRN_LAB_EXPERIMENTS_RUNS_RUNS_H_
 
@@ -30,7 +30,7 @@ Experiment WrongGravityExperiment();
 Experiment ElsewhereExperiment();
 Experiment FocalLengthExperiment();
 
-// The world that 7 to 9, 11 to 15, 20 and 21 share.
+// Returns the world that experiments 7 to 9, 11 to 15, 20 and 21 share.
 ExperimentWorldOptions StandardWorld(const ExperimentContext& context);
 
 }  // namespace cairn

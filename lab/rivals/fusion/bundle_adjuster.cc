@@ -123,14 +123,14 @@ size_t BundleAdjuster::FurthestFromNewest() const {
   const auto distance = [&](const Camera& camera) {
     return (camera->State().local_from_imu.translation - newest).norm();
   };
-  // Among the others; the first of equals.
+  // The furthest of the other cameras; the first if several are equally far.
   const auto furthest =
       std::max_element(cameras_.begin(), cameras_.end() - 1,
                        [&](const Camera& a, const Camera& b) { return distance(a) < distance(b); });
   return static_cast<size_t>(furthest - cameras_.begin());
 }
 
-// The successor inherits the motion since the camera before.
+// Removes a camera. Its successor takes over the motion since the camera before.
 void BundleAdjuster::RemoveCamera(size_t idx) {
   tracks_.DropCamera(cameras_[idx].get());
   if (idx > 0) {
@@ -208,7 +208,7 @@ void BundleAdjuster::RefreshPreintegration() {
   }
 }
 
-// After an optimisation: outliers, and points that left the view of a camera.
+// After an optimization, drops outliers and points that left the view of a camera.
 void BundleAdjuster::DropBadLandmarks(std::span<WindowTrack* const> tracks) {
   const double sq_limit = std::pow(
       options_.track_gate_sigmas * options_.track_sigma_px / options_.camera.focal_px(), 2);

@@ -1,4 +1,4 @@
-// The rival of the filter: sliding-window visual-inertial bundle adjustment with the map held fixed
+// Sliding-window visual-inertial bundle adjustment with the map held fixed: the filter's rival
 // (paper, "Evaluation of the Pose Fusion"; Middelberg et al. 2014).
 #ifndef CAIRN_LAB_RIVALS_FUSION_BUNDLE_ADJUSTER_H_
 #define CAIRN_LAB_RIVALS_FUSION_BUNDLE_ADJUSTER_H_
@@ -23,52 +23,52 @@
 
 namespace cairn::fusion {
 
-// A camera frame, as the tracker saw it.
+// A camera frame with its tracked features.
 struct AdjusterFrame {
   int64_t frame_id = 0;
   int64_t timestamp_ns = 0;
-  // Between keyframes the newest camera gives way to the next one.
+  // If the newest camera of the window is not a keyframe, the next frame replaces it.
   bool is_keyframe = true;
   std::span<const ImuStep> steps_since_previous;
   std::span<const TrackedFeature> features;
 };
 
 // The window holds the newest frame and keyframes before it. A match to the map turns its track
-// from a variable landmark into a fixed one, for every camera that sees it, so no sight counts
-// twice.
+// from a variable landmark into a fixed one for all cameras that see it, so no sight counts twice.
 //
-// Not thread-safe. Repeats up to rounding: Ceres orders variables by their address.
+// Not thread-safe. Results repeat up to rounding, because Ceres orders variables by their address.
 class BundleAdjuster {
  public:
-  // Starts at the frame `first`, in which the imu is in `state`, known to `covariance` of its error
-  // [theta, p, v, b_g, b_a]. What defines local, position and yaw, may have none: it is held as the
-  // options say. Throws as Validate.
+  // Starts at the frame `first`, at which the IMU has the state `state`. `covariance` is the
+  // covariance of its error [theta, p, v, b_g, b_a]. Position and yaw define local, so their
+  // covariance may be zero; the options then say how they are held. Throws the errors of Validate.
   BundleAdjuster(const BundleAdjusterOptions& options, const ImuState& state,
                  const Matrix15d& covariance, const AdjusterFrame& first);
 
-  // Moves on to the next frame: prediction and preintegration. The inertial steps must have a
-  // positive duration.
+  // Appends the next frame: prediction and preintegration. The inertial steps must have a positive
+  // duration.
   void AddFrame(const AdjusterFrame& frame);
 
-  // Sets or replaces global_from_local; without it matches do not count.
+  // Sets or replaces global_from_local. Without it, matches have no effect.
   void SetGlobalFromLocal(const Rigid3d& global_from_local);
 
-  // Gates the matches of a frame at the present estimate and enters those that pass. Returns how
-  // many: none if the frame is not in the window.
+  // Gates the matches of a frame at the present estimate and adds those that pass. Returns the
+  // number of added matches; 0 if the frame is not in the window.
   int AddMatches(int64_t frame_id, std::span<const MapMatch> matches);
 
-  // Discards cameras beyond the size of the window, triangulates new tracks and optimises.
+  // Discards cameras beyond the size of the window, triangulates new tracks and optimizes.
   AdjustmentSummary Optimize();
 
   ImuState state() const { return cameras_.back()->State(); }
   std::optional<Rigid3d> global_from_local() const;
   int num_cameras() const { return static_cast<int>(cameras_.size()); }
   std::vector<int64_t> frame_ids() const;
-  // local_from_imu of a frame; nothing if it is not in the window.
+  // Returns local_from_imu of a frame, or nullopt if the frame is not in the window.
   std::optional<Rigid3d> PoseOf(int64_t frame_id) const;
 
  private:
-  // Keypoints that are no tracked features become tracks of one sight; their ids count from here.
+  // A keypoint that is not a tracked feature becomes a track of one sight. The ids of such tracks
+  // start here.
   static constexpr uint64_t kFirstUntrackedId = uint64_t{1} << 63;
 
   using Camera = std::unique_ptr<WindowCamera>;
@@ -83,7 +83,7 @@ class BundleAdjuster {
   void DropBadLandmarks(std::span<WindowTrack* const> tracks);
 
   const BundleAdjusterOptions options_;
-  std::deque<Camera> cameras_;  // By time.
+  std::deque<Camera> cameras_;  // Ordered by time.
   std::optional<WindowAlignment> alignment_;
   WindowTracks tracks_;
   std::optional<MarginalPrior> prior_;

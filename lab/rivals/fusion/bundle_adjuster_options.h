@@ -9,48 +9,51 @@
 
 namespace cairn::fusion {
 
-// What happens to a camera that leaves the window.
+// The treatment of a camera that leaves the window.
 enum class DiscardPolicy {
-  kDiscard,      // The furthest from the newest goes, with its residuals (Middelberg et al. 2014).
-  kMarginalize,  // The oldest goes; what it said about the others becomes a prior.
+  // The camera furthest from the newest goes, with its residuals (Middelberg et al. 2014).
+  kDiscard,
+  kMarginalize,  // The oldest camera goes; its information becomes a prior.
 };
 
 struct BundleAdjusterOptions {
   Camera camera;
-  Rig rig;  // Taken as exact.
+  Rig rig;  // Assumed to be exact.
   ImuNoise imu_noise;
   double gravity_m_s2 = 9.81;
 
   DiscardPolicy discard = DiscardPolicy::kDiscard;
-  int num_cameras = 10;     // Of the window, at least 3; the paper's variants have 10 and 5.
-  int num_iterations = 10;  // Of Levenberg-Marquardt, exactly; the paper's variants have 10, 5, 2.
+  int num_cameras = 10;  // Window size, at least 3; the paper's variants have 10 and 5.
+  // Exact number of Levenberg-Marquardt iterations; the paper's variants have 10, 5 and 2.
+  int num_iterations = 10;
 
   double track_sigma_px = 1.0;  // Standard deviation of a tracked pixel per axis.
-  double match_sigma_px = 1.0;  // The same of the pixel of a match to the map.
+  double match_sigma_px = 1.0;  // Standard deviation of a matched pixel per axis.
   // Residuals beyond this many standard deviations count linearly (Huber).
   double huber_sigmas = 2.5;
-  // Matches to the map whose residual at the prediction is larger are left out; the window has no
-  // covariance to gate with.
+  // Largest residual of a match to the map at the prediction; matches above it are left out. The
+  // window has no covariance to gate with.
   double match_gate_px = 20.0;
-  // Landmarks of the window whose root mean square residual after optimisation is larger are
-  // forgotten.
+  // Largest root mean square residual of a landmark after an optimization. The window drops
+  // landmarks above it.
   double track_gate_sigmas = 3.0;
-  int min_views = 3;           // Of a track that takes part.
-  int max_local_tracks = 100;  // That take part, the longest first; bounds the time.
+  int min_views = 3;           // Fewest views of a track that takes part.
+  int max_local_tracks = 100;  // Most tracks that take part, longest first; bounds the time.
   TriangulateOptions triangulate;
 
-  // With kDiscard, biases forgotten with the discarded cameras are held near their last estimate,
-  // and position and heading of the oldest camera, which nothing else determines, where they are.
+  // Only for kDiscard. The discarded cameras take their knowledge of the biases with them, so the
+  // biases are held near their last estimate. Nothing else determines the position and heading of
+  // the oldest camera, so these are held at their values.
   double gyro_bias_sigma_rad_s = 1e-3;
   double accel_bias_sigma_m_s2 = 2e-2;
   double gauge_sigma_rad = 1e-4;
   double gauge_sigma_m = 1e-3;
 
-  // Biases may move this far before the samples are integrated anew.
+  // The samples are integrated again if a bias has changed by more than this.
   double max_gyro_bias_change_rad_s = 5e-3;
   double max_accel_bias_change_m_s2 = 5e-2;
 
-  // Throws Error(kInvalidArgument) naming what makes no sense.
+  // Throws Error(kInvalidArgument) that names the invalid option.
   void Validate() const;
 };
 

@@ -48,7 +48,7 @@ Smoothness SmoothnessOf(std::vector<double> changes) {
   return {.rms = Rms(changes), .percentile_95 = changes[rank], .maximum = changes.back()};
 }
 
-// Which of the poses of a frame.
+// Selects one of the poses of a frame.
 using PoseOfRun = std::optional<Rigid3d> FrameRun::*;
 
 void SetErrors(const Recording& recording, const std::vector<FrameRun>& runs, PoseOfRun pose_of,
@@ -101,7 +101,7 @@ void SetTimes(const Recording& recording, const std::vector<FrameRun>& runs, Met
       of_frames.empty() ? 0.0 : num_matches / static_cast<double>(of_frames.size());
 }
 
-// Runs several times and keeps the fastest time of each frame.
+// Runs several times and keeps each frame's fastest time.
 template <typename Run>
 std::vector<FrameRun> Repeat(int num_timings, const Run& run) {
   std::vector<FrameRun> runs = run();
@@ -124,7 +124,7 @@ MethodResult Summarize(std::string name, const Recording& recording,
   return result;
 }
 
-// Of what a display would show, next to `raw`.
+// Summarizes the poses that a display would show; the times are those of `raw`.
 MethodResult SummarizeSteady(MethodResult raw, const Recording& recording,
                              const std::vector<FrameRun>& runs) {
   raw.name += ", steady";
@@ -133,7 +133,7 @@ MethodResult SummarizeSteady(MethodResult raw, const Recording& recording,
   return raw;
 }
 
-// Ratios of one method to others.
+// The ratios of one method to others, as text.
 std::string RatioTable(const MethodResult& filter, std::span<const MethodResult> others) {
   std::string text = fmt::format("{:<20}{:>12}{:>14}{:>16}{:>16}{:>18}{:>18}\n", filter.name,
                                  "t-up / it", "frame / it", "it / position", "it / rotation",

@@ -1,5 +1,6 @@
-// The filter against bundle adjustment on one recording: the paper's table on the cost and accuracy
-// of updates by global matches, and its figure on smoothness ("Evaluation of the Pose Fusion").
+// Compares the filter with bundle adjustment on one recording: the paper's table on the cost and
+// accuracy of updates by global matches, and its figure on smoothness ("Evaluation of the Pose
+// Fusion").
 #ifndef CAIRN_LAB_RIVALS_FUSION_COMPARISON_H_
 #define CAIRN_LAB_RIVALS_FUSION_COMPARISON_H_
 
@@ -13,7 +14,7 @@
 
 namespace cairn::fusion {
 
-// Of positive numbers.
+// Statistics of positive numbers.
 struct Spread {
   double mean = 0.0;
   double standard_deviation = 0.0;
@@ -25,71 +26,78 @@ struct Smoothness {
   double maximum = 0.0;
 };
 
-// How one estimator did.
+// The results of one estimator.
 struct MethodResult {
-  // "EKF", "BA-10-5"; "-M" with marginalisation, "-F" with every frame a keyframe; ", steady" of
-  // what a display would show.
+  // "EKF" or "BA-10-5", for example. "-M" marks marginalization, "-F" that every frame is a
+  // keyframe. ", steady" marks the poses that a display would show.
   std::string name;
   bool is_steady = false;
   size_t num_counted_frames = 0;
   double position_rmse_m = 0.0;
   double rotation_rmse_rad = 0.0;
-  Spread position_error_m;  // Over frames, as in the paper's table.
+  Spread position_error_m;  // Over the frames, as in the paper's table.
   Spread rotation_error_rad;
-  // Change of the error from frame to frame, with the error in global: |e_k - e_k-1| and
-  // |Log(E_k E_k-1')|.
+  // Change of the error from frame to frame, with the error in global: |e_k - e_k-1| and |Log(E_k
+  // E_k-1')|.
   Smoothness position_change_m;
   Smoothness rotation_change_rad;
-  // CPU time, one thread, of counted frames; propagation and preintegration are not in it.
+  // CPU time of one thread over the counted frames, without propagation and preintegration.
   Spread update_seconds;      // The update by an answer; see CompareEstimators.
-  Spread frame_seconds;       // Everything for a frame that comes with an answer.
-  double mean_matches = 0.0;  // In an update.
+  Spread frame_seconds;       // All work for a frame that comes with an answer.
+  double mean_matches = 0.0;  // Per update.
 };
 
-// One row of the table besides the filter's.
+// One bundle adjustment in the table.
 struct RivalVariant {
   int num_cameras = 10;
   int num_iterations = 10;
   DiscardPolicy discard = DiscardPolicy::kDiscard;
-  // The window holds the last frames one by one, as the filter's does, instead of the queried ones.
+  // If true, the window holds the latest frames one by one, like the filter's window, instead of
+  // the queried frames.
   bool every_frame_is_keyframe = false;
 
   std::string Name() const;
 };
 
-// The paper's: BA-10-10, BA-10-5, BA-5-10, BA-5-5, BA-5-2; then BA-10-5 and BA-5-2 with
-// marginalisation.
+// The paper's variants: BA-10-10, BA-10-5, BA-5-10, BA-5-5 and BA-5-2; then BA-10-5 and BA-5-2 with
+// marginalization.
 std::vector<RivalVariant> PaperVariants();
 
-// What all variants have in common with the filter on a recording: camera, rig, noise, gravity.
+// Returns the options that all variants share with the filter on a recording: camera, rig, noise
+// and gravity.
 BundleAdjusterOptions RivalOptions(const Recording& recording, const RivalVariant& variant);
 
 struct ComparisonOptions {
   std::vector<RivalVariant> variants = PaperVariants();
-  // The recording is run this often; times are those of the fastest run, frame by frame. The
-  // estimates are those of the first.
+  // Number of runs over the recording. Each frame's time is that of its fastest run. The estimates
+  // are those of the first run.
   int num_timings = 1;
-  // Whether the rivals, too, are steadied; in rows of their own behind all others.
+  // If true, the rivals' poses are also smoothed. The results are additional rows after all others.
   bool steadies_rivals = false;
 
-  // Throws Error(kInvalidArgument) naming what makes no sense.
+  // Throws Error(kInvalidArgument) that names the invalid option.
   void Validate() const;
 };
 
-// The filter first, then the poses that it publishes for displays
-// (Estimate::steady_global_from_imu; the times are the filter's), then each variant, on the same
-// samples, tracks, answers and noise, each answer reaching them one frame after its query. Times of
-// an update: of the rivals, gating the matches, building the problem and solving it. Of the filter,
-// gating, compressing and applying all matches of the answer, on a copy of its state. (Its frames
-// with an answer may cost less than those without, as sights that go into the answer are not used
-// as tracks, so a difference says nothing.) Its whole frame, propagation and local tracks included,
-// is `frame_seconds`. Throws Error(kBadInput) if a recording has fewer than two counted frames or
-// its samples do not span its frames.
+// Runs all estimators on the same samples, tracks, answers and noise. Each answer reaches the
+// estimators one frame after its query. The results are, in order: the filter; the poses that the
+// filter publishes for displays (Estimate::steady_global_from_imu, with the filter's times); each
+// variant.
+//
+// The time of an update has a different meaning for each kind of estimator. For a rival, it covers
+// gating the matches, building the problem and solving it. For the filter, it covers gating,
+// compressing and applying all matches of the answer on a copy of its state. A comparison of the
+// filter's frames with and without an answer would not do: sights that go into the answer are not
+// used as tracks, so a frame with an answer may cost less. `frame_seconds` is the filter's whole
+// frame, including propagation and local tracks.
+//
+// Throws Error(kBadInput) if a recording has fewer than two counted frames or its samples do not
+// span its frames.
 std::vector<MethodResult> CompareEstimators(const Recording& recording,
                                             const ComparisonOptions& options);
 
-// The table as text, and the ratios of the filter and of its steady poses, the first two results,
-// to the others.
+// Returns the table as text, together with the ratios of the first two results (the filter and its
+// steady poses) to the others.
 std::string ComparisonTable(const std::string& title, std::span<const MethodResult> results);
 
 }  // namespace cairn::fusion

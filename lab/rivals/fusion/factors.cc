@@ -9,7 +9,7 @@ template <int kRows, int kCols>
 using RowMajorMap = Eigen::Map<Eigen::Matrix<double, kRows, kCols, Eigen::RowMajor>>;
 using Matrix23d = Eigen::Matrix<double, 2, 3>;
 
-// Projects x; false if it is not in front of the camera. `by_local` is P' A / sigma.
+// Projects x. Returns false if x is not in front of the camera. `by_local` is P' A / sigma.
 bool Project(const WindowCamera& camera, const Eigen::Vector3d& from_imu_in_local,
              const Eigen::Vector2d& normalized, double inverse_sigma, double* residuals,
              Matrix23d* by_local) {
@@ -30,7 +30,7 @@ bool Project(const WindowCamera& camera, const Eigen::Vector3d& from_imu_in_loca
   return true;
 }
 
-// By [theta, p] of the camera.
+// Writes the Jacobian by [theta, p] of the camera.
 void SetByPose(const WindowCamera& camera, const Eigen::Vector3d& from_imu_in_local,
                const Matrix23d& by_local, double* jacobian) {
   RowMajorMap<2, kPoseBlock> by_pose(jacobian);
@@ -92,7 +92,7 @@ bool GlobalFactor::Evaluate(double const* const* /*parameters*/, double* residua
 
 namespace {
 
-// Everything about an inertial residual that its Jacobians need.
+// The terms of an inertial residual that its Jacobians need.
 struct ImuTerms {
   Eigen::Matrix3d from_rotation;    // R_i'.
   Eigen::Vector3d delta_rotation;   // First-order change of dR by the biases.

@@ -1,10 +1,12 @@
-// The residuals of the bundle adjustment, with analytic Jacobians.
+// The residuals of the bundle adjustment with analytic Jacobians.
 //
-// Symbols: R = local_from_imu rotation, p its translation, both of one camera; A = cam_from_local
-// rotation; x a landmark in local; y = A (x - p) + (imu in cam) the landmark in cam. P = projection
-// onto the plane z = 1, with the Jacobian P' = 1/z [1 0 -y1/z; 0 1 -y2/z]. J_l(theta) maps a change
-// of theta to one of the rotation (window_variables.h). PrepareVariables must have run at the point
-// of evaluation: the parameters are read through the cameras.
+// Symbols: R is the rotation and p the translation of a camera's local_from_imu; A is the rotation
+// of cam_from_local; x is a landmark in local; y = A (x - p) + (imu in cam) is the landmark in cam.
+// P is the projection onto the plane z = 1, with the Jacobian P' = 1/z [1 0 -y1/z; 0 1 -y2/z].
+// J_l(theta) maps a change of theta to a change of the rotation (window_variables.h).
+//
+// The factors read their parameters through the cameras, so PrepareVariables must have run at the
+// point of evaluation.
 #ifndef CAIRN_LAB_RIVALS_FUSION_FACTORS_H_
 #define CAIRN_LAB_RIVALS_FUSION_FACTORS_H_
 
@@ -16,14 +18,14 @@
 
 namespace cairn::fusion {
 
-// Residuals closer to the camera than this make an evaluation fail, which rejects the step.
+// Smallest depth of a residual. A smaller depth makes the evaluation fail, which rejects the step.
 inline constexpr double kMinFactorDepthM = 0.05;
 
 // A local landmark seen by a camera: (P(y) - measured) / sigma.
 //   by theta  P' A [x - p]x J_l    by p  -P' A    by x  P' A
 class LocalFactor final : public ceres::SizedCostFunction<2, kPoseBlock, kLandmarkBlock> {
  public:
-  // `normalized` is on the plane z = 1, as is its standard deviation `sigma`.
+  // `normalized` and its standard deviation `sigma` are on the plane z = 1.
   void Set(const WindowCamera* camera, const Eigen::Vector2d& normalized, double sigma) {
     camera_ = camera;
     normalized_ = normalized;
@@ -38,8 +40,8 @@ class LocalFactor final : public ceres::SizedCostFunction<2, kPoseBlock, kLandma
   double inverse_sigma_ = 1.0;
 };
 
-// A landmark of the map, fixed in global, seen by a camera; x = R_GL' (x_G - c_G) + c_L with the
-// pivot c. As LocalFactor, and
+// A camera sees a map landmark that is fixed in global. x = R_GL' (x_G - c_G) + c_L with the pivot
+// c. The derivatives are those of LocalFactor, and
 //   by psi  P' A R_GL' ((x_G - c_G) x e_z)    by c_G  -P' A R_GL'
 class GlobalFactor final : public ceres::SizedCostFunction<2, kPoseBlock, kGlobalBlock> {
  public:
@@ -62,8 +64,8 @@ class GlobalFactor final : public ceres::SizedCostFunction<2, kPoseBlock, kGloba
   Eigen::Vector3d x_in_global_ = Eigen::Vector3d::Zero();
 };
 
-// Preintegrated motion from camera i to its successor j over dt, whitened; before whitening, with
-// the preintegrated dR, dp, dv moved to the biases of i by their first-order change:
+// The preintegrated motion from camera i to its successor j over dt, whitened. The preintegrated
+// dR, dp and dv are first moved to the biases of i by their first-order change. Before whitening:
 //   r_theta = Log(R_i' R_j dR')
 //   r_p     = R_i' (p_j - p_i - v_i dt - g dt^2 / 2) - dp
 //   r_v     = R_i' (v_j - v_i - g dt) - dv
@@ -85,8 +87,8 @@ class ImuFactor final
   Eigen::Vector3d gravity_in_local_ = Eigen::Vector3d::Zero();
 };
 
-// Holds the four unobservable degrees of freedom of the window, position and heading, where they
-// are at the oldest camera: (e_z . theta) / sigma_rad, (p - p_0) / sigma_m.
+// Holds the four unobservable degrees of freedom of the window (position and heading) at their
+// values in the oldest camera: (e_z . theta) / sigma_rad, (p - p_0) / sigma_m.
 class GaugeFactor final : public ceres::SizedCostFunction<4, kPoseBlock> {
  public:
   void Set(const Eigen::Vector3d& position_in_local, double sigma_rad, double sigma_m) {
@@ -103,8 +105,8 @@ class GaugeFactor final : public ceres::SizedCostFunction<4, kPoseBlock> {
   double inverse_sigma_m_ = 1.0;
 };
 
-// What is known of the biases of a camera beyond the window: (b_g - b_g0) / sigma, (b_a - b_a0) /
-// sigma.
+// Prior knowledge of a camera's biases from outside the window: (b_g - b_g0) / sigma, (b_a - b_a0)
+// / sigma.
 class BiasFactor final : public ceres::SizedCostFunction<6, kMotionBlock> {
  public:
   void Set(const Eigen::Vector3d& gyro_bias, const Eigen::Vector3d& accel_bias,

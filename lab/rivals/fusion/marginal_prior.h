@@ -1,4 +1,4 @@
-// What discarded cameras said about those that remain.
+// The information that discarded cameras leave about the remaining ones.
 #ifndef CAIRN_LAB_RIVALS_FUSION_MARGINAL_PRIOR_H_
 #define CAIRN_LAB_RIVALS_FUSION_MARGINAL_PRIOR_H_
 
@@ -13,31 +13,32 @@ namespace cairn::fusion {
 
 enum class PriorBlockKind { kPose, kMotion, kAlignment };
 
-// A block of variables of a prior and the value at which the prior was linearised.
+// A block of variables of a prior, and the value at which the prior was linearized.
 struct PriorBlock {
-  // Of the present value of the variables.
+  // A block at the present value of the variables.
   static PriorBlock Pose(WindowCamera* camera);
   static PriorBlock Motion(WindowCamera* camera);
   static PriorBlock Alignment(WindowAlignment* alignment);
 
   int size() const;
   double* variables() const;
-  // How far the variables are from the value at linearisation, and the derivative of that by the
-  // parameter block: pose (rotation on the left, position), motion, alignment (heading, position in
-  // global of the pivot at linearisation).
+  // Difference returns the variables minus their values at the linearization. DifferenceJacobian
+  // returns its derivative by the parameter block. Order of the difference: for a pose, rotation
+  // (on the left) and position; for an alignment, heading and the position in global of the pivot
+  // at the linearization.
   Eigen::VectorXd Difference() const;
   Eigen::MatrixXd DifferenceJacobian() const;
 
   PriorBlockKind kind = PriorBlockKind::kPose;
-  WindowCamera* camera = nullptr;        // Of kPose and kMotion.
-  WindowAlignment* alignment = nullptr;  // Of kAlignment.
-  Rigid3d local_from_imu;                // At linearisation, of kPose.
+  WindowCamera* camera = nullptr;        // Set for kPose and kMotion.
+  WindowAlignment* alignment = nullptr;  // Set for kAlignment.
+  Rigid3d local_from_imu;                // Of kPose, at the linearization.
   Eigen::Matrix<double, kMotionBlock, 1> motion = Eigen::Matrix<double, kMotionBlock, 1>::Zero();
   Rigid3d global_from_local;  // Of kAlignment.
   Eigen::Vector3d pivot_in_local = Eigen::Vector3d::Zero();
 };
 
-// residual + sqrt_information * (variables - linearisation).
+// The prior: residual + sqrt_information * (variables - linearization).
 struct MarginalPrior {
   std::vector<PriorBlock> blocks;
   Eigen::MatrixXd sqrt_information;  // Columns in the order of the blocks.
@@ -46,10 +47,10 @@ struct MarginalPrior {
   int size() const { return static_cast<int>(sqrt_information.cols()); }
 };
 
-// Variables of a camera known to a covariance of [theta, p, v, b_g, b_a].
+// Returns the prior for a camera whose [theta, p, v, b_g, b_a] has the given covariance.
 MarginalPrior PriorFromCovariance(WindowCamera* camera, const Matrix15d& covariance);
 
-// As a residual of Ceres. The prior must outlive it.
+// The prior as a residual for Ceres. The prior must outlive the factor.
 class MarginalPriorFactor final : public ceres::CostFunction {
  public:
   explicit MarginalPriorFactor(const MarginalPrior& prior);
@@ -60,20 +61,21 @@ class MarginalPriorFactor final : public ceres::CostFunction {
   const MarginalPrior& prior_;
 };
 
-// Sums of squares over the variables of a window, to be marginalised.
+// Sums of squares over the variables of a window, for marginalization.
 //
-// residual + sum of jacobian_k * (block k), added term by term; Marginalize eliminates the leading
-// blocks by a Schur complement.
+// Terms of the form residual + sum of jacobian_k * (block k) are added one by one. Marginalize then
+// eliminates the leading blocks by a Schur complement.
 class NormalEquations {
  public:
-  // Blocks to be eliminated first.
+  // `blocks` starts with the blocks to eliminate.
   NormalEquations(std::vector<PriorBlock> blocks, int num_eliminated);
 
-  // Offset of a block, or -1 if it is not there.
+  // Returns the offset of a block, or -1 if there is no such block.
   int Offset(PriorBlockKind kind, const WindowCamera* camera) const;
   int dim() const { return static_cast<int>(gradient_.size()); }
 
-  // Adds J' J and J' r; `columns` are offsets of the blocks whose Jacobians stand side by side.
+  // Adds J' J and J' r. J consists of `jacobians` side by side; `offsets` are the offsets of their
+  // blocks.
   void Add(const std::vector<int>& offsets, const std::vector<Eigen::MatrixXd>& jacobians,
            const Eigen::VectorXd& residual);
 

@@ -32,7 +32,7 @@ struct Linearization {
     jacobians.assign(blocks.begin(), blocks.end());
   }
 
-  // As Huber's loss sees it: beyond `sigmas`, residuals weigh sigmas / |r|.
+  // Applies Huber's loss: a residual beyond `sigmas` gets the weight sigmas / |r|.
   void Robustify(double sigmas) {
     const double norm = residual.norm();
     if (norm > sigmas) {
@@ -98,7 +98,7 @@ class Marginalizer {
                    linear.jacobians, linear.residual);
   }
 
-  // All sights of a triangulated track but those of cameras that may be replaced.
+  // Adds all sights of a triangulated track except those of cameras that may be replaced.
   void AddLocal(const WindowTrack& track) {
     const double sigma = options_.track_sigma_px / options_.camera.focal_px();
     const auto num_rows = 2 * static_cast<Eigen::Index>(track.sights.size());
@@ -139,7 +139,7 @@ class Marginalizer {
                                         WindowAlignment* alignment) {
     std::vector<PriorBlock> blocks = {PriorBlock::Pose(cameras[0]), PriorBlock::Motion(cameras[0]),
                                       PriorBlock::Motion(cameras[1])};
-    // The newest camera may yet be replaced; nothing that is marginalised touches it.
+    // The newest camera may still be replaced, so nothing that is marginalized may touch it.
     for (WindowCamera* camera : cameras.subspan(1, cameras.size() - 2)) {
       blocks.push_back(PriorBlock::Pose(camera));
     }
@@ -184,7 +184,7 @@ MarginalPrior MarginalizeCamera(const BundleAdjusterOptions& options,
     }
   });
   for (WindowTrack* track : used_up) {
-    // The newest camera may yet be replaced: its sight begins the track anew.
+    // The newest camera may still be replaced. Its sight starts the track anew.
     std::optional<WindowSight> last;
     if (track->sights.back().camera == newest) {
       last = track->sights.back();

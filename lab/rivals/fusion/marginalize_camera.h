@@ -1,4 +1,4 @@
-// Turns the residuals that a camera leaves behind into a prior on the others.
+// Turns the residuals of a discarded camera into a prior on the other cameras.
 #ifndef CAIRN_LAB_RIVALS_FUSION_MARGINALIZE_CAMERA_H_
 #define CAIRN_LAB_RIVALS_FUSION_MARGINALIZE_CAMERA_H_
 
@@ -12,11 +12,13 @@
 
 namespace cairn::fusion {
 
-// Marginalises the first of `cameras` (at least 3, by time) out of: the prior, its inertial
-// residual, its sights of landmarks of the map, and the local tracks it saw that have ended or that
-// every camera sees (those whole but for the newest camera, with the landmark eliminated, so that
-// they are forgotten afterwards; of the other tracks only its own sight is lost). `alignment` may
-// be null.
+// Marginalizes the first of `cameras` (at least 3, ordered by time). The residuals that become the
+// prior are: the old prior, the camera's inertial residual, its sights of map landmarks, and local
+// tracks that the camera saw and that have ended or are seen by every camera.
+//
+// Each of these local tracks contributes all its sights except that of the newest camera. Its
+// landmark is eliminated, and the used sights are dropped afterwards. Every other local track loses
+// only the marginalized camera's sight. `alignment` may be null.
 MarginalPrior MarginalizeCamera(const BundleAdjusterOptions& options,
                                 std::span<WindowCamera* const> cameras, WindowAlignment* alignment,
                                 const std::optional<MarginalPrior>& prior, WindowTracks* tracks);

@@ -26,8 +26,8 @@ void Preintegration::Reintegrate(const Eigen::Vector3d& gyro_bias,
   Integrate(steps_);
 }
 
-// Without gravity and from rest, the strapdown state is the preintegrated motion, its transition
-// matrix holds the derivatives by the biases, and its noise the covariance.
+// Starting from rest and without gravity, the strapdown state is the preintegrated motion. The
+// transition matrix then holds the derivatives by the biases, and the noise holds the covariance.
 void Preintegration::Integrate(std::span<const ImuStep> steps) {
   for (const ImuStep& step : steps) {
     Propagate(step, noise_, /*gravity_m_s2=*/0.0, &delta_, &first_, &transition_);

@@ -1,5 +1,5 @@
-// Preintegration of inertial samples between two cameras (Forster, Carlone, Dellaert and Scaramuzza
-// 2017), on the filter's own strapdown integration.
+// Preintegrates inertial samples between two cameras (Forster, Carlone, Dellaert and Scaramuzza
+// 2017). Uses the filter's strapdown integration.
 #ifndef CAIRN_LAB_RIVALS_FUSION_PREINTEGRATION_H_
 #define CAIRN_LAB_RIVALS_FUSION_PREINTEGRATION_H_
 
@@ -12,31 +12,31 @@
 
 namespace cairn::fusion {
 
-// Motion from instant i to instant j as the imu saw it, in the imu frame of i and without gravity,
-// at fixed biases, with its derivatives by the biases and its covariance. Keeps the samples, so
-// that neighbouring intervals can be merged when the camera between them is discarded.
+// The motion from time i to time j that the IMU measured at fixed biases, in the IMU frame of i and
+// without gravity. Includes the derivatives by the biases and the covariance. Keeps the samples, so
+// that two adjacent intervals can be merged when the camera between them is discarded.
 class Preintegration {
  public:
-  // Of nothing, at the given biases.
+  // An empty interval at the given biases.
   Preintegration(const ImuNoise& noise, const Eigen::Vector3d& gyro_bias,
                  const Eigen::Vector3d& accel_bias);
 
-  // Lengthens the interval at its end.
+  // Extends the interval at its end.
   void Append(std::span<const ImuStep> steps);
 
-  // Integrates all samples anew, at other biases.
+  // Integrates all samples again, at other biases.
   void Reintegrate(const Eigen::Vector3d& gyro_bias, const Eigen::Vector3d& accel_bias);
 
-  // local_from_imu is imu i from imu j, velocity that of j less that of i; biases are those
-  // integrated at.
+  // local_from_imu is the pose of imu j in the frame of imu i. The velocity is that of j minus that
+  // of i. The biases are those of the integration.
   const ImuState& delta() const { return delta_; }
-  // d [theta, p, v] / d [b_g, b_a], theta on the left of delta's rotation.
+  // d [theta, p, v] / d [b_g, b_a], with theta on the left of delta's rotation.
   Eigen::Matrix<double, 9, 6> ByBiases() const { return transition_.phi.block<9, 6>(0, 9); }
   double duration_s() const { return transition_.duration_s; }
   std::span<const ImuStep> steps() const { return steps_; }
 
-  // W with W' W the inverse of the covariance of [theta, p, v, b_g, b_a] at the end, the biases at
-  // the start being known. Needs a positive duration.
+  // Returns W such that W' W is the inverse of the covariance of [theta, p, v, b_g, b_a] at the
+  // end, given the biases at the start. The duration must be positive.
   Matrix15d SqrtInformation() const;
 
  private:

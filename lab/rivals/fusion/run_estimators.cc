@@ -32,7 +32,8 @@ bool IsQueried(const Recording& recording, size_t frame) {
   return frame % static_cast<size_t>(recording.frames_per_query) == 0;
 }
 
-// Matches applied according to the reports since the last call; true if one was about a pose.
+// Returns true if a report since the last call is about an answer with a pose. `num_matches`
+// receives the number of applied matches.
 bool TakeAnswer(Estimator* estimator, int* num_matches) {
   bool had_answer = false;
   for (const AnswerReport& report : estimator->TakeReports()) {
@@ -50,7 +51,8 @@ std::optional<Rigid3d> GlobalFromImu(const Estimator& estimator) {
   return *state->global_from_local() * state->imu().local_from_imu;
 }
 
-// What the filter publishes for displays at its newest sample, carried back to the frame.
+// The pose that the filter publishes for displays at its newest sample, moved back to the time of
+// the frame.
 std::optional<Rigid3d> SteadyGlobalFromImu(const Estimator& estimator,
                                            const SteadyPoseOptions& options) {
   const std::optional<Rigid3d> global_from_imu = GlobalFromImu(estimator);
@@ -69,8 +71,8 @@ std::optional<Rigid3d> GlobalFromImu(const BundleAdjuster& adjuster) {
                            : std::nullopt;
 }
 
-// CPU time of an update of the filter by an answer to a query of its frame before the newest:
-// gates, compression and update.
+// CPU time of the filter's update by an answer to a query about the frame before the newest: gates,
+// compression and update.
 double UpdateSeconds(const Recording& recording, const Estimator& estimator, const Answer& answer) {
   FilterState state = *estimator.state();
   if (!state.global_from_local() || state.clones().size() < 2) {
@@ -104,7 +106,7 @@ std::vector<FrameRun> RunFilter(const Recording& recording) {
   const int64_t frame_ns = recording.frames.size() > 1
                                ? recording.frames[1].timestamp_ns - recording.frames[0].timestamp_ns
                                : 1;
-  // Asks about every n-th frame, whatever the jitter of their timestamps.
+  // Queries every n-th frame, whatever the jitter of the timestamps.
   options.query.min_interval_s = 1e-9 * static_cast<double>(frame_ns) *
                                  (static_cast<double>(recording.frames_per_query) - 0.5);
   Estimator estimator(options);
@@ -158,7 +160,7 @@ std::vector<FrameRun> RunBundleAdjuster(const Recording& recording,
     const RecordedFrame& frame = recording.frames[i];
     const std::vector<ImuStep> steps =
         StepsBetween(buffer, recording.frames[i - 1].timestamp_ns, frame.timestamp_ns);
-    // The filter's first query is that of frame 1 * frames_per_query, too.
+    // The filter's first query, too, is that of frame 1 * frames_per_query.
     adjuster.AddFrame({static_cast<int64_t>(i), frame.timestamp_ns,
                        every_frame_is_keyframe || IsQueried(recording, i), steps, frame.features});
     const std::optional<Rigid3d> predicted = GlobalFromImu(adjuster);
@@ -180,7 +182,7 @@ std::vector<FrameRun> RunBundleAdjuster(const Recording& recording,
     runs[i].seconds = ThreadSeconds() - begin;
     runs[i].update_seconds = runs[i].seconds;
     runs[i].global_from_imu = GlobalFromImu(adjuster);
-    if (predicted) {  // Else it has just been aligned: that is shown at once.
+    if (predicted) {  // Otherwise the estimator has just aligned, which is shown at once.
       const int64_t since_ns = frame.timestamp_ns - recording.frames[i - 1].timestamp_ns;
       const auto last = adjuster.PoseOf(static_cast<int64_t>(i) - 1);
       if (last && runs[i - 1].global_from_imu) {

@@ -1,4 +1,4 @@
-// Feeds a recording to the filter or to a bundle adjustment.
+// Runs the filter or a bundle adjustment on a recording.
 #ifndef CAIRN_LAB_RIVALS_FUSION_RUN_ESTIMATORS_H_
 #define CAIRN_LAB_RIVALS_FUSION_RUN_ESTIMATORS_H_
 
@@ -11,22 +11,23 @@
 
 namespace cairn::fusion {
 
-// What an estimator made of one frame.
+// An estimator's result for one frame.
 struct FrameRun {
-  std::optional<Rigid3d> global_from_imu;  // Nothing before it found the map.
-  // What a display would show of it: see SteadyPose, with the recording's FusionOptions::steady.
+  std::optional<Rigid3d> global_from_imu;  // Null before the estimator found the map.
+  // The pose that a display would show; see SteadyPose, with the recording's FusionOptions::steady.
   std::optional<Rigid3d> steady_global_from_imu;
   double seconds = 0.0;  // CPU time of this thread.
-  // Of the update by the answer alone: of the filter, that by all matches of the answer at the
-  // clone of its query, on a copy of the state; of a bundle adjuster, as `seconds`.
+  // CPU time of the update by the answer alone. For the filter: the update by all matches of the
+  // answer at the clone of its query, on a copy of the state. For a bundle adjuster: same as
+  // `seconds`.
   double update_seconds = 0.0;
-  bool had_answer = false;  // An answer was taken up.
-  int num_matches = 0;      // Of it, that were used.
+  bool had_answer = false;  // The estimator processed an answer.
+  int num_matches = 0;      // Matches of the answer that were used.
 };
 
-// One entry a frame; the first is that of the start. Keyframes of the bundle adjustment are the
-// queried frames, or all of them. Throws Error(kBadInput) if the samples do not
-// span the frames.
+// Return one entry per frame; the first entry is the start. The keyframes of the bundle adjustment
+// are the queried frames or all frames. Throw Error(kBadInput) if the samples do not span the
+// frames.
 std::vector<FrameRun> RunFilter(const Recording& recording);
 std::vector<FrameRun> RunBundleAdjuster(const Recording& recording,
                                         const BundleAdjusterOptions& options,

@@ -7,7 +7,8 @@
 namespace cairn::fusion {
 namespace {
 
-constexpr double kSmallAngle = 1e-2;  // Below it the quotients lose digits; series instead.
+// Below this angle the quotients lose digits, so series are used.
+constexpr double kSmallAngle = 1e-2;
 
 }  // namespace
 

@@ -6,10 +6,10 @@
 
 namespace cairn::fusion {
 
-// J with Exp(x + d) = Exp(J d) Exp(x) to first order in d; the transpose is that of the right side.
+// The J with Exp(x + d) = Exp(J d) Exp(x) to first order in d. Its transpose is the right Jacobian.
 Eigen::Matrix3d LeftJacobian(const Eigen::Vector3d& rotation_vector);
 
-// Its inverse: Log(Exp(d) Exp(x)) = x + J^-1 d to first order. Valid for angles below 2 pi.
+// The inverse of J: Log(Exp(d) Exp(x)) = x + J^-1 d to first order. Valid for angles below 2 pi.
 Eigen::Matrix3d InverseLeftJacobian(const Eigen::Vector3d& rotation_vector);
 
 }  // namespace cairn::fusion

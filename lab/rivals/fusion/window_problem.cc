@@ -72,7 +72,7 @@ AdjustmentSummary WindowProblem::Solve(std::span<WindowCamera* const> cameras,
   if (alignment != nullptr && problem.HasParameterBlock(alignment->block.data())) {
     ordering_->AddElementToGroup(alignment->block.data(), kCameraGroup);
   }
-  if (local_factors_.num_used() == 0) {  // Something must be eliminated for DENSE_SCHUR.
+  if (local_factors_.num_used() == 0) {  // DENSE_SCHUR must eliminate something.
     ordering_->AddElementToGroup(cameras.front()->motion.data(), kLandmarkGroup);
   }
 

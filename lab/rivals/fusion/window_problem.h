@@ -1,4 +1,5 @@
-// One bundle adjustment: residuals of a window in Ceres, solved with an exact number of iterations.
+// Builds one bundle adjustment over a window in Ceres and solves it with an exact number of
+// iterations.
 #ifndef CAIRN_LAB_RIVALS_FUSION_WINDOW_PROBLEM_H_
 #define CAIRN_LAB_RIVALS_FUSION_WINDOW_PROBLEM_H_
 
@@ -19,16 +20,16 @@
 
 namespace cairn::fusion {
 
-// What one optimisation did.
+// Statistics of one optimization.
 struct AdjustmentSummary {
-  int num_iterations = 0;  // Of Levenberg-Marquardt, accepted or not.
+  int num_iterations = 0;  // Levenberg-Marquardt steps, accepted or not.
   int num_local_residuals = 0;
-  int num_global_residuals = 0;  // Sights of landmarks of the map.
+  int num_global_residuals = 0;  // Sights of map landmarks.
   double initial_cost = 0.0;
   double final_cost = 0.0;
 };
 
-// Cost functions of one kind, made once and used for one problem after another.
+// Cost functions of one kind. They are allocated once and reused from problem to problem.
 template <typename Factor>
 class FactorPool {
  public:
@@ -46,20 +47,20 @@ class FactorPool {
   size_t num_used_ = 0;
 };
 
-// The standard deviation, on the plane z = 1, of a sight of a landmark of the map: pixel noise and
-// the landmark's own at its depth. Of a landmark seen in M cameras, each sight gets sqrt(M) times
-// the landmark's standard deviation, as in the filter (map_update.h).
+// Returns the standard deviation, on the plane z = 1, of a sight of a map landmark: the pixel noise
+// plus the landmark's own error at its depth. If M cameras see the landmark, each sight gets
+// sqrt(M) times the landmark's standard deviation, as in the filter (map_update.h).
 double GlobalSightSigma(const BundleAdjusterOptions& options, const MapLandmark& landmark,
                         size_t num_sights, double depth_m);
 
-// Not thread-safe. Keeps its cost functions from one window to the next.
+// Keeps its cost functions from one window to the next. Not thread-safe.
 class WindowProblem {
  public:
   explicit WindowProblem(const BundleAdjusterOptions& options);
 
-  // Optimises the blocks of `cameras` (at least 2, by time), the landmarks of `tracks` and, if not
-  // null, `alignment`. `prior` may be null: then the oldest camera's heading, position and biases
-  // are held as the options say. Cameras must have been rebased.
+  // Optimizes the blocks of `cameras` (at least 2, ordered by time, all rebased), the landmarks of
+  // `tracks` and, if not null, `alignment`. If `prior` is null, the heading, position and biases of
+  // the oldest camera are held as the options say.
   AdjustmentSummary Solve(std::span<WindowCamera* const> cameras, WindowAlignment* alignment,
                           std::span<WindowTrack* const> tracks, const MarginalPrior* prior);
 

@@ -1,4 +1,4 @@
-// The features that the cameras of a window see, and what point each of them shows.
+// The features that the cameras of a window see, and the points that the features show.
 #ifndef CAIRN_LAB_RIVALS_FUSION_WINDOW_TRACKS_H_
 #define CAIRN_LAB_RIVALS_FUSION_WINDOW_TRACKS_H_
 
@@ -18,7 +18,7 @@
 
 namespace cairn::fusion {
 
-// A feature in one camera of the window.
+// A feature seen by one camera of the window.
 struct WindowSight {
   WindowCamera* camera = nullptr;
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
@@ -31,25 +31,25 @@ struct MapLandmark {
   double sigma_m = 0.0;  // Standard deviation per axis.
 };
 
-// One point: of the map if `map_landmark` is there, else a variable once it is triangulated.
+// One point. With `map_landmark`, the point is fixed by the map; otherwise it is a variable once
+// triangulated.
 struct WindowTrack {
   uint64_t track_id = 0;
-  std::vector<WindowSight> sights;  // By time.
+  std::vector<WindowSight> sights;  // Ordered by time.
   std::optional<MapLandmark> map_landmark;
   bool is_triangulated = false;
   Eigen::Vector3d x_in_local = Eigen::Vector3d::Zero();
 };
 
-// Not thread-safe. Tracks stay where they are in memory until they are dropped; their storage is
-// used again.
+// A track keeps its address until it is dropped; its storage is then reused. Not thread-safe.
 class WindowTracks {
  public:
   WindowTracks(const Camera& camera, const Rig& rig) : camera_(camera), rig_(rig) {}
 
-  // Enters the features of a camera; those that cannot be unprojected are left out.
+  // Adds the features of a camera. Leaves out features that cannot be unprojected.
   void AddFeatures(WindowCamera* camera, std::span<const TrackedFeature> features);
 
-  // Nothing if no camera of the window sees it.
+  // Returns nullptr if no camera of the window sees the track.
   WindowTrack* Find(uint64_t track_id);
 
   // Calls visit(WindowTrack*) in order of first sight.
@@ -62,13 +62,13 @@ class WindowTracks {
     }
   }
 
-  // Forgets what a camera saw.
+  // Removes all sights of a camera.
   void DropCamera(const WindowCamera* camera);
-  // Empties a track; the next sight begins a new one.
+  // Empties a track. The next sight starts a new one.
   void Forget(WindowTrack* track);
 
-  // Sets the point of a local track of at least two sights. False, with nothing changed, if it
-  // cannot be found.
+  // Triangulates a local track with at least two sights. Returns false and changes nothing if that
+  // fails.
   bool TriangulateTrack(double sigma_px, const TriangulateOptions& options, WindowTrack* track);
 
  private:

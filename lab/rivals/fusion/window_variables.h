@@ -1,9 +1,9 @@
-// The variables of the bundle adjustment, as Ceres' parameter blocks, and what all residuals at one
-// evaluation share.
+// The variables of the bundle adjustment as Ceres' parameter blocks, and the values that all
+// residuals of one evaluation share.
 //
-// Rotations are R = Exp(theta) R0 with a fixed reference R0 near the solution, so every block is a
-// plain vector: Ceres needs no manifold, and a camera's rotation matrix is made once an evaluation
-// instead of once a residual.
+// A rotation is R = Exp(theta) R0 with a fixed reference R0 near the solution. Every block is
+// therefore a plain vector, and Ceres needs no manifold. A camera's rotation matrix is computed
+// once per evaluation instead of once per residual.
 #ifndef CAIRN_LAB_RIVALS_FUSION_WINDOW_VARIABLES_H_
 #define CAIRN_LAB_RIVALS_FUSION_WINDOW_VARIABLES_H_
 
@@ -24,23 +24,23 @@ namespace cairn::fusion {
 inline constexpr int kPoseBlock = 6;      // theta, p.
 inline constexpr int kMotionBlock = 9;    // v, b_g, b_a.
 inline constexpr int kLandmarkBlock = 3;  // x_in_local.
-inline constexpr int kGlobalBlock = 4;    // psi, position in global of the pivot.
+inline constexpr int kGlobalBlock = 4;    // psi, position of the pivot in global.
 
-// A camera of the window. The address must not change while a problem refers to it.
+// A camera of the window. Its address must not change while a problem refers to it.
 struct WindowCamera {
   WindowCamera(const ImuState& state, const Preintegration& since_previous)
       : since_previous(since_previous) {
     SetState(state);
   }
 
-  // Makes `state` the value of the blocks, with theta = 0.
+  // Sets the blocks to `state`, with theta = 0.
   void SetState(const ImuState& state);
   ImuState State() const;
-  // Moves the reference to the present value.
+  // Moves the reference rotation to the present value.
   void Rebase() { SetState(State()); }
-  // Fills in what follows from the blocks.
+  // Computes the values that follow from the blocks.
   void Prepare(const Rig& rig);
-  // As prepared.
+  // Uses the values of the last Prepare.
   Eigen::Vector3d ToCam(const Eigen::Vector3d& x_in_local) const {
     return cam_from_local_rotation * (x_in_local - position_in_local) + imu_in_cam;
   }
@@ -48,23 +48,24 @@ struct WindowCamera {
   int64_t frame_id = 0;
   int64_t timestamp_ns = 0;
   bool is_keyframe = false;
-  Preintegration since_previous;  // From the camera before; unused in the oldest.
+  Preintegration since_previous;  // From the previous camera; unused in the oldest.
   Matrix15d imu_sqrt_information = Matrix15d::Identity();  // Of since_previous.
 
   std::array<double, kPoseBlock> pose{};
   std::array<double, kMotionBlock> motion{};
   Eigen::Quaterniond reference = Eigen::Quaterniond::Identity();  // R0 of local_from_imu.
 
-  // By Prepare.
+  // Set by Prepare.
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  // local_from_imu.
   Eigen::Matrix3d theta_jacobian = Eigen::Matrix3d::Identity();  // Left Jacobian at theta.
   Eigen::Matrix3d cam_from_local_rotation = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d position_in_local = Eigen::Vector3d::Zero();  // Of the imu.
-  Eigen::Vector3d imu_in_cam = Eigen::Vector3d::Zero();         // Origin of the imu.
+  Eigen::Vector3d position_in_local = Eigen::Vector3d::Zero();  // Position of the IMU.
+  Eigen::Vector3d imu_in_cam = Eigen::Vector3d::Zero();         // Origin of the IMU.
 };
 
-// global_from_local with four degrees of freedom: gravity is shared. The pivot is a point in local
-// about which it turns; near the cameras, rotation and translation are nearly uncorrelated.
+// global_from_local with four degrees of freedom; gravity is common to both frames. The transform
+// turns about the pivot, a point in local. If the pivot is near the cameras, rotation and
+// translation are almost uncorrelated.
 struct WindowAlignment {
   void Set(const Rigid3d& global_from_local, const Eigen::Vector3d& pivot_in_local);
   Rigid3d GlobalFromLocal() const;
@@ -74,7 +75,7 @@ struct WindowAlignment {
   Eigen::Quaterniond reference = Eigen::Quaterniond::Identity();
   Eigen::Vector3d pivot_in_local = Eigen::Vector3d::Zero();
 
-  // By Prepare.
+  // Set by Prepare.
   Eigen::Matrix3d local_from_global_rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d pivot_in_global = Eigen::Vector3d::Zero();
 
@@ -83,7 +84,7 @@ struct WindowAlignment {
   }
 };
 
-// Prepares cameras and alignment before each evaluation.
+// Prepares the cameras and the alignment before each evaluation.
 class PrepareVariables : public ceres::EvaluationCallback {
  public:
   explicit PrepareVariables(const Rig& rig) : rig_(rig) {}

@@ -10,7 +10,8 @@
 namespace cairn {
 namespace {
 
-// The `count` nearest words, nearest first, of equally near ones the first; count <= words.size().
+// Finds the `count` nearest words, nearest first; of equally near words, the first. count <=
+// words.size().
 void NearestFirst(const ByteWords& words, const BlockQuery& query, size_t count,
                   NearestScratch* scratch, std::vector<BlockHit>* nearest) {
   nearest->clear();
@@ -22,16 +23,17 @@ void NearestFirst(const ByteWords& words, const BlockQuery& query, size_t count,
 
 }  // namespace
 
-// Walks through pairs of ranks by ascending sum of distances. A pair enters the queue when the
-// pairs before it in its row and in its column have left it.
+// Visits pairs of ranks in ascending order of their summed distances. A pair enters the queue after
+// the preceding pairs in its row and its column have left it.
 class InvertedMultiIndex::MultiSequence {
  public:
   MultiSequence(const InvertedMultiIndex& index, const std::vector<int16_t>& query_steps)
       : index_(index),
         first_queries_(index.words_.first().Prepare(query_steps, index.lists_.scale().stride())),
         second_queries_(index.words_.second().Prepare(query_steps, index.lists_.scale().stride())) {
-    // Of p pairs the nearest, few have a rank above a few times sqrt(p) in either half; the paper
-    // too takes the nearest words of each half first. All of them if there are not enough pairs.
+    // Of the p nearest pairs, few have a rank above a few times sqrt(p) in either half. The paper,
+    // too, first takes the nearest words of each half. If there are not enough pairs, all words are
+    // used.
     constexpr double kSpread = 4.0;
     const auto reach =
         static_cast<size_t>(std::ceil(kSpread * std::sqrt(static_cast<double>(num_probes()))));
@@ -73,10 +75,10 @@ class InvertedMultiIndex::MultiSequence {
 
   const InvertedMultiIndex& index_;
   const BlockQueries first_queries_, second_queries_;
-  size_t reach_;  // Words of each half that are considered.
+  size_t reach_;  // Words of each half to consider.
   NearestScratch scratch_;
   std::vector<BlockHit> first_, second_;
-  std::vector<uint32_t> num_taken_;  // Pairs of each row that left the queue.
+  std::vector<uint32_t> num_taken_;  // Number of pairs of each row that left the queue.
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
 };
 

@@ -1,5 +1,5 @@
 // Inverted multi-index (Babenko and Lempitsky, "The Inverted Multi-Index", CVPR 2012; paper,
-// section of that name).
+// section of the same name).
 #ifndef CAIRN_LAB_RIVALS_INDEX_INVERTED_MULTI_INDEX_H_
 #define CAIRN_LAB_RIVALS_INDEX_INVERTED_MULTI_INDEX_H_
 
@@ -15,9 +15,9 @@
 
 namespace cairn {
 
-// The cells are pairs of words, one of each half's vocabulary. A query looks into the nearest
-// pairs, found by the multi-sequence algorithm. The paper codes residuals to the words; here all
-// kinds of index hold the same descriptors, so that they differ in nothing but the search.
+// The cells are pairs of words, one from each half's vocabulary. A query searches the nearest
+// pairs, which the multi-sequence algorithm finds. The paper encodes the residuals to the words.
+// Here all kinds of index hold the same descriptors, so that they differ in the search alone.
 class InvertedMultiIndex : public MatchingIndex {
  public:
   // See MakeMatchingIndex.
@@ -29,7 +29,7 @@ class InvertedMultiIndex : public MatchingIndex {
   size_t MemoryBytes() const override { return words_.MemoryBytes() + lists_.MemoryBytes(); }
 
  private:
-  class MultiSequence;  // Working memory of one Search.
+  class MultiSequence;  // Working memory of one search.
 
   InvertedMultiIndex(const ByteDescriptors& descriptors, const InvertedMultiIndexOptions& options);
 

@@ -9,7 +9,7 @@
 namespace cairn {
 namespace {
 
-// Grows the tree from the root; nodes are numbered in the order in which they are split.
+// Grows the tree from the root. Nodes are numbered in the order of their splits.
 class Builder {
  public:
   Builder(const ByteDescriptors& descriptors, size_t max_leaf_size)
@@ -32,7 +32,7 @@ class Builder {
     return {order_.data() + range.begin, range.size()};
   }
 
-  // Appends the bounding box of a range, `stride` bytes each.
+  // Appends the bounding box of a range, `stride` bytes to each vector.
   void AppendBox(const Range& range, std::vector<uint8_t>* lows,
                  std::vector<uint8_t>* highs) const {
     lows->resize(lows->size() + stride_, range.size() > 0 ? 255 : 0);
@@ -48,7 +48,7 @@ class Builder {
     }
   }
 
-  // Halves a range of at least two descriptors.
+  // Splits a range of at least two descriptors in half.
   std::pair<Range, Range> Split(const Range& range) {
     const size_t dim = WidestDim(range);
     const size_t middle = range.begin + range.size() / 2;
@@ -62,7 +62,7 @@ class Builder {
   }
 
  private:
-  // The dimension with the largest variance.
+  // Returns the dimension with the largest variance.
   size_t WidestDim(const Range& range) const {
     std::vector<int64_t> sums(stride_, 0), sq_sums(stride_, 0);
     for (const uint32_t descriptor : Descriptors(range)) {

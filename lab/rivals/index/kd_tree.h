@@ -1,5 +1,5 @@
-// A kd-tree searched best bin first (Beis and Lowe, "Shape indexing using approximate nearest-
-// neighbour search in high-dimensional spaces", CVPR 1997).
+// A kd-tree searched best bin first (Beis and Lowe, "Shape indexing using approximate
+// nearest-neighbour search in high-dimensional spaces", CVPR 1997).
 #ifndef CAIRN_LAB_RIVALS_INDEX_KD_TREE_H_
 #define CAIRN_LAB_RIVALS_INDEX_KD_TREE_H_
 
@@ -14,8 +14,8 @@
 
 namespace cairn {
 
-// Every node halves its descriptors along the dimension in which they spread most. A query looks
-// into the leaves whose bounding boxes are nearest, none of them farther than its distance.
+// Every node splits its descriptors in half along the dimension of their largest spread. A query
+// searches the leaves with the nearest bounding boxes, and no leaf beyond the query's distance.
 class KdTree : public MatchingIndex {
  public:
   // See MakeMatchingIndex.
@@ -27,15 +27,15 @@ class KdTree : public MatchingIndex {
 
  private:
   struct Tree {
-    // Per node: the first of two children that follow one another, or, with the top bit set, the
+    // Per node: the index of the first of two consecutive children. If the top bit is set: the
     // leaf's cell.
     std::vector<uint32_t> links;
-    std::vector<uint8_t> lows, highs;  // Bounding boxes, a stride each a node.
+    std::vector<uint8_t> lows, highs;  // Bounding boxes; one stride per node.
     size_t num_leaves = 0;
   };
   struct BuiltTree {
     Tree tree;
-    std::vector<uint32_t> cells;  // Of each descriptor.
+    std::vector<uint32_t> cells;  // Cell of each descriptor.
   };
   static constexpr uint32_t kLeafBit = uint32_t{1} << 31;
 
@@ -44,7 +44,7 @@ class KdTree : public MatchingIndex {
   static BuiltTree Build(const ByteDescriptors& descriptors, const KdTreeOptions& options);
   void AppendVisits(const int16_t* query_steps, uint32_t query_idx, int32_t max_sq_steps,
                     std::vector<CellVisit>* visits) const;
-  // Squared distance from a query to the box of a node.
+  // Returns the squared distance from a query to the bounding box of a node.
   int32_t SqDistanceToBox(const int16_t* query_steps, uint32_t node) const;
 
   size_t num_probes_;

@@ -9,7 +9,7 @@
 namespace cairn {
 namespace {
 
-// Disjoint sets of numbers, joined pair by pair (Tarjan's union-find with path halving).
+// Disjoint sets of numbers that are joined pair by pair (Tarjan's union-find with path halving).
 class DisjointSets {
  public:
   explicit DisjointSets(int size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0); }
@@ -21,7 +21,7 @@ class DisjointSets {
     }
     return i;
   }
-  // The smaller number names the set.
+  // The smaller number becomes the name of the set.
   void Join(int a, int b) {
     const auto [low, high] = std::minmax({Find(a), Find(b)});
     parent_[high] = low;
@@ -31,7 +31,7 @@ class DisjointSets {
   std::vector<int> parent_;
 };
 
-// Number of distinct keypoints. Correspondences are ordered by keypoint.
+// Returns the number of distinct keypoints. Correspondences are ordered by keypoint.
 double CountKeypoints(const std::vector<Correspondence>& correspondences,
                       const std::vector<int>& indices) {
   double count = 0.0;
@@ -48,8 +48,8 @@ double CountKeypoints(const std::vector<Correspondence>& correspondences,
 std::vector<PoseCandidate> CovisibilityCandidates(
     const std::vector<TileView>& tiles, const std::vector<Correspondence>& correspondences,
     const VotingOptions& options, StageCounters* counters) {
-  std::unordered_map<LandmarkId, int> numbers;  // Of distinct landmarks.
-  std::vector<int> landmarks;                   // Of each correspondence, its number.
+  std::unordered_map<LandmarkId, int> numbers;  // One number per distinct landmark.
+  std::vector<int> landmarks;                   // The number of each correspondence's landmark.
   for (const Correspondence& match : correspondences) {
     const TileLandmarks& tile = tiles[match.tile_idx].tile->landmarks();
     const LandmarkId id = tile.landmark_ids[match.landmark_idx];
@@ -57,7 +57,7 @@ std::vector<PoseCandidate> CovisibilityCandidates(
   }
   DisjointSets sets(static_cast<int>(numbers.size()));
   for (const TileView& view : tiles) {
-    // A landmark that each keyframe saw.
+    // For each keyframe, a landmark that it saw.
     std::vector<int> seen(view.tile->covisibility().num_keyframes(), -1);
     for (const auto& [id, number] : numbers) {
       for (const uint32_t keyframe_idx : view.tile->sightings().KeyframesThatSaw(id)) {

@@ -1,4 +1,4 @@
-// The covisibility filter: an alternative to pose voting.
+// The covisibility filter, an alternative to pose voting.
 #ifndef CAIRN_LAB_RIVALS_VOTING_COVISIBILITY_FILTER_H_
 #define CAIRN_LAB_RIVALS_VOTING_COVISIBILITY_FILTER_H_
 
@@ -12,19 +12,23 @@
 
 namespace cairn {
 
-// Connected components of the bipartite graph of matched landmarks and the keyframes that saw them
-// (paper, section "Co-Visibility-Based and Geometric Outlier Filtering"; Sattler, Leibe, Kobbelt,
-// "Efficient & Effective Prioritized Matching", PAMI 2017); landmarks are recognised
-// across tiles. Each component of at least options.min_score distinct keypoints is a candidate with
-// that number as score, highest first, equal ones by their first correspondence, at most
-// options.max_candidates. The literature keeps just the largest: max_candidates = 1. Centre and yaw
-// are left at zero. Sets the voting counters. Linear in the matches
-// times the tiles and in the sightings of their landmarks.
+// Finds the connected components of the bipartite graph of matched landmarks and the keyframes that
+// saw them (paper, section "Co-Visibility-Based and Geometric Outlier Filtering"; Sattler, Leibe,
+// Kobbelt, "Efficient & Effective Prioritized Matching", PAMI 2017). Landmarks are identified
+// across tiles.
+//
+// A component with at least options.min_score distinct keypoints becomes a candidate, whose score
+// is that number. Candidates are in descending order of score; equal ones are in the order of their
+// first correspondence. At most options.max_candidates are returned. The literature keeps only the
+// largest component: max_candidates = 1. Center and yaw remain zero.
+//
+// Sets the voting counters. Time is linear in the matches times the tiles, and in the sightings of
+// the matched landmarks.
 std::vector<PoseCandidate> CovisibilityCandidates(
     const std::vector<TileView>& tiles, const std::vector<Correspondence>& correspondences,
     const VotingOptions& options, StageCounters* counters);
 
-// The options with this filter in the place of theirs.
+// Returns the options with this filter in place of their own.
 VotingOptions WithCovisibility(VotingOptions options);
 
 }  // namespace cairn

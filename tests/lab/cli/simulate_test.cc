@@ -110,7 +110,7 @@ TEST_F(Simulate, RefusesWhatCannotBe) {
     EXPECT_EQ(finished.exit_code, usage);
     return finished.err;
   };
-  EXPECT_THAT(refusal_of({}), HasSubstr("what is to be made?"));
+  EXPECT_THAT(refusal_of({}), HasSubstr("no output requested"));
   const std::string map = dir_.File("map.gpkg");
   EXPECT_THAT(refusal_of({"--map", map, "--area", "0"}), HasSubstr("city.area_km2 = 0"));
   EXPECT_THAT(refusal_of({"--map", map, "--area", "1e6"}), HasSubstr("nearest possible value"));

@@ -102,7 +102,7 @@ TEST(Report, SaysWhenResultsAreOfSeveralBuilds) {
   ExperimentResult other = result;
   other.commit = "0123456789";
   EXPECT_THAT(ReportAsMarkdown({SmallExperiment()}, {result, other}, "images"),
-              HasSubstr("of 2 builds"));
+              HasSubstr("from 2 builds"));
   EXPECT_THAT(ReportAsMarkdown({SmallExperiment()}, {result, result}, "images"),
               Not(HasSubstr("builds")));
 }

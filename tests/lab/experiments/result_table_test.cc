@@ -31,7 +31,7 @@ TEST(ResultTable, FindsColumns) {
 
 TEST(ResultTableDeathTest, RefusesARowOfAnotherLength) {
   ResultTable table({{"a"}, {"b"}});
-  EXPECT_DEATH(table.AddRow({1.0}), "a row has a cell a column");
+  EXPECT_DEATH(table.AddRow({1.0}), "a row has one cell per column");
 }
 
 }  // namespace
