@@ -7,8 +7,9 @@
 
 namespace cairn {
 
-// A single query gets help from all idle threads. If several queries run at once, each runs on its
-// caller's thread and the helpers stay idle. Safe to call from any thread.
+// The callers' threads and the helpers together never exceed the number of threads. A query that
+// runs alone gets help from all helpers. If there are as many queries as threads, each runs on its
+// caller's thread and the helpers rest. Safe to call from any thread.
 class SharedWorkers {
  public:
   // `num_threads` is the number of threads that work at once, including the callers'; the

@@ -64,7 +64,7 @@ bool Outdoes(const PoseHypothesis& a, const PoseHypothesis& b, const AnswerOptio
          num_all * BernoulliDivergence(num_for / num_all, 0.5) >= options.decisive_evidence;
 }
 
-// True if `rival` explains the image about as well as `best` from somewhere else.
+// Returns true if `rival` explains the image about as well as `best` from somewhere else.
 bool Rivals(const Contender& rival, const Contender& best, const AnswerOptions& options) {
   return rival.score >= options.ambiguous_score_ratio * best.score &&
          AreFarApart(best.hypothesis->estimate.cam_from_anchor,

@@ -23,8 +23,8 @@ bool PoseHypotheses::AnyHasEvidence(double min_evidence) const {
   });
 }
 
-// The first attempt runs alone. It usually succeeds, and the other attempts can then stop at its
-// consensus. The others follow in rounds of four, which run in parallel if cores are free. The
+// The first attempt runs alone. It usually succeeds, and the other attempts then need not look for
+// much weaker poses. They follow in rounds of four, which run in parallel if cores are free. The
 // rounds do not depend on the number of threads, so the answer does not either.
 int PoseHypotheses::TryInRounds(int count, bool use_gravity, const QueryBudget& budget,
                                 const std::function<PoseAttempt(int, double)>& attempt,

@@ -1,4 +1,4 @@
-// The problem of camera poses that LoRansac solves.
+// Camera pose estimation as a problem for LoRansac.
 #ifndef CAIRN_ENGINE_POSE_POSE_RANSAC_PROBLEM_H_
 #define CAIRN_ENGINE_POSE_POSE_RANSAC_PROBLEM_H_
 

@@ -60,7 +60,7 @@ struct StageCounters {
   int64_t num_refined_keyframes = 0;  // 0 if the refinement stage was not needed.
   int64_t num_rematches = 0;          // Matches of the refinement stage.
   bool used_prior = false;
-  bool used_gravity = false;  // Of the answer; of the query if there is no answer.
+  bool used_gravity = false;  // The answer used gravity; without an answer, the query had gravity.
   // The region has more tiles than the limit, so a part was not searched.
   bool tile_limit_hit = false;
   // The deadline cut a stage short; with more time, the answer might be better.

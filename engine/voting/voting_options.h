@@ -56,7 +56,7 @@ struct VotingOptions {
   // step plus twice the error of gravity.
   double direction_tolerance_rad = 0.06;
 
-  // Throws Error(kInvalidArgument) naming the field.
+  // Throws Error(kInvalidArgument), naming the field.
   void Validate() const;
 };
 

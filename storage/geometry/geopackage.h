@@ -22,9 +22,9 @@ struct GeometryEnvelope {
 std::vector<uint8_t> PointGeometry(const Geodetic& position);
 
 // Returns the POLYGON of a tile's square, counter-clockwise, with the envelope in the header. At
-// the antimeridian, longitudes continue past 180 degrees. A tile that contains a pole becomes its
-// bounding box over all longitudes, as does one within a kilometre of a pole, whose corners say
-// little about its longitudes.
+// the antimeridian, longitudes continue past 180 degrees. The polygon of a tile that contains a
+// pole is its bounding box over all longitudes, because the corners say little about longitudes
+// there.
 std::vector<uint8_t> TileGeometry(TileId tile_id);
 
 // Returns the envelope of any geometry blob, from the header or else from the coordinates; nothing

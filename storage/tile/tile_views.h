@@ -16,7 +16,7 @@ namespace cairn {
 // meaning they have in Tile. A view: valid as long as the arrays it refers to.
 struct TileLandmarks {
   TileLandmarks() = default;
-  TileLandmarks(const Tile& tile)  // NOLINT: a tile may stand for its landmarks.
+  TileLandmarks(const Tile& tile)  // NOLINT: a tile converts to its landmarks.
       : landmark_ids(tile.landmark_ids),
         x_in_tile(tile.x_in_tile),
         sigma_codes(tile.sigma_codes),
@@ -44,7 +44,7 @@ struct TileLandmarks {
 // TileLandmarks.
 struct TileCovisibility {
   TileCovisibility() = default;
-  TileCovisibility(const Tile& tile)  // NOLINT: a tile may stand for its covisibility.
+  TileCovisibility(const Tile& tile)  // NOLINT: a tile converts to its covisibility.
       : keyframes(tile.keyframes),
         keyframe_begin(tile.keyframe_begin),
         keyframe_landmarks(tile.keyframe_landmarks) {}

@@ -19,7 +19,7 @@ struct ResidualWeights {
 // length times the standard deviation of the landmark, pixels times metres.
 double ReprojectionInformation(const ResidualWeights& weights, double landmark_px_m,
                                double sq_distance_m);
-// 1 / (1 + sq_residual / cauchy_scale^2), of a squared residual in standard deviations.
+// Returns 1 / (1 + sq_residual / cauchy_scale^2). The squared residual is in standard deviations.
 double RobustWeight(const ResidualWeights& weights, double sq_residual);
 
 // Sums w J'J, w J'r and the Cauchy losses of reprojection residuals r. w is the information times
