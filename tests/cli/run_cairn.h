@@ -1,4 +1,4 @@
-// Runs the built binaries as a shell would.
+// Runs the built binaries like a shell.
 #ifndef CAIRN_TESTS_CLI_RUN_CAIRN_H_
 #define CAIRN_TESTS_CLI_RUN_CAIRN_H_
 

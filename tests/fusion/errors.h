@@ -1,4 +1,4 @@
-// Errors of an estimator against the truth of a simulation.
+// Computes an estimator's errors against the truth of a simulation.
 #ifndef CAIRN_TESTS_FUSION_ERRORS_H_
 #define CAIRN_TESTS_FUSION_ERRORS_H_
 

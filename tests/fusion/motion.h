@@ -1,4 +1,4 @@
-// Motions with exact derivatives, to simulate an inertial unit on.
+// Motions with exact derivatives, for simulated IMUs.
 #ifndef CAIRN_TESTS_FUSION_MOTION_H_
 #define CAIRN_TESTS_FUSION_MOTION_H_
 

@@ -1,4 +1,4 @@
-// A file that a fuzz target writes anew for each input, for decoders that read by name.
+// A file that a fuzz target rewrites for each input, for decoders that read files by name.
 #ifndef CAIRN_TESTS_FUZZ_FUZZ_FILE_H_
 #define CAIRN_TESTS_FUZZ_FUZZ_FILE_H_
 

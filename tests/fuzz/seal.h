@@ -1,5 +1,5 @@
-// Checksums set right, so that a fuzz target reaches what stands behind them: whoever makes a
-// hostile payload can compute its checksum, too.
+// Corrects checksums, so that a fuzz target reaches the code behind the check. An attacker can
+// compute the checksum of a hostile payload, too.
 #ifndef CAIRN_TESTS_FUZZ_SEAL_H_
 #define CAIRN_TESTS_FUZZ_SEAL_H_
 

@@ -1,4 +1,4 @@
-// httplib's client for tests, included so that it can stand beside Eigen.
+// Includes httplib's client for tests in a way that is compatible with Eigen.
 #ifndef CAIRN_TESTS_HTTP_PLAIN_HTTP_H_
 #define CAIRN_TESTS_HTTP_PLAIN_HTTP_H_
 

@@ -1,4 +1,4 @@
-// Bytes to a port and back, for requests that no HTTP client would send.
+// Sends and receives raw bytes on a port, for requests that no HTTP client would send.
 #ifndef CAIRN_TESTS_HTTP_RAW_SOCKET_H_
 #define CAIRN_TESTS_HTTP_RAW_SOCKET_H_
 

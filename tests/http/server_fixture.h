@@ -1,4 +1,4 @@
-// A server on a small made-up street, shared by the tests of a suite.
+// A server on a small synthetic street, which the tests of a suite share.
 #ifndef CAIRN_TESTS_HTTP_SERVER_FIXTURE_H_
 #define CAIRN_TESTS_HTTP_SERVER_FIXTURE_H_
 

@@ -1,4 +1,4 @@
-// A map from some photos of a real COLMAP model and queries from the others.
+// Makes a map from some photos of a real COLMAP model, and queries from the others.
 #ifndef CAIRN_TESTS_SYSTEM_REAL_DRIVE_H_
 #define CAIRN_TESTS_SYSTEM_REAL_DRIVE_H_
 

@@ -1,4 +1,4 @@
-// Real SIFT descriptors in the form the synthetic ones have.
+// Real SIFT descriptors in the same form as the synthetic ones.
 #ifndef CAIRN_TESTS_ENGINE_INDEX_REAL_SIFT_H_
 #define CAIRN_TESTS_ENGINE_INDEX_REAL_SIFT_H_
 

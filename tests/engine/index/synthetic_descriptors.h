@@ -1,5 +1,6 @@
-// Landmark and query descriptors with the statistics of projected SIFT: clustered, with variances
-// that fall off over the dimensions and same-landmark distances with a heavy tail.
+// Landmark and query descriptors with the statistics of projected SIFT. The descriptors form
+// clusters, their variances fall over the dimensions, and same-landmark distances have a heavy
+// tail.
 #ifndef CAIRN_TESTS_ENGINE_INDEX_SYNTHETIC_DESCRIPTORS_H_
 #define CAIRN_TESTS_ENGINE_INDEX_SYNTHETIC_DESCRIPTORS_H_
 

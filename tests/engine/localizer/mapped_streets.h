@@ -1,4 +1,4 @@
-// A localizer over mapped streets, and queries in them.
+// A localizer with a map of several streets, and queries in these streets.
 #ifndef CAIRN_TESTS_ENGINE_LOCALIZER_MAPPED_STREETS_H_
 #define CAIRN_TESTS_ENGINE_LOCALIZER_MAPPED_STREETS_H_
 

@@ -1,4 +1,4 @@
-// Tiles whose covisibility can be written down by hand.
+// Builds tiles from covisibility that is written by hand.
 #ifndef CAIRN_TESTS_ENGINE_REFINEMENT_KEYFRAME_TILE_H_
 #define CAIRN_TESTS_ENGINE_REFINEMENT_KEYFRAME_TILE_H_
 

@@ -1,4 +1,4 @@
-// Tiles whose descriptors can be written down by hand.
+// Builds tiles from descriptors that are written by hand.
 #ifndef CAIRN_TESTS_ENGINE_TILES_SIMPLE_TILE_H_
 #define CAIRN_TESTS_ENGINE_TILES_SIMPLE_TILE_H_
 

@@ -1,4 +1,4 @@
-// A query of the street that http/server_fixture.h serves, as the filter would ask it.
+// A query of the filter in the street that http/server_fixture.h serves.
 #ifndef CAIRN_TESTS_FUSION_TRANSPORT_STREET_QUERY_H_
 #define CAIRN_TESTS_FUSION_TRANSPORT_STREET_QUERY_H_
 
