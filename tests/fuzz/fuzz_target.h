@@ -14,7 +14,7 @@
 
 #include "core/check.h"
 
-// Returns 0. Every exception that leaves it is a finding, as are all aborts.
+// Returns 0. Every exception that leaves the function is a finding, and so is every abort.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
 
 namespace cairn::testing {

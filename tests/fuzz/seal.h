@@ -12,7 +12,7 @@
 
 namespace cairn::testing {
 
-// The bytes with the checksum at `checksum_offset` as the format wants it, if they are that long.
+// Returns the bytes with the correct checksum at `checksum_offset`, if they are long enough.
 inline std::vector<uint8_t> Sealed(const uint8_t* data, size_t size, size_t checksum_offset) {
   std::vector<uint8_t> bytes(data, data + size);
   if (size >= checksum_offset + sizeof(uint64_t)) {

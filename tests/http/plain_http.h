@@ -2,7 +2,8 @@
 #ifndef CAIRN_TESTS_HTTP_PLAIN_HTTP_H_
 #define CAIRN_TESTS_HTTP_PLAIN_HTTP_H_
 
-// Eigen first: httplib includes <resolv.h>, which makes a macro of a name that Eigen uses.
+// Eigen must come first: httplib includes <resolv.h>, which defines a macro with a name that Eigen
+// uses.
 // clang-format off
 #include <Eigen/Core>
 #include <httplib.h>
