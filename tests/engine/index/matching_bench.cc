@@ -3,8 +3,7 @@
 //
 //   ColdLoad        decodes a tile's bytes and builds its index, as after a cache miss
 //   BuildIndex      builds the index alone; `to_sort` is its time over that of std::sort on the
-//   same
-//                   pairs of bucket and descriptor, one sort per grid
+//                   same pairs of bucket and descriptor, one sort per grid
 //   SearchGrids     finds descriptors near 1,000 keypoints with random grids; arguments: grids,
 //                   hashed dimensions, cell width in tenths of a sigma, probes
 //   SearchKind      the same search with the other kinds of index; arguments: kind, probes
