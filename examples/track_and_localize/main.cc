@@ -1,8 +1,9 @@
-// Tracks a phone on its own and with the help of a map server, and plots both.
+// Tracks a phone without and with a map server, and plots both trajectories.
 //
-// Renders a street, makes a map of it, serves the map over HTTP on loopback, and walks down the
-// street with a simulated phone: rendered images through the KLT front end, inertial samples, and
-// once a second a query to the server, whose answer reaches the filter 200 ms late.
+// The program renders a street, makes a map of it, serves the map over HTTP on loopback, and
+// simulates a walk down the street with a phone. Rendered images go through the KLT front end.
+// Inertial samples go to the filter. Once a second a query goes to the server; its answer reaches
+// the filter 200 ms later.
 //
 //   track_and_localize --output out [--seconds 25] [--latency-ms 200]
 #include <fmt/format.h>
@@ -45,9 +46,10 @@ struct Arguments {
 constexpr double kFrameRateHz = 10.0;
 constexpr double kImuRateHz = 200.0;
 constexpr int kMaxQueryFeatures = 500;
-constexpr double kSameFeaturePx = 0.5;  // A keypoint this near to a tracked feature is one.
+// A keypoint within this distance of a tracked feature is the same feature.
+constexpr double kSameFeaturePx = 0.5;
 
-// Answers, from the worker thread of the transport to the thread of the filter.
+// Passes answers from the transport's worker thread to the filter's thread.
 class Mailbox {
  public:
   void Put(fusion::Answer answer) {
@@ -80,7 +82,7 @@ std::unique_ptr<fusion::FusionClient> MakeClient(const Camera& camera) {
   return std::move(client);
 }
 
-// The phone: two filters on the same sensors, of which one may ask the map.
+// The phone: two filters on the same sensors. Only one of them queries the map.
 class Phone {
  public:
   Phone(const StreetScene& scene, const std::string& map_path, const std::string& server_url,
@@ -133,7 +135,7 @@ class Phone {
     options.url = server_url;
     options.global_origin = scene_.options().origin;
     options.timeout_ms = 30'000;
-    // The simulated clock runs faster or slower than that of the transport.
+    // The simulated clock runs faster or slower than the transport's clock.
     options.min_interval_s = 0.0;
     return options;
   }
@@ -145,7 +147,7 @@ class Phone {
     }
   }
 
-  // Waits for the server, as the walk is simulated; the filter gets the answer later.
+  // Waits for the server, because the walk is simulated. The filter receives the answer later.
   void AskMap(double time_s, const GrayImage& image,
               std::span<const fusion::TrackedFeature> features) {
     auto query = fused_->PollQuery();
@@ -208,7 +210,7 @@ class Phone {
   Mailbox mailbox_;
   fusion::MapTransport transport_;
   std::deque<Delivery> deliveries_;
-  std::optional<Rigid3d> enu_from_alone_;  // By the truth at the start.
+  std::optional<Rigid3d> enu_from_alone_;  // From the true pose at the start.
 };
 
 void Run(const Arguments& arguments) {

@@ -13,11 +13,11 @@ constexpr double kGravityMS2 = 9.81;
 constexpr double kStandS = 2.0;
 constexpr double kRampS = 2.0;
 constexpr double kSpeedMS = 1.2;
-constexpr double kFirstXM = 10.0;  // Along the street.
+constexpr double kFirstXM = 10.0;  // Start of the walk, along the street.
 constexpr double kHeightM = 1.5;
-constexpr double kFromKerbM = 1.2;  // Inwards from the facade's edge of the pavement.
+constexpr double kFromKerbM = 1.2;  // Inward from the facade's edge of the pavement.
 
-// 0 while standing, 1 while walking, smooth between.
+// Returns 0 while standing and 1 while walking, with a smooth transition.
 double Pace(double time_s) {
   const double u = std::clamp((time_s - kStandS) / kRampS, 0.0, 1.0);
   return u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
@@ -60,7 +60,7 @@ Rigid3d PhoneWalk::EnuFromImu(double time_s) const {
 std::vector<fusion::ImuSample> PhoneWalk::Measure(double duration_s, double rate_hz,
                                                   const fusion::ImuNoise& noise,
                                                   uint64_t seed) const {
-  constexpr double kStepS = 1e-3;  // Of the central differences.
+  constexpr double kStepS = 1e-3;  // Step of the central differences.
   const Eigen::Vector3d gyro_bias(0.004, -0.003, 0.002);
   const Eigen::Vector3d accel_bias(0.04, -0.03, 0.05);
   std::mt19937_64 random(seed);

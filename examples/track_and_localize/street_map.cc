@@ -26,7 +26,7 @@ void MakeStreetMap(const StreetScene& scene, const std::string& map_path) {
   IngestOptions options;
   options.session_name = "street";
   options.source = "track_and_localize";
-  // The reconstruction's world is east-north-up at the origin of the scene, in metres.
+  // The reconstruction's world frame is east-north-up at the origin of the scene, in meters.
   const Rigid3d ecef_from_enu = EcefFromEnu(scene.options().origin);
   IngestSession(reconstruction, {1.0, ecef_from_enu.rotation, ecef_from_enu.translation}, options,
                 &store, {});

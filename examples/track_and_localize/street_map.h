@@ -1,4 +1,4 @@
-// A map of a rendered street, made with the project's own ingest.
+// Makes a map of a rendered street with the project's own ingest.
 #ifndef CAIRN_EXAMPLES_TRACK_AND_LOCALIZE_STREET_MAP_H_
 #define CAIRN_EXAMPLES_TRACK_AND_LOCALIZE_STREET_MAP_H_
 
@@ -9,7 +9,7 @@
 namespace cairn {
 
 // Photographs the street as a mapping vehicle does, reconstructs it and writes the map to
-// `map_path`, replacing what is there.
+// `map_path`. Replaces an existing map.
 void MakeStreetMap(const StreetScene& scene, const std::string& map_path);
 
 }  // namespace cairn

@@ -20,7 +20,7 @@ void WriteText(const std::filesystem::path& path, const std::string& text) {
   }
 }
 
-// Three columns, each after a comma; empty ones if there is no position.
+// Returns three columns, each after a comma. The columns are empty if there is no position.
 std::string Columns(bool is_there, const Eigen::Vector3d& x) {
   return is_there ? fmt::format(",{:.4f},{:.4f},{:.4f}", x.x(), x.y(), x.z()) : ",,,";
 }

@@ -1,4 +1,4 @@
-// The trajectories of the example as a table, a plot and a few figures.
+// Writes the trajectories of the example as a table, a plot and a few figures.
 #ifndef CAIRN_EXAMPLES_TRACK_AND_LOCALIZE_WRITE_RESULTS_H_
 #define CAIRN_EXAMPLES_TRACK_AND_LOCALIZE_WRITE_RESULTS_H_
 
@@ -8,21 +8,21 @@
 
 namespace cairn {
 
-// At one frame; positions of the imu in enu at the origin of the street.
+// Positions of the IMU at one frame, in enu at the origin of the street.
 struct TrackPoint {
   double time_s = 0.0;
   Eigen::Vector3d truth = Eigen::Vector3d::Zero();
-  Eigen::Vector3d local = Eigen::Vector3d::Zero();  // Tracked alone from the true start.
-  Eigen::Vector3d fused = Eigen::Vector3d::Zero();  // With the map; meaningful if is_fused.
-  Eigen::Vector3d shown = Eigen::Vector3d::Zero();  // The steady pose; meaningful if is_fused.
+  Eigen::Vector3d local = Eigen::Vector3d::Zero();  // Tracked without the map from the true start.
+  Eigen::Vector3d fused = Eigen::Vector3d::Zero();  // Tracked with the map; valid if is_fused.
+  Eigen::Vector3d shown = Eigen::Vector3d::Zero();  // The steady pose; valid if is_fused.
   bool is_fused = false;
 };
 
-// Writes <dir>/trajectory.csv and <dir>/trajectory.gnuplot, and, if gnuplot can be run,
-// <dir>/trajectory.png. Returns whether there is a plot. Throws Error(kIo).
+// Writes <dir>/trajectory.csv and <dir>/trajectory.gnuplot. If gnuplot is installed, also writes
+// <dir>/trajectory.png. Returns true if the plot exists. Throws Error(kIo).
 bool WriteResults(const std::filesystem::path& dir, const std::vector<TrackPoint>& points);
 
-// Root mean square distance to the truth, metres, over the frames that are fused.
+// Root mean square distance to the truth in meters, over the fused frames.
 struct TrackErrors {
   double local_rmse_m = 0.0;
   double fused_rmse_m = 0.0;

@@ -34,7 +34,7 @@ struct FusionOptions {
   int max_clones = 11;    // Length of the sliding window; in [3, 16].
   int max_tracks = 1024;  // Most features tracked at a time.
   // Longest gap between inertial samples that the filter bridges. After a longer gap, `local`
-  // starts anew.
+  // starts over.
   double max_imu_gap_s = 0.3;
   // Coasting begins this long after the last applied answer.
   double coasting_after_s = 5.0;

@@ -21,7 +21,7 @@ enum class ImuStatus {
   kAccepted,
   kBadInput,    // A number is not finite.
   kOutOfOrder,  // Not newer than the last one: dropped.
-  kRestarted,   // Clock jump, or gap too long to bridge: `local` begins anew.
+  kRestarted,   // Clock jump, or gap too long to bridge: `local` starts over.
 };
 
 enum class FrameStatus {
@@ -114,7 +114,7 @@ struct Estimate {
   // Free of jumps: corrections by the map reach `imu` slowly; global_from_local takes the rest at
   // once.
   ImuState imu;
-  Matrix15d covariance = Matrix15d::Zero();  // Of [theta, p, v, b_g, b_a].
+  Matrix15d covariance = Matrix15d::Zero();  // Order: theta, p, v, b_g, b_a.
   bool has_global = false;
   Rigid3d global_from_local;
   // Covariance of [rotation, translation] of global_from_local. The error is on the right, in

@@ -21,8 +21,8 @@ class LocalSlew {
   // Absorbs a correction of the pose from `before` to `after`, both at the same time.
   void TakeUp(const Rigid3d& before, const Rigid3d& after);
 
-  // Moves shown_from_local towards the identity by one frame. The published pose of
-  // `local_from_imu` moves by no more than the bounds.
+  // Moves shown_from_local toward the identity by one frame. The published pose of `local_from_imu`
+  // moves by no more than the bounds.
   void Return(const Rigid3d& local_from_imu);
 
   void Reset() { shown_from_local_ = Rigid3d(); }

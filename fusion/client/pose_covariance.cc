@@ -12,7 +12,7 @@ Matrix6d RotationFirst() {
 Matrix6x12d GlobalPoseJacobian(const Rigid3d& global_from_local, const Rigid3d& local_from_imu) {
   // R_GI = R_GL Exp(phi) Exp(theta) R_LI and p_GI = R_GL (Exp(phi) p + rho) + p_GL.
   const Eigen::Matrix3d rotation = global_from_local.rotation.toRotationMatrix();
-  Matrix6d by_global = Matrix6d::Zero();  // By [phi, rho].
+  Matrix6d by_global = Matrix6d::Zero();  // Derivative by [phi, rho].
   by_global.topLeftCorner<3, 3>() = rotation;
   by_global.bottomLeftCorner<3, 3>() = -rotation * Skew(local_from_imu.translation);
   by_global.bottomRightCorner<3, 3>() = rotation;

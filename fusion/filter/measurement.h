@@ -32,9 +32,8 @@ struct Measurement {
 // - Eliminating a variable: with the variable's Jacobian in the leading columns, the rows below the
 //   triangle are the projection of the other columns onto its left nullspace.
 // - Compressing a measurement: with a whole Jacobian leading and the residual in the last column,
-// the
-//   rows of the triangle hold everything that the measurement says about the state (paper, "Global
-//   Updates to the Local State Estimation", measurement compression).
+//   the rows of the triangle hold everything that the measurement says about the state (paper,
+//   "Global Updates to the Local State Estimation", measurement compression).
 void Triangularize(int num_columns, Eigen::Ref<Eigen::MatrixXd> rows);
 
 // If a measurement has more rows than columns, replaces it by an equivalent one with as many rows

@@ -145,7 +145,7 @@ FilterState PriorState(const DynamicStartInput& input, const StartGuess& guess,
   imu.velocity_in_local = guess.velocity_in_local;
   imu.gyro_bias = guess.gyro_bias;
   Eigen::Matrix<double, kImuDim, 1> sigma = Eigen::Matrix<double, kImuDim, 1>::Zero();
-  sigma.head<2>().setConstant(0.3);  // Radians; far wider than what the tracks tell.
+  sigma.head<2>().setConstant(0.3);  // Radians; wide compared with the tracks' information.
   sigma.segment<3>(kVelocityIdx).setConstant(std::max(1.0, guess.velocity_in_local.norm()));
   sigma.segment<3>(kGyroBiasIdx).setConstant(options.gyro_bias_sigma_rad_s);
   sigma.segment<3>(kAccelBiasIdx).setConstant(options.accel_bias_sigma_m_s2);

@@ -15,7 +15,7 @@
 namespace cairn::fusion {
 
 struct RotationOnlyOptions {
-  // Half of what is in view stands within this distance. This is a bound, not an estimate.
+  // Half of the visible points are within this distance. This is a bound, not an estimate.
   double median_distance_m = 20.0;
   int min_tracks = 15;
   double gate_quantile = 3.09;  // Passes 99.9 %.

@@ -42,7 +42,7 @@ struct Track {
   uint64_t track_id = 0;
   int64_t last_frame_id = 0;                // Last frame that saw the track, used or not.
   std::vector<Observation> observations;    // In order of frames.
-  std::optional<MapDistance> map_distance;  // Of the track's point; kept until an update uses it.
+  std::optional<MapDistance> map_distance;  // Kept until an update uses it.
 };
 
 // Memory is bounded by max_tracks times the number of kept frames. Not thread-safe.

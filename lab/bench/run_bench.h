@@ -36,11 +36,9 @@ struct BenchFigures {
   // Processor time per tile; medians of many tiles:
   // - tile_load_seconds: from the map file in the page cache until the tile can be searched;
   // - blob_load_seconds: the same from the blob in memory, without SQLite, one tile after another
-  // as in
-  //   a full cache;
+  //   as in a full cache;
   // - plain_read_seconds: reading the blob's bytes from a plain file in the page cache into memory
-  // that was used
-  //   before.
+  //   that was used before.
   double tile_load_seconds = 0.0;
   double blob_load_seconds = 0.0;
   double plain_read_seconds = 0.0;

@@ -37,8 +37,8 @@ struct DescriptorModelOptions {
   // Root mean square lengths of the differences between looks at one landmark. Their directions
   // follow `DescriptorAxis::within`.
   double noise_length = 0.164;     // Independent in each look.
-  double view_length = 0.330;      // By direction and scale; distant views share little of it.
-  double mode_length = 0.094;      // By appearance mode.
+  double view_length = 0.330;      // Differs by direction and scale; distant views share little.
+  double mode_length = 0.094;      // Differs by appearance mode.
   double instance_length = 0.233;  // Between landmarks of one ornament.
   // Two looks share exp(-d) of the view's effect. d is the length of (difference of azimuth and
   // elevation / view_angle_scale_rad, difference of log2 scale / view_log2_scale).

@@ -42,8 +42,8 @@ struct RealLooks {
 // pairs that look alike and thereby hide how much looks differ.
 struct RealLooksOptions {
   double max_distance_px = 1.5;
-  double max_log2_size_ratio = 0.5;   // Of the physical keypoint sizes.
-  double max_orientation_rad = 0.35;  // From the orientation that geometry predicts.
+  double max_log2_size_ratio = 0.5;   // Ratio of physical keypoint sizes.
+  double max_orientation_rad = 0.35;  // Difference to the predicted orientation.
   int max_landmarks = 5'000;          // Evenly picked.
   // Added to the predicted position. An offset of many pixels measures keypoints that are there by
   // chance.

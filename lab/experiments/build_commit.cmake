@@ -1,4 +1,4 @@
-# Writes a header with the commit of the checkout; touches it only if that has changed.
+# Writes a header with the commit of the checkout. Rewrites it only if the commit has changed.
 execute_process(
   COMMAND git -C ${SOURCE_DIR} describe --always --dirty --abbrev=10
   OUTPUT_VARIABLE commit OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failure)

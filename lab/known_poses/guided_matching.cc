@@ -20,7 +20,7 @@ constexpr double kSamePointPx = 3.0;
 // A keypoint in polar coordinates about the baseline.
 struct PolarRay {
   double plane_rad = 0.0;  // Angle of the epipolar plane, in (-pi, pi].
-  // Of the angle between the ray and the baseline, which runs from a to b for both images.
+  // Cosine of the angle between the ray and the baseline (from a to b for both images).
   double cos = 0.0;
   double sin = 0.0;
   int idx = 0;

@@ -1,28 +1,29 @@
 #!/usr/bin/env python3
-"""Holds `cairn` against COLMAP's image registrator on one scene: same photos, same features.
+"""Compares `cairn` with COLMAP's image registrator on the same photos and features of one scene.
 
-The photos of a scene are dealt into folds. For each fold the map is made of all other photos and the
-fold's photos are queries, to both:
+The photos of the scene are divided into folds. For each fold, all other photos make the map, and the
+photos of the fold are queries for both programs:
 
-  COLMAP  the query's features are matched with every mapping photo (`matches_importer`) and the photo
-          is registered into the model without the queries (`image_registrator`);
-  cairn   the same model without the queries is ingested, and `cairn eval` localizes the queries with
-          the same features, a position prior (10 m) and the direction of gravity (1 degree off), as
-          phones send them. --no-prior and --no-gravity leave them out.
+  COLMAP  matches the query's features with every mapping photo (`matches_importer`) and registers the
+          photo into the model without the queries (`image_registrator`);
+  cairn   ingests the same model without the queries; `cairn eval` localizes the queries with the same
+          features, a position prior (10 m) and the direction of gravity (1 degree off), as phones send
+          them. --no-prior and --no-gravity leave these out.
 
-Features come from COLMAP's SIFT for both and their extraction is not counted. Times are processor
-time: of COLMAP the two programs above over the number of queries, on one thread; of cairn the stages
-of each query as `cairn eval` reports them, on one thread. The programs' own start is in COLMAP's
-figure; `cairn eval` counted whole is shown beside it.
+Both programs use features of COLMAP's SIFT. The extraction of the features is not counted. Times are
+processor times on one thread. For COLMAP, the time is that of the two programs above divided by the
+number of queries; it includes the start of the programs. For cairn, the time is that of the stages of
+each query, as `cairn eval` reports them; the time of the whole `cairn eval` is shown beside it.
 
-Without --model the scene is reconstructed first (`feature_extractor`, `exhaustive_matcher`, `mapper`)
-in --work. The model is placed on Earth at a made-up spot with its median depth at 20 m and the mean
-of the photos' own up as vertical. The reference pose of a query, from which its prior and gravity are
-drawn, is the one at which COLMAP registers it; that of the whole model counts only for queries that it
-does not register (COLMAP misplaces photos when it maps: 20.jpg of street_lund is 45 m off its row).
+Without --model, the scene is first reconstructed in --work (`feature_extractor`, `exhaustive_matcher`,
+`mapper`). The model is placed at an arbitrary position on Earth, with a median depth of 20 m and the
+mean up direction of the photos as the vertical. The reference pose of a query is the pose at which
+COLMAP registers the query; its prior and gravity are drawn from this pose. Only for queries that COLMAP
+does not register is the pose of the whole model used, because COLMAP misplaces photos when it maps:
+20.jpg of street_lund is 45 m off its row.
 
-Needs the packages `colmap` and `python3`. Ends with 1 if cairn loses a photo that COLMAP registers or
-takes more time than it, 2 if something is missing.
+Needs the packages `colmap` and `python3`. The exit code is 1 if cairn loses a photo that COLMAP
+registers or takes more time than COLMAP, and 2 if a program or a file is missing.
 
 Example:
   lab/peers/colmap_registrator.py --cairn build/release/cli/cairn --images lund/images \\
@@ -41,14 +42,14 @@ import statistics
 import subprocess
 import sys
 
-MAX_IMAGE_ID = 2147483647  # COLMAP's pair_id = id1 * this + id2, id1 < id2.
+MAX_IMAGE_ID = 2147483647  # COLMAP's pair_id = id1 * MAX_IMAGE_ID + id2, id1 < id2.
 MEDIAN_DEPTH_M = 20.0
-MIN_MAPPING_PHOTOS = 3  # To place a map on Earth.
+MIN_MAPPING_PHOTOS = 3  # Needed to place a map on Earth.
 ORIGIN_LAT_DEG, ORIGIN_LON_DEG, ORIGIN_H_M = 49.0, 8.4, 150.0
 
 
 class MissingError(Exception):
-    """A program or a file that is needed is not there."""
+    """A required program or file is missing."""
 
 
 def parse_arguments():
@@ -70,7 +71,7 @@ def parse_arguments():
 
 
 def run(command):
-    """Runs a program; returns its processor time in seconds. Its output goes to the error text."""
+    """Runs a program and returns its processor time in seconds. An error contains its output."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     try:
         result = subprocess.run([str(part) for part in command], stdout=subprocess.PIPE,
@@ -84,7 +85,7 @@ def run(command):
 
 
 def reconstruct(images, work):
-    """Model and database of all photos, by COLMAP's own defaults."""
+    """Makes the model and the database of all photos with COLMAP's defaults."""
     database, sparse = work / "database.db", work / "sparse"
     if not (sparse / "0").exists():
         sparse.mkdir(parents=True, exist_ok=True)
@@ -144,7 +145,7 @@ def center(rotation, translation):
 
 
 def write_positions(model, work, path):
-    """A CSV for `cairn --georef`: where the photos were taken, at a made-up spot on Earth."""
+    """Writes camera positions at an arbitrary place on Earth as a CSV for `cairn --georef`."""
     images, points, seen = read_model(model, work / "text")
     depths = [dot(rotation[2], points[point]) + translation[2]
               for name, (rotation, translation) in images.items() for point in seen[name]]
@@ -173,7 +174,7 @@ def write_positions(model, work, path):
 
 
 def database_without_queries_matches(database, queries, path):
-    """A copy of the database without the matches of the queries."""
+    """Copies the database without the matches of the queries."""
     shutil.copyfile(database, path)
     connection = sqlite3.connect(path)
     ids = dict(connection.execute("SELECT name, image_id FROM images"))
@@ -187,7 +188,7 @@ def database_without_queries_matches(database, queries, path):
 
 
 def run_colmap(arguments, model, database, mapped, queries, folder):
-    """Names of the queries that COLMAP registers, the model with them, and its processor time."""
+    """Returns the queries that COLMAP registers, the model with them, and the processor time."""
     pairs = folder / "pairs.txt"
     pairs.write_text("".join(f"{query} {name}\n" for query in queries for name in mapped))
     work_database = folder / "database.db"
@@ -213,8 +214,8 @@ def write_list(path, names):
 
 
 def run_cairn(arguments, model, database, positions, mapped, queries_of_model, folder):
-    """{query: its row of `cairn eval`} and the processor time of the whole program. The queries of
-    each model in `queries_of_model` have their reference poses from it."""
+    """Returns {query: its row of `cairn eval`} and the processor time of the whole program. The
+    queries of each model in `queries_of_model` have their reference poses from that model."""
     map_path, rows_path = folder / "map.gpkg", folder / "answers.csv"
     map_path.unlink(missing_ok=True)
     run([arguments.cairn, "init", map_path])
@@ -269,7 +270,7 @@ def report(folds):
             print(f"  {name}: {fold['reasons'].get(name) or 'wrong'}")
     print(f"COLMAP per query           {colmap_ms:.1f} ms (matching and registration)")
     print(f"cairn per query            {cairn_ms:.1f} ms mean, {max(times):.1f} ms longest")
-    print(f"cairn eval, whole program  {program_ms:.1f} ms a query (reads model, database, map)")
+    print(f"cairn eval, whole program  {program_ms:.1f} ms per query (reads model, database, map)")
     print(f"ratio of the times         {cairn_ms / colmap_ms:.4f} "
           f"({program_ms / colmap_ms:.4f} with the whole program)")
     return {"queries": count, **total, "colmap_ms": colmap_ms, "cairn_ms": cairn_ms,

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Fits the engine's EvidenceModel (engine/pose/evidence/evidence_model.h) to inliers of answers.
 
-Reads files of `cairn eval --matches-csv`: --right, of queries that show places of the map, and --chance, of queries
-from elsewhere (`--elsewhere` or `--permute-descriptors`), both asked with `--min-score -5` so that weak poses count,
-too. Every --right file has the same weight. Of these, poses within 1 m and 5 degrees are taken. Their inliers are
-right or by chance; which, is found by expectation maximisation: reprojection errors of right ones by maximum
-likelihood, the other traits by logistic regression against the --chance inliers.
+Reads files of `cairn eval --matches-csv`. The --right files come from queries that show places of the map. The
+--chance files come from queries from elsewhere (`--elsewhere` or `--permute-descriptors`). Both must be made with
+`--min-score -5`, so that weak poses count, too. Every --right file has the same weight; only its poses within 1 m
+and 5 degrees are used. Their inliers are right or accidental. Expectation maximization decides which: it fits the
+reprojection errors of right inliers by maximum likelihood, and the other traits by logistic regression against the
+--chance inliers.
 
-Needs python3 with numpy and scipy. Ends with 2 if a file is missing or holds no inlier.
+Needs python3 with numpy and scipy. The exit code is 2 if a file is missing or has no inlier.
 
 Example:
   lab/peers/fit_evidence.py --right city.csv lund.csv --chance elsewhere.csv
@@ -34,11 +35,11 @@ START_TRAITS = numpy.concatenate([numpy.log([2.0, 4.0, 1.0, 1.0, 0.5, 0.2, 3.0])
 
 
 class FailedError(Exception):
-    """A file is missing or holds nothing to fit to."""
+    """A file is missing or has no data to fit."""
 
 
 def read_inliers(path, only_right):
-    """Columns of COLUMNS and the number of the answer of each inlier."""
+    """Returns the columns COLUMNS of each inlier and the number of its answer."""
     values, answers, names = [], [], {}
     try:
         with open(path, newline="", encoding="utf-8") as file:
@@ -58,7 +59,7 @@ def read_inliers(path, only_right):
 
 
 def join(parts):
-    """Inliers of several files; each file has the same weight in all."""
+    """Returns the inliers of several files. All files have the same total weight."""
     first_answer, answers = 0, []
     for part in parts:
         answers.append(part["answer"] + first_answer)
@@ -93,7 +94,7 @@ def log_trait_ratio(inliers, parameters):
 
 
 def uniform_area(inliers):
-    """Of the disc within which a match is an inlier, square pixels."""
+    """Returns the area, in square pixels, of the disk within which a match is an inlier."""
     radius = numpy.maximum(MIN_ERROR_PX, ERROR_PX_AT_500 * inliers["focal_px"] / 500)
     widened = numpy.minimum(3 * inliers["landmark_sigma_px"], 3**0.5 * radius)
     return numpy.pi * (radius**2 + widened**2)
@@ -117,7 +118,7 @@ def fit_traits(right, likely, chance, start):
 
 
 def probabilities(right, likely, error, traits):
-    """That each inlier is right, each answer having its own share of right ones."""
+    """Returns the probability that each inlier is right. Each answer has its own share of right ones."""
     log_ratio = (log_error_density(right, error) + numpy.log(uniform_area(right)) +
                  log_trait_ratio(right, traits))
     count = numpy.bincount(right["answer"])

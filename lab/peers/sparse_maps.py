@@ -1,18 +1,20 @@
 #!/usr/bin/env python3
-"""Asks sparse maps of real photos for the photos they lack: what a change of the engine is judged by
-beside simulated cities, whose lenient matches are wrong too rarely.
+"""Makes sparse maps of real photos and queries them with the photos that are not in the map.
 
-For each step n of --steps and each offset below n, every n-th photo of the model is mapped and all
-others are queries of `cairn eval`, with its prior (10 m) and gravity (1 degree off); for each step of
---dense it is the other way round. Right is an answer within 3 m and 10 degrees of the model. Maps are
-kept in --work and used again. Below the counts stands what the confidence of the answers says, in five
-parts from the least confident on, and how many of them were right.
+Use this program besides simulated cities to judge a change of the engine: the lenient matches of
+simulated cities are wrong too rarely.
 
-With `--features both` each map is asked twice, with the model's features and with those that Cairn
-extracts from the photos, and the difference of the shares is printed, in the mean over the maps, with
-its 95 % bootstrap interval over maps and photos.
+For each step n of --steps and each offset below n, every n-th photo of the model makes the map. All
+other photos are queries of `cairn eval`, with its prior (10 m) and gravity (1 degree off). For each step
+of --dense, the roles are exchanged. An answer is right within 3 m and 10 degrees of the model. Maps are
+kept in --work and reused. Below the counts, the program divides the answers by confidence into five
+parts, from the lowest on, and prints the mean confidence and the share of right answers of each part.
 
-Needs `python3`. Ends with 2 if something is missing or fails.
+With `--features both`, each map is queried twice: with the model's features, and with features that
+Cairn extracts from the photos. The program then prints the difference of the shares in the mean over
+the maps, with its 95 % bootstrap interval over maps and photos.
+
+Needs `python3`. The exit code is 2 if a file is missing or a program fails.
 
 Example:
   lab/peers/sparse_maps.py --cairn build/release/cli/cairn --images lund/images \\
@@ -28,7 +30,7 @@ import sys
 
 RIGHT_M, RIGHT_DEG = 3.0, 10.0
 NEAR_M, NEAR_DEG = 0.5, 5.0
-NUM_PARTS = 5  # Of the answers by confidence.
+NUM_PARTS = 5  # Parts of the answers, by confidence.
 NUM_RESAMPLES = 2000
 COLUMNS = ("queries", "localized", "right", "near", "ambiguous")
 
@@ -49,14 +51,14 @@ def parse_arguments():
     parser.add_argument("--steps", type=int, nargs="+", default=[3, 4, 5],
                         help="every n-th photo is mapped")
     parser.add_argument("--dense", type=int, nargs="+", default=[],
-                        help="all photos but every n-th are mapped")
+                        help="every photo except each n-th is mapped")
     parser.add_argument("--features", choices=["model", "extract", "both"], default="model",
-                        help="what is asked with: the model's features, or fresh ones of the photos")
+                        help="features of the queries: the model's, or extracted from the photos")
     parser.add_argument("--georef", type=pathlib.Path,
                         help="camera positions, instead of the GPS of the photos")
     parser.add_argument("--leave-out", nargs="+", default=[], metavar="NAME",
-                        help="photos that the model misplaces: mapped, but not asked for")
-    parser.add_argument("--index", default="random_grids", help="as `cairn eval` has it")
+                        help="photos that the model misplaces: mapped, but not queried")
+    parser.add_argument("--index", default="random_grids", help="kind of index, as in `cairn eval`")
     arguments = parser.parse_args()
     if min(arguments.steps + arguments.dense, default=2) < 2:
         parser.error("steps begin at 2, or no photo is left to map or to ask for")
@@ -86,7 +88,7 @@ def model_options(arguments):
 
 
 def make_map(arguments, names, path):
-    """A map of some photos, unless it is there."""
+    """Makes a map of the named photos unless the map exists."""
     if path.exists():
         return
     listed, unfinished = path.with_suffix(".txt"), path.with_suffix(".part")
@@ -98,8 +100,8 @@ def make_map(arguments, names, path):
 
 
 def ask(arguments, path, features, judged, outcomes):
-    """How many queries ended how, by COLUMNS; appends (confidence, whether right) of answers, and of
-    every query whether it was answered and whether rightly."""
+    """Returns the counts of COLUMNS. Appends (confidence, is right) of each answer to `judged`, and
+    (is answered, is right) of each query to `outcomes`."""
     answers = path.with_suffix(f".{features}.csv")
     run(arguments.cairn, "eval", path, *model_options(arguments), "--image-dir", arguments.images,
         "--features", features, "--index", arguments.index, "--csv", answers)
@@ -138,13 +140,13 @@ def print_confidence(judged):
 
 
 def mean_over_maps(maps):
-    """Of the differences (answered, right) of each map's queries."""
+    """Returns the mean over maps of the mean (answered, right) difference of a map's queries."""
     means = [[sum(values) / len(queries) for values in zip(*queries)] for queries in maps]
     return [sum(values) / len(means) for values in zip(*means)]
 
 
 def print_difference(outcomes):
-    """Extracted features against the model's; outcomes[features][map] are lists of what ask gives."""
+    """Compares extracted features with the model's. outcomes[features][map] lists outcomes of ask()."""
     maps = [[(int(ours[0]) - int(theirs[0]), int(ours[1]) - int(theirs[1]))
              for ours, theirs in zip(*pair, strict=True)]
             for pair in zip(outcomes["extract"], outcomes["model"], strict=True)]
@@ -161,7 +163,7 @@ def print_difference(outcomes):
 
 
 def maps_to_make(arguments, names):
-    """Of each map its title, file and photos."""
+    """Yields the title, the file and the photos of each map."""
     for step in arguments.steps:
         for offset in range(step):
             yield (f"every {step} from {offset}",
@@ -175,7 +177,7 @@ def maps_to_make(arguments, names):
 
 
 def ask_all(arguments, features, judged):
-    """Makes and asks all maps; of each, the outcomes of its queries."""
+    """Makes and queries all maps. Returns the outcomes of the queries of each map."""
     print(f"{'mapped':16}" + "".join(f"{column:>11}" for column in COLUMNS))
     total = dict.fromkeys(COLUMNS, 0)
     outcomes = []

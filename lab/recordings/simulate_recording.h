@@ -54,7 +54,7 @@ struct RecordingOptions {
 
   int max_matches = 300;  // Per answer.
   double match_sigma_px = 1.0;
-  double map_sigma_m = 0.05;  // Of a landmark in the map, per axis.
+  double map_sigma_m = 0.05;  // Error of a mapped landmark per axis.
   double wrong_match_fraction = 0.0;
   // Standard deviations of the state at the start. Position and yaw define local and have no error.
   double start_tilt_sigma_rad = 0.01;

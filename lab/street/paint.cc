@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-// Lower left corner and size on a canvas, metres.
+// Lower left corner and size on a canvas, in meters.
 struct Box {
   double x, z, width, height;
 };

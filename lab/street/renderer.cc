@@ -25,7 +25,7 @@ struct ProjectedRect {
   // H * (x, y, 1), in sample coordinates, is (u, v, 1) / depth, with (u, v) in texels.
   Eigen::Matrix3f H;
   const Texture* texture;
-  std::array<Eigen::Vector2d, 5> corners;  // Of the part beyond the near plane, in samples.
+  std::array<Eigen::Vector2d, 5> corners;  // Corners beyond the near plane, in samples.
   int num_corners;
 };
 

@@ -22,7 +22,7 @@ struct StreetOptions {
   // The middle of the street, on the pavement. At the default origin, a tile border crosses the
   // street.
   Geodetic origin = Geodetic::FromDegrees(47.3769, 8.5417, 408.0);
-  double heading_rad = 0.35;  // Of the street, counterclockwise from east.
+  double heading_rad = 0.35;  // Direction of the street, counterclockwise from east.
   double length_m = 120.0;    // [40, 1000]
   double width_m = 16.0;      // Between facades, [12, 60].
   // Distance between the stops of a pass; each stop takes three photos.
@@ -31,7 +31,7 @@ struct StreetOptions {
   int image_width_px = 640;
   int image_height_px = 480;
   double focal_px = 420.0;
-  double gps_sigma_m = 3.0;  // Of the photos' GPS positions, per axis.
+  double gps_sigma_m = 3.0;  // GPS error of a photo per axis.
   // Number of trees along each pavement, with fine foliage. The rest of the street does not depend
   // on the trees, so photos with trees can be matched to a map without them. In reality, too, no
   // two photos show the same foliage.

@@ -1,4 +1,4 @@
-// Clients as users have them, against a `cairn serve` of a rendered street.
+// Runs the clients that users have against a `cairn serve` of a rendered street.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>

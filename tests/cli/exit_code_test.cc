@@ -1,5 +1,5 @@
-// Every kind of failure: its exit code, a message on stderr that names the thing, nothing on
-// stdout.
+// Tests every kind of failure: its exit code, a message on stderr that names the cause, and an
+// empty stdout.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>

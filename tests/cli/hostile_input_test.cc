@@ -1,4 +1,4 @@
-// Input that is made to hang, flood or fool the program, or that people type by mistake.
+// Tests input that is meant to hang, flood or deceive the program, and common typing errors.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>

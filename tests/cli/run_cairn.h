@@ -1,4 +1,4 @@
-// Runs the built binaries as a shell would.
+// Runs the built binaries like a shell.
 #ifndef CAIRN_TESTS_CLI_RUN_CAIRN_H_
 #define CAIRN_TESTS_CLI_RUN_CAIRN_H_
 
@@ -16,13 +16,13 @@ struct Finished {
   std::string err;     // Standard error.
 };
 
-// Runs `cairn <arguments>` to its end; `input` becomes its standard input.
+// Runs `cairn <arguments>` until it ends. `input` becomes its standard input.
 Finished RunCairn(const std::vector<std::string>& arguments, const std::string& input = "");
 
-// Runs `cairn-lab <arguments>` to its end.
+// Runs `cairn-lab <arguments>` until it ends.
 Finished RunCairnLab(const std::vector<std::string>& arguments);
 
-// A `cairn` that runs in the background; killed at destruction if it still runs.
+// A `cairn` process in the background. The destructor kills it if it still runs.
 class BackgroundCairn {
  public:
   explicit BackgroundCairn(const std::vector<std::string>& arguments);
@@ -30,12 +30,14 @@ class BackgroundCairn {
   BackgroundCairn(const BackgroundCairn&) = delete;
   BackgroundCairn& operator=(const BackgroundCairn&) = delete;
 
-  // Waits for the first line of standard output; without its newline, empty if there is none.
+  // Waits for the first line of standard output and returns it without its newline; empty if there
+  // is none.
   std::string ReadLine();
 
   void Signal(int signal) const;
 
-  // Sends the signal, waits for the end, returns the exit code as Finished::exit_code.
+  // Sends the signal, waits for the process to end, and returns the exit code as in
+  // Finished::exit_code.
   int Stop(int signal);
 
  private:
@@ -43,8 +45,8 @@ class BackgroundCairn {
   int out_fd_ = -1;
 };
 
-// Runs `work` in a forked process, which ends when `work` returns; exit code as above. For what
-// must die in the middle.
+// Runs `work` in a forked process that ends when `work` returns. Returns its exit code. Use for
+// code that must die in the middle.
 int RunInChild(const std::function<void()>& work);
 
 }  // namespace cairn::testing

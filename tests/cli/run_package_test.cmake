@@ -1,4 +1,4 @@
-# Packs the build tree and looks into the Debian package of the binary:
+# Packs the build tree and inspects the Debian package of the binary:
 # cmake -DBUILD_DIR=... -DSCRATCH_DIR=... -P run_package_test.cmake
 function(run output)
   execute_process(COMMAND ${ARGN} OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)

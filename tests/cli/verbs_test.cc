@@ -1,4 +1,4 @@
-// What the verbs do when all is well.
+// Tests the verbs on valid input.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,5 @@
-// Asks an empty map, through installed headers and libraries: there must be no coverage.
+// Queries an empty map through the installed headers and libraries. The answer must be "no
+// coverage".
 #include <cstdio>
 #include <memory>
 

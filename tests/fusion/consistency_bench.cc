@@ -1,8 +1,9 @@
-// Monte Carlo runs of the estimator in simulation: is its covariance that of its errors?
+// Runs Monte Carlo simulations of the estimator to check that its covariance matches its errors.
 //
 //   cairn_fusion_consistency [num_runs] [duration_s] [scenario or all] [first_seed]
 //
-// Prints, for the local pose (6 degrees of freedom) and global_from_local (4), the share of steps
+// Prints the share of steps at which the mean normalized error squared is within the 95 % bounds of
+// that many runs, for the local pose (6 degrees of freedom) and global_from_local (4).
 // at which the mean normalised error squared lies within the 95 % bounds of that many runs.
 #include <cmath>
 #include <cstdio>

@@ -1,15 +1,17 @@
-// Drift of local tracking alone, without a map: 11 clones, 200 points at 10 Hz, a walk of 226 m.
+// Measures the drift of local tracking without a map: 11 clones, 200 points at 10 Hz, a walk of 226
+// m.
 //
 //   cairn_fusion_drift [num_runs] [scenario] [first seed]
 //
-// Prints for each run, and over all, the root mean square errors of position and rotation: "raw" in
-// the frame of the start, "aligned" after the yaw and shift that fit the whole path best, as papers
-// report them; the normalised error squared of the pose; and the CPU time of a frame.
+// Prints the root mean square errors of position and rotation for each run and over all runs. "raw"
+// errors are in the frame of the start. "aligned" errors are after the yaw and shift that fit the
+// whole path best, as in papers. Also prints the normalized error squared of the pose and the CPU
+// time per frame.
 //
-// Scenarios: "walk" has landmarks at 4 to 16 m about the path, tracks that end at random and a
-// start with errors. "openvins" has what the simulator of OpenVINS has (Geneva et al. 2020):
-// landmarks in view at 5 to 7 m, tracks that last as long as the point is in view, samples at 400
-// Hz, a true start.
+// Scenarios:
+//   walk      landmarks at 4 to 16 m from the path, tracks that end at random, a start with errors
+//   openvins  as in the simulator of OpenVINS (Geneva et al. 2020): landmarks in view at 5 to 7 m,
+//             tracks that last as long as the point is in view, samples at 400 Hz, a true start
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>

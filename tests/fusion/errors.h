@@ -1,4 +1,4 @@
-// Errors of an estimator against the truth of a simulation.
+// Computes an estimator's errors against the truth of a simulation.
 #ifndef CAIRN_TESTS_FUSION_ERRORS_H_
 #define CAIRN_TESTS_FUSION_ERRORS_H_
 
@@ -11,7 +11,7 @@
 
 namespace cairn::fusion::testing {
 
-// [theta, p, v, b_g, b_a]: truth minus estimate, as FilterState perturbs.
+// Returns [theta, p, v, b_g, b_a] as truth minus estimate, with the perturbation of FilterState.
 inline Vector15d ImuError(const ImuState& estimate, const FrameTruth& truth,
                           const Rigid3d& local_from_world) {
   return Difference(
@@ -20,7 +20,7 @@ inline Vector15d ImuError(const ImuState& estimate, const FrameTruth& truth,
       estimate);
 }
 
-// [rho, psi] of global_from_local.
+// Returns [rho, psi] of global_from_local.
 inline Eigen::Vector4d GlobalError(const Rigid3d& global_from_local,
                                    const Rigid3d& local_from_world) {
   const Rigid3d error = global_from_local.Inverse() * local_from_world.Inverse();
@@ -28,7 +28,7 @@ inline Eigen::Vector4d GlobalError(const Rigid3d& global_from_local,
   return {error.translation.x(), error.translation.y(), error.translation.z(), rotation.z()};
 }
 
-// Normalised estimation error squared, per degree of freedom.
+// Returns the normalized estimation error squared, per degree of freedom.
 template <typename Error, typename Covariance>
 double Nees(const Error& error, const Covariance& covariance) {
   const Eigen::MatrixXd matrix = covariance;
@@ -36,7 +36,7 @@ double Nees(const Error& error, const Covariance& covariance) {
   return vector.dot(matrix.ldlt().solve(vector)) / static_cast<double>(vector.size());
 }
 
-// Root mean square of what is added.
+// The root mean square of the added values.
 class Rms {
  public:
   void Add(double value) {

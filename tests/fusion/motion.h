@@ -1,4 +1,4 @@
-// Motions with exact derivatives, to simulate an inertial unit on.
+// Motions with exact derivatives, for simulated IMUs.
 #ifndef CAIRN_TESTS_FUSION_MOTION_H_
 #define CAIRN_TESTS_FUSION_MOTION_H_
 
@@ -10,7 +10,7 @@
 
 namespace cairn::fusion::testing {
 
-// `world` is z-up; the imu's x axis points ahead, its z axis up.
+// `world` is z-up. The IMU's x axis points ahead, its z axis up.
 struct MotionState {
   Rigid3d world_from_imu;
   Eigen::Vector3d velocity_in_world;
@@ -19,18 +19,18 @@ struct MotionState {
 };
 
 struct WalkOptions {
-  uint64_t seed = 1;  // Shape of the path and phases of the gait.
+  uint64_t seed = 1;  // Seed of the path's shape and the gait's phases.
   double size_m =
       22.0;  // Half the length of the figure of eight; the path is some 6 times as long.
   double speed_m_s = 1.3;
   double gait_m = 0.025;         // Amplitude of the steps' bobbing at 1.8 Hz.
   double look_around_rad = 0.4;  // Amplitude of the slow turns of the head.
-  // Instants at which the walker begins (first, third, ...) and stops (second, ...) walking; each
-  // change takes one second. Empty: walks all the time.
+  // Times at which the walker starts (first, third, ...) and stops (second, ...) walking. Each
+  // change takes one second. Empty: the walker never stops.
   std::vector<double> start_stop_s;
 };
 
-// A person's walk along a figure of eight, looking about, with the bobbing of steps. Immutable.
+// A person walks along a figure of eight, looks around, and bobs with each step. Immutable.
 class Walk {
  public:
   explicit Walk(const WalkOptions& options);

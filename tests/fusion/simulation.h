@@ -23,25 +23,25 @@ struct SimulationOptions {
   double frame_rate_hz = 10.0;
   int num_features = 150;
   double pixel_sigma_px = 1.0;
-  double outlier_fraction = 0.0;  // Of tracked sights, off by up to 30 px.
+  double outlier_fraction = 0.0;  // Share of tracked sights that are off by up to 30 px.
   double track_loss = 0.03;       // Probability that a track ends, per frame.
   int landmarks_per_metre = 25;   // Along the path.
-  // If max_depth_m is positive: landmarks stand in view of the frames at these depths instead, as
-  // many as make every frame show num_features of them, and are seen up to max_depth_m. So does the
-  // simulator of OpenVINS (Geneva et al. 2020), with 5 and 7 m.
+  // If max_depth_m is positive, landmarks are placed in view of the frames between these depths
+  // instead. Every frame then shows num_features of them, and landmarks are visible up to
+  // max_depth_m. The simulator of OpenVINS (Geneva et al. 2020) does the same with 5 and 7 m.
   double min_depth_m = 0.0;
   double max_depth_m = 0.0;
   ImuNoise imu_noise;
-  Eigen::Vector3d gyro_bias = {0.004, -0.003, 0.002};  // At the start.
+  Eigen::Vector3d gyro_bias = {0.004, -0.003, 0.002};  // Biases at the start.
   Eigen::Vector3d accel_bias = {0.04, -0.03, 0.05};
-  // Of the map: per-landmark noise and the offset that all landmarks of a tile share.
+  // Errors of the map: noise of each landmark, and the offset that all landmarks of a tile share.
   double map_sigma_m = 0.0;
   double tile_sigma_m = 0.0;
   double tile_size_m = 40.0;
   WalkOptions walk;
 };
 
-// Truth at a frame.
+// The truth at one frame.
 struct FrameTruth {
   int64_t timestamp_ns = 0;
   Rigid3d world_from_imu;
@@ -55,20 +55,21 @@ struct SimulatedFrame {
   std::vector<TrackedFeature> features;
 };
 
-// How an answer departs from the truth.
+// Deviations of an answer from the truth.
 struct AnswerOptions {
   int max_matches = 100;
-  double wrong_fraction = 0.0;      // Matches with another landmark.
-  Rigid3d global_from_true_global;  // Applied to pose and landmarks: a consistent but wrong answer.
+  double wrong_fraction = 0.0;  // Share of matches with a wrong landmark.
+  // Moves the pose and the landmarks: an answer that is consistent but wrong.
+  Rigid3d global_from_true_global;
 };
 
-// The world frame of the motion is the map's `global`.
+// The world frame of the motion is the map's `global` frame.
 class Simulation {
  public:
   explicit Simulation(const SimulationOptions& options);
 
-  // As above, but with the recorded inertial samples and poses of a real device; `poses` may be
-  // asked for any time in [frame_times_ns.front(), frame_times_ns.back()].
+  // Uses the recorded inertial samples and poses of a real device. Poses exist for every time in
+  // [frame_times_ns.front(), frame_times_ns.back()].
   Simulation(const SimulationOptions& options, std::vector<ImuSample> imu,
              const std::vector<FrameTruth>& frames);
 
@@ -79,20 +80,21 @@ class Simulation {
   // Options that fit the simulated sensors.
   FusionOptions MatchingOptions() const;
 
-  // The state at a frame in the frame `local` that has its origin and yaw there, perturbed by a
-  // draw from the covariance that comes with it; position and yaw are exact by definition.
+  // Returns the state at a frame, in the frame `local` that has its origin and yaw there. The state
+  // is perturbed by a draw from the covariance that comes with it. Position and yaw are exact by
+  // definition.
   StartState DrawStart(size_t frame, uint64_t seed) const;
 
-  // The true state at a frame, with the small covariance that the simulator of OpenVINS gives it.
+  // Returns the true state at a frame, with the small covariance of OpenVINS' simulator.
   StartState TrueStart(size_t frame) const;
 
-  // The true local_from_world of an estimator started there.
+  // Returns the true local_from_world of an estimator that starts at a frame.
   Rigid3d LocalFromWorld(size_t frame) const;
 
-  // The map's answer to a query of frame `frame`.
+  // Returns the map's answer to a query about frame `frame`.
   Answer MakeAnswer(const Query& query, size_t frame, const AnswerOptions& options) const;
 
-  // The frame that a query was made of.
+  // Returns the frame that a query is about.
   size_t FrameOfQuery(const Query& query) const;
 
  private:
@@ -115,8 +117,8 @@ class Simulation {
   std::unordered_map<uint64_t, int> landmark_of_track_;
 };
 
-// Feeds a simulation to an estimator from a frame on, whose state is `start`, in the order of time,
-// and calls `after_frame` with each frame's index once it has been processed.
+// Feeds a simulation to an estimator in the order of time, starting at a frame with the state
+// `start`. Calls `after_frame` with each frame's index after the estimator has processed the frame.
 template <typename EstimatorType, typename Callback>
 void ReplayFrom(const Simulation& simulation, size_t start_frame, const StartState& start,
                 EstimatorType* estimator, const Callback& after_frame) {
@@ -139,7 +141,7 @@ void ReplayFrom(const Simulation& simulation, size_t start_frame, const StartSta
   }
 }
 
-// As above, from the seeded draw of the frame's state.
+// Same as above, starting with the seeded draw of the frame's state.
 template <typename EstimatorType, typename Callback>
 void Replay(const Simulation& simulation, size_t start_frame, EstimatorType* estimator,
             const Callback& after_frame) {

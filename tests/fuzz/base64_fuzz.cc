@@ -1,4 +1,4 @@
-// Base64 of requests: what decodes is what the encoder writes.
+// Base64 in requests: decoded data must encode to the same text.
 #include "fuzz/fuzz_target.h"
 #include "http/wire/base64.h"
 

@@ -1,4 +1,4 @@
-// Codebooks: what decodes is valid and has one encoding.
+// Codebooks: a decoded codebook must be valid and have exactly one encoding.
 #include <algorithm>
 
 #include "core/error.h"

@@ -1,5 +1,5 @@
-// A row of a COLMAP database. The first five bytes are rows and columns of the keypoints, rows and
-// columns of the descriptors, and where the blob of the keypoints ends (in 256ths of the rest).
+// A row of a COLMAP database. The first five bytes are the rows and columns of the keypoints, the
+// rows and columns of the descriptors, and the end of the keypoints' blob (in 256ths of the rest).
 #include <sqlite3.h>
 
 #include <string>

@@ -1,5 +1,5 @@
-// COLMAP's models, binary and text. The first byte says which of the six files the rest is; the
-// other two of its kind are a small valid model.
+// COLMAP's models, binary and text. The first byte selects which of the six files the remaining
+// bytes are. The other two files of that kind are a small valid model.
 #include <array>
 #include <string>
 #include <string_view>

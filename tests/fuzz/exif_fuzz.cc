@@ -1,4 +1,4 @@
-// What photos say about themselves.
+// EXIF data of photos.
 #include "core/error.h"
 #include "fuzz/fuzz_target.h"
 #include "ingest/images/exif.h"

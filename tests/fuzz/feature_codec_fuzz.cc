@@ -1,4 +1,4 @@
-// Features on the wire: what decodes can be encoded again.
+// Features on the wire: decoded features must encode again.
 #include "core/error.h"
 #include "fuzz/fuzz_target.h"
 #include "http/wire/feature_codec.h"

@@ -1,4 +1,4 @@
-// A file that a fuzz target writes anew for each input, for decoders that read by name.
+// A file that a fuzz target rewrites for each input, for decoders that read files by name.
 #ifndef CAIRN_TESTS_FUZZ_FUZZ_FILE_H_
 #define CAIRN_TESTS_FUZZ_FUZZ_FILE_H_
 
@@ -13,13 +13,13 @@
 
 namespace cairn::testing {
 
-// The folder of this process; it goes with it.
+// A folder of this process, removed when the process ends.
 inline const TempDir& FuzzFolder() {
   static const TempDir folder;
   return folder;
 }
 
-// Returns the path of the file `name`, which then holds `bytes`.
+// Writes `bytes` to the file `name` and returns its path.
 inline std::string WriteFuzzFile(const std::string& name, std::string_view bytes) {
   const std::string path = FuzzFolder().File(name);
   std::ofstream file(path, std::ios::binary | std::ios::trunc);

@@ -1,9 +1,9 @@
-// What a fuzz target needs beside its decoder.
+// Common code of the fuzz targets.
 //
-// A target is one file `<name>_fuzz.cc` that defines LLVMFuzzerTestOneInput. The function hands the
-// bytes to a decoder, catches the errors that the decoder documents and nothing else, and checks
-// what has to hold of a result with CAIRN_CHECK. `scripts/fuzz` runs the targets with libFuzzer;
-// the ordinary build replays the inputs in `corpus/<name>/` as a test.
+// A target is a file `<name>_fuzz.cc` that defines LLVMFuzzerTestOneInput. The function passes the
+// bytes to a decoder, catches only the errors that the decoder documents, and checks the properties
+// of a result with CAIRN_CHECK. `scripts/fuzz` runs the targets with libFuzzer. The ordinary build
+// replays the inputs in `corpus/<name>/` as a test.
 #ifndef CAIRN_TESTS_FUZZ_FUZZ_TARGET_H_
 #define CAIRN_TESTS_FUZZ_FUZZ_TARGET_H_
 
@@ -14,7 +14,7 @@
 
 #include "core/check.h"
 
-// Returns 0. Every exception that leaves it is a finding, as are all aborts.
+// Returns 0. Every exception that leaves the function is a finding, and so is every abort.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
 
 namespace cairn::testing {

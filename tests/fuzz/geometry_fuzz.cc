@@ -1,4 +1,4 @@
-// GeoPackage geometries, which a map's layers hold and other programs may write.
+// GeoPackage geometries. A map's layers contain them, and other programs may write them.
 #include "fuzz/fuzz_target.h"
 #include "storage/geometry/geopackage.h"
 

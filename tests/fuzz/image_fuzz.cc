@@ -1,4 +1,4 @@
-// Images of every format, and their EXIF.
+// Images of every format, with their EXIF data.
 #include "core/error.h"
 #include "fuzz/fuzz_target.h"
 #include "ingest/images/exif.h"

@@ -1,4 +1,5 @@
-// The JSON of a request, for /v1/localize and GeoPoseProtocol: refused as HttpError, or read.
+// The JSON of a request to /v1/localize and GeoPoseProtocol. It must be accepted or refused with
+// HttpError.
 #include "core/error.h"
 #include "fuzz/fuzz_target.h"
 #include "http/json/geopose_protocol.h"

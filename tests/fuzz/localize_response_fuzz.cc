@@ -1,4 +1,4 @@
-// What a client reads from a server that it need not trust.
+// Responses that a client reads from an untrusted server.
 #include "core/error.h"
 #include "fuzz/fuzz_target.h"
 #include "http/json/localize_response.h"

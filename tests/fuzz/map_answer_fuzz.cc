@@ -1,4 +1,5 @@
-// The answers that a device reads, which must neither throw nor name a feature that was not sent.
+// Answers that a device reads. Reading must not throw, and no answer may name a feature that was
+// not sent.
 #include "fusion/transport/map_messages.h"
 #include "fuzz/fuzz_target.h"
 

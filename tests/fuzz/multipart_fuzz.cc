@@ -1,4 +1,4 @@
-// A multipart body with the boundary B, split and read as a request.
+// A multipart body with the boundary B, which is split and read as a request.
 #include "core/error.h"
 #include "fuzz/fuzz_target.h"
 #include "http/json/localize_request.h"

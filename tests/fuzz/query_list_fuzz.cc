@@ -1,4 +1,4 @@
-// The lists of `cairn eval --queries`, whose feature files may be missing.
+// Query lists of `cairn eval --queries`. Their feature files may be missing.
 #include "core/error.h"
 #include "eval/eval_query.h"
 #include "fuzz/fuzz_file.h"

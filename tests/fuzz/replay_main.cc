@@ -1,4 +1,4 @@
-// Runs a fuzz target on the files of a folder, once each; the main function of the targets in
+// Runs a fuzz target once on each file of a folder. This is the main function of the targets in
 // builds without libFuzzer.
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-// The head of an HTTP request, and its target.
+// The head of an HTTP request and its target.
 #include "core/error.h"
 #include "fuzz/fuzz_target.h"
 #include "http/net/request_head.h"

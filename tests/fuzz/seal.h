@@ -1,5 +1,5 @@
-// Checksums set right, so that a fuzz target reaches what stands behind them: whoever makes a
-// hostile payload can compute its checksum, too.
+// Corrects checksums, so that a fuzz target reaches the code behind the check. An attacker can
+// compute the checksum of a hostile payload, too.
 #ifndef CAIRN_TESTS_FUZZ_SEAL_H_
 #define CAIRN_TESTS_FUZZ_SEAL_H_
 
@@ -12,7 +12,7 @@
 
 namespace cairn::testing {
 
-// The bytes with the checksum at `checksum_offset` as the format wants it, if they are that long.
+// Returns the bytes with the correct checksum at `checksum_offset`, if they are long enough.
 inline std::vector<uint8_t> Sealed(const uint8_t* data, size_t size, size_t checksum_offset) {
   std::vector<uint8_t> bytes(data, data + size);
   if (size >= checksum_offset + sizeof(uint64_t)) {

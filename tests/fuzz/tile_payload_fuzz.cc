@@ -1,5 +1,5 @@
-// Tile payloads: what decodes is consistent and decodes again from its encoding,
-// and the parts of a payload that is ready for search are those of the decoded tile.
+// Tile payloads. A decoded tile must be consistent and equal the decoding of its own encoding. The
+// parts of a payload that is ready for search must be those of the decoded tile.
 #include "core/error.h"
 #include "fuzz/fuzz_target.h"
 #include "fuzz/seal.h"

@@ -1,4 +1,4 @@
-// What the client makes of servers that are none of ours.
+// Tests the client against servers that are not Cairn's.
 #include "http/client.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,5 @@
-// What a server answers whose map has lost a part: 500 with `map_damaged`, and no path.
+// Tests a server whose map has lost a part. The answer is 500 with `map_damaged` and contains no
+// path.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
@@ -8,9 +9,9 @@
 #include <string>
 
 #include "core/error.h"
-#include "http/wire/feature_codec.h"
 #include "http/plain_http.h"
 #include "http/server_fixture.h"
+#include "http/wire/feature_codec.h"
 
 namespace cairn {
 namespace {

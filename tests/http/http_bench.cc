@@ -1,5 +1,5 @@
-// What it costs to read a query of 1,000 features from the wire, by encoding. Each benchmark checks
-// that the features arrive.
+// Measures the time to read a query of 1,000 features from the wire, by encoding. Each benchmark
+// checks that the features arrive.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 

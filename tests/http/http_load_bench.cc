@@ -1,9 +1,11 @@
-// A running server under 1, 8 and 64 clients at once, each with one query after the other: requests
-// a second and percentiles of the latency that a client sees. Queries of 1,000 raw features against
-// four warm tiles of 50,000 landmarks; every answer is held against the truth (`right`). Clients
-// and server share the machine: `client_cpu` is the share of the processor time that the clients
-// took. With `deadline_ms` above 0 every query carries that timeout: `answered` is the share with a
-// pose, and latency is to stay near the deadline.
+// Measures a running server with 1, 8 and 64 clients at once, each of which sends one query after
+// another: requests per second and percentiles of the latency at the client. Queries have 1,000 raw
+// features; the map has four warm tiles with 50,000 landmarks each. Every answer is compared with
+// the truth (`right`). Clients and server share the machine; `client_cpu` is the clients' share of
+// the processor time.
+//
+// If `deadline_ms` is above 0, every query has that timeout. `answered` is then the share of
+// answers with a pose, and the latency should stay near the deadline.
 #include <benchmark/benchmark.h>
 #include <time.h>
 

@@ -1,4 +1,4 @@
-// Localization through a running server, against the same engine in this process.
+// Compares localization through a running server with the same engine in this process.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,10 +10,10 @@
 
 #include "core/error.h"
 #include "http/client.h"
-#include "http/wire/base64.h"
-#include "http/wire/feature_codec.h"
 #include "http/plain_http.h"
 #include "http/server_fixture.h"
+#include "http/wire/base64.h"
+#include "http/wire/feature_codec.h"
 #include "storage/codebook/descriptor_codec.h"
 
 namespace cairn {

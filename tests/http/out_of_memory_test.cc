@@ -1,4 +1,4 @@
-// A server whose memory runs out, in a process of its own.
+// Tests a server that runs out of memory, in a separate process.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

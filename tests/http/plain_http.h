@@ -1,8 +1,9 @@
-// httplib's client for tests, included so that it can stand beside Eigen.
+// Includes httplib's client for tests in a way that is compatible with Eigen.
 #ifndef CAIRN_TESTS_HTTP_PLAIN_HTTP_H_
 #define CAIRN_TESTS_HTTP_PLAIN_HTTP_H_
 
-// Eigen first: httplib includes <resolv.h>, which makes a macro of a name that Eigen uses.
+// Eigen must come first: httplib includes <resolv.h>, which defines a macro with a name that Eigen
+// uses.
 // clang-format off
 #include <Eigen/Core>
 #include <httplib.h>

@@ -1,4 +1,4 @@
-// Bytes to a port and back, for requests that no HTTP client would send.
+// Sends and receives raw bytes on a port, for requests that no HTTP client would send.
 #ifndef CAIRN_TESTS_HTTP_RAW_SOCKET_H_
 #define CAIRN_TESTS_HTTP_RAW_SOCKET_H_
 
@@ -18,7 +18,7 @@ namespace cairn::testing {
 
 struct RawSocketOptions {
   const char* source = "127.0.0.1";  // All of 127.0.0.0/8 is this machine.
-  int receive_bytes = 0;             // Of the kernel's buffer; 0 leaves it as it is.
+  int receive_bytes = 0;             // Size of the kernel's buffer; 0: the default.
 };
 
 class RawSocket {
@@ -26,7 +26,7 @@ class RawSocket {
   explicit RawSocket(int port, const RawSocketOptions& options = {}) : RawSocket(options) {
     Connect(port);
   }
-  // Not connected.
+  // The socket is not yet connected.
   explicit RawSocket(const RawSocketOptions& options) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
     if (options.receive_bytes > 0) {
       setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &options.receive_bytes, sizeof(int));
@@ -56,29 +56,29 @@ class RawSocket {
   void Send(std::string_view bytes) {
     while (!bytes.empty()) {
       const ssize_t sent = send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-      if (sent <= 0) return;  // The server has seen enough.
+      if (sent <= 0) return;  // The server reads no more.
       bytes.remove_prefix(static_cast<size_t>(sent));
     }
   }
 
-  // Says that nothing more will be sent; answers can still be read.
+  // Announces the end of the request. Answers can still be read.
   void FinishSending() { shutdown(socket_, SHUT_WR); }
 
-  // True if the server has neither closed nor reset the connection, nor sent anything.
+  // Returns true if the server has neither closed nor reset the connection nor sent anything.
   bool IsWaiting() const {
     char c;
     return recv(socket_, &c, 1, MSG_PEEK | MSG_DONTWAIT) < 0 && errno == EAGAIN;
   }
 
-  // Returns when the server has reset the connection, whether or not it has sent something before;
-  // false if it does not for a long time.
+  // Waits until the server resets the connection, whether or not it has sent something before.
+  // Returns false if that does not happen for a long time.
   bool WaitForReset() const {
     constexpr int kLongMs = 120'000;
     pollfd poll_fd{.fd = socket_, .events = 0, .revents = 0};
     return poll(&poll_fd, 1, kLongMs) == 1;
   }
 
-  // Everything until the server closes.
+  // Reads until the server closes the connection.
   std::string ReadAll() {
     std::string text;
     while (ReadSome(&text)) {
@@ -86,7 +86,7 @@ class RawSocket {
     return text;
   }
 
-  // One response with a Content-Length; what follows stays unread.
+  // Reads one response with a Content-Length. The bytes after it stay unread.
   std::string ReadResponse() {
     std::string& text = received_;
     size_t head = 0;

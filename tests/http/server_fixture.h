@@ -1,4 +1,4 @@
-// A server on a small made-up street, shared by the tests of a suite.
+// A server on a small synthetic street, which the tests of a suite share.
 #ifndef CAIRN_TESTS_HTTP_SERVER_FIXTURE_H_
 #define CAIRN_TESTS_HTTP_SERVER_FIXTURE_H_
 
@@ -29,7 +29,8 @@ class ServerFixture : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     dir_ = std::make_unique<TempDir>();
-    StreetWorldOptions small;  // Each test is a process of its own and makes its own map.
+    // A small world, because each test is a separate process that makes its own map.
+    StreetWorldOptions small;
     small.length_m = 30.0;
     small.num_landmarks = 700;
     world_ = std::make_unique<StreetWorld>(small);
@@ -52,19 +53,19 @@ class ServerFixture : public ::testing::Test {
     options.default_timeout_ms = 60'000;  // Sanitizers are slow; no test is about time.
     return options;
   }
-  static constexpr double kQueryX = 11.0;  // Where along the street a query stands, metres.
+  static constexpr double kQueryX = 11.0;  // Position of a query along the street, meters.
 
   static int port() { return server_->port(); }
   static std::string url() { return "http://127.0.0.1:" + std::to_string(port()); }
   static LocalizeClient Client() { return LocalizeClient({.url = url()}); }
 
-  // Where the query's camera is.
+  // Returns the pose of the query's camera.
   static Rigid3d TrueCamFromEcef(double x_m) {
     const Rigid3d cam_from_enu = StreetWorld::LookAlong({x_m, 0.3, 1.6}, 0.2);
     return cam_from_enu * EcefFromEnu(world_->options().origin).Inverse();
   }
 
-  // A new view of the street, with a prior 5 m off and gravity.
+  // Returns a new view of the street, with gravity and a prior that is 5 m off.
   static LocalizeQuery Query(double x_m = kQueryX) {
     const Rigid3d cam_from_enu = StreetWorld::LookAlong({x_m, 0.3, 1.6}, 0.2);
     const Rigid3d ecef_from_enu = EcefFromEnu(world_->options().origin);
@@ -80,7 +81,7 @@ class ServerFixture : public ::testing::Test {
     return query;
   }
 
-  // Query with a second camera beside the first that looks at the left facade.
+  // Returns a query with a second camera beside the first, which looks at the left facade.
   static LocalizeQuery RigQuery(double x_m = kQueryX) {
     const Rigid3d cam_from_enu = StreetWorld::LookAlong({x_m, 0.3, 1.6}, 0.2);
     const Rigid3d side_from_enu = StreetWorld::LookAlong({x_m + 0.4, 0.5, 1.8}, 0.7);
@@ -99,7 +100,8 @@ class ServerFixture : public ::testing::Test {
   static std::unique_ptr<Server> server_;
 
  private:
-  // The builder's pixel noise may push a keypoint over the edge; detectors never do.
+  // The builder's pixel noise may move a keypoint over the edge of the image. Detectors never do
+  // that.
   static void DropKeypointsOutside(LocalizeQuery* query) {
     FeatureSet& features = query->features;
     int kept = 0;

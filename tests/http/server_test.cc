@@ -1,4 +1,4 @@
-// The server as strangers see it: routes, refusals, ports, pages.
+// Tests the server from outside: routes, refusals, ports, pages.
 #include "http/server.h"
 
 #include <gmock/gmock.h>
@@ -8,11 +8,11 @@
 #include <thread>
 
 #include "core/error.h"
-#include "http/routes.h"
-#include "http/service/localize_service.h"
 #include "http/plain_http.h"
 #include "http/raw_socket.h"
+#include "http/routes.h"
 #include "http/server_fixture.h"
+#include "http/service/localize_service.h"
 #include "storage/tile/tile_codec.h"
 
 namespace cairn {

@@ -1,4 +1,4 @@
-// Real reconstructions through the whole of ingest.
+// Tests the whole ingest on real reconstructions.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -8,7 +8,7 @@
 
 namespace cairn::testing {
 
-// VGA cameras, the fisheye with a field of view of some 120 degrees across.
+// VGA cameras. The fisheye camera has a field of view of about 120 degrees.
 inline std::vector<Camera> OneCameraPerModel() {
   return {
       Camera(CameraModel::kSimplePinhole, 640, 480, {520, 320, 240}),

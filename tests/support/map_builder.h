@@ -12,7 +12,7 @@
 
 namespace cairn::testing {
 
-// The code of the cairn::Error that `action` throws; nothing if it throws none.
+// Returns the code of the cairn::Error that `action` throws, or nullopt if it throws none.
 template <typename Action>
 std::optional<ErrorCode> ErrorCodeOf(const Action& action) {
   try {
@@ -29,7 +29,7 @@ inline SessionRecord NamedSession(const std::string& name) {
   return session;
 }
 
-// The index entry of a tile as an ingest would write it, heights aside.
+// Returns the index entry that an ingest would write for a tile, except for the heights.
 inline TileRecord RecordOf(const Tile& tile) {
   TileRecord record;
   record.tile_id = tile.id;
@@ -43,7 +43,7 @@ inline TileRecord RecordOf(const Tile& tile) {
   return record;
 }
 
-// Encodes the tile and puts it into the update. Its codebook must be in the map.
+// Encodes a tile and adds it to the update. The tile's codebook must be in the map.
 inline PayloadId AddTile(const Tile& tile, MapUpdate* update) {
   return update->PutTile(RecordOf(tile), EncodeTile(tile));
 }

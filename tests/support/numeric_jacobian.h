@@ -1,4 +1,4 @@
-// Jacobians by central differences, to hold analytic ones against.
+// Computes Jacobians by central differences, for comparison with analytic ones.
 #ifndef CAIRN_TESTS_SUPPORT_NUMERIC_JACOBIAN_H_
 #define CAIRN_TESTS_SUPPORT_NUMERIC_JACOBIAN_H_
 
@@ -6,7 +6,7 @@
 
 namespace cairn::testing {
 
-// d f(x (+) delta) / d delta at delta = 0, where `f` takes delta, a vector of kNumParams, and
+// Returns d f(x (+) delta) / d delta at delta = 0. `f` takes delta, a vector of kNumParams, and
 // returns a vector of kNumResiduals. The error is of the order of step^2.
 template <int kNumResiduals, int kNumParams, typename Function>
 Eigen::Matrix<double, kNumResiduals, kNumParams> NumericJacobian(const Function& f,

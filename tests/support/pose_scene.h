@@ -21,20 +21,22 @@ namespace cairn::testing {
 struct PoseSceneOptions {
   Camera camera;
   int num_keypoints = 100;
-  int num_inliers = 50;          // The first keypoints; each has one correct match.
-  int matches_per_keypoint = 1;  // All others are wrong.
-  double pixel_noise_px = 0.5;   // Standard deviations per axis, of this and the next two.
+  int num_inliers = 50;          // The first keypoints. Each has one right match.
+  int matches_per_keypoint = 1;  // All further matches are wrong.
+  double pixel_noise_px = 0.5;   // Standard deviation per axis, like the next two.
   double landmark_noise_m = 0.0;
   double gravity_noise_rad = 0.0;
   bool has_gravity = true;
-  double max_tilt_rad = 0.3;  // Of the camera against the horizon, pitch and roll each.
+  double max_tilt_rad = 0.3;  // Pitch and roll of the camera, each.
   double min_depth_m = 4.0;
   double max_depth_m = 60.0;
-  std::vector<QueryRigCamera> other_cameras;  // Of a rig: keypoints are dealt to all in turn.
-  double region_radius_m = 50.0;  // Disc in which the camera is; wrong landmarks reach 50 m on.
-  // Wrong matches carry azimuths and sizes of a random place and view.
-  double azimuth_noise_rad = 0.4;  // Of correct matches: mapping camera against query camera.
-  double log_size_noise = 0.2;     // Of the correct matches' keypoint sizes.
+  // Other cameras of a rig. The keypoints are dealt to all cameras in turn.
+  std::vector<QueryRigCamera> other_cameras;
+  // Radius of the disk that contains the camera. Wrong landmarks reach 50 m further.
+  double region_radius_m = 50.0;
+  // Wrong matches have the azimuths and sizes of a random place and view.
+  double azimuth_noise_rad = 0.4;  // Right matches: mapping camera against query camera.
+  double log_size_noise = 0.2;     // Right matches: size of the keypoint.
   uint64_t seed = 1;
 };
 
@@ -55,7 +57,7 @@ struct PoseScene {
   }
 };
 
-// Draws what a scene is made of.
+// Draws the parts of a scene.
 class PoseSceneBuilder {
  public:
   explicit PoseSceneBuilder(const PoseSceneOptions& options)
@@ -96,7 +98,7 @@ class PoseSceneBuilder {
     query.region.prior_sigma_m = options_.region_radius_m / 3.0;
     query.region.min_z_m = -8.0;
     query.region.max_z_m = 12.0;
-    // Looking east: x right is south, y down, z forward is east.
+    // Looking east: x (right) points south, y down, z (forward) east.
     Eigen::Matrix3d anchor_from_level_cam;
     anchor_from_level_cam << 0, 0, 1, -1, 0, 0, 0, -1, 0;
     const Eigen::Quaterniond anchor_from_cam =
@@ -183,7 +185,7 @@ inline PoseScene MakePoseScene(const PoseSceneOptions& options) {
   return PoseSceneBuilder(options).Build();
 }
 
-// Two cameras that look left and right from up to 2 m beside the first.
+// Two cameras up to 2 m beside the first, which look left and right.
 inline std::vector<QueryRigCamera> SideCameras() {
   std::vector<QueryRigCamera> cameras;
   for (const double side : {-1.0, 1.0}) {
@@ -195,7 +197,7 @@ inline std::vector<QueryRigCamera> SideCameras() {
   return cameras;
 }
 
-// Distance of two camera centres.
+// Returns the distance between two camera centers.
 inline double CenterErrorM(const Rigid3d& a_cam_from_anchor, const Rigid3d& b_cam_from_anchor) {
   return (a_cam_from_anchor.Inverse().translation - b_cam_from_anchor.Inverse().translation).norm();
 }

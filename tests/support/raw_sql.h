@@ -1,4 +1,4 @@
-// SQL past all that MapStore guards, for tests that damage maps.
+// Runs SQL that bypasses the checks of MapStore, for tests that damage maps.
 #ifndef CAIRN_TESTS_SUPPORT_RAW_SQL_H_
 #define CAIRN_TESTS_SUPPORT_RAW_SQL_H_
 
@@ -11,7 +11,7 @@
 
 namespace cairn::testing {
 
-// Runs SQL in a database, which is made if it is not there. Foreign keys are not enforced.
+// Runs SQL in a database, which is created if it does not exist. Foreign keys are not enforced.
 inline void ExecuteRaw(const std::string& path, const std::string& sql) {
   sqlite3* db = nullptr;
   ASSERT_EQ(sqlite3_open(path.c_str(), &db), SQLITE_OK);

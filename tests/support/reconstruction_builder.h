@@ -1,8 +1,8 @@
-// A small made-up street as a reconstruction: landmarks on two facades, cameras walking between
-// them.
+// Builds a small synthetic street as a reconstruction: landmarks on two facades, and cameras that
+// walk between them.
 //
-// Seen from above, in the enu frame at the origin (the reconstruction's world is a scaled and
-// turned copy of it, so that nobody can mix the two up unnoticed):
+// Seen from above, in the enu frame at the origin. The reconstruction's world frame is a scaled and
+// turned copy of enu, so that a test notices if code confuses the two:
 //
 //   y = +width/2   ==================  facade, 10 m high
 //                  > > > > > > > > >   cameras, 1.6 m high, from x = start_m to start_m + length_m
@@ -35,23 +35,24 @@ struct StreetWorldOptions {
   int num_landmarks = 1500;  // Spread over [start_m, start_m + length_m + 20 m].
   int descriptor_dim = 128;
   double pixel_noise_px = 0.3;
-  double descriptor_noise = 0.15;  // Relative to the descriptor's own length.
+  double descriptor_noise = 0.15;  // Relative to the descriptor's length.
   double clutter_ratio = 0.2;      // Keypoints that belong to no landmark.
   double max_view_distance_m = 40.0;
-  // The facades repeat after so many metres, to the last detail; 0: never.
+  // Distance in meters after which the facades repeat exactly; 0: they do not repeat.
   double repeat_period_m = 0.0;
-  double unique_ratio = 0.0;  // Of the landmarks of a street that repeats: those that do not.
+  // Share of the landmarks that do not repeat, in a street that repeats.
+  double unique_ratio = 0.0;
   Sim3d world_from_enu = {0.2, Eigen::Quaterniond(0.5, 0.5, -0.1, 0.7).normalized(),
                           Eigen::Vector3d(3.0, -2.0, 7.0)};
-  uint64_t seed = 1;       // Of the landmarks and their looks.
-  uint64_t view_seed = 2;  // Of the noise in the views: another visit, same street.
+  uint64_t seed = 1;       // Seed of the landmarks and their looks.
+  uint64_t view_seed = 2;  // Seed of the noise in the views: another visit.
 };
 
-// One place on a facade and how it looks.
+// A place on a facade and its look.
 struct StreetLandmark {
   Eigen::Vector3d x_in_enu;
-  Eigen::VectorXf descriptor;        // Noise-free.
-  double rectified_orientation_rad;  // Relative to gravity's image.
+  Eigen::VectorXf descriptor;        // Without noise.
+  double rectified_orientation_rad;  // Relative to the image of gravity.
   double size_m;
 };
 
@@ -67,16 +68,16 @@ class StreetWorld {
   const Camera& camera() const { return camera_; }
   const std::vector<StreetLandmark>& landmarks() const { return landmarks_; }
 
-  // The similarity that ingest is given.
+  // The similarity transform that ingest receives.
   Sim3d EcefFromWorld() const {
     return EcefFromEnu(options_.origin) * options_.world_from_enu.Inverse();
   }
 
-  // A camera at `x_in_enu` that looks along the azimuth (0 is along the street, pi/2 at the left
-  // facade), `pitch_rad` upwards.
+  // Returns a camera at `x_in_enu` that looks along the azimuth (0: along the street; pi/2: at the
+  // left facade), turned up by `pitch_rad`.
   static Rigid3d LookAlong(const Eigen::Vector3d& x_in_enu, double azimuth_rad,
                            double pitch_rad = 0.0) {
-    Eigen::Matrix3d cam_from_level;  // Rows: right, down, forward of a camera looking along +x.
+    Eigen::Matrix3d cam_from_level;  // Rows: right, down, forward for a view along +x.
     cam_from_level << 0, -1, 0, 0, 0, -1, 1, 0, 0;
     const Eigen::Quaterniond level_from_enu(
         Eigen::AngleAxisd(pitch_rad, Eigen::Vector3d::UnitY()) *
@@ -85,7 +86,7 @@ class StreetWorld {
     return {cam_from_enu, -(cam_from_enu * x_in_enu)};
   }
 
-  // Every keyframe_step_m one camera; they look ahead, half left and half right in turn.
+  // One camera every keyframe_step_m. The views alternate: ahead, half left, half right.
   std::vector<Rigid3d> KeyframePoses() const {
     std::vector<Rigid3d> cam_from_enu;
     const int num_keyframes =
@@ -98,7 +99,8 @@ class StreetWorld {
     return cam_from_enu;
   }
 
-  // What a camera sees. `landmark_of_keypoint` (may be null) gets the landmark's index or -1.
+  // Returns the features that a camera sees. `landmark_of_keypoint` (may be null) receives the
+  // index of each keypoint's landmark, or -1.
   FeatureSet Photograph(const Rigid3d& cam_from_enu, uint64_t seed,
                         std::vector<int>* landmark_of_keypoint = nullptr) const {
     std::mt19937_64 rng(seed);
@@ -133,8 +135,8 @@ class StreetWorld {
     return features;
   }
 
-  // The keyframes with their features and true poses; landmarks seen at least twice, at their true
-  // positions. Image names are "0000.jpg", "0001.jpg", ...; gps is the true position.
+  // Returns the keyframes with their features and true poses, and the landmarks seen at least twice
+  // at their true positions. Image names are "0000.jpg", "0001.jpg", ...; gps is the true position.
   Reconstruction Reconstruct() const {
     Reconstruction reconstruction;
     reconstruction.cameras = {camera_};
@@ -168,12 +170,12 @@ class StreetWorld {
 
  private:
   static double Uniform(std::mt19937_64* rng) { return ((*rng)() >> 11) * 0x1.0p-53; }
-  static double Normal(std::mt19937_64* rng) {  // Box and Muller; the same on every platform.
+  static double Normal(std::mt19937_64* rng) {  // Box and Muller; equal on every platform.
     return std::sqrt(-2.0 * std::log(1.0 - Uniform(rng))) *
            std::cos(2.0 * std::numbers::pi * Uniform(rng));
   }
 
-  // Non-negative, sparse, integer, of length 512, like SIFT.
+  // Non-negative, sparse and integer, with length 512, like SIFT.
   Eigen::VectorXf RandomDescriptor(std::mt19937_64* rng) const {
     Eigen::VectorXf descriptor(options_.descriptor_dim);
     for (float& value : descriptor) {
@@ -226,7 +228,8 @@ class StreetWorld {
     keypoint.x_px = static_cast<float>(pixel.x() + options_.pixel_noise_px * Normal(rng));
     keypoint.y_px = static_cast<float>(pixel.y() + options_.pixel_noise_px * Normal(rng));
     keypoint.scale_px = static_cast<float>(landmark.size_m * camera_.focal_px() / distance_m);
-    // The rectified orientation of a keypoint with direction 0 is minus the direction of gravity.
+    // The rectified orientation of a keypoint with orientation 0 is minus the orientation of
+    // gravity.
     const auto minus_down_rad = GravityRectifiedOrientationRad(
         camera_, keypoint, cam_from_enu.rotation * Eigen::Vector3d(0.0, 0.0, -1.0));
     keypoint.orientation_rad = static_cast<float>(

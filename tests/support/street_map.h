@@ -1,4 +1,4 @@
-// A small map with everything in it, for tests that look at maps.
+// Makes a small map that contains every kind of content, for tests of map tools.
 #ifndef CAIRN_TESTS_SUPPORT_STREET_MAP_H_
 #define CAIRN_TESTS_SUPPORT_STREET_MAP_H_
 
@@ -13,7 +13,7 @@
 
 namespace cairn::testing {
 
-// A keyframe that stands level at a position and looks north.
+// Returns a level keyframe at a position, looking north.
 inline KeyframeRecord KeyframeAt(const Geodetic& position, SessionId session_id) {
   KeyframeRecord keyframe;
   keyframe.session_id = session_id;
@@ -28,8 +28,8 @@ inline KeyframeRecord KeyframeAt(const Geodetic& position, SessionId session_id)
   return keyframe;
 }
 
-// Makes a map of two sessions along a street at 49.011 N, 8.416 E: three tiles of 50 landmarks with
-// five keyframes each. Returns the path.
+// Makes a map of two sessions along a street at 49.011 N, 8.416 E. The map has three tiles with 50
+// landmarks and five keyframes each. Returns the path.
 inline std::string MakeStreetMap(const std::string& path) {
   MapStore store = MapStore::Create(path);
   MapUpdate update = store.BeginUpdate();

@@ -1,4 +1,4 @@
-// A folder that is gone at the end of the test.
+// A folder that is removed at the end of the test.
 #ifndef CAIRN_TESTS_SUPPORT_TEMP_DIR_H_
 #define CAIRN_TESTS_SUPPORT_TEMP_DIR_H_
 

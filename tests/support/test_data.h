@@ -1,4 +1,4 @@
-// Where the real data for tests is; tests skip when it is absent.
+// Locates the real data for tests. Tests skip if the data is absent.
 #ifndef CAIRN_TESTS_SUPPORT_TEST_DATA_H_
 #define CAIRN_TESTS_SUPPORT_TEST_DATA_H_
 
@@ -8,7 +8,7 @@
 
 namespace cairn::testing {
 
-// $CAIRN_TEST_DATA, or ../shared/data beside the source tree.
+// Returns $CAIRN_TEST_DATA or, if unset, ../shared/data beside the source tree.
 inline std::filesystem::path TestDataDir() {
   if (const char* dir = std::getenv("CAIRN_TEST_DATA")) {
     return dir;
@@ -18,7 +18,7 @@ inline std::filesystem::path TestDataDir() {
 
 }  // namespace cairn::testing
 
-// Skips the running test, saying so, if a file or folder of the test data is not there.
+// Skips the running test with a message if a file or folder of the test data is missing.
 #define CAIRN_SKIP_WITHOUT_DATA(relative_path)                                                 \
   if (!std::filesystem::exists(::cairn::testing::TestDataDir() / (relative_path)))             \
   GTEST_SKIP() << "test data not found: " << ::cairn::testing::TestDataDir() / (relative_path) \

@@ -1,4 +1,4 @@
-// Random but consistent tiles and codebooks for tests; equal seeds give equal results.
+// Random but consistent tiles and codebooks for tests. Equal seeds give equal results.
 #ifndef CAIRN_TESTS_SUPPORT_TILE_BUILDER_H_
 #define CAIRN_TESTS_SUPPORT_TILE_BUILDER_H_
 
@@ -20,7 +20,7 @@ struct RandomTileOptions {
   CodebookId codebook_id{1};
   int code_size = 8;
   int num_landmarks = 100;
-  int max_descriptors_per_landmark = 4;  // Each landmark gets 1 to so many.
+  int max_descriptors_per_landmark = 4;  // Each landmark gets 1 to this many.
   int num_keyframes = 5;
   int num_landmarks_per_keyframe = 40;  // At most num_landmarks.
   int64_t first_keyframe_id = 1;
@@ -29,7 +29,7 @@ struct RandomTileOptions {
   uint64_t seed = 1;
 };
 
-// Landmarks lie on a ground plane and facades of a 150 m square, in Morton order.
+// Landmarks are on a ground plane and facades within a 150 m square, in Morton order.
 inline Tile RandomTile(const RandomTileOptions& options = {}) {
   std::mt19937_64 random(options.seed);
   const auto uniform = [&random](double low, double high) {
@@ -79,7 +79,7 @@ inline Tile RandomTile(const RandomTileOptions& options = {}) {
     const Eigen::Vector3d translation(uniform(-75, 75), uniform(-75, 75), uniform(0, 3));
     tile.keyframes.push_back({KeyframeId(options.first_keyframe_id + k),
                               SessionId(options.session_id), Rigid3d(rotation, translation)});
-    // A keyframe sees a stretch of the Morton curve, with gaps.
+    // A keyframe sees a range of the Morton curve, with gaps.
     const int wanted = std::min(options.num_landmarks_per_keyframe, options.num_landmarks);
     const int span = std::min(options.num_landmarks, 2 * wanted);
     int remaining = wanted;
@@ -95,7 +95,7 @@ inline Tile RandomTile(const RandomTileOptions& options = {}) {
   return tile;
 }
 
-// True if every number of the tiles is the same, to the last bit.
+// Returns true if all numbers of the two tiles are equal bit by bit.
 inline bool SameTile(const Tile& a, const Tile& b) {
   const auto same_keyframe = [](const TileKeyframe& x, const TileKeyframe& y) {
     return x.id == y.id && x.session_id == y.session_id &&
@@ -120,8 +120,8 @@ struct RandomCodebookOptions {
   uint64_t seed = 1;
 };
 
-// A projection with small random entries and words as of a standard normal distribution: valid, but
-// not trained on anything.
+// Returns a codebook whose projection has small random entries and whose words are those of a
+// standard normal distribution. The codebook is valid but not trained.
 inline Codebook RandomCodebook(const RandomCodebookOptions& options = {}) {
   std::mt19937_64 random(options.seed);
   std::normal_distribution<float> normal;

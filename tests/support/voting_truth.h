@@ -1,4 +1,4 @@
-// Judges voting candidates by a scene's ground truth.
+// Judges voting candidates by the ground truth of a scene.
 #ifndef CAIRN_TESTS_SUPPORT_VOTING_TRUTH_H_
 #define CAIRN_TESTS_SUPPORT_VOTING_TRUTH_H_
 
@@ -12,14 +12,15 @@
 
 namespace cairn::testing {
 
-// Yaw of the true pose: that of the viewing direction, which is the x axis of the level frame.
+// Returns the yaw of the true pose, which is the yaw of the viewing direction (the x axis of the
+// level frame).
 inline double TrueYawRad(const PoseScene& scene) {
   const Eigen::Vector3d forward =
       scene.cam_from_anchor.rotation.conjugate() * Eigen::Vector3d::UnitZ();
   return std::atan2(forward.y(), forward.x());
 }
 
-// Index of the first candidate within 4 m and 6 degrees of the truth, or -1.
+// Returns the index of the first candidate within 4 m and 6 degrees of the truth, or -1.
 inline int RankOfTruth(const PoseScene& scene, const std::vector<PoseCandidate>& candidates) {
   constexpr double kMaxErrorM = 4.0;
   constexpr double kMaxErrorRad = 0.105;

@@ -1,4 +1,4 @@
-// Photos that show nothing of the map, real ones: none may get an answer that claims to be right.
+// Tests real photos that show nothing of the map. None may get an answer that claims to be right.
 #include "eval/elsewhere.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-// The bar on a real drive: map from the even frames, query with the odd ones.
+// Tests the requirement on a real drive. The map uses the even frames, the queries the odd
+// ones.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

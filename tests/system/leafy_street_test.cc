@@ -1,4 +1,4 @@
-// Photos of a street whose trees have come into leaf since it was mapped.
+// Tests photos of a street whose trees have grown leaves since the mapping.
 #include <gtest/gtest.h>
 
 #include <memory>

@@ -1,4 +1,5 @@
-// The bar on real phone photos: map from all but each fourth, query with the rest.
+// Tests the requirement on real phone photos. Every fourth photo is a query, the others
+// make the map.
 #include <gtest/gtest.h>
 
 #include <numbers>

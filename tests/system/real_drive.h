@@ -1,4 +1,4 @@
-// A map from some photos of a real COLMAP model and queries from the others.
+// Makes a map from some photos of a real COLMAP model, and queries from the others.
 #ifndef CAIRN_TESTS_SYSTEM_REAL_DRIVE_H_
 #define CAIRN_TESTS_SYSTEM_REAL_DRIVE_H_
 
@@ -25,14 +25,14 @@ struct RealDriveInput {
   std::filesystem::path model_dir;
   std::filesystem::path database_path;
   std::filesystem::path image_dir;
-  // Camera positions of a reconstruction's images.
+  // Returns the camera positions of a reconstruction's images.
   std::function<std::vector<CameraPosition>(const Reconstruction&)> positions;
   GeoregisterOptions georegister;
-  // Whether an image is a query; all others make the map.
+  // Returns true if an image is a query. All other images make the map.
   std::function<bool(const std::string& image_name)> is_query;
 };
 
-// How queries reach the engine.
+// The way in which queries reach the engine.
 enum class QueryRoute {
   kInProcessFeatures,  // The model's own keypoints and descriptors.
   kServerFeatures,
@@ -40,8 +40,8 @@ enum class QueryRoute {
   kServerImage,
 };
 
-// Builds the map once; the reference poses of the queries are those of the full model, placed by
-// the poses it shares with the map.
+// Builds the map once. The reference poses of the queries are those of the full model. The poses
+// that the full model shares with the map place the model.
 class RealDrive {
  public:
   explicit RealDrive(const RealDriveInput& input);

@@ -24,8 +24,8 @@ struct DetectorOptions {
   // Standard deviation of a keypoint's position, in units of KeypointSigmaPx (half a pixel for
   // small keypoints, a fifth of the scale for large ones). [0, 20]
   double position_noise = 1.0;
-  double log_scale_sigma = 0.12;        // Of the logarithm of a keypoint's scale, [0, 2].
-  double orientation_sigma_rad = 0.12;  // Of a keypoint's orientation, [0, 3].
+  double log_scale_sigma = 0.12;        // Standard deviation of log(scale), [0, 2].
+  double orientation_sigma_rad = 0.12;  // Standard deviation, [0, 3].
   // Share of the keypoints whose orientation is that of another peak of the gradients, [0, 1].
   double other_orientation_share = 0.1;
   // Standard deviation of the random value that each look adds to a landmark's salience, [0, 10].

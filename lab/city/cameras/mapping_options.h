@@ -26,7 +26,7 @@ struct RigOptions {
 // Errors of the reconstruction and of the GPS, as standard deviations per axis. None may be
 // negative.
 struct MappingNoise {
-  double camera_position_m = 0.02;  // Of a rig, independent.
+  double camera_position_m = 0.02;  // Position of a rig; independent errors.
   double camera_rotation_rad = 4e-4;
   // Drift of each pass against the others, varying over about 100 m: the error that bundle
   // adjustment leaves.
@@ -35,7 +35,7 @@ struct MappingNoise {
   double deformation_m = 0.15;
   // Share of the landmark observations that show something else nearby, [0, 0.5].
   double wrong_observation_share = 0.005;
-  double gps_m = 3.0;  // Of the images' GPS positions.
+  double gps_m = 3.0;  // GPS position of an image.
 
   void Validate() const;
 };

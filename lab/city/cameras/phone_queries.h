@@ -56,7 +56,7 @@ struct PhoneQueryOptions {
   int image_width_px = 720;      // [64, 8192]
   int image_height_px = 960;     // [64, 8192]
   double focal_px = 760.0;       // [20, 20000]
-  double height_m = 1.5;         // Of the phone, [0.2, 4].
+  double height_m = 1.5;         // Height of the phone, [0.2, 4].
   DetectorOptions detector = {.max_keypoints = 6000};
   PhoneNoise noise;
   uint64_t seed = 1;

@@ -19,10 +19,10 @@ namespace cairn {
 struct ImuNoise {
   double gyroscope_density = 1.5e-3;       // rad / s / sqrt(Hz), [0, 1]: a cheaper phone.
   double accelerometer_density = 1.5e-2;   // m / s^2 / sqrt(Hz), [0, 10]
-  double gyroscope_walk = 2e-5;            // Of the bias, rad / s^2 / sqrt(Hz), [0, 1].
-  double accelerometer_walk = 3e-4;        // Of the bias, m / s^3 / sqrt(Hz), [0, 10].
-  double gyroscope_bias_sigma = 0.005;     // Of the initial bias, rad / s, [0, 1].
-  double accelerometer_bias_sigma = 0.05;  // Of the initial bias, m / s^2, [0, 10].
+  double gyroscope_walk = 2e-5;            // Bias random walk, rad / s^2 / sqrt(Hz), [0, 1].
+  double accelerometer_walk = 3e-4;        // Bias random walk, m / s^3 / sqrt(Hz), [0, 10].
+  double gyroscope_bias_sigma = 0.005;     // Initial bias, rad / s, [0, 1].
+  double accelerometer_bias_sigma = 0.05;  // Initial bias, m / s^2, [0, 10].
 
   void Validate() const;
 };
@@ -32,9 +32,9 @@ struct PhoneSequenceOptions {
   double imu_rate_hz = 200.0;   // [10, 2000]
   double frame_rate_hz = 10.0;  // [0.1, 120]; at most the IMU rate.
   double speed_m_per_s = 1.3;   // Highest speed of the walk, [0, 10].
-  double height_m = 1.5;        // Of the phone, [0.2, 4].
+  double height_m = 1.5;        // Height of the phone, [0.2, 4].
   int num_tracks = 150;         // Most features tracked at once, [1, 5000].
-  double pixel_sigma = 0.5;     // Of a tracked feature, per axis, [0, 20].
+  double pixel_sigma = 0.5;     // Noise of a feature per axis, [0, 20].
   double lost_share = 0.02;     // Share of the tracks that end from one frame to the next, [0, 1].
   double time_years = 2.5;      // After the first mapping pass, [0, 200].
   Camera camera = Camera(CameraModel::kPinhole, 720, 960, {760.0, 760.0, 360.0, 480.0});
@@ -46,7 +46,7 @@ struct PhoneSequenceOptions {
   void Validate() const;
 };
 
-// In the IMU's frame.
+// A reading of the IMU, in its own frame.
 struct ImuSample {
   int64_t timestamp_ns = 0;
   Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero();

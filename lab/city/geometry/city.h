@@ -44,15 +44,15 @@ struct CityBuilding {
   double ground_m = 0.0, top_m = 0.0;  // z in site.
   bool left_is_bare = false;           // The wall at corners[0] is visible from the street.
   bool right_is_bare = false;          // The wall at corners[1] is visible from the street.
-  uint64_t style = 0;                  // Of the facade: one of the town's styles, or its own.
+  uint64_t style = 0;                  // Facade style: one of the town's, or its own.
 };
 
 // A city's character, expressed in meters.
 struct CityShape {
   double pitch_x_m, pitch_y_m;  // Distance between crossings.
-  double jitter;                // Of a crossing, relative to the pitch.
+  double jitter;                // Displacement of crossings / pitch.
   double street_m, sidewalk_m;
-  double min_height_m, max_height_m;  // Of buildings; low ones are more frequent.
+  double min_height_m, max_height_m;  // Building heights; low ones are more frequent.
   double min_lot_m, max_lot_m;        // Width along the street.
   double depth_m;
   double setback_m;        // From the property line to the front.

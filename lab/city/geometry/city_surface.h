@@ -18,7 +18,7 @@ enum class SurfaceKind { kFacade, kGround, kTree, kSign, kVehicle };
 struct CitySurface {
   uint64_t id = 0;
   SurfaceKind kind = SurfaceKind::kFacade;
-  // In site. Of an upright surface: the lower left corner, seen from outside.
+  // A point in site. For an upright surface: the lower left corner, seen from outside.
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   // Horizontal unit vector to the right, seen from outside. On the ground: along the street.
   Eigen::Vector2d along = Eigen::Vector2d::UnitX();
@@ -41,7 +41,7 @@ struct CityLandmark {
   uint64_t id = 0;        // Changes as soon as another thing takes its place.
   uint64_t ornament = 0;  // Shared by all that look alike; otherwise the id.
   Eigen::Vector3d x_in_site = Eigen::Vector3d::Zero();
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // Of the surface, outward; unit.
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // Outward unit normal of the surface.
   // Unit vector in the surface in the direction of the keypoint's dominant gradient.
   Eigen::Vector3f pointer = Eigen::Vector3f::Zero();
   float size_m = 0.0f;    // Physical: the standard deviation of the detector's Gaussian.

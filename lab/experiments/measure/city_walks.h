@@ -18,7 +18,7 @@ struct CityWalksOptions {
   CityCharacter character = CityCharacter::kGrid;
   CityWorldSize size = CityWorldSize::kQuick;
   int num_walks = 1;
-  double duration_s = 30.0;      // Of each walk.
+  double duration_s = 30.0;      // Length of each walk.
   double first_counted_s = 5.0;  // See Recording::first_counted_frame.
   int frames_per_query = 5;      // At ten frames per second.
   uint64_t seed = 1;

@@ -32,9 +32,9 @@ struct PriorBlock {
   PriorBlockKind kind = PriorBlockKind::kPose;
   WindowCamera* camera = nullptr;        // Set for kPose and kMotion.
   WindowAlignment* alignment = nullptr;  // Set for kAlignment.
-  Rigid3d local_from_imu;                // Of kPose, at the linearization.
+  Rigid3d local_from_imu;                // Set for kPose; value at the linearization.
   Eigen::Matrix<double, kMotionBlock, 1> motion = Eigen::Matrix<double, kMotionBlock, 1>::Zero();
-  Rigid3d global_from_local;  // Of kAlignment.
+  Rigid3d global_from_local;  // Set for kAlignment.
   Eigen::Vector3d pivot_in_local = Eigen::Vector3d::Zero();
 };
 

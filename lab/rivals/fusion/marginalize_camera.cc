@@ -184,7 +184,7 @@ MarginalPrior MarginalizeCamera(const BundleAdjusterOptions& options,
     }
   });
   for (WindowTrack* track : used_up) {
-    // The newest camera may still be replaced. Its sight starts the track anew.
+    // The newest camera may still be replaced. Its sight starts a new track.
     std::optional<WindowSight> last;
     if (track->sights.back().camera == newest) {
       last = track->sights.back();

@@ -49,7 +49,8 @@ struct WindowCamera {
   int64_t timestamp_ns = 0;
   bool is_keyframe = false;
   Preintegration since_previous;  // From the previous camera; unused in the oldest.
-  Matrix15d imu_sqrt_information = Matrix15d::Identity();  // Of since_previous.
+  Matrix15d imu_sqrt_information =
+      Matrix15d::Identity();  // Square root information of since_previous.
 
   std::array<double, kPoseBlock> pose{};
   std::array<double, kMotionBlock> motion{};

@@ -1,4 +1,5 @@
-// Stands before a wall for two seconds, through installed headers and libraries, and must track.
+// Uses the installed headers and libraries to simulate a device that stands in front of a wall for
+// two seconds. Tracking must start.
 #include <cstdint>
 #include <cstdio>
 #include <utility>

@@ -1,19 +1,20 @@
-// Benchmarks of the stages `tiles` and `matching` on one tile of the paper's size: 200,000
-// landmarks with 2.5 descriptors each on average, here 250,000 with 2.
+// Benchmarks of the stages `tiles` and `matching` on one tile of the paper's size: 250,000
+// landmarks with 2 descriptors each (the paper: 200,000 with 2.5 on average).
 //
-//   ColdLoad        decode a tile's bytes and build its index, as after a cache miss
-//   BuildIndex      the index alone; `to_sort` is its time over that of std::sort on the same pairs
-//                   of bucket and descriptor, one sort a grid
-//   SearchGrids     descriptors near 1,000 keypoints by random grids; arguments: grids, hashed
-//                   dimensions, cell width in tenths of a sigma, probes
-//   SearchKind      the same by the other kinds of index; arguments: kind, probes
-//   SearchAll       the same by comparing with every descriptor
-//   ScanDistances   its inner loop; argument: variant of the processor
-//   ScanBlocks      the inner loop of inverted lists; argument likewise
+//   ColdLoad        decodes a tile's bytes and builds its index, as after a cache miss
+//   BuildIndex      builds the index alone; `to_sort` is its time over that of std::sort on the
+//                   same pairs of bucket and descriptor, one sort per grid
+//   SearchGrids     finds descriptors near 1,000 keypoints with random grids; arguments: grids,
+//                   hashed dimensions, cell width in tenths of a sigma, probes
+//   SearchKind      the same search with the other kinds of index; arguments: kind, probes
+//   SearchAll       the same search by comparison with every descriptor
+//   ScanDistances   the inner loop of SearchAll; argument: variant of the processor
+//   ScanBlocks      the inner loop of inverted lists; argument: variant of the processor
 //   MatchFeatures   the whole stage against one tile
 //
-// Counters: time_per_query, distances_per_query, recall (true landmark among the 4 nearest of the
-// hits), relative_recall (to exhaustive search), megabytes. A recall that collapsed is an error.
+// Counters: time_per_query, distances_per_query, recall (the true landmark is among the 4 nearest
+// hits), relative_recall (compared with exhaustive search), megabytes. If recall collapses, the
+// benchmark reports an error.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The contract of MatchingIndex, for every kind.
+// Tests the contract of MatchingIndex for every kind of index.
 #include "engine/index/matching_index.h"
 
 #include <gmock/gmock.h>

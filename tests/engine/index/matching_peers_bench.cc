@@ -1,13 +1,15 @@
-// The matching indices beside hnswlib and FAISS's inverted multi-index, in one run on one tile of
-// the paper's size: 250,000 landmarks with 2 descriptors each, 1,000 queries of which every second
-// shows a landmark. Every method is turned up until the true landmark is among the 4 nearest as
-// often as `kRelativeRecall` of what exhaustive search reaches; then its time is taken.
+// Compares the matching indices with hnswlib and FAISS's inverted multi-index in one run on one
+// tile of the paper's size: 250,000 landmarks with 2 descriptors each, and 1,000 queries. Every
+// second query shows a landmark. The effort of each method is raised until its recall (the true
+// landmark is among the 4 nearest) reaches `kRelativeRecall` of the recall of exhaustive search;
+// then the benchmark measures its time.
 //
-// With a file of real descriptors (.u8bin, see RealSift) as argument its last 1,000 vectors are the
-// queries and the nearest of the others, if it is near enough, is the true landmark.
+// The argument may be a file of real descriptors (.u8bin, see RealSift). Its last 1,000 vectors are
+// then the queries. The true landmark of a query is the nearest of the other vectors, if near
+// enough.
 //
-// Counters: us_ (microseconds a query), ratio_to_hnsw, ratio_to_faiss_imi, megabytes, and the
-// recall reached; 0 and no time for a method that does not reach it however far it is turned up.
+// Counters: us_ (microseconds per query), ratio_to_hnsw, ratio_to_faiss_imi, megabytes, and the
+// reached recall. A method that does not reach the recall at any effort has 0 and no time.
 #include <benchmark/benchmark.h>
 #include <faiss/IndexIVFFlat.h>
 #include <faiss/IndexPQ.h>

@@ -1,5 +1,6 @@
-// Landmark and query descriptors with the statistics of projected SIFT: clustered, with variances
-// that fall off over the dimensions and same-landmark distances with a heavy tail.
+// Landmark and query descriptors with the statistics of projected SIFT. The descriptors form
+// clusters, their variances fall over the dimensions, and same-landmark distances have a heavy
+// tail.
 #ifndef CAIRN_TESTS_ENGINE_INDEX_SYNTHETIC_DESCRIPTORS_H_
 #define CAIRN_TESTS_ENGINE_INDEX_SYNTHETIC_DESCRIPTORS_H_
 
@@ -23,7 +24,7 @@ namespace cairn::testing {
 struct SyntheticDescriptorsOptions {
   int num_landmarks = 4000;
   int descriptors_per_landmark = 2;
-  int num_queries = 400;  // Of which every second shows a landmark of the tile.
+  int num_queries = 400;  // Every second query shows a landmark of the tile.
   int dim = 16;
   int num_subspaces = 8;
   uint64_t seed = 1;
@@ -33,10 +34,10 @@ struct SyntheticDescriptors {
   static constexpr int kNoLandmark = -1;
 
   std::shared_ptr<const Codebook> codebook;
-  std::vector<uint8_t> codes;  // The descriptors of landmark i stand together, landmarks in order.
+  std::vector<uint8_t> codes;  // Contiguous for each landmark, in the order of the landmarks.
   int descriptors_per_landmark = 0;
   DescriptorMatrix queries;
-  std::vector<int> true_landmarks;  // Of each query; kNoLandmark for the others.
+  std::vector<int> true_landmarks;  // One per query; kNoLandmark if it shows none.
 
   int LandmarkOf(uint32_t descriptor_idx) const {
     return static_cast<int>(descriptor_idx) / descriptors_per_landmark;
@@ -108,7 +109,7 @@ class SyntheticDescriptorsBuilder {
     return observed;
   }
 
-  // Words are pieces of random descriptors, so that they are as dense as the data.
+  // Words are parts of random descriptors, so that they are as dense as the data.
   Codebook MakeCodebook(const DescriptorMatrix& descriptors) {
     Codebook codebook;
     codebook.id = CodebookId{1};
@@ -129,7 +130,7 @@ class SyntheticDescriptorsBuilder {
     return codebook;
   }
 
-  // From the queries to the nearest quantised descriptor of their landmark.
+  // Distances from the queries to the nearest quantized descriptor of their landmark.
   static std::vector<float> SameLandmarkQuantiles(const std::shared_ptr<const Codebook>& codebook,
                                                   const SyntheticDescriptors& data) {
     const DescriptorCodec codec(codebook);
@@ -162,8 +163,8 @@ inline SyntheticDescriptors MakeSyntheticDescriptors(const SyntheticDescriptorsO
   return SyntheticDescriptorsBuilder(options).Build();
 }
 
-// Fraction of the queries with a true landmark for which it is among the `max_neighbors` nearest
-// landmarks of the hits.
+// Returns the share of the queries with a true landmark for which that landmark is among the
+// `max_neighbors` nearest landmarks of the hits.
 inline double LandmarkRecall(const SyntheticDescriptors& data,
                              const std::vector<DescriptorHit>& hits, int max_neighbors) {
   constexpr float kNotFound = std::numeric_limits<float>::infinity();

@@ -1,4 +1,4 @@
-// What the localizer answers on maps of several streets: ambiguity, borders, updates.
+// Tests the localizer on maps of several streets: ambiguity, borders, updates.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// A localizer over mapped streets, and queries in them.
+// A localizer with a map of several streets, and queries in these streets.
 #ifndef CAIRN_TESTS_ENGINE_LOCALIZER_MAPPED_STREETS_H_
 #define CAIRN_TESTS_ENGINE_LOCALIZER_MAPPED_STREETS_H_
 
@@ -16,7 +16,7 @@
 
 namespace cairn::testing {
 
-// A map of one or more streets and the localizer over it.
+// A map of one or more streets with a localizer.
 class MappedStreets {
  public:
   explicit MappedStreets(const std::vector<StreetWorld>& worlds,
@@ -37,7 +37,7 @@ class MappedStreets {
 
   const MapStore& store() const { return *store_; }
   const Localizer& localizer() const { return localizer_; }
-  // Another localizer over the same map, with a cache of its own.
+  // Returns another localizer on the same map, with its own cache.
   Localizer WithOptions(const LocalizerOptions& options) const {
     return {store_, std::make_shared<TileCache>(size_t{1} << 28), options};
   }
@@ -49,7 +49,7 @@ class MappedStreets {
   int num_streets_ = 0;
 };
 
-// Somewhere a keyframe was not: lower, off the centre line, turned.
+// A pose where no keyframe was: lower, off the center line, turned.
 inline Rigid3d QueryPose(double x_m) { return StreetWorld::LookAlong({x_m, -1.5, 1.2}, 0.2, 0.03); }
 
 inline LocalizeQuery QueryAt(const StreetWorld& world, const Rigid3d& cam_from_enu) {

@@ -1,4 +1,4 @@
-// Cameras that nobody calibrated, through the whole engine.
+// Tests the whole engine with uncalibrated cameras.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Whether reported covariances tell the truth: errors of many noisy estimates against them.
+// Tests reported covariances against the errors of many noisy estimates.
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>

@@ -1,4 +1,4 @@
-// Tiles whose covisibility can be written down by hand.
+// Builds tiles from covisibility that is written by hand.
 #ifndef CAIRN_TESTS_ENGINE_REFINEMENT_KEYFRAME_TILE_H_
 #define CAIRN_TESTS_ENGINE_REFINEMENT_KEYFRAME_TILE_H_
 
@@ -13,13 +13,14 @@
 
 namespace cairn::testing {
 
-// Keyframe k stands at (x_m, 0, 0), looks east and sees `landmark_ids`.
+// Keyframe k is at (x_m, 0, 0), looks east and sees `landmark_ids`.
 struct KeyframeSpec {
   double x_m = 0.0;
   std::vector<uint64_t> landmark_ids;
 };
 
-// A tile with the landmarks [first_id, first_id + num_landmarks); indices follow the ids.
+// Returns a tile with the landmarks [first_id, first_id + num_landmarks). Indices are in the order
+// of the ids.
 inline TileView MakeTile(uint64_t first_id, int num_landmarks,
                          const std::vector<KeyframeSpec>& keyframes) {
   static const auto codebook = std::make_shared<const Codebook>(RandomCodebook());
@@ -28,7 +29,7 @@ inline TileView MakeTile(uint64_t first_id, int num_landmarks,
   options.first_landmark_id = first_id;
   options.num_keyframes = 0;
   Tile tile = RandomTile(options);
-  Eigen::Matrix3d tile_from_cam;  // Looks east, x right is south, y is down.
+  Eigen::Matrix3d tile_from_cam;  // Looks east: x (right) is south, y is down.
   tile_from_cam << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   for (const KeyframeSpec& keyframe : keyframes) {
     tile.keyframes.push_back(
@@ -55,7 +56,7 @@ inline Correspondence Match(int keypoint_idx, int tile_idx, uint32_t landmark_id
   match.keypoint_idx = keypoint_idx;
   match.tile_idx = tile_idx;
   match.landmark_idx = landmark_idx;
-  match.x_in_anchor.setZero();  // Covisibility does not look at it.
+  match.x_in_anchor.setZero();  // Covisibility does not use the position.
   return match;
 }
 

@@ -1,7 +1,7 @@
-// The ranking of keyframes and the search for their neighbours, over four tiles of paper size
-// (200,000 landmarks, 1,000 keyframes of 800 observations) and 4,000 matches of 1,000 keypoints, of
-// which every fourth keypoint has a match that one keyframe of the map saw. `right` is the share of
-// runs in which a keyframe that shares its landmarks comes first.
+// Measures the ranking of keyframes and the search for their neighbors. There are four tiles of the
+// paper's size (200,000 landmarks, 1,000 keyframes of 800 observations) and 4,000 matches of 1,000
+// keypoints. Every fourth keypoint has a match that one keyframe of the map saw. `right` is the
+// share of runs in which that keyframe comes first.
 #include <benchmark/benchmark.h>
 
 #include <memory>

@@ -1,4 +1,4 @@
-// Tiles whose descriptors can be written down by hand.
+// Builds tiles from descriptors that are written by hand.
 #ifndef CAIRN_TESTS_ENGINE_TILES_SIMPLE_TILE_H_
 #define CAIRN_TESTS_ENGINE_TILES_SIMPLE_TILE_H_
 
@@ -19,8 +19,8 @@
 
 namespace cairn::testing {
 
-// Descriptors are points of four dimensions, each a multiple of 0.1 in [0, 1.5]. The median
-// same-landmark distance is 1, the 0.9-quantile 1.8.
+// Descriptors are points in four dimensions whose coordinates are multiples of 0.1 in [0, 1.5]. The
+// median same-landmark distance is 1, the 0.9-quantile 1.8.
 inline std::shared_ptr<const Codebook> LatticeCodebook(CodebookId id = CodebookId{1}) {
   auto codebook = std::make_shared<Codebook>();
   codebook->id = id;
@@ -55,7 +55,7 @@ inline TileId SimpleTileId() {
   return TileId::Containing(Geodetic::FromDegrees(49.011, 8.416, 0.0));
 }
 
-// Each entry of `keyframes` lists the landmark indices that a keyframe sees.
+// Each entry of `keyframes` lists the indices of the landmarks that one keyframe sees.
 inline Tile SimpleTile(const std::vector<SimpleLandmark>& landmarks,
                        const std::vector<std::vector<uint32_t>>& keyframes = {}) {
   Tile tile;
@@ -89,7 +89,7 @@ inline Tile SimpleTile(const std::vector<SimpleLandmark>& landmarks,
   return tile;
 }
 
-// Cells so wide, and so many of them looked into, that nothing in LatticeCodebook's box is missed.
+// Wide cells and many probes, so that the search misses nothing in LatticeCodebook's box.
 inline IndexOptions ExhaustiveGrids() {
   IndexOptions options;
   options.grids = {.num_grids = 1,

@@ -1,5 +1,6 @@
-// Inertial samples come in at hundreds a second, on devices where the heap is a lock shared with
-// everything else: taking one in must not allocate. malloc is counted in this program alone.
+// Tests that adding an inertial sample does not allocate. Hundreds of samples arrive per second,
+// and on a device all threads share the lock of the heap. This program counts its own calls of
+// malloc.
 #include <gtest/gtest.h>
 
 #include <cstddef>

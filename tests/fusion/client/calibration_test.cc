@@ -1,5 +1,5 @@
-// The whole estimator where the mounting of the camera, its clock or the level of the map are only
-// roughly known.
+// Tests the whole estimator if the camera's mounting, its clock or the map's level are only roughly
+// known.
 #include <gtest/gtest.h>
 
 #include <cmath>

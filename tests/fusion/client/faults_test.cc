@@ -1,4 +1,4 @@
-// What goes wrong on a device, in the network and on the map.
+// Tests faults of a device, the network and the map.
 #include <gtest/gtest.h>
 
 #include <algorithm>

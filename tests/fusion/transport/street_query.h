@@ -1,4 +1,4 @@
-// A query of the street that http/server_fixture.h serves, as the filter would ask it.
+// A query of the filter in the street that http/server_fixture.h serves.
 #ifndef CAIRN_TESTS_FUSION_TRANSPORT_STREET_QUERY_H_
 #define CAIRN_TESTS_FUSION_TRANSPORT_STREET_QUERY_H_
 
@@ -10,7 +10,7 @@
 
 namespace cairn::fusion::testing {
 
-// With raw features.
+// Returns the query with raw features.
 inline MapQuery MapQueryFrom(const LocalizeQuery& from, int64_t query_id) {
   MapQuery query;
   query.query.query_id = query_id;
@@ -21,7 +21,7 @@ inline MapQuery MapQueryFrom(const LocalizeQuery& from, int64_t query_id) {
   return query;
 }
 
-// With features projected by the codebook of a map, as a phone sends them.
+// Returns the query with features projected by the map's codebook, as a phone sends them.
 inline MapQuery ProjectedMapQueryFrom(const LocalizeQuery& from, int64_t query_id,
                                       const std::string& map_path) {
   MapQuery query = MapQueryFrom(from, query_id);

@@ -1,4 +1,4 @@
-// What real clients of GeoPoseProtocol send.
+// Tests requests that real clients of GeoPoseProtocol send.
 #include "http/json/geopose_protocol.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// Clients that hold on to connections, and what they must not be able to do.
+// Tests clients that keep connections occupied, and the limits on them.
 #include "http/net/listener.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Maps whose files are replaced, removed, damaged and copied while they are served.
+// Tests maps whose files are replaced, removed, damaged or copied while they are served.
 #include "http/service/served_map.h"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,6 @@
-// What features of a photo cost, step by step, beside OpenCV's default SIFT of the same photo. Each
-// benchmark checks what it gets. The photo is a made-up one of a megapixel, or the one that the
-// environment variable CAIRN_BENCH_PHOTO names.
+// Measures the steps of feature extraction from a photo, and OpenCV's default SIFT on the same
+// photo. Each benchmark checks its result. The photo is a synthetic one of one megapixel, or the
+// one that the environment variable CAIRN_BENCH_PHOTO names.
 #include <benchmark/benchmark.h>
 
 #include <array>

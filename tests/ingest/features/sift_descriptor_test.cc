@@ -1,4 +1,4 @@
-// Orientation and descriptor against classic SIFT in plain loops and double precision.
+// Compares orientations and descriptors with classic SIFT in plain loops and double precision.
 #include "ingest/features/sift_descriptor.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The image decoders on files that somebody else wrote, and on files that nobody should have.
+// Tests the image decoders on files of other programs and on invalid files.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// `cairn-lab simulate`, and what the other verbs make of its files.
+// Tests `cairn-lab simulate`, and the other verbs on its files.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

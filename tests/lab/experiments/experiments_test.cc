@@ -1,4 +1,5 @@
-// Every experiment at its quick size: it runs, and what it says is in its rows.
+// Runs every experiment at its quick size. The outcome must have a sentence, rows, parameters and
+// figures.
 #include <gtest/gtest.h>
 
 #include <memory>

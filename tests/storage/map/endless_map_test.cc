@@ -1,5 +1,5 @@
-// Maps whose pages refer to each other so often that a scan of a table would never end. Everything
-// that reads them does, with Error(kMapDamaged) or at its time limit. A test that hangs has failed.
+// Tests maps whose pages refer to each other so often that the scan of a table would never end. All
+// readers must end, with Error(kMapDamaged) or at their time limit. A test that hangs has failed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// What MapStore::Check finds: one test a fault.
+// Tests the findings of MapStore::Check, one test per fault.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

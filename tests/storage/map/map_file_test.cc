@@ -1,5 +1,5 @@
-// What MapStore::Open says to files that are no sound maps, and what survives an interrupted
-// writer.
+// Tests MapStore::Open on files that are not sound maps, and the content of a map after an
+// interrupted write.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>

@@ -1,4 +1,5 @@
-// Maps with tables, views and triggers of others; maps whose pages refer to each other in circles.
+// Tests maps with foreign tables, views and triggers, and maps whose pages refer to each other in
+// circles.
 #include "storage/map/map_schema.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Files that lose their names while they are in use.
+// Tests files that are renamed or removed while they are in use.
 #include "storage/map/pinned_file.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The hot queries must find their rows through an index.
+// Tests that the frequent queries find their rows through an index.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// Files of the first release must stay readable. CAIRN_UPDATE_GOLDEN=1 writes them anew, which only
-// a new format version may need.
+// Tests that files of the first release stay readable. CAIRN_UPDATE_GOLDEN=1 rewrites them, which
+// only a new format version may need.
 #include <gtest/gtest.h>
 #include <zstd.h>
 

@@ -1,4 +1,4 @@
-// Hostile bytes that pass the checksum: whoever makes them can compute it too. Deterministic.
+// Tests hostile bytes with a valid checksum, which an attacker can compute. Deterministic.
 #include <gtest/gtest.h>
 #include <xxhash.h>
 #include <zstd.h>

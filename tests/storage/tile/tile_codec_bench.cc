@@ -1,4 +1,4 @@
-// Encoding and decoding of a tile of the paper's size, and encoding of descriptors.
+// Measures encoding and decoding of a tile of the paper's size, and encoding of descriptors.
 #include <benchmark/benchmark.h>
 
 #include <memory>

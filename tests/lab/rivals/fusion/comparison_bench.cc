@@ -1,8 +1,8 @@
 // Prints the comparison of filter and bundle adjustment (paper, table and figure of "Evaluation of
-// the Pose Fusion") on a simulated walk and, under simulated cameras, on the real trajectories and
-// inertial samples of the test data.
+// the Pose Fusion"). The recordings are a simulated walk, and real trajectories and inertial
+// samples of the test data under simulated cameras.
 //
-//   cairn_fusion_comparison [seconds of each] [seed] [runs that are timed]
+//   cairn_fusion_comparison [seconds per recording] [seed] [timed runs]
 #include <cstdio>
 #include <cstdlib>
 

@@ -8,7 +8,7 @@
 
 namespace cairn::fusion::testing {
 
-// The imu's x axis points ahead, its z axis up.
+// The IMU's x axis points ahead, its z axis up.
 inline Rig RigAhead() {
   Eigen::Matrix3d cam_from_imu;
   cam_from_imu << 0, -1, 0, 0, 0, -1, 1, 0, 0;
