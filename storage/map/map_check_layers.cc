@@ -32,9 +32,9 @@ void CheckRow(const std::string& where, const Check& check, Findings* findings) 
   }
 }
 
-// Returns true if the box of an R*Tree row contains the envelope. The box is in columns `first` to
-// `first` + 3: min x, max x, min y, max y. Its columns are NULL if the R*Tree has no row; another
-// check reports that.
+// Returns true if the box of an R*Tree row contains the envelope with at most kIndexSlackDeg to
+// spare. The box is in columns `first` to `first` + 3: min x, max x, min y, max y. The columns are
+// NULL if the R*Tree has no row; another check reports that.
 bool IsIndexed(const sqlite::Statement& row, int first, const GeometryEnvelope& envelope) {
   if (row.IsNull(first)) {
     return true;
@@ -63,7 +63,7 @@ void CheckGeometry(const sqlite::Statement& row, int geom_column, const Geometry
     findings->Add(where, "its geometry is in the wrong place");
   }
   if (!IsIndexed(row, geom_column + 1, expected)) {
-    findings->Add(where, "its box in the spatial index does not contain it");
+    findings->Add(where, "its box in the spatial index does not match it");
   }
 }
 

@@ -67,7 +67,7 @@ TEST_F(MapCheck, AMovedBoxInTheTileIndex) {
   ExpectFound(
       "UPDATE rtree_coverage_geom SET minx = minx + 1, maxx = maxx + 1 WHERE id = "
       "(SELECT min(tile_id) FROM coverage)",
-      "its box in the spatial index does not contain it");
+      "its box in the spatial index does not match it");
 }
 
 TEST_F(MapCheck, AShrunkBoxInTheTileIndex) {
@@ -76,7 +76,7 @@ TEST_F(MapCheck, AShrunkBoxInTheTileIndex) {
 
 TEST_F(MapCheck, AMovedBoxInTheKeyframeIndex) {
   ExpectFound("UPDATE rtree_keyframes_geom SET miny = miny - 1, maxy = maxy - 1 WHERE id = 3",
-              "keyframe 3: its box in the spatial index does not contain it");
+              "keyframe 3: its box in the spatial index does not match it");
 }
 
 TEST_F(MapCheck, ABoxOfNoTile) {
