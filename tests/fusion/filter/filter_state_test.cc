@@ -5,8 +5,8 @@
 #include <Eigen/Eigenvalues>
 #include <random>
 
-#include "fusion/client/pose_covariance.h"
 #include "fusion/filter/camera_view.h"
+#include "fusion/filter/pose_covariance.h"
 #include "fusion/map_updates/map_update.h"
 #include "fusion/tracks/track_update.h"
 #include "support/cameras.h"
