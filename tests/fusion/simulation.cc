@@ -284,4 +284,12 @@ Answer Simulation::MakeAnswer(const Query& query, size_t frame,
   return answer;
 }
 
+Simulation SimulateWalk(double duration_s, uint64_t seed) {
+  SimulationOptions options;
+  options.seed = seed;
+  options.walk.seed = seed;
+  options.duration_s = duration_s;
+  return Simulation(options);
+}
+
 }  // namespace cairn::fusion::testing

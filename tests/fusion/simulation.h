@@ -117,6 +117,9 @@ class Simulation {
   std::unordered_map<uint64_t, int> landmark_of_track_;
 };
 
+// A walk with the defaults; `seed` is that of noise, landmarks and path.
+Simulation SimulateWalk(double duration_s, uint64_t seed = 1);
+
 // Feeds a simulation to an estimator in the order of time, starting at a frame with the state
 // `start`. Calls `after_frame` with each frame's index after the estimator has processed the frame.
 template <typename EstimatorType, typename Callback>
