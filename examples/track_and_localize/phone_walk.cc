@@ -4,12 +4,13 @@
 #include <cmath>
 #include <random>
 
+#include "lab/inertial/measure_motion.h"
+#include "lab/inertial/motion.h"
 #include "lab/street/build_street.h"
 
 namespace cairn {
 namespace {
 
-constexpr double kGravityMS2 = 9.81;
 constexpr double kStandS = 2.0;
 constexpr double kRampS = 2.0;
 constexpr double kSpeedMS = 1.2;
@@ -60,32 +61,21 @@ Rigid3d PhoneWalk::EnuFromImu(double time_s) const {
 std::vector<fusion::ImuSample> PhoneWalk::Measure(double duration_s, double rate_hz,
                                                   const fusion::ImuNoise& noise,
                                                   uint64_t seed) const {
-  constexpr double kStepS = 1e-3;  // Step of the central differences.
-  const Eigen::Vector3d gyro_bias(0.004, -0.003, 0.002);
-  const Eigen::Vector3d accel_bias(0.04, -0.03, 0.05);
+  fusion::InertialUnit unit{.rate_hz = rate_hz, .noise = noise};
+  unit.noise.gyro_walk = unit.noise.accel_walk = 0.0;
+  unit.gyro_bias = {0.004, -0.003, 0.002};
+  unit.accel_bias = {0.04, -0.03, 0.05};
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
-  const auto draw = [&](double density) {
+  const auto normal_vectors = [&](int64_t) {
     const double x = normal(random), y = normal(random), z = normal(random);
-    return Eigen::Vector3d(density * std::sqrt(rate_hz) * Eigen::Vector3d(x, y, z));
+    return Eigen::Vector3d(x, y, z);
   };
-  std::vector<fusion::ImuSample> samples;
   const int num_samples = static_cast<int>(duration_s * rate_hz) + 2;
-  for (int i = 0; i < num_samples; ++i) {
-    const double time_s = i / rate_hz;
-    const Rigid3d before = EnuFromImu(time_s - kStepS);
-    const Rigid3d now = EnuFromImu(time_s);
-    const Rigid3d after = EnuFromImu(time_s + kStepS);
-    const Eigen::Vector3d acceleration =
-        (after.translation - 2.0 * now.translation + before.translation) / (kStepS * kStepS);
-    const Eigen::Vector3d rate =
-        LogSo3(before.rotation.conjugate() * after.rotation) / (2.0 * kStepS);
-    const Eigen::Vector3d force =
-        now.rotation.conjugate() * (acceleration + kGravityMS2 * Eigen::Vector3d::UnitZ());
-    samples.push_back({PhoneTimeNs(time_s), rate + gyro_bias + draw(noise.gyro_density),
-                       force + accel_bias + draw(noise.accel_density)});
-  }
-  return samples;
+  return fusion::MeasureMotion(
+             fusion::MotionAlong([this](double time_s) { return EnuFromImu(time_s); }), num_samples,
+             unit, normal_vectors)
+      .imu;
 }
 
 }  // namespace cairn

@@ -9,13 +9,13 @@
 #include <vector>
 
 #include "core/rigid3.h"
-#include "fusion/filter/filter_state.h"
+#include "fusion/filter/imu.h"
 #include "fusion/filter/imu_propagation.h"
+#include "fusion/filter/pose_covariance.h"
+#include "fusion/map_updates/map_match.h"
 #include "fusion/tracks/track_table.h"
 
 namespace cairn::fusion {
-
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 enum class ImuStatus {
   kAccepted,
@@ -37,13 +37,6 @@ struct Frame {
   std::span<const TrackedFeature> features;
 };
 
-// A pose with the covariance of (rotation, translation), in rad^2, rad m and m^2. The perturbation
-// is on the left in the target frame, as in LocalizeResult::covariance.
-struct PosePrior {
-  Rigid3d global_from_cam;
-  Matrix6d covariance;
-};
-
 // A question to the map about one frame.
 struct Query {
   int64_t query_id = 0;
@@ -52,16 +45,6 @@ struct Query {
   Eigen::Vector3d down_in_cam;     // Unit vector.
   double down_sigma_rad = 0.0;     // Per axis.
   std::optional<PosePrior> prior;  // Set once aligned.
-};
-
-// A landmark of the map that a queried frame sees.
-struct MapMatch {
-  Eigen::Vector2d pixel;
-  std::optional<uint64_t> track_id;  // Set if the keypoint is a tracked feature.
-  Eigen::Vector3d x_in_global;
-  double sigma_m = 0.0;  // Standard deviation of the landmark per axis.
-  uint64_t landmark_id = 0;
-  uint64_t tile_id = 0;
 };
 
 // The answer to a query. All answers of a session must use the same `global` frame; the code that

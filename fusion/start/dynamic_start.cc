@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/require.h"
+#include "core/rotation_between.h"
 #include "fusion/filter/chi_square.h"
 
 namespace cairn::fusion {
@@ -120,7 +121,7 @@ struct StartGuess {
 
 StartGuess GuessFrom(const LinearStart& linear, const Eigen::Vector3d& gyro_bias) {
   const Eigen::Quaterniond local_from_imu =
-      Eigen::Quaterniond::FromTwoVectors(-linear.gravity_in_imu, Eigen::Vector3d::UnitZ());
+      RotationBetween(-linear.gravity_in_imu, Eigen::Vector3d::UnitZ());
   return {local_from_imu, local_from_imu * linear.velocity_in_imu, gyro_bias};
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/require.h"
+#include "core/rotation_between.h"
 
 namespace cairn::fusion {
 namespace {
@@ -104,8 +105,7 @@ std::optional<StartState> StaticStart(const ImuBuffer& buffer, int64_t begin_ns,
     return std::nullopt;
   }
   StartState start;
-  const Eigen::Quaterniond level =
-      Eigen::Quaterniond::FromTwoVectors(statistics.accel_mean, Eigen::Vector3d::UnitZ());
+  const Eigen::Quaterniond level = RotationBetween(statistics.accel_mean, Eigen::Vector3d::UnitZ());
   // Yaw is free. Choose the yaw that points the IMU's x axis along local's x axis. If the IMU's x
   // axis is nearly vertical, use its z axis.
   Eigen::Vector3d ahead = level * Eigen::Vector3d::UnitX();

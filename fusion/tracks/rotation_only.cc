@@ -6,6 +6,7 @@
 
 #include "core/require.h"
 #include "fusion/filter/camera_view.h"
+#include "fusion/filter/chi_square.h"
 
 namespace cairn::fusion {
 
@@ -69,6 +70,29 @@ std::optional<Measurement> RotationOnlyMeasurement(const FilterState& state, con
                           state.clones()[static_cast<size_t>(to)].local_from_imu.translation) /
                          sigma_m;
   return measurement;
+}
+
+bool RotationOnlyUpdates::Update(const TrackTable& tracks, FilterState* state) {
+  const auto& clones = state->clones();
+  const auto begin = std::find_if(clones.begin(), clones.end(), [this](const Clone& clone) {
+    return clone.timestamp_ns >= last_update_ns_;
+  });
+  const int from = static_cast<int>(begin - clones.begin());
+  const int to = static_cast<int>(clones.size()) - 1;
+  if (2 * (to - from) < max_clones_) {
+    return false;
+  }
+  const auto parallax_px = MedianParallaxPx(*state, camera_, tracks, from, to, options_);
+  const auto measurement =
+      parallax_px ? RotationOnlyMeasurement(*state, camera_, *parallax_px, from, to, options_)
+                  : std::nullopt;
+  if (!measurement ||
+      !(state->SquaredMahalanobis(*measurement) < ChiSquareQuantile(3, options_.gate_quantile))) {
+    return false;
+  }
+  state->Update(*measurement);
+  last_update_ns_ = clones.back().timestamp_ns;
+  return true;
 }
 
 }  // namespace cairn::fusion

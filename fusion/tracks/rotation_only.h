@@ -6,6 +6,7 @@
 #ifndef CAIRN_FUSION_TRACKS_ROTATION_ONLY_H_
 #define CAIRN_FUSION_TRACKS_ROTATION_ONLY_H_
 
+#include <cstdint>
 #include <optional>
 
 #include "core/camera.h"
@@ -36,6 +37,25 @@ std::optional<double> MedianParallaxPx(const FilterState& state, const Camera& c
 std::optional<Measurement> RotationOnlyMeasurement(const FilterState& state, const Camera& camera,
                                                    double parallax_px, int from, int to,
                                                    const RotationOnlyOptions& options);
+
+// Applies RotationOnlyMeasurement to one filter. Each update starts where the last one ended, so
+// that no information is used twice, and spans at least half of a window of `max_clones`. Not
+// thread-safe.
+class RotationOnlyUpdates {
+ public:
+  RotationOnlyUpdates(const Camera& camera, int max_clones, const RotationOnlyOptions& options)
+      : camera_(camera), max_clones_(max_clones), options_(options) {}
+
+  // Updates `state`, which must have a clone, if the camera has only turned. Returns whether it
+  // did.
+  bool Update(const TrackTable& tracks, FilterState* state);
+
+ private:
+  Camera camera_;
+  int max_clones_;
+  RotationOnlyOptions options_;
+  int64_t last_update_ns_ = 0;
+};
 
 }  // namespace cairn::fusion
 

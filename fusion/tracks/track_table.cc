@@ -40,6 +40,11 @@ Track* TrackTable::Find(uint64_t track_id) {
   return found == index_.end() ? nullptr : &tracks_[found->second];
 }
 
+const Track* TrackTable::Find(uint64_t track_id) const {
+  const auto found = index_.find(track_id);
+  return found == index_.end() ? nullptr : &tracks_[found->second];
+}
+
 void TrackTable::SetReserved(int64_t frame_id, bool reserved) {
   for (Track& track : tracks_) {
     for (Observation& observation : track.observations) {

@@ -59,6 +59,7 @@ class TrackTable {
 
   // Returns nullptr if there is no such track.
   Track* Find(uint64_t track_id);
+  const Track* Find(uint64_t track_id) const;
 
   // Marks every sight of a frame as reserved or unreserved.
   void SetReserved(int64_t frame_id, bool reserved);

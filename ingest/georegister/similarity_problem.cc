@@ -12,6 +12,7 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "core/rotation_between.h"
 
 namespace cairn {
 namespace {
@@ -190,7 +191,7 @@ std::optional<Sim3d> InitialSimilarity(const SimilarityProblem& problem) {
   Cheapest cheapest(&problem);
   if (problem.upright_sigma_rad > 0.0 && problem.mean_up_in_world.norm() > 1e-3) {
     const Eigen::Quaterniond level_from_world =
-        Eigen::Quaterniond::FromTwoVectors(UpFromCameras(problem), Eigen::Vector3d::UnitZ());
+        RotationBetween(UpFromCameras(problem), Eigen::Vector3d::UnitZ());
     for (int i = 0; i < kNumSamples; ++i) {
       cheapest.Consider(FromTwoPositions(draw(), draw(), level_from_world));
     }

@@ -151,7 +151,7 @@ void WriteSequence(const SimulateArguments& arguments, const CityWorldOptions& w
   options.time_years = world.queries.time_years;
   const PhoneSequence sequence = SimulatePhoneSequence(City(world.city), options);
   MakeFolder(arguments.sequence_dir);
-  WriteEurocSequence(sequence, options.imu, arguments.sequence_dir);
+  WriteEurocSequence(sequence, options.imu_noise, arguments.sequence_dir);
   fmt::print("sequence         {} inertial samples, {} frames in {}\n", sequence.imu.size(),
              sequence.frames.size(), arguments.sequence_dir);
 }

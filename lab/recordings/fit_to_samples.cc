@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/rotation_between.h"
 #include "fusion/filter/imu_buffer.h"
 #include "lab/recordings/simulate_recording.h"
 #include "lab/recordings/trajectory_interpolation.h"
@@ -100,9 +101,8 @@ void FitToSamples(Trajectory* trajectory) {
   trajectory->gyro_bias = GyroBias(*trajectory, buffer, extent);
   const ForceFit fit = FitForces(*trajectory, buffer, extent, trajectory->gyro_bias);
   trajectory->accel_bias = fit.accel_bias;
-  const Rigid3d level(
-      Eigen::Quaterniond::FromTwoVectors(fit.gravity_in_global, -Eigen::Vector3d::UnitZ()),
-      Eigen::Vector3d::Zero());
+  const Rigid3d level(RotationBetween(fit.gravity_in_global, -Eigen::Vector3d::UnitZ()),
+                      Eigen::Vector3d::Zero());
   for (TruePose& pose : trajectory->poses) {
     pose.global_from_imu = level * pose.global_from_imu;
   }

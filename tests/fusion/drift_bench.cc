@@ -31,8 +31,8 @@ constexpr double kDegPerRad = 180.0 / M_PI;
 constexpr double kLengthM = 226.0;
 
 // Time after which a walk has the wanted length.
-double Duration(const WalkOptions& options) {
-  const Walk walk(options);
+double Duration(const FigureOfEightOptions& options) {
+  const FigureOfEight walk(options);
   double length_m = 0.0;
   double time_s = 0.0;
   while (length_m < kLengthM) {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lab/inertial/measure_motion.h"
+
 namespace cairn::fusion::testing {
 namespace {
 
@@ -36,8 +38,6 @@ Rig SimulatedRig() {
   return {Rigid3d(cam_from_imu, Eigen::Vector3d(0.03, 0.01, -0.05)), 0.0};
 }
 
-int64_t ToNs(double time_s) { return static_cast<int64_t>(std::llround(time_s * 1e9)); }
-
 }  // namespace
 
 Simulation::Simulation(const SimulationOptions& options)
@@ -45,9 +45,9 @@ Simulation::Simulation(const SimulationOptions& options)
       camera_(CameraModel::kPinhole, 640, 480, {460.0, 460.0, 320.0, 240.0}),
       rig_(SimulatedRig()),
       random_(options.seed) {
-  MakeImu();
-  ScatterLandmarks(bias_truth_);
-  TrackLandmarks(bias_truth_);
+  const std::vector<FrameTruth> frames = WalkAndMeasure();
+  ScatterLandmarks(frames);
+  TrackLandmarks(frames);
 }
 
 Simulation::Simulation(const SimulationOptions& options, std::vector<ImuSample> imu,
@@ -61,32 +61,26 @@ Simulation::Simulation(const SimulationOptions& options, std::vector<ImuSample> 
   TrackLandmarks(frames);
 }
 
-void Simulation::MakeImu() {
-  const Walk walk(options_.walk);
-  const double dt = 1.0 / options_.imu_rate_hz;
+std::vector<FrameTruth> Simulation::WalkAndMeasure() {
+  const FigureOfEight path(options_.walk);
   const int num_samples = static_cast<int>(options_.duration_s * options_.imu_rate_hz) + 2;
-  const int samples_per_frame =
-      static_cast<int>(std::lround(options_.imu_rate_hz / options_.frame_rate_hz));
-  const ImuNoise& noise = options_.imu_noise;
-  Eigen::Vector3d gyro_bias = options_.gyro_bias;
-  Eigen::Vector3d accel_bias = options_.accel_bias;
-  for (int i = 0; i < num_samples; ++i) {
-    const double time_s = i * dt;
-    const MotionState motion = walk.At(time_s);
-    const Eigen::Vector3d force =
-        motion.world_from_imu.rotation.conjugate() *
-        (motion.acceleration_in_world + kGravity * Eigen::Vector3d::UnitZ());
-    imu_.push_back(
-        {ToNs(time_s),
-         motion.rate_in_imu + gyro_bias + Gaussian(&random_, noise.gyro_density / std::sqrt(dt)),
-         force + accel_bias + Gaussian(&random_, noise.accel_density / std::sqrt(dt))});
-    if (i % samples_per_frame == 0) {
-      bias_truth_.push_back(
-          {ToNs(time_s), motion.world_from_imu, motion.velocity_in_world, gyro_bias, accel_bias});
-    }
-    gyro_bias += Gaussian(&random_, noise.gyro_walk * std::sqrt(dt));
-    accel_bias += Gaussian(&random_, noise.accel_walk * std::sqrt(dt));
+  InertialWalk walk = MeasureMotion([&path](double time_s) { return path.At(time_s); }, num_samples,
+                                    {.rate_hz = options_.imu_rate_hz,
+                                     .noise = options_.imu_noise,
+                                     .gyro_bias = options_.gyro_bias,
+                                     .accel_bias = options_.accel_bias,
+                                     .gravity_m_s2 = kGravity},
+                                    [this](int64_t) { return Gaussian(&random_, 1.0); });
+  const auto samples_per_frame =
+      static_cast<size_t>(std::lround(options_.imu_rate_hz / options_.frame_rate_hz));
+  std::vector<FrameTruth> frames;
+  for (size_t i = 0; i < walk.truth.size(); i += samples_per_frame) {
+    const ImuState& truth = walk.truth[i];
+    frames.push_back({walk.imu[i].timestamp_ns, truth.local_from_imu, truth.velocity_in_local,
+                      truth.gyro_bias, truth.accel_bias});
   }
+  imu_ = std::move(walk.imu);
+  return frames;
 }
 
 void Simulation::ScatterLandmarks(const std::vector<FrameTruth>& frames) {
@@ -288,6 +282,14 @@ Answer Simulation::MakeAnswer(const Query& query, size_t frame,
                               TileOf(landmarks_[static_cast<size_t>(landmark)])});
   }
   return answer;
+}
+
+Simulation SimulateWalk(double duration_s, uint64_t seed) {
+  SimulationOptions options;
+  options.seed = seed;
+  options.walk.seed = seed;
+  options.duration_s = duration_s;
+  return Simulation(options);
 }
 
 }  // namespace cairn::fusion::testing

@@ -12,7 +12,7 @@
 #include "core/camera.h"
 #include "fusion/client/fusion_options.h"
 #include "fusion/client/fusion_types.h"
-#include "fusion/motion.h"
+#include "lab/inertial/figure_of_eight.h"
 
 namespace cairn::fusion::testing {
 
@@ -38,7 +38,7 @@ struct SimulationOptions {
   double map_sigma_m = 0.0;
   double tile_sigma_m = 0.0;
   double tile_size_m = 40.0;
-  WalkOptions walk;
+  FigureOfEightOptions walk;
 };
 
 // The truth at one frame.
@@ -98,7 +98,8 @@ class Simulation {
   size_t FrameOfQuery(const Query& query) const;
 
  private:
-  void MakeImu();
+  // Fills imu_ and returns the truth at the frames.
+  std::vector<FrameTruth> WalkAndMeasure();
   void ScatterLandmarks(const std::vector<FrameTruth>& frames);
   void ScatterLandmarksInView(const std::vector<FrameTruth>& frames);
   void TrackLandmarks(const std::vector<FrameTruth>& frames);
@@ -111,11 +112,13 @@ class Simulation {
   Rig rig_;
   std::mt19937_64 random_;
   std::vector<ImuSample> imu_;
-  std::vector<FrameTruth> bias_truth_;
   std::vector<Eigen::Vector3d> landmarks_;
   std::vector<SimulatedFrame> frames_;
   std::unordered_map<uint64_t, int> landmark_of_track_;
 };
+
+// A walk with the defaults; `seed` is that of noise, landmarks and path.
+Simulation SimulateWalk(double duration_s, uint64_t seed = 1);
 
 // Feeds a simulation to an estimator in the order of time, starting at a frame with the state
 // `start`. Calls `after_frame` with each frame's index after the estimator has processed the frame.

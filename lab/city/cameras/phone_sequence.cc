@@ -12,6 +12,8 @@
 #include "lab/city/cameras/camera_angles.h"
 #include "lab/city/geometry/city_region.h"
 #include "lab/city/geometry/hashed_random.h"
+#include "lab/inertial/measure_motion.h"
+#include "lab/inertial/motion.h"
 
 namespace cairn {
 namespace {
@@ -21,7 +23,6 @@ constexpr double kStreetEndM = 4.0;   // Distance to the crossing at which the w
 constexpr double kStepHz = 1.9;       // Footsteps.
 constexpr double kBounceM = 0.02;     // Vertical motion of the phone at each step.
 constexpr double kSidestepM = 0.015;  // Sideways motion, at half the frequency.
-constexpr double kDifferenceS = 1e-3;
 
 // Streams of random numbers that must stay separate.
 enum Stream : uint64_t {
@@ -32,9 +33,9 @@ enum Stream : uint64_t {
   kTrackStream,
 };
 
-Eigen::Vector3d DrawVector(double sigma, HashedRandom* random) {
+Eigen::Vector3d DrawVector(HashedRandom* random) {
   const double x = random->Normal(), y = random->Normal(), z = random->Normal();
-  return sigma * Eigen::Vector3d(x, y, z);
+  return {x, y, z};
 }
 
 // The phone's IMU has x to the right, y up, and z out of the screen, opposite to the camera's view.
@@ -70,30 +71,7 @@ class Walk {
 
   Rigid3d LocalFromImu(double t_s) const { return local_from_site_ * ImuInSite(t_s); }
 
-  // Differences of fourth order give the derivatives with a relative error below 1e-6.
-  Eigen::Vector3d Velocity(double t_s) const {
-    const auto at = [&](int steps) { return PositionAt(t_s + steps * kDifferenceS); };
-    return (8.0 * (at(1) - at(-1)) - (at(2) - at(-2))) / (12.0 * kDifferenceS);
-  }
-  Eigen::Vector3d Acceleration(double t_s) const {
-    const auto at = [&](int steps) { return PositionAt(t_s + steps * kDifferenceS); };
-    return (16.0 * (at(1) + at(-1)) - (at(2) + at(-2)) - 30.0 * at(0)) /
-           (12.0 * kDifferenceS * kDifferenceS);
-  }
-  Eigen::Vector3d AngularVelocityInImu(double t_s) const {
-    const auto turn = [&](int steps) {
-      const Eigen::Quaterniond before = LocalFromImu(t_s - steps * kDifferenceS).rotation;
-      const Eigen::Quaterniond after = LocalFromImu(t_s + steps * kDifferenceS).rotation;
-      return LogSo3(before.conjugate() * after);
-    };
-    // The turns are taken about the middle. Expressed in the IMU's frame at t, they differ by terms
-    // of third order.
-    return (8.0 * turn(1) - turn(2)) / (12.0 * kDifferenceS);
-  }
-
  private:
-  Eigen::Vector3d PositionAt(double t_s) const { return LocalFromImu(t_s).translation; }
-
   Rigid3d ImuInSite(double t_s) const {
     const double along_m =
         0.5 * street_.LengthM() + reach_m_ * std::sin(radians_per_s_ * t_s + start_rad_);
@@ -128,35 +106,26 @@ class Walk {
 };
 
 void FillImu(const Walk& walk, const PhoneSequenceOptions& options, PhoneSequence* sequence) {
-  const double step_s = 1.0 / options.imu_rate_hz;
-  const double root_rate = std::sqrt(options.imu_rate_hz), root_step = std::sqrt(step_s);
-  const ImuNoise& noise = options.imu;
   HashedRandom bias(HashOf(options.seed, kBiasStream));
-  Eigen::Vector3d gyroscope_bias = DrawVector(noise.gyroscope_bias_sigma, &bias);
-  Eigen::Vector3d accelerometer_bias = DrawVector(noise.accelerometer_bias_sigma, &bias);
-  const auto count = static_cast<int64_t>(options.duration_s * options.imu_rate_hz) + 1;
-  const Eigen::Vector3d gravity_in_local(0.0, 0.0, -kGravityMS2);
-  for (int64_t k = 0; k < count; ++k) {
-    const double t_s = static_cast<double>(k) * step_s;
-    HashedRandom random(HashOf(options.seed, kSampleStream, k));
-    TrueState state;
-    state.timestamp_ns = std::llround(1e9 * t_s);
-    state.local_from_imu = walk.LocalFromImu(t_s);
-    state.velocity_in_local = walk.Velocity(t_s);
-    state.gyroscope_bias = gyroscope_bias;
-    state.accelerometer_bias = accelerometer_bias;
-    ImuSample sample;
-    sample.timestamp_ns = state.timestamp_ns;
-    sample.angular_velocity_rad_s = walk.AngularVelocityInImu(t_s) + gyroscope_bias +
-                                    DrawVector(noise.gyroscope_density * root_rate, &random);
-    sample.specific_force_m_s2 =
-        state.local_from_imu.rotation.conjugate() * (walk.Acceleration(t_s) - gravity_in_local) +
-        accelerometer_bias + DrawVector(noise.accelerometer_density * root_rate, &random);
-    gyroscope_bias += DrawVector(noise.gyroscope_walk * root_step, &random);
-    accelerometer_bias += DrawVector(noise.accelerometer_walk * root_step, &random);
-    sequence->truth.push_back(state);
-    sequence->imu.push_back(sample);
-  }
+  fusion::InertialUnit unit{.rate_hz = options.imu_rate_hz, .noise = options.imu_noise};
+  unit.gyro_bias = options.gyro_bias_sigma_rad_s * DrawVector(&bias);
+  unit.accel_bias = options.accel_bias_sigma_m_s2 * DrawVector(&bias);
+  unit.gravity_m_s2 = kGravityMS2;
+  // Each sample has its own stream.
+  HashedRandom random(0);
+  int64_t sample_of_random = -1;
+  const auto normal_vectors = [&](int64_t sample) {
+    if (std::exchange(sample_of_random, sample) != sample) {
+      random = HashedRandom(HashOf(options.seed, kSampleStream, sample));
+    }
+    return DrawVector(&random);
+  };
+  const auto num_samples = static_cast<int>(options.duration_s * options.imu_rate_hz) + 1;
+  fusion::InertialWalk measured = fusion::MeasureMotion(
+      fusion::MotionAlong([&walk](double t_s) { return walk.LocalFromImu(t_s); }), num_samples,
+      unit, normal_vectors);
+  sequence->imu = std::move(measured.imu);
+  sequence->truth = std::move(measured.truth);
 }
 
 // Tracks landmarks from frame to frame.
@@ -167,12 +136,12 @@ class Tracker {
     detector_.position_noise = 0.0;  // Trackers have a noise of their own.
   }
 
-  std::vector<TrackedFeature> Track(const Rigid3d& cam_from_site, uint64_t frame_id) {
+  std::vector<fusion::TrackedFeature> Track(const Rigid3d& cam_from_site, uint64_t frame_id) {
     const std::vector<Sighting> sightings = DetectLandmarks(
         region_, options_.camera, cam_from_site, detector_, frame_id, HashOf(options_.seed));
-    std::map<uint64_t, int64_t> followed;
-    std::vector<TrackedFeature> features;
-    const auto add = [&](const Sighting& sighting, int64_t track_id) {
+    std::map<uint64_t, uint64_t> followed;
+    std::vector<fusion::TrackedFeature> features;
+    const auto add = [&](const Sighting& sighting, uint64_t track_id) {
       HashedRandom random(HashOf(frame_id, kTrackStream, sighting.look.landmark));
       const double x_px = sighting.keypoint.x_px + options_.pixel_sigma * random.Normal();
       const double y_px = sighting.keypoint.y_px + options_.pixel_sigma * random.Normal();
@@ -204,8 +173,8 @@ class Tracker {
   const PhoneSequenceOptions& options_;
   const CityRegion& region_;
   DetectorOptions detector_;
-  std::map<uint64_t, int64_t> tracks_;  // By landmark, at the last frame.
-  int64_t next_track_id_ = 0;
+  std::map<uint64_t, uint64_t> tracks_;  // By landmark, at the last frame.
+  uint64_t next_track_id_ = 0;
 };
 
 void FillFrames(const City& city, const Walk& walk, const PhoneSequenceOptions& options,
@@ -222,7 +191,7 @@ void FillFrames(const City& city, const Walk& walk, const PhoneSequenceOptions& 
   Tracker tracker(options, region);
   for (size_t k = 0; k < sequence->truth.size(); k += stride) {
     SequenceFrame frame;
-    frame.timestamp_ns = sequence->truth[k].timestamp_ns;
+    frame.timestamp_ns = sequence->imu[k].timestamp_ns;
     frame.cam_from_local = sequence->cam_from_imu * sequence->truth[k].local_from_imu.Inverse();
     frame.features = tracker.Track(frame.cam_from_local * walk.local_from_site(),
                                    HashOf(options.seed, kFrameStream, k));
@@ -231,15 +200,6 @@ void FillFrames(const City& city, const Walk& walk, const PhoneSequenceOptions& 
 }
 
 }  // namespace
-
-void ImuNoise::Validate() const {
-  RequireWithin("sequence.imu.gyroscope_density", gyroscope_density, 0.0, 1.0);
-  RequireWithin("sequence.imu.accelerometer_density", accelerometer_density, 0.0, 10.0);
-  RequireWithin("sequence.imu.gyroscope_walk", gyroscope_walk, 0.0, 1.0);
-  RequireWithin("sequence.imu.accelerometer_walk", accelerometer_walk, 0.0, 10.0);
-  RequireWithin("sequence.imu.gyroscope_bias_sigma", gyroscope_bias_sigma, 0.0, 1.0);
-  RequireWithin("sequence.imu.accelerometer_bias_sigma", accelerometer_bias_sigma, 0.0, 10.0);
-}
 
 void PhoneSequenceOptions::Validate() const {
   RequireWithin("sequence.duration_s", duration_s, 0.1, 3600.0);
@@ -252,7 +212,12 @@ void PhoneSequenceOptions::Validate() const {
   RequireWithin("sequence.lost_share", lost_share, 0.0, 1.0);
   RequireWithin("sequence.time_years", time_years, 0.0, 200.0);
   detector.Validate();
-  imu.Validate();
+  RequireWithin("sequence.imu_noise.gyro_density", imu_noise.gyro_density, 0.0, 1.0);
+  RequireWithin("sequence.imu_noise.accel_density", imu_noise.accel_density, 0.0, 10.0);
+  RequireWithin("sequence.imu_noise.gyro_walk", imu_noise.gyro_walk, 0.0, 1.0);
+  RequireWithin("sequence.imu_noise.accel_walk", imu_noise.accel_walk, 0.0, 10.0);
+  RequireWithin("sequence.gyro_bias_sigma_rad_s", gyro_bias_sigma_rad_s, 0.0, 1.0);
+  RequireWithin("sequence.accel_bias_sigma_m_s2", accel_bias_sigma_m_s2, 0.0, 10.0);
 }
 
 PhoneSequence SimulatePhoneSequence(const City& city, const PhoneSequenceOptions& options) {

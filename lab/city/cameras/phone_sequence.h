@@ -9,23 +9,12 @@
 
 #include "core/camera.h"
 #include "core/rigid3.h"
+#include "fusion/filter/imu.h"
+#include "fusion/tracks/track_table.h"
 #include "lab/city/cameras/detector.h"
 #include "lab/city/geometry/city.h"
 
 namespace cairn {
-
-// Densities are in continuous time: the noise of a sample is the density times the square root of
-// the rate.
-struct ImuNoise {
-  double gyroscope_density = 1.5e-3;       // rad / s / sqrt(Hz), [0, 1]: a cheaper phone.
-  double accelerometer_density = 1.5e-2;   // m / s^2 / sqrt(Hz), [0, 10]
-  double gyroscope_walk = 2e-5;            // Bias random walk, rad / s^2 / sqrt(Hz), [0, 1].
-  double accelerometer_walk = 3e-4;        // Bias random walk, m / s^3 / sqrt(Hz), [0, 10].
-  double gyroscope_bias_sigma = 0.005;     // Initial bias, rad / s, [0, 1].
-  double accelerometer_bias_sigma = 0.05;  // Initial bias, m / s^2, [0, 10].
-
-  void Validate() const;
-};
 
 struct PhoneSequenceOptions {
   double duration_s = 30.0;     // [0.1, 3600]
@@ -39,37 +28,22 @@ struct PhoneSequenceOptions {
   double time_years = 2.5;      // After the first mapping pass, [0, 200].
   Camera camera = Camera(CameraModel::kPinhole, 720, 960, {760.0, 760.0, 360.0, 480.0});
   DetectorOptions detector = {.max_keypoints = 6000, .response_noise = 0.3};
-  ImuNoise imu;
+  // A cheaper phone. Densities of the gyroscope in [0, 1], of the accelerometer in [0, 10].
+  fusion::ImuNoise imu_noise = {
+      .gyro_density = 1.5e-3, .accel_density = 1.5e-2, .gyro_walk = 2e-5, .accel_walk = 3e-4};
+  double gyro_bias_sigma_rad_s = 0.005;  // Initial bias per axis, [0, 1].
+  double accel_bias_sigma_m_s2 = 0.05;   // Initial bias per axis, [0, 10].
   uint64_t seed = 1;
 
   // Throws Error(kInvalidArgument) that names the field.
   void Validate() const;
 };
 
-// A reading of the IMU, in its own frame.
-struct ImuSample {
-  int64_t timestamp_ns = 0;
-  Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero();
-  Eigen::Vector3d specific_force_m_s2 = Eigen::Vector3d::Zero();  // Upward at rest.
-};
-
-struct TrackedFeature {
-  int64_t track_id = 0;  // Not reused after the track is lost.
-  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
-};
-
 struct SequenceFrame {
-  int64_t timestamp_ns = 0;              // Timestamp of an IMU sample.
-  std::vector<TrackedFeature> features;  // Ordered by track.
-  Rigid3d cam_from_local;                // True pose.
-};
-
-struct TrueState {
-  int64_t timestamp_ns = 0;
-  Rigid3d local_from_imu;
-  Eigen::Vector3d velocity_in_local = Eigen::Vector3d::Zero();
-  Eigen::Vector3d gyroscope_bias = Eigen::Vector3d::Zero();
-  Eigen::Vector3d accelerometer_bias = Eigen::Vector3d::Zero();
+  int64_t timestamp_ns = 0;  // Timestamp of an IMU sample.
+  // Ordered by track. An id is not reused after the track is lost.
+  std::vector<fusion::TrackedFeature> features;
+  Rigid3d cam_from_local;  // True pose.
 };
 
 // `local` is east-north-up at the start. Gravity is (0, 0, -kGravityMS2) there.
@@ -80,8 +54,8 @@ struct PhoneSequence {
   Camera camera;
   Rigid3d cam_from_imu;
   Rigid3d ecef_from_local;
-  std::vector<ImuSample> imu;
-  std::vector<TrueState> truth;  // Parallel to imu.
+  std::vector<fusion::ImuSample> imu;
+  std::vector<fusion::ImuState> truth;  // Parallel to imu.
   std::vector<SequenceFrame> frames;
 };
 
@@ -93,7 +67,7 @@ PhoneSequence SimulatePhoneSequence(const City& city, const PhoneSequenceOptions
 // Writes the sequence into the folder `dir`, which must exist, in EuRoC's layout (mav0/imu0,
 // mav0/cam0, mav0/state_groundtruth_estimate0). The tracks go to mav0/cam0/tracks.csv; see
 // docs/simulated_city.md. Throws Error(kIo).
-void WriteEurocSequence(const PhoneSequence& sequence, const ImuNoise& noise,
+void WriteEurocSequence(const PhoneSequence& sequence, const fusion::ImuNoise& noise,
                         const std::string& dir);
 
 }  // namespace cairn

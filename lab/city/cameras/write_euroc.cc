@@ -31,9 +31,9 @@ std::string ImuCsv(const PhoneSequence& sequence) {
   std::string text =
       "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],"
       "a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n";
-  for (const ImuSample& sample : sequence.imu) {
-    text += fmt::format("{},{},{}\n", sample.timestamp_ns, Row(sample.angular_velocity_rad_s),
-                        Row(sample.specific_force_m_s2));
+  for (const fusion::ImuSample& sample : sequence.imu) {
+    text += fmt::format("{},{},{}\n", sample.timestamp_ns, Row(sample.gyro_rad_s),
+                        Row(sample.accel_m_s2));
   }
   return text;
 }
@@ -44,12 +44,13 @@ std::string TruthCsv(const PhoneSequence& sequence) {
       "q_RS_z [], v_RS_R_x [m s^-1], v_RS_R_y [m s^-1], v_RS_R_z [m s^-1], "
       "b_w_RS_S_x [rad s^-1], b_w_RS_S_y [rad s^-1], b_w_RS_S_z [rad s^-1], "
       "b_a_RS_S_x [m s^-2], b_a_RS_S_y [m s^-2], b_a_RS_S_z [m s^-2]\n";
-  for (const TrueState& state : sequence.truth) {
+  for (size_t i = 0; i < sequence.truth.size(); ++i) {
+    const fusion::ImuState& state = sequence.truth[i];
     const Eigen::Quaterniond& q = state.local_from_imu.rotation;
-    text += fmt::format("{},{},{:.12g},{:.12g},{:.12g},{:.12g},{},{},{}\n", state.timestamp_ns,
-                        Row(state.local_from_imu.translation), q.w(), q.x(), q.y(), q.z(),
-                        Row(state.velocity_in_local), Row(state.gyroscope_bias),
-                        Row(state.accelerometer_bias));
+    text += fmt::format("{},{},{:.12g},{:.12g},{:.12g},{:.12g},{},{},{}\n",
+                        sequence.imu[i].timestamp_ns, Row(state.local_from_imu.translation), q.w(),
+                        q.x(), q.y(), q.z(), Row(state.velocity_in_local), Row(state.gyro_bias),
+                        Row(state.accel_bias));
   }
   return text;
 }
@@ -65,7 +66,7 @@ std::string FramesCsv(const PhoneSequence& sequence) {
 std::string TracksCsv(const PhoneSequence& sequence) {
   std::string text = "#timestamp [ns],track,x [px],y [px]\n";
   for (const SequenceFrame& frame : sequence.frames) {
-    for (const TrackedFeature& feature : frame.features) {
+    for (const fusion::TrackedFeature& feature : frame.features) {
       text += fmt::format("{},{},{:.4f},{:.4f}\n", frame.timestamp_ns, feature.track_id,
                           feature.pixel.x(), feature.pixel.y());
     }
@@ -83,15 +84,15 @@ std::string TransformYaml(const Rigid3d& target_from_source) {
   return text + "0.0, 0.0, 0.0, 1.0]\n";
 }
 
-std::string ImuYaml(const PhoneSequence& sequence, const ImuNoise& noise) {
+std::string ImuYaml(const PhoneSequence& sequence, const fusion::ImuNoise& noise) {
   const double step_s =
       1e-9 * static_cast<double>(sequence.imu[1].timestamp_ns - sequence.imu[0].timestamp_ns);
   return "sensor_type: imu\ncomment: simulated phone\nT_BS:\n" + TransformYaml(Rigid3d()) +
          fmt::format(
              "rate_hz: {:g}\ngyroscope_noise_density: {:g}\ngyroscope_random_walk: {:g}\n"
              "accelerometer_noise_density: {:g}\naccelerometer_random_walk: {:g}\n",
-             1.0 / step_s, noise.gyroscope_density, noise.gyroscope_walk,
-             noise.accelerometer_density, noise.accelerometer_walk);
+             1.0 / step_s, noise.gyro_density, noise.gyro_walk, noise.accel_density,
+             noise.accel_walk);
 }
 
 std::string CameraYaml(const PhoneSequence& sequence) {
@@ -114,7 +115,7 @@ std::string OriginCsv(const PhoneSequence& sequence) {
 
 }  // namespace
 
-void WriteEurocSequence(const PhoneSequence& sequence, const ImuNoise& noise,
+void WriteEurocSequence(const PhoneSequence& sequence, const fusion::ImuNoise& noise,
                         const std::string& dir) {
   const fs::path root = fs::path(dir) / "mav0";
   WriteFile(root / "imu0" / "data.csv", ImuCsv(sequence));

@@ -84,19 +84,15 @@ fusion::Answer AnswerOf(const LocalizeResult& result, const Rigid3d& global_from
 }
 
 fusion::StartState DrawStartOf(const PhoneSequence& walk, uint64_t seed) {
-  const TrueState& first = walk.truth.front();
-  const fusion::ImuState truth = {first.local_from_imu, first.velocity_in_local,
-                                  first.gyroscope_bias, first.accelerometer_bias};
   std::mt19937_64 random(seed);
-  return fusion::DrawStart(truth, {}, &random);
+  return fusion::DrawStart(walk.truth.front(), {}, &random);
 }
 
 fusion::FusionOptions OptionsFor(const PhoneSequence& walk, const PhoneSequenceOptions& options) {
   fusion::FusionOptions fused;
   fused.camera = walk.camera;
   fused.rig = {walk.cam_from_imu, 0.0};
-  fused.imu_noise = {options.imu.gyroscope_density, options.imu.accelerometer_density,
-                     options.imu.gyroscope_walk, options.imu.accelerometer_walk};
+  fused.imu_noise = options.imu_noise;
   fused.gravity_m_s2 = kGravityMS2;
   fused.tracks.sigma_px = options.pixel_sigma;
   return fused;
@@ -107,17 +103,12 @@ fusion::Recording RecordingOf(const PhoneSequence& walk, const PhoneSequenceOpti
                               const CityWalksOptions& options) {
   fusion::Recording recording;
   recording.options = OptionsFor(walk, sequence);
-  for (const ImuSample& sample : walk.imu) {
-    recording.imu.push_back(
-        {sample.timestamp_ns, sample.angular_velocity_rad_s, sample.specific_force_m_s2});
-  }
+  recording.imu = walk.imu;
   for (const SequenceFrame& frame : walk.frames) {
     fusion::RecordedFrame& recorded = recording.frames.emplace_back();
     recorded.timestamp_ns = frame.timestamp_ns;
     recorded.global_from_imu = frame.cam_from_local.Inverse() * walk.cam_from_imu;
-    for (const TrackedFeature& feature : frame.features) {
-      recorded.features.push_back({static_cast<uint64_t>(feature.track_id), feature.pixel});
-    }
+    recorded.features = frame.features;
   }
   recording.frames_per_query = options.frames_per_query;
   recording.first_counted_frame =

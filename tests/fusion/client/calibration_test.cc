@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "fusion/client/estimator.h"
-#include "fusion/client/pose_covariance.h"
 #include "fusion/errors.h"
+#include "fusion/filter/pose_covariance.h"
 #include "fusion/simulation.h"
 
 namespace cairn::fusion {

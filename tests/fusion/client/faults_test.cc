@@ -13,14 +13,6 @@
 namespace cairn::fusion::testing {
 namespace {
 
-Simulation MakeSimulation(double duration_s, uint64_t seed = 1) {
-  SimulationOptions options;
-  options.seed = seed;
-  options.walk.seed = seed;
-  options.duration_s = duration_s;
-  return Simulation(options);
-}
-
 // What a transport and a map do: answers `latency` frames later, if `make` gives one.
 class Transport {
  public:
@@ -65,7 +57,7 @@ double GlobalPositionError(const Estimator& estimator, const FrameTruth& truth) 
 class Latency : public ::testing::TestWithParam<int> {};
 
 TEST_P(Latency, AnAnswerIsAppliedAtTheFrameItWasAskedOf) {
-  const Simulation simulation = MakeSimulation(25.0);
+  const Simulation simulation = SimulateWalk(25.0);
   Estimator estimator(simulation.MatchingOptions());
   Transport transport(&estimator);
   Replay(simulation, 0, &estimator, [&](size_t i) {
@@ -85,7 +77,7 @@ TEST_P(Latency, AnAnswerIsAppliedAtTheFrameItWasAskedOf) {
 INSTANTIATE_TEST_SUITE_P(Frames, Latency, ::testing::Values(1, 2, 10, 50));
 
 TEST(Faults, ADuplicatedAnswerIsUsedOnce) {
-  const Simulation simulation = MakeSimulation(8.0);
+  const Simulation simulation = SimulateWalk(8.0);
   Estimator once(simulation.MatchingOptions());
   Estimator twice(simulation.MatchingOptions());
   for (Estimator* estimator : {&once, &twice}) {
@@ -109,7 +101,7 @@ TEST(Faults, ADuplicatedAnswerIsUsedOnce) {
 
 TEST(Faults, TheOrderOfArrivalDoesNotMatter) {
   // Four answers held back and handed in together, in opposite orders.
-  const Simulation simulation = MakeSimulation(12.0);
+  const Simulation simulation = SimulateWalk(12.0);
   FusionOptions options = simulation.MatchingOptions();
   options.query.min_interval_s = 0.5;
   Estimator forward(options);
@@ -143,7 +135,7 @@ TEST(Faults, TheOrderOfArrivalDoesNotMatter) {
 }
 
 TEST(Faults, AnAnswerAfterTheTimeoutIsDroppedWithAReason) {
-  const Simulation simulation = MakeSimulation(10.0);
+  const Simulation simulation = SimulateWalk(10.0);
   FusionOptions options = simulation.MatchingOptions();
   options.query.timeout_s = 1.0;
   Estimator estimator(options);
@@ -162,7 +154,7 @@ TEST(Faults, AnAnswerAfterTheTimeoutIsDroppedWithAReason) {
 }
 
 TEST(Faults, AThirdOfTheMatchesMayBeWrong) {
-  const Simulation simulation = MakeSimulation(20.0);
+  const Simulation simulation = SimulateWalk(20.0);
   Estimator estimator(simulation.MatchingOptions());
   Transport transport(&estimator);
   AnswerOptions answers;
@@ -188,7 +180,7 @@ TEST(Faults, ConsistentlyWrongAnswersAreRefused) {
   int num_right = 0;
   int num_right_lost = 0;
   for (uint64_t seed = 1; seed <= 3; ++seed) {
-    const Simulation simulation = MakeSimulation(40.0, seed);
+    const Simulation simulation = SimulateWalk(40.0, seed);
     FusionOptions options = simulation.MatchingOptions();
     options.query.min_interval_s = 0.4;
     Estimator estimator(options);
@@ -227,7 +219,7 @@ TEST(Faults, ConsistentlyWrongAnswersAreRefused) {
 }
 
 TEST(Faults, AWrongAlignmentIsGivenUpForPersistentContradiction) {
-  const Simulation simulation = MakeSimulation(25.0);
+  const Simulation simulation = SimulateWalk(25.0);
   Estimator estimator(simulation.MatchingOptions());
   Transport transport(&estimator);
   AnswerOptions wrong;
@@ -246,7 +238,7 @@ TEST(Faults, AWrongAlignmentIsGivenUpForPersistentContradiction) {
 }
 
 TEST(Faults, AMapWithoutAgreementIsNeverBelieved) {
-  const Simulation simulation = MakeSimulation(15.0);
+  const Simulation simulation = SimulateWalk(15.0);
   Estimator estimator(simulation.MatchingOptions());
   Transport transport(&estimator);
   Replay(simulation, 0, &estimator, [&](size_t i) {
@@ -265,7 +257,7 @@ TEST(Faults, AMapWithoutAgreementIsNeverBelieved) {
 }
 
 TEST(Faults, ATiltedMapIsRefused) {
-  const Simulation simulation = MakeSimulation(10.0);
+  const Simulation simulation = SimulateWalk(10.0);
   Estimator estimator(simulation.MatchingOptions());
   Transport transport(&estimator);
   AnswerOptions tilted;
@@ -282,7 +274,7 @@ TEST(Faults, ATiltedMapIsRefused) {
 }
 
 TEST(Faults, AfterAnOutageThePoseIsRightAtOnceAndLocalDoesNotJump) {
-  const Simulation simulation = MakeSimulation(85.0, 4);
+  const Simulation simulation = SimulateWalk(85.0, 4);
   FusionOptions options = simulation.MatchingOptions();
   Estimator estimator(options);
   Transport transport(&estimator);
@@ -326,7 +318,7 @@ TEST(Faults, AfterAnOutageThePoseIsRightAtOnceAndLocalDoesNotJump) {
 }
 
 TEST(Faults, NumbersThatAreNoneAreRefused) {
-  const Simulation simulation = MakeSimulation(5.0);
+  const Simulation simulation = SimulateWalk(5.0);
   Estimator estimator(simulation.MatchingOptions());
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(estimator.AddImu({1, {nan, 0.0, 0.0}, {0.0, 0.0, 9.81}}), ImuStatus::kBadInput);
@@ -348,136 +340,6 @@ TEST(Faults, NumbersThatAreNoneAreRefused) {
   ASSERT_FALSE(reports.empty());
   EXPECT_EQ(reports[0].outcome, AnswerOutcome::kBadInput);
   EXPECT_TRUE(estimator.state()->covariance().allFinite());
-}
-
-TEST(Faults, AGapInTheInertialSamplesRestartsLocal) {
-  const Simulation simulation = MakeSimulation(4.0);
-  Estimator estimator(simulation.MatchingOptions());
-  Replay(simulation, 0, &estimator, [](size_t) {});
-  const int64_t epoch = estimator.latest().epoch;
-  const int64_t later_ns = simulation.imu().back().timestamp_ns + 2'000'000'000;
-  EXPECT_EQ(estimator.AddImu({later_ns, Eigen::Vector3d::Zero(), {0.0, 0.0, 9.81}}),
-            ImuStatus::kRestarted);
-  EXPECT_EQ(estimator.latest().mode, Mode::kLost);
-  // At rest for a while: it starts again.
-  for (int i = 1; i < 400; ++i) {
-    estimator.AddImu({later_ns + i * 5'000'000, Eigen::Vector3d::Zero(), {0.0, 0.0, 9.81}});
-    if (i % 20 == 0) {
-      estimator.AddFrame({later_ns + i * 5'000'000, {}});
-    }
-  }
-  EXPECT_EQ(estimator.latest().mode, Mode::kTracking);
-  EXPECT_EQ(estimator.latest().epoch, epoch + 1);
-}
-
-TEST(Faults, AClockSetBackRestartsLocal) {
-  const Simulation simulation = MakeSimulation(4.0);
-  Estimator estimator(simulation.MatchingOptions());
-  Replay(simulation, 0, &estimator, [](size_t) {});
-  ImuStatus status = ImuStatus::kAccepted;
-  EXPECT_EQ(estimator.AddImu({5'000'000, Eigen::Vector3d::Zero(), {0.0, 0.0, 9.81}}),
-            ImuStatus::kOutOfOrder);
-  EXPECT_NE(estimator.state(), nullptr);  // One stray sample is no reason.
-  for (int i = 2; i < 40 && status != ImuStatus::kRestarted; ++i) {
-    status = estimator.AddImu({i * 5'000'000, Eigen::Vector3d::Zero(), {0.0, 0.0, 9.81}});
-  }
-  EXPECT_EQ(status, ImuStatus::kRestarted);
-  EXPECT_EQ(estimator.latest().mode, Mode::kLost);
-}
-
-struct PoseQuality {
-  double position_error_m = 0.0;  // At the end.
-  double nees = 0.0;              // Of the pose, per degree of freedom; mean over the frames.
-};
-
-// A simulation of which the frames for which `drops` are left out.
-template <typename Drops>
-PoseQuality RunWithout(const Simulation& simulation, const Drops& drops) {
-  Estimator estimator(simulation.MatchingOptions());
-  const Rigid3d local_from_world = simulation.LocalFromWorld(0);
-  PoseQuality quality;
-  int num_counted = 0;
-  size_t next_imu = 0;
-  const auto& frames = simulation.frames();
-  for (size_t i = 0; i < frames.size(); ++i) {
-    while (next_imu < simulation.imu().size() &&
-           simulation.imu()[next_imu].timestamp_ns <= frames[i].truth.timestamp_ns) {
-      estimator.AddImu(simulation.imu()[next_imu++]);
-    }
-    if (i == 0) {
-      estimator.StartAt(frames[0].truth.timestamp_ns,
-                        simulation.DrawStart(0, simulation.options().seed));
-    } else if (!drops(i)) {
-      estimator.AddFrame({frames[i].truth.timestamp_ns, frames[i].features});
-      const auto error = ImuError(estimator.state()->imu(), frames[i].truth, local_from_world);
-      quality.position_error_m = error.segment<3>(kPositionIdx).norm();
-      if (i > 15) {
-        quality.nees +=
-            Nees(error.head<6>(), estimator.state()->covariance().topLeftCorner<6, 6>());
-        ++num_counted;
-      }
-    }
-  }
-  quality.nees /= num_counted;
-  return quality;
-}
-
-TEST(Faults, DroppedFramesAreSurvivedWithoutOverconfidence) {
-  constexpr int kNumRuns = 8;
-  double nees_of_thirds = 0.0;
-  double nees_of_gap = 0.0;
-  for (uint64_t seed = 1; seed <= kNumRuns; ++seed) {
-    const Simulation simulation = MakeSimulation(20.0, seed);
-    const PoseQuality thirds = RunWithout(simulation, [](size_t i) { return i % 3 != 0; });
-    const PoseQuality gap = RunWithout(simulation, [](size_t i) { return i > 80 && i < 120; });
-    EXPECT_LT(thirds.position_error_m, 0.6) << seed;
-    EXPECT_LT(gap.position_error_m, 0.6) << seed;
-    nees_of_thirds += thirds.nees / kNumRuns;
-    nees_of_gap += gap.nees / kNumRuns;
-  }
-  EXPECT_LT(nees_of_thirds, 1.5);
-  EXPECT_LT(nees_of_gap, 1.5);
-}
-
-// Without motion there is no depth, and the inertial unit alone drifts by 8 to 24 m in this time.
-TEST(Faults, PureRotationDoesNotRunAway) {
-  constexpr int kNumRuns = 8;
-  double nees = 0.0;
-  for (uint64_t seed = 1; seed <= kNumRuns; ++seed) {
-    SimulationOptions options;
-    options.seed = seed;
-    options.walk.seed = seed;
-    options.walk.speed_m_s = 1e-3;
-    options.walk.gait_m = 0.0;
-    options.walk.look_around_rad = 1.0;
-    options.duration_s = 15.0;
-    const PoseQuality quality = RunWithout(Simulation(options), [](size_t) { return false; });
-    EXPECT_LT(quality.position_error_m, 1.0) << seed;
-    nees += quality.nees / kNumRuns;
-  }
-  EXPECT_LT(nees, 1.2);
-}
-
-TEST(Faults, StandingStillDoesNotDrift) {
-  SimulationOptions options;
-  options.duration_s = 40.0;
-  options.walk.start_stop_s = {-1.0, 8.0};
-  const Simulation simulation(options);
-  Estimator estimator(simulation.MatchingOptions());
-  const Rigid3d local_from_world = simulation.LocalFromWorld(0);
-  Eigen::Vector3d error_at_stop;
-  Eigen::Vector3d error_at_rest;  // When rest has said what it can about the way before.
-  Eigen::Vector3d error_at_end;
-  Replay(simulation, 0, &estimator, [&](size_t i) {
-    const auto error =
-        ImuError(estimator.state()->imu(), simulation.frames()[i].truth, local_from_world);
-    (i < 110 ? error_at_stop : i < 150 ? error_at_rest : error_at_end) = error.segment<3>(3);
-  });
-  EXPECT_GT(estimator.counters().num_standstills, 200);
-  EXPECT_LT((error_at_end - error_at_stop).norm(), 0.03);
-  EXPECT_LT((error_at_end - error_at_rest).norm(), 0.01);
-  EXPECT_LT(error_at_end.norm(), error_at_stop.norm() + 0.01);
-  EXPECT_LT(estimator.state()->imu().velocity_in_local.norm(), 0.01);
 }
 
 }  // namespace

@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include "support/numeric_jacobian.h"
+
 namespace cairn::fusion {
 namespace {
+
+using cairn::testing::NumericJacobian;
 
 class PointChartTest : public ::testing::Test {
  protected:
@@ -38,6 +42,16 @@ TEST_F(PointChartTest, JacobianIsTheDerivativeOfToPoint) {
         (chart_.ToPoint(coordinates + step) - chart_.ToPoint(coordinates - step)) / (2.0 * kStep);
     EXPECT_LT((numeric - chart_.Jacobian(coordinates).col(i)).norm(), 1e-7) << "column " << i;
   }
+}
+
+TEST(PointChart, JacobianAgreesWithFiniteDifferences) {
+  const Eigen::Vector3d x(4.0, -1.0, 2.0);
+  const PointChart chart({1.0, 0.5, -0.3}, x);
+  EXPECT_LT((chart.ToPoint(chart.origin()) - x).norm(), 1e-12);
+  const Eigen::Vector3d coordinates = chart.origin() + Eigen::Vector3d(0.1, -0.2, 0.05);
+  const auto numeric = NumericJacobian<3, 3>(
+      [&](const Eigen::Vector3d& d) { return chart.ToPoint(coordinates + d); });
+  EXPECT_LT((chart.Jacobian(coordinates) - numeric).norm(), 1e-5 * numeric.norm());
 }
 
 }  // namespace

@@ -27,12 +27,10 @@ PhoneSequenceOptions Noiseless() {
   PhoneSequenceOptions options;
   options.duration_s = 10.0;
   options.frame_rate_hz = 5.0;
-  options.imu = {.gyroscope_density = 0.0,
-                 .accelerometer_density = 0.0,
-                 .gyroscope_walk = 0.0,
-                 .accelerometer_walk = 0.0,
-                 .gyroscope_bias_sigma = 0.0,
-                 .accelerometer_bias_sigma = 0.0};
+  options.imu_noise = {
+      .gyro_density = 0.0, .accel_density = 0.0, .gyro_walk = 0.0, .accel_walk = 0.0};
+  options.gyro_bias_sigma_rad_s = 0.0;
+  options.accel_bias_sigma_m_s2 = 0.0;
   return options;
 }
 
@@ -44,17 +42,16 @@ TEST(PhoneSequence, IntegratedSamplesGiveThePoses) {
   Eigen::Vector3d position = sequence.truth[0].local_from_imu.translation;
   Eigen::Vector3d velocity = sequence.truth[0].velocity_in_local;
   for (size_t k = 0; k + 1 < sequence.imu.size(); ++k) {  // Trapezoidal rule.
-    const ImuSample &a = sequence.imu[k], &b = sequence.imu[k + 1];
+    const fusion::ImuSample &a = sequence.imu[k], &b = sequence.imu[k + 1];
     const double dt_s = 1e-9 * static_cast<double>(b.timestamp_ns - a.timestamp_ns);
-    const Eigen::Quaterniond next =
-        rotation * ExpSo3(0.5 * dt_s * (a.angular_velocity_rad_s + b.angular_velocity_rad_s));
+    const Eigen::Quaterniond next = rotation * ExpSo3(0.5 * dt_s * (a.gyro_rad_s + b.gyro_rad_s));
     const Eigen::Vector3d acceleration =
-        0.5 * (rotation * a.specific_force_m_s2 + next * b.specific_force_m_s2) + gravity_in_local;
+        0.5 * (rotation * a.accel_m_s2 + next * b.accel_m_s2) + gravity_in_local;
     position += dt_s * velocity + 0.5 * dt_s * dt_s * acceleration;
     velocity += dt_s * acceleration;
     rotation = next.normalized();
   }
-  const TrueState& end = sequence.truth.back();
+  const fusion::ImuState& end = sequence.truth.back();
   EXPECT_GT((end.local_from_imu.translation - sequence.truth[0].local_from_imu.translation).norm(),
             2.0);
   EXPECT_LT(RotationAngleRad(rotation, end.local_from_imu.rotation), 2e-4);
@@ -66,23 +63,23 @@ TEST(PhoneSequence, NoiseAndBiasAreAsAskedFor) {
   PhoneSequenceOptions options = Noiseless();
   options.duration_s = 30.0;
   const PhoneSequence ideal = SimulatePhoneSequence(SmallTown(), options);
-  options.imu = ImuNoise();
+  const PhoneSequenceOptions defaults;
+  options.imu_noise = defaults.imu_noise;
+  options.gyro_bias_sigma_rad_s = defaults.gyro_bias_sigma_rad_s;
+  options.accel_bias_sigma_m_s2 = defaults.accel_bias_sigma_m_s2;
   const PhoneSequence real = SimulatePhoneSequence(SmallTown(), options);
   ASSERT_EQ(ideal.imu.size(), real.imu.size());
   double sum_sq_gyroscope = 0.0, sum_sq_accelerometer = 0.0;
   for (size_t k = 0; k < real.imu.size(); ++k) {
-    sum_sq_gyroscope += (real.imu[k].angular_velocity_rad_s - ideal.imu[k].angular_velocity_rad_s -
-                         real.truth[k].gyroscope_bias)
-                            .squaredNorm();
-    sum_sq_accelerometer += (real.imu[k].specific_force_m_s2 - ideal.imu[k].specific_force_m_s2 -
-                             real.truth[k].accelerometer_bias)
-                                .squaredNorm();
+    sum_sq_gyroscope +=
+        (real.imu[k].gyro_rad_s - ideal.imu[k].gyro_rad_s - real.truth[k].gyro_bias).squaredNorm();
+    sum_sq_accelerometer +=
+        (real.imu[k].accel_m_s2 - ideal.imu[k].accel_m_s2 - real.truth[k].accel_bias).squaredNorm();
   }
   const double count = 3.0 * static_cast<double>(real.imu.size());
   EXPECT_NEAR(std::sqrt(sum_sq_gyroscope / count), 1.5e-3 * std::sqrt(200.0), 1e-3);
   EXPECT_NEAR(std::sqrt(sum_sq_accelerometer / count), 1.5e-2 * std::sqrt(200.0), 1e-2);
-  const Eigen::Vector3d walked =
-      real.truth.back().accelerometer_bias - real.truth.front().accelerometer_bias;
+  const Eigen::Vector3d walked = real.truth.back().accel_bias - real.truth.front().accel_bias;
   EXPECT_GT(walked.norm(), 1e-4);
   EXPECT_LT(walked.norm(), 5.0 * 3e-4 * std::sqrt(30.0 * 3.0));
 }
@@ -91,10 +88,10 @@ TEST(PhoneSequence, TracksFollowFixedPointsOfTheWorld) {
   PhoneSequenceOptions options = Noiseless();
   options.pixel_sigma = 0.0;
   const PhoneSequence sequence = SimulatePhoneSequence(SmallTown(), options);
-  std::map<int64_t, std::vector<std::pair<size_t, Eigen::Vector2d>>> tracks;
+  std::map<uint64_t, std::vector<std::pair<size_t, Eigen::Vector2d>>> tracks;
   for (size_t i = 0; i < sequence.frames.size(); ++i) {
     EXPECT_LE(sequence.frames[i].features.size(), 150u);
-    for (const TrackedFeature& feature : sequence.frames[i].features) {
+    for (const fusion::TrackedFeature& feature : sequence.frames[i].features) {
       tracks[feature.track_id].push_back({i, feature.pixel});
     }
   }
@@ -127,7 +124,7 @@ TEST(PhoneSequence, TracksFollowFixedPointsOfTheWorld) {
 TEST(PhoneSequence, StartsAtTheOriginOfALevelFrame) {
   const PhoneSequence sequence = SimulatePhoneSequence(SmallTown(), Noiseless());
   EXPECT_LT(sequence.truth[0].local_from_imu.translation.norm(), 1e-6);
-  EXPECT_NEAR(sequence.imu[0].specific_force_m_s2.norm(), kGravityMS2, 4.0);
+  EXPECT_NEAR(sequence.imu[0].accel_m_s2.norm(), kGravityMS2, 4.0);
   const Geodetic origin = GeodeticFromEcef(sequence.ecef_from_local.translation);
   EXPECT_LT(GroundDistanceM(origin, CityPreset(CityCharacter::kOldTown).center), 150.0);
 }
@@ -139,9 +136,9 @@ TEST(PhoneSequence, IsTheSameForTheSameSeedOnly) {
   const PhoneSequence b = SimulatePhoneSequence(SmallTown(), options);
   options.seed = 9;
   const PhoneSequence c = SimulatePhoneSequence(SmallTown(), options);
-  EXPECT_EQ(a.imu.back().specific_force_m_s2, b.imu.back().specific_force_m_s2);
+  EXPECT_EQ(a.imu.back().accel_m_s2, b.imu.back().accel_m_s2);
   EXPECT_EQ(a.frames.back().features.size(), b.frames.back().features.size());
-  EXPECT_NE(a.imu.back().specific_force_m_s2, c.imu.back().specific_force_m_s2);
+  EXPECT_NE(a.imu.back().accel_m_s2, c.imu.back().accel_m_s2);
 }
 
 TEST(PhoneSequence, RefusesWhatCannotBe) {
@@ -151,7 +148,7 @@ TEST(PhoneSequence, RefusesWhatCannotBe) {
               ::testing::ThrowsMessage<Error>(
                   ::testing::HasSubstr("sequence.frame_rate_hz = 500 must lie in [0.1, 120]")));
   options = {};
-  options.imu.gyroscope_density = -1.0;
+  options.imu_noise.gyro_density = -1.0;
   EXPECT_THROW(SimulatePhoneSequence(SmallTown(), options), Error);
 }
 
@@ -177,13 +174,13 @@ TEST(WriteEurocSequence, FilesHoldTheSequence) {
   options.duration_s = 1.0;
   const PhoneSequence sequence = SimulatePhoneSequence(SmallTown(), options);
   const testing::TempDir dir;
-  WriteEurocSequence(sequence, options.imu, dir.path().string());
+  WriteEurocSequence(sequence, options.imu_noise, dir.path().string());
 
   const auto imu = ReadCsv(dir.File("mav0/imu0/data.csv"));
   ASSERT_EQ(imu.size(), sequence.imu.size());
   ASSERT_EQ(imu[7].size(), 7u);
-  EXPECT_NEAR(imu[7][1], sequence.imu[7].angular_velocity_rad_s.x(), 1e-9);
-  EXPECT_NEAR(imu[7][6], sequence.imu[7].specific_force_m_s2.z(), 1e-9);
+  EXPECT_NEAR(imu[7][1], sequence.imu[7].gyro_rad_s.x(), 1e-9);
+  EXPECT_NEAR(imu[7][6], sequence.imu[7].accel_m_s2.z(), 1e-9);
   const auto truth = ReadCsv(dir.File("mav0/state_groundtruth_estimate0/data.csv"));
   ASSERT_EQ(truth.size(), sequence.truth.size());
   ASSERT_EQ(truth[3].size(), 17u);

@@ -2,8 +2,12 @@
 #ifndef CAIRN_TESTS_LAB_RIVALS_FUSION_TRAJECTORIES_H_
 #define CAIRN_TESTS_LAB_RIVALS_FUSION_TRAJECTORIES_H_
 
-#include "fusion/motion.h"
-#include "fusion/simulation.h"
+#include <random>
+#include <string>
+#include <utility>
+
+#include "lab/inertial/figure_of_eight.h"
+#include "lab/inertial/measure_motion.h"
 #include "lab/recordings/simulate_recording.h"
 
 namespace cairn::fusion::testing {
@@ -16,24 +20,31 @@ inline Rig RigAhead() {
 }
 
 inline Trajectory WalkTrajectory(double duration_s, uint64_t seed) {
-  SimulationOptions options;
+  FigureOfEightOptions options;
   options.seed = seed;
-  options.walk.seed = seed;
-  options.duration_s = duration_s;
-  options.landmarks_per_metre = 1;
-  options.num_features = 1;
-  const Simulation simulation(options);
-  const Walk walk(options.walk);
+  const FigureOfEight path(options);
+  InertialUnit unit;
+  unit.gyro_bias = {0.004, -0.003, 0.002};
+  unit.accel_bias = {0.04, -0.03, 0.05};
+  std::mt19937_64 random(seed);
+  const auto normal_vector = [&random](int64_t) {
+    std::normal_distribution<double> normal;
+    const double x = normal(random);
+    const double y = normal(random);
+    const double z = normal(random);
+    return Eigen::Vector3d(x, y, z);
+  };
+  const int num_samples = static_cast<int>(duration_s * unit.rate_hz) + 2;
+  InertialWalk walk = MeasureMotion([&path](double time_s) { return path.At(time_s); }, num_samples,
+                                    unit, normal_vector);
   Trajectory trajectory;
   trajectory.name = "simulated walk, seed " + std::to_string(seed);
-  trajectory.imu = simulation.imu();
-  trajectory.gyro_bias = options.gyro_bias;
-  trajectory.accel_bias = options.accel_bias;
-  for (const ImuSample& sample : trajectory.imu) {
-    trajectory.poses.push_back(
-        {sample.timestamp_ns,
-         walk.At(1e-9 * static_cast<double>(sample.timestamp_ns)).world_from_imu});
+  trajectory.gyro_bias = unit.gyro_bias;
+  trajectory.accel_bias = unit.accel_bias;
+  for (size_t i = 0; i < walk.imu.size(); ++i) {
+    trajectory.poses.push_back({walk.imu[i].timestamp_ns, walk.truth[i].local_from_imu});
   }
+  trajectory.imu = std::move(walk.imu);
   return trajectory;
 }
 

@@ -1,4 +1,4 @@
-#include "fusion/client/pose_covariance.h"
+#include "fusion/filter/pose_covariance.h"
 
 namespace cairn::fusion {
 

@@ -1,24 +1,15 @@
-// Motions with exact derivatives, for simulated IMUs.
-#ifndef CAIRN_TESTS_FUSION_MOTION_H_
-#define CAIRN_TESTS_FUSION_MOTION_H_
+// A walk along a figure of eight, with exact derivatives.
+#ifndef CAIRN_LAB_INERTIAL_FIGURE_OF_EIGHT_H_
+#define CAIRN_LAB_INERTIAL_FIGURE_OF_EIGHT_H_
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
 
-#include "core/rigid3.h"
+#include "lab/inertial/motion.h"
 
-namespace cairn::fusion::testing {
+namespace cairn::fusion {
 
-// `world` is z-up. The IMU's x axis points ahead, its z axis up.
-struct MotionState {
-  Rigid3d world_from_imu;
-  Eigen::Vector3d velocity_in_world;
-  Eigen::Vector3d acceleration_in_world;
-  Eigen::Vector3d rate_in_imu;  // rad/s.
-};
-
-struct WalkOptions {
+struct FigureOfEightOptions {
   uint64_t seed = 1;  // Seed of the path's shape and the gait's phases.
   double size_m =
       22.0;  // Half the length of the figure of eight; the path is some 6 times as long.
@@ -30,10 +21,11 @@ struct WalkOptions {
   std::vector<double> start_stop_s;
 };
 
-// A person walks along a figure of eight, looks around, and bobs with each step. Immutable.
-class Walk {
+// A person walks along a figure of eight, looks around, and bobs with each step. The IMU's x axis
+// points ahead, its z axis up. Immutable.
+class FigureOfEight {
  public:
-  explicit Walk(const WalkOptions& options);
+  explicit FigureOfEight(const FigureOfEightOptions& options);
 
   MotionState At(double time_s) const;
 
@@ -43,12 +35,12 @@ class Walk {
   };
   PathTime Warp(double time_s) const;
 
-  WalkOptions options_;
+  FigureOfEightOptions options_;
   double omega_;
   double phases_[6];
   double width_ratio_;
 };
 
-}  // namespace cairn::fusion::testing
+}  // namespace cairn::fusion
 
-#endif  // CAIRN_TESTS_FUSION_MOTION_H_
+#endif  // CAIRN_LAB_INERTIAL_FIGURE_OF_EIGHT_H_

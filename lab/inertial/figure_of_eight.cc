@@ -1,10 +1,10 @@
-#include "fusion/motion.h"
+#include "lab/inertial/figure_of_eight.h"
 
 #include <algorithm>
 #include <cmath>
 #include <random>
 
-namespace cairn::fusion::testing {
+namespace cairn::fusion {
 namespace {
 
 // amplitude * sin(omega t + phase), and its first two derivatives.
@@ -27,7 +27,7 @@ double RampDerivative(double x) { return x <= 0.0 || x >= 1.0 ? 0.0 : 6.0 * x * 
 
 }  // namespace
 
-Walk::Walk(const WalkOptions& options) : options_(options) {
+FigureOfEight::FigureOfEight(const FigureOfEightOptions& options) : options_(options) {
   std::mt19937_64 random(options.seed);
   std::uniform_real_distribution<double> angle(0.0, 2.0 * M_PI);
   for (double& phase : phases_) {
@@ -40,7 +40,7 @@ Walk::Walk(const WalkOptions& options) : options_(options) {
   omega_ = options.speed_m_s / (0.64 * options.size_m * (1.0 + 1.6 * width_ratio_));
 }
 
-Walk::PathTime Walk::Warp(double time_s) const {
+FigureOfEight::PathTime FigureOfEight::Warp(double time_s) const {
   if (options_.start_stop_s.empty()) {
     return {time_s, 1.0, 0.0};
   }
@@ -55,7 +55,7 @@ Walk::PathTime Walk::Warp(double time_s) const {
   return path;
 }
 
-MotionState Walk::At(double time_s) const {
+MotionState FigureOfEight::At(double time_s) const {
   const PathTime path = Warp(time_s);
   const double t = path.tau;
   const Wave x = Sine(options_.size_m, omega_, phases_[0], t);
@@ -89,4 +89,4 @@ MotionState Walk::At(double time_s) const {
   return state;
 }
 
-}  // namespace cairn::fusion::testing
+}  // namespace cairn::fusion

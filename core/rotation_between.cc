@@ -1,0 +1,9 @@
+#include "core/rotation_between.h"
+
+namespace cairn {
+
+Eigen::Quaterniond RotationBetween(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  return Eigen::Quaterniond::FromTwoVectors(from, to);
+}
+
+}  // namespace cairn

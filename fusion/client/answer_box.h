@@ -1,0 +1,41 @@
+// Holds the answers that wait for the next frame, and the reports on earlier answers.
+#ifndef CAIRN_FUSION_CLIENT_ANSWER_BOX_H_
+#define CAIRN_FUSION_CLIENT_ANSWER_BOX_H_
+
+#include <deque>
+#include <vector>
+
+#include "fusion/client/fusion_types.h"
+
+namespace cairn::fusion {
+
+// The constructor allocates room for all answers, so that Submit does not allocate. Not
+// thread-safe.
+class AnswerBox {
+ public:
+  AnswerBox() { inbox_.reserve(kMaxInbox); }
+
+  // False while 32 answers wait.
+  bool has_room() const { return inbox_.size() < kMaxInbox; }
+
+  SubmitStatus Submit(Answer answer);
+
+  // Removes and returns all answers, in the order of their queries, so that the order of arrival
+  // does not matter.
+  std::vector<Answer> TakeAll();
+
+  void Report(const AnswerReport& report);
+
+  // Removes and returns the reports since the last call, at most the last 64.
+  std::vector<AnswerReport> TakeReports();
+
+ private:
+  static constexpr size_t kMaxInbox = 32;
+
+  std::vector<Answer> inbox_;
+  std::deque<AnswerReport> reports_;
+};
+
+}  // namespace cairn::fusion
+
+#endif  // CAIRN_FUSION_CLIENT_ANSWER_BOX_H_
