@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <optional>
 #include <set>
 #include <utility>
 #include <vector>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "http/json/geopose_readings.h"
 #include "http/json/image_orientation.h"
@@ -251,7 +251,7 @@ std::string GeoPoseResponseJson(const LocalizeResult& result, const LocalizeRequ
   json["timestamp"] = request.timestamp_ms.value_or(0);
   json["type"] = "geopose";
   json["accuracy"] = {{"position", result.position_accuracy_m},
-                      {"orientation", result.rotation_accuracy_rad * 180.0 / std::numbers::pi}};
+                      {"orientation", result.rotation_accuracy_rad * kDegPerRad}};
   json["geopose"] = GeoPoseJson(result, request.answer);
   return Dump(json);
 }

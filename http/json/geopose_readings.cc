@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 
+#include "core/angles.h"
 #include "core/geoid.h"
 #include "http/json/localize_request.h"
 
@@ -221,8 +221,7 @@ std::optional<int> ReadRotationDeg(const JsonReader& camera_reading) {
 }
 
 Eigen::Quaterniond UprightFromSent(int rotation_deg) {
-  return Eigen::Quaterniond(
-      Eigen::AngleAxisd(rotation_deg * std::numbers::pi / 180.0, Eigen::Vector3d::UnitZ()));
+  return Eigen::Quaterniond(Eigen::AngleAxisd(rotation_deg * kRadPerDeg, Eigen::Vector3d::UnitZ()));
 }
 
 std::optional<Eigen::Vector3d> ReadGeoPoseGravity(const JsonReader& request,

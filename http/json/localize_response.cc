@@ -4,8 +4,8 @@
 #include <array>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "http/json/json_reader.h"
 #include "http/json/stated_camera.h"
@@ -15,8 +15,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
-
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
 constexpr std::array kReasons = {
     NotLocalizedReason::kNone,           NotLocalizedReason::kNoCoverage,

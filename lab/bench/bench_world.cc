@@ -7,10 +7,10 @@
 #include <cmath>
 #include <iterator>
 #include <memory>
-#include <numbers>
 #include <random>
 #include <utility>
 
+#include "core/angles.h"
 #include "core/require.h"
 #include "engine/index/inverted_lists.h"
 #include "ingest/quantize/train_codebook.h"
@@ -25,7 +25,6 @@
 namespace cairn {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kLandmarkSigmaM = 0.05;
 constexpr double kPixelNoisePx = 0.5;
 constexpr double kOrientationNoiseRad = 0.05;

@@ -6,10 +6,10 @@
 #include <opencv2/core.hpp>
 #include <string>
 
+#include "core/angles.h"
+
 namespace cairn {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 // Lower left corner and size on a canvas, in meters.
 struct Box {

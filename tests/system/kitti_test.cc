@@ -3,15 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <numbers>
 
+#include "core/angles.h"
 #include "support/test_data.h"
 #include "system/real_drive.h"
 
 namespace cairn::testing {
 namespace {
-
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 class KittiDrive : public ::testing::Test {
  protected:

@@ -2,15 +2,12 @@
 // make the map.
 #include <gtest/gtest.h>
 
-#include <numbers>
-
+#include "core/angles.h"
 #include "support/test_data.h"
 #include "system/real_drive.h"
 
 namespace cairn::testing {
 namespace {
-
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 class LundStreet : public ::testing::Test {
  protected:

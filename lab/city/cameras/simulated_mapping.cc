@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <set>
 #include <utility>
 
+#include "core/angles.h"
 #include "core/geodesy.h"
 #include "core/parallel_for.h"
 #include "ingest/sfm/triangulate.h"
@@ -19,7 +19,6 @@
 namespace cairn {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kDeformationWaveM = 300.0;
 constexpr double kDriftWaveM = 80.0;
 constexpr double kParkedCarM = 2.0;

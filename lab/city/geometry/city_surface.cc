@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
+#include "core/angles.h"
 #include "lab/city/geometry/hashed_random.h"
 
 namespace cairn {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 // Landmarks per square meter of facade, in units of 1 / CityOptions::min_landmark_size_m^2. With
 // this value, a photo that is full of facade has this many keypoints of at least one pixel per
 // square pixel (measured: docs/simulated_city.md).

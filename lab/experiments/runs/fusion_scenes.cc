@@ -5,17 +5,16 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <numbers>
 #include <span>
 #include <utility>
 
+#include "core/angles.h"
 #include "lab/experiments/measure/city_walks.h"
 #include "lab/recordings/room_recordings.h"
 
 namespace cairn {
 namespace {
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 constexpr CityCharacter kCharacter = CityCharacter::kGrid;
 
 double Or(double value, const fusion::MethodResult& result) {

@@ -7,12 +7,12 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <numbers>
 #include <set>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "engine/localizer/mapped_streets.h"
 #include "lab/rivals/index/index_methods.h"
@@ -29,7 +29,6 @@ using testing::QueryPose;
 using testing::StreetWorld;
 using testing::StreetWorldOptions;
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 class LocalizerOnOneStreet : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {

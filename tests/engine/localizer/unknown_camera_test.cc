@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <vector>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "engine/focal/focal_search.h"
 #include "engine/localizer/mapped_streets.h"
@@ -19,8 +19,6 @@ using testing::MappedStreets;
 using testing::QueryAt;
 using testing::QueryPose;
 using testing::StreetWorld;
-
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 class UnknownCamera : public ::testing::Test {
  protected:
