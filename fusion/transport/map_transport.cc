@@ -7,11 +7,11 @@
 #include <condition_variable>
 #include <deque>
 #include <mutex>
-#include <random>
 #include <string_view>
 #include <thread>
 #include <utility>
 
+#include "core/random.h"
 #include "core/require.h"
 
 namespace cairn::fusion {
@@ -184,7 +184,7 @@ struct MapTransport::Impl {
       const double pause_s =
           std::min(options.max_backoff_s, options.first_backoff_s * std::exp2(num_failures));
       num_failures = std::min(num_failures + 1, 60);
-      const double share = std::uniform_real_distribution<double>(0.5, 1.0)(random);
+      const double share = 0.5 + 0.5 * random.Fraction();
       closed_until = options.now() + Seconds(pause_s * share);
     }
     return Failed(query);
@@ -217,7 +217,7 @@ struct MapTransport::Impl {
   Clock::time_point closed_until = Clock::time_point::min();
   std::optional<Clock::time_point> last_accepted;
   int num_failures = 0;  // Consecutive failures.
-  std::mt19937_64 random;
+  Random random;
   MapTransportCounters counters;
 
   std::thread worker;  // Last member, because the thread uses all others.
