@@ -38,7 +38,7 @@ void ValidateGeodetic(const Geodetic& position, const char* what) {
     throw Error(ErrorCode::kBadInput,
                 fmt::format("{}: longitude {} is not within [-180, 180] degrees", what, lon_deg));
   }
-  if (!(position.h_m >= -12e3 && position.h_m <= 100e3)) {
+  if (!(position.h_m >= Geodetic::kMinHeightM && position.h_m <= Geodetic::kMaxHeightM)) {
     throw Error(ErrorCode::kBadInput,
                 fmt::format("{}: height {} is not within [-12000, 100000] m", what, position.h_m));
   }

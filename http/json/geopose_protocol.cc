@@ -27,8 +27,6 @@ namespace {
 
 constexpr char kMediaType[] = "application/vnd.oscp+json";
 constexpr char kOgcMediaType[] = "application/geopose+json";
-constexpr size_t kMaxReadings = 1000;
-constexpr int64_t kMaxTimestampMs = int64_t{1} << 53;
 // Pictures of a rig must be taken within this time of each other.
 constexpr double kMaxRigDelayMs = 10.0;
 
@@ -236,8 +234,8 @@ LocalizeRequest ParseGeoPoseRequest(std::string_view content_type, std::string_v
   }
   if (const auto timestamp = json.Find("timestamp")) {
     // Reference clients send fractions of milliseconds.
-    request.timestamp_ms = static_cast<int64_t>(
-        timestamp->Number(-static_cast<double>(kMaxTimestampMs), kMaxTimestampMs));
+    request.timestamp_ms =
+        static_cast<int64_t>(timestamp->Number(-kMaxExactInteger, kMaxExactInteger));
   }
   if (const auto type = json.Find("type"); type && type->String() != "geopose") {
     type->Fail("is not 'geopose'");

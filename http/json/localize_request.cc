@@ -18,14 +18,8 @@
 namespace cairn {
 namespace {
 
-constexpr double kMaxAccuracyM = 100'000.0;
-constexpr double kMinHeightM = -12'000.0;  // Same limits as ValidateGeodetic.
-constexpr double kMaxHeightM = 100'000.0;
-constexpr size_t kMaxIdLength = 128;
 // Phones report directions rounded and in single precision. They are normalized here.
 constexpr double kUnitNormTolerance = 0.02;
-constexpr int64_t kMaxTimestampMs = int64_t{1} << 53;
-constexpr size_t kMaxShortJsonBytes = size_t{64} << 10;
 
 PositionPrior ReadPrior(const JsonReader& json) {
   json.RequireOnly({"position", "accuracy", "altitudeAccuracy", "altitudeReference"});
@@ -37,13 +31,13 @@ PositionPrior ReadPrior(const JsonReader& json) {
     prior.position = WithEllipsoidalHeight(prior.position, ReadHeightReference(*reference));
   }
   if (const auto accuracy = json.Find("accuracy")) {
-    prior.accuracy_m = accuracy->Number(1e-3, kMaxAccuracyM);
+    prior.accuracy_m = accuracy->Number(1e-3, PositionPrior::kMaxAccuracyM);
   }
   if (const auto altitude_accuracy = json.Find("altitudeAccuracy")) {
     if (!position.Has("h")) {
       altitude_accuracy->Fail("needs the height position.h");
     }
-    prior.height_sigma_m = altitude_accuracy->Number(1e-3, kMaxAccuracyM);
+    prior.height_sigma_m = altitude_accuracy->Number(1e-3, PositionPrior::kMaxAccuracyM);
   }
   return prior;
 }
@@ -105,7 +99,6 @@ void SetRigFeatures(std::span<const uint8_t> blob, size_t index, int max_feature
 }
 
 Rigid3d ReadCamFromFirst(const JsonReader& json) {
-  constexpr double kMaxOffsetM = 100.0;  // Same limit as LocalizeQuery::Validate.
   json.RequireOnly({"quaternion", "translation"});
   const JsonReader quaternion = json.At("quaternion");
   quaternion.RequireOnly({"x", "y", "z", "w"});
@@ -117,8 +110,8 @@ Rigid3d ReadCamFromFirst(const JsonReader& json) {
   const JsonReader translation = json.At("translation");
   const std::vector<double> numbers = translation.Numbers(3, 3);
   const Eigen::Vector3d offset(numbers[0], numbers[1], numbers[2]);
-  if (!(offset.norm() <= kMaxOffsetM)) {
-    translation.Fail(fmt::format("is longer than {} m", kMaxOffsetM));
+  if (!(offset.norm() <= RigCamera::kMaxOffsetM)) {
+    translation.Fail(fmt::format("is longer than {} m", RigCamera::kMaxOffsetM));
   }
   return {rotation, offset};
 }
@@ -201,7 +194,7 @@ LocalizeRequest ReadCommon(const JsonReader& json, const RequestLimits& limits) 
     request.query.id = id->String(kMaxIdLength);
   }
   if (const auto timestamp = json.Find("timestamp")) {
-    request.timestamp_ms = timestamp->Integer(-kMaxTimestampMs, kMaxTimestampMs);
+    request.timestamp_ms = timestamp->Integer(-kMaxExactInteger, kMaxExactInteger);
   }
   const auto rig = json.Find("rig");
   if (rig) {
@@ -412,7 +405,7 @@ std::vector<uint8_t> ReadBase64(const JsonReader& text) {
 Geodetic ReadGeodetic(const JsonReader& lat, const JsonReader& lon,
                       const std::optional<JsonReader>& h) {
   return Geodetic::FromDegrees(lat.Number(-90.0, 90.0), lon.Number(-180.0, 180.0),
-                               h ? h->Number(kMinHeightM, kMaxHeightM) : 0.0);
+                               h ? h->Number(Geodetic::kMinHeightM, Geodetic::kMaxHeightM) : 0.0);
 }
 
 bool IsLongJson(std::string_view content_type, std::string_view body) {

@@ -12,14 +12,10 @@
 #include "engine/query/localize_query.h"
 #include "http/json/image_orientation.h"
 #include "http/json/inner_frame.h"
-#include "http/json/json_reader.h"
+#include "http/json/request_limits.h"
+#include "http/wire/json_reader.h"
 
 namespace cairn {
-
-struct RequestLimits {
-  int max_features = 5000;
-  int default_timeout_ms = 2000;
-};
 
 // The contents that the client wants in the response. Only GeoPoseResponseJson and OgcGeoPoseJson
 // use `answer_from_cam`.

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <numbers>
 
+#include "core/camera.h"
 #include "core/error.h"
 #include "http/wire/problem.h"
 
@@ -21,7 +22,6 @@ constexpr uint16_t kVersion = 1;
 constexpr size_t kHeaderBytes = 24;
 constexpr size_t kMaxCodecLength = 64;
 constexpr int kMaxDim = 1024;
-constexpr float kMaxImageSide = 100'000.0f;
 constexpr float kOutsideTolerancePx = 1.0f;
 
 constexpr double kPositionSteps = 65535.0;
@@ -108,7 +108,7 @@ bool IsUsable(const Keypoint& keypoint, float width_px, float height_px) {
     return value >= -kOutsideTolerancePx && value <= size + kOutsideTolerancePx;
   };
   return inside(keypoint.x_px, width_px) && inside(keypoint.y_px, height_px) &&
-         keypoint.scale_px > 0.0f && keypoint.scale_px <= kMaxImageSide &&
+         keypoint.scale_px > 0.0f && keypoint.scale_px <= Camera::kMaxSidePx &&
          std::isfinite(keypoint.orientation_rad);
 }
 
@@ -245,8 +245,8 @@ Header ReadHeader(std::span<const uint8_t> blob, int max_features) {
   if (header.dim < 1 || header.dim > kMaxDim) {
     Refuse(fmt::format("dimension {} is outside 1 to {}", header.dim, kMaxDim));
   }
-  if (header.width_px < 1 || header.width_px > kMaxImageSide || header.height_px < 1 ||
-      header.height_px > kMaxImageSide) {
+  if (header.width_px < 1 || header.width_px > Camera::kMaxSidePx || header.height_px < 1 ||
+      header.height_px > Camera::kMaxSidePx) {
     Refuse(fmt::format("image size {} x {} is outside 1 to 100000", header.width_px,
                        header.height_px));
   }
