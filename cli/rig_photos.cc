@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 #include "core/file_bytes.h"
-#include "http/json/localize_request.h"
+#include "http/json/request_members.h"
 #include "http/wire/json_reader.h"
 #include "http/wire/problem.h"
 

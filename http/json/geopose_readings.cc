@@ -9,7 +9,7 @@
 
 #include "core/angles.h"
 #include "core/geoid.h"
-#include "http/json/localize_request.h"
+#include "http/json/request_members.h"
 
 namespace cairn {
 namespace {

@@ -6,6 +6,7 @@
 
 #include "core/angles.h"
 #include "core/error.h"
+#include "http/json/request_members.h"
 #include "http/json/stated_camera.h"
 #include "http/wire/json_reader.h"
 
