@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/angles.h"
+#include "core/csv.h"
 #include "eval/evaluation.h"
 
 namespace cairn {
@@ -82,22 +83,6 @@ std::string ReasonsWhyNot(const EvalReport& report) {
     text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, reason);
   }
   return text;
-}
-
-// Quotes a field as in RFC 4180.
-std::string CsvText(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) {
-    return text;
-  }
-  std::string quoted = "\"";
-  for (const char letter : text) {
-    quoted += letter == '"' ? "\"\"" : std::string(1, letter);
-  }
-  return quoted + "\"";
-}
-
-std::string CsvNumber(double value) {
-  return std::isfinite(value) ? fmt::format("{:.6g}", value) : "";
 }
 
 }  // namespace
