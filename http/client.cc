@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "http/json/localize_response.h"
 #include "http/json/request_limits.h"
+#include "http/wire/client_setup.h"
 #include "http/wire/feature_codec.h"
 #include "http/wire/json_reader.h"
 #include "http/wire/multipart.h"
@@ -147,13 +148,7 @@ struct LocalizeClient::Impl {
 
   explicit Impl(const ClientOptions& client_options)
       : options(client_options), http(client_options.url) {
-    http.set_keep_alive(true);
-    http.set_tcp_nodelay(true);
-    const time_t seconds = options.timeout_ms / 1000;
-    const time_t microseconds = options.timeout_ms % 1000 * 1000;
-    http.set_connection_timeout(seconds, microseconds);
-    http.set_read_timeout(seconds, microseconds);
-    http.set_write_timeout(seconds, microseconds);
+    SetUpClient(options.timeout_ms, &http);
   }
 
   // The server may close a silent connection just when the next request is on its way. An exchange

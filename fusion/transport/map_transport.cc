@@ -13,6 +13,7 @@
 
 #include "core/random.h"
 #include "core/require.h"
+#include "http/wire/client_setup.h"
 
 namespace cairn::fusion {
 namespace {
@@ -58,13 +59,7 @@ struct MapTransport::Impl {
     if (!options.now) {
       options.now = [] { return Clock::now(); };
     }
-    http.set_keep_alive(true);
-    http.set_tcp_nodelay(true);
-    const time_t seconds = options.timeout_ms / 1000;
-    const time_t microseconds = options.timeout_ms % 1000 * 1000;
-    http.set_connection_timeout(seconds, microseconds);
-    http.set_read_timeout(seconds, microseconds);
-    http.set_write_timeout(seconds, microseconds);
+    SetUpClient(options.timeout_ms, &http);
     worker = std::thread([this] { Work(); });
   }
 
