@@ -153,6 +153,16 @@ size_t BestRival(const FusionScene& scene, const FusionMeasure& measure, bool is
   return best;
 }
 
+Verdict JudgeScenes(const std::vector<FusionScene>& scenes,
+                    const std::function<Verdict(const FusionScene&, std::string*)>& judge,
+                    std::string* sentence) {
+  std::vector<Verdict> verdicts;
+  for (const FusionScene& scene : scenes) {
+    verdicts.push_back(judge(scene, sentence));
+  }
+  return JudgeAll(verdicts);
+}
+
 Figure SceneFigure(const std::string& name, const std::string& title, const std::string& y_label,
                    const std::vector<FusionScene>& scenes, const FusionMeasure& measure) {
   Figure figure{name, title, "method", y_label};
