@@ -4,18 +4,16 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <string>
 #include <vector>
 
 #include "cli/shell.h"
+#include "core/angles.h"
 #include "core/printable.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {
 namespace {
-
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
 struct InfoArguments {
   std::string map_path;

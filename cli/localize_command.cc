@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
-#include <numbers>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -20,6 +19,7 @@
 #include "cli/open_localizer.h"
 #include "cli/rig_photos.h"
 #include "cli/shell.h"
+#include "core/angles.h"
 #include "core/error.h"
 #include "core/focal_length.h"
 #include "core/geodesy.h"
@@ -36,8 +36,6 @@
 
 namespace cairn {
 namespace {
-
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
 struct LocalizeArguments {
   std::string map_path;

@@ -6,8 +6,8 @@
 
 #include "core/error.h"
 #include "core/file_bytes.h"
-#include "http/json/json_reader.h"
-#include "http/json/localize_request.h"
+#include "http/json/request_members.h"
+#include "http/wire/json_reader.h"
 #include "http/wire/problem.h"
 
 namespace cairn {

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/csv.h"
 #include "core/printable.h"
 
 namespace cairn {
@@ -99,17 +100,6 @@ class TablePrinter : public RowPrinter {
   int num_results_ = 0;
 };
 
-std::string CsvField(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) {
-    return text;
-  }
-  std::string quoted = "\"";
-  for (const char c : text) {
-    quoted += c == '"' ? "\"\"" : std::string(1, c);
-  }
-  return quoted + '"';
-}
-
 class CsvPrinter : public RowPrinter {
  public:
   explicit CsvPrinter(bool for_terminal) : for_terminal_(for_terminal) {}
@@ -126,7 +116,7 @@ class CsvPrinter : public RowPrinter {
     std::string line;
     for (size_t i = 0; i < row.size(); ++i) {
       line +=
-          (i > 0 ? "," : "") + CsvField(for_terminal_ ? PrintableLines(row[i].text) : row[i].text);
+          (i > 0 ? "," : "") + CsvText(for_terminal_ ? PrintableLines(row[i].text) : row[i].text);
     }
     fmt::print("{}\r\n", line);
   }

@@ -36,9 +36,9 @@ constexpr size_t kMemoryReserveBytes = size_t{16} << 20;
 
 struct ServeArguments {
   ServerOptions options;
-  int64_t cache_mb = 1024;
-  int64_t max_body_mb = 16;
-  double max_image_megapixels = 12.0;
+  int64_t cache_mb = static_cast<int64_t>(options.cache_bytes >> 20);
+  int64_t max_body_mb = static_cast<int64_t>(options.max_body_bytes >> 20);
+  double max_image_megapixels = static_cast<double>(options.max_image_pixels) / 1e6;
 };
 
 constexpr std::array kSignals = {SIGHUP, SIGINT, SIGTERM};

@@ -103,10 +103,10 @@ LensCoefficients CoefficientsOf(CameraModel model, const double* k) {
 // Throws every error that the constructor of Camera documents.
 void CheckCamera(CameraModel model, int width_px, int height_px,
                  const std::vector<double>& params) {
-  constexpr int kMaxSidePx = 100'000;
-  if (width_px < 1 || height_px < 1 || width_px > kMaxSidePx || height_px > kMaxSidePx) {
+  if (width_px < 1 || height_px < 1 || width_px > Camera::kMaxSidePx ||
+      height_px > Camera::kMaxSidePx) {
     throw Error(ErrorCode::kBadInput, fmt::format("camera size {} x {} px is not within 1 and {}",
-                                                  width_px, height_px, kMaxSidePx));
+                                                  width_px, height_px, Camera::kMaxSidePx));
   }
   if (static_cast<int>(params.size()) != NumCameraParams(model)) {
     throw Error(ErrorCode::kBadInput,

@@ -58,6 +58,8 @@ bool IsFisheye(CameraModel model);
 // The intrinsics of one camera. Immutable after construction; safe to use from any thread.
 class Camera {
  public:
+  static constexpr int kMaxSidePx = 100'000;  // Of an image.
+
   // A 640 x 480 pinhole camera. The default constructor lets Camera be a member of plain structs.
   Camera();
 

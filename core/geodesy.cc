@@ -7,15 +7,13 @@
 #include <GeographicLib/Geodesic.hpp>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
+#include "core/angles.h"
 #include "core/error.h"
 
 namespace cairn {
 namespace {
-
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
 const GeographicLib::Geocentric& Earth() { return GeographicLib::Geocentric::WGS84(); }
 
@@ -40,7 +38,7 @@ void ValidateGeodetic(const Geodetic& position, const char* what) {
     throw Error(ErrorCode::kBadInput,
                 fmt::format("{}: longitude {} is not within [-180, 180] degrees", what, lon_deg));
   }
-  if (!(position.h_m >= -12e3 && position.h_m <= 100e3)) {
+  if (!(position.h_m >= Geodetic::kMinHeightM && position.h_m <= Geodetic::kMaxHeightM)) {
     throw Error(ErrorCode::kBadInput,
                 fmt::format("{}: height {} is not within [-12000, 100000] m", what, position.h_m));
   }
@@ -77,14 +75,13 @@ double GroundDistanceM(const Geodetic& a, const Geodetic& b) {
 }
 
 GeoBox BoxAround(const Geodetic& center, double radius_m) {
-  constexpr double kHalfPi = 0.5 * std::numbers::pi;
+  constexpr double kHalfPi = 0.5 * kPi;
   // The radius is the smallest radius of curvature of the ellipsoid, b^2 / a (the meridian's at the
   // equator), so that the box is never too small.
   const double equatorial_m = GeographicLib::Constants::WGS84_a();
   const double polar_m = equatorial_m * (1.0 - GeographicLib::Constants::WGS84_f());
   const double reach_rad = radius_m / (polar_m * polar_m / equatorial_m);
-  GeoBox box{center.lat_rad - reach_rad, -std::numbers::pi, center.lat_rad + reach_rad,
-             std::numbers::pi};
+  GeoBox box{center.lat_rad - reach_rad, -kPi, center.lat_rad + reach_rad, kPi};
   const bool contains_pole = box.north_rad >= kHalfPi || box.south_rad <= -kHalfPi;
   box.south_rad = std::max(box.south_rad, -kHalfPi);
   box.north_rad = std::min(box.north_rad, kHalfPi);
@@ -97,10 +94,10 @@ GeoBox BoxAround(const Geodetic& center, double radius_m) {
     return box;
   }
   const double reach_lon_rad = std::asin(sine);
-  if (reach_lon_rad >= std::numbers::pi) {
+  if (reach_lon_rad >= kPi) {
     return box;
   }
-  const auto wrap = [](double lon_rad) { return std::remainder(lon_rad, 2.0 * std::numbers::pi); };
+  const auto wrap = [](double lon_rad) { return std::remainder(lon_rad, 2.0 * kPi); };
   box.west_rad = wrap(center.lon_rad - reach_lon_rad);
   box.east_rad = wrap(center.lon_rad + reach_lon_rad);
   return box;

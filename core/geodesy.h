@@ -14,6 +14,8 @@ struct Geodetic {
   double lon_rad = 0.0;  // [-pi, pi)
   double h_m = 0.0;
 
+  static constexpr double kMinHeightM = -12e3, kMaxHeightM = 100e3;  // Of ValidateGeodetic.
+
   static Geodetic FromDegrees(double lat_deg, double lon_deg, double h_m);
   double lat_deg() const;
   double lon_deg() const;

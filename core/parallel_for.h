@@ -6,9 +6,9 @@
 
 namespace cairn {
 
-// Calls step(0) ... step(count - 1) once each, in no particular order, on at most `num_threads`
-// threads including the caller's. Returns when all steps are done. The first exception of a step
-// prevents further steps from starting and is rethrown to the caller.
+// Calls step(0) ... step(count - 1) once each, on at most `num_threads` threads including the
+// caller's; the others end with the call. Order, return and exceptions are as in
+// SharedWorkers::ForEach.
 void ParallelFor(int count, int num_threads, const std::function<void(int)>& step);
 
 }  // namespace cairn

@@ -17,6 +17,7 @@ struct Job {
   int count = 0;
   int next = 0;         // Index of the step that starts next.
   int num_running = 0;  // Number of running steps.
+  int failed = 0;       // Index of the step that threw `failure`.
   std::exception_ptr failure;
 
   bool has_started_all() const { return next >= count; }
@@ -60,8 +61,9 @@ struct SharedWorkers::Impl {
     }
     lock->lock();
     --job->num_running;
-    if (failure && !job->failure) {
+    if (failure && (!job->failure || index < job->failed)) {
       job->failure = failure;
+      job->failed = index;
       job->next = job->count;
       std::erase(jobs, job);
     }

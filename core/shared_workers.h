@@ -34,8 +34,9 @@ class SharedWorkers {
 
   // Calls step(0) ... step(count - 1) once each, on the calling thread and on idle helpers. Steps
   // start in this order. Helpers serve callers in turn, one step at a time. Returns when all steps
-  // are done. The first exception prevents further steps from starting and is rethrown to the
-  // caller. Steps must not call ForEach.
+  // are done. An exception prevents further steps from starting. The exception of the failed step
+  // with the lowest index is rethrown to the caller, on any number of threads the same one. Steps
+  // must not call ForEach.
   void ForEach(int count, const std::function<void(int)>& step);
 
  private:

@@ -4,9 +4,10 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <string>
 
+#include "core/angles.h"
+#include "core/csv.h"
 #include "eval/evaluation.h"
 
 namespace cairn {
@@ -14,7 +15,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kDegFromRad = 180.0 / std::numbers::pi;
 constexpr double kMsFromSeconds = 1e3;
 constexpr double kPercent = 100.0;
 
@@ -41,7 +41,7 @@ Json AnswerAsJson(const EvalAnswer& answer) {
       {"localized", result.localized},
       {"reason", result.localized ? Json(nullptr) : Json(NotLocalizedReasonName(result.reason))},
       {"position_error_m", NumberOrNull(answer.position_error_m)},
-      {"rotation_error_deg", NumberOrNull(kDegFromRad * answer.rotation_error_rad)},
+      {"rotation_error_deg", NumberOrNull(kDegPerRad * answer.rotation_error_rad)},
       {"score", NumberOrNull(result.score)},
       {"confidence", NumberOrNull(result.confidence)},
       {"num_inliers", result.matches.size()},
@@ -85,22 +85,6 @@ std::string ReasonsWhyNot(const EvalReport& report) {
   return text;
 }
 
-// Quotes a field as in RFC 4180.
-std::string CsvText(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) {
-    return text;
-  }
-  std::string quoted = "\"";
-  for (const char letter : text) {
-    quoted += letter == '"' ? "\"\"" : std::string(1, letter);
-  }
-  return quoted + "\"";
-}
-
-std::string CsvNumber(double value) {
-  return std::isfinite(value) ? fmt::format("{:.6g}", value) : "";
-}
-
 }  // namespace
 
 std::string ReportAsText(const EvalReport& report) {
@@ -111,12 +95,11 @@ std::string ReportAsText(const EvalReport& report) {
   text += fmt::format("{:<28}{:>9}      {}\n", "", "", "95 % interval");
   for (const auto& [threshold, recall] : report.recalls) {
     const std::string what = fmt::format("recall at {:g} m, {:g} deg", threshold.position_m,
-                                         kDegFromRad * threshold.rotation_rad);
+                                         kDegPerRad * threshold.rotation_rad);
     text += TextLine(what, recall, kPercent, 1, "%");
   }
   text += TextLine("median position error", report.median_position_error_m, 1.0, 4, "m");
-  text +=
-      TextLine("median rotation error", report.median_rotation_error_rad, kDegFromRad, 4, "deg");
+  text += TextLine("median rotation error", report.median_rotation_error_rad, kDegPerRad, 4, "deg");
   text += TextLine("average precision", report.average_precision, 1.0, 4, "");
   text += fmt::format("\nlatency, ms   {:>9}{:>9}{:>9}{:>9}\n", "p50", "p90", "p99", "max");
   for (size_t stage = 0; stage < report.stage_seconds.size(); ++stage) {
@@ -130,12 +113,12 @@ std::string ReportAsJson(const EvalReport& report) {
   Json& recalls = json["recalls"] = Json::array();
   for (const auto& [threshold, recall] : report.recalls) {
     Json entry = {{"position_m", threshold.position_m},
-                  {"rotation_deg", kDegFromRad * threshold.rotation_rad}};
+                  {"rotation_deg", kDegPerRad * threshold.rotation_rad}};
     entry.update(IntervalAsJson(recall, 1.0));
     recalls.push_back(std::move(entry));
   }
   json["median_position_error_m"] = IntervalAsJson(report.median_position_error_m, 1.0);
-  json["median_rotation_error_deg"] = IntervalAsJson(report.median_rotation_error_rad, kDegFromRad);
+  json["median_rotation_error_deg"] = IntervalAsJson(report.median_rotation_error_rad, kDegPerRad);
   json["average_precision"] = IntervalAsJson(report.average_precision, 1.0);
   Json& curve = json["precision_recall"] = Json::array();
   for (const PrecisionRecallPoint& point : report.precision_recall) {
@@ -167,7 +150,7 @@ std::string ReportAsCsv(const EvalReport& report) {
     text += fmt::format(
         "{},{},{},{},{},{},{},{},{},{},{},{}", CsvText(answer.name), result.localized ? 1 : 0,
         result.localized ? "" : NotLocalizedReasonName(result.reason),
-        CsvNumber(answer.position_error_m), CsvNumber(kDegFromRad * answer.rotation_error_rad),
+        CsvNumber(answer.position_error_m), CsvNumber(kDegPerRad * answer.rotation_error_rad),
         CsvNumber(result.score), CsvNumber(result.confidence), result.matches.size(),
         result.localized ? CsvNumber(result.position_accuracy_m) : "",
         result.localized ? (result.prior_disagrees ? "1" : "0") : "",
@@ -189,7 +172,7 @@ std::string MatchesAsCsv(const std::vector<EvalQuery>& queries, const EvalReport
     const EvalAnswer& answer = report.answers[i];
     const std::string of_answer = fmt::format(
         "{},{},{},{},{}", CsvText(answer.name), CsvNumber(answer.result.score),
-        CsvNumber(answer.position_error_m), CsvNumber(kDegFromRad * answer.rotation_error_rad),
+        CsvNumber(answer.position_error_m), CsvNumber(kDegPerRad * answer.rotation_error_rad),
         CsvNumber(queries[i].query.camera.focal_px()));
     for (const LocalizeMatch& match : answer.result.matches) {
       const InlierTraits& traits = match.traits;

@@ -5,13 +5,18 @@
 
 #include <charconv>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string_view>
 #include <utility>
 
 #include "core/error.h"
 #include "http/json/localize_response.h"
+#include "http/json/request_limits.h"
+#include "http/wire/client_setup.h"
 #include "http/wire/feature_codec.h"
+#include "http/wire/json_reader.h"
 #include "http/wire/multipart.h"
+#include "http/wire/problem.h"
 
 namespace cairn {
 namespace {
@@ -73,37 +78,47 @@ std::string RequestJson(const LocalizeQuery& query, const ClientOptions& client)
   }
   if (client.want_matches) {
     options["include"].push_back("matches");
-    options["maxMatches"] = 100'000;
+    options["maxMatches"] = kMaxMatches;
   }
   if (query.deadline) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(
         *query.deadline - std::chrono::steady_clock::now());
-    options["timeoutMs"] = std::clamp<int64_t>(left.count(), 1, 60'000);
+    options["timeoutMs"] = std::clamp<int64_t>(left.count(), 1, kMaxTimeoutMs);
   }
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-// A text member; empty if the member is missing or is not a string, as in the response of another
-// program.
-std::string TextOf(const nlohmann::json& problem, const char* name) {
-  const auto member = problem.find(name);
-  return member != problem.end() && member->is_string() ? member->get<std::string>() : "";
+// The body of a refusal; empty if it is not JSON, as in the response of another program.
+JsonDocument ParseRefusal(const std::string& body) {
+  try {
+    return ParseJson(body);
+  } catch (const HttpError&) {
+    return {};
+  }
+}
+
+// A text member; empty if the member is missing or is not a string.
+std::string TextOf(const JsonReader& problem, const char* name) {
+  const std::optional<JsonReader> member = problem.Find(name);
+  return member && member->IsString() ? member->String() : "";
 }
 
 // The explanation of a refused request.
 std::string Explanation(const httplib::Response& response) {
-  const nlohmann::json problem = nlohmann::json::parse(response.body, nullptr, false);
   std::string text = fmt::format("the server answered {}", response.status);
-  if (problem.is_object()) {
-    const std::string detail = TextOf(problem, "detail");
-    const std::string reason = detail.empty() ? TextOf(problem, "title") : detail;
-    const std::string hint = TextOf(problem, "hint");
-    if (!reason.empty()) {
-      text += ": " + reason;
-    }
-    if (!hint.empty()) {
-      text += fmt::format(" ({})", hint);
-    }
+  const JsonDocument document = ParseRefusal(response.body);
+  if (document.empty() || !JsonReader(document).IsObject()) {
+    return text;
+  }
+  const JsonReader problem(document);
+  const std::string detail = TextOf(problem, "detail");
+  const std::string reason = detail.empty() ? TextOf(problem, "title") : detail;
+  const std::string hint = TextOf(problem, "hint");
+  if (!reason.empty()) {
+    text += ": " + reason;
+  }
+  if (!hint.empty()) {
+    text += fmt::format(" ({})", hint);
   }
   return text;
 }
@@ -133,13 +148,7 @@ struct LocalizeClient::Impl {
 
   explicit Impl(const ClientOptions& client_options)
       : options(client_options), http(client_options.url) {
-    http.set_keep_alive(true);
-    http.set_tcp_nodelay(true);
-    const time_t seconds = options.timeout_ms / 1000;
-    const time_t microseconds = options.timeout_ms % 1000 * 1000;
-    http.set_connection_timeout(seconds, microseconds);
-    http.set_read_timeout(seconds, microseconds);
-    http.set_write_timeout(seconds, microseconds);
+    SetUpClient(options.timeout_ms, &http);
   }
 
   // The server may close a silent connection just when the next request is on its way. An exchange

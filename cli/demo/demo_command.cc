@@ -6,13 +6,13 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
-#include <numbers>
 #include <string>
 #include <vector>
 
 #include "cli/arguments.h"
 #include "cli/demo/demo_world.h"
 #include "cli/shell.h"
+#include "core/angles.h"
 #include "core/error.h"
 #include "core/logging.h"
 #include "eval/evaluation.h"
@@ -25,7 +25,6 @@
 namespace cairn {
 namespace {
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 // The demo succeeds if at least this share of the answers is within these errors.
 constexpr double kMinShareRight = 0.8;
 constexpr double kMaxPositionErrorM = 0.5;

@@ -11,7 +11,7 @@
 #include <random>
 
 #include "core/random.h"
-#include "core/vector_clones.h"
+#include "core/simd.h"
 #include "engine/index/distance_statistics.h"
 #include "engine/index/kernels/byte_descriptors.h"
 
@@ -25,13 +25,13 @@ constexpr int kUnitsPerCell = 1 << kCellBits;
 // Vector types. Coordinates: coordinates of one rotated word, unsigned so that sums may wrap
 // around; SignedCoordinates: their signed values; Products: their contributions to a hash; Floats
 // and Ints: the numbers of one AVX2 register.
-using Coordinates = uint16_t __attribute__((vector_size(32)));
-using SignedCoordinates = int16_t __attribute__((vector_size(32)));
-using Products = uint32_t __attribute__((vector_size(64)));
-using Floats = float __attribute__((vector_size(32)));
-using Ints = int32_t __attribute__((vector_size(32)));
 constexpr int kCoordinateLanes = 16;
 constexpr int kLanes = 8;  // Lanes of AVX2, so that a sum fits one of its registers.
+using Coordinates = Lanes<uint16_t, kCoordinateLanes>;
+using SignedCoordinates = Lanes<int16_t, kCoordinateLanes>;
+using Products = Lanes<uint32_t, kCoordinateLanes>;
+using Floats = Lanes<float, kLanes>;
+using Ints = Lanes<int32_t, kLanes>;
 constexpr int kMaxHashedDims = 128;
 
 // A multiple of the coordinates' 16-bit range. Adding it makes all values positive, so the

@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "core/angles.h"
 #include "engine/index/index_options.h"
 
 namespace cairn {
@@ -57,7 +58,7 @@ struct MatchingOptions {
   // Hard filters. A candidate whose gravity-rectified orientation differs by more than this is
   // rejected; a candidate without an orientation passes. Radians in [0.001, pi]; pi switches the
   // filter off.
-  double max_orientation_difference_rad = 3.141592653589793;
+  double max_orientation_difference_rad = kPi;
   // A landmark with a larger e / prior sigma (see position_weight) is rejected. At least 0;
   // infinity switches the filter off.
   double max_position_excess_sigmas = std::numeric_limits<double>::infinity();

@@ -1,4 +1,4 @@
-#include "core/vector_clones.h"
+#include "core/simd.h"
 #include "engine/pose/score_block.h"
 
 namespace cairn {

@@ -11,7 +11,6 @@ namespace cairn {
 namespace {
 
 void ValidateRigCamera(const RigCamera& other, DescriptorSpace space, size_t index) {
-  constexpr double kMaxOffsetM = 100.0;
   const std::string name = fmt::format("rig[{}]", index);
   ValidateFeatures(other.features, (name + ".features").c_str());
   if (other.features.size() > 0 && other.features.space != space) {
@@ -19,11 +18,11 @@ void ValidateRigCamera(const RigCamera& other, DescriptorSpace space, size_t ind
                 name + ".features: raw and projected features cannot be mixed in one query");
   }
   if (!other.cam_from_first.rotation.coeffs().allFinite() ||
-      !(other.cam_from_first.translation.norm() <= kMaxOffsetM)) {
+      !(other.cam_from_first.translation.norm() <= RigCamera::kMaxOffsetM)) {
     throw Error(
         ErrorCode::kBadInput,
         fmt::format("{}.camFromFirst: the cameras of a rig must lie within {} m of the first", name,
-                    kMaxOffsetM));
+                    RigCamera::kMaxOffsetM));
   }
 }
 
@@ -57,10 +56,10 @@ void LocalizeQuery::Validate() const {
   }
   if (prior) {
     ValidateGeodetic(prior->position, "prior.position");
-    constexpr double kMaxAccuracyM = 100e3;
-    if (!(prior->accuracy_m > 0.0 && prior->accuracy_m <= kMaxAccuracyM)) {
-      throw Error(ErrorCode::kBadInput, fmt::format("prior.accuracy: {} m is not within (0, {}]",
-                                                    prior->accuracy_m, kMaxAccuracyM));
+    if (!(prior->accuracy_m > 0.0 && prior->accuracy_m <= PositionPrior::kMaxAccuracyM)) {
+      throw Error(ErrorCode::kBadInput,
+                  fmt::format("prior.accuracy: {} m is not within (0, {}]", prior->accuracy_m,
+                              PositionPrior::kMaxAccuracyM));
     }
     if (prior->height_sigma_m && !(*prior->height_sigma_m > 0.0)) {
       throw Error(ErrorCode::kBadInput, fmt::format("prior.altitudeAccuracy: {} m must be positive",

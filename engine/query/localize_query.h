@@ -18,6 +18,8 @@ namespace cairn {
 
 // A rough position, as a GPS receiver reports it.
 struct PositionPrior {
+  static constexpr double kMaxAccuracyM = 100e3;
+
   Geodetic position;
   double accuracy_m = 15.0;  // Radius that contains the true position with 68 % probability.
   // Standard deviation of the height; empty if the height is unknown or untrusted.
@@ -26,6 +28,8 @@ struct PositionPrior {
 
 // Another camera of a rig and its features, seen at the same instant.
 struct RigCamera {
+  static constexpr double kMaxOffsetM = 100.0;  // From the query's own camera.
+
   Camera camera;
   Rigid3d cam_from_first;  // From the frame of the query's own camera to this camera's frame.
   FeatureSet features;     // In the same descriptor space as the query's own features.

@@ -6,8 +6,6 @@
 #include <atomic>
 #include <cmath>
 #include <cstddef>
-#include <exception>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -15,6 +13,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/parallel_for.h"
 #include "engine/prior/search_region.h"
 
 namespace cairn {
@@ -99,34 +98,10 @@ void RequireCurrentCodebook(const MapSnapshot& snapshot, const std::vector<TileR
   }
 }
 
-// Calls step(0) ... step(count - 1) once each, on at most `num_threads` threads and at most one
-// thread per core. Steps start in this order. All steps run; then the first error in order is
-// thrown.
-void ForEachOnThreads(size_t num_threads, size_t count, const std::function<void(size_t)>& step) {
-  std::vector<std::exception_ptr> errors(count);
-  std::atomic<size_t> next = 0;
-  const auto work = [&] {
-    for (size_t i = next++; i < count; i = next++) {
-      try {
-        step(i);
-      } catch (...) {
-        errors[i] = std::current_exception();
-      }
-    }
-  };
-  {
-    std::vector<std::jthread> helpers;
-    const size_t num_cores = std::max(1u, std::thread::hardware_concurrency());
-    for (size_t i = 1; i < std::min(num_threads, num_cores); ++i) {
-      helpers.emplace_back(work);
-    }
-    work();
-  }
-  for (const std::exception_ptr& error : errors) {
-    if (error) {
-      std::rethrow_exception(error);
-    }
-  }
+// Returns the number of threads for `num_steps` long steps: at most one thread per core.
+int NumThreadsFor(size_t num_steps) {
+  const size_t num_cores = std::max(1u, std::thread::hardware_concurrency());
+  return static_cast<int>(std::min(num_steps, num_cores));
 }
 
 // Null if the tile was left out.
@@ -141,7 +116,7 @@ bool IsComplete(const std::shared_ptr<const SearchableTile>& tile) {
 void CompleteIndices(const TilePointers& tiles, const StopFunction& should_stop) {
   const auto has_more = [](const auto& tile) { return tile != nullptr && !IsComplete(tile); };
   const size_t num_incomplete = std::count_if(tiles.begin(), tiles.end(), has_more);
-  ForEachOnThreads(num_incomplete, num_incomplete, [&](size_t first) {
+  ParallelFor(static_cast<int>(num_incomplete), NumThreadsFor(num_incomplete), [&](int first) {
     for (bool had_more = true; had_more;) {
       had_more = false;
       for (size_t i = 0; i < tiles.size(); ++i) {
@@ -168,7 +143,7 @@ class TileLoader {
   // Throws the first error in order.
   TilePointers Get(const std::vector<TileRecord>& records, const StopFunction& should_stop) {
     TilePointers tiles(records.size());
-    ForEachOnThreads(NumMissing(records), records.size(), [&](size_t i) {
+    ParallelFor(static_cast<int>(records.size()), NumThreadsFor(NumMissing(records)), [&](int i) {
       const auto has_time = [&should_stop] { return !should_stop || !should_stop(); };
       if (i == 0 || IsCached(records[i]) || has_time()) {
         tiles[i] = Get(records[i]);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/features.h"
-#include "core/vector_clones.h"
+#include "core/simd.h"
 
 namespace cairn {
 namespace {

@@ -1,6 +1,6 @@
 #include "engine/voting/trace_rays.h"
 
-#include "core/vector_clones.h"
+#include "core/simd.h"
 
 namespace cairn {
 namespace {

@@ -4,7 +4,7 @@
 #include <tuple>
 #include <utility>
 
-#include "core/vector_clones.h"
+#include "core/simd.h"
 
 namespace cairn {
 namespace {

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
 
+#include "core/angles.h"
 #include "core/check.h"
 #include "eval/pictures/label.h"
 #include "eval/pictures/pictures.h"
@@ -22,7 +22,6 @@ constexpr int kBarColumnPx = 130;  // Beside the photo, for the color bar.
 constexpr double kMinPictureWidthPx = 1200.0;
 constexpr double kKeypointRadiusPx = 2.6;
 const cv::Scalar kKeypointColor(225, 225, 225);
-constexpr double kDegFromRad = 180.0 / std::numbers::pi;
 
 // For subpixel drawing, OpenCV takes fixed-point coordinates.
 constexpr int kShift = 4;
@@ -88,7 +87,7 @@ std::string Details(const LocalizeResult& result) {
   return fmt::format(
       "lat {:.6f}  lon {:.6f}  h {:.1f} m   +- {:.2f} m, {:.2f} deg   score {:.0f}   {}",
       result.position.lat_deg(), result.position.lon_deg(), result.position.h_m,
-      result.position_accuracy_m, kDegFromRad * result.rotation_accuracy_rad, result.score, time);
+      result.position_accuracy_m, kDegPerRad * result.rotation_accuracy_rad, result.score, time);
 }
 
 // Pales the photo a little so that dots stand out.

@@ -185,6 +185,63 @@ std::vector<MapRows> LinearizeUsed(const Camera& camera, const FilterState& stat
   return rows;
 }
 
+// The gates of all clones. A clone's gate is made when its first row comes.
+class CloneGates {
+ public:
+  CloneGates(const FilterState& state, double quantile)
+      : state_(state), quantile_(quantile), gates_(state.clones().size()) {}
+
+  bool Passes(const MapRows& row) {
+    std::optional<CloneGate>& gate = gates_[static_cast<size_t>(row.clone)];
+    if (!gate) {
+      gate.emplace(state_, row.clone);
+    }
+    return gate->SquaredDistance(row) < quantile_;
+  }
+
+ private:
+  const FilterState& state_;
+  const double quantile_;
+  std::vector<std::optional<CloneGate>> gates_;
+};
+
+// The sights that pass their gates. `result` has the counts and the used sights.
+struct GatedSights {
+  MapUpdateResult result;
+  std::vector<MapRows> rows;
+  int num_seen = 0;  // Matches whose first sight was tried.
+};
+
+// The first sight of a match decides on the match; the others are tried only if it passes.
+GatedSights GateSights(const Camera& camera, std::span<const MapSight> sights,
+                       const MapUpdateOptions& options, const FilterState& state) {
+  const std::vector<CameraView> views = ViewsOfClones(state);
+  CloneGates gates(state, ChiSquareQuantile(2, options.match_gate_quantile));
+  GatedSights gated;
+  gated.result.used_sights.assign(sights.size(), false);
+  gated.rows.reserve(sights.size());
+  bool match_accepted = false;
+  for (size_t i = 0; i < sights.size(); ++i) {
+    const bool queried = i == 0 || sights[i].match != sights[i - 1].match;
+    if (!queried && !match_accepted) {
+      continue;
+    }
+    const auto linearized = LinearizeSight(camera, state.rig(), views, *state.global_from_local(),
+                                           sights[i], options.sigma_px);
+    const bool accepted = linearized && gates.Passes(*linearized);
+    if (queried) {
+      ++gated.num_seen;
+      match_accepted = accepted;
+      ++(accepted ? gated.result.num_matches : gated.result.num_gated);
+    }
+    if (accepted) {
+      gated.rows.push_back(*linearized);
+      gated.result.used_sights[i] = true;
+    }
+  }
+  return gated;
+}
+
 }  // namespace
 
 void MapUpdateOptions::Validate() const {
@@ -291,52 +348,20 @@ MapUpdateResult UpdateFromMap(const Camera& camera, std::span<const MapSight> si
                               const MapUpdateOptions& options, FilterState* state) {
   const int num_dims = options.num_global_dims();
   AddTiles(sights, state);
-  const std::vector<CameraView> views = ViewsOfClones(*state);
-  const double quantile = ChiSquareQuantile(2, options.match_gate_quantile);
-  std::vector<std::optional<CloneGate>> gates(views.size());
-  const auto passes = [&](const MapRows& row) {
-    auto& gate = gates[static_cast<size_t>(row.clone)];
-    if (!gate) {
-      gate.emplace(*state, row.clone);
-    }
-    return gate->SquaredDistance(row) < quantile;
-  };
-  MapUpdateResult result;
-  result.used_sights.assign(sights.size(), false);
-  std::vector<MapRows> rows;
-  rows.reserve(sights.size());
-  int num_seen = 0;
-  bool match_accepted = false;
-  for (size_t i = 0; i < sights.size(); ++i) {
-    const bool queried = i == 0 || sights[i].match != sights[i - 1].match;
-    if (!queried && !match_accepted) {
-      continue;
-    }
-    const auto linearized = LinearizeSight(camera, state->rig(), views, *state->global_from_local(),
-                                           sights[i], options.sigma_px);
-    const bool accepted = linearized && passes(*linearized);
-    if (queried) {
-      ++num_seen;
-      match_accepted = accepted;
-      ++(accepted ? result.num_matches : result.num_gated);
-    }
-    if (accepted) {
-      rows.push_back(*linearized);
-      result.used_sights[i] = true;
-    }
-  }
+  const GatedSights gated = GateSights(camera, sights, options, *state);
+  MapUpdateResult result = gated.result;
   const auto refuse = [&result](MapUpdateStatus status) {
     result.status = status;
     std::fill(result.used_sights.begin(), result.used_sights.end(), false);
     return result;
   };
-  if (result.num_matches < options.min_inlier_fraction * num_seen) {
+  if (result.num_matches < options.min_inlier_fraction * gated.num_seen) {
     return refuse(MapUpdateStatus::kDisagrees);
   }
   if (result.num_matches < options.min_matches) {
     return refuse(MapUpdateStatus::kTooFewMatches);
   }
-  Measurement measurement = CompressMapRows(rows, num_dims, *state);
+  Measurement measurement = CompressMapRows(gated.rows, num_dims, *state);
   const double excess = state->SquaredMahalanobis(measurement) /
                         ChiSquareQuantile(measurement.num_rows(), options.response_gate_quantile);
   if (!(excess < kMaxExcess)) {

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
 #include "core/tile_id.h"
 #include "http/wire/feature_codec.h"
+#include "http/wire/json_reader.h"
 #include "http/wire/multipart.h"
 
 namespace cairn::fusion {
@@ -63,71 +64,60 @@ std::string RequestJson(const MapQuery& query, const Geodetic& global_origin, in
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-double Finite(const Json& json) {
-  const auto value = json.get<double>();
-  if (!std::isfinite(value)) {
-    throw std::invalid_argument("a number is not finite");
-  }
-  return value;
-}
-
-Geodetic ReadGeodetic(const Json& json) {
-  const Geodetic position =
-      Geodetic::FromDegrees(Finite(json.at("lat")), Finite(json.at("lon")), Finite(json.at("h")));
+Geodetic ReadGeodetic(const JsonReader& json) {
+  const Geodetic position = Geodetic::FromDegrees(json.At("lat").Number(), json.At("lon").Number(),
+                                                  json.At("h").Number());
   ValidateGeodetic(position, "position");
   return position;
 }
 
-Rigid3d ReadPose(const Json& json, const Rigid3d& global_from_ecef) {
-  if (json.at("innerFrame").get<std::string>() != "RDF") {
-    throw std::invalid_argument("another inner frame than asked for");
+Rigid3d ReadPose(const JsonReader& json, const Rigid3d& global_from_ecef) {
+  if (json.At("innerFrame").String() != "RDF") {
+    json.At("innerFrame").Fail("is another inner frame than asked for");
   }
-  const Json& q = json.at("geopose").at("quaternion");
-  const Eigen::Quaterniond enu_from_cam(Finite(q.at("w")), Finite(q.at("x")), Finite(q.at("y")),
-                                        Finite(q.at("z")));
+  const JsonReader q = json.At("geopose").At("quaternion");
+  const Eigen::Quaterniond enu_from_cam(q.At("w").Number(), q.At("x").Number(), q.At("y").Number(),
+                                        q.At("z").Number());
   if (std::abs(enu_from_cam.norm() - 1.0) > 1e-3) {
-    throw std::invalid_argument("the quaternion is not of unit length");
+    q.Fail("is not of unit length");
   }
-  const Rigid3d ecef_from_enu = EcefFromEnu(ReadGeodetic(json.at("geopose").at("position")));
+  const Rigid3d ecef_from_enu = EcefFromEnu(ReadGeodetic(json.At("geopose").At("position")));
   return global_from_ecef * ecef_from_enu * Rigid3d(enu_from_cam, Eigen::Vector3d::Zero());
 }
 
-MapMatch ReadMatch(const Json& json, const MapQuery& query, const Rigid3d& global_from_anchor,
+MapMatch ReadMatch(const JsonReader& json, const MapQuery& query, const Rigid3d& global_from_anchor,
                    const std::vector<uint64_t>& tile_ids) {
   MapMatch match;
-  match.pixel = {Finite(json.at("u")), Finite(json.at("v"))};
-  const Json& enu = json.at("enu");
-  match.x_in_global =
-      global_from_anchor * Eigen::Vector3d(Finite(enu.at(0)), Finite(enu.at(1)), Finite(enu.at(2)));
-  match.sigma_m = Finite(json.at("sigma"));
-  if (match.sigma_m < 0.0) {
-    throw std::invalid_argument("a standard deviation is negative");
-  }
-  match.landmark_id = json.at("landmarkId").get<uint64_t>();
-  match.tile_id = tile_ids.at(json.at("tile").get<size_t>());
-  const auto keypoint = json.at("keypoint").get<size_t>();
+  match.pixel = {json.At("u").Number(), json.At("v").Number()};
+  const std::vector<double> enu = json.At("enu").Numbers(3, 3);
+  match.x_in_global = global_from_anchor * Eigen::Vector3d(enu[0], enu[1], enu[2]);
+  match.sigma_m = json.At("sigma").Number(0.0, std::numeric_limits<double>::max());
+  match.landmark_id = json.At("landmarkId").Integer(0, kMaxExactInteger);
+  match.tile_id = tile_ids.at(json.At("tile").Integer(0, kMaxExactInteger));
+  const auto keypoint = static_cast<size_t>(json.At("keypoint").Integer(0, kMaxExactInteger));
   if (keypoint < query.track_of_keypoint.size()) {
     match.track_id = query.track_of_keypoint[keypoint];
   }
   return match;
 }
 
-Answer ReadAnswer(const Json& json, const MapQuery& query, const Geodetic& global_origin) {
+Answer ReadAnswer(const JsonReader& json, const MapQuery& query, const Geodetic& global_origin) {
   Answer answer;
   answer.query_id = query.query.query_id;
-  answer.localized = json.at("status").get<std::string>() == "LOCALIZED";
+  answer.localized = json.At("status").String() == "LOCALIZED";
   if (!answer.localized) {
     return answer;
   }
   const Rigid3d global_from_ecef = EcefFromEnu(global_origin).Inverse();
   answer.global_from_cam = ReadPose(json, global_from_ecef);
   std::vector<uint64_t> tile_ids;
-  for (const Json& tile : json.at("map").at("tiles")) {
-    tile_ids.push_back(TileId::Parse(tile.get<std::string>()).value());
+  for (const JsonReader& tile :
+       json.At("map").At("tiles").Elements(0, kAnswerLimits.max_elements)) {
+    tile_ids.push_back(TileId::Parse(tile.String()).value());
   }
   const Rigid3d global_from_anchor =
-      global_from_ecef * EcefFromEnu(ReadGeodetic(json.at("anchor")));
-  for (const Json& match : json.at("matches")) {
+      global_from_ecef * EcefFromEnu(ReadGeodetic(json.At("anchor")));
+  for (const JsonReader& match : json.At("matches").Elements(0, kAnswerLimits.max_elements)) {
     answer.matches.push_back(ReadMatch(match, query, global_from_anchor, tile_ids));
   }
   return answer;
@@ -157,7 +147,8 @@ MapRequest MakeMapRequest(const MapQuery& query, const Geodetic& global_origin, 
 std::optional<Answer> ReadMapAnswer(std::string_view json, const MapQuery& query,
                                     const Geodetic& global_origin) noexcept {
   try {
-    return ReadAnswer(Json::parse(json), query, global_origin);
+    const JsonDocument document = ParseJson(json, kAnswerLimits);
+    return ReadAnswer(JsonReader(document), query, global_origin);
   } catch (const std::exception&) {
     return std::nullopt;
   }

@@ -7,12 +7,13 @@
 #include <condition_variable>
 #include <deque>
 #include <mutex>
-#include <random>
 #include <string_view>
 #include <thread>
 #include <utility>
 
+#include "core/random.h"
 #include "core/require.h"
+#include "http/wire/client_setup.h"
 
 namespace cairn::fusion {
 namespace {
@@ -58,13 +59,7 @@ struct MapTransport::Impl {
     if (!options.now) {
       options.now = [] { return Clock::now(); };
     }
-    http.set_keep_alive(true);
-    http.set_tcp_nodelay(true);
-    const time_t seconds = options.timeout_ms / 1000;
-    const time_t microseconds = options.timeout_ms % 1000 * 1000;
-    http.set_connection_timeout(seconds, microseconds);
-    http.set_read_timeout(seconds, microseconds);
-    http.set_write_timeout(seconds, microseconds);
+    SetUpClient(options.timeout_ms, &http);
     worker = std::thread([this] { Work(); });
   }
 
@@ -184,7 +179,7 @@ struct MapTransport::Impl {
       const double pause_s =
           std::min(options.max_backoff_s, options.first_backoff_s * std::exp2(num_failures));
       num_failures = std::min(num_failures + 1, 60);
-      const double share = std::uniform_real_distribution<double>(0.5, 1.0)(random);
+      const double share = 0.5 + 0.5 * random.Fraction();
       closed_until = options.now() + Seconds(pause_s * share);
     }
     return Failed(query);
@@ -217,7 +212,7 @@ struct MapTransport::Impl {
   Clock::time_point closed_until = Clock::time_point::min();
   std::optional<Clock::time_point> last_accepted;
   int num_failures = 0;  // Consecutive failures.
-  std::mt19937_64 random;
+  Random random;
   MapTransportCounters counters;
 
   std::thread worker;  // Last member, because the thread uses all others.

@@ -5,10 +5,10 @@
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <optional>
 #include <string_view>
 
+#include "core/angles.h"
 #include "engine/prior/search_region.h"
 #include "http/wire/problem.h"
 
@@ -17,7 +17,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 constexpr int64_t kDefaultLimit = 1000;
 constexpr int64_t kMaxLimit = 10'000;
 

@@ -1,8 +1,8 @@
 #include "http/handlers/status_handlers.h"
 
 #include <nlohmann/json.hpp>
-#include <numbers>
 
+#include "core/angles.h"
 #include "core/logging.h"
 #include "http/wire/problem.h"
 
@@ -25,7 +25,6 @@ Json BoundsJson(const std::optional<GeoBox>& bounds) {
   if (!bounds) {
     return nullptr;
   }
-  constexpr double kDegPerRad = 180.0 / std::numbers::pi;
   return {bounds->west_rad * kDegPerRad, bounds->south_rad * kDegPerRad,
           bounds->east_rad * kDegPerRad, bounds->north_rad * kDegPerRad};
 }

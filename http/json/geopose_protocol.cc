@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <optional>
 #include <set>
 #include <utility>
 #include <vector>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "http/json/geopose_readings.h"
 #include "http/json/image_orientation.h"
@@ -27,8 +27,6 @@ namespace {
 
 constexpr char kMediaType[] = "application/vnd.oscp+json";
 constexpr char kOgcMediaType[] = "application/geopose+json";
-constexpr size_t kMaxReadings = 1000;
-constexpr int64_t kMaxTimestampMs = int64_t{1} << 53;
 // Pictures of a rig must be taken within this time of each other.
 constexpr double kMaxRigDelayMs = 10.0;
 
@@ -236,8 +234,8 @@ LocalizeRequest ParseGeoPoseRequest(std::string_view content_type, std::string_v
   }
   if (const auto timestamp = json.Find("timestamp")) {
     // Reference clients send fractions of milliseconds.
-    request.timestamp_ms = static_cast<int64_t>(
-        timestamp->Number(-static_cast<double>(kMaxTimestampMs), kMaxTimestampMs));
+    request.timestamp_ms =
+        static_cast<int64_t>(timestamp->Number(-kMaxExactInteger, kMaxExactInteger));
   }
   if (const auto type = json.Find("type"); type && type->String() != "geopose") {
     type->Fail("is not 'geopose'");
@@ -251,7 +249,7 @@ std::string GeoPoseResponseJson(const LocalizeResult& result, const LocalizeRequ
   json["timestamp"] = request.timestamp_ms.value_or(0);
   json["type"] = "geopose";
   json["accuracy"] = {{"position", result.position_accuracy_m},
-                      {"orientation", result.rotation_accuracy_rad * 180.0 / std::numbers::pi}};
+                      {"orientation", result.rotation_accuracy_rad * kDegPerRad}};
   json["geopose"] = GeoPoseJson(result, request.answer);
   return Dump(json);
 }

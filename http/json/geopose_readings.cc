@@ -5,31 +5,22 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
 #include <utility>
 
+#include "core/angles.h"
 #include "core/geoid.h"
-#include "http/json/localize_request.h"
+#include "http/json/request_members.h"
 
 namespace cairn {
 namespace {
 
 constexpr double kUnknownAccuracyM = 25.0;
-constexpr double kMaxAccuracyM = 100'000.0;
-constexpr double kMaxHeightM = 10'000.0;
-constexpr double kMaxTimeMs = 9007199254740992.0;
-constexpr size_t kMaxReadings = 1000;
+constexpr double kMaxDeviceHeightM = 10'000.0;
 // Assumed maximum speed of the camera since a prior pose.
 constexpr double kMaxSpeedMPerS = 3.0;
 constexpr double kStandardGravity = 9.80665;
 constexpr double kGravityTolerance = 0.03;
 constexpr double kMaxGravityAgeMs = 500.0;
-
-// Reads any finite number.
-double AnyNumber(const JsonReader& json) {
-  return json.Number(std::numeric_limits<double>::lowest(), std::numeric_limits<double>::max());
-}
 
 // Milliseconds between two times; 0 if either is unknown.
 double AgeMs(std::optional<double> a, std::optional<double> b) {
@@ -43,9 +34,9 @@ void ReadAltitude(const JsonReader& reading, PositionPrior* prior) {
   if (!altitude) {
     return;
   }
-  const double height_m = AnyNumber(*altitude);
-  const double sigma_m = accuracy ? AnyNumber(*accuracy) : 0.0;
-  if (!(std::abs(height_m) <= kMaxHeightM)) {
+  const double height_m = altitude->Number();
+  const double sigma_m = accuracy ? accuracy->Number() : 0.0;
+  if (!(std::abs(height_m) <= kMaxDeviceHeightM)) {
     return;
   }
   prior->position.h_m = height_m;
@@ -53,7 +44,7 @@ void ReadAltitude(const JsonReader& reading, PositionPrior* prior) {
   if (reference) {
     prior->position = WithEllipsoidalHeight(prior->position, ReadHeightReference(*reference));
   }
-  if (!(sigma_m > 0.0 && sigma_m <= kMaxAccuracyM)) {
+  if (!(sigma_m > 0.0 && sigma_m <= PositionPrior::kMaxAccuracyM)) {
     return;
   }
   const Geodetic& place = prior->position;
@@ -67,9 +58,9 @@ std::optional<PositionPrior> ReadGeolocation(const JsonReader& reading) {
   const double lat_deg = reading.At("latitude").Number(-90.0, 90.0);
   const double lon_deg = reading.At("longitude").Number(-180.0, 180.0);
   const auto accuracy = reading.Find("accuracy");
-  const double accuracy_m = accuracy ? AnyNumber(*accuracy) : 0.0;
+  const double accuracy_m = accuracy ? accuracy->Number() : 0.0;
   const bool is_unset = lat_deg == 0.0 && lon_deg == 0.0;
-  if (is_unset || accuracy_m < 0.0 || accuracy_m > kMaxAccuracyM) {
+  if (is_unset || accuracy_m < 0.0 || accuracy_m > PositionPrior::kMaxAccuracyM) {
     return std::nullopt;
   }
   PositionPrior prior;
@@ -85,13 +76,13 @@ std::optional<PositionPrior> ReadPriorPose(const JsonReader& pose, std::optional
   const JsonReader position = geopose.At("position");
   const auto accuracy = pose.Find("accuracy");
   const auto position_accuracy = accuracy ? accuracy->Find("position") : std::nullopt;
-  const double accuracy_m = position_accuracy ? AnyNumber(*position_accuracy) : 0.0;
-  if (accuracy_m < 0.0 || accuracy_m > kMaxAccuracyM) {
+  const double accuracy_m = position_accuracy ? position_accuracy->Number() : 0.0;
+  if (accuracy_m < 0.0 || accuracy_m > PositionPrior::kMaxAccuracyM) {
     return std::nullopt;
   }
   const double moved_m = kMaxSpeedMPerS * 1e-3 * AgeMs(time_ms, TimeOf(pose));
   const double radius_m = moved_m + (accuracy_m > 0.0 ? accuracy_m : kUnknownAccuracyM);
-  if (radius_m > kMaxAccuracyM) {
+  if (radius_m > PositionPrior::kMaxAccuracyM) {
     return std::nullopt;
   }
   PositionPrior prior;
@@ -111,8 +102,8 @@ std::vector<JsonReader> ElementsOf(const JsonReader& json, const char* member) {
 
 // The direction of the acceleration of a device at rest: up, in the accelerometer's axes.
 std::optional<Eigen::Vector3d> ReadAtRest(const JsonReader& reading) {
-  const Eigen::Vector3d acceleration(AnyNumber(reading.At("x")), AnyNumber(reading.At("y")),
-                                     AnyNumber(reading.At("z")));
+  const Eigen::Vector3d acceleration(reading.At("x").Number(), reading.At("y").Number(),
+                                     reading.At("z").Number());
   const double ratio = acceleration.norm() / kStandardGravity;
   if (!(std::abs(ratio - 1.0) <= kGravityTolerance)) {
     return std::nullopt;
@@ -143,11 +134,10 @@ std::vector<JsonReader> ReadingsOf(const JsonReader& readings, const char* membe
 
 std::optional<double> TimeOf(const JsonReader& reading) {
   const auto time = reading.Find("timestamp");
-  return time ? std::optional(time->Number(-kMaxTimeMs, kMaxTimeMs)) : std::nullopt;
+  return time ? std::optional(time->Number(-kMaxExactInteger, kMaxExactInteger)) : std::nullopt;
 }
 
 std::optional<RigPlace> RigPlaceOf(const JsonReader& request, const JsonReader& reading) {
-  constexpr double kMaxOffsetM = 100.0;  // Same limit as LocalizeQuery::Validate.
   const auto id = reading.Find("sensorId");
   if (!id) {
     return std::nullopt;
@@ -165,7 +155,7 @@ std::optional<RigPlace> RigPlaceOf(const JsonReader& request, const JsonReader& 
     RigPlace place{rig->String(), {ReadRotation(*rotation), Eigen::Vector3d::Zero()}};
     if (const auto translation = sensor.Find("rigTranslation")) {
       const auto component = [&](const char* name) {
-        return translation->At(name).Number(-kMaxOffsetM, kMaxOffsetM);
+        return translation->At(name).Number(-RigCamera::kMaxOffsetM, RigCamera::kMaxOffsetM);
       };
       place.sensor_from_rig.translation = {component("x"), component("y"), component("z")};
     }
@@ -221,8 +211,7 @@ std::optional<int> ReadRotationDeg(const JsonReader& camera_reading) {
 }
 
 Eigen::Quaterniond UprightFromSent(int rotation_deg) {
-  return Eigen::Quaterniond(
-      Eigen::AngleAxisd(rotation_deg * std::numbers::pi / 180.0, Eigen::Vector3d::UnitZ()));
+  return Eigen::Quaterniond(Eigen::AngleAxisd(rotation_deg * kRadPerDeg, Eigen::Vector3d::UnitZ()));
 }
 
 std::optional<Eigen::Vector3d> ReadGeoPoseGravity(const JsonReader& request,

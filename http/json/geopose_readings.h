@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "engine/query/localize_query.h"
-#include "http/json/json_reader.h"
+#include "http/json/request_limits.h"
+#include "http/wire/json_reader.h"
 
 namespace cairn {
 

@@ -8,24 +8,15 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "http/json/request_members.h"
 #include "http/json/request_options.h"
 #include "http/json/stated_camera.h"
-#include "http/wire/base64.h"
 #include "http/wire/feature_codec.h"
 #include "http/wire/multipart.h"
 #include "http/wire/problem.h"
 
 namespace cairn {
 namespace {
-
-constexpr double kMaxAccuracyM = 100'000.0;
-constexpr double kMinHeightM = -12'000.0;  // Same limits as ValidateGeodetic.
-constexpr double kMaxHeightM = 100'000.0;
-constexpr size_t kMaxIdLength = 128;
-// Phones report directions rounded and in single precision. They are normalized here.
-constexpr double kUnitNormTolerance = 0.02;
-constexpr int64_t kMaxTimestampMs = int64_t{1} << 53;
-constexpr size_t kMaxShortJsonBytes = size_t{64} << 10;
 
 PositionPrior ReadPrior(const JsonReader& json) {
   json.RequireOnly({"position", "accuracy", "altitudeAccuracy", "altitudeReference"});
@@ -37,13 +28,13 @@ PositionPrior ReadPrior(const JsonReader& json) {
     prior.position = WithEllipsoidalHeight(prior.position, ReadHeightReference(*reference));
   }
   if (const auto accuracy = json.Find("accuracy")) {
-    prior.accuracy_m = accuracy->Number(1e-3, kMaxAccuracyM);
+    prior.accuracy_m = accuracy->Number(1e-3, PositionPrior::kMaxAccuracyM);
   }
   if (const auto altitude_accuracy = json.Find("altitudeAccuracy")) {
     if (!position.Has("h")) {
       altitude_accuracy->Fail("needs the height position.h");
     }
-    prior.height_sigma_m = altitude_accuracy->Number(1e-3, kMaxAccuracyM);
+    prior.height_sigma_m = altitude_accuracy->Number(1e-3, PositionPrior::kMaxAccuracyM);
   }
   return prior;
 }
@@ -102,25 +93,6 @@ void SetRigFeatures(std::span<const uint8_t> blob, size_t index, int max_feature
         fmt::format("the cameras of the rig together have more than {} features", max_features))
         .At(pointer + "/features");
   }
-}
-
-Rigid3d ReadCamFromFirst(const JsonReader& json) {
-  constexpr double kMaxOffsetM = 100.0;  // Same limit as LocalizeQuery::Validate.
-  json.RequireOnly({"quaternion", "translation"});
-  const JsonReader quaternion = json.At("quaternion");
-  quaternion.RequireOnly({"x", "y", "z", "w"});
-  const auto component = [&](const char* name) { return quaternion.At(name).Number(-1.01, 1.01); };
-  const Eigen::Quaterniond rotation(component("w"), component("x"), component("y"), component("z"));
-  if (!(std::abs(rotation.norm() - 1.0) <= kUnitNormTolerance)) {
-    quaternion.Fail(fmt::format("has length {}, not 1", rotation.norm()));
-  }
-  const JsonReader translation = json.At("translation");
-  const std::vector<double> numbers = translation.Numbers(3, 3);
-  const Eigen::Vector3d offset(numbers[0], numbers[1], numbers[2]);
-  if (!(offset.norm() <= kMaxOffsetM)) {
-    translation.Fail(fmt::format("is longer than {} m", kMaxOffsetM));
-  }
-  return {rotation, offset};
 }
 
 // Reads the other cameras of a rig, without features and images.
@@ -201,7 +173,7 @@ LocalizeRequest ReadCommon(const JsonReader& json, const RequestLimits& limits) 
     request.query.id = id->String(kMaxIdLength);
   }
   if (const auto timestamp = json.Find("timestamp")) {
-    request.timestamp_ms = timestamp->Integer(-kMaxTimestampMs, kMaxTimestampMs);
+    request.timestamp_ms = timestamp->Integer(-kMaxExactInteger, kMaxExactInteger);
   }
   const auto rig = json.Find("rig");
   if (rig) {
@@ -384,35 +356,6 @@ void SetOrientations(ImageOrientation meant, LocalizeRequest* request) {
           OrientationToApply(*header, meant, camera.width_px(), camera.height_px());
     }
   }
-}
-
-HeightReference ReadHeightReference(const JsonReader& name) {
-  const std::optional<HeightReference> reference = HeightReferenceFromName(name.String());
-  if (!reference) {
-    name.Fail("is unknown", "known: ellipsoid, msl (mean sea level)");
-  }
-  return *reference;
-}
-
-RigCamera ReadRigCamera(const JsonReader& element) {
-  RigCamera camera;
-  camera.camera = ReadKnownCamera(element.At("camera"));
-  camera.cam_from_first = ReadCamFromFirst(element.At("camFromFirst"));
-  return camera;
-}
-
-std::vector<uint8_t> ReadBase64(const JsonReader& text) {
-  std::optional<std::vector<uint8_t>> bytes = DecodeBase64(text.String());
-  if (!bytes) {
-    text.Fail("is not base64", "use the standard alphabet with padding and without line breaks");
-  }
-  return std::move(*bytes);
-}
-
-Geodetic ReadGeodetic(const JsonReader& lat, const JsonReader& lon,
-                      const std::optional<JsonReader>& h) {
-  return Geodetic::FromDegrees(lat.Number(-90.0, 90.0), lon.Number(-180.0, 180.0),
-                               h ? h->Number(kMinHeightM, kMaxHeightM) : 0.0);
 }
 
 bool IsLongJson(std::string_view content_type, std::string_view body) {

@@ -8,18 +8,13 @@
 #include <string_view>
 #include <vector>
 
-#include "core/geoid.h"
 #include "engine/query/localize_query.h"
 #include "http/json/image_orientation.h"
 #include "http/json/inner_frame.h"
-#include "http/json/json_reader.h"
+#include "http/json/request_limits.h"
+#include "http/wire/json_reader.h"
 
 namespace cairn {
-
-struct RequestLimits {
-  int max_features = 5000;
-  int default_timeout_ms = 2000;
-};
 
 // The contents that the client wants in the response. Only GeoPoseResponseJson and OgcGeoPoseJson
 // use `answer_from_cam`.
@@ -72,19 +67,8 @@ bool IsLongJson(std::string_view content_type, std::string_view body);
 // The result only bounds how long the body waits for its turn.
 int PeekTimeoutMs(std::string_view body, const RequestLimits& limits);
 
-// The functions below are shared with GeoPoseProtocol and the command line.
-//
 // Sets the turn of each image from its header and the size of its camera.
 void SetOrientations(ImageOrientation meant, LocalizeRequest* request);
-// Reads "ellipsoid" or "msl".
-HeightReference ReadHeightReference(const JsonReader& name);
-// Reads `camera` and `camFromFirst` of an element of `rig`. The result has no features.
-RigCamera ReadRigCamera(const JsonReader& element);
-// Decodes strict base64. Throws with the pointer of the string.
-std::vector<uint8_t> ReadBase64(const JsonReader& text);
-// Reads and checks degrees and meters.
-Geodetic ReadGeodetic(const JsonReader& lat, const JsonReader& lon,
-                      const std::optional<JsonReader>& h);
 
 }  // namespace cairn
 

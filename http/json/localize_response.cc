@@ -2,21 +2,19 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
+#include "core/angles.h"
 #include "core/error.h"
-#include "http/json/json_reader.h"
+#include "http/json/request_members.h"
 #include "http/json/stated_camera.h"
+#include "http/wire/json_reader.h"
 
 namespace cairn {
 namespace {
 
 using Json = nlohmann::ordered_json;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
-
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
 constexpr std::array kReasons = {
     NotLocalizedReason::kNone,           NotLocalizedReason::kNoCoverage,
@@ -175,8 +173,6 @@ void AddPose(const LocalizeResult& result, const ResponseOptions& options, Json*
   (*json)["inlierCount"] = result.matches.size();
 }
 
-constexpr size_t kMaxElements = 1 << 20;  // Of an array in a response.
-
 GeoPose ReadGeoPose(const JsonReader& json) {
   const JsonReader position = json.At("position");
   const JsonReader quaternion = json.At("quaternion");
@@ -187,19 +183,14 @@ GeoPose ReadGeoPose(const JsonReader& json) {
                   .normalized()};
 }
 
-double ReadNumber(const JsonReader& json) {
-  constexpr double kMax = std::numeric_limits<double>::max();
-  return json.Number(-kMax, kMax);
-}
-
 CameraEstimate ReadCameraEstimate(const JsonReader& json) {
   CameraEstimate estimate;
   estimate.camera =
       ReadCameraParts(json.At("model"), ReadImageSize(json.At("size")), json.At("modelParams"))
           .camera;
-  estimate.focal_sigma_px = ReadNumber(json.At("focalLengthAccuracy"));
-  estimate.assumed_focal_px = ReadNumber(json.At("assumedFocalLength"));
-  estimate.assumed_focal_sigma_px = ReadNumber(json.At("assumedFocalLengthAccuracy"));
+  estimate.focal_sigma_px = json.At("focalLengthAccuracy").Number();
+  estimate.assumed_focal_px = json.At("assumedFocalLength").Number();
+  estimate.assumed_focal_sigma_px = json.At("assumedFocalLengthAccuracy").Number();
   estimate.focal_disagrees = json.At("focalLengthDisagrees").Bool();
   return estimate;
 }
@@ -216,11 +207,11 @@ void ReadPose(const JsonReader& json, LocalizeResult* result) {
   result->anchor = ReadGeodetic(anchor.At("lat"), anchor.At("lon"), anchor.At("h"));
   result->cam_from_anchor = result->cam_from_ecef * EcefFromEnu(result->anchor);
   const JsonReader accuracy = json.At("accuracy");
-  result->position_accuracy_m = ReadNumber(accuracy.At("position"));
-  result->rotation_accuracy_rad = ReadNumber(accuracy.At("orientation")) / kDegPerRad;
-  result->confidence = ReadNumber(json.At("confidence"));
-  result->score = ReadNumber(json.At("score"));
-  result->false_alarm_rate = ReadNumber(json.At("falseAlarmRate"));
+  result->position_accuracy_m = accuracy.At("position").Number();
+  result->rotation_accuracy_rad = accuracy.At("orientation").Number() / kDegPerRad;
+  result->confidence = json.At("confidence").Number();
+  result->score = json.At("score").Number();
+  result->false_alarm_rate = json.At("falseAlarmRate").Number();
   result->prior_disagrees = json.At("priorDisagrees").Bool();
   if (const auto camera = json.Find("camera")) {
     result->camera = ReadCameraEstimate(*camera);
@@ -236,24 +227,23 @@ LocalizeMatch ReadMatch(const JsonReader& json) {
   const std::vector<double> enu = json.At("enu").Numbers(3, 3);
   LocalizeMatch match;
   match.keypoint_idx = static_cast<int>(json.At("keypoint").Integer(0, 1 << 30));
-  match.pixel = {ReadNumber(json.At("u")), ReadNumber(json.At("v"))};
-  match.landmark_id = LandmarkId(json.At("landmarkId").Integer(0, int64_t{1} << 53));
+  match.pixel = {json.At("u").Number(), json.At("v").Number()};
+  match.landmark_id = LandmarkId(json.At("landmarkId").Integer(0, kMaxExactInteger));
   match.tile_idx = static_cast<int>(json.At("tile").Integer(0, 1 << 30));
   if (const auto camera = json.Find("camera")) {
     match.camera_idx = static_cast<int>(camera->Integer(0, LocalizeQuery::kMaxOtherCameras));
   }
   match.x_in_anchor = {enu[0], enu[1], enu[2]};
-  match.sigma_m = ReadNumber(json.At("sigma"));
-  match.traits.error_px = ReadNumber(json.At("error"));
-  match.right_probability = ReadNumber(json.At("probability"));
+  match.sigma_m = json.At("sigma").Number();
+  match.traits.error_px = json.At("error").Number();
+  match.right_probability = json.At("probability").Number();
   return match;
 }
 
 void ReadStages(const JsonReader& json, LocalizeResult* result) {
-  constexpr int64_t kMaxCount = int64_t{1} << 53;
   for (const CounterField& counter : kCounters) {
     result->counters.*counter.value =
-        json.At(StageName(counter.stage)).At(counter.name).Integer(0, kMaxCount);
+        json.At(StageName(counter.stage)).At(counter.name).Integer(0, kMaxExactInteger);
   }
   for (const FlagField& flag : kFlags) {
     // Older servers send fewer flags.
@@ -263,11 +253,11 @@ void ReadStages(const JsonReader& json, LocalizeResult* result) {
   }
   for (int i = 0; i < kNumStages; ++i) {
     if (const auto ms = json.At(StageName(static_cast<Stage>(i))).Find("ms")) {
-      result->times.seconds[i] = 1e-3 * ReadNumber(*ms);
+      result->times.seconds[i] = 1e-3 * ms->Number();
     }
   }
   if (const auto total = json.Find("totalMs")) {
-    result->times.total_seconds = 1e-3 * ReadNumber(*total);
+    result->times.total_seconds = 1e-3 * total->Number();
   }
 }
 
@@ -289,14 +279,14 @@ LocalizeResult ReadResult(const JsonReader& json) {
     result.reason = ReadReason(json.At("reason"));
   }
   if (const auto matches = json.Find("matches")) {
-    for (const JsonReader& match : matches->Elements(0, kMaxElements)) {
+    for (const JsonReader& match : matches->Elements(0, kAnswerLimits.max_elements)) {
       result.matches.push_back(ReadMatch(match));
     }
   }
   ReadStages(json.At("stages"), &result);
   const JsonReader map = json.At("map");
-  result.map_version = MapVersion(map.At("version").Integer(0, int64_t{1} << 53));
-  for (const JsonReader& tile : map.At("tiles").Elements(0, kMaxElements)) {
+  result.map_version = MapVersion(map.At("version").Integer(0, kMaxExactInteger));
+  for (const JsonReader& tile : map.At("tiles").Elements(0, kAnswerLimits.max_elements)) {
     result.tiles.push_back(TileId::Parse(tile.String()));
   }
   return result;
@@ -335,9 +325,6 @@ std::string LocalizeResponseJson(const LocalizeResult& result, const LocalizeReq
 }
 
 LocalizeResult ParseLocalizeResponse(std::string_view text) {
-  // Enough for the 100,000 matches of 13 values that ResponseOptions::max_matches allows, and many
-  // tiles.
-  constexpr JsonLimits kAnswerLimits{.max_values = 4'000'000, .max_elements = kMaxElements};
   try {
     const JsonDocument document = ParseJson(text, kAnswerLimits);
     return ReadResult(JsonReader(document));

@@ -5,8 +5,6 @@
 namespace cairn {
 namespace {
 
-constexpr int kMaxMatches = 100'000;
-
 void ReadInclude(const JsonReader& json, ResponseOptions* options) {
   options->with_matches = options->with_timings = options->with_covariance = false;
   for (const JsonReader& element : json.Elements(0, 8)) {

@@ -5,13 +5,10 @@
 #include <optional>
 
 #include "http/json/image_orientation.h"
-#include "http/json/json_reader.h"
 #include "http/json/localize_request.h"
+#include "http/wire/json_reader.h"
 
 namespace cairn {
-
-// The longest timeout that a request may ask for.
-inline constexpr int kMaxTimeoutMs = 60'000;
 
 // Sets the timeout and the wanted contents of the response. Throws HttpError kInvalidField, also
 // for unknown members.

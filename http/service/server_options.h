@@ -7,6 +7,8 @@
 #include <string>
 
 #include "engine/localizer_options.h"
+#include "http/json/request_limits.h"
+#include "ingest/images/gray_image.h"
 
 namespace cairn {
 
@@ -28,9 +30,9 @@ struct ServerOptions {
   // Fits a picture of max_image_pixels as JPEG, or as GRAY8 in base64, which takes 16,000,000
   // bytes. RGBA32 of that size needs 64 MB.
   size_t max_body_bytes = size_t{16} << 20;
-  int64_t max_image_pixels = 12'000'000;
-  int max_features = 5000;
-  int default_timeout_ms = 2000;
+  int64_t max_image_pixels = ImageDecodeLimits().max_pixels;
+  int max_features = RequestLimits().max_features;
+  int default_timeout_ms = RequestLimits().default_timeout_ms;
   LocalizerOptions localizer;
 
   // Throws Error(kInvalidArgument) that names the field.

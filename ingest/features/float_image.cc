@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/vector_clones.h"
+#include "core/simd.h"
 
 namespace cairn {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/check.h"
-#include "core/vector_clones.h"
+#include "core/simd.h"
 
 namespace cairn {
 namespace {

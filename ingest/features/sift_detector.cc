@@ -8,7 +8,7 @@
 #include <cstring>
 #include <optional>
 
-#include "core/vector_clones.h"
+#include "core/simd.h"
 
 namespace cairn {
 namespace {

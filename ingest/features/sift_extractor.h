@@ -32,7 +32,7 @@ struct SiftOptions {
 // only if the image has few features. The features are in the order of the search.
 //
 // Runs on the calling thread. Thread-safe. Results are equal on equal processors; between others
-// they may differ in the last bit (core/vector_clones.h). Throws Error(kBadInput) if the image's
+// they may differ in the last bit (core/simd.h). Throws Error(kBadInput) if the image's
 // size does not match the number of its pixels.
 FeatureSet ExtractSift(const GrayImage& image, const SiftOptions& options = {});
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/vector_clones.h"
+#include "core/simd.h"
 #include "ingest/features/arc_tangent.h"
 
 namespace cairn {

@@ -4,15 +4,13 @@
 #include <cmath>
 #include <exiv2/error.hpp>
 #include <exiv2/exif.hpp>
-#include <numbers>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "ingest/images/image_header.h"
 
 namespace cairn {
 namespace {
-
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 // The `n`-th rational of a tag. Returns nothing if the tag or the number is missing or not finite.
 std::optional<double> Number(const Exiv2::ExifData& exif, const char* key, long n = 0) {

@@ -1,14 +1,11 @@
 #include "ingest/images/jpeg_decoder.h"
 
-#include <fmt/format.h>
-
 #include <array>
 #include <csetjmp>
 #include <cstdio>
-#include <new>
 #include <string>
 
-#include "core/error.h"
+#include "ingest/images/decoder_result.h"
 
 // clang-format off
 #include <jpeglib.h>  // Needs <cstdio>.
@@ -112,16 +109,7 @@ GrayImage DecodeJpeg(std::span<const uint8_t> bytes, const ImageHeader& header,
   SetUp(&run);
   const bool done = Decode(&run);
   jpeg_destroy_decompress(&run.cinfo);
-  if (run.stopped) {
-    throw DecodingStopped();
-  }
-  if (run.out_of_memory) {
-    throw std::bad_alloc();
-  }
-  if (!done) {
-    throw Error(ErrorCode::kBadInput,
-                fmt::format("the JPEG does not decode: {}", run.message.data()));
-  }
+  RequireDecoded(done, run, "JPEG");
   return image;
 }
 

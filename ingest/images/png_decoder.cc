@@ -1,15 +1,13 @@
 #include "ingest/images/png_decoder.h"
 
-#include <fmt/format.h>
 #include <png.h>
 
 #include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <new>
 
-#include "core/error.h"
+#include "ingest/images/decoder_result.h"
 
 namespace cairn {
 namespace {
@@ -141,16 +139,7 @@ GrayImage DecodePng(std::span<const uint8_t> bytes, const ImageHeader& header,
   run.info = run.png == nullptr ? nullptr : png_create_info_struct(run.png);
   const bool done = run.info != nullptr && Decode(&run);
   png_destroy_read_struct(&run.png, &run.info, nullptr);
-  if (run.stopped) {
-    throw DecodingStopped();
-  }
-  if (run.out_of_memory) {
-    throw std::bad_alloc();
-  }
-  if (!done) {
-    throw Error(ErrorCode::kBadInput,
-                fmt::format("the PNG does not decode: {}", run.message.data()));
-  }
+  RequireDecoded(done, run, "PNG");
   return image;
 }
 

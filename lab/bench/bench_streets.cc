@@ -1,14 +1,13 @@
 #include "lab/bench/bench_streets.h"
 
 #include <cmath>
-#include <numbers>
 
+#include "core/angles.h"
 #include "core/tile_id.h"
 
 namespace cairn {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kHalfTileM = 0.5 * TileId::kSideM;
 constexpr double kStreetSpacingM = 50.0;
 // Keeps the streets off the tiles' borders, so that each camera is in one tile.

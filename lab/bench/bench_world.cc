@@ -7,15 +7,16 @@
 #include <cmath>
 #include <iterator>
 #include <memory>
-#include <numbers>
 #include <random>
 #include <utility>
 
+#include "core/angles.h"
 #include "core/require.h"
 #include "engine/index/inverted_lists.h"
 #include "ingest/quantize/train_codebook.h"
 #include "ingest/sfm/reconstruction.h"
 #include "lab/bench/bench_streets.h"
+#include "lab/bench/lane_index.h"
 #include "lab/descriptors/descriptor_model.h"
 #include "storage/codebook/descriptor_codec.h"
 #include "storage/map/map_store.h"
@@ -25,7 +26,6 @@
 namespace cairn {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kLandmarkSigmaM = 0.05;
 constexpr double kPixelNoisePx = 0.5;
 constexpr double kOrientationNoiseRad = 0.05;
@@ -52,54 +52,6 @@ DescriptorLook Look(uint64_t landmark, uint64_t observation) {
           .log2_scale = kLog2ScaleSpread * (unit(0.5698402909980532) - 0.5),
           .observation = observation};
 }
-
-// The landmarks of a tile by lane, sorted along the lane. A vehicle sees a contiguous range.
-class LaneIndex {
- public:
-  explicit LaneIndex(const std::vector<BenchLandmark>& landmarks) {
-    for (uint32_t i = 0; i < landmarks.size(); ++i) {
-      OfLane(landmarks[i].lane).push_back({landmarks[i].along_m, i});
-    }
-    for (auto& [lane, entries] : lanes_) {
-      std::sort(entries.begin(), entries.end());
-    }
-  }
-
-  // Returns ascending indices of at most `max_count` random landmarks that a vehicle at `along_m`
-  // sees.
-  std::vector<uint32_t> Sample(const BenchLane& lane, double along_m, int max_count,
-                               std::mt19937_64* generator) {
-    std::vector<Entry>& entries = OfLane(lane);
-    const double near_m = along_m + lane.travel_sign * kBenchMinViewM;
-    const double far_m = along_m + lane.travel_sign * kBenchMaxViewM;
-    const auto first =
-        std::lower_bound(entries.begin(), entries.end(), Entry{std::min(near_m, far_m), 0});
-    const auto last =
-        std::upper_bound(first, entries.end(), Entry{std::max(near_m, far_m), UINT32_MAX});
-    std::vector<Entry> sampled;
-    std::sample(first, last, std::back_inserter(sampled), max_count, *generator);
-    std::vector<uint32_t> indices;
-    for (const Entry& entry : sampled) {
-      indices.push_back(entry.second);
-    }
-    std::sort(indices.begin(), indices.end());
-    return indices;
-  }
-
- private:
-  using Entry = std::pair<double, uint32_t>;  // Coordinate along the street, landmark.
-
-  std::vector<Entry>& OfLane(const BenchLane& lane) {
-    for (auto& [known, entries] : lanes_) {
-      if (known == lane) {
-        return entries;
-      }
-    }
-    return lanes_.emplace_back(lane, std::vector<Entry>()).second;
-  }
-
-  std::vector<std::pair<BenchLane, std::vector<Entry>>> lanes_;  // About a dozen.
-};
 
 class WorldBuilder {
  public:

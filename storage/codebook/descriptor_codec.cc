@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/error.h"
-#include "storage/bytes/avx2_clone.h"
+#include "core/simd.h"
 
 namespace cairn {
 namespace {
@@ -17,8 +17,8 @@ namespace {
 // because compilers unroll the equivalent loops over lanes before they recognise them as vector
 // operations.
 constexpr int kNumLanes = 8;
-using FloatLanes [[gnu::vector_size(kNumLanes * sizeof(float))]] = float;
-using IntLanes [[gnu::vector_size(kNumLanes * sizeof(int32_t))]] = int32_t;
+using FloatLanes = Lanes<float, kNumLanes>;
+using IntLanes = Lanes<int32_t, kNumLanes>;
 static_assert(Codebook::kNumWords % kNumLanes == 0);
 
 void ThrowDimension(const char* what, Eigen::Index actual, int expected) {
@@ -59,8 +59,9 @@ template <int kDim>
 }
 
 // projected: num_rows x (num_subspaces * dim); codes: num_rows x num_subspaces.
-CAIRN_AVX2_CLONE void EncodeRows(const float* projected, Eigen::Index num_rows, int num_subspaces,
-                                 int dim, const float* transposed_words, uint8_t* codes) {
+CAIRN_EXACT_VECTOR_CLONES void EncodeRows(const float* projected, Eigen::Index num_rows,
+                                          int num_subspaces, int dim, const float* transposed_words,
+                                          uint8_t* codes) {
   for (Eigen::Index row = 0; row < num_rows; ++row) {
     const float* words = transposed_words;
     for (int s = 0; s < num_subspaces; ++s) {

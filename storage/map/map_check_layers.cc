@@ -1,9 +1,9 @@
 // The part of the check that reads every row of the layers.
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <string>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "core/geodesy.h"
 #include "storage/geometry/geopackage.h"
@@ -13,7 +13,6 @@
 namespace cairn {
 namespace {
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 constexpr double kSlackDeg = 1e-7;  // A centimetre; machines may round differently.
 // R*Trees round boxes outwards to floats. Near 360 degrees, floats are 3e-5 degrees apart.
 constexpr double kIndexSlackDeg = 1e-4;

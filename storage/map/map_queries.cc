@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
-#include <numbers>
 #include <system_error>
 #include <utility>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "core/printable.h"
 #include "storage/geometry/geo_box.h"
@@ -17,8 +17,6 @@
 
 namespace cairn::queries {
 namespace {
-
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
 constexpr std::string_view kCurrentVersionSql =
     "SELECT version FROM cairn_versions ORDER BY version DESC LIMIT 1";

@@ -3,10 +3,10 @@
 
 #include <cmath>
 #include <iterator>
-#include <numbers>
 #include <string>
 #include <utility>
 
+#include "core/angles.h"
 #include "core/check.h"
 #include "core/error.h"
 #include "core/printable.h"
@@ -19,8 +19,6 @@
 
 namespace cairn {
 namespace {
-
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
 // Formats numbers as "[1.5,2,3]". Each number is as short as an exact round trip allows.
 std::string FormatNumbers(const std::vector<double>& numbers) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "storage/bytes/avx2_clone.h"
+#include "core/simd.h"
 
 namespace cairn {
 namespace {
@@ -12,7 +12,8 @@ namespace {
 constexpr size_t kBatch = 256;
 
 // Gathers the steps of one coordinate, whose lowest bit is bit `axis` of a code.
-CAIRN_AVX2_CLONE void GatherSteps(const uint64_t* codes, size_t count, int axis, int32_t* steps) {
+CAIRN_EXACT_VECTOR_CLONES void GatherSteps(const uint64_t* codes, size_t count, int axis,
+                                           int32_t* steps) {
   for (size_t i = 0; i < count; ++i) {
     steps[i] = static_cast<int32_t>(GatherBits(codes[i] >> axis));
   }

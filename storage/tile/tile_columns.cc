@@ -6,7 +6,7 @@
 #include <cstring>
 #include <string>
 
-#include "storage/bytes/avx2_clone.h"
+#include "core/simd.h"
 #include "storage/bytes/byte_io.h"
 #include "storage/bytes/checksum.h"
 #include "storage/tile/tile.h"
@@ -31,12 +31,14 @@ bool IsConstant(std::span<const uint8_t> bytes) {
 
 // Adds the bytes of a plane, shifted left by `shift` bits. There are two functions because target
 // clones do not work on templates.
-CAIRN_AVX2_CLONE void AddPlane(const uint8_t* plane, size_t count, int shift, uint32_t* values) {
+CAIRN_EXACT_VECTOR_CLONES void AddPlane(const uint8_t* plane, size_t count, int shift,
+                                        uint32_t* values) {
   for (size_t i = 0; i < count; ++i) {
     values[i] |= uint32_t{plane[i]} << shift;
   }
 }
-CAIRN_AVX2_CLONE void AddPlane(const uint8_t* plane, size_t count, int shift, uint64_t* values) {
+CAIRN_EXACT_VECTOR_CLONES void AddPlane(const uint8_t* plane, size_t count, int shift,
+                                        uint64_t* values) {
   for (size_t i = 0; i < count; ++i) {
     values[i] |= uint64_t{plane[i]} << shift;
   }

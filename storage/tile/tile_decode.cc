@@ -9,7 +9,7 @@
 #include <string>
 #include <type_traits>
 
-#include "storage/bytes/avx2_clone.h"
+#include "core/simd.h"
 #include "storage/tile/morton.h"
 #include "storage/tile/tile_checks.h"
 #include "storage/tile/tile_parts.h"
@@ -89,8 +89,8 @@ void GetIds(size_t column, TileColumnReader* reader, Id* ids) {
 // Replaces each byte by the sum of all bytes up to it, modulo 256. Sixteen bytes are summed at a
 // time by doubling, and the total of the preceding bytes is added last, so only one addition
 // depends on the previous block.
-CAIRN_AVX2_CLONE void SumBytes(uint8_t* values, size_t count) {
-  using Bytes = uint8_t __attribute__((vector_size(16)));
+CAIRN_EXACT_VECTOR_CLONES void SumBytes(uint8_t* values, size_t count) {
+  using Bytes = Lanes<uint8_t, 16>;
   constexpr Bytes kZeros = {};
   Bytes before = {};
   size_t i = 0;

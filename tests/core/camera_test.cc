@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/angles.h"
 #include "core/error.h"
 
 namespace cairn {
@@ -107,7 +108,7 @@ TEST(Camera, ModelsAgreeWhereOneContainsTheOther) {
 TEST(Camera, FisheyesReachTheEdgeOfTheirField) {
   for (const Camera& camera : AllModels()) {
     if (!IsFisheye(camera.model()) || camera.model() == CameraModel::kFov) continue;
-    const double radius = std::tan(80.0 / 57.29577951308232);
+    const double radius = std::tan(80.0 / kDegPerRad);
     const Eigen::Vector3d ray = Eigen::Vector3d(0.6 * radius, 0.8 * radius, 1.0).normalized();
     const auto pixel = camera.Project(ray);
     ASSERT_TRUE(pixel) << CameraModelName(camera.model());

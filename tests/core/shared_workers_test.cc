@@ -85,5 +85,27 @@ TEST(SharedWorkers, ThrowsWhatAStepThrew) {
   }
 }
 
+TEST(SharedWorkers, ThrowsTheExceptionOfTheFirstStepThatThrew) {
+  SharedWorkers workers(2);
+  const SharedWorkers::Caller caller(&workers);
+  for (int repeat = 0; repeat < 20; ++repeat) {
+    std::latch second_throws(1);
+    const auto step = [&](int i) {
+      if (i == 0) {
+        second_throws.wait();
+      } else {
+        second_throws.count_down();
+      }
+      throw i;
+    };
+    try {
+      workers.ForEach(2, step);
+      FAIL() << "no exception";
+    } catch (int thrown_by) {
+      EXPECT_EQ(thrown_by, 0);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace cairn

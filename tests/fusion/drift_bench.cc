@@ -19,14 +19,13 @@
 #include <string_view>
 #include <vector>
 
+#include "core/angles.h"
 #include "fusion/client/estimator.h"
 #include "fusion/errors.h"
 #include "fusion/simulation.h"
 
 namespace cairn::fusion::testing {
 namespace {
-
-constexpr double kDegPerRad = 180.0 / M_PI;
 
 constexpr double kLengthM = 226.0;
 

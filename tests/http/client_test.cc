@@ -5,42 +5,20 @@
 #include <gtest/gtest.h>
 
 #include <string>
-#include <thread>
 
 #include "core/error.h"
-#include "http/plain_http.h"
+#include "support/canned_server.h"
 
 namespace cairn {
 namespace {
 
 using ::testing::HasSubstr;
 
-// Answers each request with 400 and this body.
-class RefusingServer {
- public:
-  explicit RefusingServer(const std::string& body) {
-    server_.Get("/.*", [body](const httplib::Request&, httplib::Response& response) {
-      response.status = 400;
-      response.set_content(body, "application/problem+json");
-    });
-    port_ = server_.bind_to_any_port("127.0.0.1");
-    thread_ = std::thread([this] { server_.listen_after_bind(); });
-    while (!server_.is_running()) std::this_thread::yield();
-  }
-  ~RefusingServer() {
-    server_.stop();
-    thread_.join();
-  }
-  std::string url() const { return "http://127.0.0.1:" + std::to_string(port_); }
-
- private:
-  httplib::Server server_;
-  int port_ = 0;
-  std::thread thread_;
-};
-
 std::string MessageFor(const std::string& body) {
-  const RefusingServer server(body);
+  const testing::CannedServer server([&](const httplib::Request&, httplib::Response& response) {
+    response.status = 400;
+    response.set_content(body, "application/problem+json");
+  });
   LocalizeClient client({.url = server.url()});
   try {
     client.Get("/healthz");

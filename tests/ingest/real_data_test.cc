@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <string>
 #include <vector>
 
+#include "core/angles.h"
 #include "core/frames.h"
 #include "ingest/features/sift_extractor.h"
 #include "ingest/georegister/georegister.h"
@@ -51,7 +51,7 @@ std::vector<double> RollsDeg(const Reconstruction& reconstruction, const Sim3d& 
     const Rigid3d ecef_from_enu = EcefFromEnu(GeodeticFromEcef(ecef_from_cam.translation));
     const Eigen::Vector3d right_in_enu =
         ecef_from_enu.rotation.conjugate() * (ecef_from_cam.rotation * Eigen::Vector3d::UnitX());
-    rolls_deg.push_back(std::asin(right_in_enu.z()) * 180.0 / std::numbers::pi);
+    rolls_deg.push_back(std::asin(right_in_enu.z()) * kDegPerRad);
   }
   return rolls_deg;
 }

@@ -181,6 +181,18 @@ class PoseSceneBuilder {
   PoseScene scene_;
 };
 
+// 4,000 matches of 1,000 keypoints, gravity off by 1 degree.
+inline PoseSceneOptions HardScene(int num_inliers) {
+  PoseSceneOptions options;
+  options.num_keypoints = 1000;
+  options.matches_per_keypoint = 4;
+  options.num_inliers = num_inliers;
+  options.pixel_noise_px = 1.0;
+  options.gravity_noise_rad = 0.0175;
+  options.landmark_noise_m = 0.05;
+  return options;
+}
+
 inline PoseScene MakePoseScene(const PoseSceneOptions& options) {
   return PoseSceneBuilder(options).Build();
 }

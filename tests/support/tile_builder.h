@@ -29,6 +29,34 @@ struct RandomTileOptions {
   uint64_t seed = 1;
 };
 
+// Keyframes that each see a part of the tile's landmarks.
+inline void AddRandomKeyframes(const RandomTileOptions& options, std::mt19937_64* random,
+                               Tile* tile) {
+  const auto uniform = [random](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(*random);
+  };
+  tile->keyframe_begin = {0};
+  for (int k = 0; k < options.num_keyframes; ++k) {
+    const Eigen::Quaterniond rotation = Eigen::Quaterniond(
+        Eigen::Vector4d(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(0.1, 1)));
+    const Eigen::Vector3d translation(uniform(-75, 75), uniform(-75, 75), uniform(0, 3));
+    tile->keyframes.push_back({KeyframeId(options.first_keyframe_id + k),
+                               SessionId(options.session_id), Rigid3d(rotation, translation)});
+    // A keyframe sees a range of the Morton curve, with gaps.
+    const int wanted = std::min(options.num_landmarks_per_keyframe, options.num_landmarks);
+    const int span = std::min(options.num_landmarks, 2 * wanted);
+    int remaining = wanted;
+    const auto first = (*random)() % (options.num_landmarks - span + 1);
+    for (int i = 0; i < span && remaining > 0; ++i) {
+      if (static_cast<int>((*random)() % (span - i)) < remaining) {
+        tile->keyframe_landmarks.push_back(static_cast<uint32_t>(first + i));
+        --remaining;
+      }
+    }
+    tile->keyframe_begin.push_back(static_cast<uint32_t>(tile->keyframe_landmarks.size()));
+  }
+}
+
 // Landmarks are on a ground plane and facades within a 150 m square, in Morton order.
 inline Tile RandomTile(const RandomTileOptions& options = {}) {
   std::mt19937_64 random(options.seed);
@@ -72,26 +100,7 @@ inline Tile RandomTile(const RandomTileOptions& options = {}) {
     tile.descriptor_begin.push_back(static_cast<uint32_t>(tile.orientation_codes.size()));
   }
 
-  tile.keyframe_begin = {0};
-  for (int k = 0; k < options.num_keyframes; ++k) {
-    const Eigen::Quaterniond rotation = Eigen::Quaterniond(
-        Eigen::Vector4d(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(0.1, 1)));
-    const Eigen::Vector3d translation(uniform(-75, 75), uniform(-75, 75), uniform(0, 3));
-    tile.keyframes.push_back({KeyframeId(options.first_keyframe_id + k),
-                              SessionId(options.session_id), Rigid3d(rotation, translation)});
-    // A keyframe sees a range of the Morton curve, with gaps.
-    const int wanted = std::min(options.num_landmarks_per_keyframe, options.num_landmarks);
-    const int span = std::min(options.num_landmarks, 2 * wanted);
-    int remaining = wanted;
-    const auto first = random() % (options.num_landmarks - span + 1);
-    for (int i = 0; i < span && remaining > 0; ++i) {
-      if (static_cast<int>(random() % (span - i)) < remaining) {
-        tile.keyframe_landmarks.push_back(static_cast<uint32_t>(first + i));
-        --remaining;
-      }
-    }
-    tile.keyframe_begin.push_back(static_cast<uint32_t>(tile.keyframe_landmarks.size()));
-  }
+  AddRandomKeyframes(options, &random, &tile);
   return tile;
 }
 

@@ -14,27 +14,13 @@ namespace cairn::testing {
 namespace {
 
 std::unique_ptr<RealDrive> SparseLund() {
-  const auto root = TestDataDir() / "street_lund";
-  RealDriveInput input;
-  input.model_dir = root / "colmap_model";
-  input.database_path = root / "database.db";
-  input.image_dir = root / "images";
-  input.positions = [](const Reconstruction& reconstruction) {
-    return GpsPositions(reconstruction, 5.0);
-  };
+  RealDriveInput input = LundInput();
   input.is_query = [](const std::string& name) { return std::stoi(name) % 3 != 0; };
   return std::make_unique<RealDrive>(input);
 }
 
 std::unique_ptr<RealDrive> SparseKitti() {
-  const auto root = TestDataDir() / "kitti_vo_2x51";
-  RealDriveInput input;
-  input.model_dir = root / "colmap_model_seq1";
-  input.database_path = root / "database_seq1.db";
-  input.image_dir = root / "KITTI_sequence_1" / "image_l";
-  input.positions = [root](const Reconstruction&) {
-    return ReadCameraPositions((root / "georef_seq1.csv").string());
-  };
+  RealDriveInput input = KittiInput();
   input.is_query = [](const std::string& name) { return std::stoi(name) % 3 != 0; };
   return std::make_unique<RealDrive>(input);
 }

@@ -3,30 +3,21 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <numbers>
 
+#include "core/angles.h"
 #include "support/test_data.h"
 #include "system/real_drive.h"
 
 namespace cairn::testing {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-
 class KittiDrive : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    const auto root = TestDataDir() / "kitti_vo_2x51";
-    if (!std::filesystem::exists(root)) {
+    if (!std::filesystem::exists(TestDataDir() / "kitti_vo_2x51")) {
       return;
     }
-    RealDriveInput input;
-    input.model_dir = root / "colmap_model_seq1";
-    input.database_path = root / "database_seq1.db";
-    input.image_dir = root / "KITTI_sequence_1" / "image_l";
-    input.positions = [root](const Reconstruction&) {
-      return ReadCameraPositions((root / "georef_seq1.csv").string());
-    };
+    RealDriveInput input = KittiInput();
     input.is_query = [](const std::string& name) { return std::stoi(name) % 2 == 1; };
     drive_ = new RealDrive(input);
   }

@@ -2,30 +2,20 @@
 // make the map.
 #include <gtest/gtest.h>
 
-#include <numbers>
-
+#include "core/angles.h"
 #include "support/test_data.h"
 #include "system/real_drive.h"
 
 namespace cairn::testing {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-
 class LundStreet : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    const auto root = TestDataDir() / "street_lund";
-    if (!std::filesystem::exists(root)) {
+    if (!std::filesystem::exists(TestDataDir() / "street_lund")) {
       return;
     }
-    RealDriveInput input;
-    input.model_dir = root / "colmap_model";
-    input.database_path = root / "database.db";
-    input.image_dir = root / "images";
-    input.positions = [](const Reconstruction& reconstruction) {
-      return GpsPositions(reconstruction, 5.0);
-    };
+    RealDriveInput input = LundInput();
     input.is_query = [](const std::string& name) { return std::stoi(name) % 4 == 0; };
     street_ = new RealDrive(input);
   }

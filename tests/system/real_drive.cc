@@ -10,6 +10,7 @@
 #include "eval/reference_alignment.h"
 #include "ingest/features/sift_extractor.h"
 #include "ingest/readers/colmap_reader.h"
+#include "support/test_data.h"
 
 namespace cairn::testing {
 namespace {
@@ -30,6 +31,28 @@ std::pair<std::vector<std::string>, std::vector<std::string>> Split(
 }
 
 }  // namespace
+
+RealDriveInput LundInput() {
+  const std::filesystem::path root = TestDataDir() / "street_lund";
+  return {.model_dir = root / "colmap_model",
+          .database_path = root / "database.db",
+          .image_dir = root / "images",
+          .positions = [](const Reconstruction& full) { return GpsPositions(full, 5.0); },
+          .georegister = {},
+          .is_query = {}};
+}
+
+RealDriveInput KittiInput() {
+  const std::filesystem::path root = TestDataDir() / "kitti_vo_2x51";
+  const std::string positions_path = root / "georef_seq1.csv";
+  return {.model_dir = root / "colmap_model_seq1",
+          .database_path = root / "database_seq1.db",
+          .image_dir = root / "KITTI_sequence_1" / "image_l",
+          .positions = [positions_path](
+                           const Reconstruction&) { return ReadCameraPositions(positions_path); },
+          .georegister = {},
+          .is_query = {}};
+}
 
 RealDrive::RealDrive(const RealDriveInput& input) {
   ColmapInput colmap{input.model_dir.string(), input.database_path.string(), {}};

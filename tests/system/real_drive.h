@@ -32,6 +32,10 @@ struct RealDriveInput {
   std::function<bool(const std::string& image_name)> is_query;
 };
 
+// The files and positions of the real drives. `is_query` is left to the test.
+RealDriveInput LundInput();
+RealDriveInput KittiInput();
+
 // The way in which queries reach the engine.
 enum class QueryRoute {
   kInProcessFeatures,  // The model's own keypoints and descriptors.

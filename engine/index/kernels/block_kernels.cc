@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "engine/index/kernels/block_kernel_variants.h"
+#include "engine/index/kernels/intrinsics.h"
 
 namespace cairn {
 namespace {
@@ -95,11 +96,10 @@ const BlockKernels& BestBlockKernels() {
 std::vector<const BlockKernels*> SupportedBlockKernels() {
   std::vector<const BlockKernels*> supported = {&kPlain};
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) {
+  if (HasAvx2()) {
     supported.push_back(&kAvx2BlockKernels);
   }
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-      __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512vnni")) {
+  if (HasAvx512Vnni()) {
     supported.push_back(&kAvx512VnniBlockKernels);
   }
 #endif

@@ -1,18 +1,12 @@
 // The block kernels for AVX2.
 #if defined(__x86_64__)
-// See distance_kernels.cc.
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
-#pragma GCC diagnostic ignored "-Wuninitialized"
-#include <immintrin.h>
-
 #include <algorithm>
 #include <array>
 #include <cstring>
 #include <limits>
 
 #include "engine/index/kernels/block_kernel_variants.h"
-
-#define CAIRN_AVX2 __attribute__((target("avx2")))
+#include "engine/index/kernels/intrinsics.h"
 
 namespace cairn {
 namespace {

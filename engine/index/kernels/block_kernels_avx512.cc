@@ -1,17 +1,11 @@
 // The block kernels for AVX-512 with byte products (VNNI).
 #if defined(__x86_64__)
-// See distance_kernels.cc.
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
-#pragma GCC diagnostic ignored "-Wuninitialized"
-#include <immintrin.h>
-
 #include <algorithm>
 #include <cstring>
 #include <limits>
 
 #include "engine/index/kernels/block_kernel_variants.h"
-
-#define CAIRN_AVX512VNNI __attribute__((target("avx512f,avx512bw,avx512vl,avx512vnni")))
+#include "engine/index/kernels/intrinsics.h"
 
 namespace cairn {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <limits>
 
-#include "core/vector_clones.h"
+#include "core/simd.h"
 #include "engine/index/kernels/distance_kernels.h"
 
 namespace cairn {
@@ -40,7 +40,7 @@ CAIRN_VECTOR_CLONES void AddGroup(const BlockRun& run, const uint8_t* bytes, siz
                                   uint32_t* sums) {
   constexpr uint32_t kEvenBytes = 0x00ff00ff, kLowHalf = 0x0000ffff;
   constexpr int kLanes = 8;
-  using Words = uint32_t __attribute__((vector_size(kLanes * sizeof(uint32_t))));
+  using Words = Lanes<uint32_t, kLanes>;
   for (int row = 0; row < kBlockRows; row += kLanes) {
     Words even = {}, odd = {};  // Two 16-bit sums per lane.
     const auto add = [&](size_t block, const RowMasks* mask) {

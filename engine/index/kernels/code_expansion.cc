@@ -6,10 +6,7 @@
 #include <span>
 
 #include "engine/index/kernels/block_kernels.h"
-
-#if defined(__x86_64__)
-#include <immintrin.h>
-#endif
+#include "engine/index/kernels/intrinsics.h"
 
 namespace cairn {
 namespace {
@@ -124,8 +121,6 @@ void PlainExpand(const CodeWords& words, const uint8_t* codes, size_t num_rows, 
 constexpr ExpansionKernel kPlain = {"plain", PlainExpand};
 
 #if defined(__x86_64__)
-
-#define CAIRN_AVX512VBMI __attribute__((target("avx512f,avx512bw,avx512vl,avx512vbmi,avx512vnni")))
 
 // The vector code handles this shape only: eight subspaces of two dimensions.
 constexpr int kNumSubspaces = 8;
@@ -253,9 +248,7 @@ const ExpansionKernel& BestExpansionKernel() {
 std::vector<const ExpansionKernel*> SupportedExpansionKernels() {
   std::vector<const ExpansionKernel*> supported = {&kPlain};
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-      __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512vbmi") &&
-      __builtin_cpu_supports("avx512vnni")) {
+  if (HasAvx512Vbmi()) {
     supported.push_back(&kVbmi);
   }
 #endif

@@ -1,10 +1,6 @@
 #include "engine/index/kernels/distance_kernels.h"
 
-#if defined(__x86_64__)
-// GCC 12 warns about the deliberately undefined registers in its own AVX-512 header (bug 105593).
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
-#include <immintrin.h>
-#endif
+#include "engine/index/kernels/intrinsics.h"
 
 namespace cairn {
 namespace {
@@ -20,13 +16,6 @@ int32_t PlainSqDistance(const int16_t* query, const uint8_t* row, int stride) {
   return sum;
 }
 
-void PlainGather(const int16_t* query, const uint8_t* rows, int stride, const uint32_t* indices,
-                 size_t count, int32_t* sq_distances) {
-  for (size_t i = 0; i < count; ++i) {
-    sq_distances[i] = PlainSqDistance(query, rows + size_t{indices[i]} * stride, stride);
-  }
-}
-
 void PlainScan(const int16_t* query, const uint8_t* rows, int stride, size_t count,
                int32_t* sq_distances) {
   for (size_t i = 0; i < count; ++i) {
@@ -34,12 +23,9 @@ void PlainScan(const int16_t* query, const uint8_t* rows, int stride, size_t cou
   }
 }
 
-constexpr DistanceKernels kPlain = {"plain", PlainGather, PlainScan};
+constexpr DistanceKernels kPlain = {"plain", PlainScan};
 
 #if defined(__x86_64__)
-
-#define CAIRN_AVX2 __attribute__((target("avx2")))
-#define CAIRN_AVX512 __attribute__((target("avx512f,avx512bw,avx512vl")))
 
 // Returns eight partial sums of one row's squared distance.
 CAIRN_AVX2 inline __m256i Avx2PartialSums(const int16_t* query, const uint8_t* row, int stride) {
@@ -59,19 +45,6 @@ CAIRN_AVX2 inline __m128i Avx2ReduceFour(__m256i a, __m256i b, __m256i c, __m256
   return _mm_add_epi32(_mm256_castsi256_si128(sums), _mm256_extracti128_si256(sums, 1));
 }
 
-CAIRN_AVX2 void Avx2Gather(const int16_t* query, const uint8_t* rows, int stride,
-                           const uint32_t* indices, size_t count, int32_t* sq_distances) {
-  const auto row = [&](size_t i) { return rows + size_t{indices[i]} * stride; };
-  size_t i = 0;
-  for (; i + 4 <= count; i += 4) {
-    const __m128i four = Avx2ReduceFour(
-        Avx2PartialSums(query, row(i), stride), Avx2PartialSums(query, row(i + 1), stride),
-        Avx2PartialSums(query, row(i + 2), stride), Avx2PartialSums(query, row(i + 3), stride));
-    _mm_storeu_si128(reinterpret_cast<__m128i*>(sq_distances + i), four);
-  }
-  PlainGather(query, rows, stride, indices + i, count - i, sq_distances + i);
-}
-
 CAIRN_AVX2 void Avx2Scan(const int16_t* query, const uint8_t* rows, int stride, size_t count,
                          int32_t* sq_distances) {
   size_t i = 0;
@@ -86,55 +59,7 @@ CAIRN_AVX2 void Avx2Scan(const int16_t* query, const uint8_t* rows, int stride, 
   PlainScan(query, rows + i * stride, stride, count - i, sq_distances + i);
 }
 
-// Returns eight partial sums for each of two rows; the first row's are in the lower half.
-CAIRN_AVX512 inline __m512i Avx512PartialSums(const int16_t* query, const uint8_t* row_a,
-                                              const uint8_t* row_b, int stride) {
-  __m512i sums = _mm512_setzero_si512();
-  for (int begin = 0; begin < stride; begin += kDistanceBlock) {
-    const __m128i a = _mm_loadu_si128(reinterpret_cast<const __m128i*>(row_a + begin));
-    const __m128i b = _mm_loadu_si128(reinterpret_cast<const __m128i*>(row_b + begin));
-    const __m512i bytes = _mm512_cvtepu8_epi16(_mm256_set_m128i(b, a));
-    const __m512i values =
-        _mm512_broadcast_i64x4(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(query + begin)));
-    const __m512i difference = _mm512_sub_epi16(values, bytes);
-    sums = _mm512_add_epi32(sums, _mm512_madd_epi16(difference, difference));
-  }
-  return sums;
-}
-
-// Returns the sums over the lower and upper halves of `ab` and `cd`, in order.
-CAIRN_AVX512 inline __m128i Avx512ReduceFour(__m512i ab, __m512i cd) {
-  return Avx2ReduceFour(_mm512_castsi512_si256(ab), _mm512_extracti64x4_epi64(ab, 1),
-                        _mm512_castsi512_si256(cd), _mm512_extracti64x4_epi64(cd, 1));
-}
-
-CAIRN_AVX512 void Avx512Gather(const int16_t* query, const uint8_t* rows, int stride,
-                               const uint32_t* indices, size_t count, int32_t* sq_distances) {
-  const auto row = [&](size_t i) { return rows + size_t{indices[i]} * stride; };
-  size_t i = 0;
-  for (; i + 4 <= count; i += 4) {
-    const __m128i four = Avx512ReduceFour(Avx512PartialSums(query, row(i), row(i + 1), stride),
-                                          Avx512PartialSums(query, row(i + 2), row(i + 3), stride));
-    _mm_storeu_si128(reinterpret_cast<__m128i*>(sq_distances + i), four);
-  }
-  PlainGather(query, rows, stride, indices + i, count - i, sq_distances + i);
-}
-
-CAIRN_AVX512 void Avx512Scan(const int16_t* query, const uint8_t* rows, int stride, size_t count,
-                             int32_t* sq_distances) {
-  size_t i = 0;
-  for (; i + 4 <= count; i += 4) {
-    const uint8_t* row = rows + i * stride;
-    const __m128i four =
-        Avx512ReduceFour(Avx512PartialSums(query, row, row + stride, stride),
-                         Avx512PartialSums(query, row + 2 * stride, row + 3 * stride, stride));
-    _mm_storeu_si128(reinterpret_cast<__m128i*>(sq_distances + i), four);
-  }
-  PlainScan(query, rows + i * stride, stride, count - i, sq_distances + i);
-}
-
-constexpr DistanceKernels kAvx2 = {"avx2", Avx2Gather, Avx2Scan};
-constexpr DistanceKernels kAvx512 = {"avx512", Avx512Gather, Avx512Scan};
+constexpr DistanceKernels kAvx2 = {"avx2", Avx2Scan};
 
 #endif
 
@@ -148,12 +73,8 @@ const DistanceKernels& BestDistanceKernels() {
 std::vector<const DistanceKernels*> SupportedDistanceKernels() {
   std::vector<const DistanceKernels*> supported = {&kPlain};
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) {
+  if (HasAvx2()) {
     supported.push_back(&kAvx2);
-  }
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-      __builtin_cpu_supports("avx512vl")) {
-    supported.push_back(&kAvx512);
   }
 #endif
   return supported;

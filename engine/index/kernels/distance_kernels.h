@@ -16,11 +16,7 @@ inline constexpr int kDistanceBlock = 16;
 inline constexpr int kMaxDistanceStride = 128;
 
 struct DistanceKernels {
-  const char* name;  // "plain", "avx2", "avx512".
-
-  // sq_distances[i] = |query - rows[indices[i]]|^2, for i < count.
-  void (*gather)(const int16_t* query, const uint8_t* rows, int stride, const uint32_t* indices,
-                 size_t count, int32_t* sq_distances);
+  const char* name;  // "plain", "avx2".
 
   // sq_distances[i] = |query - rows[i]|^2, for i < count.
   void (*scan)(const int16_t* query, const uint8_t* rows, int stride, size_t count,

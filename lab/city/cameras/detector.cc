@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "core/angles.h"
 #include "core/require.h"
 #include "ingest/sfm/triangulate.h"
 #include "lab/city/geometry/hashed_random.h"
@@ -11,7 +11,6 @@
 namespace cairn {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 // Pixels per meter at the reference distance of a descriptor: 10 m with a focal length of 400
 // pixels.
 constexpr double kReferencePxPerM = 40.0;

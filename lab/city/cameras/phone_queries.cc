@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
+#include "core/angles.h"
 #include "core/check.h"
 #include "core/error.h"
 #include "core/require.h"
@@ -19,7 +19,6 @@
 namespace cairn {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 // Radius that holds 68 % of a circular Gaussian with unit sigma.
 constexpr double kRadius68PerSigma = 1.5095921854516636;
 constexpr double kOutlierFactor = 3.0;

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <utility>
 
+#include "core/angles.h"
 #include "core/geodesy.h"
 #include "core/require.h"
 #include "lab/city/cameras/camera_angles.h"
@@ -18,7 +18,6 @@
 namespace cairn {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kStreetEndM = 4.0;   // Distance to the crossing at which the walk turns.
 constexpr double kStepHz = 1.9;       // Footsteps.
 constexpr double kBounceM = 0.02;     // Vertical motion of the phone at each step.

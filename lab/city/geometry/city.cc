@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "core/angles.h"
 #include "lab/city/geometry/hashed_random.h"
 
 namespace cairn {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kEarthRadiusM = 6.371e6;
 constexpr double kMaxTurnRad = 0.35;  // Angle of the streets to east and north.
 constexpr int kMainStreetEvery = 4;   // Average number of lines from one main street to the next.

@@ -1,33 +1,19 @@
 #include "lab/experiments/report/result_table.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "core/check.h"
+#include "core/csv.h"
 
 namespace cairn {
 namespace {
-
-std::string CsvText(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) {
-    return text;
-  }
-  std::string quoted = "\"";
-  for (const char letter : text) {
-    quoted += letter == '"' ? "\"\"" : std::string(1, letter);
-  }
-  return quoted + "\"";
-}
 
 std::string CsvCell(const Cell& cell) {
   if (const auto* text = std::get_if<std::string>(&cell)) {
     return CsvText(*text);
   }
-  const double value = std::get<double>(cell);
-  return std::isfinite(value) ? fmt::format("{:.6g}", value) : "";
+  return CsvNumber(std::get<double>(cell));
 }
 
 }  // namespace

@@ -73,11 +73,7 @@ ExperimentOutcome Run(const ExperimentContext& context) {
   outcome.table = MakeTable(scenes);
   outcome.figures = {SceneFigure("16_ekf_vs_bundle_adjustment", "Position after global updates",
                                  "position error, m (root mean square)", scenes, PositionRmseM)};
-  std::vector<Verdict> verdicts;
-  for (const FusionScene& scene : scenes) {
-    verdicts.push_back(Judge(scene, &outcome.sentence));
-  }
-  outcome.verdict = JudgeAll(verdicts);
+  outcome.verdict = JudgeScenes(scenes, Judge, &outcome.sentence);
   return outcome;
 }
 

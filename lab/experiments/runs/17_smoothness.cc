@@ -64,11 +64,7 @@ ExperimentOutcome Run(const ExperimentContext& context) {
   outcome.figures = {SceneFigure("17_smoothness", "Change of the position error between frames",
                                  "change from frame to frame, cm (root mean square)", scenes,
                                  ChangeCm)};
-  std::vector<Verdict> verdicts;
-  for (const FusionScene& scene : scenes) {
-    verdicts.push_back(Judge(scene, &outcome.sentence));
-  }
-  outcome.verdict = JudgeAll(verdicts);
+  outcome.verdict = JudgeScenes(scenes, Judge, &outcome.sentence);
   return outcome;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/angles.h"
 #include "lab/experiments/measure/evaluation_size.h"
 #include "lab/experiments/measure/variants.h"
 #include "lab/experiments/runs/cities.h"
@@ -45,7 +46,7 @@ void AddRow(const std::string& city, const ExperimentWorld& world, const Measure
   AddIntervalCells(MeasureAccuracy(report, AccuracyMeasure::kRecallAtCorrect), &row);
   AddIntervalCells(MeasureAccuracy(report, AccuracyMeasure::kRecallAtHalfMetre), &row);
   AddIntervalCells(report.median_position_error_m, &row);
-  AddIntervalCells(Scaled(report.median_rotation_error_rad, 57.29577951308232), &row);
+  AddIntervalCells(Scaled(report.median_rotation_error_rad, kDegPerRad), &row);
   row.emplace_back(1e3 * measured.MeanCpuSeconds());
   table->AddRow(std::move(row));
 }

@@ -5,17 +5,16 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <numbers>
 #include <span>
 #include <utility>
 
+#include "core/angles.h"
 #include "lab/experiments/measure/city_walks.h"
 #include "lab/recordings/room_recordings.h"
 
 namespace cairn {
 namespace {
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 constexpr CityCharacter kCharacter = CityCharacter::kGrid;
 
 double Or(double value, const fusion::MethodResult& result) {
@@ -152,6 +151,16 @@ size_t BestRival(const FusionScene& scene, const FusionMeasure& measure, bool is
     }
   }
   return best;
+}
+
+Verdict JudgeScenes(const std::vector<FusionScene>& scenes,
+                    const std::function<Verdict(const FusionScene&, std::string*)>& judge,
+                    std::string* sentence) {
+  std::vector<Verdict> verdicts;
+  for (const FusionScene& scene : scenes) {
+    verdicts.push_back(judge(scene, sentence));
+  }
+  return JudgeAll(verdicts);
 }
 
 Figure SceneFigure(const std::string& name, const std::string& title, const std::string& y_label,

@@ -51,6 +51,11 @@ Interval RatioOver(const FusionScene& scene, size_t method, size_t other,
 // ones, of which there must be some, or among the others.
 size_t BestRival(const FusionScene& scene, const FusionMeasure& measure, bool is_steady = false);
 
+// Judges every scene. `judge` appends what it says about a scene to the sentence.
+Verdict JudgeScenes(const std::vector<FusionScene>& scenes,
+                    const std::function<Verdict(const FusionScene&, std::string*)>& judge,
+                    std::string* sentence);
+
 // Draws the measure of each method, one curve per scene. Leaves out smoothed bundle adjustments,
 // which are in the tables.
 Figure SceneFigure(const std::string& name, const std::string& title, const std::string& y_label,

@@ -4,15 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "lab/rivals/fusion/run_estimators.h"
 
 namespace cairn::fusion {
 namespace {
-
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
 Spread SpreadOf(const std::vector<double>& values) {
   if (values.empty()) {

@@ -41,28 +41,38 @@ void SetByPose(const WindowCamera& camera, const Eigen::Vector3d& from_imu_in_lo
   by_pose.rightCols<3>() = -by_local;
 }
 
+// Evaluates a factor of a camera's pose (jacobians[0]) and another block (jacobians[1]). Calls
+// set_by_other(by_local) if the Jacobian by the other block is wanted.
+template <typename SetByOther>
+bool Reproject(const WindowCamera& camera, const Eigen::Vector3d& from_imu_in_local,
+               const Eigen::Vector2d& normalized, double inverse_sigma, double* residuals,
+               double** jacobians, const SetByOther& set_by_other) {
+  Matrix23d by_local;
+  if (!Project(camera, from_imu_in_local, normalized, inverse_sigma, residuals,
+               jacobians != nullptr ? &by_local : nullptr)) {
+    return false;
+  }
+  if (jacobians != nullptr && jacobians[0] != nullptr) {
+    SetByPose(camera, from_imu_in_local, by_local, jacobians[0]);
+  }
+  if (jacobians != nullptr && jacobians[1] != nullptr) {
+    set_by_other(by_local);
+  }
+  return true;
+}
+
 }  // namespace
 
 bool LocalFactor::Evaluate(double const* const* parameters, double* residuals,
                            double** jacobians) const {
   const Eigen::Vector3d from_imu =
       Eigen::Map<const Eigen::Vector3d>(parameters[1]) - camera_->position_in_local;
-  Matrix23d by_local;
-  if (!Project(*camera_, from_imu, normalized_, inverse_sigma_, residuals,
-               jacobians != nullptr ? &by_local : nullptr)) {
-    return false;
-  }
-  if (jacobians == nullptr) {
-    return true;
-  }
-  if (jacobians[0] != nullptr) {
-    SetByPose(*camera_, from_imu, by_local, jacobians[0]);
-  }
-  if (jacobians[1] != nullptr) {
+  const auto set_by_landmark = [&](const Matrix23d& by_local) {
     RowMajorMap<2, kLandmarkBlock> by_landmark(jacobians[1]);
     by_landmark = by_local;
-  }
-  return true;
+  };
+  return Reproject(*camera_, from_imu, normalized_, inverse_sigma_, residuals, jacobians,
+                   set_by_landmark);
 }
 
 bool GlobalFactor::Evaluate(double const* const* /*parameters*/, double* residuals,
@@ -70,24 +80,14 @@ bool GlobalFactor::Evaluate(double const* const* /*parameters*/, double* residua
   const Eigen::Vector3d from_pivot = x_in_global_ - alignment_->pivot_in_global;
   const Eigen::Vector3d from_imu = alignment_->local_from_global_rotation * from_pivot +
                                    alignment_->pivot_in_local - camera_->position_in_local;
-  Matrix23d by_local;
-  if (!Project(*camera_, from_imu, normalized_, inverse_sigma_, residuals,
-               jacobians != nullptr ? &by_local : nullptr)) {
-    return false;
-  }
-  if (jacobians == nullptr) {
-    return true;
-  }
-  if (jacobians[0] != nullptr) {
-    SetByPose(*camera_, from_imu, by_local, jacobians[0]);
-  }
-  if (jacobians[1] != nullptr) {
+  const auto set_by_alignment = [&](const Matrix23d& by_local) {
     const Matrix23d by_global = by_local * alignment_->local_from_global_rotation;
     RowMajorMap<2, kGlobalBlock> by_alignment(jacobians[1]);
     by_alignment.col(0) = by_global.col(0) * from_pivot.y() - by_global.col(1) * from_pivot.x();
     by_alignment.rightCols<3>() = -by_global;
-  }
-  return true;
+  };
+  return Reproject(*camera_, from_imu, normalized_, inverse_sigma_, residuals, jacobians,
+                   set_by_alignment);
 }
 
 namespace {

@@ -220,6 +220,19 @@ void SearchAll(benchmark::State& state) {
 }
 BENCHMARK(SearchAll)->Unit(benchmark::kMillisecond);
 
+// Compares the distances to the first rows with those of the portable kernel, and counts them.
+void CheckDistances(benchmark::State& state, const ByteDescriptors& descriptors,
+                    const std::vector<int16_t>& query, const std::vector<int32_t>& sq_distances) {
+  std::vector<int32_t> expected(sq_distances.size());
+  SupportedDistanceKernels().front()->scan(query.data(), descriptors.rows(),
+                                           descriptors.scale().stride(), expected.size(),
+                                           expected.data());
+  if (sq_distances != expected) {
+    state.SkipWithError("variants disagree");
+  }
+  state.SetItemsProcessed(static_cast<int64_t>(state.iterations() * expected.size()));
+}
+
 void ScanDistances(benchmark::State& state) {
   constexpr size_t kNumRows = 1'024;
   const DistanceKernels& kernels = *SupportedDistanceKernels()[state.range(0)];
@@ -227,18 +240,13 @@ void ScanDistances(benchmark::State& state) {
   const ByteDescriptors descriptors(*Data().codebook, Data().codes);
   const ByteScale& scale = descriptors.scale();
   const std::vector<int16_t> query = scale.QuantizeQueries(Data().queries.topRows(1));
-  std::vector<int32_t> sq_distances(kNumRows), expected(kNumRows);
+  std::vector<int32_t> sq_distances(kNumRows);
   for (auto _ : state) {
     kernels.scan(query.data(), descriptors.rows(), scale.stride(), kNumRows, sq_distances.data());
     benchmark::DoNotOptimize(sq_distances.data());
     benchmark::ClobberMemory();
   }
-  SupportedDistanceKernels().front()->scan(query.data(), descriptors.rows(), scale.stride(),
-                                           kNumRows, expected.data());
-  if (sq_distances != expected) {
-    state.SkipWithError("variants disagree");
-  }
-  state.SetItemsProcessed(static_cast<int64_t>(state.iterations() * kNumRows));
+  CheckDistances(state, descriptors, query, sq_distances);
 }
 BENCHMARK(ScanDistances)
     ->DenseRange(0, static_cast<int64_t>(SupportedDistanceKernels().size()) - 1);
@@ -254,18 +262,13 @@ void ScanBlocks(benchmark::State& state) {
   const BlockedRows rows(descriptors.rows(), scale.stride(), order);
   const std::vector<int16_t> query = scale.QuantizeQueries(Data().queries.topRows(1));
   const BlockQueries queries(query, rows.centers());
-  std::vector<int32_t> sq_distances(kNumRows), expected(kNumRows);
+  std::vector<int32_t> sq_distances(kNumRows);
   for (auto _ : state) {
     rows.ScanWith(kernels, queries[0], sq_distances.data());
     benchmark::DoNotOptimize(sq_distances.data());
     benchmark::ClobberMemory();
   }
-  SupportedDistanceKernels().front()->scan(query.data(), descriptors.rows(), scale.stride(),
-                                           kNumRows, expected.data());
-  if (sq_distances != expected) {
-    state.SkipWithError("variants disagree");
-  }
-  state.SetItemsProcessed(static_cast<int64_t>(state.iterations() * kNumRows));
+  CheckDistances(state, descriptors, query, sq_distances);
 }
 BENCHMARK(ScanBlocks)->DenseRange(0, static_cast<int64_t>(SupportedBlockKernels().size()) - 1);
 

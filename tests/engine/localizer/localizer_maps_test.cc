@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <numbers>
 #include <vector>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "engine/localizer/mapped_streets.h"
 
@@ -19,8 +19,6 @@ using testing::QueryAt;
 using testing::QueryPose;
 using testing::StreetWorld;
 using testing::StreetWorldOptions;
-
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 TEST(Localizer, SaysNoCoverageOnAnEmptyMap) {
   const StreetWorld world;

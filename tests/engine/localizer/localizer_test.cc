@@ -7,12 +7,12 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <numbers>
 #include <set>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "engine/localizer/mapped_streets.h"
 #include "lab/rivals/index/index_methods.h"
@@ -29,24 +29,7 @@ using testing::QueryPose;
 using testing::StreetWorld;
 using testing::StreetWorldOptions;
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-class LocalizerOnOneStreet : public ::testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    world_ = new StreetWorld();
-    map_ = new MappedStreets({*world_});
-  }
-  static void TearDownTestSuite() {
-    delete map_;
-    delete world_;
-  }
-  static const Localizer& localizer() { return map_->localizer(); }
-
-  static StreetWorld* world_;
-  static MappedStreets* map_;
-};
-StreetWorld* LocalizerOnOneStreet::world_ = nullptr;
-MappedStreets* LocalizerOnOneStreet::map_ = nullptr;
+class LocalizerOnOneStreet : public testing::OneStreetTest {};
 
 TEST_F(LocalizerOnOneStreet, FindsPosesBetweenTheKeyframes) {
   for (const double x_m : {4.0, 17.5, 31.0, 44.5}) {

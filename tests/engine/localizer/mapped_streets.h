@@ -49,6 +49,23 @@ class MappedStreets {
   int num_streets_ = 0;
 };
 
+// A fixture with a map of one street, made once per test suite.
+class OneStreetTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    world_ = new StreetWorld();
+    map_ = new MappedStreets({*world_});
+  }
+  static void TearDownTestSuite() {
+    delete map_;
+    delete world_;
+  }
+  static const Localizer& localizer() { return map_->localizer(); }
+
+  inline static StreetWorld* world_ = nullptr;
+  inline static MappedStreets* map_ = nullptr;
+};
+
 // A pose where no keyframe was: lower, off the center line, turned.
 inline Rigid3d QueryPose(double x_m) { return StreetWorld::LookAlong({x_m, -1.5, 1.2}, 0.2, 0.03); }
 

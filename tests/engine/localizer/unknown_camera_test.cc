@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <vector>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "engine/focal/focal_search.h"
 #include "engine/localizer/mapped_streets.h"
@@ -15,23 +15,11 @@ namespace cairn {
 namespace {
 
 using testing::ExpectPose;
-using testing::MappedStreets;
 using testing::QueryAt;
 using testing::QueryPose;
-using testing::StreetWorld;
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-
-class UnknownCamera : public ::testing::Test {
+class UnknownCamera : public testing::OneStreetTest {
  protected:
-  static void SetUpTestSuite() {
-    world_ = new StreetWorld();
-    map_ = new MappedStreets({*world_});
-  }
-  static void TearDownTestSuite() {
-    delete map_;
-    delete world_;
-  }
   // A query whose camera is said to have `factor` times its focal length.
   static LocalizeQuery Asked(double factor, std::optional<double> log_sigma) {
     LocalizeQuery query = QueryAt(*world_, Truth());
@@ -54,12 +42,7 @@ class UnknownCamera : public ::testing::Test {
     EXPECT_NEAR(result.camera->camera.focal_px(), focal_px, 0.01 * focal_px);
     EXPECT_LT(result.camera->focal_sigma_px, 0.01 * focal_px);
   }
-
-  static StreetWorld* world_;
-  static MappedStreets* map_;
 };
-StreetWorld* UnknownCamera::world_ = nullptr;
-MappedStreets* UnknownCamera::map_ = nullptr;
 
 TEST_F(UnknownCamera, IsEstimatedWithThePose) {
   const LocalizeResult result = map_->localizer().Localize(Withheld());

@@ -7,11 +7,11 @@
 #include <chrono>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <random>
 #include <tuple>
 #include <utility>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "engine/index/synthetic_descriptors.h"
 #include "engine/tiles/simple_tile.h"
@@ -30,7 +30,6 @@ using testing::SimpleView;
 
 // Byte steps are 1.5 / 255, so distances are off by less than this.
 constexpr float kDistanceTolerance = 0.02f;
-constexpr double kPi = std::numbers::pi;
 
 std::vector<Correspondence> Match(const QueryContext& query, const std::vector<TileView>& tiles,
                                   const MatchingOptions& options = {}) {

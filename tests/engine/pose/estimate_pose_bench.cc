@@ -10,13 +10,13 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
-#include <numbers>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <random>
 #include <vector>
 
+#include "core/angles.h"
 #include "engine/pose/estimate_pose.h"
 #include "engine/pose/evidence/evidence.h"
 #include "engine/pose/solvers/gravity_two_point.h"
@@ -51,8 +51,7 @@ std::vector<PoseScene> MakeScenes(int inlier_percent, bool has_gravity) {
 
 bool IsRight(const Rigid3d& cam_from_anchor, const PoseScene& scene) {
   return CenterErrorM(cam_from_anchor, scene.cam_from_anchor) < 0.5 &&
-         RotationAngleRad(cam_from_anchor.rotation, scene.cam_from_anchor.rotation) <
-             std::numbers::pi / 180.0;
+         RotationAngleRad(cam_from_anchor.rotation, scene.cam_from_anchor.rotation) < kRadPerDeg;
 }
 
 // What the loop may do, as the argument `loop`.

@@ -28,6 +28,7 @@
 namespace cairn {
 namespace {
 
+using testing::HardScene;
 using testing::MakePoseScene;
 using testing::PoseScene;
 using testing::PoseSceneOptions;
@@ -36,13 +37,7 @@ using testing::RankOfTruth;
 constexpr int kNumScenes = 50;
 
 PoseSceneOptions SceneOptions(double radius_m, int num_inliers) {
-  PoseSceneOptions options;
-  options.num_keypoints = 1000;
-  options.matches_per_keypoint = 4;
-  options.num_inliers = num_inliers;
-  options.pixel_noise_px = 1.0;
-  options.gravity_noise_rad = 0.0175;
-  options.landmark_noise_m = 0.05;
+  PoseSceneOptions options = HardScene(num_inliers);
   options.region_radius_m = radius_m;
   return options;
 }

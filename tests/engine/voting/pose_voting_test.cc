@@ -25,15 +25,8 @@ std::vector<PoseCandidate> Vote(const PoseScene& scene, const VotingOptions& opt
   return VoteForPoses(scene.query, scene.correspondences, options, &counters);
 }
 
-// 4,000 matches of 1,000 keypoints, gravity off by 1 degree.
 PoseSceneOptions HardScene(int num_inliers, uint64_t seed) {
-  PoseSceneOptions options;
-  options.num_keypoints = 1000;
-  options.matches_per_keypoint = 4;
-  options.num_inliers = num_inliers;
-  options.pixel_noise_px = 1.0;
-  options.gravity_noise_rad = 0.0175;
-  options.landmark_noise_m = 0.05;
+  PoseSceneOptions options = testing::HardScene(num_inliers);
   options.seed = seed;
   return options;
 }

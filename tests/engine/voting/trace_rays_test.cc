@@ -6,17 +6,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <random>
 #include <vector>
+
+#include "core/angles.h"
 
 namespace cairn {
 namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-constexpr double kPi = std::numbers::pi;
 
 // Cells of 1 m, so that lengths are numbers of cells.
 VoteGrid MetreGrid() { return VoteGrid({-100, -100, -10}, {100, 100, 10}, {1, 1, 1}); }

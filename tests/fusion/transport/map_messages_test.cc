@@ -167,6 +167,11 @@ TEST(MapMessages, NumbersWithoutSenseMakeNoAnswer) {
   EXPECT_FALSE(ReadMapAnswer(json.dump(), query, kOrigin));
 }
 
+TEST(MapMessages, AMemberThatIsThereTwiceMakesNoAnswer) {
+  EXPECT_FALSE(
+      ReadMapAnswer(R"({"status":"NOT_LOCALIZED","status":"NOT_LOCALIZED"})", QueryOf(3), kOrigin));
+}
+
 TEST(MapMessages, EveryTruncationIsRefused) {
   const std::string whole = AnswerJson().dump();
   for (size_t length = 0; length < whole.size(); ++length) {

@@ -13,10 +13,12 @@
 #include "core/error.h"
 #include "http/server_fixture.h"
 #include "street_query.h"
+#include "support/canned_server.h"
 
 namespace cairn::fusion {
 namespace {
 
+using cairn::testing::CannedServer;
 using Clock = std::chrono::steady_clock;
 
 // Collects answers; Wait blocks until there are so many.
@@ -51,29 +53,6 @@ class ManualClock {
 
  private:
   std::atomic<int64_t> milliseconds_ = 1'000'000;
-};
-
-// A server that answers whatever the test wants.
-class OddServer {
- public:
-  explicit OddServer(httplib::Server::Handler handler) {
-    server_.Post("/v1/localize", std::move(handler));
-    port_ = server_.bind_to_any_port("127.0.0.1");
-    thread_ = std::thread([this] { server_.listen_after_bind(); });
-    while (!server_.is_running()) {
-      std::this_thread::yield();
-    }
-  }
-  ~OddServer() {
-    server_.stop();
-    thread_.join();
-  }
-  std::string url() const { return "http://127.0.0.1:" + std::to_string(port_); }
-
- private:
-  httplib::Server server_;
-  int port_ = 0;
-  std::thread thread_;
 };
 
 MapQuery SmallQuery(int64_t query_id) {
@@ -181,7 +160,7 @@ double PauseS(MapTransport* transport, ManualClock* clock, int64_t query_id) {
 TEST(MapTransport, BacksOffWhileTheServerIsDown) {
   std::string url;
   {
-    const OddServer gone([](const httplib::Request&, httplib::Response&) {});
+    const CannedServer gone([](const httplib::Request&, httplib::Response&) {});
     url = gone.url();
   }
   ManualClock clock;
@@ -203,7 +182,7 @@ TEST(MapTransport, BacksOffWhileTheServerIsDown) {
 }
 
 TEST(MapTransport, JitterDiffersBetweenDevices) {
-  const OddServer server(
+  const CannedServer server(
       [](const httplib::Request&, httplib::Response& response) { response.status = 503; });
   double pauses_s[2];
   for (uint64_t seed = 1; seed <= 2; ++seed) {
@@ -222,7 +201,7 @@ TEST(MapTransport, JitterDiffersBetweenDevices) {
 
 TEST(MapTransport, SuccessEndsTheBackOff) {
   std::atomic<bool> healthy = false;
-  const OddServer server([&](const httplib::Request&, httplib::Response& response) {
+  const CannedServer server([&](const httplib::Request&, httplib::Response& response) {
     response.status = healthy ? 200 : 503;
     response.set_content(R"({"status":"NOT_LOCALIZED"})", "application/json");
   });
@@ -243,7 +222,7 @@ TEST(MapTransport, SuccessEndsTheBackOff) {
 
 TEST(MapTransport, SilenceOfTheServerIsATimeout) {
   std::latch done(1);
-  const OddServer server([&](const httplib::Request&, httplib::Response&) { done.wait(); });
+  const CannedServer server([&](const httplib::Request&, httplib::Response&) { done.wait(); });
   ManualClock clock;
   MapTransportOptions options = OptionsFor(server.url(), &clock);
   options.timeout_ms = 50;
@@ -267,7 +246,7 @@ TEST(MapTransport, GarbageIsNoAnswer) {
                                            R"({"status":1})",
                                            R"({"status":"LOCALIZED","geopose":null})",
                                            std::string(5000, '[')};
-  const OddServer server([&](const httplib::Request&, httplib::Response& response) {
+  const CannedServer server([&](const httplib::Request&, httplib::Response& response) {
     response.set_content(bodies[static_cast<size_t>(next++)], "application/json");
   });
   ManualClock clock;
@@ -282,7 +261,7 @@ TEST(MapTransport, GarbageIsNoAnswer) {
 }
 
 TEST(MapTransport, EndlessAnswersAreBrokenOff) {
-  const OddServer server([](const httplib::Request&, httplib::Response& response) {
+  const CannedServer server([](const httplib::Request&, httplib::Response& response) {
     response.set_content(std::string(200'000, ' '), "application/json");
   });
   ManualClock clock;
@@ -299,7 +278,7 @@ TEST(MapTransport, QueueIsBounded) {
   std::latch go_on(1);
   std::latch asked(1);
   std::atomic<int> num_asked = 0;
-  const OddServer server([&](const httplib::Request&, httplib::Response& response) {
+  const CannedServer server([&](const httplib::Request&, httplib::Response& response) {
     if (num_asked++ == 0) {
       asked.count_down();
     }
@@ -324,7 +303,7 @@ TEST(MapTransport, QueueIsBounded) {
 }
 
 TEST(MapTransport, QueriesAreRateLimited) {
-  const OddServer server([](const httplib::Request&, httplib::Response& response) {
+  const CannedServer server([](const httplib::Request&, httplib::Response& response) {
     response.set_content(R"({"status":"NOT_LOCALIZED"})", "application/json");
   });
   ManualClock clock;
@@ -356,7 +335,7 @@ TEST(MapTransport, DestructionAnswersWhatIsUnderWay) {
   std::latch asked(1);
   std::latch done(1);
   std::atomic<int> num_asked = 0;
-  const OddServer server([&](const httplib::Request&, httplib::Response&) {
+  const CannedServer server([&](const httplib::Request&, httplib::Response&) {
     if (num_asked++ == 0) {
       asked.count_down();
     }

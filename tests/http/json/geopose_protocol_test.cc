@@ -7,9 +7,9 @@
 
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <string>
 
+#include "core/angles.h"
 #include "core/geoid.h"
 #include "http/wire/base64.h"
 #include "http/wire/problem.h"
@@ -193,7 +193,7 @@ TEST(GeoPoseProtocol, PriorPosesStandInForGpsAndGrowWithAge) {
 }
 
 json Turn(const Eigen::Vector3d& axis, double angle_deg) {
-  const Eigen::Quaterniond q(Eigen::AngleAxisd(angle_deg * std::numbers::pi / 180.0, axis));
+  const Eigen::Quaterniond q(Eigen::AngleAxisd(angle_deg * kRadPerDeg, axis));
   return {{"x", q.x()}, {"y", q.y()}, {"z", q.z()}, {"w", q.w()}};
 }
 
@@ -225,10 +225,10 @@ TEST(GeoPoseProtocol, CamerasOfOneRigAreOneQuery) {
   ASSERT_EQ(parsed.query.other_cameras.size(), 1u);
   EXPECT_EQ(parsed.images.size(), 2u);
   const Rigid3d cam_from_rig(
-      Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitY())),
+      Eigen::Quaterniond(Eigen::AngleAxisd(kPi / 2, Eigen::Vector3d::UnitY())),
       Eigen::Vector3d(1, 0, 0));
   const Rigid3d left_from_rig(
-      Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitZ())),
+      Eigen::Quaterniond(Eigen::AngleAxisd(kPi / 2, Eigen::Vector3d::UnitZ())),
       Eigen::Vector3d(2, 0, 0));
   const Eigen::Vector3d x_in_rig(0.3, -2.0, 7.0);
   EXPECT_LT((parsed.query.other_cameras[0].cam_from_first * (cam_from_rig * x_in_rig) -

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <numbers>
 #include <random>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "core/frames.h"
 #include "support/reconstruction_builder.h"
@@ -39,8 +39,7 @@ Errors ErrorsOf(const Sim3d& ecef_from_world, const testing::StreetWorld& world,
                 const Reconstruction& reconstruction) {
   Errors errors;
   const Sim3d truth = world.EcefFromWorld();
-  errors.tilt_deg =
-      RotationAngleRad(ecef_from_world.rotation, truth.rotation) * 180.0 / std::numbers::pi;
+  errors.tilt_deg = RotationAngleRad(ecef_from_world.rotation, truth.rotation) * kDegPerRad;
   for (const ReconImage& image : reconstruction.images) {
     const Eigen::Vector3d center = image.cam_from_world.Inverse().translation;
     errors.position_m =

@@ -5,11 +5,11 @@
 
 #include <atomic>
 #include <filesystem>
-#include <numbers>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "storage/map/describe_tile.h"
 #include "storage/tile/tile_codec.h"
@@ -30,8 +30,6 @@ using testing::NamedSession;
 using testing::RandomCodebook;
 using testing::RandomTile;
 using testing::TempDir;
-
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 GeoBox BoxDeg(double south, double west, double north, double east) {
   return {south * kRadPerDeg, west * kRadPerDeg, north * kRadPerDeg, east * kRadPerDeg};

@@ -4,15 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "core/angles.h"
 #include "storage/tile/morton.h"
 #include "support/tile_builder.h"
 
 namespace cairn {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 TEST(OrientationCode, RoundTripsEveryCode) {
   for (int code = 0; code < 255; ++code) {

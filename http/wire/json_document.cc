@@ -1,4 +1,4 @@
-#include "http/json/json_document.h"
+#include "http/wire/json_document.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "http/json/json_document.h"
+#include "http/wire/json_document.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -9,7 +9,7 @@
 #include <string>
 
 #include "core/file_bytes.h"
-#include "http/json/json_reader.h"
+#include "http/wire/json_reader.h"
 #include "http/wire/problem.h"
 #include "support/test_data.h"
 

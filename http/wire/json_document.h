@@ -1,6 +1,6 @@
 // Parses untrusted JSON into a tree of bounded size.
-#ifndef CAIRN_HTTP_JSON_JSON_DOCUMENT_H_
-#define CAIRN_HTTP_JSON_JSON_DOCUMENT_H_
+#ifndef CAIRN_HTTP_WIRE_JSON_DOCUMENT_H_
+#define CAIRN_HTTP_WIRE_JSON_DOCUMENT_H_
 
 #include <cstddef>
 #include <cstdint>
@@ -19,6 +19,9 @@ struct JsonLimits {
   size_t max_depth = 16;         // Arrays and objects nested in each other.
   size_t max_name_bytes = 100;   // Of a member's name; error messages quote names.
 };
+
+// Limits of a server's response: 100,000 matches of 13 values, and many tiles.
+inline constexpr JsonLimits kAnswerLimits{.max_values = 4'000'000, .max_elements = 1 << 20};
 
 // One value. The children of an array or object form a linked list: the first child directly
 // follows its parent, and each child has the index of the next one.
@@ -45,4 +48,4 @@ JsonDocument ParseJson(std::string_view text, const JsonLimits& limits = {});
 
 }  // namespace cairn
 
-#endif  // CAIRN_HTTP_JSON_JSON_DOCUMENT_H_
+#endif  // CAIRN_HTTP_WIRE_JSON_DOCUMENT_H_

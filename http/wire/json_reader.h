@@ -1,6 +1,6 @@
 // Reads untrusted JSON. Every error names the member by its JSON pointer (RFC 6901).
-#ifndef CAIRN_HTTP_JSON_JSON_READER_H_
-#define CAIRN_HTTP_JSON_JSON_READER_H_
+#ifndef CAIRN_HTTP_WIRE_JSON_READER_H_
+#define CAIRN_HTTP_WIRE_JSON_READER_H_
 
 #include <cstdint>
 #include <initializer_list>
@@ -9,9 +9,12 @@
 #include <string_view>
 #include <vector>
 
-#include "http/json/json_document.h"
+#include "http/wire/json_document.h"
 
 namespace cairn {
+
+// The largest integer below which every integer has a double of its own.
+inline constexpr int64_t kMaxExactInteger = int64_t{1} << 53;
 
 // A value and its position in the document. The document must outlive the reader. All functions
 // throw HttpError kInvalidField with the pointer of the value at fault.
@@ -35,7 +38,10 @@ class JsonReader {
   std::vector<double> Numbers(size_t min_size, size_t max_size) const;
 
   bool IsArray() const;
+  bool IsObject() const;
+  bool IsString() const;
   bool Bool() const;
+  double Number() const;  // Finite, as every number of a document is.
   double Number(double min, double max) const;
   int64_t Integer(int64_t min, int64_t max) const;
   const std::string& String() const;
@@ -61,4 +67,4 @@ class JsonReader {
 
 }  // namespace cairn
 
-#endif  // CAIRN_HTTP_JSON_JSON_READER_H_
+#endif  // CAIRN_HTTP_WIRE_JSON_READER_H_

@@ -1,11 +1,10 @@
-#include "http/json/json_reader.h"
+#include "http/wire/json_reader.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/printable.h"
 #include "http/wire/problem.h"
@@ -48,7 +47,7 @@ void JsonReader::ForEachChild(const Visit& visit) const {
 }
 
 void JsonReader::RequireObject() const {
-  if (value().kind != JsonValue::Kind::kObject) {
+  if (!IsObject()) {
     Fail("must be an object");
   }
 }
@@ -105,15 +104,16 @@ std::vector<JsonReader> JsonReader::Elements(size_t min_size, size_t max_size) c
 }
 
 std::vector<double> JsonReader::Numbers(size_t min_size, size_t max_size) const {
-  constexpr double kMax = std::numeric_limits<double>::max();
   std::vector<double> numbers;
   for (const JsonReader& element : Elements(min_size, max_size)) {
-    numbers.push_back(element.Number(-kMax, kMax));
+    numbers.push_back(element.Number());
   }
   return numbers;
 }
 
 bool JsonReader::IsArray() const { return value().kind == JsonValue::Kind::kArray; }
+bool JsonReader::IsObject() const { return value().kind == JsonValue::Kind::kObject; }
+bool JsonReader::IsString() const { return value().kind == JsonValue::Kind::kString; }
 
 bool JsonReader::Bool() const {
   if (value().kind != JsonValue::Kind::kBool) {
@@ -122,11 +122,15 @@ bool JsonReader::Bool() const {
   return value().number != 0.0;
 }
 
-double JsonReader::Number(double min, double max) const {
+double JsonReader::Number() const {
   if (value().kind != JsonValue::Kind::kNumber) {
     Fail("must be a number");
   }
-  const double number = value().number;
+  return value().number;
+}
+
+double JsonReader::Number(double min, double max) const {
+  const double number = Number();
   if (!(number >= min && number <= max)) {
     Fail(fmt::format("is {}, outside [{}, {}]", number, min, max));
   }
@@ -142,7 +146,7 @@ int64_t JsonReader::Integer(int64_t min, int64_t max) const {
 }
 
 const std::string& JsonReader::String() const {
-  if (value().kind != JsonValue::Kind::kString) {
+  if (!IsString()) {
     Fail("must be a string");
   }
   return value().text;

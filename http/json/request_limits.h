@@ -1,0 +1,25 @@
+// The limits of requests. engine/query has the limits of a query's values, http/wire those of the
+// binary features and of JSON.
+#ifndef CAIRN_HTTP_JSON_REQUEST_LIMITS_H_
+#define CAIRN_HTTP_JSON_REQUEST_LIMITS_H_
+
+#include <cstddef>
+
+namespace cairn {
+
+// The limits that an operator sets.
+struct RequestLimits {
+  int max_features = 5000;  // Of all cameras of a query.
+  int default_timeout_ms = 2000;
+};
+
+inline constexpr int kMaxTimeoutMs = 60'000;  // Largest timeout that a request may ask for.
+inline constexpr int kMaxMatches = 100'000;   // Largest number of matches in a response.
+inline constexpr size_t kMaxIdLength = 128;
+inline constexpr size_t kMaxReadings = 1000;  // Of one sensor in a GeoPoseRequest.
+// A longer JSON body waits for its turn before it is parsed; see IsLongJson.
+inline constexpr size_t kMaxShortJsonBytes = size_t{64} << 10;
+
+}  // namespace cairn
+
+#endif  // CAIRN_HTTP_JSON_REQUEST_LIMITS_H_
