@@ -44,9 +44,17 @@ std::map<int, double> RightByKeypoint(const PoseHypothesis& hypothesis) {
   return right;
 }
 
-// Returns true if the inliers decide for `a` over `b`, two poses that are far apart. Keypoints that
-// both poses explain, such as those on a facade that repeats, do not count. See AnswerOptions.
-bool Outdoes(const PoseHypothesis& a, const PoseHypothesis& b, const AnswerOptions& options) {
+// Returns true if the likely inliers decide for `a` over `b`, two poses that are far apart.
+// Keypoints that both poses explain, such as those on a facade that repeats, do not count. Two
+// conditions must hold. First, `b` has at most kDecisiveInlierShare of the likely inliers of `a`.
+// Second, if both poses were equally good, the keypoints that only one of them explains would be
+// split as unevenly with a probability of at most exp(-kDecisiveEvidence). The score alone cannot
+// decide, because it saturates at dense matches. The share is needed where facades repeat in every
+// detail: the wrong pose may then have a tenth more inliers than the right one, because the map saw
+// the wrong facade better.
+bool Outdoes(const PoseHypothesis& a, const PoseHypothesis& b) {
+  constexpr double kDecisiveInlierShare = 0.85;
+  constexpr double kDecisiveEvidence = 6.9;  // One in a thousand.
   const std::map<int, double> of_a = RightByKeypoint(a), of_b = RightByKeypoint(b);
   double sum_a = 0.0, sum_b = 0.0, num_for = 0.0, num_against = 0.0;
   for (const auto& [keypoint_idx, right] : of_a) {
@@ -60,8 +68,8 @@ bool Outdoes(const PoseHypothesis& a, const PoseHypothesis& b, const AnswerOptio
     num_against += std::max(0.0, right - (other == of_a.end() ? 0.0 : other->second));
   }
   const double num_all = num_for + num_against;
-  return num_for > num_against && sum_b <= options.decisive_inlier_share * sum_a &&
-         num_all * BernoulliDivergence(num_for / num_all, 0.5) >= options.decisive_evidence;
+  return num_for > num_against && sum_b <= kDecisiveInlierShare * sum_a &&
+         num_all * BernoulliDivergence(num_for / num_all, 0.5) >= kDecisiveEvidence;
 }
 
 // Returns true if `rival` explains the image about as well as `best` from somewhere else.
@@ -77,14 +85,13 @@ const PoseHypothesis* FindWinner(const std::vector<Contender>& by_score,
                                  const AnswerOptions& options) {
   Contender best = by_score.front();
   for (const Contender& rival : by_score) {
-    if (Rivals(rival, best, options) && Outdoes(*rival.hypothesis, *best.hypothesis, options)) {
+    if (Rivals(rival, best, options) && Outdoes(*rival.hypothesis, *best.hypothesis)) {
       best = rival;
     }
   }
   const bool is_ambiguous =
       std::any_of(by_score.begin(), by_score.end(), [&](const Contender& rival) {
-        return Rivals(rival, best, options) &&
-               !Outdoes(*best.hypothesis, *rival.hypothesis, options);
+        return Rivals(rival, best, options) && !Outdoes(*best.hypothesis, *rival.hypothesis);
       });
   return is_ambiguous ? nullptr : best.hypothesis;
 }

@@ -12,8 +12,6 @@ void AnswerOptions::Validate() const {
                 "answer.ambiguous_score_ratio must lie in (0, 1]");
   RequireOption(ambiguous_distance_m > 0.0, "answer.ambiguous_distance_m must be positive");
   RequireOption(ambiguous_rotation_rad > 0.0, "answer.ambiguous_rotation_rad must be positive");
-  RequireWithin("answer.decisive_inlier_share", decisive_inlier_share, 0.0, 1.0);
-  RequireOption(decisive_evidence > 0.0, "answer.decisive_evidence must be positive");
   calibration.Validate();
 }
 

@@ -17,16 +17,9 @@ struct AnswerOptions {
   double ambiguous_score_ratio = 0.8;
   double ambiguous_distance_m = 5.0;
   double ambiguous_rotation_rad = 0.2617994;  // 15 degrees.
-  // A rival does not make the answer ambiguous if likely inliers decide between the two poses. Two
-  // conditions must hold. First, the loser has at most decisive_inlier_share of the winner's likely
-  // inliers. Second, if both poses were equally good, the keypoints that only one of them explains
-  // would be split as unevenly with a probability of at most exp(-decisive_evidence). The score
-  // alone cannot decide, because it saturates at dense matches. The share is needed where facades
-  // repeat in every detail: the wrong pose may then have a tenth more inliers than the right one,
-  // because the map saw the wrong facade better.
-  double decisive_inlier_share = 0.85;
-  double decisive_evidence = 6.9;  // One in a thousand.
-  ScoreCalibration calibration;    // Of the reported confidence and accuracies.
+  // A rival does not make the answer ambiguous if the likely inliers decide between the two poses;
+  // see answer.cc.
+  ScoreCalibration calibration;  // Of the reported confidence and accuracies.
 
   void Validate() const;
 };

@@ -7,6 +7,11 @@
 namespace cairn {
 namespace {
 
+// Share of the good poses that may be rejected early. Drawing another pose costs less than scoring
+// 100 correspondences, so losing a few good poses is cheaper than certainty. 0.05 takes 0.92 of the
+// time of 0.005 at 5 % inliers; a larger share saves no more time (cairn_pose_bench).
+constexpr double kMaxRejectedShare = 0.05;
+
 // Returns a pose about the origin of the set.
 FloatModel MakeModel(const Eigen::Matrix<double, 3, 4>& cam_from_anchor,
                      const Eigen::Vector3d& origin_in_anchor, double extra_sq_rad) {
@@ -27,9 +32,7 @@ FloatModel MakeModel(const Eigen::Matrix<double, 3, 4>& cam_from_anchor,
 
 ConsensusSet::ConsensusSet(const std::vector<RayObservation>& observations,
                            const ConsensusOptions& options)
-    : options_(options),
-      size_(static_cast<int>(observations.size())),
-      test_(options.max_rejected_share) {
+    : options_(options), size_(static_cast<int>(observations.size())), test_(kMaxRejectedShare) {
   const size_t padded = (observations.size() + kScoreBlock - 1) / kScoreBlock * kScoreBlock;
   for (std::vector<float>* array : {&ray_x_, &ray_y_, &ray_z_, &point_x_, &point_y_, &point_z_,
                                     &sq_threshold_, &sq_sigma_, &gains_}) {

@@ -113,8 +113,7 @@ void FillEstimate(const QueryContext& query, const std::vector<Correspondence>& 
                      RefinementOf(options), query.other_cameras);
   estimate->mean_sq_error_px =
       inliers.sum_sq_error_px / static_cast<double>(inliers.indices.size());
-  PoseEvidence evidence =
-      WeighEvidence(query, correspondences, inliers.indices, cam_from_anchor, options.evidence);
+  PoseEvidence evidence = WeighEvidence(query, correspondences, inliers.indices, cam_from_anchor);
   estimate->evidence = evidence.log_ratio;
   estimate->right_probabilities = std::move(evidence.right_probabilities);
   estimate->inliers = std::move(inliers.indices);
@@ -134,8 +133,9 @@ std::optional<PoseEstimate> EstimatePose(const QueryContext& query,
       problem.num_keypoints() <= min_consensus) {  // A keypoint gains at most 1.
     return std::nullopt;
   }
-  const RansacOptions ransac_options = {options.min_iterations, options.max_iterations,
-                                        options.success_probability, min_consensus};
+  const RansacOptions ransac_options = {.min_iterations = options.min_iterations,
+                                        .max_iterations = options.max_iterations,
+                                        .min_score = min_consensus};
   const auto ransac = LoRansac(&problem, ransac_options, seed);
   if (!ransac.model) {
     return std::nullopt;

@@ -2,8 +2,6 @@
 #ifndef CAIRN_ENGINE_POSE_POSE_OPTIONS_H_
 #define CAIRN_ENGINE_POSE_POSE_OPTIONS_H_
 
-#include "engine/pose/evidence/evidence_model.h"
-
 namespace cairn {
 
 // How a pose is computed from a minimal sample.
@@ -19,19 +17,11 @@ enum class ConsensusKernel {
   kPlain,  // One correspondence at a time; the reference for tests and measurements.
 };
 
-// How poses are scored; see ConsensusSet.
+// How poses are scored; see ConsensusSet. Only tests and benchmarks change the defaults.
 struct ConsensusOptions {
   ConsensusKernel kernel = ConsensusKernel::kVectorized;
   // Stops scoring a pose once it is unlikely to beat the best one.
   bool early_rejection = true;
-  // Share of the good poses that may be rejected early, in (0, 1). Drawing another pose costs less
-  // than scoring 100 correspondences, so losing a few good poses is cheaper than certainty. 0.05
-  // takes 0.92 of the time of 0.005 at 5 % inliers; a larger share saves no more time
-  // (cairn_pose_bench).
-  double max_rejected_share = 0.05;
-
-  // Throws Error(kInvalidArgument), naming the field.
-  void Validate() const;
 };
 
 struct PoseOptions {
@@ -44,19 +34,15 @@ struct PoseOptions {
   double keypoint_sigma_px = 1.0;
   int min_iterations = 50;
   int max_iterations = 2000;
-  // Stop once an all-inlier sample was drawn with this probability.
-  double success_probability = 0.999;
   // The weight of a match in sampling falls with the squared distance d of its descriptors, as
   // exp(-distance_weight * d / m), where m is the squared distance of a median pair of one
   // landmark. 0 gives all matches the same weight.
   double distance_weight = 3.0;
-  int num_local_optimizations = 2;  // Refinements each time a minimal model improves the score.
-  int min_inliers = 6;              // Distinct keypoints; a pose with fewer is not an estimate.
+  int min_inliers = 6;  // Distinct keypoints; a pose with fewer is not an estimate.
   // Standard deviation of the gravity direction per axis, radians. Widens the threshold of minimal
   // models and weights gravity as a weak prior in the final refinement.
   double gravity_sigma_rad = 0.0175;
   ConsensusOptions consensus;
-  EvidenceModel evidence;
 
   // Throws Error(kInvalidArgument), naming the field.
   void Validate() const;

@@ -271,9 +271,10 @@ std::optional<std::pair<PoseRansacProblem::Model, double>> PoseRansacProblem::Op
   refine_options.keypoint_sigma_px = options_.keypoint_sigma_px;
   refine_options.max_iterations = 5;
   refine_options.min_relative_decrease = 1e-3;  // The best pose is refined to convergence later.
+  constexpr int kNumRefinements = 2;            // Each time a minimal model improves the score.
   Model model = cam_from_anchor;
   double extra_sq_rad = minimal_extra_sq_rad_;
-  for (int i = 0; i < options_.num_local_optimizations; ++i) {
+  for (int i = 0; i < kNumRefinements; ++i) {
     const std::vector<PoseObservation> inliers = LocalInliers(model, extra_sq_rad);
     if (static_cast<int>(inliers.size()) <= sample_size()) {
       return std::nullopt;

@@ -13,8 +13,6 @@ struct PriorOptions {
   // nothing.
   double min_radius_m = 50.0;
   double max_radius_m = 500.0;
-  // Lower bound on the reported accuracy, metres.
-  double min_accuracy_m = 3.0;
 
   void Validate() const;
 };

@@ -10,6 +10,9 @@
 namespace cairn {
 namespace {
 
+// Lower bound on the reported accuracy, meters.
+constexpr double kMinAccuracyM = 3.0;
+
 // Returns the standard deviation per axis of the circular Gaussian with 68 % within `radius_m`.
 double SigmaFromRadius68(double radius_m) { return radius_m / std::sqrt(-2.0 * std::log(0.32)); }
 
@@ -35,7 +38,6 @@ void PriorOptions::Validate() const {
   RequireOption(search_sigmas > 0.0, "prior.search_sigmas must be positive");
   RequireOption(min_radius_m > 0.0 && max_radius_m >= min_radius_m,
                 "prior: need 0 < min_radius_m <= max_radius_m");
-  RequireOption(min_accuracy_m > 0.0, "prior.min_accuracy_m must be positive");
 }
 
 SearchRegion ResolveSearchRegion(const LocalizeQuery& query, const MapInfo& map,
@@ -49,7 +51,7 @@ SearchRegion ResolveSearchRegion(const LocalizeQuery& query, const MapInfo& map,
   region.origin = {prior.position.lat_rad, prior.position.lon_rad, 0.0};
   region.ecef_from_anchor = EcefFromEnu(region.origin);
   region.has_prior = true;
-  region.prior_sigma_m = SigmaFromRadius68(std::max(prior.accuracy_m, options.min_accuracy_m));
+  region.prior_sigma_m = SigmaFromRadius68(std::max(prior.accuracy_m, kMinAccuracyM));
   region.radius_m = std::clamp(options.search_sigmas * region.prior_sigma_m, options.min_radius_m,
                                options.max_radius_m);
   if (prior.height_sigma_m) {

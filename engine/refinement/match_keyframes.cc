@@ -12,6 +12,10 @@
 namespace cairn {
 namespace {
 
+// Descriptors match a keyframe within this quantile of the same-landmark distances: the largest
+// that MatchingOptions::distance_quantile allows.
+constexpr double kRelaxedDistanceQuantile = 0.95;
+
 std::vector<Correspondence> InliersOf(const PoseHypothesis& pose) {
   std::vector<Correspondence> inliers;
   for (const int index : pose.estimate.inliers) {
@@ -68,7 +72,7 @@ void MatchKeyframes(const QueryContext& query, const std::vector<TileView>& tile
     const auto rematches =
         std::make_shared<const std::vector<Correspondence>>(MatchAgainstKeyframes(
             query, tiles, KeyframeNeighborhood(tiles, keyframes[i], options.neighbors_per_keyframe),
-            options.relaxed_distance_quantile, matching));
+            kRelaxedDistanceQuantile, matching));
     num_rematches[i] = static_cast<int64_t>(rematches->size());
     std::vector<int> all(rematches->size());
     std::iota(all.begin(), all.end(), 0);

@@ -17,8 +17,6 @@ void RefinementOptions::Validate() const {
                 "refinement.neighbors_per_keyframe must lie in [0, 1000]");
   RequireOption(min_separation_m >= 0.0 && std::isfinite(min_separation_m),
                 "refinement.min_separation_m must not be negative");
-  RequireOption(relaxed_distance_quantile > 0.0 && relaxed_distance_quantile <= 1.0,
-                "refinement.relaxed_distance_quantile must lie in (0, 1]");
   RequireOption(min_trusted_evidence >= 0.0 && std::isfinite(min_trusted_evidence),
                 "refinement.min_trusted_evidence must not be negative");
   RequireOption(max_gravity_error_sigmas >= 0.0,

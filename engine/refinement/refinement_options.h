@@ -25,7 +25,6 @@ struct RefinementOptions {
   // A keyframe nearer than this to a better one that looks the same way (within 45 degrees) is at
   // the same location and not ranked, metres. Covers the neighbours of a walk or a slow drive.
   double min_separation_m = 3.0;
-  double relaxed_distance_quantile = 0.95;  // Threshold of the re-matching.
   // If the best pose has less evidence than this, gravity may be wrong. The stages from matching on
   // then run once more without gravity (not in mode kNever); see docs/decisions/0004.
   double min_trusted_evidence = 40.0;

@@ -104,10 +104,11 @@ int StepTowards(double offset, int at, int size) {
   return (offset > kStepAtPx && at < size - 2 ? 1 : 0) - (offset < -kStepAtPx && at > 1 ? 1 : 0);
 }
 
-bool IsOnEdge(const Eigen::Matrix3d& hessian, double edge_threshold) {
+bool IsOnEdge(const Eigen::Matrix3d& hessian) {
+  constexpr double kEdgeThreshold = 10.0;  // Ratio of the principal curvatures; COLMAP's.
   const double trace = hessian(0, 0) + hessian(1, 1);
   const double determinant = hessian(0, 0) * hessian(1, 1) - hessian(0, 1) * hessian(0, 1);
-  const double limit = (edge_threshold + 1.0) * (edge_threshold + 1.0) / edge_threshold;
+  const double limit = (kEdgeThreshold + 1.0) * (kEdgeThreshold + 1.0) / kEdgeThreshold;
   return !(determinant > 0.0 && trace * trace < limit * determinant);
 }
 
@@ -144,7 +145,7 @@ std::optional<SiftExtremum> Refine(const ScaleSpaceOctave& octave,
                          refined_level <= octave.levels.last + 1;
   const bool is_near = offset.cwiseAbs().maxCoeff() < kMaxOffsetPx;  // False for NaN.
   if (!is_near || !is_inside || contrast <= options.contrast_threshold * kGreyLevels ||
-      IsOnEdge(hessian, options.edge_threshold)) {
+      IsOnEdge(hessian)) {
     return std::nullopt;
   }
   return SiftExtremum{.x_px = static_cast<float>(x + offset.x()),

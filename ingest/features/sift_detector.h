@@ -19,10 +19,9 @@ struct SiftExtremum {
 };
 
 struct SiftDetectorOptions {
-  // Threshold for the refined extremum, as a share of the 255 gray levels. Both defaults are
-  // COLMAP's.
+  // Threshold for the refined extremum, as a share of the 255 gray levels. The default is COLMAP's;
+  // tests set 0.
   double contrast_threshold = 0.02 / kSiftLevelsPerOctave;
-  double edge_threshold = 10.0;  // Ratio of the principal curvatures.
 };
 
 // Returns the extrema in order of level, row and column. Up to five Newton steps across pixels

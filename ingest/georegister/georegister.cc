@@ -15,6 +15,9 @@
 namespace cairn {
 namespace {
 
+// Fewer positions do not determine a similarity.
+constexpr int kMinPositions = 3;
+
 // Positions must spread so far that their errors change the scale by at most this share.
 constexpr double kMaxRelativeScaleError = 0.25;
 
@@ -95,7 +98,6 @@ SimilarityProblem MakeProblem(const Reconstruction& reconstruction,
                               const GeoregisterOptions& options) {
   SimilarityProblem problem;
   problem.upright_sigma_rad = options.upright_sigma_rad;
-  problem.loss_scale_sigmas = options.loss_scale_sigmas;
   const Rigid3d enu_from_ecef = ecef_from_enu.Inverse();
   for (const MatchedPosition& position : matched) {
     problem.positions.push_back({normalized_from_world * position.center_in_world,
@@ -143,7 +145,7 @@ void Judge(const SimilarityProblem& problem, const Sim3d& enu_from_normalized,
         (enu_from_normalized * position.center_in_world - position.center_in_enu).norm();
     result->residuals_m.push_back(residual_m);
     residuals_sigmas.push_back(residual_m / position.accuracy_m);
-    result->num_inliers += residuals_sigmas.back() <= 3.0 * options.loss_scale_sigmas;
+    result->num_inliers += residuals_sigmas.back() <= 3.0 * kLossScaleSigmas;
   }
   result->num_positions = static_cast<int>(problem.positions.size());
   result->median_residual_m = Median(result->residuals_m);
@@ -168,8 +170,6 @@ void Judge(const SimilarityProblem& problem, const Sim3d& enu_from_normalized,
 }  // namespace
 
 void GeoregisterOptions::Validate() const {
-  RequireOption(min_positions >= 3, "georegister.min_positions must be at least 3");
-  RequireOption(loss_scale_sigmas > 0.0, "georegister.loss_scale_sigmas must be positive");
   RequireOption(upright_sigma_rad >= 0.0 && upright_sigma_rad < 2.0,
                 "georegister.upright_sigma_rad must lie in [0, 2)");
   RequireOption(max_median_residual_sigmas > 0.0,
@@ -183,12 +183,12 @@ Georegistration Georegister(const Reconstruction& reconstruction,
   options.Validate();
   reconstruction.Validate();
   const std::vector<MatchedPosition> matched = MatchByName(reconstruction, positions);
-  if (static_cast<int>(matched.size()) < options.min_positions) {
-    throw Error(ErrorCode::kBadInput,
-                fmt::format("georegistration: {} of {} known positions belong to one of the {} "
-                            "images; at least {} are needed",
-                            matched.size(), positions.size(), reconstruction.images.size(),
-                            options.min_positions));
+  if (static_cast<int>(matched.size()) < kMinPositions) {
+    throw Error(
+        ErrorCode::kBadInput,
+        fmt::format("georegistration: {} of {} known positions belong to one of the {} "
+                    "images; at least {} are needed",
+                    matched.size(), positions.size(), reconstruction.images.size(), kMinPositions));
   }
   std::vector<Eigen::Vector3d> centers_in_ecef;
   for (const MatchedPosition& position : matched) {

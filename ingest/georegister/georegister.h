@@ -32,9 +32,6 @@ std::vector<CameraPosition> GpsPositions(const Reconstruction& reconstruction, d
 void MakeHeightsEllipsoidal(HeightReference reference, std::vector<CameraPosition>* positions);
 
 struct GeoregisterOptions {
-  int min_positions = 3;
-  // Scale of the robust loss, in units of each position's accuracy.
-  double loss_scale_sigmas = 2.0;
   // Standard deviation in radians of the prior that image x axes are horizontal; 0 switches the
   // prior off. The prior is needed because camera positions along a line leave the roll about the
   // line free, and because GPS heights are poor. People and rigs hold cameras upright.
@@ -50,7 +47,7 @@ struct GeoregisterOptions {
 struct Georegistration {
   Sim3d ecef_from_world;
   int num_positions = 0;  // Positions whose image is in the reconstruction.
-  int num_inliers = 0;    // Positions within three times the loss scale.
+  int num_inliers = 0;    // Positions within six times their accuracy.
   double median_residual_m = 0.0;
   double max_residual_m = 0.0;
   std::vector<double> residuals_m;  // One for each used position, in input order.

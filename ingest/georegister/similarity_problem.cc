@@ -164,7 +164,7 @@ class Cheapest {
 }  // namespace
 
 double SimilarityProblem::Cost(const Sim3d& enu_from_world) const {
-  const double sq_scale = loss_scale_sigmas * loss_scale_sigmas;
+  const double sq_scale = kLossScaleSigmas * kLossScaleSigmas;
   const auto loss = [&](double sq_residual) {
     return sq_scale * std::log1p(sq_residual / sq_scale);
   };
@@ -208,7 +208,7 @@ Sim3d RefineSimilarity(const SimilarityProblem& problem, const Sim3d& start) {
   for (const SimilarityProblem::Position& position : problem.positions) {
     ceres_problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PositionResidual, 3, 4, 3, 1>(
                                        new PositionResidual(position)),
-                                   new ceres::CauchyLoss(problem.loss_scale_sigmas),
+                                   new ceres::CauchyLoss(kLossScaleSigmas),
                                    parameters.rotation.coeffs().data(),
                                    parameters.translation.data(), &parameters.log_scale);
   }
@@ -216,7 +216,7 @@ Sim3d RefineSimilarity(const SimilarityProblem& problem, const Sim3d& start) {
     for (const Eigen::Vector3d& right : problem.right_in_world) {
       ceres_problem.AddResidualBlock(new ceres::AutoDiffCostFunction<UprightResidual, 1, 4>(
                                          new UprightResidual(right, problem.upright_sigma_rad)),
-                                     new ceres::CauchyLoss(problem.loss_scale_sigmas),
+                                     new ceres::CauchyLoss(kLossScaleSigmas),
                                      parameters.rotation.coeffs().data());
     }
   }

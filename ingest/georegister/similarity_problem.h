@@ -12,6 +12,9 @@
 
 namespace cairn {
 
+// Scale of Cauchy's loss, in standard deviations of a residual.
+inline constexpr double kLossScaleSigmas = 2.0;
+
 // Finds the enu_from_world that maps camera centers to their known positions and camera x axes to
 // the horizontal. All residuals are in units of their standard deviation and pass through Cauchy's
 // loss.
@@ -27,7 +30,6 @@ struct SimilarityProblem {
   std::vector<Eigen::Vector3d> right_in_world;
   Eigen::Vector3d mean_up_in_world = Eigen::Vector3d::Zero();
   double upright_sigma_rad = 0.0;
-  double loss_scale_sigmas = 2.0;
 
   // The sum of the robust losses.
   double Cost(const Sim3d& enu_from_world) const;

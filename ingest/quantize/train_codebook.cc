@@ -247,12 +247,12 @@ void MeasureDistances(const Reconstruction& reconstruction, std::mt19937_64* rng
 }  // namespace
 
 void CodebookOptions::Validate() const {
-  RequireWithin("codebook.projected_dim", projected_dim, 1, 256);
-  RequireWithin("codebook.num_subspaces", num_subspaces, 1, 64);
+  RequireWithin("ingest.codebook.projected_dim", projected_dim, 1, 256);
+  RequireWithin("ingest.codebook.num_subspaces", num_subspaces, 1, 64);
   RequireOption(projected_dim % num_subspaces == 0,
-                "codebook.num_subspaces must divide projected_dim");
+                "ingest.codebook.num_subspaces must divide projected_dim");
   RequireOption(max_training_descriptors >= Codebook::kNumWords,
-                "codebook.max_training_descriptors must be at least 256");
+                "ingest.codebook.max_training_descriptors must be at least 256");
 }
 
 Codebook TrainCodebook(const Reconstruction& reconstruction, const CodebookOptions& options) {

@@ -182,10 +182,10 @@ class RandomSummarizer : public SeededSummarizer {
 }  // namespace
 
 void AppearanceOptions::Validate() const {
-  RequireOption(count >= 0, "appearance.count must not be negative");
-  RequireWithin("appearance.ratio", ratio, 0.0, 1.0);
-  RequireOption(min_count >= 1, "appearance.min_count must be at least 1");
-  RequireOption(max_count >= min_count, "appearance.max_count must be at least min_count");
+  RequireOption(count >= 0, "ingest.appearance.count must not be negative");
+  RequireWithin("ingest.appearance.ratio", ratio, 0.0, 1.0);
+  RequireOption(min_count >= 1, "ingest.appearance.min_count must be at least 1");
+  RequireOption(max_count >= min_count, "ingest.appearance.max_count must be at least min_count");
 }
 
 std::unique_ptr<AppearanceSummarizer> MakeKMeansSummarizer(const AppearanceOptions& options) {

@@ -279,8 +279,9 @@ class Relaxation {
 
  private:
   bool IsClosed() const {
+    constexpr double kMaxGap = 1e-4;  // Enough; relative to the bound.
     return std::isfinite(bound_) &&
-           bound_ - objective_ <= options_.max_gap * std::max(1.0, std::abs(bound_));
+           bound_ - objective_ <= kMaxGap * std::max(1.0, std::abs(bound_));
   }
 
   void Try(Choice choice) {

@@ -38,7 +38,7 @@ struct CoverageSolution {
 
 // Landmarks with fewer than options.min_observations are left out. Each of at most
 // options.max_iterations rounds takes time linear in landmarks and observations; stops earlier when
-// the gap is closed to options.max_gap. Deterministic.
+// the gap is closed to 1e-4 of the bound. Deterministic.
 CoverageSolution SolveCoverage(const VisibilityGraph& graph,
                                const std::vector<int>& num_descriptors,
                                const LandmarkSelectionOptions& options);

@@ -99,7 +99,7 @@ class CoverageSelector : public LandmarkSelector {
 
 void LandmarkSelectionOptions::Validate() const {
   const auto require = [](bool ok, const char* what, auto is) {
-    RequireOption(ok, fmt::format("selection.{}, is {}", what, is));
+    RequireOption(ok, fmt::format("ingest.selection.{}, is {}", what, is));
   };
   require(max_descriptors >= 1, "max_descriptors must be at least 1", max_descriptors);
   require(min_observations >= 2, "min_observations must be at least 2", min_observations);
@@ -109,7 +109,6 @@ void LandmarkSelectionOptions::Validate() const {
   require(missing_landmark_cost >= 0.0 && std::isfinite(missing_landmark_cost),
           "missing_landmark_cost must not be negative", missing_landmark_cost);
   require(max_iterations >= 1, "max_iterations must be at least 1", max_iterations);
-  require(max_gap >= 0.0, "max_gap must not be negative", max_gap);
 }
 
 std::unique_ptr<LandmarkSelector> MakeObservationCountSelector(

@@ -37,7 +37,6 @@ struct LandmarkSelectionOptions {
   // Rounds; 50 prove a bound, more improve little: 100,000 landmarks seen by 1,000 keyframes,
   // 20,000 kept: 2 s and a gap of 0.2 % (50), 6 s and 0.1 % (200).
   int max_iterations = 100;
-  double max_gap = 1e-4;  // Enough; relative.
 
   void Validate() const;
 };

@@ -8,6 +8,7 @@
 #include "core/features.h"
 #include "core/frames.h"
 #include "engine/pose/evidence/effective_inliers.h"
+#include "engine/pose/evidence/evidence_model.h"
 #include "engine/pose/evidence/landmark_density.h"
 
 namespace cairn {
@@ -26,7 +27,7 @@ std::vector<double> LikelihoodRatios(const QueryContext& query,
                                      const std::vector<Correspondence>& correspondences,
                                      const std::vector<int>& num_matches,
                                      const std::vector<int>& inliers,
-                                     const Rigid3d& cam_from_anchor, const EvidenceModel& model) {
+                                     const Rigid3d& cam_from_anchor) {
   // Limits a ratio, which adds no certainty beyond, and keeps sums finite.
   constexpr double kMaxLogRatio = 30.0;
   std::vector<LandmarkDensity> densities;
@@ -43,9 +44,8 @@ std::vector<double> LikelihoodRatios(const QueryContext& query,
       const double by_chance =
           densities[query.CameraIdxOf(match.keypoint_idx)].At(PixelOf(query, match)) *
           num_matches[match.keypoint_idx];
-      ratio =
-          std::exp(std::min(kMaxLogRatio, LogErrorDensity(*traits, model) +
-                                              LogTraitRatio(*traits, model) - std::log(by_chance)));
+      ratio = std::exp(std::min(
+          kMaxLogRatio, LogErrorDensity(*traits) + LogTraitRatio(*traits) - std::log(by_chance)));
     }
     ratios.push_back(ratio);
   }
@@ -104,7 +104,8 @@ double IndependentShare(const QueryContext& query,
 
 }  // namespace
 
-double LogErrorDensity(const InlierTraits& traits, const EvidenceModel& model) {
+double LogErrorDensity(const InlierTraits& traits) {
+  const EvidenceModel& model = kEvidenceModel;
   const double from_scale_px = model.error_per_scale * traits.keypoint_scale_px;
   const double from_landmark_px = model.landmark_share * traits.landmark_sigma_px;
   const double sq_scale_px = model.error_px * model.error_px + from_scale_px * from_scale_px +
@@ -115,7 +116,8 @@ double LogErrorDensity(const InlierTraits& traits, const EvidenceModel& model) {
              std::log1p(traits.error_px * traits.error_px / (freedom * sq_scale_px));
 }
 
-double LogTraitRatio(const InlierTraits& traits, const EvidenceModel& model) {
+double LogTraitRatio(const InlierTraits& traits) {
+  const EvidenceModel& model = kEvidenceModel;
   const double of_orientation =
       traits.orientation_rad < 0.0
           ? 0.0
@@ -163,8 +165,7 @@ std::optional<InlierTraits> TraitsOf(const QueryContext& query, const Correspond
 
 PoseEvidence WeighEvidence(const QueryContext& query,
                            const std::vector<Correspondence>& correspondences,
-                           const std::vector<int>& inliers, const Rigid3d& cam_from_anchor,
-                           const EvidenceModel& model) {
+                           const std::vector<int>& inliers, const Rigid3d& cam_from_anchor) {
   PoseEvidence evidence;
   if (inliers.empty()) {
     return evidence;
@@ -176,7 +177,7 @@ PoseEvidence WeighEvidence(const QueryContext& query,
   const auto num_keypoints = static_cast<int>(
       std::count_if(num_matches.begin(), num_matches.end(), [](int count) { return count > 0; }));
   const std::vector<double> ratios =
-      LikelihoodRatios(query, correspondences, num_matches, inliers, cam_from_anchor, model);
+      LikelihoodRatios(query, correspondences, num_matches, inliers, cam_from_anchor);
   const double share = FitShare(ratios, num_keypoints, &evidence.right_probabilities);
   const auto num_others = static_cast<double>(num_keypoints) - static_cast<double>(inliers.size());
   double log_ratio = num_others * std::log1p(-share);

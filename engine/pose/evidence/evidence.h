@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/rigid3.h"
-#include "engine/pose/evidence/evidence_model.h"
 #include "engine/query/inlier_traits.h"
 #include "engine/query/query_context.h"
 
@@ -27,7 +26,7 @@ struct PoseEvidence {
 //
 // Under "chance", the landmark of a match falls anywhere in the image, with the density
 // LandmarkDensity. Under "right", a share p of the keypoints has a right match, whose error and
-// traits follow the model. The logarithm is
+// traits follow kEvidenceModel. The logarithm is
 //   max over p of   sum over keypoints of log(1 - p + p r),
 // where r is the likelihood ratio of the keypoint's inlier divided by the number of its matches, or
 // 0 without an inlier. Neighbouring inliers are not independent, so the logarithm is multiplied by
@@ -35,13 +34,12 @@ struct PoseEvidence {
 // apart (see EffectiveInliers). Linear in the correspondences.
 PoseEvidence WeighEvidence(const QueryContext& query,
                            const std::vector<Correspondence>& correspondences,
-                           const std::vector<int>& inliers, const Rigid3d& cam_from_anchor,
-                           const EvidenceModel& model);
+                           const std::vector<int>& inliers, const Rigid3d& cam_from_anchor);
 
 // Returns the logarithm of the density of a right match's error, per square pixel.
-double LogErrorDensity(const InlierTraits& traits, const EvidenceModel& model);
+double LogErrorDensity(const InlierTraits& traits);
 // Returns the logarithm of the likelihood ratio of all traits except the error.
-double LogTraitRatio(const InlierTraits& traits, const EvidenceModel& model);
+double LogTraitRatio(const InlierTraits& traits);
 
 // Returns nothing if the landmark does not project.
 std::optional<InlierTraits> TraitsOf(const QueryContext& query, const Correspondence& match,

@@ -41,10 +41,9 @@ struct EvidenceModel {
   // Deviation: difference between the azimuths from which the landmark is seen and was mapped,
   // radians.
   TraitModel azimuth = {2.37, 3.46};
-
-  // Throws Error(kInvalidArgument), naming the field.
-  void Validate() const;
 };
+
+inline constexpr EvidenceModel kEvidenceModel;
 
 }  // namespace cairn
 

@@ -9,10 +9,14 @@
 
 namespace cairn {
 
+// Scale of the Cauchy loss, in standard deviations. 2.4 keeps 95 % of the efficiency of least
+// squares on Gaussian noise.
+inline constexpr double kCauchyScale = 2.4;
+
 // Parameters of the weight of a residual.
 struct ResidualWeights {
-  double keypoint_sigma_px = 1.0;  // Standard deviation of a keypoint per axis.
-  double cauchy_scale = 2.4;       // In standard deviations.
+  double keypoint_sigma_px = 1.0;      // Standard deviation of a keypoint per axis.
+  double cauchy_scale = kCauchyScale;  // In standard deviations.
 };
 
 // Returns 1 / (keypoint_sigma_px^2 + (landmark_px_m / distance)^2). `landmark_px_m` is the focal

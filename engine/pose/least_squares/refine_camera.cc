@@ -45,7 +45,7 @@ struct Problem {
   const RefinePoseOptions& options;
   double prior_weight = 1.0;  // Weight of the camera's prior.
 
-  ResidualWeights Weights() const { return {options.keypoint_sigma_px, options.cauchy_scale}; }
+  ResidualWeights Weights() const { return {.keypoint_sigma_px = options.keypoint_sigma_px}; }
 
   Camera CameraOf(const State& state) const {
     const Camera scaled = WithFocalScaled(prior.camera, std::exp(state.log_focal));
@@ -120,7 +120,7 @@ struct Problem {
   Linearization Linearize(const State& state) const {
     Linearization system;
     const ResidualWeights weights = Weights();
-    const double sq_scale = options.cauchy_scale * options.cauchy_scale;
+    const double sq_scale = kCauchyScale * kCauchyScale;
     const int num_gross = ForEachProjected(
         state,
         [&](const Jacobian8d& jacobian, const Eigen::Vector2d& residual, double information) {

@@ -35,7 +35,7 @@ struct Problem {
   const RefinePoseOptions& options;
   std::span<const QueryRigCamera> other_cameras;
 
-  ResidualWeights Weights() const { return {options.keypoint_sigma_px, options.cauchy_scale}; }
+  ResidualWeights Weights() const { return {.keypoint_sigma_px = options.keypoint_sigma_px}; }
 
   // Calls visit(pixel_by_anchor, from_center, residual_px, landmark_px_m) for each observation that
   // projects, with the arguments of NormalEquations::Add. Returns the number of those that do not.
@@ -68,7 +68,7 @@ struct Problem {
         anchor_from_cam, [&](const auto&... projected) { equations.Add(projected...); });
     const NormalEquations::Sums sums = equations.Finish();
     Linearization system = {sums.normal, sums.gradient, sums.cost};
-    const double sq_scale = options.cauchy_scale * options.cauchy_scale;
+    const double sq_scale = kCauchyScale * kCauchyScale;
     system.cost += 0.5 * num_gross * sq_scale * std::log1p(kGrossError * kGrossError / sq_scale);
     if (gravity) {
       Eigen::Matrix<double, 3, 6> gravity_jacobian;

@@ -29,9 +29,6 @@ struct GravityPrior {
 
 struct RefinePoseOptions {
   double keypoint_sigma_px = 1.0;  // Standard deviation of a keypoint per axis.
-  // Scale of the Cauchy loss, in standard deviations. 2.4 keeps 95 % of the efficiency of least
-  // squares on Gaussian noise.
-  double cauchy_scale = 2.4;
   int max_iterations = 10;
   // Iterations stop after a step that decreases the cost by a smaller share.
   double min_relative_decrease = 1e-6;

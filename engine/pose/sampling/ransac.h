@@ -15,6 +15,7 @@ namespace cairn {
 struct RansacOptions {
   int min_iterations = 50;
   int max_iterations = 2000;
+  // Sampling stops once a sample free of outliers was drawn with this probability.
   double success_probability = 0.999;
   // Models with a lower score are not needed.
   double min_score = 0.0;

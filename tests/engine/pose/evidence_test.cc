@@ -33,8 +33,7 @@ std::vector<int> FirstIndices(int count) {
 }
 
 PoseEvidence Weigh(const PoseScene& scene, const std::vector<int>& inliers) {
-  return WeighEvidence(scene.query, scene.correspondences, inliers, scene.cam_from_anchor,
-                       EvidenceModel());
+  return WeighEvidence(scene.query, scene.correspondences, inliers, scene.cam_from_anchor);
 }
 
 TEST(WeighEvidence, RightMatchesSpeakForThePose) {
@@ -83,9 +82,8 @@ TEST(WeighEvidence, MatchesOfOneKeypointShareItsChance) {
 
 // Each deviation makes a match less likely, and never says more than the match did.
 TEST(WeighEvidence, DeviationsWeaken) {
-  const EvidenceModel model;
-  const auto ratio = [&](const InlierTraits& traits) {
-    return LogErrorDensity(traits, model) + LogTraitRatio(traits, model);
+  const auto ratio = [](const InlierTraits& traits) {
+    return LogErrorDensity(traits) + LogTraitRatio(traits);
   };
   const std::pair<double InlierTraits::*, std::vector<double>> kDeviations[] = {
       {&InlierTraits::error_px, {0.1, 1.0, 5.0, 50.0}},
@@ -105,11 +103,10 @@ TEST(WeighEvidence, DeviationsWeaken) {
 }
 
 TEST(WeighEvidence, AMatchWithoutOrientationSaysLess) {
-  const EvidenceModel model;
   InlierTraits traits;
-  const double with_orientation = LogTraitRatio(traits, model);
+  const double with_orientation = LogTraitRatio(traits);
   traits.orientation_rad = -1.0;
-  EXPECT_LT(LogTraitRatio(traits, model), with_orientation);
+  EXPECT_LT(LogTraitRatio(traits), with_orientation);
 }
 
 // An inlier whose descriptor, size and direction are all off does not pull a good pose down.
@@ -198,19 +195,6 @@ TEST(LandmarkDensity, IsADensity) {
     }
   }
   EXPECT_NEAR(sum, 1.0, 0.05);
-}
-
-TEST(EvidenceModel, RefusesWhatMakesNoSense) {
-  EvidenceModel().Validate();
-  EvidenceModel no_error;
-  no_error.error_px = 0.0;
-  EXPECT_THROW(no_error.Validate(), Error);
-  EvidenceModel rising;
-  rising.size.weight = -1.0;
-  EXPECT_THROW(rising.Validate(), Error);
-  EvidenceModel not_a_number;
-  not_a_number.offset = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(not_a_number.Validate(), Error);
 }
 
 }  // namespace

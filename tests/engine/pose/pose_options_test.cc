@@ -20,12 +20,9 @@ TEST(PoseOptions, RejectsNonsenseNamingTheField) {
       {"keypoint_sigma_px", [](PoseOptions* o) { o->keypoint_sigma_px = -1.0; }},
       {"min_iterations", [](PoseOptions* o) { o->min_iterations = 0; }},
       {"max_iterations", [](PoseOptions* o) { o->max_iterations = o->min_iterations - 1; }},
-      {"success_probability", [](PoseOptions* o) { o->success_probability = 1.0; }},
       {"distance_weight", [](PoseOptions* o) { o->distance_weight = -1.0; }},
-      {"num_local_optimizations", [](PoseOptions* o) { o->num_local_optimizations = 0; }},
       {"min_inliers", [](PoseOptions* o) { o->min_inliers = 3; }},
       {"gravity_sigma_rad", [](PoseOptions* o) { o->gravity_sigma_rad = 0.0; }},
-      {"max_rejected_share", [](PoseOptions* o) { o->consensus.max_rejected_share = 1.0; }},
   };
   for (const auto& [field, spoil] : cases) {
     PoseOptions options;

@@ -159,13 +159,13 @@ TEST(KeyframeNeighborhood, LeavesOutFarKeyframes) {
 TEST(RefinementOptions, RejectsNonsenseNamingTheField) {
   RefinementOptions options;
   EXPECT_NO_THROW(options.Validate());
-  options.relaxed_distance_quantile = 0.0;
+  options.min_separation_m = -1.0;
   try {
     options.Validate();
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kInvalidArgument);
-    EXPECT_THAT(error.what(), ::testing::HasSubstr("relaxed_distance_quantile"));
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("min_separation_m"));
   }
 }
 
