@@ -17,6 +17,7 @@
 #include "cli/eval_queries.h"
 #include "cli/index_option.h"
 #include "cli/open_localizer.h"
+#include "cli/options_file.h"
 #include "cli/shell.h"
 #include "core/error.h"
 #include "core/parallel_for.h"
@@ -37,22 +38,19 @@ enum class FeatureSource { kModel, kExtract };
 struct EvalArguments {
   std::string map_path;
   EvalQueryArguments queries;
-  PriorNoiseOptions noise;
-  double gravity_noise_deg = 1.0;
   bool no_prior = false;
   bool no_gravity = false;
   bool given_priors = false;
   double prior_offset_m = 0.0;
   bool elsewhere = false;
   bool permute_descriptors = false;
-  double min_score = AnswerOptions().min_score;
   StatedFocalOptions focal;
   double focal_error_percent = 0.0;
   std::optional<double> focal_sigma_percent;
   std::string server_url;
   SendAs send_as = SendAs::kFeatures;
   FeatureSource feature_source = FeatureSource::kModel;
-  IndexKind index = IndexOptions().kind;
+  CairnOptions options;
   std::string json_path;
   std::string csv_path;
   std::string matches_path;
@@ -83,7 +81,7 @@ void ExtractFeatures(const EvalArguments& arguments, Progress* progress,
           fmt::format("query {} needs its photo; give --image-dir DIR", Excerpt(query.name)));
     }
     if (arguments.server_url.empty() || arguments.send_as == SendAs::kFeatures) {
-      query.query.features = ExtractSift(ReadGrayImage(query.image_path));
+      query.query.features = ExtractSift(ReadGrayImage(query.image_path), arguments.options.sift);
     }
     progress->Update("extract", i + 1, total);
   }
@@ -148,24 +146,21 @@ StatedFocalOptions FocalOptionsOf(const EvalArguments& arguments) {
   if (arguments.focal_sigma_percent) {
     options.sigma = 0.01 * *arguments.focal_sigma_percent;
   }
-  options.seed = arguments.noise.seed;
+  options.seed = arguments.options.localizer.seed;
   options.Validate();
   return options;
 }
 
 ExitCode RunEval(const EvalArguments& arguments, ProgressMode progress_mode) {
-  PriorNoiseOptions noise = arguments.noise;
-  noise.gravity_sigma_rad = arguments.gravity_noise_deg * 0.017453292519943295;
+  PriorNoiseOptions noise = arguments.options.noise;
   noise.with_prior = !arguments.no_prior;
   noise.with_gravity = !arguments.no_gravity;
+  noise.seed = arguments.options.localizer.seed;
   noise.Validate();
 
-  LocalizerOptions localizer_options;
-  localizer_options.seed = noise.seed;
-  localizer_options.matching.index.kind = arguments.index;
-  localizer_options.answer.min_score = arguments.min_score;
-  const OpenedMap map = OpenLocalizer(arguments.map_path, localizer_options);
-  std::vector<EvalQuery> queries = LoadEvalQueries(arguments.queries, map.store->Snapshot());
+  const OpenedMap map = OpenLocalizer(arguments.map_path, arguments.options.localizer);
+  std::vector<EvalQuery> queries =
+      LoadEvalQueries(arguments.queries, arguments.options.georegister, map.store->Snapshot());
   if (arguments.elsewhere) {
     PlaceElsewhere(KeyframePlaces(map.store->Snapshot()), noise.seed, &queries);
   }
@@ -231,17 +226,21 @@ void AddQuerySourceOptions(CLI::App* command, EvalQueryArguments* arguments) {
 
 void AddNoiseOptions(CLI::App* command, EvalArguments* arguments) {
   command
-      ->add_option("--prior-noise", arguments->noise.position_sigma_m,
+      ->add_option("--prior-noise", arguments->options.noise.position_sigma_m,
                    "Standard deviation of the position prior, meters per axis")
       ->check(NumberWithin(0.0, 1e6))
       ->type_name("M")
       ->capture_default_str();
   command
-      ->add_option("--gravity-noise-deg", arguments->gravity_noise_deg,
-                   "Standard deviation of the gravity direction, degrees")
+      ->add_option_function<double>(
+          "--gravity-noise-deg",
+          [noise = &arguments->options.noise](double sigma_deg) {
+            noise->gravity_sigma_rad = sigma_deg * 0.017453292519943295;
+          },
+          "Standard deviation of the gravity direction, degrees")
       ->check(NumberWithin(0.0, 180.0))
       ->type_name("DEG")
-      ->capture_default_str();
+      ->default_str("1");
   command->add_flag("--no-prior", arguments->no_prior, "Leave out the position prior");
   command->add_flag("--no-gravity", arguments->no_gravity, "Leave out the gravity prior");
   command
@@ -256,7 +255,8 @@ void AddNoiseOptions(CLI::App* command, EvalArguments* arguments) {
       ->type_name("M")
       ->check(NumberWithin(0.0, 1e6))
       ->capture_default_str();
-  AddSeedOption(command, &arguments->noise.seed, "Random seed of the noise and of the localizer");
+  AddSeedOption(command, &arguments->options.localizer.seed,
+                "Random seed of the noise and of the localizer");
 }
 
 void AddElsewhereOptions(CLI::App* command, EvalArguments* arguments) {
@@ -320,12 +320,13 @@ void AddEvalCommand(CLI::App* app, Shell* shell) {
   CLI::App* command = app->add_subcommand("eval", "Measure accuracy and speed against known poses");
   auto arguments = std::make_shared<EvalArguments>();
   command->add_option("MAP", arguments->map_path, "Map file")->required();
+  AddOptionsFile(command, &arguments->options);
   AddQuerySourceOptions(command, &arguments->queries);
   AddNoiseOptions(command, arguments.get());
   AddElsewhereOptions(command, arguments.get());
   AddFocalOptions(command, arguments.get());
   AddTransportOptions(command, arguments.get());
-  AddIndexOption(command, &arguments->index);
+  AddIndexOption(command, &arguments->options.localizer.matching.index.kind);
   command->add_option("--json", arguments->json_path, "Write the report as JSON")
       ->type_name("FILE");
   command->add_option("--csv", arguments->csv_path, "Write a CSV with one line per answer")
@@ -336,7 +337,7 @@ void AddEvalCommand(CLI::App* app, Shell* shell) {
       ->type_name("FILE");
   command
       ->add_option(
-          "--min-score", arguments->min_score,
+          "--min-score", arguments->options.localizer.answer.min_score,
           "Lowest score of an answer; lower ones count as not localized (no effect with --server)")
       ->check(NumberWithin(-1e9, 1e9))
       ->capture_default_str();

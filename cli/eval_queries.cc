@@ -51,6 +51,7 @@ std::optional<Sim3d> AlignToMap(const Reconstruction& reconstruction,
 }
 
 Sim3d PlaceReference(const Reconstruction& reconstruction, const EvalQueryArguments& arguments,
+                     const GeoregisterOptions& georegister,
                      const std::vector<KeyframeRecord>& keyframes) {
   std::string why_not = "--align-to positions";
   if (arguments.reference_source != ReferenceSource::kPositions) {
@@ -67,7 +68,8 @@ Sim3d PlaceReference(const Reconstruction& reconstruction, const EvalQueryArgume
         ErrorCode::kInvalidArgument,
         fmt::format("the true poses are unknown; give --georef CSV or --gps ({})", why_not));
   }
-  const Georegistration fit = GeoregisterByArguments(reconstruction, arguments.reconstruction);
+  const Georegistration fit =
+      GeoregisterByArguments(reconstruction, arguments.reconstruction, georegister);
   LogInfo("reference: the model, fitted to {} positions ({}); residual {:.3f} m median",
           fit.num_positions, why_not, fit.median_residual_m);
   return fit.ecef_from_world;
@@ -107,6 +109,7 @@ std::set<std::string> QueryNames(const Reconstruction& reconstruction,
 }
 
 std::vector<EvalQuery> QueriesFromModel(const EvalQueryArguments& arguments,
+                                        const GeoregisterOptions& georegister,
                                         const MapSnapshot& map) {
   if (arguments.reconstruction.model_dir.empty() ||
       arguments.reconstruction.database_path.empty()) {
@@ -120,7 +123,8 @@ std::vector<EvalQuery> QueriesFromModel(const EvalQueryArguments& arguments,
   const std::vector<KeyframeRecord> keyframes = AllKeyframes(map);
   const std::set<std::string> names = QueryNames(reconstruction, arguments, keyframes);
   std::vector<EvalQuery> queries = QueriesFromReconstruction(
-      reconstruction, PlaceReference(reconstruction, arguments, keyframes), arguments.image_dir);
+      reconstruction, PlaceReference(reconstruction, arguments, georegister, keyframes),
+      arguments.image_dir);
   std::erase_if(queries, [&](const EvalQuery& query) { return !names.contains(query.name); });
   return queries;
 }
@@ -128,10 +132,11 @@ std::vector<EvalQuery> QueriesFromModel(const EvalQueryArguments& arguments,
 }  // namespace
 
 std::vector<EvalQuery> LoadEvalQueries(const EvalQueryArguments& arguments,
+                                       const GeoregisterOptions& georegister,
                                        const MapSnapshot& map) {
   std::vector<EvalQuery> queries;
   if (arguments.query_list_path.empty()) {
-    queries = QueriesFromModel(arguments, map);
+    queries = QueriesFromModel(arguments, georegister, map);
   } else {
     queries = ReadQueryList(arguments.query_list_path);
     ReadQueryFeatures(&queries);

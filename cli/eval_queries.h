@@ -30,7 +30,9 @@ struct EvalQueryArguments {
 // Reads or makes the queries, without priors. Logs how the reference was placed. Throws
 // Error(kInvalidArgument) if arguments are missing, and Error(kBadInput) if no query remains or the
 // reference does not fit.
-std::vector<EvalQuery> LoadEvalQueries(const EvalQueryArguments& arguments, const MapSnapshot& map);
+std::vector<EvalQuery> LoadEvalQueries(const EvalQueryArguments& arguments,
+                                       const GeoregisterOptions& georegister,
+                                       const MapSnapshot& map);
 
 }  // namespace cairn
 

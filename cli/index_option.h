@@ -10,7 +10,7 @@ class App;
 
 namespace cairn {
 
-// Sets *kind; its initial value is the default. Exhaustive search is for tests and not offered.
+// Sets *kind to one of kIndexKindNames; its initial value is the default.
 void AddIndexOption(CLI::App* command, IndexKind* kind);
 
 }  // namespace cairn

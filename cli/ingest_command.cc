@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "cli/choice_option.h"
+#include "cli/options_file.h"
 #include "cli/reconstruction_arguments.h"
 #include "cli/shell.h"
 #include "core/error.h"
@@ -22,7 +24,7 @@ struct IngestArguments {
   std::string map_path;
   ReconstructionArguments reconstruction;
   std::string image_list_path;
-  IngestOptions options;
+  CairnOptions options;
   bool json = false;
 };
 
@@ -94,10 +96,10 @@ ExitCode RunIngest(const IngestArguments& arguments, ProgressMode progress_mode)
   // Open the map first, so that an unwritable map fails before the long read.
   MapStore store = MapStore::Open(arguments.map_path, OpenMode::kReadWrite);
   const Reconstruction reconstruction = ReadReconstruction(arguments);
-  const Georegistration georegistration =
-      GeoregisterByArguments(reconstruction, arguments.reconstruction);
+  const Georegistration georegistration = GeoregisterByArguments(
+      reconstruction, arguments.reconstruction, arguments.options.georegister);
 
-  IngestOptions options = arguments.options;
+  IngestOptions options = arguments.options.ingest;
   if (options.session_name.empty()) {
     options.session_name = DefaultSessionName(arguments.reconstruction.database_path);
   }
@@ -124,7 +126,9 @@ ExitCode RunIngest(const IngestArguments& arguments, ProgressMode progress_mode)
 void AddIngestCommand(CLI::App* app, Shell* shell) {
   CLI::App* command = app->add_subcommand("ingest", "Add a COLMAP reconstruction to a map");
   auto arguments = std::make_shared<IngestArguments>();
+  IngestOptions& options = arguments->options.ingest;
   command->add_option("MAP", arguments->map_path, "Map file")->required();
+  AddOptionsFile(command, &arguments->options);
   AddReconstructionOptions(command, &arguments->reconstruction);
   command->get_option("--model")->required();
   command->get_option("--database")->required();
@@ -133,16 +137,20 @@ void AddIngestCommand(CLI::App* app, Shell* shell) {
                    "File with the images of the model to use, one name per line. Default: all")
       ->type_name("FILE");
   command
-      ->add_option("--session", arguments->options.session_name,
+      ->add_option("--session", options.session_name,
                    "Name of the session. Replaces an existing session of that name. Default: the "
                    "folder of the database")
       ->type_name("NAME");
   command
-      ->add_option("--max-descriptors", arguments->options.selection.max_descriptors,
+      ->add_option("--max-descriptors", options.selection.max_descriptors,
                    "Maximum number of descriptors per tile")
       ->capture_default_str();
+  AddChoiceOption(command, "--selection",
+                  NamedChoice(&options.selection.kind, kLandmarkSelectionNames),
+                  "How the landmarks of a tile are selected: the most observed, or, with coverage, "
+                  "by the paper's integer program, which leaves enough to each keyframe");
   command
-      ->add_option("--code-bytes", arguments->options.codebook.num_subspaces,
+      ->add_option("--code-bytes", options.codebook.num_subspaces,
                    "Bytes per descriptor; used only for the first session of a map")
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "Print the summary as JSON");

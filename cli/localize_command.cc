@@ -17,6 +17,7 @@
 #include "cli/height_option.h"
 #include "cli/index_option.h"
 #include "cli/open_localizer.h"
+#include "cli/options_file.h"
 #include "cli/rig_photos.h"
 #include "cli/shell.h"
 #include "core/angles.h"
@@ -49,8 +50,7 @@ struct LocalizeArguments {
   double accuracy_m = 15.0;
   std::optional<std::string> gravity;
   std::string picture_path;
-  uint64_t seed = 1;
-  IndexKind index = IndexOptions().kind;
+  CairnOptions options;
   bool json = false;
 };
 
@@ -122,13 +122,10 @@ LocalizeResult Answer(const LocalizeArguments& arguments, const Photo& photo,
                                                                  : ImageOrientation::kAsSize})
         .LocalizeImages(*query, images);
   }
-  LocalizerOptions options;
-  options.seed = arguments.seed;
-  options.matching.index.kind = arguments.index;
-  const OpenedMap map = OpenLocalizer(arguments.map_path, options);
-  query->features = ExtractSift(photo.image);
+  const OpenedMap map = OpenLocalizer(arguments.map_path, arguments.options.localizer);
+  query->features = ExtractSift(photo.image, arguments.options.sift);
   for (size_t i = 0; i < others.size(); ++i) {
-    query->other_cameras[i].features = ExtractSift(others[i].photo.image);
+    query->other_cameras[i].features = ExtractSift(others[i].photo.image, arguments.options.sift);
   }
   return map.localizer->Localize(*query);
 }
@@ -272,9 +269,11 @@ void AddLocalizeCommand(CLI::App* app, Shell* shell) {
   command->add_option("MAP", arguments->map_path, "Map file; omit with --server");
   command->add_option("--server", arguments->server_url, "Query this server instead of a map file")
       ->type_name("URL");
+  AddOptionsFile(command, &arguments->options);
   AddQueryOptions(command, arguments.get());
-  AddSeedOption(command, &arguments->seed, "Random seed (no effect with --server)");
-  AddIndexOption(command, &arguments->index);
+  AddSeedOption(command, &arguments->options.localizer.seed,
+                "Random seed (no effect with --server)");
+  AddIndexOption(command, &arguments->options.localizer.matching.index.kind);
   command->add_flag("--json", arguments->json, "Print the answer as JSON, like the server");
   command
       ->add_option("--picture", arguments->picture_path, "Write a picture of the matched keypoints")

@@ -15,6 +15,7 @@ void AddVerbs(CLI::App* app, Shell* shell) {
   AddInfoCommand(app, shell);
   AddSqlCommand(app, shell);
   AddCheckCommand(app, shell);
+  AddOptionsCommand(app, shell);
   AddDemoCommand(app, shell);
 }
 

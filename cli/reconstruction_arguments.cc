@@ -40,7 +40,8 @@ void AddReconstructionOptions(CLI::App* command, ReconstructionArguments* argume
 }
 
 Georegistration GeoregisterByArguments(const Reconstruction& reconstruction,
-                                       const ReconstructionArguments& arguments) {
+                                       const ReconstructionArguments& arguments,
+                                       const GeoregisterOptions& options) {
   std::vector<CameraPosition> positions =
       arguments.use_gps ? GpsPositions(reconstruction, arguments.gps_accuracy_m)
                         : ReadCameraPositions(arguments.georef_path);
@@ -48,7 +49,7 @@ Georegistration GeoregisterByArguments(const Reconstruction& reconstruction,
       arguments.height.value_or(arguments.use_gps ? HeightReference::kMeanSeaLevel
                                                   : HeightReference::kEllipsoid),
       &positions);
-  return Georegister(reconstruction, positions, GeoregisterOptions());
+  return Georegister(reconstruction, positions, options);
 }
 
 }  // namespace cairn

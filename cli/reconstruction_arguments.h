@@ -32,7 +32,8 @@ void AddReconstructionOptions(CLI::App* command, ReconstructionArguments* argume
 
 // Fits the reconstruction to the positions named by the arguments. Throws as Georegister.
 Georegistration GeoregisterByArguments(const Reconstruction& reconstruction,
-                                       const ReconstructionArguments& arguments);
+                                       const ReconstructionArguments& arguments,
+                                       const GeoregisterOptions& options);
 
 }  // namespace cairn
 

@@ -23,6 +23,7 @@
 #include <thread>
 
 #include "cli/index_option.h"
+#include "cli/options_file.h"
 #include "cli/shell.h"
 #include "core/error.h"
 #include "core/logging.h"
@@ -33,13 +34,6 @@ namespace cairn {
 namespace {
 
 constexpr size_t kMemoryReserveBytes = size_t{16} << 20;
-
-struct ServeArguments {
-  ServerOptions options;
-  int64_t cache_mb = static_cast<int64_t>(options.cache_bytes >> 20);
-  int64_t max_body_mb = static_cast<int64_t>(options.max_body_bytes >> 20);
-  double max_image_megapixels = static_cast<double>(options.max_image_pixels) / 1e6;
-};
 
 constexpr std::array kSignals = {SIGHUP, SIGINT, SIGTERM};
 
@@ -134,11 +128,10 @@ std::string Url(const std::string& host, int port) {
                  : fmt::format("http://{}:{}", host, port);
 }
 
-ExitCode RunServe(const ServeArguments& arguments) {
-  ServerOptions options = arguments.options;
-  options.cache_bytes = static_cast<size_t>(arguments.cache_mb) << 20;
-  options.max_body_bytes = static_cast<size_t>(arguments.max_body_mb) << 20;
-  options.max_image_pixels = std::llround(1e6 * arguments.max_image_megapixels);
+ExitCode RunServe(const CairnOptions& arguments) {
+  ServerOptions options = arguments.server;
+  options.localizer = arguments.localizer;
+  options.sift = arguments.sift;
   ShareHeapsAmongThreads();
   SetUpMemoryReserve(kMemoryReserveBytes);
   AllowOpenFiles();
@@ -149,7 +142,7 @@ ExitCode RunServe(const ServeArguments& arguments) {
   SignalQueue::Block(SIG_UNBLOCK);
   fmt::print("{}\n", Url(options.host, server.port()));
   if (options.admin_port >= 0) {
-    LogInfo("health and metrics on {}", Url(options.admin_host, server.admin_port()));
+    LogInfo("health and metrics on {}", Url(kAdminHost, server.admin_port()));
   }
   if (std::fflush(stdout) != 0) {
     throw Error(ErrorCode::kIo, "cannot write to standard output");
@@ -165,63 +158,82 @@ ExitCode RunServe(const ServeArguments& arguments) {
   return signal_number == SIGINT ? ExitCode::kInterrupted : ExitCode::kOk;
 }
 
-}  // namespace
+// A flag that sets `value` in units of `unit`.
+template <typename Value, typename Unit>
+CLI::Option* AddScaledOption(CLI::App* command, const std::string& flag, Value* value, Unit unit,
+                             const std::string& description) {
+  return command
+      ->add_option_function<Unit>(
+          flag,
+          [value, unit](const Unit& number) {
+            *value = static_cast<Value>(std::llround(static_cast<double>(number * unit)));
+          },
+          description)
+      ->default_str(fmt::format("{}", static_cast<Unit>(*value) / unit));
+}
 
-void AddServeCommand(CLI::App* app, Shell* shell) {
-  CLI::App* command = app->add_subcommand("serve", "Answer localization queries over HTTP");
-  auto arguments = std::make_shared<ServeArguments>();
-  ServerOptions& options = arguments->options;
-  command->add_option("MAP", options.map_path, "Map file")->required();
-  command->add_option("--host", options.host, "Address to listen on")->capture_default_str();
-  command->add_option("--port", options.port, "Port to listen on; 0 picks a free port")
+void AddAddressOptions(CLI::App* command, ServerOptions* options) {
+  command->add_option("--host", options->host, "Address to listen on")->capture_default_str();
+  command->add_option("--port", options->port, "Port to listen on; 0 picks a free port")
       ->check(CLI::Range(0, 65535))
       ->type_name("PORT")
       ->capture_default_str();
   command
-      ->add_option("--admin-port", options.admin_port,
+      ->add_option("--admin-port", options->admin_port,
                    "Separate loopback port for health and metrics; 0 picks a free port, -1 uses "
                    "the main port")
       ->check(CLI::Range(-1, 65535))
       ->type_name("PORT")
       ->capture_default_str();
-  command->add_option("--cache-mb", arguments->cache_mb, "Memory for decoded tiles, MiB")
+}
+
+void AddLimitOptions(CLI::App* command, ServerOptions* options) {
+  constexpr int64_t kMiB = int64_t{1} << 20;
+  constexpr double kMegapixel = 1e6;
+  AddScaledOption(command, "--cache-mb", &options->cache_bytes, kMiB,
+                  "Memory for decoded tiles, MiB")
       ->check(CLI::Range(int64_t{1}, int64_t{1} << 24))
-      ->type_name("MB")
-      ->capture_default_str();
+      ->type_name("MB");
   command
       ->add_option(
-          "--threads", options.num_threads,
+          "--threads", options->num_threads,
           "Requests answered at once; 0: 64 or twice the number of cores, whichever is more")
       ->check(CLI::Range(0, 1024))
       ->type_name("N")
       ->capture_default_str();
   command
-      ->add_option("--query-threads", options.threads_per_query,
+      ->add_option("--query-threads", options->threads_per_query,
                    "Threads that one query may use while cores are free; 0: the number of cores")
       ->check(CLI::Range(0, 1024))
       ->type_name("N")
       ->capture_default_str();
-  command
-      ->add_option("--max-body-mb", arguments->max_body_mb,
-                   "Largest request, MiB. An image of 12 megapixels takes up to 16, as JPEG or as "
-                   "GRAY8 in base64")
+  AddScaledOption(command, "--max-body-mb", &options->max_body_bytes, kMiB,
+                  "Largest request, MiB. An image of 12 megapixels takes up to 16, as JPEG or as "
+                  "GRAY8 in base64")
       ->check(CLI::Range(int64_t{1}, int64_t{1024}))
-      ->type_name("MB")
-      ->capture_default_str();
-  command
-      ->add_option("--max-image-mp", arguments->max_image_megapixels,
-                   "Largest image to decode, megapixels")
+      ->type_name("MB");
+  AddScaledOption(command, "--max-image-mp", &options->max_image_pixels, kMegapixel,
+                  "Largest image to decode, megapixels")
       ->check(CLI::Range(0.01, 1000.0))
-      ->type_name("MP")
-      ->capture_default_str();
-  AddIndexOption(command, &options.localizer.matching.index.kind);
+      ->type_name("MP");
+}
+
+}  // namespace
+
+void AddServeCommand(CLI::App* app, Shell* shell) {
+  CLI::App* command = app->add_subcommand("serve", "Answer localization queries over HTTP");
+  auto options = std::make_shared<CairnOptions>();
+  command->add_option("MAP", options->server.map_path, "Map file")->required();
+  AddOptionsFile(command, options.get());
+  AddAddressOptions(command, &options->server);
+  AddLimitOptions(command, &options->server);
+  AddIndexOption(command, &options->localizer.matching.index.kind);
   command->footer(
       "Prints the URL when the server is ready. SIGTERM and SIGINT stop the server after the\n"
       "running requests. SIGHUP reopens the map.\n"
       "Example:\n"
       "  cairn serve city.gpkg --port 8080");
-  command->callback(
-      [shell, arguments] { shell->run = [arguments] { return RunServe(*arguments); }; });
+  command->callback([shell, options] { shell->run = [options] { return RunServe(*options); }; });
 }
 
 }  // namespace cairn

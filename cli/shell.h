@@ -30,6 +30,7 @@ void AddEvalCommand(CLI::App* app, Shell* shell);
 void AddInfoCommand(CLI::App* app, Shell* shell);
 void AddSqlCommand(CLI::App* app, Shell* shell);
 void AddCheckCommand(CLI::App* app, Shell* shell);
+void AddOptionsCommand(CLI::App* app, Shell* shell);
 void AddDemoCommand(CLI::App* app, Shell* shell);
 
 }  // namespace cairn

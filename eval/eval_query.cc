@@ -41,9 +41,9 @@ std::mt19937_64 GeneratorOfQuery(const EvalQuery& query, uint64_t seed) {
 
 void PriorNoiseOptions::Validate() const {
   constexpr double kMaxSigmaM = 10e3;
-  RequireWithin("position_sigma_m", position_sigma_m, 0.0, kMaxSigmaM);
-  RequireWithin("height_sigma_m", height_sigma_m, 0.0, kMaxSigmaM);
-  RequireWithin("gravity_sigma_rad", gravity_sigma_rad, 0.0, 1.0);
+  RequireWithin("noise.position_sigma_m", position_sigma_m, 0.0, kMaxSigmaM);
+  RequireWithin("noise.height_sigma_m", height_sigma_m, 0.0, kMaxSigmaM);
+  RequireWithin("noise.gravity_sigma_rad", gravity_sigma_rad, 0.0, 1.0);
 }
 
 void AddNoisyPriors(const PriorNoiseOptions& options, std::vector<EvalQuery>* queries) {

@@ -69,7 +69,7 @@ struct Server::Impl {
         main_listener(MainListenerOptions(options), &main_dispatcher) {
     if (options.admin_port >= 0) {
       const ListenerOptions admin{
-          .host = options.admin_host, .port = options.admin_port, .num_threads = kAdminThreads};
+          .host = kAdminHost, .port = options.admin_port, .num_threads = kAdminThreads};
       admin_listener.emplace(admin, &admin_dispatcher);
     }
   }

@@ -1,6 +1,5 @@
 #include "engine/index/index_options.h"
 
-#include "core/check.h"
 #include "core/require.h"
 #include "engine/index/probe_sequence.h"
 
@@ -26,21 +25,6 @@ void IndexOptions::Validate() const {
   RequireOption((kind == IndexKind::kOther) == (other != nullptr),
                 "matching.index.other must be set if and only if the kind is \"other\"");
   RequireWithin("matching.index.num_reference_words", num_reference_words, 0, 4'096);
-}
-
-const char* IndexKindName(IndexKind kind) {
-  switch (kind) {
-    case IndexKind::kRandomGrids:
-      return "random_grids";
-    case IndexKind::kInvertedLists:
-      return "inverted_lists";
-    case IndexKind::kExhaustive:
-      return "exhaustive";
-    case IndexKind::kOther:
-      return "other";
-  }
-  CAIRN_CHECK(false, "every IndexKind has a name");
-  return "";
 }
 
 }  // namespace cairn

@@ -70,7 +70,6 @@ class IndexFactory {
 };
 
 enum class IndexKind { kRandomGrids, kInvertedLists, kExhaustive, kOther };
-const char* IndexKindName(IndexKind kind);  // "random_grids", "inverted_lists", ...
 
 // How a tile is made searchable. The tile cache identifies tiles by payload only. Localizers with
 // different IndexOptions therefore need separate caches.

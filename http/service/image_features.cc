@@ -96,30 +96,31 @@ void ThrowIfStopped(const ImageDecodeLimits& limits) {
   }
 }
 
-FeatureSet Extract(const Picture& picture, const ImageDecodeLimits& limits, ServerTimes* times) {
+FeatureSet Extract(const Picture& picture, const ImageDecodeLimits& limits, const SiftOptions& sift,
+                   ServerTimes* times) {
   ThrowIfStopped(limits);
   const auto start = std::chrono::steady_clock::now();
   const GrayImage image = Decode(picture, limits);
   times->decode_seconds += SecondsSince(start);
   ThrowIfStopped(limits);
   const auto extraction_start = std::chrono::steady_clock::now();
-  FeatureSet features = ExtractSift(image);
+  FeatureSet features = ExtractSift(image, sift);
   times->extract_seconds += SecondsSince(extraction_start);
   return features;
 }
 
 }  // namespace
 
-void ExtractQueryFeatures(const ImageDecodeLimits& limits, LocalizeRequest* request,
-                          ServerTimes* times) {
+void ExtractQueryFeatures(const ImageDecodeLimits& limits, const SiftOptions& sift,
+                          LocalizeRequest* request, ServerTimes* times) {
   LocalizeQuery& query = request->query;
   const std::vector<RequestImage>& images = request->images;
   CAIRN_CHECK(images.size() == 1 + query.other_cameras.size(), "every camera has an image");
-  query.features = Extract({images[0], query.camera, ""}, limits, times);
+  query.features = Extract({images[0], query.camera, ""}, limits, sift, times);
   for (size_t i = 0; i < query.other_cameras.size(); ++i) {
     RigCamera& other = query.other_cameras[i];
     other.features =
-        Extract({images[i + 1], other.camera, fmt::format("/rig/{}", i)}, limits, times);
+        Extract({images[i + 1], other.camera, fmt::format("/rig/{}", i)}, limits, sift, times);
   }
 }
 

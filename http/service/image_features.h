@@ -5,12 +5,13 @@
 #include "core/features.h"
 #include "http/json/localize_request.h"
 #include "http/json/localize_response.h"
+#include "ingest/features/sift_extractor.h"
 #include "ingest/images/gray_image.h"
 
 namespace cairn {
 
 // Decodes the request's images, turns them as their `orientation` states, and stores the SIFT
-// features of each camera in the query, extracted as `cairn localize` does. The content of an image
+// features of each camera in the query. The content of an image
 // identifies JPEG, PNG and PNM; the name of the format identifies GRAY8 and RGBA32. Adds to
 // `times`. Throws
 // - HttpError kInvalidImage if an image does not decode or does not have the size of its camera,
@@ -18,8 +19,8 @@ namespace cairn {
 //   `limits.max_pixels`,
 // - DecodingStopped once `limits.should_stop` returns true. `should_stop` is called while an image
 //   is decoded and before each step.
-void ExtractQueryFeatures(const ImageDecodeLimits& limits, LocalizeRequest* request,
-                          ServerTimes* times);
+void ExtractQueryFeatures(const ImageDecodeLimits& limits, const SiftOptions& sift,
+                          LocalizeRequest* request, ServerTimes* times);
 
 }  // namespace cairn
 

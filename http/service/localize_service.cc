@@ -85,7 +85,7 @@ bool LocalizeService::ExtractInTime(LocalizeRequest* request, ServerTimes* times
                                    return stopping_ || std::chrono::steady_clock::now() >= deadline;
                                  }};
   try {
-    ExtractQueryFeatures(limits, request, times);
+    ExtractQueryFeatures(limits, options_.sift, request, times);
     return true;
   } catch (const DecodingStopped&) {
     if (stopping_) {

@@ -9,8 +9,7 @@ void ServerOptions::Validate() const {
   RequireOption(!host.empty(), "server.host is empty");
   RequireWithin("server.port", port, 0, 65535);
   RequireWithin("server.admin_port", admin_port, -1, 65535);
-  RequireOption(admin_port < 0 || !admin_host.empty(), "server.admin_host is empty");
-  RequireOption(admin_port <= 0 || admin_port != port || admin_host != host,
+  RequireOption(admin_port <= 0 || admin_port != port || host != kAdminHost,
                 "server.admin_port equals server.port; use -1 to share the port");
   RequireWithin("server.num_threads", num_threads, 0, 1024);
   RequireWithin("server.threads_per_query", threads_per_query, 0, 1024);
@@ -20,6 +19,7 @@ void ServerOptions::Validate() const {
   RequireOption(max_features >= 1, "server.max_features must be positive");
   RequireOption(default_timeout_ms >= 1, "server.default_timeout_ms must be positive");
   localizer.Validate();
+  sift.Validate();
 }
 
 }  // namespace cairn

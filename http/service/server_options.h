@@ -8,17 +8,20 @@
 
 #include "engine/localizer_options.h"
 #include "http/json/request_limits.h"
+#include "ingest/features/sift_extractor.h"
 #include "ingest/images/gray_image.h"
 
 namespace cairn {
+
+// The loopback: health and metrics are for monitoring on the same machine.
+inline constexpr char kAdminHost[] = "127.0.0.1";
 
 struct ServerOptions {
   std::string map_path;
   std::string host = "127.0.0.1";
   int port = 8080;  // 0 picks a free port; see Server::port.
-  std::string admin_host = "127.0.0.1";
-  int admin_port =
-      -1;  // Separate port for health and metrics; 0 picks a free port, -1 uses `port`.
+  // Separate port of kAdminHost for health and metrics; 0 picks a free port, -1 uses `port`.
+  int admin_port = -1;
   // Requests answered at once. 0 means 64, or twice the number of cores if that is more. At most as
   // many queries compute at once as there are cores; the others wait in line. Open connections need
   // no thread.
@@ -34,6 +37,7 @@ struct ServerOptions {
   int max_features = RequestLimits().max_features;
   int default_timeout_ms = RequestLimits().default_timeout_ms;
   LocalizerOptions localizer;
+  SiftOptions sift;  // Of the images of requests.
 
   // Throws Error(kInvalidArgument) that names the field.
   void Validate() const;

@@ -16,6 +16,7 @@
 
 #include "cli/arguments.h"
 #include "cli/index_option.h"
+#include "cli/options_file.h"
 #include "core/error.h"
 #include "lab/bench/bench_world.h"
 #include "lab/bench/run_bench.h"
@@ -28,6 +29,7 @@ namespace {
 struct BenchArguments {
   BenchWorldOptions world;
   RunBenchOptions run;
+  CairnOptions options;
 };
 
 // A folder that is removed at the end.
@@ -116,6 +118,7 @@ ExitCode RunBenchCommand(const BenchArguments& arguments, ProgressMode progress_
   const auto store =
       std::make_shared<const MapStore>(MapStore::Open(map_path, OpenMode::kReadOnly));
   RunBenchOptions run = arguments.run;
+  run.localizer = arguments.options.localizer;
   run.localizer.seed = arguments.world.seed;
   const BenchFigures figures = RunBench(store, queries, run);
   Print(arguments.world, figures);
@@ -135,6 +138,7 @@ void AddBenchCommand(CLI::App* app, Shell* shell) {
       app->add_subcommand("bench", "Measure the stages of a query on a synthetic map");
   auto arguments = std::make_shared<BenchArguments>();
   BenchWorldOptions& world = arguments->world;
+  AddOptionsFile(command, &arguments->options);
   command->add_option("--keypoints", world.num_keypoints, "Keypoints per query")
       ->capture_default_str();
   command
@@ -149,7 +153,7 @@ void AddBenchCommand(CLI::App* app, Shell* shell) {
       ->capture_default_str();
   command->add_option("--repeats", arguments->run.num_repeats, "Repeats of each query")
       ->capture_default_str();
-  AddIndexOption(command, &arguments->run.localizer.matching.index.kind);
+  AddIndexOption(command, &arguments->options.localizer.matching.index.kind);
   AddSeedOption(command, &world.seed, "Seed of the map, the queries and the localizer");
   command->footer(
       "Fails if an answer is wrong.\n"

@@ -22,7 +22,7 @@ constexpr size_t kCacheBytes = size_t{8} << 30;  // Larger than the tiles of any
 std::string IndexKey(const IndexOptions& index) {
   const RandomGridsOptions& grids = index.grids;
   const InvertedListsOptions& lists = index.lists;
-  return fmt::format("{} w{} g{} {} {} {} {} {} l{} {} {} {} {}", IndexKindName(index.kind),
+  return fmt::format("{} w{} g{} {} {} {} {} {} l{} {} {} {} {}", static_cast<int>(index.kind),
                      index.num_reference_words, grids.num_grids, grids.num_hashed_dims,
                      grids.cell_width_sigmas, grids.num_probes, grids.max_candidates_per_cell,
                      grids.seed, lists.num_lists, lists.num_probes, lists.num_iterations,

@@ -1,0 +1,77 @@
+#include "cli/options/cairn_options.h"
+
+namespace cairn {
+namespace {
+
+void DescribeSift(SiftOptions* options, OptionList* list) {
+  list->Add("max_features", &options->max_features,
+            "Most features of a photo; those of the largest scales are kept");
+  list->Add("max_pixels", &options->max_pixels,
+            "A photo with more pixels is reduced to so many before extraction");
+}
+
+void DescribeServer(ServerOptions* options, OptionList* list) {
+  list->Add("num_threads", &options->num_threads,
+            "Requests answered at once; 0 is 64, or twice the cores if that is more");
+  list->Add("threads_per_query", &options->threads_per_query,
+            "Threads that one query may use while cores are free; 0 is as many as cores");
+  list->Add("cache_bytes", &options->cache_bytes, "Memory for decoded tiles, bytes");
+  list->Add("max_body_bytes", &options->max_body_bytes, "Largest request, bytes");
+  list->Add("max_image_pixels", &options->max_image_pixels,
+            "Largest image that is decoded, pixels");
+  list->Add("max_features", &options->max_features, "Most features of a request");
+  list->Add("default_timeout_ms", &options->default_timeout_ms,
+            "Time for a request that states no timeout, milliseconds");
+}
+
+void DescribeGeoregister(GeoregisterOptions* options, OptionList* list) {
+  list->Add("upright_sigma_rad", &options->upright_sigma_rad,
+            "Standard deviation of the image x axis from the horizontal, radians; 0 drops the "
+            "assumption that cameras are held upright");
+  list->Add("max_median_residual_sigmas", &options->max_median_residual_sigmas,
+            "A fit with a larger median residual is refused, in units of the positions' accuracy");
+  list->Add("max_median_residual_m", &options->max_median_residual_m,
+            "A fit with a larger median residual is refused, meters");
+}
+
+void DescribeNoise(PriorNoiseOptions* options, OptionList* list) {
+  list->Add("position_sigma_m", &options->position_sigma_m,
+            "Standard deviation of the position prior per horizontal axis, meters");
+  list->Add("height_sigma_m", &options->height_sigma_m,
+            "Standard deviation of the height of the prior, meters");
+  list->Add("gravity_sigma_rad", &options->gravity_sigma_rad,
+            "Standard deviation of the direction of gravity per axis, radians");
+}
+
+}  // namespace
+
+OptionList Describe(CairnOptions* options) {
+  OptionList list("The sections from prior to answer are the stages of a query");
+  DescribeLocalizer(&options->localizer, &list);
+  list.AddSection("sift", "Features of photos; for serve, localize and eval",
+                  [&] { DescribeSift(&options->sift, &list); });
+  list.AddSection("server", "Limits of the server; for serve",
+                  [&] { DescribeServer(&options->server, &list); });
+  list.AddSection("ingest", "Which landmarks of a session enter the map; for ingest",
+                  [&] { DescribeIngest(&options->ingest, &list); });
+  list.AddSection("georegister", "How camera positions place a model; for ingest and eval",
+                  [&] { DescribeGeoregister(&options->georegister, &list); });
+  list.AddSection("noise", "Noise that turns true poses into priors; for eval",
+                  [&] { DescribeNoise(&options->noise, &list); });
+  return list;
+}
+
+void CairnOptions::Validate() const {
+  localizer.Validate();
+  sift.Validate();
+  ServerOptions of_some_map = server;
+  of_some_map.map_path = "map";
+  of_some_map.Validate();
+  IngestOptions of_some_session = ingest;
+  of_some_session.session_name = "session";
+  of_some_session.Validate();
+  georegister.Validate();
+  noise.Validate();
+}
+
+}  // namespace cairn
