@@ -25,7 +25,11 @@ using ::testing::HasSubstr;
 
 class OptionsFile : public ::testing::Test {
  protected:
-  OptionsFile() { MapStore::Create(map_); }
+  OptionsFile() {
+    MapStore::Create(map_);
+    WriteColmapModel(street_, dir_.path().string(), ColmapModelFormat::kBinary);
+    WriteColmapDatabase(street_, dir_.File("database.db"), {});
+  }
 
   // The path of an options file that holds `json`.
   std::string Options(const std::string& json) const {
@@ -35,9 +39,6 @@ class OptionsFile : public ::testing::Test {
 
   // The summary of `cairn ingest` of a street with these options.
   nlohmann::json Ingest(std::vector<std::string> arguments) {
-    const Reconstruction street = StreetWorld().Reconstruct();
-    WriteColmapModel(street, dir_.path().string(), ColmapModelFormat::kBinary);
-    WriteColmapDatabase(street, dir_.File("database.db"), {});
     arguments.insert(arguments.begin(),
                      {"ingest", map_, "--model", dir_.path().string(), "--database",
                       dir_.File("database.db"), "--gps", "--session", "street", "--json"});
@@ -48,6 +49,7 @@ class OptionsFile : public ::testing::Test {
 
   const TempDir dir_;
   const std::string map_ = dir_.File("map.gpkg");
+  const Reconstruction street_ = StreetWorld().Reconstruct();
 };
 
 TEST_F(OptionsFile, DefaultsThatArePrintedAreTaken) {
@@ -111,8 +113,8 @@ TEST_F(OptionsFile, ServeTakesLimitsFromTheFile) {
                           Options(R"({"server": {"max_features": 3}})")});
   LocalizeClient client(ClientOptions{.url = server.ReadLine()});
   LocalizeQuery query;
-  query.camera = StreetWorld().Reconstruct().cameras[0];
-  query.features = StreetWorld().Reconstruct().images[0].features;
+  query.camera = street_.cameras[0];
+  query.features = street_.images[0].features;
   ASSERT_GT(query.features.size(), 3);
   try {
     client.LocalizeFeatures(query);
