@@ -16,6 +16,18 @@ constexpr int kImuCapacity = 4096;  // 4 s at 1 kHz, 20 s at 200 Hz.
 constexpr size_t kMaxWaitingFrames = 8;
 constexpr int kMaxOutOfOrder = 20;  // In a row: the clock has been set back.
 constexpr double kMaxWithoutFramesS = 1.0;
+// Longest gap between inertial samples that the filter bridges. After a longer gap, `local` starts
+// over.
+constexpr double kMaxImuGapS = 0.3;
+// Largest change per frame by which a correction of the map moves the position or yaw of `local`.
+// The limits keep local_from_imu free of jumps.
+constexpr double kMaxSlewMPerFrame = 0.01;
+constexpr double kMaxSlewRadPerFrame = 0.002;
+// Largest standard deviation of the velocity, per axis. Above it, tracks are of no use: `local` is
+// lost, and the filter looks for a new start.
+constexpr double kMaxVelocitySigmaMS = 2.0;
+// Coasting begins this long after the last applied answer.
+constexpr double kCoastingAfterS = 5.0;
 
 const FusionOptions& Validated(const FusionOptions& options) {
   options.Validate();
@@ -27,16 +39,14 @@ StarterOptions StarterOptionsOf(const FusionOptions& options) {
           .rig = options.rig,
           .imu_noise = options.imu_noise,
           .gravity_m_s2 = options.gravity_m_s2,
-          .max_tracks = options.max_tracks,
           .standstill = options.standstill,
-          .static_start = options.start,
           .dynamic_start = options.dynamic_start,
           .tracks = options.tracks};
 }
 
-bool IsVelocityKnown(const FilterState& state, double max_sigma_m_s) {
+bool IsVelocityKnown(const FilterState& state) {
   const double variance = state.covariance().diagonal().segment<3>(kVelocityIdx).maxCoeff();
-  return variance < std::pow(max_sigma_m_s, 2);
+  return variance < std::pow(kMaxVelocitySigmaMS, 2);
 }
 
 }  // namespace
@@ -44,11 +54,11 @@ bool IsVelocityKnown(const FilterState& state, double max_sigma_m_s) {
 Estimator::Local::Local(const FusionOptions& options, int64_t start_ns, const StartState& start)
     : state(start.imu, start.covariance, options.rig, options.state),
       time_ns(start_ns),
-      tracks(options.max_tracks),
+      tracks(kMaxTrackedFeatures),
       standstill(options.standstill),
-      rotation_only(options.camera, options.max_clones, options.rotation_only),
+      rotation_only(options.camera, options.max_clones),
       head(options.imu_noise, options.gravity_m_s2),
-      slew(options.max_slew_m_per_frame, options.max_slew_rad_per_frame),
+      slew(kMaxSlewMPerFrame, kMaxSlewRadPerFrame),
       steady(options.steady) {}
 
 Estimator::Estimator(const FusionOptions& options)
@@ -72,7 +82,7 @@ ImuStatus Estimator::AddImu(const ImuSample& sample) {
     if (step_ns <= 0 && ++num_out_of_order_ < kMaxOutOfOrder) {
       return ImuStatus::kOutOfOrder;
     }
-    if (step_ns <= 0 || ToSeconds(step_ns) > options_.max_imu_gap_s) {
+    if (step_ns <= 0 || ToSeconds(step_ns) > kMaxImuGapS) {
       Restart(local_ ? Mode::kLost : latest_.mode);
       status = ImuStatus::kRestarted;
     }
@@ -194,7 +204,7 @@ void Estimator::ProcessFrame(const WaitingFrame& frame) {
   const AlignmentCounts alignment = answers_.TakeUp(now_ns, &state, &tracks);
   UpdateFromPoints(options_.camera, frame_id, options_.tracks, &tracks, &state);
   std::vector<FinishedTrack> finished =
-      TakeFinishedTracks(state.clones(), options_.max_clones, options_.tracks.min_views, &tracks);
+      TakeFinishedTracks(state.clones(), options_.max_clones, kMinTrackViews, &tracks);
   const TrackUpdateCounts used =
       UpdateFromTracks(options_.camera, std::move(finished), options_.tracks, &state);
   RetireClones();
@@ -207,7 +217,7 @@ void Estimator::ProcessFrame(const WaitingFrame& frame) {
   counters_.num_realignments += alignment.num_realignments;
   counters_.num_tracks_used += used.num_used;
   counters_.num_tracks_gated += used.num_gated;
-  if (!IsVelocityKnown(state, options_.max_velocity_sigma_m_s)) {
+  if (!IsVelocityKnown(state)) {
     Restart(Mode::kLost);
     return;
   }
@@ -247,7 +257,7 @@ Mode Estimator::TrackingMode() const {
     return answers_.awaits_alignment() ? Mode::kAligning : Mode::kTracking;
   }
   const double since_s = ToSeconds(local_->head.time_ns() - *answers_.last_applied_ns());
-  return since_s < options_.coasting_after_s ? Mode::kLocalized : Mode::kCoasting;
+  return since_s < kCoastingAfterS ? Mode::kLocalized : Mode::kCoasting;
 }
 
 void Estimator::Publish() {

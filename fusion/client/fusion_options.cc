@@ -8,7 +8,6 @@ void QueryOptions::Validate() const {
   RequireOption(min_interval_s >= 0.0, "query.min_interval_s must not be negative");
   RequireWithin("query.max_pending", max_pending, 1, 6);
   RequireOption(timeout_s > 0.0, "query.timeout_s must be positive");
-  RequireOption(min_features >= 0, "query.min_features must not be negative");
 }
 
 void FusionOptions::Validate() const {
@@ -18,23 +17,14 @@ void FusionOptions::Validate() const {
   RequireOption(gravity_m_s2 > 9.7 && gravity_m_s2 < 9.9,
                 "gravity_m_s2 must be that of the Earth's surface");
   RequireWithin("max_clones", max_clones, 3, 16);
-  RequireOption(max_tracks >= 1, "max_tracks must be at least 1");
   RequireOption(max_clones + query.max_pending <= 18,
                 "max_clones and query.max_pending must not exceed 18 together");
-  RequireOption(max_imu_gap_s > 0.0, "max_imu_gap_s must be positive");
-  RequireOption(coasting_after_s > 0.0, "coasting_after_s must be positive");
-  RequireOption(max_slew_m_per_frame > 0.0, "max_slew_m_per_frame must be positive");
-  RequireOption(max_slew_rad_per_frame > 0.0, "max_slew_rad_per_frame must be positive");
-  RequireOption(max_velocity_sigma_m_s > 0.0, "max_velocity_sigma_m_s must be positive");
   steady.Validate();
   state.Validate();
   standstill.Validate();
-  rotation_only.Validate();
-  start.Validate();
   dynamic_start.Validate();
   tracks.Validate();
   map.Validate();
-  alignment.Validate();
   query.Validate();
 }
 

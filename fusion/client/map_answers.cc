@@ -9,6 +9,10 @@
 namespace cairn::fusion {
 namespace {
 
+constexpr size_t kMinQueryFeatures = 20;  // A frame with fewer features is not queried.
+// Largest angle between an answer's vertical and the filter's gravity: 5 degrees.
+constexpr double kMaxTiltRad = 0.0873;
+
 bool IsFinite(const Answer& answer) {
   const Rigid3d& pose = answer.global_from_cam;
   return pose.rotation.coeffs().allFinite() && pose.translation.allFinite() &&
@@ -20,14 +24,14 @@ bool IsFinite(const Answer& answer) {
 }
 
 // Returns why an answer cannot be used, whatever the state; nothing if it can.
-std::optional<AnswerOutcome> Refusal(const Answer& answer, int min_matches) {
+std::optional<AnswerOutcome> Refusal(const Answer& answer) {
   if (!answer.localized) {
     return AnswerOutcome::kNotLocalized;
   }
   if (!IsFinite(answer)) {
     return AnswerOutcome::kBadInput;
   }
-  if (static_cast<int>(answer.matches.size()) < min_matches) {
+  if (static_cast<int>(answer.matches.size()) < kMinMapMatches) {
     return AnswerOutcome::kTooFewMatches;
   }
   return std::nullopt;
@@ -63,13 +67,7 @@ const Clone& CloneOf(const FilterState& state, int64_t frame_id) {
 }  // namespace
 
 MapAnswers::MapAnswers(const FusionOptions& options)
-    : min_features_(options.query.min_features),
-      max_tilt_rad_(options.alignment.max_tilt_rad),
-      min_matches_(options.map.min_matches),
-      queries_(options.query),
-      candidates_(options.alignment),
-      contradictions_(options.alignment),
-      updates_(options.camera, options.map) {}
+    : queries_(options.query), updates_(options.camera, options.map) {}
 
 void MapAnswers::Restart() {
   queries_.Restart();
@@ -90,7 +88,7 @@ std::optional<Query> MapAnswers::Poll(const FilterState& state, TrackTable* trac
   const Clone& clone = state.clones().back();
   Query query;
   query.features = FeaturesOf(clone.frame_id, *tracks);
-  if (static_cast<int>(query.features.size()) < min_features_) {
+  if (query.features.size() < kMinQueryFeatures) {
     return std::nullopt;
   }
   query.query_id = queries_.Ask(clone.frame_id, clone.timestamp_ns);
@@ -124,7 +122,7 @@ AlignmentCounts MapAnswers::TakeUp(int64_t now_ns, FilterState* state, TrackTabl
 
 AnswerReport MapAnswers::TakeUpOne(const Answer& answer, int64_t frame_id, const Target& target,
                                    AlignmentCounts* counts) {
-  if (const auto refusal = Refusal(answer, min_matches_)) {
+  if (const auto refusal = Refusal(answer)) {
     return {answer.query_id, *refusal, 0};
   }
   const FilterState& state = *target.state;
@@ -132,7 +130,7 @@ AnswerReport MapAnswers::TakeUpOne(const Answer& answer, int64_t frame_id, const
   const Rigid3d global_from_local =
       answer.global_from_cam * state.rig().cam_from_imu * local_from_imu.Inverse();
   const auto [level, tilt_rad] = Level(global_from_local, local_from_imu.translation);
-  if (tilt_rad > max_tilt_rad_) {
+  if (tilt_rad > kMaxTiltRad) {
     return {answer.query_id, AnswerOutcome::kGravityMismatch, 0};
   }
   if (state.global_from_local()) {

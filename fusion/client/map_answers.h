@@ -82,9 +82,6 @@ class MapAnswers {
   bool TryAlign(const Target& target);
   void ForgetAlignment(const Target& target);
 
-  int min_features_;
-  double max_tilt_rad_;
-  int min_matches_;
   QuerySchedule queries_;
   AnswerBox box_;
   AlignmentCandidates candidates_;

@@ -17,21 +17,28 @@ namespace {
 constexpr double kPixelCentre = 0.5;
 // Number of corners to detect per wanted feature. The surplus lets every cell find some.
 constexpr int kCornersPerFeature = 8;
+// New corners fill the cells of this grid evenly. Features then cover the whole image even if most
+// of the texture is in one part of it.
+constexpr int kGridColumns = 8;
+constexpr int kGridRows = 6;
+constexpr double kMinDistancePx = 10.0;  // Smallest distance between two features.
+// Least quality of a new corner: the smaller eigenvalue of the gradient's structure tensor,
+// relative to that of the best corner. The limit is low because dim cells need corners, too;
+// tracking removes the bad ones.
+constexpr double kMinRelativeQuality = 0.003;
+// Pyramid levels. Covers motions up to about 2^kNumLevels * window_px / 4.
+constexpr int kNumLevels = 4;
+constexpr int kMaxIterations = 30;
+// A feature is tracked to the new image and back. The feature is kept only if it returns to within
+// this distance of its start.
+constexpr double kMaxForwardBackwardPx = 0.5;
+constexpr int kBorderPx = 4;  // Features nearer to the image edge are dropped.
 
 }  // namespace
 
 void KltOptions::Validate() const {
   RequireOption(max_features >= 1, "klt.max_features must be positive");
-  RequireOption(grid_columns >= 1 && grid_rows >= 1,
-                "klt.grid_columns and grid_rows must be positive");
-  RequireOption(min_distance_px >= 1.0, "klt.min_distance_px must be at least 1");
-  RequireOption(min_relative_quality > 0.0 && min_relative_quality < 1.0,
-                "klt.min_relative_quality must be in (0, 1)");
   RequireOption(window_px >= 5 && window_px % 2 == 1, "klt.window_px must be odd and at least 5");
-  RequireOption(num_levels >= 1 && num_levels <= 8, "klt.num_levels must be in [1, 8]");
-  RequireOption(max_iterations >= 1, "klt.max_iterations must be positive");
-  RequireOption(max_forward_backward_px > 0.0, "klt.max_forward_backward_px must be positive");
-  RequireOption(border_px >= 1, "klt.border_px must be positive");
 }
 
 struct KltTracker::Impl {
@@ -45,16 +52,16 @@ struct KltTracker::Impl {
     std::vector<uint8_t> is_found, is_back;
     std::vector<float> errors;
     const cv::Size window(options.window_px, options.window_px);
-    const cv::TermCriteria stop(cv::TermCriteria::COUNT | cv::TermCriteria::EPS,
-                                options.max_iterations, 0.01);
+    const cv::TermCriteria stop(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, kMaxIterations,
+                                0.01);
     cv::calcOpticalFlowPyrLK(last_pyramid, pyramid, points, found, is_found, errors, window,
-                             options.num_levels - 1, stop);
+                             kNumLevels - 1, stop);
     cv::calcOpticalFlowPyrLK(pyramid, last_pyramid, found, back, is_back, errors, window,
-                             options.num_levels - 1, stop, cv::OPTFLOW_USE_INITIAL_FLOW);
+                             kNumLevels - 1, stop, cv::OPTFLOW_USE_INITIAL_FLOW);
     size_t num_kept = 0;
     for (size_t i = 0; i < points.size(); ++i) {
-      const bool returns = is_found[i] && is_back[i] &&
-                           cv::norm(back[i] - points[i]) < options.max_forward_backward_px;
+      const bool returns =
+          is_found[i] && is_back[i] && cv::norm(back[i] - points[i]) < kMaxForwardBackwardPx;
       if (returns && IsInside(found[i]) && IsFree(found[i])) {
         Occupy(found[i]);
         ids[num_kept] = ids[i];
@@ -72,9 +79,9 @@ struct KltTracker::Impl {
     }
     std::vector<cv::Point2f> corners;  // Best first.
     cv::goodFeaturesToTrack(image, corners, kCornersPerFeature * options.max_features,
-                            options.min_relative_quality, options.min_distance_px, free);
-    std::vector<int> num_in_cell(
-        static_cast<size_t>(options.grid_columns) * static_cast<size_t>(options.grid_rows), 0);
+                            kMinRelativeQuality, kMinDistancePx, free);
+    std::vector<int> num_in_cell(static_cast<size_t>(kGridColumns) * static_cast<size_t>(kGridRows),
+                                 0);
     for (const cv::Point2f& point : points) {
       ++num_in_cell[CellOf(point)];
     }
@@ -101,19 +108,19 @@ struct KltTracker::Impl {
   }
 
   bool IsInside(const cv::Point2f& point) const {
-    const auto border = static_cast<float>(options.border_px);
+    const auto border = static_cast<float>(kBorderPx);
     return point.x >= border && point.y >= border &&
            point.x <= static_cast<float>(image.cols - 1) - border &&
            point.y <= static_cast<float>(image.rows - 1) - border;
   }
   bool IsFree(const cv::Point2f& point) const { return free.at<uint8_t>(cv::Point(point)) != 0; }
   void Occupy(const cv::Point2f& point) {
-    cv::circle(free, point, static_cast<int>(options.min_distance_px), 0, cv::FILLED);
+    cv::circle(free, point, static_cast<int>(kMinDistancePx), 0, cv::FILLED);
   }
   size_t CellOf(const cv::Point2f& point) const {
-    const int column = static_cast<int>(point.x) * options.grid_columns / image.cols;
-    const int row = static_cast<int>(point.y) * options.grid_rows / image.rows;
-    return static_cast<size_t>(row * options.grid_columns + column);
+    const int column = static_cast<int>(point.x) * kGridColumns / image.cols;
+    const int row = static_cast<int>(point.y) * kGridRows / image.rows;
+    return static_cast<size_t>(row * kGridColumns + column);
   }
 
   KltOptions options;
@@ -140,7 +147,7 @@ void KltTracker::Reset() {
 
 std::span<const TrackedFeature> KltTracker::Track(const GrayView& view) {
   Impl& impl = *impl_;
-  const int min_side = 2 * impl.options.border_px + impl.options.window_px;
+  const int min_side = 2 * kBorderPx + impl.options.window_px;
   if (view.pixels == nullptr || view.width_px < min_side || view.height_px < min_side ||
       view.stride_bytes < view.width_px) {
     throw Error(ErrorCode::kBadInput,
@@ -158,7 +165,7 @@ std::span<const TrackedFeature> KltTracker::Track(const GrayView& view) {
   std::swap(impl.pyramid, impl.last_pyramid);
   cv::buildOpticalFlowPyramid(impl.image, impl.pyramid,
                               cv::Size(impl.options.window_px, impl.options.window_px),
-                              impl.options.num_levels - 1);
+                              kNumLevels - 1);
   impl.TrackExisting();
   impl.AddCorners();
   impl.features.clear();

@@ -21,22 +21,7 @@ struct GrayView {
 
 struct KltOptions {
   int max_features = 200;
-  // New corners fill the cells of this grid evenly. Features then cover the whole image even if
-  // most of the texture is in one part of it.
-  int grid_columns = 8;
-  int grid_rows = 6;
-  double min_distance_px = 10.0;  // Smallest distance between two features.
-  // Least quality of a new corner: the smaller eigenvalue of the gradient's structure tensor,
-  // relative to that of the best corner. The limit is low because dim cells need corners, too;
-  // tracking removes the bad ones.
-  double min_relative_quality = 0.003;
   int window_px = 21;  // Side of the compared patch; odd.
-  int num_levels = 4;  // Pyramid levels. Covers motions up to about 2^num_levels * window_px / 4.
-  int max_iterations = 30;
-  // A feature is tracked to the new image and back. The feature is kept only if it returns to
-  // within this distance of its start.
-  double max_forward_backward_px = 0.5;
-  int border_px = 4;  // Features nearer to the image edge are dropped.
 
   // Throws Error(kInvalidArgument) that names the field.
   void Validate() const;
@@ -55,7 +40,7 @@ class KltTracker {
   // pixel. The result is valid until the next call.
   //
   // The first image, and an image of a different size, starts with new features only. Throws
-  // Error(kBadInput) if `image` is not an image of at least 2 * border_px + window_px on each side.
+  // Error(kBadInput) if `image` is not an image of at least window_px + 8 pixels on each side.
   std::span<const TrackedFeature> Track(const GrayView& image);
 
   // Forgets all features, for example after the camera has paused.

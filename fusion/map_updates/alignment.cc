@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "core/require.h"
 #include "fusion/filter/chi_square.h"
 #include "fusion/tracks/track_update.h"
 
@@ -84,17 +83,6 @@ void AppendTiltPrior(double sigma_rad, Measurement* measurement) {
 
 }  // namespace
 
-void AlignmentOptions::Validate() const {
-  RequireOption(min_agreeing >= 1, "alignment.min_agreeing must be at least 1");
-  RequireOption(max_position_difference_m > 0.0,
-                "alignment.max_position_difference_m must be positive");
-  RequireOption(max_yaw_difference_rad > 0.0, "alignment.max_yaw_difference_rad must be positive");
-  RequireOption(max_tilt_rad > 0.0, "alignment.max_tilt_rad must be positive");
-  RequireOption(min_contradictions >= 2, "alignment.min_contradictions must be at least 2");
-  RequireOption(min_contradiction_span_s >= 0.0,
-                "alignment.min_contradiction_span_s must not be negative");
-}
-
 LevelTransform Level(const Rigid3d& global_from_local, const Eigen::Vector3d& x_in_local) {
   const Eigen::Quaterniond yaw(
       Eigen::AngleAxisd(YawRad(global_from_local.rotation), Eigen::Vector3d::UnitZ()));
@@ -103,20 +91,20 @@ LevelTransform Level(const Rigid3d& global_from_local, const Eigen::Vector3d& x_
           RotationAngleRad(global_from_local.rotation, yaw)};
 }
 
-bool Agree(const Rigid3d& a, const Rigid3d& b, const Eigen::Vector3d& x_in_local,
-           const AlignmentOptions& options) {
-  return (a * x_in_local - b * x_in_local).norm() < options.max_position_difference_m &&
-         RotationAngleRad(a.rotation, b.rotation) < options.max_yaw_difference_rad;
+bool Agree(const Rigid3d& a, const Rigid3d& b, const Eigen::Vector3d& x_in_local) {
+  constexpr double kMaxPositionDifferenceM = 1.0;
+  constexpr double kMaxYawDifferenceRad = 0.07;  // 4 degrees.
+  return (a * x_in_local - b * x_in_local).norm() < kMaxPositionDifferenceM &&
+         RotationAngleRad(a.rotation, b.rotation) < kMaxYawDifferenceRad;
 }
 
 std::vector<int> LargestAgreeingSet(std::span<const Rigid3d> candidates,
-                                    const Eigen::Vector3d& x_in_local,
-                                    const AlignmentOptions& options) {
+                                    const Eigen::Vector3d& x_in_local) {
   std::vector<int> best;
   for (const Rigid3d& center : candidates) {
     std::vector<int> agreeing;
     for (size_t i = 0; i < candidates.size(); ++i) {
-      if (Agree(center, candidates[i], x_in_local, options)) {
+      if (Agree(center, candidates[i], x_in_local)) {
         agreeing.push_back(static_cast<int>(i));
       }
     }
@@ -151,16 +139,16 @@ bool Align(const Camera& camera, std::span<const MapSight> sights, const Rigid3d
   const std::vector<WeighedRows> all =
       LinearizeAll(camera, *state, views, sights, global_from_local, map.sigma_px);
   // All sights of an answer share part of the clones' errors, so the gate is doubled.
-  const double gate = 2.0 * ChiSquareQuantile(2, map.match_gate_quantile);
+  const double gate = 2.0 * ChiSquareQuantile(2, kMatchGateQuantile);
   std::vector<MapRows> inliers;
   for (const WeighedRows& sight : all) {
     if (sight.SquaredResidual() < gate) {
       inliers.push_back(sight.rows);
     }
   }
-  if (inliers.size() < static_cast<size_t>(map.min_matches) ||
+  if (inliers.size() < static_cast<size_t>(kMinMapMatches) ||
       static_cast<double>(inliers.size()) <
-          map.min_inlier_fraction * static_cast<double>(all.size())) {
+          kMinMapInlierFraction * static_cast<double>(all.size())) {
     return false;
   }
   Measurement measurement = CompressMapRows(inliers, num_dims, *state);

@@ -13,22 +13,6 @@
 
 namespace cairn::fusion {
 
-struct AlignmentOptions {
-  // Number of answers that must agree before the filter accepts an alignment.
-  int min_agreeing = 3;
-  // Two answers agree if they place the camera within these limits of one another.
-  double max_position_difference_m = 1.0;
-  double max_yaw_difference_rad = 0.07;  // 4 degrees.
-  // Largest angle between an answer's vertical and the filter's gravity.
-  double max_tilt_rad = 0.0873;  // 5 degrees.
-  // The filter drops an alignment after this many consecutive answers that contradict the alignment
-  // and agree with one another. These answers must span at least this much time.
-  int min_contradictions = 5;
-  double min_contradiction_span_s = 3.0;
-
-  void Validate() const;
-};
-
 // `level` is the 4-DoF transform (yaw and translation) nearest to a rigid global_from_local; both
 // map `x_in_local` to the same point. `tilt_rad` is the rotation angle between the two.
 struct LevelTransform {
@@ -37,20 +21,19 @@ struct LevelTransform {
 };
 LevelTransform Level(const Rigid3d& global_from_local, const Eigen::Vector3d& x_in_local);
 
-// Returns true if the two global_from_local transforms agree for a camera at `x_in_local`.
-bool Agree(const Rigid3d& a, const Rigid3d& b, const Eigen::Vector3d& x_in_local,
-           const AlignmentOptions& options);
+// Returns true if the two global_from_local transforms agree for a camera at `x_in_local`:
+// within 1 m and 4 degrees.
+bool Agree(const Rigid3d& a, const Rigid3d& b, const Eigen::Vector3d& x_in_local);
 
 // Returns the indices of the largest set of candidates that all agree with one member of the set.
 // Evaluates every candidate at `x_in_local`. If two sets have the same size, the first wins.
 std::vector<int> LargestAgreeingSet(std::span<const Rigid3d> candidates,
-                                    const Eigen::Vector3d& x_in_local,
-                                    const AlignmentOptions& options);
+                                    const Eigen::Vector3d& x_in_local);
 
 // Minimizes the reprojection errors by robust (Cauchy) least squares over yaw and translation, with
 // the clones held fixed. The inliers then enter `state` with exact covariance; they determine the
 // tilt, too, if the options have a tilt prior. Returns false and leaves `state` unchanged if fewer
-// than map.min_matches matches, or fewer than map.min_inlier_fraction of them, fit.
+// than kMinMapMatches matches, or a smaller share of them than kMinMapInlierFraction, fit.
 bool Align(const Camera& camera, std::span<const MapSight> sights, const Rigid3d& initial,
            const MapUpdateOptions& map, FilterState* state);
 

@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <utility>
 
+#include "fusion/map_updates/alignment.h"
+
 namespace cairn::fusion {
 namespace {
 
 constexpr size_t kMaxCandidates = 5;  // Each keeps one clone and costs the filter its six columns.
+// Number of answers that must agree before the filter accepts an alignment.
+constexpr size_t kMinAgreeing = 3;
 
 }  // namespace
 
@@ -33,10 +37,10 @@ std::vector<const AlignmentCandidate*> AlignmentCandidates::Agreeing(
     poses.push_back(candidate.global_from_local);
   }
   std::vector<const AlignmentCandidate*> agreeing;
-  for (const int i : LargestAgreeingSet(poses, x_in_local, options_)) {
+  for (const int i : LargestAgreeingSet(poses, x_in_local)) {
     agreeing.push_back(&candidates_[static_cast<size_t>(i)]);
   }
-  if (static_cast<int>(agreeing.size()) < options_.min_agreeing) {
+  if (agreeing.size() < kMinAgreeing) {
     agreeing.clear();
   }
   return agreeing;

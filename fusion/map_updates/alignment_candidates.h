@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "core/rigid3.h"
-#include "fusion/map_updates/alignment.h"
 #include "fusion/map_updates/map_match.h"
 
 namespace cairn::fusion {
@@ -23,8 +22,6 @@ struct AlignmentCandidate {
 // frame and reserves the frame's sights until Add or Release returns the frame. Not thread-safe.
 class AlignmentCandidates {
  public:
-  explicit AlignmentCandidates(const AlignmentOptions& options) : options_(options) {}
-
   bool empty() const { return candidates_.empty(); }
 
   // Returns whether a candidate belongs to this frame.
@@ -34,7 +31,7 @@ class AlignmentCandidates {
   std::optional<int64_t> Add(AlignmentCandidate candidate);
 
   // Returns the largest set that agrees at `x_in_local` (LargestAgreeingSet), oldest first. Returns
-  // an empty set if fewer than options.min_agreeing agree. The pointers are valid until the next
+  // an empty set if fewer than three agree. The pointers are valid until the next
   // call that is not const.
   std::vector<const AlignmentCandidate*> Agreeing(const Eigen::Vector3d& x_in_local) const;
 
@@ -42,7 +39,6 @@ class AlignmentCandidates {
   std::vector<int64_t> Release();
 
  private:
-  AlignmentOptions options_;
   std::vector<AlignmentCandidate> candidates_;  // Oldest first.
 };
 

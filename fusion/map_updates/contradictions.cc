@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "fusion/filter/imu_time.h"
+#include "fusion/map_updates/alignment.h"
 
 namespace cairn::fusion {
 namespace {
@@ -18,7 +19,7 @@ bool Contradictions::Add(int64_t timestamp_ns, const Rigid3d& global_from_local,
     contradictions_.erase(contradictions_.begin());
   }
   const auto differs = [&](const Contradiction& contradiction) {
-    return !Agree(contradiction.global_from_local, global_from_local, x_in_local, options_);
+    return !Agree(contradiction.global_from_local, global_from_local, x_in_local);
   };
   const auto last_differing =
       std::find_if(contradictions_.rbegin(), contradictions_.rend(), differs);
@@ -28,8 +29,8 @@ bool Contradictions::Add(int64_t timestamp_ns, const Rigid3d& global_from_local,
                           [](const Contradiction& a, const Contradiction& b) {
                             return a.timestamp_ns < b.timestamp_ns;
                           });
-  if (static_cast<int>(contradictions_.size()) < options_.min_contradictions ||
-      ToSeconds(newest->timestamp_ns - oldest->timestamp_ns) < options_.min_contradiction_span_s) {
+  if (static_cast<int>(contradictions_.size()) < kMinContradictions ||
+      ToSeconds(newest->timestamp_ns - oldest->timestamp_ns) < kMinContradictionSpanS) {
     return false;
   }
   contradictions_.clear();

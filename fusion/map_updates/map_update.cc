@@ -13,6 +13,11 @@
 namespace cairn::fusion {
 namespace {
 
+// Gate on all matches of a response that passed their own gates; passes 99.99 %. The gate is wide
+// so that a linearization error of a fraction of a pixel in hundreds of matches does not reject a
+// whole response.
+constexpr double kResponseGateQuantile = 3.72;
+
 // Each match of a response may fit alone while all of them together contradict the state by more
 // than chance allows. The cause is an error that they share, such as an error of the exposure time.
 // If the ratio of the squared distance to the gate is at most kMaxExcess, the response is still
@@ -216,7 +221,7 @@ struct GatedSights {
 GatedSights GateSights(const Camera& camera, std::span<const MapSight> sights,
                        const MapUpdateOptions& options, const FilterState& state) {
   const std::vector<CameraView> views = ViewsOfClones(state);
-  CloneGates gates(state, ChiSquareQuantile(2, options.match_gate_quantile));
+  CloneGates gates(state, ChiSquareQuantile(2, kMatchGateQuantile));
   GatedSights gated;
   gated.result.used_sights.assign(sights.size(), false);
   gated.rows.reserve(sights.size());
@@ -246,10 +251,6 @@ GatedSights GateSights(const Camera& camera, std::span<const MapSight> sights,
 
 void MapUpdateOptions::Validate() const {
   RequireOption(sigma_px > 0.0, "map.sigma_px must be positive");
-  RequireOption(match_gate_quantile > 0.0, "map.match_gate_quantile must be positive");
-  RequireOption(response_gate_quantile > 0.0, "map.response_gate_quantile must be positive");
-  RequireOption(min_matches >= 4, "map.min_matches must be at least 4");
-  RequireWithin("map.min_inlier_fraction", min_inlier_fraction, 0.0, 1.0);
   RequireOption(tilt_sigma_rad >= 0.0, "map.tilt_sigma_rad must not be negative");
 }
 
@@ -355,15 +356,15 @@ MapUpdateResult UpdateFromMap(const Camera& camera, std::span<const MapSight> si
     std::fill(result.used_sights.begin(), result.used_sights.end(), false);
     return result;
   };
-  if (result.num_matches < options.min_inlier_fraction * gated.num_seen) {
+  if (result.num_matches < kMinMapInlierFraction * gated.num_seen) {
     return refuse(MapUpdateStatus::kDisagrees);
   }
-  if (result.num_matches < options.min_matches) {
+  if (result.num_matches < kMinMapMatches) {
     return refuse(MapUpdateStatus::kTooFewMatches);
   }
   Measurement measurement = CompressMapRows(gated.rows, num_dims, *state);
   const double excess = state->SquaredMahalanobis(measurement) /
-                        ChiSquareQuantile(measurement.num_rows(), options.response_gate_quantile);
+                        ChiSquareQuantile(measurement.num_rows(), kResponseGateQuantile);
   if (!(excess < kMaxExcess)) {
     return refuse(MapUpdateStatus::kDisagrees);
   }

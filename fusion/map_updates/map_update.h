@@ -16,16 +16,13 @@
 
 namespace cairn::fusion {
 
+// Gate on each match, given as a quantile of the standard normal distribution; passes 99 %.
+inline constexpr double kMatchGateQuantile = 2.326;
+inline constexpr int kMinMapMatches = 8;  // Fewest matches of a response that must pass.
+inline constexpr double kMinMapInlierFraction = 0.35;  // Share of its matches that must pass.
+
 struct MapUpdateOptions {
   double sigma_px = 1.0;  // Standard deviation of a matched keypoint per axis.
-  // Gate on each match, given as a quantile of the standard normal distribution; 2.326 passes 99 %.
-  double match_gate_quantile = 2.326;
-  // Gate on all matches of a response that passed their own gates; 3.72 passes 99.99 %. The gate is
-  // wide so that a linearization error of a fraction of a pixel in hundreds of matches does not
-  // reject a whole response.
-  double response_gate_quantile = 3.72;
-  int min_matches = 8;                // Fewest matches of a response that must pass.
-  double min_inlier_fraction = 0.35;  // Share of a response's matches that must pass.
   // Prior standard deviation of the tilt between local and global at the first alignment. If
   // positive, the filter also estimates the tilt. 0: both frames are level (4 degrees of freedom).
   double tilt_sigma_rad = 0.0;
@@ -78,7 +75,7 @@ void AddTiles(std::span<const MapSight> sights, FilterState* state);
 
 enum class MapUpdateStatus {
   kApplied,
-  kTooFewMatches,  // Fewer than min_matches project and pass their gates.
+  kTooFewMatches,  // Fewer than kMinMapMatches project and pass their gates.
   kDisagrees,      // Most matches, or all together, contradict the state.
 };
 

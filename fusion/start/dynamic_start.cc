@@ -14,6 +14,9 @@
 namespace cairn::fusion {
 namespace {
 
+// Fewest tracks of a start.
+constexpr int kMinTracks = 20;
+
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
@@ -139,8 +142,10 @@ StartGuess GuessFrom(const DynamicStartInput& input, const FilterState& state) {
 
 // The state before the window's tracks are used: at the origin, with wide priors on everything but
 // the accelerometer bias.
-FilterState PriorState(const DynamicStartInput& input, const StartGuess& guess,
-                       const DynamicStartOptions& options) {
+FilterState PriorState(const DynamicStartInput& input, const StartGuess& guess) {
+  // Prior standard deviations of the biases: the usual range of such sensors.
+  constexpr double kGyroBiasSigmaRadS = 0.02;
+  constexpr double kAccelBiasSigmaMS2 = 0.1;
   ImuState imu;
   imu.local_from_imu.rotation = guess.local_from_imu;
   imu.velocity_in_local = guess.velocity_in_local;
@@ -148,8 +153,8 @@ FilterState PriorState(const DynamicStartInput& input, const StartGuess& guess,
   Eigen::Matrix<double, kImuDim, 1> sigma = Eigen::Matrix<double, kImuDim, 1>::Zero();
   sigma.head<2>().setConstant(0.3);  // Radians; wide compared with the tracks' information.
   sigma.segment<3>(kVelocityIdx).setConstant(std::max(1.0, guess.velocity_in_local.norm()));
-  sigma.segment<3>(kGyroBiasIdx).setConstant(options.gyro_bias_sigma_rad_s);
-  sigma.segment<3>(kAccelBiasIdx).setConstant(options.accel_bias_sigma_m_s2);
+  sigma.segment<3>(kGyroBiasIdx).setConstant(kGyroBiasSigmaRadS);
+  sigma.segment<3>(kAccelBiasIdx).setConstant(kAccelBiasSigmaMS2);
   FilterStateOptions state_options;
   state_options.max_points = 0;
   return {imu, sigma.cwiseAbs2().asDiagonal(), input.rig, state_options};
@@ -185,7 +190,7 @@ std::vector<TrackRows> UsableTracks(const DynamicStartInput& input, const Filter
     for (const auto& [frame, observation] : SightsInWindow(input, track)) {
       sights.push_back(*observation);
     }
-    auto rows = static_cast<int>(sights.size()) < input.track_options.min_views
+    auto rows = static_cast<int>(sights.size()) < kMinTrackViews
                     ? std::nullopt
                     : LinearizeTrack(state, input.camera, views, sights, input.track_options);
     if (!rows) {
@@ -232,36 +237,26 @@ StartState AtOrigin(const FilterState& state) {
   return start;
 }
 
-bool IsGood(const StartState& start, const DynamicStartOptions& options) {
+// Returns true if the standard deviations of the start are below the limits of a usable one.
+bool IsGood(const StartState& start) {
+  constexpr double kMaxTiltSigmaRad = 0.05;
+  constexpr double kMaxVelocitySigmaMS = 0.15;
   const auto variance = start.covariance.diagonal();
   return start.covariance.allFinite() &&
-         std::sqrt(variance.segment<2>(kThetaIdx).maxCoeff()) < options.max_tilt_sigma_rad &&
-         std::sqrt(variance.segment<3>(kVelocityIdx).maxCoeff()) < options.max_velocity_sigma_m_s;
+         std::sqrt(variance.segment<2>(kThetaIdx).maxCoeff()) < kMaxTiltSigmaRad &&
+         std::sqrt(variance.segment<3>(kVelocityIdx).maxCoeff()) < kMaxVelocitySigmaMS;
 }
 
 }  // namespace
 
 void DynamicStartOptions::Validate() const {
   RequireOption(window_s > 0.0, "dynamic_start.window_s must be positive");
-  RequireWithin("dynamic_start.min_frames", min_frames, 4, kMaxClones);
-  RequireWithin("dynamic_start.max_frames", max_frames, min_frames, kMaxClones);
-  RequireOption(min_tracks >= 5, "dynamic_start.min_tracks must be at least 5");
-  RequireOption(gyro_bias_sigma_rad_s > 0.0,
-                "dynamic_start.gyro_bias_sigma_rad_s must be positive");
-  RequireOption(accel_bias_sigma_m_s2 > 0.0,
-                "dynamic_start.accel_bias_sigma_m_s2 must be positive");
-  RequireOption(max_tilt_sigma_rad > 0.0, "dynamic_start.max_tilt_sigma_rad must be positive");
-  RequireOption(max_velocity_sigma_m_s > 0.0,
-                "dynamic_start.max_velocity_sigma_m_s must be positive");
-  RequireOption(min_inlier_fraction > 0.0 && min_inlier_fraction <= 1.0,
-                "dynamic_start.min_inlier_fraction must lie in (0, 1]");
 }
 
 std::optional<LinearStart> SolveLinearStart(const DynamicStartInput& input,
-                                            const Eigen::Vector3d& gyro_bias,
-                                            const DynamicStartOptions& options) {
+                                            const Eigen::Vector3d& gyro_bias) {
   const LinearSystem system = RaysMeet(input, gyro_bias);
-  if (system.num_tracks < options.min_tracks) {
+  if (system.num_tracks < kMinTracks) {
     return std::nullopt;
   }
   const Eigen::Matrix3d by_velocity = system.normal.topLeftCorner<3, 3>();
@@ -283,39 +278,40 @@ std::optional<LinearStart> SolveLinearStart(const DynamicStartInput& input,
   return LinearStart{velocity, *gravity};
 }
 
-std::optional<StartState> DynamicStart(const DynamicStartInput& input,
-                                       const DynamicStartOptions& options) {
-  if (static_cast<int>(input.frames.size()) < options.min_frames) {
+std::optional<StartState> DynamicStart(const DynamicStartInput& input) {
+  constexpr size_t kMinFrames = 6;
+  constexpr double kMinInlierFraction = 0.7;  // Share of the tracks that must agree.
+  if (input.frames.size() < kMinFrames) {
     return std::nullopt;
   }
   // The first pass linearizes at the linear solution, which assumes known biases. Each later pass
   // linearizes at the result of the previous one.
   constexpr int kNumPasses = 3;
-  const auto linear = SolveLinearStart(input, Eigen::Vector3d::Zero(), options);
+  const auto linear = SolveLinearStart(input, Eigen::Vector3d::Zero());
   if (!linear) {
     return std::nullopt;
   }
   StartGuess guess = GuessFrom(*linear, Eigen::Vector3d::Zero());
   std::optional<FilterState> state;
   for (int pass = 0; pass < kNumPasses; ++pass) {
-    state.emplace(PriorState(input, guess, options));
+    state.emplace(PriorState(input, guess));
     CloneAllFrames(input, &*state);
     int num_tried = 0;
     const auto linearize = [&](const FilterState& at) {
       return StackTracks(at, UsableTracks(input, at, false, &num_tried));
     };
-    if (!state->IteratedUpdate(linearize) || num_tried < options.min_tracks) {
+    if (!state->IteratedUpdate(linearize) || num_tried < kMinTracks) {
       return std::nullopt;
     }
     guess = GuessFrom(input, *state);
   }
   int num_tried = 0;
   const size_t num_agreeing = UsableTracks(input, *state, true, &num_tried).size();
-  if (static_cast<double>(num_agreeing) < options.min_inlier_fraction * num_tried) {
+  if (static_cast<double>(num_agreeing) < kMinInlierFraction * num_tried) {
     return std::nullopt;
   }
   const StartState start = AtOrigin(*state);
-  return IsGood(start, options) ? std::optional(start) : std::nullopt;
+  return IsGood(start) ? std::optional(start) : std::nullopt;
 }
 
 }  // namespace cairn::fusion

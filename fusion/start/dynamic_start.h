@@ -18,20 +18,14 @@
 
 namespace cairn::fusion {
 
+// Most frames of the window that a start takes, evenly spaced.
+inline constexpr int kMaxStartFrames = 12;
+static_assert(kMaxStartFrames <= kMaxClones);
+
 struct DynamicStartOptions {
   bool enabled = true;
   // Length of the window of samples and frames. A longer window tells more about the biases.
   double window_s = 1.2;
-  int max_frames = 12;  // Evenly spaced frames in the window; at most kMaxClones.
-  int min_frames = 6;
-  int min_tracks = 20;
-  // Prior standard deviations of the biases: the usual range of such sensors.
-  double gyro_bias_sigma_rad_s = 0.02;
-  double accel_bias_sigma_m_s2 = 0.1;
-  // The start is accepted only if its standard deviations are below these limits.
-  double max_tilt_sigma_rad = 0.05;
-  double max_velocity_sigma_m_s = 0.15;
-  double min_inlier_fraction = 0.7;  // Share of the tracks that must agree with the start.
 
   void Validate() const;
 };
@@ -64,14 +58,12 @@ struct LinearStart {
   Eigen::Vector3d gravity_in_imu;
 };
 std::optional<LinearStart> SolveLinearStart(const DynamicStartInput& input,
-                                            const Eigen::Vector3d& gyro_bias,
-                                            const DynamicStartOptions& options);
+                                            const Eigen::Vector3d& gyro_bias);
 
 // Returns the state at the last frame with its covariance; the IMU is at the origin of local with
 // yaw zero. The linear solution is refined by one iterated update of a filter over the window.
 // Returns nullopt if the tracks contradict the result or leave it too uncertain.
-std::optional<StartState> DynamicStart(const DynamicStartInput& input,
-                                       const DynamicStartOptions& options);
+std::optional<StartState> DynamicStart(const DynamicStartInput& input);
 
 }  // namespace cairn::fusion
 

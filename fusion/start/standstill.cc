@@ -47,17 +47,19 @@ bool IsQuiet(const ReadingStatistics& statistics, const StandstillOptions& optio
 // `duration_s`. With R the rotation and u = (0, 0, g): mean = R' u + b_a + n. The derivative of the
 // mean by theta is R' [u]x.
 Matrix15d StartCovariance(const Eigen::Matrix3d& rotation, double gravity_m_s2, double duration_s,
-                          const ImuNoise& noise, const StartPrior& prior) {
+                          const ImuNoise& noise) {
+  // Prior standard deviations. The gyroscope bias is uncertain beyond the noise of the mean
+  // reading, for example from a slow turn.
+  constexpr double kVelocitySigmaMS = 0.02;
+  constexpr double kGyroBiasSigmaRadS = 0.005;
+  constexpr double kAccelBiasSigmaMS2 = 0.1;
   Matrix15d covariance = Matrix15d::Zero();
   covariance.diagonal().segment<2>(kThetaIdx).setConstant(1.0);
-  covariance.diagonal().segment<3>(kVelocityIdx).setConstant(std::pow(prior.velocity_sigma_m_s, 2));
+  covariance.diagonal().segment<3>(kVelocityIdx).setConstant(std::pow(kVelocitySigmaMS, 2));
   covariance.diagonal()
       .segment<3>(kGyroBiasIdx)
-      .setConstant(std::pow(noise.gyro_density, 2) / duration_s +
-                   std::pow(prior.gyro_bias_sigma_rad_s, 2));
-  covariance.diagonal()
-      .segment<3>(kAccelBiasIdx)
-      .setConstant(std::pow(prior.accel_bias_sigma_m_s2, 2));
+      .setConstant(std::pow(noise.gyro_density, 2) / duration_s + std::pow(kGyroBiasSigmaRadS, 2));
+  covariance.diagonal().segment<3>(kAccelBiasIdx).setConstant(std::pow(kAccelBiasSigmaMS2, 2));
   Eigen::Matrix<double, 3, kImuDim> jacobian = Eigen::Matrix<double, 3, kImuDim>::Zero();
   jacobian.middleCols<3>(kThetaIdx) =
       rotation.transpose() * Skew(Eigen::Vector3d(0.0, 0.0, gravity_m_s2));
@@ -74,20 +76,8 @@ Matrix15d StartCovariance(const Eigen::Matrix3d& rotation, double gravity_m_s2, 
 
 void StandstillOptions::Validate() const {
   RequireOption(window_s > 0.0, "standstill.window_s must be positive");
-  RequireOption(start_window_s > 0.0, "standstill.start_window_s must be positive");
   RequireOption(max_gyro_std_rad_s > 0.0, "standstill.max_gyro_std_rad_s must be positive");
   RequireOption(max_accel_std_m_s2 > 0.0, "standstill.max_accel_std_m_s2 must be positive");
-  RequireOption(max_disparity_px > 0.0, "standstill.max_disparity_px must be positive");
-  RequireOption(velocity_sigma_m_s > 0.0, "standstill.velocity_sigma_m_s must be positive");
-  RequireOption(position_sigma_m > 0.0, "standstill.position_sigma_m must be positive");
-  RequireOption(rotation_sigma_rad > 0.0, "standstill.rotation_sigma_rad must be positive");
-  RequireOption(gate_quantile > 0.0, "standstill.gate_quantile must be positive");
-}
-
-void StartPrior::Validate() const {
-  RequireOption(gyro_bias_sigma_rad_s > 0.0, "start.gyro_bias_sigma_rad_s must be positive");
-  RequireOption(accel_bias_sigma_m_s2 > 0.0, "start.accel_bias_sigma_m_s2 must be positive");
-  RequireOption(velocity_sigma_m_s > 0.0, "start.velocity_sigma_m_s must be positive");
 }
 
 bool IsQuiet(const ImuBuffer& buffer, int64_t begin_ns, int64_t end_ns,
@@ -97,7 +87,7 @@ bool IsQuiet(const ImuBuffer& buffer, int64_t begin_ns, int64_t end_ns,
 
 std::optional<StartState> StaticStart(const ImuBuffer& buffer, int64_t begin_ns, int64_t end_ns,
                                       const ImuNoise& noise, double gravity_m_s2,
-                                      const StartPrior& prior, const StandstillOptions& options) {
+                                      const StandstillOptions& options) {
   const ReadingStatistics statistics = Statistics(buffer, begin_ns, end_ns);
   // A bias above 0.1 rad/s or 5 % of gravity means motion or a broken sensor.
   if (!IsQuiet(statistics, options) || !(statistics.gyro_mean.norm() < 0.1) ||
@@ -118,12 +108,12 @@ std::optional<StartState> StaticStart(const ImuBuffer& buffer, int64_t begin_ns,
   start.imu.gyro_bias = statistics.gyro_mean;
   start.covariance =
       StartCovariance(start.imu.local_from_imu.rotation.toRotationMatrix(), gravity_m_s2,
-                      1e-9 * static_cast<double>(end_ns - begin_ns), noise, prior);
+                      1e-9 * static_cast<double>(end_ns - begin_ns), noise);
   return start;
 }
 
-std::optional<double> MedianDisparity(const TrackTable& tracks, int64_t frame_a, int64_t frame_b,
-                                      const StandstillOptions& options) {
+std::optional<double> MedianDisparity(const TrackTable& tracks, int64_t frame_a, int64_t frame_b) {
+  constexpr size_t kMinTracks = 10;
   std::vector<double> disparities;
   for (const Track& track : tracks.tracks()) {
     const Observation* a = nullptr;
@@ -136,7 +126,7 @@ std::optional<double> MedianDisparity(const TrackTable& tracks, int64_t frame_a,
       disparities.push_back((a->pixel - b->pixel).norm());
     }
   }
-  if (disparities.size() < static_cast<size_t>(options.min_tracks)) {
+  if (disparities.size() < kMinTracks) {
     return std::nullopt;
   }
   const auto middle = disparities.begin() + static_cast<std::ptrdiff_t>(disparities.size() / 2);
@@ -144,8 +134,11 @@ std::optional<double> MedianDisparity(const TrackTable& tracks, int64_t frame_a,
   return *middle;
 }
 
-Measurement StandstillMeasurement(const FilterState& state, int anchor,
-                                  const StandstillOptions& options) {
+Measurement StandstillMeasurement(const FilterState& state, int anchor) {
+  // Standard deviations per axis.
+  constexpr double kRotationSigmaRad = 0.001;
+  constexpr double kPositionSigmaM = 0.002;
+  constexpr double kVelocitySigmaMS = 0.01;
   const Rigid3d& now = state.imu().local_from_imu;
   const Rigid3d& then = state.clones()[static_cast<size_t>(anchor)].local_from_imu;
   Measurement measurement;
@@ -157,9 +150,8 @@ Measurement StandstillMeasurement(const FilterState& state, int anchor,
   measurement.residual << LogSo3(then.rotation * now.rotation.conjugate()),
       then.translation - now.translation, -state.imu().velocity_in_local;
   Eigen::Matrix<double, 9, 1> sigma;
-  sigma << Eigen::Vector3d::Constant(options.rotation_sigma_rad),
-      Eigen::Vector3d::Constant(options.position_sigma_m),
-      Eigen::Vector3d::Constant(options.velocity_sigma_m_s);
+  sigma << Eigen::Vector3d::Constant(kRotationSigmaRad), Eigen::Vector3d::Constant(kPositionSigmaM),
+      Eigen::Vector3d::Constant(kVelocitySigmaMS);
   measurement.jacobian = sigma.cwiseInverse().asDiagonal() * measurement.jacobian;
   measurement.residual.array() /= sigma.array();
   return measurement;

@@ -13,35 +13,23 @@
 
 namespace cairn::fusion {
 
+// Length of the recent past that must be quiet at a static start, seconds.
+inline constexpr double kStartWindowS = 1.0;
+// Largest median motion of the tracks since the device came to rest, pixels.
+inline constexpr double kMaxStandstillDisparityPx = 2.5;
+// Gate on a standstill, given as a quantile of the standard normal distribution; passes 99.9 % of
+// true standstills.
+inline constexpr double kStandstillGateQuantile = 3.09;
+
 struct StandstillOptions {
-  // Length of the recent past that must be quiet. The start requires start_window_s instead.
+  // Length of the recent past that must be quiet. The start requires kStartWindowS instead.
   double window_s = 0.5;
-  double start_window_s = 1.0;
   // Largest standard deviation of the readings within the window, per axis. The defaults are a few
   // times the noise of a phone's sensor at rest and a tenth of the deviation during a walk. A
   // machine with running motors shakes more while it stands: a quadcopter before take-off has 0.1
   // rad/s and 1.3 m/s^2 (EuRoC V1_01).
   double max_gyro_std_rad_s = 0.02;
   double max_accel_std_m_s2 = 0.15;
-  // Largest median motion of the tracks since the device came to rest, and the number of tracks
-  // that this test requires.
-  double max_disparity_px = 2.5;
-  int min_tracks = 10;
-  // Standard deviations per axis of a standstill measurement.
-  double velocity_sigma_m_s = 0.01;
-  double position_sigma_m = 0.002;
-  double rotation_sigma_rad = 0.001;
-  double gate_quantile = 3.09;  // Passes 99.9 % of true standstills.
-
-  void Validate() const;
-};
-
-// Prior standard deviations at a static start.
-struct StartPrior {
-  // Uncertainty beyond the noise of the mean reading, for example from a slow turn.
-  double gyro_bias_sigma_rad_s = 0.005;
-  double accel_bias_sigma_m_s2 = 0.1;
-  double velocity_sigma_m_s = 0.02;
 
   void Validate() const;
 };
@@ -63,16 +51,14 @@ bool IsQuiet(const ImuBuffer& buffer, int64_t begin_ns, int64_t end_ns,
 // readings are not quiet or do not look like rest under gravity.
 std::optional<StartState> StaticStart(const ImuBuffer& buffer, int64_t begin_ns, int64_t end_ns,
                                       const ImuNoise& noise, double gravity_m_s2,
-                                      const StartPrior& prior, const StandstillOptions& options);
-
-// Returns the median distance in pixels between the two sights of each track that both frames saw,
-// or nullopt if there are fewer than options.min_tracks such tracks.
-std::optional<double> MedianDisparity(const TrackTable& tracks, int64_t frame_a, int64_t frame_b,
                                       const StandstillOptions& options);
 
+// Returns the median distance in pixels between the two sights of each track that both frames saw,
+// or nullopt if there are fewer than 10 such tracks.
+std::optional<double> MedianDisparity(const TrackTable& tracks, int64_t frame_a, int64_t frame_b);
+
 // Returns the measurement "the velocity is zero and the pose equals that of clone `anchor`".
-Measurement StandstillMeasurement(const FilterState& state, int anchor,
-                                  const StandstillOptions& options);
+Measurement StandstillMeasurement(const FilterState& state, int anchor);
 
 }  // namespace cairn::fusion
 

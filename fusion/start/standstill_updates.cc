@@ -23,12 +23,11 @@ StandstillUpdate StandstillUpdates::Update(const ImuBuffer& imu, const TrackTabl
   const int64_t previous_frame = clones[clones.size() - 2].frame_id;
   const bool has_anchor = last_anchor && FindClone(*state, *last_anchor) >= 0;
   const int64_t anchor_frame = has_anchor ? *last_anchor : previous_frame;
-  const auto disparity_px = MedianDisparity(tracks, anchor_frame, clones.back().frame_id, options_);
-  const Measurement measurement =
-      StandstillMeasurement(*state, FindClone(*state, anchor_frame), options_);
-  if (!disparity_px || *disparity_px > options_.max_disparity_px ||
+  const auto disparity_px = MedianDisparity(tracks, anchor_frame, clones.back().frame_id);
+  const Measurement measurement = StandstillMeasurement(*state, FindClone(*state, anchor_frame));
+  if (!disparity_px || *disparity_px > kMaxStandstillDisparityPx ||
       state->SquaredMahalanobis(measurement) >
-          ChiSquareQuantile(measurement.num_rows(), options_.gate_quantile)) {
+          ChiSquareQuantile(measurement.num_rows(), kStandstillGateQuantile)) {
     return {};
   }
   state->Update(measurement);

@@ -7,7 +7,7 @@
 
 namespace cairn::fusion {
 
-Starter::Starter(const StarterOptions& options) : options_(options), tracks_(options.max_tracks) {}
+Starter::Starter(const StarterOptions& options) : options_(options), tracks_(kMaxTrackedFeatures) {}
 
 void Starter::Clear() {
   tracks_.Clear();
@@ -17,7 +17,7 @@ void Starter::Clear() {
 std::optional<StartState> Starter::AddFrame(int64_t frame_id, int64_t timestamp_ns,
                                             std::span<const TrackedFeature> features,
                                             const ImuBuffer& imu) {
-  const int64_t static_begin_ns = timestamp_ns - ToNanoseconds(options_.standstill.start_window_s);
+  const int64_t static_begin_ns = timestamp_ns - ToNanoseconds(kStartWindowS);
   const int64_t begin_ns =
       std::min(static_begin_ns, timestamp_ns - ToNanoseconds(options_.dynamic_start.window_s));
   tracks_.AddFrame(frame_id, options_.camera, features);
@@ -39,9 +39,8 @@ bool Starter::Moves(int64_t begin_ns) const {
   const auto first =
       std::find_if(frames_.begin(), frames_.end(),
                    [begin_ns](const StartFrame& frame) { return frame.timestamp_ns >= begin_ns; });
-  const auto disparity_px =
-      MedianDisparity(tracks_, first->frame_id, frames_.back().frame_id, options_.standstill);
-  return disparity_px && *disparity_px > options_.standstill.max_disparity_px;
+  const auto disparity_px = MedianDisparity(tracks_, first->frame_id, frames_.back().frame_id);
+  return disparity_px && *disparity_px > kMaxStandstillDisparityPx;
 }
 
 std::optional<StartState> Starter::TryStatic(int64_t begin_ns, const ImuBuffer& imu) const {
@@ -50,7 +49,7 @@ std::optional<StartState> Starter::TryStatic(int64_t begin_ns, const ImuBuffer& 
     return std::nullopt;
   }
   return StaticStart(imu, begin_ns, now_ns, options_.imu_noise, options_.gravity_m_s2,
-                     options_.static_start, options_.standstill);
+                     options_.standstill);
 }
 
 std::optional<StartState> Starter::TryDynamic(const ImuBuffer& imu) const {
@@ -62,14 +61,13 @@ std::optional<StartState> Starter::TryDynamic(const ImuBuffer& imu) const {
       !imu.Covers(frames_.front().timestamp_ns, now_ns)) {
     return std::nullopt;
   }
-  const size_t stride = (frames_.size() - 1) / static_cast<size_t>(options.max_frames) + 1;
+  const size_t stride = (frames_.size() - 1) / static_cast<size_t>(kMaxStartFrames) + 1;
   std::vector<StartFrame> frames;
   for (size_t i = (frames_.size() - 1) % stride; i < frames_.size(); i += stride) {
     frames.push_back(frames_[i]);
   }
   return DynamicStart({imu, tracks_, frames, options_.camera, options_.rig, options_.imu_noise,
-                       options_.gravity_m_s2, options_.tracks},
-                      options);
+                       options_.gravity_m_s2, options_.tracks});
 }
 
 }  // namespace cairn::fusion

@@ -23,9 +23,7 @@ struct StarterOptions {
   Rig rig;
   ImuNoise imu_noise;
   double gravity_m_s2 = 9.81;
-  int max_tracks = 1024;  // Features tracked at a time.
   StandstillOptions standstill;
-  StartPrior static_start;
   DynamicStartOptions dynamic_start;
   TrackUpdateOptions tracks;  // For the dynamic start.
 };

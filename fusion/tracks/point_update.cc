@@ -64,7 +64,7 @@ PointUpdateCounts UpdateFromPoints(const Camera& camera, int64_t frame_id,
                                    FilterState* state) {
   PointUpdateCounts counts;
   const std::vector<CameraView> views = ViewsOfClones(*state);
-  const double gate = ChiSquareQuantile(2, options.gate_quantile);
+  const double gate = ChiSquareQuantile(2, kTrackGateQuantile);
   std::vector<Measurement> accepted;
   std::vector<int> dropped;
   for (int slot = 0; slot < static_cast<int>(state->points().size()); ++slot) {

@@ -4,21 +4,14 @@
 #include <cmath>
 #include <vector>
 
-#include "core/require.h"
 #include "fusion/filter/camera_view.h"
 #include "fusion/filter/chi_square.h"
 
 namespace cairn::fusion {
 
-void RotationOnlyOptions::Validate() const {
-  RequireOption(median_distance_m > 0.0, "rotation_only.median_distance_m must be positive");
-  RequireOption(min_tracks >= 1, "rotation_only.min_tracks must be at least 1");
-  RequireOption(gate_quantile > 0.0, "rotation_only.gate_quantile must be positive");
-}
-
 std::optional<double> MedianParallaxPx(const FilterState& state, const Camera& camera,
-                                       const TrackTable& tracks, int from, int to,
-                                       const RotationOnlyOptions& options) {
+                                       const TrackTable& tracks, int from, int to) {
+  constexpr size_t kMinTracks = 15;
   const Clone& old_clone = state.clones()[static_cast<size_t>(from)];
   const Clone& new_clone = state.clones()[static_cast<size_t>(to)];
   const CameraView old_view(state.rig(), old_clone);
@@ -40,7 +33,7 @@ std::optional<double> MedianParallaxPx(const FilterState& state, const Camera& c
       parallaxes_px.push_back((after->pixel - *turned).norm());
     }
   }
-  if (parallaxes_px.size() < static_cast<size_t>(options.min_tracks)) {
+  if (parallaxes_px.size() < kMinTracks) {
     return std::nullopt;
   }
   const auto middle = parallaxes_px.begin() + static_cast<std::ptrdiff_t>(parallaxes_px.size() / 2);
@@ -49,9 +42,10 @@ std::optional<double> MedianParallaxPx(const FilterState& state, const Camera& c
 }
 
 std::optional<Measurement> RotationOnlyMeasurement(const FilterState& state, const Camera& camera,
-                                                   double parallax_px, int from, int to,
-                                                   const RotationOnlyOptions& options) {
-  const double sigma_m = options.median_distance_m * parallax_px / camera.focal_px();
+                                                   double parallax_px, int from, int to) {
+  // Half of the visible points are within this distance. This is a bound, not an estimate.
+  constexpr double kMedianDistanceM = 20.0;
+  const double sigma_m = kMedianDistanceM * parallax_px / camera.focal_px();
   const int a = state.CloneIdx(from) + 3;
   const int b = state.CloneIdx(to) + 3;
   const auto covariance = state.covariance();
@@ -73,6 +67,7 @@ std::optional<Measurement> RotationOnlyMeasurement(const FilterState& state, con
 }
 
 bool RotationOnlyUpdates::Update(const TrackTable& tracks, FilterState* state) {
+  constexpr double kGateQuantile = 3.09;  // Passes 99.9 %.
   const auto& clones = state->clones();
   const auto begin = std::find_if(clones.begin(), clones.end(), [this](const Clone& clone) {
     return clone.timestamp_ns >= last_update_ns_;
@@ -82,12 +77,11 @@ bool RotationOnlyUpdates::Update(const TrackTable& tracks, FilterState* state) {
   if (2 * (to - from) < max_clones_) {
     return false;
   }
-  const auto parallax_px = MedianParallaxPx(*state, camera_, tracks, from, to, options_);
+  const auto parallax_px = MedianParallaxPx(*state, camera_, tracks, from, to);
   const auto measurement =
-      parallax_px ? RotationOnlyMeasurement(*state, camera_, *parallax_px, from, to, options_)
-                  : std::nullopt;
+      parallax_px ? RotationOnlyMeasurement(*state, camera_, *parallax_px, from, to) : std::nullopt;
   if (!measurement ||
-      !(state->SquaredMahalanobis(*measurement) < ChiSquareQuantile(3, options_.gate_quantile))) {
+      !(state->SquaredMahalanobis(*measurement) < ChiSquareQuantile(3, kGateQuantile))) {
     return false;
   }
   state->Update(*measurement);

@@ -15,36 +15,25 @@
 
 namespace cairn::fusion {
 
-struct RotationOnlyOptions {
-  // Half of the visible points are within this distance. This is a bound, not an estimate.
-  double median_distance_m = 20.0;
-  int min_tracks = 15;
-  double gate_quantile = 3.09;  // Passes 99.9 %.
-
-  void Validate() const;
-};
-
 // For each track that both clones see, turns the sight at `from` into the orientation of `to` and
 // takes its distance in pixels to the sight at `to`. Returns the median of these distances, or
-// nullopt if there are fewer than options.min_tracks such tracks.
+// nullopt if there are fewer than 15 such tracks.
 std::optional<double> MedianParallaxPx(const FilterState& state, const Camera& camera,
-                                       const TrackTable& tracks, int from, int to,
-                                       const RotationOnlyOptions& options);
+                                       const TrackTable& tracks, int from, int to);
 
 // Returns the measurement "the position did not change from clone `from` to clone `to`". Its
-// standard deviation is the motion that causes `parallax_px` at median_distance_m. Returns nullopt
+// standard deviation is the motion that causes `parallax_px` at a distance of 20 m. Returns nullopt
 // if the state already knows the motion better.
 std::optional<Measurement> RotationOnlyMeasurement(const FilterState& state, const Camera& camera,
-                                                   double parallax_px, int from, int to,
-                                                   const RotationOnlyOptions& options);
+                                                   double parallax_px, int from, int to);
 
 // Applies RotationOnlyMeasurement to one filter. Each update starts where the last one ended, so
 // that no information is used twice, and spans at least half of a window of `max_clones`. Not
 // thread-safe.
 class RotationOnlyUpdates {
  public:
-  RotationOnlyUpdates(const Camera& camera, int max_clones, const RotationOnlyOptions& options)
-      : camera_(camera), max_clones_(max_clones), options_(options) {}
+  RotationOnlyUpdates(const Camera& camera, int max_clones)
+      : camera_(camera), max_clones_(max_clones) {}
 
   // Updates `state`, which must have a clone, if the camera has only turned. Returns whether it
   // did.
@@ -53,7 +42,6 @@ class RotationOnlyUpdates {
  private:
   Camera camera_;
   int max_clones_;
-  RotationOnlyOptions options_;
   int64_t last_update_ns_ = 0;
 };
 

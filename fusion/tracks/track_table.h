@@ -13,6 +13,9 @@
 
 namespace cairn::fusion {
 
+// Most features that the filter tracks at a time.
+inline constexpr int kMaxTrackedFeatures = 1024;
+
 // A feature seen in one frame. Features with the same id in different frames show the same point.
 struct TrackedFeature {
   uint64_t track_id = 0;

@@ -92,10 +92,16 @@ void WriteDistanceRow(const DistanceRow& distance, const Eigen::Vector3d& x_in_l
   row /= distance.prior.sigma_m;
 }
 
+// Largest standard deviation of the distance of a point that enters the state, relative to the
+// distance and including the errors of the poses. Above this limit the filter is overconfident
+// (docs/math/fusion.md).
+constexpr double kMaxRelativePointSigma = 0.06;
+
 // Returns true if the baseline between the first and the last sight is known well enough to
-// triangulate on.
-bool HasBaseline(const FilterState& state, std::span<const Observation> sights,
-                 const TrackUpdateOptions& options) {
+// triangulate on. If the baseline is a guess, the triangulated point is a guess, too. Without this
+// limit, a device that only turned, but whose IMU suggested motion, became too sure of that motion.
+bool HasBaseline(const FilterState& state, std::span<const Observation> sights) {
+  constexpr double kMaxRelativeSigma = 0.5;  // Relative to the baseline.
   const int first = FindClone(state, sights.front().frame_id);
   const int last = FindClone(state, sights.back().frame_id);
   const double length_m = (state.clones()[static_cast<size_t>(last)].local_from_imu.translation -
@@ -108,26 +114,24 @@ bool HasBaseline(const FilterState& state, std::span<const Observation> sights,
     const int b = state.CloneIdx(last) + axis;
     variance += covariance(a, a) + covariance(b, b) - 2.0 * covariance(a, b);
   }
-  return std::sqrt(std::max(variance, 0.0)) < options.max_relative_baseline_sigma * length_m;
+  return std::sqrt(std::max(variance, 0.0)) < kMaxRelativeSigma * length_m;
 }
 
 // Returns true if the pixels, and the map if it was asked, tell the distance of the point from the
 // newest clone well enough. Assumes that the poses are exact.
-bool PixelsTellDistance(const PointRows& point, const FilterState& state,
-                        const TrackUpdateOptions& options) {
+bool PixelsTellDistance(const PointRows& point, const FilterState& state) {
   const Eigen::Vector3d view = point.x_in_local - state.clones().back().local_from_imu.translation;
   // Standard deviation along the viewing ray, times the distance.
   const double sigma = point.by_point.transpose().triangularView<Eigen::Lower>().solve(view).norm();
-  return sigma < options.max_relative_point_sigma * view.squaredNorm();
+  return sigma < kMaxRelativePointSigma * view.squaredNorm();
 }
 
 // Returns true if the state knows the distance of the point well enough, including the errors of
 // the poses. Future sights are then nearly linear in the point.
-bool IsDistanceKnown(const FilterState& state, int slot, const TrackUpdateOptions& options) {
+bool IsDistanceKnown(const FilterState& state, int slot) {
   const int idx = state.PointIdx(slot) + 2;
   const double inverse_distance = state.points()[static_cast<size_t>(slot)]->coordinates.z();
-  return std::sqrt(state.covariance()(idx, idx)) <
-         options.max_relative_point_sigma * inverse_distance;
+  return std::sqrt(state.covariance()(idx, idx)) < kMaxRelativePointSigma * inverse_distance;
 }
 
 // Adds the points of tracks that go on to the state where slots are free. Call after the update
@@ -148,9 +152,8 @@ void EnterPoints(const Camera& camera, const std::vector<const FinishedTrack*>& 
     const auto rows = track->goes_on ? LinearizeTrack(*state, camera, views, track->sights, options,
                                                       track->map_distance)
                                      : std::nullopt;
-    if (rows && PixelsTellDistance(rows->point, *state, options) &&
-        state->EnterPoint(slot, track->track_id, rows->point) &&
-        !IsDistanceKnown(*state, slot, options)) {
+    if (rows && PixelsTellDistance(rows->point, *state) &&
+        state->EnterPoint(slot, track->track_id, rows->point) && !IsDistanceKnown(*state, slot)) {
       state->RemovePoint(slot);
     }
   }
@@ -161,12 +164,7 @@ void EnterPoints(const Camera& camera, const std::vector<const FinishedTrack*>& 
 void TrackUpdateOptions::Validate() const {
   triangulate.Validate();
   RequireOption(sigma_px > 0.0, "tracks.sigma_px must be positive");
-  RequireOption(min_views >= 2, "tracks.min_views must be at least 2");
   RequireOption(max_tracks >= 1, "tracks.max_tracks must be at least 1");
-  RequireOption(gate_quantile > 0.0, "tracks.gate_quantile must be positive");
-  RequireOption(max_relative_baseline_sigma > 0.0,
-                "tracks.max_relative_baseline_sigma must be positive");
-  RequireOption(max_relative_point_sigma > 0.0, "tracks.max_relative_point_sigma must be positive");
 }
 
 std::vector<CameraView> ViewsOfClones(const FilterState& state) {
@@ -278,7 +276,7 @@ TrackUpdateCounts UpdateFromTracks(const Camera& camera, std::vector<FinishedTra
   };
   const auto passes = [&](const TrackRows& rows) {
     return state->SquaredMahalanobis(rows.clones) <
-           ChiSquareQuantile(rows.clones.num_rows(), options.gate_quantile);
+           ChiSquareQuantile(rows.clones.num_rows(), kTrackGateQuantile);
   };
   std::vector<TrackRows> accepted;
   std::vector<const FinishedTrack*> accepted_tracks;
@@ -286,7 +284,7 @@ TrackUpdateCounts UpdateFromTracks(const Camera& camera, std::vector<FinishedTra
     if (static_cast<int>(accepted.size()) == options.max_tracks) {
       break;
     }
-    const bool has_baseline = HasBaseline(*state, track.sights, options);
+    const bool has_baseline = HasBaseline(*state, track.sights);
     auto rows = has_baseline ? linearize_here(track) : std::nullopt;
     bool fits = rows && passes(*rows);
     if (!fits && has_baseline && track.map_distance) {

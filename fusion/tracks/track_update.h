@@ -15,25 +15,18 @@
 
 namespace cairn::fusion {
 
+// Fewest sights of a track. Two views give one equation, which outliers satisfy easily.
+inline constexpr int kMinTrackViews = 3;
+// Gate on each track, given as a quantile of the standard normal distribution; passes 95 % of the
+// true tracks.
+inline constexpr double kTrackGateQuantile = 1.645;
+
 struct TrackUpdateOptions {
   double sigma_px = 1.0;  // Standard deviation of a tracked pixel per axis.
-  int min_views = 3;      // Two views give one equation, which outliers satisfy easily.
   // Most tracks per update, which bounds the time. The longest tracks are used; the rest of a
   // frame's finished tracks is dropped.
   int max_tracks = 60;
-  // Gate on each track, given as a quantile of the standard normal distribution; 1.645 passes 95 %
-  // of the true tracks.
-  double gate_quantile = 1.645;
-  // Largest standard deviation of the baseline between a track's first and last sight, relative to
-  // the baseline. If the baseline is a guess, the triangulated point is a guess, too. Without this
-  // limit, a device that only turned, but whose IMU suggested motion, became too sure of that
-  // motion.
-  double max_relative_baseline_sigma = 0.5;
   TriangulateOptions triangulate;
-  // Largest standard deviation of the distance of a point that enters the state, relative to the
-  // distance and including the errors of the poses. Above this limit the filter is overconfident
-  // (docs/math/fusion.md).
-  double max_relative_point_sigma = 0.06;
 
   void Validate() const;
 };

@@ -15,12 +15,6 @@ struct TriangulateOptions {
   double min_depth_m = 0.2;
   // Beyond this depth, the sights tell the direction of a point but hardly its depth.
   double max_depth_m = 150.0;
-  // Largest standard deviation of the depth relative to the depth. Above this limit the depth's
-  // error is not Gaussian, and a filter that linearizes at such points becomes overconfident, in
-  // yaw first. A lower limit leaves out far points that tell the rotation. The value was measured
-  // with cairn_fusion_consistency; see docs/math/fusion.md.
-  double max_relative_depth_sigma = 0.12;
-  int max_iterations = 5;
 
   void Validate() const;
 };

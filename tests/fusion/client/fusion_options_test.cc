@@ -22,7 +22,6 @@ const Nonsense kNonsense[] = {
     {"imu_noise", [](FusionOptions* options) { options->imu_noise.gyro_walk = 0.0; }},
     {"gravity_m_s2", [](FusionOptions* options) { options->gravity_m_s2 = kNan; }},
     {"max_clones", [](FusionOptions* options) { options->max_clones = 17; }},
-    {"max_imu_gap_s", [](FusionOptions* options) { options->max_imu_gap_s = -1.0; }},
     {"query.max_pending", [](FusionOptions* options) { options->query.max_pending = 0; }},
     {"max_clones and query.max_pending",
      [](FusionOptions* options) {
@@ -37,21 +36,12 @@ const Nonsense kNonsense[] = {
      }},
     {"state.max_points", [](FusionOptions* options) { options->state.max_points = -1; }},
     {"standstill.window_s", [](FusionOptions* options) { options->standstill.window_s = kNan; }},
-    {"rotation_only.min_tracks",
-     [](FusionOptions* options) { options->rotation_only.min_tracks = 0; }},
-    {"start.velocity_sigma_m_s",
-     [](FusionOptions* options) { options->start.velocity_sigma_m_s = 0.0; }},
-    {"dynamic_start.min_frames",
-     [](FusionOptions* options) { options->dynamic_start.min_frames = kMaxClones + 1; }},
-    {"dynamic_start.max_frames",
-     [](FusionOptions* options) { options->dynamic_start.max_frames = kMaxClones + 1; }},
-    {"tracks.min_views", [](FusionOptions* options) { options->tracks.min_views = 1; }},
+    {"dynamic_start.window_s",
+     [](FusionOptions* options) { options->dynamic_start.window_s = 0.0; }},
+    {"tracks.max_tracks", [](FusionOptions* options) { options->tracks.max_tracks = 0; }},
     {"triangulate.max_depth_m",
      [](FusionOptions* options) { options->tracks.triangulate.max_depth_m = 0.1; }},
-    {"map.min_inlier_fraction",
-     [](FusionOptions* options) { options->map.min_inlier_fraction = 1.5; }},
-    {"alignment.min_contradictions",
-     [](FusionOptions* options) { options->alignment.min_contradictions = 1; }},
+    {"map.sigma_px", [](FusionOptions* options) { options->map.sigma_px = -1.0; }},
 };
 
 TEST(FusionOptions, HasValidDefaults) { EXPECT_NO_THROW(FusionOptions().Validate()); }

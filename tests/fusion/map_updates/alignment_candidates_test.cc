@@ -24,9 +24,7 @@ std::vector<int64_t> FramesOf(const std::vector<const AlignmentCandidate*>& cand
 }
 
 TEST(AlignmentCandidates, WaitUntilEnoughAgree) {
-  AlignmentOptions options;
-  options.min_agreeing = 3;
-  AlignmentCandidates candidates(options);
+  AlignmentCandidates candidates;
   candidates.Add(CandidateAt(1, 0.0));
   candidates.Add(CandidateAt(2, 40.0));
   candidates.Add(CandidateAt(3, 0.3));
@@ -36,7 +34,7 @@ TEST(AlignmentCandidates, WaitUntilEnoughAgree) {
 }
 
 TEST(AlignmentCandidates, TheOldestMakesWay) {
-  AlignmentCandidates candidates({});
+  AlignmentCandidates candidates;
   for (int64_t frame_id = 1; frame_id <= 5; ++frame_id) {
     EXPECT_EQ(candidates.Add(CandidateAt(frame_id, 20.0 * static_cast<double>(frame_id))),
               std::nullopt);
@@ -48,7 +46,7 @@ TEST(AlignmentCandidates, TheOldestMakesWay) {
 }
 
 TEST(AlignmentCandidates, GiveAllFramesBack) {
-  AlignmentCandidates candidates({});
+  AlignmentCandidates candidates;
   EXPECT_TRUE(candidates.empty());
   candidates.Add(CandidateAt(3, 0.0));
   candidates.Add(CandidateAt(8, 0.0));

@@ -342,7 +342,7 @@ TEST(StaticStart, FindsTiltAndRateBiasOfARealDeviceAtRest) {
     const int64_t zero_ns = trajectory.poses.front().timestamp_ns;
     return StaticStart(buffer, zero_ns + std::llround(1e9 * begin_s),
                        zero_ns + std::llround(1e9 * end_s), recording.imu_noise,
-                       trajectory.gravity_m_s2, {}, options);
+                       trajectory.gravity_m_s2, options);
   };
   StandstillOptions with_motors;
   with_motors.max_gyro_std_rad_s = 0.1;
