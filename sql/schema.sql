@@ -96,6 +96,8 @@ CREATE TABLE cairn_sessions (
   name                     TEXT    NOT NULL UNIQUE CHECK (name <> ''),
   source                   TEXT    NOT NULL,
   created_at               TEXT    NOT NULL,
+  recorded_at              TEXT    NOT NULL,  -- When its photos were taken.
+  content_digest           TEXT    NOT NULL,  -- Of what was ingested: hexadecimal, may be empty.
   num_images               INTEGER NOT NULL CHECK (num_images >= 0),
   num_landmarks            INTEGER NOT NULL CHECK (num_landmarks >= 0),
   georef_median_residual_m REAL    NOT NULL
@@ -186,6 +188,7 @@ CREATE TABLE keyframes (
 );
 
 CREATE INDEX keyframes_by_session ON keyframes (session_id, tile_id);
+CREATE INDEX keyframes_by_tile ON keyframes (tile_id);
 
 INSERT INTO gpkg_contents (table_name, data_type, identifier, description, srs_id) VALUES
   ('coverage', 'features', 'coverage', 'Tiles of the map', 4326),

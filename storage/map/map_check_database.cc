@@ -77,6 +77,9 @@ constexpr Rule kRules[] = {
     {"SELECT count(*) FROM cairn_sessions WHERE num_images < 0 OR num_landmarks < 0 "
      "OR NOT georef_median_residual_m BETWEEN 0 AND 1e9",
      "sessions have invalid numbers"},
+    {"SELECT count(*) FROM cairn_sessions WHERE content_digest GLOB '*[^0-9a-f]*' "
+     "OR recorded_at IS NOT strftime('%Y-%m-%dT%H:%M:%SZ', recorded_at)",
+     "sessions have times or digests that are none"},
     // GeoPackage readers find the layers through these rows.
     {"SELECT 3 - count(*) FROM gpkg_contents WHERE (table_name, data_type) IN "
      "(VALUES ('coverage', 'features'), ('keyframes', 'features'), "

@@ -34,6 +34,8 @@ constexpr std::string_view kTilesOfSessionSql =
 
 constexpr std::string_view kKeyframesOfSessionSql =
     CAIRN_KEYFRAME_COLUMNS "WHERE k.session_id = ? ORDER BY k.keyframe_id";
+constexpr std::string_view kKeyframesOfTileSql =
+    CAIRN_KEYFRAME_COLUMNS "WHERE k.tile_id = ? ORDER BY k.keyframe_id";
 constexpr std::string_view kFindKeyframeSql = CAIRN_KEYFRAME_COLUMNS "WHERE k.keyframe_id = ?";
 
 #undef CAIRN_KEYFRAME_COLUMNS
@@ -62,9 +64,9 @@ constexpr std::string_view kAllTilesSql =
 #undef CAIRN_TILE_COLUMNS
 
 // The columns that ReadSession expects, in order.
-#define CAIRN_SESSION_COLUMNS                                                \
-  "SELECT session_id, name, source, created_at, num_images, num_landmarks, " \
-  "georef_median_residual_m FROM cairn_sessions "
+#define CAIRN_SESSION_COLUMNS                                                              \
+  "SELECT session_id, name, source, created_at, recorded_at, content_digest, num_images, " \
+  "num_landmarks, georef_median_residual_m FROM cairn_sessions "
 
 constexpr std::string_view kSessionsSql = CAIRN_SESSION_COLUMNS "ORDER BY session_id";
 constexpr std::string_view kFindSessionSql = CAIRN_SESSION_COLUMNS "WHERE name = ?";
@@ -121,9 +123,11 @@ SessionRecord ReadSession(const sqlite::Statement& row) {
   session.name = row.Text(1);
   session.source = row.Text(2);
   session.created_at = row.Text(3);
-  session.num_images = row.Int64(4);
-  session.num_landmarks = row.Int64(5);
-  session.georef_median_residual_m = row.Double(6);
+  session.recorded_at = row.Text(4);
+  session.content_digest = row.Text(5);
+  session.num_images = row.Int64(6);
+  session.num_landmarks = row.Int64(7);
+  session.georef_median_residual_m = row.Double(8);
   return session;
 }
 
@@ -178,6 +182,16 @@ KeyframeRecord ReadKeyframe(const sqlite::Connection& connection, const sqlite::
   return keyframe;
 }
 
+// The rows of a statement that selects the columns of ReadKeyframe, its parameters bound.
+std::vector<KeyframeRecord> ReadKeyframes(const sqlite::Connection& connection,
+                                          sqlite::Statement* rows) {
+  std::vector<KeyframeRecord> keyframes;
+  while (rows->Step()) {
+    keyframes.push_back(ReadKeyframe(connection, *rows));
+  }
+  return keyframes;
+}
+
 // Appends the tiles whose indexed rectangle intersects the given rectangle, in degrees.
 void AppendTiles(sqlite::Connection* connection, double west_deg, double east_deg, double south_deg,
                  double north_deg, std::vector<TileRecord>* tiles) {
@@ -193,6 +207,7 @@ void AppendTiles(sqlite::Connection* connection, double west_deg, double east_de
 std::string_view CurrentVersionSql() { return kCurrentVersionSql; }
 std::string_view TilesOfSessionSql() { return kTilesOfSessionSql; }
 std::string_view KeyframesOfSessionSql() { return kKeyframesOfSessionSql; }
+std::string_view KeyframesOfTileSql() { return kKeyframesOfTileSql; }
 std::string_view FindTilesSql() { return kFindTilesSql; }
 std::string_view FindTileSql() { return kFindTileSql; }
 
@@ -356,13 +371,15 @@ std::optional<KeyframeRecord> FindKeyframe(sqlite::Connection* connection, Keyfr
 
 std::vector<KeyframeRecord> KeyframesOfSession(sqlite::Connection* connection,
                                                SessionId session_id) {
-  std::vector<KeyframeRecord> keyframes;
   sqlite::Statement rows = connection->Prepare(kKeyframesOfSessionSql);
   rows.Bind(Value(session_id));
-  while (rows.Step()) {
-    keyframes.push_back(ReadKeyframe(*connection, rows));
-  }
-  return keyframes;
+  return ReadKeyframes(*connection, &rows);
+}
+
+std::vector<KeyframeRecord> KeyframesOfTile(sqlite::Connection* connection, TileId tile_id) {
+  sqlite::Statement rows = connection->Prepare(kKeyframesOfTileSql);
+  rows.Bind(static_cast<int64_t>(tile_id.value()));
+  return ReadKeyframes(*connection, &rows);
 }
 
 }  // namespace cairn::queries

@@ -22,6 +22,7 @@ std::string_view FindTilesSql();
 std::string_view FindTileSql();
 std::string_view TilesOfSessionSql();
 std::string_view KeyframesOfSessionSql();
+std::string_view KeyframesOfTileSql();
 
 MapVersion CurrentVersion(sqlite::Connection* connection);
 MapInfo Info(sqlite::Connection* connection);
@@ -46,6 +47,7 @@ std::vector<TileId> TilesOfSession(sqlite::Connection* connection, SessionId ses
 std::optional<KeyframeRecord> FindKeyframe(sqlite::Connection* connection, KeyframeId keyframe_id);
 std::vector<KeyframeRecord> KeyframesOfSession(sqlite::Connection* connection,
                                                SessionId session_id);
+std::vector<KeyframeRecord> KeyframesOfTile(sqlite::Connection* connection, TileId tile_id);
 
 }  // namespace cairn::queries
 

@@ -42,6 +42,10 @@ struct SessionRecord {
   std::string name;        // Unique; re-ingesting a name replaces the session.
   std::string source;      // Origin of the reconstruction, for people.
   std::string created_at;  // UTC, RFC 3339; set by the store.
+  // When the photos were taken: UTC, "2026-01-31T12:00:00Z". If it is empty, the store sets it to
+  // created_at.
+  std::string recorded_at;
+  std::string content_digest;  // Of what was ingested: lower-case hexadecimal, or empty.
   int64_t num_images = 0;
   int64_t num_landmarks = 0;  // In the reconstruction, before selection.
   double georef_median_residual_m = 0.0;
@@ -120,19 +124,24 @@ class MapUpdate {
   std::optional<TileRecord> FindTile(TileId tile_id) const;
   LargeVector<uint8_t> LoadPayload(PayloadId payload_id) const;
   std::optional<SessionRecord> FindSession(const std::string& name) const;
+  std::vector<SessionRecord> Sessions() const;  // Ordered by id.
   std::vector<TileId> TilesOfSession(SessionId session_id) const;
+  std::vector<KeyframeRecord> KeyframesOfTile(TileId tile_id) const;  // Ordered by id.
   std::shared_ptr<const Codebook> CurrentCodebook() const;
 
   // Adds a codebook and makes it current. Ignores `codebook.id`.
   CodebookId AddCodebook(const Codebook& codebook);
 
-  // Ignores `id` and `created_at`. Throws Error(kConflict) if the name is taken.
+  // Ignores `id` and `created_at`. Throws Error(kConflict) if the name is taken,
+  // Error(kInvalidArgument) if `recorded_at` is not a time or `content_digest` not hexadecimal.
   SessionId AddSession(const SessionRecord& session);
   // Deletes the session's row and keyframes. The caller must rewrite or remove the session's tiles.
   void RemoveSession(SessionId session_id);
 
   // Ignores `id`.
   KeyframeId AddKeyframe(const KeyframeRecord& keyframe);
+  // Deletes the keyframe's row, if there is one. The caller rewrites the tile it stands in.
+  void RemoveKeyframe(KeyframeId keyframe_id);
 
   // Reserves `count` consecutive landmark ids and returns the first.
   LandmarkId ReserveLandmarkIds(uint64_t count);

@@ -45,6 +45,28 @@ int64_t CameraRow(sqlite::Connection* connection, const Camera& camera) {
   return connection->LastInsertId();
 }
 
+bool IsUtcTime(sqlite::Connection* connection, const std::string& text) {
+  sqlite::Statement row = connection->Prepare("SELECT ?1 IS strftime('%Y-%m-%dT%H:%M:%SZ', ?1)");
+  row.Bind(text).Step();
+  return row.Int64(0) != 0;
+}
+
+bool IsLowerHex(const std::string& text) {
+  return text.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+void RequireValid(const SessionRecord& session, sqlite::Connection* connection) {
+  if (!session.recorded_at.empty() && !IsUtcTime(connection, session.recorded_at)) {
+    throw Error(ErrorCode::kInvalidArgument, "session '" + Excerpt(session.name) +
+                                                 "': recorded_at '" + Excerpt(session.recorded_at) +
+                                                 "' is not a time like 2026-01-31T12:00:00Z");
+  }
+  if (!IsLowerHex(session.content_digest)) {
+    throw Error(ErrorCode::kInvalidArgument, "session '" + Excerpt(session.name) +
+                                                 "': content_digest is not lower-case hexadecimal");
+  }
+}
+
 // Returns the heading of the optical axis: degrees clockwise from north, in [0, 360).
 double HeadingDeg(const Rigid3d& cam_from_ecef, const Geodetic& position) {
   const Eigen::Vector3d axis_in_enu =
@@ -101,6 +123,14 @@ std::optional<SessionRecord> MapUpdate::FindSession(const std::string& name) con
   return queries::FindSession(impl_->connection.get(), name);
 }
 
+std::vector<SessionRecord> MapUpdate::Sessions() const {
+  return queries::Sessions(impl_->connection.get());
+}
+
+std::vector<KeyframeRecord> MapUpdate::KeyframesOfTile(TileId tile_id) const {
+  return queries::KeyframesOfTile(impl_->connection.get(), tile_id);
+}
+
 std::vector<TileId> MapUpdate::TilesOfSession(SessionId session_id) const {
   return queries::TilesOfSession(impl_->connection.get(), session_id);
 }
@@ -123,18 +153,20 @@ CodebookId MapUpdate::AddCodebook(const Codebook& codebook) {
 }
 
 SessionId MapUpdate::AddSession(const SessionRecord& session) {
+  RequireValid(session, impl_->connection.get());
   if (FindSession(session.name)) {
     throw Error(ErrorCode::kConflict, impl_->connection->path() +
                                           ": already has a session named '" +
-                                          Excerpt(session.name) + "' already");
+                                          Excerpt(session.name) + "'");
   }
   impl_->connection
       ->Prepare(
-          "INSERT INTO cairn_sessions (name, source, created_at, num_images, num_landmarks, "
-          "georef_median_residual_m) "
-          "VALUES (?, ?, strftime('%Y-%m-%dT%H:%M:%SZ', 'now'), ?, ?, ?)")
-      .Bind(session.name, session.source, session.num_images, session.num_landmarks,
-            session.georef_median_residual_m)
+          "INSERT INTO cairn_sessions (name, source, created_at, recorded_at, content_digest, "
+          "num_images, num_landmarks, georef_median_residual_m) "
+          "VALUES (?1, ?2, strftime('%Y-%m-%dT%H:%M:%SZ', 'now'), "
+          "coalesce(nullif(?3, ''), strftime('%Y-%m-%dT%H:%M:%SZ', 'now')), ?4, ?5, ?6, ?7)")
+      .Bind(session.name, session.source, session.recorded_at, session.content_digest,
+            session.num_images, session.num_landmarks, session.georef_median_residual_m)
       .Run();
   return SessionId(impl_->connection->LastInsertId());
 }
@@ -179,6 +211,26 @@ KeyframeId MapUpdate::AddKeyframe(const KeyframeRecord& keyframe) {
             pose.translation.y(), pose.translation.z())
       .Run();
   return KeyframeId(keyframe_id);
+}
+
+void MapUpdate::RemoveKeyframe(KeyframeId keyframe_id) {
+  sqlite::Connection& connection = *impl_->connection;
+  sqlite::Statement camera =
+      connection.Prepare("SELECT camera_id FROM cairn_keyframe_poses WHERE keyframe_id = ?");
+  if (!camera.Bind(Value(keyframe_id)).Step()) {
+    return;
+  }
+  const int64_t camera_id = camera.Int64(0);
+  for (const char* sql : {"DELETE FROM cairn_keyframe_poses WHERE keyframe_id = ?",
+                          "DELETE FROM keyframes WHERE keyframe_id = ?"}) {
+    connection.Prepare(sql).Bind(Value(keyframe_id)).Run();
+  }
+  connection
+      .Prepare(
+          "DELETE FROM cairn_cameras WHERE camera_id = ?1 AND NOT EXISTS "
+          "(SELECT 1 FROM cairn_keyframe_poses WHERE camera_id = ?1)")
+      .Bind(camera_id)
+      .Run();
 }
 
 LandmarkId MapUpdate::ReserveLandmarkIds(uint64_t count) {

@@ -199,6 +199,13 @@ TEST_F(MapCheck, LandmarksOfAnUnknownSession) {
               "landmarks of sessions that are not in the map");
 }
 
+TEST_F(MapCheck, TimesAndDigestsOfSessionsThatAreNone) {
+  ExpectFound(
+      "UPDATE cairn_sessions SET recorded_at = 'in May' WHERE session_id = 1;"
+      "UPDATE cairn_sessions SET content_digest = 'xyz' WHERE session_id = 2",
+      "2 sessions have times or digests that are none");
+}
+
 TEST_F(MapCheck, KeyframesOfAPayloadThatTheMapLacks) {
   ExpectFound(
       "DELETE FROM cairn_keyframe_poses WHERE keyframe_id = 1;"

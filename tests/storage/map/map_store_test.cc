@@ -78,6 +78,8 @@ TEST(MapStore, WhatWasPublishedIsReadBack) {
   const CodebookId codebook_id = update.AddCodebook(RandomCodebook());
   SessionRecord described = NamedSession("drive 1");
   described.source = "kitti";
+  described.recorded_at = "2026-01-31T12:00:00Z";
+  described.content_digest = "00ff";
   described.num_images = 7;
   described.num_landmarks = 1234;
   described.georef_median_residual_m = 0.25;
@@ -109,6 +111,8 @@ TEST(MapStore, WhatWasPublishedIsReadBack) {
   ASSERT_TRUE(session.has_value());
   EXPECT_EQ(session->id, session_id);
   EXPECT_EQ(session->source, "kitti");
+  EXPECT_EQ(session->recorded_at, "2026-01-31T12:00:00Z");
+  EXPECT_EQ(session->content_digest, "00ff");
   EXPECT_EQ(session->num_images, 7);
   EXPECT_EQ(session->num_landmarks, 1234);
   EXPECT_EQ(session->georef_median_residual_m, 0.25);
@@ -354,6 +358,55 @@ TEST(MapStore, SessionsAreNamedOnceAndCanBeRemoved) {
   const MapSnapshot snapshot = store.Snapshot();
   EXPECT_EQ(snapshot.Sessions().size(), 1u);
   EXPECT_EQ(snapshot.KeyframesOfSession(second).size(), 1u);
+  EXPECT_THAT(store.Check({}).problems, IsEmpty());
+}
+
+TEST(MapStore, SessionsHaveATimeAndADigest) {
+  const TempDir dir;
+  MapStore store = MapStore::Create(dir.File("a.gpkg"));
+  MapUpdate update = store.BeginUpdate();
+  update.AddSession(NamedSession("a"));
+  SessionRecord session = NamedSession("b");
+  for (const char* no_time : {"in May", "2026-02-30T00:00:00Z", "2026-01-31 12:00:00"}) {
+    session.recorded_at = no_time;
+    EXPECT_EQ(ErrorCodeOf([&] { update.AddSession(session); }), ErrorCode::kInvalidArgument);
+  }
+  session.recorded_at = "2026-01-31T12:00:00Z";
+  session.content_digest = "0xFF";
+  EXPECT_EQ(ErrorCodeOf([&] { update.AddSession(session); }), ErrorCode::kInvalidArgument);
+  session.content_digest = "ff";
+  update.AddSession(session);
+  const std::vector<SessionRecord> sessions = update.Sessions();
+  ASSERT_EQ(sessions.size(), 2u);
+  EXPECT_EQ(sessions[0].recorded_at, sessions[0].created_at);
+  EXPECT_EQ(sessions[1].recorded_at, "2026-01-31T12:00:00Z");
+  update.Publish();
+  EXPECT_THAT(store.Check({}).problems, IsEmpty());
+}
+
+TEST(MapStore, KeyframesOfATileCanBeRemovedOneByOne) {
+  const TempDir dir;
+  MapStore store = MapStore::Create(dir.File("a.gpkg"));
+  const Geodetic here = Geodetic::FromDegrees(49.0, 8.4, 100.0);
+  const Geodetic elsewhere = Geodetic::FromDegrees(49.1, 8.4, 100.0);
+  MapUpdate update = store.BeginUpdate();
+  const SessionId session = update.AddSession(NamedSession("a"));
+  const KeyframeId first = update.AddKeyframe(KeyframeAt(here, session));
+  const KeyframeId second = update.AddKeyframe(KeyframeAt(here, session));
+  update.AddKeyframe(KeyframeAt(elsewhere, session));
+  const auto ids_here = [&] {
+    std::vector<KeyframeId> ids;
+    for (const KeyframeRecord& keyframe : update.KeyframesOfTile(TileId::Containing(here))) {
+      ids.push_back(keyframe.id);
+    }
+    return ids;
+  };
+  EXPECT_THAT(ids_here(), ElementsAre(first, second));
+  update.RemoveKeyframe(first);
+  update.RemoveKeyframe(first);  // Is not there any more, which is no fault.
+  EXPECT_THAT(ids_here(), ElementsAre(second));
+  update.Publish();
+  EXPECT_EQ(store.Snapshot().KeyframesOfSession(session).size(), 2u);
   EXPECT_THAT(store.Check({}).problems, IsEmpty());
 }
 
