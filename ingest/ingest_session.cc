@@ -247,7 +247,11 @@ IngestReport IngestSession(const Reconstruction& reconstruction, const Sim3d& ec
   report.num_landmarks_read = static_cast<int64_t>(reconstruction.landmarks.size());
   report.num_landmarks_dropped =
       report.num_landmarks_read - static_cast<int64_t>(session.landmarks.size());
-  report.map_version = update.Publish();
+  report.map_version = update.Publish(
+      {.kind = report.replaced_session ? VersionKind::kReplace : VersionKind::kIngest,
+       .session = options.session_name,
+       .summary =
+           fmt::format("{} images into {} tiles", report.num_images, report.num_tiles_written)});
   return report;
 }
 
@@ -268,7 +272,7 @@ MapVersion RemoveSession(const std::string& session_name, MapStore* store) {
       WriteTile(*tile, *codebook, &update);
     }
   }
-  return update.Publish();
+  return update.Publish({.kind = VersionKind::kRemove, .session = session_name});
 }
 
 }  // namespace cairn

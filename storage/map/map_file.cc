@@ -17,6 +17,7 @@
 
 #include "core/error.h"
 #include "storage/inspection/register.h"
+#include "storage/map/head_writer.h"
 #include "storage/map/map_schema.h"
 #include "storage/sqlite/error.h"
 #include "storage/sqlite/transaction.h"
@@ -221,9 +222,7 @@ void FillEmptyMap(const std::string& path) {
           "next_landmark_id) VALUES (1, ?, ?, strftime('%Y-%m-%dT%H:%M:%SZ', 'now'), 1)")
       .Bind(kMapFormatVersion, kOldestReaderVersion)
       .Run();
-  connection->Execute(
-      "INSERT INTO cairn_versions (version, created_at) "
-      "VALUES (1, strftime('%Y-%m-%dT%H:%M:%SZ', 'now'))");
+  AddFirstVersion(connection.get());
   transaction.Commit();
   // Closing the connection would also checkpoint, but would not report a full disk.
   connection->Execute("PRAGMA wal_checkpoint(TRUNCATE)");

@@ -5,6 +5,7 @@
 #include "storage/map/map_internal.h"
 #include "storage/map/map_queries.h"
 #include "storage/map/map_store.h"
+#include "storage/map/version_queries.h"
 
 namespace cairn {
 
@@ -31,6 +32,14 @@ MapSnapshot::~MapSnapshot() = default;
 MapVersion MapSnapshot::version() const { return impl_->version; }
 
 MapInfo MapSnapshot::Info() const { return queries::Info(impl_->connection.get()); }
+
+std::vector<VersionRecord> MapSnapshot::Versions(int64_t limit) const {
+  return queries::Versions(impl_->connection.get(), limit);
+}
+
+std::vector<TileChange> MapSnapshot::Diff(MapVersion from, MapVersion to) const {
+  return queries::Diff(impl_->connection.get(), from, to);
+}
 
 std::vector<TileRecord> MapSnapshot::FindTiles(const GeoBox& box) const {
   return queries::FindTiles(impl_->connection.get(), box);

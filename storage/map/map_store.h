@@ -19,6 +19,7 @@
 #include "core/tile_id.h"
 #include "storage/codebook/codebook.h"
 #include "storage/ids.h"
+#include "storage/map/map_versions.h"
 
 namespace cairn {
 
@@ -61,17 +62,10 @@ struct KeyframeRecord {
   Rigid3d cam_from_ecef;
 };
 
-struct MapInfo {
+struct MapInfo : MapTotals {
   MapVersion version{};
   std::string created_at;
-  int64_t num_sessions = 0;
-  int64_t num_keyframes = 0;
-  int64_t num_tiles = 0;
-  int64_t num_landmarks = 0;  // Sum over tiles; a landmark in two tiles counts twice.
-  int64_t num_descriptors = 0;
-  int64_t payload_bytes = 0;
   int64_t file_bytes = 0;
-  std::optional<GeoBox> bounds;  // Empty if the map is empty.
 };
 
 // A consistent view of one map version. A snapshot holds a read transaction for as long as it
@@ -84,7 +78,13 @@ class MapSnapshot {
   ~MapSnapshot();
 
   MapVersion version() const;
-  MapInfo Info() const;
+  MapInfo Info() const;  // Takes constant time.
+
+  // Returns the newest `limit` versions that were not pruned, newest first.
+  std::vector<VersionRecord> Versions(int64_t limit) const;
+  // Returns the tiles whose payloads differ between two versions, ordered by tile id. Throws
+  // Error(kNotFound), which names the versions of the map, if one of the two is not among them.
+  std::vector<TileChange> Diff(MapVersion from, MapVersion to) const;
 
   // Returns the tiles whose square's bounding box intersects `box`, ordered by tile id.
   std::vector<TileRecord> FindTiles(const GeoBox& box) const;
@@ -114,11 +114,14 @@ class MapSnapshot {
 };
 
 // A write transaction that either becomes the next map version or changes nothing. At most one
-// exists per map file, across processes. Use each update from one thread.
+// exists per map file, across processes. Use each update from one thread. Earlier versions keep the
+// content that an update removes.
 class MapUpdate {
  public:
   MapUpdate(MapUpdate&&) noexcept;
   ~MapUpdate();  // Rolls back unless published.
+
+  MapVersion base_version() const;  // The version that this update changes.
 
   // These reads include what this update has written.
   std::optional<TileRecord> FindTile(TileId tile_id) const;
@@ -129,7 +132,8 @@ class MapUpdate {
   std::vector<KeyframeRecord> KeyframesOfTile(TileId tile_id) const;  // Ordered by id.
   std::shared_ptr<const Codebook> CurrentCodebook() const;
 
-  // Adds a codebook and makes it current. Ignores `codebook.id`.
+  // Adds a codebook and makes it current. Ignores `codebook.id`. A codebook that the map has
+  // already keeps its id.
   CodebookId AddCodebook(const Codebook& codebook);
 
   // Ignores `id` and `created_at`. Throws Error(kConflict) if the name is taken,
@@ -147,12 +151,21 @@ class MapUpdate {
   LandmarkId ReserveLandmarkIds(uint64_t count);
 
   // Inserts or replaces a tile and its payload. The tile's codebook must be in the map. Ignores
-  // `payload_id` and `num_bytes`. Returns the new payload id.
+  // `payload_id` and `num_bytes`. Returns the payload's id; equal bytes share an id. Putting the
+  // bytes that the tile already has changes nothing.
   PayloadId PutTile(const TileRecord& tile, std::span<const uint8_t> payload);
   void RemoveTile(TileId tile_id);
 
+  // Restores the tiles, keyframes, sessions and the current codebook of an earlier version, with
+  // identical payloads. Does not rewind the counters of ids. Throws as MapSnapshot::Diff.
+  void RestoreVersion(MapVersion version);
+
+  // Deletes the versions before `oldest_kept` and the content that only those versions have.
+  // Returns the number of payload bytes that this removes.
+  int64_t ForgetVersionsBefore(MapVersion oldest_kept);
+
   // Commits. After Publish, only the destructor may be called.
-  MapVersion Publish();
+  MapVersion Publish(const VersionNote& note = {});
 
  private:
   friend class MapStore;
@@ -173,7 +186,7 @@ enum class OpenMode {
 enum class MapFileState { kInPlace, kReplaced, kMissing };
 
 struct CheckReport {
-  int64_t num_tiles_checked = 0;
+  int64_t num_tiles_checked = 0;      // A tile counts once for each content that a version has.
   std::vector<std::string> problems;  // Empty if the map is sound.
 };
 
@@ -207,8 +220,8 @@ class MapStore {
   // Throws Error(kConflict) if the store is not open for writing or another update is open.
   MapUpdate BeginUpdate();
 
-  // Checks the integrity of the database and of every payload (checksum and decoding). `progress`
-  // may be empty; it receives the number of tiles done and the total.
+  // Checks the integrity of the database and of every payload of every version. `progress` may be
+  // empty; it receives the number of tiles done and the total.
   CheckReport Check(const std::function<void(int64_t, int64_t)>& progress) const;
 
  private:
