@@ -78,4 +78,19 @@ std::vector<KeyframeRecord> MapSnapshot::KeyframesOfSession(SessionId session_id
   return queries::KeyframesOfSession(impl_->connection.get(), session_id);
 }
 
+std::vector<KeyframeRecord> MapSnapshot::KeyframesOfTile(TileId tile_id) const {
+  return queries::KeyframesOfTile(impl_->connection.get(), tile_id);
+}
+
+std::string MapSnapshot::CodebookDigest(CodebookId codebook_id) const {
+  return queries::CodebookDigest(impl_->connection.get(), codebook_id);
+}
+
+LandmarkId MapSnapshot::NextLandmarkId() const {
+  sqlite::Statement row =
+      impl_->connection->Prepare("SELECT coalesce(max(next_landmark_id), 1) FROM cairn_map");
+  row.Step();
+  return LandmarkId(static_cast<uint64_t>(row.Int64(0)));
+}
+
 }  // namespace cairn

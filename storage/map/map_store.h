@@ -105,6 +105,13 @@ class MapSnapshot {
   std::vector<SessionRecord> Sessions() const;
   std::optional<SessionRecord> FindSession(const std::string& name) const;
   std::vector<KeyframeRecord> KeyframesOfSession(SessionId session_id) const;
+  std::vector<KeyframeRecord> KeyframesOfTile(TileId tile_id) const;
+
+  // The XXH3-128 hash of the codebook's bytes, 32 hexadecimal digits. Maps with equal digests can
+  // be merged. Throws Error(kMapDamaged) if the map does not have the codebook.
+  std::string CodebookDigest(CodebookId codebook_id) const;
+  // All landmarks of all versions have smaller ids.
+  LandmarkId NextLandmarkId() const;
 
  private:
   friend class MapStore;
@@ -164,6 +171,10 @@ class MapUpdate {
   // Returns the number of payload bytes that this removes.
   int64_t ForgetVersionsBefore(MapVersion oldest_kept);
 
+  // Copies tiles of another map with their keyframes, sessions and codebook, under the ids that
+  // they have there. This map must be empty and without earlier content.
+  void CopyTiles(const MapSnapshot& from, const std::vector<TileRecord>& tiles);
+
   // Commits. After Publish, only the destructor may be called.
   MapVersion Publish(const VersionNote& note = {});
 
@@ -197,6 +208,10 @@ class MapStore {
   // Creates an empty map of version 1. Throws Error(kConflict) if the file exists and Error(kIo) if
   // the file cannot be created.
   static MapStore Create(const std::string& path);
+
+  // Creates a map that `fill` makes of an empty map. The file gets its name once `fill` returns; if
+  // `fill` throws or the process dies, there is no file at `path`. Throws as Create.
+  static void CreateFilled(const std::string& path, const std::function<void(MapStore*)>& fill);
 
   // Throws:
   //  - Error(kNotFound) if there is no file;

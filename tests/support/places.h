@@ -22,19 +22,22 @@ inline Geodetic PositionOfPlace(int place) {
 
 inline TileId TileOfPlace(int place) { return TileId::Containing(PositionOfPlace(place)); }
 
-inline std::string NameOfPlace(int place) { return "place " + std::to_string(place); }
+inline std::string NameOfPlace(int place, const std::string& prefix = "place ") {
+  return prefix + std::to_string(place);
+}
 
 // Takes the tile, the session and the keyframes of a place out of the map, if they are there.
-inline void RemovePlace(int place, MapUpdate* update) {
-  if (const auto session = update->FindSession(NameOfPlace(place))) {
+inline void RemovePlace(int place, MapUpdate* update, const std::string& prefix = "place ") {
+  if (const auto session = update->FindSession(NameOfPlace(place, prefix))) {
     update->RemoveSession(session->id);
     update->RemoveTile(TileOfPlace(place));
   }
 }
 
 // Puts new content at a place, as an ingest would.
-inline void PutPlace(int place, uint64_t seed, MapUpdate* update, int num_landmarks = 20) {
-  RemovePlace(place, update);
+inline void PutPlace(int place, uint64_t seed, MapUpdate* update, int num_landmarks = 20,
+                     const std::string& prefix = "place ") {
+  RemovePlace(place, update, prefix);
   if (update->CurrentCodebook() == nullptr) {
     update->AddCodebook(RandomCodebook());
   }
@@ -44,7 +47,7 @@ inline void PutPlace(int place, uint64_t seed, MapUpdate* update, int num_landma
   options.num_landmarks = num_landmarks;
   options.num_keyframes = 2;
   options.num_landmarks_per_keyframe = num_landmarks;
-  options.session_id = Value(update->AddSession(NamedSession(NameOfPlace(place))));
+  options.session_id = Value(update->AddSession(NamedSession(NameOfPlace(place, prefix))));
   options.first_landmark_id = Value(update->ReserveLandmarkIds(num_landmarks));
   options.seed = seed;
   const KeyframeRecord keyframe = KeyframeAt(PositionOfPlace(place), SessionId(options.session_id));

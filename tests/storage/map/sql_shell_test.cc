@@ -65,7 +65,7 @@ TEST(SqlShell, EveryQueryOfTheReadmeFindsSomething) {
   const std::string path = MakeStreetMap(dir.File("a.gpkg"));
   const std::vector<std::string> queries =
       SqlBlocks(std::string(CAIRN_SOURCE_DIR) + "/sql/README.md");
-  EXPECT_THAT(queries, SizeIs(10));
+  EXPECT_THAT(queries, SizeIs(12));
   for (const std::string& query : queries) {
     const Result result = Query(path, query);
     EXPECT_THAT(result.rows, SizeIs(Gt(0u))) << query;
