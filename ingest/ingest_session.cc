@@ -12,12 +12,11 @@
 #include "core/error.h"
 #include "core/printable.h"
 #include "core/require.h"
-#include "engine/index/inverted_lists.h"
 #include "ingest/tiling/build_tile.h"
 #include "ingest/tiling/placed_session.h"
 #include "ingest/tiling/tile_edit.h"
+#include "ingest/write_tile.h"
 #include "storage/codebook/descriptor_codec.h"
-#include "storage/map/describe_tile.h"
 #include "storage/tile/tile_codec.h"
 
 namespace cairn {
@@ -137,22 +136,6 @@ std::optional<Tile> LoadWithoutSession(TileId tile_id, SessionId without, const 
   if (!record) return std::nullopt;
   const Tile tile = DecodeTile(update.LoadPayload(record->payload_id));
   return WithoutSession(tile, without);
-}
-
-// Writes a tile, or removes it if nothing is left in it. Returns the bytes of its payload. A tile
-// of another codebook gets no lists: nothing can search it.
-int64_t WriteTile(const Tile& tile, const Codebook& codebook, MapUpdate* update) {
-  if (tile.num_landmarks() == 0) {
-    if (update->FindTile(tile.id)) update->RemoveTile(tile.id);
-    return 0;
-  }
-  const Tile ordered = PickLandmarks(tile, MortonOrder(tile.x_in_tile));
-  const TileLists lists = ordered.codebook_id == codebook.id
-                              ? MakeTileLists(codebook, ordered.codes, InvertedListsOptions())
-                              : TileLists();
-  const std::vector<uint8_t> payload = EncodeTile(ordered, lists);
-  update->PutTile(DescribeTile(ordered), payload);
-  return static_cast<int64_t>(payload.size());
 }
 
 // Replaces the content of `old_session` (which may be 0) in a tile by that of the session at hand.

@@ -4,11 +4,14 @@
 #include <benchmark/benchmark.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <string>
 
+#include "storage/map/map_file.h"
 #include "storage/map/map_store.h"
+#include "storage/map/version_queries.h"
 #include "support/map_builder.h"
 #include "support/temp_dir.h"
 #include "support/tile_builder.h"
@@ -18,12 +21,12 @@ namespace {
 
 constexpr int64_t kTilesASearch = 16;  // TilesOptions::max_tiles.
 
-// A tile of a grid of 400 columns, about 150 m apart, with a payload of its number alone.
-void PutEmptyTile(int64_t number, MapUpdate* update) {
+// A tile of a grid with so many columns, about 150 m apart. Its payload is its number alone.
+void PutEmptyTile(int64_t number, int64_t num_columns, MapUpdate* update) {
   TileRecord tile;
   tile.tile_id = TileId::Containing(
-      Geodetic::FromDegrees(49.0 + 0.00135 * static_cast<double>(number / 400),
-                            8.0 + 0.00206 * static_cast<double>(number % 400), 0.0));
+      Geodetic::FromDegrees(49.0 + 0.00135 * static_cast<double>(number / num_columns),
+                            8.0 + 0.00206 * static_cast<double>(number % num_columns), 0.0));
   tile.codebook_id = CodebookId(1);
   tile.landmark_bounds = tile.tile_id.Bounds();
   std::vector<uint8_t> payload(sizeof(number));
@@ -42,7 +45,8 @@ const MapStore& MapOfTiles(int64_t count) {
   MapStore store = MapStore::Create(dir.File(std::to_string(count) + ".gpkg"));
   MapUpdate update = store.BeginUpdate();
   update.AddCodebook(testing::RandomCodebook());
-  for (int64_t i = 0; i < count; ++i) PutEmptyTile(i, &update);
+  const auto num_columns = static_cast<int64_t>(std::sqrt(static_cast<double>(count)));
+  for (int64_t i = 0; i < count; ++i) PutEmptyTile(i, num_columns, &update);
   update.Publish();
   return stores.emplace(count, std::move(store)).first->second;
 }
@@ -88,7 +92,7 @@ void MapOneTileAnUpdate(benchmark::State& state) {
     for (int i = 0; i < kNumTiles; ++i) {
       MapUpdate update = store.BeginUpdate();
       if (i == 0) update.AddCodebook(testing::RandomCodebook());
-      PutEmptyTile(i, &update);
+      PutEmptyTile(i, 40, &update);
       update.Publish();
       times.push_back(Clock::now());
     }
@@ -101,9 +105,19 @@ void MapOneTileAnUpdate(benchmark::State& state) {
   }
 }
 
+// What an update pays in addition if it removes a tile at the edge of the map.
+void MapBoundsAnew(benchmark::State& state) {
+  sqlite::Access access = sqlite::Access::kReadOnly;
+  const auto connection = OpenMapFile(MapOfTiles(state.range(0)).path(), &access);
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(queries::BoundsOfTiles(connection.get()));
+  }
+}
+
 BENCHMARK(MapInfoOfVersion)->Arg(100)->Arg(100'000)->Unit(benchmark::kMicrosecond);
 BENCHMARK(MapQueryWithoutPrior)->Arg(100)->Arg(100'000)->Unit(benchmark::kMicrosecond);
 BENCHMARK(MapQueryWithPrior)->Arg(100)->Arg(100'000)->Unit(benchmark::kMicrosecond);
+BENCHMARK(MapBoundsAnew)->Arg(100)->Arg(100'000)->Unit(benchmark::kMicrosecond);
 BENCHMARK(MapOneTileAnUpdate)->Iterations(1)->Unit(benchmark::kSecond);
 
 }  // namespace
