@@ -225,7 +225,6 @@ CREATE TABLE cairn_keyframe_poses (
 ) STRICT;
 
 CREATE INDEX cairn_keyframe_poses_by_camera ON cairn_keyframe_poses (camera_id);
-CREATE INDEX cairn_keyframe_poses_by_since ON cairn_keyframe_poses (since);
 
 -- The columns of cairn_keyframe_poses and of keyframes, but for what follows from the pose.
 CREATE TABLE cairn_past_keyframes (
@@ -245,8 +244,6 @@ CREATE TABLE cairn_past_keyframes (
   tz_m        REAL    NOT NULL,
   PRIMARY KEY (keyframe_id, since)
 ) STRICT, WITHOUT ROWID;
-
-CREATE INDEX cairn_past_keyframes_by_until ON cairn_past_keyframes (until);
 
 -- ---------------------------------------------------------------------------------------------------
 -- The layers. GeoPackage's column types (POLYGON, POINT) rule out STRICT.
