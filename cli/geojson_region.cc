@@ -1,12 +1,12 @@
 #include "cli/geojson_region.h"
 
-#include <fstream>
-#include <iterator>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
 #include "core/error.h"
+#include "core/file_bytes.h"
 #include "core/printable.h"
 
 namespace cairn {
@@ -15,6 +15,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr int kMaxDepth = 20;
+constexpr uint64_t kMaxBytes = uint64_t{64} << 20;
 
 GeoPolygon ParsePolygon(const Json& coordinates) {
   GeoPolygon polygon;
@@ -54,11 +55,7 @@ void Collect(const Json& object, int depth, std::vector<GeoPolygon>* polygons) {
 }  // namespace
 
 GeoRegion ReadGeoJsonRegion(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) {
-    throw Error(ErrorCode::kNotFound, path + ": cannot be read");
-  }
-  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  const std::string text = ReadTextFile(path, kMaxBytes);
   try {
     std::vector<GeoPolygon> polygons;
     Collect(Json::parse(text), 0, &polygons);

@@ -9,8 +9,8 @@
 namespace cairn {
 
 // Takes all polygons of a Polygon, MultiPolygon, GeometryCollection, Feature or FeatureCollection.
-// Throws Error(kNotFound) if there is no such file, Error(kBadInput) if it is not GeoJSON or holds
-// another geometry.
+// Throws Error(kBadInput) if the file is not GeoJSON, holds another geometry or is larger than
+// 64 MB, and what ReadTextFile throws.
 GeoRegion ReadGeoJsonRegion(const std::string& path);
 
 }  // namespace cairn

@@ -107,10 +107,13 @@ TEST_F(HostileInput, PicturesOfUnknownFormatsAreRefusedBeforeTheWork) {
 TEST_F(HostileInput, EndlessFilesAreReadToALimit) {
   ExpectRefused(
       {"ingest", Map(), "--model", "m", "--database", "d", "--gps", "--images", "/dev/zero"}, 4,
-      "/dev/zero: the file has more than");
-  ExpectRefused({"eval", Map(), "--queries", "/dev/zero"}, 4, "/dev/zero: the file has more than");
+      "/dev/zero: the file is larger than the limit");
+  ExpectRefused({"eval", Map(), "--queries", "/dev/zero"}, 4,
+                "/dev/zero: the file is larger than the limit");
+  ExpectRefused({"extract", Map(), "--geojson", "/dev/zero", "--out", dir_.File("part.gpkg")}, 4,
+                "/dev/zero: the file is larger than the limit");
   ExpectRefused({"localize", Map(), "--image", "/dev/zero"}, 4,
-                "/dev/zero: the file has more than");
+                "/dev/zero: the file is larger than the limit");
 }
 
 TEST_F(HostileInput, NamesOfMegabytesAreNotEchoed) {
