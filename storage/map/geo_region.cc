@@ -2,17 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
+#include "core/angles.h"
 #include "core/error.h"
 
 namespace cairn {
 namespace {
 
 using Ring = std::vector<LonLat>;
-
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
 void RequireOnEarth(const LonLat& corner) {
   if (!(std::abs(corner.lon_deg) <= 180.0 && std::abs(corner.lat_deg) <= 90.0)) {

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "storage/bytes/content_digest.h"
 #include "storage/geometry/geo_box.h"
@@ -20,8 +20,6 @@
 
 namespace cairn {
 namespace {
-
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
 int64_t RowId(TileId tile_id) { return static_cast<int64_t>(tile_id.value()); }
 

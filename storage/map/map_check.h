@@ -38,6 +38,9 @@ class Findings {
   std::map<std::string, int64_t> num_left_out_;
 };
 
+// Compares boxes that other machines computed: true if no side is off by more than 6 mm.
+bool SameBounds(const GeoBox& a, const GeoBox& b);
+
 // A query that counts invalid rows, and the message that describes them.
 struct Rule {
   const char* sql;

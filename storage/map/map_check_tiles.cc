@@ -25,14 +25,6 @@ namespace {
 constexpr double kSlackRad = 1e-9;  // 6 mm on the ground.
 constexpr double kSlackM = 0.01;
 
-bool SameBounds(const GeoBox& a, const GeoBox& b) {
-  const auto near = [](double x, double y) {
-    return std::abs(std::remainder(x - y, 2.0 * std::numbers::pi)) <= kSlackRad;
-  };
-  return near(a.south_rad, b.south_rad) && near(a.west_rad, b.west_rad) &&
-         near(a.north_rad, b.north_rad) && near(a.east_rad, b.east_rad);
-}
-
 // Compares the tables' record of a tile with its payload.
 class TileCheck {
  public:
@@ -168,6 +160,14 @@ void FindDamage(const std::string& where, const Check& check, Findings* findings
 }
 
 }  // namespace
+
+bool SameBounds(const GeoBox& a, const GeoBox& b) {
+  const auto near = [](double x, double y) {
+    return std::abs(std::remainder(x - y, 2.0 * std::numbers::pi)) <= kSlackRad;
+  };
+  return near(a.south_rad, b.south_rad) && near(a.west_rad, b.west_rad) &&
+         near(a.north_rad, b.north_rad) && near(a.east_rad, b.east_rad);
+}
 
 void CheckCodebooks(sqlite::Connection* connection, Findings* findings) {
   for (const CodebookId id : queries::CodebookIds(connection)) {

@@ -1,6 +1,4 @@
 // The part of the check that looks at versions and at the past.
-#include <cmath>
-#include <numbers>
 #include <optional>
 #include <string>
 
@@ -81,16 +79,6 @@ constexpr Rule kRules[] = {
      "versions have totals that are not those of what they hold"},
 };
 
-bool SameBounds(const std::optional<GeoBox>& a, const std::optional<GeoBox>& b) {
-  constexpr double kSlackRad = 1e-9;  // 6 mm on the ground.
-  const auto near = [](double x, double y) {
-    return std::abs(std::remainder(x - y, 2.0 * std::numbers::pi)) <= kSlackRad;
-  };
-  return a.has_value() == b.has_value() &&
-         (!a || (near(a->south_rad, b->south_rad) && near(a->west_rad, b->west_rad) &&
-                 near(a->north_rad, b->north_rad) && near(a->east_rad, b->east_rad)));
-}
-
 void CheckPastKeyframes(sqlite::Connection* connection, Findings* findings) {
   sqlite::Statement row =
       connection->Prepare("SELECT keyframe_id, since FROM cairn_past_keyframes");
@@ -111,7 +99,9 @@ void CheckPastKeyframes(sqlite::Connection* connection, Findings* findings) {
 void CheckVersions(sqlite::Connection* connection, Findings* findings) {
   CheckRules(connection, kRules, findings);
   const VersionRecord latest = queries::LatestVersion(connection);
-  if (!SameBounds(latest.totals.bounds, queries::BoundsOfTiles(connection))) {
+  const std::optional<GeoBox> bounds = queries::BoundsOfTiles(connection);
+  const std::optional<GeoBox>& stored = latest.totals.bounds;
+  if (bounds.has_value() != stored.has_value() || (bounds && !SameBounds(*bounds, *stored))) {
     findings->Add("the bounds of the latest version are not those of its tiles");
   }
   CheckPastKeyframes(connection, findings);

@@ -3,17 +3,15 @@
 #include <fmt/format.h>
 
 #include <charconv>
-#include <numbers>
 #include <string_view>
 #include <system_error>
 
+#include "core/angles.h"
 #include "core/printable.h"
 #include "storage/tile/tile_checks.h"
 
 namespace cairn::rows {
 namespace {
-
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
 // Queries search for cameras between these heights.
 void RequireHeights(const sqlite::Connection& connection, const TileRecord& tile) {

@@ -1,23 +1,22 @@
 #include "storage/map/running_totals.h"
 
 #include <cmath>
-#include <numbers>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "storage/geometry/geo_box.h"
 
 namespace cairn {
 namespace {
 
-constexpr double kTurnRad = 2.0 * std::numbers::pi;
 constexpr double kSlackRad = 1e-12;  // Storing bounds in degrees rounds them.
 
 // Within half a turn, the gap outside of the bounds is wider than any gap between tiles. The new
 // bounds then follow from the old bounds and the added tile alone.
 bool SpansMoreThanHalf(const GeoBox& box) {
   const double span_rad =
-      box.east_rad - box.west_rad + (box.CrossesAntimeridian() ? kTurnRad : 0.0);
-  return span_rad > std::numbers::pi;
+      box.east_rad - box.west_rad + (box.CrossesAntimeridian() ? 2.0 * kPi : 0.0);
+  return span_rad > kPi;
 }
 
 // The file may hold any numbers.

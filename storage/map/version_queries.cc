@@ -5,11 +5,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <numbers>
 #include <set>
 #include <string>
 #include <utility>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "storage/geometry/geo_box.h"
 #include "storage/map/map_queries.h"
@@ -17,8 +17,6 @@
 
 namespace cairn::queries {
 namespace {
-
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
 constexpr std::string_view kCurrentVersionSql =
     "SELECT version FROM cairn_versions ORDER BY version DESC LIMIT 1";
