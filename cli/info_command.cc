@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,16 +31,26 @@ nlohmann::ordered_json BoundsJson(const MapInfo& info) {
           {"north", info.bounds->north_rad * kDegPerRad}};
 }
 
-void PrintJson(const MapInfo& info, const std::vector<SessionRecord>& sessions) {
-  nlohmann::ordered_json json = {
-      {"version", Value(info.version)},  {"createdAt", info.created_at},
-      {"fileBytes", info.file_bytes},    {"payloadBytes", info.payload_bytes},
-      {"tiles", info.num_tiles},         {"keyframes", info.num_keyframes},
-      {"landmarks", info.num_landmarks}, {"descriptors", info.num_descriptors},
-      {"bounds", BoundsJson(info)},      {"sessions", nlohmann::ordered_json::array()}};
+void PrintJson(const MapInfo& info, const std::optional<std::string>& codebook,
+               const std::vector<SessionRecord>& sessions) {
+  nlohmann::ordered_json json = {{"version", Value(info.version)},
+                                 {"createdAt", info.created_at},
+                                 {"fileBytes", info.file_bytes},
+                                 {"payloadBytes", info.payload_bytes},
+                                 {"tiles", info.num_tiles},
+                                 {"keyframes", info.num_keyframes},
+                                 {"landmarks", info.num_landmarks},
+                                 {"descriptors", info.num_descriptors},
+                                 {"bounds", BoundsJson(info)},
+                                 {"codebook", nullptr},
+                                 {"sessions", nlohmann::ordered_json::array()}};
+  if (codebook) {
+    json["codebook"] = *codebook;
+  }
   for (const SessionRecord& session : sessions) {
     json["sessions"].push_back({{"name", session.name},
                                 {"createdAt", session.created_at},
+                                {"recordedAt", session.recorded_at},
                                 {"source", session.source},
                                 {"images", session.num_images},
                                 {"landmarksRead", session.num_landmarks},
@@ -48,7 +59,8 @@ void PrintJson(const MapInfo& info, const std::vector<SessionRecord>& sessions) 
   fmt::print("{}\n", json.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace));
 }
 
-void PrintText(const MapInfo& info, const std::vector<SessionRecord>& sessions) {
+void PrintText(const MapInfo& info, const std::optional<std::string>& codebook,
+               const std::vector<SessionRecord>& sessions) {
   fmt::print("version      {}\n", Value(info.version));
   fmt::print("created      {}\n", Excerpt(info.created_at));
   fmt::print("file         {:.1f} kB, including {:.1f} kB of tiles\n",
@@ -63,6 +75,9 @@ void PrintText(const MapInfo& info, const std::vector<SessionRecord>& sessions) 
                info.bounds->south_rad * kDegPerRad, info.bounds->north_rad * kDegPerRad,
                info.bounds->west_rad * kDegPerRad, info.bounds->east_rad * kDegPerRad);
   }
+  if (codebook) {
+    fmt::print("codebook     {}\n", *codebook);
+  }
   for (const SessionRecord& session : sessions) {
     fmt::print(
         "session      {}: {} images, {} landmarks read, {}, georegistration residual {:.3f} m\n",
@@ -71,13 +86,23 @@ void PrintText(const MapInfo& info, const std::vector<SessionRecord>& sessions) 
   }
 }
 
+// Returns the digest of the current codebook, or nothing if the map has none.
+std::optional<std::string> CodebookDigest(const MapSnapshot& snapshot) {
+  const std::shared_ptr<const Codebook> codebook = snapshot.CurrentCodebook();
+  if (codebook == nullptr) {
+    return std::nullopt;
+  }
+  return snapshot.CodebookDigest(codebook->id);
+}
+
 ExitCode RunInfo(const InfoArguments& arguments) {
   const MapStore store = MapStore::Open(arguments.map_path, OpenMode::kReadOnly);
   const MapSnapshot snapshot = store.Snapshot();
+  const std::optional<std::string> codebook = CodebookDigest(snapshot);
   if (arguments.json) {
-    PrintJson(snapshot.Info(), snapshot.Sessions());
+    PrintJson(snapshot.Info(), codebook, snapshot.Sessions());
   } else {
-    PrintText(snapshot.Info(), snapshot.Sessions());
+    PrintText(snapshot.Info(), codebook, snapshot.Sessions());
   }
   return ExitCode::kOk;
 }

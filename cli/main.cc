@@ -16,6 +16,13 @@ void AddVerbs(CLI::App* app, Shell* shell) {
   AddSqlCommand(app, shell);
   AddCheckCommand(app, shell);
   AddOptionsCommand(app, shell);
+  AddLogCommand(app, shell);
+  AddDiffCommand(app, shell);
+  AddRollbackCommand(app, shell);
+  AddPruneCommand(app, shell);
+  AddMergeCommand(app, shell);
+  AddExtractCommand(app, shell);
+  AddCompactCommand(app, shell);
   AddDemoCommand(app, shell);
 }
 

@@ -31,6 +31,13 @@ void AddInfoCommand(CLI::App* app, Shell* shell);
 void AddSqlCommand(CLI::App* app, Shell* shell);
 void AddCheckCommand(CLI::App* app, Shell* shell);
 void AddOptionsCommand(CLI::App* app, Shell* shell);
+void AddLogCommand(CLI::App* app, Shell* shell);
+void AddDiffCommand(CLI::App* app, Shell* shell);
+void AddRollbackCommand(CLI::App* app, Shell* shell);
+void AddPruneCommand(CLI::App* app, Shell* shell);
+void AddMergeCommand(CLI::App* app, Shell* shell);
+void AddExtractCommand(CLI::App* app, Shell* shell);
+void AddCompactCommand(CLI::App* app, Shell* shell);
 void AddDemoCommand(CLI::App* app, Shell* shell);
 
 }  // namespace cairn

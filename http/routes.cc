@@ -23,6 +23,9 @@ void AddApi(LocalizeService* service, Router* router) {
   router->Add({"GET", "/v1/tiles", [=](const HttpRequest& request, const Id&) {
                  return HandleTiles(request, *service);
                }});
+  router->Add({"GET", "/v1/versions", [=](const HttpRequest& request, const Id&) {
+                 return HandleVersions(request, *service);
+               }});
   router->Add({"GET", "/v1/tiles/{id}", [=](const HttpRequest& request, const Id& id) {
                  return HandleTile(request, id, *service);
                }});

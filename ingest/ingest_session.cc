@@ -12,12 +12,11 @@
 #include "core/error.h"
 #include "core/printable.h"
 #include "core/require.h"
-#include "engine/index/inverted_lists.h"
 #include "ingest/tiling/build_tile.h"
 #include "ingest/tiling/placed_session.h"
 #include "ingest/tiling/tile_edit.h"
+#include "ingest/write_tile.h"
 #include "storage/codebook/descriptor_codec.h"
-#include "storage/map/describe_tile.h"
 #include "storage/tile/tile_codec.h"
 
 namespace cairn {
@@ -139,22 +138,6 @@ std::optional<Tile> LoadWithoutSession(TileId tile_id, SessionId without, const 
   return WithoutSession(tile, without);
 }
 
-// Writes a tile, or removes it if nothing is left in it. Returns the bytes of its payload. A tile
-// of another codebook gets no lists: nothing can search it.
-int64_t WriteTile(const Tile& tile, const Codebook& codebook, MapUpdate* update) {
-  if (tile.num_landmarks() == 0) {
-    if (update->FindTile(tile.id)) update->RemoveTile(tile.id);
-    return 0;
-  }
-  const Tile ordered = PickLandmarks(tile, MortonOrder(tile.x_in_tile));
-  const TileLists lists = ordered.codebook_id == codebook.id
-                              ? MakeTileLists(codebook, ordered.codes, InvertedListsOptions())
-                              : TileLists();
-  const std::vector<uint8_t> payload = EncodeTile(ordered, lists);
-  update->PutTile(DescribeTile(ordered), payload);
-  return static_cast<int64_t>(payload.size());
-}
-
 // Replaces the content of `old_session` (which may be 0) in a tile by that of the session at hand.
 void RewriteTile(const TileSource& source, TileId tile_id, SessionId old_session,
                  const IngestOptions& options, MapUpdate* update, IngestReport* report) {
@@ -247,7 +230,11 @@ IngestReport IngestSession(const Reconstruction& reconstruction, const Sim3d& ec
   report.num_landmarks_read = static_cast<int64_t>(reconstruction.landmarks.size());
   report.num_landmarks_dropped =
       report.num_landmarks_read - static_cast<int64_t>(session.landmarks.size());
-  report.map_version = update.Publish();
+  report.map_version = update.Publish(
+      {.kind = report.replaced_session ? VersionKind::kReplace : VersionKind::kIngest,
+       .session = options.session_name,
+       .summary =
+           fmt::format("{} images into {} tiles", report.num_images, report.num_tiles_written)});
   return report;
 }
 
@@ -268,7 +255,7 @@ MapVersion RemoveSession(const std::string& session_name, MapStore* store) {
       WriteTile(*tile, *codebook, &update);
     }
   }
-  return update.Publish();
+  return update.Publish({.kind = VersionKind::kRemove, .session = session_name});
 }
 
 }  // namespace cairn

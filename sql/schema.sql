@@ -80,15 +80,36 @@ CREATE TABLE cairn_map (
   format_version        INTEGER NOT NULL CHECK (format_version >= 1),
   oldest_reader_version INTEGER NOT NULL CHECK (oldest_reader_version BETWEEN 1 AND format_version),
   created_at            TEXT    NOT NULL,  -- UTC, RFC 3339, here and below.
-  next_landmark_id      INTEGER NOT NULL CHECK (next_landmark_id >= 1)
+  next_landmark_id      INTEGER NOT NULL CHECK (next_landmark_id >= 1),
+  -- The codebook for new sessions; NULL if the map has none.
+  codebook_id           INTEGER REFERENCES cairn_codebooks (codebook_id)
 ) STRICT;
 
--- One row per published update. The largest version is the map's version; version 1 is the empty
--- map.
+-- One row per published update, unless the update was pruned. The largest version is the map's
+-- version; version 1 is the empty map. Counts and bounds describe the whole map as of the version.
 CREATE TABLE cairn_versions (
-  version    INTEGER NOT NULL PRIMARY KEY CHECK (version >= 1),
-  created_at TEXT    NOT NULL
+  version         INTEGER NOT NULL PRIMARY KEY CHECK (version >= 1),
+  created_at      TEXT    NOT NULL,
+  author          TEXT    NOT NULL,  -- The login name of the publisher.
+  kind            TEXT    NOT NULL,  -- 'ingest', 'rollback', ...
+  session         TEXT    NOT NULL,  -- The name of the session concerned, or ''.
+  summary         TEXT    NOT NULL,  -- For people.
+  codebook_id     INTEGER REFERENCES cairn_codebooks (codebook_id),
+  num_sessions    INTEGER NOT NULL CHECK (num_sessions >= 0),
+  num_keyframes   INTEGER NOT NULL CHECK (num_keyframes >= 0),
+  num_tiles       INTEGER NOT NULL CHECK (num_tiles >= 0),
+  num_landmarks   INTEGER NOT NULL CHECK (num_landmarks >= 0),
+  num_descriptors INTEGER NOT NULL CHECK (num_descriptors >= 0),
+  payload_bytes   INTEGER NOT NULL CHECK (payload_bytes >= 0),
+  south_deg       REAL,              -- Of the squares; NULL without any; west > east if the box
+  west_deg        REAL,              -- crosses the antimeridian.
+  north_deg       REAL,
+  east_deg        REAL
 ) STRICT;
+
+-- The tables of sessions, tiles and keyframes hold the latest version. `since` is the version that
+-- added a row. When a later version removes the row, the row moves to the table cairn_past_*, and
+-- `until` is that later version.
 
 -- One row per ingested reconstruction.
 CREATE TABLE cairn_sessions (
@@ -96,15 +117,35 @@ CREATE TABLE cairn_sessions (
   name                     TEXT    NOT NULL UNIQUE CHECK (name <> ''),
   source                   TEXT    NOT NULL,
   created_at               TEXT    NOT NULL,
+  recorded_at              TEXT    NOT NULL,  -- When its photos were taken.
+  content_digest           TEXT    NOT NULL,  -- Of what was ingested: hexadecimal, may be empty.
   num_images               INTEGER NOT NULL CHECK (num_images >= 0),
   num_landmarks            INTEGER NOT NULL CHECK (num_landmarks >= 0),
-  georef_median_residual_m REAL    NOT NULL
+  georef_median_residual_m REAL    NOT NULL,
+  since                    INTEGER NOT NULL
 ) STRICT;
 
--- Codebooks, encoded as docs/formats/codebook_v1.md describes. New sessions use the latest.
+CREATE TABLE cairn_past_sessions (
+  session_id               INTEGER NOT NULL,
+  since                    INTEGER NOT NULL,
+  until                    INTEGER NOT NULL CHECK (until > since),
+  name                     TEXT    NOT NULL,
+  source                   TEXT    NOT NULL,
+  created_at               TEXT    NOT NULL,
+  recorded_at              TEXT    NOT NULL,
+  content_digest           TEXT    NOT NULL,
+  num_images               INTEGER NOT NULL,
+  num_landmarks            INTEGER NOT NULL,
+  georef_median_residual_m REAL    NOT NULL,
+  PRIMARY KEY (session_id, since)
+) STRICT, WITHOUT ROWID;
+
+-- Codebooks, encoded as docs/formats/codebook_v1.md describes. Digests here and below are the
+-- hexadecimal XXH3-128 hash of the bytes.
 CREATE TABLE cairn_codebooks (
   codebook_id INTEGER NOT NULL PRIMARY KEY AUTOINCREMENT,
   created_at  TEXT    NOT NULL,
+  digest      TEXT    NOT NULL UNIQUE CHECK (length(digest) = 32),
   bytes       BLOB    NOT NULL
 ) STRICT;
 
@@ -118,11 +159,12 @@ CREATE TABLE cairn_cameras (
   UNIQUE (model, width_px, height_px, params)
 ) STRICT;
 
--- Encoded tiles, see docs/formats/tile_v1.md. A rowid table, so that blobs can be read
--- incrementally. A payload never changes and its id is never reused, because payload ids are keys
--- of caches.
+-- Encoded tiles, see docs/formats/tile_v1.md; equal bytes have one row. A rowid table, so that blobs
+-- can be read incrementally. A payload never changes and its id is never reused, because payload ids
+-- are keys of caches.
 CREATE TABLE cairn_payloads (
   payload_id INTEGER NOT NULL PRIMARY KEY AUTOINCREMENT,
+  digest     TEXT    NOT NULL UNIQUE CHECK (length(digest) = 32),
   bytes      BLOB    NOT NULL
 ) STRICT;
 
@@ -131,13 +173,41 @@ CREATE TABLE cairn_payloads (
 -- crosses the antimeridian.
 CREATE TABLE cairn_tiles (
   tile_id             INTEGER NOT NULL PRIMARY KEY REFERENCES coverage (tile_id),
-  payload_id          INTEGER NOT NULL UNIQUE REFERENCES cairn_payloads (payload_id),
+  payload_id          INTEGER NOT NULL REFERENCES cairn_payloads (payload_id),
   codebook_id         INTEGER NOT NULL REFERENCES cairn_codebooks (codebook_id),
   landmarks_south_deg REAL    NOT NULL,
   landmarks_west_deg  REAL    NOT NULL,
   landmarks_north_deg REAL    NOT NULL,
-  landmarks_east_deg  REAL    NOT NULL
+  landmarks_east_deg  REAL    NOT NULL,
+  since               INTEGER NOT NULL
 ) STRICT;
+
+CREATE INDEX cairn_tiles_by_payload ON cairn_tiles (payload_id);
+CREATE INDEX cairn_tiles_by_since ON cairn_tiles (since);
+
+-- The columns of cairn_tiles and of coverage, but for the geometry.
+CREATE TABLE cairn_past_tiles (
+  tile_id             INTEGER NOT NULL,
+  since               INTEGER NOT NULL,
+  until               INTEGER NOT NULL CHECK (until > since),
+  tile                TEXT    NOT NULL,
+  payload_id          INTEGER NOT NULL REFERENCES cairn_payloads (payload_id),
+  codebook_id         INTEGER NOT NULL REFERENCES cairn_codebooks (codebook_id),
+  num_landmarks       INTEGER NOT NULL,
+  num_descriptors     INTEGER NOT NULL,
+  num_keyframes       INTEGER NOT NULL,
+  num_bytes           INTEGER NOT NULL,
+  min_h_m             REAL    NOT NULL,
+  max_h_m             REAL    NOT NULL,
+  landmarks_south_deg REAL    NOT NULL,
+  landmarks_west_deg  REAL    NOT NULL,
+  landmarks_north_deg REAL    NOT NULL,
+  landmarks_east_deg  REAL    NOT NULL,
+  PRIMARY KEY (tile_id, since)
+) STRICT, WITHOUT ROWID;
+
+CREATE INDEX cairn_past_tiles_by_payload ON cairn_past_tiles (payload_id);
+CREATE INDEX cairn_past_tiles_by_until ON cairn_past_tiles (until);
 
 -- The engine's data of a keyframe, in addition to the attributes of its feature: cam_from_ecef as a
 -- Hamilton quaternion and a translation.
@@ -150,10 +220,30 @@ CREATE TABLE cairn_keyframe_poses (
   qz          REAL    NOT NULL,
   tx_m        REAL    NOT NULL,
   ty_m        REAL    NOT NULL,
-  tz_m        REAL    NOT NULL
+  tz_m        REAL    NOT NULL,
+  since       INTEGER NOT NULL
 ) STRICT;
 
 CREATE INDEX cairn_keyframe_poses_by_camera ON cairn_keyframe_poses (camera_id);
+
+-- The columns of cairn_keyframe_poses and of keyframes, but for what follows from the pose.
+CREATE TABLE cairn_past_keyframes (
+  keyframe_id INTEGER NOT NULL,
+  since       INTEGER NOT NULL,
+  until       INTEGER NOT NULL CHECK (until > since),
+  session_id  INTEGER NOT NULL,
+  tile_id     INTEGER NOT NULL,
+  image_name  TEXT    NOT NULL,
+  camera_id   INTEGER NOT NULL,
+  qw          REAL    NOT NULL,
+  qx          REAL    NOT NULL,
+  qy          REAL    NOT NULL,
+  qz          REAL    NOT NULL,
+  tx_m        REAL    NOT NULL,
+  ty_m        REAL    NOT NULL,
+  tz_m        REAL    NOT NULL,
+  PRIMARY KEY (keyframe_id, since)
+) STRICT, WITHOUT ROWID;
 
 -- ---------------------------------------------------------------------------------------------------
 -- The layers. GeoPackage's column types (POLYGON, POINT) rule out STRICT.
@@ -186,6 +276,7 @@ CREATE TABLE keyframes (
 );
 
 CREATE INDEX keyframes_by_session ON keyframes (session_id, tile_id);
+CREATE INDEX keyframes_by_tile ON keyframes (tile_id);
 
 INSERT INTO gpkg_contents (table_name, data_type, identifier, description, srs_id) VALUES
   ('coverage', 'features', 'coverage', 'Tiles of the map', 4326),
@@ -203,6 +294,9 @@ INSERT INTO gpkg_extensions VALUES
    'http://www.geopackage.org/spec120/#extension_rtree', 'write-only'),
   ('cairn_map', NULL, 'cairn_map', 'docs/formats/map_v1.md', 'read-write'),
   ('cairn_versions', NULL, 'cairn_map', 'docs/formats/map_v1.md', 'read-write'),
+  ('cairn_past_sessions', NULL, 'cairn_map', 'docs/formats/map_v1.md', 'read-write'),
+  ('cairn_past_tiles', NULL, 'cairn_map', 'docs/formats/map_v1.md', 'read-write'),
+  ('cairn_past_keyframes', NULL, 'cairn_map', 'docs/formats/map_v1.md', 'read-write'),
   ('cairn_codebooks', NULL, 'cairn_map', 'docs/formats/map_v1.md', 'read-write'),
   ('cairn_cameras', NULL, 'cairn_map', 'docs/formats/map_v1.md', 'read-write'),
   ('cairn_payloads', NULL, 'cairn_map', 'docs/formats/map_v1.md', 'read-write'),

@@ -40,6 +40,8 @@ SELECT s.session_id,
        s.name,
        s.source,
        s.created_at,
+       s.recorded_at,
+       s.content_digest,
        s.num_images,
        s.num_landmarks,
        s.georef_median_residual_m,
@@ -72,11 +74,68 @@ JOIN cairn_cameras AS c ON c.camera_id = p.camera_id;
 CREATE VIEW v_map AS
 SELECT m.format_version,
        m.created_at,
-       (SELECT max(version) FROM cairn_versions) AS version,
-       (SELECT count(*) FROM cairn_sessions) AS num_sessions,
-       (SELECT count(*) FROM keyframes) AS num_keyframes,
-       (SELECT count(*) FROM coverage) AS num_tiles,
-       (SELECT coalesce(sum(num_landmarks), 0) FROM coverage) AS num_landmarks,
-       (SELECT coalesce(sum(num_descriptors), 0) FROM coverage) AS num_descriptors,
-       (SELECT coalesce(sum(num_bytes), 0) FROM coverage) AS payload_bytes
-FROM cairn_map AS m;
+       v.version,
+       v.num_sessions,
+       v.num_keyframes,
+       v.num_tiles,
+       v.num_landmarks,
+       v.num_descriptors,
+       v.payload_bytes
+FROM cairn_map AS m
+JOIN cairn_versions AS v ON v.version = (SELECT max(version) FROM cairn_versions);
+
+-- What each version did to each tile. The changes of the oldest version that is kept are not known.
+CREATE VIEW v_changes AS
+WITH states AS (
+  SELECT t.tile_id, c.tile, t.since, NULL AS until, t.payload_id, c.num_landmarks, c.num_bytes
+  FROM cairn_tiles AS t
+  JOIN coverage AS c ON c.tile_id = t.tile_id
+  UNION ALL
+  SELECT tile_id, tile, since, until, payload_id, num_landmarks, num_bytes
+  FROM cairn_past_tiles
+), events AS (
+  SELECT since AS version, tile_id, tile, payload_id AS new_payload_id, NULL AS old_payload_id,
+         num_landmarks AS new_landmarks, 0 AS old_landmarks,
+         num_bytes AS new_bytes, 0 AS old_bytes
+  FROM states
+  UNION ALL
+  SELECT until, tile_id, tile, NULL, payload_id, 0, num_landmarks, 0, num_bytes
+  FROM states
+  WHERE until IS NOT NULL
+)
+SELECT version,
+       tile,
+       tile_id,
+       CASE WHEN max(old_payload_id) IS NULL THEN 'added'
+            WHEN max(new_payload_id) IS NULL THEN 'removed'
+            ELSE 'replaced' END AS change,
+       sum(old_landmarks) AS landmarks_before,
+       sum(new_landmarks) AS landmarks_after,
+       sum(old_bytes) AS bytes_before,
+       sum(new_bytes) AS bytes_after,
+       max(old_payload_id) AS payload_before,
+       max(new_payload_id) AS payload_after
+FROM events
+WHERE version > (SELECT min(version) FROM cairn_versions)
+GROUP BY version, tile_id;
+
+-- Every version that was not pruned, with what it changed.
+CREATE VIEW v_versions AS
+SELECT v.version,
+       v.created_at,
+       v.author,
+       v.kind,
+       v.session,
+       v.summary,
+       coalesce(sum(c.change = 'added'), 0) AS tiles_added,
+       coalesce(sum(c.change = 'replaced'), 0) AS tiles_replaced,
+       coalesce(sum(c.change = 'removed'), 0) AS tiles_removed,
+       v.num_sessions,
+       v.num_keyframes,
+       v.num_tiles,
+       v.num_landmarks,
+       v.num_descriptors,
+       v.payload_bytes
+FROM cairn_versions AS v
+LEFT JOIN v_changes AS c ON c.version = v.version
+GROUP BY v.version;

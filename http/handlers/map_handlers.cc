@@ -10,6 +10,7 @@
 
 #include "core/angles.h"
 #include "engine/prior/search_region.h"
+#include "http/json/tile_square.h"
 #include "http/wire/problem.h"
 
 namespace cairn {
@@ -113,18 +114,18 @@ Json TileJson(const TileRecord& tile, const ServedMap& map) {
           {"minHeight", tile.min_h_m},       {"maxHeight", tile.max_h_m}};
 }
 
-// The square as a closed ring. A tile on the antimeridian has longitudes beyond 180 degrees, so
-// that the ring does not span the globe.
-Json SquareJson(const TileId& tile) {
-  Json ring = Json::array();
-  std::vector<Geodetic> corners = tile.Corners();
-  corners.push_back(corners.front());
-  const double first_lon_deg = corners.front().lon_deg();
-  for (const Geodetic& corner : corners) {
-    const double turns = std::round((corner.lon_deg() - first_lon_deg) / 360.0);
-    ring.push_back({corner.lon_deg() - 360.0 * turns, corner.lat_deg()});
-  }
-  return {{"type", "Polygon"}, {"coordinates", Json::array({ring})}};
+Json VersionJson(const VersionRecord& version) {
+  return {{"version", Value(version.version)},
+          {"created", version.created_at},
+          {"kind", version.kind},
+          {"session", version.session},
+          {"summary", version.summary},
+          {"sessions", version.totals.num_sessions},
+          {"keyframes", version.totals.num_keyframes},
+          {"tiles", version.totals.num_tiles},
+          {"landmarks", version.totals.num_landmarks},
+          {"descriptors", version.totals.num_descriptors},
+          {"payloadBytes", version.totals.payload_bytes}};
 }
 
 TileRecord RequireTile(const std::string& id, const MapSnapshot& snapshot) {
@@ -183,7 +184,7 @@ HttpResponse HandleCoverage(const HttpRequest& request, const LocalizeService& s
     properties.erase("id");
     features.push_back({{"type", "Feature"},
                         {"id", tile.tile_id.ToString()},
-                        {"geometry", SquareJson(tile.tile_id)},
+                        {"geometry", TileSquareJson(tile.tile_id)},
                         {"properties", std::move(properties)}});
   }
   Json json = {{"type", "FeatureCollection"},
@@ -207,6 +208,21 @@ HttpResponse HandleTiles(const HttpRequest& request, const LocalizeService& serv
                {"truncated", list.truncated},
                {"map", {{"version", Value(snapshot.version())}}}};
   return HttpResponse::Json(json.dump());
+}
+
+HttpResponse HandleVersions(const HttpRequest& request, const LocalizeService& service) {
+  const auto limit = static_cast<size_t>(Limit(request));
+  const std::shared_ptr<const ServedMap> map = service.map();
+  const MapSnapshot snapshot = map->store->Snapshot();
+  std::vector<VersionRecord> versions = snapshot.Versions(static_cast<int64_t>(limit) + 1);
+  const bool truncated = versions.size() > limit;
+  if (truncated) versions.resize(limit);
+  Json list = Json::array();
+  for (const VersionRecord& version : versions) list.push_back(VersionJson(version));
+  Json json = {{"versions", std::move(list)},
+               {"truncated", truncated},
+               {"map", {{"version", Value(snapshot.version())}}}};
+  return HttpResponse::Json(json.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 HttpResponse HandleTile(const HttpRequest& request, const std::string& id,

@@ -15,6 +15,8 @@ HttpResponse HandleAvailability(const HttpRequest& request, const LocalizeServic
 HttpResponse HandleCoverage(const HttpRequest& request, const LocalizeService& service);
 // GET /v1/tiles[?bbox][&limit]
 HttpResponse HandleTiles(const HttpRequest& request, const LocalizeService& service);
+// GET /v1/versions[?limit]: the versions of the map, newest first.
+HttpResponse HandleVersions(const HttpRequest& request, const LocalizeService& service);
 // GET /v1/tiles/{id}, with ETag.
 HttpResponse HandleTile(const HttpRequest& request, const std::string& id,
                         const LocalizeService& service);

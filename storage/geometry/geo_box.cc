@@ -29,6 +29,11 @@ std::optional<GeoBox> BoxAroundAll(std::vector<GeoBox> boxes) {
   // Walks east from the first box. The union leaves out the widest gap that no box covers.
   GeoBox all = boxes.front();
   double reach_rad = boxes.front().west_rad;
+  for (const GeoBox& box : boxes) {  // Those that come around cover the beginning.
+    if (box.CrossesAntimeridian()) {
+      reach_rad = std::max(reach_rad, box.east_rad);
+    }
+  }
   double widest_gap_rad = -1.0;
   const auto take_gap = [&](double gap_rad, double next_west_rad) {
     if (gap_rad > widest_gap_rad) {

@@ -39,17 +39,25 @@ CheckReport CheckMap(sqlite::Connection* connection,
     if (CheckPages(connection, &findings)) {
       CheckTables(connection, &findings);
       CheckLayers(connection, &findings);
+      CheckVersions(connection, &findings);
     }
     CheckCodebooks(connection, &findings);
     // A damaged page may list the same tile more than once.
     const std::vector<int64_t> in_pages = queries::AllTileIds(connection);
     const std::set<int64_t> tile_ids(in_pages.begin(), in_pages.end());
+    const std::vector<queries::PastTile> past_tiles = queries::AllPastTiles(connection);
+    const auto num_tiles = static_cast<int64_t>(tile_ids.size() + past_tiles.size());
+    const auto count_tile = [&] {
+      ++report.num_tiles_checked;
+      if (progress) progress(report.num_tiles_checked, num_tiles);
+    };
     for (const int64_t tile_id : tile_ids) {
       CheckTile(connection, tile_id, &findings);
-      ++report.num_tiles_checked;
-      if (progress) {
-        progress(report.num_tiles_checked, static_cast<int64_t>(tile_ids.size()));
-      }
+      count_tile();
+    }
+    for (const queries::PastTile& tile : past_tiles) {
+      CheckPastTile(connection, tile, &findings);
+      count_tile();
     }
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kMapDamaged) {

@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <span>
 #include <string>
 
 #include "storage/map/map_store.h"
+#include "storage/map/version_queries.h"
 #include "storage/sqlite/connection.h"
 
 namespace cairn {
@@ -36,6 +38,17 @@ class Findings {
   std::map<std::string, int64_t> num_left_out_;
 };
 
+// Compares boxes that other machines computed: true if no side is off by more than 6 mm.
+bool SameBounds(const GeoBox& a, const GeoBox& b);
+
+// A query that counts invalid rows, and the message that describes them.
+struct Rule {
+  const char* sql;
+  const char* problem;
+};
+
+void CheckRules(sqlite::Connection* connection, std::span<const Rule> rules, Findings* findings);
+
 // The parts of CheckMap. Each takes time in proportion to the map's size, and throws
 // Error(kMapDamaged) if damage keeps the check from going on.
 
@@ -54,9 +67,16 @@ void CheckLayers(sqlite::Connection* connection, Findings* findings);
 // Decodes every codebook.
 void CheckCodebooks(sqlite::Connection* connection, Findings* findings);
 
+// Checks that version numbers have no gaps, that the rows of the past fit the versions, and that
+// the totals of each version match its content. Decodes every keyframe of the past.
+void CheckVersions(sqlite::Connection* connection, Findings* findings);
+
 // Checks a tile's payload and compares it with the tables. `tile_id` is the key of a row of the
 // coverage layer; it need not be a valid tile id.
 void CheckTile(sqlite::Connection* connection, int64_t tile_id, Findings* findings);
+// Checks a tile of the past in the same way.
+void CheckPastTile(sqlite::Connection* connection, const queries::PastTile& tile,
+                   Findings* findings);
 
 }  // namespace cairn
 

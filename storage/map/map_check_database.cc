@@ -24,8 +24,9 @@ void CheckSpatialIndices(sqlite::Connection* connection, Findings* findings) {
 
 // Checks only the tables of the map. Tables that other programs added are not Cairn's to check.
 void CheckReferences(sqlite::Connection* connection, Findings* findings) {
-  for (const char* table : {"gpkg_contents", "gpkg_geometry_columns", "cairn_tiles",
-                            "cairn_keyframe_poses", "keyframes"}) {
+  for (const char* table :
+       {"gpkg_contents", "gpkg_geometry_columns", "cairn_map", "cairn_versions", "cairn_tiles",
+        "cairn_past_tiles", "cairn_keyframe_poses", "keyframes"}) {
     sqlite::Statement references =
         connection->Prepare("SELECT coalesce(sum(1), 0) FROM pragma_foreign_key_check(?)");
     references.Bind(std::string_view(table)).Step();
@@ -34,12 +35,6 @@ void CheckReferences(sqlite::Connection* connection, Findings* findings) {
     }
   }
 }
-
-// A query that counts invalid rows, and the message that describes them.
-struct Rule {
-  const char* sql;
-  const char* problem;
-};
 
 // Updates increment these numbers. From this bound on, a number could overflow.
 #define CAIRN_TOO_LARGE "4611686018427387904"
@@ -58,7 +53,8 @@ constexpr Rule kRules[] = {
      "WHERE id NOT IN (SELECT keyframe_id FROM keyframes)",
      "boxes of the spatial index belong to no keyframe"},
     {"SELECT count(*) FROM cairn_payloads "
-     "WHERE payload_id NOT IN (SELECT payload_id FROM cairn_tiles)",
+     "WHERE payload_id NOT IN (SELECT payload_id FROM cairn_tiles) "
+     "AND payload_id NOT IN (SELECT payload_id FROM cairn_past_tiles)",
      "payloads belong to no tile"},
     {"SELECT count(*) FROM cairn_tiles AS t JOIN coverage AS c ON c.tile_id = t.tile_id "
      "JOIN cairn_payloads AS p ON p.payload_id = t.payload_id WHERE length(p.bytes) <> c.num_bytes",
@@ -77,6 +73,9 @@ constexpr Rule kRules[] = {
     {"SELECT count(*) FROM cairn_sessions WHERE num_images < 0 OR num_landmarks < 0 "
      "OR NOT georef_median_residual_m BETWEEN 0 AND 1e9",
      "sessions have invalid numbers"},
+    {"SELECT count(*) FROM cairn_sessions WHERE content_digest GLOB '*[^0-9a-f]*' "
+     "OR recorded_at IS NOT strftime('%Y-%m-%dT%H:%M:%SZ', recorded_at)",
+     "sessions have times or digests that are none"},
     // GeoPackage readers find the layers through these rows.
     {"SELECT 3 - count(*) FROM gpkg_contents WHERE (table_name, data_type) IN "
      "(VALUES ('coverage', 'features'), ('keyframes', 'features'), "
@@ -103,8 +102,10 @@ constexpr Rule kRules[] = {
 
 #undef CAIRN_TOO_LARGE
 
-void CheckRules(sqlite::Connection* connection, Findings* findings) {
-  for (const Rule& rule : kRules) {
+}  // namespace
+
+void CheckRules(sqlite::Connection* connection, std::span<const Rule> rules, Findings* findings) {
+  for (const Rule& rule : rules) {
     sqlite::Statement row = connection->Prepare(rule.sql);
     row.Step();
     if (const int64_t count = row.Int64(0); count != 0) {
@@ -112,8 +113,6 @@ void CheckRules(sqlite::Connection* connection, Findings* findings) {
     }
   }
 }
-
-}  // namespace
 
 // Stops at the first problem. If damaged pages form a cycle, SQLite would count the rows of an
 // index forever.
@@ -132,7 +131,7 @@ bool CheckPages(sqlite::Connection* connection, Findings* findings) {
 void CheckTables(sqlite::Connection* connection, Findings* findings) {
   CheckSpatialIndices(connection, findings);
   CheckReferences(connection, findings);
-  CheckRules(connection, findings);
+  CheckRules(connection, kRules, findings);
 }
 
 }  // namespace cairn

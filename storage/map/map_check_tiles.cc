@@ -5,13 +5,17 @@
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
 
 #include "core/error.h"
 #include "core/geodesy.h"
+#include "storage/bytes/content_digest.h"
 #include "storage/map/describe_tile.h"
 #include "storage/map/map_check.h"
 #include "storage/map/map_queries.h"
+#include "storage/map/version_queries.h"
 #include "storage/tile/tile_codec.h"
 
 namespace cairn {
@@ -21,22 +25,22 @@ namespace {
 constexpr double kSlackRad = 1e-9;  // 6 mm on the ground.
 constexpr double kSlackM = 0.01;
 
-bool SameBounds(const GeoBox& a, const GeoBox& b) {
-  const auto near = [](double x, double y) {
-    return std::abs(std::remainder(x - y, 2.0 * std::numbers::pi)) <= kSlackRad;
-  };
-  return near(a.south_rad, b.south_rad) && near(a.west_rad, b.west_rad) &&
-         near(a.north_rad, b.north_rad) && near(a.east_rad, b.east_rad);
-}
-
 // Compares the tables' record of a tile with its payload.
 class TileCheck {
  public:
-  TileCheck(sqlite::Connection* connection, const TileRecord& record, Findings* findings)
-      : connection_(connection), record_(record), findings_(findings) {}
+  // `version` is any version that has the tile.
+  TileCheck(sqlite::Connection* connection, const TileRecord& record, MapVersion version,
+            std::string where, Findings* findings)
+      : connection_(connection),
+        record_(record),
+        version_(version),
+        where_(std::move(where)),
+        findings_(findings) {}
 
   void Run() {
-    const Tile tile = DecodeTile(queries::LoadPayload(connection_, record_.payload_id));
+    const LargeVector<uint8_t> payload = queries::LoadPayload(connection_, record_.payload_id);
+    const Tile tile = DecodeTile(payload);
+    CheckDigest(payload);
     Require(tile.id == record_.tile_id, "its payload belongs to another tile");
     Require(tile.codebook_id == record_.codebook_id, "its payload names another codebook");
     CheckCodebook(tile);
@@ -54,13 +58,23 @@ class TileCheck {
  private:
   void Require(bool condition, const char* problem) {
     if (!condition) {
-      findings_->Add("tile " + record_.tile_id.ToString(), problem);
+      findings_->Add(where_, problem);
     }
   }
 
+  void CheckDigest(std::span<const uint8_t> payload) {
+    sqlite::Statement row =
+        connection_->Prepare("SELECT digest FROM cairn_payloads WHERE payload_id = ?");
+    const bool is_digest =
+        row.Bind(Value(record_.payload_id)).Step() && row.Text(0) == ContentDigest(payload);
+    Require(is_digest, "its payload does not match its digest");
+    Require(std::ssize(payload) == record_.num_bytes,
+            "its payload does not have the size that the tables give");
+  }
+
   void CheckCodebook(const Tile& tile) {
-    Require(record_.codebook_id == queries::CurrentCodebookId(connection_),
-            "it is coded with an outdated codebook, so queries cannot use it");
+    Require(record_.codebook_id == queries::CodebookOfVersion(connection_, version_),
+            "it is not coded with its version's codebook, so queries cannot use it");
     Require(
         queries::LoadCodebook(connection_, record_.codebook_id)->num_subspaces == tile.code_size,
         "its codes do not fit its codebook");
@@ -96,15 +110,19 @@ class TileCheck {
   }
 
   bool HasSession(SessionId id) {
-    return connection_->Prepare("SELECT 1 FROM cairn_sessions WHERE session_id = ?")
-        .Bind(Value(id))
+    return connection_
+        ->Prepare(
+            "SELECT 1 FROM cairn_sessions WHERE session_id = ?1 AND since <= ?2 UNION ALL "
+            "SELECT 1 FROM cairn_past_sessions "
+            "WHERE session_id = ?1 AND since <= ?2 AND until > ?2")
+        .Bind(Value(id), Value(version_))
         .Step();
   }
 
   void CheckKeyframe(const TileKeyframe& keyframe, TileId tile_id) {
     std::optional<KeyframeRecord> row;
     try {
-      row = queries::FindKeyframe(connection_, keyframe.id);
+      row = queries::FindKeyframeOf(connection_, version_, keyframe.id);
     } catch (const Error&) {
       return;  // The check of the layers reports this.
     }
@@ -123,38 +141,71 @@ class TileCheck {
 
   sqlite::Connection* connection_;
   const TileRecord& record_;
+  const MapVersion version_;
+  const std::string where_;
   Findings* findings_;
 };
 
-}  // namespace
-
-void CheckCodebooks(sqlite::Connection* connection, Findings* findings) {
-  for (const CodebookId id : queries::CodebookIds(connection)) {
-    try {
-      queries::LoadCodebook(connection, id);
-    } catch (const Error& error) {
-      if (error.code() != ErrorCode::kMapDamaged) {
-        throw;
-      }
-      findings->Add(fmt::format("codebook {}", Value(id)), error.what());
-    }
-  }
-}
-
-void CheckTile(sqlite::Connection* connection, int64_t tile_id, Findings* findings) {
-  std::string name = std::to_string(tile_id);
+// Runs `check`; what it cannot read is a finding.
+template <typename Check>
+void FindDamage(const std::string& where, const Check& check, Findings* findings) {
   try {
-    const TileId id = TileId::FromValue(static_cast<uint64_t>(tile_id));
-    name = id.ToString();
-    if (const std::optional<TileRecord> record = queries::FindTile(connection, id)) {
-      TileCheck(connection, *record, findings).Run();
-    }
+    check();
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kMapDamaged && error.code() != ErrorCode::kBadInput) {
       throw;
     }
-    findings->Add("tile " + name, error.what());
+    findings->Add(where, error.what());
   }
+}
+
+}  // namespace
+
+bool SameBounds(const GeoBox& a, const GeoBox& b) {
+  const auto near = [](double x, double y) {
+    return std::abs(std::remainder(x - y, 2.0 * std::numbers::pi)) <= kSlackRad;
+  };
+  return near(a.south_rad, b.south_rad) && near(a.west_rad, b.west_rad) &&
+         near(a.north_rad, b.north_rad) && near(a.east_rad, b.east_rad);
+}
+
+void CheckCodebooks(sqlite::Connection* connection, Findings* findings) {
+  for (const CodebookId id : queries::CodebookIds(connection)) {
+    const std::string where = fmt::format("codebook {}", Value(id));
+    FindDamage(
+        where,
+        [&] {
+          if (queries::CodebookDigest(connection, id) !=
+              ContentDigest(EncodeCodebook(*queries::LoadCodebook(connection, id)))) {
+            findings->Add(where, "does not match its digest");
+          }
+        },
+        findings);
+  }
+}
+
+void CheckTile(sqlite::Connection* connection, int64_t tile_id, Findings* findings) {
+  std::string where = "tile " + std::to_string(tile_id);
+  FindDamage(
+      where,
+      [&] {
+        const TileId id = TileId::FromValue(static_cast<uint64_t>(tile_id));
+        where = "tile " + id.ToString();
+        if (const std::optional<TileRecord> record = queries::FindTile(connection, id)) {
+          TileCheck(connection, *record, queries::CurrentVersion(connection), where, findings)
+              .Run();
+        }
+      },
+      findings);
+}
+
+void CheckPastTile(sqlite::Connection* connection, const queries::PastTile& tile,
+                   Findings* findings) {
+  const auto last = MapVersion(Value(tile.until) - 1);
+  const std::string where =
+      fmt::format("tile {} as of version {}", tile.tile.tile_id.ToString(), Value(last));
+  FindDamage(
+      where, [&] { TileCheck(connection, tile.tile, last, where, findings).Run(); }, findings);
 }
 
 }  // namespace cairn

@@ -17,7 +17,9 @@
 
 #include "core/error.h"
 #include "storage/inspection/register.h"
+#include "storage/map/head_writer.h"
 #include "storage/map/map_schema.h"
+#include "storage/map/unfinished_file.h"
 #include "storage/sqlite/error.h"
 #include "storage/sqlite/transaction.h"
 
@@ -200,13 +202,6 @@ std::unique_ptr<sqlite::Connection> OpenAndCheck(const std::string& path, sqlite
   return connection;
 }
 
-void RemoveMapFile(const std::string& path) {
-  std::error_code ignored;
-  for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
-    fs::remove(path + suffix, ignored);
-  }
-}
-
 void FillEmptyMap(const std::string& path) {
   const auto connection = Connect(path, sqlite::Access::kCreate, 0);
   // The page size must be set before anything is written. See
@@ -221,60 +216,38 @@ void FillEmptyMap(const std::string& path) {
           "next_landmark_id) VALUES (1, ?, ?, strftime('%Y-%m-%dT%H:%M:%SZ', 'now'), 1)")
       .Bind(kMapFormatVersion, kOldestReaderVersion)
       .Run();
-  connection->Execute(
-      "INSERT INTO cairn_versions (version, created_at) "
-      "VALUES (1, strftime('%Y-%m-%dT%H:%M:%SZ', 'now'))");
+  AddFirstVersion(connection.get());
   transaction.Commit();
   // Closing the connection would also checkpoint, but would not report a full disk.
   connection->Execute("PRAGMA wal_checkpoint(TRUNCATE)");
 }
 
-[[noreturn]] void RefuseToMake(const std::string& path, int error) {
-  if (error == EEXIST) {
-    Refuse(ErrorCode::kConflict, path, "already exists; remove it or choose another name");
+// Moves the log into the file, which then can be renamed.
+void CloseLog(const std::string& path) {
+  Connect(path, sqlite::Access::kReadWrite, 0)->Execute("PRAGMA wal_checkpoint(TRUNCATE)");
+  if (HasWriteAheadLog(path)) {
+    Refuse(ErrorCode::kIo, path, "its write-ahead log cannot be moved into the file");
   }
-  Refuse(ErrorCode::kIo, path, std::string("cannot be created: ") + std::strerror(error));
-}
-
-// Renames a file unless `to` exists. The check and the rename are one atomic step.
-void Rename(const std::string& from, const std::string& to) {
-  if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) {
-    return;
-  }
-  if (errno != EINVAL && errno != ENOSYS) {
-    RefuseToMake(to, errno);
-  }
-  // This file system does not support RENAME_NOREPLACE. Creating a hard link is atomic, too.
-  if (link(from.c_str(), to.c_str()) != 0) {
-    RefuseToMake(to, errno);
-  }
-  unlink(from.c_str());
 }
 
 }  // namespace
 
-void CreateMapFile(const std::string& path) {
-  std::error_code ignored;
-  if (fs::exists(path, ignored)) {
-    RefuseToMake(path, EEXIST);
-  }
-  // The map is built under a temporary name, so a process that dies here leaves nothing at `path`.
-  const std::string unfinished = path + ".unfinished-" + std::to_string(getpid());
-  RemoveMapFile(unfinished);
+void CreateMapFile(const std::string& path, const std::function<void(const std::string&)>& fill) {
+  UnfinishedFile file(path);
   try {
-    FillEmptyMap(unfinished);
-    Rename(unfinished, path);
+    FillEmptyMap(file.name());
+    if (fill) {
+      fill(file.name());
+      CloseLog(file.name());
+    }
+    file.Finish();
   } catch (const Error& error) {
-    RemoveMapFile(unfinished);
     // Name the requested file in the message, not the temporary one.
     std::string what = error.what();
-    if (what.starts_with(unfinished)) {
-      what.replace(0, unfinished.size(), path);
+    if (what.starts_with(file.name())) {
+      what.replace(0, file.name().size(), path);
     }
     throw Error(error.code(), what);
-  } catch (...) {
-    RemoveMapFile(unfinished);
-    throw;
   }
 }
 

@@ -4,6 +4,7 @@
 #define CAIRN_STORAGE_MAP_MAP_FILE_H_
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -16,9 +17,11 @@ namespace cairn {
 inline constexpr int64_t kMapFormatVersion = 1;
 inline constexpr int64_t kOldestReaderVersion = 1;
 
-// Creates the file with an empty map of version 1. Throws Error(kConflict) if the file exists and
-// Error(kIo) if the file cannot be created.
-void CreateMapFile(const std::string& path);
+// Creates the file with an empty map of version 1. If `fill` is set, calls it with the name of the
+// map, which is temporary; the file gets the name `path` once `fill` returns, so a process that
+// dies leaves nothing at `path`. Throws Error(kConflict) if the file exists or another process
+// creates it, and Error(kIo) if the file cannot be created.
+void CreateMapFile(const std::string& path, const std::function<void(const std::string&)>& fill);
 
 // Opens a connection for reading, after the checks that MapStore::Open promises. Changes *access
 // from kReadOnly to kImmutable if the directory is not writable and no write-ahead log is left.

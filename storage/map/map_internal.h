@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "storage/map/head_writer.h"
 #include "storage/map/map_store.h"
 #include "storage/map/reader_pool.h"
 #include "storage/sqlite/connection.h"
@@ -31,6 +32,7 @@ struct MapUpdate::Impl {
 
   std::unique_ptr<sqlite::Connection> connection;
   std::optional<sqlite::Transaction> transaction;  // Empty once published.
+  std::optional<HeadWriter> head;                  // Set by the constructor.
 };
 
 }  // namespace cairn

@@ -1,25 +1,19 @@
 #include "storage/map/map_queries.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <system_error>
 #include <utility>
 
 #include "core/angles.h"
 #include "core/error.h"
-#include "core/printable.h"
 #include "storage/geometry/geo_box.h"
+#include "storage/map/map_rows.h"
+#include "storage/map/version_queries.h"
 #include "storage/sqlite/blob.h"
-#include "storage/tile/tile_checks.h"
 
 namespace cairn::queries {
 namespace {
-
-constexpr std::string_view kCurrentVersionSql =
-    "SELECT version FROM cairn_versions ORDER BY version DESC LIMIT 1";
 
 constexpr std::string_view kTilesOfSessionSql =
     "SELECT DISTINCT tile_id FROM keyframes WHERE session_id = ? ORDER BY tile_id";
@@ -34,6 +28,8 @@ constexpr std::string_view kTilesOfSessionSql =
 
 constexpr std::string_view kKeyframesOfSessionSql =
     CAIRN_KEYFRAME_COLUMNS "WHERE k.session_id = ? ORDER BY k.keyframe_id";
+constexpr std::string_view kKeyframesOfTileSql =
+    CAIRN_KEYFRAME_COLUMNS "WHERE k.tile_id = ? ORDER BY k.keyframe_id";
 constexpr std::string_view kFindKeyframeSql = CAIRN_KEYFRAME_COLUMNS "WHERE k.keyframe_id = ?";
 
 #undef CAIRN_KEYFRAME_COLUMNS
@@ -62,173 +58,43 @@ constexpr std::string_view kAllTilesSql =
 #undef CAIRN_TILE_COLUMNS
 
 // The columns that ReadSession expects, in order.
-#define CAIRN_SESSION_COLUMNS                                                \
-  "SELECT session_id, name, source, created_at, num_images, num_landmarks, " \
-  "georef_median_residual_m FROM cairn_sessions "
+#define CAIRN_SESSION_COLUMNS                                                              \
+  "SELECT session_id, name, source, created_at, recorded_at, content_digest, num_images, " \
+  "num_landmarks, georef_median_residual_m FROM cairn_sessions "
 
 constexpr std::string_view kSessionsSql = CAIRN_SESSION_COLUMNS "ORDER BY session_id";
 constexpr std::string_view kFindSessionSql = CAIRN_SESSION_COLUMNS "WHERE name = ?";
 
 #undef CAIRN_SESSION_COLUMNS
 
-// Calls `make`. If `make` rejects a value that was read from the map, throws Error(kMapDamaged).
-template <typename Make>
-auto MakeFromRow(const sqlite::Connection& connection, const Make& make) {
-  try {
-    return make();
-  } catch (const Error& error) {
-    throw Error(ErrorCode::kMapDamaged, connection.path() + ": " + error.what());
-  }
-}
-
-TileId ReadTileId(const sqlite::Connection& connection, int64_t value) {
-  return MakeFromRow(connection,
-                     [value] { return TileId::FromValue(static_cast<uint64_t>(value)); });
-}
-
-// Queries search for cameras between these heights.
-void RequireHeights(const sqlite::Connection& connection, const TileRecord& tile) {
-  constexpr double kMaxHeightM = 1e5;
-  if (!(-kMaxHeightM <= tile.min_h_m && tile.min_h_m <= tile.max_h_m &&
-        tile.max_h_m <= kMaxHeightM)) {
-    throw Error(
-        ErrorCode::kMapDamaged,
-        fmt::format("{}: tile {}: its cameras have heights of {} to {} m", connection.path(),
-                    tile.tile_id.ToString(), tile.min_h_m, tile.max_h_m));
-  }
-}
-
-TileRecord ReadTile(const sqlite::Connection& connection, const sqlite::Statement& row) {
-  TileRecord tile;
-  tile.tile_id = ReadTileId(connection, row.Int64(0));
-  tile.payload_id = PayloadId(row.Int64(1));
-  tile.codebook_id = CodebookId(row.Int64(2));
-  tile.num_landmarks = row.Int64(3);
-  tile.num_descriptors = row.Int64(4);
-  tile.num_keyframes = row.Int64(5);
-  tile.num_bytes = row.Int64(6);
-  tile.min_h_m = row.Double(7);
-  tile.max_h_m = row.Double(8);
-  RequireHeights(connection, tile);
-  tile.landmark_bounds = {row.Double(9) / kDegPerRad, row.Double(10) / kDegPerRad,
-                          row.Double(11) / kDegPerRad, row.Double(12) / kDegPerRad};
-  return tile;
-}
-
-SessionRecord ReadSession(const sqlite::Statement& row) {
-  SessionRecord session;
-  session.id = SessionId(row.Int64(0));
-  session.name = row.Text(1);
-  session.source = row.Text(2);
-  session.created_at = row.Text(3);
-  session.num_images = row.Int64(4);
-  session.num_landmarks = row.Int64(5);
-  session.georef_median_residual_m = row.Double(6);
-  return session;
-}
-
-// Parses "[1.5,2,3]". Throws Error if the text is anything else.
-std::vector<double> ParseNumbers(std::string_view text) {
-  std::vector<double> numbers;
-  const auto refuse = [text] {
-    return Error(ErrorCode::kMapDamaged,
-                 "camera parameters '" + Excerpt(text) + "' are not a list of numbers");
-  };
-  if (text.size() < 2 || text.front() != '[' || text.back() != ']') {
-    throw refuse();
-  }
-  const char* next = text.data() + 1;
-  const char* const end = text.data() + text.size() - 1;
-  while (true) {
-    double number = 0.0;
-    const auto [after, error] = std::from_chars(next, end, number);
-    if (error != std::errc()) {
-      throw refuse();
-    }
-    numbers.push_back(number);
-    if (after == end) {
-      return numbers;
-    }
-    if (*after != ',') {
-      throw refuse();
-    }
-    next = after + 1;
-  }
-}
-
-KeyframeRecord ReadKeyframe(const sqlite::Connection& connection, const sqlite::Statement& row) {
-  KeyframeRecord keyframe;
-  keyframe.id = KeyframeId(row.Int64(0));
-  keyframe.session_id = SessionId(row.Int64(1));
-  keyframe.tile_id = ReadTileId(connection, row.Int64(2));
-  keyframe.image_name = row.Text(3);
-  keyframe.camera = MakeFromRow(connection, [&row] {
-    return Camera(CameraModelFromName(row.Text(4)), static_cast<int>(row.Int64(5)),
-                  static_cast<int>(row.Int64(6)), ParseNumbers(row.Text(7)));
-  });
-  // Keeps the stored quaternion; the constructor would normalise it again.
-  keyframe.cam_from_ecef.rotation =
-      Eigen::Quaterniond(row.Double(8), row.Double(9), row.Double(10), row.Double(11));
-  keyframe.cam_from_ecef.translation = {row.Double(12), row.Double(13), row.Double(14)};
-  if (!IsPose(keyframe.cam_from_ecef)) {
-    throw Error(ErrorCode::kMapDamaged,
-                fmt::format("{}: keyframe {}: its pose is not a rigid transform", connection.path(),
-                            Value(keyframe.id)));
-  }
-  return keyframe;
-}
-
 // Appends the tiles whose indexed rectangle intersects the given rectangle, in degrees.
 void AppendTiles(sqlite::Connection* connection, double west_deg, double east_deg, double south_deg,
                  double north_deg, std::vector<TileRecord>* tiles) {
-  sqlite::Statement rows = connection->Prepare(kFindTilesSql);
-  rows.Bind(west_deg, east_deg, south_deg, north_deg);
-  while (rows.Step()) {
-    tiles->push_back(ReadTile(*connection, rows));
+  sqlite::Statement found = connection->Prepare(kFindTilesSql);
+  found.Bind(west_deg, east_deg, south_deg, north_deg);
+  while (found.Step()) {
+    tiles->push_back(rows::ReadTile(*connection, found));
   }
 }
 
 }  // namespace
 
-std::string_view CurrentVersionSql() { return kCurrentVersionSql; }
 std::string_view TilesOfSessionSql() { return kTilesOfSessionSql; }
 std::string_view KeyframesOfSessionSql() { return kKeyframesOfSessionSql; }
+std::string_view KeyframesOfTileSql() { return kKeyframesOfTileSql; }
 std::string_view FindTilesSql() { return kFindTilesSql; }
 std::string_view FindTileSql() { return kFindTileSql; }
 
-MapVersion CurrentVersion(sqlite::Connection* connection) {
-  sqlite::Statement row = connection->Prepare(kCurrentVersionSql);
-  if (!row.Step()) {
-    throw Error(ErrorCode::kMapDamaged, connection->path() + ": the table cairn_versions is empty");
-  }
-  return MapVersion(row.Int64(0));
-}
-
 MapInfo Info(sqlite::Connection* connection) {
+  const VersionRecord latest = LatestVersion(connection);
   MapInfo info;
-  info.version = CurrentVersion(connection);
-  // Uses sum(1) because SQLite does not check for interruption while it counts rows for count(*).
-  sqlite::Statement row = connection->Prepare(
-      "SELECT (SELECT created_at FROM cairn_map), "
-      "(SELECT coalesce(sum(1), 0) FROM cairn_sessions), "
-      "(SELECT coalesce(sum(1), 0) FROM keyframes), count(*), coalesce(sum(num_landmarks), 0), "
-      "coalesce(sum(num_descriptors), 0), coalesce(sum(num_bytes), 0) FROM coverage");
+  static_cast<MapTotals&>(info) = latest.totals;
+  info.version = latest.version;
+  sqlite::Statement row = connection->Prepare("SELECT created_at FROM cairn_map");
   row.Step();
   info.created_at = row.Text(0);
-  info.num_sessions = row.Int64(1);
-  info.num_keyframes = row.Int64(2);
-  info.num_tiles = row.Int64(3);
-  info.num_landmarks = row.Int64(4);
-  info.num_descriptors = row.Int64(5);
-  info.payload_bytes = row.Int64(6);
   std::error_code ignored;
   info.file_bytes = static_cast<int64_t>(std::filesystem::file_size(connection->path(), ignored));
-
-  std::vector<GeoBox> boxes;
-  for (const int64_t tile_id : AllTileIds(connection)) {
-    boxes.push_back(ReadTileId(*connection, tile_id).Bounds());
-  }
-  info.bounds = BoxAroundAll(std::move(boxes));
   return info;
 }
 
@@ -258,7 +124,7 @@ std::vector<TileRecord> AllTiles(sqlite::Connection* connection, int64_t limit) 
   sqlite::Statement rows = connection->Prepare(kAllTilesSql);
   rows.Bind(std::max<int64_t>(limit, 0));
   while (rows.Step()) {
-    tiles.push_back(ReadTile(*connection, rows));
+    tiles.push_back(rows::ReadTile(*connection, rows));
   }
   return tiles;
 }
@@ -277,7 +143,7 @@ std::optional<TileRecord> FindTile(sqlite::Connection* connection, TileId tile_i
   if (!row.Bind(static_cast<int64_t>(tile_id.value())).Step()) {
     return std::nullopt;
   }
-  return ReadTile(*connection, row);
+  return rows::ReadTile(*connection, row);
 }
 
 LargeVector<uint8_t> LoadPayload(sqlite::Connection* connection, PayloadId payload_id) {
@@ -291,7 +157,7 @@ LargeVector<uint8_t> LoadPayload(sqlite::Connection* connection, PayloadId paylo
 
 CodebookId CurrentCodebookId(sqlite::Connection* connection) {
   sqlite::Statement row =
-      connection->Prepare("SELECT coalesce(max(codebook_id), 0) FROM cairn_codebooks");
+      connection->Prepare("SELECT coalesce(max(codebook_id), 0) FROM cairn_map");
   row.Step();
   return CodebookId(row.Int64(0));
 }
@@ -303,7 +169,7 @@ std::shared_ptr<const Codebook> LoadCodebook(sqlite::Connection* connection,
     throw Error(ErrorCode::kMapDamaged,
                 connection->path() + ": has no codebook " + std::to_string(Value(codebook_id)));
   }
-  return MakeFromRow(*connection, [&] {
+  return rows::MakeFromRow(*connection, [&] {
     return std::make_shared<const Codebook>(
         DecodeCodebook(bytes->data(), bytes->size(), codebook_id));
   });
@@ -319,11 +185,21 @@ std::vector<CodebookId> CodebookIds(sqlite::Connection* connection) {
   return ids;
 }
 
+std::string CodebookDigest(sqlite::Connection* connection, CodebookId codebook_id) {
+  sqlite::Statement row =
+      connection->Prepare("SELECT digest FROM cairn_codebooks WHERE codebook_id = ?");
+  if (!row.Bind(Value(codebook_id)).Step()) {
+    throw Error(ErrorCode::kMapDamaged,
+                connection->path() + ": has no codebook " + std::to_string(Value(codebook_id)));
+  }
+  return row.Text(0);
+}
+
 std::vector<SessionRecord> Sessions(sqlite::Connection* connection) {
   std::vector<SessionRecord> sessions;
   sqlite::Statement rows = connection->Prepare(kSessionsSql);
   while (rows.Step()) {
-    sessions.push_back(ReadSession(rows));
+    sessions.push_back(rows::ReadSession(rows));
   }
   return sessions;
 }
@@ -333,7 +209,7 @@ std::optional<SessionRecord> FindSession(sqlite::Connection* connection, const s
   if (!row.Bind(name).Step()) {
     return std::nullopt;
   }
-  return ReadSession(row);
+  return rows::ReadSession(row);
 }
 
 std::vector<TileId> TilesOfSession(sqlite::Connection* connection, SessionId session_id) {
@@ -341,9 +217,20 @@ std::vector<TileId> TilesOfSession(sqlite::Connection* connection, SessionId ses
   sqlite::Statement rows = connection->Prepare(kTilesOfSessionSql);
   rows.Bind(Value(session_id));
   while (rows.Step()) {
-    tile_ids.push_back(ReadTileId(*connection, rows.Int64(0)));
+    tile_ids.push_back(rows::ReadTileId(*connection, rows.Int64(0)));
   }
   return tile_ids;
+}
+
+std::vector<KeyframeId> KeyframeIdsOfSession(sqlite::Connection* connection, SessionId session_id) {
+  std::vector<KeyframeId> ids;
+  sqlite::Statement rows =
+      connection->Prepare("SELECT keyframe_id FROM keyframes WHERE session_id = ?");
+  rows.Bind(Value(session_id));
+  while (rows.Step()) {
+    ids.push_back(KeyframeId(rows.Int64(0)));
+  }
+  return ids;
 }
 
 std::optional<KeyframeRecord> FindKeyframe(sqlite::Connection* connection, KeyframeId keyframe_id) {
@@ -351,18 +238,20 @@ std::optional<KeyframeRecord> FindKeyframe(sqlite::Connection* connection, Keyfr
   if (!row.Bind(Value(keyframe_id)).Step()) {
     return std::nullopt;
   }
-  return ReadKeyframe(*connection, row);
+  return rows::ReadKeyframe(*connection, row);
 }
 
 std::vector<KeyframeRecord> KeyframesOfSession(sqlite::Connection* connection,
                                                SessionId session_id) {
-  std::vector<KeyframeRecord> keyframes;
   sqlite::Statement rows = connection->Prepare(kKeyframesOfSessionSql);
   rows.Bind(Value(session_id));
-  while (rows.Step()) {
-    keyframes.push_back(ReadKeyframe(*connection, rows));
-  }
-  return keyframes;
+  return rows::ReadKeyframes(*connection, &rows);
+}
+
+std::vector<KeyframeRecord> KeyframesOfTile(sqlite::Connection* connection, TileId tile_id) {
+  sqlite::Statement rows = connection->Prepare(kKeyframesOfTileSql);
+  rows.Bind(static_cast<int64_t>(tile_id.value()));
+  return rows::ReadKeyframes(*connection, &rows);
 }
 
 }  // namespace cairn::queries

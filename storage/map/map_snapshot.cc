@@ -5,6 +5,7 @@
 #include "storage/map/map_internal.h"
 #include "storage/map/map_queries.h"
 #include "storage/map/map_store.h"
+#include "storage/map/version_queries.h"
 
 namespace cairn {
 
@@ -31,6 +32,14 @@ MapSnapshot::~MapSnapshot() = default;
 MapVersion MapSnapshot::version() const { return impl_->version; }
 
 MapInfo MapSnapshot::Info() const { return queries::Info(impl_->connection.get()); }
+
+std::vector<VersionRecord> MapSnapshot::Versions(int64_t limit) const {
+  return queries::Versions(impl_->connection.get(), limit);
+}
+
+std::vector<TileChange> MapSnapshot::Diff(MapVersion from, MapVersion to) const {
+  return queries::Diff(impl_->connection.get(), from, to);
+}
 
 std::vector<TileRecord> MapSnapshot::FindTiles(const GeoBox& box) const {
   return queries::FindTiles(impl_->connection.get(), box);
@@ -67,6 +76,21 @@ std::optional<SessionRecord> MapSnapshot::FindSession(const std::string& name) c
 
 std::vector<KeyframeRecord> MapSnapshot::KeyframesOfSession(SessionId session_id) const {
   return queries::KeyframesOfSession(impl_->connection.get(), session_id);
+}
+
+std::vector<KeyframeRecord> MapSnapshot::KeyframesOfTile(TileId tile_id) const {
+  return queries::KeyframesOfTile(impl_->connection.get(), tile_id);
+}
+
+std::string MapSnapshot::CodebookDigest(CodebookId codebook_id) const {
+  return queries::CodebookDigest(impl_->connection.get(), codebook_id);
+}
+
+LandmarkId MapSnapshot::NextLandmarkId() const {
+  sqlite::Statement row =
+      impl_->connection->Prepare("SELECT coalesce(max(next_landmark_id), 1) FROM cairn_map");
+  row.Step();
+  return LandmarkId(static_cast<uint64_t>(row.Int64(0)));
 }
 
 }  // namespace cairn

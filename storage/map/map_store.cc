@@ -38,8 +38,15 @@ MapStore& MapStore::operator=(MapStore&&) noexcept = default;
 MapStore::~MapStore() = default;
 
 MapStore MapStore::Create(const std::string& path) {
-  CreateMapFile(path);
+  CreateMapFile(path, {});
   return Open(path, OpenMode::kReadWrite);
+}
+
+void MapStore::CreateFilled(const std::string& path, const std::function<void(MapStore*)>& fill) {
+  CreateMapFile(path, [&fill](const std::string& name) {
+    MapStore store = Open(name, OpenMode::kReadWrite);
+    fill(&store);
+  });
 }
 
 MapStore MapStore::Open(const std::string& path, OpenMode mode) {

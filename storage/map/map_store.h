@@ -19,6 +19,7 @@
 #include "core/tile_id.h"
 #include "storage/codebook/codebook.h"
 #include "storage/ids.h"
+#include "storage/map/map_versions.h"
 
 namespace cairn {
 
@@ -42,6 +43,10 @@ struct SessionRecord {
   std::string name;        // Unique; re-ingesting a name replaces the session.
   std::string source;      // Origin of the reconstruction, for people.
   std::string created_at;  // UTC, RFC 3339; set by the store.
+  // When the photos were taken: UTC, "2026-01-31T12:00:00Z". If it is empty, the store sets it to
+  // created_at.
+  std::string recorded_at;
+  std::string content_digest;  // Of what was ingested: lower-case hexadecimal, or empty.
   int64_t num_images = 0;
   int64_t num_landmarks = 0;  // In the reconstruction, before selection.
   double georef_median_residual_m = 0.0;
@@ -57,17 +62,10 @@ struct KeyframeRecord {
   Rigid3d cam_from_ecef;
 };
 
-struct MapInfo {
+struct MapInfo : MapTotals {
   MapVersion version{};
   std::string created_at;
-  int64_t num_sessions = 0;
-  int64_t num_keyframes = 0;
-  int64_t num_tiles = 0;
-  int64_t num_landmarks = 0;  // Sum over tiles; a landmark in two tiles counts twice.
-  int64_t num_descriptors = 0;
-  int64_t payload_bytes = 0;
   int64_t file_bytes = 0;
-  std::optional<GeoBox> bounds;  // Empty if the map is empty.
 };
 
 // A consistent view of one map version. A snapshot holds a read transaction for as long as it
@@ -80,7 +78,13 @@ class MapSnapshot {
   ~MapSnapshot();
 
   MapVersion version() const;
-  MapInfo Info() const;
+  MapInfo Info() const;  // Takes constant time.
+
+  // Returns the newest `limit` versions that were not pruned, newest first.
+  std::vector<VersionRecord> Versions(int64_t limit) const;
+  // Returns the tiles whose payloads differ between two versions, ordered by tile id. Throws
+  // Error(kNotFound), which names the versions of the map, if one of the two is not among them.
+  std::vector<TileChange> Diff(MapVersion from, MapVersion to) const;
 
   // Returns the tiles whose square's bounding box intersects `box`, ordered by tile id.
   std::vector<TileRecord> FindTiles(const GeoBox& box) const;
@@ -101,6 +105,13 @@ class MapSnapshot {
   std::vector<SessionRecord> Sessions() const;
   std::optional<SessionRecord> FindSession(const std::string& name) const;
   std::vector<KeyframeRecord> KeyframesOfSession(SessionId session_id) const;
+  std::vector<KeyframeRecord> KeyframesOfTile(TileId tile_id) const;
+
+  // The XXH3-128 hash of the codebook's bytes, 32 hexadecimal digits. Maps with equal digests can
+  // be merged. Throws Error(kMapDamaged) if the map does not have the codebook.
+  std::string CodebookDigest(CodebookId codebook_id) const;
+  // All landmarks of all versions have smaller ids.
+  LandmarkId NextLandmarkId() const;
 
  private:
   friend class MapStore;
@@ -110,40 +121,62 @@ class MapSnapshot {
 };
 
 // A write transaction that either becomes the next map version or changes nothing. At most one
-// exists per map file, across processes. Use each update from one thread.
+// exists per map file, across processes. Use each update from one thread. Earlier versions keep the
+// content that an update removes.
 class MapUpdate {
  public:
   MapUpdate(MapUpdate&&) noexcept;
   ~MapUpdate();  // Rolls back unless published.
 
+  MapVersion base_version() const;  // The version that this update changes.
+
   // These reads include what this update has written.
   std::optional<TileRecord> FindTile(TileId tile_id) const;
   LargeVector<uint8_t> LoadPayload(PayloadId payload_id) const;
   std::optional<SessionRecord> FindSession(const std::string& name) const;
+  std::vector<SessionRecord> Sessions() const;  // Ordered by id.
   std::vector<TileId> TilesOfSession(SessionId session_id) const;
+  std::vector<KeyframeRecord> KeyframesOfTile(TileId tile_id) const;  // Ordered by id.
   std::shared_ptr<const Codebook> CurrentCodebook() const;
 
-  // Adds a codebook and makes it current. Ignores `codebook.id`.
+  // Adds a codebook and makes it current. Ignores `codebook.id`. A codebook that the map has
+  // already keeps its id.
   CodebookId AddCodebook(const Codebook& codebook);
 
-  // Ignores `id` and `created_at`. Throws Error(kConflict) if the name is taken.
+  // Ignores `id` and `created_at`. Throws Error(kConflict) if the name is taken,
+  // Error(kInvalidArgument) if `recorded_at` is not a time or `content_digest` not hexadecimal.
   SessionId AddSession(const SessionRecord& session);
   // Deletes the session's row and keyframes. The caller must rewrite or remove the session's tiles.
   void RemoveSession(SessionId session_id);
 
   // Ignores `id`.
   KeyframeId AddKeyframe(const KeyframeRecord& keyframe);
+  // Deletes the keyframe's row, if there is one. The caller rewrites the tile it stands in.
+  void RemoveKeyframe(KeyframeId keyframe_id);
 
   // Reserves `count` consecutive landmark ids and returns the first.
   LandmarkId ReserveLandmarkIds(uint64_t count);
 
   // Inserts or replaces a tile and its payload. The tile's codebook must be in the map. Ignores
-  // `payload_id` and `num_bytes`. Returns the new payload id.
+  // `payload_id` and `num_bytes`. Returns the payload's id; equal bytes share an id. Putting the
+  // bytes that the tile already has changes nothing.
   PayloadId PutTile(const TileRecord& tile, std::span<const uint8_t> payload);
   void RemoveTile(TileId tile_id);
 
+  // Restores the tiles, keyframes, sessions and the current codebook of an earlier version, with
+  // identical payloads. Does not rewind the counters of ids. Throws as MapSnapshot::Diff.
+  void RestoreVersion(MapVersion version);
+
+  // Deletes the versions before `oldest_kept` and the content that only those versions have.
+  // Returns the number of payload bytes that this removes.
+  int64_t ForgetVersionsBefore(MapVersion oldest_kept);
+
+  // Copies tiles of another map with their keyframes, sessions and codebook, under the ids that
+  // they have there. This map must be empty and without earlier content.
+  void CopyTiles(const MapSnapshot& from, const std::vector<TileRecord>& tiles);
+
   // Commits. After Publish, only the destructor may be called.
-  MapVersion Publish();
+  MapVersion Publish(const VersionNote& note = {});
 
  private:
   friend class MapStore;
@@ -164,7 +197,7 @@ enum class OpenMode {
 enum class MapFileState { kInPlace, kReplaced, kMissing };
 
 struct CheckReport {
-  int64_t num_tiles_checked = 0;
+  int64_t num_tiles_checked = 0;      // A tile counts once for each content that a version has.
   std::vector<std::string> problems;  // Empty if the map is sound.
 };
 
@@ -175,6 +208,10 @@ class MapStore {
   // Creates an empty map of version 1. Throws Error(kConflict) if the file exists and Error(kIo) if
   // the file cannot be created.
   static MapStore Create(const std::string& path);
+
+  // Creates a map that `fill` makes of an empty map. The file gets its name once `fill` returns; if
+  // `fill` throws or the process dies, there is no file at `path`. Throws as Create.
+  static void CreateFilled(const std::string& path, const std::function<void(MapStore*)>& fill);
 
   // Throws:
   //  - Error(kNotFound) if there is no file;
@@ -198,8 +235,8 @@ class MapStore {
   // Throws Error(kConflict) if the store is not open for writing or another update is open.
   MapUpdate BeginUpdate();
 
-  // Checks the integrity of the database and of every payload (checksum and decoding). `progress`
-  // may be empty; it receives the number of tiles done and the total.
+  // Checks the integrity of the database and of every payload of every version. `progress` may be
+  // empty; it receives the number of tiles done and the total.
   CheckReport Check(const std::function<void(int64_t, int64_t)>& progress) const;
 
  private:

@@ -1,57 +1,35 @@
-#include <fmt/format.h>
 #include <sqlite3.h>
 
-#include <cmath>
-#include <iterator>
 #include <string>
 #include <utility>
 
-#include "core/angles.h"
 #include "core/check.h"
 #include "core/error.h"
 #include "core/printable.h"
-#include "storage/geometry/geopackage.h"
 #include "storage/map/map_file.h"
 #include "storage/map/map_internal.h"
 #include "storage/map/map_queries.h"
 #include "storage/map/map_schema.h"
 #include "storage/map/map_store.h"
+#include "storage/map/utc_time.h"
 
 namespace cairn {
 namespace {
 
-// Formats numbers as "[1.5,2,3]". Each number is as short as an exact round trip allows.
-std::string FormatNumbers(const std::vector<double>& numbers) {
-  return fmt::format("[{}]", fmt::join(numbers, ","));
+bool IsLowerHex(const std::string& text) {
+  return text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
 
-// Returns the id of the row with equal intrinsics. Inserts a row if there is none.
-int64_t CameraRow(sqlite::Connection* connection, const Camera& camera) {
-  const std::string model = CameraModelName(camera.model());
-  const int64_t width_px = camera.width_px();
-  const int64_t height_px = camera.height_px();
-  const std::string params = FormatNumbers(camera.params());
-  sqlite::Statement found = connection->Prepare(
-      "SELECT camera_id FROM cairn_cameras "
-      "WHERE model = ? AND width_px = ? AND height_px = ? AND params = ?");
-  if (found.Bind(model, width_px, height_px, params).Step()) {
-    return found.Int64(0);
+void RequireValid(const SessionRecord& session) {
+  if (!session.recorded_at.empty() && !IsUtcTime(session.recorded_at)) {
+    throw Error(ErrorCode::kInvalidArgument, "session '" + Excerpt(session.name) +
+                                                 "': recorded_at '" + Excerpt(session.recorded_at) +
+                                                 "' is not a time like 2026-01-31T12:00:00Z");
   }
-  connection
-      ->Prepare(
-          "INSERT INTO cairn_cameras (model, width_px, height_px, params) VALUES (?, ?, ?, ?)")
-      .Bind(model, width_px, height_px, params)
-      .Run();
-  return connection->LastInsertId();
-}
-
-// Returns the heading of the optical axis: degrees clockwise from north, in [0, 360).
-double HeadingDeg(const Rigid3d& cam_from_ecef, const Geodetic& position) {
-  const Eigen::Vector3d axis_in_enu =
-      EcefFromEnu(position).rotation.conjugate() *
-      (cam_from_ecef.rotation.conjugate() * Eigen::Vector3d::UnitZ());
-  const double heading_deg = std::atan2(axis_in_enu.x(), axis_in_enu.y()) * kDegPerRad;
-  return heading_deg < 0.0 ? heading_deg + 360.0 : heading_deg;
+  if (!IsLowerHex(session.content_digest)) {
+    throw Error(ErrorCode::kInvalidArgument, "session '" + Excerpt(session.name) +
+                                                 "': content_digest is not lower-case hexadecimal");
+  }
 }
 
 // Updates gpkg_contents, from which GeoPackage readers learn a layer's extent and last change
@@ -83,11 +61,14 @@ MapUpdate::Impl::Impl(const std::string& path) : connection(OpenMapFileForUpdate
   // The schema is checked inside the transaction, so the triggers that run later are the checked
   // ones.
   RequireMapSchema(connection.get());
+  head.emplace(connection.get());
 }
 
 MapUpdate::MapUpdate(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 MapUpdate::MapUpdate(MapUpdate&&) noexcept = default;
 MapUpdate::~MapUpdate() = default;
+
+MapVersion MapUpdate::base_version() const { return MapVersion(impl_->head->next_version() - 1); }
 
 std::optional<TileRecord> MapUpdate::FindTile(TileId tile_id) const {
   return queries::FindTile(impl_->connection.get(), tile_id);
@@ -101,6 +82,14 @@ std::optional<SessionRecord> MapUpdate::FindSession(const std::string& name) con
   return queries::FindSession(impl_->connection.get(), name);
 }
 
+std::vector<SessionRecord> MapUpdate::Sessions() const {
+  return queries::Sessions(impl_->connection.get());
+}
+
+std::vector<KeyframeRecord> MapUpdate::KeyframesOfTile(TileId tile_id) const {
+  return queries::KeyframesOfTile(impl_->connection.get(), tile_id);
+}
+
 std::vector<TileId> MapUpdate::TilesOfSession(SessionId session_id) const {
   return queries::TilesOfSession(impl_->connection.get(), session_id);
 }
@@ -112,74 +101,39 @@ std::shared_ptr<const Codebook> MapUpdate::CurrentCodebook() const {
 }
 
 CodebookId MapUpdate::AddCodebook(const Codebook& codebook) {
-  const std::vector<uint8_t> bytes = EncodeCodebook(codebook);
-  impl_->connection
-      ->Prepare(
-          "INSERT INTO cairn_codebooks (created_at, bytes) "
-          "VALUES (strftime('%Y-%m-%dT%H:%M:%SZ', 'now'), ?)")
-      .Bind(bytes)
-      .Run();
-  return CodebookId(impl_->connection->LastInsertId());
+  const CodebookId codebook_id = impl_->head->StoreCodebook(codebook, CodebookId{});
+  impl_->head->SetCurrentCodebook(codebook_id);
+  return codebook_id;
 }
 
 SessionId MapUpdate::AddSession(const SessionRecord& session) {
+  RequireValid(session);
   if (FindSession(session.name)) {
     throw Error(ErrorCode::kConflict, impl_->connection->path() +
                                           ": already has a session named '" +
-                                          Excerpt(session.name) + "' already");
+                                          Excerpt(session.name) + "'");
   }
-  impl_->connection
-      ->Prepare(
-          "INSERT INTO cairn_sessions (name, source, created_at, num_images, num_landmarks, "
-          "georef_median_residual_m) "
-          "VALUES (?, ?, strftime('%Y-%m-%dT%H:%M:%SZ', 'now'), ?, ?, ?)")
-      .Bind(session.name, session.source, session.num_images, session.num_landmarks,
-            session.georef_median_residual_m)
-      .Run();
-  return SessionId(impl_->connection->LastInsertId());
+  SessionRecord added = session;
+  added.id = SessionId{};
+  added.created_at.clear();
+  return impl_->head->InsertSession(added);
 }
 
 void MapUpdate::RemoveSession(SessionId session_id) {
-  sqlite::Connection& connection = *impl_->connection;
-  connection
-      .Prepare(
-          "DELETE FROM cairn_keyframe_poses WHERE keyframe_id IN "
-          "(SELECT keyframe_id FROM keyframes WHERE session_id = ?)")
-      .Bind(Value(session_id))
-      .Run();
-  connection.Prepare("DELETE FROM keyframes WHERE session_id = ?").Bind(Value(session_id)).Run();
-  connection.Prepare("DELETE FROM cairn_sessions WHERE session_id = ?")
-      .Bind(Value(session_id))
-      .Run();
-  connection.Execute(
-      "DELETE FROM cairn_cameras WHERE NOT EXISTS "
-      "(SELECT 1 FROM cairn_keyframe_poses AS p WHERE p.camera_id = cairn_cameras.camera_id)");
+  for (const KeyframeId keyframe_id :
+       queries::KeyframeIdsOfSession(impl_->connection.get(), session_id)) {
+    impl_->head->RetireKeyframe(keyframe_id);
+  }
+  impl_->head->RetireSession(session_id);
 }
 
 KeyframeId MapUpdate::AddKeyframe(const KeyframeRecord& keyframe) {
-  sqlite::Connection& connection = *impl_->connection;
-  const Rigid3d& pose = keyframe.cam_from_ecef;
-  const Geodetic position = GeodeticFromEcef(pose.Inverse().translation);
-  const std::vector<uint8_t> geometry = PointGeometry(position);
-  connection
-      .Prepare(
-          "INSERT INTO keyframes (geom, session_id, tile_id, image_name, lat_deg, lon_deg, "
-          "h_m, heading_deg) VALUES (?, ?, ?, ?, ?, ?, ?, ?)")
-      .Bind(geometry, Value(keyframe.session_id), static_cast<int64_t>(keyframe.tile_id.value()),
-            keyframe.image_name, position.lat_deg(), position.lon_deg(), position.h_m,
-            HeadingDeg(pose, position))
-      .Run();
-  const int64_t keyframe_id = connection.LastInsertId();
-  connection
-      .Prepare(
-          "INSERT INTO cairn_keyframe_poses (keyframe_id, camera_id, qw, qx, qy, qz, tx_m, "
-          "ty_m, tz_m) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)")
-      .Bind(keyframe_id, CameraRow(&connection, keyframe.camera), pose.rotation.w(),
-            pose.rotation.x(), pose.rotation.y(), pose.rotation.z(), pose.translation.x(),
-            pose.translation.y(), pose.translation.z())
-      .Run();
-  return KeyframeId(keyframe_id);
+  KeyframeRecord added = keyframe;
+  added.id = KeyframeId{};
+  return impl_->head->InsertKeyframe(added);
 }
+
+void MapUpdate::RemoveKeyframe(KeyframeId keyframe_id) { impl_->head->RetireKeyframe(keyframe_id); }
 
 LandmarkId MapUpdate::ReserveLandmarkIds(uint64_t count) {
   constexpr uint64_t kMaxCount = uint64_t{1} << 48;  // Far below the limit of 63 bits.
@@ -197,52 +151,16 @@ LandmarkId MapUpdate::ReserveLandmarkIds(uint64_t count) {
 }
 
 PayloadId MapUpdate::PutTile(const TileRecord& tile, std::span<const uint8_t> payload) {
-  RemoveTile(tile.tile_id);
-  sqlite::Connection& connection = *impl_->connection;
-  connection.Prepare("INSERT INTO cairn_payloads (bytes) VALUES (?)").Bind(payload).Run();
-  const int64_t payload_id = connection.LastInsertId();
-  const auto tile_id = static_cast<int64_t>(tile.tile_id.value());
-  const std::vector<uint8_t> geometry = TileGeometry(tile.tile_id);
-  connection
-      .Prepare(
-          "INSERT INTO coverage (tile_id, geom, tile, num_landmarks, num_descriptors, "
-          "num_keyframes, num_bytes, min_h_m, max_h_m) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)")
-      .Bind(tile_id, geometry, tile.tile_id.ToString(), tile.num_landmarks, tile.num_descriptors,
-            tile.num_keyframes, std::ssize(payload), tile.min_h_m, tile.max_h_m)
-      .Run();
-  const GeoBox& bounds = tile.landmark_bounds;
-  connection
-      .Prepare(
-          "INSERT INTO cairn_tiles (tile_id, payload_id, codebook_id, landmarks_south_deg, "
-          "landmarks_west_deg, landmarks_north_deg, landmarks_east_deg) "
-          "VALUES (?, ?, ?, ?, ?, ?, ?)")
-      .Bind(tile_id, payload_id, Value(tile.codebook_id), bounds.south_rad * kDegPerRad,
-            bounds.west_rad * kDegPerRad, bounds.north_rad * kDegPerRad,
-            bounds.east_rad * kDegPerRad)
-      .Run();
-  return PayloadId(payload_id);
+  return impl_->head->PutTile(tile, payload);
 }
 
-void MapUpdate::RemoveTile(TileId tile_id) {
-  const std::optional<TileRecord> tile = FindTile(tile_id);
-  if (!tile) {
-    return;
-  }
-  const auto id = static_cast<int64_t>(tile_id.value());
-  impl_->connection->Prepare("DELETE FROM cairn_tiles WHERE tile_id = ?").Bind(id).Run();
-  impl_->connection->Prepare("DELETE FROM coverage WHERE tile_id = ?").Bind(id).Run();
-  impl_->connection->Prepare("DELETE FROM cairn_payloads WHERE payload_id = ?")
-      .Bind(Value(tile->payload_id))
-      .Run();
-}
+void MapUpdate::RemoveTile(TileId tile_id) { impl_->head->RetireTile(tile_id); }
 
-MapVersion MapUpdate::Publish() {
+MapVersion MapUpdate::Publish(const VersionNote& note) {
   CAIRN_CHECK(impl_->transaction.has_value(), "the update was already published");
   UpdateContents(impl_->connection.get());
-  impl_->connection->Execute(
-      "INSERT INTO cairn_versions (version, created_at) "
-      "SELECT max(version) + 1, strftime('%Y-%m-%dT%H:%M:%SZ', 'now') FROM cairn_versions");
-  const MapVersion version = queries::CurrentVersion(impl_->connection.get());
+  impl_->head->AddVersion(note);
+  const auto version = MapVersion(impl_->head->next_version());
   impl_->transaction->Commit();
   impl_->transaction.reset();
   // Moves the log's pages into the file, except those that a reader still needs; a later

@@ -77,17 +77,20 @@ TEST_F(DamagedMap, AMissingPayloadIsTheServersFault) {
   ExpectMapDamaged(Localize(server.get()));
 }
 
-TEST_F(DamagedMap, AMissingCodebookIsTheServersFault) {
-  const auto server = ServeDamaged("UPDATE cairn_codebooks SET codebook_id = 1000");
+TEST_F(DamagedMap, AMissingCodebookOfATileIsTheServersFault) {
+  const auto server = ServeDamaged("UPDATE cairn_tiles SET codebook_id = 1000");
   ExpectMapDamaged(Localize(server.get()));
 }
 
-TEST_F(DamagedMap, ACodebookThatDoesNotDecodeKeepsTheServerFromStarting) {
-  try {
-    ServeDamaged("UPDATE cairn_codebooks SET bytes = x'00'");
-    ADD_FAILURE() << "started";
-  } catch (const Error& e) {
-    EXPECT_THAT(e.what(), HasSubstr("codebook"));
+TEST_F(DamagedMap, ACodebookThatIsMissingOrDoesNotDecodeKeepsTheServerFromStarting) {
+  for (const char* damage : {"UPDATE cairn_codebooks SET codebook_id = 1000",
+                             "UPDATE cairn_codebooks SET bytes = x'00'"}) {
+    try {
+      ServeDamaged(damage);
+      ADD_FAILURE() << "started";
+    } catch (const Error& e) {
+      EXPECT_THAT(e.what(), HasSubstr("codebook"));
+    }
   }
 }
 

@@ -305,6 +305,19 @@ TEST_F(HttpServer, CoverageIsGeoJsonAroundTheStreet) {
   EXPECT_GT(doubled_area, 0.0);
 }
 
+TEST_F(HttpServer, VersionsAreNewestFirst) {
+  const auto all = GetJson("/v1/versions");
+  ASSERT_GE(all["versions"].size(), 2u);
+  EXPECT_EQ(all["truncated"], false);
+  EXPECT_EQ(all["versions"][0]["version"], all["map"]["version"]);
+  EXPECT_EQ(all["versions"][0]["kind"], "ingest");
+  EXPECT_EQ(all["versions"][0]["tiles"], GetJson("/version")["map"]["tiles"]);
+  EXPECT_EQ(all["versions"].back()["kind"], "create");
+  const auto one = GetJson("/v1/versions?limit=1");
+  EXPECT_EQ(one["versions"].size(), 1u);
+  EXPECT_EQ(one["truncated"], true);
+}
+
 TEST_F(HttpServer, CoverageAndTilesCanBeRestrictedToABox) {
   EXPECT_EQ(GetJson("/v1/coverage?bbox=8.5,47.3,8.6,47.4")["features"].size(),
             GetJson("/v1/coverage")["features"].size());

@@ -38,6 +38,12 @@ TEST(BoxAroundAll, LeavesOutTheWidestGap) {
   EXPECT_NEAR(one.east_rad, -3.1, 1e-12);
 }
 
+TEST(BoxAroundAll, ABoxOverTheAntimeridianCoversThoseBeyondIt) {
+  const GeoBox wide = *BoxAroundAll({{0.0, 3.0, 0.1, -3.0}, {0.0, -3.1, 0.1, -3.05}});
+  EXPECT_EQ(wide.west_rad, 3.0);
+  EXPECT_NEAR(wide.east_rad, -3.0, 1e-12);
+}
+
 TEST(BoxAroundAll, WithoutAGapItSpansAllLongitudes) {
   const GeoBox all = *BoxAroundAll({{0.0, -3.0, 0.1, 1.0}, {0.0, 0.5, 0.1, -2.9}});
   EXPECT_LT(all.west_rad, -3.14);

@@ -44,15 +44,89 @@ TEST_F(MapCheck, ADamagedCodebook) {
 }
 
 TEST_F(MapCheck, ADamagedNewestCodebookThatNoTileUses) {
-  ExpectFound("INSERT INTO cairn_codebooks (created_at, bytes) VALUES ('now', x'00')",
-              "codebook 2: ");
+  ExpectFound(
+      "INSERT INTO cairn_codebooks (created_at, digest, bytes) "
+      "VALUES ('now', printf('%032d', 2), x'00')",
+      "codebook 2: ");
 }
 
-TEST_F(MapCheck, TilesOfACodebookThatIsNotTheNewest) {
+TEST_F(MapCheck, TilesOfACodebookThatIsNotTheVersions) {
   ExpectFound(
-      "INSERT INTO cairn_codebooks (created_at, bytes) SELECT created_at, bytes FROM "
-      "cairn_codebooks",
-      "outdated codebook");
+      "INSERT INTO cairn_codebooks (created_at, digest, bytes) "
+      "SELECT created_at, printf('%032d', 2), bytes FROM cairn_codebooks;"
+      "UPDATE cairn_map SET codebook_id = 2;"
+      "UPDATE cairn_versions SET codebook_id = 2 WHERE version = 2",
+      "it is not coded with its version's codebook");
+  EXPECT_THAT(Problems(), Contains("codebook 2: does not match its digest"));
+}
+
+TEST_F(MapCheck, ACodebookThatIsNotTheLatestVersions) {
+  ExpectFound("UPDATE cairn_map SET codebook_id = NULL",
+              "the codebook is not that of the latest version");
+}
+
+TEST_F(MapCheck, ADigestThatIsNotThePayloads) {
+  ExpectFound("UPDATE cairn_payloads SET digest = printf('%032d', payload_id)",
+              "its payload does not match its digest");
+}
+
+TEST_F(MapCheck, TotalsAndBoundsThatAreNotTheVersions) {
+  ExpectFound("UPDATE cairn_versions SET num_landmarks = num_landmarks + 1 WHERE version = 2",
+              "1 versions have totals that are not those of what they hold");
+  ExpectFound("UPDATE cairn_versions SET north_deg = north_deg + 1 WHERE version = 2",
+              "the bounds of the latest version are not those of its tiles");
+  ExpectFound("UPDATE cairn_versions SET south_deg = 1 WHERE version = 1",
+              "1 versions have bounds that are none");
+}
+
+TEST_F(MapCheck, VersionsThatAreMissing) {
+  ExpectFound("UPDATE cairn_versions SET version = 4 WHERE version = 2", "versions are missing");
+}
+
+TEST_F(MapCheck, RowsOfVersionsThatTheMapNeverHad) {
+  ExpectFound("UPDATE cairn_tiles SET since = 9",
+              "3 rows are from versions that the map never had");
+}
+
+// One tile of the past, which version 2 had.
+class MapCheckOfThePast : public MapCheck {
+ protected:
+  MapCheckOfThePast() {
+    MapStore store = MapStore::Open(path_, OpenMode::kReadWrite);
+    MapUpdate update = store.BeginUpdate();
+    update.RemoveTile(store.Snapshot().AllTiles(1)[0].tile_id);
+    update.RemoveKeyframe(KeyframeId(1));
+    update.Publish();
+  }
+};
+
+TEST_F(MapCheckOfThePast, ASoundMapHasNoProblems) {
+  const CheckReport report = MapStore::Open(path_, OpenMode::kReadOnly).Check({});
+  EXPECT_THAT(report.problems, IsEmpty());
+  EXPECT_EQ(report.num_tiles_checked, 3);
+}
+
+TEST_F(MapCheckOfThePast, ADamagedPayload) {
+  ExpectFound(
+      "UPDATE cairn_payloads SET bytes = x'00' "
+      "WHERE payload_id = (SELECT payload_id FROM cairn_past_tiles)",
+      "as of version 2: ");
+}
+
+TEST_F(MapCheckOfThePast, ATileThatIsThereTwice) {
+  ExpectFound("UPDATE cairn_past_tiles SET tile_id = (SELECT min(tile_id) FROM cairn_tiles)",
+              "1 tiles are in the map and in its past in one version");
+}
+
+TEST_F(MapCheckOfThePast, AKeyframeWithoutACameraOrAPose) {
+  ExpectFound("UPDATE cairn_past_keyframes SET camera_id = 77",
+              "1 keyframes of the past have no camera");
+  ExpectFound("UPDATE cairn_past_keyframes SET camera_id = 1, qw = 0, qx = 0, qy = 0, qz = 0",
+              "a keyframe of the past: ");
+}
+
+TEST_F(MapCheckOfThePast, RowsOfVersionsThatAreNotKept) {
+  ExpectFound("UPDATE cairn_past_tiles SET until = 77", "1 rows of the past are of versions that");
 }
 
 TEST_F(MapCheck, AMissingCodebook) {
@@ -189,7 +263,7 @@ TEST_F(MapCheck, LandmarkIdsThatWouldBeGivenAgain) {
 TEST_F(MapCheck, CountersThatCannotGoOn) {
   ExpectFound("UPDATE cairn_map SET next_landmark_id = 9223372036854775807",
               "the next landmark id is too large");
-  ExpectFound("INSERT INTO cairn_versions VALUES (9223372036854775807, 'now')",
+  ExpectFound("UPDATE cairn_versions SET version = 9223372036854775807 WHERE version = 2",
               "no version, or a version that is too large");
   ExpectFound("UPDATE sqlite_sequence SET seq = 9223372036854775807", "id sequences");
 }
@@ -197,6 +271,13 @@ TEST_F(MapCheck, CountersThatCannotGoOn) {
 TEST_F(MapCheck, LandmarksOfAnUnknownSession) {
   ExpectFound("UPDATE cairn_sessions SET session_id = 9 WHERE session_id = 2",
               "landmarks of sessions that are not in the map");
+}
+
+TEST_F(MapCheck, TimesAndDigestsOfSessionsThatAreNone) {
+  ExpectFound(
+      "UPDATE cairn_sessions SET recorded_at = 'in May' WHERE session_id = 1;"
+      "UPDATE cairn_sessions SET content_digest = 'xyz' WHERE session_id = 2",
+      "2 sessions have times or digests that are none");
 }
 
 TEST_F(MapCheck, KeyframesOfAPayloadThatTheMapLacks) {

@@ -205,7 +205,7 @@ TEST(MapFile, CheckFindsRowsThatDoNotAgree) {
              "UPDATE coverage SET num_landmarks = num_landmarks + 1;"
              "DELETE FROM rtree_coverage_geom;"
              "DELETE FROM cairn_keyframe_poses WHERE keyframe_id = 1;"
-             "INSERT INTO cairn_payloads (bytes) VALUES (x'00');");
+             "INSERT INTO cairn_payloads (digest, bytes) VALUES (printf('%032d', 0), x'00');");
   const CheckReport report = MapStore::Open(path, OpenMode::kReadOnly).Check({});
   EXPECT_THAT(report.problems,
               ::testing::IsSupersetOf({HasSubstr("3 tiles are missing in the spatial index"),

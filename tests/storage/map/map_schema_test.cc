@@ -150,8 +150,14 @@ TEST_F(MapSchema, MapsOfEarlierCommitsDifferInWhiteSpaceOnly) {
 TEST_F(MapSchema, SumsThatOverflowAreDamage) {
   const std::string path = testing::MakeStreetMap(dir_.File("a.gpkg"));
   ExecuteRaw(path, "UPDATE coverage SET num_landmarks = 9223372036854775807");
-  const MapStore store = MapStore::Open(path, OpenMode::kReadOnly);
-  EXPECT_EQ(testing::ErrorCodeOf([&] { store.Snapshot().Info(); }), ErrorCode::kMapDamaged);
+  MapStore store = MapStore::Open(path, OpenMode::kReadWrite);
+  EXPECT_THAT(store.Check({}).problems, ::testing::Contains(HasSubstr("integer overflow")));
+  EXPECT_EQ(testing::ErrorCodeOf([&] {
+              MapUpdate update = store.BeginUpdate();
+              update.RemoveTile(store.Snapshot().AllTiles(1).at(0).tile_id);
+              update.Publish();
+            }),
+            ErrorCode::kMapDamaged);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "storage/map/map_file.h"
 #include "storage/map/map_queries.h"
+#include "storage/map/version_queries.h"
 #include "support/street_map.h"
 #include "support/temp_dir.h"
 
@@ -56,10 +57,26 @@ TEST(QueryPlan, KeyframesAndTilesOfASessionComeThroughItsIndex) {
   }
 }
 
+TEST(QueryPlan, KeyframesOfATileComeThroughItsIndex) {
+  const TempDir dir;
+  const std::string plan = PlanOf(MakeStreetMap(dir.File("a.gpkg")), queries::KeyframesOfTileSql());
+  EXPECT_THAT(plan, HasSubstr("INDEX keyframes_by_tile (tile_id=?)"));
+  EXPECT_THAT(plan, Not(HasSubstr("SCAN")));
+}
+
 TEST(QueryPlan, TheVersionIsOneStepFromTheEnd) {
   const TempDir dir;
   const std::string plan = PlanOf(MakeStreetMap(dir.File("a.gpkg")), queries::CurrentVersionSql());
   EXPECT_THAT(plan, Not(HasSubstr("TEMP B-TREE")));
+  EXPECT_THAT(PlanOf(dir.File("a.gpkg"), queries::LatestVersionsSql()),
+              Not(HasSubstr("TEMP B-TREE")));
+}
+
+TEST(QueryPlan, WhatChangedComesThroughIndices) {
+  const TempDir dir;
+  const std::string plan = PlanOf(MakeStreetMap(dir.File("a.gpkg")), queries::ChangedTilesSql());
+  EXPECT_THAT(plan, HasSubstr("INDEX cairn_tiles_by_since (since>?)"));
+  EXPECT_THAT(plan, HasSubstr("INDEX cairn_past_tiles_by_until (until>?)"));
 }
 
 }  // namespace

@@ -1,0 +1,80 @@
+// `cairn log`: the versions of a map.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "cli/shell.h"
+#include "core/printable.h"
+#include "storage/map/map_store.h"
+
+namespace cairn {
+namespace {
+
+struct LogArguments {
+  std::string map_path;
+  int64_t limit = std::numeric_limits<int64_t>::max();
+  bool json = false;
+};
+
+void PrintJson(const std::vector<VersionRecord>& versions) {
+  auto json = nlohmann::ordered_json::array();
+  for (const VersionRecord& version : versions) {
+    json.push_back({{"version", Value(version.version)},
+                    {"createdAt", version.created_at},
+                    {"author", version.author},
+                    {"kind", version.kind},
+                    {"session", version.session},
+                    {"summary", version.summary},
+                    {"sessions", version.totals.num_sessions},
+                    {"keyframes", version.totals.num_keyframes},
+                    {"tiles", version.totals.num_tiles},
+                    {"landmarks", version.totals.num_landmarks},
+                    {"descriptors", version.totals.num_descriptors},
+                    {"payloadBytes", version.totals.payload_bytes}});
+  }
+  fmt::print("{}\n", json.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace));
+}
+
+void PrintText(const std::vector<VersionRecord>& versions) {
+  for (const VersionRecord& version : versions) {
+    fmt::print("{:<6} {}  {:<8} {}{}{}\n", Value(version.version), Excerpt(version.created_at),
+               Excerpt(version.kind), Excerpt(version.session),
+               version.session.empty() || version.summary.empty() ? "" : ": ",
+               Excerpt(version.summary));
+    fmt::print("       by {}; {} tiles, {} landmarks, {:.1f} kB\n", Excerpt(version.author),
+               version.totals.num_tiles, version.totals.num_landmarks,
+               1e-3 * static_cast<double>(version.totals.payload_bytes));
+  }
+}
+
+ExitCode RunLog(const LogArguments& arguments) {
+  const std::vector<VersionRecord> versions =
+      MapStore::Open(arguments.map_path, OpenMode::kReadOnly).Snapshot().Versions(arguments.limit);
+  if (arguments.json) {
+    PrintJson(versions);
+  } else {
+    PrintText(versions);
+  }
+  return ExitCode::kOk;
+}
+
+}  // namespace
+
+void AddLogCommand(CLI::App* app, Shell* shell) {
+  CLI::App* command = app->add_subcommand("log", "List the versions of a map, newest first");
+  auto arguments = std::make_shared<LogArguments>();
+  command->add_option("MAP", arguments->map_path, "Map file")->required();
+  command->add_option("--limit", arguments->limit, "List at most so many versions")
+      ->check(CLI::PositiveNumber);
+  command->add_flag("--json", arguments->json, "Print JSON");
+  command->footer("Example:\n  cairn log city.gpkg");
+  command->callback(
+      [shell, arguments] { shell->run = [arguments] { return RunLog(*arguments); }; });
+}
+
+}  // namespace cairn

@@ -1,0 +1,45 @@
+// Converts rows of a map's tables to records; private to storage. Throws Error(kMapDamaged) on
+// values that Cairn never writes.
+#ifndef CAIRN_STORAGE_MAP_MAP_ROWS_H_
+#define CAIRN_STORAGE_MAP_MAP_ROWS_H_
+
+#include <cstdint>
+#include <vector>
+
+#include "core/error.h"
+#include "storage/map/map_store.h"
+#include "storage/sqlite/connection.h"
+
+namespace cairn::rows {
+
+// Calls `make`. If `make` rejects a value that was read from the map, throws Error(kMapDamaged).
+template <typename Make>
+auto MakeFromRow(const sqlite::Connection& connection, const Make& make) {
+  try {
+    return make();
+  } catch (const Error& error) {
+    throw Error(ErrorCode::kMapDamaged, connection.path() + ": " + error.what());
+  }
+}
+
+TileId ReadTileId(const sqlite::Connection& connection, int64_t value);
+
+// Columns: tile_id, payload_id, codebook_id, num_landmarks, num_descriptors, num_keyframes,
+// num_bytes, min_h_m, max_h_m, landmarks_south_deg, _west_, _north_, _east_deg.
+TileRecord ReadTile(const sqlite::Connection& connection, const sqlite::Statement& row);
+
+// Columns: session_id, name, source, created_at, recorded_at, content_digest, num_images,
+// num_landmarks, georef_median_residual_m.
+SessionRecord ReadSession(const sqlite::Statement& row);
+
+// Columns: keyframe_id, session_id, tile_id, image_name, model, width_px, height_px, params, qw,
+// qx, qy, qz, tx_m, ty_m, tz_m.
+KeyframeRecord ReadKeyframe(const sqlite::Connection& connection, const sqlite::Statement& row);
+
+// All rows of a statement whose parameters are bound.
+std::vector<KeyframeRecord> ReadKeyframes(const sqlite::Connection& connection,
+                                          sqlite::Statement* rows);
+
+}  // namespace cairn::rows
+
+#endif  // CAIRN_STORAGE_MAP_MAP_ROWS_H_

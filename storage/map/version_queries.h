@@ -1,0 +1,62 @@
+// Reads and writes the versions of a map; private to storage. The rules of map_queries.h hold.
+#ifndef CAIRN_STORAGE_MAP_VERSION_QUERIES_H_
+#define CAIRN_STORAGE_MAP_VERSION_QUERIES_H_
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "storage/map/map_store.h"
+#include "storage/map/map_versions.h"
+#include "storage/sqlite/connection.h"
+
+namespace cairn::queries {
+
+// The SQL of the frequent queries, for the tests of EXPLAIN QUERY PLAN.
+std::string_view CurrentVersionSql();
+std::string_view LatestVersionsSql();
+std::string_view ChangedTilesSql();
+
+MapVersion CurrentVersion(sqlite::Connection* connection);
+// Returns the newest `limit` versions, newest first.
+std::vector<VersionRecord> Versions(sqlite::Connection* connection, int64_t limit);
+VersionRecord LatestVersion(sqlite::Connection* connection);
+
+// Returns the codebook for new sessions as of a version, or 0 if the version has none.
+CodebookId CodebookOfVersion(sqlite::Connection* connection, MapVersion version);
+
+// Throws Error(kNotFound), which names the versions of the map, if `version` is not among them.
+void RequireVersion(sqlite::Connection* connection, MapVersion version);
+
+// Returns the tiles whose payloads differ, ordered by id. Throws as RequireVersion.
+std::vector<TileChange> Diff(sqlite::Connection* connection, MapVersion from, MapVersion to);
+
+// A state of a tile that the latest version does not have.
+struct PastTile {
+  TileRecord tile;
+  MapVersion since{};
+  MapVersion until{};
+};
+
+// These return the rows of the past that a version has, ordered by id.
+std::vector<TileRecord> PastTiles(sqlite::Connection* connection, MapVersion version);
+std::vector<SessionRecord> PastSessions(sqlite::Connection* connection, MapVersion version);
+std::vector<KeyframeRecord> PastKeyframes(sqlite::Connection* connection, MapVersion version);
+
+// Returns all tiles of the past, ordered by id and version.
+std::vector<PastTile> AllPastTiles(sqlite::Connection* connection);
+// Returns a keyframe as of a version, from the tables of the latest version or of the past.
+std::optional<KeyframeRecord> FindKeyframeOf(sqlite::Connection* connection, MapVersion version,
+                                             KeyframeId keyframe_id);
+
+// Returns the box around the squares of all tiles. Reads every tile id.
+std::optional<GeoBox> BoundsOfTiles(sqlite::Connection* connection);
+
+// Takes the user of the process for the author.
+void InsertVersion(sqlite::Connection* connection, MapVersion version, const VersionNote& note,
+                   const MapTotals& totals);
+
+}  // namespace cairn::queries
+
+#endif  // CAIRN_STORAGE_MAP_VERSION_QUERIES_H_
