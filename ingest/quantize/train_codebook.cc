@@ -120,35 +120,102 @@ std::vector<int> BalanceSubspaces(const Eigen::VectorXd& variances, int num_subs
   return order;
 }
 
-// Sets mean and projection: the leading principal components, distributed among subspaces.
-// `normalized` is the training set.
-void TrainProjection(const DescriptorMatrix& normalized, const CodebookOptions& options,
-                     Codebook* codebook) {
-  const Eigen::VectorXd mean = normalized.cast<double>().colwise().mean();
+// Covariance of centered rows, summed in blocks of doubles.
+Eigen::MatrixXd CovarianceOf(const DescriptorMatrix& rows, const Eigen::VectorXd& mean) {
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(mean.size(), mean.size());
-  constexpr Eigen::Index kBlock = 4096;  // Rows converted to double at a time.
-  for (Eigen::Index begin = 0; begin < normalized.rows(); begin += kBlock) {
-    const Eigen::Index rows = std::min(kBlock, normalized.rows() - begin);
+  constexpr Eigen::Index kBlock = 4096;
+  for (Eigen::Index begin = 0; begin < rows.rows(); begin += kBlock) {
+    const Eigen::Index count = std::min(kBlock, rows.rows() - begin);
     const Eigen::MatrixXd centered =
-        normalized.middleRows(begin, rows).cast<double>().rowwise() - mean.transpose();
+        rows.middleRows(begin, count).cast<double>().rowwise() - mean.transpose();
     covariance.selfadjointView<Eigen::Lower>().rankUpdate(centered.transpose());
   }
-  covariance /= static_cast<double>(normalized.rows());
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
-  const Eigen::VectorXd variances = solver.eigenvalues().reverse().head(options.projected_dim);
-  const Eigen::MatrixXd components = solver.eigenvectors().rowwise().reverse();
+  covariance.triangularView<Eigen::StrictlyUpper>() = covariance.transpose();
+  return covariance / static_cast<double>(rows.rows());
+}
 
-  const std::vector<int> order = BalanceSubspaces(variances, options.num_subspaces);
+// The rows of a projection, best first, and the variance of the training set along each of them.
+struct ProjectionRows {
+  Eigen::MatrixXd rows;
+  Eigen::VectorXd variances;
+};
+
+// The directions of largest variance.
+ProjectionRows PrincipalComponents(const Eigen::MatrixXd& covariance, int count) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
+  return {solver.eigenvectors().rowwise().reverse().leftCols(count).transpose(),
+          solver.eigenvalues().reverse().head(count)};
+}
+
+// Mean covariance of the descriptors of one landmark, over landmarks with `max_count` descriptors
+// together, with a little of the identity so that it can be inverted.
+Eigen::MatrixXd WithinLandmarkCovariance(const Reconstruction& reconstruction,
+                                         DescriptorNormalization normalization, int max_count) {
+  constexpr double kShrinkage = 1e-2;
+  const int dim = reconstruction.descriptor_dim();
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(dim, dim);
+  double num_differences = 0.0;
+  int num_left = max_count;
+  for (const ReconLandmark& landmark : reconstruction.landmarks) {
+    const auto num_looks = static_cast<int>(landmark.observations.size());
+    if (num_looks < 2 || num_looks > num_left) {
+      continue;
+    }
+    num_left -= num_looks;
+    DescriptorMatrix looks = DescriptorsOf(reconstruction, landmark.observations);
+    NormalizeDescriptors(normalization, &looks);
+    const Eigen::MatrixXd centered = (looks.rowwise() - looks.colwise().mean()).cast<double>();
+    sum.noalias() += centered.transpose() * centered;
+    num_differences += num_looks - 1;
+  }
+  if (num_differences == 0.0) {
+    throw Error(ErrorCode::kBadInput,
+                "a likelihood-ratio projection needs landmarks with two descriptors or more");
+  }
+  const Eigen::MatrixXd within = sum / num_differences;
+  return within + kShrinkage * within.trace() / dim * Eigen::MatrixXd::Identity(dim, dim);
+}
+
+// The directions along which landmarks differ most, relative to the looks at one landmark. The
+// squared distance in the projected space is the statistic of the likelihood-ratio test that two
+// descriptors belong to one landmark (Bosse and Zlot 2009): with W the covariance within landmarks
+// and T that of all descriptors, the generalized eigenvectors T v = l W v, scaled by sqrt(1 - 1/l).
+ProjectionRows LikelihoodRatioComponents(const Eigen::MatrixXd& covariance,
+                                         const Eigen::MatrixXd& within, int count) {
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance, within);
+  ProjectionRows projection;
+  projection.rows = solver.eigenvectors().rowwise().reverse().leftCols(count).transpose();
+  const Eigen::VectorXd ratios = solver.eigenvalues().reverse().head(count).cwiseMax(1.0 + 1e-6);
+  projection.rows = (1.0 - ratios.cwiseInverse().array()).sqrt().matrix().asDiagonal() *
+                    projection.rows;
+  projection.variances = (projection.rows * covariance * projection.rows.transpose()).diagonal();
+  return projection;
+}
+
+// Sets mean and projection, its rows distributed among subspaces. `normalized` is the training set.
+void TrainProjection(const DescriptorMatrix& normalized, const Reconstruction& reconstruction,
+                     const CodebookOptions& options, Codebook* codebook) {
+  const Eigen::VectorXd mean = normalized.cast<double>().colwise().mean();
+  const Eigen::MatrixXd covariance = CovarianceOf(normalized, mean);
+  const ProjectionRows best =
+      options.projection == ProjectionKind::kPrincipalComponents
+          ? PrincipalComponents(covariance, options.projected_dim)
+          : LikelihoodRatioComponents(
+                covariance,
+                WithinLandmarkCovariance(reconstruction, codebook->normalization,
+                                         options.max_training_descriptors),
+                options.projected_dim);
+  const std::vector<int> order = BalanceSubspaces(best.variances, options.num_subspaces);
   codebook->mean = mean.cast<float>();
   codebook->projection.resize(options.projected_dim, mean.size());
   for (int i = 0; i < options.projected_dim; ++i) {
-    Eigen::VectorXd component = components.col(order[i]);
+    Eigen::VectorXd row = best.rows.row(order[i]).transpose();
     Eigen::Index largest;
-    component.cwiseAbs().maxCoeff(&largest);
-    if (component[largest] < 0.0) {
-      component = -component;  // The sign of an eigenvector is arbitrary.
+    row.cwiseAbs().maxCoeff(&largest);
+    if (row[largest] < 0.0) {
+      row = -row;  // The sign of an eigenvector is arbitrary.
     }
-    codebook->projection.row(i) = component.transpose().cast<float>();
+    codebook->projection.row(i) = row.transpose().cast<float>();
   }
 }
 
@@ -274,7 +341,7 @@ Codebook TrainCodebook(const Reconstruction& reconstruction, const CodebookOptio
   Codebook codebook;
   codebook.descriptor_type = reconstruction.descriptor_type;
   NormalizeDescriptors(codebook.normalization, &training);
-  TrainProjection(training, options, &codebook);
+  TrainProjection(training, reconstruction, options, &codebook);
   const DescriptorMatrix projected =
       (training.rowwise() - codebook.mean.transpose()) * codebook.projection.transpose();
   TrainWords(projected, options, &codebook);

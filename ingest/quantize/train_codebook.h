@@ -9,7 +9,13 @@
 
 namespace cairn {
 
+enum class ProjectionKind {
+  kPrincipalComponents,  // Keeps what varies most.
+  kLikelihoodRatio,      // Keeps what tells landmarks apart (Bosse and Zlot 2009).
+};
+
 struct CodebookOptions {
+  ProjectionKind projection = ProjectionKind::kPrincipalComponents;
   int projected_dim = 16;  // The paper finds diminishing returns above 16.
   int num_subspaces = 8;   // Bytes per descriptor; 8 x 256 words lose 2 % recall, 4 lose 17 %.
   // More descriptors do not pay. On KITTI, 40,000 descriptors and 3 s of training lose 0.74 % of

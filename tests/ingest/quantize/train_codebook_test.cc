@@ -60,6 +60,36 @@ TEST(TrainCodebook, ProjectionKeepsMoreVarianceThanAnySixteenBins) {
   EXPECT_GT(kept, best_bins);
 }
 
+// Squared projected distance between looks at one landmark over that between landmarks.
+double SameOverOther(const Codebook& codebook) {
+  const DescriptorCodec codec(std::make_shared<const Codebook>(codebook));
+  double same = 0.0, other = 0.0;
+  Eigen::RowVectorXf previous;
+  for (const ReconLandmark& landmark : Street().landmarks) {
+    DescriptorMatrix raw(2, 128);
+    for (int i = 0; i < 2; ++i) {
+      const ReconObservation& observation = landmark.observations[i];
+      raw.row(i) = Street().images[observation.image_idx].features.descriptors.row(
+          observation.keypoint_idx);
+    }
+    const DescriptorMatrix projected = codec.Project(raw);
+    same += (projected.row(0) - projected.row(1)).squaredNorm();
+    if (previous.size() > 0) {
+      other += (projected.row(0) - previous).squaredNorm();
+    }
+    previous = projected.row(0);
+  }
+  return same / other;
+}
+
+TEST(TrainCodebook, TheLikelihoodRatioTellsLandmarksApartAtLeastAsWell) {
+  CodebookOptions options;
+  options.projection = ProjectionKind::kLikelihoodRatio;
+  const Codebook codebook = TrainCodebook(Street(), options);
+  EXPECT_NO_THROW(codebook.Validate());
+  EXPECT_LE(SameOverOther(codebook), SameOverOther(StreetCodebook()));
+}
+
 TEST(TrainCodebook, BalancesTheVarianceOfSubspaces) {
   const DescriptorCodec codec(std::make_shared<const Codebook>(StreetCodebook()));
   const DescriptorMatrix projected = codec.Project(Street().images[3].features.descriptors);
