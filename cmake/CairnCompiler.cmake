@@ -19,6 +19,9 @@ if(CAIRN_ASSERTIONS)
   string(REPLACE "-DNDEBUG" "" CMAKE_CXX_FLAGS_RELWITHDEBINFO "${CMAKE_CXX_FLAGS_RELWITHDEBINFO}")
 endif()
 
+# Tests spend their time in the libraries. Their own code compiles in three quarters of the time so.
+set(cairn_test_options $<$<CONFIG:Release>:-O1>)
+
 if(CAIRN_SANITIZE)
   add_compile_options(-fsanitize=${CAIRN_SANITIZE} -fno-omit-frame-pointer
                       -fno-sanitize-recover=all)

@@ -36,7 +36,7 @@ if(CAIRN_BUILD_TESTS)
   target_link_libraries(cairn_test_headers PRIVATE GTest::gmock)
   # Tests are executables, which the compiler tells from libraries.
   set_target_properties(cairn_test_headers PROPERTIES POSITION_INDEPENDENT_CODE OFF)
-  target_compile_options(cairn_test_headers PRIVATE -fPIE)
+  target_compile_options(cairn_test_headers PRIVATE -fPIE ${cairn_test_options})
 endif()
 
 # cairn_source_options(SOURCES a.cc b.cc OPTIONS -O3)
