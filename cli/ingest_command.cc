@@ -11,6 +11,7 @@
 #include "cli/options_file.h"
 #include "cli/reconstruction_arguments.h"
 #include "cli/shell.h"
+#include "core/angles.h"
 #include "core/error.h"
 #include "core/printable.h"
 #include "ingest/ingest_session.h"
@@ -25,6 +26,7 @@ struct IngestArguments {
   ReconstructionArguments reconstruction;
   std::string image_list_path;
   CairnOptions options;
+  bool apart = false;
   bool json = false;
 };
 
@@ -35,24 +37,60 @@ std::string DefaultSessionName(const std::string& database_path) {
   return folder.empty() ? "session" : folder;
 }
 
+nlohmann::ordered_json ComparisonJson(const MapComparison& comparison) {
+  return {{"photosExpected", comparison.num_expected},
+          {"photosRecognised", comparison.num_localized},
+          {"photosAgreeing", comparison.fit.num_agreeing},
+          {"movedM", comparison.fit.moved_m},
+          {"turnedDeg", comparison.fit.turned_rad * kDegPerRad},
+          {"scale", comparison.fit.scale},
+          {"medianResidualM", comparison.fit.median_residual_m}};
+}
+
+nlohmann::ordered_json ChangesJson(const TileChanges& changes) {
+  return {{"merged", changes.num_merged},
+          {"new", changes.num_new},
+          {"notNeeded", changes.num_not_needed},
+          {"faded", changes.num_faded},
+          {"evicted", changes.num_evicted},
+          {"keyframesReplaced", changes.num_keyframes_replaced},
+          {"bytesBefore", changes.num_bytes_before},
+          {"bytesAfter", changes.num_bytes_after}};
+}
+
 void PrintJson(const IngestOptions& options, const Georegistration& georegistration,
                const IngestReport& report) {
   const nlohmann::ordered_json json = {{"session", options.session_name},
                                        {"replacedSession", report.replaced_session},
+                                       {"unchanged", report.is_unchanged},
                                        {"georegistration",
                                         {{"positions", georegistration.num_positions},
                                          {"inliers", georegistration.num_inliers},
                                          {"medianResidualM", georegistration.median_residual_m},
                                          {"maxResidualM", georegistration.max_residual_m}}},
+                                       {"comparison", ComparisonJson(report.comparison)},
                                        {"images", report.num_images},
                                        {"landmarksRead", report.num_landmarks_read},
                                        {"landmarksDropped", report.num_landmarks_dropped},
+                                       {"changes", ChangesJson(report.changes)},
                                        {"tiles", report.num_tiles_written},
                                        {"landmarks", report.num_landmarks_written},
                                        {"descriptors", report.num_descriptors_written},
                                        {"payloadBytes", report.num_payload_bytes},
                                        {"mapVersion", Value(report.map_version)}};
   fmt::print("{}\n", json.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace));
+}
+
+void PrintComparison(const MapComparison& comparison) {
+  if (comparison.num_expected == 0) {
+    return;
+  }
+  fmt::print(
+      "comparison       the map recognizes {} of {} photos; {} agree on a move of {:.2f} m and "
+      "{:.2f} degrees, residual {:.3f} m median\n",
+      comparison.num_localized, comparison.num_expected, comparison.fit.num_agreeing,
+      comparison.fit.moved_m, comparison.fit.turned_rad * kDegPerRad,
+      comparison.fit.median_residual_m);
 }
 
 void PrintText(const IngestOptions& options, const Georegistration& georegistration,
@@ -64,13 +102,26 @@ void PrintText(const IngestOptions& options, const Georegistration& georegistrat
       "georegistration  {} of {} positions agree; residual {:.3f} m median, {:.3f} m largest\n",
       georegistration.num_inliers, georegistration.num_positions, georegistration.median_residual_m,
       georegistration.max_residual_m);
+  if (report.is_unchanged) {
+    fmt::print("The map already holds exactly this session. Nothing was changed.\n");
+    return;
+  }
+  PrintComparison(report.comparison);
+  fmt::print("landmarks        {} read, {} dropped as uncertain\n", report.num_landmarks_read,
+             report.num_landmarks_dropped);
+  const TileChanges& changes = report.changes;
   fmt::print(
-      "landmarks        {} read, {} dropped as uncertain, {} written (once for each tile that "
-      "observes them)\n",
-      report.num_landmarks_read, report.num_landmarks_dropped, report.num_landmarks_written);
-  fmt::print("descriptors      {}\n", report.num_descriptors_written);
-  fmt::print("tiles            {} ({:.1f} kB)\n", report.num_tiles_written,
-             1e-3 * static_cast<double>(report.num_payload_bytes));
+      "                 {} merged, {} new, {} not needed, {} faded, {} evicted (one count for each "
+      "tile)\n",
+      changes.num_merged, changes.num_new, changes.num_not_needed, changes.num_faded,
+      changes.num_evicted);
+  fmt::print("keyframes        {} replaced\n", changes.num_keyframes_replaced);
+  fmt::print(
+      "tiles            {} with {} landmarks and {} descriptors; {:.1f} kB before, {:.1f} kB "
+      "now\n",
+      report.num_tiles_written, report.num_landmarks_written, report.num_descriptors_written,
+      1e-3 * static_cast<double>(changes.num_bytes_before),
+      1e-3 * static_cast<double>(changes.num_bytes_after));
   fmt::print("map version      {}\n", Value(report.map_version));
 }
 
@@ -104,6 +155,7 @@ ExitCode RunIngest(const IngestArguments& arguments, ProgressMode progress_mode)
     options.session_name = DefaultSessionName(arguments.reconstruction.database_path);
   }
   options.source = arguments.reconstruction.model_dir;
+  options.joining = arguments.apart ? SessionJoining::kApart : SessionJoining::kJoin;
   options.georef_median_residual_m = georegistration.median_residual_m;
   IngestReport report;
   {
@@ -153,6 +205,14 @@ void AddIngestCommand(CLI::App* app, Shell* shell) {
       ->add_option("--code-bytes", options.codebook.num_subspaces,
                    "Bytes per descriptor; used only for the first session of a map")
       ->capture_default_str();
+  command
+      ->add_option("--recorded", options.recorded_at,
+                   "When the photos were taken, e.g. 2026-01-31T12:00:00Z. Default: now. Landmarks "
+                   "that later sessions miss fade with time")
+      ->type_name("UTC");
+  command->add_flag(
+      "--apart", arguments->apart,
+      "Do not compare the session with the map, and keep its landmarks beside those of the map");
   command->add_flag("--json", arguments->json, "Print the summary as JSON");
   command->footer(
       "Example:\n"

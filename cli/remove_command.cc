@@ -7,7 +7,7 @@
 
 #include "cli/shell.h"
 #include "core/printable.h"
-#include "ingest/ingest_session.h"
+#include "ingest/remove_session.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {
@@ -20,9 +20,14 @@ struct RemoveArguments {
 
 ExitCode RunRemove(const RemoveArguments& arguments) {
   MapStore store = MapStore::Open(arguments.map_path, OpenMode::kReadWrite);
-  const MapVersion version = RemoveSession(arguments.session_name, &store);
+  const RemovalReport report = RemoveSession(arguments.session_name, &store);
   fmt::print("removed session {}; the map now has version {}\n", Excerpt(arguments.session_name),
-             Value(version));
+             Value(report.map_version));
+  fmt::print(
+      "{} landmarks that only this session saw are gone. {} landmarks that other sessions saw, "
+      "too, "
+      "keep its share in their positions and descriptors.\n",
+      report.num_landmarks_removed, report.num_landmarks_shared);
   return ExitCode::kOk;
 }
 

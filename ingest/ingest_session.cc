@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <set>
@@ -11,19 +11,21 @@
 
 #include "core/error.h"
 #include "core/printable.h"
-#include "core/require.h"
+#include "ingest/merging/link_landmarks.h"
+#include "ingest/scratch_map.h"
+#include "ingest/session_digest.h"
+#include "ingest/session_placement.h"
 #include "ingest/tiling/build_tile.h"
 #include "ingest/tiling/placed_session.h"
-#include "ingest/tiling/tile_edit.h"
-#include "ingest/write_tile.h"
 #include "storage/codebook/descriptor_codec.h"
-#include "storage/tile/tile_codec.h"
 
 namespace cairn {
 namespace {
 
 void Report(const IngestProgress& progress, const char* phase, int64_t done, int64_t total) {
-  if (progress) progress(phase, done, total);
+  if (progress) {
+    progress(phase, done, total);
+  }
 }
 
 void RequireFits(const Codebook& codebook, const Reconstruction& reconstruction) {
@@ -65,98 +67,108 @@ std::shared_ptr<const Codebook> PublishCodebook(std::shared_ptr<const Codebook> 
   return std::make_shared<const Codebook>(std::move(codebook));
 }
 
+// The session of this name that the map holds. Throws if another one has the same content.
+std::optional<SessionRecord> FindSameSession(const std::string& digest,
+                                             const IngestOptions& options,
+                                             const MapUpdate& update) {
+  const std::string content = digest.substr(0, kContentDigestSize);
+  for (const SessionRecord& session : update.Sessions()) {
+    if (session.name != options.session_name && session.content_digest.starts_with(content)) {
+      throw Error(ErrorCode::kConflict,
+                  fmt::format("the map has the same reconstruction as session '{}'; a place seen "
+                              "twice by the same photos counts them twice",
+                              Excerpt(session.name)));
+    }
+  }
+  return update.FindSession(options.session_name);
+}
+
+// What the map says about where the session stands. A session that is to be replaced has no say.
+MapComparison Compare(const Reconstruction& reconstruction, const PlacedSession& session,
+                      const std::optional<SessionRecord>& replaced, const IngestOptions& options,
+                      const MapUpdate& update, const MapStore& store) {
+  if (options.joining == SessionJoining::kApart) {
+    return {};
+  }
+  if (!replaced) {
+    return CompareWithMap(reconstruction, session, store, options.comparison);
+  }
+  const ScratchMap others = MapWithoutSession(session, replaced->id, update, store);
+  return CompareWithMap(reconstruction, session, others.store(), options.comparison);
+}
+
+// Links of all landmarks of the session to those of the map, tile by tile.
+std::vector<LandmarkId> LinkSession(const Reconstruction& reconstruction,
+                                    const PlacedSession& session, SessionId replaced,
+                                    const DescriptorCodec& codec, const IngestOptions& options,
+                                    const MapUpdate& update, const IngestProgress& progress) {
+  std::vector<LinkProposal> proposals;
+  if (options.joining == SessionJoining::kJoin) {
+    int64_t num_done = 0;
+    const auto num_tiles = static_cast<int64_t>(session.images_of_tile.size());
+    for (const auto& [tile_id, images] : session.images_of_tile) {
+      Report(progress, "links", num_done++, num_tiles);
+      const std::optional<Tile> known = LoadWithoutSession(tile_id, replaced, update);
+      if (!known || known->codebook_id != codec.codebook().id) {
+        continue;
+      }
+      const std::vector<LinkProposal> of_tile =
+          ProposeLinks(reconstruction, session, *known, codec, options.upkeep.linking);
+      proposals.insert(proposals.end(), of_tile.begin(), of_tile.end());
+    }
+  }
+  return ResolveLinks(reconstruction, session, std::move(proposals));
+}
+
+// Gives new ids to landmarks without a link. Returns the first of them.
+LandmarkId NumberNewLandmarks(std::vector<LandmarkId>* ids, MapUpdate* update) {
+  const auto num_new = std::count(ids->begin(), ids->end(), LandmarkId{});
+  const LandmarkId first = update->ReserveLandmarkIds(static_cast<uint64_t>(num_new));
+  uint64_t next = Value(first);
+  for (LandmarkId& id : *ids) {
+    if (id == LandmarkId{}) {
+      id = LandmarkId(next++);
+    }
+  }
+  return first;
+}
+
+std::vector<LandmarkId> IdsInReconstruction(const Reconstruction& reconstruction,
+                                            const PlacedSession& session,
+                                            const std::vector<LandmarkId>& ids) {
+  std::vector<LandmarkId> in_reconstruction(reconstruction.landmarks.size(), LandmarkId{});
+  for (size_t i = 0; i < ids.size(); ++i) {
+    in_reconstruction[session.landmarks[i].recon_idx] = ids[i];
+  }
+  return in_reconstruction;
+}
+
 // Deletes the session's rows. Returns the tiles that still hold its content.
-std::set<TileId> DetachSession(SessionId session_id, MapUpdate* update) {
-  const std::vector<TileId> tiles = update->TilesOfSession(session_id);
-  update->RemoveSession(session_id);
+std::set<TileId> DetachSession(const std::optional<SessionRecord>& session, MapUpdate* update) {
+  if (!session) {
+    return {};
+  }
+  const std::vector<TileId> tiles = update->TilesOfSession(session->id);
+  update->RemoveSession(session->id);
   return {tiles.begin(), tiles.end()};
 }
 
-std::vector<KeyframeId> AddKeyframes(const TileSource& source, TileId tile_id, MapUpdate* update) {
-  std::vector<KeyframeId> ids;
-  for (const int image_idx : source.session->images_of_tile.at(tile_id)) {
-    const ReconImage& image = source.reconstruction->images[image_idx];
-    KeyframeRecord record;
-    record.session_id = source.session_id;
-    record.tile_id = tile_id;
-    record.image_name = image.name;
-    record.camera = source.reconstruction->cameras[image.camera_idx];
-    record.cam_from_ecef = source.session->cam_from_ecef[image_idx];
-    ids.push_back(update->AddKeyframe(record));
-  }
-  return ids;
+SessionRecord MakeSessionRecord(const Reconstruction& reconstruction, const std::string& digest,
+                                const IngestOptions& options) {
+  SessionRecord record;
+  record.name = options.session_name;
+  record.source = options.source;
+  record.recorded_at = options.recorded_at;
+  record.content_digest = digest;
+  record.num_images = static_cast<int64_t>(reconstruction.images.size());
+  record.num_landmarks = static_cast<int64_t>(reconstruction.landmarks.size());
+  record.georef_median_residual_m = options.georef_median_residual_m;
+  return record;
 }
 
-// Number of a tile's keyframes that see each landmark.
-std::vector<int> CountKeyframes(const Tile& tile) {
-  std::vector<int> counts(tile.num_landmarks(), 0);
-  for (const uint32_t landmark_idx : tile.keyframe_landmarks) ++counts[landmark_idx];
-  return counts;
-}
-
-// Observations over the whole reconstruction for landmarks of the session at hand. Of other
-// sessions a tile knows only its own keyframes; they passed the selection's minimum when they came,
-// so they count for at least that.
-std::vector<int> CountObservations(const Tile& tile, const TileSource& source,
-                                   const LandmarkSelectionOptions& options) {
-  std::vector<int> counts = CountKeyframes(tile);
-  const bool is_alone = std::all_of(tile.landmark_sessions.begin(), tile.landmark_sessions.end(),
-                                    [&](SessionId id) { return id == source.session_id; });
-  for (size_t i = 0; i < counts.size(); ++i) {
-    if (is_alone) {
-      const uint64_t placed_idx = Value(tile.landmark_ids[i]) - Value(source.first_landmark_id);
-      const uint32_t recon_idx = source.session->landmarks[placed_idx].recon_idx;
-      counts[i] = static_cast<int>(source.reconstruction->landmarks[recon_idx].observations.size());
-    } else {
-      counts[i] = std::max(counts[i], options.min_observations);
-    }
-  }
-  return counts;
-}
-
-// The tile cut down to the budget.
-Tile SelectLandmarks(const Tile& tile, const TileSource& source, const LandmarkSelector& selector,
-                     const LandmarkSelectionOptions& options) {
-  VisibilityGraph graph;
-  graph.num_observations = CountObservations(tile, source, options);
-  for (size_t k = 0; k < tile.num_keyframes(); ++k) {
-    const std::span<const uint32_t> landmarks = tile.LandmarksOfKeyframe(k);
-    graph.landmarks_of_keyframe.emplace_back(landmarks.begin(), landmarks.end());
-  }
-  std::vector<int> num_descriptors(tile.num_landmarks());
-  for (size_t i = 0; i < num_descriptors.size(); ++i) {
-    num_descriptors[i] = static_cast<int>(tile.descriptor_begin[i + 1] - tile.descriptor_begin[i]);
-  }
-  return PickLandmarks(tile, selector.Select(graph, num_descriptors));
-}
-
-// A tile of the map without a session; nothing if the map has no such tile.
-std::optional<Tile> LoadWithoutSession(TileId tile_id, SessionId without, const MapUpdate& update) {
-  const std::optional<TileRecord> record = update.FindTile(tile_id);
-  if (!record) return std::nullopt;
-  const Tile tile = DecodeTile(update.LoadPayload(record->payload_id));
-  return WithoutSession(tile, without);
-}
-
-// Replaces the content of `old_session` (which may be 0) in a tile by that of the session at hand.
-void RewriteTile(const TileSource& source, TileId tile_id, SessionId old_session,
-                 const IngestOptions& options, MapUpdate* update, IngestReport* report) {
-  const Codebook& codebook = source.codec->codebook();
-  Tile tile = LoadWithoutSession(tile_id, old_session, *update)
-                  .value_or(EmptyTile(tile_id, codebook.id, codebook.num_subspaces));
-  if (source.session->images_of_tile.contains(tile_id)) {
-    if (tile.codebook_id != codebook.id) {
-      throw Error(
-          ErrorCode::kConflict,
-          fmt::format("tile {} is coded with codebook {}, new sessions with {}; ingest into "
-                      "a new map",
-                      tile_id.ToString(), Value(tile.codebook_id), Value(codebook.id)));
-    }
-    AppendTile(BuildTile(source, tile_id, AddKeyframes(source, tile_id, update)), &tile);
-    const auto selector = MakeLandmarkSelector(options.selection);
-    tile = SelectLandmarks(tile, source, *selector, options.selection);
-  }
-  report->num_payload_bytes += WriteTile(tile, codebook, update);
+void CountTile(const Tile& tile, const TileChanges& changes, IngestReport* report) {
+  report->changes.Add(changes);
+  report->num_payload_bytes += changes.num_bytes_after;
   if (tile.num_landmarks() > 0) {
     ++report->num_tiles_written;
     report->num_landmarks_written += static_cast<int64_t>(tile.num_landmarks());
@@ -164,98 +176,86 @@ void RewriteTile(const TileSource& source, TileId tile_id, SessionId old_session
   }
 }
 
-SessionRecord MakeSessionRecord(const Reconstruction& reconstruction,
-                                const IngestOptions& options) {
-  SessionRecord record;
-  record.name = options.session_name;
-  record.source = options.source;
-  record.num_images = static_cast<int64_t>(reconstruction.images.size());
-  record.num_landmarks = static_cast<int64_t>(reconstruction.landmarks.size());
-  record.georef_median_residual_m = options.georef_median_residual_m;
-  return record;
+std::string SummaryOf(const IngestReport& report) {
+  return fmt::format("{} images into {} tiles: {} landmarks merged, {} new, {} faded, {} evicted",
+                     report.num_images, report.num_tiles_written, report.changes.num_merged,
+                     report.changes.num_new, report.changes.num_faded, report.changes.num_evicted);
+}
+
+// Rewrites the tiles in which the session stands and those in which the replaced one stood.
+void RewriteTiles(const TileRewriteContext& context, std::set<TileId> tiles,
+                  const IngestProgress& progress, MapUpdate* update, IngestReport* report) {
+  for (const auto& [tile_id, images] : context.source->session->images_of_tile) {
+    tiles.insert(tile_id);
+  }
+  const auto num_tiles = static_cast<int64_t>(tiles.size());
+  int64_t num_done = 0;
+  for (const TileId tile_id : tiles) {
+    Report(progress, "tiles", num_done++, num_tiles);
+    Tile written;
+    const TileChanges changes = RewriteTile(context, tile_id, update, &written);
+    CountTile(written, changes, report);
+  }
+  Report(progress, "tiles", num_tiles, num_tiles);
 }
 
 }  // namespace
-
-void IngestOptions::Validate() const {
-  RequireOption(!session_name.empty(), "ingest.session_name must not be empty");
-  RequireOption(max_sigma_m > 0.0, "ingest.max_sigma_m must be positive");
-  RequireOption(max_reprojection_error_px > 0.0,
-                "ingest.max_reprojection_error_px must be positive");
-  RequireOption(std::isfinite(georef_median_residual_m),
-                "ingest.georef_median_residual_m must be finite");
-  codebook.Validate();
-  selection.Validate();
-  appearance.Validate();
-}
 
 IngestReport IngestSession(const Reconstruction& reconstruction, const Sim3d& ecef_from_world,
                            const IngestOptions& options, MapStore* store,
                            const IngestProgress& progress) {
   options.Validate();
   reconstruction.Validate();
-  const PlacedSession session =
+  const PlacedSession placed =
       PlaceSession(reconstruction, ecef_from_world,
                    {.min_observations = options.selection.min_observations,
                     .max_sigma_m = options.max_sigma_m,
                     .max_reprojection_error_px = options.max_reprojection_error_px});
-  std::shared_ptr<const Codebook> codebook =
+  const std::string digest = DigestOf(reconstruction) + DigestOf(ecef_from_world, options);
+  std::shared_ptr<const Codebook> trained =
       FindOrTrainCodebook(reconstruction, options, *store, progress);
 
   MapUpdate update = store->BeginUpdate();
-  const DescriptorCodec codec(PublishCodebook(std::move(codebook), reconstruction, &update));
-  const auto summarizer = MakeAppearanceSummarizer(options.appearance);
   IngestReport report;
-  std::set<TileId> tiles;
-  SessionId old_session{};
-  if (const auto record = update.FindSession(options.session_name)) {
-    old_session = record->id;
-    tiles = DetachSession(old_session, &update);
-    report.replaced_session = true;
-  }
-  for (const auto& [tile_id, images] : session.images_of_tile) tiles.insert(tile_id);
-
-  TileSource source{&reconstruction, &session, &codec, summarizer.get(), {}, {}};
-  source.session_id = update.AddSession(MakeSessionRecord(reconstruction, options));
-  source.first_landmark_id = update.ReserveLandmarkIds(session.landmarks.size());
-  int64_t num_done = 0;
-  for (const TileId tile_id : tiles) {
-    Report(progress, "tiles", num_done++, static_cast<int64_t>(tiles.size()));
-    RewriteTile(source, tile_id, old_session, options, &update, &report);
-  }
-  Report(progress, "tiles", num_done, num_done);
-
-  report.session_id = source.session_id;
   report.num_images = static_cast<int64_t>(reconstruction.images.size());
   report.num_landmarks_read = static_cast<int64_t>(reconstruction.landmarks.size());
   report.num_landmarks_dropped =
-      report.num_landmarks_read - static_cast<int64_t>(session.landmarks.size());
+      report.num_landmarks_read - static_cast<int64_t>(placed.landmarks.size());
+  const std::optional<SessionRecord> same = FindSameSession(digest, options, update);
+  if (same && same->content_digest == digest) {
+    report.session_id = same->id;
+    report.map_version = store->Snapshot().version();
+    report.is_unchanged = true;
+    return report;
+  }
+
+  const DescriptorCodec codec(PublishCodebook(std::move(trained), reconstruction, &update));
+  const SessionId replaced = same ? same->id : SessionId{};
+  report.replaced_session = same.has_value();
+  Report(progress, "comparison", 0, 1);
+  report.comparison = Compare(reconstruction, placed, same, options, update, *store);
+  RequireAgreement(report.comparison, options);
+  const PlacedSession settled = SettleSession(placed, report.comparison, reconstruction);
+  std::vector<LandmarkId> ids =
+      LinkSession(reconstruction, settled, replaced, codec, options, update, progress);
+  const PlacedSession joined = JoinLinked(settled, &ids);
+  report.first_new_landmark = NumberNewLandmarks(&ids, &update);
+  report.landmark_ids = IdsInReconstruction(reconstruction, joined, ids);
+
+  const std::set<TileId> stale_tiles = DetachSession(same, &update);
+  report.session_id = update.AddSession(MakeSessionRecord(reconstruction, digest, options));
+  const auto summarizer = MakeAppearanceSummarizer(options.appearance);
+  const auto selector = MakeLandmarkSelector(options.selection);
+  const SessionTimes times = TimesOf(update.Sessions());
+  const TileSource source{&reconstruction,  &joined,           &codec,
+                          summarizer.get(), report.session_id, ids};
+  RewriteTiles({&options, &source, selector.get(), replaced, &times}, stale_tiles, progress,
+               &update, &report);
   report.map_version = update.Publish(
       {.kind = report.replaced_session ? VersionKind::kReplace : VersionKind::kIngest,
        .session = options.session_name,
-       .summary =
-           fmt::format("{} images into {} tiles", report.num_images, report.num_tiles_written)});
+       .summary = SummaryOf(report)});
   return report;
-}
-
-MapVersion RemoveSession(const std::string& session_name, MapStore* store) {
-  MapUpdate update = store->BeginUpdate();
-  const std::optional<SessionRecord> record = update.FindSession(session_name);
-  if (!record) {
-    throw Error(ErrorCode::kNotFound,
-                fmt::format("{}: has no session '{}'", store->path(), Excerpt(session_name)));
-  }
-  const std::shared_ptr<const Codebook> codebook = update.CurrentCodebook();
-  if (codebook == nullptr) {
-    throw Error(ErrorCode::kMapDamaged,
-                fmt::format("{}: has sessions but no codebook", store->path()));
-  }
-  for (const TileId tile_id : DetachSession(record->id, &update)) {
-    if (const auto tile = LoadWithoutSession(tile_id, record->id, update)) {
-      WriteTile(*tile, *codebook, &update);
-    }
-  }
-  return update.Publish({.kind = VersionKind::kRemove, .session = session_name});
 }
 
 }  // namespace cairn

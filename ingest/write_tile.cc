@@ -10,7 +10,7 @@
 namespace cairn {
 
 int64_t WriteTile(const Tile& tile, const Codebook& codebook, MapUpdate* update) {
-  if (tile.num_landmarks() == 0) {
+  if (tile.num_landmarks() == 0 || tile.num_keyframes() == 0) {
     update->RemoveTile(tile.id);
     return 0;
   }

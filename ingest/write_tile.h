@@ -11,8 +11,8 @@
 namespace cairn {
 
 // Puts the tile into the map with its landmarks in Morton order, or removes the tile from the map
-// if it has no landmarks. Returns the bytes of its payload. Only a tile of `codebook`, the map's
-// current codebook, gets inverted lists: queries cannot search other tiles.
+// if it has no landmarks or no keyframes. Returns the bytes of its payload. Only a tile of
+// `codebook`, the map's current codebook, gets inverted lists: queries cannot search other tiles.
 int64_t WriteTile(const Tile& tile, const Codebook& codebook, MapUpdate* update);
 
 }  // namespace cairn

@@ -275,6 +275,14 @@ CREATE TABLE keyframes (
   heading_deg DOUBLE  NOT NULL                   -- Of the optical axis, clockwise from north.
 );
 
+-- The tiles whose content names a session, in this or an earlier version. A session can have sightings
+-- in a tile without a keyframe there. Rows stay when content goes; they say where to look.
+CREATE TABLE cairn_session_tiles (
+  session_id INTEGER NOT NULL,
+  tile_id    INTEGER NOT NULL,
+  PRIMARY KEY (session_id, tile_id)
+) STRICT, WITHOUT ROWID;
+
 CREATE INDEX keyframes_by_session ON keyframes (session_id, tile_id);
 CREATE INDEX keyframes_by_tile ON keyframes (tile_id);
 
@@ -301,6 +309,7 @@ INSERT INTO gpkg_extensions VALUES
   ('cairn_cameras', NULL, 'cairn_map', 'docs/formats/map_v1.md', 'read-write'),
   ('cairn_payloads', NULL, 'cairn_map', 'docs/formats/map_v1.md', 'read-write'),
   ('cairn_tiles', NULL, 'cairn_map', 'docs/formats/map_v1.md', 'read-write'),
+  ('cairn_session_tiles', NULL, 'cairn_map', 'docs/formats/map_v1.md', 'read-write'),
   ('cairn_keyframe_poses', NULL, 'cairn_map', 'docs/formats/map_v1.md', 'read-write');
 
 -- The R*Trees of the layers, with the triggers that the GeoPackage extension requires. A program

@@ -7,8 +7,16 @@ constexpr EnumName<AppearanceKind> kAppearanceNames[] = {{"kmeans", AppearanceKi
                                                          {"kmedoids", AppearanceKind::kKMedoids},
                                                          {"random", AppearanceKind::kRandom}};
 
+constexpr EnumName<ProjectionKind> kProjectionNames[] = {
+    {"principal_components", ProjectionKind::kPrincipalComponents},
+    {"likelihood_ratio", ProjectionKind::kLikelihoodRatio}};
+
 void DescribeCodebook(CodebookOptions* options, OptionList* list) {
-  list->Add("projected_dim", &options->projected_dim, "Dimensions of a descriptor after PCA");
+  list->Add("projection", &options->projection, kProjectionNames,
+            "principal_components keeps what varies most; likelihood_ratio keeps what tells "
+            "landmarks apart");
+  list->Add("projected_dim", &options->projected_dim,
+            "Dimensions of a descriptor after the projection");
   list->Add("num_subspaces", &options->num_subspaces,
             "Bytes of a descriptor; has to divide projected_dim");
   list->Add("max_training_descriptors", &options->max_training_descriptors,
@@ -43,6 +51,67 @@ void DescribeAppearance(AppearanceOptions* options, OptionList* list) {
   list->Add("seed", &options->seed, "Seed of clusters and subsets");
 }
 
+void DescribeAgreement(AgreementOptions* options, OptionList* list) {
+  list->Add("max_moved_m", &options->max_moved_m, "Farthest that a session is moved, meters");
+  list->Add("max_turned_rad", &options->max_turned_rad, "Most that a session is turned, radians");
+  list->Add("max_scale_change", &options->max_scale_change,
+            "Largest difference of a session's size, as share");
+  list->Add("min_agreeing_share", &options->min_agreeing_share,
+            "Smallest share of the recognized photos that one motion of the session explains");
+  list->Add("min_recognised_share", &options->min_recognised_share,
+            "Smallest share of the photos that the map should recognize and does");
+  list->Add("min_expected", &options->min_expected,
+            "With fewer photos that the map should recognize, min_recognised_share does not count");
+}
+
+void DescribeLinking(LinkOptions* options, OptionList* list) {
+  list->Add("placement_sigma_m", &options->placement_sigma_m,
+            "Standard deviation of a session's placement, meters");
+  list->Add("max_distance_sigmas", &options->max_distance_sigmas,
+            "Largest distance of two landmarks, standard deviations");
+  list->Add("max_error_sigmas", &options->max_error_sigmas,
+            "Largest error of the known landmark in the session's photos, standard deviations");
+  list->Add("keypoint_sigma_px", &options->keypoint_sigma_px,
+            "Standard deviation of a keypoint at a focal length of 500 pixels, pixels");
+  list->Add("max_azimuth_rad", &options->max_azimuth_rad,
+            "Largest difference of viewing directions, radians");
+  list->Add("max_log2_size", &options->max_log2_size, "Largest difference of sizes, octaves");
+  list->Add("max_orientation_rad", &options->max_orientation_rad,
+            "Largest difference of orientations, radians");
+  list->Add("max_distance_quantile", &options->max_distance_quantile,
+            "Largest descriptor distance, as quantile of distances within landmarks");
+  list->Add("max_ratio", &options->max_ratio,
+            "Largest ratio of squared descriptor distances to the second best landmark");
+}
+
+void DescribeUpkeep(UpkeepOptions* options, OptionList* list) {
+  list->Add("enough_landmarks", &options->enough_landmarks,
+            "A session adds landmarks until each of its photos sees so many");
+  list->Add("least_existence", &options->least_existence,
+            "Landmarks that exist with a smaller probability go");
+  list->AddSection("linking", "When a landmark of a session is one of the map",
+                   [&] { DescribeLinking(&options->linking, list); });
+  list->AddSection("merging", "How sessions share a landmark", [&] {
+    list->Add("old_weight_share", &options->merging.old_weight_share,
+              "Weight of the sights before a session, as share");
+    list->Add("same_look_share", &options->merging.same_look_share,
+              "Descriptors are averaged up to this share of the median distance within landmarks");
+    list->Add("least_sigma_m", &options->merging.least_sigma_m,
+              "Smallest standard deviation of a position, meters");
+  });
+  list->AddSection("viewpoints", "When two photos have the same viewpoint", [&] {
+    list->Add("radius_m", &options->viewpoints.radius_m, "Largest distance, meters");
+    list->Add("angle_rad", &options->viewpoints.angle_rad,
+              "Largest angle between optical axes, radians");
+  });
+  list->AddSection("persistence", "How landmarks fade", [&] {
+    list->Add("loss_per_year", &options->persistence.loss_per_year,
+              "Probability that a landmark is gone within a year");
+    list->Add("least_miss_share", &options->persistence.least_miss_share,
+              "Smallest probability that a session misses a landmark that is there");
+  });
+}
+
 }  // namespace
 
 void DescribeIngest(IngestOptions* options, OptionList* list) {
@@ -57,6 +126,10 @@ void DescribeIngest(IngestOptions* options, OptionList* list) {
                    [&] { DescribeSelection(&options->selection, list); });
   list->AddSection("appearance", "Which descriptors represent a landmark",
                    [&] { DescribeAppearance(&options->appearance, list); });
+  list->AddSection("agreement", "How far a session may contradict the map",
+                   [&] { DescribeAgreement(&options->agreement, list); });
+  list->AddSection("upkeep", "What becomes of a place that the map knows",
+                   [&] { DescribeUpkeep(&options->upkeep, list); });
 }
 
 }  // namespace cairn

@@ -27,7 +27,9 @@ DescriptorMatrix PickSpreadCenters(const DescriptorMatrix& descriptors, int num_
   for (int mode = 1; mode < num_modes; ++mode) {
     double remaining = UniformUnit(rng) * sq_dist.cast<double>().sum();
     Eigen::Index pick = 0;
-    while (pick + 1 < sq_dist.size() && (remaining -= sq_dist[pick]) >= 0.0) ++pick;
+    while (pick + 1 < sq_dist.size() && (remaining -= sq_dist[pick]) >= 0.0) {
+      ++pick;
+    }
     centers.row(mode) = descriptors.row(pick);
     sq_dist = sq_dist.cwiseMin((descriptors.rowwise() - centers.row(mode)).rowwise().squaredNorm());
   }
@@ -49,15 +51,21 @@ bool AssignToNearest(const DescriptorMatrix& descriptors, AppearanceModes* modes
 // Equal descriptors leave modes without members.
 void DropEmptyModes(AppearanceModes* modes) {
   std::vector<int> new_mode(modes->centers.rows(), -1);
-  for (const int mode : modes->mode_of_descriptor) new_mode[mode] = 0;
+  for (const int mode : modes->mode_of_descriptor) {
+    new_mode[mode] = 0;
+  }
   int num_modes = 0;
   for (size_t mode = 0; mode < new_mode.size(); ++mode) {
-    if (new_mode[mode] < 0) continue;
+    if (new_mode[mode] < 0) {
+      continue;
+    }
     modes->centers.row(num_modes) = modes->centers.row(mode).eval();
     new_mode[mode] = num_modes++;
   }
   modes->centers.conservativeResize(num_modes, Eigen::NoChange);
-  for (int& mode : modes->mode_of_descriptor) mode = new_mode[mode];
+  for (int& mode : modes->mode_of_descriptor) {
+    mode = new_mode[mode];
+  }
 }
 
 // What all kinds share: how many modes there are, and that they start from nothing but the options'
@@ -69,7 +77,9 @@ class SeededSummarizer : public AppearanceSummarizer {
   }
 
   int NumModes(int num_descriptors) const override {
-    if (options_.count > 0) return std::min(options_.count, num_descriptors);
+    if (options_.count > 0) {
+      return std::min(options_.count, num_descriptors);
+    }
     const int wanted = static_cast<int>(std::lround(options_.ratio * num_descriptors));
     return std::min(std::clamp(wanted, options_.min_count, options_.max_count), num_descriptors);
   }
@@ -136,8 +146,12 @@ class KMedoidsSummarizer : public SeededSummarizer {
     modes->centers = PickSpreadCenters(descriptors, num_modes, rng);
     AssignToNearest(descriptors, modes);
     for (int i = 0; i < kMaxIterations; ++i) {
-      for (int mode = 0; mode < num_modes; ++mode) MoveCenter(descriptors, mode, modes);
-      if (!AssignToNearest(descriptors, modes)) break;
+      for (int mode = 0; mode < num_modes; ++mode) {
+        MoveCenter(descriptors, mode, modes);
+      }
+      if (!AssignToNearest(descriptors, modes)) {
+        break;
+      }
     }
   }
 
@@ -145,7 +159,9 @@ class KMedoidsSummarizer : public SeededSummarizer {
   static void MoveCenter(const DescriptorMatrix& descriptors, int mode, AppearanceModes* modes) {
     std::vector<int> members;
     for (size_t i = 0; i < modes->mode_of_descriptor.size(); ++i) {
-      if (modes->mode_of_descriptor[i] == mode) members.push_back(static_cast<int>(i));
+      if (modes->mode_of_descriptor[i] == mode) {
+        members.push_back(static_cast<int>(i));
+      }
     }
     const DescriptorMatrix rows = descriptors(members, Eigen::all);
     float least = std::numeric_limits<float>::infinity();

@@ -28,7 +28,9 @@ class ObservationCountSelector : public LandmarkSelector {
 
     std::vector<uint32_t> selection;
     for (uint32_t i = 0; i < kept.size(); ++i) {
-      if (kept[i]) selection.push_back(i);
+      if (kept[i]) {
+        selection.push_back(i);
+      }
     }
     return selection;
   }
@@ -57,8 +59,12 @@ class ObservationCountSelector : public LandmarkSelector {
           options_.max_descriptors / static_cast<int64_t>(graph.landmarks_of_keyframe.size());
       for (const uint32_t i : landmarks) {
         share -= num_descriptors[i];
-        if (share < 0) break;
-        if (!(*kept)[i]) spent += num_descriptors[i];
+        if (share < 0) {
+          break;
+        }
+        if (!(*kept)[i]) {
+          spent += num_descriptors[i];
+        }
         (*kept)[i] = true;
       }
     }
@@ -71,7 +77,9 @@ class ObservationCountSelector : public LandmarkSelector {
     std::iota(landmarks.begin(), landmarks.end(), 0u);
     Rank(graph, &landmarks);
     for (const uint32_t i : landmarks) {
-      if ((*kept)[i] || spent + num_descriptors[i] > options_.max_descriptors) continue;
+      if ((*kept)[i] || spent + num_descriptors[i] > options_.max_descriptors) {
+        continue;
+      }
       (*kept)[i] = true;
       spent += num_descriptors[i];
     }

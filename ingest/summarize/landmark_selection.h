@@ -10,7 +10,7 @@ namespace cairn {
 
 // The bipartite visibility graph of one tile.
 struct VisibilityGraph {
-  std::vector<int> num_observations;  // Per landmark, over the whole reconstruction.
+  std::vector<double> num_observations;  // Per landmark, over the whole reconstruction.
   std::vector<std::vector<uint32_t>> landmarks_of_keyframe;
   size_t num_landmarks() const { return num_observations.size(); }
 };

@@ -27,7 +27,9 @@ class CircularMean {
   void Add(double angle_rad) { sum_ += Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad)); }
   // Nothing if no angle was added or they cancel.
   std::optional<double> AngleRad() const {
-    if (!(sum_.norm() > 1e-9)) return std::nullopt;
+    if (!(sum_.norm() > 1e-9)) {
+      return std::nullopt;
+    }
     return std::atan2(sum_.y(), sum_.x());
   }
 
@@ -52,7 +54,11 @@ class TileBuilder {
         tile_(EmptyTile(tile_id, source.codec->codebook().id,
                         source.codec->codebook().num_subspaces)) {
     CAIRN_CHECK(keyframe_ids.size() == images_.size(), "one keyframe an image");
-    for (size_t k = 0; k < images_.size(); ++k) AddKeyframe(images_[k], keyframe_ids[k]);
+    CAIRN_CHECK(source.landmark_ids.size() == source.session->landmarks.size(),
+                "one id a landmark");
+    for (size_t k = 0; k < images_.size(); ++k) {
+      AddKeyframe(images_[k], keyframe_ids[k]);
+    }
   }
 
   Tile Build() {
@@ -119,11 +125,15 @@ class TileBuilder {
     for (size_t i = 0; i < sightings.size(); ++i) {
       AddSighting(sightings[i], x_in_tile, &means[modes.mode_of_descriptor[i]]);
     }
-    for (const ModeMeans& mode : means) AddAttributes(mode);
+    for (const ModeMeans& mode : means) {
+      AddAttributes(mode);
+    }
     centers_.push_back(modes.centers);
 
-    tile_.landmark_ids.push_back(LandmarkId(Value(source_.first_landmark_id) + landmark_idx));
-    tile_.landmark_sessions.push_back(source_.session_id);
+    tile_.landmark_ids.push_back(source_.landmark_ids[landmark_idx]);
+    const auto num_sights = static_cast<uint8_t>(std::min<size_t>(sightings.size(), 255));
+    tile_.sightings.push_back({source_.session_id, num_sights, num_sights});
+    tile_.sighting_begin.push_back(static_cast<uint32_t>(tile_.sightings.size()));
     tile_.x_in_tile.push_back(QuantizePosition(x_in_tile));
     tile_.sigma_codes.push_back(SigmaCode(landmark.sigma_m));
     tile_.descriptor_begin.push_back(static_cast<uint32_t>(tile_.num_descriptors()));
@@ -152,6 +162,7 @@ class TileBuilder {
                                                       : kNoOrientation);
     tile_.size_codes.push_back(SizeCode(std::exp(mode.sum_log_size / mode.num_members)));
     tile_.azimuth_codes.push_back(AzimuthCode(mode.azimuth.AngleRad().value_or(0.0)));
+    tile_.weight_codes.push_back(WeightCode(mode.num_members));
   }
 
   void EncodeDescriptors() {

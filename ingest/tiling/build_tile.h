@@ -21,13 +21,14 @@ struct TileSource {
   const DescriptorCodec* codec = nullptr;
   const AppearanceSummarizer* summarizer = nullptr;
   SessionId session_id{};
-  LandmarkId first_landmark_id{};  // Of session->landmarks[0]; the others follow.
+  std::vector<LandmarkId> landmark_ids;  // Parallel to session->landmarks; all different.
 };
 
 // The landmarks seen from the tile's images (PlacedSession::images_of_tile) with the appearances
 // they have there, in no particular order. `keyframe_ids` is parallel to the images. A landmark's
 // orientation, size and azimuth per mode are the circular, geometric and circular means over the
-// mode's members. Linear in the observations but for one sort.
+// mode's members. The history of a landmark is one sighting, with as many chances as sights. Linear
+// in the observations but for one sort.
 Tile BuildTile(const TileSource& source, TileId tile_id,
                const std::vector<KeyframeId>& keyframe_ids);
 

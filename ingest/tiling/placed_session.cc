@@ -58,14 +58,20 @@ class LandmarkJudge {
     }
     const std::vector<PointView> views = ViewsOf(reconstruction_, landmark);
     const auto uncertainty = EstimateUncertainty(views, landmark.x_in_world);
-    if (!uncertainty) return std::nullopt;
+    if (!uncertainty) {
+      return std::nullopt;
+    }
     const double sigma_m = ecef_from_world_.scale * uncertainty->Sigma();
     const bool good = sigma_m <= options_.max_sigma_m &&
                       uncertainty->median_error_px <= options_.max_reprojection_error_px &&
                       IsNear(views, landmark.x_in_world);
-    if (!good) return std::nullopt;
+    if (!good) {
+      return std::nullopt;
+    }
     const Eigen::Vector3d x_in_ecef = ecef_from_world_ * landmark.x_in_world;
-    if (std::abs(GeodeticFromEcef(x_in_ecef).h_m) > kMaxLandmarkHeightM) return std::nullopt;
+    if (std::abs(GeodeticFromEcef(x_in_ecef).h_m) > kMaxLandmarkHeightM) {
+      return std::nullopt;
+    }
     return PlacedLandmark{recon_idx, x_in_ecef, sigma_m};
   }
 
@@ -97,7 +103,9 @@ void SortInSpace(std::vector<PlacedLandmark>* landmarks) {
   }
   std::vector<PlacedLandmark> sorted;
   sorted.reserve(landmarks->size());
-  for (const uint32_t i : MortonOrder(positions)) sorted.push_back((*landmarks)[i]);
+  for (const uint32_t i : MortonOrder(positions)) {
+    sorted.push_back((*landmarks)[i]);
+  }
   *landmarks = std::move(sorted);
 }
 
@@ -107,15 +115,16 @@ PlacedSession PlaceSession(const Reconstruction& reconstruction, const Sim3d& ec
                            const PlacementOptions& options) {
   ValidateSimilarity(ecef_from_world);
   PlacedSession session;
-  std::vector<TileId> tile_of_image;
   for (const ReconImage& image : reconstruction.images) {
     session.cam_from_ecef.push_back(CamFromTarget(image.cam_from_world, ecef_from_world));
-    tile_of_image.push_back(TileOfCamera(image.name, session.cam_from_ecef.back()));
+    TileOfCamera(image.name, session.cam_from_ecef.back());  // Throws if there is none.
   }
 
   const LandmarkJudge judge(reconstruction, ecef_from_world, options);
   for (uint32_t i = 0; i < reconstruction.landmarks.size(); ++i) {
-    if (const auto landmark = judge.Place(i)) session.landmarks.push_back(*landmark);
+    if (const auto landmark = judge.Place(i)) {
+      session.landmarks.push_back(*landmark);
+    }
   }
   if (session.landmarks.empty()) {
     throw Error(ErrorCode::kBadInput,
@@ -134,12 +143,20 @@ PlacedSession PlaceSession(const Reconstruction& reconstruction, const Sim3d& ec
       session.observations_of_image[observation.image_idx].push_back({i, observation.keypoint_idx});
     }
   }
-  for (size_t image_idx = 0; image_idx < reconstruction.images.size(); ++image_idx) {
-    if (!session.observations_of_image[image_idx].empty()) {
-      session.images_of_tile[tile_of_image[image_idx]].push_back(static_cast<int>(image_idx));
-    }
-  }
+  AssignTiles(reconstruction, &session);
   return session;
+}
+
+void AssignTiles(const Reconstruction& reconstruction, PlacedSession* session) {
+  session->images_of_tile.clear();
+  for (size_t image_idx = 0; image_idx < reconstruction.images.size(); ++image_idx) {
+    if (session->observations_of_image[image_idx].empty()) {
+      continue;
+    }
+    const TileId tile_id =
+        TileOfCamera(reconstruction.images[image_idx].name, session->cam_from_ecef[image_idx]);
+    session->images_of_tile[tile_id].push_back(static_cast<int>(image_idx));
+  }
 }
 
 }  // namespace cairn

@@ -41,6 +41,9 @@ struct PlacedSession {
   std::map<TileId, std::vector<int>> images_of_tile;
 };
 
+// Fills images_of_tile again after the cameras were moved. Throws as PlaceSession.
+void AssignTiles(const Reconstruction& reconstruction, PlacedSession* session);
+
 // Drops landmarks that are seen less often, are less certain or fit worse than the options allow.
 // Throws Error(kBadInput) if the similarity or a camera's place makes no sense or if no landmark is
 // left. Linear but for one sort.

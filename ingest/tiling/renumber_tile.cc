@@ -19,8 +19,14 @@ Id NewId(const std::unordered_map<Id, Id>& ids, Id old_id, const Tile& tile) {
 
 void RenumberTile(const NewIds& ids, Tile* tile) {
   tile->codebook_id = ids.codebook_id;
-  for (LandmarkId& id : tile->landmark_ids) id = LandmarkId(Value(id) + ids.landmark_offset);
-  for (SessionId& id : tile->landmark_sessions) id = NewId(ids.sessions, id, *tile);
+  for (LandmarkId& id : tile->landmark_ids) {
+    id = LandmarkId(Value(id) + ids.landmark_offset);
+  }
+  for (LandmarkSighting& sighting : tile->sightings) {
+    if (sighting.session_id != SessionId{}) {
+      sighting.session_id = NewId(ids.sessions, sighting.session_id, *tile);
+    }
+  }
   for (TileKeyframe& keyframe : tile->keyframes) {
     keyframe.id = NewId(ids.keyframes, keyframe.id, *tile);
     keyframe.session_id = NewId(ids.sessions, keyframe.session_id, *tile);

@@ -13,7 +13,7 @@ namespace cairn {
 // The ids of the new map for the ids of the old map.
 struct NewIds {
   CodebookId codebook_id{};
-  std::unordered_map<SessionId, SessionId> sessions;
+  std::unordered_map<SessionId, SessionId> sessions;  // In the same order as the old ids.
   std::unordered_map<KeyframeId, KeyframeId> keyframes;
   uint64_t landmark_offset = 0;  // The new landmark id minus the old landmark id.
 };

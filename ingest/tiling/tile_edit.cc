@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 #include "core/check.h"
@@ -27,21 +29,9 @@ void AppendRange(const std::vector<T>& source, size_t begin, size_t end, std::ve
 // Appends offsets without their leading 0, moved up by what was there before.
 void AppendOffsets(const std::vector<uint32_t>& source, std::vector<uint32_t>* target) {
   const uint32_t base = target->back();
-  for (size_t i = 1; i < source.size(); ++i) target->push_back(base + source[i]);
-}
-
-void AppendLandmark(const Tile& source, uint32_t landmark_idx, Tile* target) {
-  target->landmark_ids.push_back(source.landmark_ids[landmark_idx]);
-  target->landmark_sessions.push_back(source.landmark_sessions[landmark_idx]);
-  target->x_in_tile.push_back(source.x_in_tile[landmark_idx]);
-  target->sigma_codes.push_back(source.sigma_codes[landmark_idx]);
-  const size_t begin = source.descriptor_begin[landmark_idx];
-  const size_t end = source.descriptor_begin[landmark_idx + 1];
-  AppendRange(source.codes, begin, end, &target->codes, source.code_size);
-  AppendRange(source.orientation_codes, begin, end, &target->orientation_codes);
-  AppendRange(source.size_codes, begin, end, &target->size_codes);
-  AppendRange(source.azimuth_codes, begin, end, &target->azimuth_codes);
-  target->descriptor_begin.push_back(static_cast<uint32_t>(target->num_descriptors()));
+  for (size_t i = 1; i < source.size(); ++i) {
+    target->push_back(base + source[i]);
+  }
 }
 
 // Copies a keyframe and those of its landmarks that have a new index.
@@ -71,12 +61,31 @@ Tile Pick(const Tile& tile, std::span<const uint32_t> landmarks,
     AppendLandmark(tile, landmark_idx, &picked);
   }
   for (size_t k = 0; k < tile.num_keyframes(); ++k) {
-    if (keep_keyframe(tile.keyframes[k])) AppendKeyframe(tile, k, new_idx, &picked);
+    if (keep_keyframe(tile.keyframes[k])) {
+      AppendKeyframe(tile, k, new_idx, &picked);
+    }
   }
   return picked;
 }
 
 }  // namespace
+
+void AppendLandmark(const Tile& source, uint32_t landmark_idx, Tile* target) {
+  target->landmark_ids.push_back(source.landmark_ids[landmark_idx]);
+  target->x_in_tile.push_back(source.x_in_tile[landmark_idx]);
+  target->sigma_codes.push_back(source.sigma_codes[landmark_idx]);
+  AppendRange(source.sightings, source.sighting_begin[landmark_idx],
+              source.sighting_begin[landmark_idx + 1], &target->sightings);
+  target->sighting_begin.push_back(static_cast<uint32_t>(target->sightings.size()));
+  const size_t begin = source.descriptor_begin[landmark_idx];
+  const size_t end = source.descriptor_begin[landmark_idx + 1];
+  AppendRange(source.codes, begin, end, &target->codes, source.code_size);
+  AppendRange(source.orientation_codes, begin, end, &target->orientation_codes);
+  AppendRange(source.size_codes, begin, end, &target->size_codes);
+  AppendRange(source.azimuth_codes, begin, end, &target->azimuth_codes);
+  AppendRange(source.weight_codes, begin, end, &target->weight_codes);
+  target->descriptor_begin.push_back(static_cast<uint32_t>(target->num_descriptors()));
+}
 
 Tile EmptyTile(TileId tile_id, CodebookId codebook_id, int code_size) {
   Tile tile;
@@ -84,6 +93,7 @@ Tile EmptyTile(TileId tile_id, CodebookId codebook_id, int code_size) {
   tile.codebook_id = codebook_id;
   tile.code_size = code_size;
   tile.descriptor_begin = {0};
+  tile.sighting_begin = {0};
   tile.keyframe_begin = {0};
   return tile;
 }
@@ -92,12 +102,39 @@ Tile PickLandmarks(const Tile& tile, std::span<const uint32_t> landmarks) {
   return Pick(tile, landmarks, [](const TileKeyframe&) { return true; });
 }
 
-Tile WithoutSession(const Tile& tile, SessionId session_id) {
-  std::vector<uint32_t> others;
-  for (uint32_t i = 0; i < tile.num_landmarks(); ++i) {
-    if (tile.landmark_sessions[i] != session_id) others.push_back(i);
+void ReplaceSightings(const std::vector<std::vector<LandmarkSighting>>& sightings, Tile* tile) {
+  CAIRN_CHECK(sightings.size() == tile->num_landmarks(), "one history a landmark");
+  tile->sightings.clear();
+  tile->sighting_begin = {0};
+  for (const std::vector<LandmarkSighting>& of_landmark : sightings) {
+    Append(of_landmark, &tile->sightings);
+    tile->sighting_begin.push_back(static_cast<uint32_t>(tile->sightings.size()));
   }
-  return Pick(tile, others,
+}
+
+Tile PickKeyframes(const Tile& tile, const std::function<bool(const TileKeyframe&)>& keep) {
+  std::vector<uint32_t> landmarks(tile.num_landmarks());
+  std::iota(landmarks.begin(), landmarks.end(), 0u);
+  return Pick(tile, landmarks, keep);
+}
+
+Tile WithoutSession(Tile tile, SessionId session_id) {
+  std::vector<std::vector<LandmarkSighting>> sightings;
+  std::vector<uint32_t> seen_by_others;
+  for (uint32_t i = 0; i < tile.num_landmarks(); ++i) {
+    const std::span<const LandmarkSighting> all = tile.SightingsOf(i);
+    std::vector<LandmarkSighting>& others = sightings.emplace_back(all.begin(), all.end());
+    const bool had_session = std::erase_if(others, [&](const LandmarkSighting& sighting) {
+                               return sighting.session_id == session_id;
+                             }) > 0;
+    const bool is_seen = std::any_of(others.begin(), others.end(),
+                                     [](const auto& sighting) { return sighting.num_sights > 0; });
+    if (is_seen || !had_session) {
+      seen_by_others.push_back(i);
+    }
+  }
+  ReplaceSightings(sightings, &tile);
+  return Pick(tile, seen_by_others,
               [&](const TileKeyframe& keyframe) { return keyframe.session_id != session_id; });
 }
 
@@ -107,14 +144,16 @@ void AppendTile(const Tile& other, Tile* tile) {
               "only contents of one tile in one codebook can be joined");
   const auto num_landmarks = static_cast<uint32_t>(tile->num_landmarks());
   Append(other.landmark_ids, &tile->landmark_ids);
-  Append(other.landmark_sessions, &tile->landmark_sessions);
   Append(other.x_in_tile, &tile->x_in_tile);
   Append(other.sigma_codes, &tile->sigma_codes);
   AppendOffsets(other.descriptor_begin, &tile->descriptor_begin);
+  AppendOffsets(other.sighting_begin, &tile->sighting_begin);
+  Append(other.sightings, &tile->sightings);
   Append(other.codes, &tile->codes);
   Append(other.orientation_codes, &tile->orientation_codes);
   Append(other.size_codes, &tile->size_codes);
   Append(other.azimuth_codes, &tile->azimuth_codes);
+  Append(other.weight_codes, &tile->weight_codes);
   Append(other.keyframes, &tile->keyframes);
   AppendOffsets(other.keyframe_begin, &tile->keyframe_begin);
   for (const uint32_t landmark_idx : other.keyframe_landmarks) {

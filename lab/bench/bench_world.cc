@@ -7,6 +7,7 @@
 #include <cmath>
 #include <iterator>
 #include <memory>
+#include <numeric>
 #include <random>
 #include <utility>
 
@@ -156,7 +157,9 @@ class WorldBuilder {
   void FillLandmarks(const std::vector<BenchLandmark>& landmarks, MapUpdate* update, Tile* tile) {
     const uint64_t first_id = Value(update->ReserveLandmarkIds(landmarks.size()));
     tile->sigma_codes.assign(landmarks.size(), SigmaCode(kLandmarkSigmaM));
-    tile->landmark_sessions.assign(landmarks.size(), session_id_);
+    tile->sightings.assign(landmarks.size(), {session_id_, 2, 2});
+    tile->sighting_begin.resize(landmarks.size() + 1);
+    std::iota(tile->sighting_begin.begin(), tile->sighting_begin.end(), 0u);
     tile->descriptor_begin.push_back(0);
     for (size_t i = 0; i < landmarks.size(); ++i) {
       const BenchLandmark& landmark = landmarks[i];
@@ -173,6 +176,7 @@ class WorldBuilder {
       }
       tile->descriptor_begin.push_back(static_cast<uint32_t>(tile->azimuth_codes.size()));
     }
+    tile->weight_codes.assign(tile->azimuth_codes.size(), WeightCode(1.0));
   }
 
   void FillCodes(const std::vector<BenchLandmark>& landmarks, Tile* tile) const {

@@ -1,9 +1,11 @@
 // The virtual table `cairn_landmarks`: the landmarks of all tiles, or with a tile id as argument
 // (`cairn_landmarks(:tile_id)`), the landmarks of that tile. Tiles are decoded as the rows are
 // read. A landmark has one row for each tile that holds it.
+#include <algorithm>
 #include <cstdint>
 #include <exception>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,13 +20,15 @@ namespace {
 
 constexpr char kDeclaration[] =
     "CREATE TABLE cairn_landmarks (landmark_id INTEGER, tile TEXT, session_id INTEGER, "
-    "x_m REAL, y_m REAL, z_m REAL, lat_deg REAL, lon_deg REAL, h_m REAL, sigma_m REAL, "
-    "num_descriptors INTEGER, num_keyframes INTEGER, tile_id INTEGER HIDDEN)";
+    "x_m REAL, y_m REAL, z_m "
+    "REAL, lat_deg REAL, lon_deg REAL, h_m REAL, sigma_m REAL, "
+    "num_descriptors INTEGER, num_keyframes INTEGER, last_session_id INTEGER, "
+    "num_sights INTEGER, num_chances INTEGER, tile_id INTEGER HIDDEN)";
 
 enum Column {  // In the order of the declaration; x_m, y_m, z_m are in the tile frame.
   kLandmarkId,
   kTile,
-  kSessionId,
+  kSessionId,  // The first and the last session that saw the landmark and is known by name.
   kX,
   kY,
   kZ,
@@ -34,10 +38,26 @@ enum Column {  // In the order of the declaration; x_m, y_m, z_m are in the tile
   kSigma,
   kNumDescriptors,
   kNumKeyframes,
+  kLastSessionId,
+  kNumSights,
+  kNumChances,
   kTileId,
 };
 
 enum Plan { kAllTiles = 0, kOneTile = 1 };
+
+SessionId FirstSession(std::span<const LandmarkSighting> sightings) {
+  const auto first = std::find_if(sightings.begin(), sightings.end(), [](const auto& sighting) {
+    return sighting.session_id != SessionId{} && sighting.num_sights > 0;
+  });
+  return first == sightings.end() ? SessionId{} : first->session_id;
+}
+
+SessionId LastSession(std::span<const LandmarkSighting> sightings) {
+  const auto last = std::find_if(sightings.rbegin(), sightings.rend(),
+                                 [](const auto& sighting) { return sighting.num_sights > 0; });
+  return last == sightings.rend() ? SessionId{} : last->session_id;
+}
 
 // SQLite knows only the base classes. It stores pointers to them and passes the pointers back.
 struct Table : sqlite3_vtab {
@@ -85,7 +105,13 @@ class Cursor : public sqlite3_vtab_cursor {
       case kTile:
         return sqlite3_result_text(context, tile_name_.c_str(), -1, SQLITE_TRANSIENT);
       case kSessionId:
-        return sqlite3_result_int64(context, Value(tile_.landmark_sessions[i]));
+        return PutId(FirstSession(tile_.SightingsOf(i)), context);
+      case kLastSessionId:
+        return PutId(LastSession(tile_.SightingsOf(i)), context);
+      case kNumSights:
+        return sqlite3_result_int64(context, Sum(i, &LandmarkSighting::num_sights));
+      case kNumChances:
+        return sqlite3_result_int64(context, Sum(i, &LandmarkSighting::num_chances));
       case kX:
       case kY:
       case kZ:
@@ -109,6 +135,19 @@ class Cursor : public sqlite3_vtab_cursor {
   }
 
  private:
+  static void PutId(SessionId id, sqlite3_context* context) {
+    return id == SessionId{} ? sqlite3_result_null(context)
+                             : sqlite3_result_int64(context, Value(id));
+  }
+
+  int64_t Sum(size_t landmark_idx, uint8_t LandmarkSighting::*count) const {
+    int64_t sum = 0;
+    for (const LandmarkSighting& sighting : tile_.SightingsOf(landmark_idx)) {
+      sum += sighting.*count;
+    }
+    return sum;
+  }
+
   // Advances to the first landmark of the next tile that has any, or to the end.
   int NextTile() {
     while (true) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -17,6 +18,7 @@
 #include "storage/map/map_queries.h"
 #include "storage/map/version_queries.h"
 #include "storage/sqlite/blob.h"
+#include "storage/tile/tile_codec.h"
 
 namespace cairn {
 namespace {
@@ -186,9 +188,25 @@ PayloadId HeadWriter::StorePayload(std::span<const uint8_t> payload) {
   return PayloadId(connection_->LastInsertId());
 }
 
+void HeadWriter::NoteSessions(TileId tile_id, std::span<const uint8_t> payload) {
+  std::set<SessionId> session_ids;
+  try {
+    session_ids = SessionsInPayload(payload);
+  } catch (const Error&) {
+    return;  // MapStore::Check reports damaged payloads.
+  }
+  for (const SessionId session_id : session_ids) {
+    connection_
+        ->Prepare("INSERT OR IGNORE INTO cairn_session_tiles (session_id, tile_id) VALUES (?, ?)")
+        .Bind(Value(session_id), RowId(tile_id))
+        .Run();
+  }
+}
+
 PayloadId HeadWriter::PutTile(TileRecord tile, std::span<const uint8_t> payload) {
   tile.payload_id = StorePayload(payload);
   tile.num_bytes = std::ssize(payload);
+  NoteSessions(tile.tile_id, payload);
   PutStoredTile(tile);
   return tile.payload_id;
 }

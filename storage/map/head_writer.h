@@ -52,6 +52,8 @@ class HeadWriter {
   void AddVersion(const VersionNote& note);
 
  private:
+  // Notes in cairn_session_tiles that the tile names the sessions of the payload.
+  void NoteSessions(TileId tile_id, std::span<const uint8_t> payload);
   PayloadId StorePayload(std::span<const uint8_t> payload);
   void InsertTile(const TileRecord& tile);
 

@@ -102,8 +102,9 @@ class TileCheck {
     Require(are_reserved, "it has landmark ids that the map has not reserved");
     SessionId known{};
     bool have_sessions = true;
-    for (const SessionId id : tile.landmark_sessions) {
-      have_sessions = have_sessions && (id == known || HasSession(id));
+    for (const LandmarkSighting& sighting : tile.sightings) {
+      const SessionId id = sighting.session_id;
+      have_sessions = have_sessions && (id == SessionId{} || id == known || HasSession(id));
       known = id;
     }
     Require(have_sessions, "it has landmarks of sessions that are not in the map");

@@ -16,7 +16,7 @@ namespace cairn::queries {
 namespace {
 
 constexpr std::string_view kTilesOfSessionSql =
-    "SELECT DISTINCT tile_id FROM keyframes WHERE session_id = ? ORDER BY tile_id";
+    "SELECT tile_id FROM cairn_session_tiles WHERE session_id = ? ORDER BY tile_id";
 
 // The columns that ReadKeyframe expects, in order.
 #define CAIRN_KEYFRAME_COLUMNS                                                         \

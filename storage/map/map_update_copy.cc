@@ -4,6 +4,7 @@
 #include "core/check.h"
 #include "storage/map/map_internal.h"
 #include "storage/map/map_queries.h"
+#include "storage/tile/tile_codec.h"
 
 namespace cairn {
 
@@ -20,7 +21,9 @@ void MapUpdate::CopyTiles(const MapSnapshot& from, const std::vector<TileRecord>
     if (codebook_ids.insert(tile.codebook_id).second) {
       impl_->head->StoreCodebook(*from.LoadCodebook(tile.codebook_id), tile.codebook_id);
     }
-    impl_->head->PutTile(tile, from.LoadPayload(tile.payload_id));
+    const LargeVector<uint8_t> payload = from.LoadPayload(tile.payload_id);
+    impl_->head->PutTile(tile, payload);
+    session_ids.merge(SessionsInPayload(payload));
     for (KeyframeRecord& keyframe : from.KeyframesOfTile(tile.tile_id)) {
       session_ids.insert(keyframe.session_id);
       keyframes.push_back(std::move(keyframe));

@@ -85,11 +85,31 @@ bool IsPose(const Rigid3d& pose) {
          std::abs(pose.rotation.squaredNorm() - 1.0) < 1e-6;
 }
 
+std::string FindSightingProblem(const Tile& tile) {
+  if (!AreOffsets(tile.sighting_begin, tile.num_landmarks(), tile.sightings.size())) {
+    return "offsets of sightings do not fit";
+  }
+  for (size_t i = 0; i < tile.num_landmarks(); ++i) {
+    const std::span<const LandmarkSighting> sightings = tile.SightingsOf(i);
+    if (sightings.size() > Tile::kMaxSightings) {
+      return "landmark " + std::to_string(i) + " has too many sightings";
+    }
+    for (size_t j = 0; j < sightings.size(); ++j) {
+      if (sightings[j].num_sights > sightings[j].num_chances ||
+          (j > 0 && sightings[j].session_id <= sightings[j - 1].session_id)) {
+        return "sightings of landmark " + std::to_string(i) + " make no sense";
+      }
+    }
+  }
+  return "";
+}
+
 size_t Tile::MemoryBytes() const {
-  return HeapBytes(landmark_ids) + HeapBytes(landmark_sessions) + HeapBytes(x_in_tile) +
-         HeapBytes(sigma_codes) + HeapBytes(descriptor_begin) + HeapBytes(codes) +
-         HeapBytes(orientation_codes) + HeapBytes(size_codes) + HeapBytes(azimuth_codes) +
-         HeapBytes(keyframes) + HeapBytes(keyframe_begin) + HeapBytes(keyframe_landmarks);
+  return HeapBytes(landmark_ids) + HeapBytes(x_in_tile) + HeapBytes(sigma_codes) +
+         HeapBytes(descriptor_begin) + HeapBytes(sighting_begin) + HeapBytes(sightings) +
+         HeapBytes(codes) + HeapBytes(orientation_codes) + HeapBytes(size_codes) +
+         HeapBytes(azimuth_codes) + HeapBytes(weight_codes) + HeapBytes(keyframes) +
+         HeapBytes(keyframe_begin) + HeapBytes(keyframe_landmarks);
 }
 
 std::string FindTileProblem(const Tile& tile) {
@@ -99,8 +119,7 @@ std::string FindTileProblem(const Tile& tile) {
       tile.num_keyframes() > UINT32_MAX || tile.keyframe_landmarks.size() > UINT32_MAX) {
     return "too large";
   }
-  if (tile.landmark_ids.size() != num_landmarks || tile.landmark_sessions.size() != num_landmarks ||
-      tile.sigma_codes.size() != num_landmarks) {
+  if (tile.landmark_ids.size() != num_landmarks || tile.sigma_codes.size() != num_landmarks) {
     return "arrays of landmarks differ in length";
   }
   if (tile.code_size < 0 || tile.code_size > kMaxCodeSize ||
@@ -108,11 +127,15 @@ std::string FindTileProblem(const Tile& tile) {
     return "code size " + std::to_string(tile.code_size) + " is out of range";
   }
   if (tile.codes.size() != num_descriptors * tile.code_size ||
-      tile.size_codes.size() != num_descriptors || tile.azimuth_codes.size() != num_descriptors) {
+      tile.size_codes.size() != num_descriptors || tile.azimuth_codes.size() != num_descriptors ||
+      tile.weight_codes.size() != num_descriptors) {
     return "arrays of descriptors differ in length";
   }
   if (!AreOffsets(tile.descriptor_begin, num_landmarks, num_descriptors)) {
     return "the offsets of descriptors are inconsistent";
+  }
+  if (const std::string problem = FindSightingProblem(tile); !problem.empty()) {
+    return problem;
   }
   const auto off_grid = std::find_if_not(tile.x_in_tile.begin(), tile.x_in_tile.end(), IsOnGrid);
   if (off_grid != tile.x_in_tile.end()) {
@@ -152,6 +175,11 @@ uint8_t SizeCode(double size_m) { return LogCode(size_m); }
 double SizeFromCode(uint8_t code) { return FromLogCode(code); }
 uint8_t SigmaCode(double sigma_m) { return LogCode(sigma_m); }
 double SigmaFromCode(uint8_t code) { return FromLogCode(code); }
+
+uint8_t WeightCode(double num_sights) {
+  return static_cast<uint8_t>(std::lround(std::clamp(4.0 * num_sights, 1.0, 255.0)));
+}
+double WeightFromCode(uint8_t code) { return code / 4.0; }
 
 Eigen::Vector3f QuantizePosition(const Eigen::Vector3d& x_in_tile) {
   CAIRN_CHECK(x_in_tile.allFinite(), "position must be finite");

@@ -20,6 +20,15 @@ struct TileKeyframe {
   Rigid3d cam_from_tile;
 };
 
+// What one session's keyframes in the tile did with a landmark.
+struct LandmarkSighting {
+  SessionId session_id{};   // 0 sums up the sessions that are older than the other sightings.
+  uint8_t num_sights = 0;   // Keyframes that saw it; 255 stands for 255 or more.
+  uint8_t num_chances = 0;  // Keyframes that should have seen it, num_sights at least.
+
+  bool operator==(const LandmarkSighting&) const = default;
+};
+
 // The landmarks seen by the keyframes that stand in the tile. Structure of arrays; the descriptors
 // of a landmark are contiguous. Sort landmarks in Morton order (see MortonOrder) to make the
 // encoded tile small; any other order is kept.
@@ -34,18 +43,24 @@ struct Tile {
   int code_size = 0;  // Bytes of a descriptor code.
 
   // Per landmark.
-  std::vector<LandmarkId> landmark_ids;      // A landmark has the same id in every tile.
-  std::vector<SessionId> landmark_sessions;  // The session that created the landmark.
-  std::vector<Eigen::Vector3f> x_in_tile;    // Metres.
-  std::vector<uint8_t> sigma_codes;          // Position uncertainty; see SigmaFromCode.
+  std::vector<LandmarkId> landmark_ids;    // A landmark has the same id in every tile.
+  std::vector<Eigen::Vector3f> x_in_tile;  // Metres.
+  std::vector<uint8_t> sigma_codes;        // Position uncertainty; see SigmaFromCode.
   // num_landmarks + 1 offsets into the per-descriptor arrays.
   std::vector<uint32_t> descriptor_begin;
 
+  // The history of each landmark: sessions in the order of ingest, each at most once, at most
+  // kMaxSightings. Sessions that had no chance to see it are not in it.
+  static constexpr size_t kMaxSightings = 5;
+  std::vector<uint32_t> sighting_begin;  // num_landmarks + 1 offsets into the next array.
+  std::vector<LandmarkSighting> sightings;
+
   // Per descriptor.
   std::vector<uint8_t> codes;              // num_descriptors x code_size, row-major.
-  std::vector<uint8_t> orientation_codes;  // Gravity-rectified; see OrientationFromCode.
-  std::vector<uint8_t> size_codes;         // Physical keypoint size; see SizeFromCode.
-  std::vector<uint8_t> azimuth_codes;  // Direction from landmark to camera; see AzimuthFromCode.
+  std::vector<uint8_t> orientation_codes;  // Gravity-rectified, see OrientationFromCode.
+  std::vector<uint8_t> size_codes;         // Physical keypoint size, see SizeFromCode.
+  std::vector<uint8_t> azimuth_codes;      // Direction from landmark to camera, as orientation.
+  std::vector<uint8_t> weight_codes;       // Sights behind it, see WeightFromCode.
 
   // Covisibility.
   std::vector<TileKeyframe> keyframes;
@@ -59,6 +74,11 @@ struct Tile {
   std::span<const uint32_t> LandmarksOfKeyframe(size_t keyframe_idx) const {
     return {keyframe_landmarks.data() + keyframe_begin[keyframe_idx],
             keyframe_begin[keyframe_idx + 1] - keyframe_begin[keyframe_idx]};
+  }
+
+  std::span<const LandmarkSighting> SightingsOf(size_t landmark_idx) const {
+    return {sightings.data() + sighting_begin[landmark_idx],
+            sighting_begin[landmark_idx + 1] - sighting_begin[landmark_idx]};
   }
 
   // Returns the heap bytes in use.
@@ -86,8 +106,13 @@ double SizeFromCode(uint8_t code);
 uint8_t SigmaCode(double sigma_m);
 double SigmaFromCode(uint8_t code);
 
-// Returns the nearest position that a tile can hold. Coordinates are clamped to [-4096 m, 4096 m).
-// The position must be finite.
+// Number of sights behind a descriptor, in quarters from 1/4 to 63.75, clamped. Sights of old
+// sessions count less than one each.
+uint8_t WeightCode(double num_sights);
+double WeightFromCode(uint8_t code);
+
+// The nearest position a tile can hold; coordinates are clamped to [-4096 m, 4096 m). The position
+// must be finite.
 Eigen::Vector3f QuantizePosition(const Eigen::Vector3d& x_in_tile);
 
 // Returns the indices of quantised positions in Morton (Z-curve) order: element i is the index of

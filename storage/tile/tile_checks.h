@@ -15,7 +15,10 @@ inline constexpr int kMaxPositionSteps = 1 << 20;  // Positions lie in [-2^20, 2
 // tile's size.
 std::string FindTileProblem(const Tile& tile);
 
-// Returns true if the transform is finite and its quaternion has unit norm.
+// The same of the histories of its landmarks, whose number must be set.
+std::string FindSightingProblem(const Tile& tile);
+
+// True if the transform is finite and its quaternion of unit norm.
 bool IsPose(const Rigid3d& pose);
 
 }  // namespace cairn

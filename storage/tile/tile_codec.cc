@@ -54,6 +54,23 @@ std::array<double, kNumPoseNumbers> PoseNumbers(const Rigid3d& pose) {
   return {q.x(), q.y(), q.z(), q.w(), t.x(), t.y(), t.z()};
 }
 
+void PutSightings(const Tile& tile, TileColumnWriter* writer) {
+  std::vector<uint8_t> counts(tile.num_landmarks());
+  for (size_t i = 0; i < counts.size(); ++i) {
+    counts[i] = static_cast<uint8_t>(tile.SightingsOf(i).size());
+  }
+  std::vector<uint8_t> sights(tile.sightings.size()), chances(tile.sightings.size());
+  for (size_t i = 0; i < tile.sightings.size(); ++i) {
+    sights[i] = tile.sightings[i].num_sights;
+    chances[i] = tile.sightings[i].num_chances;
+  }
+  writer->Put(counts);
+  PutDeltas(
+      tile.sightings, [](const LandmarkSighting& s) { return Value(s.session_id); }, writer);
+  writer->Put(sights);
+  writer->Put(chances);
+}
+
 void PutKeyframes(const std::vector<TileKeyframe>& keyframes, TileColumnWriter* writer) {
   PutDeltas(
       keyframes, [](const TileKeyframe& keyframe) { return Value(keyframe.id); }, writer);
@@ -128,13 +145,13 @@ std::vector<uint8_t> EncodeTile(const Tile& tile, const TileLists& lists) {
   PutDeltas(tile.x_in_tile, MortonFromPosition, &writer);
   PutDeltas(
       tile.landmark_ids, [](LandmarkId id) { return Value(id); }, &writer);
-  PutDeltas(
-      tile.landmark_sessions, [](SessionId id) { return Value(id); }, &writer);
   PutGroupSizes(tile.descriptor_begin, &writer);
   writer.Put(tile.sigma_codes);
+  PutSightings(tile, &writer);
   PutByteDifferences(tile.orientation_codes, &writer);
   PutByteDifferences(tile.size_codes, &writer);
   PutByteDifferences(tile.azimuth_codes, &writer);
+  writer.Put(tile.weight_codes);
   PutKeyframes(tile.keyframes, &writer);
   PutGroupSizes(tile.keyframe_begin, &writer);
   writer.Put(observations);
@@ -144,6 +161,7 @@ std::vector<uint8_t> EncodeTile(const Tile& tile, const TileLists& lists) {
   header.tile_id = tile.id.value();
   header.codebook_id = Value(tile.codebook_id);
   header.num_landmarks = static_cast<uint32_t>(tile.num_landmarks());
+  header.num_sightings = static_cast<uint32_t>(tile.sightings.size());
   header.num_descriptors = static_cast<uint32_t>(tile.num_descriptors());
   header.num_keyframes = static_cast<uint32_t>(tile.num_keyframes());
   header.num_observations = static_cast<uint32_t>(tile.keyframe_landmarks.size());
@@ -161,6 +179,24 @@ Tile DecodeTile(std::span<const uint8_t> blob, const TileDecodeLimits& limits, T
   const TileColumns columns(blob, limits);
   *lists = DecodeLists(columns);
   return DecodeTileColumns(columns, lists->members);
+}
+
+std::set<SessionId> SessionsInPayload(std::span<const uint8_t> blob) {
+  std::set<SessionId> sessions;
+  if (!TileColumns::IsPayload(blob)) {
+    return sessions;
+  }
+  const TileColumns columns(blob, TileDecodeLimits());
+  TileColumnReader reader(columns);
+  for (const size_t column : {kSightingSessionsColumn, kKeyframeSessionsColumn}) {
+    reader.GetDeltas(column, [&](size_t, std::span<const uint64_t> values) {
+      for (const uint64_t value : values) {
+        sessions.insert(SessionId(static_cast<int64_t>(value)));
+      }
+    });
+  }
+  sessions.erase(SessionId{});
+  return sessions;
 }
 
 }  // namespace cairn

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <set>
 #include <span>
 #include <vector>
 
@@ -31,6 +32,10 @@ Tile DecodeTile(std::span<const uint8_t> blob, const TileDecodeLimits& limits = 
 
 // Also decodes the lists; `lists` becomes empty if the tile has none.
 Tile DecodeTile(std::span<const uint8_t> blob, const TileDecodeLimits& limits, TileLists* lists);
+
+// Returns the sessions that the tile names: those of its keyframes and of its landmarks' histories.
+// Returns nothing for bytes that are no tile payload; throws as DecodeTile for a damaged one.
+std::set<SessionId> SessionsInPayload(std::span<const uint8_t> blob);
 
 }  // namespace cairn
 

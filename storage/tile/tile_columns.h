@@ -24,18 +24,22 @@ enum TileColumn : size_t {
   kListMembersColumn = 4,
   kPositionsColumn = 8,
   kLandmarkIdsColumn = 16,
-  kLandmarkSessionsColumn = 24,
-  kDescriptorCountsColumn = 32,
-  kSigmasColumn = 36,
-  kOrientationsColumn = 37,
-  kSizesColumn = 38,
-  kAzimuthsColumn = 39,
-  kKeyframeIdsColumn = 40,
-  kKeyframeSessionsColumn = 48,
-  kPosesColumn = 56,
-  kObservationCountsColumn = 57,
-  kObservationsColumn = 61,
-  kNumTileColumns = 62,
+  kDescriptorCountsColumn = 24,
+  kSigmasColumn = 28,
+  kSightingCountsColumn = 29,
+  kSightingSessionsColumn = 30,
+  kSightsColumn = 38,
+  kChancesColumn = 39,
+  kOrientationsColumn = 40,
+  kSizesColumn = 41,
+  kAzimuthsColumn = 42,
+  kWeightsColumn = 43,
+  kKeyframeIdsColumn = 44,
+  kKeyframeSessionsColumn = 52,
+  kPosesColumn = 60,
+  kObservationCountsColumn = 61,
+  kObservationsColumn = 65,
+  kNumTileColumns = 66,
 };
 
 inline constexpr uint16_t kTileVersion = 1;
@@ -45,6 +49,7 @@ struct TileHeader {
   uint64_t tile_id = 0;
   int64_t codebook_id = 0;
   uint32_t num_landmarks = 0;
+  uint32_t num_sightings = 0;
   uint32_t num_descriptors = 0;
   uint32_t num_keyframes = 0;
   uint32_t num_observations = 0;

@@ -136,6 +136,27 @@ void GetLandmarks(const TileHeader& header, TileColumnReader* reader, const Land
   GetByteSums(kAzimuthsColumn, header.num_descriptors, reader, to.azimuth_codes);
 }
 
+void GetSightings(const TileHeader& header, TileColumnReader* reader, Tile* tile) {
+  tile->sighting_begin = {0};
+  for (const uint8_t count : reader->Get(kSightingCountsColumn)) {
+    tile->sighting_begin.push_back(tile->sighting_begin.back() + count);
+  }
+  if (tile->sighting_begin.back() != header.num_sightings) {
+    ThrowDamagedTile("counts of sightings do not add up");
+  }
+  std::vector<SessionId> sessions(header.num_sightings);
+  GetIds(kSightingSessionsColumn, reader, sessions.data());
+  std::vector<uint8_t> sights(header.num_sightings), chances(header.num_sightings);
+  reader->Get(kSightsColumn, sights);
+  reader->Get(kChancesColumn, chances);
+  for (size_t i = 0; i < sessions.size(); ++i) {
+    tile->sightings.push_back({sessions[i], sights[i], chances[i]});
+  }
+  if (const std::string problem = FindSightingProblem(*tile); !problem.empty()) {
+    ThrowDamagedTile(problem);
+  }
+}
+
 std::vector<TileKeyframe> GetKeyframes(size_t count, TileColumnReader* reader) {
   std::vector<KeyframeId> ids(count);
   std::vector<SessionId> sessions(count);
@@ -278,8 +299,9 @@ Tile DecodeTileColumns(const TileColumns& columns, std::span<const uint32_t> mem
                {tile.landmark_ids.data(), tile.x_in_tile.data(), tile.sigma_codes.data(),
                 tile.descriptor_begin.data(), tile.orientation_codes.data(), tile.size_codes.data(),
                 tile.azimuth_codes.data()});
-  tile.landmark_sessions.resize(num_landmarks);
-  GetIds(kLandmarkSessionsColumn, &reader, tile.landmark_sessions.data());
+  GetSightings(header, &reader, &tile);
+  tile.weight_codes.resize(num_descriptors);
+  reader.Get(kWeightsColumn, tile.weight_codes);
   tile.keyframes = GetKeyframes(header.num_keyframes, &reader);
   tile.keyframe_begin.resize(size_t{header.num_keyframes} + 1);
   tile.keyframe_landmarks.resize(header.num_observations);

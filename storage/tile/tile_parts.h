@@ -17,8 +17,8 @@
 namespace cairn {
 
 inline constexpr uint32_t kTileMagic = 0x4c495443;  // "CTIL".
-inline constexpr size_t kTileHeaderSize = 64;
-inline constexpr size_t kTileChecksumOffset = 56;
+inline constexpr size_t kTileHeaderSize = 72;
+inline constexpr size_t kTileChecksumOffset = 64;
 inline constexpr size_t kMaxVarintSize = 5;
 
 [[noreturn]] inline void ThrowDamagedTile(const std::string& problem) {

@@ -15,6 +15,7 @@
 
 #include "core/error.h"
 #include "core/frames.h"
+#include "ingest/remove_session.h"
 #include "storage/tile/tile_codec.h"
 #include "support/reconstruction_builder.h"
 #include "support/temp_dir.h"
@@ -76,6 +77,19 @@ class IngestSessionTest : public ::testing::Test {
 
   IngestReport Ingest(const testing::StreetWorld& world, const IngestOptions& options) {
     return IngestSession(world.Reconstruct(), world.EcefFromWorld(), options, &store_, {});
+  }
+
+  // Landmarks of the map in the street before x_m.
+  int64_t CountBefore(double x_m, const testing::StreetWorldOptions& street) const {
+    int64_t count = 0;
+    for (const Tile& tile : DecodeAll(store_)) {
+      const Rigid3d enu_from_tile =
+          EcefFromEnu(street.origin).Inverse() * EcefFromEnu(tile.id.Anchor());
+      count += std::count_if(tile.x_in_tile.begin(), tile.x_in_tile.end(), [&](const auto& x) {
+        return (enu_from_tile * x.template cast<double>()).x() < x_m;
+      });
+    }
+    return count;
   }
 
   testing::TempDir dir_;
@@ -207,7 +221,9 @@ TEST_F(IngestSessionTest, IngestingAgainReplacesTheSession) {
   const testing::StreetWorld world(SmallStreet());
   const IngestReport first = Ingest(world, OptionsFor("same"));
   const std::vector<TileContent> contents = ContentsOf(store_);
-  const IngestReport second = Ingest(world, OptionsFor("same"));
+  IngestOptions recorded = OptionsFor("same");
+  recorded.recorded_at = "2020-01-01T00:00:00Z";
+  const IngestReport second = Ingest(world, recorded);
   EXPECT_FALSE(first.replaced_session);
   EXPECT_TRUE(second.replaced_session);
   EXPECT_EQ(ContentsOf(store_), contents);
@@ -233,7 +249,9 @@ TEST_F(IngestSessionTest, SessionsShareTilesAndOneCanBeRemoved) {
   const int64_t num_alone = store_.Snapshot().Info().num_landmarks;
   testing::StreetWorldOptions other_day = SmallStreet();
   other_day.view_seed = 77;
-  Ingest(testing::StreetWorld(other_day), OptionsFor("tuesday"));
+  IngestOptions apart = OptionsFor("tuesday");
+  apart.joining = SessionJoining::kApart;
+  Ingest(testing::StreetWorld(other_day), apart);
   EXPECT_GT(store_.Snapshot().Info().num_landmarks, num_alone * 19 / 10);
   EXPECT_EQ(store_.Snapshot().Info().num_keyframes, 32);
   EXPECT_TRUE(store_.Check({}).problems.empty());
@@ -244,6 +262,101 @@ TEST_F(IngestSessionTest, SessionsShareTilesAndOneCanBeRemoved) {
   EXPECT_EQ(store_.Snapshot().Info().num_tiles, 0);
   EXPECT_EQ(store_.Snapshot().Info().num_keyframes, 0);
   EXPECT_EQ(CodeOf([&] { RemoveSession("monday", &store_); }), ErrorCode::kNotFound);
+}
+
+TEST_F(IngestSessionTest, ASecondVisitUpdatesWhatTheMapKnows) {
+  Ingest(testing::StreetWorld(SmallStreet()), OptionsFor("monday"));
+  const MapInfo before = store_.Snapshot().Info();
+  testing::StreetWorldOptions other_day = SmallStreet();
+  other_day.view_seed = 77;
+  const IngestReport report = Ingest(testing::StreetWorld(other_day), OptionsFor("tuesday"));
+  const MapInfo after = store_.Snapshot().Info();
+  EXPECT_GT(report.comparison.num_localized, 10);
+  EXPECT_LT(report.comparison.fit.moved_m, 0.05);
+  EXPECT_GT(report.changes.num_merged, before.num_landmarks * 8 / 10);
+  EXPECT_LT(after.num_landmarks, before.num_landmarks * 11 / 10);
+  EXPECT_EQ(after.num_keyframes, before.num_keyframes);  // Tuesday's replace Monday's.
+  EXPECT_TRUE(store_.Check({}).problems.empty());
+}
+
+TEST_F(IngestSessionTest, AMovedSessionIsBroughtToTheMap) {
+  const testing::StreetWorld world(SmallStreet());
+  Ingest(world, OptionsFor("monday"));
+  testing::StreetWorldOptions other_day = SmallStreet();
+  other_day.view_seed = 77;
+  Sim3d moved = world.EcefFromWorld();
+  moved.translation += EcefFromEnu(world.options().origin).rotation * Eigen::Vector3d(1.0, 0.5, 0);
+  const IngestReport report = IngestSession(testing::StreetWorld(other_day).Reconstruct(), moved,
+                                            OptionsFor("tuesday"), &store_, {});
+  EXPECT_NEAR(report.comparison.fit.moved_m, std::hypot(1.0, 0.5), 0.05);
+  EXPECT_GT(report.changes.num_merged, 4 * report.changes.num_new);
+}
+
+TEST_F(IngestSessionTest, ASessionThatContradictsTheMapIsRefusedWithFigures) {
+  const testing::StreetWorld world(SmallStreet());
+  Ingest(world, OptionsFor("monday"));
+  const MapVersion version = store_.Snapshot().version();
+  testing::StreetWorldOptions other_day = SmallStreet();
+  other_day.view_seed = 77;
+  const Reconstruction tuesday = testing::StreetWorld(other_day).Reconstruct();
+  Sim3d moved = world.EcefFromWorld();
+  moved.translation += EcefFromEnu(world.options().origin).rotation * Eigen::Vector3d(3, 4, 0);
+  Sim3d larger = world.EcefFromWorld();
+  larger.scale *= 1.1;  // About the origin of the world frame, which is near the street.
+  for (const Sim3d& wrong : {moved, larger}) {
+    try {
+      IngestSession(tuesday, wrong, OptionsFor("tuesday"), &store_, {});
+      ADD_FAILURE() << "no error";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kConflict);
+      EXPECT_THAT(error.what(), HasSubstr("contradicts the map"));
+      EXPECT_THAT(error.what(), HasSubstr("--apart"));
+    }
+  }
+  EXPECT_EQ(store_.Snapshot().version(), version);
+  IngestOptions apart = OptionsFor("tuesday");
+  apart.joining = SessionJoining::kApart;
+  EXPECT_NO_THROW(IngestSession(tuesday, moved, apart, &store_, {}));
+}
+
+TEST_F(IngestSessionTest, TheSameSessionAgainChangesNothing) {
+  const testing::StreetWorld world(SmallStreet());
+  Ingest(world, OptionsFor("monday"));
+  const MapVersion version = store_.Snapshot().version();
+  const IngestReport again = Ingest(world, OptionsFor("monday"));
+  EXPECT_TRUE(again.is_unchanged);
+  EXPECT_EQ(store_.Snapshot().version(), version);
+}
+
+TEST_F(IngestSessionTest, TheSameReconstructionUnderAnotherNameIsNoticed) {
+  const testing::StreetWorld world(SmallStreet());
+  Ingest(world, OptionsFor("monday"));
+  EXPECT_EQ(CodeOf([&] { Ingest(world, OptionsFor("tuesday")); }), ErrorCode::kConflict);
+}
+
+TEST_F(IngestSessionTest, WhatNoLaterSessionSeesFades) {
+  testing::StreetWorldOptions street = SmallStreet();
+  IngestOptions options = OptionsFor("2016");
+  options.recorded_at = "2016-06-01T00:00:00Z";
+  const Reconstruction first = testing::StreetWorld(street).Reconstruct();
+  IngestSession(first, testing::StreetWorld(street).EcefFromWorld(), options, &store_, {});
+  const int64_t num_gone_before = CountBefore(15.0, street);
+  int64_t num_faded = 0;
+  for (const int year : {2017, 2018, 2019, 2020, 2021}) {
+    street.view_seed = static_cast<uint64_t>(year);
+    Reconstruction later = testing::StreetWorld(street).Reconstruct();
+    // A third of the facade is torn down.
+    std::erase_if(later.landmarks, [&](const ReconLandmark& landmark) {
+      return (street.world_from_enu.Inverse() * landmark.x_in_world).x() < 20.0;
+    });
+    options.session_name = std::to_string(year);
+    options.recorded_at = std::to_string(year) + "-06-01T00:00:00Z";
+    num_faded +=
+        IngestSession(later, testing::StreetWorld(street).EcefFromWorld(), options, &store_, {})
+            .changes.num_faded;
+  }
+  EXPECT_GT(num_faded, num_gone_before / 3);
+  EXPECT_LT(CountBefore(15.0, street), num_gone_before / 2);
 }
 
 TEST_F(IngestSessionTest, ATileStaysWithinItsBudgetWhateverIsAdded) {
@@ -262,7 +375,9 @@ TEST_F(IngestSessionTest, ATileStaysWithinItsBudgetWhateverIsAdded) {
   // Every day is still there.
   std::set<SessionId> sessions;
   for (const Tile& tile : DecodeAll(store_)) {
-    sessions.insert(tile.landmark_sessions.begin(), tile.landmark_sessions.end());
+    for (const LandmarkSighting& sighting : tile.sightings) {
+      sessions.insert(sighting.session_id);
+    }
   }
   EXPECT_EQ(sessions.size(), 3u);
 }

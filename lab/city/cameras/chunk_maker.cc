@@ -46,8 +46,8 @@ class SimulatedMapping::ChunkMaker {
     chunk_.tile_id = tile_id;
   }
 
-  MappedChunk Make() {
-    for (int pass = 0; pass < options_.num_passes; ++pass) {
+  MappedChunk Make(int first_pass, int last_pass) {
+    for (int pass = first_pass; pass <= last_pass; ++pass) {
       Drive(pass);
     }
     if (!images_.empty()) {
@@ -65,6 +65,8 @@ class SimulatedMapping::ChunkMaker {
     uint64_t track = 0;
     uint64_t landmark = 0;
     uint64_t ornament = 0;
+    uint64_t thing = 0;
+    uint64_t view = 0;
     Keypoint keypoint;
     float azimuth_rad = 0.0f, elevation_rad = 0.0f, log2_scale = 0.0f;
     bool is_wrong = false;
@@ -148,6 +150,8 @@ class SimulatedMapping::ChunkMaker {
       Observation observation;
       observation.landmark = sighting.look.landmark;
       observation.ornament = sighting.look.ornament;
+      observation.thing = ThingOf(*sighting.landmark);
+      observation.view = ViewOf(observation.thing, sighting.look);
       observation.track = TrackOf(sighting.look, image.pass);
       observation.keypoint = sighting.keypoint;
       observation.azimuth_rad = static_cast<float>(sighting.look.view_azimuth_rad);
@@ -167,6 +171,21 @@ class SimulatedMapping::ChunkMaker {
         static_cast<float>(std::clamp<double>(keypoint->x_px + dx_px, 0.0, camera_.width_px()));
     keypoint->y_px =
         static_cast<float>(std::clamp<double>(keypoint->y_px + dy_px, 0.0, camera_.height_px()));
+  }
+
+  // Names what looks like that at that place, to the centimeter.
+  static uint64_t ThingOf(const CityLandmark& landmark) {
+    const Eigen::Matrix<int64_t, 3, 1> place =
+        (100.0 * landmark.x_in_site).array().round().cast<int64_t>();
+    return HashOf(landmark.ornament, place.x(), place.y(), place.z());
+  }
+
+  uint64_t ViewOf(uint64_t thing, const DescriptorLook& look) const {
+    HashedRandom phases(HashOf(thing, kTrackStream));
+    const double azimuth = look.view_azimuth_rad / options_.track_view_rad + phases.Uniform();
+    const double scale = look.log2_scale / options_.track_octaves + phases.Uniform();
+    return HashOf(thing, static_cast<int64_t>(std::floor(azimuth)),
+                  static_cast<int64_t>(std::floor(scale)));
   }
 
   // Looks at one landmark get the same track number if matching would connect them.
@@ -205,8 +224,10 @@ class SimulatedMapping::ChunkMaker {
               {static_cast<int>(entry->image_idx), observation.keypoint_idx});
         }
         chunk_.reconstruction.landmarks.push_back(std::move(landmark));
-        chunk_.city_landmarks.push_back(
-            images_[begin->image_idx].observations[begin->observation_idx].landmark);
+        const Observation& first = images_[begin->image_idx].observations[begin->observation_idx];
+        chunk_.city_landmarks.push_back(first.landmark);
+        chunk_.things.push_back(first.thing);
+        chunk_.views.push_back(first.view);
       }
       begin = end;
     }
@@ -271,11 +292,15 @@ class SimulatedMapping::ChunkMaker {
     for (size_t i = 0; i < static_cast<size_t>(count); ++i) {
       if (is_found[i] != 0) {
         std::swap(reconstruction.landmarks[kept], reconstruction.landmarks[i]);
+        chunk_.things[kept] = chunk_.things[i];
+        chunk_.views[kept] = chunk_.views[i];
         chunk_.city_landmarks[kept++] = chunk_.city_landmarks[i];
       }
     }
     reconstruction.landmarks.resize(kept);
     chunk_.city_landmarks.resize(kept);
+    chunk_.things.resize(kept);
+    chunk_.views.resize(kept);
   }
 
   const SimulatedMapping& mapping_;
@@ -288,7 +313,11 @@ class SimulatedMapping::ChunkMaker {
 };
 
 MappedChunk SimulatedMapping::MapTile(TileId tile_id, int num_threads) const {
-  return ChunkMaker(*this, tile_id, num_threads).Make();
+  return ChunkMaker(*this, tile_id, num_threads).Make(0, options_.num_passes - 1);
+}
+
+MappedChunk SimulatedMapping::MapTileInPass(TileId tile_id, int pass, int num_threads) const {
+  return ChunkMaker(*this, tile_id, num_threads).Make(pass, pass);
 }
 
 }  // namespace cairn

@@ -32,6 +32,12 @@ struct MappedChunk {
   // Parallel to reconstruction.landmarks: CityLandmark::id. One physical point can have several
   // landmarks.
   std::vector<uint64_t> city_landmarks;
+  // Parallel to it: what looks the same at the same place. A window that replaces an equal window is
+  // another landmark of the city and the same thing here.
+  std::vector<uint64_t> things;
+  // Parallel to it: the thing, and the direction and scale from which the landmark is seen, as
+  // coarsely as matching can connect (MappingOptions::track_view_rad, track_octaves).
+  std::vector<uint64_t> views;
   // True poses, parallel to reconstruction.images.
   std::vector<Rigid3d> cam_from_site;
   int num_keyframes = 0;  // Number of panoramas.
@@ -59,6 +65,8 @@ class SimulatedMapping {
   // Maps one tile. A landmark needs min_observations within the tile's own images. Needs memory for
   // one tile: about 600 bytes per observation.
   MappedChunk MapTile(TileId tile_id, int num_threads) const;
+  // The same for one pass alone, as a session of its own sees the tile.
+  MappedChunk MapTileInPass(TileId tile_id, int pass, int num_threads) const;
 
   // Upper bound on the observations that MapTile keeps, for estimates of memory.
   double ExpectedObservations() const;

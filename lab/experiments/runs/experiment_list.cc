@@ -34,7 +34,8 @@ std::vector<Experiment> AllExperiments() {
           FirstCandidatesExperiment(),
           WrongGravityExperiment(),
           ElsewhereExperiment(),
-          FocalLengthExperiment()};
+          FocalLengthExperiment(),
+          TwentySessionsExperiment()};
 }
 
 Experiment FindExperiment(const std::string& name) {

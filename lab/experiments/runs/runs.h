@@ -29,6 +29,7 @@ Experiment FirstCandidatesExperiment();
 Experiment WrongGravityExperiment();
 Experiment ElsewhereExperiment();
 Experiment FocalLengthExperiment();
+Experiment TwentySessionsExperiment();
 
 // Returns the world that experiments 7 to 9, 11 to 15, 20 and 21 share.
 ExperimentWorldOptions StandardWorld(const ExperimentContext& context);

@@ -63,9 +63,11 @@ inline Tile SimpleTile(const std::vector<SimpleLandmark>& landmarks,
   tile.codebook_id = CodebookId{1};
   tile.code_size = 2;
   tile.descriptor_begin = {0};
+  tile.sighting_begin = {0};
   for (const SimpleLandmark& landmark : landmarks) {
     tile.landmark_ids.push_back(LandmarkId{landmark.id});
-    tile.landmark_sessions.push_back(SessionId{1});
+    tile.sightings.push_back({SessionId{1}, 2, 2});
+    tile.sighting_begin.push_back(static_cast<uint32_t>(tile.sightings.size()));
     tile.x_in_tile.push_back(QuantizePosition(landmark.x_in_tile));
     tile.sigma_codes.push_back(SigmaCode(0.05));
     for (const SimpleDescriptor& descriptor : landmark.descriptors) {
@@ -76,6 +78,7 @@ inline Tile SimpleTile(const std::vector<SimpleLandmark>& landmarks,
                                            : kNoOrientation);
       tile.size_codes.push_back(SizeCode(0.1));
       tile.azimuth_codes.push_back(AzimuthCode(1.0));
+      tile.weight_codes.push_back(WeightCode(2.0));
     }
     tile.descriptor_begin.push_back(static_cast<uint32_t>(tile.orientation_codes.size()));
   }

@@ -19,7 +19,8 @@ Tile MakeTile(SessionId session_id, int num_landmarks) {
   Tile tile = EmptyTile(kTileId, CodebookId(1), 2);
   for (int i = 0; i < num_landmarks; ++i) {
     tile.landmark_ids.push_back(LandmarkId(1000 * Value(session_id) + i));
-    tile.landmark_sessions.push_back(session_id);
+    tile.sightings.push_back({session_id, 2, 3});
+    tile.sighting_begin.push_back(static_cast<uint32_t>(tile.sightings.size()));
     tile.x_in_tile.push_back(Eigen::Vector3f(static_cast<float>(i), 0.0f, 401.0f));
     tile.sigma_codes.push_back(static_cast<uint8_t>(i));
     for (int d = 0; d <= i % 3; ++d) {
@@ -28,6 +29,7 @@ Tile MakeTile(SessionId session_id, int num_landmarks) {
       tile.orientation_codes.push_back(static_cast<uint8_t>(i));
       tile.size_codes.push_back(static_cast<uint8_t>(d));
       tile.azimuth_codes.push_back(static_cast<uint8_t>(i + d));
+      tile.weight_codes.push_back(static_cast<uint8_t>(4 + d));
     }
     tile.descriptor_begin.push_back(static_cast<uint32_t>(tile.num_descriptors()));
   }
@@ -45,7 +47,9 @@ Tile MakeTile(SessionId session_id, int num_landmarks) {
 
 void ExpectEqual(const Tile& a, const Tile& b) {
   EXPECT_EQ(a.landmark_ids, b.landmark_ids);
-  EXPECT_EQ(a.landmark_sessions, b.landmark_sessions);
+  EXPECT_EQ(a.sighting_begin, b.sighting_begin);
+  EXPECT_EQ(a.sightings, b.sightings);
+  EXPECT_EQ(a.weight_codes, b.weight_codes);
   EXPECT_EQ(a.x_in_tile, b.x_in_tile);
   EXPECT_EQ(a.sigma_codes, b.sigma_codes);
   EXPECT_EQ(a.descriptor_begin, b.descriptor_begin);
@@ -86,6 +90,22 @@ TEST(AppendTile, JoinsAndWithoutSessionTakesApart) {
   ExpectEqual(WithoutSession(joined, SessionId(2)), a);
   ExpectEqual(WithoutSession(joined, SessionId(1)), b);
   ExpectEqual(WithoutSession(joined, SessionId(3)), joined);
+}
+
+TEST(WithoutSession, LeavesLandmarksThatOthersSawWithoutItsSightings) {
+  Tile tile = MakeTile(SessionId(1), 3);
+  ReplaceSightings({{{SessionId(1), 2, 2}, {SessionId(2), 4, 5}},
+                    {{SessionId(1), 2, 2}, {SessionId(2), 0, 3}},
+                    {{SessionId(), 9, 9}, {SessionId(1), 1, 1}}},
+                   &tile);
+  EXPECT_NO_THROW(tile.Validate());
+  const Tile without = WithoutSession(tile, SessionId(1));
+  ASSERT_EQ(without.num_landmarks(), 2u);
+  EXPECT_EQ(without.landmark_ids[0], tile.landmark_ids[0]);
+  EXPECT_EQ(without.SightingsOf(0)[0], (LandmarkSighting{SessionId(2), 4, 5}));
+  EXPECT_EQ(without.landmark_ids[1], tile.landmark_ids[2]);
+  EXPECT_EQ(without.SightingsOf(1)[0], (LandmarkSighting{SessionId(), 9, 9}));
+  EXPECT_EQ(without.num_keyframes(), 0u);
 }
 
 TEST(AppendTile, ToAnEmptyTileIsACopy) {

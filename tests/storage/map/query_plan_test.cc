@@ -49,12 +49,19 @@ TEST(QueryPlan, ATileComesByItsKey) {
 TEST(QueryPlan, KeyframesAndTilesOfASessionComeThroughItsIndex) {
   const TempDir dir;
   const std::string path = MakeStreetMap(dir.File("a.gpkg"));
-  for (const std::string_view sql :
-       {queries::KeyframesOfSessionSql(), queries::TilesOfSessionSql()}) {
-    const std::string plan = PlanOf(path, sql);
-    EXPECT_THAT(plan, HasSubstr("INDEX keyframes_by_session (session_id=?)"));
-    EXPECT_THAT(plan, Not(HasSubstr("SCAN")));
-  }
+  const std::string keyframes = PlanOf(path, queries::KeyframesOfSessionSql());
+  EXPECT_THAT(keyframes, HasSubstr("INDEX keyframes_by_session (session_id=?)"));
+  EXPECT_THAT(keyframes, Not(HasSubstr("SCAN")));
+  const std::string tiles = PlanOf(path, queries::TilesOfSessionSql());
+  EXPECT_THAT(tiles, HasSubstr("PRIMARY KEY (session_id=?)"));
+  EXPECT_THAT(tiles, Not(HasSubstr("SCAN")));
+}
+
+TEST(QueryPlan, KeyframesOfATileComeThroughItsIndex) {
+  const TempDir dir;
+  const std::string plan = PlanOf(MakeStreetMap(dir.File("a.gpkg")), queries::KeyframesOfTileSql());
+  EXPECT_THAT(plan, HasSubstr("INDEX keyframes_by_tile (tile_id=?)"));
+  EXPECT_THAT(plan, Not(HasSubstr("SCAN")));
 }
 
 TEST(QueryPlan, KeyframesOfATileComeThroughItsIndex) {

@@ -101,9 +101,10 @@ TEST(SqlShell, LandmarksAreThoseOfTheTiles) {
   update.Publish();
 
   const Result all = Query(path, "SELECT *, tile_id FROM cairn_landmarks");
-  EXPECT_THAT(all.columns, ElementsAre("landmark_id", "tile", "session_id", "x_m", "y_m", "z_m",
-                                       "lat_deg", "lon_deg", "h_m", "sigma_m", "num_descriptors",
-                                       "num_keyframes", "tile_id"));
+  EXPECT_THAT(all.columns,
+              ElementsAre("landmark_id", "tile", "session_id", "x_m", "y_m", "z_m", "lat_deg",
+                          "lon_deg", "h_m", "sigma_m", "num_descriptors", "num_keyframes",
+                          "last_session_id", "num_sights", "num_chances", "tile_id"));
   ASSERT_THAT(all.rows, SizeIs(100));
   const Rigid3d ecef_from_tile = EcefFromEnu(tile.id.Anchor());
   for (size_t i = 0; i < all.rows.size(); ++i) {
@@ -119,6 +120,9 @@ TEST(SqlShell, LandmarksAreThoseOfTheTiles) {
         1e-3);
     EXPECT_EQ(row[10].text,
               std::to_string(tile.descriptor_begin[i + 1] - tile.descriptor_begin[i]));
+    EXPECT_EQ(row[12].text, row[2].text);
+    EXPECT_EQ(row[13].text, std::to_string(tile.SightingsOf(i)[0].num_sights));
+    EXPECT_EQ(row[14].text, std::to_string(tile.SightingsOf(i)[0].num_chances));
   }
   const std::string id = std::to_string(tile.id.value());
   EXPECT_EQ(Value(path, "SELECT count(*) FROM cairn_landmarks(" + id + ")"), "100");

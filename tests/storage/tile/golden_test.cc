@@ -33,7 +33,9 @@ Tile GoldenTile() {
   tile.codebook_id = CodebookId(5);
   tile.code_size = 2;
   tile.landmark_ids = {LandmarkId(1000), LandmarkId(7), LandmarkId(1001)};
-  tile.landmark_sessions = {SessionId(1), SessionId(2), SessionId(1)};
+  tile.sighting_begin = {0, 1, 3, 4};
+  tile.sightings = {
+      {SessionId(1), 3, 4}, {SessionId(), 200, 255}, {SessionId(2), 0, 5}, {SessionId(1), 2, 2}};
   tile.x_in_tile = {
       {-12.5f, 3.25f, 1.00390625f}, {74.0f, -74.99609375f, 0.0f}, {300.0f, 8.0f, -2.5f}};
   tile.sigma_codes = {10, 20, 255};
@@ -42,6 +44,7 @@ Tile GoldenTile() {
   tile.orientation_codes = {0, 128, kNoOrientation, 17, 18};
   tile.size_codes = {90, 91, 0, 255, 100};
   tile.azimuth_codes = {255, 0, 64, 65, 66};
+  tile.weight_codes = {1, 4, 8, 255, 9};
   Rigid3d pose;
   pose.rotation = Eigen::Quaterniond(0.5, -0.5, 0.5, 0.5);
   pose.translation = {1.5, -2.25, 100.125};

@@ -19,9 +19,9 @@
 namespace cairn {
 namespace {
 
-constexpr size_t kHeaderSize = 64;
-constexpr size_t kTileChecksumOffset = 56;
-constexpr size_t kDirectorySize = 62 * sizeof(uint32_t);
+constexpr size_t kHeaderSize = 72;
+constexpr size_t kTileChecksumOffset = 64;
+constexpr size_t kDirectorySize = 66 * sizeof(uint32_t);
 constexpr size_t kCodebookChecksumOffset = 32;
 
 void Seal(std::vector<uint8_t>* bytes, size_t checksum_offset) {

@@ -1,0 +1,118 @@
+#include "ingest/coregister/compare_with_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/frames.h"
+#include "core/geodesy.h"
+#include "core/require.h"
+#include "engine/localizer.h"
+#include "storage/map/tile_cache.h"
+#include "storage/tile/tile_codec.h"
+
+namespace cairn {
+namespace {
+
+constexpr size_t kCacheBytes = size_t{512} << 20;
+
+// Images of the session that stand near a photo of the map which looks the same way.
+std::vector<int> ImagesThatMapShouldKnow(const PlacedSession& session, const MapStore& map,
+                                         const ComparisonOptions& options) {
+  const MapSnapshot snapshot = map.Snapshot();
+  const double cos_near = std::cos(options.near_rad);
+  std::vector<int> images;
+  for (const auto& [tile_id, images_of_tile] : session.images_of_tile) {
+    const std::optional<TileRecord> record = snapshot.FindTile(tile_id);
+    if (!record) {
+      continue;
+    }
+    const Tile tile = DecodeTile(snapshot.LoadPayload(record->payload_id));
+    const Rigid3d tile_from_ecef = EcefFromEnu(tile_id.Anchor()).Inverse();
+    for (const int image_idx : images_of_tile) {
+      const Rigid3d tile_from_cam =
+          tile_from_ecef * session.cam_from_ecef[static_cast<size_t>(image_idx)].Inverse();
+      const Eigen::Vector3d axis = tile_from_cam.rotation * Eigen::Vector3d::UnitZ();
+      const bool is_near =
+          std::any_of(tile.keyframes.begin(), tile.keyframes.end(), [&](const TileKeyframe& known) {
+            const Rigid3d known_pose = known.cam_from_tile.Inverse();
+            return (known_pose.translation - tile_from_cam.translation).norm() <= options.near_m &&
+                   (known_pose.rotation * Eigen::Vector3d::UnitZ()).dot(axis) >= cos_near;
+          });
+      if (is_near) {
+        images.push_back(image_idx);
+      }
+    }
+  }
+  return images;
+}
+
+std::vector<int> EvenlyOf(const std::vector<int>& all, int count) {
+  if (static_cast<int>(all.size()) <= count) {
+    return all;
+  }
+  std::vector<int> some;
+  for (int i = 0; i < count; ++i) {
+    some.push_back(all[all.size() * static_cast<size_t>(i) / static_cast<size_t>(count)]);
+  }
+  return some;
+}
+
+LocalizeQuery QueryOf(const Reconstruction& reconstruction, const PlacedSession& session,
+                      int image_idx, const ComparisonOptions& options) {
+  const ReconImage& image = reconstruction.images[static_cast<size_t>(image_idx)];
+  const Rigid3d& cam_from_ecef = session.cam_from_ecef[static_cast<size_t>(image_idx)];
+  LocalizeQuery query;
+  query.id = image.name;
+  query.camera = reconstruction.cameras[static_cast<size_t>(image.camera_idx)];
+  query.features = image.features;
+  PositionPrior prior;
+  prior.position = GeodeticFromEcef(cam_from_ecef.Inverse().translation);
+  prior.accuracy_m = options.search_radius_m;
+  query.prior = prior;
+  query.down_in_cam =
+      (cam_from_ecef.rotation * (EcefFromEnu(prior.position).rotation * DownInEnu())).normalized();
+  return query;
+}
+
+}  // namespace
+
+void ComparisonOptions::Validate() const {
+  RequireOption(max_queries >= 1, "comparison.max_queries must be at least 1");
+  RequireOption(search_radius_m > 0.0, "comparison.search_radius_m must be positive");
+  RequireOption(near_m > 0.0, "comparison.near_m must be positive");
+  RequireOption(near_rad > 0.0, "comparison.near_rad must be positive");
+}
+
+MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedSession& session,
+                             const MapStore& map, const ComparisonOptions& options) {
+  const std::vector<int> images =
+      EvenlyOf(ImagesThatMapShouldKnow(session, map, options), options.max_queries);
+  MapComparison comparison;
+  comparison.num_expected = static_cast<int>(images.size());
+  if (images.empty()) {
+    return comparison;
+  }
+  // The store outlives the localizer, which wants to share it.
+  const std::shared_ptr<const MapStore> shared(std::shared_ptr<const MapStore>(), &map);
+  const Localizer localizer(shared, std::make_shared<TileCache>(kCacheBytes), LocalizerOptions());
+  std::vector<PosePair> pairs;
+  for (const int image_idx : images) {
+    const LocalizeResult result =
+        localizer.Localize(QueryOf(reconstruction, session, image_idx, options));
+    if (result.localized) {
+      pairs.push_back(
+          {session.cam_from_ecef[static_cast<size_t>(image_idx)], result.cam_from_ecef});
+    }
+  }
+  comparison.num_localized = static_cast<int>(pairs.size());
+  if (!pairs.empty()) {
+    comparison.fit = FitPlacement(pairs, PlacementFitOptions());
+  }
+  return comparison;
+}
+
+}  // namespace cairn

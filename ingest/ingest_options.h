@@ -1,0 +1,72 @@
+// How a session becomes part of a map.
+#ifndef CAIRN_INGEST_INGEST_OPTIONS_H_
+#define CAIRN_INGEST_INGEST_OPTIONS_H_
+
+#include <string>
+
+#include "ingest/coregister/compare_with_map.h"
+#include "ingest/merging/landmark_history.h"
+#include "ingest/merging/link_landmarks.h"
+#include "ingest/merging/merge_tiles.h"
+#include "ingest/merging/viewpoints.h"
+#include "ingest/quantize/train_codebook.h"
+#include "ingest/summarize/appearance.h"
+#include "ingest/summarize/landmark_selection.h"
+
+namespace cairn {
+
+enum class SessionJoining {
+  kJoin,   // Landmarks that the map knows are updated; a session that contradicts the map is
+           // refused.
+  kApart,  // The session's landmarks stand beside those of the map; nothing is compared.
+};
+
+// How far a session may contradict the map. See MapComparison.
+struct AgreementOptions {
+  double max_moved_m = 3.0;
+  double max_turned_rad = 0.05;  // 3 degrees.
+  double max_scale_change = 0.02;
+  double min_agreeing_share = 0.5;    // Of the photos that the map recognises.
+  double min_recognised_share = 0.1;  // Of the photos that it should recognise,
+  int min_expected = 10;              // if there are so many.
+
+  void Validate() const;
+};
+
+// What a map keeps of a place that several sessions have seen.
+struct UpkeepOptions {
+  LinkOptions linking;
+  MergeOptions merging;
+  ViewpointOptions viewpoints;
+  PersistenceOptions persistence;
+  // A session adds landmarks of its own until each of its photos sees so many.
+  int enough_landmarks = 250;
+  double least_existence = 0.1;  // Landmarks that exist with a smaller probability go.
+
+  void Validate() const;
+};
+
+struct IngestOptions {
+  std::string session_name;  // Unique in the map; ingesting a name again replaces the session.
+  std::string source;        // For people.
+  std::string recorded_at;   // When the photos were taken, see SessionRecord; empty: now.
+  SessionJoining joining = SessionJoining::kJoin;
+  CodebookOptions codebook;  // Used only by the first session of a map.
+  LandmarkSelectionOptions selection;
+  AppearanceOptions appearance;
+  ComparisonOptions comparison;
+  AgreementOptions agreement;
+  UpkeepOptions upkeep;
+  // Landmarks with a larger position uncertainty are dropped, metres; and with a larger median
+  // reprojection error, pixels.
+  double max_sigma_m = 2.0;
+  double max_reprojection_error_px = 4.0;
+  double georef_median_residual_m = 0.0;  // Recorded with the session.
+
+  // Throws Error(kInvalidArgument) naming the field.
+  void Validate() const;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_INGEST_INGEST_OPTIONS_H_

@@ -1,0 +1,56 @@
+#include "ingest/merging/admit_landmarks.h"
+
+#include <algorithm>
+#include <unordered_set>
+
+namespace cairn {
+namespace {
+
+std::vector<std::vector<uint32_t>> KeyframesOfLandmarks(const Tile& tile) {
+  std::vector<std::vector<uint32_t>> keyframes(tile.num_landmarks());
+  for (uint32_t k = 0; k < tile.num_keyframes(); ++k) {
+    for (const uint32_t landmark : tile.LandmarksOfKeyframe(k)) {
+      keyframes[landmark].push_back(k);
+    }
+  }
+  return keyframes;
+}
+
+}  // namespace
+
+std::vector<uint32_t> AdmitLandmarks(const Tile& known, const Tile& fresh, int enough_landmarks) {
+  std::unordered_set<uint64_t> known_ids;
+  for (const LandmarkId id : known.landmark_ids) {
+    known_ids.insert(Value(id));
+  }
+  const std::vector<std::vector<uint32_t>> keyframes = KeyframesOfLandmarks(fresh);
+  std::vector<int> num_missing(fresh.num_keyframes(), enough_landmarks);
+  std::vector<uint32_t> admitted, others;
+  for (uint32_t i = 0; i < fresh.num_landmarks(); ++i) {
+    const bool is_known = known_ids.contains(Value(fresh.landmark_ids[i]));
+    (is_known ? admitted : others).push_back(i);
+    if (is_known) {
+      for (const uint32_t k : keyframes[i]) {
+        --num_missing[k];
+      }
+    }
+  }
+  std::stable_sort(others.begin(), others.end(), [&](uint32_t a, uint32_t b) {
+    return keyframes[a].size() > keyframes[b].size();
+  });
+  for (const uint32_t i : others) {
+    const bool is_needed = std::any_of(keyframes[i].begin(), keyframes[i].end(),
+                                       [&](uint32_t k) { return num_missing[k] > 0; });
+    if (!is_needed) {
+      continue;
+    }
+    admitted.push_back(i);
+    for (const uint32_t k : keyframes[i]) {
+      --num_missing[k];
+    }
+  }
+  std::sort(admitted.begin(), admitted.end());
+  return admitted;
+}
+
+}  // namespace cairn

@@ -1,0 +1,48 @@
+// How long a landmark has been seen, and whether it still exists. Persistence filter after Rosen et
+// al., "Towards lifelong feature-based mapping in semi-static environments" (ICRA 2016).
+#ifndef CAIRN_INGEST_MERGING_LANDMARK_HISTORY_H_
+#define CAIRN_INGEST_MERGING_LANDMARK_HISTORY_H_
+
+#include <map>
+#include <span>
+#include <vector>
+
+#include "storage/ids.h"
+#include "storage/map/map_store.h"
+#include "storage/tile/tile.h"
+
+namespace cairn {
+
+// When each session recorded its photos, years since any common origin.
+using SessionTimes = std::map<SessionId, double>;
+
+// By SessionRecord::recorded_at.
+SessionTimes TimesOf(const std::vector<SessionRecord>& sessions);
+
+// Adds the sighting of the newest session. A history that would exceed Tile::kMaxSightings adds its
+// oldest session to the sum of all older ones (session 0).
+void AppendSighting(const LandmarkSighting& sighting, std::vector<LandmarkSighting>* history);
+
+struct PersistenceOptions {
+  // A landmark that exists is gone within a year with this probability: what bills, shop fronts and
+  // facades have in common is 0.1 a year, most of it early.
+  double loss_per_year = 0.1;
+  // A session misses a landmark that is there with this probability however many chances it had:
+  // light, season and parked cars spoil all chances of a session together.
+  double least_miss_share = 0.3;
+};
+
+// Probability that a landmark exists at the time of its last sighting, in [0, 1]. A sight proves
+// it. From then on the probability falls with time and with each session that had a chance and no
+// sight. The probability to see it at a chance is its own share of sights in chances before.
+double ExistenceProbability(std::span<const LandmarkSighting> history, const SessionTimes& times,
+                            const PersistenceOptions& options);
+
+// Sights that a future session of the same density can expect: existence probability x share of
+// sights in chances x chances of a session.
+double ExpectedSights(std::span<const LandmarkSighting> history, const SessionTimes& times,
+                      const PersistenceOptions& options);
+
+}  // namespace cairn
+
+#endif  // CAIRN_INGEST_MERGING_LANDMARK_HISTORY_H_

@@ -1,0 +1,71 @@
+#include "ingest/scratch_map.h"
+
+#include <stdlib.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "core/error.h"
+#include "ingest/tile_rewriter.h"
+#include "ingest/write_tile.h"
+#include "storage/codebook/codebook.h"
+
+namespace cairn {
+namespace {
+
+std::string MakeTemporaryFolder() {
+  std::string path = (std::filesystem::temp_directory_path() / "cairn-ingest-XXXXXX").string();
+  if (mkdtemp(path.data()) == nullptr) {
+    throw Error(ErrorCode::kIo, path + ": cannot make a temporary folder");
+  }
+  return path;
+}
+
+// A folder that is deleted with all that is in it.
+struct TemporaryFolder {
+  std::string path = MakeTemporaryFolder();
+
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path, ignored);
+  }
+};
+
+}  // namespace
+
+struct ScratchMap::Impl {
+  TemporaryFolder folder;
+  MapStore store = MapStore::Create(folder.path + "/scratch.gpkg");
+};
+
+ScratchMap::ScratchMap() : impl_(std::make_unique<Impl>()) {}
+ScratchMap::ScratchMap(ScratchMap&&) noexcept = default;
+ScratchMap::~ScratchMap() = default;
+
+MapStore& ScratchMap::store() const { return impl_->store; }
+
+ScratchMap MapWithoutSession(const PlacedSession& session, SessionId without,
+                             const MapUpdate& update, const MapStore& store) {
+  ScratchMap scratch;
+  const std::shared_ptr<const Codebook> codebook = store.Snapshot().CurrentCodebook();
+  if (codebook == nullptr) {
+    return scratch;
+  }
+  MapUpdate copy = scratch.store().BeginUpdate();
+  Codebook own_codebook = *codebook;
+  own_codebook.id = copy.AddCodebook(*codebook);
+  for (const auto& [tile_id, images] : session.images_of_tile) {
+    std::optional<Tile> tile = LoadWithoutSession(tile_id, without, update);
+    if (!tile || tile->codebook_id != codebook->id) {
+      continue;
+    }
+    tile->codebook_id = own_codebook.id;
+    WriteTile(*tile, own_codebook, &copy);
+  }
+  copy.Publish({.kind = VersionKind::kExtract});
+  return scratch;
+}
+
+}  // namespace cairn

@@ -1,0 +1,33 @@
+// A map of its own that is gone with the object. Private to ingest.
+#ifndef CAIRN_INGEST_SCRATCH_MAP_H_
+#define CAIRN_INGEST_SCRATCH_MAP_H_
+
+#include <memory>
+
+#include "ingest/tiling/placed_session.h"
+#include "storage/map/map_store.h"
+
+namespace cairn {
+
+class ScratchMap {
+ public:
+  // Makes an empty map in a new folder beside the temporary files.
+  ScratchMap();
+  ScratchMap(ScratchMap&&) noexcept;
+  ~ScratchMap();
+
+  MapStore& store() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// The tiles of the map in which `session` stands, without `without`. The engine can ask it what the
+// map says about a session that the map holds already.
+ScratchMap MapWithoutSession(const PlacedSession& session, SessionId without,
+                             const MapUpdate& update, const MapStore& store);
+
+}  // namespace cairn
+
+#endif  // CAIRN_INGEST_SCRATCH_MAP_H_

@@ -1,0 +1,102 @@
+#include "ingest/session_digest.h"
+
+#include <cstdint>
+#include <type_traits>
+
+#include "storage/bytes/content_digest.h"
+
+namespace cairn {
+namespace {
+
+// Numbers and texts in a row. Numbers go in one by one, so that padding does not count.
+class Hasher {
+ public:
+  template <typename T>
+  requires(std::is_arithmetic_v<T> || std::is_enum_v<T>) void Add(const T& value) {
+    hash_.Add({reinterpret_cast<const uint8_t*>(&value), sizeof(value)});
+  }
+  void Add(const std::string& text) {
+    Add(text.size());
+    hash_.Add({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+  }
+  template <typename Derived>
+  void Add(const Eigen::DenseBase<Derived>& numbers) {
+    Add(numbers.rows());
+    for (Eigen::Index row = 0; row < numbers.rows(); ++row) {
+      for (Eigen::Index col = 0; col < numbers.cols(); ++col) {
+        Add(numbers(row, col));
+      }
+    }
+  }
+  void Add(const Rigid3d& pose) {
+    Add(pose.rotation.coeffs());
+    Add(pose.translation);
+  }
+
+  std::string Hex() const { return hash_.Hex(); }
+
+ private:
+  ContentHash hash_;
+};
+
+void AddImage(const ReconImage& image, Hasher* hasher) {
+  hasher->Add(image.name);
+  hasher->Add(image.camera_idx);
+  hasher->Add(image.cam_from_world);
+  hasher->Add(image.features.keypoints.size());
+  for (const Keypoint& keypoint : image.features.keypoints) {
+    hasher->Add(keypoint.x_px);
+    hasher->Add(keypoint.y_px);
+    hasher->Add(keypoint.scale_px);
+    hasher->Add(keypoint.orientation_rad);
+  }
+  hasher->Add(image.features.descriptors);
+}
+
+}  // namespace
+
+std::string DigestOf(const Reconstruction& reconstruction) {
+  Hasher hasher;
+  hasher.Add(reconstruction.descriptor_type);
+  for (const Camera& camera : reconstruction.cameras) {
+    hasher.Add(camera.model());
+    for (const double number : camera.params()) {
+      hasher.Add(number);
+    }
+  }
+  for (const ReconImage& image : reconstruction.images) {
+    AddImage(image, &hasher);
+  }
+  for (const ReconLandmark& landmark : reconstruction.landmarks) {
+    hasher.Add(landmark.x_in_world);
+    hasher.Add(landmark.observations.size());
+    for (const ReconObservation& observation : landmark.observations) {
+      hasher.Add(observation.image_idx);
+      hasher.Add(observation.keypoint_idx);
+    }
+  }
+  return hasher.Hex();
+}
+
+std::string DigestOf(const Sim3d& ecef_from_world, const IngestOptions& options) {
+  Hasher hasher;
+  hasher.Add(ecef_from_world.scale);
+  hasher.Add(ecef_from_world.rotation.coeffs());
+  hasher.Add(ecef_from_world.translation);
+  hasher.Add(options.recorded_at);
+  hasher.Add(options.joining);
+  hasher.Add(options.selection.kind);
+  hasher.Add(options.selection.max_descriptors);
+  hasher.Add(options.selection.max_landmarks);
+  hasher.Add(options.selection.min_observations);
+  hasher.Add(options.appearance.kind);
+  hasher.Add(options.appearance.count);
+  hasher.Add(options.appearance.ratio);
+  hasher.Add(options.max_sigma_m);
+  hasher.Add(options.max_reprojection_error_px);
+  hasher.Add(options.upkeep.enough_landmarks);
+  hasher.Add(options.upkeep.least_existence);
+  return hasher.Hex().substr(16);
+}
+
+}  // namespace cairn

@@ -1,0 +1,25 @@
+// Tells sessions of the same photos apart from others. Private to ingest.
+#ifndef CAIRN_INGEST_SESSION_DIGEST_H_
+#define CAIRN_INGEST_SESSION_DIGEST_H_
+
+#include <string>
+
+#include "core/rigid3.h"
+#include "ingest/ingest_options.h"
+#include "ingest/sfm/reconstruction.h"
+
+namespace cairn {
+
+// 32 hexadecimal digits of XXH3: what the reconstruction holds. The order of its images and
+// landmarks counts.
+std::string DigestOf(const Reconstruction& reconstruction);
+
+// 16 more for how it is ingested: the placement and the options that change the result of an
+// ingest.
+std::string DigestOf(const Sim3d& ecef_from_world, const IngestOptions& options);
+
+inline constexpr size_t kContentDigestSize = 32;
+
+}  // namespace cairn
+
+#endif  // CAIRN_INGEST_SESSION_DIGEST_H_

@@ -1,0 +1,286 @@
+// Measures a map over twenty sessions in ten years: size, average precision, links between
+// sessions.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <map>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "eval/evaluation_compare.h"
+#include "lab/city/city_sessions.h"
+#include "lab/experiments/measure/variants.h"
+#include "lab/experiments/runs/runs.h"
+#include "storage/tile/tile_codec.h"
+
+namespace cairn {
+namespace {
+
+constexpr double kGeoregistrationSigmaM = 0.3;
+constexpr int kNumNewest = 3;  // Sessions of the map that knows the newest alone.
+
+// Counts links between sessions against the simulation. A link is false if it joins two things. A link
+// is possible if the map knows the thing from a direction and scale that matching can connect.
+class LinkJudge {
+ public:
+  // `ids_in_map` are the landmarks that the map holds after the ingest.
+  void Add(const CitySession& session, const IngestReport& report,
+           const std::unordered_set<uint64_t>& ids_in_map) {
+    for (size_t i = 0; i < report.landmark_ids.size(); ++i) {
+      const LandmarkId id = report.landmark_ids[i];
+      if (id == LandmarkId{}) {
+        continue;
+      }
+      const bool is_possible = known_views_.contains(session.views[i]);
+      num_possible_ += is_possible ? 1 : 0;
+      if (id < report.first_new_landmark) {
+        const auto known = thing_of_id_.find(Value(id));
+        const bool is_right = known != thing_of_id_.end() && known->second == session.things[i];
+        ++num_linked_;
+        num_false_ += is_right ? 0 : 1;
+        num_found_ += is_right && is_possible ? 1 : 0;
+      }
+    }
+    Remember(session, report);
+    Forget(ids_in_map);
+  }
+
+  double FalseShare() const { return static_cast<double>(num_false_) / std::max(1L, num_linked_); }
+  double FoundShare() const {
+    return static_cast<double>(num_found_) / std::max(1L, num_possible_);
+  }
+
+ private:
+  void Remember(const CitySession& session, const IngestReport& report) {
+    for (size_t i = 0; i < report.landmark_ids.size(); ++i) {
+      const LandmarkId id = report.landmark_ids[i];
+      if (id == LandmarkId{}) {
+        continue;
+      }
+      if (id >= report.first_new_landmark) {
+        thing_of_id_.emplace(Value(id), session.things[i]);
+      }
+      // The map has seen the view: in a landmark of its own, or in one that was linked rightly.
+      if (const auto known = thing_of_id_.find(Value(id));
+          known != thing_of_id_.end() && known->second == session.things[i]) {
+        views_of_id_[Value(id)].insert(session.views[i]);
+      }
+    }
+  }
+
+  // Landmarks that the map has not taken, or has dropped, cannot be found again.
+  void Forget(const std::unordered_set<uint64_t>& ids_in_map) {
+    known_views_.clear();
+    std::erase_if(views_of_id_,
+                  [&](const auto& entry) { return !ids_in_map.contains(entry.first); });
+    for (const auto& [id, views] : views_of_id_) {
+      known_views_.insert(views.begin(), views.end());
+    }
+  }
+
+  std::unordered_map<uint64_t, uint64_t> thing_of_id_;
+  std::unordered_map<uint64_t, std::unordered_set<uint64_t>> views_of_id_;
+  std::unordered_set<uint64_t> known_views_;  // Of all of them.
+  long num_linked_ = 0, num_false_ = 0, num_found_ = 0, num_possible_ = 0;
+};
+
+struct KeptMap {
+  std::string name;
+  IngestOptions ingest;
+  std::shared_ptr<MapStore> store;
+  double last_ingest_seconds = 0.0;
+  IngestReport last_report;
+};
+
+void Ingest(const CitySession& session, int session_idx, KeptMap* map) {
+  IngestOptions options = map->ingest;
+  options.session_name = fmt::format("session {:02}", session_idx);
+  options.source = "simulated city";
+  options.recorded_at = session.recorded_at;
+  const auto start = std::chrono::steady_clock::now();
+  map->last_report =
+      IngestSession(session.reconstruction, session.ecef_from_world, options, map->store.get(), {});
+  map->last_ingest_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::unordered_set<uint64_t> LandmarksOf(const MapStore& store) {
+  const MapSnapshot snapshot = store.Snapshot();
+  std::unordered_set<uint64_t> ids;
+  for (const TileRecord& record : snapshot.AllTiles(1000)) {
+    for (const LandmarkId id : DecodeTile(snapshot.LoadPayload(record.payload_id)).landmark_ids) {
+      ids.insert(Value(id));
+    }
+  }
+  return ids;
+}
+
+CityWorldOptions WorldOf(const ExperimentContext& context, uint64_t seed) {
+  CityWorldOptions options = CityWorldPreset(CityCharacter::kGrid, CityWorldSize::kQuick);
+  options.city.area_km2 = context.Pick(0.01, 0.0225);
+  options.city.seed = options.mapping.seed = options.descriptors.seed = seed;
+  options.mapping.num_passes = context.Pick(5, 20);
+  options.mapping.years = context.Pick(2.5, 10.0);
+  options.mapping.rig.image_width_px = options.mapping.rig.image_height_px = 560;
+  options.mapping.detector.max_keypoints = 350;
+  options.mapping.keyframe_spacing_m = 4.0;
+  options.queries.num_queries = context.NumQueries(20, 150);
+  options.num_threads = context.num_threads;
+  return options;
+}
+
+// One seed's city, session by session.
+class LivingMapRun {
+ public:
+  LivingMapRun(const ExperimentContext& context, uint64_t seed)
+      : context_(context), seed_(seed), sessions_(WorldOf(context, seed), kGeoregistrationSigmaM) {}
+
+  void Run(ResultTable* table) {
+    const CitySession first = sessions_.Record(0);
+    const int64_t budget = Budget(first);
+    living_ = Make("living", SessionJoining::kJoin, budget);
+    united_ = Make("united", SessionJoining::kApart, budget);
+    for (int i = 0; i < sessions_.size(); ++i) {
+      const CitySession session = i == 0 ? first : sessions_.Record(i);
+      Ingest(session, i, &living_);
+      Ingest(session, i, &united_);
+      judge_.Add(session, living_.last_report, LandmarksOf(*living_.store));
+      Remember(session);
+      Measure(i, session.time_years, budget, table);
+      if (context_.progress) {
+        context_.progress("sessions", i + 1, sessions_.size());
+      }
+    }
+  }
+
+  const LinkJudge& judge() const { return judge_; }
+  const std::vector<EvalReport>& living_reports() const { return living_reports_; }
+  const std::vector<EvalReport>& united_reports() const { return united_reports_; }
+  const std::vector<EvalReport>& newest_reports() const { return newest_reports_; }
+
+ private:
+  // Descriptors of a tile with the budget of one session and a half.
+  int64_t Budget(const CitySession& first) {
+    KeptMap alone = Make("budget", SessionJoining::kApart, 10'000'000);
+    Ingest(first, 0, &alone);
+    int64_t most = 1;
+    for (const TileRecord& tile : alone.store->Snapshot().AllTiles(1000)) {
+      most = std::max(most, tile.num_descriptors);
+    }
+    return most * 3 / 2;
+  }
+
+  KeptMap Make(const std::string& name, SessionJoining joining, int64_t budget) {
+    KeptMap map;
+    map.name = name;
+    map.ingest.joining = joining;
+    map.ingest.selection.max_descriptors = budget;
+    const std::string path =
+        context_.worlds->MapPath(fmt::format("twenty_{}_{}_{}", seed_, name, num_maps_++));
+    map.store = std::make_shared<MapStore>(MapStore::Create(path));
+    return map;
+  }
+
+  void Remember(const CitySession& session) {
+    newest_.push_back(session);
+    if (newest_.size() > kNumNewest) {
+      newest_.pop_front();
+    }
+  }
+
+  void Measure(int session_idx, double time_years, int64_t budget, ResultTable* table) {
+    std::unordered_set<uint64_t> mapped;
+    KeptMap newest = Make("newest", SessionJoining::kApart, budget);
+    for (size_t i = 0; i < newest_.size(); ++i) {
+      mapped.insert(newest_[i].city_landmarks.begin(), newest_[i].city_landmarks.end());
+      Ingest(newest_[i], static_cast<int>(i), &newest);
+    }
+    const std::vector<EvalQuery> queries =
+        sessions_.Ask(time_years + 0.25, mapped, seed_ * 1000 + static_cast<uint64_t>(session_idx));
+    for (auto& [map, reports] :
+         {std::pair(&living_, &living_reports_), std::pair(&united_, &united_reports_),
+          std::pair(&newest, &newest_reports_)}) {
+      AddRow(session_idx, *map, queries, reports, table);
+    }
+  }
+
+  void AddRow(int session_idx, const KeptMap& map, const std::vector<EvalQuery>& queries,
+              std::vector<EvalReport>* reports, ResultTable* table) {
+    ExperimentWorld world;
+    world.store = map.store;
+    world.queries = queries;
+    const EvalReport report =
+        MeasureVariants(world, {{map.name, 0.0, BestVariant()}}, context_).front().report;
+    const MapInfo info = map.store->Snapshot().Info();
+    const TileChanges& changes = map.last_report.changes;
+    std::vector<Cell> cells = {map.name,
+                               static_cast<double>(seed_),
+                               static_cast<double>(session_idx + 1),
+                               static_cast<double>(info.payload_bytes),
+                               static_cast<double>(info.num_landmarks),
+                               static_cast<double>(info.num_descriptors),
+                               static_cast<double>(info.num_keyframes),
+                               static_cast<double>(changes.num_merged),
+                               static_cast<double>(changes.num_new),
+                               static_cast<double>(changes.num_faded),
+                               static_cast<double>(changes.num_evicted)};
+    AddIntervalCells(report.average_precision, &cells);
+    cells.emplace_back(map.last_ingest_seconds);
+    table->AddRow(std::move(cells));
+    reports->push_back(report);
+  }
+
+  const ExperimentContext& context_;
+  uint64_t seed_;
+  CitySessions sessions_;
+  LinkJudge judge_;
+  KeptMap living_, united_;
+  int num_maps_ = 0;
+  std::deque<CitySession> newest_;
+  std::vector<EvalReport> living_reports_, united_reports_, newest_reports_;
+};
+
+ExperimentOutcome Run(const ExperimentContext& context) {
+  ExperimentOutcome outcome;
+  std::vector<Column> columns = {{"map"},       {"seed"},        {"session"},   {"payload_bytes"},
+                                 {"landmarks"}, {"descriptors"}, {"keyframes"}, {"merged"},
+                                 {"new"},       {"faded"},       {"evicted"}};
+  AddIntervalColumns("average_precision", &columns);
+  columns.push_back({"ingest_s", true});
+  outcome.table = ResultTable(std::move(columns));
+  double false_share = 0.0, found_share = 1.0;
+  const int num_seeds = context.Pick(1, 4);
+  for (int i = 0; i < num_seeds; ++i) {
+    LivingMapRun run(context, context.seed + static_cast<uint64_t>(i));
+    run.Run(&outcome.table);
+    false_share = std::max(false_share, run.judge().FalseShare());
+    found_share = std::min(found_share, run.judge().FoundShare());
+  }
+  outcome.verdict = Verdict::kUndecided;
+  outcome.sentence = fmt::format("links: at worst {:.4f} false, {:.3f} of the possible found",
+                                 false_share, found_share);
+  return outcome;
+}
+
+}  // namespace
+
+Experiment TwentySessionsExperiment() {
+  return {
+      "24_twenty_sessions",
+      "Twenty sessions in ten years",
+      "Section \"Conclusion\": a model of constant size that takes up new data",
+      "A map keeps its size over twenty sessions and localizes at least as well as a map of the "
+      "newest sessions.",
+      "holds if the bytes grow by at most 5 % after session 3, the average precision is at least "
+      "that of the newest three sessions alone and of all sessions side by side under the same "
+      "budget, at most 0.5 % of the links are false and at least 80 % are found.",
+      "20 min",
+      Run};
+}
+
+}  // namespace cairn

@@ -1,0 +1,64 @@
+#include "ingest/merging/landmark_history.h"
+
+#include <gtest/gtest.h>
+
+namespace cairn {
+namespace {
+
+constexpr SessionId S(int64_t id) { return SessionId(id); }
+
+TEST(AppendSighting, SumsUpTheOldestOnceThereAreTooMany) {
+  std::vector<LandmarkSighting> history;
+  for (int64_t id = 1; id <= 7; ++id) {
+    AppendSighting({S(id), static_cast<uint8_t>(id), 200}, &history);
+  }
+  ASSERT_EQ(history.size(), Tile::kMaxSightings);
+  EXPECT_EQ(history[0], (LandmarkSighting{SessionId{}, 1 + 2 + 3, 255}));
+  EXPECT_EQ(history[1], (LandmarkSighting{S(4), 4, 200}));
+  EXPECT_EQ(history[4], (LandmarkSighting{S(7), 7, 200}));
+}
+
+TEST(ExistenceProbability, ASightProvesIt) {
+  const SessionTimes times = {{S(1), 0.0}, {S(2), 5.0}};
+  const std::vector<LandmarkSighting> history = {{S(1), 0, 9}, {S(2), 1, 9}};
+  EXPECT_DOUBLE_EQ(ExistenceProbability(history, times, {}), 1.0);
+}
+
+TEST(ExistenceProbability, FallsWithEachMissAndWithTime) {
+  const SessionTimes times = {{S(1), 0.0}, {S(2), 1.0}, {S(3), 2.0}, {S(4), 7.0}};
+  std::vector<LandmarkSighting> history = {{S(1), 4, 4}};
+  double last = ExistenceProbability(history, times, {});
+  for (const int64_t id : {2, 3, 4}) {
+    history.push_back({S(id), 0, 3});
+    const double now = ExistenceProbability(history, times, {});
+    EXPECT_LT(now, last);
+    last = now;
+  }
+  // The last miss came after five years: half of the certainty is gone before it.
+  EXPECT_LT(last, 0.1);
+}
+
+TEST(ExistenceProbability, OneMissOfALandmarkThatIsRarelySeenSaysLittle) {
+  const SessionTimes times = {{S(1), 0.0}, {S(2), 0.1}};
+  const std::vector<LandmarkSighting> rare = {{S(1), 1, 20}, {S(2), 0, 3}};
+  const std::vector<LandmarkSighting> steady = {{S(1), 20, 20}, {S(2), 0, 3}};
+  EXPECT_GT(ExistenceProbability(rare, times, {}), ExistenceProbability(steady, times, {}));
+}
+
+TEST(ExpectedSights, IsTheNumberOfSightsWhileNothingIsMissed) {
+  EXPECT_DOUBLE_EQ(ExpectedSights(std::vector<LandmarkSighting>{{S(1), 6, 6}}, {}, {}), 6.0);
+  EXPECT_DOUBLE_EQ(ExpectedSights(std::vector<LandmarkSighting>{{S(1), 3, 6}}, {}, {}), 3.0);
+}
+
+TEST(TimesOf, CountsYears) {
+  SessionRecord a, b;
+  a.id = S(1);
+  a.recorded_at = "2016-06-01T00:00:00Z";
+  b.id = S(2);
+  b.recorded_at = "2018-12-01T00:00:00Z";
+  const SessionTimes times = TimesOf({a, b});
+  EXPECT_NEAR(times.at(S(2)) - times.at(S(1)), 2.5, 0.01);
+}
+
+}  // namespace
+}  // namespace cairn

@@ -1,0 +1,110 @@
+#include "ingest/merging/merge_tiles.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "ingest/merging/admit_landmarks.h"
+#include "ingest/summarize/appearance.h"
+#include "ingest/tiling/tile_edit.h"
+#include "support/tile_builder.h"
+
+namespace cairn {
+namespace {
+
+std::shared_ptr<const Codebook> TestCodebook() {
+  return std::make_shared<const Codebook>(testing::RandomCodebook());
+}
+
+// Two sessions' content of one tile; landmarks 20 to 49 of `fresh` are 0 to 29 of `known`.
+struct TwoTiles {
+  Tile known, fresh;
+
+  TwoTiles() {
+    testing::RandomTileOptions options;
+    options.num_landmarks = 50;
+    known = testing::RandomTile(options);
+    options.seed = 2;
+    options.session_id = 2;
+    options.first_keyframe_id = 100;
+    options.first_landmark_id = 1000;
+    fresh = testing::RandomTile(options);
+    for (size_t i = 0; i < 30; ++i) {
+      fresh.landmark_ids[20 + i] = known.landmark_ids[i];
+      fresh.x_in_tile[20 + i] = known.x_in_tile[i];
+    }
+  }
+};
+
+TEST(MergeTiles, JoinsEqualIdsAndAppendsTheOthers) {
+  const TwoTiles tiles;
+  const Tile merged = MergeTiles(tiles.known, tiles.fresh, DescriptorCodec(TestCodebook()),
+                                 *MakeKMeansSummarizer({}), {});
+  EXPECT_NO_THROW(merged.Validate());
+  ASSERT_EQ(merged.num_landmarks(), 70u);
+  ASSERT_EQ(merged.num_keyframes(), 10u);
+  for (size_t i = 0; i < 50; ++i) {
+    EXPECT_EQ(merged.landmark_ids[i], tiles.known.landmark_ids[i]);
+    EXPECT_EQ(merged.SightingsOf(i).size(), i < 30 ? 2u : 1u);
+  }
+  EXPECT_EQ(merged.keyframe_landmarks.size(),
+            tiles.known.keyframe_landmarks.size() + tiles.fresh.keyframe_landmarks.size());
+}
+
+TEST(MergeTiles, APositionIsTheMeanByInverseVariances) {
+  TwoTiles tiles;
+  tiles.known.sigma_codes[0] = SigmaCode(0.3);
+  tiles.fresh.sigma_codes[20] = SigmaCode(0.1);
+  tiles.known.x_in_tile[0] = {1.0f, 0.0f, 0.0f};
+  tiles.fresh.x_in_tile[20] = {2.0f, 0.0f, 0.0f};
+  const Tile merged = MergeTiles(tiles.known, tiles.fresh, DescriptorCodec(TestCodebook()),
+                                 *MakeKMeansSummarizer({}), {});
+  EXPECT_NEAR(merged.x_in_tile[0].x(), 1.9, 0.02);
+  EXPECT_NEAR(SigmaFromCode(merged.sigma_codes[0]), 0.3 * 0.1 / std::hypot(0.3, 0.1), 0.01);
+}
+
+TEST(MergeTiles, AnEqualLookIsKeptOnceWithTheSumOfTheWeights) {
+  TwoTiles tiles;
+  const Tile one = PickLandmarks(tiles.known, std::vector<uint32_t>{0});
+  Tile same = one;
+  same.landmark_ids = {tiles.known.landmark_ids[0]};
+  for (LandmarkSighting& sighting : same.sightings) {
+    sighting.session_id = SessionId(2);
+  }
+  same.keyframes.clear();
+  same.keyframe_begin = {0};
+  same.keyframe_landmarks.clear();
+  const Tile merged = MergeTiles(one, same, DescriptorCodec(TestCodebook()),
+                                 *MakeKMeansSummarizer({}), {});
+  EXPECT_LE(merged.num_descriptors(), one.num_descriptors());
+  EXPECT_GT(WeightFromCode(merged.weight_codes[0]), WeightFromCode(tiles.known.weight_codes[0]));
+}
+
+TEST(MergeTiles, NeverKeepsMoreDescriptorsThanAllowed) {
+  TwoTiles tiles;
+  AppearanceOptions options;
+  options.count = 2;
+  const Tile merged = MergeTiles(tiles.known, tiles.fresh, DescriptorCodec(TestCodebook()),
+                                 *MakeKMeansSummarizer(options), {});
+  for (size_t i = 0; i < 30; ++i) {
+    EXPECT_LE(merged.descriptor_begin[i + 1] - merged.descriptor_begin[i], 2u);
+  }
+}
+
+TEST(AdmitLandmarks, TakesWhatIsKnownAndFillsUpWhatIsMissing) {
+  const TwoTiles tiles;
+  const std::vector<uint32_t> only_known = AdmitLandmarks(tiles.known, tiles.fresh, 0);
+  EXPECT_EQ(only_known.size(), 30u);
+  const std::vector<uint32_t> all = AdmitLandmarks(tiles.known, tiles.fresh, 1000);
+  std::vector<bool> is_seen(50, false);
+  for (const uint32_t i : tiles.fresh.keyframe_landmarks) {
+    is_seen[i] = true;
+  }
+  for (const uint32_t i : all) {
+    EXPECT_TRUE(is_seen[i] || i >= 20);
+  }
+  EXPECT_GT(all.size(), only_known.size());
+}
+
+}  // namespace
+}  // namespace cairn
