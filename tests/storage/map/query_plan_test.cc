@@ -64,13 +64,6 @@ TEST(QueryPlan, KeyframesOfATileComeThroughItsIndex) {
   EXPECT_THAT(plan, Not(HasSubstr("SCAN")));
 }
 
-TEST(QueryPlan, KeyframesOfATileComeThroughItsIndex) {
-  const TempDir dir;
-  const std::string plan = PlanOf(MakeStreetMap(dir.File("a.gpkg")), queries::KeyframesOfTileSql());
-  EXPECT_THAT(plan, HasSubstr("INDEX keyframes_by_tile (tile_id=?)"));
-  EXPECT_THAT(plan, Not(HasSubstr("SCAN")));
-}
-
 TEST(QueryPlan, TheVersionIsOneStepFromTheEnd) {
   const TempDir dir;
   const std::string plan = PlanOf(MakeStreetMap(dir.File("a.gpkg")), queries::CurrentVersionSql());
