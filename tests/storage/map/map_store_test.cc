@@ -360,55 +360,6 @@ TEST(MapStore, SessionsAreNamedOnceAndCanBeRemoved) {
   EXPECT_THAT(store.Check({}).problems, IsEmpty());
 }
 
-TEST(MapStore, SessionsHaveATimeAndADigest) {
-  const TempDir dir;
-  MapStore store = MapStore::Create(dir.File("a.gpkg"));
-  MapUpdate update = store.BeginUpdate();
-  update.AddSession(NamedSession("a"));
-  SessionRecord session = NamedSession("b");
-  for (const char* no_time : {"in May", "2026-02-30T00:00:00Z", "2026-01-31 12:00:00"}) {
-    session.recorded_at = no_time;
-    EXPECT_EQ(ErrorCodeOf([&] { update.AddSession(session); }), ErrorCode::kInvalidArgument);
-  }
-  session.recorded_at = "2026-01-31T12:00:00Z";
-  session.content_digest = "0xFF";
-  EXPECT_EQ(ErrorCodeOf([&] { update.AddSession(session); }), ErrorCode::kInvalidArgument);
-  session.content_digest = "ff";
-  update.AddSession(session);
-  const std::vector<SessionRecord> sessions = update.Sessions();
-  ASSERT_EQ(sessions.size(), 2u);
-  EXPECT_EQ(sessions[0].recorded_at, sessions[0].created_at);
-  EXPECT_EQ(sessions[1].recorded_at, "2026-01-31T12:00:00Z");
-  update.Publish();
-  EXPECT_THAT(store.Check({}).problems, IsEmpty());
-}
-
-TEST(MapStore, KeyframesOfATileCanBeRemovedOneByOne) {
-  const TempDir dir;
-  MapStore store = MapStore::Create(dir.File("a.gpkg"));
-  const Geodetic here = Geodetic::FromDegrees(49.0, 8.4, 100.0);
-  const Geodetic elsewhere = Geodetic::FromDegrees(49.1, 8.4, 100.0);
-  MapUpdate update = store.BeginUpdate();
-  const SessionId session = update.AddSession(NamedSession("a"));
-  const KeyframeId first = update.AddKeyframe(KeyframeAt(here, session));
-  const KeyframeId second = update.AddKeyframe(KeyframeAt(here, session));
-  update.AddKeyframe(KeyframeAt(elsewhere, session));
-  const auto ids_here = [&] {
-    std::vector<KeyframeId> ids;
-    for (const KeyframeRecord& keyframe : update.KeyframesOfTile(TileId::Containing(here))) {
-      ids.push_back(keyframe.id);
-    }
-    return ids;
-  };
-  EXPECT_THAT(ids_here(), ElementsAre(first, second));
-  update.RemoveKeyframe(first);
-  update.RemoveKeyframe(first);  // Is not there any more, which is no fault.
-  EXPECT_THAT(ids_here(), ElementsAre(second));
-  update.Publish();
-  EXPECT_EQ(store.Snapshot().KeyframesOfSession(session).size(), 2u);
-  EXPECT_THAT(store.Check({}).problems, IsEmpty());
-}
-
 TEST(MapStore, SnapshotOutlivesTheStore) {
   const TempDir dir;
   std::optional<MapStore> store = MapStore::Create(dir.File("a.gpkg"));
