@@ -108,10 +108,10 @@ TEST_F(HostileInput, PicturesOfUnknownFormatsAreRefusedBeforeTheWork) {
 TEST_F(HostileInput, EndlessFilesAreReadToALimit) {
   ExpectRefused(
       {"ingest", Map(), "--model", "m", "--database", "d", "--gps", "--images", "/dev/zero"}, 4,
-      "/dev/zero: the file has more than");
-  ExpectRefused({"eval", Map(), "--queries", "/dev/zero"}, 4, "/dev/zero: the file has more than");
+      "/dev/zero: the file is larger than");
+  ExpectRefused({"eval", Map(), "--queries", "/dev/zero"}, 4, "/dev/zero: the file is larger than");
   ExpectRefused({"localize", Map(), "--image", "/dev/zero"}, 4,
-                "/dev/zero: the file has more than");
+                "/dev/zero: the file is larger than");
 }
 
 TEST_F(HostileInput, NamesOfMegabytesAreNotEchoed) {
