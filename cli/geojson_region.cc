@@ -1,54 +1,55 @@
 #include "cli/geojson_region.h"
 
+#include <fmt/format.h>
+
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
 #include "core/error.h"
 #include "core/file_bytes.h"
-#include "core/printable.h"
+#include "http/wire/json_reader.h"
+#include "http/wire/problem.h"
 
 namespace cairn {
 namespace {
 
-using Json = nlohmann::json;
-
-constexpr int kMaxDepth = 20;
 constexpr uint64_t kMaxBytes = uint64_t{64} << 20;
+constexpr size_t kMaxCorners = 1 << 20;  // Of a ring; of polygons and rings, too.
+constexpr JsonLimits kLimits{.max_values = 4'000'000, .max_elements = kMaxCorners};
 
-GeoPolygon ParsePolygon(const Json& coordinates) {
+GeoPolygon ReadPolygon(const JsonReader& coordinates) {
+  constexpr size_t kMaxAxes = 4;  // The height and what follows do not matter.
   GeoPolygon polygon;
-  for (const Json& ring : coordinates) {
+  for (const JsonReader& ring : coordinates.Elements(1, kMaxCorners)) {
     polygon.emplace_back();
-    for (const Json& corner : ring) {
-      polygon.back().push_back({corner.at(0).get<double>(), corner.at(1).get<double>()});
+    for (const JsonReader& corner : ring.Elements(3, kMaxCorners)) {
+      const std::vector<double> axes = corner.Numbers(2, kMaxAxes);
+      polygon.back().push_back({axes[0], axes[1]});
     }
   }
   return polygon;
 }
 
 // Appends the polygons of any GeoJSON object.
-void Collect(const Json& object, int depth, std::vector<GeoPolygon>* polygons) {
-  const auto type = object.at("type").get<std::string>();
-  if (depth > kMaxDepth) {
-    throw Error(ErrorCode::kBadInput, "is nested too deeply");
-  }
+void Collect(const JsonReader& object, std::vector<GeoPolygon>* polygons) {
+  const std::string& type = object.At("type").String();
   if (type == "Polygon") {
-    polygons->push_back(ParsePolygon(object.at("coordinates")));
+    polygons->push_back(ReadPolygon(object.At("coordinates")));
   } else if (type == "MultiPolygon") {
-    for (const Json& polygon : object.at("coordinates")) {
-      polygons->push_back(ParsePolygon(polygon));
+    for (const JsonReader& polygon : object.At("coordinates").Elements(1, kMaxCorners)) {
+      polygons->push_back(ReadPolygon(polygon));
     }
   } else if (type == "Feature") {
-    Collect(object.at("geometry"), depth + 1, polygons);
+    Collect(object.At("geometry"), polygons);
   } else if (type == "FeatureCollection" || type == "GeometryCollection") {
     const bool has_features = type == "FeatureCollection";
-    for (const Json& part : object.at(has_features ? "features" : "geometries")) {
-      Collect(part, depth + 1, polygons);
+    for (const JsonReader& part :
+         object.At(has_features ? "features" : "geometries").Elements(1, kMaxCorners)) {
+      Collect(part, polygons);
     }
   } else {
-    throw Error(ErrorCode::kBadInput, "has a '" + Excerpt(type) + "', which is no polygon");
+    object.At("type").Fail("has to be a kind of polygon, a feature or a collection of them");
   }
 }
 
@@ -57,13 +58,14 @@ void Collect(const Json& object, int depth, std::vector<GeoPolygon>* polygons) {
 GeoRegion ReadGeoJsonRegion(const std::string& path) {
   const std::string text = ReadTextFile(path, kMaxBytes);
   try {
+    const JsonDocument document = ParseJson(text, kLimits);
     std::vector<GeoPolygon> polygons;
-    Collect(Json::parse(text), 0, &polygons);
+    Collect(JsonReader(document), &polygons);
     return GeoRegion::OfPolygons(std::move(polygons));
-  } catch (const Json::exception& error) {
-    throw Error(ErrorCode::kBadInput, path + ": is not GeoJSON: " + Excerpt(error.what()));
+  } catch (const HttpError& error) {
+    throw Error(ErrorCode::kBadInput, fmt::format("{}: {}", path, error.what()));
   } catch (const Error& error) {
-    throw Error(error.code(), path + ": " + error.what());
+    throw Error(error.code(), fmt::format("{}: {}", path, error.what()));
   }
 }
 

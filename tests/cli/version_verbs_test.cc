@@ -130,9 +130,9 @@ TEST_F(VersionVerbs, ExtractTakesABoxOrAGeoJsonFile) {
   ExpectFails({"extract", map_, "--bbox", "2,0,1,1", "--out", none}, 4, "south above its north");
   ExpectFails({"extract", map_, "--out", none}, 2, "");
   std::ofstream(region) << R"({"type": "Point", "coordinates": [8, 49]})";
-  ExpectFails({"extract", map_, "--geojson", region, "--out", none}, 4, "which is no polygon");
+  ExpectFails({"extract", map_, "--geojson", region, "--out", none}, 4, "a kind of polygon");
   std::ofstream(region) << "[[1";
-  ExpectFails({"extract", map_, "--geojson", region, "--out", none}, 4, "is not GeoJSON");
+  ExpectFails({"extract", map_, "--geojson", region, "--out", none}, 4, "region.geojson");
   EXPECT_FALSE(std::filesystem::exists(none));
 }
 
