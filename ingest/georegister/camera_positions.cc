@@ -68,8 +68,7 @@ class PositionTable {
       }
       cells_ = SplitCells(line_);
       if (num_columns_ != 0 && cells_.size() != num_columns_) {
-        Throw(fmt::format("the line has {} columns, but the header has {}", cells_.size(),
-                          num_columns_));
+        Throw(fmt::format("{} columns, but the header has {}", cells_.size(), num_columns_));
       }
       return true;
     }

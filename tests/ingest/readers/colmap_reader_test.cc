@@ -248,7 +248,7 @@ TEST_F(ColmapReader, LeavesOutNamesThatWereNotRegistered) {
   input.image_names = {"dark.jpg"};
   const auto [code, message] = ErrorOf([&] { ReadColmap(input); });
   EXPECT_EQ(code, ErrorCode::kBadInput);
-  EXPECT_THAT(message, HasSubstr("none of the 1 images"));
+  EXPECT_THAT(message, HasSubstr("none of the 1 requested images"));
 }
 
 TEST_F(ColmapReader, RefusesADatabaseWithoutDescriptors) {
