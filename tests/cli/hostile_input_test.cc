@@ -107,7 +107,6 @@ TEST_F(HostileInput, PicturesOfUnknownFormatsAreRefusedBeforeTheWork) {
 TEST_F(HostileInput, EndlessFilesAreReadToALimit) {
   ExpectRefused(
       {"ingest", Map(), "--model", "m", "--database", "d", "--gps", "--images", "/dev/zero"}, 4,
-<<<<<<< HEAD
       "/dev/zero: the file is larger than the limit");
   ExpectRefused({"eval", Map(), "--queries", "/dev/zero"}, 4,
                 "/dev/zero: the file is larger than the limit");
@@ -115,12 +114,6 @@ TEST_F(HostileInput, EndlessFilesAreReadToALimit) {
                 "/dev/zero: the file is larger than the limit");
   ExpectRefused({"localize", Map(), "--image", "/dev/zero"}, 4,
                 "/dev/zero: the file is larger than the limit");
-=======
-      "/dev/zero: the file is larger than");
-  ExpectRefused({"eval", Map(), "--queries", "/dev/zero"}, 4, "/dev/zero: the file is larger than");
-  ExpectRefused({"localize", Map(), "--image", "/dev/zero"}, 4,
-                "/dev/zero: the file is larger than");
->>>>>>> b4a1c7a6aeefb9cbecf6074126bf3c3b3eab5702
 }
 
 TEST_F(HostileInput, NamesOfMegabytesAreNotEchoed) {

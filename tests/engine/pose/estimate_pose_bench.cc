@@ -99,13 +99,12 @@ BENCHMARK(EstimatePoseP3p)
 // The evidence alone, which every pose is weighed by once.
 void WeighEvidenceOfScene(benchmark::State& state) {
   const auto scenes = MakeScenes(static_cast<int>(state.range(0)), true);
-  const EvidenceModel model;
   while (state.KeepRunningBatch(kNumScenes)) {
     for (const PoseScene& scene : scenes) {
       std::vector<int> inliers = scene.AllIndices();
       inliers.resize(kNumMatches * state.range(0) / 100);  // The right ones come first.
       benchmark::DoNotOptimize(
-          WeighEvidence(scene.query, scene.correspondences, inliers, scene.cam_from_anchor, model));
+          WeighEvidence(scene.query, scene.correspondences, inliers, scene.cam_from_anchor));
     }
   }
 }
