@@ -67,17 +67,20 @@ std::shared_ptr<const Codebook> PublishCodebook(std::shared_ptr<const Codebook> 
   return std::make_shared<const Codebook>(std::move(codebook));
 }
 
-// The session of this name that the map holds. Throws if another one has the same content.
+// The session of this name that the map holds. Throws if another one has the same content, unless
+// the session is to be kept apart.
 std::optional<SessionRecord> FindSameSession(const std::string& digest,
                                              const IngestOptions& options,
                                              const MapUpdate& update) {
   const std::string content = digest.substr(0, kContentDigestSize);
   for (const SessionRecord& session : update.Sessions()) {
-    if (session.name != options.session_name && session.content_digest.starts_with(content)) {
-      throw Error(ErrorCode::kConflict,
-                  fmt::format("the map has the same reconstruction as session '{}'; a place seen "
-                              "twice by the same photos counts them twice",
-                              Excerpt(session.name)));
+    if (options.joining == SessionJoining::kJoin && session.name != options.session_name &&
+        session.content_digest.starts_with(content)) {
+      throw Error(
+          ErrorCode::kConflict,
+          fmt::format("the map has the same reconstruction as session '{}'; keep it apart from "
+                      "what the map knows (--apart) if it belongs there twice",
+                      Excerpt(session.name)));
     }
   }
   return update.FindSession(options.session_name);

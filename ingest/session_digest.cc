@@ -53,6 +53,19 @@ void AddImage(const ReconImage& image, Hasher* hasher) {
   hasher->Add(image.features.descriptors);
 }
 
+void AddUpkeep(const UpkeepOptions& upkeep, Hasher* hasher) {
+  const LinkOptions& linking = upkeep.linking;
+  for (const double number :
+       {linking.placement_sigma_m, linking.max_distance_sigmas, linking.max_error_sigmas,
+        linking.keypoint_sigma_px, linking.max_azimuth_rad, linking.max_log2_size,
+        linking.max_orientation_rad, linking.max_distance_quantile, linking.max_ratio,
+        upkeep.merging.old_weight_share, upkeep.merging.same_look_share,
+        upkeep.merging.least_sigma_m, upkeep.viewpoints.radius_m, upkeep.viewpoints.angle_rad,
+        upkeep.persistence.loss_per_year, upkeep.persistence.least_miss_share}) {
+    hasher->Add(number);
+  }
+}
+
 }  // namespace
 
 std::string DigestOf(const Reconstruction& reconstruction) {
@@ -89,13 +102,20 @@ std::string DigestOf(const Sim3d& ecef_from_world, const IngestOptions& options)
   hasher.Add(options.selection.max_descriptors);
   hasher.Add(options.selection.max_landmarks);
   hasher.Add(options.selection.min_observations);
+  hasher.Add(options.selection.min_landmarks_per_keyframe);
+  hasher.Add(options.selection.missing_landmark_cost);
+  hasher.Add(options.selection.max_iterations);
   hasher.Add(options.appearance.kind);
   hasher.Add(options.appearance.count);
   hasher.Add(options.appearance.ratio);
+  hasher.Add(options.appearance.min_count);
+  hasher.Add(options.appearance.max_count);
+  hasher.Add(options.appearance.seed);
   hasher.Add(options.max_sigma_m);
   hasher.Add(options.max_reprojection_error_px);
   hasher.Add(options.upkeep.enough_landmarks);
   hasher.Add(options.upkeep.least_existence);
+  AddUpkeep(options.upkeep, &hasher);
   return hasher.Hex().substr(16);
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -37,8 +38,10 @@ class OptionsFile : public ::testing::Test {
     return dir_.File("options.json");
   }
 
-  // The summary of `cairn ingest` of a street with these options.
+  // The summary of `cairn ingest` of a street with these options into a new map.
   nlohmann::json Ingest(std::vector<std::string> arguments) {
+    std::filesystem::remove(map_);
+    MapStore::Create(map_);
     arguments.insert(arguments.begin(),
                      {"ingest", map_, "--model", dir_.path().string(), "--database",
                       dir_.File("database.db"), "--gps", "--session", "street", "--json"});

@@ -37,7 +37,9 @@ IngestOptions Session(const std::string& name) {
 
 void Ingest(const std::string& map_path, const std::string& session,
             const IngestProgress& progress = {}) {
-  const StreetWorld world;
+  StreetWorldOptions options;
+  options.view_seed = std::hash<std::string>()(session);  // Each session is a visit of its own.
+  const StreetWorld world(options);
   MapStore store = MapStore::Open(map_path, OpenMode::kReadWrite);
   IngestSession(world.Reconstruct(), world.EcefFromWorld(), Session(session), &store, progress);
 }

@@ -15,6 +15,7 @@
 #include "eval/evaluation_compare.h"
 #include "lab/city/city_sessions.h"
 #include "lab/experiments/measure/variants.h"
+#include "lab/experiments/report/figure.h"
 #include "lab/experiments/report/verdict.h"
 #include "lab/experiments/runs/runs.h"
 #include "storage/tile/tile_codec.h"
@@ -158,6 +159,7 @@ class LivingMapRun {
       seconds_.push_back(living_.last_ingest_seconds);
       // Two sessions in three are measured no further: asking takes longer than ingesting.
       if (i + 1 >= kNumNewest && (i + 1) % context_.Pick(1, 3) == 0) {
+        measured_sessions_.push_back(i + 1);
         Measure(i, session.time_years, budget, table);
       }
       if (context_.progress) {
@@ -167,6 +169,7 @@ class LivingMapRun {
   }
 
   const LinkJudge& judge() const { return judge_; }
+  const std::vector<int>& measured_sessions() const { return measured_sessions_; }
   // Largest size after session kNumNewest over the size then, less 1.
   double Growth() const {
     const auto then = bytes_.begin() + kNumNewest - 1;
@@ -258,8 +261,9 @@ class LivingMapRun {
   KeptMap living_, united_;
   int num_maps_ = 0;
   std::deque<CitySession> newest_;
-  std::vector<int64_t> bytes_;   // Of the living map, by session.
-  std::vector<double> seconds_;  // Of its ingests.
+  std::vector<int> measured_sessions_;  // Parallel to the reports.
+  std::vector<int64_t> bytes_;          // Of the living map, by session.
+  std::vector<double> seconds_;         // Of its ingests.
   std::vector<EvalReport> living_reports_, united_reports_, newest_reports_;
 };
 
@@ -290,6 +294,25 @@ struct LivingMapFigures {
   }
 };
 
+// Draws the average precision over the sessions for each map of the first seed.
+Figure PrecisionOverSessions(const LivingMapRun& run) {
+  Figure figure{.name = "24_twenty_sessions",
+                .title = "Queries of the newest year",
+                .x_label = "sessions",
+                .y_label = "average precision"};
+  for (const auto& [label, reports] : {std::pair("living map", &run.living_reports()),
+                                       std::pair("side by side", &run.united_reports()),
+                                       std::pair("newest three", &run.newest_reports())}) {
+    FigureSeries series{label, {}};
+    for (size_t i = 0; i < reports->size(); ++i) {
+      series.points.push_back(
+          {static_cast<double>(run.measured_sessions()[i]), (*reports)[i].average_precision});
+    }
+    figure.series.push_back(std::move(series));
+  }
+  return figure;
+}
+
 ExperimentOutcome Run(const ExperimentContext& context) {
   ExperimentOutcome outcome;
   std::vector<Column> columns = {{"map"},       {"seed"},        {"session"},   {"payload_bytes"},
@@ -300,10 +323,21 @@ ExperimentOutcome Run(const ExperimentContext& context) {
   outcome.table = ResultTable(std::move(columns));
   LivingMapFigures figures;
   const int num_seeds = context.Pick(1, 4);
+  const CityWorldOptions world = WorldOf(context, context.seed);
+  outcome.parameters = {
+      {"city", fmt::format("grid, {:.0f} m square, {} seeds", world.city.SideM(), num_seeds)},
+      {"sessions", fmt::format("{} in {} years, each a drive with routes of its own",
+                               world.mapping.num_passes, world.mapping.years)},
+      {"budget", "one and a half times the descriptors of the first session"},
+      {"queries", fmt::format("{} a quarter of a year after every measured session",
+                              world.queries.num_queries)}};
   for (int i = 0; i < num_seeds; ++i) {
     LivingMapRun run(context, context.seed + static_cast<uint64_t>(i));
     run.Run(&outcome.table);
     figures.Add(run);
+    if (i == 0) {
+      outcome.figures = {PrecisionOverSessions(run)};
+    }
   }
   const Interval over_united =
       PairedDifference(figures.living, figures.united, AccuracyMeasure::kAveragePrecision);

@@ -32,6 +32,7 @@ class MappedStreets {
     IngestOptions options;
     options.session_name = "street " + std::to_string(num_streets_++);
     options.codebook.max_training_descriptors = 5000;
+    options.joining = SessionJoining::kApart;  // Equal streets are put at different places.
     IngestSession(world.Reconstruct(), world.EcefFromWorld(), options, store_.get(), {});
   }
 
