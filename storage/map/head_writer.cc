@@ -84,7 +84,9 @@ int64_t NextVersion(sqlite::Connection* connection) {
 HeadWriter::HeadWriter(sqlite::Connection* connection)
     : connection_(connection),
       next_version_(NextVersion(connection)),
-      totals_(queries::LatestVersion(connection).totals) {}
+      totals_(queries::LatestVersion(connection).totals),
+      coverage_extent_(connection, "coverage", "rtree_coverage_geom"),
+      keyframes_extent_(connection, "keyframes", "rtree_keyframes_geom") {}
 
 SessionId HeadWriter::InsertSession(const SessionRecord& session) {
   const int64_t since =
@@ -148,10 +150,18 @@ KeyframeId HeadWriter::InsertKeyframe(const KeyframeRecord& keyframe) {
             pose.translation.y(), pose.translation.z(), since)
       .Run();
   totals_.AddKeyframes(1);
+  keyframes_extent_.Add(*EnvelopeOfGeometry(geometry));
   return KeyframeId(keyframe_id);
 }
 
 void HeadWriter::RetireKeyframe(KeyframeId keyframe_id) {
+  sqlite::Statement geometry =
+      connection_->Prepare("SELECT geom FROM keyframes WHERE keyframe_id = ?");
+  if (!geometry.Bind(Value(keyframe_id)).Step()) {
+    return;
+  }
+  const GeometryEnvelope envelope =
+      EnvelopeOfGeometry(geometry.Blob(0)).value_or(GeometryEnvelope());
   connection_
       ->Prepare(
           "INSERT INTO cairn_past_keyframes (keyframe_id, since, until, session_id, tile_id, "
@@ -166,7 +176,8 @@ void HeadWriter::RetireKeyframe(KeyframeId keyframe_id) {
                           "DELETE FROM keyframes WHERE keyframe_id = ?"}) {
     connection_->Prepare(sql).Bind(Value(keyframe_id)).Run();
   }
-  totals_.AddKeyframes(-connection_->NumChanges());
+  totals_.AddKeyframes(-1);
+  keyframes_extent_.Remove(envelope);
 }
 
 PayloadId HeadWriter::StorePayload(std::span<const uint8_t> payload) {
@@ -245,6 +256,7 @@ void HeadWriter::InsertTile(const TileRecord& tile) {
             bounds.north_rad * kDegPerRad, bounds.east_rad * kDegPerRad, since)
       .Run();
   totals_.AddTile(tile);
+  coverage_extent_.Add(*EnvelopeOfGeometry(geometry));
 }
 
 void HeadWriter::RetireTile(TileId tile_id) {
@@ -267,6 +279,7 @@ void HeadWriter::RetireTile(TileId tile_id) {
   connection_->Prepare("DELETE FROM cairn_tiles WHERE tile_id = ?").Bind(RowId(tile_id)).Run();
   connection_->Prepare("DELETE FROM coverage WHERE tile_id = ?").Bind(RowId(tile_id)).Run();
   totals_.RemoveTile(*tile);
+  coverage_extent_.Remove(*EnvelopeOfGeometry(TileGeometry(tile_id)));
   DropUnusedPayload(tile->payload_id);
 }
 
@@ -307,6 +320,11 @@ void HeadWriter::AddVersion(const VersionNote& note) {
     totals_.SetBounds(queries::BoundsOfTiles(connection_));
   }
   queries::InsertVersion(connection_, MapVersion(next_version_), note, totals_.totals());
+  coverage_extent_.Write(connection_);
+  keyframes_extent_.Write(connection_);
+  connection_->Execute(
+      "UPDATE gpkg_contents SET last_change = strftime('%Y-%m-%dT%H:%M:%fZ', 'now') "
+      "WHERE table_name IN ('coverage', 'keyframes', 'cairn_sessions')");
 }
 
 void AddFirstVersion(sqlite::Connection* connection) {

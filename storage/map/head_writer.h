@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "storage/map/layer_extent.h"
 #include "storage/map/map_store.h"
 #include "storage/map/running_totals.h"
 #include "storage/sqlite/connection.h"
@@ -48,7 +49,7 @@ class HeadWriter {
   // Deletes the payload if no version has it. Returns the number of bytes deleted.
   int64_t DropUnusedPayload(PayloadId payload_id);
 
-  // Inserts the row of cairn_versions.
+  // Inserts the row of cairn_versions and updates gpkg_contents.
   void AddVersion(const VersionNote& note);
 
  private:
@@ -60,6 +61,8 @@ class HeadWriter {
   sqlite::Connection* connection_;
   int64_t next_version_;
   RunningTotals totals_;
+  LayerExtent coverage_extent_;
+  LayerExtent keyframes_extent_;
 };
 
 // Inserts the row of version 1 into a new map.

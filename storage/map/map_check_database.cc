@@ -92,9 +92,11 @@ constexpr Rule kRules[] = {
     {"SELECT 1 - count(*) FROM gpkg_spatial_ref_sys WHERE srs_id = 4326 "
      "AND organization = 'EPSG' COLLATE NOCASE AND organization_coordsys_id = 4326",
      "WGS 84 is missing in gpkg_spatial_ref_sys"},
-    {"SELECT count(*) FROM gpkg_contents AS c, (SELECT min(minx) AS west, min(miny) AS south, "
-     "max(maxx) AS east, max(maxy) AS north FROM rtree_coverage_geom) AS r "
-     "WHERE c.table_name = 'coverage' AND r.west IS NOT NULL AND NOT coalesce("
+    {"SELECT count(*) FROM gpkg_contents AS c JOIN ("
+     "SELECT 'coverage' AS layer, min(minx) AS west, min(miny) AS south, max(maxx) AS east, "
+     "max(maxy) AS north FROM rtree_coverage_geom UNION ALL "
+     "SELECT 'keyframes', min(minx), min(miny), max(maxx), max(maxy) FROM rtree_keyframes_geom"
+     ") AS r ON c.table_name = r.layer WHERE r.west IS NOT NULL AND NOT coalesce("
      "abs(c.min_x - r.west) < 1e-3 AND abs(c.min_y - r.south) < 1e-3 AND "
      "abs(c.max_x - r.east) < 1e-3 AND abs(c.max_y - r.north) < 1e-3, 0)",
      "layers have a wrong extent in gpkg_contents"},

@@ -32,20 +32,6 @@ void RequireValid(const SessionRecord& session) {
   }
 }
 
-// Updates gpkg_contents, from which GeoPackage readers learn a layer's extent and last change
-// without reading the layer.
-void UpdateContents(sqlite::Connection* connection) {
-  connection->Execute(
-      "UPDATE gpkg_contents SET last_change = strftime('%Y-%m-%dT%H:%M:%fZ', 'now') "
-      "WHERE table_name IN ('coverage', 'keyframes', 'cairn_sessions');"
-      "UPDATE gpkg_contents SET (min_x, min_y, max_x, max_y) = "
-      "(SELECT min(minx), min(miny), max(maxx), max(maxy) FROM rtree_coverage_geom) "
-      "WHERE table_name = 'coverage';"
-      "UPDATE gpkg_contents SET (min_x, min_y, max_x, max_y) = "
-      "(SELECT min(minx), min(miny), max(maxx), max(maxy) FROM rtree_keyframes_geom) "
-      "WHERE table_name = 'keyframes';");
-}
-
 }  // namespace
 
 MapUpdate::Impl::Impl(const std::string& path) : connection(OpenMapFileForUpdate(path)) {
@@ -158,7 +144,6 @@ void MapUpdate::RemoveTile(TileId tile_id) { impl_->head->RetireTile(tile_id); }
 
 MapVersion MapUpdate::Publish(const VersionNote& note) {
   CAIRN_CHECK(impl_->transaction.has_value(), "the update was already published");
-  UpdateContents(impl_->connection.get());
   impl_->head->AddVersion(note);
   const auto version = MapVersion(impl_->head->next_version());
   impl_->transaction->Commit();

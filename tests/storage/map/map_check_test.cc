@@ -302,6 +302,11 @@ TEST_F(MapCheck, AnExtentThatIsNotTheLayers) {
               "a wrong extent in gpkg_contents");
 }
 
+TEST_F(MapCheck, AnExtentThatIsNotTheKeyframes) {
+  ExpectFound("UPDATE gpkg_contents SET max_y = NULL WHERE table_name = 'keyframes'",
+              "1 layers have a wrong extent in gpkg_contents");
+}
+
 TEST_F(MapCheck, TypesOfColumnsThatAreWrong) {
   ExpectFound("UPDATE keyframes SET lat_deg = 'north' WHERE keyframe_id = 7", "keyframe 7: ");
 }

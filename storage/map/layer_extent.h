@@ -1,0 +1,34 @@
+// The extent of a layer in gpkg_contents while an update changes the layer; private to storage.
+#ifndef CAIRN_STORAGE_MAP_LAYER_EXTENT_H_
+#define CAIRN_STORAGE_MAP_LAYER_EXTENT_H_
+
+#include <vector>
+
+#include "storage/geometry/geopackage.h"
+#include "storage/sqlite/connection.h"
+
+namespace cairn {
+
+// The extent of one layer, which GeoPackage readers show without reading the layer.
+class LayerExtent {
+ public:
+  // Reads the extent from gpkg_contents. `layer` and `index` are the names of the layer's table and
+  // of its R*Tree; they must outlive the extent.
+  LayerExtent(sqlite::Connection* connection, const char* layer, const char* index);
+
+  void Add(const GeometryEnvelope& envelope);
+  void Remove(const GeometryEnvelope& envelope);
+
+  // Writes the extent. Reads the whole index only if a geometry at the edge is gone.
+  void Write(sqlite::Connection* connection) const;
+
+ private:
+  const char* layer_;
+  const char* index_;
+  GeometryEnvelope extent_;
+  std::vector<GeometryEnvelope> gone_from_edge_;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_STORAGE_MAP_LAYER_EXTENT_H_
