@@ -84,7 +84,9 @@ void PrintGeoJson(const std::vector<TileChange>& changes) {
 void PrintJson(const DiffArguments& arguments, const std::vector<TileChange>& changes) {
   const DiffSums sums = SumUp(changes);
   Json tiles = Json::array();
-  for (const TileChange& change : changes) tiles.push_back(ChangeJson(change));
+  for (const TileChange& change : changes) {
+    tiles.push_back(ChangeJson(change));
+  }
   fmt::print("{}\n", Json({{"from", arguments.from},
                            {"to", arguments.to},
                            {"tilesAdded", sums.num_added},

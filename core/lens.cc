@@ -36,7 +36,9 @@ Lens::Lens(const LensCoefficients& coefficients) : k_(coefficients) {
 }
 
 Lens::Scale Lens::ProjectionScale(double sq_radius) const {
-  if (k_.projection == LensProjection::kPerspective) return {};
+  if (k_.projection == LensProjection::kPerspective) {
+    return {};
+  }
   const bool is_fov = k_.projection == LensProjection::kFov;
   // Both projections are atan(slope * radius) / (turn * radius).
   const double slope = is_fov ? 2.0 * std::tan(0.5 * k_.omega_rad) : 1.0;
@@ -51,7 +53,9 @@ Lens::Scale Lens::ProjectionScale(double sq_radius) const {
 }
 
 Lens::Scale Lens::RadialScale(double q) const {
-  if (!has_radial_) return {};
+  if (!has_radial_) {
+    return {};
+  }
   const auto& n = k_.numerator;
   const auto& d = k_.denominator;
   const double numerator = 1.0 + q * (n[0] + q * (n[1] + q * (n[2] + q * n[3])));
@@ -71,7 +75,9 @@ double Lens::FindMaxSqRadius() const {
   } else if (k_.projection == LensProjection::kFov) {
     max_q *= std::pow(ProjectionScale(max_q).factor, 2);
   }
-  if (!has_radial_) return max_q;
+  if (!has_radial_) {
+    return max_q;
+  }
   const auto& d = k_.denominator;
   const auto grows = [&](double q) {
     const Scale scale = RadialScale(q);
@@ -115,7 +121,9 @@ std::optional<Eigen::Vector2d> Lens::Distort(const Eigen::Vector2d& normalized,
                                              Eigen::Matrix2d* jacobian) const {
   const Scale projection = ProjectionScale(normalized.squaredNorm());
   const Eigen::Vector2d projected = projection.factor * normalized;
-  if (!(projected.squaredNorm() <= max_sq_radius_)) return std::nullopt;
+  if (!(projected.squaredNorm() <= max_sq_radius_)) {
+    return std::nullopt;
+  }
   const Eigen::Vector2d distorted = Bend(projected, jacobian);
   if (jacobian != nullptr && k_.projection != LensProjection::kPerspective) {
     *jacobian *= ScaleJacobian(normalized, projection.factor, projection.by_square);
@@ -133,10 +141,14 @@ double Lens::StraightenRadius(double distorted_radius) const {
     (excess > 0.0 ? high : low) = radius;
     const double slope = scale.factor + 2.0 * radius * radius * scale.by_square;
     double next = radius - excess / slope;
-    if (!(next >= low && next <= high)) next = 0.5 * (low + high);
+    if (!(next >= low && next <= high)) {
+      next = 0.5 * (low + high);
+    }
     const double step = std::abs(next - radius);
     radius = next;
-    if (step <= 1e-15 * (1.0 + radius)) break;
+    if (step <= 1e-15 * (1.0 + radius)) {
+      break;
+    }
   }
   return radius;
 }
@@ -150,30 +162,44 @@ std::optional<Eigen::Vector2d> Lens::Straighten(const Eigen::Vector2d& distorted
   for (int i = 0; has_asymmetric_ && i < 50; ++i) {
     Eigen::Matrix2d jacobian;
     const Eigen::Vector2d excess = Bend(projected, &jacobian) - distorted;
-    if (!(jacobian.determinant() > 0.0)) return std::nullopt;
+    if (!(jacobian.determinant() > 0.0)) {
+      return std::nullopt;
+    }
     const Eigen::Vector2d step = jacobian.inverse() * excess;
     projected -= step;
-    if (step.squaredNorm() < 1e-24) break;
+    if (step.squaredNorm() < 1e-24) {
+      break;
+    }
   }
   return projected;
 }
 
 std::optional<Eigen::Vector2d> Lens::Unproject(const Eigen::Vector2d& projected) const {
-  if (k_.projection == LensProjection::kPerspective) return projected;
+  if (k_.projection == LensProjection::kPerspective) {
+    return projected;
+  }
   const bool is_fov = k_.projection == LensProjection::kFov;
   const double slope = is_fov ? 2.0 * std::tan(0.5 * k_.omega_rad) : 1.0;
   const double turn = is_fov ? k_.omega_rad : 1.0;
   const double radius = projected.norm();
-  if (radius < 1e-8) return projected * (turn / slope);
-  if (!(radius * std::abs(turn) < kMaxThetaRad)) return std::nullopt;
+  if (radius < 1e-8) {
+    return projected * (turn / slope);
+  }
+  if (!(radius * std::abs(turn) < kMaxThetaRad)) {
+    return std::nullopt;
+  }
   return projected * (std::tan(radius * turn) / (radius * slope));
 }
 
 std::optional<Eigen::Vector2d> Lens::Undistort(const Eigen::Vector2d& distorted) const {
   const std::optional<Eigen::Vector2d> projected = Straighten(distorted);
-  if (!projected) return std::nullopt;
+  if (!projected) {
+    return std::nullopt;
+  }
   const std::optional<Eigen::Vector2d> normalized = Unproject(*projected);
-  if (!normalized) return std::nullopt;
+  if (!normalized) {
+    return std::nullopt;
+  }
   const std::optional<Eigen::Vector2d> again = Distort(*normalized, nullptr);
   constexpr double kTolerance = 1e-11;
   if (!again || !((*again - distorted).norm() < kTolerance * (1.0 + distorted.norm()))) {

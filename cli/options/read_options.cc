@@ -84,7 +84,9 @@ size_t Unlikeness(std::string_view a, std::string_view b) {
 template <typename Integer>
 void Set(const std::string& name, const JsonValue& value, Integer* integer) {
   if (value.kind != JsonValue::Kind::kNumber || value.number != std::floor(value.number)) {
-    if (value.kind != JsonValue::Kind::kNumber) RefuseKind(name, "a whole number", value);
+    if (value.kind != JsonValue::Kind::kNumber) {
+      RefuseKind(name, "a whole number", value);
+    }
     Refuse(fmt::format("{} = {} must be a whole number", name, value.number));
   }
   constexpr double kMin =
@@ -100,12 +102,16 @@ void Set(const std::string& name, const JsonValue& value, double* number) {
     *number = std::numeric_limits<double>::infinity();
     return;
   }
-  if (value.kind != JsonValue::Kind::kNumber) RefuseKind(name, "a number or \"infinity\"", value);
+  if (value.kind != JsonValue::Kind::kNumber) {
+    RefuseKind(name, "a number or \"infinity\"", value);
+  }
   *number = value.number;
 }
 
 void Set(const std::string& name, const JsonValue& value, NamedChoice* choice) {
-  if (value.kind != JsonValue::Kind::kString) RefuseKind(name, "a string", value);
+  if (value.kind != JsonValue::Kind::kString) {
+    RefuseKind(name, "a string", value);
+  }
   if (!choice->Set(value.text)) {
     Refuse(fmt::format("{} = \"{}\" must be one of \"{}\"", name, Excerpt(value.text),
                        fmt::join(choice->names(), "\", \"")));
@@ -123,7 +129,9 @@ class OptionsReader {
     if (object.kind != JsonValue::Kind::kObject) {
       RefuseKind(section.empty() ? "the top level" : section, "an object", object);
     }
-    if (object.num_children == 0) return;
+    if (object.num_children == 0) {
+      return;
+    }
     for (size_t child = index + 1; child != 0; child = document_[child].next) {
       ReadMember(child, section);
     }
@@ -139,9 +147,13 @@ class OptionsReader {
                       "{{\"max_candidates\": 8}}}}",
                       Excerpt(name)));
     }
-    if (HasSection(name)) return ReadSection(index, name);
+    if (HasSection(name)) {
+      return ReadSection(index, name);
+    }
     for (Option& option : list_.options()) {
-      if (option.name == name) return ReadValue(index, &option);
+      if (option.name == name) {
+        return ReadValue(index, &option);
+      }
     }
     Refuse(fmt::format("{} is not an option; the nearest is {}", Excerpt(name), NearestName(name)));
   }
@@ -168,8 +180,12 @@ class OptionsReader {
 
   std::string NearestName(const std::string& name) const {
     std::vector<std::string> known;
-    for (const Option& option : list_.options()) known.push_back(option.name);
-    for (const OptionSection& section : list_.sections()) known.push_back(section.name);
+    for (const Option& option : list_.options()) {
+      known.push_back(option.name);
+    }
+    for (const OptionSection& section : list_.sections()) {
+      known.push_back(section.name);
+    }
     std::erase(known, "");
     return *std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
       return Unlikeness(name, a) < Unlikeness(name, b);

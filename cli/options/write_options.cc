@@ -36,7 +36,9 @@ constexpr char kIntroduction[] =
     "on the command line wins over the file. `\"infinity\"` is a number.\n";
 
 Json ValueAsJson(const OptionValue& value) {
-  if (const auto* choice = std::get_if<NamedChoice>(&value)) return choice->Get();
+  if (const auto* choice = std::get_if<NamedChoice>(&value)) {
+    return choice->Get();
+  }
   if (double* const* number = std::get_if<double*>(&value)) {
     return std::isinf(**number) ? Json("infinity") : Json(**number);
   }
@@ -62,7 +64,9 @@ std::string MeaningOf(const Option& option) {
 std::string TableOf(const OptionSection& section, const OptionList& list) {
   std::string table;
   for (const Option& option : list.options()) {
-    if (option.section != section.name) continue;
+    if (option.section != section.name) {
+      continue;
+    }
     table += fmt::format("| `{}` | `{}` | {} |\n", option.name, ValueAsJson(option.value).dump(),
                          MeaningOf(option));
   }

@@ -216,9 +216,13 @@ HttpResponse HandleVersions(const HttpRequest& request, const LocalizeService& s
   const MapSnapshot snapshot = map->store->Snapshot();
   std::vector<VersionRecord> versions = snapshot.Versions(static_cast<int64_t>(limit) + 1);
   const bool truncated = versions.size() > limit;
-  if (truncated) versions.resize(limit);
+  if (truncated) {
+    versions.resize(limit);
+  }
   Json list = Json::array();
-  for (const VersionRecord& version : versions) list.push_back(VersionJson(version));
+  for (const VersionRecord& version : versions) {
+    list.push_back(VersionJson(version));
+  }
   Json json = {{"versions", std::move(list)},
                {"truncated", truncated},
                {"map", {{"version", Value(snapshot.version())}}}};

@@ -54,7 +54,9 @@ void TreePlanter::Plant(const Eigen::Vector3d& foot, std::vector<TexturedRect>* 
   AddPlate(foot, kTrunkM * Eigen::Vector3d::UnitY(), kTrunkHeightM, bark_, rects);
   for (int i = 0; i < kNumTwigs; ++i) {
     Eigen::Vector3d place = foot + kTrunkHeightM * Eigen::Vector3d::UnitZ();
-    for (double& coordinate : place) coordinate += rng_.gaussian(kCrownSigmaM);
+    for (double& coordinate : place) {
+      coordinate += rng_.gaussian(kCrownSigmaM);
+    }
     const double yaw_rad = rng_.uniform(0.0, 2.0 * std::numbers::pi);
     const Eigen::Vector3d along(std::cos(yaw_rad), std::sin(yaw_rad), 0.0);
     AddPlate(place, kTwigM * along, kTwigM, foliage_[rng_.uniform(0, kNumLooks)], rects);

@@ -15,11 +15,15 @@ std::vector<TileRecord> TilesOf(const MapSnapshot& snapshot, const GeoRegion& re
   std::map<TileId, TileRecord> tiles;  // The boxes of two polygons can share tiles.
   for (const GeoBox& box : region.boxes()) {
     for (const TileRecord& tile : snapshot.FindTiles(box)) {
-      if (region.Meets(tile.tile_id)) tiles.emplace(tile.tile_id, tile);
+      if (region.Meets(tile.tile_id)) {
+        tiles.emplace(tile.tile_id, tile);
+      }
     }
   }
   std::vector<TileRecord> in_order;
-  for (const auto& [id, tile] : tiles) in_order.push_back(tile);
+  for (const auto& [id, tile] : tiles) {
+    in_order.push_back(tile);
+  }
   return in_order;
 }
 

@@ -39,7 +39,9 @@ bool SegmentsCross(const LonLat& a, const LonLat& b, const LonLat& c, const LonL
 template <typename Visit>
 bool AnyEdge(const Ring& ring, const Visit& visit) {
   for (size_t i = 0; i < ring.size(); ++i) {
-    if (visit(ring[i], ring[(i + 1) % ring.size()])) return true;
+    if (visit(ring[i], ring[(i + 1) % ring.size()])) {
+      return true;
+    }
   }
   return false;
 }
@@ -80,7 +82,9 @@ Ring SquareOf(TileId tile_id, double turn_deg) {
     square.push_back(
         {first_deg + std::remainder(corner.lon_deg() - first_deg, 360.0), corner.lat_deg()});
   }
-  for (LonLat& corner : square) corner.lon_deg += turn_deg;
+  for (LonLat& corner : square) {
+    corner.lon_deg += turn_deg;
+  }
   return square;
 }
 

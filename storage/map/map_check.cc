@@ -49,7 +49,9 @@ CheckReport CheckMap(sqlite::Connection* connection,
     const auto num_tiles = static_cast<int64_t>(tile_ids.size() + past_tiles.size());
     const auto count_tile = [&] {
       ++report.num_tiles_checked;
-      if (progress) progress(report.num_tiles_checked, num_tiles);
+      if (progress) {
+        progress(report.num_tiles_checked, num_tiles);
+      }
     };
     for (const int64_t tile_id : tile_ids) {
       CheckTile(connection, tile_id, &findings);

@@ -11,7 +11,9 @@ namespace cairn {
 PinnedFile::PinnedFile(const std::string& path) : fd_(open(path.c_str(), O_PATH | O_CLOEXEC)) {}
 
 PinnedFile::~PinnedFile() {
-  if (fd_ >= 0) close(fd_);
+  if (fd_ >= 0) {
+    close(fd_);
+  }
 }
 
 PinnedFile::PinnedFile(PinnedFile&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
