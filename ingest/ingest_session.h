@@ -45,8 +45,8 @@ using IngestProgress = std::function<void(const char* phase, int64_t done, int64
 // saw and this one should have seen and did not fades. The same session again changes nothing.
 //
 // Throws Error(kBadInput) if the descriptor type or dimension is not the map's; Error(kConflict) if
-// another update runs, or, with SessionJoining::kJoin, if the session contradicts the map or the map
-// has the same reconstruction under another name.
+// another update runs, or, with SessionJoining::kJoin, if the session contradicts the map or the
+// map has the same reconstruction under another name.
 IngestReport IngestSession(const Reconstruction& reconstruction, const Sim3d& ecef_from_world,
                            const IngestOptions& options, MapStore* store,
                            const IngestProgress& progress);

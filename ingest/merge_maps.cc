@@ -117,7 +117,9 @@ std::optional<Tile> LoadTile(TileId tile_id, const Source& source) {
 std::map<TileId, int> CountTiles(const Source& a, const Source& b) {
   std::map<TileId, int> counts;
   for (const Source* source : {&a, &b}) {
-    for (const TileRecord& tile : source->snapshot.AllTiles(kAllTiles)) ++counts[tile.tile_id];
+    for (const TileRecord& tile : source->snapshot.AllTiles(kAllTiles)) {
+      ++counts[tile.tile_id];
+    }
   }
   return counts;
 }
@@ -139,7 +141,9 @@ void MergeInto(const Codebook& codebook, Source* a, Source* b,
       ++report->num_tiles_of_both;
     }
     WriteTile(tile ? *tile : *other, merged_codebook, update);
-    if (progress) progress(++num_done, std::ssize(tiles));
+    if (progress) {
+      progress(++num_done, std::ssize(tiles));
+    }
   }
 }
 

@@ -186,8 +186,8 @@ ProjectionRows LikelihoodRatioComponents(const Eigen::MatrixXd& covariance,
   ProjectionRows projection;
   projection.rows = solver.eigenvectors().rowwise().reverse().leftCols(count).transpose();
   const Eigen::VectorXd ratios = solver.eigenvalues().reverse().head(count).cwiseMax(1.0 + 1e-6);
-  projection.rows = (1.0 - ratios.cwiseInverse().array()).sqrt().matrix().asDiagonal() *
-                    projection.rows;
+  projection.rows =
+      (1.0 - ratios.cwiseInverse().array()).sqrt().matrix().asDiagonal() * projection.rows;
   projection.variances = (projection.rows * covariance * projection.rows.transpose()).diagonal();
   return projection;
 }

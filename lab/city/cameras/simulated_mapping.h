@@ -32,8 +32,8 @@ struct MappedChunk {
   // Parallel to reconstruction.landmarks: CityLandmark::id. One physical point can have several
   // landmarks.
   std::vector<uint64_t> city_landmarks;
-  // Parallel to it: what looks the same at the same place. A window that replaces an equal window is
-  // another landmark of the city and the same thing here.
+  // Parallel to it: what looks the same at the same place. A window that replaces an equal window
+  // is another landmark of the city and the same thing here.
   std::vector<uint64_t> things;
   // Parallel to it: the thing, and the direction and scale from which the landmark is seen, as
   // coarsely as matching can connect (MappingOptions::track_view_rad, track_octaves).

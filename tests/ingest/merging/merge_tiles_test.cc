@@ -74,8 +74,8 @@ TEST(MergeTiles, AnEqualLookIsKeptOnceWithTheSumOfTheWeights) {
   same.keyframes.clear();
   same.keyframe_begin = {0};
   same.keyframe_landmarks.clear();
-  const Tile merged = MergeTiles(one, same, DescriptorCodec(TestCodebook()),
-                                 *MakeKMeansSummarizer({}), {});
+  const Tile merged =
+      MergeTiles(one, same, DescriptorCodec(TestCodebook()), *MakeKMeansSummarizer({}), {});
   EXPECT_LE(merged.num_descriptors(), one.num_descriptors());
   EXPECT_GT(WeightFromCode(merged.weight_codes[0]), WeightFromCode(tiles.known.weight_codes[0]));
 }

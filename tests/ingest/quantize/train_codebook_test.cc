@@ -69,8 +69,8 @@ double SameOverOther(const Codebook& codebook) {
     DescriptorMatrix raw(2, 128);
     for (int i = 0; i < 2; ++i) {
       const ReconObservation& observation = landmark.observations[i];
-      raw.row(i) = Street().images[observation.image_idx].features.descriptors.row(
-          observation.keypoint_idx);
+      raw.row(i) =
+          Street().images[observation.image_idx].features.descriptors.row(observation.keypoint_idx);
     }
     const DescriptorMatrix projected = codec.Project(raw);
     same += (projected.row(0) - projected.row(1)).squaredNorm();
