@@ -1,10 +1,13 @@
 #include "ingest/merging/admit_landmarks.h"
 
 #include <algorithm>
+#include <limits>
 #include <unordered_set>
 
 namespace cairn {
 namespace {
+
+constexpr int kShareOfNewGround = 4;
 
 std::vector<std::vector<uint32_t>> KeyframesOfLandmarks(const Tile& tile) {
   std::vector<std::vector<uint32_t>> keyframes(tile.num_landmarks());
@@ -38,6 +41,12 @@ std::vector<uint32_t> AdmitLandmarks(const Tile& known, const Tile& fresh, int e
   std::stable_sort(others.begin(), others.end(), [&](uint32_t a, uint32_t b) {
     return keyframes[a].size() > keyframes[b].size();
   });
+  for (int& missing : num_missing) {
+    const int num_known = enough_landmarks - missing;
+    if (num_known < enough_landmarks / kShareOfNewGround) {
+      missing = std::numeric_limits<int>::max();
+    }
+  }
   for (const uint32_t i : others) {
     const bool is_needed = std::any_of(keyframes[i].begin(), keyframes[i].end(),
                                        [&](uint32_t k) { return num_missing[k] > 0; });

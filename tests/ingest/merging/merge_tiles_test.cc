@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <set>
 
 #include "ingest/merging/admit_landmarks.h"
 #include "ingest/summarize/appearance.h"
@@ -104,6 +105,16 @@ TEST(AdmitLandmarks, TakesWhatIsKnownAndFillsUpWhatIsMissing) {
     EXPECT_TRUE(is_seen[i] || i >= 20);
   }
   EXPECT_GT(all.size(), only_known.size());
+}
+
+TEST(AdmitLandmarks, TakesAllThatAPhotoOnNewGroundSees) {
+  TwoTiles tiles;
+  for (size_t i = 0; i < 30; ++i) {
+    tiles.fresh.landmark_ids[20 + i] = LandmarkId(5000 + i);  // Nothing is known.
+  }
+  std::set<uint32_t> seen(tiles.fresh.keyframe_landmarks.begin(),
+                          tiles.fresh.keyframe_landmarks.end());
+  EXPECT_EQ(AdmitLandmarks(tiles.known, tiles.fresh, 8).size(), seen.size());
 }
 
 }  // namespace
