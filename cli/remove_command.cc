@@ -24,10 +24,15 @@ ExitCode RunRemove(const RemoveArguments& arguments) {
   fmt::print("removed session {}; the map now has version {}\n", Excerpt(arguments.session_name),
              Value(report.map_version));
   fmt::print(
-      "{} landmarks that only this session saw are gone. {} landmarks that other sessions saw, "
-      "too, "
-      "keep its share in their positions and descriptors.\n",
+      "{} landmarks are gone. {} landmarks that other sessions saw, too, keep its share in their "
+      "positions and descriptors.\n",
       report.num_landmarks_removed, report.num_landmarks_shared);
+  if (report.num_tiles_removed > 0) {
+    fmt::print(
+        "{} tiles are gone, since no other session has a keyframe there; cairn rollback brings an "
+        "earlier version back.\n",
+        report.num_tiles_removed);
+  }
   return ExitCode::kOk;
 }
 

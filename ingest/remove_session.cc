@@ -45,11 +45,13 @@ RemovalReport RemoveSession(const std::string& session_name, MapStore* store) {
       continue;
     }
     const Tile after = WithoutSession(*before, record->id);
-    const auto num_removed = static_cast<int64_t>(before->num_landmarks() - after.num_landmarks());
-    report.num_landmarks_removed += num_removed;
-    report.num_landmarks_shared += CountLandmarksOf(*before, record->id) - num_removed;
     WriteTile(after, *codebook, &update);
     const bool is_kept = update.FindTile(tile_id).has_value();
+    const size_t num_kept = is_kept ? after.num_landmarks() : 0;
+    const auto num_removed = static_cast<int64_t>(before->num_landmarks() - num_kept);
+    report.num_landmarks_removed += num_removed;
+    report.num_landmarks_shared +=
+        is_kept ? CountLandmarksOf(*before, record->id) - num_removed : 0;
     ++(is_kept ? report.num_tiles_rewritten : report.num_tiles_removed);
   }
   report.map_version = update.Publish({.kind = VersionKind::kRemove, .session = session_name});

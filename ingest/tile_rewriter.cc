@@ -71,11 +71,11 @@ Tile Fade(const Tile& tile, const TileRewriteContext& context, TileChanges* chan
   return existing.size() == tile.num_landmarks() ? tile : PickLandmarks(tile, existing);
 }
 
-// The tile without keyframes that the session's replace.
+// The tile without keyframes that newer ones replace.
 Tile ReplaceKeyframes(const Tile& tile, const TileRewriteContext& context, MapUpdate* update,
                       TileChanges* changes) {
   const std::vector<KeyframeId> replaced =
-      ReplacedKeyframes(tile, context.source->session_id, context.options->upkeep.viewpoints);
+      ReplacedKeyframes(tile, context.options->upkeep.viewpoints);
   for (const KeyframeId id : replaced) {
     update->RemoveKeyframe(id);
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <set>
 #include <unordered_map>
 
 #include "core/check.h"
@@ -15,6 +16,10 @@ namespace {
 
 // Scales at which detectors find keypoints, pixels.
 constexpr double kMinKeypointPx = 0.8, kMaxKeypointPx = 32.0;
+
+// Sessions whose keyframes a viewpoint keeps: the newest says what the place looks like now, and the
+// one before is left if the newest is removed.
+constexpr size_t kSessionsOfViewpoint = 2;
 
 struct Viewpoint {
   Eigen::Vector3d center_in_tile;
@@ -183,19 +188,17 @@ void NoteChances(const std::vector<int>& chances, SessionId session_id, Tile* ti
   ReplaceSightings(histories, tile);
 }
 
-std::vector<KeyframeId> ReplacedKeyframes(const Tile& tile, SessionId session_id,
-                                          const ViewpointOptions& options) {
+std::vector<KeyframeId> ReplacedKeyframes(const Tile& tile, const ViewpointOptions& options) {
   const ViewpointIndex index(tile, options);
   std::vector<KeyframeId> replaced;
   for (uint32_t k = 0; k < tile.num_keyframes(); ++k) {
-    if (tile.keyframes[k].session_id == session_id) {
-      continue;
-    }
-    bool has_newer = false;
+    std::set<SessionId> newer;
     index.ForEachSame(k, [&](uint32_t other) {
-      has_newer = has_newer || tile.keyframes[other].session_id == session_id;
+      if (tile.keyframes[other].session_id > tile.keyframes[k].session_id) {
+        newer.insert(tile.keyframes[other].session_id);
+      }
     });
-    if (has_newer) {
+    if (newer.size() >= kSessionsOfViewpoint) {
       replaced.push_back(tile.keyframes[k].id);
     }
   }

@@ -32,10 +32,10 @@ std::vector<int> CountChances(const Tile& tile, SessionId session_id,
 // chances, those that it missed get a sighting without sights.
 void NoteChances(const std::vector<int>& chances, SessionId session_id, Tile* tile);
 
-// Keyframes of other sessions that have the viewpoint of a keyframe of this session. What a place
-// looks like now is what its newest session saw, so a map holds a bounded number of keyframes.
-std::vector<KeyframeId> ReplacedKeyframes(const Tile& tile, SessionId session_id,
-                                          const ViewpointOptions& options);
+// Keyframes of whose viewpoint two newer sessions have keyframes. What a place looks like now is what
+// its newest session saw, and the session before stays in case the newest is removed, so a map holds
+// a bounded number of keyframes.
+std::vector<KeyframeId> ReplacedKeyframes(const Tile& tile, const ViewpointOptions& options);
 
 }  // namespace cairn
 

@@ -275,7 +275,29 @@ TEST_F(IngestSessionTest, ASecondVisitUpdatesWhatTheMapKnows) {
   EXPECT_LT(report.comparison.fit.moved_m, 0.05);
   EXPECT_GT(report.changes.num_merged, before.num_landmarks * 8 / 10);
   EXPECT_LT(after.num_landmarks, before.num_landmarks * 11 / 10);
-  EXPECT_EQ(after.num_keyframes, before.num_keyframes);  // Tuesday's replace Monday's.
+  EXPECT_EQ(after.num_keyframes, 2 * before.num_keyframes);
+  EXPECT_TRUE(store_.Check({}).problems.empty());
+}
+
+TEST_F(IngestSessionTest, KeyframesOfAViewpointAreThoseOfTheTwoNewestSessions) {
+  testing::StreetWorldOptions street = SmallStreet();
+  for (const int day : {1, 2, 3, 4}) {
+    street.view_seed = static_cast<uint64_t>(day);
+    Ingest(testing::StreetWorld(street), OptionsFor("day " + std::to_string(day)));
+  }
+  const std::vector<SessionRecord> sessions = store_.Snapshot().Sessions();
+  EXPECT_TRUE(store_.Snapshot().KeyframesOfSession(sessions[1].id).empty());
+  EXPECT_FALSE(store_.Snapshot().KeyframesOfSession(sessions[2].id).empty());
+  const int64_t num_tiles = store_.Snapshot().Info().num_tiles;
+  // The newest session can go, and the session that has no keyframe left, too.
+  RemoveSession("day 4", &store_);
+  const RemovalReport report = RemoveSession("day 2", &store_);
+  EXPECT_GT(report.num_landmarks_shared, 0);
+  EXPECT_EQ(store_.Snapshot().Info().num_tiles, num_tiles);
+  EXPECT_TRUE(store_.Check({}).problems.empty());
+  // Then the map has no photo of the place left.
+  EXPECT_GT(RemoveSession("day 3", &store_).num_tiles_removed, 0);
+  EXPECT_EQ(store_.Snapshot().Info().num_tiles, 0);
   EXPECT_TRUE(store_.Check({}).problems.empty());
 }
 
