@@ -10,7 +10,7 @@
 namespace cairn {
 namespace {
 
-constexpr size_t kChecksumOffset = 56;
+constexpr size_t kChecksumOffset = 64;
 constexpr TileDecodeLimits kLimits = {.max_landmarks = 1 << 16,
                                       .max_descriptors = 1 << 16,
                                       .max_keyframes = 1 << 12,

@@ -399,7 +399,7 @@ class FetchListsTest : public ::testing::Test {
 
   // Where a column of a payload begins; docs/formats/tile_v1.md.
   size_t OffsetOfColumn(const std::vector<uint8_t>& payload, size_t column) const {
-    constexpr size_t kDirectoryOffset = 64, kNumColumns = 62;
+    constexpr size_t kDirectoryOffset = 72, kNumColumns = 66;
     std::vector<uint32_t> stored_sizes(kNumColumns);
     std::memcpy(stored_sizes.data(), payload.data() + kDirectoryOffset,
                 kNumColumns * sizeof(uint32_t));
@@ -410,7 +410,7 @@ class FetchListsTest : public ::testing::Test {
 
   // Sets a few bytes to what is too much of anything, and the checksum to what it then is.
   static std::vector<uint8_t> WithDamage(std::vector<uint8_t> payload, size_t offset) {
-    constexpr size_t kNumBytes = 4, kChecksumOffset = 56;
+    constexpr size_t kNumBytes = 4, kChecksumOffset = 64;
     std::fill_n(payload.begin() + static_cast<ptrdiff_t>(offset), kNumBytes, 0xff);
     const uint64_t checksum = ChecksumOf(payload, kChecksumOffset);
     std::memcpy(payload.data() + kChecksumOffset, &checksum, sizeof(checksum));
@@ -483,7 +483,7 @@ TEST_F(FetchListsTest, ThreadsThatAskTogetherGetOneOfEachPart) {
 // Damage that the checksum does not show: whoever makes it can compute that too.
 TEST_F(FetchListsTest, AHalfOfATileThatDoesNotDecodeIsDamagedEveryTime) {
   const std::vector<uint8_t> sound = EncodeTile(tile_, lists_);
-  constexpr size_t kDescriptorCounts = 32, kObservations = 61;
+  constexpr size_t kDescriptorCounts = 24, kObservations = 65;
   const auto bad_landmarks =
       FromPayload(WithDamage(sound, OffsetOfColumn(sound, kDescriptorCounts)));
   const auto bad_rest = FromPayload(WithDamage(sound, OffsetOfColumn(sound, kObservations)));
@@ -511,7 +511,7 @@ TEST_F(FetchListsTest, AHalfOfATileThatDoesNotDecodeIsDamagedEveryTime) {
 }
 
 TEST_F(FetchListsTest, WhatMatchingNeedsIsDecodedIfThereIsTime) {
-  constexpr size_t kDescriptorCounts = 32;
+  constexpr size_t kDescriptorCounts = 24;
   const testing::TempDir dir;
   MapStore store = MapStore::Create(dir.File("map.gpkg"));
   MapUpdate update = store.BeginUpdate();
