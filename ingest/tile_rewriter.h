@@ -42,7 +42,9 @@ struct TileRewriteContext {
 };
 
 // Takes the replaced session out of the tile and puts the new one in:
-// build - admit - merge - note chances - fade - replace keyframes - select - write.
+// build - admit - merge - note chances - fade - replace keyframes - select - write. `written`
+// receives the tile as the map holds it now. Throws Error(kConflict) if the tile has another
+// codebook than the session, Error(kMapDamaged) if it does not decode.
 TileChanges RewriteTile(const TileRewriteContext& context, TileId tile_id, MapUpdate* update,
                         Tile* written);
 

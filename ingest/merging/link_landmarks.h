@@ -19,11 +19,10 @@ struct LinkOptions {
   double placement_sigma_m = 0.05;
   // Distance of the positions, in standard deviations of their difference.
   double max_distance_sigmas = 6.0;
-  // The known landmark, seen from the session's keyframes, in standard deviations of the keypoint's
-  // error (max_error_px at a focal length of 500, the landmark's own uncertainty, the placement);
-  // median over the keyframes.
+  // Reprojection error of the known landmark in the session's images, median over the images. The
+  // unit is the standard deviation that the keypoint, the landmark and the placement give together.
   double max_error_sigmas = 4.0;
-  double keypoint_sigma_px = 1.5;
+  double keypoint_sigma_px = 1.5;  // At a focal length of 500 px; proportional to the focal length.
   // Only looks from similar directions, of similar physical size and orientation are compared.
   double max_azimuth_rad = 1.2;
   double max_log2_size = 1.5;
@@ -31,7 +30,7 @@ struct LinkOptions {
   // Median over the session's looks of the distance to the nearest look of the known landmark, as
   // quantile of distances between looks at one landmark.
   double max_distance_quantile = 0.95;
-  // The second best candidate must be so much farther in squared descriptor distance.
+  // Largest ratio of the squared descriptor distance to that of another thing nearby.
   double max_ratio = 0.85;
 
   void Validate() const;
@@ -44,20 +43,22 @@ struct LinkProposal {
   float sq_distance = 0.0f;  // Of the descriptors; smaller is better.
 };
 
-// Proposals for what the session's images of one tile see, against what the map holds of the tile.
-// At most one for each landmark of the session. Linear in the tile and the session's sights of it.
+// Compares the landmarks that the session's images of one tile see with the landmarks of the map's
+// tile `known`. Returns at most one proposal for each landmark of the session. Linear in the tile
+// and the session's sights of it.
 std::vector<LinkProposal> ProposeLinks(const Reconstruction& reconstruction,
                                        const PlacedSession& session, const Tile& known,
                                        const DescriptorCodec& codec, const LinkOptions& options);
 
-// The id of the map's landmark for each landmark of the session, or 0. Better proposals come first.
+// Returns the id of the map's landmark for each landmark of the session, or 0. Accepts proposals in
+// the order of their distances.
 // Two landmarks of the session get the same id only if no image sees both.
 std::vector<LandmarkId> ResolveLinks(const Reconstruction& reconstruction,
                                      const PlacedSession& session,
                                      std::vector<LinkProposal> proposals);
 
-// The session with the landmarks of equal id (not 0) made one, at the mean position by inverse
-// variances; `ids` shrinks along.
+// Returns the session with landmarks of equal id (except 0) joined into one, at the mean position
+// by inverse variances. `ids` stays parallel to the landmarks.
 PlacedSession JoinLinked(const PlacedSession& session, std::vector<LandmarkId>* ids);
 
 }  // namespace cairn

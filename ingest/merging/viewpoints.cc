@@ -17,8 +17,8 @@ namespace {
 // Scales at which detectors find keypoints, pixels.
 constexpr double kMinKeypointPx = 0.8, kMaxKeypointPx = 32.0;
 
-// Sessions whose keyframes a viewpoint keeps: the newest says what the place looks like now, and the
-// one before is left if the newest is removed.
+// Sessions whose keyframes a viewpoint keeps: the newest says what the place looks like now, and
+// the one before is left if the newest is removed.
 constexpr size_t kSessionsOfViewpoint = 2;
 
 struct Viewpoint {

@@ -28,13 +28,13 @@ std::vector<int> CountChances(const Tile& tile, SessionId session_id,
                               const std::map<KeyframeId, const Camera*>& cameras,
                               const ViewpointOptions& options);
 
-// Writes the chances of a session into the histories: those that it saw get their number of
-// chances, those that it missed get a sighting without sights.
+// Writes the chances of a session into the histories of the landmarks. A landmark that the session
+// missed gets a sighting without sights.
 void NoteChances(const std::vector<int>& chances, SessionId session_id, Tile* tile);
 
-// Keyframes of whose viewpoint two newer sessions have keyframes. What a place looks like now is what
-// its newest session saw, and the session before stays in case the newest is removed, so a map holds
-// a bounded number of keyframes.
+// Returns the keyframes whose viewpoint two newer sessions share. The newest session shows what the
+// place looks like now; the session before stays in case the newest is removed. A map therefore
+// holds a bounded number of keyframes.
 std::vector<KeyframeId> ReplacedKeyframes(const Tile& tile, const ViewpointOptions& options);
 
 }  // namespace cairn
