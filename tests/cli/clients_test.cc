@@ -100,7 +100,9 @@ class NpmClient : public Clients {
 };
 
 TEST_F(NpmClient, OfGeoPoseProtocolIsAnswered) {
-  if (const std::string why_not = Install(); !why_not.empty()) GTEST_SKIP() << why_not;
+  if (const std::string why_not = Install(); !why_not.empty()) {
+    GTEST_SKIP() << why_not;
+  }
   BackgroundCairn server({"serve", world_.map_path, "--port", "0", "--log-level", "off"});
   const EvalQuery& query = world_.queries[1];
   const Camera& camera = query.query.camera;
@@ -137,14 +139,18 @@ uint32_t Crc32(const std::string& bytes) {
   uint32_t crc = ~0u;
   for (const char byte : bytes) {
     crc ^= static_cast<uint8_t>(byte);
-    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0u);
+    for (int bit = 0; bit < 8; ++bit) {
+      crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0u);
+    }
   }
   return ~crc;
 }
 
 std::string BigEndian32(uint32_t value) {
   std::string bytes;
-  for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift);
+  for (int shift = 24; shift >= 0; shift -= 8) {
+    bytes += static_cast<char>(value >> shift);
+  }
   return bytes;
 }
 
@@ -174,7 +180,9 @@ class PortraitPhotos : public Clients {
   static std::string CameraOption(const Camera& camera) {
     std::string text = std::string(CameraModelName(camera.model())) + "," +
                        std::to_string(camera.width_px()) + "," + std::to_string(camera.height_px());
-    for (const double param : camera.params()) text += "," + std::to_string(param);
+    for (const double param : camera.params()) {
+      text += "," + std::to_string(param);
+    }
     return text;
   }
 
@@ -261,7 +269,9 @@ class Page : public PortraitPhotos {
 };
 
 TEST_F(Page, LocalizesPhotosInABrowser) {
-  if (const std::string why_not = WhyNoBrowser(); !why_not.empty()) GTEST_SKIP() << why_not;
+  if (const std::string why_not = WhyNoBrowser(); !why_not.empty()) {
+    GTEST_SKIP() << why_not;
+  }
   std::ofstream(dir_.File("letter.jpg")) << "This is no photo.";
   BackgroundCairn server({"serve", world_.map_path, "--port", "0", "--log-level", "off"});
   const Geodetic& prior = query().query.prior->position;

@@ -198,7 +198,9 @@ TEST_F(HostileInput, AnInterruptedInitDoesNotBlockTheNext) {
   std::vector<std::string> unfinished;
   for (const auto& entry : std::filesystem::directory_iterator(dir_.path())) {
     const std::string name = entry.path().filename().string();
-    if (name.find("unfinished") != std::string::npos) unfinished.push_back(name);
+    if (name.find("unfinished") != std::string::npos) {
+      unfinished.push_back(name);
+    }
   }
   EXPECT_THAT(unfinished, ::testing::IsEmpty());
   ExpectRefused({"init", map}, 4, "already exists");

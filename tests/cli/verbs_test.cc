@@ -180,7 +180,9 @@ TEST_F(Verbs, ServeLosesNoRequestWhenItHangsUp) {
     std::filesystem::rename(next, map_);
     server.Signal(SIGHUP);
     const int num_before = num_answered;
-    while (num_answered < num_before + 10) std::this_thread::yield();
+    while (num_answered < num_before + 10) {
+      std::this_thread::yield();
+    }
   }
   done = true;
   asker.join();

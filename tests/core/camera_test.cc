@@ -107,7 +107,9 @@ TEST(Camera, ModelsAgreeWhereOneContainsTheOther) {
 // What bends a fisheye's image stays invertible up to where the picture ends, 80 degrees off axis.
 TEST(Camera, FisheyesReachTheEdgeOfTheirField) {
   for (const Camera& camera : AllModels()) {
-    if (!IsFisheye(camera.model()) || camera.model() == CameraModel::kFov) continue;
+    if (!IsFisheye(camera.model()) || camera.model() == CameraModel::kFov) {
+      continue;
+    }
     const double radius = std::tan(80.0 / kDegPerRad);
     const Eigen::Vector3d ray = Eigen::Vector3d(0.6 * radius, 0.8 * radius, 1.0).normalized();
     const auto pixel = camera.Project(ray);

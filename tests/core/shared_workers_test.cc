@@ -76,7 +76,9 @@ TEST(SharedWorkers, ThrowsWhatAStepThrew) {
     const SharedWorkers::Caller caller(&workers);
     EXPECT_THROW(workers.ForEach(20,
                                  [](int i) {
-                                   if (i == 3) throw std::runtime_error("step 3");
+                                   if (i == 3) {
+                                     throw std::runtime_error("step 3");
+                                   }
                                  }),
                  std::runtime_error);
     std::atomic<int> num_runs{0};

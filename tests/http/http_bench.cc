@@ -46,7 +46,9 @@ std::vector<uint8_t> Blob(DescriptorSpace space, const FeatureEncoding& encoding
 void Parse(const std::string& content_type, const std::string& body, benchmark::State* state) {
   for (auto _ : *state) {
     const LocalizeRequest request = ParseLocalizeRequest(content_type, body, RequestLimits{});
-    if (request.query.features.size() != kNumFeatures) state->SkipWithError("features lost");
+    if (request.query.features.size() != kNumFeatures) {
+      state->SkipWithError("features lost");
+    }
   }
   state->counters["body_bytes"] = static_cast<double>(body.size());
 }
@@ -104,7 +106,9 @@ void BM_JsonNumbersRawSift(benchmark::State& state) {
   const std::string body = rows.dump();
   for (auto _ : state) {
     const nlohmann::json parsed = nlohmann::json::parse(body);
-    if (parsed.size() != kNumFeatures) state.SkipWithError("features lost");
+    if (parsed.size() != kNumFeatures) {
+      state.SkipWithError("features lost");
+    }
   }
   state.counters["body_bytes"] = static_cast<double>(body.size());
 }

@@ -90,7 +90,9 @@ void RunClient(const LoadedServer& server, int deadline_ms, int num_requests,
   for (int i = (*next)++; i < num_requests; i = (*next)++) {
     EvalQuery query = server.queries()[i % server.queries().size()];
     const Clock::time_point start = Clock::now();
-    if (deadline_ms > 0) query.query.deadline = start + std::chrono::milliseconds(deadline_ms);
+    if (deadline_ms > 0) {
+      query.query.deadline = start + std::chrono::milliseconds(deadline_ms);
+    }
     const LocalizeResult result = client.LocalizeFeatures(query.query);
     tally->latency_s.push_back(std::chrono::duration<double>(Clock::now() - start).count());
     tally->num_localized += result.localized;
@@ -116,7 +118,9 @@ void ServerUnderLoad(benchmark::State& state) {
     for (Tally& tally : tallies) {
       clients.emplace_back([&] { RunClient(server, deadline_ms, num_requests, &next, &tally); });
     }
-    for (std::thread& client : clients) client.join();
+    for (std::thread& client : clients) {
+      client.join();
+    }
   }
   const double cpu_s = CpuSeconds(CLOCK_PROCESS_CPUTIME_ID) - cpu_start;
   Tally all;
@@ -136,7 +140,9 @@ void ServerUnderLoad(benchmark::State& state) {
   state.counters["client_cpu"] = all.cpu_s / cpu_s;
   state.counters["answered"] = all.num_localized / count;
   state.counters["right"] = all.num_right / count;
-  if (all.num_right < all.num_localized) state.SkipWithError("an answer is wrong");
+  if (all.num_right < all.num_localized) {
+    state.SkipWithError("an answer is wrong");
+  }
 }
 BENCHMARK(ServerUnderLoad)
     ->ArgNames({"clients", "deadline_ms"})

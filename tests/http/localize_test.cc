@@ -77,7 +77,9 @@ class HttpLocalize : public testing::ServerFixture {
     httplib::Client http(url());
     http.set_read_timeout(60);
     const auto result = http.Post("/v1/localize", json.dump(), "application/json");
-    if (!result) throw std::runtime_error(httplib::to_string(result.error()));
+    if (!result) {
+      throw std::runtime_error(httplib::to_string(result.error()));
+    }
     return {result->status, nlohmann::json::parse(result->body)};
   }
 
@@ -284,7 +286,9 @@ TEST_F(HttpLocalize, MoreImagesThanCoresAndFeaturesAreAllAnswered) {
     threads.emplace_back([&, i] { of_images[i] = Client().LocalizeImages(Query(), {image}); });
     threads.emplace_back([&, i] { of_features[i] = Client().LocalizeFeatures(Query()); });
   }
-  for (std::thread& thread : threads) thread.join();
+  for (std::thread& thread : threads) {
+    thread.join();
+  }
   for (int i = 0; i < num_threads; ++i) {
     EXPECT_GT(of_images[i].counters.num_keypoints, 0);
     EXPECT_NE(of_images[i].reason, NotLocalizedReason::kTimeout);
@@ -335,7 +339,9 @@ TEST_F(HttpLocalize, AnOgcGeoPoseIsGivenToWhoAsksForIt) {
     auto result = http.Post("/v1/localize", {{"Accept", accept}},
                             WithFeatures(asked, "", LosslessEncoding(asked.features)).dump(),
                             "application/json");
-    if (!result) throw std::runtime_error(httplib::to_string(result.error()));
+    if (!result) {
+      throw std::runtime_error(httplib::to_string(result.error()));
+    }
     return *result;
   };
   const httplib::Response full = post(query, "application/json");
@@ -391,11 +397,17 @@ TEST_F(HttpLocalize, EightThreadsGetTheSameAnswer) {
   for (int t = 0; t < 8; ++t) {
     threads.emplace_back([&, t] {
       LocalizeClient client = Client();
-      for (int i = 0; i < 2; ++i) results[2 * t + i] = client.LocalizeFeatures(query);
+      for (int i = 0; i < 2; ++i) {
+        results[2 * t + i] = client.LocalizeFeatures(query);
+      }
     });
   }
-  for (std::thread& thread : threads) thread.join();
-  for (const LocalizeResult& result : results) ExpectSamePose(result, expected);
+  for (std::thread& thread : threads) {
+    thread.join();
+  }
+  for (const LocalizeResult& result : results) {
+    ExpectSamePose(result, expected);
+  }
 }
 
 TEST_F(HttpLocalize, QueriesSeeAnUpdateAsSoonAsItIsPublished) {

@@ -33,8 +33,12 @@ constexpr bool kIsSanitized = false;
   Server server(options);
   server.Start();
   const int port = server.port();
-  if (write(pipe_fd, &port, sizeof(port)) != sizeof(port)) _exit(1);
-  while (true) pause();
+  if (write(pipe_fd, &port, sizeof(port)) != sizeof(port)) {
+    _exit(1);
+  }
+  while (true) {
+    pause();
+  }
 }
 
 class HttpOutOfMemory : public testing::ServerFixture {
@@ -46,7 +50,9 @@ class HttpOutOfMemory : public testing::ServerFixture {
     int pipe_fds[2];
     ASSERT_EQ(pipe(pipe_fds), 0);
     pid_ = fork();
-    if (pid_ == 0) Serve(Options(), pipe_fds[1]);
+    if (pid_ == 0) {
+      Serve(Options(), pipe_fds[1]);
+    }
     ASSERT_EQ(read(pipe_fds[0], &port_, sizeof(port_)), static_cast<ssize_t>(sizeof(port_)));
     close(pipe_fds[0]);
     close(pipe_fds[1]);
@@ -91,7 +97,9 @@ int HttpOutOfMemory::port_ = 0;
 std::string LargePicture() {
   constexpr int kWidth = 1600, kHeight = 1200;
   std::string image = fmt::format("P5 {} {} 255\n", kWidth, kHeight);
-  for (int i = 0; i < kWidth * kHeight; ++i) image += static_cast<char>(i * 7 % 251);
+  for (int i = 0; i < kWidth * kHeight; ++i) {
+    image += static_cast<char>(i * 7 % 251);
+  }
   return fmt::format(
              "--B\r\nContent-Disposition: form-data; name=\"request\"\r\n\r\n"
              R"({{"camera":{{"model":"SIMPLE_PINHOLE","size":[{},{}],"modelParams":[900,800,600]}}}})"
@@ -101,17 +109,25 @@ std::string LargePicture() {
 }
 
 TEST_F(HttpOutOfMemory, IsA503AndTheServerLives) {
-  if (kIsSanitized) GTEST_SKIP() << "sanitizers do not run under a limit of addresses";
+  if (kIsSanitized) {
+    GTEST_SKIP() << "sanitizers do not run under a limit of addresses";
+  }
   const std::string body = LargePicture();
   int num_refused = 0;
   for (const rlim_t room : {rlim_t{0}, rlim_t{1} << 20, rlim_t{5} << 20, rlim_t{20} << 20}) {
     AllowBytes(room);
     std::vector<std::string> answers(16);
     std::vector<std::thread> threads;
-    for (std::string& answer : answers) threads.emplace_back([&] { answer = Post(body); });
-    for (std::thread& thread : threads) thread.join();
+    for (std::string& answer : answers) {
+      threads.emplace_back([&] { answer = Post(body); });
+    }
+    for (std::thread& thread : threads) {
+      thread.join();
+    }
     for (const std::string& answer : answers) {
-      if (!answer.starts_with("HTTP/1.1 503")) continue;
+      if (!answer.starts_with("HTTP/1.1 503")) {
+        continue;
+      }
       ++num_refused;
       EXPECT_THAT(answer, HasSubstr("application/problem+json"));
       EXPECT_THAT(answer, HasSubstr("out of memory"));

@@ -56,7 +56,9 @@ class RawSocket {
   void Send(std::string_view bytes) {
     while (!bytes.empty()) {
       const ssize_t sent = send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-      if (sent <= 0) return;  // The server reads no more.
+      if (sent <= 0) {
+        return;  // The server reads no more.
+      }
       bytes.remove_prefix(static_cast<size_t>(sent));
     }
   }
@@ -91,7 +93,9 @@ class RawSocket {
     std::string& text = received_;
     size_t head = 0;
     while ((head = text.find("\r\n\r\n")) == std::string::npos) {
-      if (!ReadSome(&text)) return text;
+      if (!ReadSome(&text)) {
+        return text;
+      }
     }
     const size_t length_at = text.find("Content-Length: ");
     const size_t length = length_at < head ? std::stoul(text.substr(length_at + 16)) : 0;
@@ -106,7 +110,9 @@ class RawSocket {
   bool ReadSome(std::string* text) {
     std::array<char, 4096> chunk;
     const ssize_t received = recv(socket_, chunk.data(), chunk.size(), 0);
-    if (received <= 0) return false;
+    if (received <= 0) {
+      return false;
+    }
     text->append(chunk.data(), static_cast<size_t>(received));
     return true;
   }

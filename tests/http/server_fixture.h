@@ -107,7 +107,9 @@ class ServerFixture : public ::testing::Test {
     int kept = 0;
     for (int i = 0; i < features.size(); ++i) {
       const Keypoint& keypoint = features.keypoints[i];
-      if (!query->camera.Contains({keypoint.x_px, keypoint.y_px})) continue;
+      if (!query->camera.Contains({keypoint.x_px, keypoint.y_px})) {
+        continue;
+      }
       features.keypoints[kept] = keypoint;
       features.descriptors.row(kept) = features.descriptors.row(i);
       ++kept;

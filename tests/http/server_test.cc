@@ -30,7 +30,9 @@ struct Reply {
 Reply Split(const std::string& text) {
   Reply reply;
   const size_t end = text.find("\r\n\r\n");
-  if (end == std::string::npos || !text.starts_with("HTTP/1.1 ")) return reply;
+  if (end == std::string::npos || !text.starts_with("HTTP/1.1 ")) {
+    return reply;
+  }
   reply.status = std::stoi(text.substr(9, 3));
   reply.head = text.substr(0, end);
   reply.body = text.substr(end + 4);
@@ -78,7 +80,9 @@ std::string Line(const std::string& line) {
 
 std::vector<BadRequest> BadRequests() {
   std::string header_flood;
-  for (int i = 0; i < 100'000; ++i) header_flood += "X-Flood: yes\r\n";
+  for (int i = 0; i < 100'000; ++i) {
+    header_flood += "X-Flood: yes\r\n";
+  }
   return {
       {"chunked", Post("Transfer-Encoding: chunked\r\n", "5\r\nhello\r\n0\r\n\r\n"), 411,
        "length_required"},
@@ -220,7 +224,9 @@ TEST_F(HttpServer, ContinuesWhenAskedTo) {
 
 TEST_F(HttpServer, ManyIdleConnectionsDoNotStarveANewOne) {
   std::vector<std::unique_ptr<testing::RawSocket>> idle;
-  for (int i = 0; i < 40; ++i) idle.push_back(std::make_unique<testing::RawSocket>(port()));
+  for (int i = 0; i < 40; ++i) {
+    idle.push_back(std::make_unique<testing::RawSocket>(port()));
+  }
   EXPECT_EQ(Get("/livez").status, 200);
 }
 
@@ -398,13 +404,17 @@ TEST_F(HttpServer, OpenApiDescribesExactlyTheRoutesThereAre) {
   const Router router = MainRoutes(&service, /*with_admin=*/true);
   for (const Route& route : router.routes()) {
     std::string method = route.method;
-    for (char& c : method) c = static_cast<char>(std::tolower(c));
+    for (char& c : method) {
+      c = static_cast<char>(std::tolower(c));
+    }
     served.insert(method + " " + route.pattern);
   }
   std::set<std::string> described;
   const auto openapi = GetJson("/openapi.json");
   for (const auto& [path, methods] : openapi["paths"].items()) {
-    for (const auto& [method, operation] : methods.items()) described.insert(method + " " + path);
+    for (const auto& [method, operation] : methods.items()) {
+      described.insert(method + " " + path);
+    }
   }
   EXPECT_EQ(served, described);
   EXPECT_EQ(openapi["info"]["version"], GetJson("/version")["version"]);

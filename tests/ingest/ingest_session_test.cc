@@ -238,7 +238,9 @@ TEST_F(IngestSessionTest, ReplacingEmptiesTilesTheNewSessionDoesNotReach) {
   testing::StreetWorldOptions elsewhere = SmallStreet();
   elsewhere.origin = Geodetic::FromDegrees(47.4, 8.6, 408.0);
   Ingest(testing::StreetWorld(elsewhere), OptionsFor("moving"));
-  for (const Tile& tile : before) EXPECT_FALSE(store_.Snapshot().FindTile(tile.id).has_value());
+  for (const Tile& tile : before) {
+    EXPECT_FALSE(store_.Snapshot().FindTile(tile.id).has_value());
+  }
   EXPECT_GT(store_.Snapshot().Info().num_tiles, 0);
 }
 
@@ -409,7 +411,9 @@ TEST_F(IngestSessionTest, DropsLandmarksThatFitBadly) {
   Reconstruction reconstruction = world.Reconstruct();
   const Eigen::Vector3d off =
       world.options().world_from_enu.rotation * Eigen::Vector3d(0.3, 0.3, 0.3);
-  for (int i = 0; i < 50; ++i) reconstruction.landmarks[i].x_in_world += off;
+  for (int i = 0; i < 50; ++i) {
+    reconstruction.landmarks[i].x_in_world += off;
+  }
   const IngestReport clean = Ingest(world, OptionsFor("clean"));
   const IngestReport bad =
       IngestSession(reconstruction, world.EcefFromWorld(), OptionsFor("bad"), &store_, {});
@@ -480,7 +484,9 @@ TEST_F(IngestRefusal, WhileAnotherUpdateRuns) {
 
 TEST_F(IngestRefusal, HalfwayLeavesTheMapAsItWas) {
   const auto fail = [](const char* phase, int64_t done, int64_t total) {
-    if (std::string(phase) == "tiles" && done == total) throw Error(ErrorCode::kIo, "full");
+    if (std::string(phase) == "tiles" && done == total) {
+      throw Error(ErrorCode::kIo, "full");
+    }
   };
   EXPECT_EQ(CodeOf([&] {
               IngestSession(world_.Reconstruct(), world_.EcefFromWorld(), OptionsFor("a"), &store_,

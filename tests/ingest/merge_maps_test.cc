@@ -28,7 +28,9 @@ using testing::TileOfPlace;
 MapStore MakePlaces(const fs::path& path, int first, int last, const std::string& prefix) {
   MapStore store = MapStore::Create(path.string());
   MapUpdate update = store.BeginUpdate();
-  for (int place = first; place <= last; ++place) PutPlace(place, place, &update, 30, prefix);
+  for (int place = first; place <= last; ++place) {
+    PutPlace(place, place, &update, 30, prefix);
+  }
   update.Publish();
   return store;
 }

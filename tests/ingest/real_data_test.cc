@@ -132,7 +132,9 @@ TEST(RealData, ExtractedSiftAgreesWithColmap) {
       const bool same = std::hypot(a.x_px - b.x_px, a.y_px - b.y_px) < 0.7 &&
                         std::abs(std::log(a.scale_px / b.scale_px)) < 0.2 &&
                         std::abs(WrapAngleRad(a.orientation_rad - b.orientation_rad)) < 0.1;
-      if (!same) continue;
+      if (!same) {
+        continue;
+      }
       dx_px.push_back(b.x_px - a.x_px);
       dy_px.push_back(b.y_px - a.y_px);
       scale_ratios.push_back(b.scale_px / a.scale_px);

@@ -46,7 +46,9 @@ int CountWrite(const std::function<void()>& dying) {
       dying();
       raise(SIGKILL);
     }
-    if (state.fault.kind == DiskFault::Kind::kCall) state.fault.call();
+    if (state.fault.kind == DiskFault::Kind::kCall) {
+      state.fault.call();
+    }
   }
   return SQLITE_OK;
 }

@@ -131,7 +131,9 @@ class StreetWorld {
     for (size_t i = 0; i < descriptors.size(); ++i) {
       features.descriptors.row(i) = descriptors[i].transpose();
     }
-    if (landmark_of_keypoint != nullptr) *landmark_of_keypoint = std::move(landmark_idx);
+    if (landmark_of_keypoint != nullptr) {
+      *landmark_of_keypoint = std::move(landmark_idx);
+    }
     return features;
   }
 

@@ -33,7 +33,9 @@ MapState StateOf(const fs::path& map) {
 
 std::map<std::string, MapState> StatesOf(const MapOperation& operation, const fs::path& folder) {
   std::map<std::string, MapState> states;
-  for (const std::string& map : operation.maps) states[map] = StateOf(folder / map);
+  for (const std::string& map : operation.maps) {
+    states[map] = StateOf(folder / map);
+  }
   return states;
 }
 
@@ -146,7 +148,9 @@ void ExpectWholeVersionsInCopies(const MapOperation& operation, int count) {
     const auto make_copy = [&] {
       for (const std::string& map : operation.maps) {
         for (const std::string& name : {map, map + "-wal"}) {
-          if (fs::exists(folder / name)) fs::copy(folder / name, copy / name);
+          if (fs::exists(folder / name)) {
+            fs::copy(folder / name, copy / name);
+          }
         }
       }
     };

@@ -66,7 +66,9 @@ int NumRight(const std::string& map_path, const std::vector<EvalQuery>& queries)
   const EvalReport report = Evaluate(
       queries, [&](const EvalQuery& query) { return localizer.Localize(query.query); }, {});
   int num_right = 0;
-  for (const EvalAnswer& answer : report.answers) num_right += IsWithin(answer, kCorrect);
+  for (const EvalAnswer& answer : report.answers) {
+    num_right += IsWithin(answer, kCorrect);
+  }
   return num_right;
 }
 

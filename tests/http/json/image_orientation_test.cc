@@ -14,7 +14,9 @@ GrayImage Picture(const std::string& rows) {
   GrayImage image;
   image.width_px = static_cast<int>(rows.find('/'));
   for (const char c : rows) {
-    if (c != '/') image.pixels.push_back(static_cast<uint8_t>(c));
+    if (c != '/') {
+      image.pixels.push_back(static_cast<uint8_t>(c));
+    }
   }
   image.height_px = static_cast<int>(image.pixels.size()) / image.width_px;
   return image;
@@ -23,7 +25,9 @@ GrayImage Picture(const std::string& rows) {
 std::string Rows(const GrayImage& image) {
   std::string rows;
   for (size_t i = 0; i < image.pixels.size(); ++i) {
-    if (i > 0 && i % image.width_px == 0) rows += '/';
+    if (i > 0 && i % image.width_px == 0) {
+      rows += '/';
+    }
     rows += static_cast<char>(image.pixels[i]);
   }
   return rows;

@@ -162,7 +162,9 @@ TEST(LocalizeRequest, RefusesBadRigsWithThePointerOfTheFault) {
   EXPECT_EQ(pointer_of(RigJson(own, pictured)), "/rig/0/image");
   EXPECT_EQ(pointer_of(RigJson(own, member), {.max_features = 1}), "/rig/0/features");
   std::string eight = member;
-  for (int i = 0; i < 7; ++i) eight += "," + member;
+  for (int i = 0; i < 7; ++i) {
+    eight += "," + member;
+  }
   EXPECT_EQ(pointer_of(RigJson(own, eight)), "/rig");
   EXPECT_EQ(pointer_of(RigJson(own, member)), "accepted");
 }

@@ -126,8 +126,9 @@ TEST(LocalizeResponse, CovarianceHasTheTranslationFirst) {
   result.covariance.diagonal() << 1, 2, 3, 4, 5, 6;  // Rotation, translation.
   const auto json = nlohmann::json::parse(LocalizeResponseJson(result, SomeRequest(), {}));
   const double expected[] = {4, 5, 6, 1, 2, 3};
-  for (int i = 0; i < 6; ++i)
+  for (int i = 0; i < 6; ++i) {
     EXPECT_NEAR(json["covariance"][7 * i].get<double>(), expected[i], 1e-9);
+  }
 }
 
 TEST(LocalizeResponse, ThinsMatchesEvenly) {
@@ -135,7 +136,9 @@ TEST(LocalizeResponse, ThinsMatchesEvenly) {
   request.answer.max_matches = 5;
   const auto json = nlohmann::json::parse(LocalizeResponseJson(SomeResult(), request, {}));
   ASSERT_EQ(json["matches"].size(), 5u);
-  for (int i = 0; i < 5; ++i) EXPECT_EQ(json["matches"][i]["keypoint"], 6 * i);
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_EQ(json["matches"][i]["keypoint"], 6 * i);
+  }
   EXPECT_EQ(json["inlierCount"], 10);
 }
 

@@ -46,7 +46,9 @@ class Handler : public RequestHandler {
   HttpResponse Handle(const HttpRequest& request) override {
     ++num_handled;
     HttpResponse response{.status = 200, .content_type = "text/plain", .body = "fine"};
-    if (request.path == "/large") response.body.assign(kLargeBytes, 'x');
+    if (request.path == "/large") {
+      response.body.assign(kLargeBytes, 'x');
+    }
     if (request.path == "/hold") {
       std::unique_lock lock(mutex_);
       released_.wait(lock, [this] { return is_released_; });
@@ -106,7 +108,9 @@ class ListenerUnderAttack : public ::testing::Test {
   Clients ConnectMany(int count, const std::string& bytes,
                       const RawSocketOptions& options = {}) const {
     Clients clients;
-    for (int i = 0; i < count; ++i) clients.push_back(Connect(bytes, options));
+    for (int i = 0; i < count; ++i) {
+      clients.push_back(Connect(bytes, options));
+    }
     return clients;
   }
   void ExpectServed() const {
@@ -114,7 +118,9 @@ class ListenerUnderAttack : public ::testing::Test {
   }
   // All attackers still hold their connections, and get their answers when they go on.
   static void ExpectAllServedAfter(const std::string& rest, const Clients& clients) {
-    for (const auto& client : clients) EXPECT_TRUE(client->IsWaiting());
+    for (const auto& client : clients) {
+      EXPECT_TRUE(client->IsWaiting());
+    }
     for (const auto& client : clients) {
       client->Send(rest);
       EXPECT_THAT(client->ReadResponse(), StartsWith("HTTP/1.1 200"));
@@ -260,7 +266,9 @@ class NoMoreFiles {
 };
 
 TEST_F(ListenerUnderAttack, WithoutFreeDescriptorsAnIdleConnectionGivesWay) {
-  if (kSanitizerNeedsFiles) GTEST_SKIP() << "the sanitizers need descriptors themselves";
+  if (kSanitizerNeedsFiles) {
+    GTEST_SKIP() << "the sanitizers need descriptors themselves";
+  }
   Start();
   const Clients attackers = ConnectMany(4, kHalfHead);
   ExpectServed();  // By now they have been accepted.
@@ -273,7 +281,9 @@ TEST_F(ListenerUnderAttack, WithoutFreeDescriptorsAnIdleConnectionGivesWay) {
 }
 
 TEST_F(ListenerUnderAttack, AcceptingGoesOnWhenThereAreDescriptorsAgain) {
-  if (kSanitizerNeedsFiles) GTEST_SKIP() << "the sanitizers need descriptors themselves";
+  if (kSanitizerNeedsFiles) {
+    GTEST_SKIP() << "the sanitizers need descriptors themselves";
+  }
   Start();
   const Clients busy = ConnectMany(2, "GET /hold HTTP/1.1\r\nHost: h\r\nConnection: close\r\n\r\n");
   ASSERT_TRUE(handler_.WaitForRequests(2));
@@ -313,9 +323,12 @@ TEST_F(ListenerUnderAttack, StopLetsRunningRequestsFinishAndWaitsForNobodyElse) 
       ConnectMany(2, "GET /large HTTP/1.1\r\nHost: h\r\n\r\n", {.receive_bytes = 65536});
   ASSERT_TRUE(handler_.WaitForRequests(3));
   std::thread stop([this] { listener_->Stop(); });
-  for (const auto& attacker : attackers)
+  for (const auto& attacker : attackers) {
     EXPECT_THAT(attacker->ReadAll(), StartsWith("HTTP/1.1 408"));
-  for (const auto& client : silent) EXPECT_TRUE(client->WaitForReset());
+  }
+  for (const auto& client : silent) {
+    EXPECT_TRUE(client->WaitForReset());
+  }
   EXPECT_TRUE(running->IsWaiting());
   EXPECT_THROW(RawSocket{listener_->port()}, std::runtime_error);
   handler_.Release();
@@ -330,7 +343,9 @@ TEST_F(ListenerUnderAttack, ARequestThatArrivesInPiecesIsOneRequest) {
   Start();
   const auto client = Connect("");
   const std::string request = Post(20'000) + std::string(20'000, 'x') + kGet;
-  for (size_t i = 0; i < request.size(); i += 17) client->Send(request.substr(i, 17));
+  for (size_t i = 0; i < request.size(); i += 17) {
+    client->Send(request.substr(i, 17));
+  }
   EXPECT_THAT(client->ReadResponse(), StartsWith("HTTP/1.1 200"));
   EXPECT_THAT(client->ReadResponse(), StartsWith("HTTP/1.1 200"));
   EXPECT_EQ(handler_.num_handled, 2);

@@ -88,7 +88,9 @@ TEST(RequestHead, RefusesMalformedHeaders) {
   EXPECT_EQ(StatusOf(get("X: a\rb\r\n")), 400);
   EXPECT_EQ(StatusOf(get("Expect: a miracle\r\n")), 417);
   std::string many;
-  for (int i = 0; i < 70; ++i) many += "X: y\r\n";
+  for (int i = 0; i < 70; ++i) {
+    many += "X: y\r\n";
+  }
   EXPECT_EQ(StatusOf(get(many)), 431);
 }
 

@@ -34,10 +34,14 @@ TEST(FairGate, ServesInOrderOfArrival) {
       order.push_back(i);
       gate.Leave();
     });
-    while (gate.num_waiting() <= i) std::this_thread::yield();
+    while (gate.num_waiting() <= i) {
+      std::this_thread::yield();
+    }
   }
   gate.Leave();
-  for (std::thread& thread : threads) thread.join();
+  for (std::thread& thread : threads) {
+    thread.join();
+  }
   EXPECT_EQ(order, (std::vector<int>{0, 1, 2, 3, 4, 5}));
 }
 
@@ -51,7 +55,9 @@ TEST(FairGate, WhoGivesUpLosesItsPlaceOnly) {
     entered = gate.Enter(kNever);
     gate.Leave();
   });
-  while (gate.num_waiting() == 0) std::this_thread::yield();
+  while (gate.num_waiting() == 0) {
+    std::this_thread::yield();
+  }
   EXPECT_FALSE(gate.Enter(Clock::now()));
   gate.Leave();
   patient.join();

@@ -80,7 +80,9 @@ TEST_F(HttpLocalizeService, LongJsonIsParsedInItsTurnOrNotAtAll) {
     parsing.may_end = true;
   }
   parsing.changed.notify_all();
-  for (std::thread& thread : threads) thread.join();
+  for (std::thread& thread : threads) {
+    thread.join();
+  }
   EXPECT_THROW(service.Localize(late, CountAndRefuse, &read), HttpError);  // The turns are free.
 }
 

@@ -41,8 +41,9 @@ class ServedMapFiles : public ::testing::Test {
   }
   static std::string Sessions(const ServedMap& map) {
     std::string names;
-    for (const SessionRecord& session : map.store->Snapshot().Sessions())
+    for (const SessionRecord& session : map.store->Snapshot().Sessions()) {
       names += session.name + " ";
+    }
     return names;
   }
   static void ExpectSound(const ServedMap& map) {
@@ -201,19 +202,25 @@ TEST_F(ServerOfReplacedMaps, QueriesAreAnsweredFromOneMapOrTheOther) {
   for (int i = 0; i < 3; ++i) {
     askers.emplace_back([&] {
       LocalizeClient client = Client();
-      while (!done) num_localized += client.LocalizeFeatures(Query()).localized;
+      while (!done) {
+        num_localized += client.LocalizeFeatures(Query()).localized;
+      }
     });
   }
   const std::string next = dir_->File("next.gpkg");
   for (int i = 0; i < 4; ++i) {
     const int num_before = num_localized;
-    while (num_localized < num_before + 6) std::this_thread::yield();
+    while (num_localized < num_before + 6) {
+      std::this_thread::yield();
+    }
     fs::copy_file(map_path(), next);
     fs::rename(next, map_path());
     server_->ReloadMap();
   }
   done = true;
-  for (std::thread& asker : askers) asker.join();
+  for (std::thread& asker : askers) {
+    asker.join();
+  }
   EXPECT_GE(num_localized, 24);
 }
 

@@ -29,7 +29,9 @@ TEST(Base64, RoundTripsRandomBytesOfAllLengths) {
   std::mt19937 rng(1);
   for (size_t size = 0; size < 200; ++size) {
     std::vector<uint8_t> bytes(size);
-    for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(rng());
+    for (uint8_t& byte : bytes) {
+      byte = static_cast<uint8_t>(rng());
+    }
     EXPECT_EQ(DecodeBase64(EncodeBase64(bytes)), bytes);
   }
 }

@@ -160,7 +160,9 @@ TEST(FeatureCodec, RefusesBadHeaders) {
   for (const auto& [offset, value] : changes) {
     std::vector<uint8_t> bad = good;
     bad[offset] = value;
-    if (offset == 10 || offset == 16) bad[offset + 1] = 0;
+    if (offset == 10 || offset == 16) {
+      bad[offset + 1] = 0;
+    }
     EXPECT_EQ(ProblemOf(bad), ProblemCode::kInvalidFeatures) << offset;
   }
 }
@@ -184,7 +186,9 @@ TEST(FeatureCodec, RefusesNumbersThatAreNotFiniteAndKeypointsOutside) {
     for (size_t offset = geometry; offset + 4 <= good.size(); offset += 4) {
       const bool is_descriptor = offset >= geometry + 32;
       const bool is_orientation = !is_descriptor && (offset - geometry) % 16 == 12;
-      if (bad == 1e9f && (is_descriptor || is_orientation)) continue;  // Odd, but finite.
+      if (bad == 1e9f && (is_descriptor || is_orientation)) {
+        continue;  // Odd, but finite.
+      }
       std::vector<uint8_t> blob = good;
       std::memcpy(blob.data() + offset, &bad, sizeof(bad));
       EXPECT_EQ(ProblemOf(blob), ProblemCode::kInvalidFeatures) << bad << " at " << offset;

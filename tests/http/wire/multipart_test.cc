@@ -66,7 +66,9 @@ TEST(Multipart, RefusesEveryTruncationBeforeTheLastBoundary) {
 
 TEST(Multipart, RefusesMoreThanSixteenParts) {
   std::string body;
-  for (int i = 0; i < 17; ++i) body += Part("p" + std::to_string(i), "x");
+  for (int i = 0; i < 17; ++i) {
+    body += Part("p" + std::to_string(i), "x");
+  }
   EXPECT_TRUE(IsRefused(kType, body + "--XX--"));
 }
 

@@ -55,10 +55,14 @@ TEST(GaussianBlur, IsTheGaussianOfItsDefinition) {
 
 TEST(GaussianBlur, KeepsAFlatImage) {
   FloatImage image(20, 20);
-  for (int row = 0; row < 20; ++row) std::fill_n(image.Row(row), 20, 77.0f);
+  for (int row = 0; row < 20; ++row) {
+    std::fill_n(image.Row(row), 20, 77.0f);
+  }
   const FloatImage blurred = GaussianBlur(image, 2.0);
   for (int row = 0; row < 20; ++row) {
-    for (int x = 0; x < 20; ++x) EXPECT_NEAR(blurred.Row(row)[x], 77.0f, 1e-4f);
+    for (int x = 0; x < 20; ++x) {
+      EXPECT_NEAR(blurred.Row(row)[x], 77.0f, 1e-4f);
+    }
   }
 }
 
@@ -88,7 +92,9 @@ TEST(FloatImage, DoublingKeepsPixelsAndPutsMeansBetween) {
   ASSERT_EQ(twice.width_px(), 10);
   ASSERT_EQ(twice.height_px(), 6);
   for (int y = 0; y < 3; ++y) {
-    for (int x = 0; x < 5; ++x) EXPECT_EQ(twice.Row(2 * y)[2 * x], image.Row(y)[x]);
+    for (int x = 0; x < 5; ++x) {
+      EXPECT_EQ(twice.Row(2 * y)[2 * x], image.Row(y)[x]);
+    }
   }
   EXPECT_FLOAT_EQ(twice.Row(0)[1], 0.5f * (image.Row(0)[0] + image.Row(0)[1]));
   EXPECT_FLOAT_EQ(twice.Row(3)[4], 0.5f * (image.Row(1)[2] + image.Row(2)[2]));

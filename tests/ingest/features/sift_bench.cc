@@ -39,7 +39,9 @@ cv::Mat MadeUpPhoto() {
 
 const std::vector<uint8_t>& JpegBytes() {
   static const std::vector<uint8_t> bytes = [] {
-    if (const char* path = std::getenv("CAIRN_BENCH_PHOTO")) return ReadImageBytes(path);
+    if (const char* path = std::getenv("CAIRN_BENCH_PHOTO")) {
+      return ReadImageBytes(path);
+    }
     std::vector<uint8_t> jpeg;
     cv::imencode(".jpg", MadeUpPhoto(), jpeg, {cv::IMWRITE_JPEG_QUALITY, 90});
     return jpeg;
@@ -68,7 +70,9 @@ void CountMegapixels(benchmark::State* state) {
 
 void BM_Decode(benchmark::State& state) {
   for (auto _ : state) {
-    if (DecodeGrayImage(JpegBytes()).pixels != Photo().pixels) state.SkipWithError("other pixels");
+    if (DecodeGrayImage(JpegBytes()).pixels != Photo().pixels) {
+      state.SkipWithError("other pixels");
+    }
   }
   CountMegapixels(&state);
 }
@@ -78,7 +82,9 @@ BENCHMARK(BM_Decode)->Unit(benchmark::kMillisecond);
 void BM_OpenCvDecode(benchmark::State& state) {
   for (auto _ : state) {
     const cv::Mat image = cv::imdecode(JpegBytes(), cv::IMREAD_GRAYSCALE);
-    if (image.total() != Photo().pixels.size()) state.SkipWithError("other size");
+    if (image.total() != Photo().pixels.size()) {
+      state.SkipWithError("other size");
+    }
   }
   CountMegapixels(&state);
 }
@@ -88,8 +94,9 @@ void BM_ScaleSpaceOfFullOctave(benchmark::State& state) {
   const FloatImage image = ToFloatImage(Photo());
   for (auto _ : state) {
     const ScaleSpaceOctave octave = MakeScaleSpaceOctave(image, kSharpSigmaPx);
-    if (octave.Level(5).Row(9)[9] != FullOctave().Level(5).Row(9)[9])
+    if (octave.Level(5).Row(9)[9] != FullOctave().Level(5).Row(9)[9]) {
       state.SkipWithError("other levels");
+    }
   }
 }
 BENCHMARK(BM_ScaleSpaceOfFullOctave)->Unit(benchmark::kMillisecond);
@@ -108,7 +115,9 @@ void BM_OrientationOfOne(benchmark::State& state) {
   size_t i = 0;
   for (auto _ : state) {
     const SiftOrientations found = FindSiftOrientations(FullOctave(), Extrema()[i]);
-    if (found.num == 0) state.SkipWithError("no orientation");
+    if (found.num == 0) {
+      state.SkipWithError("no orientation");
+    }
     i = (i + 1) % Extrema().size();
   }
 }
@@ -120,8 +129,12 @@ void BM_DescriptorOfOne(benchmark::State& state) {
   for (auto _ : state) {
     DescribeSift(FullOctave(), Extrema()[i], 0.3f, descriptor);
     double sq_norm = 0.0;
-    for (const float value : descriptor) sq_norm += value * value;
-    if (std::abs(std::sqrt(sq_norm) - 512.0) > 20.0) state.SkipWithError("not of length 512");
+    for (const float value : descriptor) {
+      sq_norm += value * value;
+    }
+    if (std::abs(std::sqrt(sq_norm) - 512.0) > 20.0) {
+      state.SkipWithError("not of length 512");
+    }
     i = (i + 1) % Extrema().size();
   }
 }
@@ -141,11 +154,14 @@ BENCHMARK(BM_Extraction)->Unit(benchmark::kMillisecond);
 
 void BM_ReductionOf12Megapixels(benchmark::State& state) {
   GrayImage large{4000, 3000, std::vector<uint8_t>(12'000'000)};
-  for (size_t i = 0; i < large.pixels.size(); ++i)
+  for (size_t i = 0; i < large.pixels.size(); ++i) {
     large.pixels[i] = static_cast<uint8_t>(i * i >> 9);
+  }
   for (auto _ : state) {
     const GrayImage reduced = ReduceByArea(large, 3'000'000);
-    if (reduced.width_px != 2000 || reduced.height_px != 1500) state.SkipWithError("other size");
+    if (reduced.width_px != 2000 || reduced.height_px != 1500) {
+      state.SkipWithError("other size");
+    }
   }
 }
 BENCHMARK(BM_ReductionOf12Megapixels)->Unit(benchmark::kMillisecond);
@@ -159,7 +175,9 @@ void BM_OpenCvDefaultSift(benchmark::State& state) {
   cv::Mat descriptors;
   for (auto _ : state) {
     sift->detectAndCompute(image, cv::noArray(), keypoints, descriptors);
-    if (keypoints.empty()) state.SkipWithError("no features");
+    if (keypoints.empty()) {
+      state.SkipWithError("no features");
+    }
   }
   CountMegapixels(&state);
   state.counters["features"] = static_cast<double>(keypoints.size());

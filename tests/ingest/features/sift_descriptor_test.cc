@@ -39,7 +39,9 @@ class PlainDescriptor {
         const double dx = (x - extremum.x_px) / cell_px, dy = (y - extremum.y_px) / cell_px;
         const double c = std::cos(angle_rad), s = std::sin(angle_rad);
         const double along = c * dx + s * dy, across = -s * dx + c * dy;
-        if (std::max(std::abs(along), std::abs(across)) > 2.5) continue;
+        if (std::max(std::abs(along), std::abs(across)) > 2.5) {
+          continue;
+        }
         const double gx = gaussian.Row(y)[x + 1] - gaussian.Row(y)[x - 1];
         const double gy = gaussian.Row(y + 1)[x] - gaussian.Row(y - 1)[x];
         const double turned = angle_rad - std::atan2(gy, gx);
@@ -54,11 +56,15 @@ class PlainDescriptor {
     std::array<double, kSiftDim> values = values_;
     const auto norm = [&] {
       double sum = 0.0;
-      for (const double value : values) sum += value * value;
+      for (const double value : values) {
+        sum += value * value;
+      }
       return std::sqrt(sum);
     };
     const double first_norm = norm();
-    for (double& value : values) value = std::min(value, 0.2 * first_norm);
+    for (double& value : values) {
+      value = std::min(value, 0.2 * first_norm);
+    }
     const double second_norm = norm();
     Descriptor descriptor;
     for (int i = 0; i < kSiftDim; ++i) {
@@ -117,7 +123,9 @@ TEST(DescribeSift, AFlatSurroundingHasNoGradients) {
   octave.gaussians.resize(kSiftLevelsPerOctave + 3);
   for (FloatImage& gaussian : octave.gaussians) {
     gaussian = FloatImage(40, 40);
-    for (int row = 0; row < 40; ++row) std::fill_n(gaussian.Row(row), 40, 90.0f);
+    for (int row = 0; row < 40; ++row) {
+      std::fill_n(gaussian.Row(row), 40, 90.0f);
+    }
   }
   const SiftExtremum extremum{.x_px = 20.0f, .y_px = 20.0f, .sigma_px = 2.0f, .level = 1};
   Descriptor descriptor;

@@ -138,7 +138,9 @@ TEST(ExtractSift, GivesTheSameFromManyThreads) {
   for (FeatureSet& result : results) {
     threads.emplace_back([&] { result = ExtractSift(image); });
   }
-  for (std::thread& thread : threads) thread.join();
+  for (std::thread& thread : threads) {
+    thread.join();
+  }
   for (const FeatureSet& result : results) {
     ASSERT_EQ(result.size(), expected.size());
     EXPECT_EQ(result.descriptors, expected.descriptors);
@@ -155,7 +157,9 @@ TEST(ExtractSift, AFlatImageHasNoFeatures) {
 GrayImage WhiteNoise(int width_px, int height_px, uint32_t seed) {
   std::mt19937 rng(seed);
   GrayImage image{width_px, height_px, std::vector<uint8_t>(width_px * height_px)};
-  for (uint8_t& pixel : image.pixels) pixel = rng() % 2 == 0 ? 0 : 255;
+  for (uint8_t& pixel : image.pixels) {
+    pixel = rng() % 2 == 0 ? 0 : 255;
+  }
   return image;
 }
 

@@ -92,7 +92,9 @@ TEST(Georegister, OutlyingPositionsDoNotMatter) {
   const testing::StreetWorld world;
   const Reconstruction reconstruction = world.Reconstruct();
   std::vector<CameraPosition> positions = NoisyPositions(reconstruction, 0.1);
-  for (const int i : {2, 9, 15}) positions[i].position.lat_rad += 2e-5;  // 127 m.
+  for (const int i : {2, 9, 15}) {
+    positions[i].position.lat_rad += 2e-5;  // 127 m.
+  }
   const Georegistration result = Georegister(reconstruction, positions, {});
   EXPECT_GE(result.num_inliers, 15);
   EXPECT_LE(result.num_inliers, 18);
@@ -129,7 +131,9 @@ TEST(Georegister, RefusesTooFewPositions) {
 TEST(Georegister, RefusesPositionsAtOnePlace) {
   const Reconstruction reconstruction = testing::StreetWorld().Reconstruct();
   std::vector<CameraPosition> positions = GpsPositions(reconstruction, 5.0);
-  for (CameraPosition& position : positions) position.position = positions[0].position;
+  for (CameraPosition& position : positions) {
+    position.position = positions[0].position;
+  }
   EXPECT_THAT(RefusalOf(reconstruction, positions), HasSubstr("do not determine the scale"));
 }
 

@@ -52,7 +52,9 @@ Bytes Encode(const std::string& extension, int type, const std::vector<int>& par
 int DifferenceFromOpenCv(const Bytes& bytes) {
   const GrayImage ours = DecodeGrayImage(bytes);
   const cv::Mat theirs = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
-  if (theirs.cols != ours.width_px || theirs.rows != ours.height_px) return 256;
+  if (theirs.cols != ours.width_px || theirs.rows != ours.height_px) {
+    return 256;
+  }
   int largest = 0;
   for (size_t i = 0; i < ours.pixels.size(); ++i) {
     largest = std::max(largest, std::abs(int{ours.pixels[i]} - int{theirs.data[i]}));
@@ -194,9 +196,13 @@ Bytes WithFirstScanRepeated(int count) {
   const auto begin =
       std::search(whole.begin(), whole.end(), start_of_scan.begin(), start_of_scan.end());
   auto end = begin + 2;
-  while (end[0] != 0xff || end[1] == 0) ++end;  // To the next marker.
+  while (end[0] != 0xff || end[1] == 0) {
+    ++end;  // To the next marker.
+  }
   Bytes repeated(whole.begin(), begin);
-  for (int i = 0; i < count; ++i) repeated.insert(repeated.end(), begin, end);
+  for (int i = 0; i < count; ++i) {
+    repeated.insert(repeated.end(), begin, end);
+  }
   repeated.insert(repeated.end(), end, whole.end());
   return repeated;
 }

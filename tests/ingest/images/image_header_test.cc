@@ -37,7 +37,9 @@ Bytes Pgm(int width, int height) {
   const std::string header =
       "P5 # made up\n" + std::to_string(width) + " " + std::to_string(height) + "\n255\n";
   Bytes bytes(header.begin(), header.end());
-  for (int i = 0; i < width * height; ++i) bytes.push_back(static_cast<uint8_t>(i));
+  for (int i = 0; i < width * height; ++i) {
+    bytes.push_back(static_cast<uint8_t>(i));
+  }
   return bytes;
 }
 

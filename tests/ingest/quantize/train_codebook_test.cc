@@ -53,10 +53,14 @@ TEST(TrainCodebook, ProjectionKeepsMoreVarianceThanAnySixteenBins) {
   const DescriptorMatrix centered = normalized.rowwise() - normalized.colwise().mean();
   const double kept = (centered * StreetCodebook().projection.transpose()).squaredNorm();
   std::vector<double> bins(128);
-  for (int i = 0; i < 128; ++i) bins[i] = centered.col(i).squaredNorm();
+  for (int i = 0; i < 128; ++i) {
+    bins[i] = centered.col(i).squaredNorm();
+  }
   std::sort(bins.rbegin(), bins.rend());
   double best_bins = 0.0;
-  for (int i = 0; i < 16; ++i) best_bins += bins[i];
+  for (int i = 0; i < 16; ++i) {
+    best_bins += bins[i];
+  }
   EXPECT_GT(kept, best_bins);
 }
 

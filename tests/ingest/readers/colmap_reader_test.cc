@@ -43,7 +43,9 @@ Reconstruction TinyModel() {
     image.features.keypoints.resize(2);
     image.features.descriptors.conservativeResize(2, Eigen::NoChange);
   }
-  for (int i = 0; i < 2; ++i) model.landmarks[i].observations = {{0, i}, {1, i}};
+  for (int i = 0; i < 2; ++i) {
+    model.landmarks[i].observations = {{0, i}, {1, i}};
+  }
   return model;
 }
 
@@ -199,7 +201,9 @@ TEST_F(ColmapReader, RestrictedReadTriangulatesFromTheRemainingImagesAlone) {
   Reconstruction written = SmallStreet();
   const Reconstruction truth = written;
   // Positions in the file that only the images left out could explain.
-  for (ReconLandmark& landmark : written.landmarks) landmark.x_in_world.array() += 0.1;
+  for (ReconLandmark& landmark : written.landmarks) {
+    landmark.x_in_world.array() += 0.1;
+  }
   ColmapInput input = Write(written);
   input.image_names = {"0000.jpg", "0001.jpg", "0003.jpg"};
   const Reconstruction read = ReadColmap(input);
@@ -212,7 +216,9 @@ TEST_F(ColmapReader, RestrictedReadTriangulatesFromTheRemainingImagesAlone) {
       num_left +=
           observation.image_idx == 0 || observation.image_idx == 1 || observation.image_idx == 3;
     }
-    if (num_left < 2) continue;
+    if (num_left < 2) {
+      continue;
+    }
     ++num_expected;
     if (next < read.landmarks.size() &&
         (read.landmarks[next].x_in_world - landmark.x_in_world).norm() < 0.1) {

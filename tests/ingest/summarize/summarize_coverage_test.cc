@@ -139,7 +139,9 @@ TEST(SolveCoverage, CoversKeyframesBeforeItCollectsObservations) {
       SolveCoverage(instance.graph, instance.num_descriptors, instance.options);
   EXPECT_EQ(solution.num_missing, 0);
   int64_t cost = 0;
-  for (const uint32_t i : solution.selection) cost += instance.num_descriptors[i];
+  for (const uint32_t i : solution.selection) {
+    cost += instance.num_descriptors[i];
+  }
   EXPECT_LE(cost, 600);
   EXPECT_GE(cost, 590);
 }
@@ -150,7 +152,9 @@ TEST(SolveCoverage, WithRoomForAllKeepsAllThatAreObservedEnough) {
   const CoverageSolution solution =
       SolveCoverage(instance.graph, instance.num_descriptors, instance.options);
   size_t num_enough = 0;
-  for (const int count : instance.graph.num_observations) num_enough += count >= 2 ? 1 : 0;
+  for (const int count : instance.graph.num_observations) {
+    num_enough += count >= 2 ? 1 : 0;
+  }
   EXPECT_EQ(solution.selection.size(), num_enough);
   EXPECT_FALSE(std::binary_search(solution.selection.begin(), solution.selection.end(), 7u));
   EXPECT_EQ(solution.Gap(), 0.0);

@@ -16,7 +16,9 @@ DescriptorMatrix ThreeGroups() {
   std::normal_distribution<float> noise(0.0f, 0.01f);
   DescriptorMatrix descriptors(15, 4);
   for (int i = 0; i < 15; ++i) {
-    for (int d = 0; d < 4; ++d) descriptors(i, d) = noise(rng) + (d == i % 3 ? 1.0f : 0.0f);
+    for (int d = 0; d < 4; ++d) {
+      descriptors(i, d) = noise(rng) + (d == i % 3 ? 1.0f : 0.0f);
+    }
   }
   return descriptors;
 }
@@ -125,7 +127,9 @@ TEST(RandomSummarizer, PicksDifferentMembersForDifferentLandmarks) {
   std::set<Eigen::Index> picked;
   for (int landmark = 0; landmark < 40; ++landmark) {
     DescriptorMatrix descriptors(6, 3);
-    for (float& value : descriptors.reshaped()) value = uniform(rng);
+    for (float& value : descriptors.reshaped()) {
+      value = uniform(rng);
+    }
     const AppearanceModes modes = summarizer->Summarize(descriptors);
     ASSERT_TRUE(IsRowOf(modes.centers.row(0), descriptors));
     Eigen::Index row;
@@ -141,7 +145,9 @@ TEST(AppearanceSummarizer, ClustersDescribeBetterThanChance) {
   double sums[3] = {};
   for (int landmark = 0; landmark < 50; ++landmark) {
     DescriptorMatrix descriptors(24, 8);
-    for (float& value : descriptors.reshaped()) value = normal(rng);
+    for (float& value : descriptors.reshaped()) {
+      value = normal(rng);
+    }
     for (const auto kind :
          {AppearanceKind::kKMeans, AppearanceKind::kKMedoids, AppearanceKind::kRandom}) {
       sums[static_cast<int>(kind)] += MeanDistanceToModes(

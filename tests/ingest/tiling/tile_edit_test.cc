@@ -38,7 +38,9 @@ Tile MakeTile(SessionId session_id, int num_landmarks) {
         {KeyframeId(10 * Value(session_id) + k), session_id,
          Rigid3d(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.0, 0.0, -400.0 - k))});
     for (int i = 0; i < num_landmarks; ++i) {
-      if (k == 0 || i % 2 == 1) tile.keyframe_landmarks.push_back(i);
+      if (k == 0 || i % 2 == 1) {
+        tile.keyframe_landmarks.push_back(i);
+      }
     }
     tile.keyframe_begin.push_back(static_cast<uint32_t>(tile.keyframe_landmarks.size()));
   }
@@ -60,7 +62,9 @@ void ExpectEqual(const Tile& a, const Tile& b) {
   EXPECT_EQ(a.keyframe_begin, b.keyframe_begin);
   EXPECT_EQ(a.keyframe_landmarks, b.keyframe_landmarks);
   ASSERT_EQ(a.num_keyframes(), b.num_keyframes());
-  for (size_t k = 0; k < a.num_keyframes(); ++k) EXPECT_EQ(a.keyframes[k].id, b.keyframes[k].id);
+  for (size_t k = 0; k < a.num_keyframes(); ++k) {
+    EXPECT_EQ(a.keyframes[k].id, b.keyframes[k].id);
+  }
 }
 
 TEST(PickLandmarks, TakesThemInTheOrderGiven) {
@@ -131,7 +135,9 @@ TEST(DescribeTile, FindsHeightsAndBounds) {
 TEST(DescribeTile, BoundsAtTheAntimeridianAreNarrow) {
   Tile tile = MakeTile(SessionId(1), 5);
   tile.id = TileId::Containing(Geodetic::FromDegrees(-17.0, 179.9999, 400.0));
-  for (int i = 0; i < 5; ++i) tile.x_in_tile[i].x() = 60.0f * (i - 2);
+  for (int i = 0; i < 5; ++i) {
+    tile.x_in_tile[i].x() = 60.0f * (i - 2);
+  }
   const GeoBox bounds = DescribeTile(tile).landmark_bounds;
   EXPECT_TRUE(bounds.CrossesAntimeridian());
   EXPECT_LT(bounds.east_rad + 2.0 * std::numbers::pi - bounds.west_rad, 1e-4);

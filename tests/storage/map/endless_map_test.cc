@@ -38,7 +38,9 @@ void Put32(std::string* page, size_t at, uint32_t value) {
 
 uint32_t Get32(const std::string& bytes, size_t at) {
   uint32_t value = 0;
-  for (size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<uint8_t>(bytes[at + i]);
+  for (size_t i = 0; i < 4; ++i) {
+    value = value << 8 | static_cast<uint8_t>(bytes[at + i]);
+  }
   return value;
 }
 

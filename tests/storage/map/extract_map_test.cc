@@ -26,7 +26,9 @@ class ExtractedMap : public ::testing::Test {
  protected:
   ExtractedMap() {
     MapUpdate update = store_.BeginUpdate();
-    for (int place = 0; place < 5; ++place) PutPlace(place, place, &update);
+    for (int place = 0; place < 5; ++place) {
+      PutPlace(place, place, &update);
+    }
     update.Publish();
     MapUpdate again = store_.BeginUpdate();
     PutPlace(1, 9, &again);

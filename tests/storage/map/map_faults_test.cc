@@ -38,7 +38,9 @@ void PrepareFourVersions(const fs::path& folder) {
   for (int step = 0; step < 4; ++step) {
     MapUpdate update = store.BeginUpdate();
     PutPlace(step % 3, step, &update, 200);
-    if (step == 3) RemovePlace(2, &update);
+    if (step == 3) {
+      RemovePlace(2, &update);
+    }
     update.Publish();
   }
 }
@@ -149,7 +151,9 @@ TEST(MapReaders, SeeWholeVersionsWhateverIsDone) {
     CompactMap(&store);
   }
   is_done = true;
-  for (std::thread& reader : readers) reader.join();
+  for (std::thread& reader : readers) {
+    reader.join();
+  }
   EXPECT_THAT(store.Check({}).problems, ::testing::IsEmpty());
 }
 

@@ -46,7 +46,9 @@ const MapStore& MapOfTiles(int64_t count) {
   MapUpdate update = store.BeginUpdate();
   update.AddCodebook(testing::RandomCodebook());
   const auto num_columns = static_cast<int64_t>(std::sqrt(static_cast<double>(count)));
-  for (int64_t i = 0; i < count; ++i) PutEmptyTile(i, num_columns, &update);
+  for (int64_t i = 0; i < count; ++i) {
+    PutEmptyTile(i, num_columns, &update);
+  }
   update.Publish();
   return stores.emplace(count, std::move(store)).first->second;
 }
@@ -91,7 +93,9 @@ void MapOneTileAnUpdate(benchmark::State& state) {
     std::vector<Clock::time_point> times = {Clock::now()};
     for (int i = 0; i < kNumTiles; ++i) {
       MapUpdate update = store.BeginUpdate();
-      if (i == 0) update.AddCodebook(testing::RandomCodebook());
+      if (i == 0) {
+        update.AddCodebook(testing::RandomCodebook());
+      }
       PutEmptyTile(i, 40, &update);
       update.Publish();
       times.push_back(Clock::now());

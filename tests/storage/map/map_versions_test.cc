@@ -212,7 +212,9 @@ TEST_F(MapVersions, ACodebookOfEqualBytesKeepsItsId) {
 }
 
 TEST_F(MapVersions, PruneKeepsTheNewest) {
-  for (int seed = 1; seed <= 5; ++seed) Put(0, seed);
+  for (int seed = 1; seed <= 5; ++seed) {
+    Put(0, seed);
+  }
   const std::vector<std::string> content = ContentOf(path_);
   const PruneReport report = Prune({.keep = 3}, &store_);
   EXPECT_EQ(report.num_versions_gone, 4);
@@ -243,7 +245,9 @@ TEST_F(MapVersions, PruneKeepsTheNewest) {
 }
 
 TEST_F(MapVersions, PruneForgetsWhatIsOlderThanATime) {
-  for (int seed = 1; seed <= 3; ++seed) Put(0, seed);
+  for (int seed = 1; seed <= 3; ++seed) {
+    Put(0, seed);
+  }
   testing::ExecuteRaw(path_,
                       "UPDATE cairn_versions SET created_at = '2026-01-0' || version || "
                       "'T00:00:00Z'");
@@ -264,7 +268,9 @@ TEST_F(MapVersions, PruneRefusesWhatMakesNoSense) {
 }
 
 TEST_F(MapVersions, CompactingKeepsEveryVersion) {
-  for (int seed = 1; seed <= 4; ++seed) Put(0, seed);
+  for (int seed = 1; seed <= 4; ++seed) {
+    Put(0, seed);
+  }
   Prune({.keep = 2}, &store_);
   const std::vector<std::string> content = ContentOf(path_);
   const std::vector<std::string> versions = RowsOf(path_, "SELECT * FROM v_versions");
@@ -308,7 +314,9 @@ TEST_F(MapVersions, EveryVersionKeepsItsContent) {
       case 0: {
         const auto back =
             std::next(content_of_version.begin(), random() % content_of_version.size());
-        if (back->first == latest) continue;
+        if (back->first == latest) {
+          continue;
+        }
         version = RollBack(MapVersion(back->first), &store_);
         ASSERT_EQ(ContentOf(path_), back->second) << "step " << step;
         ASSERT_THAT(Diff(back->first, Value(version)), IsEmpty());
@@ -334,7 +342,9 @@ TEST_F(MapVersions, EveryVersionKeepsItsContent) {
   EXPECT_THAT(store_.Check({}).problems, IsEmpty());
   const auto known = content_of_version;
   for (const auto& [version, content] : known) {
-    if (version == Value(store_.Snapshot().version())) continue;
+    if (version == Value(store_.Snapshot().version())) {
+      continue;
+    }
     RollBack(MapVersion(version), &store_);
     EXPECT_EQ(ContentOf(path_), content) << "version " << version;
   }

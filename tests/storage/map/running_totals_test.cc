@@ -27,7 +27,9 @@ TileRecord TileAt(double lat_deg, double lon_deg) {
 
 std::optional<GeoBox> BoundsOf(const std::map<TileId, TileRecord>& tiles) {
   std::vector<GeoBox> boxes;
-  for (const auto& [id, tile] : tiles) boxes.push_back(id.Bounds());
+  for (const auto& [id, tile] : tiles) {
+    boxes.push_back(id.Bounds());
+  }
   return BoxAroundAll(boxes);
 }
 
@@ -46,7 +48,9 @@ void ComeAndGo(double span_lon_deg, double center_lon_deg, int min_known) {
     } else {
       const TileRecord tile = TileAt(
           40.0 * unit(random), std::remainder(center_lon_deg + span_lon_deg * unit(random), 360.0));
-      if (tiles.emplace(tile.tile_id, tile).second) totals.AddTile(tile);
+      if (tiles.emplace(tile.tile_id, tile).second) {
+        totals.AddTile(tile);
+      }
     }
     const std::optional<GeoBox> bounds = BoundsOf(tiles);
     if (totals.KnowsBounds()) {
