@@ -31,7 +31,7 @@ void Findings::Finish() {
   }
 }
 
-CheckReport CheckMap(sqlite::Connection* connection,
+CheckReport CheckMap(db::Connection* connection,
                      const std::function<void(int64_t, int64_t)>& progress) {
   CheckReport report;
   Findings findings(&report);

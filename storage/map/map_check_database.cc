@@ -12,9 +12,9 @@ namespace {
 
 constexpr size_t kMaxLineBytes = 300;  // Limit on each line that SQLite reports.
 
-void CheckSpatialIndices(sqlite::Connection* connection, Findings* findings) {
+void CheckSpatialIndices(db::Connection* connection, Findings* findings) {
   for (const char* index : {"rtree_coverage_geom", "rtree_keyframes_geom"}) {
-    sqlite::Statement tree = connection->Prepare("SELECT rtreecheck(?)");
+    db::Statement tree = connection->Prepare("SELECT rtreecheck(?)");
     tree.Bind(std::string_view(index)).Step();
     if (const std::string line = tree.Text(0); line != "ok") {
       findings->Add(index, Excerpt(line, kMaxLineBytes));
@@ -23,11 +23,11 @@ void CheckSpatialIndices(sqlite::Connection* connection, Findings* findings) {
 }
 
 // Checks only the tables of the map. Tables that other programs added are not Cairn's to check.
-void CheckReferences(sqlite::Connection* connection, Findings* findings) {
+void CheckReferences(db::Connection* connection, Findings* findings) {
   for (const char* table :
        {"gpkg_contents", "gpkg_geometry_columns", "cairn_map", "cairn_versions", "cairn_tiles",
         "cairn_past_tiles", "cairn_keyframe_poses", "keyframes"}) {
-    sqlite::Statement references =
+    db::Statement references =
         connection->Prepare("SELECT coalesce(sum(1), 0) FROM pragma_foreign_key_check(?)");
     references.Bind(std::string_view(table)).Step();
     if (const int64_t count = references.Int64(0); count != 0) {
@@ -106,9 +106,9 @@ constexpr Rule kRules[] = {
 
 }  // namespace
 
-void CheckRules(sqlite::Connection* connection, std::span<const Rule> rules, Findings* findings) {
+void CheckRules(db::Connection* connection, std::span<const Rule> rules, Findings* findings) {
   for (const Rule& rule : rules) {
-    sqlite::Statement row = connection->Prepare(rule.sql);
+    db::Statement row = connection->Prepare(rule.sql);
     row.Step();
     if (const int64_t count = row.Int64(0); count != 0) {
       findings->Add(fmt::format("{} {}", count, rule.problem));
@@ -118,9 +118,9 @@ void CheckRules(sqlite::Connection* connection, std::span<const Rule> rules, Fin
 
 // Stops at the first problem. If damaged pages form a cycle, SQLite would count the rows of an
 // index forever.
-bool CheckPages(sqlite::Connection* connection, Findings* findings) {
+bool CheckPages(db::Connection* connection, Findings* findings) {
   bool are_sound = true;
-  sqlite::Statement pages = connection->Prepare("PRAGMA integrity_check(1)");
+  db::Statement pages = connection->Prepare("PRAGMA integrity_check(1)");
   while (pages.Step()) {
     if (const std::string line = pages.Text(0); line != "ok") {
       findings->Add("database", Excerpt(line, kMaxLineBytes));
@@ -130,7 +130,7 @@ bool CheckPages(sqlite::Connection* connection, Findings* findings) {
   return are_sound;
 }
 
-void CheckTables(sqlite::Connection* connection, Findings* findings) {
+void CheckTables(db::Connection* connection, Findings* findings) {
   CheckSpatialIndices(connection, findings);
   CheckReferences(connection, findings);
   CheckRules(connection, kRules, findings);

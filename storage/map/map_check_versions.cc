@@ -79,8 +79,8 @@ constexpr Rule kRules[] = {
      "versions have totals that are not those of what they hold"},
 };
 
-void CheckPastKeyframes(sqlite::Connection* connection, Findings* findings) {
-  sqlite::Statement row =
+void CheckPastKeyframes(db::Connection* connection, Findings* findings) {
+  db::Statement row =
       connection->Prepare("SELECT keyframe_id, since FROM cairn_past_keyframes");
   while (row.Step()) {
     try {
@@ -96,7 +96,7 @@ void CheckPastKeyframes(sqlite::Connection* connection, Findings* findings) {
 
 }  // namespace
 
-void CheckVersions(sqlite::Connection* connection, Findings* findings) {
+void CheckVersions(db::Connection* connection, Findings* findings) {
   CheckRules(connection, kRules, findings);
   const VersionRecord latest = queries::LatestVersion(connection);
   const std::optional<GeoBox> bounds = queries::BoundsOfTiles(connection);
