@@ -2,6 +2,7 @@
 #ifndef CAIRN_STORAGE_DATABASE_STATEMENT_H_
 #define CAIRN_STORAGE_DATABASE_STATEMENT_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -27,6 +28,7 @@ class Cursor {
   virtual void BindAt(int index, std::string_view value) = 0;
   virtual void BindAt(int index, std::span<const uint8_t> value) = 0;  // Not copied.
   virtual void BindAt(int index, Geometry value) = 0;                  // Not copied.
+  virtual void BindAt(int index, std::nullptr_t null) = 0;
   virtual bool Step() = 0;
   virtual int64_t Int64(int column) const = 0;
   virtual double Double(int column) const = 0;
@@ -40,6 +42,12 @@ class Cursor {
 class Statement {
  public:
   explicit Statement(std::unique_ptr<Cursor> cursor) : cursor_(std::move(cursor)) {}
+
+  // Binds one value, to a parameter that counts from 1.
+  template <typename Bound>
+  void BindAt(int index, const Bound& value) {
+    cursor_->BindAt(index, value);
+  }
 
   // Binds the values in order, from parameter 1. Blobs and geometries must stay valid until Step
   // returns. Bind each statement once.
@@ -63,12 +71,6 @@ class Statement {
   bool IsNull(int column) const { return cursor_->IsNull(column); }
 
  private:
-  void BindAt(int index, int64_t value) { cursor_->BindAt(index, value); }
-  void BindAt(int index, double value) { cursor_->BindAt(index, value); }
-  void BindAt(int index, std::string_view value) { cursor_->BindAt(index, value); }
-  void BindAt(int index, std::span<const uint8_t> value) { cursor_->BindAt(index, value); }
-  void BindAt(int index, Geometry value) { cursor_->BindAt(index, value); }
-
   std::unique_ptr<Cursor> cursor_;
 };
 

@@ -45,6 +45,9 @@ class MapBackend {
   virtual std::string LogPath() const = 0;
 };
 
+// Throws as MapStore::Open.
+std::unique_ptr<MapBackend> OpenBackend(const std::string& path, OpenMode mode);
+
 }  // namespace cairn
 
 #endif  // CAIRN_STORAGE_MAP_MAP_BACKEND_H_

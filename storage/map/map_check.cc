@@ -36,7 +36,10 @@ CheckReport CheckMap(db::Connection* connection,
   CheckReport report;
   Findings findings(&report);
   try {
-    if (CheckPages(connection, &findings)) {
+    if (connection->dialect() == db::Dialect::kPostgres) {
+      CheckServerTables(connection, &findings);
+      CheckVersions(connection, &findings);
+    } else if (CheckPages(connection, &findings)) {
       CheckTables(connection, &findings);
       CheckLayers(connection, &findings);
       CheckVersions(connection, &findings);

@@ -14,7 +14,8 @@
 
 namespace cairn {
 
-// Implements MapStore::Check. If SQLite itself finds damage, the check ends there and reports that
+// Implements MapStore::Check. Of a file, all parts below; of a server, those that are not SQLite's.
+// If SQLite itself finds damage, the check ends there and reports that
 // damage.
 CheckReport CheckMap(db::Connection* connection,
                      const std::function<void(int64_t, int64_t)>& progress);
@@ -59,6 +60,10 @@ bool CheckPages(db::Connection* connection, Findings* findings);
 // Checks everything else that SQL alone can check: the R*Trees, the references, and rows that
 // contradict each other.
 void CheckTables(db::Connection* connection, Findings* findings);
+
+// Checks what SQL alone can check of a PostgreSQL database, which keeps its indices, references and
+// types itself: rows that contradict each other, and geometries in the wrong place.
+void CheckServerTables(db::Connection* connection, Findings* findings);
 
 // Checks the geometries and the spatial indices of the two layers, and every keyframe's pose,
 // camera and tile.

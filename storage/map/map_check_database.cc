@@ -102,6 +102,33 @@ constexpr Rule kRules[] = {
      "layers have a wrong extent in gpkg_contents"},
 };
 
+// Of a server's tables. PostGIS compares the geometries.
+constexpr Rule kServerRules[] = {
+    {"SELECT count(*) FROM coverage WHERE tile_id NOT IN (SELECT tile_id FROM cairn_tiles)",
+     "squares in coverage have no tile"},
+    {"SELECT count(*) FROM cairn_payloads AS p "
+     "WHERE NOT EXISTS (SELECT 1 FROM cairn_tiles AS t WHERE t.payload_id = p.payload_id) "
+     "AND NOT EXISTS (SELECT 1 FROM cairn_past_tiles AS t WHERE t.payload_id = p.payload_id)",
+     "payloads belong to no tile"},
+    {"SELECT count(*) FROM keyframes AS k WHERE NOT EXISTS (SELECT 1 FROM cairn_keyframe_poses AS p "
+     "WHERE p.keyframe_id = k.keyframe_id)",
+     "keyframes have no pose"},
+    {"SELECT (SELECT count(*) FROM cairn_map) <> 1", "table cairn_map: not one row"},
+    {"SELECT count(*) FROM cairn_map WHERE next_landmark_id >= " CAIRN_TOO_LARGE,
+     "table cairn_map: the next landmark id is too large"},
+    {"SELECT coalesce(max(version), 0) NOT BETWEEN 1 AND " CAIRN_TOO_LARGE " FROM cairn_versions",
+     "table cairn_versions: no version, or a version that is too large"},
+    {"SELECT count(*) FROM cairn_sessions WHERE num_images < 0 OR num_landmarks < 0 "
+     "OR NOT georef_median_residual_m BETWEEN 0 AND 1e9",
+     "sessions have invalid numbers"},
+    {"SELECT count(*) FROM cairn_sessions WHERE content_digest !~ '^[0-9a-f]*$' "
+     "OR recorded_at !~ '^\\d{4}-\\d\\d-\\d\\dT\\d\\d:\\d\\d:\\d\\dZ$'",
+     "sessions have times or digests that are none"},
+    {"SELECT count(*) FROM keyframes "
+     "WHERE NOT ST_DWithin(geom, ST_SetSRID(ST_MakePoint(lon_deg, lat_deg, h_m), 4326), 1e-7)",
+     "keyframes have a geometry in the wrong place"},
+};
+
 #undef CAIRN_TOO_LARGE
 
 }  // namespace
@@ -128,6 +155,10 @@ bool CheckPages(db::Connection* connection, Findings* findings) {
     }
   }
   return are_sound;
+}
+
+void CheckServerTables(db::Connection* connection, Findings* findings) {
+  CheckRules(connection, kServerRules, findings);
 }
 
 void CheckTables(db::Connection* connection, Findings* findings) {

@@ -1,5 +1,6 @@
 #include "storage/map/map_store.h"
 
+#include <memory>
 #include <utility>
 
 #include "core/error.h"
@@ -8,9 +9,30 @@
 #include "storage/map/map_file.h"
 #include "storage/map/map_internal.h"
 #include "storage/map/open_map.h"
+#include "storage/map/postgres_backend.h"
 #include "storage/map/sqlite_backend.h"
 
 namespace cairn {
+namespace {
+
+void CreateFilledOnServer(const std::string& url, const std::function<void(MapStore*)>& fill) {
+  MapStore store = MapStore::Create(url);
+  try {
+    fill(&store);
+  } catch (...) {
+    DropPostgresMap(url);
+    throw;
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<MapBackend> OpenBackend(const std::string& path, OpenMode mode) {
+  if (IsServerAddress(path)) {
+    return OpenPostgresMap(path, mode);
+  }
+  return std::make_unique<SqliteBackend>(path, mode);
+}
 
 MapStore::MapStore(std::shared_ptr<OpenMap> map) : map_(std::move(map)) {}
 MapStore::MapStore(MapStore&&) noexcept = default;
@@ -18,11 +40,18 @@ MapStore& MapStore::operator=(MapStore&&) noexcept = default;
 MapStore::~MapStore() = default;
 
 MapStore MapStore::Create(const std::string& path) {
-  CreateMapFile(path, {});
+  if (IsServerAddress(path)) {
+    CreatePostgresMap(path);
+  } else {
+    CreateMapFile(path, {});
+  }
   return Open(path, OpenMode::kReadWrite);
 }
 
 void MapStore::CreateFilled(const std::string& path, const std::function<void(MapStore*)>& fill) {
+  if (IsServerAddress(path)) {
+    return CreateFilledOnServer(path, fill);
+  }
   CreateMapFile(path, [&fill](const std::string& name) {
     MapStore store = Open(name, OpenMode::kReadWrite);
     fill(&store);
@@ -30,7 +59,7 @@ void MapStore::CreateFilled(const std::string& path, const std::function<void(Ma
 }
 
 MapStore MapStore::Open(const std::string& path, OpenMode mode) {
-  return MapStore(std::make_shared<OpenMap>(std::make_unique<SqliteBackend>(path, mode)));
+  return MapStore(std::make_shared<OpenMap>(OpenBackend(path, mode)));
 }
 
 const std::string& MapStore::path() const { return map_->backend().name(); }

@@ -203,6 +203,10 @@ class MapUpdate {
 enum class OpenMode {
   kReadOnly,
   kReadWrite,
+  // Read-only, for a program that answers queries. With PostgreSQL, a thread watches the latest
+  // version, so snapshots cost nothing; while the server is silent, snapshots are stale, and reads
+  // fail at once instead of waiting.
+  kServing,
   // For a file that nobody writes to. Reads without locks and ignores any write-ahead log. The
   // store does not see updates, and must not be used while the map is updated.
   kImmutable,
@@ -226,12 +230,15 @@ struct MapStoreStats {
 // reading the file it opened; the number of reads at a time can then no longer grow.
 class MapStore {
  public:
-  // Creates an empty map of version 1. Throws Error(kConflict) if the file exists and Error(kIo) if
-  // the file cannot be created.
+  // Maps have a path or a URL such as "postgresql://cairn@db1,db2/lund" (docs/postgresql.md).
+
+  // Creates an empty map of version 1. Throws Error(kConflict) if the file exists, or the database
+  // has a map, and Error(kIo) if the map cannot be created.
   static MapStore Create(const std::string& path);
 
   // Creates a map that `fill` makes of an empty map. The file gets its name once `fill` returns; if
-  // `fill` throws or the process dies, there is no file at `path`. Throws as Create.
+  // `fill` throws or the process dies, there is no file at `path`. If the process dies, a database
+  // keeps the empty map. Throws as Create.
   static void CreateFilled(const std::string& path, const std::function<void(MapStore*)>& fill);
 
   // Throws:
@@ -239,6 +246,10 @@ class MapStore {
   //  - Error(kBadInput) if the file is not a Cairn map, with a guess of its kind;
   //  - Error(kMapDamaged) if the file fails its first checks;
   //  - Error(kConflict) if the map needs a newer Cairn, or is replaced while it is being opened.
+  // Of a server also:
+  //  - Error(kInvalidArgument) if the URL is none, or holds a password;
+  //  - Error(kIo) if the server refuses the user, the password or the encryption;
+  //  - Error(kUnavailable) if no server answers, or Cairn was built without libpq.
   static MapStore Open(const std::string& path, OpenMode mode);
 
   MapStore(MapStore&&) noexcept;
@@ -256,7 +267,8 @@ class MapStore {
   MapSnapshot Snapshot(ReadDeadline deadline = {}) const;
   MapStoreStats Stats() const;
 
-  // Throws Error(kConflict) if the store is not open for writing or another update is open.
+  // Throws Error(kConflict) if the store is not open for writing or another update is open, and
+  // Error(kIo) if the server's role may not write.
   MapUpdate BeginUpdate();
 
   // Checks the integrity of the database and of every payload of every version. `progress` may be

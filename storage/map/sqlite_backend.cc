@@ -19,6 +19,7 @@ namespace {
 sqlite::Access AccessFor(OpenMode mode) {
   switch (mode) {
     case OpenMode::kReadOnly:
+    case OpenMode::kServing:
       return sqlite::Access::kReadOnly;
     case OpenMode::kReadWrite:
       return sqlite::Access::kReadWrite;

@@ -20,6 +20,7 @@ class SqliteCursor : public db::Cursor {
     statement_.BindAt(index, value);
   }
   void BindAt(int index, db::Geometry value) override { statement_.BindAt(index, value.bytes); }
+  void BindAt(int /*index*/, std::nullptr_t /*null*/) override {}  // As parameters are at first.
   bool Step() override { return statement_.Step(); }
   int64_t Int64(int column) const override { return statement_.Int64(column); }
   double Double(int column) const override { return statement_.Double(column); }
