@@ -34,6 +34,9 @@ Json BoundsJson(const std::optional<GeoBox>& bounds) {
 HttpResponse HandleLive() { return HttpResponse::Json(R"({"status":"ok"})"); }
 
 HttpResponse HandleReady(const LocalizeService& service) {
+  if (service.is_draining()) {
+    throw HttpError(ProblemCode::kUnavailable, "the server is draining: it will stop soon");
+  }
   RequireReadableMap(*service.map());
   return HttpResponse::Json(R"({"status":"ok"})");
 }
