@@ -51,6 +51,7 @@ HttpResponse Dispatcher::Run(const HttpRequest& request, std::string* route_patt
   } catch (const HttpError& e) {
     return ProblemResponse(e, request.request_id);
   } catch (const Error& e) {
+    metrics_->CountError(e.code());
     const HttpError shown = PublicError(e);
     if (InfoOf(shown.problem()).status >= 500) {
       LogError("{} {}: {} [{}]", request.method, *route_pattern, e.what(), request.request_id);

@@ -53,6 +53,7 @@ class LocalizeService {
   // From now on, the server asks its front for no more queries. All requests are still answered.
   void BeginDrain() { draining_ = true; }
   bool is_draining() const { return draining_; }
+  int num_waiting() const { return gate_.num_waiting(); }
 
   // From now on, requests drop their images instead of decoding them, so that the server can stop
   // soon.
