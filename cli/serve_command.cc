@@ -106,20 +106,48 @@ void ShareHeapsAmongThreads() {
   mallopt(M_ARENA_MAX, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
 }
 
-// Waits for a signal. After every second with requests, returns freed memory to the system, because
-// glibc would keep it.
-int WaitForSignal(const SignalQueue& signals, const Server& server) {
+// Serves until SIGINT or SIGTERM arrives, which it returns, or until `end`, when it returns
+// nothing. SIGHUP reopens the map. After every second with requests, returns freed memory to the
+// system, because glibc would keep it.
+std::optional<int> ServeUntil(std::chrono::steady_clock::time_point end, const SignalQueue& signals,
+                              Server* server) {
+  using std::chrono::milliseconds;
   uint64_t num_requests = 0;
   while (true) {
-    if (const std::optional<int> signal_number = signals.WaitFor(std::chrono::seconds(1))) {
-      return *signal_number;
+    const auto left = std::chrono::ceil<milliseconds>(end - std::chrono::steady_clock::now());
+    if (left <= milliseconds(0)) {
+      return std::nullopt;
+    }
+    const std::optional<int> signal_number = signals.WaitFor(std::min(left, milliseconds(1000)));
+    if (signal_number == SIGHUP) {
+      server->ReloadMap();
+    } else if (signal_number) {
+      return signal_number;
     }
     RefillMemoryReserve();
-    if (num_requests != server.num_requests()) {
-      num_requests = server.num_requests();
+    if (num_requests != server->num_requests()) {
+      num_requests = server->num_requests();
       malloc_trim(0);
     }
   }
+}
+
+// Serves until SIGINT or SIGTERM, drains after SIGTERM, and stops. A second signal ends the drain;
+// a signal after that ends the process. Returns the first signal.
+int ServeAndStop(const ServerOptions& options, const SignalQueue& signals, Server* server) {
+  constexpr auto kForever = std::chrono::steady_clock::time_point::max();
+  const int signal_number = *ServeUntil(kForever, signals, server);
+  if (signal_number == SIGTERM && options.drain_s > 0) {
+    LogInfo("draining for {} s: /readyz answers 503, queries are still answered", options.drain_s);
+    server->Drain();
+    ServeUntil(std::chrono::steady_clock::now() + std::chrono::seconds(options.drain_s), signals,
+               server);
+  }
+  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
+  LogInfo("stopping when the running requests have finished");
+  server->Stop();
+  return signal_number;
 }
 
 std::string Url(const std::string& host, int port) {
@@ -148,13 +176,7 @@ ExitCode RunServe(const CairnOptions& arguments) {
     throw Error(ErrorCode::kIo, "cannot write to standard output");
   }
 
-  int signal_number = WaitForSignal(signals, server);
-  while (signal_number == SIGHUP) {
-    server.ReloadMap();
-    signal_number = WaitForSignal(signals, server);
-  }
-  LogInfo("stopping when the running requests have finished");
-  server.Stop();
+  const int signal_number = ServeAndStop(options, signals, &server);
   return signal_number == SIGINT ? ExitCode::kInterrupted : ExitCode::kOk;
 }
 
@@ -184,6 +206,16 @@ void AddAddressOptions(CLI::App* command, ServerOptions* options) {
                    "the main port")
       ->check(CLI::Range(-1, 65535))
       ->type_name("PORT")
+      ->capture_default_str();
+}
+
+void AddDrainOption(CLI::App* command, ServerOptions* options) {
+  command
+      ->add_option("--drain-seconds", options->drain_s,
+                   "After SIGTERM, seconds in which /readyz answers 503 and queries are still "
+                   "answered, so that a front sends its queries elsewhere")
+      ->check(CLI::Range(0, kMaxDrainSeconds))
+      ->type_name("S")
       ->capture_default_str();
 }
 
@@ -227,10 +259,12 @@ void AddServeCommand(CLI::App* app, Shell* shell) {
   AddOptionsFile(command, options.get());
   AddAddressOptions(command, &options->server);
   AddLimitOptions(command, &options->server);
+  AddDrainOption(command, &options->server);
   AddIndexOption(command, &options->localizer.matching.index.kind);
   command->footer(
       "Prints the URL when the server is ready. SIGTERM and SIGINT stop the server after the\n"
-      "running requests. SIGHUP reopens the map.\n"
+      "running requests; with --drain-seconds, SIGTERM drains it first. A further signal ends the\n"
+      "drain, and one after that the process. SIGHUP reopens the map.\n"
       "Example:\n"
       "  cairn serve city.gpkg --port 8080");
   command->callback([shell, options] { shell->run = [options] { return RunServe(*options); }; });

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/cell_name.h"
 #include "core/error.h"
 #include "http/json/localize_response.h"
 #include "http/json/request_limits.h"
@@ -145,6 +146,7 @@ std::string_view AsText(std::span<const uint8_t> bytes) {
 struct LocalizeClient::Impl {
   ClientOptions options;
   httplib::Client http;
+  std::string last_cell;  // That the server named last; empty before.
 
   explicit Impl(const ClientOptions& client_options)
       : options(client_options), http(client_options.url) {
@@ -155,7 +157,7 @@ struct LocalizeClient::Impl {
   // that fails at once is therefore repeated on a new connection. Every request can safely be
   // repeated.
   template <typename Exchange>
-  std::string BodyOf(const Exchange& exchange) {
+  httplib::Response ResponseOf(const Exchange& exchange) {
     const auto start = std::chrono::steady_clock::now();
     httplib::Result result = exchange();
     const auto elapsed = std::chrono::steady_clock::now() - start;
@@ -170,7 +172,7 @@ struct LocalizeClient::Impl {
     if (result->status != 200) {
       throw Error(CodeOfStatus(result->status), Explanation(*result));
     }
-    return result->body;
+    return std::move(*result);
   }
 
   // Sends one part for each camera, with the camera's bytes. `own_name` names the part of the
@@ -184,8 +186,20 @@ struct LocalizeClient::Impl {
                  AsText(blobs[i]));
     }
     const std::string body = std::move(writer).Finish();
-    return ParseLocalizeResponse(
-        BodyOf([&] { return http.Post("/v1/localize", body, MultipartWriter::ContentType()); }));
+    const httplib::Headers headers = CellHeaders(query);
+    const httplib::Response response = ResponseOf(
+        [&] { return http.Post("/v1/localize", headers, body, MultipartWriter::ContentType()); });
+    if (const std::string cell = response.get_header_value(kCellHeader); IsCellName(cell)) {
+      last_cell = cell;
+    }
+    return ParseLocalizeResponse(response.body);
+  }
+
+  // Names the cell of the prior, or else of the last answer. A front sends the query to the server
+  // that has the tiles of the cell in memory.
+  httplib::Headers CellHeaders(const LocalizeQuery& query) const {
+    const std::string cell = query.prior ? CellName(query.prior->position) : last_cell;
+    return cell.empty() ? httplib::Headers{} : httplib::Headers{{kCellHeader, cell}};
   }
 };
 
@@ -226,7 +240,7 @@ LocalizeResult LocalizeClient::LocalizeFeatures(const LocalizeQuery& query) {
 }
 
 std::string LocalizeClient::Get(const std::string& path) {
-  return impl_->BodyOf([&] { return impl_->http.Get(path); });
+  return impl_->ResponseOf([&] { return impl_->http.Get(path); }).body;
 }
 
 }  // namespace cairn

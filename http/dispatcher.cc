@@ -1,7 +1,10 @@
 #include "http/dispatcher.h"
 
+#include <fmt/format.h>
+
 #include <new>
 
+#include "core/cell_name.h"
 #include "core/logging.h"
 
 namespace cairn {
@@ -23,7 +26,8 @@ void AddCommonHeaders(const std::string& request_id, HttpResponse* response) {
   response->headers.emplace_back("X-Request-Id", request_id);
   response->headers.emplace_back("X-Content-Type-Options", "nosniff");
   response->headers.emplace_back("Access-Control-Allow-Origin", "*");
-  response->headers.emplace_back("Access-Control-Expose-Headers", "ETag, X-Request-Id");
+  response->headers.emplace_back("Access-Control-Expose-Headers",
+                                 fmt::format("ETag, X-Request-Id, {}", kCellHeader));
 }
 
 HttpResponse PreflightResponse(const std::string& allow) {
@@ -33,7 +37,8 @@ HttpResponse PreflightResponse(const std::string& allow) {
           .headers = {
               {"Allow", allow},
               {"Access-Control-Allow-Methods", allow},
-              {"Access-Control-Allow-Headers", "Accept, Content-Type, If-None-Match, X-Request-Id"},
+              {"Access-Control-Allow-Headers",
+               fmt::format("Accept, Content-Type, If-None-Match, X-Request-Id, {}", kCellHeader)},
               {"Access-Control-Max-Age", "86400"}}};
 }
 
@@ -50,6 +55,7 @@ HttpResponse Dispatcher::Run(const HttpRequest& request, std::string* route_patt
   } catch (const HttpError& e) {
     return ProblemResponse(e, request.request_id);
   } catch (const Error& e) {
+    metrics_->CountError(e.code());
     const HttpError shown = PublicError(e);
     if (InfoOf(shown.problem()).status >= 500) {
       LogError("{} {}: {} [{}]", request.method, *route_pattern, e.what(), request.request_id);

@@ -94,6 +94,11 @@ void Server::Start() {
   impl_->watcher.emplace(&impl_->service.maps());
 }
 
+void Server::Drain() {
+  impl_->service.BeginDrain();
+  impl_->main_listener.Drain();
+}
+
 void Server::Stop() {
   impl_->service.BeginStop();
   impl_->watcher.reset();

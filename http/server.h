@@ -18,6 +18,9 @@ class Server {
 
   // Binds the ports and returns. Background threads then answer requests.
   void Start();
+  // From now on /readyz answers 503, so that a front sends its queries to other servers. Queries
+  // that come nevertheless are answered, and their connections closed. Follow with Stop.
+  void Drain();
   // Lets running requests finish, but decodes no more images. Returns when all threads have ended.
   // Idempotent.
   void Stop();

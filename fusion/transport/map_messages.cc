@@ -5,6 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "core/cell_name.h"
 #include "core/tile_id.h"
 #include "http/wire/feature_codec.h"
 #include "http/wire/json_reader.h"
@@ -26,26 +27,29 @@ Json PriorJson(const Geodetic& position, double accuracy_m) {
       {"accuracy", accuracy_m}};
 }
 
-// The prior of the camera's position: the filter's, or else the receiver's.
-std::optional<Json> PriorOf(const MapQuery& query, const Geodetic& global_origin) {
+// The position of the prior: the filter's, or else the receiver's.
+std::optional<Geodetic> PriorPosition(const MapQuery& query, const Geodetic& global_origin) {
+  if (const auto& prior = query.query.prior) {
+    return GeodeticFromEcef(EcefFromEnu(global_origin) * prior->global_from_cam.translation);
+  }
+  return query.rough_position ? std::optional(query.rough_position->position) : std::nullopt;
+}
+
+// The prior of the camera's position at `position`, which PriorPosition returned.
+Json PriorOf(const MapQuery& query, const Geodetic& position) {
   if (const auto& prior = query.query.prior) {
     const Eigen::Matrix3d covariance = prior->covariance.bottomRightCorner<3, 3>();
     const double horizontal = std::max(covariance(0, 0), covariance(1, 1));
-    const Geodetic position =
-        GeodeticFromEcef(EcefFromEnu(global_origin) * prior->global_from_cam.translation);
     Json json =
         PriorJson(position, std::max(kMinAccuracyM, kRadiusPerSigma * std::sqrt(horizontal)));
     json["altitudeAccuracy"] = std::max(kMinAccuracyM, std::sqrt(covariance(2, 2)));
     return json;
   }
-  if (query.rough_position) {
-    return PriorJson(query.rough_position->position, query.rough_position->accuracy_m);
-  }
-  return std::nullopt;
+  return PriorJson(position, query.rough_position->accuracy_m);
 }
 
-std::string RequestJson(const MapQuery& query, const Geodetic& global_origin, int timeout_ms,
-                        int max_matches) {
+std::string RequestJson(const MapQuery& query, const std::optional<Geodetic>& prior_position,
+                        int timeout_ms, int max_matches) {
   const Eigen::Vector3d& down = query.query.down_in_cam;
   Json json = {{"id", std::to_string(query.query.query_id)},
                {"camera",
@@ -58,8 +62,8 @@ std::string RequestJson(const MapQuery& query, const Geodetic& global_origin, in
                  {"timeoutMs", timeout_ms},
                  {"maxMatches", max_matches},
                  {"include", {"matches"}}}}};
-  if (auto prior = PriorOf(query, global_origin)) {
-    json["prior"] = std::move(*prior);
+  if (prior_position) {
+    json["prior"] = PriorOf(query, *prior_position);
   }
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -136,12 +140,15 @@ MapRequest MakeMapRequest(const MapQuery& query, const Geodetic& global_origin, 
       wire, {.geometry = GeometryEncoding::kCompact,
              .descriptors = is_projected ? DescriptorEncoding::kFloat16
                                          : LosslessEncoding(query.features).descriptors});
+  const std::optional<Geodetic> prior_position = PriorPosition(query, global_origin);
   MultipartWriter writer;
   writer.Add("request", "application/json",
-             RequestJson(query, global_origin, timeout_ms, max_matches));
+             RequestJson(query, prior_position, timeout_ms, max_matches));
   writer.Add("features", "application/octet-stream",
              {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-  return {MultipartWriter::ContentType(), std::move(writer).Finish()};
+  return {.content_type = MultipartWriter::ContentType(),
+          .body = std::move(writer).Finish(),
+          .cell = prior_position ? CellName(*prior_position) : ""};
 }
 
 std::optional<Answer> ReadMapAnswer(std::string_view json, const MapQuery& query,

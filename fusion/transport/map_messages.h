@@ -37,10 +37,12 @@ struct MapQuery {
   std::optional<RoughPosition> rough_position;
 };
 
-// A request body and its Content-Type.
+// A request body, its Content-Type, and the name of the cell (core/cell_name.h) of the query's
+// prior, which is empty if there is no prior.
 struct MapRequest {
   std::string content_type;
   std::string body;
+  std::string cell;
 };
 
 // Encodes a query as multipart/form-data. The geometry of the features is compact; projected

@@ -11,6 +11,7 @@
 #include <thread>
 #include <utility>
 
+#include "core/cell_name.h"
 #include "core/random.h"
 #include "core/require.h"
 #include "http/wire/client_setup.h"
@@ -130,6 +131,9 @@ struct MapTransport::Impl {
     request.method = "POST";
     request.path = "/v1/localize";
     request.headers.emplace("Content-Type", message.content_type);
+    if (const std::string& cell = message.cell.empty() ? last_cell : message.cell; !cell.empty()) {
+      request.headers.emplace(kCellHeader, cell);
+    }
     request.body = std::move(message.body);
     request.content_receiver = [&](const char* data, size_t size, uint64_t, uint64_t) {
       too_long = response_body.size() + size > options.max_response_bytes;
@@ -149,6 +153,9 @@ struct MapTransport::Impl {
     }
     if (result->status != 200) {
       return Fail(query, &MapTransportCounters::num_refused, IsOverload(result->status));
+    }
+    if (std::string cell = result->get_header_value(kCellHeader); IsCellName(cell)) {
+      last_cell = std::move(cell);
     }
     auto answer = ReadMapAnswer(response_body, query, options.global_origin);
     if (!answer) {
@@ -203,7 +210,9 @@ struct MapTransport::Impl {
   MapTransportOptions options;
   Callback on_answer;
   httplib::Client http;
-  bool is_connected = false;  // The last exchange succeeded. Used by the worker only.
+  // Used by the worker only.
+  bool is_connected = false;  // The last exchange succeeded.
+  std::string last_cell;      // That the server named last; for queries without a prior.
 
   std::mutex mutex;  // Guards the members below.
   std::condition_variable wake;

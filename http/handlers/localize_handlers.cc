@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <string>
 #include <utility>
 
+#include "core/cell_name.h"
 #include "http/json/geopose_protocol.h"
 #include "http/json/localize_response.h"
 #include "http/wire/problem.h"
@@ -28,28 +30,53 @@ HttpResponse OgcGeoPose(const LocalizeResult& result, const LocalizeRequest& que
   return response;
 }
 
-}  // namespace
+// Names the cell of the pose, or else of the prior, so that the client can send the name with its
+// next query.
+HttpResponse WithCell(HttpResponse response, const LocalizeResult& result,
+                      const LocalizeQuery& query) {
+  if (result.localized) {
+    response.headers.emplace_back(kCellHeader, CellName(result.position));
+  } else if (query.prior) {
+    response.headers.emplace_back(kCellHeader, CellName(query.prior->position));
+  }
+  return response;
+}
 
-HttpResponse HandleLocalize(const HttpRequest& request, LocalizeService* service) {
-  LocalizeRequest query;
-  const LocalizeService::Answer answer = service->Localize(request, ParseLocalizeRequest, &query);
-  if (WantsOgcGeoPose(request.Header("accept"))) {
+// The response to POST /v1/localize without its headers.
+HttpResponse LocalizeResponse(const LocalizeService::Answer& answer, const LocalizeRequest& query,
+                              const std::string& accept) {
+  if (WantsOgcGeoPose(accept)) {
     RequirePose(answer.result, "ask for application/json to get more details");
     return OgcGeoPose(answer.result, query);
   }
   return HttpResponse::Json(LocalizeResponseJson(answer.result, query, answer.times));
 }
 
+HttpResponse GeoPoseResponse(const LocalizeResult& result, const LocalizeRequest& query,
+                             const std::string& accept) {
+  RequirePose(result, "use POST /v1/localize to get more details");
+  if (WantsOgcGeoPose(accept)) {
+    return OgcGeoPose(result, query);
+  }
+  HttpResponse response = HttpResponse::Json(GeoPoseResponseJson(result, query));
+  response.content_type = GeoPoseContentType(accept);
+  return response;
+}
+
+}  // namespace
+
+HttpResponse HandleLocalize(const HttpRequest& request, LocalizeService* service) {
+  LocalizeRequest query;
+  const LocalizeService::Answer answer = service->Localize(request, ParseLocalizeRequest, &query);
+  return WithCell(LocalizeResponse(answer, query, request.Header("accept")), answer.result,
+                  query.query);
+}
+
 HttpResponse HandleGeoPose(const HttpRequest& request, LocalizeService* service) {
   LocalizeRequest query;
   const LocalizeService::Answer answer = service->Localize(request, ParseGeoPoseRequest, &query);
-  RequirePose(answer.result, "use POST /v1/localize to get more details");
-  if (WantsOgcGeoPose(request.Header("accept"))) {
-    return OgcGeoPose(answer.result, query);
-  }
-  HttpResponse response = HttpResponse::Json(GeoPoseResponseJson(answer.result, query));
-  response.content_type = GeoPoseContentType(request.Header("accept"));
-  return response;
+  return WithCell(GeoPoseResponse(answer.result, query, request.Header("accept")), answer.result,
+                  query.query);
 }
 
 HttpResponse HandleGeoPoseStatus() { return HttpResponse::Json(R"({"status":"running"})"); }

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "core/angles.h"
+#include "core/cell_name.h"
 #include "engine/prior/search_region.h"
 #include "http/json/tile_square.h"
 #include "http/wire/problem.h"
@@ -168,6 +169,7 @@ HttpResponse HandleAvailability(const HttpRequest& request, const LocalizeServic
   const std::shared_ptr<const Codebook> codebook = snapshot.CurrentCodebook();
   Json json = {{"available", !tiles.empty()},
                {"radius", region.radius_m},
+               {"cell", CellName(query.prior->position)},
                {"tiles", std::move(tiles)},
                {"codec", codebook ? Json(codebook->CodecName()) : Json(nullptr)},
                {"map", {{"version", Value(snapshot.version())}}}};

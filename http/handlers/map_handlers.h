@@ -9,7 +9,8 @@
 
 namespace cairn {
 
-// GET /v1/availability?lat&lon[&accuracy]: the tiles that a query with this prior would search.
+// GET /v1/availability?lat&lon[&accuracy]: the tiles that a query with this prior would search, and
+// the name of its cell.
 HttpResponse HandleAvailability(const HttpRequest& request, const LocalizeService& service);
 // GET /v1/coverage[?bbox=w,s,e,n][&limit]: GeoJSON squares of the tiles.
 HttpResponse HandleCoverage(const HttpRequest& request, const LocalizeService& service);

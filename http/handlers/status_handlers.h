@@ -11,9 +11,9 @@ namespace cairn {
 
 // GET /livez: 200 as long as the process answers.
 HttpResponse HandleLive();
-// GET /readyz: 200 if the map can be read, else 503.
+// GET /readyz: 200 if the map can be read and the server does not drain, else 503.
 HttpResponse HandleReady(const LocalizeService& service);
-// GET /healthz: like /readyz, with the map version and the cache.
+// GET /healthz: 200 if the map can be read, else 503; with the map version and the cache.
 HttpResponse HandleHealth(const LocalizeService& service);
 // GET /metrics: Prometheus text.
 HttpResponse HandleMetrics(const LocalizeService& service);

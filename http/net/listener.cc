@@ -104,7 +104,7 @@ struct Listener::Impl {
   RequestHandler* const handler;
   RequestIds request_ids;
   const ResponseText out_of_memory = OutOfMemoryText();
-  std::atomic<bool> is_stopping{false};
+  std::atomic<bool> closes_connections{false};  // After the response.
   int port = 0;
   std::optional<EventLoop> loop;  // Created by Start.
   std::vector<std::thread> threads;
@@ -133,7 +133,7 @@ struct Listener::Impl {
       const HttpRequest request =
           ToRequest(std::move(received), connection.peer().address, request_ids.Next());
       HttpResponse response = handler->Handle(request);
-      *keep_alive = *keep_alive && !is_stopping;
+      *keep_alive = *keep_alive && !closes_connections;
       return SerializeResponse(std::move(response), is_head, *keep_alive);
     } catch (const HttpError& error) {
       *keep_alive = false;
@@ -171,11 +171,13 @@ void Listener::Start() {
   }
 }
 
+void Listener::Drain() { impl_->closes_connections = true; }
+
 void Listener::Stop() {
   if (impl_->threads.empty()) {
     return;
   }
-  impl_->is_stopping = true;
+  Drain();
   impl_->loop->Stop();
   for (std::thread& thread : impl_->threads) {
     thread.join();

@@ -41,6 +41,9 @@ class Listener {
 
   // Binds and listens. Throws as ListenOn.
   void Start();
+  // From now on, closes every connection after its response. The port stays open, so clients can
+  // connect again; behind a front, they come to another server. Call it between Start and Stop.
+  void Drain();
   // Closes the port, lets running requests finish, and joins all threads. Idempotent.
   void Stop();
 

@@ -132,7 +132,7 @@ LocalizeService::Answer LocalizeService::Localize(const HttpRequest& http, BodyP
                                                   LocalizeRequest* request) {
   const std::shared_ptr<const ServedMap> map = maps_.Current();
   Answer answer = AnswerInTurn(*map, http, parse, request);
-  metrics_.CountLocalize(answer.result, answer.times);
+  metrics_.CountLocalize(answer.result, answer.times, !maps_.Problem().empty());
   return answer;
 }
 

@@ -50,6 +50,11 @@ class LocalizeService {
   // kImageTooLarge, kWrongCodec.
   Answer Localize(const HttpRequest& http, BodyParser* parse, LocalizeRequest* request);
 
+  // From now on, the server asks its front for no more queries. All requests are still answered.
+  void BeginDrain() { draining_ = true; }
+  bool is_draining() const { return draining_; }
+  int num_waiting() const { return gate_.num_waiting(); }
+
   // From now on, requests drop their images instead of decoding them, so that the server can stop
   // soon.
   void BeginStop() { stopping_ = true; }
@@ -67,6 +72,7 @@ class LocalizeService {
   const ServerOptions options_;
   ServedMaps maps_;
   Metrics metrics_;
+  std::atomic<bool> draining_{false};
   std::atomic<bool> stopping_{false};
   FairGate gate_;  // Admits as many requests at a time as there are cores.
 };

@@ -41,6 +41,24 @@ void RenderCache(const TileCacheStats& cache, std::string* text) {
          static_cast<double>(cache.max_bytes), text);
 }
 
+void RenderState(const ServerState& state, std::string* text) {
+  Single("cairn_map_readable", "gauge", "1 if the map can be read, else 0.", state.head ? 1.0 : 0.0,
+         text);
+  if (state.head) {
+    Single("cairn_map_version", "gauge", "Version of the map that queries use.",
+           static_cast<double>(Value(state.head->version)), text);
+    Single("cairn_map_version_created_timestamp_seconds", "gauge",
+           "When that version was published, seconds since 1970.", state.head->created_unix_s,
+           text);
+  }
+  Single("cairn_map_degraded", "gauge", "1 if the served map differs from the map file, else 0.",
+         state.is_degraded ? 1.0 : 0.0, text);
+  Single("cairn_draining", "gauge", "1 if the server drains before its end, else 0.",
+         state.is_draining ? 1.0 : 0.0, text);
+  Single("cairn_queries_waiting", "gauge", "Queries that wait for a core.", state.num_waiting,
+         text);
+}
+
 }  // namespace
 
 double DurationHistogram::BoundSeconds(int bucket) {
@@ -87,16 +105,42 @@ uint64_t Metrics::num_requests() const {
   return sum;
 }
 
-void Metrics::CountLocalize(const LocalizeResult& result, const ServerTimes& times) {
+void Metrics::CountLocalize(const LocalizeResult& result, const ServerTimes& times, bool is_stale) {
   const std::lock_guard lock(mutex_);
   ++localize_outcomes_[result.localized ? "LOCALIZED" : NotLocalizedReasonName(result.reason)];
   for (int i = 0; i < kNumStages; ++i) {
     AddIfRun(result.times.seconds[i], &stage_seconds_[i]);
   }
   AddIfRun(times.decode_seconds + times.extract_seconds, &extraction_seconds_);
+  if (result.counters.num_tiles_loaded > 0) {
+    fetch_seconds_.Add(result.times.seconds[static_cast<size_t>(Stage::kTiles)]);
+  }
+  num_stale_answers_ += is_stale ? 1 : 0;
 }
 
-std::string Metrics::Render(const MapMetrics& map) const {
+void Metrics::CountError(ErrorCode code) {
+  const std::lock_guard lock(mutex_);
+  if (const auto found = store_errors_.find(code); found != store_errors_.end()) {
+    ++found->second;
+  }
+}
+
+void Metrics::RenderStore(std::string* text) const {
+  Describe("cairn_fetch_seconds", "histogram",
+           "Time to get the tiles of a query, in queries that loaded tiles from the map.", text);
+  fetch_seconds_.Render("cairn_fetch_seconds", "", text);
+  Describe("cairn_store_errors_total", "counter",
+           "Requests that failed because the map could not be read.", text);
+  for (const auto& [code, count] : store_errors_) {
+    *text +=
+        fmt::format("cairn_store_errors_total{{code=\"{}\"}} {}\n", ErrorCodeName(code), count);
+  }
+  Single("cairn_stale_answers_total", "counter",
+         "Answers from a map that may have been replaced or updated since.",
+         static_cast<double>(num_stale_answers_), text);
+}
+
+std::string Metrics::Render(const ServerState& state) const {
   std::string text;
   const std::lock_guard lock(mutex_);
   Describe("cairn_http_requests_total", "counter", "Requests by route and status.", &text);
@@ -119,11 +163,9 @@ std::string Metrics::Render(const MapMetrics& map) const {
                              fmt::format("stage=\"{}\"", StageName(static_cast<Stage>(i))), &text);
   }
   extraction_seconds_.Render("cairn_stage_seconds", "stage=\"extraction\"", &text);
-  RenderCache(map.cache, &text);
-  Single("cairn_map_version", "gauge", "Version of the map that queries use.",
-         static_cast<double>(Value(map.version)), &text);
-  Single("cairn_map_degraded", "gauge", "1 if the served map differs from the map file, else 0.",
-         map.is_degraded ? 1.0 : 0.0, &text);
+  RenderStore(&text);
+  RenderCache(state.cache, &text);
+  RenderState(state, &text);
   return text;
 }
 

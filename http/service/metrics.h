@@ -6,9 +6,11 @@
 #include <cstdint>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 
+#include "core/error.h"
 #include "engine/query/localize_result.h"
 #include "http/json/localize_response.h"
 #include "storage/map/tile_cache.h"
@@ -32,11 +34,18 @@ class DurationHistogram {
   double sum_seconds_ = 0.0;
 };
 
-// The metrics of the served map.
-struct MapMetrics {
+// The state of the server at the time of a scrape.
+struct ServerState {
   TileCacheStats cache;
-  MapVersion version{};
+  // Of the head of the map. Nothing if the map cannot be read.
+  struct Head {
+    MapVersion version{};
+    double created_unix_s = 0.0;  // When it was published, seconds since 1970.
+  };
+  std::optional<Head> head;
   bool is_degraded = false;  // See ServedMaps::Problem.
+  bool is_draining = false;
+  int num_waiting = 0;  // Queries that wait for a core.
 };
 
 // Safe to call from any thread.
@@ -46,18 +55,27 @@ class Metrics {
   // path would make the number of series unbounded.
   void CountRequest(const std::string& route, int status, double seconds);
   uint64_t num_requests() const;  // Counted so far.
-  // Stages that did not run add nothing to the histograms.
-  void CountLocalize(const LocalizeResult& result, const ServerTimes& times);
+  // Stages that did not run add nothing to the histograms. `is_stale`: the answer is from a map
+  // that may have been replaced or updated since.
+  void CountLocalize(const LocalizeResult& result, const ServerTimes& times, bool is_stale);
+  // Counts a request that failed with the error, if the store of the map is to blame.
+  void CountError(ErrorCode code);
 
-  std::string Render(const MapMetrics& map) const;
+  std::string Render(const ServerState& state) const;
 
  private:
+  void RenderStore(std::string* text) const;
+
   mutable std::mutex mutex_;
   std::map<std::pair<std::string, int>, uint64_t> requests_;
   std::map<std::string, DurationHistogram> request_seconds_;
   std::map<std::string, uint64_t> localize_outcomes_;
   std::array<DurationHistogram, kNumStages> stage_seconds_;
   DurationHistogram extraction_seconds_;
+  DurationHistogram fetch_seconds_;
+  uint64_t num_stale_answers_ = 0;
+  std::map<ErrorCode, uint64_t> store_errors_ = {
+      {ErrorCode::kIo, 0}, {ErrorCode::kMapDamaged, 0}, {ErrorCode::kUnavailable, 0}};
 };
 
 }  // namespace cairn

@@ -13,6 +13,7 @@ void ServerOptions::Validate() const {
                 "server.admin_port equals server.port; use -1 to share the port");
   RequireWithin("server.num_threads", num_threads, 0, 1024);
   RequireWithin("server.threads_per_query", threads_per_query, 0, 1024);
+  RequireWithin("server.drain_s", drain_s, 0, kMaxDrainSeconds);
   RequireOption(cache_bytes > 0, "server.cache_bytes must be positive");
   RequireOption(max_body_bytes >= 1024, "server.max_body_bytes must be at least 1024");
   RequireOption(max_image_pixels >= 1, "server.max_image_pixels must be positive");

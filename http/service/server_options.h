@@ -16,6 +16,8 @@ namespace cairn {
 // The loopback: health and metrics are for monitoring on the same machine.
 inline constexpr char kAdminHost[] = "127.0.0.1";
 
+inline constexpr int kMaxDrainSeconds = 3600;
+
 struct ServerOptions {
   std::string map_path;
   std::string host = "127.0.0.1";
@@ -29,6 +31,9 @@ struct ServerOptions {
   // Threads that one query may use while cores are free. 0 means the number of cores. Replaces
   // localizer.num_threads.
   int threads_per_query = 0;
+  // After SIGTERM, time during which /readyz answers 503 and queries are still answered, so that a
+  // front notices before the port closes. 0 stops at once.
+  int drain_s = 0;
   size_t cache_bytes = size_t{1} << 30;
   // Fits a picture of max_image_pixels as JPEG, or as GRAY8 in base64, which takes 16,000,000
   // bytes. RGBA32 of that size needs 64 MB.

@@ -9,6 +9,7 @@ const state = {
   view: { lon: 0, lat: 0, metersPerPixel: 1 },
   prior: null,                        // { lon, lat, accuracy }
   pose: null,                         // { lon, lat, headingDeg }
+  cell: null,                         // The cell that the last answer named; a front divides by it.
 };
 const METERS_PER_DEGREE = 111320;
 
@@ -316,7 +317,9 @@ async function localize() {
   const body = new FormData();
   body.append("request", new Blob([JSON.stringify(requestFor())], { type: "application/json" }));
   body.append("image", await photoFile());
-  const response = await fetch("/v1/localize", { method: "POST", body });
+  const headers = state.cell ? { "X-Cairn-Cell": state.cell } : {};
+  const response = await fetch("/v1/localize", { method: "POST", headers, body });
+  state.cell = response.headers.get("X-Cairn-Cell") ?? state.cell;
   const answer = await response.json();
   if (!response.ok) throw new Error([answer.detail, answer.hint].filter(Boolean).join("\n"));
   return answer;

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "cli/run_cairn.h"
+#include "core/error.h"
 #include "core/geoid.h"
 #include "http/client.h"
 #include "ingest/ingest_session.h"
@@ -114,6 +115,45 @@ TEST_F(Verbs, ServeAnswersUntilItIsTerminated) {
   LocalizeClient client(ClientOptions{.url = url});
   EXPECT_NO_THROW(client.Get("/healthz"));
   EXPECT_EQ(server.Stop(SIGTERM), 0);
+}
+
+// Whether /readyz answers 503 within a long time.
+bool BecomesUnready(const std::string& url) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(120);
+  LocalizeClient client(ClientOptions{.url = url});
+  while (std::chrono::steady_clock::now() < end) {
+    try {
+      client.Get("/readyz");
+    } catch (const Error& error) {
+      return std::string(error.what()).find("draining") != std::string::npos;
+    }
+  }
+  return false;
+}
+
+TEST_F(Verbs, ServeDrainsAfterTheFirstSignalAndStopsAfterTheSecond) {
+  BackgroundCairn server(
+      {"serve", map_, "--port", "0", "--log-level", "off", "--drain-seconds", "3600"});
+  const std::string url = server.ReadLine();
+  server.Signal(SIGTERM);
+  ASSERT_TRUE(BecomesUnready(url));
+  LocalizeClient client(ClientOptions{.url = url});
+  EXPECT_NO_THROW(client.Get("/version"));
+  EXPECT_EQ(server.Stop(SIGTERM), 0);
+}
+
+TEST_F(Verbs, ServeStopsByItselfWhenItHasDrained) {
+  BackgroundCairn server(
+      {"serve", map_, "--port", "0", "--log-level", "off", "--drain-seconds", "1"});
+  ASSERT_THAT(server.ReadLine(), StartsWith("http://"));
+  EXPECT_EQ(server.Stop(SIGTERM), 0);
+}
+
+TEST_F(Verbs, ServeRefusesADrainWithoutSense) {
+  for (const char* seconds : {"-1", "1e9", "1000000000", "3601", "nan", "soon", ""}) {
+    EXPECT_EQ(RunCairn({"serve", map_, "--port", "0", "--drain-seconds", seconds}).exit_code, 2)
+        << seconds;
+  }
 }
 
 TEST_F(Verbs, ServeSaysThatItWasInterrupted) {

@@ -5,13 +5,16 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
+#include "core/cell_name.h"
 #include "core/error.h"
 #include "support/canned_server.h"
 
 namespace cairn {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 std::string MessageFor(const std::string& body) {
@@ -39,6 +42,37 @@ TEST(LocalizeClient, ARefusalOfAnotherShapeIsStillARefusal) {
   for (const char* body :
        {R"({"detail":5,"title":["x"],"hint":{}})", R"({"detail":null})", "[1]", "not JSON", ""}) {
     EXPECT_THAT(MessageFor(body), HasSubstr("the server answered 400")) << body;
+  }
+}
+
+// The cells that a client sends with its queries to a server that names `answered_cell` in each
+// answer. The first query has a prior.
+std::vector<std::string> CellsSent(const std::string& answered_cell) {
+  std::vector<std::string> sent;
+  const testing::CannedServer server(
+      [&](const httplib::Request& request, httplib::Response& response) {
+        sent.push_back(request.get_header_value("X-Cairn-Cell"));
+        response.set_header("X-Cairn-Cell", answered_cell);
+        response.set_content("{}", "application/json");
+      });
+  LocalizeClient client({.url = server.url()});
+  LocalizeQuery query;
+  query.prior.emplace();
+  query.prior->position = Geodetic::FromDegrees(47.3769, 8.5417, 408.0);
+  EXPECT_THROW(client.LocalizeImages(query, {{}}), Error);  // "{}" is no answer.
+  query.prior.reset();
+  EXPECT_THROW(client.LocalizeImages(query, {{}}), Error);
+  return sent;
+}
+
+TEST(LocalizeClient, SendsTheCellOfThePriorOrElseOfTheLastAnswer) {
+  const std::string cell = CellName(Geodetic::FromDegrees(47.3769, 8.5417, 408.0));
+  EXPECT_THAT(CellsSent("32N-00001-00002"), ElementsAre(cell, "32N-00001-00002"));
+}
+
+TEST(LocalizeClient, DoesNotRepeatACellThatIsNone) {
+  for (const std::string& bad : {std::string("x"), std::string(4000, 'N')}) {
+    EXPECT_THAT(CellsSent(bad)[1], "");
   }
 }
 

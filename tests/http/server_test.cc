@@ -7,12 +7,14 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "core/cell_name.h"
 #include "core/error.h"
 #include "http/plain_http.h"
 #include "http/raw_socket.h"
 #include "http/routes.h"
 #include "http/server_fixture.h"
 #include "http/service/localize_service.h"
+#include "http/wire/base64.h"
 #include "storage/tile/tile_codec.h"
 
 namespace cairn {
@@ -262,6 +264,38 @@ TEST_F(HttpServer, StopsWhileConnectionsAreOpenAndCanBeStoppedTwice) {
   server.Stop();
   EXPECT_EQ(idle.ReadAll(), "");
   EXPECT_THROW(testing::RawSocket{port}, std::runtime_error);
+}
+
+TEST_F(HttpServer, AnswersWhileItDrainsButIsNotReady) {
+  Server server(Options());
+  server.Start();
+  server.Drain();
+  LocalizeClient client({.url = "http://127.0.0.1:" + std::to_string(server.port())});
+  EXPECT_TRUE(client.LocalizeFeatures(Query()).localized);
+  testing::RawSocket socket(server.port());
+  socket.Send("GET /readyz HTTP/1.1\r\nHost: h\r\n\r\n");
+  const Reply reply = Split(socket.ReadAll());  // Ends, because the server closes the connection.
+  EXPECT_EQ(reply.status, 503);
+  EXPECT_EQ(nlohmann::json::parse(reply.body)["code"], "unavailable");
+  EXPECT_THAT(reply.head, HasSubstr("Connection: close"));
+}
+
+TEST_F(HttpServer, NamesTheCellAndIgnoresThatOfTheRequest) {
+  const std::string json = R"({"camera":{"size":[64,48]},"image":{"format":"GRAY8","data":")" +
+                           EncodeBase64(std::vector<uint8_t>(64 * 48, 99)) +
+                           R"("},"prior":{"position":{"lat":47.3769,"lon":8.5417}}})";
+  const auto cell_of = [&](const std::string& stated_cell) {
+    httplib::Client client("127.0.0.1", port());
+    const httplib::Headers headers{{"X-Cairn-Cell", stated_cell}};
+    const auto result = client.Post("/v1/localize", headers, json, "application/json");
+    EXPECT_EQ(result->status, 200) << result->body;
+    return result->get_header_value("X-Cairn-Cell");
+  };
+  const std::string cell = CellName(Geodetic::FromDegrees(47.3769, 8.5417, 0.0));
+  EXPECT_EQ(cell_of(cell), cell);
+  EXPECT_EQ(cell_of("01S-00000-00000"), cell);
+  EXPECT_EQ(cell_of(std::string(8000, '%')), cell);
+  EXPECT_EQ(GetJson("/v1/availability?lat=47.3769&lon=8.5417")["cell"], cell);
 }
 
 TEST_F(HttpServer, ServesHealthApartWithAnAdminListener) {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "core/cell_name.h"
 #include "core/error.h"
 #include "core/tile_id.h"
 #include "http/wire/multipart.h"
@@ -61,6 +62,18 @@ Json AnswerJson() {
          {"error", 0.5},
          {"keypoint", 1},
          {"tile", 0}}}}};
+}
+
+TEST(MapMessages, TheCellIsThatOfThePrior) {
+  MapQuery query = QueryOf(1);
+  query.query.prior.reset();
+  query.rough_position.reset();
+  EXPECT_EQ(MakeMapRequest(query, kOrigin, 2000, 300).cell, "");
+  const Geodetic rough = Geodetic::FromDegrees(-40.0, 100.0, 0.0);
+  query.rough_position.emplace(RoughPosition{.position = rough});
+  EXPECT_EQ(MakeMapRequest(query, kOrigin, 2000, 300).cell, CellName(rough));
+  query.query.prior.emplace();  // At the origin of `global`.
+  EXPECT_EQ(MakeMapRequest(query, kOrigin, 2000, 300).cell, CellName(kOrigin));
 }
 
 TEST(MapMessages, FiveHundredProjectedFeaturesTakeSome20Kilobytes) {

@@ -220,6 +220,23 @@ TEST(MapTransport, SuccessEndsTheBackOff) {
   EXPECT_EQ(transport.counters().num_not_localized, 2);
 }
 
+TEST(MapTransport, SendsTheCellThatTheLastAnswerNamed) {
+  std::vector<std::string> cells;
+  const CannedServer server([&](const httplib::Request& request, httplib::Response& response) {
+    cells.push_back(request.get_header_value("X-Cairn-Cell"));
+    response.set_header("X-Cairn-Cell", cells.size() == 1 ? "32N-00388-04390" : "no name");
+    response.set_content(R"({"status":"NOT_LOCALIZED"})", "application/json");
+  });
+  ManualClock clock;
+  Answers answers;
+  MapTransport transport(OptionsFor(server.url(), &clock), answers.Collect());
+  for (size_t i = 1; i <= 3; ++i) {
+    ASSERT_EQ(transport.Send(SmallQuery(static_cast<int64_t>(i))), SendStatus::kQueued);
+    answers.Wait(i);
+  }
+  EXPECT_THAT(cells, ::testing::ElementsAre("", "32N-00388-04390", "32N-00388-04390"));
+}
+
 TEST(MapTransport, SilenceOfTheServerIsATimeout) {
   std::latch done(1);
   const CannedServer server([&](const httplib::Request&, httplib::Response&) { done.wait(); });

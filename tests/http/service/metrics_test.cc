@@ -12,7 +12,7 @@ TEST(Metrics, AQueryWhoseTurnCameTooLateRanNoStage) {
   Metrics metrics;
   LocalizeResult late;
   late.reason = NotLocalizedReason::kTimeout;
-  metrics.CountLocalize(late, ServerTimes{});
+  metrics.CountLocalize(late, ServerTimes{}, /*is_stale=*/false);
   const std::string text = metrics.Render({});
   EXPECT_THAT(text, HasSubstr("cairn_localize_total{outcome=\"TIMEOUT\"} 1"));
   for (const char* stage :
@@ -27,14 +27,49 @@ TEST(Metrics, StagesThatRanCountAndOthersDoNot) {
   LocalizeResult result;
   result.reason = NotLocalizedReason::kTooFewMatches;
   result.times.seconds[static_cast<size_t>(Stage::kMatching)] = 0.02;
-  metrics.CountLocalize(result, {.decode_seconds = 0.01, .extract_seconds = 0.03});
-  MapMetrics map;
-  map.is_degraded = true;
-  const std::string text = metrics.Render(map);
+  metrics.CountLocalize(result, {.decode_seconds = 0.01, .extract_seconds = 0.03},
+                        /*is_stale=*/false);
+  const std::string text = metrics.Render({});
   EXPECT_THAT(text, HasSubstr("cairn_stage_seconds_count{stage=\"matching\"} 1"));
   EXPECT_THAT(text, HasSubstr("cairn_stage_seconds_count{stage=\"extraction\"} 1"));
   EXPECT_THAT(text, HasSubstr("cairn_stage_seconds_count{stage=\"voting\"} 0"));
-  EXPECT_THAT(text, HasSubstr("cairn_map_degraded 1"));
+}
+
+TEST(Metrics, OnlyQueriesThatLoadedTilesFetched) {
+  Metrics metrics;
+  LocalizeResult warm;
+  warm.times.seconds[static_cast<size_t>(Stage::kTiles)] = 0.001;
+  LocalizeResult cold = warm;
+  cold.counters.num_tiles_loaded = 4;
+  metrics.CountLocalize(warm, {}, /*is_stale=*/false);
+  metrics.CountLocalize(cold, {}, /*is_stale=*/true);
+  const std::string text = metrics.Render({});
+  EXPECT_THAT(text, HasSubstr("cairn_fetch_seconds_count 1"));
+  EXPECT_THAT(text, HasSubstr("cairn_stale_answers_total 1"));
+}
+
+TEST(Metrics, ErrorsOfTheStoreAreThoseThatRequestsDoNotCause) {
+  Metrics metrics;
+  metrics.CountError(ErrorCode::kMapDamaged);
+  metrics.CountError(ErrorCode::kBadInput);
+  const std::string text = metrics.Render({});
+  EXPECT_THAT(text, HasSubstr("cairn_store_errors_total{code=\"map_damaged\"} 1"));
+  EXPECT_THAT(text, HasSubstr("cairn_store_errors_total{code=\"unavailable\"} 0"));
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("bad_input")));
+}
+
+TEST(Metrics, TheStateIsShown) {
+  ServerState state;
+  EXPECT_THAT(Metrics().Render(state), HasSubstr("cairn_map_readable 0"));
+  state.head = {.version = MapVersion(7), .created_unix_s = 1'763'983'556.0};
+  state.is_degraded = state.is_draining = true;
+  state.num_waiting = 3;
+  const std::string text = Metrics().Render(state);
+  for (const char* line :
+       {"cairn_map_readable 1", "cairn_map_version 7", "cairn_map_degraded 1", "cairn_draining 1",
+        "cairn_map_version_created_timestamp_seconds 1763983556", "cairn_queries_waiting 3"}) {
+    EXPECT_THAT(text, HasSubstr(line));
+  }
 }
 
 }  // namespace

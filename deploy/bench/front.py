@@ -1,0 +1,234 @@
+#!/usr/bin/env python3
+"""Measures three `cairn serve` behind HAProxy with the shipped configuration, all on loopback.
+
+  hit rate   each server caches half of the tiles that the queries need: the share of tiles that are
+             found in memory, against the same front with round robin
+  kill       kill -9 of one server while queries run: how many fail
+  drain      SIGTERM of one server while queries run: how many fail
+  publish    `cairn rollback` publishes other content while queries run: answers that agree with no
+             version as a whole, and the time until every server answers from the new version
+
+The map is a simulated city, made in --work unless it is there. The exit code is 1 if a bar is missed,
+77 if HAProxy is not installed.
+
+Example:
+  deploy/bench/front.py --build build/release --work /tmp/front
+"""
+
+import argparse
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import sys
+
+import cluster
+import queries
+
+SKIPPED = 77
+MIB = 1 << 20
+DRAIN_SECONDS = 2
+MAX_VISIBLE_SECONDS = 1.5
+
+
+def parse_arguments():
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", required=True, type=pathlib.Path, help="build folder, as build/release")
+    parser.add_argument("--work", required=True, type=pathlib.Path, help="folder of the map")
+    parser.add_argument("--part", action="append", choices=PARTS, help="only this part; repeatable")
+    parser.add_argument("--area", type=float, default=16.0, help="size of the city, square kilometers")
+    parser.add_argument("--queries", type=int, default=2000, help="number of different queries")
+    parser.add_argument("--publish-queries", type=int, default=10_000, help="queries while publishing")
+    return parser.parse_args()
+
+
+class Bench:
+    """The programs, the map, its queries, and the rows of the table."""
+
+    def __init__(self, arguments):
+        self.arguments = arguments
+        self.cairn = str(arguments.build / "cli" / "cairn")
+        self.map_path = str(arguments.work / "city.gpkg")
+        self.list_path = arguments.work / "queries.json"
+        self.rows = []
+
+    def make_map(self):
+        self.arguments.work.mkdir(parents=True, exist_ok=True)
+        if not self.list_path.exists():
+            subprocess.run(
+                [str(self.arguments.build / "lab" / "cli" / "cairn-lab"), "simulate",
+                 "--character", "suburb", "--size", "quick", "--area", str(self.arguments.area),
+                 "--passes", "1", "--keyframe-spacing", "16", "--image-keypoints", "150",
+                 "--num-queries", str(self.arguments.queries), "--keypoints", "200",
+                 "--map", self.map_path, "--queries", str(self.list_path)],
+                check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.requests = queries.load_requests(self.list_path)
+
+    def cluster(self, cache_mb=4096, config=None, drain_s=0):
+        return cluster.Cluster(self.cairn, self.map_path, cache_mb, config or cluster.shipped_config(),
+                               drain_s)
+
+    def learn(self):
+        """Asks one server everything once: learns the cells and the memory of all tiles."""
+        server = cluster.Server(self.cairn, self.map_path, cache_mb=65_536)
+        try:
+            self.cells = queries.learn_cells(server.port, self.requests)
+            self.ask_each(server.port)
+            self.tile_bytes = server.metric("cairn_tile_cache_bytes")
+            self.num_tiles = int(server.metric("cairn_tile_cache_entries"))
+        finally:
+            server.close()
+
+    def stream(self, port, num_queries, seed=1):
+        order = queries.at_random(len(self.requests), seed)
+        return queries.Stream(port, self.requests, self.cells, order, num_queries).start()
+
+    def ask_each(self, port):
+        order = range(len(self.requests))
+        return queries.Stream(port, self.requests, self.cells, order, len(order)).start().finish()
+
+    def row_of_failures(self, what, outcomes):
+        failed = [outcome for outcome in outcomes if outcome.status != 200]
+        self.row(f"{what}: failed queries", f"{len(failed)} of {len(outcomes)}", "0", not failed)
+        for outcome in failed[:3]:
+            print(f"failed: status {outcome.status}, {outcome.body[:200]}", file=sys.stderr)
+
+    def row(self, what, value, bar, is_met):
+        self.rows.append((what, value, bar, is_met))
+        print(f"| {what} | {value} | {bar} | {'yes' if is_met else 'NO'} |", flush=True)
+
+
+def hit_rate(bench, config):
+    with bench.cluster(int(bench.tile_bytes / 2 / MIB), config) as servers:
+        num_queries = len(bench.requests)
+        bench.stream(servers.front.port, num_queries, seed=2).finish()
+        before = [servers.metric(f"cairn_tile_cache_{kind}_total") for kind in ("hits", "misses")]
+        outcomes = bench.stream(servers.front.port, num_queries, seed=3).finish()
+        hits, misses = [servers.metric(f"cairn_tile_cache_{kind}_total") - count
+                        for kind, count in zip(("hits", "misses"), before)]
+    if any(outcome.status != 200 for outcome in outcomes):
+        raise RuntimeError("queries failed while nothing happened")
+    return hits / (hits + misses)
+
+
+def part_hit_rate(bench):
+    shipped = hit_rate(bench, cluster.shipped_config())
+    bench.row("hit rate, shipped configuration", f"{shipped:.3f}", "0.94 or more", shipped >= 0.94)
+    round_robin = hit_rate(bench, cluster.round_robin_config())
+    bench.row("hit rate, round robin", f"{round_robin:.3f}", "less", round_robin < shipped)
+
+
+def part_kill(bench):
+    with bench.cluster() as servers:
+        stream = bench.stream(servers.front.port, 600)
+        stream.wait_for(200)
+        servers.servers[0].send(signal.SIGKILL)
+        bench.row_of_failures("kill -9 of a server", stream.finish())
+
+
+def part_drain(bench):
+    with bench.cluster(drain_s=DRAIN_SECONDS) as servers:
+        stream = bench.stream(servers.front.port, 600)
+        stream.wait_for(200)
+        leaving = servers.servers[0]
+        leaving.send(signal.SIGTERM)
+        took = cluster.wait_until(lambda: leaving.process.poll() is not None, "the end of the server")
+        stream.wait_for(len(stream.outcomes) + 100)  # The others answer on.
+        bench.row_of_failures("SIGTERM of a server", stream.finish())
+        exit_code = leaving.wait()
+    bench.row("its end", f"code {exit_code} after {took:.1f} s", f"code 0 after {DRAIN_SECONDS} s",
+              exit_code == 0 and took >= DRAIN_SECONDS)
+
+
+def reference_answers(bench, version):
+    """The content of the answer to each query while the map has this version."""
+    server = cluster.Server(bench.cairn, bench.map_path, cache_mb=65_536)
+    try:
+        outcomes = bench.ask_each(server.port)
+    finally:
+        server.close()
+    if {queries.map_version(outcome) for outcome in outcomes} != {version}:
+        raise RuntimeError(f"the map does not have version {version}")
+    return {outcome.request_idx: queries.content(outcome) for outcome in outcomes}
+
+
+def publish(bench, version):
+    """Publishes the content of an earlier version as a new version, whose number it returns."""
+    report = subprocess.run([bench.cairn, "rollback", bench.map_path, str(version)], check=True,
+                            capture_output=True, text=True).stdout
+    return int(re.search(r"is now version (\d+)", report)[1])
+
+
+class Publications:
+    """Versions of the map that hold all tiles or the first half of them, and the answers to both."""
+
+    def __init__(self, bench):
+        self.bench = bench
+        self.name_of = {}  # Of the content of a version.
+        self.answers = {}
+        half = publish(bench, 2 + bench.num_tiles // 2)
+        self.content = {"half": half, "whole": half - 1}
+        for name in ("whole", "half"):
+            self.answers[name] = reference_answers(bench, self.publish(name))
+
+    def publish(self, name):
+        version = publish(self.bench, self.content[name])
+        self.name_of[version] = name
+        return version
+
+    def is_whole(self, outcome):
+        """Whether the answer is that of the version that it names."""
+        name = self.name_of[queries.map_version(outcome)]
+        return queries.content(outcome) == self.answers[name][outcome.request_idx]
+
+    def num_different(self):
+        return sum(self.answers["half"][i] != answer for i, answer in self.answers["whole"].items())
+
+
+def part_publish(bench):
+    bench.map_path = shutil.copy(bench.map_path, bench.arguments.work / "published.gpkg")
+    publications = Publications(bench)
+    seconds = []
+    with bench.cluster() as servers:
+        stream = bench.stream(servers.front.port, bench.arguments.publish_queries)
+        for name in ["whole", "half"] * 2:
+            stream.wait_for(len(stream.outcomes) + bench.arguments.publish_queries // 6)
+            version = publications.publish(name)
+            seconds.append(cluster.wait_until(
+                lambda: all(server.map_version() == version for server in servers.servers),
+                "the new version"))
+        stream.wait_for(len(stream.outcomes) + bench.arguments.publish_queries // 6)
+        outcomes = stream.finish()
+    bench.row_of_failures("publishing 4 versions", outcomes)
+    answered = [outcome for outcome in outcomes if outcome.status == 200]
+    mixed = sum(not publications.is_whole(outcome) for outcome in answered)
+    num_seen = len({queries.map_version(outcome) for outcome in answered})
+    bench.row(f"answers that mix versions; {publications.num_different()} of {len(bench.requests)} queries "
+              "can tell", f"{mixed} of {len(answered)}, from {num_seen} versions", "0, from 5",
+              mixed == 0 and num_seen == 5 and publications.num_different() > 0)
+    bench.row("until every server has the new version", f"{1e3 * max(seconds):.0f} ms",
+              f"{1e3 * MAX_VISIBLE_SECONDS:.0f} ms", max(seconds) <= MAX_VISIBLE_SECONDS)
+
+
+PARTS = {"hit_rate": part_hit_rate, "kill": part_kill, "drain": part_drain, "publish": part_publish}
+
+
+def main():
+    arguments = parse_arguments()
+    if shutil.which("haproxy") is None:
+        print("skipped: HAProxy is not installed (scripts/install-dependencies --tests)")
+        return SKIPPED
+    bench = Bench(arguments)
+    bench.make_map()
+    bench.learn()
+    print(f"{bench.num_tiles} tiles of {bench.tile_bytes / MIB:.0f} MiB in memory, {len(bench.requests)} "
+          f"queries of {len(set(bench.cells))} cells\n\n| | measured | bar | met |\n|---|---|---|---|")
+    for name in arguments.part or PARTS:
+        PARTS[name](bench)
+    return 0 if all(is_met for _, _, _, is_met in bench.rows) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
