@@ -21,9 +21,8 @@ ExitCode RunCopy(const CopyArguments& arguments, ProgressMode progress_mode) {
   MapInfo info;
   {
     Progress progress(progress_mode);
-    info = CopyMap(arguments.from, arguments.to, [&](int64_t done, int64_t total) {
-      progress.Update("copy", done, total);
-    });
+    info = CopyMap(arguments.from, arguments.to,
+                   [&](int64_t done, int64_t total) { progress.Update("copy", done, total); });
   }
   fmt::print("{}: version {}, {} sessions, {} tiles, {} landmarks, {:.1f} kB\n",
              Printable(arguments.to), Value(info.version), info.num_sessions, info.num_tiles,

@@ -68,23 +68,25 @@ MapInfo Info(db::Connection* connection, MapVersion version) {
 std::vector<TileRecord> FindTiles(db::Connection* connection, const GeoBox& box,
                                   MapVersion version) {
   std::vector<TileRecord> tiles = queries::FindTiles(connection, box, version);
-  AddPast(connection, version, queries::PastTiles,
-          [&](const TileRecord& tile) { return BoxesMeet(tile.tile_id.Bounds(), box); }, &tiles);
+  AddPast(
+      connection, version, queries::PastTiles,
+      [&](const TileRecord& tile) { return BoxesMeet(tile.tile_id.Bounds(), box); }, &tiles);
   return tiles;
 }
 
 std::vector<TileRecord> AllTiles(db::Connection* connection, int64_t limit, MapVersion version) {
   std::vector<TileRecord> tiles = queries::AllTiles(connection, limit, version);
-  AddPast(connection, version, queries::PastTiles, [](const TileRecord&) { return true; }, &tiles);
+  AddPast(
+      connection, version, queries::PastTiles, [](const TileRecord&) { return true; }, &tiles);
   tiles.resize(std::min(tiles.size(), static_cast<size_t>(std::max<int64_t>(limit, 0))));
   return tiles;
 }
 
-std::optional<TileRecord> FindTile(db::Connection* connection, TileId tile_id,
-                                   MapVersion version) {
+std::optional<TileRecord> FindTile(db::Connection* connection, TileId tile_id, MapVersion version) {
   std::vector<TileRecord> tiles = ListOf(queries::FindTile(connection, tile_id, version));
-  AddPast(connection, version, queries::PastTiles,
-          [&](const TileRecord& tile) { return tile.tile_id == tile_id; }, &tiles);
+  AddPast(
+      connection, version, queries::PastTiles,
+      [&](const TileRecord& tile) { return tile.tile_id == tile_id; }, &tiles);
   return FirstOf(std::move(tiles));
 }
 
@@ -104,9 +106,10 @@ std::vector<std::vector<TileRecord>> TilesOfCells(db::Connection* connection,
     return tiles_of_cells;
   }
   for (size_t i = 0; i < cells.size(); ++i) {
-    AddPast(connection, version, queries::PastTiles,
-            [&](const TileRecord& tile) { return CellOf(tile.tile_id) == cells[i]; },
-            &tiles_of_cells[i]);
+    AddPast(
+        connection, version, queries::PastTiles,
+        [&](const TileRecord& tile) { return CellOf(tile.tile_id) == cells[i]; },
+        &tiles_of_cells[i]);
   }
   return tiles_of_cells;
 }
@@ -131,16 +134,18 @@ CodebookId CurrentCodebookId(db::Connection* connection, MapVersion version) {
 
 std::vector<SessionRecord> Sessions(db::Connection* connection, MapVersion version) {
   std::vector<SessionRecord> sessions = queries::Sessions(connection, version);
-  AddPast(connection, version, queries::PastSessions, [](const SessionRecord&) { return true; },
-          &sessions);
+  AddPast(
+      connection, version, queries::PastSessions, [](const SessionRecord&) { return true; },
+      &sessions);
   return sessions;
 }
 
 std::optional<SessionRecord> FindSession(db::Connection* connection, const std::string& name,
                                          MapVersion version) {
   std::vector<SessionRecord> sessions = ListOf(queries::FindSession(connection, name, version));
-  AddPast(connection, version, queries::PastSessions,
-          [&](const SessionRecord& session) { return session.name == name; }, &sessions);
+  AddPast(
+      connection, version, queries::PastSessions,
+      [&](const SessionRecord& session) { return session.name == name; }, &sessions);
   return FirstOf(std::move(sessions));
 }
 
@@ -148,17 +153,19 @@ std::vector<KeyframeRecord> KeyframesOfSession(db::Connection* connection, Sessi
                                                MapVersion version) {
   std::vector<KeyframeRecord> keyframes =
       queries::KeyframesOfSession(connection, session_id, version);
-  AddPast(connection, version, queries::PastKeyframes,
-          [&](const KeyframeRecord& keyframe) { return keyframe.session_id == session_id; },
-          &keyframes);
+  AddPast(
+      connection, version, queries::PastKeyframes,
+      [&](const KeyframeRecord& keyframe) { return keyframe.session_id == session_id; },
+      &keyframes);
   return keyframes;
 }
 
 std::vector<KeyframeRecord> KeyframesOfTile(db::Connection* connection, TileId tile_id,
                                             MapVersion version) {
   std::vector<KeyframeRecord> keyframes = queries::KeyframesOfTile(connection, tile_id, version);
-  AddPast(connection, version, queries::PastKeyframes,
-          [&](const KeyframeRecord& keyframe) { return keyframe.tile_id == tile_id; }, &keyframes);
+  AddPast(
+      connection, version, queries::PastKeyframes,
+      [&](const KeyframeRecord& keyframe) { return keyframe.tile_id == tile_id; }, &keyframes);
   return keyframes;
 }
 

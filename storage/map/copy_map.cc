@@ -28,40 +28,69 @@ struct Table {
   std::vector<Column> columns;
 };
 
-#define CAIRN_SESSION_COLUMNS                                                                 \
-  {"name", Type::kText}, {"source", Type::kText}, {"created_at", Type::kText},                \
-      {"recorded_at", Type::kText}, {"content_digest", Type::kText}, {"num_images"},          \
-      {"num_landmarks"}, {"georef_median_residual_m", Type::kReal}
-#define CAIRN_TILE_COUNTS \
+#define CAIRN_SESSION_COLUMNS                                                        \
+  {"name", Type::kText}, {"source", Type::kText}, {"created_at", Type::kText},       \
+      {"recorded_at", Type::kText}, {"content_digest", Type::kText}, {"num_images"}, \
+      {"num_landmarks"}, {                                                           \
+    "georef_median_residual_m", Type::kReal                                          \
+  }
+#define CAIRN_TILE_COUNTS                                                   \
   {"num_landmarks"}, {"num_descriptors"}, {"num_keyframes"}, {"num_bytes"}, \
-      {"min_h_m", Type::kReal}, {"max_h_m", Type::kReal}
-#define CAIRN_LANDMARK_BOX                                                     \
-  {"landmarks_south_deg", Type::kReal}, {"landmarks_west_deg", Type::kReal},   \
-      {"landmarks_north_deg", Type::kReal}, {"landmarks_east_deg", Type::kReal}
-#define CAIRN_POSE_COLUMNS                                                                      \
-  {"camera_id"}, {"qw", Type::kReal}, {"qx", Type::kReal}, {"qy", Type::kReal},                 \
-      {"qz", Type::kReal}, {"tx_m", Type::kReal}, {"ty_m", Type::kReal}, {"tz_m", Type::kReal}
+      {"min_h_m", Type::kReal}, {                                           \
+    "max_h_m", Type::kReal                                                  \
+  }
+#define CAIRN_LANDMARK_BOX                                                   \
+  {"landmarks_south_deg", Type::kReal}, {"landmarks_west_deg", Type::kReal}, \
+      {"landmarks_north_deg", Type::kReal}, {                                \
+    "landmarks_east_deg", Type::kReal                                        \
+  }
+#define CAIRN_POSE_COLUMNS                                                      \
+  {"camera_id"}, {"qw", Type::kReal}, {"qx", Type::kReal}, {"qy", Type::kReal}, \
+      {"qz", Type::kReal}, {"tx_m", Type::kReal}, {"ty_m", Type::kReal}, {      \
+    "tz_m", Type::kReal                                                         \
+  }
 
 // The tables in an order in which rows refer to rows that are there already. Payloads come between
 // the two parts, one at a time, because they are large.
 std::vector<Table> TablesBeforePayloads() {
   return {
       {"cairn_codebooks",
-       {{"codebook_id"}, {"created_at", Type::kText}, {"digest", Type::kText},
+       {{"codebook_id"},
+        {"created_at", Type::kText},
+        {"digest", Type::kText},
         {"bytes", Type::kBytes}}},
       {"cairn_map",
-       {{"map_id"}, {"format_version"}, {"oldest_reader_version"}, {"created_at", Type::kText},
-        {"next_landmark_id"}, {"codebook_id"}}},
+       {{"map_id"},
+        {"format_version"},
+        {"oldest_reader_version"},
+        {"created_at", Type::kText},
+        {"next_landmark_id"},
+        {"codebook_id"}}},
       {"cairn_versions",
-       {{"version"}, {"created_at", Type::kText}, {"author", Type::kText}, {"kind", Type::kText},
-        {"session", Type::kText}, {"summary", Type::kText}, {"codebook_id"}, {"num_sessions"},
-        {"num_keyframes"}, {"num_tiles"}, {"num_landmarks"}, {"num_descriptors"},
-        {"payload_bytes"}, {"south_deg", Type::kReal}, {"west_deg", Type::kReal},
-        {"north_deg", Type::kReal}, {"east_deg", Type::kReal}}},
+       {{"version"},
+        {"created_at", Type::kText},
+        {"author", Type::kText},
+        {"kind", Type::kText},
+        {"session", Type::kText},
+        {"summary", Type::kText},
+        {"codebook_id"},
+        {"num_sessions"},
+        {"num_keyframes"},
+        {"num_tiles"},
+        {"num_landmarks"},
+        {"num_descriptors"},
+        {"payload_bytes"},
+        {"south_deg", Type::kReal},
+        {"west_deg", Type::kReal},
+        {"north_deg", Type::kReal},
+        {"east_deg", Type::kReal}}},
       {"cairn_sessions", {{"session_id"}, CAIRN_SESSION_COLUMNS, {"since"}}},
       {"cairn_past_sessions", {{"session_id"}, {"since"}, {"until"}, CAIRN_SESSION_COLUMNS}},
       {"cairn_cameras",
-       {{"camera_id"}, {"model", Type::kText}, {"width_px"}, {"height_px"},
+       {{"camera_id"},
+        {"model", Type::kText},
+        {"width_px"},
+        {"height_px"},
         {"params", Type::kText}}},
   };
 }
@@ -72,16 +101,32 @@ std::vector<Table> TablesAfterPayloads() {
       {"cairn_tiles",
        {{"tile_id"}, {"payload_id"}, {"codebook_id"}, CAIRN_LANDMARK_BOX, {"since"}}},
       {"cairn_past_tiles",
-       {{"tile_id"}, {"since"}, {"until"}, {"tile", Type::kText}, {"payload_id"}, {"codebook_id"},
-        CAIRN_TILE_COUNTS, CAIRN_LANDMARK_BOX}},
+       {{"tile_id"},
+        {"since"},
+        {"until"},
+        {"tile", Type::kText},
+        {"payload_id"},
+        {"codebook_id"},
+        CAIRN_TILE_COUNTS,
+        CAIRN_LANDMARK_BOX}},
       {"keyframes",
-       {{"keyframe_id"}, {"session_id"}, {"tile_id"}, {"image_name", Type::kText},
-        {"lat_deg", Type::kReal}, {"lon_deg", Type::kReal}, {"h_m", Type::kReal},
+       {{"keyframe_id"},
+        {"session_id"},
+        {"tile_id"},
+        {"image_name", Type::kText},
+        {"lat_deg", Type::kReal},
+        {"lon_deg", Type::kReal},
+        {"h_m", Type::kReal},
         {"heading_deg", Type::kReal}}},
       {"cairn_keyframe_poses", {{"keyframe_id"}, CAIRN_POSE_COLUMNS, {"since"}}},
       {"cairn_past_keyframes",
-       {{"keyframe_id"}, {"since"}, {"until"}, {"session_id"}, {"tile_id"},
-        {"image_name", Type::kText}, CAIRN_POSE_COLUMNS}},
+       {{"keyframe_id"},
+        {"since"},
+        {"until"},
+        {"session_id"},
+        {"tile_id"},
+        {"image_name", Type::kText},
+        CAIRN_POSE_COLUMNS}},
       {"cairn_session_tiles", {{"session_id"}, {"tile_id"}}},
   };
 }
@@ -137,8 +182,8 @@ class MapCopier {
         table.name == std::string("coverage") || table.name == std::string("keyframes");
     const std::string sql = fmt::format(
         "INSERT INTO {} ({}{}) VALUES ({}{})", table.name, fmt::join(names, ", "),
-        has_geometry ? ", geom" : "",
-        fmt::join(std::vector<std::string>(names.size(), "?"), ", "), has_geometry ? ", ?" : "");
+        has_geometry ? ", geom" : "", fmt::join(std::vector<std::string>(names.size(), "?"), ", "),
+        has_geometry ? ", ?" : "");
     while (row.Step()) {
       CopyRow(table, row, sql);
     }

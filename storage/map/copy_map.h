@@ -12,8 +12,8 @@ namespace cairn {
 
 // Creates the map `to` with everything that `from` holds: all versions with their content, under
 // the same ids. Both are paths or URLs, in any combination. Each payload is compared with its
-// digest on the way. `progress` may be empty; it receives the number of payloads done and the total.
-// Returns the totals of the latest version.
+// digest on the way. `progress` may be empty; it receives the number of payloads done and the
+// total. Returns the totals of the latest version.
 //
 // Throws Error(kConflict) if `to` exists, Error(kMapDamaged) if a payload does not match its
 // digest, and what MapStore::Open and MapStore::CreateFilled throw. After an error, `to` does not

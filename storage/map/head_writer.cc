@@ -215,8 +215,9 @@ void HeadWriter::NoteSessions(TileId tile_id, std::span<const uint8_t> payload) 
   }
   for (const SessionId session_id : session_ids) {
     connection_
-        ->Prepare("INSERT INTO cairn_session_tiles (session_id, tile_id) VALUES (?, ?) "
-                  "ON CONFLICT DO NOTHING")
+        ->Prepare(
+            "INSERT INTO cairn_session_tiles (session_id, tile_id) VALUES (?, ?) "
+            "ON CONFLICT DO NOTHING")
         .Bind(Value(session_id), RowId(tile_id))
         .Run();
   }
@@ -250,8 +251,9 @@ void HeadWriter::InsertTile(const TileRecord& tile) {
       ->Prepare(
           "INSERT INTO coverage (tile_id, geom, tile, num_landmarks, num_descriptors, "
           "num_keyframes, num_bytes, min_h_m, max_h_m) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)")
-      .Bind(RowId(tile.tile_id), db::Geometry{geometry}, tile.tile_id.ToString(), tile.num_landmarks,
-            tile.num_descriptors, tile.num_keyframes, tile.num_bytes, tile.min_h_m, tile.max_h_m)
+      .Bind(RowId(tile.tile_id), db::Geometry{geometry}, tile.tile_id.ToString(),
+            tile.num_landmarks, tile.num_descriptors, tile.num_keyframes, tile.num_bytes,
+            tile.min_h_m, tile.max_h_m)
       .Run();
   const GeoBox& bounds = tile.landmark_bounds;
   connection_

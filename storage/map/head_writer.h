@@ -6,10 +6,10 @@
 #include <memory>
 #include <span>
 
+#include "storage/database/connection.h"
 #include "storage/map/layer_extent.h"
 #include "storage/map/map_store.h"
 #include "storage/map/running_totals.h"
-#include "storage/database/connection.h"
 
 namespace cairn {
 

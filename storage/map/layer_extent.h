@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "storage/geometry/geopackage.h"
 #include "storage/database/connection.h"
+#include "storage/geometry/geopackage.h"
 
 namespace cairn {
 

@@ -8,9 +8,9 @@
 #include <span>
 #include <string>
 
+#include "storage/database/connection.h"
 #include "storage/map/map_store.h"
 #include "storage/map/version_queries.h"
-#include "storage/database/connection.h"
 
 namespace cairn {
 
@@ -80,8 +80,7 @@ void CheckVersions(db::Connection* connection, Findings* findings);
 // coverage layer; it need not be a valid tile id.
 void CheckTile(db::Connection* connection, int64_t tile_id, Findings* findings);
 // Checks a tile of the past in the same way.
-void CheckPastTile(db::Connection* connection, const queries::PastTile& tile,
-                   Findings* findings);
+void CheckPastTile(db::Connection* connection, const queries::PastTile& tile, Findings* findings);
 
 }  // namespace cairn
 

@@ -110,7 +110,8 @@ constexpr Rule kServerRules[] = {
      "WHERE NOT EXISTS (SELECT 1 FROM cairn_tiles AS t WHERE t.payload_id = p.payload_id) "
      "AND NOT EXISTS (SELECT 1 FROM cairn_past_tiles AS t WHERE t.payload_id = p.payload_id)",
      "payloads belong to no tile"},
-    {"SELECT count(*) FROM keyframes AS k WHERE NOT EXISTS (SELECT 1 FROM cairn_keyframe_poses AS p "
+    {"SELECT count(*) FROM keyframes AS k WHERE NOT EXISTS (SELECT 1 FROM cairn_keyframe_poses AS "
+     "p "
      "WHERE p.keyframe_id = k.keyframe_id)",
      "keyframes have no pose"},
     {"SELECT (SELECT count(*) FROM cairn_map) <> 1", "table cairn_map: not one row"},

@@ -90,8 +90,8 @@ bool StandsIn(const Geodetic& position, TileId tile_id) {
 }
 
 // The columns are keyframe_id, geom, box, lat_deg, lon_deg, h_m, heading_deg.
-void CheckKeyframe(const db::Statement& row, db::Connection* connection,
-                   const std::string& where, Findings* findings) {
+void CheckKeyframe(const db::Statement& row, db::Connection* connection, const std::string& where,
+                   Findings* findings) {
   const std::optional<KeyframeRecord> keyframe =
       queries::FindKeyframe(connection, KeyframeId(row.Int64(0)));
   if (!keyframe) {

@@ -200,8 +200,7 @@ void CheckTile(db::Connection* connection, int64_t tile_id, Findings* findings) 
       findings);
 }
 
-void CheckPastTile(db::Connection* connection, const queries::PastTile& tile,
-                   Findings* findings) {
+void CheckPastTile(db::Connection* connection, const queries::PastTile& tile, Findings* findings) {
   const auto last = MapVersion(Value(tile.until) - 1);
   const std::string where =
       fmt::format("tile {} as of version {}", tile.tile.tile_id.ToString(), Value(last));

@@ -84,8 +84,7 @@ constexpr Rule kTimeRules[] = {
 };
 
 void CheckPastKeyframes(db::Connection* connection, Findings* findings) {
-  db::Statement row =
-      connection->Prepare("SELECT keyframe_id, since FROM cairn_past_keyframes");
+  db::Statement row = connection->Prepare("SELECT keyframe_id, since FROM cairn_past_keyframes");
   while (row.Step()) {
     try {
       queries::FindKeyframeOf(connection, MapVersion(row.Int64(1)), KeyframeId(row.Int64(0)));

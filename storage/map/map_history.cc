@@ -79,8 +79,9 @@ PruneReport Prune(const PruneOptions& options, MapStore* store) {
 void CompactMap(MapStore* store) {
   if (IsServerAddress(store->path())) {
     throw Error(ErrorCode::kInvalidArgument,
-                store->path() + ": only files are compacted; PostgreSQL vacuums by itself, and "
-                                "VACUUM FULL gives space back to the disk");
+                store->path() +
+                    ": only files are compacted; PostgreSQL vacuums by itself, and "
+                    "VACUUM FULL gives space back to the disk");
   }
   // Throws if the map may not be written, or if an update runs.
   { const MapUpdate update = store->BeginUpdate(); }

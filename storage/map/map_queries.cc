@@ -33,10 +33,10 @@ constexpr std::string_view kFindKeyframeSql = CAIRN_KEYFRAME_COLUMNS "WHERE k.ke
 
 // The columns that ReadTile expects, in order, and where they come from. A damaged map may lack a
 // payload.
-#define CAIRN_SELECT_TILES                                                                 \
-  "SELECT c.tile_id, t.payload_id, t.codebook_id, c.num_landmarks, c.num_descriptors, "    \
-  "c.num_keyframes, c.num_bytes, c.min_h_m, c.max_h_m, t.landmarks_south_deg, "            \
-  "t.landmarks_west_deg, t.landmarks_north_deg, t.landmarks_east_deg, "                    \
+#define CAIRN_SELECT_TILES                                                                    \
+  "SELECT c.tile_id, t.payload_id, t.codebook_id, c.num_landmarks, c.num_descriptors, "       \
+  "c.num_keyframes, c.num_bytes, c.min_h_m, c.max_h_m, t.landmarks_south_deg, "               \
+  "t.landmarks_west_deg, t.landmarks_north_deg, t.landmarks_east_deg, "                       \
   "coalesce(p.digest, '') FROM coverage AS c JOIN cairn_tiles AS t ON t.tile_id = c.tile_id " \
   "LEFT JOIN cairn_payloads AS p ON p.payload_id = t.payload_id "
 
@@ -53,8 +53,7 @@ constexpr std::string_view kFindTilesSql =
 constexpr std::string_view kFindTilesPostgresSql =
     CAIRN_SELECT_TILES "WHERE c.geom && ST_MakeEnvelope(?1, ?3, ?2, ?4, 4326) AND t.since <= ?5";
 
-constexpr std::string_view kFindTileSql =
-    CAIRN_SELECT_TILES "WHERE c.tile_id = ? AND t.since <= ?";
+constexpr std::string_view kFindTileSql = CAIRN_SELECT_TILES "WHERE c.tile_id = ? AND t.since <= ?";
 
 constexpr std::string_view kAllTilesSql =
     CAIRN_SELECT_TILES "WHERE t.since <= ? ORDER BY c.tile_id LIMIT ?";
@@ -71,8 +70,7 @@ constexpr std::string_view kTilesInRangeSql =
 
 constexpr std::string_view kSessionsSql =
     CAIRN_SESSION_COLUMNS "WHERE since <= ? ORDER BY session_id";
-constexpr std::string_view kFindSessionSql =
-    CAIRN_SESSION_COLUMNS "WHERE name = ? AND since <= ?";
+constexpr std::string_view kFindSessionSql = CAIRN_SESSION_COLUMNS "WHERE name = ? AND since <= ?";
 
 #undef CAIRN_SESSION_COLUMNS
 
@@ -114,8 +112,7 @@ MapInfo Info(db::Connection* connection, MapVersion version) {
   return info;
 }
 
-std::vector<TileRecord> FindTiles(db::Connection* connection, const GeoBox& box,
-                                  MapVersion as_of) {
+std::vector<TileRecord> FindTiles(db::Connection* connection, const GeoBox& box, MapVersion as_of) {
   constexpr double kTurnDeg = 360.0;  // Indexed longitudes lie in [-360, 360].
   const double west_deg = box.west_rad * kDegPerRad;
   const double east_deg = box.east_rad * kDegPerRad + (box.CrossesAntimeridian() ? kTurnDeg : 0.0);
@@ -156,8 +153,7 @@ std::vector<int64_t> AllTileIds(db::Connection* connection) {
   return tile_ids;
 }
 
-std::optional<TileRecord> FindTile(db::Connection* connection, TileId tile_id,
-                                   MapVersion as_of) {
+std::optional<TileRecord> FindTile(db::Connection* connection, TileId tile_id, MapVersion as_of) {
   db::Statement row = connection->Prepare(kFindTileSql);
   if (!row.Bind(static_cast<int64_t>(tile_id.value()), Value(as_of)).Step()) {
     return std::nullopt;
@@ -182,14 +178,12 @@ LandmarkId NextLandmarkId(db::Connection* connection) {
 }
 
 CodebookId CurrentCodebookId(db::Connection* connection) {
-  db::Statement row =
-      connection->Prepare("SELECT coalesce(max(codebook_id), 0) FROM cairn_map");
+  db::Statement row = connection->Prepare("SELECT coalesce(max(codebook_id), 0) FROM cairn_map");
   row.Step();
   return CodebookId(row.Int64(0));
 }
 
-std::shared_ptr<const Codebook> LoadCodebook(db::Connection* connection,
-                                             CodebookId codebook_id) {
+std::shared_ptr<const Codebook> LoadCodebook(db::Connection* connection, CodebookId codebook_id) {
   const auto bytes = connection->ReadBytes("cairn_codebooks", "codebook_id", Value(codebook_id));
   if (!bytes) {
     throw Error(ErrorCode::kMapDamaged,

@@ -13,8 +13,8 @@
 #include <string_view>
 #include <vector>
 
-#include "storage/map/map_store.h"
 #include "storage/database/connection.h"
+#include "storage/map/map_store.h"
 
 namespace cairn::queries {
 
@@ -49,8 +49,7 @@ LandmarkId NextLandmarkId(db::Connection* connection);
 
 // Returns the id of the codebook for new sessions, or 0 if the map has none.
 CodebookId CurrentCodebookId(db::Connection* connection);
-std::shared_ptr<const Codebook> LoadCodebook(db::Connection* connection,
-                                             CodebookId codebook_id);
+std::shared_ptr<const Codebook> LoadCodebook(db::Connection* connection, CodebookId codebook_id);
 
 std::vector<CodebookId> CodebookIds(db::Connection* connection);
 // Throws Error(kMapDamaged) if there is no such codebook.

@@ -115,8 +115,7 @@ KeyframeRecord ReadKeyframe(const db::Connection& connection, const db::Statemen
   return keyframe;
 }
 
-std::vector<KeyframeRecord> ReadKeyframes(const db::Connection& connection,
-                                          db::Statement* rows) {
+std::vector<KeyframeRecord> ReadKeyframes(const db::Connection& connection, db::Statement* rows) {
   std::vector<KeyframeRecord> keyframes;
   while (rows->Step()) {
     keyframes.push_back(ReadKeyframe(connection, *rows));

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/error.h"
-#include "storage/map/map_store.h"
 #include "storage/database/connection.h"
+#include "storage/map/map_store.h"
 
 namespace cairn::rows {
 
@@ -37,8 +37,7 @@ SessionRecord ReadSession(const db::Statement& row);
 KeyframeRecord ReadKeyframe(const db::Connection& connection, const db::Statement& row);
 
 // All rows of a statement whose parameters are bound.
-std::vector<KeyframeRecord> ReadKeyframes(const db::Connection& connection,
-                                          db::Statement* rows);
+std::vector<KeyframeRecord> ReadKeyframes(const db::Connection& connection, db::Statement* rows);
 
 }  // namespace cairn::rows
 

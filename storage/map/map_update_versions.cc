@@ -12,8 +12,7 @@ namespace cairn {
 namespace {
 
 // Returns the ids that a statement with one parameter selects.
-std::vector<int64_t> SelectIds(db::Connection* connection, std::string_view sql,
-                               int64_t value) {
+std::vector<int64_t> SelectIds(db::Connection* connection, std::string_view sql, int64_t value) {
   std::vector<int64_t> ids;
   db::Statement rows = connection->Prepare(sql);
   rows.Bind(value);

@@ -8,8 +8,7 @@
 
 namespace cairn {
 
-OpenMap::Counting::Counting(OpenMap* map)
-    : map_(map), num_exceptions_(std::uncaught_exceptions()) {
+OpenMap::Counting::Counting(OpenMap* map) : map_(map), num_exceptions_(std::uncaught_exceptions()) {
   ++map_->num_calls_;
 }
 
@@ -47,9 +46,9 @@ std::shared_ptr<VersionCache> OpenMap::CacheOf(MapVersion version) {
   auto cache = std::make_shared<VersionCache>(version);
   versions_.push_back(cache);
   if (versions_.size() > kMaxVersions) {
-    versions_.erase(std::min_element(
-        versions_.begin(), versions_.end(),
-        [](const auto& a, const auto& b) { return a->version() < b->version(); }));
+    versions_.erase(
+        std::min_element(versions_.begin(), versions_.end(),
+                         [](const auto& a, const auto& b) { return a->version() < b->version(); }));
   }
   return cache;
 }

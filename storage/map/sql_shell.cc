@@ -138,8 +138,9 @@ void RunSql(const std::string& map_path, const std::string& sql, const SqlOption
             const SqlSink& sink) {
   if (IsServerAddress(map_path)) {
     throw Error(ErrorCode::kInvalidArgument,
-                map_path + ": `cairn sql` reads files; give the URL to psql, and see the tables of "
-                           "the schema cairn");
+                map_path +
+                    ": `cairn sql` reads files; give the URL to psql, and see the tables of "
+                    "the schema cairn");
   }
   options.Validate();
   sqlite::Access access = sqlite::Access::kReadOnly;

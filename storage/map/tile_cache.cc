@@ -29,7 +29,8 @@ struct TileCache::Impl {
 
   // Keeps the value if it fits. Returns the evicted values, so that the caller destroys them
   // without holding the lock.
-  std::vector<CachedTilePtr> Insert(const std::string& digest, const CachedTilePtr& tile, size_t bytes) {
+  std::vector<CachedTilePtr> Insert(const std::string& digest, const CachedTilePtr& tile,
+                                    size_t bytes) {
     std::vector<CachedTilePtr> evicted;
     if (bytes > stats.max_bytes) {
       return evicted;

@@ -44,8 +44,8 @@ bool AreInOneZone(const std::array<TileId, 4>& tiles) {
 // by less than a tile between the corners.
 template <typename Index>
 IndexRange CellRange(const std::array<TileId, 4>& tiles, const Index& index) {
-  const auto [least, most] = std::minmax({index(tiles[0]), index(tiles[1]), index(tiles[2]),
-                                          index(tiles[3])});
+  const auto [least, most] =
+      std::minmax({index(tiles[0]), index(tiles[1]), index(tiles[2]), index(tiles[3])});
   return {std::max(least - 1, 0) >> kCellShift, (most + 1) >> kCellShift};
 }
 

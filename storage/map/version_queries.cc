@@ -34,11 +34,11 @@ constexpr std::string_view kChangedTilesSql =
     "SELECT tile_id FROM cairn_past_tiles WHERE until > ?1";
 
 // Columns of ReadTile, and since and until.
-#define CAIRN_PAST_TILE_COLUMNS                                                             \
-  "SELECT t.tile_id, t.payload_id, t.codebook_id, t.num_landmarks, t.num_descriptors, "     \
-  "t.num_keyframes, t.num_bytes, t.min_h_m, t.max_h_m, t.landmarks_south_deg, "             \
-  "t.landmarks_west_deg, t.landmarks_north_deg, t.landmarks_east_deg, "                     \
-  "coalesce(p.digest, ''), t.since, t.until FROM cairn_past_tiles AS t "                    \
+#define CAIRN_PAST_TILE_COLUMNS                                                         \
+  "SELECT t.tile_id, t.payload_id, t.codebook_id, t.num_landmarks, t.num_descriptors, " \
+  "t.num_keyframes, t.num_bytes, t.min_h_m, t.max_h_m, t.landmarks_south_deg, "         \
+  "t.landmarks_west_deg, t.landmarks_north_deg, t.landmarks_east_deg, "                 \
+  "coalesce(p.digest, ''), t.since, t.until FROM cairn_past_tiles AS t "                \
   "LEFT JOIN cairn_payloads AS p ON p.payload_id = t.payload_id "
 
 constexpr std::string_view kPastTilesSql =
@@ -88,8 +88,7 @@ VersionRecord ReadVersion(const db::Statement& row) {
 }
 
 // Returns the state of a tile in a version.
-std::optional<TileState> StateOf(db::Connection* connection, TileId tile_id,
-                                 MapVersion version) {
+std::optional<TileState> StateOf(db::Connection* connection, TileId tile_id, MapVersion version) {
   const auto id = static_cast<int64_t>(tile_id.value());
   db::Statement row = connection->Prepare(
       "SELECT s.payload_id, p.digest, s.num_landmarks, s.num_bytes FROM ("
@@ -106,8 +105,7 @@ std::optional<TileState> StateOf(db::Connection* connection, TileId tile_id,
 
 // Returns text such as "versions 4 to 9".
 std::string NameVersions(db::Connection* connection) {
-  db::Statement row =
-      connection->Prepare("SELECT min(version), max(version) FROM cairn_versions");
+  db::Statement row = connection->Prepare("SELECT min(version), max(version) FROM cairn_versions");
   row.Step();
   const int64_t oldest = row.Int64(0), newest = row.Int64(1);
   return oldest == newest ? fmt::format("version {} only", oldest)
@@ -139,8 +137,7 @@ MapVersion CurrentVersion(db::Connection* connection) {
   return MapVersion(row.Int64(0));
 }
 
-std::vector<VersionRecord> Versions(db::Connection* connection, int64_t limit,
-                                    MapVersion as_of) {
+std::vector<VersionRecord> Versions(db::Connection* connection, int64_t limit, MapVersion as_of) {
   std::vector<VersionRecord> versions;
   db::Statement row = connection->Prepare(kLatestVersionsSql);
   row.Bind(Value(as_of), std::max<int64_t>(limit, 0));
@@ -162,7 +159,8 @@ VersionRecord FindVersion(db::Connection* connection, MapVersion version) {
   std::vector<VersionRecord> versions = Versions(connection, 1, version);
   if (versions.empty() || versions.front().version != version) {
     RequireVersion(connection, version);
-    throw Error(ErrorCode::kMapDamaged, connection->name() + ": the table cairn_versions is unsound");
+    throw Error(ErrorCode::kMapDamaged,
+                connection->name() + ": the table cairn_versions is unsound");
   }
   return std::move(versions.front());
 }
@@ -288,9 +286,9 @@ void InsertVersion(db::Connection* connection, MapVersion version, const Version
           "codebook_id, num_sessions, num_keyframes, num_tiles, num_landmarks, num_descriptors, "
           "payload_bytes) VALUES (?, ?, ?, ?, ?, ?, "
           "(SELECT codebook_id FROM cairn_map), ?, ?, ?, ?, ?, ?)")
-      .Bind(Value(version), UtcNow(), LoginName(), VersionKindName(note.kind), note.session, note.summary,
-            totals.num_sessions, totals.num_keyframes, totals.num_tiles, totals.num_landmarks,
-            totals.num_descriptors, totals.payload_bytes)
+      .Bind(Value(version), UtcNow(), LoginName(), VersionKindName(note.kind), note.session,
+            note.summary, totals.num_sessions, totals.num_keyframes, totals.num_tiles,
+            totals.num_landmarks, totals.num_descriptors, totals.payload_bytes)
       .Run();
   if (totals.bounds) {
     connection

@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
+#include "storage/database/connection.h"
 #include "storage/map/map_store.h"
 #include "storage/map/map_versions.h"
-#include "storage/database/connection.h"
 
 namespace cairn::queries {
 

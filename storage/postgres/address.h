@@ -13,8 +13,8 @@ using Settings = std::vector<std::pair<std::string, std::string>>;
 
 // Splits a URL such as "postgresql://cairn@db1:5432,db2:5432/lund?sslmode=require" into the
 // settings of each of its hosts, in order. What the URL leaves out comes from libpq's environment
-// (PGHOST, PGUSER, PGPASSFILE, ...). Throws Error(kInvalidArgument) if libpq does not understand the
-// URL, or if it holds a password, which everybody on the machine could read in the list of
+// (PGHOST, PGUSER, PGPASSFILE, ...). Throws Error(kInvalidArgument) if libpq does not understand
+// the URL, or if it holds a password, which everybody on the machine could read in the list of
 // processes. No message quotes the URL.
 std::vector<Settings> ParseAddress(const std::string& url);
 

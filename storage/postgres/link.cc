@@ -143,8 +143,7 @@ Result Link::Receive() {
     if (result == nullptr) {
       break;
     }
-    const bool has_failed =
-        kept != nullptr && PQresultStatus(kept.get()) == PGRES_FATAL_ERROR;
+    const bool has_failed = kept != nullptr && PQresultStatus(kept.get()) == PGRES_FATAL_ERROR;
     if (!has_failed) {
       kept = std::move(result);
     }

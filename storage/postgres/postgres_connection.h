@@ -29,8 +29,8 @@ class PostgresConnection : public db::Connection {
   std::optional<LargeVector<uint8_t>> ReadBytes(const char* table, const char* key_column,
                                                 int64_t key) override;
 
-  // Runs a statement whose parameters are ?, or ?1, ?2, ...; compiles it at the first use with these
-  // types of parameters.
+  // Runs a statement whose parameters are ?, or ?1, ?2, ...; compiles it at the first use with
+  // these types of parameters.
   Result Run(const std::string& sql, const std::vector<Parameter>& parameters);
 
  private:

@@ -37,8 +37,9 @@ void RequirePostgis(PostgresConnection* connection) {
   if (!Holds(connection,
              "SELECT count(*) > 0 FROM pg_available_extensions WHERE name = 'postgis'")) {
     throw Error(ErrorCode::kUnavailable,
-                connection->name() + ": the server has no PostGIS; install it there (Debian: "
-                                     "postgresql-15-postgis-3)");
+                connection->name() +
+                    ": the server has no PostGIS; install it there (Debian: "
+                    "postgresql-15-postgis-3)");
   }
   try {
     connection->Execute("CREATE EXTENSION postgis");
@@ -78,8 +79,9 @@ void RequireSchema(PostgresConnection* connection) {
                                           ": the database has no map; make one with `cairn init`, "
                                           "or correct the name of the database");
   }
-  if (!Holds(connection, "SELECT has_schema_privilege('cairn', 'USAGE') AND "
-                         "has_table_privilege('cairn.cairn_versions', 'SELECT')")) {
+  if (!Holds(connection,
+             "SELECT has_schema_privilege('cairn', 'USAGE') AND "
+             "has_table_privilege('cairn.cairn_versions', 'SELECT')")) {
     throw Error(ErrorCode::kIo, connection->name() +
                                     ": this role may not read the map; let the owner of the map "
                                     "run GRANT cairn_reader TO the role");

@@ -36,9 +36,9 @@ std::unique_ptr<PostgresConnection> Server::Connect(Use use, const Patience& pat
     hosts.push_back(For(use, host));
   }
   auto connection = std::make_unique<PostgresConnection>(Link(hosts, name_, patience));
-  connection->Execute(use == Use::kRead
-                          ? "SET search_path = cairn, public; SET default_transaction_read_only = on"
-                          : "SET search_path = cairn, public");
+  connection->Execute(
+      use == Use::kRead ? "SET search_path = cairn, public; SET default_transaction_read_only = on"
+                        : "SET search_path = cairn, public");
   return connection;
 }
 

@@ -66,10 +66,10 @@ inline std::string NameOfKind(const ::testing::TestParamInfo<MapKind>& info) {
 }  // namespace cairn::testing
 
 // Runs the tests of a fixture that derives from MapPlaceTest on both kinds of maps.
-#define CAIRN_ON_BOTH_KINDS_OF_MAPS(Fixture)                                        \
-  INSTANTIATE_TEST_SUITE_P(, Fixture,                                               \
-                           ::testing::Values(::cairn::testing::MapKind::kFile,      \
-                                             ::cairn::testing::MapKind::kServer),   \
-                           ::cairn::testing::NameOfKind)
+#define CAIRN_ON_BOTH_KINDS_OF_MAPS(Fixture)                                                   \
+  INSTANTIATE_TEST_SUITE_P(                                                                    \
+      , Fixture,                                                                               \
+      ::testing::Values(::cairn::testing::MapKind::kFile, ::cairn::testing::MapKind::kServer), \
+      ::cairn::testing::NameOfKind)
 
 #endif  // CAIRN_TESTS_SUPPORT_MAP_PLACE_H_

@@ -177,13 +177,11 @@ TEST(TileCache, WaitingThreadsGetTheFailure) {
     throw Error(ErrorCode::kMapDamaged, "broken");
   };
   std::optional<ErrorCode> first_code;
-  std::thread first(
-      [&] { first_code = ErrorCodeOf([&] { cache.GetOrLoad("1", fail); }); });
+  std::thread first([&] { first_code = ErrorCodeOf([&] { cache.GetOrLoad("1", fail); }); });
   loading.wait();
   // Counted as a hit the moment it finds the load, so this thread is waiting once that shows.
   std::optional<ErrorCode> second_code;
-  std::thread second(
-      [&] { second_code = ErrorCodeOf([&] { cache.GetOrLoad("1", fail); }); });
+  std::thread second([&] { second_code = ErrorCodeOf([&] { cache.GetOrLoad("1", fail); }); });
   while (cache.Stats().num_hits == 0) {
     std::this_thread::yield();
   }

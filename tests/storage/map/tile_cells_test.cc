@@ -20,8 +20,8 @@ std::vector<TileId> TilesAround(const Geodetic& center, double radius_m) {
   std::vector<TileId> tiles;
   for (double x_m = -radius_m - 300.0; x_m <= radius_m + 300.0; x_m += 50.0) {
     for (double y_m = -radius_m - 300.0; y_m <= radius_m + 300.0; y_m += 50.0) {
-      tiles.push_back(TileId::Containing(
-          GeodeticFromEcef(ecef_from_enu * Eigen::Vector3d(x_m, y_m, 0.0))));
+      tiles.push_back(
+          TileId::Containing(GeodeticFromEcef(ecef_from_enu * Eigen::Vector3d(x_m, y_m, 0.0))));
     }
   }
   std::sort(tiles.begin(), tiles.end());
