@@ -14,7 +14,7 @@ void AddInitCommand(CLI::App* app, Shell* shell) {
   command
       ->add_option("MAP", *map_path, "Map to create: a file, or the URL of a PostgreSQL database")
       ->required();
-  command->footer("Examples:\n  cairn init city.gpkg\n  cairn init postgresql://builder@db1/city");
+  command->footer("Example:\n  cairn init city.gpkg\n  cairn init postgresql://builder@db1/city");
   command->callback([shell, map_path] {
     shell->run = [map_path] {
       MapStore::Create(*map_path);

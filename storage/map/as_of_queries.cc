@@ -17,14 +17,6 @@ TileId IdOf(const TileRecord& tile) { return tile.tile_id; }
 SessionId IdOf(const SessionRecord& session) { return session.id; }
 KeyframeId IdOf(const KeyframeRecord& keyframe) { return keyframe.id; }
 
-void RequireKept(db::Connection* connection, MapVersion version) {
-  if (!queries::HasVersion(connection, version)) {
-    throw Error(ErrorCode::kUnavailable,
-                fmt::format("{}: version {} was pruned while it was being read; try again",
-                            connection->name(), Value(version)));
-  }
-}
-
 // Adds the rows of past(connection, version) that `keep` accepts to those that were read from the
 // tables of the latest version. Sorts by id.
 template <typename Record, typename Past, typename Keep>
@@ -60,9 +52,23 @@ std::vector<Record> ListOf(std::optional<Record> record) {
 
 }  // namespace
 
+void RequireKept(db::Connection* connection, MapVersion version) {
+  if (!queries::HasVersion(connection, version)) {
+    throw Error(ErrorCode::kUnavailable,
+                fmt::format("{}: version {} was pruned while it was being read; try again",
+                            connection->name(), Value(version)));
+  }
+}
+
 MapInfo Info(db::Connection* connection, MapVersion version) {
-  RequireKept(connection, version);
-  return queries::Info(connection, version);
+  try {
+    return queries::Info(connection, version);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::kNotFound) {
+      RequireKept(connection, version);
+    }
+    throw;
+  }
 }
 
 std::vector<TileRecord> FindTiles(db::Connection* connection, const GeoBox& box,

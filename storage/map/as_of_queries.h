@@ -18,6 +18,7 @@ namespace cairn::as_of {
 //
 // All throw Error(kUnavailable) if the version was pruned meanwhile, else what the functions of
 // the same name in map_queries.h throw.
+void RequireKept(db::Connection* connection, MapVersion version);
 MapInfo Info(db::Connection* connection, MapVersion version);
 std::vector<TileRecord> FindTiles(db::Connection* connection, const GeoBox& box,
                                   MapVersion version);

@@ -1,6 +1,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/error.h"
 #include "storage/geometry/geo_box.h"
 #include "storage/map/as_of_queries.h"
 #include "storage/map/map_internal.h"
@@ -89,7 +90,14 @@ LargeVector<uint8_t> MapSnapshot::LoadPayload(PayloadId payload_id) const {
 }
 
 std::shared_ptr<const Codebook> MapSnapshot::LoadCodebook(CodebookId codebook_id) const {
-  return impl_->map->LoadCodebook(codebook_id, impl_->deadline);
+  try {
+    return impl_->map->LoadCodebook(codebook_id, impl_->deadline);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::kMapDamaged) {
+      impl_->Call(as_of::RequireKept);
+    }
+    throw;
+  }
 }
 
 std::shared_ptr<const Codebook> MapSnapshot::CurrentCodebook() const {

@@ -2,6 +2,7 @@
 
 #include <libpq-fe.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "core/error.h"
@@ -45,6 +46,15 @@ void RefusePassword(const std::string& keyword) {
   }
 }
 
+// A port that is no number may be a password that somebody forgot to follow with a host.
+void RequirePort(const std::string& port) {
+  if (port.find_first_not_of("0123456789") != std::string::npos) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "the PostgreSQL URL has a port that is not a number; write "
+                "postgresql://USER@HOST:PORT/DATABASE");
+  }
+}
+
 // The part for host `i`; a list of one part is for all hosts.
 const std::string& PartOf(const std::vector<std::string>& parts, size_t i) {
   return parts.size() == 1 ? parts[0] : parts.at(i);
@@ -66,6 +76,9 @@ std::vector<Settings> ParseAddress(const std::string& url) {
     if (keyword == "host" || keyword == "hostaddr" || keyword == "port") {
       of_hosts.emplace_back(keyword, Split(option->val));
       num_hosts = std::max(num_hosts, of_hosts.back().second.size());
+      if (keyword == "port") {
+        std::for_each(of_hosts.back().second.begin(), of_hosts.back().second.end(), RequirePort);
+      }
     } else {
       common.emplace_back(keyword, option->val);
     }
@@ -74,7 +87,7 @@ std::vector<Settings> ParseAddress(const std::string& url) {
   for (const auto& [keyword, parts] : of_hosts) {
     if (parts.size() != 1 && parts.size() != num_hosts) {
       throw Error(ErrorCode::kInvalidArgument,
-                  "the PostgreSQL URL has as many ports as hosts, or one; this one has neither");
+                  "the PostgreSQL URL needs as many ports as hosts, or one");
     }
     for (size_t i = 0; i < num_hosts; ++i) {
       hosts[i].emplace_back(keyword, PartOf(parts, i));
