@@ -154,14 +154,15 @@ struct LocalizeClient::Impl {
   }
 
   // The server may close a silent connection just when the next request is on its way. An exchange
-  // that fails at once is therefore repeated on a new connection. Every request can safely be
-  // repeated.
+  // that fails at once is therefore repeated on a new connection. A front answers 502 if its server
+  // died; the second exchange then meets another server. Every request can safely be repeated.
   template <typename Exchange>
   httplib::Response ResponseOf(const Exchange& exchange) {
     const auto start = std::chrono::steady_clock::now();
     httplib::Result result = exchange();
     const auto elapsed = std::chrono::steady_clock::now() - start;
-    if (!result && elapsed < std::chrono::milliseconds(options.timeout_ms) / 2) {
+    const bool has_failed = !result || result->status == 502;
+    if (has_failed && elapsed < std::chrono::milliseconds(options.timeout_ms) / 2) {
       result = exchange();
     }
     if (!result) {

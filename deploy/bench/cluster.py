@@ -13,7 +13,9 @@ import urllib.request
 
 HOST = "127.0.0.1"
 START_SECONDS = 60
-SHIPPED_CONFIG = pathlib.Path(__file__).resolve().parent.parent / "haproxy" / "haproxy.cfg"
+DEPLOY = pathlib.Path(__file__).resolve().parent.parent
+# Where Debian puts the programs of administrators.
+PATH = os.environ["PATH"] + ":/usr/sbin:/sbin"
 
 
 def free_port():
@@ -84,24 +86,55 @@ class Server:
 
 
 class Front:
-    """HAProxy before servers."""
+    """A proxy before servers. `make_command` returns the command and the environment of the proxy."""
 
-    def __init__(self, config, servers):
+    def __init__(self, make_command, servers):
         self.port = free_port()
-        self.file = tempfile.NamedTemporaryFile("w", suffix=".cfg")
-        self.file.write(config)
-        self.file.flush()
-        environment = dict(os.environ, FRONT_ADDRESS=f"{HOST}:{self.port}")
-        for number, server in enumerate(servers, 1):
-            environment[f"CAIRN{number}"] = f"{HOST}:{server.port}"
-        self.process = subprocess.Popen(["haproxy", "-db", "-q", "-f", self.file.name], env=environment,
+        self.scratch = tempfile.TemporaryDirectory()
+        command, environment = make_command(pathlib.Path(self.scratch.name), self.port,
+                                            [server.port for server in servers])
+        self.process = subprocess.Popen(command, env=dict(os.environ, PATH=PATH, **environment),
                                         stdout=subprocess.DEVNULL)
         wait_until(lambda: get(self.port, "/version")[0] == 200, "a front that answers")
 
     def close(self):
         self.process.terminate()
         self.process.wait(timeout=60)
-        self.file.close()
+        self.scratch.cleanup()
+
+
+def haproxy_with(config):
+    def make_command(scratch, port, server_ports):
+        file = scratch / "haproxy.cfg"
+        file.write_text(config)
+        environment = {f"CAIRN{i}": f"{HOST}:{server}" for i, server in enumerate(server_ports, 1)}
+        return ["haproxy", "-db", "-q", "-f", file], dict(environment, FRONT_ADDRESS=f"{HOST}:{port}")
+    return make_command
+
+
+def haproxy():
+    return haproxy_with((DEPLOY / "haproxy" / "haproxy.cfg").read_text())
+
+
+def haproxy_round_robin():
+    """The shipped configuration with another distribution of the queries."""
+    config = (DEPLOY / "haproxy" / "haproxy.cfg").read_text()
+    config = re.sub(r"^ *(hash-type|hash-balance-factor) .*\n", "", config, flags=re.M)
+    return haproxy_with(config.replace("balance hdr(X-Cairn-Cell)", "balance roundrobin"))
+
+
+def nginx():
+    def make_command(scratch, port, server_ports):
+        config = (DEPLOY / "nginx" / "cairn.conf").read_text().replace("listen 8080", f"listen {HOST}:{port}")
+        for shipped, server in zip((8081, 8082, 8083), server_ports):
+            config = config.replace(f"{HOST}:{shipped}", f"{HOST}:{server}")
+        folders = "".join(f"{kind}_temp_path {scratch}/{kind};" for kind in
+                          ("client_body", "proxy", "fastcgi", "uwsgi", "scgi"))
+        (scratch / "nginx.conf").write_text(
+            f"daemon off; pid {scratch}/pid; events {{}}\nhttp {{ access_log off; {folders}\n{config} }}\n")
+        scratch.chmod(0o755)  # The workers of nginx run as another user.
+        return ["nginx", "-e", scratch / "errors", "-c", scratch / "nginx.conf"], {}
+    return make_command
 
 
 class Cluster:
@@ -109,13 +142,13 @@ class Cluster:
 
     NUM_SERVERS = 3
 
-    def __init__(self, cairn, map_path, cache_mb, config, drain_s=0):
+    def __init__(self, cairn, map_path, cache_mb, make_front, drain_s=0):
         self.servers = []
         self.front = None
         try:
             for _ in range(self.NUM_SERVERS):
                 self.servers.append(Server(cairn, map_path, cache_mb, drain_s))
-            self.front = Front(config, self.servers)
+            self.front = Front(make_front, self.servers)
         except BaseException:
             self.close()
             raise
@@ -133,13 +166,3 @@ class Cluster:
 
     def metric(self, name):
         return sum(server.metric(name) for server in self.servers)
-
-
-def shipped_config():
-    return SHIPPED_CONFIG.read_text()
-
-
-def round_robin_config():
-    """The shipped configuration with another distribution of the queries."""
-    config = re.sub(r"^ *(hash-type|hash-balance-factor) .*\n", "", shipped_config(), flags=re.M)
-    return config.replace("balance hdr(X-Cairn-Cell)", "balance roundrobin")

@@ -70,6 +70,23 @@ TEST(LocalizeClient, SendsTheCellOfThePriorOrElseOfTheLastAnswer) {
   EXPECT_THAT(CellsSent("32N-00001-00002"), ElementsAre(cell, "32N-00001-00002"));
 }
 
+TEST(LocalizeClient, AsksTheFrontAgainIfItsServerDied) {
+  int num_requests = 0;
+  const testing::CannedServer server([&](const httplib::Request&, httplib::Response& response) {
+    response.status = ++num_requests == 1 ? 502 : 200;
+  });
+  LocalizeClient client({.url = server.url()});
+  EXPECT_NO_THROW(client.Get("/version"));
+  EXPECT_EQ(num_requests, 2);
+}
+
+TEST(LocalizeClient, AFrontWithoutServersIsAnError) {
+  const testing::CannedServer server(
+      [&](const httplib::Request&, httplib::Response& response) { response.status = 502; });
+  LocalizeClient client({.url = server.url()});
+  EXPECT_THROW(client.Get("/version"), Error);
+}
+
 TEST(LocalizeClient, DoesNotRepeatACellThatIsNone) {
   for (const std::string& bad : {std::string("x"), std::string(4000, 'N')}) {
     EXPECT_THAT(CellsSent(bad)[1], "");
