@@ -22,8 +22,9 @@ namespace cairn {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using ::testing::ElementsAre;
+using std::chrono::milliseconds;
 using testing::ContentOf;
+using ::testing::ElementsAre;
 using testing::ErrorCodeOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -31,7 +32,6 @@ using ::testing::Not;
 using testing::PostgresCluster;
 using testing::PutPlace;
 using testing::RowsOf;
-using std::chrono::milliseconds;
 
 // The text of the Error that `action` throws.
 template <typename Action>
@@ -187,10 +187,9 @@ TEST_F(PostgresTest, RolesMayDoWhatTheyMust) {
   update.RestoreVersion(MapVersion(1));
   update.ForgetVersionsBefore(MapVersion(2));
   EXPECT_EQ(update.Publish(), MapVersion(3));
-  EXPECT_EQ(ErrorCodeOf([&] {
-              MapStore::Open(cluster_->Url("city", "stranger"), OpenMode::kReadOnly);
-            }),
-            ErrorCode::kIo);
+  EXPECT_EQ(
+      ErrorCodeOf([&] { MapStore::Open(cluster_->Url("city", "stranger"), OpenMode::kReadOnly); }),
+      ErrorCode::kIo);
 }
 
 TEST_F(PostgresTest, OtherDatabasesAreRefused) {
@@ -216,8 +215,7 @@ TEST_F(PostgresTest, GeometriesAreForQgis) {
                      "SELECT count(*) FROM coverage AS c JOIN keyframes AS k "
                      "ON ST_Contains(c.geom, ST_Force2D(k.geom))"),
               ElementsAre("2"));
-  EXPECT_THAT(RowsOf(url_, "SELECT name, num_keyframes FROM sessions"),
-              ElementsAre("place 0 | 2"));
+  EXPECT_THAT(RowsOf(url_, "SELECT name, num_keyframes FROM sessions"), ElementsAre("place 0 | 2"));
 }
 
 }  // namespace
