@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <iterator>
+#include <unordered_map>
+#include <utility>
 
 #include "core/error.h"
 #include "storage/geometry/geo_box.h"
@@ -99,23 +101,20 @@ std::optional<TileRecord> FindTile(db::Connection* connection, TileId tile_id, M
 std::vector<std::vector<TileRecord>> TilesOfCells(db::Connection* connection,
                                                   const std::vector<TileCell>& cells,
                                                   MapVersion version) {
-  std::vector<std::vector<TileRecord>> tiles_of_cells;
-  for (const TileCell cell : cells) {
-    std::vector<TileRecord>& tiles = tiles_of_cells.emplace_back();
-    for (const auto& [first, last] : TileRanges(cell)) {
-      for (TileRecord& tile : queries::TilesInRange(connection, first, last, version)) {
-        tiles.push_back(std::move(tile));
-      }
-    }
-  }
-  if (queries::CurrentVersion(connection) == version) {
-    return tiles_of_cells;
-  }
+  std::vector<std::pair<int64_t, int64_t>> ranges;
+  std::unordered_map<TileCell, size_t> index_of_cell;
   for (size_t i = 0; i < cells.size(); ++i) {
-    AddPast(
-        connection, version, queries::PastTiles,
-        [&](const TileRecord& tile) { return CellOf(tile.tile_id) == cells[i]; },
-        &tiles_of_cells[i]);
+    index_of_cell[cells[i]] = i;
+    const auto of_cell = TileRanges(cells[i]);
+    ranges.insert(ranges.end(), of_cell.begin(), of_cell.end());
+  }
+  std::vector<TileRecord> tiles = queries::TilesInRanges(connection, ranges, version);
+  AddPast(
+      connection, version, queries::PastTiles,
+      [&](const TileRecord& tile) { return index_of_cell.contains(CellOf(tile.tile_id)); }, &tiles);
+  std::vector<std::vector<TileRecord>> tiles_of_cells(cells.size());
+  for (TileRecord& tile : tiles) {
+    tiles_of_cells[index_of_cell.at(CellOf(tile.tile_id))].push_back(std::move(tile));
   }
   return tiles_of_cells;
 }

@@ -24,7 +24,7 @@ std::vector<TileRecord> FindTiles(db::Connection* connection, const GeoBox& box,
                                   MapVersion version);
 std::vector<TileRecord> AllTiles(db::Connection* connection, int64_t limit, MapVersion version);
 std::optional<TileRecord> FindTile(db::Connection* connection, TileId tile_id, MapVersion version);
-// The tiles of each cell.
+// The tiles of each cell, in any order.
 std::vector<std::vector<TileRecord>> TilesOfCells(db::Connection* connection,
                                                   const std::vector<TileCell>& cells,
                                                   MapVersion version);

@@ -58,6 +58,11 @@ constexpr std::string_view kFindTileSql = CAIRN_SELECT_TILES "WHERE c.tile_id = 
 constexpr std::string_view kAllTilesSql =
     CAIRN_SELECT_TILES "WHERE t.since <= ? ORDER BY c.tile_id LIMIT ?";
 
+// All at once, because each statement is a round trip. The planner knows that few rows match a list
+// of ids; of ranges it would expect many.
+constexpr std::string_view kTilesWithIdsPostgresSql =
+    CAIRN_SELECT_TILES "WHERE c.tile_id = ANY (CAST(? AS bigint[])) AND t.since <= ?";
+
 constexpr std::string_view kTilesInRangeSql =
     CAIRN_SELECT_TILES "WHERE c.tile_id BETWEEN ? AND ? AND t.since <= ? ORDER BY c.tile_id";
 
@@ -80,6 +85,17 @@ std::vector<TileRecord> ReadTiles(db::Connection* connection, db::Statement* row
     tiles.push_back(rows::ReadTile(*connection, *rows));
   }
   return tiles;
+}
+
+// Returns all ids of the ranges as PostgreSQL writes an array: "{1,2,3}".
+std::string IdsIn(const std::vector<std::pair<int64_t, int64_t>>& ranges) {
+  std::string ids = "{";
+  for (const auto& [first, last] : ranges) {
+    for (int64_t id = first; id <= last; ++id) {
+      ids += (ids.size() == 1 ? "" : ",") + std::to_string(id);
+    }
+  }
+  return ids + "}";
 }
 
 // Appends the tiles whose indexed rectangle intersects the given rectangle, in degrees.
@@ -137,11 +153,23 @@ std::vector<TileRecord> AllTiles(db::Connection* connection, int64_t limit, MapV
   return ReadTiles(connection, &rows);
 }
 
-std::vector<TileRecord> TilesInRange(db::Connection* connection, int64_t first, int64_t last,
-                                     MapVersion as_of) {
-  db::Statement rows = connection->Prepare(kTilesInRangeSql);
-  rows.Bind(first, last, Value(as_of));
-  return ReadTiles(connection, &rows);
+std::vector<TileRecord> TilesInRanges(db::Connection* connection,
+                                      const std::vector<std::pair<int64_t, int64_t>>& ranges,
+                                      MapVersion as_of) {
+  if (connection->dialect() == db::Dialect::kPostgres) {
+    db::Statement rows = connection->Prepare(kTilesWithIdsPostgresSql);
+    rows.Bind(std::string_view(IdsIn(ranges)), Value(as_of));
+    return ReadTiles(connection, &rows);
+  }
+  std::vector<TileRecord> tiles;
+  for (const auto& [first, last] : ranges) {
+    db::Statement rows = connection->Prepare(kTilesInRangeSql);
+    rows.Bind(first, last, Value(as_of));
+    while (rows.Step()) {
+      tiles.push_back(rows::ReadTile(*connection, rows));
+    }
+  }
+  return tiles;
 }
 
 std::vector<int64_t> AllTileIds(db::Connection* connection) {

@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "storage/database/connection.h"
@@ -31,12 +32,14 @@ std::string_view KeyframesOfTileSql();
 // The totals of one version. Throws as RequireVersion.
 MapInfo Info(db::Connection* connection, MapVersion version);
 
-// Tiles are ordered by id. FindTiles also drops what does not meet the box exactly; TilesInRange
-// returns the tiles with ids from `first` to `last`.
+// Tiles are ordered by id, but for TilesInRanges. FindTiles also drops what does not meet the box
+// exactly; TilesInRanges returns the tiles with ids in the ranges [first, last], which are
+// ascending.
 std::vector<TileRecord> FindTiles(db::Connection* connection, const GeoBox& box, MapVersion as_of);
 std::vector<TileRecord> AllTiles(db::Connection* connection, int64_t limit, MapVersion as_of);
-std::vector<TileRecord> TilesInRange(db::Connection* connection, int64_t first, int64_t last,
-                                     MapVersion as_of);
+std::vector<TileRecord> TilesInRanges(db::Connection* connection,
+                                      const std::vector<std::pair<int64_t, int64_t>>& ranges,
+                                      MapVersion as_of);
 // Returns the ids as stored; in a damaged map they need not be valid tile ids.
 std::vector<int64_t> AllTileIds(db::Connection* connection);
 std::optional<TileRecord> FindTile(db::Connection* connection, TileId tile_id,

@@ -10,6 +10,18 @@
 #include "storage/map/version_queries.h"
 
 namespace cairn {
+namespace {
+
+CellTiles WithBounds(std::vector<TileRecord> records) {
+  auto tiles = std::make_shared<std::vector<BoundedTile>>();
+  for (TileRecord& record : records) {
+    const GeoBox bounds = record.tile_id.Bounds();
+    tiles->push_back({std::move(record), bounds});
+  }
+  return tiles;
+}
+
+}  // namespace
 
 MapSnapshot::Impl::Impl(std::shared_ptr<OpenMap> open_map, ReadDeadline read_deadline)
     : map(std::move(open_map)),
@@ -32,7 +44,7 @@ std::vector<CellTiles> MapSnapshot::Impl::Cells(const std::vector<TileCell>& cel
   std::vector<std::vector<TileRecord>> found = Call(as_of::TilesOfCells, missing);
   for (size_t i = 0, next = 0; i < cells.size(); ++i) {
     if (tiles[i] == nullptr) {
-      tiles[i] = std::make_shared<const std::vector<TileRecord>>(std::move(found[next++]));
+      tiles[i] = WithBounds(std::move(found[next++]));
       cache->Keep(cells[i], tiles[i]);
     }
   }
@@ -67,9 +79,9 @@ std::vector<TileRecord> MapSnapshot::FindTiles(const GeoBox& box) const {
   }
   std::vector<TileRecord> tiles;
   for (const CellTiles& cell : impl_->Cells(*cells)) {
-    for (const TileRecord& tile : *cell) {
-      if (BoxesMeet(tile.tile_id.Bounds(), box)) {
-        tiles.push_back(tile);
+    for (const BoundedTile& tile : *cell) {
+      if (BoxesMeet(tile.bounds, box)) {
+        tiles.push_back(tile.record);
       }
     }
   }

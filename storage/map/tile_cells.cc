@@ -12,9 +12,10 @@ constexpr int kTilesASide = 1 << kCellShift;
 constexpr int kEastingShift = 26;  // As in core/tile_id.h.
 constexpr int kIndexBits = 26;
 constexpr int kMaxCellsASide = 8;
-// A tile that meets the box has its centre at most this far outside of it: half of the diagonal of
-// a tile, 106 m, and the difference between a square and its bounding box.
-constexpr double kMarginM = 300.0;
+// A tile whose bounding box meets the box has its centre at most this far outside of it: half of
+// the diagonal of a tile, 106 m, and what the sides of a box of 13 km bend between their corners,
+// 21 m.
+constexpr double kMarginM = 135.0;
 constexpr double kMaxLatRad = 1.4;  // 80 degrees; UPS begins at 84 and -80.
 
 struct IndexRange {
@@ -40,13 +41,12 @@ bool AreInOneZone(const std::array<TileId, 4>& tiles) {
   });
 }
 
-// Returns the cells along one axis; `index` returns a tile's index there. The sides of the box bend
-// by less than a tile between the corners.
+// Returns the cells along one axis; `index` returns a tile's index there.
 template <typename Index>
 IndexRange CellRange(const std::array<TileId, 4>& tiles, const Index& index) {
   const auto [least, most] =
       std::minmax({index(tiles[0]), index(tiles[1]), index(tiles[2]), index(tiles[3])});
-  return {std::max(least - 1, 0) >> kCellShift, (most + 1) >> kCellShift};
+  return {least >> kCellShift, most >> kCellShift};
 }
 
 }  // namespace

@@ -14,8 +14,14 @@
 
 namespace cairn {
 
-// The tiles of a cell, ordered by id.
-using CellTiles = std::shared_ptr<const std::vector<TileRecord>>;
+// A tile with its bounding box, which takes a microsecond to compute.
+struct BoundedTile {
+  TileRecord record;
+  GeoBox bounds;
+};
+
+// The tiles of a cell, in any order.
+using CellTiles = std::shared_ptr<const std::vector<BoundedTile>>;
 
 // The content of a version never changes, so nothing here is ever wrong. Safe to call from any
 // thread.
