@@ -105,11 +105,10 @@ bool Link::IsUsable() {
   if (is_broken_ || PQstatus(connection_.get()) != CONNECTION_OK) {
     return false;
   }
-  // What arrives on an idle connection is a notice, or the end of the connection.
-  if (PollUntil(PQsocket(connection_.get()), POLLIN, Clock::time_point{})) {
-    is_broken_ = PQconsumeInput(connection_.get()) == 0;
-  }
-  return !is_broken_ && PQtransactionStatus(connection_.get()) == PQTRANS_IDLE;
+  // What arrives on an idle connection is a notice, or the end of the connection. Neither is worth
+  // finding out which.
+  return PQtransactionStatus(connection_.get()) == PQTRANS_IDLE &&
+         !PollUntil(PQsocket(connection_.get()), POLLIN, Clock::time_point{});
 }
 
 void Link::RequireSent(int sent) {

@@ -40,7 +40,7 @@ class Link {
   Link(const std::vector<Settings>& hosts, const std::string& name, const Patience& patience);
 
   void set_patience(const Patience& patience) { patience_ = patience; }
-  // False if the server has hung up, too; costs a system call.
+  // False also if the server has hung up or has something to say; costs a system call.
   bool IsUsable();
 
   // Runs statements without parameters; returns the result of the last. Throws as StatementError
