@@ -11,8 +11,9 @@
   publish    `cairn rollback` publishes other content while queries run: answers that agree with no
              version as a whole, and the time until every server answers from the new version
 
-The map is a simulated city, made in --work unless it is there. The exit code is 1 if a bar is missed,
-77 if HAProxy is not installed.
+The map is a simulated city, made in --work unless it is there. With --store postgresql, the servers read
+it from a throw-away PostgreSQL server. The exit code is 1 if a bar is missed, 77 if HAProxy or PostgreSQL
+is not installed.
 
 Example:
   deploy/bench/front.py --build build/release --work /tmp/front
@@ -27,6 +28,7 @@ import subprocess
 import sys
 
 import cluster
+import database
 import queries
 
 SKIPPED = 77
@@ -41,6 +43,8 @@ def parse_arguments():
     parser.add_argument("--build", required=True, type=pathlib.Path, help="build folder, as build/release")
     parser.add_argument("--work", required=True, type=pathlib.Path, help="folder of the map")
     parser.add_argument("--part", action="append", choices=PARTS, help="only this part; repeatable")
+    parser.add_argument("--store", choices=["file", "postgresql"], default="file",
+                        help="what the servers read the map from")
     parser.add_argument("--area", type=float, default=16.0, help="size of the city, square kilometers")
     parser.add_argument("--queries", type=int, default=2000, help="number of different queries")
     parser.add_argument("--publish-queries", type=int, default=10_000, help="queries while publishing")
@@ -56,6 +60,7 @@ class Bench:
         self.map_path = str(arguments.work / "city.gpkg")
         self.list_path = arguments.work / "queries.json"
         self.rows = []
+        self.database = None
 
     def make_map(self):
         self.arguments.work.mkdir(parents=True, exist_ok=True)
@@ -68,9 +73,21 @@ class Bench:
                  "--map", self.map_path, "--queries", str(self.list_path)],
                 check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.requests = queries.load_requests(self.list_path)
+        if self.arguments.store == "postgresql":
+            self.database = database.Database()
+            url = self.database.url("postgres")
+            subprocess.run([self.cairn, "copy", self.map_path, url], check=True,
+                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            self.map_path = url
+
+    def close(self):
+        if self.database is not None:
+            self.database.close()
 
     def use_copy_of_map(self):
-        """Updates go to a copy, so that the next run begins with the same map."""
+        """Updates go to a copy, so that the next run begins with the same map. A database is a copy."""
+        if self.database is not None:
+            return
         copy = self.arguments.work / "published.gpkg"
         for old in self.arguments.work.glob(copy.name + "*"):  # With the log of an earlier copy.
             old.unlink()
@@ -273,12 +290,22 @@ def main():
     if shutil.which("haproxy", path=cluster.PATH) is None:
         print("skipped: HAProxy is not installed (scripts/install-dependencies --tests)")
         return SKIPPED
+    if arguments.store == "postgresql" and database.programs() is None:
+        print("skipped: PostgreSQL is not installed (scripts/install-dependencies --tests)")
+        return SKIPPED
     bench = Bench(arguments)
+    try:
+        return run(bench)
+    finally:
+        bench.close()
+
+
+def run(bench):
     bench.make_map()
     bench.learn()
     print(f"{bench.num_tiles} tiles of {bench.tile_bytes / MIB:.0f} MiB in memory, {len(bench.requests)} "
           f"queries of {len(set(bench.cells))} cells\n\n| | measured | bar | met |\n|---|---|---|---|")
-    for name in arguments.part or PARTS:
+    for name in bench.arguments.part or PARTS:
         PARTS[name](bench)
     return 0 if all(is_met for _, _, _, is_met in bench.rows) else 1
 
