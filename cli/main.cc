@@ -20,6 +20,7 @@ void AddVerbs(CLI::App* app, Shell* shell) {
   AddDiffCommand(app, shell);
   AddRollbackCommand(app, shell);
   AddPruneCommand(app, shell);
+  AddCopyCommand(app, shell);
   AddMergeCommand(app, shell);
   AddExtractCommand(app, shell);
   AddCompactCommand(app, shell);

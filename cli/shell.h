@@ -35,6 +35,7 @@ void AddLogCommand(CLI::App* app, Shell* shell);
 void AddDiffCommand(CLI::App* app, Shell* shell);
 void AddRollbackCommand(CLI::App* app, Shell* shell);
 void AddPruneCommand(CLI::App* app, Shell* shell);
+void AddCopyCommand(CLI::App* app, Shell* shell);
 void AddMergeCommand(CLI::App* app, Shell* shell);
 void AddExtractCommand(CLI::App* app, Shell* shell);
 void AddCompactCommand(CLI::App* app, Shell* shell);

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/error.h"
 #include "core/shared_workers.h"
 #include "engine/answer/answer.h"
 #include "engine/answer/refine_winner.h"
@@ -23,17 +24,6 @@
 #include "storage/codebook/descriptor_codec.h"
 
 namespace cairn {
-
-struct Localizer::Impl {
-  std::shared_ptr<const MapStore> store;
-  std::shared_ptr<TileCache> cache;
-  LocalizerOptions options;
-  SharedWorkers workers;
-  TileFinisher finisher{store.get(), cache.get(), &options.tiles, &options.matching.index,
-                        &workers};
-
-  LocalizeResult Localize(const LocalizeQuery& query);
-};
 
 namespace {
 
@@ -71,9 +61,8 @@ class StageRunner {
   LocalizeResult& result_;
 };
 
-LocalizeResult EmptyResult(const LocalizeQuery& query, const MapSnapshot& snapshot) {
+LocalizeResult EmptyResult(const LocalizeQuery& query) {
   LocalizeResult result;
-  result.map_version = snapshot.version();
   result.counters.num_keypoints = query.num_features();
   result.counters.used_prior = query.prior.has_value();
   result.counters.used_gravity = query.down_in_cam.has_value();
@@ -177,31 +166,71 @@ void Conclude(const LocalizeQuery& query, const std::optional<QueryContext>& con
 
 }  // namespace
 
+struct Localizer::Impl {
+  std::shared_ptr<const MapStore> store;
+  std::shared_ptr<TileCache> cache;
+  LocalizerOptions options;
+  SharedWorkers workers;
+  TileFinisher finisher{store.get(), cache.get(), &options.tiles, &options.matching.index,
+                        &workers};
+
+  LocalizeResult Localize(const LocalizeQuery& query);
+  // The stages that read the map, prior and tiles. If the store pruned the version meanwhile, runs
+  // them again on the latest one.
+  void ReadMap(const LocalizeQuery& query, StageRunner* stages, Search* search,
+               std::optional<QueryContext>* context, LocalizeResult* result);
+  void ReadVersion(const MapSnapshot& snapshot, const LocalizeQuery& query, StageRunner* stages,
+                   Search* search, std::optional<QueryContext>* context, LocalizeResult* result);
+};
+
+void Localizer::Impl::ReadMap(const LocalizeQuery& query, StageRunner* stages, Search* search,
+                              std::optional<QueryContext>* context, LocalizeResult* result) {
+  const MapSnapshot snapshot = store->Snapshot(query.deadline);
+  try {
+    ReadVersion(snapshot, query, stages, search, context, result);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kUnavailable) {
+      throw;
+    }
+    const MapSnapshot latest = store->Snapshot(query.deadline);
+    if (latest.version() == snapshot.version()) {
+      throw;
+    }
+    ReadVersion(latest, query, stages, search, context, result);
+  }
+}
+
+void Localizer::Impl::ReadVersion(const MapSnapshot& snapshot, const LocalizeQuery& query,
+                                  StageRunner* stages, Search* search,
+                                  std::optional<QueryContext>* context, LocalizeResult* result) {
+  result->map_version = snapshot.version();
+  result->map_is_stale = snapshot.is_stale();
+  stages->Run(Stage::kPrior, [&] {
+    *context = ResolvePrior(query, snapshot, options.prior);
+    const bool has_few = query.num_features() < options.pose.min_inliers;
+    return !*context ? Reason::kNoCoverage : has_few ? Reason::kTooFewFeatures : Reason::kNone;
+  });
+  stages->Run(Stage::kTiles, [&] {
+    search->tiles = FetchTiles(snapshot, cache.get(), options.tiles, options.matching.index,
+                               &(*context)->region, &result->counters,
+                               search->budget.StopAfter(options.tiles.deadline_share));
+    result->tiles = IdsOf(search->tiles);
+    return search->tiles.empty() ? Reason::kNoCoverage : Reason::kNone;
+  });
+}
+
 LocalizeResult Localizer::Impl::Localize(const LocalizeQuery& query) {
   const QueryBudget::Clock::time_point start = QueryBudget::Clock::now();
   query.Validate();
   const QueryBudget budget{&workers, query.deadline};
-  std::optional<MapSnapshot> snapshot(store->Snapshot());  // Held until the tiles are fetched.
-  LocalizeResult result = EmptyResult(query, *snapshot);
+  LocalizeResult result = EmptyResult(query);
   Search search{options, budget, &result.counters, {}, {}};
   std::optional<QueryContext> context, without_gravity;
   SharedMatches matches;
   std::vector<PoseCandidate> candidates;
 
   StageRunner stages(budget, &result);
-  stages.Run(Stage::kPrior, [&] {
-    context = ResolvePrior(query, *snapshot, options.prior);
-    const bool has_few = query.num_features() < options.pose.min_inliers;
-    return !context ? Reason::kNoCoverage : has_few ? Reason::kTooFewFeatures : Reason::kNone;
-  });
-  stages.Run(Stage::kTiles, [&] {
-    search.tiles =
-        FetchTiles(*snapshot, cache.get(), options.tiles, options.matching.index, &context->region,
-                   &result.counters, budget.StopAfter(options.tiles.deadline_share));
-    snapshot.reset();
-    result.tiles = IdsOf(search.tiles);
-    return search.tiles.empty() ? Reason::kNoCoverage : Reason::kNone;
-  });
+  ReadMap(query, &stages, &search, &context, &result);
   stages.Run(Stage::kMatching, [&] {
     matches = search.Match(*context);
     return matches == nullptr ? Reason::kTooFewMatches : Reason::kNone;

@@ -16,8 +16,8 @@ namespace cairn {
 // that is current when the call starts.
 class Localizer {
  public:
-  // Other objects may share `store` and `cache`. The cache identifies tiles by payload only, so it
-  // must hold only tiles of this store that were made with the same options.matching.index.
+  // Other objects may share `store` and `cache`. The cache identifies tiles by the digest of their
+  // payload only, so it must hold only tiles that were made with the same options.matching.index.
   // Validates the options.
   Localizer(std::shared_ptr<const MapStore> store, std::shared_ptr<TileCache> cache,
             const LocalizerOptions& options);
@@ -25,7 +25,8 @@ class Localizer {
 
   // If the query has no answer, the result states the reason. Throws Error(kBadInput) for an
   // invalid query (see LocalizeQuery::Validate; also a wrong descriptor dimension or codec), and
-  // Error(kMapDamaged) if a tile does not decode.
+  // Error(kMapDamaged) if a tile does not decode, and Error(kUnavailable) if the map's server does
+  // not answer by the query's deadline and tiles are missing.
   LocalizeResult Localize(const LocalizeQuery& query) const;
 
   const LocalizerOptions& options() const;

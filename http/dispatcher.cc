@@ -11,10 +11,14 @@ namespace cairn {
 namespace {
 
 HttpResponse ProblemResponse(const HttpError& error, const std::string& request_id) {
-  return {.status = InfoOf(error.problem()).status,
-          .content_type = "application/problem+json",
-          .body = ProblemJson(error, request_id),
-          .headers = error.headers()};
+  HttpResponse response = {.status = InfoOf(error.problem()).status,
+                           .content_type = "application/problem+json",
+                           .body = ProblemJson(error, request_id),
+                           .headers = error.headers()};
+  if (error.problem() == ProblemCode::kUnavailable) {
+    response.headers.emplace_back("Retry-After", "1");
+  }
+  return response;
 }
 
 // The API carries no credentials, so pages of any origin may use it (WebXR clients do).

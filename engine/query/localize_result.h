@@ -130,6 +130,7 @@ struct LocalizeResult {
 
   // Always set.
   MapVersion map_version{};
+  bool map_is_stale = false;  // The map's store is silent: there may be a newer version.
   std::vector<TileId> tiles;  // The searched tiles.
   StageCounters counters;
   StageTimes times;

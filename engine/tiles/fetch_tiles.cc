@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
-#include <mutex>
 #include <thread>
 #include <utility>
 
@@ -164,47 +163,44 @@ class TileLoader {
                          [&](const TileRecord& record) { return !IsCached(record); });
   }
 
-  bool IsCached(const TileRecord& record) const {
-    return cache_->Peek(record.payload_id) != nullptr;
-  }
+  bool IsCached(const TileRecord& record) const { return cache_->Peek(record.digest) != nullptr; }
 
   std::shared_ptr<const SearchableTile> Get(const TileRecord& record) {
     const auto load = [&]() -> std::shared_ptr<const CachedTile> {
       ++num_loaded_;
       return Load(record);
     };
-    return std::static_pointer_cast<const SearchableTile>(
-        cache_->GetOrLoad(record.payload_id, load));
+    auto tile =
+        std::static_pointer_cast<const SearchableTile>(cache_->GetOrLoad(record.digest, load));
+    if (tile->id() != record.tile_id) {  // A damaged map may name the digest of another tile.
+      ThrowFor(record, Error(ErrorCode::kMapDamaged, "holds tile " + tile->id().ToString()));
+    }
+    return tile;
   }
 
-  // Fetches and decodes a tile and builds the first part of its index. Errors name the tile.
+  // Fetches and decodes a tile and builds the first part of its index.
   std::shared_ptr<const SearchableTile> Load(const TileRecord& record) {
     try {
-      std::shared_ptr<const Codebook> codebook;
-      LargeVector<uint8_t> bytes = Fetch(record, &codebook);
-      auto tile = MakeSearchableTile(std::move(bytes), std::move(codebook), index_options_);
-      if (tile->id() != record.tile_id) {
-        throw Error(ErrorCode::kMapDamaged, fmt::format("holds tile {}", tile->id().ToString()));
-      }
-      return tile;
+      std::shared_ptr<const Codebook> codebook = snapshot_.LoadCodebook(record.codebook_id);
+      return MakeSearchableTile(snapshot_.LoadPayload(record.payload_id), std::move(codebook),
+                                index_options_);
     } catch (const Error& error) {
-      throw Error(error.code(),
-                  fmt::format("tile {}, payload {}: {}; run `cairn check` to find all damage",
-                              record.tile_id.ToString(), Value(record.payload_id), error.what()));
+      ThrowFor(record, error);
     }
   }
 
-  // Locks, because a snapshot serves one thread at a time.
-  LargeVector<uint8_t> Fetch(const TileRecord& record, std::shared_ptr<const Codebook>* codebook) {
-    const std::lock_guard lock(mutex_);
-    *codebook = snapshot_.LoadCodebook(record.codebook_id);
-    return snapshot_.LoadPayload(record.payload_id);
+  // Throws the error with the name of the tile.
+  [[noreturn]] static void ThrowFor(const TileRecord& record, const Error& error) {
+    const bool is_absent = error.code() == ErrorCode::kUnavailable;
+    throw Error(error.code(),
+                fmt::format("tile {}, payload {}: {}{}", record.tile_id.ToString(),
+                            Value(record.payload_id), error.what(),
+                            is_absent ? "" : "; run `cairn check` to find all damage"));
   }
 
   const MapSnapshot& snapshot_;
   TileCache* cache_;
   const IndexOptions& index_options_;
-  std::mutex mutex_;
   std::atomic<int64_t> num_loaded_ = 0;
 };
 

@@ -31,7 +31,7 @@ namespace cairn {
 // concurrent one.
 //
 // Sets the tile counters and num_descriptors. Throws Error(kMapDamaged) if a payload does not
-// decode or belongs to another tile than its record.
+// decode or belongs to another tile than its record, and what MapSnapshot throws.
 std::vector<TileView> FetchTiles(const MapSnapshot& snapshot, TileCache* cache,
                                  const TilesOptions& options, const IndexOptions& index_options,
                                  SearchRegion* region, StageCounters* counters,

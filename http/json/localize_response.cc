@@ -286,6 +286,9 @@ LocalizeResult ReadResult(const JsonReader& json) {
   ReadStages(json.At("stages"), &result);
   const JsonReader map = json.At("map");
   result.map_version = MapVersion(map.At("version").Integer(0, kMaxExactInteger));
+  if (const auto stale = map.Find("stale")) {
+    result.map_is_stale = stale->Bool();
+  }
   for (const JsonReader& tile : map.At("tiles").Elements(0, kAnswerLimits.max_elements)) {
     result.tiles.push_back(TileId::Parse(tile.String()));
   }
@@ -321,6 +324,9 @@ std::string LocalizeResponseJson(const LocalizeResult& result, const LocalizeReq
     tiles.push_back(tile.ToString());
   }
   json["map"] = {{"version", Value(result.map_version)}, {"tiles", std::move(tiles)}};
+  if (result.map_is_stale) {
+    json["map"]["stale"] = true;
+  }
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -57,7 +57,7 @@ std::string ServedMap::TileTag(const TileRecord& tile) const {
 
 ServedMaps::ServedMaps(const ServedMapOptions& options)
     : options_(options),
-      current_(Open(OpenMode::kReadOnly, std::make_shared<TileCache>(options.cache_bytes))) {}
+      current_(Open(OpenMode::kServing, std::make_shared<TileCache>(options.cache_bytes))) {}
 
 std::shared_ptr<ServedMap> ServedMaps::Open(OpenMode mode, std::shared_ptr<TileCache> cache) const {
   auto store = std::make_shared<const MapStore>(MapStore::Open(options_.path, mode));
@@ -154,7 +154,7 @@ void ServedMaps::TakeReplacement() {
 
 void ServedMaps::TakeOverwritten() {
   std::shared_ptr<ServedMap> next =
-      Open(OpenMode::kReadOnly, std::make_shared<TileCache>(options_.cache_bytes));
+      Open(OpenMode::kServing, std::make_shared<TileCache>(options_.cache_bytes));
   const std::shared_ptr<const ServedMap> old = Current();
   // An open map sees its own updates; reopening is not needed.
   const bool is_same = next->created_at == old->created_at &&
@@ -176,7 +176,7 @@ void ServedMaps::TakePlaceOfStandIn() {
         "visible",
         fmt::format("remove {} and its -shm file before any program writes to the map", log_path));
   }
-  std::shared_ptr<ServedMap> next = Open(OpenMode::kReadOnly, stand_in->cache);
+  std::shared_ptr<ServedMap> next = Open(OpenMode::kServing, stand_in->cache);
   if (next->created_at != stand_in->created_at ||
       stand_in->store->FileState() != MapFileState::kInPlace) {
     return;  // The file is being replaced again; the next check sees it.

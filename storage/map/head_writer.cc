@@ -16,8 +16,8 @@
 #include "storage/geometry/geo_box.h"
 #include "storage/geometry/geopackage.h"
 #include "storage/map/map_queries.h"
+#include "storage/map/utc_time.h"
 #include "storage/map/version_queries.h"
-#include "storage/sqlite/blob.h"
 #include "storage/tile/tile_codec.h"
 
 namespace cairn {
@@ -25,29 +25,35 @@ namespace {
 
 int64_t RowId(TileId tile_id) { return static_cast<int64_t>(tile_id.value()); }
 
+// Runs an INSERT ... RETURNING and returns the id.
+int64_t InsertedId(db::Statement& inserted) {
+  inserted.Step();
+  const int64_t id = inserted.Int64(0);
+  inserted.Step();
+  return id;
+}
+
 // Formats numbers as "[1.5,2,3]". Each number is as short as an exact round trip allows.
 std::string FormatNumbers(const std::vector<double>& numbers) {
   return fmt::format("[{}]", fmt::join(numbers, ","));
 }
 
 // Returns the id of the row with equal intrinsics. Inserts a row if there is none.
-int64_t CameraRow(sqlite::Connection* connection, const Camera& camera) {
+int64_t CameraRow(db::Connection* connection, const Camera& camera) {
   const std::string model = CameraModelName(camera.model());
   const int64_t width_px = camera.width_px();
   const int64_t height_px = camera.height_px();
   const std::string params = FormatNumbers(camera.params());
-  sqlite::Statement found = connection->Prepare(
+  db::Statement found = connection->Prepare(
       "SELECT camera_id FROM cairn_cameras "
       "WHERE model = ? AND width_px = ? AND height_px = ? AND params = ?");
   if (found.Bind(model, width_px, height_px, params).Step()) {
     return found.Int64(0);
   }
-  connection
-      ->Prepare(
-          "INSERT INTO cairn_cameras (model, width_px, height_px, params) VALUES (?, ?, ?, ?)")
-      .Bind(model, width_px, height_px, params)
-      .Run();
-  return connection->LastInsertId();
+  db::Statement inserted = connection->Prepare(
+      "INSERT INTO cairn_cameras (model, width_px, height_px, params) VALUES (?, ?, ?, ?) "
+      "RETURNING camera_id");
+  return InsertedId(inserted.Bind(model, width_px, height_px, params));
 }
 
 // Returns the heading of the optical axis: degrees clockwise from north, in [0, 360).
@@ -62,50 +68,49 @@ double HeadingDeg(const Rigid3d& cam_from_ecef, const Geodetic& position) {
 // If this update moved the row to the past, deletes the row there and returns its `since`.
 // Otherwise returns the version that the update becomes.
 template <typename... Keys>
-int64_t TakeBack(sqlite::Connection* connection, std::string_view sql, int64_t next_version,
+int64_t TakeBack(db::Connection* connection, std::string_view sql, int64_t next_version,
                  const Keys&... keys) {
-  sqlite::Statement row = connection->Prepare(sql);
+  db::Statement row = connection->Prepare(sql);
   return row.Bind(next_version, keys...).Step() ? row.Int64(0) : next_version;
 }
 
 // Returns the version after the current version. The file may hold any number.
-int64_t NextVersion(sqlite::Connection* connection) {
+int64_t NextVersion(db::Connection* connection) {
   constexpr int64_t kMaxVersion = int64_t{1} << 62;
   const int64_t current = Value(queries::CurrentVersion(connection));
   if (current < 1 || current >= kMaxVersion) {
     throw Error(ErrorCode::kMapDamaged,
-                fmt::format("{}: version {} cannot be counted on", connection->path(), current));
+                fmt::format("{}: version {} cannot be counted on", connection->name(), current));
   }
   return current + 1;
 }
 
 }  // namespace
 
-HeadWriter::HeadWriter(sqlite::Connection* connection)
+HeadWriter::HeadWriter(db::Connection* connection)
     : connection_(connection),
       next_version_(NextVersion(connection)),
       totals_(queries::LatestVersion(connection).totals),
-      coverage_extent_(connection, "coverage", "rtree_coverage_geom"),
-      keyframes_extent_(connection, "keyframes", "rtree_keyframes_geom") {}
+      extents_(connection->dialect() == db::Dialect::kSqlite
+                   ? std::make_unique<LayerExtents>(connection)
+                   : nullptr) {}
 
 SessionId HeadWriter::InsertSession(const SessionRecord& session) {
   const int64_t since =
       TakeBack(connection_,
                "DELETE FROM cairn_past_sessions WHERE until = ? AND session_id = ? RETURNING since",
                next_version_, Value(session.id));
-  connection_
-      ->Prepare(
-          "INSERT INTO cairn_sessions (session_id, name, source, created_at, recorded_at, "
-          "content_digest, num_images, num_landmarks, georef_median_residual_m, since) "
-          "VALUES (nullif(?1, 0), ?2, ?3, "
-          "coalesce(nullif(?4, ''), strftime('%Y-%m-%dT%H:%M:%SZ', 'now')), "
-          "coalesce(nullif(?5, ''), strftime('%Y-%m-%dT%H:%M:%SZ', 'now')), ?6, ?7, ?8, ?9, ?10)")
-      .Bind(Value(session.id), session.name, session.source, session.created_at,
-            session.recorded_at, session.content_digest, session.num_images, session.num_landmarks,
-            session.georef_median_residual_m, since)
-      .Run();
+  const std::string now = UtcNow();
+  db::Statement inserted = connection_->Prepare(
+      "INSERT INTO cairn_sessions (session_id, name, source, created_at, recorded_at, "
+      "content_digest, num_images, num_landmarks, georef_median_residual_m, since) "
+      "VALUES (nullif(?, 0), ?, ?, ?, ?, ?, ?, ?, ?, ?) RETURNING session_id");
+  inserted.Bind(Value(session.id), session.name, session.source,
+                session.created_at.empty() ? now : session.created_at,
+                session.recorded_at.empty() ? now : session.recorded_at, session.content_digest,
+                session.num_images, session.num_landmarks, session.georef_median_residual_m, since);
   totals_.AddSessions(1);
-  return SessionId(connection_->LastInsertId());
+  return SessionId(InsertedId(inserted));
 }
 
 void HeadWriter::RetireSession(SessionId session_id) {
@@ -118,10 +123,11 @@ void HeadWriter::RetireSession(SessionId session_id) {
           "WHERE session_id = ?2 AND since < ?1")
       .Bind(next_version_, Value(session_id))
       .Run();
-  connection_->Prepare("DELETE FROM cairn_sessions WHERE session_id = ?")
-      .Bind(Value(session_id))
-      .Run();
-  totals_.AddSessions(-connection_->NumChanges());
+  db::Statement gone =
+      connection_->Prepare("DELETE FROM cairn_sessions WHERE session_id = ? RETURNING session_id");
+  if (gone.Bind(Value(session_id)).Step()) {
+    totals_.AddSessions(-1);
+  }
 }
 
 KeyframeId HeadWriter::InsertKeyframe(const KeyframeRecord& keyframe) {
@@ -132,15 +138,14 @@ KeyframeId HeadWriter::InsertKeyframe(const KeyframeRecord& keyframe) {
   const Rigid3d& pose = keyframe.cam_from_ecef;
   const Geodetic position = GeodeticFromEcef(pose.Inverse().translation);
   const std::vector<uint8_t> geometry = PointGeometry(position);
-  connection_
-      ->Prepare(
-          "INSERT INTO keyframes (keyframe_id, geom, session_id, tile_id, image_name, lat_deg, "
-          "lon_deg, h_m, heading_deg) VALUES (nullif(?, 0), ?, ?, ?, ?, ?, ?, ?, ?)")
-      .Bind(Value(keyframe.id), geometry, Value(keyframe.session_id), RowId(keyframe.tile_id),
-            keyframe.image_name, position.lat_deg(), position.lon_deg(), position.h_m,
-            HeadingDeg(pose, position))
-      .Run();
-  const int64_t keyframe_id = connection_->LastInsertId();
+  db::Statement inserted = connection_->Prepare(
+      "INSERT INTO keyframes (keyframe_id, geom, session_id, tile_id, image_name, lat_deg, "
+      "lon_deg, h_m, heading_deg) VALUES (nullif(?, 0), ?, ?, ?, ?, ?, ?, ?, ?) "
+      "RETURNING keyframe_id");
+  inserted.Bind(Value(keyframe.id), db::Geometry{geometry}, Value(keyframe.session_id),
+                RowId(keyframe.tile_id), keyframe.image_name, position.lat_deg(),
+                position.lon_deg(), position.h_m, HeadingDeg(pose, position));
+  const int64_t keyframe_id = InsertedId(inserted);
   connection_
       ->Prepare(
           "INSERT INTO cairn_keyframe_poses (keyframe_id, camera_id, qw, qx, qy, qz, tx_m, "
@@ -150,18 +155,19 @@ KeyframeId HeadWriter::InsertKeyframe(const KeyframeRecord& keyframe) {
             pose.translation.y(), pose.translation.z(), since)
       .Run();
   totals_.AddKeyframes(1);
-  keyframes_extent_.Add(*EnvelopeOfGeometry(geometry));
+  if (extents_) {
+    extents_->keyframes.Add(*EnvelopeOfGeometry(geometry));
+  }
   return KeyframeId(keyframe_id);
 }
 
 void HeadWriter::RetireKeyframe(KeyframeId keyframe_id) {
-  sqlite::Statement geometry =
-      connection_->Prepare("SELECT geom FROM keyframes WHERE keyframe_id = ?");
-  if (!geometry.Bind(Value(keyframe_id)).Step()) {
+  db::Statement place =
+      connection_->Prepare("SELECT lon_deg, lat_deg FROM keyframes WHERE keyframe_id = ?");
+  if (!place.Bind(Value(keyframe_id)).Step()) {
     return;
   }
-  const GeometryEnvelope envelope =
-      EnvelopeOfGeometry(geometry.Blob(0)).value_or(GeometryEnvelope());
+  const double lon_deg = place.Double(0), lat_deg = place.Double(1);
   connection_
       ->Prepare(
           "INSERT INTO cairn_past_keyframes (keyframe_id, since, until, session_id, tile_id, "
@@ -177,26 +183,27 @@ void HeadWriter::RetireKeyframe(KeyframeId keyframe_id) {
     connection_->Prepare(sql).Bind(Value(keyframe_id)).Run();
   }
   totals_.AddKeyframes(-1);
-  keyframes_extent_.Remove(envelope);
+  if (extents_) {
+    extents_->keyframes.Remove({lon_deg, lon_deg, lat_deg, lat_deg, false});
+  }
 }
 
 PayloadId HeadWriter::StorePayload(std::span<const uint8_t> payload) {
   const std::string digest = ContentDigest(payload);
-  sqlite::Statement row =
+  db::Statement row =
       connection_->Prepare("SELECT payload_id FROM cairn_payloads WHERE digest = ?");
   if (row.Bind(digest).Step()) {
     const auto payload_id = PayloadId(row.Int64(0));
     const LargeVector<uint8_t> stored = queries::LoadPayload(connection_, payload_id);
     if (!std::equal(payload.begin(), payload.end(), stored.begin(), stored.end())) {
       throw Error(ErrorCode::kMapDamaged, fmt::format("{}: payload {} does not match its digest",
-                                                      connection_->path(), Value(payload_id)));
+                                                      connection_->name(), Value(payload_id)));
     }
     return payload_id;
   }
-  connection_->Prepare("INSERT INTO cairn_payloads (digest, bytes) VALUES (?, ?)")
-      .Bind(digest, payload)
-      .Run();
-  return PayloadId(connection_->LastInsertId());
+  db::Statement inserted = connection_->Prepare(
+      "INSERT INTO cairn_payloads (digest, bytes) VALUES (?, ?) RETURNING payload_id");
+  return PayloadId(InsertedId(inserted.Bind(digest, payload)));
 }
 
 void HeadWriter::NoteSessions(TileId tile_id, std::span<const uint8_t> payload) {
@@ -208,7 +215,9 @@ void HeadWriter::NoteSessions(TileId tile_id, std::span<const uint8_t> payload) 
   }
   for (const SessionId session_id : session_ids) {
     connection_
-        ->Prepare("INSERT OR IGNORE INTO cairn_session_tiles (session_id, tile_id) VALUES (?, ?)")
+        ->Prepare(
+            "INSERT INTO cairn_session_tiles (session_id, tile_id) VALUES (?, ?) "
+            "ON CONFLICT DO NOTHING")
         .Bind(Value(session_id), RowId(tile_id))
         .Run();
   }
@@ -242,8 +251,9 @@ void HeadWriter::InsertTile(const TileRecord& tile) {
       ->Prepare(
           "INSERT INTO coverage (tile_id, geom, tile, num_landmarks, num_descriptors, "
           "num_keyframes, num_bytes, min_h_m, max_h_m) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)")
-      .Bind(RowId(tile.tile_id), geometry, tile.tile_id.ToString(), tile.num_landmarks,
-            tile.num_descriptors, tile.num_keyframes, tile.num_bytes, tile.min_h_m, tile.max_h_m)
+      .Bind(RowId(tile.tile_id), db::Geometry{geometry}, tile.tile_id.ToString(),
+            tile.num_landmarks, tile.num_descriptors, tile.num_keyframes, tile.num_bytes,
+            tile.min_h_m, tile.max_h_m)
       .Run();
   const GeoBox& bounds = tile.landmark_bounds;
   connection_
@@ -256,7 +266,9 @@ void HeadWriter::InsertTile(const TileRecord& tile) {
             bounds.north_rad * kDegPerRad, bounds.east_rad * kDegPerRad, since)
       .Run();
   totals_.AddTile(tile);
-  coverage_extent_.Add(*EnvelopeOfGeometry(geometry));
+  if (extents_) {
+    extents_->coverage.Add(*EnvelopeOfGeometry(geometry));
+  }
 }
 
 void HeadWriter::RetireTile(TileId tile_id) {
@@ -279,12 +291,14 @@ void HeadWriter::RetireTile(TileId tile_id) {
   connection_->Prepare("DELETE FROM cairn_tiles WHERE tile_id = ?").Bind(RowId(tile_id)).Run();
   connection_->Prepare("DELETE FROM coverage WHERE tile_id = ?").Bind(RowId(tile_id)).Run();
   totals_.RemoveTile(*tile);
-  coverage_extent_.Remove(*EnvelopeOfGeometry(TileGeometry(tile_id)));
+  if (extents_) {
+    extents_->coverage.Remove(*EnvelopeOfGeometry(TileGeometry(tile_id)));
+  }
   DropUnusedPayload(tile->payload_id);
 }
 
 int64_t HeadWriter::DropUnusedPayload(PayloadId payload_id) {
-  sqlite::Statement row = connection_->Prepare(
+  db::Statement row = connection_->Prepare(
       "DELETE FROM cairn_payloads WHERE payload_id = ?1 "
       "AND NOT EXISTS (SELECT 1 FROM cairn_tiles WHERE payload_id = ?1) "
       "AND NOT EXISTS (SELECT 1 FROM cairn_past_tiles WHERE payload_id = ?1) "
@@ -295,18 +309,15 @@ int64_t HeadWriter::DropUnusedPayload(PayloadId payload_id) {
 CodebookId HeadWriter::StoreCodebook(const Codebook& codebook, CodebookId codebook_id) {
   const std::vector<uint8_t> bytes = EncodeCodebook(codebook);
   const std::string digest = ContentDigest(bytes);
-  sqlite::Statement row =
+  db::Statement row =
       connection_->Prepare("SELECT codebook_id FROM cairn_codebooks WHERE digest = ?");
   if (row.Bind(digest).Step()) {
     return CodebookId(row.Int64(0));
   }
-  connection_
-      ->Prepare(
-          "INSERT INTO cairn_codebooks (codebook_id, created_at, digest, bytes) "
-          "VALUES (nullif(?, 0), strftime('%Y-%m-%dT%H:%M:%SZ', 'now'), ?, ?)")
-      .Bind(Value(codebook_id), digest, bytes)
-      .Run();
-  return CodebookId(connection_->LastInsertId());
+  db::Statement inserted = connection_->Prepare(
+      "INSERT INTO cairn_codebooks (codebook_id, created_at, digest, bytes) "
+      "VALUES (nullif(?, 0), ?, ?, ?) RETURNING codebook_id");
+  return CodebookId(InsertedId(inserted.Bind(Value(codebook_id), UtcNow(), digest, bytes)));
 }
 
 void HeadWriter::SetCurrentCodebook(CodebookId codebook_id) {
@@ -320,14 +331,12 @@ void HeadWriter::AddVersion(const VersionNote& note) {
     totals_.SetBounds(queries::BoundsOfTiles(connection_));
   }
   queries::InsertVersion(connection_, MapVersion(next_version_), note, totals_.totals());
-  coverage_extent_.Write(connection_);
-  keyframes_extent_.Write(connection_);
-  connection_->Execute(
-      "UPDATE gpkg_contents SET last_change = strftime('%Y-%m-%dT%H:%M:%fZ', 'now') "
-      "WHERE table_name IN ('coverage', 'keyframes', 'cairn_sessions')");
+  if (extents_) {
+    extents_->Write(connection_);
+  }
 }
 
-void AddFirstVersion(sqlite::Connection* connection) {
+void AddFirstVersion(db::Connection* connection) {
   queries::InsertVersion(connection, MapVersion(1), {.kind = VersionKind::kCreate}, MapTotals());
 }
 

@@ -3,12 +3,13 @@
 #define CAIRN_STORAGE_MAP_HEAD_WRITER_H_
 
 #include <cstdint>
+#include <memory>
 #include <span>
 
+#include "storage/database/connection.h"
 #include "storage/map/layer_extent.h"
 #include "storage/map/map_store.h"
 #include "storage/map/running_totals.h"
-#include "storage/sqlite/connection.h"
 
 namespace cairn {
 
@@ -17,7 +18,7 @@ namespace cairn {
 // its `since`. Works in the open transaction of the connection, which must outlive the writer.
 class HeadWriter {
  public:
-  explicit HeadWriter(sqlite::Connection* connection);
+  explicit HeadWriter(db::Connection* connection);
 
   // The version that the update becomes.
   int64_t next_version() const { return next_version_; }
@@ -49,7 +50,7 @@ class HeadWriter {
   // Deletes the payload if no version has it. Returns the number of bytes deleted.
   int64_t DropUnusedPayload(PayloadId payload_id);
 
-  // Inserts the row of cairn_versions and updates gpkg_contents.
+  // Inserts the row of cairn_versions and, in a GeoPackage, updates gpkg_contents.
   void AddVersion(const VersionNote& note);
 
  private:
@@ -58,15 +59,14 @@ class HeadWriter {
   PayloadId StorePayload(std::span<const uint8_t> payload);
   void InsertTile(const TileRecord& tile);
 
-  sqlite::Connection* connection_;
+  db::Connection* connection_;
   int64_t next_version_;
   RunningTotals totals_;
-  LayerExtent coverage_extent_;
-  LayerExtent keyframes_extent_;
+  std::unique_ptr<LayerExtents> extents_;  // Null if the map is no GeoPackage.
 };
 
 // Inserts the row of version 1 into a new map.
-void AddFirstVersion(sqlite::Connection* connection);
+void AddFirstVersion(db::Connection* connection);
 
 }  // namespace cairn
 

@@ -18,9 +18,9 @@ bool Same(const GeometryEnvelope& a, const GeometryEnvelope& b) {
 
 }  // namespace
 
-LayerExtent::LayerExtent(sqlite::Connection* connection, const char* layer, const char* index)
+LayerExtent::LayerExtent(db::Connection* connection, const char* layer, const char* index)
     : layer_(layer), index_(index) {
-  sqlite::Statement row = connection->Prepare(
+  db::Statement row = connection->Prepare(
       "SELECT min_x, max_x, min_y, max_y FROM gpkg_contents WHERE table_name = ? "
       "AND min_x IS NOT NULL AND max_x IS NOT NULL AND min_y IS NOT NULL AND max_y IS NOT NULL");
   if (row.Bind(std::string_view(layer)).Step()) {
@@ -55,7 +55,7 @@ void LayerExtent::Remove(const GeometryEnvelope& envelope) {
   }
 }
 
-void LayerExtent::Write(sqlite::Connection* connection) const {
+void LayerExtent::Write(db::Connection* connection) const {
   if (!gone_from_edge_.empty()) {
     connection->Execute(
         fmt::format("UPDATE gpkg_contents SET (min_x, min_y, max_x, max_y) = "
@@ -70,6 +70,18 @@ void LayerExtent::Write(sqlite::Connection* connection) const {
         .Bind(extent_.min_x, extent_.max_x, extent_.min_y, extent_.max_y, std::string_view(layer_))
         .Run();
   }
+}
+
+LayerExtents::LayerExtents(db::Connection* connection)
+    : coverage(connection, "coverage", "rtree_coverage_geom"),
+      keyframes(connection, "keyframes", "rtree_keyframes_geom") {}
+
+void LayerExtents::Write(db::Connection* connection) const {
+  coverage.Write(connection);
+  keyframes.Write(connection);
+  connection->Execute(
+      "UPDATE gpkg_contents SET last_change = strftime('%Y-%m-%dT%H:%M:%fZ', 'now') "
+      "WHERE table_name IN ('coverage', 'keyframes', 'cairn_sessions')");
 }
 
 }  // namespace cairn

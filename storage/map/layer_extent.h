@@ -4,8 +4,8 @@
 
 #include <vector>
 
+#include "storage/database/connection.h"
 #include "storage/geometry/geopackage.h"
-#include "storage/sqlite/connection.h"
 
 namespace cairn {
 
@@ -14,19 +14,28 @@ class LayerExtent {
  public:
   // Reads the extent from gpkg_contents. `layer` and `index` are the names of the layer's table and
   // of its R*Tree; they must outlive the extent.
-  LayerExtent(sqlite::Connection* connection, const char* layer, const char* index);
+  LayerExtent(db::Connection* connection, const char* layer, const char* index);
 
   void Add(const GeometryEnvelope& envelope);
   void Remove(const GeometryEnvelope& envelope);
 
   // Writes the extent. Reads the whole index only if a geometry at the edge is gone.
-  void Write(sqlite::Connection* connection) const;
+  void Write(db::Connection* connection) const;
 
  private:
   const char* layer_;
   const char* index_;
   GeometryEnvelope extent_;
   std::vector<GeometryEnvelope> gone_from_edge_;
+};
+
+// What gpkg_contents says about the layers of a map.
+struct LayerExtents {
+  explicit LayerExtents(db::Connection* connection);
+  void Write(db::Connection* connection) const;  // Also writes the time of the change.
+
+  LayerExtent coverage;
+  LayerExtent keyframes;
 };
 
 }  // namespace cairn

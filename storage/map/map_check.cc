@@ -31,12 +31,15 @@ void Findings::Finish() {
   }
 }
 
-CheckReport CheckMap(sqlite::Connection* connection,
+CheckReport CheckMap(db::Connection* connection,
                      const std::function<void(int64_t, int64_t)>& progress) {
   CheckReport report;
   Findings findings(&report);
   try {
-    if (CheckPages(connection, &findings)) {
+    if (connection->dialect() == db::Dialect::kPostgres) {
+      CheckServerTables(connection, &findings);
+      CheckVersions(connection, &findings);
+    } else if (CheckPages(connection, &findings)) {
       CheckTables(connection, &findings);
       CheckLayers(connection, &findings);
       CheckVersions(connection, &findings);

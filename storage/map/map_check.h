@@ -8,15 +8,16 @@
 #include <span>
 #include <string>
 
+#include "storage/database/connection.h"
 #include "storage/map/map_store.h"
 #include "storage/map/version_queries.h"
-#include "storage/sqlite/connection.h"
 
 namespace cairn {
 
-// Implements MapStore::Check. If SQLite itself finds damage, the check ends there and reports that
+// Implements MapStore::Check. Of a file, all parts below; of a server, those that are not SQLite's.
+// If SQLite itself finds damage, the check ends there and reports that
 // damage.
-CheckReport CheckMap(sqlite::Connection* connection,
+CheckReport CheckMap(db::Connection* connection,
                      const std::function<void(int64_t, int64_t)>& progress);
 
 // Collects the problems that a check finds. For each kind of problem, the first few are kept and
@@ -47,36 +48,39 @@ struct Rule {
   const char* problem;
 };
 
-void CheckRules(sqlite::Connection* connection, std::span<const Rule> rules, Findings* findings);
+void CheckRules(db::Connection* connection, std::span<const Rule> rules, Findings* findings);
 
 // The parts of CheckMap. Each takes time in proportion to the map's size, and throws
 // Error(kMapDamaged) if damage keeps the check from going on.
 
 // Runs SQLite's own check of the file's pages, indices and constraints. If it returns false, do not
 // read the tables: their pages may form cycles.
-bool CheckPages(sqlite::Connection* connection, Findings* findings);
+bool CheckPages(db::Connection* connection, Findings* findings);
 
 // Checks everything else that SQL alone can check: the R*Trees, the references, and rows that
 // contradict each other.
-void CheckTables(sqlite::Connection* connection, Findings* findings);
+void CheckTables(db::Connection* connection, Findings* findings);
+
+// Checks what SQL alone can check of a PostgreSQL database, which keeps its indices, references and
+// types itself: rows that contradict each other, and geometries in the wrong place.
+void CheckServerTables(db::Connection* connection, Findings* findings);
 
 // Checks the geometries and the spatial indices of the two layers, and every keyframe's pose,
 // camera and tile.
-void CheckLayers(sqlite::Connection* connection, Findings* findings);
+void CheckLayers(db::Connection* connection, Findings* findings);
 
 // Decodes every codebook.
-void CheckCodebooks(sqlite::Connection* connection, Findings* findings);
+void CheckCodebooks(db::Connection* connection, Findings* findings);
 
 // Checks that version numbers have no gaps, that the rows of the past fit the versions, and that
 // the totals of each version match its content. Decodes every keyframe of the past.
-void CheckVersions(sqlite::Connection* connection, Findings* findings);
+void CheckVersions(db::Connection* connection, Findings* findings);
 
 // Checks a tile's payload and compares it with the tables. `tile_id` is the key of a row of the
 // coverage layer; it need not be a valid tile id.
-void CheckTile(sqlite::Connection* connection, int64_t tile_id, Findings* findings);
+void CheckTile(db::Connection* connection, int64_t tile_id, Findings* findings);
 // Checks a tile of the past in the same way.
-void CheckPastTile(sqlite::Connection* connection, const queries::PastTile& tile,
-                   Findings* findings);
+void CheckPastTile(db::Connection* connection, const queries::PastTile& tile, Findings* findings);
 
 }  // namespace cairn
 

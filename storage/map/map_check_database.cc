@@ -12,9 +12,9 @@ namespace {
 
 constexpr size_t kMaxLineBytes = 300;  // Limit on each line that SQLite reports.
 
-void CheckSpatialIndices(sqlite::Connection* connection, Findings* findings) {
+void CheckSpatialIndices(db::Connection* connection, Findings* findings) {
   for (const char* index : {"rtree_coverage_geom", "rtree_keyframes_geom"}) {
-    sqlite::Statement tree = connection->Prepare("SELECT rtreecheck(?)");
+    db::Statement tree = connection->Prepare("SELECT rtreecheck(?)");
     tree.Bind(std::string_view(index)).Step();
     if (const std::string line = tree.Text(0); line != "ok") {
       findings->Add(index, Excerpt(line, kMaxLineBytes));
@@ -23,11 +23,11 @@ void CheckSpatialIndices(sqlite::Connection* connection, Findings* findings) {
 }
 
 // Checks only the tables of the map. Tables that other programs added are not Cairn's to check.
-void CheckReferences(sqlite::Connection* connection, Findings* findings) {
+void CheckReferences(db::Connection* connection, Findings* findings) {
   for (const char* table :
        {"gpkg_contents", "gpkg_geometry_columns", "cairn_map", "cairn_versions", "cairn_tiles",
         "cairn_past_tiles", "cairn_keyframe_poses", "keyframes"}) {
-    sqlite::Statement references =
+    db::Statement references =
         connection->Prepare("SELECT coalesce(sum(1), 0) FROM pragma_foreign_key_check(?)");
     references.Bind(std::string_view(table)).Step();
     if (const int64_t count = references.Int64(0); count != 0) {
@@ -102,13 +102,41 @@ constexpr Rule kRules[] = {
      "layers have a wrong extent in gpkg_contents"},
 };
 
+// Of a server's tables. PostGIS compares the geometries.
+constexpr Rule kServerRules[] = {
+    {"SELECT count(*) FROM coverage WHERE tile_id NOT IN (SELECT tile_id FROM cairn_tiles)",
+     "squares in coverage have no tile"},
+    {"SELECT count(*) FROM cairn_payloads AS p "
+     "WHERE NOT EXISTS (SELECT 1 FROM cairn_tiles AS t WHERE t.payload_id = p.payload_id) "
+     "AND NOT EXISTS (SELECT 1 FROM cairn_past_tiles AS t WHERE t.payload_id = p.payload_id)",
+     "payloads belong to no tile"},
+    {"SELECT count(*) FROM keyframes AS k WHERE NOT EXISTS (SELECT 1 FROM cairn_keyframe_poses AS "
+     "p "
+     "WHERE p.keyframe_id = k.keyframe_id)",
+     "keyframes have no pose"},
+    {"SELECT (SELECT count(*) FROM cairn_map) <> 1", "table cairn_map: not one row"},
+    {"SELECT count(*) FROM cairn_map WHERE next_landmark_id >= " CAIRN_TOO_LARGE,
+     "table cairn_map: the next landmark id is too large"},
+    {"SELECT coalesce(max(version), 0) NOT BETWEEN 1 AND " CAIRN_TOO_LARGE " FROM cairn_versions",
+     "table cairn_versions: no version, or a version that is too large"},
+    {"SELECT count(*) FROM cairn_sessions WHERE num_images < 0 OR num_landmarks < 0 "
+     "OR NOT georef_median_residual_m BETWEEN 0 AND 1e9",
+     "sessions have invalid numbers"},
+    {"SELECT count(*) FROM cairn_sessions WHERE content_digest !~ '^[0-9a-f]*$' "
+     "OR recorded_at !~ '^\\d{4}-\\d\\d-\\d\\dT\\d\\d:\\d\\d:\\d\\dZ$'",
+     "sessions have times or digests that are none"},
+    {"SELECT count(*) FROM keyframes "
+     "WHERE NOT ST_DWithin(geom, ST_SetSRID(ST_MakePoint(lon_deg, lat_deg, h_m), 4326), 1e-7)",
+     "keyframes have a geometry in the wrong place"},
+};
+
 #undef CAIRN_TOO_LARGE
 
 }  // namespace
 
-void CheckRules(sqlite::Connection* connection, std::span<const Rule> rules, Findings* findings) {
+void CheckRules(db::Connection* connection, std::span<const Rule> rules, Findings* findings) {
   for (const Rule& rule : rules) {
-    sqlite::Statement row = connection->Prepare(rule.sql);
+    db::Statement row = connection->Prepare(rule.sql);
     row.Step();
     if (const int64_t count = row.Int64(0); count != 0) {
       findings->Add(fmt::format("{} {}", count, rule.problem));
@@ -118,9 +146,9 @@ void CheckRules(sqlite::Connection* connection, std::span<const Rule> rules, Fin
 
 // Stops at the first problem. If damaged pages form a cycle, SQLite would count the rows of an
 // index forever.
-bool CheckPages(sqlite::Connection* connection, Findings* findings) {
+bool CheckPages(db::Connection* connection, Findings* findings) {
   bool are_sound = true;
-  sqlite::Statement pages = connection->Prepare("PRAGMA integrity_check(1)");
+  db::Statement pages = connection->Prepare("PRAGMA integrity_check(1)");
   while (pages.Step()) {
     if (const std::string line = pages.Text(0); line != "ok") {
       findings->Add("database", Excerpt(line, kMaxLineBytes));
@@ -130,7 +158,11 @@ bool CheckPages(sqlite::Connection* connection, Findings* findings) {
   return are_sound;
 }
 
-void CheckTables(sqlite::Connection* connection, Findings* findings) {
+void CheckServerTables(db::Connection* connection, Findings* findings) {
+  CheckRules(connection, kServerRules, findings);
+}
+
+void CheckTables(db::Connection* connection, Findings* findings) {
   CheckSpatialIndices(connection, findings);
   CheckReferences(connection, findings);
   CheckRules(connection, kRules, findings);

@@ -34,7 +34,7 @@ void CheckRow(const std::string& where, const Check& check, Findings* findings) 
 // Returns true if the box of an R*Tree row contains the envelope with at most kIndexSlackDeg to
 // spare. The box is in columns `first` to `first` + 3: min x, max x, min y, max y. The columns are
 // NULL if the R*Tree has no row; another check reports that.
-bool IsIndexed(const sqlite::Statement& row, int first, const GeometryEnvelope& envelope) {
+bool IsIndexed(const db::Statement& row, int first, const GeometryEnvelope& envelope) {
   if (row.IsNull(first)) {
     return true;
   }
@@ -55,7 +55,7 @@ bool SameEnvelope(const GeometryEnvelope& a, const GeometryEnvelope& b) {
 
 // Compares the geometry and the indexed box of a row with the expected envelope. `geom_column`
 // holds the geometry; the four columns of the box follow.
-void CheckGeometry(const sqlite::Statement& row, int geom_column, const GeometryEnvelope& expected,
+void CheckGeometry(const db::Statement& row, int geom_column, const GeometryEnvelope& expected,
                    const std::string& where, Findings* findings) {
   const std::optional<GeometryEnvelope> envelope = EnvelopeOfGeometry(row.Blob(geom_column));
   if (!envelope || !SameEnvelope(*envelope, expected)) {
@@ -66,7 +66,7 @@ void CheckGeometry(const sqlite::Statement& row, int geom_column, const Geometry
   }
 }
 
-void CheckSquare(const sqlite::Statement& row, const std::string& where, Findings* findings) {
+void CheckSquare(const db::Statement& row, const std::string& where, Findings* findings) {
   const TileId tile_id = TileId::FromValue(static_cast<uint64_t>(row.Int64(0)));
   if (row.Text(1) != tile_id.ToString()) {
     findings->Add(where, "its name does not match its id");
@@ -90,8 +90,8 @@ bool StandsIn(const Geodetic& position, TileId tile_id) {
 }
 
 // The columns are keyframe_id, geom, box, lat_deg, lon_deg, h_m, heading_deg.
-void CheckKeyframe(const sqlite::Statement& row, sqlite::Connection* connection,
-                   const std::string& where, Findings* findings) {
+void CheckKeyframe(const db::Statement& row, db::Connection* connection, const std::string& where,
+                   Findings* findings) {
   const std::optional<KeyframeRecord> keyframe =
       queries::FindKeyframe(connection, KeyframeId(row.Int64(0)));
   if (!keyframe) {
@@ -123,8 +123,8 @@ void CheckKeyframe(const sqlite::Statement& row, sqlite::Connection* connection,
 
 }  // namespace
 
-void CheckLayers(sqlite::Connection* connection, Findings* findings) {
-  sqlite::Statement squares = connection->Prepare(
+void CheckLayers(db::Connection* connection, Findings* findings) {
+  db::Statement squares = connection->Prepare(
       "SELECT c.tile_id, c.tile, c.geom, r.minx, r.maxx, r.miny, r.maxy FROM coverage AS c "
       "LEFT JOIN rtree_coverage_geom AS r ON r.id = c.tile_id");
   while (squares.Step()) {
@@ -132,7 +132,7 @@ void CheckLayers(sqlite::Connection* connection, Findings* findings) {
     CheckRow(
         where, [&] { CheckSquare(squares, where, findings); }, findings);
   }
-  sqlite::Statement keyframes = connection->Prepare(
+  db::Statement keyframes = connection->Prepare(
       "SELECT k.keyframe_id, k.geom, r.minx, r.maxx, r.miny, r.maxy, k.lat_deg, k.lon_deg, k.h_m, "
       "k.heading_deg FROM keyframes AS k LEFT JOIN rtree_keyframes_geom AS r ON r.id = "
       "k.keyframe_id");

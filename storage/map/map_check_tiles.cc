@@ -29,7 +29,7 @@ constexpr double kSlackM = 0.01;
 class TileCheck {
  public:
   // `version` is any version that has the tile.
-  TileCheck(sqlite::Connection* connection, const TileRecord& record, MapVersion version,
+  TileCheck(db::Connection* connection, const TileRecord& record, MapVersion version,
             std::string where, Findings* findings)
       : connection_(connection),
         record_(record),
@@ -63,7 +63,7 @@ class TileCheck {
   }
 
   void CheckDigest(std::span<const uint8_t> payload) {
-    sqlite::Statement row =
+    db::Statement row =
         connection_->Prepare("SELECT digest FROM cairn_payloads WHERE payload_id = ?");
     const bool is_digest =
         row.Bind(Value(record_.payload_id)).Step() && row.Text(0) == ContentDigest(payload);
@@ -93,7 +93,7 @@ class TileCheck {
   }
 
   void CheckLandmarks(const Tile& tile) {
-    sqlite::Statement next = connection_->Prepare("SELECT next_landmark_id FROM cairn_map");
+    db::Statement next = connection_->Prepare("SELECT next_landmark_id FROM cairn_map");
     const uint64_t next_id = next.Step() ? static_cast<uint64_t>(next.Int64(0)) : 0;
     bool are_reserved = true;
     for (const LandmarkId id : tile.landmark_ids) {
@@ -140,7 +140,7 @@ class TileCheck {
             "a keyframe of its payload has a different pose in the map");
   }
 
-  sqlite::Connection* connection_;
+  db::Connection* connection_;
   const TileRecord& record_;
   const MapVersion version_;
   const std::string where_;
@@ -170,7 +170,7 @@ bool SameBounds(const GeoBox& a, const GeoBox& b) {
          near(a.north_rad, b.north_rad) && near(a.east_rad, b.east_rad);
 }
 
-void CheckCodebooks(sqlite::Connection* connection, Findings* findings) {
+void CheckCodebooks(db::Connection* connection, Findings* findings) {
   for (const CodebookId id : queries::CodebookIds(connection)) {
     const std::string where = fmt::format("codebook {}", Value(id));
     FindDamage(
@@ -185,7 +185,7 @@ void CheckCodebooks(sqlite::Connection* connection, Findings* findings) {
   }
 }
 
-void CheckTile(sqlite::Connection* connection, int64_t tile_id, Findings* findings) {
+void CheckTile(db::Connection* connection, int64_t tile_id, Findings* findings) {
   std::string where = "tile " + std::to_string(tile_id);
   FindDamage(
       where,
@@ -200,8 +200,7 @@ void CheckTile(sqlite::Connection* connection, int64_t tile_id, Findings* findin
       findings);
 }
 
-void CheckPastTile(sqlite::Connection* connection, const queries::PastTile& tile,
-                   Findings* findings) {
+void CheckPastTile(db::Connection* connection, const queries::PastTile& tile, Findings* findings) {
   const auto last = MapVersion(Value(tile.until) - 1);
   const std::string where =
       fmt::format("tile {} as of version {}", tile.tile.tile_id.ToString(), Value(last));

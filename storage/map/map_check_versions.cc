@@ -13,19 +13,16 @@ namespace {
 constexpr Rule kRules[] = {
     {"SELECT max(version) - min(version) + 1 <> count(*) FROM cairn_versions",
      "table cairn_versions: versions are missing"},
-    {"SELECT count(*) FROM cairn_versions "
-     "WHERE created_at IS NOT strftime('%Y-%m-%dT%H:%M:%SZ', created_at)",
-     "versions have times that are none"},
-    {"SELECT (SELECT codebook_id FROM cairn_versions ORDER BY version DESC LIMIT 1) "
-     "IS NOT (SELECT codebook_id FROM cairn_map)",
+    {"SELECT coalesce((SELECT codebook_id FROM cairn_versions ORDER BY version DESC LIMIT 1), 0) "
+     "<> coalesce((SELECT codebook_id FROM cairn_map), 0)",
      "table cairn_map: the codebook is not that of the latest version"},
     {"SELECT count(*) FROM (SELECT since FROM cairn_tiles UNION ALL "
-     "SELECT since FROM cairn_sessions UNION ALL SELECT since FROM cairn_keyframe_poses) "
+     "SELECT since FROM cairn_sessions UNION ALL SELECT since FROM cairn_keyframe_poses) AS r "
      "WHERE since NOT BETWEEN 1 AND (SELECT max(version) FROM cairn_versions)",
      "rows are from versions that the map never had"},
     {"SELECT count(*) FROM (SELECT since, until FROM cairn_past_tiles UNION ALL "
      "SELECT since, until FROM cairn_past_sessions UNION ALL "
-     "SELECT since, until FROM cairn_past_keyframes) WHERE since < 1 "
+     "SELECT since, until FROM cairn_past_keyframes) AS r WHERE since < 1 "
      "OR until <= (SELECT min(version) FROM cairn_versions) "
      "OR until > (SELECT max(version) FROM cairn_versions)",
      "rows of the past are of versions that the map does not keep"},
@@ -45,10 +42,10 @@ constexpr Rule kRules[] = {
     {"SELECT count(*) FROM cairn_past_keyframes "
      "WHERE camera_id NOT IN (SELECT camera_id FROM cairn_cameras)",
      "keyframes of the past have no camera"},
-    {"SELECT count(*) FROM cairn_versions WHERE NOT coalesce(CASE num_tiles WHEN 0 "
+    {"SELECT count(*) FROM cairn_versions WHERE CASE num_tiles WHEN 0 "
      "THEN coalesce(south_deg, west_deg, north_deg, east_deg) IS NULL "
      "ELSE south_deg BETWEEN -90 AND north_deg AND north_deg <= 90 "
-     "AND west_deg BETWEEN -180 AND 180 AND east_deg BETWEEN -180 AND 180 END, 0)",
+     "AND west_deg BETWEEN -180 AND 180 AND east_deg BETWEEN -180 AND 180 END IS NOT TRUE",
      "versions have bounds that are none"},
     // Everything that enters or leaves the map counts from its version on.
     {"WITH events (version, tiles, landmarks, descriptors, bytes, keyframes, sessions) AS ("
@@ -79,9 +76,15 @@ constexpr Rule kRules[] = {
      "versions have totals that are not those of what they hold"},
 };
 
-void CheckPastKeyframes(sqlite::Connection* connection, Findings* findings) {
-  sqlite::Statement row =
-      connection->Prepare("SELECT keyframe_id, since FROM cairn_past_keyframes");
+// SQLite's dates; those of PostgreSQL would refuse what is none.
+constexpr Rule kTimeRules[] = {
+    {"SELECT count(*) FROM cairn_versions "
+     "WHERE created_at IS NOT strftime('%Y-%m-%dT%H:%M:%SZ', created_at)",
+     "versions have times that are none"},
+};
+
+void CheckPastKeyframes(db::Connection* connection, Findings* findings) {
+  db::Statement row = connection->Prepare("SELECT keyframe_id, since FROM cairn_past_keyframes");
   while (row.Step()) {
     try {
       queries::FindKeyframeOf(connection, MapVersion(row.Int64(1)), KeyframeId(row.Int64(0)));
@@ -96,8 +99,11 @@ void CheckPastKeyframes(sqlite::Connection* connection, Findings* findings) {
 
 }  // namespace
 
-void CheckVersions(sqlite::Connection* connection, Findings* findings) {
+void CheckVersions(db::Connection* connection, Findings* findings) {
   CheckRules(connection, kRules, findings);
+  if (connection->dialect() == db::Dialect::kSqlite) {
+    CheckRules(connection, kTimeRules, findings);
+  }
   const VersionRecord latest = queries::LatestVersion(connection);
   const std::optional<GeoBox> bounds = queries::BoundsOfTiles(connection);
   const std::optional<GeoBox>& stored = latest.totals.bounds;

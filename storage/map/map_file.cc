@@ -19,6 +19,7 @@
 #include "storage/inspection/register.h"
 #include "storage/map/head_writer.h"
 #include "storage/map/map_schema.h"
+#include "storage/map/sqlite_database.h"
 #include "storage/map/unfinished_file.h"
 #include "storage/sqlite/error.h"
 #include "storage/sqlite/transaction.h"
@@ -203,20 +204,21 @@ std::unique_ptr<sqlite::Connection> OpenAndCheck(const std::string& path, sqlite
 }
 
 void FillEmptyMap(const std::string& path) {
-  const auto connection = Connect(path, sqlite::Access::kCreate, 0);
+  SqliteDatabase database(Connect(path, sqlite::Access::kCreate, 0));
+  sqlite::Connection* const connection = database.connection();
   // The page size must be set before anything is written. See
   // docs/decisions/0008-pages-of-16-kilobytes.md.
   connection->Execute("PRAGMA page_size = 16384");
   connection->Execute("PRAGMA journal_mode = WAL");
-  sqlite::Transaction transaction(connection.get(), sqlite::Transaction::Kind::kImmediate);
-  CreateMapSchema(connection.get());
+  sqlite::Transaction transaction(connection, sqlite::Transaction::Kind::kImmediate);
+  CreateMapSchema(connection);
   connection
       ->Prepare(
           "INSERT INTO cairn_map (map_id, format_version, oldest_reader_version, created_at, "
           "next_landmark_id) VALUES (1, ?, ?, strftime('%Y-%m-%dT%H:%M:%SZ', 'now'), 1)")
       .Bind(kMapFormatVersion, kOldestReaderVersion)
       .Run();
-  AddFirstVersion(connection.get());
+  AddFirstVersion(&database);
   transaction.Commit();
   // Closing the connection would also checkpoint, but would not report a full disk.
   connection->Execute("PRAGMA wal_checkpoint(TRUNCATE)");

@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/require.h"
 #include "storage/map/map_file.h"
+#include "storage/map/postgres_backend.h"
 #include "storage/map/utc_time.h"
 
 namespace cairn {
@@ -76,6 +77,12 @@ PruneReport Prune(const PruneOptions& options, MapStore* store) {
 }
 
 void CompactMap(MapStore* store) {
+  if (IsServerAddress(store->path())) {
+    throw Error(ErrorCode::kInvalidArgument,
+                store->path() +
+                    ": only files are compacted; PostgreSQL vacuums by itself, and "
+                    "VACUUM FULL gives space back to the disk");
+  }
   // Throws if the map may not be written, or if an update runs.
   { const MapUpdate update = store->BeginUpdate(); }
   const auto connection = OpenMapFileForUpdate(store->path());

@@ -38,7 +38,7 @@ PruneReport Prune(const PruneOptions& options, MapStore* store);
 
 // Rewrites the file without free pages. If the process dies, the map stays as it was. Needs space
 // for a copy of the map beside the map and for another copy in the directory for temporary files.
-// Throws Error(kConflict) if an update runs.
+// Throws Error(kConflict) if an update runs, Error(kInvalidArgument) if the map is on a server.
 void CompactMap(MapStore* store);
 
 }  // namespace cairn

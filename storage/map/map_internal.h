@@ -3,36 +3,43 @@
 #define CAIRN_STORAGE_MAP_MAP_INTERNAL_H_
 
 #include <memory>
-#include <optional>
 
 #include "storage/map/head_writer.h"
 #include "storage/map/map_store.h"
-#include "storage/map/reader_pool.h"
-#include "storage/sqlite/connection.h"
-#include "storage/sqlite/transaction.h"
+#include "storage/map/open_map.h"
 
 namespace cairn {
 
-// Borrows a connection from the pool and holds a read transaction on the connection.
 struct MapSnapshot::Impl {
-  explicit Impl(std::shared_ptr<ReaderPool> reader_pool);
-  ~Impl();
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
+  Impl(std::shared_ptr<OpenMap> open_map, ReadDeadline read_deadline);
 
-  std::shared_ptr<ReaderPool> pool;
-  std::unique_ptr<sqlite::Connection> connection;
-  std::optional<sqlite::Transaction> transaction;  // Ends before the connection is returned.
-  MapVersion version{};
+  std::shared_ptr<OpenMap> map;
+  ReadDeadline deadline;
+  MapHead head;
+  std::shared_ptr<VersionCache> cache;
+
+  // Calls read(connection, arguments..., version) with a borrowed connection.
+  template <typename Read, typename... Arguments>
+  auto Call(const Read& read, const Arguments&... arguments) const {
+    return map->Call(deadline, [&](db::Connection* connection) {
+      return read(connection, arguments..., head.version);
+    });
+  }
+
+  // Returns the tiles of the cells, from the cache if it has them all. Reads all others in one
+  // call.
+  std::vector<CellTiles> Cells(const std::vector<TileCell>& cells) const;
 };
 
-// Owns a connection and holds the map's write transaction on the connection.
+// Holds the map's write transaction.
 struct MapUpdate::Impl {
-  explicit Impl(const std::string& path);
+  explicit Impl(std::unique_ptr<WriteSession> write_session);
 
-  std::unique_ptr<sqlite::Connection> connection;
-  std::optional<sqlite::Transaction> transaction;  // Empty once published.
-  std::optional<HeadWriter> head;                  // Set by the constructor.
+  db::Connection* connection() { return session->connection(); }
+
+  std::unique_ptr<WriteSession> session;
+  bool is_published = false;
+  HeadWriter head;
 };
 
 }  // namespace cairn

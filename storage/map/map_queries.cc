@@ -1,8 +1,6 @@
 #include "storage/map/map_queries.h"
 
 #include <algorithm>
-#include <filesystem>
-#include <system_error>
 #include <utility>
 
 #include "core/angles.h"
@@ -10,7 +8,6 @@
 #include "storage/geometry/geo_box.h"
 #include "storage/map/map_rows.h"
 #include "storage/map/version_queries.h"
-#include "storage/sqlite/blob.h"
 
 namespace cairn::queries {
 namespace {
@@ -27,53 +24,72 @@ constexpr std::string_view kTilesOfSessionSql =
   "JOIN cairn_cameras AS c ON c.camera_id = p.camera_id "
 
 constexpr std::string_view kKeyframesOfSessionSql =
-    CAIRN_KEYFRAME_COLUMNS "WHERE k.session_id = ? ORDER BY k.keyframe_id";
+    CAIRN_KEYFRAME_COLUMNS "WHERE k.session_id = ? AND p.since <= ? ORDER BY k.keyframe_id";
 constexpr std::string_view kKeyframesOfTileSql =
-    CAIRN_KEYFRAME_COLUMNS "WHERE k.tile_id = ? ORDER BY k.keyframe_id";
+    CAIRN_KEYFRAME_COLUMNS "WHERE k.tile_id = ? AND p.since <= ? ORDER BY k.keyframe_id";
 constexpr std::string_view kFindKeyframeSql = CAIRN_KEYFRAME_COLUMNS "WHERE k.keyframe_id = ?";
 
 #undef CAIRN_KEYFRAME_COLUMNS
 
-// The columns that ReadTile expects, in order.
-#define CAIRN_TILE_COLUMNS                                                       \
-  "c.tile_id, t.payload_id, t.codebook_id, c.num_landmarks, c.num_descriptors, " \
-  "c.num_keyframes, c.num_bytes, c.min_h_m, c.max_h_m, t.landmarks_south_deg, "  \
-  "t.landmarks_west_deg, t.landmarks_north_deg, t.landmarks_east_deg "
+// The columns that ReadTile expects, in order, and where they come from. A damaged map may lack a
+// payload.
+#define CAIRN_SELECT_TILES                                                                    \
+  "SELECT c.tile_id, t.payload_id, t.codebook_id, c.num_landmarks, c.num_descriptors, "       \
+  "c.num_keyframes, c.num_bytes, c.min_h_m, c.max_h_m, t.landmarks_south_deg, "               \
+  "t.landmarks_west_deg, t.landmarks_north_deg, t.landmarks_east_deg, "                       \
+  "coalesce(p.digest, '') FROM coverage AS c JOIN cairn_tiles AS t ON t.tile_id = c.tile_id " \
+  "LEFT JOIN cairn_payloads AS p ON p.payload_id = t.payload_id "
 
 constexpr std::string_view kFindTilesSql =
-    "SELECT " CAIRN_TILE_COLUMNS
+    "SELECT c.tile_id, t.payload_id, t.codebook_id, c.num_landmarks, c.num_descriptors, "
+    "c.num_keyframes, c.num_bytes, c.min_h_m, c.max_h_m, t.landmarks_south_deg, "
+    "t.landmarks_west_deg, t.landmarks_north_deg, t.landmarks_east_deg, coalesce(p.digest, '') "
     "FROM rtree_coverage_geom AS r "
     "JOIN coverage AS c ON c.tile_id = r.id "
     "JOIN cairn_tiles AS t ON t.tile_id = r.id "
-    "WHERE r.maxx >= ? AND r.minx <= ? AND r.maxy >= ? AND r.miny <= ?";
+    "LEFT JOIN cairn_payloads AS p ON p.payload_id = t.payload_id "
+    "WHERE r.maxx >= ? AND r.minx <= ? AND r.maxy >= ? AND r.miny <= ? AND t.since <= ?";
+// The same through PostGIS's index.
+constexpr std::string_view kFindTilesPostgresSql =
+    CAIRN_SELECT_TILES "WHERE c.geom && ST_MakeEnvelope(?1, ?3, ?2, ?4, 4326) AND t.since <= ?5";
 
-constexpr std::string_view kFindTileSql =
-    "SELECT " CAIRN_TILE_COLUMNS
-    "FROM coverage AS c JOIN cairn_tiles AS t ON t.tile_id = c.tile_id WHERE c.tile_id = ?";
+constexpr std::string_view kFindTileSql = CAIRN_SELECT_TILES "WHERE c.tile_id = ? AND t.since <= ?";
 
 constexpr std::string_view kAllTilesSql =
-    "SELECT " CAIRN_TILE_COLUMNS
-    "FROM coverage AS c JOIN cairn_tiles AS t ON t.tile_id = c.tile_id ORDER BY c.tile_id LIMIT ?";
+    CAIRN_SELECT_TILES "WHERE t.since <= ? ORDER BY c.tile_id LIMIT ?";
 
-#undef CAIRN_TILE_COLUMNS
+constexpr std::string_view kTilesInRangeSql =
+    CAIRN_SELECT_TILES "WHERE c.tile_id BETWEEN ? AND ? AND t.since <= ? ORDER BY c.tile_id";
+
+#undef CAIRN_SELECT_TILES
 
 // The columns that ReadSession expects, in order.
 #define CAIRN_SESSION_COLUMNS                                                              \
   "SELECT session_id, name, source, created_at, recorded_at, content_digest, num_images, " \
   "num_landmarks, georef_median_residual_m FROM cairn_sessions "
 
-constexpr std::string_view kSessionsSql = CAIRN_SESSION_COLUMNS "ORDER BY session_id";
-constexpr std::string_view kFindSessionSql = CAIRN_SESSION_COLUMNS "WHERE name = ?";
+constexpr std::string_view kSessionsSql =
+    CAIRN_SESSION_COLUMNS "WHERE since <= ? ORDER BY session_id";
+constexpr std::string_view kFindSessionSql = CAIRN_SESSION_COLUMNS "WHERE name = ? AND since <= ?";
 
 #undef CAIRN_SESSION_COLUMNS
 
+std::vector<TileRecord> ReadTiles(db::Connection* connection, db::Statement* rows) {
+  std::vector<TileRecord> tiles;
+  while (rows->Step()) {
+    tiles.push_back(rows::ReadTile(*connection, *rows));
+  }
+  return tiles;
+}
+
 // Appends the tiles whose indexed rectangle intersects the given rectangle, in degrees.
-void AppendTiles(sqlite::Connection* connection, double west_deg, double east_deg, double south_deg,
-                 double north_deg, std::vector<TileRecord>* tiles) {
-  sqlite::Statement found = connection->Prepare(kFindTilesSql);
-  found.Bind(west_deg, east_deg, south_deg, north_deg);
-  while (found.Step()) {
-    tiles->push_back(rows::ReadTile(*connection, found));
+void AppendTiles(db::Connection* connection, double west_deg, double east_deg, double south_deg,
+                 double north_deg, MapVersion as_of, std::vector<TileRecord>* tiles) {
+  db::Statement found = connection->Prepare(
+      connection->dialect() == db::Dialect::kSqlite ? kFindTilesSql : kFindTilesPostgresSql);
+  found.Bind(west_deg, east_deg, south_deg, north_deg, Value(as_of));
+  for (TileRecord& tile : ReadTiles(connection, &found)) {
+    tiles->push_back(std::move(tile));
   }
 }
 
@@ -85,89 +101,93 @@ std::string_view KeyframesOfTileSql() { return kKeyframesOfTileSql; }
 std::string_view FindTilesSql() { return kFindTilesSql; }
 std::string_view FindTileSql() { return kFindTileSql; }
 
-MapInfo Info(sqlite::Connection* connection) {
-  const VersionRecord latest = LatestVersion(connection);
+MapInfo Info(db::Connection* connection, MapVersion version) {
   MapInfo info;
-  static_cast<MapTotals&>(info) = latest.totals;
-  info.version = latest.version;
-  sqlite::Statement row = connection->Prepare("SELECT created_at FROM cairn_map");
+  static_cast<MapTotals&>(info) = FindVersion(connection, version).totals;
+  info.version = version;
+  db::Statement row = connection->Prepare("SELECT created_at FROM cairn_map");
   row.Step();
   info.created_at = row.Text(0);
-  std::error_code ignored;
-  info.file_bytes = static_cast<int64_t>(std::filesystem::file_size(connection->path(), ignored));
+  info.file_bytes = static_cast<int64_t>(connection->FileBytes());
   return info;
 }
 
-std::vector<TileRecord> FindTiles(sqlite::Connection* connection, const GeoBox& box) {
+std::vector<TileRecord> FindTiles(db::Connection* connection, const GeoBox& box, MapVersion as_of) {
   constexpr double kTurnDeg = 360.0;  // Indexed longitudes lie in [-360, 360].
   const double west_deg = box.west_rad * kDegPerRad;
   const double east_deg = box.east_rad * kDegPerRad + (box.CrossesAntimeridian() ? kTurnDeg : 0.0);
   std::vector<TileRecord> tiles;
   for (const double turn_deg : {-kTurnDeg, 0.0, kTurnDeg}) {
-    AppendTiles(connection, west_deg + turn_deg, east_deg + turn_deg, box.south_rad * kDegPerRad,
-                box.north_rad * kDegPerRad, &tiles);
+    const double from_deg = west_deg + turn_deg, to_deg = east_deg + turn_deg;
+    if (to_deg >= -kTurnDeg && from_deg <= kTurnDeg) {
+      AppendTiles(connection, from_deg, to_deg, box.south_rad * kDegPerRad,
+                  box.north_rad * kDegPerRad, as_of, &tiles);
+    }
   }
   // The index rounds boxes outwards to floats, and the searches may return a tile twice.
   std::erase_if(tiles,
                 [&box](const TileRecord& tile) { return !BoxesMeet(tile.tile_id.Bounds(), box); });
-  const auto by_id = [](const TileRecord& a, const TileRecord& b) { return a.tile_id < b.tile_id; };
-  const auto same_id = [](const TileRecord& a, const TileRecord& b) {
-    return a.tile_id == b.tile_id;
-  };
-  std::sort(tiles.begin(), tiles.end(), by_id);
-  tiles.erase(std::unique(tiles.begin(), tiles.end(), same_id), tiles.end());
+  SortById(&tiles);
   return tiles;
 }
 
-std::vector<TileRecord> AllTiles(sqlite::Connection* connection, int64_t limit) {
-  std::vector<TileRecord> tiles;
-  sqlite::Statement rows = connection->Prepare(kAllTilesSql);
-  rows.Bind(std::max<int64_t>(limit, 0));
-  while (rows.Step()) {
-    tiles.push_back(rows::ReadTile(*connection, rows));
-  }
-  return tiles;
+std::vector<TileRecord> AllTiles(db::Connection* connection, int64_t limit, MapVersion as_of) {
+  db::Statement rows = connection->Prepare(kAllTilesSql);
+  rows.Bind(Value(as_of), std::max<int64_t>(limit, 0));
+  return ReadTiles(connection, &rows);
 }
 
-std::vector<int64_t> AllTileIds(sqlite::Connection* connection) {
+std::vector<TileRecord> TilesInRange(db::Connection* connection, int64_t first, int64_t last,
+                                     MapVersion as_of) {
+  db::Statement rows = connection->Prepare(kTilesInRangeSql);
+  rows.Bind(first, last, Value(as_of));
+  return ReadTiles(connection, &rows);
+}
+
+std::vector<int64_t> AllTileIds(db::Connection* connection) {
   std::vector<int64_t> tile_ids;
-  sqlite::Statement rows = connection->Prepare("SELECT tile_id FROM coverage ORDER BY tile_id");
+  db::Statement rows = connection->Prepare("SELECT tile_id FROM coverage ORDER BY tile_id");
   while (rows.Step()) {
     tile_ids.push_back(rows.Int64(0));
   }
   return tile_ids;
 }
 
-std::optional<TileRecord> FindTile(sqlite::Connection* connection, TileId tile_id) {
-  sqlite::Statement row = connection->Prepare(kFindTileSql);
-  if (!row.Bind(static_cast<int64_t>(tile_id.value())).Step()) {
+std::optional<TileRecord> FindTile(db::Connection* connection, TileId tile_id, MapVersion as_of) {
+  db::Statement row = connection->Prepare(kFindTileSql);
+  if (!row.Bind(static_cast<int64_t>(tile_id.value()), Value(as_of)).Step()) {
     return std::nullopt;
   }
   return rows::ReadTile(*connection, row);
 }
 
-LargeVector<uint8_t> LoadPayload(sqlite::Connection* connection, PayloadId payload_id) {
-  auto payload = sqlite::ReadBlob(connection, "cairn_payloads", "bytes", Value(payload_id));
+LargeVector<uint8_t> LoadPayload(db::Connection* connection, PayloadId payload_id) {
+  auto payload = connection->ReadBytes("cairn_payloads", "payload_id", Value(payload_id));
   if (!payload) {
     throw Error(ErrorCode::kMapDamaged,
-                connection->path() + ": has no payload " + std::to_string(Value(payload_id)));
+                connection->name() + ": has no payload " + std::to_string(Value(payload_id)));
   }
   return *std::move(payload);
 }
 
-CodebookId CurrentCodebookId(sqlite::Connection* connection) {
-  sqlite::Statement row =
-      connection->Prepare("SELECT coalesce(max(codebook_id), 0) FROM cairn_map");
+LandmarkId NextLandmarkId(db::Connection* connection) {
+  db::Statement row =
+      connection->Prepare("SELECT coalesce(max(next_landmark_id), 1) FROM cairn_map");
+  row.Step();
+  return LandmarkId(static_cast<uint64_t>(row.Int64(0)));
+}
+
+CodebookId CurrentCodebookId(db::Connection* connection) {
+  db::Statement row = connection->Prepare("SELECT coalesce(max(codebook_id), 0) FROM cairn_map");
   row.Step();
   return CodebookId(row.Int64(0));
 }
 
-std::shared_ptr<const Codebook> LoadCodebook(sqlite::Connection* connection,
-                                             CodebookId codebook_id) {
-  const auto bytes = sqlite::ReadBlob(connection, "cairn_codebooks", "bytes", Value(codebook_id));
+std::shared_ptr<const Codebook> LoadCodebook(db::Connection* connection, CodebookId codebook_id) {
+  const auto bytes = connection->ReadBytes("cairn_codebooks", "codebook_id", Value(codebook_id));
   if (!bytes) {
     throw Error(ErrorCode::kMapDamaged,
-                connection->path() + ": has no codebook " + std::to_string(Value(codebook_id)));
+                connection->name() + ": has no codebook " + std::to_string(Value(codebook_id)));
   }
   return rows::MakeFromRow(*connection, [&] {
     return std::make_shared<const Codebook>(
@@ -175,9 +195,9 @@ std::shared_ptr<const Codebook> LoadCodebook(sqlite::Connection* connection,
   });
 }
 
-std::vector<CodebookId> CodebookIds(sqlite::Connection* connection) {
+std::vector<CodebookId> CodebookIds(db::Connection* connection) {
   std::vector<CodebookId> ids;
-  sqlite::Statement rows =
+  db::Statement rows =
       connection->Prepare("SELECT codebook_id FROM cairn_codebooks ORDER BY codebook_id");
   while (rows.Step()) {
     ids.push_back(CodebookId(rows.Int64(0)));
@@ -185,36 +205,38 @@ std::vector<CodebookId> CodebookIds(sqlite::Connection* connection) {
   return ids;
 }
 
-std::string CodebookDigest(sqlite::Connection* connection, CodebookId codebook_id) {
-  sqlite::Statement row =
+std::string CodebookDigest(db::Connection* connection, CodebookId codebook_id) {
+  db::Statement row =
       connection->Prepare("SELECT digest FROM cairn_codebooks WHERE codebook_id = ?");
   if (!row.Bind(Value(codebook_id)).Step()) {
     throw Error(ErrorCode::kMapDamaged,
-                connection->path() + ": has no codebook " + std::to_string(Value(codebook_id)));
+                connection->name() + ": has no codebook " + std::to_string(Value(codebook_id)));
   }
   return row.Text(0);
 }
 
-std::vector<SessionRecord> Sessions(sqlite::Connection* connection) {
+std::vector<SessionRecord> Sessions(db::Connection* connection, MapVersion as_of) {
   std::vector<SessionRecord> sessions;
-  sqlite::Statement rows = connection->Prepare(kSessionsSql);
+  db::Statement rows = connection->Prepare(kSessionsSql);
+  rows.Bind(Value(as_of));
   while (rows.Step()) {
     sessions.push_back(rows::ReadSession(rows));
   }
   return sessions;
 }
 
-std::optional<SessionRecord> FindSession(sqlite::Connection* connection, const std::string& name) {
-  sqlite::Statement row = connection->Prepare(kFindSessionSql);
-  if (!row.Bind(name).Step()) {
+std::optional<SessionRecord> FindSession(db::Connection* connection, const std::string& name,
+                                         MapVersion as_of) {
+  db::Statement row = connection->Prepare(kFindSessionSql);
+  if (!row.Bind(name, Value(as_of)).Step()) {
     return std::nullopt;
   }
   return rows::ReadSession(row);
 }
 
-std::vector<TileId> TilesOfSession(sqlite::Connection* connection, SessionId session_id) {
+std::vector<TileId> TilesOfSession(db::Connection* connection, SessionId session_id) {
   std::vector<TileId> tile_ids;
-  sqlite::Statement rows = connection->Prepare(kTilesOfSessionSql);
+  db::Statement rows = connection->Prepare(kTilesOfSessionSql);
   rows.Bind(Value(session_id));
   while (rows.Step()) {
     tile_ids.push_back(rows::ReadTileId(*connection, rows.Int64(0)));
@@ -222,9 +244,9 @@ std::vector<TileId> TilesOfSession(sqlite::Connection* connection, SessionId ses
   return tile_ids;
 }
 
-std::vector<KeyframeId> KeyframeIdsOfSession(sqlite::Connection* connection, SessionId session_id) {
+std::vector<KeyframeId> KeyframeIdsOfSession(db::Connection* connection, SessionId session_id) {
   std::vector<KeyframeId> ids;
-  sqlite::Statement rows =
+  db::Statement rows =
       connection->Prepare("SELECT keyframe_id FROM keyframes WHERE session_id = ?");
   rows.Bind(Value(session_id));
   while (rows.Step()) {
@@ -233,24 +255,25 @@ std::vector<KeyframeId> KeyframeIdsOfSession(sqlite::Connection* connection, Ses
   return ids;
 }
 
-std::optional<KeyframeRecord> FindKeyframe(sqlite::Connection* connection, KeyframeId keyframe_id) {
-  sqlite::Statement row = connection->Prepare(kFindKeyframeSql);
+std::optional<KeyframeRecord> FindKeyframe(db::Connection* connection, KeyframeId keyframe_id) {
+  db::Statement row = connection->Prepare(kFindKeyframeSql);
   if (!row.Bind(Value(keyframe_id)).Step()) {
     return std::nullopt;
   }
   return rows::ReadKeyframe(*connection, row);
 }
 
-std::vector<KeyframeRecord> KeyframesOfSession(sqlite::Connection* connection,
-                                               SessionId session_id) {
-  sqlite::Statement rows = connection->Prepare(kKeyframesOfSessionSql);
-  rows.Bind(Value(session_id));
+std::vector<KeyframeRecord> KeyframesOfSession(db::Connection* connection, SessionId session_id,
+                                               MapVersion as_of) {
+  db::Statement rows = connection->Prepare(kKeyframesOfSessionSql);
+  rows.Bind(Value(session_id), Value(as_of));
   return rows::ReadKeyframes(*connection, &rows);
 }
 
-std::vector<KeyframeRecord> KeyframesOfTile(sqlite::Connection* connection, TileId tile_id) {
-  sqlite::Statement rows = connection->Prepare(kKeyframesOfTileSql);
-  rows.Bind(static_cast<int64_t>(tile_id.value()));
+std::vector<KeyframeRecord> KeyframesOfTile(db::Connection* connection, TileId tile_id,
+                                            MapVersion as_of) {
+  db::Statement rows = connection->Prepare(kKeyframesOfTileSql);
+  rows.Bind(static_cast<int64_t>(tile_id.value()), Value(as_of));
   return rows::ReadKeyframes(*connection, &rows);
 }
 

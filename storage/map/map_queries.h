@@ -1,20 +1,25 @@
-// Reads the tables of a map for snapshots, updates and checks. Private to storage. Every function
-// runs in the transaction that is open on the connection, and throws Error(kMapDamaged) for values
-// that Cairn never writes.
+// Reads the tables of a map's latest version for snapshots, updates and checks. Private to storage.
+// Functions with `as_of` return only the rows that this version has already. version_queries.h has
+// the rows that later versions removed. All throw Error(kMapDamaged) for values that Cairn never
+// writes.
 #ifndef CAIRN_STORAGE_MAP_MAP_QUERIES_H_
 #define CAIRN_STORAGE_MAP_MAP_QUERIES_H_
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "storage/database/connection.h"
 #include "storage/map/map_store.h"
-#include "storage/sqlite/connection.h"
 
 namespace cairn::queries {
+
+// Later than all versions: stands for the latest, or for what an update has written so far.
+inline constexpr MapVersion kNewest{std::numeric_limits<int64_t>::max()};
 
 // The SQL of the frequent queries, for the tests of EXPLAIN QUERY PLAN.
 std::string_view FindTilesSql();
@@ -23,32 +28,43 @@ std::string_view TilesOfSessionSql();
 std::string_view KeyframesOfSessionSql();
 std::string_view KeyframesOfTileSql();
 
-MapInfo Info(sqlite::Connection* connection);
+// The totals of one version. Throws as RequireVersion.
+MapInfo Info(db::Connection* connection, MapVersion version);
 
-std::vector<TileRecord> FindTiles(sqlite::Connection* connection, const GeoBox& box);
-std::vector<TileRecord> AllTiles(sqlite::Connection* connection, int64_t limit);
+// Tiles are ordered by id. FindTiles also drops what does not meet the box exactly; TilesInRange
+// returns the tiles with ids from `first` to `last`.
+std::vector<TileRecord> FindTiles(db::Connection* connection, const GeoBox& box, MapVersion as_of);
+std::vector<TileRecord> AllTiles(db::Connection* connection, int64_t limit, MapVersion as_of);
+std::vector<TileRecord> TilesInRange(db::Connection* connection, int64_t first, int64_t last,
+                                     MapVersion as_of);
 // Returns the ids as stored; in a damaged map they need not be valid tile ids.
-std::vector<int64_t> AllTileIds(sqlite::Connection* connection);
-std::optional<TileRecord> FindTile(sqlite::Connection* connection, TileId tile_id);
-LargeVector<uint8_t> LoadPayload(sqlite::Connection* connection, PayloadId payload_id);
+std::vector<int64_t> AllTileIds(db::Connection* connection);
+std::optional<TileRecord> FindTile(db::Connection* connection, TileId tile_id,
+                                   MapVersion as_of = kNewest);
+// Throws Error(kMapDamaged) if there is no such payload.
+LargeVector<uint8_t> LoadPayload(db::Connection* connection, PayloadId payload_id);
+
+// All landmarks of all versions have smaller ids.
+LandmarkId NextLandmarkId(db::Connection* connection);
 
 // Returns the id of the codebook for new sessions, or 0 if the map has none.
-CodebookId CurrentCodebookId(sqlite::Connection* connection);
-std::shared_ptr<const Codebook> LoadCodebook(sqlite::Connection* connection,
-                                             CodebookId codebook_id);
+CodebookId CurrentCodebookId(db::Connection* connection);
+std::shared_ptr<const Codebook> LoadCodebook(db::Connection* connection, CodebookId codebook_id);
 
-std::vector<CodebookId> CodebookIds(sqlite::Connection* connection);
+std::vector<CodebookId> CodebookIds(db::Connection* connection);
 // Throws Error(kMapDamaged) if there is no such codebook.
-std::string CodebookDigest(sqlite::Connection* connection, CodebookId codebook_id);
+std::string CodebookDigest(db::Connection* connection, CodebookId codebook_id);
 
-std::vector<SessionRecord> Sessions(sqlite::Connection* connection);
-std::optional<SessionRecord> FindSession(sqlite::Connection* connection, const std::string& name);
-std::vector<TileId> TilesOfSession(sqlite::Connection* connection, SessionId session_id);
-std::vector<KeyframeId> KeyframeIdsOfSession(sqlite::Connection* connection, SessionId session_id);
-std::optional<KeyframeRecord> FindKeyframe(sqlite::Connection* connection, KeyframeId keyframe_id);
-std::vector<KeyframeRecord> KeyframesOfSession(sqlite::Connection* connection,
-                                               SessionId session_id);
-std::vector<KeyframeRecord> KeyframesOfTile(sqlite::Connection* connection, TileId tile_id);
+std::vector<SessionRecord> Sessions(db::Connection* connection, MapVersion as_of = kNewest);
+std::optional<SessionRecord> FindSession(db::Connection* connection, const std::string& name,
+                                         MapVersion as_of = kNewest);
+std::vector<TileId> TilesOfSession(db::Connection* connection, SessionId session_id);
+std::vector<KeyframeId> KeyframeIdsOfSession(db::Connection* connection, SessionId session_id);
+std::optional<KeyframeRecord> FindKeyframe(db::Connection* connection, KeyframeId keyframe_id);
+std::vector<KeyframeRecord> KeyframesOfSession(db::Connection* connection, SessionId session_id,
+                                               MapVersion as_of = kNewest);
+std::vector<KeyframeRecord> KeyframesOfTile(db::Connection* connection, TileId tile_id,
+                                            MapVersion as_of = kNewest);
 
 }  // namespace cairn::queries
 

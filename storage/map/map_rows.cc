@@ -14,13 +14,13 @@ namespace cairn::rows {
 namespace {
 
 // Queries search for cameras between these heights.
-void RequireHeights(const sqlite::Connection& connection, const TileRecord& tile) {
+void RequireHeights(const db::Connection& connection, const TileRecord& tile) {
   constexpr double kMaxHeightM = 1e5;
   if (!(-kMaxHeightM <= tile.min_h_m && tile.min_h_m <= tile.max_h_m &&
         tile.max_h_m <= kMaxHeightM)) {
     throw Error(
         ErrorCode::kMapDamaged,
-        fmt::format("{}: tile {}: its cameras have heights of {} to {} m", connection.path(),
+        fmt::format("{}: tile {}: its cameras have heights of {} to {} m", connection.name(),
                     tile.tile_id.ToString(), tile.min_h_m, tile.max_h_m));
   }
 }
@@ -56,12 +56,12 @@ std::vector<double> ParseNumbers(std::string_view text) {
 
 }  // namespace
 
-TileId ReadTileId(const sqlite::Connection& connection, int64_t value) {
+TileId ReadTileId(const db::Connection& connection, int64_t value) {
   return MakeFromRow(connection,
                      [value] { return TileId::FromValue(static_cast<uint64_t>(value)); });
 }
 
-TileRecord ReadTile(const sqlite::Connection& connection, const sqlite::Statement& row) {
+TileRecord ReadTile(const db::Connection& connection, const db::Statement& row) {
   TileRecord tile;
   tile.tile_id = ReadTileId(connection, row.Int64(0));
   tile.payload_id = PayloadId(row.Int64(1));
@@ -75,10 +75,11 @@ TileRecord ReadTile(const sqlite::Connection& connection, const sqlite::Statemen
   RequireHeights(connection, tile);
   tile.landmark_bounds = {row.Double(9) / kDegPerRad, row.Double(10) / kDegPerRad,
                           row.Double(11) / kDegPerRad, row.Double(12) / kDegPerRad};
+  tile.digest = row.Text(13);
   return tile;
 }
 
-SessionRecord ReadSession(const sqlite::Statement& row) {
+SessionRecord ReadSession(const db::Statement& row) {
   SessionRecord session;
   session.id = SessionId(row.Int64(0));
   session.name = row.Text(1);
@@ -92,7 +93,7 @@ SessionRecord ReadSession(const sqlite::Statement& row) {
   return session;
 }
 
-KeyframeRecord ReadKeyframe(const sqlite::Connection& connection, const sqlite::Statement& row) {
+KeyframeRecord ReadKeyframe(const db::Connection& connection, const db::Statement& row) {
   KeyframeRecord keyframe;
   keyframe.id = KeyframeId(row.Int64(0));
   keyframe.session_id = SessionId(row.Int64(1));
@@ -108,14 +109,13 @@ KeyframeRecord ReadKeyframe(const sqlite::Connection& connection, const sqlite::
   keyframe.cam_from_ecef.translation = {row.Double(12), row.Double(13), row.Double(14)};
   if (!IsPose(keyframe.cam_from_ecef)) {
     throw Error(ErrorCode::kMapDamaged,
-                fmt::format("{}: keyframe {}: its pose is not a rigid transform", connection.path(),
+                fmt::format("{}: keyframe {}: its pose is not a rigid transform", connection.name(),
                             Value(keyframe.id)));
   }
   return keyframe;
 }
 
-std::vector<KeyframeRecord> ReadKeyframes(const sqlite::Connection& connection,
-                                          sqlite::Statement* rows) {
+std::vector<KeyframeRecord> ReadKeyframes(const db::Connection& connection, db::Statement* rows) {
   std::vector<KeyframeRecord> keyframes;
   while (rows->Step()) {
     keyframes.push_back(ReadKeyframe(connection, *rows));

@@ -7,38 +7,37 @@
 #include <vector>
 
 #include "core/error.h"
+#include "storage/database/connection.h"
 #include "storage/map/map_store.h"
-#include "storage/sqlite/connection.h"
 
 namespace cairn::rows {
 
 // Calls `make`. If `make` rejects a value that was read from the map, throws Error(kMapDamaged).
 template <typename Make>
-auto MakeFromRow(const sqlite::Connection& connection, const Make& make) {
+auto MakeFromRow(const db::Connection& connection, const Make& make) {
   try {
     return make();
   } catch (const Error& error) {
-    throw Error(ErrorCode::kMapDamaged, connection.path() + ": " + error.what());
+    throw Error(ErrorCode::kMapDamaged, connection.name() + ": " + error.what());
   }
 }
 
-TileId ReadTileId(const sqlite::Connection& connection, int64_t value);
+TileId ReadTileId(const db::Connection& connection, int64_t value);
 
 // Columns: tile_id, payload_id, codebook_id, num_landmarks, num_descriptors, num_keyframes,
-// num_bytes, min_h_m, max_h_m, landmarks_south_deg, _west_, _north_, _east_deg.
-TileRecord ReadTile(const sqlite::Connection& connection, const sqlite::Statement& row);
+// num_bytes, min_h_m, max_h_m, landmarks_south_deg, _west_, _north_, _east_deg, digest.
+TileRecord ReadTile(const db::Connection& connection, const db::Statement& row);
 
 // Columns: session_id, name, source, created_at, recorded_at, content_digest, num_images,
 // num_landmarks, georef_median_residual_m.
-SessionRecord ReadSession(const sqlite::Statement& row);
+SessionRecord ReadSession(const db::Statement& row);
 
 // Columns: keyframe_id, session_id, tile_id, image_name, model, width_px, height_px, params, qw,
 // qx, qy, qz, tx_m, ty_m, tz_m.
-KeyframeRecord ReadKeyframe(const sqlite::Connection& connection, const sqlite::Statement& row);
+KeyframeRecord ReadKeyframe(const db::Connection& connection, const db::Statement& row);
 
 // All rows of a statement whose parameters are bound.
-std::vector<KeyframeRecord> ReadKeyframes(const sqlite::Connection& connection,
-                                          sqlite::Statement* rows);
+std::vector<KeyframeRecord> ReadKeyframes(const db::Connection& connection, db::Statement* rows);
 
 }  // namespace cairn::rows
 

@@ -1,7 +1,9 @@
-#include <exception>
 #include <optional>
 #include <utility>
 
+#include "core/error.h"
+#include "storage/geometry/geo_box.h"
+#include "storage/map/as_of_queries.h"
 #include "storage/map/map_internal.h"
 #include "storage/map/map_queries.h"
 #include "storage/map/map_store.h"
@@ -9,19 +11,32 @@
 
 namespace cairn {
 
-MapSnapshot::Impl::Impl(std::shared_ptr<ReaderPool> reader_pool)
-    : pool(std::move(reader_pool)), connection(pool->Take()) {
-  transaction.emplace(connection.get(), sqlite::Transaction::Kind::kDeferred);
-  version = queries::CurrentVersion(connection.get());  // The first read starts the snapshot.
-}
+MapSnapshot::Impl::Impl(std::shared_ptr<OpenMap> open_map, ReadDeadline read_deadline)
+    : map(std::move(open_map)),
+      deadline(read_deadline),
+      head(map->Head(deadline)),
+      cache(map->CacheOf(head.version)) {}
 
-MapSnapshot::Impl::~Impl() {
-  transaction.reset();
-  try {
-    pool->GiveBack(std::move(connection));
-  } catch (const std::exception&) {
-    // No memory for the pool's list: the connection is closed instead of kept.
+std::vector<CellTiles> MapSnapshot::Impl::Cells(const std::vector<TileCell>& cells) const {
+  std::vector<CellTiles> tiles;
+  std::vector<TileCell> missing;
+  for (const TileCell cell : cells) {
+    tiles.push_back(cache->Find(cell));
+    if (tiles.back() == nullptr) {
+      missing.push_back(cell);
+    }
   }
+  if (missing.empty()) {
+    return tiles;
+  }
+  std::vector<std::vector<TileRecord>> found = Call(as_of::TilesOfCells, missing);
+  for (size_t i = 0, next = 0; i < cells.size(); ++i) {
+    if (tiles[i] == nullptr) {
+      tiles[i] = std::make_shared<const std::vector<TileRecord>>(std::move(found[next++]));
+      cache->Keep(cells[i], tiles[i]);
+    }
+  }
+  return tiles;
 }
 
 MapSnapshot::MapSnapshot(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -29,68 +44,93 @@ MapSnapshot::MapSnapshot(MapSnapshot&&) noexcept = default;
 MapSnapshot& MapSnapshot::operator=(MapSnapshot&&) noexcept = default;
 MapSnapshot::~MapSnapshot() = default;
 
-MapVersion MapSnapshot::version() const { return impl_->version; }
+MapVersion MapSnapshot::version() const { return impl_->head.version; }
 
-MapInfo MapSnapshot::Info() const { return queries::Info(impl_->connection.get()); }
+bool MapSnapshot::is_stale() const { return impl_->head.is_stale; }
+
+MapInfo MapSnapshot::Info() const { return impl_->Call(as_of::Info); }
 
 std::vector<VersionRecord> MapSnapshot::Versions(int64_t limit) const {
-  return queries::Versions(impl_->connection.get(), limit);
+  return impl_->Call(queries::Versions, limit);
 }
 
 std::vector<TileChange> MapSnapshot::Diff(MapVersion from, MapVersion to) const {
-  return queries::Diff(impl_->connection.get(), from, to);
+  return impl_->map->Call(impl_->deadline, [&](db::Connection* connection) {
+    return queries::Diff(connection, from, to);
+  });
 }
 
 std::vector<TileRecord> MapSnapshot::FindTiles(const GeoBox& box) const {
-  return queries::FindTiles(impl_->connection.get(), box);
+  const std::optional<std::vector<TileCell>> cells = CellsMeeting(box);
+  if (!cells) {
+    return impl_->Call(as_of::FindTiles, box);
+  }
+  std::vector<TileRecord> tiles;
+  for (const CellTiles& cell : impl_->Cells(*cells)) {
+    for (const TileRecord& tile : *cell) {
+      if (BoxesMeet(tile.tile_id.Bounds(), box)) {
+        tiles.push_back(tile);
+      }
+    }
+  }
+  queries::SortById(&tiles);
+  return tiles;
 }
 
 std::vector<TileRecord> MapSnapshot::AllTiles(int64_t limit) const {
-  return queries::AllTiles(impl_->connection.get(), limit);
+  return impl_->Call(as_of::AllTiles, limit);
 }
 
 std::optional<TileRecord> MapSnapshot::FindTile(TileId tile_id) const {
-  return queries::FindTile(impl_->connection.get(), tile_id);
+  return impl_->Call(as_of::FindTile, tile_id);
 }
 
 LargeVector<uint8_t> MapSnapshot::LoadPayload(PayloadId payload_id) const {
-  return queries::LoadPayload(impl_->connection.get(), payload_id);
+  return impl_->Call(as_of::LoadPayload, payload_id);
 }
 
 std::shared_ptr<const Codebook> MapSnapshot::LoadCodebook(CodebookId codebook_id) const {
-  return impl_->pool->LoadCodebook(impl_->connection.get(), codebook_id);
+  try {
+    return impl_->map->LoadCodebook(codebook_id, impl_->deadline);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::kMapDamaged) {
+      impl_->Call(as_of::RequireKept);
+    }
+    throw;
+  }
 }
 
 std::shared_ptr<const Codebook> MapSnapshot::CurrentCodebook() const {
-  const CodebookId codebook_id = queries::CurrentCodebookId(impl_->connection.get());
-  return codebook_id == CodebookId{} ? nullptr : LoadCodebook(codebook_id);
+  std::optional<CodebookId> codebook_id = impl_->cache->codebook_id();
+  if (!codebook_id) {
+    codebook_id = impl_->Call(as_of::CurrentCodebookId);
+    impl_->cache->KeepCodebook(*codebook_id);
+  }
+  return *codebook_id == CodebookId{} ? nullptr : LoadCodebook(*codebook_id);
 }
 
-std::vector<SessionRecord> MapSnapshot::Sessions() const {
-  return queries::Sessions(impl_->connection.get());
-}
+std::vector<SessionRecord> MapSnapshot::Sessions() const { return impl_->Call(as_of::Sessions); }
 
 std::optional<SessionRecord> MapSnapshot::FindSession(const std::string& name) const {
-  return queries::FindSession(impl_->connection.get(), name);
+  return impl_->Call(as_of::FindSession, name);
 }
 
 std::vector<KeyframeRecord> MapSnapshot::KeyframesOfSession(SessionId session_id) const {
-  return queries::KeyframesOfSession(impl_->connection.get(), session_id);
+  return impl_->Call(as_of::KeyframesOfSession, session_id);
 }
 
 std::vector<KeyframeRecord> MapSnapshot::KeyframesOfTile(TileId tile_id) const {
-  return queries::KeyframesOfTile(impl_->connection.get(), tile_id);
+  return impl_->Call(as_of::KeyframesOfTile, tile_id);
 }
 
 std::string MapSnapshot::CodebookDigest(CodebookId codebook_id) const {
-  return queries::CodebookDigest(impl_->connection.get(), codebook_id);
+  return impl_->map->Call(impl_->deadline, [&](db::Connection* connection) {
+    return queries::CodebookDigest(connection, codebook_id);
+  });
 }
 
 LandmarkId MapSnapshot::NextLandmarkId() const {
-  sqlite::Statement row =
-      impl_->connection->Prepare("SELECT coalesce(max(next_landmark_id), 1) FROM cairn_map");
-  row.Step();
-  return LandmarkId(static_cast<uint64_t>(row.Int64(0)));
+  return impl_->map->Call(impl_->deadline, queries::NextLandmarkId);
 }
 
 }  // namespace cairn

@@ -1,48 +1,57 @@
 #include "storage/map/map_store.h"
 
-#include <filesystem>
-#include <system_error>
+#include <memory>
 #include <utility>
 
 #include "core/error.h"
+#include "storage/database/transaction.h"
 #include "storage/map/map_check.h"
 #include "storage/map/map_file.h"
 #include "storage/map/map_internal.h"
+#include "storage/map/open_map.h"
+#include "storage/map/postgres_backend.h"
+#include "storage/map/sqlite_backend.h"
 
 namespace cairn {
-
 namespace {
 
-sqlite::Access AccessFor(OpenMode mode) {
-  switch (mode) {
-    case OpenMode::kReadOnly:
-      return sqlite::Access::kReadOnly;
-    case OpenMode::kReadWrite:
-      return sqlite::Access::kReadWrite;
-    case OpenMode::kImmutable:
-      return sqlite::Access::kImmutable;
+void CreateFilledOnServer(const std::string& url, const std::function<void(MapStore*)>& fill) {
+  MapStore store = MapStore::Create(url);
+  try {
+    fill(&store);
+  } catch (...) {
+    DropPostgresMap(url);
+    throw;
   }
-  throw Error(ErrorCode::kInternal, "unknown OpenMode");
 }
 
 }  // namespace
 
-struct MapStore::Impl {
-  OpenMode mode;
-  std::shared_ptr<ReaderPool> readers;  // Shared with the snapshots, which may outlive the store.
-};
+std::unique_ptr<MapBackend> OpenBackend(const std::string& path, OpenMode mode) {
+  if (IsServerAddress(path)) {
+    return OpenPostgresMap(path, mode);
+  }
+  return std::make_unique<SqliteBackend>(path, mode);
+}
 
-MapStore::MapStore(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+MapStore::MapStore(std::shared_ptr<OpenMap> map) : map_(std::move(map)) {}
 MapStore::MapStore(MapStore&&) noexcept = default;
 MapStore& MapStore::operator=(MapStore&&) noexcept = default;
 MapStore::~MapStore() = default;
 
 MapStore MapStore::Create(const std::string& path) {
-  CreateMapFile(path, {});
+  if (IsServerAddress(path)) {
+    CreatePostgresMap(path);
+  } else {
+    CreateMapFile(path, {});
+  }
   return Open(path, OpenMode::kReadWrite);
 }
 
 void MapStore::CreateFilled(const std::string& path, const std::function<void(MapStore*)>& fill) {
+  if (IsServerAddress(path)) {
+    return CreateFilledOnServer(path, fill);
+  }
   CreateMapFile(path, [&fill](const std::string& name) {
     MapStore store = Open(name, OpenMode::kReadWrite);
     fill(&store);
@@ -50,42 +59,30 @@ void MapStore::CreateFilled(const std::string& path, const std::function<void(Ma
 }
 
 MapStore MapStore::Open(const std::string& path, OpenMode mode) {
-  sqlite::Access access = AccessFor(mode);
-  PinnedFile file(path);
-  std::unique_ptr<sqlite::Connection> first = OpenMapFile(path, &access);
-  if (!file.IsAt(path)) {
-    throw Error(ErrorCode::kConflict, path + ": was replaced while it was being opened; try again");
-  }
-  return MapStore(std::make_unique<Impl>(
-      Impl{mode, std::make_shared<ReaderPool>(std::move(first), access, std::move(file))}));
+  return MapStore(std::make_shared<OpenMap>(OpenBackend(path, mode)));
 }
 
-const std::string& MapStore::path() const { return impl_->readers->path(); }
+const std::string& MapStore::path() const { return map_->backend().name(); }
 
-MapFileState MapStore::FileState() const {
-  if (impl_->readers->IsInPlace()) {
-    return MapFileState::kInPlace;
-  }
-  std::error_code error;
-  return std::filesystem::exists(path(), error) ? MapFileState::kReplaced : MapFileState::kMissing;
+MapFileState MapStore::FileState() const { return map_->backend().FileState(); }
+
+std::string MapStore::LogPath() const { return map_->backend().LogPath(); }
+
+MapSnapshot MapStore::Snapshot(ReadDeadline deadline) const {
+  return MapSnapshot(std::make_unique<MapSnapshot::Impl>(map_, deadline));
 }
 
-std::string MapStore::LogPath() const { return path() + "-wal"; }
-
-MapSnapshot MapStore::Snapshot() const {
-  return MapSnapshot(std::make_unique<MapSnapshot::Impl>(impl_->readers));
-}
+MapStoreStats MapStore::Stats() const { return map_->Stats(); }
 
 MapUpdate MapStore::BeginUpdate() {
-  if (impl_->mode != OpenMode::kReadWrite) {
-    throw Error(ErrorCode::kConflict, path() + ": was opened read-only");
-  }
-  return MapUpdate(std::make_unique<MapUpdate::Impl>(path()));
+  return MapUpdate(std::make_unique<MapUpdate::Impl>(map_->backend().BeginUpdate()));
 }
 
 CheckReport MapStore::Check(const std::function<void(int64_t, int64_t)>& progress) const {
-  const MapSnapshot::Impl snapshot(impl_->readers);
-  return CheckMap(snapshot.connection.get(), progress);
+  return map_->Call({}, [&](db::Connection* connection) {
+    const db::ReadTransaction transaction(connection);
+    return CheckMap(connection, progress);
+  });
 }
 
 }  // namespace cairn

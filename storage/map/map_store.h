@@ -1,9 +1,10 @@
-// The map file: one SQLite database that is also a GeoPackage. Creates, opens, reads and updates
-// maps.
+// A map: one SQLite file that is also a GeoPackage, or a PostgreSQL database. Creates, opens, reads
+// and updates maps.
 #ifndef CAIRN_STORAGE_MAP_MAP_STORE_H_
 #define CAIRN_STORAGE_MAP_MAP_STORE_H_
 
 #include <Eigen/Core>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -23,10 +24,13 @@
 
 namespace cairn {
 
+class OpenMap;  // Private to storage.
+
 // The index's record of one tile: everything except the payload bytes.
 struct TileRecord {
   TileId tile_id;
   PayloadId payload_id{};
+  std::string digest;  // XXH3-128 of the payload, 32 hexadecimal digits; the key of caches.
   CodebookId codebook_id{};
   int64_t num_landmarks = 0;
   int64_t num_descriptors = 0;
@@ -68,9 +72,16 @@ struct MapInfo : MapTotals {
   int64_t file_bytes = 0;
 };
 
-// A consistent view of one map version. A snapshot holds a read transaction for as long as it
-// lives. Keep a snapshot for one query only, because the write-ahead log cannot shrink past it. Use
-// each snapshot from one thread at a time.
+// A moment that a read may not outlast; empty for no limit.
+using ReadDeadline = std::optional<std::chrono::steady_clock::time_point>;
+
+// A consistent view of one map version. A snapshot is a number: it holds no transaction and no
+// connection, may live for as long as anybody wants, and is safe to use from any thread. Each call
+// borrows a connection, unless caches have what it returns.
+//
+// Calls throw Error(kUnavailable) if the version was pruned since; a new snapshot then helps. With
+// PostgreSQL, they also throw Error(kUnavailable) if the server does not answer by the deadline. A
+// file is always read to the end.
 class MapSnapshot {
  public:
   MapSnapshot(MapSnapshot&&) noexcept;
@@ -78,22 +89,26 @@ class MapSnapshot {
   ~MapSnapshot();
 
   MapVersion version() const;
+  // True if the server is silent, so that the map may have a newer version. Never true of a file.
+  bool is_stale() const;
   MapInfo Info() const;  // Takes constant time.
 
-  // Returns the newest `limit` versions that were not pruned, newest first.
+  // Returns the newest `limit` versions that were not pruned, newest first, from this one on.
   std::vector<VersionRecord> Versions(int64_t limit) const;
   // Returns the tiles whose payloads differ between two versions, ordered by tile id. Throws
   // Error(kNotFound), which names the versions of the map, if one of the two is not among them.
   std::vector<TileChange> Diff(MapVersion from, MapVersion to) const;
 
-  // Returns the tiles whose square's bounding box intersects `box`, ordered by tile id.
+  // Returns the tiles whose square's bounding box intersects `box`, ordered by tile id. The store
+  // caches the records of a version in cells of 8 x 8 tiles; a box of a few cells is answered from
+  // there.
   std::vector<TileRecord> FindTiles(const GeoBox& box) const;
   // Returns the first `limit` tiles of the map by tile id.
   std::vector<TileRecord> AllTiles(int64_t limit) const;
   std::optional<TileRecord> FindTile(TileId tile_id) const;
 
-  // Returns the encoded bytes of a tile. Payload ids come from the map, so a missing payload is
-  // damage. Throws Error(kMapDamaged).
+  // Returns the encoded bytes of a tile. Payload ids come from the map, so a missing payload of a
+  // version that was not pruned is damage: Error(kMapDamaged).
   LargeVector<uint8_t> LoadPayload(PayloadId payload_id) const;
 
   // The store caches decoded codebooks. Throws Error(kMapDamaged) if the codebook is missing or
@@ -188,6 +203,10 @@ class MapUpdate {
 enum class OpenMode {
   kReadOnly,
   kReadWrite,
+  // Read-only, for a program that answers queries. With PostgreSQL, a thread watches the latest
+  // version, so snapshots cost nothing; while the server is silent, snapshots are stale, and reads
+  // fail at once instead of waiting.
+  kServing,
   // For a file that nobody writes to. Reads without locks and ignores any write-ahead log. The
   // store does not see updates, and must not be used while the map is updated.
   kImmutable,
@@ -201,16 +220,25 @@ struct CheckReport {
   std::vector<std::string> problems;  // Empty if the map is sound.
 };
 
-// An open map file. Safe to call from any thread. If another file takes the map's path, the store
-// keeps reading the file it opened; the number of snapshots open at a time can then no longer grow.
+// How often an open map was read.
+struct MapStoreStats {
+  int64_t num_calls = 0;         // Connections borrowed for reading, each for one call.
+  int64_t num_failed_calls = 0;  // Of these, those that ended with Error(kUnavailable).
+};
+
+// An open map. Safe to call from any thread. If another file takes the map's path, the store keeps
+// reading the file it opened; the number of reads at a time can then no longer grow.
 class MapStore {
  public:
-  // Creates an empty map of version 1. Throws Error(kConflict) if the file exists and Error(kIo) if
-  // the file cannot be created.
+  // Maps have a path or a URL such as "postgresql://cairn@db1,db2/lund" (docs/postgresql.md).
+
+  // Creates an empty map of version 1. Throws Error(kConflict) if the file exists, or the database
+  // has a map, and Error(kIo) if the map cannot be created.
   static MapStore Create(const std::string& path);
 
   // Creates a map that `fill` makes of an empty map. The file gets its name once `fill` returns; if
-  // `fill` throws or the process dies, there is no file at `path`. Throws as Create.
+  // `fill` throws or the process dies, there is no file at `path`. If the process dies, a database
+  // keeps the empty map. Throws as Create.
   static void CreateFilled(const std::string& path, const std::function<void(MapStore*)>& fill);
 
   // Throws:
@@ -218,6 +246,10 @@ class MapStore {
   //  - Error(kBadInput) if the file is not a Cairn map, with a guess of its kind;
   //  - Error(kMapDamaged) if the file fails its first checks;
   //  - Error(kConflict) if the map needs a newer Cairn, or is replaced while it is being opened.
+  // Of a server also:
+  //  - Error(kInvalidArgument) if the URL is none, or holds a password;
+  //  - Error(kIo) if the server refuses the user, the password or the encryption;
+  //  - Error(kUnavailable) if no server answers, or Cairn was built without libpq.
   static MapStore Open(const std::string& path, OpenMode mode);
 
   MapStore(MapStore&&) noexcept;
@@ -230,9 +262,13 @@ class MapStore {
   // name as the log of any map opened at this path, even a log that another map left behind.
   std::string LogPath() const;
 
-  MapSnapshot Snapshot() const;
+  // Returns the latest version. Reading a file's takes one short call; a server's is known, because
+  // a thread watches it. Reads of the snapshot end at the deadline.
+  MapSnapshot Snapshot(ReadDeadline deadline = {}) const;
+  MapStoreStats Stats() const;
 
-  // Throws Error(kConflict) if the store is not open for writing or another update is open.
+  // Throws Error(kConflict) if the store is not open for writing or another update is open, and
+  // Error(kIo) if the server's role may not write.
   MapUpdate BeginUpdate();
 
   // Checks the integrity of the database and of every payload of every version. `progress` may be
@@ -240,9 +276,8 @@ class MapStore {
   CheckReport Check(const std::function<void(int64_t, int64_t)>& progress) const;
 
  private:
-  struct Impl;
-  explicit MapStore(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  explicit MapStore(std::shared_ptr<OpenMap> map);
+  std::shared_ptr<OpenMap> map_;  // Shared with the snapshots, which may outlive the store.
 };
 
 }  // namespace cairn

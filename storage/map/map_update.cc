@@ -1,15 +1,11 @@
-#include <sqlite3.h>
-
 #include <string>
 #include <utility>
 
 #include "core/check.h"
 #include "core/error.h"
 #include "core/printable.h"
-#include "storage/map/map_file.h"
 #include "storage/map/map_internal.h"
 #include "storage/map/map_queries.h"
-#include "storage/map/map_schema.h"
 #include "storage/map/map_store.h"
 #include "storage/map/utc_time.h"
 
@@ -34,102 +30,89 @@ void RequireValid(const SessionRecord& session) {
 
 }  // namespace
 
-MapUpdate::Impl::Impl(const std::string& path) : connection(OpenMapFileForUpdate(path)) {
-  try {
-    transaction.emplace(connection.get(), sqlite::Transaction::Kind::kImmediate);
-  } catch (const Error& error) {
-    if (error.code() == ErrorCode::kConflict) {
-      throw Error(ErrorCode::kConflict,
-                  path + ": another update of this map is running; try again when it has finished");
-    }
-    throw;
-  }
-  // The schema is checked inside the transaction, so the triggers that run later are the checked
-  // ones.
-  RequireMapSchema(connection.get());
-  head.emplace(connection.get());
-}
+MapUpdate::Impl::Impl(std::unique_ptr<WriteSession> write_session)
+    : session(std::move(write_session)), head(session->connection()) {}
 
 MapUpdate::MapUpdate(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 MapUpdate::MapUpdate(MapUpdate&&) noexcept = default;
 MapUpdate::~MapUpdate() = default;
 
-MapVersion MapUpdate::base_version() const { return MapVersion(impl_->head->next_version() - 1); }
+MapVersion MapUpdate::base_version() const { return MapVersion(impl_->head.next_version() - 1); }
 
 std::optional<TileRecord> MapUpdate::FindTile(TileId tile_id) const {
-  return queries::FindTile(impl_->connection.get(), tile_id);
+  return queries::FindTile(impl_->connection(), tile_id);
 }
 
 LargeVector<uint8_t> MapUpdate::LoadPayload(PayloadId payload_id) const {
-  return queries::LoadPayload(impl_->connection.get(), payload_id);
+  return queries::LoadPayload(impl_->connection(), payload_id);
 }
 
 std::optional<SessionRecord> MapUpdate::FindSession(const std::string& name) const {
-  return queries::FindSession(impl_->connection.get(), name);
+  return queries::FindSession(impl_->connection(), name);
 }
 
 std::vector<SessionRecord> MapUpdate::Sessions() const {
-  return queries::Sessions(impl_->connection.get());
+  return queries::Sessions(impl_->connection());
 }
 
 std::vector<KeyframeRecord> MapUpdate::KeyframesOfTile(TileId tile_id) const {
-  return queries::KeyframesOfTile(impl_->connection.get(), tile_id);
+  return queries::KeyframesOfTile(impl_->connection(), tile_id);
 }
 
 std::vector<TileId> MapUpdate::TilesOfSession(SessionId session_id) const {
-  return queries::TilesOfSession(impl_->connection.get(), session_id);
+  return queries::TilesOfSession(impl_->connection(), session_id);
 }
 
 std::shared_ptr<const Codebook> MapUpdate::CurrentCodebook() const {
-  const CodebookId codebook_id = queries::CurrentCodebookId(impl_->connection.get());
+  const CodebookId codebook_id = queries::CurrentCodebookId(impl_->connection());
   return codebook_id == CodebookId{} ? nullptr
-                                     : queries::LoadCodebook(impl_->connection.get(), codebook_id);
+                                     : queries::LoadCodebook(impl_->connection(), codebook_id);
 }
 
 CodebookId MapUpdate::AddCodebook(const Codebook& codebook) {
-  const CodebookId codebook_id = impl_->head->StoreCodebook(codebook, CodebookId{});
-  impl_->head->SetCurrentCodebook(codebook_id);
+  const CodebookId codebook_id = impl_->head.StoreCodebook(codebook, CodebookId{});
+  impl_->head.SetCurrentCodebook(codebook_id);
   return codebook_id;
 }
 
 SessionId MapUpdate::AddSession(const SessionRecord& session) {
   RequireValid(session);
   if (FindSession(session.name)) {
-    throw Error(ErrorCode::kConflict, impl_->connection->path() +
+    throw Error(ErrorCode::kConflict, impl_->connection()->name() +
                                           ": already has a session named '" +
                                           Excerpt(session.name) + "'");
   }
   SessionRecord added = session;
   added.id = SessionId{};
   added.created_at.clear();
-  return impl_->head->InsertSession(added);
+  return impl_->head.InsertSession(added);
 }
 
 void MapUpdate::RemoveSession(SessionId session_id) {
   for (const KeyframeId keyframe_id :
-       queries::KeyframeIdsOfSession(impl_->connection.get(), session_id)) {
-    impl_->head->RetireKeyframe(keyframe_id);
+       queries::KeyframeIdsOfSession(impl_->connection(), session_id)) {
+    impl_->head.RetireKeyframe(keyframe_id);
   }
-  impl_->head->RetireSession(session_id);
+  impl_->head.RetireSession(session_id);
 }
 
 KeyframeId MapUpdate::AddKeyframe(const KeyframeRecord& keyframe) {
   KeyframeRecord added = keyframe;
   added.id = KeyframeId{};
-  return impl_->head->InsertKeyframe(added);
+  return impl_->head.InsertKeyframe(added);
 }
 
-void MapUpdate::RemoveKeyframe(KeyframeId keyframe_id) { impl_->head->RetireKeyframe(keyframe_id); }
+void MapUpdate::RemoveKeyframe(KeyframeId keyframe_id) { impl_->head.RetireKeyframe(keyframe_id); }
 
 LandmarkId MapUpdate::ReserveLandmarkIds(uint64_t count) {
   constexpr uint64_t kMaxCount = uint64_t{1} << 48;  // Far below the limit of 63 bits.
   CAIRN_CHECK(count <= kMaxCount, "a map cannot number this many landmarks");
-  sqlite::Statement row = impl_->connection->Prepare(
+  db::Statement row = impl_->connection()->Prepare(
       "UPDATE cairn_map SET next_landmark_id = next_landmark_id + ? RETURNING next_landmark_id");
   row.Bind(static_cast<int64_t>(count));
   if (!row.Step()) {
     throw Error(ErrorCode::kMapDamaged,
-                impl_->connection->path() + ": the table cairn_map is empty");
+                impl_->connection()->name() + ": the table cairn_map is empty");
   }
   const auto next_id = static_cast<uint64_t>(row.Int64(0));
   row.Step();
@@ -137,21 +120,17 @@ LandmarkId MapUpdate::ReserveLandmarkIds(uint64_t count) {
 }
 
 PayloadId MapUpdate::PutTile(const TileRecord& tile, std::span<const uint8_t> payload) {
-  return impl_->head->PutTile(tile, payload);
+  return impl_->head.PutTile(tile, payload);
 }
 
-void MapUpdate::RemoveTile(TileId tile_id) { impl_->head->RetireTile(tile_id); }
+void MapUpdate::RemoveTile(TileId tile_id) { impl_->head.RetireTile(tile_id); }
 
 MapVersion MapUpdate::Publish(const VersionNote& note) {
-  CAIRN_CHECK(impl_->transaction.has_value(), "the update was already published");
-  impl_->head->AddVersion(note);
-  const auto version = MapVersion(impl_->head->next_version());
-  impl_->transaction->Commit();
-  impl_->transaction.reset();
-  // Moves the log's pages into the file, except those that a reader still needs; a later
-  // publication moves these.
-  sqlite3_wal_checkpoint_v2(impl_->connection->handle(), nullptr, SQLITE_CHECKPOINT_PASSIVE,
-                            nullptr, nullptr);
+  CAIRN_CHECK(!impl_->is_published, "the update was already published");
+  impl_->head.AddVersion(note);
+  const auto version = MapVersion(impl_->head.next_version());
+  impl_->session->Commit();
+  impl_->is_published = true;
   return version;
 }
 

@@ -12,10 +12,9 @@ namespace cairn {
 namespace {
 
 // Returns the ids that a statement with one parameter selects.
-std::vector<int64_t> SelectIds(sqlite::Connection* connection, std::string_view sql,
-                               int64_t value) {
+std::vector<int64_t> SelectIds(db::Connection* connection, std::string_view sql, int64_t value) {
   std::vector<int64_t> ids;
-  sqlite::Statement rows = connection->Prepare(sql);
+  db::Statement rows = connection->Prepare(sql);
   rows.Bind(value);
   while (rows.Step()) {
     ids.push_back(rows.Int64(0));
@@ -32,7 +31,7 @@ std::set<int64_t> IdsOf(const std::vector<Record>& records) {
   return ids;
 }
 
-void RestoreTiles(sqlite::Connection* connection, MapVersion version, HeadWriter* head) {
+void RestoreTiles(db::Connection* connection, MapVersion version, HeadWriter* head) {
   const std::vector<TileRecord> past = queries::PastTiles(connection, version);
   std::set<int64_t> past_ids;
   for (const TileRecord& tile : past) {
@@ -50,7 +49,7 @@ void RestoreTiles(sqlite::Connection* connection, MapVersion version, HeadWriter
 }
 
 // Sessions and keyframes never change, so those that both versions have stay as they are.
-void RestoreSessions(sqlite::Connection* connection, MapVersion version, HeadWriter* head) {
+void RestoreSessions(db::Connection* connection, MapVersion version, HeadWriter* head) {
   const std::vector<KeyframeRecord> past_keyframes = queries::PastKeyframes(connection, version);
   const std::vector<SessionRecord> past_sessions = queries::PastSessions(connection, version);
   const std::vector<int64_t> new_keyframes = SelectIds(
@@ -86,21 +85,21 @@ void RestoreSessions(sqlite::Connection* connection, MapVersion version, HeadWri
 }  // namespace
 
 void MapUpdate::RestoreVersion(MapVersion version) {
-  sqlite::Connection* connection = impl_->connection.get();
+  db::Connection* connection = impl_->connection();
   queries::RequireVersion(connection, version);
-  RestoreTiles(connection, version, &*impl_->head);
-  RestoreSessions(connection, version, &*impl_->head);
-  impl_->head->SetCurrentCodebook(queries::CodebookOfVersion(connection, version));
+  RestoreTiles(connection, version, &impl_->head);
+  RestoreSessions(connection, version, &impl_->head);
+  impl_->head.SetCurrentCodebook(queries::CodebookOfVersion(connection, version));
 }
 
 int64_t MapUpdate::ForgetVersionsBefore(MapVersion oldest_kept) {
-  sqlite::Connection* connection = impl_->connection.get();
-  const int64_t oldest = std::min(Value(oldest_kept), impl_->head->next_version());
+  db::Connection* connection = impl_->connection();
+  const int64_t oldest = std::min(Value(oldest_kept), impl_->head.next_version());
   const std::vector<int64_t> payload_ids = SelectIds(
       connection, "DELETE FROM cairn_past_tiles WHERE until <= ? RETURNING payload_id", oldest);
   int64_t num_bytes = 0;
   for (const int64_t payload_id : payload_ids) {
-    num_bytes += impl_->head->DropUnusedPayload(PayloadId(payload_id));
+    num_bytes += impl_->head.DropUnusedPayload(PayloadId(payload_id));
   }
   for (const char* sql : {"DELETE FROM cairn_past_keyframes WHERE until <= ?",
                           "DELETE FROM cairn_past_sessions WHERE until <= ?",

@@ -6,19 +6,16 @@
 #include <memory>
 #include <mutex>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
-#include "storage/codebook/codebook.h"
-#include "storage/ids.h"
+#include "storage/database/connection.h"
 #include "storage/map/pinned_file.h"
 #include "storage/sqlite/connection.h"
 
 namespace cairn {
 
 // Opens connections as needed and keeps them, with their compiled statements, for reuse. The pool
-// holds as many connections as there were snapshots at one time. The pool also keeps decoded
-// codebooks, which never change. Safe to call from any thread.
+// holds as many connections as there were reads at one time. Safe to call from any thread.
 class ReaderPool {
  public:
   // `first` has passed the checks of OpenMapFile with `access`. `file` pins the file that `first`
@@ -32,24 +29,19 @@ class ReaderPool {
   // Borrows a connection. All connections read the same file. If another file has taken the path,
   // waits for a connection to be returned; throws Error(kUnavailable) if none is returned for a
   // long time.
-  std::unique_ptr<sqlite::Connection> Take();
-  void GiveBack(std::unique_ptr<sqlite::Connection> connection);
-
-  // Returns a codebook, reading it through `connection` if the pool does not hold it yet.
-  std::shared_ptr<const Codebook> LoadCodebook(sqlite::Connection* connection,
-                                               CodebookId codebook_id);
+  std::unique_ptr<db::Connection> Take();
+  void GiveBack(std::unique_ptr<db::Connection> connection);
 
  private:
-  std::unique_ptr<sqlite::Connection> TakeIdle();
-  std::unique_ptr<sqlite::Connection> WaitForIdle();
+  std::unique_ptr<db::Connection> TakeIdle();
+  std::unique_ptr<db::Connection> WaitForIdle();
 
   const std::string path_;
   const PinnedFile file_;
   const sqlite::Access access_;
   std::mutex mutex_;
   std::condition_variable given_back_;
-  std::vector<std::unique_ptr<sqlite::Connection>> idle_;
-  std::unordered_map<CodebookId, std::shared_ptr<const Codebook>> codebooks_;
+  std::vector<std::unique_ptr<db::Connection>> idle_;
 };
 
 }  // namespace cairn

@@ -16,6 +16,7 @@
 #include "core/require.h"
 #include "storage/inspection/register.h"
 #include "storage/map/map_file.h"
+#include "storage/map/postgres_backend.h"
 #include "storage/sqlite/connection.h"
 #include "storage/sqlite/error.h"
 
@@ -135,6 +136,12 @@ void SqlOptions::Validate() const { RequireWithin("timeout_s", timeout_s, 1e-3, 
 
 void RunSql(const std::string& map_path, const std::string& sql, const SqlOptions& options,
             const SqlSink& sink) {
+  if (IsServerAddress(map_path)) {
+    throw Error(ErrorCode::kInvalidArgument,
+                map_path +
+                    ": `cairn sql` reads files; give the URL to psql, and see the tables of "
+                    "the schema cairn");
+  }
   options.Validate();
   sqlite::Access access = sqlite::Access::kReadOnly;
   const std::unique_ptr<sqlite::Connection> connection = OpenMapFile(map_path, &access);

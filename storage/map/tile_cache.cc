@@ -3,6 +3,7 @@
 #include <future>
 #include <list>
 #include <mutex>
+#include <string>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -17,18 +18,19 @@ struct TileCache::Impl {
   struct Entry {
     CachedTilePtr tile;
     size_t bytes = 0;
-    std::list<PayloadId>::iterator position;  // In `recently_used`.
+    std::list<std::string>::iterator position;  // In `recently_used`.
   };
 
   mutable std::mutex mutex;
-  std::list<PayloadId> recently_used;  // The front is the most recently used.
-  std::unordered_map<PayloadId, Entry> entries;
-  std::unordered_map<PayloadId, std::shared_future<CachedTilePtr>> loading;
+  std::list<std::string> recently_used;  // The front is the most recently used.
+  std::unordered_map<std::string, Entry> entries;
+  std::unordered_map<std::string, std::shared_future<CachedTilePtr>> loading;
   TileCacheStats stats;
 
   // Keeps the value if it fits. Returns the evicted values, so that the caller destroys them
   // without holding the lock.
-  std::vector<CachedTilePtr> Insert(PayloadId payload_id, const CachedTilePtr& tile, size_t bytes) {
+  std::vector<CachedTilePtr> Insert(const std::string& digest, const CachedTilePtr& tile,
+                                    size_t bytes) {
     std::vector<CachedTilePtr> evicted;
     if (bytes > stats.max_bytes) {
       return evicted;
@@ -41,13 +43,13 @@ struct TileCache::Impl {
       recently_used.pop_back();
       ++stats.num_evictions;
     }
-    recently_used.push_front(payload_id);
-    entries[payload_id] = {tile, bytes, recently_used.begin()};
+    recently_used.push_front(digest);
+    entries[digest] = {tile, bytes, recently_used.begin()};
     stats.bytes += bytes;
     return evicted;
   }
 
-  CachedTilePtr Load(PayloadId payload_id, const Loader& loader) {
+  CachedTilePtr Load(const std::string& digest, const Loader& loader) {
     CachedTilePtr tile = loader();
     if (tile == nullptr) {
       throw Error(ErrorCode::kInternal, "tile cache: the loader returned nothing");
@@ -55,8 +57,8 @@ struct TileCache::Impl {
     const size_t bytes = tile->MemoryBytes();
     std::vector<CachedTilePtr> evicted;
     const std::lock_guard lock(mutex);
-    loading.erase(payload_id);
-    evicted = Insert(payload_id, tile, bytes);
+    loading.erase(digest);
+    evicted = Insert(digest, tile, bytes);
     return tile;
   }
 };
@@ -70,42 +72,42 @@ TileCache::TileCache(size_t max_bytes) : impl_(std::make_unique<Impl>()) {
 
 TileCache::~TileCache() = default;
 
-CachedTilePtr TileCache::GetOrLoad(PayloadId payload_id, const Loader& loader) {
+CachedTilePtr TileCache::GetOrLoad(const std::string& digest, const Loader& loader) {
   std::promise<CachedTilePtr> promise;
   {
     std::unique_lock lock(impl_->mutex);
-    if (const auto found = impl_->entries.find(payload_id); found != impl_->entries.end()) {
+    if (const auto found = impl_->entries.find(digest); found != impl_->entries.end()) {
       ++impl_->stats.num_hits;
       impl_->recently_used.splice(impl_->recently_used.begin(), impl_->recently_used,
                                   found->second.position);
       return found->second.tile;
     }
-    if (const auto found = impl_->loading.find(payload_id); found != impl_->loading.end()) {
+    if (const auto found = impl_->loading.find(digest); found != impl_->loading.end()) {
       ++impl_->stats.num_hits;
       const std::shared_future<CachedTilePtr> future = found->second;
       lock.unlock();
       return future.get();
     }
     ++impl_->stats.num_misses;
-    impl_->loading.emplace(payload_id, promise.get_future().share());
+    impl_->loading.emplace(digest, promise.get_future().share());
   }
   try {
-    CachedTilePtr tile = impl_->Load(payload_id, loader);
+    CachedTilePtr tile = impl_->Load(digest, loader);
     promise.set_value(tile);
     return tile;
   } catch (...) {
     {
       const std::lock_guard lock(impl_->mutex);
-      impl_->loading.erase(payload_id);
+      impl_->loading.erase(digest);
     }
     promise.set_exception(std::current_exception());
     throw;
   }
 }
 
-CachedTilePtr TileCache::Peek(PayloadId payload_id) const {
+CachedTilePtr TileCache::Peek(const std::string& digest) const {
   const std::lock_guard lock(impl_->mutex);
-  const auto found = impl_->entries.find(payload_id);
+  const auto found = impl_->entries.find(digest);
   return found == impl_->entries.end() ? nullptr : found->second.tile;
 }
 
@@ -117,7 +119,7 @@ TileCacheStats TileCache::Stats() const {
 }
 
 void TileCache::Clear() {
-  std::unordered_map<PayloadId, Impl::Entry> cleared;  // Destroyed after the lock is released.
+  std::unordered_map<std::string, Impl::Entry> cleared;  // Destroyed after the lock is released.
   const std::lock_guard lock(impl_->mutex);
   cleared.swap(impl_->entries);
   impl_->recently_used.clear();

@@ -6,8 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-
-#include "storage/ids.h"
+#include <string>
 
 namespace cairn {
 
@@ -29,7 +28,7 @@ class CachedTile {
 };
 
 // Evicts the least recently used values once the sum of their bytes exceeds the bound. Nothing is
-// ever invalidated, because the bytes of a payload id never change; tiles of old map versions age
+// ever invalidated, because keys are digests of the tiles' payloads; tiles of old map versions age
 // out. An evicted value stays alive as long as a caller holds it. Safe to call from any thread;
 // loads of different tiles run in parallel.
 class TileCache {
@@ -46,11 +45,11 @@ class TileCache {
   // Returns the cached value, or runs `loader` in the calling thread. Threads that request a tile
   // while another thread loads it wait for that load. If the loader throws, every waiting thread
   // gets the exception and nothing is cached: the next call loads again.
-  std::shared_ptr<const CachedTile> GetOrLoad(PayloadId payload_id, const Loader& loader);
+  std::shared_ptr<const CachedTile> GetOrLoad(const std::string& digest, const Loader& loader);
 
   // Returns the value if it is loaded, else null. Does not wait and does not count as a hit or a
   // miss.
-  std::shared_ptr<const CachedTile> Peek(PayloadId payload_id) const;
+  std::shared_ptr<const CachedTile> Peek(const std::string& digest) const;
 
   TileCacheStats Stats() const;
   void Clear();

@@ -1,12 +1,23 @@
-// Checks times as a map stores them; private to storage.
+// Times as a map stores them; private to storage.
 #ifndef CAIRN_STORAGE_MAP_UTC_TIME_H_
 #define CAIRN_STORAGE_MAP_UTC_TIME_H_
 
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <string>
 
 namespace cairn {
+
+// Returns the current time, as "2026-01-31T12:00:00Z".
+inline std::string UtcNow() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char text[sizeof("2026-01-31T12:00:00Z")];
+  std::strftime(text, sizeof(text), "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
+}
 
 // Returns true for a valid time such as "2026-01-31T12:00:00Z". Such times sort as text.
 inline bool IsUtcTime(const std::string& text) {

@@ -14,6 +14,7 @@
 #include "storage/geometry/geo_box.h"
 #include "storage/map/map_queries.h"
 #include "storage/map/map_rows.h"
+#include "storage/map/utc_time.h"
 
 namespace cairn::queries {
 namespace {
@@ -25,7 +26,7 @@ constexpr std::string_view kCurrentVersionSql =
 constexpr std::string_view kLatestVersionsSql =
     "SELECT version, created_at, author, kind, session, summary, num_sessions, num_keyframes, "
     "num_tiles, num_landmarks, num_descriptors, payload_bytes, south_deg, west_deg, north_deg, "
-    "east_deg FROM cairn_versions ORDER BY version DESC LIMIT ?";
+    "east_deg FROM cairn_versions WHERE version <= ? ORDER BY version DESC LIMIT ?";
 
 // The parameter is the older of two versions.
 constexpr std::string_view kChangedTilesSql =
@@ -33,15 +34,16 @@ constexpr std::string_view kChangedTilesSql =
     "SELECT tile_id FROM cairn_past_tiles WHERE until > ?1";
 
 // Columns of ReadTile, and since and until.
-#define CAIRN_PAST_TILE_COLUMNS                                                \
-  "SELECT tile_id, payload_id, codebook_id, num_landmarks, num_descriptors, "  \
-  "num_keyframes, num_bytes, min_h_m, max_h_m, landmarks_south_deg, "          \
-  "landmarks_west_deg, landmarks_north_deg, landmarks_east_deg, since, until " \
-  "FROM cairn_past_tiles "
+#define CAIRN_PAST_TILE_COLUMNS                                                         \
+  "SELECT t.tile_id, t.payload_id, t.codebook_id, t.num_landmarks, t.num_descriptors, " \
+  "t.num_keyframes, t.num_bytes, t.min_h_m, t.max_h_m, t.landmarks_south_deg, "         \
+  "t.landmarks_west_deg, t.landmarks_north_deg, t.landmarks_east_deg, "                 \
+  "coalesce(p.digest, ''), t.since, t.until FROM cairn_past_tiles AS t "                \
+  "LEFT JOIN cairn_payloads AS p ON p.payload_id = t.payload_id "
 
 constexpr std::string_view kPastTilesSql =
-    CAIRN_PAST_TILE_COLUMNS "WHERE since <= ?1 AND until > ?1 ORDER BY tile_id";
-constexpr std::string_view kAllPastTilesSql = CAIRN_PAST_TILE_COLUMNS "ORDER BY tile_id, since";
+    CAIRN_PAST_TILE_COLUMNS "WHERE t.since <= ?1 AND t.until > ?1 ORDER BY t.tile_id";
+constexpr std::string_view kAllPastTilesSql = CAIRN_PAST_TILE_COLUMNS "ORDER BY t.tile_id, t.since";
 
 #undef CAIRN_PAST_TILE_COLUMNS
 
@@ -59,7 +61,7 @@ constexpr std::string_view kPastKeyframeSql =
 #undef CAIRN_PAST_KEYFRAME_COLUMNS
 
 // Columns 12 to 15 of a version.
-std::optional<GeoBox> ReadBounds(const sqlite::Statement& row) {
+std::optional<GeoBox> ReadBounds(const db::Statement& row) {
   if (row.IsNull(12)) {
     return std::nullopt;
   }
@@ -67,7 +69,7 @@ std::optional<GeoBox> ReadBounds(const sqlite::Statement& row) {
                 row.Double(14) / kDegPerRad, row.Double(15) / kDegPerRad};
 }
 
-VersionRecord ReadVersion(const sqlite::Statement& row) {
+VersionRecord ReadVersion(const db::Statement& row) {
   VersionRecord version;
   version.version = MapVersion(row.Int64(0));
   version.created_at = row.Text(1);
@@ -86,10 +88,9 @@ VersionRecord ReadVersion(const sqlite::Statement& row) {
 }
 
 // Returns the state of a tile in a version.
-std::optional<TileState> StateOf(sqlite::Connection* connection, TileId tile_id,
-                                 MapVersion version) {
+std::optional<TileState> StateOf(db::Connection* connection, TileId tile_id, MapVersion version) {
   const auto id = static_cast<int64_t>(tile_id.value());
-  sqlite::Statement row = connection->Prepare(
+  db::Statement row = connection->Prepare(
       "SELECT s.payload_id, p.digest, s.num_landmarks, s.num_bytes FROM ("
       "SELECT t.payload_id, c.num_landmarks, c.num_bytes FROM cairn_tiles AS t "
       "JOIN coverage AS c ON c.tile_id = t.tile_id WHERE t.tile_id = ?1 AND t.since <= ?2 "
@@ -103,9 +104,8 @@ std::optional<TileState> StateOf(sqlite::Connection* connection, TileId tile_id,
 }
 
 // Returns text such as "versions 4 to 9".
-std::string NameVersions(sqlite::Connection* connection) {
-  sqlite::Statement row =
-      connection->Prepare("SELECT min(version), max(version) FROM cairn_versions");
+std::string NameVersions(db::Connection* connection) {
+  db::Statement row = connection->Prepare("SELECT min(version), max(version) FROM cairn_versions");
   row.Step();
   const int64_t oldest = row.Int64(0), newest = row.Int64(1);
   return oldest == newest ? fmt::format("version {} only", oldest)
@@ -129,53 +129,67 @@ std::string_view CurrentVersionSql() { return kCurrentVersionSql; }
 std::string_view LatestVersionsSql() { return kLatestVersionsSql; }
 std::string_view ChangedTilesSql() { return kChangedTilesSql; }
 
-MapVersion CurrentVersion(sqlite::Connection* connection) {
-  sqlite::Statement row = connection->Prepare(kCurrentVersionSql);
+MapVersion CurrentVersion(db::Connection* connection) {
+  db::Statement row = connection->Prepare(kCurrentVersionSql);
   if (!row.Step()) {
-    throw Error(ErrorCode::kMapDamaged, connection->path() + ": the table cairn_versions is empty");
+    throw Error(ErrorCode::kMapDamaged, connection->name() + ": the table cairn_versions is empty");
   }
   return MapVersion(row.Int64(0));
 }
 
-std::vector<VersionRecord> Versions(sqlite::Connection* connection, int64_t limit) {
+std::vector<VersionRecord> Versions(db::Connection* connection, int64_t limit, MapVersion as_of) {
   std::vector<VersionRecord> versions;
-  sqlite::Statement row = connection->Prepare(kLatestVersionsSql);
-  row.Bind(std::max<int64_t>(limit, 0));
+  db::Statement row = connection->Prepare(kLatestVersionsSql);
+  row.Bind(Value(as_of), std::max<int64_t>(limit, 0));
   while (row.Step()) {
     versions.push_back(ReadVersion(row));
   }
   return versions;
 }
 
-VersionRecord LatestVersion(sqlite::Connection* connection) {
-  std::vector<VersionRecord> versions = Versions(connection, 1);
+VersionRecord LatestVersion(db::Connection* connection) {
+  std::vector<VersionRecord> versions = Versions(connection, 1, kNewest);
   if (versions.empty()) {
-    throw Error(ErrorCode::kMapDamaged, connection->path() + ": the table cairn_versions is empty");
+    throw Error(ErrorCode::kMapDamaged, connection->name() + ": the table cairn_versions is empty");
   }
   return std::move(versions.front());
 }
 
-CodebookId CodebookOfVersion(sqlite::Connection* connection, MapVersion version) {
-  sqlite::Statement row = connection->Prepare(
+VersionRecord FindVersion(db::Connection* connection, MapVersion version) {
+  std::vector<VersionRecord> versions = Versions(connection, 1, version);
+  if (versions.empty() || versions.front().version != version) {
+    RequireVersion(connection, version);
+    throw Error(ErrorCode::kMapDamaged,
+                connection->name() + ": the table cairn_versions is unsound");
+  }
+  return std::move(versions.front());
+}
+
+CodebookId CodebookOfVersion(db::Connection* connection, MapVersion version) {
+  db::Statement row = connection->Prepare(
       "SELECT coalesce(max(codebook_id), 0) FROM cairn_versions WHERE version = ?");
   row.Bind(Value(version)).Step();
   return CodebookId(row.Int64(0));
 }
 
-void RequireVersion(sqlite::Connection* connection, MapVersion version) {
-  sqlite::Statement row = connection->Prepare("SELECT 1 FROM cairn_versions WHERE version = ?");
-  if (!row.Bind(Value(version)).Step()) {
+bool HasVersion(db::Connection* connection, MapVersion version) {
+  db::Statement row = connection->Prepare("SELECT 1 FROM cairn_versions WHERE version = ?");
+  return row.Bind(Value(version)).Step();
+}
+
+void RequireVersion(db::Connection* connection, MapVersion version) {
+  if (!HasVersion(connection, version)) {
     throw Error(ErrorCode::kNotFound,
-                fmt::format("{}: has no version {}; it has {}", connection->path(), Value(version),
+                fmt::format("{}: has no version {}; it has {}", connection->name(), Value(version),
                             NameVersions(connection)));
   }
 }
 
-std::vector<TileChange> Diff(sqlite::Connection* connection, MapVersion from, MapVersion to) {
+std::vector<TileChange> Diff(db::Connection* connection, MapVersion from, MapVersion to) {
   RequireVersion(connection, from);
   RequireVersion(connection, to);
   std::set<TileId> tile_ids;
-  sqlite::Statement row = connection->Prepare(kChangedTilesSql);
+  db::Statement row = connection->Prepare(kChangedTilesSql);
   row.Bind(std::min(Value(from), Value(to)));
   while (row.Step()) {
     tile_ids.insert(rows::ReadTileId(*connection, row.Int64(0)));
@@ -194,9 +208,9 @@ std::vector<TileChange> Diff(sqlite::Connection* connection, MapVersion from, Ma
   return changes;
 }
 
-std::vector<TileRecord> PastTiles(sqlite::Connection* connection, MapVersion version) {
+std::vector<TileRecord> PastTiles(db::Connection* connection, MapVersion version) {
   std::vector<TileRecord> tiles;
-  sqlite::Statement row = connection->Prepare(kPastTilesSql);
+  db::Statement row = connection->Prepare(kPastTilesSql);
   row.Bind(Value(version));
   while (row.Step()) {
     tiles.push_back(rows::ReadTile(*connection, row));
@@ -204,9 +218,9 @@ std::vector<TileRecord> PastTiles(sqlite::Connection* connection, MapVersion ver
   return tiles;
 }
 
-std::vector<SessionRecord> PastSessions(sqlite::Connection* connection, MapVersion version) {
+std::vector<SessionRecord> PastSessions(db::Connection* connection, MapVersion version) {
   std::vector<SessionRecord> sessions;
-  sqlite::Statement row = connection->Prepare(
+  db::Statement row = connection->Prepare(
       "SELECT session_id, name, source, created_at, recorded_at, content_digest, num_images, "
       "num_landmarks, georef_median_residual_m FROM cairn_past_sessions "
       "WHERE since <= ?1 AND until > ?1 ORDER BY session_id");
@@ -217,37 +231,46 @@ std::vector<SessionRecord> PastSessions(sqlite::Connection* connection, MapVersi
   return sessions;
 }
 
-std::vector<KeyframeRecord> PastKeyframes(sqlite::Connection* connection, MapVersion version) {
-  sqlite::Statement row = connection->Prepare(kPastKeyframesSql);
+std::vector<KeyframeRecord> PastKeyframes(db::Connection* connection, MapVersion version) {
+  db::Statement row = connection->Prepare(kPastKeyframesSql);
   row.Bind(Value(version));
   return rows::ReadKeyframes(*connection, &row);
 }
 
-std::vector<PastTile> AllPastTiles(sqlite::Connection* connection) {
+void SortById(std::vector<TileRecord>* tiles) {
+  const auto by_id = [](const TileRecord& a, const TileRecord& b) { return a.tile_id < b.tile_id; };
+  const auto same_id = [](const TileRecord& a, const TileRecord& b) {
+    return a.tile_id == b.tile_id;
+  };
+  std::sort(tiles->begin(), tiles->end(), by_id);
+  tiles->erase(std::unique(tiles->begin(), tiles->end(), same_id), tiles->end());
+}
+
+std::vector<PastTile> AllPastTiles(db::Connection* connection) {
   std::vector<PastTile> tiles;
-  sqlite::Statement row = connection->Prepare(kAllPastTilesSql);
+  db::Statement row = connection->Prepare(kAllPastTilesSql);
   while (row.Step()) {
     tiles.push_back(
-        {rows::ReadTile(*connection, row), MapVersion(row.Int64(13)), MapVersion(row.Int64(14))});
+        {rows::ReadTile(*connection, row), MapVersion(row.Int64(14)), MapVersion(row.Int64(15))});
   }
   return tiles;
 }
 
-std::optional<KeyframeRecord> FindKeyframeOf(sqlite::Connection* connection, MapVersion version,
+std::optional<KeyframeRecord> FindKeyframeOf(db::Connection* connection, MapVersion version,
                                              KeyframeId keyframe_id) {
-  sqlite::Statement head = connection->Prepare(
+  db::Statement head = connection->Prepare(
       "SELECT 1 FROM cairn_keyframe_poses WHERE keyframe_id = ? AND since <= ?");
   if (head.Bind(Value(keyframe_id), Value(version)).Step()) {
     return FindKeyframe(connection, keyframe_id);
   }
-  sqlite::Statement past = connection->Prepare(kPastKeyframeSql);
+  db::Statement past = connection->Prepare(kPastKeyframeSql);
   if (!past.Bind(Value(keyframe_id), Value(version)).Step()) {
     return std::nullopt;
   }
   return rows::ReadKeyframe(*connection, past);
 }
 
-std::optional<GeoBox> BoundsOfTiles(sqlite::Connection* connection) {
+std::optional<GeoBox> BoundsOfTiles(db::Connection* connection) {
   std::vector<GeoBox> boxes;
   for (const int64_t tile_id : AllTileIds(connection)) {
     boxes.push_back(rows::ReadTileId(*connection, tile_id).Bounds());
@@ -255,17 +278,17 @@ std::optional<GeoBox> BoundsOfTiles(sqlite::Connection* connection) {
   return BoxAroundAll(std::move(boxes));
 }
 
-void InsertVersion(sqlite::Connection* connection, MapVersion version, const VersionNote& note,
+void InsertVersion(db::Connection* connection, MapVersion version, const VersionNote& note,
                    const MapTotals& totals) {
   connection
       ->Prepare(
           "INSERT INTO cairn_versions (version, created_at, author, kind, session, summary, "
           "codebook_id, num_sessions, num_keyframes, num_tiles, num_landmarks, num_descriptors, "
-          "payload_bytes) VALUES (?, strftime('%Y-%m-%dT%H:%M:%SZ', 'now'), ?, ?, ?, ?, "
+          "payload_bytes) VALUES (?, ?, ?, ?, ?, ?, "
           "(SELECT codebook_id FROM cairn_map), ?, ?, ?, ?, ?, ?)")
-      .Bind(Value(version), LoginName(), VersionKindName(note.kind), note.session, note.summary,
-            totals.num_sessions, totals.num_keyframes, totals.num_tiles, totals.num_landmarks,
-            totals.num_descriptors, totals.payload_bytes)
+      .Bind(Value(version), UtcNow(), LoginName(), VersionKindName(note.kind), note.session,
+            note.summary, totals.num_sessions, totals.num_keyframes, totals.num_tiles,
+            totals.num_landmarks, totals.num_descriptors, totals.payload_bytes)
       .Run();
   if (totals.bounds) {
     connection

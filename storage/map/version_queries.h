@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
+#include "storage/database/connection.h"
 #include "storage/map/map_store.h"
 #include "storage/map/map_versions.h"
-#include "storage/sqlite/connection.h"
 
 namespace cairn::queries {
 
@@ -18,19 +18,22 @@ std::string_view CurrentVersionSql();
 std::string_view LatestVersionsSql();
 std::string_view ChangedTilesSql();
 
-MapVersion CurrentVersion(sqlite::Connection* connection);
-// Returns the newest `limit` versions, newest first.
-std::vector<VersionRecord> Versions(sqlite::Connection* connection, int64_t limit);
-VersionRecord LatestVersion(sqlite::Connection* connection);
+MapVersion CurrentVersion(db::Connection* connection);
+// Returns the newest `limit` versions up to `as_of`, newest first.
+std::vector<VersionRecord> Versions(db::Connection* connection, int64_t limit, MapVersion as_of);
+VersionRecord LatestVersion(db::Connection* connection);
+// Throws as RequireVersion.
+VersionRecord FindVersion(db::Connection* connection, MapVersion version);
+bool HasVersion(db::Connection* connection, MapVersion version);
 
 // Returns the codebook for new sessions as of a version, or 0 if the version has none.
-CodebookId CodebookOfVersion(sqlite::Connection* connection, MapVersion version);
+CodebookId CodebookOfVersion(db::Connection* connection, MapVersion version);
 
 // Throws Error(kNotFound), which names the versions of the map, if `version` is not among them.
-void RequireVersion(sqlite::Connection* connection, MapVersion version);
+void RequireVersion(db::Connection* connection, MapVersion version);
 
 // Returns the tiles whose payloads differ, ordered by id. Throws as RequireVersion.
-std::vector<TileChange> Diff(sqlite::Connection* connection, MapVersion from, MapVersion to);
+std::vector<TileChange> Diff(db::Connection* connection, MapVersion from, MapVersion to);
 
 // A state of a tile that the latest version does not have.
 struct PastTile {
@@ -39,22 +42,26 @@ struct PastTile {
   MapVersion until{};
 };
 
-// These return the rows of the past that a version has, ordered by id.
-std::vector<TileRecord> PastTiles(sqlite::Connection* connection, MapVersion version);
-std::vector<SessionRecord> PastSessions(sqlite::Connection* connection, MapVersion version);
-std::vector<KeyframeRecord> PastKeyframes(sqlite::Connection* connection, MapVersion version);
+// These return the rows of the past that a version has, ordered by id. They look only at rows that
+// versions after it removed.
+std::vector<TileRecord> PastTiles(db::Connection* connection, MapVersion version);
+std::vector<SessionRecord> PastSessions(db::Connection* connection, MapVersion version);
+std::vector<KeyframeRecord> PastKeyframes(db::Connection* connection, MapVersion version);
+
+// Sorts tiles by id and keeps one of several with the same id.
+void SortById(std::vector<TileRecord>* tiles);
 
 // Returns all tiles of the past, ordered by id and version.
-std::vector<PastTile> AllPastTiles(sqlite::Connection* connection);
+std::vector<PastTile> AllPastTiles(db::Connection* connection);
 // Returns a keyframe as of a version, from the tables of the latest version or of the past.
-std::optional<KeyframeRecord> FindKeyframeOf(sqlite::Connection* connection, MapVersion version,
+std::optional<KeyframeRecord> FindKeyframeOf(db::Connection* connection, MapVersion version,
                                              KeyframeId keyframe_id);
 
 // Returns the box around the squares of all tiles. Reads every tile id.
-std::optional<GeoBox> BoundsOfTiles(sqlite::Connection* connection);
+std::optional<GeoBox> BoundsOfTiles(db::Connection* connection);
 
 // Takes the user of the process for the author.
-void InsertVersion(sqlite::Connection* connection, MapVersion version, const VersionNote& note,
+void InsertVersion(db::Connection* connection, MapVersion version, const VersionNote& note,
                    const MapTotals& totals);
 
 }  // namespace cairn::queries

@@ -31,6 +31,12 @@ class Statement {
     return *this;
   }
 
+  // Binds one value, to a parameter that counts from 1.
+  void BindAt(int index, int64_t value);
+  void BindAt(int index, double value);
+  void BindAt(int index, std::string_view value);
+  void BindAt(int index, std::span<const uint8_t> value);
+
   // Moves to the next row. Returns false after the last. Throws Error.
   bool Step();
 
@@ -50,10 +56,6 @@ class Statement {
  private:
   friend class Connection;
   Statement(Connection* connection, sqlite3_stmt* handle);
-  void BindAt(int index, int64_t value);
-  void BindAt(int index, double value);
-  void BindAt(int index, std::string_view value);
-  void BindAt(int index, std::span<const uint8_t> value);
   void CheckType(int column, int type) const;
   void CheckBound(int result) const;
 

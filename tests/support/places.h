@@ -13,6 +13,9 @@
 #include "support/map_builder.h"
 #include "support/street_map.h"
 #include "support/tile_builder.h"
+#ifdef CAIRN_WITH_POSTGRES
+#include "storage/postgres/server.h"
+#endif
 
 namespace cairn::testing {
 
@@ -60,9 +63,23 @@ inline void PutPlace(int place, uint64_t seed, MapUpdate* update, int num_landma
   update->PutTile(DescribeTile(tile), EncodeTile(tile));
 }
 
-// The rows of a query, a line each.
+// The rows of a query, a line each. Of a map on a server, only with CAIRN_WITH_POSTGRES.
 inline std::vector<std::string> RowsOf(const std::string& path, const std::string& sql) {
   std::vector<std::string> lines;
+#ifdef CAIRN_WITH_POSTGRES
+  if (path.starts_with("postgresql:")) {
+    const auto connection = postgres::Server(path).Connect(postgres::Use::kRead, {});
+    const postgres::Result rows = connection->link().Run(sql);
+    for (int row = 0; row < PQntuples(rows.get()); ++row) {
+      lines.emplace_back();
+      for (int column = 0; column < PQnfields(rows.get()); ++column) {
+        lines.back() += (column == 0 ? "" : " | ");
+        lines.back() += PQgetvalue(rows.get(), row, column);
+      }
+    }
+    return lines;
+  }
+#endif
   SqlSink sink;
   sink.on_columns = [](const std::vector<std::string>&) {};
   sink.on_row = [&lines](const std::vector<SqlCell>& row) {
@@ -77,16 +94,23 @@ inline std::vector<std::string> RowsOf(const std::string& path, const std::strin
 
 // All that the latest version holds: tiles by digest, sessions and keyframes by id and content.
 inline std::vector<std::string> ContentOf(const std::string& path) {
-  return RowsOf(path,
-                "SELECT tile, digest, num_landmarks, min_h_m, landmarks_west_deg FROM v_tiles "
-                "JOIN cairn_payloads USING (payload_id) ORDER BY tile;"
-                "SELECT session_id, name, created_at, recorded_at, num_images FROM cairn_sessions "
-                "ORDER BY session_id;"
-                "SELECT k.keyframe_id, k.session_id, k.tile_id, k.image_name, k.lat_deg, "
-                "k.heading_deg, p.qw, p.tx_m, c.params FROM keyframes AS k "
-                "JOIN cairn_keyframe_poses AS p USING (keyframe_id) "
-                "JOIN cairn_cameras AS c USING (camera_id) ORDER BY k.keyframe_id;"
-                "SELECT codebook_id FROM cairn_map");
+  std::vector<std::string> content;
+  for (const char* sql :
+       {"SELECT c.tile, p.digest, c.num_landmarks, c.min_h_m, t.landmarks_west_deg "
+        "FROM cairn_tiles AS t JOIN coverage AS c USING (tile_id) "
+        "JOIN cairn_payloads AS p USING (payload_id) ORDER BY c.tile",
+        "SELECT session_id, name, created_at, recorded_at, num_images FROM cairn_sessions "
+        "ORDER BY session_id",
+        "SELECT k.keyframe_id, k.session_id, k.tile_id, k.image_name, k.lat_deg, "
+        "k.heading_deg, p.qw, p.tx_m, c.params FROM keyframes AS k "
+        "JOIN cairn_keyframe_poses AS p USING (keyframe_id) "
+        "JOIN cairn_cameras AS c USING (camera_id) ORDER BY k.keyframe_id",
+        "SELECT codebook_id FROM cairn_map"}) {
+    for (std::string& row : RowsOf(path, sql)) {
+      content.push_back(std::move(row));
+    }
+  }
+  return content;
 }
 
 }  // namespace cairn::testing

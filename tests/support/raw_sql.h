@@ -8,11 +8,21 @@
 #include <string>
 
 #include "storage/inspection/register.h"
+#ifdef CAIRN_WITH_POSTGRES
+#include "storage/postgres/server.h"
+#endif
 
 namespace cairn::testing {
 
-// Runs SQL in a database, which is created if it does not exist. Foreign keys are not enforced.
+// Runs SQL in a database; a file is created if it does not exist. SQLite does not enforce foreign
+// keys. A map on a server needs CAIRN_WITH_POSTGRES.
 inline void ExecuteRaw(const std::string& path, const std::string& sql) {
+#ifdef CAIRN_WITH_POSTGRES
+  if (path.starts_with("postgresql:")) {
+    postgres::Server(path).Connect(postgres::Use::kWrite, {})->Execute(sql);
+    return;
+  }
+#endif
   sqlite3* db = nullptr;
   ASSERT_EQ(sqlite3_open(path.c_str(), &db), SQLITE_OK);
   ASSERT_EQ(inspection::RegisterInspection(db), SQLITE_OK);

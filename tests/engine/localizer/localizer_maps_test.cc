@@ -29,6 +29,16 @@ TEST(Localizer, SaysNoCoverageOnAnEmptyMap) {
   EXPECT_EQ(map.localizer().Localize(query).reason, NotLocalizedReason::kNoCoverage);
 }
 
+TEST(Localizer, AWarmQueryReadsTheMapOnce) {
+  const StreetWorld world;
+  const MappedStreets map({world});
+  const LocalizeQuery query = QueryAt(world, QueryPose(20.0));
+  map.localizer().Localize(query);
+  const int64_t num_calls_before = map.store().Stats().num_calls;
+  EXPECT_TRUE(map.localizer().Localize(query).localized);
+  EXPECT_EQ(map.store().Stats().num_calls - num_calls_before, 1);
+}
+
 TEST(Localizer, SaysAmbiguousBetweenTwoEqualStreets) {
   StreetWorldOptions options;
   options.length_m = 20.0;

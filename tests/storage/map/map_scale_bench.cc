@@ -11,6 +11,7 @@
 
 #include "storage/map/map_file.h"
 #include "storage/map/map_store.h"
+#include "storage/map/sqlite_database.h"
 #include "storage/map/version_queries.h"
 #include "support/map_builder.h"
 #include "support/temp_dir.h"
@@ -112,9 +113,9 @@ void MapOneTileAnUpdate(benchmark::State& state) {
 // What an update pays in addition if it removes a tile at the edge of the map.
 void MapBoundsAnew(benchmark::State& state) {
   sqlite::Access access = sqlite::Access::kReadOnly;
-  const auto connection = OpenMapFile(MapOfTiles(state.range(0)).path(), &access);
+  SqliteDatabase database(OpenMapFile(MapOfTiles(state.range(0)).path(), &access));
   for (auto _ : state) {
-    benchmark::DoNotOptimize(queries::BoundsOfTiles(connection.get()));
+    benchmark::DoNotOptimize(queries::BoundsOfTiles(&database));
   }
 }
 

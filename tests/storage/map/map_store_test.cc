@@ -14,6 +14,7 @@
 #include "storage/map/describe_tile.h"
 #include "storage/tile/tile_codec.h"
 #include "support/map_builder.h"
+#include "support/map_place.h"
 #include "support/street_map.h"
 #include "support/temp_dir.h"
 #include "support/tile_builder.h"
@@ -47,9 +48,11 @@ std::vector<TileId> Ids(const std::vector<TileRecord>& tiles) {
   return ids;
 }
 
-TEST(MapStore, NewMapIsEmpty) {
-  const TempDir dir;
-  const MapStore store = MapStore::Create(dir.File("a.gpkg"));
+class MapStoreTest : public testing::MapPlaceTest {};
+CAIRN_ON_BOTH_KINDS_OF_MAPS(MapStoreTest);
+
+TEST_P(MapStoreTest, NewMapIsEmpty) {
+  const MapStore store = MapStore::Create(Place("a"));
   const MapSnapshot snapshot = store.Snapshot();
   const MapInfo info = snapshot.Info();
   EXPECT_EQ(snapshot.version(), MapVersion(1));
@@ -70,9 +73,8 @@ TEST(MapStore, CreateRefusesAnExistingFile) {
   EXPECT_EQ(ErrorCodeOf([&] { MapStore::Create(dir.File("none/a.gpkg")); }), ErrorCode::kIo);
 }
 
-TEST(MapStore, WhatWasPublishedIsReadBack) {
-  const TempDir dir;
-  MapStore store = MapStore::Create(dir.File("a.gpkg"));
+TEST_P(MapStoreTest, WhatWasPublishedIsReadBack) {
+  MapStore store = MapStore::Create(Place("a"));
   const Geodetic position = Geodetic::FromDegrees(49.011, 8.416, 115.0);
   MapUpdate update = store.BeginUpdate();
   const CodebookId codebook_id = update.AddCodebook(RandomCodebook());
@@ -128,9 +130,8 @@ TEST(MapStore, WhatWasPublishedIsReadBack) {
   EXPECT_THAT(store.Check({}).problems, IsEmpty());
 }
 
-TEST(MapStore, InfoCountsAndBounds) {
-  const TempDir dir;
-  MapStore store = MapStore::Create(dir.File("a.gpkg"));
+TEST_P(MapStoreTest, InfoCountsAndBounds) {
+  MapStore store = MapStore::Create(Place("a"));
   MapUpdate update = store.BeginUpdate();
   update.AddCodebook(RandomCodebook());
   update.AddSession(NamedSession("s"));
@@ -152,9 +153,8 @@ TEST(MapStore, InfoCountsAndBounds) {
   EXPECT_NEAR(info.bounds->east_rad, -179.9 * kRadPerDeg, 1e-4);
 }
 
-TEST(MapStore, FindTilesReturnsExactlyTheSquaresThatMeetTheBox) {
-  const TempDir dir;
-  MapStore store = MapStore::Create(dir.File("a.gpkg"));
+TEST_P(MapStoreTest, FindTilesReturnsExactlyTheSquaresThatMeetTheBox) {
+  MapStore store = MapStore::Create(Place("a"));
   MapUpdate update = store.BeginUpdate();
   update.AddCodebook(RandomCodebook());
   std::vector<TileId> ids;
@@ -187,9 +187,8 @@ TEST(MapStore, FindTilesReturnsExactlyTheSquaresThatMeetTheBox) {
   EXPECT_EQ(Ids(snapshot.FindTiles(BoxDeg(-90, -180, 90, 180))), ids);
 }
 
-TEST(MapStore, FindTilesAcrossTheAntimeridianAndAtThePoles) {
-  const TempDir dir;
-  MapStore store = MapStore::Create(dir.File("a.gpkg"));
+TEST_P(MapStoreTest, FindTilesAcrossTheAntimeridianAndAtThePoles) {
+  MapStore store = MapStore::Create(Place("a"));
   MapUpdate update = store.BeginUpdate();
   update.AddCodebook(RandomCodebook());
   const TileId west = TileAt(-17.0, 179.9995);
@@ -216,9 +215,8 @@ TEST(MapStore, FindTilesAcrossTheAntimeridianAndAtThePoles) {
   EXPECT_THAT(find(Geodetic::FromDegrees(-17.0, 0.0, 0.0)), IsEmpty());
 }
 
-TEST(MapStore, SnapshotKeepsItsVersionWhileAnUpdateIsPublished) {
-  const TempDir dir;
-  MapStore store = MapStore::Create(dir.File("a.gpkg"));
+TEST_P(MapStoreTest, SnapshotKeepsItsVersionWhileAnUpdateIsPublished) {
+  MapStore store = MapStore::Create(Place("a"));
   const Tile tile = RandomTile();
   MapUpdate first = store.BeginUpdate();
   first.AddCodebook(RandomCodebook());
@@ -242,10 +240,9 @@ TEST(MapStore, SnapshotKeepsItsVersionWhileAnUpdateIsPublished) {
   EXPECT_TRUE(testing::SameTile(DecodeTile(after.LoadPayload(old_payload)), tile));
 }
 
-TEST(MapStore, ThreadsReadWholeVersionsWhileUpdatesArePublished) {
+TEST_P(MapStoreTest, ThreadsReadWholeVersionsWhileUpdatesArePublished) {
   constexpr int kNumUpdates = 15;
-  const TempDir dir;
-  MapStore store = MapStore::Create(dir.File("a.gpkg"));
+  MapStore store = MapStore::Create(Place("a"));
   // Version v of the map holds two tiles of v landmarks each.
   const auto publish = [&store](int num_landmarks) {
     MapUpdate update = store.BeginUpdate();
@@ -286,9 +283,8 @@ TEST(MapStore, ThreadsReadWholeVersionsWhileUpdatesArePublished) {
   EXPECT_EQ(store.Snapshot().version(), MapVersion(2 + kNumUpdates));
 }
 
-TEST(MapStore, PayloadIdsAreNotUsedAgain) {
-  const TempDir dir;
-  MapStore store = MapStore::Create(dir.File("a.gpkg"));
+TEST_P(MapStoreTest, PayloadIdsAreNotUsedAgain) {
+  MapStore store = MapStore::Create(Place("a"));
   MapUpdate first = store.BeginUpdate();
   first.AddCodebook(RandomCodebook());
   const PayloadId removed = AddTile(RandomTile(), &first);
@@ -299,9 +295,8 @@ TEST(MapStore, PayloadIdsAreNotUsedAgain) {
   EXPECT_GT(Value(AddTile(RandomTile(), &second)), Value(removed));
 }
 
-TEST(MapStore, LandmarkIdsAreReservedInOrder) {
-  const TempDir dir;
-  MapStore store = MapStore::Create(dir.File("a.gpkg"));
+TEST_P(MapStoreTest, LandmarkIdsAreReservedInOrder) {
+  MapStore store = MapStore::Create(Place("a"));
   MapUpdate update = store.BeginUpdate();
   EXPECT_EQ(update.ReserveLandmarkIds(10), LandmarkId(1));
   EXPECT_EQ(update.ReserveLandmarkIds(0), LandmarkId(11));
@@ -309,9 +304,8 @@ TEST(MapStore, LandmarkIdsAreReservedInOrder) {
   EXPECT_EQ(store.BeginUpdate().ReserveLandmarkIds(5), LandmarkId(11));
 }
 
-TEST(MapStore, AnUpdateThatIsNotPublishedLeavesNothing) {
-  const TempDir dir;
-  MapStore store = MapStore::Create(dir.File("a.gpkg"));
+TEST_P(MapStoreTest, AnUpdateThatIsNotPublishedLeavesNothing) {
+  MapStore store = MapStore::Create(Place("a"));
   {
     MapUpdate update = store.BeginUpdate();
     update.AddCodebook(RandomCodebook());
@@ -325,25 +319,22 @@ TEST(MapStore, AnUpdateThatIsNotPublishedLeavesNothing) {
   EXPECT_EQ(snapshot.CurrentCodebook(), nullptr);
 }
 
-TEST(MapStore, SecondUpdateIsAConflictAtOnce) {
-  const TempDir dir;
-  MapStore store = MapStore::Create(dir.File("a.gpkg"));
+TEST_P(MapStoreTest, SecondUpdateIsAConflictAtOnce) {
+  MapStore store = MapStore::Create(Place("a"));
   MapStore other = MapStore::Open(store.path(), OpenMode::kReadWrite);
   const MapUpdate update = store.BeginUpdate();
   EXPECT_EQ(ErrorCodeOf([&] { store.BeginUpdate(); }), ErrorCode::kConflict);
   EXPECT_EQ(ErrorCodeOf([&] { other.BeginUpdate(); }), ErrorCode::kConflict);
 }
 
-TEST(MapStore, ReadOnlyStoreRefusesUpdates) {
-  const TempDir dir;
-  MapStore::Create(dir.File("a.gpkg"));
-  MapStore store = MapStore::Open(dir.File("a.gpkg"), OpenMode::kReadOnly);
+TEST_P(MapStoreTest, ReadOnlyStoreRefusesUpdates) {
+  MapStore::Create(Place("a"));
+  MapStore store = MapStore::Open(Place("a"), OpenMode::kReadOnly);
   EXPECT_EQ(ErrorCodeOf([&] { store.BeginUpdate(); }), ErrorCode::kConflict);
 }
 
-TEST(MapStore, SessionsAreNamedOnceAndCanBeRemoved) {
-  const TempDir dir;
-  MapStore store = MapStore::Create(dir.File("a.gpkg"));
+TEST_P(MapStoreTest, SessionsAreNamedOnceAndCanBeRemoved) {
+  MapStore store = MapStore::Create(Place("a"));
   const Geodetic position = Geodetic::FromDegrees(49.0, 8.4, 100.0);
   MapUpdate update = store.BeginUpdate();
   const SessionId first = update.AddSession(NamedSession("a"));
@@ -360,9 +351,8 @@ TEST(MapStore, SessionsAreNamedOnceAndCanBeRemoved) {
   EXPECT_THAT(store.Check({}).problems, IsEmpty());
 }
 
-TEST(MapStore, SnapshotOutlivesTheStore) {
-  const TempDir dir;
-  std::optional<MapStore> store = MapStore::Create(dir.File("a.gpkg"));
+TEST_P(MapStoreTest, SnapshotOutlivesTheStore) {
+  std::optional<MapStore> store = MapStore::Create(Place("a"));
   const MapSnapshot snapshot = store->Snapshot();
   store.reset();
   EXPECT_EQ(snapshot.version(), MapVersion(1));

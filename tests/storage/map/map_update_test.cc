@@ -7,8 +7,8 @@
 #include "core/error.h"
 #include "storage/map/map_store.h"
 #include "support/map_builder.h"
+#include "support/map_place.h"
 #include "support/street_map.h"
-#include "support/temp_dir.h"
 
 namespace cairn {
 namespace {
@@ -18,11 +18,12 @@ using testing::ErrorCodeOf;
 using ::testing::IsEmpty;
 using testing::KeyframeAt;
 using testing::NamedSession;
-using testing::TempDir;
 
-TEST(MapUpdate, SessionsHaveATimeAndADigest) {
-  const TempDir dir;
-  MapStore store = MapStore::Create(dir.File("a.gpkg"));
+class MapUpdateTest : public testing::MapPlaceTest {};
+CAIRN_ON_BOTH_KINDS_OF_MAPS(MapUpdateTest);
+
+TEST_P(MapUpdateTest, SessionsHaveATimeAndADigest) {
+  MapStore store = MapStore::Create(Place("a"));
   MapUpdate update = store.BeginUpdate();
   update.AddSession(NamedSession("a"));
   SessionRecord session = NamedSession("b");
@@ -43,9 +44,8 @@ TEST(MapUpdate, SessionsHaveATimeAndADigest) {
   EXPECT_THAT(store.Check({}).problems, IsEmpty());
 }
 
-TEST(MapUpdate, KeyframesOfATileCanBeRemovedOneByOne) {
-  const TempDir dir;
-  MapStore store = MapStore::Create(dir.File("a.gpkg"));
+TEST_P(MapUpdateTest, KeyframesOfATileCanBeRemovedOneByOne) {
+  MapStore store = MapStore::Create(Place("a"));
   const Geodetic here = Geodetic::FromDegrees(49.0, 8.4, 100.0);
   const Geodetic elsewhere = Geodetic::FromDegrees(49.1, 8.4, 100.0);
   MapUpdate update = store.BeginUpdate();

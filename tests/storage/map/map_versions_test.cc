@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -14,9 +15,9 @@
 #include "storage/map/map_history.h"
 #include "storage/map/map_store.h"
 #include "support/map_builder.h"
+#include "support/map_place.h"
 #include "support/places.h"
 #include "support/raw_sql.h"
-#include "support/temp_dir.h"
 
 namespace cairn {
 namespace {
@@ -31,37 +32,48 @@ using testing::RemovePlace;
 using testing::RowsOf;
 using testing::TileOfPlace;
 
-class MapVersions : public ::testing::Test {
+class MapVersions : public testing::MapPlaceTest {
  protected:
+  void SetUp() override {
+    MapPlaceTest::SetUp();
+    if (!IsSkipped()) {
+      path_ = Place("a");
+      map_.emplace(MapStore::Create(path_));
+    }
+  }
+
   MapVersion Put(int place, uint64_t seed) {
-    MapUpdate update = store_.BeginUpdate();
+    MapUpdate update = store().BeginUpdate();
     PutPlace(place, seed, &update);
     return update.Publish({VersionKind::kIngest, testing::NameOfPlace(place), "one place"});
   }
 
   MapVersion Remove(int place) {
-    MapUpdate update = store_.BeginUpdate();
+    MapUpdate update = store().BeginUpdate();
     RemovePlace(place, &update);
     return update.Publish({VersionKind::kRemove, testing::NameOfPlace(place), ""});
   }
 
   std::vector<TileChange> Diff(int64_t from, int64_t to) {
-    return store_.Snapshot().Diff(MapVersion(from), MapVersion(to));
+    return store().Snapshot().Diff(MapVersion(from), MapVersion(to));
   }
 
   int64_t Count(const std::string& table) {
     return std::stoll(RowsOf(path_, "SELECT count(*) FROM " + table).at(0));
   }
 
-  testing::TempDir dir_;
-  const std::string path_ = dir_.File("a.gpkg");
-  MapStore store_ = MapStore::Create(path_);
+  MapStore& store() { return *map_; }
+
+  std::string path_;
+  std::optional<MapStore> map_;
 };
 
-TEST_F(MapVersions, SayWhatEachUpdateWas) {
+CAIRN_ON_BOTH_KINDS_OF_MAPS(MapVersions);
+
+TEST_P(MapVersions, SayWhatEachUpdateWas) {
   Put(0, 1);
   Put(1, 2);
-  const std::vector<VersionRecord> versions = store_.Snapshot().Versions(10);
+  const std::vector<VersionRecord> versions = store().Snapshot().Versions(10);
   ASSERT_EQ(versions.size(), 3u);
   EXPECT_EQ(versions[0].version, MapVersion(3));
   EXPECT_EQ(versions[0].kind, "ingest");
@@ -74,10 +86,10 @@ TEST_F(MapVersions, SayWhatEachUpdateWas) {
   EXPECT_EQ(versions[2].kind, "create");
   EXPECT_EQ(versions[2].totals.num_tiles, 0);
   EXPECT_FALSE(versions[2].totals.bounds.has_value());
-  EXPECT_EQ(store_.Snapshot().Versions(1).size(), 1u);
+  EXPECT_EQ(store().Snapshot().Versions(1).size(), 1u);
 }
 
-TEST_F(MapVersions, DiffNamesTheTilesThatDiffer) {
+TEST_P(MapVersions, DiffNamesTheTilesThatDiffer) {
   Put(0, 1);
   Put(1, 2);
   Put(0, 3);
@@ -101,7 +113,7 @@ TEST_F(MapVersions, DiffNamesTheTilesThatDiffer) {
   EXPECT_THAT(Diff(1, 1), IsEmpty());
 }
 
-TEST_F(MapVersions, DiffSaysWhichVersionsThereAre) {
+TEST_P(MapVersions, DiffSaysWhichVersionsThereAre) {
   Put(0, 1);
   try {
     Diff(1, 7);
@@ -112,7 +124,7 @@ TEST_F(MapVersions, DiffSaysWhichVersionsThereAre) {
   }
 }
 
-TEST_F(MapVersions, RollBackBringsBackTheContentToTheByte) {
+TEST_P(MapVersions, RollBackBringsBackTheContentToTheByte) {
   Put(0, 1);
   Put(1, 2);
   const std::vector<std::string> content = ContentOf(path_);
@@ -120,78 +132,78 @@ TEST_F(MapVersions, RollBackBringsBackTheContentToTheByte) {
   Remove(1);
   Put(2, 4);
   const std::vector<std::string> later = ContentOf(path_);
-  EXPECT_EQ(RollBack(MapVersion(3), &store_), MapVersion(7));
+  EXPECT_EQ(RollBack(MapVersion(3), &store()), MapVersion(7));
   EXPECT_EQ(ContentOf(path_), content);
   EXPECT_THAT(Diff(3, 7), IsEmpty());
-  EXPECT_THAT(store_.Check({}).problems, IsEmpty());
-  const VersionRecord version = store_.Snapshot().Versions(1).at(0);
+  EXPECT_THAT(store().Check({}).problems, IsEmpty());
+  const VersionRecord version = store().Snapshot().Versions(1).at(0);
   EXPECT_EQ(version.kind, "rollback");
   EXPECT_THAT(version.summary, HasSubstr("version 3"));
   EXPECT_EQ(version.totals.num_tiles, 2);
 
-  EXPECT_EQ(RollBack(MapVersion(6), &store_), MapVersion(8));
+  EXPECT_EQ(RollBack(MapVersion(6), &store()), MapVersion(8));
   EXPECT_EQ(ContentOf(path_), later);
-  EXPECT_THAT(store_.Check({}).problems, IsEmpty());
-  EXPECT_EQ(RollBack(MapVersion(1), &store_), MapVersion(9));
-  EXPECT_EQ(store_.Snapshot().Info().num_sessions, 0);
-  EXPECT_EQ(store_.Snapshot().CurrentCodebook(), nullptr);
-  EXPECT_THAT(store_.Check({}).problems, IsEmpty());
+  EXPECT_THAT(store().Check({}).problems, IsEmpty());
+  EXPECT_EQ(RollBack(MapVersion(1), &store()), MapVersion(9));
+  EXPECT_EQ(store().Snapshot().Info().num_sessions, 0);
+  EXPECT_EQ(store().Snapshot().CurrentCodebook(), nullptr);
+  EXPECT_THAT(store().Check({}).problems, IsEmpty());
 }
 
-TEST_F(MapVersions, RollBackToTheLatestIsRefused) {
+TEST_P(MapVersions, RollBackToTheLatestIsRefused) {
   Put(0, 1);
-  EXPECT_EQ(ErrorCodeOf([&] { RollBack(MapVersion(2), &store_); }), ErrorCode::kConflict);
-  EXPECT_EQ(store_.Snapshot().version(), MapVersion(2));
+  EXPECT_EQ(ErrorCodeOf([&] { RollBack(MapVersion(2), &store()); }), ErrorCode::kConflict);
+  EXPECT_EQ(store().Snapshot().version(), MapVersion(2));
 }
 
-TEST_F(MapVersions, IdsGoOnAfterARollback) {
+TEST_P(MapVersions, IdsGoOnAfterARollback) {
   Put(0, 1);
   Put(0, 2);
-  RollBack(MapVersion(2), &store_);
-  MapUpdate update = store_.BeginUpdate();
+  RollBack(MapVersion(2), &store());
+  MapUpdate update = store().BeginUpdate();
   EXPECT_EQ(update.ReserveLandmarkIds(1), LandmarkId(41));
   EXPECT_EQ(update.AddSession(testing::NamedSession("next")), SessionId(3));
 }
 
-TEST_F(MapVersions, EqualTilesAreStoredOnce) {
+TEST_P(MapVersions, EqualTilesAreStoredOnce) {
   Put(0, 1);
-  const TileRecord tile = *store_.Snapshot().FindTile(TileOfPlace(0));
-  const LargeVector<uint8_t> payload = store_.Snapshot().LoadPayload(tile.payload_id);
-  MapUpdate same = store_.BeginUpdate();
+  const TileRecord tile = *store().Snapshot().FindTile(TileOfPlace(0));
+  const LargeVector<uint8_t> payload = store().Snapshot().LoadPayload(tile.payload_id);
+  MapUpdate same = store().BeginUpdate();
   EXPECT_EQ(same.PutTile(tile, payload), tile.payload_id);
   same.Publish();
   EXPECT_THAT(Diff(2, 3), IsEmpty());
-  MapUpdate around = store_.BeginUpdate();
+  MapUpdate around = store().BeginUpdate();
   around.RemoveTile(tile.tile_id);
   EXPECT_EQ(around.PutTile(tile, payload), tile.payload_id);
   around.Publish();
   EXPECT_THAT(Diff(2, 4), IsEmpty());
   EXPECT_EQ(Count("cairn_payloads"), 1);
   EXPECT_EQ(Count("cairn_past_tiles"), 0);
-  MapUpdate gone = store_.BeginUpdate();
+  MapUpdate gone = store().BeginUpdate();
   gone.RemoveTile(tile.tile_id);
   gone.Publish();
-  MapUpdate back = store_.BeginUpdate();
+  MapUpdate back = store().BeginUpdate();
   EXPECT_EQ(back.PutTile(tile, payload), tile.payload_id);
   back.Publish();
   EXPECT_EQ(Diff(4, 5).size(), 1u);
   EXPECT_THAT(Diff(4, 6), IsEmpty());
   EXPECT_EQ(Count("cairn_payloads"), 1);
-  EXPECT_THAT(store_.Check({}).problems, IsEmpty());
+  EXPECT_THAT(store().Check({}).problems, IsEmpty());
 }
 
-TEST_F(MapVersions, APayloadThatIsNotWhatItsDigestSaysIsNotTakenForAnother) {
+TEST_P(MapVersions, APayloadThatIsNotWhatItsDigestSaysIsNotTakenForAnother) {
   Put(0, 1);
-  const TileRecord tile = *store_.Snapshot().FindTile(TileOfPlace(0));
-  const LargeVector<uint8_t> payload = store_.Snapshot().LoadPayload(tile.payload_id);
-  testing::ExecuteRaw(path_, "UPDATE cairn_payloads SET bytes = x'00'");
-  MapUpdate update = store_.BeginUpdate();
+  const TileRecord tile = *store().Snapshot().FindTile(TileOfPlace(0));
+  const LargeVector<uint8_t> payload = store().Snapshot().LoadPayload(tile.payload_id);
+  testing::ExecuteRaw(path_, "UPDATE cairn_payloads SET bytes = substr(bytes, 2)");
+  MapUpdate update = store().BeginUpdate();
   EXPECT_EQ(ErrorCodeOf([&] { update.PutTile(tile, payload); }), ErrorCode::kMapDamaged);
 }
 
-TEST_F(MapVersions, WhatOneUpdateAddsAndRemovesLeavesNoTrace) {
+TEST_P(MapVersions, WhatOneUpdateAddsAndRemovesLeavesNoTrace) {
   Put(0, 1);
-  MapUpdate update = store_.BeginUpdate();
+  MapUpdate update = store().BeginUpdate();
   PutPlace(1, 2, &update);
   PutPlace(1, 3, &update);
   RemovePlace(1, &update);
@@ -200,23 +212,23 @@ TEST_F(MapVersions, WhatOneUpdateAddsAndRemovesLeavesNoTrace) {
   EXPECT_EQ(Count("cairn_past_sessions"), 0);
   EXPECT_EQ(Count("cairn_past_keyframes"), 0);
   EXPECT_EQ(Count("cairn_payloads"), 1);
-  EXPECT_THAT(store_.Check({}).problems, IsEmpty());
+  EXPECT_THAT(store().Check({}).problems, IsEmpty());
 }
 
-TEST_F(MapVersions, ACodebookOfEqualBytesKeepsItsId) {
-  MapUpdate update = store_.BeginUpdate();
+TEST_P(MapVersions, ACodebookOfEqualBytesKeepsItsId) {
+  MapUpdate update = store().BeginUpdate();
   const CodebookId first = update.AddCodebook(testing::RandomCodebook());
   EXPECT_EQ(update.AddCodebook(testing::RandomCodebook()), first);
   update.Publish();
   EXPECT_EQ(Count("cairn_codebooks"), 1);
 }
 
-TEST_F(MapVersions, PruneKeepsTheNewest) {
+TEST_P(MapVersions, PruneKeepsTheNewest) {
   for (int seed = 1; seed <= 5; ++seed) {
     Put(0, seed);
   }
   const std::vector<std::string> content = ContentOf(path_);
-  const PruneReport report = Prune({.keep = 3}, &store_);
+  const PruneReport report = Prune({.keep = 3}, &store());
   EXPECT_EQ(report.num_versions_gone, 4);
   EXPECT_GT(report.num_payload_bytes_gone, 0);
   EXPECT_EQ(report.version, MapVersion(7));
@@ -224,66 +236,72 @@ TEST_F(MapVersions, PruneKeepsTheNewest) {
   EXPECT_THAT(RowsOf(path_, "SELECT version FROM cairn_versions ORDER BY version"),
               ElementsAre("5", "6", "7"));
   EXPECT_EQ(Count("cairn_payloads"), 2);
-  EXPECT_THAT(store_.Check({}).problems, IsEmpty());
-  EXPECT_EQ(store_.Snapshot().Versions(1).at(0).kind, "prune");
+  EXPECT_THAT(store().Check({}).problems, IsEmpty());
+  EXPECT_EQ(store().Snapshot().Versions(1).at(0).kind, "prune");
 
-  EXPECT_EQ(Prune({.keep = 3}, &store_).num_versions_gone, 0);  // Again: nothing is left to do.
-  EXPECT_EQ(store_.Snapshot().version(), MapVersion(7));
+  EXPECT_EQ(Prune({.keep = 3}, &store()).num_versions_gone, 0);  // Again: nothing is left to do.
+  EXPECT_EQ(store().Snapshot().version(), MapVersion(7));
   try {
-    RollBack(MapVersion(2), &store_);
+    RollBack(MapVersion(2), &store());
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kNotFound);
     EXPECT_THAT(error.what(), HasSubstr("it has versions 5 to 7"));
   }
-  RollBack(MapVersion(5), &store_);
-  EXPECT_THAT(store_.Check({}).problems, IsEmpty());
-  Prune({.keep = 1}, &store_);
+  RollBack(MapVersion(5), &store());
+  EXPECT_THAT(store().Check({}).problems, IsEmpty());
+  Prune({.keep = 1}, &store());
   EXPECT_EQ(Count("cairn_past_tiles"), 0);
   EXPECT_EQ(Count("cairn_payloads"), 1);
-  EXPECT_THAT(store_.Check({}).problems, IsEmpty());
+  EXPECT_THAT(store().Check({}).problems, IsEmpty());
 }
 
-TEST_F(MapVersions, PruneForgetsWhatIsOlderThanATime) {
+TEST_P(MapVersions, PruneForgetsWhatIsOlderThanATime) {
   for (int seed = 1; seed <= 3; ++seed) {
     Put(0, seed);
   }
   testing::ExecuteRaw(path_,
                       "UPDATE cairn_versions SET created_at = '2026-01-0' || version || "
                       "'T00:00:00Z'");
-  EXPECT_EQ(Prune({.older_than = "2025-12-31T00:00:00Z"}, &store_).num_versions_gone, 0);
-  EXPECT_EQ(Prune({.older_than = "2026-01-03T00:00:00Z"}, &store_).num_versions_gone, 2);
+  EXPECT_EQ(Prune({.older_than = "2025-12-31T00:00:00Z"}, &store()).num_versions_gone, 0);
+  EXPECT_EQ(Prune({.older_than = "2026-01-03T00:00:00Z"}, &store()).num_versions_gone, 2);
   EXPECT_THAT(RowsOf(path_, "SELECT version FROM cairn_versions ORDER BY version"),
               ElementsAre("3", "4", "5"));
-  EXPECT_THAT(store_.Check({}).problems, IsEmpty());
+  EXPECT_THAT(store().Check({}).problems, IsEmpty());
 }
 
-TEST_F(MapVersions, PruneRefusesWhatMakesNoSense) {
+TEST_P(MapVersions, PruneRefusesWhatMakesNoSense) {
   for (const PruneOptions& options :
        {PruneOptions{}, PruneOptions{.keep = 0}, PruneOptions{.older_than = "yesterday"},
         PruneOptions{.older_than = "2026-02-30T00:00:00Z"},
         PruneOptions{.keep = 1, .older_than = "2026-01-01T00:00:00Z"}}) {
-    EXPECT_EQ(ErrorCodeOf([&] { Prune(options, &store_); }), ErrorCode::kInvalidArgument);
+    EXPECT_EQ(ErrorCodeOf([&] { Prune(options, &store()); }), ErrorCode::kInvalidArgument);
   }
 }
 
-TEST_F(MapVersions, CompactingKeepsEveryVersion) {
+TEST_P(MapVersions, CompactingKeepsEveryVersion) {
+  if (GetParam() == testing::MapKind::kServer) {
+    GTEST_SKIP() << "of files only";
+  }
   for (int seed = 1; seed <= 4; ++seed) {
     Put(0, seed);
   }
-  Prune({.keep = 2}, &store_);
+  Prune({.keep = 2}, &store());
   const std::vector<std::string> content = ContentOf(path_);
   const std::vector<std::string> versions = RowsOf(path_, "SELECT * FROM v_versions");
-  CompactMap(&store_);
+  CompactMap(&store());
   EXPECT_THAT(RowsOf(path_, "SELECT freelist_count FROM pragma_freelist_count"), ElementsAre("0"));
   EXPECT_EQ(ContentOf(path_), content);
   EXPECT_EQ(RowsOf(path_, "SELECT * FROM v_versions"), versions);
-  EXPECT_THAT(store_.Check({}).problems, IsEmpty());
-  const MapUpdate update = store_.BeginUpdate();
-  EXPECT_EQ(ErrorCodeOf([&] { CompactMap(&store_); }), ErrorCode::kConflict);
+  EXPECT_THAT(store().Check({}).problems, IsEmpty());
+  const MapUpdate update = store().BeginUpdate();
+  EXPECT_EQ(ErrorCodeOf([&] { CompactMap(&store()); }), ErrorCode::kConflict);
 }
 
-TEST_F(MapVersions, ViewsShowWhatChanged) {
+TEST_P(MapVersions, ViewsShowWhatChanged) {
+  if (GetParam() == testing::MapKind::kServer) {
+    GTEST_SKIP() << "of files only";
+  }
   Put(0, 1);
   Put(1, 2);
   Put(0, 3);
@@ -303,13 +321,13 @@ TEST_F(MapVersions, ViewsShowWhatChanged) {
 }
 
 // Random updates against a plain record of what each version held.
-TEST_F(MapVersions, EveryVersionKeepsItsContent) {
+TEST_P(MapVersions, EveryVersionKeepsItsContent) {
   std::mt19937 random(3);
   std::map<int64_t, std::vector<std::string>> content_of_version;
   content_of_version[1] = ContentOf(path_);
   for (int step = 0; step < 60; ++step) {
     MapVersion version{};
-    const int64_t latest = Value(store_.Snapshot().version());
+    const int64_t latest = Value(store().Snapshot().version());
     switch (random() % 8) {
       case 0: {
         const auto back =
@@ -317,13 +335,13 @@ TEST_F(MapVersions, EveryVersionKeepsItsContent) {
         if (back->first == latest) {
           continue;
         }
-        version = RollBack(MapVersion(back->first), &store_);
+        version = RollBack(MapVersion(back->first), &store());
         ASSERT_EQ(ContentOf(path_), back->second) << "step " << step;
         ASSERT_THAT(Diff(back->first, Value(version)), IsEmpty());
         break;
       }
       case 1:
-        version = Prune({.keep = 12}, &store_).version;
+        version = Prune({.keep = 12}, &store()).version;
         while (content_of_version.begin()->first < Value(version) - 11) {
           content_of_version.erase(content_of_version.begin());
         }
@@ -336,19 +354,19 @@ TEST_F(MapVersions, EveryVersionKeepsItsContent) {
     }
     content_of_version[Value(version)] = ContentOf(path_);
     if (step % 6 == 0) {
-      ASSERT_THAT(store_.Check({}).problems, IsEmpty()) << "step " << step;
+      ASSERT_THAT(store().Check({}).problems, IsEmpty()) << "step " << step;
     }
   }
-  EXPECT_THAT(store_.Check({}).problems, IsEmpty());
+  EXPECT_THAT(store().Check({}).problems, IsEmpty());
   const auto known = content_of_version;
   for (const auto& [version, content] : known) {
-    if (version == Value(store_.Snapshot().version())) {
+    if (version == Value(store().Snapshot().version())) {
       continue;
     }
-    RollBack(MapVersion(version), &store_);
+    RollBack(MapVersion(version), &store());
     EXPECT_EQ(ContentOf(path_), content) << "version " << version;
   }
-  EXPECT_THAT(store_.Check({}).problems, IsEmpty());
+  EXPECT_THAT(store().Check({}).problems, IsEmpty());
 }
 
 }  // namespace

@@ -47,8 +47,8 @@ TileCache::Loader LoaderOf(size_t bytes, int* num_loads = nullptr) {
 TEST(TileCache, LoadsOnceAndThenHits) {
   TileCache cache(100);
   int num_loads = 0;
-  const auto first = cache.GetOrLoad(PayloadId(1), LoaderOf(10, &num_loads));
-  const auto second = cache.GetOrLoad(PayloadId(1), LoaderOf(10, &num_loads));
+  const auto first = cache.GetOrLoad("1", LoaderOf(10, &num_loads));
+  const auto second = cache.GetOrLoad("1", LoaderOf(10, &num_loads));
   EXPECT_EQ(first, second);
   EXPECT_EQ(num_loads, 1);
   const TileCacheStats stats = cache.Stats();
@@ -61,13 +61,13 @@ TEST(TileCache, LoadsOnceAndThenHits) {
 
 TEST(TileCache, EvictsTheLeastRecentlyUsed) {
   TileCache cache(100);
-  cache.GetOrLoad(PayloadId(1), LoaderOf(40));
-  cache.GetOrLoad(PayloadId(2), LoaderOf(40));
-  cache.GetOrLoad(PayloadId(1), LoaderOf(40));
-  cache.GetOrLoad(PayloadId(3), LoaderOf(40));
-  EXPECT_NE(cache.Peek(PayloadId(1)), nullptr);
-  EXPECT_EQ(cache.Peek(PayloadId(2)), nullptr);
-  EXPECT_NE(cache.Peek(PayloadId(3)), nullptr);
+  cache.GetOrLoad("1", LoaderOf(40));
+  cache.GetOrLoad("2", LoaderOf(40));
+  cache.GetOrLoad("1", LoaderOf(40));
+  cache.GetOrLoad("3", LoaderOf(40));
+  EXPECT_NE(cache.Peek("1"), nullptr);
+  EXPECT_EQ(cache.Peek("2"), nullptr);
+  EXPECT_NE(cache.Peek("3"), nullptr);
   EXPECT_EQ(cache.Stats().num_evictions, 1u);
   EXPECT_EQ(cache.Stats().bytes, 80u);
 }
@@ -75,27 +75,27 @@ TEST(TileCache, EvictsTheLeastRecentlyUsed) {
 TEST(TileCache, ALargeTileEvictsAsManyAsItMust) {
   TileCache cache(100);
   for (int i = 1; i <= 10; ++i) {
-    cache.GetOrLoad(PayloadId(i), LoaderOf(10));
+    cache.GetOrLoad(std::to_string(i), LoaderOf(10));
   }
-  cache.GetOrLoad(PayloadId(11), LoaderOf(95));
+  cache.GetOrLoad("11", LoaderOf(95));
   EXPECT_EQ(cache.Stats().num_entries, 1u);
   EXPECT_EQ(cache.Stats().num_evictions, 10u);
 }
 
 TEST(TileCache, ATileAboveTheBoundIsHandedOutButNotKept) {
   TileCache cache(100);
-  cache.GetOrLoad(PayloadId(1), LoaderOf(60));
-  EXPECT_NE(cache.GetOrLoad(PayloadId(2), LoaderOf(101)), nullptr);
-  EXPECT_EQ(cache.Peek(PayloadId(2)), nullptr);
-  EXPECT_NE(cache.Peek(PayloadId(1)), nullptr);
+  cache.GetOrLoad("1", LoaderOf(60));
+  EXPECT_NE(cache.GetOrLoad("2", LoaderOf(101)), nullptr);
+  EXPECT_EQ(cache.Peek("2"), nullptr);
+  EXPECT_NE(cache.Peek("1"), nullptr);
   EXPECT_EQ(cache.Stats().bytes, 60u);
 }
 
 TEST(TileCache, EvictedTilesLiveWhileTheyAreHeld) {
   TileCache cache(50);
-  const auto held = cache.GetOrLoad(PayloadId(1), LoaderOf(50));
-  cache.GetOrLoad(PayloadId(2), LoaderOf(50));
-  EXPECT_EQ(cache.Peek(PayloadId(1)), nullptr);
+  const auto held = cache.GetOrLoad("1", LoaderOf(50));
+  cache.GetOrLoad("2", LoaderOf(50));
+  EXPECT_EQ(cache.Peek("1"), nullptr);
   EXPECT_EQ(held->MemoryBytes(), 50u);
   EXPECT_EQ(held.use_count(), 1);
 }
@@ -105,19 +105,19 @@ TEST(TileCache, FailedLoadsAreNotKept) {
   const auto fail = []() -> std::shared_ptr<const CachedTile> {
     throw Error(ErrorCode::kMapDamaged, "broken");
   };
-  EXPECT_EQ(ErrorCodeOf([&] { cache.GetOrLoad(PayloadId(1), fail); }), ErrorCode::kMapDamaged);
-  EXPECT_EQ(ErrorCodeOf([&] { cache.GetOrLoad(PayloadId(1), [] { return nullptr; }); }),
+  EXPECT_EQ(ErrorCodeOf([&] { cache.GetOrLoad("1", fail); }), ErrorCode::kMapDamaged);
+  EXPECT_EQ(ErrorCodeOf([&] { cache.GetOrLoad("1", [] { return nullptr; }); }),
             ErrorCode::kInternal);
   int num_loads = 0;
-  cache.GetOrLoad(PayloadId(1), LoaderOf(1, &num_loads));
+  cache.GetOrLoad("1", LoaderOf(1, &num_loads));
   EXPECT_EQ(num_loads, 1);
 }
 
 TEST(TileCache, ClearForgetsTilesAndKeepsTheCounters) {
   TileCache cache(100);
-  cache.GetOrLoad(PayloadId(1), LoaderOf(10));
+  cache.GetOrLoad("1", LoaderOf(10));
   cache.Clear();
-  EXPECT_EQ(cache.Peek(PayloadId(1)), nullptr);
+  EXPECT_EQ(cache.Peek("1"), nullptr);
   EXPECT_EQ(cache.Stats().bytes, 0u);
   EXPECT_EQ(cache.Stats().num_misses, 1u);
 }
@@ -135,7 +135,7 @@ TEST(TileCache, ThreadsThatAskForOneTileShareOneLoad) {
   std::vector<std::shared_ptr<const CachedTile>> results(kNumThreads);
   std::vector<std::thread> threads;
   threads.emplace_back([&] {
-    results[0] = cache.GetOrLoad(PayloadId(1), [&] {
+    results[0] = cache.GetOrLoad("1", [&] {
       ++num_loads;
       loading.count_down();
       may_finish.wait();
@@ -143,12 +143,12 @@ TEST(TileCache, ThreadsThatAskForOneTileShareOneLoad) {
     });
   });
   loading.wait();
-  EXPECT_EQ(cache.Peek(PayloadId(1)), nullptr);
+  EXPECT_EQ(cache.Peek("1"), nullptr);
   std::latch asking(kNumThreads - 1);
   for (int i = 1; i < kNumThreads; ++i) {
     threads.emplace_back([&, i] {
       asking.count_down();
-      results[i] = cache.GetOrLoad(PayloadId(1), [&] {
+      results[i] = cache.GetOrLoad("1", [&] {
         ++num_loads;
         return std::make_shared<const FakeTile>(10);
       });
@@ -177,13 +177,11 @@ TEST(TileCache, WaitingThreadsGetTheFailure) {
     throw Error(ErrorCode::kMapDamaged, "broken");
   };
   std::optional<ErrorCode> first_code;
-  std::thread first(
-      [&] { first_code = ErrorCodeOf([&] { cache.GetOrLoad(PayloadId(1), fail); }); });
+  std::thread first([&] { first_code = ErrorCodeOf([&] { cache.GetOrLoad("1", fail); }); });
   loading.wait();
   // Counted as a hit the moment it finds the load, so this thread is waiting once that shows.
   std::optional<ErrorCode> second_code;
-  std::thread second(
-      [&] { second_code = ErrorCodeOf([&] { cache.GetOrLoad(PayloadId(1), fail); }); });
+  std::thread second([&] { second_code = ErrorCodeOf([&] { cache.GetOrLoad("1", fail); }); });
   while (cache.Stats().num_hits == 0) {
     std::this_thread::yield();
   }
@@ -201,8 +199,8 @@ TEST(TileCache, DifferentTilesLoadInParallel) {
     both_loading.arrive_and_wait();
     return std::make_shared<const FakeTile>(10);
   };
-  std::thread other([&] { cache.GetOrLoad(PayloadId(1), load); });
-  cache.GetOrLoad(PayloadId(2), load);
+  std::thread other([&] { cache.GetOrLoad("1", load); });
+  cache.GetOrLoad("2", load);
   other.join();
   EXPECT_EQ(cache.Stats().num_entries, 2u);
 }
@@ -216,7 +214,7 @@ TEST(TileCache, StaysWithinItsBoundUnderManyThreads) {
     threads.emplace_back([&cache, t] {
       for (int i = 0; i < kNumRounds; ++i) {
         const int id = 1 + (i * 7 + t * 13) % 40;
-        const auto tile = cache.GetOrLoad(PayloadId(id), LoaderOf(10 + id));
+        const auto tile = cache.GetOrLoad(std::to_string(id), LoaderOf(10 + id));
         EXPECT_EQ(tile->MemoryBytes(), 10u + id);
         EXPECT_LE(cache.Stats().bytes, 500u);
       }

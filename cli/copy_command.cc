@@ -1,0 +1,47 @@
+// `cairn copy`: moves a map between a file and a server.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+
+#include "cli/shell.h"
+#include "core/printable.h"
+#include "storage/map/copy_map.h"
+
+namespace cairn {
+namespace {
+
+struct CopyArguments {
+  std::string from;
+  std::string to;
+};
+
+ExitCode RunCopy(const CopyArguments& arguments, ProgressMode progress_mode) {
+  MapInfo info;
+  {
+    Progress progress(progress_mode);
+    info = CopyMap(arguments.from, arguments.to,
+                   [&](int64_t done, int64_t total) { progress.Update("copy", done, total); });
+  }
+  fmt::print("{}: version {}, {} sessions, {} tiles, {} landmarks, {:.1f} kB\n",
+             Printable(arguments.to), Value(info.version), info.num_sessions, info.num_tiles,
+             info.num_landmarks, 1e-3 * static_cast<double>(info.payload_bytes));
+  return ExitCode::kOk;
+}
+
+}  // namespace
+
+void AddCopyCommand(CLI::App* app, Shell* shell) {
+  CLI::App* command = app->add_subcommand(
+      "copy", "Copy a map with all its versions, from and to a file or a PostgreSQL database");
+  auto arguments = std::make_shared<CopyArguments>();
+  command->add_option("FROM", arguments->from, "Map file, or postgresql:// URL")->required();
+  command->add_option("TO", arguments->to, "The same of the map to create")->required();
+  command->footer("Example:\n  cairn copy city.gpkg postgresql://builder@db1/city");
+  command->callback([shell, arguments] {
+    shell->run = [shell, arguments] { return RunCopy(*arguments, shell->progress_mode); };
+  });
+}
+
+}  // namespace cairn

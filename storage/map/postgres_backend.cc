@@ -1,0 +1,138 @@
+#include "storage/map/postgres_backend.h"
+
+#include <optional>
+#include <utility>
+
+#include "core/error.h"
+#include "storage/map/head_writer.h"
+#include "storage/map/map_file.h"
+#include "storage/map/utc_time.h"
+#include "storage/map/version_queries.h"
+#include "storage/postgres/connection_pool.h"
+#include "storage/postgres/head_watcher.h"
+#include "storage/postgres/schema.h"
+
+namespace cairn {
+namespace {
+
+using postgres::PostgresConnection;
+
+// Any program that updates a map holds this lock until its transaction ends: "cairn" in ASCII.
+constexpr const char* kTakeUpdateLock = "SELECT pg_try_advisory_xact_lock(426970575214)";
+
+void RequireFormat(db::Connection* connection) {
+  db::Statement row =
+      connection->Prepare("SELECT format_version, oldest_reader_version FROM cairn_map");
+  if (!row.Step()) {
+    throw Error(ErrorCode::kMapDamaged, connection->name() + ": the table cairn_map is empty");
+  }
+  if (row.Int64(1) > kMapFormatVersion) {
+    throw Error(ErrorCode::kConflict,
+                connection->name() + ": is a map of a newer format; use a newer Cairn");
+  }
+}
+
+class PostgresWriteSession : public WriteSession {
+ public:
+  explicit PostgresWriteSession(std::unique_ptr<PostgresConnection> connection)
+      : connection_(std::move(connection)) {
+    connection_->Execute("BEGIN");
+    postgres::RequireMayWrite(connection_.get());
+    db::Statement lock = connection_->Prepare(kTakeUpdateLock);
+    lock.Step();
+    if (lock.Int64(0) == 0) {
+      throw Error(ErrorCode::kConflict, connection_->name() +
+                                            ": another update of this map is running; try again "
+                                            "when it has finished");
+    }
+  }
+
+  db::Connection* connection() override { return connection_.get(); }
+
+  void Commit() override {
+    connection_->Execute("NOTIFY cairn_head");
+    connection_->Execute("COMMIT");
+  }
+
+ private:
+  std::unique_ptr<PostgresConnection> connection_;  // Closing it rolls back what is not committed.
+};
+
+class PostgresBackend : public MapBackend {
+ public:
+  PostgresBackend(const std::string& url, OpenMode mode)
+      : mode_(mode), server_(url), pool_(&server_) {
+    std::unique_ptr<PostgresConnection> first = pool_.Take({});
+    postgres::RequireSchema(first.get());
+    RequireFormat(first.get());
+    if (mode == OpenMode::kServing) {
+      watcher_.emplace(&server_, Value(queries::CurrentVersion(first.get())));
+    }
+    pool_.GiveBack(std::move(first));
+  }
+
+  const std::string& name() const override { return server_.name(); }
+
+  std::optional<MapHead> KnownHead() const override {
+    if (!watcher_) {
+      return std::nullopt;
+    }
+    const postgres::HeadWatcher::Head head = watcher_->head();
+    return MapHead{MapVersion(head.version), head.is_silent};
+  }
+
+  std::unique_ptr<db::Connection> Take(ReadDeadline deadline) override {
+    if (watcher_ && watcher_->head().is_silent) {
+      throw Error(ErrorCode::kUnavailable,
+                  name() + ": the PostgreSQL server does not answer; try again");
+    }
+    return pool_.Take(deadline);
+  }
+
+  void GiveBack(std::unique_ptr<db::Connection> connection) override {
+    pool_.GiveBack(std::unique_ptr<PostgresConnection>(
+        static_cast<PostgresConnection*>(connection.release())));
+  }
+
+  std::unique_ptr<WriteSession> BeginUpdate() override {
+    if (mode_ != OpenMode::kReadWrite) {
+      throw Error(ErrorCode::kConflict, name() + ": was opened read-only");
+    }
+    return std::make_unique<PostgresWriteSession>(server_.Connect(postgres::Use::kWrite, {}));
+  }
+
+  MapFileState FileState() const override { return MapFileState::kInPlace; }
+  std::string LogPath() const override { return {}; }
+
+ private:
+  const OpenMode mode_;
+  const postgres::Server server_;
+  postgres::ConnectionPool pool_;
+  std::optional<postgres::HeadWatcher> watcher_;
+};
+
+}  // namespace
+
+std::unique_ptr<MapBackend> OpenPostgresMap(const std::string& url, OpenMode mode) {
+  return std::make_unique<PostgresBackend>(url, mode);
+}
+
+void CreatePostgresMap(const std::string& url) {
+  const auto connection = postgres::Server(url).Connect(postgres::Use::kWrite, {});
+  connection->Execute("BEGIN");
+  postgres::InstallSchema(connection.get());
+  connection
+      ->Prepare(
+          "INSERT INTO cairn_map (map_id, format_version, oldest_reader_version, created_at, "
+          "next_landmark_id) VALUES (1, ?, ?, ?, 1)")
+      .Bind(kMapFormatVersion, kOldestReaderVersion, std::string_view(UtcNow()))
+      .Run();
+  AddFirstVersion(connection.get());
+  connection->Execute("COMMIT");
+}
+
+void DropPostgresMap(const std::string& url) {
+  postgres::DropSchema(postgres::Server(url).Connect(postgres::Use::kWrite, {}).get());
+}
+
+}  // namespace cairn

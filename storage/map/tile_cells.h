@@ -1,0 +1,29 @@
+// Cells of 8 x 8 tiles, in which tile records are read and cached; private to storage.
+#ifndef CAIRN_STORAGE_MAP_TILE_CELLS_H_
+#define CAIRN_STORAGE_MAP_TILE_CELLS_H_
+
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/geodesy.h"
+#include "core/tile_id.h"
+
+namespace cairn {
+
+// The value of the cell's tile id in the south-west. Cells are 1.2 km wide.
+enum class TileCell : uint64_t {};
+
+TileCell CellOf(TileId tile_id);
+
+// Returns cells that together hold every tile whose bounding box meets `box`. Returns nothing if
+// the box is large, at a pole, or near the border of a UTM zone, where cells do not help.
+std::optional<std::vector<TileCell>> CellsMeeting(const GeoBox& box);
+
+// Ranges [first, last] of tile ids that together are the cell: one per column of tiles.
+std::vector<std::pair<int64_t, int64_t>> TileRanges(TileCell cell);
+
+}  // namespace cairn
+
+#endif  // CAIRN_STORAGE_MAP_TILE_CELLS_H_

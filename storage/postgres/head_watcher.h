@@ -1,0 +1,47 @@
+// A thread that knows the latest version of a map on a server.
+#ifndef CAIRN_STORAGE_POSTGRES_HEAD_WATCHER_H_
+#define CAIRN_STORAGE_POSTGRES_HEAD_WATCHER_H_
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <stop_token>
+#include <thread>
+
+#include "storage/postgres/server.h"
+
+namespace cairn::postgres {
+
+// On a primary, the thread waits for notifications (LISTEN cairn_head) and asks once a second
+// besides; a standby sends no notifications and is asked four times a second. A server that does
+// not answer within half a second is silent, and is tried again five times a second.
+class HeadWatcher {
+ public:
+  struct Head {
+    int64_t version = 0;
+    bool is_silent = false;  // The server did not answer last time, or for two seconds.
+  };
+
+  // `server` must outlive the watcher. `version` is the latest version as of now.
+  HeadWatcher(const Server* server, int64_t version);
+
+  Head head() const;  // Safe to call from any thread.
+
+ private:
+  void Work(const std::stop_token& stop);
+  // Watches over one connection until it fails, or the thread must end.
+  void Watch(const std::stop_token& stop);
+  void Set(int64_t version);
+
+  const Server* server_;
+  mutable std::mutex mutex_;  // Guards the next two members.
+  Head head_;
+  std::chrono::steady_clock::time_point last_answer_;
+  // The last member, so that the thread ends before the others are destroyed.
+  std::jthread thread_;
+};
+
+}  // namespace cairn::postgres
+
+#endif  // CAIRN_STORAGE_POSTGRES_HEAD_WATCHER_H_

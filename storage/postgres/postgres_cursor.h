@@ -1,0 +1,57 @@
+// A statement of a PostgreSQL server: its parameters and its rows.
+#ifndef CAIRN_STORAGE_POSTGRES_POSTGRES_CURSOR_H_
+#define CAIRN_STORAGE_POSTGRES_POSTGRES_CURSOR_H_
+
+#include <deque>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "storage/database/statement.h"
+#include "storage/postgres/postgres_connection.h"
+
+namespace cairn::postgres {
+
+// Runs at the first Step. Columns are int8, int4, boolean (Int64), float8, text or bytea; any other
+// type throws Error(kMapDamaged), as NULL does.
+class PostgresCursor : public db::Cursor {
+ public:
+  PostgresCursor(PostgresConnection* connection, std::string sql)
+      : connection_(connection), sql_(std::move(sql)), rows_(nullptr, &PQclear) {}
+
+  void BindAt(int index, int64_t value) override;
+  void BindAt(int index, double value) override;
+  void BindAt(int index, std::string_view value) override;
+  void BindAt(int index, std::span<const uint8_t> value) override;
+  void BindAt(int index, db::Geometry value) override;
+  void BindAt(int index, std::nullptr_t null) override;
+  bool Step() override;
+  int64_t Int64(int column) const override;
+  double Double(int column) const override;
+  double Number(int column) const override { return Double(column); }
+  std::string Text(int column) const override;
+  std::vector<uint8_t> Blob(int column) const override;
+  bool IsNull(int column) const override;
+
+  // The bytes of a bytea column of the current row, valid until the next step.
+  std::span<const uint8_t> BytesView(int column) const;
+
+ private:
+  Parameter& At(int index);
+  // Sets a parameter to bytes that the cursor keeps.
+  void Keep(int index, Oid type, std::string bytes);
+  std::span<const uint8_t> View(int column) const;
+  [[noreturn]] void RefuseType(int column) const;
+
+  PostgresConnection* connection_;
+  std::string sql_;
+  std::vector<Parameter> parameters_;
+  std::deque<std::string> kept_;
+  Result rows_;
+  int row_ = -1;
+};
+
+}  // namespace cairn::postgres
+
+#endif  // CAIRN_STORAGE_POSTGRES_POSTGRES_CURSOR_H_

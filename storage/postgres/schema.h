@@ -1,0 +1,28 @@
+// The schema of a map on a server, by numbered migrations.
+#ifndef CAIRN_STORAGE_POSTGRES_SCHEMA_H_
+#define CAIRN_STORAGE_POSTGRES_SCHEMA_H_
+
+#include <string>
+
+#include "storage/postgres/postgres_connection.h"
+
+namespace cairn::postgres {
+
+// Creates the schema `cairn` in the open transaction, and PostGIS if it is missing and the role may
+// create it. Throws Error(kConflict) if the database has a map, Error(kUnavailable) if the server
+// has no PostGIS, Error(kIo) if the role may not create it or the schema.
+void InstallSchema(PostgresConnection* connection);
+
+// Deletes the map with everything in it.
+void DropSchema(PostgresConnection* connection);
+
+// Throws Error(kNotFound) if the database has no map, Error(kConflict) if its migrations are newer
+// than this program's, Error(kIo) if the role may not read it.
+void RequireSchema(PostgresConnection* connection);
+
+// Throws Error(kIo) unless the role may publish versions.
+void RequireMayWrite(PostgresConnection* connection);
+
+}  // namespace cairn::postgres
+
+#endif  // CAIRN_STORAGE_POSTGRES_SCHEMA_H_

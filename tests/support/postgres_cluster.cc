@@ -1,0 +1,176 @@
+#include "support/postgres_cluster.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <thread>
+
+#include "core/error.h"
+#include "storage/postgres/server.h"
+
+namespace cairn::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uid_t kNobody = 65534;
+
+// Returns the folder of initdb and postgres, in the newest version that there is.
+std::string ProgramFolder() {
+  std::string newest;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator("/usr/lib/postgresql", ignored)) {
+    const fs::path folder = entry.path() / "bin";
+    if (fs::exists(folder / "initdb") && folder.string() > newest) {
+      newest = folder;
+    }
+  }
+  return newest;
+}
+
+bool HasPostgis() {
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator("/usr/share/postgresql", ignored)) {
+    if (fs::exists(entry.path() / "extension/postgis.control")) {
+      return true;
+    }
+  }
+  return false;
+}
+
+// Becomes the program, as nobody if this is root, and ends when the test does.
+[[noreturn]] void Become(const std::vector<std::string>& arguments, const std::string& log) {
+  if (geteuid() == 0 && (setgid(kNobody) != 0 || setuid(kNobody) != 0)) {
+    _exit(126);
+  }
+  prctl(PR_SET_PDEATHSIG, SIGQUIT);
+  const int out = open(log.c_str(), O_CREAT | O_WRONLY | O_APPEND, 0600);
+  dup2(out, STDOUT_FILENO);
+  dup2(out, STDERR_FILENO);
+  std::vector<char*> argv;
+  for (const std::string& argument : arguments) {
+    argv.push_back(const_cast<char*>(argument.c_str()));
+  }
+  argv.push_back(nullptr);
+  execv(argv[0], argv.data());
+  _exit(127);
+}
+
+pid_t Spawn(const std::vector<std::string>& arguments, const std::string& log) {
+  const pid_t pid = fork();
+  if (pid == 0) {
+    Become(arguments, log);
+  }
+  return pid;
+}
+
+}  // namespace
+
+std::string PostgresCluster::WhyNot() {
+  if (ProgramFolder().empty()) {
+    return "PostgreSQL is not installed (scripts/install-dependencies --tests)";
+  }
+  return HasPostgis() ? "" : "PostGIS is not installed (scripts/install-dependencies --tests)";
+}
+
+PostgresCluster& PostgresCluster::Shared() {
+  static PostgresCluster cluster;
+  return cluster;
+}
+
+PostgresCluster::PostgresCluster() {
+  std::string pattern = (fs::temp_directory_path() / "cairn_pg_XXXXXX").string();
+  if (mkdtemp(pattern.data()) == nullptr ||
+      (geteuid() == 0 && chown(pattern.c_str(), kNobody, kNobody) != 0)) {
+    throw std::runtime_error("cannot make a folder for PostgreSQL");
+  }
+  folder_ = pattern;
+  const pid_t init = Spawn({ProgramFolder() + "/initdb", "-D", folder_ + "/data", "-A", "trust",
+                            "-U", "cairn", "-E", "UTF8", "--locale=C", "--no-sync"},
+                           folder_ + "/log");
+  int status = 0;
+  if (waitpid(init, &status, 0) != init || status != 0) {
+    throw std::runtime_error("initdb failed");
+  }
+  Start();
+}
+
+PostgresCluster::~PostgresCluster() {
+  Kill();
+  std::error_code ignored;
+  fs::remove_all(folder_, ignored);
+}
+
+void PostgresCluster::Start() {
+  server_ = Spawn({ProgramFolder() + "/postgres", "-D", folder_ + "/data", "-k", folder_, "-c",
+                   "listen_addresses=", "-c", "fsync=off"},
+                  folder_ + "/log");
+  while (true) {
+    try {
+      postgres::Server(Url("postgres")).Connect(postgres::Use::kRead, {});
+      return;
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::kUnavailable || waitpid(server_, nullptr, WNOHANG) != 0) {
+        throw;
+      }
+      std::this_thread::yield();
+    }
+  }
+}
+
+std::string PostgresCluster::Url(const std::string& database, const std::string& user) const {
+  return "postgresql:///" + database + "?host=" + folder_ + "&user=" + user;
+}
+
+void PostgresCluster::Execute(const std::string& database, const std::string& sql) {
+  postgres::Server(Url(database)).Connect(postgres::Use::kWrite, {})->Execute(sql);
+}
+
+std::string PostgresCluster::CreateDatabase(const std::string& name) {
+  Execute("postgres", "CREATE DATABASE \"" + name + "\"");
+  return Url(name);
+}
+
+std::vector<pid_t> PostgresCluster::Processes() const {
+  std::vector<pid_t> processes = {server_};
+  std::ifstream children("/proc/" + std::to_string(server_) + "/task/" + std::to_string(server_) +
+                         "/children");
+  for (pid_t child = 0; children >> child;) {
+    processes.push_back(child);
+  }
+  return processes;
+}
+
+void PostgresCluster::Kill() {
+  if (server_ < 0) {
+    return;
+  }
+  for (const pid_t process : Processes()) {
+    kill(process, SIGKILL);
+  }
+  waitpid(server_, nullptr, 0);
+  server_ = -1;
+  fs::remove(folder_ + "/data/postmaster.pid");
+}
+
+void PostgresCluster::Freeze() {
+  for (const pid_t process : Processes()) {
+    kill(process, SIGSTOP);
+  }
+}
+
+void PostgresCluster::Thaw() {
+  for (const pid_t process : Processes()) {
+    kill(process, SIGCONT);
+  }
+}
+
+}  // namespace cairn::testing
