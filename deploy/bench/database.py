@@ -12,8 +12,11 @@ NOBODY = 65534
 
 
 def programs():
-    """The folder of the newest PostgreSQL, or None."""
-    return max(pathlib.Path("/usr/lib/postgresql").glob("*/bin"), default=None)
+    """The folder of the newest PostgreSQL with PostGIS, or None."""
+    extensions = pathlib.Path("/usr/share/postgresql").glob("*/extension/postgis.control")
+    versions = [file.parent.parent.name for file in extensions]
+    folders = [pathlib.Path("/usr/lib/postgresql") / version / "bin" for version in versions]
+    return max((folder for folder in folders if (folder / "initdb").exists()), default=None)
 
 
 def run_as_nobody_if_root():

@@ -3,7 +3,7 @@
 server that serves it, and a PostgreSQL database. Prints what it skips, because a program is not installed;
 the exit code is 77 if it skips both.
 
-Usage: check_backup.py BUILD_FOLDER
+Usage: check_backup.py BUILD_FOLDER [--without-postgres]
 """
 
 import json
@@ -109,13 +109,14 @@ def check_database(cairn, map_path, scratch):
 def main():
     build = pathlib.Path(sys.argv[1])
     cairn = str(build / "cli" / "cairn")
+    has_postgres = "--without-postgres" not in sys.argv and database.programs() is not None
     num_checked = 0
     with tempfile.TemporaryDirectory() as scratch:
         map_path = f"{scratch}/city.gpkg"
         output_of(str(build / "lab" / "cli" / "cairn-lab"), "simulate", "--size", "quick", "--area", "0.1",
                   "--num-queries", "1", "--map", map_path)
         for what, is_installed, check in (("sqlite3", shutil.which("sqlite3"), check_file),
-                                          ("PostgreSQL", database.programs(), check_database)):
+                                          ("PostgreSQL", has_postgres, check_database)):
             if not is_installed:
                 print(f"skipped: {what} is not installed (scripts/install-dependencies --tests)")
                 continue

@@ -32,7 +32,9 @@ def run(command, **environment):
 
 
 def check_haproxy(_, __):
-    run(["haproxy", "-c", "-f", DEPLOY / "haproxy" / "haproxy.cfg"], **HAPROXY_ENVIRONMENT)
+    everywhere = ["haproxy", "-c", "-f", DEPLOY / "haproxy" / "haproxy.cfg"]
+    run(everywhere, **HAPROXY_ENVIRONMENT)
+    run([*everywhere, "-f", DEPLOY / "haproxy" / "debian.cfg"], **HAPROXY_ENVIRONMENT)
 
 
 def check_nginx(scratch, _):
