@@ -11,7 +11,7 @@
   publish    `cairn rollback` publishes other content while queries run: answers that agree with no
              version as a whole, and the time until every server answers from the new version
 
-The map is a simulated city, made in --work unless it is there. With --store postgresql, the servers read
+The map is a simulated city; --work keeps it for the next run. With --store postgresql, the servers read
 it from a throw-away PostgreSQL server. The exit code is 1 if a bar is missed, 77 if HAProxy or PostgreSQL
 is not installed.
 
@@ -26,6 +26,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 
 import cluster
 import database
@@ -41,7 +42,7 @@ def parse_arguments():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", required=True, type=pathlib.Path, help="build folder, as build/release")
-    parser.add_argument("--work", required=True, type=pathlib.Path, help="folder of the map")
+    parser.add_argument("--work", type=pathlib.Path, help="folder of the map; default: a temporary one")
     parser.add_argument("--part", action="append", choices=PARTS, help="only this part; repeatable")
     parser.add_argument("--store", choices=["file", "postgresql"], default="file",
                         help="what the servers read the map from")
@@ -54,17 +55,19 @@ def parse_arguments():
 class Bench:
     """The programs, the map, its queries, and the rows of the table."""
 
-    def __init__(self, arguments):
+    def __init__(self, arguments, work):
         self.arguments = arguments
+        self.work = work
         self.cairn = str(arguments.build / "cli" / "cairn")
-        self.map_path = str(arguments.work / "city.gpkg")
-        self.list_path = arguments.work / "queries.json"
+        self.map_path = str(work / "city.gpkg")
+        self.list_path = work / "queries.json"
         self.rows = []
         self.database = None
 
     def make_map(self):
-        self.arguments.work.mkdir(parents=True, exist_ok=True)
+        self.work.mkdir(parents=True, exist_ok=True)
         if not self.list_path.exists():
+            pathlib.Path(self.map_path).unlink(missing_ok=True)  # Of an interrupted run.
             subprocess.run(
                 [str(self.arguments.build / "lab" / "cli" / "cairn-lab"), "simulate",
                  "--character", "suburb", "--size", "quick", "--area", str(self.arguments.area),
@@ -88,8 +91,8 @@ class Bench:
         """Updates go to a copy, so that the next run begins with the same map. A database is a copy."""
         if self.database is not None:
             return
-        copy = self.arguments.work / "published.gpkg"
-        for old in self.arguments.work.glob(copy.name + "*"):  # With the log of an earlier copy.
+        copy = self.work / "published.gpkg"
+        for old in self.work.glob(copy.name + "*"):  # With the log of an earlier copy.
             old.unlink()
         self.map_path = str(shutil.copy(self.map_path, copy))
 
@@ -293,11 +296,12 @@ def main():
     if arguments.store == "postgresql" and database.programs() is None:
         print("skipped: PostgreSQL is not installed (scripts/install-dependencies --tests)")
         return SKIPPED
-    bench = Bench(arguments)
-    try:
-        return run(bench)
-    finally:
-        bench.close()
+    with tempfile.TemporaryDirectory() as scratch:
+        bench = Bench(arguments, arguments.work or pathlib.Path(scratch))
+        try:
+            return run(bench)
+        finally:
+            bench.close()
 
 
 def run(bench):
