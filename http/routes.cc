@@ -63,7 +63,7 @@ void AddAdmin(LocalizeService* service, Router* router) {
   router->Add(
       {"GET", "/readyz", [=](const HttpRequest&, const Id&) { return HandleReady(*service); }});
   router->Add(
-      {"GET", "/metrics", [=](const HttpRequest&, const Id&) { return HandleMetrics(*service); }});
+      {"GET", "/metrics", [=](const HttpRequest&, const Id&) { return HandleMetrics(service); }});
 }
 
 }  // namespace

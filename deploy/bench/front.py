@@ -11,8 +11,9 @@
   publish    `cairn rollback` publishes other content while queries run: answers that agree with no
              version as a whole, and the time until every server answers from the new version
 
-The map is a simulated city, made in --work unless it is there. The exit code is 1 if a bar is missed,
-77 if HAProxy is not installed.
+The map is a simulated city; --work keeps it for the next run. With --store postgresql, the servers read
+it from a throw-away PostgreSQL server. The exit code is 1 if a bar is missed, 77 if HAProxy or PostgreSQL
+is not installed.
 
 Example:
   deploy/bench/front.py --build build/release --work /tmp/front
@@ -25,8 +26,10 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 
 import cluster
+import database
 import queries
 
 SKIPPED = 77
@@ -39,8 +42,10 @@ def parse_arguments():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", required=True, type=pathlib.Path, help="build folder, as build/release")
-    parser.add_argument("--work", required=True, type=pathlib.Path, help="folder of the map")
+    parser.add_argument("--work", type=pathlib.Path, help="folder of the map; default: a temporary one")
     parser.add_argument("--part", action="append", choices=PARTS, help="only this part; repeatable")
+    parser.add_argument("--store", choices=["file", "postgresql"], default="file",
+                        help="what the servers read the map from")
     parser.add_argument("--area", type=float, default=16.0, help="size of the city, square kilometers")
     parser.add_argument("--queries", type=int, default=2000, help="number of different queries")
     parser.add_argument("--publish-queries", type=int, default=10_000, help="queries while publishing")
@@ -50,16 +55,19 @@ def parse_arguments():
 class Bench:
     """The programs, the map, its queries, and the rows of the table."""
 
-    def __init__(self, arguments):
+    def __init__(self, arguments, work):
         self.arguments = arguments
+        self.work = work
         self.cairn = str(arguments.build / "cli" / "cairn")
-        self.map_path = str(arguments.work / "city.gpkg")
-        self.list_path = arguments.work / "queries.json"
+        self.map_path = str(work / "city.gpkg")
+        self.list_path = work / "queries.json"
         self.rows = []
+        self.database = None
 
     def make_map(self):
-        self.arguments.work.mkdir(parents=True, exist_ok=True)
+        self.work.mkdir(parents=True, exist_ok=True)
         if not self.list_path.exists():
+            pathlib.Path(self.map_path).unlink(missing_ok=True)  # Of an interrupted run.
             subprocess.run(
                 [str(self.arguments.build / "lab" / "cli" / "cairn-lab"), "simulate",
                  "--character", "suburb", "--size", "quick", "--area", str(self.arguments.area),
@@ -68,11 +76,23 @@ class Bench:
                  "--map", self.map_path, "--queries", str(self.list_path)],
                 check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.requests = queries.load_requests(self.list_path)
+        if self.arguments.store == "postgresql":
+            self.database = database.Database()
+            url = self.database.url("postgres")
+            subprocess.run([self.cairn, "copy", self.map_path, url], check=True,
+                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            self.map_path = url
+
+    def close(self):
+        if self.database is not None:
+            self.database.close()
 
     def use_copy_of_map(self):
-        """Updates go to a copy, so that the next run begins with the same map."""
-        copy = self.arguments.work / "published.gpkg"
-        for old in self.arguments.work.glob(copy.name + "*"):  # With the log of an earlier copy.
+        """Updates go to a copy, so that the next run begins with the same map. A database is a copy."""
+        if self.database is not None:
+            return
+        copy = self.work / "published.gpkg"
+        for old in self.work.glob(copy.name + "*"):  # With the log of an earlier copy.
             old.unlink()
         self.map_path = str(shutil.copy(self.map_path, copy))
 
@@ -273,12 +293,23 @@ def main():
     if shutil.which("haproxy", path=cluster.PATH) is None:
         print("skipped: HAProxy is not installed (scripts/install-dependencies --tests)")
         return SKIPPED
-    bench = Bench(arguments)
+    if arguments.store == "postgresql" and database.programs() is None:
+        print("skipped: PostgreSQL is not installed (scripts/install-dependencies --tests)")
+        return SKIPPED
+    with tempfile.TemporaryDirectory() as scratch:
+        bench = Bench(arguments, arguments.work or pathlib.Path(scratch))
+        try:
+            return run(bench)
+        finally:
+            bench.close()
+
+
+def run(bench):
     bench.make_map()
     bench.learn()
     print(f"{bench.num_tiles} tiles of {bench.tile_bytes / MIB:.0f} MiB in memory, {len(bench.requests)} "
           f"queries of {len(set(bench.cells))} cells\n\n| | measured | bar | met |\n|---|---|---|---|")
-    for name in arguments.part or PARTS:
+    for name in bench.arguments.part or PARTS:
         PARTS[name](bench)
     return 0 if all(is_met for _, _, _, is_met in bench.rows) else 1
 

@@ -1,11 +1,8 @@
 #include "http/handlers/status_handlers.h"
 
-#include <chrono>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "core/angles.h"
 #include "core/logging.h"
@@ -26,33 +23,26 @@ MapVersion RequireReadableMap(const ServedMap& map) {
   }
 }
 
-// Returns the seconds since 1970 of a time such as "2026-01-31T12:00:00Z"; 0 if it is none.
-double UnixSeconds(const std::string& utc) {
-  int year = 0, month = 0, day = 0, hour = 0, minute = 0, second = 0;
-  if (std::sscanf(utc.c_str(), "%4d-%2d-%2dT%2d:%2d:%2dZ", &year, &month, &day, &hour, &minute,
-                  &second) != 6) {
-    return 0.0;
-  }
-  const std::chrono::year_month_day date(std::chrono::year(year),
-                                         std::chrono::month(static_cast<unsigned>(month)),
-                                         std::chrono::day(static_cast<unsigned>(day)));
-  const std::chrono::sys_days midnight(date);
-  return std::chrono::duration<double>(midnight.time_since_epoch()).count() + 3600.0 * hour +
-         60.0 * minute + second;
-}
-
 // Returns nothing if the map cannot be read: metrics are needed just then.
-std::optional<ServerState::Head> HeadOf(const ServedMap& map) {
+std::optional<ServerState::Head> HeadOf(const ServedMap& map, LocalizeService* service) {
   try {
     const MapSnapshot snapshot = map.store->Snapshot();
-    const std::vector<VersionRecord> versions = snapshot.Versions(/*limit=*/1);
     return ServerState::Head{
         .version = snapshot.version(),
-        .created_unix_s = versions.empty() ? 0.0 : UnixSeconds(versions.front().created_at)};
+        .created_unix_s = service->publication_time().UnixSecondsOf(snapshot, map.created_at),
+        .is_stale = snapshot.is_stale()};
   } catch (const Error& e) {
     LogError("the map cannot be read: {}", e.what());
     return std::nullopt;
   }
+}
+
+// Why answers may not be those of the latest map; empty if they are.
+std::string ProblemOf(const LocalizeService& service, const ServedMap& map) {
+  const std::string problem = service.maps().Problem();
+  return problem.empty() && map.store->Snapshot().is_stale()
+             ? "the map's database is silent; answers come from what the server has in memory"
+             : problem;
 }
 
 Json BoundsJson(const std::optional<GeoBox>& bounds) {
@@ -79,7 +69,7 @@ HttpResponse HandleHealth(const LocalizeService& service) {
   const std::shared_ptr<const ServedMap> map = service.map();
   const MapVersion version = RequireReadableMap(*map);
   const TileCacheStats cache = map->cache->Stats();
-  const std::string problem = service.maps().Problem();
+  const std::string problem = ProblemOf(service, *map);
   Json json = {
       {"status", problem.empty() ? "ok" : "degraded"},
       {"map", {{"version", Value(version)}, {"created", map->created_at}}},
@@ -91,16 +81,16 @@ HttpResponse HandleHealth(const LocalizeService& service) {
   return HttpResponse::Json(json.dump());
 }
 
-HttpResponse HandleMetrics(const LocalizeService& service) {
-  const std::shared_ptr<const ServedMap> map = service.map();
+HttpResponse HandleMetrics(LocalizeService* service) {
+  const std::shared_ptr<const ServedMap> map = service->map();
   const ServerState state{.cache = map->cache->Stats(),
-                          .head = HeadOf(*map),
-                          .is_degraded = !service.maps().Problem().empty(),
-                          .is_draining = service.is_draining(),
-                          .num_waiting = service.num_waiting()};
+                          .head = HeadOf(*map, service),
+                          .is_degraded = !service->maps().Problem().empty(),
+                          .is_draining = service->is_draining(),
+                          .num_waiting = service->num_waiting()};
   return {.status = 200,
           .content_type = "text/plain; version=0.0.4",
-          .body = service.metrics().Render(state),
+          .body = service->metrics().Render(state),
           .headers = {}};
 }
 

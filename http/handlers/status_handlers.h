@@ -16,7 +16,7 @@ HttpResponse HandleReady(const LocalizeService& service);
 // GET /healthz: 200 if the map can be read, else 503; with the map version and the cache.
 HttpResponse HandleHealth(const LocalizeService& service);
 // GET /metrics: Prometheus text.
-HttpResponse HandleMetrics(const LocalizeService& service);
+HttpResponse HandleMetrics(LocalizeService* service);
 // GET /version: program, map, codec and limits.
 HttpResponse HandleVersion(const LocalizeService& service);
 

@@ -132,7 +132,8 @@ LocalizeService::Answer LocalizeService::Localize(const HttpRequest& http, BodyP
                                                   LocalizeRequest* request) {
   const std::shared_ptr<const ServedMap> map = maps_.Current();
   Answer answer = AnswerInTurn(*map, http, parse, request);
-  metrics_.CountLocalize(answer.result, answer.times, !maps_.Problem().empty());
+  const bool is_stale = answer.result.map_is_stale || !maps_.Problem().empty();
+  metrics_.CountLocalize(answer.result, answer.times, is_stale);
   return answer;
 }
 

@@ -13,6 +13,7 @@
 #include "http/net/message.h"
 #include "http/service/fair_gate.h"
 #include "http/service/metrics.h"
+#include "http/service/publication_time.h"
 #include "http/service/served_map.h"
 #include "http/service/server_options.h"
 
@@ -53,6 +54,7 @@ class LocalizeService {
   // From now on, the server asks its front for no more queries. All requests are still answered.
   void BeginDrain() { draining_ = true; }
   bool is_draining() const { return draining_; }
+  PublicationTime& publication_time() { return publication_time_; }
   int num_waiting() const { return gate_.num_waiting(); }
 
   // From now on, requests drop their images instead of decoding them, so that the server can stop
@@ -72,6 +74,7 @@ class LocalizeService {
   const ServerOptions options_;
   ServedMaps maps_;
   Metrics metrics_;
+  PublicationTime publication_time_;
   std::atomic<bool> draining_{false};
   std::atomic<bool> stopping_{false};
   FairGate gate_;  // Admits as many requests at a time as there are cores.

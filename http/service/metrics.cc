@@ -47,8 +47,12 @@ void RenderState(const ServerState& state, std::string* text) {
   if (state.head) {
     Single("cairn_map_version", "gauge", "Version of the map that queries use.",
            static_cast<double>(Value(state.head->version)), text);
+    Single("cairn_map_stale", "gauge", "1 if the map's database is silent, else 0.",
+           state.head->is_stale ? 1.0 : 0.0, text);
+  }
+  if (state.head && state.head->created_unix_s) {
     Single("cairn_map_version_created_timestamp_seconds", "gauge",
-           "When that version was published, seconds since 1970.", state.head->created_unix_s,
+           "When that version was published, seconds since 1970.", *state.head->created_unix_s,
            text);
   }
   Single("cairn_map_degraded", "gauge", "1 if the served map differs from the map file, else 0.",

@@ -40,7 +40,9 @@ struct ServerState {
   // Of the head of the map. Nothing if the map cannot be read.
   struct Head {
     MapVersion version{};
-    double created_unix_s = 0.0;  // When it was published, seconds since 1970.
+    // When it was published, seconds since 1970. Nothing if nobody knows.
+    std::optional<double> created_unix_s;
+    bool is_stale = false;  // The store is silent, so there may be a newer version.
   };
   std::optional<Head> head;
   bool is_degraded = false;  // See ServedMaps::Problem.

@@ -32,7 +32,9 @@ def run(command, **environment):
 
 
 def check_haproxy(_, __):
-    run(["haproxy", "-c", "-f", DEPLOY / "haproxy" / "haproxy.cfg"], **HAPROXY_ENVIRONMENT)
+    everywhere = ["haproxy", "-c", "-f", DEPLOY / "haproxy" / "haproxy.cfg"]
+    run(everywhere, **HAPROXY_ENVIRONMENT)
+    run([*everywhere, "-f", DEPLOY / "haproxy" / "debian.cfg"], **HAPROXY_ENVIRONMENT)
 
 
 def check_nginx(scratch, _):
@@ -62,13 +64,13 @@ def check_compose(_, __):
     needed = set(re.findall(r"\$\{(\w+)\}", (DEPLOY / "haproxy" / "haproxy.cfg").read_text()))
     if set(front) != needed:
         raise CheckFailed(f"compose.yaml sets {sorted(front)}, haproxy.cfg needs {sorted(needed)}")
-    servers = {f"{service['networks']['cairn']['ipv4_address']}:8080"
+    servers = {f"{service['networks']['front']['ipv4_address']}:8080"
                for name, service in services.items() if name.startswith("cairn")}
     if servers != {address for name, address in front.items() if name.startswith("CAIRN")}:
         raise CheckFailed("the front of compose.yaml has other addresses than the servers")
     for volume in (mount for service in services.values() for mount in service.get("volumes", [])):
         source = volume.split(":")[0]
-        if source.startswith("..") and not (DEPLOY / "compose" / source).is_file():
+        if source.startswith(".") and not (DEPLOY / "compose" / source).is_file():
             raise CheckFailed(f"compose.yaml mounts {source}, which does not exist")
 
 

@@ -61,13 +61,14 @@ TEST(Metrics, ErrorsOfTheStoreAreThoseThatRequestsDoNotCause) {
 TEST(Metrics, TheStateIsShown) {
   ServerState state;
   EXPECT_THAT(Metrics().Render(state), HasSubstr("cairn_map_readable 0"));
-  state.head = {.version = MapVersion(7), .created_unix_s = 1'763'983'556.0};
+  state.head = {.version = MapVersion(7), .created_unix_s = 1'763'983'556.0, .is_stale = true};
   state.is_degraded = state.is_draining = true;
   state.num_waiting = 3;
   const std::string text = Metrics().Render(state);
   for (const char* line :
-       {"cairn_map_readable 1", "cairn_map_version 7", "cairn_map_degraded 1", "cairn_draining 1",
-        "cairn_map_version_created_timestamp_seconds 1763983556", "cairn_queries_waiting 3"}) {
+       {"cairn_map_readable 1", "cairn_map_version 7", "cairn_map_stale 1", "cairn_map_degraded 1",
+        "cairn_draining 1", "cairn_map_version_created_timestamp_seconds 1763983556",
+        "cairn_queries_waiting 3"}) {
     EXPECT_THAT(text, HasSubstr(line));
   }
 }
