@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/cell_name.h"
 #include "core/error.h"
 #include "http/client.h"
 #include "http/plain_http.h"
@@ -72,6 +73,7 @@ class HttpLocalize : public testing::ServerFixture {
   struct Reply {
     int status;
     nlohmann::json json;
+    std::string cell;  // The header X-Cairn-Cell.
   };
   static Reply PostJson(const nlohmann::json& json) {
     httplib::Client http(url());
@@ -80,7 +82,8 @@ class HttpLocalize : public testing::ServerFixture {
     if (!result) {
       throw std::runtime_error(httplib::to_string(result.error()));
     }
-    return {result->status, nlohmann::json::parse(result->body)};
+    return {result->status, nlohmann::json::parse(result->body),
+            result->get_header_value(kCellHeader)};
   }
 
   static std::shared_ptr<const Codebook> MapCodebook() {
@@ -132,6 +135,15 @@ TEST_F(HttpLocalize, ARigThroughTheClientAgreesWithTheEngine) {
     EXPECT_EQ(there.matches[i].camera_idx, here.matches[i].camera_idx);
     EXPECT_EQ(there.matches[i].keypoint_idx, here.matches[i].keypoint_idx);
   }
+}
+
+TEST_F(HttpLocalize, AQueryWithoutPriorLearnsTheCellOfItsPose) {
+  const LocalizeQuery query = Query();
+  nlohmann::json request = WithFeatures(query, "sift", LosslessEncoding(query.features));
+  request.erase("prior");
+  const Reply reply = PostJson(request);
+  ASSERT_EQ(reply.json["status"], "LOCALIZED");
+  EXPECT_EQ(reply.cell, CellName(query.prior->position));
 }
 
 TEST_F(HttpLocalize, JsonWithBase64AgreesWithMultipart) {
