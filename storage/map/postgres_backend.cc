@@ -1,7 +1,10 @@
 #include "storage/map/postgres_backend.h"
 
+#include <algorithm>
 #include <optional>
+#include <thread>
 #include <utility>
+#include <vector>
 
 #include "core/error.h"
 #include "storage/map/head_writer.h"
@@ -67,6 +70,7 @@ class PostgresBackend : public MapBackend {
     RequireFormat(first.get());
     if (mode == OpenMode::kServing) {
       watcher_.emplace(&server_, Value(queries::CurrentVersion(first.get())));
+      MakeConnections();
     }
     pool_.GiveBack(std::move(first));
   }
@@ -105,6 +109,18 @@ class PostgresBackend : public MapBackend {
   std::string LogPath() const override { return {}; }
 
  private:
+  // Makes the connections with which a query fetches payloads in parallel, so that the first query
+  // does not have to.
+  void MakeConnections() {
+    std::vector<std::unique_ptr<PostgresConnection>> connections;
+    for (unsigned i = 0; i < std::clamp(std::thread::hardware_concurrency(), 1u, 8u); ++i) {
+      connections.push_back(pool_.Take({}));
+    }
+    for (std::unique_ptr<PostgresConnection>& connection : connections) {
+      pool_.GiveBack(std::move(connection));
+    }
+  }
+
   const OpenMode mode_;
   const postgres::Server server_;
   postgres::ConnectionPool pool_;
