@@ -75,6 +75,9 @@ libxxhash-dev, libcpp-httplib-dev, libjpeg62-turbo-dev, libpng-dev, libceres-dev
 libopenblas-dev, libexiv2-dev, \
 libopencv-core-dev, libopencv-imgproc-dev, libopencv-imgcodecs-dev, libopencv-calib3d-dev, \
 libopencv-video-dev")
+if(CAIRN_WITH_POSTGRES)
+  string(APPEND CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS ", libpq-dev")
+endif()
 set(CPACK_DEBIAN_FUSION_PACKAGE_DEPENDS
   "libeigen3-dev, libfmt-dev, libspdlog-dev, libgeographiclib-dev, proj-data")
 # For cairn::fusion_transport and cairn::fusion_frontend.
