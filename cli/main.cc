@@ -8,6 +8,9 @@ namespace {
 void AddVerbs(CLI::App* app, Shell* shell) {
   AddInitCommand(app, shell);
   AddIngestCommand(app, shell);
+  AddPlanCommand(app, shell);
+  AddBuildTilesCommand(app, shell);
+  AddPublishCommand(app, shell);
   AddRemoveCommand(app, shell);
   AddServeCommand(app, shell);
   AddLocalizeCommand(app, shell);

@@ -23,6 +23,9 @@ struct Shell {
 // its action.
 void AddInitCommand(CLI::App* app, Shell* shell);
 void AddIngestCommand(CLI::App* app, Shell* shell);
+void AddPlanCommand(CLI::App* app, Shell* shell);
+void AddBuildTilesCommand(CLI::App* app, Shell* shell);
+void AddPublishCommand(CLI::App* app, Shell* shell);
 void AddRemoveCommand(CLI::App* app, Shell* shell);
 void AddServeCommand(CLI::App* app, Shell* shell);
 void AddLocalizeCommand(CLI::App* app, Shell* shell);

@@ -31,6 +31,12 @@ void UpkeepOptions::Validate() const {
                 "upkeep.least_existence must be between 0 and 1");
 }
 
+void TileOptions::Validate() const {
+  selection.Validate();
+  appearance.Validate();
+  upkeep.Validate();
+}
+
 void IngestOptions::Validate() const {
   RequireOption(!session_name.empty(), "ingest.session_name must not be empty");
   RequireOption(max_sigma_m > 0.0, "ingest.max_sigma_m must be positive");
@@ -38,12 +44,11 @@ void IngestOptions::Validate() const {
                 "ingest.max_reprojection_error_px must be positive");
   RequireOption(std::isfinite(georef_median_residual_m),
                 "ingest.georef_median_residual_m must be finite");
+  RequireOption(num_threads >= 1, "ingest.num_threads must be at least 1");
+  TileOptions::Validate();
   codebook.Validate();
-  selection.Validate();
-  appearance.Validate();
   comparison.Validate();
   agreement.Validate();
-  upkeep.Validate();
 }
 
 }  // namespace cairn

@@ -2,6 +2,7 @@
 #ifndef CAIRN_INGEST_INGEST_OPTIONS_H_
 #define CAIRN_INGEST_INGEST_OPTIONS_H_
 
+#include <chrono>
 #include <string>
 
 #include "ingest/coregister/compare_with_map.h"
@@ -47,22 +48,33 @@ struct UpkeepOptions {
   void Validate() const;
 };
 
-struct IngestOptions {
+// What the content of a single tile depends on. A plan stores it (docs/formats/plan_v1.md), so a
+// new member needs a line in ingest/plan/plan_options.cc, which does not compile without.
+struct TileOptions {
+  SessionJoining joining = SessionJoining::kJoin;
+  LandmarkSelectionOptions selection;
+  AppearanceOptions appearance;
+  UpkeepOptions upkeep;
+
+  // Throws Error(kInvalidArgument) naming the field.
+  void Validate() const;
+};
+
+struct IngestOptions : TileOptions {
   std::string session_name;  // Unique in the map; ingesting a name again replaces the session.
   std::string source;        // For people.
   std::string recorded_at;   // When the photos were taken, see SessionRecord; empty: now.
-  SessionJoining joining = SessionJoining::kJoin;
   CodebookOptions codebook;  // Used only by the first session of a map.
-  LandmarkSelectionOptions selection;
-  AppearanceOptions appearance;
   ComparisonOptions comparison;
   AgreementOptions agreement;
-  UpkeepOptions upkeep;
   // Landmarks with a larger position uncertainty are dropped, metres; and with a larger median
   // reprojection error, pixels.
   double max_sigma_m = 2.0;
   double max_reprojection_error_px = 4.0;
   double georef_median_residual_m = 0.0;  // Recorded with the session.
+  int num_threads = 1;                    // That build tiles. The result does not depend on it.
+  // How long the ingest waits while another update of the map runs.
+  std::chrono::milliseconds patience{0};
 
   // Throws Error(kInvalidArgument) naming the field.
   void Validate() const;

@@ -47,9 +47,9 @@ ScratchMap::~ScratchMap() = default;
 MapStore& ScratchMap::store() const { return impl_->store; }
 
 ScratchMap MapWithoutSession(const PlacedSession& session, SessionId without,
-                             const MapUpdate& update, const MapStore& store) {
+                             const MapSnapshot& map) {
   ScratchMap scratch;
-  const std::shared_ptr<const Codebook> codebook = store.Snapshot().CurrentCodebook();
+  const std::shared_ptr<const Codebook> codebook = map.CurrentCodebook();
   if (codebook == nullptr) {
     return scratch;
   }
@@ -57,7 +57,7 @@ ScratchMap MapWithoutSession(const PlacedSession& session, SessionId without,
   Codebook own_codebook = *codebook;
   own_codebook.id = copy.AddCodebook(*codebook);
   for (const auto& [tile_id, images] : session.images_of_tile) {
-    std::optional<Tile> tile = LoadWithoutSession(tile_id, without, update);
+    std::optional<Tile> tile = LoadWithoutSession(tile_id, without, map);
     if (!tile || tile->codebook_id != codebook->id) {
       continue;
     }

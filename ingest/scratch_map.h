@@ -26,7 +26,7 @@ class ScratchMap {
 // The tiles of the map in which `session` stands, without `without`. The engine can ask it what the
 // map says about a session that the map holds already.
 ScratchMap MapWithoutSession(const PlacedSession& session, SessionId without,
-                             const MapUpdate& update, const MapStore& store);
+                             const MapSnapshot& map);
 
 }  // namespace cairn
 

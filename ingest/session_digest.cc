@@ -1,8 +1,12 @@
 #include "ingest/session_digest.h"
 
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <type_traits>
 
+#include "core/error.h"
+#include "core/printable.h"
 #include "storage/bytes/content_digest.h"
 
 namespace cairn {
@@ -117,6 +121,22 @@ std::string DigestOf(const Sim3d& ecef_from_world, const IngestOptions& options)
   hasher.Add(options.upkeep.least_existence);
   AddUpkeep(options.upkeep, &hasher);
   return hasher.Hex().substr(16);
+}
+
+void RequireNotElsewhere(const SessionRecord& session, SessionJoining joining,
+                         const std::vector<SessionRecord>& sessions) {
+  constexpr size_t kContentDigestSize = 32;  // What DigestOf says of a reconstruction.
+  const std::string content = session.content_digest.substr(0, kContentDigestSize);
+  for (const SessionRecord& other : sessions) {
+    if (joining == SessionJoining::kJoin && other.name != session.name &&
+        other.content_digest.starts_with(content)) {
+      throw Error(
+          ErrorCode::kConflict,
+          fmt::format("the map has the same reconstruction as session '{}'; keep it apart from "
+                      "what the map knows (--apart) if it belongs there twice",
+                      Excerpt(other.name)));
+    }
+  }
 }
 
 }  // namespace cairn

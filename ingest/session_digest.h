@@ -3,10 +3,12 @@
 #define CAIRN_INGEST_SESSION_DIGEST_H_
 
 #include <string>
+#include <vector>
 
 #include "core/rigid3.h"
 #include "ingest/ingest_options.h"
 #include "ingest/sfm/reconstruction.h"
+#include "storage/map/map_store.h"
 
 namespace cairn {
 
@@ -18,7 +20,10 @@ std::string DigestOf(const Reconstruction& reconstruction);
 // ingest.
 std::string DigestOf(const Sim3d& ecef_from_world, const IngestOptions& options);
 
-inline constexpr size_t kContentDigestSize = 32;
+// Throws Error(kConflict) if one of `sessions` has another name than `session` and the same
+// content, unless the session is kept apart.
+void RequireNotElsewhere(const SessionRecord& session, SessionJoining joining,
+                         const std::vector<SessionRecord>& sessions);
 
 }  // namespace cairn
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 #include <vector>
@@ -13,37 +14,25 @@
 #include "ingest/merging/merge_tiles.h"
 #include "ingest/merging/viewpoints.h"
 #include "ingest/tiling/tile_edit.h"
-#include "ingest/write_tile.h"
 #include "storage/tile/tile_codec.h"
 
 namespace cairn {
 namespace {
 
-// The session's keyframes of a tile, with the cameras that took them.
-struct SessionKeyframes {
-  std::vector<KeyframeId> ids;
+// The cameras that took the session's keyframes of a tile.
+std::map<KeyframeId, const Camera*> CamerasOf(const TileSource& source, TileId tile_id,
+                                              const std::vector<KeyframeId>& keyframe_ids) {
   std::map<KeyframeId, const Camera*> cameras;
-};
-
-SessionKeyframes AddKeyframes(const TileSource& source, TileId tile_id, MapUpdate* update) {
-  SessionKeyframes keyframes;
-  for (const int image_idx : source.session->images_of_tile.at(tile_id)) {
-    const ReconImage& image = source.reconstruction->images[image_idx];
-    KeyframeRecord record;
-    record.session_id = source.session_id;
-    record.tile_id = tile_id;
-    record.image_name = image.name;
-    record.camera = source.reconstruction->cameras[image.camera_idx];
-    record.cam_from_ecef = source.session->cam_from_ecef[image_idx];
-    keyframes.ids.push_back(update->AddKeyframe(record));
-    keyframes.cameras[keyframes.ids.back()] = &source.reconstruction->cameras[image.camera_idx];
+  const std::vector<int>& images = source.session->images_of_tile.at(tile_id);
+  for (size_t k = 0; k < images.size(); ++k) {
+    const ReconImage& image = source.reconstruction->images[images[k]];
+    cameras[keyframe_ids[k]] = &source.reconstruction->cameras[image.camera_idx];
   }
-  return keyframes;
+  return cameras;
 }
 
 // The landmarks of the session that the tile takes.
-Tile Admit(const Tile& known, const Tile& fresh, const IngestOptions& options,
-           TileChanges* changes) {
+Tile Admit(const Tile& known, const Tile& fresh, const TileOptions& options, TileChanges* changes) {
   std::set<LandmarkId> known_ids(known.landmark_ids.begin(), known.landmark_ids.end());
   const auto num_merged = std::count_if(fresh.landmark_ids.begin(), fresh.landmark_ids.end(),
                                         [&](LandmarkId id) { return known_ids.contains(id); });
@@ -72,14 +61,12 @@ Tile Fade(const Tile& tile, const TileRewriteContext& context, TileChanges* chan
 }
 
 // The tile without keyframes that newer ones replace.
-Tile ReplaceKeyframes(const Tile& tile, const TileRewriteContext& context, MapUpdate* update,
-                      TileChanges* changes) {
+Tile ReplaceKeyframes(const Tile& tile, const TileRewriteContext& context,
+                      RewrittenTile* rewritten) {
   const std::vector<KeyframeId> replaced =
       ReplacedKeyframes(tile, context.options->upkeep.viewpoints);
-  for (const KeyframeId id : replaced) {
-    update->RemoveKeyframe(id);
-  }
-  changes->num_keyframes_replaced += static_cast<int64_t>(replaced.size());
+  rewritten->replaced_keyframes = replaced;
+  rewritten->changes.num_keyframes_replaced += std::ssize(replaced);
   const std::set<KeyframeId> gone(replaced.begin(), replaced.end());
   return PickKeyframes(tile,
                        [&](const TileKeyframe& keyframe) { return !gone.contains(keyframe.id); });
@@ -90,9 +77,9 @@ Tile ReplaceKeyframes(const Tile& tile, const TileRewriteContext& context, MapUp
 // minimum.
 std::vector<double> RateLandmarks(const Tile& tile, const TileRewriteContext& context) {
   const TileSource& source = *context.source;
-  std::map<LandmarkId, uint32_t> recon_idx;
+  std::map<LandmarkId, uint32_t> num_observations;
   for (size_t i = 0; i < source.landmark_ids.size(); ++i) {
-    recon_idx[source.landmark_ids[i]] = source.session->landmarks[i].recon_idx;
+    num_observations[source.landmark_ids[i]] = source.session->landmarks[i].num_observations;
   }
   const bool is_alone = std::all_of(
       tile.sightings.begin(), tile.sightings.end(),
@@ -100,8 +87,7 @@ std::vector<double> RateLandmarks(const Tile& tile, const TileRewriteContext& co
   std::vector<double> rates(tile.num_landmarks());
   for (size_t i = 0; i < rates.size(); ++i) {
     if (is_alone) {
-      const uint32_t idx = recon_idx.at(tile.landmark_ids[i]);
-      rates[i] = static_cast<double>(source.reconstruction->landmarks[idx].observations.size());
+      rates[i] = num_observations.at(tile.landmark_ids[i]);
     } else {
       rates[i] = std::max<double>(context.options->selection.min_observations,
                                   ExpectedSights(tile.SightingsOf(i), *context.session_times,
@@ -130,21 +116,44 @@ Tile Select(const Tile& tile, const TileRewriteContext& context, TileChanges* ch
 
 // The tile with the session in it, before selection.
 Tile JoinSession(const Tile& known, const TileRewriteContext& context, TileId tile_id,
-                 MapUpdate* update, TileChanges* changes) {
+                 const std::vector<KeyframeId>& keyframe_ids, RewrittenTile* rewritten) {
   const TileSource& source = *context.source;
-  const SessionKeyframes keyframes = AddKeyframes(source, tile_id, update);
-  const Tile fresh = BuildTile(source, tile_id, keyframes.ids);
-  const Tile admitted = Admit(known, fresh, *context.options, changes);
+  const Tile fresh = BuildTile(source, tile_id, keyframe_ids);
+  const Tile admitted = Admit(known, fresh, *context.options, &rewritten->changes);
   Tile tile = MergeTiles(known, admitted, *source.codec, *source.summarizer,
                          context.options->upkeep.merging);
   if (context.options->joining == SessionJoining::kApart || known.num_landmarks() == 0) {
     return tile;
   }
-  NoteChances(
-      CountChances(tile, source.session_id, keyframes.cameras, context.options->upkeep.viewpoints),
-      source.session_id, &tile);
-  tile = Fade(tile, context, changes);
-  return ReplaceKeyframes(tile, context, update, changes);
+  NoteChances(CountChances(tile, source.session_id, CamerasOf(source, tile_id, keyframe_ids),
+                           context.options->upkeep.viewpoints),
+              source.session_id, &tile);
+  tile = Fade(tile, context, &rewritten->changes);
+  return ReplaceKeyframes(tile, context, rewritten);
+}
+
+// The tile that a payload holds, without a session.
+Tile DecodeWithoutSession(std::span<const uint8_t> payload, SessionId without) {
+  Tile tile = DecodeTile(payload);
+  return without == SessionId{} ? tile : WithoutSession(std::move(tile), without);
+}
+
+template <typename Map>
+std::optional<Tile> LoadFrom(const Map& map, TileId tile_id, SessionId without) {
+  const std::optional<TileRecord> record = map.FindTile(tile_id);
+  if (!record) {
+    return std::nullopt;
+  }
+  return DecodeWithoutSession(map.LoadPayload(record->payload_id), without);
+}
+
+void RequireCodebook(const Tile& tile, CodebookId codebook_id) {
+  if (tile.codebook_id != codebook_id) {
+    throw Error(ErrorCode::kConflict,
+                fmt::format("tile {} is coded with codebook {}, new sessions with {}; ingest into "
+                            "a new map",
+                            tile.id.ToString(), Value(tile.codebook_id), Value(codebook_id)));
+  }
 }
 
 }  // namespace
@@ -161,37 +170,29 @@ void TileChanges::Add(const TileChanges& other) {
 }
 
 std::optional<Tile> LoadWithoutSession(TileId tile_id, SessionId without, const MapUpdate& update) {
-  const std::optional<TileRecord> record = update.FindTile(tile_id);
-  if (!record) {
-    return std::nullopt;
-  }
-  Tile tile = DecodeTile(update.LoadPayload(record->payload_id));
-  return without == SessionId{} ? tile : WithoutSession(std::move(tile), without);
+  return LoadFrom(update, tile_id, without);
 }
 
-TileChanges RewriteTile(const TileRewriteContext& context, TileId tile_id, MapUpdate* update,
-                        Tile* written) {
-  TileChanges changes;
+std::optional<Tile> LoadWithoutSession(TileId tile_id, SessionId without, const MapSnapshot& map) {
+  return LoadFrom(map, tile_id, without);
+}
+
+RewrittenTile RewriteTile(const TileRewriteContext& context, TileId tile_id,
+                          std::span<const uint8_t> base,
+                          const std::vector<KeyframeId>& keyframe_ids) {
   const Codebook& codebook = context.source->codec->codebook();
-  if (const auto record = update->FindTile(tile_id)) {
-    changes.num_bytes_before = record->num_bytes;
-  }
-  Tile tile = LoadWithoutSession(tile_id, context.replaced_session, *update)
-                  .value_or(EmptyTile(tile_id, codebook.id, codebook.num_subspaces));
+  RewrittenTile rewritten;
+  Tile tile = base.empty() ? EmptyTile(tile_id, codebook.id, codebook.num_subspaces)
+                           : DecodeWithoutSession(base, context.replaced_session);
   if (context.source->session->images_of_tile.contains(tile_id)) {
-    if (tile.codebook_id != codebook.id) {
-      throw Error(
-          ErrorCode::kConflict,
-          fmt::format("tile {} is coded with codebook {}, new sessions with {}; ingest into "
-                      "a new map",
-                      tile_id.ToString(), Value(tile.codebook_id), Value(codebook.id)));
-    }
-    tile = JoinSession(tile, context, tile_id, update, &changes);
-    tile = Select(tile, context, &changes);
+    RequireCodebook(tile, codebook.id);
+    tile = JoinSession(tile, context, tile_id, keyframe_ids, &rewritten);
+    tile = Select(tile, context, &rewritten.changes);
   }
-  changes.num_bytes_after = WriteTile(tile, codebook, update);
-  *written = std::move(tile);
-  return changes;
+  rewritten.encoded = EncodeForMap(tile, codebook);
+  rewritten.changes.num_bytes_before = std::ssize(base);
+  rewritten.changes.num_bytes_after = std::ssize(rewritten.encoded.payload);
+  return rewritten;
 }
 
 }  // namespace cairn

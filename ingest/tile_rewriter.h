@@ -1,15 +1,18 @@
-// Puts a session into one tile of the map, stage by stage. Private to ingest.
+// Puts a session into one tile, stage by stage: a function of the payload that the map has and of
+// what the session saw. Private to ingest.
 #ifndef CAIRN_INGEST_TILE_REWRITER_H_
 #define CAIRN_INGEST_TILE_REWRITER_H_
 
 #include <cstdint>
-#include <map>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "ingest/ingest_options.h"
 #include "ingest/merging/landmark_history.h"
 #include "ingest/summarize/landmark_selection.h"
 #include "ingest/tiling/build_tile.h"
+#include "ingest/write_tile.h"
 #include "storage/map/map_store.h"
 #include "storage/tile/tile.h"
 
@@ -31,22 +34,33 @@ struct TileChanges {
 
 // The tile of the map without a session (which may be none); nothing if the map has no such tile.
 std::optional<Tile> LoadWithoutSession(TileId tile_id, SessionId without, const MapUpdate& update);
+std::optional<Tile> LoadWithoutSession(TileId tile_id, SessionId without, const MapSnapshot& map);
 
 // What all tiles of an ingest share; nothing is owned.
 struct TileRewriteContext {
-  const IngestOptions* options = nullptr;
+  const TileOptions* options = nullptr;
   const TileSource* source = nullptr;
   const LandmarkSelector* selector = nullptr;
   SessionId replaced_session{};  // 0: none.
   const SessionTimes* session_times = nullptr;
 };
 
+// What becomes of a tile. The caller writes it to the map.
+struct RewrittenTile {
+  EncodedTile encoded;
+  std::vector<KeyframeId> replaced_keyframes;  // Of earlier sessions; the map drops them.
+  TileChanges changes;
+};
+
 // Takes the replaced session out of the tile and puts the new one in:
-// build - admit - merge - note chances - fade - replace keyframes - select - write. `written`
-// receives the tile as the map holds it now. Throws Error(kConflict) if the tile has another
-// codebook than the session, Error(kMapDamaged) if it does not decode.
-TileChanges RewriteTile(const TileRewriteContext& context, TileId tile_id, MapUpdate* update,
-                        Tile* written);
+// build - admit - merge - note chances - fade - replace keyframes - select - encode. `base` is the
+// payload that the map has, empty if it has none. `keyframe_ids` are the ids of the session's
+// images of the tile (PlacedSession::images_of_tile). Depends on the arguments only, so tiles can
+// be rewritten in any order, on any thread or machine. Throws Error(kConflict) if the tile has
+// another codebook than the session, Error(kMapDamaged) if it does not decode.
+RewrittenTile RewriteTile(const TileRewriteContext& context, TileId tile_id,
+                          std::span<const uint8_t> base,
+                          const std::vector<KeyframeId>& keyframe_ids);
 
 }  // namespace cairn
 

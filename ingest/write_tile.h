@@ -1,8 +1,9 @@
-// Encodes a tile and puts it into a map; private to ingest.
+// Tiles as a map stores them; private to ingest.
 #ifndef CAIRN_INGEST_WRITE_TILE_H_
 #define CAIRN_INGEST_WRITE_TILE_H_
 
 #include <cstdint>
+#include <vector>
 
 #include "storage/codebook/codebook.h"
 #include "storage/map/map_store.h"
@@ -10,9 +11,21 @@
 
 namespace cairn {
 
-// Puts the tile into the map with its landmarks in Morton order, or removes the tile from the map
-// if it has no landmarks or no keyframes. Returns the bytes of its payload. Only a tile of
-// `codebook`, the map's current codebook, gets inverted lists: queries cannot search other tiles.
+// What a map holds of a tile. A tile without landmarks or without keyframes has no payload, and of
+// its record only the tile id counts: the map does not hold it.
+struct EncodedTile {
+  TileRecord record;
+  std::vector<uint8_t> payload;
+};
+
+// Puts the landmarks into Morton order and encodes the tile. Only a tile of `codebook`, the map's
+// current codebook, gets inverted lists: queries cannot search other tiles. Deterministic.
+EncodedTile EncodeForMap(const Tile& tile, const Codebook& codebook);
+
+// Puts the tile into the map, or removes it from the map if it has no payload.
+void PutTile(const EncodedTile& tile, MapUpdate* update);
+
+// EncodeForMap and PutTile. Returns the bytes of the payload.
 int64_t WriteTile(const Tile& tile, const Codebook& codebook, MapUpdate* update);
 
 }  // namespace cairn

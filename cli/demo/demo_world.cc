@@ -78,6 +78,7 @@ IngestReport IngestPhotos(const StreetScene& scene, const std::vector<StreetPhot
   options.session_name = "street";
   options.source = "cairn demo";
   options.codebook.seed = seed;
+  options.num_threads = NumThreads();
   return IngestSession(reconstruction, EcefFromWorld(scene.options().origin), options, &store,
                        show);
 }

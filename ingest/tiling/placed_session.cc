@@ -72,7 +72,8 @@ class LandmarkJudge {
     if (std::abs(GeodeticFromEcef(x_in_ecef).h_m) > kMaxLandmarkHeightM) {
       return std::nullopt;
     }
-    return PlacedLandmark{recon_idx, x_in_ecef, sigma_m};
+    return PlacedLandmark{recon_idx, x_in_ecef, sigma_m,
+                          static_cast<uint32_t>(landmark.observations.size())};
   }
 
  private:

@@ -24,7 +24,8 @@ struct PlacementOptions {
 struct PlacedLandmark {
   uint32_t recon_idx = 0;  // In Reconstruction::landmarks.
   Eigen::Vector3d x_in_ecef;
-  double sigma_m = 0.0;  // Root mean square over the axes.
+  double sigma_m = 0.0;           // Root mean square over the axes.
+  uint32_t num_observations = 0;  // In all images of the reconstruction.
 };
 
 // A keypoint that sees a placed landmark.

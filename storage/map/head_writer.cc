@@ -309,10 +309,8 @@ int64_t HeadWriter::DropUnusedPayload(PayloadId payload_id) {
 CodebookId HeadWriter::StoreCodebook(const Codebook& codebook, CodebookId codebook_id) {
   const std::vector<uint8_t> bytes = EncodeCodebook(codebook);
   const std::string digest = ContentDigest(bytes);
-  db::Statement row =
-      connection_->Prepare("SELECT codebook_id FROM cairn_codebooks WHERE digest = ?");
-  if (row.Bind(digest).Step()) {
-    return CodebookId(row.Int64(0));
+  if (const CodebookId known = queries::FindCodebook(connection_, digest); known != CodebookId{}) {
+    return known;
   }
   db::Statement inserted = connection_->Prepare(
       "INSERT INTO cairn_codebooks (codebook_id, created_at, digest, bytes) "

@@ -243,6 +243,12 @@ std::string CodebookDigest(db::Connection* connection, CodebookId codebook_id) {
   return row.Text(0);
 }
 
+CodebookId FindCodebook(db::Connection* connection, const std::string& digest) {
+  db::Statement row =
+      connection->Prepare("SELECT codebook_id FROM cairn_codebooks WHERE digest = ?");
+  return row.Bind(digest).Step() ? CodebookId(row.Int64(0)) : CodebookId{};
+}
+
 std::vector<SessionRecord> Sessions(db::Connection* connection, MapVersion as_of) {
   std::vector<SessionRecord> sessions;
   db::Statement rows = connection->Prepare(kSessionsSql);

@@ -57,6 +57,8 @@ std::shared_ptr<const Codebook> LoadCodebook(db::Connection* connection, Codeboo
 std::vector<CodebookId> CodebookIds(db::Connection* connection);
 // Throws Error(kMapDamaged) if there is no such codebook.
 std::string CodebookDigest(db::Connection* connection, CodebookId codebook_id);
+// Returns 0 if there is no codebook of this digest.
+CodebookId FindCodebook(db::Connection* connection, const std::string& digest);
 
 std::vector<SessionRecord> Sessions(db::Connection* connection, MapVersion as_of = kNewest);
 std::optional<SessionRecord> FindSession(db::Connection* connection, const std::string& name,

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "storage/bytes/content_digest.h"
 #include "storage/geometry/geo_box.h"
 #include "storage/map/as_of_queries.h"
 #include "storage/map/map_internal.h"
@@ -127,6 +128,12 @@ std::optional<SessionRecord> MapSnapshot::FindSession(const std::string& name) c
   return impl_->Call(as_of::FindSession, name);
 }
 
+std::vector<TileId> MapSnapshot::TilesOfSession(SessionId session_id) const {
+  return impl_->map->Call(impl_->deadline, [&](db::Connection* connection) {
+    return queries::TilesOfSession(connection, session_id);
+  });
+}
+
 std::vector<KeyframeRecord> MapSnapshot::KeyframesOfSession(SessionId session_id) const {
   return impl_->Call(as_of::KeyframesOfSession, session_id);
 }
@@ -138,6 +145,13 @@ std::vector<KeyframeRecord> MapSnapshot::KeyframesOfTile(TileId tile_id) const {
 std::string MapSnapshot::CodebookDigest(CodebookId codebook_id) const {
   return impl_->map->Call(impl_->deadline, [&](db::Connection* connection) {
     return queries::CodebookDigest(connection, codebook_id);
+  });
+}
+
+CodebookId MapSnapshot::FindCodebook(const Codebook& codebook) const {
+  const std::string digest = ContentDigest(EncodeCodebook(codebook));
+  return impl_->map->Call(impl_->deadline, [&](db::Connection* connection) {
+    return queries::FindCodebook(connection, digest);
   });
 }
 

@@ -1,10 +1,12 @@
 #include "storage/map/map_store.h"
 
 #include <memory>
+#include <thread>
 #include <utility>
 
 #include "core/error.h"
 #include "storage/database/transaction.h"
+#include "storage/map/id_counters.h"
 #include "storage/map/map_check.h"
 #include "storage/map/map_file.h"
 #include "storage/map/map_internal.h"
@@ -22,6 +24,24 @@ void CreateFilledOnServer(const std::string& url, const std::function<void(MapSt
   } catch (...) {
     DropPostgresMap(url);
     throw;
+  }
+}
+
+// Begins an update, and asks again for as long as `patience` says while another one runs.
+std::unique_ptr<WriteSession> BeginWriting(MapBackend* backend,
+                                           std::chrono::milliseconds patience) {
+  constexpr std::chrono::milliseconds kPause(20);
+  const auto last_try = std::chrono::steady_clock::now() + patience;
+  while (true) {
+    try {
+      return backend->BeginUpdate();
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::kConflict ||
+          std::chrono::steady_clock::now() + kPause > last_try) {
+        throw;
+      }
+    }
+    std::this_thread::sleep_for(kPause);
   }
 }
 
@@ -74,8 +94,19 @@ MapSnapshot MapStore::Snapshot(ReadDeadline deadline) const {
 
 MapStoreStats MapStore::Stats() const { return map_->Stats(); }
 
-MapUpdate MapStore::BeginUpdate() {
-  return MapUpdate(std::make_unique<MapUpdate::Impl>(map_->backend().BeginUpdate()));
+MapUpdate MapStore::BeginUpdate(std::chrono::milliseconds patience) {
+  return MapUpdate(std::make_unique<MapUpdate::Impl>(BeginWriting(&map_->backend(), patience)));
+}
+
+FirstIds MapStore::ReserveIds(const IdCounts& counts, std::chrono::milliseconds patience) {
+  const std::unique_ptr<WriteSession> session = BeginWriting(&map_->backend(), patience);
+  db::Connection* connection = session->connection();
+  const FirstIds ids = {CodebookId(TakeIds(connection, IdCounter::kCodebook, counts.num_codebooks)),
+                        SessionId(TakeIds(connection, IdCounter::kSession, counts.num_sessions)),
+                        KeyframeId(TakeIds(connection, IdCounter::kKeyframe, counts.num_keyframes)),
+                        LandmarkId(TakeLandmarkIds(connection, counts.num_landmarks))};
+  session->Commit();
+  return ids;
 }
 
 CheckReport MapStore::Check(const std::function<void(int64_t, int64_t)>& progress) const {

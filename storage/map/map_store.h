@@ -66,6 +66,22 @@ struct KeyframeRecord {
   Rigid3d cam_from_ecef;
 };
 
+// Numbers of ids.
+struct IdCounts {
+  int64_t num_codebooks = 0;
+  int64_t num_sessions = 0;
+  int64_t num_keyframes = 0;
+  uint64_t num_landmarks = 0;
+};
+
+// The first id of each kind; the others follow it.
+struct FirstIds {
+  CodebookId codebook{};
+  SessionId session{};
+  KeyframeId keyframe{};
+  LandmarkId landmark{};
+};
+
 struct MapInfo : MapTotals {
   MapVersion version{};
   std::string created_at;
@@ -119,12 +135,16 @@ class MapSnapshot {
 
   std::vector<SessionRecord> Sessions() const;
   std::optional<SessionRecord> FindSession(const std::string& name) const;
+  // Returns the tiles whose content of this or a later version names, or once named, the session.
+  std::vector<TileId> TilesOfSession(SessionId session_id) const;
   std::vector<KeyframeRecord> KeyframesOfSession(SessionId session_id) const;
   std::vector<KeyframeRecord> KeyframesOfTile(TileId tile_id) const;
 
   // The XXH3-128 hash of the codebook's bytes, 32 hexadecimal digits. Maps with equal digests can
   // be merged. Throws Error(kMapDamaged) if the map does not have the codebook.
   std::string CodebookDigest(CodebookId codebook_id) const;
+  // Returns the id under which the map has this codebook, of any version; 0 if it does not have it.
+  CodebookId FindCodebook(const Codebook& codebook) const;
   // All landmarks of all versions have smaller ids.
   LandmarkId NextLandmarkId() const;
 
@@ -154,23 +174,27 @@ class MapUpdate {
   std::vector<KeyframeRecord> KeyframesOfTile(TileId tile_id) const;  // Ordered by id.
   std::shared_ptr<const Codebook> CurrentCodebook() const;
 
+  // What is added gets a new id, or an id that ReserveIds has given and that nothing has yet.
+
   // Adds a codebook and makes it current. Ignores `codebook.id`. A codebook that the map has
   // already keeps its id.
-  CodebookId AddCodebook(const Codebook& codebook);
+  CodebookId AddCodebook(const Codebook& codebook, CodebookId reserved = CodebookId{});
 
   // Ignores `id` and `created_at`. Throws Error(kConflict) if the name is taken,
   // Error(kInvalidArgument) if `recorded_at` is not a time or `content_digest` not hexadecimal.
-  SessionId AddSession(const SessionRecord& session);
+  SessionId AddSession(const SessionRecord& session, SessionId reserved = SessionId{});
   // Deletes the session's row and keyframes. The caller must rewrite or remove the session's tiles.
   void RemoveSession(SessionId session_id);
 
   // Ignores `id`.
-  KeyframeId AddKeyframe(const KeyframeRecord& keyframe);
+  KeyframeId AddKeyframe(const KeyframeRecord& keyframe, KeyframeId reserved = KeyframeId{});
   // Deletes the keyframe's row, if there is one. The caller rewrites the tile it stands in.
   void RemoveKeyframe(KeyframeId keyframe_id);
 
   // Reserves `count` consecutive landmark ids and returns the first.
   LandmarkId ReserveLandmarkIds(uint64_t count);
+  // Returns the ids that come next. All ids that were ever reserved or given are smaller.
+  FirstIds NextIds() const;
 
   // Inserts or replaces a tile and its payload. The tile's codebook must be in the map. Ignores
   // `payload_id` and `num_bytes`. Returns the payload's id; equal bytes share an id. Putting the
@@ -267,9 +291,13 @@ class MapStore {
   MapSnapshot Snapshot(ReadDeadline deadline = {}) const;
   MapStoreStats Stats() const;
 
-  // Throws Error(kConflict) if the store is not open for writing or another update is open, and
-  // Error(kIo) if the server's role may not write.
-  MapUpdate BeginUpdate();
+  // Throws Error(kConflict) if the store is not open for writing, or if another update is still
+  // open after `patience`; Error(kIo) if the server's role may not write.
+  MapUpdate BeginUpdate(std::chrono::milliseconds patience = {});
+
+  // Reserves consecutive ids for a later update, in a transaction of its own that makes no version.
+  // Ids that are never used leave a gap. Throws as BeginUpdate.
+  FirstIds ReserveIds(const IdCounts& counts, std::chrono::milliseconds patience = {});
 
   // Checks the integrity of the database and of every payload of every version. `progress` may be
   // empty; it receives the number of tiles done and the total.

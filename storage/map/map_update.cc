@@ -4,6 +4,7 @@
 #include "core/check.h"
 #include "core/error.h"
 #include "core/printable.h"
+#include "storage/map/id_counters.h"
 #include "storage/map/map_internal.h"
 #include "storage/map/map_queries.h"
 #include "storage/map/map_store.h"
@@ -69,13 +70,13 @@ std::shared_ptr<const Codebook> MapUpdate::CurrentCodebook() const {
                                      : queries::LoadCodebook(impl_->connection(), codebook_id);
 }
 
-CodebookId MapUpdate::AddCodebook(const Codebook& codebook) {
-  const CodebookId codebook_id = impl_->head.StoreCodebook(codebook, CodebookId{});
+CodebookId MapUpdate::AddCodebook(const Codebook& codebook, CodebookId reserved) {
+  const CodebookId codebook_id = impl_->head.StoreCodebook(codebook, reserved);
   impl_->head.SetCurrentCodebook(codebook_id);
   return codebook_id;
 }
 
-SessionId MapUpdate::AddSession(const SessionRecord& session) {
+SessionId MapUpdate::AddSession(const SessionRecord& session, SessionId reserved) {
   RequireValid(session);
   if (FindSession(session.name)) {
     throw Error(ErrorCode::kConflict, impl_->connection()->name() +
@@ -83,7 +84,7 @@ SessionId MapUpdate::AddSession(const SessionRecord& session) {
                                           Excerpt(session.name) + "'");
   }
   SessionRecord added = session;
-  added.id = SessionId{};
+  added.id = reserved;
   added.created_at.clear();
   return impl_->head.InsertSession(added);
 }
@@ -96,27 +97,24 @@ void MapUpdate::RemoveSession(SessionId session_id) {
   impl_->head.RetireSession(session_id);
 }
 
-KeyframeId MapUpdate::AddKeyframe(const KeyframeRecord& keyframe) {
+KeyframeId MapUpdate::AddKeyframe(const KeyframeRecord& keyframe, KeyframeId reserved) {
   KeyframeRecord added = keyframe;
-  added.id = KeyframeId{};
+  added.id = reserved;
   return impl_->head.InsertKeyframe(added);
 }
 
 void MapUpdate::RemoveKeyframe(KeyframeId keyframe_id) { impl_->head.RetireKeyframe(keyframe_id); }
 
 LandmarkId MapUpdate::ReserveLandmarkIds(uint64_t count) {
-  constexpr uint64_t kMaxCount = uint64_t{1} << 48;  // Far below the limit of 63 bits.
-  CAIRN_CHECK(count <= kMaxCount, "a map cannot number this many landmarks");
-  db::Statement row = impl_->connection()->Prepare(
-      "UPDATE cairn_map SET next_landmark_id = next_landmark_id + ? RETURNING next_landmark_id");
-  row.Bind(static_cast<int64_t>(count));
-  if (!row.Step()) {
-    throw Error(ErrorCode::kMapDamaged,
-                impl_->connection()->name() + ": the table cairn_map is empty");
-  }
-  const auto next_id = static_cast<uint64_t>(row.Int64(0));
-  row.Step();
-  return LandmarkId(next_id - count);
+  return LandmarkId(TakeLandmarkIds(impl_->connection(), count));
+}
+
+FirstIds MapUpdate::NextIds() const {
+  db::Connection* connection = impl_->connection();
+  return {CodebookId(NextId(connection, IdCounter::kCodebook)),
+          SessionId(NextId(connection, IdCounter::kSession)),
+          KeyframeId(NextId(connection, IdCounter::kKeyframe)),
+          queries::NextLandmarkId(connection)};
 }
 
 PayloadId MapUpdate::PutTile(const TileRecord& tile, std::span<const uint8_t> payload) {

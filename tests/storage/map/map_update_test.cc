@@ -69,5 +69,27 @@ TEST_P(MapUpdateTest, KeyframesOfATileCanBeRemovedOneByOne) {
   EXPECT_THAT(store.Check({}).problems, IsEmpty());
 }
 
+TEST_P(MapUpdateTest, ReservedIdsAreGivenToNobodyElse) {
+  MapStore store = MapStore::Create(Place("a"));
+  const IdCounts counts = {.num_sessions = 2, .num_keyframes = 10, .num_landmarks = 100};
+  const FirstIds first = store.ReserveIds(counts);
+  const FirstIds second = store.ReserveIds(counts);
+  EXPECT_EQ(store.Snapshot().version(), MapVersion(1));
+  EXPECT_EQ(Value(second.session), Value(first.session) + 2);
+  EXPECT_EQ(Value(second.keyframe), Value(first.keyframe) + 10);
+  EXPECT_EQ(Value(second.landmark), Value(first.landmark) + 100);
+  MapUpdate update = store.BeginUpdate();
+  const SessionId fresh = update.AddSession(NamedSession("fresh"));
+  EXPECT_EQ(Value(fresh), Value(second.session) + 2);
+  EXPECT_EQ(update.AddSession(NamedSession("reserved"), first.session), first.session);
+  KeyframeRecord keyframe = KeyframeAt(Geodetic::FromDegrees(47.0, 8.0, 400.0), fresh);
+  EXPECT_EQ(Value(update.AddKeyframe(keyframe)), Value(second.keyframe) + 10);
+  EXPECT_EQ(update.AddKeyframe(keyframe, first.keyframe), first.keyframe);
+  EXPECT_EQ(Value(update.NextIds().keyframe), Value(second.keyframe) + 11);
+  update.Publish();
+  EXPECT_EQ(Value(store.ReserveIds({.num_sessions = 1}).session), Value(fresh) + 1);
+  EXPECT_TRUE(store.Check({}).problems.empty());
+}
+
 }  // namespace
 }  // namespace cairn

@@ -1,0 +1,29 @@
+// What `cairn ingest` and `cairn publish` print about a session.
+#ifndef CAIRN_CLI_INGEST_SUMMARY_H_
+#define CAIRN_CLI_INGEST_SUMMARY_H_
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "ingest/georegister/georegister.h"
+#include "ingest/ingest_report.h"
+
+namespace cairn {
+
+// Of a plan that was read from a folder, only the median residual of the georegistration is known:
+// num_positions is 0.
+void PrintIngestJson(const std::string& session_name, const Georegistration& georegistration,
+                     const IngestReport& report);
+void PrintIngestText(const std::string& session_name, const Georegistration& georegistration,
+                     const IngestReport& report);
+
+// The parts that `cairn plan` prints, too.
+nlohmann::ordered_json GeoregistrationJson(const Georegistration& georegistration);
+nlohmann::ordered_json ComparisonJson(const MapComparison& comparison);
+void PrintJson(const nlohmann::ordered_json& json);
+void PrintGeoregistration(const Georegistration& georegistration);
+void PrintComparison(const MapComparison& comparison);
+
+}  // namespace cairn
+
+#endif  // CAIRN_CLI_INGEST_SUMMARY_H_

@@ -1,0 +1,114 @@
+#include "cli/session_arguments.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "cli/choice_option.h"
+#include "cli/options_file.h"
+#include "core/error.h"
+#include "ingest/readers/colmap_reader.h"
+
+namespace cairn {
+namespace {
+
+// COLMAP projects keep their database in the top folder, so the name of that folder usually names
+// the project.
+std::string DefaultSessionName(const std::string& database_path) {
+  const auto folder = std::filesystem::absolute(database_path).parent_path().filename().string();
+  return folder.empty() ? "session" : folder;
+}
+
+Reconstruction ReadReconstruction(const SessionArguments& arguments) {
+  ColmapInput input;
+  input.model_dir = arguments.reconstruction.model_dir;
+  input.database_path = arguments.reconstruction.database_path;
+  if (!arguments.image_list_path.empty()) {
+    input.image_names = ReadImageList(arguments.image_list_path);
+    if (input.image_names.empty()) {
+      throw Error(ErrorCode::kBadInput,
+                  fmt::format("{}: the list has no image names", arguments.image_list_path));
+    }
+  }
+  return ReadColmap(input);
+}
+
+}  // namespace
+
+void AddWaitOption(CLI::App* command, double* wait_s) {
+  command->add_option("--wait", *wait_s, "How long to wait while another update of the map runs")
+      ->check(CLI::Range(0.0, 86400.0))
+      ->type_name("SECONDS")
+      ->capture_default_str();
+}
+
+std::chrono::milliseconds PatienceOf(double wait_s) {
+  return std::chrono::milliseconds(static_cast<int64_t>(1e3 * wait_s));
+}
+
+void AddSessionArguments(CLI::App* command, SessionArguments* arguments) {
+  IngestOptions& options = arguments->options.ingest;
+  command->add_option("MAP", arguments->map_path, "Map file")->required();
+  AddOptionsFile(command, &arguments->options);
+  AddReconstructionOptions(command, &arguments->reconstruction);
+  command->get_option("--model")->required();
+  command->get_option("--database")->required();
+  command
+      ->add_option("--images", arguments->image_list_path,
+                   "File with the images of the model to use, one name per line. Default: all")
+      ->type_name("FILE");
+  command
+      ->add_option("--session", options.session_name,
+                   "Name of the session. Replaces an existing session of that name. Default: the "
+                   "folder of the database")
+      ->type_name("NAME");
+  command
+      ->add_option("--max-descriptors", options.selection.max_descriptors,
+                   "Maximum number of descriptors per tile")
+      ->capture_default_str();
+  AddChoiceOption(command, "--selection",
+                  NamedChoice(&options.selection.kind, kLandmarkSelectionNames),
+                  "How the landmarks of a tile are selected: the most observed, or, with coverage, "
+                  "by the paper's integer program, which leaves enough to each keyframe");
+  command
+      ->add_option("--code-bytes", options.codebook.num_subspaces,
+                   "Bytes per descriptor; used only for the first session of a map")
+      ->capture_default_str();
+  command
+      ->add_option("--recorded", options.recorded_at,
+                   "When the photos were taken, e.g. 2026-01-31T12:00:00Z. Default: now. Landmarks "
+                   "that later sessions miss fade with time")
+      ->type_name("UTC");
+  command->add_flag(
+      "--apart", arguments->apart,
+      "Do not compare the session with the map, and keep its landmarks beside those of the map");
+  AddWaitOption(command, &arguments->wait_s);
+  command->add_flag("--json", arguments->json, "Print the summary as JSON");
+}
+
+void RequirePositions(const SessionArguments& arguments) {
+  if (!arguments.reconstruction.HasPositions()) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "the position of the model on Earth is unknown; give --georef CSV or --gps");
+  }
+}
+
+PlacedReconstruction ReadSession(const SessionArguments& arguments) {
+  PlacedReconstruction session;
+  session.reconstruction = ReadReconstruction(arguments);
+  session.georegistration = GeoregisterByArguments(session.reconstruction, arguments.reconstruction,
+                                                   arguments.options.georegister);
+  session.options = arguments.options.ingest;
+  IngestOptions& options = session.options;
+  if (options.session_name.empty()) {
+    options.session_name = DefaultSessionName(arguments.reconstruction.database_path);
+  }
+  options.source = arguments.reconstruction.model_dir;
+  options.joining = arguments.apart ? SessionJoining::kApart : SessionJoining::kJoin;
+  options.georef_median_residual_m = session.georegistration.median_residual_m;
+  options.patience = PatienceOf(arguments.wait_s);
+  return session;
+}
+
+}  // namespace cairn

@@ -1,0 +1,22 @@
+// Writes whole files so that nobody sees half of one; private to ingest/plan.
+#ifndef CAIRN_INGEST_PLAN_REPLACE_FILE_H_
+#define CAIRN_INGEST_PLAN_REPLACE_FILE_H_
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace cairn {
+
+// What stands at the end of the names of files that are not finished.
+inline constexpr const char* kUnfinishedSuffix = ".part";
+
+// Writes the bytes to a new file beside `path`, `path` + "." + a random number + ".part", to disk,
+// and renames it to `path`. A process that dies leaves the file under the first name. If somebody
+// removes the unfinished file because `path` exists already, that is as good as done. Throws
+// Error(kIo).
+void ReplaceFile(const std::string& path, std::span<const uint8_t> bytes);
+
+}  // namespace cairn
+
+#endif  // CAIRN_INGEST_PLAN_REPLACE_FILE_H_

@@ -1,0 +1,50 @@
+// The steps of an ingest that is spread over processes: what `cairn build-tiles` and `cairn
+// publish` do. `cairn plan` is PlanSession and WritePlan.
+#ifndef CAIRN_INGEST_PLAN_RUN_PLAN_H_
+#define CAIRN_INGEST_PLAN_RUN_PLAN_H_
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "ingest/ingest_report.h"
+#include "ingest/plan/plan_folder.h"
+#include "storage/map/map_store.h"
+
+namespace cairn {
+
+// One of `count` tasks.
+struct TaskShare {
+  int64_t index = 0;  // From 0.
+  int64_t count = 1;
+  int num_threads = 1;
+
+  // Throws Error(kInvalidArgument) unless 0 <= index < count.
+  void Validate() const;
+};
+
+// The tiles of a task: those with the most work are dealt out first, to and fro, so that the tasks
+// take about equally long. Ascending indices into plan.tiles; every tile is in one task.
+std::vector<size_t> TilesOfTask(const SessionPlan& plan, int64_t index, int64_t count);
+
+struct ShareReport {
+  int64_t num_tiles = 0;
+  int64_t num_built = 0;  // The others had a result already.
+};
+
+// Builds the tiles of a task that have no sound result yet, without a look at the map. May be
+// repeated, may run in several processes at a time, and may be killed at any moment. Reports
+// "tiles". Throws Error(kBadInput) if a shard is damaged; what is built already stays.
+ShareReport BuildShare(PlanFolder* folder, const TaskShare& share, const IngestProgress& progress);
+
+// Publishes the plan and removes its shards and results from the folder. `num_tasks`, if positive,
+// is the `count` of the tasks that built it, for messages. Throws Error(kConflict), which names the
+// tiles and what to do, if tiles have no sound result, and as PublishSession. A plan that was
+// published already is refused with Error(kConflict), and its shards and results are removed.
+IngestReport PublishPlan(PlanFolder* folder, int64_t num_tasks, MapStore* store,
+                         std::chrono::milliseconds patience, const IngestProgress& progress);
+
+}  // namespace cairn
+
+#endif  // CAIRN_INGEST_PLAN_RUN_PLAN_H_

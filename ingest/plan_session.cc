@@ -1,0 +1,248 @@
+#include "ingest/plan_session.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "core/error.h"
+#include "core/printable.h"
+#include "ingest/merging/link_landmarks.h"
+#include "ingest/scratch_map.h"
+#include "ingest/session_digest.h"
+#include "ingest/session_placement.h"
+#include "ingest/tile_rewriter.h"
+#include "storage/codebook/descriptor_codec.h"
+#include "storage/map/utc_time.h"
+
+namespace cairn {
+namespace {
+
+void Report(const IngestProgress& progress, const char* phase, int64_t done, int64_t total) {
+  if (progress) {
+    progress(phase, done, total);
+  }
+}
+
+void RequireFits(const Codebook& codebook, const Reconstruction& reconstruction) {
+  const int dim = reconstruction.descriptor_dim();
+  if (codebook.descriptor_type != reconstruction.descriptor_type || codebook.raw_dim() != dim) {
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("the reconstruction has {}-D descriptors of type '{}', the map holds "
+                            "{}-D ones of type '{}'; use the same extractor or a map of its own",
+                            dim, reconstruction.descriptor_type, codebook.raw_dim(),
+                            Excerpt(codebook.descriptor_type)));
+  }
+}
+
+SessionRecord MakeSessionRecord(const Reconstruction& reconstruction, const Sim3d& ecef_from_world,
+                                const IngestOptions& options) {
+  SessionRecord record;
+  record.name = options.session_name;
+  record.source = options.source;
+  record.recorded_at = options.recorded_at.empty() ? UtcNow() : options.recorded_at;
+  record.content_digest = DigestOf(reconstruction) + DigestOf(ecef_from_world, options);
+  record.num_images = std::ssize(reconstruction.images);
+  record.num_landmarks = std::ssize(reconstruction.landmarks);
+  record.georef_median_residual_m = options.georef_median_residual_m;
+  return record;
+}
+
+// Takes the map's codebook, or trains one if the map has none. Its id stays 0 if it needs a new
+// one.
+void ChooseCodebook(const Reconstruction& reconstruction, const IngestOptions& options,
+                    const MapSnapshot& base, const IngestProgress& progress, SessionPlan* plan) {
+  plan->codebook = base.CurrentCodebook();
+  if (plan->codebook == nullptr) {
+    Report(progress, "codebook", 0, 1);
+    auto trained = std::make_shared<Codebook>(TrainCodebook(reconstruction, options.codebook));
+    trained->id = base.FindCodebook(*trained);
+    plan->codebook = std::move(trained);
+    plan->adds_codebook = true;
+    Report(progress, "codebook", 1, 1);
+  }
+  RequireFits(*plan->codebook, reconstruction);
+}
+
+// What the map says about where the session stands. A session that is to be replaced has no say.
+MapComparison Compare(const Reconstruction& reconstruction, const PlacedSession& session,
+                      SessionId replaced, const IngestOptions& options, const MapSnapshot& base,
+                      const MapStore& store) {
+  if (options.joining == SessionJoining::kApart) {
+    return {};
+  }
+  if (replaced == SessionId{}) {
+    return CompareWithMap(reconstruction, session, store, options.comparison);
+  }
+  const ScratchMap others = MapWithoutSession(session, replaced, base);
+  return CompareWithMap(reconstruction, session, others.store(), options.comparison);
+}
+
+// Links of all landmarks of the session to those of the map, tile by tile.
+std::vector<LandmarkId> LinkSession(const Reconstruction& reconstruction,
+                                    const PlacedSession& session, const SessionPlan& plan,
+                                    const MapSnapshot& base, const IngestProgress& progress) {
+  std::vector<LinkProposal> proposals;
+  if (plan.options.joining == SessionJoining::kJoin) {
+    const DescriptorCodec codec(plan.codebook);
+    int64_t num_done = 0;
+    for (const auto& [tile_id, images] : session.images_of_tile) {
+      Report(progress, "links", num_done++, std::ssize(session.images_of_tile));
+      const std::optional<Tile> known = LoadWithoutSession(tile_id, plan.replaced_session, base);
+      if (!known || known->codebook_id != plan.codebook->id) {
+        continue;
+      }
+      const std::vector<LinkProposal> of_tile =
+          ProposeLinks(reconstruction, session, *known, codec, plan.options.upkeep.linking);
+      proposals.insert(proposals.end(), of_tile.begin(), of_tile.end());
+    }
+  }
+  return ResolveLinks(reconstruction, session, std::move(proposals));
+}
+
+IdCounts CountNewIds(const SessionPlan& plan, const PlacedSession& session,
+                     const std::vector<LandmarkId>& landmark_ids) {
+  IdCounts counts;
+  counts.num_codebooks = plan.codebook->id == CodebookId{} ? 1 : 0;
+  counts.num_sessions = 1;
+  for (const auto& [tile_id, images] : session.images_of_tile) {
+    counts.num_keyframes += std::ssize(images);
+  }
+  counts.num_landmarks =
+      static_cast<uint64_t>(std::count(landmark_ids.begin(), landmark_ids.end(), LandmarkId{}));
+  return counts;
+}
+
+// Gives ids to the session, to the landmarks without a link and, if needed, to the codebook.
+void NumberContent(const FirstIds& first, SessionPlan* plan,
+                   std::vector<LandmarkId>* landmark_ids) {
+  plan->first_ids = first;
+  plan->session.id = first.session;
+  if (plan->codebook->id == CodebookId{}) {
+    auto numbered = std::make_shared<Codebook>(*plan->codebook);
+    numbered->id = first.codebook;
+    plan->codebook = std::move(numbered);
+  }
+  uint64_t next = Value(first.landmark);
+  for (LandmarkId& id : *landmark_ids) {
+    if (id == LandmarkId{}) {
+      id = LandmarkId(next++);
+    }
+  }
+}
+
+// The tiles in which the session stands and those in which the replaced one stood.
+std::vector<PlannedTile> PlanTiles(const PlacedSession& session, const SessionPlan& plan,
+                                   const MapSnapshot& base) {
+  std::set<TileId> tile_ids;
+  if (plan.replaced_session != SessionId{}) {
+    const std::vector<TileId> stale = base.TilesOfSession(plan.replaced_session);
+    tile_ids.insert(stale.begin(), stale.end());
+  }
+  for (const auto& [tile_id, images] : session.images_of_tile) {
+    tile_ids.insert(tile_id);
+  }
+  std::vector<PlannedTile> tiles;
+  int64_t next_keyframe = Value(plan.first_ids.keyframe);
+  for (const TileId tile_id : tile_ids) {
+    PlannedTile tile;
+    tile.tile_id = tile_id;
+    tile.first_keyframe = KeyframeId(next_keyframe);
+    if (const std::optional<TileRecord> known = base.FindTile(tile_id)) {
+      tile.base_digest = known->digest;
+      tile.work += known->num_landmarks;
+    }
+    if (const auto own = session.images_of_tile.find(tile_id);
+        own != session.images_of_tile.end()) {
+      tile.num_keyframes = std::ssize(own->second);
+      for (const int image_idx : own->second) {
+        tile.work += std::ssize(session.observations_of_image[image_idx]);
+      }
+    }
+    next_keyframe += tile.num_keyframes;
+    if (tile.num_keyframes > 0 || !tile.base_digest.empty()) {
+      tiles.push_back(std::move(tile));
+    }
+  }
+  return tiles;
+}
+
+SessionTimes TimesWith(const SessionPlan& plan, std::vector<SessionRecord> sessions) {
+  std::erase_if(sessions,
+                [&](const SessionRecord& session) { return session.id == plan.replaced_session; });
+  sessions.push_back(plan.session);
+  return TimesOf(sessions);
+}
+
+// Compares the session with the map, moves and links it, and fills in the rest of the plan.
+void SettleAndNumber(const PlacedSession& placed, const IngestOptions& options, MapStore* store,
+                     const IngestProgress& progress, PlannedSession* planned) {
+  const Reconstruction& reconstruction = *planned->reconstruction;
+  const MapSnapshot& base = *planned->base;
+  SessionPlan& plan = planned->plan;
+  Report(progress, "comparison", 0, 1);
+  plan.comparison = Compare(reconstruction, placed, plan.replaced_session, options, base, *store);
+  RequireAgreement(plan.comparison, options);
+  const PlacedSession settled = SettleSession(placed, plan.comparison, reconstruction);
+  planned->landmark_ids = LinkSession(reconstruction, settled, plan, base, progress);
+  planned->session = JoinLinked(settled, &planned->landmark_ids);
+  plan.id_counts = CountNewIds(plan, planned->session, planned->landmark_ids);
+  NumberContent(store->ReserveIds(plan.id_counts, options.patience), &plan, &planned->landmark_ids);
+  plan.tiles = PlanTiles(planned->session, plan, base);
+  plan.session_times = TimesWith(plan, base.Sessions());
+}
+
+}  // namespace
+
+TileShard PlannedSession::Shard(size_t tile_idx) const {
+  const PlannedTile& tile = plan.tiles[tile_idx];
+  TileShard shard =
+      CutShard(*reconstruction, session, landmark_ids, tile.tile_id, tile.first_keyframe);
+  if (!tile.base_digest.empty()) {
+    const std::optional<TileRecord> record = base->FindTile(tile.tile_id);
+    shard.base = record ? base->LoadPayload(record->payload_id) : LargeVector<uint8_t>();
+    if (shard.base.empty()) {
+      throw Error(ErrorCode::kMapDamaged,
+                  fmt::format("tile {} has no payload", tile.tile_id.ToString()));
+    }
+  }
+  return shard;
+}
+
+PlannedSession PlanSession(const Reconstruction& reconstruction, const Sim3d& ecef_from_world,
+                           const IngestOptions& options, MapStore* store,
+                           const IngestProgress& progress) {
+  options.Validate();
+  reconstruction.Validate();
+  const PlacedSession placed =
+      PlaceSession(reconstruction, ecef_from_world,
+                   {.min_observations = options.selection.min_observations,
+                    .max_sigma_m = options.max_sigma_m,
+                    .max_reprojection_error_px = options.max_reprojection_error_px});
+  PlannedSession planned;
+  planned.reconstruction = &reconstruction;
+  planned.base.emplace(store->Snapshot());
+  SessionPlan& plan = planned.plan;
+  plan.map_created_at = planned.base->Info().created_at;
+  plan.base_version = planned.base->version();
+  plan.session = MakeSessionRecord(reconstruction, ecef_from_world, options);
+  plan.options = options;
+  plan.num_landmarks_dropped = plan.session.num_landmarks - std::ssize(placed.landmarks);
+  RequireNotElsewhere(plan.session, options.joining, planned.base->Sessions());
+  if (const auto same = planned.base->FindSession(options.session_name)) {
+    if (same->content_digest == plan.session.content_digest) {
+      plan.session = *same;
+      plan.is_unchanged = true;
+      return planned;
+    }
+    plan.replaced_session = same->id;
+  }
+  ChooseCodebook(reconstruction, options, *planned.base, progress, &plan);
+  SettleAndNumber(placed, options, store, progress, &planned);
+  return planned;
+}
+
+}  // namespace cairn
