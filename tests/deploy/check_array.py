@@ -45,7 +45,8 @@ def kill_tasks(world, plan, num_kills):
             if not result.name.endswith(".part"):
                 result.unlink()  # There shall be something to build.
         before = len(unfinished(plan))
-        task = subprocess.Popen(build(world, plan, chance.randrange(NUM_TASKS)), stdout=subprocess.DEVNULL)
+        task = subprocess.Popen(build(world, plan, chance.randrange(NUM_TASKS)),
+                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         time.sleep(chance.uniform(0.0, seconds))
         task.send_signal(signal.SIGKILL)
         num_killed += task.wait() == -signal.SIGKILL
@@ -67,7 +68,8 @@ def check_kills(world, scratch, num_kills):
                              capture_output=True, text=True)
     expect(refused.returncode == 4 and "have no result" in refused.stderr, f"publish says {refused.stderr}")
     expect(world.version(spread) == 2, "an incomplete plan changes nothing")
-    twice = [subprocess.Popen(build(world, plan, index % NUM_TASKS), stdout=subprocess.DEVNULL)
+    twice = [subprocess.Popen(build(world, plan, index % NUM_TASKS), stdout=subprocess.DEVNULL,
+                              stderr=subprocess.DEVNULL)
              for index in range(2 * NUM_TASKS)]
     expect([task.wait() for task in twice] == [0] * len(twice), "tasks may be repeated, and run twice at a time")
     expect(not unfinished(plan), "what killed tasks left is removed")
