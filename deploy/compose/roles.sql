@@ -1,4 +1,4 @@
--- The role of the servers of compose.yaml. `cairn copy` and `cairn init` let cairn_reader read the
--- map that they make.
+-- The role `server` of compose.yaml. `cairn copy` and `cairn init` grant cairn_reader the right to
+-- read the map that they make.
 CREATE ROLE cairn_reader NOLOGIN;
 CREATE ROLE server LOGIN IN ROLE cairn_reader;
