@@ -49,7 +49,7 @@ struct UpkeepOptions {
 };
 
 // What the content of a single tile depends on. A plan stores it (docs/formats/plan_v1.md), so a
-// new member needs a line in ingest/plan/plan_options.cc, which does not compile without.
+// new member needs a line in ingest/plan/plan_options.h, which does not compile without.
 struct TileOptions {
   SessionJoining joining = SessionJoining::kJoin;
   LandmarkSelectionOptions selection;
