@@ -26,9 +26,9 @@ class World:
     """A simulated city of a dozen tiles whose photos make two sessions: every other photo each."""
 
     def __init__(self, build, scratch):
-        self.cairn = str(pathlib.Path(build) / "cli" / "cairn")
+        self.cairn = str(pathlib.Path(build).resolve() / "cli" / "cairn")
         self.folder = pathlib.Path(scratch) / "world"
-        lab = pathlib.Path(build) / "lab" / "cli" / "cairn-lab"
+        lab = pathlib.Path(build).resolve() / "lab" / "cli" / "cairn-lab"
         output_of(lab, "simulate", "--size", "quick", "--area", "0.12", "--colmap", self.folder)
         with open(self.folder / "georef.csv", encoding="utf-8") as table:
             names = [row["image"] for row in csv.DictReader(table)]
