@@ -1,5 +1,4 @@
-// Whether a session and the map agree on where its photos were taken. The engine localizes the
-// photos of the session in the map.
+// Compares the placement of a session with the map: the engine localizes photos of the session.
 #ifndef CAIRN_INGEST_COREGISTER_COMPARE_WITH_MAP_H_
 #define CAIRN_INGEST_COREGISTER_COMPARE_WITH_MAP_H_
 
@@ -13,26 +12,25 @@ namespace cairn {
 
 struct ComparisonOptions {
   int max_queries = 60;  // Photos that are localized, evenly over the session.
-  double search_radius_m =
-      15;  // Accuracy of the priors; a session that is off by more is not found.
-  // A photo should be recognised where a photo of the map was taken within this distance and this
-  // angle.
+  // Accuracy of the priors. A session that is misplaced by more is not found.
+  double search_radius_m = 15.0;
+  // The map should recognize a photo if one of its own photos is within this distance and angle.
   double near_m = 8.0;
   double near_rad = 0.7;
 
   void Validate() const;
 };
 
-// What the map says about a session's placement.
+// The result of the comparison.
 struct MapComparison {
-  int num_expected = 0;   // Photos of those asked for that the map should recognise,
-  int num_localized = 0;  // and those that it recognised.
-  PlacementFit fit;       // Of these; meaningful if there are any.
+  int num_expected = 0;   // Queries that the map should recognize.
+  int num_localized = 0;  // Of these, the queries that the map recognized.
+  PlacementFit fit;       // Of the recognized queries; meaningful if there are any.
 };
 
-// Localizes photos of the session that stand near photos of the map; their features are all that
-// the reconstruction has. The answer depends on the map's current version only. Throws what the
-// engine throws on a damaged map.
+// Localizes photos of the session that stand near photos of the map, by the features of the
+// reconstruction. The result depends only on the map's latest version. Throws what the engine
+// throws on a damaged map.
 MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedSession& session,
                              const MapStore& map, const ComparisonOptions& options);
 

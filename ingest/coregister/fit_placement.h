@@ -1,4 +1,4 @@
-// The rigid motion that moves a session to where the map sees its cameras.
+// Finds the rigid motion from the session's placement of cameras to the map's.
 #ifndef CAIRN_INGEST_COREGISTER_FIT_PLACEMENT_H_
 #define CAIRN_INGEST_COREGISTER_FIT_PLACEMENT_H_
 
@@ -10,18 +10,18 @@ namespace cairn {
 
 // One camera, placed by its session and by the map.
 struct PosePair {
-  Rigid3d cam_from_ecef;         // As the session has it.
-  Rigid3d cam_from_ecef_in_map;  // As the map has it.
+  Rigid3d cam_from_ecef;         // By the session.
+  Rigid3d cam_from_ecef_in_map;  // By the map.
 };
 
-// How the two placements of the cameras differ.
+// The difference between the two placements of the cameras.
 struct PlacementFit {
   Rigid3d map_from_session;  // Moves positions, ECEF.
   double moved_m = 0.0;      // At the middle of the cameras.
   double turned_rad = 0.0;
-  double scale = 1.0;    // Size of the session in the map over its size in the session.
-  int num_agreeing = 0;  // Cameras within max_residual_m and max_residual_rad after the motion,
-  double median_residual_m = 0.0;  // and their median distance.
+  double scale = 1.0;              // Size of the session by the map over its size by the session.
+  int num_agreeing = 0;            // Cameras within the largest residuals after the motion.
+  double median_residual_m = 0.0;  // Median distance of the agreeing cameras.
 };
 
 struct PlacementFitOptions {
@@ -29,9 +29,9 @@ struct PlacementFitOptions {
   double max_residual_rad = 0.087;  // 5 degrees.
 };
 
-// Robust least squares over positions and orientations, linear in a small rotation about the middle
-// of the cameras, a translation and a change of size; needs at least one pair. `map_from_session`
-// is without the change of size, which is reported only. Deterministic.
+// Fits a small rotation about the middle of the cameras, a translation and a change of size to
+// positions and orientations, by robust linear least squares. Needs at least one pair.
+// `map_from_session` does not include the change of size, which is only reported. Deterministic.
 PlacementFit FitPlacement(const std::vector<PosePair>& pairs, const PlacementFitOptions& options);
 
 }  // namespace cairn

@@ -24,22 +24,23 @@ SessionTimes TimesOf(const std::vector<SessionRecord>& sessions);
 void AppendSighting(const LandmarkSighting& sighting, std::vector<LandmarkSighting>* history);
 
 struct PersistenceOptions {
-  // A landmark that exists is gone within a year with this probability: what bills, shop fronts and
-  // facades have in common is 0.1 a year, most of it early.
+  // The probability that a landmark disappears within a year: a compromise between posters,
+  // shop fronts and facades.
   double loss_per_year = 0.1;
-  // A session misses a landmark that is there with this probability however many chances it had:
-  // light, season and parked cars spoil all chances of a session together.
+  // The least probability that a session misses a landmark that exists, however many chances the
+  // session had: light, season and parked cars spoil all chances of a session together.
   double least_miss_share = 0.3;
 };
 
-// Probability that a landmark exists at the time of its last sighting, in [0, 1]. A sight proves
-// it. From then on the probability falls with time and with each session that had a chance and no
-// sight. The probability to see it at a chance is its own share of sights in chances before.
+// Returns the probability that a landmark exists at the time of its last sighting, in [0, 1]. A
+// sight sets the probability to 1. The probability then falls with time, and with each session that
+// had chances and no sight. The probability of a sight at a chance is the landmark's own share of
+// sights in chances until then.
 double ExistenceProbability(std::span<const LandmarkSighting> history, const SessionTimes& times,
                             const PersistenceOptions& options);
 
-// Sights that a future session of the same density can expect: existence probability x share of
-// sights in chances x chances of a session.
+// Returns the number of sights that a future session of the same density can expect: existence
+// probability x share of sights in chances x chances of a session.
 double ExpectedSights(std::span<const LandmarkSighting> history, const SessionTimes& times,
                       const PersistenceOptions& options);
 

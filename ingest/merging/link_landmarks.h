@@ -1,4 +1,4 @@
-// Which landmarks of a new session are landmarks that the map has already.
+// Finds the landmarks of a new session that the map has already.
 #ifndef CAIRN_INGEST_MERGING_LINK_LANDMARKS_H_
 #define CAIRN_INGEST_MERGING_LINK_LANDMARKS_H_
 
@@ -13,30 +13,31 @@
 
 namespace cairn {
 
-// What two landmarks must have in common. A false link is worse than a missed one.
+// Limits within which two landmarks are linked. They are strict, because a false link does more
+// harm than a missed link.
 struct LinkOptions {
-  // Standard deviation of the session against the map after its placement, metres an axis.
+  // Standard deviation of the session's placement in the map, meters an axis.
   double placement_sigma_m = 0.05;
-  // Distance of the positions, in standard deviations of their difference.
+  // Largest distance between the positions, in standard deviations of their difference.
   double max_distance_sigmas = 6.0;
-  // Reprojection error of the known landmark in the session's images, median over the images. The
-  // unit is the standard deviation that the keypoint, the landmark and the placement give together.
+  // Largest reprojection error of the known landmark in the session's images (median over the
+  // images), in standard deviations. Keypoint, landmark and placement contribute to the deviation.
   double max_error_sigmas = 4.0;
   double keypoint_sigma_px = 1.5;  // At a focal length of 500 px; proportional to the focal length.
-  // Only looks from similar directions, of similar physical size and orientation are compared.
+  // Two looks are compared only if their directions, sizes and orientations differ by less.
   double max_azimuth_rad = 1.2;
   double max_log2_size = 1.5;
   double max_orientation_rad = 0.6;
-  // Median over the session's looks of the distance to the nearest look of the known landmark, as
-  // quantile of distances between looks at one landmark.
+  // Largest descriptor distance to the nearest look of the known landmark (median over the
+  // session's looks), as a quantile of the distances between looks at one landmark.
   double max_distance_quantile = 0.95;
-  // Largest ratio of the squared descriptor distance to that of another thing nearby.
+  // Largest ratio of the squared descriptor distance to that of any other known landmark nearby.
   double max_ratio = 0.85;
 
   void Validate() const;
 };
 
-// A landmark of the session may be one of the map.
+// A landmark of the session that may be a landmark of the map.
 struct LinkProposal {
   uint32_t landmark_idx = 0;  // In PlacedSession::landmarks.
   LandmarkId known_id{};
@@ -51,8 +52,8 @@ std::vector<LinkProposal> ProposeLinks(const Reconstruction& reconstruction,
                                        const DescriptorCodec& codec, const LinkOptions& options);
 
 // Returns the id of the map's landmark for each landmark of the session, or 0. Accepts proposals in
-// the order of their distances.
-// Two landmarks of the session get the same id only if no image sees both.
+// the order of their distances. Two landmarks of the session get the same id only if no image sees
+// both.
 std::vector<LandmarkId> ResolveLinks(const Reconstruction& reconstruction,
                                      const PlacedSession& session,
                                      std::vector<LinkProposal> proposals);

@@ -1,5 +1,4 @@
-// Joins what a new session saw from a tile with what the tile holds: landmarks of the same id
-// become one.
+// Merges the tile of a new session into the tile of the map.
 #ifndef CAIRN_INGEST_MERGING_MERGE_TILES_H_
 #define CAIRN_INGEST_MERGING_MERGE_TILES_H_
 
@@ -12,26 +11,25 @@
 namespace cairn {
 
 struct MergeOptions {
-  // Weight of all sights before the session: a session counts twice as much as the one before it.
+  // Factor on the weights of all earlier sights: a session counts twice as much as the one before.
   double old_weight_share = 0.5;
-  // Two descriptors nearer than this share of the median distance between looks at one landmark say
-  // the same.
+  // Two descriptors nearer than this share of the median distance between looks at one landmark are
+  // averaged.
   double same_look_share = 0.5;
-  // No number of sessions makes a landmark more certain than this: their errors are not
+  // The smallest standard deviation of a merged position, because the errors of sessions are not
   // independent.
   double least_sigma_m = 0.01;
 
   void Validate() const;
 };
 
-// Both tiles are of one tile id and codebook, and `fresh` comes from one session that `known` does
-// not hold. The result has the landmarks of `known`, those that `fresh` has, too, merged in place,
-// then the other landmarks of `fresh`; the keyframes of both, of `known` first.
+// Both tiles have one tile id and one codebook. `fresh` comes from one session, which `known` does
+// not hold. Landmarks of the same id are merged. The result has the landmarks of `known` in their
+// order, then the other landmarks of `fresh`, and the keyframes of both in the same order.
 //
-// A merged landmark has the mean position by inverse variances. Of its descriptors, those that say
-// the same are averaged by weight, and the heaviest are kept: as many as `summarizer` gives to a
-// landmark with so many sights (by weight). Its history gets the sighting of
-// `fresh`. Deterministic. Linear in both tiles.
+// The position of a merged landmark is the mean by inverse variances. Similar descriptors are
+// averaged by weight. The heaviest descriptors are kept, as many as `summarizer` grants for that
+// weight of sights. The history gets the sighting of `fresh`. Deterministic. Linear in both tiles.
 Tile MergeTiles(const Tile& known, const Tile& fresh, const DescriptorCodec& codec,
                 const AppearanceSummarizer& summarizer, const MergeOptions& options);
 

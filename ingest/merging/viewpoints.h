@@ -1,5 +1,5 @@
-// What the keyframes of a new session say about the landmarks and keyframes of a tile: which
-// landmarks they should have seen, and which older keyframes they replace.
+// Finds the landmarks of a tile that a new session should have seen, and the older keyframes that
+// its keyframes replace.
 #ifndef CAIRN_INGEST_MERGING_VIEWPOINTS_H_
 #define CAIRN_INGEST_MERGING_VIEWPOINTS_H_
 
@@ -12,18 +12,19 @@
 
 namespace cairn {
 
-// Keyframes closer than this, with optical axes closer than this, have the same viewpoint: they
-// should see the same landmarks.
+// Two keyframes within this radius, with optical axes within this angle, have the same viewpoint:
+// they should see the same landmarks.
 struct ViewpointOptions {
   double radius_m = 3.0;
   double angle_rad = 0.5;
 };
 
-// Counts, for each landmark of the tile, the keyframes of a session that should see it: a keyframe
-// of the same viewpoint sees it, and it projects into the image. A landmark that no keyframe sees
-// any more has a chance where it projects into the image, its direction to the camera is one of its
-// descriptors', and it would be neither too small nor too large to be detected. `cameras` has the
-// camera of each keyframe of the session.
+// Counts, for each landmark of the tile, its chances: the keyframes of a session that should see
+// the landmark. A keyframe should see a landmark that projects into its image and that a keyframe
+// of the same viewpoint sees. If no keyframe sees the landmark any more, two other conditions stand
+// in for the second one: a descriptor of the landmark was seen from this direction, and the
+// landmark appears at a size that detectors find. `cameras` has the camera of each keyframe of the
+// session.
 std::vector<int> CountChances(const Tile& tile, SessionId session_id,
                               const std::map<KeyframeId, const Camera*>& cameras,
                               const ViewpointOptions& options);
@@ -33,8 +34,8 @@ std::vector<int> CountChances(const Tile& tile, SessionId session_id,
 void NoteChances(const std::vector<int>& chances, SessionId session_id, Tile* tile);
 
 // Returns the keyframes whose viewpoint two newer sessions share. The newest session shows what the
-// place looks like now; the session before stays in case the newest is removed. A map therefore
-// holds a bounded number of keyframes.
+// place looks like now. The session before stays in case the newest is removed. The number of
+// keyframes in a map is therefore bounded.
 std::vector<KeyframeId> ReplacedKeyframes(const Tile& tile, const ViewpointOptions& options);
 
 }  // namespace cairn
