@@ -1,4 +1,4 @@
-// A connection to the database that holds a map: an SQLite file or a PostgreSQL server.
+// A connection to the database that holds a map: an SQLite file or a PostgreSQL database.
 #ifndef CAIRN_STORAGE_DATABASE_CONNECTION_H_
 #define CAIRN_STORAGE_DATABASE_CONNECTION_H_
 
@@ -12,7 +12,7 @@
 
 namespace cairn::db {
 
-// Where the SQL of one database is not understood by the other.
+// For statements that must differ between the databases.
 enum class Dialect { kSqlite, kPostgres };
 
 // Use each connection from one thread at a time. Parameters are ? or ?1, ?2, ..., not mixed.
@@ -20,16 +20,16 @@ class Connection {
  public:
   virtual ~Connection() = default;
 
-  // The file's path or the server's address without its password, for messages.
+  // The path of the file or the URL, for messages. A URL has no password.
   virtual const std::string& name() const = 0;
   virtual Dialect dialect() const = 0;
-  // The size of the map on disk, bytes.
-  virtual uint64_t FileBytes() = 0;
+  // Returns the size of the map on disk, bytes.
+  virtual uint64_t BytesOnDisk() = 0;
 
   // Runs statements without parameters and ignores their rows. Throws Error.
   virtual void Execute(const std::string& script) = 0;
-  // Prepares one of Cairn's own statements. A connection compiles a statement once. Throws
-  // Error(kMapDamaged) if the tables are not those of a map.
+  // Prepares one of Cairn's own statements. Each connection compiles a statement once. Throws
+  // Error(kMapDamaged) if the database does not have the tables of a map.
   virtual Statement Prepare(std::string_view sql) = 0;
 
   // Returns the column `bytes` of the row with this key; nothing if there is no such row.

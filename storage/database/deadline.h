@@ -1,4 +1,4 @@
-// A moment that a call to a database may not outlast.
+// The time by which a call to a database must end.
 #ifndef CAIRN_STORAGE_DATABASE_DEADLINE_H_
 #define CAIRN_STORAGE_DATABASE_DEADLINE_H_
 

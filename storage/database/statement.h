@@ -1,4 +1,4 @@
-// A prepared statement of any database, with typed access to its columns.
+// A prepared statement with typed access to its columns.
 #ifndef CAIRN_STORAGE_DATABASE_STATEMENT_H_
 #define CAIRN_STORAGE_DATABASE_STATEMENT_H_
 
@@ -18,8 +18,8 @@ struct Geometry {
   std::span<const uint8_t> bytes;
 };
 
-// What a database offers of one statement. Columns count from 0, parameters from 1. Reading a
-// column as a type that it does not have throws Error(kMapDamaged).
+// The implementation of a statement by one database. Columns count from 0, parameters from 1.
+// Reading a column as a wrong type throws Error(kMapDamaged).
 class Cursor {
  public:
   virtual ~Cursor() = default;
@@ -38,12 +38,12 @@ class Cursor {
   virtual bool IsNull(int column) const = 0;
 };
 
-// Used by the thread that uses its connection, which must outlive it.
+// Use a statement from the thread that uses its connection. The connection must outlive it.
 class Statement {
  public:
   explicit Statement(std::unique_ptr<Cursor> cursor) : cursor_(std::move(cursor)) {}
 
-  // Binds one value, to a parameter that counts from 1.
+  // Binds a value to one parameter.
   template <typename Bound>
   void BindAt(int index, const Bound& value) {
     cursor_->BindAt(index, value);
@@ -58,7 +58,7 @@ class Statement {
     return *this;
   }
 
-  // Moves to the next row. Returns false after the last. Throws Error.
+  // Moves to the next row. Returns false after the last row. Throws Error.
   bool Step() { return cursor_->Step(); }
   // Runs a statement and ignores its rows.
   void Run() { cursor_->Step(); }

@@ -29,7 +29,7 @@ std::optional<GeoBox> BoxAroundAll(std::vector<GeoBox> boxes) {
   // Walks east from the first box. The union leaves out the widest gap that no box covers.
   GeoBox all = boxes.front();
   double reach_rad = boxes.front().west_rad;
-  for (const GeoBox& box : boxes) {  // Those that come around cover the beginning.
+  for (const GeoBox& box : boxes) {  // Boxes beyond a full turn cover the beginning.
     if (box.CrossesAntimeridian()) {
       reach_rad = std::max(reach_rad, box.east_rad);
     }

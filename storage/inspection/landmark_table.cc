@@ -1,6 +1,6 @@
-// The virtual table `cairn_landmarks`: the landmarks of all tiles, or with a tile id as argument
-// (`cairn_landmarks(:tile_id)`), the landmarks of that tile. Tiles are decoded as the rows are
-// read. A landmark has one row for each tile that holds it.
+// The virtual table `cairn_landmarks` has the landmarks of all tiles. `cairn_landmarks(:tile_id)`
+// has the landmarks of one tile. Tiles are decoded as the rows are read. A landmark has one row for
+// each tile that holds it.
 #include <algorithm>
 #include <cstdint>
 #include <exception>
@@ -28,7 +28,7 @@ constexpr char kDeclaration[] =
 enum Column {  // In the order of the declaration; x_m, y_m, z_m are in the tile frame.
   kLandmarkId,
   kTile,
-  kSessionId,  // The first and the last session that saw the landmark and is known by name.
+  kSessionId,  // The first and the last session with a name that saw the landmark.
   kX,
   kY,
   kZ,

@@ -5,7 +5,7 @@
 //   cairn_tile_name(tile_id)            "32N-03104-35120"
 //   cairn_tile_id(name)                 The inverse of cairn_tile_name.
 //   cairn_tile_at(lat_deg, lon_deg)     Id of the tile that contains a position.
-//   cairn_tile_lat(tile_id), cairn_tile_lon(tile_id)   Centre, degrees.
+//   cairn_tile_lat(tile_id), cairn_tile_lon(tile_id)   The center, degrees.
 //   cairn_distance_m(lat1_deg, lon1_deg, lat2_deg, lon2_deg)   Distance on the ground.
 //   cairn_landmarks, cairn_landmarks(tile_id)   Decoded landmarks; see landmark_table.cc.
 #ifndef CAIRN_STORAGE_INSPECTION_REGISTER_H_

@@ -19,12 +19,12 @@ TileId IdOf(const TileRecord& tile) { return tile.tile_id; }
 SessionId IdOf(const SessionRecord& session) { return session.id; }
 KeyframeId IdOf(const KeyframeRecord& keyframe) { return keyframe.id; }
 
-// Adds the rows of past(connection, version) that `keep` accepts to those that were read from the
-// tables of the latest version. Sorts by id.
+// Adds the rows of past(connection, version) that `keep` accepts to `records`, which come from the
+// tables of the latest version. Sorts by id and drops repeated rows.
 template <typename Record, typename Past, typename Keep>
 void AddPast(db::Connection* connection, MapVersion version, const Past& past, const Keep& keep,
              std::vector<Record>* records) {
-  if (queries::CurrentVersion(connection) == version) {
+  if (queries::LatestVersion(connection) == version) {
     return;
   }
   std::vector<Record> removed = past(connection, version);

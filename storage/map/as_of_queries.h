@@ -1,4 +1,4 @@
-// Reads a version whatever has become of the latest one; private to storage.
+// Reads the content of any version that the map keeps; private to storage.
 #ifndef CAIRN_STORAGE_MAP_AS_OF_QUERIES_H_
 #define CAIRN_STORAGE_MAP_AS_OF_QUERIES_H_
 
@@ -12,12 +12,13 @@
 
 namespace cairn::as_of {
 
-// These read the tables of the latest version first. If `version` is no longer the latest, they add
-// what later versions removed. An update can be published between the two: a row that it removes
-// was then read already, or is in the past by now, or both, so no transaction is needed.
+// These functions first read the tables of the latest version. If `version` is no longer the
+// latest, they then add the rows of the past that `version` had. They need no transaction: if an
+// update is published between the two reads, the first read or the second has the rows that the
+// update removes.
 //
-// All throw Error(kUnavailable) if the version was pruned meanwhile, else what the functions of
-// the same name in map_queries.h throw.
+// All throw Error(kUnavailable) if the version was pruned meanwhile, and otherwise the errors of
+// the functions of the same name in map_queries.h.
 void RequireKept(db::Connection* connection, MapVersion version);
 MapInfo Info(db::Connection* connection, MapVersion version);
 std::vector<TileRecord> FindTiles(db::Connection* connection, const GeoBox& box,

@@ -23,35 +23,50 @@ struct Column {
   Type type = Type::kInteger;
 };
 
+using Columns = std::vector<Column>;
+
 struct Table {
   const char* name;
-  std::vector<Column> columns;
+  Columns columns;
 };
 
-#define CAIRN_SESSION_COLUMNS                                                        \
-  {"name", Type::kText}, {"source", Type::kText}, {"created_at", Type::kText},       \
-      {"recorded_at", Type::kText}, {"content_digest", Type::kText}, {"num_images"}, \
-      {"num_landmarks"}, {                                                           \
-    "georef_median_residual_m", Type::kReal                                          \
-  }
-#define CAIRN_TILE_COUNTS                                                   \
-  {"num_landmarks"}, {"num_descriptors"}, {"num_keyframes"}, {"num_bytes"}, \
-      {"min_h_m", Type::kReal}, {                                           \
-    "max_h_m", Type::kReal                                                  \
-  }
-#define CAIRN_LANDMARK_BOX                                                   \
-  {"landmarks_south_deg", Type::kReal}, {"landmarks_west_deg", Type::kReal}, \
-      {"landmarks_north_deg", Type::kReal}, {                                \
-    "landmarks_east_deg", Type::kReal                                        \
-  }
-#define CAIRN_POSE_COLUMNS                                                      \
-  {"camera_id"}, {"qw", Type::kReal}, {"qx", Type::kReal}, {"qy", Type::kReal}, \
-      {"qz", Type::kReal}, {"tx_m", Type::kReal}, {"ty_m", Type::kReal}, {      \
-    "tz_m", Type::kReal                                                         \
-  }
+Columns operator+(Columns columns, const Columns& more) {
+  columns.insert(columns.end(), more.begin(), more.end());
+  return columns;
+}
 
-// The tables in an order in which rows refer to rows that are there already. Payloads come between
-// the two parts, one at a time, because they are large.
+// Columns that a table of the latest version and its table of the past have in common.
+
+Columns SessionColumns() {
+  return {{"name", Type::kText},
+          {"source", Type::kText},
+          {"created_at", Type::kText},
+          {"recorded_at", Type::kText},
+          {"content_digest", Type::kText},
+          {"num_images"},
+          {"num_landmarks"},
+          {"georef_median_residual_m", Type::kReal}};
+}
+
+Columns TileCounts() {
+  return {{"num_landmarks"}, {"num_descriptors"},      {"num_keyframes"},
+          {"num_bytes"},     {"min_h_m", Type::kReal}, {"max_h_m", Type::kReal}};
+}
+
+Columns LandmarkBox() {
+  return {{"landmarks_south_deg", Type::kReal},
+          {"landmarks_west_deg", Type::kReal},
+          {"landmarks_north_deg", Type::kReal},
+          {"landmarks_east_deg", Type::kReal}};
+}
+
+Columns PoseColumns() {
+  return {{"camera_id"},       {"qw", Type::kReal},   {"qx", Type::kReal},   {"qy", Type::kReal},
+          {"qz", Type::kReal}, {"tx_m", Type::kReal}, {"ty_m", Type::kReal}, {"tz_m", Type::kReal}};
+}
+
+// The tables in an order in which rows refer only to earlier rows. Payloads are copied between the
+// two lists, one at a time, because they are large.
 std::vector<Table> TablesBeforePayloads() {
   return {
       {"cairn_codebooks",
@@ -84,8 +99,8 @@ std::vector<Table> TablesBeforePayloads() {
         {"west_deg", Type::kReal},
         {"north_deg", Type::kReal},
         {"east_deg", Type::kReal}}},
-      {"cairn_sessions", {{"session_id"}, CAIRN_SESSION_COLUMNS, {"since"}}},
-      {"cairn_past_sessions", {{"session_id"}, {"since"}, {"until"}, CAIRN_SESSION_COLUMNS}},
+      {"cairn_sessions", Columns{{"session_id"}} + SessionColumns() + Columns{{"since"}}},
+      {"cairn_past_sessions", Columns{{"session_id"}, {"since"}, {"until"}} + SessionColumns()},
       {"cairn_cameras",
        {{"camera_id"},
         {"model", Type::kText},
@@ -97,18 +112,16 @@ std::vector<Table> TablesBeforePayloads() {
 
 std::vector<Table> TablesAfterPayloads() {
   return {
-      {"coverage", {{"tile_id"}, {"tile", Type::kText}, CAIRN_TILE_COUNTS}},
+      {"coverage", Columns{{"tile_id"}, {"tile", Type::kText}} + TileCounts()},
       {"cairn_tiles",
-       {{"tile_id"}, {"payload_id"}, {"codebook_id"}, CAIRN_LANDMARK_BOX, {"since"}}},
-      {"cairn_past_tiles",
-       {{"tile_id"},
-        {"since"},
-        {"until"},
-        {"tile", Type::kText},
-        {"payload_id"},
-        {"codebook_id"},
-        CAIRN_TILE_COUNTS,
-        CAIRN_LANDMARK_BOX}},
+       Columns{{"tile_id"}, {"payload_id"}, {"codebook_id"}} + LandmarkBox() + Columns{{"since"}}},
+      {"cairn_past_tiles", Columns{{"tile_id"},
+                                   {"since"},
+                                   {"until"},
+                                   {"tile", Type::kText},
+                                   {"payload_id"},
+                                   {"codebook_id"}} +
+                               TileCounts() + LandmarkBox()},
       {"keyframes",
        {{"keyframe_id"},
         {"session_id"},
@@ -118,25 +131,19 @@ std::vector<Table> TablesAfterPayloads() {
         {"lon_deg", Type::kReal},
         {"h_m", Type::kReal},
         {"heading_deg", Type::kReal}}},
-      {"cairn_keyframe_poses", {{"keyframe_id"}, CAIRN_POSE_COLUMNS, {"since"}}},
-      {"cairn_past_keyframes",
-       {{"keyframe_id"},
-        {"since"},
-        {"until"},
-        {"session_id"},
-        {"tile_id"},
-        {"image_name", Type::kText},
-        CAIRN_POSE_COLUMNS}},
+      {"cairn_keyframe_poses", Columns{{"keyframe_id"}} + PoseColumns() + Columns{{"since"}}},
+      {"cairn_past_keyframes", Columns{{"keyframe_id"},
+                                       {"since"},
+                                       {"until"},
+                                       {"session_id"},
+                                       {"tile_id"},
+                                       {"image_name", Type::kText}} +
+                                   PoseColumns()},
       {"cairn_session_tiles", {{"session_id"}, {"tile_id"}}},
   };
 }
 
-#undef CAIRN_SESSION_COLUMNS
-#undef CAIRN_TILE_COUNTS
-#undef CAIRN_LANDMARK_BOX
-#undef CAIRN_POSE_COLUMNS
-
-// A geometry follows from the other columns of its row; empty if the table has none.
+// Returns the geometry of a row, which follows from its other columns; empty if the table has none.
 std::vector<uint8_t> GeometryOf(const std::string& table, const db::Statement& row) {
   if (table == "coverage") {
     return TileGeometry(TileId::FromValue(static_cast<uint64_t>(row.Int64(0))));
@@ -263,9 +270,9 @@ MapInfo CopyMap(const std::string& from, const std::string& to,
   MapInfo info;
   MapStore::CreateFilled(to, [&](MapStore* store) {
     const std::unique_ptr<MapBackend> target = OpenBackend(store->path(), OpenMode::kReadWrite);
-    const std::unique_ptr<WriteSession> session = target->BeginUpdate();
-    MapCopier(reader.get(), session->connection()).Run(progress);
-    session->Commit();
+    const std::unique_ptr<WriteTransaction> transaction = target->BeginUpdate();
+    MapCopier(reader.get(), transaction->connection()).Run(progress);
+    transaction->Commit();
     info = store->Snapshot().Info();
   });
   return info;

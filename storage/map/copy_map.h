@@ -1,4 +1,4 @@
-// Moves a map between a file and a server.
+// Copies a map, for example from a file to a PostgreSQL database.
 #ifndef CAIRN_STORAGE_MAP_COPY_MAP_H_
 #define CAIRN_STORAGE_MAP_COPY_MAP_H_
 
@@ -10,10 +10,9 @@
 
 namespace cairn {
 
-// Creates the map `to` with everything that `from` holds: all versions with their content, under
-// the same ids. Both are paths or URLs, in any combination. Each payload is compared with its
-// digest on the way. `progress` may be empty; it receives the number of payloads done and the
-// total. Returns the totals of the latest version.
+// Creates the map `to` with all versions of `from`, their content and their ids. Both are paths or
+// URLs, in any combination. Compares each payload with its digest. `progress` may be empty; it
+// receives the number of payloads done and the total. Returns the totals of the latest version.
 //
 // Throws Error(kConflict) if `to` exists, Error(kMapDamaged) if a payload does not match its
 // digest, and what MapStore::Open and MapStore::CreateFilled throw. After an error, `to` does not

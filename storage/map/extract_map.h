@@ -9,9 +9,9 @@
 
 namespace cairn {
 
-// Creates the map `to` with the tiles of the latest version that the region meets, with identical
-// payloads and ids, and with the keyframes and sessions of these tiles. The new map starts with
-// versions of its own. Returns the new map's totals. Throws Error(kNotFound) if the region meets no
+// Creates the map `to` with the tiles of the latest version that the region meets, and with the
+// keyframes and sessions of these tiles. Payloads and ids are identical. The new map has its own
+// version numbers. Returns the new map's totals. Throws Error(kNotFound) if the region meets no
 // tile, Error(kConflict) if `to` exists.
 MapTotals ExtractMap(const MapStore& from, const GeoRegion& region, const std::string& to);
 

@@ -108,7 +108,8 @@ Ring Rectangle(double south_deg, double west_deg, double north_deg, double east_
 
 GeoRegion GeoRegion::OfBox(double south_deg, double west_deg, double north_deg, double east_deg) {
   if (!(south_deg <= north_deg)) {
-    throw Error(ErrorCode::kBadInput, "the region has its south above its north");
+    throw Error(ErrorCode::kBadInput,
+                "the region has its southern edge north of its northern edge");
   }
   if (west_deg <= east_deg) {
     return OfPolygons({{Rectangle(south_deg, west_deg, north_deg, east_deg)}});

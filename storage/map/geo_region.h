@@ -1,4 +1,4 @@
-// A region on the ground, which people give as a box or as polygons.
+// A region on the ground: a box or polygons.
 #ifndef CAIRN_STORAGE_MAP_GEO_REGION_H_
 #define CAIRN_STORAGE_MAP_GEO_REGION_H_
 

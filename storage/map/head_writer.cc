@@ -74,13 +74,14 @@ int64_t TakeBack(db::Connection* connection, std::string_view sql, int64_t next_
   return row.Bind(next_version, keys...).Step() ? row.Int64(0) : next_version;
 }
 
-// Returns the version after the current version. The file may hold any number.
+// Returns the number of the next version. The file may hold any number.
 int64_t NextVersion(db::Connection* connection) {
   constexpr int64_t kMaxVersion = int64_t{1} << 62;
-  const int64_t current = Value(queries::CurrentVersion(connection));
+  const int64_t current = Value(queries::LatestVersion(connection));
   if (current < 1 || current >= kMaxVersion) {
     throw Error(ErrorCode::kMapDamaged,
-                fmt::format("{}: version {} cannot be counted on", connection->name(), current));
+                fmt::format("{}: the latest version has the invalid number {}", connection->name(),
+                            current));
   }
   return current + 1;
 }
@@ -90,7 +91,7 @@ int64_t NextVersion(db::Connection* connection) {
 HeadWriter::HeadWriter(db::Connection* connection)
     : connection_(connection),
       next_version_(NextVersion(connection)),
-      totals_(queries::LatestVersion(connection).totals),
+      totals_(queries::LatestRecord(connection).totals),
       extents_(connection->dialect() == db::Dialect::kSqlite
                    ? std::make_unique<LayerExtents>(connection)
                    : nullptr) {}

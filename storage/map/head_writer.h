@@ -13,9 +13,10 @@
 
 namespace cairn {
 
-// Inserts rows into the tables of the latest version and moves removed rows to the tables of the
-// past (docs/formats/map_v1.md, "Versions"). A row that one update removes and inserts again keeps
-// its `since`. Works in the open transaction of the connection, which must outlive the writer.
+// Inserts rows into the tables of the latest version (the head) and moves removed rows to the
+// tables of the past (docs/formats/map_v1.md, "Versions"). A row that one update removes and
+// inserts again keeps its `since`. Works in the open transaction of the connection, which must
+// outlive the writer.
 class HeadWriter {
  public:
   explicit HeadWriter(db::Connection* connection);
@@ -23,18 +24,18 @@ class HeadWriter {
   // The version that the update becomes.
   int64_t next_version() const { return next_version_; }
 
-  // Id 0 stands for a new id, an empty created_at for the current time. Any other id is that of a
+  // Id 0 stands for a new id, an empty created_at for the current time. Any other id belongs to a
   // session of an earlier version.
   SessionId InsertSession(const SessionRecord& session);
   // The session must not have keyframes.
   void RetireSession(SessionId session_id);
 
-  // Id 0 stands for a new id. Any other id is that of a keyframe of an earlier version.
+  // Id 0 stands for a new id. Any other id belongs to a keyframe of an earlier version.
   KeyframeId InsertKeyframe(const KeyframeRecord& keyframe);
   // Does nothing if there is no such keyframe.
   void RetireKeyframe(KeyframeId keyframe_id);
 
-  // Inserts or replaces a tile. Stores equal bytes once.
+  // Inserts or replaces a tile. Equal payloads are stored once.
   PayloadId PutTile(TileRecord tile, std::span<const uint8_t> payload);
   // Inserts or replaces a tile whose payload is in the map.
   void PutStoredTile(const TileRecord& tile);
@@ -54,7 +55,7 @@ class HeadWriter {
   void AddVersion(const VersionNote& note);
 
  private:
-  // Notes in cairn_session_tiles that the tile names the sessions of the payload.
+  // Adds the payload's sessions and the tile to cairn_session_tiles.
   void NoteSessions(TileId tile_id, std::span<const uint8_t> payload);
   PayloadId StorePayload(std::span<const uint8_t> payload);
   void InsertTile(const TileRecord& tile);

@@ -1,4 +1,4 @@
-// The extent of a layer in gpkg_contents while an update changes the layer; private to storage.
+// Keeps the extent of a layer in gpkg_contents up to date; private to storage.
 #ifndef CAIRN_STORAGE_MAP_LAYER_EXTENT_H_
 #define CAIRN_STORAGE_MAP_LAYER_EXTENT_H_
 
@@ -9,7 +9,8 @@
 
 namespace cairn {
 
-// The extent of one layer, which GeoPackage readers show without reading the layer.
+// The extent of one layer during an update. GeoPackage readers show the extent without reading the
+// layer.
 class LayerExtent {
  public:
   // Reads the extent from gpkg_contents. `layer` and `index` are the names of the layer's table and
@@ -29,7 +30,7 @@ class LayerExtent {
   std::vector<GeometryEnvelope> gone_from_edge_;
 };
 
-// What gpkg_contents says about the layers of a map.
+// The extents of both layers of a map.
 struct LayerExtents {
   explicit LayerExtents(db::Connection* connection);
   void Write(db::Connection* connection) const;  // Also writes the time of the change.

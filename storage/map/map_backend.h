@@ -1,4 +1,4 @@
-// What a file and a server offer of a map; private to storage.
+// The operations that differ between a file and PostgreSQL; private to storage.
 #ifndef CAIRN_STORAGE_MAP_MAP_BACKEND_H_
 #define CAIRN_STORAGE_MAP_MAP_BACKEND_H_
 
@@ -13,14 +13,14 @@ namespace cairn {
 
 struct MapHead {
   MapVersion version{};
-  bool is_stale = false;  // The server is silent, so there may be a newer version.
+  bool is_stale = false;  // PostgreSQL is silent, so there may be a newer version.
 };
 
 // A connection in a write transaction. At most one exists per map, across processes. The destructor
 // rolls back unless committed.
-class WriteSession {
+class WriteTransaction {
  public:
-  virtual ~WriteSession() = default;
+  virtual ~WriteTransaction() = default;
   virtual db::Connection* connection() = 0;
   virtual void Commit() = 0;
 };
@@ -31,7 +31,7 @@ class MapBackend {
   virtual ~MapBackend() = default;
 
   virtual const std::string& name() const = 0;  // As db::Connection::name.
-  // Returns the latest version if it is known without asking; nothing if it must be read.
+  // Returns the latest version if it is known without a read.
   virtual std::optional<MapHead> KnownHead() const = 0;
 
   // Lends a connection for reading. Throws Error(kUnavailable) if none is free in time.
@@ -39,7 +39,7 @@ class MapBackend {
   virtual void GiveBack(std::unique_ptr<db::Connection> connection) = 0;
 
   // Throws Error(kConflict) if another update runs.
-  virtual std::unique_ptr<WriteSession> BeginUpdate() = 0;
+  virtual std::unique_ptr<WriteTransaction> BeginUpdate() = 0;
 
   virtual MapFileState FileState() const = 0;
   virtual std::string LogPath() const = 0;

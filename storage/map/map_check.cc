@@ -37,7 +37,7 @@ CheckReport CheckMap(db::Connection* connection,
   Findings findings(&report);
   try {
     if (connection->dialect() == db::Dialect::kPostgres) {
-      CheckServerTables(connection, &findings);
+      CheckPostgresTables(connection, &findings);
       CheckVersions(connection, &findings);
     } else if (CheckPages(connection, &findings)) {
       CheckTables(connection, &findings);

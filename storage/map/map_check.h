@@ -14,14 +14,14 @@
 
 namespace cairn {
 
-// Implements MapStore::Check. Of a file, all parts below; of a server, those that are not SQLite's.
-// If SQLite itself finds damage, the check ends there and reports that
+// Implements MapStore::Check. A file gets all parts below; a PostgreSQL database gets the parts
+// that do not depend on SQLite. If SQLite itself finds damage, the check stops and reports that
 // damage.
 CheckReport CheckMap(db::Connection* connection,
                      const std::function<void(int64_t, int64_t)>& progress);
 
-// Collects the problems that a check finds. For each kind of problem, the first few are kept and
-// the rest are only counted, so the report of a large map stays short.
+// Collects the problems that a check finds. Keeps the first few problems of each kind and counts
+// the others, so the report of a large map stays short.
 class Findings {
  public:
   explicit Findings(CheckReport* report) : report_(report) {}
@@ -39,7 +39,7 @@ class Findings {
   std::map<std::string, int64_t> num_left_out_;
 };
 
-// Compares boxes that other machines computed: true if no side is off by more than 6 mm.
+// Returns true if the boxes differ by at most 6 mm on each side. Machines round differently.
 bool SameBounds(const GeoBox& a, const GeoBox& b);
 
 // A query that counts invalid rows, and the message that describes them.
@@ -63,7 +63,7 @@ void CheckTables(db::Connection* connection, Findings* findings);
 
 // Checks what SQL alone can check of a PostgreSQL database, which keeps its indices, references and
 // types itself: rows that contradict each other, and geometries in the wrong place.
-void CheckServerTables(db::Connection* connection, Findings* findings);
+void CheckPostgresTables(db::Connection* connection, Findings* findings);
 
 // Checks the geometries and the spatial indices of the two layers, and every keyframe's pose,
 // camera and tile.

@@ -75,7 +75,7 @@ constexpr Rule kRules[] = {
      "sessions have invalid numbers"},
     {"SELECT count(*) FROM cairn_sessions WHERE content_digest GLOB '*[^0-9a-f]*' "
      "OR recorded_at IS NOT strftime('%Y-%m-%dT%H:%M:%SZ', recorded_at)",
-     "sessions have times or digests that are none"},
+     "sessions have invalid times or digests"},
     // GeoPackage readers find the layers through these rows.
     {"SELECT 3 - count(*) FROM gpkg_contents WHERE (table_name, data_type) IN "
      "(VALUES ('coverage', 'features'), ('keyframes', 'features'), "
@@ -102,7 +102,7 @@ constexpr Rule kRules[] = {
      "layers have a wrong extent in gpkg_contents"},
 };
 
-// Of a server's tables. PostGIS compares the geometries.
+// The rules for PostgreSQL's tables. PostGIS compares the geometries.
 constexpr Rule kServerRules[] = {
     {"SELECT count(*) FROM coverage WHERE tile_id NOT IN (SELECT tile_id FROM cairn_tiles)",
      "squares in coverage have no tile"},
@@ -124,7 +124,7 @@ constexpr Rule kServerRules[] = {
      "sessions have invalid numbers"},
     {"SELECT count(*) FROM cairn_sessions WHERE content_digest !~ '^[0-9a-f]*$' "
      "OR recorded_at !~ '^\\d{4}-\\d\\d-\\d\\dT\\d\\d:\\d\\d:\\d\\dZ$'",
-     "sessions have times or digests that are none"},
+     "sessions have invalid times or digests"},
     {"SELECT count(*) FROM keyframes "
      "WHERE NOT ST_DWithin(geom, ST_SetSRID(ST_MakePoint(lon_deg, lat_deg, h_m), 4326), 1e-7)",
      "keyframes have a geometry in the wrong place"},
@@ -158,7 +158,7 @@ bool CheckPages(db::Connection* connection, Findings* findings) {
   return are_sound;
 }
 
-void CheckServerTables(db::Connection* connection, Findings* findings) {
+void CheckPostgresTables(db::Connection* connection, Findings* findings) {
   CheckRules(connection, kServerRules, findings);
 }
 

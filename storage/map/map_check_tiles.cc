@@ -147,7 +147,7 @@ class TileCheck {
   Findings* findings_;
 };
 
-// Runs `check`; what it cannot read is a finding.
+// Runs `check`. A value that `check` cannot read becomes a finding.
 template <typename Check>
 void FindDamage(const std::string& where, const Check& check, Findings* findings) {
   try {
@@ -193,8 +193,7 @@ void CheckTile(db::Connection* connection, int64_t tile_id, Findings* findings) 
         const TileId id = TileId::FromValue(static_cast<uint64_t>(tile_id));
         where = "tile " + id.ToString();
         if (const std::optional<TileRecord> record = queries::FindTile(connection, id)) {
-          TileCheck(connection, *record, queries::CurrentVersion(connection), where, findings)
-              .Run();
+          TileCheck(connection, *record, queries::LatestVersion(connection), where, findings).Run();
         }
       },
       findings);

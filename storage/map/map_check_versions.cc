@@ -1,4 +1,4 @@
-// The part of the check that looks at versions and at the past.
+// The part of the check that reads the versions and the past.
 #include <optional>
 #include <string>
 
@@ -15,7 +15,7 @@ constexpr Rule kRules[] = {
      "table cairn_versions: versions are missing"},
     {"SELECT coalesce((SELECT codebook_id FROM cairn_versions ORDER BY version DESC LIMIT 1), 0) "
      "<> coalesce((SELECT codebook_id FROM cairn_map), 0)",
-     "table cairn_map: the codebook is not that of the latest version"},
+     "table cairn_map: its codebook is not the codebook of the latest version"},
     {"SELECT count(*) FROM (SELECT since FROM cairn_tiles UNION ALL "
      "SELECT since FROM cairn_sessions UNION ALL SELECT since FROM cairn_keyframe_poses) AS r "
      "WHERE since NOT BETWEEN 1 AND (SELECT max(version) FROM cairn_versions)",
@@ -25,11 +25,11 @@ constexpr Rule kRules[] = {
      "SELECT since, until FROM cairn_past_keyframes) AS r WHERE since < 1 "
      "OR until <= (SELECT min(version) FROM cairn_versions) "
      "OR until > (SELECT max(version) FROM cairn_versions)",
-     "rows of the past are of versions that the map does not keep"},
+     "rows of the past belong to versions that the map does not have"},
     {"SELECT count(*) FROM cairn_past_tiles AS a "
      "JOIN cairn_past_tiles AS b ON b.tile_id = a.tile_id AND b.since > a.since "
      "WHERE b.since < a.until",
-     "tiles of the past are there twice in one version"},
+     "tiles of the past appear twice in one version"},
     {"SELECT count(*) FROM cairn_past_tiles AS p "
      "JOIN cairn_tiles AS t ON t.tile_id = p.tile_id WHERE t.since < p.until",
      "tiles are in the map and in its past in one version"},
@@ -46,8 +46,8 @@ constexpr Rule kRules[] = {
      "THEN coalesce(south_deg, west_deg, north_deg, east_deg) IS NULL "
      "ELSE south_deg BETWEEN -90 AND north_deg AND north_deg <= 90 "
      "AND west_deg BETWEEN -180 AND 180 AND east_deg BETWEEN -180 AND 180 END IS NOT TRUE",
-     "versions have bounds that are none"},
-    // Everything that enters or leaves the map counts from its version on.
+     "versions have invalid bounds"},
+    // Each row is an event: it adds to the totals in `since` and subtracts from them in `until`.
     {"WITH events (version, tiles, landmarks, descriptors, bytes, keyframes, sessions) AS ("
      "SELECT version, 0, 0, 0, 0, 0, 0 FROM cairn_versions UNION ALL "
      "SELECT t.since, 1, c.num_landmarks, c.num_descriptors, c.num_bytes, 0, 0 "
@@ -73,14 +73,14 @@ constexpr Rule kRules[] = {
      "SELECT count(*) FROM cairn_versions AS v JOIN totals AS t ON t.version = v.version "
      "WHERE (v.num_tiles, v.num_landmarks, v.num_descriptors, v.payload_bytes, v.num_keyframes, "
      "v.num_sessions) <> (t.tiles, t.landmarks, t.descriptors, t.bytes, t.keyframes, t.sessions)",
-     "versions have totals that are not those of what they hold"},
+     "versions have totals that do not match their content"},
 };
 
-// SQLite's dates; those of PostgreSQL would refuse what is none.
+// Only for SQLite: PostgreSQL's date functions would throw on an invalid time.
 constexpr Rule kTimeRules[] = {
     {"SELECT count(*) FROM cairn_versions "
      "WHERE created_at IS NOT strftime('%Y-%m-%dT%H:%M:%SZ', created_at)",
-     "versions have times that are none"},
+     "versions have invalid times"},
 };
 
 void CheckPastKeyframes(db::Connection* connection, Findings* findings) {
@@ -104,11 +104,11 @@ void CheckVersions(db::Connection* connection, Findings* findings) {
   if (connection->dialect() == db::Dialect::kSqlite) {
     CheckRules(connection, kTimeRules, findings);
   }
-  const VersionRecord latest = queries::LatestVersion(connection);
+  const VersionRecord latest = queries::LatestRecord(connection);
   const std::optional<GeoBox> bounds = queries::BoundsOfTiles(connection);
   const std::optional<GeoBox>& stored = latest.totals.bounds;
   if (bounds.has_value() != stored.has_value() || (bounds && !SameBounds(*bounds, *stored))) {
-    findings->Add("the bounds of the latest version are not those of its tiles");
+    findings->Add("the bounds of the latest version do not match its tiles");
   }
   CheckPastKeyframes(connection, findings);
 }

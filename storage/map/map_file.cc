@@ -224,7 +224,7 @@ void FillEmptyMap(const std::string& path) {
   connection->Execute("PRAGMA wal_checkpoint(TRUNCATE)");
 }
 
-// Moves the log into the file, which then can be renamed.
+// Moves the log into the file, so that the file can be renamed.
 void CloseLog(const std::string& path) {
   Connect(path, sqlite::Access::kReadWrite, 0)->Execute("PRAGMA wal_checkpoint(TRUNCATE)");
   if (HasWriteAheadLog(path)) {

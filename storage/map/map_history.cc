@@ -18,14 +18,15 @@ namespace {
 
 constexpr int64_t kAllVersions = std::numeric_limits<int64_t>::max();
 
-// `versions` is newest first. Pruning adds a version, which counts.
+// Returns the oldest version that Prune keeps. `versions` is newest first. Pruning adds a version,
+// which counts as kept.
 MapVersion OldestKept(const PruneOptions& options, const std::vector<VersionRecord>& versions) {
   const int64_t next = Value(versions.front().version) + 1;
   if (options.keep) {
     return *options.keep >= std::ssize(versions) ? versions.back().version
                                                  : MapVersion(next - *options.keep + 1);
   }
-  // The oldest version that was published since then. Clocks can go back between two versions.
+  // Finds the oldest version that was published since then. Clocks can go back between versions.
   int64_t oldest = next;
   for (const VersionRecord& version : versions) {
     if (version.created_at >= *options.older_than) {
@@ -41,7 +42,7 @@ MapVersion RollBack(MapVersion version, MapStore* store) {
   MapUpdate update = store->BeginUpdate();
   if (version == update.base_version()) {
     throw Error(ErrorCode::kConflict,
-                fmt::format("{}: version {} is the latest already", store->path(), Value(version)));
+                fmt::format("{}: version {} is already the latest", store->path(), Value(version)));
   }
   update.RestoreVersion(version);
   return update.Publish({.kind = VersionKind::kRollback,
@@ -67,10 +68,10 @@ PruneReport Prune(const PruneOptions& options, MapStore* store) {
       versions.begin(), versions.end(),
       [&](const VersionRecord& version) { return Value(version.version) < Value(oldest_kept); });
   if (report.num_versions_gone > 0) {
-    report.num_payload_bytes_gone = update.ForgetVersionsBefore(oldest_kept);
+    report.num_payload_bytes_gone = update.PruneBefore(oldest_kept);
     report.version =
         update.Publish({.kind = VersionKind::kPrune,
-                        .summary = fmt::format("forgot {} versions before {}",
+                        .summary = fmt::format("deleted {} versions before version {}",
                                                report.num_versions_gone, Value(oldest_kept))});
   }
   return report;
@@ -80,8 +81,8 @@ void CompactMap(MapStore* store) {
   if (IsServerAddress(store->path())) {
     throw Error(ErrorCode::kInvalidArgument,
                 store->path() +
-                    ": only files are compacted; PostgreSQL vacuums by itself, and "
-                    "VACUUM FULL gives space back to the disk");
+                    ": only files can be compacted; autovacuum frees the space of a "
+                    "PostgreSQL database, and VACUUM FULL returns it to the disk");
   }
   // Throws if the map may not be written, or if an update runs.
   { const MapUpdate update = store->BeginUpdate(); }

@@ -1,4 +1,4 @@
-// Operations on a map's versions: go back to a version, delete old versions, compact the file.
+// Operations on a map's versions: roll back to a version, prune old versions, compact the file.
 #ifndef CAIRN_STORAGE_MAP_MAP_HISTORY_H_
 #define CAIRN_STORAGE_MAP_MAP_HISTORY_H_
 
@@ -17,7 +17,7 @@ MapVersion RollBack(MapVersion version, MapStore* store);
 
 // Set exactly one of the two.
 struct PruneOptions {
-  // The number of versions to keep. The version that records the pruning counts as one of them.
+  // The number of versions to keep, counting the version that records the pruning.
   std::optional<int64_t> keep = {};
   // Deletes versions that were published before this time: UTC, "2026-01-31T00:00:00Z".
   std::optional<std::string> older_than = {};
@@ -36,9 +36,9 @@ struct PruneReport {
 // runs.
 PruneReport Prune(const PruneOptions& options, MapStore* store);
 
-// Rewrites the file without free pages. If the process dies, the map stays as it was. Needs space
+// Rewrites the file without free pages. If the process dies, the map is unchanged. Needs space
 // for a copy of the map beside the map and for another copy in the directory for temporary files.
-// Throws Error(kConflict) if an update runs, Error(kInvalidArgument) if the map is on a server.
+// Throws Error(kConflict) if an update runs, Error(kInvalidArgument) if the map is not a file.
 void CompactMap(MapStore* store);
 
 }  // namespace cairn

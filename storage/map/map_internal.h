@@ -26,18 +26,17 @@ struct MapSnapshot::Impl {
     });
   }
 
-  // Returns the tiles of the cells, from the cache if it has them all. Reads all others in one
-  // call.
+  // Returns the tiles of the cells. Reads all cells that the cache lacks in one call.
   std::vector<CellTiles> Cells(const std::vector<TileCell>& cells) const;
 };
 
 // Holds the map's write transaction.
 struct MapUpdate::Impl {
-  explicit Impl(std::unique_ptr<WriteSession> write_session);
+  explicit Impl(std::unique_ptr<WriteTransaction> write_transaction);
 
-  db::Connection* connection() { return session->connection(); }
+  db::Connection* connection() { return transaction->connection(); }
 
-  std::unique_ptr<WriteSession> session;
+  std::unique_ptr<WriteTransaction> transaction;
   bool is_published = false;
   HeadWriter head;
 };

@@ -31,8 +31,7 @@ constexpr std::string_view kFindKeyframeSql = CAIRN_KEYFRAME_COLUMNS "WHERE k.ke
 
 #undef CAIRN_KEYFRAME_COLUMNS
 
-// The columns that ReadTile expects, in order, and where they come from. A damaged map may lack a
-// payload.
+// The columns that ReadTile expects, in order, and their tables. A damaged map may lack a payload.
 #define CAIRN_SELECT_TILES                                                                    \
   "SELECT c.tile_id, t.payload_id, t.codebook_id, c.num_landmarks, c.num_descriptors, "       \
   "c.num_keyframes, c.num_bytes, c.min_h_m, c.max_h_m, t.landmarks_south_deg, "               \
@@ -58,8 +57,8 @@ constexpr std::string_view kFindTileSql = CAIRN_SELECT_TILES "WHERE c.tile_id = 
 constexpr std::string_view kAllTilesSql =
     CAIRN_SELECT_TILES "WHERE t.since <= ? ORDER BY c.tile_id LIMIT ?";
 
-// All at once, because each statement is a round trip. The planner knows that few rows match a list
-// of ids; of ranges it would expect many.
+// One statement for all ranges, because each statement is a round trip. The planner expects few
+// rows for a list of ids, but many for ranges.
 constexpr std::string_view kTilesWithIdsPostgresSql =
     CAIRN_SELECT_TILES "WHERE c.tile_id = ANY (CAST(? AS bigint[])) AND t.since <= ?";
 
@@ -87,7 +86,7 @@ std::vector<TileRecord> ReadTiles(db::Connection* connection, db::Statement* row
   return tiles;
 }
 
-// Returns all ids of the ranges as PostgreSQL writes an array: "{1,2,3}".
+// Returns all ids of the ranges as an array literal of PostgreSQL: "{1,2,3}".
 std::string IdsIn(const std::vector<std::pair<int64_t, int64_t>>& ranges) {
   std::string ids = "{";
   for (const auto& [first, last] : ranges) {
@@ -124,7 +123,7 @@ MapInfo Info(db::Connection* connection, MapVersion version) {
   db::Statement row = connection->Prepare("SELECT created_at FROM cairn_map");
   row.Step();
   info.created_at = row.Text(0);
-  info.file_bytes = static_cast<int64_t>(connection->FileBytes());
+  info.file_bytes = static_cast<int64_t>(connection->BytesOnDisk());
   return info;
 }
 

@@ -1,7 +1,7 @@
 // Reads the tables of a map's latest version for snapshots, updates and checks. Private to storage.
-// Functions with `as_of` return only the rows that this version has already. version_queries.h has
-// the rows that later versions removed. All throw Error(kMapDamaged) for values that Cairn never
-// writes.
+// Functions with `as_of` leave out rows that are newer than this version. version_queries.h reads
+// the rows that later versions removed. All functions throw Error(kMapDamaged) for values that
+// Cairn never writes.
 #ifndef CAIRN_STORAGE_MAP_MAP_QUERIES_H_
 #define CAIRN_STORAGE_MAP_MAP_QUERIES_H_
 
@@ -19,7 +19,7 @@
 
 namespace cairn::queries {
 
-// Later than all versions: stands for the latest, or for what an update has written so far.
+// Later than all versions. As of kNewest, an update also sees its own rows.
 inline constexpr MapVersion kNewest{std::numeric_limits<int64_t>::max()};
 
 // The SQL of the frequent queries, for the tests of EXPLAIN QUERY PLAN.
@@ -32,11 +32,11 @@ std::string_view KeyframesOfTileSql();
 // The totals of one version. Throws as RequireVersion.
 MapInfo Info(db::Connection* connection, MapVersion version);
 
-// Tiles are ordered by id, but for TilesInRanges. FindTiles also drops what does not meet the box
-// exactly; TilesInRanges returns the tiles with ids in the ranges [first, last], which are
-// ascending.
+// Returns the tiles whose bounding boxes meet `box`, ordered by id.
 std::vector<TileRecord> FindTiles(db::Connection* connection, const GeoBox& box, MapVersion as_of);
+// Returns the first `limit` tiles by id.
 std::vector<TileRecord> AllTiles(db::Connection* connection, int64_t limit, MapVersion as_of);
+// Returns the tiles with ids in the ascending ranges [first, last], in any order.
 std::vector<TileRecord> TilesInRanges(db::Connection* connection,
                                       const std::vector<std::pair<int64_t, int64_t>>& ranges,
                                       MapVersion as_of);

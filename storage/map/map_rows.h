@@ -36,7 +36,7 @@ SessionRecord ReadSession(const db::Statement& row);
 // qx, qy, qz, tx_m, ty_m, tz_m.
 KeyframeRecord ReadKeyframe(const db::Connection& connection, const db::Statement& row);
 
-// All rows of a statement whose parameters are bound.
+// Reads all rows of a statement whose parameters are bound.
 std::vector<KeyframeRecord> ReadKeyframes(const db::Connection& connection, db::Statement* rows);
 
 }  // namespace cairn::rows

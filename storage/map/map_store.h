@@ -88,16 +88,16 @@ struct MapInfo : MapTotals {
   int64_t file_bytes = 0;
 };
 
-// A moment that a read may not outlast; empty for no limit.
+// The time by which a read must end; empty for no limit.
 using ReadDeadline = std::optional<std::chrono::steady_clock::time_point>;
 
-// A consistent view of one map version. A snapshot is a number: it holds no transaction and no
-// connection, may live for as long as anybody wants, and is safe to use from any thread. Each call
-// borrows a connection, unless caches have what it returns.
+// A consistent view of one map version. A snapshot is a version number: it holds no transaction and
+// no connection, is valid until its version is pruned, and is safe to use from any thread. Each
+// call borrows a connection, unless a cache has the result.
 //
-// Calls throw Error(kUnavailable) if the version was pruned since; a new snapshot then helps. With
-// PostgreSQL, they also throw Error(kUnavailable) if the server does not answer by the deadline. A
-// file is always read to the end.
+// Calls throw Error(kUnavailable) if the version was pruned meanwhile; take a new snapshot then.
+// With PostgreSQL, they also throw Error(kUnavailable) if PostgreSQL does not answer by the
+// deadline. Reads of a file ignore the deadline.
 class MapSnapshot {
  public:
   MapSnapshot(MapSnapshot&&) noexcept;
@@ -105,19 +105,19 @@ class MapSnapshot {
   ~MapSnapshot();
 
   MapVersion version() const;
-  // True if the server is silent, so that the map may have a newer version. Never true of a file.
+  // True if PostgreSQL is silent, so that the map may have a newer version. Always false for a
+  // file.
   bool is_stale() const;
   MapInfo Info() const;  // Takes constant time.
 
-  // Returns the newest `limit` versions that were not pruned, newest first, from this one on.
+  // Returns the newest `limit` versions up to this one, newest first, without pruned versions.
   std::vector<VersionRecord> Versions(int64_t limit) const;
   // Returns the tiles whose payloads differ between two versions, ordered by tile id. Throws
   // Error(kNotFound), which names the versions of the map, if one of the two is not among them.
   std::vector<TileChange> Diff(MapVersion from, MapVersion to) const;
 
   // Returns the tiles whose square's bounding box intersects `box`, ordered by tile id. The store
-  // caches the records of a version in cells of 8 x 8 tiles; a box of a few cells is answered from
-  // there.
+  // caches tile records in cells of 8 x 8 tiles, so boxes of a few cells rarely read the map.
   std::vector<TileRecord> FindTiles(const GeoBox& box) const;
   // Returns the first `limit` tiles of the map by tile id.
   std::vector<TileRecord> AllTiles(int64_t limit) const;
@@ -188,7 +188,7 @@ class MapUpdate {
 
   // Ignores `id`.
   KeyframeId AddKeyframe(const KeyframeRecord& keyframe, KeyframeId reserved = KeyframeId{});
-  // Deletes the keyframe's row, if there is one. The caller rewrites the tile it stands in.
+  // Deletes the keyframe's row, if there is one. The caller must rewrite the keyframe's tile.
   void RemoveKeyframe(KeyframeId keyframe_id);
 
   // Reserves `count` consecutive landmark ids and returns the first.
@@ -208,10 +208,10 @@ class MapUpdate {
 
   // Deletes the versions before `oldest_kept` and the content that only those versions have.
   // Returns the number of payload bytes that this removes.
-  int64_t ForgetVersionsBefore(MapVersion oldest_kept);
+  int64_t PruneBefore(MapVersion oldest_kept);
 
-  // Copies tiles of another map with their keyframes, sessions and codebook, under the ids that
-  // they have there. This map must be empty and without earlier content.
+  // Copies tiles of another map with their keyframes, sessions and codebook, and keeps their ids.
+  // This map must be new and empty.
   void CopyTiles(const MapSnapshot& from, const std::vector<TileRecord>& tiles);
 
   // Commits. After Publish, only the destructor may be called.
@@ -228,8 +228,8 @@ enum class OpenMode {
   kReadOnly,
   kReadWrite,
   // Read-only, for a program that answers queries. With PostgreSQL, a thread watches the latest
-  // version, so snapshots cost nothing; while the server is silent, snapshots are stale, and reads
-  // fail at once instead of waiting.
+  // version, so taking a snapshot reads nothing. While PostgreSQL is silent, snapshots are stale,
+  // and reads fail at once instead of waiting.
   kServing,
   // For a file that nobody writes to. Reads without locks and ignores any write-ahead log. The
   // store does not see updates, and must not be used while the map is updated.
@@ -240,7 +240,7 @@ enum class OpenMode {
 enum class MapFileState { kInPlace, kReplaced, kMissing };
 
 struct CheckReport {
-  int64_t num_tiles_checked = 0;      // A tile counts once for each content that a version has.
+  int64_t num_tiles_checked = 0;      // A tile counts once for each of its contents.
   std::vector<std::string> problems;  // Empty if the map is sound.
 };
 
@@ -251,18 +251,18 @@ struct MapStoreStats {
 };
 
 // An open map. Safe to call from any thread. If another file takes the map's path, the store keeps
-// reading the file it opened; the number of reads at a time can then no longer grow.
+// reading the file that it opened, and the number of simultaneous reads can no longer grow.
 class MapStore {
  public:
-  // Maps have a path or a URL such as "postgresql://cairn@db1,db2/lund" (docs/postgresql.md).
+  // `path` is a file or a URL such as "postgresql://cairn@db1,db2/lund" (docs/postgresql.md).
 
-  // Creates an empty map of version 1. Throws Error(kConflict) if the file exists, or the database
+  // Creates an empty map of version 1. Throws Error(kConflict) if the file exists or the database
   // has a map, and Error(kIo) if the map cannot be created.
   static MapStore Create(const std::string& path);
 
-  // Creates a map that `fill` makes of an empty map. The file gets its name once `fill` returns; if
-  // `fill` throws or the process dies, there is no file at `path`. If the process dies, a database
-  // keeps the empty map. Throws as Create.
+  // Creates an empty map and lets `fill` write its content. The file gets its name once `fill`
+  // returns. If `fill` throws, neither file nor database has the map. If the process dies, there is
+  // no file, but a database has an empty map. Throws as Create.
   static void CreateFilled(const std::string& path, const std::function<void(MapStore*)>& fill);
 
   // Throws:
@@ -270,10 +270,10 @@ class MapStore {
   //  - Error(kBadInput) if the file is not a Cairn map, with a guess of its kind;
   //  - Error(kMapDamaged) if the file fails its first checks;
   //  - Error(kConflict) if the map needs a newer Cairn, or is replaced while it is being opened.
-  // Of a server also:
-  //  - Error(kInvalidArgument) if the URL is none, or holds a password;
-  //  - Error(kIo) if the server refuses the user, the password or the encryption;
-  //  - Error(kUnavailable) if no server answers, or Cairn was built without libpq.
+  // With PostgreSQL also:
+  //  - Error(kInvalidArgument) if the URL is invalid or holds a password;
+  //  - Error(kIo) if PostgreSQL refuses the role, the password or the encryption;
+  //  - Error(kUnavailable) if no host answers, or Cairn was built without libpq.
   static MapStore Open(const std::string& path, OpenMode mode);
 
   MapStore(MapStore&&) noexcept;
@@ -282,17 +282,18 @@ class MapStore {
 
   const std::string& path() const;
   MapFileState FileState() const;
-  // Returns the path of the write-ahead log, which need not exist. SQLite uses the file of this
-  // name as the log of any map opened at this path, even a log that another map left behind.
+  // Returns the path of the write-ahead log, which need not exist; empty with PostgreSQL. SQLite
+  // uses the file of this name as the log of any map opened at this path, even a log that another
+  // map left behind.
   std::string LogPath() const;
 
-  // Returns the latest version. Reading a file's takes one short call; a server's is known, because
-  // a thread watches it. Reads of the snapshot end at the deadline.
+  // Returns a snapshot of the latest version. Reads the number of that version, unless a thread
+  // watches it (kServing). Reads of the snapshot end at the deadline.
   MapSnapshot Snapshot(ReadDeadline deadline = {}) const;
   MapStoreStats Stats() const;
 
   // Throws Error(kConflict) if the store is not open for writing, or if another update is still
-  // open after `patience`; Error(kIo) if the server's role may not write.
+  // open after `patience`; Error(kIo) if PostgreSQL's role may not write.
   MapUpdate BeginUpdate(std::chrono::milliseconds patience = {});
 
   // Reserves consecutive ids for a later update, in a transaction of its own that makes no version.

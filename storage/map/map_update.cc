@@ -31,8 +31,8 @@ void RequireValid(const SessionRecord& session) {
 
 }  // namespace
 
-MapUpdate::Impl::Impl(std::unique_ptr<WriteSession> write_session)
-    : session(std::move(write_session)), head(session->connection()) {}
+MapUpdate::Impl::Impl(std::unique_ptr<WriteTransaction> write_transaction)
+    : transaction(std::move(write_transaction)), head(transaction->connection()) {}
 
 MapUpdate::MapUpdate(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 MapUpdate::MapUpdate(MapUpdate&&) noexcept = default;
@@ -127,7 +127,7 @@ MapVersion MapUpdate::Publish(const VersionNote& note) {
   CAIRN_CHECK(!impl_->is_published, "the update was already published");
   impl_->head.AddVersion(note);
   const auto version = MapVersion(impl_->head.next_version());
-  impl_->session->Commit();
+  impl_->transaction->Commit();
   impl_->is_published = true;
   return version;
 }

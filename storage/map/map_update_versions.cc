@@ -48,7 +48,7 @@ void RestoreTiles(db::Connection* connection, MapVersion version, HeadWriter* he
   }
 }
 
-// Sessions and keyframes never change, so those that both versions have stay as they are.
+// Sessions and keyframes never change, so rows that both versions have stay untouched.
 void RestoreSessions(db::Connection* connection, MapVersion version, HeadWriter* head) {
   const std::vector<KeyframeRecord> past_keyframes = queries::PastKeyframes(connection, version);
   const std::vector<SessionRecord> past_sessions = queries::PastSessions(connection, version);
@@ -92,7 +92,7 @@ void MapUpdate::RestoreVersion(MapVersion version) {
   impl_->head.SetCurrentCodebook(queries::CodebookOfVersion(connection, version));
 }
 
-int64_t MapUpdate::ForgetVersionsBefore(MapVersion oldest_kept) {
+int64_t MapUpdate::PruneBefore(MapVersion oldest_kept) {
   db::Connection* connection = impl_->connection();
   const int64_t oldest = std::min(Value(oldest_kept), impl_->head.next_version());
   const std::vector<int64_t> payload_ids = SelectIds(

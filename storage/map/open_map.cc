@@ -22,7 +22,7 @@ OpenMap::Borrowed::~Borrowed() {
   try {
     backend_->GiveBack(std::move(connection_));
   } catch (const std::exception&) {
-    // No memory for the pool's list: the connection is closed instead of kept.
+    // If there is no memory for the pool's list, the connection is closed instead of kept.
   }
 }
 
@@ -30,7 +30,7 @@ MapHead OpenMap::Head(ReadDeadline deadline) {
   if (const std::optional<MapHead> known = backend_->KnownHead()) {
     return *known;
   }
-  return {Call(deadline, queries::CurrentVersion), false};
+  return {Call(deadline, queries::LatestVersion), false};
 }
 
 MapStoreStats OpenMap::Stats() const { return {num_calls_, num_failed_calls_}; }

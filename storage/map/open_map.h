@@ -1,4 +1,4 @@
-// An open map with what its reads have in common: caches and counters. Private to storage.
+// An open map with its caches and counters. Private to storage.
 #ifndef CAIRN_STORAGE_MAP_OPEN_MAP_H_
 #define CAIRN_STORAGE_MAP_OPEN_MAP_H_
 
@@ -14,7 +14,7 @@
 
 namespace cairn {
 
-// The map store and its snapshots share it. Safe to call from any thread.
+// The map store and its snapshots share one object. Safe to call from any thread.
 class OpenMap {
  public:
   explicit OpenMap(std::unique_ptr<MapBackend> backend) : backend_(std::move(backend)) {}
@@ -31,11 +31,11 @@ class OpenMap {
     return read(borrowed.connection());
   }
 
-  // The cache of a version. Of the versions asked for, keeps the newest two, so that queries that
-  // began before an update still find theirs.
+  // Returns the cache of a version. Keeps the caches of the newest two versions that were asked
+  // for, so that queries that began before an update still find their cache.
   std::shared_ptr<VersionCache> CacheOf(MapVersion version);
 
-  // Decoded codebooks are kept, because they never change.
+  // Keeps decoded codebooks, because they never change.
   std::shared_ptr<const Codebook> LoadCodebook(CodebookId codebook_id, ReadDeadline deadline);
 
  private:

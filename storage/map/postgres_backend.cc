@@ -35,9 +35,9 @@ void RequireFormat(db::Connection* connection) {
   }
 }
 
-class PostgresWriteSession : public WriteSession {
+class PostgresWriteTransaction : public WriteTransaction {
  public:
-  explicit PostgresWriteSession(std::unique_ptr<PostgresConnection> connection)
+  explicit PostgresWriteTransaction(std::unique_ptr<PostgresConnection> connection)
       : connection_(std::move(connection)) {
     connection_->Execute("BEGIN");
     postgres::RequireMayWrite(connection_.get());
@@ -58,7 +58,7 @@ class PostgresWriteSession : public WriteSession {
   }
 
  private:
-  std::unique_ptr<PostgresConnection> connection_;  // Closing it rolls back what is not committed.
+  std::unique_ptr<PostgresConnection> connection_;  // Closing it rolls back unless committed.
 };
 
 class PostgresBackend : public MapBackend {
@@ -69,7 +69,7 @@ class PostgresBackend : public MapBackend {
     postgres::RequireSchema(first.get());
     RequireFormat(first.get());
     if (mode == OpenMode::kServing) {
-      watcher_.emplace(&server_, Value(queries::CurrentVersion(first.get())));
+      watcher_.emplace(&server_, Value(queries::LatestVersion(first.get())));
       MakeConnections();
     }
     pool_.GiveBack(std::move(first));
@@ -98,19 +98,19 @@ class PostgresBackend : public MapBackend {
         static_cast<PostgresConnection*>(connection.release())));
   }
 
-  std::unique_ptr<WriteSession> BeginUpdate() override {
+  std::unique_ptr<WriteTransaction> BeginUpdate() override {
     if (mode_ != OpenMode::kReadWrite) {
       throw Error(ErrorCode::kConflict, name() + ": was opened read-only");
     }
-    return std::make_unique<PostgresWriteSession>(server_.Connect(postgres::Use::kWrite, {}));
+    return std::make_unique<PostgresWriteTransaction>(server_.Connect(postgres::Use::kWrite, {}));
   }
 
   MapFileState FileState() const override { return MapFileState::kInPlace; }
   std::string LogPath() const override { return {}; }
 
  private:
-  // Makes the connections with which a query fetches payloads in parallel, so that the first query
-  // does not have to.
+  // A query fetches payloads in parallel, each over its own connection. Makes these connections in
+  // advance, so that the first query does not wait for them.
   void MakeConnections() {
     std::vector<std::unique_ptr<PostgresConnection>> connections;
     for (unsigned i = 0; i < std::clamp(std::thread::hardware_concurrency(), 1u, 8u); ++i) {

@@ -1,5 +1,5 @@
-// A map on a PostgreSQL server; private to storage. Without libpq, all of this throws
-// Error(kUnavailable).
+// A map in a PostgreSQL database; private to storage. In a build without libpq, all functions
+// except IsServerAddress throw Error(kUnavailable).
 #ifndef CAIRN_STORAGE_MAP_POSTGRES_BACKEND_H_
 #define CAIRN_STORAGE_MAP_POSTGRES_BACKEND_H_
 

@@ -15,7 +15,7 @@
 namespace cairn {
 
 // Opens connections as needed and keeps them, with their compiled statements, for reuse. The pool
-// holds as many connections as there were reads at one time. Safe to call from any thread.
+// grows to the largest number of simultaneous reads. Safe to call from any thread.
 class ReaderPool {
  public:
   // `first` has passed the checks of OpenMapFile with `access`. `file` pins the file that `first`

@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kSlackRad = 1e-12;  // Storing bounds in degrees rounds them.
 
-// Within half a turn, the gap outside of the bounds is wider than any gap between tiles. The new
-// bounds then follow from the old bounds and the added tile alone.
+// If the bounds span less than half a turn, the gap outside of them is wider than any gap between
+// tiles. The new bounds then follow from the old bounds and the added tile alone.
 bool SpansMoreThanHalf(const GeoBox& box) {
   const double span_rad =
       box.east_rad - box.west_rad + (box.CrossesAntimeridian() ? 2.0 * kPi : 0.0);

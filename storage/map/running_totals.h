@@ -1,4 +1,4 @@
-// The totals of a map while an update changes it; private to storage.
+// Keeps the totals of a map up to date during an update; private to storage.
 #ifndef CAIRN_STORAGE_MAP_RUNNING_TOTALS_H_
 #define CAIRN_STORAGE_MAP_RUNNING_TOTALS_H_
 

@@ -38,9 +38,9 @@ std::unique_ptr<ReaderPool> OpenReaders(const std::string& path, sqlite::Access 
   return std::make_unique<ReaderPool>(std::move(first), access, std::move(file));
 }
 
-class SqliteWriteSession : public WriteSession {
+class SqliteWriteTransaction : public WriteTransaction {
  public:
-  explicit SqliteWriteSession(const std::string& path) : database_(OpenMapFileForUpdate(path)) {
+  explicit SqliteWriteTransaction(const std::string& path) : database_(OpenMapFileForUpdate(path)) {
     try {
       transaction_.emplace(database_.connection(), sqlite::Transaction::Kind::kImmediate);
     } catch (const Error& error) {
@@ -51,8 +51,7 @@ class SqliteWriteSession : public WriteSession {
       }
       throw;
     }
-    // The schema is checked inside the transaction, so the triggers that run later are the checked
-    // ones.
+    // The schema is checked inside the transaction, so no unchecked trigger can run later.
     RequireMapSchema(database_.connection());
   }
 
@@ -77,11 +76,11 @@ class SqliteWriteSession : public WriteSession {
 SqliteBackend::SqliteBackend(const std::string& path, OpenMode mode)
     : mode_(mode), readers_(OpenReaders(path, AccessFor(mode))) {}
 
-std::unique_ptr<WriteSession> SqliteBackend::BeginUpdate() {
+std::unique_ptr<WriteTransaction> SqliteBackend::BeginUpdate() {
   if (mode_ != OpenMode::kReadWrite) {
     throw Error(ErrorCode::kConflict, name() + ": was opened read-only");
   }
-  return std::make_unique<SqliteWriteSession>(name());
+  return std::make_unique<SqliteWriteTransaction>(name());
 }
 
 MapFileState SqliteBackend::FileState() const {

@@ -23,7 +23,7 @@ class SqliteBackend : public MapBackend {
   void GiveBack(std::unique_ptr<db::Connection> connection) override {
     readers_->GiveBack(std::move(connection));
   }
-  std::unique_ptr<WriteSession> BeginUpdate() override;
+  std::unique_ptr<WriteTransaction> BeginUpdate() override;
   MapFileState FileState() const override;
   std::string LogPath() const override { return name() + "-wal"; }
 

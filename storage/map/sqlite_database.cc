@@ -20,7 +20,8 @@ class SqliteCursor : public db::Cursor {
     statement_.BindAt(index, value);
   }
   void BindAt(int index, db::Geometry value) override { statement_.BindAt(index, value.bytes); }
-  void BindAt(int /*index*/, std::nullptr_t /*null*/) override {}  // As parameters are at first.
+  void BindAt(int /*index*/, std::nullptr_t /*null*/) override {
+  }  // Parameters are NULL until they are bound.
   bool Step() override { return statement_.Step(); }
   int64_t Int64(int column) const override { return statement_.Int64(column); }
   double Double(int column) const override { return statement_.Double(column); }
@@ -35,7 +36,7 @@ class SqliteCursor : public db::Cursor {
 
 }  // namespace
 
-uint64_t SqliteDatabase::FileBytes() {
+uint64_t SqliteDatabase::BytesOnDisk() {
   std::error_code ignored;
   return std::filesystem::file_size(connection_->path(), ignored);
 }

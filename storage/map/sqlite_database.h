@@ -19,7 +19,7 @@ class SqliteDatabase : public db::Connection {
 
   const std::string& name() const override { return connection_->path(); }
   db::Dialect dialect() const override { return db::Dialect::kSqlite; }
-  uint64_t FileBytes() override;
+  uint64_t BytesOnDisk() override;
   void Execute(const std::string& script) override { connection_->Execute(script); }
   db::Statement Prepare(std::string_view sql) override;
   // Needs a rowid table whose key is the rowid.

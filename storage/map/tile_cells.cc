@@ -12,9 +12,8 @@ constexpr int kTilesASide = 1 << kCellShift;
 constexpr int kEastingShift = 26;  // As in core/tile_id.h.
 constexpr int kIndexBits = 26;
 constexpr int kMaxCellsASide = 8;
-// A tile whose bounding box meets the box has its centre at most this far outside of it: half of
-// the diagonal of a tile, 106 m, and what the sides of a box of 13 km bend between their corners,
-// 21 m.
+// If a tile's bounding box meets the box, the tile's center is at most this far outside of the box:
+// half of the diagonal of a tile (106 m), plus the bend of the sides of a box of 13 km (21 m).
 constexpr double kMarginM = 135.0;
 constexpr double kMaxLatRad = 1.4;  // 80 degrees; UPS begins at 84 and -80.
 
@@ -41,7 +40,7 @@ bool AreInOneZone(const std::array<TileId, 4>& tiles) {
   });
 }
 
-// Returns the cells along one axis; `index` returns a tile's index there.
+// Returns the cells along one axis. `index` returns a tile's index on that axis.
 template <typename Index>
 IndexRange CellRange(const std::array<TileId, 4>& tiles, const Index& index) {
   const auto [least, most] =

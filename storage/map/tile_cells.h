@@ -1,4 +1,4 @@
-// Cells of 8 x 8 tiles, in which tile records are read and cached; private to storage.
+// Cells of 8 x 8 tiles: the unit in which tile records are read and cached; private to storage.
 #ifndef CAIRN_STORAGE_MAP_TILE_CELLS_H_
 #define CAIRN_STORAGE_MAP_TILE_CELLS_H_
 
@@ -12,16 +12,16 @@
 
 namespace cairn {
 
-// The value of the cell's tile id in the south-west. Cells are 1.2 km wide.
+// The value of the id of the cell's south-western tile. Cells are 1.2 km wide.
 enum class TileCell : uint64_t {};
 
 TileCell CellOf(TileId tile_id);
 
 // Returns cells that together hold every tile whose bounding box meets `box`. Returns nothing if
-// the box is large, at a pole, or near the border of a UTM zone, where cells do not help.
+// the box is large, at a pole, or near the border of a UTM zone: such boxes are not cached.
 std::optional<std::vector<TileCell>> CellsMeeting(const GeoBox& box);
 
-// Ranges [first, last] of tile ids that together are the cell: one per column of tiles.
+// Returns the tile ids of the cell as ranges [first, last], one for each column of tiles.
 std::vector<std::pair<int64_t, int64_t>> TileRanges(TileCell cell);
 
 }  // namespace cairn

@@ -19,7 +19,7 @@ CellTiles VersionCache::Find(TileCell cell) const {
 }
 
 void VersionCache::Keep(TileCell cell, CellTiles tiles) {
-  constexpr size_t kMaxCells = 16'384;  // A full cell takes 15 kB, most are far from full.
+  constexpr size_t kMaxCells = 16'384;  // A full cell takes 15 kB. Most cells are far from full.
   const std::lock_guard lock(mutex_);
   if (cells_.size() >= kMaxCells) {
     cells_.erase(cells_.begin());

@@ -1,4 +1,4 @@
-// What an open map remembers of one version; private to storage.
+// Caches content of one version; private to storage.
 #ifndef CAIRN_STORAGE_MAP_VERSION_CACHE_H_
 #define CAIRN_STORAGE_MAP_VERSION_CACHE_H_
 
@@ -31,12 +31,13 @@ class VersionCache {
 
   MapVersion version() const { return version_; }
 
-  // The codebook of the version, 0 for none; nothing if it was not kept yet.
+  // Returns the codebook of the version (0 if the version has none), or nothing if it is not
+  // cached.
   std::optional<CodebookId> codebook_id() const;
   void KeepCodebook(CodebookId codebook_id);
 
-  CellTiles Find(TileCell cell) const;  // Null if the cell was not kept.
-  // Once there are many cells, any one makes room.
+  CellTiles Find(TileCell cell) const;  // Null if the cell is not cached.
+  // Once there are many cells, drops any other cell.
   void Keep(TileCell cell, CellTiles tiles);
 
  private:

@@ -19,10 +19,10 @@
 namespace cairn::queries {
 namespace {
 
-constexpr std::string_view kCurrentVersionSql =
+constexpr std::string_view kLatestVersionSql =
     "SELECT version FROM cairn_versions ORDER BY version DESC LIMIT 1";
 
-// Columns of ReadVersion, in its order.
+// The columns of ReadVersion, in order.
 constexpr std::string_view kLatestVersionsSql =
     "SELECT version, created_at, author, kind, session, summary, num_sessions, num_keyframes, "
     "num_tiles, num_landmarks, num_descriptors, payload_bytes, south_deg, west_deg, north_deg, "
@@ -33,7 +33,7 @@ constexpr std::string_view kChangedTilesSql =
     "SELECT tile_id FROM cairn_tiles WHERE since > ?1 UNION "
     "SELECT tile_id FROM cairn_past_tiles WHERE until > ?1";
 
-// Columns of ReadTile, and since and until.
+// The columns of ReadTile, then since and until.
 #define CAIRN_PAST_TILE_COLUMNS                                                         \
   "SELECT t.tile_id, t.payload_id, t.codebook_id, t.num_landmarks, t.num_descriptors, " \
   "t.num_keyframes, t.num_bytes, t.min_h_m, t.max_h_m, t.landmarks_south_deg, "         \
@@ -47,7 +47,7 @@ constexpr std::string_view kAllPastTilesSql = CAIRN_PAST_TILE_COLUMNS "ORDER BY 
 
 #undef CAIRN_PAST_TILE_COLUMNS
 
-// Columns of ReadKeyframe.
+// The columns of ReadKeyframe.
 #define CAIRN_PAST_KEYFRAME_COLUMNS                                                    \
   "SELECT p.keyframe_id, p.session_id, p.tile_id, p.image_name, c.model, c.width_px, " \
   "c.height_px, c.params, p.qw, p.qx, p.qy, p.qz, p.tx_m, p.ty_m, p.tz_m "             \
@@ -125,12 +125,12 @@ std::string LoginName() {
 
 }  // namespace
 
-std::string_view CurrentVersionSql() { return kCurrentVersionSql; }
+std::string_view LatestVersionSql() { return kLatestVersionSql; }
 std::string_view LatestVersionsSql() { return kLatestVersionsSql; }
 std::string_view ChangedTilesSql() { return kChangedTilesSql; }
 
-MapVersion CurrentVersion(db::Connection* connection) {
-  db::Statement row = connection->Prepare(kCurrentVersionSql);
+MapVersion LatestVersion(db::Connection* connection) {
+  db::Statement row = connection->Prepare(kLatestVersionSql);
   if (!row.Step()) {
     throw Error(ErrorCode::kMapDamaged, connection->name() + ": the table cairn_versions is empty");
   }
@@ -147,7 +147,7 @@ std::vector<VersionRecord> Versions(db::Connection* connection, int64_t limit, M
   return versions;
 }
 
-VersionRecord LatestVersion(db::Connection* connection) {
+VersionRecord LatestRecord(db::Connection* connection) {
   std::vector<VersionRecord> versions = Versions(connection, 1, kNewest);
   if (versions.empty()) {
     throw Error(ErrorCode::kMapDamaged, connection->name() + ": the table cairn_versions is empty");

@@ -14,14 +14,14 @@
 namespace cairn::queries {
 
 // The SQL of the frequent queries, for the tests of EXPLAIN QUERY PLAN.
-std::string_view CurrentVersionSql();
+std::string_view LatestVersionSql();
 std::string_view LatestVersionsSql();
 std::string_view ChangedTilesSql();
 
-MapVersion CurrentVersion(db::Connection* connection);
+MapVersion LatestVersion(db::Connection* connection);
 // Returns the newest `limit` versions up to `as_of`, newest first.
 std::vector<VersionRecord> Versions(db::Connection* connection, int64_t limit, MapVersion as_of);
-VersionRecord LatestVersion(db::Connection* connection);
+VersionRecord LatestRecord(db::Connection* connection);
 // Throws as RequireVersion.
 VersionRecord FindVersion(db::Connection* connection, MapVersion version);
 bool HasVersion(db::Connection* connection, MapVersion version);
@@ -35,20 +35,20 @@ void RequireVersion(db::Connection* connection, MapVersion version);
 // Returns the tiles whose payloads differ, ordered by id. Throws as RequireVersion.
 std::vector<TileChange> Diff(db::Connection* connection, MapVersion from, MapVersion to);
 
-// A state of a tile that the latest version does not have.
+// A tile of the past, and the versions [since, until) that had it.
 struct PastTile {
   TileRecord tile;
   MapVersion since{};
   MapVersion until{};
 };
 
-// These return the rows of the past that a version has, ordered by id. They look only at rows that
-// versions after it removed.
+// These return the rows of the past that `version` had, ordered by id. They read only rows that
+// later versions removed.
 std::vector<TileRecord> PastTiles(db::Connection* connection, MapVersion version);
 std::vector<SessionRecord> PastSessions(db::Connection* connection, MapVersion version);
 std::vector<KeyframeRecord> PastKeyframes(db::Connection* connection, MapVersion version);
 
-// Sorts tiles by id and keeps one of several with the same id.
+// Sorts tiles by id and drops repeated ids.
 void SortById(std::vector<TileRecord>* tiles);
 
 // Returns all tiles of the past, ordered by id and version.
@@ -60,7 +60,7 @@ std::optional<KeyframeRecord> FindKeyframeOf(db::Connection* connection, MapVers
 // Returns the box around the squares of all tiles. Reads every tile id.
 std::optional<GeoBox> BoundsOfTiles(db::Connection* connection);
 
-// Takes the user of the process for the author.
+// The author is the user of the process.
 void InsertVersion(db::Connection* connection, MapVersion version, const VersionNote& note,
                    const MapTotals& totals);
 

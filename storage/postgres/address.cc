@@ -26,7 +26,7 @@ std::vector<std::string> Split(const std::string& text) {
 }
 
 Options Parse(const std::string& url) {
-  char* ignored = nullptr;  // It may quote the password.
+  char* ignored = nullptr;  // libpq's message, which may quote the password.
   Options options(PQconninfoParse(url.c_str(), &ignored), &PQconninfoFree);
   PQfreemem(ignored);
   if (options == nullptr) {
@@ -46,7 +46,7 @@ void RefusePassword(const std::string& keyword) {
   }
 }
 
-// A port that is no number may be a password that somebody forgot to follow with a host.
+// A port that is not a number may be a password: "postgresql://user:password" lacks its host.
 void RequirePort(const std::string& port) {
   if (port.find_first_not_of("0123456789") != std::string::npos) {
     throw Error(ErrorCode::kInvalidArgument,
@@ -55,7 +55,7 @@ void RequirePort(const std::string& port) {
   }
 }
 
-// The part for host `i`; a list of one part is for all hosts.
+// Returns the part for host `i`. A list of one part is for all hosts.
 const std::string& PartOf(const std::vector<std::string>& parts, size_t i) {
   return parts.size() == 1 ? parts[0] : parts.at(i);
 }

@@ -12,7 +12,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kLongestWait{30};  // For a reader without a deadline.
 
-// A query does not wait for a frozen server until its own end, so that its client can ask another.
+// A query gives up on a frozen server before its own deadline, so that its client can ask another
+// server.
 Patience PatienceUntil(db::Deadline deadline) {
   return deadline ? Patience{deadline, std::chrono::seconds(2)} : Patience{};
 }

@@ -1,4 +1,4 @@
-// Connections for reading that are kept for reuse.
+// Keeps connections for reading, for reuse.
 #ifndef CAIRN_STORAGE_POSTGRES_CONNECTION_POOL_H_
 #define CAIRN_STORAGE_POSTGRES_CONNECTION_POOL_H_
 
@@ -11,8 +11,8 @@
 
 namespace cairn::postgres {
 
-// Making a connection takes 2 to 10 ms, so connections are kept with their compiled statements.
-// Safe to call from any thread.
+// A new connection takes milliseconds, so connections are kept with their compiled statements. Safe
+// to call from any thread.
 class ConnectionPool {
  public:
   static constexpr int kMaxConnections = 16;
@@ -20,11 +20,11 @@ class ConnectionPool {
   // `server` must outlive the pool.
   explicit ConnectionPool(const Server* server) : server_(server) {}
 
-  // Borrows a connection on which each wait ends at the deadline, or after two seconds without a
-  // byte if there is a deadline. Waits for one if kMaxConnections are borrowed. Throws
-  // Error(kUnavailable) if there is none in time, and what Server::Connect throws.
+  // Borrows a connection. Each wait on a connection with a deadline ends at the deadline, or after
+  // two seconds without a byte. If kMaxConnections are borrowed, waits until one is returned.
+  // Throws Error(kUnavailable) if none is returned in time, and what Server::Connect throws.
   std::unique_ptr<PostgresConnection> Take(db::Deadline deadline);
-  // Closes a connection that is no longer usable instead of keeping it.
+  // Returns a connection. Closes the connection if it is no longer usable.
   void GiveBack(std::unique_ptr<PostgresConnection> connection);
 
  private:

@@ -18,7 +18,7 @@ struct Kind {
   const char* advice;
 };
 
-// The first row that fits counts.
+// The first row that matches counts.
 constexpr Kind kKinds[] = {
     {"08", ErrorCode::kUnavailable, "try again"},
     {"57P", ErrorCode::kUnavailable, "the server is starting or stopping; try again"},

@@ -11,22 +11,23 @@
 
 namespace cairn::postgres {
 
-// Returns true if the server or the connection is gone or going, so that nothing more can be asked
-// over the connection (classes 08 and 57P of SQLSTATE, too many connections).
+// Returns true if the connection cannot be used any more, because the connection or the server has
+// ended or is about to (classes 08 and 57P of SQLSTATE, too many connections).
 bool EndsConnection(std::string_view sqlstate);
 
-// Returns the error of a failed statement, with the server's message and what to do about it:
+// Returns the error of a failed statement, with PostgreSQL's message and advice:
 //  - kUnavailable if the server goes away or is too busy;
-//  - kConflict if the server is a standby, or another transaction is in the way;
+//  - kConflict if the server is a standby, or another transaction holds a lock;
 //  - kIo if the role lacks a privilege, or the disk is full;
 //  - kBadInput if a text is not UTF-8;
-//  - kMapDamaged if the tables or their values are not those of a map;
+//  - kMapDamaged if the database does not have the tables of a map, or has invalid values;
 //  - kInternal otherwise.
 Error StatementError(const std::string& name, const PGresult* result);
 
-// Returns the error of a connection that could not be made; `message` is libpq's. kIo if the server
-// refuses the role, the password or the encryption, kNotFound if it has no such database, else
-// kUnavailable.
+// Returns the error of a failed connection, whose message from libpq is `message`:
+//  - kIo if the server refuses the role, the password or the encryption;
+//  - kNotFound if the server has no such database;
+//  - kUnavailable otherwise.
 Error ConnectError(const std::string& name, const std::string& message);
 
 }  // namespace cairn::postgres

@@ -15,7 +15,7 @@ constexpr milliseconds kAnswerTime{500};
 constexpr milliseconds kPause{200};
 constexpr milliseconds kPollOfPrimary{1000};
 constexpr milliseconds kPollOfStandby{250};
-constexpr milliseconds kSliceOfWait{100};  // So long the end of the thread may take.
+constexpr milliseconds kSliceOfWait{100};  // The longest time until the thread ends.
 constexpr milliseconds kLongestSilence{2000};
 
 bool IsStandby(PostgresConnection* connection) {

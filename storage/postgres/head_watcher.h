@@ -1,4 +1,4 @@
-// A thread that knows the latest version of a map on a server.
+// A thread that watches the latest version of a map in PostgreSQL.
 #ifndef CAIRN_STORAGE_POSTGRES_HEAD_WATCHER_H_
 #define CAIRN_STORAGE_POSTGRES_HEAD_WATCHER_H_
 
@@ -13,14 +13,14 @@
 
 namespace cairn::postgres {
 
-// On a primary, the thread waits for notifications (LISTEN cairn_head) and asks once a second
-// besides; a standby sends no notifications and is asked four times a second. A server that does
-// not answer within half a second is silent, and is tried again five times a second.
+// On a primary, the thread waits for notifications (LISTEN cairn_head) and also asks once a second.
+// A standby sends no notifications, so the thread asks four times a second. A server that does not
+// answer within half a second is silent. The thread then tries again five times a second.
 class HeadWatcher {
  public:
   struct Head {
     int64_t version = 0;
-    bool is_silent = false;  // The server did not answer last time, or for two seconds.
+    bool is_silent = false;  // The last question failed, or two seconds passed without an answer.
   };
 
   // `server` must outlive the watcher. `version` is the latest version as of now.
@@ -30,7 +30,7 @@ class HeadWatcher {
 
  private:
   void Work(const std::stop_token& stop);
-  // Watches over one connection until it fails, or the thread must end.
+  // Watches over one connection until the connection fails or the thread must end.
   void Watch(const std::stop_token& stop);
   void Set(int64_t version);
 
@@ -38,7 +38,7 @@ class HeadWatcher {
   mutable std::mutex mutex_;  // Guards the next two members.
   Head head_;
   std::chrono::steady_clock::time_point last_answer_;
-  // The last member, so that the thread ends before the others are destroyed.
+  // The last member, so that the thread ends before the other members are destroyed.
   std::jthread thread_;
 };
 

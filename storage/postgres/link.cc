@@ -17,13 +17,13 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-// Returns the number of milliseconds until then, at least 0, rounded up.
+// Returns the milliseconds until that time, at least 0, rounded up.
 int MillisecondsUntil(Clock::time_point until) {
   const auto left = std::chrono::ceil<milliseconds>(until - Clock::now()).count();
   return static_cast<int>(std::clamp<int64_t>(left, 0, 3'600'000));
 }
 
-// Returns true if the socket is ready before then. A signal does not end the wait.
+// Returns true if the socket is ready before that time. A signal does not end the wait.
 bool PollUntil(int socket, short events, Clock::time_point until) {
   pollfd entry{socket, events, 0};
   while (true) {
@@ -56,7 +56,7 @@ Link::Link(const std::vector<Settings>& hosts, const std::string& name, const Pa
       is_broken_ = false;
       return;
     } catch (const Error& error) {
-      // A server that refuses says more than one that is away.
+      // A refusal says more than a host that does not answer.
       if (!problem || problem->code() == ErrorCode::kUnavailable) {
         problem = error;
       }
@@ -105,8 +105,8 @@ bool Link::IsUsable() {
   if (is_broken_ || PQstatus(connection_.get()) != CONNECTION_OK) {
     return false;
   }
-  // What arrives on an idle connection is a notice, or the end of the connection. Neither is worth
-  // finding out which.
+  // Data on an idle connection is a notice or the end of the connection. The link is not reused in
+  // either case, so there is no need to find out.
   return PQtransactionStatus(connection_.get()) == PQTRANS_IDLE &&
          !PollUntil(PQsocket(connection_.get()), POLLIN, Clock::time_point{});
 }
@@ -129,7 +129,7 @@ void Link::Flush() {
   }
 }
 
-// Reads all results of what was sent, and keeps the last or the first that failed.
+// Reads all results of the statements sent. Returns the first failure, or else the last result.
 Result Link::Receive() {
   Flush();
   Result kept(nullptr, &PQclear);

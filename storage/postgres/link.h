@@ -31,20 +31,21 @@ struct Patience {
   std::chrono::milliseconds silence = std::chrono::minutes(10);
 };
 
-// Uses libpq's asynchronous functions and poll(). After a failure of the connection, and after a
-// wait that was given up, the link is broken and every further use throws Error(kUnavailable).
-// Use each link from one thread at a time.
+// Uses libpq's asynchronous functions and poll(). A failed connection and a wait beyond its limit
+// break the link. Every further use of a broken link throws Error(kUnavailable). Use each link from
+// one thread at a time.
 class Link {
  public:
-  // Tries the hosts in turn. `name` is for messages. Throws as ConnectError says.
+  // Tries the hosts in order. `name` is for messages. Throws the errors of ConnectError.
   Link(const std::vector<Settings>& hosts, const std::string& name, const Patience& patience);
 
   void set_patience(const Patience& patience) { patience_ = patience; }
-  // False also if the server has hung up or has something to say; costs a system call.
+  // Returns false if the link is broken, if the server has closed the connection, or if there is
+  // anything to read. Costs a system call.
   bool IsUsable();
 
-  // Runs statements without parameters; returns the result of the last. Throws as StatementError
-  // says.
+  // Runs statements without parameters and returns the result of the last one. Throws the errors of
+  // StatementError.
   Result Run(const std::string& script);
   void Prepare(const std::string& id, const std::string& sql, const std::vector<Oid>& types);
   Result RunPrepared(const std::string& id, std::span<const Parameter> parameters);

@@ -47,7 +47,7 @@ Result PostgresConnection::Run(const std::string& sql, const std::vector<Paramet
   return link_.RunPrepared(found->second, parameters);
 }
 
-uint64_t PostgresConnection::FileBytes() {
+uint64_t PostgresConnection::BytesOnDisk() {
   db::Statement row = Prepare(
       "SELECT coalesce(sum(pg_total_relation_size(c.oid)), 0)::bigint FROM pg_class AS c "
       "WHERE c.relnamespace = 'cairn'::regnamespace AND c.relkind = 'r'");

@@ -1,4 +1,4 @@
-// A PostgreSQL server as a db::Connection.
+// A connection to PostgreSQL as a db::Connection.
 #ifndef CAIRN_STORAGE_POSTGRES_POSTGRES_CONNECTION_H_
 #define CAIRN_STORAGE_POSTGRES_POSTGRES_CONNECTION_H_
 
@@ -14,7 +14,7 @@
 
 namespace cairn::postgres {
 
-// Rows come whole, so a statement's rows must fit into memory. Values travel in binary.
+// All rows of a statement must fit into memory. Values are sent and received in binary.
 class PostgresConnection : public db::Connection {
  public:
   explicit PostgresConnection(Link link) : link_(std::move(link)) {}
@@ -23,14 +23,14 @@ class PostgresConnection : public db::Connection {
 
   const std::string& name() const override { return link_.name(); }
   db::Dialect dialect() const override { return db::Dialect::kPostgres; }
-  uint64_t FileBytes() override;
+  uint64_t BytesOnDisk() override;
   void Execute(const std::string& script) override { link_.Run(script); }
   db::Statement Prepare(std::string_view sql) override;
   std::optional<LargeVector<uint8_t>> ReadBytes(const char* table, const char* key_column,
                                                 int64_t key) override;
 
-  // Runs a statement whose parameters are ?, or ?1, ?2, ...; compiles it at the first use with
-  // these types of parameters.
+  // Runs a statement with the parameters ?, or ?1, ?2, ... Compiles the statement at its first use
+  // with these types of parameters.
   Result Run(const std::string& sql, const std::vector<Parameter>& parameters);
 
  private:

@@ -1,4 +1,4 @@
-// A statement of a PostgreSQL server: its parameters and its rows.
+// A statement of PostgreSQL with its parameters and rows.
 #ifndef CAIRN_STORAGE_POSTGRES_POSTGRES_CURSOR_H_
 #define CAIRN_STORAGE_POSTGRES_POSTGRES_CURSOR_H_
 
@@ -13,8 +13,8 @@
 
 namespace cairn::postgres {
 
-// Runs at the first Step. Columns are int8, int4, boolean (Int64), float8, text or bytea; any other
-// type throws Error(kMapDamaged), as NULL does.
+// Runs at the first Step. The types of columns are int8, int4 and boolean (Int64), float8, text and
+// bytea. Reading NULL or any other type throws Error(kMapDamaged).
 class PostgresCursor : public db::Cursor {
  public:
   PostgresCursor(PostgresConnection* connection, std::string sql)
@@ -39,7 +39,7 @@ class PostgresCursor : public db::Cursor {
 
  private:
   Parameter& At(int index);
-  // Sets a parameter to bytes that the cursor keeps.
+  // Sets a parameter to `bytes`, which the cursor keeps.
   void Keep(int index, Oid type, std::string bytes);
   std::span<const uint8_t> View(int column) const;
   [[noreturn]] void RefuseType(int column) const;

@@ -20,7 +20,7 @@ constexpr Migration kMigrations[] = {
     {"0001_map", sql::k_0001_map_sql},
 };
 
-// Runs a query of one boolean.
+// Returns the result of a query for one boolean.
 bool Holds(PostgresConnection* connection, const char* sql) {
   db::Statement row = connection->Prepare(sql);
   return row.Step() && row.Int64(0) != 0;

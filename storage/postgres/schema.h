@@ -1,4 +1,4 @@
-// The schema of a map on a server, by numbered migrations.
+// Installs and verifies the schema of a map in PostgreSQL by numbered migrations.
 #ifndef CAIRN_STORAGE_POSTGRES_SCHEMA_H_
 #define CAIRN_STORAGE_POSTGRES_SCHEMA_H_
 
@@ -8,16 +8,16 @@
 
 namespace cairn::postgres {
 
-// Creates the schema `cairn` in the open transaction, and PostGIS if it is missing and the role may
-// create it. Throws Error(kConflict) if the database has a map, Error(kUnavailable) if the server
-// has no PostGIS, Error(kIo) if the role may not create it or the schema.
+// Creates the schema `cairn` in the open transaction. Adds PostGIS to the database if it is
+// missing. Throws Error(kConflict) if the database has a map, Error(kUnavailable) if the server has
+// no PostGIS, Error(kIo) if the role may not create the schema or add PostGIS.
 void InstallSchema(PostgresConnection* connection);
 
 // Deletes the map with everything in it.
 void DropSchema(PostgresConnection* connection);
 
-// Throws Error(kNotFound) if the database has no map, Error(kConflict) if its migrations are newer
-// than this program's, Error(kIo) if the role may not read it.
+// Throws Error(kNotFound) if the database has no map, Error(kConflict) if the map has newer
+// migrations than this program, Error(kIo) if the role may not read the map.
 void RequireSchema(PostgresConnection* connection);
 
 // Throws Error(kIo) unless the role may publish versions.

@@ -1,4 +1,4 @@
-// A PostgreSQL database by its URL: makes connections to it.
+// A PostgreSQL database with its URL. Makes connections.
 #ifndef CAIRN_STORAGE_POSTGRES_SERVER_H_
 #define CAIRN_STORAGE_POSTGRES_SERVER_H_
 
@@ -12,7 +12,7 @@
 namespace cairn::postgres {
 
 enum class Use {
-  kRead,   // Any of the URL's hosts, a standby too; the server refuses to write.
+  kRead,   // Any host of the URL, including standbys. The connection is read-only.
   kWrite,  // The host that is the primary.
 };
 

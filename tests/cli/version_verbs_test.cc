@@ -127,7 +127,8 @@ TEST_F(VersionVerbs, ExtractTakesABoxOrAGeoJsonFile) {
               HasSubstr("1 sessions, 1 tiles, 20 landmarks"));
   const std::string none = dir_.File("none.gpkg");
   ExpectFails({"extract", map_, "--bbox", "0,0,1,1", "--out", none}, 4, "no tile in this region");
-  ExpectFails({"extract", map_, "--bbox", "2,0,1,1", "--out", none}, 4, "south above its north");
+  ExpectFails({"extract", map_, "--bbox", "2,0,1,1", "--out", none}, 4,
+              "southern edge north of its northern edge");
   ExpectFails({"extract", map_, "--out", none}, 2, "");
   std::ofstream(region) << R"({"type": "Point", "coordinates": [8, 49]})";
   ExpectFails({"extract", map_, "--geojson", region, "--out", none}, 4, "a kind of polygon");

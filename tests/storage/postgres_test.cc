@@ -186,7 +186,7 @@ TEST_F(PostgresTest, RolesMayDoWhatTheyMust) {
   MapUpdate update = builder.BeginUpdate();
   PutPlace(1, 2, &update);
   update.RestoreVersion(MapVersion(1));
-  update.ForgetVersionsBefore(MapVersion(2));
+  update.PruneBefore(MapVersion(2));
   EXPECT_EQ(update.Publish(), MapVersion(3));
   EXPECT_EQ(
       ErrorCodeOf([&] { MapStore::Open(cluster_->Url("city", "stranger"), OpenMode::kReadOnly); }),

@@ -72,11 +72,11 @@ TEST_F(MapCheck, ADigestThatIsNotThePayloads) {
 
 TEST_F(MapCheck, TotalsAndBoundsThatAreNotTheVersions) {
   ExpectFound("UPDATE cairn_versions SET num_landmarks = num_landmarks + 1 WHERE version = 2",
-              "1 versions have totals that are not those of what they hold");
+              "1 versions have totals that do not match their content");
   ExpectFound("UPDATE cairn_versions SET north_deg = north_deg + 1 WHERE version = 2",
-              "the bounds of the latest version are not those of its tiles");
+              "the bounds of the latest version do not match its tiles");
   ExpectFound("UPDATE cairn_versions SET south_deg = 1 WHERE version = 1",
-              "1 versions have bounds that are none");
+              "1 versions have invalid bounds");
 }
 
 TEST_F(MapCheck, VersionsThatAreMissing) {
@@ -277,7 +277,7 @@ TEST_F(MapCheck, TimesAndDigestsOfSessionsThatAreNone) {
   ExpectFound(
       "UPDATE cairn_sessions SET recorded_at = 'in May' WHERE session_id = 1;"
       "UPDATE cairn_sessions SET content_digest = 'xyz' WHERE session_id = 2",
-      "2 sessions have times or digests that are none");
+      "2 sessions have invalid times or digests");
 }
 
 TEST_F(MapCheck, KeyframesOfAPayloadThatTheMapLacks) {

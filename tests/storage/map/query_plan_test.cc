@@ -66,7 +66,7 @@ TEST(QueryPlan, KeyframesOfATileComeThroughItsIndex) {
 
 TEST(QueryPlan, TheVersionIsOneStepFromTheEnd) {
   const TempDir dir;
-  const std::string plan = PlanOf(MakeStreetMap(dir.File("a.gpkg")), queries::CurrentVersionSql());
+  const std::string plan = PlanOf(MakeStreetMap(dir.File("a.gpkg")), queries::LatestVersionSql());
   EXPECT_THAT(plan, Not(HasSubstr("TEMP B-TREE")));
   EXPECT_THAT(PlanOf(dir.File("a.gpkg"), queries::LatestVersionsSql()),
               Not(HasSubstr("TEMP B-TREE")));
