@@ -1,4 +1,4 @@
-// `cairn compact`: gives the free space of a map file back.
+// `cairn compact`: rewrites a map file without its free space.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -27,7 +27,7 @@ ExitCode RunCompact(const std::string& map_path) {
 }  // namespace
 
 void AddCompactCommand(CLI::App* app, Shell* shell) {
-  CLI::App* command = app->add_subcommand("compact", "Rewrite a map file without free space");
+  CLI::App* command = app->add_subcommand("compact", "Rewrite a map file without its free space");
   auto map_path = std::make_shared<std::string>();
   command->add_option("MAP", *map_path, "Map file")->required();
   command->footer("Example:\n  cairn compact city.gpkg");

@@ -1,4 +1,4 @@
-// `cairn copy`: moves a map between a file and a server.
+// `cairn copy`: copies a map, for example from a file to a PostgreSQL database.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -34,10 +34,11 @@ ExitCode RunCopy(const CopyArguments& arguments, ProgressMode progress_mode) {
 
 void AddCopyCommand(CLI::App* app, Shell* shell) {
   CLI::App* command = app->add_subcommand(
-      "copy", "Copy a map with all its versions, from and to a file or a PostgreSQL database");
+      "copy", "Copy a map with all its versions between files and PostgreSQL databases");
   auto arguments = std::make_shared<CopyArguments>();
-  command->add_option("FROM", arguments->from, "Map file, or postgresql:// URL")->required();
-  command->add_option("TO", arguments->to, "The same of the map to create")->required();
+  command->add_option("FROM", arguments->from, "Map: a file or a postgresql:// URL")->required();
+  command->add_option("TO", arguments->to, "Map to create: a file or a postgresql:// URL")
+      ->required();
   command->footer("Example:\n  cairn copy city.gpkg postgresql://builder@db1/city");
   command->callback([shell, arguments] {
     shell->run = [shell, arguments] { return RunCopy(*arguments, shell->progress_mode); };

@@ -1,4 +1,4 @@
-// `cairn diff`: what differs between two versions of a map.
+// `cairn diff`: shows the tiles that differ between two versions of a map.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -131,11 +131,11 @@ void AddDiffCommand(CLI::App* app, Shell* shell) {
   CLI::App* command =
       app->add_subcommand("diff", "Show the tiles that differ between two versions");
   auto arguments = std::make_shared<DiffArguments>();
-  command->add_option("MAP", arguments->map_path, "Map file")->required();
-  command->add_option("FROM", arguments->from, "Version; see cairn log")->required();
-  command->add_option("TO", arguments->to, "Version")->required();
+  command->add_option("MAP", arguments->map_path, "Map: a file or a postgresql:// URL")->required();
+  command->add_option("FROM", arguments->from, "Earlier version; see cairn log")->required();
+  command->add_option("TO", arguments->to, "Later version")->required();
   CLI::Option* json = command->add_flag("--json", arguments->json, "Print JSON");
-  command->add_flag("--geojson", arguments->geojson, "Print the squares as GeoJSON")
+  command->add_flag("--geojson", arguments->geojson, "Print the squares of the tiles as GeoJSON")
       ->excludes(json);
   command->footer("Example:\n  cairn diff city.gpkg 3 5");
   command->callback(

@@ -319,7 +319,7 @@ void AddTransportOptions(CLI::App* command, EvalArguments* arguments) {
 void AddEvalCommand(CLI::App* app, Shell* shell) {
   CLI::App* command = app->add_subcommand("eval", "Measure accuracy and speed against known poses");
   auto arguments = std::make_shared<EvalArguments>();
-  command->add_option("MAP", arguments->map_path, "Map file")->required();
+  command->add_option("MAP", arguments->map_path, "Map: a file or a postgresql:// URL")->required();
   AddOptionsFile(command, &arguments->options);
   AddQuerySourceOptions(command, &arguments->queries);
   AddNoiseOptions(command, arguments.get());

@@ -44,13 +44,12 @@ ExitCode RunExtract(const ExtractArguments& arguments) {
 }  // namespace
 
 void AddExtractCommand(CLI::App* app, Shell* shell) {
-  CLI::App* command =
-      app->add_subcommand("extract", "Copy the tiles of a region into a map of their own");
+  CLI::App* command = app->add_subcommand("extract", "Copy the tiles of a region into a new map");
   auto arguments = std::make_shared<ExtractArguments>();
-  command->add_option("MAP", arguments->map_path, "Map file")->required();
+  command->add_option("MAP", arguments->map_path, "Map: a file or a postgresql:// URL")->required();
   CLI::Option_group* region = command->add_option_group("region");
   region->add_option("--bbox", arguments->box, "south,west,north,east in degrees");
-  region->add_option("--geojson", arguments->geojson_path, "File of polygons");
+  region->add_option("--geojson", arguments->geojson_path, "GeoJSON file of polygons");
   region->require_option(1);
   command->add_option("--out", arguments->out_path, "Map file to create")->required();
   command->footer(

@@ -15,11 +15,12 @@ namespace cairn {
 namespace {
 
 constexpr uint64_t kMaxBytes = uint64_t{64} << 20;
-constexpr size_t kMaxCorners = 1 << 20;  // Of a ring; of polygons and rings, too.
+constexpr size_t kMaxCorners =
+    1 << 20;  // The largest number of corners, rings or polygons in one list.
 constexpr JsonLimits kLimits{.max_values = 4'000'000, .max_elements = kMaxCorners};
 
 GeoPolygon ReadPolygon(const JsonReader& coordinates) {
-  constexpr size_t kMaxAxes = 4;  // The height and what follows do not matter.
+  constexpr size_t kMaxAxes = 4;  // Longitude, latitude, and values that are ignored.
   GeoPolygon polygon;
   for (const JsonReader& ring : coordinates.Elements(1, kMaxCorners)) {
     polygon.emplace_back();

@@ -34,7 +34,7 @@ nlohmann::ordered_json BoundsJson(const MapInfo& info) {
 void PrintJson(const MapInfo& info, const std::optional<std::string>& codebook,
                const std::vector<SessionRecord>& sessions) {
   nlohmann::ordered_json json = {{"version", Value(info.version)},
-                                 {"createdAt", info.created_at},
+                                 {"created", info.created_at},
                                  {"fileBytes", info.file_bytes},
                                  {"payloadBytes", info.payload_bytes},
                                  {"tiles", info.num_tiles},
@@ -49,8 +49,8 @@ void PrintJson(const MapInfo& info, const std::optional<std::string>& codebook,
   }
   for (const SessionRecord& session : sessions) {
     json["sessions"].push_back({{"name", session.name},
-                                {"createdAt", session.created_at},
-                                {"recordedAt", session.recorded_at},
+                                {"created", session.created_at},
+                                {"recorded", session.recorded_at},
                                 {"source", session.source},
                                 {"images", session.num_images},
                                 {"landmarksRead", session.num_landmarks},
@@ -112,7 +112,7 @@ ExitCode RunInfo(const InfoArguments& arguments) {
 void AddInfoCommand(CLI::App* app, Shell* shell) {
   CLI::App* command = app->add_subcommand("info", "Show the contents of a map");
   auto arguments = std::make_shared<InfoArguments>();
-  command->add_option("MAP", arguments->map_path, "Map file")->required();
+  command->add_option("MAP", arguments->map_path, "Map: a file or a postgresql:// URL")->required();
   command->add_flag("--json", arguments->json, "Print JSON");
   command->footer("Example:\n  cairn info city.gpkg");
   command->callback(

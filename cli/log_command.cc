@@ -1,4 +1,4 @@
-// `cairn log`: the versions of a map.
+// `cairn log`: lists the versions of a map.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -6,10 +6,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cli/shell.h"
 #include "core/printable.h"
+#include "http/json/version_json.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {
@@ -24,18 +26,9 @@ struct LogArguments {
 void PrintJson(const std::vector<VersionRecord>& versions) {
   auto json = nlohmann::ordered_json::array();
   for (const VersionRecord& version : versions) {
-    json.push_back({{"version", Value(version.version)},
-                    {"createdAt", version.created_at},
-                    {"author", version.author},
-                    {"kind", version.kind},
-                    {"session", version.session},
-                    {"summary", version.summary},
-                    {"sessions", version.totals.num_sessions},
-                    {"keyframes", version.totals.num_keyframes},
-                    {"tiles", version.totals.num_tiles},
-                    {"landmarks", version.totals.num_landmarks},
-                    {"descriptors", version.totals.num_descriptors},
-                    {"payloadBytes", version.totals.payload_bytes}});
+    nlohmann::ordered_json one = VersionJson(version);
+    one["author"] = version.author;
+    json.push_back(std::move(one));
   }
   fmt::print("{}\n", json.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace));
 }
@@ -68,8 +61,8 @@ ExitCode RunLog(const LogArguments& arguments) {
 void AddLogCommand(CLI::App* app, Shell* shell) {
   CLI::App* command = app->add_subcommand("log", "List the versions of a map, newest first");
   auto arguments = std::make_shared<LogArguments>();
-  command->add_option("MAP", arguments->map_path, "Map file")->required();
-  command->add_option("--limit", arguments->limit, "List at most so many versions")
+  command->add_option("MAP", arguments->map_path, "Map: a file or a postgresql:// URL")->required();
+  command->add_option("--limit", arguments->limit, "Largest number of versions to list")
       ->check(CLI::PositiveNumber);
   command->add_flag("--json", arguments->json, "Print JSON");
   command->footer("Example:\n  cairn log city.gpkg");

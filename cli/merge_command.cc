@@ -1,4 +1,4 @@
-// `cairn merge`: makes one map of two.
+// `cairn merge`: makes one map of two maps.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -28,7 +28,7 @@ ExitCode RunMerge(const MergeArguments& arguments, ProgressMode progress_mode) {
     report = MergeMaps(a, b, arguments.out_path,
                        [&](int64_t done, int64_t total) { progress.Update("merge", done, total); });
   }
-  fmt::print("{}: {} sessions, {} tiles ({} of both maps), {} landmarks, {:.1f} kB\n",
+  fmt::print("{}: {} sessions, {} tiles ({} of them in both maps), {} landmarks, {:.1f} kB\n",
              Printable(arguments.out_path), report.totals.num_sessions, report.totals.num_tiles,
              report.num_tiles_of_both, report.totals.num_landmarks,
              1e-3 * static_cast<double>(report.totals.payload_bytes));

@@ -17,7 +17,7 @@ struct PruneArguments {
   PruneOptions options;
 };
 
-// "2026-01-31" stands for the beginning of the day, UTC.
+// Completes a date such as "2026-01-31", which stands for the beginning of the day, UTC.
 PruneOptions WithTime(PruneOptions options) {
   constexpr size_t kDateSize = 10;
   if (options.older_than && options.older_than->size() == kDateSize) {
@@ -42,13 +42,13 @@ ExitCode RunPrune(const PruneArguments& arguments) {
 void AddPruneCommand(CLI::App* app, Shell* shell) {
   CLI::App* command = app->add_subcommand("prune", "Delete old versions of a map");
   auto arguments = std::make_shared<PruneArguments>();
-  command->add_option("MAP", arguments->map_path, "Map file")->required();
+  command->add_option("MAP", arguments->map_path, "Map: a file or a postgresql:// URL")->required();
   command->add_option("--keep", arguments->options.keep,
-                      "Number of versions to keep, the one that records the pruning included");
+                      "Number of versions to keep, counting the version that records the pruning");
   command->add_option("--older-than", arguments->options.older_than,
                       "Delete versions before this time: 2026-01-31 or 2026-01-31T12:00:00Z, UTC");
   command->footer(
-      "The file keeps its size until cairn compact.\n\n"
+      "The file keeps its size; cairn compact shrinks it.\n\n"
       "Example:\n  cairn prune city.gpkg --keep 10");
   command->callback(
       [shell, arguments] { shell->run = [arguments] { return RunPrune(*arguments); }; });

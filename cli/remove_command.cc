@@ -41,7 +41,7 @@ ExitCode RunRemove(const RemoveArguments& arguments) {
 void AddRemoveCommand(CLI::App* app, Shell* shell) {
   CLI::App* command = app->add_subcommand("remove", "Remove a session from a map");
   auto arguments = std::make_shared<RemoveArguments>();
-  command->add_option("MAP", arguments->map_path, "Map file")->required();
+  command->add_option("MAP", arguments->map_path, "Map: a file or a postgresql:// URL")->required();
   command
       ->add_option("SESSION", arguments->session_name,
                    "Name of the session, as listed by cairn info")

@@ -1,4 +1,4 @@
-// `cairn rollback`: goes back to the content of an earlier version.
+// `cairn rollback`: publishes the content of an earlier version again.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -31,7 +31,7 @@ void AddRollbackCommand(CLI::App* app, Shell* shell) {
   CLI::App* command =
       app->add_subcommand("rollback", "Publish the content of an earlier version again");
   auto arguments = std::make_shared<RollbackArguments>();
-  command->add_option("MAP", arguments->map_path, "Map file")->required();
+  command->add_option("MAP", arguments->map_path, "Map: a file or a postgresql:// URL")->required();
   command->add_option("VERSION", arguments->version, "Version; see cairn log")->required();
   command->footer("Example:\n  cairn rollback city.gpkg 3");
   command->callback(

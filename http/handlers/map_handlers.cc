@@ -12,6 +12,7 @@
 #include "core/cell_name.h"
 #include "engine/prior/search_region.h"
 #include "http/json/tile_square.h"
+#include "http/json/version_json.h"
 #include "http/wire/problem.h"
 
 namespace cairn {
@@ -113,20 +114,6 @@ Json TileJson(const TileRecord& tile, const ServedMap& map) {
           {"landmarks", tile.num_landmarks}, {"descriptors", tile.num_descriptors},
           {"keyframes", tile.num_keyframes}, {"bytes", tile.num_bytes},
           {"minHeight", tile.min_h_m},       {"maxHeight", tile.max_h_m}};
-}
-
-Json VersionJson(const VersionRecord& version) {
-  return {{"version", Value(version.version)},
-          {"created", version.created_at},
-          {"kind", version.kind},
-          {"session", version.session},
-          {"summary", version.summary},
-          {"sessions", version.totals.num_sessions},
-          {"keyframes", version.totals.num_keyframes},
-          {"tiles", version.totals.num_tiles},
-          {"landmarks", version.totals.num_landmarks},
-          {"descriptors", version.totals.num_descriptors},
-          {"payloadBytes", version.totals.payload_bytes}};
 }
 
 TileRecord RequireTile(const std::string& id, const MapSnapshot& snapshot) {

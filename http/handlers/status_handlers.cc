@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Returns the current map version. If the map cannot be read, throws HttpError kUnavailable.
+// Returns the latest version of the map. Throws HttpError kUnavailable if the map cannot be read.
 MapVersion RequireReadableMap(const ServedMap& map) {
   try {
     return map.store->Snapshot().version();
@@ -23,7 +23,7 @@ MapVersion RequireReadableMap(const ServedMap& map) {
   }
 }
 
-// Returns nothing if the map cannot be read: metrics are needed just then.
+// Returns nothing if the map cannot be read. The other metrics are still needed then.
 std::optional<ServerState::Head> HeadOf(const ServedMap& map, LocalizeService* service) {
   try {
     const MapSnapshot snapshot = map.store->Snapshot();
@@ -37,11 +37,11 @@ std::optional<ServerState::Head> HeadOf(const ServedMap& map, LocalizeService* s
   }
 }
 
-// Why answers may not be those of the latest map; empty if they are.
+// Returns the reason why answers may be out of date, or an empty text.
 std::string ProblemOf(const LocalizeService& service, const ServedMap& map) {
   const std::string problem = service.maps().Problem();
   return problem.empty() && map.store->Snapshot().is_stale()
-             ? "the map's database is silent; answers come from what the server has in memory"
+             ? "PostgreSQL is silent; answers come from the caches of the server"
              : problem;
 }
 

@@ -51,13 +51,14 @@ class LocalizeService {
   // kImageTooLarge, kWrongCodec.
   Answer Localize(const HttpRequest& http, BodyParser* parse, LocalizeRequest* request);
 
-  // From now on, the server asks its front for no more queries. All requests are still answered.
+  // From now on, /readyz tells the front that the server stops soon. All requests are still
+  // answered.
   void BeginDrain() { draining_ = true; }
   bool is_draining() const { return draining_; }
   PublicationTime& publication_time() { return publication_time_; }
   int num_waiting() const { return gate_.num_waiting(); }
 
-  // From now on, requests drop their images instead of decoding them, so that the server can stop
+  // From now on, requests with images that are not decoded yet fail, so that the server can stop
   // soon.
   void BeginStop() { stopping_ = true; }
 

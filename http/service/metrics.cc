@@ -47,17 +47,17 @@ void RenderState(const ServerState& state, std::string* text) {
   if (state.head) {
     Single("cairn_map_version", "gauge", "Version of the map that queries use.",
            static_cast<double>(Value(state.head->version)), text);
-    Single("cairn_map_stale", "gauge", "1 if the map's database is silent, else 0.",
+    Single("cairn_map_stale", "gauge", "1 if PostgreSQL is silent, else 0.",
            state.head->is_stale ? 1.0 : 0.0, text);
   }
   if (state.head && state.head->created_unix_s) {
     Single("cairn_map_version_created_timestamp_seconds", "gauge",
-           "When that version was published, seconds since 1970.", *state.head->created_unix_s,
-           text);
+           "Time at which that version was published, seconds since 1970.",
+           *state.head->created_unix_s, text);
   }
-  Single("cairn_map_degraded", "gauge", "1 if the served map differs from the map file, else 0.",
+  Single("cairn_map_degraded", "gauge", "1 if the served map is not the file at its path, else 0.",
          state.is_degraded ? 1.0 : 0.0, text);
-  Single("cairn_draining", "gauge", "1 if the server drains before its end, else 0.",
+  Single("cairn_draining", "gauge", "1 if the server drains, else 0.",
          state.is_draining ? 1.0 : 0.0, text);
   Single("cairn_queries_waiting", "gauge", "Queries that wait for a core.", state.num_waiting,
          text);
@@ -131,7 +131,7 @@ void Metrics::CountError(ErrorCode code) {
 
 void Metrics::RenderStore(std::string* text) const {
   Describe("cairn_fetch_seconds", "histogram",
-           "Time to get the tiles of a query, in queries that loaded tiles from the map.", text);
+           "Time to fetch the tiles of a query, of queries that load tiles.", text);
   fetch_seconds_.Render("cairn_fetch_seconds", "", text);
   Describe("cairn_store_errors_total", "counter",
            "Requests that failed because the map could not be read.", text);
@@ -139,8 +139,7 @@ void Metrics::RenderStore(std::string* text) const {
     *text +=
         fmt::format("cairn_store_errors_total{{code=\"{}\"}} {}\n", ErrorCodeName(code), count);
   }
-  Single("cairn_stale_answers_total", "counter",
-         "Answers from a map that may have been replaced or updated since.",
+  Single("cairn_stale_answers_total", "counter", "Answers from a map that may be out of date.",
          static_cast<double>(num_stale_answers_), text);
 }
 

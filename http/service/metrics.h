@@ -37,14 +37,13 @@ class DurationHistogram {
 // The state of the server at the time of a scrape.
 struct ServerState {
   TileCacheStats cache;
-  // Of the head of the map. Nothing if the map cannot be read.
+  // The latest version of the map.
   struct Head {
     MapVersion version{};
-    // When it was published, seconds since 1970. Nothing if nobody knows.
-    std::optional<double> created_unix_s;
-    bool is_stale = false;  // The store is silent, so there may be a newer version.
+    std::optional<double> created_unix_s;  // Time of publication, seconds since 1970, if known.
+    bool is_stale = false;                 // PostgreSQL is silent, so there may be a newer version.
   };
-  std::optional<Head> head;
+  std::optional<Head> head;  // Nothing if the map cannot be read.
   bool is_degraded = false;  // See ServedMaps::Problem.
   bool is_draining = false;
   int num_waiting = 0;  // Queries that wait for a core.
@@ -57,10 +56,10 @@ class Metrics {
   // path would make the number of series unbounded.
   void CountRequest(const std::string& route, int status, double seconds);
   uint64_t num_requests() const;  // Counted so far.
-  // Stages that did not run add nothing to the histograms. `is_stale`: the answer is from a map
-  // that may have been replaced or updated since.
+  // Stages that did not run add nothing to the histograms. `is_stale` says that the answer is from
+  // a map that may be out of date.
   void CountLocalize(const LocalizeResult& result, const ServerTimes& times, bool is_stale);
-  // Counts a request that failed with the error, if the store of the map is to blame.
+  // Counts a request that failed with the error, if reading the map caused the error.
   void CountError(ErrorCode code);
 
   std::string Render(const ServerState& state) const;

@@ -1,4 +1,4 @@
-// When the head of a map was published.
+// Finds the time at which the latest version of a map was published.
 #ifndef CAIRN_HTTP_SERVICE_PUBLICATION_TIME_H_
 #define CAIRN_HTTP_SERVICE_PUBLICATION_TIME_H_
 
@@ -10,16 +10,17 @@
 
 namespace cairn {
 
-// Returns the seconds since 1970 of a time such as "2026-01-31T12:00:00Z"; 0 if the text is none.
+// Returns the seconds since 1970 of a time such as "2026-01-31T12:00:00Z"; 0 if the text is not a
+// time.
 double UnixSeconds(const std::string& utc);
 
-// Remembers the last answer, so that asking often reads the map once a version. Safe to call from
-// any thread.
+// Remembers the last answer, so each version is read from the map once. Safe to call from any
+// thread.
 class PublicationTime {
  public:
-  // Returns when the snapshot's version was published, seconds since 1970, or nothing if the map
-  // cannot be read. `map_created_at` tells maps apart whose versions have equal numbers. If the
-  // store is silent, does not wait for it.
+  // Returns the time at which the snapshot's version was published, seconds since 1970, or nothing
+  // if the map cannot be read. Versions of two maps may have equal numbers; `map_created_at` tells
+  // the maps apart. Does not wait for PostgreSQL while it is silent.
   std::optional<double> UnixSecondsOf(const MapSnapshot& snapshot,
                                       const std::string& map_created_at);
 

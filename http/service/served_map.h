@@ -19,7 +19,7 @@ namespace cairn {
 // replaced it.
 struct ServedMap {
   std::shared_ptr<const MapStore> store;
-  std::shared_ptr<TileCache> cache;  // Holds tiles of this file only: payload ids are per file.
+  std::shared_ptr<TileCache> cache;  // Of this map only.
   std::unique_ptr<Localizer> localizer;
   std::string created_at;
   MapVersion version_when_opened{};
@@ -47,15 +47,15 @@ class ServedMaps {
 
   std::shared_ptr<const ServedMap> Current() const;
 
-  // Checks whether another file has the map's name. If that file is a map, serves it from then on;
-  // otherwise keeps the old map. Call it about once a second. Does not throw.
+  // Checks whether another file has taken the map's path. If that file is a map, serves it from
+  // then on; otherwise keeps the old map. Call Refresh about once a second. Does not throw.
   void Refresh();
   // Like Refresh, but opens the file even if it seems unchanged, because it may have been
   // overwritten in place. Serves the file if it holds another map.
   void Reload();
 
-  // Why the served map differs from the file with its name, or why it is not kept up to date. Empty
-  // if there is no problem. The text contains no path; the log has the details.
+  // Returns the reason why the served map is not the file at its path or is not kept up to date.
+  // Empty if there is no problem. The text contains no path; the log has the details.
   std::string Problem() const;
 
  private:

@@ -31,7 +31,7 @@ struct ServerOptions {
   // Threads that one query may use while cores are free. 0 means the number of cores. Replaces
   // localizer.num_threads.
   int threads_per_query = 0;
-  // After SIGTERM, time during which /readyz answers 503 and queries are still answered, so that a
+  // Time after SIGTERM during which /readyz answers 503 and queries are still answered, so that a
   // front notices before the port closes. 0 stops at once.
   int drain_s = 0;
   size_t cache_bytes = size_t{1} << 30;
