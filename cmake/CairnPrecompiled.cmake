@@ -13,22 +13,6 @@ function(cairn_precompiled_headers target)
 endfunction()
 
 cairn_precompiled_headers(cairn_library_headers)
-# Two libraries of which the headers take longer than the source that includes them.
-cairn_precompiled_headers(cairn_json_headers <nlohmann/json.hpp>)
-target_link_libraries(cairn_json_headers PRIVATE nlohmann_json::nlohmann_json)
-cairn_precompiled_headers(cairn_cli_headers <nlohmann/json.hpp> <CLI/CLI.hpp>)
-target_link_libraries(cairn_cli_headers PRIVATE nlohmann_json::nlohmann_json CLI11::CLI11)
-
-# The precompiled headers for a target that links these libraries.
-function(cairn_headers_for out)
-  if(CLI11::CLI11 IN_LIST ARGN)
-    set(${out} cairn_cli_headers PARENT_SCOPE)
-  elseif(nlohmann_json::nlohmann_json IN_LIST ARGN)
-    set(${out} cairn_json_headers PARENT_SCOPE)
-  else()
-    set(${out} cairn_library_headers PARENT_SCOPE)
-  endif()
-endfunction()
 
 if(CAIRN_BUILD_TESTS)
   cairn_precompiled_headers(cairn_test_headers

@@ -19,7 +19,6 @@
 namespace cairn {
 namespace {
 
-using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "cairn query list";
@@ -130,28 +129,28 @@ std::vector<EvalQuery> ReadQueries(const JsonReader& root, const fs::path& folde
   return queries;
 }
 
-Json PositionAsJson(const Geodetic& position) {
+nlohmann::json PositionAsJson(const Geodetic& position) {
   return {{"lat", position.lat_deg()}, {"lon", position.lon_deg()}, {"h", position.h_m}};
 }
 
-Json QueryAsJson(const EvalQuery& query, const fs::path& folder) {
+nlohmann::json QueryAsJson(const EvalQuery& query, const fs::path& folder) {
   const Rigid3d ecef_from_cam = query.cam_from_ecef.Inverse();
   const Geodetic position = GeodeticFromEcef(ecef_from_cam.translation);
   const Eigen::Quaterniond enu_from_cam =
       (EcefFromEnu(position).Inverse() * ecef_from_cam).rotation.normalized();
   const Camera& camera = query.query.camera;
-  Json json = {{"name", query.name},
-               {"camera",
-                {{"model", CameraModelName(camera.model())},
-                 {"size", {camera.width_px(), camera.height_px()}},
-                 {"modelParams", camera.params()}}},
-               {"reference",
-                {{"position", PositionAsJson(position)},
-                 {"quaternion",
-                  {{"x", enu_from_cam.x()},
-                   {"y", enu_from_cam.y()},
-                   {"z", enu_from_cam.z()},
-                   {"w", enu_from_cam.w()}}}}}};
+  nlohmann::json json = {{"name", query.name},
+                         {"camera",
+                          {{"model", CameraModelName(camera.model())},
+                           {"size", {camera.width_px(), camera.height_px()}},
+                           {"modelParams", camera.params()}}},
+                         {"reference",
+                          {{"position", PositionAsJson(position)},
+                           {"quaternion",
+                            {{"x", enu_from_cam.x()},
+                             {"y", enu_from_cam.y()},
+                             {"z", enu_from_cam.z()},
+                             {"w", enu_from_cam.w()}}}}}};
   const auto add_path = [&](const char* key, const std::string& path) {
     if (!path.empty()) {
       json[key] = fs::absolute(path).lexically_proximate(folder).generic_string();
@@ -186,13 +185,14 @@ std::vector<EvalQuery> ReadQueryList(const std::string& path) {
 
 void WriteQueryList(const std::string& path, const std::vector<EvalQuery>& queries) {
   const fs::path folder = fs::absolute(path).parent_path();
-  Json list = Json::array();
+  nlohmann::json list = nlohmann::json::array();
   for (const EvalQuery& query : queries) {
     list.push_back(QueryAsJson(query, folder));
   }
-  const Json json = {{"format", kFormat}, {"version", kVersion}, {"queries", std::move(list)}};
+  const nlohmann::json json = {
+      {"format", kFormat}, {"version", kVersion}, {"queries", std::move(list)}};
   std::ofstream file(path, std::ios::binary);
-  file << json.dump(1, ' ', false, Json::error_handler_t::replace) << '\n';
+  file << json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
   if (!file.flush()) {
     throw Error(ErrorCode::kIo, path + ": cannot write");
   }

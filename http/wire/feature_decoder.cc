@@ -14,7 +14,7 @@ using namespace feature_layout;
 
 namespace {
 
-[[noreturn]] void Refuse(const std::string& detail) {
+[[noreturn]] void RefuseBlob(const std::string& detail) {
   throw HttpError(ProblemCode::kInvalidFeatures, "features: " + detail)
       .At("/features")
       .Hint("the format is docs/formats/features_v1.md");
@@ -40,43 +40,44 @@ struct Layout {
 
 void CheckEncodings(const Header& header) {
   if (header.space > 1) {
-    Refuse(fmt::format("unknown descriptor space {}", header.space));
+    RefuseBlob(fmt::format("unknown descriptor space {}", header.space));
   }
   if (header.descriptor_encoding > 3) {
-    Refuse(fmt::format("unknown descriptor encoding {}", header.descriptor_encoding));
+    RefuseBlob(fmt::format("unknown descriptor encoding {}", header.descriptor_encoding));
   }
   if (header.geometry_encoding > 1) {
-    Refuse(fmt::format("unknown geometry encoding {}", header.geometry_encoding));
+    RefuseBlob(fmt::format("unknown geometry encoding {}", header.geometry_encoding));
   }
 }
 
 void CheckSizes(const Header& header) {
   if (header.codec_length > kMaxCodecLength) {
-    Refuse(fmt::format("the codec name has {} characters; at most {} are allowed",
-                       header.codec_length, kMaxCodecLength));
+    RefuseBlob(fmt::format("the codec name has {} characters; at most {} are allowed",
+                           header.codec_length, kMaxCodecLength));
   }
   if (header.dim < 1 || header.dim > kMaxDim) {
-    Refuse(fmt::format("dimension {} is outside 1 to {}", header.dim, kMaxDim));
+    RefuseBlob(fmt::format("dimension {} is outside 1 to {}", header.dim, kMaxDim));
   }
   if (header.width_px < 1 || header.width_px > Camera::kMaxSidePx || header.height_px < 1 ||
       header.height_px > Camera::kMaxSidePx) {
-    Refuse(fmt::format("image size {} x {} is outside 1 to 100000", header.width_px,
-                       header.height_px));
+    RefuseBlob(fmt::format("image size {} x {} is outside 1 to 100000", header.width_px,
+                           header.height_px));
   }
 }
 
 Header ReadHeader(std::span<const uint8_t> blob, int max_features) {
   Header header;
   if (blob.size() < kHeaderBytes) {
-    Refuse(fmt::format("{} bytes are fewer than the {} of the header", blob.size(), kHeaderBytes));
+    RefuseBlob(
+        fmt::format("{} bytes are fewer than the {} of the header", blob.size(), kHeaderBytes));
   }
   std::memcpy(&header, blob.data(), kHeaderBytes);
   if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0) {
-    Refuse("the blob does not start with 'CFTS'");
+    RefuseBlob("the blob does not start with 'CFTS'");
   }
   if (header.version != kVersion) {
-    Refuse(fmt::format("version {} is not supported; this server reads version {}", header.version,
-                       kVersion));
+    RefuseBlob(fmt::format("version {} is not supported; this server reads version {}",
+                           header.version, kVersion));
   }
   CheckEncodings(header);
   CheckSizes(header);
@@ -102,8 +103,8 @@ Layout ReadLayout(std::span<const uint8_t> blob, int max_features) {
   const size_t expected =
       kHeaderBytes + header.codec_length + table_bytes + geometry_bytes + descriptor_bytes;
   if (blob.size() != expected) {
-    Refuse(fmt::format("{} features of dimension {} need {} bytes, but the blob has {}", count,
-                       header.dim, expected, blob.size()));
+    RefuseBlob(fmt::format("{} features of dimension {} need {} bytes, but the blob has {}", count,
+                           header.dim, expected, blob.size()));
   }
   layout.codec.assign(reinterpret_cast<const char*>(blob.data()) + kHeaderBytes,
                       header.codec_length);
@@ -112,10 +113,10 @@ Layout ReadLayout(std::span<const uint8_t> blob, int max_features) {
   layout.descriptors = layout.geometry + geometry_bytes;
   const auto printable = [](char c) { return c > ' ' && c <= '~'; };
   if (!std::all_of(layout.codec.begin(), layout.codec.end(), printable)) {
-    Refuse("the codec name is not printable ASCII");
+    RefuseBlob("the codec name is not printable ASCII");
   }
   if (header.space == 1 && layout.codec.empty()) {
-    Refuse("projected features must name the codec that they were projected for");
+    RefuseBlob("projected features must name the codec that they were projected for");
   }
   return layout;
 }
@@ -137,7 +138,7 @@ std::vector<Keypoint> ReadKeypoints(const Layout& layout) {
     keypoints[i] = {values[0], values[1], values[2], values[3]};
     if (!IsUsable(keypoints[i], static_cast<float>(header.width_px),
                   static_cast<float>(header.height_px))) {
-      Refuse(
+      RefuseBlob(
           fmt::format("keypoint {} lies outside the image, is not finite, "
                       "or its scale is not positive",
                       i));
@@ -183,7 +184,7 @@ DescriptorMatrix ReadDescriptors(const Layout& layout) {
       break;
   }
   if (!descriptors.allFinite()) {
-    Refuse("a descriptor is not finite");
+    RefuseBlob("a descriptor is not finite");
   }
   return descriptors;
 }

@@ -18,7 +18,7 @@ constexpr size_t kMaxParts = 16;
 constexpr size_t kMaxPartHeadBytes = 4096;
 constexpr size_t kMaxBoundaryLength = 70;  // RFC 2046.
 
-[[noreturn]] void Refuse(const std::string& detail) {
+[[noreturn]] void RefuseBody(const std::string& detail) {
   throw HttpError(ProblemCode::kInvalidMultipart, "multipart body: " + detail)
       .Hint(
           "send the parts 'request' (JSON) and 'image' or 'features'; curl -F writes such a body");
@@ -59,11 +59,11 @@ MultipartPart ParsePart(std::string_view part) {
   const bool no_headers = part.starts_with("\r\n");
   const size_t head_end = no_headers ? 0 : part.substr(0, kMaxPartHeadBytes).find("\r\n\r\n");
   if (head_end == std::string_view::npos) {
-    Refuse("the headers of a part have no end");
+    RefuseBody("the headers of a part have no end");
   }
   const std::string_view name = PartName(part.substr(0, head_end));
   if (name.empty()) {
-    Refuse("a part has no name in its Content-Disposition");
+    RefuseBody("a part has no name in its Content-Disposition");
   }
   return {.name = name, .content = part.substr(head_end + 4)};
 }
@@ -118,31 +118,31 @@ bool IsMultipart(std::string_view content_type) {
 std::vector<MultipartPart> ParseMultipart(std::string_view content_type, std::string_view body) {
   const std::string_view boundary = HeaderParameter(content_type, "boundary");
   if (boundary.empty() || boundary.size() > kMaxBoundaryLength) {
-    Refuse("the Content-Type has no usable boundary");
+    RefuseBody("the Content-Type has no usable boundary");
   }
   const std::string first = fmt::format("--{}", boundary);
   const std::string delimiter = fmt::format("\r\n--{}", boundary);
   if (!body.starts_with(first)) {
-    Refuse("the body does not start with the boundary");
+    RefuseBody("the body does not start with the boundary");
   }
   body.remove_prefix(first.size());
   std::vector<MultipartPart> parts;
   while (!body.starts_with("--")) {
     if (!body.starts_with("\r\n")) {
-      Refuse("a boundary is not followed by a line break");
+      RefuseBody("a boundary is not followed by a line break");
     }
     body.remove_prefix(2);
     const size_t end = body.find(delimiter);
     if (end == std::string_view::npos) {
-      Refuse("the closing boundary is missing");
+      RefuseBody("the closing boundary is missing");
     }
     if (parts.size() == kMaxParts) {
-      Refuse(fmt::format("more than {} parts", kMaxParts));
+      RefuseBody(fmt::format("more than {} parts", kMaxParts));
     }
     const MultipartPart part = ParsePart(body.substr(0, end));
     for (const MultipartPart& other : parts) {
       if (other.name == part.name) {
-        Refuse(fmt::format("two parts are named '{}'", part.name.substr(0, 64)));
+        RefuseBody(fmt::format("two parts are named '{}'", part.name.substr(0, 64)));
       }
     }
     parts.push_back(part);

@@ -9,7 +9,7 @@ namespace cairn {
 namespace {
 
 // R*Trees round boxes outwards to floats, which lie 3e-5 degrees apart at 360.
-constexpr double kSlackDeg = 1e-4;
+constexpr double kEdgeSlackDeg = 1e-4;
 
 bool Same(const GeometryEnvelope& a, const GeometryEnvelope& b) {
   return a.is_empty == b.is_empty && a.min_x == b.min_x && a.max_x == b.max_x &&
@@ -48,9 +48,10 @@ void LayerExtent::Add(const GeometryEnvelope& envelope) {
 }
 
 void LayerExtent::Remove(const GeometryEnvelope& envelope) {
-  if (extent_.is_empty || envelope.is_empty || envelope.min_x <= extent_.min_x + kSlackDeg ||
-      envelope.max_x >= extent_.max_x - kSlackDeg || envelope.min_y <= extent_.min_y + kSlackDeg ||
-      envelope.max_y >= extent_.max_y - kSlackDeg) {
+  if (extent_.is_empty || envelope.is_empty || envelope.min_x <= extent_.min_x + kEdgeSlackDeg ||
+      envelope.max_x >= extent_.max_x - kEdgeSlackDeg ||
+      envelope.min_y <= extent_.min_y + kEdgeSlackDeg ||
+      envelope.max_y >= extent_.max_y - kEdgeSlackDeg) {
     gone_from_edge_.push_back(envelope);
   }
 }

@@ -39,7 +39,7 @@ void CheckReferences(db::Connection* connection, Findings* findings) {
 // Updates increment these numbers. From this bound on, a number could overflow.
 #define CAIRN_TOO_LARGE "4611686018427387904"
 
-constexpr Rule kRules[] = {
+constexpr Rule kTableRules[] = {
     {"SELECT count(*) FROM coverage WHERE tile_id NOT IN (SELECT tile_id FROM cairn_tiles)",
      "squares in coverage have no tile"},
     {"SELECT count(*) FROM coverage WHERE tile_id NOT IN (SELECT id FROM rtree_coverage_geom)",
@@ -103,7 +103,7 @@ constexpr Rule kRules[] = {
 };
 
 // The rules for PostgreSQL's tables. PostGIS compares the geometries.
-constexpr Rule kServerRules[] = {
+constexpr Rule kPostgresRules[] = {
     {"SELECT count(*) FROM coverage WHERE tile_id NOT IN (SELECT tile_id FROM cairn_tiles)",
      "squares in coverage have no tile"},
     {"SELECT count(*) FROM cairn_payloads AS p "
@@ -159,13 +159,13 @@ bool CheckPages(db::Connection* connection, Findings* findings) {
 }
 
 void CheckPostgresTables(db::Connection* connection, Findings* findings) {
-  CheckRules(connection, kServerRules, findings);
+  CheckRules(connection, kPostgresRules, findings);
 }
 
 void CheckTables(db::Connection* connection, Findings* findings) {
   CheckSpatialIndices(connection, findings);
   CheckReferences(connection, findings);
-  CheckRules(connection, kRules, findings);
+  CheckRules(connection, kTableRules, findings);
 }
 
 }  // namespace cairn

@@ -13,7 +13,7 @@
 namespace cairn {
 namespace {
 
-constexpr double kSlackDeg = 1e-7;  // A centimetre; machines may round differently.
+constexpr double kSlackDeg = 1e-7;  // A centimeter; machines may round differently.
 // R*Trees round boxes outwards to floats. Near 360 degrees, floats are 3e-5 degrees apart.
 constexpr double kIndexSlackDeg = 1e-4;
 
@@ -76,9 +76,9 @@ void CheckSquare(const db::Statement& row, const std::string& where, Findings* f
 
 // A position on the border of two squares may belong to either tile.
 bool StandsIn(const Geodetic& position, TileId tile_id) {
-  constexpr double kSlackRad = kSlackDeg / kDegPerRad;
-  for (const double south_rad : {0.0, -kSlackRad, kSlackRad}) {
-    for (const double west_rad : {0.0, -kSlackRad, kSlackRad}) {
+  constexpr double kSquareSlackRad = kSlackDeg / kDegPerRad;
+  for (const double south_rad : {0.0, -kSquareSlackRad, kSquareSlackRad}) {
+    for (const double west_rad : {0.0, -kSquareSlackRad, kSquareSlackRad}) {
       const Geodetic near = {position.lat_rad + south_rad, position.lon_rad + west_rad,
                              position.h_m};
       if (TileId::Containing(near) == tile_id) {

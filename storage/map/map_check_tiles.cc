@@ -22,7 +22,7 @@ namespace cairn {
 namespace {
 
 // Tolerances for values that another machine computed from the same numbers.
-constexpr double kSlackRad = 1e-9;  // 6 mm on the ground.
+constexpr double kBoundsSlackRad = 1e-9;  // 6 mm on the ground.
 constexpr double kSlackM = 0.01;
 
 // Compares the tables' record of a tile with its payload.
@@ -164,7 +164,7 @@ void FindDamage(const std::string& where, const Check& check, Findings* findings
 
 bool SameBounds(const GeoBox& a, const GeoBox& b) {
   const auto near = [](double x, double y) {
-    return std::abs(std::remainder(x - y, 2.0 * std::numbers::pi)) <= kSlackRad;
+    return std::abs(std::remainder(x - y, 2.0 * std::numbers::pi)) <= kBoundsSlackRad;
   };
   return near(a.south_rad, b.south_rad) && near(a.west_rad, b.west_rad) &&
          near(a.north_rad, b.north_rad) && near(a.east_rad, b.east_rad);

@@ -10,7 +10,7 @@
 namespace cairn {
 namespace {
 
-constexpr Rule kRules[] = {
+constexpr Rule kVersionRules[] = {
     {"SELECT max(version) - min(version) + 1 <> count(*) FROM cairn_versions",
      "table cairn_versions: versions are missing"},
     {"SELECT coalesce((SELECT codebook_id FROM cairn_versions ORDER BY version DESC LIMIT 1), 0) "
@@ -100,7 +100,7 @@ void CheckPastKeyframes(db::Connection* connection, Findings* findings) {
 }  // namespace
 
 void CheckVersions(db::Connection* connection, Findings* findings) {
-  CheckRules(connection, kRules, findings);
+  CheckRules(connection, kVersionRules, findings);
   if (connection->dialect() == db::Dialect::kSqlite) {
     CheckRules(connection, kTimeRules, findings);
   }

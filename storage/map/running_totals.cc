@@ -9,7 +9,7 @@
 namespace cairn {
 namespace {
 
-constexpr double kSlackRad = 1e-12;  // Storing bounds in degrees rounds them.
+constexpr double kRoundingRad = 1e-12;  // Storing bounds in degrees rounds them.
 
 // If the bounds span less than half a turn, the gap outside of them is wider than any gap between
 // tiles. The new bounds then follow from the old bounds and the added tile alone.
@@ -29,10 +29,10 @@ void Add(int64_t sign, int64_t count, int64_t* total) {
 }
 
 bool IsAtEdge(const GeoBox& tile, const GeoBox& bounds) {
-  return tile.south_rad <= bounds.south_rad + kSlackRad ||
-         tile.north_rad >= bounds.north_rad - kSlackRad ||
-         std::abs(tile.west_rad - bounds.west_rad) <= kSlackRad ||
-         std::abs(tile.east_rad - bounds.east_rad) <= kSlackRad;
+  return tile.south_rad <= bounds.south_rad + kRoundingRad ||
+         tile.north_rad >= bounds.north_rad - kRoundingRad ||
+         std::abs(tile.west_rad - bounds.west_rad) <= kRoundingRad ||
+         std::abs(tile.east_rad - bounds.east_rad) <= kRoundingRad;
 }
 
 }  // namespace
