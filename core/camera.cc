@@ -127,7 +127,7 @@ void CheckCamera(CameraModel model, int width_px, int height_px,
   }
 }
 
-// Returns the checked parameters, so that members can be initialised from them.
+// Returns the checked parameters, so that members can be initialized from them.
 std::vector<double> Checked(CameraModel model, int width_px, int height_px,
                             std::vector<double> params) {
   CheckCamera(model, width_px, height_px, params);

@@ -1,5 +1,5 @@
 // Pinhole and fisheye camera models with COLMAP's names, parameter order and pixel convention. The
-// centre of the upper left pixel is (0.5, 0.5).
+// center of the upper left pixel is (0.5, 0.5).
 #ifndef CAIRN_CORE_CAMERA_H_
 #define CAIRN_CORE_CAMERA_H_
 

@@ -13,7 +13,7 @@ namespace cairn {
 // num_features x descriptor_dim, row-major.
 using DescriptorMatrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// A keypoint in pixels; (0.5, 0.5) is the centre of the upper left pixel.
+// A keypoint in pixels; (0.5, 0.5) is the center of the upper left pixel.
 struct Keypoint {
   float x_px = 0.0f;
   float y_px = 0.0f;
@@ -25,7 +25,7 @@ struct Keypoint {
 // The space of a set of descriptors.
 enum class DescriptorSpace {
   kRaw,        // As the extractor outputs them, e.g. 128-D SIFT.
-  kProjected,  // Normalised and projected by a map's codebook, e.g. 16-D.
+  kProjected,  // Normalized and projected by a map's codebook, e.g. 16-D.
 };
 
 // The features of one image: keypoints[i] belongs to descriptors.row(i).

@@ -31,8 +31,8 @@ Geodetic GeodeticFromEcef(const Eigen::Vector3d& x_in_ecef);
 // Returns the east-north-up frame at `origin`.
 Rigid3d EcefFromEnu(const Geodetic& origin);
 
-// Returns the great-ellipse distance on the ground, metres; heights are ignored. Accurate to
-// centimetres below 100 km.
+// Returns the great-ellipse distance on the ground, meters; heights are ignored. Accurate to
+// centimeters below 100 km.
 double GroundDistanceM(const Geodetic& a, const Geodetic& b);
 
 // A latitude-longitude box in radians. If west > east, the box crosses the antimeridian.

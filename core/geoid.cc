@@ -44,8 +44,8 @@ std::string ReadFile(const std::string& path) {
   return bytes;
 }
 
-// Returns the weights of four neighbours (Catmull-Rom) at fraction `t` of the step after the second
-// neighbour.
+// Returns the weights of four neighbors (Catmull-Rom) at fraction `t` of the step after the second
+// neighbor.
 std::array<double, 4> CubicWeights(double t) {
   return {0.5 * t * (-1.0 + t * (2.0 - t)), 1.0 + 0.5 * t * t * (-5.0 + 3.0 * t),
           0.5 * t * (1.0 + t * (4.0 - 3.0 * t)), 0.5 * t * t * (t - 1.0)};

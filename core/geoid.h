@@ -34,9 +34,9 @@ class Geoid {
   // throws.
   static const Geoid& Egm96();
 
-  // Returns the height of the geoid above the ellipsoid, metres: about +36 in Lund, -34 in
+  // Returns the height of the geoid above the ellipsoid, meters: about +36 in Lund, -34 in
   // Philadelphia. Interpolates bicubically between grid points. EGM96 itself is within about a
-  // metre of mean sea level.
+  // meter of mean sea level.
   double HeightM(double lat_rad, double lon_rad) const;
 
  private:

@@ -15,7 +15,7 @@ namespace cairn {
 void* AllocateLarge(size_t num_bytes);
 void FreeLarge(void* memory, size_t num_bytes);
 
-// Does not initialise numbers that are constructed without a value.
+// Does not initialize numbers that are constructed without a value.
 template <typename T>
 struct LargeAllocator {
   using value_type = T;
@@ -37,7 +37,7 @@ struct LargeAllocator {
   bool operator==(const LargeAllocator&) const { return true; }
 };
 
-// A std::vector whose constructor and resize leave numbers uninitialised. Write every element
+// A std::vector whose constructor and resize leave numbers uninitialized. Write every element
 // before you read it.
 template <typename T>
 using LargeVector = std::vector<T, LargeAllocator<T>>;

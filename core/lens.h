@@ -1,4 +1,4 @@
-// Lens distortion: the map from normalised image coordinates (x / z, y / z) to distorted
+// Lens distortion: the map from normalized image coordinates (x / z, y / z) to distorted
 // coordinates.
 #ifndef CAIRN_CORE_LENS_H_
 #define CAIRN_CORE_LENS_H_

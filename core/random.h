@@ -9,7 +9,7 @@ namespace cairn {
 
 inline constexpr uint64_t kSplitMixStep = 0x9E3779B97F4A7C15u;
 
-// The output function of SplitMix64 (Steele, Lea, Flood 2014): a bijection. Neighbouring inputs
+// The output function of SplitMix64 (Steele, Lea, Flood 2014): a bijection. Neighboring inputs
 // give independent outputs.
 inline uint64_t HashWord(uint64_t value) {
   value += kSplitMixStep;

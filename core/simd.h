@@ -1,4 +1,4 @@
-// Wide instructions, chosen at run time: the one way in which Cairn's hot loops are vectorised.
+// Wide instructions, chosen at run time: the one way in which Cairn's hot loops are vectorized.
 //
 // A loop is written plainly, or, where the compiler does not see the vectors in it, over Lanes; one
 // of the macros below compiles it for several instruction sets, and the loader takes the best that

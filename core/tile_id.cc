@@ -26,7 +26,7 @@ uint64_t Pack(int zone, bool north, int64_t easting_idx, int64_t northing_idx) {
          static_cast<uint64_t>(easting_idx) << kIndexBits | static_cast<uint64_t>(northing_idx);
 }
 
-// Returns the position of a grid point, given in metres east and north in the zone.
+// Returns the position of a grid point, given in meters east and north in the zone.
 Geodetic GeodeticFromGrid(int zone, bool north, double easting_m, double northing_m) {
   double lat_deg = 0.0, lon_deg = 0.0;
   UTMUPS::Reverse(zone, north, easting_m, northing_m, lat_deg, lon_deg);

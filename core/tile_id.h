@@ -13,7 +13,7 @@
 
 namespace cairn {
 
-// A square of the 150 m grid in the UTM zone of its centre (near the poles, UPS).
+// A square of the 150 m grid in the UTM zone of its center (near the poles, UPS).
 //
 // Bit layout of the 64-bit value, most significant first:
 //   63..59  zero, so that the value is positive as an SQLite integer
@@ -42,7 +42,7 @@ class TileId {
   int northing_idx() const;
   std::string ToString() const;
 
-  // Returns the centre of the square at ellipsoidal height 0, the origin of the tile frame.
+  // Returns the center of the square at ellipsoidal height 0, the origin of the tile frame.
   Geodetic Anchor() const;
 
   // Returns the four corners, counter-clockwise from the south-west, at height 0.

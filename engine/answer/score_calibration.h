@@ -24,7 +24,7 @@ struct ScoreCalibration {
   // the radii. Positive.
   double position_accuracy_factor = 1.2;
   double rotation_accuracy_factor = 1.5;
-  // The map's own error as a 68 % radius, metres, not negative; matches cannot reveal it. Added in
+  // The map's own error as a 68 % radius, meters, not negative; matches cannot reveal it. Added in
   // quadrature to the position accuracy. The default, 0.28 m, corresponds to a standard deviation
   // of 0.15 m per axis, which georegistration leaves in the simulated city. Set it to the accuracy
   // of your maps.

@@ -26,8 +26,8 @@ CameraPrior CameraPriorOf(const LocalizeQuery& query);
 // close together that RefineWithCamera reaches the focal lengths in between.
 //
 // The search tries the likeliest factors first until one leads to a good score. A wrong focal
-// length may have a fair score, too, so the search then tries the neighbours of the best factor
-// until both of its neighbours are worse.
+// length may have a fair score, too, so the search then tries the neighbors of the best factor
+// until both of its neighbors are worse.
 class FocalSearch {
  public:
   FocalSearch(const FocalPrior& prior, double good_score);

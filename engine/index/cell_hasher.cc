@@ -35,7 +35,7 @@ using Ints = Lanes<int32_t, kLanes>;
 constexpr int kMaxHashedDims = 128;
 
 // A multiple of the coordinates' 16-bit range. Adding it makes all values positive, so the
-// conversion to integers, which rounds towards zero, rounds down.
+// conversion to integers, which rounds toward zero, rounds down.
 constexpr float kPositiveShift = 65536.0f;
 constexpr float kMaxUnits = 1e9f;
 

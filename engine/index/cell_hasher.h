@@ -22,7 +22,7 @@ namespace cairn {
 // candidates.
 //
 // A cell's hash is the sum of its coordinates times random 32-bit factors. The upper bits of the
-// hash are universal (Dietzfelbinger 1996). A step to a neighbouring cell changes the hash by one
+// hash are universal (Dietzfelbinger 1996). A step to a neighboring cell changes the hash by one
 // factor.
 //
 // Coordinates are 16-bit integers in units of 1/256 cell and wrap around after 256 cells. Cells

@@ -1,4 +1,4 @@
-// The order in which the neighbours of a cell are searched, nearest first.
+// The order in which the neighbors of a cell are searched, nearest first.
 #ifndef CAIRN_ENGINE_INDEX_PROBE_SEQUENCE_H_
 #define CAIRN_ENGINE_INDEX_PROBE_SEQUENCE_H_
 
@@ -25,7 +25,7 @@ class ProbeSequence {
   int num_steps() const { return num_steps_; }
 
   // Writes size() hashes. The first is `own`, the hash of the cell itself; the others are the
-  // hashes of the neighbours. steps[i] is the contribution of the i-th shortest step to a hash.
+  // hashes of the neighbors. steps[i] is the contribution of the i-th shortest step to a hash.
   void Fill(uint32_t own, std::span<const uint32_t> steps, uint32_t* hashes) const {
     hashes[0] = own;
     for (size_t i = 1; i < probes_.size(); ++i) {

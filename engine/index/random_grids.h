@@ -1,4 +1,4 @@
-// Random grids: nearest-neighbour search by hashing into several randomly rotated and shifted grids
+// Random grids: nearest-neighbor search by hashing into several randomly rotated and shifted grids
 // (paper, section "Random Grids"; Aiger, Kokiopoulou, Rivlin, ICCV 2013). Compared with
 // ExhaustiveIndex, random grids lose a few per cent of recall and take a ninetieth of the time.
 #ifndef CAIRN_ENGINE_INDEX_RANDOM_GRIDS_H_

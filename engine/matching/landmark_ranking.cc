@@ -94,7 +94,7 @@ void LandmarkRanking::Insert(uint32_t keypoint_idx, const Neighbor& neighbor) {
   const std::span<Neighbor> row(neighbors_.data() + size_t{keypoint_idx} * options_.max_neighbors,
                                 options_.max_neighbors);
   int& count = num_neighbors_[keypoint_idx];
-  // The neighbour replaces the entry of its landmark, else takes a free entry, else replaces the
+  // The neighbor replaces the entry of its landmark, else takes a free entry, else replaces the
   // last.
   int place = 0;
   while (place < count && row[place].landmark_id != neighbor.landmark_id) {

@@ -33,7 +33,7 @@ class LandmarkRanking {
 
   // Returns the distance, in projected space, beyond which a descriptor can no longer become a
   // correspondence of the keypoint, whatever its landmark. Infinity while the keypoint has fewer
-  // than max_neighbors neighbours.
+  // than max_neighbors neighbors.
   double MaxUsefulDistance(uint32_t keypoint_idx) const;
 
   // The square of MaxUsefulDistance.
@@ -74,7 +74,7 @@ class LandmarkRanking {
   static bool IsCloser(const Neighbor& a, const Neighbor& b);
 
   // Returns the square of e / prior sigma, where e is how far a landmark is out of view; see
-  // MatchingOptions::position_weight. x_from_prior is horizontal, metres.
+  // MatchingOptions::position_weight. x_from_prior is horizontal, meters.
   float SqPositionExcess(const Eigen::Vector2f& x_from_prior) const;
   void Insert(uint32_t keypoint_idx, const Neighbor& neighbor);
   // Returns the squared distance of the descriptors alone, up to rounding.
@@ -95,7 +95,7 @@ class LandmarkRanking {
   std::vector<Direction> keypoint_directions_;
   std::vector<Neighbor> neighbors_;  // num_keypoints x max_neighbors, each row sorted by IsCloser.
   std::vector<int> num_neighbors_;   // Number of used entries in each row.
-  // The squared distance of each keypoint's last neighbour; infinity while it has fewer than
+  // The squared distance of each keypoint's last neighbor; infinity while it has fewer than
   // max_neighbors.
   std::vector<float> max_useful_sq_distances_;
 };
@@ -148,7 +148,7 @@ class LandmarkRanking::TileHits : public HitReceiver {
   const DescriptorPlaces& places_;
   const int tile_idx_;
   const uint32_t first_keypoint_;
-  // Maps a point of the tile to its horizontal offset from the prior; floats resolve a millimetre.
+  // Maps a point of the tile to its horizontal offset from the prior; floats resolve a millimeter.
   Eigen::Matrix<float, 2, 3> prior_from_tile_;
   Eigen::Vector2f tile_in_prior_;
   // Maps a place's CoarseXy to the same offset.

@@ -18,7 +18,7 @@ enum class DistanceFilter {
   // vocabulary of the tile, which is a measure of the local density of descriptors (the paper's
   // "ratio test").
   kWordRatio,
-  // All descriptors: plain k nearest neighbours.
+  // All descriptors: plain k nearest neighbors.
   kNone,
 };
 
@@ -51,7 +51,7 @@ struct MatchingOptions {
   // Position term: weight * (e / prior sigma)^2, where e is how far the landmark's horizontal
   // distance from the prior exceeds viewing_distance_m; 0 without a prior.
   double position_weight = 0.02;
-  // Landmarks within this distance of the prior are all equally likely, metres. Street scenes are
+  // Landmarks within this distance of the prior are all equally likely, meters. Street scenes are
   // seen from 5 to 50 m.
   double viewing_distance_m = 50.0;
 

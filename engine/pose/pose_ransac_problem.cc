@@ -248,7 +248,7 @@ double PoseRansacProblem::ScoreMinimal(const Model& cam_from_anchor, double scor
 
 std::vector<PoseObservation> PoseRansacProblem::LocalInliers(const Model& cam_from_anchor,
                                                              double extra_sq_rad) {
-  // More inliers make a local optimisation slower, not better. Keypoints are in random order, so
+  // More inliers make a local optimization slower, not better. Keypoints are in random order, so
   // the first ones are a random subset.
   constexpr size_t kMaxInliers = 100;
   std::vector<PoseObservation> inliers;

@@ -25,7 +25,7 @@ namespace cairn {
 // camera, so cameras with fewer keypoints give no samples.
 //
 // A two-point pose inherits the error of the measured gravity, so it is scored with thresholds
-// widened by twice gravity_sigma_rad. Local optimisation frees all six degrees of freedom and
+// widened by twice gravity_sigma_rad. Local optimization frees all six degrees of freedom and
 // scores with unwidened thresholds. Keeps references to its arguments. Not thread-safe.
 class PoseRansacProblem {
  public:

@@ -54,7 +54,7 @@ template <bool kHasOrigins>
   const float ratio = sq_sine / (sq_widened + sq_distance * m.extra_sq_rad);
   const float depth = in.ray_x[i] * px + in.ray_y[i] * py + in.ray_z[i] * pz;
   float gain = 1.0f - ratio;
-  gain = gain > 0.0f ? gain : 0.0f;  // 0 also for NaN, when the landmark is the camera centre.
+  gain = gain > 0.0f ? gain : 0.0f;  // 0 also for NaN, when the landmark is the camera center.
   return depth > 0.0f ? gain : 0.0f;
 }
 

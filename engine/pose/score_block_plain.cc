@@ -1,4 +1,4 @@
-// A separate file, because the build disables the compiler's vectorisation for this file only.
+// A separate file, because the build disables the compiler's vectorization for this file only.
 #include "engine/pose/score_block.h"
 
 namespace cairn {

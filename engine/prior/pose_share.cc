@@ -11,7 +11,7 @@ double SqDistanceFromPrior(const SearchRegion& region, const Eigen::Vector3d& ce
   return (center_in_anchor.head<2>() - region.prior_xy_in_anchor).squaredNorm();
 }
 
-// Returns the logarithm of the density of positions, per square metre.
+// Returns the logarithm of the density of positions, per square meter.
 double LogPositionDensity(const SearchRegion& region, const Eigen::Vector3d& center_in_anchor) {
   constexpr double kFreedom = 3.0;
   constexpr double kMinLengthM = 1.0;  // Positions closer together than this are not distinguished.

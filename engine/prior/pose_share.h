@@ -18,7 +18,7 @@ namespace cairn {
 double LogPoseShare(const SearchRegion& region, const Eigen::Vector3d& center_in_anchor,
                     bool used_gravity);
 
-// Returns the prior's position, or the centre of the region if there is no prior.
+// Returns the prior's position, or the center of the region if there is no prior.
 Eigen::Vector3d PriorCenter(const SearchRegion& region);
 
 // Returns true if there is a prior and the position is more than three of its standard deviations

@@ -7,7 +7,7 @@ namespace cairn {
 struct PriorOptions {
   // Radius of the search in standard deviations of the prior, per axis. 3 leaves 1 % outside.
   double search_sigmas = 3.0;
-  // Bounds on the search radius, metres. The lower bound guards against receivers that report too
+  // Bounds on the search radius, meters. The lower bound guards against receivers that report too
   // small an error. In a simulated old town, where houses push positions across the street, 50 m
   // answer 5 % more queries than 25 m and take a sixth more time; a larger search_sigmas then gains
   // nothing.

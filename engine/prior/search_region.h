@@ -10,7 +10,7 @@
 namespace cairn {
 
 // Returns the region around the query's prior, with heights unbounded. Without a prior, the region
-// covers the bounds of the map, is anchored at their centre, and has_prior is false; the map must
+// covers the bounds of the map, is anchored at their center, and has_prior is false; the map must
 // then not be empty (MapInfo::bounds is set).
 SearchRegion ResolveSearchRegion(const LocalizeQuery& query, const MapInfo& map,
                                  const PriorOptions& options);

@@ -106,7 +106,7 @@ struct LocalizeResult {
   Geodetic anchor;  // Origin of the anchor frame.
   Rigid3d cam_from_anchor;
   Rigid3d cam_from_ecef;
-  Geodetic position;  // Of the camera centre.
+  Geodetic position;  // Of the camera center.
   // Covariance of (rotation, translation) of the camera in the anchor frame, perturbed on the left:
   // anchor_from_cam = (Exp(rotation), translation + .) applied to the estimate; rad^2, rad m, m^2.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();

@@ -11,7 +11,7 @@ namespace cairn {
 
 // A region of pose space with the correspondences that agree with it.
 struct PoseCandidate {
-  Eigen::Vector3d center_in_anchor = Eigen::Vector3d::Zero();  // Camera centre.
+  Eigen::Vector3d center_in_anchor = Eigen::Vector3d::Zero();  // Camera center.
   double yaw_rad = 0.0;              // anchor_from_level is the rotation by yaw about z.
   double score = 0.0;                // Weighted number of distinct keypoints.
   std::vector<int> correspondences;  // Indices into the query's correspondences, ascending.

@@ -12,8 +12,8 @@
 namespace cairn {
 
 // Returns a candidate for each of the best ranked keyframes (see RankKeyframes). The candidate has
-// the correspondences to landmarks that the keyframe or its neighbourhood saw. Its score is the
-// number of their distinct keypoints. Centre and yaw stay zero, since P3P does not use them.
+// the correspondences to landmarks that the keyframe or its neighborhood saw. Its score is the
+// number of their distinct keypoints. Center and yaw stay zero, since P3P does not use them.
 std::vector<PoseCandidate> KeyframeCandidates(const QueryContext& query,
                                               const std::vector<TileView>& tiles,
                                               const std::vector<Correspondence>& correspondences,

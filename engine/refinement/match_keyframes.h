@@ -16,7 +16,7 @@ namespace cairn {
 // Returns true if the poses found so far need refinement; see RefinementOptions::mode.
 bool NeedsRefinement(const PoseHypotheses& hypotheses, const RefinementOptions& options);
 
-// Matches the query against two kinds of keyframes, each with its neighbours: those that saw most
+// Matches the query against two kinds of keyframes, each with its neighbors: those that saw most
 // of what the best poses explain, and those with the most matches. Estimates a pose from each and
 // adds the poses to `hypotheses`.
 void MatchKeyframes(const QueryContext& query, const std::vector<TileView>& tiles,

@@ -25,7 +25,7 @@ struct RankedKeyframe {
 // Returns the keyframes with more votes than random matches would give, highest score first, at
 // most options.max_keyframes. Of each location, only the best keyframe is returned
 // (options.min_separation_m). A keypoint votes at most once for a keyframe. Landmarks are
-// recognised across tiles. The paper's p counts descriptors; this p counts observations, because a
+// recognized across tiles. The paper's p counts descriptors; this p counts observations, because a
 // keyframe's share of random votes here is its share of observations.
 //
 // Matches of a keypoint must be adjacent. Takes time linear in the number of matches times the

@@ -15,7 +15,7 @@ struct RefinementOptions {
   // If the best pose has at least this evidence (PoseEstimate::evidence), keyframes are not matched
   // again.
   double good_evidence = 120.0;
-  int max_keyframes = 5;  // M: number of keyframes whose neighbourhoods are matched again.
+  int max_keyframes = 5;  // M: number of keyframes whose neighborhoods are matched again.
   // For this number of best poses, the keyframe that saw most of what the pose explains is also
   // matched again. A right pose then competes on equal terms with the poses that other keyframes
   // suggest.
@@ -23,7 +23,7 @@ struct RefinementOptions {
   // Keyframes sharing most landmarks with a keyframe, matched with it.
   int neighbors_per_keyframe = 4;
   // A keyframe nearer than this to a better one that looks the same way (within 45 degrees) is at
-  // the same location and not ranked, metres. Covers the neighbours of a walk or a slow drive.
+  // the same location and not ranked, meters. Covers the neighbors of a walk or a slow drive.
   double min_separation_m = 3.0;
   // If the best pose has less evidence than this, gravity may be wrong. The stages from matching on
   // then run once more without gravity (not in mode kNever); see docs/decisions/0004.

@@ -18,9 +18,9 @@ class CoarseGrid {
  public:
   explicit CoarseGrid(const TileLandmarks& tile);
 
-  const Eigen::Vector2f& corner() const { return corner_; }  // In the tile frame, metres.
+  const Eigen::Vector2f& corner() const { return corner_; }  // In the tile frame, meters.
   float step_m() const { return step_m_; }
-  // The largest height of a landmark above or below the tile's origin, metres.
+  // The largest height of a landmark above or below the tile's origin, meters.
   float max_height_m() const { return max_height_m_; }
 
   // Returns the grid point nearest to a landmark, in the upper 24 bits.

@@ -8,7 +8,7 @@ struct TilesOptions {
   // At most this many tiles are searched, nearest to the prior first. A 50 m prior (3 sigma: a disc
   // of 200 m diameter) intersects at most 9 squares of 150 m.
   int max_tiles = 16;
-  // A camera may be this much below the lowest or above the highest keyframe of the tiles, metres:
+  // A camera may be this much below the lowest or above the highest keyframe of the tiles, meters:
   // phones below a car's roof rig, balconies, steep streets.
   double height_margin_m = 8.0;
   // The share of the time until the query's deadline that loading missing tiles may take, [0, 1].

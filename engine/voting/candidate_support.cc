@@ -14,7 +14,7 @@ namespace {
 
 // A candidate with the tolerances of the test.
 struct SupportTest {
-  double x, y, z;  // Camera centre, relative to RayArrays::center_in_anchor.
+  double x, y, z;  // Camera center, relative to RayArrays::center_in_anchor.
   double cos_yaw, sin_yaw;
   double min_cosine;     // Cosine of the largest azimuth difference.
   double tolerance_rad;  // Tolerance of directions.
@@ -75,7 +75,7 @@ void RayGains(const RayPointers<double>& pointers, const SupportTest& test, bool
   }
 }
 
-// The centre is relative to RayArrays::center_in_anchor.
+// The center is relative to RayArrays::center_in_anchor.
 struct SupportPose {
   Eigen::Vector3d center;
   double yaw_rad;
@@ -132,7 +132,7 @@ std::vector<int> AgreeingCorrespondences(const RayArrays<double>& rays,
 // One Gauss-Newton step on the offsets of the landmarks from the rays that agree, weighted by their
 // gains. The pose is held to within a cell and a yaw step. Let P be the projection perpendicular to
 // a ray of direction d, v the vector to the landmark, l = d.v, and o the ray's origin. The offset
-// is e = P v. Its derivatives are -P with respect to the centre, and c = -l z x d - P (z x o) with
+// is e = P v. Its derivatives are -P with respect to the center, and c = -l z x d - P (z x o) with
 // respect to the yaw. As P e = e and P c = c, they enter the normal equations unprojected.
 SupportPose Settle(const RayArrays<double>& rays, const std::vector<double>& gains,
                    const SupportPose& pose, const SupportTolerance& tolerance,

@@ -15,12 +15,12 @@ namespace cairn {
 // angle e between ray and landmark is below t = direction_tolerance_rad + cell_xy_m / distance. A
 // keypoint scores the best 1 - (e / t)^2 of its rays; the candidate's score is the sum over the
 // keypoints. With OutlierFilter::kVoting3d, the height is unknown, so only horizontal components
-// are compared. The candidate has the given centre and yaw.
+// are compared. The candidate has the given center and yaw.
 PoseCandidate SupportedCandidate(const RayArrays<double>& rays,
                                  const Eigen::Vector3d& center_in_anchor, double yaw_rad,
                                  const VotingOptions& options);
 
-// Moves a pose that is known to within a cell towards the point where the agreeing rays meet, in
+// Moves a pose that is known to within a cell toward the point where the agreeing rays meet, in
 // two steps with narrowing tolerances (docs/math/localization.md, section "Votes"). Returns the
 // candidate at the final pose. Its score uses the narrowed tolerances. Its correspondences are
 // those that agree with the final pose by the tolerances of SupportedCandidate, so that few right

@@ -50,7 +50,7 @@ struct Ballot {
   int num_yaws = 0;
 };
 
-constexpr int kPeaksPerCandidate = 32;  // Most peaks are neighbours of a few maxima.
+constexpr int kPeaksPerCandidate = 32;  // Most peaks are neighbors of a few maxima.
 
 struct YawRangePeaks {
   std::vector<VotePeak> peaks;  // The best peaks, best first.
@@ -136,7 +136,7 @@ PoseCandidate CandidateAt(const VotePeak& peak, const VoteGrid& grid, int num_ya
   return candidate;
 }
 
-// Returns true if two candidates are neighbours in the accumulator.
+// Returns true if two candidates are neighbors in the accumulator.
 bool IsNear(const PoseCandidate& a, const PoseCandidate& b, const VoteGrid& grid,
             double yaw_step_rad) {
   constexpr double kNumCells = 2.5;

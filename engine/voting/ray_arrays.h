@@ -1,4 +1,4 @@
-// Rays as arrays, for loops that the compiler vectorises.
+// Rays as arrays, for loops that the compiler vectorizes.
 #ifndef CAIRN_ENGINE_VOTING_RAY_ARRAYS_H_
 #define CAIRN_ENGINE_VOTING_RAY_ARRAYS_H_
 
@@ -34,7 +34,7 @@ struct RayArrays {
   std::vector<Scalar> origin_x, origin_y, origin_z;  // Empty if all rays start at zero.
 };
 
-// The arrays as bare pointers. The compiler vectorises loops over pointers, but not loops over
+// The arrays as bare pointers. The compiler vectorizes loops over pointers, but not loops over
 // vectors.
 template <typename Scalar>
 struct RayPointers {

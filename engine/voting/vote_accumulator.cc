@@ -146,7 +146,7 @@ void PeakCollector::Offer(int yaw_idx, const std::vector<uint16_t>& a,
   const int num_blocks = static_cast<int>(a.size()) / kBlock;
   block_maxima_.resize(num_blocks);
   MaximaOfBlocks(a.data(), b.data(), num_blocks, block_maxima_.data());
-  // The ends of rows are border cells without votes, so the neighbours in memory are the neighbours
+  // The ends of rows are border cells without votes, so the neighbors in memory are the neighbors
   // along x.
   const auto sum = [&](int i) { return i >= 0 && i < num_blocks * kBlock ? a[i] + b[i] : 0; };
   for (int block = 0; block < num_blocks; ++block) {

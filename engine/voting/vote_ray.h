@@ -10,7 +10,7 @@
 
 namespace cairn {
 
-// For a given yaw, the camera centre lies on the segment
+// For a given yaw, the camera center lies on the segment
 //   C(l) = x_in_anchor - Rz(yaw) (origin_in_level + l direction_in_level),
 // where l in [min_distance_m, max_distance_m] is the distance to the landmark.
 struct VoteRay {

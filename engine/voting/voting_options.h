@@ -35,13 +35,13 @@ struct VotingOptions {
   // (see KeyframeCandidates).
   OutlierFilter filter = OutlierFilter::kVoting4d;
   CandidateFilter other_filter = {};  // For OutlierFilter::kOther only.
-  double cell_xy_m = 2.0;             // Horizontal cell of the accumulator, metres.
-  double cell_z_m = 2.0;              // Vertical cell, metres.
+  double cell_xy_m = 2.0;             // Horizontal cell of the accumulator, meters.
+  double cell_z_m = 2.0;              // Vertical cell, meters.
   double yaw_step_rad = 0.0523599;    // 3 degrees.
   int max_candidates = 8;             // Maxima or components passed to pose estimation.
   // Weighted number of distinct keypoints that a maximum needs, before candidates settle.
   double min_score = 3.0;
-  // Landmarks farther from the camera than this do not vote, metres.
+  // Landmarks farther from the camera than this do not vote, meters.
   double max_distance_m = 200.0;
   // The scale of a keypoint and the physical size of its match predict the distance. The true
   // distance is assumed to be within this factor of the prediction, up or down. SIFT repeats its

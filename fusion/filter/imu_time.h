@@ -8,7 +8,7 @@ namespace cairn::fusion {
 
 inline double ToSeconds(int64_t duration_ns) { return 1e-9 * static_cast<double>(duration_ns); }
 
-// Rounds towards zero.
+// Rounds toward zero.
 inline int64_t ToNanoseconds(double duration_s) { return static_cast<int64_t>(duration_s * 1e9); }
 
 }  // namespace cairn::fusion

@@ -72,7 +72,7 @@ void Ingest(const CityWorldOptions& options, const SimulatedMapping& mapping,
   IngestOptions ingest = options.ingest;
   ingest.session_name = "tile " + chunk.tile_id.ToString();
   ingest.source = "simulated city";
-  // Neighbouring tiles share no landmarks: there is nothing to join.
+  // Neighboring tiles share no landmarks: there is nothing to join.
   ingest.joining = SessionJoining::kApart;
   IngestSession(chunk.reconstruction, mapping.EcefFromWorld(), ingest, store, {});
 }

@@ -1,4 +1,4 @@
-// The codebook of a map: how descriptors are normalised, projected and quantised.
+// The codebook of a map: how descriptors are normalized, projected and quantized.
 #ifndef CAIRN_STORAGE_CODEBOOK_CODEBOOK_H_
 #define CAIRN_STORAGE_CODEBOOK_CODEBOOK_H_
 
@@ -14,7 +14,7 @@ namespace cairn {
 
 enum class DescriptorNormalization : uint8_t {
   kNone = 0,
-  kRootSift = 1,  // L1-normalise, then square root per element (Arandjelovic and Zisserman 2012).
+  kRootSift = 1,  // L1-normalize, then square root per element (Arandjelovic and Zisserman 2012).
 };
 
 // A plain value. The codebook maps a raw descriptor x (raw_dim) to
@@ -38,7 +38,7 @@ struct Codebook {
   // Statistics of the training data, in units of projected distance, from which the matching
   // defaults follow. Each vector has the quantiles 0.05, 0.10, ... 0.95 (19 values) of a distance.
   //
-  // Distance between a projected descriptor and the nearest quantised descriptor of the same
+  // Distance between a projected descriptor and the nearest quantized descriptor of the same
   // landmark made from other images.
   std::vector<float> same_landmark_distance_quantiles;
   // Distance between a projected descriptor and the nearest of 10,000 random other landmarks.

@@ -14,7 +14,7 @@ namespace cairn {
 namespace {
 
 // Compares eight words at a time; each lane keeps its own minimum. The code uses vector types
-// because compilers unroll the equivalent loops over lanes before they recognise them as vector
+// because compilers unroll the equivalent loops over lanes before they recognize them as vector
 // operations.
 constexpr int kNumLanes = 8;
 using FloatLanes = Lanes<float, kNumLanes>;

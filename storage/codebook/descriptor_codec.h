@@ -11,7 +11,7 @@
 
 namespace cairn {
 
-// Normalises the rows in place. All-zero rows stay zero.
+// Normalizes the rows in place. All-zero rows stay zero.
 void NormalizeDescriptors(DescriptorNormalization normalization, DescriptorMatrix* descriptors);
 
 // Immutable; safe to use from any thread.

@@ -103,7 +103,7 @@ KeyframeRecord ReadKeyframe(const db::Connection& connection, const db::Statemen
     return Camera(CameraModelFromName(row.Text(4)), static_cast<int>(row.Int64(5)),
                   static_cast<int>(row.Int64(6)), ParseNumbers(row.Text(7)));
   });
-  // Keeps the stored quaternion; the constructor would normalise it again.
+  // Keeps the stored quaternion; the constructor would normalize it again.
   keyframe.cam_from_ecef.rotation =
       Eigen::Quaterniond(row.Double(8), row.Double(9), row.Double(10), row.Double(11));
   keyframe.cam_from_ecef.translation = {row.Double(12), row.Double(13), row.Double(14)};

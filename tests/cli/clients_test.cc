@@ -258,7 +258,7 @@ class Page : public PortraitPhotos {
     return seen;
   }
 
-  // Metres between the position that the page shows, "55.1234567°, 13.1234567°, 12.34 m", and the
+  // Meters between the position that the page shows, "55.1234567°, 13.1234567°, 12.34 m", and the
   // truth.
   double ShownErrorM(const std::string& answer) const {
     double lat_deg = 0.0, lon_deg = 0.0, h_m = 0.0;

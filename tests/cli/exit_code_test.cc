@@ -34,7 +34,7 @@ class ExitCode : public ::testing::Test {
     return path;
   }
 
-  // A grey 64 x 48 photo of nothing.
+  // A gray 64 x 48 photo of nothing.
   std::string Photo() const {
     const std::string path = dir_.File("photo.pgm");
     std::ofstream(path, std::ios::binary) << "P5\n64 48\n255\n" << std::string(64 * 48, '\x80');

@@ -138,7 +138,7 @@ TEST(Camera, UnprojectInvertsProjectOverTheWholeImage) {
 
 TEST(Camera, ProjectsByHandComputedSimpleRadial) {
   const Camera camera(CameraModel::kSimpleRadial, 640, 480, {100, 320, 240, 0.5});
-  // (1, 0, 2): normalised (0.5, 0), r^2 = 0.25, factor 1.125.
+  // (1, 0, 2): normalized (0.5, 0), r^2 = 0.25, factor 1.125.
   const auto pixel = camera.Project({1.0, 0.0, 2.0});
   ASSERT_TRUE(pixel);
   EXPECT_DOUBLE_EQ(pixel->x(), 320.0 + 100.0 * 0.5 * 1.125);

@@ -38,7 +38,7 @@ TEST(DrawMatches, MarksInliersOnThePhoto) {
   const cv::Mat picture = cv::imread(dir.File("matches.png"));
   ASSERT_FALSE(picture.empty());
   EXPECT_GE(picture.cols, 960);
-  // Somewhere there is colour on the grey photo.
+  // Somewhere there is color on the gray photo.
   int num_coloured = 0;
   for (int y = 0; y < picture.rows; ++y) {
     for (int x = 0; x < 900; ++x) {

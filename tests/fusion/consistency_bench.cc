@@ -4,7 +4,7 @@
 //
 // Prints the share of steps at which the mean normalized error squared is within the 95 % bounds of
 // that many runs, for the local pose (6 degrees of freedom) and global_from_local (4).
-// at which the mean normalised error squared lies within the 95 % bounds of that many runs.
+// at which the mean normalized error squared lies within the 95 % bounds of that many runs.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>

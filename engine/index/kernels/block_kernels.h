@@ -25,7 +25,7 @@ struct BlockQuery {
   const int8_t* parts = nullptr;  // num_parts x stride bytes whose sum over the parts is `values`.
   int num_parts = 0;              // 1 unless the query is far outside the range of the descriptors.
   int32_t constant = 0;           // |q - c|^2 + 2 (q - c).c.
-  // True if num_parts is 1 and the products of two neighbouring values with any two bytes add up to
+  // True if num_parts is 1 and the products of two neighboring values with any two bytes add up to
   // 16 bits.
   bool has_narrow_pairs = false;
 };

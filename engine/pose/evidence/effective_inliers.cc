@@ -44,7 +44,7 @@ double EffectiveInliers(const std::vector<Eigen::Vector2d>& pixels, int width_px
       if (sq_half_chord <= 0.0) {
         continue;
       }
-      // The columns whose centre lies on the chord are [begin, end).
+      // The columns whose center lies on the chord are [begin, end).
       const double half_chord_px = std::sqrt(sq_half_chord);
       const int begin = CeilOrZero((x_px - half_chord_px) * cells_per_px - 0.5);
       const int end =

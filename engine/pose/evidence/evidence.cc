@@ -52,7 +52,7 @@ std::vector<double> LikelihoodRatios(const QueryContext& query,
   return ratios;
 }
 
-// Returns the maximum-likelihood share of right keypoints, by expectation maximisation. Writes the
+// Returns the maximum-likelihood share of right keypoints, by expectation maximization. Writes the
 // probability that each inlier is right.
 double FitShare(const std::vector<double>& ratios, int num_keypoints,
                 std::vector<double>* right_probabilities) {

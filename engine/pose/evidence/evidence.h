@@ -29,7 +29,7 @@ struct PoseEvidence {
 // traits follow kEvidenceModel. The logarithm is
 //   max over p of   sum over keypoints of log(1 - p + p r),
 // where r is the likelihood ratio of the keypoint's inlier divided by the number of its matches, or
-// 0 without an inlier. Neighbouring inliers are not independent, so the logarithm is multiplied by
+// 0 without an inlier. Neighboring inliers are not independent, so the logarithm is multiplied by
 // the area that likely inliers cover, as a share of the area that they would cover if they were
 // apart (see EffectiveInliers). Linear in the correspondences.
 PoseEvidence WeighEvidence(const QueryContext& query,

@@ -20,7 +20,7 @@ struct ResidualWeights {
 };
 
 // Returns 1 / (keypoint_sigma_px^2 + (landmark_px_m / distance)^2). `landmark_px_m` is the focal
-// length times the standard deviation of the landmark, pixels times metres.
+// length times the standard deviation of the landmark, pixels times meters.
 double ReprojectionInformation(const ResidualWeights& weights, double landmark_px_m,
                                double sq_distance_m);
 // Returns 1 / (1 + sq_residual / cauchy_scale^2). The squared residual is in standard deviations.
@@ -29,7 +29,7 @@ double RobustWeight(const ResidualWeights& weights, double sq_residual);
 // Sums w J'J, w J'r and the Cauchy losses of reprojection residuals r. w is the information times
 // the robust weight. J is the Jacobian with respect to (rotation, translation) of the camera, see
 // pose_residuals.h: [A Skew(d), -A]. A is the derivative of the pixel with respect to the landmark.
-// d is the vector from the centre of the pose's rotation to the landmark. Results may differ in the
+// d is the vector from the center of the pose's rotation to the landmark. Results may differ in the
 // last bits between processors.
 class NormalEquations {
  public:

@@ -46,7 +46,7 @@ inline std::optional<Eigen::Vector2d> ProjectLandmark(
 }
 
 // Returns the Jacobian of the pixel with respect to the pose of a rig, which rotates about a
-// centre. `from_center` is the vector from that centre to the landmark, anchor frame.
+// center. `from_center` is the vector from that center to the landmark, anchor frame.
 inline Eigen::Matrix<double, 2, 6> ReprojectionJacobian(
     const Eigen::Matrix<double, 2, 3>& pixel_by_anchor, const Eigen::Vector3d& from_center) {
   // x_in_cam = R' Exp(-rotation) (x - C - translation).

@@ -25,7 +25,7 @@ struct CameraPrior {
 struct RefinedCamera {
   Camera camera;
   Rigid3d cam_from_anchor;
-  // As LocalizeResult::covariance, marginalised over focal length and distortion.
+  // As LocalizeResult::covariance, marginalized over focal length and distortion.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   double focal_log_sigma = 0.0;  // Standard deviation of the logarithm of the focal length.
   // The difference between the focal lengths of the prior and of the observations alone:
@@ -38,7 +38,7 @@ struct RefinedCamera {
   static constexpr double kMaxDisagreement = 3.0;
 };
 
-// Minimises the cost of RefinePose plus the squared errors of the prior over the pose, the
+// Minimizes the cost of RefinePose plus the squared errors of the prior over the pose, the
 // logarithm of the focal length and, with distortion, the radial coefficient. Starts from
 // `initial_camera`, which must equal the prior's camera except for these parameters. `camera_idx`
 // of the observations must be 0.

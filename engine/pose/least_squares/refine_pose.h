@@ -40,7 +40,7 @@ struct RefinedPose {
   int num_iterations = 0;  // Number of accepted steps.
 };
 
-// Minimises the Cauchy-robust reprojection errors in the true (distorted) image plus the squared
+// Minimizes the Cauchy-robust reprojection errors in the true (distorted) image plus the squared
 // gravity residual, by Levenberg-Marquardt from `initial_cam_from_anchor`. Each reprojection error
 // is weighted by 1 / (keypoint_sigma_px^2 + (focal * sigma_m / distance)^2). An observation that
 // does not project counts as a gross outlier. Works for any number of observations, in linear time.

@@ -1,4 +1,4 @@
-// Locally optimised RANSAC (Chum, Matas, Kittler, DAGM 2003), one loop for all problems.
+// Locally optimized RANSAC (Chum, Matas, Kittler, DAGM 2003), one loop for all problems.
 #ifndef CAIRN_ENGINE_POSE_SAMPLING_RANSAC_H_
 #define CAIRN_ENGINE_POSE_SAMPLING_RANSAC_H_
 
@@ -23,7 +23,7 @@ struct RansacOptions {
 
 template <typename Model>
 struct RansacResult {
-  std::optional<Model> model;  // The best optimised model; empty if no sample gave one.
+  std::optional<Model> model;  // The best optimized model; empty if no sample gave one.
   double score = 0.0;
   int num_iterations = 0;
 };
@@ -50,10 +50,10 @@ inline int RequiredIterations(double inlier_sample_probability, const RansacOpti
 //     Returns the score of a minimal model; higher is better, 0 is worthless. May stop early and
 //     return any value not above `score_to_beat` once the model is unlikely to beat it.
 //   std::optional<std::pair<Model, double>> Optimize(const Model& model);
-//     Local optimisation: returns a better model near `model` and its final score, which is
-//     comparable among optimised models only. Returns nothing if the optimisation fails.
+//     Local optimization: returns a better model near `model` and its final score, which is
+//     comparable among optimized models only. Returns nothing if the optimization fails.
 //   double InlierSampleProbability(const Model& model);
-//     Returns the probability that a minimal sample contains only inliers of the optimised `model`.
+//     Returns the probability that a minimal sample contains only inliers of the optimized `model`.
 //   double SampleProbabilityOfScore(double score);
 //     Returns the same probability for a model of which only the score is known.
 //

@@ -12,7 +12,7 @@ namespace cairn {
 // atan2(yaw_direction.y, yaw_direction.x).
 struct LevelPose {
   Eigen::Vector2d yaw_direction;     // (cos yaw, sin yaw).
-  Eigen::Vector3d center_in_anchor;  // Camera centre.
+  Eigen::Vector3d center_in_anchor;  // Camera center.
 };
 
 // Finds the poses from which the landmarks `x_in_anchor` are seen along the unit vectors
@@ -22,7 +22,7 @@ struct LevelPose {
 //
 // For depths l1, l2, the height difference of the landmarks gives a line in the (l1, l2) plane,
 //   o1z + l1 b1z - o2z - l2 b2z = X1z - X2z,
-// and their distance gives a conic. The line is parametrised as closest point + s * direction,
+// and their distance gives a conic. The line is parametrized as closest point + s * direction,
 // which treats both rays alike and requires only that one of the two bearings is not horizontal.
 // There is no solution if
 //   - both bearings are horizontal to 1e-9: heights carry no information and yaw is free;

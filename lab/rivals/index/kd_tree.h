@@ -1,5 +1,5 @@
 // A kd-tree searched best bin first (Beis and Lowe, "Shape indexing using approximate
-// nearest-neighbour search in high-dimensional spaces", CVPR 1997).
+// nearest-neighbor search in high-dimensional spaces", CVPR 1997).
 #ifndef CAIRN_LAB_RIVALS_INDEX_KD_TREE_H_
 #define CAIRN_LAB_RIVALS_INDEX_KD_TREE_H_
 

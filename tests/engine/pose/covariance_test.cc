@@ -17,7 +17,7 @@ using testing::PoseSceneOptions;
 
 struct Consistency {
   int num_estimates = 0;
-  double mean_nees = 0.0;  // Normalised estimation error squared; 6 if the covariance is right.
+  double mean_nees = 0.0;  // Normalized estimation error squared; 6 if the covariance is right.
   Eigen::Matrix<double, 6, 1> variance_ratio;  // Empirical over reported, per axis.
 };
 

@@ -414,7 +414,7 @@ TEST(EstimatePose, NothingFromOneLandmarkSeenByAllKeypoints) {
 }
 
 TEST(EstimatePose, MirroredSceneIsNotTakenForTruth) {
-  // Landmarks mirrored through the camera centre project to the same pixels, from behind.
+  // Landmarks mirrored through the camera center project to the same pixels, from behind.
   for (const bool has_gravity : {true, false}) {
     PoseSceneOptions options;
     options.num_inliers = options.num_keypoints;

@@ -40,7 +40,7 @@ TEST(ProjectLandmark, NothingBehindTheCamera) {
                                kAnchorFromCam * Vector3d(0.1, 0.2, -5.0), &derivative));
 }
 
-// Of a camera at the centre of the rig, and of one that stands elsewhere and looks elsewhere.
+// Of a camera at the center of the rig, and of one that stands elsewhere and looks elsewhere.
 TEST(ReprojectionJacobian, AgreesWithFiniteDifferencesForEveryCameraModel) {
   for (const Camera& camera : testing::OneCameraPerModel()) {
     for (const Rigid3d& own_from_cam :

@@ -8,7 +8,7 @@ namespace cairn {
 namespace {
 
 // Finds the most frequent of some numbers. The model of a sample is the number drawn plus noise
-// that optimisation takes away.
+// that optimization takes away.
 class ModeProblem {
  public:
   using Model = double;

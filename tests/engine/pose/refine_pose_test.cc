@@ -64,7 +64,7 @@ TEST(RefinePose, ResistsOutliers) {
 }
 
 TEST(RefinePose, UncertainLandmarksWeighLess) {
-  // Half of the landmarks are off by metres and say so.
+  // Half of the landmarks are off by meters and say so.
   PoseSceneOptions options = InliersOnly(60);
   options.pixel_noise_px = 0.2;
   const PoseScene scene = MakePoseScene(options);

@@ -101,7 +101,7 @@ class FetchTilesTest : public ::testing::Test {
 };
 
 TEST_F(FetchTilesTest, ReturnsTilesThatMeetTheDiscNearestFirst) {
-  // 60 m east of the first tile's centre: 15 m from the second square, 165 m from the third, and
+  // 60 m east of the first tile's center: 15 m from the second square, 165 m from the third, and
   // the grid's north deviates from true north by less than 2 m over that distance.
   SearchRegion region = Disc(60.0, 100.0);
   EXPECT_THAT(Ids(Fetch(&region)), ElementsAre(TileInRow(0), TileInRow(1)));

@@ -136,7 +136,7 @@ TiltedMapErrors RunOnTiltedMap(uint64_t seed, double tilt_sigma_rad) {
       estimator.Submit(simulation.MakeAnswer(*query, i, tilted));
     }
   });
-  // At the last frame, not at the newest sample, which is some millimetres on.
+  // At the last frame, not at the newest sample, which is some millimeters on.
   const FilterState& state = *estimator.state();
   const PosePrior pose = CameraPrior(state, static_cast<int>(state.clones().size()) - 1);
   const Rigid3d truth = tilted.global_from_true_global *

@@ -196,7 +196,7 @@ TEST(FilterState, EnteringAPointIsAnUpdateWithoutPrior) {
   h.middleCols(point, 3) = rows.by_point;
   h.middleCols(state.CloneIdx(0), 18) = rows.clones.jacobian;
   const KalmanReference reference = ReferenceUpdate(prior, h);
-  // The covariance is that of the coordinates at the point of linearisation, where no residual
+  // The covariance is that of the coordinates at the point of linearization, where no residual
   // moves them from.
   FilterState unmoved = state;
   PointRows without_residual = rows;

@@ -94,7 +94,7 @@ TEST(KltTracker, FollowsARotationOverManyImages) {
   const Eigen::Vector2d center(160.0, 120.0);
   const auto image_at = [&](int step) {
     const double c = std::cos(kTurnRad * step), s = std::sin(kTurnRad * step);
-    // About the centre, whose coordinates are half a pixel less in OpenCV's convention.
+    // About the center, whose coordinates are half a pixel less in OpenCV's convention.
     const double x = center.x() - 0.5, y = center.y() - 0.5;
     return Warp(texture, {c, -s, x - c * (x + 40.0) + s * (y + 40.0), s, c,
                           y - s * (x + 40.0) - c * (y + 40.0)});

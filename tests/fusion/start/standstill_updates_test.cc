@@ -88,7 +88,7 @@ TEST(StandstillUpdates, TracksThatMoveAreNoRest) {
 }
 
 TEST(StandstillUpdates, WhatTheStateContradictsIsNoRest) {
-  FilterState state = MovingState(3, 1.0);  // Known to a centimetre a second.
+  FilterState state = MovingState(3, 1.0);  // Known to a centimeter a second.
   StandstillUpdates updates({});
   EXPECT_FALSE(updates.Update(Samples(state, kNever), Tracks(state, 0.0), &state).is_still);
   EXPECT_NEAR(state.imu().velocity_in_local.y(), 1.0, 1e-9);

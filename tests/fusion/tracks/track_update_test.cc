@@ -10,7 +10,7 @@ namespace {
 constexpr int kNumClones = 5;
 constexpr double kErrorSize = 1e-5;
 
-// Five clones on a curve of half a metre, aligned, and a truth that is off by a small error.
+// Five clones on a curve of half a meter, aligned, and a truth that is off by a small error.
 class TrackWithMapDistance : public ::testing::TestWithParam<bool> {
  protected:
   TrackWithMapDistance()

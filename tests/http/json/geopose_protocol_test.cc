@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 
 constexpr double kTimeMs = 1.75e12;
 
-// A grey picture of 64 x 48 pixels.
+// A gray picture of 64 x 48 pixels.
 std::string PictureBase64() {
   std::string pgm = "P5\n64 48\n255\n" + std::string(64 * 48, 'g');
   return EncodeBase64({reinterpret_cast<const uint8_t*>(pgm.data()), pgm.size()});

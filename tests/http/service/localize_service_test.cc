@@ -86,7 +86,7 @@ TEST_F(HttpLocalizeService, LongJsonIsParsedInItsTurnOrNotAtAll) {
   EXPECT_THROW(service.Localize(late, CountAndRefuse, &read), HttpError);  // The turns are free.
 }
 
-// A request with a grey picture of 8 x 8 pixels.
+// A request with a gray picture of 8 x 8 pixels.
 constexpr char kWithImage[] =
     R"({"camera":{"model":"SIMPLE_PINHOLE","size":[8,8],"modelParams":[8,4,4]},
         "image":{"format":"GRAY8","data":"AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA=="},

@@ -104,7 +104,7 @@ TEST(PhoneSequence, TracksFollowFixedPointsOfTheWorld) {
       continue;
     }
     ++num_long;
-    // Rays from the first and the last look, of lines that pass each other within millimetres.
+    // Rays from the first and the last look, of lines that pass each other within millimeters.
     const auto ray = [&](const std::pair<size_t, Eigen::Vector2d>& look) {
       const Rigid3d local_from_cam = sequence.frames[look.first].cam_from_local.Inverse();
       return std::pair(local_from_cam.translation,

@@ -71,7 +71,7 @@ TEST_F(CityWalks, AnswersAreOfTheFramesThatWereAskedAbout) {
     return values[values.size() / 2];
   };
   EXPECT_LT(median(errors_m), 1.0);
-  EXPECT_LT(median(errors_px), 20.0);  // A map 0.3 m off, seen from ten metres.
+  EXPECT_LT(median(errors_px), 20.0);  // A map 0.3 m off, seen from ten meters.
 }
 
 TEST_F(CityWalks, CanBeComparedOn) {

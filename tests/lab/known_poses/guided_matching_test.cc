@@ -13,7 +13,7 @@ namespace {
 
 Camera TestCamera() { return {CameraModel::kPinhole, 640, 480, {420.0, 420.0, 320.0, 240.0}}; }
 
-// Points before two cameras a metre apart, keypoint i of either image being point i. Descriptors
+// Points before two cameras a meter apart, keypoint i of either image being point i. Descriptors
 // are random, the second image's a little different.
 struct TwoViews {
   Camera camera = TestCamera();

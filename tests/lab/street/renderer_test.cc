@@ -21,7 +21,7 @@ std::shared_ptr<const Texture> PlainTexture(double grey) {
 }
 
 // A 4 m x 4 m wall in the plane y = 0, seen from y < 0, dark but for a bright square of 0.25 m
-// whose centre is at (x, z) = (0.625, 1.125).
+// whose center is at (x, z) = (0.625, 1.125).
 TexturedRect WallWithMark() {
   cv::Mat pixels(512, 512, CV_8UC1, cv::Scalar(kDark));
   pixels(cv::Rect(256 + 76, 512 - 148, 8, 8)).setTo(cv::Scalar(kBright));
@@ -39,7 +39,7 @@ Rigid3d LookAt(const Eigen::Vector3d& center, const Eigen::Vector3d& target) {
   return {cam_from_enu, -(cam_from_enu * center)};
 }
 
-// Centre of the light above the wall's grey near a pixel, in our pixel convention.
+// Center of the light above the wall's gray near a pixel, in our pixel convention.
 Eigen::Vector2d MarkNear(const Eigen::Vector2d& pixel, const GrayImage& image) {
   constexpr int kRadiusPx = 15;
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();

@@ -211,7 +211,7 @@ TEST(BundleAdjuster, RefusesOptionsWithoutSense) {
   EXPECT_THROW(options.Validate(), Error);
 }
 
-// Minimising over all variables, and over those that remain after marginalisation, is the same.
+// Minimizing over all variables, and over those that remain after marginalization, is the same.
 TEST(NormalEquations, MarginalizationKeepsTheMinimum) {
   const Preintegration none(ImuNoise(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
   WindowCamera a{ImuState(), none};
