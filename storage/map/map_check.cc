@@ -31,39 +31,54 @@ void Findings::Finish() {
   }
 }
 
+namespace {
+
+// Checks everything but the tiles.
+void CheckTablesOf(db::Connection* connection, Findings* findings) {
+  if (connection->dialect() == db::Dialect::kPostgres) {
+    CheckPostgresTables(connection, findings);
+    CheckVersions(connection, findings);
+  } else if (CheckPages(connection, findings)) {
+    CheckTables(connection, findings);
+    CheckLayers(connection, findings);
+    CheckVersions(connection, findings);
+  }
+  CheckCodebooks(connection, findings);
+}
+
+// Checks the tiles of the latest version and of the past.
+void CheckTiles(db::Connection* connection, const std::function<void(int64_t, int64_t)>& progress,
+                int64_t* num_checked, Findings* findings) {
+  // A damaged page may list the same tile more than once.
+  const std::vector<int64_t> in_pages = queries::AllTileIds(connection);
+  const std::set<int64_t> tile_ids(in_pages.begin(), in_pages.end());
+  const std::vector<queries::PastTile> past_tiles = queries::AllPastTiles(connection);
+  const auto num_tiles = static_cast<int64_t>(tile_ids.size() + past_tiles.size());
+  const auto count_tile = [&] {
+    ++*num_checked;
+    if (progress) {
+      progress(*num_checked, num_tiles);
+    }
+  };
+  for (const int64_t tile_id : tile_ids) {
+    CheckTile(connection, tile_id, findings);
+    count_tile();
+  }
+  for (const queries::PastTile& tile : past_tiles) {
+    CheckPastTile(connection, tile, findings);
+    count_tile();
+  }
+}
+
+}  // namespace
+
 CheckReport CheckMap(db::Connection* connection,
                      const std::function<void(int64_t, int64_t)>& progress) {
   CheckReport report;
   Findings findings(&report);
   try {
-    if (connection->dialect() == db::Dialect::kPostgres) {
-      CheckPostgresTables(connection, &findings);
-      CheckVersions(connection, &findings);
-    } else if (CheckPages(connection, &findings)) {
-      CheckTables(connection, &findings);
-      CheckLayers(connection, &findings);
-      CheckVersions(connection, &findings);
-    }
-    CheckCodebooks(connection, &findings);
-    // A damaged page may list the same tile more than once.
-    const std::vector<int64_t> in_pages = queries::AllTileIds(connection);
-    const std::set<int64_t> tile_ids(in_pages.begin(), in_pages.end());
-    const std::vector<queries::PastTile> past_tiles = queries::AllPastTiles(connection);
-    const auto num_tiles = static_cast<int64_t>(tile_ids.size() + past_tiles.size());
-    const auto count_tile = [&] {
-      ++report.num_tiles_checked;
-      if (progress) {
-        progress(report.num_tiles_checked, num_tiles);
-      }
-    };
-    for (const int64_t tile_id : tile_ids) {
-      CheckTile(connection, tile_id, &findings);
-      count_tile();
-    }
-    for (const queries::PastTile& tile : past_tiles) {
-      CheckPastTile(connection, tile, &findings);
-      count_tile();
-    }
+    CheckTablesOf(connection, &findings);
+    CheckTiles(connection, progress, &report.num_tiles_checked, &findings);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kMapDamaged) {
       throw;

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 
+#include "core/error.h"
 #include "storage/database/connection.h"
 #include "storage/map/map_store.h"
 #include "storage/map/version_queries.h"
@@ -15,8 +16,8 @@
 namespace cairn {
 
 // Implements MapStore::Check. A file gets all parts below; a PostgreSQL database gets the parts
-// that do not depend on SQLite. If SQLite itself finds damage, the check stops and reports that
-// damage.
+// that do not depend on SQLite. If SQLite itself finds damaged pages, the tables as a whole are not
+// checked, but codebooks and tiles are.
 CheckReport CheckMap(db::Connection* connection,
                      const std::function<void(int64_t, int64_t)>& progress);
 
@@ -30,6 +31,18 @@ class Findings {
   // Two problems are of the same kind if `problem` is the same text.
   void Add(const std::string& where, const std::string& problem);
   void Add(const std::string& problem);
+  // Runs `check`. If `check` throws because a value cannot be read, adds that error at `where`.
+  template <typename Check>
+  void Run(const std::string& where, const Check& check) {
+    try {
+      check();
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::kMapDamaged && error.code() != ErrorCode::kBadInput) {
+        throw;
+      }
+      Add(where, error.what());
+    }
+  }
   // Adds a line for each kind of problem that has more occurrences than were kept.
   void Finish();
 
@@ -54,7 +67,7 @@ void CheckRules(db::Connection* connection, std::span<const Rule> rules, Finding
 // Error(kMapDamaged) if damage keeps the check from going on.
 
 // Runs SQLite's own check of the file's pages, indices and constraints. If it returns false, do not
-// read the tables: their pages may form cycles.
+// scan whole tables: their pages may form cycles.
 bool CheckPages(db::Connection* connection, Findings* findings);
 
 // Checks everything else that SQL alone can check: the R*Trees, the references, and rows that

@@ -17,20 +17,6 @@ constexpr double kSlackDeg = 1e-7;  // A centimeter; machines may round differen
 // R*Trees round boxes outwards to floats. Near 360 degrees, floats are 3e-5 degrees apart.
 constexpr double kIndexSlackDeg = 1e-4;
 
-// Runs `check` on a row. If a value of the row cannot be read, the problem is reported for that row
-// and the check continues.
-template <typename Check>
-void CheckRow(const std::string& where, const Check& check, Findings* findings) {
-  try {
-    check();
-  } catch (const Error& error) {
-    if (error.code() != ErrorCode::kMapDamaged && error.code() != ErrorCode::kBadInput) {
-      throw;
-    }
-    findings->Add(where, error.what());
-  }
-}
-
 // Returns true if the box of an R*Tree row contains the envelope with at most kIndexSlackDeg to
 // spare. The box is in columns `first` to `first` + 3: min x, max x, min y, max y. The columns are
 // NULL if the R*Tree has no row; another check reports that.
@@ -129,8 +115,7 @@ void CheckLayers(db::Connection* connection, Findings* findings) {
       "LEFT JOIN rtree_coverage_geom AS r ON r.id = c.tile_id");
   while (squares.Step()) {
     const std::string where = "square " + std::to_string(squares.Int64(0));
-    CheckRow(
-        where, [&] { CheckSquare(squares, where, findings); }, findings);
+    findings->Run(where, [&] { CheckSquare(squares, where, findings); });
   }
   db::Statement keyframes = connection->Prepare(
       "SELECT k.keyframe_id, k.geom, r.minx, r.maxx, r.miny, r.maxy, k.lat_deg, k.lon_deg, k.h_m, "
@@ -138,8 +123,7 @@ void CheckLayers(db::Connection* connection, Findings* findings) {
       "k.keyframe_id");
   while (keyframes.Step()) {
     const std::string where = "keyframe " + std::to_string(keyframes.Int64(0));
-    CheckRow(
-        where, [&] { CheckKeyframe(keyframes, connection, where, findings); }, findings);
+    findings->Run(where, [&] { CheckKeyframe(keyframes, connection, where, findings); });
   }
 }
 

@@ -147,19 +147,6 @@ class TileCheck {
   Findings* findings_;
 };
 
-// Runs `check`. A value that `check` cannot read becomes a finding.
-template <typename Check>
-void FindDamage(const std::string& where, const Check& check, Findings* findings) {
-  try {
-    check();
-  } catch (const Error& error) {
-    if (error.code() != ErrorCode::kMapDamaged && error.code() != ErrorCode::kBadInput) {
-      throw;
-    }
-    findings->Add(where, error.what());
-  }
-}
-
 }  // namespace
 
 bool SameBounds(const GeoBox& a, const GeoBox& b) {
@@ -173,38 +160,31 @@ bool SameBounds(const GeoBox& a, const GeoBox& b) {
 void CheckCodebooks(db::Connection* connection, Findings* findings) {
   for (const CodebookId id : queries::CodebookIds(connection)) {
     const std::string where = fmt::format("codebook {}", Value(id));
-    FindDamage(
-        where,
-        [&] {
-          if (queries::CodebookDigest(connection, id) !=
-              ContentDigest(EncodeCodebook(*queries::LoadCodebook(connection, id)))) {
-            findings->Add(where, "does not match its digest");
-          }
-        },
-        findings);
+    findings->Run(where, [&] {
+      if (queries::CodebookDigest(connection, id) !=
+          ContentDigest(EncodeCodebook(*queries::LoadCodebook(connection, id)))) {
+        findings->Add(where, "does not match its digest");
+      }
+    });
   }
 }
 
 void CheckTile(db::Connection* connection, int64_t tile_id, Findings* findings) {
   std::string where = "tile " + std::to_string(tile_id);
-  FindDamage(
-      where,
-      [&] {
-        const TileId id = TileId::FromValue(static_cast<uint64_t>(tile_id));
-        where = "tile " + id.ToString();
-        if (const std::optional<TileRecord> record = queries::FindTile(connection, id)) {
-          TileCheck(connection, *record, queries::LatestVersion(connection), where, findings).Run();
-        }
-      },
-      findings);
+  findings->Run(where, [&] {
+    const TileId id = TileId::FromValue(static_cast<uint64_t>(tile_id));
+    where = "tile " + id.ToString();
+    if (const std::optional<TileRecord> record = queries::FindTile(connection, id)) {
+      TileCheck(connection, *record, queries::LatestVersion(connection), where, findings).Run();
+    }
+  });
 }
 
 void CheckPastTile(db::Connection* connection, const queries::PastTile& tile, Findings* findings) {
   const auto last = MapVersion(Value(tile.until) - 1);
   const std::string where =
       fmt::format("tile {} as of version {}", tile.tile.tile_id.ToString(), Value(last));
-  FindDamage(
-      where, [&] { TileCheck(connection, tile.tile, last, where, findings).Run(); }, findings);
+  findings->Run(where, [&] { TileCheck(connection, tile.tile, last, where, findings).Run(); });
 }
 
 }  // namespace cairn

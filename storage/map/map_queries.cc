@@ -31,18 +31,17 @@ constexpr std::string_view kFindKeyframeSql = CAIRN_KEYFRAME_COLUMNS "WHERE k.ke
 
 #undef CAIRN_KEYFRAME_COLUMNS
 
-// The columns that ReadTile expects, in order, and their tables. A damaged map may lack a payload.
-#define CAIRN_SELECT_TILES                                                                    \
-  "SELECT c.tile_id, t.payload_id, t.codebook_id, c.num_landmarks, c.num_descriptors, "       \
-  "c.num_keyframes, c.num_bytes, c.min_h_m, c.max_h_m, t.landmarks_south_deg, "               \
-  "t.landmarks_west_deg, t.landmarks_north_deg, t.landmarks_east_deg, "                       \
-  "coalesce(p.digest, '') FROM coverage AS c JOIN cairn_tiles AS t ON t.tile_id = c.tile_id " \
-  "LEFT JOIN cairn_payloads AS p ON p.payload_id = t.payload_id "
+// The columns that ReadTile expects, in order. A damaged map may lack a payload.
+#define CAIRN_TILE_COLUMNS                                                              \
+  "SELECT c.tile_id, t.payload_id, t.codebook_id, c.num_landmarks, c.num_descriptors, " \
+  "c.num_keyframes, c.num_bytes, c.min_h_m, c.max_h_m, t.landmarks_south_deg, "         \
+  "t.landmarks_west_deg, t.landmarks_north_deg, t.landmarks_east_deg, coalesce(p.digest, '') "
+#define CAIRN_SELECT_TILES                                                 \
+  CAIRN_TILE_COLUMNS                                                       \
+      "FROM coverage AS c JOIN cairn_tiles AS t ON t.tile_id = c.tile_id " \
+      "LEFT JOIN cairn_payloads AS p ON p.payload_id = t.payload_id "
 
-constexpr std::string_view kFindTilesSql =
-    "SELECT c.tile_id, t.payload_id, t.codebook_id, c.num_landmarks, c.num_descriptors, "
-    "c.num_keyframes, c.num_bytes, c.min_h_m, c.max_h_m, t.landmarks_south_deg, "
-    "t.landmarks_west_deg, t.landmarks_north_deg, t.landmarks_east_deg, coalesce(p.digest, '') "
+constexpr std::string_view kFindTilesSql = CAIRN_TILE_COLUMNS
     "FROM rtree_coverage_geom AS r "
     "JOIN coverage AS c ON c.tile_id = r.id "
     "JOIN cairn_tiles AS t ON t.tile_id = r.id "
@@ -66,6 +65,7 @@ constexpr std::string_view kTilesInRangeSql =
     CAIRN_SELECT_TILES "WHERE c.tile_id BETWEEN ? AND ? AND t.since <= ? ORDER BY c.tile_id";
 
 #undef CAIRN_SELECT_TILES
+#undef CAIRN_TILE_COLUMNS
 
 // The columns that ReadSession expects, in order.
 #define CAIRN_SESSION_COLUMNS                                                              \
