@@ -151,14 +151,18 @@ StatedFocalOptions FocalOptionsOf(const EvalArguments& arguments) {
   return options;
 }
 
-ExitCode RunEval(const EvalArguments& arguments, ProgressMode progress_mode) {
+PriorNoiseOptions NoiseOf(const EvalArguments& arguments) {
   PriorNoiseOptions noise = arguments.options.noise;
   noise.with_prior = !arguments.no_prior;
   noise.with_gravity = !arguments.no_gravity;
   noise.seed = arguments.options.localizer.seed;
   noise.Validate();
+  return noise;
+}
 
-  const OpenedMap map = OpenLocalizer(arguments.map_path, arguments.options.localizer);
+// Loads the queries and gives them the priors, gravity and focal lengths that the arguments state.
+std::vector<EvalQuery> PrepareQueries(const EvalArguments& arguments,
+                                      const PriorNoiseOptions& noise, const OpenedMap& map) {
   std::vector<EvalQuery> queries =
       LoadEvalQueries(arguments.queries, arguments.options.georegister, map.store->Snapshot());
   if (arguments.elsewhere) {
@@ -171,6 +175,26 @@ ExitCode RunEval(const EvalArguments& arguments, ProgressMode progress_mode) {
     OffsetPriors(arguments.prior_offset_m, noise.seed, &queries);
   }
   StateFocalLengths(FocalOptionsOf(arguments), &queries);
+  return queries;
+}
+
+void WriteReports(const EvalArguments& arguments, const std::vector<EvalQuery>& queries,
+                  const EvalReport& report) {
+  if (!arguments.json_path.empty()) {
+    WriteTextFile(arguments.json_path, ReportAsJson(report));
+  }
+  if (!arguments.csv_path.empty()) {
+    WriteTextFile(arguments.csv_path, ReportAsCsv(report));
+  }
+  if (!arguments.matches_path.empty()) {
+    WriteTextFile(arguments.matches_path, MatchesAsCsv(queries, report));
+  }
+}
+
+ExitCode RunEval(const EvalArguments& arguments, ProgressMode progress_mode) {
+  const PriorNoiseOptions noise = NoiseOf(arguments);
+  const OpenedMap map = OpenLocalizer(arguments.map_path, arguments.options.localizer);
+  std::vector<EvalQuery> queries = PrepareQueries(arguments, noise, map);
   std::vector<LocalizeResult> results;
   {
     Progress progress(progress_mode);
@@ -186,15 +210,7 @@ ExitCode RunEval(const EvalArguments& arguments, ProgressMode progress_mode) {
   fmt::print("{}",
              is_chance ? ElsewhereAsText(MeasureElsewhere(report.answers)) : ReportAsText(report));
   PrintMapSize(map.store->Snapshot());
-  if (!arguments.json_path.empty()) {
-    WriteTextFile(arguments.json_path, ReportAsJson(report));
-  }
-  if (!arguments.csv_path.empty()) {
-    WriteTextFile(arguments.csv_path, ReportAsCsv(report));
-  }
-  if (!arguments.matches_path.empty()) {
-    WriteTextFile(arguments.matches_path, MatchesAsCsv(queries, report));
-  }
+  WriteReports(arguments, queries, report);
   return ExitCode::kOk;
 }
 

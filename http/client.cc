@@ -42,36 +42,28 @@ nlohmann::json StatedCameraJson(const LocalizeQuery& query) {
   return json;
 }
 
-std::string RequestJson(const LocalizeQuery& query, const ClientOptions& client) {
-  nlohmann::json json;
-  if (!query.id.empty()) {
-    json["id"] = query.id;
+nlohmann::json RigCameraJson(const RigCamera& camera) {
+  const Eigen::Quaterniond& q = camera.cam_from_first.rotation;
+  const Eigen::Vector3d& t = camera.cam_from_first.translation;
+  return {{"camera", CameraJson(camera.camera)},
+          {"camFromFirst",
+           {{"quaternion", {{"x", q.x()}, {"y", q.y()}, {"z", q.z()}, {"w", q.w()}}},
+            {"translation", {t.x(), t.y(), t.z()}}}}};
+}
+
+nlohmann::json PriorJson(const PositionPrior& prior) {
+  const Geodetic& position = prior.position;
+  nlohmann::json json = {
+      {"position", {{"lat", position.lat_deg()}, {"lon", position.lon_deg()}, {"h", position.h_m}}},
+      {"accuracy", prior.accuracy_m}};
+  if (prior.height_sigma_m) {
+    json["altitudeAccuracy"] = *prior.height_sigma_m;
   }
-  json["camera"] = StatedCameraJson(query);
-  for (const RigCamera& other : query.other_cameras) {
-    const Eigen::Quaterniond& q = other.cam_from_first.rotation;
-    const Eigen::Vector3d& t = other.cam_from_first.translation;
-    json["rig"].push_back(
-        {{"camera", CameraJson(other.camera)},
-         {"camFromFirst",
-          {{"quaternion", {{"x", q.x()}, {"y", q.y()}, {"z", q.z()}, {"w", q.w()}}},
-           {"translation", {t.x(), t.y(), t.z()}}}}});
-  }
-  if (query.prior) {
-    const Geodetic& position = query.prior->position;
-    nlohmann::json& prior = json["prior"];
-    prior["position"] = {
-        {"lat", position.lat_deg()}, {"lon", position.lon_deg()}, {"h", position.h_m}};
-    prior["accuracy"] = query.prior->accuracy_m;
-    if (query.prior->height_sigma_m) {
-      prior["altitudeAccuracy"] = *query.prior->height_sigma_m;
-    }
-  }
-  if (query.down_in_cam) {
-    const Eigen::Vector3d& down = *query.down_in_cam;
-    json["gravity"] = {down.x(), down.y(), down.z()};
-  }
-  nlohmann::json& options = json["options"];
+  return json;
+}
+
+nlohmann::json OptionsJson(const LocalizeQuery& query, const ClientOptions& client) {
+  nlohmann::json options;
   options["innerFrame"] = "RDF";
   options["include"] = {"timings", "covariance"};
   if (client.image_orientation != ImageOrientation::kAsSize) {
@@ -86,6 +78,26 @@ std::string RequestJson(const LocalizeQuery& query, const ClientOptions& client)
         *query.deadline - std::chrono::steady_clock::now());
     options["timeoutMs"] = std::clamp<int64_t>(left.count(), 1, kMaxTimeoutMs);
   }
+  return options;
+}
+
+std::string RequestJson(const LocalizeQuery& query, const ClientOptions& client) {
+  nlohmann::json json;
+  if (!query.id.empty()) {
+    json["id"] = query.id;
+  }
+  json["camera"] = StatedCameraJson(query);
+  for (const RigCamera& other : query.other_cameras) {
+    json["rig"].push_back(RigCameraJson(other));
+  }
+  if (query.prior) {
+    json["prior"] = PriorJson(*query.prior);
+  }
+  if (query.down_in_cam) {
+    const Eigen::Vector3d& down = *query.down_in_cam;
+    json["gravity"] = {down.x(), down.y(), down.z()};
+  }
+  json["options"] = OptionsJson(query, client);
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 

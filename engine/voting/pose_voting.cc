@@ -162,6 +162,19 @@ std::vector<PoseCandidate> SuppressNeighbors(const std::vector<PoseCandidate>& o
   return kept;
 }
 
+// Replaces each candidate by judge(rays, center, yaw, options), as long as there is time.
+template <typename Judge>
+void JudgeCandidates(const RayArrays<double>& rays, const VotingOptions& options,
+                     const Judge& judge, SharedWorkers* workers, const StopFunction& should_stop,
+                     std::vector<PoseCandidate>* candidates) {
+  ForEachStep(workers, static_cast<int>(candidates->size()), [&](int i) {
+    if (!should_stop || !should_stop()) {
+      PoseCandidate& candidate = (*candidates)[i];
+      candidate = judge(rays, candidate.center_in_anchor, candidate.yaw_rad, options);
+    }
+  });
+}
+
 }  // namespace
 
 std::vector<PoseCandidate> VoteForPoses(const QueryContext& query,
@@ -194,20 +207,12 @@ std::vector<PoseCandidate> VoteForPoses(const QueryContext& query,
   candidates = SuppressNeighbors(candidates, grid, options.yaw_step_rad,
                                  kJudgedPerCandidate * options.max_candidates);
   const RayArrays<double> support_rays(rays, center);
-  const auto judge_by = [&](const auto& judge) {
-    ForEachStep(workers, static_cast<int>(candidates.size()), [&](int i) {
-      if (!should_stop || !should_stop()) {
-        candidates[i] =
-            judge(support_rays, candidates[i].center_in_anchor, candidates[i].yaw_rad, options);
-      }
-    });
-  };
-  judge_by(SupportedCandidate);
+  JudgeCandidates(support_rays, options, SupportedCandidate, workers, should_stop, &candidates);
   std::erase_if(candidates, [&](const PoseCandidate& candidate) {
     return candidate.score < options.min_score;
   });
   if (options.filter != OutlierFilter::kVoting3d) {
-    judge_by(SettledCandidate);
+    JudgeCandidates(support_rays, options, SettledCandidate, workers, should_stop, &candidates);
   }
   if (should_stop && should_stop()) {
     return {};
