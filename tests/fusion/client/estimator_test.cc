@@ -10,38 +10,34 @@
 namespace cairn::fusion::testing {
 namespace {
 
+// Replays the simulation and returns the position error in local.
+double LocalPositionRms(const Simulation& simulation, bool with_map, Estimator* estimator) {
+  const Rigid3d local_from_world = simulation.LocalFromWorld(0);
+  Rms position_m;
+  Replay(simulation, 0, estimator, [&](size_t i) {
+    position_m.Add(
+        ImuError(estimator->state()->imu(), simulation.frames()[i].truth, local_from_world)
+            .segment<3>(kPositionIdx)
+            .norm());
+    if (const auto query = with_map ? estimator->PollQuery() : std::nullopt) {
+      estimator->Submit(simulation.MakeAnswer(*query, i, {}));
+    }
+  });
+  return position_m.Value();
+}
+
+double LocalPositionRms(const Simulation& simulation, bool with_map) {
+  Estimator estimator(simulation.MatchingOptions());
+  return LocalPositionRms(simulation, with_map, &estimator);
+}
+
 TEST(Estimator, TracksAWalkLocally) {
   SimulationOptions options;
   options.duration_s = 20.0;
   const Simulation simulation(options);
   Estimator estimator(simulation.MatchingOptions());
-  const Rigid3d local_from_world = simulation.LocalFromWorld(0);
-  Rms position_m;
-  Replay(simulation, 0, &estimator, [&](size_t i) {
-    position_m.Add(
-        ImuError(estimator.state()->imu(), simulation.frames()[i].truth, local_from_world)
-            .segment<3>(kPositionIdx)
-            .norm());
-  });
-  EXPECT_LT(position_m.Value(), 0.15);
+  EXPECT_LT(LocalPositionRms(simulation, /*with_map=*/false, &estimator), 0.15);
   EXPECT_GT(estimator.counters().num_tracks_used, 500);
-}
-
-// Position error in local over a walk.
-double LocalPositionRms(const Simulation& simulation, bool with_map) {
-  Estimator estimator(simulation.MatchingOptions());
-  const Rigid3d local_from_world = simulation.LocalFromWorld(0);
-  Rms position_m;
-  Replay(simulation, 0, &estimator, [&](size_t i) {
-    position_m.Add(
-        ImuError(estimator.state()->imu(), simulation.frames()[i].truth, local_from_world)
-            .segment<3>(kPositionIdx)
-            .norm());
-    if (const auto query = with_map ? estimator.PollQuery() : std::nullopt) {
-      estimator.Submit(simulation.MakeAnswer(*query, i, {}));
-    }
-  });
-  return position_m.Value();
 }
 
 TEST(Estimator, TheMapNeverHurtsLocalTracking) {

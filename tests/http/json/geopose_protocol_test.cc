@@ -320,5 +320,63 @@ TEST(GeoPoseProtocol, TheOgcGeoPoseIsThePoseAlone) {
   EXPECT_FALSE(WantsOgcGeoPose("application/json"));
 }
 
+TEST(GeoPoseRequest, ReadsWhatTheReferenceClientSends) {
+  // Fractions of milliseconds, RGBA32 for a JPEG, 0 for unknown accuracies, empty privacy.
+  const LocalizeRequest request = ParseGeoPoseRequest("application/json", R"({
+      "type":"geopose","id":"8a","timestamp":1750939398316.25,
+      "sensors":[{"type":"camera","id":"cam"},{"type":"geolocation","id":"gps"}],
+      "sensorReadings":{
+        "cameraReadings":[{"timestamp":1.5,"sensorId":"cam","privacy":{},"sequenceNumber":1,
+          "imageFormat":"RGBA32","size":[640,480],"imageBytes":"data:image/jpeg;base64,Zm9v",
+          "imageOrientation":{"mirrored":false,"rotation":0},
+          "params":{"model":"PINHOLE","modelParams":[500,500,320,240],"minMaxDepth":[]}}],
+        "geolocationReadings":[{"latitude":47.5,"longitude":8.5,"altitude":400,"accuracy":0,
+          "altitudeAccuracy":0,"heading":0,"speed":0}],
+        "wifiReadings":[]},
+      "priorPoses":[]})",
+                                                      RequestLimits{});
+  EXPECT_EQ(request.query.id, "8a");
+  EXPECT_EQ(request.timestamp_ms, 1750939398316);
+  ASSERT_EQ(request.images.size(), 1u);
+  EXPECT_EQ(request.images[0].bytes, (std::vector<uint8_t>{'f', 'o', 'o'}));
+  EXPECT_EQ(request.query.camera.focal_px(), 500.0);
+  ASSERT_TRUE(request.query.prior.has_value());
+  EXPECT_EQ(request.query.prior->accuracy_m, 25.0);
+  EXPECT_FALSE(request.query.prior->height_sigma_m.has_value());
+}
+
+TEST(GeoPoseRequest, NamesWhatIsMissing) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"{}", "/sensorReadings"},
+      {R"({"type":"orb","sensorReadings":{}})", "/type"},
+      {R"({"sensorReadings":{"cameraReadings":[]}})", "/sensorReadings/cameraReadings"},
+      {R"({"sensorReadings":{"cameraReadings":[{"size":[1,1]}]}})",
+       "/sensorReadings/cameraReadings/0/imageBytes"},
+      {R"({"sensorReadings":{"cameraReadings":[{"imageBytes":"Zm9v"}]}})",
+       "/sensorReadings/cameraReadings/0/size"},
+      {R"({"sensorReadings":{"cameraReadings":[{"size":[9,9],"imageOrientation":{"mirrored":true},
+           "params":{"model":"SIMPLE_PINHOLE","modelParams":[9,4,4]}}]}})",
+       "/sensorReadings/cameraReadings/0/imageOrientation/mirrored"},
+      {R"({"sensorReadings":{"cameraReadings":[{"size":[9,9],"imageBytes":"?",
+           "params":{"model":"SIMPLE_PINHOLE","modelParams":[9,4,4]}}]}})",
+       "/sensorReadings/cameraReadings/0/imageBytes"},
+  };
+  for (const auto& [json, pointer] : cases) {
+    try {
+      ParseGeoPoseRequest("application/json", json, RequestLimits{});
+      ADD_FAILURE() << json;
+    } catch (const HttpError& e) {
+      EXPECT_EQ(e.pointer(), pointer);
+    }
+  }
+}
+
+TEST(GeoPoseContentType, FollowsTheAcceptHeader) {
+  EXPECT_EQ(GeoPoseContentType("application/vnd.oscp+json;version=2.0;"),
+            "application/vnd.oscp+json;version=2.0");
+  EXPECT_EQ(GeoPoseContentType("*/*"), "application/json");
+  EXPECT_EQ(GeoPoseContentType(""), "application/json");
+}
+
 }  // namespace
 }  // namespace cairn
