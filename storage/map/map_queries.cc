@@ -36,10 +36,10 @@ constexpr std::string_view kFindKeyframeSql = CAIRN_KEYFRAME_COLUMNS "WHERE k.ke
   "SELECT c.tile_id, t.payload_id, t.codebook_id, c.num_landmarks, c.num_descriptors, " \
   "c.num_keyframes, c.num_bytes, c.min_h_m, c.max_h_m, t.landmarks_south_deg, "         \
   "t.landmarks_west_deg, t.landmarks_north_deg, t.landmarks_east_deg, coalesce(p.digest, '') "
-#define CAIRN_SELECT_TILES                                                 \
-  CAIRN_TILE_COLUMNS                                                       \
-      "FROM coverage AS c JOIN cairn_tiles AS t ON t.tile_id = c.tile_id " \
-      "LEFT JOIN cairn_payloads AS p ON p.payload_id = t.payload_id "
+#define CAIRN_SELECT_TILES                                             \
+  CAIRN_TILE_COLUMNS                                                   \
+  "FROM coverage AS c JOIN cairn_tiles AS t ON t.tile_id = c.tile_id " \
+  "LEFT JOIN cairn_payloads AS p ON p.payload_id = t.payload_id "
 
 constexpr std::string_view kFindTilesSql = CAIRN_TILE_COLUMNS
     "FROM rtree_coverage_geom AS r "
