@@ -22,9 +22,7 @@ std::vector<BuiltTile> BuildTiles(const PlannedSession& planned, int num_threads
   const auto report = [&](int64_t num_more) {
     const std::lock_guard lock(mutex);
     num_done += num_more;
-    if (progress) {
-      progress("tiles", num_done, num_tiles);
-    }
+    ReportProgress(progress, "tiles", num_done, num_tiles);
   };
   report(0);
   ParallelFor(num_tiles, num_threads, [&](int i) {

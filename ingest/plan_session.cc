@@ -21,12 +21,6 @@
 namespace cairn {
 namespace {
 
-void Report(const IngestProgress& progress, const char* phase, int64_t done, int64_t total) {
-  if (progress) {
-    progress(phase, done, total);
-  }
-}
-
 void RequireFits(const Codebook& codebook, const Reconstruction& reconstruction) {
   const int dim = reconstruction.descriptor_dim();
   if (codebook.descriptor_type != reconstruction.descriptor_type || codebook.raw_dim() != dim) {
@@ -57,12 +51,12 @@ void ChooseCodebook(const Reconstruction& reconstruction, const IngestOptions& o
                     const MapSnapshot& base, const IngestProgress& progress, SessionPlan* plan) {
   plan->codebook = base.CurrentCodebook();
   if (plan->codebook == nullptr) {
-    Report(progress, "codebook", 0, 1);
+    ReportProgress(progress, "codebook", 0, 1);
     auto trained = std::make_shared<Codebook>(TrainCodebook(reconstruction, options.codebook));
     trained->id = base.FindCodebook(*trained);
     plan->codebook = std::move(trained);
     plan->adds_codebook = true;
-    Report(progress, "codebook", 1, 1);
+    ReportProgress(progress, "codebook", 1, 1);
   }
   RequireFits(*plan->codebook, reconstruction);
 }
@@ -90,7 +84,7 @@ std::vector<LandmarkId> LinkSession(const Reconstruction& reconstruction,
     const DescriptorCodec codec(plan.codebook);
     int64_t num_done = 0;
     for (const auto& [tile_id, images] : session.images_of_tile) {
-      Report(progress, "links", num_done++, std::ssize(session.images_of_tile));
+      ReportProgress(progress, "links", num_done++, std::ssize(session.images_of_tile));
       const std::optional<Tile> known = LoadWithoutSession(tile_id, plan.replaced_session, base);
       if (!known || known->codebook_id != plan.codebook->id) {
         continue;
@@ -183,7 +177,7 @@ void SettleAndNumber(const PlacedSession& placed, const IngestOptions& options, 
   const Reconstruction& reconstruction = *planned->reconstruction;
   const MapSnapshot& base = *planned->base;
   SessionPlan& plan = planned->plan;
-  Report(progress, "comparison", 0, 1);
+  ReportProgress(progress, "comparison", 0, 1);
   plan.comparison = Compare(reconstruction, placed, plan.replaced_session, options, base, *store);
   RequireAgreement(plan.comparison, options);
   const PlacedSession settled = SettleSession(placed, plan.comparison, reconstruction);

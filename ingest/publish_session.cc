@@ -162,9 +162,7 @@ IngestReport PublishSession(const SessionPlan& plan,
   update.AddSession(plan.session, plan.session.id);
   const int64_t num_tiles = std::ssize(plan.tiles);
   for (int64_t i = 0; i < num_tiles; ++i) {
-    if (progress) {
-      progress("publish", i, num_tiles);
-    }
+    ReportProgress(progress, "publish", i, num_tiles);
     const BuiltTile built = load(static_cast<size_t>(i));
     StoreTile(built, &update);
     CountTile(built.tile, &report);
@@ -173,9 +171,7 @@ IngestReport PublishSession(const SessionPlan& plan,
       {.kind = report.replaced_session ? VersionKind::kReplace : VersionKind::kIngest,
        .session = plan.session.name,
        .summary = SummaryOf(report)});
-  if (progress) {
-    progress("publish", num_tiles, num_tiles);
-  }
+  ReportProgress(progress, "publish", num_tiles, num_tiles);
   return report;
 }
 

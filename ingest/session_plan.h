@@ -20,6 +20,14 @@ namespace cairn {
 // Phases "codebook", "comparison", "links", "shards", "tiles", "publish"; done of total.
 using IngestProgress = std::function<void(const char* phase, int64_t done, int64_t total)>;
 
+// Calls `progress` unless it is empty.
+inline void ReportProgress(const IngestProgress& progress, const char* phase, int64_t done,
+                           int64_t total) {
+  if (progress) {
+    progress(phase, done, total);
+  }
+}
+
 struct PlannedTile {
   TileId tile_id;
   std::string base_digest;  // Of the payload that the plan starts from; empty if there is none.

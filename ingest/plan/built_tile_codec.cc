@@ -1,26 +1,21 @@
 #include "ingest/plan/built_tile_codec.h"
 
+#include <cmath>
 #include <cstring>
 
 #include "core/check.h"
-#include "core/error.h"
 #include "ingest/plan/image_row.h"
+#include "ingest/plan/require_input.h"
 #include "storage/bytes/byte_io.h"
 #include "storage/bytes/checksum.h"
 
 namespace cairn {
 namespace {
 
-constexpr uint32_t kMagic = 0x4c495443;  // "CTIL".
+constexpr uint32_t kMagic = 0x53455243;  // "CRES".
 constexpr uint32_t kVersion = 1;
 constexpr size_t kChecksumOffset = 8;
 constexpr size_t kDigestSize = 32;
-
-void Require(bool condition, const char* what) {
-  if (!condition) {
-    throw Error(ErrorCode::kBadInput, what);
-  }
-}
 
 // Calls visit(member) for each number, in the order of the format.
 template <typename Changes, typename Visit>
@@ -58,6 +53,13 @@ TileRecord GetRecord(TileId tile_id, ByteReader* reader) {
        {&bounds.south_rad, &bounds.west_rad, &bounds.north_rad, &bounds.east_rad}) {
     *number = reader->Get<double>();
   }
+  RequireInput(
+      record.num_landmarks >= 0 && record.num_descriptors >= 0 && record.num_keyframes >= 0,
+      "a count is negative");
+  RequireInput(std::isfinite(record.min_h_m) && std::isfinite(record.max_h_m) &&
+                   std::isfinite(bounds.south_rad) && std::isfinite(bounds.west_rad) &&
+                   std::isfinite(bounds.north_rad) && std::isfinite(bounds.east_rad),
+               "a height or a bound is not finite");
   return record;
 }
 
@@ -93,15 +95,18 @@ std::vector<uint8_t> EncodeBuiltTile(const BuiltTile& built, const std::string& 
 BuiltTile DecodeBuiltTile(std::span<const uint8_t> bytes, const std::string& plan_digest,
                           TileId tile_id, SessionId session_id) {
   ByteReader reader(bytes, "result");
-  Require(reader.Get<uint32_t>() == kMagic && reader.Get<uint32_t>() == kVersion,
-          "does not start as a result of version 1");
+  RequireInput(reader.Get<uint32_t>() == kMagic && reader.Get<uint32_t>() == kVersion,
+               "does not start as a result of version 1");
   const auto checksum = reader.Get<uint64_t>();
-  Require(checksum == ChecksumOf(bytes, kChecksumOffset), "checksum does not match");
+  RequireInput(checksum == ChecksumOf(bytes, kChecksumOffset), "checksum does not match");
   const std::span<const uint8_t> digest = reader.Take(kDigestSize);
-  Require(std::string(digest.begin(), digest.end()) == plan_digest, "belongs to another plan");
-  Require(reader.Get<uint64_t>() == tile_id.value(), "belongs to another tile");
+  RequireInput(std::string(digest.begin(), digest.end()) == plan_digest, "belongs to another plan");
+  RequireInput(reader.Get<uint64_t>() == tile_id.value(), "belongs to another tile");
   BuiltTile built;
-  VisitChanges(built.tile.changes, [&](int64_t& number) { number = reader.Get<int64_t>(); });
+  VisitChanges(built.tile.changes, [&](int64_t& number) {
+    number = reader.Get<int64_t>();
+    RequireInput(number >= 0, "a count is negative");
+  });
   built.tile.encoded.record = GetRecord(tile_id, &reader);
   const auto num_replaced = reader.Get<uint32_t>();
   const auto num_keyframes = reader.Get<uint32_t>();
@@ -113,7 +118,8 @@ BuiltTile DecodeBuiltTile(std::span<const uint8_t> bytes, const std::string& pla
     keyframe.tile_id = tile_id;
     keyframe.session_id = session_id;
   }
-  Require(reader.Get<uint64_t>() == reader.remaining(), "has another length than its header says");
+  RequireInput(reader.Get<uint64_t>() == reader.remaining(),
+               "has another length than its header says");
   const std::span<const uint8_t> payload = reader.Take(reader.remaining());
   built.tile.encoded.payload.assign(payload.begin(), payload.end());
   return built;

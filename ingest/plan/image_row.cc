@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "core/error.h"
+#include "ingest/plan/require_input.h"
 
 namespace cairn {
 namespace {
@@ -25,9 +25,8 @@ Rigid3d GetPose(ByteReader* reader) {
   Rigid3d pose;
   pose.rotation = Eigen::Quaterniond(values[0], values[1], values[2], values[3]);
   pose.translation = Eigen::Vector3d(values[4], values[5], values[6]);
-  if (!pose.translation.allFinite() || !(std::abs(pose.rotation.norm() - 1.0) < 1e-6)) {
-    throw Error(ErrorCode::kBadInput, "the pose of an image is not rigid");
-  }
+  RequireInput(pose.translation.allFinite() && std::abs(pose.rotation.norm() - 1.0) < 1e-6,
+               "the pose of an image is not rigid");
   return pose;
 }
 
@@ -40,9 +39,8 @@ void PutCamera(const Camera& camera, ByteWriter* writer) {
 
 Camera GetCamera(ByteReader* reader) {
   const auto model_id = reader->Get<uint32_t>();
-  if (model_id > static_cast<uint32_t>(CameraModel::kThinPrismFisheye)) {
-    throw Error(ErrorCode::kBadInput, "the camera of an image is of an unknown model");
-  }
+  RequireInput(model_id <= static_cast<uint32_t>(CameraModel::kThinPrismFisheye),
+               "the camera of an image is of an unknown model");
   const auto model = static_cast<CameraModel>(model_id);
   const auto width_px = reader->Get<int32_t>();
   const auto height_px = reader->Get<int32_t>();
@@ -53,9 +51,8 @@ Camera GetCamera(ByteReader* reader) {
 }  // namespace
 
 void PutImageRow(const KeyframeRecord& keyframe, ByteWriter* writer) {
-  if (keyframe.image_name.size() > kMaxNameBytes) {
-    throw Error(ErrorCode::kBadInput, "the name of an image is longer than 4096 bytes");
-  }
+  RequireInput(keyframe.image_name.size() <= kMaxNameBytes,
+               "the name of an image is longer than 4096 bytes");
   writer->Put(Value(keyframe.id));
   PutPose(keyframe.cam_from_ecef, writer);
   PutCamera(keyframe.camera, writer);
@@ -69,18 +66,15 @@ KeyframeRecord GetImageRow(ByteReader* reader) {
   keyframe.cam_from_ecef = GetPose(reader);
   keyframe.camera = GetCamera(reader);
   const auto name_bytes = reader->Get<uint32_t>();
-  if (keyframe.id < KeyframeId(1) || name_bytes > kMaxNameBytes) {
-    throw Error(ErrorCode::kBadInput, "the id or the name of an image is out of range");
-  }
+  RequireInput(keyframe.id >= KeyframeId(1) && name_bytes <= kMaxNameBytes,
+               "the id or the name of an image is out of range");
   const std::span<const uint8_t> name = reader->Take(name_bytes);
   keyframe.image_name.assign(name.begin(), name.end());
   return keyframe;
 }
 
 std::vector<KeyframeRecord> GetImageRows(size_t count, ByteReader* reader) {
-  if (count > reader->remaining() / kMinImageRowBytes) {
-    throw Error(ErrorCode::kBadInput, "ends before its images");
-  }
+  RequireInput(count <= reader->remaining() / kMinImageRowBytes, "ends before its images");
   std::vector<KeyframeRecord> rows;
   rows.reserve(count);
   for (size_t i = 0; i < count; ++i) {

@@ -114,9 +114,7 @@ void WritePlan(const PlannedSession& planned, const std::string& map_path, const
   manifest.map_path = map_path;
   const int64_t num_tiles = std::ssize(planned.plan.tiles);
   for (int64_t i = 0; i < num_tiles; ++i) {
-    if (progress) {
-      progress("shards", i, num_tiles);
-    }
+    ReportProgress(progress, "shards", i, num_tiles);
     const TileShard shard = planned.Shard(static_cast<size_t>(i));
     const std::vector<uint8_t> bytes = EncodeShard(shard);
     manifest.shard_digests.push_back(ContentDigest(bytes));
@@ -128,9 +126,7 @@ void WritePlan(const PlannedSession& planned, const std::string& map_path, const
     ReplaceFile(Join(path, kCodebook), codebook);
   }
   ReplaceFile(Join(path, kManifest), BytesOf(ManifestAsJson(manifest)));
-  if (progress) {
-    progress("shards", num_tiles, num_tiles);
-  }
+  ReportProgress(progress, "shards", num_tiles, num_tiles);
 }
 
 PlanFolder::PlanFolder(const std::string& path) : path_(path) {

@@ -129,9 +129,7 @@ ShareReport BuildShare(PlanFolder* folder, const TaskShare& share, const IngestP
     }
     const std::lock_guard lock(mutex);
     report.num_built += has_result ? 0 : 1;
-    if (progress) {
-      progress("tiles", ++num_done, report.num_tiles);
-    }
+    ReportProgress(progress, "tiles", ++num_done, report.num_tiles);
   });
   folder->RemoveUnfinished();
   return report;

@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "core/error.h"
 #include "ingest/plan/image_row.h"
+#include "ingest/plan/require_input.h"
 #include "storage/bytes/byte_io.h"
 
 namespace cairn {
@@ -18,12 +18,6 @@ constexpr uint32_t kVersion = 1;
 constexpr uint32_t kMaxDescriptorDim = 4096;
 constexpr uint32_t kFloatDescriptors = 0, kByteDescriptors = 1;
 constexpr size_t kLandmarkBytes = 44;
-
-void Require(bool condition, const char* what) {
-  if (!condition) {
-    throw Error(ErrorCode::kBadInput, what);
-  }
-}
 
 // True if each element is a whole number that a byte holds. Those of COLMAP's SIFT are.
 bool AreBytes(const DescriptorMatrix& descriptors) {
@@ -53,11 +47,12 @@ void PutDescriptors(const DescriptorMatrix& descriptors, uint32_t encoding, Byte
 DescriptorMatrix GetDescriptors(size_t num_rows, uint32_t dim, uint32_t encoding,
                                 ByteReader* reader) {
   const size_t element_bytes = encoding == kFloatDescriptors ? sizeof(float) : 1;
-  Require(num_rows <= reader->remaining() / (dim * element_bytes), "ends before its descriptors");
+  RequireInput(num_rows <= reader->remaining() / (dim * element_bytes),
+               "ends before its descriptors");
   DescriptorMatrix descriptors(num_rows, dim);
   if (encoding == kFloatDescriptors) {
     reader->GetArray(std::span<float>(descriptors.data(), descriptors.size()));
-    Require(descriptors.allFinite(), "a descriptor is not finite");
+    RequireInput(descriptors.allFinite(), "a descriptor is not finite");
   } else {
     const std::span<const uint8_t> bytes = reader->Take(num_rows * dim);
     std::copy(bytes.begin(), bytes.end(), descriptors.data());
@@ -91,17 +86,17 @@ std::vector<PlacedObservation> GetObservations(size_t count, size_t num_landmark
                                                ByteReader* reader) {
   std::vector<PlacedObservation> observations;
   for (const uint32_t landmark_idx : reader->GetVector<uint32_t>(count)) {
-    Require(landmark_idx < num_landmarks, "an image sees a landmark that there is not");
+    RequireInput(landmark_idx < num_landmarks, "an image sees a landmark that there is not");
     observations.push_back({landmark_idx, static_cast<int>(observations.size())});
   }
   return observations;
 }
 
 std::vector<Keypoint> GetKeypoints(size_t count, ByteReader* reader) {
-  Require(count <= reader->remaining() / (4 * sizeof(float)), "ends before its keypoints");
+  RequireInput(count <= reader->remaining() / (4 * sizeof(float)), "ends before its keypoints");
   const std::vector<float> values = reader->GetVector<float>(4 * count);
-  Require(std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); }),
-          "a keypoint is not finite");
+  RequireInput(std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); }),
+               "a keypoint is not finite");
   std::vector<Keypoint> keypoints;
   for (size_t i = 0; i < values.size(); i += 4) {
     keypoints.push_back({values[i], values[i + 1], values[i + 2], values[i + 3]});
@@ -136,16 +131,16 @@ void PutLandmarks(const TileShard& shard, ByteWriter* writer) {
 }
 
 void GetLandmarks(size_t count, ByteReader* reader, TileShard* shard) {
-  Require(count <= reader->remaining() / kLandmarkBytes, "ends before its landmarks");
+  RequireInput(count <= reader->remaining() / kLandmarkBytes, "ends before its landmarks");
   for (size_t i = 0; i < count; ++i) {
     PlacedLandmark landmark;
     shard->landmark_ids.push_back(LandmarkId(reader->Get<uint64_t>()));
     reader->GetArray(std::span<double>(landmark.x_in_ecef.data(), 3));
     landmark.sigma_m = reader->Get<double>();
     landmark.num_observations = reader->Get<uint32_t>();
-    Require(landmark.x_in_ecef.allFinite() && std::isfinite(landmark.sigma_m) &&
-                landmark.sigma_m >= 0.0,
-            "a landmark is not finite");
+    RequireInput(landmark.x_in_ecef.allFinite() && std::isfinite(landmark.sigma_m) &&
+                     landmark.sigma_m >= 0.0,
+                 "a landmark is not finite");
     shard->session.landmarks.push_back(landmark);
   }
 }
@@ -186,8 +181,8 @@ std::vector<uint8_t> EncodeShard(const TileShard& shard) {
 
 TileShard DecodeShard(std::span<const uint8_t> bytes) {
   ByteReader reader(bytes, "shard");
-  Require(reader.Get<uint32_t>() == kMagic && reader.Get<uint32_t>() == kVersion,
-          "does not start as a shard of version 1");
+  RequireInput(reader.Get<uint32_t>() == kMagic && reader.Get<uint32_t>() == kVersion,
+               "does not start as a shard of version 1");
   TileShard shard;
   shard.tile_id = TileId::FromValue(reader.Get<uint64_t>());
   const auto num_base_bytes = reader.Get<uint64_t>();
@@ -195,14 +190,14 @@ TileShard DecodeShard(std::span<const uint8_t> bytes) {
   const auto num_landmarks = reader.Get<uint32_t>();
   const auto dim = reader.Get<uint32_t>();
   const auto encoding = reader.Get<uint32_t>();
-  Require(dim <= kMaxDescriptorDim && (dim > 0 || num_images == 0) &&
-              (encoding == kFloatDescriptors || encoding == kByteDescriptors),
-          "a number in the header is out of range");
+  RequireInput(dim <= kMaxDescriptorDim && (dim > 0 || num_images == 0) &&
+                   (encoding == kFloatDescriptors || encoding == kByteDescriptors),
+               "a number in the header is out of range");
   GetLandmarks(num_landmarks, &reader, &shard);
   for (uint32_t i = 0; i < num_images; ++i) {
     GetImage(dim, encoding, &reader, &shard);
   }
-  Require(reader.remaining() == num_base_bytes, "has another length than its header says");
+  RequireInput(reader.remaining() == num_base_bytes, "has another length than its header says");
   const std::span<const uint8_t> base = reader.Take(num_base_bytes);
   shard.base.assign(base.begin(), base.end());
   if (num_images > 0) {

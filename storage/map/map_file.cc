@@ -58,6 +58,8 @@ std::string GuessKind(std::string_view head) {
        "ELF",
        "a program"},
       {"CTIL", "a single encoded tile"},
+      {"CSHD", "a shard of a plan"},
+      {"CRES", "a result of a plan"},
   };
   for (const Magic& magic : kMagics) {
     if (head.starts_with(magic.bytes)) {

@@ -43,7 +43,7 @@ void DecodeResult(const uint8_t* data, size_t size) {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const auto decode = size > 1 && data[0] == 'C' && data[1] == 'S'   ? cairn::DecodeAShard
-                      : size > 1 && data[0] == 'C' && data[1] == 'T' ? cairn::DecodeResult
+                      : size > 1 && data[0] == 'C' && data[1] == 'R' ? cairn::DecodeResult
                                                                      : cairn::DecodeManifest;
   try {
     decode(data, size);

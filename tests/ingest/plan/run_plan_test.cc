@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -18,6 +19,7 @@
 #include "core/error.h"
 #include "core/file_bytes.h"
 #include "ingest/ingest_session.h"
+#include "ingest/plan/built_tile_codec.h"
 #include "ingest/plan/plan_folder.h"
 #include "ingest/remove_session.h"
 #include "support/map_place.h"
@@ -340,6 +342,25 @@ TEST_P(PlanFolderTest, DamagedFilesAreRefused) {
   Build(plan);
   Replace(plan + "/plan.json", "\"work\"", "\"wark\"");
   EXPECT_EQ(FailureOf([&] { Build(plan); }).code, ErrorCode::kBadInput);
+}
+
+TEST_P(PlanFolderTest, AResultWithImpossibleNumbersIsRefused) {
+  const std::string digest(32, '0');
+  const TileId tile_id = PlanFolder(MakePlan()).plan().tiles.front().tile_id;
+  BuiltTile built;
+  built.tile.encoded.record.tile_id = tile_id;
+  const auto decode = [&] {
+    DecodeBuiltTile(EncodeBuiltTile(built, digest), digest, tile_id, SessionId(1));
+  };
+  EXPECT_NO_THROW(decode());
+  built.tile.encoded.record.max_h_m = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(FailureOf(decode).code, ErrorCode::kBadInput);
+  built.tile.encoded.record.max_h_m = 0.0;
+  built.tile.encoded.record.num_landmarks = -1;
+  EXPECT_EQ(FailureOf(decode).code, ErrorCode::kBadInput);
+  built.tile.encoded.record.num_landmarks = 0;
+  built.tile.changes.num_merged = -1;
+  EXPECT_EQ(FailureOf(decode).code, ErrorCode::kBadInput);
 }
 
 TEST_P(PlanFolderTest, APlanOfAnotherVersionOfCairnIsRefused) {
