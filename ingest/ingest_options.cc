@@ -12,8 +12,8 @@ void AgreementOptions::Validate() const {
   RequireOption(max_scale_change >= 0.0, "agreement.max_scale_change must not be negative");
   RequireOption(min_agreeing_share >= 0.0 && min_agreeing_share <= 1.0,
                 "agreement.min_agreeing_share must be between 0 and 1");
-  RequireOption(min_recognised_share >= 0.0 && min_recognised_share <= 1.0,
-                "agreement.min_recognised_share must be between 0 and 1");
+  RequireOption(min_recognized_share >= 0.0 && min_recognized_share <= 1.0,
+                "agreement.min_recognized_share must be between 0 and 1");
   RequireOption(min_expected >= 1, "agreement.min_expected must be at least 1");
 }
 

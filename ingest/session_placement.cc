@@ -29,10 +29,10 @@ void RequireAgreement(const MapComparison& comparison, const IngestOptions& opti
   const PlacementFit& fit = comparison.fit;
   const bool should_know = comparison.num_expected >= limits.min_expected;
   if (should_know &&
-      comparison.num_localized < limits.min_recognised_share * comparison.num_expected) {
+      comparison.num_localized < limits.min_recognized_share * comparison.num_expected) {
     Refuse(options,
            fmt::format("of {} photos that stand where the map has photos that look the same "
-                       "way, it recognises {}",
+                       "way, it recognizes {}",
                        comparison.num_expected, comparison.num_localized));
   }
   if (comparison.num_localized < kMinAgreeing) {
@@ -40,7 +40,7 @@ void RequireAgreement(const MapComparison& comparison, const IngestOptions& opti
   }
   if (fit.num_agreeing < limits.min_agreeing_share * comparison.num_localized) {
     Refuse(options,
-           fmt::format("the map recognises {} of {} photos, but only {} of them in places "
+           fmt::format("the map recognizes {} of {} photos, but only {} of them in places "
                        "that one motion of the session explains",
                        comparison.num_localized, comparison.num_expected, fit.num_agreeing));
   }

@@ -9,11 +9,11 @@
 namespace cairn {
 
 // Throws Error(kConflict), with the figures of the disagreement and what to do, if the session
-// contradicts the map: the map recognises none of its photos, or recognises them elsewhere, turned,
+// contradicts the map: the map recognizes none of its photos, or recognizes them elsewhere, turned,
 // of another size or in places that fit no motion.
 void RequireAgreement(const MapComparison& comparison, const IngestOptions& options);
 
-// The session moved to where the map sees it, or as it is if the map recognises too few photos.
+// The session moved to where the map sees it, or as it is if the map recognizes too few photos.
 PlacedSession SettleSession(PlacedSession session, const MapComparison& comparison,
                             const Reconstruction& reconstruction);
 

@@ -58,10 +58,10 @@ void DescribeAgreement(AgreementOptions* options, OptionList* list) {
             "Largest difference of a session's size, as share");
   list->Add("min_agreeing_share", &options->min_agreeing_share,
             "Smallest share of the recognized photos that one motion of the session explains");
-  list->Add("min_recognised_share", &options->min_recognised_share,
+  list->Add("min_recognized_share", &options->min_recognized_share,
             "Smallest share of the photos that the map should recognize and does");
   list->Add("min_expected", &options->min_expected,
-            "With fewer photos that the map should recognize, min_recognised_share does not count");
+            "With fewer photos that the map should recognize, min_recognized_share does not count");
 }
 
 void DescribeLinking(LinkOptions* options, OptionList* list) {
