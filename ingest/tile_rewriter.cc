@@ -12,12 +12,16 @@
 #include "core/error.h"
 #include "ingest/merging/admit_landmarks.h"
 #include "ingest/merging/merge_tiles.h"
+#include "ingest/merging/place_budget.h"
 #include "ingest/merging/viewpoints.h"
 #include "ingest/tiling/tile_edit.h"
 #include "storage/tile/tile_codec.h"
 
 namespace cairn {
 namespace {
+
+// Each round comes within some percent of the wanted bytes.
+constexpr int kMaxSelectionRounds = 6;
 
 // The cameras that took the session's keyframes of a tile.
 std::map<KeyframeId, const Camera*> CamerasOf(const TileSource& source, TileId tile_id,
@@ -73,8 +77,8 @@ Tile ReplaceKeyframes(const Tile& tile, const TileRewriteContext& context,
 }
 
 // Observations over the whole reconstruction, for landmarks that only the session at hand has seen;
-// for others the sights that a session like those so far can expect, at least the selection's
-// minimum.
+// for others the sights that a session like those so far can expect, above the selection's minimum,
+// so that the selection refuses none.
 std::vector<double> RateLandmarks(const Tile& tile, const TileRewriteContext& context) {
   const TileSource& source = *context.source;
   std::map<LandmarkId, uint32_t> num_observations;
@@ -89,16 +93,34 @@ std::vector<double> RateLandmarks(const Tile& tile, const TileRewriteContext& co
     if (is_alone) {
       rates[i] = num_observations.at(tile.landmark_ids[i]);
     } else {
-      rates[i] = std::max<double>(context.options->selection.min_observations,
-                                  ExpectedSights(tile.SightingsOf(i), *context.session_times,
-                                                 context.options->upkeep.persistence));
+      rates[i] = context.options->selection.min_observations +
+                 ExpectedSights(tile.SightingsOf(i), *context.session_times,
+                                context.options->upkeep.persistence);
     }
   }
   return rates;
 }
 
-// The tile cut down to its budget.
-Tile Select(const Tile& tile, const TileRewriteContext& context, TileChanges* changes) {
+// Reduces the budget of a selection that makes a tile of `bytes`, so that the tile gets to
+// `max_bytes`. Keyframes stay whatever the budget is.
+void ReduceBudget(const Tile& selected, int64_t bytes, int64_t max_bytes,
+                  LandmarkSelectionOptions* options) {
+  const int64_t fixed = EstimateBytes(PickLandmarks(selected, {}));
+  const double share = std::clamp(static_cast<double>(max_bytes - fixed) /
+                                      static_cast<double>(std::max<int64_t>(1, bytes - fixed)),
+                                  0.5, 1.0);
+  const auto reduce = [&](size_t count) {
+    return std::max<int64_t>(1, static_cast<int64_t>(share * static_cast<double>(count)) - 1);
+  };
+  options->max_descriptors = reduce(selected.num_descriptors());
+  if (options->max_landmarks > 0) {
+    options->max_landmarks = reduce(selected.num_landmarks());
+  }
+}
+
+// The tile cut down to its budget, and to `max_bytes` if given.
+Tile Select(const Tile& tile, std::optional<int64_t> max_bytes, const TileRewriteContext& context,
+            TileChanges* changes) {
   VisibilityGraph graph;
   graph.num_observations = RateLandmarks(tile, context);
   for (size_t k = 0; k < tile.num_keyframes(); ++k) {
@@ -109,12 +131,22 @@ Tile Select(const Tile& tile, const TileRewriteContext& context, TileChanges* ch
   for (size_t i = 0; i < num_descriptors.size(); ++i) {
     num_descriptors[i] = static_cast<int>(tile.descriptor_begin[i + 1] - tile.descriptor_begin[i]);
   }
-  const std::vector<uint32_t> selection = context.selector->Select(graph, num_descriptors);
-  changes->num_evicted += static_cast<int64_t>(tile.num_landmarks() - selection.size());
-  return PickLandmarks(tile, selection);
+  LandmarkSelectionOptions options = context.options->selection;
+  Tile selected = PickLandmarks(tile, context.selector->Select(graph, num_descriptors));
+  for (int round = 0; max_bytes && round < kMaxSelectionRounds; ++round) {
+    const int64_t bytes = EstimateBytes(selected);
+    if (bytes <= *max_bytes) {
+      break;
+    }
+    ReduceBudget(selected, bytes, *max_bytes, &options);
+    const auto selector = MakeLandmarkSelector(options);
+    selected = PickLandmarks(tile, selector->Select(graph, num_descriptors));
+  }
+  changes->num_evicted += static_cast<int64_t>(tile.num_landmarks() - selected.num_landmarks());
+  return selected;
 }
 
-// The tile with the session in it, before selection.
+// The tile with the session in it.
 Tile JoinSession(const Tile& known, const TileRewriteContext& context, TileId tile_id,
                  const std::vector<KeyframeId>& keyframe_ids, RewrittenTile* rewritten) {
   const TileSource& source = *context.source;
@@ -123,13 +155,14 @@ Tile JoinSession(const Tile& known, const TileRewriteContext& context, TileId ti
   Tile tile = MergeTiles(known, admitted, *source.codec, *source.summarizer,
                          context.options->upkeep.merging);
   if (context.options->joining == SessionJoining::kApart || known.num_landmarks() == 0) {
-    return tile;
+    return Select(tile, std::nullopt, context, &rewritten->changes);
   }
   NoteChances(CountChances(tile, source.session_id, CamerasOf(source, tile_id, keyframe_ids),
                            context.options->upkeep.viewpoints),
               source.session_id, &tile);
   tile = Fade(tile, context, &rewritten->changes);
-  return ReplaceKeyframes(tile, context, rewritten);
+  tile = ReplaceKeyframes(tile, context, rewritten);
+  return Select(tile, BytesOfPlace(known, admitted), context, &rewritten->changes);
 }
 
 // The tile that a payload holds, without a session.
@@ -187,7 +220,6 @@ RewrittenTile RewriteTile(const TileRewriteContext& context, TileId tile_id,
   if (context.source->session->images_of_tile.contains(tile_id)) {
     RequireCodebook(tile, codebook.id);
     tile = JoinSession(tile, context, tile_id, keyframe_ids, &rewritten);
-    tile = Select(tile, context, &rewritten.changes);
   }
   rewritten.encoded = EncodeForMap(tile, codebook);
   rewritten.changes.num_bytes_before = std::ssize(base);

@@ -70,8 +70,8 @@ CitySession CitySessions::Record(int session_idx) const {
 }
 
 std::unordered_set<uint64_t> CitySessions::Lasting(double from_years, double to_years) const {
-  const CityBox box =
-      BoxAroundPoint({0.0, 0.0}, 0.5 * options_.city.SideM() + options_.queries.detector.max_range_m);
+  const CityBox box = BoxAroundPoint(
+      {0.0, 0.0}, 0.5 * options_.city.SideM() + options_.queries.detector.max_range_m);
   const auto ids_at = [&](double time_years) {
     std::unordered_set<uint64_t> ids;
     const CityRegion region(city_, box, time_years);

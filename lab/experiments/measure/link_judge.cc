@@ -54,8 +54,7 @@ void LinkJudge::Remember(const CitySession& session, const IngestReport& report)
 // Landmarks that the map has not taken, or has dropped, cannot be found again.
 void LinkJudge::Forget(const std::unordered_set<uint64_t>& ids_in_map) {
   known_views_.clear();
-  std::erase_if(views_of_id_,
-                [&](const auto& entry) { return !ids_in_map.contains(entry.first); });
+  std::erase_if(views_of_id_, [&](const auto& entry) { return !ids_in_map.contains(entry.first); });
   for (const auto& [id, views] : views_of_id_) {
     known_views_.insert(views.begin(), views.end());
   }

@@ -163,8 +163,8 @@ class LivingMapRun {
       mapped.insert(newest_[i].city_landmarks.begin(), newest_[i].city_landmarks.end());
       Ingest(newest_[i], static_cast<int>(i), &newest);
     }
-    const std::vector<EvalQuery> queries =
-        sessions_.Ask(time_years + kQuarterYears, mapped, seed_ * 1000 + static_cast<uint64_t>(session_idx));
+    const std::vector<EvalQuery> queries = sessions_.Ask(
+        time_years + kQuarterYears, mapped, seed_ * 1000 + static_cast<uint64_t>(session_idx));
     for (auto& [map, reports] :
          {std::pair(&living_, &living_reports_), std::pair(&united_, &united_reports_),
           std::pair(&newest, &newest_reports_)}) {
@@ -332,7 +332,8 @@ ExperimentOutcome Run(const ExperimentContext& context) {
                      over_newest.high < 0.0;
   outcome.verdict = holds ? Verdict::kHolds : fails ? Verdict::kDoesNotHold : Verdict::kUndecided;
   outcome.sentence = fmt::format(
-      "After session {} the map grows by {:.3f} at most, and the last ingest takes {:.2f} times the "
+      "After session {} the map grows by {:.3f} at most, and the last ingest takes {:.2f} times "
+      "the "
       "processor time at worst. Its average precision minus that of all sessions side by side is "
       "{}, minus that of the newest {} sessions {}. On unchanged places it falls by {} at most. Of "
       "the links {:.4f} are false at worst; {:.3f} of the possible links are found.",
