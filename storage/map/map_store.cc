@@ -28,8 +28,8 @@ void CreateFilledOnServer(const std::string& url, const std::function<void(MapSt
 }
 
 // Begins an update, and asks again for as long as `patience` says while another one runs.
-std::unique_ptr<WriteSession> BeginWriting(MapBackend* backend,
-                                           std::chrono::milliseconds patience) {
+std::unique_ptr<WriteTransaction> BeginWriting(MapBackend* backend,
+                                               std::chrono::milliseconds patience) {
   constexpr std::chrono::milliseconds kPause(20);
   const auto last_try = std::chrono::steady_clock::now() + patience;
   while (true) {
@@ -99,13 +99,13 @@ MapUpdate MapStore::BeginUpdate(std::chrono::milliseconds patience) {
 }
 
 FirstIds MapStore::ReserveIds(const IdCounts& counts, std::chrono::milliseconds patience) {
-  const std::unique_ptr<WriteSession> session = BeginWriting(&map_->backend(), patience);
-  db::Connection* connection = session->connection();
+  const std::unique_ptr<WriteTransaction> transaction = BeginWriting(&map_->backend(), patience);
+  db::Connection* connection = transaction->connection();
   const FirstIds ids = {CodebookId(TakeIds(connection, IdCounter::kCodebook, counts.num_codebooks)),
                         SessionId(TakeIds(connection, IdCounter::kSession, counts.num_sessions)),
                         KeyframeId(TakeIds(connection, IdCounter::kKeyframe, counts.num_keyframes)),
                         LandmarkId(TakeLandmarkIds(connection, counts.num_landmarks))};
-  session->Commit();
+  transaction->Commit();
   return ids;
 }
 
