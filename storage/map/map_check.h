@@ -55,10 +55,12 @@ class Findings {
 // Returns true if the boxes differ by at most 6 mm on each side. Machines round differently.
 bool SameBounds(const GeoBox& a, const GeoBox& b);
 
-// A query that counts invalid rows, and the message that describes them.
+// A query that counts invalid rows, and the message that follows their number. With `counts_rows`
+// false, the query says whether a table is invalid (not 0), and the message stands alone.
 struct Rule {
   const char* sql;
   const char* problem;
+  bool counts_rows = true;
 };
 
 void CheckRules(db::Connection* connection, std::span<const Rule> rules, Findings* findings);

@@ -62,11 +62,12 @@ constexpr Rule kTableRules[] = {
     {"SELECT count(*) FROM keyframes "
      "WHERE keyframe_id NOT IN (SELECT keyframe_id FROM cairn_keyframe_poses)",
      "keyframes have no pose"},
-    {"SELECT (SELECT coalesce(sum(1), 0) FROM cairn_map) <> 1", "table cairn_map: not one row"},
+    {"SELECT (SELECT coalesce(sum(1), 0) FROM cairn_map) <> 1", "table cairn_map: not one row",
+     false},
     {"SELECT count(*) FROM cairn_map WHERE next_landmark_id >= " CAIRN_TOO_LARGE,
-     "table cairn_map: the next landmark id is too large"},
+     "table cairn_map: the next landmark id is too large", false},
     {"SELECT coalesce(max(version), 0) NOT BETWEEN 1 AND " CAIRN_TOO_LARGE " FROM cairn_versions",
-     "table cairn_versions: no version, or a version that is too large"},
+     "table cairn_versions: no version, or a version that is too large", false},
     {"SELECT count(*) FROM sqlite_sequence "
      "WHERE typeof(seq) <> 'integer' OR seq >= " CAIRN_TOO_LARGE,
      "id sequences are too large"},
@@ -114,11 +115,11 @@ constexpr Rule kPostgresRules[] = {
      "p "
      "WHERE p.keyframe_id = k.keyframe_id)",
      "keyframes have no pose"},
-    {"SELECT (SELECT count(*) FROM cairn_map) <> 1", "table cairn_map: not one row"},
+    {"SELECT (SELECT count(*) FROM cairn_map) <> 1", "table cairn_map: not one row", false},
     {"SELECT count(*) FROM cairn_map WHERE next_landmark_id >= " CAIRN_TOO_LARGE,
-     "table cairn_map: the next landmark id is too large"},
+     "table cairn_map: the next landmark id is too large", false},
     {"SELECT coalesce(max(version), 0) NOT BETWEEN 1 AND " CAIRN_TOO_LARGE " FROM cairn_versions",
-     "table cairn_versions: no version, or a version that is too large"},
+     "table cairn_versions: no version, or a version that is too large", false},
     {"SELECT count(*) FROM cairn_sessions WHERE num_images < 0 OR num_landmarks < 0 "
      "OR NOT georef_median_residual_m BETWEEN 0 AND 1e9",
      "sessions have invalid numbers"},
@@ -139,7 +140,7 @@ void CheckRules(db::Connection* connection, std::span<const Rule> rules, Finding
     db::Statement row = connection->Prepare(rule.sql);
     row.Step();
     if (const int64_t count = row.Int64(0); count != 0) {
-      findings->Add(fmt::format("{} {}", count, rule.problem));
+      findings->Add(rule.counts_rows ? fmt::format("{} {}", count, rule.problem) : rule.problem);
     }
   }
 }

@@ -12,10 +12,10 @@ namespace {
 
 constexpr Rule kVersionRules[] = {
     {"SELECT max(version) - min(version) + 1 <> count(*) FROM cairn_versions",
-     "table cairn_versions: versions are missing"},
+     "table cairn_versions: versions are missing", false},
     {"SELECT coalesce((SELECT codebook_id FROM cairn_versions ORDER BY version DESC LIMIT 1), 0) "
      "<> coalesce((SELECT codebook_id FROM cairn_map), 0)",
-     "table cairn_map: its codebook is not the codebook of the latest version"},
+     "table cairn_map: its codebook is not the codebook of the latest version", false},
     {"SELECT count(*) FROM (SELECT since FROM cairn_tiles UNION ALL "
      "SELECT since FROM cairn_sessions UNION ALL SELECT since FROM cairn_keyframe_poses) AS r "
      "WHERE since NOT BETWEEN 1 AND (SELECT max(version) FROM cairn_versions)",

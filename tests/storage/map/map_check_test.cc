@@ -62,7 +62,7 @@ TEST_F(MapCheck, TilesOfACodebookThatIsNotTheVersions) {
 
 TEST_F(MapCheck, ACodebookThatIsNotTheLatestVersions) {
   ExpectFound("UPDATE cairn_map SET codebook_id = NULL",
-              "the codebook is not that of the latest version");
+              "its codebook is not the codebook of the latest version");
 }
 
 TEST_F(MapCheck, ADigestThatIsNotThePayloads) {
@@ -126,7 +126,7 @@ TEST_F(MapCheckOfThePast, AKeyframeWithoutACameraOrAPose) {
 }
 
 TEST_F(MapCheckOfThePast, RowsOfVersionsThatAreNotKept) {
-  ExpectFound("UPDATE cairn_past_tiles SET until = 77", "1 rows of the past are of versions that");
+  ExpectFound("UPDATE cairn_past_tiles SET until = 77", "1 rows of the past belong to versions that");
 }
 
 TEST_F(MapCheck, AMissingCodebook) {
