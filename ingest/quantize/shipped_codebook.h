@@ -1,5 +1,5 @@
-// The codebook that comes with Cairn. Maps of a few photos use it: they have too few descriptors to
-// train a good one. Maps that share it can be merged.
+// The codebook that comes with Cairn. Sessions that have too few descriptors to train a
+// codebook use it. Maps that share it can be merged.
 #ifndef CAIRN_INGEST_QUANTIZE_SHIPPED_CODEBOOK_H_
 #define CAIRN_INGEST_QUANTIZE_SHIPPED_CODEBOOK_H_
 
