@@ -25,6 +25,7 @@ void AddVerbs(CLI::App* app, Shell* shell) {
   AddPruneCommand(app, shell);
   AddCopyCommand(app, shell);
   AddMergeCommand(app, shell);
+  AddRecodeCommand(app, shell);
   AddExtractCommand(app, shell);
   AddCompactCommand(app, shell);
   AddDemoCommand(app, shell);

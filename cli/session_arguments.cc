@@ -71,6 +71,10 @@ void AddSessionArguments(CLI::App* command, SessionArguments* arguments) {
                   NamedChoice(&options.selection.kind, kLandmarkSelectionNames),
                   "How the landmarks of a tile are selected: the most observed, or, with coverage, "
                   "by the paper's integer program, which leaves enough to each keyframe");
+  AddChoiceOption(command, "--codebook",
+                  NamedChoice(&options.codebook.source, kCodebookSourceNames),
+                  "Codebook of a new map: shipped with Cairn, trained on this session, or, with "
+                  "auto, shipped if the session is small. Maps of one codebook can be merged");
   command
       ->add_option("--code-bytes", options.codebook.num_subspaces,
                    "Bytes per descriptor; used only for the first session of a map")

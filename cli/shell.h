@@ -40,6 +40,7 @@ void AddRollbackCommand(CLI::App* app, Shell* shell);
 void AddPruneCommand(CLI::App* app, Shell* shell);
 void AddCopyCommand(CLI::App* app, Shell* shell);
 void AddMergeCommand(CLI::App* app, Shell* shell);
+void AddRecodeCommand(CLI::App* app, Shell* shell);
 void AddExtractCommand(CLI::App* app, Shell* shell);
 void AddCompactCommand(CLI::App* app, Shell* shell);
 void AddDemoCommand(CLI::App* app, Shell* shell);

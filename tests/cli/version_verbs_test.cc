@@ -102,7 +102,7 @@ TEST_F(VersionVerbs, MergeMakesOneMapOfTwo) {
   const std::string other = dir_.File("other.gpkg"), merged = dir_.File("merged.gpkg");
   MakeMap(other, {1, 2}, "other ");
   EXPECT_THAT(RunCairn({"merge", map_, other, "--out", merged}).out,
-              HasSubstr("4 sessions, 3 tiles (1 of both maps), 80 landmarks"));
+              HasSubstr("4 sessions, 3 tiles (1 of them in both maps), 80 landmarks"));
   EXPECT_EQ(RunCairn({"check", merged}).exit_code, 0);
   EXPECT_EQ(RunForJson({"info", merged, "--json"})["codebook"],
             RunForJson({"info", map_, "--json"})["codebook"]);
