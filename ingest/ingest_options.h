@@ -26,7 +26,7 @@ enum class SessionJoining {
 struct AgreementOptions {
   double max_moved_m = 3.0;
   double max_turned_rad = 0.05;  // 3 degrees.
-  double max_scale_change = 0.02;
+  double max_scale_change = 0.05;
   double min_agreeing_share = 0.5;    // Of the photos that the map recognizes.
   double min_recognized_share = 0.1;  // Of the photos that it should recognize,
   int min_expected = 10;              // if there are so many.

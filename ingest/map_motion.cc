@@ -9,14 +9,17 @@
 namespace cairn {
 namespace {
 
+Sim3d operator*(const Sim3d& a_from_b, const Rigid3d& b_from_c) {
+  return {a_from_b.scale, a_from_b.rotation * b_from_c.rotation, a_from_b * b_from_c.translation};
+}
+
 // Expresses the tile's content in the frame of another tile, moved.
-void Reanchor(const Rigid3d& target_from_tile, TileId target, Tile* tile) {
-  const Rigid3d tile_from_target = target_from_tile.Inverse();
+void Reanchor(const Sim3d& target_from_tile, TileId target, Tile* tile) {
   for (Eigen::Vector3f& x_in_tile : tile->x_in_tile) {
     x_in_tile = QuantizePosition(target_from_tile * x_in_tile.cast<double>());
   }
   for (TileKeyframe& keyframe : tile->keyframes) {
-    keyframe.cam_from_tile = keyframe.cam_from_tile * tile_from_target;
+    keyframe.cam_from_tile = CamFromTarget(keyframe.cam_from_tile, target_from_tile);
   }
   const Eigen::Vector3d east = target_from_tile.rotation * Eigen::Vector3d::UnitX();
   const double turn_rad = std::atan2(east.y(), east.x());
@@ -28,8 +31,8 @@ void Reanchor(const Rigid3d& target_from_tile, TileId target, Tile* tile) {
 
 }  // namespace
 
-MapMotion::MapMotion(const Rigid3d& moved_from_ecef, const MapSnapshot& map)
-    : moved_from_ecef_(moved_from_ecef), ecef_from_moved_(moved_from_ecef.Inverse()) {
+MapMotion::MapMotion(const Sim3d& moved_from_ecef, const MapSnapshot& map)
+    : moved_from_ecef_(moved_from_ecef) {
   for (const SessionRecord& session : map.Sessions()) {
     for (KeyframeRecord keyframe : map.KeyframesOfSession(session.id)) {
       const TileId source = keyframe.tile_id;
@@ -62,7 +65,7 @@ std::vector<TileId> MapMotion::SourcesOf(TileId tile_id) const {
 }
 
 void MapMotion::Move(KeyframeRecord* keyframe) const {
-  keyframe->cam_from_ecef = keyframe->cam_from_ecef * ecef_from_moved_;
+  keyframe->cam_from_ecef = CamFromTarget(keyframe->cam_from_ecef, moved_from_ecef_);
   keyframe->tile_id =
       TileId::Containing(GeodeticFromEcef(keyframe->cam_from_ecef.Inverse().translation));
 }

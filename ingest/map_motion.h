@@ -17,7 +17,7 @@ namespace cairn {
 class MapMotion {
  public:
   // Reads all keyframes of the map.
-  MapMotion(const Rigid3d& moved_from_ecef, const MapSnapshot& map);
+  MapMotion(const Sim3d& moved_from_ecef, const MapSnapshot& map);
 
   // The tiles in which keyframes stand after the motion, ascending.
   std::vector<TileId> TileIds() const;
@@ -33,8 +33,7 @@ class MapMotion {
  private:
   TileId TargetOf(KeyframeId keyframe_id, TileId stood_in) const;
 
-  Rigid3d moved_from_ecef_;
-  Rigid3d ecef_from_moved_;
+  Sim3d moved_from_ecef_;
   std::unordered_map<KeyframeId, TileId> target_of_keyframe_;  // Of those that change their tile.
   std::map<TileId, std::set<TileId>> sources_of_tile_;
 };

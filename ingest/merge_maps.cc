@@ -72,7 +72,7 @@ void RequireDistinctSessions(const MergeSource& a, const MergeSource& b) {
 }
 
 // A turn that fits where the maps meet must not carry the rest of b away.
-void RequireNearMove(const Rigid3d& moved_from_ecef, const MergeSource& b,
+void RequireNearMove(const Sim3d& moved_from_ecef, const MergeSource& b,
                      const AgreementOptions& limits) {
   for (const TileId tile_id : b.TileIds()) {
     const Eigen::Vector3d anchor = EcefFromEnu(tile_id.Anchor()).translation;
@@ -138,7 +138,7 @@ void Meet(const MergeSource& a, const MapMergeOptions& options, MergeSource* b,
   report->comparison = CompareMaps(a, *b, tiles, options.comparison);
   RequireAgreement(report->comparison, options.agreement, b->path());
   if (HasMotion(report->comparison)) {
-    const Rigid3d& map_from_b = report->comparison.fit.map_from_session;
+    const Sim3d& map_from_b = report->comparison.fit.map_from_session;
     RequireNearMove(map_from_b, *b, options.agreement);
     b->Move(map_from_b);
   }

@@ -28,7 +28,7 @@ void MergeSource::RecodeTo(std::shared_ptr<const Codebook> codebook) {
   transcoder_.emplace(codebook_, std::move(codebook));
 }
 
-void MergeSource::Move(const Rigid3d& moved_from_ecef) {
+void MergeSource::Move(const Sim3d& moved_from_ecef) {
   motion_.emplace(moved_from_ecef, snapshot_);
 }
 

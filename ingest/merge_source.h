@@ -35,7 +35,7 @@ class MergeSource {
   // From now on, keyframes and landmarks stand elsewhere, in the tiles that contain them there. A
   // landmark of two tiles that meet in one keeps the looks and the history of one of them; see
   // MapMotion.
-  void Move(const Rigid3d& moved_from_ecef);
+  void Move(const Sim3d& moved_from_ecef);
   // Landmarks of this map that get ids of the other map in place of their own.
   void Link(std::unordered_map<LandmarkId, LandmarkId> links) { links_ = std::move(links); }
 

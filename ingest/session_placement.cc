@@ -64,10 +64,9 @@ PlacedSession SettleSession(PlacedSession session, const MapComparison& comparis
   if (!HasMotion(comparison)) {
     return session;
   }
-  const Rigid3d& map_from_session = comparison.fit.map_from_session;
-  const Rigid3d session_from_map = map_from_session.Inverse();
+  const Sim3d& map_from_session = comparison.fit.map_from_session;
   for (Rigid3d& cam_from_ecef : session.cam_from_ecef) {
-    cam_from_ecef = cam_from_ecef * session_from_map;
+    cam_from_ecef = CamFromTarget(cam_from_ecef, map_from_session);
   }
   for (PlacedLandmark& landmark : session.landmarks) {
     landmark.x_in_ecef = map_from_session * landmark.x_in_ecef;

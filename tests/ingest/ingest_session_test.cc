@@ -334,6 +334,28 @@ TEST_F(IngestSessionTest, AMovedSessionIsBroughtToTheMap) {
   EXPECT_GT(report.changes.num_merged, 4 * report.changes.num_new);
 }
 
+TEST_F(IngestSessionTest, ASessionOfAnotherSizeTakesTheSizeOfTheMap) {
+  const testing::StreetWorld world(SmallStreet());
+  Ingest(world, OptionsFor("monday"));
+  testing::StreetWorldOptions other_day = SmallStreet();
+  other_day.view_seed = 77;
+  const Reconstruction tuesday = testing::StreetWorld(other_day).Reconstruct();
+  Sim3d larger = world.EcefFromWorld();
+  larger.scale *= 1.03;
+  const IngestReport report = IngestSession(tuesday, larger, OptionsFor("tuesday"), &store_, {});
+  EXPECT_NEAR(report.comparison.fit.scale, 1.0 / 1.03, 0.002);
+  EXPECT_GT(report.changes.num_merged, 4 * report.changes.num_new);
+  const MapSnapshot map = store_.Snapshot();
+  for (const KeyframeRecord& keyframe : map.KeyframesOfSession(map.FindSession("tuesday")->id)) {
+    const auto image = std::find_if(
+        tuesday.images.begin(), tuesday.images.end(),
+        [&](const ReconImage& candidate) { return candidate.name == keyframe.image_name; });
+    const Rigid3d truth = CamFromTarget(image->cam_from_world, world.EcefFromWorld());
+    EXPECT_LT((keyframe.cam_from_ecef.Inverse().translation - truth.Inverse().translation).norm(),
+              0.1);
+  }
+}
+
 TEST_F(IngestSessionTest, ASessionThatContradictsTheMapIsRefusedWithFigures) {
   const testing::StreetWorld world(SmallStreet());
   Ingest(world, OptionsFor("monday"));
