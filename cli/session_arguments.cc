@@ -13,13 +13,6 @@
 namespace cairn {
 namespace {
 
-// COLMAP projects keep their database in the top folder, so the name of that folder usually names
-// the project.
-std::string DefaultSessionName(const std::string& database_path) {
-  const auto folder = std::filesystem::absolute(database_path).parent_path().filename().string();
-  return folder.empty() ? "session" : folder;
-}
-
 Reconstruction ReadReconstruction(const SessionArguments& arguments) {
   ColmapInput input;
   input.model_dir = arguments.reconstruction.model_dir;
@@ -91,6 +84,19 @@ void AddSessionArguments(CLI::App* command, SessionArguments* arguments) {
   command->add_flag("--json", arguments->json, "Print the summary as JSON");
 }
 
+std::string SessionNameOf(const SessionArguments& arguments) {
+  if (!arguments.options.ingest.session_name.empty()) {
+    return arguments.options.ingest.session_name;
+  }
+  // COLMAP projects keep their database in the top folder, so the name of that folder usually names
+  // the project.
+  const auto folder = std::filesystem::absolute(arguments.reconstruction.database_path)
+                          .parent_path()
+                          .filename()
+                          .string();
+  return folder.empty() ? "session" : folder;
+}
+
 void RequirePositions(const SessionArguments& arguments) {
   if (!arguments.reconstruction.HasPositions()) {
     throw Error(ErrorCode::kInvalidArgument,
@@ -105,9 +111,7 @@ PlacedReconstruction ReadSession(const SessionArguments& arguments) {
                                                    arguments.options.georegister);
   session.options = arguments.options.ingest;
   IngestOptions& options = session.options;
-  if (options.session_name.empty()) {
-    options.session_name = DefaultSessionName(arguments.reconstruction.database_path);
-  }
+  options.session_name = SessionNameOf(arguments);
   options.source = arguments.reconstruction.model_dir;
   options.joining = arguments.apart ? SessionJoining::kApart : SessionJoining::kJoin;
   options.georef_median_residual_m = session.georegistration.median_residual_m;

@@ -27,6 +27,7 @@ void AddPlanCommand(CLI::App* app, Shell* shell);
 void AddBuildTilesCommand(CLI::App* app, Shell* shell);
 void AddPublishCommand(CLI::App* app, Shell* shell);
 void AddRemoveCommand(CLI::App* app, Shell* shell);
+void AddRebuildCommand(CLI::App* app, Shell* shell);
 void AddServeCommand(CLI::App* app, Shell* shell);
 void AddLocalizeCommand(CLI::App* app, Shell* shell);
 void AddEvalCommand(CLI::App* app, Shell* shell);

@@ -63,7 +63,8 @@ struct TileOptions {
 struct IngestOptions : TileOptions {
   std::string session_name;  // Unique in the map; ingesting a name again replaces the session.
   std::string source;        // For people.
-  std::string recorded_at;   // When the photos were taken, see SessionRecord; empty: now.
+  std::string recorded_at;   // When the photos were taken, see SessionRecord; empty: `now`.
+  std::string now;           // The time of the ingest, in the same form; empty: that of the clock.
   CodebookOptions codebook;  // Used only by the first session of a map.
   ComparisonOptions comparison;
   AgreementOptions agreement;

@@ -33,12 +33,19 @@ void RequireFits(const Codebook& codebook, const Reconstruction& reconstruction)
   }
 }
 
+std::string RecordingTimeOf(const IngestOptions& options) {
+  if (!options.recorded_at.empty()) {
+    return options.recorded_at;
+  }
+  return options.now.empty() ? UtcNow() : options.now;
+}
+
 SessionRecord MakeSessionRecord(const Reconstruction& reconstruction, const Sim3d& ecef_from_world,
                                 const IngestOptions& options) {
   SessionRecord record;
   record.name = options.session_name;
   record.source = options.source;
-  record.recorded_at = options.recorded_at.empty() ? UtcNow() : options.recorded_at;
+  record.recorded_at = RecordingTimeOf(options);
   record.content_digest = DigestOf(reconstruction) + DigestOf(ecef_from_world, options);
   record.num_images = std::ssize(reconstruction.images);
   record.num_landmarks = std::ssize(reconstruction.landmarks);
