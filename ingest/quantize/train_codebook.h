@@ -24,8 +24,8 @@ enum class CodebookSource {
 struct CodebookOptions {
   CodebookSource source = CodebookSource::kAuto;
   // A first session with fewer descriptors of landmarks gets the shipped codebook. Training needs
-  // 256. A codebook that is trained on three photos finds a quarter more inliers than the shipped
-  // one; see docs/figures.md.
+  // 256. Trained on three photos, a codebook finds more inliers than the shipped one, and answers
+  // as many queries; see docs/figures.md.
   int min_training_descriptors = 256;
   ProjectionKind projection = ProjectionKind::kPrincipalComponents;
   int projected_dim = 16;  // The paper finds diminishing returns above 16.

@@ -12,9 +12,9 @@
 #include "ingest/quantize/shipped_codebook.h"
 #include "lab/colmap/write_colmap.h"
 #include "storage/map/map_store.h"
-#include "support/map_builder.h"
 #include "support/reconstruction_builder.h"
 #include "support/temp_dir.h"
+#include "support/tile_builder.h"
 
 namespace cairn::testing {
 namespace {
@@ -35,18 +35,18 @@ StreetWorld Street(uint64_t view_seed) {
 class MergeVerbs : public ::testing::Test {
  protected:
   MergeVerbs() {
-    MakeMap(a_, "monday", 2, CodebookSource::kTrained, Eigen::Vector3d::Zero());
-    MakeMap(b_, "tuesday", 3, CodebookSource::kTrained, Eigen::Vector3d::Zero());
+    MakeMap(a_, "monday", 2, Eigen::Vector3d::Zero());
+    MakeMap(b_, "tuesday", 3, Eigen::Vector3d::Zero());
   }
 
   static void MakeMap(const std::string& path, const std::string& session, uint64_t view_seed,
-                      CodebookSource codebook, const Eigen::Vector3d& shift_m) {
+                      const Eigen::Vector3d& shift_m) {
     const StreetWorld world = Street(view_seed);
     Sim3d ecef_from_world = world.EcefFromWorld();
     ecef_from_world.translation += shift_m;
     IngestOptions options;
     options.session_name = session;
-    options.codebook.source = codebook;
+    options.codebook.source = CodebookSource::kTrained;
     MapStore store = MapStore::Create(path);
     IngestSession(world.Reconstruct(), ecef_from_world, options, &store, {});
   }
@@ -110,11 +110,11 @@ TEST_F(MergeVerbs, MergeRecodesOnTheWay) {
 }
 
 TEST_F(MergeVerbs, MergeRefusesMapsThatContradictEachOther) {
-  const std::string c = dir_.File("c.gpkg"), d = dir_.File("d.gpkg");
-  MakeMap(c, "wednesday", 2, CodebookSource::kShipped, Eigen::Vector3d::Zero());
-  MakeMap(d, "thursday", 3, CodebookSource::kShipped, Eigen::Vector3d(4.0, 3.0, 0.0));
-  ExpectRefuses({"merge", c, d, "--out", out_}, 4, "d.gpkg contradicts the map");
-  EXPECT_EQ(RunCairn({"merge", c, d, "--apart", "--out", out_}).exit_code, 0);
+  const std::string moved = dir_.File("moved.gpkg");
+  MakeMap(moved, "thursday", 3, Eigen::Vector3d(3.0, 2.0, 2.0));
+  ExpectRefuses({"merge", a_, moved, "--recode", "--out", out_}, 4,
+                "moved.gpkg contradicts the map");
+  EXPECT_EQ(RunCairn({"merge", a_, moved, "--recode", "--apart", "--out", out_}).exit_code, 0);
 }
 
 TEST_F(MergeVerbs, MergeRefusesOtherDescriptorsAndMissingMaps) {
@@ -134,7 +134,7 @@ TEST_F(MergeVerbs, MergeRefusesOtherDescriptorsAndMissingMaps) {
 TEST_F(MergeVerbs, RecodeRefusesCodebooksThatItCannotUse) {
   WriteCodebook("cut.codebook", *ShippedCodebook(), 4);
   ExpectNotRecoded(dir_.File("cut.codebook"), 5, "cut.codebook");
-  WriteCodebook("small.codebook", RandomCodebook(), 0);  // Of shorter descriptors.
+  WriteCodebook("small.codebook", RandomCodebook({.raw_dim = 64}), 0);
   ExpectNotRecoded(dir_.File("small.codebook"), 4, "cannot be recoded: one codebook is for 128-D");
   ExpectNotRecoded(dir_.File("none.codebook"), 4, "none.codebook");
   std::ofstream(dir_.File("notes.txt")) << "codebook";
