@@ -126,7 +126,8 @@ TEST_F(MapCheckOfThePast, AKeyframeWithoutACameraOrAPose) {
 }
 
 TEST_F(MapCheckOfThePast, RowsOfVersionsThatAreNotKept) {
-  ExpectFound("UPDATE cairn_past_tiles SET until = 77", "1 rows of the past belong to versions that");
+  ExpectFound("UPDATE cairn_past_tiles SET until = 77",
+              "1 rows of the past belong to versions that");
 }
 
 TEST_F(MapCheck, AMissingCodebook) {
