@@ -14,9 +14,9 @@ void PrintComparison(const MapComparison& comparison, const char* queries) {
   }
   fmt::print(
       "comparison       the map recognizes {} of {} {}; {} agree on a move of {:.2f} m and "
-      "{:.2f} degrees, residual {:.3f} m median\n",
+      "{:.2f} degrees and {:.3f} times the size, residual {:.3f} m median\n",
       comparison.num_localized, comparison.num_expected, queries, comparison.fit.num_agreeing,
-      comparison.fit.moved_m, comparison.fit.turned_rad * kDegPerRad,
+      comparison.fit.moved_m, comparison.fit.turned_rad * kDegPerRad, comparison.fit.scale,
       comparison.fit.median_residual_m);
 }
 
@@ -31,7 +31,7 @@ void PrintChanges(const TileChanges& changes) {
 
 nlohmann::ordered_json ComparisonJson(const MapComparison& comparison) {
   return {{"photosExpected", comparison.num_expected},
-          {"photosRecognised", comparison.num_localized},
+          {"photosRecognized", comparison.num_localized},
           {"photosAgreeing", comparison.fit.num_agreeing},
           {"movedM", comparison.fit.moved_m},
           {"turnedDeg", comparison.fit.turned_rad * kDegPerRad},

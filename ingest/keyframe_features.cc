@@ -57,7 +57,9 @@ KeyframeFeatures FeaturesOfKeyframe(const Tile& tile, size_t keyframe_idx, const
     const Eigen::Vector3d x_in_tile = tile.x_in_tile[landmark_idx].cast<double>();
     const Eigen::Vector3d x_in_cam = cam_from_tile * x_in_tile;
     const auto pixel = x_in_cam.z() > 0.0 ? camera.Project(x_in_cam) : std::nullopt;
-    if (!pixel || !camera.Contains(*pixel)) {
+    const bool has_descriptor =
+        tile.descriptor_begin[landmark_idx] < tile.descriptor_begin[landmark_idx + 1];
+    if (!has_descriptor || !pixel || !camera.Contains(*pixel)) {
       continue;
     }
     const Eigen::Vector3d to_camera = center_in_tile - x_in_tile;

@@ -19,7 +19,8 @@ struct KeyframeFeatures {
 // Returns a feature for each landmark that the keyframe saw: at the pixel to which the landmark
 // projects, since maps do not store keypoints, and with the landmark's descriptor whose azimuth is
 // nearest to the keyframe's. Scale and orientation are those of this descriptor, seen from the
-// keyframe. Landmarks that do not project into the image are left out. `descriptors` are the tile's
+// keyframe. Landmarks that do not project into the image, or
+// have no descriptor, are left out. `descriptors` are the tile's
 // codes, decoded.
 KeyframeFeatures FeaturesOfKeyframe(const Tile& tile, size_t keyframe_idx, const Camera& camera,
                                     const DescriptorMatrix& descriptors);

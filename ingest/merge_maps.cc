@@ -16,6 +16,7 @@
 #include "ingest/meet_maps.h"
 #include "ingest/merge_source.h"
 #include "ingest/merging/viewpoints.h"
+#include "ingest/session_digest.h"
 #include "ingest/session_placement.h"
 #include "ingest/tiling/tile_edit.h"
 #include "ingest/write_tile.h"
@@ -52,7 +53,7 @@ std::shared_ptr<const Codebook> RequireOneCodebook(const MergeSource& a, bool re
   return of_a;
 }
 
-void RequireDistinctSessions(const MergeSource& a, const MergeSource& b) {
+void RequireDistinctSessions(const MergeSource& a, const MergeSource& b, SessionJoining joining) {
   for (const SessionRecord& of_a : a.snapshot().Sessions()) {
     for (const SessionRecord& of_b : b.snapshot().Sessions()) {
       if (of_a.name == of_b.name) {
@@ -61,10 +62,10 @@ void RequireDistinctSessions(const MergeSource& a, const MergeSource& b) {
                                 "or remove it from one of them",
                                 a.path(), b.path(), Excerpt(of_a.name)));
       }
-      if (!of_a.content_digest.empty() && of_a.content_digest == of_b.content_digest) {
+      if (joining == SessionJoining::kJoin && AreOneRecording(of_a, of_b)) {
         throw Error(ErrorCode::kConflict,
                     fmt::format("session '{}' of {} and session '{}' of {} are the same recording; "
-                                "remove it from one of them",
+                                "remove it from one of them, or keep both apart (--apart)",
                                 Excerpt(of_a.name), a.path(), Excerpt(of_b.name), b.path()));
       }
     }
@@ -235,7 +236,7 @@ MergeReport MergeMaps(const MapStore& a, const MapStore& b, const std::string& t
   MergeSource source_b(b);
   const std::shared_ptr<const Codebook> codebook =
       RequireOneCodebook(source_a, options.recode, &source_b);
-  RequireDistinctSessions(source_a, source_b);
+  RequireDistinctSessions(source_a, source_b, options.joining);
   MergeReport report;
   MapStore::CreateFilled(to, [&](MapStore* store) {
     if (options.joining == SessionJoining::kJoin) {

@@ -14,20 +14,25 @@ namespace {
 // Each round comes within some percent of the wanted bytes.
 constexpr int kMaxSelectionRounds = 6;
 
+struct Counts {
+  int64_t num_landmarks = 0;
+  int64_t num_descriptors = 0;
+};
+
 // Reduces the budget of a selection that makes a tile of `bytes`, so that the tile gets to
-// `max_bytes`. Keyframes stay whatever the budget is.
-void ReduceBudget(const Tile& selected, int64_t bytes, int64_t max_bytes,
+// `max_bytes`, but not below `least`. Keyframes stay whatever the budget is.
+void ReduceBudget(const Tile& selected, int64_t bytes, int64_t max_bytes, const Counts& least,
                   LandmarkSelectionOptions* options) {
   const int64_t fixed = EstimateBytes(PickLandmarks(selected, {}));
   const double share = std::clamp(static_cast<double>(max_bytes - fixed) /
                                       static_cast<double>(std::max<int64_t>(1, bytes - fixed)),
                                   0.5, 1.0);
-  const auto reduce = [&](size_t count) {
-    return std::max<int64_t>(1, static_cast<int64_t>(share * static_cast<double>(count)) - 1);
+  const auto reduce = [&](size_t count, int64_t least_count) {
+    return std::max(least_count, static_cast<int64_t>(share * static_cast<double>(count)) - 1);
   };
-  options->max_descriptors = reduce(selected.num_descriptors());
+  options->max_descriptors = reduce(selected.num_descriptors(), least.num_descriptors);
   if (options->max_landmarks > 0) {
-    options->max_landmarks = reduce(selected.num_landmarks());
+    options->max_landmarks = reduce(selected.num_landmarks(), least.num_landmarks);
   }
 }
 
@@ -73,12 +78,16 @@ Tile SelectLandmarks(const Tile& tile, std::vector<double> rates, std::optional<
   }
   LandmarkSelectionOptions reduced = options;
   Tile selected = PickLandmarks(tile, selector.Select(graph, num_descriptors));
+  // A session of thousands of photos can bring more bytes of keyframes than the tile may have.
+  const Counts least = {
+      .num_landmarks = static_cast<int64_t>(selected.num_landmarks() + 1) / 2,
+      .num_descriptors = static_cast<int64_t>(selected.num_descriptors() + 1) / 2};
   for (int round = 0; max_bytes && round < kMaxSelectionRounds; ++round) {
     const int64_t bytes = EstimateBytes(selected);
     if (bytes <= *max_bytes) {
       break;
     }
-    ReduceBudget(selected, bytes, *max_bytes, &reduced);
+    ReduceBudget(selected, bytes, *max_bytes, least, &reduced);
     selected = PickLandmarks(tile, MakeLandmarkSelector(reduced)->Select(graph, num_descriptors));
   }
   return selected;

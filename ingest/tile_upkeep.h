@@ -27,7 +27,8 @@ std::vector<double> RateByHistory(const Tile& tile, const SessionTimes& times,
                                   const PersistenceOptions& persistence, int min_observations);
 
 // Returns the tile cut down to the budget of `selector`, which has `options`, and to `max_bytes`,
-// as EstimateBytes counts them, if given. `rates` has the worth of each landmark, in observations.
+// as EstimateBytes counts them, if given, but to no less than half of the descriptors. `rates` has
+// the worth of each landmark, in observations.
 Tile SelectLandmarks(const Tile& tile, std::vector<double> rates, std::optional<int64_t> max_bytes,
                      const LandmarkSelectionOptions& options, const LandmarkSelector& selector);
 

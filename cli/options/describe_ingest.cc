@@ -12,9 +12,10 @@ constexpr EnumName<ProjectionKind> kProjectionNames[] = {
     {"likelihood_ratio", ProjectionKind::kLikelihoodRatio}};
 
 void DescribeCodebook(CodebookOptions* options, OptionList* list) {
-  list->Add("source", &options->source, kCodebookSourceNames,
-            "Codebook of a new map: the one that comes with Cairn, one that is trained on the "
-            "first session, or (auto) the one of the two that the size of the session speaks for");
+  list->Add(
+      "source", &options->source, kCodebookSourceNames,
+      "Codebook of a new map: the one that comes with Cairn, one that is trained on the "
+      "first session, or (auto) trained if the session has min_training_descriptors, else shipped");
   list->Add("min_training_descriptors", &options->min_training_descriptors,
             "For auto: fewest descriptors of landmarks in the first session that train a codebook");
   list->Add("projection", &options->projection, kProjectionNames,

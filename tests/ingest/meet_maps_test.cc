@@ -6,12 +6,14 @@
 
 #include "core/error.h"
 #include "ingest/ingest_session.h"
+#include "ingest/keyframe_features.h"
 #include "ingest/merge_maps.h"
 #include "ingest/recode/load_codebook.h"
 #include "ingest/recode_map.h"
 #include "storage/tile/tile_codec.h"
 #include "support/reconstruction_builder.h"
 #include "support/temp_dir.h"
+#include "support/tile_builder.h"
 
 namespace cairn {
 namespace {
@@ -74,6 +76,32 @@ TEST_F(MeetingMaps, ShareTheLandmarksThatBothKnow) {
             3 * (BytesOf(a_) + BytesOf(b_)) / 4);
   EXPECT_THAT(MapStore::Open(dir_.File("c.gpkg"), OpenMode::kReadOnly).Check({}).problems,
               IsEmpty());
+}
+
+TEST(KeyframeFeatures, LeaveOutALandmarkWithoutDescriptors) {
+  testing::RandomTileOptions options;
+  options.num_keyframes = 1;
+  options.num_landmarks_per_keyframe = options.num_landmarks;
+  Tile tile = testing::RandomTile(options);
+  tile.keyframes[0].cam_from_tile = Rigid3d();  // Looks up.
+  for (Eigen::Vector3f& x_in_tile : tile.x_in_tile) {
+    x_in_tile = {0.0f, 0.0f, 10.0f};
+  }
+  const Camera camera(CameraModel::kPinhole, 640, 480, {500.0, 500.0, 320.0, 240.0});
+  const auto seen = [&] {
+    const DescriptorMatrix descriptors =
+        DescriptorMatrix::Zero(static_cast<Eigen::Index>(tile.num_descriptors()), 16);
+    return FeaturesOfKeyframe(tile, 0, camera, descriptors).landmarks;
+  };
+  const auto last = static_cast<uint32_t>(tile.num_landmarks() - 1);
+  EXPECT_THAT(seen(), ::testing::Contains(last));
+  const uint32_t begin = tile.descriptor_begin[last];
+  tile.descriptor_begin[last + 1] = begin;
+  for (auto* codes : {&tile.azimuth_codes, &tile.orientation_codes, &tile.size_codes}) {
+    codes->resize(begin);
+  }
+  tile.codes.resize(size_t{begin} * static_cast<size_t>(tile.code_size));
+  EXPECT_THAT(seen(), ::testing::Not(::testing::Contains(last)));
 }
 
 TEST_F(MeetingMaps, StandWhereTheFirstOneSeesTheSecond) {

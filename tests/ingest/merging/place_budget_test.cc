@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <optional>
+#include <vector>
 
+#include "ingest/tile_upkeep.h"
 #include "support/tile_builder.h"
 
 namespace cairn {
@@ -62,6 +64,17 @@ TEST(PlaceBudget, NewGroundAddsWhatItsPhotosSeeAndTheTileDoesNotKnow) {
   // Landmarks that the tile knows cost nothing more.
   fresh.landmark_ids = known.landmark_ids;
   EXPECT_LT(BytesOfPlace(known, fresh), with_one);
+}
+
+TEST(PlaceBudget, KeyframesDoNotTakeAllLandmarks) {
+  const Tile tile = TileOfSessions(3);
+  LandmarkSelectionOptions options;
+  options.min_observations = 0;
+  const std::vector<double> rates(tile.num_landmarks(), 2.0);
+  const auto selector = MakeLandmarkSelector(options);
+  const Tile selected = SelectLandmarks(tile, rates, /*max_bytes=*/1, options, *selector);
+  EXPECT_LT(selected.num_descriptors(), tile.num_descriptors());
+  EXPECT_GE(selected.num_descriptors(), tile.num_descriptors() / 2 - 4);  // Whole landmarks.
 }
 
 }  // namespace
