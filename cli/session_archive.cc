@@ -48,9 +48,7 @@ void PrintNames(const char* what, const std::vector<std::string>& names) {
 SessionArchive::SessionArchive(const std::string& path, const std::string& session_name,
                                const MapStore& map)
     : folder_(path, ArchiveFolder::Use::kIngest) {
-  const std::vector<MapSession> sessions = MapSessionsOf(map.Snapshot());
-  folder_.Recover(sessions);
-  folder_.RequireOf(sessions, session_name);
+  folder_.Recover(ArchivedMapOf(map.Snapshot()), session_name);
 }
 
 void SessionArchive::Stage(const PlannedSession& planned, const Sim3d& ecef_from_world,

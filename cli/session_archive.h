@@ -16,7 +16,7 @@ namespace cairn {
 class SessionArchive {
  public:
   // Opens the folder, locks it and finishes what a killed ingest left there. Throws as
-  // ArchiveFolder and ArchiveFolder::RequireOf.
+  // ArchiveFolder and ArchiveFolder::Recover.
   SessionArchive(const std::string& path, const std::string& session_name, const MapStore& map);
 
   // Call it before the session is published. Writes the session to the disk, unless the archive has

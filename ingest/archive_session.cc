@@ -35,6 +35,10 @@ std::vector<MapSession> MapSessionsOf(const MapSnapshot& map) {
   return sessions;
 }
 
+ArchivedMap ArchivedMapOf(const MapSnapshot& map) {
+  return {map.Info().created_at, map.version(), MapSessionsOf(map)};
+}
+
 ArchiveManifest MakeManifest(const PlannedSession& planned, const Sim3d& ecef_from_world,
                              const IngestOptions& options, const std::string& options_json) {
   const SessionPlan& plan = planned.plan;
@@ -44,6 +48,7 @@ ArchiveManifest MakeManifest(const PlannedSession& planned, const Sim3d& ecef_fr
   manifest.given_recorded_at = options.recorded_at;
   manifest.recorded_at = plan.session.recorded_at;
   manifest.options_json = options_json;
+  manifest.map_created_at = plan.map_created_at;
   manifest.first_ids = plan.first_ids;
   manifest.first_ids.session = plan.session.id;
   manifest.is_apart = options.joining == SessionJoining::kApart;

@@ -17,6 +17,8 @@ namespace cairn {
 // The sessions of a map as an archive compares them.
 std::vector<MapSession> MapSessionsOf(const MapSnapshot& map);
 
+ArchivedMap ArchivedMapOf(const MapSnapshot& map);
+
 // The manifest of a session that is planned, or that the map has already
 // (SessionPlan::is_unchanged). `options` are those of the plan; `options_json` holds the same as
 // text.

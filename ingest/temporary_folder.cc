@@ -39,9 +39,10 @@ bool IsOwn(int fd) {
 std::vector<std::string> FoldersIn(const fs::path& parent) {
   std::vector<std::string> paths;
   std::error_code ignored;
-  for (const fs::directory_entry& entry : fs::directory_iterator(parent, ignored)) {
-    if (entry.path().filename().string().starts_with(kPrefix)) {
-      paths.push_back(entry.path().string());
+  for (fs::directory_iterator entry(parent, ignored); entry != fs::directory_iterator();
+       entry.increment(ignored)) {
+    if (entry->path().filename().string().starts_with(kPrefix)) {
+      paths.push_back(entry->path().string());
     }
   }
   return paths;
@@ -91,7 +92,11 @@ int LockNew(const std::string& path) {
 }  // namespace
 
 TemporaryFolder::TemporaryFolder() {
-  const fs::path parent = fs::temp_directory_path();
+  std::error_code error;
+  const fs::path parent = fs::temp_directory_path(error);
+  if (error) {
+    throw Error(ErrorCode::kIo, "the directory for temporary files: " + error.message());
+  }
   RemoveFoldersOfTheDead(parent);
   do {
     path_ = MakeFolder(parent);

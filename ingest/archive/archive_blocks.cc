@@ -109,6 +109,12 @@ void ThrowDamaged(const std::string& what, const std::string& problem) {
   throw Error(ErrorCode::kMapDamaged, what + ": " + problem);
 }
 
+void RequireReadable(const std::istream& bytes, const std::string& what) {
+  if (bytes.bad()) {
+    throw Error(ErrorCode::kIo, what + ": cannot be read");
+  }
+}
+
 std::vector<uint8_t> ReadExactly(std::istream* bytes, size_t size, const std::string& what) {
   constexpr size_t kStep = size_t{1} << 20;  // A file may be shorter than its header says.
   std::vector<uint8_t> read;
@@ -117,6 +123,7 @@ std::vector<uint8_t> ReadExactly(std::istream* bytes, size_t size, const std::st
     read.resize(std::min(size, begin + kStep));
     bytes->read(reinterpret_cast<char*>(read.data() + begin),
                 static_cast<std::streamsize>(read.size() - begin));
+    RequireReadable(*bytes, what);
     if (!*bytes) {
       ThrowDamaged(what, "ends too early");
     }

@@ -19,12 +19,16 @@ inline constexpr size_t kLandmarksPerBlock = 65'536;
 
 [[noreturn]] void ThrowDamaged(const std::string& what, const std::string& problem);
 
-// Reads exactly `size` bytes. Throws Error(kMapDamaged) if there are fewer.
+// Throws Error(kIo) if the system could not read, which is no end of the bytes.
+void RequireReadable(const std::istream& bytes, const std::string& what);
+
+// Reads exactly `size` bytes. Throws Error(kMapDamaged) if there are fewer, and sets the failbit of
+// `bytes`; throws as RequireReadable.
 std::vector<uint8_t> ReadExactly(std::istream* bytes, size_t size, const std::string& what);
 
 // Compresses and frames a content. Throws Error(kBadInput) if it is larger than kMaxBlockBytes.
 std::vector<uint8_t> EncodeBlock(std::span<const uint8_t> content);
-// Throws Error(kMapDamaged), as all that follows.
+// Throws Error(kMapDamaged), as all that follows, and as RequireReadable.
 std::vector<uint8_t> ReadBlock(std::istream* bytes, uint32_t max_block_bytes,
                                const std::string& what);
 

@@ -11,6 +11,7 @@
 #include "ingest/archive/archive_blocks.h"
 #include "storage/bytes/byte_io.h"
 #include "storage/bytes/checksum.h"
+#include "storage/map/utc_time.h"
 
 namespace cairn {
 namespace {
@@ -70,6 +71,7 @@ std::vector<uint8_t> EncodeManifest(const ArchiveManifest& manifest,
   PutText(manifest.recorded_at, &writer);
   PutText(manifest.session.content_digest, &writer);
   PutText(manifest.options_json, &writer);
+  PutText(manifest.map_created_at, &writer);
   PutIds(manifest.first_ids, &writer);
   writer.Put(static_cast<uint8_t>(manifest.is_apart ? 1 : 0));
   writer.Put(manifest.georef_median_residual_m);
@@ -138,12 +140,26 @@ bool IsPlacement(const Sim3d& ecef_from_world) {
          std::abs(ecef_from_world.rotation.norm() - 1.0) < 1e-6;
 }
 
+bool IsSessionDigest(const std::string& text) {
+  return text.size() == kSessionDigestSize &&
+         text.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+bool HasTimes(const ArchiveManifest& manifest) {
+  const std::string& given = manifest.given_recorded_at;
+  return IsUtcTime(manifest.recorded_at) && IsUtcTime(manifest.map_created_at) &&
+         (given.empty() || IsUtcTime(given));
+}
+
 std::string FindProblem(const ArchiveManifest& manifest) {
   if (manifest.session.name.empty()) {
     return "the session has no name";
   }
-  if (manifest.session.content_digest.size() != kSessionDigestSize) {
-    return "the content digest has a wrong length";
+  if (!IsSessionDigest(manifest.session.content_digest)) {
+    return "the content digest is none";
+  }
+  if (!HasTimes(manifest)) {
+    return "a time is not like 2026-01-31T12:00:00Z";
   }
   if (!std::isfinite(manifest.georef_median_residual_m) || !IsPlacement(manifest.ecef_from_world)) {
     return "the placement is no similarity";
@@ -163,6 +179,7 @@ ArchiveManifest ParseManifest(const std::vector<uint8_t>& bytes, const std::stri
   manifest.recorded_at = GetText(&reader);
   manifest.session.content_digest = GetText(&reader);
   manifest.options_json = GetText(&reader);
+  manifest.map_created_at = GetText(&reader);
   manifest.first_ids = GetIds(what, &reader);
   const auto is_apart = reader.Get<uint8_t>();
   manifest.is_apart = is_apart == 1;
@@ -232,7 +249,9 @@ ArchivedSession DecodeSession(std::istream* bytes, const std::string& what,
   ArchivedSession session;
   session.manifest = DecodeManifest(bytes, what);
   session.reconstruction = ReadReconstruction(session.manifest, limits, bytes, what);
-  if (bytes->peek() != std::istream::traits_type::eof()) {
+  const bool is_longer = bytes->peek() != std::istream::traits_type::eof();
+  archive::RequireReadable(*bytes, what);
+  if (is_longer) {
     ThrowDamaged(what, "is longer than its content");
   }
   try {

@@ -21,7 +21,8 @@ void EncodeSession(const ArchiveManifest& manifest, const Reconstruction& recons
                    const ByteSink& sink);
 
 // Reads the manifest of untrusted bytes, and not what follows. `what` names the bytes in messages.
-// Throws Error(kMapDamaged).
+// Throws Error(kMapDamaged), and Error(kIo) if the system could not read. A read past the end, and
+// nothing else, sets the failbit alone.
 ArchiveManifest DecodeManifest(std::istream* bytes, const std::string& what);
 
 struct ArchiveLimits {

@@ -47,13 +47,19 @@ ArchiveManifest ReadManifest(const std::string& path) {
 
 // The manifest of a whole file; nothing if a process died while it wrote the file.
 std::optional<ArchiveManifest> ReadIfWhole(const std::string& path) {
+  std::ifstream file = OpenFile(path);
   try {
-    return ReadArchivedSession(path).manifest;
+    return DecodeSession(&file, path).manifest;
   } catch (const Error& error) {
-    if (error.code() == ErrorCode::kMapDamaged) {
+    if (error.code() != ErrorCode::kMapDamaged) {
+      throw;
+    }
+    if (file.fail()) {  // The file is cut off.
       return std::nullopt;
     }
-    throw;
+    throw Error(error.code(), std::string(error.what()) +
+                                  "; an ingest did not finish this file: delete it if the map does "
+                                  "not have its session");
   }
 }
 
@@ -119,6 +125,26 @@ void Rename(const std::string& from, const std::string& to) {
   }
 }
 
+void Write(const std::string& path, const ArchiveManifest& manifest,
+           const Reconstruction& reconstruction) {
+  OutputFile file(path);
+  EncodeSession(manifest, reconstruction,
+                [&](std::span<const uint8_t> bytes) { file.Write(bytes); });
+  file.Sync();
+}
+
+// Leaves no file if it throws.
+void WriteOrRemove(const std::string& path, const ArchiveManifest& manifest,
+                   const Reconstruction& reconstruction) {
+  try {
+    Write(path, manifest, reconstruction);
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove(path, ignored);
+    throw;
+  }
+}
+
 void Remove(const std::string& path) {
   std::error_code error;
   if (!fs::remove(path, error) && error) {
@@ -132,9 +158,65 @@ bool IsPublished(const ArchiveManifest& manifest, const std::vector<MapSession>&
   });
 }
 
+// What becomes of an unfinished file: a file if the map has its session, else nothing.
+std::optional<ArchiveFile> FinishedFile(const std::string& unfinished, const ArchivedMap& map) {
+  const std::optional<ArchiveManifest> manifest = ReadIfWhole(unfinished);
+  if (!manifest) {
+    return std::nullopt;
+  }
+  if (manifest->map_created_at != map.created_at) {
+    throw Error(ErrorCode::kConflict,
+                fmt::format("{}: an ingest into another map, created at {}, did not finish this "
+                            "file; ingest into that map with this archive, or delete the file if "
+                            "that map is gone",
+                            unfinished, manifest->map_created_at));
+  }
+  if (!IsPublished(*manifest, map.sessions)) {
+    return std::nullopt;
+  }
+  const std::string path = unfinished.substr(0, unfinished.size() - std::strlen(kUnfinished));
+  return ArchiveFile{path, NumberOf(fs::path(path).filename().string()).value(), *manifest};
+}
+
+// True if a newer file has what the map has under the name of the file's session.
+bool IsReplaced(const ArchiveFile& file, const SessionKey& in_map,
+                const std::vector<ArchiveFile>& files) {
+  return std::ranges::any_of(files, [&](const ArchiveFile& other) {
+    return other.manifest.session == in_map && other.number > file.number;
+  });
+}
+
 [[noreturn]] void RefuseOtherMap(const std::string& problem) {
   throw Error(ErrorCode::kConflict,
               problem + "; an archive belongs to one map: give each map a folder of its own");
+}
+
+// True if the map got the newest file. A map of version 1 never got a session, though another map
+// may have been created in the same second.
+bool IsOwner(const ArchivedMap& map, const std::vector<ArchiveFile>& files) {
+  return files.back().manifest.map_created_at == map.created_at && map.version > MapVersion(1);
+}
+
+void RequireOf(const std::vector<ArchiveFile>& files, const ArchivedMap& map,
+               const std::string& incoming) {
+  for (const ArchiveFile& file : files) {
+    const SessionKey& key = file.manifest.session;
+    const auto same = std::ranges::find_if(
+        map.sessions, [&](const MapSession& session) { return session.key.name == key.name; });
+    if (same == map.sessions.end()) {
+      if (!IsOwner(map, files)) {
+        RefuseOtherMap(fmt::format(
+            "{}: is of a map created at {}, and the map, created at {}, lacks session '{}'; if the "
+            "map was rebuilt without the session, delete the file",
+            file.path, file.manifest.map_created_at, map.created_at, Excerpt(key.name)));
+      }
+    } else if (key.name != incoming && same->key != key && !IsReplaced(file, same->key, files)) {
+      RefuseOtherMap(fmt::format(
+          "{}: the map has another session '{}' than this file; if it was replaced without "
+          "--archive, delete the file and ingest the session again with --archive",
+          file.path, Excerpt(key.name)));
+    }
+  }
 }
 
 }  // namespace
@@ -159,13 +241,7 @@ ArchiveFolder::ArchiveFolder(const std::string& path, Use use) : path_(path) {
   }
 }
 
-ArchiveFolder::~ArchiveFolder() {
-  if (!staged_.empty()) {
-    std::error_code ignored;
-    fs::remove(staged_ + kUnfinished, ignored);
-  }
-  close(folder_fd_);
-}
+ArchiveFolder::~ArchiveFolder() { close(folder_fd_); }
 
 void ArchiveFolder::Lock(Use use) {
   const int kind = use == Use::kIngest ? LOCK_EX : LOCK_SH;
@@ -178,16 +254,22 @@ void ArchiveFolder::Lock(Use use) {
   }
 }
 
+void ArchiveFolder::ReadName(const std::string& file) {
+  constexpr size_t kUnfinishedSize = sizeof(kUnfinished) - 1;
+  const std::string name = fs::path(file).filename().string();
+  if (const std::optional<int64_t> number = NumberOf(name)) {
+    files_.push_back({file, *number, ReadManifest(file)});
+  } else if (name.ends_with(kUnfinished) &&
+             NumberOf(name.substr(0, name.size() - kUnfinishedSize))) {
+    unfinished_.push_back(file);
+  }
+}
+
 void ArchiveFolder::ReadNames() {
   std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(path_, error)) {
-    const std::string name = entry.path().filename().string();
-    if (name.ends_with(std::string(kSuffix) + kUnfinished)) {
-      unfinished_.push_back(entry.path().string());
-    } else if (const std::optional<int64_t> number = NumberOf(name)) {
-      const std::string file = entry.path().string();
-      files_.push_back({file, *number, ReadManifest(file)});
-    }
+  for (fs::directory_iterator entry(path_, error); !error && entry != fs::directory_iterator();
+       entry.increment(error)) {
+    ReadName(entry->path().string());
   }
   if (error) {
     ThrowIo(path_, "cannot be read", error.value());
@@ -206,53 +288,38 @@ bool ArchiveFolder::Holds(const SessionKey& session) const {
       files_, [&](const ArchiveFile& file) { return file.manifest.session == session; });
 }
 
-void ArchiveFolder::Recover(const std::vector<MapSession>& sessions) {
-  for (const std::string& unfinished : std::exchange(unfinished_, {})) {
-    const std::string path = unfinished.substr(0, unfinished.size() - std::strlen(kUnfinished));
-    const std::optional<int64_t> number = NumberOf(fs::path(path).filename().string());
-    const std::optional<ArchiveManifest> manifest = ReadIfWhole(unfinished);
-    if (number && manifest && IsPublished(*manifest, sessions)) {
-      Rename(unfinished, path);
-      files_.push_back({path, *number, *manifest});
-      std::ranges::sort(files_, {}, &ArchiveFile::number);
+void ArchiveFolder::Recover(const ArchivedMap& map, const std::string& incoming) {
+  std::vector<ArchiveFile> files = files_;
+  std::vector<std::string> lost;
+  for (const std::string& unfinished : unfinished_) {
+    if (std::optional<ArchiveFile> file = FinishedFile(unfinished, map)) {
+      files.push_back(*std::move(file));
     } else {
+      lost.push_back(unfinished);
+    }
+  }
+  std::ranges::sort(files, {}, &ArchiveFile::number);
+  RequireOf(files, map, incoming);
+  for (const std::string& unfinished : std::exchange(unfinished_, {})) {
+    if (std::ranges::count(lost, unfinished) > 0) {
       Remove(unfinished);
+    } else {
+      Rename(unfinished, unfinished.substr(0, unfinished.size() - std::strlen(kUnfinished)));
     }
   }
-  for (const MapSession& session : sessions) {
+  files_ = std::move(files);
+  for (const MapSession& session : map.sessions) {
     DeleteReplaced(session.key);
-  }
-}
-
-void ArchiveFolder::RequireOf(const std::vector<MapSession>& sessions,
-                              const std::string& incoming) const {
-  bool has_common = files_.empty();
-  for (const ArchiveFile& file : files_) {
-    const SessionKey& key = file.manifest.session;
-    const auto same = std::ranges::find_if(
-        sessions, [&](const MapSession& session) { return session.key.name == key.name; });
-    has_common |= same != sessions.end();
-    if (same != sessions.end() && key.name != incoming && same->key != key) {
-      RefuseOtherMap(fmt::format(
-          "{}: the map has another session '{}' than this file; if it was replaced without "
-          "--archive, delete the file and ingest the session again with --archive",
-          file.path, Excerpt(key.name)));
-    }
-  }
-  if (!has_common) {
-    RefuseOtherMap(fmt::format("{}: the map has none of the sessions of this archive", path_));
   }
 }
 
 void ArchiveFolder::Stage(const ArchiveManifest& manifest, const Reconstruction& reconstruction) {
   const int64_t number = files_.empty() ? 1 : files_.back().number + 1;
-  staged_ = (fs::path(path_) / FileName(number, manifest.session.name)).string();
-  OutputFile file(staged_ + kUnfinished);
-  EncodeSession(manifest, reconstruction,
-                [&](std::span<const uint8_t> bytes) { file.Write(bytes); });
-  file.Sync();
+  const std::string path = (fs::path(path_) / FileName(number, manifest.session.name)).string();
+  WriteOrRemove(path + kUnfinished, manifest, reconstruction);
   fsync(folder_fd_);
-  files_.push_back({staged_, number, manifest});
+  staged_ = path;
+  files_.push_back({path, number, manifest});
 }
 
 std::string ArchiveFolder::Commit() {
@@ -271,7 +338,7 @@ void ArchiveFolder::DeleteReplaced(const SessionKey& session) {
     return;
   }
   std::erase_if(files_, [&, kept = newest->number](const ArchiveFile& file) {
-    const bool is_replaced = file.manifest.session.name == session.name && file.number != kept;
+    const bool is_replaced = file.manifest.session.name == session.name && file.number < kept;
     if (is_replaced) {
       Remove(file.path);
     }

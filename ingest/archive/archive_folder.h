@@ -22,6 +22,14 @@ struct MapSession {
   SessionId id{};
 };
 
+// What tells the map of an archive from other maps.
+struct ArchivedMap {
+  std::string
+      created_at;  // MapInfo::created_at. Copies of the map have the same, rebuilt ones not.
+  MapVersion version{};
+  std::vector<MapSession> sessions;
+};
+
 // An open folder. Locks it against other processes until the end of the object's life.
 class ArchiveFolder {
  public:
@@ -35,7 +43,8 @@ class ArchiveFolder {
   // process uses it, Error(kMapDamaged) if a manifest is damaged, and Error(kIo) if the folder
   // cannot be read or, for an ingest, written.
   ArchiveFolder(const std::string& path, Use use);
-  ~ArchiveFolder();  // Deletes what was staged and not committed.
+  // Leaves a staged file that was not committed to Recover: the map may have got the session.
+  ~ArchiveFolder();
   ArchiveFolder(const ArchiveFolder&) = delete;
   ArchiveFolder& operator=(const ArchiveFolder&) = delete;
 
@@ -45,17 +54,21 @@ class ArchiveFolder {
   const std::vector<std::string>& unfinished() const { return unfinished_; }
   bool Holds(const SessionKey& session) const;
 
-  // Finishes what a killed ingest left. An unfinished file gets its name if the map has the session
-  // from that very ingest, which its id tells; else it goes. Files of sessions that were replaced
-  // go, too. `sessions` are those of the map.
-  void Recover(const std::vector<MapSession>& sessions);
+  // Finishes what an ingest left that failed or was killed. An unfinished file gets its name if the
+  // map has the session from that very ingest, which its id tells; else it goes. Older files of
+  // sessions that were replaced go, too.
+  //
+  // Changes nothing and throws
+  //  - Error(kConflict) if the archive is of another map: the map was created at another time than
+  //    the one that got the newest file and lacks a session, it has another session of the same
+  //    name, or an unfinished file is of an ingest into another map. The session `incoming` may
+  //    differ; it is about to be replaced;
+  //  - Error(kMapDamaged) if an unfinished file is damaged and not just cut off;
+  //  - Error(kIo) if one cannot be read.
+  void Recover(const ArchivedMap& map, const std::string& incoming);
 
-  // Throws Error(kConflict) if the archive is of another map than the one of `sessions`: it has
-  // none of them, or one with other content. The session `incoming` may differ; it is about to be
-  // replaced.
-  void RequireOf(const std::vector<MapSession>& sessions, const std::string& incoming) const;
-
-  // Writes a session to the disk under a temporary name. Throws Error(kIo).
+  // Writes a session to the disk under a temporary name. Call it right before the session is
+  // published. Throws Error(kIo), and leaves no file then.
   void Stage(const ArchiveManifest& manifest, const Reconstruction& reconstruction);
   // Call it once the map has the staged session: gives the file its name and deletes older files of
   // the session. Returns the file's path. Throws Error(kIo).
@@ -64,7 +77,8 @@ class ArchiveFolder {
  private:
   void Lock(Use use);
   void ReadNames();
-  // Deletes files of the session's name but for the newest with its content, if there is one.
+  void ReadName(const std::string& file);
+  // Deletes files of the session's name that are older than the newest with its content.
   void DeleteReplaced(const SessionKey& session);
 
   std::string path_;

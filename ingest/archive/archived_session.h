@@ -26,6 +26,7 @@ struct ArchiveManifest {
   std::string given_recorded_at;  // As the ingest was told; may be empty.
   std::string recorded_at;        // Of the session in the map.
   std::string options_json;       // The options of the ingest.
+  std::string map_created_at;     // MapInfo::created_at of the map that got the session.
   FirstIds first_ids;             // That the session got in the map; 0 for those not known.
   bool is_apart = false;          // SessionJoining::kApart.
   double georef_median_residual_m = 0.0;

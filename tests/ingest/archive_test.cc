@@ -7,7 +7,9 @@
 #include <fstream>
 #include <memory>
 #include <sstream>
+#include <streambuf>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/error.h"
@@ -36,6 +38,8 @@ Reconstruction SmallReconstruction(uint64_t view_seed = 2) {
   return testing::StreetWorld(options).Reconstruct();
 }
 
+constexpr const char* kCreatedAt = "2026-01-01T00:00:00Z";
+
 ArchiveManifest ManifestOf(const std::string& name, char digit = '1',
                            const std::vector<SessionKey>& earlier = {}) {
   ArchiveManifest manifest;
@@ -43,6 +47,7 @@ ArchiveManifest ManifestOf(const std::string& name, char digit = '1',
   manifest.source = "a test";
   manifest.recorded_at = "2026-01-31T12:00:00Z";
   manifest.options_json = "{}";
+  manifest.map_created_at = kCreatedAt;
   manifest.first_ids = {CodebookId(1), SessionId(7), KeyframeId(100), LandmarkId(5000)};
   manifest.is_apart = true;
   manifest.georef_median_residual_m = 0.25;
@@ -56,6 +61,13 @@ MapSession Published(const std::string& name, char digit) {
   const ArchiveManifest manifest = ManifestOf(name, digit);
   return {manifest.session, manifest.first_ids.session};
 }
+
+ArchivedMap MapWith(const std::vector<MapSession>& sessions,
+                    const std::string& created_at = kCreatedAt) {
+  return {created_at, MapVersion(5), sessions};
+}
+
+constexpr const char* kOtherTime = "2026-01-01T00:00:01Z";
 
 std::string Encoded(const ArchiveManifest& manifest, const Reconstruction& reconstruction) {
   std::string bytes;
@@ -119,6 +131,44 @@ TEST(ArchiveCodec, RefusesDamagedBytes) {
   ExpectError([&] { Decoded(bytes + "x"); }, ErrorCode::kMapDamaged, "longer");
 }
 
+TEST(ArchiveCodec, RefusesDigestsAndTimesThatAreNone) {
+  const auto expect_refused = [](const ArchiveManifest& manifest, const std::string& text) {
+    const std::string bytes = Encoded(manifest, SmallReconstruction());
+    ExpectError([&] { Decoded(bytes); }, ErrorCode::kMapDamaged, text);
+  };
+  expect_refused(ManifestOf("monday", 'A'), "digest");
+  for (std::string ArchiveManifest::*time :
+       {&ArchiveManifest::recorded_at, &ArchiveManifest::given_recorded_at,
+        &ArchiveManifest::map_created_at}) {
+    ArchiveManifest manifest = ManifestOf("monday");
+    manifest.*time = "2026-02-31T12:00:00Z";
+    expect_refused(manifest, "a time is not like");
+  }
+}
+
+// Bytes of a disk that fails.
+class FailingDisk : public std::streambuf {
+ public:
+  explicit FailingDisk(std::string good) : good_(std::move(good)) {
+    setg(good_.data(), good_.data(), good_.data() + good_.size());
+  }
+
+ protected:
+  int_type underflow() override { throw std::ios_base::failure("the disk fails"); }
+
+ private:
+  std::string good_;
+};
+
+TEST(ArchiveCodec, TellsAFailureOfTheDiskFromTheEnd) {
+  const std::string bytes = Encoded(ManifestOf("monday"), SmallReconstruction());
+  for (const size_t size : {size_t{0}, size_t{30}, bytes.size() / 2, bytes.size()}) {
+    FailingDisk disk(bytes.substr(0, size));
+    std::istream stream(&disk);
+    ExpectError([&] { DecodeSession(&stream, "a file"); }, ErrorCode::kIo, "cannot be read");
+  }
+}
+
 class Archive : public ::testing::Test {
  protected:
   Archive() { fs::create_directory(path_); }
@@ -161,12 +211,26 @@ TEST_F(Archive, NumbersSessionsInOrder) {
   EXPECT_THAT(Planned({"monday"}), ElementsAre("a/b c"));
 }
 
-TEST_F(Archive, ForgetsWhatIsNotCommitted) {
-  {
-    ArchiveFolder folder(path_, Use::kIngest);
-    folder.Stage(ManifestOf("monday"), SmallReconstruction());
+// The map may have got the session though the ingest failed, as when a connection breaks.
+TEST_F(Archive, LeavesWhatIsNotCommittedToTheNextIngest) {
+  const auto stage = [&] {
+    ArchiveFolder(path_, Use::kIngest).Stage(ManifestOf("monday", '1'), SmallReconstruction());
     EXPECT_THAT(Names(), ElementsAre("0001-monday.cairnsession.unfinished"));
-  }
+  };
+  stage();
+  ArchiveFolder(path_, Use::kIngest).Recover(MapWith({}), "tuesday");
+  EXPECT_THAT(Names(), IsEmpty());
+  stage();
+  ArchiveFolder(path_, Use::kIngest).Recover(MapWith({Published("monday", '1')}), "tuesday");
+  EXPECT_THAT(Names(), ElementsAre("0001-monday.cairnsession"));
+}
+
+TEST_F(Archive, LeavesNothingOfAFileThatCannotBeWritten) {
+  ArchiveManifest too_large = ManifestOf("monday");
+  too_large.options_json = std::string(size_t{1} << 21, ' ');
+  ArchiveFolder folder(path_, Use::kIngest);
+  ExpectError([&] { folder.Stage(too_large, SmallReconstruction()); }, ErrorCode::kBadInput,
+              "an archive takes");
   EXPECT_THAT(Names(), IsEmpty());
 }
 
@@ -186,8 +250,45 @@ TEST_F(Archive, FinishesWhatAKilledIngestLeft) {
   fs::resize_file(cut, fs::file_size(cut) - 1);
   fs::copy_file(replaced, path_ + "/0005-wednesday.cairnsession.unfinished");
   ExpectNoPlan(ErrorCode::kConflict, "did not finish");
-  ArchiveFolder(path_, Use::kIngest).Recover({Published("monday", '1')});
-  EXPECT_THAT(Names(), ElementsAre("0002-tuesday.cairnsession", "0003-monday.cairnsession"));
+  std::ofstream(path_ + "/notes.cairnsession.unfinished") << "not of an ingest";
+  ArchiveFolder(path_, Use::kIngest).Recover(MapWith({Published("monday", '1')}), "friday");
+  EXPECT_THAT(Names(), ElementsAre("0002-tuesday.cairnsession", "0003-monday.cairnsession",
+                                   "notes.cairnsession.unfinished"));
+}
+
+TEST_F(Archive, KeepsUnfinishedFilesThatItDoesNotUnderstand) {
+  const std::string unfinished = path_ + "/0001-monday.cairnsession.unfinished";
+  const auto expect_kept = [&](ErrorCode code, const std::string& text) {
+    ExpectError([&] { ArchiveFolder(path_, Use::kIngest).Recover(MapWith({}), "friday"); }, code,
+                text);
+    EXPECT_THAT(Names(), ElementsAre("0001-monday.cairnsession.unfinished"));
+  };
+  fs::rename(Add(ManifestOf("monday")), unfinished);
+  std::fstream(unfinished, std::ios::binary | std::ios::in | std::ios::out).seekp(4).put(2);
+  expect_kept(ErrorCode::kMapDamaged, "format version 2 is unknown");
+  fs::remove(unfinished);
+  fs::rename(Add(ManifestOf("monday")), unfinished);
+  std::fstream(unfinished, std::ios::binary | std::ios::in | std::ios::out).seekp(60).put('\x7f');
+  expect_kept(ErrorCode::kMapDamaged, "delete it if the map does not have its session");
+  fs::remove(unfinished);
+  fs::create_directory(unfinished);  // Opens, and cannot be read.
+  expect_kept(ErrorCode::kIo, "cannot be read");
+}
+
+TEST_F(Archive, OfAnotherMapStaysAsItIs) {
+  const std::string monday = Add(ManifestOf("monday", '1'));
+  fs::copy_file(monday, path_ + "/0003-monday.cairnsession");
+  const auto expect_refused = [&](const ArchivedMap& map, const std::string& text) {
+    const std::vector<std::string> names = Names();
+    ExpectError([&] { ArchiveFolder(path_, Use::kIngest).Recover(map, "monday"); },
+                ErrorCode::kConflict, text);
+    EXPECT_EQ(Names(), names);
+  };
+  expect_refused(MapWith({}, kOtherTime), "lacks session 'monday'");
+  fs::rename(path_ + "/0003-monday.cairnsession", path_ + "/0003-monday.cairnsession.unfinished");
+  expect_refused(MapWith({Published("monday", '1')}, kOtherTime), "an ingest into another map");
+  fs::remove(monday);  // No finished file tells whose archive it is.
+  expect_refused(MapWith({}, kOtherTime), "an ingest into another map");
 }
 
 TEST_F(Archive, DeletesAReplacedSessionThatAKilledIngestLeft) {
@@ -195,22 +296,30 @@ TEST_F(Archive, DeletesAReplacedSessionThatAKilledIngestLeft) {
   const std::string newer = Add(ManifestOf("monday", '2'));
   fs::copy_file(dir_.File("old"), path_ + "/0001-monday.cairnsession");
   ExpectNoPlan(ErrorCode::kConflict, "both of session 'monday'");
-  ArchiveFolder(path_, Use::kIngest).Recover({Published("monday", '2')});
+  ArchiveFolder(path_, Use::kIngest).Recover(MapWith({Published("monday", '2')}), "friday");
   EXPECT_THAT(Planned(), ElementsAre("monday"));
   EXPECT_TRUE(fs::exists(newer));
 }
 
 TEST_F(Archive, BelongsToOneMap) {
-  const MapSession monday = Published("monday", '1');
   Add(ManifestOf("monday", '1'));
-  const ArchiveFolder folder(path_, Use::kIngest);
-  folder.RequireOf({monday}, "tuesday");
-  folder.RequireOf({Published("monday", '2')}, "monday");
-  ExpectError([&] { folder.RequireOf({}, "monday"); }, ErrorCode::kConflict, "none of the");
-  ExpectError([&] { folder.RequireOf({Published("friday", '1')}, "friday"); }, ErrorCode::kConflict,
-              "a folder of its own");
-  ExpectError([&] { folder.RequireOf({Published("monday", '2')}, "tuesday"); },
-              ErrorCode::kConflict, "another session 'monday'");
+  const std::vector<MapSession> monday = {Published("monday", '1')};
+  const std::vector<MapSession> other_monday = {Published("monday", '2')};
+  ArchiveFolder folder(path_, Use::kIngest);
+  folder.Recover(MapWith(monday), "tuesday");
+  folder.Recover(MapWith(monday, kOtherTime), "tuesday");  // A rebuilt map.
+  folder.Recover(MapWith(other_monday), "monday");
+  folder.Recover(MapWith({}), "monday");  // All sessions were removed.
+  const auto expect_refused = [&](const ArchivedMap& map, const std::string& incoming,
+                                  const std::string& text) {
+    ExpectError([&] { folder.Recover(map, incoming); }, ErrorCode::kConflict, text);
+  };
+  expect_refused(MapWith({}, kOtherTime), "monday", "lacks session 'monday'");
+  expect_refused(MapWith({Published("friday", '1')}, kOtherTime), "friday", "a folder of its own");
+  expect_refused(MapWith(other_monday), "tuesday", "another session 'monday'");
+  ArchivedMap of_the_same_second = MapWith({});
+  of_the_same_second.version = MapVersion(1);
+  expect_refused(of_the_same_second, "monday", "lacks session 'monday'");
 }
 
 TEST_F(Archive, IsUsedByOneIngestAtATime) {

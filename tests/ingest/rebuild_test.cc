@@ -140,6 +140,11 @@ class Rebuild : public ::testing::Test {
     EXPECT_NE(ContentOfMap(map), ContentOfMap(without));  // What the removal could not undo.
   }
 
+  void Recover(const std::string& map) const {
+    ArchiveFolder(archive_, Use::kIngest)
+        .Recover(ArchivedMapOf(MapStore::Open(map, OpenMode::kReadOnly).Snapshot()), "any");
+  }
+
   std::vector<std::string> FilesInArchive() const {
     std::vector<std::string> names;
     for (const auto& entry : fs::directory_iterator(archive_)) {
@@ -229,9 +234,9 @@ TEST_F(Rebuild, ASessionThatCannotBeArchivedIsNotPublished) {
   EXPECT_EQ(MapStore::Open(map, OpenMode::kReadOnly).Snapshot().version(), MapVersion(1));
 }
 
-// The archive is on the disk when the version is published; what another update takes away from it
-// goes.
-TEST_F(Rebuild, ASessionThatCannotBePublishedLeavesNoFile) {
+// The archive is on the disk when the version is published; the next ingest deletes what another
+// update took away from it.
+TEST_F(Rebuild, ASessionThatCannotBePublishedLeavesNoFileInTheEnd) {
   const std::vector<Visit> visits = ThreeVisits();
   const std::string map = NewMap("map.gpkg");
   const auto code = ErrorCodeOf([&] {
@@ -244,7 +249,38 @@ TEST_F(Rebuild, ASessionThatCannotBePublishedLeavesNoFile) {
     });
   });
   EXPECT_EQ(code, ErrorCode::kConflict);
+  EXPECT_THAT(FilesInArchive(), ::testing::ElementsAre(::testing::EndsWith(".unfinished")));
+  Recover(map);
   EXPECT_THAT(FilesInArchive(), IsEmpty());
+}
+
+// As when the connection to the database breaks while the server commits.
+TEST_F(Rebuild, ASessionThatWasPublishedThoughTheIngestFailedKeepsItsFile) {
+  const std::vector<Visit> visits = ThreeVisits();
+  const std::string map = NewMap("map.gpkg");
+  {
+    ArchiveFolder folder(archive_, Use::kIngest);
+    Ingest(visits[0], map, [&](const PlannedSession& planned) {
+      folder.Stage(MakeManifest(planned, visits[0].ecef_from_world, OptionsOf(visits[0]), "{}"),
+                   visits[0].reconstruction);
+    });
+  }  // Without ArchiveFolder::Commit.
+  EXPECT_THAT(FilesInArchive(), ::testing::ElementsAre(::testing::EndsWith(".unfinished")));
+  Recover(map);
+  EXPECT_THAT(FilesInArchive(), ::testing::ElementsAre(::testing::EndsWith(".cairnsession")));
+}
+
+TEST_F(Rebuild, AnArchiveOutlivesTheRemovalOfAllSessions) {
+  const std::vector<Visit> visits = ThreeVisits();
+  const std::string map = NewMap("map.gpkg");
+  IngestAndArchive(visits[0], map);
+  {
+    MapStore store = MapStore::Open(map, OpenMode::kReadWrite);
+    RemoveSession(visits[0].name, &store);
+  }
+  Recover(map);
+  IngestAndArchive(visits[1], map);
+  EXPECT_THAT(FilesInArchive(), SizeIs(2));
 }
 
 TEST_F(Rebuild, AKillAfterThePublicationKeepsTheFile) {
@@ -253,17 +289,14 @@ TEST_F(Rebuild, AKillAfterThePublicationKeepsTheFile) {
   IngestAndArchive(visits[0], map);
   const std::string file = FilesInArchive().at(0);
   fs::rename(archive_ + "/" + file, archive_ + "/" + file + ".unfinished");
-  const auto sessions = [&] {
-    return MapSessionsOf(MapStore::Open(map, OpenMode::kReadOnly).Snapshot());
-  };
-  ArchiveFolder(archive_, Use::kIngest).Recover(sessions());
+  Recover(map);
   EXPECT_THAT(FilesInArchive(), ::testing::ElementsAre(file));
   // The same session of another ingest has other ids.
   fs::rename(archive_ + "/" + file, archive_ + "/" + file + ".unfinished");
   MapStore store = MapStore::Open(map, OpenMode::kReadWrite);
   RemoveSession(visits[0].name, &store);
   Ingest(visits[0], map);
-  ArchiveFolder(archive_, Use::kIngest).Recover(sessions());
+  Recover(map);
   EXPECT_THAT(FilesInArchive(), IsEmpty());
 }
 
