@@ -13,6 +13,8 @@
 #include "core/error.h"
 #include "core/printable.h"
 #include "ingest/archive_session.h"
+#include "ingest/quantize/choose_codebook.h"
+#include "ingest/quantize/shipped_codebook.h"
 
 namespace cairn {
 namespace {
@@ -33,6 +35,23 @@ void RequireNoneAfter(const MapSession& session, const ArchiveFolder& folder,
                               "an archive with the first session of the map",
                               folder.path(), Excerpt(session.key.name), Excerpt(other.key.name)));
     }
+  }
+}
+
+// Requires that an ingest of the first session would give a new map a codebook as the map has it:
+// the digest of a session does not tell with which options of the codebook it was ingested.
+void RequireCodebookOf(const MapSnapshot& map, const Reconstruction& reconstruction,
+                       const CodebookOptions& options) {
+  const auto in_map = map.CurrentCodebook();
+  const auto again = ChooseCodebook(reconstruction, options);
+  if (IsShipped(*in_map) != IsShipped(*again) ||
+      in_map->projected_dim() != again->projected_dim() ||
+      in_map->num_subspaces != again->num_subspaces) {
+    throw Error(ErrorCode::kConflict,
+                fmt::format("the map has another codebook than these options give; to archive the "
+                            "session, ingest it again with --codebook {} --code-bytes {} and the "
+                            "other options of its first ingest",
+                            IsShipped(*in_map) ? "shipped" : "trained", in_map->num_subspaces));
   }
 }
 
@@ -60,6 +79,9 @@ void SessionArchive::Stage(const PlannedSession& planned, const Sim3d& ecef_from
       return;
     }
     RequireNoneAfter({manifest.session, manifest.first_ids.session}, folder_, *planned.base);
+    if (manifest.earlier_sessions.empty()) {
+      RequireCodebookOf(*planned.base, *planned.reconstruction, options.ingest.codebook);
+    }
   }
   folder_.Stage(manifest, *planned.reconstruction);
   is_staged_ = true;

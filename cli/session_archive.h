@@ -21,7 +21,8 @@ class SessionArchive {
 
   // Call it before the session is published. Writes the session to the disk, unless the archive has
   // it. Of `options`, the section of the ingest counts. Throws Error(kConflict) if the map has the
-  // session already and the archive has a session that the map got later.
+  // session already, and the archive has a session that the map got later, or the options would
+  // give the first session another codebook than the map has.
   void Stage(const PlannedSession& planned, const Sim3d& ecef_from_world,
              const CairnOptions& options);
   // Call it once the map has the session.

@@ -144,6 +144,28 @@ TEST_F(Rebuild, ArchivesOptionsAndSessionsThatTheMapHasAlready) {
   EXPECT_EQ(ContentOf(again_), ContentOf(other));
 }
 
+TEST_F(Rebuild, ArchivesTheCodebookThatTheMapHas) {
+  const std::string other = dir_.File("other.gpkg");
+  const std::string archive = dir_.File("other");
+  fs::create_directory(archive);
+  Run({"init", other});
+  Run(IngestOf("monday", other, {"--codebook", "shipped"}));
+  const Finished finished = RunCairn(IngestOf("monday", other, {"--archive", archive}));
+  EXPECT_EQ(finished.exit_code, 4) << finished.err;
+  EXPECT_THAT(finished.err, HasSubstr("--codebook shipped"));
+  EXPECT_TRUE(fs::is_empty(archive));
+  Run(IngestOf("monday", other, {"--codebook", "shipped", "--archive", archive}));
+  Run({"rebuild", again_, "--archive", archive});
+  EXPECT_EQ(ContentOf(again_), ContentOf(other));
+}
+
+TEST_F(Rebuild, AnArchiveOutlivesTheRemovalOfAllSessions) {
+  for (const char* visit : kVisits) {
+    Run({"remove", map_, visit});
+  }
+  EXPECT_THAT(Run(IngestOf("monday", map_, {"--archive", archive_})), HasSubstr("0004-monday"));
+}
+
 TEST_F(Rebuild, SaysWhatIsWrongWithItsInput) {
   const std::vector<std::string> rebuild = {"rebuild", again_, "--archive", archive_};
   ExpectFails({"rebuild", map_, "--archive", archive_}, 4, "already exists");
