@@ -10,9 +10,9 @@ namespace {
 
 // A photo on new ground sees less than this share of what it needs in the map.
 constexpr double kShareOfNewGround = 0.25;
-// A photo needs this share of what it saw, so that two sessions of a street take 1.25 times the
+// A photo needs this share of what it saw, so that two sessions of a street take 1.2 times the
 // bytes of one. See docs/decisions/0028-a-place-has-its-size-after-three-sessions.md.
-constexpr double kNeededShare = 0.6;
+constexpr double kNeededShare = 0.55;
 
 std::vector<std::vector<uint32_t>> KeyframesOfLandmarks(const Tile& tile) {
   std::vector<std::vector<uint32_t>> keyframes(tile.num_landmarks());

@@ -68,8 +68,7 @@ TEST(PlaceBudget, NewGroundAddsWhatItsPhotosSeeAndTheTileDoesNotKnow) {
 
 TEST(PlaceBudget, KeyframesDoNotTakeAllLandmarks) {
   const Tile tile = TileOfSessions(3);
-  LandmarkSelectionOptions options;
-  options.min_observations = 0;
+  const LandmarkSelectionOptions options;
   const std::vector<double> rates(tile.num_landmarks(), 2.0);
   const auto selector = MakeLandmarkSelector(options);
   const Tile selected = SelectLandmarks(tile, rates, /*max_bytes=*/1, options, *selector);
