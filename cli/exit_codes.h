@@ -12,7 +12,7 @@ enum class ExitCode : int {
   kUsage = 2,         // The command line is invalid.
   kNotLocalized = 3,  // The answer to `cairn localize` has no pose.
   kBadInput = 4,    // A named file, session or value is missing, unusable or does not fit the map.
-  kMapDamaged = 5,  // The map file fails its checks.
+  kMapDamaged = 5,  // The map file, or an archived session, fails its checks.
   kIo = 6,  // The operating system refused an operation: disk full, permission, broken pipe.
   kUnreachable = 7,    // No server answers at the URL.
   kInterrupted = 130,  // SIGINT.

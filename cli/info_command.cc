@@ -11,6 +11,8 @@
 #include "cli/shell.h"
 #include "core/angles.h"
 #include "core/printable.h"
+#include "ingest/quantize/shipped_codebook.h"
+#include "storage/codebook/codebook_digest.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {
@@ -31,6 +33,9 @@ nlohmann::ordered_json BoundsJson(const MapInfo& info) {
           {"north", info.bounds->north_rad * kDegPerRad}};
 }
 
+// Whether the digest is that of the codebook that comes with Cairn.
+bool IsShipped(const std::string& codebook) { return codebook == DigestOf(*ShippedCodebook()); }
+
 void PrintJson(const MapInfo& info, const std::optional<std::string>& codebook,
                const std::vector<SessionRecord>& sessions) {
   nlohmann::ordered_json json = {{"version", Value(info.version)},
@@ -46,6 +51,7 @@ void PrintJson(const MapInfo& info, const std::optional<std::string>& codebook,
                                  {"sessions", nlohmann::ordered_json::array()}};
   if (codebook) {
     json["codebook"] = *codebook;
+    json["codebookIsShipped"] = IsShipped(*codebook);
   }
   for (const SessionRecord& session : sessions) {
     json["sessions"].push_back({{"name", session.name},
@@ -76,7 +82,7 @@ void PrintText(const MapInfo& info, const std::optional<std::string>& codebook,
                info.bounds->west_rad * kDegPerRad, info.bounds->east_rad * kDegPerRad);
   }
   if (codebook) {
-    fmt::print("codebook     {}\n", *codebook);
+    fmt::print("codebook     {}{}\n", *codebook, IsShipped(*codebook) ? " (shipped)" : "");
   }
   for (const SessionRecord& session : sessions) {
     fmt::print(

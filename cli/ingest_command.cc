@@ -2,9 +2,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
+#include <string>
 #include <thread>
 
 #include "cli/ingest_summary.h"
+#include "cli/session_archive.h"
 #include "cli/session_arguments.h"
 #include "cli/shell.h"
 #include "ingest/ingest_session.h"
@@ -13,22 +15,55 @@
 namespace cairn {
 namespace {
 
-ExitCode RunIngest(const SessionArguments& arguments, ProgressMode progress_mode) {
-  RequirePositions(arguments);
-  // Open the map first, so that an unwritable map fails before the long read.
-  MapStore store = MapStore::Open(arguments.map_path, OpenMode::kReadWrite);
-  const PlacedReconstruction session = ReadSession(arguments);
+struct IngestArguments {
+  SessionArguments session;
+  std::string archive_path;  // Empty: no archive.
+};
+
+// Returns null without --archive.
+std::unique_ptr<SessionArchive> OpenArchive(const IngestArguments& arguments,
+                                            const MapStore& store) {
+  return arguments.archive_path.empty()
+             ? nullptr
+             : std::make_unique<SessionArchive>(arguments.archive_path,
+                                                SessionNameOf(arguments.session), store);
+}
+
+// Ingests the session and, unless `archive` is null, archives it.
+IngestReport Ingest(const PlacedReconstruction& session, CairnOptions options,
+                    SessionArchive* archive, Progress* progress, MapStore* store) {
+  options.ingest = session.options;
+  const Sim3d& ecef_from_world = session.georegistration.ecef_from_world;
+  const IngestReport report = IngestSession(
+      session.reconstruction, ecef_from_world, options.ingest, store,
+      [&](const char* phase, int64_t done, int64_t total) { progress->Update(phase, done, total); },
+      [&](const PlannedSession& planned) {
+        if (archive != nullptr) {
+          archive->Stage(planned, ecef_from_world, options);
+        }
+      });
+  if (archive != nullptr) {
+    archive->Commit();
+  }
+  return report;
+}
+
+ExitCode RunIngest(const IngestArguments& arguments, ProgressMode progress_mode) {
+  RequirePositions(arguments.session);
+  // Open the map and the archive first, so that an unwritable one fails before the long read.
+  MapStore store = MapStore::Open(arguments.session.map_path, OpenMode::kReadWrite);
+  const std::unique_ptr<SessionArchive> archive = OpenArchive(arguments, store);
+  const PlacedReconstruction session = ReadSession(arguments.session);
   IngestReport report;
   {
     Progress progress(progress_mode);
-    report =
-        IngestSession(session.reconstruction, session.georegistration.ecef_from_world,
-                      session.options, &store, [&](const char* phase, int64_t done, int64_t total) {
-                        progress.Update(phase, done, total);
-                      });
+    report = Ingest(session, arguments.session.options, archive.get(), &progress, &store);
   }
-  const auto print = arguments.json ? PrintIngestJson : PrintIngestText;
+  const auto print = arguments.session.json ? PrintIngestJson : PrintIngestText;
   print(session.options.session_name, session.georegistration, report);
+  if (archive != nullptr && !arguments.session.json) {
+    archive->Print(store);
+  }
   return ExitCode::kOk;
 }
 
@@ -36,15 +71,20 @@ ExitCode RunIngest(const SessionArguments& arguments, ProgressMode progress_mode
 
 void AddIngestCommand(CLI::App* app, Shell* shell) {
   CLI::App* command = app->add_subcommand("ingest", "Add a COLMAP reconstruction to a map");
-  auto arguments = std::make_shared<SessionArguments>();
-  arguments->options.ingest.num_threads =
-      std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  AddSessionArguments(command, arguments.get());
+  auto arguments = std::make_shared<IngestArguments>();
+  IngestOptions& options = arguments->session.options.ingest;
+  options.num_threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  AddSessionArguments(command, &arguments->session);
   command
-      ->add_option("--threads", arguments->options.ingest.num_threads,
+      ->add_option("--threads", options.num_threads,
                    "Threads that build tiles; the result does not depend on them. Default: all "
                    "cores")
       ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--archive", arguments->archive_path,
+                   "Folder that keeps the session as it is ingested, for cairn rebuild. One folder "
+                   "for each map")
+      ->type_name("DIR");
   command->footer(
       "Example:\n"
       "  cairn ingest city.gpkg --model sparse/0 --database database.db --gps --session monday");

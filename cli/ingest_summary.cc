@@ -4,21 +4,22 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/angles.h"
+#include "cli/join_summary.h"
 #include "core/printable.h"
 
 namespace cairn {
 namespace {
 
-nlohmann::ordered_json ChangesJson(const TileChanges& changes) {
-  return {{"merged", changes.num_merged},
-          {"new", changes.num_new},
-          {"notNeeded", changes.num_not_needed},
-          {"faded", changes.num_faded},
-          {"evicted", changes.num_evicted},
-          {"keyframesReplaced", changes.num_keyframes_replaced},
-          {"bytesBefore", changes.num_bytes_before},
-          {"bytesAfter", changes.num_bytes_after}};
+const char* CodebookName(CodebookOrigin origin) {
+  switch (origin) {
+    case CodebookOrigin::kMap:
+      return "of the map";
+    case CodebookOrigin::kShipped:
+      return "shipped";
+    case CodebookOrigin::kTrained:
+      break;
+  }
+  return "trained";
 }
 
 }  // namespace
@@ -33,16 +34,6 @@ nlohmann::ordered_json GeoregistrationJson(const Georegistration& georegistratio
           {"maxResidualM", georegistration.max_residual_m}};
 }
 
-nlohmann::ordered_json ComparisonJson(const MapComparison& comparison) {
-  return {{"photosExpected", comparison.num_expected},
-          {"photosRecognised", comparison.num_localized},
-          {"photosAgreeing", comparison.fit.num_agreeing},
-          {"movedM", comparison.fit.moved_m},
-          {"turnedDeg", comparison.fit.turned_rad * kDegPerRad},
-          {"scale", comparison.fit.scale},
-          {"medianResidualM", comparison.fit.median_residual_m}};
-}
-
 void PrintJson(const nlohmann::ordered_json& json) {
   fmt::print("{}\n", json.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace));
 }
@@ -53,6 +44,7 @@ void PrintIngestJson(const std::string& session_name, const Georegistration& geo
              {"replacedSession", report.replaced_session},
              {"unchanged", report.is_unchanged},
              {"georegistration", GeoregistrationJson(georegistration)},
+             {"codebook", CodebookName(report.codebook_origin)},
              {"comparison", ComparisonJson(report.comparison)},
              {"images", report.num_images},
              {"landmarksRead", report.num_landmarks_read},
@@ -76,18 +68,6 @@ void PrintGeoregistration(const Georegistration& georegistration) {
       georegistration.max_residual_m);
 }
 
-void PrintComparison(const MapComparison& comparison) {
-  if (comparison.num_expected == 0) {
-    return;
-  }
-  fmt::print(
-      "comparison       the map recognizes {} of {} photos; {} agree on a move of {:.2f} m and "
-      "{:.2f} degrees, residual {:.3f} m median\n",
-      comparison.num_localized, comparison.num_expected, comparison.fit.num_agreeing,
-      comparison.fit.moved_m, comparison.fit.turned_rad * kDegPerRad,
-      comparison.fit.median_residual_m);
-}
-
 void PrintIngestText(const std::string& session_name, const Georegistration& georegistration,
                      const IngestReport& report) {
   fmt::print("session          {}{}\n", Excerpt(session_name),
@@ -98,16 +78,12 @@ void PrintIngestText(const std::string& session_name, const Georegistration& geo
     fmt::print("The map already holds exactly this session. Nothing was changed.\n");
     return;
   }
-  PrintComparison(report.comparison);
+  fmt::print("codebook         {}\n", CodebookName(report.codebook_origin));
+  PrintComparison(report.comparison, "photos");
   fmt::print("landmarks        {} read, {} dropped as uncertain\n", report.num_landmarks_read,
              report.num_landmarks_dropped);
   const TileChanges& changes = report.changes;
-  fmt::print(
-      "                 {} merged, {} new, {} not needed, {} faded, {} evicted (one count for each "
-      "tile)\n",
-      changes.num_merged, changes.num_new, changes.num_not_needed, changes.num_faded,
-      changes.num_evicted);
-  fmt::print("keyframes        {} replaced\n", changes.num_keyframes_replaced);
+  PrintChanges(changes);
   fmt::print(
       "tiles            {} with {} landmarks and {} descriptors; {:.1f} kB before, {:.1f} kB "
       "now\n",

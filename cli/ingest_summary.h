@@ -19,10 +19,8 @@ void PrintIngestText(const std::string& session_name, const Georegistration& geo
 
 // The parts that `cairn plan` prints, too.
 nlohmann::ordered_json GeoregistrationJson(const Georegistration& georegistration);
-nlohmann::ordered_json ComparisonJson(const MapComparison& comparison);
 void PrintJson(const nlohmann::ordered_json& json);
 void PrintGeoregistration(const Georegistration& georegistration);
-void PrintComparison(const MapComparison& comparison);
 
 }  // namespace cairn
 

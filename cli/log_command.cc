@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "cli/arguments.h"
 #include "cli/shell.h"
 #include "core/printable.h"
 #include "http/json/version_json.h"
@@ -63,7 +64,7 @@ void AddLogCommand(CLI::App* app, Shell* shell) {
   auto arguments = std::make_shared<LogArguments>();
   command->add_option("MAP", arguments->map_path, "Map: a file or a postgresql:// URL")->required();
   command->add_option("--limit", arguments->limit, "Largest number of versions to list")
-      ->check(CLI::PositiveNumber);
+      ->check(PositiveNumber());
   command->add_flag("--json", arguments->json, "Print JSON");
   command->footer("Example:\n  cairn log city.gpkg");
   command->callback(

@@ -12,6 +12,7 @@ void AddVerbs(CLI::App* app, Shell* shell) {
   AddBuildTilesCommand(app, shell);
   AddPublishCommand(app, shell);
   AddRemoveCommand(app, shell);
+  AddRebuildCommand(app, shell);
   AddServeCommand(app, shell);
   AddLocalizeCommand(app, shell);
   AddEvalCommand(app, shell);
@@ -25,6 +26,7 @@ void AddVerbs(CLI::App* app, Shell* shell) {
   AddPruneCommand(app, shell);
   AddCopyCommand(app, shell);
   AddMergeCommand(app, shell);
+  AddRecodeCommand(app, shell);
   AddExtractCommand(app, shell);
   AddCompactCommand(app, shell);
   AddDemoCommand(app, shell);

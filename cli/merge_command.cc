@@ -5,6 +5,8 @@
 #include <memory>
 #include <string>
 
+#include "cli/join_summary.h"
+#include "cli/options_file.h"
 #include "cli/shell.h"
 #include "core/printable.h"
 #include "ingest/merge_maps.h"
@@ -17,7 +19,23 @@ struct MergeArguments {
   std::string a_path;
   std::string b_path;
   std::string out_path;
+  bool apart = false;
+  bool recode = false;
+  CairnOptions options;
 };
+
+MapMergeOptions MergeOptionsOf(const MergeArguments& arguments) {
+  const IngestOptions& ingest = arguments.options.ingest;
+  MapMergeOptions options;
+  options.joining = arguments.apart ? SessionJoining::kApart : SessionJoining::kJoin;
+  options.recode = arguments.recode;
+  options.selection = ingest.selection;
+  options.appearance = ingest.appearance;
+  options.comparison = ingest.comparison;
+  options.agreement = ingest.agreement;
+  options.upkeep = ingest.upkeep;
+  return options;
+}
 
 ExitCode RunMerge(const MergeArguments& arguments, ProgressMode progress_mode) {
   const MapStore a = MapStore::Open(arguments.a_path, OpenMode::kReadOnly);
@@ -25,25 +43,47 @@ ExitCode RunMerge(const MergeArguments& arguments, ProgressMode progress_mode) {
   MergeReport report;
   {
     Progress progress(progress_mode);
-    report = MergeMaps(a, b, arguments.out_path,
+    report = MergeMaps(a, b, arguments.out_path, MergeOptionsOf(arguments),
                        [&](int64_t done, int64_t total) { progress.Update("merge", done, total); });
   }
   fmt::print("{}: {} sessions, {} tiles ({} of them in both maps), {} landmarks, {:.1f} kB\n",
              Printable(arguments.out_path), report.totals.num_sessions, report.totals.num_tiles,
              report.num_tiles_of_both, report.totals.num_landmarks,
              1e-3 * static_cast<double>(report.totals.payload_bytes));
+  if (!arguments.apart && report.num_tiles_of_both > 0) {
+    PrintComparison(report.comparison, "keyframes");
+    fmt::print("landmarks        in the tiles of both maps:\n");
+    PrintChanges(report.changes);
+    fmt::print("tiles            {:.1f} kB in both maps, {:.1f} kB now\n",
+               1e-3 * static_cast<double>(report.changes.num_bytes_before),
+               1e-3 * static_cast<double>(report.changes.num_bytes_after));
+  }
   return ExitCode::kOk;
 }
 
 }  // namespace
 
 void AddMergeCommand(CLI::App* app, Shell* shell) {
-  CLI::App* command = app->add_subcommand("merge", "Make one map of two maps of one codebook");
+  CLI::App* command = app->add_subcommand("merge", "Make one map of two maps");
   auto arguments = std::make_shared<MergeArguments>();
   command->add_option("A", arguments->a_path, "Map file")->required();
   command->add_option("B", arguments->b_path, "Map file")->required();
   command->add_option("--out", arguments->out_path, "Map file to create")->required();
-  command->footer("Example:\n  cairn merge north.gpkg south.gpkg --out city.gpkg");
+  command->add_flag("--apart", arguments->apart,
+                    "Do not compare the maps, and keep the landmarks of B beside those of A");
+  command->add_flag("--recode", arguments->recode,
+                    "If the codebooks differ, code B with the codebook of A on the way");
+  AddOptionsFile(command, &arguments->options);
+  command
+      ->add_option("--max-descriptors", arguments->options.ingest.selection.max_descriptors,
+                   "Maximum number of descriptors of a tile that both maps have")
+      ->capture_default_str();
+  command->footer(
+      "B joins A as its sessions would in an ingest: keyframes of B are localized in A, B moves "
+      "to\n"
+      "where A sees it, and landmarks that both know become one. Give the older map first.\n"
+      "Example:\n"
+      "  cairn merge north.gpkg south.gpkg --out city.gpkg");
   command->callback([shell, arguments] {
     shell->run = [shell, arguments] { return RunMerge(*arguments, shell->progress_mode); };
   });

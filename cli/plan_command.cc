@@ -8,6 +8,7 @@
 #include <string>
 
 #include "cli/ingest_summary.h"
+#include "cli/join_summary.h"
 #include "cli/session_arguments.h"
 #include "cli/shell.h"
 #include "core/printable.h"
@@ -50,7 +51,7 @@ void PrintSummary(const PlanArguments& arguments, const Georegistration& georegi
     fmt::print("The map already holds exactly this session. There is nothing to build.\n");
     return;
   }
-  PrintComparison(plan.comparison);
+  PrintComparison(plan.comparison, "photos");
   fmt::print("tiles            {}, from version {} of the map\n", plan.tiles.size(),
              Value(plan.base_version));
   fmt::print(

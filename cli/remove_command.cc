@@ -27,6 +27,11 @@ ExitCode RunRemove(const RemoveArguments& arguments) {
       "{} landmarks are gone. {} landmarks that other sessions saw, too, keep its share in their "
       "positions and descriptors.\n",
       report.num_landmarks_removed, report.num_landmarks_shared);
+  if (report.num_landmarks_shared > 0) {
+    fmt::print(
+        "If the sessions were archived (cairn ingest --archive), cairn rebuild --without makes a "
+        "map in which the session has never been.\n");
+  }
   if (report.num_tiles_removed > 0) {
     fmt::print(
         "{} tiles are gone, since no other session has a keyframe there; cairn rollback brings an "

@@ -13,13 +13,6 @@
 namespace cairn {
 namespace {
 
-// COLMAP projects keep their database in the top folder, so the name of that folder usually names
-// the project.
-std::string DefaultSessionName(const std::string& database_path) {
-  const auto folder = std::filesystem::absolute(database_path).parent_path().filename().string();
-  return folder.empty() ? "session" : folder;
-}
-
 Reconstruction ReadReconstruction(const SessionArguments& arguments) {
   ColmapInput input;
   input.model_dir = arguments.reconstruction.model_dir;
@@ -71,6 +64,10 @@ void AddSessionArguments(CLI::App* command, SessionArguments* arguments) {
                   NamedChoice(&options.selection.kind, kLandmarkSelectionNames),
                   "How the landmarks of a tile are selected: the most observed, or, with coverage, "
                   "by the paper's integer program, which leaves enough to each keyframe");
+  AddChoiceOption(command, "--codebook",
+                  NamedChoice(&options.codebook.source, kCodebookSourceNames),
+                  "Codebook of a new map: shipped with Cairn, trained on this session, or, with "
+                  "auto, shipped if the session is small. Maps of one codebook can be merged");
   command
       ->add_option("--code-bytes", options.codebook.num_subspaces,
                    "Bytes per descriptor; used only for the first session of a map")
@@ -87,6 +84,19 @@ void AddSessionArguments(CLI::App* command, SessionArguments* arguments) {
   command->add_flag("--json", arguments->json, "Print the summary as JSON");
 }
 
+std::string SessionNameOf(const SessionArguments& arguments) {
+  if (!arguments.options.ingest.session_name.empty()) {
+    return arguments.options.ingest.session_name;
+  }
+  // COLMAP projects keep their database in the top folder, so the name of that folder usually names
+  // the project.
+  const auto folder = std::filesystem::absolute(arguments.reconstruction.database_path)
+                          .parent_path()
+                          .filename()
+                          .string();
+  return folder.empty() ? "session" : folder;
+}
+
 void RequirePositions(const SessionArguments& arguments) {
   if (!arguments.reconstruction.HasPositions()) {
     throw Error(ErrorCode::kInvalidArgument,
@@ -101,9 +111,7 @@ PlacedReconstruction ReadSession(const SessionArguments& arguments) {
                                                    arguments.options.georegister);
   session.options = arguments.options.ingest;
   IngestOptions& options = session.options;
-  if (options.session_name.empty()) {
-    options.session_name = DefaultSessionName(arguments.reconstruction.database_path);
-  }
+  options.session_name = SessionNameOf(arguments);
   options.source = arguments.reconstruction.model_dir;
   options.joining = arguments.apart ? SessionJoining::kApart : SessionJoining::kJoin;
   options.georef_median_residual_m = session.georegistration.median_residual_m;

@@ -37,6 +37,9 @@ struct PlacedReconstruction {
   IngestOptions options;
 };
 
+// The name that was given, or that of the database's folder.
+std::string SessionNameOf(const SessionArguments& arguments);
+
 // Throws Error(kInvalidArgument) if the positions are unknown.
 void RequirePositions(const SessionArguments& arguments);
 PlacedReconstruction ReadSession(const SessionArguments& arguments);

@@ -40,9 +40,10 @@ endfunction()
 # cairn_test(NAME storage SOURCES a_test.cc DEPENDS cairn::storage)
 #
 # One test binary a room, `cairn_NAME_test`; every TEST in it is a ctest of its own. Tests may
-# include anything their DEPENDS offer, and tests/support/.
+# include anything their DEPENDS offer, and tests/support/. ON_SERVER: tests whose names end in
+# /OnServer are one ctest, because each process that uses PostgreSQL starts a server of its own.
 function(cairn_test)
-  cmake_parse_arguments(ARG "" "NAME;TIMEOUT" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "ON_SERVER" "NAME;TIMEOUT" "SOURCES;DEPENDS" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 600)
   endif()
@@ -57,7 +58,13 @@ function(cairn_test)
   if(NOT OpenMP::OpenMP_CXX IN_LIST ARG_DEPENDS)
     target_precompile_headers(${target} REUSE_FROM cairn_test_headers)
   endif()
-  gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${ARG_TIMEOUT})
+  set(filter)
+  if(ARG_ON_SERVER AND CAIRN_WITH_POSTGRES)
+    set(filter TEST_FILTER "-*/OnServer")
+    add_test(NAME ${target}.OnServer COMMAND ${target} --gtest_filter=*/OnServer)
+    set_tests_properties(${target}.OnServer PROPERTIES TIMEOUT 1800)
+  endif()
+  gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60 ${filter} PROPERTIES TIMEOUT ${ARG_TIMEOUT})
 endfunction()
 
 # cairn_fuzz_target(NAME base64 DEPENDS cairn::http)

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/require.h"
+#include "storage/map/utc_time.h"
 
 namespace cairn {
 
@@ -12,8 +13,8 @@ void AgreementOptions::Validate() const {
   RequireOption(max_scale_change >= 0.0, "agreement.max_scale_change must not be negative");
   RequireOption(min_agreeing_share >= 0.0 && min_agreeing_share <= 1.0,
                 "agreement.min_agreeing_share must be between 0 and 1");
-  RequireOption(min_recognised_share >= 0.0 && min_recognised_share <= 1.0,
-                "agreement.min_recognised_share must be between 0 and 1");
+  RequireOption(min_recognized_share >= 0.0 && min_recognized_share <= 1.0,
+                "agreement.min_recognized_share must be between 0 and 1");
   RequireOption(min_expected >= 1, "agreement.min_expected must be at least 1");
 }
 
@@ -39,6 +40,10 @@ void TileOptions::Validate() const {
 
 void IngestOptions::Validate() const {
   RequireOption(!session_name.empty(), "ingest.session_name must not be empty");
+  RequireOption(recorded_at.empty() || IsUtcTime(recorded_at),
+                "the time of recording must be like 2026-01-31T12:00:00Z");
+  RequireOption(now.empty() || IsUtcTime(now),
+                "the time of the ingest must be like 2026-01-31T12:00:00Z");
   RequireOption(max_sigma_m > 0.0, "ingest.max_sigma_m must be positive");
   RequireOption(max_reprojection_error_px > 0.0,
                 "ingest.max_reprojection_error_px must be positive");

@@ -26,9 +26,9 @@ enum class SessionJoining {
 struct AgreementOptions {
   double max_moved_m = 3.0;
   double max_turned_rad = 0.05;  // 3 degrees.
-  double max_scale_change = 0.02;
-  double min_agreeing_share = 0.5;    // Of the photos that the map recognises.
-  double min_recognised_share = 0.1;  // Of the photos that it should recognise,
+  double max_scale_change = 0.05;
+  double min_agreeing_share = 0.5;    // Of the photos that the map recognizes.
+  double min_recognized_share = 0.1;  // Of the photos that it should recognize,
   int min_expected = 10;              // if there are so many.
 
   void Validate() const;
@@ -63,7 +63,8 @@ struct TileOptions {
 struct IngestOptions : TileOptions {
   std::string session_name;  // Unique in the map; ingesting a name again replaces the session.
   std::string source;        // For people.
-  std::string recorded_at;   // When the photos were taken, see SessionRecord; empty: now.
+  std::string recorded_at;   // When the photos were taken, see SessionRecord; empty: `now`.
+  std::string now;           // The time of the ingest, in the same form; empty: that of the clock.
   CodebookOptions codebook;  // Used only by the first session of a map.
   ComparisonOptions comparison;
   AgreementOptions agreement;

@@ -6,10 +6,17 @@
 #include <vector>
 
 #include "ingest/coregister/compare_with_map.h"
-#include "ingest/tile_rewriter.h"
+#include "ingest/tile_changes.h"
 #include "storage/ids.h"
 
 namespace cairn {
+
+// Where the codebook of an ingest came from.
+enum class CodebookOrigin {
+  kMap,      // The map had it before.
+  kShipped,  // It came with Cairn; see ChooseCodebook.
+  kTrained,  // It was trained on the session.
+};
 
 struct IngestReport {
   MapVersion map_version{};
@@ -17,6 +24,7 @@ struct IngestReport {
   bool replaced_session = false;
   // The map holds exactly this session under this name already; nothing was done.
   bool is_unchanged = false;
+  CodebookOrigin codebook_origin = CodebookOrigin::kMap;
   MapComparison comparison;  // What the map said about the session; empty if it was kept apart.
   int64_t num_images = 0;
   int64_t num_landmarks_read = 0;

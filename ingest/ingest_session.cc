@@ -44,12 +44,15 @@ std::vector<LandmarkId> IdsInReconstruction(const PlannedSession& planned) {
 
 IngestReport IngestSession(const Reconstruction& reconstruction, const Sim3d& ecef_from_world,
                            const IngestOptions& options, MapStore* store,
-                           const IngestProgress& progress) {
+                           const IngestProgress& progress, const BeforePublish& before_publish) {
   const PlannedSession planned =
       PlanSession(reconstruction, ecef_from_world, options, store, progress);
   std::vector<BuiltTile> tiles;
   if (!planned.plan.is_unchanged) {
     tiles = BuildTiles(planned, options.num_threads, progress);
+  }
+  if (before_publish) {
+    before_publish(planned);
   }
   IngestReport report = PublishSession(
       planned.plan, [&](size_t i) { return std::move(tiles[i]); }, store, options.patience,

@@ -2,14 +2,22 @@
 #ifndef CAIRN_INGEST_INGEST_SESSION_H_
 #define CAIRN_INGEST_INGEST_SESSION_H_
 
+#include <functional>
+
 #include "core/rigid3.h"
 #include "ingest/ingest_options.h"
 #include "ingest/ingest_report.h"
+#include "ingest/plan_session.h"
 #include "ingest/session_plan.h"
 #include "ingest/sfm/reconstruction.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {
+
+// Called once the tiles are built, before the map is locked and the version published. If it
+// throws, nothing is published. Also called if the map has the session already
+// (SessionPlan::is_unchanged).
+using BeforePublish = std::function<void(const PlannedSession& planned)>;
 
 // PlanSession, SessionTileBuilder and PublishSession in one process. Writes one session in one
 // transaction: readers see all of it or nothing. `ecef_from_world` places the reconstruction (see
@@ -23,7 +31,8 @@ namespace cairn {
 // session contradicts the map or the map has the same reconstruction under another name.
 IngestReport IngestSession(const Reconstruction& reconstruction, const Sim3d& ecef_from_world,
                            const IngestOptions& options, MapStore* store,
-                           const IngestProgress& progress);
+                           const IngestProgress& progress,
+                           const BeforePublish& before_publish = {});
 
 }  // namespace cairn
 

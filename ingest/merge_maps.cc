@@ -2,164 +2,251 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
-#include <limits>
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
 #include "core/error.h"
 #include "core/printable.h"
-#include "ingest/tiling/renumber_tile.h"
+#include "ingest/join_tiles.h"
+#include "ingest/meet_maps.h"
+#include "ingest/merge_source.h"
+#include "ingest/merging/viewpoints.h"
+#include "ingest/session_digest.h"
+#include "ingest/session_placement.h"
 #include "ingest/tiling/tile_edit.h"
 #include "ingest/write_tile.h"
-#include "storage/tile/tile_codec.h"
 
 namespace cairn {
 namespace {
 
-constexpr int64_t kAllTiles = std::numeric_limits<int64_t>::max();
-
-// A map that is being merged.
-struct Source {
-  explicit Source(const MapStore& store) : path(store.path()), snapshot(store.Snapshot()) {}
-
-  // Names the version without the folder of the file.
-  std::string Describe() const {
-    return fmt::format("{}, version {}", std::filesystem::path(path).filename().string(),
-                       Value(snapshot.version()));
-  }
-
-  std::string path;
-  MapSnapshot snapshot;
-  NewIds ids;
-};
-
-// Returns the codebook of both maps, null if neither has one. A map without sessions has none.
-std::shared_ptr<const Codebook> RequireOneCodebook(const Source& a, const Source& b) {
-  const auto of_a = a.snapshot.CurrentCodebook();
-  const auto of_b = b.snapshot.CurrentCodebook();
+// Makes both maps come in one codebook. Returns the codebook, null if neither map has one. A map
+// without sessions has none.
+std::shared_ptr<const Codebook> RequireOneCodebook(const MergeSource& a, bool recode,
+                                                   MergeSource* b) {
+  const auto of_a = a.codebook();
+  const auto of_b = b->codebook();
   if (!of_a || !of_b) {
     return of_a ? of_a : of_b;
   }
-  if (of_a->descriptor_type != of_b->descriptor_type || of_a->raw_dim() != of_b->raw_dim()) {
+  const std::string reason = WhyNotTranscodable(*of_a, *of_b);
+  if (!reason.empty()) {
     throw Error(ErrorCode::kBadInput,
-                fmt::format("{} holds {}-D descriptors of type '{}', {} holds {}-D descriptors of "
-                            "type '{}'; such maps cannot be merged",
-                            a.path, of_a->raw_dim(), Excerpt(of_a->descriptor_type), b.path,
-                            of_b->raw_dim(), Excerpt(of_b->descriptor_type)));
+                fmt::format("{} and {} cannot be merged: {}", a.path(), b->path(), reason));
   }
-  const std::string digest_a = a.snapshot.CodebookDigest(of_a->id);
-  const std::string digest_b = b.snapshot.CodebookDigest(of_b->id);
-  if (digest_a != digest_b) {
+  const std::string digest_a = a.snapshot().CodebookDigest(of_a->id);
+  const std::string digest_b = b->snapshot().CodebookDigest(of_b->id);
+  if (digest_a == digest_b) {
+    return of_a;
+  }
+  if (!recode) {
     throw Error(ErrorCode::kConflict,
-                fmt::format("{} is coded with codebook {}, {} with codebook {}; only maps of one "
-                            "codebook can be merged",
-                            a.path, digest_a, b.path, digest_b));
+                fmt::format("{0} is coded with codebook {1}, {2} with codebook {3}; run `cairn "
+                            "recode {2} --codebook {0}` first, or merge with --recode",
+                            a.path(), digest_a, b->path(), digest_b));
   }
+  b->RecodeTo(of_a);
   return of_a;
 }
 
-void RequireDistinctSessions(const Source& a, const Source& b) {
-  for (const SessionRecord& of_a : a.snapshot.Sessions()) {
-    for (const SessionRecord& of_b : b.snapshot.Sessions()) {
+void RequireDistinctSessions(const MergeSource& a, const MergeSource& b, SessionJoining joining) {
+  for (const SessionRecord& of_a : a.snapshot().Sessions()) {
+    for (const SessionRecord& of_b : b.snapshot().Sessions()) {
       if (of_a.name == of_b.name) {
         throw Error(ErrorCode::kConflict,
                     fmt::format("{} and {} both have a session '{}'; ingest it under another name "
                                 "or remove it from one of them",
-                                a.path, b.path, Excerpt(of_a.name)));
+                                a.path(), b.path(), Excerpt(of_a.name)));
       }
-      if (!of_a.content_digest.empty() && of_a.content_digest == of_b.content_digest) {
+      if (joining == SessionJoining::kJoin && AreOneRecording(of_a, of_b)) {
         throw Error(ErrorCode::kConflict,
                     fmt::format("session '{}' of {} and session '{}' of {} are the same recording; "
-                                "remove it from one of them",
-                                Excerpt(of_a.name), a.path, Excerpt(of_b.name), b.path));
+                                "remove it from one of them, or keep both apart (--apart)",
+                                Excerpt(of_a.name), a.path(), Excerpt(of_b.name), b.path()));
       }
     }
   }
 }
 
-// Copies sessions and keyframes, and notes the ids that they get.
-void CopySessions(CodebookId codebook_id, Source* source, MapUpdate* update) {
-  source->ids.codebook_id = codebook_id;
-  for (const SessionRecord& session : source->snapshot.Sessions()) {
-    const SessionId session_id = update->AddSession(session);
-    source->ids.sessions[session.id] = session_id;
-    for (KeyframeRecord keyframe : source->snapshot.KeyframesOfSession(session.id)) {
-      keyframe.session_id = session_id;
-      source->ids.keyframes[keyframe.id] = update->AddKeyframe(keyframe);
+// A turn that fits where the maps meet must not carry the rest of b away.
+void RequireNearMove(const Sim3d& moved_from_ecef, const MergeSource& b,
+                     const AgreementOptions& limits) {
+  for (const TileId tile_id : b.TileIds()) {
+    const Eigen::Vector3d anchor = EcefFromEnu(tile_id.Anchor()).translation;
+    const double moved_m = (moved_from_ecef * anchor - anchor).norm();
+    if (moved_m > limits.max_moved_m) {
+      throw Error(ErrorCode::kConflict,
+                  fmt::format("{}: fits the other map where both meet, but its tile {} would move "
+                              "by {:.2f} m (allowed: {:.1f} m). Extract the part that meets the "
+                              "other map, or keep both apart (--apart)",
+                              b.path(), tile_id.ToString(), moved_m, limits.max_moved_m));
     }
   }
-  const uint64_t num_landmarks = Value(source->snapshot.NextLandmarkId()) - 1;
-  source->ids.landmark_offset = Value(update->ReserveLandmarkIds(num_landmarks)) - 1;
 }
 
-// Returns the tile with the ids of the merged map, or nothing if the source has no such tile.
-std::optional<Tile> LoadTile(TileId tile_id, const Source& source) {
-  const std::optional<TileRecord> record = source.snapshot.FindTile(tile_id);
-  if (!record) {
-    return std::nullopt;
+// Notes the chances of each session of `fresh` at landmarks that `fresh` lacks. Those that it has
+// bring theirs along.
+void NoteMisses(const Tile& fresh, const std::map<KeyframeId, const Camera*>& cameras,
+                const ViewpointOptions& viewpoints, Tile* tile) {
+  const std::set<LandmarkId> own(fresh.landmark_ids.begin(), fresh.landmark_ids.end());
+  std::set<SessionId> sessions;
+  for (const TileKeyframe& keyframe : fresh.keyframes) {
+    sessions.insert(keyframe.session_id);
   }
-  Tile tile = DecodeTile(source.snapshot.LoadPayload(record->payload_id));
-  const auto codebook = source.snapshot.CurrentCodebook();
-  if (codebook == nullptr || tile.codebook_id != codebook->id) {
-    throw Error(ErrorCode::kMapDamaged,
-                fmt::format("{}: tile {} is not coded with the map's codebook", source.path,
-                            tile_id.ToString()));
+  for (const SessionId session_id : sessions) {
+    std::vector<int> chances = CountChances(*tile, session_id, cameras, viewpoints);
+    for (size_t i = 0; i < chances.size(); ++i) {
+      if (own.contains(tile->landmark_ids[i])) {
+        chances[i] = 0;
+      }
+    }
+    NoteChances(chances, session_id, tile);
   }
-  RenumberTile(source.ids, &tile);
-  return tile;
 }
 
 // The tiles of both maps, and in how many of the maps each is.
-std::map<TileId, int> CountTiles(const Source& a, const Source& b) {
+std::map<TileId, int> CountTiles(const MergeSource& a, const MergeSource& b) {
   std::map<TileId, int> counts;
-  for (const Source* source : {&a, &b}) {
-    for (const TileRecord& tile : source->snapshot.AllTiles(kAllTiles)) {
-      ++counts[tile.tile_id];
+  for (const MergeSource* source : {&a, &b}) {
+    for (const TileId tile_id : source->TileIds()) {
+      ++counts[tile_id];
     }
   }
   return counts;
 }
 
-void MergeInto(const Codebook& codebook, Source* a, Source* b,
-               const std::function<void(int64_t, int64_t)>& progress, MapUpdate* update,
-               MergeReport* report) {
-  Codebook merged_codebook = codebook;
-  merged_codebook.id = update->AddCodebook(codebook);
-  CopySessions(merged_codebook.id, a, update);
-  CopySessions(merged_codebook.id, b, update);
-  const std::map<TileId, int> tiles = CountTiles(*a, *b);
-  int64_t num_done = 0;
-  for (const auto& [tile_id, num_maps] : tiles) {
-    std::optional<Tile> tile = LoadTile(tile_id, *a);
-    const std::optional<Tile> other = LoadTile(tile_id, *b);
-    if (tile && other) {
-      AppendTile(*other, &*tile);
-      ++report->num_tiles_of_both;
-    }
-    WriteTile(tile ? *tile : *other, merged_codebook, update);
-    if (progress) {
-      progress(++num_done, std::ssize(tiles));
+std::vector<TileId> TilesOfBoth(const MergeSource& a, const MergeSource& b) {
+  std::vector<TileId> tiles;
+  for (const auto& [tile_id, num_maps] : CountTiles(a, b)) {
+    if (num_maps == 2) {
+      tiles.push_back(tile_id);
     }
   }
+  return tiles;
 }
+
+// Moves b to where a sees it, and links its landmarks to those of a.
+void Meet(const MergeSource& a, const MapMergeOptions& options, MergeSource* b,
+          MergeReport* report) {
+  const std::vector<TileId> tiles = TilesOfBoth(a, *b);
+  if (tiles.empty()) {
+    return;
+  }
+  report->comparison = CompareMaps(a, *b, tiles, options.comparison);
+  RequireAgreement(report->comparison, options.agreement, b->path());
+  if (HasMotion(report->comparison)) {
+    const Sim3d& map_from_b = report->comparison.fit.map_from_session;
+    RequireNearMove(map_from_b, *b, options.agreement);
+    b->Move(map_from_b);
+  }
+  b->Link(
+      LinkMaps(a, *b, TilesOfBoth(a, *b), DescriptorCodec(a.codebook()), options.upkeep.linking));
+}
+
+// Writes the tiles of two maps into a third.
+class MapMerger {
+ public:
+  MapMerger(const MapMergeOptions& options, MergeSource* a, MergeSource* b, MapUpdate* update,
+            MergeReport* report)
+      : options_(options), a_(a), b_(b), update_(update), report_(report) {}
+
+  void Merge(const Codebook& codebook, const std::map<TileId, int>& tiles,
+             const std::function<void(int64_t, int64_t)>& progress) {
+    Codebook merged_codebook = codebook;
+    merged_codebook.id = update_->AddCodebook(codebook);
+    a_->CopySessions(merged_codebook.id, update_);
+    b_->CopySessions(merged_codebook.id, update_);
+    const DescriptorCodec codec(std::make_shared<const Codebook>(merged_codebook));
+    const auto summarizer = MakeAppearanceSummarizer(options_.appearance);
+    const auto selector = MakeLandmarkSelector(options_.selection);
+    const SessionTimes times = TimesOf(update_->Sessions());
+    const TileJoinContext context = {.upkeep = &options_.upkeep,
+                                     .selection = &options_.selection,
+                                     .codec = &codec,
+                                     .summarizer = summarizer.get(),
+                                     .selector = selector.get(),
+                                     .session_times = &times};
+    int64_t num_done = 0;
+    for (const auto& [tile_id, num_maps] : tiles) {
+      std::optional<Tile> tile = a_->LoadRenumbered(tile_id, *b_);
+      std::optional<Tile> other = b_->LoadRenumbered(tile_id, *a_);
+      if (tile && other) {
+        *tile = Combine(*tile, *other, context);
+      }
+      const int64_t num_bytes = WriteTile(tile ? *tile : *other, merged_codebook, update_);
+      report_->changes.num_bytes_after += num_bytes;
+      if (progress) {
+        progress(++num_done, std::ssize(tiles));
+      }
+    }
+  }
+
+ private:
+  Tile Combine(const Tile& of_a, const Tile& of_b, const TileJoinContext& context) {
+    ++report_->num_tiles_of_both;
+    if (options_.joining == SessionJoining::kApart) {
+      Tile both = of_a;
+      AppendTile(of_b, &both);
+      return both;
+    }
+    const std::vector<KeyframeRecord> keyframes = update_->KeyframesOfTile(of_a.id);
+    std::map<KeyframeId, const Camera*> cameras;
+    for (const KeyframeRecord& keyframe : keyframes) {
+      cameras[keyframe.id] = &keyframe.camera;
+    }
+    const auto note_misses = [&](Tile* tile) {
+      NoteMisses(of_b, cameras, options_.upkeep.viewpoints, tile);
+    };
+    JoinedTile joined = JoinTiles(of_a, of_b, note_misses, context);
+    for (const KeyframeId id : joined.replaced_keyframes) {
+      update_->RemoveKeyframe(id);
+    }
+    report_->changes.Add(joined.changes);
+    return std::move(joined.tile);
+  }
+
+  const MapMergeOptions& options_;
+  MergeSource* a_;
+  MergeSource* b_;
+  MapUpdate* update_;
+  MergeReport* report_;
+};
+
+int64_t PayloadBytes(const MergeSource& source) { return source.snapshot().Info().payload_bytes; }
 
 }  // namespace
 
+void MapMergeOptions::Validate() const {
+  selection.Validate();
+  appearance.Validate();
+  comparison.Validate();
+  agreement.Validate();
+  upkeep.Validate();
+}
+
 MergeReport MergeMaps(const MapStore& a, const MapStore& b, const std::string& to,
+                      const MapMergeOptions& options,
                       const std::function<void(int64_t, int64_t)>& progress) {
-  Source source_a(a);
-  Source source_b(b);
-  const std::shared_ptr<const Codebook> codebook = RequireOneCodebook(source_a, source_b);
-  RequireDistinctSessions(source_a, source_b);
+  options.Validate();
+  MergeSource source_a(a);
+  MergeSource source_b(b);
+  const std::shared_ptr<const Codebook> codebook =
+      RequireOneCodebook(source_a, options.recode, &source_b);
+  RequireDistinctSessions(source_a, source_b, options.joining);
   MergeReport report;
   MapStore::CreateFilled(to, [&](MapStore* store) {
+    if (options.joining == SessionJoining::kJoin) {
+      Meet(source_a, options, &source_b, &report);
+    }
+    const std::map<TileId, int> tiles = CountTiles(source_a, source_b);
     MapUpdate update = store->BeginUpdate();
+    report.changes.num_bytes_before = PayloadBytes(source_a) + PayloadBytes(source_b);
     if (codebook != nullptr) {
-      MergeInto(*codebook, &source_a, &source_b, progress, &update, &report);
+      MapMerger(options, &source_a, &source_b, &update, &report).Merge(*codebook, tiles, progress);
     }
     update.Publish({.kind = VersionKind::kMerge,
                     .summary = source_a.Describe() + " and " + source_b.Describe()});

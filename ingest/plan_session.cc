@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/printable.h"
 #include "ingest/merging/link_landmarks.h"
+#include "ingest/quantize/choose_codebook.h"
 #include "ingest/scratch_map.h"
 #include "ingest/session_digest.h"
 #include "ingest/session_placement.h"
@@ -32,12 +33,19 @@ void RequireFits(const Codebook& codebook, const Reconstruction& reconstruction)
   }
 }
 
+std::string RecordingTimeOf(const IngestOptions& options) {
+  if (!options.recorded_at.empty()) {
+    return options.recorded_at;
+  }
+  return options.now.empty() ? UtcNow() : options.now;
+}
+
 SessionRecord MakeSessionRecord(const Reconstruction& reconstruction, const Sim3d& ecef_from_world,
                                 const IngestOptions& options) {
   SessionRecord record;
   record.name = options.session_name;
   record.source = options.source;
-  record.recorded_at = options.recorded_at.empty() ? UtcNow() : options.recorded_at;
+  record.recorded_at = RecordingTimeOf(options);
   record.content_digest = DigestOf(reconstruction) + DigestOf(ecef_from_world, options);
   record.num_images = std::ssize(reconstruction.images);
   record.num_landmarks = std::ssize(reconstruction.landmarks);
@@ -45,16 +53,16 @@ SessionRecord MakeSessionRecord(const Reconstruction& reconstruction, const Sim3
   return record;
 }
 
-// Takes the map's codebook, or trains one if the map has none. Its id stays 0 if it needs a new
+// Takes the map's codebook, or chooses one if the map has none. Its id stays 0 if it needs a new
 // one.
-void ChooseCodebook(const Reconstruction& reconstruction, const IngestOptions& options,
-                    const MapSnapshot& base, const IngestProgress& progress, SessionPlan* plan) {
+void FindCodebook(const Reconstruction& reconstruction, const IngestOptions& options,
+                  const MapSnapshot& base, const IngestProgress& progress, SessionPlan* plan) {
   plan->codebook = base.CurrentCodebook();
   if (plan->codebook == nullptr) {
     ReportProgress(progress, "codebook", 0, 1);
-    auto trained = std::make_shared<Codebook>(TrainCodebook(reconstruction, options.codebook));
-    trained->id = base.FindCodebook(*trained);
-    plan->codebook = std::move(trained);
+    auto chosen = std::make_shared<Codebook>(*ChooseCodebook(reconstruction, options.codebook));
+    chosen->id = base.FindCodebook(*chosen);
+    plan->codebook = std::move(chosen);
     plan->adds_codebook = true;
     ReportProgress(progress, "codebook", 1, 1);
   }
@@ -179,7 +187,8 @@ void SettleAndNumber(const PlacedSession& placed, const IngestOptions& options, 
   SessionPlan& plan = planned->plan;
   ReportProgress(progress, "comparison", 0, 1);
   plan.comparison = Compare(reconstruction, placed, plan.replaced_session, options, base, *store);
-  RequireAgreement(plan.comparison, options);
+  RequireAgreement(plan.comparison, options.agreement,
+                   fmt::format("session '{}'", Excerpt(plan.session.name)));
   const PlacedSession settled = SettleSession(placed, plan.comparison, reconstruction);
   planned->landmark_ids = LinkSession(reconstruction, settled, plan, base, progress);
   planned->session = JoinLinked(settled, &planned->landmark_ids);
@@ -234,7 +243,7 @@ PlannedSession PlanSession(const Reconstruction& reconstruction, const Sim3d& ec
     }
     plan.replaced_session = same->id;
   }
-  ChooseCodebook(reconstruction, options, *planned.base, progress, &plan);
+  FindCodebook(reconstruction, options, *planned.base, progress, &plan);
   SettleAndNumber(placed, options, store, progress, &planned);
   return planned;
 }

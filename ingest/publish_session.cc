@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/printable.h"
+#include "ingest/quantize/shipped_codebook.h"
 #include "ingest/session_digest.h"
 #include "ingest/tile_names.h"
 #include "ingest/write_tile.h"
@@ -121,11 +122,19 @@ void CountTile(const RewrittenTile& tile, IngestReport* report) {
   }
 }
 
+CodebookOrigin OriginOf(const SessionPlan& plan) {
+  if (!plan.adds_codebook) {
+    return CodebookOrigin::kMap;
+  }
+  return IsShipped(*plan.codebook) ? CodebookOrigin::kShipped : CodebookOrigin::kTrained;
+}
+
 IngestReport ReportOf(const SessionPlan& plan) {
   IngestReport report;
   report.session_id = plan.session.id;
   report.replaced_session = plan.replaced_session != SessionId{};
   report.is_unchanged = plan.is_unchanged;
+  report.codebook_origin = OriginOf(plan);
   report.comparison = plan.comparison;
   report.num_images = plan.session.num_images;
   report.num_landmarks_read = plan.session.num_landmarks;

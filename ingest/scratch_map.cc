@@ -1,43 +1,19 @@
 #include "ingest/scratch_map.h"
 
-#include <stdlib.h>
-
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
 
-#include "core/error.h"
+#include "ingest/temporary_folder.h"
 #include "ingest/tile_rewriter.h"
 #include "ingest/write_tile.h"
 #include "storage/codebook/codebook.h"
 
 namespace cairn {
-namespace {
-
-std::string MakeTemporaryFolder() {
-  std::string path = (std::filesystem::temp_directory_path() / "cairn-ingest-XXXXXX").string();
-  if (mkdtemp(path.data()) == nullptr) {
-    throw Error(ErrorCode::kIo, path + ": cannot make a temporary folder");
-  }
-  return path;
-}
-
-// A folder that is deleted with all that is in it.
-struct TemporaryFolder {
-  std::string path = MakeTemporaryFolder();
-
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-};
-
-}  // namespace
 
 struct ScratchMap::Impl {
   TemporaryFolder folder;
-  MapStore store = MapStore::Create(folder.path + "/scratch.gpkg");
+  MapStore store = MapStore::Create(folder.path() + "/scratch.gpkg");
 };
 
 ScratchMap::ScratchMap() : impl_(std::make_unique<Impl>()) {}

@@ -123,13 +123,17 @@ std::string DigestOf(const Sim3d& ecef_from_world, const IngestOptions& options)
   return hasher.Hex().substr(16);
 }
 
+bool AreOneRecording(const SessionRecord& a, const SessionRecord& b) {
+  constexpr size_t kContentDigestSize = 32;  // What DigestOf says of a reconstruction.
+  return !a.content_digest.empty() && a.content_digest.substr(0, kContentDigestSize) ==
+                                          b.content_digest.substr(0, kContentDigestSize);
+}
+
 void RequireNotElsewhere(const SessionRecord& session, SessionJoining joining,
                          const std::vector<SessionRecord>& sessions) {
-  constexpr size_t kContentDigestSize = 32;  // What DigestOf says of a reconstruction.
-  const std::string content = session.content_digest.substr(0, kContentDigestSize);
   for (const SessionRecord& other : sessions) {
     if (joining == SessionJoining::kJoin && other.name != session.name &&
-        other.content_digest.starts_with(content)) {
+        AreOneRecording(session, other)) {
       throw Error(
           ErrorCode::kConflict,
           fmt::format("the map has the same reconstruction as session '{}'; keep it apart from "

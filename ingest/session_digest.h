@@ -20,6 +20,9 @@ std::string DigestOf(const Reconstruction& reconstruction);
 // ingest.
 std::string DigestOf(const Sim3d& ecef_from_world, const IngestOptions& options);
 
+// Returns true if the sessions hold the same reconstruction, however each was placed and ingested.
+bool AreOneRecording(const SessionRecord& a, const SessionRecord& b);
+
 // Throws Error(kConflict) if one of `sessions` has another name than `session` and the same
 // content, unless the session is kept apart.
 void RequireNotElsewhere(const SessionRecord& session, SessionJoining joining,

@@ -2,17 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <map>
-#include <set>
 #include <utility>
 #include <vector>
 
 #include "core/error.h"
-#include "ingest/merging/admit_landmarks.h"
-#include "ingest/merging/merge_tiles.h"
+#include "ingest/join_tiles.h"
 #include "ingest/merging/viewpoints.h"
+#include "ingest/tile_upkeep.h"
 #include "ingest/tiling/tile_edit.h"
 #include "storage/tile/tile_codec.h"
 
@@ -31,105 +28,59 @@ std::map<KeyframeId, const Camera*> CamerasOf(const TileSource& source, TileId t
   return cameras;
 }
 
-// The landmarks of the session that the tile takes.
-Tile Admit(const Tile& known, const Tile& fresh, const TileOptions& options, TileChanges* changes) {
-  std::set<LandmarkId> known_ids(known.landmark_ids.begin(), known.landmark_ids.end());
-  const auto num_merged = std::count_if(fresh.landmark_ids.begin(), fresh.landmark_ids.end(),
-                                        [&](LandmarkId id) { return known_ids.contains(id); });
-  Tile admitted = fresh;
-  if (options.joining == SessionJoining::kJoin && known.num_landmarks() > 0) {
-    admitted = PickLandmarks(fresh, AdmitLandmarks(known, fresh, options.upkeep.enough_landmarks));
-  }
-  changes->num_merged += num_merged;
-  changes->num_new += static_cast<int64_t>(admitted.num_landmarks()) - num_merged;
-  changes->num_not_needed += static_cast<int64_t>(fresh.num_landmarks() - admitted.num_landmarks());
-  return admitted;
-}
-
-// The tile without landmarks that probably exist no more.
-Tile Fade(const Tile& tile, const TileRewriteContext& context, TileChanges* changes) {
-  const UpkeepOptions& upkeep = context.options->upkeep;
-  std::vector<uint32_t> existing;
-  for (uint32_t i = 0; i < tile.num_landmarks(); ++i) {
-    if (ExistenceProbability(tile.SightingsOf(i), *context.session_times, upkeep.persistence) >=
-        upkeep.least_existence) {
-      existing.push_back(i);
-    }
-  }
-  changes->num_faded += static_cast<int64_t>(tile.num_landmarks() - existing.size());
-  return existing.size() == tile.num_landmarks() ? tile : PickLandmarks(tile, existing);
-}
-
-// The tile without keyframes that newer ones replace.
-Tile ReplaceKeyframes(const Tile& tile, const TileRewriteContext& context,
-                      RewrittenTile* rewritten) {
-  const std::vector<KeyframeId> replaced =
-      ReplacedKeyframes(tile, context.options->upkeep.viewpoints);
-  rewritten->replaced_keyframes = replaced;
-  rewritten->changes.num_keyframes_replaced += std::ssize(replaced);
-  const std::set<KeyframeId> gone(replaced.begin(), replaced.end());
-  return PickKeyframes(tile,
-                       [&](const TileKeyframe& keyframe) { return !gone.contains(keyframe.id); });
-}
-
-// Observations over the whole reconstruction, for landmarks that only the session at hand has seen;
-// for others the sights that a session like those so far can expect, at least the selection's
-// minimum.
-std::vector<double> RateLandmarks(const Tile& tile, const TileRewriteContext& context) {
-  const TileSource& source = *context.source;
+// The session's own observations over the whole reconstruction.
+std::vector<double> RateByObservations(const Tile& tile, const TileSource& source) {
   std::map<LandmarkId, uint32_t> num_observations;
   for (size_t i = 0; i < source.landmark_ids.size(); ++i) {
     num_observations[source.landmark_ids[i]] = source.session->landmarks[i].num_observations;
   }
-  const bool is_alone = std::all_of(
-      tile.sightings.begin(), tile.sightings.end(),
-      [&](const LandmarkSighting& sighting) { return sighting.session_id == source.session_id; });
   std::vector<double> rates(tile.num_landmarks());
   for (size_t i = 0; i < rates.size(); ++i) {
-    if (is_alone) {
-      rates[i] = num_observations.at(tile.landmark_ids[i]);
-    } else {
-      rates[i] = std::max<double>(context.options->selection.min_observations,
-                                  ExpectedSights(tile.SightingsOf(i), *context.session_times,
-                                                 context.options->upkeep.persistence));
-    }
+    rates[i] = num_observations.at(tile.landmark_ids[i]);
   }
   return rates;
 }
 
-// The tile cut down to its budget.
-Tile Select(const Tile& tile, const TileRewriteContext& context, TileChanges* changes) {
-  VisibilityGraph graph;
-  graph.num_observations = RateLandmarks(tile, context);
-  for (size_t k = 0; k < tile.num_keyframes(); ++k) {
-    const std::span<const uint32_t> landmarks = tile.LandmarksOfKeyframe(k);
-    graph.landmarks_of_keyframe.emplace_back(landmarks.begin(), landmarks.end());
-  }
-  std::vector<int> num_descriptors(tile.num_landmarks());
-  for (size_t i = 0; i < num_descriptors.size(); ++i) {
-    num_descriptors[i] = static_cast<int>(tile.descriptor_begin[i + 1] - tile.descriptor_begin[i]);
-  }
-  const std::vector<uint32_t> selection = context.selector->Select(graph, num_descriptors);
-  changes->num_evicted += static_cast<int64_t>(tile.num_landmarks() - selection.size());
-  return PickLandmarks(tile, selection);
+// The tile with the session beside what it has.
+JoinedTile AppendSession(const Tile& known, const Tile& fresh, const TileRewriteContext& context) {
+  const TileOptions& options = *context.options;
+  JoinedTile joined;
+  Tile tile = known;
+  AppendTile(fresh, &tile);
+  joined.changes.num_new = static_cast<int64_t>(fresh.num_landmarks());
+  joined.tile =
+      SelectLandmarks(tile,
+                      known.num_landmarks() == 0
+                          ? RateByObservations(tile, *context.source)
+                          : RateByHistory(tile, *context.session_times, options.upkeep.persistence,
+                                          options.selection.min_observations),
+                      std::nullopt, options.selection, *context.selector);
+  joined.changes.num_evicted =
+      static_cast<int64_t>(tile.num_landmarks() - joined.tile.num_landmarks());
+  return joined;
 }
 
-// The tile with the session in it, before selection.
-Tile JoinSession(const Tile& known, const TileRewriteContext& context, TileId tile_id,
-                 const std::vector<KeyframeId>& keyframe_ids, RewrittenTile* rewritten) {
+// The tile with the session in it.
+JoinedTile JoinSession(const Tile& known, const TileRewriteContext& context, TileId tile_id,
+                       const std::vector<KeyframeId>& keyframe_ids) {
   const TileSource& source = *context.source;
+  const TileOptions& options = *context.options;
   const Tile fresh = BuildTile(source, tile_id, keyframe_ids);
-  const Tile admitted = Admit(known, fresh, *context.options, &rewritten->changes);
-  Tile tile = MergeTiles(known, admitted, *source.codec, *source.summarizer,
-                         context.options->upkeep.merging);
-  if (context.options->joining == SessionJoining::kApart || known.num_landmarks() == 0) {
-    return tile;
+  if (options.joining == SessionJoining::kApart || known.num_landmarks() == 0) {
+    return AppendSession(known, fresh, context);
   }
-  NoteChances(CountChances(tile, source.session_id, CamerasOf(source, tile_id, keyframe_ids),
-                           context.options->upkeep.viewpoints),
-              source.session_id, &tile);
-  tile = Fade(tile, context, &rewritten->changes);
-  return ReplaceKeyframes(tile, context, rewritten);
+  const auto note_chances = [&](Tile* tile) {
+    NoteChances(CountChances(*tile, source.session_id, CamerasOf(source, tile_id, keyframe_ids),
+                             options.upkeep.viewpoints),
+                source.session_id, tile);
+  };
+  return JoinTiles(known, fresh, note_chances,
+                   {.upkeep = &options.upkeep,
+                    .selection = &options.selection,
+                    .codec = source.codec,
+                    .summarizer = source.summarizer,
+                    .selector = context.selector,
+                    .session_times = context.session_times});
 }
 
 // The tile that a payload holds, without a session.
@@ -158,17 +109,6 @@ void RequireCodebook(const Tile& tile, CodebookId codebook_id) {
 
 }  // namespace
 
-void TileChanges::Add(const TileChanges& other) {
-  num_merged += other.num_merged;
-  num_new += other.num_new;
-  num_not_needed += other.num_not_needed;
-  num_faded += other.num_faded;
-  num_evicted += other.num_evicted;
-  num_keyframes_replaced += other.num_keyframes_replaced;
-  num_bytes_before += other.num_bytes_before;
-  num_bytes_after += other.num_bytes_after;
-}
-
 std::optional<Tile> LoadWithoutSession(TileId tile_id, SessionId without, const MapUpdate& update) {
   return LoadFrom(update, tile_id, without);
 }
@@ -186,8 +126,10 @@ RewrittenTile RewriteTile(const TileRewriteContext& context, TileId tile_id,
                            : DecodeWithoutSession(base, context.replaced_session);
   if (context.source->session->images_of_tile.contains(tile_id)) {
     RequireCodebook(tile, codebook.id);
-    tile = JoinSession(tile, context, tile_id, keyframe_ids, &rewritten);
-    tile = Select(tile, context, &rewritten.changes);
+    JoinedTile joined = JoinSession(tile, context, tile_id, keyframe_ids);
+    tile = std::move(joined.tile);
+    rewritten.replaced_keyframes = std::move(joined.replaced_keyframes);
+    rewritten.changes = joined.changes;
   }
   rewritten.encoded = EncodeForMap(tile, codebook);
   rewritten.changes.num_bytes_before = std::ssize(base);

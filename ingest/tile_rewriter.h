@@ -11,26 +11,13 @@
 #include "ingest/ingest_options.h"
 #include "ingest/merging/landmark_history.h"
 #include "ingest/summarize/landmark_selection.h"
+#include "ingest/tile_changes.h"
 #include "ingest/tiling/build_tile.h"
 #include "ingest/write_tile.h"
 #include "storage/map/map_store.h"
 #include "storage/tile/tile.h"
 
 namespace cairn {
-
-// What became of landmarks and keyframes. A landmark counts once for each tile that holds it.
-struct TileChanges {
-  int64_t num_merged = 0;      // Landmarks of the session that the map knew,
-  int64_t num_new = 0;         // that it did not know,
-  int64_t num_not_needed = 0;  // and that it did not take, as its photos see enough others.
-  int64_t num_faded = 0;       // Known landmarks that went, since they probably exist no more.
-  int64_t num_evicted = 0;     // Landmarks that the selection left out.
-  int64_t num_keyframes_replaced = 0;
-  int64_t num_bytes_before = 0;
-  int64_t num_bytes_after = 0;
-
-  void Add(const TileChanges& other);
-};
 
 // The tile of the map without a session (which may be none); nothing if the map has no such tile.
 std::optional<Tile> LoadWithoutSession(TileId tile_id, SessionId without, const MapUpdate& update);
@@ -53,11 +40,13 @@ struct RewrittenTile {
 };
 
 // Takes the replaced session out of the tile and puts the new one in:
-// build - admit - merge - note chances - fade - replace keyframes - select - encode. `base` is the
-// payload that the map has, empty if it has none. `keyframe_ids` are the ids of the session's
-// images of the tile (PlacedSession::images_of_tile). Depends on the arguments only, so tiles can
-// be rewritten in any order, on any thread or machine. Throws Error(kConflict) if the tile has
-// another codebook than the session, Error(kMapDamaged) if it does not decode.
+// build - join - encode; see JoinTiles. A session that is kept apart stands beside the others. The
+// selection rates the landmarks of a first session by their observations over the whole
+// reconstruction. `base` is the payload that the map has, empty if it has none. `keyframe_ids` are
+// the ids of the session's images of the tile (PlacedSession::images_of_tile). Depends on the
+// arguments only, so tiles can be rewritten in any order, on any thread or machine. Throws
+// Error(kConflict) if the tile has another codebook than the session, Error(kMapDamaged) if it does
+// not decode.
 RewrittenTile RewriteTile(const TileRewriteContext& context, TileId tile_id,
                           std::span<const uint8_t> base,
                           const std::vector<KeyframeId>& keyframe_ids);

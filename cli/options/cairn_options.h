@@ -29,6 +29,12 @@ struct CairnOptions {
 inline constexpr EnumName<IndexKind> kIndexKindNames[] = {
     {"random_grids", IndexKind::kRandomGrids}, {"inverted_lists", IndexKind::kInvertedLists}};
 
+// The names --codebook of `cairn ingest` takes.
+inline constexpr EnumName<CodebookSource> kCodebookSourceNames[] = {
+    {"auto", CodebookSource::kAuto},
+    {"shipped", CodebookSource::kShipped},
+    {"trained", CodebookSource::kTrained}};
+
 // The names --selection takes.
 inline constexpr EnumName<LandmarkSelectionKind> kLandmarkSelectionNames[] = {
     {"observation_count", LandmarkSelectionKind::kObservationCount},

@@ -12,6 +12,12 @@ constexpr EnumName<ProjectionKind> kProjectionNames[] = {
     {"likelihood_ratio", ProjectionKind::kLikelihoodRatio}};
 
 void DescribeCodebook(CodebookOptions* options, OptionList* list) {
+  list->Add(
+      "source", &options->source, kCodebookSourceNames,
+      "Codebook of a new map: the one that comes with Cairn, one that is trained on the "
+      "first session, or (auto) trained if the session has min_training_descriptors, else shipped");
+  list->Add("min_training_descriptors", &options->min_training_descriptors,
+            "For auto: fewest descriptors of landmarks in the first session that train a codebook");
   list->Add("projection", &options->projection, kProjectionNames,
             "principal_components keeps what varies most; likelihood_ratio keeps what tells "
             "landmarks apart");
@@ -58,10 +64,10 @@ void DescribeAgreement(AgreementOptions* options, OptionList* list) {
             "Largest difference of a session's size, as share");
   list->Add("min_agreeing_share", &options->min_agreeing_share,
             "Smallest share of the recognized photos that one motion of the session explains");
-  list->Add("min_recognised_share", &options->min_recognised_share,
+  list->Add("min_recognized_share", &options->min_recognized_share,
             "Smallest share of the photos that the map should recognize and does");
   list->Add("min_expected", &options->min_expected,
-            "With fewer photos that the map should recognize, min_recognised_share does not count");
+            "With fewer photos that the map should recognize, min_recognized_share does not count");
 }
 
 void DescribeLinking(LinkOptions* options, OptionList* list) {

@@ -87,10 +87,14 @@ void ComparisonOptions::Validate() const {
   RequireOption(near_rad > 0.0, "comparison.near_rad must be positive");
 }
 
+std::vector<int> ImagesToCompare(const PlacedSession& session, const MapStore& map,
+                                 const ComparisonOptions& options) {
+  return EvenlyOf(ImagesThatMapShouldKnow(session, map, options), options.max_queries);
+}
+
 MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedSession& session,
                              const MapStore& map, const ComparisonOptions& options) {
-  const std::vector<int> images =
-      EvenlyOf(ImagesThatMapShouldKnow(session, map, options), options.max_queries);
+  const std::vector<int> images = ImagesToCompare(session, map, options);
   MapComparison comparison;
   comparison.num_expected = static_cast<int>(images.size());
   if (images.empty()) {
@@ -98,11 +102,13 @@ MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedS
   }
   // The store outlives the localizer, which wants to share it.
   const std::shared_ptr<const MapStore> shared(std::shared_ptr<const MapStore>(), &map);
+  const std::shared_ptr<const Codebook> codebook = map.Snapshot().CurrentCodebook();
   const Localizer localizer(shared, std::make_shared<TileCache>(kCacheBytes), LocalizerOptions());
   std::vector<PosePair> pairs;
   for (const int image_idx : images) {
-    const LocalizeResult result =
-        localizer.Localize(QueryOf(reconstruction, session, image_idx, options));
+    LocalizeQuery query = QueryOf(reconstruction, session, image_idx, options);
+    query.codec = codebook->CodecName();
+    const LocalizeResult result = localizer.Localize(query);
     if (result.localized) {
       pairs.push_back(
           {session.cam_from_ecef[static_cast<size_t>(image_idx)], result.cam_from_ecef});

@@ -2,6 +2,8 @@
 #ifndef CAIRN_INGEST_COREGISTER_COMPARE_WITH_MAP_H_
 #define CAIRN_INGEST_COREGISTER_COMPARE_WITH_MAP_H_
 
+#include <vector>
+
 #include "core/rigid3.h"
 #include "ingest/coregister/fit_placement.h"
 #include "ingest/sfm/reconstruction.h"
@@ -28,9 +30,13 @@ struct MapComparison {
   PlacementFit fit;       // Of the recognized queries; meaningful if there are any.
 };
 
+// Returns the images of the session that CompareWithMap localizes.
+std::vector<int> ImagesToCompare(const PlacedSession& session, const MapStore& map,
+                                 const ComparisonOptions& options);
+
 // Localizes photos of the session that stand near photos of the map, by the features of the
-// reconstruction. The result depends only on the map's latest version. Throws what the engine
-// throws on a damaged map.
+// reconstruction: raw, or in the projected space of the map's codebook. The result depends only on
+// the map's latest version. Throws what the engine throws on a damaged map.
 MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedSession& session,
                              const MapStore& map, const ComparisonOptions& options);
 

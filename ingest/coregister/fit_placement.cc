@@ -12,8 +12,9 @@ namespace {
 constexpr int kNumRounds = 12;
 constexpr double kPositionSigmaM = 0.1;
 constexpr double kRotationSigmaRad = 0.005;
-// A session's size is known this well before; a few cameras close together say nothing of it.
-constexpr double kScaleSigma = 0.01;
+// GPS receivers of phones tell the size of a street this well. A few cameras close together say
+// nothing of it.
+constexpr double kScaleSigma = 0.03;
 
 using Vector7d = Eigen::Matrix<double, 7, 1>;
 
@@ -114,10 +115,11 @@ PlacementFit FitPlacement(const std::vector<PosePair>& pairs, const PlacementFit
 
   PlacementFit fit;
   const Eigen::Quaterniond rotation = ExpSo3(x.head<3>());
-  fit.map_from_session = Rigid3d(rotation, middle + x.segment<3>(3) - rotation * middle);
+  fit.scale = 1.0 + x(6);
+  fit.map_from_session = {fit.scale, rotation,
+                          middle + x.segment<3>(3) - fit.scale * (rotation * middle)};
   fit.moved_m = x.segment<3>(3).norm();
   fit.turned_rad = x.head<3>().norm();
-  fit.scale = 1.0 + x(6);
   std::vector<double> residuals_m;
   for (const Difference& difference : differences) {
     const double residual_m = difference.PositionResidual(x).norm();

@@ -1,4 +1,4 @@
-// Finds the rigid motion from the session's placement of cameras to the map's.
+// Finds the motion from the session's placement of cameras to the map's.
 #ifndef CAIRN_INGEST_COREGISTER_FIT_PLACEMENT_H_
 #define CAIRN_INGEST_COREGISTER_FIT_PLACEMENT_H_
 
@@ -16,8 +16,8 @@ struct PosePair {
 
 // The difference between the two placements of the cameras.
 struct PlacementFit {
-  Rigid3d map_from_session;  // Moves positions, ECEF.
-  double moved_m = 0.0;      // At the middle of the cameras.
+  Sim3d map_from_session;  // Moves positions, ECEF.
+  double moved_m = 0.0;    // At the middle of the cameras.
   double turned_rad = 0.0;
   double scale = 1.0;              // Size of the session by the map over its size by the session.
   int num_agreeing = 0;            // Cameras within the largest residuals after the motion.
@@ -31,7 +31,7 @@ struct PlacementFitOptions {
 
 // Fits a small rotation about the middle of the cameras, a translation and a change of size to
 // positions and orientations, by robust linear least squares. Needs at least one pair.
-// `map_from_session` does not include the change of size, which is only reported. Deterministic.
+// Deterministic.
 PlacementFit FitPlacement(const std::vector<PosePair>& pairs, const PlacementFitOptions& options);
 
 }  // namespace cairn

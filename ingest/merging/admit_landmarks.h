@@ -11,10 +11,11 @@ namespace cairn {
 
 // Returns ascending indices into the landmarks of `fresh`:
 //  - all landmarks that `known` has, too;
-//  - further landmarks until each keyframe of `fresh` sees `enough_landmarks`. Landmarks that most
+//  - further landmarks until each keyframe of `fresh` sees what it needs, known and new together:
+//    55 % of the landmarks that it saw itself, at most `enough_landmarks`. Landmarks that most
 //    keyframes see come first;
-//  - all landmarks of a keyframe on new ground, which sees fewer than a quarter of
-//    `enough_landmarks` among those that `known` has.
+//  - all landmarks of a keyframe on new ground, which sees fewer than a quarter of what it needs
+//    among those that `known` has.
 // The map therefore grows with change and not with visits (Buerki et al., "Map management for
 // efficient long-term visual localization in outdoor environments", 2018). Linear but for one sort.
 std::vector<uint32_t> AdmitLandmarks(const Tile& known, const Tile& fresh, int enough_landmarks);

@@ -57,8 +57,11 @@ SessionTimes TimesOf(const std::vector<SessionRecord>& sessions) {
 }
 
 void AppendSighting(const LandmarkSighting& sighting, std::vector<LandmarkSighting>* history) {
-  history->push_back(sighting);
-  if (history->size() <= Tile::kMaxSightings) {
+  const bool is_sum = sighting.session_id == SessionId{};
+  history->insert(is_sum ? history->begin() : history->end(), sighting);
+  const bool has_two_sums =
+      is_sum && history->size() > 1 && (*history)[1].session_id == SessionId{};
+  if (!has_two_sums && history->size() <= Tile::kMaxSightings) {
     return;
   }
   LandmarkSighting& sum = history->front();

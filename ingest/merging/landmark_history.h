@@ -19,8 +19,9 @@ using SessionTimes = std::map<SessionId, double>;
 // By SessionRecord::recorded_at.
 SessionTimes TimesOf(const std::vector<SessionRecord>& sessions);
 
-// Adds the sighting of the newest session. A history that would exceed Tile::kMaxSightings adds its
-// oldest session to the sum of all older ones (session 0).
+// Adds the sighting of the newest session, or the sum of sessions that are not in the history
+// (session 0). A history that would exceed Tile::kMaxSightings adds its oldest session to the sum
+// of all older ones.
 void AppendSighting(const LandmarkSighting& sighting, std::vector<LandmarkSighting>* history);
 
 struct PersistenceOptions {

@@ -132,14 +132,16 @@ class LinkProposer {
     for (const int image_idx : images) {
       const auto& observations = session_.observations_of_image[image_idx];
       const FeatureSet& features = reconstruction_.images[image_idx].features;
-      DescriptorMatrix raw(observations.size(), features.descriptors.cols());
+      FeatureSet seen;
+      seen.space = features.space;
+      seen.descriptors.resize(observations.size(), features.descriptors.cols());
       const auto first_row = static_cast<Eigen::Index>(looks_.size());
       for (size_t i = 0; i < observations.size(); ++i) {
-        raw.row(i) = features.descriptors.row(observations[i].keypoint_idx);
+        seen.descriptors.row(i) = features.descriptors.row(observations[i].keypoint_idx);
         looks_.push_back({observations[i].landmark_idx, image_idx, observations[i].keypoint_idx,
                           first_row + static_cast<Eigen::Index>(i)});
       }
-      projected_.middleRows(first_row, raw.rows()) = codec.Project(raw);
+      projected_.middleRows(first_row, seen.descriptors.rows()) = codec.ProjectFeatures(seen);
       down_in_cam_[image_idx] = DownInCamera(session_.cam_from_ecef[image_idx]);
     }
     std::stable_sort(looks_.begin(), looks_.end(),

@@ -23,13 +23,13 @@ struct MergeOptions {
   void Validate() const;
 };
 
-// Both tiles have one tile id and one codebook. `fresh` comes from one session, which `known` does
-// not hold. Landmarks of the same id are merged. The result has the landmarks of `known` in their
-// order, then the other landmarks of `fresh`, and the keyframes of both in the same order.
+// Both tiles have one tile id and one codebook. `known` holds no session of `fresh`. Landmarks of
+// the same id are merged. The result has the landmarks of `known` in their order, then the other
+// landmarks of `fresh`, and the keyframes of both in the same order.
 //
 // The position of a merged landmark is the mean by inverse variances. Similar descriptors are
 // averaged by weight. The heaviest descriptors are kept, as many as `summarizer` grants for that
-// weight of sights. The history gets the sighting of `fresh`. Deterministic. Linear in both tiles.
+// weight of sights. The history gets the sightings of `fresh`. Deterministic. Linear in both tiles.
 Tile MergeTiles(const Tile& known, const Tile& fresh, const DescriptorCodec& codec,
                 const AppearanceSummarizer& summarizer, const MergeOptions& options);
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <set>
 #include <unordered_map>
 
@@ -41,8 +40,6 @@ class ViewpointIndex {
       cells_[CellOf(viewpoints_[k].center_in_tile, 0, 0)].push_back(k);
     }
   }
-
-  const Viewpoint& of(uint32_t keyframe) const { return viewpoints_[keyframe]; }
 
   // Calls visit(other) for each keyframe of the same viewpoint, `keyframe` among them.
   template <typename Visit>
@@ -87,25 +84,85 @@ bool IsInImage(const Camera& camera, const Eigen::Vector3d& x_in_cam) {
          pixel->y() < camera.height_px();
 }
 
+// The landmarks that no keyframe sees any more, with what decides whether a camera might see them.
+class UnseenLandmarks {
+ public:
+  UnseenLandmarks(const Tile& tile, const ViewpointOptions& options)
+      : cos_angle_(std::cos(options.angle_rad)) {
+    std::vector<bool> is_seen(tile.num_landmarks(), false);
+    for (const uint32_t landmark : tile.keyframe_landmarks) {
+      is_seen[landmark] = true;
+    }
+    for (uint32_t i = 0; i < tile.num_landmarks(); ++i) {
+      if (!is_seen[i]) {
+        Append(tile, i);
+      }
+    }
+  }
+
+  // Calls visit(landmark) for each landmark in the image that one of its descriptors resembles:
+  // from the same direction, and neither too small nor too large to be detected.
+  template <typename Visit>
+  void ForEachThatMightShow(const Rigid3d& cam_from_tile, const Camera& camera,
+                            const Visit& visit) const {
+    const Eigen::Vector3d center_in_tile = cam_from_tile.Inverse().translation;
+    for (const Unseen& unseen : landmarks_) {
+      const Eigen::Vector3d to_camera = center_in_tile - unseen.x_in_tile;
+      if (IsLookable(unseen, to_camera, camera.focal_px()) &&
+          IsInImage(camera, cam_from_tile * unseen.x_in_tile)) {
+        visit(unseen.landmark);
+      }
+    }
+  }
+
+ private:
+  struct Look {
+    Eigen::Vector2d to_camera;  // Horizontal direction, unit.
+    double size_m = 0.0;
+  };
+  struct Unseen {
+    uint32_t landmark = 0;
+    uint32_t first_look = 0, end_look = 0;
+    Eigen::Vector3d x_in_tile;
+  };
+
+  void Append(const Tile& tile, uint32_t landmark) {
+    const auto first_look = static_cast<uint32_t>(looks_.size());
+    for (uint32_t d = tile.descriptor_begin[landmark]; d < tile.descriptor_begin[landmark + 1];
+         ++d) {
+      const double azimuth_rad = AzimuthFromCode(tile.azimuth_codes[d]);
+      looks_.push_back(
+          {{std::cos(azimuth_rad), std::sin(azimuth_rad)}, SizeFromCode(tile.size_codes[d])});
+    }
+    landmarks_.push_back({landmark, first_look, static_cast<uint32_t>(looks_.size()),
+                          tile.x_in_tile[landmark].cast<double>()});
+  }
+
+  bool IsLookable(const Unseen& unseen, const Eigen::Vector3d& to_camera, double focal_px) const {
+    const double px_per_m = focal_px / to_camera.norm();
+    const double least_cos = cos_angle_ * to_camera.head<2>().norm();
+    return std::any_of(looks_.begin() + unseen.first_look, looks_.begin() + unseen.end_look,
+                       [&](const Look& look) {
+                         const double size_px = look.size_m * px_per_m;
+                         return size_px >= kMinKeypointPx && size_px <= kMaxKeypointPx &&
+                                look.to_camera.dot(to_camera.head<2>()) >= least_cos;
+                       });
+  }
+
+  double cos_angle_;
+  std::vector<Look> looks_;
+  std::vector<Unseen> landmarks_;
+};
+
 // Counts chances keyframe by keyframe.
 class ChanceCounter {
  public:
   ChanceCounter(const Tile& tile, const ViewpointOptions& options)
       : tile_(tile),
-        options_(options),
         index_(tile, options),
+        unseen_(tile, options),
         chances_(tile.num_landmarks(), 0),
-        last_keyframe_(tile.num_landmarks(), UINT32_MAX),
-        is_seen_(tile.num_landmarks(), false) {
-    for (const uint32_t landmark : tile.keyframe_landmarks) {
-      is_seen_[landmark] = true;
-    }
-    for (uint32_t i = 0; i < tile.num_landmarks(); ++i) {
-      if (!is_seen_[i]) {
-        unseen_.push_back(i);
-      }
-    }
-  }
+        last_keyframe_(tile.num_landmarks(), UINT32_MAX) {}
 
   void Add(uint32_t keyframe, const Camera& camera) {
     const Rigid3d& cam_from_tile = tile_.keyframes[keyframe].cam_from_tile;
@@ -114,47 +171,24 @@ class ChanceCounter {
         if (last_keyframe_[landmark] == keyframe) {
           continue;
         }
+        last_keyframe_[landmark] = keyframe;
         if (IsInImage(camera, cam_from_tile * tile_.x_in_tile[landmark].cast<double>())) {
-          last_keyframe_[landmark] = keyframe;
           ++chances_[landmark];
         }
       }
     });
-    for (const uint32_t landmark : unseen_) {
-      if (MightSee(keyframe, camera, landmark)) {
-        ++chances_[landmark];
-      }
-    }
+    unseen_.ForEachThatMightShow(cam_from_tile, camera,
+                                 [&](uint32_t landmark) { ++chances_[landmark]; });
   }
 
   const std::vector<int>& chances() const { return chances_; }
 
  private:
-  bool MightSee(uint32_t keyframe, const Camera& camera, uint32_t landmark) const {
-    const Eigen::Vector3d x_in_tile = tile_.x_in_tile[landmark].cast<double>();
-    const Eigen::Vector3d to_camera = index_.of(keyframe).center_in_tile - x_in_tile;
-    const double azimuth_rad = std::atan2(to_camera.y(), to_camera.x());
-    const double px_per_m = camera.focal_px() / to_camera.norm();
-    for (uint32_t d = tile_.descriptor_begin[landmark]; d < tile_.descriptor_begin[landmark + 1];
-         ++d) {
-      const double turn_rad = std::remainder(azimuth_rad - AzimuthFromCode(tile_.azimuth_codes[d]),
-                                             2.0 * std::numbers::pi);
-      const double size_px = SizeFromCode(tile_.size_codes[d]) * px_per_m;
-      if (std::abs(turn_rad) <= options_.angle_rad && size_px >= kMinKeypointPx &&
-          size_px <= kMaxKeypointPx) {
-        return IsInImage(camera, tile_.keyframes[keyframe].cam_from_tile * x_in_tile);
-      }
-    }
-    return false;
-  }
-
   const Tile& tile_;
-  const ViewpointOptions& options_;
   ViewpointIndex index_;
+  UnseenLandmarks unseen_;
   std::vector<int> chances_;
-  std::vector<uint32_t> last_keyframe_;  // That counted the landmark.
-  std::vector<bool> is_seen_;            // By any keyframe.
-  std::vector<uint32_t> unseen_;
+  std::vector<uint32_t> last_keyframe_;  // That looked at the landmark.
 };
 
 }  // namespace

@@ -158,7 +158,7 @@ void ReadIds(const Json& json, SessionPlan* plan) {
 
 Json ComparisonJson(const MapComparison& comparison) {
   return {{"photosExpected", comparison.num_expected},
-          {"photosRecognised", comparison.num_localized},
+          {"photosRecognized", comparison.num_localized},
           {"photosAgreeing", comparison.fit.num_agreeing},
           {"movedM", NumberJson(comparison.fit.moved_m)},
           {"turnedRad", NumberJson(comparison.fit.turned_rad)},
@@ -169,7 +169,7 @@ Json ComparisonJson(const MapComparison& comparison) {
 MapComparison ComparisonFromJson(const Json& json) {
   MapComparison comparison;
   comparison.num_expected = WholeFromJson<int>(json.at("photosExpected"));
-  comparison.num_localized = WholeFromJson<int>(json.at("photosRecognised"));
+  comparison.num_localized = WholeFromJson<int>(json.at("photosRecognized"));
   comparison.fit.num_agreeing = WholeFromJson<int>(json.at("photosAgreeing"));
   comparison.fit.moved_m = NumberFromJson(json.at("movedM"));
   comparison.fit.turned_rad = NumberFromJson(json.at("turnedRad"));

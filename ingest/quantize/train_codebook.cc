@@ -320,6 +320,8 @@ void CodebookOptions::Validate() const {
                 "ingest.codebook.num_subspaces must divide projected_dim");
   RequireOption(max_training_descriptors >= Codebook::kNumWords,
                 "ingest.codebook.max_training_descriptors must be at least 256");
+  RequireOption(min_training_descriptors >= 0,
+                "ingest.codebook.min_training_descriptors must not be negative");
 }
 
 Codebook TrainCodebook(const Reconstruction& reconstruction, const CodebookOptions& options) {

@@ -14,7 +14,19 @@ enum class ProjectionKind {
   kLikelihoodRatio,      // Keeps what tells landmarks apart (Bosse and Zlot 2009).
 };
 
+// Where the codebook of a new map comes from; see choose_codebook.h.
+enum class CodebookSource {
+  kAuto,     // Trained if the first session has enough descriptors, else shipped.
+  kShipped,  // Comes with Cairn.
+  kTrained,  // On the first session.
+};
+
 struct CodebookOptions {
+  CodebookSource source = CodebookSource::kAuto;
+  // A first session with fewer descriptors of landmarks gets the shipped codebook. Training needs
+  // 256. Trained on three photos, a codebook finds more inliers than the shipped one, and answers
+  // as many queries; see docs/figures.md.
+  int min_training_descriptors = 256;
   ProjectionKind projection = ProjectionKind::kPrincipalComponents;
   int projected_dim = 16;  // The paper finds diminishing returns above 16.
   int num_subspaces = 8;   // Bytes per descriptor; 8 x 256 words lose 2 % recall, 4 lose 17 %.

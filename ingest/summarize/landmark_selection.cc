@@ -42,8 +42,8 @@ class ObservationCountSelector : public LandmarkSelector {
       return graph.num_observations[i] < options_.min_observations;
     });
     std::sort(landmarks->begin(), landmarks->end(), [&](uint32_t a, uint32_t b) {
-      const int count_a = graph.num_observations[a];
-      const int count_b = graph.num_observations[b];
+      const double count_a = graph.num_observations[a];
+      const double count_b = graph.num_observations[b];
       return count_a != count_b ? count_a > count_b : a < b;
     });
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -16,6 +17,11 @@ constexpr uint32_t kDropped = std::numeric_limits<uint32_t>::max();
 template <typename T>
 void Append(const std::vector<T>& source, std::vector<T>* target) {
   target->insert(target->end(), source.begin(), source.end());
+}
+
+void RequireSameTile(const Tile& a, const Tile& b) {
+  CAIRN_CHECK(a.id == b.id && a.codebook_id == b.codebook_id && a.code_size == b.code_size,
+              "only contents of one tile in one codebook can be joined");
 }
 
 // Appends elements [begin, end) times `width`.
@@ -138,10 +144,28 @@ Tile WithoutSession(Tile tile, SessionId session_id) {
               [&](const TileKeyframe& keyframe) { return keyframe.session_id != session_id; });
 }
 
+Tile CutKeyframes(const Tile& tile, const std::function<bool(const TileKeyframe&)>& keep,
+                  bool and_unseen) {
+  std::vector<bool> is_seen(tile.num_landmarks(), false);
+  std::vector<bool> is_kept(tile.num_landmarks(), false);
+  for (size_t k = 0; k < tile.num_keyframes(); ++k) {
+    const bool keeps = keep(tile.keyframes[k]);
+    for (const uint32_t landmark_idx : tile.LandmarksOfKeyframe(k)) {
+      is_seen[landmark_idx] = true;
+      is_kept[landmark_idx] = is_kept[landmark_idx] || keeps;
+    }
+  }
+  std::vector<uint32_t> landmarks;
+  for (uint32_t i = 0; i < tile.num_landmarks(); ++i) {
+    if (is_kept[i] || (and_unseen && !is_seen[i])) {
+      landmarks.push_back(i);
+    }
+  }
+  return Pick(tile, landmarks, keep);
+}
+
 void AppendTile(const Tile& other, Tile* tile) {
-  CAIRN_CHECK(other.id == tile->id && other.codebook_id == tile->codebook_id &&
-                  other.code_size == tile->code_size,
-              "only contents of one tile in one codebook can be joined");
+  RequireSameTile(other, *tile);
   const auto num_landmarks = static_cast<uint32_t>(tile->num_landmarks());
   Append(other.landmark_ids, &tile->landmark_ids);
   Append(other.x_in_tile, &tile->x_in_tile);
@@ -158,6 +182,26 @@ void AppendTile(const Tile& other, Tile* tile) {
   AppendOffsets(other.keyframe_begin, &tile->keyframe_begin);
   for (const uint32_t landmark_idx : other.keyframe_landmarks) {
     tile->keyframe_landmarks.push_back(num_landmarks + landmark_idx);
+  }
+}
+
+void AppendMissing(const Tile& other, Tile* tile) {
+  RequireSameTile(other, *tile);
+  std::unordered_map<LandmarkId, uint32_t> idx_of_id;
+  for (uint32_t i = 0; i < tile->num_landmarks(); ++i) {
+    idx_of_id.emplace(tile->landmark_ids[i], i);
+  }
+  std::vector<uint32_t> new_idx;
+  for (uint32_t i = 0; i < other.num_landmarks(); ++i) {
+    const auto [found, is_missing] =
+        idx_of_id.emplace(other.landmark_ids[i], static_cast<uint32_t>(tile->num_landmarks()));
+    if (is_missing) {
+      AppendLandmark(other, i, tile);
+    }
+    new_idx.push_back(found->second);
+  }
+  for (size_t k = 0; k < other.num_keyframes(); ++k) {
+    AppendKeyframe(other, k, new_idx, tile);
   }
 }
 

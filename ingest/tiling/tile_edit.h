@@ -34,8 +34,17 @@ void ReplaceSightings(const std::vector<std::vector<LandmarkSighting>>& sighting
 // they are: a session's share in them cannot be told apart.
 Tile WithoutSession(Tile tile, SessionId session_id);
 
+// The tile with just these keyframes and the landmarks that they see, or, with `and_unseen`, those
+// that no keyframe of the tile sees, too.
+Tile CutKeyframes(const Tile& tile, const std::function<bool(const TileKeyframe&)>& keep,
+                  bool and_unseen);
+
 // Adds the content of `other`, which must be of the same tile and codebook.
 void AppendTile(const Tile& other, Tile* tile);
+
+// Adds the keyframes of `other`, which must be of the same tile and codebook, and those of its
+// landmarks that the tile lacks. Landmarks of an id that the tile has stay as they are there.
+void AppendMissing(const Tile& other, Tile* tile);
 
 }  // namespace cairn
 

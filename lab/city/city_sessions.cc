@@ -8,6 +8,7 @@
 
 #include "core/parallel_for.h"
 #include "lab/city/cameras/phone_queries.h"
+#include "lab/city/geometry/city_region.h"
 #include "lab/city/geometry/hashed_random.h"
 
 namespace cairn {
@@ -66,6 +67,25 @@ CitySession CitySessions::Record(int session_idx) const {
   session.ecef_from_world = mapping_.EcefFromWorld();
   session.ecef_from_world.translation += session.ecef_from_world.rotation * shift_in_site;
   return session;
+}
+
+std::unordered_set<uint64_t> CitySessions::Lasting(double from_years, double to_years) const {
+  const CityBox box = BoxAroundPoint(
+      {0.0, 0.0}, 0.5 * options_.city.SideM() + options_.queries.detector.max_range_m);
+  const auto ids_at = [&](double time_years) {
+    std::unordered_set<uint64_t> ids;
+    const CityRegion region(city_, box, time_years);
+    for (const RegionSurface& surface : region.surfaces()) {
+      for (const CityLandmark& landmark : surface.landmarks) {
+        ids.insert(landmark.id);
+      }
+    }
+    return ids;
+  };
+  const std::unordered_set<uint64_t> at_the_end = ids_at(to_years);
+  std::unordered_set<uint64_t> lasting = ids_at(from_years);
+  std::erase_if(lasting, [&](uint64_t id) { return !at_the_end.contains(id); });
+  return lasting;
 }
 
 std::vector<EvalQuery> CitySessions::Ask(double time_years,

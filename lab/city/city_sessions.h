@@ -34,9 +34,13 @@ class CitySessions {
   CitySessions(const CityWorldOptions& options, double georegistration_sigma_m);
 
   int size() const { return options_.mapping.num_passes; }
+  double TimeYears(int session) const { return options_.mapping.TimeYears(session); }
 
   // A pure function of the options and the number of the session.
   CitySession Record(int session) const;
+
+  // Ids of the landmarks that exist at both times, in all that queries can see.
+  std::unordered_set<uint64_t> Lasting(double from_years, double to_years) const;
 
   // Queries at a time; `mapped` holds the city landmarks that the maps under test should know. The
   // places depend on `seed` only.

@@ -7,6 +7,7 @@
 namespace cairn {
 
 void AddBenchCommand(CLI::App* app, Shell* shell);
+void AddCodebookCommand(CLI::App* app, Shell* shell);
 void AddExperimentCommand(CLI::App* app, Shell* shell);
 void AddSimulateCommand(CLI::App* app, Shell* shell);
 

@@ -9,6 +9,7 @@ void AddVerbs(CLI::App* app, Shell* shell) {
   AddSimulateCommand(app, shell);
   AddExperimentCommand(app, shell);
   AddBenchCommand(app, shell);
+  AddCodebookCommand(app, shell);
 }
 
 }  // namespace

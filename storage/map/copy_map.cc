@@ -10,6 +10,7 @@
 #include "storage/bytes/content_digest.h"
 #include "storage/database/transaction.h"
 #include "storage/geometry/geopackage.h"
+#include "storage/map/id_counters.h"
 #include "storage/map/layer_extent.h"
 #include "storage/map/map_backend.h"
 
@@ -175,6 +176,7 @@ class MapCopier {
     for (const Table& table : TablesAfterPayloads()) {
       CopyTable(table);
     }
+    CopyCounters();
     if (to_->dialect() == db::Dialect::kSqlite) {
       LayerExtents(to_).Write(to_);
     }
@@ -224,6 +226,16 @@ class MapCopier {
     } else {
       blobs->push_back(row.Blob(column));
       copy->BindAt(parameter, std::span<const uint8_t>(blobs->back()));
+    }
+  }
+
+  // The rows leave the counters behind the largest id of the latest version. Earlier versions,
+  // pruned ones and plans may have larger ids.
+  void CopyCounters() {
+    for (const IdCounter counter :
+         {IdCounter::kSession, IdCounter::kKeyframe, IdCounter::kCodebook}) {
+      const int64_t num_missing = NextId(from_, counter) - NextId(to_, counter);
+      TakeIds(to_, counter, std::max(int64_t{0}, num_missing));
     }
   }
 

@@ -64,7 +64,7 @@ int64_t NextId(db::Connection* connection, IdCounter counter) {
     next_id = row.Bind(names.table).Step() ? row.Int64(0) + 1 : 1;
   }
   if (next_id < 1 || next_id > kMaxId) {
-    throw Error(ErrorCode::kMapDamaged, fmt::format("{}: the counter of {} cannot be counted on",
+    throw Error(ErrorCode::kMapDamaged, fmt::format("{}: the id counter of {} is out of range",
                                                     connection->name(), names.table));
   }
   return next_id;

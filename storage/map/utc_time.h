@@ -1,4 +1,4 @@
-// Times as a map stores them; private to storage.
+// Times as a map stores them; private to storage and ingest.
 #ifndef CAIRN_STORAGE_MAP_UTC_TIME_H_
 #define CAIRN_STORAGE_MAP_UTC_TIME_H_
 

@@ -24,13 +24,19 @@ double TurnSteps(double angle_rad) {
   return 256.0 * (turns - std::floor(turns));
 }
 
+// Returns the nearest angle code that is a multiple of `step`, a power of two.
+uint8_t RoundedAngle(double angle_rad, int step) {
+  return static_cast<uint8_t>(step * std::lround(TurnSteps(angle_rad) / step) & 255);
+}
+
 double AngleFromSteps(uint8_t code) { return kTurnRad / 256.0 * (code <= 128 ? code : code - 256); }
 
-uint8_t LogCode(double value_m) {
+// Returns the nearest code that is a multiple of `step`.
+uint8_t LogCode(double value_m, int step) {
   CAIRN_CHECK(!std::isnan(value_m), "size must be a number");
   const double clamped = std::clamp(value_m, kMinSizeM, kMaxSizeM);
-  return static_cast<uint8_t>(
-      std::lround(255.0 * std::log(clamped / kMinSizeM) / std::log(kMaxSizeM / kMinSizeM)));
+  const double code = 255.0 * std::log(clamped / kMinSizeM) / std::log(kMaxSizeM / kMinSizeM);
+  return static_cast<uint8_t>(step * std::min<long>(std::lround(code / step), 255 / step));
 }
 
 double FromLogCode(uint8_t code) {
@@ -152,12 +158,8 @@ void Tile::Validate() const {
 }
 
 uint8_t OrientationCode(double angle_rad) {
-  const double steps = TurnSteps(angle_rad);
-  const int code = static_cast<int>(std::lround(steps)) & 255;
-  if (code != kNoOrientation) {
-    return static_cast<uint8_t>(code);
-  }
-  return steps <= kNoOrientation ? kNoOrientation - 1 : 0;
+  static_assert(kNoOrientation % kOrientationCodeStep != 0);
+  return RoundedAngle(angle_rad, kOrientationCodeStep);
 }
 
 double OrientationFromCode(uint8_t code) {
@@ -165,15 +167,13 @@ double OrientationFromCode(uint8_t code) {
   return AngleFromSteps(code);
 }
 
-uint8_t AzimuthCode(double azimuth_rad) {
-  return static_cast<uint8_t>(std::lround(TurnSteps(azimuth_rad)) & 255);
-}
+uint8_t AzimuthCode(double azimuth_rad) { return RoundedAngle(azimuth_rad, kAzimuthCodeStep); }
 
 double AzimuthFromCode(uint8_t code) { return AngleFromSteps(code); }
 
-uint8_t SizeCode(double size_m) { return LogCode(size_m); }
+uint8_t SizeCode(double size_m) { return LogCode(size_m, kSizeCodeStep); }
 double SizeFromCode(uint8_t code) { return FromLogCode(code); }
-uint8_t SigmaCode(double sigma_m) { return LogCode(sigma_m); }
+uint8_t SigmaCode(double sigma_m) { return LogCode(sigma_m, 1); }
 double SigmaFromCode(uint8_t code) { return FromLogCode(code); }
 
 uint8_t WeightCode(double num_sights) {

@@ -89,20 +89,24 @@ struct Tile {
 };
 
 // One-byte codes of the attributes of descriptors and landmarks. Angles must be finite and sizes
-// must be numbers. A full turn has 256 angle codes; code 0 is angle 0. In orientations,
-// kNoOrientation marks a meaningless angle (the viewing ray was vertical); an angle that would get
-// this code gets the neighbouring code.
+// must be numbers. A full turn has 256 angle codes; code 0 is angle 0. Writers use only the
+// multiples of a step, which are as precise as matching needs and take fewer bits; readers take
+// every code. In orientations, kNoOrientation marks a meaningless angle (the viewing ray was
+// vertical).
 inline constexpr uint8_t kNoOrientation = 255;
-uint8_t OrientationCode(double angle_rad);  // Never returns kNoOrientation.
-double OrientationFromCode(uint8_t code);   // In (-pi, pi]; `code` must not be kNoOrientation.
-uint8_t AzimuthCode(double azimuth_rad);    // Uses all 256 codes; azimuth = atan2(north, east).
+inline constexpr int kOrientationCodeStep = 4;  // 5.6 degrees.
+inline constexpr int kAzimuthCodeStep = 8;      // 11.25 degrees.
+inline constexpr int kSizeCodeStep = 4;         // 19 %.
+uint8_t OrientationCode(double angle_rad);      // Never returns kNoOrientation.
+double OrientationFromCode(uint8_t code);       // In (-pi, pi]; `code` must not be kNoOrientation.
+uint8_t AzimuthCode(double azimuth_rad);        // azimuth = atan2(north, east).
 double AzimuthFromCode(uint8_t code);
-// The physical size of a keypoint is scale_px / focal_px * distance, metres. Codes cover 1 mm to 60
-// m in steps of 4.4 % (log scale); sizes outside are clamped.
+// The physical size of a keypoint is scale_px / focal_px * distance, metres. 256 codes cover 1 mm
+// to 60 m at equal ratios of 4.4 %; sizes outside are clamped.
 uint8_t SizeCode(double size_m);
 double SizeFromCode(uint8_t code);
 // Standard deviation of a landmark position (root mean square over the axes), metres. The scale is
-// that of SizeCode: 1 mm to 60 m, clamped.
+// that of SizeCode, and every code is used: each merge shrinks a deviation by a few per cent.
 uint8_t SigmaCode(double sigma_m);
 double SigmaFromCode(uint8_t code);
 

@@ -29,6 +29,19 @@ void PutDeltas(const Range& values, const ToUnsigned& to_unsigned, TileColumnWri
   writer->PutPlanes(std::span<const uint64_t>(deltas));
 }
 
+// Writes the difference of each Morton code to its predecessor, modulo 2^64, in byte planes. Codes
+// ascend along the curve, so the differences need no sign.
+void PutPositions(const std::vector<Eigen::Vector3f>& x_in_tile, TileColumnWriter* writer) {
+  std::vector<uint64_t> gaps(x_in_tile.size());
+  uint64_t previous = 0;
+  for (size_t i = 0; i < x_in_tile.size(); ++i) {
+    const uint64_t code = MortonFromPosition(x_in_tile[i]);
+    gaps[i] = code - previous;
+    previous = code;
+  }
+  writer->PutPlanes(std::span<const uint64_t>(gaps));
+}
+
 // Writes the sizes of the groups that the offsets delimit.
 void PutGroupSizes(std::span<const uint32_t> begin, TileColumnWriter* writer) {
   std::vector<uint32_t> sizes(begin.size() - 1);
@@ -142,7 +155,7 @@ std::vector<uint8_t> EncodeTile(const Tile& tile, const TileLists& lists) {
   const std::vector<uint8_t> observations = EncodeObservations(tile);
   TileColumnWriter writer;
   PutLists(lists, &writer);
-  PutDeltas(tile.x_in_tile, MortonFromPosition, &writer);
+  PutPositions(tile.x_in_tile, &writer);
   PutDeltas(
       tile.landmark_ids, [](LandmarkId id) { return Value(id); }, &writer);
   PutGroupSizes(tile.descriptor_begin, &writer);
@@ -189,7 +202,7 @@ std::set<SessionId> SessionsInPayload(std::span<const uint8_t> blob) {
   const TileColumns columns(blob, TileDecodeLimits());
   TileColumnReader reader(columns);
   for (const size_t column : {kSightingSessionsColumn, kKeyframeSessionsColumn}) {
-    reader.GetDeltas(column, [&](size_t, std::span<const uint64_t> values) {
+    reader.GetSums(column, Difference::kSigned, [&](size_t, std::span<const uint64_t> values) {
       for (const uint64_t value : values) {
         sessions.insert(SessionId(static_cast<int64_t>(value)));
       }

@@ -298,8 +298,8 @@ LargeVector<uint32_t> TileColumnReader::GetPlanes32(size_t column) {
   return values;
 }
 
-void TileColumnReader::GetDeltas(
-    size_t column, const std::function<void(size_t, std::span<const uint64_t>)>& take) {
+void TileColumnReader::GetSums(size_t column, Difference difference,
+                               const std::function<void(size_t, std::span<const uint64_t>)>& take) {
   const std::array planes = GetPlanes<uint64_t>(column);
   const size_t size = columns_.header().ColumnSize(column);
   std::array<uint64_t, kStretch> values;
@@ -307,8 +307,11 @@ void TileColumnReader::GetDeltas(
   for (size_t begin = 0; begin < size; begin += kStretch) {
     const size_t count = std::min(kStretch, size - begin);
     JoinPlanes(planes, begin, count, values.data());
+    if (difference == Difference::kSigned) {
+      std::transform(values.begin(), values.begin() + count, values.begin(), UnZigZag);
+    }
     for (size_t i = 0; i < count; ++i) {
-      sum += UnZigZag(values[i]);
+      sum += values[i];
       values[i] = sum;
     }
     take(begin, {values.data(), count});

@@ -119,6 +119,12 @@ class TileColumns {
   std::array<uint64_t, kNumTileColumns + 1> begin_;
 };
 
+// How differences of 64-bit numbers are stored.
+enum class Difference {
+  kSigned,    // Zigzag, so that small negative differences are small numbers.
+  kUnsigned,  // Modulo 2^64.
+};
+
 // Decodes columns. Use each reader from one thread.
 class TileColumnReader {
  public:
@@ -136,7 +142,8 @@ class TileColumnReader {
   LargeVector<uint32_t> GetPlanes32(size_t column);
   // Decodes the running sums of the differences whose planes start at `column`. Calls take(begin,
   // sums) for consecutive stretches of numbers, each small enough for the cache.
-  void GetDeltas(size_t column, const std::function<void(size_t, std::span<const uint64_t>)>& take);
+  void GetSums(size_t column, Difference difference,
+               const std::function<void(size_t, std::span<const uint64_t>)>& take);
   // Decodes group sizes whose planes start at `column` into offsets: the first is 0, and there is
   // one more offset than groups. Throws Error(kMapDamaged), naming `what`, unless the sizes add up
   // to `total`.

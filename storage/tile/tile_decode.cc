@@ -80,10 +80,11 @@ class Allotter {
 
 template <typename Id>
 void GetIds(size_t column, TileColumnReader* reader, Id* ids) {
-  reader->GetDeltas(column, [ids](size_t begin, std::span<const uint64_t> values) {
-    std::transform(values.begin(), values.end(), ids + begin,
-                   [](uint64_t value) { return static_cast<Id>(value); });
-  });
+  reader->GetSums(column, Difference::kSigned,
+                  [ids](size_t begin, std::span<const uint64_t> values) {
+                    std::transform(values.begin(), values.end(), ids + begin,
+                                   [](uint64_t value) { return static_cast<Id>(value); });
+                  });
 }
 
 // Replaces each byte by the sum of all bytes up to it, modulo 256. Sixteen bytes are summed at a
@@ -124,9 +125,10 @@ void GetByteSums(size_t column, size_t count, TileColumnReader* reader, uint8_t*
 }
 
 void GetLandmarks(const TileHeader& header, TileColumnReader* reader, const LandmarkArrays& to) {
-  reader->GetDeltas(kPositionsColumn, [&to](size_t begin, std::span<const uint64_t> codes) {
-    PositionsFromMorton(codes, to.x_in_tile + begin);
-  });
+  reader->GetSums(kPositionsColumn, Difference::kUnsigned,
+                  [&to](size_t begin, std::span<const uint64_t> codes) {
+                    PositionsFromMorton(codes, to.x_in_tile + begin);
+                  });
   GetIds(kLandmarkIdsColumn, reader, to.landmark_ids);
   reader->GetOffsets(kDescriptorCountsColumn, header.num_descriptors, "descriptors",
                      to.descriptor_begin);

@@ -68,7 +68,8 @@ TEST_F(OptionsFile, AMistakeIsAUsageErrorOfEveryVerbThatTakesOne) {
       {"serve", map_},
       {"localize", map_, "--image", "photo.jpg"},
       {"eval", map_, "--queries", "queries.json"},
-      {"ingest", map_, "--model", "m", "--database", "d", "--gps"}};
+      {"ingest", map_, "--model", "m", "--database", "d", "--gps"},
+      {"merge", map_, map_, "--out", dir_.File("c.gpkg")}};
   for (std::vector<std::string> arguments : verbs) {
     arguments.insert(arguments.end(), {"--options", path});
     const Finished finished = RunCairn(arguments);

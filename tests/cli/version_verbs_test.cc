@@ -61,6 +61,7 @@ TEST_F(VersionVerbs, LogListsTheVersions) {
   EXPECT_NE(log[0]["author"], "");
   EXPECT_EQ(RunForJson({"log", map_, "--json", "--limit", "1"}).size(), 1u);
   EXPECT_THAT(RunCairn({"log", map_}).out, HasSubstr("ingest   place 0: a test"));
+  ExpectFails({"log", map_, "--limit", "0"}, 2, "'0' is not a number above 0");
 }
 
 TEST_F(VersionVerbs, DiffShowsTilesLandmarksAndBytes) {

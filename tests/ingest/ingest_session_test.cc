@@ -158,7 +158,8 @@ TEST_F(IngestSessionTest, AttributesAreThoseOfTheLandmarks) {
           });
       const double orientation_rad = OrientationFromCode(tile.orientation_codes[i]);
       EXPECT_NEAR(WrapAngleRad(orientation_rad - landmark->rectified_orientation_rad), 0.0, 0.05);
-      EXPECT_NEAR(std::log(SizeFromCode(tile.size_codes[i]) / landmark->size_m), 0.0, 0.05);
+      // Half a step of the codes, 9 %.
+      EXPECT_NEAR(std::log(SizeFromCode(tile.size_codes[i]) / landmark->size_m), 0.0, 0.09);
       // Seen from the street: the camera lies south of the northern facade.
       EXPECT_LT(std::sin(AzimuthFromCode(tile.azimuth_codes[i])) * x_in_enu.y(), 0.0);
       EXPECT_LE(SigmaFromCode(tile.sigma_codes[i]), options.max_sigma_m * 1.05);
@@ -303,6 +304,23 @@ TEST_F(IngestSessionTest, KeyframesOfAViewpointAreThoseOfTheTwoNewestSessions) {
   EXPECT_TRUE(store_.Check({}).problems.empty());
 }
 
+TEST_F(IngestSessionTest, APlaceThatThreeSessionsKnowKeepsItsSize) {
+  testing::StreetWorldOptions street = SmallStreet();
+  int64_t bytes_of_three = 0;
+  for (int day = 1; day <= 8; ++day) {
+    street.view_seed = static_cast<uint64_t>(day);
+    const IngestReport report =
+        Ingest(testing::StreetWorld(street), OptionsFor("day " + std::to_string(day)));
+    const int64_t bytes = store_.Snapshot().Info().payload_bytes;
+    bytes_of_three = day == 3 ? bytes : bytes_of_three;
+    if (day > 3) {
+      EXPECT_GT(report.changes.num_merged, report.changes.num_new);
+      EXPECT_LE(bytes, bytes_of_three * 105 / 100);
+      EXPECT_GE(bytes, bytes_of_three * 90 / 100);
+    }
+  }
+}
+
 TEST_F(IngestSessionTest, AMovedSessionIsBroughtToTheMap) {
   const testing::StreetWorld world(SmallStreet());
   Ingest(world, OptionsFor("monday"));
@@ -314,6 +332,28 @@ TEST_F(IngestSessionTest, AMovedSessionIsBroughtToTheMap) {
                                             OptionsFor("tuesday"), &store_, {});
   EXPECT_NEAR(report.comparison.fit.moved_m, std::hypot(1.0, 0.5), 0.05);
   EXPECT_GT(report.changes.num_merged, 4 * report.changes.num_new);
+}
+
+TEST_F(IngestSessionTest, ASessionOfAnotherSizeTakesTheSizeOfTheMap) {
+  const testing::StreetWorld world(SmallStreet());
+  Ingest(world, OptionsFor("monday"));
+  testing::StreetWorldOptions other_day = SmallStreet();
+  other_day.view_seed = 77;
+  const Reconstruction tuesday = testing::StreetWorld(other_day).Reconstruct();
+  Sim3d larger = world.EcefFromWorld();
+  larger.scale *= 1.03;
+  const IngestReport report = IngestSession(tuesday, larger, OptionsFor("tuesday"), &store_, {});
+  EXPECT_NEAR(report.comparison.fit.scale, 1.0 / 1.03, 0.002);
+  EXPECT_GT(report.changes.num_merged, 4 * report.changes.num_new);
+  const MapSnapshot map = store_.Snapshot();
+  for (const KeyframeRecord& keyframe : map.KeyframesOfSession(map.FindSession("tuesday")->id)) {
+    const auto image = std::find_if(
+        tuesday.images.begin(), tuesday.images.end(),
+        [&](const ReconImage& candidate) { return candidate.name == keyframe.image_name; });
+    const Rigid3d truth = CamFromTarget(image->cam_from_world, world.EcefFromWorld());
+    EXPECT_LT((keyframe.cam_from_ecef.Inverse().translation - truth.Inverse().translation).norm(),
+              0.1);
+  }
 }
 
 TEST_F(IngestSessionTest, ASessionThatContradictsTheMapIsRefusedWithFigures) {
@@ -358,14 +398,14 @@ TEST_F(IngestSessionTest, TheSameReconstructionUnderAnotherNameIsNoticed) {
   EXPECT_EQ(CodeOf([&] { Ingest(world, OptionsFor("tuesday")); }), ErrorCode::kConflict);
 }
 
-TEST_F(IngestSessionTest, WhatNoLaterSessionSeesFades) {
+TEST_F(IngestSessionTest, WhatNoLaterSessionSeesGoes) {
   testing::StreetWorldOptions street = SmallStreet();
   IngestOptions options = OptionsFor("2016");
   options.recorded_at = "2016-06-01T00:00:00Z";
   const Reconstruction first = testing::StreetWorld(street).Reconstruct();
   IngestSession(first, testing::StreetWorld(street).EcefFromWorld(), options, &store_, {});
   const int64_t num_gone_before = CountBefore(15.0, street);
-  int64_t num_faded = 0;
+  int64_t num_gone = 0;  // Faded, or evicted for what the place has now.
   for (const int year : {2017, 2018, 2019, 2020, 2021}) {
     street.view_seed = static_cast<uint64_t>(year);
     Reconstruction later = testing::StreetWorld(street).Reconstruct();
@@ -375,11 +415,12 @@ TEST_F(IngestSessionTest, WhatNoLaterSessionSeesFades) {
     });
     options.session_name = std::to_string(year);
     options.recorded_at = std::to_string(year) + "-06-01T00:00:00Z";
-    num_faded +=
+    const TileChanges changes =
         IngestSession(later, testing::StreetWorld(street).EcefFromWorld(), options, &store_, {})
-            .changes.num_faded;
+            .changes;
+    num_gone += changes.num_faded + changes.num_evicted;
   }
-  EXPECT_GT(num_faded, num_gone_before / 3);
+  EXPECT_GT(num_gone, num_gone_before / 3);
   EXPECT_LT(CountBefore(15.0, street), num_gone_before / 2);
 }
 

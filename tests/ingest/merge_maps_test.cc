@@ -39,7 +39,7 @@ class MergedMap : public ::testing::Test {
  protected:
   void ExpectRefused(const MapStore& b, ErrorCode code, const std::string& text) {
     try {
-      MergeMaps(a_, b, to_, {});
+      MergeMaps(a_, b, to_, {}, {});
       FAIL() << "was merged";
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), code);
@@ -57,7 +57,7 @@ TEST_F(MergedMap, HoldsBothMaps) {
   const MapStore b = MakePlaces(dir_.path() / "b.gpkg", 2, 4, "b ");
   std::vector<int64_t> done;
   const MergeReport report =
-      MergeMaps(a_, b, to_, [&done](int64_t num_done, int64_t) { done.push_back(num_done); });
+      MergeMaps(a_, b, to_, {}, [&done](int64_t num_done, int64_t) { done.push_back(num_done); });
   EXPECT_EQ(report.num_tiles_of_both, 1);
   EXPECT_EQ(report.totals.num_tiles, 5);
   EXPECT_EQ(report.totals.num_sessions, 6);
@@ -77,7 +77,7 @@ TEST_F(MergedMap, HoldsBothMaps) {
 
 TEST_F(MergedMap, KeepsPositionsAndDescriptors) {
   const MapStore b = MakePlaces(dir_.path() / "b.gpkg", 2, 4, "b ");
-  MergeMaps(a_, b, to_, {});
+  MergeMaps(a_, b, to_, {}, {});
   const std::string landmarks =
       "SELECT x_m, y_m, z_m, sigma_m, num_descriptors, num_keyframes FROM cairn_landmarks "
       "WHERE tile = '" +
@@ -88,7 +88,7 @@ TEST_F(MergedMap, KeepsPositionsAndDescriptors) {
 
 TEST_F(MergedMap, WithAnEmptyMapIsTheOther) {
   const MapStore empty = MapStore::Create(dir_.File("b.gpkg"));
-  EXPECT_EQ(MergeMaps(empty, a_, to_, {}).totals.num_landmarks, 90);
+  EXPECT_EQ(MergeMaps(empty, a_, to_, {}, {}).totals.num_landmarks, 90);
   EXPECT_THAT(MapStore::Open(to_, OpenMode::kReadOnly).Check({}).problems, IsEmpty());
 }
 
@@ -97,7 +97,7 @@ TEST_F(MergedMap, OfTwoCodebooksIsRefused) {
   MapUpdate update = b.BeginUpdate();
   update.AddCodebook(testing::RandomCodebook({.seed = 2}));
   update.Publish();
-  ExpectRefused(b, ErrorCode::kConflict, "only maps of one codebook can be merged");
+  ExpectRefused(b, ErrorCode::kConflict, "run `cairn recode ");
 }
 
 TEST_F(MergedMap, OfTwoKindsOfDescriptorsIsRefused) {
@@ -130,7 +130,7 @@ TEST_F(MergedMap, OfOneRecordingUnderTwoNamesIsRefused) {
 
 TEST_F(MergedMap, IsNotMadeOverAnother) {
   const MapStore b = MapStore::Create(dir_.File("b.gpkg"));
-  EXPECT_EQ(ErrorCodeOf([&] { MergeMaps(a_, b, b.path(), {}); }), ErrorCode::kConflict);
+  EXPECT_EQ(ErrorCodeOf([&] { MergeMaps(a_, b, b.path(), {}, {}); }), ErrorCode::kConflict);
 }
 
 const testing::MapOperation kMerge = {
@@ -142,7 +142,7 @@ const testing::MapOperation kMerge = {
     [](const fs::path& folder) {
       const MapStore a = MapStore::Open((folder / "a.gpkg").string(), OpenMode::kReadWrite);
       const MapStore b = MapStore::Open((folder / "b.gpkg").string(), OpenMode::kReadWrite);
-      MergeMaps(a, b, (folder / "c.gpkg").string(), {});
+      MergeMaps(a, b, (folder / "c.gpkg").string(), {}, {});
     }};
 
 TEST(MergeFaults, KillsLeaveNoHalfMap) { testing::ExpectWholeVersionsAfterKills(kMerge, 34); }

@@ -8,11 +8,14 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "core/error.h"
 #include "storage/map/copy_map.h"
 #include "storage/map/map_store.h"
 #include "storage/postgres/address.h"
+#include "storage/tile/tile_codec.h"
+#include "support/cut_wire.h"
 #include "support/map_builder.h"
 #include "support/places.h"
 #include "support/postgres_cluster.h"
@@ -75,11 +78,11 @@ class PostgresTest : public ::testing::Test {
     Put(0);
   }
 
-  void Put(int place) {
+  void Put(int place, int num_landmarks = 20) {
     MapStore store = exists_ ? MapStore::Open(url_, OpenMode::kReadWrite) : MapStore::Create(url_);
     exists_ = true;
     MapUpdate update = store.BeginUpdate();
-    PutPlace(place, 1, &update);
+    PutPlace(place, 1, &update, num_landmarks);
     update.Publish();
   }
 
@@ -132,6 +135,34 @@ TEST_F(PostgresTest, AFrozenServerIsGivenUpAtTheDeadline) {
   cluster_->Thaw();
   EXPECT_TRUE(ComesTrue([&] { return !store.Snapshot().is_stale(); }));
   EXPECT_EQ(store.Snapshot().AllTiles(1).size(), 1u);
+}
+
+TEST_F(PostgresTest, AnAnswerCutOffHalfwayThroughAPayloadIsGivenUp) {
+  constexpr int kNumLandmarks = 20'000;
+  Put(0, kNumLandmarks);
+  testing::CutWire wire(cluster_->folder());
+  const MapStore store = MapStore::Open("postgresql:///city?host=" + wire.folder() + "&user=cairn",
+                                        OpenMode::kServing);
+  const std::vector<TileRecord> tiles = store.Snapshot().FindTiles(Box());
+  ASSERT_EQ(tiles.size(), 1u);
+  ASSERT_GT(tiles[0].num_bytes, 500'000);
+  const auto load = [&](Clock::time_point deadline) {
+    return store.Snapshot(deadline).LoadPayload(tiles[0].payload_id);
+  };
+  for (const auto kind : {testing::CutWire::Kind::kSilent, testing::CutWire::Kind::kClosed}) {
+    wire.CutAfter(tiles[0].num_bytes / 2, kind);
+    const Clock::time_point begin = Clock::now();
+    EXPECT_EQ(ErrorCodeOf([&] { load(begin + milliseconds(300)); }), ErrorCode::kUnavailable);
+    EXPECT_EQ(store.Snapshot().FindTiles(Box()).size(), 1u);  // Cached.
+    wire.Mend();
+    EXPECT_TRUE(ComesTrue([&] {
+      return ErrorCodeOf([&] { load(Clock::now() + std::chrono::seconds(5)); }) !=
+             ErrorCode::kUnavailable;
+    }));
+    const auto payload = load(Clock::now() + std::chrono::seconds(5));
+    EXPECT_EQ(std::ssize(payload), tiles[0].num_bytes);
+    EXPECT_EQ(DecodeTile(payload).num_landmarks(), size_t{kNumLandmarks});
+  }
 }
 
 TEST_F(PostgresTest, AMapGoesToAFileAndBackToTheByte) {

@@ -72,8 +72,8 @@ TEST(MatchFeatures, OrdersByKeypointAndFillsEveryField) {
   EXPECT_EQ(matches[0].tile_idx, 0);
   EXPECT_EQ(matches[0].x_in_anchor, Eigen::Vector3d(104.0, 205.0, 9.0));
   EXPECT_NEAR(matches[0].sigma_m, 0.05, 0.0025);
-  EXPECT_NEAR(matches[0].size_m, 0.1, 0.005);
-  EXPECT_NEAR(matches[0].azimuth_rad, 1.0, 0.02);
+  EXPECT_NEAR(matches[0].size_m, 0.1, 0.01);  // Half a step of the codes, as below.
+  EXPECT_NEAR(matches[0].azimuth_rad, 1.0, 0.1);
   EXPECT_EQ(matches[1].keypoint_idx, 1);
   EXPECT_EQ(matches[1].landmark_idx, 0u);
 }
@@ -300,7 +300,7 @@ TEST(MatchFeatures, OrientationsWrapAround) {
   options.max_orientation_difference_rad = 0.2;
   const auto matches = Match(SimpleQuery({{0.0f, -kPi + 0.05}}), tiles, options);
   ASSERT_EQ(matches.size(), 1u);
-  EXPECT_LT(matches[0].sq_distance, 0.02f);
+  EXPECT_LT(matches[0].sq_distance, 0.025f);  // 0.1 rad, and half a step of the codes.
 }
 
 TEST(MatchFeatures, HardFilterRejectsOtherOrientationsAndPassesUnknownOnes) {

@@ -18,6 +18,20 @@ TEST(AppendSighting, SumsUpTheOldestOnceThereAreTooMany) {
   EXPECT_EQ(history[4], (LandmarkSighting{S(7), 7, 200}));
 }
 
+TEST(AppendSighting, ASumJoinsTheSum) {
+  std::vector<LandmarkSighting> history = {{SessionId{}, 2, 3}, {S(1), 1, 1}};
+  AppendSighting({SessionId{}, 4, 5}, &history);
+  EXPECT_EQ(history, (std::vector<LandmarkSighting>{{SessionId{}, 6, 8}, {S(1), 1, 1}}));
+  history = {{S(1), 1, 1}};
+  AppendSighting({SessionId{}, 4, 5}, &history);
+  EXPECT_EQ(history, (std::vector<LandmarkSighting>{{SessionId{}, 4, 5}, {S(1), 1, 1}}));
+  history = {{S(1), 1, 2}, {S(2), 1, 2}, {S(3), 1, 2}, {S(4), 1, 2}, {S(5), 1, 2}};
+  AppendSighting({SessionId{}, 4, 5}, &history);
+  ASSERT_EQ(history.size(), Tile::kMaxSightings);
+  EXPECT_EQ(history[0], (LandmarkSighting{SessionId{}, 5, 7}));
+  EXPECT_EQ(history[1], (LandmarkSighting{S(2), 1, 2}));
+}
+
 TEST(ExistenceProbability, ASightProvesIt) {
   const SessionTimes times = {{S(1), 0.0}, {S(2), 5.0}};
   const std::vector<LandmarkSighting> history = {{S(1), 0, 9}, {S(2), 1, 9}};

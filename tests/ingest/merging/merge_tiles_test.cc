@@ -93,18 +93,36 @@ TEST(MergeTiles, NeverKeepsMoreDescriptorsThanAllowed) {
 }
 
 TEST(AdmitLandmarks, TakesWhatIsKnownAndFillsUpWhatIsMissing) {
-  const TwoTiles tiles;
+  TwoTiles tiles;
+  for (size_t i = 0; i < 15; ++i) {
+    tiles.fresh.landmark_ids[20 + i] = LandmarkId(5000 + i);  // Half of the common ones.
+  }
   const std::vector<uint32_t> only_known = AdmitLandmarks(tiles.known, tiles.fresh, 0);
-  EXPECT_EQ(only_known.size(), 30u);
+  EXPECT_EQ(only_known.size(), 15u);
   const std::vector<uint32_t> all = AdmitLandmarks(tiles.known, tiles.fresh, 1000);
   std::vector<bool> is_seen(50, false);
   for (const uint32_t i : tiles.fresh.keyframe_landmarks) {
     is_seen[i] = true;
   }
   for (const uint32_t i : all) {
-    EXPECT_TRUE(is_seen[i] || i >= 20);
+    EXPECT_TRUE(is_seen[i] || i >= 35);
   }
   EXPECT_GT(all.size(), only_known.size());
+  EXPECT_LT(all.size(), 50u);
+}
+
+TEST(AdmitLandmarks, APhotoThatSeesEnoughOfItsLandmarksInTheMapAddsNone) {
+  TwoTiles tiles;
+  tiles.fresh.keyframe_landmarks.clear();
+  tiles.fresh.keyframe_begin = {0};
+  for (size_t k = 0; k < tiles.fresh.num_keyframes(); ++k) {
+    for (uint32_t i = 12; i < 30; ++i) {  // 10 of them are known, 55 %.
+      tiles.fresh.keyframe_landmarks.push_back(i);
+    }
+    tiles.fresh.keyframe_begin.push_back(
+        static_cast<uint32_t>(tiles.fresh.keyframe_landmarks.size()));
+  }
+  EXPECT_EQ(AdmitLandmarks(tiles.known, tiles.fresh, 250).size(), 30u);
 }
 
 TEST(AdmitLandmarks, TakesAllThatAPhotoOnNewGroundSees) {

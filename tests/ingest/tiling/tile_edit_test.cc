@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -94,6 +95,36 @@ TEST(AppendTile, JoinsAndWithoutSessionTakesApart) {
   ExpectEqual(WithoutSession(joined, SessionId(2)), a);
   ExpectEqual(WithoutSession(joined, SessionId(1)), b);
   ExpectEqual(WithoutSession(joined, SessionId(3)), joined);
+}
+
+TEST(CutKeyframes, TakesWhatTheySee) {
+  const Tile tile = MakeTile(SessionId(1), 5);
+  const auto is_second = [](const TileKeyframe& keyframe) { return keyframe.id == KeyframeId(11); };
+  ExpectEqual(CutKeyframes(
+                  tile, [](const TileKeyframe&) { return true; }, false),
+              tile);
+  const Tile cut = CutKeyframes(tile, is_second, true);  // Every landmark is seen by the other.
+  EXPECT_EQ(cut.landmark_ids, (std::vector<LandmarkId>{LandmarkId(1001), LandmarkId(1003)}));
+  EXPECT_EQ(cut.num_keyframes(), 1u);
+  const Tile odd = PickKeyframes(tile, is_second);  // Landmarks 0, 2 and 4 have no keyframe.
+  EXPECT_EQ(CutKeyframes(odd, is_second, false).num_landmarks(), 2u);
+  ExpectEqual(CutKeyframes(odd, is_second, true), odd);
+  EXPECT_EQ(CutKeyframes(odd, std::not_fn(is_second), true).num_landmarks(), 3u);
+}
+
+TEST(AppendMissing, KeepsLandmarksThatAreThereAndAddsKeyframes) {
+  const Tile tile = MakeTile(SessionId(1), 5);
+  const auto is_second = [](const TileKeyframe& keyframe) { return keyframe.id == KeyframeId(11); };
+  Tile joined = CutKeyframes(tile, is_second, false);
+  Tile rest = CutKeyframes(tile, std::not_fn(is_second), false);
+  rest.sigma_codes.assign(rest.num_landmarks(), 99);
+  AppendMissing(rest, &joined);
+  EXPECT_NO_THROW(joined.Validate());
+  ASSERT_EQ(joined.num_landmarks(), 5u);
+  EXPECT_EQ(joined.sigma_codes, (std::vector<uint8_t>{1, 3, 99, 99, 99}));
+  ASSERT_EQ(joined.num_keyframes(), 2u);
+  EXPECT_EQ(joined.LandmarksOfKeyframe(0).size(), 2u);
+  EXPECT_EQ(joined.LandmarksOfKeyframe(1).size(), 5u);
 }
 
 TEST(WithoutSession, LeavesLandmarksThatOthersSawWithoutItsSightings) {

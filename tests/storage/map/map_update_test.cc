@@ -2,9 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
 #include <vector>
 
 #include "core/error.h"
+#include "storage/map/copy_map.h"
 #include "storage/map/map_store.h"
 #include "support/map_builder.h"
 #include "support/map_place.h"
@@ -89,6 +91,39 @@ TEST_P(MapUpdateTest, ReservedIdsAreGivenToNobodyElse) {
   update.Publish();
   EXPECT_EQ(Value(store.ReserveIds({.num_sessions = 1}).session), Value(fresh) + 1);
   EXPECT_TRUE(store.Check({}).problems.empty());
+}
+
+// Past versions have rows with the largest ids, and a plan has ids that no row has yet.
+TEST_P(MapUpdateTest, ACopyGivesOutNoIdThatTheMapEverGave) {
+  const Geodetic here = Geodetic::FromDegrees(49.0, 8.4, 100.0);
+  MapStore store = MapStore::Create(Place("a"));
+  const auto add = [&](const std::string& name) {
+    MapUpdate update = store.BeginUpdate();
+    const SessionId session = update.AddSession(NamedSession(name));
+    update.AddKeyframe(KeyframeAt(here, session));
+    update.AddKeyframe(KeyframeAt(here, session));
+    update.Publish();
+    return session;
+  };
+  add("kept");
+  const SessionId removed = add("removed");
+  {
+    MapUpdate update = store.BeginUpdate();
+    update.RemoveSession(removed);
+    update.Publish();
+  }
+  store.ReserveIds(
+      {.num_codebooks = 3, .num_sessions = 2, .num_keyframes = 10, .num_landmarks = 100});
+  CopyMap(Place("a"), Place("b"), {});
+  MapStore copy = MapStore::Open(Place("b"), OpenMode::kReadWrite);
+  const FirstIds next = store.ReserveIds({});
+  const FirstIds next_of_copy = copy.ReserveIds({});
+  EXPECT_EQ(next_of_copy.codebook, next.codebook);
+  EXPECT_EQ(next_of_copy.session, next.session);
+  EXPECT_EQ(next_of_copy.keyframe, next.keyframe);
+  EXPECT_EQ(next_of_copy.landmark, next.landmark);
+  EXPECT_EQ(Value(next_of_copy.session), Value(removed) + 3);
+  EXPECT_TRUE(copy.Check({}).problems.empty());
 }
 
 }  // namespace

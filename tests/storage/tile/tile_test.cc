@@ -12,8 +12,8 @@
 namespace cairn {
 namespace {
 
-TEST(OrientationCode, RoundTripsEveryCode) {
-  for (int code = 0; code < 255; ++code) {
+TEST(OrientationCode, RoundTripsEveryCodeThatIsWritten) {
+  for (int code = 0; code < 256; code += kOrientationCodeStep) {
     const double angle_rad = OrientationFromCode(static_cast<uint8_t>(code));
     EXPECT_GT(angle_rad, -kPi);
     EXPECT_LE(angle_rad, kPi);
@@ -24,23 +24,23 @@ TEST(OrientationCode, RoundTripsEveryCode) {
   EXPECT_EQ(OrientationFromCode(128), kPi);
 }
 
-TEST(OrientationCode, NeverMeansNone) {
-  const double step_rad = 2.0 * kPi / 256.0;
-  EXPECT_EQ(OrientationCode(-1.2 * step_rad), 254);
-  EXPECT_EQ(OrientationCode(-0.8 * step_rad), 0);
+TEST(OrientationCode, RoundsToTheNearestStepAndNeverMeansNone) {
   for (double angle_rad = -7.0; angle_rad < 7.0; angle_rad += 0.001) {
-    ASSERT_NE(OrientationCode(angle_rad), kNoOrientation) << angle_rad;
+    const uint8_t code = OrientationCode(angle_rad);
+    ASSERT_NE(code, kNoOrientation) << angle_rad;
+    const double error_rad = std::remainder(OrientationFromCode(code) - angle_rad, 2.0 * kPi);
+    ASSERT_LE(std::abs(error_rad), kOrientationCodeStep * kPi / 256.0 + 1e-12);
   }
 }
 
-TEST(AzimuthCode, RoundTripsEveryCodeAndRounds) {
-  for (int code = 0; code < 256; ++code) {
+TEST(AzimuthCode, RoundTripsEveryCodeThatIsWrittenAndRounds) {
+  for (int code = 0; code < 256; code += kAzimuthCodeStep) {
     EXPECT_EQ(AzimuthCode(AzimuthFromCode(static_cast<uint8_t>(code))), code);
   }
   for (double azimuth_rad = -6.0; azimuth_rad < 6.0; azimuth_rad += 0.01) {
     const double error_rad =
         std::remainder(AzimuthFromCode(AzimuthCode(azimuth_rad)) - azimuth_rad, 2.0 * kPi);
-    ASSERT_LE(std::abs(error_rad), kPi / 256.0 + 1e-12);
+    ASSERT_LE(std::abs(error_rad), kAzimuthCodeStep * kPi / 256.0 + 1e-12);
   }
 }
 
@@ -48,16 +48,23 @@ TEST(SizeCode, CoversAMillimetreToSixtyMetresInEqualRatios) {
   EXPECT_DOUBLE_EQ(SizeFromCode(0), 1e-3);
   EXPECT_NEAR(SizeFromCode(255), 60.0, 1e-9);
   for (int code = 0; code < 256; ++code) {
-    EXPECT_EQ(SizeCode(SizeFromCode(static_cast<uint8_t>(code))), code);
     EXPECT_EQ(SigmaCode(SigmaFromCode(static_cast<uint8_t>(code))), code);
+    EXPECT_LE(std::abs(SizeCode(SizeFromCode(static_cast<uint8_t>(code))) - code),
+              code < 254 ? kSizeCodeStep / 2 : kSizeCodeStep - 1);
   }
   EXPECT_NEAR(SizeFromCode(101) / SizeFromCode(100), 1.044, 0.001);
+}
+
+TEST(SizeCode, IsStableOnceRounded) {
+  for (int code = 0; code < 256; code += kSizeCodeStep) {
+    EXPECT_EQ(SizeCode(SizeFromCode(static_cast<uint8_t>(code))), code);
+  }
 }
 
 TEST(SizeCode, ClampsWhatIsOutside) {
   EXPECT_EQ(SizeCode(0.0), 0);
   EXPECT_EQ(SizeCode(-1.0), 0);
-  EXPECT_EQ(SizeCode(INFINITY), 255);
+  EXPECT_EQ(SizeCode(INFINITY), 252);
 }
 
 TEST(QuantizePosition, RoundsToTheNearestStep) {

@@ -1,0 +1,53 @@
+#include "cli/join_summary.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/angles.h"
+
+namespace cairn {
+
+void PrintComparison(const MapComparison& comparison, const char* queries) {
+  if (comparison.num_expected == 0) {
+    return;
+  }
+  fmt::print(
+      "comparison       the map recognizes {} of {} {}; {} agree on a move of {:.2f} m and "
+      "{:.2f} degrees and {:.3f} times the size, residual {:.3f} m median\n",
+      comparison.num_localized, comparison.num_expected, queries, comparison.fit.num_agreeing,
+      comparison.fit.moved_m, comparison.fit.turned_rad * kDegPerRad, comparison.fit.scale,
+      comparison.fit.median_residual_m);
+}
+
+void PrintChanges(const TileChanges& changes) {
+  fmt::print(
+      "                 {} merged, {} new, {} not needed, {} faded, {} evicted (one count for each "
+      "tile)\n",
+      changes.num_merged, changes.num_new, changes.num_not_needed, changes.num_faded,
+      changes.num_evicted);
+  fmt::print("keyframes        {} replaced\n", changes.num_keyframes_replaced);
+}
+
+nlohmann::ordered_json ComparisonJson(const MapComparison& comparison) {
+  return {{"photosExpected", comparison.num_expected},
+          {"photosRecognized", comparison.num_localized},
+          {"photosAgreeing", comparison.fit.num_agreeing},
+          {"movedM", comparison.fit.moved_m},
+          {"turnedDeg", comparison.fit.turned_rad * kDegPerRad},
+          {"scale", comparison.fit.scale},
+          {"medianResidualM", comparison.fit.median_residual_m}};
+}
+
+nlohmann::ordered_json ChangesJson(const TileChanges& changes) {
+  return {{"merged", changes.num_merged},
+          {"new", changes.num_new},
+          {"notNeeded", changes.num_not_needed},
+          {"faded", changes.num_faded},
+          {"evicted", changes.num_evicted},
+          {"keyframesReplaced", changes.num_keyframes_replaced},
+          {"bytesBefore", changes.num_bytes_before},
+          {"bytesAfter", changes.num_bytes_after}};
+}
+
+}  // namespace cairn

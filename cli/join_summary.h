@@ -1,0 +1,25 @@
+// What `cairn ingest`, `cairn plan` and `cairn merge` print about a session or a map that joined a
+// map.
+#ifndef CAIRN_CLI_JOIN_SUMMARY_H_
+#define CAIRN_CLI_JOIN_SUMMARY_H_
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "ingest/coregister/compare_with_map.h"
+#include "ingest/tile_changes.h"
+
+namespace cairn {
+
+// Prints what the map recognizes, unless nothing was to be recognized. `queries` names what was
+// asked for: "photos" or "keyframes".
+void PrintComparison(const MapComparison& comparison, const char* queries);
+
+// Prints what became of landmarks and keyframes.
+void PrintChanges(const TileChanges& changes);
+
+nlohmann::ordered_json ComparisonJson(const MapComparison& comparison);
+nlohmann::ordered_json ChangesJson(const TileChanges& changes);
+
+}  // namespace cairn
+
+#endif  // CAIRN_CLI_JOIN_SUMMARY_H_

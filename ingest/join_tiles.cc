@@ -1,0 +1,58 @@
+#include "ingest/join_tiles.h"
+
+#include <algorithm>
+#include <set>
+
+#include "ingest/merging/admit_landmarks.h"
+#include "ingest/merging/merge_tiles.h"
+#include "ingest/merging/place_budget.h"
+#include "ingest/merging/viewpoints.h"
+#include "ingest/tile_upkeep.h"
+#include "ingest/tiling/tile_edit.h"
+
+namespace cairn {
+namespace {
+
+int64_t CountCommon(const Tile& known, const Tile& fresh) {
+  const std::set<LandmarkId> ids(known.landmark_ids.begin(), known.landmark_ids.end());
+  return std::count_if(fresh.landmark_ids.begin(), fresh.landmark_ids.end(),
+                       [&](LandmarkId id) { return ids.contains(id); });
+}
+
+// The landmarks of `fresh` that the tile takes.
+Tile Admit(const Tile& known, const Tile& fresh, int enough_landmarks, TileChanges* changes) {
+  Tile admitted = PickLandmarks(fresh, AdmitLandmarks(known, fresh, enough_landmarks));
+  changes->num_merged = CountCommon(known, admitted);
+  changes->num_new = static_cast<int64_t>(admitted.num_landmarks()) - changes->num_merged;
+  changes->num_not_needed = static_cast<int64_t>(fresh.num_landmarks() - admitted.num_landmarks());
+  return admitted;
+}
+
+}  // namespace
+
+JoinedTile JoinTiles(const Tile& known, const Tile& fresh,
+                     const std::function<void(Tile*)>& note_chances,
+                     const TileJoinContext& context) {
+  const UpkeepOptions& upkeep = *context.upkeep;
+  JoinedTile joined;
+  TileChanges& changes = joined.changes;
+  const Tile admitted = Admit(known, fresh, upkeep.enough_landmarks, &changes);
+  Tile tile = MergeTiles(known, admitted, *context.codec, *context.summarizer, upkeep.merging);
+  note_chances(&tile);
+  Tile existing = WithoutFaded(tile, upkeep, *context.session_times);
+  changes.num_faded = static_cast<int64_t>(tile.num_landmarks() - existing.num_landmarks());
+
+  joined.replaced_keyframes = ReplacedKeyframes(existing, upkeep.viewpoints);
+  changes.num_keyframes_replaced = std::ssize(joined.replaced_keyframes);
+  tile = WithoutKeyframes(existing, joined.replaced_keyframes);
+
+  joined.tile =
+      SelectLandmarks(tile,
+                      RateByHistory(tile, *context.session_times, upkeep.persistence,
+                                    context.selection->min_observations),
+                      BytesOfPlace(known, admitted), *context.selection, *context.selector);
+  changes.num_evicted = static_cast<int64_t>(tile.num_landmarks() - joined.tile.num_landmarks());
+  return joined;
+}
+
+}  // namespace cairn

@@ -1,0 +1,45 @@
+// Joins what a session or another map has of a tile with what the map has. Private to ingest.
+#ifndef CAIRN_INGEST_JOIN_TILES_H_
+#define CAIRN_INGEST_JOIN_TILES_H_
+
+#include <functional>
+#include <vector>
+
+#include "ingest/ingest_options.h"
+#include "ingest/merging/landmark_history.h"
+#include "ingest/summarize/appearance.h"
+#include "ingest/summarize/landmark_selection.h"
+#include "ingest/tile_changes.h"
+#include "storage/codebook/descriptor_codec.h"
+#include "storage/tile/tile.h"
+
+namespace cairn {
+
+// What all tiles of an ingest or a merge share; nothing is owned.
+struct TileJoinContext {
+  const UpkeepOptions* upkeep = nullptr;
+  const LandmarkSelectionOptions* selection = nullptr;
+  const DescriptorCodec* codec = nullptr;
+  const AppearanceSummarizer* summarizer = nullptr;
+  const LandmarkSelector* selector = nullptr;  // Of `selection`.
+  const SessionTimes* session_times = nullptr;
+};
+
+struct JoinedTile {
+  Tile tile;
+  std::vector<KeyframeId> replaced_keyframes;  // The map drops them.
+  TileChanges changes;                         // Without bytes.
+};
+
+// Makes the tile of an ingest or a merge:
+// admit - merge - note chances - fade - replace keyframes - select.
+// Both tiles have the ids of one map, in which the sessions of `fresh` are newer, and equal
+// landmarks have equal ids. `note_chances` writes into the merged tile which landmarks the sessions
+// of `fresh` should have seen; see NoteChances.
+JoinedTile JoinTiles(const Tile& known, const Tile& fresh,
+                     const std::function<void(Tile*)>& note_chances,
+                     const TileJoinContext& context);
+
+}  // namespace cairn
+
+#endif  // CAIRN_INGEST_JOIN_TILES_H_

@@ -1,0 +1,80 @@
+#include "ingest/merging/place_budget.h"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <vector>
+
+#include "ingest/tile_upkeep.h"
+#include "support/tile_builder.h"
+
+namespace cairn {
+namespace {
+
+Tile TileOfSession(int64_t session_id, uint64_t first_landmark_id) {
+  testing::RandomTileOptions options;
+  options.session_id = session_id;
+  options.first_landmark_id = first_landmark_id;
+  options.first_keyframe_id = 100 * session_id;
+  return testing::RandomTile(options);
+}
+
+// A tile with keyframes and histories of `num_sessions` sessions.
+Tile TileOfSessions(int num_sessions) {
+  Tile tile = TileOfSession(1, 1);
+  for (int i = 0; i < num_sessions; ++i) {
+    tile.keyframes[static_cast<size_t>(i)].session_id = SessionId(i + 1);
+  }
+  return tile;
+}
+
+TEST(PlaceBudget, ATileGrowsFreelyUntilThreeSessionsHaveSeenIt) {
+  const Tile fresh = TileOfSession(9, 1000);
+  EXPECT_FALSE(BytesOfPlace(TileOfSessions(1), fresh).has_value());
+  EXPECT_FALSE(BytesOfPlace(TileOfSessions(2), fresh).has_value());
+  EXPECT_TRUE(BytesOfPlace(TileOfSessions(3), fresh).has_value());
+}
+
+TEST(PlaceBudget, HistoriesCountAsSessionsWhoseKeyframesAreGone) {
+  Tile tile = TileOfSessions(1);
+  tile.sightings[0].session_id = SessionId(7);
+  tile.sightings[1].session_id = SessionId(8);
+  EXPECT_TRUE(BytesOfPlace(tile, TileOfSession(9, 1000)).has_value());
+}
+
+TEST(PlaceBudget, PhotosOnKnownGroundAddNothing) {
+  const Tile known = TileOfSessions(3);
+  const Tile fresh = TileOfSession(9, 1000);  // From the same places.
+  EXPECT_EQ(BytesOfPlace(known, fresh), EstimateBytes(known));
+}
+
+TEST(PlaceBudget, NewGroundAddsWhatItsPhotosSeeAndTheTileDoesNotKnow) {
+  const Tile known = TileOfSessions(3);
+  const int64_t bytes = EstimateBytes(known);
+  Tile fresh = TileOfSession(9, 1000);
+  fresh.keyframes[0].cam_from_tile.translation.x() += 500.0;
+  const std::optional<int64_t> with_one = BytesOfPlace(known, fresh);
+  EXPECT_GT(with_one, bytes);
+  for (size_t k = 1; k < fresh.num_keyframes(); ++k) {
+    fresh.keyframes[k].cam_from_tile.translation.x() += 500.0;
+  }
+  const std::optional<int64_t> with_all = BytesOfPlace(known, fresh);
+  EXPECT_GT(with_all, with_one);
+  EXPECT_LE(with_all, bytes + EstimateBytes(fresh));
+  // Landmarks that the tile knows cost nothing more.
+  fresh.landmark_ids = known.landmark_ids;
+  EXPECT_LT(BytesOfPlace(known, fresh), with_one);
+}
+
+TEST(PlaceBudget, KeyframesDoNotTakeAllLandmarks) {
+  const Tile tile = TileOfSessions(3);
+  const LandmarkSelectionOptions options;
+  const std::vector<double> rates(tile.num_landmarks(), 2.0);
+  const auto selector = MakeLandmarkSelector(options);
+  const Tile selected = SelectLandmarks(tile, rates, /*max_bytes=*/1, options, *selector);
+  EXPECT_LT(selected.num_descriptors(), tile.num_descriptors());
+  EXPECT_GE(selected.num_descriptors(), tile.num_descriptors() / 2 - 4);  // Whole landmarks.
+}
+
+}  // namespace
+}  // namespace cairn

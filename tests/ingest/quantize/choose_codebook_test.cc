@@ -1,0 +1,78 @@
+#include "ingest/quantize/choose_codebook.h"
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "ingest/quantize/shipped_codebook.h"
+#include "support/reconstruction_builder.h"
+
+namespace cairn {
+namespace {
+
+Reconstruction Street(int descriptor_dim = 128) {
+  testing::StreetWorldOptions options;
+  options.length_m = 30.0;
+  options.num_landmarks = 500;
+  options.descriptor_dim = descriptor_dim;
+  return testing::StreetWorld(options).Reconstruct();
+}
+
+ErrorCode CodeOf(const Reconstruction& reconstruction, const CodebookOptions& options) {
+  try {
+    ChooseCodebook(reconstruction, options);
+  } catch (const Error& error) {
+    return error.code();
+  }
+  ADD_FAILURE() << "no error";
+  return ErrorCode::kInternal;
+}
+
+TEST(ShippedCodebook, HasTheShapeOfTheDefaults) {
+  const auto shipped = ShippedCodebook();
+  const CodebookOptions defaults;
+  EXPECT_NO_THROW(shipped->Validate());
+  EXPECT_EQ(shipped->descriptor_type, "sift");
+  EXPECT_EQ(shipped->raw_dim(), 128);
+  EXPECT_EQ(shipped->projected_dim(), defaults.projected_dim);
+  EXPECT_EQ(shipped->num_subspaces, defaults.num_subspaces);
+  EXPECT_EQ(shipped->same_landmark_distance_quantiles.size(), 19u);
+}
+
+TEST(ChooseCodebook, TakesTheShippedOneForASmallSession) {
+  CodebookOptions options;
+  options.min_training_descriptors = 1'000'000;
+  EXPECT_TRUE(IsShipped(*ChooseCodebook(Street(), options)));
+}
+
+TEST(ChooseCodebook, TrainsOnALargeSession) {
+  EXPECT_FALSE(IsShipped(*ChooseCodebook(Street(), CodebookOptions())));
+}
+
+TEST(ChooseCodebook, FollowsTheSourceWhateverTheSize) {
+  CodebookOptions options;
+  options.source = CodebookSource::kTrained;
+  options.min_training_descriptors = 1'000'000;
+  EXPECT_FALSE(IsShipped(*ChooseCodebook(Street(), options)));
+  options.source = CodebookSource::kShipped;
+  options.min_training_descriptors = 0;
+  EXPECT_TRUE(IsShipped(*ChooseCodebook(Street(), options)));
+}
+
+TEST(ChooseCodebook, TrainsWhatTheShippedOneDoesNotFit) {
+  CodebookOptions options;
+  options.min_training_descriptors = 1'000'000;
+  options.num_subspaces = 4;
+  EXPECT_FALSE(IsShipped(*ChooseCodebook(Street(), options)));
+  EXPECT_FALSE(IsShipped(*ChooseCodebook(Street(64), options)));
+}
+
+TEST(ChooseCodebook, RefusesTheShippedOneWhereItDoesNotFit) {
+  CodebookOptions options;
+  options.source = CodebookSource::kShipped;
+  EXPECT_EQ(CodeOf(Street(64), options), ErrorCode::kBadInput);
+  options.num_subspaces = 4;
+  EXPECT_EQ(CodeOf(Street(), options), ErrorCode::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace cairn
