@@ -92,7 +92,8 @@ def run(arguments, folder):
     store = database.Database()
     try:
         url = store.url("postgres")
-        subprocess.run([cairn, "copy", map_path, url], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([cairn, "copy", map_path, url], check=True, stdout=subprocess.DEVNULL,
+                       stderr=subprocess.DEVNULL)
         of_file, of_database = measure(cairn, map_path, url, list_path, arguments.rounds)
     finally:
         store.close()
