@@ -22,21 +22,29 @@ struct MapAsSession {
   std::vector<std::pair<TileId, size_t>> keyframe_of_image;  // Tile and index in the tile.
 };
 
-const KeyframeRecord& RecordOf(const std::vector<KeyframeRecord>& records, KeyframeId id,
-                               const MergeSource& map) {
-  const auto found = std::find_if(records.begin(), records.end(),
-                                  [&](const KeyframeRecord& record) { return record.id == id; });
-  if (found == records.end()) {
-    throw Error(ErrorCode::kMapDamaged, map.path() + ": a keyframe of a tile is not in the map");
+// The records of a tile's keyframes, in the order of the tile.
+std::vector<KeyframeRecord> RecordsOf(const Tile& tile, const MergeSource& map) {
+  std::unordered_map<KeyframeId, KeyframeRecord> records;
+  for (KeyframeRecord& record : map.KeyframesOfTile(tile.id)) {
+    const KeyframeId id = record.id;
+    records.emplace(id, std::move(record));
   }
-  return *found;
+  std::vector<KeyframeRecord> ordered;
+  for (const TileKeyframe& keyframe : tile.keyframes) {
+    const auto found = records.find(keyframe.id);
+    if (found == records.end()) {
+      throw Error(ErrorCode::kMapDamaged, map.path() + ": a keyframe of a tile is not in the map");
+    }
+    ordered.push_back(std::move(found->second));
+  }
+  return ordered;
 }
 
 // Adds a tile's keyframes as images without features.
 void AddImages(const Tile& tile, const MergeSource& map, MapAsSession* view) {
-  const std::vector<KeyframeRecord> records = map.KeyframesOfTile(tile.id);
+  const std::vector<KeyframeRecord> records = RecordsOf(tile, map);
   for (size_t k = 0; k < tile.num_keyframes(); ++k) {
-    const KeyframeRecord& record = RecordOf(records, tile.keyframes[k].id, map);
+    const KeyframeRecord& record = records[k];
     const auto image_idx = static_cast<int>(view->reconstruction.images.size());
     ReconImage& image = view->reconstruction.images.emplace_back();
     image.name = record.image_name;

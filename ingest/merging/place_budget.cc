@@ -6,6 +6,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "ingest/merging/viewpoint.h"
 #include "ingest/tiling/tile_edit.h"
 
 namespace cairn {
@@ -28,16 +29,6 @@ bool IsFull(const Tile& tile) {
     sessions.insert(sighting.session_id);
   }
   return sessions.size() >= kSessionsUntilFull;
-}
-
-struct Viewpoint {
-  Eigen::Vector3d center_in_tile;
-  Eigen::Vector3d axis_in_tile;  // Optical axis, unit.
-};
-
-Viewpoint ViewpointOf(const TileKeyframe& keyframe) {
-  const Rigid3d tile_from_cam = keyframe.cam_from_tile.Inverse();
-  return {tile_from_cam.translation, tile_from_cam.rotation * Eigen::Vector3d::UnitZ()};
 }
 
 // The keyframes of `fresh` without a keyframe of `known` nearby.

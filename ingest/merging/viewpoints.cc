@@ -8,6 +8,7 @@
 
 #include "core/check.h"
 #include "ingest/merging/landmark_history.h"
+#include "ingest/merging/viewpoint.h"
 #include "ingest/tiling/tile_edit.h"
 
 namespace cairn {
@@ -19,16 +20,6 @@ constexpr double kMinKeypointPx = 0.8, kMaxKeypointPx = 32.0;
 // Sessions whose keyframes a viewpoint keeps: the newest says what the place looks like now, and
 // the one before is left if the newest is removed.
 constexpr size_t kSessionsOfViewpoint = 2;
-
-struct Viewpoint {
-  Eigen::Vector3d center_in_tile;
-  Eigen::Vector3d axis_in_tile;  // Optical axis, unit.
-};
-
-Viewpoint ViewpointOf(const TileKeyframe& keyframe) {
-  const Rigid3d tile_from_cam = keyframe.cam_from_tile.Inverse();
-  return {tile_from_cam.translation, tile_from_cam.rotation * Eigen::Vector3d::UnitZ()};
-}
 
 // Keyframes of a tile by place; finds those of the same viewpoint.
 class ViewpointIndex {

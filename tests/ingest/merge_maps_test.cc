@@ -128,6 +128,19 @@ TEST_F(MergedMap, OfOneRecordingUnderTwoNamesIsRefused) {
   ExpectRefused(b, ErrorCode::kConflict, "are the same recording");
 }
 
+TEST_F(MergedMap, OfOneRecordingThatWasPlacedTwiceIsRefused) {
+  MapStore b = MapStore::Create(dir_.File("b.gpkg"));
+  for (MapStore* store : {&a_, &b}) {
+    SessionRecord session;
+    session.name = store->path();
+    session.content_digest = std::string(32, '7') + std::string(16, store == &b ? '1' : '2');
+    MapUpdate update = store->BeginUpdate();
+    update.AddSession(session);
+    update.Publish();
+  }
+  ExpectRefused(b, ErrorCode::kConflict, "are the same recording");
+}
+
 TEST_F(MergedMap, IsNotMadeOverAnother) {
   const MapStore b = MapStore::Create(dir_.File("b.gpkg"));
   EXPECT_EQ(ErrorCodeOf([&] { MergeMaps(a_, b, b.path(), {}, {}); }), ErrorCode::kConflict);
