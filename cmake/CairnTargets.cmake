@@ -4,14 +4,8 @@
 # target: each room has an include root of its own that holds nothing but a link to its folder, so an
 # #include against the arrows of docs/architecture.md does not compile.
 # ROOM names the folder when a room has several targets (default: NAME).
-#
-# TOGETHER compiles up to twelve sources of a folder as one, for folders in which the headers of
-# libraries take longer than the sources: CLI11 takes 8 s in every source that includes it (GCC emits
-# its virtual functions each time), JSON takes 3 s. Names in the anonymous namespaces of such a folder
-# must differ. Builds without precompiled headers compile each source alone and so find a missing
-# include.
 function(cairn_library)
-  cmake_parse_arguments(ARG "TOGETHER" "NAME;ROOM" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "NAME;ROOM" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   if(NOT ARG_ROOM)
     set(ARG_ROOM ${ARG_NAME})
   endif()
@@ -30,9 +24,6 @@ function(cairn_library)
     PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:cairn_compiler_options>)
   if(NOT OpenMP::OpenMP_CXX IN_LIST ARG_PRIVATE)  # Whose flag the precompiled headers lack.
     target_precompile_headers(${target} REUSE_FROM cairn_library_headers)
-  endif()
-  if(ARG_TOGETHER AND NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 12)
   endif()
   set_property(GLOBAL APPEND PROPERTY CAIRN_LIBRARIES ${target})
 endfunction()
