@@ -3,13 +3,14 @@
 #include <limits>
 #include <span>
 
+#include "core/angles.h"
 #include "core/check.h"
 #include "eval/evaluation_measures.h"
 
 namespace cairn {
 namespace {
 
-constexpr RecallThreshold kHalfMetre = {0.5, 0.08726646259971647};  // 5 degrees.
+constexpr RecallThreshold kHalfMetre = {0.5, 5.0 * kRadPerDeg};
 
 double Measure(const EvalReport& report, std::span<const size_t> sample, AccuracyMeasure measure) {
   switch (measure) {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "core/angles.h"
 #include "core/simd.h"
 #include "ingest/features/arc_tangent.h"
 
@@ -123,8 +123,7 @@ SiftOrientations FindSiftOrientations(const ScaleSpaceOctave& octave,
     }
     const float offset = -0.5f * (right - left) / (right + left - 2.0f * value);
     orientations.angles_rad[orientations.num++] =
-        static_cast<float>(2.0 * std::numbers::pi / kNumBins) *
-        (static_cast<float>(bin) + offset + 0.5f);
+        static_cast<float>(2.0 * kPi / kNumBins) * (static_cast<float>(bin) + offset + 0.5f);
   }
   return orientations;
 }

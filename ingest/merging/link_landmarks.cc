@@ -4,13 +4,13 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <set>
 #include <tuple>
 #include <unordered_map>
 #include <utility>
 
+#include "core/angles.h"
 #include "core/check.h"
 #include "core/frames.h"
 #include "core/geodesy.h"
@@ -36,7 +36,7 @@ constexpr float kSameThingM = 0.15f;
 constexpr double kReferenceFocalPx = 500.0;
 
 double AngleBetween(double a_rad, double b_rad) {
-  return std::abs(std::remainder(a_rad - b_rad, 2.0 * std::numbers::pi));
+  return std::abs(std::remainder(a_rad - b_rad, 2.0 * kPi));
 }
 
 // The landmarks of a tile by place.

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 
+#include "core/angles.h"
 #include "core/require.h"
 
 namespace cairn {
@@ -49,11 +49,11 @@ void UnrollEnds(double window_rad, std::vector<PolarRay>* rays) {
   std::vector<PolarRay> before, after;
   for (size_t i = 0; i < num_rays; ++i) {
     PolarRay ray = (*rays)[i];
-    if (ray.plane_rad > std::numbers::pi - window_rad) {
-      ray.plane_rad -= 2.0 * std::numbers::pi;
+    if (ray.plane_rad > kPi - window_rad) {
+      ray.plane_rad -= 2.0 * kPi;
       before.push_back(ray);
-    } else if (ray.plane_rad < window_rad - std::numbers::pi) {
-      ray.plane_rad += 2.0 * std::numbers::pi;
+    } else if (ray.plane_rad < window_rad - kPi) {
+      ray.plane_rad += 2.0 * kPi;
       after.push_back(ray);
     }
   }

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
+#include "core/angles.h"
 #include "core/check.h"
 #include "core/error.h"
 #include "storage/tile/morton.h"
@@ -13,7 +13,7 @@
 namespace cairn {
 namespace {
 
-constexpr double kTurnRad = 2.0 * std::numbers::pi;
+constexpr double kTurnRad = 2.0 * kPi;
 constexpr double kMinSizeM = 1e-3;
 constexpr double kMaxSizeM = 60.0;
 

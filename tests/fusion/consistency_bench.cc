@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/angles.h"
 #include "fusion/client/estimator.h"
 #include "fusion/errors.h"
 #include "fusion/filter/chi_square.h"
@@ -112,7 +113,7 @@ void RunScenario(const Scenario& scenario, int num_runs, double duration_s, uint
   };
   const auto all = [num_runs](const Step&) { return num_runs; };
   std::printf("%-10s rmse %.3f m %.2f deg, %.1f s CPU\n   nees pose", scenario.name,
-              position_m.Value(), rotation_rad.Value() * 180.0 / M_PI, cpu_s);
+              position_m.Value(), rotation_rad.Value() * kDegPerRad, cpu_s);
   share(
       6, [](const Step& step) { return step.pose; }, all);
   std::printf("\n   position");

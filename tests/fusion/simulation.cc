@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angles.h"
 #include "lab/inertial/measure_motion.h"
 
 namespace cairn::fusion::testing {
@@ -97,7 +98,7 @@ void Simulation::ScatterLandmarks(const std::vector<FrameTruth>& frames) {
       std::max(1500, static_cast<int>(length_m * options_.landmarks_per_metre));
   for (int i = 0; i < num_landmarks; ++i) {
     const size_t at = std::uniform_int_distribution<size_t>(0, frames.size() - 1)(random_);
-    const double azimuth = Uniform(&random_, 0.0, 2.0 * M_PI);
+    const double azimuth = Uniform(&random_, 0.0, 2.0 * kPi);
     const double distance_m = Uniform(&random_, 4.0, 16.0);
     landmarks_.push_back(frames[at].world_from_imu.translation +
                          Eigen::Vector3d(distance_m * std::cos(azimuth),

@@ -6,6 +6,7 @@
 #include <map>
 #include <vector>
 
+#include "core/angles.h"
 #include "fusion/client/estimator.h"
 #include "fusion/errors.h"
 #include "fusion/simulation.h"
@@ -187,7 +188,7 @@ TEST(Faults, ConsistentlyWrongAnswersAreRefused) {
     Transport transport(&estimator);
     AnswerOptions wrong;
     const Eigen::Vector3d center = simulation.frames()[100].truth.world_from_imu.translation;
-    const Eigen::Quaterniond turn = ExpSo3({0.0, 0.0, 20.0 * M_PI / 180.0});
+    const Eigen::Quaterniond turn = ExpSo3({0.0, 0.0, 20.0 * kRadPerDeg});
     wrong.global_from_true_global =
         Rigid3d(turn, center - turn * center + Eigen::Vector3d(5, 0, 0));
     const auto is_wrong = [](int64_t query_id) { return query_id % 10 == 3; };
