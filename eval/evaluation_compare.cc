@@ -10,7 +10,7 @@
 namespace cairn {
 namespace {
 
-constexpr RecallThreshold kHalfMetre = {0.5, 5.0 * kRadPerDeg};
+constexpr RecallThreshold kHalfMeter = {0.5, 5.0 * kRadPerDeg};
 
 double Measure(const EvalReport& report, std::span<const size_t> sample, AccuracyMeasure measure) {
   switch (measure) {
@@ -18,8 +18,8 @@ double Measure(const EvalReport& report, std::span<const size_t> sample, Accurac
       return AveragePrecisionOf(report.answers, sample);
     case AccuracyMeasure::kRecallAtCorrect:
       return RecallOf(report.answers, sample, kCorrect);
-    case AccuracyMeasure::kRecallAtHalfMetre:
-      return RecallOf(report.answers, sample, kHalfMetre);
+    case AccuracyMeasure::kRecallAtHalfMeter:
+      return RecallOf(report.answers, sample, kHalfMeter);
     case AccuracyMeasure::kMedianPositionError:
       return MedianOfLocalized(report.answers, sample, &EvalAnswer::position_error_m);
     case AccuracyMeasure::kMedianRotationError:

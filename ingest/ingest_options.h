@@ -68,7 +68,7 @@ struct IngestOptions : TileOptions {
   CodebookOptions codebook;  // Used only by the first session of a map.
   ComparisonOptions comparison;
   AgreementOptions agreement;
-  // Landmarks with a larger position uncertainty are dropped, metres; and with a larger median
+  // Landmarks with a larger position uncertainty are dropped, meters; and with a larger median
   // reprojection error, pixels.
   double max_sigma_m = 2.0;
   double max_reprojection_error_px = 4.0;

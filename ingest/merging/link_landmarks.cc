@@ -27,7 +27,7 @@ struct SessionLook {
   Eigen::Index row = 0;  // Of the projected descriptors.
 };
 
-// Largest distance at which positions are compared, metres; farther landmarks are linked by
+// Largest distance at which positions are compared, meters; farther landmarks are linked by
 // nothing.
 constexpr double kMaxGateM = 3.0;
 constexpr double kCellM = 1.0;

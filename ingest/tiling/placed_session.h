@@ -36,7 +36,7 @@ struct PlacedObservation {
 
 struct PlacedSession {
   std::vector<Rigid3d> cam_from_ecef;     // Per image.
-  std::vector<PlacedLandmark> landmarks;  // Neighbours in space are mostly neighbours here.
+  std::vector<PlacedLandmark> landmarks;  // Neighbors in space are mostly neighbors here.
   std::vector<std::vector<PlacedObservation>> observations_of_image;  // Per image.
   // Images by the tile their camera stands in; only those that see a landmark.
   std::map<TileId, std::vector<int>> images_of_tile;

@@ -43,10 +43,10 @@ std::vector<ReconImage> ExtractImages(const std::vector<StreetPhoto>& photos,
   return images;
 }
 
-std::vector<PairMatches> MatchNeighbours(const std::vector<PosedFeatures>& posed,
-                                         const KnownPoseOptions& options,
-                                         const KnownPoseProgress& progress) {
-  const std::vector<std::pair<int, int>> pairs = FindNeighbourPairs(posed, options.neighbours);
+std::vector<PairMatches> MatchNeighbors(const std::vector<PosedFeatures>& posed,
+                                        const KnownPoseOptions& options,
+                                        const KnownPoseProgress& progress) {
+  const std::vector<std::pair<int, int>> pairs = FindNeighborPairs(posed, options.neighbors);
   std::vector<PairMatches> matches(pairs.size());
   RunPhase("matching", static_cast<int>(pairs.size()), options.num_threads, progress, [&](int i) {
     const auto& [a, b] = pairs[i];
@@ -126,7 +126,7 @@ std::vector<ReconLandmark> TriangulateTracks(
 
 void KnownPoseOptions::Validate() const {
   sift.Validate();
-  neighbours.Validate();
+  neighbors.Validate();
   matching.Validate();
   RequireOption(min_observations >= 2, "known_poses.min_observations must be at least 2");
   RequireOption(max_reprojection_error_px > 0.0,
@@ -149,7 +149,7 @@ Reconstruction ReconstructWithKnownPoses(const Camera& camera,
     posed.push_back(MakePosedFeatures(camera, image.features, image.cam_from_world));
     num_keypoints.push_back(image.features.size());
   }
-  const auto tracks = BuildTracks(MatchNeighbours(posed, options, progress), num_keypoints,
+  const auto tracks = BuildTracks(MatchNeighbors(posed, options, progress), num_keypoints,
                                   options.min_observations);
   reconstruction.landmarks = TriangulateTracks(reconstruction, tracks, options, progress);
   return reconstruction;

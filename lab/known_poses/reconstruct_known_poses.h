@@ -9,14 +9,14 @@
 #include "ingest/features/sift_extractor.h"
 #include "ingest/sfm/reconstruction.h"
 #include "lab/known_poses/guided_matching.h"
-#include "lab/known_poses/neighbour_pairs.h"
+#include "lab/known_poses/neighbor_pairs.h"
 #include "lab/known_poses/street_photo.h"
 
 namespace cairn {
 
 struct KnownPoseOptions {
   SiftOptions sift = {.max_features = 1500};
-  NeighbourOptions neighbours;
+  NeighborOptions neighbors;
   GuidedMatchingOptions matching;
   int min_observations = 3;  // With two views, a point looks like its repetition.
   double max_reprojection_error_px = 2.0;

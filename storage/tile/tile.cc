@@ -146,7 +146,7 @@ std::string FindTileProblem(const Tile& tile) {
   const auto off_grid = std::find_if_not(tile.x_in_tile.begin(), tile.x_in_tile.end(), IsOnGrid);
   if (off_grid != tile.x_in_tile.end()) {
     return "position of landmark " + std::to_string(off_grid - tile.x_in_tile.begin()) +
-           " is not quantised (see QuantizePosition)";
+           " is not quantized (see QuantizePosition)";
   }
   return FindCovisibilityProblem(tile);
 }

@@ -95,7 +95,7 @@ void Simulation::ScatterLandmarks(const std::vector<FrameTruth>& frames) {
         (frames[i].world_from_imu.translation - frames[i - 1].world_from_imu.translation).norm();
   }
   const int num_landmarks =
-      std::max(1500, static_cast<int>(length_m * options_.landmarks_per_metre));
+      std::max(1500, static_cast<int>(length_m * options_.landmarks_per_meter));
   for (int i = 0; i < num_landmarks; ++i) {
     const size_t at = std::uniform_int_distribution<size_t>(0, frames.size() - 1)(random_);
     const double azimuth = Uniform(&random_, 0.0, 2.0 * kPi);

@@ -107,7 +107,7 @@ TEST(KnownPoseOptions, RefusesNonsense) {
   options.matching.max_ratio = 0.0;
   EXPECT_THROW(options.Validate(), Error);
   options = {};
-  options.neighbours.max_baseline_m = 0.1;
+  options.neighbors.max_baseline_m = 0.1;
   EXPECT_THROW(options.Validate(), Error);
 }
 

@@ -46,7 +46,8 @@ void InsertEmptyTiles(const std::string& url, int64_t count, int64_t num_columns
       const std::string comma = squares.empty() ? "" : ",";
       squares += fmt::format("{}({},'{}',0,0,0,0,0,0,ST_MakeEnvelope({},{},{},{},4326))", comma,
                              id.value(), id.ToString(), box.west_rad * kDegPerRad,
-                             box.south_rad * kDegPerRad, box.east_rad * kDegPerRad, box.north_rad * kDegPerRad);
+                             box.south_rad * kDegPerRad, box.east_rad * kDegPerRad,
+                             box.north_rad * kDegPerRad);
       tiles += fmt::format("{}({},1,1,0,0,0,0,2)", comma, id.value());
     }
     connection->Execute(

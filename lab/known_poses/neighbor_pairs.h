@@ -9,8 +9,8 @@
 
 namespace cairn {
 
-struct NeighbourOptions {
-  int max_neighbours = 40;      // Chosen by each image. Other images may add more.
+struct NeighborOptions {
+  int max_neighbors = 40;       // Chosen by each image. Other images may add more.
   double min_baseline_m = 0.5;  // A shorter baseline cannot triangulate.
   double max_baseline_m = 30.0;
   double max_turn_rad = 1.05;  // Between viewing directions; SIFT tolerates no more.
@@ -23,8 +23,8 @@ struct NeighbourOptions {
 // Returns the pairs (a, b) with a < b, ascending, each once. World units must be meters. Time is
 // linear in the number of images if a bounded number of them is within max_baseline_m of each
 // other.
-std::vector<std::pair<int, int>> FindNeighbourPairs(const std::vector<PosedFeatures>& images,
-                                                    const NeighbourOptions& options);
+std::vector<std::pair<int, int>> FindNeighborPairs(const std::vector<PosedFeatures>& images,
+                                                   const NeighborOptions& options);
 
 }  // namespace cairn
 

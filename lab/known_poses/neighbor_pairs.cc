@@ -1,4 +1,4 @@
-#include "lab/known_poses/neighbour_pairs.h"
+#include "lab/known_poses/neighbor_pairs.h"
 
 #include <algorithm>
 #include <cmath>
@@ -66,16 +66,16 @@ double ViewOverlap(const PosedFeatures& a, const PosedFeatures& b) {
 
 }  // namespace
 
-void NeighbourOptions::Validate() const {
-  RequireOption(max_neighbours >= 1, "neighbours.max_neighbours must be at least 1");
+void NeighborOptions::Validate() const {
+  RequireOption(max_neighbors >= 1, "neighbors.max_neighbors must be at least 1");
   RequireOption(min_baseline_m >= 0.0 && max_baseline_m > min_baseline_m,
-                "neighbours: need 0 <= min_baseline_m < max_baseline_m");
-  RequireOption(max_turn_rad > 0.0, "neighbours.max_turn_rad must be positive");
-  RequireWithin("neighbours.min_overlap", min_overlap, 0.0, 1.0);
+                "neighbors: need 0 <= min_baseline_m < max_baseline_m");
+  RequireOption(max_turn_rad > 0.0, "neighbors.max_turn_rad must be positive");
+  RequireWithin("neighbors.min_overlap", min_overlap, 0.0, 1.0);
 }
 
-std::vector<std::pair<int, int>> FindNeighbourPairs(const std::vector<PosedFeatures>& images,
-                                                    const NeighbourOptions& options) {
+std::vector<std::pair<int, int>> FindNeighborPairs(const std::vector<PosedFeatures>& images,
+                                                   const NeighborOptions& options) {
   options.Validate();
   const ImageGrid grid(images, options.max_baseline_m);
   const double min_cos_turn = std::cos(options.max_turn_rad);
@@ -98,7 +98,7 @@ std::vector<std::pair<int, int>> FindNeighbourPairs(const std::vector<PosedFeatu
       }
     });
     std::sort(by_overlap.begin(), by_overlap.end());
-    by_overlap.resize(std::min(by_overlap.size(), static_cast<size_t>(options.max_neighbours)));
+    by_overlap.resize(std::min(by_overlap.size(), static_cast<size_t>(options.max_neighbors)));
     for (const auto& [negated_overlap, b] : by_overlap) {
       pairs.emplace_back(std::minmax(a, b));
     }
