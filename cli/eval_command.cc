@@ -353,9 +353,9 @@ void AddEvalCommand(CLI::App* app, Shell* shell) {
                    "Write a CSV with one line per inlier and its deviation from the landmark")
       ->type_name("FILE");
   command
-      ->add_option(
-          "--min-score", arguments->options.localizer.answer.min_score,
-          "Lowest score of an answer; lower ones count as not localized (no effect with --server)")
+      ->add_option("--min-score", arguments->options.localizer.answer.min_score,
+                   "Lowest score of an answer. Answers below it count as not localized (no effect "
+                   "with --server)")
       ->check(NumberWithin(-1e9, 1e9))
       ->capture_default_str();
   command->footer(

@@ -1,4 +1,4 @@
-// What one map says about another. Private to ingest.
+// The comparison of two maps. Private to ingest.
 #ifndef CAIRN_INGEST_MEET_MAPS_H_
 #define CAIRN_INGEST_MEET_MAPS_H_
 

@@ -361,7 +361,7 @@ std::vector<LandmarkId> ResolveLinks(const Reconstruction& reconstruction,
 }
 
 PlacedSession JoinLinked(const PlacedSession& session, std::vector<LandmarkId>* ids) {
-  CAIRN_CHECK(ids->size() == session.landmarks.size(), "one id a landmark");
+  CAIRN_CHECK(ids->size() == session.landmarks.size(), "there must be one id for each landmark");
   PlacedSession joined = session;
   joined.landmarks.clear();
   std::vector<uint32_t> new_idx(session.landmarks.size());

@@ -47,7 +47,7 @@ void AssignTiles(const Reconstruction& reconstruction, PlacedSession* session);
 
 // Drops landmarks that are seen less often, are less certain or fit worse than the options allow.
 // Throws Error(kBadInput) if the similarity or a camera's place makes no sense or if no landmark is
-// left. Linear but for one sort.
+// left. Takes linear time in the observations, apart from one sort.
 PlacedSession PlaceSession(const Reconstruction& reconstruction, const Sim3d& ecef_from_world,
                            const PlacementOptions& options);
 

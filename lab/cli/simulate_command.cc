@@ -260,7 +260,7 @@ void AddMappingOptions(CLI::App* command, SimulateArguments* arguments) {
                    "Deformation of the map, meters per axis")
       ->type_name("M");
   command->add_option("--clutter", arguments->clutter_ratio,
-                      "Keypoints without a landmark per keypoint with one");
+                      "Number of keypoints without a landmark for each keypoint with one");
 }
 
 void AddQueryOptions(CLI::App* command, SimulateArguments* arguments) {

@@ -20,7 +20,7 @@ struct TileKeyframe {
   Rigid3d cam_from_tile;
 };
 
-// What one session's keyframes in the tile did with a landmark.
+// The sights of a landmark by the keyframes of one session in the tile.
 struct LandmarkSighting {
   SessionId session_id{};   // 0 sums up the sessions that are older than the other sightings.
   uint8_t num_sights = 0;   // Keyframes that saw it; 255 stands for 255 or more.
