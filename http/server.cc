@@ -78,7 +78,7 @@ struct Server::Impl {
   static ListenerOptions MainListenerOptions(const ServerOptions& options) {
     ListenerOptions listener{
         .host = options.host, .port = options.port, .num_threads = NumThreads(options)};
-    listener.connection.head.max_body_bytes = options.max_body_bytes;
+    listener.connection.max_body_bytes = options.max_body_bytes;
     return listener;
   }
 };

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <string>
 
-#include "ingest/coregister/compare_with_map.h"
 #include "ingest/merging/landmark_history.h"
 #include "ingest/merging/link_landmarks.h"
 #include "ingest/merging/merge_tiles.h"
@@ -68,7 +67,6 @@ struct IngestOptions : TileOptions {
   std::string recorded_at;   // When the photos were taken, see SessionRecord; empty: `now`.
   std::string now;           // The time of the ingest, in the same form; empty: that of the clock.
   CodebookOptions codebook;  // Used only by the first session of a map.
-  ComparisonOptions comparison;
   AgreementOptions agreement;
   // Landmarks with a larger standard deviation of the position are dropped, meters.
   double max_sigma_m = 2.0;

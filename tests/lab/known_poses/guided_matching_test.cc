@@ -57,10 +57,9 @@ struct TwoViews {
     return pixel && camera.Contains(*pixel);
   }
 
-  std::vector<FeatureMatch> Match(const GuidedMatchingOptions& options = {}) const {
+  std::vector<FeatureMatch> Match() const {
     return MatchAlongEpipolarLines(MakePosedFeatures(camera, features[0], cams_from_world[0]),
-                                   MakePosedFeatures(camera, features[1], cams_from_world[1]),
-                                   options);
+                                   MakePosedFeatures(camera, features[1], cams_from_world[1]));
   }
 };
 
@@ -156,7 +155,7 @@ TEST(NeighborPairs, AreNearAndLookAtTheSame) {
       CameraAt(camera, none, 0.0, 0.0),   CameraAt(camera, none, 2.0, 0.0),
       CameraAt(camera, none, 4.0, 0.1),   CameraAt(camera, none, 2.0, 3.1),
       CameraAt(camera, none, 300.0, 0.0), CameraAt(camera, none, 2.1, 0.0)};
-  const std::vector<std::pair<int, int>> pairs = FindNeighborPairs(images, {});
+  const std::vector<std::pair<int, int>> pairs = FindNeighborPairs(images);
   // 3 looks back, 4 is far away, 1 and 5 stand too close together.
   const std::vector<std::pair<int, int>> expected = {{0, 1}, {0, 2}, {0, 5}, {1, 2}, {2, 5}};
   EXPECT_EQ(pairs, expected);
@@ -169,9 +168,7 @@ TEST(NeighborPairs, AreLimitedToTheBest) {
   for (int i = 0; i < 10; ++i) {
     images.push_back(CameraAt(camera, none, 1.0 * i, 0.0));
   }
-  NeighborOptions options;
-  options.max_neighbors = 1;
-  for (const auto& [a, b] : FindNeighborPairs(images, options)) {
+  for (const auto& [a, b] : FindNeighborPairs(images, 1)) {
     EXPECT_EQ(b - a, 1);
   }
 }
