@@ -27,7 +27,7 @@ Clock::duration Seconds(double seconds) {
 
 Answer Failed(const MapQuery& query) {
   Answer answer;
-  answer.query_id = query.query.query_id;
+  answer.query_id = query.request.query_id;
   return answer;
 }
 

@@ -34,7 +34,7 @@ class Simulator {
   Recording Run() {
     Recording recording;
     recording.name = trajectory_.name;
-    recording.options = MatchingOptions();
+    recording.options = MatchingFusionOptions();
     recording.imu = trajectory_.imu;
     recording.frames_per_query = options_.frames_per_query;
     recording.first_counted_frame =
@@ -61,7 +61,7 @@ class Simulator {
   }
 
  private:
-  FusionOptions MatchingOptions() const {
+  FusionOptions MatchingFusionOptions() const {
     FusionOptions options;
     options.camera = options_.camera;
     options.rig = options_.rig;

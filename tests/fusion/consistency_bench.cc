@@ -47,7 +47,7 @@ RunErrors RunOnce(const Scenario& scenario, uint64_t seed, double duration_s,
   options.map_sigma_m = scenario.map_sigma_m;
   options.tile_sigma_m = scenario.tile_sigma_m;
   const Simulation simulation(options);
-  FusionOptions fusion = simulation.MatchingOptions();
+  FusionOptions fusion = simulation.MatchingFusionOptions();
   if (!scenario.considers_tiles) {
     fusion.state.tile_sigma_m = 0.0;
   }

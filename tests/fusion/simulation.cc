@@ -178,7 +178,7 @@ void Simulation::TrackLandmarks(const std::vector<FrameTruth>& frames) {
   }
 }
 
-FusionOptions Simulation::MatchingOptions() const {
+FusionOptions Simulation::MatchingFusionOptions() const {
   FusionOptions options;
   options.camera = camera_;
   options.rig = rig_;

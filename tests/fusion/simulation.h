@@ -78,7 +78,7 @@ class Simulation {
   const std::vector<SimulatedFrame>& frames() const { return frames_; }
 
   // Options that fit the simulated sensors.
-  FusionOptions MatchingOptions() const;
+  FusionOptions MatchingFusionOptions() const;
 
   // Returns the state at a frame, in the frame `local` that has its origin and yaw there. The state
   // is perturbed by a draw from the covariance that comes with it. Position and yaw are exact by
