@@ -52,7 +52,7 @@ TEST(DescriptorStatistics, NearestOfAllIsTheNearest) {
   const std::vector<float> distances = NearestDistances(root, 360, 1);
   ASSERT_EQ(distances.size(), 360u);
   for (const float distance : distances) {
-    EXPECT_NEAR(distance, 0.01745f, 1e-3f);
+    EXPECT_NEAR(distance, kRadPerDeg, 1e-3);
   }
 }
 
