@@ -31,7 +31,6 @@ MapMergeOptions MergeOptionsOf(const MergeArguments& arguments) {
   options.recode = arguments.recode;
   options.selection = ingest.selection;
   options.appearance = ingest.appearance;
-  options.comparison = ingest.comparison;
   options.agreement = ingest.agreement;
   options.upkeep = ingest.upkeep;
   return options;

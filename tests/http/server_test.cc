@@ -66,12 +66,12 @@ struct BadHttpRequest {
   const char* code;
 };
 
-std::string PostRequest(const std::string& headers, const std::string& body = "") {
+std::string PostOf(const std::string& headers, const std::string& body = "") {
   return "POST /v1/localize HTTP/1.1\r\nHost: h\r\nConnection: close\r\n" + headers + "\r\n" + body;
 }
 
 std::string PostJson(const std::string& json) {
-  return PostRequest(
+  return PostOf(
       "Content-Type: application/json\r\nContent-Length: " + std::to_string(json.size()) + "\r\n",
       json);
 }
@@ -86,27 +86,26 @@ std::vector<BadHttpRequest> BadRequests() {
     header_flood += "X-Flood: yes\r\n";
   }
   return {
-      {"chunked", PostRequest("Transfer-Encoding: chunked\r\n", "5\r\nhello\r\n0\r\n\r\n"), 411,
+      {"chunked", PostOf("Transfer-Encoding: chunked\r\n", "5\r\nhello\r\n0\r\n\r\n"), 411,
        "length_required"},
-      {"no length", PostRequest(""), 411, "length_required"},
-      {"too large", PostRequest("Content-Length: 30000000\r\n"), 413, "payload_too_large"},
-      {"absurdly large", PostRequest("Content-Length: 123456789012345678901234567890\r\n"), 413,
+      {"no length", PostOf(""), 411, "length_required"},
+      {"too large", PostOf("Content-Length: 30000000\r\n"), 413, "payload_too_large"},
+      {"absurdly large", PostOf("Content-Length: 123456789012345678901234567890\r\n"), 413,
        "payload_too_large"},
-      {"gzip", PostRequest("Content-Encoding: gzip\r\nContent-Length: 3\r\n", "abc"), 415,
+      {"gzip", PostOf("Content-Encoding: gzip\r\nContent-Length: 3\r\n", "abc"), 415,
        "unsupported_encoding"},
-      {"content type", PostRequest("Content-Type: text/plain\r\nContent-Length: 3\r\n", "abc"), 415,
+      {"content type", PostOf("Content-Type: text/plain\r\nContent-Length: 3\r\n", "abc"), 415,
        "unsupported_media_type"},
       {"form",
-       PostRequest("Content-Type: application/x-www-form-urlencoded\r\nContent-Length: 10000\r\n",
-                   std::string(10'000, 'a')),
+       PostOf("Content-Type: application/x-www-form-urlencoded\r\nContent-Length: 10000\r\n",
+              std::string(10'000, 'a')),
        415, "unsupported_media_type"},
-      {"two lengths", PostRequest("Content-Length: 3\r\nContent-Length: 3\r\n", "abc"), 400,
+      {"two lengths", PostOf("Content-Length: 3\r\nContent-Length: 3\r\n", "abc"), 400,
        "bad_request"},
-      {"smuggled", PostRequest("Content-Length: 3\r\nTransfer-Encoding: chunked\r\n", "0\r\n\r\n"),
-       400, "bad_request"},
-      {"header flood", PostRequest(header_flood), 431, "headers_too_large"},
-      {"long header", PostRequest("X: " + std::string(20'000, 'x') + "\r\n"), 431,
-       "headers_too_large"},
+      {"smuggled", PostOf("Content-Length: 3\r\nTransfer-Encoding: chunked\r\n", "0\r\n\r\n"), 400,
+       "bad_request"},
+      {"header flood", PostOf(header_flood), 431, "headers_too_large"},
+      {"long header", PostOf("X: " + std::string(20'000, 'x') + "\r\n"), 431, "headers_too_large"},
       {"long target", Line("GET /" + std::string(20'000, 'x') + " HTTP/1.1"), 414, "uri_too_long"},
       {"not HTTP", "hello there\r\n\r\n", 400, "bad_request"},
       {"TLS hello", std::string("\x16\x03\x01\x02\0\r\n\r\n", 9), 400, "bad_request"},
@@ -123,8 +122,8 @@ std::vector<BadHttpRequest> BadRequests() {
       {"NaN", PostJson(R"({"gravity":[NaN,0,0]})"), 400, "invalid_json"},
       {"huge number", PostJson(R"({"gravity":[1e999,0,0]})"), 400, "invalid_json"},
       {"no camera", PostJson("{}"), 400, "invalid_field"},
-      {"multipart", PostRequest("Content-Type: multipart/form-data\r\nContent-Length: 2\r\n", "--"),
-       400, "invalid_multipart"},
+      {"multipart", PostOf("Content-Type: multipart/form-data\r\nContent-Length: 2\r\n", "--"), 400,
+       "invalid_multipart"},
       {"latitude", Line("GET /v1/availability?lat=91&lon=0 HTTP/1.1"), 400, "invalid_field"},
       {"latitude nan", Line("GET /v1/availability?lat=nan&lon=0 HTTP/1.1"), 400, "invalid_field"},
       {"no longitude", Line("GET /v1/availability?lat=0 HTTP/1.1"), 400, "invalid_field"},
@@ -137,7 +136,7 @@ std::vector<BadHttpRequest> BadRequests() {
       {"limit text", Line("GET /v1/tiles?limit=ten HTTP/1.1"), 400, "invalid_field"},
       {"tile id", Line("GET /v1/tiles/32N HTTP/1.1"), 400, "bad_input"},
       {"no such tile", Line("GET /v1/tiles/32N-03104-30000 HTTP/1.1"), 404, "not_found"},
-      {"expectation", PostRequest("Expect: wonders\r\nContent-Length: 1\r\n"), 417,
+      {"expectation", PostOf("Expect: wonders\r\nContent-Length: 1\r\n"), 417,
        "expectation_failed"},
   };
 }
@@ -219,8 +218,8 @@ TEST_F(HttpServer, ARefusedBodyIsNotReadAsTheNextRequest) {
 TEST_F(HttpServer, ContinuesWhenAskedTo) {
   testing::RawSocket socket(port());
   socket.Send(
-      PostRequest("Content-Type: application/json\r\nContent-Length: 2\r\n"
-                  "Expect: 100-continue\r\n"));
+      PostOf("Content-Type: application/json\r\nContent-Length: 2\r\n"
+             "Expect: 100-continue\r\n"));
   EXPECT_THAT(socket.ReadResponse(), StartsWith("HTTP/1.1 100"));
   socket.Send("{}");
   EXPECT_EQ(Split(socket.ReadResponse()).status, 400);
@@ -289,7 +288,7 @@ TEST_F(HttpServer, NamesTheCellAndIgnoresThatOfTheRequest) {
   const auto cell_of = [&](const std::string& stated_cell) {
     httplib::Client client("127.0.0.1", port());
     const httplib::Headers headers{{"X-Cairn-Cell", stated_cell}};
-    const auto result = client.PostRequest("/v1/localize", headers, json, "application/json");
+    const auto result = client.PostOf("/v1/localize", headers, json, "application/json");
     EXPECT_EQ(result->status, 200) << result->body;
     return result->get_header_value("X-Cairn-Cell");
   };

@@ -152,7 +152,7 @@ TEST(RandomGrids, EqualDescriptorsWithoutSpreadDoNotBreakTheCellWidth) {
   EXPECT_FALSE(hits.empty());
 }
 
-TEST(RandomGrids, RecallNearNeighboursOfRealSift) {
+TEST(RandomGrids, RecallNearNeighborsOfRealSift) {
   CAIRN_SKIP_WITHOUT_DATA("ann_bigann10k/base10k.u8bin");
   const SyntheticDescriptors data = testing::RealSift(
       testing::TestDataDir() / "ann_bigann10k/base10k.u8bin", /*num_queries=*/1'000);

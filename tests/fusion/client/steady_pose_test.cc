@@ -206,7 +206,7 @@ Moves MovesOf(const Simulation& simulation, int64_t num_wrong_queries,
 
 TEST(SteadyPose, OfAnEstimatorDoesNotMoveTheLastFrameWhenTheNextCorrectsIt) {
   const Simulation simulation = SteadyWalk(15.0);
-  Estimator estimator(simulation.MatchingOptions());
+  Estimator estimator(simulation.MatchingFusionOptions());
   const Moves moves = MovesOf(simulation, 0, {}, &estimator);
   EXPECT_EQ(estimator.counters().num_alignments, 1);
   EXPECT_GT(moves.most_m, 5e-3);
@@ -219,7 +219,7 @@ TEST(SteadyPose, OfAnEstimatorDoesNotMoveTheLastFrameWhenTheNextCorrectsIt) {
 
 TEST(SteadyPose, OfAnEstimatorTakesANewAlignmentAtOnce) {
   const Simulation simulation = SteadyWalk(20.0);
-  FusionOptions options = simulation.MatchingOptions();
+  FusionOptions options = simulation.MatchingFusionOptions();
   options.steady.max_held_back_m = 100.0;
   Estimator estimator(options);
   const Moves moves = MovesOf(simulation, 5, options.steady, &estimator);
@@ -231,7 +231,7 @@ TEST(SteadyPose, OfAnEstimatorTakesANewAlignmentAtOnce) {
 
 TEST(SteadyPose, OfAnEstimatorWithoutATimeConstantIsTheEstimate) {
   const Simulation simulation = SteadyWalk(10.0);
-  FusionOptions options = simulation.MatchingOptions();
+  FusionOptions options = simulation.MatchingFusionOptions();
   options.steady.time_constant_s = 0.0;
   Estimator estimator(options);
   const Moves moves = MovesOf(simulation, 0, {}, &estimator);
@@ -241,7 +241,7 @@ TEST(SteadyPose, OfAnEstimatorWithoutATimeConstantIsTheEstimate) {
 
 TEST(SteadyPose, OfAnEstimatorSurvivesAClockSetBack) {
   const Simulation simulation = SteadyWalk(8.0);
-  Estimator estimator(simulation.MatchingOptions());
+  Estimator estimator(simulation.MatchingFusionOptions());
   MovesOf(simulation, 0, {}, &estimator);
   ASSERT_TRUE(estimator.latest().has_global);
   ImuStatus status = ImuStatus::kAccepted;

@@ -7,7 +7,9 @@
 namespace cairn {
 namespace {
 
-RequestHead ParseHead(const std::string& text) { return ParseRequestHead(text, HeadLimits{}); }
+constexpr size_t kMaxBodyBytes = size_t{2} << 20;
+
+RequestHead ParseHead(const std::string& text) { return ParseRequestHead(text, kMaxBodyBytes); }
 
 int StatusOf(const std::string& text) {
   try {

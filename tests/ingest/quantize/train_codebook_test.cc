@@ -24,7 +24,7 @@ const Codebook& StreetCodebook() {
   return codebook;
 }
 
-// All normalised descriptors of the street's images.
+// All normalized descriptors of the street's images.
 DescriptorMatrix NormalizedDescriptors() {
   const FeatureSet& features = TrainingStreet().images[3].features;
   DescriptorMatrix descriptors = features.descriptors;
@@ -107,7 +107,7 @@ TEST(TrainCodebook, BalancesTheVarianceOfSubspaces) {
   EXPECT_LT(*largest, 4.0 * *smallest);
 }
 
-TEST(TrainCodebook, QuantisesWithLittleLoss) {
+TEST(TrainCodebook, QuantizesWithLittleLoss) {
   const DescriptorCodec codec(std::make_shared<const Codebook>(StreetCodebook()));
   const DescriptorMatrix projected = codec.Project(TrainingStreet().images[3].features.descriptors);
   const DescriptorMatrix decoded =

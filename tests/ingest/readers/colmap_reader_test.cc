@@ -346,7 +346,7 @@ TEST_F(ColmapDescriptors, ThatAreNoiseAreNotTakenForSift) {
               HasSubstr("not SIFT: their mean length is"));
 }
 
-TEST_F(ColmapDescriptors, WithL2NormalisationAreToldByTheirStatistics) {
+TEST_F(ColmapDescriptors, WithL2NormalizationAreToldByTheirStatistics) {
   const Reconstruction written = StreetReconstruction();
   const ColmapInput input = Write(written);
   {
@@ -366,8 +366,8 @@ TEST_F(ColmapDescriptors, WithL2NormalisationAreToldByTheirStatistics) {
 }
 
 // The same photos' descriptors by COLMAP, and as COLMAP would have stored them with the
-// normalisation L2.
-TEST(SiftStatistics, TellTheNormalisationsOfRealPhotosApart) {
+// normalization L2.
+TEST(SiftStatistics, TellTheNormalizationsOfRealPhotosApart) {
   CAIRN_SKIP_WITHOUT_DATA("street_lund/database.db");
   sqlite::Connection database((testing::TestDataDir() / "street_lund/database.db").string(),
                               sqlite::Access::kImmutable, 100);

@@ -165,10 +165,10 @@ TEST_P(MapStoreTest, FindTilesReturnsExactlyTheSquaresThatMeetTheBox) {
 
   const TileId tile = ids[40];
   const GeoBox bounds = tile.Bounds();
-  constexpr double kMillimetreRad = 1e-3 / 6.4e6;
+  constexpr double kMillimeterRad = 1e-3 / 6.4e6;
   // Corner to corner: what the index's 32-bit floats cannot tell apart.
-  GeoBox just_outside = {bounds.south_rad, bounds.east_rad + kMillimetreRad, bounds.north_rad,
-                         bounds.east_rad + 2 * kMillimetreRad};
+  GeoBox just_outside = {bounds.south_rad, bounds.east_rad + kMillimeterRad, bounds.north_rad,
+                         bounds.east_rad + 2 * kMillimeterRad};
   GeoBox just_touching = just_outside;
   just_touching.west_rad = bounds.east_rad;
   EXPECT_THAT(Ids(snapshot.FindTiles(just_outside)), ::testing::Not(::testing::Contains(tile)));

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "core/angles.h"
 #include "storage/map/map_store.h"
 #include "storage/postgres/server.h"
 #include "support/map_builder.h"
@@ -42,11 +43,11 @@ void InsertEmptyTiles(const std::string& url, int64_t count, int64_t num_columns
     for (int64_t i = first; i < std::min(count, first + kTilesAStatement); ++i) {
       const TileId id = TileOf(i, num_columns);
       const GeoBox box = id.Bounds();
-      const double to_deg = 180.0 / M_PI;
       const std::string comma = squares.empty() ? "" : ",";
       squares += fmt::format("{}({},'{}',0,0,0,0,0,0,ST_MakeEnvelope({},{},{},{},4326))", comma,
-                             id.value(), id.ToString(), box.west_rad * to_deg,
-                             box.south_rad * to_deg, box.east_rad * to_deg, box.north_rad * to_deg);
+                             id.value(), id.ToString(), box.west_rad * kDegPerRad,
+                             box.south_rad * kDegPerRad, box.east_rad * kDegPerRad,
+                             box.north_rad * kDegPerRad);
       tiles += fmt::format("{}({},1,1,0,0,0,0,2)", comma, id.value());
     }
     connection->Execute(
