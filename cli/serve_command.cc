@@ -253,7 +253,8 @@ void AddLimitOptions(CLI::App* command, ServerOptions* options) {
 void AddServeCommand(CLI::App* app, Shell* shell) {
   CLI::App* command = app->add_subcommand("serve", "Answer localization queries over HTTP");
   auto options = std::make_shared<CairnOptions>();
-  command->add_option("MAP", options->server.map_path, "Map file")->required();
+  command->add_option("MAP", options->server.map_path, "Map: a file or a postgresql:// URL")
+      ->required();
   AddOptionsFile(command, options.get());
   AddAddressOptions(command, &options->server);
   AddLimitOptions(command, &options->server);

@@ -115,7 +115,7 @@ TEST(SteadyPose, RefusesNonsense) {
   EXPECT_THROW(options.Validate(), Error);
 }
 
-Simulation Walk(double duration_s) {
+Simulation SteadyWalk(double duration_s) {
   SimulationOptions options;
   options.duration_s = duration_s;
   options.map_sigma_m = 0.03;
@@ -205,7 +205,7 @@ Moves MovesOf(const Simulation& simulation, int64_t num_wrong_queries,
 }
 
 TEST(SteadyPose, OfAnEstimatorDoesNotMoveTheLastFrameWhenTheNextCorrectsIt) {
-  const Simulation simulation = Walk(15.0);
+  const Simulation simulation = SteadyWalk(15.0);
   Estimator estimator(simulation.MatchingFusionOptions());
   const Moves moves = MovesOf(simulation, 0, {}, &estimator);
   EXPECT_EQ(estimator.counters().num_alignments, 1);
@@ -218,7 +218,7 @@ TEST(SteadyPose, OfAnEstimatorDoesNotMoveTheLastFrameWhenTheNextCorrectsIt) {
 }
 
 TEST(SteadyPose, OfAnEstimatorTakesANewAlignmentAtOnce) {
-  const Simulation simulation = Walk(20.0);
+  const Simulation simulation = SteadyWalk(20.0);
   FusionOptions options = simulation.MatchingFusionOptions();
   options.steady.max_held_back_m = 100.0;
   Estimator estimator(options);
@@ -230,7 +230,7 @@ TEST(SteadyPose, OfAnEstimatorTakesANewAlignmentAtOnce) {
 }
 
 TEST(SteadyPose, OfAnEstimatorWithoutATimeConstantIsTheEstimate) {
-  const Simulation simulation = Walk(10.0);
+  const Simulation simulation = SteadyWalk(10.0);
   FusionOptions options = simulation.MatchingFusionOptions();
   options.steady.time_constant_s = 0.0;
   Estimator estimator(options);
@@ -240,7 +240,7 @@ TEST(SteadyPose, OfAnEstimatorWithoutATimeConstantIsTheEstimate) {
 }
 
 TEST(SteadyPose, OfAnEstimatorSurvivesAClockSetBack) {
-  const Simulation simulation = Walk(8.0);
+  const Simulation simulation = SteadyWalk(8.0);
   Estimator estimator(simulation.MatchingFusionOptions());
   MovesOf(simulation, 0, {}, &estimator);
   ASSERT_TRUE(estimator.latest().has_global);

@@ -25,27 +25,17 @@ namespace {
 using testing::AddTile;
 using ::testing::ElementsAre;
 using testing::ErrorCodeOf;
+using testing::Ids;
 using ::testing::IsEmpty;
 using testing::KeyframeAt;
 using testing::NamedSession;
 using testing::RandomCodebook;
 using testing::RandomTile;
 using testing::TempDir;
+using testing::TileAt;
 
 GeoBox BoxDeg(double south, double west, double north, double east) {
   return {south * kRadPerDeg, west * kRadPerDeg, north * kRadPerDeg, east * kRadPerDeg};
-}
-
-TileId TileAt(double lat_deg, double lon_deg) {
-  return TileId::Containing(Geodetic::FromDegrees(lat_deg, lon_deg, 0.0));
-}
-
-std::vector<TileId> Ids(const std::vector<TileRecord>& tiles) {
-  std::vector<TileId> ids;
-  for (const TileRecord& tile : tiles) {
-    ids.push_back(tile.tile_id);
-  }
-  return ids;
 }
 
 class MapStoreTest : public testing::MapPlaceTest {};

@@ -59,7 +59,7 @@ void InsertEmptyTiles(const std::string& url, int64_t count, int64_t num_columns
   connection->Execute("ANALYZE");
 }
 
-std::string MapOfTiles(int64_t count) {
+std::string ServerMapOfTiles(int64_t count) {
   static std::map<int64_t, std::string> urls;
   std::string& url = urls[count];
   if (url.empty()) {
@@ -83,7 +83,7 @@ double Percentile(std::vector<double> values, double share) {
 // own.
 void PostgresFindTiles(benchmark::State& state) {
   constexpr int kNumStores = 20, kSearchesAStore = 50;
-  const std::string url = MapOfTiles(state.range(0));
+  const std::string url = ServerMapOfTiles(state.range(0));
   const double side = std::sqrt(static_cast<double>(state.range(0)));
   std::mt19937 random(1);
   std::uniform_real_distribution<double> place(0.0, side);
@@ -108,7 +108,7 @@ void PostgresFindTiles(benchmark::State& state) {
 
 // What a query with a prior asks when all is cached.
 void PostgresWarmQuery(benchmark::State& state) {
-  const MapStore store = MapStore::Open(MapOfTiles(1000), OpenMode::kServing);
+  const MapStore store = MapStore::Open(ServerMapOfTiles(1000), OpenMode::kServing);
   const GeoBox box = BoxAround(Geodetic::FromDegrees(49.005, 7.01, 0.0), 150.0);
   for (auto _ : state) {
     const MapSnapshot snapshot = store.Snapshot();
