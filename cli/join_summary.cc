@@ -18,6 +18,12 @@ void PrintComparison(const MapComparison& comparison, const char* queries) {
       comparison.num_localized, comparison.num_expected, queries, comparison.fit.num_agreeing,
       comparison.fit.moved_m, comparison.fit.turned_rad * kDegPerRad, comparison.fit.scale,
       comparison.fit.median_residual_m);
+  if (!IsJudged(comparison)) {
+    fmt::print(
+        "                 too few {} agree to judge whether the placement fits the map (at least "
+        "{} must); it was taken as it is\n",
+        queries, kLeastPhotosToJudge);
+  }
 }
 
 void PrintChanges(const TileChanges& changes) {
@@ -33,6 +39,7 @@ nlohmann::ordered_json ComparisonJson(const MapComparison& comparison) {
   return {{"photosExpected", comparison.num_expected},
           {"photosRecognized", comparison.num_localized},
           {"photosAgreeing", comparison.fit.num_agreeing},
+          {"judged", IsJudged(comparison)},
           {"movedM", comparison.fit.moved_m},
           {"turnedDeg", comparison.fit.turned_rad * kDegPerRad},
           {"scale", comparison.fit.scale},

@@ -10,7 +10,8 @@
 
 namespace cairn {
 
-// Prints what the map recognizes, unless nothing was to be recognized. `queries` names what was
+// Prints what the map recognizes, unless nothing was to be recognized, and says if that is too
+// little to judge the placement. `queries` names what was
 // asked for: "photos" or "keyframes".
 void PrintComparison(const MapComparison& comparison, const char* queries);
 

@@ -174,9 +174,10 @@ struct Localizer::Impl {
   TileFinisher finisher{store.get(), cache.get(), &options.tiles, &options.matching.index,
                         &workers};
 
-  LocalizeResult Localize(const LocalizeQuery& query);
-  // The stages that read the map, prior and tiles. If the store pruned the version meanwhile, runs
-  // them again on the latest one.
+  // `pinned`: the version to read; null: the latest.
+  LocalizeResult Localize(const LocalizeQuery& query, const MapSnapshot* pinned);
+  // The stages that read the map, prior and tiles. If the store pruned the latest version
+  // meanwhile, runs them again on the one that is the latest then.
   void ReadMap(const LocalizeQuery& query, StageRunner* stages, Search* search,
                std::optional<QueryContext>* context, LocalizeResult* result);
   void ReadVersion(const MapSnapshot& snapshot, const LocalizeQuery& query, StageRunner* stages,
@@ -219,7 +220,7 @@ void Localizer::Impl::ReadVersion(const MapSnapshot& snapshot, const LocalizeQue
   });
 }
 
-LocalizeResult Localizer::Impl::Localize(const LocalizeQuery& query) {
+LocalizeResult Localizer::Impl::Localize(const LocalizeQuery& query, const MapSnapshot* pinned) {
   const QueryBudget::Clock::time_point start = QueryBudget::Clock::now();
   query.Validate();
   const QueryBudget budget{&workers, query.deadline};
@@ -230,7 +231,11 @@ LocalizeResult Localizer::Impl::Localize(const LocalizeQuery& query) {
   std::vector<PoseCandidate> candidates;
 
   StageRunner stages(budget, &result);
-  ReadMap(query, &stages, &search, &context, &result);
+  if (pinned != nullptr) {
+    ReadVersion(*pinned, query, &stages, &search, &context, &result);
+  } else {
+    ReadMap(query, &stages, &search, &context, &result);
+  }
   stages.Run(Stage::kMatching, [&] {
     matches = search.Match(*context);
     return matches == nullptr ? Reason::kTooFewMatches : Reason::kNone;
@@ -274,7 +279,12 @@ Localizer::~Localizer() = default;
 
 LocalizeResult Localizer::Localize(const LocalizeQuery& query) const {
   const SharedWorkers::Caller caller(&impl_->workers);
-  return impl_->Localize(query);
+  return impl_->Localize(query, nullptr);
+}
+
+LocalizeResult Localizer::LocalizeIn(const MapSnapshot& map, const LocalizeQuery& query) const {
+  const SharedWorkers::Caller caller(&impl_->workers);
+  return impl_->Localize(query, &map);
 }
 
 const LocalizerOptions& Localizer::options() const { return impl_->options; }

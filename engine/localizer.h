@@ -28,6 +28,9 @@ class Localizer {
   // Error(kMapDamaged) if a tile does not decode, and Error(kUnavailable) if the map's server does
   // not answer by the query's deadline and tiles are missing.
   LocalizeResult Localize(const LocalizeQuery& query) const;
+  // Answers against a given version of the store's map, whatever is published meanwhile. Throws as
+  // Localize, and Error(kUnavailable) if the version was pruned.
+  LocalizeResult LocalizeIn(const MapSnapshot& map, const LocalizeQuery& query) const;
 
   const LocalizerOptions& options() const;
 

@@ -105,7 +105,7 @@ MapComparison CompareMaps(const MergeSource& a, const MergeSource& b,
   }
   // Only the images that the map is asked for get features, so that memory is bounded.
   std::map<TileId, std::vector<int>> images_of_tile;
-  for (const int image_idx : ImagesToCompare(view.session, a.store())) {
+  for (const int image_idx : ImagesToCompare(view.session, a.snapshot())) {
     images_of_tile[view.keyframe_of_image[static_cast<size_t>(image_idx)].first].push_back(
         image_idx);
   }
@@ -121,7 +121,7 @@ MapComparison CompareMaps(const MergeSource& a, const MergeSource& b,
               .features;
     }
   }
-  return CompareWithMap(view.reconstruction, view.session, a.store());
+  return CompareWithMap(view.reconstruction, view.session, a.store(), a.snapshot());
 }
 
 std::unordered_map<LandmarkId, LandmarkId> LinkMaps(const MergeSource& a, const MergeSource& b,

@@ -138,7 +138,7 @@ void Meet(const MergeSource& a, const MapMergeOptions& options, MergeSource* b,
   }
   report->comparison = CompareMaps(a, *b, tiles);
   RequireAgreement(report->comparison, options.agreement, b->path());
-  if (HasMotion(report->comparison)) {
+  if (IsJudged(report->comparison)) {
     const Sim3d& map_from_b = report->comparison.fit.map_from_session;
     RequireNearMove(map_from_b, *b, options.agreement);
     b->Move(map_from_b);

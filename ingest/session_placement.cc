@@ -11,9 +11,6 @@
 namespace cairn {
 namespace {
 
-// Fewer agreeing photos do not move a session.
-constexpr int kMinAgreeing = 3;
-
 [[noreturn]] void Refuse(const std::string& newcomer, const std::string& figures) {
   throw Error(ErrorCode::kConflict,
               fmt::format("{} contradicts the map: {}. Correct its georegistration, or "
@@ -22,10 +19,6 @@ constexpr int kMinAgreeing = 3;
 }
 
 }  // namespace
-
-bool HasMotion(const MapComparison& comparison) {
-  return comparison.fit.num_agreeing >= kMinAgreeing;
-}
 
 void RequireAgreement(const MapComparison& comparison, const AgreementOptions& limits,
                       const std::string& newcomer) {
@@ -38,7 +31,7 @@ void RequireAgreement(const MapComparison& comparison, const AgreementOptions& l
                        "way, it recognizes {}",
                        comparison.num_expected, comparison.num_localized));
   }
-  if (comparison.num_localized < kMinAgreeing) {
+  if (comparison.num_localized < kLeastPhotosToJudge) {
     return;
   }
   if (fit.num_agreeing < limits.min_agreeing_share * comparison.num_localized) {
@@ -61,7 +54,7 @@ void RequireAgreement(const MapComparison& comparison, const AgreementOptions& l
 
 PlacedSession SettleSession(PlacedSession session, const MapComparison& comparison,
                             const Reconstruction& reconstruction) {
-  if (!HasMotion(comparison)) {
+  if (!IsJudged(comparison)) {
     return session;
   }
   const Sim3d& map_from_session = comparison.fit.map_from_session;

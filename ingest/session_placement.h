@@ -10,9 +10,6 @@
 
 namespace cairn {
 
-// Returns whether enough photos agree on a motion to follow it.
-bool HasMotion(const MapComparison& comparison);
-
 // Throws Error(kConflict), with the figures of the disagreement and what to do, if a session or
 // another map contradicts the map: the map recognizes none of its photos, or recognizes them
 // elsewhere, turned, of another size or in places that fit no motion. `newcomer` names it.

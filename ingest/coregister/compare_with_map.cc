@@ -23,16 +23,15 @@ constexpr int kMaxQueries = 60;  // Photos that are localized, evenly over the s
 constexpr double kSearchRadiusM = 15.0;
 
 // Images of the session that stand near a photo of the map which looks the same way.
-std::vector<int> ImagesThatMapShouldKnow(const PlacedSession& session, const MapStore& map) {
-  const MapSnapshot snapshot = map.Snapshot();
+std::vector<int> ImagesThatMapShouldKnow(const PlacedSession& session, const MapSnapshot& map) {
   const double cos_near = std::cos(kNearViewRad);
   std::vector<int> images;
   for (const auto& [tile_id, images_of_tile] : session.images_of_tile) {
-    const std::optional<TileRecord> record = snapshot.FindTile(tile_id);
+    const std::optional<TileRecord> record = map.FindTile(tile_id);
     if (!record) {
       continue;
     }
-    const Tile tile = DecodeTile(snapshot.LoadPayload(record->payload_id));
+    const Tile tile = DecodeTile(map.LoadPayload(record->payload_id));
     const Rigid3d tile_from_ecef = EcefFromEnu(tile_id.Anchor()).Inverse();
     for (const int image_idx : images_of_tile) {
       const Rigid3d tile_from_cam =
@@ -82,12 +81,16 @@ LocalizeQuery QueryOf(const Reconstruction& reconstruction, const PlacedSession&
 
 }  // namespace
 
-std::vector<int> ImagesToCompare(const PlacedSession& session, const MapStore& map) {
+bool IsJudged(const MapComparison& comparison) {
+  return comparison.fit.num_agreeing >= kLeastPhotosToJudge;
+}
+
+std::vector<int> ImagesToCompare(const PlacedSession& session, const MapSnapshot& map) {
   return EvenlyOf(ImagesThatMapShouldKnow(session, map), kMaxQueries);
 }
 
 MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedSession& session,
-                             const MapStore& map) {
+                             const MapStore& store, const MapSnapshot& map) {
   const std::vector<int> images = ImagesToCompare(session, map);
   MapComparison comparison;
   comparison.num_expected = static_cast<int>(images.size());
@@ -95,14 +98,14 @@ MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedS
     return comparison;
   }
   // The store outlives the localizer, which wants to share it.
-  const std::shared_ptr<const MapStore> shared(std::shared_ptr<const MapStore>(), &map);
-  const std::shared_ptr<const Codebook> codebook = map.Snapshot().CurrentCodebook();
+  const std::shared_ptr<const MapStore> shared(std::shared_ptr<const MapStore>(), &store);
+  const std::shared_ptr<const Codebook> codebook = map.CurrentCodebook();
   const Localizer localizer(shared, std::make_shared<TileCache>(kCacheBytes), LocalizerOptions());
   std::vector<PosePair> pairs;
   for (const int image_idx : images) {
     LocalizeQuery query = QueryOf(reconstruction, session, image_idx);
     query.codec = codebook->CodecName();
-    const LocalizeResult result = localizer.Localize(query);
+    const LocalizeResult result = localizer.LocalizeIn(map, query);
     if (result.localized) {
       pairs.push_back(
           {session.cam_from_ecef[static_cast<size_t>(image_idx)], result.cam_from_ecef});

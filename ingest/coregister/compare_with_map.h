@@ -19,17 +19,24 @@ struct MapComparison {
   PlacementFit fit;       // Of the recognized queries; meaningful if there are any.
 };
 
+// Fewer photos neither move a session nor contradict it.
+inline constexpr int kLeastPhotosToJudge = 3;
+
+// Returns whether enough photos agree on a motion to follow it. If not, and the session was not
+// refused, the map cannot tell whether the session stands in the right place.
+bool IsJudged(const MapComparison& comparison);
+
 // Returns the images of the session that CompareWithMap localizes: up to 60 that the map should
 // recognize, evenly over the session. The map should recognize a photo near which one of its own
 // photos looks the same way (ingest/tiling/near_view.h).
-std::vector<int> ImagesToCompare(const PlacedSession& session, const MapStore& map);
+std::vector<int> ImagesToCompare(const PlacedSession& session, const MapSnapshot& map);
 
 // Localizes photos of the session that stand near photos of the map, by the features of the
 // reconstruction: raw, or in the projected space of the map's codebook. A session that is misplaced
-// by more than 15 m is not found. The result depends only on the map's latest version. Throws what
-// the engine throws on a damaged map.
+// by more than 15 m is not found. `map` is a version of `store`; later versions do not change the
+// result. Throws what the engine throws on a damaged map.
 MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedSession& session,
-                             const MapStore& map);
+                             const MapStore& store, const MapSnapshot& map);
 
 }  // namespace cairn
 

@@ -20,6 +20,9 @@ constexpr double kMinKeypointPx = 0.8, kMaxKeypointPx = 32.0;
 // Sessions whose keyframes a viewpoint keeps: the newest says what the place looks like now, and
 // the one before is left if the newest is removed.
 constexpr size_t kSessionsOfViewpoint = 2;
+// Keyframes of one session that a viewpoint keeps once the session is not the newest. Photos of a
+// walk have fewer; a video has a hundred.
+constexpr int kKeyframesOfViewpoint = 16;
 
 // Keyframes of a tile by place; finds those of the same viewpoint.
 class ViewpointIndex {
@@ -216,18 +219,31 @@ void NoteChances(const std::vector<int>& chances, SessionId session_id, Tile* ti
 
 std::vector<KeyframeId> ReplacedKeyframes(const Tile& tile, const ViewpointOptions& options) {
   const ViewpointIndex index(tile, options);
+  SessionId newest{};
+  for (const TileKeyframe& keyframe : tile.keyframes) {
+    newest = std::max(newest, keyframe.session_id);
+  }
+  std::vector<bool> is_kept(tile.num_keyframes(), false);
   std::vector<KeyframeId> replaced;
-  for (uint32_t k = 0; k < tile.num_keyframes(); ++k) {
+  // Backward, so that the last photos of a session stay.
+  for (auto k = static_cast<uint32_t>(tile.num_keyframes()); k-- > 0;) {
+    const SessionId session_id = tile.keyframes[k].session_id;
     std::set<SessionId> newer;
+    int num_kept = 0;  // Of the same session.
     index.ForEachSame(k, [&](uint32_t other) {
-      if (tile.keyframes[other].session_id > tile.keyframes[k].session_id) {
-        newer.insert(tile.keyframes[other].session_id);
+      const SessionId session_of_other = tile.keyframes[other].session_id;
+      if (session_of_other > session_id) {
+        newer.insert(session_of_other);
       }
+      num_kept += session_of_other == session_id && is_kept[other] ? 1 : 0;
     });
-    if (newer.size() >= kSessionsOfViewpoint) {
+    is_kept[k] = newer.size() < kSessionsOfViewpoint &&
+                 (session_id == newest || num_kept < kKeyframesOfViewpoint);
+    if (!is_kept[k]) {
       replaced.push_back(tile.keyframes[k].id);
     }
   }
+  std::reverse(replaced.begin(), replaced.end());
   return replaced;
 }
 

@@ -34,8 +34,9 @@ std::vector<int> CountChances(const Tile& tile, SessionId session_id,
 void NoteChances(const std::vector<int>& chances, SessionId session_id, Tile* tile);
 
 // Returns the keyframes whose viewpoint two newer sessions share. The newest session shows what the
-// place looks like now. The session before stays in case the newest is removed. The number of
-// keyframes in a map is therefore bounded.
+// place looks like now. The session before stays in case the newest is removed; of its keyframes, a
+// viewpoint keeps the last 16. The number of keyframes in a map, apart from those of the newest
+// session, is therefore bounded.
 std::vector<KeyframeId> ReplacedKeyframes(const Tile& tile, const ViewpointOptions& options);
 
 }  // namespace cairn

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 #include <sstream>
 #include <string_view>
@@ -162,6 +163,8 @@ Reconstruction ReadColmap(const ColmapInput& input) {
   if (!input.image_names.empty()) {
     KeepImages(input, &database, &model.images);
   }
+  std::sort(model.images.begin(), model.images.end(),
+            [](const ColmapImage& a, const ColmapImage& b) { return a.name < b.name; });
   Reconstruction reconstruction;
   ReadImages(input, model, &database, &reconstruction, &index);
   ReadLandmarks(input, model, index, &reconstruction);

@@ -20,10 +20,11 @@ struct ColmapInput {
   std::vector<std::string> image_names;
 };
 
-// Throws Error(kNotFound) for missing files. Throws Error(kBadInput) that names file, offset and
-// fault for malformed files, for an unsupported camera model, for images without keypoints or
-// descriptors in the database, for names in `image_names` that neither model nor database knows,
-// and if the model has none of the named images.
+// Returns the images in the order of their names, whatever their order in the files; a map numbers
+// its keyframes in this order. Throws Error(kNotFound) for missing files. Throws Error(kBadInput)
+// that names file, offset and fault for malformed files, for an unsupported camera model, for
+// images without keypoints or descriptors in the database, for names in `image_names` that neither
+// model nor database knows, and if the model has none of the named images.
 Reconstruction ReadColmap(const ColmapInput& input);
 
 // Reads one image name per line from a file of at most 256 MiB. Ignores a byte order mark, blank

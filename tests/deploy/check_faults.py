@@ -118,7 +118,7 @@ class Commands:
         return not is_server(map_path) and not pathlib.Path(map_path).exists()
 
 
-CASES = ("ingest", "replace", "remove", "rollback", "prune", "compact", "rebuild", "merge")
+CASES = ("ingest", "replace", "remove", "rollback", "prune", "compact", "rebuild", "merge", "recode", "extract")
 
 
 class Case:
@@ -251,7 +251,10 @@ class Faults:
             "rebuild": (self.one, lambda work: ["rebuild", work / "again.gpkg", "--archive", work / "archive"],
                         ["map.gpkg", "again.gpkg"]),
             "merge": (self.both, lambda work: ["merge", work / "even.gpkg", work / "odd.gpkg", "--out",
-                                               work / "map.gpkg"], ["even.gpkg", "odd.gpkg", "map.gpkg"])}
+                                               work / "map.gpkg"], ["even.gpkg", "odd.gpkg", "map.gpkg"]),
+            "recode": (self.two, lambda work: ["recode", work / "map.gpkg", "--codebook", "shipped"], ["map.gpkg"]),
+            "extract": (self.two, lambda work: ["extract", work / "map.gpkg", "--bbox=-90,-180,90,180", "--out",
+                                                work / "part.gpkg"], ["map.gpkg", "part.gpkg"])}
         return [Case(self.commands, name, *recipes[name], is_repeatable=name in ("ingest", "replace"))
                 for name in names]
 

@@ -4,17 +4,14 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "core/angles.h"
-#include "engine/localizer.h"
 #include "eval/eval_query.h"
 #include "ingest/georegister/georegister.h"
 #include "ingest/ingest_session.h"
 #include "ingest/readers/colmap_reader.h"
-#include "storage/map/tile_cache.h"
+#include "support/recognized.h"
 #include "support/temp_dir.h"
 #include "support/test_data.h"
 
@@ -70,22 +67,6 @@ IngestReport Ingest(const RealPlace& place, const Reconstruction& session, const
   return IngestSession(session, place.Place(session), options, store, {});
 }
 
-// Which photos the map recognizes within 3 m and 10 degrees.
-std::vector<bool> Recognized(const std::vector<EvalQuery>& queries, const MapStore& store) {
-  const std::shared_ptr<const MapStore> shared(std::shared_ptr<const MapStore>(), &store);
-  const Localizer localizer(shared, std::make_shared<TileCache>(size_t{256} << 20), {});
-  std::vector<bool> recognized;
-  for (const EvalQuery& query : queries) {
-    const LocalizeResult result = localizer.Localize(query.query);
-    const Rigid3d ecef_from_cam = result.cam_from_ecef.Inverse();
-    const Rigid3d truth = query.cam_from_ecef.Inverse();
-    recognized.push_back(
-        result.localized && (ecef_from_cam.translation - truth.translation).norm() <= 3.0 &&
-        ecef_from_cam.rotation.angularDistance(truth.rotation) <= 10.0 * kRadPerDeg);
-  }
-  return recognized;
-}
-
 // Alternating photos are two sessions.
 void ExpectSizeOfOne(const RealPlace& place) {
   const testing::TempDir dir;
@@ -112,9 +93,9 @@ void ExpectNoQueryLost(const RealPlace& place) {
   std::vector<EvalQuery> queries =
       QueriesFromReconstruction(place.Read(2, 3), place.Place(first), "");
   AddNoisyPriors({}, &queries);
-  const std::vector<bool> before = Recognized(queries, store);
+  const std::vector<bool> before = testing::Recognized(queries, store);
   Ingest(place, place.Read(1, 3), "second", &store);
-  const std::vector<bool> after = Recognized(queries, store);
+  const std::vector<bool> after = testing::Recognized(queries, store);
   int num_before = 0;
   for (size_t i = 0; i < queries.size(); ++i) {
     EXPECT_LE(before[i], after[i]) << queries[i].name;

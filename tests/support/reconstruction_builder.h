@@ -31,6 +31,7 @@ struct StreetWorldOptions {
   double start_m = 0.0;
   double length_m = 60.0;
   double width_m = 16.0;
+  double heading_rad = 0.0;  // Of the views ahead; pi: they look back.
   double keyframe_step_m = 3.0;
   int num_landmarks = 1500;  // Spread over [start_m, start_m + length_m + 20 m].
   int descriptor_dim = 128;
@@ -94,7 +95,8 @@ class StreetWorld {
     for (int i = 0; i < num_keyframes; ++i) {
       const Eigen::Vector3d x_in_enu(options_.start_m + i * options_.keyframe_step_m,
                                      0.5 * std::sin(0.7 * i), 1.6);
-      cam_from_enu.push_back(LookAlong(x_in_enu, 0.5 * (i % 3 - 1), 0.05 * std::sin(1.3 * i)));
+      cam_from_enu.push_back(
+          LookAlong(x_in_enu, options_.heading_rad + 0.5 * (i % 3 - 1), 0.05 * std::sin(1.3 * i)));
     }
     return cam_from_enu;
   }

@@ -201,7 +201,7 @@ TEST(Localizer, WorksAcrossAZoneBorder) {
   EXPECT_NE(result.tiles.front().zone(), result.tiles.back().zone());
 }
 
-TEST(Localizer, SeesAnUpdateOfTheMap) {
+TEST(Localizer, SeesAnUpdateOfTheMapUnlessAskedForAVersion) {
   StreetWorldOptions options;
   options.length_m = 30.0;
   options.num_landmarks = 600;
@@ -212,8 +212,12 @@ TEST(Localizer, SeesAnUpdateOfTheMap) {
   MappedStreets map({first});
   const LocalizeQuery query = QueryAt(second, QueryPose(12.0));
   EXPECT_EQ(map.localizer().Localize(query).reason, NotLocalizedReason::kNoCoverage);
+  const MapSnapshot before = map.store().Snapshot();
   map.Add(second);
   EXPECT_TRUE(map.localizer().Localize(query).localized);
+  const LocalizeResult result = map.localizer().LocalizeIn(before, query);
+  EXPECT_EQ(result.reason, NotLocalizedReason::kNoCoverage);
+  EXPECT_EQ(result.map_version, before.version());
 }
 
 TEST(Localizer, RefusesOptionsThatMakeNoSense) {
