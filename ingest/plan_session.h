@@ -29,9 +29,9 @@ struct PlannedSession {
 };
 
 // Places the session on Earth, asks the map where it stands, moves it there, links landmarks that
-// the map knows, and numbers everything that is new. Takes no lock but for the moment in which it
-// reserves the ids (see MapStore::ReserveIds); plans that never become a version leave gaps in the
-// ids and nothing else.
+// the map knows, and numbers everything that is new. Locks the map only while it reserves the ids
+// (MapStore::ReserveIds). A plan that never becomes a version leaves gaps in the ids and nothing
+// else.
 //
 // Throws what IngestSession throws.
 PlannedSession PlanSession(const Reconstruction& reconstruction, const Sim3d& ecef_from_world,

@@ -17,7 +17,8 @@ namespace cairn {
 //  - all landmarks of a keyframe on new ground, which sees fewer than a quarter of what it needs
 //    among those that `known` has.
 // The map therefore grows with change and not with visits (Buerki et al., "Map management for
-// efficient long-term visual localization in outdoor environments", 2018). Linear but for one sort.
+// efficient long-term visual localization in outdoor environments", 2018). Takes linear time, apart
+// from one sort.
 std::vector<uint32_t> AdmitLandmarks(const Tile& known, const Tile& fresh, int enough_landmarks);
 
 }  // namespace cairn

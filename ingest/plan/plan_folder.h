@@ -29,7 +29,7 @@ class PlanFolder {
   explicit PlanFolder(const std::string& path);
 
   const std::string& path() const { return path_; }
-  // The codebook is empty but for its id before LoadCodebook.
+  // Before LoadCodebook, the codebook has only its id.
   const SessionPlan& plan() const { return manifest_.plan; }
   const std::string& map_path() const { return manifest_.map_path; }
 

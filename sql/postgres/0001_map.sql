@@ -202,6 +202,8 @@ CREATE INDEX keyframes_by_geom ON keyframes USING gist (geom);
 ALTER TABLE cairn_payloads ALTER COLUMN bytes SET STORAGE EXTERNAL;
 
 -- A row without an id gets the next one; a session or a keyframe that comes back keeps its own.
+-- Each table has a function of its own: one for all would have to build its statements from the
+-- names of column and sequence for each row.
 
 CREATE SEQUENCE cairn_codebook_ids OWNED BY cairn_codebooks.codebook_id;
 CREATE FUNCTION cairn_number_codebook() RETURNS trigger LANGUAGE plpgsql AS $$
