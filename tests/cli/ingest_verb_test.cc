@@ -114,7 +114,8 @@ TEST_F(IngestVerb, SaysThatTooFewPhotosCannotBeJudged) {
   Ingest(map, "monday", Visit(2));
   StreetWorldOptions foreign = Visit(3);
   foreign.seed = 9;
-  foreign.length_m = 12.0;
+  foreign.length_m = 40.0;
+  foreign.keyframe_step_m = 5.0;  // Nine photos.
   EXPECT_THAT(Ingest(map, "tuesday", foreign).out,
               HasSubstr("too few photos agree to judge whether the placement fits the map"));
 }

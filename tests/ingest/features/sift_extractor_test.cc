@@ -164,8 +164,8 @@ GrayImage WhiteNoise(int width_px, int height_px, uint32_t seed) {
 
 void ExpectSaneFeatures(const GrayImage& image, const SiftOptions& options) {
   const FeatureSet features = ExtractSift(image, options);
-  SCOPED_TRACE(testing::Message() << image.width_px << " x " << image.height_px << ", "
-                                  << options.max_pixels << " pixels");
+  SCOPED_TRACE(::testing::Message() << image.width_px << " x " << image.height_px << ", "
+                                    << options.max_pixels << " pixels");
   ValidateFeatures(features, "features");
   EXPECT_LE(features.size(), options.max_features);
   EXPECT_EQ(features.descriptors.cols(), 128);
