@@ -41,7 +41,7 @@ ExitCode RunCheck(const std::string& map_path, ProgressMode progress_mode) {
 void AddCheckCommand(CLI::App* app, Shell* shell) {
   CLI::App* command = app->add_subcommand("check", "Check every page and tile of a map for damage");
   auto map_path = std::make_shared<std::string>();
-  command->add_option("MAP", *map_path, "Map file")->required();
+  command->add_option("MAP", *map_path, "Map: a file or a postgresql:// URL")->required();
   command->footer("Example:\n  cairn check city.gpkg");
   command->callback([shell, map_path] {
     shell->run = [shell, map_path] { return RunCheck(*map_path, shell->progress_mode); };

@@ -19,6 +19,7 @@
 #include "cli/open_localizer.h"
 #include "cli/options_file.h"
 #include "cli/shell.h"
+#include "core/angles.h"
 #include "core/error.h"
 #include "core/parallel_for.h"
 #include "core/printable.h"
@@ -251,7 +252,7 @@ void AddNoiseOptions(CLI::App* command, EvalArguments* arguments) {
       ->add_option_function<double>(
           "--gravity-noise-deg",
           [noise = &arguments->options.noise](double sigma_deg) {
-            noise->gravity_sigma_rad = sigma_deg * 0.017453292519943295;
+            noise->gravity_sigma_rad = sigma_deg * kRadPerDeg;
           },
           "Standard deviation of the gravity direction, degrees")
       ->check(NumberWithin(0.0, 180.0))
@@ -352,9 +353,9 @@ void AddEvalCommand(CLI::App* app, Shell* shell) {
                    "Write a CSV with one line per inlier and its deviation from the landmark")
       ->type_name("FILE");
   command
-      ->add_option(
-          "--min-score", arguments->options.localizer.answer.min_score,
-          "Lowest score of an answer; lower ones count as not localized (no effect with --server)")
+      ->add_option("--min-score", arguments->options.localizer.answer.min_score,
+                   "Lowest score of an answer. Answers below it count as not localized (no effect "
+                   "with --server)")
       ->check(NumberWithin(-1e9, 1e9))
       ->capture_default_str();
   command->footer(

@@ -1,14 +1,13 @@
 // `cairn ingest`: adds a reconstruction to a map as one session.
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <memory>
 #include <string>
-#include <thread>
 
 #include "cli/ingest_summary.h"
 #include "cli/session_archive.h"
 #include "cli/session_arguments.h"
 #include "cli/shell.h"
+#include "core/parallel_for.h"
 #include "ingest/ingest_session.h"
 #include "storage/map/map_store.h"
 
@@ -73,7 +72,7 @@ void AddIngestCommand(CLI::App* app, Shell* shell) {
   CLI::App* command = app->add_subcommand("ingest", "Add a COLMAP reconstruction to a map");
   auto arguments = std::make_shared<IngestArguments>();
   IngestOptions& options = arguments->session.options.ingest;
-  options.num_threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  options.num_threads = NumCores();
   AddSessionArguments(command, &arguments->session);
   command
       ->add_option("--threads", options.num_threads,

@@ -1,4 +1,4 @@
-// What `cairn ingest` and `cairn publish` print about a session.
+// The summary of a session that `cairn ingest` and `cairn publish` print.
 #ifndef CAIRN_CLI_INGEST_SUMMARY_H_
 #define CAIRN_CLI_INGEST_SUMMARY_H_
 

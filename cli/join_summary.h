@@ -1,5 +1,5 @@
-// What `cairn ingest`, `cairn plan` and `cairn merge` print about a session or a map that joined a
-// map.
+// The summary of a session or a map that joined a map, for `cairn ingest`, `cairn plan` and `cairn
+// merge`.
 #ifndef CAIRN_CLI_JOIN_SUMMARY_H_
 #define CAIRN_CLI_JOIN_SUMMARY_H_
 

@@ -266,7 +266,8 @@ void AddQueryOptions(CLI::App* command, LocalizeArguments* arguments) {
 void AddLocalizeCommand(CLI::App* app, Shell* shell) {
   CLI::App* command = app->add_subcommand("localize", "Compute where a photo was taken");
   auto arguments = std::make_shared<LocalizeArguments>();
-  command->add_option("MAP", arguments->map_path, "Map file; omit with --server");
+  command->add_option("MAP", arguments->map_path,
+                      "Map: a file or a postgresql:// URL; omit with --server");
   command->add_option("--server", arguments->server_url, "Query this server instead of a map file")
       ->type_name("URL");
   AddOptionsFile(command, &arguments->options);

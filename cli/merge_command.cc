@@ -31,7 +31,6 @@ MapMergeOptions MergeOptionsOf(const MergeArguments& arguments) {
   options.recode = arguments.recode;
   options.selection = ingest.selection;
   options.appearance = ingest.appearance;
-  options.comparison = ingest.comparison;
   options.agreement = ingest.agreement;
   options.upkeep = ingest.upkeep;
   return options;
@@ -66,8 +65,8 @@ ExitCode RunMerge(const MergeArguments& arguments, ProgressMode progress_mode) {
 void AddMergeCommand(CLI::App* app, Shell* shell) {
   CLI::App* command = app->add_subcommand("merge", "Make one map of two maps");
   auto arguments = std::make_shared<MergeArguments>();
-  command->add_option("A", arguments->a_path, "Map file")->required();
-  command->add_option("B", arguments->b_path, "Map file")->required();
+  command->add_option("A", arguments->a_path, "Map: a file or a postgresql:// URL")->required();
+  command->add_option("B", arguments->b_path, "Map: a file or a postgresql:// URL")->required();
   command->add_option("--out", arguments->out_path, "Map file to create")->required();
   command->add_flag("--apart", arguments->apart,
                     "Do not compare the maps, and keep the landmarks of B beside those of A");

@@ -2,15 +2,14 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "cli/session_archive.h"
 #include "cli/shell.h"
 #include "core/error.h"
+#include "core/parallel_for.h"
 #include "core/printable.h"
 #include "ingest/archive/rebuild_plan.h"
 #include "ingest/archive_session.h"
@@ -22,7 +21,7 @@ struct RebuildArguments {
   std::string map_path;
   std::string archive_path;
   std::vector<std::string> without;
-  int num_threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  int num_threads = NumCores();
 };
 
 void IngestFile(const ArchiveFile& file, const RebuildArguments& arguments, MapStore* store,

@@ -45,7 +45,7 @@ void AddRecodeCommand(CLI::App* app, Shell* shell) {
   CLI::App* command =
       app->add_subcommand("recode", "Code a map with another codebook, as a new version");
   auto arguments = std::make_shared<RecodeArguments>();
-  command->add_option("MAP", arguments->map_path, "Map file")->required();
+  command->add_option("MAP", arguments->map_path, "Map: a file or a postgresql:// URL")->required();
   command
       ->add_option("--codebook", arguments->codebook,
                    "Where the codebook comes from: the word shipped, another map, or a file of "

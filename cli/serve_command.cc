@@ -20,7 +20,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 
 #include "cli/index_option.h"
 #include "cli/options_file.h"
@@ -28,6 +27,7 @@
 #include "core/error.h"
 #include "core/logging.h"
 #include "core/memory_reserve.h"
+#include "core/parallel_for.h"
 #include "http/server.h"
 
 namespace cairn {
@@ -102,9 +102,7 @@ void AllowOpenFiles() {
 // glibc gives every thread its own heap, and each heap keeps the memory of its largest request: 72
 // MB after a photo of 450,000 pixels. With as many heaps as cores, the server's memory is the tile
 // cache plus a constant, independent of --threads. Call before any thread starts.
-void ShareHeapsAmongThreads() {
-  mallopt(M_ARENA_MAX, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
-}
+void ShareHeapsAmongThreads() { mallopt(M_ARENA_MAX, NumCores()); }
 
 // Serves until SIGINT or SIGTERM arrives, which it returns, or until `end`, when it returns
 // nothing. SIGHUP reopens the map. After every second with requests, returns freed memory to the
@@ -255,7 +253,8 @@ void AddLimitOptions(CLI::App* command, ServerOptions* options) {
 void AddServeCommand(CLI::App* app, Shell* shell) {
   CLI::App* command = app->add_subcommand("serve", "Answer localization queries over HTTP");
   auto options = std::make_shared<CairnOptions>();
-  command->add_option("MAP", options->server.map_path, "Map file")->required();
+  command->add_option("MAP", options->server.map_path, "Map: a file or a postgresql:// URL")
+      ->required();
   AddOptionsFile(command, options.get());
   AddAddressOptions(command, &options->server);
   AddLimitOptions(command, &options->server);

@@ -31,9 +31,9 @@ void RequireNoneAfter(const MapSession& session, const ArchiveFolder& folder,
   for (const MapSession& other : MapSessionsOf(map)) {
     if (Value(other.id) > Value(session.id) && folder.Holds(other.key)) {
       throw Error(ErrorCode::kConflict,
-                  fmt::format("{}: session '{}' comes before '{}', which the archive has; begin "
-                              "an archive with the first session of the map",
-                              folder.path(), Excerpt(session.key.name), Excerpt(other.key.name)));
+                  fmt::format("{}: the archive has session '{}' already, which came after '{}'. "
+                              "Archive the first session of the map first",
+                              folder.path(), Excerpt(other.key.name), Excerpt(session.key.name)));
     }
   }
 }

@@ -42,7 +42,7 @@ std::chrono::milliseconds PatienceOf(double wait_s) {
 
 void AddSessionArguments(CLI::App* command, SessionArguments* arguments) {
   IngestOptions& options = arguments->options.ingest;
-  command->add_option("MAP", arguments->map_path, "Map file")->required();
+  command->add_option("MAP", arguments->map_path, "Map: a file or a postgresql:// URL")->required();
   AddOptionsFile(command, &arguments->options);
   AddReconstructionOptions(command, &arguments->reconstruction);
   command->get_option("--model")->required();

@@ -7,6 +7,9 @@ target_compile_options(cairn_compiler_options INTERFACE
   # code that are not there, more of them at -O3.
   $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow -Wno-stringop-overread -Wno-array-bounds>
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict -Wno-maybe-uninitialized>
+  # A source that is compiled together with others looks like a header to GCC, so that a class with a
+  # member of a type of the source's own looks like two classes.
+  $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${CMAKE_UNITY_BUILD}>>:-Wno-subobject-linkage>
   # With the compiler of Debian 12, which CI has; others may see what it does not.
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_GREATER_EQUAL:$<CXX_COMPILER_VERSION>,12>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Werror>)
 

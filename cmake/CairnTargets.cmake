@@ -3,9 +3,11 @@
 # The static library of a room, `cairn_NAME`. Its headers are visible to others only through the
 # target: each room has an include root of its own that holds nothing but a link to its folder, so an
 # #include against the arrows of docs/architecture.md does not compile.
-# ROOM names the folder when a room has several targets (default: NAME).
+# ROOM names the folder when a room has several targets (default: NAME). APART: the sources of the
+# folder use the same names for parts that correspond, so that the release preset compiles each alone
+# (elsewhere it compiles a folder's sources together).
 function(cairn_library)
-  cmake_parse_arguments(ARG "" "NAME;ROOM" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "APART" "NAME;ROOM" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   if(NOT ARG_ROOM)
     set(ARG_ROOM ${ARG_NAME})
   endif()
@@ -24,6 +26,9 @@ function(cairn_library)
     PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:cairn_compiler_options>)
   if(NOT OpenMP::OpenMP_CXX IN_LIST ARG_PRIVATE)  # Whose flag the precompiled headers lack.
     target_precompile_headers(${target} REUSE_FROM cairn_library_headers)
+  endif()
+  if(ARG_APART)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
   endif()
   set_property(GLOBAL APPEND PROPERTY CAIRN_LIBRARIES ${target})
 endfunction()

@@ -6,9 +6,9 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <utility>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "core/printable.h"
 
@@ -121,7 +121,7 @@ void CheckCamera(CameraModel model, int width_px, int height_px,
   if (!(params[0] > 0.0) || !(params[NumFocalLengths(model) - 1] > 0.0)) {
     throw Error(ErrorCode::kBadInput, "camera focal length must be positive");
   }
-  if (model == CameraModel::kFov && !(std::abs(params[4]) < std::numbers::pi)) {
+  if (model == CameraModel::kFov && !(std::abs(params[4]) < kPi)) {
     throw Error(ErrorCode::kBadInput,
                 fmt::format("camera parameter omega is {}, not within pi", params[4]));
   }

@@ -4,8 +4,8 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <numbers>
 
+#include "core/angles.h"
 #include "core/error.h"
 
 namespace cairn {
@@ -49,8 +49,8 @@ std::optional<double> GravityRectifiedOrientationRad(const Camera& camera, const
 }
 
 double WrapAngleRad(double angle_rad) {
-  const double wrapped = std::remainder(angle_rad, 2.0 * std::numbers::pi);
-  return wrapped <= -std::numbers::pi ? std::numbers::pi : wrapped;
+  const double wrapped = std::remainder(angle_rad, 2.0 * kPi);
+  return wrapped <= -kPi ? kPi : wrapped;
 }
 
 }  // namespace cairn

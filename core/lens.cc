@@ -3,12 +3,13 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "core/angles.h"
 
 namespace cairn {
 namespace {
 
-constexpr double kHalfPi = 0.5 * std::numbers::pi;
+constexpr double kHalfPi = 0.5 * kPi;
 // The tangent of 84 degrees off the axis, which is beyond the edge of any perspective image.
 constexpr double kMaxRadius = 10.0;
 // Below these bounds, series replace quotients of small numbers.

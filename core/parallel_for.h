@@ -6,6 +6,9 @@
 
 namespace cairn {
 
+// Returns the number of cores of this machine, at least 1.
+int NumCores();
+
 // Calls step(0) ... step(count - 1) once each, on at most `num_threads` threads including the
 // caller's; the others end with the call. Order, return and exceptions are as in
 // SharedWorkers::ForEach.

@@ -27,9 +27,9 @@ using Lanes = typename internal::LanesOf<T, kCount>::Type;
 // Before a function. CAIRN_VECTOR_CLONES compiles it for AVX-512, AVX2 and baseline x86-64;
 // floating point results may differ in the last bit between processors (fused multiply-add).
 // CAIRN_EXACT_VECTOR_CLONES, for what is stored, compiles it for AVX2 without fused multiply-add
-// and for the baseline: the same results on every processor. Neither has an effect for other
-// compilers and processors, nor under the thread sanitizer, which crashes in code that runs as
-// early as the choice.
+// and for the baseline: the same results on every processor. Neither macro has an effect on other
+// compilers or processors, or under the thread sanitizer. That sanitizer crashes in code that runs
+// as early as the choice.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
 #define CAIRN_VECTOR_CLONES \
   __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))

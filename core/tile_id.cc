@@ -7,8 +7,8 @@
 #include <charconv>
 #include <cmath>
 #include <exception>
-#include <numbers>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "core/printable.h"
 
@@ -123,23 +123,22 @@ GeoBox TileId::Bounds() const {
   GeoBox box{anchor.lat_rad, anchor.lon_rad, anchor.lat_rad, anchor.lon_rad};
   double min_lon_offset_rad = 0.0, max_lon_offset_rad = 0.0;
   for (const Geodetic& corner : Corners()) {
-    const double offset_rad =
-        std::remainder(corner.lon_rad - anchor.lon_rad, 2.0 * std::numbers::pi);
+    const double offset_rad = std::remainder(corner.lon_rad - anchor.lon_rad, 2.0 * kPi);
     min_lon_offset_rad = std::min(min_lon_offset_rad, offset_rad);
     max_lon_offset_rad = std::max(max_lon_offset_rad, offset_rad);
     box.south_rad = std::min(box.south_rad, corner.lat_rad);
     box.north_rad = std::max(box.north_rad, corner.lat_rad);
   }
-  if (max_lon_offset_rad - min_lon_offset_rad >= std::numbers::pi) {  // The tile contains a pole.
-    const double pole_rad = std::copysign(0.5 * std::numbers::pi, anchor.lat_rad);
+  if (max_lon_offset_rad - min_lon_offset_rad >= kPi) {  // The tile contains a pole.
+    const double pole_rad = std::copysign(0.5 * kPi, anchor.lat_rad);
     box.south_rad = std::min(box.south_rad, pole_rad);
     box.north_rad = std::max(box.north_rad, pole_rad);
-    box.west_rad = -std::numbers::pi;
-    box.east_rad = std::numbers::pi;
+    box.west_rad = -kPi;
+    box.east_rad = kPi;
     return box;
   }
-  box.west_rad = std::remainder(anchor.lon_rad + min_lon_offset_rad, 2.0 * std::numbers::pi);
-  box.east_rad = std::remainder(anchor.lon_rad + max_lon_offset_rad, 2.0 * std::numbers::pi);
+  box.west_rad = std::remainder(anchor.lon_rad + min_lon_offset_rad, 2.0 * kPi);
+  box.east_rad = std::remainder(anchor.lon_rad + max_lon_offset_rad, 2.0 * kPi);
   return box;
 }
 

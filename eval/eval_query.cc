@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 #include <random>
 #include <utility>
 
+#include "core/angles.h"
 #include "core/frames.h"
 #include "core/require.h"
 
@@ -86,7 +86,7 @@ void OffsetPriors(double distance_m, uint64_t seed, std::vector<EvalQuery>* quer
     }
     // Uses other random numbers than AddNoisyPriors for the same query.
     std::mt19937_64 generator = GeneratorOfQuery(query, ~seed);
-    std::uniform_real_distribution<double> direction_rad(0.0, 2.0 * std::numbers::pi);
+    std::uniform_real_distribution<double> direction_rad(0.0, 2.0 * kPi);
     const double azimuth_rad = direction_rad(generator);
     Geodetic& position = query.query.prior->position;
     const double h_m = position.h_m;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/angles.h"
 #include "core/rigid3.h"
 #include "engine/query/localize_query.h"
 #include "ingest/sfm/reconstruction.h"
@@ -30,8 +31,8 @@ std::mt19937_64 GeneratorOfQuery(const EvalQuery& query, uint64_t seed);
 struct PriorNoiseOptions {
   double position_sigma_m = 10.0;  // Per horizontal axis. The reported accuracy is the 68 % radius.
   double height_sigma_m = 5.0;
-  double gravity_sigma_rad = 0.017453292519943295;  // 1 degree. Of the tilt about each of two axes
-                                                    // perpendicular to gravity.
+  double gravity_sigma_rad = kRadPerDeg;  // 1 degree. Of the tilt about each of two axes
+                                          // perpendicular to gravity.
   bool with_prior = true;
   bool with_gravity = true;
   uint64_t seed = 1;

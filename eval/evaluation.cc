@@ -4,15 +4,15 @@
 #include <limits>
 #include <numeric>
 
+#include "core/angles.h"
 #include "core/check.h"
 #include "eval/evaluation_measures.h"
 
 namespace cairn {
 namespace {
 
-constexpr double kRadFromDeg = 0.017453292519943295;
 constexpr RecallThreshold kRecallThresholds[] = {
-    {0.25, 2.0 * kRadFromDeg}, {0.5, 5.0 * kRadFromDeg}, kCorrect, {5.0, 10.0 * kRadFromDeg}};
+    {0.25, 2.0 * kRadPerDeg}, {0.5, 5.0 * kRadPerDeg}, kCorrect, {5.0, 10.0 * kRadPerDeg}};
 
 EvalAnswer CompareToReference(const EvalQuery& query, LocalizeResult result) {
   EvalAnswer answer;

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/angles.h"
 #include "engine/query/localize_result.h"
 #include "eval/eval_query.h"
 #include "eval/evaluation_bootstrap.h"
@@ -29,7 +30,7 @@ struct RecallThreshold {
 };
 
 // Errors up to which an answer counts as correct in the average precision: 3 m, 10 degrees.
-inline constexpr RecallThreshold kCorrect = {3.0, 0.17453292519943295};
+inline constexpr RecallThreshold kCorrect = {3.0, 10.0 * kRadPerDeg};
 
 // False for an answer without a pose.
 bool IsWithin(const EvalAnswer& answer, const RecallThreshold& threshold);

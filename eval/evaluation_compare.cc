@@ -3,13 +3,14 @@
 #include <limits>
 #include <span>
 
+#include "core/angles.h"
 #include "core/check.h"
 #include "eval/evaluation_measures.h"
 
 namespace cairn {
 namespace {
 
-constexpr RecallThreshold kHalfMetre = {0.5, 0.08726646259971647};  // 5 degrees.
+constexpr RecallThreshold kHalfMeter = {0.5, 5.0 * kRadPerDeg};
 
 double Measure(const EvalReport& report, std::span<const size_t> sample, AccuracyMeasure measure) {
   switch (measure) {
@@ -17,8 +18,8 @@ double Measure(const EvalReport& report, std::span<const size_t> sample, Accurac
       return AveragePrecisionOf(report.answers, sample);
     case AccuracyMeasure::kRecallAtCorrect:
       return RecallOf(report.answers, sample, kCorrect);
-    case AccuracyMeasure::kRecallAtHalfMetre:
-      return RecallOf(report.answers, sample, kHalfMetre);
+    case AccuracyMeasure::kRecallAtHalfMeter:
+      return RecallOf(report.answers, sample, kHalfMeter);
     case AccuracyMeasure::kMedianPositionError:
       return MedianOfLocalized(report.answers, sample, &EvalAnswer::position_error_m);
     case AccuracyMeasure::kMedianRotationError:

@@ -13,7 +13,7 @@ namespace cairn {
 enum class AccuracyMeasure {
   kAveragePrecision,
   kRecallAtCorrect,      // Share of queries answered within 3 m and 10 degrees.
-  kRecallAtHalfMetre,    // Share of queries answered within 0.5 m and 5 degrees.
+  kRecallAtHalfMeter,    // Share of queries answered within 0.5 m and 5 degrees.
   kMedianPositionError,  // Meters, over the localized queries of each report; smaller is better.
   kMedianRotationError,  // Radians.
 };

@@ -8,6 +8,7 @@
 #include <stop_token>
 #include <thread>
 
+#include "core/parallel_for.h"
 #include "core/require.h"
 #include "http/dispatcher.h"
 #include "http/net/listener.h"
@@ -25,7 +26,7 @@ int NumThreads(const ServerOptions& options) {
     return options.num_threads;
   }
   constexpr int kMinThreads = 64;  // Most threads wait in line.
-  return std::max(kMinThreads, 2 * static_cast<int>(std::thread::hardware_concurrency()));
+  return std::max(kMinThreads, 2 * NumCores());
 }
 
 // Refreshes the maps about once a second until it is destroyed.
@@ -77,7 +78,7 @@ struct Server::Impl {
   static ListenerOptions MainListenerOptions(const ServerOptions& options) {
     ListenerOptions listener{
         .host = options.host, .port = options.port, .num_threads = NumThreads(options)};
-    listener.connection.head.max_body_bytes = options.max_body_bytes;
+    listener.connection.max_body_bytes = options.max_body_bytes;
     return listener;
   }
 };

@@ -1,4 +1,4 @@
-// What an ingest gives to an archive, and takes from it again.
+// Conversion between the input of an ingest and an archived session.
 #ifndef CAIRN_INGEST_ARCHIVE_SESSION_H_
 #define CAIRN_INGEST_ARCHIVE_SESSION_H_
 

@@ -52,7 +52,6 @@ void IngestOptions::Validate() const {
   RequireOption(num_threads >= 1, "ingest.num_threads must be at least 1");
   TileOptions::Validate();
   codebook.Validate();
-  comparison.Validate();
   agreement.Validate();
 }
 

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <string>
 
-#include "ingest/coregister/compare_with_map.h"
 #include "ingest/merging/landmark_history.h"
 #include "ingest/merging/link_landmarks.h"
 #include "ingest/merging/merge_tiles.h"
@@ -27,14 +26,16 @@ struct AgreementOptions {
   double max_moved_m = 3.0;
   double max_turned_rad = 0.05;  // 3 degrees.
   double max_scale_change = 0.05;
-  double min_agreeing_share = 0.5;    // Of the photos that the map recognizes.
-  double min_recognized_share = 0.1;  // Of the photos that it should recognize,
-  int min_expected = 10;              // if there are so many.
+  double min_agreeing_share = 0.5;  // Of the photos that the map recognizes.
+  // Share of the photos that the map should recognize. Not checked for fewer than min_expected such
+  // photos.
+  double min_recognized_share = 0.1;
+  int min_expected = 10;
 
   void Validate() const;
 };
 
-// What a map keeps of a place that several sessions have seen.
+// Upkeep of a place that several sessions have seen.
 struct UpkeepOptions {
   LinkOptions linking;
   MergeOptions merging;
@@ -48,7 +49,7 @@ struct UpkeepOptions {
   void Validate() const;
 };
 
-// What the content of a single tile depends on. A plan stores it (docs/formats/plan_v1.md), so a
+// All options that change the content of a tile. A plan stores them (docs/formats/plan_v1.md), so a
 // new member needs a line in ingest/plan/plan_options.h, which does not compile without.
 struct TileOptions {
   SessionJoining joining = SessionJoining::kJoin;
@@ -66,11 +67,10 @@ struct IngestOptions : TileOptions {
   std::string recorded_at;   // When the photos were taken, see SessionRecord; empty: `now`.
   std::string now;           // The time of the ingest, in the same form; empty: that of the clock.
   CodebookOptions codebook;  // Used only by the first session of a map.
-  ComparisonOptions comparison;
   AgreementOptions agreement;
-  // Landmarks with a larger position uncertainty are dropped, metres; and with a larger median
-  // reprojection error, pixels.
+  // Landmarks with a larger standard deviation of the position are dropped, meters.
   double max_sigma_m = 2.0;
+  // Landmarks with a larger median reprojection error are dropped, pixels.
   double max_reprojection_error_px = 4.0;
   double georef_median_residual_m = 0.0;  // Recorded with the session.
   int num_threads = 1;                    // That build tiles. The result does not depend on it.

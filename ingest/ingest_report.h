@@ -1,4 +1,4 @@
-// What an ingest did, for people and tests.
+// The report of an ingest, for people and tests.
 #ifndef CAIRN_INGEST_INGEST_REPORT_H_
 #define CAIRN_INGEST_INGEST_REPORT_H_
 

@@ -1,4 +1,4 @@
-// Joins what a session or another map has of a tile with what the map has. Private to ingest.
+// Joins the tile of a session, or of another map, with that of the map. Private to ingest.
 #ifndef CAIRN_INGEST_JOIN_TILES_H_
 #define CAIRN_INGEST_JOIN_TILES_H_
 
@@ -15,7 +15,7 @@
 
 namespace cairn {
 
-// What all tiles of an ingest or a merge share; nothing is owned.
+// Input that all tiles of an ingest or a merge share. Refers to data of the caller.
 struct TileJoinContext {
   const UpkeepOptions* upkeep = nullptr;
   const LandmarkSelectionOptions* selection = nullptr;

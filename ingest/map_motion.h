@@ -25,9 +25,9 @@ class MapMotion {
   std::vector<TileId> SourcesOf(TileId tile_id) const;
 
   void Move(KeyframeRecord* keyframe) const;
-  // Returns what of a stored tile stands in `target` after the motion: keyframes, and the landmarks
-  // that they see. Landmarks that no keyframe sees stay in their tile, or leave with its first
-  // keyframe if no keyframe stays.
+  // Returns the part of a stored tile that lies in `target` after the motion: keyframes, and the
+  // landmarks that they see. Landmarks that no keyframe sees stay in their tile, or leave with its
+  // first keyframe if no keyframe stays.
   Tile Part(const Tile& stored, TileId target) const;
 
  private:

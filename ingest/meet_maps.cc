@@ -98,14 +98,14 @@ struct MapLink {
 }  // namespace
 
 MapComparison CompareMaps(const MergeSource& a, const MergeSource& b,
-                          const std::vector<TileId>& tiles, const ComparisonOptions& options) {
+                          const std::vector<TileId>& tiles) {
   MapAsSession view;
   for (const TileId tile_id : tiles) {
     AddImages(*b.LoadTile(tile_id), b, &view);
   }
   // Only the images that the map is asked for get features, so that memory is bounded.
   std::map<TileId, std::vector<int>> images_of_tile;
-  for (const int image_idx : ImagesToCompare(view.session, a.store(), options)) {
+  for (const int image_idx : ImagesToCompare(view.session, a.store())) {
     images_of_tile[view.keyframe_of_image[static_cast<size_t>(image_idx)].first].push_back(
         image_idx);
   }
@@ -121,7 +121,7 @@ MapComparison CompareMaps(const MergeSource& a, const MergeSource& b,
               .features;
     }
   }
-  return CompareWithMap(view.reconstruction, view.session, a.store(), options);
+  return CompareWithMap(view.reconstruction, view.session, a.store());
 }
 
 std::unordered_map<LandmarkId, LandmarkId> LinkMaps(const MergeSource& a, const MergeSource& b,

@@ -1,4 +1,4 @@
-// What one map says about another. Private to ingest.
+// The comparison of two maps. Private to ingest.
 #ifndef CAIRN_INGEST_MEET_MAPS_H_
 #define CAIRN_INGEST_MEET_MAPS_H_
 
@@ -16,7 +16,7 @@ namespace cairn {
 // Localizes keyframes of `b` in `a`: see FeaturesOfKeyframe for what the queries have. `tiles` are
 // those that both maps have. Tiles of b come in the codes of a.
 MapComparison CompareMaps(const MergeSource& a, const MergeSource& b,
-                          const std::vector<TileId>& tiles, const ComparisonOptions& options);
+                          const std::vector<TileId>& tiles);
 
 // Returns the landmarks of b that a has, too, with their ids there; see ProposeLinks for what two
 // landmarks must have in common. Each landmark has at most one link: the links with the nearest

@@ -136,7 +136,7 @@ void Meet(const MergeSource& a, const MapMergeOptions& options, MergeSource* b,
   if (tiles.empty()) {
     return;
   }
-  report->comparison = CompareMaps(a, *b, tiles, options.comparison);
+  report->comparison = CompareMaps(a, *b, tiles);
   RequireAgreement(report->comparison, options.agreement, b->path());
   if (HasMotion(report->comparison)) {
     const Sim3d& map_from_b = report->comparison.fit.map_from_session;
@@ -223,7 +223,6 @@ int64_t PayloadBytes(const MergeSource& source) { return source.snapshot().Info(
 void MapMergeOptions::Validate() const {
   selection.Validate();
   appearance.Validate();
-  comparison.Validate();
   agreement.Validate();
   upkeep.Validate();
 }

@@ -6,6 +6,7 @@
 #include <functional>
 #include <string>
 
+#include "ingest/coregister/compare_with_map.h"
 #include "ingest/ingest_options.h"
 #include "ingest/tile_changes.h"
 #include "storage/map/map_store.h"
@@ -19,7 +20,6 @@ struct MapMergeOptions {
   bool recode = false;  // Maps of different codebooks: b takes the codebook of a; see Transcoder.
   LandmarkSelectionOptions selection;
   AppearanceOptions appearance;
-  ComparisonOptions comparison;
   AgreementOptions agreement;
   UpkeepOptions upkeep;
 

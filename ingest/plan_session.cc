@@ -77,10 +77,10 @@ MapComparison Compare(const Reconstruction& reconstruction, const PlacedSession&
     return {};
   }
   if (replaced == SessionId{}) {
-    return CompareWithMap(reconstruction, session, store, options.comparison);
+    return CompareWithMap(reconstruction, session, store);
   }
   const ScratchMap others = MapWithoutSession(session, replaced, base);
-  return CompareWithMap(reconstruction, session, others.store(), options.comparison);
+  return CompareWithMap(reconstruction, session, others.store());
 }
 
 // Links of all landmarks of the session to those of the map, tile by tile.

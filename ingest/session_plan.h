@@ -1,4 +1,4 @@
-// What an ingest is going to change: which tiles, from which content, under which ids.
+// The changes that an ingest plans: which tiles, from which content, under which ids.
 #ifndef CAIRN_INGEST_SESSION_PLAN_H_
 #define CAIRN_INGEST_SESSION_PLAN_H_
 

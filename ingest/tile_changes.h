@@ -1,4 +1,4 @@
-// What became of landmarks and keyframes when a session or a map joined a tile.
+// The fate of landmarks and keyframes when a session or a map joined a tile.
 #ifndef CAIRN_INGEST_TILE_CHANGES_H_
 #define CAIRN_INGEST_TILE_CHANGES_H_
 

@@ -1,5 +1,5 @@
 // Puts a session into one tile, stage by stage: a function of the payload that the map has and of
-// what the session saw. Private to ingest.
+// the sights of the session. Private to ingest.
 #ifndef CAIRN_INGEST_TILE_REWRITER_H_
 #define CAIRN_INGEST_TILE_REWRITER_H_
 
@@ -23,7 +23,7 @@ namespace cairn {
 std::optional<Tile> LoadWithoutSession(TileId tile_id, SessionId without, const MapUpdate& update);
 std::optional<Tile> LoadWithoutSession(TileId tile_id, SessionId without, const MapSnapshot& map);
 
-// What all tiles of an ingest share; nothing is owned.
+// Input that all tiles of an ingest share. Refers to data of the caller.
 struct TileRewriteContext {
   const TileOptions* options = nullptr;
   const TileSource* source = nullptr;
@@ -32,7 +32,7 @@ struct TileRewriteContext {
   const SessionTimes* session_times = nullptr;
 };
 
-// What becomes of a tile. The caller writes it to the map.
+// The outcome for one tile. The caller writes it to the map.
 struct RewrittenTile {
   EncodedTile encoded;
   std::vector<KeyframeId> replaced_keyframes;  // Of earlier sessions; the map drops them.

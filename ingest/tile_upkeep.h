@@ -1,4 +1,4 @@
-// What follows once the sessions of a tile are joined: landmarks fade, keyframes give way, and a
+// The upkeep of a tile once its sessions are joined: landmarks fade, keyframes give way, and a
 // selection meets the budget. Private to ingest.
 #ifndef CAIRN_INGEST_TILE_UPKEEP_H_
 #define CAIRN_INGEST_TILE_UPKEEP_H_

@@ -11,7 +11,7 @@
 
 namespace cairn {
 
-// What a map holds of a tile. A tile without landmarks or without keyframes has no payload, and of
+// A tile as a map stores it. A tile without landmarks or without keyframes has no payload, and of
 // its record only the tile id counts: the map does not hold it.
 struct EncodedTile {
   TileRecord record;

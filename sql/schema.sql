@@ -2,7 +2,7 @@
 --
 -- This file creates the tables that GeoPackage 1.3 requires, then the private tables (all STRICT,
 -- with the prefix cairn_), then the two layers that QGIS and GDAL show. MapStore::Create runs this
--- file and views.sql in one transaction. Angles are degrees (WGS84), heights are metres above the
+-- file and views.sql in one transaction. Angles are degrees (WGS84), heights are meters above the
 -- ellipsoid.
 
 PRAGMA application_id = 0x47504B47;  -- 'GPKG'

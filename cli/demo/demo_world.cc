@@ -1,8 +1,6 @@
 #include "cli/demo/demo_world.h"
 
-#include <algorithm>
 #include <fstream>
-#include <thread>
 #include <utility>
 
 #include "core/error.h"
@@ -16,8 +14,6 @@ namespace cairn {
 namespace {
 
 namespace fs = std::filesystem;
-
-int NumThreads() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 
 StreetOptions MakeStreetOptions(const DemoWorldOptions& options) {
   StreetOptions street;
@@ -60,7 +56,7 @@ Sim3d EcefFromWorld(const Geodetic& origin) {
 std::vector<StreetPhoto> TakePhotos(const StreetScene& scene, const std::vector<Rigid3d>& poses,
                                     const std::string& prefix, const char* phase,
                                     Progress* progress) {
-  return scene.TakePhotos(poses, prefix, NumThreads(),
+  return scene.TakePhotos(poses, prefix, NumCores(),
                           [&](int done, int total) { progress->Update(phase, done, total); });
 }
 
@@ -70,7 +66,7 @@ IngestReport IngestPhotos(const StreetScene& scene, const std::vector<StreetPhot
     progress->Update(phase, done, total);
   };
   KnownPoseOptions known_poses;
-  known_poses.num_threads = NumThreads();
+  known_poses.num_threads = NumCores();
   const Reconstruction reconstruction =
       ReconstructWithKnownPoses(scene.camera(), photos, known_poses, show);
   MapStore store = MapStore::Create(map_path);
@@ -78,7 +74,7 @@ IngestReport IngestPhotos(const StreetScene& scene, const std::vector<StreetPhot
   options.session_name = "street";
   options.source = "cairn demo";
   options.codebook.seed = seed;
-  options.num_threads = NumThreads();
+  options.num_threads = NumCores();
   return IngestSession(reconstruction, EcefFromWorld(scene.options().origin), options, &store,
                        show);
 }
@@ -99,7 +95,7 @@ void MakeQueries(const StreetScene& scene, const DemoWorldOptions& options, Prog
     world->queries.push_back(std::move(query));
     world->photos.push_back(std::move(photo.image));
   }
-  ParallelFor(static_cast<int>(world->queries.size()), NumThreads(),
+  ParallelFor(static_cast<int>(world->queries.size()), NumCores(),
               [&](int i) { world->queries[i].query.features = ExtractSift(world->photos[i]); });
   PriorNoiseOptions noise;
   noise.seed = options.seed;

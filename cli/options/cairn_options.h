@@ -16,10 +16,10 @@ namespace cairn {
 struct CairnOptions {
   LocalizerOptions localizer;  // Its stages are sections of the top level.
   SiftOptions sift;
-  ServerOptions server;  // But for its address and map, which the command line names.
-  IngestOptions ingest;  // But for the names of the session and its source.
+  ServerOptions server;  // Without the address and the map, which the command line names.
+  IngestOptions ingest;  // Without the names of the session and its source.
   GeoregisterOptions georegister;
-  PriorNoiseOptions noise;  // But for its seed, which is that of the localizer.
+  PriorNoiseOptions noise;  // Without the seed, which is that of the localizer.
 
   // Throws Error(kInvalidArgument) naming the option.
   void Validate() const;

@@ -8,10 +8,10 @@
 
 namespace cairn {
 
-// Every option, in sections; ends with a line feed.
+// Returns all options as JSON, in sections. Ends with a line feed.
 std::string OptionsAsJson(const CairnOptions& options);
 
-// The page: a table a section, with the values of `options` as the defaults.
+// Returns the page: one table for each section, with the values of `options` as the defaults.
 std::string OptionsAsMarkdown(const CairnOptions& options);
 
 }  // namespace cairn

@@ -34,7 +34,7 @@ std::unique_ptr<const MatchingIndex> MakeMatchingIndex(const Codebook& codebook,
     case IndexKind::kOther:
       return options.other->Make(codebook, codes);
   }
-  CAIRN_CHECK(false, "every IndexKind can be made");
+  CAIRN_CHECK(false, "unknown IndexKind");
   return nullptr;
 }
 

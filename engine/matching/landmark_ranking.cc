@@ -5,11 +5,11 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <numbers>
 #include <numeric>
 #include <optional>
 #include <tuple>
 
+#include "core/angles.h"
 #include "engine/index/distance_statistics.h"
 
 namespace cairn {
@@ -56,7 +56,7 @@ LandmarkRanking::LandmarkRanking(const QueryContext& query, const Codebook& code
     uses_position_ =
         options.position_weight > 0.0 || std::isfinite(options.max_position_excess_sigmas);
   }
-  if (options.max_orientation_difference_rad < std::numbers::pi) {
+  if (options.max_orientation_difference_rad < kPi) {
     max_sq_chord_ =
         static_cast<float>(2.0 - 2.0 * std::cos(options.max_orientation_difference_rad)) +
         kChordTolerance;

@@ -1,8 +1,8 @@
 #include "engine/matching/matching_options.h"
 
 #include <limits>
-#include <numbers>
 
+#include "core/angles.h"
 #include "core/require.h"
 
 namespace cairn {
@@ -17,7 +17,7 @@ void MatchingOptions::Validate() const {
   RequireWithin("matching.position_weight", position_weight, 0.0, 1e6);
   RequireWithin("matching.viewing_distance_m", viewing_distance_m, 0.0, 1e6);
   RequireWithin("matching.max_orientation_difference_rad", max_orientation_difference_rad, 1e-3,
-                std::numbers::pi);
+                kPi);
   RequireWithin("matching.max_position_excess_sigmas", max_position_excess_sigmas, 0.0,
                 std::numeric_limits<double>::infinity());
   RequireOption(

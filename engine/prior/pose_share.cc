@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "core/angles.h"
 
 namespace cairn {
 namespace {
@@ -17,11 +18,11 @@ double LogPositionDensity(const SearchRegion& region, const Eigen::Vector3d& cen
   constexpr double kMinLengthM = 1.0;  // Positions closer together than this are not distinguished.
   if (!region.has_prior) {
     const double radius_m = std::max(kMinLengthM, region.radius_m);
-    return -std::log(std::numbers::pi * radius_m * radius_m);
+    return -std::log(kPi * radius_m * radius_m);
   }
   const double sigma_m = std::max(kMinLengthM, region.prior_sigma_m);
   const double sq_sigma = sigma_m * sigma_m;
-  return -std::log(2.0 * std::numbers::pi * sq_sigma) -
+  return -std::log(2.0 * kPi * sq_sigma) -
          0.5 * (kFreedom + 2.0) *
              std::log1p(SqDistanceFromPrior(region, center_in_anchor) / (kFreedom * sq_sigma));
 }

@@ -1,4 +1,4 @@
-// What the prior says about a found pose.
+// The share of the prior in the evidence of a found pose.
 #ifndef CAIRN_ENGINE_PRIOR_POSE_SHARE_H_
 #define CAIRN_ENGINE_PRIOR_POSE_SHARE_H_
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "core/angles.h"
 #include "core/check.h"
 #include "core/require.h"
 
@@ -20,10 +20,10 @@ SearchRegion RegionOfMap(const GeoBox& bounds) {
   SearchRegion region;
   double span_rad = bounds.east_rad - bounds.west_rad;
   if (bounds.CrossesAntimeridian()) {
-    span_rad += 2.0 * std::numbers::pi;
+    span_rad += 2.0 * kPi;
   }
   region.origin = {0.5 * (bounds.south_rad + bounds.north_rad),
-                   std::remainder(bounds.west_rad + 0.5 * span_rad, 2.0 * std::numbers::pi), 0.0};
+                   std::remainder(bounds.west_rad + 0.5 * span_rad, 2.0 * kPi), 0.0};
   region.ecef_from_anchor = EcefFromEnu(region.origin);
   for (const double lat_rad : {bounds.south_rad, bounds.north_rad}) {
     region.radius_m =

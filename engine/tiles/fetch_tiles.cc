@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
-#include <thread>
 #include <utility>
 
 #include "core/error.h"
@@ -99,7 +98,7 @@ void RequireCurrentCodebook(const MapSnapshot& snapshot, const std::vector<TileR
 
 // Returns the number of threads for `num_steps` long steps: at most one thread per core.
 int NumThreadsFor(size_t num_steps) {
-  const size_t num_cores = std::max(1u, std::thread::hardware_concurrency());
+  const auto num_cores = static_cast<size_t>(NumCores());
   return static_cast<int>(std::min(num_steps, num_cores));
 }
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 
+#include "core/angles.h"
 #include "core/check.h"
 #include "core/features.h"
 #include "engine/voting/candidate_support.h"
@@ -69,7 +69,7 @@ YawRangePeaks FindPeaksInRange(const Ballot& ballot, int begin, int end,
   YawRangePeaks result;
   std::vector<uint16_t> first, previous, current;
   const auto fill = [&](int yaw_idx, std::vector<uint16_t>* smoothed) {
-    const double yaw_rad = 2.0 * std::numbers::pi * yaw_idx / ballot.num_yaws;
+    const double yaw_rad = 2.0 * kPi * yaw_idx / ballot.num_yaws;
     const TraceFrame frame(ballot.grid, ballot.rays.center_in_anchor, ballot.radius_m,
                            ballot.min_cosine, yaw_rad);
     TraceRays(ballot.rays, frame, &segments);
@@ -131,7 +131,7 @@ PoseCandidate CandidateAt(const VotePeak& peak, const VoteGrid& grid, int num_ya
                                peak.cell_idx / strides[2] + 1);
   PoseCandidate candidate;
   candidate.center_in_anchor = grid.FromCells(corner);
-  candidate.yaw_rad = WrapAngleRad(2.0 * std::numbers::pi * (peak.yaw_idx + 0.5) / num_yaws);
+  candidate.yaw_rad = WrapAngleRad(2.0 * kPi * (peak.yaw_idx + 0.5) / num_yaws);
   candidate.score = peak.sum;
   return candidate;
 }
@@ -191,10 +191,9 @@ std::vector<PoseCandidate> VoteForPoses(const QueryContext& query,
   const VoteGrid grid = MakeGrid(rays, query.region, options);
   const Eigen::Vector3d center(query.region.prior_xy_in_anchor.x(),
                                query.region.prior_xy_in_anchor.y(), rays.front().x_in_anchor.z());
-  const Ballot ballot = {
-      RayArrays<float>(rays, center), grid, query.region.radius_m,
-      std::cos(options.max_azimuth_difference_rad),
-      static_cast<int>(std::ceil(2.0 * std::numbers::pi / options.yaw_step_rad - 1e-3))};
+  const Ballot ballot = {RayArrays<float>(rays, center), grid, query.region.radius_m,
+                         std::cos(options.max_azimuth_difference_rad),
+                         static_cast<int>(std::ceil(2.0 * kPi / options.yaw_step_rad - 1e-3))};
 
   // Votes rank poses on a coarse lattice in which every vote of a cell counts the same. The support
   // of a pose ranks better but takes too long for all cells, so only kJudgedPerCandidate times the

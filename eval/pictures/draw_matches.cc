@@ -15,7 +15,7 @@
 namespace cairn {
 namespace {
 
-constexpr double kTextPx = 15.0;
+constexpr double kHeadlinePx = 15.0;
 constexpr double kSmallTextPx = 11.0;
 constexpr int kCaptionPx = 76;
 constexpr int kBarColumnPx = 130;  // Beside the photo, for the color bar.
@@ -24,10 +24,10 @@ constexpr double kKeypointRadiusPx = 2.6;
 const cv::Scalar kKeypointColor(225, 225, 225);
 
 // For subpixel drawing, OpenCV takes fixed-point coordinates.
-constexpr int kShift = 4;
+constexpr int kFractionBits = 4;
 
 cv::Point FixedPoint(double x_px, double y_px) {
-  constexpr double kOne = 1 << kShift;
+  constexpr double kOne = 1 << kFractionBits;
   return {static_cast<int>(std::lround(x_px * kOne)), static_cast<int>(std::lround(y_px * kOne))};
 }
 
@@ -35,8 +35,8 @@ void DrawDot(double x_px, double y_px, double radius_px, const cv::Scalar& color
              cv::Mat* image) {
   // Keypoints are measured from pixel corners, OpenCV coordinates from pixel centers.
   cv::circle(*image, FixedPoint(x_px - 0.5, y_px - 0.5),
-             static_cast<int>(std::lround(radius_px * (1 << kShift))), color, thickness,
-             cv::LINE_AA, kShift);
+             static_cast<int>(std::lround(radius_px * (1 << kFractionBits))), color, thickness,
+             cv::LINE_AA, kFractionBits);
 }
 
 double DistanceM(const LocalizeResult& result, const LocalizeMatch& match) {
@@ -165,7 +165,8 @@ void DrawMatches(const std::string& path, const GrayImage& photo, const Localize
 
   cv::Mat picture(on_photo.rows + kCaptionPx, on_photo.cols + kBarColumnPx, CV_8UC3, kPaper);
   on_photo.copyTo(picture(cv::Rect(0, kCaptionPx, on_photo.cols, on_photo.rows)));
-  DrawLabel(Headline(query, result), {16, 30}, kTextPx, kInk, LabelAnchor::kLeft, false, &picture);
+  DrawLabel(Headline(query, result), {16, 30}, kHeadlinePx, kInk, LabelAnchor::kLeft, false,
+            &picture);
   DrawLabel(Details(result), {16, 60}, kSmallTextPx, kInk, LabelAnchor::kLeft, false, &picture);
   const cv::Rect side(on_photo.cols, kCaptionPx, kBarColumnPx, on_photo.rows);
   if (result.localized) {

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "core/angles.h"
 #include "core/check.h"
 #include "eval/pictures/label.h"
 
@@ -91,10 +91,10 @@ void PlanView::DashedLine(const Eigen::Vector2d& from, const Eigen::Vector2d& to
 
 void PlanView::DashedCircle(const Eigen::Vector2d& center, double radius_m, double width_px,
                             const cv::Scalar& color) {
-  const double circumference_px = 2.0 * std::numbers::pi * radius_m * px_per_m_;
+  const double circumference_px = 2.0 * kPi * radius_m * px_per_m_;
   const int num_dashes =
       std::clamp(static_cast<int>(circumference_px / (kDashPx + kGapPx)), 8, 720);
-  const double period_rad = 2.0 * std::numbers::pi / num_dashes;
+  const double period_rad = 2.0 * kPi / num_dashes;
   const auto at = [&](double angle_rad) {
     return Eigen::Vector2d(center +
                            radius_m * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad)));

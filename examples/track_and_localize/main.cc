@@ -155,7 +155,7 @@ class Phone {
       return;
     }
     fusion::MapQuery question;
-    question.query = std::move(*query);
+    question.request = std::move(*query);
     question.camera = scene_.camera();
     const FeatureSet sift = ExtractSift(image, {.max_features = kMaxQueryFeatures});
     question.features = {sift.keypoints, codec_.ProjectFeatures(sift), DescriptorSpace::kProjected};

@@ -1,10 +1,9 @@
 #include "street_map.h"
 
-#include <algorithm>
 #include <filesystem>
-#include <thread>
 #include <vector>
 
+#include "core/parallel_for.h"
 #include "ingest/ingest_session.h"
 #include "lab/known_poses/reconstruct_known_poses.h"
 #include "storage/map/map_store.h"
@@ -12,7 +11,7 @@
 namespace cairn {
 
 void MakeStreetMap(const StreetScene& scene, const std::string& map_path) {
-  const int num_threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int num_threads = NumCores();
   const std::vector<StreetPhoto> photos =
       scene.TakePhotos(scene.MappingPoses(), "map_", num_threads);
   KnownPoseOptions known_poses;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angles.h"
+
 namespace cairn::fusion {
 namespace {
 
@@ -24,7 +26,7 @@ void LocalSlew::TakeUp(const Rigid3d& before, const Rigid3d& after) {
 
 void LocalSlew::Return(const Rigid3d& local_from_imu) {
   const Eigen::Vector3d& position = local_from_imu.translation;
-  const double yaw_rad = std::remainder(YawRad(shown_from_local_.rotation), 2.0 * M_PI);
+  const double yaw_rad = std::remainder(YawRad(shown_from_local_.rotation), 2.0 * kPi);
   const Eigen::Vector3d offset = shown_from_local_ * position - position;
   const Eigen::Quaterniond new_yaw =
       Yaw(yaw_rad - std::clamp(yaw_rad, -max_rad_per_frame_, max_rad_per_frame_));

@@ -62,7 +62,7 @@ class MapAnswers {
   void Restart();
 
  private:
-  // What an answer is applied to.
+  // The state that an answer changes.
   struct Target {
     int64_t now_ns;
     FilterState* state;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angles.h"
 #include "core/require.h"
 
 namespace cairn::fusion {
@@ -11,7 +12,7 @@ void SteadyPoseOptions::Validate() const {
   RequireOption(time_constant_s >= 0.0 && std::isfinite(time_constant_s),
                 "steady.time_constant_s must be finite and not negative");
   RequireOption(max_held_back_m >= 0.0, "steady.max_held_back_m must not be negative");
-  RequireOption(max_held_back_rad >= 0.0 && max_held_back_rad < M_PI,
+  RequireOption(max_held_back_rad >= 0.0 && max_held_back_rad < kPi,
                 "steady.max_held_back_rad must lie in [0, pi)");
 }
 

@@ -14,7 +14,7 @@ namespace cairn::fusion {
 namespace {
 
 // In OpenCV, the center of the upper left pixel is at (0, 0).
-constexpr double kPixelCentre = 0.5;
+constexpr double kPixelCenter = 0.5;
 // Number of corners to detect per wanted feature. The surplus lets every cell find some.
 constexpr int kCornersPerFeature = 8;
 // New corners fill the cells of this grid evenly. Features then cover the whole image even if most
@@ -171,7 +171,7 @@ std::span<const TrackedFeature> KltTracker::Track(const GrayView& view) {
   impl.features.clear();
   for (size_t i = 0; i < impl.points.size(); ++i) {
     impl.features.push_back(
-        {impl.ids[i], {impl.points[i].x + kPixelCentre, impl.points[i].y + kPixelCentre}});
+        {impl.ids[i], {impl.points[i].x + kPixelCenter, impl.points[i].y + kPixelCenter}});
   }
   return impl.features;
 }

@@ -29,7 +29,7 @@ Json PriorJson(const Geodetic& position, double accuracy_m) {
 
 // The position of the prior: the filter's, or else the receiver's.
 std::optional<Geodetic> PriorPosition(const MapQuery& query, const Geodetic& global_origin) {
-  if (const auto& prior = query.query.prior) {
+  if (const auto& prior = query.request.prior) {
     return GeodeticFromEcef(EcefFromEnu(global_origin) * prior->global_from_cam.translation);
   }
   return query.rough_position ? std::optional(query.rough_position->position) : std::nullopt;
@@ -37,7 +37,7 @@ std::optional<Geodetic> PriorPosition(const MapQuery& query, const Geodetic& glo
 
 // The prior of the camera's position at `position`, which PriorPosition returned.
 Json PriorOf(const MapQuery& query, const Geodetic& position) {
-  if (const auto& prior = query.query.prior) {
+  if (const auto& prior = query.request.prior) {
     const Eigen::Matrix3d covariance = prior->covariance.bottomRightCorner<3, 3>();
     const double horizontal = std::max(covariance(0, 0), covariance(1, 1));
     Json json =
@@ -50,8 +50,8 @@ Json PriorOf(const MapQuery& query, const Geodetic& position) {
 
 std::string RequestJson(const MapQuery& query, const std::optional<Geodetic>& prior_position,
                         int timeout_ms, int max_matches) {
-  const Eigen::Vector3d& down = query.query.down_in_cam;
-  Json json = {{"id", std::to_string(query.query.query_id)},
+  const Eigen::Vector3d& down = query.request.down_in_cam;
+  Json json = {{"id", std::to_string(query.request.query_id)},
                {"camera",
                 {{"model", CameraModelName(query.camera.model())},
                  {"size", {query.camera.width_px(), query.camera.height_px()}},
@@ -107,7 +107,7 @@ MapMatch ReadMatch(const JsonReader& json, const MapQuery& query, const Rigid3d&
 
 Answer ReadAnswer(const JsonReader& json, const MapQuery& query, const Geodetic& global_origin) {
   Answer answer;
-  answer.query_id = query.query.query_id;
+  answer.query_id = query.request.query_id;
   answer.localized = json.At("status").String() == "LOCALIZED";
   if (!answer.localized) {
     return answer;

@@ -24,7 +24,7 @@ struct RoughPosition {
 
 // A query of the filter together with the frame's features, which only the application has.
 struct MapQuery {
-  Query query;
+  Query request;
   Camera camera;
   // Features projected by the map's codebook, which `codec` then names, or raw features. Keypoints
   // lie in the image.

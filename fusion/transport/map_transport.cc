@@ -27,7 +27,7 @@ Clock::duration Seconds(double seconds) {
 
 Answer Failed(const MapQuery& query) {
   Answer answer;
-  answer.query_id = query.query.query_id;
+  answer.query_id = query.request.query_id;
   return answer;
 }
 
@@ -47,7 +47,7 @@ void MapTransportOptions::Validate() const {
   RequireOption(max_queued > 0, "map_transport.max_queued must be positive");
   RequireOption(min_interval_s >= 0.0, "map_transport.min_interval_s must not be negative");
   RequireOption(first_backoff_s > 0.0 && max_backoff_s >= first_backoff_s,
-                "map_transport.first_backoff_s must be positive, max_backoff_s no less");
+                "map_transport.first_backoff_s must be positive and at most max_backoff_s");
   RequireOption(max_response_bytes > 0, "map_transport.max_response_bytes must be positive");
 }
 

@@ -1,7 +1,7 @@
 // Sends the filter's queries to the server and delivers the answers. The filter never waits.
 //
 //   MapTransport transport(options, [&](Answer answer) { client->Submit(std::move(answer)); });
-//   if (auto query = client->PollQuery()) transport.Send({.query = *query, ...});
+//   if (auto query = client->PollQuery()) transport.Send({.request = *query, ...});
 #ifndef CAIRN_FUSION_TRANSPORT_MAP_TRANSPORT_H_
 #define CAIRN_FUSION_TRANSPORT_MAP_TRANSPORT_H_
 

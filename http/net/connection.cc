@@ -95,19 +95,19 @@ bool Connection::FindRequest() {
 }
 
 bool Connection::FindHead() {
-  const HeadLimits& limits = limits_->head;
   const size_t end = in_.find("\r\n\r\n", num_searched_);
   const size_t head_bytes = end == std::string::npos ? in_.size() : end + 4;
-  if (head_bytes > limits.max_head_bytes) {
-    const bool in_first_line = in_.find("\r\n") > limits.max_target_bytes;
+  if (head_bytes > kMaxHeadBytes) {
+    const bool in_first_line = in_.find("\r\n") > kMaxTargetBytes;
     throw HttpError(in_first_line ? ProblemCode::kUriTooLong : ProblemCode::kHeadersTooLarge,
-                    fmt::format("the request head is longer than {} bytes", limits.max_head_bytes));
+                    fmt::format("the request head is longer than {} bytes", kMaxHeadBytes));
   }
   num_searched_ = in_.size() < 3 ? 0 : in_.size() - 3;
   if (end == std::string::npos) {
     return false;
   }
-  request_.head = ParseRequestHead(std::string_view(in_).substr(0, head_bytes), limits);
+  request_.head =
+      ParseRequestHead(std::string_view(in_).substr(0, head_bytes), limits_->max_body_bytes);
   in_.erase(0, head_bytes);
   return true;
 }

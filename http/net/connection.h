@@ -15,7 +15,7 @@
 namespace cairn {
 
 struct ConnectionLimits {
-  HeadLimits head;
+  size_t max_body_bytes = size_t{2} << 20;
   // How long a connection may be silent, before its first request and between requests.
   std::chrono::milliseconds idle_timeout{3000};
   // Limits for the head (from its first byte to its end) and for the body (from the end of the head

@@ -62,7 +62,7 @@ std::string_view TakeLine(std::string_view* rest) {
   return line;
 }
 
-void ParseRequestLine(std::string_view line, const HeadLimits& limits, RequestHead* head) {
+void ParseRequestLine(std::string_view line, RequestHead* head) {
   const size_t first = line.find(' ');
   const size_t last = line.rfind(' ');
   if (first == std::string_view::npos || last == first) {
@@ -77,9 +77,9 @@ void ParseRequestLine(std::string_view line, const HeadLimits& limits, RequestHe
   if (std::find(kMethods.begin(), kMethods.end(), head->method) == kMethods.end()) {
     Refuse(ProblemCode::kNotImplemented, "the method is unknown to this server");
   }
-  if (head->target.size() > limits.max_target_bytes) {
+  if (head->target.size() > kMaxTargetBytes) {
     Refuse(ProblemCode::kUriTooLong,
-           fmt::format("the target is longer than {} bytes", limits.max_target_bytes));
+           fmt::format("the target is longer than {} bytes", kMaxTargetBytes));
   }
   if (!head->target.starts_with('/') ||
       !std::all_of(head->target.begin(), head->target.end(), IsTargetChar)) {
@@ -139,7 +139,7 @@ size_t ParseContentLength(std::string_view text, size_t max_body_bytes) {
   return length;
 }
 
-void CheckBodyFraming(const HeadLimits& limits, RequestHead* head) {
+void CheckBodyFraming(size_t max_body_bytes, RequestHead* head) {
   const bool has_length = Has(*head, "content-length");
   const std::string_view length = SingleHeader(*head, "content-length");
   if (Has(*head, "transfer-encoding")) {
@@ -158,7 +158,7 @@ void CheckBodyFraming(const HeadLimits& limits, RequestHead* head) {
         .Hint("send the body without Content-Encoding");
   }
   if (has_length) {
-    head->content_length = ParseContentLength(length, limits.max_body_bytes);
+    head->content_length = ParseContentLength(length, max_body_bytes);
   }
 }
 
@@ -188,19 +188,18 @@ std::string_view RequestHead::Header(std::string_view lower_case_name) const {
   return {};
 }
 
-RequestHead ParseRequestHead(std::string_view text, const HeadLimits& limits) {
+RequestHead ParseRequestHead(std::string_view text, size_t max_body_bytes) {
   RequestHead head;
   std::string_view rest = text;
-  ParseRequestLine(TakeLine(&rest), limits, &head);
+  ParseRequestLine(TakeLine(&rest), &head);
   for (std::string_view line = TakeLine(&rest); !line.empty(); line = TakeLine(&rest)) {
-    if (head.headers.size() == limits.max_headers) {
-      Refuse(ProblemCode::kHeadersTooLarge,
-             fmt::format("more than {} header lines", limits.max_headers));
+    if (head.headers.size() == kMaxHeaders) {
+      Refuse(ProblemCode::kHeadersTooLarge, fmt::format("more than {} header lines", kMaxHeaders));
     }
     ParseHeaderLine(line, &head);
   }
   ReadConnectionHeaders(&head);
-  CheckBodyFraming(limits, &head);
+  CheckBodyFraming(max_body_bytes, &head);
   return head;
 }
 

@@ -12,12 +12,10 @@
 
 namespace cairn {
 
-struct HeadLimits {
-  size_t max_target_bytes = 4096;
-  size_t max_head_bytes = 16384;  // Request line and headers together.
-  size_t max_headers = 64;
-  size_t max_body_bytes = size_t{2} << 20;
-};
+// Limits of a head. Longer ones are refused.
+inline constexpr size_t kMaxTargetBytes = 4096;
+inline constexpr size_t kMaxHeadBytes = 16384;  // Request line and headers together.
+inline constexpr size_t kMaxHeaders = 64;
 
 struct RequestHead {
   std::string method;
@@ -33,8 +31,8 @@ struct RequestHead {
 };
 
 // `text` ends with the empty line and includes it. Throws HttpError with the status that RFC 9110
-// assigns to the fault.
-RequestHead ParseRequestHead(std::string_view text, const HeadLimits& limits);
+// assigns to the fault, also if the head announces a body of more than `max_body_bytes`.
+RequestHead ParseRequestHead(std::string_view text, size_t max_body_bytes);
 
 }  // namespace cairn
 

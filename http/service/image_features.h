@@ -11,9 +11,8 @@
 namespace cairn {
 
 // Decodes the request's images, turns them as their `orientation` states, and stores the SIFT
-// features of each camera in the query. The content of an image
-// identifies JPEG, PNG and PNM; the name of the format identifies GRAY8 and RGBA32. Adds to
-// `times`. Throws
+// features of each camera in the query. The content of an image identifies JPEG, PNG and PNM; the
+// name of the format identifies GRAY8 and RGBA32. Adds to `times`. Throws
 // - HttpError kInvalidImage if an image does not decode or does not have the size of its camera,
 // - HttpError kImageTooLarge, before decoding, if an image header states more than
 //   `limits.max_pixels`,

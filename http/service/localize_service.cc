@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <thread>
-
+#include "core/parallel_for.h"
 #include "http/service/image_features.h"
 #include "http/wire/problem.h"
 
@@ -12,8 +10,6 @@ namespace cairn {
 namespace {
 
 using std::chrono::milliseconds;
-
-int NumCores() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 
 LocalizerOptions MakeLocalizerOptions(const ServerOptions& options) {
   LocalizerOptions localizer = options.localizer;

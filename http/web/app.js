@@ -23,7 +23,7 @@ async function getJson(path) {
 // --- Map -----------------------------------------------------------------------------------------
 
 const map = byId("map");
-const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name);
+const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(name);
 
 // Local scale: meters per degree of longitude at the middle of the view.
 const lonScale = () => METERS_PER_DEGREE * Math.max(0.01, Math.cos(state.view.lat * Math.PI / 180));
@@ -49,7 +49,7 @@ function drawScaleBar(context) {
   const power = 10 ** Math.floor(Math.log10(target));
   const meters = power * (target / power >= 5 ? 5 : target / power >= 2 ? 2 : 1);
   const length = meters / state.view.metersPerPixel;
-  context.fillStyle = colour("--quiet");
+  context.fillStyle = color("--quiet");
   context.fillRect(12, map.height - 14, length, 2);
   context.font = "12px system-ui";
   context.fillText(meters >= 1000 ? `${meters / 1000} km` : `${meters} m`, 12, map.height - 20);
@@ -61,7 +61,7 @@ function drawPose(context) {
   context.save();
   context.translate(x, y);
   context.rotate(heading);
-  context.fillStyle = colour("--accent");
+  context.fillStyle = color("--accent");
   context.beginPath();
   context.moveTo(0, -14);
   context.lineTo(7, 8);
@@ -87,7 +87,7 @@ function drawMap() {
   }
   if (state.prior) {
     const [x, y] = toPixel([state.prior.lon, state.prior.lat]);
-    context.strokeStyle = colour("--quiet");
+    context.strokeStyle = color("--quiet");
     context.setLineDash([4, 4]);
     context.beginPath();
     context.arc(x, y, Math.max(3, state.prior.accuracy / state.view.metersPerPixel), 0, 7);

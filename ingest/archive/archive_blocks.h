@@ -28,7 +28,7 @@ std::vector<uint8_t> ReadExactly(std::istream* bytes, size_t size, const std::st
 
 // Compresses and frames a content. Throws Error(kBadInput) if it is larger than kMaxBlockBytes.
 std::vector<uint8_t> EncodeBlock(std::span<const uint8_t> content);
-// Throws Error(kMapDamaged), as all that follows, and as RequireReadable.
+// This function and those below throw Error(kMapDamaged), and as RequireReadable.
 std::vector<uint8_t> ReadBlock(std::istream* bytes, uint32_t max_block_bytes,
                                const std::string& what);
 

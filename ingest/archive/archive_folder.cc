@@ -206,8 +206,8 @@ void RequireOf(const std::vector<ArchiveFile>& files, const ArchivedMap& map,
     if (same == map.sessions.end()) {
       if (!IsOwner(map, files)) {
         RefuseOtherMap(fmt::format(
-            "{}: is of a map created at {}, and the map, created at {}, lacks session '{}'; if the "
-            "map was rebuilt without the session, delete the file",
+            "{}: the file belongs to a map created at {}. The map, created at {}, lacks session "
+            "'{}'. If the map was rebuilt without the session, delete the file",
             file.path, file.manifest.map_created_at, map.created_at, Excerpt(key.name)));
       }
     } else if (key.name != incoming && same->key != key && !IsReplaced(file, same->key, files)) {

@@ -22,7 +22,7 @@ struct MapSession {
   SessionId id{};
 };
 
-// What tells the map of an archive from other maps.
+// The traits that tell the map of an archive from other maps.
 struct ArchivedMap {
   std::string
       created_at;  // MapInfo::created_at. Copies of the map have the same, rebuilt ones not.

@@ -1,4 +1,4 @@
-// What an ingest was given: a session as an archive keeps it.
+// The input of an ingest, as an archive stores it.
 #ifndef CAIRN_INGEST_ARCHIVE_ARCHIVED_SESSION_H_
 #define CAIRN_INGEST_ARCHIVE_ARCHIVED_SESSION_H_
 
@@ -27,11 +27,11 @@ struct ArchiveManifest {
   std::string recorded_at;        // Of the session in the map.
   std::string options_json;       // The options of the ingest.
   std::string map_created_at;     // MapInfo::created_at of the map that got the session.
-  FirstIds first_ids;             // That the session got in the map; 0 for those not known.
+  FirstIds first_ids;             // Ids of the session in the map; 0 for unknown ones.
   bool is_apart = false;          // SessionJoining::kApart.
   double georef_median_residual_m = 0.0;
   Sim3d ecef_from_world;
-  // What the map had before this session, in the order of ingest.
+  // Sessions of the map before this one, in the order of ingest.
   std::vector<SessionKey> earlier_sessions;
   // Of the reconstruction.
   std::string descriptor_type;

@@ -9,8 +9,8 @@
 
 #include "core/frames.h"
 #include "core/geodesy.h"
-#include "core/require.h"
 #include "engine/localizer.h"
+#include "ingest/tiling/near_view.h"
 #include "storage/map/tile_cache.h"
 #include "storage/tile/tile_codec.h"
 
@@ -18,12 +18,14 @@ namespace cairn {
 namespace {
 
 constexpr size_t kCacheBytes = size_t{512} << 20;
+constexpr int kMaxQueries = 60;  // Photos that are localized, evenly over the session.
+// Accuracy of the priors. A session that is misplaced by more is not found.
+constexpr double kSearchRadiusM = 15.0;
 
 // Images of the session that stand near a photo of the map which looks the same way.
-std::vector<int> ImagesThatMapShouldKnow(const PlacedSession& session, const MapStore& map,
-                                         const ComparisonOptions& options) {
+std::vector<int> ImagesThatMapShouldKnow(const PlacedSession& session, const MapStore& map) {
   const MapSnapshot snapshot = map.Snapshot();
-  const double cos_near = std::cos(options.near_rad);
+  const double cos_near = std::cos(kNearViewRad);
   std::vector<int> images;
   for (const auto& [tile_id, images_of_tile] : session.images_of_tile) {
     const std::optional<TileRecord> record = snapshot.FindTile(tile_id);
@@ -39,7 +41,7 @@ std::vector<int> ImagesThatMapShouldKnow(const PlacedSession& session, const Map
       const bool is_near =
           std::any_of(tile.keyframes.begin(), tile.keyframes.end(), [&](const TileKeyframe& known) {
             const Rigid3d known_pose = known.cam_from_tile.Inverse();
-            return (known_pose.translation - tile_from_cam.translation).norm() <= options.near_m &&
+            return (known_pose.translation - tile_from_cam.translation).norm() <= kNearViewM &&
                    (known_pose.rotation * Eigen::Vector3d::UnitZ()).dot(axis) >= cos_near;
           });
       if (is_near) {
@@ -62,7 +64,7 @@ std::vector<int> EvenlyOf(const std::vector<int>& all, int count) {
 }
 
 LocalizeQuery QueryOf(const Reconstruction& reconstruction, const PlacedSession& session,
-                      int image_idx, const ComparisonOptions& options) {
+                      int image_idx) {
   const ReconImage& image = reconstruction.images[static_cast<size_t>(image_idx)];
   const Rigid3d& cam_from_ecef = session.cam_from_ecef[static_cast<size_t>(image_idx)];
   LocalizeQuery query;
@@ -71,7 +73,7 @@ LocalizeQuery QueryOf(const Reconstruction& reconstruction, const PlacedSession&
   query.features = image.features;
   PositionPrior prior;
   prior.position = GeodeticFromEcef(cam_from_ecef.Inverse().translation);
-  prior.accuracy_m = options.search_radius_m;
+  prior.accuracy_m = kSearchRadiusM;
   query.prior = prior;
   query.down_in_cam =
       (cam_from_ecef.rotation * (EcefFromEnu(prior.position).rotation * DownInEnu())).normalized();
@@ -80,21 +82,13 @@ LocalizeQuery QueryOf(const Reconstruction& reconstruction, const PlacedSession&
 
 }  // namespace
 
-void ComparisonOptions::Validate() const {
-  RequireOption(max_queries >= 1, "comparison.max_queries must be at least 1");
-  RequireOption(search_radius_m > 0.0, "comparison.search_radius_m must be positive");
-  RequireOption(near_m > 0.0, "comparison.near_m must be positive");
-  RequireOption(near_rad > 0.0, "comparison.near_rad must be positive");
-}
-
-std::vector<int> ImagesToCompare(const PlacedSession& session, const MapStore& map,
-                                 const ComparisonOptions& options) {
-  return EvenlyOf(ImagesThatMapShouldKnow(session, map, options), options.max_queries);
+std::vector<int> ImagesToCompare(const PlacedSession& session, const MapStore& map) {
+  return EvenlyOf(ImagesThatMapShouldKnow(session, map), kMaxQueries);
 }
 
 MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedSession& session,
-                             const MapStore& map, const ComparisonOptions& options) {
-  const std::vector<int> images = ImagesToCompare(session, map, options);
+                             const MapStore& map) {
+  const std::vector<int> images = ImagesToCompare(session, map);
   MapComparison comparison;
   comparison.num_expected = static_cast<int>(images.size());
   if (images.empty()) {
@@ -106,7 +100,7 @@ MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedS
   const Localizer localizer(shared, std::make_shared<TileCache>(kCacheBytes), LocalizerOptions());
   std::vector<PosePair> pairs;
   for (const int image_idx : images) {
-    LocalizeQuery query = QueryOf(reconstruction, session, image_idx, options);
+    LocalizeQuery query = QueryOf(reconstruction, session, image_idx);
     query.codec = codebook->CodecName();
     const LocalizeResult result = localizer.Localize(query);
     if (result.localized) {

@@ -12,17 +12,6 @@
 
 namespace cairn {
 
-struct ComparisonOptions {
-  int max_queries = 60;  // Photos that are localized, evenly over the session.
-  // Accuracy of the priors. A session that is misplaced by more is not found.
-  double search_radius_m = 15.0;
-  // The map should recognize a photo if one of its own photos is within this distance and angle.
-  double near_m = 8.0;
-  double near_rad = 0.7;
-
-  void Validate() const;
-};
-
 // The result of the comparison.
 struct MapComparison {
   int num_expected = 0;   // Queries that the map should recognize.
@@ -30,15 +19,17 @@ struct MapComparison {
   PlacementFit fit;       // Of the recognized queries; meaningful if there are any.
 };
 
-// Returns the images of the session that CompareWithMap localizes.
-std::vector<int> ImagesToCompare(const PlacedSession& session, const MapStore& map,
-                                 const ComparisonOptions& options);
+// Returns the images of the session that CompareWithMap localizes: up to 60 that the map should
+// recognize, evenly over the session. The map should recognize a photo near which one of its own
+// photos looks the same way (ingest/tiling/near_view.h).
+std::vector<int> ImagesToCompare(const PlacedSession& session, const MapStore& map);
 
 // Localizes photos of the session that stand near photos of the map, by the features of the
-// reconstruction: raw, or in the projected space of the map's codebook. The result depends only on
-// the map's latest version. Throws what the engine throws on a damaged map.
+// reconstruction: raw, or in the projected space of the map's codebook. A session that is misplaced
+// by more than 15 m is not found. The result depends only on the map's latest version. Throws what
+// the engine throws on a damaged map.
 MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedSession& session,
-                             const MapStore& map, const ComparisonOptions& options);
+                             const MapStore& map);
 
 }  // namespace cairn
 

@@ -42,14 +42,14 @@ template <size_t... K>
                                            std::index_sequence<K...> /*radius*/) {
   const int width = image.width_px(), last_row = image.height_px() - 1;
   const std::array<float, sizeof...(K)> weights = {kernel[K + 1]...};
-  const float centre_weight = kernel[0];
+  const float center_weight = kernel[0];
   const std::array<const float*, sizeof...(K)> above = {
       image.Row(std::max(row - static_cast<int>(K) - 1, 0))...};
   const std::array<const float*, sizeof...(K)> below = {
       image.Row(std::min(row + static_cast<int>(K) + 1, last_row))...};
-  const float* const centre = image.Row(row);
+  const float* const center = image.Row(row);
   for (int x = 0; x < width; ++x) {
-    float sum = centre_weight * centre[x];
+    float sum = center_weight * center[x];
     ((sum += weights[K] * (above[K][x] + below[K][x])), ...);
     sums[x] = sum;
   }
@@ -58,7 +58,7 @@ template <size_t... K>
     sums[width - 1 + k] = sums[width - 1];
   }
   for (int x = 0; x < width; ++x) {
-    float sum = centre_weight * sums[x];
+    float sum = center_weight * sums[x];
     ((sum += weights[K] * (sums[x - static_cast<int>(K) - 1] + sums[x + K + 1])), ...);
     blurred[x] = sum;
   }

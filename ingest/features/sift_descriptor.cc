@@ -61,9 +61,9 @@ struct PatchFrame {
 PatchFrame FrameOf(const SiftExtremum& extremum, float angle_rad) {
   const double step = kCellSigmas * extremum.sigma_px / kSamplesPerCell;
   const double along_x = step * std::cos(angle_rad), along_y = step * std::sin(angle_rad);
-  constexpr double kToCentre = 0.5 * (kPatchSide - 1);
-  return {.origin_x = static_cast<float>(extremum.x_px - kToCentre * (along_x - along_y)),
-          .origin_y = static_cast<float>(extremum.y_px - kToCentre * (along_y + along_x)),
+  constexpr double kToCenter = 0.5 * (kPatchSide - 1);
+  return {.origin_x = static_cast<float>(extremum.x_px - kToCenter * (along_x - along_y)),
+          .origin_y = static_cast<float>(extremum.y_px - kToCenter * (along_y + along_x)),
           .along_x = static_cast<float>(along_x),
           .along_y = static_cast<float>(along_y)};
 }
@@ -126,10 +126,10 @@ void SumRows(const float* __restrict patch, const SampleShares& shares,
              Columns* __restrict columns) {
   float lengths[kRowFloats], directions[kRowFloats];
   for (int row = 0; row < kNumSamples; ++row) {
-    const float* const centre = patch + (row + 1) * kRowFloats + 1;
+    const float* const center = patch + (row + 1) * kRowFloats + 1;
     for (int i = 0; i < kRowFloats; ++i) {
-      const float dx = centre[i + 1] - centre[i - 1];
-      const float dy = centre[i + kRowFloats] - centre[i - kRowFloats];
+      const float dx = center[i + 1] - center[i - 1];
+      const float dy = center[i + kRowFloats] - center[i - kRowFloats];
       lengths[i] = std::sqrt(dx * dx + dy * dy);
       directions[i] = static_cast<float>(kNumDirections) - DirectionInEighths(dy, dx);
     }

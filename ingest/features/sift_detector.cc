@@ -13,7 +13,7 @@
 namespace cairn {
 namespace {
 
-constexpr double kGreyLevels = 255.0;
+constexpr double kGrayLevels = 255.0;
 // Refinement may raise the contrast, so pixels slightly below the threshold are also tried.
 constexpr double kTriedShare = 0.8;
 constexpr int kMaxSteps = 5;
@@ -31,7 +31,7 @@ void SubtractRow(const float* a, const float* b, int width, float* __restrict di
 // Marks the pixels of a row, except the first and last, that are above or below all eight neighbors
 // of their level and beyond the threshold. `marks` has `width` bytes.
 CAIRN_VECTOR_CLONES
-void MarkExtremaOfRow(const float* above, const float* centre, const float* below, int width,
+void MarkExtremaOfRow(const float* above, const float* center, const float* below, int width,
                       float threshold, uint8_t* __restrict marks) {
   const auto larger = [](float a, float b) { return a > b ? a : b; };
   const auto smaller = [](float a, float b) { return a < b ? a : b; };
@@ -41,16 +41,16 @@ void MarkExtremaOfRow(const float* above, const float* centre, const float* belo
       highest = larger(highest, larger(above[x + step], below[x + step]));
       lowest = smaller(lowest, smaller(above[x + step], below[x + step]));
     }
-    highest = larger(highest, larger(centre[x - 1], centre[x + 1]));
-    lowest = smaller(lowest, smaller(centre[x - 1], centre[x + 1]));
-    marks[x] = static_cast<uint8_t>((centre[x] > highest) | (centre[x] < lowest));
+    highest = larger(highest, larger(center[x - 1], center[x + 1]));
+    lowest = smaller(lowest, smaller(center[x - 1], center[x + 1]));
+    marks[x] = static_cast<uint8_t>((center[x] > highest) | (center[x] < lowest));
   }
 }
 
 // The differences around a pixel of a level. The pixel is not on the border.
-class Neighbourhood {
+class Neighborhood {
  public:
-  Neighbourhood(const ScaleSpaceOctave& octave, int x, int y, int level)
+  Neighborhood(const ScaleSpaceOctave& octave, int x, int y, int level)
       : stride_(static_cast<ptrdiff_t>(octave.gaussians[0].stride())) {
     for (int i = 0; i < 4; ++i) {
       gaussians_[i] = octave.Level(level - 1 + i).Row(y) + x;
@@ -121,7 +121,7 @@ std::optional<SiftExtremum> Refine(const ScaleSpaceOctave& octave,
   double value = 0.0;
   for (int i = 0, step_x = 0, step_y = 0; i < kMaxSteps; ++i) {
     x += step_x, y += step_y;
-    const Neighbourhood around(octave, x, y, level);
+    const Neighborhood around(octave, x, y, level);
     value = around.At(0, 0, 0);
     gradient = around.Gradient();
     hessian = around.Hessian();
@@ -144,7 +144,7 @@ std::optional<SiftExtremum> Refine(const ScaleSpaceOctave& octave,
                          refined_level >= octave.levels.first - 1 &&
                          refined_level <= octave.levels.last + 1;
   const bool is_near = offset.cwiseAbs().maxCoeff() < kMaxOffsetPx;  // False for NaN.
-  if (!is_near || !is_inside || contrast <= options.contrast_threshold * kGreyLevels ||
+  if (!is_near || !is_inside || contrast <= options.contrast_threshold * kGrayLevels ||
       IsOnEdge(hessian)) {
     return std::nullopt;
   }
@@ -182,7 +182,7 @@ std::vector<SiftExtremum> DetectSiftExtrema(const ScaleSpaceOctave& octave,
   if (width < 3 || height < 3) {
     return extrema;
   }
-  const auto threshold = static_cast<float>(kTriedShare * options.contrast_threshold * kGreyLevels);
+  const auto threshold = static_cast<float>(kTriedShare * options.contrast_threshold * kGrayLevels);
   std::vector<uint8_t> marks((static_cast<size_t>(width) + 7) / 8 * 8);
   FloatImage differences(width, 3);  // The row being searched and its two neighbors.
   for (int level = octave.levels.first; level <= octave.levels.last; ++level) {
@@ -195,7 +195,7 @@ std::vector<SiftExtremum> DetectSiftExtrema(const ScaleSpaceOctave& octave,
       MarkExtremaOfRow(differences.Row((y - 2) % 3), differences.Row((y - 1) % 3),
                        differences.Row(y % 3), width, threshold, marks.data());
       ForEachMark(marks, [&](int x) {
-        const Neighbourhood around(octave, x, y - 1, level);
+        const Neighborhood around(octave, x, y - 1, level);
         if (!around.IsBeyondLevel(-1) || !around.IsBeyondLevel(1)) {
           return;
         }

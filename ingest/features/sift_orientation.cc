@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "core/angles.h"
 #include "core/simd.h"
 #include "ingest/features/arc_tangent.h"
 
@@ -27,14 +27,14 @@ struct GradientRow {
   float bins[kMaxSide];     // Direction, in bins.
 };
 
-// Gradients of the `num` pixels of a row, beginning at `centre`. `window` is the factor of the
+// Gradients of the `num` pixels of a row, beginning at `center`. `window` is the factor of the
 // window that depends on x.
 CAIRN_VECTOR_CLONES
-void MeasureRow(const float* __restrict above, const float* __restrict centre,
+void MeasureRow(const float* __restrict above, const float* __restrict center,
                 const float* __restrict below, const float* __restrict window, float row_window,
                 int num, GradientRow* __restrict row) {
   for (int i = 0; i < num; ++i) {
-    const float dx = centre[i + 1] - centre[i - 1];
+    const float dx = center[i + 1] - center[i - 1];
     const float dy = below[i] - above[i];
     row->weights[i] = row_window * window[i] * std::sqrt(dx * dx + dy * dy);
     row->bins[i] = DirectionInEighths(dy, dx) * (static_cast<float>(kNumBins) / 8.0f);
@@ -123,8 +123,7 @@ SiftOrientations FindSiftOrientations(const ScaleSpaceOctave& octave,
     }
     const float offset = -0.5f * (right - left) / (right + left - 2.0f * value);
     orientations.angles_rad[orientations.num++] =
-        static_cast<float>(2.0 * std::numbers::pi / kNumBins) *
-        (static_cast<float>(bin) + offset + 0.5f);
+        static_cast<float>(2.0 * kPi / kNumBins) * (static_cast<float>(bin) + offset + 0.5f);
   }
   return orientations;
 }

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <set>
 #include <tuple>
 #include <unordered_map>
 #include <utility>
 
+#include "core/angles.h"
 #include "core/check.h"
 #include "core/frames.h"
 #include "core/geodesy.h"
@@ -27,7 +27,7 @@ struct SessionLook {
   Eigen::Index row = 0;  // Of the projected descriptors.
 };
 
-// Largest distance at which positions are compared, metres; farther landmarks are linked by
+// Largest distance at which positions are compared, meters; farther landmarks are linked by
 // nothing.
 constexpr double kMaxGateM = 3.0;
 constexpr double kCellM = 1.0;
@@ -36,7 +36,7 @@ constexpr float kSameThingM = 0.15f;
 constexpr double kReferenceFocalPx = 500.0;
 
 double AngleBetween(double a_rad, double b_rad) {
-  return std::abs(std::remainder(a_rad - b_rad, 2.0 * std::numbers::pi));
+  return std::abs(std::remainder(a_rad - b_rad, 2.0 * kPi));
 }
 
 // The landmarks of a tile by place.
@@ -361,7 +361,7 @@ std::vector<LandmarkId> ResolveLinks(const Reconstruction& reconstruction,
 }
 
 PlacedSession JoinLinked(const PlacedSession& session, std::vector<LandmarkId>* ids) {
-  CAIRN_CHECK(ids->size() == session.landmarks.size(), "one id a landmark");
+  CAIRN_CHECK(ids->size() == session.landmarks.size(), "there must be one id for each landmark");
   PlacedSession joined = session;
   joined.landmarks.clear();
   std::vector<uint32_t> new_idx(session.landmarks.size());

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ingest/merging/viewpoint.h"
+#include "ingest/tiling/near_view.h"
 #include "ingest/tiling/tile_edit.h"
 
 namespace cairn {
@@ -14,7 +15,6 @@ namespace {
 
 // A fourth session meets no light or season that would double the looks of a place.
 constexpr size_t kSessionsUntilFull = 3;
-constexpr double kNearM = 8.0, kNearRad = 0.7;
 
 // Mean stored bytes in tiles of a simulated city; those of a descriptor beside its code.
 constexpr double kBytesOfDescriptor = 4.5, kBytesOfLandmark = 7.0, kBytesOfSighting = 1.1;
@@ -37,14 +37,15 @@ Tile OnNewGround(const Tile& known, const Tile& fresh) {
   for (const TileKeyframe& keyframe : known.keyframes) {
     known_viewpoints.push_back(ViewpointOf(keyframe));
   }
-  const double cos_near = std::cos(kNearRad);
+  const double cos_near = std::cos(kNearViewRad);
   return PickKeyframes(fresh, [&](const TileKeyframe& keyframe) {
     const Viewpoint mine = ViewpointOf(keyframe);
-    return std::none_of(
-        known_viewpoints.begin(), known_viewpoints.end(), [&](const Viewpoint& other) {
-          return (other.center_in_tile - mine.center_in_tile).squaredNorm() <= kNearM * kNearM &&
-                 other.axis_in_tile.dot(mine.axis_in_tile) >= cos_near;
-        });
+    return std::none_of(known_viewpoints.begin(), known_viewpoints.end(),
+                        [&](const Viewpoint& other) {
+                          return (other.center_in_tile - mine.center_in_tile).squaredNorm() <=
+                                     kNearViewM * kNearViewM &&
+                                 other.axis_in_tile.dot(mine.axis_in_tile) >= cos_near;
+                        });
   });
 }
 

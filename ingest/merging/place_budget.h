@@ -16,7 +16,8 @@ int64_t EstimateBytes(const Tile& tile);
 // Most bytes, as EstimateBytes counts them, that `known` may have after a session that gives it
 // `admitted`. A tile grows freely until three sessions have seen it. From then on, it grows only by
 // what the session's keyframes on new ground see and the tile does not know: new ground has no
-// keyframe of the tile within 8 m and 40 degrees. Returns nothing for a tile that may grow freely.
+// keyframe of the tile near by (ingest/tiling/near_view.h). Returns nothing for a tile that may
+// grow freely.
 std::optional<int64_t> BytesOfPlace(const Tile& known, const Tile& admitted);
 
 }  // namespace cairn

@@ -197,7 +197,8 @@ std::vector<int> CountChances(const Tile& tile, SessionId session_id,
 }
 
 void NoteChances(const std::vector<int>& chances, SessionId session_id, Tile* tile) {
-  CAIRN_CHECK(chances.size() == tile->num_landmarks(), "one number a landmark");
+  CAIRN_CHECK(chances.size() == tile->num_landmarks(),
+              "there must be one number for each landmark");
   std::vector<std::vector<LandmarkSighting>> histories;
   for (size_t i = 0; i < chances.size(); ++i) {
     const std::span<const LandmarkSighting> before = tile->SightingsOf(i);

@@ -66,7 +66,7 @@ TileRecord GetRecord(TileId tile_id, ByteReader* reader) {
 }  // namespace
 
 std::vector<uint8_t> EncodeBuiltTile(const BuiltTile& built, const std::string& plan_digest) {
-  CAIRN_CHECK(plan_digest.size() == kDigestSize, "a digest has 32 digits");
+  CAIRN_CHECK(plan_digest.size() == kDigestSize, "a digest must have 32 digits");
   const EncodedTile& encoded = built.tile.encoded;
   std::vector<uint8_t> bytes;
   ByteWriter writer(&bytes);

@@ -10,7 +10,7 @@
 
 namespace cairn {
 
-// What the manifest says. The codebook, which is a file of its own, is empty but for its id.
+// The content of the manifest. The codebook, which is a file of its own, is empty but for its id.
 struct PlanManifest {
   SessionPlan plan;
   std::string map_path;  // Absolute, or a URL.

@@ -8,7 +8,7 @@
 
 namespace cairn {
 
-// What stands at the end of the names of files that are not finished.
+// The end of the names of unfinished files.
 inline constexpr const char* kUnfinishedSuffix = ".part";
 
 // Writes the bytes to a new file beside `path`, `path` + "." + a random number + ".part", to disk,

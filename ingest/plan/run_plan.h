@@ -1,5 +1,5 @@
-// The steps of an ingest that is spread over processes: what `cairn build-tiles` and `cairn
-// publish` do. `cairn plan` is PlanSession and WritePlan.
+// The steps of an ingest that is spread over processes: `cairn build-tiles` and `cairn publish`.
+// `cairn plan` is PlanSession and WritePlan.
 #ifndef CAIRN_INGEST_PLAN_RUN_PLAN_H_
 #define CAIRN_INGEST_PLAN_RUN_PLAN_H_
 
@@ -24,8 +24,9 @@ struct TaskShare {
   void Validate() const;
 };
 
-// The tiles of a task: those with the most work are dealt out first, to and fro, so that the tasks
-// take about equally long. Ascending indices into plan.tiles; every tile is in one task.
+// The tiles of a task, as ascending indices into plan.tiles; every tile is in one task. The tiles
+// with the most work are assigned first, in alternating order, so that all tasks take about equally
+// long.
 std::vector<size_t> TilesOfTask(const SessionPlan& plan, int64_t index, int64_t count);
 
 struct ShareReport {
@@ -35,7 +36,7 @@ struct ShareReport {
 
 // Builds the tiles of a task that have no sound result yet, without a look at the map. May be
 // repeated, may run in several processes at a time, and may be killed at any moment. Reports
-// "tiles". Throws Error(kBadInput) if a shard is damaged; what is built already stays.
+// "tiles". Throws Error(kBadInput) if a shard is damaged. Tiles that are already built stay.
 ShareReport BuildShare(PlanFolder* folder, const TaskShare& share, const IngestProgress& progress);
 
 // Publishes the plan and removes its shards and results from the folder. `num_tasks`, if positive,

@@ -13,8 +13,8 @@
 namespace cairn {
 namespace {
 
-constexpr uint32_t kMagic = 0x44485343;  // "CSHD".
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kShardMagic = 0x44485343;  // "CSHD".
+constexpr uint32_t kShardVersion = 1;
 constexpr uint32_t kMaxDescriptorDim = 4096;
 constexpr uint32_t kFloatDescriptors = 0, kByteDescriptors = 1;
 constexpr size_t kLandmarkBytes = 44;
@@ -163,8 +163,8 @@ std::vector<uint8_t> EncodeShard(const TileShard& shard) {
                 static_cast<size_t>(CountObservations(shard) * (20 + dim) +
                                     std::ssize(shard.landmark_ids) * int64_t{kLandmarkBytes}));
   ByteWriter writer(&bytes);
-  writer.Put(kMagic);
-  writer.Put(kVersion);
+  writer.Put(kShardMagic);
+  writer.Put(kShardVersion);
   writer.Put(shard.tile_id.value());
   writer.Put(static_cast<uint64_t>(shard.base.size()));
   writer.Put(static_cast<uint32_t>(num_images));
@@ -181,7 +181,7 @@ std::vector<uint8_t> EncodeShard(const TileShard& shard) {
 
 TileShard DecodeShard(std::span<const uint8_t> bytes) {
   ByteReader reader(bytes, "shard");
-  RequireInput(reader.Get<uint32_t>() == kMagic && reader.Get<uint32_t>() == kVersion,
+  RequireInput(reader.Get<uint32_t>() == kShardMagic && reader.Get<uint32_t>() == kShardVersion,
                "does not start as a shard of version 1");
   TileShard shard;
   shard.tile_id = TileId::FromValue(reader.Get<uint64_t>());

@@ -41,7 +41,7 @@ void RequireFits(const Codebook& shipped, const Reconstruction& reconstruction,
   if (!FitsOptions(shipped, options)) {
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("the shipped codebook has principal components, {} dimensions and {} "
-                            "bytes a descriptor; other options of the codebook need training",
+                            "bytes a descriptor; to use other options of the codebook, train one",
                             shipped.projected_dim(), shipped.num_subspaces));
   }
 }

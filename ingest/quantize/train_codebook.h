@@ -30,8 +30,7 @@ struct CodebookOptions {
   ProjectionKind projection = ProjectionKind::kPrincipalComponents;
   int projected_dim = 16;  // The paper finds diminishing returns above 16.
   int num_subspaces = 8;   // Bytes per descriptor; 8 x 256 words lose 2 % recall, 4 lose 17 %.
-  // More descriptors do not pay. On KITTI, 40,000 descriptors and 3 s of training lose 0.74 % of
-  // the projected variance; all 53,000, with more iterations and 7 s, lose 0.71 %.
+  // More descriptors hardly make the codebook better, and training takes longer (docs/figures.md).
   int max_training_descriptors = 40'000;
   uint64_t seed = 1;
 

@@ -19,7 +19,7 @@ std::string WhyNotTranscodable(const Codebook& from, const Codebook& to);
 
 // Decodes a code to the projected descriptor y, takes it back to the space of normalized
 // descriptors, x = mean + pinv(projection) y, projects x with the other codebook, and encodes it.
-// What the old projection left out of a descriptor stays lost: x has the mean there, which is the
+// Dimensions that the old projection left out stay lost: x has the mean there, which is the
 // least-squares estimate if the projection holds principal components. Immutable; safe to use from
 // any thread.
 class Transcoder {

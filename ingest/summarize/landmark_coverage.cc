@@ -343,7 +343,8 @@ CoverageSolution SolveCoverage(const VisibilityGraph& graph,
                                const std::vector<int>& num_descriptors,
                                const LandmarkSelectionOptions& options) {
   options.Validate();
-  CAIRN_CHECK(num_descriptors.size() == graph.num_landmarks(), "one count a landmark");
+  CAIRN_CHECK(num_descriptors.size() == graph.num_landmarks(),
+              "there must be one count for each landmark");
   const Program program = MakeProgram(graph, num_descriptors, options);
   return Relaxation(program, options).Solve();
 }

@@ -12,12 +12,12 @@
 
 namespace cairn {
 
-// maximise   sum_i q_i x_i - lambda sum_k zeta_k
+// maximize   sum_i q_i x_i - lambda sum_k zeta_k
 // subject to sum_{i seen by k} x_i + zeta_k >= min(b, landmarks that k sees)  for each keyframe k,
 //            sum_i c_i x_i <= budget,  x binary,  zeta >= 0
 //
 // with q the number of observations, b = options.min_landmarks_per_keyframe and lambda =
-// options.missing_landmark_cost. (The paper minimises q'x, which has the sign wrong for a score,
+// options.missing_landmark_cost. (The paper minimizes q'x, which has the sign wrong for a score,
 // and asks for an equal number of landmarks, which poor tiles do not have.) The cost c_i is 1 and
 // the budget options.max_landmarks, or c_i is the landmark's number of descriptors and the budget
 // options.max_descriptors if there is no limit on landmarks.

@@ -21,7 +21,8 @@ class ObservationCountSelector : public LandmarkSelector {
 
   std::vector<uint32_t> Select(const VisibilityGraph& graph,
                                const std::vector<int>& num_descriptors) const override {
-    CAIRN_CHECK(num_descriptors.size() == graph.num_landmarks(), "one count a landmark");
+    CAIRN_CHECK(num_descriptors.size() == graph.num_landmarks(),
+                "there must be one count for each landmark");
     std::vector<bool> kept(graph.num_landmarks(), false);
     const int64_t spent = SpendShares(graph, num_descriptors, &kept);
     SpendRest(graph, num_descriptors, spent, &kept);

@@ -31,11 +31,10 @@ struct LandmarkSelectionOptions {
   // max_descriptors does not count.
   int64_t max_landmarks = 0;
   int min_landmarks_per_keyframe = 200;  // Paper; localizing takes a few dozen matches.
-  // What each landmark that a keyframe falls short costs, in observations. Above the observations
-  // of the best landmarks, coverage comes first.
+  // Cost of each landmark that a keyframe lacks, in observations. Above the observations of the
+  // best landmarks, coverage comes first.
   double missing_landmark_cost = 50.0;
-  // Rounds; 50 prove a bound, more improve little: 100,000 landmarks seen by 1,000 keyframes,
-  // 20,000 kept: 2 s and a gap of 0.2 % (50), 6 s and 0.1 % (200).
+  // Largest number of rounds of the solver; 50 suffice for a bound (docs/figures.md).
   int max_iterations = 100;
 
   void Validate() const;

@@ -53,9 +53,9 @@ class TileBuilder {
         ecef_from_tile_(EcefFromEnu(tile_id.Anchor())),
         tile_(EmptyTile(tile_id, source.codec->codebook().id,
                         source.codec->codebook().num_subspaces)) {
-    CAIRN_CHECK(keyframe_ids.size() == images_.size(), "one keyframe an image");
+    CAIRN_CHECK(keyframe_ids.size() == images_.size(), "there must be one keyframe for each image");
     CAIRN_CHECK(source.landmark_ids.size() == source.session->landmarks.size(),
-                "one id a landmark");
+                "there must be one id for each landmark");
     for (size_t k = 0; k < images_.size(); ++k) {
       AddKeyframe(images_[k], keyframe_ids[k]);
     }

@@ -36,7 +36,7 @@ struct PlacedObservation {
 
 struct PlacedSession {
   std::vector<Rigid3d> cam_from_ecef;     // Per image.
-  std::vector<PlacedLandmark> landmarks;  // Neighbours in space are mostly neighbours here.
+  std::vector<PlacedLandmark> landmarks;  // Neighbors in space are mostly neighbors here.
   std::vector<std::vector<PlacedObservation>> observations_of_image;  // Per image.
   // Images by the tile their camera stands in; only those that see a landmark.
   std::map<TileId, std::vector<int>> images_of_tile;
@@ -47,7 +47,7 @@ void AssignTiles(const Reconstruction& reconstruction, PlacedSession* session);
 
 // Drops landmarks that are seen less often, are less certain or fit worse than the options allow.
 // Throws Error(kBadInput) if the similarity or a camera's place makes no sense or if no landmark is
-// left. Linear but for one sort.
+// left. Takes linear time in the observations, apart from one sort.
 PlacedSession PlaceSession(const Reconstruction& reconstruction, const Sim3d& ecef_from_world,
                            const PlacementOptions& options);
 

@@ -62,7 +62,7 @@ Tile Pick(const Tile& tile, std::span<const uint32_t> landmarks,
   Tile picked = EmptyTile(tile.id, tile.codebook_id, tile.code_size);
   std::vector<uint32_t> new_idx(tile.num_landmarks(), kDropped);
   for (const uint32_t landmark_idx : landmarks) {
-    CAIRN_CHECK(new_idx[landmark_idx] == kDropped, "each landmark at most once");
+    CAIRN_CHECK(new_idx[landmark_idx] == kDropped, "a landmark may occur only once");
     new_idx[landmark_idx] = static_cast<uint32_t>(picked.num_landmarks());
     AppendLandmark(tile, landmark_idx, &picked);
   }
@@ -109,7 +109,8 @@ Tile PickLandmarks(const Tile& tile, std::span<const uint32_t> landmarks) {
 }
 
 void ReplaceSightings(const std::vector<std::vector<LandmarkSighting>>& sightings, Tile* tile) {
-  CAIRN_CHECK(sightings.size() == tile->num_landmarks(), "one history a landmark");
+  CAIRN_CHECK(sightings.size() == tile->num_landmarks(),
+              "there must be one history for each landmark");
   tile->sightings.clear();
   tile->sighting_begin = {0};
   for (const std::vector<LandmarkSighting>& of_landmark : sightings) {

@@ -1,4 +1,4 @@
-// What one tile takes from a session; private to ingest.
+// The part of a session that one tile takes. Private to ingest.
 #ifndef CAIRN_INGEST_TILING_TILE_SHARD_H_
 #define CAIRN_INGEST_TILING_TILE_SHARD_H_
 
@@ -31,7 +31,7 @@ struct TileShard {
 };
 
 // Cuts the images of a tile out of a session. They get consecutive ids from `first_keyframe` on.
-// `base` stays empty. Linear in the observations of the tile but for one sort.
+// `base` stays empty. Takes linear time in the observations of the tile, apart from one sort.
 TileShard CutShard(const Reconstruction& reconstruction, const PlacedSession& session,
                    const std::vector<LandmarkId>& landmark_ids, TileId tile_id,
                    KeyframeId first_keyframe);

@@ -17,7 +17,7 @@
 
 namespace cairn {
 
-// What one pass brings home.
+// The recording of one pass.
 struct CitySession {
   Reconstruction reconstruction;
   // Parallel to reconstruction.landmarks, see MappedChunk.

@@ -13,6 +13,7 @@
 
 #include "cli/arguments.h"
 #include "cli/query_features.h"
+#include "core/angles.h"
 #include "core/error.h"
 #include "eval/pictures/picture_format.h"
 #include "lab/city/cameras/phone_sequence.h"
@@ -79,7 +80,7 @@ CityWorldOptions WorldOptions(const SimulateArguments& arguments) {
   Override(arguments.gps_median_m, &world.queries.noise.gps_median_m);
   Override(arguments.canyon_bias_m, &world.queries.noise.canyon_bias_m);
   if (arguments.gravity_deg) {
-    world.queries.noise.gravity_sigma_rad = *arguments.gravity_deg * 0.017453292519943295;
+    world.queries.noise.gravity_sigma_rad = *arguments.gravity_deg * kRadPerDeg;
   }
   world.city.seed = world.mapping.seed = world.queries.seed = arguments.seed;
   world.descriptors.seed = arguments.seed;
@@ -259,7 +260,7 @@ void AddMappingOptions(CLI::App* command, SimulateArguments* arguments) {
                    "Deformation of the map, meters per axis")
       ->type_name("M");
   command->add_option("--clutter", arguments->clutter_ratio,
-                      "Keypoints without a landmark per keypoint with one");
+                      "Number of keypoints without a landmark for each keypoint with one");
 }
 
 void AddQueryOptions(CLI::App* command, SimulateArguments* arguments) {

@@ -10,7 +10,7 @@
 namespace cairn {
 namespace {
 
-constexpr uint8_t kGrey = 128;
+constexpr uint8_t kGray = 128;
 constexpr double kErrorPx = 0.5;
 constexpr int64_t kNoPoint = -1;
 
@@ -108,7 +108,7 @@ void WriteBinaryPoints(const Reconstruction& reconstruction, const std::string& 
       file.Put(value);
     }
     for (int channel = 0; channel < 3; ++channel) {
-      file.Put(kGrey);
+      file.Put(kGray);
     }
     file.Put(kErrorPx);
     file.Put(static_cast<uint64_t>(landmark.observations.size()));
@@ -163,7 +163,7 @@ void WriteTextPoints(const Reconstruction& reconstruction, const std::string& di
     const ReconLandmark& landmark = reconstruction.landmarks[i];
     file.stream() << kFirstColmapPointId + i << ' ' << landmark.x_in_world.transpose();
     for (int channel = 0; channel < 3; ++channel) {
-      file.stream() << ' ' << int{kGrey};
+      file.stream() << ' ' << int{kGray};
     }
     file.stream() << ' ' << kErrorPx;
     for (const ReconObservation& observation : landmark.observations) {

@@ -15,8 +15,8 @@
 namespace cairn {
 namespace {
 
-constexpr uint64_t kSeed = 1;
-constexpr int kMinPairs = 40;
+constexpr uint64_t kPlotSeed = 1;
+constexpr int kMinPairsOfPoint = 40;
 
 // A place in the real data and in the model.
 struct Place {
@@ -64,7 +64,7 @@ std::string MedianDistance(const DescriptorMatrix& root, const std::vector<LookP
                            const std::function<bool(const LookPair&)>& is_in) {
   std::vector<LookPair> taken;
   std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(taken), is_in);
-  return static_cast<int>(taken.size()) < kMinPairs
+  return static_cast<int>(taken.size()) < kMinPairsOfPoint
              ? ""
              : fmt::format("{:.4f}", std::sqrt(Quantile(SqDistances(root, taken), 0.5)));
 }
@@ -108,8 +108,8 @@ std::string Nearest(const std::vector<Place>& places) {
   for (const Place& place : places) {
     for (const int others : {100, 1000, 2500}) {
       header += fmt::format(",{0} of {1},{0} model of {1}", place.name, others);
-      columns.push_back(NearestDistances(FirstLooks(place.real), others, kSeed));
-      columns.push_back(NearestDistances(FirstLooks(place.model), others, kSeed));
+      columns.push_back(NearestDistances(FirstLooks(place.real), others, kPlotSeed));
+      columns.push_back(NearestDistances(FirstLooks(place.model), others, kPlotSeed));
     }
   }
   return Quantiles(header + "\n", columns);
@@ -127,7 +127,7 @@ std::string SameAndOther(const std::vector<Place>& places) {
                      [](float sq) { return std::sqrt(sq); });
       header += fmt::format(",{0}{1} same,{0}{1} other", place.name, is_model ? " model" : "");
       columns.push_back(same);
-      columns.push_back(NearestDistances(FirstLooks(looks), 1000, kSeed));
+      columns.push_back(NearestDistances(FirstLooks(looks), 1000, kPlotSeed));
     }
   }
   return Quantiles(header + "\n", columns);
@@ -140,7 +140,7 @@ std::string Crowd(const DescriptorFitData& data, const DescriptorModel& model) {
     const auto median = [&](const DescriptorMatrix& root) {
       return others > root.rows()
                  ? std::string()
-                 : fmt::format("{:.4f}", Quantile(NearestDistances(root, others, kSeed), 0.5));
+                 : fmt::format("{:.4f}", Quantile(NearestDistances(root, others, kPlotSeed), 0.5));
     };
     text += fmt::format("{},{},{}\n", others, median(data.crowd), median(clutter));
   }

@@ -18,7 +18,7 @@ constexpr std::array kAngleEdgesRad = {0.0f,  0.01f, 0.02f, 0.035f, 0.05f, 0.075
                                        0.15f, 0.2f,  0.3f,  0.45f,  0.6f,  0.8f,   1.4f};
 constexpr std::array kScaleEdges = {0.0f, 0.1f, 0.2f, 0.3f, 0.45f, 0.6f, 0.8f, 1.0f, 1.5f, 2.5f};
 constexpr float kNearAngleRad = 0.06f;
-constexpr float kNearLog2Scale = 0.3f;
+constexpr float kNearbyLog2Scale = 0.3f;
 // Pairs to try after each pair, until one shares no look with it.
 constexpr size_t kPairsTried = 5;
 
@@ -200,7 +200,7 @@ NearSpread SpreadOfNearViews(const std::vector<RealLook>& looks, const std::vect
   std::vector<LookPair> near;
   std::vector<float> logs;
   for (size_t i = 0; i < pairs.size(); ++i) {
-    if (pairs[i].angle_rad < kNearAngleRad && pairs[i].log2_scale < kNearLog2Scale) {
+    if (pairs[i].angle_rad < kNearAngleRad && pairs[i].log2_scale < kNearbyLog2Scale) {
       near.push_back(pairs[i]);
       logs.push_back(std::log(std::max(1e-6f, sq_distances[i])));
     }

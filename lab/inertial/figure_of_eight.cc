@@ -4,6 +4,8 @@
 #include <cmath>
 #include <random>
 
+#include "core/angles.h"
+
 namespace cairn::fusion {
 namespace {
 
@@ -29,7 +31,7 @@ double RampDerivative(double x) { return x <= 0.0 || x >= 1.0 ? 0.0 : 6.0 * x * 
 
 FigureOfEight::FigureOfEight(const FigureOfEightOptions& options) : options_(options) {
   std::mt19937_64 random(options.seed);
-  std::uniform_real_distribution<double> angle(0.0, 2.0 * M_PI);
+  std::uniform_real_distribution<double> angle(0.0, 2.0 * kPi);
   for (double& phase : phases_) {
     phase = angle(random);
   }
@@ -60,10 +62,10 @@ MotionState FigureOfEight::At(double time_s) const {
   const double t = path.tau;
   const Wave x = Sine(options_.size_m, omega_, phases_[0], t);
   const Wave y = Sine(options_.size_m * width_ratio_, 2.0 * omega_, phases_[1], t);
-  const Wave z = Sine(options_.gait_m, 2.0 * M_PI * 1.8, phases_[2], t);
-  const Wave look = Sine(options_.look_around_rad, 2.0 * M_PI * 0.11, phases_[3], t);
-  const Wave pitch = Sine(0.05, 2.0 * M_PI * 0.9, phases_[4], t);
-  const Wave roll = Sine(0.04, 2.0 * M_PI * 0.7, phases_[5], t);
+  const Wave z = Sine(options_.gait_m, 2.0 * kPi * 1.8, phases_[2], t);
+  const Wave look = Sine(options_.look_around_rad, 2.0 * kPi * 0.11, phases_[3], t);
+  const Wave pitch = Sine(0.05, 2.0 * kPi * 0.9, phases_[4], t);
+  const Wave roll = Sine(0.04, 2.0 * kPi * 0.7, phases_[5], t);
 
   const Eigen::Vector3d first(x.first, y.first, z.first);
   const Eigen::Vector3d second(x.second, y.second, z.second);

@@ -4,10 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 
-#include "core/require.h"
+#include "core/angles.h"
 
 namespace cairn {
 namespace {
@@ -16,6 +15,16 @@ namespace {
 constexpr double kMinSinToBaseline = 0.05;
 // Two keypoints this close are one point, for example found with two orientations.
 constexpr double kSamePointPx = 3.0;
+constexpr double kMaxEpipolarErrorPx = 2.0;  // In both images.
+// Largest ratio of the best to the second-best distance. The second best is taken from the same
+// epipolar line, where the repetitions of a facade are, and is another point than the best.
+constexpr double kMaxRatio = 0.8;
+// Largest descriptor distance, relative to the descriptors' length. If a line has few candidates, a
+// match could pass the ratio test without being similar.
+constexpr double kMaxRelativeDistance = 0.5;
+constexpr double kMinDepthM = 0.5;  // Distance from either camera.
+constexpr double kMaxDepthM = 150.0;
+constexpr double kMaxSizeRatio = 2.0;  // Ratio of the physical sizes of the two keypoints.
 
 // A keypoint in polar coordinates about the baseline.
 struct PolarRay {
@@ -49,11 +58,11 @@ void UnrollEnds(double window_rad, std::vector<PolarRay>* rays) {
   std::vector<PolarRay> before, after;
   for (size_t i = 0; i < num_rays; ++i) {
     PolarRay ray = (*rays)[i];
-    if (ray.plane_rad > std::numbers::pi - window_rad) {
-      ray.plane_rad -= 2.0 * std::numbers::pi;
+    if (ray.plane_rad > kPi - window_rad) {
+      ray.plane_rad -= 2.0 * kPi;
       before.push_back(ray);
-    } else if (ray.plane_rad < window_rad - std::numbers::pi) {
-      ray.plane_rad += 2.0 * std::numbers::pi;
+    } else if (ray.plane_rad < window_rad - kPi) {
+      ray.plane_rad += 2.0 * kPi;
       after.push_back(ray);
     }
   }
@@ -69,15 +78,13 @@ struct Candidate {
 // Geometry of one image pair.
 class PairGeometry {
  public:
-  PairGeometry(const PosedFeatures& a, const PosedFeatures& b, const GuidedMatchingOptions& options)
-      : a_(a), b_(b), options_(options) {
+  PairGeometry(const PosedFeatures& a, const PosedFeatures& b) : a_(a), b_(b) {
     const Eigen::Vector3d baseline = b.center_in_world - a.center_in_world;
     baseline_m_ = baseline.norm();
     axes_.row(2) = baseline.transpose() / baseline_m_;
     axes_.row(0) = axes_.row(2).unitOrthogonal();
     axes_.row(1) = axes_.row(2).cross(axes_.row(0));
-    max_error_rad_ =
-        options.max_epipolar_error_px / std::max(a.camera->focal_px(), b.camera->focal_px());
+    max_error_rad_ = kMaxEpipolarErrorPx / std::max(a.camera->focal_px(), b.camera->focal_px());
   }
 
   double max_error_rad() const { return max_error_rad_; }
@@ -93,29 +100,27 @@ class PairGeometry {
     const double sin_parallax = ray_b.sin * ray_a.cos - ray_b.cos * ray_a.sin;
     const double depth_a = baseline_m_ * ray_b.sin / sin_parallax;
     const double depth_b = baseline_m_ * ray_a.sin / sin_parallax;
-    if (!(sin_parallax > 0.0) || std::min(depth_a, depth_b) < options_.min_depth_m ||
-        std::max(depth_a, depth_b) > options_.max_depth_m) {
+    if (!(sin_parallax > 0.0) || std::min(depth_a, depth_b) < kMinDepthM ||
+        std::max(depth_a, depth_b) > kMaxDepthM) {
       return false;
     }
     const double size_a =
         a_.features->keypoints[ray_a.idx].scale_px * depth_a / a_.camera->focal_px();
     const double size_b =
         b_.features->keypoints[ray_b.idx].scale_px * depth_b / b_.camera->focal_px();
-    return size_a <= options_.max_size_ratio * size_b && size_b <= options_.max_size_ratio * size_a;
+    return size_a <= kMaxSizeRatio * size_b && size_b <= kMaxSizeRatio * size_a;
   }
 
  private:
   const PosedFeatures& a_;
   const PosedFeatures& b_;
-  const GuidedMatchingOptions& options_;
   double baseline_m_ = 0.0;
   double max_error_rad_ = 0.0;
   Eigen::Matrix3d axes_;  // Rows: two axes across the baseline, then the baseline from a to b.
 };
 
 // Returns the best candidate if it beats all candidates that are a different point; otherwise -1.
-int BestByRatio(const std::vector<Candidate>& candidates, const FeatureSet& features_b,
-                double max_ratio) {
+int BestByRatio(const std::vector<Candidate>& candidates, const FeatureSet& features_b) {
   int best = -1;
   for (size_t i = 0; i < candidates.size(); ++i) {
     if (best < 0 || candidates[i].sq_distance < candidates[best].sq_distance) {
@@ -130,7 +135,7 @@ int BestByRatio(const std::vector<Candidate>& candidates, const FeatureSet& feat
     const Keypoint& keypoint = features_b.keypoints[other.b_idx];
     const bool same_point =
         std::hypot(keypoint.x_px - winner.x_px, keypoint.y_px - winner.y_px) < kSamePointPx;
-    if (!same_point && candidates[best].sq_distance > max_ratio * max_ratio * other.sq_distance) {
+    if (!same_point && candidates[best].sq_distance > kMaxRatio * kMaxRatio * other.sq_distance) {
       return -1;
     }
   }
@@ -139,21 +144,8 @@ int BestByRatio(const std::vector<Candidate>& candidates, const FeatureSet& feat
 
 }  // namespace
 
-void GuidedMatchingOptions::Validate() const {
-  RequireOption(max_epipolar_error_px > 0.0,
-                "guided_matching.max_epipolar_error_px must be positive");
-  RequireOption(max_ratio > 0.0 && max_ratio <= 1.0,
-                "guided_matching.max_ratio must lie in (0, 1]");
-  RequireOption(min_depth_m > 0.0 && max_depth_m > min_depth_m,
-                "guided_matching: need 0 < min_depth_m < max_depth_m");
-  RequireOption(max_size_ratio >= 1.0, "guided_matching.max_size_ratio must be at least 1");
-  RequireOption(max_relative_distance > 0.0,
-                "guided_matching.max_relative_distance must be positive");
-}
-
-std::vector<FeatureMatch> MatchAlongEpipolarLines(const PosedFeatures& a, const PosedFeatures& b,
-                                                  const GuidedMatchingOptions& options) {
-  const PairGeometry geometry(a, b, options);
+std::vector<FeatureMatch> MatchAlongEpipolarLines(const PosedFeatures& a, const PosedFeatures& b) {
+  const PairGeometry geometry(a, b);
   const std::vector<PolarRay> rays_a = geometry.RaysOf(a);
   std::vector<PolarRay> rays_b = geometry.RaysOf(b);
   UnrollEnds(geometry.max_error_rad() / kMinSinToBaseline, &rays_b);
@@ -180,8 +172,8 @@ std::vector<FeatureMatch> MatchAlongEpipolarLines(const PosedFeatures& a, const 
       }
     }
     const double max_distance =
-        options.max_relative_distance * a.features->descriptors.row(ray_a.idx).norm();
-    const int best = BestByRatio(candidates, *b.features, options.max_ratio);
+        kMaxRelativeDistance * a.features->descriptors.row(ray_a.idx).norm();
+    const int best = BestByRatio(candidates, *b.features);
     if (best >= 0 && candidates[best].sq_distance <= max_distance * max_distance) {
       matches.push_back(
           {ray_a.idx, candidates[best].b_idx, std::sqrt(candidates[best].sq_distance)});

@@ -9,11 +9,16 @@
 #include "core/parallel_for.h"
 #include "core/require.h"
 #include "ingest/sfm/triangulate.h"
+#include "lab/known_poses/guided_matching.h"
+#include "lab/known_poses/neighbor_pairs.h"
 #include "lab/known_poses/posed_features.h"
 #include "lab/known_poses/tracks.h"
 
 namespace cairn {
 namespace {
+
+// Smallest allowed value of the widest angle between two rays of a landmark.
+constexpr double kMinAngleRad = 0.035;
 
 // A ParallelFor that reports each finished step.
 void RunPhase(const char* phase, int count, int num_threads, const KnownPoseProgress& progress,
@@ -43,14 +48,14 @@ std::vector<ReconImage> ExtractImages(const std::vector<StreetPhoto>& photos,
   return images;
 }
 
-std::vector<PairMatches> MatchNeighbours(const std::vector<PosedFeatures>& posed,
-                                         const KnownPoseOptions& options,
-                                         const KnownPoseProgress& progress) {
-  const std::vector<std::pair<int, int>> pairs = FindNeighbourPairs(posed, options.neighbours);
+std::vector<PairMatches> MatchNeighbors(const std::vector<PosedFeatures>& posed,
+                                        const KnownPoseOptions& options,
+                                        const KnownPoseProgress& progress) {
+  const std::vector<std::pair<int, int>> pairs = FindNeighborPairs(posed);
   std::vector<PairMatches> matches(pairs.size());
   RunPhase("matching", static_cast<int>(pairs.size()), options.num_threads, progress, [&](int i) {
     const auto& [a, b] = pairs[i];
-    matches[i] = {a, b, MatchAlongEpipolarLines(posed[a], posed[b], options.matching)};
+    matches[i] = {a, b, MatchAlongEpipolarLines(posed[a], posed[b])};
   });
   return matches;
 }
@@ -72,11 +77,10 @@ double WidestAngleRad(const std::vector<PointView>& views, const Eigen::Vector3d
 // Triangulates a track without the observations that do not fit. Returns nullopt if too few
 // observations are left or their angle is too narrow.
 std::optional<ReconLandmark> TriangulateTrack(const Reconstruction& reconstruction,
-                                              std::vector<ReconObservation> track,
-                                              const KnownPoseOptions& options) {
+                                              std::vector<ReconObservation> track) {
   ReconLandmark landmark;
   landmark.observations = std::move(track);
-  while (static_cast<int>(landmark.observations.size()) >= options.min_observations) {
+  while (static_cast<int>(landmark.observations.size()) >= kMinKnownPoseObservations) {
     const std::vector<PointView> views = ViewsOf(reconstruction, landmark);
     const auto x_in_world = TriangulatePoint(views);
     if (!x_in_world) {
@@ -85,15 +89,14 @@ std::optional<ReconLandmark> TriangulateTrack(const Reconstruction& reconstructi
     std::vector<ReconObservation> fitting;
     for (size_t i = 0; i < views.size(); ++i) {
       const auto pixel = views[i].camera->Project(views[i].cam_from_world * *x_in_world);
-      if (pixel && (*pixel - views[i].pixel).norm() <= options.max_reprojection_error_px) {
+      if (pixel && (*pixel - views[i].pixel).norm() <= kMaxKnownPoseErrorPx) {
         fitting.push_back(landmark.observations[i]);
       }
     }
     if (fitting.size() == views.size()) {
       landmark.x_in_world = *x_in_world;
-      return WidestAngleRad(views, *x_in_world) >= options.min_angle_rad
-                 ? std::optional(std::move(landmark))
-                 : std::nullopt;
+      return WidestAngleRad(views, *x_in_world) >= kMinAngleRad ? std::optional(std::move(landmark))
+                                                                : std::nullopt;
     }
     landmark.observations = std::move(fitting);
   }
@@ -110,7 +113,7 @@ std::vector<ReconLandmark> TriangulateTracks(
   RunPhase("landmarks", num_steps, options.num_threads, progress, [&](int step) {
     const int end = std::min(num_tracks, (step + 1) * kTracksPerStep);
     for (int i = step * kTracksPerStep; i < end; ++i) {
-      if (auto landmark = TriangulateTrack(reconstruction, tracks[i], options)) {
+      if (auto landmark = TriangulateTrack(reconstruction, tracks[i])) {
         landmarks_of_step[step].push_back(std::move(*landmark));
       }
     }
@@ -126,12 +129,6 @@ std::vector<ReconLandmark> TriangulateTracks(
 
 void KnownPoseOptions::Validate() const {
   sift.Validate();
-  neighbours.Validate();
-  matching.Validate();
-  RequireOption(min_observations >= 2, "known_poses.min_observations must be at least 2");
-  RequireOption(max_reprojection_error_px > 0.0,
-                "known_poses.max_reprojection_error_px must be positive");
-  RequireOption(min_angle_rad > 0.0, "known_poses.min_angle_rad must be positive");
   RequireOption(num_threads >= 1, "known_poses.num_threads must be at least 1");
 }
 
@@ -149,8 +146,8 @@ Reconstruction ReconstructWithKnownPoses(const Camera& camera,
     posed.push_back(MakePosedFeatures(camera, image.features, image.cam_from_world));
     num_keypoints.push_back(image.features.size());
   }
-  const auto tracks = BuildTracks(MatchNeighbours(posed, options, progress), num_keypoints,
-                                  options.min_observations);
+  const auto tracks = BuildTracks(MatchNeighbors(posed, options, progress), num_keypoints,
+                                  kMinKnownPoseObservations);
   reconstruction.landmarks = TriangulateTracks(reconstruction, tracks, options, progress);
   return reconstruction;
 }

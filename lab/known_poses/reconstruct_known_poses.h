@@ -8,20 +8,17 @@
 #include "core/camera.h"
 #include "ingest/features/sift_extractor.h"
 #include "ingest/sfm/reconstruction.h"
-#include "lab/known_poses/guided_matching.h"
-#include "lab/known_poses/neighbour_pairs.h"
 #include "lab/known_poses/street_photo.h"
 
 namespace cairn {
 
+// Fewest observations of a landmark. With two views, a point looks like its repetition.
+inline constexpr int kMinKnownPoseObservations = 3;
+inline constexpr double kMaxKnownPoseErrorPx = 2.0;  // Of the reprojection of an observation.
+
 struct KnownPoseOptions {
   SiftOptions sift = {.max_features = 1500};
-  NeighbourOptions neighbours;
-  GuidedMatchingOptions matching;
-  int min_observations = 3;  // With two views, a point looks like its repetition.
-  double max_reprojection_error_px = 2.0;
-  double min_angle_rad = 0.035;  // Smallest allowed value of the widest angle between two rays.
-  int num_threads = 2;           // The result does not depend on it.
+  int num_threads = 2;  // The result does not depend on it.
 
   // Throws Error(kInvalidArgument) that names the field.
   void Validate() const;

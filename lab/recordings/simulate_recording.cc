@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <random>
 #include <unordered_map>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "core/require.h"
 #include "lab/recordings/trajectory_interpolation.h"
@@ -34,7 +34,7 @@ class Simulator {
   Recording Run() {
     Recording recording;
     recording.name = trajectory_.name;
-    recording.options = MatchingOptions();
+    recording.options = MatchingFusionOptions();
     recording.imu = trajectory_.imu;
     recording.frames_per_query = options_.frames_per_query;
     recording.first_counted_frame =
@@ -61,7 +61,7 @@ class Simulator {
   }
 
  private:
-  FusionOptions MatchingOptions() const {
+  FusionOptions MatchingFusionOptions() const {
     FusionOptions options;
     options.camera = options_.camera;
     options.rig = options_.rig;
@@ -106,7 +106,7 @@ class Simulator {
   void ScatterLandmarks(const std::vector<RecordedFrame>& frames) {
     for (int i = 0; i < options_.num_landmarks; ++i) {
       const size_t at = std::uniform_int_distribution<size_t>(0, frames.size() - 1)(random_);
-      const double azimuth = Uniform(0.0, 2.0 * std::numbers::pi);
+      const double azimuth = Uniform(0.0, 2.0 * kPi);
       const double distance_m = Uniform(options_.min_distance_m, options_.max_distance_m);
       const double height_m = Uniform(options_.min_height_m, options_.max_height_m);
       landmarks_.push_back(frames[at].global_from_imu.translation +

@@ -15,11 +15,11 @@ int NumTexels(double length_m, double texels_per_m) {
 
 }  // namespace
 
-Canvas::Canvas(double width_m, double height_m, double texels_per_m, double grey)
+Canvas::Canvas(double width_m, double height_m, double texels_per_m, double gray)
     : width_m_(width_m),
       height_m_(height_m),
       pixels_(NumTexels(height_m, texels_per_m), NumTexels(width_m, texels_per_m), CV_8UC1,
-              cv::Scalar(grey)) {
+              cv::Scalar(gray)) {
   x_texels_per_m_ = pixels_.cols / width_m;
   z_texels_per_m_ = pixels_.rows / height_m;
 }
@@ -32,29 +32,29 @@ int Canvas::Row(double z_m) const {
   return static_cast<int>(std::lround((height_m_ - z_m) * z_texels_per_m_));
 }
 
-void Canvas::FillRect(double x_m, double z_m, double width_m, double height_m, double grey) {
+void Canvas::FillRect(double x_m, double z_m, double width_m, double height_m, double gray) {
   const cv::Rect rect(cv::Point(Column(x_m), Row(z_m + height_m)),
                       cv::Point(Column(x_m + width_m), Row(z_m)));
-  pixels_(rect & cv::Rect(0, 0, pixels_.cols, pixels_.rows)).setTo(cv::Scalar(grey));
+  pixels_(rect & cv::Rect(0, 0, pixels_.cols, pixels_.rows)).setTo(cv::Scalar(gray));
 }
 
 void Canvas::FillEllipse(double x_m, double z_m, double x_radius_m, double z_radius_m,
-                         double grey) {
+                         double gray) {
   const cv::Size axes(std::max(1, static_cast<int>(x_radius_m * x_texels_per_m_)),
                       std::max(1, static_cast<int>(z_radius_m * z_texels_per_m_)));
-  cv::ellipse(pixels_, cv::Point(Column(x_m), Row(z_m)), axes, 0.0, 0.0, 360.0, cv::Scalar(grey),
+  cv::ellipse(pixels_, cv::Point(Column(x_m), Row(z_m)), axes, 0.0, 0.0, 360.0, cv::Scalar(gray),
               cv::FILLED, cv::LINE_AA);
 }
 
 void Canvas::Line(double x0_m, double z0_m, double x1_m, double z1_m, double thickness_m,
-                  double grey) {
+                  double gray) {
   const int thickness = std::max(1, static_cast<int>(std::lround(thickness_m * z_texels_per_m_)));
   cv::line(pixels_, cv::Point(Column(x0_m), Row(z0_m)), cv::Point(Column(x1_m), Row(z1_m)),
-           cv::Scalar(grey), thickness, cv::LINE_AA);
+           cv::Scalar(gray), thickness, cv::LINE_AA);
 }
 
 void Canvas::Text(double x_m, double z_m, double height_m, double max_width_m,
-                  const std::string& text, double grey) {
+                  const std::string& text, double gray) {
   constexpr int kFont = cv::FONT_HERSHEY_DUPLEX;
   constexpr double kCapitalHeight = 21.0;  // Texels at font scale 1.
   int base_line = 0;
@@ -62,7 +62,7 @@ void Canvas::Text(double x_m, double z_m, double height_m, double max_width_m,
   const double scale = std::min(height_m * z_texels_per_m_ / kCapitalHeight,
                                 max_width_m * x_texels_per_m_ / std::max(unit_width, 1.0));
   const int thickness = std::max(1, static_cast<int>(std::lround(3.0 * scale)));
-  cv::putText(pixels_, text, cv::Point(Column(x_m), Row(z_m)), kFont, scale, cv::Scalar(grey),
+  cv::putText(pixels_, text, cv::Point(Column(x_m), Row(z_m)), kFont, scale, cv::Scalar(gray),
               thickness, cv::LINE_AA);
 }
 

@@ -16,19 +16,19 @@ namespace cairn {
 class Canvas {
  public:
   // The texture has at least `texels_per_m` texels per meter along both axes.
-  Canvas(double width_m, double height_m, double texels_per_m, double grey);
+  Canvas(double width_m, double height_m, double texels_per_m, double gray);
 
   double width_m() const { return width_m_; }
   double height_m() const { return height_m_; }
 
-  void FillRect(double x_m, double z_m, double width_m, double height_m, double grey);
+  void FillRect(double x_m, double z_m, double width_m, double height_m, double gray);
   // Axis-aligned ellipse about (x, z).
-  void FillEllipse(double x_m, double z_m, double x_radius_m, double z_radius_m, double grey);
-  void Line(double x0_m, double z0_m, double x1_m, double z1_m, double thickness_m, double grey);
+  void FillEllipse(double x_m, double z_m, double x_radius_m, double z_radius_m, double gray);
+  void Line(double x0_m, double z0_m, double x1_m, double z1_m, double thickness_m, double gray);
   // Writes capitals of the given height. The baseline starts at (x, z). Text wider than
   // `max_width_m` is squeezed.
   void Text(double x_m, double z_m, double height_m, double max_width_m, const std::string& text,
-            double grey);
+            double gray);
 
   // Adds dirt: smooth random patches of about `patch_m` that change the gray value by up to
   // `amplitude`.

@@ -32,13 +32,13 @@ std::string ShopName(cv::RNG* rng) {
 
 // Paints rows of bricks or stones. Each is a little lighter or darker than the next.
 void PaintMasonry(double stone_width_m, double stone_height_m, double joint_m, double spread,
-                  double grey, cv::RNG* rng, Canvas* canvas) {
+                  double gray, cv::RNG* rng, Canvas* canvas) {
   bool shifted = false;
   for (double z = 0.0; z < canvas->height_m(); z += stone_height_m, shifted = !shifted) {
     for (double x = shifted ? -0.5 * stone_width_m : 0.0; x < canvas->width_m();
          x += stone_width_m) {
       canvas->FillRect(x, z, stone_width_m - joint_m, stone_height_m - joint_m,
-                       grey + rng->gaussian(spread));
+                       gray + rng->gaussian(spread));
     }
   }
 }
@@ -51,14 +51,14 @@ void PaintWallSurface(const HouseStyle& style, cv::RNG* rng, Canvas* canvas) {
         const double x = rng->uniform(0.0, canvas->width_m());
         const double z = rng->uniform(0.0, canvas->height_m());
         canvas->FillEllipse(x, z, rng->uniform(0.02, 0.12), rng->uniform(0.02, 0.09),
-                            style.wall_grey + rng->gaussian(14.0));
+                            style.wall_gray + rng->gaussian(14.0));
       }
       break;
     case WallKind::kBrick:
-      PaintMasonry(0.26, 0.085, 0.015, 8.0, style.wall_grey - 8.0, rng, canvas);
+      PaintMasonry(0.26, 0.085, 0.015, 8.0, style.wall_gray - 8.0, rng, canvas);
       break;
     case WallKind::kStone:
-      PaintMasonry(0.85, 0.42, 0.03, 9.0, style.wall_grey - 5.0, rng, canvas);
+      PaintMasonry(0.85, 0.42, 0.03, 9.0, style.wall_gray - 5.0, rng, canvas);
       break;
   }
 }
@@ -74,13 +74,13 @@ void Weather(double strength, cv::RNG* rng, Canvas* canvas) {
 }
 
 void PaintDoor(const HouseStyle& style, const Box& box, cv::RNG* rng, Canvas* canvas) {
-  canvas->FillRect(box.x - 0.15, 0.0, box.width + 0.3, box.height + 0.2, style.trim_grey);
-  canvas->FillRect(box.x, 0.0, box.width, box.height, style.glass_grey + 20.0);
+  canvas->FillRect(box.x - 0.15, 0.0, box.width + 0.3, box.height + 0.2, style.trim_gray);
+  canvas->FillRect(box.x, 0.0, box.width, box.height, style.glass_gray + 20.0);
   for (int column = 0; column < 2; ++column) {
     for (int row = 0; row < 3; ++row) {
       canvas->FillRect(box.x + 0.08 + column * 0.5 * box.width, 0.15 + row * box.height / 3.2,
                        0.5 * box.width - 0.16, box.height / 3.2 - 0.12,
-                       style.glass_grey + rng->uniform(35.0, 55.0));
+                       style.glass_gray + rng->uniform(35.0, 55.0));
     }
   }
   canvas->FillEllipse(box.x + 0.5 * box.width + 0.06, 1.05, 0.035, 0.05, 230.0);
@@ -96,12 +96,12 @@ void PaintGoods(const Box& box, cv::RNG* rng, Canvas* canvas) {
     const double x = box.x + rng->uniform(0.02, 0.92) * box.width;
     const double z = box.z + rng->uniform(0.02, 0.85) * box.height;
     const double size = std::min(rng->uniform(0.06, 0.3), box.x + box.width - x);
-    const double grey = rng->uniform(40.0, 240.0);
+    const double gray = rng->uniform(40.0, 240.0);
     if (Chance(rng, 0.4)) {
-      canvas->FillEllipse(x, z, 0.5 * size, 0.4 * size, grey);
+      canvas->FillEllipse(x, z, 0.5 * size, 0.4 * size, gray);
     } else {
-      canvas->FillRect(x, z, size, size * rng->uniform(0.4, 1.2), grey);
-      canvas->FillRect(x + 0.2 * size, z + 0.1 * size, 0.4 * size, 0.2 * size, 255.0 - grey);
+      canvas->FillRect(x, z, size, size * rng->uniform(0.4, 1.2), gray);
+      canvas->FillRect(x + 0.2 * size, z + 0.1 * size, 0.4 * size, 0.2 * size, 255.0 - gray);
     }
   }
   canvas->FillRect(box.x, box.z + box.height * 0.62, box.width, 0.04, 200.0);
@@ -109,27 +109,27 @@ void PaintGoods(const Box& box, cv::RNG* rng, Canvas* canvas) {
 
 void PaintShopFloor(const HouseStyle& style, cv::RNG* rng, Canvas* canvas) {
   const double height = style.ground_floor_m;
-  canvas->FillRect(0.0, 0.0, canvas->width_m(), 0.45, style.wall_grey - 60.0);
+  canvas->FillRect(0.0, 0.0, canvas->width_m(), 0.45, style.wall_gray - 60.0);
   double x = 0.5;
   while (x + 2.0 < canvas->width_m()) {
     const double width = std::min(rng->uniform(2.8, 4.8), canvas->width_m() - 0.4 - x);
-    const double sign_grey =
+    const double sign_gray =
         Chance(rng, 0.5) ? rng->uniform(25.0, 70.0) : rng->uniform(190.0, 235.0);
-    const double text_grey =
-        sign_grey > 128.0 ? rng->uniform(10.0, 60.0) : rng->uniform(215.0, 250.0);
-    canvas->FillRect(x - 0.1, 0.45, width + 0.1, height - 1.45, style.trim_grey);
+    const double text_gray =
+        sign_gray > 128.0 ? rng->uniform(10.0, 60.0) : rng->uniform(215.0, 250.0);
+    canvas->FillRect(x - 0.1, 0.45, width + 0.1, height - 1.45, style.trim_gray);
     PaintGoods({x, 0.55, width - 1.25, height - 1.75}, rng, canvas);
     PaintDoor(style, {x + width - 1.05, 0.0, 0.85, 2.3}, rng, canvas);
-    canvas->FillRect(x - 0.1, height - 0.95, width + 0.1, 0.7, sign_grey);
-    canvas->Text(x + 0.15, height - 0.8, 0.38, width - 0.4, ShopName(rng), text_grey);
+    canvas->FillRect(x - 0.1, height - 0.95, width + 0.1, 0.7, sign_gray);
+    canvas->Text(x + 0.15, height - 0.8, 0.38, width - 0.4, ShopName(rng), text_gray);
     x += width + 0.35;
   }
 }
 
 void PaintPlainFloor(const HouseStyle& style, cv::RNG* rng, Canvas* canvas) {
-  canvas->FillRect(0.0, 0.0, canvas->width_m(), 0.7, style.wall_grey - 40.0);
+  canvas->FillRect(0.0, 0.0, canvas->width_m(), 0.7, style.wall_gray - 40.0);
   for (double z = 0.7; z < style.ground_floor_m - 0.3; z += 0.55) {
-    canvas->FillRect(0.0, z, canvas->width_m(), 0.05, style.wall_grey - 45.0);
+    canvas->FillRect(0.0, z, canvas->width_m(), 0.05, style.wall_gray - 45.0);
   }
   const int door_at = rng->uniform(0, std::max(1, static_cast<int>(canvas->width_m() / 2.4)));
   for (int i = 0; 0.6 + i * 2.4 + 1.4 < canvas->width_m(); ++i) {
@@ -145,21 +145,21 @@ void PaintPlainFloor(const HouseStyle& style, cv::RNG* rng, Canvas* canvas) {
 
 void PaintRoofCornice(const HouseStyle& style, Canvas* canvas) {
   const double z = canvas->height_m() - 0.8;
-  canvas->FillRect(0.0, z, canvas->width_m(), 0.8, style.trim_grey - 10.0);
+  canvas->FillRect(0.0, z, canvas->width_m(), 0.8, style.trim_gray - 10.0);
   for (double x = 0.1; x < canvas->width_m(); x += 0.4) {
-    canvas->FillRect(x, z + 0.15, 0.22, 0.3, style.wall_grey - 60.0);
+    canvas->FillRect(x, z + 0.15, 0.22, 0.3, style.wall_gray - 60.0);
   }
 }
 
 // Paints scrawls that look like letters.
 void PaintGraffiti(double x_m, double z_m, double size_m, cv::RNG* rng, Canvas* canvas) {
-  const double grey = Chance(rng, 0.5) ? 25.0 : 235.0;
+  const double gray = Chance(rng, 0.5) ? 25.0 : 235.0;
   for (int glyph = 0; glyph < rng->uniform(3, 7); ++glyph) {
     double x = x_m + glyph * 0.7 * size_m, z = z_m;
     for (int stroke = 0; stroke < 4; ++stroke) {
       const double next_x = x_m + (glyph * 0.7 + rng->uniform(0.0, 0.6)) * size_m;
       const double next_z = z_m + rng->uniform(0.0, 1.0) * size_m;
-      canvas->Line(x, z, next_x, next_z, 0.035, grey);
+      canvas->Line(x, z, next_x, next_z, 0.035, gray);
       x = next_x;
       z = next_z;
     }
@@ -171,10 +171,10 @@ void PaintGraffiti(double x_m, double z_m, double size_m, cv::RNG* rng, Canvas* 
 HouseStyle RandomHouseStyle(cv::RNG* rng) {
   HouseStyle style;
   style.wall = static_cast<WallKind>(rng->uniform(0, 3));
-  style.wall_grey = rng->uniform(85.0, 190.0);
-  style.trim_grey = std::clamp(
-      style.wall_grey + (Chance(rng, 0.75) ? 1.0 : -1.0) * rng->uniform(25.0, 60.0), 50.0, 235.0);
-  style.glass_grey = rng->uniform(35.0, 80.0);
+  style.wall_gray = rng->uniform(85.0, 190.0);
+  style.trim_gray = std::clamp(
+      style.wall_gray + (Chance(rng, 0.75) ? 1.0 : -1.0) * rng->uniform(25.0, 60.0), 50.0, 235.0);
+  style.glass_gray = rng->uniform(35.0, 80.0);
   style.num_floors = rng->uniform(1, 5);
   style.ground_floor_m = rng->uniform(3.6, 4.4);
   style.floor_m = rng->uniform(3.0, 3.6);
@@ -191,7 +191,7 @@ HouseStyle RandomHouseStyle(cv::RNG* rng) {
 }
 
 Canvas PaintFacade(const HouseStyle& style, double width_m, cv::RNG* rng) {
-  Canvas canvas(width_m, style.height_m(), kFacadeTexelsPerM, style.wall_grey);
+  Canvas canvas(width_m, style.height_m(), kFacadeTexelsPerM, style.wall_gray);
   PaintWallSurface(style, rng, &canvas);
   PaintFloors(style, style.ground_floor_m, 0.3, style.num_floors, rng, &canvas);
   if (style.shop) {
@@ -209,7 +209,7 @@ Canvas PaintFacade(const HouseStyle& style, double width_m, cv::RNG* rng) {
 }
 
 Canvas PaintBay(const HouseStyle& style, double width_m, double height_m, cv::RNG* rng) {
-  Canvas canvas(width_m, height_m, kFacadeTexelsPerM, style.wall_grey);
+  Canvas canvas(width_m, height_m, kFacadeTexelsPerM, style.wall_gray);
   PaintWallSurface(style, rng, &canvas);
   PaintFloors(style, 0.15, 0.1, static_cast<int>(height_m / style.floor_m), rng, &canvas);
   Weather(1.0, rng, &canvas);
@@ -217,7 +217,7 @@ Canvas PaintBay(const HouseStyle& style, double width_m, double height_m, cv::RN
 }
 
 Canvas PaintWall(const HouseStyle& style, double width_m, double height_m, cv::RNG* rng) {
-  Canvas canvas(width_m, height_m, kFacadeTexelsPerM, style.wall_grey);
+  Canvas canvas(width_m, height_m, kFacadeTexelsPerM, style.wall_gray);
   PaintWallSurface(style, rng, &canvas);
   Weather(1.2, rng, &canvas);
   return canvas;
@@ -242,8 +242,8 @@ Canvas PaintPosters(double width_m, double height_m, cv::RNG* rng) {
   Canvas canvas(width_m, height_m, kFacadeTexelsPerM, 110.0);
   for (double z = 0.3; z + 0.5 < height_m; z += 0.8) {
     for (double x = 0.05; x + 0.3 < width_m; x += 0.6) {
-      const double grey = rng->uniform(40.0, 230.0), ink = grey > 128.0 ? 30.0 : 225.0;
-      canvas.FillRect(x, z, 0.55, 0.75, grey);
+      const double gray = rng->uniform(40.0, 230.0), ink = gray > 128.0 ? 30.0 : 225.0;
+      canvas.FillRect(x, z, 0.55, 0.75, gray);
       canvas.Text(x + 0.04, z + 0.55, 0.12, 0.46, RandomWord(rng, 2), ink);
       canvas.FillEllipse(x + rng->uniform(0.15, 0.4), z + 0.3, rng->uniform(0.06, 0.14),
                          rng->uniform(0.06, 0.18), rng->uniform(30.0, 240.0));
@@ -255,9 +255,9 @@ Canvas PaintPosters(double width_m, double height_m, cv::RNG* rng) {
 }
 
 Canvas PaintSign(double width_m, double height_m, cv::RNG* rng) {
-  const double grey = Chance(rng, 0.5) ? 215.0 : 50.0, ink = 265.0 - grey;
+  const double gray = Chance(rng, 0.5) ? 215.0 : 50.0, ink = 265.0 - gray;
   Canvas canvas(width_m, height_m, 2.0 * kFacadeTexelsPerM, ink);
-  canvas.FillRect(0.04, 0.04, width_m - 0.08, height_m - 0.08, grey);
+  canvas.FillRect(0.04, 0.04, width_m - 0.08, height_m - 0.08, gray);
   canvas.Text(0.08, 0.58 * height_m, 0.22 * height_m, width_m - 0.16, RandomWord(rng, 2), ink);
   canvas.Text(0.08, 0.2 * height_m, 0.22 * height_m, width_m - 0.16, RandomWord(rng, 3), ink);
   Weather(0.5, rng, &canvas);

@@ -17,9 +17,9 @@ enum class WallKind { kPlaster, kBrick, kStone };
 // curtains and reflections tell them apart.
 struct HouseStyle {
   WallKind wall = WallKind::kPlaster;
-  double wall_grey = 150.0;
-  double trim_grey = 200.0;  // Frames, sills, ornaments.
-  double glass_grey = 60.0;
+  double wall_gray = 150.0;
+  double trim_gray = 200.0;  // Frames, sills, ornaments.
+  double glass_gray = 60.0;
   int num_floors = 4;  // Above the ground floor.
   double ground_floor_m = 4.0;
   double floor_m = 3.3;

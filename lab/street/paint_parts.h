@@ -1,4 +1,4 @@
-// What paint.cc and paint_windows.cc share; private to them.
+// Functions that paint.cc and paint_windows.cc share. Private to the two.
 #ifndef CAIRN_LAB_STREET_PAINT_PARTS_H_
 #define CAIRN_LAB_STREET_PAINT_PARTS_H_
 

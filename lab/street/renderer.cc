@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kSupersampling = 2;
 constexpr double kNearM = 0.1;
-constexpr float kSkyGrey = 222.0f;
+constexpr float kSkyGray = 222.0f;
 constexpr int32_t kSky = -1;
 // Number of samples that share one choice of mip level.
 constexpr int kRunLength = 16;
@@ -148,7 +148,7 @@ void ShadeRow(std::span<const ProjectedRect> rects, std::span<const int32_t> vis
     }
     if (visible[first] == kSky) {
       for (int x = first; x < last; ++x) {
-        sums[x / kSupersampling] += kSkyGrey;
+        sums[x / kSupersampling] += kSkyGray;
       }
     } else {
       ShadeRun(rects[visible[first]], y, first, last, sums);
@@ -185,9 +185,9 @@ void ExposeRow(const PhotoEffects& effects, int y, std::mt19937_64* rng,
   for (size_t x = 0; x < light.size(); ++x) {
     const float dx = static_cast<float>(static_cast<double>(x) + 0.5 - half_width);
     const float sq_radius = dx * dx + static_cast<float>(sq_dy);
-    const float grey =
+    const float gray =
         light[x] * gain * (1.0f - falloff * sq_radius) + sigma * normals[noise_start + x];
-    out[x] = static_cast<uint8_t>(std::clamp(grey + 0.5f, 0.0f, 255.0f));
+    out[x] = static_cast<uint8_t>(std::clamp(gray + 0.5f, 0.0f, 255.0f));
   }
 }
 

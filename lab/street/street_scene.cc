@@ -10,6 +10,7 @@
 #include <random>
 #include <utility>
 
+#include "core/angles.h"
 #include "core/parallel_for.h"
 #include "core/require.h"
 #include "lab/street/build_street.h"
@@ -17,8 +18,6 @@
 
 namespace cairn {
 namespace {
-
-constexpr double kRadFromDeg = 0.017453292519943295;
 
 // A viewing direction in the street: yaw counterclockwise from the street's x axis, pitch up, roll
 // clockwise about the viewing direction.
@@ -157,8 +156,8 @@ std::vector<Rigid3d> StreetScene::MappingPoses() const {
                                    -direction * 1.9 + 0.25 * normal(rng), 2.2);
       const double heading = (direction > 0.0 ? 0.0 : 180.0) + 1.5 * normal(rng);
       for (const double yaw_deg : {0.0, 62.0, -62.0}) {
-        const Gaze gaze = {(heading + yaw_deg) * kRadFromDeg, (7.0 + normal(rng)) * kRadFromDeg,
-                           normal(rng) * kRadFromDeg};
+        const Gaze gaze = {(heading + yaw_deg) * kRadPerDeg, (7.0 + normal(rng)) * kRadPerDeg,
+                           normal(rng) * kRadPerDeg};
         poses.push_back(CamFromStreet(center, gaze) * street_from_enu);
       }
     }
@@ -187,8 +186,8 @@ std::vector<Rigid3d> StreetScene::QueryPoses() const {
       // From along the street to straight across it, to either side.
       const double across_deg = 20.0 + 35.0 * (1.0 + uniform(rng));
       const double yaw_deg = -side * (i % 2 ? 180.0 - across_deg : across_deg);
-      const Gaze gaze = {yaw_deg * kRadFromDeg, (8.0 + 4.0 * normal(rng)) * kRadFromDeg,
-                         3.0 * normal(rng) * kRadFromDeg};
+      const Gaze gaze = {yaw_deg * kRadPerDeg, (8.0 + 4.0 * normal(rng)) * kRadPerDeg,
+                         3.0 * normal(rng) * kRadPerDeg};
       const Rigid3d cam_from_enu = CamFromStreet(center, gaze) * street_from_enu;
       if (attempt == 0) {
         poses.push_back(cam_from_enu);

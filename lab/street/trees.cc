@@ -1,8 +1,8 @@
 #include "lab/street/trees.h"
 
 #include <cmath>
-#include <numbers>
 
+#include "core/angles.h"
 #include "lab/street/canvas.h"
 #include "lab/street/paint.h"
 
@@ -57,7 +57,7 @@ void TreePlanter::Plant(const Eigen::Vector3d& foot, std::vector<TexturedRect>* 
     for (double& coordinate : place) {
       coordinate += rng_.gaussian(kCrownSigmaM);
     }
-    const double yaw_rad = rng_.uniform(0.0, 2.0 * std::numbers::pi);
+    const double yaw_rad = rng_.uniform(0.0, 2.0 * kPi);
     const Eigen::Vector3d along(std::cos(yaw_rad), std::sin(yaw_rad), 0.0);
     AddPlate(place, kTwigM * along, kTwigM, foliage_[rng_.uniform(0, kNumLooks)], rects);
   }

@@ -2,7 +2,7 @@
 -- map (sql/schema.sql), so the same queries read both; docs/formats/map_v1.md explains each. Geometry
 -- is PostGIS's. QGIS shows the layers `coverage` and `keyframes`.
 --
--- Angles are degrees (WGS84), heights are metres above the ellipsoid. A role needs CREATE on the
+-- Angles are degrees (WGS84), heights are meters above the ellipsoid. A role needs CREATE on the
 -- database. Run by `cairn init URL` in one transaction.
 
 CREATE SCHEMA cairn;

@@ -67,7 +67,7 @@ std::string FindProblem(const Codebook& codebook) {
   }
   if (codebook.normalization != DescriptorNormalization::kNone &&
       codebook.normalization != DescriptorNormalization::kRootSift) {
-    return "the normalisation is unknown";
+    return "the normalization is unknown";
   }
   if (const std::string problem = FindShapeProblem(codebook); !problem.empty()) {
     return problem;

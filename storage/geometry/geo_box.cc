@@ -1,12 +1,13 @@
 #include "storage/geometry/geo_box.h"
 
 #include <algorithm>
-#include <numbers>
+
+#include "core/angles.h"
 
 namespace cairn {
 namespace {
 
-constexpr double kTurnRad = 2.0 * std::numbers::pi;
+constexpr double kTurnRad = 2.0 * kPi;
 
 bool ContainsLongitude(const GeoBox& box, double lon_rad) {
   return box.CrossesAntimeridian() ? lon_rad >= box.west_rad || lon_rad <= box.east_rad
@@ -53,9 +54,9 @@ std::optional<GeoBox> BoxAroundAll(std::vector<GeoBox> boxes) {
   const double first_west_rad = boxes.front().west_rad;
   take_gap(first_west_rad + kTurnRad - reach_rad, first_west_rad);
   if (widest_gap_rad <= 0.0) {
-    return GeoBox{all.south_rad, -std::numbers::pi, all.north_rad, std::numbers::pi};
+    return GeoBox{all.south_rad, -kPi, all.north_rad, kPi};
   }
-  if (all.east_rad > std::numbers::pi) {
+  if (all.east_rad > kPi) {
     all.east_rad -= kTurnRad;
   }
   return all;

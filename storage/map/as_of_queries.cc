@@ -24,8 +24,14 @@ KeyframeId IdOf(const KeyframeRecord& keyframe) { return keyframe.id; }
 template <typename Record, typename Past, typename Keep>
 void AddPast(db::Connection* connection, MapVersion version, const Past& past, const Keep& keep,
              std::vector<Record>* records) {
-  if (queries::LatestVersion(connection) == version) {
+  const MapVersion latest = queries::LatestVersion(connection);
+  if (latest == version) {
     return;
+  }
+  if (latest < version) {
+    throw Error(ErrorCode::kUnavailable,
+                fmt::format("{}: the server has lost version {}; try again", connection->name(),
+                            Value(version)));
   }
   std::vector<Record> removed = past(connection, version);
   std::copy_if(std::make_move_iterator(removed.begin()), std::make_move_iterator(removed.end()),

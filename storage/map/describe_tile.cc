@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "core/angles.h"
 #include "core/check.h"
 #include "core/geodesy.h"
 
@@ -14,7 +14,7 @@ namespace {
 // Returns the smallest box around the landmarks. Longitudes are measured from the tile's anchor, so
 // a tile at the antimeridian gets a narrow box.
 GeoBox LandmarkBounds(const Tile& tile) {
-  constexpr double kTurnRad = 2.0 * std::numbers::pi;
+  constexpr double kTurnRad = 2.0 * kPi;
   const Geodetic anchor = tile.id.Anchor();
   const Rigid3d ecef_from_tile = EcefFromEnu(anchor);
   const double infinity = std::numeric_limits<double>::infinity();

@@ -14,6 +14,9 @@ namespace cairn {
 struct MapHead {
   MapVersion version{};
   bool is_stale = false;  // PostgreSQL is silent, so there may be a newer version.
+  // Number of times that PostgreSQL has lost versions (postgres::HeadWatcher). What was cached
+  // before the last time is void.
+  int num_losses = 0;
 };
 
 // A connection in a write transaction. At most one exists per map, across processes. The destructor

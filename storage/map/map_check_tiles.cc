@@ -3,12 +3,12 @@
 
 #include <cmath>
 #include <memory>
-#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
 #include <utility>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "core/geodesy.h"
 #include "storage/bytes/content_digest.h"
@@ -151,7 +151,7 @@ class TileCheck {
 
 bool SameBounds(const GeoBox& a, const GeoBox& b) {
   const auto near = [](double x, double y) {
-    return std::abs(std::remainder(x - y, 2.0 * std::numbers::pi)) <= kBoundsSlackRad;
+    return std::abs(std::remainder(x - y, 2.0 * kPi)) <= kBoundsSlackRad;
   };
   return near(a.south_rad, b.south_rad) && near(a.west_rad, b.west_rad) &&
          near(a.north_rad, b.north_rad) && near(a.east_rad, b.east_rad);

@@ -28,7 +28,7 @@ MapSnapshot::Impl::Impl(std::shared_ptr<OpenMap> open_map, ReadDeadline read_dea
     : map(std::move(open_map)),
       deadline(read_deadline),
       head(map->Head(deadline)),
-      cache(map->CacheOf(head.version)) {}
+      cache(map->CacheOf(head)) {}
 
 std::vector<CellTiles> MapSnapshot::Impl::Cells(const std::vector<TileCell>& cells) const {
   std::vector<CellTiles> tiles;

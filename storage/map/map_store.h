@@ -174,7 +174,7 @@ class MapUpdate {
   std::vector<KeyframeRecord> KeyframesOfTile(TileId tile_id) const;  // Ordered by id.
   std::shared_ptr<const Codebook> CurrentCodebook() const;
 
-  // What is added gets a new id, or an id that ReserveIds has given and that nothing has yet.
+  // Each added row gets a new id, unless `reserved` is an unused id from ReserveIds.
 
   // Adds a codebook and makes it current. Ignores `codebook.id`. A codebook that the map has
   // already keeps its id.
@@ -236,7 +236,7 @@ enum class OpenMode {
   kImmutable,
 };
 
-// What an open map's path refers to now.
+// The state of the path of an open map.
 enum class MapFileState { kInPlace, kReplaced, kMissing };
 
 struct CheckReport {

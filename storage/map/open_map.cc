@@ -35,15 +35,20 @@ MapHead OpenMap::Head(ReadDeadline deadline) {
 
 MapStoreStats OpenMap::Stats() const { return {num_calls_, num_failed_calls_}; }
 
-std::shared_ptr<VersionCache> OpenMap::CacheOf(MapVersion version) {
+std::shared_ptr<VersionCache> OpenMap::CacheOf(const MapHead& head) {
   constexpr size_t kMaxVersions = 2;
   const std::lock_guard lock(mutex_);
+  if (head.num_losses > num_losses_) {
+    num_losses_ = head.num_losses;
+    versions_.clear();
+    codebooks_.clear();
+  }
   for (const std::shared_ptr<VersionCache>& cache : versions_) {
-    if (cache->version() == version) {
+    if (cache->version() == head.version) {
       return cache;
     }
   }
-  auto cache = std::make_shared<VersionCache>(version);
+  auto cache = std::make_shared<VersionCache>(head.version);
   versions_.push_back(cache);
   if (versions_.size() > kMaxVersions) {
     versions_.erase(

@@ -31,11 +31,12 @@ class OpenMap {
     return read(borrowed.connection());
   }
 
-  // Returns the cache of a version. Keeps the caches of the newest two versions that were asked
-  // for, so that queries that began before an update still find their cache.
-  std::shared_ptr<VersionCache> CacheOf(MapVersion version);
+  // Returns the cache of the head's version. Keeps the caches of the newest two versions that were
+  // asked for, so that queries that began before an update still find their cache. Drops all caches
+  // when PostgreSQL has lost versions.
+  std::shared_ptr<VersionCache> CacheOf(const MapHead& head);
 
-  // Keeps decoded codebooks, because they never change.
+  // Keeps decoded codebooks, because they never change unless PostgreSQL loses versions.
   std::shared_ptr<const Codebook> LoadCodebook(CodebookId codebook_id, ReadDeadline deadline);
 
  private:
@@ -68,7 +69,8 @@ class OpenMap {
   std::unique_ptr<MapBackend> backend_;
   std::atomic<int64_t> num_calls_{0};
   std::atomic<int64_t> num_failed_calls_{0};
-  std::mutex mutex_;  // Guards the next two members.
+  std::mutex mutex_;  // Guards the members below.
+  int num_losses_ = 0;
   std::vector<std::shared_ptr<VersionCache>> versions_;
   std::unordered_map<CodebookId, std::shared_ptr<const Codebook>> codebooks_;
 };

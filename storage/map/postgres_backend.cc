@@ -1,6 +1,7 @@
 #include "storage/map/postgres_backend.h"
 
 #include <algorithm>
+#include <chrono>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -19,6 +20,28 @@ namespace cairn {
 namespace {
 
 using postgres::PostgresConnection;
+
+// A server that answers queries gives up on a frozen database after this time, so that its clients
+// can ask another server.
+constexpr std::chrono::seconds kSilenceOfServing{2};
+// A standby has a version some milliseconds after the primary.
+constexpr std::chrono::milliseconds kLagOfStandby{500}, kPauseOfWait{10};
+
+// Waits until the host of the connection, which may be another one than the watcher's, has that
+// version. Throws Error(kUnavailable) if it still lacks the version after the usual lag.
+void WaitForVersion(int64_t version, PostgresConnection* connection) {
+  const auto end = std::chrono::steady_clock::now() + kLagOfStandby;
+  while (connection->shown_version < version) {
+    if (std::chrono::steady_clock::now() > end) {
+      throw Error(ErrorCode::kUnavailable,
+                  connection->name() + ": this standby lacks the latest version; try again");
+    }
+    connection->shown_version = Value(queries::LatestVersion(connection));
+    if (connection->shown_version < version) {
+      std::this_thread::sleep_for(kPauseOfWait);
+    }
+  }
+}
 
 // Any program that updates a map holds this lock until its transaction ends: "cairn" in ASCII.
 constexpr const char* kTakeUpdateLock = "SELECT pg_try_advisory_xact_lock(426970575214)";
@@ -64,7 +87,9 @@ class PostgresWriteTransaction : public WriteTransaction {
 class PostgresBackend : public MapBackend {
  public:
   PostgresBackend(const std::string& url, OpenMode mode)
-      : mode_(mode), server_(url), pool_(&server_) {
+      : mode_(mode),
+        server_(url),
+        pool_(&server_, mode == OpenMode::kServing ? kSilenceOfServing : postgres::kLongSilence) {
     std::unique_ptr<PostgresConnection> first = pool_.Take({});
     postgres::RequireSchema(first.get());
     RequireFormat(first.get());
@@ -82,7 +107,7 @@ class PostgresBackend : public MapBackend {
       return std::nullopt;
     }
     const postgres::HeadWatcher::Head head = watcher_->head();
-    return MapHead{MapVersion(head.version), head.is_silent};
+    return MapHead{MapVersion(head.version), head.is_silent, head.num_losses};
   }
 
   std::unique_ptr<db::Connection> Take(ReadDeadline deadline) override {
@@ -90,7 +115,16 @@ class PostgresBackend : public MapBackend {
       throw Error(ErrorCode::kUnavailable,
                   name() + ": the PostgreSQL server does not answer; try again");
     }
-    return pool_.Take(deadline);
+    std::unique_ptr<PostgresConnection> connection = pool_.Take(deadline);
+    try {
+      if (watcher_) {
+        WaitForVersion(watcher_->head().version, connection.get());
+      }
+    } catch (...) {
+      pool_.GiveBack(std::move(connection));
+      throw;
+    }
+    return connection;
   }
 
   void GiveBack(std::unique_ptr<db::Connection> connection) override {

@@ -137,10 +137,10 @@ void SqlOptions::Validate() const { RequireWithin("timeout_s", timeout_s, 1e-3, 
 void RunSql(const std::string& map_path, const std::string& sql, const SqlOptions& options,
             const SqlSink& sink) {
   if (IsServerAddress(map_path)) {
+    // Without the URL, which may hold a password.
     throw Error(ErrorCode::kInvalidArgument,
-                map_path +
-                    ": `cairn sql` reads files; give the URL to psql, and see the tables of "
-                    "the schema cairn");
+                "`cairn sql` reads files; give the URL to psql, and see the tables of the schema "
+                "cairn");
   }
   options.Validate();
   sqlite::Access access = sqlite::Access::kReadOnly;

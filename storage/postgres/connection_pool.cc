@@ -12,12 +12,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kLongestWait{30};  // For a reader without a deadline.
 
-// A query gives up on a frozen server before its own deadline, so that its client can ask another
-// server.
-Patience PatienceUntil(db::Deadline deadline) {
-  return deadline ? Patience{deadline, std::chrono::seconds(2)} : Patience{};
-}
-
 }  // namespace
 
 // Counts the caller as a borrower. Returns null if the caller may make a new connection.
@@ -41,7 +35,7 @@ std::unique_ptr<PostgresConnection> ConnectionPool::TakeIdle(db::Deadline deadli
 
 std::unique_ptr<PostgresConnection> ConnectionPool::Take(db::Deadline deadline) {
   std::unique_ptr<PostgresConnection> connection = TakeIdle(deadline);
-  const Patience patience = PatienceUntil(deadline);
+  const Patience patience{deadline, silence_};
   try {
     if (connection == nullptr) {
       connection = server_->Connect(Use::kRead, patience);

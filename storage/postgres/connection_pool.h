@@ -2,6 +2,7 @@
 #ifndef CAIRN_STORAGE_POSTGRES_CONNECTION_POOL_H_
 #define CAIRN_STORAGE_POSTGRES_CONNECTION_POOL_H_
 
+#include <chrono>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -17,11 +18,12 @@ class ConnectionPool {
  public:
   static constexpr int kMaxConnections = 16;
 
-  // `server` must outlive the pool.
-  explicit ConnectionPool(const Server* server) : server_(server) {}
+  // `server` must outlive the pool. `silence` is the longest time without a byte from the server.
+  ConnectionPool(const Server* server, std::chrono::milliseconds silence)
+      : server_(server), silence_(silence) {}
 
-  // Borrows a connection. Each wait on a connection with a deadline ends at the deadline, or after
-  // two seconds without a byte. If kMaxConnections are borrowed, waits until one is returned.
+  // Borrows a connection. Each wait on the connection ends at the deadline, or after the longest
+  // silence. If kMaxConnections are borrowed, waits until one is returned.
   // Throws Error(kUnavailable) if none is returned in time, and what Server::Connect throws.
   std::unique_ptr<PostgresConnection> Take(db::Deadline deadline);
   // Returns a connection. Closes the connection if it is no longer usable.
@@ -31,6 +33,7 @@ class ConnectionPool {
   std::unique_ptr<PostgresConnection> TakeIdle(db::Deadline deadline);
 
   const Server* server_;
+  const std::chrono::milliseconds silence_;
   std::mutex mutex_;  // Guards the members below.
   std::condition_variable given_back_;
   std::vector<std::unique_ptr<PostgresConnection>> idle_;

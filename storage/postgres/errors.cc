@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <regex>
+#include <sstream>
 
 #include "core/printable.h"
 
@@ -25,7 +27,7 @@ constexpr Kind kKinds[] = {
     {"57014", ErrorCode::kUnavailable, "the server canceled the statement; try again"},
     {"533", ErrorCode::kUnavailable, "raise max_connections or stop other programs"},
     {"40001", ErrorCode::kUnavailable, "try again"},
-    {"25006", ErrorCode::kConflict, "this server is a standby; give the address of the primary"},
+    {"25006", ErrorCode::kBadInput, "this server is a standby; give the address of the primary"},
     {"40P01", ErrorCode::kConflict, "another program is in the way; try again"},
     {"55P03", ErrorCode::kConflict, "another program is in the way; try again"},
     {"42501", ErrorCode::kIo,
@@ -56,6 +58,20 @@ std::string OneLine(std::string text) {
   return Excerpt(text, kMaxMessageBytes);
 }
 
+// Drops the lines that say where in PostgreSQL's source an error arose: "LOCATION:  auth_failed,
+// auth.c:326", or the same in the server's language.
+std::string WithoutLocations(const std::string& message) {
+  static const std::regex location(R"(\.[cl]:[0-9]+\s*$)");
+  std::istringstream lines(message);
+  std::string kept;
+  for (std::string line; std::getline(lines, line);) {
+    if (!std::regex_search(line, location)) {
+      kept += line + '\n';
+    }
+  }
+  return kept;
+}
+
 }  // namespace
 
 bool EndsConnection(std::string_view sqlstate) {
@@ -78,11 +94,14 @@ Error StatementError(const std::string& name, const PGresult* result) {
 }
 
 Error ConnectError(const std::string& name, const std::string& message) {
-  const std::string shown = OneLine(message);
+  const std::string shown = OneLine(WithoutLocations(message));
   const auto error = [&](ErrorCode code, const char* advice) {
     return Error(code, fmt::format("{}: {}; {}", name, shown, advice));
   };
-  if (HasAny(message, {"password", "authentication failed"})) {
+  if (HasAny(message, {"session is read-only", "hot standby"})) {
+    return error(ErrorCode::kBadInput, "give the address of the primary");
+  }
+  if (HasAny(message, {"28P01:", "password", "authentication failed"})) {
     return error(ErrorCode::kIo,
                  "check the user and the password, which comes from PGPASSFILE (default ~/.pgpass, "
                  "readable by its owner only) or PGPASSWORD");
@@ -90,7 +109,7 @@ Error ConnectError(const std::string& name, const std::string& message) {
   if (HasAny(message, {"does not support SSL"})) {
     return error(ErrorCode::kIo, "switch on TLS on the server, or take sslmode out of the URL");
   }
-  if (HasAny(message, {"no pg_hba.conf entry", "pg_hba.conf rejects"})) {
+  if (HasAny(message, {"pg_hba.conf"})) {
     return error(ErrorCode::kIo,
                  "the server lets this user in from elsewhere only, or with TLS only "
                  "(?sslmode=require)");
@@ -98,7 +117,7 @@ Error ConnectError(const std::string& name, const std::string& message) {
   if (HasAny(message, {"certificate", "SSL error", "root.crt"})) {
     return error(ErrorCode::kIo, "check sslmode and sslrootcert");
   }
-  if (HasAny(message, {"database \"", "role \""}) && HasAny(message, {"does not exist"})) {
+  if (HasAny(message, {"3D000:", "28000:"})) {  // No such database, no such role.
     return error(ErrorCode::kNotFound, "create it (createdb, createuser) or correct the URL");
   }
   return error(ErrorCode::kUnavailable, "is the server running, and does it listen there?");

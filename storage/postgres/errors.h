@@ -17,16 +17,17 @@ bool EndsConnection(std::string_view sqlstate);
 
 // Returns the error of a failed statement, with PostgreSQL's message and advice:
 //  - kUnavailable if the server goes away or is too busy;
-//  - kConflict if the server is a standby, or another transaction holds a lock;
+//  - kBadInput if the server is a standby, or if a text is not UTF-8;
+//  - kConflict if another transaction holds a lock;
 //  - kIo if the role lacks a privilege, or the disk is full;
-//  - kBadInput if a text is not UTF-8;
 //  - kMapDamaged if the database does not have the tables of a map, or has invalid values;
 //  - kInternal otherwise.
 Error StatementError(const std::string& name, const PGresult* result);
 
 // Returns the error of a failed connection, whose message from libpq is `message`:
-//  - kIo if the server refuses the role, the password or the encryption;
-//  - kNotFound if the server has no such database;
+//  - kBadInput if the server is a standby and the caller wants to write;
+//  - kIo if the server refuses the address of the client, the password or the encryption;
+//  - kNotFound if the server has no such database or role;
 //  - kUnavailable otherwise.
 Error ConnectError(const std::string& name, const std::string& message);
 

@@ -52,7 +52,7 @@ void Pause(const std::stop_token& stop) {
 
 HeadWatcher::HeadWatcher(const Server* server, int64_t version)
     : server_(server),
-      head_{version, false},
+      head_{.version = version},
       last_answer_(Clock::now()),
       thread_([this](const std::stop_token& stop) { Work(stop); }) {}
 
@@ -65,7 +65,11 @@ HeadWatcher::Head HeadWatcher::head() const {
 
 void HeadWatcher::Set(int64_t version) {
   const std::lock_guard lock(mutex_);
-  head_ = {version, false};
+  if (version < head_.version) {
+    ++head_.num_losses;
+  }
+  head_.version = version;
+  head_.is_silent = false;
   last_answer_ = Clock::now();
 }
 

@@ -20,6 +20,10 @@ class HeadWatcher {
  public:
   struct Head {
     int64_t version = 0;
+    // How often the latest version has become lower. A standby that lacked the newest versions has
+    // then become the primary, and later versions may have other content than those of the same
+    // number before.
+    int num_losses = 0;
     bool is_silent = false;  // The last question failed, or two seconds passed without an answer.
   };
 

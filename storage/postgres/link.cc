@@ -78,6 +78,8 @@ Link::Connection Link::ConnectTo(const Settings& host, const Patience& patience)
     throw std::bad_alloc();
   }
   PQsetNoticeProcessor(connection.get(), &IgnoreNotice, nullptr);
+  // Messages with SQLSTATE, because the server's language may be any.
+  PQsetErrorVerbosity(connection.get(), PQERRORS_VERBOSE);
   PostgresPollingStatusType status = PGRES_POLLING_WRITING;
   while (status != PGRES_POLLING_OK && PQstatus(connection.get()) != CONNECTION_BAD &&
          status != PGRES_POLLING_FAILED) {

@@ -24,11 +24,14 @@ struct Parameter {
   int num_bytes = 0;
 };
 
+// A statement of a program that nobody waits for may compute for long before it sends anything.
+inline constexpr std::chrono::minutes kLongSilence{10};
+
 // How long to wait for the server.
 struct Patience {
   db::Deadline deadline = {};
   // The longest time without a byte from the server.
-  std::chrono::milliseconds silence = std::chrono::minutes(10);
+  std::chrono::milliseconds silence = kLongSilence;
 };
 
 // Uses libpq's asynchronous functions and poll(). A failed connection and a wait beyond its limit

@@ -21,6 +21,9 @@ class PostgresConnection : public db::Connection {
 
   Link& link() { return link_; }
 
+  // The newest version of the map that this connection has shown. A server never goes back.
+  int64_t shown_version = 0;
+
   const std::string& name() const override { return link_.name(); }
   db::Dialect dialect() const override { return db::Dialect::kPostgres; }
   uint64_t BytesOnDisk() override;

@@ -57,7 +57,10 @@ void RequirePostgis(PostgresConnection* connection) {
 
 void InstallSchema(PostgresConnection* connection) {
   if (HasMap(connection)) {
-    throw Error(ErrorCode::kConflict, connection->name() + ": the database has a map already");
+    throw Error(ErrorCode::kConflict,
+                connection->name() +
+                    ": the database has a map already; if it is the empty rest of a copy that was "
+                    "killed, run DROP SCHEMA cairn CASCADE there");
   }
   RequirePostgis(connection);
   int64_t number = 0;
@@ -89,11 +92,13 @@ void RequireSchema(PostgresConnection* connection) {
   db::Statement row = connection->Prepare("SELECT max(migration) FROM cairn.cairn_migrations");
   row.Step();
   constexpr auto kNewest = static_cast<int64_t>(std::size(kMigrations));
-  if (row.Int64(0) > kNewest) {
+  if (row.Int64(0) != kNewest) {
     throw Error(ErrorCode::kConflict,
-                fmt::format("{}: the database has schema {}, this program knows {}; use a newer "
-                            "Cairn",
-                            connection->name(), row.Int64(0), kNewest));
+                fmt::format("{}: the database has schema {}, this program reads schema {}; use {}",
+                            connection->name(), row.Int64(0), kNewest,
+                            row.Int64(0) > kNewest ? "a newer Cairn"
+                                                   : "the Cairn that made it, and `cairn copy` the "
+                                                     "map through a file"));
   }
 }
 

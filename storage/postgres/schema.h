@@ -16,7 +16,7 @@ void InstallSchema(PostgresConnection* connection);
 // Deletes the map with everything in it.
 void DropSchema(PostgresConnection* connection);
 
-// Throws Error(kNotFound) if the database has no map, Error(kConflict) if the map has newer
+// Throws Error(kNotFound) if the database has no map, Error(kConflict) if the map has other
 // migrations than this program, Error(kIo) if the role may not read the map.
 void RequireSchema(PostgresConnection* connection);
 

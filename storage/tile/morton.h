@@ -1,4 +1,4 @@
-// Morton (Z-order) codes of quantised tile positions. Private to storage.
+// Morton (Z-order) codes of quantized tile positions. Private to storage.
 #ifndef CAIRN_STORAGE_TILE_MORTON_H_
 #define CAIRN_STORAGE_TILE_MORTON_H_
 
@@ -33,7 +33,7 @@ constexpr uint64_t GatherBits(uint64_t value) {
   return value;
 }
 
-// Returns the 63-bit code of a quantised position. Each triple of bits holds x (lowest), y, z. Each
+// Returns the 63-bit code of a quantized position. Each triple of bits holds x (lowest), y, z. Each
 // coordinate counts steps of Tile::kPositionStepM from -4096 m.
 inline uint64_t MortonFromPosition(const Eigen::Vector3f& x_in_tile) {
   constexpr auto kStepsPerM = static_cast<float>(1.0 / Tile::kPositionStepM);

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
+#include "core/angles.h"
 #include "core/check.h"
 #include "core/error.h"
 #include "storage/tile/morton.h"
@@ -13,7 +13,7 @@
 namespace cairn {
 namespace {
 
-constexpr double kTurnRad = 2.0 * std::numbers::pi;
+constexpr double kTurnRad = 2.0 * kPi;
 constexpr double kMinSizeM = 1e-3;
 constexpr double kMaxSizeM = 60.0;
 
@@ -146,7 +146,7 @@ std::string FindTileProblem(const Tile& tile) {
   const auto off_grid = std::find_if_not(tile.x_in_tile.begin(), tile.x_in_tile.end(), IsOnGrid);
   if (off_grid != tile.x_in_tile.end()) {
     return "position of landmark " + std::to_string(off_grid - tile.x_in_tile.begin()) +
-           " is not quantised (see QuantizePosition)";
+           " is not quantized (see QuantizePosition)";
   }
   return FindCovisibilityProblem(tile);
 }

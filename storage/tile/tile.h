@@ -20,7 +20,7 @@ struct TileKeyframe {
   Rigid3d cam_from_tile;
 };
 
-// What one session's keyframes in the tile did with a landmark.
+// The sights of a landmark by the keyframes of one session in the tile.
 struct LandmarkSighting {
   SessionId session_id{};   // 0 sums up the sessions that are older than the other sightings.
   uint8_t num_sights = 0;   // Keyframes that saw it; 255 stands for 255 or more.
@@ -44,7 +44,7 @@ struct Tile {
 
   // Per landmark.
   std::vector<LandmarkId> landmark_ids;    // A landmark has the same id in every tile.
-  std::vector<Eigen::Vector3f> x_in_tile;  // Metres.
+  std::vector<Eigen::Vector3f> x_in_tile;  // Meters.
   std::vector<uint8_t> sigma_codes;        // Position uncertainty; see SigmaFromCode.
   // num_landmarks + 1 offsets into the per-descriptor arrays.
   std::vector<uint32_t> descriptor_begin;
@@ -101,11 +101,11 @@ uint8_t OrientationCode(double angle_rad);      // Never returns kNoOrientation.
 double OrientationFromCode(uint8_t code);       // In (-pi, pi]; `code` must not be kNoOrientation.
 uint8_t AzimuthCode(double azimuth_rad);        // azimuth = atan2(north, east).
 double AzimuthFromCode(uint8_t code);
-// The physical size of a keypoint is scale_px / focal_px * distance, metres. 256 codes cover 1 mm
+// The physical size of a keypoint is scale_px / focal_px * distance, meters. 256 codes cover 1 mm
 // to 60 m at equal ratios of 4.4 %; sizes outside are clamped.
 uint8_t SizeCode(double size_m);
 double SizeFromCode(uint8_t code);
-// Standard deviation of a landmark position (root mean square over the axes), metres. The scale is
+// Standard deviation of a landmark position (root mean square over the axes), meters. The scale is
 // that of SizeCode, and every code is used: each merge shrinks a deviation by a few per cent.
 uint8_t SigmaCode(double sigma_m);
 double SigmaFromCode(uint8_t code);
@@ -119,7 +119,7 @@ double WeightFromCode(uint8_t code);
 // must be finite.
 Eigen::Vector3f QuantizePosition(const Eigen::Vector3d& x_in_tile);
 
-// Returns the indices of quantised positions in Morton (Z-curve) order: element i is the index of
+// Returns the indices of quantized positions in Morton (Z-curve) order: element i is the index of
 // the i-th position on the curve. Equal positions keep their order.
 std::vector<uint32_t> MortonOrder(std::span<const Eigen::Vector3f> x_in_tile);
 

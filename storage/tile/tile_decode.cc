@@ -64,7 +64,7 @@ class Allotter {
     T* values = nullptr;
     if (memory_ != nullptr) {
       values = reinterpret_cast<T*>(memory_ + size_);
-      std::uninitialized_default_construct_n(values, count);  // Does not initialise numbers.
+      std::uninitialized_default_construct_n(values, count);  // Does not initialize numbers.
     }
     size_ += (count * sizeof(T) + kCacheLineBytes - 1) / kCacheLineBytes * kCacheLineBytes;
     return values;

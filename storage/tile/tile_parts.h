@@ -36,7 +36,7 @@ inline TileId TileIdFromPayload(uint64_t value) {
 
 inline constexpr size_t kNumPoseNumbers = 7;  // Quaternion x, y, z, w, translation x, y, z.
 
-// Keeps the stored rotation; the constructor of Rigid3d would normalise it again.
+// Keeps the stored rotation; the constructor of Rigid3d would normalize it again.
 inline Rigid3d PoseFromNumbers(const std::array<double, kNumPoseNumbers>& numbers) {
   Rigid3d pose;
   pose.rotation.coeffs() << numbers[0], numbers[1], numbers[2], numbers[3];

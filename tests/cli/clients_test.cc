@@ -14,6 +14,7 @@
 
 #include "cli/demo/demo_world.h"
 #include "cli/run_cairn.h"
+#include "core/angles.h"
 #include "core/error.h"
 #include "eval/pictures/encode_png.h"
 #include "http/client.h"
@@ -59,7 +60,7 @@ class Clients : public ::testing::Test {
   static double ErrorDeg(const json& geopose, const EvalQuery& query) {
     const json& q = geopose["quaternion"];
     const Eigen::Quaterniond answer(q["w"], q["x"], q["y"], q["z"]);
-    return 57.2957795 *
+    return kDegPerRad *
            RotationAngleRad(
                answer, GeoPoseFromCamera(query.cam_from_ecef, InnerFrame::kFlu).enu_from_inner);
   }

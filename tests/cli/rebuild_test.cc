@@ -136,7 +136,8 @@ TEST_F(Rebuild, ArchivesOptionsAndSessionsThatTheMapHasAlready) {
   Run(IngestOf("monday", other, few));
   const std::string out = Run(IngestOf("tuesday", other, with_archive));
   EXPECT_THAT(out, HasSubstr("lacks sessions of the map: monday"));
-  ExpectFails(IngestOf("monday", other, with_archive), 4, "comes before 'tuesday'");
+  ExpectFails(IngestOf("monday", other, with_archive), 4,
+              "has session 'tuesday' already, which came after 'monday'");
   fs::remove(archive + "/0001-tuesday.cairnsession");
   EXPECT_THAT(Run(IngestOf("monday", other, with_archive)), HasSubstr("0001-monday"));
   EXPECT_THAT(Run(IngestOf("tuesday", other, with_archive)), HasSubstr("0002-tuesday"));

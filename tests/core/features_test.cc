@@ -4,8 +4,8 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "core/rigid3.h"
 
@@ -35,7 +35,7 @@ TEST(Features, RefusesWhatIsNot) {
 
 TEST(GravityRectifiedOrientation, IsZeroForAKeypointThatPointsDown) {
   const Camera camera;
-  const Keypoint keypoint{320.0f, 240.0f, 1.0f, static_cast<float>(0.5 * std::numbers::pi)};
+  const Keypoint keypoint{320.0f, 240.0f, 1.0f, static_cast<float>(0.5 * kPi)};
   const auto angle = GravityRectifiedOrientationRad(camera, keypoint, {0.0, 1.0, 0.0});
   ASSERT_TRUE(angle);
   EXPECT_NEAR(*angle, 0.0, 1e-6);
@@ -60,9 +60,9 @@ TEST(GravityRectifiedOrientation, IsMeaninglessLookingStraightDown) {
 }
 
 TEST(WrapAngle, StaysInTheHalfOpenInterval) {
-  EXPECT_NEAR(WrapAngleRad(3.0 * std::numbers::pi), std::numbers::pi, 1e-12);
-  EXPECT_NEAR(WrapAngleRad(-std::numbers::pi), std::numbers::pi, 1e-12);
-  EXPECT_NEAR(WrapAngleRad(7.0), 7.0 - 2.0 * std::numbers::pi, 1e-12);
+  EXPECT_NEAR(WrapAngleRad(3.0 * kPi), kPi, 1e-12);
+  EXPECT_NEAR(WrapAngleRad(-kPi), kPi, 1e-12);
+  EXPECT_NEAR(WrapAngleRad(7.0), 7.0 - 2.0 * kPi, 1e-12);
 }
 
 }  // namespace

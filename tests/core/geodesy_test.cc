@@ -4,8 +4,8 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "core/angles.h"
 #include "core/error.h"
 
 namespace cairn {
@@ -78,9 +78,9 @@ TEST(Geodesy, BoxAroundIsTight) {
 
 TEST(Geodesy, BoxAroundPoleSpansAllLongitudes) {
   const GeoBox box = BoxAround(Geodetic::FromDegrees(89.9999, 10.0, 0.0), 100.0);
-  EXPECT_DOUBLE_EQ(box.west_rad, -std::numbers::pi);
-  EXPECT_DOUBLE_EQ(box.east_rad, std::numbers::pi);
-  EXPECT_DOUBLE_EQ(box.north_rad, 0.5 * std::numbers::pi);
+  EXPECT_DOUBLE_EQ(box.west_rad, -kPi);
+  EXPECT_DOUBLE_EQ(box.east_rad, kPi);
+  EXPECT_DOUBLE_EQ(box.north_rad, 0.5 * kPi);
 }
 
 TEST(Geodesy, RefusesPositionsOffTheEarth) {

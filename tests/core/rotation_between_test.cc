@@ -3,7 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
+
+#include "core/angles.h"
 
 namespace cairn {
 namespace {
@@ -21,7 +22,7 @@ TEST(RotationBetween, OppositeDirectionsAreAHalfTurnApart) {
   const Eigen::Vector3d from(0.0, 0.0, 2.0);
   const Eigen::Quaterniond rotation = RotationBetween(from, -from);
   EXPECT_LT((rotation * from + from).norm(), 1e-9);
-  EXPECT_NEAR(Eigen::AngleAxisd(rotation).angle(), std::numbers::pi, 1e-6);
+  EXPECT_NEAR(Eigen::AngleAxisd(rotation).angle(), kPi, 1e-6);
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ TEST(TileId, PrintsZoneHemisphereAndIndices) {
   EXPECT_EQ(TileId::FromValue(id.value()), id);
 }
 
-TEST(TileId, AnchorIsTheCentre) {
+TEST(TileId, AnchorIsTheCenter) {
   for (const auto& position :
        {Geodetic::FromDegrees(47.3769, 8.5417, 400.0), Geodetic::FromDegrees(-33.8, 151.2, 0.0),
         Geodetic::FromDegrees(89.0, 20.0, 0.0), Geodetic::FromDegrees(-88.0, -120.0, 0.0)}) {

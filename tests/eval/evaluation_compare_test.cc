@@ -46,7 +46,7 @@ TEST(MeasureAccuracy, TakesEachMeasure) {
   // Within 0.5 m: 0.4. Within 3 m: 0.4, 2. The median of 0.4, 2, 8 is 2.
   const EvalReport report = ReportWithErrors({0.4, 2.0, 8.0, -1.0});
   EXPECT_DOUBLE_EQ(MeasureAccuracy(report, AccuracyMeasure::kRecallAtCorrect).value, 0.5);
-  EXPECT_DOUBLE_EQ(MeasureAccuracy(report, AccuracyMeasure::kRecallAtHalfMetre).value, 0.25);
+  EXPECT_DOUBLE_EQ(MeasureAccuracy(report, AccuracyMeasure::kRecallAtHalfMeter).value, 0.25);
   EXPECT_DOUBLE_EQ(MeasureAccuracy(report, AccuracyMeasure::kMedianPositionError).value, 2.0);
   EXPECT_DOUBLE_EQ(MeasureAccuracy(report, AccuracyMeasure::kMedianRotationError).value, 0.0);
   // One step of precision 2/3 up to recall 1/2.

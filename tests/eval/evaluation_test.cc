@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include "core/angles.h"
+
 namespace cairn {
 namespace {
-
-constexpr double kRadFromDeg = 0.017453292519943295;
 
 EvalQuery QueryAtOrigin(const std::string& name) {
   EvalQuery query;
@@ -85,7 +85,7 @@ TEST(Evaluate, CountsRecallOverAllQueries) {
       {0.2, 1.0}, {0.2, 3.0}, {0.4, 4.0}, {2.0, 9.0}, {4.0, 1.0}, {20.0, 1.0}, {0.1, 60.0}};
   for (const auto& [position_m, rotation_deg] : errors) {
     queries.push_back(QueryAtOrigin("query"));
-    results.push_back(AnswerOff(queries.back(), position_m, rotation_deg * kRadFromDeg, 1.0));
+    results.push_back(AnswerOff(queries.back(), position_m, rotation_deg * kRadPerDeg, 1.0));
   }
   queries.push_back(QueryAtOrigin("unanswered"));
   results.push_back(NoAnswer(NotLocalizedReason::kNoCoverage));
@@ -172,7 +172,7 @@ TEST(Report, WithoutQueriesHasNoFigures) {
 
 EvalReport SmallReport() {
   const std::vector<EvalQuery> queries = {QueryAtOrigin("a, \"quoted\""), QueryAtOrigin("b")};
-  return MeasureResults(queries, {AnswerOff(queries[0], 0.5, 2.0 * kRadFromDeg, 12.0),
+  return MeasureResults(queries, {AnswerOff(queries[0], 0.5, 2.0 * kRadPerDeg, 12.0),
                                   NoAnswer(NotLocalizedReason::kNoCoverage)});
 }
 

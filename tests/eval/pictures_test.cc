@@ -17,7 +17,7 @@
 namespace cairn {
 namespace {
 
-GrayImage GreyPhoto() { return {320, 240, std::vector<uint8_t>(320 * 240, 100)}; }
+GrayImage GrayPhoto() { return {320, 240, std::vector<uint8_t>(320 * 240, 100)}; }
 
 LocalizeResult ResultWithOneInlier() {
   LocalizeResult result;
@@ -34,32 +34,32 @@ TEST(DrawMatches, MarksInliersOnThePhoto) {
   LocalizeQuery query;
   query.features.keypoints = {{200.0f, 200.0f, 2.0f, 0.0f}};
   query.features.descriptors.setZero(1, 128);
-  DrawMatches(dir.File("matches.png"), GreyPhoto(), query, ResultWithOneInlier());
+  DrawMatches(dir.File("matches.png"), GrayPhoto(), query, ResultWithOneInlier());
   const cv::Mat picture = cv::imread(dir.File("matches.png"));
   ASSERT_FALSE(picture.empty());
   EXPECT_GE(picture.cols, 960);
   // Somewhere there is color on the gray photo.
-  int num_coloured = 0;
+  int num_colored = 0;
   for (int y = 0; y < picture.rows; ++y) {
     for (int x = 0; x < 900; ++x) {
       const auto& pixel = picture.at<cv::Vec3b>(y, x);
-      num_coloured += std::abs(pixel[0] - pixel[2]) > 60 ? 1 : 0;
+      num_colored += std::abs(pixel[0] - pixel[2]) > 60 ? 1 : 0;
     }
   }
-  EXPECT_GT(num_coloured, 20);
+  EXPECT_GT(num_colored, 20);
 }
 
 TEST(DrawMatches, DrawsAMiss) {
   const testing::TempDir dir;
   LocalizeResult miss;
   miss.reason = NotLocalizedReason::kNoCoverage;
-  DrawMatches(dir.File("miss.png"), GreyPhoto(), LocalizeQuery(), miss);
+  DrawMatches(dir.File("miss.png"), GrayPhoto(), LocalizeQuery(), miss);
   EXPECT_FALSE(cv::imread(dir.File("miss.png")).empty());
 }
 
 TEST(DrawMatches, SaysWhereItCannotWrite) {
   try {
-    DrawMatches("/nowhere/picture.png", GreyPhoto(), LocalizeQuery(), ResultWithOneInlier());
+    DrawMatches("/nowhere/picture.png", GrayPhoto(), LocalizeQuery(), ResultWithOneInlier());
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kIo);
@@ -100,7 +100,7 @@ TEST(PlanView, WidensOblongAreas) {
 }
 
 TEST(EncodePng, IsLossless) {
-  GrayImage photo = GreyPhoto();
+  GrayImage photo = GrayPhoto();
   photo.pixels[77] = 201;
   const GrayImage decoded = DecodeGrayImage(EncodePng(photo));
   EXPECT_EQ(decoded.width_px, 320);

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/angles.h"
 #include "fusion/client/estimator.h"
 #include "fusion/errors.h"
 #include "fusion/filter/chi_square.h"
@@ -46,7 +47,7 @@ RunErrors RunOnce(const Scenario& scenario, uint64_t seed, double duration_s,
   options.map_sigma_m = scenario.map_sigma_m;
   options.tile_sigma_m = scenario.tile_sigma_m;
   const Simulation simulation(options);
-  FusionOptions fusion = simulation.MatchingOptions();
+  FusionOptions fusion = simulation.MatchingFusionOptions();
   if (!scenario.considers_tiles) {
     fusion.state.tile_sigma_m = 0.0;
   }
@@ -112,7 +113,7 @@ void RunScenario(const Scenario& scenario, int num_runs, double duration_s, uint
   };
   const auto all = [num_runs](const Step&) { return num_runs; };
   std::printf("%-10s rmse %.3f m %.2f deg, %.1f s CPU\n   nees pose", scenario.name,
-              position_m.Value(), rotation_rad.Value() * 180.0 / M_PI, cpu_s);
+              position_m.Value(), rotation_rad.Value() * kDegPerRad, cpu_s);
   share(
       6, [](const Step& step) { return step.pose; }, all);
   std::printf("\n   position");

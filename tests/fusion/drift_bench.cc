@@ -106,7 +106,7 @@ std::vector<Rigid3d> Aligned(const std::vector<Rigid3d>& truth,
 
 RunResult RunOnce(std::string_view scenario, uint64_t seed) {
   const Simulation simulation(ScenarioOptions(scenario, seed));
-  Estimator estimator(simulation.MatchingOptions());
+  Estimator estimator(simulation.MatchingFusionOptions());
   const Rigid3d local_from_world = simulation.LocalFromWorld(0);
   std::vector<Rigid3d> truth, estimate;
   RunResult result;

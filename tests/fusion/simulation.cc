@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angles.h"
 #include "lab/inertial/measure_motion.h"
 
 namespace cairn::fusion::testing {
@@ -94,10 +95,10 @@ void Simulation::ScatterLandmarks(const std::vector<FrameTruth>& frames) {
         (frames[i].world_from_imu.translation - frames[i - 1].world_from_imu.translation).norm();
   }
   const int num_landmarks =
-      std::max(1500, static_cast<int>(length_m * options_.landmarks_per_metre));
+      std::max(1500, static_cast<int>(length_m * options_.landmarks_per_meter));
   for (int i = 0; i < num_landmarks; ++i) {
     const size_t at = std::uniform_int_distribution<size_t>(0, frames.size() - 1)(random_);
-    const double azimuth = Uniform(&random_, 0.0, 2.0 * M_PI);
+    const double azimuth = Uniform(&random_, 0.0, 2.0 * kPi);
     const double distance_m = Uniform(&random_, 4.0, 16.0);
     landmarks_.push_back(frames[at].world_from_imu.translation +
                          Eigen::Vector3d(distance_m * std::cos(azimuth),
@@ -177,7 +178,7 @@ void Simulation::TrackLandmarks(const std::vector<FrameTruth>& frames) {
   }
 }
 
-FusionOptions Simulation::MatchingOptions() const {
+FusionOptions Simulation::MatchingFusionOptions() const {
   FusionOptions options;
   options.camera = camera_;
   options.rig = rig_;

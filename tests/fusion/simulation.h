@@ -25,7 +25,7 @@ struct SimulationOptions {
   double pixel_sigma_px = 1.0;
   double outlier_fraction = 0.0;  // Share of tracked sights that are off by up to 30 px.
   double track_loss = 0.03;       // Probability that a track ends, per frame.
-  int landmarks_per_metre = 25;   // Along the path.
+  int landmarks_per_meter = 25;   // Along the path.
   // If max_depth_m is positive, landmarks are placed in view of the frames between these depths
   // instead. Every frame then shows num_features of them, and landmarks are visible up to
   // max_depth_m. The simulator of OpenVINS (Geneva et al. 2020) does the same with 5 and 7 m.
@@ -78,7 +78,7 @@ class Simulation {
   const std::vector<SimulatedFrame>& frames() const { return frames_; }
 
   // Options that fit the simulated sensors.
-  FusionOptions MatchingOptions() const;
+  FusionOptions MatchingFusionOptions() const;
 
   // Returns the state at a frame, in the frame `local` that has its origin and yaw there. The state
   // is perturbed by a draw from the covariance that comes with it. Position and yaw are exact by

@@ -59,19 +59,19 @@ class HttpServer : public testing::ServerFixture {
   static std::string TileIdText() { return GetJson("/v1/tiles")["tiles"][0]["id"]; }
 };
 
-struct BadRequest {
+struct BadHttpRequest {
   const char* name;
   std::string bytes;
   int status;
   const char* code;
 };
 
-std::string Post(const std::string& headers, const std::string& body = "") {
+std::string PostOf(const std::string& headers, const std::string& body = "") {
   return "POST /v1/localize HTTP/1.1\r\nHost: h\r\nConnection: close\r\n" + headers + "\r\n" + body;
 }
 
 std::string PostJson(const std::string& json) {
-  return Post(
+  return PostOf(
       "Content-Type: application/json\r\nContent-Length: " + std::to_string(json.size()) + "\r\n",
       json);
 }
@@ -80,32 +80,32 @@ std::string Line(const std::string& line) {
   return line + "\r\nHost: h\r\nConnection: close\r\n\r\n";
 }
 
-std::vector<BadRequest> BadRequests() {
+std::vector<BadHttpRequest> BadRequests() {
   std::string header_flood;
   for (int i = 0; i < 100'000; ++i) {
     header_flood += "X-Flood: yes\r\n";
   }
   return {
-      {"chunked", Post("Transfer-Encoding: chunked\r\n", "5\r\nhello\r\n0\r\n\r\n"), 411,
+      {"chunked", PostOf("Transfer-Encoding: chunked\r\n", "5\r\nhello\r\n0\r\n\r\n"), 411,
        "length_required"},
-      {"no length", Post(""), 411, "length_required"},
-      {"too large", Post("Content-Length: 30000000\r\n"), 413, "payload_too_large"},
-      {"absurdly large", Post("Content-Length: 123456789012345678901234567890\r\n"), 413,
+      {"no length", PostOf(""), 411, "length_required"},
+      {"too large", PostOf("Content-Length: 30000000\r\n"), 413, "payload_too_large"},
+      {"absurdly large", PostOf("Content-Length: 123456789012345678901234567890\r\n"), 413,
        "payload_too_large"},
-      {"gzip", Post("Content-Encoding: gzip\r\nContent-Length: 3\r\n", "abc"), 415,
+      {"gzip", PostOf("Content-Encoding: gzip\r\nContent-Length: 3\r\n", "abc"), 415,
        "unsupported_encoding"},
-      {"content type", Post("Content-Type: text/plain\r\nContent-Length: 3\r\n", "abc"), 415,
+      {"content type", PostOf("Content-Type: text/plain\r\nContent-Length: 3\r\n", "abc"), 415,
        "unsupported_media_type"},
       {"form",
-       Post("Content-Type: application/x-www-form-urlencoded\r\nContent-Length: 10000\r\n",
-            std::string(10'000, 'a')),
+       PostOf("Content-Type: application/x-www-form-urlencoded\r\nContent-Length: 10000\r\n",
+              std::string(10'000, 'a')),
        415, "unsupported_media_type"},
-      {"two lengths", Post("Content-Length: 3\r\nContent-Length: 3\r\n", "abc"), 400,
+      {"two lengths", PostOf("Content-Length: 3\r\nContent-Length: 3\r\n", "abc"), 400,
        "bad_request"},
-      {"smuggled", Post("Content-Length: 3\r\nTransfer-Encoding: chunked\r\n", "0\r\n\r\n"), 400,
+      {"smuggled", PostOf("Content-Length: 3\r\nTransfer-Encoding: chunked\r\n", "0\r\n\r\n"), 400,
        "bad_request"},
-      {"header flood", Post(header_flood), 431, "headers_too_large"},
-      {"long header", Post("X: " + std::string(20'000, 'x') + "\r\n"), 431, "headers_too_large"},
+      {"header flood", PostOf(header_flood), 431, "headers_too_large"},
+      {"long header", PostOf("X: " + std::string(20'000, 'x') + "\r\n"), 431, "headers_too_large"},
       {"long target", Line("GET /" + std::string(20'000, 'x') + " HTTP/1.1"), 414, "uri_too_long"},
       {"not HTTP", "hello there\r\n\r\n", 400, "bad_request"},
       {"TLS hello", std::string("\x16\x03\x01\x02\0\r\n\r\n", 9), 400, "bad_request"},
@@ -122,7 +122,7 @@ std::vector<BadRequest> BadRequests() {
       {"NaN", PostJson(R"({"gravity":[NaN,0,0]})"), 400, "invalid_json"},
       {"huge number", PostJson(R"({"gravity":[1e999,0,0]})"), 400, "invalid_json"},
       {"no camera", PostJson("{}"), 400, "invalid_field"},
-      {"multipart", Post("Content-Type: multipart/form-data\r\nContent-Length: 2\r\n", "--"), 400,
+      {"multipart", PostOf("Content-Type: multipart/form-data\r\nContent-Length: 2\r\n", "--"), 400,
        "invalid_multipart"},
       {"latitude", Line("GET /v1/availability?lat=91&lon=0 HTTP/1.1"), 400, "invalid_field"},
       {"latitude nan", Line("GET /v1/availability?lat=nan&lon=0 HTTP/1.1"), 400, "invalid_field"},
@@ -136,12 +136,13 @@ std::vector<BadRequest> BadRequests() {
       {"limit text", Line("GET /v1/tiles?limit=ten HTTP/1.1"), 400, "invalid_field"},
       {"tile id", Line("GET /v1/tiles/32N HTTP/1.1"), 400, "bad_input"},
       {"no such tile", Line("GET /v1/tiles/32N-03104-30000 HTTP/1.1"), 404, "not_found"},
-      {"expectation", Post("Expect: wonders\r\nContent-Length: 1\r\n"), 417, "expectation_failed"},
+      {"expectation", PostOf("Expect: wonders\r\nContent-Length: 1\r\n"), 417,
+       "expectation_failed"},
   };
 }
 
 TEST_F(HttpServer, RefusesBadRequestsWithStableCodes) {
-  for (const BadRequest& bad : BadRequests()) {
+  for (const BadHttpRequest& bad : BadRequests()) {
     const Reply reply = Send(bad.bytes);
     EXPECT_EQ(reply.status, bad.status) << bad.name << ": " << reply.body;
     EXPECT_THAT(reply.head, HasSubstr("Content-Type: application/problem+json")) << bad.name;
@@ -217,8 +218,8 @@ TEST_F(HttpServer, ARefusedBodyIsNotReadAsTheNextRequest) {
 TEST_F(HttpServer, ContinuesWhenAskedTo) {
   testing::RawSocket socket(port());
   socket.Send(
-      Post("Content-Type: application/json\r\nContent-Length: 2\r\n"
-           "Expect: 100-continue\r\n"));
+      PostOf("Content-Type: application/json\r\nContent-Length: 2\r\n"
+             "Expect: 100-continue\r\n"));
   EXPECT_THAT(socket.ReadResponse(), StartsWith("HTTP/1.1 100"));
   socket.Send("{}");
   EXPECT_EQ(Split(socket.ReadResponse()).status, 400);
@@ -287,7 +288,7 @@ TEST_F(HttpServer, NamesTheCellAndIgnoresThatOfTheRequest) {
   const auto cell_of = [&](const std::string& stated_cell) {
     httplib::Client client("127.0.0.1", port());
     const httplib::Headers headers{{"X-Cairn-Cell", stated_cell}};
-    const auto result = client.Post("/v1/localize", headers, json, "application/json");
+    const auto result = client.PostOf("/v1/localize", headers, json, "application/json");
     EXPECT_EQ(result->status, 200) << result->body;
     return result->get_header_value("X-Cairn-Cell");
   };

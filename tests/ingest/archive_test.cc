@@ -17,6 +17,7 @@
 #include "ingest/archive/archive_folder.h"
 #include "ingest/archive/rebuild_plan.h"
 #include "ingest/session_digest.h"
+#include "support/map_builder.h"
 #include "support/reconstruction_builder.h"
 #include "support/temp_dir.h"
 
@@ -25,6 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
+using testing::ExpectError;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
@@ -79,16 +81,6 @@ std::string Encoded(const ArchiveManifest& manifest, const Reconstruction& recon
 ArchivedSession Decoded(const std::string& bytes) {
   std::istringstream stream(bytes);
   return DecodeSession(&stream, "a file");
-}
-
-void ExpectError(const std::function<void()>& action, ErrorCode code, const std::string& text) {
-  try {
-    action();
-    ADD_FAILURE() << "no error; expected: " << text;
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), code) << error.what();
-    EXPECT_THAT(error.what(), HasSubstr(text));
-  }
 }
 
 TEST(ArchiveCodec, KeepsASessionToTheBit) {

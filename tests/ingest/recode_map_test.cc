@@ -20,18 +20,9 @@
 namespace cairn {
 namespace {
 
+using testing::ExpectError;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-void ExpectError(const std::function<void()>& action, ErrorCode code, const std::string& text) {
-  try {
-    action();
-    FAIL() << "no error";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), code);
-    EXPECT_THAT(error.what(), HasSubstr(text));
-  }
-}
 
 class RecodedMap : public ::testing::Test {
  protected:

@@ -8,7 +8,7 @@
 
 namespace cairn::testing {
 
-// What happens at SQLite's write number `at_write` (a write, a truncation or a sync), from 1.
+// The fault at SQLite's write number `at_write` (a write, a truncation or a sync), from 1.
 struct DiskFault {
   enum class Kind {
     kNone,

@@ -2,10 +2,16 @@
 #ifndef CAIRN_TESTS_SUPPORT_MAP_BUILDER_H_
 #define CAIRN_TESTS_SUPPORT_MAP_BUILDER_H_
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/error.h"
+#include "core/geodesy.h"
 #include "storage/map/map_store.h"
 #include "storage/tile/tile.h"
 #include "storage/tile/tile_codec.h"
@@ -21,6 +27,30 @@ std::optional<ErrorCode> ErrorCodeOf(const Action& action) {
     return error.code();
   }
   return std::nullopt;
+}
+
+// Expects an error of that code whose message has `text`.
+inline void ExpectError(const std::function<void()>& action, ErrorCode code,
+                        const std::string& text) {
+  try {
+    action();
+    ADD_FAILURE() << "no error; expected: " << text;
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), code) << error.what();
+    EXPECT_THAT(error.what(), ::testing::HasSubstr(text));
+  }
+}
+
+inline TileId TileAt(double lat_deg, double lon_deg) {
+  return TileId::Containing(Geodetic::FromDegrees(lat_deg, lon_deg, 0.0));
+}
+
+inline std::vector<TileId> Ids(const std::vector<TileRecord>& tiles) {
+  std::vector<TileId> ids;
+  for (const TileRecord& tile : tiles) {
+    ids.push_back(tile.tile_id);
+  }
+  return ids;
 }
 
 inline SessionRecord NamedSession(const std::string& name) {

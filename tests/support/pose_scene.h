@@ -6,11 +6,11 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <optional>
 #include <random>
 #include <vector>
 
+#include "core/angles.h"
 #include "core/camera.h"
 #include "core/rigid3.h"
 #include "engine/query/level_frame.h"
@@ -85,7 +85,7 @@ class PoseSceneBuilder {
 
   Eigen::Vector3d InRegion(double margin_m, double min_z_m, double max_z_m) {
     const double radius = (options_.region_radius_m + margin_m) * std::sqrt(Uniform(0, 1));
-    const double angle = Uniform(-std::numbers::pi, std::numbers::pi);
+    const double angle = Uniform(-kPi, kPi);
     return {radius * std::cos(angle), radius * std::sin(angle), Uniform(min_z_m, max_z_m)};
   }
 
@@ -102,7 +102,7 @@ class PoseSceneBuilder {
     Eigen::Matrix3d anchor_from_level_cam;
     anchor_from_level_cam << 0, 0, 1, -1, 0, 0, 0, -1, 0;
     const Eigen::Quaterniond anchor_from_cam =
-        Eigen::AngleAxisd(Uniform(-std::numbers::pi, std::numbers::pi), Eigen::Vector3d::UnitZ()) *
+        Eigen::AngleAxisd(Uniform(-kPi, kPi), Eigen::Vector3d::UnitZ()) *
         Eigen::Quaterniond(anchor_from_level_cam) *
         Eigen::AngleAxisd(Uniform(-1, 1) * options_.max_tilt_rad, Eigen::Vector3d::UnitX()) *
         Eigen::AngleAxisd(Uniform(-1, 1) * options_.max_tilt_rad, Eigen::Vector3d::UnitZ());
@@ -159,7 +159,7 @@ class PoseSceneBuilder {
     match.keypoint_idx = keypoint_idx;
     match.landmark_idx = static_cast<uint32_t>(scene_.correspondences.size());
     match.sigma_m = static_cast<float>(options_.landmark_noise_m);
-    double azimuth_rad = Uniform(-std::numbers::pi, std::numbers::pi);
+    double azimuth_rad = Uniform(-kPi, kPi);
     double size_distance_m = Uniform(options_.min_depth_m, options_.max_depth_m);
     double scale_px = std::exp(Uniform(std::log(1.5), std::log(15.0)));
     match.x_in_anchor = InRegion(50.0, 0.0, 15.0);

@@ -1,8 +1,11 @@
 #include "support/postgres_cluster.h"
 
+#include <arpa/inet.h>
 #include <fcntl.h>
+#include <netinet/in.h>
 #include <signal.h>
 #include <sys/prctl.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -72,6 +75,23 @@ pid_t Spawn(const std::vector<std::string>& arguments, const std::string& log) {
   return pid;
 }
 
+// Returns a port of 127.0.0.1 that was free just now.
+int FreePort() {
+  const int listener = socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof(address);
+  const bool is_bound =
+      bind(listener, reinterpret_cast<sockaddr*>(&address), sizeof(address)) == 0 &&
+      getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size) == 0;
+  close(listener);
+  if (!is_bound) {
+    throw std::runtime_error("no free port on 127.0.0.1");
+  }
+  return ntohs(address.sin_port);
+}
+
 }  // namespace
 
 std::string PostgresCluster::WhyNot() {
@@ -86,7 +106,8 @@ PostgresCluster& PostgresCluster::Shared() {
   return cluster;
 }
 
-PostgresCluster::PostgresCluster() {
+PostgresCluster::PostgresCluster(const std::string& host_rules)
+    : port_(host_rules.empty() ? 0 : FreePort()) {
   std::string pattern = (fs::temp_directory_path() / "cairn_pg_XXXXXX").string();
   if (mkdtemp(pattern.data()) == nullptr ||
       (geteuid() == 0 && chown(pattern.c_str(), kNobody, kNobody) != 0)) {
@@ -100,6 +121,9 @@ PostgresCluster::PostgresCluster() {
   if (waitpid(init, &status, 0) != init || status != 0) {
     throw std::runtime_error("initdb failed");
   }
+  if (!host_rules.empty()) {
+    std::ofstream(folder_ + "/data/pg_hba.conf") << "local all all trust\n" << host_rules << "\n";
+  }
   Start();
 }
 
@@ -110,9 +134,20 @@ PostgresCluster::~PostgresCluster() {
 }
 
 void PostgresCluster::Start() {
-  server_ = Spawn({ProgramFolder() + "/postgres", "-D", folder_ + "/data", "-k", folder_, "-c",
-                   "listen_addresses=", "-c", "fsync=off"},
-                  folder_ + "/log");
+  std::vector<std::string> arguments = {
+      ProgramFolder() + "/postgres",
+      "-D",
+      folder_ + "/data",
+      "-k",
+      folder_,
+      "-c",
+      "fsync=off",
+      "-c",
+      port_ == 0 ? "listen_addresses=" : "listen_addresses=127.0.0.1"};
+  if (port_ != 0) {
+    arguments.insert(arguments.end(), {"-p", std::to_string(port_)});
+  }
+  server_ = Spawn(arguments, folder_ + "/log");
   while (true) {
     try {
       postgres::Server(Url("postgres")).Connect(postgres::Use::kRead, {});
@@ -127,7 +162,12 @@ void PostgresCluster::Start() {
 }
 
 std::string PostgresCluster::Url(const std::string& database, const std::string& user) const {
-  return "postgresql:///" + database + "?host=" + folder_ + "&user=" + user;
+  return "postgresql:///" + database + "?host=" + folder_ + "&user=" + user +
+         (port_ == 0 ? "" : "&port=" + std::to_string(port_));
+}
+
+std::string PostgresCluster::HostUrl(const std::string& database, const std::string& user) const {
+  return "postgresql://" + user + "@127.0.0.1:" + std::to_string(port_) + "/" + database;
 }
 
 void PostgresCluster::Execute(const std::string& database, const std::string& sql) {

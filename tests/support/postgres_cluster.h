@@ -11,7 +11,8 @@
 namespace cairn::testing {
 
 // Runs as the user nobody if the test runs as root, because PostgreSQL refuses to. Listens on a
-// socket in a temporary folder only. The server ends with the test, however the test ends.
+// socket in a temporary folder, and on a port of 127.0.0.1 if it has rules for one. The server ends
+// with the test, however the test ends.
 class PostgresCluster {
  public:
   // Returns why there can be no server here; empty if there can be one.
@@ -19,13 +20,16 @@ class PostgresCluster {
   // Returns the server that all tests of this process share. Starts it at the first call.
   static PostgresCluster& Shared();
 
-  PostgresCluster();
+  // `host_rules` are lines of pg_hba.conf for clients on 127.0.0.1.
+  explicit PostgresCluster(const std::string& host_rules = "");
   ~PostgresCluster();
   PostgresCluster(const PostgresCluster&) = delete;
   PostgresCluster& operator=(const PostgresCluster&) = delete;
 
   // Returns the URL of a database of the superuser "cairn", which need not exist.
   std::string Url(const std::string& database, const std::string& user = "cairn") const;
+  // Returns the same by way of 127.0.0.1. There must be rules.
+  std::string HostUrl(const std::string& database, const std::string& user) const;
   // Creates a database and returns its URL.
   std::string CreateDatabase(const std::string& name);
   void Execute(const std::string& database, const std::string& sql);
@@ -42,6 +46,7 @@ class PostgresCluster {
   std::vector<pid_t> Processes() const;
 
   std::string folder_;
+  int port_ = 0;  // On 127.0.0.1; 0 if the server does not listen there.
   pid_t server_ = -1;
 };
 

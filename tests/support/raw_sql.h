@@ -14,12 +14,14 @@
 
 namespace cairn::testing {
 
-// Runs SQL in a database; a file is created if it does not exist. SQLite does not enforce foreign
-// keys. A map on a server needs CAIRN_WITH_POSTGRES.
+// Runs SQL in a database; a file is created if it does not exist. No foreign
+// keys are enforced. A map on a server needs CAIRN_WITH_POSTGRES.
 inline void ExecuteRaw(const std::string& path, const std::string& sql) {
 #ifdef CAIRN_WITH_POSTGRES
   if (path.starts_with("postgresql:")) {
-    postgres::Server(path).Connect(postgres::Use::kWrite, {})->Execute(sql);
+    postgres::Server(path)
+        .Connect(postgres::Use::kWrite, {})
+        ->Execute("SET session_replication_role = replica; " + sql);
     return;
   }
 #endif

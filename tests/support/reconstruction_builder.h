@@ -12,12 +12,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <random>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/angles.h"
 #include "core/camera.h"
 #include "core/features.h"
 #include "core/geodesy.h"
@@ -173,8 +173,7 @@ class StreetWorld {
  private:
   static double Uniform(std::mt19937_64* rng) { return ((*rng)() >> 11) * 0x1.0p-53; }
   static double Normal(std::mt19937_64* rng) {  // Box and Muller; equal on every platform.
-    return std::sqrt(-2.0 * std::log(1.0 - Uniform(rng))) *
-           std::cos(2.0 * std::numbers::pi * Uniform(rng));
+    return std::sqrt(-2.0 * std::log(1.0 - Uniform(rng))) * std::cos(2.0 * kPi * Uniform(rng));
   }
 
   // Non-negative, sparse and integer, with length 512, like SIFT.
@@ -213,7 +212,7 @@ class StreetWorld {
       landmark.x_in_enu = {options_.start_m + Uniform(rng) * stretch_m,
                            side * options_.width_m + 0.3 * Normal(rng), 10.0 * Uniform(rng)};
       landmark.descriptor = RandomDescriptor(rng);
-      landmark.rectified_orientation_rad = WrapAngleRad(2.0 * std::numbers::pi * Uniform(rng));
+      landmark.rectified_orientation_rad = WrapAngleRad(2.0 * kPi * Uniform(rng));
       landmark.size_m = 0.03 * std::exp(0.7 * Normal(rng));
       landmarks_.push_back(landmark);
       while (repeats && landmark.x_in_enu.x() + period_m < end_m) {

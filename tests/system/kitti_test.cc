@@ -31,7 +31,7 @@ class KittiDrive : public ::testing::Test {
 };
 RealDrive* KittiDrive::drive_ = nullptr;
 
-TEST_F(KittiDrive, GeoregistersToCentimetres) {
+TEST_F(KittiDrive, GeoregistersToCentimeters) {
   EXPECT_EQ(drive_->georegistration().num_positions, 26);
   EXPECT_LT(drive_->georegistration().median_residual_m, 0.05);
 }

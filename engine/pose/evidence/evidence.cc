@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 
+#include "core/angles.h"
 #include "core/features.h"
 #include "core/frames.h"
 #include "engine/pose/evidence/effective_inliers.h"
@@ -111,7 +111,7 @@ double LogErrorDensity(const InlierTraits& traits) {
   const double sq_scale_px = model.error_px * model.error_px + from_scale_px * from_scale_px +
                              from_landmark_px * from_landmark_px;
   const double freedom = model.error_degrees_of_freedom;
-  return -std::log(2.0 * std::numbers::pi * sq_scale_px) -
+  return -std::log(2.0 * kPi * sq_scale_px) -
          0.5 * (freedom + 2.0) *
              std::log1p(traits.error_px * traits.error_px / (freedom * sq_scale_px));
 }

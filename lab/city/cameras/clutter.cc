@@ -1,8 +1,8 @@
 #include "lab/city/cameras/clutter.h"
 
 #include <cmath>
-#include <numbers>
 
+#include "core/angles.h"
 #include "core/check.h"
 #include "lab/city/geometry/hashed_random.h"
 
@@ -21,8 +21,7 @@ void AppendClutter(const Camera& camera, const DetectorOptions& detector,
     keypoint.y_px = static_cast<float>(random.Uniform(0.0, camera.height_px()));
     keypoint.scale_px =
         static_cast<float>(detector.min_scale_px / std::sqrt(random.Uniform(ratio * ratio, 1.0)));
-    keypoint.orientation_rad =
-        static_cast<float>(random.Uniform(-std::numbers::pi, std::numbers::pi));
+    keypoint.orientation_rad = static_cast<float>(random.Uniform(-kPi, kPi));
     features->descriptors.row(features->size()) = model.DescribeClutter(number);
     features->keypoints.push_back(keypoint);
   }

@@ -1,4 +1,4 @@
-// What simulated_mapping.cc and chunk_maker.cc share; private to them.
+// Random streams that simulated_mapping.cc and chunk_maker.cc share. Private to the two.
 #ifndef CAIRN_LAB_CITY_CAMERAS_MAPPING_STREAMS_H_
 #define CAIRN_LAB_CITY_CAMERAS_MAPPING_STREAMS_H_
 

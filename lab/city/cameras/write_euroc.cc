@@ -100,7 +100,7 @@ std::string CameraYaml(const PhoneSequence& sequence) {
   return "sensor_type: camera\ncomment: simulated phone\n# imu_from_cam\nT_BS:\n" +
          TransformYaml(sequence.cam_from_imu.Inverse()) +
          fmt::format(
-             "resolution: [{}, {}]\ncamera_model: pinhole\n# fu, fv, cu, cv; the centre of the "
+             "resolution: [{}, {}]\ncamera_model: pinhole\n# fu, fv, cu, cv; the center of the "
              "upper left pixel is (0.5, 0.5)\nintrinsics: [{}, {}, {}, {}]\n"
              "distortion_model: radial-tangential\ndistortion_coefficients: [0.0, 0.0, 0.0, 0.0]\n",
              camera.width_px(), camera.height_px(), camera.params()[0], camera.params()[1],

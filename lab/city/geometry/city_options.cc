@@ -60,7 +60,7 @@ void CityOptions::Validate() const {
                 kMaxLatitudeDeg);
   RequireWithin("city.center longitude in degrees", center.lon_deg(), -180.0, 180.0);
   // Limits of what a map can hold; see PlaceSession.
-  RequireWithin("city.center height in metres", center.h_m, -400.0, 3000.0);
+  RequireWithin("city.center height in meters", center.h_m, -400.0, 3000.0);
   RequireWithin("city.area_km2", area_km2, kMinAreaKm2, kMaxAreaKm2);
   RequireWithin("city.relief_m", relief_m, 0.0, 300.0);
   RequireWithin("city.min_landmark_size_m", min_landmark_size_m, 0.01, 0.5);

@@ -5,8 +5,8 @@
 
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 
+#include "core/angles.h"
 #include "core/random.h"
 
 namespace cairn {
@@ -34,7 +34,7 @@ class HashedRandom {
   // Standard normal (Box and Muller).
   double Normal() {
     const double radius = std::sqrt(-2.0 * std::log(1.0 - Uniform()));
-    return radius * std::cos(2.0 * std::numbers::pi * Uniform());
+    return radius * std::cos(2.0 * kPi * Uniform());
   }
 
  private:

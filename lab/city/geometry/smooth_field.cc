@@ -2,14 +2,14 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <numbers>
 
+#include "core/angles.h"
 #include "lab/city/geometry/hashed_random.h"
 
 namespace cairn {
 
 SmoothField::SmoothField(uint64_t seed, double sigma_m, double min_wave_m) {
-  constexpr double kTurnRad = 2.0 * std::numbers::pi;
+  constexpr double kTurnRad = 2.0 * kPi;
   HashedRandom random(seed);
   // A wave has half the square of its amplitude as variance.
   const double amplitude_m = sigma_m * std::sqrt(2.0 / static_cast<double>(waves_.size()));

@@ -1,4 +1,4 @@
-// What city_surface.cc and surface_landmarks.cc share; private to them.
+// Random streams that city_surface.cc and surface_landmarks.cc share. Private to the two.
 #ifndef CAIRN_LAB_CITY_GEOMETRY_SURFACE_STREAMS_H_
 #define CAIRN_LAB_CITY_GEOMETRY_SURFACE_STREAMS_H_
 

@@ -20,7 +20,7 @@ namespace cairn {
 namespace {
 
 constexpr uint64_t kWalkStream = 0x701;
-constexpr size_t kCacheBytes = size_t{1} << 30;
+constexpr size_t kWalkCacheBytes = size_t{1} << 30;
 
 PhoneSequenceOptions SequenceOptions(const CityWalksOptions& options, const CityWorldOptions& world,
                                      int walk) {
@@ -50,11 +50,11 @@ std::vector<PhonePlace> PlacesOf(const PhoneSequence& walk, const City& city,
   return places;
 }
 
-std::vector<LocalizeResult> Localize(const std::string& map_path,
-                                     const std::vector<EvalQuery>& queries, int num_threads) {
+std::vector<LocalizeResult> LocalizeWalk(const std::string& map_path,
+                                         const std::vector<EvalQuery>& queries, int num_threads) {
   const auto store =
       std::make_shared<const MapStore>(MapStore::Open(map_path, OpenMode::kReadOnly));
-  const Localizer localizer(store, std::make_shared<TileCache>(kCacheBytes), {});
+  const Localizer localizer(store, std::make_shared<TileCache>(kWalkCacheBytes), {});
   std::vector<LocalizeResult> results(queries.size());
   ParallelFor(static_cast<int>(queries.size()), num_threads, [&](int i) {
     const auto at = static_cast<size_t>(i);
@@ -139,7 +139,7 @@ std::vector<fusion::Recording> RecordCityWalks(
     places.insert(places.end(), its_places.begin(), its_places.end());
   }
   const std::vector<EvalQuery> queries = BuildCityWorld(world, places, map_path, progress);
-  const std::vector<LocalizeResult> results = Localize(map_path, queries, options.num_threads);
+  const std::vector<LocalizeResult> results = LocalizeWalk(map_path, queries, options.num_threads);
   size_t next = 0;
   for (size_t walk = 0; walk < recordings.size(); ++walk) {
     std::vector<fusion::RecordedFrame>& frames = recordings[walk].frames;

@@ -16,7 +16,7 @@
 namespace cairn {
 namespace {
 
-constexpr double kMsFromSeconds = 1e3;
+constexpr double kMsPerSecond = 1e3;
 
 // Returns the sum of one count over the sample, divided by the sum of another.
 double Ratio(const std::vector<QueryMatches>& queries, std::span<const size_t> sample,
@@ -162,7 +162,7 @@ ResultTable MatchingTable(const std::string& x_name, const std::vector<MeasuredM
     AddIntervalCells(row.precision, &cells);
     cells.emplace_back(row.MeanDistances());
     cells.emplace_back(row.MeanCpuSeconds() / reference.MeanCpuSeconds());
-    cells.emplace_back(kMsFromSeconds * row.MeanCpuSeconds());
+    cells.emplace_back(kMsPerSecond * row.MeanCpuSeconds());
     table.AddRow(std::move(cells));
   }
   return table;

@@ -35,7 +35,7 @@ ExperimentOutcome Run(const ExperimentContext& context) {
   outcome.parameters = WorldParameters(*world);
   outcome.table = AccuracyTable("neighbors", measured, at_four);
   outcome.figures = {
-      AccuracyFigure("09_neighbors", "Neighbours per keypoint", "neighbours k", measured)};
+      AccuracyFigure("09_neighbors", "Neighbors per keypoint", "neighbors k", measured)};
   outcome.figures[0].log_x = true;
   outcome.verdict = JudgeAll({JudgeGreater(to_one), JudgeGreater(to_many), JudgeGreater(to_plain)});
   outcome.sentence = fmt::format(

@@ -41,7 +41,7 @@ ExperimentOutcome Run(const ExperimentContext& context) {
   outcome.parameters.emplace_back("refinement", "off");
   outcome.table = AccuracyTable("neighbors", measured, voting);
   outcome.figures = {AccuracyFigure("13_voting_vs_covisibility",
-                                    "Voting and covisibility filtering", "neighbours k", measured)};
+                                    "Voting and covisibility filtering", "neighbors k", measured)};
   outcome.figures[0].log_x = true;
   outcome.verdict = JudgeAll({JudgeGreater(at_four), JudgeGreater(at_many)});
   outcome.sentence = fmt::format(

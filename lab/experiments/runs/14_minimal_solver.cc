@@ -46,7 +46,7 @@ ExperimentOutcome Run(const ExperimentContext& context) {
   const MeasuredVariant& p3p = BestOf(measured, kP3p);
   const Interval gain = MeanGain(measured, thresholds_px);
   const Interval recall_gain =
-      PairedDifference(gravity.report, p3p.report, AccuracyMeasure::kRecallAtHalfMetre);
+      PairedDifference(gravity.report, p3p.report, AccuracyMeasure::kRecallAtHalfMeter);
   ExperimentOutcome outcome;
   outcome.parameters = WorldParameters(*world);
   outcome.parameters.emplace_back("most iterations",

@@ -44,7 +44,7 @@ void AddRow(const std::string& city, const ExperimentWorld& world, const Measure
   const EvalReport& report = measured.report;
   AddIntervalCells(report.average_precision, &row);
   AddIntervalCells(MeasureAccuracy(report, AccuracyMeasure::kRecallAtCorrect), &row);
-  AddIntervalCells(MeasureAccuracy(report, AccuracyMeasure::kRecallAtHalfMetre), &row);
+  AddIntervalCells(MeasureAccuracy(report, AccuracyMeasure::kRecallAtHalfMeter), &row);
   AddIntervalCells(report.median_position_error_m, &row);
   AddIntervalCells(Scaled(report.median_rotation_error_rad, kDegPerRad), &row);
   row.emplace_back(1e3 * measured.MeanCpuSeconds());

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/angles.h"
 #include "eval/eval_query.h"
 #include "lab/experiments/measure/variants.h"
 #include "lab/experiments/runs/runs.h"
@@ -16,14 +17,13 @@ constexpr const char* kAbsent = "no gravity";
 // Largest acceptable loss of average precision through wrong gravity, compared with no gravity.
 constexpr double kMargin = 0.05;
 constexpr double kPhoneErrorDeg = 1.0;
-constexpr double kRadFromDeg = 0.017453292519943295;
 
 // Returns the world with other priors: position errors of 10 m per axis, gravity errors of
 // `gravity_sigma_deg`.
 ExperimentWorld WithGravity(ExperimentWorld world, double gravity_sigma_deg, bool with_gravity,
                             uint64_t seed) {
   PriorNoiseOptions noise;
-  noise.gravity_sigma_rad = kRadFromDeg * gravity_sigma_deg;
+  noise.gravity_sigma_rad = kRadPerDeg * gravity_sigma_deg;
   noise.with_gravity = with_gravity;
   noise.seed = seed;
   AddNoisyPriors(noise, &world.queries);

@@ -30,29 +30,13 @@
 namespace cairn {
 namespace {
 
+using testing::ExhaustiveHits;
+using testing::HitTuple;
 using testing::LandmarkRecall;
 using testing::MakeSyntheticDescriptors;
+using testing::Sorted;
 using testing::SyntheticDescriptors;
-using HitTuple = std::tuple<uint32_t, uint32_t, float>;
-
-double Threshold(const SyntheticDescriptors& data) {
-  return SameLandmarkDistance(*data.codebook, 0.9);
-}
-
-std::vector<HitTuple> Sorted(const std::vector<DescriptorHit>& hits) {
-  std::vector<HitTuple> tuples;
-  for (const DescriptorHit& hit : hits) {
-    tuples.emplace_back(hit.query_idx, hit.descriptor_idx, hit.sq_distance);
-  }
-  std::sort(tuples.begin(), tuples.end());
-  return tuples;
-}
-
-std::vector<DescriptorHit> ExhaustiveHits(const SyntheticDescriptors& data) {
-  std::vector<DescriptorHit> hits;
-  ByteDescriptors(*data.codebook, data.codes).RangeSearch(data.queries, Threshold(data), &hits);
-  return hits;
-}
+using testing::Threshold;
 
 class MatchingIndexTest : public ::testing::TestWithParam<IndexMethod> {
  protected:

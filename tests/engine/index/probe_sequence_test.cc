@@ -65,7 +65,7 @@ TEST(ProbeSequence, UsesNoMoreStepsThanItSays) {
   EXPECT_EQ(used + 1, uint32_t{1} << sequence.num_steps());
 }
 
-TEST(ProbeSequence, CoversAllNeighboursOfAFewDimensions) {
+TEST(ProbeSequence, CoversAllNeighborsOfAFewDimensions) {
   EXPECT_THAT(CombinationsOf(ProbeSequence(3, 100), 3),
               ::testing::UnorderedElementsAre(0, 1, 2, 3, 4, 5, 6, 7));
   EXPECT_THAT(CombinationsOf(ProbeSequence(1, 100), 1), ::testing::ElementsAre(0, 1));

@@ -18,13 +18,12 @@
 namespace cairn {
 namespace {
 
+using testing::ExhaustiveHits;
 using testing::LandmarkRecall;
 using testing::MakeSyntheticDescriptors;
+using testing::Sorted;
 using testing::SyntheticDescriptors;
-
-double Threshold(const SyntheticDescriptors& data) {
-  return SameLandmarkDistance(*data.codebook, 0.9);
-}
+using testing::Threshold;
 
 std::vector<DescriptorHit> GridHits(const SyntheticDescriptors& data,
                                     const RandomGridsOptions& options) {
@@ -32,21 +31,6 @@ std::vector<DescriptorHit> GridHits(const SyntheticDescriptors& data,
   RandomGrids(*data.codebook, data.codes, options)
       .RangeSearch(data.queries, Threshold(data), &hits);
   return hits;
-}
-
-std::vector<DescriptorHit> ExhaustiveHits(const SyntheticDescriptors& data) {
-  std::vector<DescriptorHit> hits;
-  ByteDescriptors(*data.codebook, data.codes).RangeSearch(data.queries, Threshold(data), &hits);
-  return hits;
-}
-
-std::vector<std::tuple<uint32_t, uint32_t, float>> Sorted(const std::vector<DescriptorHit>& hits) {
-  std::vector<std::tuple<uint32_t, uint32_t, float>> tuples;
-  for (const DescriptorHit& hit : hits) {
-    tuples.emplace_back(hit.query_idx, hit.descriptor_idx, hit.sq_distance);
-  }
-  std::sort(tuples.begin(), tuples.end());
-  return tuples;
 }
 
 TEST(RandomGrids, RecallsNearlyWhatExhaustiveSearchDoes) {
@@ -168,7 +152,7 @@ TEST(RandomGrids, EqualDescriptorsWithoutSpreadDoNotBreakTheCellWidth) {
   EXPECT_FALSE(hits.empty());
 }
 
-TEST(RandomGrids, RecallNearNeighboursOfRealSift) {
+TEST(RandomGrids, RecallNearNeighborsOfRealSift) {
   CAIRN_SKIP_WITHOUT_DATA("ann_bigann10k/base10k.u8bin");
   const SyntheticDescriptors data = testing::RealSift(
       testing::TestDataDir() / "ann_bigann10k/base10k.u8bin", /*num_queries=*/1'000);

@@ -11,10 +11,12 @@
 #include <memory>
 #include <random>
 #include <set>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "core/features.h"
+#include "engine/index/distance_statistics.h"
 #include "engine/index/kernels/byte_descriptors.h"
 #include "storage/codebook/codebook.h"
 #include "storage/codebook/descriptor_codec.h"
@@ -191,6 +193,29 @@ inline double LandmarkRecall(const SyntheticDescriptors& data,
                         : 0;
   }
   return static_cast<double>(num_recalled) / num_known;
+}
+
+// Distance below which nine tenths of a landmark's sights are.
+inline double Threshold(const SyntheticDescriptors& data) {
+  return SameLandmarkDistance(*data.codebook, 0.9);
+}
+
+inline std::vector<DescriptorHit> ExhaustiveHits(const SyntheticDescriptors& data) {
+  std::vector<DescriptorHit> hits;
+  ByteDescriptors(*data.codebook, data.codes).RangeSearch(data.queries, Threshold(data), &hits);
+  return hits;
+}
+
+// Query, descriptor, squared distance.
+using HitTuple = std::tuple<uint32_t, uint32_t, float>;
+
+inline std::vector<HitTuple> Sorted(const std::vector<DescriptorHit>& hits) {
+  std::vector<HitTuple> tuples;
+  for (const DescriptorHit& hit : hits) {
+    tuples.emplace_back(hit.query_idx, hit.descriptor_idx, hit.sq_distance);
+  }
+  std::sort(tuples.begin(), tuples.end());
+  return tuples;
 }
 
 }  // namespace cairn::testing

@@ -1,16 +1,14 @@
 #include "engine/matching/matching_options.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <functional>
 #include <limits>
-#include <string>
 #include <vector>
 
 #include "core/error.h"
 #include "engine/index/distance_statistics.h"
 #include "engine/tiles/tiles_options.h"
+#include "support/refused_options.h"
 
 namespace cairn {
 namespace {
@@ -22,11 +20,7 @@ TEST(MatchingOptions, DefaultsAreValid) {
 
 TEST(MatchingOptions, NameTheFieldThatMakesNoSense) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  struct Case {
-    std::string field;
-    std::function<void(MatchingOptions*)> spoil;
-  };
-  const std::vector<Case> cases = {
+  const std::vector<testing::SpoiledField<MatchingOptions>> cases = {
       {"num_grids", [](auto* options) { options->index.grids.num_grids = 0; }},
       {"num_hashed_dims", [](auto* options) { options->index.grids.num_hashed_dims = 129; }},
       {"cell_width_sigmas", [=](auto* options) { options->index.grids.cell_width_sigmas = nan; }},
@@ -50,17 +44,7 @@ TEST(MatchingOptions, NameTheFieldThatMakesNoSense) {
       {"max_orientation_difference_rad",
        [](auto* options) { options->max_orientation_difference_rad = 4.0; }},
   };
-  for (const Case& bad : cases) {
-    MatchingOptions options;
-    bad.spoil(&options);
-    try {
-      options.Validate();
-      ADD_FAILURE() << bad.field << " was accepted";
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::kInvalidArgument);
-      EXPECT_THAT(error.what(), ::testing::HasSubstr(bad.field));
-    }
-  }
+  testing::ExpectRefused(MatchingOptions(), cases);
 }
 
 TEST(TilesOptions, RefuseNonsense) {

@@ -144,7 +144,7 @@ TEST(ConsensusSet, LandmarksBehindTheCameraGainNothing) {
   EXPECT_EQ(set.Gain(Rigid3d().ToMatrix(), 1.0, -1.0), 0.0);
 }
 
-TEST(ConsensusSet, LandmarkAtTheCameraCentreGainsNothing) {
+TEST(ConsensusSet, LandmarkAtTheCameraCenterGainsNothing) {
   ConsensusSet set({{Vector3d::UnitZ(), {0, 0, 0}, 0.01, 0.1, 0}});
   EXPECT_EQ(set.Gain(Rigid3d().ToMatrix(), 0.0, -1.0), 0.0);
 }

@@ -61,7 +61,7 @@ void ExpectConsistent(const Consistency& consistency) {
   ::testing::Test::RecordProperty("mean_nees", std::to_string(consistency.mean_nees));
 }
 
-PoseSceneOptions Base() {
+PoseSceneOptions CovarianceScene() {
   PoseSceneOptions options;
   options.num_keypoints = 100;
   options.num_inliers = 60;
@@ -70,22 +70,24 @@ PoseSceneOptions Base() {
   return options;
 }
 
-TEST(PoseCovariance, MatchesErrorsWithGravity) { ExpectConsistent(Measure(Base(), PoseOptions())); }
+TEST(PoseCovariance, MatchesErrorsWithGravity) {
+  ExpectConsistent(Measure(CovarianceScene(), PoseOptions()));
+}
 
 TEST(PoseCovariance, MatchesErrorsWithoutGravity) {
-  PoseSceneOptions options = Base();
+  PoseSceneOptions options = CovarianceScene();
   options.has_gravity = false;
   ExpectConsistent(Measure(options, PoseOptions()));
 }
 
 TEST(PoseCovariance, MatchesErrorsWithLandmarkNoise) {
-  PoseSceneOptions options = Base();
+  PoseSceneOptions options = CovarianceScene();
   options.landmark_noise_m = 0.05;
   ExpectConsistent(Measure(options, PoseOptions()));
 }
 
 TEST(PoseCovariance, MatchesErrorsOfFisheye) {
-  PoseSceneOptions options = Base();
+  PoseSceneOptions options = CovarianceScene();
   options.camera = testing::OneCameraPerModel().back();
   ExpectConsistent(Measure(options, PoseOptions()));
 }
@@ -93,7 +95,7 @@ TEST(PoseCovariance, MatchesErrorsOfFisheye) {
 TEST(PoseCovariance, ChiSquareMakesUpForNoiseTakenTooSmall) {
   PoseOptions pose_options;
   pose_options.keypoint_sigma_px = 0.5;  // Half the truth.
-  ExpectConsistent(Measure(Base(), pose_options));
+  ExpectConsistent(Measure(CovarianceScene(), pose_options));
 }
 
 }  // namespace

@@ -3,7 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
+
+#include "core/angles.h"
 
 namespace cairn {
 namespace {
@@ -26,8 +27,8 @@ TEST(EffectiveInliers, CoincidingInliersCountOnce) {
 
 TEST(EffectiveInliers, TwoOverlappingDiscsCoverTheirUnion) {
   // Discs of radius r at distance r share (2 pi / 3 - sqrt(3) / 2) r^2.
-  const double shared = 2.0 * std::numbers::pi / 3.0 - std::sqrt(3.0) / 2.0;
-  const double expected = 2.0 * (2.0 * std::numbers::pi - shared) / (2.0 * std::numbers::pi);
+  const double shared = 2.0 * kPi / 3.0 - std::sqrt(3.0) / 2.0;
+  const double expected = 2.0 * (2.0 * kPi - shared) / (2.0 * kPi);
   EXPECT_NEAR(EffectiveInliers({{300, 240}, {300 + kRadiusPx, 240}}, kWidth, kHeight), expected,
               0.03);
 }

@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-struct Problem {
+struct TwoPointProblem {
   LevelPose truth;
   std::array<Vector3d, 2> bearings_in_level;
   std::array<Vector3d, 2> x_in_anchor;
@@ -25,9 +25,9 @@ Vector3d InLevel(const LevelPose& pose, const Vector3d& x_in_anchor) {
 }
 
 // The bearings under which a camera at `center` sees two landmarks.
-Problem MakeProblem(double yaw_rad, const Vector3d& center, const Vector3d& x1,
-                    const Vector3d& x2) {
-  Problem problem;
+TwoPointProblem MakeTwoPointProblem(double yaw_rad, const Vector3d& center, const Vector3d& x1,
+                                    const Vector3d& x2) {
+  TwoPointProblem problem;
   problem.truth = {{std::cos(yaw_rad), std::sin(yaw_rad)}, center};
   problem.x_in_anchor = {x1, x2};
   for (int i = 0; i < 2; ++i) {
@@ -36,12 +36,12 @@ Problem MakeProblem(double yaw_rad, const Vector3d& center, const Vector3d& x1,
   return problem;
 }
 
-Problem RandomProblem(std::mt19937_64* random) {
+TwoPointProblem RandomTwoPointProblem(std::mt19937_64* random) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   const auto point = [&](double scale) -> Vector3d {
     return scale * Vector3d(uniform(*random), uniform(*random), uniform(*random));
   };
-  return MakeProblem(3.1 * uniform(*random), point(10.0), point(50.0), point(50.0));
+  return MakeTwoPointProblem(3.1 * uniform(*random), point(10.0), point(50.0), point(50.0));
 }
 
 double Error(const LevelPose& a, const LevelPose& b) {
@@ -52,7 +52,7 @@ double Error(const LevelPose& a, const LevelPose& b) {
 TEST(SolveGravityTwoPoint, RecoversTruthAndOnlyExactPoses) {
   std::mt19937_64 random(1);
   for (int i = 0; i < 2000; ++i) {
-    const Problem problem = RandomProblem(&random);
+    const TwoPointProblem problem = RandomTwoPointProblem(&random);
     std::array<LevelPose, 2> poses;
     const int num_poses =
         SolveGravityTwoPoint(problem.bearings_in_level, problem.x_in_anchor, &poses);
@@ -71,8 +71,8 @@ TEST(SolveGravityTwoPoint, RecoversTruthAndOnlyExactPoses) {
 }
 
 TEST(SolveGravityTwoPoint, OneHorizontalRayIsEnoughOfTheOther) {
-  const Problem problem =
-      MakeProblem(0.7, {1, 2, 3}, {20, 5, 3} /* at camera height */, {15, -8, 7});
+  const TwoPointProblem problem =
+      MakeTwoPointProblem(0.7, {1, 2, 3}, {20, 5, 3} /* at camera height */, {15, -8, 7});
   for (const bool swapped : {false, true}) {
     std::array<Vector3d, 2> bearings = problem.bearings_in_level, points = problem.x_in_anchor;
     if (swapped) {
@@ -89,7 +89,8 @@ TEST(SolveGravityTwoPoint, OneHorizontalRayIsEnoughOfTheOther) {
 }
 
 TEST(SolveGravityTwoPoint, NearlyHorizontalRaysStayAccurate) {
-  const Problem problem = MakeProblem(-2.0, {0, 0, 0}, {40, 5, 0.02}, {35, -8, -0.03});
+  const TwoPointProblem problem =
+      MakeTwoPointProblem(-2.0, {0, 0, 0}, {40, 5, 0.02}, {35, -8, -0.03});
   std::array<LevelPose, 2> poses;
   const int num_poses =
       SolveGravityTwoPoint(problem.bearings_in_level, problem.x_in_anchor, &poses);
@@ -127,21 +128,21 @@ TEST(SolveGravityTwoPoint, RaysMayStartAtDifferentCamerasOfARig) {
 
 TEST(SolveGravityTwoPoint, NoSolutionForDegenerateInput) {
   std::array<LevelPose, 2> poses;
-  const auto solve = [&](const Problem& problem) {
+  const auto solve = [&](const TwoPointProblem& problem) {
     return SolveGravityTwoPoint(problem.bearings_in_level, problem.x_in_anchor, &poses);
   };
   // Both rays horizontal.
-  EXPECT_EQ(solve(MakeProblem(0.3, {0, 0, 2}, {20, 5, 2}, {15, -8, 2})), 0);
+  EXPECT_EQ(solve(MakeTwoPointProblem(0.3, {0, 0, 2}, {20, 5, 2}, {15, -8, 2})), 0);
   // One landmark above the other.
-  EXPECT_EQ(solve(MakeProblem(0.3, {0, 0, 2}, {20, 5, 4}, {20, 5, 9})), 0);
+  EXPECT_EQ(solve(MakeTwoPointProblem(0.3, {0, 0, 2}, {20, 5, 4}, {20, 5, 9})), 0);
   // The same landmark twice.
-  EXPECT_EQ(solve(MakeProblem(0.3, {0, 0, 2}, {20, 5, 4}, {20, 5, 4})), 0);
+  EXPECT_EQ(solve(MakeTwoPointProblem(0.3, {0, 0, 2}, {20, 5, 4}, {20, 5, 4})), 0);
   // Equal bearings to different landmarks.
-  Problem equal = MakeProblem(0.3, {0, 0, 2}, {20, 5, 4}, {12, -3, 9});
+  TwoPointProblem equal = MakeTwoPointProblem(0.3, {0, 0, 2}, {20, 5, 4}, {12, -3, 9});
   equal.bearings_in_level[1] = equal.bearings_in_level[0];
   EXPECT_EQ(solve(equal), 0);
   // Not a number.
-  Problem invalid = MakeProblem(0.3, {0, 0, 2}, {20, 5, 4}, {12, -3, 9});
+  TwoPointProblem invalid = MakeTwoPointProblem(0.3, {0, 0, 2}, {20, 5, 4}, {12, -3, 9});
   invalid.x_in_anchor[0].x() = std::nan("");
   EXPECT_EQ(solve(invalid), 0);
 }
@@ -149,7 +150,7 @@ TEST(SolveGravityTwoPoint, NoSolutionForDegenerateInput) {
 TEST(SolveGravityTwoPoint, MirroredSceneHasNoLandmarkBehindTheCamera) {
   std::mt19937_64 random(2);
   for (int i = 0; i < 500; ++i) {
-    Problem problem = RandomProblem(&random);
+    TwoPointProblem problem = RandomTwoPointProblem(&random);
     for (Vector3d& bearing : problem.bearings_in_level) {
       bearing = -bearing;
     }
@@ -165,8 +166,8 @@ TEST(SolveGravityTwoPoint, MirroredSceneHasNoLandmarkBehindTheCamera) {
 }
 
 TEST(SolveGravityTwoPoint, NoiseMovesSolutionLittle) {
-  const Problem problem = MakeProblem(0.9, {1, 2, 1.5}, {14, 9, 6}, {18, -6, 0.2});
-  Problem noisy = problem;
+  const TwoPointProblem problem = MakeTwoPointProblem(0.9, {1, 2, 1.5}, {14, 9, 6}, {18, -6, 0.2});
+  TwoPointProblem noisy = problem;
   noisy.bearings_in_level[0] =
       (noisy.bearings_in_level[0] + Vector3d(1, -1, 1) * 1e-3).normalized();
   noisy.bearings_in_level[1] =

@@ -75,7 +75,7 @@ TEST(NormalEquations, StayFiniteForResidualsFarOutsideTheImage) {
   EXPECT_TRUE(sums.normal.allFinite());
 }
 
-TEST(NormalEquations, ALandmarkInTheCentreOfTheCameraWeighsNothingButIsANumber) {
+TEST(NormalEquations, ALandmarkInTheCenterOfTheCameraWeighsNothingButIsANumber) {
   const ResidualWeights weights;
   NormalEquations equations(weights);
   equations.Add(Eigen::Matrix<double, 2, 3>::Ones(), Eigen::Vector3d::Zero(), {1.0, 2.0}, 5.0);

@@ -14,14 +14,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-struct Problem {
+struct P3pProblem {
   Rigid3d cam_from_anchor;
   std::array<Vector3d, 3> bearings_in_cam;
   std::array<Vector3d, 3> x_in_anchor;
 };
 
-Problem MakeProblem(const Rigid3d& cam_from_anchor, const std::array<Vector3d, 3>& x_in_cam) {
-  Problem problem;
+P3pProblem MakeP3pProblem(const Rigid3d& cam_from_anchor, const std::array<Vector3d, 3>& x_in_cam) {
+  P3pProblem problem;
   problem.cam_from_anchor = cam_from_anchor;
   for (int i = 0; i < 3; ++i) {
     problem.bearings_in_cam[i] = x_in_cam[i].normalized();
@@ -31,7 +31,7 @@ Problem MakeProblem(const Rigid3d& cam_from_anchor, const std::array<Vector3d, 3
 }
 
 // Landmarks in front of the camera, within 45 degrees of its axis.
-Problem RandomProblem(std::mt19937_64* random) {
+P3pProblem RandomP3pProblem(std::mt19937_64* random) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   const auto vector = [&](double scale) -> Vector3d {
     return scale * Vector3d(uniform(*random), uniform(*random), uniform(*random));
@@ -41,12 +41,12 @@ Problem RandomProblem(std::mt19937_64* random) {
     const double depth = 20.0 + 16.0 * uniform(*random);
     x = {depth * uniform(*random), depth * uniform(*random), depth};
   }
-  return MakeProblem(Rigid3d(ExpSo3(vector(2.0)), vector(30.0)), x_in_cam);
+  return MakeP3pProblem(Rigid3d(ExpSo3(vector(2.0)), vector(30.0)), x_in_cam);
 }
 
 using Solutions = std::array<Eigen::Matrix<double, 3, 4>, 4>;
 
-double BestError(const Problem& problem, const Solutions& solutions, int num_solutions) {
+double BestError(const P3pProblem& problem, const Solutions& solutions, int num_solutions) {
   double best = 1e9;
   for (int i = 0; i < num_solutions; ++i) {
     best = std::min(best, (solutions[i] - problem.cam_from_anchor.ToMatrix()).norm());
@@ -54,7 +54,7 @@ double BestError(const Problem& problem, const Solutions& solutions, int num_sol
   return best;
 }
 
-double BearingError(const Problem& problem, const Eigen::Matrix<double, 3, 4>& cam_from_anchor) {
+double BearingError(const P3pProblem& problem, const Eigen::Matrix<double, 3, 4>& cam_from_anchor) {
   double worst = 0.0;
   for (int i = 0; i < 3; ++i) {
     const Vector3d x_in_cam = cam_from_anchor * problem.x_in_anchor[i].homogeneous();
@@ -67,7 +67,7 @@ TEST(SolveP3p, RecoversTruthAndOnlyExactPoses) {
   std::mt19937_64 random(1);
   int num_missed = 0;
   for (int i = 0; i < 5000; ++i) {
-    const Problem problem = RandomProblem(&random);
+    const P3pProblem problem = RandomP3pProblem(&random);
     Solutions solutions;
     const int num_solutions = SolveP3p(problem.bearings_in_cam, problem.x_in_anchor, &solutions);
     num_missed += BestError(problem, solutions, num_solutions) > 1e-4;
@@ -84,7 +84,7 @@ TEST(SolveP3p, RecoversTruthAndOnlyExactPoses) {
 TEST(SolveP3p, SolutionsAreDistinct) {
   std::mt19937_64 random(2);
   for (int i = 0; i < 500; ++i) {
-    const Problem problem = RandomProblem(&random);
+    const P3pProblem problem = RandomP3pProblem(&random);
     Solutions solutions;
     const int num_solutions = SolveP3p(problem.bearings_in_cam, problem.x_in_anchor, &solutions);
     for (int a = 0; a < num_solutions; ++a) {
@@ -104,8 +104,8 @@ TEST(SolveP3p, EquilateralTriangleSeenFromItsAxisHasFourSolutions) {
     const double radius = side / std::sqrt(3.0);
     x_in_cam[i] = {radius * std::cos(angle), radius * std::sin(angle), axis};
   }
-  const Problem problem =
-      MakeProblem(Rigid3d(ExpSo3({0.3, -0.2, 0.5}), Vector3d(1, 2, 3)), x_in_cam);
+  const P3pProblem problem =
+      MakeP3pProblem(Rigid3d(ExpSo3({0.3, -0.2, 0.5}), Vector3d(1, 2, 3)), x_in_cam);
   Solutions solutions;
   const int num_solutions = SolveP3p(problem.bearings_in_cam, problem.x_in_anchor, &solutions);
   EXPECT_EQ(num_solutions, 4);
@@ -115,25 +115,25 @@ TEST(SolveP3p, EquilateralTriangleSeenFromItsAxisHasFourSolutions) {
 TEST(SolveP3p, NoSolutionForDegenerateInput) {
   const Rigid3d cam_from_anchor(ExpSo3({0.1, 0.2, 0.3}), Vector3d(1, 0, 2));
   Solutions solutions;
-  const auto solve = [&](const Problem& problem) {
+  const auto solve = [&](const P3pProblem& problem) {
     return SolveP3p(problem.bearings_in_cam, problem.x_in_anchor, &solutions);
   };
   // Collinear landmarks.
-  EXPECT_EQ(solve(MakeProblem(cam_from_anchor,
-                              {Vector3d(0, 0, 5), Vector3d(1, 0, 6), Vector3d(2, 0, 7)})),
+  EXPECT_EQ(solve(MakeP3pProblem(cam_from_anchor,
+                                 {Vector3d(0, 0, 5), Vector3d(1, 0, 6), Vector3d(2, 0, 7)})),
             0);
   // Two landmarks coincide.
-  EXPECT_EQ(solve(MakeProblem(cam_from_anchor,
-                              {Vector3d(0, 0, 5), Vector3d(0, 0, 5), Vector3d(2, 1, 7)})),
+  EXPECT_EQ(solve(MakeP3pProblem(cam_from_anchor,
+                                 {Vector3d(0, 0, 5), Vector3d(0, 0, 5), Vector3d(2, 1, 7)})),
             0);
   // Two bearings are equal.
-  Problem equal =
-      MakeProblem(cam_from_anchor, {Vector3d(0, 0, 5), Vector3d(1, 2, 6), Vector3d(2, 1, 7)});
+  P3pProblem equal =
+      MakeP3pProblem(cam_from_anchor, {Vector3d(0, 0, 5), Vector3d(1, 2, 6), Vector3d(2, 1, 7)});
   equal.bearings_in_cam[1] = equal.bearings_in_cam[0];
   EXPECT_EQ(solve(equal), 0);
   // Not a number.
-  Problem invalid =
-      MakeProblem(cam_from_anchor, {Vector3d(0, 0, 5), Vector3d(1, 2, 6), Vector3d(2, 1, 7)});
+  P3pProblem invalid =
+      MakeP3pProblem(cam_from_anchor, {Vector3d(0, 0, 5), Vector3d(1, 2, 6), Vector3d(2, 1, 7)});
   invalid.x_in_anchor[2].y() = std::nan("");
   EXPECT_EQ(solve(invalid), 0);
 }
@@ -141,7 +141,7 @@ TEST(SolveP3p, NoSolutionForDegenerateInput) {
 TEST(SolveP3p, MirroredSceneHasNoLandmarkBehindTheCamera) {
   std::mt19937_64 random(3);
   for (int i = 0; i < 500; ++i) {
-    Problem problem = RandomProblem(&random);
+    P3pProblem problem = RandomP3pProblem(&random);
     for (Vector3d& bearing : problem.bearings_in_cam) {
       bearing = -bearing;
     }
@@ -154,10 +154,10 @@ TEST(SolveP3p, MirroredSceneHasNoLandmarkBehindTheCamera) {
 }
 
 TEST(SolveP3p, NoiseMovesSolutionLittle) {
-  const Problem problem =
-      MakeProblem(Rigid3d(ExpSo3({0.4, -0.1, 0.2}), Vector3d(5, 1, -3)),
-                  {Vector3d(-4, -3, 12), Vector3d(5, -2, 9), Vector3d(1, 4, 14)});
-  Problem noisy = problem;
+  const P3pProblem problem =
+      MakeP3pProblem(Rigid3d(ExpSo3({0.4, -0.1, 0.2}), Vector3d(5, 1, -3)),
+                     {Vector3d(-4, -3, 12), Vector3d(5, -2, 9), Vector3d(1, 4, 14)});
+  P3pProblem noisy = problem;
   for (int i = 0; i < 3; ++i) {
     noisy.bearings_in_cam[i][i] += 1e-4;
     noisy.bearings_in_cam[i].normalize();

@@ -84,7 +84,7 @@ TEST(RequiredIterations, StaysWithinBounds) {
   EXPECT_EQ(RequiredIterations(1e-300, options), 500);
 }
 
-TEST(LoRansac, ReturnsOptimisedModel) {
+TEST(LoRansac, ReturnsOptimizedModel) {
   ModeProblem problem(Numbers(30, 70));
   const auto result = LoRansac(&problem, RansacOptions(), 1);
   ASSERT_TRUE(result.model);
@@ -101,7 +101,7 @@ TEST(LoRansac, StopsEarlyWhenTheModelExplainsEnough) {
   EXPECT_GT(LoRansac(&hard, options, 1).num_iterations, 100);
 }
 
-TEST(LoRansac, OptimisesOnlyImprovements) {
+TEST(LoRansac, OptimizesOnlyImprovements) {
   ModeProblem problem(Numbers(50, 50));
   LoRansac(&problem, RansacOptions(), 1);
   EXPECT_LE(problem.num_optimizations, 2);  // A single number may come first.

@@ -18,7 +18,7 @@ using testing::MakePoseScene;
 using testing::PoseScene;
 using testing::PoseSceneOptions;
 
-PoseSceneOptions Base(uint64_t seed) {
+PoseSceneOptions CameraScene(uint64_t seed) {
   PoseSceneOptions options;
   options.num_keypoints = options.num_inliers = 80;
   options.gravity_noise_rad = 0.0175;
@@ -59,7 +59,7 @@ double LogFocalError(const RefinedCamera& refined, const Camera& truth) {
 
 TEST(RefineCamera, FindsTheFocalLengthOfEveryModel) {
   for (const Camera& camera : testing::OneCameraPerModel()) {
-    PoseSceneOptions options = Base(3);
+    PoseSceneOptions options = CameraScene(3);
     options.camera = camera;
     const PoseScene scene = MakePoseScene(options);
     for (const double factor : {0.8, 0.95, 1.05, 1.25}) {
@@ -74,7 +74,7 @@ TEST(RefineCamera, FindsTheFocalLengthOfEveryModel) {
 }
 
 TEST(RefineCamera, FindsTheDistortionWhereItIsUnknown) {
-  PoseSceneOptions options = Base(5);
+  PoseSceneOptions options = CameraScene(5);
   options.camera = Camera(CameraModel::kSimpleRadial, 640, 480, {520, 320, 240, -0.08});
   const PoseScene scene = MakePoseScene(options);
   const CameraPrior prior = {CameraOfUnknownFocal(640, 480), FocalPrior{.with_distortion = true}};
@@ -86,7 +86,7 @@ TEST(RefineCamera, FindsTheDistortionWhereItIsUnknown) {
 TEST(RefineCamera, StaysWithAStatedFocalLengthThatIsRight) {
   double sum_sq_fixed = 0.0, sum_sq_refined = 0.0;
   for (uint64_t seed = 1; seed <= 50; ++seed) {
-    const PoseScene scene = MakePoseScene(Base(seed));
+    const PoseScene scene = MakePoseScene(CameraScene(seed));
     const RefinedCamera refined = Refine(scene, PriorOff(scene.query.camera, 1.0, 1e-4));
     const RefinedPose fixed = RefinePose(scene.query.camera, ObservationsOf(scene),
                                          MakeGravityPrior(scene.query, PoseOptions()),
@@ -99,7 +99,7 @@ TEST(RefineCamera, StaysWithAStatedFocalLengthThatIsRight) {
 }
 
 TEST(RefineCamera, SaysThatAStatedFocalLengthIsWrong) {
-  const PoseScene scene = MakePoseScene(Base(7));
+  const PoseScene scene = MakePoseScene(CameraScene(7));
   const RefinedCamera refined = Refine(scene, PriorOff(scene.query.camera, 1.05, 0.01));
   EXPECT_GT(refined.focal_disagreement, 3.0);
   EXPECT_LT(std::abs(LogFocalError(refined, scene.query.camera)), 0.02);
@@ -113,7 +113,7 @@ TEST(RefineCamera, CovarianceMatchesErrors) {
   std::normal_distribution<double> normal(0.0, kLogSigma);
   double sum_sq_focal = 0.0, sum_center = 0.0;
   for (int i = 0; i < kNumRuns; ++i) {
-    const PoseScene scene = MakePoseScene(Base(100 + i));
+    const PoseScene scene = MakePoseScene(CameraScene(100 + i));
     const RefinedCamera refined =
         Refine(scene, PriorOff(scene.query.camera, std::exp(normal(generator)), kLogSigma));
     sum_sq_focal +=

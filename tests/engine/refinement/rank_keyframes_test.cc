@@ -69,7 +69,7 @@ TEST(RankKeyframes, KeypointVotesOncePerKeyframe) {
   EXPECT_EQ(ranked[0].num_votes, 2);
 }
 
-TEST(RankKeyframes, RecognisesLandmarkOfNeighbouringTile) {
+TEST(RankKeyframes, RecognizesLandmarkOfNeighboringTile) {
   // The match names the copy in tile 0; the keyframe that saw it stands in tile 1.
   const std::vector<TileView> tiles = {MakeTile(1, 20, {{0.0, Range(1, 10)}}),
                                        MakeTile(11, 20, {{30.0, Range(11, 30)}})};

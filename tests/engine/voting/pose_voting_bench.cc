@@ -16,10 +16,10 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
-#include <numbers>
 #include <random>
 #include <vector>
 
+#include "core/angles.h"
 #include "engine/pose/estimate_pose.h"
 #include "engine/voting/pose_voting.h"
 #include "support/pose_scene.h"
@@ -90,7 +90,7 @@ BENCHMARK(VoteForPosesWithAllPriors)
 void VoteForPosesByGeometryAlone(benchmark::State& state) {
   VotingOptions options;
   options.max_distance_factor = 0.0;
-  options.max_azimuth_difference_rad = std::numbers::pi;
+  options.max_azimuth_difference_rad = kPi;
   Run(state, options);
 }
 BENCHMARK(VoteForPosesByGeometryAlone)
@@ -115,7 +115,7 @@ PoseCandidate DenseAccumulator(const PoseScene& scene) {
     const Eigen::Vector3d ray =
         *scene.query.level_from_cam * scene.query.rays_in_cam[match.keypoint_idx];
     for (int yaw = 0; yaw < kNumYaws; ++yaw) {
-      const double yaw_rad = 2.0 * std::numbers::pi * yaw / kNumYaws;
+      const double yaw_rad = 2.0 * kPi * yaw / kNumYaws;
       const Eigen::Vector3d step =
           kCellM * (Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()) * ray);
       Eigen::Vector3d position = match.x_in_anchor - corner;
@@ -135,8 +135,7 @@ PoseCandidate DenseAccumulator(const PoseScene& scene) {
                                   best / num_xy / num_xy % num_z);
   PoseCandidate candidate;
   candidate.center_in_anchor = corner + kCellM * (best_cell + Eigen::Vector3d::Constant(0.5));
-  candidate.yaw_rad =
-      WrapAngleRad(2.0 * std::numbers::pi * (best / num_xy / num_xy / num_z) / kNumYaws);
+  candidate.yaw_rad = WrapAngleRad(2.0 * kPi * (best / num_xy / num_xy / num_z) / kNumYaws);
   return candidate;
 }
 
@@ -156,7 +155,7 @@ void AddMirages(const Mirage& mirage, uint64_t seed, PoseScene* scene) {
   const double radius_m = scene->query.region.radius_m;
   std::vector<Rigid3d> anchor_from_place;
   for (int i = 0; i < mirage.num_places; ++i) {
-    const Eigen::AngleAxisd turn(std::numbers::pi * uniform(engine), Eigen::Vector3d::UnitZ());
+    const Eigen::AngleAxisd turn(kPi * uniform(engine), Eigen::Vector3d::UnitZ());
     anchor_from_place.emplace_back(
         Eigen::Quaterniond(turn) * anchor_from_cam.rotation,
         Eigen::Vector3d(0.6 * radius_m * uniform(engine), 0.6 * radius_m * uniform(engine),

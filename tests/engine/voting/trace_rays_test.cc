@@ -18,7 +18,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 // Cells of 1 m, so that lengths are numbers of cells.
-VoteGrid MetreGrid() { return VoteGrid({-100, -100, -10}, {100, 100, 10}, {1, 1, 1}); }
+VoteGrid MeterGrid() { return VoteGrid({-100, -100, -10}, {100, 100, 10}, {1, 1, 1}); }
 
 // A ray to the east, seen by the map from the west.
 VoteRay EastwardRay() {
@@ -46,7 +46,7 @@ Segment SegmentAt(const VoteSegments& s, int i, const VoteGrid& grid) {
 
 Segment Trace(const VoteRay& ray, double yaw_rad, const Vector2d& center, double radius_m,
               double min_cosine) {
-  const VoteGrid grid = MetreGrid();
+  const VoteGrid grid = MeterGrid();
   const Vector3d center_in_anchor(center.x(), center.y(), 1.0);
   const RayArrays<float> rays({ray}, center_in_anchor);
   VoteSegments segments(rays.padded_size());
@@ -96,7 +96,7 @@ TEST(TraceRays, VerticalRayStaysWhereItIs) {
 TEST(TraceRays, PaddingHasNoSteps) {
   const RayArrays<float> rays({EastwardRay()}, Vector3d::Zero());
   VoteSegments segments(rays.padded_size());
-  TraceRays(rays, TraceFrame(MetreGrid(), Vector3d::Zero(), 50.0, -1.0, 0.0), &segments);
+  TraceRays(rays, TraceFrame(MeterGrid(), Vector3d::Zero(), 50.0, -1.0, 0.0), &segments);
   ASSERT_EQ(rays.padded_size(), 16);
   EXPECT_GT(segments.num_steps[0], 0);
   for (int i = 1; i < rays.padded_size(); ++i) {
@@ -132,7 +132,7 @@ std::vector<VoteRay> RandomRays(int count, bool has_origins) {
 void ExpectTheDefinition(bool has_origins) {
   constexpr double kRadiusM = 100.0, kYawRad = 0.7, kStepM = 0.05, kToleranceM = 0.02;
   const double min_cosine = std::cos(1.3);
-  const VoteGrid grid = MetreGrid();
+  const VoteGrid grid = MeterGrid();
   const std::vector<VoteRay> all = RandomRays(500, has_origins);
   const RayArrays<float> rays(all, Vector3d::Zero());
   VoteSegments segments(rays.padded_size());
@@ -171,7 +171,7 @@ TEST(TraceRays, FollowsTheDefinitionOfARig) { ExpectTheDefinition(true); }
 
 template <bool kHasOrigins>
 void ExpectVectorsEqualOneByOne() {
-  const VoteGrid grid = MetreGrid();
+  const VoteGrid grid = MeterGrid();
   RayArrays<float> rays(RandomRays(1001, kHasOrigins), Vector3d::Zero());
   VoteSegments together(rays.padded_size()), alone(rays.padded_size());
   const TraceFrame frame(grid, Vector3d::Zero(), 100.0, std::cos(1.3), 2.1);

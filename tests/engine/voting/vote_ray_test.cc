@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "core/angles.h"
 #include "engine/query/level_frame.h"
 
 namespace cairn {
@@ -31,7 +31,7 @@ QueryContext MakeQuery(const Vector3d& direction_in_level) {
 Correspondence MakeMatch(const Vector3d& x_in_anchor) {
   Correspondence match;
   match.x_in_anchor = x_in_anchor;
-  match.azimuth_rad = static_cast<float>(std::numbers::pi);
+  match.azimuth_rad = static_cast<float>(kPi);
   return match;
 }
 

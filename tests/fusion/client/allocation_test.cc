@@ -39,7 +39,7 @@ TEST(Allocation, AnInertialSampleAllocatesNothing) {
   options.duration_s = 9.0;
   options.walk.start_stop_s = {2.0};
   const Simulation simulation(options);
-  auto [client, error] = FusionClient::Create(simulation.MatchingOptions());
+  auto [client, error] = FusionClient::Create(simulation.MatchingFusionOptions());
   ASSERT_NE(client, nullptr) << error;
   size_t num_of_samples = 0;  // After the warm-up: start, and buffers that grow to their size.
   size_t num_of_frames = 0;

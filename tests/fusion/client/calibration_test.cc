@@ -61,7 +61,7 @@ struct RigAtEnd {
 RigAtEnd CalibrateOnWalk(uint64_t seed, bool with_map) {
   constexpr double kTimeOffsetS = 0.008;
   const Simulation simulation(Walk(seed));
-  FusionOptions options = simulation.MatchingOptions();
+  FusionOptions options = simulation.MatchingFusionOptions();
   const Rig truth{options.rig.cam_from_imu, kTimeOffsetS};
   options.rig.cam_from_imu =
       Rigid3d(ExpSo3({0.02, -0.015, 0.01}) * truth.cam_from_imu.rotation,
@@ -119,7 +119,7 @@ TiltedMapErrors RunOnTiltedMap(uint64_t seed, double tilt_sigma_rad) {
   AnswerOptions tilted;
   tilted.global_from_true_global =
       Rigid3d(ExpSo3({0.0, 0.0, 0.5}) * ExpSo3({0.02, -0.015, 0.0}), {40.0, -20.0, 3.0});
-  FusionOptions options = simulation.MatchingOptions();
+  FusionOptions options = simulation.MatchingFusionOptions();
   options.map.tilt_sigma_rad = tilt_sigma_rad;
   Estimator estimator(options);
   Rms position_m, rotation_rad;

@@ -27,7 +27,7 @@ double LocalPositionRms(const Simulation& simulation, bool with_map, Estimator* 
 }
 
 double LocalPositionRms(const Simulation& simulation, bool with_map) {
-  Estimator estimator(simulation.MatchingOptions());
+  Estimator estimator(simulation.MatchingFusionOptions());
   return LocalPositionRms(simulation, with_map, &estimator);
 }
 
@@ -35,7 +35,7 @@ TEST(Estimator, TracksAWalkLocally) {
   SimulationOptions options;
   options.duration_s = 20.0;
   const Simulation simulation(options);
-  Estimator estimator(simulation.MatchingOptions());
+  Estimator estimator(simulation.MatchingFusionOptions());
   EXPECT_LT(LocalPositionRms(simulation, /*with_map=*/false, &estimator), 0.15);
   EXPECT_GT(estimator.counters().num_tracks_used, 500);
 }

@@ -6,6 +6,7 @@
 #include <map>
 #include <vector>
 
+#include "core/angles.h"
 #include "fusion/client/estimator.h"
 #include "fusion/errors.h"
 #include "fusion/simulation.h"
@@ -58,7 +59,7 @@ class Latency : public ::testing::TestWithParam<int> {};
 
 TEST_P(Latency, AnAnswerIsAppliedAtTheFrameItWasAskedOf) {
   const Simulation simulation = SimulateWalk(25.0);
-  Estimator estimator(simulation.MatchingOptions());
+  Estimator estimator(simulation.MatchingFusionOptions());
   Transport transport(&estimator);
   Replay(simulation, 0, &estimator, [&](size_t i) {
     transport.AfterFrame(
@@ -78,8 +79,8 @@ INSTANTIATE_TEST_SUITE_P(Frames, Latency, ::testing::Values(1, 2, 10, 50));
 
 TEST(Faults, ADuplicatedAnswerIsUsedOnce) {
   const Simulation simulation = SimulateWalk(8.0);
-  Estimator once(simulation.MatchingOptions());
-  Estimator twice(simulation.MatchingOptions());
+  Estimator once(simulation.MatchingFusionOptions());
+  Estimator twice(simulation.MatchingFusionOptions());
   for (Estimator* estimator : {&once, &twice}) {
     Replay(simulation, 0, estimator, [&](size_t i) {
       if (const auto query = estimator->PollQuery()) {
@@ -102,7 +103,7 @@ TEST(Faults, ADuplicatedAnswerIsUsedOnce) {
 TEST(Faults, TheOrderOfArrivalDoesNotMatter) {
   // Four answers held back and handed in together, in opposite orders.
   const Simulation simulation = SimulateWalk(12.0);
-  FusionOptions options = simulation.MatchingOptions();
+  FusionOptions options = simulation.MatchingFusionOptions();
   options.query.min_interval_s = 0.5;
   Estimator forward(options);
   Estimator backward(options);
@@ -136,7 +137,7 @@ TEST(Faults, TheOrderOfArrivalDoesNotMatter) {
 
 TEST(Faults, AnAnswerAfterTheTimeoutIsDroppedWithAReason) {
   const Simulation simulation = SimulateWalk(10.0);
-  FusionOptions options = simulation.MatchingOptions();
+  FusionOptions options = simulation.MatchingFusionOptions();
   options.query.timeout_s = 1.0;
   Estimator estimator(options);
   Transport transport(&estimator);
@@ -155,7 +156,7 @@ TEST(Faults, AnAnswerAfterTheTimeoutIsDroppedWithAReason) {
 
 TEST(Faults, AThirdOfTheMatchesMayBeWrong) {
   const Simulation simulation = SimulateWalk(20.0);
-  Estimator estimator(simulation.MatchingOptions());
+  Estimator estimator(simulation.MatchingFusionOptions());
   Transport transport(&estimator);
   AnswerOptions answers;
   answers.wrong_fraction = 0.3;
@@ -181,13 +182,13 @@ TEST(Faults, ConsistentlyWrongAnswersAreRefused) {
   int num_right_lost = 0;
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     const Simulation simulation = SimulateWalk(40.0, seed);
-    FusionOptions options = simulation.MatchingOptions();
+    FusionOptions options = simulation.MatchingFusionOptions();
     options.query.min_interval_s = 0.4;
     Estimator estimator(options);
     Transport transport(&estimator);
     AnswerOptions wrong;
     const Eigen::Vector3d center = simulation.frames()[100].truth.world_from_imu.translation;
-    const Eigen::Quaterniond turn = ExpSo3({0.0, 0.0, 20.0 * M_PI / 180.0});
+    const Eigen::Quaterniond turn = ExpSo3({0.0, 0.0, 20.0 * kRadPerDeg});
     wrong.global_from_true_global =
         Rigid3d(turn, center - turn * center + Eigen::Vector3d(5, 0, 0));
     const auto is_wrong = [](int64_t query_id) { return query_id % 10 == 3; };
@@ -220,7 +221,7 @@ TEST(Faults, ConsistentlyWrongAnswersAreRefused) {
 
 TEST(Faults, AWrongAlignmentIsGivenUpForPersistentContradiction) {
   const Simulation simulation = SimulateWalk(25.0);
-  Estimator estimator(simulation.MatchingOptions());
+  Estimator estimator(simulation.MatchingFusionOptions());
   Transport transport(&estimator);
   AnswerOptions wrong;
   wrong.global_from_true_global = Rigid3d(Eigen::Quaterniond::Identity(), {30.0, 0.0, 0.0});
@@ -239,7 +240,7 @@ TEST(Faults, AWrongAlignmentIsGivenUpForPersistentContradiction) {
 
 TEST(Faults, AMapWithoutAgreementIsNeverBelieved) {
   const Simulation simulation = SimulateWalk(15.0);
-  Estimator estimator(simulation.MatchingOptions());
+  Estimator estimator(simulation.MatchingFusionOptions());
   Transport transport(&estimator);
   Replay(simulation, 0, &estimator, [&](size_t i) {
     transport.AfterFrame(
@@ -258,7 +259,7 @@ TEST(Faults, AMapWithoutAgreementIsNeverBelieved) {
 
 TEST(Faults, ATiltedMapIsRefused) {
   const Simulation simulation = SimulateWalk(10.0);
-  Estimator estimator(simulation.MatchingOptions());
+  Estimator estimator(simulation.MatchingFusionOptions());
   Transport transport(&estimator);
   AnswerOptions tilted;
   tilted.global_from_true_global = Rigid3d(ExpSo3({0.15, 0.0, 0.0}), Eigen::Vector3d::Zero());
@@ -275,7 +276,7 @@ TEST(Faults, ATiltedMapIsRefused) {
 
 TEST(Faults, AfterAnOutageThePoseIsRightAtOnceAndLocalDoesNotJump) {
   const Simulation simulation = SimulateWalk(85.0, 4);
-  FusionOptions options = simulation.MatchingOptions();
+  FusionOptions options = simulation.MatchingFusionOptions();
   Estimator estimator(options);
   Transport transport(&estimator);
   const Rigid3d local_from_world = simulation.LocalFromWorld(0);
@@ -319,7 +320,7 @@ TEST(Faults, AfterAnOutageThePoseIsRightAtOnceAndLocalDoesNotJump) {
 
 TEST(Faults, NumbersThatAreNoneAreRefused) {
   const Simulation simulation = SimulateWalk(5.0);
-  Estimator estimator(simulation.MatchingOptions());
+  Estimator estimator(simulation.MatchingFusionOptions());
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(estimator.AddImu({1, {nan, 0.0, 0.0}, {0.0, 0.0, 9.81}}), ImuStatus::kBadInput);
   int64_t bad_query = -1;

@@ -59,7 +59,7 @@ TEST(FusionClient, RefusesNonsenseWithoutThrowing) {
 
 TEST(FusionClient, StartsAtRestAndFindsTheMap) {
   const Simulation simulation = WalkFromRest();
-  const auto [client, error] = FusionClient::Create(simulation.MatchingOptions());
+  const auto [client, error] = FusionClient::Create(simulation.MatchingFusionOptions());
   ASSERT_NE(client, nullptr) << error;
   EXPECT_EQ(client->Latest().mode, Mode::kInitializing);
   EXPECT_EQ(client->Predict(0).status, PredictStatus::kNoState);
@@ -81,7 +81,7 @@ TEST(FusionClient, StartsAtRestAndFindsTheMap) {
 
 TEST(FusionClient, PredictsAHundredMillisecondsAhead) {
   const Simulation simulation = WalkFromRest();
-  const auto [client, error] = FusionClient::Create(simulation.MatchingOptions());
+  const auto [client, error] = FusionClient::Create(simulation.MatchingFusionOptions());
   ASSERT_NE(client, nullptr) << error;
   Prediction prediction;
   const size_t last = simulation.frames().size() - 1;
@@ -102,7 +102,7 @@ TEST(FusionClient, PredictsAHundredMillisecondsAhead) {
 
 TEST(FusionClient, PredictsWhatIsHeldBackOfTheCorrectionsAsWell) {
   const Simulation simulation = WalkFromRest();
-  FusionOptions options = simulation.MatchingOptions();
+  FusionOptions options = simulation.MatchingFusionOptions();
   options.steady.time_constant_s = 5.0;
   const auto [client, error] = FusionClient::Create(options);
   ASSERT_NE(client, nullptr) << error;
@@ -124,7 +124,7 @@ TEST(FusionClient, ReplaysBitForBit) {
   const Simulation simulation = WalkFromRest();
   Estimate estimates[2];
   for (Estimate& estimate : estimates) {
-    const auto [client, error] = FusionClient::Create(simulation.MatchingOptions());
+    const auto [client, error] = FusionClient::Create(simulation.MatchingFusionOptions());
     ASSERT_NE(client, nullptr) << error;
     Feed(simulation, client.get(), [](size_t) {});
     estimate = client->Latest();
@@ -142,7 +142,7 @@ TEST(FusionClient, ReplaysBitForBit) {
 
 TEST(FusionClient, ServesReadersAndSubmittersOnOtherThreads) {
   const Simulation simulation = WalkFromRest();
-  const auto created = FusionClient::Create(simulation.MatchingOptions());
+  const auto created = FusionClient::Create(simulation.MatchingFusionOptions());
   FusionClient* client = created.client.get();
   ASSERT_NE(client, nullptr) << created.error;
   std::atomic<bool> done{false};
@@ -174,7 +174,7 @@ TEST(FusionClient, ServesReadersAndSubmittersOnOtherThreads) {
 // Between two frames, more than the estimator has room for.
 TEST(FusionClient, ReportsEveryAnswerThatItQueued) {
   const Simulation simulation = WalkFromRest();
-  const auto created = FusionClient::Create(simulation.MatchingOptions());
+  const auto created = FusionClient::Create(simulation.MatchingFusionOptions());
   FusionClient* client = created.client.get();
   ASSERT_NE(client, nullptr) << created.error;
   constexpr int64_t kFirstId = 1'000'000;

@@ -10,14 +10,14 @@ namespace cairn::fusion {
 namespace {
 
 constexpr double kGravityMS2 = 9.81;
-constexpr int64_t kSampleStepNs = 5'000'000;
+constexpr int64_t kHeadStepNs = 5'000'000;
 
 // Turning and accelerating.
 ImuBuffer Samples(int num_samples) {
   ImuBuffer buffer(1024);
   for (int i = 0; i < num_samples; ++i) {
     const double phase = 0.1 * i;
-    buffer.Push({i * kSampleStepNs,
+    buffer.Push({i * kHeadStepNs,
                  {0.3 * std::sin(phase), 0.2, -0.4 * std::cos(phase)},
                  {0.5, std::sin(phase), kGravityMS2}});
   }
@@ -33,8 +33,8 @@ FilterState AlignedState() {
 TEST(Head, BeginsAtTheState) {
   const FilterState state = AlignedState();
   Head head(ImuNoise(), kGravityMS2);
-  head.Restart(state, 40 * kSampleStepNs);
-  EXPECT_EQ(head.time_ns(), 40 * kSampleStepNs);
+  head.Restart(state, 40 * kHeadStepNs);
+  EXPECT_EQ(head.time_ns(), 40 * kHeadStepNs);
   EXPECT_EQ(head.imu().local_from_imu.translation, state.imu().local_from_imu.translation);
   EXPECT_EQ(head.covariance(), (state.covariance().topLeftCorner<kImuDim, kImuDim>()));
   EXPECT_EQ(head.by_global(), (state.covariance().block<kImuDim, kGlobalDim>(0, kGlobalIdx)));
@@ -44,14 +44,14 @@ TEST(Head, IsWhereTheFilterWouldPropagateTo) {
   FilterState state = AlignedState();
   const ImuBuffer samples = Samples(60);
   Head head(ImuNoise(), kGravityMS2);
-  head.Restart(state, 10 * kSampleStepNs);
+  head.Restart(state, 10 * kHeadStepNs);
   head.CarryOn(samples);
-  EXPECT_EQ(head.time_ns(), 59 * kSampleStepNs);
+  EXPECT_EQ(head.time_ns(), 59 * kHeadStepNs);
 
   ImuState end = state.imu();
   FirstEstimate first = {end.local_from_imu.translation, end.velocity_in_local};
   ImuTransition transition;
-  samples.ForEachStep(10 * kSampleStepNs, 59 * kSampleStepNs, [&](const ImuStep& step) {
+  samples.ForEachStep(10 * kHeadStepNs, 59 * kHeadStepNs, [&](const ImuStep& step) {
     Propagate(step, ImuNoise(), kGravityMS2, &end, &first, &transition);
   });
   state.Propagate(end, first, transition);
@@ -81,9 +81,9 @@ TEST(Head, SampleBySampleComesToTheSame) {
 TEST(Head, StaysWhereNoSampleIsNewer) {
   const FilterState state = AlignedState();
   Head head(ImuNoise(), kGravityMS2);
-  head.Restart(state, 29 * kSampleStepNs);
+  head.Restart(state, 29 * kHeadStepNs);
   head.CarryOn(Samples(30));
-  EXPECT_EQ(head.time_ns(), 29 * kSampleStepNs);
+  EXPECT_EQ(head.time_ns(), 29 * kHeadStepNs);
   EXPECT_EQ(head.covariance(), (state.covariance().topLeftCorner<kImuDim, kImuDim>()));
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 TEST(Faults, AGapInTheInertialSamplesRestartsLocal) {
   const Simulation simulation = SimulateWalk(4.0);
-  Estimator estimator(simulation.MatchingOptions());
+  Estimator estimator(simulation.MatchingFusionOptions());
   Replay(simulation, 0, &estimator, [](size_t) {});
   const int64_t epoch = estimator.latest().epoch;
   const int64_t later_ns = simulation.imu().back().timestamp_ns + 2'000'000'000;
@@ -32,7 +32,7 @@ TEST(Faults, AGapInTheInertialSamplesRestartsLocal) {
 
 TEST(Faults, AClockSetBackRestartsLocal) {
   const Simulation simulation = SimulateWalk(4.0);
-  Estimator estimator(simulation.MatchingOptions());
+  Estimator estimator(simulation.MatchingFusionOptions());
   Replay(simulation, 0, &estimator, [](size_t) {});
   ImuStatus status = ImuStatus::kAccepted;
   EXPECT_EQ(estimator.AddImu({5'000'000, Eigen::Vector3d::Zero(), {0.0, 0.0, 9.81}}),
@@ -53,7 +53,7 @@ struct PoseQuality {
 // A simulation of which the frames for which `drops` are left out.
 template <typename Drops>
 PoseQuality RunWithout(const Simulation& simulation, const Drops& drops) {
-  Estimator estimator(simulation.MatchingOptions());
+  Estimator estimator(simulation.MatchingFusionOptions());
   const Rigid3d local_from_world = simulation.LocalFromWorld(0);
   PoseQuality quality;
   int num_counted = 0;
@@ -123,7 +123,7 @@ TEST(Faults, StandingStillDoesNotDrift) {
   options.duration_s = 40.0;
   options.walk.start_stop_s = {-1.0, 8.0};
   const Simulation simulation(options);
-  Estimator estimator(simulation.MatchingOptions());
+  Estimator estimator(simulation.MatchingFusionOptions());
   const Rigid3d local_from_world = simulation.LocalFromWorld(0);
   Eigen::Vector3d error_at_stop;
   Eigen::Vector3d error_at_rest;  // When rest has said what it can about the way before.

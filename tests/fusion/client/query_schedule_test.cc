@@ -9,14 +9,14 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr int64_t kSecond = 1'000'000'000;
+constexpr int64_t kSecondNs = 1'000'000'000;
 
 TEST(QuerySchedule, AsksAtIntervals) {
   QuerySchedule queries({.min_interval_s = 1.0});
   EXPECT_TRUE(queries.IsDue(0));
-  queries.Ask(1, 5 * kSecond);
-  EXPECT_FALSE(queries.IsDue(6 * kSecond - 1));
-  EXPECT_TRUE(queries.IsDue(6 * kSecond));
+  queries.Ask(1, 5 * kSecondNs);
+  EXPECT_FALSE(queries.IsDue(6 * kSecondNs - 1));
+  EXPECT_TRUE(queries.IsDue(6 * kSecondNs));
 }
 
 TEST(QuerySchedule, AsksNoMoreThanMayBePending) {
@@ -31,7 +31,7 @@ TEST(QuerySchedule, AsksNoMoreThanMayBePending) {
 
 TEST(QuerySchedule, AnAnswerFindsItsFrameOnce) {
   QuerySchedule queries({});
-  const int64_t query_id = queries.Ask(7, kSecond);
+  const int64_t query_id = queries.Ask(7, kSecondNs);
   EXPECT_TRUE(queries.HasFrame(7));
   EXPECT_EQ(queries.TakeFrame(query_id + 1), std::nullopt);
   EXPECT_EQ(queries.TakeFrame(query_id), 7);
@@ -43,9 +43,9 @@ TEST(QuerySchedule, AnAnswerFindsItsFrameOnce) {
 TEST(QuerySchedule, QueriesExpireAndAreRemembered) {
   QuerySchedule queries({.timeout_s = 2.0});
   const int64_t old_query = queries.Ask(1, 0);
-  const int64_t new_query = queries.Ask(2, kSecond);
-  EXPECT_THAT(queries.Expire(2 * kSecond), IsEmpty());
-  EXPECT_THAT(queries.Expire(2 * kSecond + 1), ElementsAre(1));
+  const int64_t new_query = queries.Ask(2, kSecondNs);
+  EXPECT_THAT(queries.Expire(2 * kSecondNs), IsEmpty());
+  EXPECT_THAT(queries.Expire(2 * kSecondNs + 1), ElementsAre(1));
   EXPECT_EQ(queries.TakeFrame(old_query), std::nullopt);
   EXPECT_TRUE(queries.HasExpired(old_query));
   EXPECT_FALSE(queries.HasExpired(new_query));
@@ -55,8 +55,8 @@ TEST(QuerySchedule, QueriesExpireAndAreRemembered) {
 TEST(QuerySchedule, ARestartForgetsWhatIsPendingButNoId) {
   QuerySchedule queries({.min_interval_s = 1.0, .timeout_s = 2.0});
   const int64_t expired = queries.Ask(1, 0);
-  queries.Expire(5 * kSecond);
-  const int64_t pending = queries.Ask(2, 5 * kSecond);
+  queries.Expire(5 * kSecondNs);
+  const int64_t pending = queries.Ask(2, 5 * kSecondNs);
   queries.Restart();
   EXPECT_FALSE(queries.HasFrame(2));
   EXPECT_EQ(queries.TakeFrame(pending), std::nullopt);

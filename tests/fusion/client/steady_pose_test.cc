@@ -115,7 +115,7 @@ TEST(SteadyPose, RefusesNonsense) {
   EXPECT_THROW(options.Validate(), Error);
 }
 
-Simulation Walk(double duration_s) {
+Simulation SteadyWalk(double duration_s) {
   SimulationOptions options;
   options.duration_s = duration_s;
   options.map_sigma_m = 0.03;
@@ -205,8 +205,8 @@ Moves MovesOf(const Simulation& simulation, int64_t num_wrong_queries,
 }
 
 TEST(SteadyPose, OfAnEstimatorDoesNotMoveTheLastFrameWhenTheNextCorrectsIt) {
-  const Simulation simulation = Walk(15.0);
-  Estimator estimator(simulation.MatchingOptions());
+  const Simulation simulation = SteadyWalk(15.0);
+  Estimator estimator(simulation.MatchingFusionOptions());
   const Moves moves = MovesOf(simulation, 0, {}, &estimator);
   EXPECT_EQ(estimator.counters().num_alignments, 1);
   EXPECT_GT(moves.most_m, 5e-3);
@@ -218,8 +218,8 @@ TEST(SteadyPose, OfAnEstimatorDoesNotMoveTheLastFrameWhenTheNextCorrectsIt) {
 }
 
 TEST(SteadyPose, OfAnEstimatorTakesANewAlignmentAtOnce) {
-  const Simulation simulation = Walk(20.0);
-  FusionOptions options = simulation.MatchingOptions();
+  const Simulation simulation = SteadyWalk(20.0);
+  FusionOptions options = simulation.MatchingFusionOptions();
   options.steady.max_held_back_m = 100.0;
   Estimator estimator(options);
   const Moves moves = MovesOf(simulation, 5, options.steady, &estimator);
@@ -230,8 +230,8 @@ TEST(SteadyPose, OfAnEstimatorTakesANewAlignmentAtOnce) {
 }
 
 TEST(SteadyPose, OfAnEstimatorWithoutATimeConstantIsTheEstimate) {
-  const Simulation simulation = Walk(10.0);
-  FusionOptions options = simulation.MatchingOptions();
+  const Simulation simulation = SteadyWalk(10.0);
+  FusionOptions options = simulation.MatchingFusionOptions();
   options.steady.time_constant_s = 0.0;
   Estimator estimator(options);
   const Moves moves = MovesOf(simulation, 0, {}, &estimator);
@@ -240,8 +240,8 @@ TEST(SteadyPose, OfAnEstimatorWithoutATimeConstantIsTheEstimate) {
 }
 
 TEST(SteadyPose, OfAnEstimatorSurvivesAClockSetBack) {
-  const Simulation simulation = Walk(8.0);
-  Estimator estimator(simulation.MatchingOptions());
+  const Simulation simulation = SteadyWalk(8.0);
+  Estimator estimator(simulation.MatchingFusionOptions());
   MovesOf(simulation, 0, {}, &estimator);
   ASSERT_TRUE(estimator.latest().has_global);
   ImuStatus status = ImuStatus::kAccepted;

@@ -9,7 +9,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-const Eigen::Vector3d kHere(1.0, 2.0, 0.0);
+const Eigen::Vector3d kPlace(1.0, 2.0, 0.0);
 
 AlignmentCandidate CandidateAt(int64_t frame_id, double east_m) {
   return {frame_id, Rigid3d(Eigen::Quaterniond::Identity(), Eigen::Vector3d(east_m, 0.0, 0.0)), {}};
@@ -28,9 +28,9 @@ TEST(AlignmentCandidates, WaitUntilEnoughAgree) {
   candidates.Add(CandidateAt(1, 0.0));
   candidates.Add(CandidateAt(2, 40.0));
   candidates.Add(CandidateAt(3, 0.3));
-  EXPECT_THAT(candidates.Agreeing(kHere), IsEmpty());
+  EXPECT_THAT(candidates.Agreeing(kPlace), IsEmpty());
   candidates.Add(CandidateAt(4, 0.1));
-  EXPECT_THAT(FramesOf(candidates.Agreeing(kHere)), ElementsAre(1, 3, 4));
+  EXPECT_THAT(FramesOf(candidates.Agreeing(kPlace)), ElementsAre(1, 3, 4));
 }
 
 TEST(AlignmentCandidates, TheOldestMakesWay) {

@@ -5,7 +5,7 @@
 namespace cairn::fusion {
 namespace {
 
-constexpr uint64_t kLandmark = 7;
+constexpr uint64_t kUsedLandmark = 7;
 
 // Information that all uses together take, in units of what the map knows.
 double Taken(int num_uses, double share_kept) {
@@ -13,8 +13,8 @@ double Taken(int num_uses, double share_kept) {
   double taken = 0.0;
   for (int i = 0; i < num_uses; ++i) {
     uses.Forget(share_kept);
-    taken = share_kept * taken + 1.0 / uses.VarianceFactor(kLandmark);
-    uses.Add(kLandmark);
+    taken = share_kept * taken + 1.0 / uses.VarianceFactor(kUsedLandmark);
+    uses.Add(kUsedLandmark);
   }
   return taken;
 }
@@ -27,12 +27,12 @@ TEST(LandmarkUses, AllUsesAtAnInstantSayNoMoreThanTheMapKnows) {
 
 TEST(LandmarkUses, WhatTheStateHasForgottenMayBeUsedAgain) {
   LandmarkUses uses;
-  uses.Add(kLandmark);
-  EXPECT_NEAR(uses.VarianceFactor(kLandmark), 1.0 / 0.09, 1e-9);
+  uses.Add(kUsedLandmark);
+  EXPECT_NEAR(uses.VarianceFactor(kUsedLandmark), 1.0 / 0.09, 1e-9);
   uses.Forget(0.5);
-  EXPECT_NEAR(uses.VarianceFactor(kLandmark), 1.0 / (0.9 * 0.55), 1e-9);
+  EXPECT_NEAR(uses.VarianceFactor(kUsedLandmark), 1.0 / (0.9 * 0.55), 1e-9);
   uses.Forget(0.0);
-  EXPECT_NEAR(uses.VarianceFactor(kLandmark), 1.0 / 0.9, 1e-6);
+  EXPECT_NEAR(uses.VarianceFactor(kUsedLandmark), 1.0 / 0.9, 1e-6);
   EXPECT_LE(Taken(50, 0.7), 1.0);
   EXPECT_GT(Taken(50, 0.7), 0.9);
 }

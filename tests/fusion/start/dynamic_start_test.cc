@@ -50,7 +50,7 @@ TEST(DynamicStart, FindsTheStateOfAWalkerWithinItsOwnUncertainty) {
   constexpr int kNumRuns = 12;
   for (uint64_t seed = 1; seed <= kNumRuns; ++seed) {
     const Simulation simulation(WalkOf(seed, 4.0));
-    Estimator estimator(simulation.MatchingOptions());
+    Estimator estimator(simulation.MatchingFusionOptions());
     std::optional<size_t> started;
     FeedWithoutStart(simulation, &estimator, [&](size_t i) {
       if (started || estimator.state() == nullptr) {
@@ -75,7 +75,7 @@ TEST(DynamicStart, FindsTheStateOfAWalkerWithinItsOwnUncertainty) {
 
 TEST(DynamicStart, TheFilterTracksOnFromIt) {
   const Simulation simulation(WalkOf(2, 20.0));
-  Estimator estimator(simulation.MatchingOptions());
+  Estimator estimator(simulation.MatchingFusionOptions());
   std::optional<Rigid3d> local_from_world;
   double error_m = 0.0;
   FeedWithoutStart(simulation, &estimator, [&](size_t i) {
@@ -98,14 +98,14 @@ TEST(DynamicStart, RotationAloneIsNoStart) {
   options.walk.gait_m = 0.0;
   options.walk.look_around_rad = 1.0;
   const Simulation simulation(options);
-  Estimator estimator(simulation.MatchingOptions());
+  Estimator estimator(simulation.MatchingFusionOptions());
   FeedWithoutStart(simulation, &estimator, [](size_t) {});
   EXPECT_EQ(estimator.state(), nullptr);
 }
 
 TEST(DynamicStart, CanBeTurnedOff) {
   const Simulation simulation(WalkOf(1, 4.0));
-  FusionOptions options = simulation.MatchingOptions();
+  FusionOptions options = simulation.MatchingFusionOptions();
   options.dynamic_start.enabled = false;
   Estimator estimator(options);
   FeedWithoutStart(simulation, &estimator, [](size_t) {});

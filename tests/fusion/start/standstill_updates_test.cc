@@ -12,7 +12,7 @@ namespace {
 using testing::kCloneStepNs;
 using testing::MovingState;
 
-constexpr int64_t kSampleStepNs = 5'000'000;
+constexpr int64_t kShakeStepNs = 5'000'000;
 constexpr int kNumFeatures = 20;
 
 // Samples from a second before the first clone to the newest one; those from `shakes_from_ns` on
@@ -20,7 +20,7 @@ constexpr int kNumFeatures = 20;
 ImuBuffer Samples(const FilterState& state, int64_t shakes_from_ns) {
   ImuBuffer buffer(1024);
   int i = 0;
-  for (int64_t t = -1'000'000'000; t <= state.clones().back().timestamp_ns; t += kSampleStepNs) {
+  for (int64_t t = -1'000'000'000; t <= state.clones().back().timestamp_ns; t += kShakeStepNs) {
     const double shake = t >= shakes_from_ns && i++ % 2 == 0 ? 0.5 : 0.0;
     buffer.Push({t, {shake, 0.0, 0.0}, {0.0, 0.0, 9.81 + shake}});
   }

@@ -7,7 +7,7 @@
 namespace cairn::fusion {
 namespace {
 
-constexpr int kNumClones = 5;
+constexpr int kNumTrackClones = 5;
 constexpr double kErrorSize = 1e-5;
 
 // Five clones on a curve of half a meter, aligned, and a truth that is off by a small error.
@@ -30,7 +30,7 @@ class TrackWithMapDistance : public ::testing::TestWithParam<bool> {
     const Rig rig{Rigid3d(ExpSo3({1.2, -1.1, 1.3}), Eigen::Vector3d(0.03, 0.01, -0.05)), 0.0};
     FilterState state(imu, 1e-3 * Matrix15d::Identity(), rig, options);
     FirstEstimate first = state.first();
-    for (int i = 0; i < kNumClones; ++i) {
+    for (int i = 0; i < kNumTrackClones; ++i) {
       ImuState end = state.imu();
       ImuTransition transition;
       for (int k = 0; k < 20; ++k) {
@@ -53,7 +53,7 @@ class TrackWithMapDistance : public ::testing::TestWithParam<bool> {
     const Eigen::Vector3d x_in_local =
         last.center_in_local +
         last.cam_from_local_rotation.transpose() * Eigen::Vector3d(0.5, -0.3, 4.0);
-    for (int i = 0; i < kNumClones; ++i) {
+    for (int i = 0; i < kNumTrackClones; ++i) {
       Clone clone = state_.clones()[static_cast<size_t>(i)];
       const auto error = error_.segment<kCloneDim>(state_.CloneIdx(i));
       clone.local_from_imu.rotation = ExpSo3(error.head<3>()) * clone.local_from_imu.rotation;
@@ -98,7 +98,7 @@ class TrackWithMapDistance : public ::testing::TestWithParam<bool> {
 TEST_P(TrackWithMapDistance, RowsAreThoseOfTheError) {
   const auto rows = Linearize(distance_);
   ASSERT_TRUE(rows.has_value());
-  ASSERT_EQ(rows->clones.num_rows(), 2 * kNumClones - 2);
+  ASSERT_EQ(rows->clones.num_rows(), 2 * kNumTrackClones - 2);
   const Eigen::VectorXd expected = Jacobian(rows->clones) * error_;
   EXPECT_GT(expected.norm(), 10.0 * kErrorSize);
   EXPECT_LT((rows->clones.residual - expected).norm(), 1e-2 * expected.norm());
@@ -116,7 +116,7 @@ TEST_P(TrackWithMapDistance, RowsKnowNothingOfUnobservableDirections) {
   Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(state_.dim(), 4);
   directions.block<3, 3>(kGlobalIdx, 0) = -Eigen::Matrix3d::Identity();
   directions(kGlobalIdx + 3, 3) = -1.0;
-  for (int i = 0; i < kNumClones; ++i) {
+  for (int i = 0; i < kNumTrackClones; ++i) {
     const Clone& clone = state_.clones()[static_cast<size_t>(i)];
     directions.block<3, 3>(state_.CloneIdx(i) + 3, 0).setIdentity();
     directions.block<3, 1>(state_.CloneIdx(i), 3) = Eigen::Vector3d::UnitZ();
@@ -130,14 +130,14 @@ TEST_P(TrackWithMapDistance, IsNotUsedBeforeTheAlignment) {
   state_.ForgetGlobal();
   const auto rows = Linearize(distance_);
   ASSERT_TRUE(rows.has_value());
-  EXPECT_EQ(rows->clones.num_rows(), 2 * kNumClones - 3);
+  EXPECT_EQ(rows->clones.num_rows(), 2 * kNumTrackClones - 3);
 }
 
 TEST_P(TrackWithMapDistance, IsNotUsedWithoutItsTile) {
   distance_.tile_id = 10;
   const auto rows = Linearize(distance_);
   ASSERT_TRUE(rows.has_value());
-  EXPECT_EQ(rows->clones.num_rows(), 2 * kNumClones - (state_.has_tiles() ? 3 : 2));
+  EXPECT_EQ(rows->clones.num_rows(), 2 * kNumTrackClones - (state_.has_tiles() ? 3 : 2));
 }
 
 INSTANTIATE_TEST_SUITE_P(Tiles, TrackWithMapDistance, ::testing::Bool());

@@ -20,8 +20,8 @@ const Geodetic kOrigin = Geodetic::FromDegrees(47.3769, 8.5417, 408.0);
 
 MapQuery QueryOf(int num_features) {
   MapQuery query;
-  query.query.query_id = 17;
-  query.query.down_in_cam = {0.0, 1.0, 0.0};
+  query.request.query_id = 17;
+  query.request.down_in_cam = {0.0, 1.0, 0.0};
   query.camera = Camera(CameraModel::kPinhole, 640, 480, {460.0, 460.0, 320.0, 240.0});
   query.features.space = DescriptorSpace::kProjected;
   query.codec = "sift-128-16-1";
@@ -66,13 +66,13 @@ Json AnswerJson() {
 
 TEST(MapMessages, TheCellIsThatOfThePrior) {
   MapQuery query = QueryOf(1);
-  query.query.prior.reset();
+  query.request.prior.reset();
   query.rough_position.reset();
   EXPECT_EQ(MakeMapRequest(query, kOrigin, 2000, 300).cell, "");
   const Geodetic rough = Geodetic::FromDegrees(-40.0, 100.0, 0.0);
   query.rough_position.emplace(RoughPosition{.position = rough});
   EXPECT_EQ(MakeMapRequest(query, kOrigin, 2000, 300).cell, CellName(rough));
-  query.query.prior.emplace();  // At the origin of `global`.
+  query.request.prior.emplace();  // At the origin of `global`.
   EXPECT_EQ(MakeMapRequest(query, kOrigin, 2000, 300).cell, CellName(kOrigin));
 }
 
@@ -87,7 +87,7 @@ TEST(MapMessages, RequestSaysWhatTheFilterKnows) {
   PosePrior prior;
   prior.global_from_cam = Rigid3d(Eigen::Quaterniond::Identity(), Eigen::Vector3d(30.0, 40.0, 2.0));
   prior.covariance = Matrix6d::Identity() * 4.0;
-  query.query.prior = prior;
+  query.request.prior = prior;
   query.rough_position = RoughPosition{Geodetic::FromDegrees(1.0, 2.0, 3.0), 15.0};
   const Json json = RequestOf(query);
   EXPECT_EQ(json["id"], "17");

@@ -57,8 +57,8 @@ class ManualClock {
 
 MapQuery SmallQuery(int64_t query_id) {
   MapQuery query;
-  query.query.query_id = query_id;
-  query.query.down_in_cam = {0.0, 1.0, 0.0};
+  query.request.query_id = query_id;
+  query.request.down_in_cam = {0.0, 1.0, 0.0};
   query.features.descriptors = DescriptorMatrix::Zero(1, 128);
   query.features.keypoints.push_back({10.0f, 10.0f, 1.0f, 0.0f});
   return query;

@@ -13,8 +13,8 @@ namespace cairn::fusion::testing {
 // Returns the query with raw features.
 inline MapQuery MapQueryFrom(const LocalizeQuery& from, int64_t query_id) {
   MapQuery query;
-  query.query.query_id = query_id;
-  query.query.down_in_cam = *from.down_in_cam;
+  query.request.query_id = query_id;
+  query.request.down_in_cam = *from.down_in_cam;
   query.camera = from.camera;
   query.features = from.features;
   query.rough_position = {from.prior->position, from.prior->accuracy_m};

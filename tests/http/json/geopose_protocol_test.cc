@@ -50,14 +50,14 @@ json Request() {
           {"sensorReadings", {{"cameraReadings", {Camera64()}}}}};
 }
 
-LocalizeRequest Parse(const json& request) {
+LocalizeRequest ParseGeoPose(const json& request) {
   return ParseGeoPoseRequest("application/json", request.dump(), RequestLimits{});
 }
 
 // Pointer and words of the refusal.
 std::pair<std::string, std::string> RefusalOf(const json& request) {
   try {
-    Parse(request);
+    ParseGeoPose(request);
   } catch (const HttpError& e) {
     return {e.pointer(), e.what() + (" " + e.hint())};
   }
@@ -68,12 +68,12 @@ TEST(GeoPoseProtocol, ReadsGeolocationInBothSpellings) {
   for (const char* member : {"geolocationReadings", "geoLocationReadings"}) {
     json request = Request();
     request["sensorReadings"][member] = {Geolocation()};
-    const LocalizeRequest parsed = Parse(request);
+    const LocalizeRequest parsed = ParseGeoPose(request);
     ASSERT_TRUE(parsed.query.prior.has_value()) << member;
     EXPECT_NEAR(parsed.query.prior->position.lat_deg(), 55.705, 1e-9);
     EXPECT_EQ(parsed.query.prior->accuracy_m, 10.0);
   }
-  EXPECT_FALSE(Parse(Request()).query.prior.has_value());
+  EXPECT_FALSE(ParseGeoPose(Request()).query.prior.has_value());
 }
 
 TEST(GeoPoseProtocol, TakesWhatIsLeftOutFromThePicture) {
@@ -85,7 +85,7 @@ TEST(GeoPoseProtocol, TakesWhatIsLeftOutFromThePicture) {
       json& reading = request["sensorReadings"]["cameraReadings"][0];
       reading["size"] = size;
       reading["params"] = params;
-      const LocalizeRequest parsed = Parse(request);
+      const LocalizeRequest parsed = ParseGeoPose(request);
       EXPECT_EQ(parsed.query.camera.width_px(), 64) << size << params;
       EXPECT_EQ(parsed.query.camera.height_px(), 48) << size << params;
       ASSERT_TRUE(parsed.query.focal.has_value());
@@ -102,7 +102,7 @@ TEST(GeoPoseProtocol, KnowsFullOpenCv) {
   request["sensorReadings"]["cameraReadings"][0]["params"] = {
       {"model", "FULL_OPENCV"},
       {"modelParams", {50, 50, 32, 24, 0.1, 0.01, 0, 0, 0.001, 0.1, 0.01, 0.001}}};
-  EXPECT_EQ(Parse(request).query.camera.model(), CameraModel::kFullOpenCv);
+  EXPECT_EQ(ParseGeoPose(request).query.camera.model(), CameraModel::kFullOpenCv);
 }
 
 TEST(GeoPoseProtocol, SkipsDepthImages) {
@@ -110,7 +110,7 @@ TEST(GeoPoseProtocol, SkipsDepthImages) {
   json& readings = request["sensorReadings"]["cameraReadings"];
   const json depth = {{"imageFormat", "DEPTH"}, {"size", {8, 8}}, {"imageBytes", "AAAA"}};
   readings = {depth, Camera64()};
-  const LocalizeRequest parsed = Parse(request);
+  const LocalizeRequest parsed = ParseGeoPose(request);
   EXPECT_EQ(parsed.query.camera.width_px(), 64);
   EXPECT_EQ(parsed.images.size(), 1u);
   readings = {depth};
@@ -131,15 +131,15 @@ TEST(GeoPoseProtocol, ReadingsThatSayTheyAreInvalidDoNotCount) {
   json request = Request();
   json& readings = request["sensorReadings"]["geolocationReadings"];
   readings = {Geolocation(-1.0)};
-  EXPECT_FALSE(Parse(request).query.prior.has_value());
+  EXPECT_FALSE(ParseGeoPose(request).query.prior.has_value());
   readings = {{{"latitude", 0}, {"longitude", 0}, {"accuracy", 0}}};
-  EXPECT_FALSE(Parse(request).query.prior.has_value());
+  EXPECT_FALSE(ParseGeoPose(request).query.prior.has_value());
   readings = {Geolocation(-1.0), Geolocation(20.0)};
-  EXPECT_EQ(Parse(request).query.prior->accuracy_m, 20.0);
+  EXPECT_EQ(ParseGeoPose(request).query.prior->accuracy_m, 20.0);
   readings = {Geolocation()};
   readings[0]["altitudeAccuracy"] = -1.0;
-  EXPECT_FALSE(Parse(request).query.prior->height_sigma_m.has_value());
-  EXPECT_TRUE(Parse(request).query.prior.has_value());
+  EXPECT_FALSE(ParseGeoPose(request).query.prior->height_sigma_m.has_value());
+  EXPECT_TRUE(ParseGeoPose(request).query.prior.has_value());
 }
 
 TEST(GeoPoseProtocol, TheReadingNearestInTimeCountsThenTheMostAccurate) {
@@ -147,7 +147,7 @@ TEST(GeoPoseProtocol, TheReadingNearestInTimeCountsThenTheMostAccurate) {
   json old = Geolocation(1.0);
   old["timestamp"] = kTimeMs - 60'000;
   request["sensorReadings"]["geolocationReadings"] = {old, Geolocation(30.0), Geolocation(12.0)};
-  EXPECT_EQ(Parse(request).query.prior->accuracy_m, 12.0);
+  EXPECT_EQ(ParseGeoPose(request).query.prior->accuracy_m, 12.0);
 }
 
 TEST(GeoPoseProtocol, AltitudesAreEllipsoidalButMayBeAboveTheSeaUnlessTheySay) {
@@ -156,7 +156,7 @@ TEST(GeoPoseProtocol, AltitudesAreEllipsoidalButMayBeAboveTheSeaUnlessTheySay) {
   json request = Request();
   json& reading = request["sensorReadings"]["geolocationReadings"][0];
   reading = Geolocation();
-  const auto prior = [&] { return *Parse(request).query.prior; };
+  const auto prior = [&] { return *ParseGeoPose(request).query.prior; };
   EXPECT_EQ(prior().position.h_m, 60.0);
   EXPECT_NEAR(*prior().height_sigma_m, std::hypot(5.0, geoid_m), 1e-6);
   reading["altitudeReference"] = "ellipsoid";
@@ -177,19 +177,19 @@ TEST(GeoPoseProtocol, PriorPosesStandInForGpsAndGrowWithAge) {
                             {"geopose",
                              {{"position", {{"lat", 55.7}, {"lon", 13.2}, {"h", 90.0}}},
                               {"quaternion", {{"x", 0}, {"y", 0}, {"z", 0}, {"w", 1}}}}}}};
-  const auto prior = Parse(request).query.prior;
+  const auto prior = ParseGeoPose(request).query.prior;
   ASSERT_TRUE(prior.has_value());
   EXPECT_NEAR(prior->position.lat_deg(), 55.7, 1e-9);
   EXPECT_EQ(prior->position.h_m, 90.0);
   EXPECT_NEAR(prior->accuracy_m, 0.5 + 30.0, 1e-9);
   // GPS that is known better wins, and the other way round.
   request["sensorReadings"]["geolocationReadings"] = {Geolocation(10.0)};
-  EXPECT_NEAR(Parse(request).query.prior->position.lat_deg(), 55.705, 1e-9);
+  EXPECT_NEAR(ParseGeoPose(request).query.prior->position.lat_deg(), 55.705, 1e-9);
   request["priorPoses"][0]["timestamp"] = kTimeMs - 1000;
-  EXPECT_NEAR(Parse(request).query.prior->position.lat_deg(), 55.7, 1e-9);
+  EXPECT_NEAR(ParseGeoPose(request).query.prior->position.lat_deg(), 55.7, 1e-9);
   // The JavaScript client's word for an unknown accuracy.
   request["priorPoses"][0]["accuracy"]["position"] = std::numeric_limits<double>::max();
-  EXPECT_NEAR(Parse(request).query.prior->position.lat_deg(), 55.705, 1e-9);
+  EXPECT_NEAR(ParseGeoPose(request).query.prior->position.lat_deg(), 55.705, 1e-9);
 }
 
 json Turn(const Eigen::Vector3d& axis, double angle_deg) {
@@ -221,7 +221,7 @@ TEST(GeoPoseProtocol, CamerasOfOneRigAreOneQuery) {
   unknown.erase("params");
   request["sensorReadings"]["cameraReadings"] = {
       Camera64("cam"), Camera64("elsewhere"), late, unknown, Camera64("left"), Camera64("left")};
-  const LocalizeRequest parsed = Parse(request);
+  const LocalizeRequest parsed = ParseGeoPose(request);
   ASSERT_EQ(parsed.query.other_cameras.size(), 1u);
   EXPECT_EQ(parsed.images.size(), 2u);
   const Rigid3d cam_from_rig(
@@ -237,7 +237,7 @@ TEST(GeoPoseProtocol, CamerasOfOneRigAreOneQuery) {
             1e-9);
   // Cameras that do not say how they are mounted stay apart.
   request["sensors"] = json::array();
-  EXPECT_TRUE(Parse(request).query.other_cameras.empty());
+  EXPECT_TRUE(ParseGeoPose(request).query.other_cameras.empty());
 }
 
 TEST(GeoPoseProtocol, TheAccelerometerOfAPhoneIsGravity) {
@@ -246,26 +246,26 @@ TEST(GeoPoseProtocol, TheAccelerometerOfAPhoneIsGravity) {
   request["sensorReadings"]["accelerometerReadings"] = {
       {{"timestamp", kTimeMs}, {"x", 0.0}, {"y", 9.81}, {"z", 0.0}}};
   // Nobody says how the picture lies in the device.
-  EXPECT_FALSE(Parse(request).query.down_in_cam.has_value());
+  EXPECT_FALSE(ParseGeoPose(request).query.down_in_cam.has_value());
   // Upright in portrait: down is down in the picture.
   camera["imageOrientation"] = {{"mirrored", false}, {"rotation", 0}};
-  ASSERT_TRUE(Parse(request).query.down_in_cam.has_value());
-  EXPECT_LT((*Parse(request).query.down_in_cam - Eigen::Vector3d(0, 1, 0)).norm(), 1e-9);
+  ASSERT_TRUE(ParseGeoPose(request).query.down_in_cam.has_value());
+  EXPECT_LT((*ParseGeoPose(request).query.down_in_cam - Eigen::Vector3d(0, 1, 0)).norm(), 1e-9);
   // The sensor's landscape pixels, to be turned by 90 degrees clockwise: what is right in them ends
   // up below.
   camera["imageOrientation"]["rotation"] = 90;
-  EXPECT_LT((*Parse(request).query.down_in_cam - Eigen::Vector3d(1, 0, 0)).norm(), 1e-9);
+  EXPECT_LT((*ParseGeoPose(request).query.down_in_cam - Eigen::Vector3d(1, 0, 0)).norm(), 1e-9);
   camera["imageOrientation"]["rotation"] = -90;
-  EXPECT_LT((*Parse(request).query.down_in_cam - Eigen::Vector3d(-1, 0, 0)).norm(), 1e-9);
+  EXPECT_LT((*ParseGeoPose(request).query.down_in_cam - Eigen::Vector3d(-1, 0, 0)).norm(), 1e-9);
   // Lying on its back, the camera looks down.
   request["sensorReadings"]["accelerometerReadings"][0] = {{"x", 0}, {"y", 0}, {"z", 9.81}};
-  EXPECT_LT((*Parse(request).query.down_in_cam - Eigen::Vector3d(0, 0, 1)).norm(), 1e-9);
+  EXPECT_LT((*ParseGeoPose(request).query.down_in_cam - Eigen::Vector3d(0, 0, 1)).norm(), 1e-9);
   // In motion, of another unit, or of another time.
   for (const json& reading :
        {json{{"x", 0}, {"y", 11.0}, {"z", 0}}, json{{"x", 0}, {"y", -1.0}, {"z", 0}},
         json{{"timestamp", kTimeMs + 5000}, {"x", 0}, {"y", 9.81}, {"z", 0}}}) {
     request["sensorReadings"]["accelerometerReadings"][0] = reading;
-    EXPECT_FALSE(Parse(request).query.down_in_cam.has_value()) << reading;
+    EXPECT_FALSE(ParseGeoPose(request).query.down_in_cam.has_value()) << reading;
   }
 }
 
@@ -276,7 +276,7 @@ TEST(GeoPoseProtocol, TheAccelerometerOfARigIsGravity) {
                         SensorOnRig("acc", "accelerometer", Turn(Eigen::Vector3d::UnitX(), 90.0))};
   request["sensorReadings"]["accelerometerReadings"] = {
       {{"sensorId", "acc"}, {"x", 0.0}, {"y", 0.0}, {"z", -9.81}}};
-  const auto down = Parse(request).query.down_in_cam;
+  const auto down = ParseGeoPose(request).query.down_in_cam;
   ASSERT_TRUE(down.has_value());
   EXPECT_LT((*down - Eigen::Vector3d(0, 1, 0)).norm(), 1e-9);
 }
@@ -285,9 +285,9 @@ TEST(GeoPoseProtocol, RotationsOfThePictureTurnTheAnswer) {
   json request = Request();
   json& camera = request["sensorReadings"]["cameraReadings"][0];
   camera["imageOrientation"] = {{"mirrored", false}, {"rotation", 90}};
-  const LocalizeRequest turned = Parse(request);
+  const LocalizeRequest turned = ParseGeoPose(request);
   camera.erase("imageOrientation");
-  const LocalizeRequest as_sent = Parse(request);
+  const LocalizeRequest as_sent = ParseGeoPose(request);
   // A level camera that looks north, in a picture that lies on its side: what is down in the world
   // is right in the pixels.
   LocalizeResult result;
@@ -312,7 +312,7 @@ TEST(GeoPoseProtocol, TheOgcGeoPoseIsThePoseAlone) {
   result.localized = true;
   const Geodetic lund = Geodetic::FromDegrees(55.705, 13.19, 60.0);
   result.cam_from_ecef = EcefFromEnu(lund).Inverse();
-  const json geopose = json::parse(OgcGeoPoseJson(result, Parse(Request())));
+  const json geopose = json::parse(OgcGeoPoseJson(result, ParseGeoPose(Request())));
   EXPECT_EQ(geopose.size(), 2u);
   EXPECT_NEAR(geopose["position"]["h"].get<double>(), 60.0, 1e-6);
   EXPECT_EQ(geopose["quaternion"].size(), 4u);

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "core/angles.h"
+
 namespace cairn {
 namespace {
 
@@ -31,7 +33,7 @@ void ExpectQuaternion(const Eigen::Quaterniond& q, double x, double y, double z,
 }
 
 TEST(InnerFrame, AFluCameraThatLooksEastHasTheIdentity) {
-  ExpectQuaternion(GeoPoseFromCamera(LevelCamera(M_PI / 2), InnerFrame::kFlu).enu_from_inner, 0, 0,
+  ExpectQuaternion(GeoPoseFromCamera(LevelCamera(kPi / 2), InnerFrame::kFlu).enu_from_inner, 0, 0,
                    0, 1);
 }
 

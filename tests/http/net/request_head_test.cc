@@ -7,23 +7,25 @@
 namespace cairn {
 namespace {
 
-RequestHead Parse(const std::string& text) { return ParseRequestHead(text, HeadLimits{}); }
+constexpr size_t kMaxBodyBytes = size_t{2} << 20;
+
+RequestHead ParseHead(const std::string& text) { return ParseRequestHead(text, kMaxBodyBytes); }
 
 int StatusOf(const std::string& text) {
   try {
-    Parse(text);
+    ParseHead(text);
   } catch (const HttpError& e) {
     return InfoOf(e.problem()).status;
   }
   return 200;
 }
 
-std::string Post(const std::string& headers) {
+std::string PostHead(const std::string& headers) {
   return "POST /v1/localize HTTP/1.1\r\nHost: h\r\n" + headers + "\r\n";
 }
 
 TEST(RequestHead, ReadsMethodTargetAndHeaders) {
-  const RequestHead head = Parse(
+  const RequestHead head = ParseHead(
       "POST /a?b=c HTTP/1.1\r\nHost: h\r\nContent-Length: 12\r\nX-Thing:  some value \r\n\r\n");
   EXPECT_EQ(head.method, "POST");
   EXPECT_EQ(head.target, "/a?b=c");
@@ -34,33 +36,33 @@ TEST(RequestHead, ReadsMethodTargetAndHeaders) {
 }
 
 TEST(RequestHead, KnowsWhenTheConnectionEnds) {
-  EXPECT_FALSE(Parse("GET / HTTP/1.1\r\nHost: h\r\nConnection: Close\r\n\r\n").keep_alive);
-  EXPECT_FALSE(Parse("GET / HTTP/1.0\r\n\r\n").keep_alive);
-  EXPECT_TRUE(Parse("GET / HTTP/1.0\r\nConnection: keep-alive\r\n\r\n").keep_alive);
+  EXPECT_FALSE(ParseHead("GET / HTTP/1.1\r\nHost: h\r\nConnection: Close\r\n\r\n").keep_alive);
+  EXPECT_FALSE(ParseHead("GET / HTTP/1.0\r\n\r\n").keep_alive);
+  EXPECT_TRUE(ParseHead("GET / HTTP/1.0\r\nConnection: keep-alive\r\n\r\n").keep_alive);
 }
 
 TEST(RequestHead, RefusesAmbiguousFraming) {
-  EXPECT_EQ(StatusOf(Post("Content-Length: 1\r\nContent-Length: 1\r\n")), 400);
-  EXPECT_EQ(StatusOf(Post("Content-Length: 1\r\nTransfer-Encoding: chunked\r\n")), 400);
-  EXPECT_EQ(StatusOf(Post("Content-Length: 1, 1\r\n")), 400);
-  EXPECT_EQ(StatusOf(Post("Content-Length: +1\r\n")), 400);
-  EXPECT_EQ(StatusOf(Post("Content-Length: -1\r\n")), 400);
-  EXPECT_EQ(StatusOf(Post("Content-Length: 0x10\r\n")), 400);
-  EXPECT_EQ(StatusOf(Post("Content-Length:\r\n")), 400);
-  EXPECT_EQ(StatusOf(Post("Content-Length : 1\r\n")), 400);
-  EXPECT_EQ(StatusOf(Post("Content-Length: 1\r\n folded\r\n")), 400);
-  EXPECT_EQ(StatusOf(Post("Content-Length: 1\nTransfer-Encoding: chunked\r\n")), 400);
+  EXPECT_EQ(StatusOf(PostHead("Content-Length: 1\r\nContent-Length: 1\r\n")), 400);
+  EXPECT_EQ(StatusOf(PostHead("Content-Length: 1\r\nTransfer-Encoding: chunked\r\n")), 400);
+  EXPECT_EQ(StatusOf(PostHead("Content-Length: 1, 1\r\n")), 400);
+  EXPECT_EQ(StatusOf(PostHead("Content-Length: +1\r\n")), 400);
+  EXPECT_EQ(StatusOf(PostHead("Content-Length: -1\r\n")), 400);
+  EXPECT_EQ(StatusOf(PostHead("Content-Length: 0x10\r\n")), 400);
+  EXPECT_EQ(StatusOf(PostHead("Content-Length:\r\n")), 400);
+  EXPECT_EQ(StatusOf(PostHead("Content-Length : 1\r\n")), 400);
+  EXPECT_EQ(StatusOf(PostHead("Content-Length: 1\r\n folded\r\n")), 400);
+  EXPECT_EQ(StatusOf(PostHead("Content-Length: 1\nTransfer-Encoding: chunked\r\n")), 400);
 }
 
 TEST(RequestHead, RefusesBodiesItCannotBound) {
-  EXPECT_EQ(StatusOf(Post("")), 411);
-  EXPECT_EQ(StatusOf(Post("Transfer-Encoding: chunked\r\n")), 411);
+  EXPECT_EQ(StatusOf(PostHead("")), 411);
+  EXPECT_EQ(StatusOf(PostHead("Transfer-Encoding: chunked\r\n")), 411);
   EXPECT_EQ(StatusOf("GET / HTTP/1.1\r\nHost: h\r\nTransfer-Encoding: chunked\r\n\r\n"), 411);
-  EXPECT_EQ(StatusOf(Post("Content-Length: 2097153\r\n")), 413);
-  EXPECT_EQ(StatusOf(Post("Content-Length: 99999999999999999999999\r\n")), 413);
-  EXPECT_EQ(StatusOf(Post("Content-Length: 9\r\nContent-Encoding: gzip\r\n")), 415);
-  EXPECT_EQ(StatusOf(Post("Content-Length: 9\r\nContent-Encoding: identity\r\n")), 200);
-  EXPECT_EQ(StatusOf(Post("Content-Length: 2097152\r\n")), 200);
+  EXPECT_EQ(StatusOf(PostHead("Content-Length: 2097153\r\n")), 413);
+  EXPECT_EQ(StatusOf(PostHead("Content-Length: 99999999999999999999999\r\n")), 413);
+  EXPECT_EQ(StatusOf(PostHead("Content-Length: 9\r\nContent-Encoding: gzip\r\n")), 415);
+  EXPECT_EQ(StatusOf(PostHead("Content-Length: 9\r\nContent-Encoding: identity\r\n")), 200);
+  EXPECT_EQ(StatusOf(PostHead("Content-Length: 2097152\r\n")), 200);
 }
 
 TEST(RequestHead, RefusesMalformedRequestLines) {
@@ -95,7 +97,7 @@ TEST(RequestHead, RefusesMalformedHeaders) {
 }
 
 TEST(RequestHead, RefusesEveryTruncationOfAGoodHead) {
-  const std::string head = Post("Content-Length: 5\r\n");
+  const std::string head = PostHead("Content-Length: 5\r\n");
   for (size_t size = 0; size < head.size(); ++size) {
     EXPECT_EQ(StatusOf(head.substr(0, size)), 400) << size;
   }

@@ -9,7 +9,7 @@ namespace {
 
 // Cameras along a straight street of 60 m; the map has them moved by `motion` about the middle and
 // scaled by `scale`, with noise.
-std::vector<PosePair> Street(const Rigid3d& motion, double scale, int num_outliers) {
+std::vector<PosePair> PosesOfStreet(const Rigid3d& motion, double scale, int num_outliers) {
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal;
   const Eigen::Vector3d middle(4.2e6, 6.3e5, 4.7e6);
@@ -30,7 +30,7 @@ std::vector<PosePair> Street(const Rigid3d& motion, double scale, int num_outlie
 
 TEST(FitPlacement, FindsTheMotionDespiteOutliers) {
   const Rigid3d motion(ExpSo3(Eigen::Vector3d(0.0, 0.0, 0.02)), Eigen::Vector3d(1.0, -0.5, 0.2));
-  const PlacementFit fit = FitPlacement(Street(motion, 1.0, 9), {});
+  const PlacementFit fit = FitPlacement(PosesOfStreet(motion, 1.0, 9), {});
   EXPECT_EQ(fit.num_agreeing, 21);
   EXPECT_NEAR(fit.moved_m, motion.translation.norm(), 0.1);
   EXPECT_NEAR(fit.turned_rad, 0.02, 0.003);
@@ -39,12 +39,12 @@ TEST(FitPlacement, FindsTheMotionDespiteOutliers) {
 }
 
 TEST(FitPlacement, SeesAWrongSize) {
-  const PlacementFit fit = FitPlacement(Street(Rigid3d(), 0.9, 0), {});
+  const PlacementFit fit = FitPlacement(PosesOfStreet(Rigid3d(), 0.9, 0), {});
   EXPECT_NEAR(fit.scale, 0.9, 0.01);
 }
 
 TEST(FitPlacement, CountsNoAgreementWhereThereIsNone) {
-  std::vector<PosePair> pairs = Street(Rigid3d(), 1.0, 0);
+  std::vector<PosePair> pairs = PosesOfStreet(Rigid3d(), 1.0, 0);
   for (size_t i = 0; i < pairs.size(); ++i) {
     Rigid3d in_map = pairs[i].cam_from_ecef_in_map.Inverse();
     in_map.translation += Eigen::Vector3d(7.0 * (i % 5), 11.0 * (i % 3), 0.0);

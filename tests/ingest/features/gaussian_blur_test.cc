@@ -13,10 +13,10 @@ namespace {
 
 FloatImage RandomImage(int width_px, int height_px) {
   std::mt19937 rng(1);
-  std::uniform_real_distribution<float> grey(0.0f, 255.0f);
+  std::uniform_real_distribution<float> gray(0.0f, 255.0f);
   FloatImage image(width_px, height_px);
   for (int row = 0; row < height_px; ++row) {
-    std::generate_n(image.Row(row), width_px, [&] { return grey(rng); });
+    std::generate_n(image.Row(row), width_px, [&] { return gray(rng); });
   }
   return image;
 }

@@ -20,7 +20,7 @@
 namespace cairn {
 namespace {
 
-// Rectangles of all sizes and greys before one another, as on facades, with the noise of a sensor.
+// Rectangles of all sizes and grays before one another, as on facades, with the noise of a sensor.
 cv::Mat MadeUpPhoto() {
   cv::Mat photo(864, 1152, CV_8UC1, cv::Scalar(128));
   cv::RNG rng(1);

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <random>
 #include <vector>
 
+#include "core/angles.h"
 #include "ingest/features/arc_tangent.h"
 #include "ingest/features/sift_orientation.h"
 
@@ -21,10 +21,10 @@ using Descriptor = std::array<float, kSiftDim>;
 // Blotches of all sizes.
 ScaleSpaceOctave SomeOctave() {
   std::mt19937 rng(3);
-  std::uniform_real_distribution<float> grey(0.0f, 255.0f);
+  std::uniform_real_distribution<float> gray(0.0f, 255.0f);
   FloatImage image(320, 240);
   for (int row = 0; row < 240; ++row) {
-    std::generate_n(image.Row(row), 320, [&] { return grey(rng); });
+    std::generate_n(image.Row(row), 320, [&] { return gray(rng); });
   }
   return MakeScaleSpaceOctave(image, 0.5);
 }
@@ -45,7 +45,7 @@ class PlainDescriptor {
         const double gx = gaussian.Row(y)[x + 1] - gaussian.Row(y)[x - 1];
         const double gy = gaussian.Row(y + 1)[x] - gaussian.Row(y - 1)[x];
         const double turned = angle_rad - std::atan2(gy, gx);
-        const double direction = turned / (2.0 * std::numbers::pi) * 8.0;
+        const double direction = turned / (2.0 * kPi) * 8.0;
         Add(along + 1.5, across + 1.5, direction - 8.0 * std::floor(direction / 8.0),
             std::hypot(gx, gy) * std::exp(-0.125 * (along * along + across * across)));
       }
@@ -153,10 +153,10 @@ TEST(FindSiftOrientations, FollowsARamp) {
 
 TEST(DirectionInEighths, IsTheArcTangent) {
   for (int i = 0; i < 1000; ++i) {
-    const double angle_rad = 2.0 * std::numbers::pi * i / 1000.0;
+    const double angle_rad = 2.0 * kPi * i / 1000.0;
     const auto y = static_cast<float>(std::sin(angle_rad));
     const auto x = static_cast<float>(std::cos(angle_rad));
-    EXPECT_NEAR(DirectionInEighths(y, x), angle_rad * 4.0 / std::numbers::pi, 2e-4);
+    EXPECT_NEAR(DirectionInEighths(y, x), angle_rad * 4.0 / kPi, 2e-4);
   }
   EXPECT_EQ(DirectionInEighths(0.0f, 0.0f), 0.0f);
 }

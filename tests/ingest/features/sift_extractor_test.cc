@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <random>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "core/angles.h"
 #include "core/error.h"
 
 namespace cairn {
@@ -19,7 +19,7 @@ struct Blob {
   double x_px, y_px, sigma_px;
 };
 
-// Gaussian blobs on grey; positions in our pixel convention.
+// Gaussian blobs on gray; positions in our pixel convention.
 GrayImage DrawBlobs(int width_px, int height_px, const std::vector<Blob>& blobs) {
   GrayImage image{width_px, height_px, std::vector<uint8_t>(width_px * height_px)};
   for (int row = 0; row < height_px; ++row) {
@@ -57,7 +57,7 @@ GrayImage Noise(int width_px, int height_px) {
   return DrawBlobs(width_px, height_px, blobs);
 }
 
-TEST(ExtractSift, PutsKeypointsOnTheCentresOfBlobs) {
+TEST(ExtractSift, PutsKeypointsOnTheCentersOfBlobs) {
   const std::vector<Blob> blobs = {
       {40.5, 40.5, 3.0}, {90.1, 40.25, 4.0}, {40.8, 90.3, 3.5}, {95.3, 95.7, 5.0}};
   const FeatureSet features = ExtractSift(DrawBlobs(140, 140, blobs));
@@ -88,8 +88,7 @@ TEST(ExtractSift, OrientationTurnsWithTheImage) {
     num_found += std::any_of(
         turned_features.keypoints.begin(), turned_features.keypoints.end(), [&](const Keypoint& b) {
           return std::hypot(b.x_px - (kSide - a.y_px), b.y_px - a.x_px) < 0.3 &&
-                 std::abs(WrapAngleRad(b.orientation_rad - a.orientation_rad -
-                                       std::numbers::pi / 2.0)) < 0.1;
+                 std::abs(WrapAngleRad(b.orientation_rad - a.orientation_rad - kPi / 2.0)) < 0.1;
         });
   }
   // Round blobs leave some orientations to chance.

@@ -77,7 +77,7 @@ Bytes HostileFile(const std::string& name) {
   return ReadImageBytes((testing::TestDataDir() / "hostile" / name).string());
 }
 
-TEST(ImageDecoding, JpegsAreGreyAsByOpenCv) {
+TEST(ImageDecoding, JpegsAreGrayAsByOpenCv) {
   for (const int type : {CV_8UC1, CV_8UC3}) {
     for (const int quality : {30, 90, 100}) {
       EXPECT_EQ(DifferenceFromOpenCv(Encode(".jpg", type, {cv::IMWRITE_JPEG_QUALITY, quality})), 0);
@@ -87,14 +87,14 @@ TEST(ImageDecoding, JpegsAreGreyAsByOpenCv) {
   }
 }
 
-TEST(ImageDecoding, PngsAreGreyAsByOpenCv) {
+TEST(ImageDecoding, PngsAreGrayAsByOpenCv) {
   for (const int type : {CV_8UC1, CV_8UC3, CV_8UC4, CV_16UC1, CV_16UC3, CV_16UC4}) {
     EXPECT_EQ(DifferenceFromOpenCv(Encode(".png", type)), 0) << type;
   }
   EXPECT_EQ(DifferenceFromOpenCv(Encode(".png", CV_8UC1, {cv::IMWRITE_PNG_BILEVEL, 1})), 0);
 }
 
-TEST(ImageDecoding, PnmsAreGreyAsByOpenCv) {
+TEST(ImageDecoding, PnmsAreGrayAsByOpenCv) {
   EXPECT_EQ(DifferenceFromOpenCv(Encode(".pgm", CV_8UC1)), 0);
   EXPECT_EQ(DifferenceFromOpenCv(Encode(".ppm", CV_8UC3)), 0);
   EXPECT_LE(DifferenceFromOpenCv(Encode(".pgm", CV_16UC1)),
@@ -133,7 +133,7 @@ TEST(ImageDecoding, OtherFormatsAreRefusedByName) {
   EXPECT_THAT(Refusal(BytesOf("hello, world")), HasSubstr("not a JPEG, PNG"));
 }
 
-TEST(ImageDecoding, AJpegOfFourColoursIsRefused) {
+TEST(ImageDecoding, AJpegOfFourColorsIsRefused) {
   const Bytes cmyk = {0xff, 0xd8,                                                         // Start.
                       0xff, 0xc0, 0, 20, 8,    0, 8, 0, 8,  4, 1, 0x11, 0,   2, 0x11, 0,  // Frame
                       3,    0x11, 0, 4,  0x11, 0,                               // of four.

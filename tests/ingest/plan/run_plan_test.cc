@@ -42,7 +42,7 @@ StreetWorld Street(uint64_t view_seed, double north_m = 0.0) {
   return StreetWorld(options);
 }
 
-IngestOptions OptionsFor(const std::string& session_name) {
+IngestOptions PlanOptionsFor(const std::string& session_name) {
   IngestOptions options;
   options.session_name = session_name;
   options.recorded_at = "2026-01-31T12:00:00Z";
@@ -75,7 +75,7 @@ struct Contents {
   bool operator==(const Contents&) const = default;
 };
 
-Contents ContentsOf(const MapStore& store) {
+Contents ContentsOfTables(const MapStore& store) {
   const MapSnapshot snapshot = store.Snapshot();
   Contents contents;
   contents.next_landmark = snapshot.NextLandmarkId();
@@ -125,7 +125,7 @@ class PlanTest : public testing::MapPlaceTest {
   // A map with one session.
   MapStore MakeMap(const std::string& name) {
     MapStore store = MapStore::Create(Place(name));
-    Ingest(Street(1), OptionsFor("first"), &store);
+    Ingest(Street(1), PlanOptionsFor("first"), &store);
     return store;
   }
 
@@ -135,21 +135,22 @@ CAIRN_ON_BOTH_KINDS_OF_MAPS(PlanTest);
 
 TEST_P(PlanTest, AnyNumberOfTasksMakesTheMapOfIngest) {
   MapStore sequential = MakeMap("sequential");
-  IngestOptions threaded = OptionsFor("second");
+  IngestOptions threaded = PlanOptionsFor("second");
   threaded.num_threads = 3;
   const IngestReport expected = Ingest(Street(2), threaded, &sequential);
   ASSERT_GE(expected.num_tiles_written, 2);
   ASSERT_GT(expected.changes.num_merged, 100);
   for (const int64_t count : {1, 2, 5}) {
     MapStore spread = MakeMap("spread" + std::to_string(count));
-    const std::string plan = Plan(Street(2), OptionsFor("second"), std::to_string(count), &spread);
+    const std::string plan =
+        Plan(Street(2), PlanOptionsFor("second"), std::to_string(count), &spread);
     int64_t num_built = Build(plan, 0, count).num_built;
     for (int64_t index = 0; index < count; ++index) {
       num_built += Build(plan, index, count).num_built;  // The first task runs twice.
     }
     EXPECT_EQ(num_built, static_cast<int64_t>(PlanFolder(plan).plan().tiles.size()));
     const IngestReport report = Publish(plan, &spread);
-    EXPECT_EQ(ContentsOf(spread), ContentsOf(sequential)) << count;
+    EXPECT_EQ(ContentsOfTables(spread), ContentsOfTables(sequential)) << count;
     EXPECT_EQ(report.map_version, expected.map_version);
     EXPECT_EQ(report.changes.num_merged, expected.changes.num_merged);
     EXPECT_EQ(report.comparison.num_localized, expected.comparison.num_localized);
@@ -161,12 +162,12 @@ TEST_P(PlanTest, AnyNumberOfTasksMakesTheMapOfIngest) {
 TEST_P(PlanTest, TheFirstSessionBringsItsCodebook) {
   MapStore sequential = MapStore::Create(Place("sequential"));
   MapStore spread = MapStore::Create(Place("spread"));
-  Ingest(Street(1), OptionsFor("first"), &sequential);
-  const std::string plan = Plan(Street(1), OptionsFor("first"), "plan", &spread);
+  Ingest(Street(1), PlanOptionsFor("first"), &sequential);
+  const std::string plan = Plan(Street(1), PlanOptionsFor("first"), "plan", &spread);
   EXPECT_EQ(spread.Snapshot().CurrentCodebook(), nullptr);
   Build(plan);
   Publish(plan, &spread);
-  EXPECT_EQ(ContentsOf(spread), ContentsOf(sequential));
+  EXPECT_EQ(ContentsOfTables(spread), ContentsOfTables(sequential));
   EXPECT_EQ(spread.Snapshot().CurrentCodebook()->id, sequential.Snapshot().CurrentCodebook()->id);
 }
 
@@ -174,30 +175,30 @@ TEST_P(PlanTest, AReplacedSessionLeavesItsTiles) {
   MapStore sequential = MakeMap("sequential");
   MapStore spread = MakeMap("spread");
   const StreetWorld elsewhere = Street(3, 400.0);
-  const IngestReport expected = Ingest(elsewhere, OptionsFor("first"), &sequential);
-  const std::string plan = Plan(elsewhere, OptionsFor("first"), "plan", &spread);
+  const IngestReport expected = Ingest(elsewhere, PlanOptionsFor("first"), &sequential);
+  const std::string plan = Plan(elsewhere, PlanOptionsFor("first"), "plan", &spread);
   Build(plan);
   EXPECT_EQ(Publish(plan, &spread).replaced_session, expected.replaced_session);
   EXPECT_TRUE(expected.replaced_session);
-  EXPECT_EQ(ContentsOf(spread), ContentsOf(sequential));
+  EXPECT_EQ(ContentsOfTables(spread), ContentsOfTables(sequential));
 }
 
 TEST_P(PlanTest, OfTwoPlansOfATileOneWins) {
   MapStore store = MakeMap("map");
-  const std::string winner = Plan(Street(2), OptionsFor("second"), "winner", &store);
-  const std::string loser = Plan(Street(3), OptionsFor("third"), "loser", &store);
+  const std::string winner = Plan(Street(2), PlanOptionsFor("second"), "winner", &store);
+  const std::string loser = Plan(Street(3), PlanOptionsFor("third"), "loser", &store);
   Build(winner);
   Build(loser);
   Publish(winner, &store);
-  const Contents contents = ContentsOf(store);
+  const Contents contents = ContentsOfTables(store);
   const Failure failure = FailureOf([&] { Publish(loser, &store); });
   EXPECT_EQ(failure.code, ErrorCode::kConflict);
   const PlanFolder folder(loser);
   for (const PlannedTile& tile : folder.plan().tiles) {
     EXPECT_THAT(failure.message, HasSubstr(tile.tile_id.ToString()));
   }
-  EXPECT_EQ(ContentsOf(store), contents);
-  const std::string again = Plan(Street(3), OptionsFor("third"), "again", &store);
+  EXPECT_EQ(ContentsOfTables(store), contents);
+  const std::string again = Plan(Street(3), PlanOptionsFor("third"), "again", &store);
   Build(again);
   Publish(again, &store);
   EXPECT_TRUE(store.Check({}).problems.empty());
@@ -205,8 +206,8 @@ TEST_P(PlanTest, OfTwoPlansOfATileOneWins) {
 
 TEST_P(PlanTest, PlansOfOtherTilesAreAllPublished) {
   MapStore store = MakeMap("map");
-  const std::string here = Plan(Street(2), OptionsFor("here"), "here", &store);
-  const std::string there = Plan(Street(3, 2000.0), OptionsFor("there"), "there", &store);
+  const std::string here = Plan(Street(2), PlanOptionsFor("here"), "here", &store);
+  const std::string there = Plan(Street(3, 2000.0), PlanOptionsFor("there"), "there", &store);
   Build(here);
   Build(there);
   Publish(there, &store);
@@ -217,8 +218,8 @@ TEST_P(PlanTest, PlansOfOtherTilesAreAllPublished) {
 
 TEST_P(PlanTest, AMissingOrDamagedResultIsNamedWithItsTask) {
   MapStore store = MakeMap("map");
-  const std::string plan = Plan(Street(2), OptionsFor("second"), "plan", &store);
-  const Contents contents = ContentsOf(store);
+  const std::string plan = Plan(Street(2), PlanOptionsFor("second"), "plan", &store);
+  const Contents contents = ContentsOfTables(store);
   Build(plan, 1, 2);
   const PlanFolder folder(plan);
   const std::string missing =
@@ -234,27 +235,27 @@ TEST_P(PlanTest, AMissingOrDamagedResultIsNamedWithItsTask) {
   failure = FailureOf([&] { Publish(plan, &store); });
   EXPECT_EQ(failure.code, ErrorCode::kConflict);
   EXPECT_THAT(failure.message, HasSubstr(missing));
-  EXPECT_EQ(ContentsOf(store), contents);
+  EXPECT_EQ(ContentsOfTables(store), contents);
   EXPECT_EQ(Build(plan).num_built, 1);
   Publish(plan, &store);
 }
 
 TEST_P(PlanTest, APlanIsPublishedOnce) {
   MapStore store = MakeMap("map");
-  const std::string plan = Plan(Street(2), OptionsFor("second"), "plan", &store);
+  const std::string plan = Plan(Street(2), PlanOptionsFor("second"), "plan", &store);
   Build(plan);
   Publish(plan, &store);
   EXPECT_FALSE(fs::exists(plan + "/shards"));
-  const Contents contents = ContentsOf(store);
+  const Contents contents = ContentsOfTables(store);
   const Failure failure = FailureOf([&] { Publish(plan, &store); });
   EXPECT_EQ(failure.code, ErrorCode::kConflict);
   EXPECT_THAT(failure.message, HasSubstr("already"));
-  EXPECT_EQ(ContentsOf(store), contents);
+  EXPECT_EQ(ContentsOfTables(store), contents);
 }
 
 TEST_P(PlanTest, ASessionThatTheMapHasNeedsNoTiles) {
   MapStore store = MakeMap("map");
-  const std::string plan = Plan(Street(1), OptionsFor("first"), "plan", &store);
+  const std::string plan = Plan(Street(1), PlanOptionsFor("first"), "plan", &store);
   EXPECT_EQ(Build(plan).num_tiles, 0);
   EXPECT_TRUE(Publish(plan, &store).is_unchanged);
   EXPECT_EQ(store.Snapshot().version(), MapVersion(2));
@@ -262,20 +263,20 @@ TEST_P(PlanTest, ASessionThatTheMapHasNeedsNoTiles) {
 
 TEST_P(PlanTest, IsRefusedAfterItsSessionChanged) {
   MapStore store = MakeMap("map");
-  Ingest(Street(2, 2000.0), OptionsFor("second"), &store);
-  const std::string replaces = Plan(Street(3), OptionsFor("first"), "replaces", &store);
-  const std::string adds = Plan(Street(4, 4000.0), OptionsFor("new"), "adds", &store);
+  Ingest(Street(2, 2000.0), PlanOptionsFor("second"), &store);
+  const std::string replaces = Plan(Street(3), PlanOptionsFor("first"), "replaces", &store);
+  const std::string adds = Plan(Street(4, 4000.0), PlanOptionsFor("new"), "adds", &store);
   Build(replaces);
   Build(adds);
   RemoveSession("first", &store);
-  Ingest(Street(5, 6000.0), OptionsFor("new"), &store);
+  Ingest(Street(5, 6000.0), PlanOptionsFor("new"), &store);
   EXPECT_THAT(FailureOf([&] { Publish(replaces, &store); }).message, HasSubstr("was removed"));
   EXPECT_THAT(FailureOf([&] { Publish(adds, &store); }).message, HasSubstr("of this name"));
 }
 
 TEST_P(PlanTest, IsRefusedByAnotherMap) {
   MapStore store = MakeMap("map");
-  const std::string plan = Plan(Street(2), OptionsFor("second"), "plan", &store);
+  const std::string plan = Plan(Street(2), PlanOptionsFor("second"), "plan", &store);
   Build(plan);
   MapStore other = MapStore::Create(Place("other"));
   const Failure failure = FailureOf([&] { Publish(plan, &other); });
@@ -289,7 +290,7 @@ class PlanFolderTest : public PlanTest {
 
   std::string MakePlan() {
     store_.emplace(MapStore::Create(Place("map")));
-    return Plan(Street(1), OptionsFor("first"), "plan", &*store_);
+    return Plan(Street(1), PlanOptionsFor("first"), "plan", &*store_);
   }
 
   static void Replace(const std::string& path, const std::string& what, const std::string& by) {
@@ -409,7 +410,7 @@ TEST_P(PlanFolderTest, AnOlderCopyOfTheMapRefusesThePlan) {
   MapStore store = MakeMap("map");
   const std::string copy = Place("copy");
   fs::copy_file(store.path(), copy);
-  const std::string plan = Plan(Street(2), OptionsFor("second"), "plan", &store);
+  const std::string plan = Plan(Street(2), PlanOptionsFor("second"), "plan", &store);
   Build(plan);
   MapStore older = MapStore::Open(copy, OpenMode::kReadWrite);
   const Failure failure = FailureOf([&] { Publish(plan, &older); });

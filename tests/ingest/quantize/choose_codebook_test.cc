@@ -9,7 +9,7 @@
 namespace cairn {
 namespace {
 
-Reconstruction Street(int descriptor_dim = 128) {
+Reconstruction StreetOf(int descriptor_dim = 128) {
   testing::StreetWorldOptions options;
   options.length_m = 30.0;
   options.num_landmarks = 500;
@@ -41,37 +41,37 @@ TEST(ShippedCodebook, HasTheShapeOfTheDefaults) {
 TEST(ChooseCodebook, TakesTheShippedOneForASmallSession) {
   CodebookOptions options;
   options.min_training_descriptors = 1'000'000;
-  EXPECT_TRUE(IsShipped(*ChooseCodebook(Street(), options)));
+  EXPECT_TRUE(IsShipped(*ChooseCodebook(StreetOf(), options)));
 }
 
 TEST(ChooseCodebook, TrainsOnALargeSession) {
-  EXPECT_FALSE(IsShipped(*ChooseCodebook(Street(), CodebookOptions())));
+  EXPECT_FALSE(IsShipped(*ChooseCodebook(StreetOf(), CodebookOptions())));
 }
 
 TEST(ChooseCodebook, FollowsTheSourceWhateverTheSize) {
   CodebookOptions options;
   options.source = CodebookSource::kTrained;
   options.min_training_descriptors = 1'000'000;
-  EXPECT_FALSE(IsShipped(*ChooseCodebook(Street(), options)));
+  EXPECT_FALSE(IsShipped(*ChooseCodebook(StreetOf(), options)));
   options.source = CodebookSource::kShipped;
   options.min_training_descriptors = 0;
-  EXPECT_TRUE(IsShipped(*ChooseCodebook(Street(), options)));
+  EXPECT_TRUE(IsShipped(*ChooseCodebook(StreetOf(), options)));
 }
 
 TEST(ChooseCodebook, TrainsWhatTheShippedOneDoesNotFit) {
   CodebookOptions options;
   options.min_training_descriptors = 1'000'000;
   options.num_subspaces = 4;
-  EXPECT_FALSE(IsShipped(*ChooseCodebook(Street(), options)));
-  EXPECT_FALSE(IsShipped(*ChooseCodebook(Street(64), options)));
+  EXPECT_FALSE(IsShipped(*ChooseCodebook(StreetOf(), options)));
+  EXPECT_FALSE(IsShipped(*ChooseCodebook(StreetOf(64), options)));
 }
 
 TEST(ChooseCodebook, RefusesTheShippedOneWhereItDoesNotFit) {
   CodebookOptions options;
   options.source = CodebookSource::kShipped;
-  EXPECT_EQ(CodeOf(Street(64), options), ErrorCode::kBadInput);
+  EXPECT_EQ(CodeOf(StreetOf(64), options), ErrorCode::kBadInput);
   options.num_subspaces = 4;
-  EXPECT_EQ(CodeOf(Street(), options), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(CodeOf(StreetOf(), options), ErrorCode::kInvalidArgument);
 }
 
 }  // namespace

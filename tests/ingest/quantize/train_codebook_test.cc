@@ -14,19 +14,19 @@
 namespace cairn {
 namespace {
 
-const Reconstruction& Street() {
+const Reconstruction& TrainingStreet() {
   static const Reconstruction reconstruction = testing::StreetWorld().Reconstruct();
   return reconstruction;
 }
 
 const Codebook& StreetCodebook() {
-  static const Codebook codebook = TrainCodebook(Street(), {});
+  static const Codebook codebook = TrainCodebook(TrainingStreet(), {});
   return codebook;
 }
 
-// All normalised descriptors of the street's images.
+// All normalized descriptors of the street's images.
 DescriptorMatrix NormalizedDescriptors() {
-  const FeatureSet& features = Street().images[3].features;
+  const FeatureSet& features = TrainingStreet().images[3].features;
   DescriptorMatrix descriptors = features.descriptors;
   NormalizeDescriptors(DescriptorNormalization::kRootSift, &descriptors);
   return descriptors;
@@ -69,12 +69,12 @@ double SameOverOther(const Codebook& codebook) {
   const DescriptorCodec codec(std::make_shared<const Codebook>(codebook));
   double same = 0.0, other = 0.0;
   Eigen::RowVectorXf previous;
-  for (const ReconLandmark& landmark : Street().landmarks) {
+  for (const ReconLandmark& landmark : TrainingStreet().landmarks) {
     DescriptorMatrix raw(2, 128);
     for (int i = 0; i < 2; ++i) {
       const ReconObservation& observation = landmark.observations[i];
-      raw.row(i) =
-          Street().images[observation.image_idx].features.descriptors.row(observation.keypoint_idx);
+      raw.row(i) = TrainingStreet().images[observation.image_idx].features.descriptors.row(
+          observation.keypoint_idx);
     }
     const DescriptorMatrix projected = codec.Project(raw);
     same += (projected.row(0) - projected.row(1)).squaredNorm();
@@ -89,14 +89,14 @@ double SameOverOther(const Codebook& codebook) {
 TEST(TrainCodebook, TheLikelihoodRatioTellsLandmarksApartAtLeastAsWell) {
   CodebookOptions options;
   options.projection = ProjectionKind::kLikelihoodRatio;
-  const Codebook codebook = TrainCodebook(Street(), options);
+  const Codebook codebook = TrainCodebook(TrainingStreet(), options);
   EXPECT_NO_THROW(codebook.Validate());
   EXPECT_LE(SameOverOther(codebook), SameOverOther(StreetCodebook()));
 }
 
 TEST(TrainCodebook, BalancesTheVarianceOfSubspaces) {
   const DescriptorCodec codec(std::make_shared<const Codebook>(StreetCodebook()));
-  const DescriptorMatrix projected = codec.Project(Street().images[3].features.descriptors);
+  const DescriptorMatrix projected = codec.Project(TrainingStreet().images[3].features.descriptors);
   const Eigen::RowVectorXf mean = projected.colwise().mean();
   std::vector<double> products;
   for (int s = 0; s < 8; ++s) {
@@ -107,9 +107,9 @@ TEST(TrainCodebook, BalancesTheVarianceOfSubspaces) {
   EXPECT_LT(*largest, 4.0 * *smallest);
 }
 
-TEST(TrainCodebook, QuantisesWithLittleLoss) {
+TEST(TrainCodebook, QuantizesWithLittleLoss) {
   const DescriptorCodec codec(std::make_shared<const Codebook>(StreetCodebook()));
-  const DescriptorMatrix projected = codec.Project(Street().images[3].features.descriptors);
+  const DescriptorMatrix projected = codec.Project(TrainingStreet().images[3].features.descriptors);
   const DescriptorMatrix decoded =
       codec.Decode(codec.Encode(projected).data(), static_cast<int>(projected.rows()));
   EXPECT_LT((projected - decoded).squaredNorm(), 0.1f * projected.squaredNorm());
@@ -131,15 +131,15 @@ TEST(TrainCodebook, IsDeterministicBySeedOnAnyNumberOfThreads) {
   CodebookOptions options;
   options.max_training_descriptors = 2000;  // A sample, so that the seed matters.
   omp_set_num_threads(1);
-  const std::vector<uint8_t> one = EncodeCodebook(TrainCodebook(Street(), options));
+  const std::vector<uint8_t> one = EncodeCodebook(TrainCodebook(TrainingStreet(), options));
   omp_set_num_threads(2);
-  EXPECT_EQ(EncodeCodebook(TrainCodebook(Street(), options)), one);
+  EXPECT_EQ(EncodeCodebook(TrainCodebook(TrainingStreet(), options)), one);
   options.seed = 2;
-  EXPECT_NE(EncodeCodebook(TrainCodebook(Street(), options)), one);
+  EXPECT_NE(EncodeCodebook(TrainCodebook(TrainingStreet(), options)), one);
 }
 
 TEST(TrainCodebook, RefusesTooFewDescriptors) {
-  Reconstruction few = Street();
+  Reconstruction few = TrainingStreet();
   few.landmarks.resize(20);
   EXPECT_THROW(TrainCodebook(few, {}), Error);
 }

@@ -27,7 +27,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-Reconstruction SmallStreet() {
+Reconstruction StreetReconstruction() {
   testing::StreetWorldOptions options;
   options.length_m = 15.0;
   options.num_landmarks = 200;
@@ -36,7 +36,7 @@ Reconstruction SmallStreet() {
 
 // Two landmarks and two images with two keypoints: a model of a few hundred bytes.
 Reconstruction TinyModel() {
-  Reconstruction model = SmallStreet();
+  Reconstruction model = StreetReconstruction();
   model.images.resize(2);
   model.landmarks.resize(2);
   for (ReconImage& image : model.images) {
@@ -105,17 +105,17 @@ void ExpectSameReconstruction(const Reconstruction& read, const Reconstruction& 
 }
 
 TEST_F(ColmapReader, ReadsBinaryModels) {
-  const Reconstruction written = SmallStreet();
+  const Reconstruction written = StreetReconstruction();
   ExpectSameReconstruction(ReadColmap(Write(written)), written);
 }
 
 TEST_F(ColmapReader, ReadsTextModels) {
-  const Reconstruction written = SmallStreet();
+  const Reconstruction written = StreetReconstruction();
   ExpectSameReconstruction(ReadColmap(Write(written, /*binary=*/false)), written);
 }
 
 TEST_F(ColmapReader, UndoesTheSquareRootOfColmapsDescriptors) {
-  const Reconstruction written = SmallStreet();
+  const Reconstruction written = StreetReconstruction();
   DescriptorMatrix read = ReadColmap(Write(written)).images[0].features.descriptors;
   DescriptorMatrix expected = written.images[0].features.descriptors;
   NormalizeDescriptors(DescriptorNormalization::kRootSift, &read);
@@ -124,7 +124,7 @@ TEST_F(ColmapReader, UndoesTheSquareRootOfColmapsDescriptors) {
 }
 
 TEST_F(ColmapReader, ReadsAffineShapesAsScaleAndOrientation) {
-  const Reconstruction written = SmallStreet();
+  const Reconstruction written = StreetReconstruction();
   const Reconstruction read = ReadColmap(Write(written));
   for (int k = 0; k < read.images[0].features.size(); ++k) {
     const Keypoint& a = read.images[0].features.keypoints[k];
@@ -135,7 +135,7 @@ TEST_F(ColmapReader, ReadsAffineShapesAsScaleAndOrientation) {
 }
 
 TEST_F(ColmapReader, ReadsKeypointsOfFourAndTwoColumns) {
-  const Reconstruction written = SmallStreet();
+  const Reconstruction written = StreetReconstruction();
   const Keypoint& expected = written.images[0].features.keypoints[0];
   const Reconstruction four = ReadColmap(Write(written, true, {.keypoint_columns = 4}));
   EXPECT_FLOAT_EQ(four.images[0].features.keypoints[0].scale_px, expected.scale_px);
@@ -149,7 +149,7 @@ TEST_F(ColmapReader, ReadsKeypointsOfFourAndTwoColumns) {
 class ColmapGps : public ColmapReader, public ::testing::WithParamInterface<ColmapGpsTable> {};
 
 TEST_P(ColmapGps, IsReadFromEverySchema) {
-  const Reconstruction written = SmallStreet();
+  const Reconstruction written = StreetReconstruction();
   const Reconstruction read = ReadColmap(Write(written, true, {.gps = GetParam()}));
   for (size_t i = 0; i < read.images.size(); ++i) {
     ASSERT_TRUE(read.images[i].gps.has_value());
@@ -165,13 +165,15 @@ INSTANTIATE_TEST_SUITE_P(Schemas, ColmapGps,
 
 // Text was taken for latitude 0.
 TEST_F(ColmapReader, GpsThatIsTextIsRefused) {
-  const ColmapInput input = Write(SmallStreet(), true, {.gps = ColmapGpsTable::kImageColumns});
+  const ColmapInput input =
+      Write(StreetReconstruction(), true, {.gps = ColmapGpsTable::kImageColumns});
   testing::ExecuteRaw(input.database_path, "UPDATE images SET prior_ty = 'north'");
   EXPECT_EQ(testing::ErrorCodeOf([&] { ReadColmap(input); }), ErrorCode::kBadInput);
 }
 
 TEST_F(ColmapReader, GpsInWholeDegreesIsGps) {
-  const ColmapInput input = Write(SmallStreet(), true, {.gps = ColmapGpsTable::kImageColumns});
+  const ColmapInput input =
+      Write(StreetReconstruction(), true, {.gps = ColmapGpsTable::kImageColumns});
   testing::ExecuteRaw(input.database_path,
                       "CREATE TABLE whole AS SELECT image_id, name, camera_id, 47 AS prior_tx, "
                       "8 AS prior_ty, NULL AS prior_tz FROM images; DROP TABLE images; "
@@ -183,7 +185,7 @@ TEST_F(ColmapReader, GpsInWholeDegreesIsGps) {
 }
 
 TEST_F(ColmapReader, ImagesThatAreAViewWithoutEndAreRefused) {
-  const ColmapInput input = Write(SmallStreet());
+  const ColmapInput input = Write(StreetReconstruction());
   testing::ExecuteRaw(input.database_path,
                       "DROP TABLE images; CREATE VIEW images AS WITH RECURSIVE n(image_id) AS "
                       "(SELECT 1 UNION ALL SELECT image_id + 1 FROM n) "
@@ -192,13 +194,13 @@ TEST_F(ColmapReader, ImagesThatAreAViewWithoutEndAreRefused) {
 }
 
 TEST_F(ColmapReader, GpsAtNullIslandIsNoGps) {
-  Reconstruction written = SmallStreet();
+  Reconstruction written = StreetReconstruction();
   written.images[0].gps = Geodetic{};
   EXPECT_FALSE(ReadColmap(Write(written)).images[0].gps.has_value());
 }
 
 TEST_F(ColmapReader, RestrictedReadTriangulatesFromTheRemainingImagesAlone) {
-  Reconstruction written = SmallStreet();
+  Reconstruction written = StreetReconstruction();
   const Reconstruction truth = written;
   // Positions in the file that only the images left out could explain.
   for (ReconLandmark& landmark : written.landmarks) {
@@ -233,7 +235,7 @@ TEST_F(ColmapReader, RestrictedReadTriangulatesFromTheRemainingImagesAlone) {
 }
 
 TEST_F(ColmapReader, RefusesNamesThatNeitherModelNorDatabaseHas) {
-  ColmapInput input = Write(SmallStreet());
+  ColmapInput input = Write(StreetReconstruction());
   input.image_names = {"0000.jpg", "nowhere.jpg"};
   const auto [code, message] = ErrorOf([&] { ReadColmap(input); });
   EXPECT_EQ(code, ErrorCode::kBadInput);
@@ -241,7 +243,7 @@ TEST_F(ColmapReader, RefusesNamesThatNeitherModelNorDatabaseHas) {
 }
 
 TEST_F(ColmapReader, LeavesOutNamesThatWereNotRegistered) {
-  ColmapInput input = Write(SmallStreet());
+  ColmapInput input = Write(StreetReconstruction());
   sqlite::Connection(input.database_path, sqlite::Access::kReadWrite, 100)
       .Execute("INSERT INTO images (image_id, name, camera_id) VALUES (9001, 'dark.jpg', 1)");
   input.image_names = {"0000.jpg", "0001.jpg", "0003.jpg"};
@@ -258,7 +260,7 @@ TEST_F(ColmapReader, LeavesOutNamesThatWereNotRegistered) {
 }
 
 TEST_F(ColmapReader, RefusesADatabaseWithoutDescriptors) {
-  const ColmapInput input = Write(SmallStreet());
+  const ColmapInput input = Write(StreetReconstruction());
   sqlite::Connection(input.database_path, sqlite::Access::kReadWrite, 100)
       .Execute("DELETE FROM descriptors WHERE image_id = 12");
   const auto [code, message] = ErrorOf([&] { ReadColmap(input); });
@@ -267,7 +269,7 @@ TEST_F(ColmapReader, RefusesADatabaseWithoutDescriptors) {
 }
 
 TEST_F(ColmapReader, RefusesADatabaseOfAnotherModel) {
-  ColmapInput input = Write(SmallStreet());
+  ColmapInput input = Write(StreetReconstruction());
   testing::StreetWorldOptions options;
   options.seed = 5;
   input.database_path = dir_.File("other.db");
@@ -276,7 +278,7 @@ TEST_F(ColmapReader, RefusesADatabaseOfAnotherModel) {
 }
 
 TEST_F(ColmapReader, RefusesAFileThatIsNoDatabase) {
-  ColmapInput input = Write(SmallStreet());
+  ColmapInput input = Write(StreetReconstruction());
   input.database_path = dir_.File("images.bin");
   EXPECT_EQ(ErrorOf([&] { ReadColmap(input); }).first, ErrorCode::kBadInput);
   input.database_path = dir_.File("missing.db");
@@ -284,7 +286,7 @@ TEST_F(ColmapReader, RefusesAFileThatIsNoDatabase) {
 }
 
 TEST_F(ColmapReader, RefusesBlobsOfTheWrongSize) {
-  const ColmapInput input = Write(SmallStreet());
+  const ColmapInput input = Write(StreetReconstruction());
   sqlite::Connection(input.database_path, sqlite::Access::kReadWrite, 100)
       .Execute("UPDATE keypoints SET rows = rows + 1 WHERE image_id = 11");
   EXPECT_EQ(ErrorOf([&] { ReadColmap(input); }).first, ErrorCode::kBadInput);
@@ -294,7 +296,7 @@ TEST_F(ColmapReader, RefusesBlobsOfTheWrongSize) {
 class ColmapDescriptors : public ColmapReader {
  protected:
   std::string RefusalAfter(const std::string& change) {
-    const ColmapInput input = Write(SmallStreet());
+    const ColmapInput input = Write(StreetReconstruction());
     sqlite::Connection(input.database_path, sqlite::Access::kReadWrite, 100).Execute(change);
     const auto [code, message] = ErrorOf([&] { ReadColmap(input); });
     EXPECT_EQ(code, ErrorCode::kBadInput) << message;
@@ -316,7 +318,7 @@ TEST_F(ColmapDescriptors, OfAnotherExtractorAreRefusedByItsName) {
 }
 
 TEST_F(ColmapDescriptors, OfTypeSiftAreReadAsWithoutTheColumn) {
-  const Reconstruction written = SmallStreet();
+  const Reconstruction written = StreetReconstruction();
   const ColmapInput input = Write(written);
   const DescriptorMatrix before = ReadColmap(input).images[0].features.descriptors;
   sqlite::Connection(input.database_path, sqlite::Access::kReadWrite, 100)
@@ -344,8 +346,8 @@ TEST_F(ColmapDescriptors, ThatAreNoiseAreNotTakenForSift) {
               HasSubstr("not SIFT: their mean length is"));
 }
 
-TEST_F(ColmapDescriptors, WithL2NormalisationAreToldByTheirStatistics) {
-  const Reconstruction written = SmallStreet();
+TEST_F(ColmapDescriptors, WithL2NormalizationAreToldByTheirStatistics) {
+  const Reconstruction written = StreetReconstruction();
   const ColmapInput input = Write(written);
   {
     sqlite::Connection database(input.database_path, sqlite::Access::kReadWrite, 100);
@@ -364,8 +366,8 @@ TEST_F(ColmapDescriptors, WithL2NormalisationAreToldByTheirStatistics) {
 }
 
 // The same photos' descriptors by COLMAP, and as COLMAP would have stored them with the
-// normalisation L2.
-TEST(SiftStatistics, TellTheNormalisationsOfRealPhotosApart) {
+// normalization L2.
+TEST(SiftStatistics, TellTheNormalizationsOfRealPhotosApart) {
   CAIRN_SKIP_WITHOUT_DATA("street_lund/database.db");
   sqlite::Connection database((testing::TestDataDir() / "street_lund/database.db").string(),
                               sqlite::Access::kImmutable, 100);
@@ -393,7 +395,7 @@ TEST(SiftStatistics, TellTheNormalisationsOfRealPhotosApart) {
 
 // COLMAP 3.12 writes rigs and frames beside the images, which have their whole poses still.
 TEST_F(ColmapReader, RigsAndFramesOfColmap312ChangeNothing) {
-  const Reconstruction written = SmallStreet();
+  const Reconstruction written = StreetReconstruction();
   const ColmapInput input = Write(written, true, {.gps = ColmapGpsTable::kPosePriorsOfData});
   WriteAll(dir_.File("rigs.bin"), std::string("\1\0\0\0\0\0\0\0 a rig", 14));
   WriteAll(dir_.File("frames.bin"), "frames");
@@ -412,7 +414,8 @@ TEST_F(ColmapReader, RigsAndFramesOfColmap312ChangeNothing) {
 }
 
 TEST_F(ColmapReader, CartesianPosePriorsAreNoGps) {
-  const ColmapInput input = Write(SmallStreet(), true, {.gps = ColmapGpsTable::kPosePriorsOfData});
+  const ColmapInput input =
+      Write(StreetReconstruction(), true, {.gps = ColmapGpsTable::kPosePriorsOfData});
   sqlite::Connection(input.database_path, sqlite::Access::kReadWrite, 100)
       .Execute("UPDATE pose_priors SET coordinate_system = 1");
   EXPECT_FALSE(ReadColmap(input).images[0].gps.has_value());

@@ -70,7 +70,7 @@ double BestByEnumeration(const Instance& instance) {
 
 // Landmarks along a street; keyframes see those about them. Some stretches are rich in landmarks
 // that are seen often, so that taking the most observed leaves others bare.
-Instance Street(int num_landmarks, int num_keyframes, uint64_t seed) {
+Instance StreetInstance(int num_landmarks, int num_keyframes, uint64_t seed) {
   std::mt19937_64 rng(seed);
   std::uniform_real_distribution<double> uniform;
   Instance instance;
@@ -94,7 +94,7 @@ Instance Street(int num_landmarks, int num_keyframes, uint64_t seed) {
 TEST(SolveCoverage, AgreesWithEnumerationOnSmallInstances) {
   int num_proved = 0;
   for (uint64_t seed = 0; seed < 40; ++seed) {
-    Instance instance = Street(12, 8, seed);
+    Instance instance = StreetInstance(12, 8, seed);
     instance.options.min_landmarks_per_keyframe = 2;
     instance.options.missing_landmark_cost = 5.0;
     instance.options.max_landmarks = seed % 2 == 0 ? 4 : 0;
@@ -113,7 +113,7 @@ TEST(SolveCoverage, AgreesWithEnumerationOnSmallInstances) {
 }
 
 TEST(SolveCoverage, BindingStreetIsSolvedNearlyToOptimality) {
-  Instance instance = Street(6000, 120, 7);
+  Instance instance = StreetInstance(6000, 120, 7);
   instance.options.min_landmarks_per_keyframe = 60;
   instance.options.max_landmarks = 800;
   const CoverageSolution solution =
@@ -132,7 +132,7 @@ TEST(SolveCoverage, BindingStreetIsSolvedNearlyToOptimality) {
 }
 
 TEST(SolveCoverage, CoversKeyframesBeforeItCollectsObservations) {
-  Instance instance = Street(3000, 60, 3);
+  Instance instance = StreetInstance(3000, 60, 3);
   instance.options.min_landmarks_per_keyframe = 10;
   instance.options.max_descriptors = 600;
   const CoverageSolution solution =
@@ -147,7 +147,7 @@ TEST(SolveCoverage, CoversKeyframesBeforeItCollectsObservations) {
 }
 
 TEST(SolveCoverage, WithRoomForAllKeepsAllThatAreObservedEnough) {
-  Instance instance = Street(50, 10, 1);
+  Instance instance = StreetInstance(50, 10, 1);
   instance.graph.num_observations[7] = 1;
   const CoverageSolution solution =
       SolveCoverage(instance.graph, instance.num_descriptors, instance.options);
@@ -171,14 +171,14 @@ TEST(SolveCoverage, NothingToChooseFromIsNoError) {
 }
 
 TEST(SolveCoverage, SameInputSameAnswer) {
-  const Instance instance = Street(2000, 40, 11);
+  const Instance instance = StreetInstance(2000, 40, 11);
   LandmarkSelectionOptions options = {.max_landmarks = 300, .min_landmarks_per_keyframe = 30};
   EXPECT_EQ(SolveCoverage(instance.graph, instance.num_descriptors, options).selection,
             SolveCoverage(instance.graph, instance.num_descriptors, options).selection);
 }
 
 TEST(LandmarkSelector, TheKindNamesTheSelector) {
-  const Instance instance = Street(2000, 40, 11);
+  const Instance instance = StreetInstance(2000, 40, 11);
   LandmarkSelectionOptions options = {.max_descriptors = 400, .min_landmarks_per_keyframe = 30};
   const auto by_count = MakeLandmarkSelector(options);
   EXPECT_EQ(

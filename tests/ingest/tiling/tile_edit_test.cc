@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <functional>
-#include <numbers>
 #include <string>
 #include <vector>
 
+#include "core/angles.h"
 #include "storage/map/describe_tile.h"
 
 namespace cairn {
@@ -157,7 +157,7 @@ TEST(DescribeTile, FindsHeightsAndBounds) {
   EXPECT_NEAR(record.min_h_m, 400.0, 1e-6);
   EXPECT_NEAR(record.max_h_m, 401.0, 1e-6);
   EXPECT_NEAR(record.landmark_bounds.west_rad, kTileId.Anchor().lon_rad, 1e-12);
-  // Four metres east.
+  // Four meters east.
   const double radius_m = 6'378'137.0 * std::cos(kTileId.Anchor().lat_rad);
   EXPECT_NEAR((record.landmark_bounds.east_rad - record.landmark_bounds.west_rad) * radius_m, 4.0,
               0.02);
@@ -171,7 +171,7 @@ TEST(DescribeTile, BoundsAtTheAntimeridianAreNarrow) {
   }
   const GeoBox bounds = DescribeTile(tile).landmark_bounds;
   EXPECT_TRUE(bounds.CrossesAntimeridian());
-  EXPECT_LT(bounds.east_rad + 2.0 * std::numbers::pi - bounds.west_rad, 1e-4);
+  EXPECT_LT(bounds.east_rad + 2.0 * kPi - bounds.west_rad, 1e-4);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 namespace cairn {
 namespace {
 
-CityOptions SmallTown(CityCharacter character = CityCharacter::kOldTown) {
+CityOptions SmallTownOptions(CityCharacter character = CityCharacter::kOldTown) {
   CityOptions options = CityPreset(character);
   options.area_km2 = 0.01;
   options.min_landmark_size_m = 0.05;
@@ -38,7 +38,7 @@ PhoneQueryOptions SensorsOnly(int num_queries) {
 
 TEST(PhoneQueries, StandOnTheSidewalkAndLookAcross) {
   for (const auto character : {CityCharacter::kOldTown, CityCharacter::kHighRise}) {
-    CityOptions city_options = SmallTown(character);
+    CityOptions city_options = SmallTownOptions(character);
     city_options.area_km2 = 0.09;
     const City city(city_options);
     const DescriptorModel model({});
@@ -61,7 +61,7 @@ TEST(PhoneQueries, StandOnTheSidewalkAndLookAcross) {
 }
 
 TEST(PhoneQueries, HaveTheShareOfMappedKeypointsThatIsAskedFor) {
-  const City city(SmallTown());
+  const City city(SmallTownOptions());
   const DescriptorModel model({});
   MappingOptions mapping_options;
   const SimulatedMapping mapping(city, model, mapping_options);
@@ -98,7 +98,7 @@ TEST(PhoneQueries, HaveTheShareOfMappedKeypointsThatIsAskedFor) {
 }
 
 TEST(PhoneQueries, GpsErrorsAreLargeAndHeavyTailedAndTheReportIsHonestOnAverage) {
-  CityOptions city_options = SmallTown();
+  CityOptions city_options = SmallTownOptions();
   city_options.area_km2 = 1.0;
   const City city(city_options);
   const DescriptorModel model({});
@@ -119,7 +119,7 @@ TEST(PhoneQueries, GpsErrorsAreLargeAndHeavyTailedAndTheReportIsHonestOnAverage)
 }
 
 TEST(PhoneQueries, CanyonsPushPositionsAcrossTheStreet) {
-  CityOptions city_options = SmallTown();
+  CityOptions city_options = SmallTownOptions();
   city_options.area_km2 = 1.0;
   const City city(city_options);
   const DescriptorModel model({});
@@ -140,7 +140,7 @@ TEST(PhoneQueries, CanyonsPushPositionsAcrossTheStreet) {
 }
 
 TEST(PhoneQueries, GravityAndIntrinsicsAreOffAsAskedFor) {
-  const City city(SmallTown());
+  const City city(SmallTownOptions());
   const DescriptorModel model({});
   PhoneQueryOptions options = SensorsOnly(500);
   options.noise.gravity_sigma_rad = 0.02;
@@ -162,7 +162,7 @@ TEST(PhoneQueries, GravityAndIntrinsicsAreOffAsAskedFor) {
 }
 
 TEST(PhoneQueries, AQueryDependsOnItsNumberAlone) {
-  const City city(SmallTown());
+  const City city(SmallTownOptions());
   const DescriptorModel model({});
   PhoneQueryOptions options;
   options.num_queries = 5;

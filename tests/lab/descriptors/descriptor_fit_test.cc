@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "core/angles.h"
 #include "ingest/readers/colmap_reader.h"
 #include "lab/descriptors/descriptor_statistics.h"
 #include "support/test_data.h"
@@ -45,13 +46,13 @@ TEST(DescriptorStatistics, NearestOfAllIsTheNearest) {
   // On a circle, 1 degree apart.
   DescriptorMatrix root = DescriptorMatrix::Zero(360, DescriptorModel::kDim);
   for (int i = 0; i < 360; ++i) {
-    root(i, 0) = std::cos(static_cast<float>(i) * 0.0174532925f);
-    root(i, 1) = std::sin(static_cast<float>(i) * 0.0174532925f);
+    root(i, 0) = std::cos(static_cast<float>(i * kRadPerDeg));
+    root(i, 1) = std::sin(static_cast<float>(i * kRadPerDeg));
   }
   const std::vector<float> distances = NearestDistances(root, 360, 1);
   ASSERT_EQ(distances.size(), 360u);
   for (const float distance : distances) {
-    EXPECT_NEAR(distance, 0.01745f, 1e-3f);
+    EXPECT_NEAR(distance, kRadPerDeg, 1e-3);
   }
 }
 

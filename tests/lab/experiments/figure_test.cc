@@ -16,7 +16,7 @@ namespace {
 Figure SmallFigure() {
   Figure figure;
   figure.name = "09_neighbors";
-  figure.title = "Neighbours of a \"keypoint\"";
+  figure.title = "Neighbors of a \"keypoint\"";
   figure.x_label = "k";
   figure.y_label = "average precision";
   figure.log_x = true;
@@ -30,7 +30,7 @@ TEST(GnuplotScript, HoldsDataAndDrawsBothPictures) {
             R"(# Draws 09_neighbors.svg and 09_neighbors.png. Bars are 95 % bootstrap intervals.
 set encoding utf8
 set termoption noenhanced
-set title "Neighbours of a \"keypoint\""
+set title "Neighbors of a \"keypoint\""
 set xlabel "k"
 set ylabel "average precision"
 set grid

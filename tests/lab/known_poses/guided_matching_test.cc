@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-#include "lab/known_poses/neighbour_pairs.h"
+#include "lab/known_poses/neighbor_pairs.h"
 
 namespace cairn {
 namespace {
@@ -57,10 +57,9 @@ struct TwoViews {
     return pixel && camera.Contains(*pixel);
   }
 
-  std::vector<FeatureMatch> Match(const GuidedMatchingOptions& options = {}) const {
+  std::vector<FeatureMatch> Match() const {
     return MatchAlongEpipolarLines(MakePosedFeatures(camera, features[0], cams_from_world[0]),
-                                   MakePosedFeatures(camera, features[1], cams_from_world[1]),
-                                   options);
+                                   MakePosedFeatures(camera, features[1], cams_from_world[1]));
   }
 };
 
@@ -149,29 +148,27 @@ PosedFeatures CameraAt(const Camera& camera, const FeatureSet& features, double 
                            {rotation, -(rotation * Eigen::Vector3d(x_m, 0.0, 0.0))});
 }
 
-TEST(NeighbourPairs, AreNearAndLookAtTheSame) {
+TEST(NeighborPairs, AreNearAndLookAtTheSame) {
   const Camera camera = TestCamera();
   const FeatureSet none;
   const std::vector<PosedFeatures> images = {
       CameraAt(camera, none, 0.0, 0.0),   CameraAt(camera, none, 2.0, 0.0),
       CameraAt(camera, none, 4.0, 0.1),   CameraAt(camera, none, 2.0, 3.1),
       CameraAt(camera, none, 300.0, 0.0), CameraAt(camera, none, 2.1, 0.0)};
-  const std::vector<std::pair<int, int>> pairs = FindNeighbourPairs(images, {});
+  const std::vector<std::pair<int, int>> pairs = FindNeighborPairs(images);
   // 3 looks back, 4 is far away, 1 and 5 stand too close together.
   const std::vector<std::pair<int, int>> expected = {{0, 1}, {0, 2}, {0, 5}, {1, 2}, {2, 5}};
   EXPECT_EQ(pairs, expected);
 }
 
-TEST(NeighbourPairs, AreLimitedToTheBest) {
+TEST(NeighborPairs, AreLimitedToTheBest) {
   const Camera camera = TestCamera();
   const FeatureSet none;
   std::vector<PosedFeatures> images;
   for (int i = 0; i < 10; ++i) {
     images.push_back(CameraAt(camera, none, 1.0 * i, 0.0));
   }
-  NeighbourOptions options;
-  options.max_neighbours = 1;
-  for (const auto& [a, b] : FindNeighbourPairs(images, options)) {
+  for (const auto& [a, b] : FindNeighborPairs(images, 1)) {
     EXPECT_EQ(b - a, 1);
   }
 }

@@ -50,10 +50,9 @@ TEST(ReconstructWithKnownPoses, LandmarksLieOnTheTrueSurfaces) {
 
 TEST(ReconstructWithKnownPoses, ObservationsFitWithinTheBound) {
   const Reconstruction& reconstruction = Model().reconstruction;
-  const KnownPoseOptions options;
   std::vector<double> x_errors_px, y_errors_px;
   for (const ReconLandmark& landmark : reconstruction.landmarks) {
-    EXPECT_GE(static_cast<int>(landmark.observations.size()), options.min_observations);
+    EXPECT_GE(static_cast<int>(landmark.observations.size()), kMinKnownPoseObservations);
     for (const ReconObservation& observation : landmark.observations) {
       const ReconImage& image = reconstruction.images[observation.image_idx];
       const Keypoint& keypoint = image.features.keypoints[observation.keypoint_idx];
@@ -61,7 +60,7 @@ TEST(ReconstructWithKnownPoses, ObservationsFitWithinTheBound) {
           reconstruction.cameras[0].Project(image.cam_from_world * landmark.x_in_world);
       ASSERT_TRUE(pixel.has_value());
       const Eigen::Vector2d error = *pixel - Eigen::Vector2d(keypoint.x_px, keypoint.y_px);
-      EXPECT_LE(error.norm(), options.max_reprojection_error_px);
+      EXPECT_LE(error.norm(), kMaxKnownPoseErrorPx);
       x_errors_px.push_back(error.x());
       y_errors_px.push_back(error.y());
     }
@@ -101,13 +100,10 @@ TEST(ReconstructWithKnownPoses, OfNothingIsEmpty) {
 
 TEST(KnownPoseOptions, RefusesNonsense) {
   KnownPoseOptions options;
-  options.min_observations = 1;
+  options.num_threads = 0;
   EXPECT_THROW(options.Validate(), Error);
   options = {};
-  options.matching.max_ratio = 0.0;
-  EXPECT_THROW(options.Validate(), Error);
-  options = {};
-  options.neighbours.max_baseline_m = 0.1;
+  options.sift.max_features = 0;
   EXPECT_THROW(options.Validate(), Error);
 }
 

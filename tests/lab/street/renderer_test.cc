@@ -16,8 +16,8 @@ const PhotoEffects kNoEffects = {1.0, 0.0, 0.0, 0};
 
 Camera TestCamera() { return {CameraModel::kPinhole, 320, 240, {210.0, 205.0, 158.0, 121.0}}; }
 
-std::shared_ptr<const Texture> PlainTexture(double grey) {
-  return std::make_shared<const Texture>(cv::Mat(64, 64, CV_8UC1, cv::Scalar(grey)));
+std::shared_ptr<const Texture> PlainTexture(double gray) {
+  return std::make_shared<const Texture>(cv::Mat(64, 64, CV_8UC1, cv::Scalar(gray)));
 }
 
 // A 4 m x 4 m wall in the plane y = 0, seen from y < 0, dark but for a bright square of 0.25 m

@@ -11,10 +11,7 @@ namespace cairn {
 namespace {
 
 using testing::ErrorCodeOf;
-
-TileId TileAt(double lat_deg, double lon_deg) {
-  return TileId::Containing(Geodetic::FromDegrees(lat_deg, lon_deg, 0.0));
-}
+using testing::TileAt;
 
 TEST(GeoRegion, ABoxMeetsTheSquaresInAndAroundIt) {
   const GeoRegion region = GeoRegion::OfBox(49.0, 8.4, 49.01, 8.42);

@@ -18,6 +18,7 @@ namespace {
 
 using testing::AddTile;
 using testing::ErrorCodeOf;
+using testing::Ids;
 using testing::KeyframeAt;
 using testing::NamedSession;
 using testing::RandomCodebook;
@@ -63,14 +64,6 @@ class MapSnapshotTest : public testing::MapPlaceTest {
 };
 
 CAIRN_ON_BOTH_KINDS_OF_MAPS(MapSnapshotTest);
-
-std::vector<TileId> Ids(const std::vector<TileRecord>& tiles) {
-  std::vector<TileId> ids;
-  for (const TileRecord& tile : tiles) {
-    ids.push_back(tile.tile_id);
-  }
-  return ids;
-}
 
 TEST_P(MapSnapshotTest, ReadsItsTilesAfterTheyWereReplaced) {
   const MapSnapshot snapshot = store().Snapshot();

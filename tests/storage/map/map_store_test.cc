@@ -25,27 +25,17 @@ namespace {
 using testing::AddTile;
 using ::testing::ElementsAre;
 using testing::ErrorCodeOf;
+using testing::Ids;
 using ::testing::IsEmpty;
 using testing::KeyframeAt;
 using testing::NamedSession;
 using testing::RandomCodebook;
 using testing::RandomTile;
 using testing::TempDir;
+using testing::TileAt;
 
 GeoBox BoxDeg(double south, double west, double north, double east) {
   return {south * kRadPerDeg, west * kRadPerDeg, north * kRadPerDeg, east * kRadPerDeg};
-}
-
-TileId TileAt(double lat_deg, double lon_deg) {
-  return TileId::Containing(Geodetic::FromDegrees(lat_deg, lon_deg, 0.0));
-}
-
-std::vector<TileId> Ids(const std::vector<TileRecord>& tiles) {
-  std::vector<TileId> ids;
-  for (const TileRecord& tile : tiles) {
-    ids.push_back(tile.tile_id);
-  }
-  return ids;
 }
 
 class MapStoreTest : public testing::MapPlaceTest {};
@@ -175,10 +165,10 @@ TEST_P(MapStoreTest, FindTilesReturnsExactlyTheSquaresThatMeetTheBox) {
 
   const TileId tile = ids[40];
   const GeoBox bounds = tile.Bounds();
-  constexpr double kMillimetreRad = 1e-3 / 6.4e6;
+  constexpr double kMillimeterRad = 1e-3 / 6.4e6;
   // Corner to corner: what the index's 32-bit floats cannot tell apart.
-  GeoBox just_outside = {bounds.south_rad, bounds.east_rad + kMillimetreRad, bounds.north_rad,
-                         bounds.east_rad + 2 * kMillimetreRad};
+  GeoBox just_outside = {bounds.south_rad, bounds.east_rad + kMillimeterRad, bounds.north_rad,
+                         bounds.east_rad + 2 * kMillimeterRad};
   GeoBox just_touching = just_outside;
   just_touching.west_rad = bounds.east_rad;
   EXPECT_THAT(Ids(snapshot.FindTiles(just_outside)), ::testing::Not(::testing::Contains(tile)));

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "core/angles.h"
 #include "storage/map/map_store.h"
 #include "storage/postgres/server.h"
 #include "support/map_builder.h"
@@ -42,11 +43,11 @@ void InsertEmptyTiles(const std::string& url, int64_t count, int64_t num_columns
     for (int64_t i = first; i < std::min(count, first + kTilesAStatement); ++i) {
       const TileId id = TileOf(i, num_columns);
       const GeoBox box = id.Bounds();
-      const double to_deg = 180.0 / M_PI;
       const std::string comma = squares.empty() ? "" : ",";
       squares += fmt::format("{}({},'{}',0,0,0,0,0,0,ST_MakeEnvelope({},{},{},{},4326))", comma,
-                             id.value(), id.ToString(), box.west_rad * to_deg,
-                             box.south_rad * to_deg, box.east_rad * to_deg, box.north_rad * to_deg);
+                             id.value(), id.ToString(), box.west_rad * kDegPerRad,
+                             box.south_rad * kDegPerRad, box.east_rad * kDegPerRad,
+                             box.north_rad * kDegPerRad);
       tiles += fmt::format("{}({},1,1,0,0,0,0,2)", comma, id.value());
     }
     connection->Execute(
@@ -58,7 +59,7 @@ void InsertEmptyTiles(const std::string& url, int64_t count, int64_t num_columns
   connection->Execute("ANALYZE");
 }
 
-std::string MapOfTiles(int64_t count) {
+std::string ServerMapOfTiles(int64_t count) {
   static std::map<int64_t, std::string> urls;
   std::string& url = urls[count];
   if (url.empty()) {
@@ -82,7 +83,7 @@ double Percentile(std::vector<double> values, double share) {
 // own.
 void PostgresFindTiles(benchmark::State& state) {
   constexpr int kNumStores = 20, kSearchesAStore = 50;
-  const std::string url = MapOfTiles(state.range(0));
+  const std::string url = ServerMapOfTiles(state.range(0));
   const double side = std::sqrt(static_cast<double>(state.range(0)));
   std::mt19937 random(1);
   std::uniform_real_distribution<double> place(0.0, side);
@@ -107,7 +108,7 @@ void PostgresFindTiles(benchmark::State& state) {
 
 // What a query with a prior asks when all is cached.
 void PostgresWarmQuery(benchmark::State& state) {
-  const MapStore store = MapStore::Open(MapOfTiles(1000), OpenMode::kServing);
+  const MapStore store = MapStore::Open(ServerMapOfTiles(1000), OpenMode::kServing);
   const GeoBox box = BoxAround(Geodetic::FromDegrees(49.005, 7.01, 0.0), 150.0);
   for (auto _ : state) {
     const MapSnapshot snapshot = store.Snapshot();

@@ -16,7 +16,7 @@ namespace {
 
 using testing::ErrorCodeOf;
 
-TileRecord TileAt(double lat_deg, double lon_deg) {
+TileRecord RecordAt(double lat_deg, double lon_deg) {
   TileRecord tile;
   tile.tile_id = TileId::Containing(Geodetic::FromDegrees(lat_deg, lon_deg, 0.0));
   tile.num_landmarks = 10;
@@ -46,7 +46,7 @@ void ComeAndGo(double span_lon_deg, double center_lon_deg, int min_known) {
       totals.RemoveTile(gone->second);
       tiles.erase(gone);
     } else {
-      const TileRecord tile = TileAt(
+      const TileRecord tile = RecordAt(
           40.0 * unit(random), std::remainder(center_lon_deg + span_lon_deg * unit(random), 360.0));
       if (tiles.emplace(tile.tile_id, tile).second) {
         totals.AddTile(tile);
@@ -76,7 +76,7 @@ TEST(RunningTotals, FollowTheWholeWorld) { ComeAndGo(360.0, 0.0, 1); }
 
 TEST(RunningTotals, ATileThatIsReplacedAtTheEdgeLeavesTheBounds) {
   RunningTotals totals{MapTotals()};
-  const TileRecord tile = TileAt(49.0, 8.4);
+  const TileRecord tile = RecordAt(49.0, 8.4);
   totals.AddTile(tile);
   totals.RemoveTile(tile);
   EXPECT_FALSE(totals.KnowsBounds());
@@ -86,7 +86,7 @@ TEST(RunningTotals, ATileThatIsReplacedAtTheEdgeLeavesTheBounds) {
 
 TEST(RunningTotals, CountsThatCannotBeAddedAreDamage) {
   RunningTotals totals{MapTotals()};
-  TileRecord tile = TileAt(49.0, 8.4);
+  TileRecord tile = RecordAt(49.0, 8.4);
   tile.num_landmarks = std::numeric_limits<int64_t>::min();
   EXPECT_EQ(ErrorCodeOf([&] { totals.RemoveTile(tile); }), ErrorCode::kMapDamaged);
 }

@@ -44,7 +44,7 @@ TEST(AzimuthCode, RoundTripsEveryCodeThatIsWrittenAndRounds) {
   }
 }
 
-TEST(SizeCode, CoversAMillimetreToSixtyMetresInEqualRatios) {
+TEST(SizeCode, CoversAMillimeterToSixtyMetersInEqualRatios) {
   EXPECT_DOUBLE_EQ(SizeFromCode(0), 1e-3);
   EXPECT_NEAR(SizeFromCode(255), 60.0, 1e-9);
   for (int code = 0; code < 256; ++code) {

@@ -94,7 +94,7 @@ class Feeder {
 BundleAdjusterOptions OptionsFor(const testing::Simulation& simulation,
                                  const RivalVariant& variant) {
   Recording recording;
-  recording.options = simulation.MatchingOptions();
+  recording.options = simulation.MatchingFusionOptions();
   return RivalOptions(recording, variant);
 }
 

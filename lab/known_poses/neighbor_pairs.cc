@@ -1,16 +1,20 @@
-#include "lab/known_poses/neighbour_pairs.h"
+#include "lab/known_poses/neighbor_pairs.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <map>
 
-#include "core/require.h"
-
 namespace cairn {
 namespace {
 
-// Groups images by the ground square they are in. The squares are max_baseline_m wide, so the
+constexpr double kMinBaselineM = 0.5;  // A shorter baseline cannot triangulate.
+constexpr double kMaxBaselineM = 30.0;
+constexpr double kMaxTurnRad = 1.05;  // Between viewing directions; SIFT tolerates no more.
+constexpr double kMinOverlap =
+    0.1;  // Share of one image's view, 4 to 32 m ahead, that the other sees.
+
+// Groups images by the ground square they are in. The squares are kMaxBaselineM wide, so the
 // neighbors of an image are in its own square or in the eight around it.
 class ImageGrid {
  public:
@@ -66,19 +70,10 @@ double ViewOverlap(const PosedFeatures& a, const PosedFeatures& b) {
 
 }  // namespace
 
-void NeighbourOptions::Validate() const {
-  RequireOption(max_neighbours >= 1, "neighbours.max_neighbours must be at least 1");
-  RequireOption(min_baseline_m >= 0.0 && max_baseline_m > min_baseline_m,
-                "neighbours: need 0 <= min_baseline_m < max_baseline_m");
-  RequireOption(max_turn_rad > 0.0, "neighbours.max_turn_rad must be positive");
-  RequireWithin("neighbours.min_overlap", min_overlap, 0.0, 1.0);
-}
-
-std::vector<std::pair<int, int>> FindNeighbourPairs(const std::vector<PosedFeatures>& images,
-                                                    const NeighbourOptions& options) {
-  options.Validate();
-  const ImageGrid grid(images, options.max_baseline_m);
-  const double min_cos_turn = std::cos(options.max_turn_rad);
+std::vector<std::pair<int, int>> FindNeighborPairs(const std::vector<PosedFeatures>& images,
+                                                   int max_neighbors) {
+  const ImageGrid grid(images, kMaxBaselineM);
+  const double min_cos_turn = std::cos(kMaxTurnRad);
   std::vector<std::pair<int, int>> pairs;
   for (int a = 0; a < static_cast<int>(images.size()); ++a) {
     const Eigen::Vector3d forward_in_world =
@@ -87,18 +82,18 @@ std::vector<std::pair<int, int>> FindNeighbourPairs(const std::vector<PosedFeatu
     std::vector<std::pair<double, int>> by_overlap;
     grid.ForEachAround(images[a].center_in_world, [&](int b) {
       const double baseline_m = (images[b].center_in_world - images[a].center_in_world).norm();
-      if (baseline_m < options.min_baseline_m || baseline_m > options.max_baseline_m ||
+      if (baseline_m < kMinBaselineM || baseline_m > kMaxBaselineM ||
           (images[b].cam_from_world.rotation * forward_in_world).z() < min_cos_turn) {
         return;
       }
       const double overlap =
           std::min(ViewOverlap(images[a], images[b]), ViewOverlap(images[b], images[a]));
-      if (overlap >= options.min_overlap) {
+      if (overlap >= kMinOverlap) {
         by_overlap.emplace_back(-overlap, b);
       }
     });
     std::sort(by_overlap.begin(), by_overlap.end());
-    by_overlap.resize(std::min(by_overlap.size(), static_cast<size_t>(options.max_neighbours)));
+    by_overlap.resize(std::min(by_overlap.size(), static_cast<size_t>(max_neighbors)));
     for (const auto& [negated_overlap, b] : by_overlap) {
       pairs.emplace_back(std::minmax(a, b));
     }
