@@ -6,7 +6,7 @@ import socket
 import tempfile
 import threading
 
-LARGE_BYTES = 12 << 10  # Larger than every message but payloads and codebooks.
+LARGE_BYTES = 2 << 10  # Larger than every row but payloads and codebooks.
 SOCKET = ".s.PGSQL.5432"
 
 
