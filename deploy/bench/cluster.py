@@ -48,15 +48,17 @@ def wait_until(condition, what, seconds=START_SECONDS):
 class Server:
     """A `cairn serve`, which keeps its port when it is started again."""
 
-    def __init__(self, cairn, map_path, cache_mb, drain_s=0):
+    def __init__(self, cairn, map_path, cache_mb, drain_s=0, log=None):
+        """The log goes to an open file, or to the standard error."""
         self.port = free_port()
+        self.log = log
         self.command = [cairn, "serve", map_path, "--port", str(self.port), "--cache-mb", str(cache_mb),
                         "--drain-seconds", str(drain_s), "--log-level", "error"]
         self.process = None
         self.start()
 
     def start(self):
-        self.process = subprocess.Popen(self.command, stdout=subprocess.DEVNULL)
+        self.process = subprocess.Popen(self.command, stdout=subprocess.DEVNULL, stderr=self.log)
         wait_until(self.is_ready, "a server that is ready")
 
     def is_ready(self):

@@ -8,6 +8,7 @@
   outside    requests that strangers may send: the routes of operators, names of cells that are none
   drain      SIGTERM of one server while queries run: how many fail
   rolling    SIGTERM and a new start of each server in turn while queries run: how many fail
+  overload   300 clients at once: how many of 3,000 queries are answered. The others get 503
   publish    `cairn rollback` publishes other content while queries run: answers that agree with no
              version as a whole, and the time until every server answers from the new version
 
@@ -36,6 +37,8 @@ SKIPPED = 77
 MIB = 1 << 20
 DRAIN_SECONDS = 2
 MAX_VISIBLE_SECONDS = 1.5
+OVERLOAD_QUERIES = 3000
+MIN_ANSWERED = 0.8  # Under overload.
 
 
 def parse_arguments():
@@ -213,6 +216,20 @@ def part_rolling(bench):
         bench.row_of_failures("restart of each server in turn", stream.finish())
 
 
+class Crowd(queries.Stream):
+    NUM_CLIENTS = 300
+
+
+def part_overload(bench):
+    with bench.cluster() as servers:
+        order = queries.at_random(len(bench.requests), seed=4)
+        outcomes = Crowd(servers.front.port, bench.requests, bench.cells, order, OVERLOAD_QUERIES).start().finish()
+    num_answered, num_refused = (sum(outcome.status == status for outcome in outcomes) for status in (200, 503))
+    bench.row("300 clients: answered queries, of the others with 503",
+              f"{num_answered} of {len(outcomes)}, {num_refused} of {len(outcomes) - num_answered}", "80 %, all",
+              num_answered >= MIN_ANSWERED * len(outcomes) and num_answered + num_refused == len(outcomes))
+
+
 def reference_answers(bench, version):
     """The content of the answer to each query while the map has this version."""
     server = cluster.Server(bench.cairn, bench.map_path, cache_mb=65_536)
@@ -285,7 +302,7 @@ def part_publish(bench):
 
 FRONTS = {"haproxy": cluster.haproxy, "nginx": cluster.nginx}
 PARTS = {"hit_rate": part_hit_rate, "kill": part_kill, "nginx": part_nginx, "outside": part_outside,
-         "drain": part_drain, "rolling": part_rolling, "publish": part_publish}
+         "drain": part_drain, "rolling": part_rolling, "overload": part_overload, "publish": part_publish}
 
 
 def main():

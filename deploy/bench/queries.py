@@ -38,12 +38,12 @@ def multipart(request_json, features):
     return body + f"--{BOUNDARY}--\r\n".encode()
 
 
-def load_requests(list_path, include=()):
+def load_requests(list_path, include=(), timeout_ms=TIMEOUT_MS):
     list_path = pathlib.Path(list_path)
     requests = []
     for query in json.loads(list_path.read_text())["queries"]:
         fields = {name: query[name] for name in ("camera", "prior", "gravity")}
-        fields["options"] = {"timeoutMs": TIMEOUT_MS, "maxMatches": 1, "include": list(include)}
+        fields["options"] = {"timeoutMs": timeout_ms, "maxMatches": 1, "include": list(include)}
         position = query["prior"]["position"]
         requests.append(Request(position["lat"], position["lon"], multipart(
             json.dumps(fields), (list_path.parent / query["features"]).read_bytes())))

@@ -309,6 +309,7 @@ BEGIN
   IF to_regrole('cairn_reader') IS NOT NULL AND to_regrole('cairn_builder') IS NOT NULL THEN
     GRANT USAGE ON SCHEMA cairn TO cairn_reader;
     GRANT SELECT ON ALL TABLES IN SCHEMA cairn TO cairn_reader;
+    GRANT SELECT ON ALL SEQUENCES IN SCHEMA cairn TO cairn_reader;  -- For pg_dump.
     GRANT INSERT, UPDATE, DELETE ON ALL TABLES IN SCHEMA cairn TO cairn_builder;
     REVOKE INSERT, UPDATE, DELETE ON cairn_migrations FROM cairn_builder;
     GRANT ALL ON ALL SEQUENCES IN SCHEMA cairn TO cairn_builder;

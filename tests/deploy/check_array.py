@@ -15,6 +15,11 @@ import subprocess
 import tempfile
 import time
 
+try:
+    import yaml
+except ImportError:
+    yaml = None
+
 from array_world import World, expect, expect_equal, output_of
 
 NUM_TASKS = 4
@@ -105,10 +110,11 @@ def check_publishers(world, scratch):
 
 
 def job(name):
-    import yaml
+    """The specification of a job, the command of its container, and the environment that is no secret."""
     spec = yaml.safe_load((KUBERNETES / f"{name}.yaml").read_text())["spec"]
     container = spec["template"]["spec"]["containers"][0]
-    environment = {variable["name"]: variable["value"] for variable in container["env"]}
+    environment = {variable["name"]: variable["value"]
+                   for variable in container["env"] if "valueFrom" not in variable}
     return spec, container["command"] + container["args"], environment
 
 
@@ -147,7 +153,10 @@ def main():
         world = World(arguments.build, scratch)
         check_kills(world, scratch, arguments.kills)
         check_publishers(world, scratch)
-        check_kubernetes(world, scratch)
+        if yaml is None:
+            print("skipped: python3-yaml is not installed (scripts/install-dependencies --tests)")
+        else:
+            check_kubernetes(world, scratch)
 
 
 if __name__ == "__main__":

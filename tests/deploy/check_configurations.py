@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Checks the files of deploy/ with the programs that read them. Prints which checks it skips, because
-the program is not installed.
+the program is not installed; the exit code is 77 if it skips them all.
 
 Usage: check_configurations.py CAIRN_BINARY
 """
@@ -13,6 +13,12 @@ import subprocess
 import sys
 import tempfile
 
+try:
+    import yaml
+except ImportError:
+    yaml = None
+
+SKIPPED = 77
 DEPLOY = pathlib.Path(__file__).resolve().parent.parent.parent / "deploy"
 HAPROXY_ENVIRONMENT = {"FRONT_ADDRESS": "127.0.0.1:8080", "CAIRN1": "127.0.0.1:8081",
                        "CAIRN2": "127.0.0.1:8082", "CAIRN3": "127.0.0.1:8083"}
@@ -57,7 +63,6 @@ def check_promtool(_, __):
 
 
 def check_compose(_, __):
-    import yaml
     compose = yaml.safe_load((DEPLOY / "compose" / "compose.yaml").read_text())
     services = compose["services"]
     front = services["front"]["environment"]
@@ -74,15 +79,37 @@ def check_compose(_, __):
             raise CheckFailed(f"compose.yaml mounts {source}, which does not exist")
 
 
-CHECKS = {"haproxy": check_haproxy, "nginx": check_nginx, "systemd-analyze": check_systemd,
-          "promtool": check_promtool, "python3": check_compose}
+def check_kubernetes(_, __):
+    image = (DEPLOY / "compose" / "Dockerfile").read_text()
+    group = int(re.search(r"^USER \d+:(\d+)$", image, re.M)[1])
+    for file in sorted((DEPLOY / "kubernetes").glob("*.yaml")):
+        pod = yaml.safe_load(file.read_text())["spec"]["template"]["spec"]
+        if pod["securityContext"]["fsGroup"] != group:
+            raise CheckFailed(f"{file.name}: the group of the image is {group}")
+        volumes = {volume["name"] for volume in pod["volumes"]}
+        mounted = {mount["name"] for mount in pod["containers"][0]["volumeMounts"]}
+        if volumes != mounted:
+            raise CheckFailed(f"{file.name} has the volumes {volumes} and mounts {mounted}")
+
+
+def has_program(name):
+    return shutil.which(name, path=PATH) is not None
+
+
+# What reads the files, whether it is installed, and the check.
+CHECKS = [("haproxy", has_program("haproxy"), check_haproxy),
+          ("nginx", has_program("nginx"), check_nginx),
+          ("systemd-analyze", has_program("systemd-analyze"), check_systemd),
+          ("promtool", has_program("promtool"), check_promtool),
+          ("compose (python3-yaml)", yaml is not None, check_compose),
+          ("Kubernetes (python3-yaml)", yaml is not None, check_kubernetes)]
 
 
 def main():
     cairn = sys.argv[1]
     failures = []
-    for program, check in CHECKS.items():
-        if shutil.which(program, path=PATH) is None:
+    for program, is_installed, check in CHECKS:
+        if not is_installed:
             print(f"skipped: {program} is not installed (scripts/install-dependencies --tests)")
             continue
         with tempfile.TemporaryDirectory() as scratch:
@@ -92,6 +119,8 @@ def main():
             except CheckFailed as failure:
                 failures.append(f"{program}: {failure}")
     print("\n".join(failures))
+    if not any(is_installed for _, is_installed, _ in CHECKS):
+        return SKIPPED
     return 1 if failures else 0
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Runs deploy/slurm on a Slurm cluster of one node that the script starts: plan, 20 tasks of which one fails,
-no publication; then that task again, and the publication. The exit code is 77 if Slurm is not installed.
+no publication; then that task again, and the publication. Wrong numbers of tasks leave no job. The exit code is 77 if Slurm is not installed.
 
 Usage: check_slurm.py BUILD_FOLDER
 """
@@ -126,6 +126,21 @@ def make_program(world, folder):
     return program
 
 
+def check_refused(cluster, world, scratch):
+    """A wrong number of tasks is refused, and leaves no job: without an end, the wait for them fails."""
+    program = scratch / "endless"
+    program.write_text("#!/bin/sh\nexec sleep 100\n")
+    program.chmod(0o755)
+    environment = {**cluster.environment, "CAIRN": str(program)}
+    for count, code in (("0", 2), ("many", 2), ("100000", 1)):
+        submit = [SCRIPTS / "submit", count, scratch / "refused.plan", scratch / "no.gpkg",
+                  *world.arguments("odd")]
+        refused = subprocess.run(submit, env=environment, cwd=cluster.folder, capture_output=True, text=True)
+        expect(refused.returncode == code and not refused.stdout, f"submit {count}: {refused}")
+        cluster.wait_for_jobs()
+    expect(cluster.state("1") == {"CANCELLED"}, f"the job before a refused one: {cluster.state('1')}")
+
+
 def check(cluster, world, scratch):
     sequential, spread, plan = scratch / "sequential.gpkg", scratch / "spread.gpkg", scratch / "odd.plan"
     world.make_map(sequential)
@@ -167,6 +182,7 @@ def main():
         (scratch / "slurm").mkdir()
         cluster = Cluster(scratch / "slurm")
         try:
+            check_refused(cluster, world, scratch)
             check(cluster, world, scratch)
         finally:
             cluster.close()
