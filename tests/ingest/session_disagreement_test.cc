@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include "core/angles.h"
@@ -52,7 +51,7 @@ Reconstruction Mirrored(Reconstruction session, const testing::StreetWorld& stre
     for (Keypoint& keypoint : image.features.keypoints) {
       keypoint.x_px = static_cast<float>(street.camera().width_px()) - keypoint.x_px;
       keypoint.orientation_rad =
-          static_cast<float>(WrapAngleRad(std::numbers::pi - keypoint.orientation_rad));
+          static_cast<float>(WrapAngleRad(kPi - keypoint.orientation_rad));
     }
   }
   for (ReconLandmark& landmark : session.landmarks) {
@@ -158,7 +157,7 @@ TEST_F(SessionDisagreement, AMirroredStreetIsRefused) {
   // The map knows the street in both directions, as a mirrored session looks back.
   testing::StreetWorldOptions back = ShortStreet();
   back.view_seed = 5;
-  back.heading_rad = std::numbers::pi;
+  back.heading_rad = kPi;
   Ingest(testing::StreetWorld(back), "back");
   const testing::StreetWorld tuesday(OnTuesday());
   for (const Eigen::Vector3d& normal_in_enu :
