@@ -93,5 +93,23 @@ TEST(LocalizeClient, DoesNotRepeatACellThatIsNone) {
   }
 }
 
+TEST(LocalizeClient, SaysWhenNoServerAnswers) {
+  LocalizeQuery query;
+  query.features.descriptors.resize(0, 128);
+  try {
+    LocalizeClient({.url = "http://127.0.0.1:1", .timeout_ms = 2000}).LocalizeFeatures(query);
+    ADD_FAILURE() << "answered";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::kUnavailable);
+    EXPECT_THAT(e.what(), HasSubstr("http://127.0.0.1:1"));
+  }
+}
+
+TEST(LocalizeClient, RefusesUrlsThatAreNone) {
+  for (const char* url : {"", "http://", "localhost:8080", "ftp://h", "http://h/path"}) {
+    EXPECT_THROW(LocalizeClient({.url = url}), Error) << url;
+  }
+}
+
 }  // namespace
 }  // namespace cairn

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -23,6 +22,7 @@ namespace cairn {
 namespace {
 
 using testing::ExpectPose;
+using testing::ExpectSameAnswer;
 using testing::MappedStreets;
 using testing::QueryAt;
 using testing::QueryPose;
@@ -247,99 +247,6 @@ TEST_F(LocalizerOnOneStreet, DoesNotLocalizeAnotherPlace) {
   EXPECT_FALSE(result.localized);
 }
 
-TEST_F(LocalizerOnOneStreet, SaysTimeoutWhenTheDeadlineHasPassed) {
-  LocalizeQuery query = QueryAt(*world_, QueryPose(20.0));
-  query.deadline = std::chrono::steady_clock::now() - std::chrono::seconds(1);
-  const LocalizeResult result = localizer().Localize(query);
-  EXPECT_EQ(result.reason, NotLocalizedReason::kTimeout);
-  EXPECT_EQ(result.map_version,
-            localizer().Localize(QueryAt(*world_, QueryPose(20.0))).map_version);
-  EXPECT_EQ(result.counters.num_keypoints, query.num_features());
-}
-
-// Wherever in the query the deadline falls.
-TEST_F(LocalizerOnOneStreet, AnswersByTheDeadlineOrSaysTimeout) {
-  LocalizeQuery query = QueryAt(*world_, QueryPose(20.0));
-  const LocalizeResult unhurried = localizer().Localize(query);
-  ASSERT_TRUE(unhurried.localized);
-  for (int percent = 0; percent <= 120; percent += 5) {
-    query.deadline = std::chrono::steady_clock::now() +
-                     std::chrono::microseconds(
-                         static_cast<int64_t>(1e4 * percent * unhurried.times.total_seconds));
-    const LocalizeResult result = localizer().Localize(query);
-    if (result.localized) {
-      ExpectPose(result, *world_, QueryPose(20.0), 0.1, 0.005);
-    } else {
-      EXPECT_EQ(result.reason, NotLocalizedReason::kTimeout) << percent;
-    }
-  }
-}
-
-void ExpectSameAnswer(const LocalizeResult& result, const LocalizeResult& expected) {
-  ASSERT_TRUE(result.localized);
-  EXPECT_EQ(result.cam_from_anchor.ToMatrix(), expected.cam_from_anchor.ToMatrix());
-  EXPECT_EQ(result.covariance, expected.covariance);
-  EXPECT_EQ(result.score, expected.score);
-  EXPECT_EQ(result.counters.num_distances, expected.counters.num_distances);
-  EXPECT_EQ(result.counters.num_matches, expected.counters.num_matches);
-  EXPECT_EQ(result.matches.size(), expected.matches.size());
-}
-
-TEST_F(LocalizerOnOneStreet, AColdQueryInAHurryAnswersFromAPartOfTheIndex) {
-  const LocalizeQuery unhurried = QueryAt(*world_, QueryPose(20.0));
-  LocalizerOptions options;
-  options.tiles.deadline_share = 0.0;  // No time for more than the first part of the index.
-  const LocalizeResult expected = localizer().Localize(unhurried);
-  const Localizer cold = map_->WithOptions(options);
-  LocalizeQuery hurried = unhurried;
-  hurried.deadline = std::chrono::steady_clock::now() + std::chrono::hours(1);
-  const LocalizeResult result = cold.Localize(hurried);
-  ExpectPose(result, *world_, QueryPose(20.0), 0.1, 0.005);
-  EXPECT_TRUE(result.counters.tiles_cut_short);
-  EXPECT_FALSE(result.counters.matching_cut_short);
-  EXPECT_LT(result.counters.num_distances, expected.counters.num_distances);
-  // Whether or not the rest has been built by now.
-  const LocalizeResult again = cold.Localize(unhurried);
-  ExpectSameAnswer(again, expected);
-  EXPECT_FALSE(again.counters.is_cut_short());
-}
-
-TEST_F(LocalizerOnOneStreet, QueriesWithTimeAreNotAffectedByThoseInAHurry) {
-  const LocalizeQuery unhurried = QueryAt(*world_, QueryPose(20.0));
-  LocalizeQuery hurried = unhurried;
-  hurried.deadline = std::chrono::steady_clock::now() + std::chrono::hours(1);
-  const LocalizeResult expected = localizer().Localize(unhurried);
-  LocalizerOptions options;
-  options.num_threads = 2;
-  options.tiles.deadline_share = 0.0;
-  const Localizer cold = map_->WithOptions(options);
-  std::vector<LocalizeResult> results(4);
-  std::vector<std::thread> threads;
-  for (size_t i = 0; i < results.size(); ++i) {
-    threads.emplace_back([&, i] { results[i] = cold.Localize(i % 2 == 0 ? hurried : unhurried); });
-  }
-  for (std::thread& thread : threads) {
-    thread.join();
-  }
-  for (size_t i = 0; i < results.size(); ++i) {
-    ExpectPose(results[i], *world_, QueryPose(20.0), 0.1, 0.005);
-    if (i % 2 == 1) {
-      ExpectSameAnswer(results[i], expected);
-    }
-  }
-}
-
-TEST_F(LocalizerOnOneStreet, SaysTimeoutWhenMatchingHasNoTime) {
-  LocalizerOptions options;
-  options.matching.deadline_share = 0.0;
-  LocalizeQuery query = QueryAt(*world_, QueryPose(20.0));
-  query.deadline = std::chrono::steady_clock::now() + std::chrono::hours(1);
-  const LocalizeResult result = map_->WithOptions(options).Localize(query);
-  EXPECT_EQ(result.reason, NotLocalizedReason::kTimeout);
-  EXPECT_TRUE(result.counters.matching_cut_short);
-  EXPECT_FALSE(result.counters.tiles_cut_short);
-}
-
 TEST_F(LocalizerOnOneStreet, AnswersProjectedFeaturesAsRawOnes) {
   const LocalizeQuery raw = QueryAt(*world_, QueryPose(20.0));
   LocalizeQuery projected = raw;
@@ -381,81 +288,6 @@ TEST_F(LocalizerOnOneStreet, GivesTheSameAnswerOnEveryThread) {
     EXPECT_EQ(result.cam_from_anchor.ToMatrix(), expected.cam_from_anchor.ToMatrix());
     EXPECT_EQ(result.covariance, expected.covariance);
   }
-}
-
-// The query with every n-th of its features, from the first on.
-void KeepEvery(int n, LocalizeQuery* query) {
-  FeatureSet& features = query->features;
-  const int kept = (features.size() + n - 1) / n;
-  for (int i = 0; i < kept; ++i) {
-    features.keypoints[i] = features.keypoints[n * i];
-    features.descriptors.row(i) = features.descriptors.row(n * i);
-  }
-  features.keypoints.resize(kept);
-  features.descriptors.conservativeResize(kept, Eigen::NoChange);
-}
-
-// A rig of three cameras that see so little that none of them is localized alone.
-LocalizeQuery PoorRigQuery(const StreetWorld& world, const Rigid3d& cam_from_enu) {
-  constexpr int kThinning = 100;
-  LocalizeQuery query = QueryAt(world, cam_from_enu);
-  KeepEvery(kThinning, &query);
-  for (const double azimuth_rad : {-0.5, 0.9}) {
-    const Rigid3d own_from_enu = StreetWorld::LookAlong(
-        cam_from_enu.Inverse().translation + Eigen::Vector3d(0.8, azimuth_rad, 0.2), azimuth_rad);
-    LocalizeQuery own = QueryAt(world, own_from_enu);
-    KeepEvery(kThinning, &own);
-    query.other_cameras.push_back(
-        {world.camera(), own_from_enu * cam_from_enu.Inverse(), own.features});
-  }
-  return query;
-}
-
-TEST_F(LocalizerOnOneStreet, LocalizesARigOfWhichNoCameraIsLocalizedAlone) {
-  const Rigid3d cam_from_enu = QueryPose(20.0);
-  for (const bool has_gravity : {true, false}) {
-    LocalizeQuery rig = PoorRigQuery(*world_, cam_from_enu);
-    LocalizeQuery alone = rig;
-    alone.other_cameras.clear();
-    EXPECT_FALSE(localizer().Localize(alone).localized);
-    if (!has_gravity) {
-      rig.down_in_cam.reset();
-    }
-    const LocalizeResult result = localizer().Localize(rig);
-    ExpectPose(result, *world_, cam_from_enu, 0.1, 0.2 * kRadPerDeg);
-    EXPECT_EQ(result.counters.num_keypoints, rig.num_features());
-    std::set<int> cameras;
-    for (const LocalizeMatch& match : result.matches) {
-      cameras.insert(match.camera_idx);
-      const FeatureSet& features =
-          match.camera_idx == 0 ? rig.features : rig.other_cameras[match.camera_idx - 1].features;
-      ASSERT_LT(match.keypoint_idx, features.size());
-      EXPECT_EQ(match.pixel.x(), features.keypoints[match.keypoint_idx].x_px);
-    }
-    EXPECT_EQ(cameras.size(), 3u);
-  }
-}
-
-TEST_F(LocalizerOnOneStreet, TheFirstCameraOfARigMaySeeNothing) {
-  const Rigid3d cam_from_enu = QueryPose(20.0);
-  LocalizeQuery rig = QueryAt(*world_, cam_from_enu);
-  const Rigid3d own_from_first(ExpSo3({0.0, 0.4, 0.1}), {0.5, 0.0, -1.0});
-  rig.other_cameras.push_back(
-      {world_->camera(), own_from_first, QueryAt(*world_, own_from_first * cam_from_enu).features});
-  rig.features = FeatureSet();
-  ExpectPose(localizer().Localize(rig), *world_, cam_from_enu, 0.1, 0.2 * kRadPerDeg);
-}
-
-TEST_F(LocalizerOnOneStreet, RefusesRigsThatMakeNoSense) {
-  LocalizeQuery query = PoorRigQuery(*world_, QueryPose(20.0));
-  query.other_cameras[1].cam_from_first.translation.x() = 1000.0;
-  EXPECT_THROW(localizer().Localize(query), Error);
-  query = PoorRigQuery(*world_, QueryPose(20.0));
-  query.other_cameras[0].features.space = DescriptorSpace::kProjected;
-  EXPECT_THROW(localizer().Localize(query), Error);
-  query = PoorRigQuery(*world_, QueryPose(20.0));
-  query.other_cameras.resize(LocalizeQuery::kMaxOtherCameras + 1);
-  EXPECT_THROW(localizer().Localize(query), Error);
 }
 
 TEST_F(LocalizerOnOneStreet, AnswerDoesNotDependOnTheNumberOfThreads) {

@@ -93,6 +93,17 @@ inline void ExpectPose(const LocalizeResult& result, const StreetWorld& world,
   EXPECT_LT(RotationAngleRad(result.cam_from_ecef.rotation, cam_from_ecef.rotation), max_error_rad);
 }
 
+// Expects an answer with the same pose, found in the same way.
+inline void ExpectSameAnswer(const LocalizeResult& result, const LocalizeResult& expected) {
+  ASSERT_TRUE(result.localized);
+  EXPECT_EQ(result.cam_from_anchor.ToMatrix(), expected.cam_from_anchor.ToMatrix());
+  EXPECT_EQ(result.covariance, expected.covariance);
+  EXPECT_EQ(result.score, expected.score);
+  EXPECT_EQ(result.counters.num_distances, expected.counters.num_distances);
+  EXPECT_EQ(result.counters.num_matches, expected.counters.num_matches);
+  EXPECT_EQ(result.matches.size(), expected.matches.size());
+}
+
 }  // namespace cairn::testing
 
 #endif  // CAIRN_TESTS_ENGINE_LOCALIZER_MAPPED_STREETS_H_

@@ -8,12 +8,12 @@
 #include <cmath>
 #include <map>
 #include <random>
-#include <tuple>
 #include <utility>
 
 #include "core/angles.h"
 #include "core/error.h"
 #include "engine/index/synthetic_descriptors.h"
+#include "engine/matching/landmark_matches.h"
 #include "engine/tiles/simple_tile.h"
 #include "lab/rivals/index/index_methods.h"
 
@@ -22,29 +22,14 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using testing::kDistanceTolerance;
+using testing::LandmarkIds;
+using testing::Match;
 using testing::SimpleDescriptor;
 using testing::SimpleLandmark;
 using testing::SimpleQuery;
 using testing::SimpleTile;
 using testing::SimpleView;
-
-// Byte steps are 1.5 / 255, so distances are off by less than this.
-constexpr float kDistanceTolerance = 0.02f;
-
-std::vector<Correspondence> Match(const QueryContext& query, const std::vector<TileView>& tiles,
-                                  const MatchingOptions& options = {}) {
-  StageCounters counters;
-  return MatchFeatures(query, tiles, options, &counters);
-}
-
-std::vector<uint64_t> LandmarkIds(const std::vector<TileView>& tiles,
-                                  const std::vector<Correspondence>& matches) {
-  std::vector<uint64_t> ids;
-  for (const Correspondence& match : matches) {
-    ids.push_back(Value(tiles[match.tile_idx].tile->landmarks().landmark_ids[match.landmark_idx]));
-  }
-  return ids;
-}
 
 MatchingOptions NoTerms() { return {.orientation_weight = 0.0, .position_weight = 0.0}; }
 
@@ -423,70 +408,6 @@ TEST(MatchFeatures, RefuseTilesOfDifferentCodebooks) {
   EXPECT_THROW(
       Match(SimpleQuery({{0.0f}}), {SimpleView(SimpleTile({})), SimpleView(std::move(other))}),
       Error);
-}
-
-TEST(SearchableTile, RefusesACodebookThatIsNotTheTiles) {
-  EXPECT_THROW(
-      SearchableTile(SimpleTile({}), testing::LatticeCodebook(CodebookId{2}), IndexOptions()),
-      Error);
-  Tile tile = SimpleTile({});
-  tile.code_size = 8;
-  EXPECT_THROW(SearchableTile(tile, testing::LatticeCodebook(), IndexOptions()), Error);
-}
-
-TEST(SearchableTile, KnowsTheLandmarkOfEachDescriptorAndItsSize) {
-  const Tile tile = SimpleTile({{1, {{0.1f}, {0.2f}}}, {2, {{0.3f}}}});
-  const TileView view = SimpleView(tile);
-  const DescriptorPlaces& places = view.tile->places();
-  ASSERT_EQ(places.size(), 3u);
-  for (const auto& [descriptor, landmark] :
-       {std::pair(0u, 0u), std::pair(1u, 0u), std::pair(2u, 1u)}) {
-    const auto order = view.tile->index().order();
-    const size_t place = order.empty()
-                             ? descriptor
-                             : std::find(order.begin(), order.end(), descriptor) - order.begin();
-    EXPECT_EQ(places.descriptor(place), descriptor);
-    EXPECT_EQ(places.landmark(place), landmark);
-  }
-  EXPECT_GT(view.tile->MemoryBytes(), tile.MemoryBytes() + view.tile->index().MemoryBytes());
-}
-
-TEST(MatchAgainstKeyframes, SeesOnlyWhatTheKeyframesSaw) {
-  const std::vector<TileView> tiles = {
-      SimpleView(SimpleTile({{1, {{0.0f}}}, {2, {{0.1f}}}, {3, {{0.2f}, {0.5f}}}, {4, {{0.3f}}}},
-                            {{0, 2}, {2, 3}, {1}})),
-      SimpleView(SimpleTile({{5, {{0.4f}}}, {6, {{0.0f}}}}, {{0}}))};
-  const auto matches = MatchAgainstKeyframes(SimpleQuery({{0.0f}}), tiles,
-                                             {{1, 0}, {0, 1}, {0, 0}, {0, 1}}, 0.9, {});
-  EXPECT_THAT(LandmarkIds(tiles, matches), ElementsAre(1, 3, 4, 5));
-  EXPECT_NEAR(matches[1].sq_distance, 0.04f, kDistanceTolerance);
-}
-
-TEST(MatchAgainstKeyframes, UsesTheQuantileGiven) {
-  const std::vector<TileView> tiles = {
-      SimpleView(SimpleTile({{1, {{0.4f}}}, {2, {{0.6f}}}}, {{0, 1}}))};
-  EXPECT_EQ(MatchAgainstKeyframes(SimpleQuery({{0.0f}}), tiles, {{0, 0}}, 0.25, {}).size(), 1u);
-  EXPECT_EQ(MatchAgainstKeyframes(SimpleQuery({{0.0f}}), tiles, {{0, 0}}, 0.90, {}).size(), 2u);
-}
-
-TEST(MatchAgainstKeyframes, NoKeyframesOrTilesGiveNoMatches) {
-  const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.4f}}}}, {{0}}))};
-  EXPECT_THAT(MatchAgainstKeyframes(SimpleQuery({{0.0f}}), tiles, {}, 0.9, {}), IsEmpty());
-  EXPECT_THAT(MatchAgainstKeyframes(SimpleQuery({{0.0f}}), {}, {}, 0.9, {}), IsEmpty());
-}
-
-TEST(MatchAgainstKeyframes, OfAKeyframeThatSawAllEqualsMatchFeatures) {
-  const std::vector<TileView> tiles = {SimpleView(SimpleTile(
-      {{1, {{0.4f, 0.5}}}, {2, {{0.6f}, {0.9f, 1.0}}}, {3, {{1.5f, 2.0}}}}, {{0, 1, 2}}))};
-  const QueryContext query = SimpleQuery({{0.5f, 1.0}, {1.0f}, {1.4f, -1.0}});
-  const auto all = Match(query, tiles);
-  const auto of_keyframe = MatchAgainstKeyframes(query, tiles, {{0, 0}}, 0.9, {});
-  ASSERT_EQ(all.size(), of_keyframe.size());
-  for (size_t i = 0; i < all.size(); ++i) {
-    EXPECT_EQ(std::tie(all[i].keypoint_idx, all[i].landmark_idx, all[i].sq_distance),
-              std::tie(of_keyframe[i].keypoint_idx, of_keyframe[i].landmark_idx,
-                       of_keyframe[i].sq_distance));
-  }
 }
 
 }  // namespace
