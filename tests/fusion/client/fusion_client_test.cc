@@ -4,6 +4,8 @@
 
 #include <atomic>
 #include <cmath>
+#include <cstdint>
+#include <set>
 #include <thread>
 #include <vector>
 
@@ -195,6 +197,47 @@ TEST(FusionClient, ReportsEveryAnswerThatItQueued) {
   });
   EXPECT_GT(num_queued, 40);
   EXPECT_EQ(num_reported, num_queued);
+}
+
+// More answers than the estimator has room for wait when `local` restarts.
+TEST(FusionClient, ReportsTheAnswersThatWaitedDuringARestart) {
+  const Simulation simulation = WalkFromRest();
+  const auto created = FusionClient::Create(simulation.MatchingFusionOptions());
+  FusionClient* client = created.client.get();
+  ASSERT_NE(client, nullptr) << created.error;
+  Feed(simulation, client, [&](size_t) { client->TakeReports(); });
+  constexpr int64_t kFirstId = 1'000'000;
+  std::multiset<int64_t> queued, reported;
+  Answer stranger;
+  for (stranger.query_id = kFirstId; stranger.query_id < kFirstId + 70; ++stranger.query_id) {
+    if (client->Submit(stranger) == SubmitStatus::kQueued) {
+      queued.insert(stranger.query_id);
+    }
+    if (stranger.query_id % 20 == 19) {
+      client->AddImu({});  // Drains.
+    }
+  }
+  EXPECT_GT(queued.size(), 40u);
+  EXPECT_LT(queued.size(), 70u);
+
+  ImuSample rest{simulation.imu().back().timestamp_ns + 2'000'000'000, Eigen::Vector3d::Zero(),
+                 Eigen::Vector3d(0.0, 0.0, 9.81)};
+  EXPECT_EQ(client->AddImu({&rest, 1}), ImuStatus::kRestarted);
+  for (int i = 1; i < 800; ++i) {
+    rest.timestamp_ns += 5'000'000;
+    EXPECT_EQ(client->AddImu({&rest, 1}), ImuStatus::kAccepted);
+    if (i % 20 == 0) {
+      client->AddFrame({rest.timestamp_ns, {}});
+    }
+    for (const AnswerReport& report : client->TakeReports()) {
+      if (report.query_id >= kFirstId) {
+        EXPECT_EQ(report.outcome, AnswerOutcome::kUnknownQuery);
+        reported.insert(report.query_id);
+      }
+    }
+  }
+  EXPECT_EQ(client->Latest().mode, Mode::kTracking);
+  EXPECT_EQ(reported, queued);
 }
 
 TEST(Published, ReadersNeverSeeHalfAValue) {

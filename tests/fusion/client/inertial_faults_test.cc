@@ -1,7 +1,10 @@
 // Faults of the sensors: samples and frames that are missing, and motions that tell nothing.
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <cstdint>
+#include <set>
+#include <vector>
 
 #include "fusion/client/estimator.h"
 #include "fusion/errors.h"
@@ -9,6 +12,19 @@
 
 namespace cairn::fusion::testing {
 namespace {
+
+// Feeds the samples and frames of a device that rests from `begin_ns` on.
+void Rest(int64_t begin_ns, double duration_s, Estimator* estimator) {
+  const int num_samples = static_cast<int>(200.0 * duration_s);
+  int64_t now_ns = begin_ns;
+  for (int i = 1; i < num_samples; ++i) {
+    now_ns += 5'000'000;
+    estimator->AddImu({now_ns, Eigen::Vector3d::Zero(), {0.0, 0.0, 9.81}});
+    if (i % 20 == 0) {
+      estimator->AddFrame({now_ns, {}});
+    }
+  }
+}
 
 TEST(Faults, AGapInTheInertialSamplesRestartsLocal) {
   const Simulation simulation = SimulateWalk(4.0);
@@ -19,15 +35,46 @@ TEST(Faults, AGapInTheInertialSamplesRestartsLocal) {
   EXPECT_EQ(estimator.AddImu({later_ns, Eigen::Vector3d::Zero(), {0.0, 0.0, 9.81}}),
             ImuStatus::kRestarted);
   EXPECT_EQ(estimator.latest().mode, Mode::kLost);
-  // At rest for a while: it starts again.
-  for (int i = 1; i < 400; ++i) {
-    estimator.AddImu({later_ns + i * 5'000'000, Eigen::Vector3d::Zero(), {0.0, 0.0, 9.81}});
-    if (i % 20 == 0) {
-      estimator.AddFrame({later_ns + i * 5'000'000, {}});
-    }
-  }
+  Rest(later_ns, 2.0, &estimator);  // It starts again.
   EXPECT_EQ(estimator.latest().mode, Mode::kTracking);
   EXPECT_EQ(estimator.latest().epoch, epoch + 1);
+}
+
+// Answers about frames that no longer exist, in a full box.
+TEST(Faults, ARestartReportsTheAnswersThatWaitAndUsesNone) {
+  const Simulation simulation = SimulateWalk(4.0);
+  Estimator estimator(simulation.MatchingFusionOptions());
+  std::vector<Answer> held;
+  Replay(simulation, 0, &estimator, [&](size_t i) {
+    if (const auto query = estimator.PollQuery()) {
+      held.push_back(simulation.MakeAnswer(*query, i, {}));
+    }
+  });
+  ASSERT_FALSE(held.empty());
+  std::set<int64_t> waiting;
+  for (const Answer& answer : held) {
+    EXPECT_EQ(estimator.Submit(answer), SubmitStatus::kQueued);
+    waiting.insert(answer.query_id);
+  }
+  Answer stranger;
+  for (stranger.query_id = 1'000'000; estimator.has_room_for_answer(); ++stranger.query_id) {
+    EXPECT_EQ(estimator.Submit(stranger), SubmitStatus::kQueued);
+    waiting.insert(stranger.query_id);
+  }
+  EXPECT_EQ(estimator.Submit(stranger), SubmitStatus::kQueueFull);
+
+  const int64_t later_ns = simulation.imu().back().timestamp_ns + 2'000'000'000;
+  EXPECT_EQ(estimator.AddImu({later_ns, Eigen::Vector3d::Zero(), {0.0, 0.0, 9.81}}),
+            ImuStatus::kRestarted);
+  Rest(later_ns, 4.0, &estimator);
+  EXPECT_EQ(estimator.latest().mode, Mode::kTracking);
+  EXPECT_EQ(estimator.counters().num_alignments, 0);
+  std::multiset<int64_t> reported;
+  for (const AnswerReport& report : estimator.TakeReports()) {
+    EXPECT_EQ(report.outcome, AnswerOutcome::kUnknownQuery) << report.query_id;
+    reported.insert(report.query_id);
+  }
+  EXPECT_EQ(reported, std::multiset<int64_t>(waiting.begin(), waiting.end()));
 }
 
 TEST(Faults, AClockSetBackRestartsLocal) {
