@@ -135,7 +135,8 @@ std::optional<Eigen::Vector2d> Lens::Distort(const Eigen::Vector2d& normalized,
 // Newton's method between bounds; the distorted radius grows with the radius up to max_sq_radius_.
 double Lens::StraightenRadius(double distorted_radius) const {
   double low = 0.0, high = std::sqrt(max_sq_radius_);
-  double radius = std::min(distorted_radius, high);
+  // Starts below `high`, where a rational factor may have its pole.
+  double radius = distorted_radius < high ? distorted_radius : 0.5 * high;
   for (int i = 0; i < 100; ++i) {
     const Scale scale = RadialScale(radius * radius);
     const double excess = radius * scale.factor - distorted_radius;

@@ -31,6 +31,15 @@ TEST(Lens, UndistortsToTheFirstOfSeveralRadii) {
   EXPECT_FALSE(lens.Undistort({1.2, 0.0}));  // That of r = 2.
 }
 
+// Near the pole, the distorted radius is many times the radius of the pole.
+TEST(Lens, UndistortsUpToThePoleOfARationalFactor) {
+  const Lens lens(LensCoefficients{.denominator = {-0.5}});  // r / (1 - 0.5 r^2).
+  for (const double radius : {0.3, 0.8, 0.9, 1.1, 1.3, 1.4}) {
+    ExpectInverse(lens, {0.6 * radius, 0.8 * radius});
+  }
+  EXPECT_FALSE(lens.Distort({1.5, 0.0}, nullptr));
+}
+
 // v + 0.6 v^2 falls up to v = -0.83, where it is -0.417: smaller values of v fold back.
 TEST(Lens, UndistortsToThisSideOfATangentialFold) {
   const Lens lens(LensCoefficients{.p1 = 0.2});
