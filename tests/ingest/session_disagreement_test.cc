@@ -50,8 +50,7 @@ Reconstruction Mirrored(Reconstruction session, const testing::StreetWorld& stre
     image.cam_from_world = {cam_from_world, -(cam_from_world * center_in_world)};
     for (Keypoint& keypoint : image.features.keypoints) {
       keypoint.x_px = static_cast<float>(street.camera().width_px()) - keypoint.x_px;
-      keypoint.orientation_rad =
-          static_cast<float>(WrapAngleRad(kPi - keypoint.orientation_rad));
+      keypoint.orientation_rad = static_cast<float>(WrapAngleRad(kPi - keypoint.orientation_rad));
     }
   }
   for (ReconLandmark& landmark : session.landmarks) {
