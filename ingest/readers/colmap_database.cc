@@ -206,7 +206,7 @@ SiftNormalization ColmapDatabase::NormalizationOfAll() {
   SiftStatistics statistics;
   sqlite::Statement statement = connection_->Prepare(
       "SELECT data FROM descriptors WHERE cols = ? AND data IS NOT NULL LIMIT ?");
-  statement.Bind(int64_t{kSiftDim}, kMaxStatisticsImages);
+  statement.Bind(int64_t{kColmapDim}, kMaxStatisticsImages);
   while (!statistics.IsEnough() && statement.Step()) {
     statistics.Add(statement.Blob(0));
   }

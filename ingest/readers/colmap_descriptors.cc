@@ -36,7 +36,7 @@ std::string TypeName(int64_t type) {
       ErrorCode::kBadInput,
       fmt::format("the descriptors of image {} are {}; only SIFT is supported: extract with "
                   "COLMAP's SIFT, which stores {} bytes per keypoint",
-                  image_name.substr(0, 100), what, kSiftDim));
+                  image_name.substr(0, 100), what, kColmapDim));
 }
 
 }  // namespace
@@ -51,8 +51,8 @@ void CheckSiftBlob(const std::string& image_name, std::optional<int64_t> type, i
   if (rows > 0 && num_bytes == 4 * num_numbers) {
     Refuse(image_name, fmt::format("floats of {} dimensions", cols));
   }
-  if (rows > 0 && cols != kSiftDim) {
-    Refuse(image_name, cols % 4 == 0 && cols > kSiftDim
+  if (rows > 0 && cols != kColmapDim) {
+    Refuse(image_name, cols % 4 == 0 && cols > kColmapDim
                            ? fmt::format("{} bytes per keypoint, probably floats of {} dimensions",
                                          cols, cols / 4)
                            : fmt::format("{} bytes per keypoint", cols));
@@ -60,12 +60,12 @@ void CheckSiftBlob(const std::string& image_name, std::optional<int64_t> type, i
 }
 
 void SiftStatistics::Add(std::span<const uint8_t> rows) {
-  const size_t num_rows = rows.size() / kSiftDim;
+  const size_t num_rows = rows.size() / kColmapDim;
   const size_t step = std::max<size_t>(1, num_rows / kMaxRowsAtOnce);
   for (size_t i = 0; i < num_rows; i += step) {
     double sum = 0.0, sum_squares = 0.0;
     int num_set = 0;
-    for (const uint8_t value : rows.subspan(i * kSiftDim, kSiftDim)) {
+    for (const uint8_t value : rows.subspan(i * kColmapDim, kColmapDim)) {
       sum += value;
       sum_squares += static_cast<double>(value) * value;
       num_set += value != 0 ? 1 : 0;

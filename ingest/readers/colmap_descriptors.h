@@ -9,7 +9,7 @@
 
 namespace cairn {
 
-constexpr int kSiftDim = 128;
+constexpr int kColmapDim = 128;
 
 // COLMAP's option SiftExtraction.normalization. The name states what a stored byte is.
 enum class SiftNormalization {
@@ -28,7 +28,7 @@ void CheckSiftBlob(const std::string& image_name, std::optional<int64_t> type, i
 // 0.781 to 0.822; for the same descriptors with L2 normalization, it was 0.633 to 0.666.
 class SiftStatistics {
  public:
-  // Adds rows of kSiftDim bytes. Uses at most a hundred of them.
+  // Adds rows of kColmapDim bytes. Uses at most a hundred of them.
   void Add(std::span<const uint8_t> rows);
 
   bool IsEnough() const { return num_rows_ >= 2000; }

@@ -113,8 +113,8 @@ TEST(SiftStatistics, TellTheNormalizationsOfRealPhotosApart) {
     EXPECT_EQ(statistics.Normalization(), SiftNormalization::kL1Root);
 
     std::vector<uint8_t> l2 = l1_root;
-    for (size_t row = 0; row < l2.size(); row += kSiftDim) {
-      Eigen::Map<Eigen::Array<uint8_t, kSiftDim, 1>> bytes(l2.data() + row);
+    for (size_t row = 0; row < l2.size(); row += kColmapDim) {
+      Eigen::Map<Eigen::Array<uint8_t, kColmapDim, 1>> bytes(l2.data() + row);
       const Eigen::ArrayXd squares = bytes.cast<double>().square();
       bytes = (512.0 / squares.matrix().norm() * squares).round().min(255.0).cast<uint8_t>();
     }

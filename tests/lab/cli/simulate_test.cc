@@ -3,14 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "cli/exit_codes.h"
 #include "cli/run_cairn.h"
+#include "core/file_bytes.h"
 #include "support/temp_dir.h"
 
 namespace cairn::testing {
@@ -18,10 +17,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-std::string ReadAll(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
+constexpr uint64_t kMaxBytes = 1 << 20;
 
 class Simulate : public ::testing::Test {
  protected:
@@ -44,7 +40,7 @@ TEST_F(Simulate, EvalLocalizesTheQueriesInTheMap) {
       RunCairn({"eval", dir_.File("map.gpkg"), "--queries", dir_.File("queries.json"),
                 "--given-priors", "--json", dir_.File("report.json")});
   ASSERT_EQ(evaluated.exit_code, 0) << evaluated.err;
-  const auto report = nlohmann::json::parse(ReadAll(dir_.File("report.json")));
+  const auto report = nlohmann::json::parse(ReadTextFile(dir_.File("report.json"), kMaxBytes));
   EXPECT_EQ(report["num_queries"], 20);
   EXPECT_GE(report["num_localized"], 5);
   EXPECT_LT(report["median_position_error_m"]["value"], 2.0);
@@ -58,7 +54,8 @@ TEST_F(Simulate, EvalSearchesWithTheIndexThatIsChosen) {
         RunCairn({"eval", dir_.File("map.gpkg"), "--queries", dir_.File("queries.json"),
                   "--given-priors", "--index", index, "--json", dir_.File("report.json")});
     EXPECT_EQ(evaluated.exit_code, 0) << evaluated.err;
-    return nlohmann::json::parse(ReadAll(dir_.File("report.json")))["num_localized"].get<int>();
+    return nlohmann::json::parse(ReadTextFile(dir_.File("report.json"), kMaxBytes))["num_localized"]
+        .get<int>();
   };
   for (const char* index : {"random_grids", "inverted_lists"}) {
     EXPECT_GE(localized_with(index), 5) << index;
@@ -78,9 +75,9 @@ TEST_F(Simulate, TheSameSeedMakesTheSameQueries) {
               0);
   }
   for (const char* query : {"phone_000000.features", "phone_000002.features"}) {
-    const std::string a = ReadAll(dir_.File("a_features/" + std::string(query)));
+    const std::string a = ReadTextFile(dir_.File("a_features/" + std::string(query)), kMaxBytes);
     EXPECT_GT(a.size(), 10'000u);
-    EXPECT_EQ(a, ReadAll(dir_.File("b_features/" + std::string(query))));
+    EXPECT_EQ(a, ReadTextFile(dir_.File("b_features/" + std::string(query)), kMaxBytes));
   }
 }
 
@@ -100,7 +97,7 @@ TEST_F(Simulate, WritesASequenceAndAPlan) {
   ASSERT_EQ(finished.exit_code, 0) << finished.err;
   EXPECT_THAT(finished.out, HasSubstr("401 inertial samples, 21 frames"));
   EXPECT_TRUE(std::filesystem::exists(dir_.File("walk/mav0/imu0/data.csv")));
-  EXPECT_EQ(ReadAll(dir_.File("plan.png")).substr(1, 3), "PNG");
+  EXPECT_EQ(ReadTextFile(dir_.File("plan.png"), kMaxBytes).substr(1, 3), "PNG");
 }
 
 TEST_F(Simulate, RefusesWhatCannotBe) {

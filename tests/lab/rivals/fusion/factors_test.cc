@@ -12,7 +12,7 @@
 namespace cairn::fusion {
 namespace {
 
-using testing::NumericJacobian;
+using cairn::testing::NumericJacobian;
 
 constexpr double kGravity = 9.81;
 
