@@ -254,7 +254,7 @@ TEST_F(HttpServer, NamesTheCellAndIgnoresThatOfTheRequest) {
   const auto cell_of = [&](const std::string& stated_cell) {
     httplib::Client client("127.0.0.1", port());
     const httplib::Headers headers{{"X-Cairn-Cell", stated_cell}};
-    const auto result = client.PostOf("/v1/localize", headers, json, "application/json");
+    const auto result = client.Post("/v1/localize", headers, json, "application/json");
     EXPECT_EQ(result->status, 200) << result->body;
     return result->get_header_value("X-Cairn-Cell");
   };
