@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <limits>
 #include <set>
 #include <utility>
@@ -20,8 +19,7 @@ constexpr int64_t kAllTiles = std::numeric_limits<int64_t>::max();
 }  // namespace
 
 std::string MergeSource::Describe() const {
-  return fmt::format("{}, version {}", std::filesystem::path(path()).filename().string(),
-                     Value(snapshot_.version()));
+  return fmt::format("{}, version {}", store_.ShortName(), Value(snapshot_.version()));
 }
 
 void MergeSource::RecodeTo(std::shared_ptr<const Codebook> codebook) {

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <map>
 #include <vector>
 
@@ -41,8 +40,7 @@ MapTotals ExtractMap(const MapStore& from, const GeoRegion& region, const std::s
     update.CopyTiles(snapshot, tiles);
     update.Publish({.kind = VersionKind::kExtract,
                     .summary = fmt::format("{} of {} tiles of {}, version {}", tiles.size(),
-                                           snapshot.Info().num_tiles,
-                                           std::filesystem::path(from.path()).filename().string(),
+                                           snapshot.Info().num_tiles, from.ShortName(),
                                            Value(snapshot.version()))});
     totals = store->Snapshot().Info();
   });

@@ -37,6 +37,7 @@ namespace {
 void CheckTablesOf(db::Connection* connection, Findings* findings) {
   if (connection->dialect() == db::Dialect::kPostgres) {
     CheckPostgresTables(connection, findings);
+    CheckLayers(connection, findings);
     CheckVersions(connection, findings);
   } else if (CheckPages(connection, findings)) {
     CheckTables(connection, findings);

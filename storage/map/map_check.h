@@ -77,11 +77,11 @@ bool CheckPages(db::Connection* connection, Findings* findings);
 void CheckTables(db::Connection* connection, Findings* findings);
 
 // Checks what SQL alone can check of a PostgreSQL database, which keeps its indices, references and
-// types itself: rows that contradict each other, and geometries in the wrong place.
+// types itself: rows that contradict each other.
 void CheckPostgresTables(db::Connection* connection, Findings* findings);
 
-// Checks the geometries and the spatial indices of the two layers, and every keyframe's pose,
-// camera and tile.
+// Checks the geometries of the two layers, their spatial indices in a file, and every keyframe's
+// pose, camera and tile.
 void CheckLayers(db::Connection* connection, Findings* findings);
 
 // Decodes every codebook.

@@ -103,7 +103,7 @@ constexpr Rule kTableRules[] = {
      "layers have a wrong extent in gpkg_contents"},
 };
 
-// The rules for PostgreSQL's tables. PostGIS compares the geometries.
+// The rules for PostgreSQL's tables.
 constexpr Rule kPostgresRules[] = {
     {"SELECT count(*) FROM coverage WHERE tile_id NOT IN (SELECT tile_id FROM cairn_tiles)",
      "squares in coverage have no tile"},
@@ -126,9 +126,6 @@ constexpr Rule kPostgresRules[] = {
     {"SELECT count(*) FROM cairn_sessions WHERE content_digest !~ '^[0-9a-f]*$' "
      "OR recorded_at !~ '^\\d{4}-\\d\\d-\\d\\dT\\d\\d:\\d\\d:\\d\\dZ$'",
      "sessions have invalid times or digests"},
-    {"SELECT count(*) FROM keyframes "
-     "WHERE NOT ST_DWithin(geom, ST_SetSRID(ST_MakePoint(lon_deg, lat_deg, h_m), 4326), 1e-7)",
-     "keyframes have a geometry in the wrong place"},
 };
 
 #undef CAIRN_TOO_LARGE

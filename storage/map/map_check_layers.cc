@@ -39,25 +39,59 @@ bool SameEnvelope(const GeometryEnvelope& a, const GeometryEnvelope& b) {
          near(a.min_y, b.min_y) && near(a.max_y, b.max_y);
 }
 
-// Compares the geometry and the indexed box of a row with the expected envelope. `geom_column`
-// holds the geometry; the four columns of the box follow.
-void CheckGeometry(const db::Statement& row, int geom_column, const GeometryEnvelope& expected,
-                   const std::string& where, Findings* findings) {
-  const std::optional<GeometryEnvelope> envelope = EnvelopeOfGeometry(row.Blob(geom_column));
+// What a query selects of the geometry of a row. In a file: the geometry and its indexed box. Of
+// PostgreSQL, which keeps its index itself: the envelope of the geometry. The columns of boxes and
+// envelopes are min x, max x, min y, max y.
+struct GeometryColumns {
+  db::Dialect dialect;
+  int first;  // Of the selected columns.
+};
+
+// Returns nothing if the row has no valid geometry.
+std::optional<GeometryEnvelope> EnvelopeOf(const db::Statement& row,
+                                           const GeometryColumns& columns) {
+  const int first = columns.first;
+  if (columns.dialect == db::Dialect::kSqlite) {
+    return EnvelopeOfGeometry(row.Blob(first));
+  }
+  if (row.IsNull(first)) {
+    return std::nullopt;
+  }
+  return GeometryEnvelope{row.Double(first), row.Double(first + 1), row.Double(first + 2),
+                          row.Double(first + 3), false};
+}
+
+// Compares the geometry and the indexed box of a row with the expected envelope.
+void CheckGeometry(const db::Statement& row, const GeometryColumns& columns,
+                   const GeometryEnvelope& expected, const std::string& where, Findings* findings) {
+  const std::optional<GeometryEnvelope> envelope = EnvelopeOf(row, columns);
   if (!envelope || !SameEnvelope(*envelope, expected)) {
     findings->Add(where, "its geometry is in the wrong place");
   }
-  if (!IsIndexed(row, geom_column + 1, expected)) {
+  if (columns.dialect == db::Dialect::kSqlite && !IsIndexed(row, columns.first + 1, expected)) {
     findings->Add(where, "its box in the spatial index does not match it");
   }
 }
 
-void CheckSquare(const db::Statement& row, const std::string& where, Findings* findings) {
+// Selects the columns of a layer, then its GeometryColumns.
+std::string SelectRows(db::Dialect dialect, const std::string& columns, const std::string& layer,
+                       const std::string& id) {
+  if (dialect == db::Dialect::kPostgres) {
+    return "SELECT " + columns +
+           ", ST_XMin(geom), ST_XMax(geom), ST_YMin(geom), ST_YMax(geom) FROM " + layer;
+  }
+  return "SELECT " + columns + ", geom, minx, maxx, miny, maxy FROM " + layer +
+         " LEFT JOIN rtree_" + layer + "_geom ON id = " + id;
+}
+
+// The columns are tile_id, tile, and those of the geometry.
+void CheckSquare(const db::Statement& row, db::Dialect dialect, const std::string& where,
+                 Findings* findings) {
   const TileId tile_id = TileId::FromValue(static_cast<uint64_t>(row.Int64(0)));
   if (row.Text(1) != tile_id.ToString()) {
     findings->Add(where, "its name does not match its id");
   }
-  CheckGeometry(row, 2, *EnvelopeOfGeometry(TileGeometry(tile_id)), where, findings);
+  CheckGeometry(row, {dialect, 2}, *EnvelopeOfGeometry(TileGeometry(tile_id)), where, findings);
 }
 
 // A position on the border of two squares may belong to either tile.
@@ -75,7 +109,7 @@ bool StandsIn(const Geodetic& position, TileId tile_id) {
   return false;
 }
 
-// The columns are keyframe_id, geom, box, lat_deg, lon_deg, h_m, heading_deg.
+// The columns are keyframe_id, lat_deg, lon_deg, h_m, heading_deg, and those of the geometry.
 void CheckKeyframe(const db::Statement& row, db::Connection* connection, const std::string& where,
                    Findings* findings) {
   const std::optional<KeyframeRecord> keyframe =
@@ -88,19 +122,20 @@ void CheckKeyframe(const db::Statement& row, db::Connection* connection, const s
   if (!StandsIn(position, keyframe->tile_id)) {
     findings->Add(where, "it stands outside its tile");
   }
-  const double lat_deg = row.Double(6), lon_deg = row.Double(7), h_m = row.Double(8);
+  const double lat_deg = row.Double(1), lon_deg = row.Double(2), h_m = row.Double(3);
   const double off_lon_deg = std::remainder(lon_deg - position.lon_deg(), 360.0);
   if (!(std::abs(lat_deg - position.lat_deg()) <= kSlackDeg &&
         std::abs(off_lon_deg) * std::cos(position.lat_rad) <= kSlackDeg &&
         std::abs(h_m - position.h_m) <= 0.01)) {
     findings->Add(where, "its latitude, longitude and height do not match its pose");
   }
-  CheckGeometry(row, 1, {lon_deg, lon_deg, lat_deg, lat_deg, false}, where, findings);
+  CheckGeometry(row, {connection->dialect(), 5}, {lon_deg, lon_deg, lat_deg, lat_deg, false}, where,
+                findings);
   const Eigen::Vector3d axis_in_enu =
       EcefFromEnu(position).rotation.conjugate() *
       (keyframe->cam_from_ecef.rotation.conjugate() * Eigen::Vector3d::UnitZ());
   const double heading_deg = std::atan2(axis_in_enu.x(), axis_in_enu.y()) * kDegPerRad;
-  const double off_deg = std::remainder(row.Double(9) - heading_deg, 360.0);
+  const double off_deg = std::remainder(row.Double(4) - heading_deg, 360.0);
   const bool has_heading = axis_in_enu.head<2>().norm() > 1e-3;
   if (has_heading && !(std::abs(off_deg) <= 0.01)) {
     findings->Add(where, "its heading does not match its pose");
@@ -110,17 +145,15 @@ void CheckKeyframe(const db::Statement& row, db::Connection* connection, const s
 }  // namespace
 
 void CheckLayers(db::Connection* connection, Findings* findings) {
-  db::Statement squares = connection->Prepare(
-      "SELECT c.tile_id, c.tile, c.geom, r.minx, r.maxx, r.miny, r.maxy FROM coverage AS c "
-      "LEFT JOIN rtree_coverage_geom AS r ON r.id = c.tile_id");
+  const db::Dialect dialect = connection->dialect();
+  db::Statement squares =
+      connection->Prepare(SelectRows(dialect, "tile_id, tile", "coverage", "tile_id"));
   while (squares.Step()) {
     const std::string where = "square " + std::to_string(squares.Int64(0));
-    findings->Run(where, [&] { CheckSquare(squares, where, findings); });
+    findings->Run(where, [&] { CheckSquare(squares, dialect, where, findings); });
   }
-  db::Statement keyframes = connection->Prepare(
-      "SELECT k.keyframe_id, k.geom, r.minx, r.maxx, r.miny, r.maxy, k.lat_deg, k.lon_deg, k.h_m, "
-      "k.heading_deg FROM keyframes AS k LEFT JOIN rtree_keyframes_geom AS r ON r.id = "
-      "k.keyframe_id");
+  db::Statement keyframes = connection->Prepare(SelectRows(
+      dialect, "keyframe_id, lat_deg, lon_deg, h_m, heading_deg", "keyframes", "keyframe_id"));
   while (keyframes.Step()) {
     const std::string where = "keyframe " + std::to_string(keyframes.Int64(0));
     findings->Run(where, [&] { CheckKeyframe(keyframes, connection, where, findings); });

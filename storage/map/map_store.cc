@@ -1,5 +1,6 @@
 #include "storage/map/map_store.h"
 
+#include <filesystem>
 #include <memory>
 #include <thread>
 #include <utility>
@@ -83,6 +84,10 @@ MapStore MapStore::Open(const std::string& path, OpenMode mode) {
 }
 
 const std::string& MapStore::path() const { return map_->backend().name(); }
+
+std::string MapStore::ShortName() const {
+  return IsServerAddress(path()) ? path() : std::filesystem::path(path()).filename().string();
+}
 
 MapFileState MapStore::FileState() const { return map_->backend().FileState(); }
 

@@ -281,6 +281,8 @@ class MapStore {
   ~MapStore();
 
   const std::string& path() const;
+  // What summaries of versions call the map: the name of a file, or the URL of a database.
+  std::string ShortName() const;
   MapFileState FileState() const;
   // Returns the path of the write-ahead log, which need not exist; empty with PostgreSQL. SQLite
   // uses the file of this name as the log of any map opened at this path, even a log that another

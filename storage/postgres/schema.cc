@@ -89,7 +89,8 @@ void RequireSchema(PostgresConnection* connection) {
                                     ": this role may not read the map; let the owner of the map "
                                     "run GRANT cairn_reader TO the role");
   }
-  db::Statement row = connection->Prepare("SELECT max(migration) FROM cairn.cairn_migrations");
+  db::Statement row =
+      connection->Prepare("SELECT coalesce(max(migration), 0) FROM cairn.cairn_migrations");
   row.Step();
   constexpr auto kNewest = static_cast<int64_t>(std::size(kMigrations));
   if (row.Int64(0) != kNewest) {

@@ -65,11 +65,13 @@ TEST(PostgresVerbs, EveryRefusalSaysWhatToDo) {
       "host all guarded 127.0.0.1/32 scram-sha-256\n"
       "hostssl all encrypted 127.0.0.1/32 trust\n"
       "hostnossl all cairn,nobody,maker 127.0.0.1/32 trust");
-  cluster.Execute(
-      "postgres",
-      "CREATE ROLE guarded LOGIN PASSWORD 'right'; CREATE ROLE encrypted LOGIN; "
-      "CREATE ROLE maker LOGIN; CREATE DATABASE city; CREATE DATABASE bare OWNER maker; "
-      "CREATE DATABASE replica");
+  cluster.Execute("postgres",
+                  "CREATE ROLE guarded LOGIN PASSWORD 'right'; CREATE ROLE encrypted LOGIN; "
+                  "CREATE ROLE maker LOGIN");
+  cluster.CreateDatabase("city");
+  cluster.CreateDatabase("replica");
+  cluster.CreateDatabase("bare");
+  cluster.Execute("postgres", "ALTER DATABASE bare OWNER TO maker");
   const auto url = [&](const char* database, const char* user) {
     return cluster.HostUrl(database, user);
   };
