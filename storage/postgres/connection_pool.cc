@@ -50,11 +50,15 @@ std::unique_ptr<PostgresConnection> ConnectionPool::Take(db::Deadline deadline) 
 
 void ConnectionPool::GiveBack(std::unique_ptr<PostgresConnection> connection) {
   const bool is_usable = connection != nullptr && connection->link().IsUsable();
+  std::vector<std::unique_ptr<PostgresConnection>> dropped;
   {
     const std::lock_guard lock(mutex_);
     --num_borrowed_;
     if (is_usable) {
       idle_.push_back(std::move(connection));
+    } else {
+      // The idle connections are probably as dead, and each would cost a query its deadline.
+      dropped.swap(idle_);
     }
   }
   given_back_.notify_one();

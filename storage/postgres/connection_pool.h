@@ -26,7 +26,8 @@ class ConnectionPool {
   // silence. If kMaxConnections are borrowed, waits until one is returned.
   // Throws Error(kUnavailable) if none is returned in time, and what Server::Connect throws.
   std::unique_ptr<PostgresConnection> Take(db::Deadline deadline);
-  // Returns a connection. Closes the connection if it is no longer usable.
+  // Returns a connection. If it is no longer usable, closes it and the idle connections, which are
+  // probably dead as well.
   void GiveBack(std::unique_ptr<PostgresConnection> connection);
 
  private:
