@@ -22,6 +22,7 @@
 #include "engine/tiles/fetch_tiles.h"
 #include "engine/tiles/tile_finisher.h"
 #include "storage/codebook/descriptor_codec.h"
+#include "storage/map/read_latest.h"
 
 namespace cairn {
 
@@ -176,30 +177,10 @@ struct Localizer::Impl {
 
   // `pinned`: the version to read; null: the latest.
   LocalizeResult Localize(const LocalizeQuery& query, const MapSnapshot* pinned);
-  // The stages that read the map, prior and tiles. If the store pruned the latest version
-  // meanwhile, runs them again on the one that is the latest then.
-  void ReadMap(const LocalizeQuery& query, StageRunner* stages, Search* search,
-               std::optional<QueryContext>* context, LocalizeResult* result);
+  // The stages that read the map, prior and tiles.
   void ReadVersion(const MapSnapshot& snapshot, const LocalizeQuery& query, StageRunner* stages,
                    Search* search, std::optional<QueryContext>* context, LocalizeResult* result);
 };
-
-void Localizer::Impl::ReadMap(const LocalizeQuery& query, StageRunner* stages, Search* search,
-                              std::optional<QueryContext>* context, LocalizeResult* result) {
-  const MapSnapshot snapshot = store->Snapshot(query.deadline);
-  try {
-    ReadVersion(snapshot, query, stages, search, context, result);
-  } catch (const Error& error) {
-    if (error.code() != ErrorCode::kUnavailable) {
-      throw;
-    }
-    const MapSnapshot latest = store->Snapshot(query.deadline);
-    if (latest.version() == snapshot.version()) {
-      throw;
-    }
-    ReadVersion(latest, query, stages, search, context, result);
-  }
-}
 
 void Localizer::Impl::ReadVersion(const MapSnapshot& snapshot, const LocalizeQuery& query,
                                   StageRunner* stages, Search* search,
@@ -234,7 +215,9 @@ LocalizeResult Localizer::Impl::Localize(const LocalizeQuery& query, const MapSn
   if (pinned != nullptr) {
     ReadVersion(*pinned, query, &stages, &search, &context, &result);
   } else {
-    ReadMap(query, &stages, &search, &context, &result);
+    ReadLatest(*store, query.deadline, [&](const MapSnapshot& snapshot) {
+      ReadVersion(snapshot, query, &stages, &search, &context, &result);
+    });
   }
   stages.Run(Stage::kMatching, [&] {
     matches = search.Match(*context);

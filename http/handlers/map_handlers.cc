@@ -14,6 +14,7 @@
 #include "http/json/tile_square.h"
 #include "http/json/version_json.h"
 #include "http/wire/problem.h"
+#include "storage/map/read_latest.h"
 
 namespace cairn {
 namespace {
@@ -232,18 +233,19 @@ HttpResponse HandleTile(const HttpRequest& request, const std::string& id,
 HttpResponse HandleTilePayload(const HttpRequest& request, const std::string& id,
                                const LocalizeService& service) {
   const std::shared_ptr<const ServedMap> map = service.map();
-  const MapSnapshot snapshot = map->store->Snapshot();
-  const TileRecord tile = RequireTile(id, snapshot);
-  const std::string tag = map->TileTag(tile);
-  if (IsUnchanged(request, tag)) {
-    return WithTag({.status = 304}, tag);
-  }
-  const LargeVector<uint8_t> payload = snapshot.LoadPayload(tile.payload_id);
-  return WithTag({.status = 200,
-                  .content_type = "application/octet-stream",
-                  .body = std::string(payload.begin(), payload.end()),
-                  .headers = {}},
-                 tag);
+  return ReadLatest(*map->store, {}, [&](const MapSnapshot& snapshot) {
+    const TileRecord tile = RequireTile(id, snapshot);
+    const std::string tag = map->TileTag(tile);
+    if (IsUnchanged(request, tag)) {
+      return WithTag({.status = 304}, tag);
+    }
+    const LargeVector<uint8_t> payload = snapshot.LoadPayload(tile.payload_id);
+    return WithTag({.status = 200,
+                    .content_type = "application/octet-stream",
+                    .body = std::string(payload.begin(), payload.end()),
+                    .headers = {}},
+                   tag);
+  });
 }
 
 }  // namespace cairn

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/parallel_for.h"
 #include "storage/map/head_writer.h"
 #include "storage/map/map_file.h"
 #include "storage/map/utc_time.h"
@@ -147,7 +148,7 @@ class PostgresBackend : public MapBackend {
   // advance, so that the first query does not wait for them.
   void MakeConnections() {
     std::vector<std::unique_ptr<PostgresConnection>> connections;
-    for (unsigned i = 0; i < std::clamp(std::thread::hardware_concurrency(), 1u, 8u); ++i) {
+    for (int i = 0; i < std::min(NumCores(), 8); ++i) {
       connections.push_back(pool_.Take({}));
     }
     for (std::unique_ptr<PostgresConnection>& connection : connections) {

@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "storage/map/map_history.h"
 #include "storage/map/map_store.h"
+#include "storage/map/read_latest.h"
 #include "support/map_builder.h"
 #include "support/map_place.h"
 #include "support/street_map.h"
@@ -17,6 +18,7 @@ namespace cairn {
 namespace {
 
 using testing::AddTile;
+using ::testing::ElementsAre;
 using testing::ErrorCodeOf;
 using testing::Ids;
 using testing::KeyframeAt;
@@ -106,6 +108,30 @@ TEST_P(MapSnapshotTest, OfAPrunedVersionIsUnavailable) {
   EXPECT_EQ(ErrorCodeOf([&] { snapshot.Info(); }), ErrorCode::kUnavailable);
   EXPECT_EQ(ErrorCodeOf([&] { store().Snapshot().LoadPayload(payload_id); }),
             ErrorCode::kMapDamaged);
+}
+
+TEST_P(MapSnapshotTest, ReadLatestReadsAgainWhenTheVersionIsPruned) {
+  std::vector<MapVersion> versions;
+  const auto read_after_prune = [&](const MapSnapshot& snapshot) {
+    versions.push_back(snapshot.version());
+    if (versions.size() == 1) {
+      Change();
+      Prune({.keep = 1}, &store());
+    }
+    return snapshot.AllTiles(10).size();
+  };
+  EXPECT_EQ(ReadLatest(store(), {}, read_after_prune), 2u);
+  EXPECT_THAT(versions, ElementsAre(MapVersion(2), store().Snapshot().version()));
+}
+
+TEST_P(MapSnapshotTest, ReadLatestReadsOnceWhenNothingWasPruned) {
+  int num_reads = 0;
+  const auto fail = [&](const MapSnapshot&) -> int {
+    ++num_reads;
+    throw Error(ErrorCode::kUnavailable, "the map's server does not answer");
+  };
+  EXPECT_EQ(ErrorCodeOf([&] { ReadLatest(store(), {}, fail); }), ErrorCode::kUnavailable);
+  EXPECT_EQ(num_reads, 1);
 }
 
 TEST_P(MapSnapshotTest, ReadsTheTilesOfACellOnceAVersion) {

@@ -1,0 +1,33 @@
+// Reads the latest version of a map, also while versions are pruned.
+#ifndef CAIRN_STORAGE_MAP_READ_LATEST_H_
+#define CAIRN_STORAGE_MAP_READ_LATEST_H_
+
+#include "core/error.h"
+#include "storage/map/map_store.h"
+
+namespace cairn {
+
+// Calls `read` with a snapshot of the latest version and returns its result. If that version is
+// pruned meanwhile, calls `read` once more, with the version that is the latest then. Throws what
+// `read` throws; Error(kUnavailable) if the second version is pruned, too, or if the map's server
+// does not answer by the deadline.
+template <typename Read>
+auto ReadLatest(const MapStore& store, ReadDeadline deadline, const Read& read) {
+  const MapSnapshot snapshot = store.Snapshot(deadline);
+  try {
+    return read(snapshot);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kUnavailable) {
+      throw;
+    }
+    const MapSnapshot latest = store.Snapshot(deadline);
+    if (latest.version() == snapshot.version()) {
+      throw;
+    }
+    return read(latest);
+  }
+}
+
+}  // namespace cairn
+
+#endif  // CAIRN_STORAGE_MAP_READ_LATEST_H_
