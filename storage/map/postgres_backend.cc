@@ -29,9 +29,11 @@ constexpr std::chrono::seconds kSilenceOfServing{2};
 constexpr std::chrono::milliseconds kLagOfStandby{500}, kPauseOfWait{10};
 
 // Waits until the host of the connection, which may be another one than the watcher's, has that
-// version. Throws Error(kUnavailable) if it still lacks the version after the usual lag.
-void WaitForVersion(int64_t version, PostgresConnection* connection) {
-  const auto end = std::chrono::steady_clock::now() + kLagOfStandby;
+// version. Throws Error(kUnavailable) if it still lacks the version after the usual lag or at the
+// deadline.
+void WaitForVersion(int64_t version, ReadDeadline deadline, PostgresConnection* connection) {
+  const auto usual_end = std::chrono::steady_clock::now() + kLagOfStandby;
+  const auto end = deadline ? std::min(usual_end, *deadline) : usual_end;
   while (connection->shown_version < version) {
     if (std::chrono::steady_clock::now() > end) {
       throw Error(ErrorCode::kUnavailable,
@@ -119,7 +121,7 @@ class PostgresBackend : public MapBackend {
     std::unique_ptr<PostgresConnection> connection = pool_.Take(deadline);
     try {
       if (watcher_) {
-        WaitForVersion(watcher_->head().version, connection.get());
+        WaitForVersion(watcher_->head().version, deadline, connection.get());
       }
     } catch (...) {
       pool_.GiveBack(std::move(connection));
