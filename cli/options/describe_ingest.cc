@@ -33,7 +33,7 @@ void DescribeCodebook(CodebookOptions* options, OptionList* list) {
 void DescribeSelection(LandmarkSelectionOptions* options, OptionList* list) {
   list->Add("kind", &options->kind, kLandmarkSelectionNames,
             "observation_count keeps the most observed landmarks of each keyframe; coverage solves "
-            "the paper's integer program");
+            "the paper's integer program, which is better below 16,000 descriptors");
   list->Add("max_descriptors", &options->max_descriptors, "Most descriptors of a tile");
   list->Add("min_observations", &options->min_observations, "Fewest observations of a landmark");
   list->Add("max_landmarks", &options->max_landmarks,
