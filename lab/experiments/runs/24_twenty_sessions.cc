@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <ctime>
 #include <deque>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <span>
@@ -164,6 +165,7 @@ class LivingMapRun {
     map.ingest.selection.max_descriptors = budget;
     const std::string path =
         context_.worlds->MapPath(fmt::format("twenty_{}_{}_{}", seed_, name, num_maps_++));
+    std::filesystem::remove(path);  // Of an earlier run.
     map.store = std::make_shared<MapStore>(MapStore::Create(path));
     return map;
   }
