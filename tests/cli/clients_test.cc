@@ -51,14 +51,14 @@ class Clients : public ::testing::Test {
 
   // Height, latitude and longitude of an answer against the truth.
   static double ErrorM(const json& geopose, const EvalQuery& query) {
-    const json& position = geopose["position"];
+    const json& position = geopose.at("position");
     const Geodetic answer = Geodetic::FromDegrees(position["lat"], position["lon"], position["h"]);
     return (EcefFromGeodetic(answer) - query.cam_from_ecef.Inverse().translation).norm();
   }
 
   // Angle between the answer's quaternion and the pose of the photo, FLU.
   static double ErrorDeg(const json& geopose, const EvalQuery& query) {
-    const json& q = geopose["quaternion"];
+    const json& q = geopose.at("quaternion");
     const Eigen::Quaterniond answer(q["w"], q["x"], q["y"], q["z"]);
     return kDegPerRad *
            RotationAngleRad(
