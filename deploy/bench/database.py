@@ -1,5 +1,6 @@
 """Throw-away PostgreSQL servers on sockets in folders of their own."""
 
+import contextlib
 import os
 import pathlib
 import shutil
@@ -70,7 +71,8 @@ class Database:
     def _signal_children(self, number):
         first = self.process.pid
         for child in pathlib.Path(f"/proc/{first}/task/{first}/children").read_text().split():
-            os.kill(int(child), number)
+            with contextlib.suppress(ProcessLookupError):  # The process of a closed connection ends any time.
+                os.kill(int(child), number)
 
     def _run(self, program, *options):
         command = [programs() / program, "-D", f"{self.folder}/data", *options]
@@ -87,7 +89,7 @@ class Database:
     def close(self):
         if self.process.poll() is None:
             self.thaw()
-            self.process.terminate()
+            self.process.send_signal(signal.SIGINT)  # Ends connections that are still open.
             self.process.wait(timeout=60)
         self.log.close()
         shutil.rmtree(self.folder)
