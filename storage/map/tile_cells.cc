@@ -7,11 +7,11 @@
 namespace cairn {
 namespace {
 
-constexpr int kCellShift = 3;  // 8 tiles a side.
+constexpr int kCellShift = 2;  // 4 tiles a side.
 constexpr int kTilesASide = 1 << kCellShift;
 constexpr int kEastingShift = 26;  // As in core/tile_id.h.
 constexpr int kIndexBits = 26;
-constexpr int kMaxCellsASide = 8;
+constexpr int kMaxCellsASide = 16;
 // If a tile's bounding box meets the box, the tile's center is at most this far outside of the box:
 // half of the diagonal of a tile (106 m), plus the bend of the sides of a box of 13 km (21 m).
 constexpr double kMarginM = 135.0;

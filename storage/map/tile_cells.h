@@ -1,4 +1,4 @@
-// Cells of 8 x 8 tiles: the unit in which tile records are read and cached; private to storage.
+// Cells of 4 x 4 tiles: the unit in which tile records are read and cached; private to storage.
 #ifndef CAIRN_STORAGE_MAP_TILE_CELLS_H_
 #define CAIRN_STORAGE_MAP_TILE_CELLS_H_
 
@@ -12,7 +12,7 @@
 
 namespace cairn {
 
-// The value of the id of the cell's south-western tile. Cells are 1.2 km wide.
+// The value of the id of the cell's south-western tile. Cells are 600 m wide.
 enum class TileCell : uint64_t {};
 
 TileCell CellOf(TileId tile_id);

@@ -76,7 +76,7 @@ TEST(TileCells, AreNotForLargeBoxesAndPoles) {
 TEST(TileCells, HaveRangesOfTheirTiles) {
   const TileId tile = TileId::Containing(Geodetic::FromDegrees(49.0, 8.4, 0.0));
   const auto ranges = TileRanges(CellOf(tile));
-  EXPECT_EQ(ranges.size(), 8u);
+  EXPECT_EQ(ranges.size(), 4u);
   EXPECT_TRUE(std::any_of(ranges.begin(), ranges.end(), [&](const auto& range) {
     const auto id = static_cast<int64_t>(tile.value());
     return range.first <= id && id <= range.second;
