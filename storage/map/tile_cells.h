@@ -1,4 +1,5 @@
 // Cells of 4 x 4 tiles: the unit in which tile records are read and cached; private to storage.
+// The larger cells of core/cell_name.h divide a map among servers.
 #ifndef CAIRN_STORAGE_MAP_TILE_CELLS_H_
 #define CAIRN_STORAGE_MAP_TILE_CELLS_H_
 
