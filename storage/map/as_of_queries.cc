@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <unordered_map>
 #include <utility>
 
 #include "core/error.h"
@@ -19,12 +18,12 @@ TileId IdOf(const TileRecord& tile) { return tile.tile_id; }
 SessionId IdOf(const SessionRecord& session) { return session.id; }
 KeyframeId IdOf(const KeyframeRecord& keyframe) { return keyframe.id; }
 
-// Adds the rows of past(connection, version) that `keep` accepts to `records`, which come from the
-// tables of the latest version. Sorts by id and drops repeated rows.
+// Adds the rows of past(connection, version) that `keep` accepts to `records`, which were read from
+// the tables of the latest version when it was `latest` or before. Sorts by id and drops repeated
+// rows.
 template <typename Record, typename Past, typename Keep>
-void AddPast(db::Connection* connection, MapVersion version, const Past& past, const Keep& keep,
-             std::vector<Record>* records) {
-  const MapVersion latest = queries::LatestVersion(connection);
+void AddPastBefore(MapVersion latest, db::Connection* connection, MapVersion version,
+                   const Past& past, const Keep& keep, std::vector<Record>* records) {
   if (latest == version) {
     return;
   }
@@ -42,6 +41,12 @@ void AddPast(db::Connection* connection, MapVersion version, const Past& past, c
   records->erase(std::unique(records->begin(), records->end(),
                              [](const Record& a, const Record& b) { return IdOf(a) == IdOf(b); }),
                  records->end());
+}
+
+template <typename Record, typename Past, typename Keep>
+void AddPast(db::Connection* connection, MapVersion version, const Past& past, const Keep& keep,
+             std::vector<Record>* records) {
+  AddPastBefore(queries::LatestVersion(connection), connection, version, past, keep, records);
 }
 
 template <typename Record>
@@ -104,25 +109,14 @@ std::optional<TileRecord> FindTile(db::Connection* connection, TileId tile_id, M
   return FirstOf(std::move(tiles));
 }
 
-std::vector<std::vector<TileRecord>> TilesOfCells(db::Connection* connection,
-                                                  const std::vector<TileCell>& cells,
-                                                  MapVersion version) {
-  std::vector<std::pair<int64_t, int64_t>> ranges;
-  std::unordered_map<TileCell, size_t> index_of_cell;
-  for (size_t i = 0; i < cells.size(); ++i) {
-    index_of_cell[cells[i]] = i;
-    const auto of_cell = TileRanges(cells[i]);
-    ranges.insert(ranges.end(), of_cell.begin(), of_cell.end());
-  }
-  std::vector<TileRecord> tiles = queries::TilesInRanges(connection, ranges, version);
-  AddPast(
-      connection, version, queries::PastTiles,
-      [&](const TileRecord& tile) { return index_of_cell.contains(CellOf(tile.tile_id)); }, &tiles);
-  std::vector<std::vector<TileRecord>> tiles_of_cells(cells.size());
-  for (TileRecord& tile : tiles) {
-    tiles_of_cells[index_of_cell.at(CellOf(tile.tile_id))].push_back(std::move(tile));
-  }
-  return tiles_of_cells;
+std::vector<TileRecord> TilesWithIds(db::Connection* connection, const std::vector<int64_t>& ids,
+                                     MapVersion version) {
+  auto [tiles, latest] = queries::TilesWithIds(connection, ids, version);
+  const auto is_wanted = [&](const TileRecord& tile) {
+    return std::binary_search(ids.begin(), ids.end(), static_cast<int64_t>(tile.tile_id.value()));
+  };
+  AddPastBefore(latest, connection, version, queries::PastTiles, is_wanted, &tiles);
+  return tiles;
 }
 
 LargeVector<uint8_t> LoadPayload(db::Connection* connection, PayloadId payload_id,

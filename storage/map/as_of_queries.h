@@ -2,13 +2,13 @@
 #ifndef CAIRN_STORAGE_MAP_AS_OF_QUERIES_H_
 #define CAIRN_STORAGE_MAP_AS_OF_QUERIES_H_
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "storage/database/connection.h"
 #include "storage/map/map_store.h"
-#include "storage/map/tile_cells.h"
 
 namespace cairn::as_of {
 
@@ -25,10 +25,9 @@ std::vector<TileRecord> FindTiles(db::Connection* connection, const GeoBox& box,
                                   MapVersion version);
 std::vector<TileRecord> AllTiles(db::Connection* connection, int64_t limit, MapVersion version);
 std::optional<TileRecord> FindTile(db::Connection* connection, TileId tile_id, MapVersion version);
-// The tiles of each cell, in any order.
-std::vector<std::vector<TileRecord>> TilesOfCells(db::Connection* connection,
-                                                  const std::vector<TileCell>& cells,
-                                                  MapVersion version);
+// The tiles with these ids, which are in ascending order, in any order.
+std::vector<TileRecord> TilesWithIds(db::Connection* connection, const std::vector<int64_t>& ids,
+                                     MapVersion version);
 LargeVector<uint8_t> LoadPayload(db::Connection* connection, PayloadId payload_id,
                                  MapVersion version);
 CodebookId CurrentCodebookId(db::Connection* connection, MapVersion version);

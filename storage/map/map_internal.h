@@ -2,7 +2,9 @@
 #ifndef CAIRN_STORAGE_MAP_MAP_INTERNAL_H_
 #define CAIRN_STORAGE_MAP_MAP_INTERNAL_H_
 
+#include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "storage/map/head_writer.h"
 #include "storage/map/map_store.h"
@@ -26,8 +28,9 @@ struct MapSnapshot::Impl {
     });
   }
 
-  // Returns the tiles of the cells. Reads all cells that the cache lacks in one call.
-  std::vector<CellTiles> Cells(const std::vector<TileCell>& cells) const;
+  // Returns the tiles with these ids, in ascending order, that there are. Reads all that the cache
+  // lacks in one call.
+  std::vector<FoundTile> Tiles(const std::vector<int64_t>& ids) const;
 };
 
 // Holds the map's write transaction.

@@ -1,5 +1,8 @@
 #include "storage/map/map_queries.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -56,13 +59,17 @@ constexpr std::string_view kFindTileSql = CAIRN_SELECT_TILES "WHERE c.tile_id = 
 constexpr std::string_view kAllTilesSql =
     CAIRN_SELECT_TILES "WHERE t.since <= ? ORDER BY c.tile_id LIMIT ?";
 
-// One statement for all ranges, because each statement is a round trip. The planner expects few
-// rows for a list of ids, but many for ranges.
-constexpr std::string_view kTilesWithIdsPostgresSql =
-    CAIRN_SELECT_TILES "WHERE c.tile_id = ANY (CAST(? AS bigint[])) AND t.since <= ?";
-
-constexpr std::string_view kTilesInRangeSql =
-    CAIRN_SELECT_TILES "WHERE c.tile_id BETWEEN ? AND ? AND t.since <= ? ORDER BY c.tile_id";
+constexpr std::string_view kTilesWithIdsSql =
+    CAIRN_SELECT_TILES "WHERE c.tile_id IN (SELECT value FROM json_each(?)) AND t.since <= ?";
+// The same with the latest version, because each statement is a round trip. If there are no tiles,
+// one row has the version alone.
+constexpr int kLatestColumn = 14;
+constexpr std::string_view kTilesWithIdsPostgresSql = CAIRN_TILE_COLUMNS
+    ", v.latest "
+    "FROM (SELECT max(version) AS latest FROM cairn_versions) AS v "
+    "LEFT JOIN (coverage AS c JOIN cairn_tiles AS t ON t.tile_id = c.tile_id) "
+    "ON c.tile_id = ANY (CAST(? AS bigint[])) AND t.since <= ? "
+    "LEFT JOIN cairn_payloads AS p ON p.payload_id = t.payload_id";
 
 #undef CAIRN_SELECT_TILES
 #undef CAIRN_TILE_COLUMNS
@@ -86,15 +93,16 @@ std::vector<TileRecord> ReadTiles(db::Connection* connection, db::Statement* row
   return tiles;
 }
 
-// Returns all ids of the ranges as an array literal of PostgreSQL: "{1,2,3}".
-std::string IdsIn(const std::vector<std::pair<int64_t, int64_t>>& ranges) {
-  std::string ids = "{";
-  for (const auto& [first, last] : ranges) {
-    for (int64_t id = first; id <= last; ++id) {
-      ids += (ids.size() == 1 ? "" : ",") + std::to_string(id);
+// Returns the tiles, if any, and the version of the rows of kTilesWithIdsPostgresSql.
+TilesAndLatest ReadTilesAndLatest(db::Connection* connection, db::Statement* rows) {
+  TilesAndLatest found;
+  while (rows->Step()) {
+    found.latest = MapVersion(rows->Int64(kLatestColumn));
+    if (!rows->IsNull(0)) {
+      found.tiles.push_back(rows::ReadTile(*connection, *rows));
     }
   }
-  return ids + "}";
+  return found;
 }
 
 // Appends the tiles whose indexed rectangle intersects the given rectangle, in degrees.
@@ -115,6 +123,7 @@ std::string_view KeyframesOfSessionSql() { return kKeyframesOfSessionSql; }
 std::string_view KeyframesOfTileSql() { return kKeyframesOfTileSql; }
 std::string_view FindTilesSql() { return kFindTilesSql; }
 std::string_view FindTileSql() { return kFindTileSql; }
+std::string_view TilesWithIdsSql() { return kTilesWithIdsSql; }
 
 MapInfo Info(db::Connection* connection, MapVersion version) {
   MapInfo info;
@@ -152,23 +161,18 @@ std::vector<TileRecord> AllTiles(db::Connection* connection, int64_t limit, MapV
   return ReadTiles(connection, &rows);
 }
 
-std::vector<TileRecord> TilesInRanges(db::Connection* connection,
-                                      const std::vector<std::pair<int64_t, int64_t>>& ranges,
-                                      MapVersion as_of) {
+TilesAndLatest TilesWithIds(db::Connection* connection, const std::vector<int64_t>& ids,
+                            MapVersion as_of) {
+  const std::string list = fmt::format("{}", fmt::join(ids, ","));
   if (connection->dialect() == db::Dialect::kPostgres) {
     db::Statement rows = connection->Prepare(kTilesWithIdsPostgresSql);
-    rows.Bind(std::string_view(IdsIn(ranges)), Value(as_of));
-    return ReadTiles(connection, &rows);
+    rows.Bind(std::string_view("{" + list + "}"), Value(as_of));
+    return ReadTilesAndLatest(connection, &rows);
   }
-  std::vector<TileRecord> tiles;
-  for (const auto& [first, last] : ranges) {
-    db::Statement rows = connection->Prepare(kTilesInRangeSql);
-    rows.Bind(first, last, Value(as_of));
-    while (rows.Step()) {
-      tiles.push_back(rows::ReadTile(*connection, rows));
-    }
-  }
-  return tiles;
+  db::Statement rows = connection->Prepare(kTilesWithIdsSql);
+  rows.Bind(std::string_view("[" + list + "]"), Value(as_of));
+  std::vector<TileRecord> tiles = ReadTiles(connection, &rows);
+  return {std::move(tiles), LatestVersion(connection)};
 }
 
 std::vector<int64_t> AllTileIds(db::Connection* connection) {

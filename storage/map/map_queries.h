@@ -11,7 +11,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "storage/database/connection.h"
@@ -25,6 +24,7 @@ inline constexpr MapVersion kNewest{std::numeric_limits<int64_t>::max()};
 // The SQL of the frequent queries, for the tests of EXPLAIN QUERY PLAN.
 std::string_view FindTilesSql();
 std::string_view FindTileSql();
+std::string_view TilesWithIdsSql();
 std::string_view TilesOfSessionSql();
 std::string_view KeyframesOfSessionSql();
 std::string_view KeyframesOfTileSql();
@@ -36,10 +36,14 @@ MapInfo Info(db::Connection* connection, MapVersion version);
 std::vector<TileRecord> FindTiles(db::Connection* connection, const GeoBox& box, MapVersion as_of);
 // Returns the first `limit` tiles by id.
 std::vector<TileRecord> AllTiles(db::Connection* connection, int64_t limit, MapVersion as_of);
-// Returns the tiles with ids in the ascending ranges [first, last], in any order.
-std::vector<TileRecord> TilesInRanges(db::Connection* connection,
-                                      const std::vector<std::pair<int64_t, int64_t>>& ranges,
-                                      MapVersion as_of);
+
+struct TilesAndLatest {
+  std::vector<TileRecord> tiles;
+  MapVersion latest{};  // The latest version when the tiles were read, or later.
+};
+// Returns the tiles with these ids, in any order. Makes one round trip to a server.
+TilesAndLatest TilesWithIds(db::Connection* connection, const std::vector<int64_t>& ids,
+                            MapVersion as_of);
 // Returns the ids as stored; in a damaged map they need not be valid tile ids.
 std::vector<int64_t> AllTileIds(db::Connection* connection);
 std::optional<TileRecord> FindTile(db::Connection* connection, TileId tile_id,

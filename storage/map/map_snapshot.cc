@@ -1,4 +1,5 @@
 #include <optional>
+#include <unordered_map>
 #include <utility>
 
 #include "core/error.h"
@@ -8,18 +9,15 @@
 #include "storage/map/map_internal.h"
 #include "storage/map/map_queries.h"
 #include "storage/map/map_store.h"
+#include "storage/map/tile_ids_near.h"
 #include "storage/map/version_queries.h"
 
 namespace cairn {
 namespace {
 
-CellTiles WithBounds(std::vector<TileRecord> records) {
-  auto tiles = std::make_shared<std::vector<BoundedTile>>();
-  for (TileRecord& record : records) {
-    const GeoBox bounds = record.tile_id.Bounds();
-    tiles->push_back({std::move(record), bounds});
-  }
-  return tiles;
+FoundTile WithBounds(TileRecord record) {
+  const GeoBox bounds = record.tile_id.Bounds();
+  return std::make_shared<BoundedTile>(BoundedTile{std::move(record), bounds});
 }
 
 }  // namespace
@@ -30,25 +28,20 @@ MapSnapshot::Impl::Impl(std::shared_ptr<OpenMap> open_map, ReadDeadline read_dea
       head(map->Head(deadline)),
       cache(map->CacheOf(head)) {}
 
-std::vector<CellTiles> MapSnapshot::Impl::Cells(const std::vector<TileCell>& cells) const {
-  std::vector<CellTiles> tiles;
-  std::vector<TileCell> missing;
-  for (const TileCell cell : cells) {
-    tiles.push_back(cache->Find(cell));
-    if (tiles.back() == nullptr) {
-      missing.push_back(cell);
-    }
-  }
-  if (missing.empty()) {
+std::vector<FoundTile> MapSnapshot::Impl::Tiles(const std::vector<int64_t>& ids) const {
+  auto [tiles, missing_ids] = cache->Find(ids);
+  if (missing_ids.empty()) {
     return tiles;
   }
-  std::vector<std::vector<TileRecord>> found = Call(as_of::TilesOfCells, missing);
-  for (size_t i = 0, next = 0; i < cells.size(); ++i) {
-    if (tiles[i] == nullptr) {
-      tiles[i] = WithBounds(std::move(found[next++]));
-      cache->Keep(cells[i], tiles[i]);
-    }
+  std::unordered_map<int64_t, FoundTile> read;
+  for (const int64_t id : missing_ids) {
+    read[id] = nullptr;
   }
+  for (TileRecord& record : Call(as_of::TilesWithIds, missing_ids)) {
+    const auto id = static_cast<int64_t>(record.tile_id.value());
+    tiles.push_back(read[id] = WithBounds(std::move(record)));
+  }
+  cache->Keep(read);
   return tiles;
 }
 
@@ -74,16 +67,14 @@ std::vector<TileChange> MapSnapshot::Diff(MapVersion from, MapVersion to) const 
 }
 
 std::vector<TileRecord> MapSnapshot::FindTiles(const GeoBox& box) const {
-  const std::optional<std::vector<TileCell>> cells = CellsMeeting(box);
-  if (!cells) {
+  const std::optional<std::vector<int64_t>> ids = TileIdsNear(box);
+  if (!ids) {
     return impl_->Call(as_of::FindTiles, box);
   }
   std::vector<TileRecord> tiles;
-  for (const CellTiles& cell : impl_->Cells(*cells)) {
-    for (const BoundedTile& tile : *cell) {
-      if (BoxesMeet(tile.bounds, box)) {
-        tiles.push_back(tile.record);
-      }
+  for (const FoundTile& tile : impl_->Tiles(*ids)) {
+    if (BoxesMeet(tile->bounds, box)) {
+      tiles.push_back(tile->record);
     }
   }
   queries::SortById(&tiles);

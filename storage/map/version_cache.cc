@@ -12,19 +12,30 @@ void VersionCache::KeepCodebook(CodebookId codebook_id) {
   codebook_id_ = codebook_id;
 }
 
-CellTiles VersionCache::Find(TileCell cell) const {
+FoundTiles VersionCache::Find(const std::vector<int64_t>& tile_ids) const {
+  FoundTiles found;
+  found.tiles.reserve(tile_ids.size());
   const std::lock_guard lock(mutex_);
-  const auto found = cells_.find(cell);
-  return found == cells_.end() ? nullptr : found->second;
+  for (const int64_t tile_id : tile_ids) {
+    const auto cached = tiles_.find(tile_id);
+    if (cached == tiles_.end()) {
+      found.missing_ids.push_back(tile_id);
+    } else if (cached->second != nullptr) {
+      found.tiles.push_back(cached->second);
+    }
+  }
+  return found;
 }
 
-void VersionCache::Keep(TileCell cell, CellTiles tiles) {
-  constexpr size_t kMaxCells = 16'384;  // A full cell takes 15 kB. Most cells are far from full.
+void VersionCache::Keep(const std::unordered_map<int64_t, FoundTile>& tiles) {
+  constexpr size_t kMaxTiles = 262'144;  // 0.3 kB each. Squares without a tile take much less.
   const std::lock_guard lock(mutex_);
-  if (cells_.size() >= kMaxCells) {
-    cells_.erase(cells_.begin());
+  for (const auto& [tile_id, tile] : tiles) {
+    if (tiles_.size() >= kMaxTiles) {
+      tiles_.erase(tiles_.begin());
+    }
+    tiles_.insert_or_assign(tile_id, tile);
   }
-  cells_.insert_or_assign(cell, std::move(tiles));
 }
 
 }  // namespace cairn

@@ -2,26 +2,30 @@
 #ifndef CAIRN_STORAGE_MAP_VERSION_CACHE_H_
 #define CAIRN_STORAGE_MAP_VERSION_CACHE_H_
 
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <unordered_map>
-#include <utility>
 #include <vector>
 
 #include "storage/map/map_store.h"
-#include "storage/map/tile_cells.h"
 
 namespace cairn {
 
-// A tile with its bounding box, which takes a microsecond to compute.
+// A tile with its bounding box, which takes microseconds to compute.
 struct BoundedTile {
   TileRecord record;
   GeoBox bounds;
 };
 
-// The tiles of a cell, in any order.
-using CellTiles = std::shared_ptr<const std::vector<BoundedTile>>;
+// Null if the version has no such tile.
+using FoundTile = std::shared_ptr<const BoundedTile>;
+
+struct FoundTiles {
+  std::vector<FoundTile> tiles;      // Not null.
+  std::vector<int64_t> missing_ids;  // Nobody knows yet whether there is such a tile.
+};
 
 // The content of a version never changes, so nothing here is ever wrong. Safe to call from any
 // thread.
@@ -36,15 +40,15 @@ class VersionCache {
   std::optional<CodebookId> codebook_id() const;
   void KeepCodebook(CodebookId codebook_id);
 
-  CellTiles Find(TileCell cell) const;  // Null if the cell is not cached.
-  // Once there are many cells, drops any other cell.
-  void Keep(TileCell cell, CellTiles tiles);
+  FoundTiles Find(const std::vector<int64_t>& tile_ids) const;
+  // Once there are many tiles, drops any others.
+  void Keep(const std::unordered_map<int64_t, FoundTile>& tiles);
 
  private:
   const MapVersion version_;
   mutable std::mutex mutex_;
   std::optional<CodebookId> codebook_id_;
-  std::unordered_map<TileCell, CellTiles> cells_;
+  std::unordered_map<int64_t, FoundTile> tiles_;
 };
 
 }  // namespace cairn

@@ -74,36 +74,48 @@ std::string ServerMapOfTiles(int64_t count) {
   return url;
 }
 
+template <typename Work>
+double MicrosecondsOf(const Work& work) {
+  const Clock::time_point begin = Clock::now();
+  work();
+  return std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
+}
+
 double Percentile(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());
   return values[static_cast<size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
-// Tiles around random places, none of which is in the cache: each search has an open map of its
-// own.
+// Searches around random places, none of which is in the cache, because each map is opened anew for
+// 50 of them. Counts the first search of each connection apart: the server's process has to find
+// the tables then. After each search, reads one number, for what a round trip alone takes.
 void PostgresFindTiles(benchmark::State& state) {
   constexpr int kNumStores = 20, kSearchesAStore = 50;
   const std::string url = ServerMapOfTiles(state.range(0));
   const double side = std::sqrt(static_cast<double>(state.range(0)));
   std::mt19937 random(1);
   std::uniform_real_distribution<double> place(0.0, side);
-  std::vector<double> times_us;
+  std::vector<double> first_us, times_us, trips_us;
   for (auto _ : state) {
     for (int i = 0; i < kNumStores; ++i) {
       const MapStore store = MapStore::Open(url, OpenMode::kServing);
-      store.Snapshot().FindTiles(BoxAround(Geodetic::FromDegrees(0.0, 1.0, 0.0), 100.0));
-      for (int k = 0; k < kSearchesAStore; ++k) {
-        const GeoBox box = BoxAround(Geodetic::FromDegrees(49.0 + kRowDeg * place(random),
-                                                           7.0 + kColumnDeg * place(random), 0.0),
-                                     100.0);
-        const Clock::time_point begin = Clock::now();
-        benchmark::DoNotOptimize(store.Snapshot().FindTiles(box));
-        times_us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - begin).count());
+      for (int k = 0; k <= kSearchesAStore; ++k) {
+        const double row = place(random), column = place(random);
+        const GeoBox box = BoxAround(
+            Geodetic::FromDegrees(49.0 + kRowDeg * row, 7.0 + kColumnDeg * column, 0.0), 100.0);
+        (k == 0 ? first_us : times_us).push_back(MicrosecondsOf([&] {
+          benchmark::DoNotOptimize(store.Snapshot().FindTiles(box));
+        }));
+        trips_us.push_back(
+            MicrosecondsOf([&] { benchmark::DoNotOptimize(store.Snapshot().NextLandmarkId()); }));
       }
     }
   }
+  state.counters["first_us"] = Percentile(first_us, 0.5);
   state.counters["p50_us"] = Percentile(times_us, 0.5);
   state.counters["p99_us"] = Percentile(times_us, 0.99);
+  state.counters["trip_p50_us"] = Percentile(trips_us, 0.5);
+  state.counters["trip_p99_us"] = Percentile(trips_us, 0.99);
 }
 
 // What a query with a prior asks when all is cached.

@@ -46,6 +46,15 @@ TEST(QueryPlan, ATileComesByItsKey) {
   EXPECT_THAT(plan, Not(HasSubstr("SCAN")));
 }
 
+TEST(QueryPlan, TilesOfAListComeByTheirKeys) {
+  const TempDir dir;
+  const std::string plan = PlanOf(MakeStreetMap(dir.File("a.gpkg")), queries::TilesWithIdsSql());
+  EXPECT_THAT(plan, HasSubstr("SEARCH c USING INTEGER PRIMARY KEY"));
+  EXPECT_THAT(plan, HasSubstr("SEARCH t USING INTEGER PRIMARY KEY"));
+  EXPECT_THAT(plan, Not(HasSubstr("SCAN c")));
+  EXPECT_THAT(plan, Not(HasSubstr("SCAN t")));
+}
+
 TEST(QueryPlan, KeyframesAndTilesOfASessionComeThroughItsIndex) {
   const TempDir dir;
   const std::string path = MakeStreetMap(dir.File("a.gpkg"));

@@ -1,20 +1,19 @@
-#include "storage/map/tile_cells.h"
+#include "storage/map/tile_ids_near.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "core/tile_id.h"
+
 namespace cairn {
 namespace {
 
-constexpr int kCellShift = 2;  // 4 tiles a side.
-constexpr int kTilesASide = 1 << kCellShift;
 constexpr int kEastingShift = 26;  // As in core/tile_id.h.
-constexpr int kIndexBits = 26;
-constexpr int kMaxCellsASide = 16;
-// If a tile's bounding box meets the box, the tile's center is at most this far outside of the box:
-// half of the diagonal of a tile (106 m), plus the bend of the sides of a box of 13 km (21 m).
-constexpr double kMarginM = 135.0;
+// If a tile's bounding box meets the box, the tile's center is at most 83 m outside of it, to the
+// east or to the north: 75 m, and more where the grid is turned, by at most 6 degrees in a zone.
+// The sides of the largest box bend by at most 9 m on the grid.
+constexpr double kMarginM = 95.0;
 constexpr double kMaxLatRad = 1.4;  // 80 degrees; UPS begins at 84 and -80.
 
 struct IndexRange {
@@ -40,23 +39,18 @@ bool AreInOneZone(const std::array<TileId, 4>& tiles) {
   });
 }
 
-// Returns the cells along one axis. `index` returns a tile's index on that axis.
+// Returns the squares along one axis. `index` returns a tile's index on that axis.
 template <typename Index>
-IndexRange CellRange(const std::array<TileId, 4>& tiles, const Index& index) {
+IndexRange RangeOf(const std::array<TileId, 4>& tiles, const Index& index) {
   const auto [least, most] =
       std::minmax({index(tiles[0]), index(tiles[1]), index(tiles[2]), index(tiles[3])});
-  return {least >> kCellShift, most >> kCellShift};
+  return {least, most};
 }
 
 }  // namespace
 
-TileCell CellOf(TileId tile_id) {
-  constexpr uint64_t kInCell = kTilesASide - 1;
-  return TileCell(tile_id.value() & ~(kInCell | kInCell << kEastingShift));
-}
-
-std::optional<std::vector<TileCell>> CellsMeeting(const GeoBox& box) {
-  constexpr double kMaxSideRad = 0.002;  // 13 km.
+std::optional<std::vector<int64_t>> TileIdsNear(const GeoBox& box) {
+  constexpr double kMaxSideRad = 0.0013;  // 8.3 km, at most 62 squares.
   if (box.south_rad < -kMaxLatRad || box.north_rad > kMaxLatRad || box.CrossesAntimeridian() ||
       box.north_rad - box.south_rad > kMaxSideRad || box.north_rad < box.south_rad) {
     return std::nullopt;
@@ -69,30 +63,18 @@ std::optional<std::vector<TileCell>> CellsMeeting(const GeoBox& box) {
   if (!AreInOneZone(corners)) {
     return std::nullopt;
   }
-  const IndexRange east = CellRange(corners, [](const TileId& id) { return id.easting_idx(); });
-  const IndexRange north = CellRange(corners, [](const TileId& id) { return id.northing_idx(); });
-  if (east.last - east.first >= kMaxCellsASide || north.last - north.first >= kMaxCellsASide) {
-    return std::nullopt;
-  }
-  const uint64_t zone_bits = corners[0].value() >> (2 * kIndexBits) << (2 * kIndexBits);
-  std::vector<TileCell> cells;
-  for (int e = east.first; e <= east.last; ++e) {
-    for (int n = north.first; n <= north.last; ++n) {
-      cells.push_back(TileCell(zone_bits |
-                               static_cast<uint64_t>(e) << (kCellShift + kEastingShift) |
-                               static_cast<uint64_t>(n) << kCellShift));
+  const IndexRange east = RangeOf(corners, [](const TileId& id) { return id.easting_idx(); });
+  const IndexRange north = RangeOf(corners, [](const TileId& id) { return id.northing_idx(); });
+  const auto zone_bits =
+      static_cast<int64_t>(corners[0].value() >> (2 * kEastingShift) << (2 * kEastingShift));
+  std::vector<int64_t> ids;
+  ids.reserve((east.last - east.first + 1) * (north.last - north.first + 1));
+  for (int64_t e = east.first; e <= east.last; ++e) {
+    for (int64_t n = north.first; n <= north.last; ++n) {
+      ids.push_back(zone_bits | e << kEastingShift | n);
     }
   }
-  return cells;
-}
-
-std::vector<std::pair<int64_t, int64_t>> TileRanges(TileCell cell) {
-  std::vector<std::pair<int64_t, int64_t>> ranges;
-  for (int64_t column = 0; column < kTilesASide; ++column) {
-    const int64_t first = static_cast<int64_t>(cell) + (column << kEastingShift);
-    ranges.emplace_back(first, first + kTilesASide - 1);
-  }
-  return ranges;
+  return ids;
 }
 
 }  // namespace cairn

@@ -1,0 +1,20 @@
+// Tile ids of a small box, by arithmetic alone; private to storage.
+#ifndef CAIRN_STORAGE_MAP_TILE_IDS_NEAR_H_
+#define CAIRN_STORAGE_MAP_TILE_IDS_NEAR_H_
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/geodesy.h"
+
+namespace cairn {
+
+// Returns the ids of a block of squares, in ascending order. The block has every tile whose
+// bounding box meets `box`. Squares outside of the UTM zone are no tiles, but have ids here.
+// Returns nothing if the box is large, at a pole, or near the border of a UTM zone.
+std::optional<std::vector<int64_t>> TileIdsNear(const GeoBox& box);
+
+}  // namespace cairn
+
+#endif  // CAIRN_STORAGE_MAP_TILE_IDS_NEAR_H_
