@@ -13,7 +13,7 @@
 
 namespace cairn {
 
-// A square of the 150 m grid in the UTM zone of its center (near the poles, UPS).
+// A square of the 150 m grid of a UTM zone (near the poles, UPS). Squares of two zones overlap.
 //
 // Bit layout of the 64-bit value, most significant first:
 //   63..59  zero, so that the value is positive as an SQLite integer

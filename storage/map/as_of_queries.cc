@@ -111,12 +111,12 @@ std::optional<TileRecord> FindTile(db::Connection* connection, TileId tile_id, M
 
 std::vector<TileRecord> TilesWithIds(db::Connection* connection, const std::vector<int64_t>& ids,
                                      MapVersion version) {
-  auto [tiles, latest] = queries::TilesWithIds(connection, ids, version);
+  queries::TilesAndLatest found = queries::TilesWithIds(connection, ids, version);
   const auto is_wanted = [&](const TileRecord& tile) {
     return std::binary_search(ids.begin(), ids.end(), static_cast<int64_t>(tile.tile_id.value()));
   };
-  AddPastBefore(latest, connection, version, queries::PastTiles, is_wanted, &tiles);
-  return tiles;
+  AddPastBefore(found.latest, connection, version, queries::PastTiles, is_wanted, &found.tiles);
+  return std::move(found.tiles);
 }
 
 LargeVector<uint8_t> LoadPayload(db::Connection* connection, PayloadId payload_id,

@@ -28,8 +28,8 @@ struct MapSnapshot::Impl {
     });
   }
 
-  // Returns the tiles with these ids, in ascending order, that there are. Reads all that the cache
-  // lacks in one call.
+  // Returns those tiles that the version has, in any order. The ids ascend. Reads all that the
+  // cache lacks in one call.
   std::vector<FoundTile> Tiles(const std::vector<int64_t>& ids) const;
 };
 

@@ -41,7 +41,7 @@ struct TilesAndLatest {
   std::vector<TileRecord> tiles;
   MapVersion latest{};  // The latest version when the tiles were read, or later.
 };
-// Returns the tiles with these ids, in any order. Makes one round trip to a server.
+// Returns the tiles with these ids, in any order. Takes one round trip to a server.
 TilesAndLatest TilesWithIds(db::Connection* connection, const std::vector<int64_t>& ids,
                             MapVersion as_of);
 // Returns the ids as stored; in a damaged map they need not be valid tile ids.

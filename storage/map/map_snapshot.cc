@@ -29,20 +29,20 @@ MapSnapshot::Impl::Impl(std::shared_ptr<OpenMap> open_map, ReadDeadline read_dea
       cache(map->CacheOf(head)) {}
 
 std::vector<FoundTile> MapSnapshot::Impl::Tiles(const std::vector<int64_t>& ids) const {
-  auto [tiles, missing_ids] = cache->Find(ids);
-  if (missing_ids.empty()) {
-    return tiles;
+  FoundTiles found = cache->Find(ids);
+  if (found.missing_ids.empty()) {
+    return std::move(found.tiles);
   }
   std::unordered_map<int64_t, FoundTile> read;
-  for (const int64_t id : missing_ids) {
+  for (const int64_t id : found.missing_ids) {
     read[id] = nullptr;
   }
-  for (TileRecord& record : Call(as_of::TilesWithIds, missing_ids)) {
+  for (TileRecord& record : Call(as_of::TilesWithIds, found.missing_ids)) {
     const auto id = static_cast<int64_t>(record.tile_id.value());
-    tiles.push_back(read[id] = WithBounds(std::move(record)));
+    found.tiles.push_back(read[id] = WithBounds(std::move(record)));
   }
   cache->Keep(read);
-  return tiles;
+  return std::move(found.tiles);
 }
 
 MapSnapshot::MapSnapshot(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

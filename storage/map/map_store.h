@@ -117,7 +117,7 @@ class MapSnapshot {
   std::vector<TileChange> Diff(MapVersion from, MapVersion to) const;
 
   // Returns the tiles whose square's bounding box intersects `box`, ordered by tile id. The store
-  // caches tile records in cells of 4 x 4 tiles, so boxes of a few cells rarely read the map.
+  // caches tile records and empty squares, so boxes of a few kilometers rarely read the map.
   std::vector<TileRecord> FindTiles(const GeoBox& box) const;
   // Returns the first `limit` tiles of the map by tile id.
   std::vector<TileRecord> AllTiles(int64_t limit) const;

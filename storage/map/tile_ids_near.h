@@ -10,9 +10,9 @@
 
 namespace cairn {
 
-// Returns the ids of a block of squares, in ascending order. The block has every tile whose
-// bounding box meets `box`. Squares outside of the UTM zone are no tiles, but have ids here.
-// Returns nothing if the box is large, at a pole, or near the border of a UTM zone.
+// Returns the ids of a block of squares of one UTM zone, in ascending order. The block has every
+// tile whose bounding box meets `box`. Some of the squares may lie in other zones; no tile has
+// their ids. Returns nothing if the box is large, near a pole, or near the border of a zone.
 std::optional<std::vector<int64_t>> TileIdsNear(const GeoBox& box);
 
 }  // namespace cairn

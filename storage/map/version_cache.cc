@@ -28,14 +28,12 @@ FoundTiles VersionCache::Find(const std::vector<int64_t>& tile_ids) const {
 }
 
 void VersionCache::Keep(const std::unordered_map<int64_t, FoundTile>& tiles) {
-  constexpr size_t kMaxTiles = 262'144;  // 0.3 kB each. Squares without a tile take much less.
+  std::unordered_map<int64_t, FoundTile> dropped;  // Deleted after the lock is released.
   const std::lock_guard lock(mutex_);
-  for (const auto& [tile_id, tile] : tiles) {
-    if (tiles_.size() >= kMaxTiles) {
-      tiles_.erase(tiles_.begin());
-    }
-    tiles_.insert_or_assign(tile_id, tile);
+  if (tiles_.size() + tiles.size() > kMaxTiles) {
+    dropped.swap(tiles_);
   }
+  tiles_.insert(tiles.begin(), tiles.end());
 }
 
 }  // namespace cairn

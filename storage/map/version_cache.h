@@ -2,6 +2,7 @@
 #ifndef CAIRN_STORAGE_MAP_VERSION_CACHE_H_
 #define CAIRN_STORAGE_MAP_VERSION_CACHE_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -31,6 +32,8 @@ struct FoundTiles {
 // thread.
 class VersionCache {
  public:
+  static constexpr size_t kMaxTiles = 262'144;  // 0.3 kB each; squares without a tile take less.
+
   explicit VersionCache(MapVersion version) : version_(version) {}
 
   MapVersion version() const { return version_; }
@@ -41,7 +44,7 @@ class VersionCache {
   void KeepCodebook(CodebookId codebook_id);
 
   FoundTiles Find(const std::vector<int64_t>& tile_ids) const;
-  // Once there are many tiles, drops any others.
+  // Once there are many tiles, drops all others.
   void Keep(const std::unordered_map<int64_t, FoundTile>& tiles);
 
  private:

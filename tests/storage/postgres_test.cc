@@ -162,7 +162,7 @@ TEST_F(PostgresTest, AVersionThatTheServerHasLostIsForgotten) {
   EXPECT_EQ(store.Snapshot().FindTiles(other).size(), 1u);
 }
 
-TEST_F(PostgresTest, AKilledServerLeavesCachedCellsWhichAreStale) {
+TEST_F(PostgresTest, AKilledServerLeavesCachedTilesWhichAreStale) {
   const MapStore store = MapStore::Open(url_, OpenMode::kServing);
   EXPECT_EQ(store.Snapshot().FindTiles(Box()).size(), 1u);
   cluster_->Kill();

@@ -74,7 +74,7 @@ TEST_P(MapSnapshotTest, ReadsItsTilesAfterTheyWereReplaced) {
   const std::vector<TileId> tiles = {kChanged, kRemoved};
   EXPECT_EQ(Ids(snapshot.AllTiles(10)), tiles);
   EXPECT_EQ(Ids(snapshot.AllTiles(1)), std::vector<TileId>{kChanged});
-  EXPECT_EQ(Ids(snapshot.FindTiles(BoxAround(kPlace, 1000.0))), tiles);    // By cells.
+  EXPECT_EQ(Ids(snapshot.FindTiles(BoxAround(kPlace, 1000.0))), tiles);    // By ids.
   EXPECT_EQ(Ids(snapshot.FindTiles(BoxAround(kPlace, 50'000.0))), tiles);  // By the index.
   EXPECT_EQ(snapshot.FindTile(kChanged)->digest, digest);
   EXPECT_FALSE(snapshot.FindTile(kAdded).has_value());
@@ -101,6 +101,8 @@ TEST_P(MapSnapshotTest, OfAPrunedVersionIsUnavailable) {
   Change();
   Prune({.keep = 1}, &store());
   EXPECT_EQ(ErrorCodeOf([&] { snapshot.AllTiles(10); }), ErrorCode::kUnavailable);
+  EXPECT_EQ(ErrorCodeOf([&] { snapshot.FindTiles(BoxAround(kPlace, 100.0)); }),
+            ErrorCode::kUnavailable);
   EXPECT_EQ(ErrorCodeOf([&] { snapshot.FindTile(kRemoved); }), ErrorCode::kUnavailable);
   EXPECT_EQ(ErrorCodeOf([&] { snapshot.LoadPayload(payload_id); }), ErrorCode::kUnavailable);
   EXPECT_EQ(ErrorCodeOf([&] { snapshot.Sessions(); }), ErrorCode::kUnavailable);
@@ -134,7 +136,7 @@ TEST_P(MapSnapshotTest, ReadLatestReadsOnceWhenNothingWasPruned) {
   EXPECT_EQ(num_reads, 1);
 }
 
-TEST_P(MapSnapshotTest, ReadsTheTilesOfACellOnceAVersion) {
+TEST_P(MapSnapshotTest, ReadsTheTilesOfABoxOnceAVersion) {
   const GeoBox box = BoxAround(kPlace, 200.0);
   store().Snapshot().FindTiles(box);
   const int64_t num_calls = store().Stats().num_calls;

@@ -86,9 +86,9 @@ double Percentile(std::vector<double> values, double share) {
   return values[static_cast<size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
-// Searches around random places, none of which is in the cache, because each map is opened anew for
-// 50 of them. Counts the first search of each connection apart: the server's process has to find
-// the tables then. After each search, reads one number, for what a round trip alone takes.
+// Searches around random places, hardly any of which is in the cache, because each map is opened
+// anew for 50 of them. Counts the first search of each connection apart: the server's process has
+// to find the tables then. After each search, reads one number, for what a round trip alone takes.
 void PostgresFindTiles(benchmark::State& state) {
   constexpr int kNumStores = 20, kSearchesAStore = 50;
   const std::string url = ServerMapOfTiles(state.range(0));
