@@ -25,7 +25,7 @@ std::vector<TileRecord> FindTiles(db::Connection* connection, const GeoBox& box,
                                   MapVersion version);
 std::vector<TileRecord> AllTiles(db::Connection* connection, int64_t limit, MapVersion version);
 std::optional<TileRecord> FindTile(db::Connection* connection, TileId tile_id, MapVersion version);
-// The tiles with these ids, which are in ascending order, in any order.
+// `ids` are in ascending order; the tiles are in any order.
 std::vector<TileRecord> TilesWithIds(db::Connection* connection, const std::vector<int64_t>& ids,
                                      MapVersion version);
 LargeVector<uint8_t> LoadPayload(db::Connection* connection, PayloadId payload_id,

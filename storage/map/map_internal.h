@@ -28,8 +28,8 @@ struct MapSnapshot::Impl {
     });
   }
 
-  // Returns those tiles that the version has, in any order. The ids ascend. Reads all that the
-  // cache lacks in one call.
+  // Returns the tiles that the version has of these, in any order. `ids` are in ascending order.
+  // All tiles that the cache lacks are read in one call.
   std::vector<FoundTile> Tiles(const std::vector<int64_t>& ids) const;
 };
 

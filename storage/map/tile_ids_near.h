@@ -11,8 +11,8 @@
 namespace cairn {
 
 // Returns the ids of a block of squares of one UTM zone, in ascending order. The block has every
-// tile whose bounding box meets `box`. Some of the squares may lie in other zones; no tile has
-// their ids. Returns nothing if the box is large, near a pole, or near the border of a zone.
+// tile whose bounding box meets `box`; a map need not have the others. Returns nothing if the box
+// is wider than 8 km, near a pole, or near the border of a zone.
 std::optional<std::vector<int64_t>> TileIdsNear(const GeoBox& box);
 
 }  // namespace cairn
