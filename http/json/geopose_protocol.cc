@@ -46,7 +46,7 @@ RequestImage ReadImage(const JsonReader& reading) {
     sent.format = format->String(16);
   }
   const JsonReader image = reading.At("imageBytes");
-  auto bytes = DecodeBase64(WithoutDataUrlPrefix(image.String()));
+  auto bytes = DecodeBase64OfClient(WithoutDataUrlPrefix(image.String()));
   if (!bytes || bytes->empty()) {
     image.Fail("is not an image in base64");
   }

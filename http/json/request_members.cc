@@ -46,9 +46,10 @@ RigCamera ReadRigCamera(const JsonReader& element) {
 }
 
 std::vector<uint8_t> ReadBase64(const JsonReader& text) {
-  std::optional<std::vector<uint8_t>> bytes = DecodeBase64(text.String());
+  std::optional<std::vector<uint8_t>> bytes = DecodeBase64OfClient(text.String());
   if (!bytes) {
-    text.Fail("is not base64", "use the standard alphabet with padding and without line breaks");
+    text.Fail("is not base64",
+              "use the standard alphabet (RFC 4648 section 4), and no prefix such as data:");
   }
   return std::move(*bytes);
 }

@@ -22,7 +22,7 @@ inline constexpr double kUnitNormTolerance = 0.02;
 HeightReference ReadHeightReference(const JsonReader& name);
 // Reads `camera` and `camFromFirst` of an element of `rig`. The result has no features.
 RigCamera ReadRigCamera(const JsonReader& element);
-// Decodes strict base64.
+// Decodes base64, with or without line breaks and padding.
 std::vector<uint8_t> ReadBase64(const JsonReader& text);
 // Reads and checks degrees and meters. Without `h` the height is 0.
 Geodetic ReadGeodetic(const JsonReader& lat, const JsonReader& lon,

@@ -1,6 +1,8 @@
 #include "http/wire/base64.h"
 
+#include <algorithm>
 #include <array>
+#include <iterator>
 
 namespace cairn {
 namespace {
@@ -83,6 +85,20 @@ std::optional<std::vector<uint8_t>> DecodeBase64(std::string_view text) {
     return std::nullopt;
   }
   return bytes;
+}
+
+std::optional<std::vector<uint8_t>> DecodeBase64OfClient(std::string_view text) {
+  if (auto bytes = DecodeBase64(text)) {
+    return bytes;  // Most texts need no copy.
+  }
+  std::string canonical;
+  canonical.reserve(text.size() + 2);
+  std::copy_if(text.begin(), text.end(), std::back_inserter(canonical),
+               [](char c) { return c != '\r' && c != '\n' && c != ' ' && c != '\t'; });
+  if (!canonical.ends_with('=')) {
+    canonical.append((4 - canonical.size() % 4) % 4, '=');
+  }
+  return DecodeBase64(canonical);
 }
 
 }  // namespace cairn

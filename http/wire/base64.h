@@ -1,4 +1,4 @@
-// Base64 (RFC 4648 section 4): standard alphabet, padded, strict.
+// Base64 (RFC 4648 section 4): standard alphabet.
 #ifndef CAIRN_HTTP_WIRE_BASE64_H_
 #define CAIRN_HTTP_WIRE_BASE64_H_
 
@@ -16,6 +16,10 @@ std::string EncodeBase64(std::span<const uint8_t> bytes);
 // Returns nothing unless EncodeBase64 can produce exactly `text`: no line breaks, no missing
 // padding, no stray bits in the last symbol.
 std::optional<std::vector<uint8_t>> DecodeBase64(std::string_view text);
+
+// Decodes what encoders of clients produce: text as above, also with blanks and line breaks (MIME,
+// Android's default) and without padding.
+std::optional<std::vector<uint8_t>> DecodeBase64OfClient(std::string_view text);
 
 }  // namespace cairn
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "http/wire/problem.h"
@@ -32,40 +34,125 @@ bool EqualsIgnoringCase(std::string_view a, std::string_view b) {
 }
 
 std::string_view Trim(std::string_view text) {
-  const size_t begin = text.find_first_not_of(" \t");
+  const size_t begin = text.find_first_not_of(" \t\r\n");
   if (begin == std::string_view::npos) {
     return {};
   }
-  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
+  return text.substr(begin, text.find_last_not_of(" \t\r\n") - begin + 1);
+}
+
+// Removes and returns the first header of `head`, with its continuation lines.
+std::string_view TakeHeader(std::string_view line_break, std::string_view* head) {
+  size_t end = head->find(line_break);
+  while (end != std::string_view::npos) {
+    const std::string_view next = head->substr(end + line_break.size());
+    if (!next.starts_with(' ') && !next.starts_with('\t')) {
+      break;
+    }
+    end = head->find(line_break, end + line_break.size());
+  }
+  const std::string_view header = head->substr(0, end);
+  *head = end == std::string_view::npos ? "" : head->substr(end + line_break.size());
+  return header;
 }
 
 // The part's name from its Content-Disposition.
-std::string_view PartName(std::string_view head) {
+std::string_view PartName(std::string_view head, std::string_view line_break) {
   while (!head.empty()) {
-    const size_t end = head.find("\r\n");
-    const std::string_view line = head.substr(0, end);
-    head = end == std::string_view::npos ? "" : head.substr(end + 2);
-    const size_t colon = line.find(':');
+    const std::string_view header = TakeHeader(line_break, &head);
+    const size_t colon = header.find(':');
     if (colon != std::string_view::npos &&
-        EqualsIgnoringCase(line.substr(0, colon), "content-disposition")) {
-      return HeaderParameter(line.substr(colon + 1), "name");
+        EqualsIgnoringCase(Trim(header.substr(0, colon)), "content-disposition")) {
+      return HeaderParameter(header.substr(colon + 1), "name");
     }
   }
   return {};
 }
 
+// A line that separates two parts, or ends the last one.
+struct BoundaryLine {
+  size_t begin;                 // Of its two dashes.
+  size_t end;                   // Behind its line break.
+  bool is_last;                 // The closing boundary, or a boundary at the end of the body.
+  std::string_view line_break;  // Empty if `is_last`.
+};
+
+// The dashes, the boundary, and what RFC 2046 allows behind them: blanks, and then a line break or
+// two dashes. Returns nothing if the text at `begin` only begins like that.
+std::optional<BoundaryLine> BoundaryLineAt(std::string_view body, size_t begin, size_t num_bytes) {
+  std::string_view rest = body.substr(begin + num_bytes);
+  if (rest.starts_with("--")) {
+    return BoundaryLine{.begin = begin, .end = body.size(), .is_last = true, .line_break = {}};
+  }
+  rest.remove_prefix(std::min(rest.find_first_not_of(" \t"), rest.size()));
+  for (const std::string_view line_break : {"\r\n", "\n"}) {
+    if (rest.starts_with(line_break)) {
+      const size_t end = body.size() - rest.size() + line_break.size();
+      return BoundaryLine{
+          .begin = begin, .end = end, .is_last = end == body.size(), .line_break = line_break};
+    }
+  }
+  if (rest.empty()) {
+    return BoundaryLine{.begin = begin, .end = body.size(), .is_last = true, .line_break = {}};
+  }
+  return std::nullopt;
+}
+
+// Finds the next boundary at or behind `from` that begins a line, where lines end with
+// `line_break`.
+std::optional<BoundaryLine> FindBoundaryLine(std::string_view body, size_t from,
+                                             std::string_view dashed_boundary,
+                                             std::string_view line_break) {
+  size_t begin = body.find(dashed_boundary, from);
+  while (begin != std::string_view::npos) {
+    if (begin == 0 || body.substr(0, begin).ends_with(line_break)) {
+      if (const auto line = BoundaryLineAt(body, begin, dashed_boundary.size())) {
+        return line;
+      }
+    }
+    begin = body.find(dashed_boundary, begin + dashed_boundary.size());
+  }
+  return std::nullopt;
+}
+
 // Splits a part's bytes into head and content.
-MultipartPart ParsePart(std::string_view part) {
-  const bool no_headers = part.starts_with("\r\n");
-  const size_t head_end = no_headers ? 0 : part.substr(0, kMaxPartHeadBytes).find("\r\n\r\n");
+MultipartPart ParsePart(std::string_view part, std::string_view line_break) {
+  const bool no_headers = part.starts_with(line_break);
+  const std::string empty_line = fmt::format("{}{}", line_break, line_break);
+  const size_t head_end = no_headers ? 0 : part.substr(0, kMaxPartHeadBytes).find(empty_line);
   if (head_end == std::string_view::npos) {
     RefuseBody("the headers of a part have no end");
   }
-  const std::string_view name = PartName(part.substr(0, head_end));
+  const std::string_view name = PartName(part.substr(0, head_end), line_break);
   if (name.empty()) {
     RefuseBody("a part has no name in its Content-Disposition");
   }
-  return {.name = name, .content = part.substr(head_end + 4)};
+  return {.name = name, .content = part.substr(head_end + empty_line.size())};
+}
+
+void AddPart(const MultipartPart& part, std::vector<MultipartPart>* parts) {
+  if (parts->size() == kMaxParts) {
+    RefuseBody(fmt::format("more than {} parts", kMaxParts));
+  }
+  for (const MultipartPart& other : *parts) {
+    if (other.name == part.name) {
+      RefuseBody(fmt::format("two parts are named '{}'", part.name.substr(0, 64)));
+    }
+  }
+  parts->push_back(part);
+}
+
+// The end of the quoted string that `text` begins with: the position of its closing quote. A
+// backslash takes the meaning from the character behind it (RFC 9110 section 5.6.4).
+size_t ClosingQuote(std::string_view text) {
+  for (size_t i = 1; i < text.size(); ++i) {
+    if (text[i] == '\\') {
+      ++i;
+    } else if (text[i] == '"') {
+      return i;
+    }
+  }
+  return std::string_view::npos;
 }
 
 }  // namespace
@@ -78,35 +165,36 @@ std::string MediaType(std::string_view content_type) {
 }
 
 std::string_view HeaderParameter(std::string_view header_value, std::string_view parameter) {
-  size_t separator = header_value.find(';');
+  std::string_view rest = header_value;
+  size_t separator = rest.find(';');
   while (separator != std::string_view::npos) {
-    header_value.remove_prefix(separator + 1);
-    // A quoted value may contain the separator.
-    const size_t equals = header_value.find('=');
-    const size_t next = header_value.find(';');
+    rest.remove_prefix(separator + 1);
+    const size_t equals = rest.find('=');
+    separator = rest.find(';');
     if (equals == std::string_view::npos) {
       return {};
     }
-    if (next < equals) {
-      separator = next;
-      continue;
+    if (separator < equals) {
+      continue;  // A parameter without a value.
     }
-    const std::string_view key = Trim(header_value.substr(0, equals));
-    std::string_view value = header_value.substr(equals + 1);
-    if (value.starts_with('"')) {
-      const size_t quote = value.find('"', 1);
+    const std::string_view key = Trim(rest.substr(0, equals));
+    rest.remove_prefix(equals + 1);
+    rest.remove_prefix(std::min(rest.find_first_not_of(" \t\r\n"), rest.size()));
+    std::string_view value;
+    if (rest.starts_with('"')) {
+      const size_t quote = ClosingQuote(rest);
       if (quote == std::string_view::npos) {
         return {};
       }
-      separator = header_value.find(';', equals + 1 + quote);
-      value = value.substr(1, quote - 1);
+      value = rest.substr(1, quote - 1);
+      rest.remove_prefix(quote + 1);
     } else {
-      separator = next;
-      value = Trim(value.substr(0, value.find(';')));
+      value = Trim(rest.substr(0, rest.find(';')));
     }
     if (EqualsIgnoringCase(key, parameter)) {
       return value;
     }
+    separator = rest.find(';');
   }
   return {};
 }
@@ -120,33 +208,23 @@ std::vector<MultipartPart> ParseMultipart(std::string_view content_type, std::st
   if (boundary.empty() || boundary.size() > kMaxBoundaryLength) {
     RefuseBody("the Content-Type has no usable boundary");
   }
-  const std::string first = fmt::format("--{}", boundary);
-  const std::string delimiter = fmt::format("\r\n--{}", boundary);
-  if (!body.starts_with(first)) {
-    RefuseBody("the body does not start with the boundary");
+  const std::string dashed_boundary = fmt::format("--{}", boundary);
+  // Any text may stand before the first boundary (RFC 2046 section 5.1.1).
+  std::optional<BoundaryLine> line = FindBoundaryLine(body, 0, dashed_boundary, "\n");
+  if (!line) {
+    RefuseBody("the body does not contain its boundary");
   }
-  body.remove_prefix(first.size());
+  const std::string_view line_break = line->line_break;  // That of the whole body.
   std::vector<MultipartPart> parts;
-  while (!body.starts_with("--")) {
-    if (!body.starts_with("\r\n")) {
-      RefuseBody("a boundary is not followed by a line break");
-    }
-    body.remove_prefix(2);
-    const size_t end = body.find(delimiter);
-    if (end == std::string_view::npos) {
-      RefuseBody("the closing boundary is missing");
-    }
-    if (parts.size() == kMaxParts) {
-      RefuseBody(fmt::format("more than {} parts", kMaxParts));
-    }
-    const MultipartPart part = ParsePart(body.substr(0, end));
-    for (const MultipartPart& other : parts) {
-      if (other.name == part.name) {
-        RefuseBody(fmt::format("two parts are named '{}'", part.name.substr(0, 64)));
-      }
-    }
-    parts.push_back(part);
-    body.remove_prefix(end + delimiter.size());
+  while (line && !line->is_last) {
+    const size_t begin = line->end;
+    line = FindBoundaryLine(body, begin, dashed_boundary, line_break);
+    // Unity writes no closing boundary. The Content-Length says that the body is whole.
+    const size_t end = line ? std::max(begin, line->begin - line_break.size()) : body.size();
+    AddPart(ParsePart(body.substr(begin, end - begin), line_break), &parts);
+  }
+  if (parts.empty()) {
+    RefuseBody("there are no parts");
   }
   return parts;
 }

@@ -17,9 +17,12 @@ struct MultipartPart {
 // True if the Content-Type is multipart/form-data.
 bool IsMultipart(std::string_view content_type);
 
-// Runs in time linear in the body. Throws HttpError kInvalidMultipart if the boundary is missing,
-// if the framing is broken (for example, no closing boundary after the last part), if a part has no
-// name, if two parts have the same name, or if there are more than 16 parts.
+// Reads bodies as RFC 2046 defines them: text may stand before the first boundary and after the
+// last one, and blanks behind a boundary. Beyond that, accepts the bodies of known clients: lines
+// may end with LF alone if all do, and the closing boundary may be missing; the last part then ends
+// with the body. Runs in time linear in the body. Throws HttpError kInvalidMultipart if there is no
+// boundary or no part, if the headers of a part do not end, if a part has no name, if two parts
+// have the same name, or if there are more than 16 parts.
 std::vector<MultipartPart> ParseMultipart(std::string_view content_type, std::string_view body);
 
 // Writes a multipart body part by part.
@@ -41,6 +44,7 @@ class MultipartWriter {
 std::string MediaType(std::string_view content_type);
 
 // The value of a parameter ("boundary", "name") without quotes; empty if the parameter is absent.
+// Escapes in quoted values stay as they are.
 std::string_view HeaderParameter(std::string_view header_value, std::string_view parameter);
 
 }  // namespace cairn

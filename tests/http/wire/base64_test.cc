@@ -43,5 +43,15 @@ TEST(Base64, RefusesWhatIsNotCanonical) {
   }
 }
 
+TEST(Base64, ReadsWhatEncodersOfClientsWrite) {
+  for (const char* text :
+       {"Zm9vYg==", "Zm9v\nYg==\n", "Zm9v\r\nYg==\r\n", "Zm9v Yg==", "Zm9vYg", "Zm9v\nYg\n"}) {
+    EXPECT_EQ(DecodeBase64OfClient(text), Bytes("foob")) << text;
+  }
+  for (const char* text : {"Zm9vYh==", "Zm9vY", "Zm9vYg=", "Zm9-", "=", "Zm9v\v", "Yg==Yg=="}) {
+    EXPECT_EQ(DecodeBase64OfClient(text), std::nullopt) << text;
+  }
+}
+
 }  // namespace
 }  // namespace cairn
