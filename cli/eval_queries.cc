@@ -68,10 +68,14 @@ Sim3d PlaceReference(const Reconstruction& reconstruction, const EvalQueryArgume
         ErrorCode::kInvalidArgument,
         fmt::format("the true poses are unknown; give --georef CSV or --gps ({})", why_not));
   }
-  const Georegistration fit =
-      GeoregisterByArguments(reconstruction, arguments.reconstruction, georegister);
-  LogInfo("reference: the model, fitted to {} positions ({}); residual {:.3f} m median",
-          fit.num_positions, why_not, fit.median_residual_m);
+  ReconstructionArguments with_photos = arguments.reconstruction;
+  with_photos.photo_dir = arguments.image_dir;
+  const Georegistration fit = GeoregisterByArguments(reconstruction, with_photos, georegister);
+  LogInfo("reference: the model, fitted to {} positions ({}); residual {:.3f} m median; up from {}",
+          fit.num_positions, why_not, fit.median_residual_m, fit.up.source);
+  for (const std::string& note : fit.notes) {
+    LogWarning("{}", note);
+  }
   return fit.ecef_from_world;
 }
 

@@ -2,13 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "cli/join_summary.h"
 #include "core/printable.h"
 
 namespace cairn {
 namespace {
+
+// Odds beyond this are no more than certain.
+constexpr double kManyTimes = 1000.0;
 
 const char* CodebookName(CodebookOrigin origin) {
   switch (origin) {
@@ -22,6 +27,38 @@ const char* CodebookName(CodebookOrigin origin) {
   return "trained";
 }
 
+constexpr std::array<const char*, kPictureUps.size()> kHoldNames = {"top", "left", "right",
+                                                                    "bottom", "back"};
+
+nlohmann::ordered_json UpJson(const UpReport& up) {
+  nlohmann::ordered_json json = {{"source", up.source}};
+  if (up.odds > 0.0) {
+    json["odds"] = up.odds;
+    for (size_t i = 0; i < kHoldNames.size(); ++i) {
+      json["photosWithUpAt"][kHoldNames[i]] = up.num_images[i];
+    }
+  }
+  return json;
+}
+
+// E.g. "from the bends of the walk, 52 times as likely as the next; at the left of 12 photos".
+void PrintUp(const UpReport& up) {
+  std::string line = "from " + up.source;
+  if (up.odds > 0.0) {
+    line += up.odds < kManyTimes
+                ? fmt::format(", {:.0f} times as likely as the next", up.odds)
+                : fmt::format(", over {:.0f} times as likely as the next", kManyTimes);
+    const char* separator = "; at the ";
+    for (size_t i = 0; i < kHoldNames.size(); ++i) {
+      if (up.num_images[i] > 0) {
+        line += fmt::format("{}{} of {} photos", separator, kHoldNames[i], up.num_images[i]);
+        separator = ", the ";
+      }
+    }
+  }
+  fmt::print("up               {}\n", line);
+}
+
 }  // namespace
 
 nlohmann::ordered_json GeoregistrationJson(const Georegistration& georegistration) {
@@ -31,7 +68,9 @@ nlohmann::ordered_json GeoregistrationJson(const Georegistration& georegistratio
   return {{"positions", georegistration.num_positions},
           {"inliers", georegistration.num_inliers},
           {"medianResidualM", georegistration.median_residual_m},
-          {"maxResidualM", georegistration.max_residual_m}};
+          {"maxResidualM", georegistration.max_residual_m},
+          {"notes", georegistration.notes},
+          {"up", UpJson(georegistration.up)}};
 }
 
 void PrintJson(const nlohmann::ordered_json& json) {
@@ -66,6 +105,10 @@ void PrintGeoregistration(const Georegistration& georegistration) {
       "georegistration  {} of {} positions agree; residual {:.3f} m median, {:.3f} m largest\n",
       georegistration.num_inliers, georegistration.num_positions, georegistration.median_residual_m,
       georegistration.max_residual_m);
+  for (const std::string& note : georegistration.notes) {
+    fmt::print("                 {}\n", note);
+  }
+  PrintUp(georegistration.up);
 }
 
 void PrintIngestText(const std::string& session_name, const Georegistration& georegistration,

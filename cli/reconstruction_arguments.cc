@@ -1,12 +1,50 @@
 #include "cli/reconstruction_arguments.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <string>
 #include <vector>
 
 #include "cli/arguments.h"
 #include "cli/height_option.h"
+#include "cli/photo_orientations.h"
+#include "core/printable.h"
+#include "ingest/georegister/position_checks.h"
 
 namespace cairn {
+namespace {
+
+// Sentences about what was left out.
+std::vector<std::string> NotesOn(const PositionFindings& findings,
+                                 const Georegistration& georegistration) {
+  std::vector<std::string> notes;
+  if (findings.num_at_null_island > 0) {
+    notes.push_back(fmt::format("{} positions at 0, 0 are left out", findings.num_at_null_island));
+  }
+  if (findings.num_without_height > 0) {
+    notes.push_back(
+        fmt::format("{} positions have no height (0 stands for none); their heights do "
+                    "not count",
+                    findings.num_without_height));
+  }
+  const int num_outliers = georegistration.num_positions - georegistration.num_inliers;
+  if (num_outliers > 0) {
+    notes.push_back(fmt::format(
+        "{} positions disagree and do not count; that of {} is {:.0f} m "
+        "from where the photos say",
+        num_outliers, Excerpt(georegistration.worst_image), georegistration.max_residual_m));
+  }
+  if (georegistration.num_sign_errors > 0) {
+    notes.push_back(
+        fmt::format("{} of these would agree with the other sign of latitude or "
+                    "longitude",
+                    georegistration.num_sign_errors));
+  }
+  return notes;
+}
+
+}  // namespace
 
 void AddReconstructionOptions(CLI::App* command, ReconstructionArguments* arguments) {
   command
@@ -37,6 +75,12 @@ void AddReconstructionOptions(CLI::App* command, ReconstructionArguments* argume
                   "Reference of the heights of --georef or --gps: the WGS84 ellipsoid or "
                   "mean sea level (EGM96). Default: ellipsoid for --georef; msl for --gps, as in "
                   "EXIF");
+  command
+      ->add_option("--camera-height", arguments->camera_height_m,
+                   "Height of the cameras whose positions have none, with the reference of "
+                   "--height. Default: that of the others")
+      ->check(NumberWithin(-12'000.0, 12'000.0))
+      ->type_name("M");
 }
 
 Georegistration GeoregisterByArguments(const Reconstruction& reconstruction,
@@ -45,11 +89,20 @@ Georegistration GeoregisterByArguments(const Reconstruction& reconstruction,
   std::vector<CameraPosition> positions =
       arguments.use_gps ? GpsPositions(reconstruction, arguments.gps_accuracy_m)
                         : ReadCameraPositions(arguments.georef_path);
+  const PositionFindings findings = CheckPositions(arguments.camera_height_m, &positions);
   MakeHeightsEllipsoidal(
       arguments.height.value_or(arguments.use_gps ? HeightReference::kMeanSeaLevel
                                                   : HeightReference::kEllipsoid),
       &positions);
-  return Georegister(reconstruction, positions, options);
+  const std::string folder =
+      arguments.photo_dir.empty()
+          ? FindPhotoFolder(reconstruction, arguments.database_path, arguments.model_dir)
+          : arguments.photo_dir;
+  const ImageOrientations orientations =
+      folder.empty() ? ImageOrientations() : ReadOrientations(folder, reconstruction);
+  Georegistration result = Georegister(reconstruction, positions, options, orientations);
+  result.notes = NotesOn(findings, result);
+  return result;
 }
 
 }  // namespace cairn

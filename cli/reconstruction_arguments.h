@@ -23,14 +23,18 @@ struct ReconstructionArguments {
   // Reference of the heights. If unset: mean sea level for GPS, which comes from EXIF, and the
   // ellipsoid for `georef_path`.
   std::optional<HeightReference> height;
+  std::optional<double> camera_height_m;  // Of cameras whose positions have none.
+  std::string photo_dir;                  // Empty: looked for near the database and the model.
 
   bool HasPositions() const { return use_gps || !georef_path.empty(); }
 };
 
-// Adds --model, --database, --georef, --gps, --gps-accuracy and --height.
+// Adds --model, --database, --georef, --gps, --gps-accuracy, --height and --camera-height.
 void AddReconstructionOptions(CLI::App* command, ReconstructionArguments* arguments);
 
-// Fits the reconstruction to the positions named by the arguments. Throws as Georegister.
+// Fits the reconstruction to the positions named by the arguments, with the EXIF orientations of
+// the photos that are found. The result has notes about faults of the positions. Throws as
+// CheckPositions and Georegister.
 Georegistration GeoregisterByArguments(const Reconstruction& reconstruction,
                                        const ReconstructionArguments& arguments,
                                        const GeoregisterOptions& options);

@@ -40,6 +40,13 @@ std::chrono::milliseconds PatienceOf(double wait_s) {
   return std::chrono::milliseconds(static_cast<int64_t>(1e3 * wait_s));
 }
 
+void AddUpOption(CLI::App* command, CairnOptions* options) {
+  AddChoiceOption(command, "--up", NamedChoice(&options->georegister.up, kUpSourceNames),
+                  "Which way is up: all that is known (auto), the positions alone, the EXIF of the "
+                  "photos, the side of the stored pictures that is up (left for a phone held "
+                  "upright), or down for photos that look straight down");
+}
+
 void AddSessionArguments(CLI::App* command, SessionArguments* arguments) {
   IngestOptions& options = arguments->options.ingest;
   command->add_option("MAP", arguments->map_path, "Map: a file or a postgresql:// URL")->required();
@@ -47,6 +54,12 @@ void AddSessionArguments(CLI::App* command, SessionArguments* arguments) {
   AddReconstructionOptions(command, &arguments->reconstruction);
   command->get_option("--model")->required();
   command->get_option("--database")->required();
+  AddUpOption(command, &arguments->options);
+  command
+      ->add_option("--photos", arguments->reconstruction.photo_dir,
+                   "Folder of the model's photos, whose EXIF says how they were held. Default: "
+                   "`images` or `photos` near the database or the model, if there")
+      ->type_name("DIR");
   command
       ->add_option("--images", arguments->image_list_path,
                    "File with the images of the model to use, one name per line. Default: all")

@@ -26,6 +26,9 @@ struct SessionArguments {
 // Adds MAP and all options but those of how the work is divided.
 void AddSessionArguments(CLI::App* command, SessionArguments* arguments);
 
+// Adds --up: which way is up in a reconstruction.
+void AddUpOption(CLI::App* command, CairnOptions* options);
+
 // Adds --wait: how long a command waits while another update of the map runs.
 void AddWaitOption(CLI::App* command, double* wait_s);
 std::chrono::milliseconds PatienceOf(double wait_s);

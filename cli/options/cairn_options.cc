@@ -25,9 +25,16 @@ void DescribeServer(ServerOptions* options, OptionList* list) {
 }
 
 void DescribeGeoregister(GeoregisterOptions* options, OptionList* list) {
+  list->Add("up", &options->up, kUpSourceNames,
+            "Which way is up: all that is known, the positions alone, the EXIF orientations, the "
+            "side of the stored pictures at which up is, or down for photos that look straight "
+            "down");
+  list->Add("least_up_odds", &options->least_up_odds,
+            "For auto: a direction that is less than so many times as likely as the next one is "
+            "refused");
   list->Add("upright_sigma_rad", &options->upright_sigma_rad,
-            "Standard deviation of the image x axis from the horizontal, radians; 0 drops the "
-            "assumption that cameras are held upright");
+            "Standard deviation of the roll of photos, radians; 0 drops the assumption that photos "
+            "are held level");
   list->Add("max_median_residual_sigmas", &options->max_median_residual_sigmas,
             "A fit with a larger median residual is refused, in units of the positions' accuracy");
   list->Add("max_median_residual_m", &options->max_median_residual_m,

@@ -40,6 +40,13 @@ inline constexpr EnumName<LandmarkSelectionKind> kLandmarkSelectionNames[] = {
     {"observation_count", LandmarkSelectionKind::kObservationCount},
     {"coverage", LandmarkSelectionKind::kCoverage}};
 
+// The names --up takes.
+inline constexpr EnumName<UpSource> kUpSourceNames[] = {
+    {"auto", UpSource::kAuto},     {"positions", UpSource::kPositions},
+    {"photos", UpSource::kPhotos}, {"top", UpSource::kTop},
+    {"left", UpSource::kLeft},     {"right", UpSource::kRight},
+    {"bottom", UpSource::kBottom}, {"down", UpSource::kDown}};
+
 // The descriptions. Options that only tests set are left out. CairnOptions is the top level.
 void DescribeLocalizer(LocalizerOptions* options, OptionList* list);
 void DescribeIngest(IngestOptions* options, OptionList* list);

@@ -6,10 +6,12 @@
 #include <cmath>
 #include <optional>
 #include <unordered_map>
+#include <utility>
 
 #include "core/error.h"
 #include "core/printable.h"
 #include "core/require.h"
+#include "ingest/georegister/level_cameras.h"
 #include "ingest/georegister/similarity_problem.h"
 
 namespace cairn {
@@ -43,10 +45,16 @@ Eigen::Vector3d CenterInWorld(const ReconImage& image) {
 }
 
 struct MatchedPosition {
+  std::string image_name;
+  Geodetic position;
   Eigen::Vector3d center_in_world;
   Eigen::Vector3d center_in_ecef;
   double accuracy_m = 0.0;
+  double height_accuracy_m = 0.0;
 };
+
+// A position without a height says nothing about heights.
+constexpr double kUnknownHeightM = 1e6;
 
 std::vector<MatchedPosition> MatchByName(const Reconstruction& reconstruction,
                                          const std::vector<CameraPosition>& positions) {
@@ -65,8 +73,9 @@ std::vector<MatchedPosition> MatchByName(const Reconstruction& reconstruction,
       throw Error(ErrorCode::kBadInput,
                   fmt::format("the accuracy of {} must be positive", Excerpt(position.image_name)));
     }
-    matched.push_back(
-        {CenterInWorld(*image->second), EcefFromGeodetic(position.position), position.accuracy_m});
+    matched.push_back({position.image_name, position.position, CenterInWorld(*image->second),
+                       EcefFromGeodetic(position.position), position.accuracy_m,
+                       position.has_height ? position.accuracy_m : kUnknownHeightM});
   }
   return matched;
 }
@@ -92,37 +101,59 @@ Sim3d NormalizedFromWorld(const std::vector<MatchedPosition>& matched) {
   return {1.0 / spread, Eigen::Quaterniond::Identity(), -middle / spread};
 }
 
-SimilarityProblem MakeProblem(const Reconstruction& reconstruction,
-                              const std::vector<MatchedPosition>& matched,
-                              const Sim3d& normalized_from_world, const Rigid3d& ecef_from_enu,
-                              const GeoregisterOptions& options) {
-  SimilarityProblem problem;
-  problem.upright_sigma_rad = options.upright_sigma_rad;
+std::vector<SimilarityProblem::Position> PositionsInEnu(const std::vector<MatchedPosition>& matched,
+                                                        const Sim3d& normalized_from_world,
+                                                        const Rigid3d& ecef_from_enu) {
   const Rigid3d enu_from_ecef = ecef_from_enu.Inverse();
+  std::vector<SimilarityProblem::Position> positions;
   for (const MatchedPosition& position : matched) {
-    problem.positions.push_back({normalized_from_world * position.center_in_world,
-                                 enu_from_ecef * position.center_in_ecef, position.accuracy_m});
+    positions.push_back({normalized_from_world * position.center_in_world,
+                         enu_from_ecef * position.center_in_ecef, position.accuracy_m,
+                         position.height_accuracy_m});
   }
-  for (const ReconImage& image : reconstruction.images) {
-    const Eigen::Quaterniond world_from_cam = image.cam_from_world.rotation.conjugate();
-    problem.right_in_world.push_back(world_from_cam * Eigen::Vector3d::UnitX());
-    problem.mean_up_in_world -= world_from_cam * Eigen::Vector3d::UnitY();
-  }
-  problem.mean_up_in_world /= static_cast<double>(reconstruction.images.size());
-  return problem;
+  return positions;
 }
+
+// Adds the prior that cameras are held level.
+void AddLevelCameras(const Reconstruction& reconstruction, const ImageOrientations& orientations,
+                     double normalized_per_world, const GeoregisterOptions& options,
+                     SimilarityProblem* problem, UpReport* report) {
+  if (options.upright_sigma_rad == 0.0 || options.up == UpSource::kPositions) {
+    report->source = "the positions alone";
+    return;
+  }
+  const CameraHolds holds = FindCameraHolds(reconstruction, orientations, problem->positions,
+                                            normalized_per_world, options);
+  problem->upright_sigma_rad = options.upright_sigma_rad;
+  problem->up_in_world = holds.up_in_world;
+  for (size_t i = 0; i < holds.of_image.size(); ++i) {
+    const Eigen::Quaterniond world_from_cam =
+        reconstruction.images[i].cam_from_world.rotation.conjugate();
+    problem->right_in_world.push_back(world_from_cam * LevelInCam(holds.of_image[i]));
+    problem->mean_up_in_world += world_from_cam * UpInCam(holds.of_image[i]);
+  }
+  problem->mean_up_in_world /= static_cast<double>(reconstruction.images.size());
+  *report = holds.report;
+}
+
+// Positions farther away than so many times the median distance do not count for the spread.
+constexpr double kMaxMedianDistances = 6.0;
 
 void RequireSpread(const SimilarityProblem& problem) {
   std::vector<Eigen::Vector3d> centers;
-  std::vector<double> accuracies_m;
+  std::vector<double> accuracies_m, distances_m;
   for (const auto& position : problem.positions) {
     centers.push_back(position.center_in_enu);
     accuracies_m.push_back(position.accuracy_m);
   }
   const Eigen::Vector3d middle = Median3(centers);
-  double sum_sq_m = 0.0;
   for (const Eigen::Vector3d& center : centers) {
-    sum_sq_m += (center - middle).squaredNorm();
+    distances_m.push_back((center - middle).norm());
+  }
+  const double far_m = kMaxMedianDistances * Median(distances_m);
+  double sum_sq_m = 0.0;
+  for (const double distance_m : distances_m) {
+    sum_sq_m += distance_m < far_m ? distance_m * distance_m : 0.0;
   }
   const double accuracy_m = Median(accuracies_m);
   // The standard deviation of a scale that is fitted to n positions with this spread.
@@ -136,13 +167,41 @@ void RequireSpread(const SimilarityProblem& problem) {
   }
 }
 
+// Whether the position would be within its limits with the other sign of a coordinate.
+bool HasLostSign(const MatchedPosition& matched, const Eigen::Vector3d& center_in_ecef) {
+  const double limit_m = 3.0 * kLossScaleSigmas * matched.accuracy_m;
+  for (const auto& [lat_sign, lon_sign] : {std::pair(-1.0, 1.0), {1.0, -1.0}, {-1.0, -1.0}}) {
+    Geodetic other = matched.position;
+    other.lat_rad *= lat_sign;
+    other.lon_rad *= lon_sign;
+    if ((EcefFromGeodetic(other) - center_in_ecef).norm() <= limit_m) {
+      return true;
+    }
+  }
+  return false;
+}
+
+// Looks at the positions that do not agree, which count for nothing.
+void FindFaults(const std::vector<MatchedPosition>& matched, Georegistration* result) {
+  for (size_t i = 0; i < matched.size(); ++i) {
+    if (result->residuals_m[i] == result->max_residual_m) {
+      result->worst_image = matched[i].image_name;
+    }
+    const bool agrees = result->residuals_m[i] <= 3.0 * kLossScaleSigmas * matched[i].accuracy_m;
+    result->num_sign_errors +=
+        !agrees && HasLostSign(matched[i], result->ecef_from_world * matched[i].center_in_world);
+  }
+}
+
 // Computes the residuals and refuses a bad fit.
 void Judge(const SimilarityProblem& problem, const Sim3d& enu_from_normalized,
            const GeoregisterOptions& options, Georegistration* result) {
   std::vector<double> residuals_sigmas;
   for (const auto& position : problem.positions) {
-    const double residual_m =
-        (enu_from_normalized * position.center_in_world - position.center_in_enu).norm();
+    const Eigen::Vector3d error =
+        enu_from_normalized * position.center_in_world - position.center_in_enu;
+    const bool has_height = position.height_accuracy_m < kUnknownHeightM;
+    const double residual_m = has_height ? error.norm() : error.head<2>().norm();
     result->residuals_m.push_back(residual_m);
     residuals_sigmas.push_back(residual_m / position.accuracy_m);
     result->num_inliers += residuals_sigmas.back() <= 3.0 * kLossScaleSigmas;
@@ -172,6 +231,7 @@ void Judge(const SimilarityProblem& problem, const Sim3d& enu_from_normalized,
 void GeoregisterOptions::Validate() const {
   RequireOption(upright_sigma_rad >= 0.0 && upright_sigma_rad < 2.0,
                 "georegister.upright_sigma_rad must lie in [0, 2)");
+  RequireOption(least_up_odds >= 1.0, "georegister.least_up_odds must be at least 1");
   RequireOption(max_median_residual_sigmas > 0.0,
                 "georegister.max_median_residual_sigmas must be positive");
   RequireOption(max_median_residual_m > 0.0, "georegister.max_median_residual_m must be positive");
@@ -179,7 +239,8 @@ void GeoregisterOptions::Validate() const {
 
 Georegistration Georegister(const Reconstruction& reconstruction,
                             const std::vector<CameraPosition>& positions,
-                            const GeoregisterOptions& options) {
+                            const GeoregisterOptions& options,
+                            const ImageOrientations& orientations) {
   options.Validate();
   reconstruction.Validate();
   const std::vector<MatchedPosition> matched = MatchByName(reconstruction, positions);
@@ -196,9 +257,12 @@ Georegistration Georegister(const Reconstruction& reconstruction,
   }
   const Rigid3d ecef_from_enu = EcefFromEnu(GeodeticFromEcef(Median3(centers_in_ecef)));
   const Sim3d normalized_from_world = NormalizedFromWorld(matched);
-  const SimilarityProblem problem =
-      MakeProblem(reconstruction, matched, normalized_from_world, ecef_from_enu, options);
+  SimilarityProblem problem;
+  problem.positions = PositionsInEnu(matched, normalized_from_world, ecef_from_enu);
   RequireSpread(problem);
+  Georegistration result;
+  AddLevelCameras(reconstruction, orientations, normalized_from_world.scale, options, &problem,
+                  &result.up);
 
   const std::optional<Sim3d> start = InitialSimilarity(problem);
   if (!start) {
@@ -209,12 +273,12 @@ Georegistration Georegister(const Reconstruction& reconstruction,
                     matched.size()));
   }
   const Sim3d enu_from_normalized = RefineSimilarity(problem, *start);
-  Georegistration result;
   Judge(problem, enu_from_normalized, options, &result);
   const Sim3d ecef_from_normalized = ecef_from_enu * enu_from_normalized;
   result.ecef_from_world.scale = ecef_from_normalized.scale * normalized_from_world.scale;
   result.ecef_from_world.rotation = ecef_from_normalized.rotation;
   result.ecef_from_world.translation = ecef_from_normalized * normalized_from_world.translation;
+  FindFaults(matched, &result);
   return result;
 }
 

@@ -44,6 +44,7 @@ class PositionResidual {
     const Eigen::Matrix<T, 3, 1> turned = enu_from_world * position_.center_in_world.cast<T>();
     out = (exp(log_scale[0]) * turned + offset - position_.center_in_enu.cast<T>()) /
           T(position_.accuracy_m);
+    out.z() *= T(position_.accuracy_m / position_.height_accuracy_m);
     return true;
   }
 
@@ -69,13 +70,30 @@ class UprightResidual {
   double sigma_rad_;
 };
 
+class UpResidual {
+ public:
+  explicit UpResidual(const Eigen::Vector3d& up_in_world) : up_in_world_(up_in_world) {}
+
+  template <typename T>
+  bool operator()(const T* rotation, T* residual) const {
+    const Eigen::Map<const Eigen::Quaternion<T>> enu_from_world(rotation);
+    const Eigen::Matrix<T, 3, 1> up_in_enu = enu_from_world * up_in_world_.cast<T>();
+    residual[0] = up_in_enu.x() / T(kUpSigmaRad);
+    residual[1] = up_in_enu.y() / T(kUpSigmaRad);
+    return true;
+  }
+
+ private:
+  Eigen::Vector3d up_in_world_;
+};
+
 bool IsUsable(const Sim3d& similarity) {
   return std::isfinite(similarity.scale) && similarity.scale > kMinScale &&
          similarity.scale < kMaxScale && similarity.translation.allFinite() &&
          similarity.rotation.coeffs().allFinite();
 }
 
-// The direction closest to perpendicular to the x axes of all cameras.
+// The direction closest to perpendicular to the level axes of all cameras.
 Eigen::Vector3d UpFromCameras(const SimilarityProblem& problem) {
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (const Eigen::Vector3d& right : problem.right_in_world) {
@@ -111,8 +129,10 @@ std::optional<Sim3d> FromTwoPositions(const SimilarityProblem::Position& a,
   return enu_from_world;
 }
 
-// Returns nothing if the three positions are (nearly) collinear in either frame.
-std::optional<Sim3d> FromThreePositions(const std::array<SimilarityProblem::Position, 3>& sample) {
+// Unless `lines_too`, returns nothing if the three positions are (nearly) collinear in either
+// frame.
+std::optional<Sim3d> FromThreePositions(const std::array<SimilarityProblem::Position, 3>& sample,
+                                        bool lines_too) {
   Eigen::Matrix3d world, enu;
   for (int i = 0; i < 3; ++i) {
     world.col(i) = sample[i].center_in_world;
@@ -122,7 +142,7 @@ std::optional<Sim3d> FromThreePositions(const std::array<SimilarityProblem::Posi
     const Eigen::Vector3d a = p.col(1) - p.col(0), b = p.col(2) - p.col(0);
     return !(a.cross(b).norm() > 1e-3 * a.norm() * b.norm());
   };
-  if (is_line(world) || is_line(enu)) {
+  if (!lines_too && (is_line(world) || is_line(enu))) {
     return std::nullopt;
   }
   const Eigen::Matrix4d matrix = Eigen::umeyama(world, enu, /*with_scaling=*/true);
@@ -144,6 +164,10 @@ class Cheapest {
     if (!candidate || !IsUsable(*candidate)) {
       return;
     }
+    const std::optional<Eigen::Vector3d>& up_in_world = problem_->up_in_world;
+    if (up_in_world && (candidate->rotation * *up_in_world).z() < std::sqrt(0.5)) {
+      return;
+    }
     const double cost = problem_->Cost(*candidate);
     if (cost < best_cost_) {
       best_ = *candidate;
@@ -163,6 +187,13 @@ class Cheapest {
 
 }  // namespace
 
+double SqResidual(const SimilarityProblem::Position& position,
+                  const Eigen::Vector3d& error_in_enu) {
+  const double height = error_in_enu.z() / position.height_accuracy_m;
+  return error_in_enu.head<2>().squaredNorm() / (position.accuracy_m * position.accuracy_m) +
+         height * height;
+}
+
 double SimilarityProblem::Cost(const Sim3d& enu_from_world) const {
   const double sq_scale = kLossScaleSigmas * kLossScaleSigmas;
   const auto loss = [&](double sq_residual) {
@@ -172,7 +203,7 @@ double SimilarityProblem::Cost(const Sim3d& enu_from_world) const {
   for (const Position& position : positions) {
     const Eigen::Vector3d error =
         enu_from_world * position.center_in_world - position.center_in_enu;
-    cost += loss(error.squaredNorm() / (position.accuracy_m * position.accuracy_m));
+    cost += loss(SqResidual(position, error));
   }
   if (upright_sigma_rad > 0.0) {
     const Eigen::Vector3d up_in_world =
@@ -182,7 +213,23 @@ double SimilarityProblem::Cost(const Sim3d& enu_from_world) const {
       cost += loss(residual * residual);
     }
   }
+  if (up_in_world) {
+    cost += (enu_from_world.rotation * *up_in_world).head<2>().squaredNorm() /
+            (kUpSigmaRad * kUpSigmaRad);
+  }
   return cost;
+}
+
+Sim3d LooseSimilarity(const std::vector<SimilarityProblem::Position>& positions) {
+  SimilarityProblem problem;
+  problem.positions = positions;
+  std::mt19937_64 rng(kSampleSeed);
+  const auto draw = [&] { return positions[UniformIndex(positions.size(), &rng)]; };
+  Cheapest cheapest(&problem);
+  for (int i = 0; i < kNumSamples; ++i) {
+    cheapest.Consider(FromThreePositions({draw(), draw(), draw()}, /*lines_too=*/true));
+  }
+  return cheapest.best().value_or(Sim3d());
 }
 
 std::optional<Sim3d> InitialSimilarity(const SimilarityProblem& problem) {
@@ -197,7 +244,7 @@ std::optional<Sim3d> InitialSimilarity(const SimilarityProblem& problem) {
     }
   }
   for (int i = 0; i < kNumSamples; ++i) {
-    cheapest.Consider(FromThreePositions({draw(), draw(), draw()}));
+    cheapest.Consider(FromThreePositions({draw(), draw(), draw()}, /*lines_too=*/false));
   }
   return cheapest.best();
 }
@@ -219,6 +266,11 @@ Sim3d RefineSimilarity(const SimilarityProblem& problem, const Sim3d& start) {
                                      new ceres::CauchyLoss(kLossScaleSigmas),
                                      parameters.rotation.coeffs().data());
     }
+  }
+  if (problem.up_in_world) {
+    ceres_problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<UpResidual, 2, 4>(new UpResidual(*problem.up_in_world)),
+        nullptr, parameters.rotation.coeffs().data());
   }
   ceres_problem.SetManifold(parameters.rotation.coeffs().data(),
                             new ceres::EigenQuaternionManifold);

@@ -111,6 +111,22 @@ TEST(RealData, LundIsLevelOnGpsAlone) {
   EXPECT_NEAR(heights_m[heights_m.size() / 2], 36.0 + 35.7, 6.0);
 }
 
+// A phone held upright stores its pictures lying: the x axes of the cameras point to the ground.
+TEST(RealData, LundWithThePhoneHeldUprightIsLevel) {
+  CAIRN_SKIP_WITHOUT_DATA("street_lund");
+  Reconstruction reconstruction = ReadColmap(LundInput());
+  const Sim3d level =
+      Georegister(reconstruction, GpsPositions(reconstruction, 5.0), {}).ecef_from_world;
+  const Rigid3d turn{Eigen::Quaterniond(Eigen::AngleAxisd(-0.5 * kPi, Eigen::Vector3d::UnitZ())),
+                     Eigen::Vector3d::Zero()};
+  for (ReconImage& image : reconstruction.images) {
+    image.cam_from_world = turn * image.cam_from_world;
+  }
+  const Georegistration turned = Georegister(reconstruction, GpsPositions(reconstruction, 5.0), {});
+  EXPECT_LT(RotationAngleRad(turned.ecef_from_world.rotation, level.rotation), 0.02);
+  EXPECT_GE(turned.up.num_images[static_cast<size_t>(PictureUp::kLeft)], 26);
+}
+
 // The extractor's keypoints and descriptors are those in COLMAP's database, for the features that
 // both detectors find.
 TEST(RealData, ExtractedSiftAgreesWithColmap) {

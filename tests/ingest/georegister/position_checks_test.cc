@@ -1,0 +1,113 @@
+#include "ingest/georegister/position_checks.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "core/error.h"
+
+namespace cairn {
+namespace {
+
+using ::testing::HasSubstr;
+
+// A walk to the north-east in Lund, at 36 to 38 m.
+std::vector<CameraPosition> Walk(int count = 12) {
+  std::vector<CameraPosition> positions;
+  for (int i = 0; i < count; ++i) {
+    positions.push_back({std::to_string(i) + ".jpg",
+                         Geodetic::FromDegrees(55.6985123 + 1.37e-5 * i, 13.1950457 + 2.11e-5 * i,
+                                               36.0 + 0.17 * i)});
+  }
+  return positions;
+}
+
+std::string RefusalOf(std::vector<CameraPosition> positions,
+                      const std::optional<double>& height_m = {}) {
+  try {
+    CheckPositions(height_m, &positions);
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::kBadInput);
+    return e.what();
+  }
+  return "no error";
+}
+
+TEST(CheckPositions, LeavesGoodOnesAlone) {
+  std::vector<CameraPosition> positions = Walk();
+  const PositionFindings findings = CheckPositions({}, &positions);
+  EXPECT_EQ(positions.size(), 12u);
+  EXPECT_EQ(findings.num_at_null_island, 0);
+  EXPECT_EQ(findings.num_without_height, 0);
+  for (const CameraPosition& position : positions) {
+    EXPECT_TRUE(position.has_height);
+  }
+}
+
+TEST(CheckPositions, LeavesOutThoseAtNullIsland) {
+  std::vector<CameraPosition> positions = Walk();
+  positions[2].position = Geodetic::FromDegrees(0.0, 0.0, 0.0);
+  positions[7].position = Geodetic::FromDegrees(1e-6, -1e-6, 30.0);
+  EXPECT_EQ(CheckPositions({}, &positions).num_at_null_island, 2);
+  EXPECT_EQ(positions.size(), 10u);
+}
+
+TEST(CheckPositions, AHeightOfZeroIsNoneFarFromTheOthers) {
+  std::vector<CameraPosition> positions = Walk();
+  for (size_t i = 0; i < positions.size(); i += 2) {
+    positions[i].position.h_m = 0.0;
+  }
+  EXPECT_EQ(CheckPositions({}, &positions).num_without_height, 6);
+  for (size_t i = 0; i < positions.size(); ++i) {
+    EXPECT_EQ(positions[i].has_height, i % 2 == 1);
+    EXPECT_NEAR(positions[i].position.h_m, 37.0, 1.1);
+  }
+}
+
+TEST(CheckPositions, AHeightOfZeroIsAHeightAtTheCoast) {
+  std::vector<CameraPosition> positions = Walk();
+  for (size_t i = 0; i < positions.size(); ++i) {
+    positions[i].position.h_m = static_cast<double>(i % 4) - 2.0;
+  }
+  EXPECT_EQ(CheckPositions({}, &positions).num_without_height, 0);
+}
+
+TEST(CheckPositions, WithoutAnyHeightTheHeightHasToBeStated) {
+  std::vector<CameraPosition> positions = Walk();
+  for (CameraPosition& position : positions) {
+    position.position.h_m = 0.0;
+  }
+  EXPECT_THAT(RefusalOf(positions), HasSubstr("--camera-height"));
+  EXPECT_EQ(CheckPositions(41.5, &positions).num_without_height, 12);
+  for (const CameraPosition& position : positions) {
+    EXPECT_EQ(position.position.h_m, 41.5);
+    EXPECT_TRUE(position.has_height);
+  }
+}
+
+TEST(CheckPositions, RefusesOnePositionForAll) {
+  std::vector<CameraPosition> positions = Walk();
+  for (CameraPosition& position : positions) {
+    position.position = positions[0].position;
+  }
+  EXPECT_THAT(RefusalOf(positions), HasSubstr("all 12 positions are the same"));
+}
+
+TEST(CheckPositions, RefusesCoarseRoundingUnlessTheAccuracySaysSo) {
+  std::vector<CameraPosition> positions = Walk();
+  for (CameraPosition& position : positions) {
+    position.position =
+        Geodetic::FromDegrees(std::round(position.position.lat_deg() * 1e3) / 1e3,
+                              std::round(position.position.lon_deg() * 1e3) / 1e3, 37.0);
+  }
+  positions.back().position = Geodetic::FromDegrees(55.7, 13.2, 37.0);
+  EXPECT_THAT(RefusalOf(positions), HasSubstr("rounded to 0.001 degrees"));
+  for (CameraPosition& position : positions) {
+    position.accuracy_m = 60.0;
+  }
+  EXPECT_EQ(RefusalOf(positions), "no error");
+}
+
+}  // namespace
+}  // namespace cairn
