@@ -16,9 +16,16 @@ namespace cairn {
 namespace {
 
 // Sentences about what was left out.
-std::vector<std::string> NotesOn(const PositionFindings& findings,
+std::vector<std::string> NotesOn(const Reconstruction& reconstruction,
+                                 const PositionFindings& findings,
                                  const Georegistration& georegistration) {
   std::vector<std::string> notes;
+  const size_t num_images = reconstruction.images.size();
+  if (static_cast<size_t>(georegistration.num_positions) < num_images) {
+    notes.push_back(fmt::format("{} of {} photos have no position, or one that cannot be",
+                                num_images - static_cast<size_t>(georegistration.num_positions),
+                                num_images));
+  }
   if (findings.num_at_null_island > 0) {
     notes.push_back(fmt::format("{} positions at 0, 0 are left out", findings.num_at_null_island));
   }
@@ -101,7 +108,7 @@ Georegistration GeoregisterByArguments(const Reconstruction& reconstruction,
   const ImageOrientations orientations =
       folder.empty() ? ImageOrientations() : ReadOrientations(folder, reconstruction);
   Georegistration result = Georegister(reconstruction, positions, options, orientations);
-  result.notes = NotesOn(findings, result);
+  result.notes = NotesOn(reconstruction, findings, result);
   return result;
 }
 
