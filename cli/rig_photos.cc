@@ -22,12 +22,12 @@ RigPhoto ReadRigPhoto(const JsonReader& element, const std::filesystem::path& fo
   const JsonReader image = element.At("image");
   const std::string image_path = (folder / image.String()).string();
   photo.photo = ReadPhoto(image_path);
-  const GrayImage& pixels = photo.photo.image;
+  const int width_px = photo.photo.image.picture_width_px();
+  const int height_px = photo.photo.image.picture_height_px();
   const Camera& camera = photo.camera.camera;
-  if (camera.width_px() != pixels.width_px || camera.height_px() != pixels.height_px) {
-    image.Fail(fmt::format("has {} x {} pixels, but its camera's images have {} x {}",
-                           pixels.width_px, pixels.height_px, camera.width_px(),
-                           camera.height_px()));
+  if (camera.width_px() != width_px || camera.height_px() != height_px) {
+    image.Fail(fmt::format("has {} x {} pixels, but its camera's images have {} x {}", width_px,
+                           height_px, camera.width_px(), camera.height_px()));
   }
   return photo;
 }

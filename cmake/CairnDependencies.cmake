@@ -25,7 +25,6 @@ pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
 # Maps on a PostgreSQL server are optional; without libpq, maps are files.
 pkg_check_modules(LIBPQ QUIET IMPORTED_TARGET libpq)
 option(CAIRN_WITH_POSTGRES "Read and write maps on PostgreSQL servers" ${LIBPQ_FOUND})
-pkg_check_modules(EXIV2 REQUIRED IMPORTED_TARGET exiv2)
 if(CAIRN_BUILD_TESTS)
   find_package(GTest REQUIRED)
   include(GoogleTest)

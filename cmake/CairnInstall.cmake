@@ -72,7 +72,7 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS "proj-data")  # The geoid; OpenCV's GDA
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
   "libcairn-fusion-dev (= ${PROJECT_VERSION}), libsqlite3-dev, nlohmann-json3-dev, libzstd-dev, \
 libxxhash-dev, libcpp-httplib-dev, libjpeg62-turbo-dev, libpng-dev, libceres-dev, libfaiss-dev, \
-libopenblas-dev, libexiv2-dev, \
+libopenblas-dev, \
 libopencv-core-dev, libopencv-imgproc-dev, libopencv-imgcodecs-dev, libopencv-calib3d-dev, \
 libopencv-video-dev")
 if(CAIRN_WITH_POSTGRES)

@@ -158,9 +158,11 @@ void DrawMatches(const std::string& path, const GrayImage& photo, const Localize
   const double zoom = std::min(3.0, std::max(1.0, kMinPictureWidthPx / photo.width_px));
   cv::Mat on_photo = PalePhoto(photo, zoom);
   const DistanceScale scale = ScaleOf(result);
-  DrawKeypoints(query, zoom, &on_photo);
+  // Keypoints are in pixels of the picture. A corner of less than a pixel would not be seen.
+  const double picture_zoom = photo.full ? zoom / photo.full->pixel_px : zoom;
+  DrawKeypoints(query, picture_zoom, &on_photo);
   if (result.localized) {
-    DrawInliers(query, result, scale, zoom, &on_photo);
+    DrawInliers(query, result, scale, picture_zoom, &on_photo);
   }
 
   cv::Mat picture(on_photo.rows + kCaptionPx, on_photo.cols + kBarColumnPx, CV_8UC3, kPaper);

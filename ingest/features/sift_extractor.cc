@@ -64,11 +64,26 @@ std::vector<OctaveImage> HalvedImages(const GrayImage& image) {
   }
 }
 
+// Takes positions in the searched image to positions in the picture that the image shows.
+struct ToPicture {
+  double x_scale = 1.0, y_scale = 1.0;
+  double left_px = 0.0, top_px = 0.0;
+};
+
+// From an image that was reduced to `reduced` before the search.
+ToPicture PictureFrom(const GrayImage& reduced, const GrayImage& image) {
+  const FullPicture full = image.full.value_or(FullPicture());
+  return {.x_scale = full.pixel_px * image.width_px / reduced.width_px,
+          .y_scale = full.pixel_px * image.height_px / reduced.height_px,
+          .left_px = full.left_px,
+          .top_px = full.top_px};
+}
+
 // Collects the features of the octaves in turn until there are enough.
 class FeatureCollector {
  public:
-  FeatureCollector(const SiftOptions& options, double x_scale, double y_scale)
-      : options_(options), x_scale_(x_scale), y_scale_(y_scale) {}
+  FeatureCollector(const SiftOptions& options, const ToPicture& to_picture)
+      : options_(options), to_picture_(to_picture) {}
 
   int size() const { return features_.size(); }
   bool is_full() const { return size() == options_.max_features; }
@@ -98,11 +113,12 @@ class FeatureCollector {
  private:
   void Add(const ScaleSpaceOctave& octave, const SiftExtremum& extremum, float angle_rad,
            const OctaveImage& o) {
+    const auto& [x_scale, y_scale, left_px, top_px] = to_picture_;
     features_.keypoints.push_back(
-        {.x_px = static_cast<float>((extremum.x_px * o.pixel_px + 0.5) * x_scale_),
-         .y_px = static_cast<float>((extremum.y_px * o.pixel_px + 0.5) * y_scale_),
+        {.x_px = static_cast<float>(left_px + (extremum.x_px * o.pixel_px + 0.5) * x_scale),
+         .y_px = static_cast<float>(top_px + (extremum.y_px * o.pixel_px + 0.5) * y_scale),
          .scale_px =
-             static_cast<float>(extremum.sigma_px * o.pixel_px * std::sqrt(x_scale_ * y_scale_)),
+             static_cast<float>(extremum.sigma_px * o.pixel_px * std::sqrt(x_scale * y_scale)),
          .orientation_rad = static_cast<float>(WrapAngleRad(angle_rad))});
     descriptors_.resize(descriptors_.size() + kSiftDim);
     DescribeSift(octave, extremum, angle_rad,
@@ -110,14 +126,14 @@ class FeatureCollector {
   }
 
   const SiftOptions& options_;
-  const double x_scale_, y_scale_;  // From the reduced image to the original image.
+  const ToPicture to_picture_;
   FeatureSet features_;
   std::vector<float> descriptors_;  // Row-major.
 };
 
-FeatureSet ExtractFrom(const GrayImage& image, double x_scale, double y_scale,
+FeatureSet ExtractFrom(const GrayImage& image, const ToPicture& to_picture,
                        const SiftOptions& options) {
-  FeatureCollector collector(options, x_scale, y_scale);
+  FeatureCollector collector(options, to_picture);
   std::vector<OctaveImage> octaves = HalvedImages(image);
   for (; !octaves.empty() && !collector.is_full(); octaves.pop_back()) {
     collector.AddOctave(octaves.back());
@@ -143,11 +159,10 @@ FeatureSet ExtractSift(const GrayImage& image, const SiftOptions& options) {
                 "the size of the gray image does not match its number of pixels");
   }
   if (static_cast<int64_t>(image.pixels.size()) <= options.max_pixels) {
-    return ExtractFrom(image, 1.0, 1.0, options);
+    return ExtractFrom(image, PictureFrom(image, image), options);
   }
   const GrayImage reduced = ReduceByArea(image, options.max_pixels);
-  return ExtractFrom(reduced, static_cast<double>(image.width_px) / reduced.width_px,
-                     static_cast<double>(image.height_px) / reduced.height_px, options);
+  return ExtractFrom(reduced, PictureFrom(reduced, image), options);
 }
 
 }  // namespace cairn

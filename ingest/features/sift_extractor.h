@@ -15,8 +15,7 @@ struct SiftOptions {
   // Keeps the features with the largest scales, as COLMAP does. The strongest features are leaves
   // and other fine texture, which no other photo shows again.
   int max_features = 2500;
-  // Larger images are reduced to this number of pixels before extraction. Keypoints are in pixels
-  // of the original image.
+  // Larger images are reduced to this number of pixels before extraction.
   int64_t max_pixels = 3'000'000;
 
   void Validate() const;
@@ -29,7 +28,8 @@ struct SiftOptions {
 //
 // The search goes from the coarsest octave to the octave of the image and stops when max_features
 // are found. From the last octave it takes the largest keypoints. It searches the doubled image
-// only if the image has few features. The features are in the order of the search.
+// only if the image has few features. The features are in the order of the search. Keypoints are in
+// pixels of the picture that the image shows (GrayImage::full), at whatever scale it is searched.
 //
 // Runs on the calling thread. Thread-safe. Results are equal on equal processors; between others
 // they may differ in the last bit (core/simd.h). Throws Error(kBadInput) if the image's

@@ -1,11 +1,10 @@
-// Reads place and camera from a photo's EXIF (by exiv2).
+// Reads place and camera from a photo's EXIF.
 #ifndef CAIRN_INGEST_IMAGES_EXIF_H_
 #define CAIRN_INGEST_IMAGES_EXIF_H_
 
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string>
 
 #include "core/geodesy.h"
 #include "core/geoid.h"
@@ -13,18 +12,25 @@
 namespace cairn {
 
 struct ExifInfo {
-  std::optional<Geodetic> gps;  // Height as in the file.
+  // Height as in the file. Latitude and longitude 0 are those of a receiver without a fix; they
+  // count as no position.
+  std::optional<Geodetic> gps;
   bool has_altitude = false;
   // Reference of the height: sea level by default; since EXIF 3, a file may state the ellipsoid.
   HeightReference height_reference = HeightReference::kMeanSeaLevel;
+  // Horizontal error of the position, meters (GPSHPositioningError, iPhones among others);
+  // positive.
+  std::optional<double> gps_error_m;
   // The turn or reflection that makes the stored picture upright: 1 (none) to 8.
   int orientation = 1;
   std::optional<double> focal_35mm;  // 35 mm equivalent focal length, millimeters.
-  int width_px = 0, height_px = 0;   // 0 if unknown.
+  int width_px = 0, height_px = 0;   // Of the stored picture.
 };
 
-// Photos without EXIF give an empty ExifInfo. Throws Error(kBadInput) if the bytes are not an
-// image.
+// Photos without EXIF, and photos whose EXIF is damaged, give the values that can be read. Takes
+// time linear in the length of the photo's header and of its EXIF, of which at most the first
+// TiffDirectory::kMaxBytes are read, and allocates nothing. Throws Error(kBadInput) if the bytes
+// are not an image.
 ExifInfo ReadExif(std::span<const uint8_t> image_bytes);
 
 }  // namespace cairn

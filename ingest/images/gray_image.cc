@@ -24,14 +24,21 @@ GrayImage BlankImage(int64_t width_px, int64_t height_px) {
   return image;
 }
 
+void RequireDecodableSize(const ImageHeader& header, const ImageDecodeLimits& limits) {
+  const bool is_jpeg = header.format == ImageFormat::kJpeg;
+  const int64_t max_pixels =
+      is_jpeg ? limits.max_pixels * ImageDecodeLimits::kMaxJpegReduction : limits.max_pixels;
+  if (header.width_px > max_pixels / header.height_px) {
+    throw ImageTooLarge(fmt::format(
+        "the image has {} x {} pixels, more than the limit of {} for {}; {}", header.width_px,
+        header.height_px, max_pixels, ImageFormatName(header.format),
+        is_jpeg ? "scale it down" : "save it as JPEG, which may have more, or scale it down"));
+  }
+}
+
 GrayImage DecodeGrayImage(std::span<const uint8_t> image_bytes, const ImageDecodeLimits& limits) {
   const ImageHeader header = ParseImageHeader(image_bytes);
-  if (header.width_px > limits.max_pixels / header.height_px) {
-    throw Error(
-        ErrorCode::kBadInput,
-        fmt::format("the image has {} x {} pixels, more than the limit of {}; scale it down",
-                    header.width_px, header.height_px, limits.max_pixels));
-  }
+  RequireDecodableSize(header, limits);
   switch (header.format) {
     case ImageFormat::kJpeg:
       return DecodeJpeg(image_bytes, header, limits);

@@ -27,6 +27,11 @@ bool StartsWith(Bytes bytes, const std::array<uint8_t, N>& prefix) {
   return bytes.size() >= N && std::equal(prefix.begin(), prefix.end(), bytes.begin());
 }
 
+// Some writers put the signature of JPEG's EXIF segment into PNG, too.
+Bytes WithoutExifSignature(Bytes exif) {
+  return StartsWith(exif, kExifSignature) ? exif.subspan(kExifSignature.size()) : exif;
+}
+
 uint32_t BigEndian16(Bytes bytes) { return uint32_t{bytes[0]} << 8 | bytes[1]; }
 uint32_t BigEndian32(Bytes bytes) {
   return BigEndian16(bytes) << 16 | BigEndian16(bytes.subspan(2));
@@ -37,42 +42,63 @@ bool IsStartOfFrame(uint8_t marker) {
   return marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
 }
 
-// In entropy-coded data, 00 or a restart marker follows every FF, so FF D9 ends the image.
-bool HasEndOfImage(Bytes entropy_coded) {
-  constexpr std::array<uint8_t, 2> kEndOfImage = {0xff, 0xd9};
-  return std::search(entropy_coded.begin(), entropy_coded.end(), kEndOfImage.begin(),
-                     kEndOfImage.end()) != entropy_coded.end();
+// Restart markers and TEM have no length and no content.
+bool StandsAlone(uint8_t marker) { return (marker >= 0xd0 && marker <= 0xd7) || marker == 0x01; }
+
+// Moves `at` behind the next marker and returns the marker. Some cameras write stray bytes between
+// segments; like libjpeg, this skips bytes up to the next FF that is followed by neither FF nor 00.
+uint8_t NextMarker(Bytes bytes, size_t* at) {
+  while (true) {
+    while (*at < bytes.size() && bytes[*at] != 0xff) {
+      ++*at;
+    }
+    while (*at < bytes.size() && bytes[*at] == 0xff) {
+      ++*at;
+    }
+    if (*at >= bytes.size()) {
+      ThrowTruncated("JPEG");
+    }
+    const uint8_t marker = bytes[(*at)++];
+    if (marker != 0 && !StandsAlone(marker)) {
+      return marker;
+    }
+  }
+}
+
+// Moves `at` behind the segment and returns its content.
+Bytes NextSegment(Bytes bytes, size_t* at) {
+  constexpr size_t kLengthBytes = 2;
+  if (bytes.size() - *at < kLengthBytes) {
+    ThrowTruncated("JPEG");
+  }
+  const size_t length = BigEndian16(bytes.subspan(*at));
+  if (length < kLengthBytes || length > bytes.size() - *at) {
+    ThrowTruncated("JPEG");
+  }
+  const Bytes content = bytes.subspan(*at + kLengthBytes, length - kLengthBytes);
+  *at += length;
+  return content;
 }
 
 ImageHeader ParseJpeg(Bytes bytes) {
+  constexpr uint8_t kApp1 = 0xe1, kEndOfImage = 0xd9, kStartOfScan = 0xda;
   ImageHeader header{.format = ImageFormat::kJpeg, .exif = {}};
   size_t at = 2;
   while (true) {
-    while (at < bytes.size() && bytes[at] == 0xff) {
-      ++at;  // Marker prefix and fill bytes.
+    const uint8_t marker = NextMarker(bytes, &at);
+    if (marker == kEndOfImage) {
+      throw Error(ErrorCode::kBadInput, "the JPEG image ends before its pixels");
     }
-    if (at + 3 > bytes.size()) {
-      ThrowTruncated("JPEG");
-    }
-    const uint8_t marker = bytes[at++];
-    const size_t length = BigEndian16(bytes.subspan(at));
-    if (length < 2 || length > bytes.size() - at) {
-      ThrowTruncated("JPEG");
-    }
-    const Bytes segment = bytes.subspan(at + 2, length - 2);
-    at += length;
-    if (marker == 0xe1 && header.exif.empty() && StartsWith(segment, kExifSignature)) {
-      header.exif = segment.subspan(kExifSignature.size());
+    const Bytes segment = NextSegment(bytes, &at);
+    if (marker == kApp1 && header.exif.empty() && StartsWith(segment, kExifSignature)) {
+      header.exif = WithoutExifSignature(segment);
     } else if (IsStartOfFrame(marker)) {
       if (segment.size() < 5) {
         ThrowTruncated("JPEG");
       }
       header.height_px = BigEndian16(segment.subspan(1));
       header.width_px = BigEndian16(segment.subspan(3));
-    } else if (marker == 0xda) {  // Start of scan: pixels follow.
-      if (!HasEndOfImage(bytes.subspan(at))) {
-        ThrowTruncated("JPEG");
-      }
+    } else if (marker == kStartOfScan) {  // Pixels follow.
       return header;
     }
   }
@@ -102,8 +128,8 @@ ImageHeader ParsePng(Bytes bytes) {
     if (is_header) {
       header.width_px = BigEndian32(chunk);
       header.height_px = BigEndian32(chunk.subspan(4));
-    } else if (std::memcmp(type, "eXIf", 4) == 0) {
-      header.exif = chunk;
+    } else if (header.exif.empty() && std::memcmp(type, "eXIf", 4) == 0) {
+      header.exif = WithoutExifSignature(chunk);
     } else if (std::memcmp(type, "IEND", 4) == 0) {
       return header;
     }
@@ -161,6 +187,18 @@ ImageHeader ParseByFormat(Bytes bytes) {
 }
 
 }  // namespace
+
+const char* ImageFormatName(ImageFormat format) {
+  switch (format) {
+    case ImageFormat::kJpeg:
+      return "JPEG";
+    case ImageFormat::kPng:
+      return "PNG";
+    case ImageFormat::kPnm:
+      break;
+  }
+  return "PNM";
+}
 
 ImageHeader ParseImageHeader(std::span<const uint8_t> image_bytes) {
   const ImageHeader header = ParseByFormat(image_bytes);

@@ -8,6 +8,7 @@
 namespace cairn {
 
 enum class ImageFormat { kJpeg, kPng, kPnm };
+const char* ImageFormatName(ImageFormat format);  // "JPEG", "PNG", "PNM".
 
 struct ImageHeader {
   ImageFormat format = ImageFormat::kJpeg;
@@ -18,9 +19,10 @@ struct ImageHeader {
 };
 
 // Walks the segments of a JPEG (T.81 annex B), the chunks of a PNG, or the header of a binary PGM
-// or PPM. Reads nothing outside `image_bytes` and allocates nothing. Throws Error(kBadInput) if the
-// bytes have none of these formats or end before the size. JPEG and PNG must also have their end
-// marker, so that a truncated upload is refused instead of decoded half gray.
+// or PPM. Reads nothing outside `image_bytes` and allocates nothing. Skips stray bytes between the
+// segments of a JPEG, which some cameras write. Throws Error(kBadInput) if the bytes have none of
+// these formats, end before the size, or are a JPEG without pixels or a PNG without its end marker.
+// Whether the pixels of a JPEG are complete shows only when they are decoded.
 ImageHeader ParseImageHeader(std::span<const uint8_t> image_bytes);
 
 }  // namespace cairn

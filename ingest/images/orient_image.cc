@@ -5,6 +5,26 @@
 #include "core/check.h"
 
 namespace cairn {
+namespace {
+
+// The place of the turned image in the turned picture. `flips_x` and `flips_y` refer to the axes of
+// the stored picture.
+FullPicture OrientFull(const GrayImage& stored, bool swaps, bool flips_x, bool flips_y) {
+  FullPicture full = *stored.full;
+  if (flips_x) {
+    full.left_px = full.width_px - (full.left_px + stored.width_px * full.pixel_px);
+  }
+  if (flips_y) {
+    full.top_px = full.height_px - (full.top_px + stored.height_px * full.pixel_px);
+  }
+  if (swaps) {
+    std::swap(full.width_px, full.height_px);
+    std::swap(full.left_px, full.top_px);
+  }
+  return full;
+}
+
+}  // namespace
 
 GrayImage OrientImage(GrayImage stored, int orientation) {
   CAIRN_CHECK(orientation >= 1 && orientation <= 8, "EXIF has eight orientations");
@@ -18,6 +38,9 @@ GrayImage OrientImage(GrayImage stored, int orientation) {
   GrayImage upright{.width_px = swaps ? height : width,
                     .height_px = swaps ? width : height,
                     .pixels = std::vector<uint8_t>(stored.pixels.size())};
+  if (stored.full) {
+    upright.full = OrientFull(stored, swaps, flips_x, flips_y);
+  }
   size_t next = 0;
   for (int y = 0; y < upright.height_px; ++y) {
     for (int x = 0; x < upright.width_px; ++x) {

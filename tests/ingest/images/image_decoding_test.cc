@@ -3,15 +3,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <ctime>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/error.h"
 #include "ingest/images/gray_image.h"
 #include "ingest/images/image_header.h"
+#include "ingest/images/orient_image.h"
 #include "support/test_data.h"
 
 namespace cairn {
@@ -155,6 +158,148 @@ TEST(ImageDecoding, DamagedPixelsAreRefusedOrDecodedButNothingElse) {
       }
     }
   }
+}
+
+// Some JPEGs, in one scan and in several.
+std::vector<Bytes> JpegsOfAllKinds() {
+  return {Encode(".jpg", CV_8UC3), Encode(".jpg", CV_8UC1),
+          Encode(".jpg", CV_8UC3, {cv::IMWRITE_JPEG_PROGRESSIVE, 1}),
+          Encode(".jpg", CV_8UC3, {cv::IMWRITE_JPEG_RST_INTERVAL, 3})};
+}
+
+TEST(ImageDecoding, AJpegWithoutEndMarkerIsWhole) {
+  for (const Bytes& whole : JpegsOfAllKinds()) {
+    const Bytes without(whole.begin(), whole.end() - 2);
+    EXPECT_EQ(DecodeGrayImage(without).pixels, DecodeGrayImage(whole).pixels);
+    Bytes padded = without;
+    padded.resize(padded.size() + 100);
+    EXPECT_EQ(DecodeGrayImage(padded).pixels, DecodeGrayImage(whole).pixels);
+  }
+}
+
+// The last bits of the data may be padding.
+TEST(ImageDecoding, OfACutJpegNoPixelIsMadeUp) {
+  for (const Bytes& whole : JpegsOfAllKinds()) {
+    const GrayImage image = DecodeGrayImage(whole);
+    int num_refused = 0;
+    for (size_t num_lost = 3; num_lost < whole.size() / 2; num_lost += 1 + num_lost / 4) {
+      Bytes cut(whole.begin(), whole.end() - static_cast<std::ptrdiff_t>(num_lost));
+      try {
+        EXPECT_EQ(DecodeGrayImage(cut).pixels, image.pixels) << num_lost;
+      } catch (const Error& e) {
+        EXPECT_THAT(e.what(), HasSubstr("cut short"));
+        ++num_refused;
+      }
+    }
+    EXPECT_GE(num_refused, 10);
+  }
+}
+
+// A file whose end has not arrived, on a disk that keeps its place.
+TEST(ImageDecoding, AJpegOfWhichHalfIsZerosIsRefused) {
+  for (const Bytes& whole : JpegsOfAllKinds()) {
+    Bytes half = whole;
+    std::fill(half.begin() + static_cast<std::ptrdiff_t>(half.size() / 2), half.end(), 0);
+    EXPECT_NE(Refusal(half), "accepted");
+  }
+}
+
+TEST(ImageDecoding, StrayBytesBetweenTheSegmentsOfAJpegAreSkipped) {
+  for (const Bytes& whole : JpegsOfAllKinds()) {
+    for (const Bytes& stray : {Bytes{0}, Bytes{0x12, 0x34, 0xff, 0x00, 0x56}, Bytes(1000, 0)}) {
+      const size_t end_of_first = 4 + (size_t{whole[4]} << 8 | whole[5]);
+      for (const size_t at : {size_t{2}, end_of_first}) {
+        Bytes odd = whole;
+        odd.insert(odd.begin() + static_cast<std::ptrdiff_t>(at), stray.begin(), stray.end());
+        EXPECT_EQ(DecodeGrayImage(odd).pixels, DecodeGrayImage(whole).pixels);
+      }
+    }
+  }
+}
+
+// A JPEG of 158 x 123 pixels with a bright spot.
+Bytes JpegOfASpot(const std::vector<int>& parameters = {}) {
+  cv::Mat picture(123, 158, CV_8UC3);
+  for (int y = 0; y < picture.rows; ++y) {
+    for (int x = 0; x < picture.cols; ++x) {
+      const double dx = x + 0.5 - 101.3, dy = y + 0.5 - 40.7;
+      const auto value = static_cast<uint8_t>(250.0 * std::exp(-(dx * dx + dy * dy) / 200.0));
+      picture.at<cv::Vec3b>(y, x) = {value, value, value};
+    }
+  }
+  Bytes bytes;
+  cv::imencode(".jpg", picture, bytes, parameters);
+  return bytes;
+}
+
+// The middle of the spot, in pixels of the picture that the image shows.
+std::pair<double, double> Spot(const GrayImage& image) {
+  double sum = 0.0, sum_x = 0.0, sum_y = 0.0;
+  for (size_t i = 0; i < image.pixels.size(); ++i) {
+    const double weight = std::max(0, image.pixels[i] - 8);
+    sum += weight;
+    sum_x += weight * (static_cast<double>(i % image.width_px) + 0.5);
+    sum_y += weight * (static_cast<double>(i / image.width_px) + 0.5);
+  }
+  const FullPicture full = image.full.value_or(FullPicture());
+  return {full.left_px + full.pixel_px * sum_x / sum, full.top_px + full.pixel_px * sum_y / sum};
+}
+
+TEST(ImageDecoding, AJpegAboveTheLimitIsDecodedAtASmallerScale) {
+  const Bytes bytes = JpegOfASpot();
+  constexpr int64_t kNumPixels = 158 * 123;
+  EXPECT_FALSE(DecodeGrayImage(bytes, {.max_pixels = kNumPixels}).full.has_value());
+  for (const int64_t max_pixels :
+       {kNumPixels - 1, kNumPixels / 2, kNumPixels / 4, kNumPixels / 10}) {
+    const GrayImage small = DecodeGrayImage(bytes, {.max_pixels = max_pixels});
+    ASSERT_TRUE(small.full.has_value()) << max_pixels;
+    EXPECT_LE(static_cast<int64_t>(small.pixels.size()), max_pixels);
+    EXPECT_GE(static_cast<int64_t>(small.pixels.size()), max_pixels / 2);
+    EXPECT_EQ(small.picture_width_px(), 158);
+    EXPECT_EQ(small.picture_height_px(), 123);
+    EXPECT_NEAR(Spot(small).first, 101.3, 0.3) << max_pixels;
+    EXPECT_NEAR(Spot(small).second, 40.7, 0.3) << max_pixels;
+  }
+}
+
+TEST(ImageDecoding, ASmallerImageIsTurnedInItsPicture) {
+  const Bytes bytes = JpegOfASpot();
+  const GrayImage whole = DecodeGrayImage(bytes);
+  const GrayImage small = DecodeGrayImage(bytes, {.max_pixels = 158 * 123 / 8});
+  for (int orientation = 1; orientation <= 8; ++orientation) {
+    const GrayImage expected = OrientImage(whole, orientation);
+    const GrayImage turned = OrientImage(small, orientation);
+    EXPECT_EQ(turned.picture_width_px(), expected.width_px) << orientation;
+    EXPECT_NEAR(Spot(turned).first, Spot(expected).first, 0.3) << orientation;
+    EXPECT_NEAR(Spot(turned).second, Spot(expected).second, 0.3) << orientation;
+  }
+}
+
+// What the decoder says of a file that has more pixels than the limit.
+std::string RefusalWithin(const Bytes& bytes, int64_t max_pixels) {
+  try {
+    DecodeGrayImage(bytes, {.max_pixels = max_pixels});
+    return "accepted";
+  } catch (const Error& e) {
+    return e.what();
+  }
+}
+
+TEST(ImageDecoding, OtherImagesAboveTheLimitAreRefusedWithWords) {
+  EXPECT_THROW(DecodeGrayImage(Encode(".png", CV_8UC3), {.max_pixels = 1000}), ImageTooLarge);
+  EXPECT_THAT(RefusalWithin(Encode(".png", CV_8UC3), 1000),
+              HasSubstr("157 x 123 pixels, more than the limit of 1000 for PNG; save it as JPEG"));
+  EXPECT_THAT(RefusalWithin(Encode(".ppm", CV_8UC3), 1000), HasSubstr("for PNM; save it as JPEG"));
+  EXPECT_THAT(RefusalWithin(JpegOfASpot(), 1000), HasSubstr("limit of 16000 for JPEG; scale it"));
+}
+
+// All coefficients of a progressive image are in memory at once, whatever the scale.
+TEST(ImageDecoding, ALargeProgressiveJpegIsRefused) {
+  constexpr int64_t kNumPixels = 158 * 123;
+  EXPECT_EQ(RefusalWithin(JpegOfASpot(), kNumPixels / 10), "accepted");
+  const Bytes progressive = JpegOfASpot({cv::IMWRITE_JPEG_PROGRESSIVE, 1});
+  EXPECT_EQ(RefusalWithin(progressive, kNumPixels / 2), "accepted");
+  EXPECT_THAT(RefusalWithin(progressive, kNumPixels / 10), HasSubstr("baseline JPEG"));
 }
 
 // How often the decoder asks whether it should stop; it is told so the `stop_at`-th time.

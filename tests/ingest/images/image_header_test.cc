@@ -52,7 +52,9 @@ TEST(ImageHeader, ReadsSizesWithoutPixels) {
 }
 
 TEST(ImageHeader, EveryTruncationIsAnError) {
-  for (const Bytes& whole : {JpegSkeleton(), PngBomb(), Pgm(4, 4)}) {
+  Bytes jpeg = JpegSkeleton();
+  jpeg.resize(jpeg.size() - 3);  // Up to the pixels, of which the header says nothing.
+  for (const Bytes& whole : {jpeg, PngBomb(), Pgm(4, 4)}) {
     EXPECT_NO_THROW(ParseImageHeader(whole));
     for (size_t size = 0; size < whole.size(); ++size) {
       const Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
