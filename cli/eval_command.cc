@@ -93,7 +93,7 @@ Answerer MakeAnswerer(const EvalArguments& arguments, const OpenedMap& map) {
     return [&map](const EvalQuery& query) { return map.localizer->Localize(query.query); };
   }
   auto client = std::make_shared<LocalizeClient>(
-      ClientOptions{.url = arguments.server_url, .want_matches = false});
+      ClientOptions{.url = arguments.server_url, .want_matches = false, .exif_prior = false});
   if (arguments.send_as == SendAs::kFeatures) {
     return [client](const EvalQuery& query) { return client->LocalizeFeatures(query.query); };
   }

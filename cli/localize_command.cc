@@ -30,6 +30,7 @@
 #include "http/client.h"
 #include "http/json/image_orientation.h"
 #include "http/json/localize_response.h"
+#include "http/json/request_photos.h"
 #include "ingest/features/sift_extractor.h"
 #include "ingest/images/exif.h"
 #include "ingest/images/orient_image.h"
@@ -48,6 +49,7 @@ struct LocalizeArguments {
   std::optional<std::string> prior;
   std::optional<HeightReference> prior_height;
   double accuracy_m = 15.0;
+  bool exif_prior = true;
   std::optional<std::string> gravity;
   std::string picture_path;
   CairnOptions options;
@@ -58,7 +60,8 @@ struct LocalizeArguments {
 // its EXIF. Returns the orientation used.
 ImageOrientation TurnPhoto(const std::optional<Camera>& camera, const ExifInfo& exif,
                            GrayImage* photo) {
-  const PictureHeader header{photo->width_px, photo->height_px, exif.orientation};
+  const PictureHeader header{photo->picture_width_px(), photo->picture_height_px(),
+                             exif.orientation};
   const int orientation = camera ? OrientationToApply(header, ImageOrientation::kAsSize,
                                                       camera->width_px(), camera->height_px())
                                  : exif.orientation;
@@ -66,14 +69,28 @@ ImageOrientation TurnPhoto(const std::optional<Camera>& camera, const ExifInfo& 
   return orientation == 1 ? ImageOrientation::kStored : ImageOrientation::kUpright;
 }
 
+// The prior of the command line, else that of the photo.
+std::optional<PositionPrior> MakePrior(const LocalizeArguments& arguments, const ExifInfo& exif) {
+  if (!arguments.prior) {
+    return arguments.exif_prior ? PriorOfPhoto(exif) : std::nullopt;
+  }
+  PositionPrior prior;
+  prior.position =
+      WithEllipsoidalHeight(ParseGeodetic("--prior", *arguments.prior),
+                            arguments.prior_height.value_or(HeightReference::kEllipsoid));
+  prior.accuracy_m = arguments.accuracy_m;
+  return prior;
+}
+
 LocalizeQuery MakeQuery(const LocalizeArguments& arguments, const std::optional<Camera>& camera,
-                        const ExifInfo& exif, const GrayImage& pixels) {
+                        const ExifInfo& exif, const GrayImage& photo) {
   LocalizeQuery query;
   query.id = arguments.image_path;
+  const int width_px = photo.picture_width_px(), height_px = photo.picture_height_px();
   if (camera) {
     query.camera = *camera;
   } else {
-    PhotoCamera of_photo = CameraOfPhoto(exif, pixels.width_px, pixels.height_px);
+    PhotoCamera of_photo = CameraOfPhoto(exif, width_px, height_px);
     query.camera = std::move(of_photo.camera);
     query.focal = of_photo.focal;
   }
@@ -89,18 +106,13 @@ LocalizeQuery MakeQuery(const LocalizeArguments& arguments, const std::optional<
     }
     query.focal.reset();
   }
-  if (query.camera.width_px() != pixels.width_px || query.camera.height_px() != pixels.height_px) {
-    throw Error(ErrorCode::kBadInput,
-                fmt::format("{} has {} x {} pixels, but --camera states {} x {}",
-                            arguments.image_path, pixels.width_px, pixels.height_px,
-                            query.camera.width_px(), query.camera.height_px()));
+  if (query.camera.width_px() != width_px || query.camera.height_px() != height_px) {
+    throw Error(
+        ErrorCode::kBadInput,
+        fmt::format("{} has {} x {} pixels, but --camera states {} x {}", arguments.image_path,
+                    width_px, height_px, query.camera.width_px(), query.camera.height_px()));
   }
-  if (arguments.prior) {
-    const Geodetic position =
-        WithEllipsoidalHeight(ParseGeodetic("--prior", *arguments.prior),
-                              arguments.prior_height.value_or(HeightReference::kEllipsoid));
-    query.prior = PositionPrior{position, arguments.accuracy_m, std::nullopt};
-  }
+  query.prior = MakePrior(arguments, exif);
   if (arguments.gravity) {
     query.down_in_cam = ParseDirection("--gravity", *arguments.gravity);
   }
@@ -119,7 +131,8 @@ LocalizeResult Answer(const LocalizeArguments& arguments, const Photo& photo,
     return LocalizeClient(ClientOptions{.url = arguments.server_url,
                                         .image_orientation = others.empty()
                                                                  ? orientation
-                                                                 : ImageOrientation::kAsSize})
+                                                                 : ImageOrientation::kAsSize,
+                                        .exif_prior = arguments.exif_prior})
         .LocalizeImages(*query, images);
   }
   const OpenedMap map = OpenLocalizer(arguments.map_path, arguments.options.localizer);
@@ -160,16 +173,28 @@ void PrintPose(const LocalizeResult& result) {
       [](double sum, const LocalizeMatch& match) { return sum + match.right_probability; });
   fmt::print("inliers      {} (about {:.0f} correct)\n", result.matches.size(), num_right);
   if (result.prior_disagrees) {
-    fmt::print("prior        disagrees with the answer\n");
+    fmt::print("prior        disagrees with the answer:\n");
   }
 }
 
-void PrintText(const LocalizeResult& result) {
+void PrintPrior(const std::optional<PositionPrior>& prior) {
+  if (!prior) {
+    fmt::print("prior        none; the map was searched\n");
+    return;
+  }
+  fmt::print("prior        {:.6f} {:.6f} +- {:.0f} m, from {}\n", prior->position.lat_deg(),
+             prior->position.lon_deg(), prior->accuracy_m,
+             prior->source == PriorSource::kPhoto ? "the photo's EXIF" : "--prior");
+}
+
+void PrintText(const LocalizeQuery& query, const LocalizeResult& result) {
   if (result.localized) {
     PrintPose(result);
   } else {
-    fmt::print("not localized: {}\n", NotLocalizedReasonName(result.reason));
+    fmt::print("not localized: {}{}{}\n", NotLocalizedReasonName(result.reason),
+               result.reason_text.empty() ? "" : ": ", result.reason_text);
   }
+  PrintPrior(query.prior);
   const StageCounters& counters = result.counters;
   fmt::print("searched     {} keypoints, {} tiles, {} matches, {} candidates\n",
              counters.num_keypoints, counters.num_tiles_searched, counters.num_matches,
@@ -214,7 +239,7 @@ ExitCode RunLocalize(const LocalizeArguments& arguments) {
     request.answer.with_matches = true;
     fmt::print("{}\n", LocalizeResponseJson(result, request, ServerTimes()));
   } else {
-    PrintText(result);
+    PrintText(query, result);
   }
   return result.localized ? ExitCode::kOk : ExitCode::kNotLocalized;
 }
@@ -243,7 +268,10 @@ void AddQueryOptions(CLI::App* command, LocalizeArguments* arguments) {
           "in docs/http.md but with file paths as image. The answer is the pose of --image")
       ->type_name("FILE.json");
   CLI::Option* prior =
-      command->add_option("--prior", arguments->prior, "Approximate position, degrees and meters")
+      command
+          ->add_option("--prior", arguments->prior,
+                       "Approximate position, degrees and meters. Default: the position in the "
+                       "photo's EXIF, if there is one")
           ->type_name("lat,lon,h");
   AddHeightOption(command, &arguments->prior_height,
                   "Reference of the height in --prior: the WGS84 ellipsoid or mean sea "
@@ -255,6 +283,9 @@ void AddQueryOptions(CLI::App* command, LocalizeArguments* arguments) {
       ->check(PositiveNumber())
       ->type_name("M")
       ->capture_default_str();
+  command->add_flag("!--no-exif-prior", arguments->exif_prior,
+                    "Without --prior, search the whole map instead of the surroundings of the "
+                    "position in the photo's EXIF");
   command
       ->add_option("--gravity", arguments->gravity,
                    "Down direction in the camera frame (x right, y down, z forward) of that photo")

@@ -217,6 +217,12 @@ void AddDrainOption(CLI::App* command, ServerOptions* options) {
       ->capture_default_str();
 }
 
+void AddExifOption(CLI::App* command, ServerOptions* options) {
+  command->add_flag(
+      "!--no-exif-prior", options->exif_prior,
+      "Do not take the position in a photo's EXIF as the prior of a request without one");
+}
+
 void AddLimitOptions(CLI::App* command, ServerOptions* options) {
   constexpr int64_t kMiB = int64_t{1} << 20;
   constexpr double kMegapixel = 1e6;
@@ -238,12 +244,13 @@ void AddLimitOptions(CLI::App* command, ServerOptions* options) {
       ->type_name("N")
       ->capture_default_str();
   AddScaledOption(command, "--max-body-mb", &options->max_body_bytes, kMiB,
-                  "Largest request, MiB. An image of 12 megapixels takes up to 16, as JPEG or as "
-                  "GRAY8 in base64")
+                  "Largest request, MiB. A JPEG of 48 megapixels takes 10 to 24, an image of 12 "
+                  "megapixels as GRAY8 in base64 takes 16")
       ->check(CLI::Range(int64_t{1}, int64_t{1024}))
       ->type_name("MB");
   AddScaledOption(command, "--max-image-mp", &options->max_image_pixels, kMegapixel,
-                  "Largest image to decode, megapixels")
+                  "Largest image as it is decoded, megapixels. A JPEG may have 16 times as many "
+                  "and is then decoded at a smaller scale")
       ->check(CLI::Range(0.01, 1000.0))
       ->type_name("MP");
 }
@@ -259,6 +266,7 @@ void AddServeCommand(CLI::App* app, Shell* shell) {
   AddAddressOptions(command, &options->server);
   AddLimitOptions(command, &options->server);
   AddDrainOption(command, &options->server);
+  AddExifOption(command, &options->server);
   AddIndexOption(command, &options->localizer.matching.index.kind);
   command->footer(
       "Prints the URL when the server is ready. SIGTERM and SIGINT stop the server after the\n"

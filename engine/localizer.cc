@@ -10,6 +10,7 @@
 #include "core/shared_workers.h"
 #include "engine/answer/answer.h"
 #include "engine/answer/refine_winner.h"
+#include "engine/explain_miss.h"
 #include "engine/find_camera.h"
 #include "engine/find_candidates.h"
 #include "engine/focal/focal_search.h"
@@ -199,6 +200,9 @@ void Localizer::Impl::ReadVersion(const MapSnapshot& snapshot, const LocalizeQue
     result->tiles = IdsOf(search->tiles);
     return search->tiles.empty() ? Reason::kNoCoverage : Reason::kNone;
   });
+  if (result->reason == Reason::kNoCoverage) {
+    result->reason_text = ExplainMiss(query, *result, options, &snapshot);
+  }
 }
 
 LocalizeResult Localizer::Impl::Localize(const LocalizeQuery& query, const MapSnapshot* pinned) {
@@ -244,6 +248,9 @@ LocalizeResult Localizer::Impl::Localize(const LocalizeQuery& query, const MapSn
     return search.hypotheses.empty() ? Reason::kTooFewInliers : Reason::kNone;
   });
   Conclude(query, context, without_gravity, search, &result);
+  if (!result.localized && result.reason_text.empty()) {
+    result.reason_text = ExplainMiss(query, result, options, nullptr);
+  }
   if (result.counters.tiles_cut_short) {
     finisher.Add(context->region);
   }

@@ -69,6 +69,9 @@ nlohmann::json OptionsJson(const LocalizeQuery& query, const ClientOptions& clie
   if (client.image_orientation != ImageOrientation::kAsSize) {
     options["imageOrientation"] = ImageOrientationName(client.image_orientation);
   }
+  if (!client.exif_prior) {
+    options["exifPrior"] = false;  // Older servers refuse the member, and have no such prior.
+  }
   if (client.want_matches) {
     options["include"].push_back("matches");
     options["maxMatches"] = kMaxMatches;

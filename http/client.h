@@ -20,6 +20,7 @@ struct ClientOptions {
   int timeout_ms = 30'000;  // For connecting and for reading, each.
   bool want_matches = true;
   ImageOrientation image_orientation = ImageOrientation::kAsSize;  // Used by LocalizeImages.
+  bool exif_prior = true;  // Without a prior, the server takes the position in the image's EXIF.
 };
 
 // Use a client from one thread only. The client keeps its connection alive.

@@ -6,6 +6,7 @@
 
 #include "core/cell_name.h"
 #include "core/logging.h"
+#include "http/json/request_photos.h"
 
 namespace cairn {
 namespace {
@@ -26,8 +27,9 @@ void AddCommonHeaders(const std::string& request_id, HttpResponse* response) {
   response->headers.emplace_back("X-Request-Id", request_id);
   response->headers.emplace_back("X-Content-Type-Options", "nosniff");
   response->headers.emplace_back("Access-Control-Allow-Origin", "*");
-  response->headers.emplace_back("Access-Control-Expose-Headers",
-                                 fmt::format("ETag, X-Request-Id, {}", kCellHeader));
+  response->headers.emplace_back(
+      "Access-Control-Expose-Headers",
+      fmt::format("ETag, X-Request-Id, {}, {}", kCellHeader, kPriorHeader));
 }
 
 HttpResponse PreflightResponse(const std::string& allow) {

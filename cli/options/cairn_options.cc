@@ -18,7 +18,8 @@ void DescribeServer(ServerOptions* options, OptionList* list) {
   list->Add("cache_bytes", &options->cache_bytes, "Memory for decoded tiles, bytes");
   list->Add("max_body_bytes", &options->max_body_bytes, "Largest request, bytes");
   list->Add("max_image_pixels", &options->max_image_pixels,
-            "Largest image that is decoded, pixels");
+            "Largest image as it is decoded, pixels. A JPEG may have 16 times as many and is then "
+            "decoded at a smaller scale");
   list->Add("max_features", &options->max_features, "Most features of a request");
   list->Add("default_timeout_ms", &options->default_timeout_ms,
             "Time for a request that states no timeout, milliseconds");

@@ -16,6 +16,13 @@
 
 namespace cairn {
 
+// Where a prior comes from.
+enum class PriorSource {
+  kClient,  // The client states it.
+  kPhoto,   // The EXIF of the query's photo.
+};
+const char* PriorSourceName(PriorSource source);  // "request" or "exif".
+
 // A rough position, as a GPS receiver reports it.
 struct PositionPrior {
   static constexpr double kMaxAccuracyM = 100e3;
@@ -24,6 +31,7 @@ struct PositionPrior {
   double accuracy_m = 15.0;  // Radius that contains the true position with 68 % probability.
   // Standard deviation of the height; empty if the height is unknown or untrusted.
   std::optional<double> height_sigma_m;
+  PriorSource source = PriorSource::kClient;
 };
 
 // Another camera of a rig and its features, seen at the same instant.

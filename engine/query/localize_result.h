@@ -101,6 +101,8 @@ struct CameraEstimate {
 struct LocalizeResult {
   bool localized = false;
   NotLocalizedReason reason = NotLocalizedReason::kNone;
+  // Without a pose: the reason in words, with what to do; see ExplainMiss.
+  std::string reason_text;
 
   // The fields from here to `camera` are meaningful if localized.
   Geodetic anchor;  // Origin of the anchor frame.

@@ -8,6 +8,7 @@
 #include "core/cell_name.h"
 #include "http/json/geopose_protocol.h"
 #include "http/json/localize_response.h"
+#include "http/json/request_photos.h"
 #include "http/wire/problem.h"
 
 namespace cairn {
@@ -20,13 +21,22 @@ void RequirePose(const LocalizeResult& result, const char* hint) {
     return;
   }
   throw HttpError(ProblemCode::kNotLocalized,
-                  fmt::format("no pose was found: {}", NotLocalizedReasonName(result.reason)))
+                  fmt::format("no pose was found: {}: {}", NotLocalizedReasonName(result.reason),
+                              result.reason_text))
       .Hint(hint);
 }
 
 HttpResponse OgcGeoPose(const LocalizeResult& result, const LocalizeRequest& query) {
   HttpResponse response = HttpResponse::Json(OgcGeoPoseJson(result, query));
   response.content_type = "application/geopose+json";
+  return response;
+}
+
+// Says where the prior came from.
+HttpResponse WithPriorSource(HttpResponse response, const LocalizeQuery& query) {
+  if (query.prior) {
+    response.headers.emplace_back(kPriorHeader, PriorSourceName(query.prior->source));
+  }
   return response;
 }
 
@@ -68,15 +78,17 @@ HttpResponse GeoPoseResponse(const LocalizeResult& result, const LocalizeRequest
 HttpResponse HandleLocalize(const HttpRequest& request, LocalizeService* service) {
   LocalizeRequest query;
   const LocalizeService::Answer answer = service->Localize(request, ParseLocalizeRequest, &query);
-  return WithCell(LocalizeResponse(answer, query, request.Header("accept")), answer.result,
-                  query.query);
+  return WithPriorSource(WithCell(LocalizeResponse(answer, query, request.Header("accept")),
+                                  answer.result, query.query),
+                         query.query);
 }
 
 HttpResponse HandleGeoPose(const HttpRequest& request, LocalizeService* service) {
   LocalizeRequest query;
   const LocalizeService::Answer answer = service->Localize(request, ParseGeoPoseRequest, &query);
-  return WithCell(GeoPoseResponse(answer.result, query, request.Header("accept")), answer.result,
-                  query.query);
+  return WithPriorSource(WithCell(GeoPoseResponse(answer.result, query, request.Header("accept")),
+                                  answer.result, query.query),
+                         query.query);
 }
 
 HttpResponse HandleGeoPoseStatus() { return HttpResponse::Json(R"({"status":"running"})"); }

@@ -222,6 +222,7 @@ LocalizeRequest ParseGeoPoseRequest(std::string_view content_type, std::string_v
   const JsonDocument document = ParseJson(body);
   const JsonReader json(document);
   LocalizeRequest request;
+  request.picture.reset();  // ReadCameras settles the orientations.
   request.timeout_ms = limits.default_timeout_ms;
   if (const JsonReader readings = json.At("sensorReadings"); readings.IsArray()) {
     readings.Fail(

@@ -14,7 +14,6 @@
 namespace cairn {
 namespace {
 
-constexpr double kUnknownAccuracyM = 25.0;
 constexpr double kMaxDeviceHeightM = 10'000.0;
 // Assumed maximum speed of the camera since a prior pose.
 constexpr double kMaxSpeedMPerS = 3.0;

@@ -233,7 +233,6 @@ LocalizeRequest ParseJsonBody(std::string_view body, const RequestLimits& limits
   } else {
     ReadJsonFeaturesOfAll(json, limits.max_features, &request);
   }
-  SetOrientations(ReadImageOrientation(json.Find("options")), &request);
   return request;
 }
 
@@ -338,25 +337,10 @@ LocalizeRequest ParseMultipartBody(std::string_view content_type, std::string_vi
       request.images.push_back(ImageOfPart(others[i], fmt::format("rig{}", i)));
     }
   }
-  SetOrientations(ReadImageOrientation(json.Find("options")), &request);
   return request;
 }
 
 }  // namespace
-
-void SetOrientations(ImageOrientation meant, LocalizeRequest* request) {
-  if (meant == ImageOrientation::kStored) {
-    return;
-  }
-  for (size_t i = 0; i < request->images.size(); ++i) {
-    const LocalizeQuery& query = request->query;
-    const Camera& camera = i == 0 ? query.camera : query.other_cameras[i - 1].camera;
-    if (const auto header = ReadPictureHeader(request->images[i].bytes)) {
-      request->images[i].orientation =
-          OrientationToApply(*header, meant, camera.width_px(), camera.height_px());
-    }
-  }
-}
 
 bool IsLongJson(std::string_view content_type, std::string_view body) {
   return body.size() > kMaxShortJsonBytes && !IsMultipart(content_type);

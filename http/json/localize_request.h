@@ -43,6 +43,11 @@ struct LocalizeRequest {
   // The images of the query's camera and of the other cameras of its rig, in this order. Empty if
   // there are features.
   std::vector<RequestImage> images;
+  // The picture that the request describes; ReadPhotos settles the orientation of each image by it.
+  // Empty once the orientations are settled.
+  std::optional<ImageOrientation> picture = ImageOrientation::kAsSize;
+  // Without a prior, the position in the EXIF of the first image is the prior.
+  bool exif_prior = true;
   int timeout_ms = 0;
   ResponseOptions answer;
 
@@ -51,7 +56,7 @@ struct LocalizeRequest {
 
 // Throws HttpError kUnsupportedMediaType unless `content_type` is JSON or multipart/form-data.
 // Throws kInvalidJson, kInvalidField, kInvalidMultipart, kInvalidFeatures or kTooManyFeatures with
-// the JSON pointer of the member at fault. Does not decode images.
+// the JSON pointer of the member at fault. Does not look into images; see ReadPhotos.
 LocalizeRequest ParseLocalizeRequest(std::string_view content_type, std::string_view body,
                                      const RequestLimits& limits);
 
@@ -66,9 +71,6 @@ bool IsLongJson(std::string_view content_type, std::string_view body);
 // Guesses the `timeoutMs` of a JSON body without parsing it; returns the default if it finds none.
 // The result only bounds how long the body waits for its turn.
 int PeekTimeoutMs(std::string_view body, const RequestLimits& limits);
-
-// Sets the turn of each image from its header and the size of its camera.
-void SetOrientations(ImageOrientation meant, LocalizeRequest* request);
 
 }  // namespace cairn
 

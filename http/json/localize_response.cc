@@ -136,6 +136,16 @@ Json StagesJson(const LocalizeResult& result, const ServerTimes& times, bool has
   return stages;
 }
 
+// The prior that the answer is based on.
+Json PriorJson(const std::optional<PositionPrior>& prior) {
+  if (!prior) {
+    return nullptr;
+  }
+  return {{"source", PriorSourceName(prior->source)},
+          {"position", GeodeticJson(prior->position)},
+          {"accuracy", prior->accuracy_m}};
+}
+
 Json CameraJson(const CameraEstimate& estimate) {
   const Camera& camera = estimate.camera;
   return {{"model", CameraModelName(camera.model())},
@@ -277,6 +287,9 @@ LocalizeResult ReadResult(const JsonReader& json) {
     ReadPose(json, &result);
   } else {
     result.reason = ReadReason(json.At("reason"));
+    if (const auto text = json.Find("reasonText")) {
+      result.reason_text = text->String();
+    }
   }
   if (const auto matches = json.Find("matches")) {
     for (const JsonReader& match : matches->Elements(0, kAnswerLimits.max_elements)) {
@@ -306,6 +319,10 @@ std::string LocalizeResponseJson(const LocalizeResult& result, const LocalizeReq
   }
   json["status"] = result.localized ? "LOCALIZED" : "NOT_LOCALIZED";
   json["reason"] = result.localized ? Json(nullptr) : Json(NotLocalizedReasonName(result.reason));
+  if (!result.localized && !result.reason_text.empty()) {
+    json["reasonText"] = result.reason_text;
+  }
+  json["prior"] = PriorJson(request.query.prior);
   if (request.has_images() && request.images.front().orientation != 1) {
     json["imageOrientation"] = ImageOrientationName(ImageOrientation::kUpright);
   }

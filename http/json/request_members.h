@@ -17,6 +17,10 @@ namespace cairn {
 // Phones report directions rounded and in single precision. This is how far their lengths may be
 // from 1.
 inline constexpr double kUnitNormTolerance = 0.02;
+// The accuracy of a position whose source does not state one: 68 % radius, meters. A phone's GPS is
+// within 5 m under the open sky; between houses, and while a camera app waits for its first fix,
+// errors of some tens of meters are common.
+inline constexpr double kUnknownAccuracyM = 25.0;
 
 // Reads "ellipsoid" or "msl".
 HeightReference ReadHeightReference(const JsonReader& name);

@@ -1,6 +1,9 @@
 #include "http/json/request_options.h"
 
+#include <optional>
 #include <string>
+
+#include "http/json/image_orientation.h"
 
 namespace cairn {
 namespace {
@@ -21,22 +24,19 @@ void ReadInclude(const JsonReader& json, ResponseOptions* options) {
   }
 }
 
-}  // namespace
-
-ImageOrientation ReadImageOrientation(const std::optional<JsonReader>& options) {
-  const auto name = options ? options->Find("imageOrientation") : std::nullopt;
-  if (!name) {
-    return ImageOrientation::kAsSize;
-  }
-  const std::optional<ImageOrientation> meant = ImageOrientationFromName(name->String());
+ImageOrientation ReadImageOrientation(const JsonReader& name) {
+  const std::optional<ImageOrientation> meant = ImageOrientationFromName(name.String());
   if (!meant) {
-    name->Fail("is unknown", "known: stored, upright");
+    name.Fail("is unknown", "known: stored, upright");
   }
   return *meant;
 }
 
+}  // namespace
+
 void ReadOptions(const JsonReader& json, LocalizeRequest* request) {
-  json.RequireOnly({"innerFrame", "timeoutMs", "maxMatches", "include", "imageOrientation"});
+  json.RequireOnly(
+      {"innerFrame", "timeoutMs", "maxMatches", "include", "imageOrientation", "exifPrior"});
   if (const auto name = json.Find("innerFrame")) {
     const std::optional<InnerFrame> frame = InnerFrameFromName(name->String());
     if (!frame) {
@@ -49,6 +49,12 @@ void ReadOptions(const JsonReader& json, LocalizeRequest* request) {
   }
   if (const auto max_matches = json.Find("maxMatches")) {
     request->answer.max_matches = static_cast<int>(max_matches->Integer(0, kMaxMatches));
+  }
+  if (const auto orientation = json.Find("imageOrientation")) {
+    request->picture = ReadImageOrientation(*orientation);
+  }
+  if (const auto exif_prior = json.Find("exifPrior")) {
+    request->exif_prior = exif_prior->Bool();
   }
   if (const auto include = json.Find("include")) {
     ReadInclude(*include, &request->answer);

@@ -25,15 +25,15 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-void CheckSize(int64_t width_px, int64_t height_px, const Picture& picture, int64_t max_pixels) {
+[[noreturn]] void RefuseTooLarge(const std::string& message, const Picture& picture) {
+  throw HttpError(ProblemCode::kImageTooLarge, message)
+      .At(picture.pointer + "/image")
+      .Hint("the camera's size and parameters scale with the image");
+}
+
+// Throws unless the camera's images have this size as stored.
+void CheckSize(int64_t width_px, int64_t height_px, const Picture& picture) {
   const Camera& camera = picture.camera;
-  if (width_px > max_pixels / height_px) {
-    throw HttpError(ProblemCode::kImageTooLarge,
-                    fmt::format("the image has {} x {} pixels, more than the limit of {}", width_px,
-                                height_px, max_pixels))
-        .At(picture.pointer + "/image")
-        .Hint("scale down the image and the camera's parameters");
-  }
   if (SwapsSides(picture.image.orientation)) {
     std::swap(width_px, height_px);
   }
@@ -49,42 +49,55 @@ void CheckSize(int64_t width_px, int64_t height_px, const Picture& picture, int6
   }
 }
 
-// Raw pixels from a camera driver. Returns nothing if the format or the length is not that of raw
-// pixels.
-std::optional<GrayImage> FromRawPixels(const RequestImage& sent, const Camera& camera) {
-  const size_t num_pixels = static_cast<size_t>(camera.width_px()) * camera.height_px();
+int64_t NumPixels(const Camera& camera) { return int64_t{camera.width_px()} * camera.height_px(); }
+
+// True for pixels from a camera driver: format and length are those of raw pixels.
+bool IsRawPixels(const RequestImage& sent, const Camera& camera) {
+  const auto num_bytes = static_cast<int64_t>(sent.bytes.size());
+  return (sent.format == "GRAY8" && num_bytes == NumPixels(camera)) ||
+         (sent.format == "RGBA32" && num_bytes == 4 * NumPixels(camera));
+}
+
+GrayImage FromRawPixels(const RequestImage& sent, const Camera& camera) {
   GrayImage image{.width_px = camera.width_px(), .height_px = camera.height_px(), .pixels = {}};
-  if (sent.format == "GRAY8" && sent.bytes.size() == num_pixels) {
+  if (sent.format == "GRAY8") {
     image.pixels = sent.bytes;
     return image;
   }
-  if (sent.format == "RGBA32" && sent.bytes.size() == 4 * num_pixels) {
-    image.pixels.resize(num_pixels);
-    for (size_t i = 0; i < num_pixels; ++i) {
-      const uint8_t* rgba = sent.bytes.data() + 4 * i;
-      // ITU-R BT.601 luma in units of 1/256, as in JPEG decoders.
-      image.pixels[i] =
-          static_cast<uint8_t>((77 * rgba[0] + 150 * rgba[1] + 29 * rgba[2] + 128) >> 8);
-    }
-    return image;
+  image.pixels.resize(static_cast<size_t>(NumPixels(camera)));
+  for (size_t i = 0; i < image.pixels.size(); ++i) {
+    const uint8_t* rgba = sent.bytes.data() + 4 * i;
+    // ITU-R BT.601 luma in units of 1/256, as in JPEG decoders.
+    image.pixels[i] =
+        static_cast<uint8_t>((77 * rgba[0] + 150 * rgba[1] + 29 * rgba[2] + 128) >> 8);
   }
-  return std::nullopt;
+  return image;
 }
 
 GrayImage Decode(const Picture& picture, const ImageDecodeLimits& limits) {
   const RequestImage& sent = picture.image;
-  if (std::optional<GrayImage> raw = FromRawPixels(sent, picture.camera)) {
-    CheckSize(raw->width_px, raw->height_px, picture, limits.max_pixels);
-    return std::move(*raw);
+  const Camera& camera = picture.camera;
+  if (IsRawPixels(sent, camera)) {
+    if (camera.width_px() > limits.max_pixels / camera.height_px()) {
+      RefuseTooLarge(
+          fmt::format("the image has {} x {} pixels, more than the limit of {} for {}; "
+                      "send it as JPEG, which may have more, or scale it down",
+                      camera.width_px(), camera.height_px(), limits.max_pixels, sent.format),
+          picture);
+    }
+    return FromRawPixels(sent, camera);
   }
   try {
     const ImageHeader header = ParseImageHeader(sent.bytes);
-    CheckSize(header.width_px, header.height_px, picture, limits.max_pixels);
+    RequireDecodableSize(header, limits);
+    CheckSize(header.width_px, header.height_px, picture);
     return OrientImage(DecodeGrayImage(sent.bytes, limits), sent.orientation);
   } catch (const HttpError&) {
     throw;
   } catch (const DecodingStopped&) {
     throw;
+  } catch (const ImageTooLarge& e) {
+    RefuseTooLarge(e.what(), picture);
   } catch (const Error& e) {
     throw HttpError(ProblemCode::kInvalidImage, e.what()).At(picture.pointer + "/image");
   }

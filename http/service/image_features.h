@@ -14,8 +14,7 @@ namespace cairn {
 // features of each camera in the query. The content of an image identifies JPEG, PNG and PNM; the
 // name of the format identifies GRAY8 and RGBA32. Adds to `times`. Throws
 // - HttpError kInvalidImage if an image does not decode or does not have the size of its camera,
-// - HttpError kImageTooLarge, before decoding, if an image header states more than
-//   `limits.max_pixels`,
+// - HttpError kImageTooLarge, before decoding, if an image has more pixels than `limits` allow,
 // - DecodingStopped once `limits.should_stop` returns true. `should_stop` is called while an image
 //   is decoded and before each step.
 void ExtractQueryFeatures(const ImageDecodeLimits& limits, const SiftOptions& sift,

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include "core/parallel_for.h"
+#include "engine/explain_miss.h"
+#include "http/json/request_photos.h"
 #include "http/service/image_features.h"
 #include "http/wire/problem.h"
 
@@ -54,6 +56,7 @@ LocalizeResult LateResult(const ServedMap& map, const LocalizeQuery& query) {
   late.reason = NotLocalizedReason::kTimeout;
   late.map_version = map.store->Snapshot().version();
   late.counters.num_keypoints = query.num_features();
+  late.reason_text = ExplainMiss(query, late, map.localizer->options(), nullptr);
   return late;
 }
 
@@ -91,8 +94,9 @@ bool LocalizeService::ExtractInTime(LocalizeRequest* request, ServerTimes* times
   }
 }
 
-// A request has one turn. During the turn its JSON is parsed (if long), its image becomes features,
-// and the features become an answer. Turns follow the order of arrival, with or without an image.
+// A request has one turn. During the turn its JSON is parsed (if long), its photos' EXIF is read,
+// its image becomes features, and the features become an answer. Turns follow the order of arrival,
+// with or without an image.
 LocalizeService::Answer LocalizeService::AnswerInTurn(const ServedMap& map, const HttpRequest& http,
                                                       BodyParser* parse, LocalizeRequest* request) {
   Answer answer;
@@ -114,6 +118,7 @@ LocalizeService::Answer LocalizeService::AnswerInTurn(const ServedMap& map, cons
     Read(map, http, parse, request);
   }
   if (request->has_images()) {
+    ReadPhotos(options_.exif_prior, request);
     if (!ExtractInTime(request, &answer.times)) {
       answer.result = LateResult(map, request->query);
       return answer;

@@ -35,10 +35,13 @@ struct ServerOptions {
   // front notices before the port closes. 0 stops at once.
   int drain_s = 0;
   size_t cache_bytes = size_t{1} << 30;
-  // Fits a picture of max_image_pixels as JPEG, or as GRAY8 in base64, which takes 16,000,000
-  // bytes. RGBA32 of that size needs 64 MB.
-  size_t max_body_bytes = size_t{16} << 20;
+  // Fits a JPEG of 48 megapixels, which has 10 to 24 MB, or a picture of max_image_pixels as GRAY8
+  // in base64, which takes 17 MB. RGBA32 of that size needs 67 MB in base64.
+  size_t max_body_bytes = size_t{32} << 20;
+  // Of a picture as it is decoded; see ImageDecodeLimits.
   int64_t max_image_pixels = ImageDecodeLimits().max_pixels;
+  // Takes the position in a photo's EXIF as the prior of a request without one.
+  bool exif_prior = true;
   int max_features = RequestLimits().max_features;
   int default_timeout_ms = RequestLimits().default_timeout_ms;
   LocalizerOptions localizer;

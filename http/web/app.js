@@ -198,18 +198,100 @@ function number(name) {
   return text === "" ? null : Number(text.replace(",", "."));
 }
 
+// The position of the form, else that of the photo's EXIF.
 function updatePrior() {
   const [lat, lon] = [number("lat"), number("lon")];
-  state.prior = lat === null || lon === null ? null
-    : { lat, lon, accuracy: number("accuracy") ?? 15 };
+  if (lat !== null && lon !== null) {
+    state.prior = { lat, lon, accuracy: number("accuracy") ?? 15, source: "the form" };
+  } else {
+    state.prior = form.exif.checked && exif.gps
+      ? { ...exif.gps, source: "the photo's EXIF" } : null;
+  }
+  byId("exif-note").textContent = !photo ? "" : !exif.gps ? "(this photo has none)"
+    : `(${exif.gps.lat.toFixed(5)}°, ${exif.gps.lon.toFixed(5)}° ± ${exif.gps.accuracy.toFixed(0)} m)`;
   drawMap();
+}
+
+// A value of a TIFF directory: a function (tag, n) => number or letter, or undefined.
+function tiffDirectory(view, little, offset) {
+  const sizes = { 1: 1, 2: 1, 3: 2, 4: 4, 5: 8, 9: 4, 10: 8 };
+  const u32 = (at) => view.getUint32(at, little);
+  const i32 = (at) => view.getInt32(at, little);
+  const readers = { 1: (at) => view.getUint8(at), 2: (at) => String.fromCharCode(view.getUint8(at)),
+                    3: (at) => view.getUint16(at, little), 4: u32, 5: (at) => u32(at) / u32(at + 4),
+                    9: i32, 10: (at) => i32(at) / i32(at + 4) };
+  return (tag, n = 0) => {
+    if (offset + 2 > view.byteLength) return undefined;
+    const count = Math.min(view.getUint16(offset, little), (view.byteLength - offset - 2) / 12);
+    for (let i = 0; i + 1 <= count; ++i) {
+      const entry = offset + 2 + 12 * i;
+      if (view.getUint16(entry, little) !== tag) continue;
+      const type = view.getUint16(entry + 2, little);
+      const bytes = u32(entry + 4) * sizes[type];
+      const at = bytes <= 4 ? entry + 8 : u32(entry + 8);
+      if (!(bytes > n * sizes[type]) || at + bytes > view.byteLength) return undefined;
+      const value = readers[type](at + n * sizes[type]);
+      return Number.isNaN(value) ? undefined : value;
+    }
+    return undefined;
+  };
+}
+
+// Position and focal length from the TIFF structure of a photo's EXIF, as the server reads them.
+function readTags(view) {
+  if (view.byteLength < 8) return {};
+  const little = view.getUint16(0) === 0x4949;
+  if (view.getUint16(2, little) !== 42) return {};
+  const first = tiffDirectory(view, little, view.getUint32(4, little));
+  const gps = tiffDirectory(view, little, first(0x8825) ?? view.byteLength);
+  const camera = tiffDirectory(view, little, first(0x8769) ?? view.byteLength);
+  const angle = (tag, negative) =>
+    (gps(tag) + (gps(tag, 1) ?? 0) / 60 + (gps(tag, 2) ?? 0) / 3600) * (gps(tag - 1) === negative ? -1 : 1);
+  const lat = angle(2, "S"), lon = angle(4, "W");
+  const accuracy = gps(0x1f) || 25;   // Meters; few phones state it.
+  const isPosition = Math.abs(lat) <= 90 && Math.abs(lon) <= 180 && (lat !== 0 || lon !== 0) && accuracy <= 1e5;
+  return { gps: isPosition ? { lat, lon, accuracy } : undefined,
+           focal35mm: camera(0xa405) || undefined };
+}
+
+// Finds the EXIF in a JPEG or PNG file. Shrinking a photo loses it.
+function readExif(buffer) {
+  const view = new DataView(buffer);
+  const block = (at, length) => readTags(new DataView(buffer, at, Math.min(length, 65536)));
+  if (view.byteLength > 8 && view.getUint32(0) === 0x89504e47) {
+    for (let at = 8; at + 12 <= view.byteLength; at += 12 + view.getUint32(at)) {
+      const length = view.getUint32(at);
+      if (view.getUint32(at + 4) === 0x65584966 && at + 12 + length <= view.byteLength) return block(at + 8, length);
+    }
+    return {};
+  }
+  for (let at = 2; at + 4 <= view.byteLength;) {
+    const marker = view.getUint8(at + 1);
+    if (view.getUint8(at) !== 0xff || marker === 0xff || marker === 0) {
+      ++at;   // Stray or fill bytes.
+      continue;
+    }
+    if (marker === 0xda) break;
+    const length = view.getUint16(at + 2);
+    const isExif = marker === 0xe1 && length > 16 && at + 2 + length <= view.byteLength &&
+      view.getUint32(at + 4) === 0x45786966 && view.getUint16(at + 8) === 0;
+    if (isExif) return block(at + 10, length - 8);
+    at += 2 + length;
+  }
+  return {};
 }
 
 const MAX_SIDE_PX = 1920;
 let photo = null;      // ImageBitmap of the photo as turned by its EXIF; the request states this.
 let photoScale = 1;    // Size of the bitmap divided by the size of the file.
+let exif = {};         // What readExif found in the file.
 
 async function loadPhoto(file) {
+  try {
+    exif = readExif(await file.arrayBuffer());
+  } catch {
+    exif = {};   // A damaged block is no block.
+  }
   const original = await createImageBitmap(file);
   const side = Math.max(original.width, original.height);
   photoScale = Math.min(1, MAX_SIDE_PX / side);
@@ -221,15 +303,17 @@ let loading = Promise.resolve();   // Rejected if the chosen file is not a photo
 form.photo.addEventListener("change", () => {
   const file = form.photo.files[0];
   photo = null;
+  exif = {};
+  updatePrior();
   byId("photo").hidden = true;
   byId("answer").hidden = true;
   if (!file) return;
-  loading = loadPhoto(file).then(() => drawPhoto([]), () => {
+  loading = loadPhoto(file).then(() => { drawPhoto([]); updatePrior(); }, () => {
     throw new Error(`${file.name} is not a photo that this browser can read; choose a JPEG or PNG file`);
   });
   loading.catch((error) => say(error.message));
 });
-for (const name of ["lat", "lon", "accuracy"]) form[name].addEventListener("input", updatePrior);
+for (const name of ["lat", "lon", "accuracy", "exif"]) form[name].addEventListener("input", updatePrior);
 
 function photoFile() {
   if (photoScale === 1) return form.photo.files[0];
@@ -255,17 +339,23 @@ function drawPhoto(matches) {
   }
 }
 
-function requestFor() {
-  const focal = number("focal");
+// The camera of the sent photo: the form's focal length, else the EXIF's, which is right within 5 %.
+function cameraFor() {
   const size = [photo.width, photo.height];
+  const pinhole = (focal) => ({
+    model: "SIMPLE_PINHOLE", size, modelParams: [focal, photo.width / 2, photo.height / 2] });
+  const focal = number("focal");
+  if (focal !== null) return pinhole(focal * photoScale);
+  if (!exif.focal35mm) return { size, focalLength: "unknown" };
+  return { ...pinhole(exif.focal35mm / 36 * Math.max(...size)), focalLengthSigma: 0.05 };
+}
+
+function requestFor() {
   const request = {
     timestamp: Date.now(),
-    camera: focal === null ? { size, focalLength: "unknown" } : {
-      model: "SIMPLE_PINHOLE",
-      size,
-      modelParams: [focal * photoScale, photo.width / 2, photo.height / 2],
-    },
+    camera: cameraFor(),
     options: { innerFrame: "FLU", timeoutMs: 10000, maxMatches: 2000, imageOrientation: "upright",
+               exifPrior: false,   // The prior below is the EXIF's unless the person decides otherwise.
                include: ["matches", "timings"] },
   };
   if (state.prior) {
@@ -296,11 +386,19 @@ function headingDeg({ x, y, z, w }) {
   return (Math.atan2(east, north) * 180 / Math.PI + 360) % 360;
 }
 
+function describePrior(prior) {
+  if (!prior) return "no prior";
+  return `prior ${prior.lat.toFixed(5)}°, ${prior.lon.toFixed(5)}° ± ${prior.accuracy.toFixed(0)} m, from ${prior.source}`;
+}
+
 function describe(answer) {
   const times = Object.entries(answer.stages)
     .filter(([, stage]) => stage.ms !== undefined)
     .map(([name, stage]) => `${name} ${stage.ms.toFixed(1)}`).join(" · ");
-  if (answer.status !== "LOCALIZED") return `not localized: ${answer.reason}\nms: ${times}`;
+  const prior = describePrior(state.prior);
+  if (answer.status !== "LOCALIZED") {
+    return `not localized: ${answer.reason}: ${answer.reasonText}\n${prior}\nms: ${times}`;
+  }
   const { position, quaternion } = answer.geopose;
   return [
     `${position.lat.toFixed(7)}°, ${position.lon.toFixed(7)}°, ${position.h.toFixed(2)} m`,
@@ -308,12 +406,14 @@ function describe(answer) {
     `± ${answer.accuracy.position.toFixed(2)} m, ± ${answer.accuracy.orientation.toFixed(2)}°`,
     ...describeCamera(answer.camera),
     `${answer.inlierCount} inliers, confidence ${answer.confidence.toFixed(2)}`,
+    prior,
     `ms: ${times}`,
   ].join("\n");
 }
 
 async function localize() {
   await loading;
+  updatePrior();
   const body = new FormData();
   body.append("request", new Blob([JSON.stringify(requestFor())], { type: "application/json" }));
   body.append("image", await photoFile());

@@ -20,6 +20,7 @@
 #include "http/client.h"
 #include "http/json/inner_frame.h"
 #include "ingest/images/orient_image.h"
+#include "support/exif_bytes.h"
 #include "support/temp_dir.h"
 
 namespace cairn::testing {
@@ -136,37 +137,12 @@ TEST_F(NpmClient, OfGeoPoseProtocolIsAnswered) {
   EXPECT_THAT(elsewhere["error"].get<std::string>(), HasSubstr("NO_COVERAGE"));
 }
 
-uint32_t Crc32(const std::string& bytes) {
-  uint32_t crc = ~0u;
-  for (const char byte : bytes) {
-    crc ^= static_cast<uint8_t>(byte);
-    for (int bit = 0; bit < 8; ++bit) {
-      crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0u);
-    }
-  }
-  return ~crc;
-}
-
-std::string BigEndian32(uint32_t value) {
-  std::string bytes;
-  for (int shift = 24; shift >= 0; shift -= 8) {
-    bytes += static_cast<char>(value >> shift);
-  }
-  return bytes;
-}
-
 // The picture as a camera that is held upright stores it: the sensor's landscape pixels, with an
 // EXIF that turns them by 90 degrees clockwise.
 std::vector<uint8_t> StoredOnItsSide(const GrayImage& upright) {
   constexpr int kTurnClockwise = 6, kTurnAnticlockwise = 8;
-  const std::vector<uint8_t> png = EncodePng(OrientImage(upright, kTurnAnticlockwise));
-  std::string exif("eXIfII\x2a\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\0\0\0\0\0\0\0\0", 30);
-  exif[22] = kTurnClockwise;
-  const size_t after_header = 8 + 25;  // Signature, IHDR.
-  std::string file(png.begin(), png.end());
-  file.insert(after_header, BigEndian32(static_cast<uint32_t>(exif.size() - 4)) + exif +
-                                BigEndian32(Crc32(exif)));
-  return {file.begin(), file.end()};
+  return PngWithExifBlock(EncodePng(OrientImage(upright, kTurnAnticlockwise)),
+                          ExifBlock({.orientation = kTurnClockwise}));
 }
 
 class PortraitPhotos : public Clients {
@@ -240,7 +216,100 @@ TEST_F(PortraitPhotos, AreAnsweredTheSameByAServer) {
   EXPECT_THROW(LocalizeClient({.url = url}).LocalizeImages(other.query, {bytes_}), Error);
 }
 
-class Page : public PortraitPhotos {
+// Photos with a rough position in their EXIF.
+class PlacedPhotos : public PortraitPhotos {
+ protected:
+  // Writes the photo of the query with this position, and returns its path.
+  std::string WritePhoto(double lat_deg, double lon_deg) {
+    ExifContent exif;
+    exif.lat_deg = lat_deg;
+    exif.lon_deg = lon_deg;
+    exif.altitude_m = 400.0;
+    exif.error_m = 20.0;
+    const std::vector<uint8_t> png = PngWithExifBlock(EncodePng(world_.photos[1]), ExifBlock(exif));
+    const std::string path = dir_.File("placed.png");
+    std::ofstream file(path, std::ios::binary);
+    file.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
+    return path;
+  }
+  std::string WritePlacedPhoto() {
+    const Geodetic& near = query().query.prior->position;
+    return WritePhoto(near.lat_deg(), near.lon_deg());
+  }
+
+  // As WritePhoto, with sides four times as long.
+  std::string WriteLargePhoto(double lat_deg, double lon_deg) {
+    const GrayImage& photo = world_.photos[1];
+    GrayImage large = BlankImage(4 * photo.width_px, 4 * photo.height_px);
+    for (size_t i = 0; i < large.pixels.size(); ++i) {
+      const size_t x = i % large.width_px / 4, y = i / large.width_px / 4;
+      large.pixels[i] = photo.pixels[y * photo.width_px + x];
+    }
+    std::swap(world_.photos[1], large);
+    const std::string path = WritePhoto(lat_deg, lon_deg);
+    std::swap(world_.photos[1], large);
+    return path;
+  }
+
+  static json Ask(const std::vector<std::string>& arguments) {
+    const Finished finished = RunCairn(arguments);
+    const json answer = json::parse(finished.out, nullptr, false);
+    EXPECT_TRUE(answer.is_object()) << finished.err << finished.out;
+    return answer;
+  }
+};
+
+TEST_F(PlacedPhotos, ArePriorsOfTheirOwn) {
+  const std::string photo = WritePlacedPhoto();
+  const json answer = Ask({"localize", world_.map_path, "--image", photo, "--json"});
+  EXPECT_EQ(answer["status"], "LOCALIZED");
+  EXPECT_EQ(answer["prior"]["source"], "exif");
+  EXPECT_NEAR(answer["prior"]["accuracy"].get<double>(), 20.0, 1e-6);
+  const Finished text = RunCairn({"localize", world_.map_path, "--image", photo});
+  EXPECT_THAT(text.out, HasSubstr("+- 20 m, from the photo's EXIF"));
+  const json without =
+      Ask({"localize", world_.map_path, "--image", photo, "--json", "--no-exif-prior"});
+  EXPECT_TRUE(without["prior"].is_null());
+  const Geodetic& near = query().query.prior->position;
+  const json with_prior =
+      Ask({"localize", world_.map_path, "--image", photo, "--json", "--prior",
+           std::to_string(near.lat_deg()) + "," + std::to_string(near.lon_deg()) + ",0"});
+  EXPECT_EQ(with_prior["prior"]["source"], "request");
+}
+
+TEST_F(PlacedPhotos, AreFarFromTheMapInWords) {
+  const Geodetic& near = query().query.prior->position;
+  const std::string swapped = WritePhoto(near.lon_deg(), near.lat_deg());
+  const Finished text = RunCairn({"localize", world_.map_path, "--image", swapped});
+  EXPECT_THAT(text.out, HasSubstr("NO_COVERAGE: the nearest tile is "));
+  EXPECT_THAT(text.out, HasSubstr("are latitude and longitude swapped?"));
+}
+
+TEST_F(PlacedPhotos, AreUnderstoodByAServer) {
+  BackgroundCairn server({"serve", world_.map_path, "--port", "0", "--log-level", "off"});
+  const std::string url = server.ReadLine();
+  const Geodetic& near = query().query.prior->position;
+  const auto curl = [&](const std::string& photo, const std::string& options) {
+    const Camera& camera = query().query.camera;
+    const json request = {{"camera", {{"size", {camera.width_px(), camera.height_px()}}}},
+                          {"options", json::parse(options)}};
+    const auto [text, code] =
+        RunShell("curl -s '" + url + "/v1/localize' -F 'request=" + request.dump() +
+                 ";type=application/json' -F 'image=@" + photo + "'");
+    EXPECT_EQ(code, 0) << text;
+    return json::parse(text, nullptr, false);
+  };
+  const std::string placed = WritePlacedPhoto();
+  EXPECT_EQ(curl(placed, "{}")["prior"]["source"], "exif");
+  EXPECT_TRUE(curl(placed, R"({"exifPrior":false})")["prior"].is_null());
+  const json far = curl(WritePhoto(near.lat_deg(), -near.lon_deg()), "{}");
+  EXPECT_EQ(far["reason"], "NO_COVERAGE");
+  EXPECT_THAT(far["reasonText"].get<std::string>(), HasSubstr("West is negative"));
+  // Without the position, the photo of the same file is found.
+  EXPECT_EQ(curl(dir_.File("placed.png"), R"({"exifPrior":false})")["status"], "LOCALIZED");
+}
+
+class Page : public PlacedPhotos {
  protected:
   // Empty, or why there is no browser to open the page with.
   static std::string WhyNoBrowser() {
@@ -281,6 +350,7 @@ TEST_F(Page, LocalizesPhotosInABrowser) {
                      {"lon", prior.lon_deg()},
                      {"accuracy", 15},
                      {"focal", query().query.camera.params()[0]}};
+  const std::string large = WriteLargePhoto(prior.lat_deg() + 1.0, prior.lon_deg());
   json elsewhere = near;
   elsewhere["lat"] = prior.lat_deg() + 1.0;
   const json seen = Open({{"url", server.ReadLine()},
@@ -289,15 +359,22 @@ TEST_F(Page, LocalizesPhotosInABrowser) {
                             {{"photo", query().image_path}},
                             {{"photo", path_}},
                             elsewhere,
-                            {{"photo", dir_.File("letter.jpg")}}}}});
+                            {{"photo", dir_.File("letter.jpg")}},
+                            {{"photo", large}},
+                            {{"photo", large}, {"exif", false}}}}});
   const std::vector<std::string> answers = seen.value("answers", std::vector<std::string>());
-  ASSERT_EQ(answers.size(), 5u) << seen;
+  ASSERT_EQ(answers.size(), 7u) << seen;
   EXPECT_LT(ShownErrorM(answers[0]), 0.5);
   EXPECT_LT(ShownErrorM(answers[1]), 2.0);
   EXPECT_THAT(answers[1], HasSubstr("focal length"));
   EXPECT_LT(ShownErrorM(answers[2]), 2.0);  // Stored on its side.
   EXPECT_THAT(answers[3], HasSubstr("NO_COVERAGE"));
+  EXPECT_THAT(answers[3], HasSubstr("the nearest tile is "));
   EXPECT_THAT(answers[4], HasSubstr("letter.jpg is not a photo"));
+  // The page shrinks this photo, and its position still counts, unless the person says otherwise.
+  EXPECT_THAT(answers[5], HasSubstr("NO_COVERAGE"));
+  EXPECT_THAT(answers[5], HasSubstr("from the photo's EXIF"));
+  EXPECT_LT(ShownErrorM(answers[6]), 2.0);
   EXPECT_EQ(seen["console"], json::array());
   EXPECT_THAT(seen["status"].get<std::string>(), HasSubstr("running"));
 }

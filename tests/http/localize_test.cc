@@ -372,13 +372,13 @@ TEST_F(HttpLocalize, AnOgcGeoPoseIsGivenToWhoAsksForIt) {
 TEST_F(HttpLocalize, TwelveMegapixelsFitIntoARequest) {
   nlohmann::json request = RequestJson(Query());
   request["camera"] = {
-      {"model", "SIMPLE_PINHOLE"}, {"size", {4000, 3000}}, {"modelParams", {3000, 2000, 1500}}};
+      {"model", "SIMPLE_PINHOLE"}, {"size", {4032, 3024}}, {"modelParams", {3000, 2016, 1512}}};
   request["image"] = {{"format", "GRAY8"},
-                      {"data", EncodeBase64(std::vector<uint8_t>(size_t{4000} * 3000, 90))}};
+                      {"data", EncodeBase64(std::vector<uint8_t>(size_t{4032} * 3024, 90))}};
   const Reply reply = PostJson(request);
   EXPECT_EQ(reply.status, 200) << reply.json;
   EXPECT_EQ(reply.json["reason"], "TOO_FEW_FEATURES");
-  request["camera"]["size"] = {4001, 3000};
+  request["camera"]["size"] = {4033, 3024};
   EXPECT_EQ(PostJson(request).status, 400);
 }
 

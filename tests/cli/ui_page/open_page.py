@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Opens the page /ui in headless Chromium and asks it as a person does.
 
-open_page.py ASK.json reads {"url", "screenshot", "visits": [{"photo", "lat", "lon", "accuracy", "focal"}]}, all
+open_page.py ASK.json reads {"url", "screenshot", "visits": [{"photo", "lat", "lon", "accuracy", "focal", "exif"}]}, all
 but the photo optional, fills in the form for each visit, presses the button, and prints one line of JSON:
 {"answers": [text under the photo, ...], "console": [what Chromium's console got], "status": text at the top}.
 """
@@ -35,6 +35,9 @@ def fill_in(browser, visit):
         field.clear()
         if visit.get(name) is not None:
             field.send_keys(str(visit[name]))
+    checkbox = browser.find_element(By.NAME, "exif")
+    if checkbox.is_selected() != visit.get("exif", True):
+        checkbox.click()
     browser.find_element(By.NAME, "photo").send_keys(visit["photo"])
 
 
