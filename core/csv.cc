@@ -2,9 +2,35 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <charconv>
 #include <cmath>
 
+#include "core/error.h"
+
 namespace cairn {
+namespace {
+
+// Returns the separator of the text whose first line this is.
+char SeparatorOf(std::string_view line) {
+  bool in_quotes = false;
+  char separator = 0;
+  for (const char letter : line) {
+    in_quotes = letter == '"' ? !in_quotes : in_quotes;
+    if (in_quotes) {
+      continue;
+    }
+    if (letter == ',') {
+      return ',';
+    }
+    if (separator == 0 && (letter == ';' || letter == '\t')) {
+      separator = letter;
+    }
+  }
+  return separator == 0 ? ',' : separator;
+}
+
+}  // namespace
 
 std::string CsvText(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) {
@@ -19,6 +45,98 @@ std::string CsvText(const std::string& text) {
 
 std::string CsvNumber(double value) {
   return std::isfinite(value) ? fmt::format("{:.6g}", value) : "";
+}
+
+CsvReader::CsvReader(std::string_view text) : rest_(text) {
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff") ||
+      text.substr(0, 2).find('\0') != std::string_view::npos) {
+    throw Error(ErrorCode::kBadInput, "the text is UTF-16; save it as UTF-8");
+  }
+  const size_t begin = std::min(text.find_first_not_of("\r\n"), text.size());
+  separator_ = SeparatorOf(text.substr(begin, text.find_first_of("\r\n", begin) - begin));
+}
+
+std::optional<double> CsvReader::Number(size_t cell_idx) const {
+  std::string text = cells_[cell_idx];
+  if (separator_ != ',') {
+    std::replace(text.begin(), text.end(), ',', '.');
+  }
+  const char* const begin = text.data() + (text.starts_with('+') ? 1 : 0);
+  const char* const end = text.data() + text.size();
+  double value = 0.0;
+  const auto [rest, error] = std::from_chars(begin, end, value);
+  return error == std::errc() && rest == end ? std::optional(value) : std::nullopt;
+}
+
+bool CsvReader::AtEndOfLine() const {
+  return rest_.empty() || rest_.front() == '\n' || rest_.front() == '\r';
+}
+
+void CsvReader::SkipBlanks() {
+  while (!rest_.empty() && rest_.front() != separator_ &&
+         (rest_.front() == ' ' || rest_.front() == '\t')) {
+    rest_.remove_prefix(1);
+  }
+}
+
+void CsvReader::SkipEndOfLine() {
+  if (!rest_.empty()) {
+    rest_.remove_prefix(rest_.starts_with("\r\n") ? 2 : 1);
+    ++line_;
+  }
+}
+
+std::string CsvReader::QuotedCell() {
+  rest_.remove_prefix(1);
+  std::string cell;
+  while (true) {
+    const size_t quote = rest_.find('"');
+    if (quote == std::string_view::npos) {
+      throw Error(ErrorCode::kBadInput,
+                  fmt::format("line {}: a quoted cell does not end", first_line_));
+    }
+    cell += rest_.substr(0, quote);
+    rest_.remove_prefix(quote + 1);
+    if (!rest_.starts_with('"')) {
+      break;
+    }
+    cell += '"';
+    rest_.remove_prefix(1);
+  }
+  line_ += std::count(cell.begin(), cell.end(), '\n');
+  SkipBlanks();
+  if (!AtEndOfLine() && rest_.front() != separator_) {
+    throw Error(ErrorCode::kBadInput, fmt::format("line {}: text follows a quoted cell", line_));
+  }
+  return cell;
+}
+
+std::string CsvReader::PlainCell() {
+  const char ends[] = {separator_, '\r', '\n'};
+  const size_t size = std::min(rest_.find_first_of({ends, sizeof(ends)}), rest_.size());
+  const std::string_view cell = rest_.substr(0, size);
+  rest_.remove_prefix(size);
+  return std::string(cell.substr(0, cell.find_last_not_of(" \t") + 1));
+}
+
+bool CsvReader::Next() {
+  while (SkipBlanks(), !rest_.empty() && AtEndOfLine()) {
+    SkipEndOfLine();
+  }
+  if (rest_.empty()) {
+    return false;
+  }
+  first_line_ = line_;
+  cells_.clear();
+  while (true) {
+    SkipBlanks();
+    cells_.push_back(rest_.starts_with('"') ? QuotedCell() : PlainCell());
+    if (AtEndOfLine()) {
+      SkipEndOfLine();
+      return true;
+    }
+    rest_.remove_prefix(1);  // The separator.
+  }
 }
 
 }  // namespace cairn
