@@ -11,7 +11,10 @@
 #include "core/error.h"
 #include "core/logging.h"
 #include "core/printable.h"
+#include "ingest/readers/colmap_columns.h"
+#include "ingest/readers/descriptor_information.h"
 #include "storage/sqlite/connection.h"
+#include "storage/sqlite/limit_values.h"
 
 namespace cairn {
 namespace {
@@ -21,12 +24,8 @@ constexpr float kDescriptorUnit = 512.0f;
 // Keypoints without a scale in the database count as small.
 constexpr float kDefaultScalePx = 1.0f;
 constexpr float kMinScalePx = 0.01f;
-constexpr int64_t kMaxKeypoints = 10'000'000;
-
-// COLMAP's PosePrior::CoordinateSystem and SensorType::CAMERA.
-constexpr int64_t kWgs84 = 0;
-constexpr int64_t kCartesian = 1;
-constexpr int64_t kCameraSensor = 0;
+constexpr int64_t kMaxKeypoints = 2'000'000;
+constexpr int kMaxBlobBytes = 2'000'000 * kColmapDim;
 
 // The statistics of descriptors use at most this many images.
 constexpr int64_t kMaxStatisticsImages = 64;
@@ -70,8 +69,9 @@ StoredMatrix ReadMatrix(sqlite::Connection* connection, const char* table, bool 
 
 void CheckSize(const MatrixBlob& matrix, int64_t element_bytes, const char* table,
                const std::string& image_name) {
+  // An image without features may have a matrix of 0 x 0.
   const bool in_range =
-      matrix.rows >= 0 && matrix.rows <= kMaxKeypoints && matrix.cols >= 1 && matrix.cols <= 4096;
+      matrix.rows >= 0 && matrix.rows <= kMaxKeypoints && matrix.cols >= 0 && matrix.cols <= 4096;
   if (!in_range ||
       matrix.bytes.size() != static_cast<uint64_t>(matrix.rows * matrix.cols * element_bytes)) {
     throw Error(ErrorCode::kBadInput,
@@ -98,7 +98,7 @@ Keypoint ToKeypoint(const float* row, int64_t cols) {
 }
 
 std::vector<Keypoint> ToKeypoints(const MatrixBlob& matrix, const std::string& image_name) {
-  if (matrix.cols != 2 && matrix.cols != 4 && matrix.cols != 6) {
+  if (matrix.rows > 0 && matrix.cols != 2 && matrix.cols != 4 && matrix.cols != 6) {
     throw Error(ErrorCode::kBadInput,
                 fmt::format("the keypoints of image {} have {} columns; 2, 4 or 6 are supported",
                             Excerpt(image_name), matrix.cols));
@@ -111,49 +111,6 @@ std::vector<Keypoint> ToKeypoints(const MatrixBlob& matrix, const std::string& i
     keypoints[i] = ToKeypoint(row, matrix.cols);
   }
   return keypoints;
-}
-
-bool HasColumn(sqlite::Connection* connection, const char* table, const char* column) {
-  sqlite::Statement statement =
-      connection->Prepare("SELECT COUNT(*) FROM pragma_table_info(?) WHERE name = ?");
-  statement.Bind(std::string_view(table), std::string_view(column));
-  return statement.Step() && statement.Int64(0) > 0;
-}
-
-// SQL for the prior of the image named ?, as columns lat_deg, lon_deg, h_m or as one blob of all
-// three.
-std::string GpsSql(sqlite::Connection* connection) {
-  if (HasColumn(connection, "pose_priors", "corr_data_id")) {
-    return fmt::format(
-        "SELECT p.position FROM pose_priors AS p JOIN images AS i ON i.image_id = p.corr_data_id "
-        "WHERE p.corr_sensor_type = {} AND p.coordinate_system = {} AND i.name = ?",
-        kCameraSensor, kWgs84);
-  }
-  if (HasColumn(connection, "pose_priors", "image_id")) {
-    return fmt::format(
-        "SELECT p.position FROM pose_priors AS p JOIN images AS i ON i.image_id = p.image_id "
-        "WHERE p.coordinate_system = {} AND i.name = ?",
-        kWgs84);
-  }
-  if (HasColumn(connection, "images", "prior_tx")) {
-    return "SELECT prior_tx, prior_ty, prior_tz FROM images WHERE prior_tx IS NOT NULL AND "
-           "prior_ty IS NOT NULL AND name = ?";
-  }
-  return "";
-}
-
-// Warns about pose priors that are not geographic positions and are therefore skipped.
-void WarnOfOtherPriors(const std::string& path, sqlite::Connection* connection) {
-  if (!HasColumn(connection, "pose_priors", "coordinate_system")) {
-    return;
-  }
-  sqlite::Statement statement =
-      connection->Prepare("SELECT COUNT(*) FROM pose_priors WHERE coordinate_system = ?");
-  statement.Bind(kCartesian);
-  if (statement.Step() && statement.Int64(0) > 0) {
-    LogWarning("COLMAP database {}: {} of its pose priors are ignored because they are not WGS84",
-               path, statement.Int64(0));
-  }
 }
 
 // Runs `read` and replaces the wrapper's messages about maps by messages about the database.
@@ -175,18 +132,41 @@ ColmapDatabase::ColmapDatabase(const std::string& path) : path_(path) {
   if (!std::filesystem::is_regular_file(path, ignored)) {
     throw Error(ErrorCode::kNotFound, fmt::format("{}: no such COLMAP database", path));
   }
-  WithDatabaseErrors(path_, [&] {
-    connection_ =
-        std::make_unique<sqlite::Connection>(path, sqlite::Access::kReadOnly, kBusyTimeoutMs);
-    for (const char* table : {"images", "keypoints", "descriptors"}) {
-      if (!HasColumn(connection_.get(), table, "image_id")) {
-        throw Error(ErrorCode::kBadInput, fmt::format("it has no table `{}`", table));
+  WithDatabaseErrors(path_, [&] { Open(); });
+}
+
+void ColmapDatabase::Open() {
+  try {
+    OpenAs(sqlite::Access::kReadOnly);
+    return;
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kIo) {
+      throw;
+    }
+    // COLMAP leaves its database in WAL mode, in which SQLite writes files beside it even to read.
+    for (const char* suffix : {"-wal", "-journal"}) {
+      std::error_code missing;
+      if (std::filesystem::file_size(path_ + suffix, missing) > 0 && !missing) {
+        throw Error(
+            ErrorCode::kIo,
+            fmt::format("{}. Beside it is {}{} with changes that are not in it yet, and the "
+                        "folder cannot be written to; copy both files to a folder that can",
+                        error.what(), path_, suffix));
       }
     }
-    gps_sql_ = GpsSql(connection_.get());
-    has_descriptor_type_ = HasColumn(connection_.get(), "descriptors", "type");
-    WarnOfOtherPriors(path_, connection_.get());
-  });
+  }
+  OpenAs(sqlite::Access::kImmutable);
+}
+
+void ColmapDatabase::OpenAs(sqlite::Access access) {
+  connection_ = std::make_unique<sqlite::Connection>(path_, access, kBusyTimeoutMs);
+  sqlite::LimitValues(connection_.get(), kMaxBlobBytes);
+  for (const char* table : {"images", "keypoints", "descriptors"}) {
+    if (!HasColumn(connection_.get(), table, "image_id")) {
+      throw Error(ErrorCode::kBadInput, fmt::format("it has no table `{}`", table));
+    }
+  }
+  has_descriptor_type_ = HasColumn(connection_.get(), "descriptors", "type");
 }
 
 ColmapDatabase::~ColmapDatabase() = default;
@@ -196,6 +176,17 @@ bool ColmapDatabase::HasImage(const std::string& image_name) {
     sqlite::Statement statement = connection_->Prepare("SELECT 1 FROM images WHERE name = ?");
     statement.Bind(std::string_view(image_name));
     return statement.Step();
+  });
+}
+
+std::vector<std::string> ColmapDatabase::ImageNames() {
+  return WithDatabaseErrors(path_, [&] {
+    std::vector<std::string> names;
+    sqlite::Statement statement = connection_->Prepare("SELECT name FROM images ORDER BY image_id");
+    while (statement.Step()) {
+      names.push_back(statement.Text(0));
+    }
+    return names;
   });
 }
 
@@ -223,6 +214,9 @@ DescriptorMatrix ColmapDatabase::ReadDescriptors(const std::string& image_name) 
       ReadMatrix(connection_.get(), "descriptors", has_descriptor_type_, image_name);
   CheckSiftBlob(image_name, type, matrix.rows, matrix.cols, matrix.bytes.size());
   CheckSize(matrix, 1, "descriptors", image_name);
+  if (matrix.rows > 0) {
+    RequireVariedDescriptors(image_name, matrix.bytes, kColmapDim);
+  }
   using ByteMatrix = Eigen::Matrix<uint8_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const Eigen::Map<const ByteMatrix> bytes(matrix.bytes.data(), matrix.rows, matrix.cols);
   DescriptorMatrix descriptors = bytes.cast<float>();
@@ -239,6 +233,13 @@ FeatureSet ColmapDatabase::ReadFeatures(const std::string& image_name) {
     CheckSize(keypoints, sizeof(float), "keypoints", image_name);
     FeatureSet features;
     features.descriptors = ReadDescriptors(image_name);
+    if (keypoints.rows > 0 && features.descriptors.rows() == 0) {
+      throw Error(ErrorCode::kBadInput,
+                  fmt::format("image {} has {} keypoints, but its descriptors are empty, as tools "
+                              "leave them that import matches alone; extract features with "
+                              "COLMAP's SIFT",
+                              Excerpt(image_name), keypoints.rows));
+    }
     if (keypoints.rows != features.descriptors.rows()) {
       throw Error(ErrorCode::kBadInput,
                   fmt::format("image {} has {} keypoints but {} descriptors", Excerpt(image_name),
@@ -249,36 +250,13 @@ FeatureSet ColmapDatabase::ReadFeatures(const std::string& image_name) {
   });
 }
 
-std::optional<Geodetic> ColmapDatabase::ReadGps(const std::string& image_name) {
-  if (gps_sql_.empty()) {
-    return std::nullopt;
+ColmapPosePrior ColmapDatabase::ReadPosePrior(const std::string& image_name) {
+  if (!pose_priors_) {
+    pose_priors_ =
+        WithDatabaseErrors(path_, [&] { return ReadColmapPosePriors(path_, connection_.get()); });
   }
-  return WithDatabaseErrors(path_, [&]() -> std::optional<Geodetic> {
-    sqlite::Statement statement = connection_->Prepare(gps_sql_);
-    statement.Bind(std::string_view(image_name));
-    if (!statement.Step() || statement.IsNull(0)) {
-      return std::nullopt;
-    }
-    double lat_lon_h[3];
-    if (gps_sql_.find("pose_priors") != std::string::npos) {
-      const std::vector<uint8_t> position = statement.Blob(0);
-      if (position.size() != sizeof(lat_lon_h)) {
-        return std::nullopt;
-      }
-      std::memcpy(lat_lon_h, position.data(), sizeof(lat_lon_h));
-    } else {
-      for (int i = 0; i < 3; ++i) {
-        lat_lon_h[i] = statement.IsNull(i) ? 0.0 : statement.Number(i);
-      }
-    }
-    const auto [lat_deg, lon_deg, h_m] = lat_lon_h;
-    const bool is_place = std::abs(lat_deg) <= 90.0 && std::abs(lon_deg) <= 180.0 &&
-                          std::abs(h_m) <= 12'000.0 && (lat_deg != 0.0 || lon_deg != 0.0);
-    if (!is_place) {
-      return std::nullopt;
-    }
-    return Geodetic::FromDegrees(lat_deg, lon_deg, h_m);
-  });
+  const auto prior = pose_priors_->find(image_name);
+  return prior == pose_priors_->end() ? ColmapPosePrior{} : prior->second;
 }
 
 }  // namespace cairn

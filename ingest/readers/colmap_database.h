@@ -1,31 +1,36 @@
-// Reads keypoint shapes, descriptors and GPS priors from a COLMAP database.
+// Reads keypoint shapes, descriptors and priors of poses from a COLMAP database.
 #ifndef CAIRN_INGEST_READERS_COLMAP_DATABASE_H_
 #define CAIRN_INGEST_READERS_COLMAP_DATABASE_H_
 
 #include <memory>
 #include <optional>
 #include <string>
+#include <unordered_map>
+#include <vector>
 
 #include "core/features.h"
-#include "core/geodesy.h"
 #include "ingest/readers/colmap_descriptors.h"
+#include "ingest/readers/colmap_pose_priors.h"
 
 namespace cairn {
 
 namespace sqlite {
 class Connection;
-}
+enum class Access;
+}  // namespace sqlite
 
 // An open database. Use from one thread at a time. Every function throws Error(kBadInput), which
 // names the file and the image (if there is one), if the tables are not COLMAP's or hold invalid
 // values.
 class ColmapDatabase {
  public:
-  // Also throws Error(kNotFound).
+  // Opens the file as immutable if it cannot be opened otherwise and has no log, as on a disk that
+  // cannot be written to. Also throws Error(kNotFound), and Error(kIo) if it cannot be read.
   explicit ColmapDatabase(const std::string& path);
   ~ColmapDatabase();
 
   bool HasImage(const std::string& image_name);
+  std::vector<std::string> ImageNames();  // In the order of their ids.
 
   // Reads keypoints with 2, 4 (scale, orientation) or 6 (affine shape) columns, and SIFT
   // descriptors as bytes. Refuses other descriptors (ALIKED, floats, another dimension) and names
@@ -39,20 +44,21 @@ class ColmapDatabase {
   // SiftStatistics detects, are returned as stored.
   FeatureSet ReadFeatures(const std::string& image_name);
 
-  // Reads `images.prior_t*` (COLMAP up to 3.9) or the table `pose_priors` (since 3.10; only WGS84).
-  // Returns nothing if there is no prior or if the prior is (0, 0), which COLMAP writes for photos
-  // without GPS. The height is the EXIF altitude of the photo, hence above mean sea level.
-  std::optional<Geodetic> ReadGps(const std::string& image_name);
+  // What ReadColmapPosePriors reads for the image.
+  ColmapPosePrior ReadPosePrior(const std::string& image_name);
 
  private:
+  void Open();
+  void OpenAs(sqlite::Access access);
   SiftNormalization NormalizationOfAll();
   DescriptorMatrix ReadDescriptors(const std::string& image_name);
 
   std::string path_;
   std::unique_ptr<sqlite::Connection> connection_;
-  std::string gps_sql_;  // Empty if the database has no priors.
   bool has_descriptor_type_ = false;
   std::optional<SiftNormalization> normalization_;  // Empty until it has been determined.
+  // Empty until the first call of ReadPosePrior, which reads all.
+  std::optional<std::unordered_map<std::string, ColmapPosePrior>> pose_priors_;
 };
 
 }  // namespace cairn

@@ -14,20 +14,26 @@
 #include <type_traits>
 
 #include "core/error.h"
-#include "core/file_bytes.h"
 #include "core/printable.h"
 #include "ingest/readers/colmap_model.h"
+#include "ingest/readers/model_bytes.h"
 
 namespace cairn {
 namespace {
+
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+// The keypoints of an image are one line.
+constexpr size_t kMaxLineBytes = size_t{512} << 20;
 
 // Reads the lines of a file and the words of the current line.
 class TextFile {
  public:
   TextFile(const std::string& model_dir, const char* name)
-      : path_(model_dir + "/" + name),
-        bytes_(ReadFileBytes(path_, std::numeric_limits<uint64_t>::max())),
-        rest_(reinterpret_cast<const char*>(bytes_.data()), bytes_.size()) {}
+      : path_(model_dir + "/" + name), bytes_(path_) {
+    if (bytes_.Peek(kByteOrderMark.size()).starts_with(kByteOrderMark)) {
+      bytes_.Skip(kByteOrderMark.size());
+    }
+  }
 
   [[noreturn]] void Throw(const std::string& what) const {
     throw Error(ErrorCode::kBadInput, fmt::format("{}: line {}: {}", path_, line_number_, what));
@@ -35,13 +41,17 @@ class TextFile {
 
   // Moves to the next line of any kind. Returns false at the end of the file.
   bool NextLine() {
-    if (rest_.empty()) {
+    bytes_.Skip(num_line_bytes_);  // The words of the last line have been read.
+    num_line_bytes_ = 0;
+    if (bytes_.remaining() == 0) {
       return false;
     }
-    const size_t end = rest_.find('\n');
-    line_ = rest_.substr(0, end);
-    rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
     ++line_number_;
+    line_ = PeekLine();
+    num_line_bytes_ = line_.size();
+    if (line_.ends_with('\n')) {
+      line_.remove_suffix(1);
+    }
     if (line_.ends_with('\r')) {
       line_.remove_suffix(1);
     }
@@ -99,35 +109,66 @@ class TextFile {
   }
 
  private:
+  // Returns the line up to its end, with the line feed unless the file ends before.
+  std::string_view PeekLine() {
+    size_t num_searched = 0;
+    for (size_t num_bytes = 256;; num_bytes *= 2) {
+      const std::string_view bytes = bytes_.Peek(num_bytes);
+      const size_t end = bytes.find('\n', num_searched);
+      const std::string_view line = bytes.substr(0, end == bytes.npos ? end : end + 1);
+      if (line.find('\0', num_searched) != line.npos) {
+        Throw("the file is not UTF-8 text: it has zero bytes");
+      }
+      if (end != bytes.npos || bytes.size() < num_bytes) {
+        return line;
+      }
+      if (bytes.size() > kMaxLineBytes) {
+        Throw(fmt::format("the line is longer than {} MiB", kMaxLineBytes >> 20));
+      }
+      num_searched = bytes.size();
+    }
+  }
+
   void SkipBlanks() {
     const size_t begin = line_.find_first_not_of(" \t");
     line_.remove_prefix(begin == std::string_view::npos ? line_.size() : begin);
   }
 
   std::string path_;
-  std::vector<uint8_t> bytes_;
-  std::string_view rest_;
-  std::string_view line_;
+  ModelBytes bytes_;
+  std::string_view line_;  // What remains to be read of the line.
+  size_t num_line_bytes_ = 0;
   int64_t line_number_ = 0;
 };
+
+void ReadCamera(TextFile* file, ColmapModel* model) {
+  const auto camera_id = file->Number<uint32_t>("camera id");
+  const std::string model_name(file->Word("camera model"));
+  CameraModel camera_model{};
+  try {
+    camera_model = CameraModelFromName(model_name);
+  } catch (const Error& e) {
+    model->unsupported_cameras.insert_or_assign(camera_id, e.what());
+    return;
+  }
+  const int width_px = file->Number<int>("width");
+  const int height_px = file->Number<int>("height");
+  std::vector<double> params;
+  while (!file->AtEndOfLine()) {
+    params.push_back(file->Number<double>("camera parameter"));
+  }
+  try {
+    model->cameras.insert_or_assign(camera_id,
+                                    Camera(camera_model, width_px, height_px, std::move(params)));
+  } catch (const Error& e) {
+    file->Throw(fmt::format("camera {}: {}", camera_id, e.what()));
+  }
+}
 
 void ReadCameras(const std::string& model_dir, ColmapModel* model) {
   TextFile file(model_dir, "cameras.txt");
   while (file.NextRecord()) {
-    const auto camera_id = file.Number<uint32_t>("camera id");
-    const std::string_view model_name = file.Word("camera model");
-    const int width_px = file.Number<int>("width");
-    const int height_px = file.Number<int>("height");
-    std::vector<double> params;
-    while (!file.AtEndOfLine()) {
-      params.push_back(file.Number<double>("camera parameter"));
-    }
-    try {
-      model->cameras.insert_or_assign(camera_id, Camera(CameraModelFromName(model_name), width_px,
-                                                        height_px, std::move(params)));
-    } catch (const Error& e) {
-      file.Throw(fmt::format("camera {}: {}", camera_id, e.what()));
-    }
+    ReadCamera(&file, model);
   }
 }
 
@@ -155,6 +196,9 @@ void ReadImages(const std::string& model_dir, ColmapModel* model) {
       file.Throw("the line of keypoints is missing");
     }
     while (!file.AtEndOfLine()) {
+      if (image.pixels.size() == kMaxColmapKeypoints) {
+        file.Throw(fmt::format("more than {} keypoints", kMaxColmapKeypoints));
+      }
       const double x_px = file.Number<double>("keypoint");
       const double y_px = file.Number<double>("keypoint");
       image.pixels.push_back(Eigen::Vector2d(x_px, y_px).cast<float>());
@@ -180,11 +224,22 @@ void ReadPoints(const std::string& model_dir, ColmapModel* model) {
       const auto keypoint_idx = file.Number<uint32_t>("keypoint index");
       point.track.emplace_back(image_id, keypoint_idx);
     }
-    model->points.push_back(std::move(point));
+    if (!point.track.empty()) {  // A point that no image sees is of no use.
+      model->points.push_back(std::move(point));
+    }
   }
 }
 
 }  // namespace
+
+uint64_t CountImagesOfTextModel(const std::string& model_dir) {
+  TextFile file(model_dir, "images.txt");
+  uint64_t num_images = 0;
+  while (file.NextRecord() && file.NextLine()) {
+    ++num_images;
+  }
+  return num_images;
+}
 
 ColmapModel ReadTextColmapModel(const std::string& model_dir) {
   ColmapModel model;

@@ -7,14 +7,16 @@
 #include <sstream>
 #include <string_view>
 #include <unordered_map>
-#include <unordered_set>
+#include <utility>
 
 #include "core/error.h"
 #include "core/file_bytes.h"
 #include "core/logging.h"
+#include "core/match_names.h"
 #include "core/printable.h"
 #include "ingest/readers/colmap_database.h"
 #include "ingest/readers/colmap_model.h"
+#include "ingest/readers/descriptor_information.h"
 #include "ingest/sfm/triangulate.h"
 
 namespace cairn {
@@ -29,20 +31,49 @@ constexpr uint64_t kMaxListBytes = uint64_t{256} << 20;
 // Index into Reconstruction::images by COLMAP's image id; -1 if the image is not read.
 using ImageIndex = std::unordered_map<uint32_t, int>;
 
+std::vector<std::string> NamesOf(const std::vector<ColmapImage>& images) {
+  std::vector<std::string> names;
+  for (const ColmapImage& image : images) {
+    names.push_back(image.name);
+  }
+  return names;
+}
+
+// Says that names of one file are not equal to those of the other.
+void LogInexact(const NameMatches& matches, const std::vector<std::string>& wanted,
+                const std::vector<std::string>& known, const char* where) {
+  if (matches.num_inexact > 0) {
+    const int example = matches.inexact_example;
+    LogInfo("{} image names are written in another way {}, e.g. '{}' as '{}'", matches.num_inexact,
+            where, Excerpt(wanted[example]), Excerpt(known[matches.known_of_wanted[example]]));
+  }
+}
+
 // Removes the images that are not wanted. Skips a wanted name that only the database knows, because
 // COLMAP did not register that photo. Refuses a name that neither model nor database knows.
 void KeepImages(const ColmapInput& input, ColmapDatabase* database,
                 std::vector<ColmapImage>* images) {
-  const std::unordered_set<std::string> wanted(input.image_names.begin(), input.image_names.end());
-  // Ordered, so that messages do not depend on hashing.
-  std::set<std::string> missing(wanted.begin(), wanted.end());
-  for (const ColmapImage& image : *images) {
-    missing.erase(image.name);
+  // Ordered, so that messages do not depend on the order of the list.
+  const std::set<std::string> unique(input.image_names.begin(), input.image_names.end());
+  const std::vector<std::string> wanted(unique.begin(), unique.end());
+  const std::vector<std::string> known = NamesOf(*images);
+  const NameMatches matches = MatchNames(wanted, known);
+  LogInexact(matches, wanted, known, "in the model");
+  std::vector<bool> is_wanted(images->size(), false);
+  std::vector<std::string> missing;
+  for (size_t i = 0; i < wanted.size(); ++i) {
+    if (const int known_idx = matches.known_of_wanted[i]; known_idx >= 0) {
+      is_wanted[known_idx] = true;
+    } else {
+      missing.push_back(wanted[i]);
+    }
   }
   for (const std::string& name : missing) {
     if (!database->HasImage(name)) {
-      ThrowBadModel(input, fmt::format("the requested image {} is neither in the model nor in {}",
-                                       Excerpt(name), input.database_path));
+      ThrowBadModel(input,
+                    fmt::format("the requested image {} is neither in the model nor in {}; the "
+                                "images of the model are {}",
+                                Excerpt(name), input.database_path, ExampleNames(known)));
     }
   }
   if (missing.size() == wanted.size()) {
@@ -51,18 +82,49 @@ void KeepImages(const ColmapInput& input, ColmapDatabase* database,
   if (!missing.empty()) {
     LogWarning(
         "{} of the {} requested images are skipped because COLMAP did not register them, e.g. {}",
-        missing.size(), wanted.size(), Excerpt(*missing.begin()));
+        missing.size(), wanted.size(), Excerpt(missing.front()));
   }
-  std::erase_if(*images, [&](const ColmapImage& image) { return !wanted.contains(image.name); });
+  std::vector<ColmapImage> kept;
+  for (size_t i = 0; i < images->size(); ++i) {
+    if (is_wanted[i]) {
+      kept.push_back(std::move((*images)[i]));
+    }
+  }
+  *images = std::move(kept);
 }
 
-ReconImage ReadImage(const ColmapInput& input, const ColmapImage& source, int camera_idx,
+// Returns for each image of the model its name in the database.
+std::vector<std::string> NamesInDatabase(const ColmapInput& input,
+                                         const std::vector<ColmapImage>& images,
+                                         ColmapDatabase* database) {
+  const std::vector<std::string> names = NamesOf(images);
+  const std::vector<std::string> known = database->ImageNames();
+  const NameMatches matches = MatchNames(names, known);
+  LogInexact(matches, names, known, "in the database");
+  std::vector<std::string> in_database;
+  for (size_t i = 0; i < names.size(); ++i) {
+    if (matches.known_of_wanted[i] < 0) {
+      ThrowBadModel(input,
+                    fmt::format("image {} is not in {}, which has {}; check that the model "
+                                "was built from this database",
+                                Excerpt(names[i]), input.database_path, ExampleNames(known)));
+    }
+    in_database.push_back(known[matches.known_of_wanted[i]]);
+  }
+  return in_database;
+}
+
+ReconImage ReadImage(const ColmapInput& input, const ColmapImage& source,
+                     const std::string& name_in_database, int camera_idx,
                      ColmapDatabase* database) {
+  const ColmapPosePrior prior = database->ReadPosePrior(name_in_database);
   ReconImage image{.name = source.name,
                    .camera_idx = camera_idx,
                    .cam_from_world = source.cam_from_world,
-                   .features = database->ReadFeatures(source.name),
-                   .gps = database->ReadGps(source.name)};
+                   .features = database->ReadFeatures(name_in_database),
+                   .gps = prior.gps,
+                   .gps_accuracy_m = prior.gps_accuracy_m,
+                   .down_in_cam = prior.down_in_cam};
   if (image.features.keypoints.size() != source.pixels.size()) {
     ThrowBadModel(
         input,
@@ -88,14 +150,22 @@ void ReadImages(const ColmapInput& input, const ColmapModel& model, ColmapDataba
     camera_idx_of_id[camera_id] = static_cast<int>(reconstruction->cameras.size());
     reconstruction->cameras.push_back(camera);
   }
-  for (const ColmapImage& image : model.images) {
+  const std::vector<std::string> names = NamesInDatabase(input, model.images, database);
+  for (size_t i = 0; i < model.images.size(); ++i) {
+    const ColmapImage& image = model.images[i];
     const auto camera_idx = camera_idx_of_id.find(image.camera_id);
+    if (const auto unsupported = model.unsupported_cameras.find(image.camera_id);
+        unsupported != model.unsupported_cameras.end()) {
+      ThrowBadModel(input, fmt::format("image {} has camera {}: {}", Excerpt(image.name),
+                                       image.camera_id, unsupported->second));
+    }
     if (camera_idx == camera_idx_of_id.end()) {
       ThrowBadModel(input, fmt::format("image {} refers to camera {}, which does not exist",
                                        Excerpt(image.name), image.camera_id));
     }
     (*index)[image.image_id] = static_cast<int>(reconstruction->images.size());
-    reconstruction->images.push_back(ReadImage(input, image, camera_idx->second, database));
+    reconstruction->images.push_back(
+        ReadImage(input, image, names[i], camera_idx->second, database));
   }
 }
 
@@ -151,7 +221,9 @@ void ReadLandmarks(const ColmapInput& input, const ColmapModel& model, const Ima
 
 }  // namespace
 
-Reconstruction ReadColmap(const ColmapInput& input) {
+Reconstruction ReadColmap(const ColmapInput& input_with_folder) {
+  ColmapInput input = input_with_folder;
+  input.model_dir = FindColmapModel(input.model_dir);
   ColmapModel model = ReadColmapModel(input.model_dir);
   ImageIndex index;
   for (const ColmapImage& image : model.images) {
@@ -169,6 +241,11 @@ Reconstruction ReadColmap(const ColmapInput& input) {
   ReadImages(input, model, &database, &reconstruction, &index);
   ReadLandmarks(input, model, index, &reconstruction);
   reconstruction.Validate();
+  try {
+    RequireInformation(reconstruction);
+  } catch (const Error& error) {
+    ThrowBadModel(input, fmt::format("{} ({})", error.what(), input.database_path));
+  }
   LogDebug("{}: {} images, {} of {} landmarks", input.model_dir, reconstruction.images.size(),
            reconstruction.landmarks.size(), model.points.size());
   return reconstruction;

@@ -36,6 +36,13 @@ void ValidateImage(const ReconImage& image, size_t num_cameras, Eigen::Index des
   if (image.gps) {
     ValidateGeodetic(*image.gps, Excerpt(image.name).c_str());
   }
+  if (image.gps_accuracy_m && !(*image.gps_accuracy_m > 0.0)) {
+    ThrowBadInput(
+        fmt::format("the accuracy of the GPS of image {} is not positive", Excerpt(image.name)));
+  }
+  if (image.down_in_cam && !(std::abs(image.down_in_cam->norm() - 1.0) <= 1e-6)) {
+    ThrowBadInput(fmt::format("the gravity of image {} is no unit vector", Excerpt(image.name)));
+  }
 }
 
 }  // namespace

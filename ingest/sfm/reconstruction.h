@@ -23,6 +23,8 @@ struct ReconImage {
   // The position prior of the image. The height is unchanged; for photos it is above mean sea
   // level.
   std::optional<Geodetic> gps;
+  std::optional<double> gps_accuracy_m;        // 68 % radius of `gps`, if the source states it.
+  std::optional<Eigen::Vector3d> down_in_cam;  // Unit vector along gravity, if a sensor felt it.
 };
 
 struct ReconObservation {

@@ -15,12 +15,15 @@ enum class ColmapModelFormat { kBinary, kText };
 void WriteColmapModel(const Reconstruction& reconstruction, const std::string& dir,
                       ColmapModelFormat format);
 
-// The place of the images' GPS positions, which depends on COLMAP's version.
+// The place of the images' GPS positions, which depends on COLMAP's version. Only the last place
+// has room for their accuracy and for gravity.
 enum class ColmapGpsTable {
   kNone,
   kImageColumns,        // images.prior_t*, until 3.9.
   kPosePriorsOfImages,  // pose_priors by image, 3.10 and 3.11.
   kPosePriorsOfData,    // pose_priors by data id, since 3.12.
+  // pose_priors by data id with covariance and gravity, and descriptors with a type, since 4.0.
+  kPosePriorsWithGravity,
 };
 
 struct ColmapDatabaseOptions {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -51,6 +52,13 @@ std::string TablesOfImages(ColmapGpsTable gps) {
              ");CREATE TABLE pose_priors (pose_prior_id INTEGER PRIMARY KEY, corr_data_id "
              "INTEGER, corr_sensor_id INTEGER, corr_sensor_type INTEGER, position BLOB, "
              "coordinate_system INTEGER);";
+    case ColmapGpsTable::kPosePriorsWithGravity:
+      return images +
+             ");CREATE TABLE pose_priors (pose_prior_id INTEGER PRIMARY KEY NOT NULL, corr_data_id "
+             "INTEGER NOT NULL, corr_sensor_id INTEGER NOT NULL, corr_sensor_type INTEGER NOT "
+             "NULL, position BLOB, position_covariance BLOB, gravity BLOB, coordinate_system "
+             "INTEGER NOT NULL);"
+             "ALTER TABLE descriptors ADD COLUMN type INTEGER NOT NULL DEFAULT 0;";
   }
   return images + ");";
 }
@@ -100,17 +108,41 @@ void WriteFeatures(const FeatureSet& features, int64_t image_id, int keypoint_co
   database->Prepare("INSERT INTO keypoints VALUES (?, ?, ?, ?)")
       .Bind(image_id, rows, static_cast<int64_t>(keypoint_columns), BytesOf(keypoints))
       .Run();
-  database->Prepare("INSERT INTO descriptors VALUES (?, ?, ?, ?)")
+  database->Prepare("INSERT INTO descriptors (image_id, rows, cols, data) VALUES (?, ?, ?, ?)")
       .Bind(image_id, rows, static_cast<int64_t>(features.descriptors.cols()), BytesOf(descriptors))
+      .Run();
+}
+
+constexpr int64_t kDataIdOffset = 1000;
+
+// COLMAP 4 writes NaN for what is unknown.
+void WritePosePrior(const ReconImage& image, int64_t image_id, sqlite::Connection* database) {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> position(3, kUnknown), covariance(9, kUnknown), gravity(3, kUnknown);
+  if (image.gps) {
+    position = {image.gps->lat_deg(), image.gps->lon_deg(), image.gps->h_m};
+  }
+  if (image.gps_accuracy_m) {
+    // The variance along an axis of a circular Gaussian with 68 % within the accuracy.
+    const double variance_sqm = *image.gps_accuracy_m * *image.gps_accuracy_m / -std::log(0.32) / 2;
+    covariance = {variance_sqm, 0, 0, 0, variance_sqm, 0, 0, 0, variance_sqm};
+  }
+  if (image.down_in_cam) {
+    gravity.assign(image.down_in_cam->begin(), image.down_in_cam->end());
+  }
+  database->Prepare("INSERT INTO pose_priors VALUES (?, ?, ?, 0, ?, ?, ?, ?)")
+      .Bind(image_id + kDataIdOffset, image_id,
+            static_cast<int64_t>(kFirstColmapCameraId) + image.camera_idx, BytesOf(position),
+            BytesOf(covariance), BytesOf(gravity), int64_t{image.gps ? 0 : -1})
       .Run();
 }
 
 void WriteGps(const Geodetic& gps, int64_t image_id, ColmapGpsTable table,
               sqlite::Connection* database) {
-  constexpr int64_t kDataIdOffset = 1000;
   const std::vector<double> lat_lon_h = {gps.lat_deg(), gps.lon_deg(), gps.h_m};
   switch (table) {
     case ColmapGpsTable::kNone:
+    case ColmapGpsTable::kPosePriorsWithGravity:  // WritePosePrior writes it.
       break;
     case ColmapGpsTable::kImageColumns:
       database
@@ -150,7 +182,9 @@ void WriteColmapDatabase(const Reconstruction& reconstruction, const std::string
               static_cast<int64_t>(kFirstColmapCameraId) + image.camera_idx)
         .Run();
     WriteFeatures(image.features, image_id, options.keypoint_columns, &database);
-    if (image.gps) {
+    if (options.gps == ColmapGpsTable::kPosePriorsWithGravity) {
+      WritePosePrior(image, image_id, &database);
+    } else if (image.gps) {
       WriteGps(*image.gps, image_id, options.gps, &database);
     }
   }

@@ -117,44 +117,6 @@ TEST_F(ColmapReader, ReadsKeypointsOfFourAndTwoColumns) {
   EXPECT_FLOAT_EQ(two.images[0].features.keypoints[0].scale_px, 1.0f);
 }
 
-class ColmapGps : public ColmapReader, public ::testing::WithParamInterface<ColmapGpsTable> {};
-
-TEST_P(ColmapGps, IsReadFromEverySchema) {
-  const Reconstruction written = StreetReconstruction();
-  const Reconstruction read = ReadColmap(Write(written, true, {.gps = GetParam()}));
-  for (size_t i = 0; i < read.images.size(); ++i) {
-    ASSERT_TRUE(read.images[i].gps.has_value());
-    EXPECT_LT(GroundDistanceM(*read.images[i].gps, *written.images[i].gps), 1e-3);
-    EXPECT_NEAR(read.images[i].gps->h_m, written.images[i].gps->h_m, 1e-6);
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(Schemas, ColmapGps,
-                         ::testing::Values(ColmapGpsTable::kImageColumns,
-                                           ColmapGpsTable::kPosePriorsOfImages,
-                                           ColmapGpsTable::kPosePriorsOfData));
-
-// Text was taken for latitude 0.
-TEST_F(ColmapReader, GpsThatIsTextIsRefused) {
-  const ColmapInput input =
-      Write(StreetReconstruction(), true, {.gps = ColmapGpsTable::kImageColumns});
-  testing::ExecuteRaw(input.database_path, "UPDATE images SET prior_ty = 'north'");
-  EXPECT_EQ(testing::ErrorCodeOf([&] { ReadColmap(input); }), ErrorCode::kBadInput);
-}
-
-TEST_F(ColmapReader, GpsInWholeDegreesIsGps) {
-  const ColmapInput input =
-      Write(StreetReconstruction(), true, {.gps = ColmapGpsTable::kImageColumns});
-  testing::ExecuteRaw(input.database_path,
-                      "CREATE TABLE whole AS SELECT image_id, name, camera_id, 47 AS prior_tx, "
-                      "8 AS prior_ty, NULL AS prior_tz FROM images; DROP TABLE images; "
-                      "ALTER TABLE whole RENAME TO images");
-  const auto gps = ReadColmap(input).images[0].gps;
-  ASSERT_TRUE(gps.has_value());
-  EXPECT_NEAR(gps->lat_deg(), 47.0, 1e-12);
-  EXPECT_EQ(gps->h_m, 0.0);
-}
-
 TEST_F(ColmapReader, ImagesThatAreAViewWithoutEndAreRefused) {
   const ColmapInput input = Write(StreetReconstruction());
   testing::ExecuteRaw(input.database_path,
@@ -162,12 +124,6 @@ TEST_F(ColmapReader, ImagesThatAreAViewWithoutEndAreRefused) {
                       "(SELECT 1 UNION ALL SELECT image_id + 1 FROM n) "
                       "SELECT image_id, 'none' AS name FROM n");
   EXPECT_EQ(testing::ErrorCodeOf([&] { ReadColmap(input); }), ErrorCode::kBadInput);
-}
-
-TEST_F(ColmapReader, GpsAtNullIslandIsNoGps) {
-  Reconstruction written = StreetReconstruction();
-  written.images[0].gps = Geodetic{};
-  EXPECT_FALSE(ReadColmap(Write(written)).images[0].gps.has_value());
 }
 
 TEST_F(ColmapReader, RestrictedReadTriangulatesFromTheRemainingImagesAlone) {
@@ -281,14 +237,6 @@ TEST_F(ColmapReader, RigsAndFramesOfColmap312ChangeNothing) {
   const Reconstruction read = ReadColmap(input);
   ExpectSameReconstruction(read, written);
   EXPECT_TRUE(read.images[0].gps.has_value());
-}
-
-TEST_F(ColmapReader, CartesianPosePriorsAreNoGps) {
-  const ColmapInput input =
-      Write(StreetReconstruction(), true, {.gps = ColmapGpsTable::kPosePriorsOfData});
-  sqlite::Connection(input.database_path, sqlite::Access::kReadWrite, 100)
-      .Execute("UPDATE pose_priors SET coordinate_system = 1");
-  EXPECT_FALSE(ReadColmap(input).images[0].gps.has_value());
 }
 
 TEST_F(ColmapReader, RefusesAnUnknownCameraModel) {
