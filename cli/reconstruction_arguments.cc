@@ -9,6 +9,7 @@
 #include "cli/arguments.h"
 #include "cli/height_option.h"
 #include "cli/photo_orientations.h"
+#include "core/error.h"
 #include "core/printable.h"
 #include "ingest/georegister/position_checks.h"
 
@@ -49,6 +50,30 @@ std::vector<std::string> NotesOn(const Reconstruction& reconstruction,
                     georegistration.num_sign_errors));
   }
   return notes;
+}
+
+std::vector<CameraPosition> GpsOfDatabase(const Reconstruction& reconstruction,
+                                          const ReconstructionArguments& arguments) {
+  std::vector<CameraPosition> positions = GpsPositions(reconstruction, arguments.gps_accuracy_m);
+  if (positions.empty()) {
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("{}: none of the {} images has a GPS position here, so the place of "
+                            "the model on Earth is unknown. Photos without GPS need known "
+                            "positions of three images or more: --georef CSV",
+                            arguments.database_path, reconstruction.images.size()));
+  }
+  return positions;
+}
+
+std::vector<CameraPosition> PositionsOfTable(const Reconstruction& reconstruction,
+                                             const ReconstructionArguments& arguments) {
+  std::vector<CameraPosition> positions = ReadCameraPositions(arguments.georef_path);
+  try {
+    NameAfterImages(reconstruction, &positions);
+  } catch (const Error& error) {
+    throw Error(error.code(), fmt::format("{}: {}", arguments.georef_path, error.what()));
+  }
+  return positions;
 }
 
 }  // namespace
@@ -93,9 +118,9 @@ void AddReconstructionOptions(CLI::App* command, ReconstructionArguments* argume
 Georegistration GeoregisterByArguments(const Reconstruction& reconstruction,
                                        const ReconstructionArguments& arguments,
                                        const GeoregisterOptions& options) {
-  std::vector<CameraPosition> positions =
-      arguments.use_gps ? GpsPositions(reconstruction, arguments.gps_accuracy_m)
-                        : ReadCameraPositions(arguments.georef_path);
+  std::vector<CameraPosition> positions = arguments.use_gps
+                                              ? GpsOfDatabase(reconstruction, arguments)
+                                              : PositionsOfTable(reconstruction, arguments);
   const PositionFindings findings = CheckPositions(arguments.camera_height_m, &positions);
   MakeHeightsEllipsoidal(
       arguments.height.value_or(arguments.use_gps ? HeightReference::kMeanSeaLevel

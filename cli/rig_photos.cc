@@ -35,10 +35,9 @@ RigPhoto ReadRigPhoto(const JsonReader& element, const std::filesystem::path& fo
 }  // namespace
 
 std::vector<RigPhoto> ReadRigPhotos(const std::string& path) {
-  const std::vector<uint8_t> bytes = ReadFileBytes(path, kMaxRigBytes);
+  const std::string text = ReadTextFile(path, kMaxRigBytes);
   try {
-    const JsonDocument document =
-        ParseJson({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    const JsonDocument document = ParseJson(text);
     std::vector<RigPhoto> photos;
     for (const JsonReader& element :
          JsonReader(document).Elements(1, LocalizeQuery::kMaxOtherCameras)) {

@@ -23,12 +23,17 @@ struct CameraPosition {
   bool has_height = true;   // If false, `position` has some height near that of the street.
 };
 
-// Reads a CSV with a header and the columns image, lat_deg, lon_deg, h_m and optionally accuracy_m,
-// in any order. Throws Error(kBadInput) that names file, line and column.
+// Reads a CSV (core/csv.h) with a header and the columns image, lat_deg, lon_deg, h_m and
+// optionally accuracy_m, in any order. Throws Error(kBadInput) that names file, line and column,
+// and if there is no position.
 std::vector<CameraPosition> ReadCameraPositions(const std::string& path);
 
-// The GPS priors of the reconstruction's images, with the same accuracy for all. Heights are
-// unchanged; EXIF heights are above mean sea level.
+// Gives the positions the names of the images that MatchNames (core/match_names.h) finds for them.
+// Throws Error(kBadInput), with names of both, if it finds none for all of them, or cannot decide.
+void NameAfterImages(const Reconstruction& reconstruction, std::vector<CameraPosition>* positions);
+
+// The GPS priors of the reconstruction's images. `accuracy_m` is for images whose source states no
+// accuracy. Heights are unchanged; EXIF heights are above mean sea level.
 std::vector<CameraPosition> GpsPositions(const Reconstruction& reconstruction, double accuracy_m);
 
 // Converts heights above `reference` to heights above the ellipsoid. Throws as

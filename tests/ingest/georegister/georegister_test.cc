@@ -210,6 +210,44 @@ TEST_F(CameraPositionsCsv, ReadsColumnsInAnyOrder) {
   EXPECT_DOUBLE_EQ(positions[1].position.lat_deg(), -47.0);
 }
 
+TEST_F(CameraPositionsCsv, QuotesOfSpreadsheetsAndScriptsAreRead) {
+  const auto positions = Read(
+      "\"image\",\"lat_deg\",\"lon_deg\",\"h_m\"\r\n\"Lund, street 1.jpg\",\"47.5\",8,+400\r\n");
+  ASSERT_EQ(positions.size(), 1u);
+  EXPECT_EQ(positions[0].image_name, "Lund, street 1.jpg");
+  EXPECT_DOUBLE_EQ(positions[0].position.lat_deg(), 47.5);
+  EXPECT_DOUBLE_EQ(Read("image;lat_deg;lon_deg;h_m\na;47,5;8,25;400\n")[0].position.lon_deg(),
+                   8.25);
+}
+
+TEST_F(CameraPositionsCsv, ATableWithoutPositionsIsRefused) {
+  EXPECT_THAT(RefusalOf("image,lat_deg,lon_deg,h_m\n\n"), HasSubstr("no position"));
+}
+
+TEST(NameAfterImages, FindsNamesThatAreWrittenInAnotherWay) {
+  Reconstruction reconstruction = testing::StreetWorld().Reconstruct();
+  reconstruction.images[0].name = "cam/u\u0308ber 0.JPG";
+  std::vector<CameraPosition> positions = GpsPositions(reconstruction, 1.0);
+  positions[0].image_name = "cam/\u00fcber 0.jpg";
+  positions.push_back({"elsewhere.jpg", positions[0].position, 1.0});
+  NameAfterImages(reconstruction, &positions);
+  EXPECT_EQ(positions[0].image_name, reconstruction.images[0].name);
+  EXPECT_EQ(positions[1].image_name, reconstruction.images[1].name);
+  EXPECT_EQ(positions.back().image_name, "elsewhere.jpg");
+}
+
+TEST(NameAfterImages, RefusesNamesOfOtherImagesWithExamplesOfBoth) {
+  const Reconstruction reconstruction = testing::StreetWorld().Reconstruct();
+  std::vector<CameraPosition> positions = {{"IMG_1.heic", {}, 1.0}, {"IMG_2.heic", {}, 1.0}};
+  try {
+    NameAfterImages(reconstruction, &positions);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_THAT(e.what(), HasSubstr("'IMG_1.heic', 'IMG_2.heic'"));
+    EXPECT_THAT(e.what(), HasSubstr("'" + reconstruction.images[0].name + "'"));
+  }
+}
+
 TEST_F(CameraPositionsCsv, ReadsTheAccuracy) {
   EXPECT_DOUBLE_EQ(Read("image,lat_deg,lon_deg,h_m,accuracy_m\na,1,2,3,0.05\n")[0].accuracy_m,
                    0.05);
