@@ -6,6 +6,7 @@
 #include "cli/ingest_summary.h"
 #include "cli/session_archive.h"
 #include "cli/session_arguments.h"
+#include "cli/session_replacement.h"
 #include "cli/shell.h"
 #include "core/parallel_for.h"
 #include "ingest/ingest_session.h"
@@ -53,6 +54,7 @@ ExitCode RunIngest(const IngestArguments& arguments, ProgressMode progress_mode)
   MapStore store = MapStore::Open(arguments.session.map_path, OpenMode::kReadWrite);
   const std::unique_ptr<SessionArchive> archive = OpenArchive(arguments, store);
   const PlacedReconstruction session = ReadSession(arguments.session);
+  CheckReplacement(store.Snapshot(), session, HasSessionName(arguments.session));
   IngestReport report;
   {
     Progress progress(progress_mode);

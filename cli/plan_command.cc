@@ -10,6 +10,7 @@
 #include "cli/ingest_summary.h"
 #include "cli/join_summary.h"
 #include "cli/session_arguments.h"
+#include "cli/session_replacement.h"
 #include "cli/shell.h"
 #include "core/printable.h"
 #include "ingest/plan/plan_folder.h"
@@ -65,6 +66,7 @@ ExitCode RunPlan(const PlanArguments& arguments, ProgressMode progress_mode) {
   MapStore store = MapStore::Open(arguments.session.map_path, OpenMode::kReadWrite);
   PreparePlanFolder(arguments.out);
   const PlacedReconstruction session = ReadSession(arguments.session);
+  CheckReplacement(store.Snapshot(), session, HasSessionName(arguments.session));
   PlannedSession planned;
   {
     Progress progress(progress_mode);

@@ -67,7 +67,7 @@ void AddSessionArguments(CLI::App* command, SessionArguments* arguments) {
   command
       ->add_option("--session", options.session_name,
                    "Name of the session. Replaces an existing session of that name. Default: the "
-                   "folder of the database")
+                   "folder of the database, which replaces only a session of the same photos")
       ->type_name("NAME");
   command
       ->add_option("--max-descriptors", options.selection.max_descriptors,
@@ -86,9 +86,11 @@ void AddSessionArguments(CLI::App* command, SessionArguments* arguments) {
                    "Bytes per descriptor; used only for the first session of a map")
       ->capture_default_str();
   command
-      ->add_option("--recorded", options.recorded_at,
-                   "When the photos were taken, e.g. 2026-01-31T12:00:00Z. Default: now. Landmarks "
-                   "that later sessions miss fade with time")
+      ->add_option(
+          "--recorded", options.recorded_at,
+          "When the photos were taken, e.g. 2026-01-31T12:00:00Z. Default: as the map has it "
+          "if it has these photos under this name, else now. Landmarks that later sessions "
+          "miss fade with time")
       ->type_name("UTC");
   command->add_flag(
       "--apart", arguments->apart,
@@ -97,8 +99,12 @@ void AddSessionArguments(CLI::App* command, SessionArguments* arguments) {
   command->add_flag("--json", arguments->json, "Print the summary as JSON");
 }
 
+bool HasSessionName(const SessionArguments& arguments) {
+  return !arguments.options.ingest.session_name.empty();
+}
+
 std::string SessionNameOf(const SessionArguments& arguments) {
-  if (!arguments.options.ingest.session_name.empty()) {
+  if (HasSessionName(arguments)) {
     return arguments.options.ingest.session_name;
   }
   // COLMAP projects keep their database in the top folder, so the name of that folder usually names

@@ -40,6 +40,8 @@ struct PlacedReconstruction {
   IngestOptions options;
 };
 
+// Whether a name of the session was given.
+bool HasSessionName(const SessionArguments& arguments);
 // The name that was given, or that of the database's folder.
 std::string SessionNameOf(const SessionArguments& arguments);
 

@@ -6,11 +6,21 @@
 
 #include "core/error.h"
 #include "ingest/ingest_session.h"
+#include "ingest/session_digest.h"
 
 namespace cairn {
 namespace {
 
-SessionKey KeyOf(const SessionRecord& session) { return {session.name, session.content_digest}; }
+SessionKey KeyOf(const SessionRecord& session) { return {session.name, IngestDigestOf(session)}; }
+
+// The time of the photos that is a part of the session's digest: none if the time is that of the
+// ingest, and else what was given now or at an earlier ingest.
+std::string GivenRecordedAt(const SessionRecord& session, const Sim3d& ecef_from_world,
+                            const IngestOptions& options, const Reconstruction& reconstruction) {
+  const std::string with_options = DigestOf(reconstruction) + DigestOf(ecef_from_world, options);
+  return AreOneIngest(with_options, session.content_digest) ? options.recorded_at
+                                                            : session.recorded_at;
+}
 
 // Reserves the ids from the map's next ones up to `first`, so that a session gets these.
 void LeaveOutIdsBefore(const FirstIds& first, MapStore* store) {
@@ -45,7 +55,8 @@ ArchiveManifest MakeManifest(const PlannedSession& planned, const Sim3d& ecef_fr
   ArchiveManifest manifest;
   manifest.session = KeyOf(plan.session);
   manifest.source = plan.session.source;
-  manifest.given_recorded_at = options.recorded_at;
+  manifest.given_recorded_at =
+      GivenRecordedAt(plan.session, ecef_from_world, options, *planned.reconstruction);
   manifest.recorded_at = plan.session.recorded_at;
   manifest.options_json = options_json;
   manifest.map_created_at = plan.map_created_at;
@@ -77,7 +88,7 @@ IngestReport IngestAgain(const ArchivedSession& session, IngestOptions options, 
   return IngestSession(
       session.reconstruction, manifest.ecef_from_world, options, store, progress,
       [&](const PlannedSession& planned) {
-        if (planned.plan.session.content_digest != manifest.session.content_digest) {
+        if (!AreOneIngest(planned.plan.session.content_digest, manifest.session.content_digest)) {
           throw Error(ErrorCode::kMapDamaged, "the content does not match its digest");
         }
       });

@@ -68,6 +68,15 @@ void RequireDistinctSessions(const MergeSource& a, const MergeSource& b, Session
                                 "remove it from one of them, or keep both apart (--apart)",
                                 Excerpt(of_a.name), a.path(), Excerpt(of_b.name), b.path()));
       }
+      const SharedPhotos shared = CountSharedPhotos(of_a, of_b);
+      if (joining == SessionJoining::kJoin && !AreMostlyNew(shared)) {
+        throw Error(
+            ErrorCode::kConflict,
+            fmt::format("session '{}' of {} and session '{}' of {} share {} of the {} photos that "
+                        "were compared; remove one of them, or keep both apart (--apart)",
+                        Excerpt(of_a.name), a.path(), Excerpt(of_b.name), b.path(),
+                        shared.num_shared, shared.num_compared));
+      }
     }
   }
 }

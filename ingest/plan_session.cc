@@ -46,11 +46,42 @@ SessionRecord MakeSessionRecord(const Reconstruction& reconstruction, const Sim3
   record.name = options.session_name;
   record.source = options.source;
   record.recorded_at = RecordingTimeOf(options);
-  record.content_digest = DigestOf(reconstruction) + DigestOf(ecef_from_world, options);
+  record.content_digest = DigestOf(reconstruction) + DigestOf(ecef_from_world, options) +
+                          PhotosDigestOf(reconstruction);
   record.num_images = std::ssize(reconstruction.images);
   record.num_landmarks = std::ssize(reconstruction.landmarks);
   record.georef_median_residual_m = options.georef_median_residual_m;
   return record;
+}
+
+// Returns true if most photos of the session `known` have a photo of the same name here.
+bool HasPhotosOf(const SessionRecord& known, const Reconstruction& reconstruction,
+                 const MapSnapshot& base) {
+  std::set<std::string> names;
+  for (const ReconImage& image : reconstruction.images) {
+    names.insert(image.name);
+  }
+  const std::vector<KeyframeRecord> keyframes = base.KeyframesOfSession(known.id);
+  const auto num_known = std::ranges::count_if(keyframes, [&](const KeyframeRecord& keyframe) {
+    return names.contains(keyframe.image_name);
+  });
+  return 2 * num_known > std::ssize(keyframes);
+}
+
+// The record of the session. If it was not said when the photos were taken, and the map has them
+// already under this name, they were taken when the map says.
+SessionRecord RecordOf(const Reconstruction& reconstruction, const Sim3d& ecef_from_world,
+                       const IngestOptions& options, const std::optional<SessionRecord>& known,
+                       const MapSnapshot& base) {
+  SessionRecord record = MakeSessionRecord(reconstruction, ecef_from_world, options);
+  if (!known || !options.recorded_at.empty() ||
+      AreOneIngest(record.content_digest, known->content_digest) ||
+      !HasPhotosOf(*known, reconstruction, base)) {
+    return record;
+  }
+  IngestOptions as_known = options;
+  as_known.recorded_at = known->recorded_at;
+  return MakeSessionRecord(reconstruction, ecef_from_world, as_known);
 }
 
 // Takes the map's codebook, or chooses one if the map has none. Its id stays 0 if it needs a new
@@ -231,18 +262,20 @@ PlannedSession PlanSession(const Reconstruction& reconstruction, const Sim3d& ec
   SessionPlan& plan = planned.plan;
   plan.map_created_at = planned.base->Info().created_at;
   plan.base_version = planned.base->version();
-  plan.session = MakeSessionRecord(reconstruction, ecef_from_world, options);
+  const std::optional<SessionRecord> same = planned.base->FindSession(options.session_name);
+  plan.session = RecordOf(reconstruction, ecef_from_world, options, same, *planned.base);
   plan.options = options;
   plan.num_landmarks_dropped = plan.session.num_landmarks - std::ssize(placed.landmarks);
   RequireNotElsewhere(plan.session, options.joining, planned.base->Sessions());
-  if (const auto same = planned.base->FindSession(options.session_name)) {
-    if (same->content_digest == plan.session.content_digest) {
+  if (same) {
+    if (AreOneIngest(same->content_digest, plan.session.content_digest)) {
       plan.session = *same;
       plan.is_unchanged = true;
       return planned;
     }
     plan.replaced_session = same->id;
   }
+  WarnOfSharedPhotos(plan.session, planned.base->Sessions());
   FindCodebook(reconstruction, options, *planned.base, progress, &plan);
   SettleAndNumber(placed, options, store, progress, &planned);
   return planned;

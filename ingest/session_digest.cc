@@ -1,11 +1,15 @@
 #include "ingest/session_digest.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <string_view>
 #include <type_traits>
 
 #include "core/error.h"
+#include "core/logging.h"
 #include "core/printable.h"
 #include "storage/bytes/content_digest.h"
 
@@ -70,6 +74,24 @@ void AddUpkeep(const UpkeepOptions& upkeep, Hasher* hasher) {
   }
 }
 
+// The parts of a digest: the reconstruction, how it was ingested, and the photos.
+constexpr size_t kRecordingDigits = 32, kIngestDigits = 48;
+constexpr size_t kPhotoDigits = 8;
+constexpr size_t kMaxPhotos = 1024;
+
+// Fewer photos that two sessions share do little harm.
+constexpr int kLeastShared = 3;
+constexpr double kLeastShareOfPhotos = 0.05;
+
+// The photos of a digest, ascending; none in a digest from before photos were a part of it.
+std::vector<std::string_view> PhotosOf(std::string_view digest) {
+  std::vector<std::string_view> photos;
+  for (size_t at = kIngestDigits; at + kPhotoDigits <= digest.size(); at += kPhotoDigits) {
+    photos.push_back(digest.substr(at, kPhotoDigits));
+  }
+  return photos;
+}
+
 }  // namespace
 
 std::string DigestOf(const Reconstruction& reconstruction) {
@@ -123,22 +145,94 @@ std::string DigestOf(const Sim3d& ecef_from_world, const IngestOptions& options)
   return hasher.Hex().substr(16);
 }
 
+std::string PhotosDigestOf(const Reconstruction& reconstruction) {
+  std::vector<std::string> photos;
+  for (const ReconImage& image : reconstruction.images) {
+    if (image.features.size() > 0) {
+      Hasher hasher;
+      hasher.Add(image.features.descriptors);
+      photos.push_back(hasher.Hex().substr(0, kPhotoDigits));
+    }
+  }
+  std::sort(photos.begin(), photos.end());
+  photos.erase(std::unique(photos.begin(), photos.end()), photos.end());
+  photos.resize(std::min(photos.size(), kMaxPhotos));
+  return fmt::format("{}", fmt::join(photos, ""));
+}
+
+bool AreOneIngest(const std::string& digest_a, const std::string& digest_b) {
+  return digest_a.substr(0, kIngestDigits) == digest_b.substr(0, kIngestDigits);
+}
+
+std::string IngestDigestOf(const SessionRecord& session) {
+  return session.content_digest.substr(0, kIngestDigits);
+}
+
 bool AreOneRecording(const SessionRecord& a, const SessionRecord& b) {
-  constexpr size_t kContentDigestSize = 32;  // What DigestOf says of a reconstruction.
-  return !a.content_digest.empty() && a.content_digest.substr(0, kContentDigestSize) ==
-                                          b.content_digest.substr(0, kContentDigestSize);
+  return !a.content_digest.empty() && a.content_digest.substr(0, kRecordingDigits) ==
+                                          b.content_digest.substr(0, kRecordingDigits);
+}
+
+SharedPhotos CountSharedPhotos(const SessionRecord& session, const SessionRecord& other) {
+  const std::vector<std::string_view> photos = PhotosOf(session.content_digest);
+  const std::vector<std::string_view> others = PhotosOf(other.content_digest);
+  SharedPhotos shared;
+  if (photos.empty() || others.empty()) {
+    return shared;
+  }
+  // Up to the last photo of a full list, both lists are complete.
+  const auto is_known_of = [](const std::vector<std::string_view>& list, std::string_view photo) {
+    return list.size() < kMaxPhotos || photo <= list.back();
+  };
+  for (const std::string_view photo : photos) {
+    if (is_known_of(others, photo)) {
+      ++shared.num_compared;
+      shared.num_shared += std::binary_search(others.begin(), others.end(), photo) ? 1 : 0;
+    }
+  }
+  return shared;
+}
+
+bool AreMostlyNew(const SharedPhotos& shared) {
+  return shared.num_shared < kLeastShared ||
+         shared.num_shared < kLeastShareOfPhotos * shared.num_compared;
 }
 
 void RequireNotElsewhere(const SessionRecord& session, SessionJoining joining,
                          const std::vector<SessionRecord>& sessions) {
+  if (joining != SessionJoining::kJoin) {
+    return;
+  }
   for (const SessionRecord& other : sessions) {
-    if (joining == SessionJoining::kJoin && other.name != session.name &&
-        AreOneRecording(session, other)) {
+    if (other.name == session.name) {
+      continue;
+    }
+    if (AreOneRecording(session, other)) {
       throw Error(
           ErrorCode::kConflict,
           fmt::format("the map has the same reconstruction as session '{}'; keep it apart from "
                       "what the map knows (--apart) if it belongs there twice",
                       Excerpt(other.name)));
+    }
+    const SharedPhotos shared = CountSharedPhotos(session, other);
+    if (!AreMostlyNew(shared)) {
+      throw Error(
+          ErrorCode::kConflict,
+          fmt::format("{} of the {} photos that were compared are in the map already: session "
+                      "'{}' has photos with the same features. Leave them out (--images), replace "
+                      "that session (--session), or keep this one apart from what the map knows "
+                      "(--apart) if they belong there twice",
+                      shared.num_shared, shared.num_compared, Excerpt(other.name)));
+    }
+  }
+}
+
+void WarnOfSharedPhotos(const SessionRecord& session, const std::vector<SessionRecord>& sessions) {
+  for (const SessionRecord& other : sessions) {
+    const SharedPhotos shared = CountSharedPhotos(session, other);
+    if (other.name != session.name && shared.num_shared > 0) {
+      LogWarning("{} of the {} photos that were compared are in the map already, in session '{}'",
+                 shared.num_shared, shared.num_compared, Excerpt(other.name));
     }
   }
 }

@@ -109,6 +109,51 @@ TEST_F(IngestVerb, SaysInWordsWhatASecondSessionChanged) {
   EXPECT_THAT(text, Not(HasSubstr("too few")));
 }
 
+// Tools put the database of each capture into a folder of the same name, which is the default.
+TEST_F(IngestVerb, ADefaultNameReplacesOnlyASessionOfTheSamePhotos) {
+  const std::string map = NewMap("map.gpkg");
+  StreetWorldOptions elsewhere = Visit(2);
+  elsewhere.origin = Geodetic::FromDegrees(59.3, 18.0, 20.0);
+  const auto ingest = [&](const std::string& capture, const StreetWorldOptions& street,
+                          std::vector<std::string> more) {
+    const std::string folder = dir_.File(capture + "/colmap");
+    if (std::filesystem::create_directories(folder)) {
+      const Reconstruction reconstruction = StreetWorld(street).Reconstruct();
+      WriteColmapModel(reconstruction, folder, ColmapModelFormat::kBinary);
+      WriteColmapDatabase(reconstruction, folder + "/database.db", {});
+    }
+    more.insert(more.begin(),
+                {"ingest", map, "--model", folder, "--database", folder + "/database.db", "--gps"});
+    return RunCairn(more);
+  };
+  ASSERT_EQ(ingest("a", Visit(2), {}).exit_code, 0);
+  const Finished refused = ingest("b", elsewhere, {});
+  EXPECT_NE(refused.exit_code, 0);
+  EXPECT_THAT(refused.err, HasSubstr("session 'colmap' already"));
+  EXPECT_THAT(refused.err, HasSubstr(" km away"));
+  EXPECT_THAT(refused.err, HasSubstr("--session"));
+  const Finished again = ingest("a", Visit(2), {"--max-descriptors", "50000"});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  const Finished forced = ingest("b", elsewhere, {"--session", "colmap"});
+  EXPECT_EQ(forced.exit_code, 0) << forced.err;
+  EXPECT_THAT(forced.err, HasSubstr("stands"));
+}
+
+TEST_F(IngestVerb, SaysWhatToDoWithoutGps) {
+  Reconstruction reconstruction = StreetWorld(Visit(2)).Reconstruct();
+  for (ReconImage& image : reconstruction.images) {
+    image.gps.reset();
+  }
+  WriteColmapModel(reconstruction, dir_.path().string(), ColmapModelFormat::kBinary);
+  WriteColmapDatabase(reconstruction, dir_.File("database.db"), {});
+  const Finished refused =
+      RunCairn({"ingest", NewMap("map.gpkg"), "--model", dir_.path().string(), "--database",
+                dir_.File("database.db"), "--gps"});
+  EXPECT_NE(refused.exit_code, 0);
+  EXPECT_THAT(refused.err, HasSubstr("none of the 16 images has a GPS position"));
+  EXPECT_THAT(refused.err, HasSubstr("--georef"));
+}
+
 TEST_F(IngestVerb, SaysThatTooFewPhotosCannotBeJudged) {
   const std::string map = NewMap("map.gpkg");
   Ingest(map, "monday", Visit(2));
