@@ -15,6 +15,13 @@ namespace {
 
 constexpr size_t kMaxProblemBytes = 1000;
 
+// Says that earlier versions have further contents of tiles, which are checked, too.
+std::string EarlierContents(int64_t num_contents) {
+  return num_contents > 0
+             ? fmt::format(" and {} earlier contents of tiles in its versions", num_contents)
+             : "";
+}
+
 ExitCode RunCheck(const std::string& map_path, ProgressMode progress_mode) {
   const MapStore store = MapStore::Open(map_path, OpenMode::kReadOnly);
   CheckReport report;
@@ -28,11 +35,13 @@ ExitCode RunCheck(const std::string& map_path, ProgressMode progress_mode) {
   }
   if (!report.problems.empty()) {
     throw Error(ErrorCode::kMapDamaged,
-                fmt::format("{}: {} problems found in {} tiles; restore the file from a copy or "
-                            "ingest the sessions into a new map",
-                            map_path, report.problems.size(), report.num_tiles_checked));
+                fmt::format("{}: {} problems found; restore the file from a copy or ingest the "
+                            "sessions into a new map",
+                            map_path, report.problems.size()));
   }
-  fmt::print("{}: {} tiles, no problems\n", Printable(map_path), report.num_tiles_checked);
+  const int64_t num_tiles = store.Snapshot().Info().num_tiles;
+  fmt::print("{}: {} tiles{}, no problems\n", Printable(map_path), num_tiles,
+             EarlierContents(report.num_tiles_checked - num_tiles));
   return ExitCode::kOk;
 }
 

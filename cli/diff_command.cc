@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cli/shell.h"
+#include "core/error.h"
 #include "http/json/tile_square.h"
 #include "storage/map/map_store.h"
 
@@ -19,8 +20,8 @@ using Json = nlohmann::ordered_json;
 
 struct DiffArguments {
   std::string map_path;
-  int64_t from = 0;
-  int64_t to = 0;
+  int64_t from = 0;  // 0: the version before `to`.
+  int64_t to = 0;    // 0: the latest.
   bool json = false;
   bool geojson = false;
 };
@@ -98,7 +99,8 @@ void PrintJson(const DiffArguments& arguments, const std::vector<TileChange>& ch
                          .dump(2));
 }
 
-void PrintText(const std::vector<TileChange>& changes) {
+void PrintText(const DiffArguments& arguments, const std::vector<TileChange>& changes) {
+  fmt::print("version {} -> {}\n", arguments.from, arguments.to);
   for (const TileChange& change : changes) {
     const TileState before = change.before.value_or(TileState());
     const TileState after = change.after.value_or(TileState());
@@ -111,16 +113,35 @@ void PrintText(const std::vector<TileChange>& changes) {
              sums.num_added, sums.num_replaced, sums.num_removed, sums.landmarks, sums.bytes);
 }
 
-ExitCode RunDiff(const DiffArguments& arguments) {
+// Fills in the versions that were not given: the last update.
+void ChooseVersions(const MapSnapshot& snapshot, DiffArguments* arguments) {
+  if (arguments->to == 0) {
+    arguments->to = Value(snapshot.version());
+  }
+  if (arguments->from != 0) {
+    return;
+  }
+  const std::vector<VersionRecord> newest = snapshot.Versions(2);
+  if (newest.size() < 2) {
+    throw Error(ErrorCode::kNotFound,
+                fmt::format("{}: the map has no version before {} to compare with; see cairn log",
+                            arguments->map_path, arguments->to));
+  }
+  arguments->from = Value(newest[1].version);
+}
+
+ExitCode RunDiff(DiffArguments arguments) {
   const MapStore store = MapStore::Open(arguments.map_path, OpenMode::kReadOnly);
+  const MapSnapshot snapshot = store.Snapshot();
+  ChooseVersions(snapshot, &arguments);
   const std::vector<TileChange> changes =
-      store.Snapshot().Diff(MapVersion(arguments.from), MapVersion(arguments.to));
+      snapshot.Diff(MapVersion(arguments.from), MapVersion(arguments.to));
   if (arguments.geojson) {
     PrintGeoJson(changes);
   } else if (arguments.json) {
     PrintJson(arguments, changes);
   } else {
-    PrintText(changes);
+    PrintText(arguments, changes);
   }
   return ExitCode::kOk;
 }
@@ -132,12 +153,16 @@ void AddDiffCommand(CLI::App* app, Shell* shell) {
       app->add_subcommand("diff", "Show the tiles that differ between two versions");
   auto arguments = std::make_shared<DiffArguments>();
   command->add_option("MAP", arguments->map_path, "Map: a file or a postgresql:// URL")->required();
-  command->add_option("FROM", arguments->from, "Earlier version; see cairn log")->required();
-  command->add_option("TO", arguments->to, "Later version")->required();
+  command
+      ->add_option("FROM", arguments->from,
+                   "Earlier version; see cairn log. Default: the version before the latest")
+      ->check(CLI::PositiveNumber);
+  command->add_option("TO", arguments->to, "Later version. Default: the latest")
+      ->check(CLI::PositiveNumber);
   CLI::Option* json = command->add_flag("--json", arguments->json, "Print JSON");
   command->add_flag("--geojson", arguments->geojson, "Print the squares of the tiles as GeoJSON")
       ->excludes(json);
-  command->footer("Example:\n  cairn diff city.gpkg 3 5");
+  command->footer("Examples:\n  cairn diff city.gpkg\n  cairn diff city.gpkg 3 5");
   command->callback(
       [shell, arguments] { shell->run = [arguments] { return RunDiff(*arguments); }; });
 }

@@ -86,9 +86,11 @@ void PrintText(const MapInfo& info, const std::optional<std::string>& codebook,
   }
   for (const SessionRecord& session : sessions) {
     fmt::print(
-        "session      {}: {} images, {} landmarks read, {}, georegistration residual {:.3f} m\n",
+        "session      {}: {} images, {} landmarks read, recorded {}, ingested {}, georegistration "
+        "residual {:.3f} m\n",
         Excerpt(session.name), session.num_images, session.num_landmarks,
-        Excerpt(session.created_at), session.georef_median_residual_m);
+        Excerpt(session.recorded_at), Excerpt(session.created_at),
+        session.georef_median_residual_m);
   }
 }
 

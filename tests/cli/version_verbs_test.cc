@@ -77,6 +77,8 @@ TEST_F(VersionVerbs, DiffShowsTilesLandmarksAndBytes) {
   EXPECT_EQ(features["features"][0]["geometry"]["coordinates"][0].size(), 5u);
   EXPECT_THAT(RunCairn({"diff", map_, "2", "4"}).out,
               HasSubstr("1 tiles added, 1 replaced, 0 removed; +20 landmarks, "));
+  EXPECT_THAT(RunCairn({"diff", map_}).out, HasSubstr("version 3 -> 4\n"));
+  EXPECT_THAT(RunCairn({"diff", map_, "2"}).out, HasSubstr("version 2 -> 4\n"));
   ExpectFails({"diff", map_, "2", "9"}, 4, "it has versions 1 to 4");
 }
 
