@@ -1,15 +1,18 @@
 // Models and databases as people have them.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
-#include <random>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "core/error.h"
 #include "ingest/readers/colmap_fixture.h"
