@@ -146,9 +146,8 @@ TEST_F(IngestVerb, SaysWhatToDoWithoutGps) {
   }
   WriteColmapModel(reconstruction, dir_.path().string(), ColmapModelFormat::kBinary);
   WriteColmapDatabase(reconstruction, dir_.File("database.db"), {});
-  const Finished refused =
-      RunCairn({"ingest", NewMap("map.gpkg"), "--model", dir_.path().string(), "--database",
-                dir_.File("database.db"), "--gps"});
+  const Finished refused = RunCairn({"ingest", NewMap("map.gpkg"), "--model", dir_.path().string(),
+                                     "--database", dir_.File("database.db"), "--gps"});
   EXPECT_NE(refused.exit_code, 0);
   EXPECT_THAT(refused.err, HasSubstr("none of the 16 images has a GPS position"));
   EXPECT_THAT(refused.err, HasSubstr("--georef"));
