@@ -89,6 +89,7 @@ void PrintIngestJson(const std::string& session_name, const Georegistration& geo
              {"landmarksRead", report.num_landmarks_read},
              {"landmarksDropped", report.num_landmarks_dropped},
              {"changes", ChangesJson(report.changes)},
+             {"keyframeAnswers", AnswersJson(report.keyframe_answers)},
              {"tiles", report.num_tiles_written},
              {"landmarks", report.num_landmarks_written},
              {"descriptors", report.num_descriptors_written},
@@ -127,6 +128,7 @@ void PrintIngestText(const std::string& session_name, const Georegistration& geo
              report.num_landmarks_dropped);
   const TileChanges& changes = report.changes;
   PrintChanges(changes);
+  PrintAnswers(report.keyframe_answers);
   fmt::print(
       "tiles            {} with {} landmarks and {} descriptors; {:.1f} kB before, {:.1f} kB "
       "now\n",

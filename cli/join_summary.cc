@@ -9,20 +9,35 @@
 namespace cairn {
 
 void PrintComparison(const MapComparison& comparison, const char* queries) {
-  if (comparison.num_expected == 0) {
+  if (comparison.num_asked() == 0) {
     return;
   }
-  fmt::print(
-      "comparison       the map recognizes {} of {} {}; {} agree on a move of {:.2f} m and "
-      "{:.2f} degrees and {:.3f} times the size, residual {:.3f} m median\n",
-      comparison.num_localized, comparison.num_expected, queries, comparison.fit.num_agreeing,
-      comparison.fit.moved_m, comparison.fit.turned_rad * kDegPerRad, comparison.fit.scale,
-      comparison.fit.median_residual_m);
+  fmt::print("comparison       the map recognizes {} of {} {}", comparison.num_localized,
+             comparison.num_expected, queries);
+  if (comparison.num_sought > 0) {
+    fmt::print(" that stand near its own, and {} of {} others", comparison.num_found,
+               comparison.num_sought);
+  }
+  if (comparison.num_recognized() > 0) {
+    fmt::print(
+        "; {} agree on a move of {:.2f} m and {:.2f} degrees and {:.3f} times the size, residual "
+        "{:.3f} m median",
+        comparison.fit.num_agreeing, comparison.fit.moved_m, comparison.fit.turned_rad * kDegPerRad,
+        comparison.fit.scale, comparison.fit.median_residual_m);
+  }
+  fmt::print("\n");
   if (!IsJudged(comparison)) {
     fmt::print(
         "                 too few {} agree to judge whether the placement fits the map (at least "
-        "{} must); it was taken as it is\n",
+        "{} must); it was taken as it is, and nothing of the map fades or gives way\n",
         queries, kLeastPhotosToJudge);
+  }
+}
+
+void PrintAnswers(const KeyframeAnswers& answers) {
+  if (answers.num_asked > 0) {
+    fmt::print("answers          of {} keyframes of the map near by, {} lost theirs\n",
+               answers.num_asked, answers.num_lost);
   }
 }
 
@@ -38,12 +53,19 @@ void PrintChanges(const TileChanges& changes) {
 nlohmann::ordered_json ComparisonJson(const MapComparison& comparison) {
   return {{"photosExpected", comparison.num_expected},
           {"photosRecognized", comparison.num_localized},
+          {"photosSought", comparison.num_sought},
+          {"photosFound", comparison.num_found},
           {"photosAgreeing", comparison.fit.num_agreeing},
           {"judged", IsJudged(comparison)},
           {"movedM", comparison.fit.moved_m},
+          {"raisedM", comparison.fit.raised_m},
           {"turnedDeg", comparison.fit.turned_rad * kDegPerRad},
           {"scale", comparison.fit.scale},
           {"medianResidualM", comparison.fit.median_residual_m}};
+}
+
+nlohmann::ordered_json AnswersJson(const KeyframeAnswers& answers) {
+  return {{"asked", answers.num_asked}, {"lost", answers.num_lost}};
 }
 
 nlohmann::ordered_json ChangesJson(const TileChanges& changes) {

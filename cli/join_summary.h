@@ -5,6 +5,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "ingest/coregister/ask_keyframes.h"
 #include "ingest/coregister/compare_with_map.h"
 #include "ingest/tile_changes.h"
 
@@ -15,10 +16,15 @@ namespace cairn {
 // asked for: "photos" or "keyframes".
 void PrintComparison(const MapComparison& comparison, const char* queries);
 
+// Prints how many keyframes of the map were asked before the publication, and how many lost their
+// answer; nothing if there were none.
+void PrintAnswers(const KeyframeAnswers& answers);
+
 // Prints what became of landmarks and keyframes.
 void PrintChanges(const TileChanges& changes);
 
 nlohmann::ordered_json ComparisonJson(const MapComparison& comparison);
+nlohmann::ordered_json AnswersJson(const KeyframeAnswers& answers);
 nlohmann::ordered_json ChangesJson(const TileChanges& changes);
 
 }  // namespace cairn

@@ -7,7 +7,9 @@
 
 #include "cli/join_summary.h"
 #include "cli/options_file.h"
+#include "cli/session_arguments.h"
 #include "cli/shell.h"
+#include "core/parallel_for.h"
 #include "core/printable.h"
 #include "ingest/merge_maps.h"
 #include "storage/map/map_store.h"
@@ -21,6 +23,7 @@ struct MergeArguments {
   std::string out_path;
   bool apart = false;
   bool recode = false;
+  bool force = false;
   CairnOptions options;
 };
 
@@ -32,6 +35,11 @@ MapMergeOptions MergeOptionsOf(const MergeArguments& arguments) {
   options.selection = ingest.selection;
   options.appearance = ingest.appearance;
   options.agreement = ingest.agreement;
+  options.gate = ingest.gate;
+  if (arguments.force) {
+    options.gate.max_lost_share = 1.0;
+  }
+  options.num_threads = NumCores();
   options.upkeep = ingest.upkeep;
   return options;
 }
@@ -57,6 +65,7 @@ ExitCode RunMerge(const MergeArguments& arguments, ProgressMode progress_mode) {
                1e-3 * static_cast<double>(report.changes.num_bytes_before),
                1e-3 * static_cast<double>(report.changes.num_bytes_after));
   }
+  PrintAnswers(report.keyframe_answers);
   return ExitCode::kOk;
 }
 
@@ -72,6 +81,7 @@ void AddMergeCommand(CLI::App* app, Shell* shell) {
                     "Do not compare the maps, and keep the landmarks of B beside those of A");
   command->add_flag("--recode", arguments->recode,
                     "If the codebooks differ, code B with the codebook of A on the way");
+  AddForceFlag(command, &arguments->force);
   AddOptionsFile(command, &arguments->options);
   command
       ->add_option("--max-descriptors", arguments->options.ingest.selection.max_descriptors,

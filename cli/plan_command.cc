@@ -12,6 +12,7 @@
 #include "cli/session_arguments.h"
 #include "cli/session_replacement.h"
 #include "cli/shell.h"
+#include "core/parallel_for.h"
 #include "core/printable.h"
 #include "ingest/plan/plan_folder.h"
 #include "ingest/plan_session.h"
@@ -87,6 +88,7 @@ void AddPlanCommand(CLI::App* app, Shell* shell) {
   CLI::App* command =
       app->add_subcommand("plan", "Prepare an ingest whose tiles other processes build");
   auto arguments = std::make_shared<PlanArguments>();
+  arguments->session.options.ingest.num_threads = NumCores();
   AddSessionArguments(command, &arguments->session);
   command
       ->add_option("--out", arguments->out,

@@ -6,6 +6,7 @@
 #include "cli/ingest_summary.h"
 #include "cli/session_arguments.h"
 #include "cli/shell.h"
+#include "core/parallel_for.h"
 #include "ingest/plan/run_plan.h"
 #include "storage/map/map_store.h"
 
@@ -17,6 +18,7 @@ struct PublishArguments {
   std::string map_path;  // Empty: that of the plan.
   int64_t num_tasks = 0;
   double wait_s = 30.0;
+  bool force = false;
   bool json = false;
 };
 
@@ -27,7 +29,10 @@ ExitCode RunPublish(const PublishArguments& arguments, ProgressMode progress_mod
   IngestReport report;
   {
     Progress progress(progress_mode);
-    report = PublishPlan(&folder, arguments.num_tasks, &store, PatienceOf(arguments.wait_s),
+    const PublishOptions options = {.patience = PatienceOf(arguments.wait_s),
+                                    .num_threads = NumCores(),
+                                    .force = arguments.force};
+    report = PublishPlan(&folder, arguments.num_tasks, &store, options,
                          [&](const char* phase, int64_t done, int64_t total) {
                            progress.Update(phase, done, total);
                          });
@@ -59,6 +64,7 @@ void AddPublishCommand(CLI::App* app, Shell* shell) {
       ->check(CLI::PositiveNumber)
       ->type_name("N");
   AddWaitOption(command, &arguments->wait_s);
+  AddForceFlag(command, &arguments->force);
   command->add_flag("--json", arguments->json, "Print the summary as JSON");
   command->footer(
       "Removes shards and results from the folder once they are published.\n"

@@ -47,6 +47,11 @@ void AddUpOption(CLI::App* command, CairnOptions* options) {
                   "upright), or down for photos that look straight down");
 }
 
+void AddForceFlag(CLI::App* command, bool* force) {
+  command->add_flag("--force", *force,
+                    "Publish even if the map no longer localizes keyframes of its own");
+}
+
 void AddSessionArguments(CLI::App* command, SessionArguments* arguments) {
   IngestOptions& options = arguments->options.ingest;
   command->add_option("MAP", arguments->map_path, "Map: a file or a postgresql:// URL")->required();
@@ -95,6 +100,7 @@ void AddSessionArguments(CLI::App* command, SessionArguments* arguments) {
   command->add_flag(
       "--apart", arguments->apart,
       "Do not compare the session with the map, and keep its landmarks beside those of the map");
+  AddForceFlag(command, &arguments->force);
   AddWaitOption(command, &arguments->wait_s);
   command->add_flag("--json", arguments->json, "Print the summary as JSON");
 }
@@ -134,6 +140,12 @@ PlacedReconstruction ReadSession(const SessionArguments& arguments) {
   options.source = arguments.reconstruction.model_dir;
   options.joining = arguments.apart ? SessionJoining::kApart : SessionJoining::kJoin;
   options.georef_median_residual_m = session.georegistration.median_residual_m;
+  if (options.agreement.position_accuracy_m == 0.0) {
+    options.agreement.position_accuracy_m = session.georegistration.stated_accuracy_m;
+  }
+  if (arguments.force) {
+    options.gate.max_lost_share = 1.0;
+  }
   options.patience = PatienceOf(arguments.wait_s);
   return session;
 }

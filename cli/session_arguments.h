@@ -19,6 +19,7 @@ struct SessionArguments {
   std::string image_list_path;
   CairnOptions options;
   bool apart = false;
+  bool force = false;
   double wait_s = 30.0;
   bool json = false;
 };
@@ -32,6 +33,9 @@ void AddUpOption(CLI::App* command, CairnOptions* options);
 // Adds --wait: how long a command waits while another update of the map runs.
 void AddWaitOption(CLI::App* command, double* wait_s);
 std::chrono::milliseconds PatienceOf(double wait_s);
+
+// Adds --force: publish although keyframes of the map lose their answers.
+void AddForceFlag(CLI::App* command, bool* force);
 
 // A reconstruction that is read and placed on Earth, and how it becomes a session.
 struct PlacedReconstruction {

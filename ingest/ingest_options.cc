@@ -11,11 +11,18 @@ void AgreementOptions::Validate() const {
   RequireOption(max_moved_m >= 0.0, "agreement.max_moved_m must not be negative");
   RequireOption(max_turned_rad >= 0.0, "agreement.max_turned_rad must not be negative");
   RequireOption(max_scale_change >= 0.0, "agreement.max_scale_change must not be negative");
+  RequireOption(position_accuracy_m >= 0.0 && std::isfinite(position_accuracy_m),
+                "agreement.position_accuracy_m must be finite and not negative");
   RequireOption(min_agreeing_share >= 0.0 && min_agreeing_share <= 1.0,
                 "agreement.min_agreeing_share must be between 0 and 1");
   RequireOption(min_recognized_share >= 0.0 && min_recognized_share <= 1.0,
                 "agreement.min_recognized_share must be between 0 and 1");
   RequireOption(min_expected >= 1, "agreement.min_expected must be at least 1");
+}
+
+void GateOptions::Validate() const {
+  RequireOption(max_lost_share >= 0.0 && max_lost_share <= 1.0,
+                "gate.max_lost_share must be between 0 and 1");
 }
 
 void UpkeepOptions::Validate() const {
@@ -53,6 +60,7 @@ void IngestOptions::Validate() const {
   TileOptions::Validate();
   codebook.Validate();
   agreement.Validate();
+  gate.Validate();
 }
 
 }  // namespace cairn

@@ -21,16 +21,29 @@ enum class SessionJoining {
   kApart,  // The session's landmarks stand beside those of the map; nothing is compared.
 };
 
-// How far a session may contradict the map. See MapComparison.
+// How far a session may contradict the map. See MapComparison and LimitsOf
+// (ingest/session_placement.h).
 struct AgreementOptions {
+  // Limits for accurate positions. They grow with position_accuracy_m.
   double max_moved_m = 3.0;
   double max_turned_rad = 0.05;  // 3 degrees.
   double max_scale_change = 0.05;
+  // Radius that contains 68 % of the positions that placed the session, as stated. 0: unknown.
+  double position_accuracy_m = 0.0;
   double min_agreeing_share = 0.5;  // Of the photos that the map recognizes.
   // Share of the photos that the map should recognize. Not checked for fewer than min_expected such
   // photos.
   double min_recognized_share = 0.1;
   int min_expected = 10;
+
+  void Validate() const;
+};
+
+// What an update may take from the map. See AskKeyframes (ingest/coregister/ask_keyframes.h).
+struct GateOptions {
+  // Share of the map's keyframes, of those that are asked for, that may lose their answer. Normal
+  // updates lose none or few, since places change; a misplaced session takes most.
+  double max_lost_share = 0.2;
 
   void Validate() const;
 };
@@ -68,12 +81,14 @@ struct IngestOptions : TileOptions {
   std::string now;           // The time of the ingest, in the same form; empty: that of the clock.
   CodebookOptions codebook;  // Used only by the first session of a map.
   AgreementOptions agreement;
+  GateOptions gate;
   // Landmarks with a larger standard deviation of the position are dropped, meters.
   double max_sigma_m = 2.0;
   // Landmarks with a larger median reprojection error are dropped, pixels.
   double max_reprojection_error_px = 4.0;
   double georef_median_residual_m = 0.0;  // Recorded with the session.
-  int num_threads = 1;                    // That build tiles. The result does not depend on it.
+  // That ask the map and build tiles. The result does not depend on it.
+  int num_threads = 1;
   // How long the ingest waits while another update of the map runs.
   std::chrono::milliseconds patience{0};
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "ingest/coregister/ask_keyframes.h"
 #include "ingest/coregister/compare_with_map.h"
 #include "ingest/tile_changes.h"
 #include "storage/ids.h"
@@ -26,6 +27,7 @@ struct IngestReport {
   bool is_unchanged = false;
   CodebookOrigin codebook_origin = CodebookOrigin::kMap;
   MapComparison comparison;  // What the map said about the session; empty if it was kept apart.
+  KeyframeAnswers keyframe_answers;  // Of keyframes that the map had before; see ask_keyframes.h.
   int64_t num_images = 0;
   int64_t num_landmarks_read = 0;
   int64_t num_landmarks_dropped = 0;  // Uncertain or badly observed.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/parallel_for.h"
+#include "ingest/gate_session.h"
 #include "ingest/plan_session.h"
 #include "ingest/publish_session.h"
 #include "ingest/session_tile_builder.h"
@@ -54,9 +55,12 @@ IngestReport IngestSession(const Reconstruction& reconstruction, const Sim3d& ec
   if (before_publish) {
     before_publish(planned);
   }
+  const KeyframeAnswers answers = RequireKeyframes(
+      planned.plan, [&](size_t i) { return tiles[i]; }, *store, options.num_threads, progress);
   IngestReport report = PublishSession(
       planned.plan, [&](size_t i) { return std::move(tiles[i]); }, store, options.patience,
       progress);
+  report.keyframe_answers = answers;
   if (!report.is_unchanged) {
     report.landmark_ids = IdsInReconstruction(planned);
   }

@@ -1,6 +1,7 @@
 #include "ingest/join_tiles.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
 
 #include "ingest/merging/admit_landmarks.h"
@@ -28,6 +29,15 @@ Tile Admit(const Tile& known, const Tile& fresh, int enough_landmarks, TileChang
   return admitted;
 }
 
+// The tile without landmarks that faded and keyframes that gave way.
+Tile LetGo(const Tile& tile, const TileJoinContext& context, JoinedTile* joined) {
+  const Tile existing = WithoutFaded(tile, *context.upkeep, *context.session_times);
+  joined->changes.num_faded = static_cast<int64_t>(tile.num_landmarks() - existing.num_landmarks());
+  joined->replaced_keyframes = ReplacedKeyframes(existing, context.upkeep->viewpoints);
+  joined->changes.num_keyframes_replaced = std::ssize(joined->replaced_keyframes);
+  return WithoutKeyframes(existing, joined->replaced_keyframes);
+}
+
 }  // namespace
 
 JoinedTile JoinTiles(const Tile& known, const Tile& fresh,
@@ -38,19 +48,15 @@ JoinedTile JoinTiles(const Tile& known, const Tile& fresh,
   TileChanges& changes = joined.changes;
   const Tile admitted = Admit(known, fresh, upkeep.enough_landmarks, &changes);
   Tile tile = MergeTiles(known, admitted, *context.codec, *context.summarizer, upkeep.merging);
-  note_chances(&tile);
-  Tile existing = WithoutFaded(tile, upkeep, *context.session_times);
-  changes.num_faded = static_cast<int64_t>(tile.num_landmarks() - existing.num_landmarks());
-
-  joined.replaced_keyframes = ReplacedKeyframes(existing, upkeep.viewpoints);
-  changes.num_keyframes_replaced = std::ssize(joined.replaced_keyframes);
-  tile = WithoutKeyframes(existing, joined.replaced_keyframes);
-
-  joined.tile =
-      SelectLandmarks(tile,
-                      RateByHistory(tile, *context.session_times, upkeep.persistence,
-                                    context.selection->min_observations),
-                      BytesOfPlace(known, admitted), *context.selection, *context.selector);
+  if (context.is_judged) {
+    note_chances(&tile);
+    tile = LetGo(tile, context, &joined);
+  }
+  joined.tile = SelectLandmarks(tile,
+                                RateByHistory(tile, *context.session_times, upkeep.persistence,
+                                              context.selection->min_observations),
+                                context.is_judged ? BytesOfPlace(known, admitted) : std::nullopt,
+                                *context.selection, *context.selector);
   changes.num_evicted = static_cast<int64_t>(tile.num_landmarks() - joined.tile.num_landmarks());
   return joined;
 }

@@ -23,6 +23,8 @@ struct TileJoinContext {
   const AppearanceSummarizer* summarizer = nullptr;
   const LandmarkSelector* selector = nullptr;  // Of `selection`.
   const SessionTimes* session_times = nullptr;
+  // The placement of the fresh tile is known to fit that of the known one (IsJudged).
+  bool is_judged = true;
 };
 
 struct JoinedTile {
@@ -33,6 +35,8 @@ struct JoinedTile {
 
 // Makes the tile of an ingest or a merge:
 // admit - merge - note chances - fade - replace keyframes - select.
+// If the placement is not judged, nothing fades or gives way: the middle three steps are left out,
+// and only the budget of the tile counts, not the size of the place.
 // Both tiles have the ids of one map, in which the sessions of `fresh` are newer, and equal
 // landmarks have equal ids. `note_chances` writes into the merged tile which landmarks the sessions
 // of `fresh` should have seen; see NoteChances.

@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "core/geodesy.h"
-#include "ingest/keyframe_features.h"
+#include "ingest/coregister/keyframe_features.h"
 #include "ingest/sfm/reconstruction.h"
 #include "ingest/tiling/placed_session.h"
 
@@ -84,6 +84,8 @@ MapAsSession ViewOf(const Tile& tile, const MergeSource& map, const DescriptorCo
   return view;
 }
 
+constexpr double kHalfDiagonalM = 0.71 * TileId::kSideM;
+
 // A possible link between landmarks of two maps.
 struct MapLink {
   float sq_distance = 0.0f;
@@ -97,17 +99,21 @@ struct MapLink {
 
 }  // namespace
 
-MapComparison CompareMaps(const MergeSource& a, const MergeSource& b,
-                          const std::vector<TileId>& tiles) {
+MapComparison CompareMaps(const MergeSource& a, const MergeSource& b, int num_threads) {
   MapAsSession view;
-  for (const TileId tile_id : tiles) {
-    AddImages(*b.LoadTile(tile_id), b, &view);
+  for (const TileId tile_id : b.TileIds()) {
+    if (!a.snapshot().FindTiles(BoxAround(tile_id.Anchor(), kHalfDiagonalM + kReachM)).empty()) {
+      AddImages(*b.LoadTile(tile_id), b, &view);
+    }
   }
   // Only the images that the map is asked for get features, so that memory is bounded.
   std::map<TileId, std::vector<int>> images_of_tile;
-  for (const int image_idx : ImagesToCompare(view.session, a.snapshot())) {
-    images_of_tile[view.keyframe_of_image[static_cast<size_t>(image_idx)].first].push_back(
-        image_idx);
+  const PhotosToAsk photos = ChoosePhotos(view.session, a.snapshot());
+  for (const std::vector<int>* images : {&photos.expected, &photos.sought}) {
+    for (const int image_idx : *images) {
+      images_of_tile[view.keyframe_of_image[static_cast<size_t>(image_idx)].first].push_back(
+          image_idx);
+    }
   }
   const DescriptorCodec codec(a.codebook());
   for (const auto& [tile_id, images] : images_of_tile) {
@@ -121,7 +127,7 @@ MapComparison CompareMaps(const MergeSource& a, const MergeSource& b,
               .features;
     }
   }
-  return CompareWithMap(view.reconstruction, view.session, a.store(), a.snapshot());
+  return CompareWithMap(view.reconstruction, view.session, a.store(), a.snapshot(), num_threads);
 }
 
 std::unordered_map<LandmarkId, LandmarkId> LinkMaps(const MergeSource& a, const MergeSource& b,

@@ -13,10 +13,10 @@
 
 namespace cairn {
 
-// Localizes keyframes of `b` in `a`: see FeaturesOfKeyframe for what the queries have. `tiles` are
-// those that both maps have. Tiles of b come in the codes of a.
-MapComparison CompareMaps(const MergeSource& a, const MergeSource& b,
-                          const std::vector<TileId>& tiles);
+// Localizes keyframes of `b` in `a` as those of a session (CompareWithMap): see FeaturesOfKeyframe
+// for what the queries have. Only keyframes in tiles of b that lie near tiles of a count. Tiles of
+// b come in the codes of a.
+MapComparison CompareMaps(const MergeSource& a, const MergeSource& b, int num_threads);
 
 // Returns the landmarks of b that a has, too, with their ids there; see ProposeLinks for what two
 // landmarks must have in common. Each landmark has at most one link: the links with the nearest

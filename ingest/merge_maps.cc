@@ -12,6 +12,7 @@
 
 #include "core/error.h"
 #include "core/printable.h"
+#include "core/require.h"
 #include "ingest/join_tiles.h"
 #include "ingest/meet_maps.h"
 #include "ingest/merge_source.h"
@@ -83,16 +84,16 @@ void RequireDistinctSessions(const MergeSource& a, const MergeSource& b, Session
 
 // A turn that fits where the maps meet must not carry the rest of b away.
 void RequireNearMove(const Sim3d& moved_from_ecef, const MergeSource& b,
-                     const AgreementOptions& limits) {
+                     const MotionLimits& limits) {
   for (const TileId tile_id : b.TileIds()) {
     const Eigen::Vector3d anchor = EcefFromEnu(tile_id.Anchor()).translation;
     const double moved_m = (moved_from_ecef * anchor - anchor).norm();
-    if (moved_m > limits.max_moved_m) {
+    if (moved_m > limits.moved_m) {
       throw Error(ErrorCode::kConflict,
                   fmt::format("{}: fits the other map where both meet, but its tile {} would move "
                               "by {:.2f} m (allowed: {:.1f} m). Extract the part that meets the "
                               "other map, or keep both apart (--apart)",
-                              b.path(), tile_id.ToString(), moved_m, limits.max_moved_m));
+                              b.path(), tile_id.ToString(), moved_m, limits.moved_m));
     }
   }
 }
@@ -138,19 +139,34 @@ std::vector<TileId> TilesOfBoth(const MergeSource& a, const MergeSource& b) {
   return tiles;
 }
 
+// How b moves.
+Sim3d MotionOf(const MergeReport& report) {
+  return IsJudged(report.comparison) ? report.comparison.fit.map_from_session : Sim3d();
+}
+
+PlacementAccuracy AccuracyOfMaps(const MergeSource& a, const MergeSource& b,
+                                 const AgreementOptions& options, const MapComparison& comparison) {
+  double worst_of_b_m = 0.0;
+  for (const SessionRecord& session : b.snapshot().Sessions()) {
+    worst_of_b_m = std::max(worst_of_b_m, session.georef_median_residual_m);
+  }
+  return AccuracyOf(comparison, std::max(options.position_accuracy_m, worst_of_b_m), worst_of_b_m,
+                    a.snapshot().Sessions());
+}
+
 // Moves b to where a sees it, and links its landmarks to those of a.
 void Meet(const MergeSource& a, const MapMergeOptions& options, MergeSource* b,
           MergeReport* report) {
-  const std::vector<TileId> tiles = TilesOfBoth(a, *b);
-  if (tiles.empty()) {
+  if (a.codebook() == nullptr || b->codebook() == nullptr) {
     return;
   }
-  report->comparison = CompareMaps(a, *b, tiles);
-  RequireAgreement(report->comparison, options.agreement, b->path());
-  if (IsJudged(report->comparison)) {
-    const Sim3d& map_from_b = report->comparison.fit.map_from_session;
-    RequireNearMove(map_from_b, *b, options.agreement);
-    b->Move(map_from_b);
+  report->comparison = CompareMaps(a, *b, options.num_threads);
+  const MapComparison& comparison = report->comparison;
+  const PlacementAccuracy accuracy = AccuracyOfMaps(a, *b, options.agreement, comparison);
+  RequireAgreement(comparison, options.agreement, accuracy, b->path());
+  if (IsJudged(comparison)) {
+    RequireNearMove(MotionOf(*report), *b, LimitsOf(comparison, options.agreement, accuracy));
+    b->Move(MotionOf(*report));
   }
   b->Link(
       LinkMaps(a, *b, TilesOfBoth(a, *b), DescriptorCodec(a.codebook()), options.upkeep.linking));
@@ -178,7 +194,8 @@ class MapMerger {
                                      .codec = &codec,
                                      .summarizer = summarizer.get(),
                                      .selector = selector.get(),
-                                     .session_times = &times};
+                                     .session_times = &times,
+                                     .is_judged = IsJudged(report_->comparison)};
     int64_t num_done = 0;
     for (const auto& [tile_id, num_maps] : tiles) {
       std::optional<Tile> tile = a_->LoadRenumbered(tile_id, *b_);
@@ -225,6 +242,54 @@ class MapMerger {
   MergeReport* report_;
 };
 
+std::vector<Eigen::Vector3d> PlacesOfKeyframes(const MergeSource& map,
+                                               const Sim3d& moved_from_ecef) {
+  std::vector<Eigen::Vector3d> places;
+  for (const SessionRecord& session : map.snapshot().Sessions()) {
+    for (const KeyframeRecord& keyframe : map.snapshot().KeyframesOfSession(session.id)) {
+      places.push_back(moved_from_ecef * keyframe.cam_from_ecef.Inverse().translation);
+    }
+  }
+  return places;
+}
+
+// Asks keyframes of one map near those of the other.
+KeyframeAnswers AskKeyframesOf(const MergeSource& source, const Sim3d& moved_from_ecef,
+                               const std::vector<Eigen::Vector3d>& news_in_ecef,
+                               const MapStore& merged, int num_threads) {
+  const MapSnapshot after = merged.Snapshot();
+  return AskKeyframes(KeyframesNear(source.snapshot(), news_in_ecef, moved_from_ecef, SessionId{}),
+                      {&source.store(), &source.snapshot()}, {&merged, &after}, moved_from_ecef,
+                      num_threads);
+}
+
+void RequireAnswersIfJoined(const KeyframeAnswers& answers, const MapMergeOptions& options,
+                            const MergeSource& b) {
+  if (options.joining == SessionJoining::kJoin) {
+    RequireAnswers(answers, options.gate, b.path());
+  }
+}
+
+void RequireKeyframesOfBoth(const MergeSource& a, const MergeSource& b,
+                            const MapMergeOptions& options, const MapStore& merged,
+                            MergeReport* report) {
+  if (options.gate.max_lost_share >= 1.0 || a.codebook() == nullptr || b.codebook() == nullptr) {
+    return;
+  }
+  const Sim3d b_motion = MotionOf(*report);
+  KeyframeAnswers answers =
+      AskKeyframesOf(a, Sim3d(), PlacesOfKeyframes(b, b_motion), merged, options.num_threads);
+  RequireAnswersIfJoined(answers, options, b);
+  if (a.snapshot().CodebookDigest(a.codebook()->id) ==
+      b.snapshot().CodebookDigest(b.codebook()->id)) {
+    const KeyframeAnswers of_b =
+        AskKeyframesOf(b, b_motion, PlacesOfKeyframes(a, Sim3d()), merged, options.num_threads);
+    RequireAnswersIfJoined(of_b, options, b);
+    answers.Add(of_b);
+  }
+  report->keyframe_answers = answers;
+}
+
 int64_t PayloadBytes(const MergeSource& source) { return source.snapshot().Info().payload_bytes; }
 
 }  // namespace
@@ -233,6 +298,8 @@ void MapMergeOptions::Validate() const {
   selection.Validate();
   appearance.Validate();
   agreement.Validate();
+  gate.Validate();
+  RequireOption(num_threads >= 1, "merge.num_threads must be at least 1");
   upkeep.Validate();
 }
 
@@ -258,6 +325,7 @@ MergeReport MergeMaps(const MapStore& a, const MapStore& b, const std::string& t
     }
     update.Publish({.kind = VersionKind::kMerge,
                     .summary = source_a.Describe() + " and " + source_b.Describe()});
+    RequireKeyframesOfBoth(source_a, source_b, options, *store, &report);
     report.totals = store->Snapshot().Info();
   });
   return report;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <string>
 
+#include "ingest/coregister/ask_keyframes.h"
 #include "ingest/coregister/compare_with_map.h"
 #include "ingest/ingest_options.h"
 #include "ingest/tile_changes.h"
@@ -21,17 +22,20 @@ struct MapMergeOptions {
   LandmarkSelectionOptions selection;
   AppearanceOptions appearance;
   AgreementOptions agreement;
+  GateOptions gate;
   UpkeepOptions upkeep;
+  int num_threads = 1;  // That ask the maps. The result does not depend on it.
 
   // Throws Error(kInvalidArgument) naming the field.
   void Validate() const;
 };
 
 struct MergeReport {
-  int64_t num_tiles_of_both = 0;  // Tiles that hold landmarks of both maps.
-  MapComparison comparison;       // What a says about b; empty if they were kept apart.
-  TileChanges changes;            // In the tiles of both, unless they were kept apart.
-  MapTotals totals;               // Of the merged map.
+  int64_t num_tiles_of_both = 0;     // Tiles that hold landmarks of both maps.
+  MapComparison comparison;          // What a says about b; empty if they were kept apart.
+  TileChanges changes;               // In the tiles of both, unless they were kept apart.
+  KeyframeAnswers keyframe_answers;  // Of keyframes of each map near photos of the other.
+  MapTotals totals;                  // Of the merged map.
 };
 
 // Creates the map `to` with the latest versions of both maps. Sessions, keyframes and landmarks get
@@ -43,8 +47,10 @@ struct MergeReport {
 //
 // `progress` may be empty; it receives the number of tiles done and the total. Throws
 // Error(kConflict) with the reason if the codebooks differ (unless b is recoded), if b contradicts
-// a, if both maps have a session of the same name or of the same content, or if `to` exists. Throws
-// Error(kBadInput) if the descriptors are of different types.
+// a, if both maps have a session of the same name or of the same content, if `to` exists, or if the
+// merged map no longer localizes keyframes of a or b (RequireAnswers; those of b are not asked for
+// if b is recoded, and those of maps that are kept apart are only counted). A map b that a cannot
+// judge takes nothing from a. Throws Error(kBadInput) if the descriptors are of different types.
 MergeReport MergeMaps(const MapStore& a, const MapStore& b, const std::string& to,
                       const MapMergeOptions& options,
                       const std::function<void(int64_t, int64_t)>& progress);

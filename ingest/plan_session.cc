@@ -108,10 +108,11 @@ MapComparison Compare(const Reconstruction& reconstruction, const PlacedSession&
     return {};
   }
   if (replaced == SessionId{}) {
-    return CompareWithMap(reconstruction, session, store, base);
+    return CompareWithMap(reconstruction, session, store, base, options.num_threads);
   }
-  const ScratchMap others = MapWithoutSession(session, replaced, base);
-  return CompareWithMap(reconstruction, session, others.store(), others.store().Snapshot());
+  const ScratchMap others = MapWithoutSession(TilesToAsk(session, base), replaced, base);
+  return CompareWithMap(reconstruction, session, others.store(), others.store().Snapshot(),
+                        options.num_threads);
 }
 
 // Links of all landmarks of the session to those of the map, tile by tile.
@@ -203,9 +204,13 @@ std::vector<PlannedTile> PlanTiles(const PlacedSession& session, const SessionPl
   return tiles;
 }
 
-SessionTimes TimesWith(const SessionPlan& plan, std::vector<SessionRecord> sessions) {
-  std::erase_if(sessions,
-                [&](const SessionRecord& session) { return session.id == plan.replaced_session; });
+std::vector<SessionRecord> OthersThan(SessionId session_id, std::vector<SessionRecord> sessions) {
+  std::erase_if(sessions, [&](const SessionRecord& session) { return session.id == session_id; });
+  return sessions;
+}
+
+SessionTimes TimesWith(const SessionPlan& plan, const std::vector<SessionRecord>& known) {
+  std::vector<SessionRecord> sessions = OthersThan(plan.replaced_session, known);
   sessions.push_back(plan.session);
   return TimesOf(sessions);
 }
@@ -219,6 +224,9 @@ void SettleAndNumber(const PlacedSession& placed, const IngestOptions& options, 
   ReportProgress(progress, "comparison", 0, 1);
   plan.comparison = Compare(reconstruction, placed, plan.replaced_session, options, base, *store);
   RequireAgreement(plan.comparison, options.agreement,
+                   AccuracyOf(plan.comparison, options.agreement.position_accuracy_m,
+                              options.georef_median_residual_m,
+                              OthersThan(plan.replaced_session, base.Sessions())),
                    fmt::format("session '{}'", Excerpt(plan.session.name)));
   const PlacedSession settled = SettleSession(placed, plan.comparison, reconstruction);
   planned->landmark_ids = LinkSession(reconstruction, settled, plan, base, progress);
@@ -265,6 +273,7 @@ PlannedSession PlanSession(const Reconstruction& reconstruction, const Sim3d& ec
   const std::optional<SessionRecord> same = planned.base->FindSession(options.session_name);
   plan.session = RecordOf(reconstruction, ecef_from_world, options, same, *planned.base);
   plan.options = options;
+  plan.gate = options.gate;
   plan.num_landmarks_dropped = plan.session.num_landmarks - std::ssize(placed.landmarks);
   RequireNotElsewhere(plan.session, options.joining, planned.base->Sessions());
   if (same) {

@@ -22,7 +22,7 @@ ScratchMap::~ScratchMap() = default;
 
 MapStore& ScratchMap::store() const { return impl_->store; }
 
-ScratchMap MapWithoutSession(const PlacedSession& session, SessionId without,
+ScratchMap MapWithoutSession(const std::vector<TileId>& tiles, SessionId without,
                              const MapSnapshot& map) {
   ScratchMap scratch;
   const std::shared_ptr<const Codebook> codebook = map.CurrentCodebook();
@@ -32,7 +32,7 @@ ScratchMap MapWithoutSession(const PlacedSession& session, SessionId without,
   MapUpdate copy = scratch.store().BeginUpdate();
   Codebook own_codebook = *codebook;
   own_codebook.id = copy.AddCodebook(*codebook);
-  for (const auto& [tile_id, images] : session.images_of_tile) {
+  for (const TileId tile_id : tiles) {
     std::optional<Tile> tile = LoadWithoutSession(tile_id, without, map);
     if (!tile || tile->codebook_id != codebook->id) {
       continue;

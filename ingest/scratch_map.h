@@ -3,8 +3,9 @@
 #define CAIRN_INGEST_SCRATCH_MAP_H_
 
 #include <memory>
+#include <vector>
 
-#include "ingest/tiling/placed_session.h"
+#include "core/tile_id.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {
@@ -23,9 +24,9 @@ class ScratchMap {
   std::unique_ptr<Impl> impl_;
 };
 
-// The tiles of the map in which `session` stands, without `without`. The engine can ask it what the
-// map says about a session that the map holds already.
-ScratchMap MapWithoutSession(const PlacedSession& session, SessionId without,
+// These tiles of the map without the session `without`. The engine can ask it what the map says
+// about a session that the map holds already.
+ScratchMap MapWithoutSession(const std::vector<TileId>& tiles, SessionId without,
                              const MapSnapshot& map);
 
 }  // namespace cairn

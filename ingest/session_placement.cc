@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -11,44 +12,171 @@
 namespace cairn {
 namespace {
 
-[[noreturn]] void Refuse(const std::string& newcomer, const std::string& figures) {
-  throw Error(ErrorCode::kConflict,
-              fmt::format("{} contradicts the map: {}. Correct its georegistration, or "
-                          "keep it apart from what the map knows (--apart)",
-                          newcomer, figures));
+[[noreturn]] void Refuse(const std::string& newcomer, const std::string& figures,
+                         const std::string& remedy) {
+  throw Error(
+      ErrorCode::kConflict,
+      fmt::format("{} contradicts the map: {}. {}, or keep it apart from what the map knows "
+                  "(--apart)",
+                  newcomer, figures, remedy));
+}
+
+constexpr const char* kCorrect = "Correct its georegistration";
+
+// Few photos that agree by and large may still be wrong together: facades repeat.
+bool IsSure(const MapComparison& comparison) {
+  constexpr int kLeastPhotos = 5;
+  constexpr double kLeastShare = 0.8, kMaxResidualM = 0.3;
+  const PlacementFit& fit = comparison.fit;
+  return fit.num_agreeing >= kLeastPhotos &&
+         fit.num_agreeing >= kLeastShare * comparison.num_recognized() &&
+         fit.median_residual_m <= kMaxResidualM;
+}
+
+constexpr const char* kMirrored =
+    "Check whether the program that wrote its keypoints, or those of the map, mirrors images";
+
+bool IsFromBehind(const MapComparison& comparison) {
+  return comparison.num_from_behind >= kLeastPhotosToJudge &&
+         2 * comparison.num_from_behind > comparison.num_recognized();
+}
+
+std::string MirrorNote(const MapComparison& comparison) {
+  return IsFromBehind(comparison) ? fmt::format(", and {} from behind, as if seen in a mirror",
+                                                comparison.num_from_behind)
+                                  : "";
+}
+
+void RequireRecognized(const MapComparison& comparison, const AgreementOptions& options,
+                       const std::string& newcomer) {
+  if (comparison.num_expected >= options.min_expected &&
+      comparison.num_localized < options.min_recognized_share * comparison.num_expected &&
+      !IsJudged(comparison)) {
+    Refuse(newcomer,
+           fmt::format("of {} photos that stand where the map has photos that look the same "
+                       "way, it recognizes {}",
+                       comparison.num_expected, comparison.num_localized),
+           kCorrect);
+  }
+}
+
+void RequireOneMotion(const MapComparison& comparison, const AgreementOptions& options,
+                      const std::string& newcomer) {
+  const int num_recognized = comparison.num_recognized();
+  // A few sure answers to photos of new ground contradict nothing.
+  const bool is_known = comparison.num_localized >= kLeastPhotosToJudge ||
+                        2 * num_recognized >= comparison.num_asked();
+  if (is_known && num_recognized >= kLeastPhotosToJudge &&
+      comparison.fit.num_agreeing < options.min_agreeing_share * num_recognized) {
+    Refuse(newcomer,
+           fmt::format("the map recognizes {} of {} photos, but only {} of them in places "
+                       "that one motion of the session explains{}",
+                       num_recognized, comparison.num_asked(), comparison.fit.num_agreeing,
+                       MirrorNote(comparison)),
+           IsFromBehind(comparison) ? kMirrored : kCorrect);
+  }
+}
+
+double MovedM(const PlacementFit& fit, const MotionLimits& limits) {
+  // Receivers know heights half as well as the rest.
+  const double raised_share = limits.follow_accuracy ? 0.5 : 1.0;
+  const double level_sq_m = std::max(0.0, fit.moved_m * fit.moved_m - fit.raised_m * fit.raised_m);
+  return std::sqrt(level_sq_m + std::pow(raised_share * fit.raised_m, 2));
+}
+
+std::string WhyAllowed(const MotionLimits& limits, const PlacementAccuracy& accuracy) {
+  return limits.follow_accuracy
+             ? fmt::format(
+                   ", since its positions are good to {:.1f} m and those of the map to "
+                   "{:.1f} m",
+                   accuracy.session_m, accuracy.map_m)
+             : "";
+}
+
+bool IsSmall(const PlacementFit& fit, const MotionLimits& limits) {
+  return MovedM(fit, limits) <= limits.moved_m && fit.turned_rad <= limits.turned_rad &&
+         std::abs(fit.scale - 1.0) <= limits.scale_change;
+}
+
+constexpr const char* kStateAccuracy =
+    "Correct its georegistration, state how inaccurate its positions are (--gps-accuracy, "
+    "accuracy_m of --georef), allow more (ingest.agreement.max_moved_m, max_turned_rad and "
+    "max_scale_change of --options)";
+
+void RequireSmallMotion(const MapComparison& comparison, const AgreementOptions& options,
+                        const PlacementAccuracy& accuracy, const std::string& newcomer) {
+  const PlacementFit& fit = comparison.fit;
+  const MotionLimits limits = LimitsOf(comparison, options, accuracy);
+  if (IsSmall(fit, limits)) {
+    return;
+  }
+  Refuse(newcomer,
+         fmt::format("the map sees {} of its photos {:.2f} m away, turned by {:.1f} degrees and "
+                     "{:.3f} times as large, {:.2f} m of it upward (allowed: {:.1f} m, {:.1f} "
+                     "degrees, {:.3f} to {:.3f}{}){}",
+                     fit.num_agreeing, fit.moved_m, fit.turned_rad * kDegPerRad, fit.scale,
+                     fit.raised_m, limits.moved_m, limits.turned_rad * kDegPerRad,
+                     1.0 - limits.scale_change, 1.0 + limits.scale_change,
+                     WhyAllowed(limits, accuracy), MirrorNote(comparison)),
+         IsFromBehind(comparison) ? kMirrored : kStateAccuracy);
 }
 
 }  // namespace
 
-void RequireAgreement(const MapComparison& comparison, const AgreementOptions& limits,
-                      const std::string& newcomer) {
-  const PlacementFit& fit = comparison.fit;
-  const bool should_know = comparison.num_expected >= limits.min_expected;
-  if (should_know &&
-      comparison.num_localized < limits.min_recognized_share * comparison.num_expected) {
-    Refuse(newcomer,
-           fmt::format("of {} photos that stand where the map has photos that look the same "
-                       "way, it recognizes {}",
-                       comparison.num_expected, comparison.num_localized));
+PlacementAccuracy AccuracyOf(const MapComparison& comparison, double stated_m,
+                             double median_residual_m, const std::vector<SessionRecord>& map) {
+  const std::vector<SessionId>& known = comparison.known_sessions;
+  PlacementAccuracy accuracy;
+  // Without a statement, nobody says how the session was placed.
+  accuracy.session_m = stated_m > 0.0 ? std::max(stated_m, median_residual_m) : 0.0;
+  for (const SessionRecord& session : map) {
+    if (known.empty() || std::binary_search(known.begin(), known.end(), session.id)) {
+      accuracy.map_m = std::max(accuracy.map_m, session.georef_median_residual_m);
+    }
   }
-  if (comparison.num_localized < kLeastPhotosToJudge) {
-    return;
+  return accuracy;
+}
+
+MotionLimits LimitsOf(const MapComparison& comparison, const AgreementOptions& options,
+                      const PlacementAccuracy& accuracy) {
+  constexpr double kRadius68PerSigma = 1.51;  // Of two axes: sqrt(-2 ln 0.32).
+  constexpr double kMaxSigmas = 3.4;
+  constexpr double kMaxTurnedRad = 0.5;  // No receiver turns a street by more than this.
+  MotionLimits limits = {options.max_moved_m, options.max_turned_rad, options.max_scale_change};
+  if (!IsSure(comparison) || IsFromBehind(comparison) || !(accuracy.session_m > 0.0)) {
+    return limits;
   }
-  if (fit.num_agreeing < limits.min_agreeing_share * comparison.num_localized) {
-    Refuse(newcomer,
-           fmt::format("the map recognizes {} of {} photos, but only {} of them in places "
-                       "that one motion of the session explains",
-                       comparison.num_localized, comparison.num_expected, fit.num_agreeing));
+  const double off_m =
+      kMaxSigmas / kRadius68PerSigma * std::hypot(accuracy.session_m, accuracy.map_m);
+  const double turned_rad = std::min(kMaxTurnedRad, off_m / std::max(1.0, comparison.spread_m));
+  limits.follow_accuracy = off_m > limits.moved_m;
+  limits.moved_m = std::max(limits.moved_m, off_m);
+  limits.turned_rad = std::max(limits.turned_rad, turned_rad);
+  limits.scale_change = std::max(limits.scale_change, turned_rad);
+  return limits;
+}
+
+void RequireAgreement(const MapComparison& comparison, const AgreementOptions& options,
+                      const PlacementAccuracy& accuracy, const std::string& newcomer) {
+  RequireRecognized(comparison, options, newcomer);
+  RequireOneMotion(comparison, options, newcomer);
+  if (IsJudged(comparison)) {
+    RequireSmallMotion(comparison, options, accuracy, newcomer);
   }
-  if (fit.moved_m > limits.max_moved_m || fit.turned_rad > limits.max_turned_rad ||
-      std::abs(fit.scale - 1.0) > limits.max_scale_change) {
-    Refuse(
-        newcomer,
-        fmt::format("the map sees {} of its photos {:.2f} m away, turned by {:.1f} degrees and "
-                    "{:.3f} times as large (allowed: {:.1f} m, {:.1f} degrees, {:.3f} to {:.3f})",
-                    fit.num_agreeing, fit.moved_m, fit.turned_rad * kDegPerRad, fit.scale,
-                    limits.max_moved_m, limits.max_turned_rad * kDegPerRad,
-                    1.0 - limits.max_scale_change, 1.0 + limits.max_scale_change));
+}
+
+void RequireAnswers(const KeyframeAnswers& answers, const GateOptions& options,
+                    const std::string& newcomer) {
+  constexpr int kFew = 2;  // Chance takes so many.
+  if (answers.num_lost > kFew &&
+      answers.num_lost > options.max_lost_share * static_cast<double>(answers.num_asked)) {
+    throw Error(
+        ErrorCode::kConflict,
+        fmt::format("{} was not published: with it, the map no longer localizes {} of {} of its "
+                    "own keyframes near by (allowed: {:.0f} %), so it probably stands in the "
+                    "wrong place. Correct its georegistration, or publish it all the same "
+                    "(--force)",
+                    newcomer, answers.num_lost, answers.num_asked, 100.0 * options.max_lost_share));
   }
 }
 

@@ -3,18 +3,54 @@
 #define CAIRN_INGEST_SESSION_PLACEMENT_H_
 
 #include <string>
+#include <vector>
 
+#include "ingest/coregister/ask_keyframes.h"
 #include "ingest/coregister/compare_with_map.h"
 #include "ingest/ingest_options.h"
 #include "ingest/tiling/placed_session.h"
+#include "storage/map/map_store.h"
 
 namespace cairn {
 
+// How well the positions on Earth are known: radii that contain 68 % of them, meters; 0: unknown.
+struct PlacementAccuracy {
+  double session_m = 0.0;
+  double map_m = 0.0;
+};
+
+// The accuracy of a session's positions is what was stated or what the residuals of the
+// georegistration show, whichever is worse. The residuals tell that of the sessions of the map: the
+// worst of those with keyframes in the tiles of the session, or of all if there are none.
+PlacementAccuracy AccuracyOf(const MapComparison& comparison, double stated_m,
+                             double median_residual_m, const std::vector<SessionRecord>& map);
+
+// The motion that a session may make to follow the map.
+struct MotionLimits {
+  double moved_m = 0.0;  // A motion upward counts half if positions are inaccurate.
+  double turned_rad = 0.0;
+  double scale_change = 0.0;
+  bool follow_accuracy = false;  // Larger than those of the options.
+};
+
+// Returns the limits of the options. If at least five photos and four in five of the recognized
+// ones agree within 0.3 m, the motion is sure, and the limits grow to what positions of this
+// accuracy exceed once in 300 times: 3.4 standard deviations of an axis. Errors of positions turn
+// and resize a session by the error over its spread.
+MotionLimits LimitsOf(const MapComparison& comparison, const AgreementOptions& options,
+                      const PlacementAccuracy& accuracy);
+
 // Throws Error(kConflict), with the figures of the disagreement and what to do, if a session or
 // another map contradicts the map: the map recognizes none of its photos, or recognizes them
-// elsewhere, turned, of another size or in places that fit no motion. `newcomer` names it.
-void RequireAgreement(const MapComparison& comparison, const AgreementOptions& limits,
-                      const std::string& newcomer);
+// mirrored, elsewhere, turned, of another size or in places that fit no motion. `newcomer` names
+// it.
+void RequireAgreement(const MapComparison& comparison, const AgreementOptions& options,
+                      const PlacementAccuracy& accuracy, const std::string& newcomer);
+
+// Throws Error(kConflict), with the figures and what to do, if the answers lost are more than two
+// and more than the options allow. `newcomer` names what the update adds.
+void RequireAnswers(const KeyframeAnswers& answers, const GateOptions& options,
+                    const std::string& newcomer);
 
 // The session moved to where the map sees it, or as it is if the map recognizes too few photos.
 PlacedSession SettleSession(PlacedSession session, const MapComparison& comparison,

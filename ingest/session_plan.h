@@ -17,7 +17,8 @@
 
 namespace cairn {
 
-// Phases "codebook", "comparison", "links", "shards", "tiles", "publish"; done of total.
+// Phases "codebook", "comparison", "links", "shards", "tiles", "answers",
+// "publish"; done of total.
 using IngestProgress = std::function<void(const char* phase, int64_t done, int64_t total)>;
 
 // Calls `progress` unless it is empty.
@@ -51,6 +52,7 @@ struct SessionPlan {
   FirstIds first_ids;                        // from where on.
 
   TileOptions options;
+  GateOptions gate;
   SessionTimes session_times;      // Of all sessions of the map, and of this one.
   std::vector<PlannedTile> tiles;  // Ascending.
 

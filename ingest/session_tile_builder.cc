@@ -31,8 +31,9 @@ SessionTileBuilder::SessionTileBuilder(const SessionPlan& plan)
 BuiltTile SessionTileBuilder::Build(const TileShard& shard) const {
   const TileSource source{&shard.reconstruction, &shard.session,   &codec_,
                           summarizer_.get(),     plan_.session.id, shard.landmark_ids};
-  const TileRewriteContext context{&plan_.options, &source, selector_.get(), plan_.replaced_session,
-                                   &plan_.session_times};
+  const TileRewriteContext context{&plan_.options,       &source,
+                                   selector_.get(),      plan_.replaced_session,
+                                   &plan_.session_times, IsJudged(plan_.comparison)};
   return {RewriteTile(context, shard.tile_id, shard.base, shard.keyframe_ids),
           KeyframesOf(shard, plan_.session.id)};
 }

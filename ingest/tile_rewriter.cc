@@ -80,7 +80,8 @@ JoinedTile JoinSession(const Tile& known, const TileRewriteContext& context, Til
                     .codec = source.codec,
                     .summarizer = source.summarizer,
                     .selector = context.selector,
-                    .session_times = context.session_times});
+                    .session_times = context.session_times,
+                    .is_judged = context.is_judged});
 }
 
 // The tile that a payload holds, without a session.

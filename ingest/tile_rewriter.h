@@ -30,6 +30,7 @@ struct TileRewriteContext {
   const LandmarkSelector* selector = nullptr;
   SessionId replaced_session{};  // 0: none.
   const SessionTimes* session_times = nullptr;
+  bool is_judged = true;  // See TileJoinContext.
 };
 
 // The outcome for one tile. The caller writes it to the map.

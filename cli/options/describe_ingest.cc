@@ -58,16 +58,28 @@ void DescribeAppearance(AppearanceOptions* options, OptionList* list) {
 }
 
 void DescribeAgreement(AgreementOptions* options, OptionList* list) {
-  list->Add("max_moved_m", &options->max_moved_m, "Farthest that a session is moved, meters");
-  list->Add("max_turned_rad", &options->max_turned_rad, "Most that a session is turned, radians");
+  list->Add("max_moved_m", &options->max_moved_m,
+            "Farthest that a session with accurate positions is moved, meters");
+  list->Add("max_turned_rad", &options->max_turned_rad,
+            "Most that a session with accurate positions is turned, radians");
   list->Add("max_scale_change", &options->max_scale_change,
             "Largest difference of a session's size, as share");
+  list->Add(
+      "position_accuracy_m", &options->position_accuracy_m,
+      "Radius that contains 68 % of the positions that placed the session, meters; the limits "
+      "above grow with it. 0: that of --georef or --gps-accuracy");
   list->Add("min_agreeing_share", &options->min_agreeing_share,
             "Smallest share of the recognized photos that one motion of the session explains");
   list->Add("min_recognized_share", &options->min_recognized_share,
             "Smallest share of the photos that the map should recognize and does");
   list->Add("min_expected", &options->min_expected,
             "With fewer photos that the map should recognize, min_recognized_share does not count");
+}
+
+void DescribeGate(GateOptions* options, OptionList* list) {
+  list->Add("max_lost_share", &options->max_lost_share,
+            "Largest share of the map's keyframes, of those that are asked for, that the new "
+            "version may no longer localize; 1 (--force): all of them");
 }
 
 void DescribeLinking(LinkOptions* options, OptionList* list) {
@@ -134,6 +146,8 @@ void DescribeIngest(IngestOptions* options, OptionList* list) {
                    [&] { DescribeAppearance(&options->appearance, list); });
   list->AddSection("agreement", "How far a session may contradict the map",
                    [&] { DescribeAgreement(&options->agreement, list); });
+  list->AddSection("gate", "What an update may take from the map",
+                   [&] { DescribeGate(&options->gate, list); });
   list->AddSection("upkeep", "What becomes of a place that the map knows",
                    [&] { DescribeUpkeep(&options->upkeep, list); });
 }

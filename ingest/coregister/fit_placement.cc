@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/check.h"
+#include "core/geodesy.h"
 
 namespace cairn {
 namespace {
@@ -98,38 +99,160 @@ Vector7d Refine(const std::vector<Difference>& differences, const Vector7d& x) {
   return information.ldlt().solve(right);
 }
 
-}  // namespace
+Sim3d Compose(const Sim3d& a_from_b, const Sim3d& b_from_c) {
+  return {a_from_b.scale * b_from_c.scale, a_from_b.rotation * b_from_c.rotation,
+          a_from_b * b_from_c.translation};
+}
 
-PlacementFit FitPlacement(const std::vector<PosePair>& pairs, const PlacementFitOptions& options) {
-  CAIRN_CHECK(!pairs.empty(), "a fit needs a camera");
+Eigen::Vector3d MiddleOf(const std::vector<PosePair>& pairs) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const PosePair& pair : pairs) {
     middle += pair.cam_from_ecef.Inverse().translation;
   }
-  middle /= static_cast<double>(pairs.size());
-  const std::vector<Difference> differences = DifferencesOf(pairs, middle);
-  Vector7d x = MedianMotion(differences);
-  for (int round = 0; round < kNumRounds; ++round) {
-    x = Refine(differences, x);
-  }
+  return middle / static_cast<double>(pairs.size());
+}
 
+std::vector<PosePair> MovedBy(const Sim3d& motion, std::vector<PosePair> pairs) {
+  for (PosePair& pair : pairs) {
+    pair.cam_from_ecef = CamFromTarget(pair.cam_from_ecef, motion);
+  }
+  return pairs;
+}
+
+// The motion of the cameras, and the small motion that refines it once the cameras are moved.
+struct RefinedMotion {
+  Sim3d motion;                         // All of it.
+  std::vector<Difference> differences;  // Before the last small motion.
+  Vector7d x;                           // The last small motion.
+};
+
+RefinedMotion RefineFrom(const Sim3d& start, const std::vector<PosePair>& pairs) {
+  // Rotations are linearized. A rotation by more changes positions 50 m away by more than 1 cm.
+  constexpr double kMaxLinearRad = 0.02;
+  constexpr int kMaxSteps = 5;
+  RefinedMotion refined;
+  refined.motion = start;
+  for (int step = 0; step < kMaxSteps; ++step) {
+    const std::vector<PosePair> moved = MovedBy(refined.motion, pairs);
+    const Eigen::Vector3d middle = MiddleOf(moved);
+    refined.differences = DifferencesOf(moved, middle);
+    refined.x = MedianMotion(refined.differences);
+    for (int round = 0; round < kNumRounds; ++round) {
+      refined.x = Refine(refined.differences, refined.x);
+    }
+    const Eigen::Quaterniond rotation = ExpSo3(refined.x.head<3>());
+    const double scale = 1.0 + refined.x(6);
+    refined.motion =
+        Compose({scale, rotation, middle + refined.x.segment<3>(3) - scale * (rotation * middle)},
+                refined.motion);
+    if (refined.x.head<3>().norm() <= kMaxLinearRad) {
+      break;
+    }
+  }
+  return refined;
+}
+
+PlacementFit FitFrom(const Sim3d& start, const std::vector<PosePair>& pairs,
+                     const PlacementFitOptions& options) {
+  const RefinedMotion refined = RefineFrom(start, pairs);
+  const Eigen::Vector3d middle = MiddleOf(pairs);
+  const Eigen::Vector3d moved = refined.motion * middle - middle;
   PlacementFit fit;
-  const Eigen::Quaterniond rotation = ExpSo3(x.head<3>());
-  fit.scale = 1.0 + x(6);
-  fit.map_from_session = {fit.scale, rotation,
-                          middle + x.segment<3>(3) - fit.scale * (rotation * middle)};
-  fit.moved_m = x.segment<3>(3).norm();
-  fit.turned_rad = x.head<3>().norm();
+  fit.map_from_session = refined.motion;
+  fit.scale = refined.motion.scale;
+  fit.moved_m = moved.norm();
+  fit.raised_m =
+      moved.dot(EcefFromEnu(GeodeticFromEcef(middle)).rotation * Eigen::Vector3d::UnitZ());
+  fit.turned_rad = RotationAngleRad(refined.motion.rotation, Eigen::Quaterniond::Identity());
   std::vector<double> residuals_m;
-  for (const Difference& difference : differences) {
-    const double residual_m = difference.PositionResidual(x).norm();
-    if (residual_m <= options.max_residual_m &&
-        difference.RotationResidual(x).norm() <= options.max_residual_rad) {
+  for (const Difference& difference : refined.differences) {
+    const double residual_m = difference.PositionResidual(refined.x).norm();
+    fit.agrees.push_back(residual_m <= options.max_residual_m &&
+                         difference.RotationResidual(refined.x).norm() <= options.max_residual_rad);
+    if (fit.agrees.back()) {
       residuals_m.push_back(residual_m);
     }
   }
   fit.num_agreeing = static_cast<int>(residuals_m.size());
   fit.median_residual_m = residuals_m.empty() ? 0.0 : Median(std::move(residuals_m));
+  return fit;
+}
+
+// The size of the session by the map, from distances between cameras; 1 if they stand together.
+double MedianScale(const std::vector<PosePair>& pairs) {
+  constexpr double kLeastDistanceM = 5.0;
+  std::vector<double> scales;
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    for (size_t j = 0; j < i; ++j) {
+      const auto distance_m = [&](Rigid3d PosePair::*pose) {
+        return ((pairs[i].*pose).Inverse().translation - (pairs[j].*pose).Inverse().translation)
+            .norm();
+      };
+      const double in_session_m = distance_m(&PosePair::cam_from_ecef);
+      if (in_session_m >= kLeastDistanceM) {
+        scales.push_back(distance_m(&PosePair::cam_from_ecef_in_map) / in_session_m);
+      }
+    }
+  }
+  const double scale = scales.empty() ? 1.0 : Median(std::move(scales));
+  return scale > 0.0 ? scale : 1.0;
+}
+
+// The motion of one camera.
+Sim3d MotionOf(const PosePair& pair, double scale) {
+  const Rigid3d ecef_from_cam = pair.cam_from_ecef.Inverse();
+  const Rigid3d in_map = pair.cam_from_ecef_in_map.Inverse();
+  const Eigen::Quaterniond rotation =
+      (in_map.rotation * ecef_from_cam.rotation.conjugate()).normalized();
+  return {scale, rotation, in_map.translation - scale * (rotation * ecef_from_cam.translation)};
+}
+
+// The number of cameras that the motion of one of them brings about to where the map has them.
+int CountNear(const PosePair& start, double scale, const std::vector<PosePair>& pairs,
+              const PlacementFitOptions& options) {
+  // The orientation of one camera errs by about a degree, which turns the others about it.
+  constexpr double kSlackRad = 0.02;
+  const Sim3d motion = MotionOf(start, scale);
+  const Eigen::Vector3d fixed = start.cam_from_ecef_in_map.Inverse().translation;
+  int num_near = 0;
+  for (const PosePair& pair : pairs) {
+    const Rigid3d moved = CamFromTarget(pair.cam_from_ecef, motion).Inverse();
+    const Rigid3d in_map = pair.cam_from_ecef_in_map.Inverse();
+    const double off_m = (moved.translation - in_map.translation).norm();
+    const double slack_m = kSlackRad * (in_map.translation - fixed).norm();
+    num_near += off_m <= options.max_residual_m + slack_m &&
+                RotationAngleRad(moved.rotation, in_map.rotation) <= options.max_residual_rad;
+  }
+  return num_near;
+}
+
+// The motion of a single camera on which most cameras agree.
+Sim3d Consensus(const std::vector<PosePair>& pairs, const PlacementFitOptions& options) {
+  Sim3d best;
+  int most = -1;
+  for (const double scale : {1.0, MedianScale(pairs)}) {
+    for (const PosePair& pair : pairs) {
+      const int num_near = CountNear(pair, scale, pairs, options);
+      if (num_near > most) {
+        most = num_near;
+        best = MotionOf(pair, scale);
+      }
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+PlacementFit FitPlacement(const std::vector<PosePair>& pairs, const PlacementFitOptions& options) {
+  CAIRN_CHECK(!pairs.empty(), "a fit needs a camera");
+  PlacementFit fit = FitFrom(Sim3d(), pairs, options);
+  if (2 * fit.num_agreeing < static_cast<int>(pairs.size())) {
+    PlacementFit other = FitFrom(Consensus(pairs, options), pairs, options);
+    if (other.num_agreeing > fit.num_agreeing) {
+      fit = std::move(other);
+    }
+  }
   return fit;
 }
 

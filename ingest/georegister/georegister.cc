@@ -206,6 +206,11 @@ void Judge(const SimilarityProblem& problem, const Sim3d& enu_from_normalized,
     residuals_sigmas.push_back(residual_m / position.accuracy_m);
     result->num_inliers += residuals_sigmas.back() <= 3.0 * kLossScaleSigmas;
   }
+  std::vector<double> accuracies_m;
+  for (const auto& position : problem.positions) {
+    accuracies_m.push_back(position.accuracy_m);
+  }
+  result->stated_accuracy_m = Median(std::move(accuracies_m));
   result->num_positions = static_cast<int>(problem.positions.size());
   result->median_residual_m = Median(result->residuals_m);
   result->max_residual_m =

@@ -79,8 +79,9 @@ struct UpReport {
 struct Georegistration {
   Sim3d ecef_from_world;
   UpReport up;
-  int num_positions = 0;  // Positions whose image is in the reconstruction.
-  int num_inliers = 0;    // Positions within six times their accuracy.
+  int num_positions = 0;           // Positions whose image is in the reconstruction.
+  int num_inliers = 0;             // Positions within six times their accuracy.
+  double stated_accuracy_m = 0.0;  // Median of the positions' accuracies.
   double median_residual_m = 0.0;
   double max_residual_m = 0.0;
   std::vector<double> residuals_m;  // One for each used position, in input order.

@@ -159,8 +159,14 @@ void ReadIds(const Json& json, SessionPlan* plan) {
 Json ComparisonJson(const MapComparison& comparison) {
   return {{"photosExpected", comparison.num_expected},
           {"photosRecognized", comparison.num_localized},
+          {"photosSought", comparison.num_sought},
+          {"photosFound", comparison.num_found},
+          {"photosFromBehind", comparison.num_from_behind},
+          {"photosExpectedAfter", comparison.num_expected_after},
+          {"photosAgreeingAfter", comparison.num_agreeing_after},
           {"photosAgreeing", comparison.fit.num_agreeing},
           {"movedM", NumberJson(comparison.fit.moved_m)},
+          {"raisedM", NumberJson(comparison.fit.raised_m)},
           {"turnedRad", NumberJson(comparison.fit.turned_rad)},
           {"scale", NumberJson(comparison.fit.scale)},
           {"medianResidualM", NumberJson(comparison.fit.median_residual_m)}};
@@ -170,8 +176,14 @@ MapComparison ComparisonFromJson(const Json& json) {
   MapComparison comparison;
   comparison.num_expected = WholeFromJson<int>(json.at("photosExpected"));
   comparison.num_localized = WholeFromJson<int>(json.at("photosRecognized"));
+  comparison.num_sought = WholeFromJson<int>(json.at("photosSought"));
+  comparison.num_found = WholeFromJson<int>(json.at("photosFound"));
+  comparison.num_from_behind = WholeFromJson<int>(json.at("photosFromBehind"));
+  comparison.num_expected_after = WholeFromJson<int>(json.at("photosExpectedAfter"));
+  comparison.num_agreeing_after = WholeFromJson<int>(json.at("photosAgreeingAfter"));
   comparison.fit.num_agreeing = WholeFromJson<int>(json.at("photosAgreeing"));
   comparison.fit.moved_m = NumberFromJson(json.at("movedM"));
+  comparison.fit.raised_m = NumberFromJson(json.at("raisedM"));
   comparison.fit.turned_rad = NumberFromJson(json.at("turnedRad"));
   comparison.fit.scale = NumberFromJson(json.at("scale"));
   comparison.fit.median_residual_m = NumberFromJson(json.at("medianResidualM"));
@@ -245,6 +257,8 @@ PlanManifest Read(const Json& json) {
   manifest.codebook_digest = json.at("codebook").at("digest").get<std::string>();
   ReadIds(json.at("ids"), &plan);
   plan.options = OptionsFromJson(json.at("options"));
+  plan.gate.max_lost_share = NumberFromJson(json.at("gate").at("maxLostShare"));
+  plan.gate.Validate();
   for (const Json& time : json.at("sessionTimes")) {
     plan.session_times[IdFromJson<SessionId>(time.at(0))] = NumberFromJson(time.at(1));
   }
@@ -274,6 +288,7 @@ std::string ManifestAsJson(const PlanManifest& manifest) {
                        {"digest", manifest.codebook_digest}}},
                      {"ids", IdsJson(plan)},
                      {"options", OptionsJson(plan.options)},
+                     {"gate", {{"maxLostShare", NumberJson(plan.gate.max_lost_share)}}},
                      {"sessionTimes", TimesJson(plan.session_times)},
                      {"comparison", ComparisonJson(plan.comparison)},
                      {"landmarksDropped", plan.num_landmarks_dropped},

@@ -14,6 +14,7 @@
 #include "core/parallel_for.h"
 #include "core/printable.h"
 #include "core/require.h"
+#include "ingest/gate_session.h"
 #include "ingest/publish_session.h"
 #include "ingest/tile_names.h"
 
@@ -136,22 +137,25 @@ ShareReport BuildShare(PlanFolder* folder, const TaskShare& share, const IngestP
 }
 
 IngestReport PublishPlan(PlanFolder* folder, int64_t num_tasks, MapStore* store,
-                         std::chrono::milliseconds patience, const IngestProgress& progress) {
+                         const PublishOptions& options, const IngestProgress& progress) {
   if (!folder->plan().is_unchanged) {
     RequireUnpublished(*folder, *store);
     RequireResults(*folder, num_tasks);
     folder->LoadCodebook();
   }
-  const IngestReport report = PublishSession(
-      folder->plan(),
-      [&](size_t tile_idx) {
-        std::optional<BuiltTile> built = folder->LoadResult(tile_idx);
-        if (!built) {
-          RefuseWithout(*folder, {tile_idx}, num_tasks);
-        }
-        return *std::move(built);
-      },
-      store, patience, progress);
+  const auto load = [&](size_t tile_idx) {
+    std::optional<BuiltTile> built = folder->LoadResult(tile_idx);
+    if (!built) {
+      RefuseWithout(*folder, {tile_idx}, num_tasks);
+    }
+    return *std::move(built);
+  };
+  KeyframeAnswers answers;
+  if (!options.force) {
+    answers = RequireKeyframes(folder->plan(), load, *store, options.num_threads, progress);
+  }
+  IngestReport report = PublishSession(folder->plan(), load, store, options.patience, progress);
+  report.keyframe_answers = answers;
   folder->RemoveContent();
   return report;
 }

@@ -39,12 +39,20 @@ struct ShareReport {
 // "tiles". Throws Error(kBadInput) if a shard is damaged. Tiles that are already built stay.
 ShareReport BuildShare(PlanFolder* folder, const TaskShare& share, const IngestProgress& progress);
 
+struct PublishOptions {
+  std::chrono::milliseconds patience{0};  // While another update of the map runs.
+  int num_threads = 1;                    // That ask keyframes of the map.
+  bool force = false;                     // Publish whatever these keyframes lose.
+};
+
 // Publishes the plan and removes its shards and results from the folder. `num_tasks`, if positive,
 // is the `count` of the tasks that built it, for messages. Throws Error(kConflict), which names the
 // tiles and what to do, if tiles have no sound result, and as PublishSession. A plan that was
 // published already is refused with Error(kConflict), and its shards and results are removed.
+// Before, unless forced, asks keyframes of the map what they lose; see RequireKeyframes. A refused
+// plan keeps its shards and results.
 IngestReport PublishPlan(PlanFolder* folder, int64_t num_tasks, MapStore* store,
-                         std::chrono::milliseconds patience, const IngestProgress& progress);
+                         const PublishOptions& options, const IngestProgress& progress);
 
 }  // namespace cairn
 

@@ -74,6 +74,7 @@ void Ingest(const CityWorldOptions& options, const SimulatedMapping& mapping,
   ingest.source = "simulated city";
   // Neighboring tiles share no landmarks: there is nothing to join.
   ingest.joining = SessionJoining::kApart;
+  ingest.gate.max_lost_share = 1.0;
   IngestSession(chunk.reconstruction, mapping.EcefFromWorld(), ingest, store, {});
 }
 

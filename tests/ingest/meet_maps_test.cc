@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "ingest/coregister/keyframe_features.h"
 #include "ingest/ingest_session.h"
-#include "ingest/keyframe_features.h"
 #include "ingest/merge_maps.h"
 #include "ingest/recode/load_codebook.h"
 #include "ingest/recode_map.h"
@@ -144,6 +144,26 @@ TEST_F(MeetingMaps, AreRefusedIfTheyContradictEachOther) {
   apart.joining = SessionJoining::kApart;
   EXPECT_EQ(Merge(apart).totals.num_landmarks,
             a_.Snapshot().Info().num_landmarks + b_.Snapshot().Info().num_landmarks);
+}
+
+TEST_F(MeetingMaps, AreRefusedHoweverFarTheyAreMisplaced) {
+  MakeB(Eigen::Vector3d(20.0, 15.0, -10.0));
+  try {
+    Merge();
+    FAIL() << "was merged";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kConflict);
+    EXPECT_THAT(error.what(), HasSubstr("of its photos 26.9"));
+  }
+}
+
+TEST_F(MeetingMaps, CountWhatTheyLoseIfTheyAreKeptApart) {
+  MakeB(Eigen::Vector3d(8.0, 4.0, 5.0));
+  MapMergeOptions apart;
+  apart.joining = SessionJoining::kApart;
+  const KeyframeAnswers answers = Merge(apart).keyframe_answers;
+  EXPECT_GT(answers.num_asked, 20);
+  EXPECT_GT(answers.num_lost, answers.num_asked / 5);
 }
 
 TEST_F(MeetingMaps, KeepTheirBudget) {

@@ -43,6 +43,24 @@ TEST(FitPlacement, SeesAWrongSize) {
   EXPECT_NEAR(fit.scale, 0.9, 0.01);
 }
 
+TEST(FitPlacement, FindsAStreetThatIsTurnedAroundAndFarAway) {
+  const Rigid3d motion(ExpSo3(Eigen::Vector3d(0.5, -0.3, 2.9)), Eigen::Vector3d(30.0, -20.0, 9.0));
+  const PlacementFit fit = FitPlacement(PosesOfStreet(motion, 1.0, 9), {});
+  EXPECT_EQ(fit.num_agreeing, 21);
+  EXPECT_NEAR(fit.moved_m, motion.translation.norm(), 0.1);
+  EXPECT_NEAR(fit.turned_rad, Eigen::Vector3d(0.5, -0.3, 2.9).norm(), 0.003);
+  EXPECT_LT(fit.median_residual_m, 0.1);
+}
+
+TEST(FitPlacement, SplitsTheMotionIntoLevelAndUp) {
+  const Eigen::Vector3d middle(4.2e6, 6.3e5, 4.7e6);
+  const Eigen::Vector3d up = middle.normalized();  // Within 0.2 degrees.
+  const PlacementFit fit =
+      FitPlacement(PosesOfStreet({ExpSo3(Eigen::Vector3d::Zero()), -12.0 * up}, 1.0, 0), {});
+  EXPECT_NEAR(fit.moved_m, 12.0, 0.05);
+  EXPECT_NEAR(fit.raised_m, -12.0, 0.05);
+}
+
 TEST(FitPlacement, CountsNoAgreementWhereThereIsNone) {
   std::vector<PosePair> pairs = PosesOfStreet(Rigid3d(), 1.0, 0);
   for (size_t i = 0; i < pairs.size(); ++i) {

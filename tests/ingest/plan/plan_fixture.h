@@ -73,9 +73,10 @@ class PlanFixture : public MapPlaceTest {
     return BuildShare(&folder, {index, count}, {});
   }
 
-  static IngestReport Publish(const std::string& path, MapStore* store, int64_t num_tasks = 0) {
+  static IngestReport Publish(const std::string& path, MapStore* store, int64_t num_tasks = 0,
+                              bool force = false) {
     PlanFolder folder(path);
-    return PublishPlan(&folder, num_tasks, store, {}, {});
+    return PublishPlan(&folder, num_tasks, store, {.force = force}, {});
   }
 
   // A map with one session.

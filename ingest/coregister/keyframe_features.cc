@@ -1,4 +1,4 @@
-#include "ingest/keyframe_features.h"
+#include "ingest/coregister/keyframe_features.h"
 
 #include <cmath>
 #include <limits>

@@ -1,6 +1,6 @@
 // A keyframe of a map as a photo: what the tile knows of its features. Private to ingest.
-#ifndef CAIRN_INGEST_KEYFRAME_FEATURES_H_
-#define CAIRN_INGEST_KEYFRAME_FEATURES_H_
+#ifndef CAIRN_INGEST_COREGISTER_KEYFRAME_FEATURES_H_
+#define CAIRN_INGEST_COREGISTER_KEYFRAME_FEATURES_H_
 
 #include <cstdint>
 #include <vector>
@@ -27,4 +27,4 @@ KeyframeFeatures FeaturesOfKeyframe(const Tile& tile, size_t keyframe_idx, const
 
 }  // namespace cairn
 
-#endif  // CAIRN_INGEST_KEYFRAME_FEATURES_H_
+#endif  // CAIRN_INGEST_COREGISTER_KEYFRAME_FEATURES_H_
