@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "storage/geometry/geo_box.h"
 #include "storage/map/map_queries.h"
+#include "storage/map/tile_pages.h"
 #include "storage/map/version_queries.h"
 
 namespace cairn::as_of {
@@ -99,6 +100,22 @@ std::vector<TileRecord> AllTiles(db::Connection* connection, int64_t limit, MapV
       connection, version, queries::PastTiles, [](const TileRecord&) { return true; }, &tiles);
   tiles.resize(std::min(tiles.size(), static_cast<size_t>(std::max<int64_t>(limit, 0))));
   return tiles;
+}
+
+TilePage FindTilePage(db::Connection* connection, const TilePageRequest& request,
+                      MapVersion version) {
+  TilePage page = queries::FindTilePage(connection, request, version);
+  const auto is_in_page = [&](const TileRecord& tile) {
+    return (!request.after || *request.after < tile.tile_id) &&
+           (!page.resume_after || !(*page.resume_after < tile.tile_id)) &&
+           (!request.box || BoxesMeet(tile.tile_id.Bounds(), *request.box));
+  };
+  AddPast(connection, version, queries::PastTiles, is_in_page, &page.tiles);
+  if (page.tiles.size() > static_cast<size_t>(request.limit)) {
+    page.tiles.resize(request.limit);
+    page.resume_after = page.tiles.back().tile_id;
+  }
+  return page;
 }
 
 std::optional<TileRecord> FindTile(db::Connection* connection, TileId tile_id, MapVersion version) {

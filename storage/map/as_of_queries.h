@@ -24,6 +24,8 @@ MapInfo Info(db::Connection* connection, MapVersion version);
 std::vector<TileRecord> FindTiles(db::Connection* connection, const GeoBox& box,
                                   MapVersion version);
 std::vector<TileRecord> AllTiles(db::Connection* connection, int64_t limit, MapVersion version);
+TilePage FindTilePage(db::Connection* connection, const TilePageRequest& request,
+                      MapVersion version);
 std::optional<TileRecord> FindTile(db::Connection* connection, TileId tile_id, MapVersion version);
 // `ids` are in ascending order; the tiles are in any order.
 std::vector<TileRecord> TilesWithIds(db::Connection* connection, const std::vector<int64_t>& ids,

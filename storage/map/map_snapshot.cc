@@ -85,6 +85,10 @@ std::vector<TileRecord> MapSnapshot::AllTiles(int64_t limit) const {
   return impl_->Call(as_of::AllTiles, limit);
 }
 
+TilePage MapSnapshot::FindTilePage(const TilePageRequest& request) const {
+  return impl_->Call(as_of::FindTilePage, request);
+}
+
 std::optional<TileRecord> MapSnapshot::FindTile(TileId tile_id) const {
   return impl_->Call(as_of::FindTile, tile_id);
 }

@@ -88,6 +88,19 @@ struct MapInfo : MapTotals {
   int64_t file_bytes = 0;
 };
 
+struct TilePageRequest {
+  std::optional<GeoBox> box;    // Without a box, all tiles.
+  std::optional<TileId> after;  // Only tiles with larger ids; TilePage::resume_after goes here.
+  int64_t limit = 1000;
+};
+
+struct TilePage {
+  std::vector<TileRecord> tiles;  // At most `limit`, ordered by tile id.
+  // The id after which the search goes on; empty at the end. A page may have fewer tiles than
+  // `limit`, or none, and yet not be the last one, because the work for a page is bounded.
+  std::optional<TileId> resume_after;
+};
+
 // The time by which a read must end; empty for no limit.
 using ReadDeadline = std::optional<std::chrono::steady_clock::time_point>;
 
@@ -121,6 +134,8 @@ class MapSnapshot {
   std::vector<TileRecord> FindTiles(const GeoBox& box) const;
   // Returns the first `limit` tiles of the map by tile id.
   std::vector<TileRecord> AllTiles(int64_t limit) const;
+  // Lists tiles page by page. The work for a page does not grow with the map or with the box.
+  TilePage FindTilePage(const TilePageRequest& request) const;
   std::optional<TileRecord> FindTile(TileId tile_id) const;
 
   // Returns the encoded bytes of a tile. Payload ids come from the map, so a missing payload of a

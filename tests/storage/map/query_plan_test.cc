@@ -6,6 +6,7 @@
 
 #include "storage/map/map_file.h"
 #include "storage/map/map_queries.h"
+#include "storage/map/tile_pages.h"
 #include "storage/map/version_queries.h"
 #include "support/street_map.h"
 #include "support/temp_dir.h"
@@ -38,6 +39,15 @@ TEST(QueryPlan, TilesOfABoxComeThroughTheRTree) {
   EXPECT_THAT(plan, HasSubstr("SEARCH t USING INTEGER PRIMARY KEY"));
   EXPECT_THAT(plan, Not(HasSubstr("SCAN c")));
   EXPECT_THAT(plan, Not(HasSubstr("SCAN t")));
+}
+
+TEST(QueryPlan, PagesOfTilesReadNoMoreThanTheyNeed) {
+  const TempDir dir;
+  const std::string path = MakeStreetMap(dir.File("a.gpkg"));
+  EXPECT_THAT(PlanOf(path, queries::TileIdsInBoxSql()), HasSubstr("VIRTUAL TABLE INDEX 2:"));
+  const std::string plan = PlanOf(path, queries::TileIdsAfterSql());
+  EXPECT_THAT(plan, HasSubstr("SEARCH coverage USING INTEGER PRIMARY KEY (rowid>?)"));
+  EXPECT_THAT(plan, Not(HasSubstr("TEMP B-TREE")));
 }
 
 TEST(QueryPlan, ATileComesByItsKey) {
