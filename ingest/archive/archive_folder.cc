@@ -18,6 +18,7 @@
 
 #include "core/error.h"
 #include "core/printable.h"
+#include "core/shared_folder.h"
 #include "ingest/archive/archive_codec.h"
 
 namespace cairn {
@@ -33,6 +34,7 @@ constexpr char kUnfinished[] = ".unfinished";
 }
 
 std::ifstream OpenFile(const std::string& path) {
+  RequireUnlinkedFile(path);
   std::ifstream file(path, std::ios::binary);
   if (!file) {
     ThrowIo(path, "cannot be read", errno);
@@ -85,12 +87,13 @@ std::string FileName(int64_t number, const std::string& session_name) {
   return fmt::format("{:04}-{}{}", number, readable, kSuffix);
 }
 
-// A new file; every failure to write is an Error(kIo).
+// A new file, which replaces a file or a link of the name; every failure to write is an Error(kIo).
 class OutputFile {
  public:
-  explicit OutputFile(std::string path)
-      : path_(std::move(path)),
-        fd_(open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)) {
+  explicit OutputFile(std::string path) : path_(std::move(path)) {
+    unlink(path_.c_str());
+    // O_EXCL does not follow a link that somebody makes meanwhile.
+    fd_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
     if (fd_ < 0) {
       ThrowIo(path_, "cannot be created", errno);
     }
@@ -116,7 +119,7 @@ class OutputFile {
 
  private:
   std::string path_;
-  int fd_;
+  int fd_ = -1;
 };
 
 void Rename(const std::string& from, const std::string& to) {

@@ -11,6 +11,7 @@
 
 #include "core/error.h"
 #include "core/file_bytes.h"
+#include "core/shared_folder.h"
 #include "ingest/plan/built_tile_codec.h"
 #include "ingest/plan/replace_file.h"
 #include "ingest/plan/shard_codec.h"
@@ -70,11 +71,18 @@ bool IsOfAnUnfinishedPlan(const std::string& name) {
   return kNames.contains(name) || name.ends_with(kUnfinishedSuffix);
 }
 
+// Shards and results are files in these folders. Nothing outside of the plan is read or removed.
+void RequireFolders(const std::string& path) {
+  RequireUnlinkedFolder(Join(path, kShards));
+  RequireUnlinkedFolder(Join(path, kResults));
+}
+
 // Reads a file whose digest the manifest names.
 std::vector<uint8_t> ReadNamed(const std::string& path, const std::string& digest) {
   if (!fs::exists(path)) {
     throw Error(ErrorCode::kBadInput, path + ": is missing; plan again");
   }
+  RequireUnlinkedFile(path);
   std::vector<uint8_t> bytes = ReadFileBytes(path, kMaxFileBytes);
   if (ContentDigest(bytes) != digest) {
     throw Error(ErrorCode::kBadInput,
@@ -105,6 +113,7 @@ void PreparePlanFolder(const std::string& path) {
   }
   MakeFolder(Join(path, kShards));
   MakeFolder(Join(path, kResults));
+  RequireFolders(path);
 }
 
 void WritePlan(const PlannedSession& planned, const std::string& map_path, const std::string& path,
@@ -134,6 +143,8 @@ PlanFolder::PlanFolder(const std::string& path) : path_(path) {
   if (!fs::exists(manifest_path)) {
     throw Error(ErrorCode::kNotFound, path + ": holds no plan; run `cairn plan` to its end first");
   }
+  RequireUnlinkedFile(manifest_path);
+  RequireFolders(path);
   const std::string text = ReadTextFile(manifest_path, kMaxManifestBytes);
   try {
     manifest_ = ManifestFromJson(text);
@@ -178,6 +189,7 @@ std::optional<BuiltTile> PlanFolder::LoadResult(size_t tile_idx) const {
     return std::nullopt;
   }
   try {
+    RequireUnlinkedFile(ResultPath(tile_idx));
     return DecodeBuiltTile(ReadFileBytes(ResultPath(tile_idx), kMaxFileBytes), digest_,
                            plan().tiles[tile_idx].tile_id, plan().session.id);
   } catch (const Error& error) {

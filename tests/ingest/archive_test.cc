@@ -226,6 +226,23 @@ TEST_F(Archive, LeavesNothingOfAFileThatCannotBeWritten) {
   EXPECT_THAT(Names(), IsEmpty());
 }
 
+// Who may write to the folder may not choose a file of the user that Cairn overwrites or reads.
+TEST_F(Archive, FollowsNoLinks) {
+  const std::string precious = dir_.File("precious");
+  std::ofstream(precious) << "text";
+  fs::create_symlink(precious, path_ + "/0001-monday.cairnsession.unfinished");
+  {
+    ArchiveFolder folder(path_, Use::kIngest);
+    folder.Stage(ManifestOf("monday"), SmallReconstruction());
+    folder.Commit();
+  }
+  EXPECT_THAT(Names(), ElementsAre("0001-monday.cairnsession"));
+  EXPECT_TRUE(fs::is_regular_file(fs::symlink_status(path_ + "/0001-monday.cairnsession")));
+  EXPECT_EQ(fs::file_size(precious), 4u);
+  fs::create_symlink(precious, path_ + "/0002-tuesday.cairnsession");
+  ExpectError([&] { ArchiveFolder(path_, Use::kIngest); }, ErrorCode::kBadInput, "is a link");
+}
+
 TEST_F(Archive, ReplacesASession) {
   Add(ManifestOf("monday", '1'));
   Add(ManifestOf("tuesday"));

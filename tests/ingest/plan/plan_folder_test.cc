@@ -142,6 +142,29 @@ TEST_P(PlanFolderTest, OnlyWhatAPlanLeftIsRemoved) {
   EXPECT_TRUE(fs::exists(plan + "/plan.json"));
 }
 
+// Who may write to the folder may not choose files of the user that Cairn overwrites or removes.
+TEST_P(PlanFolderTest, LinksAreNotFollowed) {
+  const std::string elsewhere = plans_.File("elsewhere");
+  fs::create_directory(elsewhere);
+  std::ofstream(elsewhere + "/thesis.tex") << "of a user";
+  const std::string unfinished = plans_.File("unfinished");
+  fs::create_directory(unfinished);
+  fs::create_directory_symlink(elsewhere, unfinished + "/shards");
+  PreparePlanFolder(unfinished);
+  EXPECT_FALSE(fs::is_symlink(unfinished + "/shards"));
+  EXPECT_TRUE(fs::exists(elsewhere + "/thesis.tex"));
+
+  const std::string plan = MakePlan();
+  const std::string tile = PlanFolder(plan).plan().tiles.front().tile_id.ToString();
+  fs::copy_file(plan + "/shards/" + tile, elsewhere + "/shard");
+  fs::remove(plan + "/shards/" + tile);
+  fs::create_symlink(elsewhere + "/shard", plan + "/shards/" + tile);
+  EXPECT_THAT(FailureOf([&] { Build(plan); }).message, HasSubstr("is a link"));
+  fs::remove_all(plan + "/results");
+  fs::create_directory_symlink(elsewhere, plan + "/results");
+  EXPECT_THAT(FailureOf([&] { PlanFolder folder(plan); }).message, HasSubstr("is a link"));
+}
+
 TEST_P(PlanFolderTest, UnfinishedFilesOfDeadTasksAreRemoved) {
   const std::string plan = MakePlan();
   const std::string part =
