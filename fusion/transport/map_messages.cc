@@ -105,7 +105,8 @@ MapMatch ReadMatch(const JsonReader& json, const MapQuery& query, const Rigid3d&
   return match;
 }
 
-Answer ReadAnswer(const JsonReader& json, const MapQuery& query, const Geodetic& global_origin) {
+Answer ReadAnswer(const JsonReader& json, const MapQuery& query, const Geodetic& global_origin,
+                  int max_matches) {
   Answer answer;
   answer.query_id = query.request.query_id;
   answer.localized = json.At("status").String() == "LOCALIZED";
@@ -122,6 +123,9 @@ Answer ReadAnswer(const JsonReader& json, const MapQuery& query, const Geodetic&
   const Rigid3d global_from_anchor =
       global_from_ecef * EcefFromEnu(ReadGeodetic(json.At("anchor")));
   for (const JsonReader& match : json.At("matches").Elements(0, kAnswerLimits.max_elements)) {
+    if (std::ssize(answer.matches) == max_matches) {
+      break;
+    }
     answer.matches.push_back(ReadMatch(match, query, global_from_anchor, tile_ids));
   }
   return answer;
@@ -152,10 +156,10 @@ MapRequest MakeMapRequest(const MapQuery& query, const Geodetic& global_origin, 
 }
 
 std::optional<Answer> ReadMapAnswer(std::string_view json, const MapQuery& query,
-                                    const Geodetic& global_origin) noexcept {
+                                    const Geodetic& global_origin, int max_matches) noexcept {
   try {
     const JsonDocument document = ParseJson(json, kAnswerLimits);
-    return ReadAnswer(JsonReader(document), query, global_origin);
+    return ReadAnswer(JsonReader(document), query, global_origin, max_matches);
   } catch (const std::exception&) {
     return std::nullopt;
   }

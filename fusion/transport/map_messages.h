@@ -54,9 +54,10 @@ MapRequest MakeMapRequest(const MapQuery& query, const Geodetic& global_origin, 
 
 // Decodes the answer to `query` from the JSON of a response with status 200, and transforms it to
 // the `global` frame. Returns nullopt if the text is not such a JSON or contains an impossible
-// number. A match whose keypoint is not in the query loses only its track.
+// number. A match whose keypoint is not in the query loses only its track. Takes the first
+// `max_matches` matches: the server was asked for no more.
 std::optional<Answer> ReadMapAnswer(std::string_view json, const MapQuery& query,
-                                    const Geodetic& global_origin) noexcept;
+                                    const Geodetic& global_origin, int max_matches) noexcept;
 
 }  // namespace cairn::fusion
 

@@ -157,7 +157,7 @@ struct MapTransport::Impl {
     if (std::string cell = result->get_header_value(kCellHeader); IsCellName(cell)) {
       last_cell = std::move(cell);
     }
-    auto answer = ReadMapAnswer(response_body, query, options.global_origin);
+    auto answer = ReadMapAnswer(response_body, query, options.global_origin, options.max_matches);
     if (!answer) {
       return Fail(query, &MapTransportCounters::num_garbled, /*back_off=*/true);
     }

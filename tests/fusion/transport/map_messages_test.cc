@@ -16,6 +16,7 @@ namespace {
 
 using Json = nlohmann::json;
 
+constexpr int kMaxMatches = 300;
 const Geodetic kOrigin = Geodetic::FromDegrees(47.3769, 8.5417, 408.0);
 
 MapQuery QueryOf(int num_features) {
@@ -117,7 +118,7 @@ TEST(MapMessages, FeaturesOutsideTheImageAreRefused) {
 TEST(MapMessages, AnswersAreMovedToGlobal) {
   MapQuery query = QueryOf(3);
   query.track_of_keypoint = {std::nullopt, 77, std::nullopt};
-  const auto answer = ReadMapAnswer(AnswerJson().dump(), query, kOrigin);
+  const auto answer = ReadMapAnswer(AnswerJson().dump(), query, kOrigin, kMaxMatches);
   ASSERT_TRUE(answer);
   EXPECT_TRUE(answer->localized);
   EXPECT_EQ(answer->query_id, 17);
@@ -134,9 +135,20 @@ TEST(MapMessages, AnswersAreMovedToGlobal) {
   EXPECT_EQ(match.tile_id, TileId::Parse("32N-03104-35120").value());
 }
 
+TEST(MapMessages, NoMoreMatchesAreTakenThanWereAskedFor) {
+  Json json = AnswerJson();
+  const Json match = json["matches"][0];
+  for (int i = 0; i < 1000; ++i) {
+    json["matches"].push_back(match);
+  }
+  const auto answer = ReadMapAnswer(json.dump(), QueryOf(3), kOrigin, kMaxMatches);
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->matches.size(), static_cast<size_t>(kMaxMatches));
+}
+
 TEST(MapMessages, NoPoseIsAnAnswer) {
-  const auto answer =
-      ReadMapAnswer(R"({"status":"NOT_LOCALIZED","reason":"NO_COVERAGE"})", QueryOf(1), kOrigin);
+  const auto answer = ReadMapAnswer(R"({"status":"NOT_LOCALIZED","reason":"NO_COVERAGE"})",
+                                    QueryOf(1), kOrigin, kMaxMatches);
   ASSERT_TRUE(answer);
   EXPECT_FALSE(answer->localized);
   EXPECT_EQ(answer->query_id, 17);
@@ -144,20 +156,20 @@ TEST(MapMessages, NoPoseIsAnAnswer) {
 
 TEST(MapMessages, MembersThatAreMissingOrWrongMakeNoAnswer) {
   const MapQuery query = QueryOf(3);
-  ASSERT_TRUE(ReadMapAnswer(AnswerJson().dump(), query, kOrigin));
+  ASSERT_TRUE(ReadMapAnswer(AnswerJson().dump(), query, kOrigin, kMaxMatches));
   for (const char* member : {"status", "innerFrame", "geopose", "anchor", "map", "matches"}) {
     Json json = AnswerJson();
     json.erase(member);
-    EXPECT_FALSE(ReadMapAnswer(json.dump(), query, kOrigin)) << "without " << member;
+    EXPECT_FALSE(ReadMapAnswer(json.dump(), query, kOrigin, kMaxMatches)) << "without " << member;
     json[member] = "nonsense";
-    EXPECT_FALSE(ReadMapAnswer(json.dump(), query, kOrigin) &&
-                 ReadMapAnswer(json.dump(), query, kOrigin)->localized)
+    EXPECT_FALSE(ReadMapAnswer(json.dump(), query, kOrigin, kMaxMatches) &&
+                 ReadMapAnswer(json.dump(), query, kOrigin, kMaxMatches)->localized)
         << member;
   }
   for (const char* member : {"u", "enu", "sigma", "keypoint", "tile"}) {
     Json json = AnswerJson();
     json["matches"][0].erase(member);
-    EXPECT_FALSE(ReadMapAnswer(json.dump(), query, kOrigin)) << "without " << member;
+    EXPECT_FALSE(ReadMapAnswer(json.dump(), query, kOrigin, kMaxMatches)) << "without " << member;
   }
 }
 
@@ -165,30 +177,31 @@ TEST(MapMessages, NumbersWithoutSenseMakeNoAnswer) {
   const MapQuery query = QueryOf(3);
   Json json = AnswerJson();
   json["matches"][0]["sigma"] = -1.0;
-  EXPECT_FALSE(ReadMapAnswer(json.dump(), query, kOrigin));
+  EXPECT_FALSE(ReadMapAnswer(json.dump(), query, kOrigin, kMaxMatches));
   json = AnswerJson();
   json["matches"][0]["tile"] = 9;
-  EXPECT_FALSE(ReadMapAnswer(json.dump(), query, kOrigin));
+  EXPECT_FALSE(ReadMapAnswer(json.dump(), query, kOrigin, kMaxMatches));
   json = AnswerJson();
   json["geopose"]["quaternion"]["w"] = 0.2;
-  EXPECT_FALSE(ReadMapAnswer(json.dump(), query, kOrigin));
+  EXPECT_FALSE(ReadMapAnswer(json.dump(), query, kOrigin, kMaxMatches));
   json = AnswerJson();
   json["geopose"]["position"]["lat"] = 500.0;
-  EXPECT_FALSE(ReadMapAnswer(json.dump(), query, kOrigin));
+  EXPECT_FALSE(ReadMapAnswer(json.dump(), query, kOrigin, kMaxMatches));
   json = AnswerJson();
   json["matches"][0]["u"] = std::numeric_limits<double>::infinity();  // Dumps as null.
-  EXPECT_FALSE(ReadMapAnswer(json.dump(), query, kOrigin));
+  EXPECT_FALSE(ReadMapAnswer(json.dump(), query, kOrigin, kMaxMatches));
 }
 
 TEST(MapMessages, AMemberThatIsThereTwiceMakesNoAnswer) {
-  EXPECT_FALSE(
-      ReadMapAnswer(R"({"status":"NOT_LOCALIZED","status":"NOT_LOCALIZED"})", QueryOf(3), kOrigin));
+  EXPECT_FALSE(ReadMapAnswer(R"({"status":"NOT_LOCALIZED","status":"NOT_LOCALIZED"})", QueryOf(3),
+                             kOrigin, kMaxMatches));
 }
 
 TEST(MapMessages, EveryTruncationIsRefused) {
   const std::string whole = AnswerJson().dump();
   for (size_t length = 0; length < whole.size(); ++length) {
-    EXPECT_FALSE(ReadMapAnswer(std::string_view(whole).substr(0, length), QueryOf(3), kOrigin))
+    EXPECT_FALSE(
+        ReadMapAnswer(std::string_view(whole).substr(0, length), QueryOf(3), kOrigin, kMaxMatches))
         << length;
   }
 }
