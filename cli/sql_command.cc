@@ -3,10 +3,17 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
+#include <condition_variable>
+#include <cstdio>
+#include <cstdlib>
 #include <iostream>
 #include <map>
 #include <memory>
+#include <mutex>
+#include <stop_token>
 #include <string>
+#include <thread>
 
 #include "cli/arguments.h"
 #include "cli/row_printer.h"
@@ -36,11 +43,36 @@ std::string ReadStandardInput() {
   return text;
 }
 
+// Ends the process if SQLite does not stop by itself when the time is up: it notices nothing while
+// it computes one huge value, and while nobody reads the output.
+class LastResort {
+ public:
+  explicit LastResort(double timeout_s)
+      : thread_([timeout_s](const std::stop_token& stop) {
+          constexpr double kGraceS = 1.0;
+          std::mutex mutex;
+          std::condition_variable_any wake;
+          std::unique_lock lock(mutex);
+          wake.wait_for(lock, stop, std::chrono::duration<double>(timeout_s + kGraceS),
+                        [] { return false; });
+          if (!stop.stop_requested()) {
+            fmt::print(stderr,
+                       "cairn: SQL: stopped because the time is up; set a longer --timeout or "
+                       "select less\n");
+            std::_Exit(static_cast<int>(ExitCode::kBadInput));
+          }
+        }) {}
+
+ private:
+  std::jthread thread_;  // Stopped and joined on destruction.
+};
+
 ExitCode RunSqlCommand(const SqlArguments& arguments) {
   std::string query = arguments.query;
   if (query.empty()) {
     query = ReadStandardInput();
   }
+  const LastResort last_resort(arguments.options.timeout_s);
   const std::unique_ptr<RowPrinter> printer =
       MakeRowPrinter(arguments.format, isatty(STDOUT_FILENO) == 1);
   SqlSink sink;
@@ -65,7 +97,7 @@ void AddSqlCommand(CLI::App* app, Shell* shell) {
       ->type_name("table|csv|json");
   command
       ->add_option("--timeout", arguments->options.timeout_s,
-                   "Time limit of the statements, seconds")
+                   "Time limit of the statements and of their output, seconds")
       ->check(NumberWithin(1e-3, 1e6))
       ->type_name("S")
       ->capture_default_str();

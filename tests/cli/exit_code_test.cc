@@ -207,6 +207,13 @@ TEST_F(ExitCode, SqlThatDoesNotParseIsBadInputWithTheReason) {
   ExpectFailure(RunCairn({"sql", EmptyMap(), "SELEC 1"}), 4, "SELEC");
 }
 
+// SQLite cannot be interrupted within one function.
+TEST_F(ExitCode, SqlThatComputesOneHugeValueEndsInTime) {
+  const std::string sql =
+      "SELECT instr(zeroblob(30000000), CAST(zeroblob(15000000) || x'01' AS BLOB))";
+  ExpectFailure(RunCairn({"sql", EmptyMap(), sql, "--timeout", "0.01"}), 4, "the time is up");
+}
+
 TEST_F(ExitCode, FullStandardOutputIsIo) {
   if (!std::filesystem::exists("/dev/full")) {
     GTEST_SKIP() << "needs /dev/full";
