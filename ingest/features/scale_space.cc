@@ -19,11 +19,14 @@ double SiftSigmaPx(double level) {
 }
 
 ScaleSpaceOctave MakeScaleSpaceOctave(const FloatImage& image, double sigma_px,
-                                      const SiftLevels& levels) {
+                                      const SiftLevels& levels, const StopFunction& should_stop) {
   ScaleSpaceOctave octave{.levels = levels, .gaussians = {}};
   const int lowest = levels.first - 1;
   octave.gaussians.push_back(GaussianBlur(image, SigmaBetween(sigma_px, SiftSigmaPx(lowest))));
   for (int level = lowest + 1; level <= levels.last + 2; ++level) {
+    if (should_stop && should_stop()) {
+      break;
+    }
     octave.gaussians.push_back(GaussianBlur(
         octave.Level(level - 1), SigmaBetween(SiftSigmaPx(level - 1), SiftSigmaPx(level))));
   }

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "core/stop_function.h"
 #include "ingest/features/float_image.h"
 
 namespace cairn {
@@ -34,9 +35,11 @@ struct ScaleSpaceOctave {
 };
 
 // `image` has the pixel size of the octave. Its blur is `sigma_px`, in its own pixels, and less
-// than SiftSigmaPx(levels.first - 1).
+// than SiftSigmaPx(levels.first - 1). Once `should_stop` returns true, the other Gaussians are
+// missing.
 ScaleSpaceOctave MakeScaleSpaceOctave(const FloatImage& image, double sigma_px,
-                                      const SiftLevels& levels = {});
+                                      const SiftLevels& levels = {},
+                                      const StopFunction& should_stop = {});
 
 }  // namespace cairn
 

@@ -82,16 +82,21 @@ ToPicture PictureFrom(const GrayImage& reduced, const GrayImage& image) {
 // Collects the features of the octaves in turn until there are enough.
 class FeatureCollector {
  public:
-  FeatureCollector(const SiftOptions& options, const ToPicture& to_picture)
-      : options_(options), to_picture_(to_picture) {}
+  FeatureCollector(const SiftOptions& options, const StopFunction& should_stop,
+                   const ToPicture& to_picture)
+      : options_(options), should_stop_(should_stop), to_picture_(to_picture) {}
 
   int size() const { return features_.size(); }
   bool is_full() const { return size() == options_.max_features; }
+  bool is_stopped() const { return should_stop_ && should_stop_(); }
 
   // Adds the largest keypoints first, as long as there is room.
   void AddOctave(const OctaveImage& octave_image) {
-    const ScaleSpaceOctave octave =
-        MakeScaleSpaceOctave(octave_image.image, octave_image.sigma_px, octave_image.levels);
+    const ScaleSpaceOctave octave = MakeScaleSpaceOctave(octave_image.image, octave_image.sigma_px,
+                                                         octave_image.levels, should_stop_);
+    if (is_stopped()) {
+      return;  // The octave may lack levels.
+    }
     std::vector<SiftExtremum> extrema = DetectSiftExtrema(octave, {});
     std::stable_sort(
         extrema.begin(), extrema.end(),
@@ -126,18 +131,19 @@ class FeatureCollector {
   }
 
   const SiftOptions& options_;
+  const StopFunction& should_stop_;
   const ToPicture to_picture_;
   FeatureSet features_;
   std::vector<float> descriptors_;  // Row-major.
 };
 
 FeatureSet ExtractFrom(const GrayImage& image, const ToPicture& to_picture,
-                       const SiftOptions& options) {
-  FeatureCollector collector(options, to_picture);
+                       const SiftOptions& options, const StopFunction& should_stop) {
+  FeatureCollector collector(options, should_stop, to_picture);
   std::vector<OctaveImage> octaves = HalvedImages(image);
-  for (; !octaves.empty() && !collector.is_full(); octaves.pop_back()) {
+  for (; !octaves.empty() && !collector.is_full() && !collector.is_stopped(); octaves.pop_back()) {
     collector.AddOctave(octaves.back());
-    if (octaves.size() == 1 && collector.size() < kFewFeatures) {
+    if (octaves.size() == 1 && collector.size() < kFewFeatures && !collector.is_stopped()) {
       collector.AddOctave(Doubled(octaves.back().image));
     }
   }
@@ -151,7 +157,8 @@ void SiftOptions::Validate() const {
   RequireOption(max_pixels >= 1, "sift.max_pixels must be at least 1");
 }
 
-FeatureSet ExtractSift(const GrayImage& image, const SiftOptions& options) {
+FeatureSet ExtractSift(const GrayImage& image, const SiftOptions& options,
+                       const StopFunction& should_stop) {
   options.Validate();
   const bool sized = image.width_px > 0 && image.height_px > 0;
   if (!sized || image.pixels.size() != static_cast<size_t>(image.width_px) * image.height_px) {
@@ -159,10 +166,10 @@ FeatureSet ExtractSift(const GrayImage& image, const SiftOptions& options) {
                 "the size of the gray image does not match its number of pixels");
   }
   if (static_cast<int64_t>(image.pixels.size()) <= options.max_pixels) {
-    return ExtractFrom(image, PictureFrom(image, image), options);
+    return ExtractFrom(image, PictureFrom(image, image), options, should_stop);
   }
   const GrayImage reduced = ReduceByArea(image, options.max_pixels);
-  return ExtractFrom(reduced, PictureFrom(reduced, image), options);
+  return ExtractFrom(reduced, PictureFrom(reduced, image), options, should_stop);
 }
 
 }  // namespace cairn

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "core/features.h"
+#include "core/stop_function.h"
 #include "ingest/images/gray_image.h"
 
 namespace cairn {
@@ -32,9 +33,11 @@ struct SiftOptions {
 // pixels of the picture that the image shows (GrayImage::full), at whatever scale it is searched.
 //
 // Runs on the calling thread. Thread-safe. Results are equal on equal processors; between others
-// they may differ in the last bit (core/simd.h). Throws Error(kBadInput) if the image's
-// size does not match the number of its pixels.
-FeatureSet ExtractSift(const GrayImage& image, const SiftOptions& options = {});
+// they may differ in the last bit (core/simd.h). Polls `should_stop`, several times in each octave.
+// Once it returns true, returns the features of the octaves that are complete. Throws
+// Error(kBadInput) if the image's size does not match the number of its pixels.
+FeatureSet ExtractSift(const GrayImage& image, const SiftOptions& options = {},
+                       const StopFunction& should_stop = {});
 
 }  // namespace cairn
 

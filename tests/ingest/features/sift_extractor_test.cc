@@ -109,6 +109,23 @@ TEST(ExtractSift, ReducedImagesGiveKeypointsInTheOriginalsPixels) {
   }
 }
 
+TEST(ExtractSift, StopsBetweenOctavesAndWithinThem) {
+  const GrayImage image = Noise(200, 200);
+  const int num_features = ExtractSift(image).size();
+  int num_polls = 0;
+  ExtractSift(image, {}, [&] {
+    ++num_polls;
+    return false;
+  });
+  EXPECT_GT(num_polls, 12);  // Three octaves of six Gaussians.
+  for (const int last_poll : {0, 5, num_polls - 1}) {
+    int count = 0;
+    const FeatureSet features = ExtractSift(image, {}, [&] { return ++count > last_poll; });
+    EXPECT_LT(features.size(), num_features) << last_poll;
+    EXPECT_EQ(features.descriptors.rows(), features.size());
+  }
+}
+
 // The strongest are not kept: fine and contrasty texture is not what other photos see again.
 TEST(ExtractSift, KeepsTheLargestFeatures) {
   const GrayImage image = Noise(200, 200);
