@@ -207,6 +207,14 @@ void AddAddressOptions(CLI::App* command, ServerOptions* options) {
       ->capture_default_str();
 }
 
+void AddFrontOption(CLI::App* command, ServerOptions* options) {
+  command
+      ->add_option("--trusted-front", options->trusted_fronts,
+                   "Fronts whose X-Forwarded-For names the client, which divides the server fairly "
+                   "among the clients behind them: addresses or networks, separated by commas")
+      ->type_name("ADDRESS,...");
+}
+
 void AddDrainOption(CLI::App* command, ServerOptions* options) {
   command
       ->add_option("--drain-seconds", options->drain_s,
@@ -267,6 +275,7 @@ void AddServeCommand(CLI::App* app, Shell* shell) {
   AddLimitOptions(command, &options->server);
   AddDrainOption(command, &options->server);
   AddExifOption(command, &options->server);
+  AddFrontOption(command, &options->server);
   AddIndexOption(command, &options->localizer.matching.index.kind);
   command->footer(
       "Prints the URL when the server is ready. SIGTERM and SIGINT stop the server after the\n"

@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <new>
+#include <optional>
+#include <string_view>
 
 #include "core/cell_name.h"
 #include "core/logging.h"
@@ -32,25 +36,53 @@ void AddCommonHeaders(const std::string& request_id, HttpResponse* response) {
       fmt::format("ETag, X-Request-Id, {}, {}", kCellHeader, kPriorHeader));
 }
 
-HttpResponse PreflightResponse(const std::string& allow) {
-  return {.status = 204,
-          .content_type = "",
-          .body = "",
-          .headers = {
-              {"Allow", allow},
-              {"Access-Control-Allow-Methods", allow},
-              {"Access-Control-Allow-Headers",
-               fmt::format("Accept, Content-Type, If-None-Match, X-Request-Id, {}", kCellHeader)},
-              {"Access-Control-Max-Age", "86400"}}};
+// True for a list of header names, as a browser writes it.
+bool IsListOfNames(std::string_view text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 ||
+           std::string_view("!#$%&'*+-.^_`|~, ").find(c) != std::string_view::npos;
+  });
+}
+
+// Allows whatever headers the page wants to send. The server ignores the headers that it does not
+// know, but proxies and tunnels on the way need theirs: Authorization, ngrok-skip-browser-warning.
+HttpResponse PreflightResponse(const std::string& allow, const HttpRequest& request) {
+  const std::string& wanted = request.Header("access-control-request-headers");
+  return {
+      .status = 204,
+      .content_type = "",
+      .body = "",
+      .headers = {
+          {"Allow", allow},
+          {"Access-Control-Allow-Methods", allow},
+          {"Access-Control-Allow-Headers",
+           IsListOfNames(wanted)
+               ? wanted
+               : fmt::format("Accept, Authorization, Content-Type, If-None-Match, X-Request-Id, {}",
+                             kCellHeader)},
+          {"Access-Control-Max-Age", "86400"},
+          {"Vary", "Access-Control-Request-Headers"}}};
 }
 
 }  // namespace
+
+void Dispatcher::LogFailure(const HttpRequest& request, const std::string& route_pattern,
+                            const char* what) const {
+  const std::optional<int64_t> num_left_out = failures_.Admit();
+  if (!num_left_out) {
+    return;
+  }
+  LogError("{} {}: {} [{}]{}", request.method, route_pattern, what, request.request_id,
+           *num_left_out == 0
+               ? ""
+               : fmt::format(" ({} failures before were not logged)", *num_left_out));
+}
 
 HttpResponse Dispatcher::Run(const HttpRequest& request, std::string* route_pattern) const {
   try {
     const Router::Match match = router_.Find(request);
     if (match.route == nullptr) {
-      return PreflightResponse(match.allow);
+      return PreflightResponse(match.allow, request);
     }
     *route_pattern = match.route->pattern;
     return match.route->handler(request, match.path_parameter);
@@ -60,13 +92,13 @@ HttpResponse Dispatcher::Run(const HttpRequest& request, std::string* route_patt
     metrics_->CountError(e.code());
     const HttpError shown = PublicError(e);
     if (InfoOf(shown.problem()).status >= 500) {
-      LogError("{} {}: {} [{}]", request.method, *route_pattern, e.what(), request.request_id);
+      LogFailure(request, *route_pattern, e.what());
     }
     return ProblemResponse(shown, request.request_id);
   } catch (const std::bad_alloc&) {
     throw;  // The listener's response needs no memory.
   } catch (const std::exception& e) {
-    LogError("{} {}: {} [{}]", request.method, *route_pattern, e.what(), request.request_id);
+    LogFailure(request, *route_pattern, e.what());
     return ProblemResponse(PublicError(Error(ErrorCode::kInternal, e.what())), request.request_id);
   }
 }

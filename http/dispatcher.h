@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "core/log_limiter.h"
 #include "http/net/listener.h"
 #include "http/router.h"
 #include "http/service/metrics.h"
@@ -25,6 +26,11 @@ class Dispatcher : public RequestHandler {
  private:
   HttpResponse Run(const HttpRequest& request, std::string* route_pattern) const;
 
+  // Logs a failure of the server, unless there are too many. The metrics count all of them.
+  void LogFailure(const HttpRequest& request, const std::string& route_pattern,
+                  const char* what) const;
+
+  mutable LogLimiter failures_;
   Router router_;
   Metrics* metrics_;
 };

@@ -18,19 +18,19 @@ void AddApi(LocalizeService* service, Router* router) {
                  return HandleAvailability(request, *service);
                }});
   router->Add({"GET", "/v1/coverage", [=](const HttpRequest& request, const Id&) {
-                 return HandleCoverage(request, *service);
+                 return HandleCoverage(request, service);
                }});
   router->Add({"GET", "/v1/tiles", [=](const HttpRequest& request, const Id&) {
-                 return HandleTiles(request, *service);
+                 return HandleTiles(request, service);
                }});
   router->Add({"GET", "/v1/versions", [=](const HttpRequest& request, const Id&) {
-                 return HandleVersions(request, *service);
+                 return HandleVersions(request, service);
                }});
   router->Add({"GET", "/v1/tiles/{id}", [=](const HttpRequest& request, const Id& id) {
                  return HandleTile(request, id, *service);
                }});
   router->Add({"GET", "/v1/tiles/{id}/payload", [=](const HttpRequest& request, const Id& id) {
-                 return HandleTilePayload(request, id, *service);
+                 return HandleTilePayload(request, id, service);
                }});
   router->Add(
       {"GET", "/geopose", [](const HttpRequest&, const Id&) { return HandleGeoPoseStatus(); }});
@@ -42,17 +42,19 @@ void AddApi(LocalizeService* service, Router* router) {
 }
 
 void AddPages(Router* router) {
-  router->Add({"GET", "/openapi.json", [](const HttpRequest&, const Id&) {
-                 return Asset(http_web::k_openapi_json, "application/json");
+  router->Add({"GET", "/openapi.json", [](const HttpRequest& request, const Id&) {
+                 return Asset(request, http_web::k_openapi_json, "application/json");
                }});
-  router->Add({"GET", "/ui", [](const HttpRequest&, const Id&) {
-                 return Asset(http_web::k_index_html, "text/html; charset=utf-8");
+  router->Add({"GET", "/", [](const HttpRequest&, const Id&) { return Redirect("ui"); }});
+  router->Add({"GET", "/ui/", [](const HttpRequest&, const Id&) { return Redirect("../ui"); }});
+  router->Add({"GET", "/ui", [](const HttpRequest& request, const Id&) {
+                 return Asset(request, http_web::k_index_html, "text/html; charset=utf-8");
                }});
-  router->Add({"GET", "/ui/app.js", [](const HttpRequest&, const Id&) {
-                 return Asset(http_web::k_app_js, "text/javascript; charset=utf-8");
+  router->Add({"GET", "/ui/app.js", [](const HttpRequest& request, const Id&) {
+                 return Asset(request, http_web::k_app_js, "text/javascript; charset=utf-8");
                }});
-  router->Add({"GET", "/ui/style.css", [](const HttpRequest&, const Id&) {
-                 return Asset(http_web::k_style_css, "text/css; charset=utf-8");
+  router->Add({"GET", "/ui/style.css", [](const HttpRequest& request, const Id&) {
+                 return Asset(request, http_web::k_style_css, "text/css; charset=utf-8");
                }});
 }
 

@@ -1,6 +1,5 @@
 #include "http/server.h"
 
-#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
@@ -8,9 +7,8 @@
 #include <stop_token>
 #include <thread>
 
-#include "core/parallel_for.h"
-#include "core/require.h"
 #include "http/dispatcher.h"
+#include "http/net/client_network.h"
 #include "http/net/listener.h"
 #include "http/routes.h"
 #include "http/service/localize_service.h"
@@ -20,14 +18,6 @@ namespace {
 
 constexpr int kAdminThreads = 2;
 constexpr std::chrono::seconds kMapRefreshInterval{1};
-
-int NumThreads(const ServerOptions& options) {
-  if (options.num_threads > 0) {
-    return options.num_threads;
-  }
-  constexpr int kMinThreads = 64;  // Most threads wait in line.
-  return std::max(kMinThreads, 2 * NumCores());
-}
 
 // Refreshes the maps about once a second until it is destroyed.
 class MapWatcher {
@@ -79,6 +69,8 @@ struct Server::Impl {
     ListenerOptions listener{
         .host = options.host, .port = options.port, .num_threads = NumThreads(options)};
     listener.connection.max_body_bytes = options.max_body_bytes;
+    listener.trusted_fronts = ParseTrustedFronts(options.trusted_fronts);
+    listener.connection.idle_timeout = std::chrono::seconds(options.keep_alive_s);
     return listener;
   }
 };

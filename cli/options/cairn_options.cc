@@ -13,8 +13,12 @@ void DescribeSift(SiftOptions* options, OptionList* list) {
 void DescribeServer(ServerOptions* options, OptionList* list) {
   list->Add("num_threads", &options->num_threads,
             "Requests answered at once; 0 is 64, or twice the cores if that is more");
+  list->Add("max_waiting", &options->max_waiting,
+            "Requests that wait for their turn at once; 0 is three quarters of the threads");
   list->Add("threads_per_query", &options->threads_per_query,
             "Threads that one query may use while cores are free; 0 is as many as cores");
+  list->Add("keep_alive_s", &options->keep_alive_s,
+            "Time for which a connection may be silent between requests, seconds");
   list->Add("cache_bytes", &options->cache_bytes, "Memory for decoded tiles, bytes");
   list->Add("max_body_bytes", &options->max_body_bytes, "Largest request, bytes");
   list->Add("max_image_pixels", &options->max_image_pixels,
@@ -23,6 +27,8 @@ void DescribeServer(ServerOptions* options, OptionList* list) {
   list->Add("max_features", &options->max_features, "Most features of a request");
   list->Add("default_timeout_ms", &options->default_timeout_ms,
             "Time for a request that states no timeout, milliseconds");
+  list->Add("max_timeout_ms", &options->max_timeout_ms,
+            "Longest time for a request, whatever timeout it states, milliseconds");
 }
 
 void DescribeGeoregister(GeoregisterOptions* options, OptionList* list) {

@@ -11,6 +11,7 @@
 #include "core/angles.h"
 #include "core/cell_name.h"
 #include "engine/prior/search_region.h"
+#include "http/handlers/compact_response.h"
 #include "http/json/tile_square.h"
 #include "http/json/version_json.h"
 #include "http/wire/problem.h"
@@ -93,21 +94,21 @@ std::optional<GeoBox> BoundingBox(const HttpRequest& request) {
                 .east_rad = values[2] / kDegPerRad};
 }
 
-struct TileList {
-  std::vector<TileRecord> tiles;
-  bool truncated = false;
-};
-
-TileList FindTiles(const HttpRequest& request, const MapSnapshot& snapshot) {
-  const auto limit = static_cast<size_t>(Limit(request));
-  const std::optional<GeoBox> box = BoundingBox(request);
-  TileList list;
-  list.tiles = box ? snapshot.FindTiles(*box) : snapshot.AllTiles(static_cast<int64_t>(limit) + 1);
-  list.truncated = list.tiles.size() > limit;
-  if (list.truncated) {
-    list.tiles.resize(limit);
+TilePage FindTiles(const HttpRequest& request, const MapSnapshot& snapshot) {
+  TilePageRequest page{.box = BoundingBox(request), .after = {}, .limit = Limit(request)};
+  if (const std::string* after = FindParameter(request, "after")) {
+    page.after = TileId::Parse(*after);
   }
-  return list;
+  return snapshot.FindTilePage(page);
+}
+
+// Adds where the page stands in the list, and the version of the map.
+void AddPosition(const TilePage& page, MapVersion version, Json* json) {
+  (*json)["truncated"] = page.resume_after.has_value();
+  if (page.resume_after) {
+    (*json)["next"] = page.resume_after->ToString();
+  }
+  (*json)["map"] = {{"version", Value(version)}};
 }
 
 Json TileJson(const TileRecord& tile, const ServedMap& map) {
@@ -123,17 +124,6 @@ TileRecord RequireTile(const std::string& id, const MapSnapshot& snapshot) {
     throw HttpError(ProblemCode::kNotFound, fmt::format("the map has no tile {}", id));
   }
   return *tile;
-}
-
-bool IsUnchanged(const HttpRequest& request, const std::string& tag) {
-  const std::string& known = request.Header("if-none-match");
-  return known == "*" || known.find(tag) != std::string::npos;
-}
-
-HttpResponse WithTag(HttpResponse response, const std::string& tag) {
-  response.headers.emplace_back("ETag", tag);
-  response.headers.emplace_back("Cache-Control", "no-cache");  // Ask each time; the tag is cheap.
-  return response;
 }
 
 }  // namespace
@@ -164,12 +154,13 @@ HttpResponse HandleAvailability(const HttpRequest& request, const LocalizeServic
   return HttpResponse::Json(json.dump());
 }
 
-HttpResponse HandleCoverage(const HttpRequest& request, const LocalizeService& service) {
-  const std::shared_ptr<const ServedMap> map = service.map();
+HttpResponse HandleCoverage(const HttpRequest& request, LocalizeService* service) {
+  const auto turn = service->WaitForTurn(request);
+  const std::shared_ptr<const ServedMap> map = service->map();
   const MapSnapshot snapshot = map->store->Snapshot();
-  const TileList list = FindTiles(request, snapshot);
+  const TilePage page = FindTiles(request, snapshot);
   Json features = Json::array();
-  for (const TileRecord& tile : list.tiles) {
+  for (const TileRecord& tile : page.tiles) {
     Json properties = TileJson(tile, *map);
     properties.erase("id");
     features.push_back({{"type", "Feature"},
@@ -177,32 +168,30 @@ HttpResponse HandleCoverage(const HttpRequest& request, const LocalizeService& s
                         {"geometry", TileSquareJson(tile.tile_id)},
                         {"properties", std::move(properties)}});
   }
-  Json json = {{"type", "FeatureCollection"},
-               {"features", std::move(features)},
-               {"truncated", list.truncated},
-               {"map", {{"version", Value(snapshot.version())}}}};
+  Json json = {{"type", "FeatureCollection"}, {"features", std::move(features)}};
+  AddPosition(page, snapshot.version(), &json);
   HttpResponse response = HttpResponse::Json(json.dump());
   response.content_type = "application/geo+json";
-  return response;
+  return Compact(request, std::move(response));
 }
 
-HttpResponse HandleTiles(const HttpRequest& request, const LocalizeService& service) {
-  const std::shared_ptr<const ServedMap> map = service.map();
+HttpResponse HandleTiles(const HttpRequest& request, LocalizeService* service) {
+  const auto turn = service->WaitForTurn(request);
+  const std::shared_ptr<const ServedMap> map = service->map();
   const MapSnapshot snapshot = map->store->Snapshot();
-  const TileList list = FindTiles(request, snapshot);
-  Json tiles = Json::array();
-  for (const TileRecord& tile : list.tiles) {
-    tiles.push_back(TileJson(tile, *map));
+  const TilePage page = FindTiles(request, snapshot);
+  Json json = {{"tiles", Json::array()}};
+  for (const TileRecord& tile : page.tiles) {
+    json["tiles"].push_back(TileJson(tile, *map));
   }
-  Json json = {{"tiles", std::move(tiles)},
-               {"truncated", list.truncated},
-               {"map", {{"version", Value(snapshot.version())}}}};
-  return HttpResponse::Json(json.dump());
+  AddPosition(page, snapshot.version(), &json);
+  return Compact(request, HttpResponse::Json(json.dump()));
 }
 
-HttpResponse HandleVersions(const HttpRequest& request, const LocalizeService& service) {
+HttpResponse HandleVersions(const HttpRequest& request, LocalizeService* service) {
+  const auto turn = service->WaitForTurn(request);
   const auto limit = static_cast<size_t>(Limit(request));
-  const std::shared_ptr<const ServedMap> map = service.map();
+  const std::shared_ptr<const ServedMap> map = service->map();
   const MapSnapshot snapshot = map->store->Snapshot();
   std::vector<VersionRecord> versions = snapshot.Versions(static_cast<int64_t>(limit) + 1);
   const bool truncated = versions.size() > limit;
@@ -216,7 +205,8 @@ HttpResponse HandleVersions(const HttpRequest& request, const LocalizeService& s
   Json json = {{"versions", std::move(list)},
                {"truncated", truncated},
                {"map", {{"version", Value(snapshot.version())}}}};
-  return HttpResponse::Json(json.dump(-1, ' ', false, Json::error_handler_t::replace));
+  return Compact(request,
+                 HttpResponse::Json(json.dump(-1, ' ', false, Json::error_handler_t::replace)));
 }
 
 HttpResponse HandleTile(const HttpRequest& request, const std::string& id,
@@ -231,8 +221,9 @@ HttpResponse HandleTile(const HttpRequest& request, const std::string& id,
 }
 
 HttpResponse HandleTilePayload(const HttpRequest& request, const std::string& id,
-                               const LocalizeService& service) {
-  const std::shared_ptr<const ServedMap> map = service.map();
+                               LocalizeService* service) {
+  const auto turn = service->WaitForTurn(request);
+  const std::shared_ptr<const ServedMap> map = service->map();
   return ReadLatest(*map->store, {}, [&](const MapSnapshot& snapshot) {
     const TileRecord tile = RequireTile(id, snapshot);
     const std::string tag = map->TileTag(tile);

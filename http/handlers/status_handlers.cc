@@ -6,6 +6,7 @@
 
 #include "core/angles.h"
 #include "core/logging.h"
+#include "http/handlers/compact_response.h"
 #include "http/wire/problem.h"
 
 namespace cairn {
@@ -123,13 +124,18 @@ HttpResponse HandleVersion(const LocalizeService& service) {
   return HttpResponse::Json(json.dump());
 }
 
-HttpResponse Asset(std::string_view content, const char* content_type) {
-  return {.status = 200,
-          .content_type = content_type,
-          .body = std::string(content),
-          .headers = {{"Content-Security-Policy",
-                       "default-src 'self'; img-src 'self' blob: data:; frame-ancestors 'none'"},
-                      {"Cache-Control", "no-cache"}}};
+HttpResponse Redirect(const char* location) {
+  return {.status = 302, .headers = {{"Location", location}}};
+}
+
+HttpResponse Asset(const HttpRequest& request, std::string_view content, const char* content_type) {
+  return Compact(
+      request,
+      {.status = 200,
+       .content_type = content_type,
+       .body = std::string(content),
+       .headers = {{"Content-Security-Policy",
+                    "default-src 'self'; img-src 'self' blob: data:; frame-ancestors 'none'"}}});
 }
 
 }  // namespace cairn

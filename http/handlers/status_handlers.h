@@ -20,8 +20,12 @@ HttpResponse HandleMetrics(LocalizeService* service);
 // GET /version: program, map, codec and limits.
 HttpResponse HandleVersion(const LocalizeService& service);
 
+// Sends browsers to another page. `location` is relative to the page of the request, because a
+// front may serve the API under a prefix of the path.
+HttpResponse Redirect(const char* location);
+
 // The response with an embedded file.
-HttpResponse Asset(std::string_view content, const char* content_type);
+HttpResponse Asset(const HttpRequest& request, std::string_view content, const char* content_type);
 
 }  // namespace cairn
 

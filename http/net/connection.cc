@@ -20,10 +20,15 @@ using std::chrono::steady_clock;
 constexpr size_t kReceiveBytes = 64 * 1024;
 // Capacity that the buffer of an idle connection keeps.
 constexpr size_t kIdleBytes = 4096;
+// Bytes of empty lines before a request. Clients send one such line at most.
+constexpr size_t kMaxEmptyBytes = 16;
 // Bytes discarded at most after the last response. Closing a socket with unread data resets the
 // connection, and the peer could not read the response.
 constexpr size_t kMaxDrainBytes = size_t{8} << 20;
 constexpr milliseconds kDrainTime{1000};
+// The stated idle time passes at the client's end a little later than here, and a request that the
+// client sends in the last moment is still on its way.
+constexpr milliseconds kIdleGrace{2000};
 
 bool WouldBlock() { return errno == EAGAIN || errno == EWOULDBLOCK; }
 
@@ -43,6 +48,7 @@ void Connection::Enter(Phase phase, milliseconds time) {
 }
 
 Connection::Next Connection::Proceed() {
+  budget_bytes_ = limits_->max_bytes_a_pass;
   while (true) {
     if (phase_ == Phase::kDraining) {
       return Drain();
@@ -62,6 +68,9 @@ Connection::Next Connection::Proceed() {
     if (FindRequest()) {
       return Next::kRequest;
     }
+    if (budget_bytes_ <= 0) {
+      return Next::kMore;
+    }
     if (out_.head.empty() || sent == Transfer::kBlocked) {
       const Transfer received = ReadSome();
       if (received == Transfer::kBroken) {
@@ -74,15 +83,25 @@ Connection::Next Connection::Proceed() {
   }
 }
 
+// A client may send an empty line after a body (RFC 9112 section 2.2).
+void Connection::SkipEmptyLines() {
+  const size_t num_bytes = std::min(in_.find_first_not_of("\r\n"), in_.size());
+  in_.erase(0, num_bytes);
+  num_empty_bytes_ += num_bytes;
+  if (num_empty_bytes_ > kMaxEmptyBytes) {
+    throw HttpError(ProblemCode::kBadRequest, "there are empty lines where a request should begin");
+  }
+}
+
 bool Connection::FindRequest() {
   if (phase_ == Phase::kIdle) {
-    // A client may send an empty line after a body (RFC 9112 section 2.2).
-    in_.erase(0, in_.find_first_not_of("\r\n"));
+    SkipEmptyLines();
     if (in_.empty()) {
       return false;
     }
+    num_empty_bytes_ = 0;
     Enter(Phase::kHead, limits_->head_timeout);
-    request_ = {.head = {}, .body = {}, .arrival = waiting_since_};
+    request_ = {};
     num_searched_ = 0;
   }
   if (phase_ == Phase::kHead && FindHead()) {
@@ -121,6 +140,7 @@ ReceivedRequest Connection::TakeRequest() {
     in_.erase(0, body_bytes);
   }
   phase_ = Phase::kAnswering;
+  request_.arrival = steady_clock::now();
   return std::move(request_);
 }
 
@@ -146,7 +166,8 @@ void Connection::GiveUp() const {
   if (phase_ == Phase::kBody) {
     throw HttpError(ProblemCode::kRequestTimeout,
                     fmt::format("{} of {} body bytes arrived in time", in_.size(),
-                                request_.head.content_length));
+                                request_.head.content_length))
+        .Hint(fmt::format("send {} bytes a second or more", limits_->min_body_bytes_per_s));
   }
 }
 
@@ -168,12 +189,22 @@ Connection::Transfer Connection::ReadSome() {
   }
   // A short read empties the socket; the next edge is still to come.
   is_readable_ = peer_has_finished_ || received == static_cast<ssize_t>(chunk.size());
+  budget_bytes_ -= received;
   if (phase_ == Phase::kDraining) {
     num_drained_ += static_cast<size_t>(received);
   } else {
     in_.append(chunk.data(), static_cast<size_t>(received));
   }
+  if (phase_ == Phase::kBody) {
+    RewardBody(received);
+  }
   return Transfer::kDone;
+}
+
+void Connection::RewardBody(int64_t num_bytes) {
+  // In nanoseconds, because a body may come in segments of one byte.
+  const std::chrono::nanoseconds earned(1'000'000'000 * num_bytes / limits_->min_body_bytes_per_s);
+  deadline_ = std::min(deadline_ + earned, steady_clock::now() + limits_->body_timeout);
 }
 
 Connection::Transfer Connection::SendSome() {
@@ -207,7 +238,7 @@ void Connection::FinishResponse() {
     if (in_.empty() && in_.capacity() > kIdleBytes) {
       Release(&in_);
     }
-    Enter(Phase::kIdle, limits_->idle_timeout);
+    Enter(Phase::kIdle, limits_->idle_timeout + kIdleGrace);
     return;
   }
   shutdown(socket_.fd(), SHUT_WR);
@@ -223,6 +254,9 @@ Connection::Next Connection::Drain() {
     }
     if (received == Transfer::kBroken) {
       break;
+    }
+    if (budget_bytes_ <= 0) {
+      return Next::kMore;
     }
   }
   return Next::kClose;

@@ -16,23 +16,31 @@ namespace cairn {
 
 struct ConnectionLimits {
   size_t max_body_bytes = size_t{2} << 20;
-  // How long a connection may be silent, before its first request and between requests.
-  std::chrono::milliseconds idle_timeout{3000};
-  // Limits for the head (from its first byte to its end) and for the body (from the end of the head
-  // to the end of the body). They bound the resources that a client can hold by sending very
-  // slowly.
+  // How long a connection may be silent, before its first request and between requests. Responses
+  // state this time (Keep-Alive). Longer than the fronts and pools that reuse a connection after 60
+  // s of silence; nginx has the same default.
+  std::chrono::milliseconds idle_timeout{75'000};
+  // Time for the head, from its first byte to its end. Bounds the resources that a client can hold
+  // by sending very slowly.
   std::chrono::milliseconds head_timeout{5000};
+  // A body may be silent for `body_timeout`. A body that comes more slowly than
+  // `min_body_bytes_per_s` uses this time up; a faster one regains it. The rate is that of a phone
+  // on the weakest link that still carries photos (EDGE, 32 kbit/s).
   std::chrono::milliseconds body_timeout{15000};
+  int64_t min_body_bytes_per_s = 4 * 1024;
   // The peer must take a whole response within `send_timeout`, plus one second for every
   // `min_send_bytes_per_s` of the response. A tile of 7 MB has about two minutes.
   std::chrono::milliseconds send_timeout{15000};
   int64_t min_send_bytes_per_s = 64 * 1024;
+  // Proceed reads about this much in one call, so that a client that sends without a pause cannot
+  // keep the event loop from its other connections. About 50 microseconds.
+  int64_t max_bytes_a_pass = 256 * 1024;
 };
 
 struct ReceivedRequest {
   RequestHead head;
   std::string body;
-  std::chrono::steady_clock::time_point arrival;  // When the first byte arrived.
+  std::chrono::steady_clock::time_point arrival;  // When the last byte had been read.
 };
 
 // Reads and writes without blocking. The owner waits for the socket (see event_loop.h) and calls
@@ -43,6 +51,7 @@ class Connection {
 
   enum class Next {
     kWait,     // Wait for the socket or for the deadline.
+    kMore,     // Call Proceed again, once the other connections have had their turn.
     kRequest,  // TakeRequest returns a request; the caller must then call Respond.
     kClose,    // The peer has gone, or all responses have been sent.
   };
@@ -54,8 +63,8 @@ class Connection {
   void NoteReadable() { is_readable_ = true; }
   void NotePeerFinished() { is_readable_ = peer_has_finished_ = true; }
 
-  // Does all work that is possible now. Throws HttpError to refuse the received data; the caller
-  // must then call Respond with the refusal.
+  // Does the work that is possible now, within `max_bytes_a_pass`. Throws HttpError to refuse the
+  // received data; the caller must then call Respond with the refusal.
   Next Proceed();
 
   // Call once after kRequest. The connection reads nothing more until the response has been sent.
@@ -91,8 +100,11 @@ class Connection {
   // Searches the received bytes; returns true if they hold a whole request.
   bool FindRequest();
   bool FindHead();
+  void SkipEmptyLines();
   void AskForBody();
   Transfer ReadSome();
+  // Extends the deadline of the body after the arrival of so many bytes.
+  void RewardBody(int64_t num_bytes);
   Transfer SendSome();
   void FinishResponse();
   Next Drain();
@@ -108,10 +120,12 @@ class Connection {
   TimePoint waiting_since_;
   TimePoint deadline_;
 
-  std::string in_;           // Received but not yet consumed.
-  size_t num_searched_ = 0;  // The end of the head does not begin in these first bytes of `in_`.
-  ReceivedRequest request_;  // Valid, except for its body, once the end of the head has arrived.
-  ResponseText out_;         // The first num_sent_ bytes of head and body have been sent.
+  int64_t budget_bytes_ = 0;    // What this pass may still read.
+  size_t num_empty_bytes_ = 0;  // Of empty lines before the request.
+  std::string in_;              // Received but not yet consumed.
+  size_t num_searched_ = 0;     // The end of the head does not begin in these first bytes of `in_`.
+  ReceivedRequest request_;     // Valid, except for its body, once the end of the head has arrived.
+  ResponseText out_;            // The first num_sent_ bytes of head and body have been sent.
   size_t num_sent_ = 0;
   size_t num_drained_ = 0;
 };

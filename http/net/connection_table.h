@@ -27,6 +27,7 @@ class ConnectionTable {
     Usage* usage = nullptr;    // Of the entry's client.
     size_t counted_bytes = 0;  // Bytes included in buffered_bytes().
     bool is_closed = false;
+    bool is_postponed = false;  // The event loop will advance it in its next round.
     // While lent, all other state of the connection belongs to the borrower.
     bool is_lent = false;
     uint32_t events_while_lent = 0;

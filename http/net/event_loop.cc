@@ -22,11 +22,6 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr int kMaxEvents = 128;
-constexpr int kMaxAcceptsARound = 64;
-// Room above max_connections for connections that get status 503.
-constexpr size_t kMaxTurnedAway = 64;
-// How long accepting pauses when the system has no descriptors left and the loop cannot free any.
-constexpr milliseconds kAcceptPause{100};
 // Threads return answered connections without waking the loop, so the loop may see their deadlines
 // this late.
 constexpr milliseconds kMaxSleepWhileLent{500};
@@ -90,6 +85,7 @@ void EventLoop::RunRound() {
   std::array<epoll_event, kMaxEvents> events;
   const int num_events = epoll_wait(epoll_.fd(), events.data(), kMaxEvents, WaitMs());
   TakeBackAnswered();
+  AdvancePostponed();
   for (int i = 0; i < num_events; ++i) {
     void* const source = events[i].data.ptr;
     if (source == &wake_) {
@@ -112,6 +108,7 @@ void EventLoop::RunRound() {
   if (now >= next_expiry_) {
     Expire();
   }
+  std::erase_if(postponed_, [](const Entry* entry) { return entry->is_closed; });
   connections_.FreeClosed();
 }
 
@@ -122,6 +119,9 @@ int EventLoop::WaitMs() {
     if (wake_when_answered_ && !answered_.empty()) {
       return 0;
     }
+  }
+  if (!postponed_.empty()) {
+    return 0;
   }
   TimePoint wake_at = next_expiry_;
   if (accept_again_) {
@@ -165,71 +165,6 @@ void EventLoop::Stop() {
   Wake();
 }
 
-void EventLoop::AcceptSome() {
-  for (int i = 0; i < kMaxAcceptsARound && listening_.fd() >= 0; ++i) {
-    Peer peer;
-    Socket socket = Accept(listening_, connection_limits_.send_timeout, &peer);
-    if (socket.fd() < 0) {
-      HandleAcceptError(errno);
-      return;
-    }
-    Adopt(std::move(socket), std::move(peer));
-  }
-}
-
-void EventLoop::HandleAcceptError(int error) {
-  const bool is_exhausted =
-      error == EMFILE || error == ENFILE || error == ENOBUFS || error == ENOMEM;
-  // With other errors, no connection waits or a waiting one has gone. The port stays readable for
-  // the next.
-  if (!is_exhausted) {
-    return;
-  }
-  if (!Drop(connections_.LongestWaiting())) {
-    PauseAccepting();
-  }
-  ReportShortage(std::strerror(error));
-}
-
-void EventLoop::PauseAccepting() {
-  epoll_ctl(epoll_.fd(), EPOLL_CTL_DEL, listening_.fd(), nullptr);
-  accept_again_ = steady_clock::now() + kAcceptPause;
-}
-
-void EventLoop::ResumeAccepting() {
-  accept_again_.reset();
-  epoll_event accept{.events = EPOLLIN, .data = {.ptr = &listening_}};
-  if (epoll_ctl(epoll_.fd(), EPOLL_CTL_ADD, listening_.fd(), &accept) != 0) {
-    PauseAccepting();
-  }
-}
-
-void EventLoop::Adopt(Socket socket, Peer peer) {
-  const auto max_connections = static_cast<size_t>(limits_.max_connections);
-  bool is_full = connections_.entries().size() >= max_connections;
-  if (is_full) {
-    is_full = !Drop(connections_.LongestWaiting());
-    num_dropped_ += is_full;
-    ReportShortage("too many connections");
-  }
-  if (is_full && connections_.entries().size() >= max_connections + kMaxTurnedAway) {
-    return;
-  }
-  auto entry = std::make_unique<Entry>(std::move(socket), std::move(peer), &connection_limits_);
-  epoll_event event{.events = EPOLLIN | EPOLLOUT | EPOLLRDHUP | EPOLLET,
-                    .data = {.ptr = entry.get()}};
-  if (epoll_ctl(epoll_.fd(), EPOLL_CTL_ADD, entry->socket().fd(), &event) != 0) {
-    return;
-  }
-  Entry* const adopted = connections_.Add(std::move(entry));
-  next_expiry_ = std::min(next_expiry_, DeadlineOf(*adopted));
-  if (is_full) {
-    Refuse(adopted, HttpError(ProblemCode::kUnavailable, "too many requests are being answered"));
-  } else {
-    Advance(adopted);
-  }
-}
-
 void EventLoop::Advance(Entry* entry) {
   try {
     switch (entry->Proceed()) {
@@ -237,6 +172,9 @@ void EventLoop::Advance(Entry* entry) {
         return Lend(entry);
       case Connection::Next::kClose:
         return connections_.Close(entry);
+      case Connection::Next::kMore:
+        Postpone(entry);
+        break;
       case Connection::Next::kWait:
         break;
     }
@@ -253,6 +191,21 @@ void EventLoop::Advance(Entry* entry) {
   Account(entry, entry->buffered_bytes());
 }
 
+void EventLoop::Postpone(Entry* entry) {
+  if (!std::exchange(entry->is_postponed, true)) {
+    postponed_.push_back(entry);
+  }
+}
+
+void EventLoop::AdvancePostponed() {
+  for (Entry* entry : std::exchange(postponed_, {})) {
+    entry->is_postponed = false;
+    if (!entry->is_closed && !entry->is_lent) {
+      Advance(entry);
+    }
+  }
+}
+
 void EventLoop::Lend(Entry* entry) {
   ReceivedRequest request = entry->TakeRequest();
   Account(entry, entry->buffered_bytes() + request.body.capacity());
@@ -267,8 +220,12 @@ void EventLoop::Refuse(Entry* entry, const HttpError& error) {
   entry->Respond(refuse_(error), /*keep_alive=*/false);
   next_expiry_ = std::min(next_expiry_, DeadlineOf(*entry));
   // Proceed only sends and drains here, so it cannot refuse again.
-  if (entry->Proceed() == Connection::Next::kClose) {
+  const Connection::Next next = entry->Proceed();
+  if (next == Connection::Next::kClose) {
     return connections_.Close(entry);
+  }
+  if (next == Connection::Next::kMore) {
+    Postpone(entry);
   }
   Account(entry, entry->buffered_bytes());
 }

@@ -87,6 +87,9 @@ class EventLoop {
   void ResumeAccepting();
 
   void Advance(Entry* entry);
+  // Advances the connection again in the next round, without waiting for an event.
+  void Postpone(Entry* entry);
+  void AdvancePostponed();
   void Lend(Entry* entry);
   void Refuse(Entry* entry, const HttpError& error);
   void TakeBackAnswered();
@@ -112,6 +115,7 @@ class EventLoop {
 
   // Used by the leader only.
   ConnectionTable connections_;
+  std::vector<Entry*> postponed_;
   std::deque<RequestJob> ready_;
   int num_answering_ = 0;
   TimePoint next_expiry_;  // No deadline is earlier than this.

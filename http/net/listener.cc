@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/log_limiter.h"
 #include "core/logging.h"
 #include "core/memory_reserve.h"
 #include "http/net/response_text.h"
@@ -32,7 +33,7 @@ ResponseText OutOfMemoryText() {
                             .content_type = "application/problem+json",
                             .body = ProblemJson(error, ""),
                             .headers = {}},
-                           /*is_head=*/false, /*keep_alive=*/false);
+                           /*is_head=*/false, /*keep_alive=*/std::nullopt);
 }
 
 // Ids are unique within a run and, because of the random start, across runs.
@@ -58,7 +59,26 @@ bool IsUsableRequestId(std::string_view id) {
          });
 }
 
-HttpRequest ToRequest(ReceivedRequest received, const std::string& remote_address,
+// Sets the client's address, and its number, from the peer or from what a trusted front says.
+void SetClient(const Peer& peer, const TrustedFronts& fronts, HttpRequest* request) {
+  request->remote_address = peer.address;
+  request->client = peer.network;
+  if (fronts.empty()) {
+    return;
+  }
+  std::string chain;  // Several headers are one list (RFC 9110 section 5.3).
+  const auto [begin, end] = request->headers.equal_range("x-forwarded-for");
+  for (auto it = begin; it != end; ++it) {
+    chain += "," + it->second;
+  }
+  const std::string address = ForwardedClient(peer.address, chain, fronts);
+  if (const std::optional<uint64_t> network = NetworkOfAddress(address)) {
+    request->remote_address = address;
+    request->client = *network;
+  }
+}
+
+HttpRequest ToRequest(ReceivedRequest received, const Peer& peer, const TrustedFronts& fronts,
                       std::string request_id) {
   std::optional<Target> target = ParseTarget(received.head.target);
   if (!target) {
@@ -73,12 +93,14 @@ HttpRequest ToRequest(ReceivedRequest received, const std::string& remote_addres
                       .query = std::move(target->query),
                       .headers = {},
                       .body = std::move(received.body),
-                      .remote_address = remote_address,
+                      .remote_address = {},
+                      .client = 0,
                       .request_id = std::move(request_id),
                       .arrival = received.arrival};
   for (auto& [name, value] : received.head.headers) {
     request.headers.emplace(std::move(name), std::move(value));
   }
+  SetClient(peer, fronts, &request);
   return request;
 }
 
@@ -104,6 +126,7 @@ struct Listener::Impl {
   RequestHandler* const handler;
   RequestIds request_ids;
   const ResponseText out_of_memory = OutOfMemoryText();
+  LogLimiter memory_failures;
   std::atomic<bool> closes_connections{false};  // After the response.
   int port = 0;
   std::optional<EventLoop> loop;  // Created by Start.
@@ -114,7 +137,7 @@ struct Listener::Impl {
 
   ResponseText Refusal(const HttpError& error) {
     return SerializeResponse(handler->Refuse(error, request_ids.Next()), /*is_head=*/false,
-                             /*keep_alive=*/false);
+                             /*keep_alive=*/std::nullopt);
   }
 
   void Work() {
@@ -130,11 +153,13 @@ struct Listener::Impl {
                           bool* keep_alive) {
     const bool is_head = received.head.method == "HEAD";
     try {
-      const HttpRequest request =
-          ToRequest(std::move(received), connection.peer().address, request_ids.Next());
+      const HttpRequest request = ToRequest(std::move(received), connection.peer(),
+                                            options.trusted_fronts, request_ids.Next());
       HttpResponse response = handler->Handle(request);
       *keep_alive = *keep_alive && !closes_connections;
-      return SerializeResponse(std::move(response), is_head, *keep_alive);
+      return SerializeResponse(
+          std::move(response), is_head,
+          *keep_alive ? std::optional(options.connection.idle_timeout) : std::nullopt);
     } catch (const HttpError& error) {
       *keep_alive = false;
       return Refusal(error);
@@ -143,7 +168,9 @@ struct Listener::Impl {
       *keep_alive = false;
       ResponseText text = out_of_memory;
       RefillMemoryReserve();
-      WriteLog(LogLevel::kError, "a request was refused: out of memory");
+      if (memory_failures.Admit()) {
+        WriteLog(LogLevel::kError, "a request was refused: out of memory");
+      }
       return text;
     } catch (const std::exception& error) {
       LogError("connection closed because of an error: {}", error.what());

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "http/net/client_network.h"
 #include "http/net/connection.h"
 #include "http/net/event_loop.h"
 #include "http/net/message.h"
@@ -16,6 +17,7 @@ struct ListenerOptions {
   std::string host = "127.0.0.1";
   int port = 0;         // 0 picks a free one.
   int num_threads = 8;  // Requests handled at the same time.
+  TrustedFronts trusted_fronts = {};
   ConnectionLimits connection = {};
   // Start lowers `loop.max_connections` to at most half of the files that the process may open.
   LoopLimits loop = {};

@@ -3,6 +3,7 @@
 #define CAIRN_HTTP_NET_MESSAGE_H_
 
 #include <chrono>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <utility>
@@ -19,8 +20,11 @@ struct HttpRequest {
   std::multimap<std::string, std::string> headers;  // Names in lower case.
   std::string body;
   std::string remote_address;
+  // Equal for all requests of one client: of the address that a trusted front names, or else of the
+  // other end of the connection (net/client_network.h).
+  uint64_t client = 0;
   std::string request_id;                         // The client's id if usable, else made here.
-  std::chrono::steady_clock::time_point arrival;  // When its first byte was read.
+  std::chrono::steady_clock::time_point arrival;  // When its last byte had been read.
 
   // The first value, or empty. `lower_case_name` has lower case, as the stored names do.
   const std::string& Header(const std::string& lower_case_name) const {

@@ -27,8 +27,9 @@ bool IsToken(std::string_view text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), IsTokenChar);
 }
 
-// True for visible ASCII, the only characters allowed in a target.
-bool IsTargetChar(char c) { return c > ' ' && c <= '~'; }
+// True for visible ASCII, the only characters allowed in a target, except '#'. Fragments are no
+// part of a target (RFC 9112 section 3.2), and a front may take "/metrics#a" for another path.
+bool IsTargetChar(char c) { return c > ' ' && c <= '~' && c != '#'; }
 
 // True except for control characters other than tab.
 bool IsValueChar(char c) {
@@ -84,7 +85,8 @@ void ParseRequestLine(std::string_view line, RequestHead* head) {
   if (!head->target.starts_with('/') ||
       !std::all_of(head->target.begin(), head->target.end(), IsTargetChar)) {
     Refuse(ProblemCode::kBadRequest,
-           "the target is not a path of visible ASCII characters; percent-encode the rest");
+           "the target is not a path of visible ASCII characters without '#'; percent-encode the "
+           "rest");
   }
   if (version != "HTTP/1.1" && version != "HTTP/1.0") {
     const bool is_http = version.starts_with("HTTP/");

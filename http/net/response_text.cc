@@ -15,6 +15,8 @@ const char* ReasonPhrase(int status) {
       return "OK";
     case 204:
       return "No Content";
+    case 302:
+      return "Found";
     case 304:
       return "Not Modified";
     default:
@@ -30,7 +32,8 @@ const char* ReasonPhrase(int status) {
 
 }  // namespace
 
-ResponseText SerializeResponse(HttpResponse response, bool is_head, bool keep_alive) {
+ResponseText SerializeResponse(HttpResponse response, bool is_head,
+                               std::optional<std::chrono::milliseconds> keep_alive) {
   ResponseText text;
   const auto out = std::back_inserter(text.head);
   fmt::format_to(out, "HTTP/1.1 {} {}\r\n", response.status, ReasonPhrase(response.status));
@@ -43,7 +46,11 @@ ResponseText SerializeResponse(HttpResponse response, bool is_head, bool keep_al
   if (response.status != 204 && response.status != 304) {
     fmt::format_to(out, "Content-Length: {}\r\n", response.body.size());
   }
-  text.head += keep_alive ? "Connection: keep-alive\r\n\r\n" : "Connection: close\r\n\r\n";
+  text.head += keep_alive ? "Connection: keep-alive\r\n" : "Connection: close\r\n";
+  if (keep_alive && *keep_alive >= std::chrono::seconds(1)) {
+    fmt::format_to(out, "Keep-Alive: timeout={}\r\n", keep_alive->count() / 1000);
+  }
+  text.head += "\r\n";
   if (!is_head) {
     text.body = std::move(response.body);
   }

@@ -12,6 +12,7 @@
 #include <memory>
 
 #include "core/error.h"
+#include "http/net/client_network.h"
 
 namespace cairn {
 namespace {
@@ -54,19 +55,6 @@ Socket TryToListen(const addrinfo& address) {
     errno = error;
   }
   return socket;
-}
-
-uint64_t NetworkOf(const sockaddr_storage& storage) {
-  uint64_t network = 0;
-  if (storage.ss_family == AF_INET6) {
-    const auto& address = reinterpret_cast<const sockaddr_in6&>(storage).sin6_addr;
-    const bool is_ipv4 = IN6_IS_ADDR_V4MAPPED(&address);
-    std::memcpy(&network, address.s6_addr + (is_ipv4 ? 8 : 0), sizeof(network));
-  } else if (storage.ss_family == AF_INET) {
-    const auto& address = reinterpret_cast<const sockaddr_in&>(storage).sin_addr;
-    std::memcpy(&network, &address, sizeof(address));
-  }
-  return network;
 }
 
 }  // namespace
@@ -131,11 +119,11 @@ Socket Accept(const Socket& listening, std::chrono::milliseconds peer_timeout, P
   SetOption(socket.fd(), IPPROTO_TCP, TCP_NODELAY, 1);
   SetOption(socket.fd(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, kMaxUnsentBytes);
   SetOption(socket.fd(), IPPROTO_TCP, TCP_USER_TIMEOUT, static_cast<int>(peer_timeout.count()));
-  peer->network = NetworkOf(address);
   char host[NI_MAXHOST];
   if (getnameinfo(reinterpret_cast<sockaddr*>(&address), size, host, sizeof(host), nullptr, 0,
                   NI_NUMERICHOST) == 0) {
     peer->address = host;
+    peer->network = NetworkOfAddress(host).value_or(0);
   }
   return socket;
 }

@@ -31,8 +31,7 @@ class Socket {
 // The other end of a connection.
 struct Peer {
   std::string address = "unknown";  // Numeric.
-  // Identifies a client: equal for all of its connections. Holds the IPv4 address, or the first 64
-  // bits of the IPv6 address, because a client with one address of such a network has all of them.
+  // Identifies a client: equal for all of its connections (see client_network.h).
   uint64_t network = 0;
 };
 

@@ -28,7 +28,6 @@ std::optional<std::string> PercentDecode(std::string_view text, bool plus_is_spa
 }
 
 std::optional<Target> ParseTarget(std::string_view target) {
-  target = target.substr(0, target.find('#'));
   const size_t question = target.find('?');
   const std::optional<std::string> path =
       PercentDecode(target.substr(0, question), /*plus_is_space=*/false);

@@ -1,37 +1,148 @@
 #include "http/service/fair_gate.h"
 
-namespace cairn {
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <tuple>
 
-bool FairGate::Enter(std::chrono::steady_clock::time_point deadline) {
-  std::unique_lock<std::mutex> lock(mutex_);
-  if (num_free_ > 0) {
-    --num_free_;
-    return true;
-  }
-  Waiter waiter;
-  const auto place = waiters_.insert(waiters_.end(), &waiter);
-  if (!waiter.admitted.wait_until(lock, deadline, [&] { return waiter.is_admitted; })) {
-    waiters_.erase(place);
-    return false;
-  }
-  return true;
+namespace cairn {
+namespace {
+
+// After this time, what a client has used counts half.
+constexpr double kUseHalfLifeS = 10.0;
+// Idle clients whose use is remembered.
+constexpr size_t kMaxIdleClients = 1024;
+
+double Seconds(FairGate::Clock::duration time) {
+  return std::chrono::duration<double>(time).count();
 }
 
-void FairGate::Leave() {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (waiters_.empty()) {
-    ++num_free_;
-    return;
+}  // namespace
+
+double FairGate::Client::UsedSeconds(Clock::time_point now) const {
+  return used_s * std::exp2(-Seconds(now - used_at) / kUseHalfLifeS);
+}
+
+FairGate::Turn::Turn(FairGate* gate, ClientId client, Clock::time_point deadline)
+    : gate_(gate), deadline_(deadline) {
+  std::unique_lock lock(gate->mutex_);
+  client_ = &gate->clients_[client];
+  gate->Queue(this);
+  gate->Admit(Clock::now());
+  if (gate->num_waiting_ > gate->options_.max_waiting) {
+    gate->RefuseOne();
   }
-  // Hands the slot to the waiter under the lock, because the waiter is destroyed once it wakes.
-  waiters_.front()->is_admitted = true;
-  waiters_.front()->admitted.notify_one();
-  waiters_.pop_front();
+  gate->Wait(&lock, this);
+}
+
+FairGate::Turn::~Turn() {
+  const std::lock_guard lock(gate_->mutex_);
+  if (outcome_ == Outcome::kEntered) {
+    gate_->Leave(this);
+  }
+  gate_->ForgetIdleClients();
+}
+
+void FairGate::Queue(Turn* turn) {
+  std::list<Turn*>& waiting = turn->client_->waiting;
+  const auto earlier = std::find_if(waiting.rbegin(), waiting.rend(), [turn](const Turn* other) {
+    return other->deadline_ <= turn->deadline_;
+  });
+  waiting.insert(earlier.base(), turn);
+  if (waiting.size() == 1) {
+    waiting_clients_.push_back(turn->client_);
+  }
+  ++num_waiting_;
+}
+
+void FairGate::Wait(std::unique_lock<std::mutex>* lock, Turn* turn) {
+  while (turn->is_waiting_) {
+    turn->changed_.wait_until(*lock, std::min(turn->deadline_, EndOfPatience(*turn->client_)));
+    const Clock::time_point now = Clock::now();
+    Admit(now);
+    if (turn->is_waiting_ && now >= turn->deadline_) {
+      StopWaiting(Outcome::kLate, turn);
+    }
+  }
+}
+
+void FairGate::Leave(Turn* turn) {
+  const Clock::time_point now = Clock::now();
+  Client* const client = turn->client_;
+  client->used_s = client->UsedSeconds(now) + Seconds(now - turn->running_->start);
+  client->used_at = now;
+  --client->num_running;
+  running_.erase(turn->running_);
+  Admit(now);
+  for (Client* waiting : waiting_clients_) {
+    if (EndOfPatience(*waiting) != Clock::time_point::max()) {
+      waiting->waiting.front()->changed_.notify_one();  // Its patience may end earlier now.
+    }
+  }
+}
+
+void FairGate::Admit(Clock::time_point now) {
+  while (!waiting_clients_.empty()) {
+    Client* const client = NextClient(now);
+    if (!MayEnter(*client, now)) {
+      return;
+    }
+    Turn* const turn = client->waiting.front();
+    StopWaiting(Outcome::kEntered, turn);
+    ++client->num_running;
+    turn->running_ = running_.insert(running_.end(), {.client = client, .start = now});
+  }
+}
+
+FairGate::Client* FairGate::NextClient(Clock::time_point now) const {
+  const auto rank = [now](const Client* client) {
+    return std::tuple(client->num_running, client->UsedSeconds(now));
+  };
+  return *std::min_element(waiting_clients_.begin(), waiting_clients_.end(),
+                           [&](const Client* a, const Client* b) { return rank(a) < rank(b); });
+}
+
+bool FairGate::MayEnter(const Client& client, Clock::time_point now) const {
+  return running_.size() < static_cast<size_t>(options_.num_slots) || EndOfPatience(client) <= now;
+}
+
+FairGate::Clock::time_point FairGate::EndOfPatience(const Client& client) const {
+  const auto num_slots = static_cast<size_t>(options_.num_slots);
+  if (client.num_running > 0 || running_.size() < num_slots || running_.size() >= 2 * num_slots) {
+    return Clock::time_point::max();
+  }
+  // Fewer than num_slots turns are short so far once this one is long.
+  return std::prev(running_.end(), options_.num_slots)->start + options_.patience;
+}
+
+void FairGate::RefuseOne() {
+  const Client* const most = *std::max_element(
+      waiting_clients_.begin(), waiting_clients_.end(),
+      [](const Client* a, const Client* b) { return a->waiting.size() < b->waiting.size(); });
+  StopWaiting(Outcome::kRefused, most->waiting.back());
+}
+
+void FairGate::StopWaiting(Outcome outcome, Turn* turn) {
+  Client* const client = turn->client_;
+  client->waiting.remove(turn);
+  if (client->waiting.empty()) {
+    std::erase(waiting_clients_, client);
+  }
+  --num_waiting_;
+  turn->outcome_ = outcome;
+  turn->is_waiting_ = false;
+  turn->changed_.notify_one();
+}
+
+void FairGate::ForgetIdleClients() {
+  if (clients_.size() > kMaxIdleClients) {
+    std::erase_if(clients_, [](const auto& entry) { return entry.second.is_idle(); });
+  }
 }
 
 int FairGate::num_waiting() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return static_cast<int>(waiters_.size());
+  const std::lock_guard lock(mutex_);
+  return num_waiting_;
 }
 
 }  // namespace cairn

@@ -1,36 +1,115 @@
-// Lets as many threads compute at once as there are cores, in order of arrival.
+// Decides which requests compute, and divides the cores among the clients.
 #ifndef CAIRN_HTTP_SERVICE_FAIR_GATE_H_
 #define CAIRN_HTTP_SERVICE_FAIR_GATE_H_
 
 #include <chrono>
 #include <condition_variable>
+#include <cstddef>
+#include <cstdint>
 #include <list>
 #include <mutex>
+#include <unordered_map>
+#include <vector>
 
 namespace cairn {
 
-// With more concurrent queries than cores, every query would run in small slices and finish after
-// its deadline. In a queue, the queries at the front finish in time. Safe to call from any thread.
+struct FairGateOptions {
+  int num_slots = 1;  // Requests that compute at a time, one for each core.
+  // Requests that wait at a time. Each holds a thread of the server.
+  int max_waiting = 48;
+  // A client without a turn waits no longer than this for turns that take long. Most queries take
+  // less, so few turns run beside each other.
+  std::chrono::milliseconds patience{100};
+};
+
+// With more requests at once than cores, each would run in small slices and finish after its
+// deadline. At the gate, they wait for a slot.
+//
+// Requests of one client get their turns in the order of their deadlines. Among clients, the next
+// turn goes to the one with the fewest turns under way, and then to the one that has used the least
+// time lately. A request does not lose its slot once it has it. So that long turns do not keep
+// other clients out, a client without a turn gets one beside them when they have taken longer than
+// `patience`; at most twice `num_slots` turns are then under way.
+//
+// If too many requests wait, the client with most of them loses the one with the latest deadline.
+//
+// Safe to call from any thread.
 class FairGate {
  public:
-  explicit FairGate(int num_slots) : num_free_(num_slots) {}
+  using Clock = std::chrono::steady_clock;
+  // Equal for requests of one client (HttpRequest::client).
+  using ClientId = uint64_t;
 
-  // Waits in line for a slot. Returns false if the deadline passes first. After true, the caller
-  // must call Leave.
-  bool Enter(std::chrono::steady_clock::time_point deadline);
-  void Leave();
+  enum class Outcome {
+    kEntered,
+    kLate,     // The deadline passed first.
+    kRefused,  // Too many requests wait.
+  };
+
+  class Turn;
+
+ private:
+  struct Client {
+    std::list<Turn*> waiting;  // By deadline, and then by arrival.
+    int num_running = 0;
+    double used_s = 0.0;  // The time of its turns, which counts less and less, as of `used_at`.
+    Clock::time_point used_at;
+
+    bool is_idle() const { return num_running == 0 && waiting.empty(); }
+    double UsedSeconds(Clock::time_point now) const;
+  };
+  struct Running {
+    Client* client;
+    Clock::time_point start;
+  };
+
+ public:
+  // A request's stay at the gate. The destructor gives the slot to the next request.
+  class Turn {
+   public:
+    // Waits for a slot.
+    Turn(FairGate* gate, ClientId client, Clock::time_point deadline);
+    ~Turn();
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+
+    Outcome outcome() const { return outcome_; }
+
+   private:
+    friend class FairGate;
+    FairGate* gate_;
+    Client* client_ = nullptr;
+    const Clock::time_point deadline_;
+    Outcome outcome_ = Outcome::kLate;
+    bool is_waiting_ = true;
+    std::condition_variable changed_;
+    std::list<Running>::iterator running_;  // Valid once entered.
+  };
+
+  explicit FairGate(const FairGateOptions& options) : options_(options) {}
 
   int num_waiting() const;
 
  private:
-  struct Waiter {
-    std::condition_variable admitted;
-    bool is_admitted = false;
-  };
+  void Queue(Turn* turn);
+  void Wait(std::unique_lock<std::mutex>* lock, Turn* turn);
+  void Leave(Turn* turn);
+  // Gives slots to waiting requests.
+  void Admit(Clock::time_point now);
+  Client* NextClient(Clock::time_point now) const;
+  bool MayEnter(const Client& client, Clock::time_point now) const;
+  // When a client without a turn may enter beside long turns; the end of time if it may not.
+  Clock::time_point EndOfPatience(const Client& client) const;
+  void RefuseOne();
+  void StopWaiting(Outcome outcome, Turn* turn);
+  void ForgetIdleClients();
 
+  const FairGateOptions options_;
   mutable std::mutex mutex_;
-  int num_free_;                // 0 while a thread waits.
-  std::list<Waiter*> waiters_;  // In order of arrival.
+  std::unordered_map<ClientId, Client> clients_;
+  std::vector<Client*> waiting_clients_;  // Those with waiting requests.
+  std::list<Running> running_;            // By start.
+  int num_waiting_ = 0;
 };
 
 }  // namespace cairn

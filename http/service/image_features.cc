@@ -117,7 +117,8 @@ FeatureSet Extract(const Picture& picture, const ImageDecodeLimits& limits, cons
   times->decode_seconds += SecondsSince(start);
   ThrowIfStopped(limits);
   const auto extraction_start = std::chrono::steady_clock::now();
-  FeatureSet features = ExtractSift(image, sift);
+  FeatureSet features = ExtractSift(image, sift, limits.should_stop);
+  ThrowIfStopped(limits);
   times->extract_seconds += SecondsSince(extraction_start);
   return features;
 }

@@ -16,7 +16,7 @@ namespace cairn {
 // - HttpError kInvalidImage if an image does not decode or does not have the size of its camera,
 // - HttpError kImageTooLarge, before decoding, if an image has more pixels than `limits` allow,
 // - DecodingStopped once `limits.should_stop` returns true. `should_stop` is called while an image
-//   is decoded and before each step.
+//   is decoded and while its features are extracted.
 void ExtractQueryFeatures(const ImageDecodeLimits& limits, const SiftOptions& sift,
                           LocalizeRequest* request, ServerTimes* times);
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/parallel_for.h"
 #include "engine/explain_miss.h"
 #include "http/json/request_photos.h"
@@ -17,6 +19,15 @@ LocalizerOptions MakeLocalizerOptions(const ServerOptions& options) {
   LocalizerOptions localizer = options.localizer;
   localizer.num_threads = options.threads_per_query > 0 ? options.threads_per_query : NumCores();
   return localizer;
+}
+
+int MaxWaiting(const ServerOptions& options) {
+  return options.max_waiting > 0 ? options.max_waiting : NumThreads(options) * 3 / 4;
+}
+
+[[noreturn]] void RefuseForLackOfTurns() {
+  throw HttpError(ProblemCode::kUnavailable, "too many requests are waiting for their turn")
+      .Hint("wait for the answers to earlier requests before you send more");
 }
 
 // Throws unless the features fit the map's codebook.
@@ -67,11 +78,12 @@ LocalizeService::LocalizeService(const ServerOptions& options)
       maps_({.path = options.map_path,
              .cache_bytes = options.cache_bytes,
              .localizer = MakeLocalizerOptions(options)}),
-      gate_(NumCores()) {}
+      gate_({.num_slots = NumCores(), .max_waiting = MaxWaiting(options)}) {}
 
 void LocalizeService::Read(const ServedMap& map, const HttpRequest& http, BodyParser* parse,
                            LocalizeRequest* request) const {
   *request = parse(http.Header("content-type"), http.body, request_limits());
+  request->timeout_ms = std::min(request->timeout_ms, options_.max_timeout_ms);
   request->query.deadline = http.arrival + milliseconds(request->timeout_ms);
   if (!request->has_images()) {
     CheckCodec(map, request->query);
@@ -94,9 +106,20 @@ bool LocalizeService::ExtractInTime(LocalizeRequest* request, ServerTimes* times
   }
 }
 
+std::unique_ptr<FairGate::Turn> LocalizeService::WaitForTurn(const HttpRequest& http) {
+  auto turn = std::make_unique<FairGate::Turn>(
+      &gate_, http.client, http.arrival + milliseconds(options_.default_timeout_ms));
+  if (turn->outcome() == FairGate::Outcome::kRefused) {
+    RefuseForLackOfTurns();
+  }
+  if (turn->outcome() == FairGate::Outcome::kLate) {
+    throw HttpError(ProblemCode::kUnavailable, "the turn of the request did not come in time");
+  }
+  return turn;
+}
+
 // A request has one turn. During the turn its JSON is parsed (if long), its photos' EXIF is read,
-// its image becomes features, and the features become an answer. Turns follow the order of arrival,
-// with or without an image.
+// its image becomes features, and the features become an answer.
 LocalizeService::Answer LocalizeService::AnswerInTurn(const ServedMap& map, const HttpRequest& http,
                                                       BodyParser* parse, LocalizeRequest* request) {
   Answer answer;
@@ -104,16 +127,17 @@ LocalizeService::Answer LocalizeService::AnswerInTurn(const ServedMap& map, cons
   if (!reads_in_turn) {
     Read(map, http, parse, request);
   }
-  const auto deadline =
-      reads_in_turn ? http.arrival + milliseconds(PeekTimeoutMs(http.body, request_limits()))
-                    : *request->query.deadline;
-  if (!gate_.Enter(deadline)) {
+  const int timeout_ms =
+      reads_in_turn ? std::min(PeekTimeoutMs(http.body, request_limits()), options_.max_timeout_ms)
+                    : request->timeout_ms;
+  const FairGate::Turn turn(&gate_, http.client, http.arrival + milliseconds(timeout_ms));
+  if (turn.outcome() == FairGate::Outcome::kRefused) {
+    RefuseForLackOfTurns();
+  }
+  if (turn.outcome() == FairGate::Outcome::kLate) {
     answer.result = LateResult(map, request->query);
     return answer;
   }
-  // Leaves the gate on every return path.
-  const std::unique_ptr<FairGate, void (*)(FairGate*)> slot(&gate_,
-                                                            [](FairGate* gate) { gate->Leave(); });
   if (reads_in_turn) {
     Read(map, http, parse, request);
   }

@@ -43,13 +43,18 @@ class LocalizeService {
   const Metrics& metrics() const { return metrics_; }
 
   // Answers one request: reads the body into `request` with `parse`, sets the query's deadline (the
-  // client's timeout counts from the arrival), waits for its turn if there are more requests than
-  // cores, extracts features if there is an image, checks that the features have the map's codec,
-  // and localizes. Returns kTimeout if the turn does not come in time. A long JSON body is parsed
-  // during the turn; if the turn does not come, the body is not parsed and `request` stays
-  // unchanged. Throws as `parse` and as Localizer::Localize; throws HttpError kInvalidImage,
-  // kImageTooLarge, kWrongCodec.
+  // client's timeout counts from the end of the upload), waits for its turn if there are more
+  // requests than cores, extracts features if there is an image, checks that the features have the
+  // map's codec, and localizes. Returns kTimeout if the turn does not come in time. A long JSON
+  // body is parsed during the turn; if the turn does not come, the body is not parsed and `request`
+  // stays unchanged. Throws as `parse` and as Localizer::Localize; throws HttpError kInvalidImage,
+  // kImageTooLarge, kWrongCodec, and kUnavailable if too many requests wait.
   Answer Localize(const HttpRequest& http, BodyParser* parse, LocalizeRequest* request);
+
+  // Waits for the turn of a request that is no query but takes as much time: lists and payloads.
+  // Throws HttpError kUnavailable if too many requests wait, or if the turn does not come within
+  // the default timeout.
+  std::unique_ptr<FairGate::Turn> WaitForTurn(const HttpRequest& http);
 
   // From now on, /readyz tells the front that the server stops soon. All requests are still
   // answered.
@@ -78,7 +83,7 @@ class LocalizeService {
   PublicationTime publication_time_;
   std::atomic<bool> draining_{false};
   std::atomic<bool> stopping_{false};
-  FairGate gate_;  // Admits as many requests at a time as there are cores.
+  FairGate gate_;
 };
 
 }  // namespace cairn

@@ -152,7 +152,7 @@ std::string Metrics::Render(const ServerState& state) const {
                         key.second, count);
   }
   Describe("cairn_http_request_seconds", "histogram",
-           "Time from the first byte of a request to its response.", &text);
+           "Time from the last byte of a request to its response.", &text);
   for (const auto& [route, histogram] : request_seconds_) {
     histogram.Render("cairn_http_request_seconds", fmt::format("route=\"{}\"", route), &text);
   }

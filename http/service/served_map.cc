@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cctype>
 #include <cstdint>
 #include <filesystem>
@@ -12,24 +11,21 @@
 
 #include "core/error.h"
 #include "core/logging.h"
+#include "http/wire/fingerprint.h"
+#include "storage/map/mount_point.h"
 
 namespace cairn {
 namespace {
 
-// FNV-1a, 64 bits.
-class Fingerprint {
- public:
-  void Add(uint64_t value) {
-    for (int i = 0; i < 64; i += 8) {
-      hash_ = (hash_ ^ (value >> i & 0xff)) * uint64_t{0x100000001b3};
-    }
-  }
-  void Add(double value) { Add(std::bit_cast<uint64_t>(value)); }
-  uint64_t value() const { return hash_; }
+constexpr char kMountedAlone[] =
+    "the map file is mounted without its folder; updates may stay invisible";
+constexpr char kMountTheFolder[] = "mount the folder of the map, and name the file in it";
 
- private:
-  uint64_t hash_ = 0xcbf29ce484222325;
-};
+// Returns the time of the last write; for a PostgreSQL URL, some constant.
+std::filesystem::file_time_type WriteTime(const std::string& path) {
+  std::error_code error;
+  return std::filesystem::last_write_time(path, error);
+}
 
 std::string Alphanumeric(std::string text) {
   std::erase_if(text, [](unsigned char c) { return std::isalnum(c) == 0; });
@@ -57,9 +53,14 @@ std::string ServedMap::TileTag(const TileRecord& tile) const {
 
 ServedMaps::ServedMaps(const ServedMapOptions& options)
     : options_(options),
-      current_(Open(OpenMode::kServing, std::make_shared<TileCache>(options.cache_bytes))) {}
+      current_(Open(OpenMode::kServing, std::make_shared<TileCache>(options.cache_bytes))) {
+  if (current_->is_mounted_alone) {
+    SetProblem(kMountedAlone, kMountTheFolder);
+  }
+}
 
 std::shared_ptr<ServedMap> ServedMaps::Open(OpenMode mode, std::shared_ptr<TileCache> cache) const {
+  const std::filesystem::file_time_type written_at = WriteTime(options_.path);
   auto store = std::make_shared<const MapStore>(MapStore::Open(options_.path, mode));
   auto localizer = std::make_unique<Localizer>(store, cache, options_.localizer);
   const MapSnapshot snapshot = store->Snapshot();
@@ -72,6 +73,8 @@ std::shared_ptr<ServedMap> ServedMaps::Open(OpenMode mode, std::shared_ptr<TileC
                 .created_at = info.created_at,
                 .version_when_opened = info.version,
                 .is_stand_in = mode == OpenMode::kImmutable,
+                .is_mounted_alone = IsMountPoint(options_.path),
+                .written_at = written_at,
                 .log = std::make_shared<const PinnedFile>(store->LogPath())});
 }
 
@@ -111,6 +114,8 @@ void ServedMaps::Look(bool is_forced) {
       must_reload_ = true;
       TakeOverwritten();
       must_reload_ = false;
+    } else if (current->is_mounted_alone) {
+      FollowMountedFile(*current);
     } else {
       SetProblem("", "");
     }
@@ -165,6 +170,14 @@ void ServedMaps::TakeOverwritten() {
     ReplaceCurrent(std::move(next));
   }
   SetProblem("", "");
+}
+
+void ServedMaps::FollowMountedFile(const ServedMap& current) {
+  if (WriteTime(options_.path) != current.written_at) {
+    LogInfo("{} has changed: opening it again", options_.path);
+    ReplaceCurrent(Open(OpenMode::kServing, std::make_shared<TileCache>(options_.cache_bytes)));
+  }
+  SetProblem(kMountedAlone, kMountTheFolder);
 }
 
 void ServedMaps::TakePlaceOfStandIn() {

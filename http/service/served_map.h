@@ -3,6 +3,7 @@
 #define CAIRN_HTTP_SERVICE_SERVED_MAP_H_
 
 #include <cstddef>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -26,6 +27,11 @@ struct ServedMap {
   // True if another map with the same name was still open when this one was opened. Such a map does
   // not share the write-ahead log beside the file. It is opened again when the other map is closed.
   bool is_stand_in = false;
+  // True if the file is mounted without its folder, as `docker run --volume town.gpkg:/town.gpkg`
+  // does it. The write-ahead log of its writers is then invisible, and so is a file that takes the
+  // name in the folder.
+  bool is_mounted_alone = false;
+  std::filesystem::file_time_type written_at;  // Of the file when it was opened.
   std::shared_ptr<const PinnedFile> log;  // The write-ahead log beside the file, if there was one.
 
   // Identifies the contents of a tile, for ETag. Different bytes have different tags, also across
@@ -66,6 +72,9 @@ class ServedMaps {
   void ReplaceCurrent(std::shared_ptr<const ServedMap> next);
   void TakeReplacement();
   void TakeOverwritten();
+  // Opens a map that is mounted alone again if its file has changed. SQLite would mix old and new
+  // pages, because it learns of changes from the log only.
+  void FollowMountedFile(const ServedMap& current);
   void TakePlaceOfStandIn();
   bool LogIsOfReplacedMap(const std::string& log_path) const;
   void SetProblem(const std::string& problem, const std::string& detail);

@@ -28,12 +28,19 @@ struct ServerOptions {
   // many queries compute at once as there are cores; the others wait in line. Open connections need
   // no thread.
   int num_threads = 0;
+  // Requests that wait for their turn at once. The others get 503; the client with most waiting
+  // requests loses one first. 0 means three quarters of the threads, which leaves threads to
+  // requests that need no turn.
+  int max_waiting = 0;
   // Threads that one query may use while cores are free. 0 means the number of cores. Replaces
   // localizer.num_threads.
   int threads_per_query = 0;
   // Time after SIGTERM during which /readyz answers 503 and queries are still answered, so that a
   // front notices before the port closes. 0 stops at once.
   int drain_s = 0;
+  // How long a connection may be silent between requests, seconds. Longer than fronts keep their
+  // connections, so that no request meets a closing connection.
+  int keep_alive_s = 75;
   size_t cache_bytes = size_t{1} << 30;
   // Fits a JPEG of 48 megapixels, which has 10 to 24 MB, or a picture of max_image_pixels as GRAY8
   // in base64, which takes 17 MB. RGBA32 of that size needs 67 MB in base64.
@@ -44,12 +51,20 @@ struct ServerOptions {
   bool exif_prior = true;
   int max_features = RequestLimits().max_features;
   int default_timeout_ms = RequestLimits().default_timeout_ms;
+  // Longest time that a query gets, whatever its timeoutMs asks for.
+  int max_timeout_ms = kMaxTimeoutMs;
+  // The fronts that may name their clients in X-Forwarded-For: addresses and networks such as
+  // "10.0.0.0/8", separated by commas. The requests of other clients count for their own address.
+  std::string trusted_fronts;
   LocalizerOptions localizer;
   SiftOptions sift;  // Of the images of requests.
 
   // Throws Error(kInvalidArgument) that names the field.
   void Validate() const;
 };
+
+// The number of threads that answer requests: num_threads, or its default.
+int NumThreads(const ServerOptions& options);
 
 }  // namespace cairn
 

@@ -175,8 +175,8 @@ function showFacts(version) {
 async function refresh() {
   const status = byId("status");
   try {
-    const version = await getJson("/version");
-    const coverage = await getJson("/v1/coverage?limit=10000");
+    const version = await getJson("version");
+    const coverage = await getJson("v1/coverage?limit=10000");
     status.textContent = `running · version ${version.version}`;
     status.className = "";
     showFacts(version);
@@ -418,7 +418,7 @@ async function localize() {
   body.append("request", new Blob([JSON.stringify(requestFor())], { type: "application/json" }));
   body.append("image", await photoFile());
   const headers = state.cell ? { "X-Cairn-Cell": state.cell } : {};
-  const response = await fetch("/v1/localize", { method: "POST", headers, body });
+  const response = await fetch("v1/localize", { method: "POST", headers, body });
   state.cell = response.headers.get("X-Cairn-Cell") ?? state.cell;
   const answer = await response.json();
   if (!response.ok) throw new Error([answer.detail, answer.hint].filter(Boolean).join("\n"));

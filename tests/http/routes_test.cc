@@ -11,6 +11,7 @@
 #include <set>
 #include <string>
 
+#include "http/plain_http.h"
 #include "http/raw_http.h"
 #include "http/service/localize_service.h"
 #include "storage/tile/tile_codec.h"
@@ -62,6 +63,52 @@ TEST_F(HttpRoutes, CoverageAndTilesCanBeRestrictedToABox) {
   EXPECT_EQ(GetJson("/v1/tiles?bbox=9.5,47.3,9.6,47.4")["tiles"].size(), 0u);
   EXPECT_EQ(GetJson("/v1/tiles?bbox=170,-10,-170,10")["tiles"].size(), 0u);
   EXPECT_EQ(GetJson("/v1/tiles?limit=1")["tiles"].size(), 1u);
+}
+
+TEST_F(HttpRoutes, PagesOfTilesLeadFromOneToTheNext) {
+  const auto all = GetJson("/v1/tiles");
+  ASSERT_EQ(all["truncated"], false);
+  ASSERT_FALSE(all.contains("next"));
+  for (const std::string box : {"", "&bbox=8.5,47.3,8.6,47.4"}) {
+    auto page = GetJson("/v1/tiles?limit=1" + box);
+    nlohmann::json tiles = page["tiles"];
+    while (page.contains("next")) {
+      EXPECT_EQ(page["truncated"], true);
+      page = GetJson("/v1/tiles?limit=1" + box + "&after=" + page["next"].get<std::string>());
+      tiles.insert(tiles.end(), page["tiles"].begin(), page["tiles"].end());
+    }
+    EXPECT_EQ(tiles, all["tiles"]);
+  }
+  EXPECT_EQ(Get("/v1/coverage?after=here").status, 400);
+}
+
+TEST_F(HttpRoutes, ListsHaveATagThatSavesTheSecondTransfer) {
+  for (const std::string path : {"/v1/tiles", "/v1/coverage", "/v1/versions", "/openapi.json"}) {
+    const Reply first = Get(path);
+    const size_t begin = first.head.find("ETag: ") + 6;
+    const std::string tag = first.head.substr(begin, first.head.find("\r\n", begin) - begin);
+    EXPECT_THAT(tag, StartsWith("W/\"")) << path;
+    const Reply second = Get(path, "If-None-Match: " + tag + "\r\n");
+    EXPECT_EQ(second.status, 304) << path;
+    EXPECT_EQ(second.body, "") << path;
+    EXPECT_EQ(Get(path, "If-None-Match: W/\"other\"\r\n").status, 200) << path;
+  }
+}
+
+TEST_F(HttpRoutes, LargeListsAreCompressedForClientsThatWantIt) {
+  const Reply plain = Get("/openapi.json");
+  httplib::Client client("127.0.0.1", port());
+  client.set_decompress(false);
+  const auto zipped = client.Get("/openapi.json", {{"Accept-Encoding", "br, gzip"}});
+  EXPECT_EQ(zipped->get_header_value("Content-Encoding"), "gzip");
+  EXPECT_EQ(zipped->get_header_value("Vary"), "Accept-Encoding");
+  EXPECT_LT(zipped->body.size(), plain.body.size() / 3);
+  client.set_decompress(true);
+  EXPECT_EQ(client.Get("/openapi.json", {{"Accept-Encoding", "gzip"}})->body, plain.body);
+  for (const char* encoding : {"br", "gzip;q=0", "identity"}) {
+    const auto other = client.Get("/openapi.json", {{"Accept-Encoding", encoding}});
+    EXPECT_FALSE(other->has_header("Content-Encoding")) << encoding;
+  }
 }
 
 TEST_F(HttpRoutes, AvailabilitySaysWhetherAQueryWouldFindTiles) {
@@ -128,6 +175,23 @@ TEST_F(HttpRoutes, ThePageLoadsNothingFromElsewhere) {
     EXPECT_EQ(reply.body.find("http://"), std::string::npos) << path;
     EXPECT_EQ(reply.body.find("https://"), std::string::npos) << path;
   }
+}
+
+// A front may serve the API as /vps/..., so the page must not ask for paths of the root.
+TEST_F(HttpRoutes, ThePageAsksForRelativeAddressesOnly) {
+  for (const char* path : {"/ui", "/ui/app.js"}) {
+    const std::string body = Get(path).body;
+    for (const char* absolute : {"href=\"/", "src=\"/", "(\"/", "('/", "(`/"}) {
+      EXPECT_EQ(body.find(absolute), std::string::npos) << path << ": " << absolute;
+    }
+  }
+  EXPECT_EQ(GetJson("/openapi.json")["servers"][0]["url"], ".");
+}
+
+TEST_F(HttpRoutes, TheRootLeadsToThePage) {
+  EXPECT_EQ(Get("/").status, 302);
+  EXPECT_THAT(Get("/").head, HasSubstr("Location: ui\r\n"));
+  EXPECT_THAT(Get("/ui/").head, HasSubstr("Location: ../ui\r\n"));
 }
 
 TEST_F(HttpRoutes, OpenApiDescribesExactlyTheRoutesThereAre) {

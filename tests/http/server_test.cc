@@ -136,6 +136,21 @@ TEST_F(HttpServer, AnswersPreflightRequests) {
   EXPECT_THAT(reply.head, HasSubstr("Access-Control-Allow-Origin: *"));
 }
 
+// Proxies want Authorization, tunnels want headers of their own.
+TEST_F(HttpServer, APageMaySendAnyHeader) {
+  const auto allowed = [](const std::string& wanted) {
+    return Send(
+               "OPTIONS /v1/localize HTTP/1.1\r\nHost: h\r\nConnection: close\r\n"
+               "Access-Control-Request-Headers: " +
+               wanted + "\r\n\r\n")
+        .head;
+  };
+  for (const char* wanted : {"authorization", "content-type,ngrok-skip-browser-warning"}) {
+    EXPECT_THAT(allowed(wanted), HasSubstr(std::string("Access-Control-Allow-Headers: ") + wanted));
+  }
+  EXPECT_THAT(allowed("a: b\""), HasSubstr("Access-Control-Allow-Headers: Accept, "));
+}
+
 TEST_F(HttpServer, HeadHasTheLengthButNoBody) {
   const Reply reply = Send(Line("HEAD /livez HTTP/1.1"));
   EXPECT_EQ(reply.status, 200);
@@ -153,8 +168,11 @@ TEST_F(HttpServer, KeepsAConnectionForManyRequests) {
   testing::RawSocket socket(port());
   for (int i = 0; i < 20; ++i) {
     socket.Send("GET /livez HTTP/1.1\r\nHost: h\r\n\r\n");
-    EXPECT_EQ(Split(socket.ReadResponse()).status, 200);
+    const Reply reply = Split(socket.ReadResponse());
+    EXPECT_EQ(reply.status, 200);
+    EXPECT_THAT(reply.head, HasSubstr("Keep-Alive: timeout=75"));
   }
+  EXPECT_THAT(Get("/livez").head, ::testing::Not(HasSubstr("Keep-Alive")));
 }
 
 TEST_F(HttpServer, AnswersPipelinedRequestsInOrder) {
@@ -302,6 +320,7 @@ TEST(ServerOptions, ValidateNamesTheField) {
       {"port", [](ServerOptions* o) { o->port = 70000; }},
       {"admin_port", [](ServerOptions* o) { o->admin_port = o->port; }},
       {"num_threads", [](ServerOptions* o) { o->num_threads = -1; }},
+      {"keep_alive_s", [](ServerOptions* o) { o->keep_alive_s = 0; }},
       {"cache_bytes", [](ServerOptions* o) { o->cache_bytes = 0; }},
       {"max_body_bytes", [](ServerOptions* o) { o->max_body_bytes = 10; }},
       {"max_image_pixels", [](ServerOptions* o) { o->max_image_pixels = 0; }},

@@ -49,6 +49,9 @@ class Handler : public RequestHandler {
     if (request.path == "/large") {
       response.body.assign(kLargeBytes, 'x');
     }
+    if (request.path == "/who") {
+      response.body = request.remote_address + " " + std::to_string(request.client);
+    }
     if (request.path == "/hold") {
       std::unique_lock lock(mutex_);
       released_.wait(lock, [this] { return is_released_; });
@@ -189,6 +192,25 @@ TEST_F(ListenerUnderAttack, RequestsThatDoNotArriveInTimeAreToldSo) {
   EXPECT_THAT(Connect(kHalfHead)->ReadAll(), StartsWith("HTTP/1.1 408"));
   EXPECT_THAT(Connect(Post(10))->ReadAll(), StartsWith("HTTP/1.1 408"));
   EXPECT_EQ(Connect("")->ReadAll(), "");
+}
+
+TEST_F(ListenerUnderAttack, FloodsOfEmptyLinesAreEnded) {
+  Start();
+  const Clients attackers = ConnectMany(4, std::string(size_t{16} << 20, '\n'));
+  ExpectServed();
+  for (const auto& attacker : attackers) {
+    EXPECT_FALSE(attacker->IsWaiting());
+  }
+}
+
+TEST_F(ListenerUnderAttack, LargeBodiesArriveWholeInManyPasses) {
+  options_.connection.max_body_bytes = kLargeBytes;
+  options_.connection.max_bytes_a_pass = 1;
+  Start();
+  const Clients clients = ConnectMany(3, Post(kLargeBytes) + std::string(kLargeBytes, 'x'));
+  for (const auto& client : clients) {
+    EXPECT_THAT(client->ReadResponse(), StartsWith("HTTP/1.1 200"));
+  }
 }
 
 TEST_F(ListenerUnderAttack, TheConnectionThatWaitedLongestGivesWayToANewOne) {
@@ -337,6 +359,23 @@ TEST_F(ListenerUnderAttack, StopLetsRunningRequestsFinishAndWaitsForNobodyElse) 
   EXPECT_THAT(response, HasSubstr("Connection: close"));
   EXPECT_THAT(response, EndsWith("fine"));
   stop.join();
+}
+
+TEST_F(ListenerUnderAttack, ATrustedFrontNamesItsClients) {
+  options_.trusted_fronts = ParseTrustedFronts("127.0.0.1");
+  Start();
+  const auto who = [this](const char* source) {
+    const auto client = Connect(
+        "GET /who HTTP/1.1\r\nHost: h\r\nConnection: close\r\n"
+        "X-Forwarded-For: 203.0.113.5\r\nX-Forwarded-For: 192.0.2.7\r\n\r\n",
+        {.source = source});
+    return client->ReadAll();
+  };
+  const auto end_with = [](const char* address) {
+    return EndsWith(std::string(address) + " " + std::to_string(*NetworkOfAddress(address)));
+  };
+  EXPECT_THAT(who("127.0.0.1"), end_with("192.0.2.7"));
+  EXPECT_THAT(who(kOtherClient), end_with(kOtherClient));
 }
 
 TEST_F(ListenerUnderAttack, ARequestThatArrivesInPiecesIsOneRequest) {

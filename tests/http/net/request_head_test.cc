@@ -103,5 +103,10 @@ TEST(RequestHead, RefusesEveryTruncationOfAGoodHead) {
   }
 }
 
+// A front that compares paths may take "/metrics#a" for another path than "/metrics".
+TEST(RequestHead, RefusesFragments) {
+  EXPECT_THROW(ParseRequestHead("GET /metrics#a HTTP/1.1\r\nHost: h\r\n\r\n", 100), HttpError);
+}
+
 }  // namespace
 }  // namespace cairn

@@ -4,11 +4,13 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "core/parallel_for.h"
 #include "http/server_fixture.h"
 #include "http/wire/problem.h"
 
@@ -86,11 +88,51 @@ TEST_F(HttpLocalizeService, LongJsonIsParsedInItsTurnOrNotAtAll) {
   EXPECT_THROW(service.Localize(late, CountAndRefuse, &read), HttpError);  // The turns are free.
 }
 
+TEST_F(HttpLocalizeService, TooManyWaitingRequestsAreRefused) {
+  ServerOptions options = Options();
+  options.max_waiting = 1;
+  LocalizeService service(options);
+  std::vector<std::unique_ptr<FairGate::Turn>> turns;
+  for (int i = 0; i < NumCores(); ++i) {
+    turns.push_back(service.WaitForTurn(Request("")));
+  }
+  std::thread waiting([&] { service.WaitForTurn(Request("")); });
+  while (service.num_waiting() == 0) {
+    std::this_thread::yield();
+  }
+  LocalizeRequest read;
+  for (const bool is_query : {true, false}) {
+    try {
+      if (is_query) {
+        service.Localize(Request(LongBody("{}")), CountAndRefuse, &read);
+      } else {
+        service.WaitForTurn(Request(""));
+      }
+      ADD_FAILURE() << "not refused";
+    } catch (const HttpError& e) {
+      EXPECT_EQ(e.problem(), ProblemCode::kUnavailable);
+    }
+  }
+  turns.clear();
+  waiting.join();
+}
+
 // A request with a gray picture of 8 x 8 pixels.
 constexpr char kWithImage[] =
     R"({"camera":{"model":"SIMPLE_PINHOLE","size":[8,8],"modelParams":[8,4,4]},
         "image":{"format":"GRAY8","data":"AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA=="},
         "options":{"timeoutMs":1000}})";
+
+TEST_F(HttpLocalizeService, TheOperatorLimitsTheTimeOfAQuery) {
+  ServerOptions options = Options();
+  options.max_timeout_ms = 500;
+  LocalizeService service(options);
+  LocalizeRequest read;
+  HttpRequest request = Request(kWithImage);  // Asks for 1,000 ms.
+  request.arrival -= std::chrono::milliseconds(501);
+  EXPECT_EQ(service.Localize(request, ParseLocalizeRequest, &read).result.reason,
+            NotLocalizedReason::kTimeout);
+}
 
 TEST_F(HttpLocalizeService, ImagesAreNotDecodedAfterTheDeadline) {
   LocalizeService service(Options());

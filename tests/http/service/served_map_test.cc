@@ -3,8 +3,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/mount.h>
 
 #include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -222,6 +227,43 @@ TEST_F(ServerOfReplacedMaps, QueriesAreAnsweredFromOneMapOrTheOther) {
     asker.join();
   }
   EXPECT_GE(num_localized, 24);
+}
+
+// A map that is mounted without its folder, as container engines do with a single file.
+class MountedMap : public ServedMapFiles {
+ protected:
+  void SetUp() override {
+    std::ofstream(mounted_path_).put('\n');
+    if (unshare(CLONE_NEWNS) != 0 ||
+        mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0 ||
+        mount(path_.c_str(), mounted_path_.c_str(), nullptr, MS_BIND, nullptr) != 0) {
+      GTEST_SKIP() << "this process may not mount files: " << std::strerror(errno);
+    }
+  }
+  void TearDown() override { umount2(mounted_path_.c_str(), MNT_DETACH); }
+
+  const std::string mounted_path_ = dir_.File("mounted.gpkg");
+};
+
+TEST_F(MountedMap, ServerSaysThatUpdatesMayBeInvisible) {
+  ServedMaps maps({.path = mounted_path_});
+  EXPECT_THAT(maps.Problem(), HasSubstr("without its folder"));
+  maps.Refresh();
+  EXPECT_THAT(maps.Problem(), HasSubstr("without its folder"));
+}
+
+TEST_F(MountedMap, WhatWritersPutIntoTheFileIsServed) {
+  ServedMaps maps({.path = mounted_path_});
+  EXPECT_EQ(Sessions(*maps.Current()), "monday ");
+  {
+    MapStore writer = MapStore::Open(path_, OpenMode::kReadWrite);
+    AddSession("tuesday", &writer);
+  }
+  // The clock of files has a coarse tick.
+  fs::last_write_time(path_, fs::last_write_time(path_) + std::chrono::seconds(1));
+  maps.Refresh();
+  EXPECT_EQ(Sessions(*maps.Current()), "monday tuesday ");
+  ExpectSound(*maps.Current());
 }
 
 }  // namespace

@@ -1,0 +1,19 @@
+// Compression of response bodies.
+#ifndef CAIRN_HTTP_NET_GZIP_H_
+#define CAIRN_HTTP_NET_GZIP_H_
+
+#include <string>
+#include <string_view>
+
+namespace cairn {
+
+// True if an Accept-Encoding (RFC 9110 section 12.5.3) allows gzip.
+bool AcceptsGzip(std::string_view accept_encoding);
+
+// Returns the bytes in the format of gzip (RFC 1952). Uses zlib's fastest level: a list of tiles
+// shrinks to a tenth, and the next levels take several times as long for a few percent.
+std::string Gzip(std::string_view bytes);
+
+}  // namespace cairn
+
+#endif  // CAIRN_HTTP_NET_GZIP_H_
