@@ -11,7 +11,8 @@
 
 namespace cairn {
 
-// Tries several focal lengths (FocalSearch), voting and estimating poses with each. Returns the
+// Tries several focal lengths (FocalSearch), voting and estimating poses with each. If no pose is
+// good, tries them again with the stage `refinement`, as a known camera would be. Returns the
 // query's context with the camera of the best pose. `stated` is the context with the camera that
 // the query states.
 QueryContext FindCamera(const QueryContext& stated, const LocalizeQuery& query,
