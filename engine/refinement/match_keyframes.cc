@@ -24,18 +24,27 @@ std::vector<Correspondence> InliersOf(const PoseHypothesis& pose) {
   return inliers;
 }
 
-std::vector<KeyframeRef> KeyframesToMatch(const QueryContext& query,
-                                          const std::vector<TileView>& tiles,
-                                          const std::vector<Correspondence>& matches,
-                                          const PoseHypotheses& hypotheses,
-                                          const RefinementOptions& options) {
-  std::vector<KeyframeRef> keyframes;
+// Returns the neighborhoods to match, most promising first. A keyframe that an earlier neighborhood
+// holds has no neighborhood of its own: the query would mostly be matched against the same
+// landmarks again. On a small map, where every keyframe is a neighbor of most others, that saves
+// most of the work.
+std::vector<std::vector<KeyframeRef>> NeighborhoodsToMatch(
+    const QueryContext& query, const std::vector<TileView>& tiles,
+    const std::vector<Correspondence>& matches, const PoseHypotheses& hypotheses,
+    const RefinementOptions& options) {
+  std::vector<std::vector<KeyframeRef>> neighborhoods;
+  const auto is_held = [&](const KeyframeRef& keyframe) {
+    return std::any_of(neighborhoods.begin(), neighborhoods.end(), [&](const auto& held) {
+      return std::find(held.begin(), held.end(), keyframe) != held.end();
+    });
+  };
   const auto add_first = [&](const std::vector<Correspondence>& correspondences, int count) {
     RefinementOptions ranking = options;
     ranking.max_keyframes = count;
     for (const RankedKeyframe& ranked : RankKeyframes(query, tiles, correspondences, ranking)) {
-      if (std::find(keyframes.begin(), keyframes.end(), ranked.keyframe) == keyframes.end()) {
-        keyframes.push_back(ranked.keyframe);
+      if (!is_held(ranked.keyframe)) {
+        neighborhoods.push_back(
+            KeyframeNeighborhood(tiles, ranked.keyframe, options.neighbors_per_keyframe));
       }
     }
   };
@@ -43,7 +52,7 @@ std::vector<KeyframeRef> KeyframesToMatch(const QueryContext& query,
     add_first(InliersOf(*pose), 1);
   }
   add_first(matches, options.max_keyframes);
-  return keyframes;
+  return neighborhoods;
 }
 
 }  // namespace
@@ -65,20 +74,18 @@ void MatchKeyframes(const QueryContext& query, const std::vector<TileView>& tile
                     const MatchingOptions& matching, const PoseOptions& pose, uint64_t seed,
                     const QueryBudget& budget, PoseHypotheses* hypotheses,
                     StageCounters* counters) {
-  const std::vector<KeyframeRef> keyframes =
-      KeyframesToMatch(query, tiles, matches, *hypotheses, options);
-  std::vector<int64_t> num_rematches(keyframes.size(), 0);
+  const std::vector<std::vector<KeyframeRef>> neighborhoods =
+      NeighborhoodsToMatch(query, tiles, matches, *hypotheses, options);
+  std::vector<int64_t> num_rematches(neighborhoods.size(), 0);
   const auto attempt = [&](int i, double min_consensus) -> PoseAttempt {
-    const auto rematches =
-        std::make_shared<const std::vector<Correspondence>>(MatchAgainstKeyframes(
-            query, tiles, KeyframeNeighborhood(tiles, keyframes[i], options.neighbors_per_keyframe),
-            kRelaxedDistanceQuantile, matching));
+    const auto rematches = std::make_shared<const std::vector<Correspondence>>(
+        MatchAgainstKeyframes(query, tiles, neighborhoods[i], kRelaxedDistanceQuantile, matching));
     num_rematches[i] = static_cast<int64_t>(rematches->size());
     std::vector<int> all(rematches->size());
     std::iota(all.begin(), all.end(), 0);
     return {rematches, EstimatePose(query, *rematches, all, pose, seed, min_consensus)};
   };
-  const auto num_keyframes = static_cast<int>(keyframes.size());
+  const auto num_keyframes = static_cast<int>(neighborhoods.size());
   const int num_tried = hypotheses->TryInRounds(num_keyframes, query.down_in_cam.has_value(),
                                                 budget, attempt, counters);
   counters->num_refined_keyframes += num_tried;

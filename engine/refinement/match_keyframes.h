@@ -17,8 +17,9 @@ namespace cairn {
 bool NeedsRefinement(const PoseHypotheses& hypotheses, const RefinementOptions& options);
 
 // Matches the query against two kinds of keyframes, each with its neighbors: those that saw most
-// of what the best poses explain, and those with the most matches. Estimates a pose from each and
-// adds the poses to `hypotheses`.
+// of what the best poses explain, and those with the most matches. A keyframe that was matched as a
+// neighbor of an earlier one is left out. Estimates a pose from each and adds the poses to
+// `hypotheses`.
 void MatchKeyframes(const QueryContext& query, const std::vector<TileView>& tiles,
                     const std::vector<Correspondence>& matches, const RefinementOptions& options,
                     const MatchingOptions& matching, const PoseOptions& pose, uint64_t seed,
