@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/check.h"
+#include "engine/answer/view_recall.h"
 #include "engine/pose/evidence/evidence.h"
 #include "engine/prior/pose_share.h"
 #include "engine/query/build_query_context.h"
@@ -30,7 +31,7 @@ Contender MakeContender(const QueryContext& query, const PoseHypothesis& hypothe
   const Eigen::Vector3d center_in_anchor =
       hypothesis.estimate.cam_from_anchor.Inverse().translation;
   return {&hypothesis, hypothesis.estimate.evidence +
-                           LogPoseShare(query.region, center_in_anchor, hypothesis.used_gravity)};
+                           LogPoseShare(query.region, center_in_anchor, hypothesis.estimate)};
 }
 
 // Returns the probability that each keypoint's match is right if the pose is right.
@@ -135,7 +136,7 @@ void FillMatches(const QueryContext& query, const std::vector<TileView>& tiles,
 }
 
 void FillPose(const QueryContext& query, const Contender& winner,
-              const ScoreCalibration& calibration, LocalizeResult* result) {
+              const ScoreCalibration& calibration, double view_recall, LocalizeResult* result) {
   const PoseEstimate& estimate = winner.hypothesis->estimate;
   result->localized = true;
   result->anchor = query.region.origin;
@@ -148,7 +149,8 @@ void FillPose(const QueryContext& query, const Contender& winner,
   result->position_accuracy_m =
       calibration.PositionAccuracyM(Radius68(estimate.covariance.bottomRightCorner<3, 3>()));
   result->score = winner.score;
-  result->confidence = calibration.Confidence(winner.score, result->position_accuracy_m);
+  result->confidence = RecallConfidence(view_recall) *
+                       calibration.Confidence(winner.score, result->position_accuracy_m);
   result->false_alarm_rate = calibration.FalseAlarmRate(winner.score);
   result->prior_disagrees =
       DisagreesWithPrior(query.region, estimate.cam_from_anchor.Inverse().translation);
@@ -162,8 +164,8 @@ NotLocalizedReason ReasonOfWeakness(const QueryContext& query, const Contender& 
   const bool the_prior_decides =
       DisagreesWithPrior(query.region,
                          best.hypothesis->estimate.cam_from_anchor.Inverse().translation) &&
-      best.hypothesis->estimate.evidence + LogPoseShare(query.region, PriorCenter(query.region),
-                                                        best.hypothesis->used_gravity) >=
+      best.hypothesis->estimate.evidence +
+              LogPoseShare(query.region, PriorCenter(query.region), best.hypothesis->estimate) >=
           options.min_score;
   return the_prior_decides ? NotLocalizedReason::kPriorMismatch
                            : NotLocalizedReason::kTooFewInliers;
@@ -196,7 +198,10 @@ void ConcludeAnswer(const QueryContext& query, const std::vector<TileView>& tile
     return;
   }
   result->reason = NotLocalizedReason::kNone;
-  FillPose(query, answer, options.calibration, result);
+  FillPose(
+      query, answer, options.calibration,
+      ViewRecall(query, tiles, refined.camera ? refined.camera->camera : query.camera, refined),
+      result);
   result->camera = refined.camera;
   FillMatches(refined.camera ? WithCamera(query, refined.camera->camera) : query, tiles, refined,
               result);

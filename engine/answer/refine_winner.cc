@@ -65,6 +65,7 @@ PoseHypothesis RefinedWithCamera(const QueryContext& query, const LocalizeQuery&
                    /*keep_if_possible=*/!stated.focal, options);
   winner.estimate = std::move(refined.estimate);
   if (refined.camera) {
+    winner.estimate.log_camera_share = LogCameraShare(prior, *refined.camera);
     winner.camera = MakeCameraEstimate(prior, *refined.camera);
   }
   return winner;

@@ -39,6 +39,15 @@ std::optional<double> FocalSearch::Next() {
 
 void FocalSearch::Report(double score) { scores_[current_] = score; }
 
+double LogCameraShare(const CameraPrior& prior, const RefinedCamera& refined) {
+  constexpr double kFreedom = 3.0;
+  const double deviation =
+      std::log(refined.camera.focal_px() / prior.camera.focal_px()) / prior.focal.log_sigma;
+  const double log_width = std::log(refined.focal_log_sigma / prior.focal.log_sigma);
+  return std::min(0.0, log_width) -
+         0.5 * (kFreedom + 1.0) * std::log1p(deviation * deviation / kFreedom);
+}
+
 CameraEstimate MakeCameraEstimate(const CameraPrior& prior, const RefinedCamera& refined) {
   CameraEstimate estimate;
   estimate.camera = refined.camera;

@@ -44,6 +44,13 @@ class FocalSearch {
   int current_ = 0;
 };
 
+// Returns the logarithm of the share of the prior's focal lengths that the refined camera stands
+// for: the prior's density at its focal length times the width that the inliers leave, as
+// LogPoseShare does for poses. The logarithm of the focal length follows a Student distribution
+// with three degrees of freedom, because stated focal lengths are sometimes grossly wrong. At most
+// 0.
+double LogCameraShare(const CameraPrior& prior, const RefinedCamera& refined);
+
 CameraEstimate MakeCameraEstimate(const CameraPrior& prior, const RefinedCamera& refined);
 
 }  // namespace cairn

@@ -1,8 +1,13 @@
 #include "engine/pose/estimate_pose.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
+#include "core/angles.h"
+#include "core/frames.h"
 #include "engine/pose/evidence/evidence.h"
 #include "engine/pose/least_squares/refine_pose.h"
 #include "engine/pose/pose_ransac_problem.h"
@@ -103,14 +108,35 @@ RefinePoseOptions RefinementOf(const PoseOptions& options) {
   return refine_options;
 }
 
+// Returns the logarithm of the volume of a Gaussian, sqrt(det(2 pi covariance)).
+double LogVolume(const Eigen::Matrix<double, 6, 6>& covariance) {
+  const Eigen::Matrix<double, 6, 1> pivots =
+      (2.0 * kPi * covariance).ldlt().vectorD().cwiseMax(std::numeric_limits<double>::min());
+  return 0.5 * pivots.array().log().sum();
+}
+
+// Returns the logarithm of the density of tilts at a pose. The measured gravity may be grossly
+// wrong, so the density is nowhere lower than without a measurement.
+double LogTiltDensity(const std::optional<GravityPrior>& gravity, const Rigid3d& cam_from_anchor) {
+  if (!gravity) {
+    return 0.0;
+  }
+  const double sq_sigma = gravity->sigma_rad * gravity->sigma_rad;
+  const Eigen::Vector3d down_in_cam = cam_from_anchor.rotation * DownInEnu();
+  const double sq_sine = down_in_cam.cross(gravity->down_in_cam).squaredNorm();
+  return std::max(0.0, -std::log(2.0 * kPi * sq_sigma) - 0.5 * sq_sine / sq_sigma);
+}
+
 // Fills the estimate for a pose that was refined on `refined_on`, which are some of its inliers.
 void FillEstimate(const QueryContext& query, const std::vector<Correspondence>& correspondences,
                   const std::vector<PoseObservation>& refined_on, const Rigid3d& cam_from_anchor,
                   InlierSet inliers, const PoseOptions& options, PoseEstimate* estimate) {
   estimate->cam_from_anchor = cam_from_anchor;
-  estimate->covariance =
-      PoseCovariance(query.camera, refined_on, MakeGravityPrior(query, options), cam_from_anchor,
-                     RefinementOf(options), query.other_cameras);
+  const std::optional<GravityPrior> gravity = MakeGravityPrior(query, options);
+  estimate->covariance = PoseCovariance(query.camera, refined_on, gravity, cam_from_anchor,
+                                        RefinementOf(options), query.other_cameras);
+  estimate->log_volume = LogVolume(estimate->covariance);
+  estimate->log_tilt_density = LogTiltDensity(gravity, cam_from_anchor);
   estimate->mean_sq_error_px =
       inliers.sum_sq_error_px / static_cast<double>(inliers.indices.size());
   PoseEvidence evidence = WeighEvidence(query, correspondences, inliers.indices, cam_from_anchor);

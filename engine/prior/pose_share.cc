@@ -30,10 +30,11 @@ double LogPositionDensity(const SearchRegion& region, const Eigen::Vector3d& cen
 }  // namespace
 
 double LogPoseShare(const SearchRegion& region, const Eigen::Vector3d& center_in_anchor,
-                    bool used_gravity) {
-  constexpr double kNumHeights = 5.0, kNumHeadings = 180.0, kNumTilts = 30.0 * 30.0;
-  return LogPositionDensity(region, center_in_anchor) - std::log(kNumHeights * kNumHeadings) -
-         (used_gravity ? 0.0 : std::log(kNumTilts));
+                    const PoseEstimate& estimate) {
+  constexpr double kHeightsM = 5.0, kHeadingsRad = 2.0 * kPi;
+  const double log_density = LogPositionDensity(region, center_in_anchor) -
+                             std::log(kHeightsM * kHeadingsRad) + estimate.log_tilt_density;
+  return std::min(0.0, log_density + estimate.log_volume) + estimate.log_camera_share;
 }
 
 Eigen::Vector3d PriorCenter(const SearchRegion& region) {

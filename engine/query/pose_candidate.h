@@ -27,6 +27,16 @@ struct PoseEstimate {
   double mean_sq_error_px = 0.0;            // Over the inliers.
   // As LocalizeResult::covariance.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  // Logarithm of the volume of poses that explain the inliers about as well: that of a Gaussian
+  // with the covariance of the pose under the query's camera, sqrt(det(2 pi covariance)), rad^3
+  // m^3.
+  double log_volume = 0.0;
+  // Logarithm of the density of tilts that the query's gravity gives at the pose, per rad^2; 0 (a
+  // range of one radian about each axis) without gravity.
+  double log_tilt_density = 0.0;
+  // Logarithm of the share of the camera's prior that explains the inliers about as well; 0 if the
+  // camera was not estimated.
+  double log_camera_share = 0.0;
   int num_iterations = 0;  // Of RANSAC.
 };
 

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "engine/answer/view_recall.h"
 #include "engine/prior/pose_share.h"
 #include "support/tile_builder.h"
 
@@ -18,6 +19,7 @@ PoseHypothesis HypothesisAt(const Eigen::Vector3d& center_in_anchor, double evid
   PoseHypothesis hypothesis;
   hypothesis.estimate.cam_from_anchor = {Eigen::Quaterniond::Identity(), -center_in_anchor};
   hypothesis.estimate.evidence = evidence;
+  hypothesis.estimate.log_volume = -10.0;
   hypothesis.estimate.covariance = Eigen::Matrix<double, 6, 6>::Identity() * 0.01;
   hypothesis.correspondences = std::make_shared<const std::vector<Correspondence>>();
   return hypothesis;
@@ -37,7 +39,8 @@ SearchRegion SomeRegion() {
 }
 
 double ScoreOf(const Eigen::Vector3d& center_in_anchor, double evidence) {
-  return evidence + LogPoseShare(SomeRegion(), center_in_anchor, false);
+  return evidence +
+         LogPoseShare(SomeRegion(), center_in_anchor, HypothesisAt(center_in_anchor, 0.0).estimate);
 }
 
 LocalizeResult Conclude(
@@ -125,7 +128,8 @@ double WinningEvidence(const PoseHypothesis& a, const PoseHypothesis& b,
   ConcludeAnswer(query, tiles, {a, b}, options, AsItIs, &result);
   EXPECT_EQ(result.localized, result.reason != NotLocalizedReason::kAmbiguous);
   return result.localized
-             ? std::round(result.score - LogPoseShare(query.region, Eigen::Vector3d::Zero(), false))
+             ? std::round(result.score -
+                          LogPoseShare(query.region, Eigen::Vector3d::Zero(), a.estimate))
              : 0.0;
 }
 
@@ -188,7 +192,8 @@ TEST(ConcludeAnswer, ScalesTheAccuraciesAsCalibrated) {
   EXPECT_NEAR(result.position_accuracy_m, std::hypot(3.0 * predicted, 0.25), 1e-9);
   EXPECT_NEAR(result.rotation_accuracy_rad, 2.0 * predicted, 1e-9);
   EXPECT_DOUBLE_EQ(result.confidence,
-                   options.calibration.Confidence(result.score, result.position_accuracy_m));
+                   RecallConfidence(1.0) *
+                       options.calibration.Confidence(result.score, result.position_accuracy_m));
   EXPECT_DOUBLE_EQ(result.false_alarm_rate, options.calibration.FalseAlarmRate(result.score));
 }
 

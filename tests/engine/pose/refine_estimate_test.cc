@@ -2,8 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <cmath>
 #include <vector>
 
+#include "core/angles.h"
 #include "engine/pose/estimate_pose.h"
 #include "engine/pose/evidence/evidence.h"
 #include "engine/pose/scene_estimate.h"
@@ -36,6 +40,28 @@ TEST(RefineEstimate, TakesTheInliersAmongOtherMatches) {
   EXPECT_LT(refined->covariance.trace(), of_few->covariance.trace());
   EXPECT_EQ(refined->consensus, of_few->consensus);
   EXPECT_EQ(refined->num_iterations, of_few->num_iterations);
+}
+
+// The volume counts the poses that the inliers cannot tell apart, and gravity those that it leaves.
+TEST(RefineEstimate, MeasuresThePosesThatFitAsWell) {
+  PoseSceneOptions options;
+  options.num_inliers = 80;
+  PoseScene scene = MakePoseScene(options);
+  const auto estimate = Estimate(scene);
+  ASSERT_TRUE(estimate);
+  EXPECT_NEAR(estimate->log_volume,
+              0.5 * std::log((2.0 * kPi * estimate->covariance).determinant()), 1e-6);
+  ASSERT_TRUE(scene.query.down_in_cam);
+  const double sigma_rad = PoseOptions().gravity_sigma_rad;
+  const double at_best = -std::log(2.0 * kPi * sigma_rad * sigma_rad);
+  EXPECT_LE(estimate->log_tilt_density, at_best);
+  EXPECT_GT(estimate->log_tilt_density, at_best - 5.0);
+  // Gravity that is far off says nothing.
+  const Eigen::AngleAxisd turn(0.5, scene.query.down_in_cam->unitOrthogonal());
+  scene.query.down_in_cam = turn * *scene.query.down_in_cam;
+  const auto refined = RefineEstimate(scene.query, scene.correspondences, *estimate, PoseOptions());
+  ASSERT_TRUE(refined);
+  EXPECT_EQ(refined->log_tilt_density, 0.0);
 }
 
 TEST(RefineEstimate, NothingFromMatchesThatDisagree) {

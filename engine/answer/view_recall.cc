@@ -1,0 +1,133 @@
+#include "engine/answer/view_recall.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <unordered_map>
+
+namespace cairn {
+namespace {
+
+struct NearKeyframe {
+  double sq_distance = 0.0;
+  int tile_idx = 0;
+  uint32_t keyframe_idx = 0;
+};
+
+// Returns the keyframes nearest to the pose among those that look about the same way, nearest
+// first.
+std::vector<NearKeyframe> NearKeyframes(const std::vector<TileView>& tiles,
+                                        const Rigid3d& anchor_from_cam) {
+  constexpr size_t kMaxKeyframes = 5;
+  constexpr double kMinCosine = 0.5;  // 60 degrees between the viewing directions.
+  std::vector<NearKeyframe> near;
+  for (int t = 0; t < static_cast<int>(tiles.size()); ++t) {
+    const Rigid3d tile_from_cam = tiles[t].anchor_from_tile.Inverse() * anchor_from_cam;
+    const Eigen::Vector3d view_in_tile = tile_from_cam.rotation * Eigen::Vector3d::UnitZ();
+    const auto keyframes = tiles[t].tile->covisibility().keyframes;
+    for (uint32_t k = 0; k < keyframes.size(); ++k) {
+      const Rigid3d& cam_from_tile = keyframes[k].cam_from_tile;
+      if ((cam_from_tile.rotation * view_in_tile).z() > kMinCosine) {
+        near.push_back({(cam_from_tile * tile_from_cam.translation).squaredNorm(), t, k});
+      }
+    }
+  }
+  const size_t count = std::min(near.size(), kMaxKeyframes);
+  std::partial_sort(
+      near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count), near.end(),
+      [](const NearKeyframe& a, const NearKeyframe& b) { return a.sq_distance < b.sq_distance; });
+  near.resize(count);
+  return near;
+}
+
+// Returns how well a landmark is expected to match that is seen along `from_query` and was mapped
+// along `from_keyframe`, both in one frame: 1 from the same place, falling with the change of scale
+// and direction as matches of SIFT do.
+double ExpectedMatch(const Eigen::Vector3d& from_query, const Eigen::Vector3d& from_keyframe) {
+  constexpr double kLogScale = 0.4;   // A factor of 1.5.
+  constexpr double kAngleRad = 0.44;  // 25 degrees.
+  const double log_ratio = std::log(from_query.norm() / from_keyframe.norm()) / kLogScale;
+  const double angle =
+      std::atan2(from_query.cross(from_keyframe).norm(), from_query.dot(from_keyframe)) / kAngleRad;
+  return std::exp(-0.5 * (log_ratio * log_ratio + angle * angle));
+}
+
+// The probability that the match of each landmark among the inliers is right.
+std::unordered_map<uint64_t, double> RightByLandmark(const std::vector<TileView>& tiles,
+                                                     const PoseHypothesis& hypothesis) {
+  std::unordered_map<uint64_t, double> right;
+  const PoseEstimate& estimate = hypothesis.estimate;
+  for (size_t i = 0; i < estimate.inliers.size(); ++i) {
+    const Correspondence& match = (*hypothesis.correspondences)[estimate.inliers[i]];
+    double& probability =
+        right[Value(tiles[match.tile_idx].tile->landmarks().landmark_ids[match.landmark_idx])];
+    probability = std::max(probability, estimate.right_probabilities[i]);
+  }
+  return right;
+}
+
+// Tells whether a point is in view of any camera of the query.
+class View {
+ public:
+  View(const QueryContext& query, const Camera& camera, const Rigid3d& cam_from_anchor) {
+    for (int i = 0; i < query.num_cameras(); ++i) {
+      cameras_.push_back(
+          {i == 0 ? camera : query.CameraAt(i), query.OwnFromFirst(i) * cam_from_anchor});
+    }
+  }
+  bool Contains(const Eigen::Vector3d& x_in_anchor) const {
+    return std::any_of(cameras_.begin(), cameras_.end(), [&](const Posed& posed) {
+      const auto pixel = posed.camera.Project(posed.own_from_anchor * x_in_anchor);
+      return pixel && posed.camera.Contains(*pixel);
+    });
+  }
+
+ private:
+  struct Posed {
+    Camera camera;
+    Rigid3d own_from_anchor;
+  };
+  std::vector<Posed> cameras_;
+};
+
+}  // namespace
+
+double RecallConfidence(double view_recall) {
+  constexpr double kHalfRecall = 0.028, kSlope = 6.0;
+  return 1.0 / (1.0 + std::pow(kHalfRecall / view_recall, kSlope));
+}
+
+double ViewRecall(const QueryContext& query, const std::vector<TileView>& tiles,
+                  const Camera& camera, const PoseHypothesis& hypothesis) {
+  const Rigid3d& cam_from_anchor = hypothesis.estimate.cam_from_anchor;
+  const Rigid3d anchor_from_cam = cam_from_anchor.Inverse();
+  const View view(query, camera, cam_from_anchor);
+  const std::unordered_map<uint64_t, double> right = RightByLandmark(tiles, hypothesis);
+  const auto num_keypoints = static_cast<double>(query.num_keypoints());
+  double num_expected = 0.0, num_found = 0.0;  // Sums over the keyframes.
+  for (const NearKeyframe& near : NearKeyframes(tiles, anchor_from_cam)) {
+    const TileView& tile_view = tiles[near.tile_idx];
+    const TileCovisibility& covisibility = tile_view.tile->covisibility();
+    const TileLandmarks& landmarks = tile_view.tile->landmarks();
+    const Eigen::Vector3d keyframe_center =
+        (tile_view.anchor_from_tile *
+         covisibility.keyframes[near.keyframe_idx].cam_from_tile.Inverse())
+            .translation;
+    double in_view = 0.0;
+    for (const uint32_t landmark_idx : covisibility.LandmarksOfKeyframe(near.keyframe_idx)) {
+      const Eigen::Vector3d x_in_anchor =
+          tile_view.anchor_from_tile * landmarks.x_in_tile[landmark_idx].cast<double>();
+      if (view.Contains(x_in_anchor)) {
+        in_view +=
+            ExpectedMatch(x_in_anchor - anchor_from_cam.translation, x_in_anchor - keyframe_center);
+        const auto found = right.find(Value(landmarks.landmark_ids[landmark_idx]));
+        num_found += found == right.end() ? 0.0 : found->second;
+      }
+    }
+    // A smooth minimum of the landmarks in view and the keypoints that may show them.
+    num_expected += in_view * num_keypoints / std::max(1.0, in_view + num_keypoints);
+  }
+  return std::min(1.0, (num_found + 1.0) / (num_expected + 1.0));
+}
+
+}  // namespace cairn
