@@ -140,7 +140,7 @@ std::string ReportAsJson(const EvalReport& report) {
 std::string ReportAsCsv(const EvalReport& report) {
   std::string text =
       "name,localized,reason,position_error_m,rotation_error_deg,score,confidence,num_inliers,"
-      "position_accuracy_m,prior_disagrees,focal_px,focal_disagrees";
+      "position_accuracy_m,prior_disagrees,focal_px,focal_disagrees,false_alarm_rate";
   for (int stage = 0; stage < kNumStages; ++stage) {
     text += fmt::format(",{}_ms", StageName(static_cast<Stage>(stage)));
   }
@@ -148,14 +148,15 @@ std::string ReportAsCsv(const EvalReport& report) {
   for (const EvalAnswer& answer : report.answers) {
     const LocalizeResult& result = answer.result;
     text += fmt::format(
-        "{},{},{},{},{},{},{},{},{},{},{},{}", CsvText(answer.name), result.localized ? 1 : 0,
+        "{},{},{},{},{},{},{},{},{},{},{},{},{}", CsvText(answer.name), result.localized ? 1 : 0,
         result.localized ? "" : NotLocalizedReasonName(result.reason),
         CsvNumber(answer.position_error_m), CsvNumber(kDegPerRad * answer.rotation_error_rad),
         CsvNumber(result.score), CsvNumber(result.confidence), result.matches.size(),
         result.localized ? CsvNumber(result.position_accuracy_m) : "",
         result.localized ? (result.prior_disagrees ? "1" : "0") : "",
         result.camera ? CsvNumber(result.camera->camera.focal_px()) : "",
-        result.camera ? (result.camera->focal_disagrees ? "1" : "0") : "");
+        result.camera ? (result.camera->focal_disagrees ? "1" : "0") : "",
+        result.localized ? CsvNumber(result.false_alarm_rate) : "");
     for (const double seconds : result.times.seconds) {
       text += "," + CsvNumber(kMsFromSeconds * seconds);
     }
