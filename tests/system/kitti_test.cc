@@ -90,5 +90,27 @@ TEST_F(KittiDrive, ServerAnswersPhotosAsTheLibraryDoes) {
   }
 }
 
+// A map of ten frames knows a part of the street. Its facades repeat every 27 m, so frames of the
+// unmapped part find a copy of their place.
+TEST(KittiPart, DoubtsAnswersFromAFacadeThatRepeats) {
+  CAIRN_SKIP_WITHOUT_DATA("kitti_vo_2x51");
+  RealDriveInput input = KittiInput();
+  input.is_query = [](const std::string& name) {
+    return std::stoi(name) >= 10 && std::stoi(name) % 2 == 0;
+  };
+  input.is_left_out = [](const std::string& name) {
+    return std::stoi(name) >= 10 && std::stoi(name) % 2 == 1;
+  };
+  const EvalReport report = RealDrive(input).Run(QueryRoute::kInProcessFeatures);
+  int num_sure_and_right = 0;
+  for (const EvalAnswer& answer : report.answers) {
+    if (answer.result.localized && answer.result.confidence > 0.8) {
+      EXPECT_LT(answer.position_error_m, 3.0) << answer.name << ' ' << answer.result.confidence;
+      ++num_sure_and_right;
+    }
+  }
+  EXPECT_GE(num_sure_and_right, 4);
+}
+
 }  // namespace
 }  // namespace cairn::testing

@@ -21,11 +21,13 @@ std::vector<uint8_t> ReadFile(const std::string& path) {
 }
 
 // Splits the model's image names into those that make the map and those that query it.
-std::pair<std::vector<std::string>, std::vector<std::string>> Split(
-    const Reconstruction& full, const std::function<bool(const std::string&)>& is_query) {
+std::pair<std::vector<std::string>, std::vector<std::string>> Split(const Reconstruction& full,
+                                                                    const RealDriveInput& input) {
   std::pair<std::vector<std::string>, std::vector<std::string>> names;
   for (const ReconImage& image : full.images) {
-    (is_query(image.name) ? names.second : names.first).push_back(image.name);
+    if (!input.is_left_out || !input.is_left_out(image.name)) {
+      (input.is_query(image.name) ? names.second : names.first).push_back(image.name);
+    }
   }
   return names;
 }
@@ -39,7 +41,8 @@ RealDriveInput LundInput() {
           .image_dir = root / "images",
           .positions = [](const Reconstruction& full) { return GpsPositions(full, 5.0); },
           .georegister = {},
-          .is_query = {}};
+          .is_query = {},
+          .is_left_out = {}};
 }
 
 RealDriveInput KittiInput() {
@@ -51,13 +54,27 @@ RealDriveInput KittiInput() {
           .positions = [positions_path](
                            const Reconstruction&) { return ReadCameraPositions(positions_path); },
           .georegister = {},
-          .is_query = {}};
+          .is_query = {},
+          .is_left_out = {}};
+}
+
+RealDriveInput HerzJesusInput() {
+  const std::filesystem::path root = TestDataDir() / "facades_strecha" / "colmap_Herz-Jesus-both";
+  const std::string positions_path = root / "georef.csv";
+  return {.model_dir = root,
+          .database_path = root / "database.db",
+          .image_dir = {},
+          .positions = [positions_path](
+                           const Reconstruction&) { return ReadCameraPositions(positions_path); },
+          .georegister = {},
+          .is_query = {},
+          .is_left_out = {}};
 }
 
 RealDrive::RealDrive(const RealDriveInput& input) {
   ColmapInput colmap{input.model_dir.string(), input.database_path.string(), {}};
   const Reconstruction full = ReadColmap(colmap);
-  const auto [map_names, query_names] = Split(full, input.is_query);
+  const auto [map_names, query_names] = Split(full, input);
 
   colmap.image_names = map_names;
   const Reconstruction mapped = ReadColmap(colmap);

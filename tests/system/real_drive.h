@@ -30,11 +30,14 @@ struct RealDriveInput {
   GeoregisterOptions georegister;
   // Returns true if an image is a query. All other images make the map.
   std::function<bool(const std::string& image_name)> is_query;
+  // Returns true if an image is neither mapped nor asked. Optional.
+  std::function<bool(const std::string& image_name)> is_left_out;
 };
 
 // The files and positions of the real drives. `is_query` is left to the test.
 RealDriveInput LundInput();
 RealDriveInput KittiInput();
+RealDriveInput HerzJesusInput();
 
 // The way in which queries reach the engine.
 enum class QueryRoute {
