@@ -196,9 +196,13 @@ void PrintText(const LocalizeQuery& query, const LocalizeResult& result) {
   }
   PrintPrior(query.prior);
   const StageCounters& counters = result.counters;
-  fmt::print("searched     {} keypoints, {} tiles, {} matches, {} candidates\n",
-             counters.num_keypoints, counters.num_tiles_searched, counters.num_matches,
-             counters.num_candidates);
+  fmt::print("searched     {} keypoints, {} of {} tiles, {} matches, {} candidates\n",
+             counters.num_keypoints, counters.num_tiles_searched, counters.num_tiles_found,
+             counters.num_matches, counters.num_candidates);
+  if (!counters.used_prior) {
+    fmt::print("no prior     {} places of the map that look most like the photo were searched\n",
+               counters.num_places_searched);
+  }
   fmt::print("time         {:.1f} ms:", 1e3 * result.times.total_seconds);
   for (int stage = 0; stage < kNumStages; ++stage) {
     fmt::print(" {} {:.1f}", StageName(static_cast<Stage>(stage)),

@@ -15,6 +15,8 @@
 #include "engine/find_candidates.h"
 #include "engine/focal/focal_search.h"
 #include "engine/matching/match_features.h"
+#include "engine/place_answers.h"
+#include "engine/places/place_catalog.h"
 #include "engine/pose/estimate_candidate_poses.h"
 #include "engine/prior/search_region.h"
 #include "engine/query/build_query_context.h"
@@ -72,16 +74,13 @@ LocalizeResult EmptyResult(const LocalizeQuery& query) {
 }
 
 // Returns nothing if the map is empty.
-std::optional<QueryContext> ResolvePrior(const LocalizeQuery& query, const MapSnapshot& snapshot,
-                                         const PriorOptions& options) {
+std::optional<QueryContext> MakeContext(const LocalizeQuery& query, const MapSnapshot& snapshot,
+                                        const SearchRegion& region) {
   const auto codebook = snapshot.CurrentCodebook();
-  // Map totals take time to compute and are needed only by queries without a prior.
-  const MapInfo map = query.prior ? MapInfo{} : snapshot.Info();
-  if (codebook == nullptr || (!query.prior && !map.bounds)) {
+  if (codebook == nullptr) {
     return std::nullopt;
   }
-  return BuildQueryContext(query, DescriptorCodec(codebook),
-                           ResolveSearchRegion(query, map, options));
+  return BuildQueryContext(query, DescriptorCodec(codebook), region);
 }
 
 bool CameraIsUncertain(const LocalizeQuery& query) {
@@ -176,20 +175,32 @@ struct Localizer::Impl {
   TileFinisher finisher{store.get(), cache.get(), &options.tiles, &options.matching.index,
                         &workers};
 
+  PlaceCatalog catalog{&options.places};
+
   // `pinned`: the version to read; null: the latest.
   LocalizeResult Localize(const LocalizeQuery& query, const MapSnapshot* pinned);
+  // `pinned`: as above. `place`: the region to search; null: that of the query's prior.
+  LocalizeResult LocalizeNear(const LocalizeQuery& query, const MapSnapshot* pinned,
+                              const SearchRegion* place);
+  // Searches the places of the map that look most like the photo.
+  LocalizeResult LocalizeAnywhere(const LocalizeQuery& query, const MapSnapshot& snapshot);
+  // Returns those places, best first.
+  std::vector<RankedPlace> RankPlaces(const LocalizeQuery& query, const MapSnapshot& snapshot,
+                                      const QueryBudget& budget, StageCounters* counters);
   // The stages that read the map, prior and tiles.
-  void ReadVersion(const MapSnapshot& snapshot, const LocalizeQuery& query, StageRunner* stages,
-                   Search* search, std::optional<QueryContext>* context, LocalizeResult* result);
+  void ReadVersion(const MapSnapshot& snapshot, const LocalizeQuery& query,
+                   const SearchRegion* place, StageRunner* stages, Search* search,
+                   std::optional<QueryContext>* context, LocalizeResult* result);
 };
 
 void Localizer::Impl::ReadVersion(const MapSnapshot& snapshot, const LocalizeQuery& query,
-                                  StageRunner* stages, Search* search,
+                                  const SearchRegion* place, StageRunner* stages, Search* search,
                                   std::optional<QueryContext>* context, LocalizeResult* result) {
   result->map_version = snapshot.version();
   result->map_is_stale = snapshot.is_stale();
   stages->Run(Stage::kPrior, [&] {
-    *context = ResolvePrior(query, snapshot, options.prior);
+    *context = MakeContext(query, snapshot,
+                           place != nullptr ? *place : RegionOfPrior(*query.prior, options.prior));
     const bool has_few = query.num_features() < options.pose.min_inliers;
     return !*context ? Reason::kNoCoverage : has_few ? Reason::kTooFewFeatures : Reason::kNone;
   });
@@ -205,9 +216,9 @@ void Localizer::Impl::ReadVersion(const MapSnapshot& snapshot, const LocalizeQue
   }
 }
 
-LocalizeResult Localizer::Impl::Localize(const LocalizeQuery& query, const MapSnapshot* pinned) {
+LocalizeResult Localizer::Impl::LocalizeNear(const LocalizeQuery& query, const MapSnapshot* pinned,
+                                             const SearchRegion* place) {
   const QueryBudget::Clock::time_point start = QueryBudget::Clock::now();
-  query.Validate();
   const QueryBudget budget{&workers, query.deadline};
   LocalizeResult result = EmptyResult(query);
   Search search{options, budget, &result.counters, {}, {}};
@@ -217,10 +228,10 @@ LocalizeResult Localizer::Impl::Localize(const LocalizeQuery& query, const MapSn
 
   StageRunner stages(budget, &result);
   if (pinned != nullptr) {
-    ReadVersion(*pinned, query, &stages, &search, &context, &result);
+    ReadVersion(*pinned, query, place, &stages, &search, &context, &result);
   } else {
     ReadLatest(*store, query.deadline, [&](const MapSnapshot& snapshot) {
-      ReadVersion(snapshot, query, &stages, &search, &context, &result);
+      ReadVersion(snapshot, query, place, &stages, &search, &context, &result);
     });
   }
   stages.Run(Stage::kMatching, [&] {
@@ -256,6 +267,68 @@ LocalizeResult Localizer::Impl::Localize(const LocalizeQuery& query, const MapSn
   }
   result.times.total_seconds = SecondsSince(start);
   return result;
+}
+
+std::vector<RankedPlace> Localizer::Impl::RankPlaces(const LocalizeQuery& query,
+                                                     const MapSnapshot& snapshot,
+                                                     const QueryBudget& budget,
+                                                     StageCounters* counters) {
+  const StopFunction should_stop = budget.StopAfter(options.tiles.deadline_share);
+  const CataloguedPlaces places = catalog.IndexOf(snapshot, should_stop);
+  const std::optional<QueryContext> context = MakeContext(query, snapshot, {});
+  counters->tiles_cut_short = !places.is_complete;
+  return places.index == nullptr || !context
+             ? std::vector<RankedPlace>()
+             : places.index->Rank(*context, options.places, should_stop);
+}
+
+LocalizeResult Localizer::Impl::LocalizeAnywhere(const LocalizeQuery& query,
+                                                 const MapSnapshot& snapshot) {
+  const QueryBudget::Clock::time_point start = QueryBudget::Clock::now();
+  const QueryBudget budget{&workers, query.deadline};
+  LocalizeResult without_place = EmptyResult(query);
+  without_place.map_version = snapshot.version();
+  without_place.map_is_stale = snapshot.is_stale();
+  const int64_t num_tiles = snapshot.Info().num_tiles;
+  std::vector<RankedPlace> ranked;
+  StageRunner(budget, &without_place).Run(Stage::kPrior, [&] {
+    ranked = RankPlaces(query, snapshot, budget, &without_place.counters);
+    const bool has_few = query.num_features() < options.pose.min_inliers;
+    return num_tiles == 0   ? Reason::kNoCoverage
+           : has_few        ? Reason::kTooFewFeatures
+           : ranked.empty() ? Reason::kTooFewMatches
+                            : Reason::kNone;
+  });
+  PlaceAnswers answers(&options);
+  for (const RankedPlace& place : ranked) {
+    if (answers.AreEnough(place.score)) {
+      break;
+    }
+    const SearchRegion region = RegionOfPlace(place.center, options.places.radius_m, num_tiles);
+    answers.Add(place.score, LocalizeNear(query, &snapshot, &region));
+  }
+  LocalizeResult result = answers.empty() ? without_place : answers.Best();
+  result.counters.num_tiles_found = num_tiles;
+  result.counters.tile_limit_hit = result.counters.num_tiles_searched < num_tiles;
+  result.counters.tiles_cut_short |= without_place.counters.tiles_cut_short;
+  if (!result.localized) {
+    result.reason_text = ExplainMiss(query, result, options, &snapshot);
+  }
+  const auto prior = static_cast<size_t>(Stage::kPrior);
+  result.times.seconds[prior] += without_place.times.seconds[prior];
+  result.times.total_seconds = SecondsSince(start);
+  return result;
+}
+
+LocalizeResult Localizer::Impl::Localize(const LocalizeQuery& query, const MapSnapshot* pinned) {
+  query.Validate();
+  if (query.prior) {
+    return LocalizeNear(query, pinned, nullptr);
+  }
+  return pinned != nullptr ? LocalizeAnywhere(query, *pinned)
+                           : ReadLatest(*store, query.deadline, [&](const MapSnapshot& snapshot) {
+                               return LocalizeAnywhere(query, snapshot);
+                             });
 }
 
 Localizer::Localizer(std::shared_ptr<const MapStore> store, std::shared_ptr<TileCache> cache,

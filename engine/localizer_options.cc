@@ -7,6 +7,7 @@ namespace cairn {
 void LocalizerOptions::Validate() const {
   RequireWithin("num_threads", num_threads, 1, 1024);
   prior.Validate();
+  places.Validate();
   tiles.Validate();
   matching.Validate();
   voting.Validate();

@@ -6,6 +6,7 @@
 
 #include "engine/answer/answer_options.h"
 #include "engine/matching/matching_options.h"
+#include "engine/places/places_options.h"
 #include "engine/pose/pose_options.h"
 #include "engine/prior/prior_options.h"
 #include "engine/refinement/refinement_options.h"
@@ -16,6 +17,7 @@ namespace cairn {
 
 struct LocalizerOptions {
   PriorOptions prior;
+  PlacesOptions places;
   TilesOptions tiles;
   MatchingOptions matching;
   VotingOptions voting;

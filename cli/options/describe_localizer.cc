@@ -31,6 +31,20 @@ void DescribePrior(PriorOptions* options, OptionList* list) {
   list->Add("max_radius_m", &options->max_radius_m, "Largest search radius, meters");
 }
 
+void DescribePlaces(PlacesOptions* options, OptionList* list) {
+  list->Add("max_descriptors_per_tile", &options->max_descriptors_per_tile,
+            "Most descriptors of a tile in the index of places");
+  list->Add("max_bytes", &options->max_bytes,
+            "Memory for the index of places, bytes; in larger maps a tile has fewer descriptors");
+  list->Add("max_neighbors", &options->max_neighbors,
+            "Descriptors of the index that a keypoint votes for");
+  list->Add("max_places", &options->max_places, "Most places of a query");
+  list->Add("radius_m", &options->radius_m,
+            "The camera is sought so far around the middle of a place, meters");
+  list->Add("convincing_confidence", &options->convincing_confidence,
+            "An answer of this confidence ends the search");
+}
+
 void DescribeTiles(TilesOptions* options, OptionList* list) {
   list->Add("max_tiles", &options->max_tiles, "Most tiles of a query, nearest to the prior first");
   list->Add("height_margin_m", &options->height_margin_m,
@@ -189,6 +203,8 @@ void DescribeLocalizer(LocalizerOptions* options, OptionList* list) {
   list->Add("seed", &options->seed, "Seed of everything random in a query");
   list->AddSection("prior", "Where a query searches",
                    [&] { DescribePrior(&options->prior, list); });
+  list->AddSection("places", "Where a query without a prior searches",
+                   [&] { DescribePlaces(&options->places, list); });
   list->AddSection("tiles", "Which tiles a query searches",
                    [&] { DescribeTiles(&options->tiles, list); });
   list->AddSection("matching", "Keypoints to landmarks",

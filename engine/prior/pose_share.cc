@@ -17,8 +17,7 @@ double LogPositionDensity(const SearchRegion& region, const Eigen::Vector3d& cen
   constexpr double kFreedom = 3.0;
   constexpr double kMinLengthM = 1.0;  // Positions closer together than this are not distinguished.
   if (!region.has_prior) {
-    const double radius_m = std::max(kMinLengthM, region.radius_m);
-    return -std::log(kPi * radius_m * radius_m);
+    return -std::log(std::max(kMinLengthM * kMinLengthM, region.area_m2));
   }
   const double sigma_m = std::max(kMinLengthM, region.prior_sigma_m);
   const double sq_sigma = sigma_m * sigma_m;

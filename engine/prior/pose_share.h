@@ -19,7 +19,8 @@ namespace cairn {
 // Heights range over 5 m and headings over the full circle. Tilts have the density that gravity
 // gives (PoseEstimate::log_tilt_density). Positions follow a bivariate Student distribution with
 // three degrees of freedom around the prior, because receivers are sometimes wrong by far more than
-// they report. Without a prior, positions are uniform over the region.
+// they report. Without a prior, positions are uniform over
+// SearchRegion::area_m2.
 double LogPoseShare(const SearchRegion& region, const Eigen::Vector3d& center_in_anchor,
                     const PoseEstimate& estimate);
 

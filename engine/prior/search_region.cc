@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/angles.h"
-#include "core/check.h"
 #include "core/require.h"
+#include "core/tile_id.h"
 
 namespace cairn {
 namespace {
@@ -16,22 +15,6 @@ constexpr double kMinAccuracyM = 3.0;
 // Returns the standard deviation per axis of the circular Gaussian with 68 % within `radius_m`.
 double SigmaFromRadius68(double radius_m) { return radius_m / std::sqrt(-2.0 * std::log(0.32)); }
 
-SearchRegion RegionOfMap(const GeoBox& bounds) {
-  SearchRegion region;
-  double span_rad = bounds.east_rad - bounds.west_rad;
-  if (bounds.CrossesAntimeridian()) {
-    span_rad += 2.0 * kPi;
-  }
-  region.origin = {0.5 * (bounds.south_rad + bounds.north_rad),
-                   std::remainder(bounds.west_rad + 0.5 * span_rad, 2.0 * kPi), 0.0};
-  region.ecef_from_anchor = EcefFromEnu(region.origin);
-  for (const double lat_rad : {bounds.south_rad, bounds.north_rad}) {
-    region.radius_m =
-        std::max(region.radius_m, GroundDistanceM(region.origin, {lat_rad, bounds.west_rad, 0.0}));
-  }
-  return region;
-}
-
 }  // namespace
 
 void PriorOptions::Validate() const {
@@ -40,13 +23,7 @@ void PriorOptions::Validate() const {
                 "prior: need 0 < min_radius_m <= max_radius_m");
 }
 
-SearchRegion ResolveSearchRegion(const LocalizeQuery& query, const MapInfo& map,
-                                 const PriorOptions& options) {
-  if (!query.prior) {
-    CAIRN_CHECK(map.bounds.has_value(), "a query without a prior needs a map that is not empty");
-    return RegionOfMap(*map.bounds);
-  }
-  const PositionPrior& prior = *query.prior;
+SearchRegion RegionOfPrior(const PositionPrior& prior, const PriorOptions& options) {
   SearchRegion region;
   region.origin = {prior.position.lat_rad, prior.position.lon_rad, 0.0};
   region.ecef_from_anchor = EcefFromEnu(region.origin);
@@ -59,6 +36,15 @@ SearchRegion ResolveSearchRegion(const LocalizeQuery& query, const MapInfo& map,
     region.min_z_m = prior.position.h_m - reach_m;
     region.max_z_m = prior.position.h_m + reach_m;
   }
+  return region;
+}
+
+SearchRegion RegionOfPlace(const Geodetic& center, double radius_m, int64_t num_tiles) {
+  SearchRegion region;
+  region.origin = {center.lat_rad, center.lon_rad, 0.0};
+  region.ecef_from_anchor = EcefFromEnu(region.origin);
+  region.radius_m = radius_m;
+  region.area_m2 = static_cast<double>(num_tiles) * TileId::kSideM * TileId::kSideM;
   return region;
 }
 

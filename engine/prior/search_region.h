@@ -2,18 +2,20 @@
 #ifndef CAIRN_ENGINE_PRIOR_SEARCH_REGION_H_
 #define CAIRN_ENGINE_PRIOR_SEARCH_REGION_H_
 
+#include <cstdint>
+
 #include "engine/prior/prior_options.h"
 #include "engine/query/localize_query.h"
 #include "engine/query/query_context.h"
-#include "storage/map/map_store.h"
 
 namespace cairn {
 
-// Returns the region around the query's prior, with heights unbounded. Without a prior, the region
-// covers the bounds of the map, is anchored at their center, and has_prior is false; the map must
-// then not be empty (MapInfo::bounds is set).
-SearchRegion ResolveSearchRegion(const LocalizeQuery& query, const MapInfo& map,
-                                 const PriorOptions& options);
+// Returns the region around the prior of a query, with heights unbounded.
+SearchRegion RegionOfPrior(const PositionPrior& prior, const PriorOptions& options);
+
+// Returns the region around a place of a map with so many tiles, with heights unbounded. The camera
+// may be in any of the tiles.
+SearchRegion RegionOfPlace(const Geodetic& center, double radius_m, int64_t num_tiles);
 
 // Returns the latitude-longitude box around the region's disc.
 GeoBox RegionBounds(const SearchRegion& region);

@@ -58,7 +58,8 @@ struct LocalizeQuery {
   // The other cameras of a rig, at most kMaxOtherCameras. All cameras together are one query, whose
   // pose is that of `camera`. A camera may have no features.
   std::vector<RigCamera> other_cameras;
-  std::optional<PositionPrior> prior;  // If empty, the whole map is searched.
+  std::optional<PositionPrior> prior;  // If empty, the places of the map are searched
+  // that look most like the photo.
   // Unit vector. If empty, P3P replaces the two-point solver.
   std::optional<Eigen::Vector3d> down_in_cam;
   // At the deadline, the best answer found so far is returned. Empty means no deadline.

@@ -45,11 +45,15 @@ struct StageTimes {
 
 struct StageCounters {
   int64_t num_keypoints = 0;
-  int64_t num_tiles_found = 0;     // By the query of the map's spatial index.
-  int64_t num_tiles_searched = 0;  // After the tile limit and the deadline.
+  // Tiles that meet the region of the prior; without a prior, tiles of the map.
+  int64_t num_tiles_found = 0;
+  int64_t num_tiles_searched = 0;  // After the limit of tiles or places, and the deadline.
   int64_t num_tiles_loaded = 0;    // Cache misses.
-  int64_t num_descriptors = 0;     // In the searched tiles.
-  int64_t num_distances = 0;       // Descriptor distances computed.
+  // Places of the map that were searched because the query has no prior. The counters of the tiles
+  // are those of all places. Counters of the other stages are those of the place of the answer.
+  int64_t num_places_searched = 0;
+  int64_t num_descriptors = 0;  // In the searched tiles.
+  int64_t num_distances = 0;    // Descriptor distances computed.
   // Keypoint-landmark pairs below the threshold. If the stages ran again without gravity,
   // num_matches, num_matched_keypoints, num_votes and num_candidates are those of the last run.
   int64_t num_matches = 0;
@@ -61,7 +65,7 @@ struct StageCounters {
   int64_t num_rematches = 0;          // Matches of the refinement stage.
   bool used_prior = false;
   bool used_gravity = false;  // The answer used gravity; without an answer, the query had gravity.
-  // The region has more tiles than the limit, so a part was not searched.
+  // More tiles were found than searched.
   bool tile_limit_hit = false;
   // The deadline cut a stage short; with more time, the answer might be better.
   bool tiles_cut_short = false;  // Tiles were left out, or parts of their indices were not built.
@@ -133,7 +137,7 @@ struct LocalizeResult {
   // Always set.
   MapVersion map_version{};
   bool map_is_stale = false;  // The map's store is silent: there may be a newer version.
-  std::vector<TileId> tiles;  // The searched tiles.
+  std::vector<TileId> tiles;  // The searched tiles, of one place.
   StageCounters counters;
   StageTimes times;
 };

@@ -19,10 +19,13 @@ namespace cairn {
 struct SearchRegion {
   Geodetic origin;  // Ellipsoidal height 0.
   Rigid3d ecef_from_anchor;
-  bool has_prior = false;  // If false, the region is the whole map, up to the tile limit.
+  // If false, the region is a place of the map where the photo may have been taken.
+  bool has_prior = false;
   Eigen::Vector2d prior_xy_in_anchor = Eigen::Vector2d::Zero();  // Meaningful if has_prior.
   double prior_sigma_m = 0.0;  // Per axis, from the 68 % radius of a circular Gaussian.
   double radius_m = 0.0;       // Horizontal bound of the search around prior_xy_in_anchor.
+  // Without a prior, the area that the camera may be in, square meters: that of the whole map.
+  double area_m2 = 0.0;
   // Range of the camera's height (z in anchor). Stage `tiles` sets it from the keyframes' heights
   // and narrows it by the prior's height, if any.
   double min_z_m = -1e4;

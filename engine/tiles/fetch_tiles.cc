@@ -67,14 +67,8 @@ std::vector<TileRecord> TilesInDisc(const MapSnapshot& snapshot, const SearchReg
 // Returns the tiles to search, and counts the tiles found.
 std::vector<TileRecord> SelectTiles(const MapSnapshot& snapshot, const SearchRegion& region,
                                     int max_tiles, StageCounters* counters) {
-  std::vector<TileRecord> tiles;
-  if (region.has_prior) {
-    tiles = TilesInDisc(snapshot, region);
-    counters->num_tiles_found = static_cast<int64_t>(tiles.size());
-  } else {
-    tiles = snapshot.AllTiles(max_tiles);
-    counters->num_tiles_found = snapshot.Info().num_tiles;
-  }
+  std::vector<TileRecord> tiles = TilesInDisc(snapshot, region);
+  counters->num_tiles_found = static_cast<int64_t>(tiles.size());
   if (tiles.size() > static_cast<size_t>(max_tiles)) {
     tiles.resize(max_tiles);
   }

@@ -15,10 +15,9 @@
 
 namespace cairn {
 
-// With a prior, returns the tiles whose square intersects the region's disc, nearest first. Without
-// a prior, returns the first tiles of the map by tile id. Returns at most options.max_tiles. Loads
-// missing tiles (fetch, decode, index) into the cache, several in parallel. The cache must hold
-// only tiles of this map that were made with the same index_options.
+// Returns the tiles whose square intersects the region's disc, nearest first, at most
+// options.max_tiles. Loads missing tiles (fetch, decode, index) into the cache, several in
+// parallel. The cache must hold only tiles of this map that were made with the same index_options.
 //
 // Intersects the region's heights with the range of the tiles' keyframe heights, widened by the
 // margin. A height prior entirely outside that range is dropped: a wrong datum is a likelier cause

@@ -129,17 +129,15 @@ TileRecord RequireTile(const std::string& id, const MapSnapshot& snapshot) {
 }  // namespace
 
 HttpResponse HandleAvailability(const HttpRequest& request, const LocalizeService& service) {
-  LocalizeQuery query;
-  query.prior.emplace();
-  query.prior->position = Geodetic::FromDegrees(RequiredNumber(request, "lat", -90.0, 90.0),
-                                                RequiredNumber(request, "lon", -180.0, 180.0), 0.0);
+  PositionPrior prior;
+  prior.position = Geodetic::FromDegrees(RequiredNumber(request, "lat", -90.0, 90.0),
+                                         RequiredNumber(request, "lon", -180.0, 180.0), 0.0);
   if (const std::string* accuracy = FindParameter(request, "accuracy")) {
-    query.prior->accuracy_m = NumberInRange("accuracy", *accuracy, 1e-3, 1e5);
+    prior.accuracy_m = NumberInRange("accuracy", *accuracy, 1e-3, 1e5);
   }
   const std::shared_ptr<const ServedMap> map = service.map();
   const MapSnapshot snapshot = map->store->Snapshot();
-  const SearchRegion region =
-      ResolveSearchRegion(query, MapInfo{}, map->localizer->options().prior);
+  const SearchRegion region = RegionOfPrior(prior, map->localizer->options().prior);
   Json tiles = Json::array();
   for (const TileRecord& tile : snapshot.FindTiles(RegionBounds(region))) {
     tiles.push_back(tile.tile_id.ToString());
@@ -147,7 +145,7 @@ HttpResponse HandleAvailability(const HttpRequest& request, const LocalizeServic
   const std::shared_ptr<const Codebook> codebook = snapshot.CurrentCodebook();
   Json json = {{"available", !tiles.empty()},
                {"radius", region.radius_m},
-               {"cell", CellName(query.prior->position)},
+               {"cell", CellName(prior.position)},
                {"tiles", std::move(tiles)},
                {"codec", codebook ? Json(codebook->CodecName()) : Json(nullptr)},
                {"map", {{"version", Value(snapshot.version())}}}};

@@ -30,6 +30,7 @@ struct CounterField {
   int64_t StageCounters::*value;
 };
 constexpr std::array kCounters = {
+    CounterField{Stage::kTiles, "places", &StageCounters::num_places_searched},
     CounterField{Stage::kTiles, "found", &StageCounters::num_tiles_found},
     CounterField{Stage::kTiles, "searched", &StageCounters::num_tiles_searched},
     CounterField{Stage::kTiles, "loaded", &StageCounters::num_tiles_loaded},

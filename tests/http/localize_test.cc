@@ -432,7 +432,7 @@ TEST_F(HttpLocalize, QueriesSeeAnUpdateAsSoonAsItIsPublished) {
   testing::IngestStreet(testing::StreetWorld(far_away), "second", map_path());
   const LocalizeResult after = Client().LocalizeFeatures(query);
   EXPECT_EQ(Value(after.map_version), Value(before.map_version) + 1);
-  EXPECT_GT(after.tiles.size(), before.tiles.size());
+  EXPECT_GT(after.counters.num_tiles_found, before.counters.num_tiles_found);
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ std::string IndexKey(const IndexOptions& index) {
 PreparedQuery PrepareQuery(const ExperimentWorld& world, const LocalizerOptions& options,
                            const EvalQuery& query, TileCache* cache) {
   const MapSnapshot snapshot = world.store->Snapshot();
-  const SearchRegion region = ResolveSearchRegion(query.query, world.info, options.prior);
+  const SearchRegion region = RegionOfPrior(query.query.prior.value(), options.prior);
   PreparedQuery prepared;
   prepared.context =
       BuildQueryContext(query.query, DescriptorCodec(snapshot.CurrentCodebook()), region);

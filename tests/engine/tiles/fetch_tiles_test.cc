@@ -124,16 +124,6 @@ TEST_F(FetchTilesTest, FarFromTheMapFindsNothingAndLeavesTheHeightsOpen) {
   EXPECT_EQ(region.min_z_m, min_z_m);
 }
 
-TEST_F(FetchTilesTest, WithoutAPriorTakesTheFirstTilesOfTheMap) {
-  SearchRegion region = Disc(0.0, 1.0);
-  region.has_prior = false;
-  EXPECT_EQ(Fetch(&region).size(), size_t{kNumTiles});
-  EXPECT_FALSE(counters_.tile_limit_hit);
-  EXPECT_THAT(Ids(Fetch(&region, {.max_tiles = 1})), ElementsAre(TileInRow(0)));
-  EXPECT_EQ(counters_.num_tiles_found, kNumTiles);
-  EXPECT_TRUE(counters_.tile_limit_hit);
-}
-
 TEST_F(FetchTilesTest, LoadsEachTileOnceAndCountsDescriptors) {
   SearchRegion region = Disc(0.0, 50.0);
   const auto first = Fetch(&region);
@@ -145,8 +135,7 @@ TEST_F(FetchTilesTest, LoadsEachTileOnceAndCountsDescriptors) {
 }
 
 TEST_F(FetchTilesTest, LoadsSeveralMissingTilesOnceEachInOrder) {
-  SearchRegion region = Disc(0.0, 1.0);
-  region.has_prior = false;
+  SearchRegion region = Disc(0.0, 1'000.0);
   const auto first = Fetch(&region);
   EXPECT_EQ(counters_.num_tiles_loaded, kNumTiles);
   ASSERT_EQ(first.size(), size_t{kNumTiles});

@@ -38,6 +38,7 @@ LocalizeResult SomeResult() {
   result.map_version = MapVersion(42);
   result.tiles = {TileId::Containing(result.anchor)};
   result.counters.num_tiles_found = 4;
+  result.counters.num_places_searched = 2;
   result.counters.num_votes = 12345;
   result.counters.used_gravity = true;
   result.counters.matching_cut_short = true;
@@ -75,6 +76,7 @@ TEST(LocalizeResponse, RoundTripsThroughTheWire) {
     EXPECT_EQ(out.map_version, in.map_version);
     EXPECT_EQ(out.tiles, in.tiles);
     EXPECT_EQ(out.counters.num_tiles_found, 4);
+    EXPECT_EQ(out.counters.num_places_searched, 2);
     EXPECT_EQ(out.counters.num_votes, 12345);
     EXPECT_TRUE(out.counters.used_gravity);
     EXPECT_FALSE(out.counters.used_prior);
