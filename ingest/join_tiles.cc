@@ -52,11 +52,12 @@ JoinedTile JoinTiles(const Tile& known, const Tile& fresh,
     note_chances(&tile);
     tile = LetGo(tile, context, &joined);
   }
-  joined.tile = SelectLandmarks(tile,
-                                RateByHistory(tile, *context.session_times, upkeep.persistence,
-                                              context.selection->min_observations),
-                                context.is_judged ? BytesOfPlace(known, admitted) : std::nullopt,
-                                *context.selection, *context.selector);
+  joined.tile =
+      SelectLandmarks(tile,
+                      RateByHistory(tile, *context.session_times, upkeep.persistence,
+                                    context.selection->min_observations),
+                      context.is_judged ? BytesOfPlace(known, fresh, admitted) : std::nullopt,
+                      *context.selection, *context.selector);
   changes.num_evicted = static_cast<int64_t>(tile.num_landmarks() - joined.tile.num_landmarks());
   return joined;
 }

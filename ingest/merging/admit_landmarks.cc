@@ -5,6 +5,8 @@
 #include <limits>
 #include <unordered_set>
 
+#include "ingest/merging/place_budget.h"
+
 namespace cairn {
 namespace {
 
@@ -24,13 +26,21 @@ std::vector<std::vector<uint32_t>> KeyframesOfLandmarks(const Tile& tile) {
   return keyframes;
 }
 
+// How much more the session saw than the map can hold of sessions like those it knows; at least 1.
+double Excess(const Tile& known, const Tile& fresh) {
+  const auto most_bytes = kBytesOverOneSession * static_cast<double>(EstimateBytes(known));
+  return std::max(1.0, static_cast<double>(EstimateBytes(fresh)) / std::max(1.0, most_bytes));
+}
+
 // New landmarks that each keyframe needs.
-std::vector<int> NumMissing(const Tile& fresh, const std::vector<int>& num_known,
+std::vector<int> NumMissing(const Tile& known, const Tile& fresh, const std::vector<int>& num_known,
                             int enough_landmarks) {
+  const double excess = Excess(known, fresh);
   std::vector<int> num_missing;
   for (size_t k = 0; k < fresh.num_keyframes(); ++k) {
     const auto num_seen = static_cast<double>(fresh.LandmarksOfKeyframe(k).size());
-    const double needed = std::min<double>(enough_landmarks, std::ceil(kNeededShare * num_seen));
+    const double usual = std::min<double>(enough_landmarks, std::ceil(kNeededShare * num_seen));
+    const double needed = std::min(num_seen, std::ceil(excess * usual));
     num_missing.push_back(num_known[k] < kShareOfNewGround * needed
                               ? std::numeric_limits<int>::max()
                               : static_cast<int>(needed) - num_known[k]);
@@ -60,7 +70,7 @@ std::vector<uint32_t> AdmitLandmarks(const Tile& known, const Tile& fresh, int e
   std::stable_sort(others.begin(), others.end(), [&](uint32_t a, uint32_t b) {
     return keyframes[a].size() > keyframes[b].size();
   });
-  std::vector<int> num_missing = NumMissing(fresh, num_known, enough_landmarks);
+  std::vector<int> num_missing = NumMissing(known, fresh, num_known, enough_landmarks);
   for (const uint32_t i : others) {
     const bool is_needed = std::any_of(keyframes[i].begin(), keyframes[i].end(),
                                        [&](uint32_t k) { return num_missing[k] > 0; });

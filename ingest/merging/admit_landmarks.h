@@ -12,7 +12,9 @@ namespace cairn {
 // Returns ascending indices into the landmarks of `fresh`:
 //  - all landmarks that `known` has, too;
 //  - further landmarks until each keyframe of `fresh` sees what it needs, known and new together:
-//    55 % of the landmarks that it saw itself, at most `enough_landmarks`. Landmarks that most
+//    55 % of the landmarks that it saw itself, at most `enough_landmarks`. Both numbers grow in
+//    proportion once `fresh` has more than kBytesOverOneSession times the bytes of `known`, so that
+//    a session that sees much more than the ones before it is taken in. Landmarks that most
 //    keyframes see come first;
 //  - all landmarks of a keyframe on new ground, which sees fewer than a quarter of what it needs
 //    among those that `known` has.

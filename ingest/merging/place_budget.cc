@@ -49,6 +49,22 @@ Tile OnNewGround(const Tile& known, const Tile& fresh) {
   });
 }
 
+// The bytes of the keyframes of `fresh` and of the landmarks that `known` lacks.
+int64_t NewBytes(const Tile& known, const Tile& fresh) {
+  std::unordered_set<uint64_t> known_ids;
+  for (const LandmarkId id : known.landmark_ids) {
+    known_ids.insert(Value(id));
+  }
+  std::set<uint32_t> new_landmarks;
+  for (const uint32_t landmark : fresh.keyframe_landmarks) {
+    if (!known_ids.contains(Value(fresh.landmark_ids[landmark]))) {
+      new_landmarks.insert(landmark);
+    }
+  }
+  const std::vector<uint32_t> picked(new_landmarks.begin(), new_landmarks.end());
+  return EstimateBytes(PickLandmarks(fresh, picked));
+}
+
 }  // namespace
 
 int64_t EstimateBytes(const Tile& tile) {
@@ -60,23 +76,13 @@ int64_t EstimateBytes(const Tile& tile) {
                       kBytesOfObservation * static_cast<double>(tile.keyframe_landmarks.size()));
 }
 
-std::optional<int64_t> BytesOfPlace(const Tile& known, const Tile& admitted) {
+std::optional<int64_t> BytesOfPlace(const Tile& known, const Tile& fresh, const Tile& admitted) {
   if (!IsFull(known)) {
     return std::nullopt;
   }
-  const Tile on_new_ground = OnNewGround(known, admitted);
-  std::unordered_set<uint64_t> known_ids;
-  for (const LandmarkId id : known.landmark_ids) {
-    known_ids.insert(Value(id));
-  }
-  std::set<uint32_t> new_landmarks;
-  for (const uint32_t landmark : on_new_ground.keyframe_landmarks) {
-    if (!known_ids.contains(Value(on_new_ground.landmark_ids[landmark]))) {
-      new_landmarks.insert(landmark);
-    }
-  }
-  const std::vector<uint32_t> picked(new_landmarks.begin(), new_landmarks.end());
-  return EstimateBytes(known) + EstimateBytes(PickLandmarks(on_new_ground, picked));
+  const int64_t grown = EstimateBytes(known) + NewBytes(known, OnNewGround(known, admitted));
+  const auto alone = std::llround(kBytesOverOneSession * static_cast<double>(EstimateBytes(fresh)));
+  return std::max<int64_t>(grown, alone);
 }
 
 }  // namespace cairn

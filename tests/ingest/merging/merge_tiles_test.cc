@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <iterator>
 #include <memory>
 #include <set>
+#include <vector>
 
 #include "ingest/merging/admit_landmarks.h"
 #include "ingest/summarize/appearance.h"
@@ -123,6 +126,27 @@ TEST(AdmitLandmarks, APhotoThatSeesEnoughOfItsLandmarksInTheMapAddsNone) {
         static_cast<uint32_t>(tiles.fresh.keyframe_landmarks.size()));
   }
   EXPECT_EQ(AdmitLandmarks(tiles.known, tiles.fresh, 250).size(), 30u);
+}
+
+TEST(AdmitLandmarks, ASessionThatSeesMuchMoreThanTheMapIsTakenIn) {
+  testing::RandomTileOptions options;
+  options.num_landmarks = 500;
+  options.num_landmarks_per_keyframe = 250;
+  options.first_landmark_id = 1000;
+  const Tile fresh = testing::RandomTile(options);
+  const Tile known = PickLandmarks(fresh, [] {
+    std::vector<uint32_t> every_third;
+    for (uint32_t i = 0; i < 500; i += 3) {
+      every_third.push_back(i);
+    }
+    return every_third;
+  }());
+  const std::set<uint32_t> seen(fresh.keyframe_landmarks.begin(), fresh.keyframe_landmarks.end());
+  const std::vector<uint32_t> admitted = AdmitLandmarks(known, fresh, 100);
+  const auto num_seen =
+      std::count_if(admitted.begin(), admitted.end(), [&](uint32_t i) { return seen.contains(i); });
+  // A third of 250 is enough for a photo that needs 100, but not for this session.
+  EXPECT_GT(num_seen, 0.55 * std::ssize(seen));
 }
 
 TEST(AdmitLandmarks, TakesAllThatAPhotoOnNewGroundSees) {
