@@ -1,7 +1,6 @@
 #include "http/client.h"
 
 #include <fmt/format.h>
-#include <httplib.h>
 
 #include <charconv>
 #include <nlohmann/json.hpp>
@@ -11,9 +10,9 @@
 
 #include "core/cell_name.h"
 #include "core/error.h"
+#include "http/exchange/bounded_client.h"
 #include "http/json/localize_response.h"
 #include "http/json/request_limits.h"
-#include "http/wire/client_setup.h"
 #include "http/wire/feature_codec.h"
 #include "http/wire/json_reader.h"
 #include "http/wire/multipart.h"
@@ -120,7 +119,7 @@ std::string TextOf(const JsonReader& problem, const char* name) {
 }
 
 // The explanation of a refused request.
-std::string Explanation(const httplib::Response& response) {
+std::string Explanation(const ClientResponse& response) {
   std::string text = fmt::format("the server answered {}", response.status);
   const JsonDocument document = ParseRefusal(response.body);
   if (document.empty() || !JsonReader(document).IsObject()) {
@@ -160,35 +159,36 @@ std::string_view AsText(std::span<const uint8_t> bytes) {
 
 struct LocalizeClient::Impl {
   ClientOptions options;
-  httplib::Client http;
+  BoundedClient http;
   std::string last_cell;  // That the server named last; empty before.
 
   explicit Impl(const ClientOptions& client_options)
-      : options(client_options), http(client_options.url) {
-    SetUpClient(options.timeout_ms, &http);
-  }
+      : options(client_options),
+        http({.url = client_options.url,
+              .ca_file = client_options.ca_file,
+              .timeout_ms = client_options.timeout_ms}) {}
 
   // The server may close a silent connection just when the next request is on its way. An exchange
   // that fails at once is therefore repeated on a new connection. A front answers 502 if its server
   // died; the second exchange then meets another server. Every request can safely be repeated.
-  template <typename Exchange>
-  httplib::Response ResponseOf(const Exchange& exchange) {
+  ClientResponse ResponseTo(const ClientRequest& request) {
     const auto start = std::chrono::steady_clock::now();
-    httplib::Result result = exchange();
+    ClientResponse response = http.Send(request);
     const auto elapsed = std::chrono::steady_clock::now() - start;
-    const bool has_failed = !result || result->status == 502;
+    const bool has_failed =
+        (response.status == 0 && !response.is_garbled) || response.status == 502;
     if (has_failed && elapsed < std::chrono::milliseconds(options.timeout_ms) / 2) {
-      result = exchange();
+      response = http.Send(request);
     }
-    if (!result) {
+    if (response.status == 0) {
       throw Error(ErrorCode::kUnavailable,
                   fmt::format("no answer from {}: {}; is the server running?", options.url,
-                              httplib::to_string(result.error())));
+                              response.failure));
     }
-    if (result->status != 200) {
-      throw Error(CodeOfStatus(result->status), Explanation(*result));
+    if (response.status != 200) {
+      throw Error(CodeOfStatus(response.status), Explanation(response));
     }
-    return std::move(*result);
+    return response;
   }
 
   // Sends one part for each camera, with the camera's bytes. `own_name` names the part of the
@@ -201,37 +201,29 @@ struct LocalizeClient::Impl {
       writer.Add(i == 0 ? own_name : fmt::format("rig{}", i - 1), "application/octet-stream",
                  AsText(blobs[i]));
     }
-    const std::string body = std::move(writer).Finish();
-    const httplib::Headers headers = CellHeaders(query);
-    const httplib::Response response = ResponseOf(
-        [&] { return http.Post("/v1/localize", headers, body, MultipartWriter::ContentType()); });
-    if (const std::string cell = response.get_header_value(kCellHeader); IsCellName(cell)) {
+    ClientRequest request{.method = "POST",
+                          .path = "/v1/localize",
+                          .headers = {{"Content-Type", MultipartWriter::ContentType()}},
+                          .body = std::move(writer).Finish()};
+    if (const std::string cell = CellOf(query); !cell.empty()) {
+      request.headers.emplace_back(kCellHeader, cell);
+    }
+    const ClientResponse response = ResponseTo(request);
+    if (const std::string cell = response.Header(kCellHeader); IsCellName(cell)) {
       last_cell = cell;
     }
     return ParseLocalizeResponse(response.body);
   }
 
-  // Names the cell of the prior, or else of the last answer. A front sends the query to the server
-  // that has the tiles of the cell in memory.
-  httplib::Headers CellHeaders(const LocalizeQuery& query) const {
-    const std::string cell = query.prior ? CellName(query.prior->position) : last_cell;
-    return cell.empty() ? httplib::Headers{} : httplib::Headers{{kCellHeader, cell}};
+  // The cell of the prior, or else of the last answer. A front sends the query to the server that
+  // has the tiles of the cell in memory.
+  std::string CellOf(const LocalizeQuery& query) const {
+    return query.prior ? CellName(query.prior->position) : last_cell;
   }
 };
 
-LocalizeClient::LocalizeClient(const ClientOptions& options) {
-  constexpr std::string_view kScheme = "http://";
-  const std::string_view url = options.url;
-  if (!url.starts_with(kScheme) || url.size() == kScheme.size() ||
-      url.substr(kScheme.size()).find('/') != std::string_view::npos) {
-    throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("'{}' is not a server address; write http://host:port", options.url));
-  }
-  if (options.timeout_ms < 1) {
-    throw Error(ErrorCode::kInvalidArgument, "ClientOptions: timeout_ms must be positive");
-  }
-  impl_ = std::make_unique<Impl>(options);
-}
+LocalizeClient::LocalizeClient(const ClientOptions& options)
+    : impl_(std::make_unique<Impl>(options)) {}
 
 LocalizeClient::~LocalizeClient() = default;
 
@@ -256,7 +248,7 @@ LocalizeResult LocalizeClient::LocalizeFeatures(const LocalizeQuery& query) {
 }
 
 std::string LocalizeClient::Get(const std::string& path) {
-  return impl_->ResponseOf([&] { return impl_->http.Get(path); }).body;
+  return impl_->ResponseTo({.path = path}).body;
 }
 
 }  // namespace cairn

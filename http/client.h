@@ -16,8 +16,9 @@
 namespace cairn {
 
 struct ClientOptions {
-  std::string url;          // "http://host:port".
-  int timeout_ms = 30'000;  // For connecting and for reading, each.
+  std::string url;           // "http://host:port" or "https://host:port".
+  std::string ca_file = {};  // PEM file of the certificates to trust; empty: those of the system.
+  int timeout_ms = 30'000;   // For each exchange.
   bool want_matches = true;
   ImageOrientation image_orientation = ImageOrientation::kAsSize;  // Used by LocalizeImages.
   bool exif_prior = true;  // Without a prior, the server takes the position in the image's EXIF.
@@ -26,7 +27,8 @@ struct ClientOptions {
 // Use a client from one thread only. The client keeps its connection alive.
 class LocalizeClient {
  public:
-  // Throws Error(kInvalidArgument) unless the URL is "http://host:port".
+  // Throws Error(kInvalidArgument) if the URL is none of the two, and Error(kIo) if the file of
+  // certificates cannot be read.
   explicit LocalizeClient(const ClientOptions& options);
   ~LocalizeClient();
 

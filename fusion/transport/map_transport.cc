@@ -1,8 +1,5 @@
 #include "fusion/transport/map_transport.h"
 
-#include <fmt/format.h>
-#include <httplib.h>
-
 #include <algorithm>
 #include <condition_variable>
 #include <deque>
@@ -14,7 +11,8 @@
 #include "core/cell_name.h"
 #include "core/random.h"
 #include "core/require.h"
-#include "http/wire/client_setup.h"
+#include "http/exchange/bounded_client.h"
+#include "http/exchange/server_url.h"
 
 namespace cairn::fusion {
 namespace {
@@ -37,10 +35,7 @@ bool IsOverload(int status) { return status == 408 || status == 429 || status >=
 }  // namespace
 
 void MapTransportOptions::Validate() const {
-  constexpr std::string_view kScheme = "http://";
-  RequireOption(std::string_view(url).starts_with(kScheme) && url.size() > kScheme.size() &&
-                    url.find('/', kScheme.size()) == std::string::npos,
-                "map_transport.url must be http://host:port");
+  ParseServerUrl(url);
   ValidateGeodetic(global_origin, "global_origin");
   RequireOption(timeout_ms > 0, "map_transport.timeout_ms must be positive");
   RequireOption(max_matches > 0, "map_transport.max_matches must be positive");
@@ -55,12 +50,14 @@ struct MapTransport::Impl {
   Impl(const MapTransportOptions& transport_options, Callback callback)
       : options(transport_options),
         on_answer(std::move(callback)),
-        http(transport_options.url),
+        http({.url = transport_options.url,
+              .ca_file = transport_options.ca_file,
+              .timeout_ms = transport_options.timeout_ms,
+              .max_body_bytes = transport_options.max_response_bytes}),
         random(transport_options.seed) {
     if (!options.now) {
       options.now = [] { return Clock::now(); };
     }
-    SetUpClient(options.timeout_ms, &http);
     worker = std::thread([this] { Work(); });
   }
 
@@ -70,7 +67,7 @@ struct MapTransport::Impl {
       stopping = true;
     }
     wake.notify_all();
-    http.stop();
+    http.Stop();
     worker.join();
   }
 
@@ -125,39 +122,29 @@ struct MapTransport::Impl {
   Answer Exchange(const MapQuery& query) {
     MapRequest message = MakeMapRequest(query, options.global_origin,
                                         std::min(options.timeout_ms, 60'000), options.max_matches);
-    std::string response_body;
-    bool too_long = false;
-    httplib::Request request;
-    request.method = "POST";
-    request.path = "/v1/localize";
-    request.headers.emplace("Content-Type", message.content_type);
+    ClientRequest request{.method = "POST",
+                          .path = "/v1/localize",
+                          .headers = {{"Content-Type", message.content_type}},
+                          .body = std::move(message.body)};
     if (const std::string& cell = message.cell.empty() ? last_cell : message.cell; !cell.empty()) {
-      request.headers.emplace(kCellHeader, cell);
+      request.headers.emplace_back(kCellHeader, cell);
     }
-    request.body = std::move(message.body);
-    request.content_receiver = [&](const char* data, size_t size, uint64_t, uint64_t) {
-      too_long = response_body.size() + size > options.max_response_bytes;
-      if (!too_long) {
-        response_body.append(data, size);
-      }
-      return !too_long;
-    };
     Count(&MapTransportCounters::num_sent);
     Count(&MapTransportCounters::num_bytes_sent, static_cast<int64_t>(request.body.size()));
-    const httplib::Result result = SendTwiceIfStale(request, &response_body);
-    if (too_long) {
-      return Fail(query, &MapTransportCounters::num_garbled, /*back_off=*/true);
+    const ClientResponse response = SendTwiceIfStale(request);
+    if (response.status == 0) {
+      return Fail(query,
+                  response.is_garbled ? &MapTransportCounters::num_garbled
+                                      : &MapTransportCounters::num_unreachable,
+                  /*back_off=*/true);
     }
-    if (!result) {
-      return Fail(query, &MapTransportCounters::num_unreachable, /*back_off=*/true);
+    if (response.status != 200) {
+      return Fail(query, &MapTransportCounters::num_refused, IsOverload(response.status));
     }
-    if (result->status != 200) {
-      return Fail(query, &MapTransportCounters::num_refused, IsOverload(result->status));
-    }
-    if (std::string cell = result->get_header_value(kCellHeader); IsCellName(cell)) {
+    if (std::string cell = response.Header(kCellHeader); IsCellName(cell)) {
       last_cell = std::move(cell);
     }
-    auto answer = ReadMapAnswer(response_body, query, options.global_origin, options.max_matches);
+    auto answer = ReadMapAnswer(response.body, query, options.global_origin, options.max_matches);
     if (!answer) {
       return Fail(query, &MapTransportCounters::num_garbled, /*back_off=*/true);
     }
@@ -168,15 +155,18 @@ struct MapTransport::Impl {
   }
 
   // The server may close an idle connection just as the next request is sent. If a request on a
-  // kept connection fails without any byte of response, it is sent once more on a new connection.
-  httplib::Result SendTwiceIfStale(const httplib::Request& request, std::string* response_body) {
-    httplib::Result result = http.send(request);
-    const bool had_connection = std::exchange(is_connected, static_cast<bool>(result));
-    if (!result && had_connection && response_body->empty() && !IsStopping()) {
-      result = http.send(request);
-      is_connected = static_cast<bool>(result);
+  // kept connection fails, it is sent once more on a new connection, unless time was over.
+  ClientResponse SendTwiceIfStale(const ClientRequest& request) {
+    const Clock::time_point start = Clock::now();
+    ClientResponse response = http.Send(request);
+    const bool had_connection = std::exchange(is_connected, response.status != 0);
+    const bool has_time = Clock::now() - start < std::chrono::milliseconds(options.timeout_ms) / 2;
+    if (response.status == 0 && !response.is_garbled && had_connection && has_time &&
+        !IsStopping()) {
+      response = http.Send(request);
+      is_connected = response.status != 0;
     }
-    return result;
+    return response;
   }
 
   Answer Fail(const MapQuery& query, int64_t MapTransportCounters::*counter, bool back_off) {
@@ -209,7 +199,7 @@ struct MapTransport::Impl {
 
   MapTransportOptions options;
   Callback on_answer;
-  httplib::Client http;
+  BoundedClient http;
   // Used by the worker only.
   bool is_connected = false;  // The last exchange succeeded.
   std::string last_cell;      // That the server named last; for queries without a prior.

@@ -19,11 +19,11 @@
 namespace cairn::fusion {
 
 struct MapTransportOptions {
-  std::string url;  // "http://host:port".
+  std::string url;           // "http://host:port" or "https://host:port".
+  std::string ca_file = {};  // PEM file of the certificates to trust; empty: those of the system.
   // `global` is the east-north-up frame at this point. The point must not change in a session.
   Geodetic global_origin;
-  // Limit on connecting and on any silence of the server. After it, the server counts as
-  // unreachable.
+  // Limit on the whole exchange of a query. After it, the server counts as unreachable.
   int timeout_ms = 3000;
   int max_matches = 300;        // Most matches the server is asked for.
   int max_queued = 2;           // Queries that wait while one is under way; more are refused.
@@ -55,9 +55,9 @@ struct MapTransportCounters {
   int64_t num_sent = 0;
   int64_t num_localized = 0;
   int64_t num_not_localized = 0;  // The server had no pose.
-  int64_t num_unreachable = 0;    // No connection, or silence beyond the timeout.
+  int64_t num_unreachable = 0;    // No connection, or no complete response in time.
   int64_t num_refused = 0;        // A status other than 200.
-  int64_t num_garbled = 0;        // Status 200, but the body is too long or no answer.
+  int64_t num_garbled = 0;        // Not HTTP, too long, or status 200 without an answer.
   int64_t num_bad_queries = 0;    // Features that cannot be encoded; never sent.
   int64_t num_bytes_sent = 0;     // Total size of the request bodies.
 };
@@ -69,7 +69,8 @@ class MapTransport {
   // answer is not localized, so that the filter can release the frame. The callback must not throw.
   using Callback = std::function<void(Answer)>;
 
-  // The connection opens with the first query. Throws the Error(kInvalidArgument) of Validate.
+  // The connection opens with the first query. Throws the Error(kInvalidArgument) of Validate, and
+  // Error(kIo) if the file of certificates cannot be read.
   MapTransport(const MapTransportOptions& options, Callback on_answer);
   // Aborts the current exchange. Queries that wait are answered as failed.
   ~MapTransport();

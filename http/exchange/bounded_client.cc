@@ -1,0 +1,220 @@
+#include "http/exchange/bounded_client.h"
+
+#include <fmt/format.h>
+#include <httplib.h>
+#include <poll.h>
+#include <strings.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <optional>
+#include <string_view>
+
+#include "core/require.h"
+#include "http/exchange/channel.h"
+#include "http/exchange/response_guard.h"
+#include "http/exchange/server_url.h"
+#include "http/exchange/tls.h"
+
+namespace cairn {
+namespace {
+
+// What the library reads from and writes to during one exchange.
+class GuardedStream final : public httplib::Stream {
+ public:
+  GuardedStream(int socket, Channel channel, ExchangeClock::time_point deadline,
+                ResponseGuard* guard)
+      : socket_(socket), channel_(channel), deadline_(deadline), guard_(guard) {}
+
+  bool is_readable() const override {
+    return begin_ < end_ || WaitForSocket(socket_, POLLIN, deadline_);
+  }
+  bool is_writable() const override { return WaitForSocket(socket_, POLLOUT, deadline_); }
+
+  ssize_t read(char* to, size_t size) override {
+    if (begin_ == end_) {
+      const std::ptrdiff_t received = channel_.Receive(buffer_.data(), buffer_.size());
+      if (received <= 0) {
+        return received;
+      }
+      if (!guard_->Take({buffer_.data(), static_cast<size_t>(received)})) {
+        return -1;
+      }
+      begin_ = 0;
+      end_ = static_cast<size_t>(received);
+    }
+    const size_t num_bytes = std::min(size, end_ - begin_);
+    std::memcpy(to, buffer_.data() + begin_, num_bytes);
+    begin_ += num_bytes;
+    return static_cast<ssize_t>(num_bytes);
+  }
+
+  ssize_t write(const char* from, size_t size) override { return channel_.Send(from, size); }
+
+  void get_remote_ip_and_port(std::string& ip, int& port) const override { Forget(&ip, &port); }
+  void get_local_ip_and_port(std::string& ip, int& port) const override { Forget(&ip, &port); }
+  socket_t socket() const override { return socket_; }
+
+ private:
+  static void Forget(std::string* ip, int* port) {
+    ip->clear();
+    *port = 0;
+  }
+
+  int socket_;
+  Channel channel_;
+  ExchangeClock::time_point deadline_;
+  ResponseGuard* guard_;
+  std::array<char, 16384> buffer_;
+  size_t begin_ = 0, end_ = 0;
+};
+
+// The library's client on guarded streams. TLS lies below the stream, so the library knows nothing
+// of it: its own SSLClient reads from the socket past any guard.
+class GuardedClient final : public httplib::ClientImpl {
+ public:
+  GuardedClient(const ServerUrl& url, std::unique_ptr<const TlsContext> tls)
+      : httplib::ClientImpl(url.host, url.port), host_(url.host), tls_(std::move(tls)) {
+    set_keep_alive(true);
+    set_tcp_nodelay(true);
+  }
+  ~GuardedClient() override { stop(); }
+
+  void Begin(ExchangeClock::time_point deadline, ResponseGuard* guard) {
+    deadline_ = deadline;
+    guard_ = guard;
+    failure_.clear();
+  }
+
+  // Why no connection came about, if TLS is the reason.
+  const std::string& failure() const { return failure_; }
+
+ private:
+  bool create_and_connect_socket(Socket& socket, httplib::Error& error) override {
+    const auto left = deadline_ - ExchangeClock::now();
+    if (left <= ExchangeClock::duration::zero()) {
+      error = httplib::Error::Connection;
+      return false;
+    }
+    set_connection_timeout(std::chrono::ceil<std::chrono::microseconds>(left));
+    if (!httplib::ClientImpl::create_and_connect_socket(socket, error)) {
+      return false;
+    }
+    if (tls_ != nullptr) {
+      session_ = std::make_unique<TlsSession>(*tls_, host_);
+      failure_ = Channel(socket.sock, session_.get(), deadline_).Handshake();
+    }
+    if (!failure_.empty()) {
+      error = httplib::Error::SSLConnection;
+      shutdown_socket(socket);
+      close_socket(socket);
+    }
+    return failure_.empty();
+  }
+
+  bool process_socket(const Socket& socket,
+                      std::function<bool(httplib::Stream& stream)> callback) override {
+    GuardedStream stream(socket.sock, Channel(socket.sock, session_.get(), deadline_), deadline_,
+                         guard_);
+    return callback(stream);
+  }
+
+  std::string host_;
+  std::unique_ptr<const TlsContext> tls_;  // Null without TLS.
+  std::unique_ptr<TlsSession> session_;    // Of the current connection.
+  ExchangeClock::time_point deadline_;
+  ResponseGuard* guard_ = nullptr;
+  std::string failure_;
+};
+
+}  // namespace
+
+void BoundedClientOptions::Validate() const {
+  RequireOption(timeout_ms > 0, "client.timeout_ms must be positive");
+  RequireOption(max_body_bytes > 0, "client.max_body_bytes must be positive");
+}
+
+std::string ClientResponse::Header(const std::string& name) const {
+  const auto found = std::find_if(headers.begin(), headers.end(), [&](const auto& header) {
+    return strcasecmp(header.first.c_str(), name.c_str()) == 0;
+  });
+  return found == headers.end() ? "" : found->second;
+}
+
+struct BoundedClient::Impl {
+  explicit Impl(const BoundedClientOptions& client_options)
+      : options(client_options), http(MakeClient(client_options)) {}
+
+  static std::unique_ptr<GuardedClient> MakeClient(const BoundedClientOptions& options) {
+    options.Validate();
+    const ServerUrl url = ParseServerUrl(options.url);
+    RequireOption(url.is_secure || options.ca_file.empty(),
+                  "client.ca_file needs a URL that begins with https://");
+    return std::make_unique<GuardedClient>(
+        url, url.is_secure ? std::make_unique<const TlsContext>(options.ca_file) : nullptr);
+  }
+
+  // Appends to `body` until it is too long.
+  httplib::ContentReceiverWithProgress Receiver(std::string* body, bool* is_too_long) const {
+    return [this, body, is_too_long](const char* data, size_t size, uint64_t, uint64_t) {
+      *is_too_long = body->size() + size > options.max_body_bytes;
+      if (!*is_too_long) {
+        body->append(data, size);
+      }
+      return !*is_too_long;
+    };
+  }
+
+  std::string Explain(const ResponseGuard& guard, ExchangeClock::time_point deadline,
+                      bool is_too_long, httplib::Error error) const {
+    if (!guard.violation().empty()) {
+      return guard.violation();
+    }
+    if (is_too_long) {
+      return fmt::format("the body of the response is longer than {} bytes",
+                         options.max_body_bytes);
+    }
+    if (ExchangeClock::now() >= deadline) {
+      return fmt::format("no complete response within {} ms", options.timeout_ms);
+    }
+    return http->failure().empty() ? httplib::to_string(error) : http->failure();
+  }
+
+  BoundedClientOptions options;
+  std::unique_ptr<GuardedClient> http;
+};
+
+BoundedClient::BoundedClient(const BoundedClientOptions& options)
+    : impl_(std::make_unique<Impl>(options)) {}
+
+BoundedClient::~BoundedClient() = default;
+
+ClientResponse BoundedClient::Send(ClientRequest request) {
+  const auto deadline = ExchangeClock::now() + std::chrono::milliseconds(impl_->options.timeout_ms);
+  ResponseGuard guard(impl_->options.max_body_bytes);
+  impl_->http->Begin(deadline, &guard);
+
+  ClientResponse response;
+  bool is_too_long = false;
+  httplib::Request message;
+  message.method = std::move(request.method);
+  message.path = std::move(request.path);
+  message.headers.insert(request.headers.begin(), request.headers.end());
+  message.body = std::move(request.body);
+  message.content_receiver = impl_->Receiver(&response.body, &is_too_long);
+  const httplib::Result result = impl_->http->send(message);
+  if (!result) {
+    response.body.clear();
+    response.is_garbled = is_too_long || !guard.violation().empty();
+    response.failure = impl_->Explain(guard, deadline, is_too_long, result.error());
+    return response;
+  }
+  response.status = result->status;
+  response.headers.assign(result->headers.begin(), result->headers.end());
+  return response;
+}
+
+void BoundedClient::Stop() { impl_->http->stop(); }
+
+}  // namespace cairn

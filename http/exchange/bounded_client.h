@@ -1,0 +1,69 @@
+// HTTP exchanges with a server that may be slow, broken or hostile.
+#ifndef CAIRN_HTTP_EXCHANGE_BOUNDED_CLIENT_H_
+#define CAIRN_HTTP_EXCHANGE_BOUNDED_CLIENT_H_
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace cairn {
+
+struct BoundedClientOptions {
+  std::string url;  // "http://host:port" or "https://host:port".
+  // PEM file with the certificates to trust instead of the system's; only for https.
+  std::string ca_file = {};
+  // For the whole exchange: connecting, TLS, the request and the response.
+  int timeout_ms = 30'000;
+  // Longest body of a response, as it is sent and as it is after decompression.
+  size_t max_body_bytes = size_t{64} << 20;
+
+  // Throws Error(kInvalidArgument) that names the field.
+  void Validate() const;
+};
+
+struct ClientRequest {
+  std::string method = "GET";
+  std::string path;  // Begins with a slash.
+  std::vector<std::pair<std::string, std::string>> headers = {};
+  std::string body = {};
+};
+
+struct ClientResponse {
+  int status = 0;  // 0 if there is no complete response.
+  std::vector<std::pair<std::string, std::string>> headers;
+  std::string body;
+  std::string failure;      // Why there is no complete response.
+  bool is_garbled = false;  // It is missing because the server sent what no server should send.
+
+  // Returns the first value of a header, whose name is compared without case; empty if missing.
+  std::string Header(const std::string& name) const;
+};
+
+// cpp-httplib writes the request and reads the response. Its bytes pass a stream of Cairn that
+// keeps the deadline and ends the exchange when a limit is exceeded (response_guard.h), before the
+// library sees them. Redirects are not followed. The connection is kept alive. The names of hosts
+// are resolved by the system, whose own time limit adds to the exchange's.
+//
+// Use a client from one thread only, apart from Stop.
+class BoundedClient {
+ public:
+  // Throws the errors of Validate, ParseServerUrl and TlsContext.
+  explicit BoundedClient(const BoundedClientOptions& options);
+  ~BoundedClient();
+
+  // Never throws for what the server does.
+  ClientResponse Send(ClientRequest request);
+
+  // Aborts the exchange under way.
+  void Stop();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_HTTP_EXCHANGE_BOUNDED_CLIENT_H_

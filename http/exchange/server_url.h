@@ -1,0 +1,21 @@
+// The address of a server, as people write it.
+#ifndef CAIRN_HTTP_EXCHANGE_SERVER_URL_H_
+#define CAIRN_HTTP_EXCHANGE_SERVER_URL_H_
+
+#include <string>
+
+namespace cairn {
+
+struct ServerUrl {
+  bool is_secure = false;  // https
+  std::string host;        // A name, an IPv4 address, or an IPv6 address without brackets.
+  int port = 0;
+};
+
+// Reads "http://host:port" or "https://host:port"; without a port it is 80 or 443. An IPv6 address
+// stands in brackets. Throws Error(kInvalidArgument) for anything else.
+ServerUrl ParseServerUrl(const std::string& url);
+
+}  // namespace cairn
+
+#endif  // CAIRN_HTTP_EXCHANGE_SERVER_URL_H_

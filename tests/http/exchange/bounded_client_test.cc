@@ -1,0 +1,195 @@
+#include "http/exchange/bounded_client.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <latch>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "core/error.h"
+#include "http/plain_http.h"
+#include "support/canned_server.h"
+#include "support/hostile_server.h"
+#include "support/temp_dir.h"
+#include "support/tls_certificate.h"
+
+namespace cairn {
+namespace {
+
+using testing::CannedServer;
+using testing::Connection;
+using ::testing::HasSubstr;
+using testing::HostileServer;
+using testing::TlsCertificate;
+
+ClientResponse Ask(const std::string& url, int timeout_ms = 20'000,
+                   size_t max_body_bytes = 100'000) {
+  return BoundedClient({.url = url, .timeout_ms = timeout_ms, .max_body_bytes = max_body_bytes})
+      .Send({.path = "/"});
+}
+
+// What a client says of a server that answers with these bytes, then closes.
+ClientResponse AnswerTo(const std::string& bytes) {
+  const HostileServer server([&](Connection* connection) { connection->Send(bytes); });
+  return Ask(server.url());
+}
+
+TEST(BoundedClient, SendsARequestAndReturnsTheResponse) {
+  const CannedServer server([](const httplib::Request& request, httplib::Response& response) {
+    response.status = 201;
+    response.set_header("X-Cell", request.get_header_value("X-Cell") + "!");
+    response.set_content(request.method + request.path + request.body, "text/plain");
+  });
+  BoundedClient client({.url = server.url()});
+  for (int i = 0; i < 2; ++i) {  // On one connection.
+    const ClientResponse response = client.Send(
+        {.method = "POST", .path = "/v1", .headers = {{"X-Cell", "a"}}, .body = "body"});
+    EXPECT_EQ(response.status, 201);
+    EXPECT_EQ(response.Header("x-cell"), "a!");
+    EXPECT_EQ(response.body, "POST/v1body");
+    EXPECT_EQ(response.failure, "");
+  }
+}
+
+TEST(BoundedClient, ALongStatusLineIsRefusedBeforeTheLibrarySeesIt) {
+  for (const size_t length : {50'000, 10'000'000}) {
+    const ClientResponse response =
+        AnswerTo("HTTP/1.1 200 " + std::string(length, 'b') + "\r\n\r\n");
+    EXPECT_EQ(response.status, 0);
+    EXPECT_TRUE(response.is_garbled);
+    EXPECT_THAT(response.failure, HasSubstr("1024 bytes"));
+  }
+}
+
+TEST(BoundedClient, EndlessHeadsAndBodiesAreBrokenOff) {
+  const auto failure_of = [](const std::string& start, const std::string& again) {
+    const HostileServer server([&](Connection* connection) {
+      connection->Send(start);
+      while (connection->Send(again)) {
+      }
+    });
+    return Ask(server.url()).failure;
+  };
+  EXPECT_THAT(failure_of("HTTP/1.1 200 OK\r\n", "A: b\r\n"), HasSubstr("32768 bytes"));
+  EXPECT_THAT(failure_of("HTTP/1.1 200 OK\r\n\r\n", std::string(1000, ' ')),
+              HasSubstr("100000 bytes"));
+  EXPECT_THAT(failure_of("HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n", "1\r\n \r\n"),
+              HasSubstr("100000 bytes"));
+  EXPECT_THAT(failure_of("HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n", "0"),
+              HasSubstr("100000 bytes"));
+  EXPECT_THAT(failure_of("", "HTTP/1.1 100 Continue\r\n\r\n"), HasSubstr("32768 bytes"));
+}
+
+TEST(BoundedClient, AServerThatTricklesMeetsTheDeadlineOfTheExchange) {
+  for (const char* start : {"HTTP/1.1 200 ", "HTTP/1.1 200 OK\r\nContent-Length: 99999\r\n\r\n"}) {
+    const HostileServer server([&](Connection* connection) {
+      connection->Send(start);
+      while (connection->Send(" ") && !connection->PeerClosesWithin(/*timeout_ms=*/5)) {
+      }
+    });
+    const ClientResponse response = Ask(server.url(), /*timeout_ms=*/200);
+    EXPECT_EQ(response.status, 0);
+    EXPECT_THAT(response.failure, HasSubstr("200 ms"));
+  }
+}
+
+TEST(BoundedClient, ASilentServerMeetsTheDeadline) {
+  const HostileServer server(
+      [](Connection* connection) { connection->PeerClosesWithin(/*timeout_ms=*/60'000); });
+  EXPECT_THAT(Ask(server.url(), /*timeout_ms=*/50).failure, HasSubstr("50 ms"));
+}
+
+TEST(BoundedClient, ACompressedBodyCountsAsItIsAfterwards) {
+  const CannedServer server([](const httplib::Request&, httplib::Response& response) {
+    response.set_content(std::string(10'000'000, ' '), "application/json");
+  });
+  BoundedClient client({.url = server.url(), .max_body_bytes = 1'000'000});
+  const ClientResponse response =
+      client.Send({.path = "/", .headers = {{"Accept-Encoding", "gzip"}}});
+  EXPECT_EQ(response.status, 0);
+  EXPECT_TRUE(response.is_garbled);
+  EXPECT_THAT(response.failure, HasSubstr("1000000 bytes"));
+}
+
+TEST(BoundedClient, WhatIsNotHttpIsSaid) {
+  EXPECT_THAT(AnswerTo("SSH-2.0-OpenSSH_9.2\r\n").failure, HasSubstr("not HTTP"));
+  EXPECT_EQ(AnswerTo("").status, 0);
+  EXPECT_EQ(AnswerTo("HTTP/1.1 200 OK\r\nContent-Length: 10\r\n\r\nfive.").status, 0);
+}
+
+TEST(BoundedClient, StopEndsTheExchange) {
+  std::latch asked(1);
+  const HostileServer server([&](Connection* connection) {
+    asked.count_down();
+    connection->PeerClosesWithin(/*timeout_ms=*/60'000);
+  });
+  BoundedClient client({.url = server.url(), .timeout_ms = 60'000});
+  std::thread stopper([&] {
+    asked.wait();
+    client.Stop();
+  });
+  EXPECT_EQ(client.Send({.path = "/"}).status, 0);
+  stopper.join();
+}
+
+// A server with this certificate, and a client that trusts those in `ca_file`.
+ClientResponse AskSecurely(const TlsCertificate& certificate, const std::string& ca_file,
+                           const std::string& host = "localhost") {
+  httplib::SSLServer server(certificate.certificate(), certificate.key());
+  server.Get("/", [](const httplib::Request&, httplib::Response& response) {
+    response.set_content(std::string(100'000, 'x'), "text/plain");
+  });
+  const int port = server.bind_to_any_port("127.0.0.1");
+  std::thread thread([&] { server.listen_after_bind(); });
+  BoundedClient client({.url = "https://" + host + ":" + std::to_string(port), .ca_file = ca_file});
+  ClientResponse response = client.Send({.path = "/"});
+  if (response.status != 0) {
+    response = client.Send({.path = "/"});  // On the same connection.
+  }
+  server.stop();
+  thread.join();
+  return response;
+}
+
+TEST(BoundedClient, SpeaksTlsWithAServerThatItTrusts) {
+  const testing::TempDir dir;
+  const TlsCertificate certificate({.host = "localhost"});
+  certificate.WriteTo(dir.File("ca.pem"));
+  const ClientResponse response = AskSecurely(certificate, dir.File("ca.pem"));
+  EXPECT_EQ(response.status, 200) << response.failure;
+  EXPECT_EQ(response.body.size(), 100'000u);
+}
+
+TEST(BoundedClient, RefusesCertificatesOfOthersOfOtherHostsAndOld) {
+  const testing::TempDir dir;
+  const TlsCertificate certificate({.host = "localhost"}), other({.host = "localhost"}),
+      elsewhere({.host = "elsewhere.example"}), old({.host = "localhost", .days_left = -1});
+  other.WriteTo(dir.File("other.pem"));
+  elsewhere.WriteTo(dir.File("elsewhere.pem"));
+  old.WriteTo(dir.File("old.pem"));
+  EXPECT_THAT(AskSecurely(certificate, dir.File("other.pem")).failure, HasSubstr("not accepted"));
+  EXPECT_THAT(AskSecurely(certificate, "").failure, HasSubstr("not accepted"));
+  EXPECT_THAT(AskSecurely(elsewhere, dir.File("elsewhere.pem")).failure, HasSubstr("hostname"));
+  EXPECT_THAT(AskSecurely(old, dir.File("old.pem")).failure, HasSubstr("expired"));
+}
+
+TEST(BoundedClient, APlainServerIsNotTakenForASecureOne) {
+  const HostileServer server(
+      [](Connection* connection) { connection->Send("HTTP/1.1 200 OK\r\n\r\n"); });
+  const ClientResponse response = Ask("https" + server.url().substr(4));
+  EXPECT_EQ(response.status, 0);
+  EXPECT_THAT(response.failure, HasSubstr("TLS"));
+}
+
+TEST(BoundedClient, RefusesOptionsThatMakeNoSense) {
+  EXPECT_THROW(BoundedClient({.url = "http://h", .timeout_ms = 0}), Error);
+  EXPECT_THROW(BoundedClient({.url = "http://h", .max_body_bytes = 0}), Error);
+  EXPECT_THROW(BoundedClient({.url = "http://h", .ca_file = "ca.pem"}), Error);
+  EXPECT_THROW(BoundedClient({.url = "https://h", .ca_file = "/no/such/file"}), Error);
+}
+
+}  // namespace
+}  // namespace cairn
