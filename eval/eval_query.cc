@@ -10,14 +10,12 @@
 
 #include "core/angles.h"
 #include "core/frames.h"
+#include "core/radius68.h"
 #include "core/require.h"
 
 namespace cairn {
 namespace {
 
-// The accuracy that a receiver with exactly known noise reports, per meter of sigma: the radius
-// that contains 68 % of a circular Gaussian, sqrt(-2 ln 0.32).
-constexpr double kRadius68PerSigma = 1.5095921854516636;
 // Reported accuracies are positive even without noise.
 constexpr double kMinAccuracyM = 0.1;
 
@@ -66,7 +64,7 @@ void AddNoisyPriors(const PriorNoiseOptions& options, std::vector<EvalQuery>* qu
       Geodetic position = GeodeticFromEcef(ecef_from_enu * Eigen::Vector3d(east_m, north_m, 0.0));
       position.h_m = truth.h_m + up_m;
       query.query.prior = {position,
-                           std::max(kMinAccuracyM, kRadius68PerSigma * options.position_sigma_m),
+                           std::max(kMinAccuracyM, kRadius68PerSigma2d * options.position_sigma_m),
                            std::max(kMinAccuracyM, options.height_sigma_m)};
     }
     query.query.down_in_cam.reset();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/radius68.h"
 #include "core/require.h"
 #include "core/tile_id.h"
 
@@ -11,9 +12,6 @@ namespace {
 
 // Lower bound on the reported accuracy, meters.
 constexpr double kMinAccuracyM = 3.0;
-
-// Returns the standard deviation per axis of the circular Gaussian with 68 % within `radius_m`.
-double SigmaFromRadius68(double radius_m) { return radius_m / std::sqrt(-2.0 * std::log(0.32)); }
 
 }  // namespace
 
@@ -28,7 +26,7 @@ SearchRegion RegionOfPrior(const PositionPrior& prior, const PriorOptions& optio
   region.origin = {prior.position.lat_rad, prior.position.lon_rad, 0.0};
   region.ecef_from_anchor = EcefFromEnu(region.origin);
   region.has_prior = true;
-  region.prior_sigma_m = SigmaFromRadius68(std::max(prior.accuracy_m, kMinAccuracyM));
+  region.prior_sigma_m = std::max(prior.accuracy_m, kMinAccuracyM) / kRadius68PerSigma2d;
   region.radius_m = std::clamp(options.search_sigmas * region.prior_sigma_m, options.min_radius_m,
                                options.max_radius_m);
   if (prior.height_sigma_m) {

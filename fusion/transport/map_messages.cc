@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/cell_name.h"
+#include "core/radius68.h"
 #include "core/tile_id.h"
 #include "http/wire/feature_codec.h"
 #include "http/wire/json_reader.h"
@@ -16,8 +17,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Radius of the disk that holds 68 % of an isotropic Gaussian of unit variance in the plane.
-constexpr double kRadiusPerSigma = 1.51;
 // The filter's accuracy may be finer than the server's search grid, so it is limited to this value.
 constexpr double kMinAccuracyM = 1.0;
 
@@ -41,7 +40,7 @@ Json PriorOf(const MapQuery& query, const Geodetic& position) {
     const Eigen::Matrix3d covariance = prior->covariance.bottomRightCorner<3, 3>();
     const double horizontal = std::max(covariance(0, 0), covariance(1, 1));
     Json json =
-        PriorJson(position, std::max(kMinAccuracyM, kRadiusPerSigma * std::sqrt(horizontal)));
+        PriorJson(position, std::max(kMinAccuracyM, kRadius68PerSigma2d * std::sqrt(horizontal)));
     json["altitudeAccuracy"] = std::max(kMinAccuracyM, std::sqrt(covariance(2, 2)));
     return json;
   }

@@ -9,6 +9,7 @@
 #include "core/angles.h"
 #include "core/check.h"
 #include "core/error.h"
+#include "core/radius68.h"
 #include "core/require.h"
 #include "lab/city/cameras/camera_angles.h"
 #include "lab/city/cameras/clutter.h"
@@ -19,8 +20,6 @@
 namespace cairn {
 namespace {
 
-// Radius that holds 68 % of a circular Gaussian with unit sigma.
-constexpr double kRadius68PerSigma = 1.5095921854516636;
 constexpr double kOutlierFactor = 3.0;
 constexpr double kBiasWaveM = 60.0;
 constexpr double kMaxTurnRad = 1.3;  // Between the view and straight across the street.
@@ -234,7 +233,7 @@ void PhoneQueries::FillPrior(int query_idx, LocalizeQuery* query) const {
   prior.position = GeodeticFromEcef(city_.ecef_from_site() *
                                     (center + Eigen::Vector3d(shift.x(), shift.y(), up_m)));
   const double expected_m =
-      kRadius68PerSigma * std::sqrt(sigma_m * sigma_m + 0.5 * bias_sigma_m * bias_sigma_m);
+      kRadius68PerSigma2d * std::sqrt(sigma_m * sigma_m + 0.5 * bias_sigma_m * bias_sigma_m);
   prior.accuracy_m = std::clamp(expected_m * std::exp(noise.accuracy_log_sigma * random.Normal()),
                                 kMinAccuracyM, kMaxAccuracyM);
   prior.height_sigma_m = std::max(kMinAccuracyM, noise.height_sigma_m);

@@ -95,7 +95,7 @@ TEST(MapMessages, RequestSaysWhatTheFilterKnows) {
   EXPECT_EQ(json["gravity"], Json({0.0, 1.0, 0.0}));
   EXPECT_EQ(json["camera"]["modelParams"].size(), 4u);
   EXPECT_EQ(json["options"]["innerFrame"], "RDF");
-  EXPECT_NEAR(json["prior"]["accuracy"].get<double>(), 1.51 * 2.0, 1e-9);
+  EXPECT_NEAR(json["prior"]["accuracy"].get<double>(), 1.51 * 2.0, 1e-3);
   const Json& position = json["prior"]["position"];
   const Geodetic place = Geodetic::FromDegrees(position["lat"], position["lon"], position["h"]);
   const Eigen::Vector3d x_in_global = EcefFromEnu(kOrigin).Inverse() * EcefFromGeodetic(place);
