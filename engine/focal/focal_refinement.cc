@@ -87,7 +87,9 @@ AnsweredCamera RefineAnswer(const QueryContext& query,
   if (refined) {
     return {std::move(refined->estimate), std::move(refined->camera)};
   }
-  estimate.covariance = near.covariance;
+  if (near.focal_significance > kSuspicious) {
+    estimate.covariance = near.covariance;  // The camera is kept, but not beyond doubt.
+  }
   return {std::move(estimate), std::nullopt};
 }
 

@@ -6,7 +6,12 @@
 namespace cairn {
 
 CameraPrior CameraPriorOf(const LocalizeQuery& query) {
-  return {query.camera, query.focal.value_or(FocalPrior{kAssumedFocalLogSigma})};
+  // The root mean square of how far principal points of calibrated cameras are off the middle, as a
+  // share of the long side: KITTI 1.1 % and 0.2 %, Herz-Jesus 0.5 % and 0.5 %.
+  constexpr double kUnknownPrincipalPointSigma = 0.0065;
+  CameraPrior prior = {query.camera, query.focal.value_or(FocalPrior{kAssumedFocalLogSigma})};
+  prior.principal_point_sigma = prior.focal.with_distortion ? kUnknownPrincipalPointSigma : 0.0;
+  return prior;
 }
 
 FocalSearch::FocalSearch(const FocalPrior& prior, double good_score) : good_score_(good_score) {

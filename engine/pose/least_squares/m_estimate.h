@@ -19,14 +19,18 @@ struct ResidualSpread {
 
   // Returns the factor on the inverse information that gives the asymptotic covariance of an
   // M-estimate (Huber 1981, section 7.6): mean(psi^2) / mean(psi')^2. For the Cauchy loss on
-  // two-dimensional residuals, psi = w r and psi' averages to w^2. At least 1.
+  // two-dimensional residuals, psi = w r and psi' averages to w^2. The stated standard deviations,
+  // a factor of 1, count as kPriorDegreesOfFreedom residuals, so that few residuals that happen to
+  // be small do not make a pose exact.
   double CovarianceScale(double num_observations, int num_params) const {
     if (!(sum_sq_weight > 0.0)) {
       return 1.0;
     }
-    const double degrees_of_freedom = std::max(1.0, 2.0 * num_observations - num_params);
+    constexpr double kPriorDegreesOfFreedom = 4.0;
+    const double degrees_of_freedom = std::max(0.0, 2.0 * num_observations - num_params);
     const double mean_slope = sum_sq_weight / num_observations;
-    return std::max(1.0, sum_sq_weighted / degrees_of_freedom / (mean_slope * mean_slope));
+    const double sum_sq = sum_sq_weighted / (mean_slope * mean_slope);
+    return (kPriorDegreesOfFreedom + sum_sq) / (kPriorDegreesOfFreedom + degrees_of_freedom);
   }
 };
 

@@ -38,6 +38,16 @@ struct Linearization {
   double cost = 0.0;
 };
 
+// The parts of the covariance at one state. Residuals are in standard deviations.
+struct Spread {
+  Matrix8d information = Matrix8d::Zero();  // Sum of J'J of the reprojections alone.
+  Eigen::Matrix<double, kNumParams, 2> by_principal_point =
+      Eigen::Matrix<double, kNumParams, 2>::Zero();  // Sum of J' times the principal point's.
+  ResidualSpread residuals;
+};
+
+double LongSidePx(const Camera& camera) { return std::max(camera.width_px(), camera.height_px()); }
+
 struct Problem {
   const CameraPrior& prior;
   const std::vector<PoseObservation>& observations;
@@ -135,28 +145,45 @@ struct Problem {
     return system;
   }
 
-  // Returns the inverse of the information, in which reprojections are scaled as in PoseCovariance.
-  // `scale` receives the factor.
-  Matrix8d CovarianceAt(const State& state, double* scale) const {
+  Spread SpreadAt(const State& state) const {
     const ResidualWeights weights = Weights();
-    Matrix8d information = Matrix8d::Zero();
-    ResidualSpread spread;
+    Spread spread;
     ForEachProjected(state, [&](const Jacobian8d& jacobian, const Eigen::Vector2d& residual,
-                                double information_of_one) {
-      const double sq_residual = information_of_one * residual.squaredNorm();
+                                double information) {
+      const double sq_residual = information * residual.squaredNorm();
       const double sq_robust = std::pow(RobustWeight(weights, sq_residual), 2);
-      information.noalias() += information_of_one * jacobian.transpose() * jacobian;
-      spread.sum_sq_weight += sq_robust;
-      spread.sum_sq_weighted += sq_robust * sq_residual;
+      spread.information.noalias() += information * jacobian.transpose() * jacobian;
+      // A principal point moves all pixels alike.
+      spread.by_principal_point.noalias() += information * jacobian.transpose();
+      spread.residuals.sum_sq_weight += sq_robust;
+      spread.residuals.sum_sq_weighted += sq_robust * sq_residual;
     });
-    *scale = spread.CovarianceScale(static_cast<double>(observations.size()), kNumParams - 1);
+    return spread;
+  }
+
+  double ScaleOf(const Spread& spread) const {
+    return spread.residuals.CovarianceScale(static_cast<double>(observations.size()),
+                                            kNumParams - 1);
+  }
+
+  // Returns the inverse of the information, in which reprojections are scaled by `scale`.
+  Matrix8d Covariance(const State& state, const Spread& spread, double scale) const {
     Linearization priors;
     AddPriors(state, &priors);
     priors.normal.bottomRightCorner<2, 2>() /= prior_weight;
-    Matrix8d total = information / *scale + priors.normal;
+    Matrix8d total = spread.information / scale + priors.normal;
     total.diagonal().head<6>() += InformationFloor();
     const Matrix8d covariance = total.ldlt().solve(Matrix8d::Identity());
     return 0.5 * (covariance + covariance.transpose());
+  }
+
+  // Returns what a wrong principal point adds to a covariance. It is not estimated, so its whole
+  // error moves the pose.
+  Matrix8d ByPrincipalPoint(const Spread& spread, double scale, const Matrix8d& covariance) const {
+    const double sigma_px = prior.principal_point_sigma * LongSidePx(prior.camera);
+    const Eigen::Matrix<double, kNumParams, 2> moved =
+        covariance * spread.by_principal_point * (sigma_px / scale);
+    return moved * moved.transpose();
   }
 };
 
@@ -198,21 +225,23 @@ State Minimize(const Problem& problem, State state) {
 // observations together have variance p about m. So the observations alone have variance p v / (v -
 // p) about d = m v / (v - p). The prior and the observations differ by d, whose variance is v^2 /
 // (v - p). The prior pulls the estimate by d - m = m p / (v - p).
-void Judge(const CameraPrior& prior, double log_focal, Matrix8d* covariance,
-           RefinedCamera* refined) {
+//
+// Returns the pull if they disagree, else 0.
+double Judge(const CameraPrior& prior, double log_focal, double after, RefinedCamera* refined) {
   const double variance = prior.focal.log_sigma * prior.focal.log_sigma;
-  const double after = (*covariance)(kFocal, kFocal);
   const double learnt = variance - after;
   if (!(learnt > 1e-6 * variance)) {
-    return;
+    return 0.0;
   }
   refined->focal_disagreement = std::abs(log_focal) / std::sqrt(learnt);
   refined->focal_significance = std::abs(log_focal) * std::sqrt(variance / (after * learnt));
-  if (refined->FocalDisagrees()) {
-    const double pull = log_focal * after / learnt;
-    const Vector8d by_focal = covariance->col(kFocal) / after;
-    *covariance += pull * pull * by_focal * by_focal.transpose();
-  }
+  return refined->FocalDisagrees() ? log_focal * after / learnt : 0.0;
+}
+
+// Adds the distance by which the prior pulls the focal length.
+void AddPull(double pull, Matrix8d* covariance) {
+  const Vector8d by_focal = covariance->col(kFocal) / (*covariance)(kFocal, kFocal);
+  *covariance += pull * pull * by_focal * by_focal.transpose();
 }
 
 }  // namespace
@@ -228,18 +257,26 @@ RefinedCamera RefineCamera(const CameraPrior& prior, const Camera& initial_camer
   state.log_focal = std::log(initial_camera.focal_px() / prior.camera.focal_px());
   state.radial = prior.focal.with_distortion ? initial_camera.params()[kSimpleRadialK] : 0.0;
   state = Minimize(problem, state);
-  Matrix8d covariance = problem.CovarianceAt(state, &problem.prior_weight);
+  Spread spread = problem.SpreadAt(state);
+  problem.prior_weight = std::max(1.0, problem.ScaleOf(spread));
   if (problem.prior_weight > 1.0) {
     state = Minimize(problem, state);
-    double scale = 1.0;
-    covariance = problem.CovarianceAt(state, &scale);
+    spread = problem.SpreadAt(state);
   }
   RefinedCamera refined;
   refined.camera = problem.CameraOf(state);
   refined.cam_from_anchor = state.anchor_from_cam.Inverse();
-  Judge(prior, state.log_focal, &covariance, &refined);
+  // What the observations say of the focal length is judged with their stated errors at least:
+  // systematic errors of the map would contradict every camera.
+  const double scale = problem.ScaleOf(spread);
+  Matrix8d judged = problem.Covariance(state, spread, std::max(1.0, scale));
+  const double pull = Judge(prior, state.log_focal, judged(kFocal, kFocal), &refined);
+  AddPull(pull, &judged);
+  refined.focal_log_sigma = std::sqrt(judged(kFocal, kFocal));
+  Matrix8d covariance = problem.Covariance(state, spread, scale);
+  covariance += problem.ByPrincipalPoint(spread, scale, covariance);
+  AddPull(pull, &covariance);
   refined.covariance = covariance.topLeftCorner<6, 6>();
-  refined.focal_log_sigma = std::sqrt(covariance(kFocal, kFocal));
   return refined;
 }
 

@@ -20,12 +20,16 @@ struct CameraPrior {
   // Standard deviation of the radial coefficient if the prior is `with_distortion`. Phone photos
   // have coefficients of -0.1 to 0.1.
   double radial_sigma = 0.05;
+  // Standard deviation of the principal point per axis, as a share of the long side of the image.
+  // It is not estimated, but the covariance includes what its error does to the pose.
+  double principal_point_sigma = 0.0;
 };
 
 struct RefinedCamera {
   Camera camera;
   Rigid3d cam_from_anchor;
-  // As LocalizeResult::covariance, marginalized over focal length and distortion.
+  // Of the pose, as LocalizeResult::covariance before calibration: marginalized over focal length
+  // and distortion, with the error of the principal point.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   double focal_log_sigma = 0.0;  // Standard deviation of the logarithm of the focal length.
   // The difference between the focal lengths of the prior and of the observations alone:
@@ -46,8 +50,8 @@ struct RefinedCamera {
 // The Jacobian of a pixel u with respect to ln f is u - c, where c is the principal point. If depth
 // and focal length cannot be separated, the prior determines the focal length and the covariance
 // reflects the uncertainty. The prior's weight scales with the residuals as the covariance does
-// (see ResidualSpread). If prior and observations disagree, the covariance includes the distance by
-// which the prior pulls the focal length away from the observations.
+// (see ResidualSpread), where that is up. If prior and observations disagree, the covariance
+// includes the distance by which the prior pulls the focal length away from the observations.
 RefinedCamera RefineCamera(const CameraPrior& prior, const Camera& initial_camera,
                            const std::vector<PoseObservation>& observations,
                            const std::optional<GravityPrior>& gravity,

@@ -52,8 +52,9 @@ RefinedPose RefinePose(const Camera& camera, const std::vector<PoseObservation>&
                        std::span<const QueryRigCamera> other_cameras = {});
 
 // Returns the covariance of a refined pose, as LocalizeResult::covariance. The arguments are those
-// of RefinePose. If the residuals are larger (robustly measured) than keypoint_sigma_px and sigma_m
-// predict, the reprojections' part is scaled up accordingly. A direction that the observations
+// of RefinePose. keypoint_sigma_px and sigma_m weigh the observations against each other; how large
+// the errors are, the residuals tell (robustly measured), and the part of the reprojections is
+// scaled accordingly. A direction that the observations
 // leave free gets a large finite variance (about 3 rad, 1 km).
 Eigen::Matrix<double, 6, 6> PoseCovariance(const Camera& camera,
                                            const std::vector<PoseObservation>& observations,

@@ -126,6 +126,36 @@ TEST(RefineCamera, CovarianceMatchesErrors) {
   EXPECT_NEAR(sum_center / kNumRuns, 3.0, 1.0);
 }
 
+// The principal point is not estimated. Its error moves the pose by more than the noise does.
+TEST(RefineCamera, CovarianceHoldsTheErrorOfThePrincipalPoint) {
+  constexpr int kNumRuns = 100;
+  constexpr double kSigma = 0.01;
+  std::mt19937_64 generator(3);
+  std::normal_distribution<double> normal(0.0, kSigma * 640);
+  double sum = 0.0, sum_without = 0.0;
+  for (int i = 0; i < kNumRuns; ++i) {
+    const double x_px = normal(generator), y_px = normal(generator);
+    PoseSceneOptions options = CameraScene(300 + i);
+    options.pixel_noise_px = 0.3;
+    options.camera =
+        Camera(CameraModel::kSimplePinhole, 640, 480, {500.0, 320.0 + x_px, 240.0 + y_px});
+    const PoseScene scene = MakePoseScene(options);
+    CameraPrior prior = {Camera(CameraModel::kSimplePinhole, 640, 480, {500.0, 320.0, 240.0}),
+                         FocalPrior{.log_sigma = 0.05}};
+    const auto squares = [&] {
+      const RefinedCamera refined = Refine(scene, prior);
+      const Eigen::Vector3d error =
+          refined.cam_from_anchor.Inverse().translation - scene.center_in_anchor();
+      return error.dot(refined.covariance.bottomRightCorner<3, 3>().inverse() * error);
+    };
+    sum_without += squares() / kNumRuns;
+    prior.principal_point_sigma = kSigma;
+    sum += squares() / kNumRuns;
+  }
+  EXPECT_GT(sum_without, 2.0 * sum);
+  EXPECT_NEAR(sum, 3.0, 1.5);
+}
+
 // A wall seen straight on says nothing about the focal length: twice as far away with twice the
 // focal length it looks the same.
 TEST(RefineCamera, StaysWithinThePriorAtAFlatWall) {

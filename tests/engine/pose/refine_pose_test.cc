@@ -151,7 +151,8 @@ TEST(RefinePose, LandmarksBehindTheCameraAreGrossOutliers) {
   EXPECT_LT(CenterErrorM(refined.cam_from_anchor, scene.cam_from_anchor), 1e-3);
 }
 
-TEST(RefinePose, CovarianceIsInverseOfNormalMatrixWithoutNoise) {
+// Without noise, only the prior of four residuals of the stated size speaks for noise.
+TEST(RefinePose, CovarianceIsInverseOfNormalMatrix) {
   const PoseScene scene = MakePoseScene(InliersOnly(50));
   const auto observations = Observations(scene);
   const RefinedPose refined =
@@ -167,7 +168,33 @@ TEST(RefinePose, CovarianceIsInverseOfNormalMatrixWithoutNoise) {
   }
   const auto covariance =
       PoseCovariance(scene.query.camera, observations, std::nullopt, refined.cam_from_anchor, {});
-  EXPECT_TRUE((covariance * normal).isApprox(Eigen::Matrix<double, 6, 6>::Identity(), 1e-3));
+  const double scale = 4.0 / (4.0 + 2.0 * 50.0 - 6.0);
+  EXPECT_TRUE(
+      (covariance * normal).isApprox(scale * Eigen::Matrix<double, 6, 6>::Identity(), 1e-3));
+}
+
+// Errors of many estimates against what they say of themselves, with keypoints that are better and
+// worse than keypoint_sigma_px.
+TEST(RefinePose, CovarianceFollowsTheResiduals) {
+  constexpr int kNumRuns = 100;
+  for (const double noise_px : {0.2, 1.0, 3.0}) {
+    double sum = 0.0;
+    for (int run = 0; run < kNumRuns; ++run) {
+      PoseSceneOptions options = InliersOnly(80);
+      options.pixel_noise_px = noise_px;
+      options.seed = 10 + run;
+      const PoseScene scene = MakePoseScene(options);
+      const auto observations = Observations(scene);
+      const RefinedPose refined =
+          RefinePose(scene.query.camera, observations, std::nullopt, scene.cam_from_anchor, {});
+      const auto covariance = PoseCovariance(scene.query.camera, observations, std::nullopt,
+                                             refined.cam_from_anchor, {});
+      const Eigen::Vector3d error =
+          refined.cam_from_anchor.Inverse().translation - scene.center_in_anchor();
+      sum += error.dot(covariance.bottomRightCorner<3, 3>().inverse() * error);
+    }
+    EXPECT_NEAR(sum / kNumRuns, 3.0, 1.2) << noise_px;
+  }
 }
 
 TEST(RefinePose, CovarianceGrowsWhenNoiseWasTakenTooSmall) {
