@@ -289,6 +289,14 @@ CREATE VIEW sessions AS
   FROM cairn_sessions AS s LEFT JOIN keyframes AS k ON k.session_id = s.session_id
   GROUP BY s.session_id;
 
+-- The accuracy of sessions (sql/session_accuracy.sql). Maps that earlier programs made lack it.
+CREATE TABLE session_accuracy (
+  session_id   bigint           NOT NULL PRIMARY KEY,
+  in_map_m     double precision NOT NULL,  -- Of poses in the map, beside what their matches predict.
+  on_earth_m   double precision NOT NULL,  -- Of the session's place on Earth.
+  on_earth_rad double precision NOT NULL   -- Of its direction on Earth.
+);
+
 -- Roles of least privilege, for the whole cluster: GRANT cairn_reader TO the role of a server, and
 -- cairn_builder to that of an ingest. Where the creator of the map may not create roles, the tables
 -- are the creator's alone.

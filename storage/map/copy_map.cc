@@ -10,6 +10,7 @@
 #include "storage/bytes/content_digest.h"
 #include "storage/database/transaction.h"
 #include "storage/geometry/geopackage.h"
+#include "storage/map/accuracy_table.h"
 #include "storage/map/id_counters.h"
 #include "storage/map/layer_extent.h"
 #include "storage/map/map_backend.h"
@@ -144,6 +145,15 @@ std::vector<Table> TablesAfterPayloads() {
   };
 }
 
+// Maps of earlier programs lack this table.
+Table AccuracyTable() {
+  return {accuracy_table::kName,
+          {{"session_id"},
+           {"in_map_m", Type::kReal},
+           {"on_earth_m", Type::kReal},
+           {"on_earth_rad", Type::kReal}}};
+}
+
 // Returns the geometry of a row, which follows from its other columns; empty if the table has none.
 std::vector<uint8_t> GeometryOf(const std::string& table, const db::Statement& row) {
   if (table == "coverage") {
@@ -175,6 +185,9 @@ class MapCopier {
     CopyPayloads(progress);
     for (const Table& table : TablesAfterPayloads()) {
       CopyTable(table);
+    }
+    if (accuracy_table::Exists(from_)) {
+      CopyTable(AccuracyTable());
     }
     CopyCounters();
     if (to_->dialect() == db::Dialect::kSqlite) {

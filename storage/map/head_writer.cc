@@ -15,6 +15,7 @@
 #include "storage/bytes/content_digest.h"
 #include "storage/geometry/geo_box.h"
 #include "storage/geometry/geopackage.h"
+#include "storage/map/accuracy_table.h"
 #include "storage/map/map_queries.h"
 #include "storage/map/utc_time.h"
 #include "storage/map/version_queries.h"
@@ -111,7 +112,11 @@ SessionId HeadWriter::InsertSession(const SessionRecord& session) {
                 session.recorded_at.empty() ? now : session.recorded_at, session.content_digest,
                 session.num_images, session.num_landmarks, session.georef_median_residual_m, since);
   totals_.AddSessions(1);
-  return SessionId(InsertedId(inserted));
+  const auto session_id = SessionId(InsertedId(inserted));
+  if (session.accuracy) {
+    accuracy_table::Keep(connection_, session_id, *session.accuracy);
+  }
+  return session_id;
 }
 
 void HeadWriter::RetireSession(SessionId session_id) {

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "core/printable.h"
+#include "storage/map/accuracy_table.h"
 #include "storage/map/map_check.h"
 
 namespace cairn {
@@ -130,6 +131,19 @@ constexpr Rule kPostgresRules[] = {
 
 #undef CAIRN_TOO_LARGE
 
+constexpr Rule kAccuracyRules[] = {
+    {"SELECT count(*) FROM session_accuracy WHERE NOT (in_map_m BETWEEN 0 AND 1e7 AND "
+     "on_earth_m BETWEEN 0 AND 1e7 AND on_earth_rad BETWEEN 0 AND 1e7)",
+     "sessions have an impossible accuracy"},
+};
+
+// Maps of earlier programs lack the table.
+void CheckAccuracies(db::Connection* connection, Findings* findings) {
+  if (accuracy_table::Exists(connection)) {
+    CheckRules(connection, kAccuracyRules, findings);
+  }
+}
+
 }  // namespace
 
 void CheckRules(db::Connection* connection, std::span<const Rule> rules, Findings* findings) {
@@ -158,12 +172,14 @@ bool CheckPages(db::Connection* connection, Findings* findings) {
 
 void CheckPostgresTables(db::Connection* connection, Findings* findings) {
   CheckRules(connection, kPostgresRules, findings);
+  CheckAccuracies(connection, findings);
 }
 
 void CheckTables(db::Connection* connection, Findings* findings) {
   CheckSpatialIndices(connection, findings);
   CheckReferences(connection, findings);
   CheckRules(connection, kTableRules, findings);
+  CheckAccuracies(connection, findings);
 }
 
 }  // namespace cairn

@@ -9,6 +9,7 @@
 #include "core/angles.h"
 #include "core/error.h"
 #include "storage/geometry/geo_box.h"
+#include "storage/map/accuracy_table.h"
 #include "storage/map/map_rows.h"
 #include "storage/map/version_queries.h"
 
@@ -259,16 +260,19 @@ std::vector<SessionRecord> Sessions(db::Connection* connection, MapVersion as_of
   while (rows.Step()) {
     sessions.push_back(rows::ReadSession(rows));
   }
+  accuracy_table::Attach(connection, &sessions);
   return sessions;
 }
 
 std::optional<SessionRecord> FindSession(db::Connection* connection, const std::string& name,
                                          MapVersion as_of) {
+  std::vector<SessionRecord> found;
   db::Statement row = connection->Prepare(kFindSessionSql);
-  if (!row.Bind(name, Value(as_of)).Step()) {
-    return std::nullopt;
+  if (row.Bind(name, Value(as_of)).Step()) {
+    found.push_back(rows::ReadSession(row));
   }
-  return rows::ReadSession(row);
+  accuracy_table::Attach(connection, &found);
+  return found.empty() ? std::nullopt : std::optional(std::move(found.front()));
 }
 
 std::vector<TileId> TilesOfSession(db::Connection* connection, SessionId session_id) {

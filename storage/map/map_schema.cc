@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/printable.h"
 #include "sql/schema.h"
+#include "storage/map/accuracy_table.h"
 
 namespace cairn {
 namespace {
@@ -176,6 +177,7 @@ std::string WhyNotAllowed(const SchemaObject& object) {
 
 void CreateMapSchema(sqlite::Connection* connection) {
   connection->Execute(std::string(sql::k_schema_sql));
+  connection->Execute(std::string(sql::k_session_accuracy_sql));
   connection->Execute(std::string(sql::k_views_sql));
 }
 
@@ -203,6 +205,9 @@ void RequireMapSchema(sqlite::Connection* connection) {
   for (const auto& [key, expected] : NewMapSchema()) {
     const auto found = schema.find(key);
     if (found == schema.end()) {
+      if (expected.name == accuracy_table::kName) {
+        continue;
+      }
       Refuse(*connection, expected, "is missing");
     }
     if (found->second.sql != expected.sql || found->second.table != expected.table) {

@@ -11,11 +11,12 @@
 
 namespace cairn {
 
-// Runs schema.sql and views.sql.
+// Runs schema.sql, session_accuracy.sql and views.sql.
 void CreateMapSchema(sqlite::Connection* connection);
 
-// Throws Error(kMapDamaged), naming the object, unless the schema is that of a new map. SQL is
-// compared without white space and comments. Other programs may add plain tables and indices on
+// Throws Error(kMapDamaged), naming the object, unless the schema is that of a new map. The table
+// session_accuracy may be missing, as in maps of earlier programs. SQL is compared without white
+// space and comments. Other programs may add plain tables and indices on
 // them, which Cairn does not read (docs/formats/map_v1.md). Views and triggers that Cairn did not
 // create are refused, so none of them ever runs.
 void RequireMapSchema(sqlite::Connection* connection);

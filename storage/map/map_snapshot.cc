@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "storage/bytes/content_digest.h"
 #include "storage/geometry/geo_box.h"
+#include "storage/map/accuracy_table.h"
 #include "storage/map/as_of_queries.h"
 #include "storage/map/map_internal.h"
 #include "storage/map/map_queries.h"
@@ -126,6 +127,13 @@ std::optional<SessionRecord> MapSnapshot::FindSession(const std::string& name) c
 std::vector<TileId> MapSnapshot::TilesOfSession(SessionId session_id) const {
   return impl_->map->Call(impl_->deadline, [&](db::Connection* connection) {
     return queries::TilesOfSession(connection, session_id);
+  });
+}
+
+std::vector<SessionAccuracy> MapSnapshot::AccuraciesOf(
+    const std::vector<SessionId>& session_ids) const {
+  return impl_->map->Call(impl_->deadline, [&](db::Connection* connection) {
+    return accuracy_table::Find(connection, session_ids);
   });
 }
 

@@ -21,6 +21,7 @@
 #include "storage/codebook/codebook.h"
 #include "storage/ids.h"
 #include "storage/map/map_versions.h"
+#include "storage/map/session_accuracy.h"
 
 namespace cairn {
 
@@ -54,6 +55,7 @@ struct SessionRecord {
   int64_t num_images = 0;
   int64_t num_landmarks = 0;  // In the reconstruction, before selection.
   double georef_median_residual_m = 0.0;
+  std::optional<SessionAccuracy> accuracy;  // Empty if nobody estimated it.
 };
 
 // One mapping image.
@@ -152,6 +154,8 @@ class MapSnapshot {
   std::optional<SessionRecord> FindSession(const std::string& name) const;
   // Returns the tiles whose content of this or a later version names, or once named, the session.
   std::vector<TileId> TilesOfSession(SessionId session_id) const;
+  // Returns the accuracies that the map has of these sessions, of any version, in any order.
+  std::vector<SessionAccuracy> AccuraciesOf(const std::vector<SessionId>& session_ids) const;
   std::vector<KeyframeRecord> KeyframesOfSession(SessionId session_id) const;
   std::vector<KeyframeRecord> KeyframesOfTile(TileId tile_id) const;
 

@@ -27,6 +27,10 @@ void RequireValid(const SessionRecord& session) {
     throw Error(ErrorCode::kInvalidArgument, "session '" + Excerpt(session.name) +
                                                  "': content_digest is not lower-case hexadecimal");
   }
+  if (session.accuracy && !IsValid(*session.accuracy)) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "session '" + Excerpt(session.name) + "': the accuracy has impossible numbers");
+  }
 }
 
 }  // namespace

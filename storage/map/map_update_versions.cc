@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "storage/map/accuracy_table.h"
 #include "storage/map/map_internal.h"
 #include "storage/map/map_queries.h"
 #include "storage/map/version_queries.h"
@@ -114,6 +115,7 @@ int64_t MapUpdate::PruneBefore(MapVersion oldest_kept) {
       "SELECT codebook_id FROM cairn_map WHERE codebook_id IS NOT NULL "
       "UNION SELECT codebook_id FROM cairn_versions WHERE codebook_id IS NOT NULL "
       "UNION SELECT codebook_id FROM cairn_tiles UNION SELECT codebook_id FROM cairn_past_tiles)");
+  accuracy_table::DropUnused(connection);
   return num_bytes;
 }
 

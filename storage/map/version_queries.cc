@@ -12,6 +12,7 @@
 #include "core/angles.h"
 #include "core/error.h"
 #include "storage/geometry/geo_box.h"
+#include "storage/map/accuracy_table.h"
 #include "storage/map/map_queries.h"
 #include "storage/map/map_rows.h"
 #include "storage/map/utc_time.h"
@@ -228,6 +229,7 @@ std::vector<SessionRecord> PastSessions(db::Connection* connection, MapVersion v
   while (row.Step()) {
     sessions.push_back(rows::ReadSession(row));
   }
+  accuracy_table::Attach(connection, &sessions);
   return sessions;
 }
 
