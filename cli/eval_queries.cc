@@ -50,14 +50,21 @@ std::optional<Sim3d> AlignToMap(const Reconstruction& reconstruction,
   return alignment->ecef_from_world;
 }
 
-Sim3d PlaceReference(const Reconstruction& reconstruction, const EvalQueryArguments& arguments,
-                     const GeoregisterOptions& georegister,
-                     const std::vector<KeyframeRecord>& keyframes) {
+// Where the model stands, and in which frame that is right.
+struct PlacedReference {
+  Sim3d ecef_from_world;
+  ReferenceFrame frame = ReferenceFrame::kEarth;
+};
+
+PlacedReference PlaceReference(const Reconstruction& reconstruction,
+                               const EvalQueryArguments& arguments,
+                               const GeoregisterOptions& georegister,
+                               const std::vector<KeyframeRecord>& keyframes) {
   std::string why_not = "--align-to positions";
   if (arguments.reference_source != ReferenceSource::kPositions) {
     const std::optional<Sim3d> aligned = AlignToMap(reconstruction, keyframes, &why_not);
     if (aligned) {
-      return *aligned;
+      return {*aligned, ReferenceFrame::kMap};
     }
     if (arguments.reference_source == ReferenceSource::kMap) {
       throw Error(ErrorCode::kBadInput, "cannot align the model to the map: " + why_not);
@@ -76,7 +83,7 @@ Sim3d PlaceReference(const Reconstruction& reconstruction, const EvalQueryArgume
   for (const std::string& note : fit.notes) {
     LogWarning("{}", note);
   }
-  return fit.ecef_from_world;
+  return {fit.ecef_from_world, ReferenceFrame::kEarth};
 }
 
 // The names of the queries: those of the list, or all images of the model that the map does not
@@ -126,9 +133,13 @@ std::vector<EvalQuery> QueriesFromModel(const EvalQueryArguments& arguments,
   const Reconstruction reconstruction = ReadColmap(input);
   const std::vector<KeyframeRecord> keyframes = AllKeyframes(map);
   const std::set<std::string> names = QueryNames(reconstruction, arguments, keyframes);
-  std::vector<EvalQuery> queries = QueriesFromReconstruction(
-      reconstruction, PlaceReference(reconstruction, arguments, georegister, keyframes),
-      arguments.image_dir);
+  const PlacedReference reference =
+      PlaceReference(reconstruction, arguments, georegister, keyframes);
+  std::vector<EvalQuery> queries =
+      QueriesFromReconstruction(reconstruction, reference.ecef_from_world, arguments.image_dir);
+  for (EvalQuery& query : queries) {
+    query.reference_frame = reference.frame;
+  }
   std::erase_if(queries, [&](const EvalQuery& query) { return !names.contains(query.name); });
   return queries;
 }

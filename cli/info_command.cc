@@ -36,6 +36,21 @@ nlohmann::ordered_json BoundsJson(const MapInfo& info) {
 // Whether the digest is that of the codebook that comes with Cairn.
 bool IsShipped(const std::string& codebook) { return codebook == DigestOf(*ShippedCodebook()); }
 
+nlohmann::ordered_json AccuracyJson(const std::optional<SessionAccuracy>& accuracy) {
+  if (!accuracy) {
+    return nullptr;
+  }
+  return {{"inMapM", accuracy->in_map_m},
+          {"onEarthM", accuracy->on_earth_m},
+          {"onEarthDeg", accuracy->on_earth_rad * kDegPerRad}};
+}
+
+std::string AccuracyText(const std::optional<SessionAccuracy>& accuracy) {
+  return accuracy ? fmt::format(", accurate to {:.3f} m on Earth and {:.3f} m in the map (68 %)",
+                                accuracy->on_earth_m, accuracy->in_map_m)
+                  : "";
+}
+
 void PrintJson(const MapInfo& info, const std::optional<std::string>& codebook,
                const std::vector<SessionRecord>& sessions) {
   nlohmann::ordered_json json = {{"version", Value(info.version)},
@@ -60,7 +75,8 @@ void PrintJson(const MapInfo& info, const std::optional<std::string>& codebook,
                                 {"source", session.source},
                                 {"images", session.num_images},
                                 {"landmarksRead", session.num_landmarks},
-                                {"georefMedianResidualM", session.georef_median_residual_m}});
+                                {"georefMedianResidualM", session.georef_median_residual_m},
+                                {"accuracy", AccuracyJson(session.accuracy)}});
   }
   fmt::print("{}\n", json.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace));
 }
@@ -87,10 +103,10 @@ void PrintText(const MapInfo& info, const std::optional<std::string>& codebook,
   for (const SessionRecord& session : sessions) {
     fmt::print(
         "session      {}: {} images, {} landmarks read, recorded {}, ingested {}, georegistration "
-        "residual {:.3f} m\n",
+        "residual {:.3f} m{}\n",
         Excerpt(session.name), session.num_images, session.num_landmarks,
         Excerpt(session.recorded_at), Excerpt(session.created_at),
-        session.georef_median_residual_m);
+        session.georef_median_residual_m, AccuracyText(session.accuracy));
   }
 }
 

@@ -156,8 +156,10 @@ void PrintPose(const LocalizeResult& result) {
       heading_deg < 0.0 ? heading_deg + 360.0 : heading_deg,
       std::asin(std::clamp(forward.z(), -1.0, 1.0)) * kDegPerRad,
       std::asin(std::clamp(right.z(), -1.0, 1.0)) * kDegPerRad);
-  fmt::print("accuracy     {:.3f} m, {:.3f} deg  (68 %)\n", result.position_accuracy_m,
-             result.rotation_accuracy_rad * kDegPerRad);
+  fmt::print(
+      "accuracy     {:.3f} m, {:.3f} deg in the map; {:.3f} m, {:.3f} deg on Earth  (68 %)\n",
+      result.position_accuracy_m, result.rotation_accuracy_rad * kDegPerRad,
+      result.EarthAccuracyM(), result.EarthAccuracyRad() * kDegPerRad);
   if (result.camera) {
     const CameraEstimate& camera = *result.camera;
     fmt::print("focal length {:.1f} +- {:.1f} px; {} {:.1f} +- {:.1f} px\n",

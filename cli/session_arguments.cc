@@ -146,6 +146,10 @@ PlacedReconstruction ReadSession(const SessionArguments& arguments) {
   if (arguments.force) {
     options.gate.max_lost_share = 1.0;
   }
+  if (options.earth_accuracy_m == 0.0) {
+    options.earth_accuracy_m = session.georegistration.accuracy.position_m;
+    options.earth_accuracy_rad = session.georegistration.accuracy.rotation_rad;
+  }
   options.patience = PatienceOf(arguments.wait_s);
   return session;
 }

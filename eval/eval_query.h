@@ -14,6 +14,10 @@
 
 namespace cairn {
 
+// Where reference poses are right: on Earth, or relative to the map, wherever the map itself
+// stands.
+enum class ReferenceFrame { kEarth, kMap };
+
 struct EvalQuery {
   std::string name;        // Image name.
   std::string image_path;  // Empty if the query has only features.
@@ -21,6 +25,7 @@ struct EvalQuery {
   std::string features_path;
   LocalizeQuery query;    // The features may be empty if one of the paths is set.
   Rigid3d cam_from_ecef;  // Reference pose.
+  ReferenceFrame reference_frame = ReferenceFrame::kEarth;
 };
 
 // A generator seeded by the query's name and `seed`, so that a query draws the same numbers in

@@ -23,6 +23,11 @@ EvalAnswer CompareToReference(const EvalQuery& query, LocalizeResult result) {
     answer.position_error_m =
         (estimated.Inverse().translation - query.cam_from_ecef.Inverse().translation).norm();
     answer.rotation_error_rad = RotationAngleRad(estimated.rotation, query.cam_from_ecef.rotation);
+    const bool on_earth = query.reference_frame == ReferenceFrame::kEarth;
+    answer.position_accuracy_m =
+        on_earth ? answer.result.EarthAccuracyM() : answer.result.position_accuracy_m;
+    answer.rotation_accuracy_rad =
+        on_earth ? answer.result.EarthAccuracyRad() : answer.result.rotation_accuracy_rad;
   } else {
     answer.position_error_m = std::numeric_limits<double>::infinity();
     answer.rotation_error_rad = std::numeric_limits<double>::infinity();
@@ -52,6 +57,23 @@ void MeasureLatency(EvalReport* report) {
     total_seconds.push_back(answer.result.times.total_seconds);
   }
   report->total_seconds = ComputePercentiles(std::move(total_seconds));
+}
+
+void MeasureCoverage(EvalReport* report) {
+  int num_positions = 0, num_rotations = 0;
+  for (const EvalAnswer& answer : report->answers) {
+    if (answer.result.localized) {
+      num_positions += answer.position_error_m <= answer.position_accuracy_m;
+      num_rotations += answer.rotation_error_rad <= answer.rotation_accuracy_rad;
+    }
+  }
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const auto share = [&](int count) {
+    return report->num_localized > 0 ? WilsonInterval(count, report->num_localized)
+                                     : Interval{kNone, kNone, kNone};
+  };
+  report->position_coverage = share(num_positions);
+  report->rotation_coverage = share(num_rotations);
 }
 
 void MeasureAccuracyOf(EvalReport* report) {
@@ -90,6 +112,7 @@ EvalReport MeasureResults(const std::vector<EvalQuery>& queries,
     report.answers.push_back(CompareToReference(queries[i], std::move(results[i])));
   }
   MeasureAccuracyOf(&report);
+  MeasureCoverage(&report);
   MeasureLatency(&report);
   return report;
 }

@@ -22,6 +22,9 @@ struct EvalAnswer {
   LocalizeResult result;
   double position_error_m = 0.0;    // Distance between camera centers; infinite if not localized.
   double rotation_error_rad = 0.0;  // Infinite if not localized.
+  // The 68 % radii that the answer states in the frame of the reference: in the map or on Earth.
+  double position_accuracy_m = 0.0;
+  double rotation_accuracy_rad = 0.0;
 };
 
 struct RecallThreshold {
@@ -56,6 +59,10 @@ struct EvalReport {
   std::vector<std::pair<RecallThreshold, Interval>> recalls;
   Interval median_position_error_m;  // Over localized queries.
   Interval median_rotation_error_rad;
+  // Shares of localized queries whose errors are within the radii that the answers state; 0.68 if
+  // the answers know their accuracy.
+  Interval position_coverage;
+  Interval rotation_coverage;
   Interval
       average_precision;  // Responses are ranked by score and correct within 3 m and 10 degrees.
   std::vector<PrecisionRecallPoint>

@@ -42,6 +42,8 @@ Json AnswerAsJson(const EvalAnswer& answer) {
       {"reason", result.localized ? Json(nullptr) : Json(NotLocalizedReasonName(result.reason))},
       {"position_error_m", NumberOrNull(answer.position_error_m)},
       {"rotation_error_deg", NumberOrNull(kDegPerRad * answer.rotation_error_rad)},
+      {"position_accuracy_m", NumberOrNull(answer.position_accuracy_m)},
+      {"rotation_accuracy_deg", NumberOrNull(kDegPerRad * answer.rotation_accuracy_rad)},
       {"score", NumberOrNull(result.score)},
       {"confidence", NumberOrNull(result.confidence)},
       {"num_inliers", result.matches.size()},
@@ -100,6 +102,8 @@ std::string ReportAsText(const EvalReport& report) {
   }
   text += TextLine("median position error", report.median_position_error_m, 1.0, 4, "m");
   text += TextLine("median rotation error", report.median_rotation_error_rad, kDegPerRad, 4, "deg");
+  text += TextLine("positions in 68 % radius", report.position_coverage, kPercent, 1, "%");
+  text += TextLine("rotations in 68 % radius", report.rotation_coverage, kPercent, 1, "%");
   text += TextLine("average precision", report.average_precision, 1.0, 4, "");
   text += fmt::format("\nlatency, ms   {:>9}{:>9}{:>9}{:>9}\n", "p50", "p90", "p99", "max");
   for (size_t stage = 0; stage < report.stage_seconds.size(); ++stage) {
@@ -119,6 +123,8 @@ std::string ReportAsJson(const EvalReport& report) {
   }
   json["median_position_error_m"] = IntervalAsJson(report.median_position_error_m, 1.0);
   json["median_rotation_error_deg"] = IntervalAsJson(report.median_rotation_error_rad, kDegPerRad);
+  json["position_coverage"] = IntervalAsJson(report.position_coverage, 1.0);
+  json["rotation_coverage"] = IntervalAsJson(report.rotation_coverage, 1.0);
   json["average_precision"] = IntervalAsJson(report.average_precision, 1.0);
   Json& curve = json["precision_recall"] = Json::array();
   for (const PrecisionRecallPoint& point : report.precision_recall) {
@@ -140,7 +146,8 @@ std::string ReportAsJson(const EvalReport& report) {
 std::string ReportAsCsv(const EvalReport& report) {
   std::string text =
       "name,localized,reason,position_error_m,rotation_error_deg,score,confidence,num_inliers,"
-      "position_accuracy_m,prior_disagrees,focal_px,focal_disagrees,false_alarm_rate";
+      "position_accuracy_m,rotation_accuracy_deg,prior_disagrees,focal_px,focal_disagrees,"
+      "false_alarm_rate";
   for (int stage = 0; stage < kNumStages; ++stage) {
     text += fmt::format(",{}_ms", StageName(static_cast<Stage>(stage)));
   }
@@ -152,7 +159,8 @@ std::string ReportAsCsv(const EvalReport& report) {
         result.localized ? "" : NotLocalizedReasonName(result.reason),
         CsvNumber(answer.position_error_m), CsvNumber(kDegPerRad * answer.rotation_error_rad),
         CsvNumber(result.score), CsvNumber(result.confidence), result.matches.size(),
-        result.localized ? CsvNumber(result.position_accuracy_m) : "",
+        result.localized ? CsvNumber(answer.position_accuracy_m) : "",
+        result.localized ? CsvNumber(kDegPerRad * answer.rotation_accuracy_rad) : "",
         result.localized ? (result.prior_disagrees ? "1" : "0") : "",
         result.camera ? CsvNumber(result.camera->camera.focal_px()) : "",
         result.camera ? (result.camera->focal_disagrees ? "1" : "0") : "",

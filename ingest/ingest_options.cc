@@ -56,6 +56,8 @@ void IngestOptions::Validate() const {
                 "ingest.max_reprojection_error_px must be positive");
   RequireOption(std::isfinite(georef_median_residual_m),
                 "ingest.georef_median_residual_m must be finite");
+  RequireWithin("ingest.earth_accuracy_m", earth_accuracy_m, 0.0, 1e6);
+  RequireWithin("ingest.earth_accuracy_rad", earth_accuracy_rad, 0.0, 3.2);
   RequireOption(num_threads >= 1, "ingest.num_threads must be at least 1");
   TileOptions::Validate();
   codebook.Validate();

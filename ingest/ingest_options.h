@@ -87,6 +87,10 @@ struct IngestOptions : TileOptions {
   // Landmarks with a larger median reprojection error are dropped, pixels.
   double max_reprojection_error_px = 4.0;
   double georef_median_residual_m = 0.0;  // Recorded with the session.
+  // How far the placement of the session is from its true place and direction on Earth: 68 % radii.
+  // A session without a place (0) has no accuracy.
+  double earth_accuracy_m = 0.0;
+  double earth_accuracy_rad = 0.0;
   // That ask the map and build tiles. The result does not depend on it.
   int num_threads = 1;
   // How long the ingest waits while another update of the map runs.

@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/printable.h"
+#include "ingest/accuracy/in_map_accuracy.h"
 #include "ingest/merging/link_landmarks.h"
 #include "ingest/quantize/choose_codebook.h"
 #include "ingest/scratch_map.h"
@@ -18,6 +19,7 @@
 #include "ingest/tile_rewriter.h"
 #include "storage/codebook/descriptor_codec.h"
 #include "storage/map/utc_time.h"
+#include "storage/tile/tile_codec.h"
 
 namespace cairn {
 namespace {
@@ -215,9 +217,49 @@ SessionTimes TimesWith(const SessionPlan& plan, const std::vector<SessionRecord>
   return TimesOf(sessions);
 }
 
+// The accuracy of what the map has in the session's tiles; empty if the map does not know it.
+std::optional<SessionAccuracy> AccuracyThere(const PlacedSession& session, SessionId replaced,
+                                             const MapSnapshot& base) {
+  std::set<SessionId> sessions;
+  for (const auto& [tile_id, images] : session.images_of_tile) {
+    if (const std::optional<TileRecord> record = base.FindTile(tile_id)) {
+      sessions.merge(SessionsInPayload(base.LoadPayload(record->payload_id)));
+    }
+  }
+  sessions.erase(replaced);
+  const std::vector<SessionAccuracy> accuracies =
+      base.AccuraciesOf({sessions.begin(), sessions.end()});
+  return accuracies.empty() ? std::nullopt : std::optional(RootMeanSquare(accuracies));
+}
+
+// The accuracy of the session where it settled; empty if nobody knows how it was placed. A session
+// that follows the map stands on Earth as the map does, and is as far off in the map as the two
+// disagree.
+std::optional<SessionAccuracy> AccuracyOf(const Reconstruction& reconstruction,
+                                          const PlacedSession& settled, double scale,
+                                          const SessionPlan& plan, const IngestOptions& options,
+                                          const MapSnapshot& base) {
+  if (options.earth_accuracy_m == 0.0) {
+    return std::nullopt;
+  }
+  SessionAccuracy accuracy = {
+      .in_map_m = EstimateInMapAccuracy(reconstruction, settled, scale).value_or(0.0),
+      .on_earth_m = options.earth_accuracy_m,
+      .on_earth_rad = options.earth_accuracy_rad};
+  if (IsJudged(plan.comparison)) {
+    accuracy.in_map_m = std::max(accuracy.in_map_m, plan.comparison.fit.disagreement_m);
+    const auto there = AccuracyThere(settled, plan.replaced_session, base);
+    if (there) {
+      accuracy.on_earth_m = there->on_earth_m;
+      accuracy.on_earth_rad = there->on_earth_rad;
+    }
+  }
+  return accuracy;
+}
+
 // Compares the session with the map, moves and links it, and fills in the rest of the plan.
-void SettleAndNumber(const PlacedSession& placed, const IngestOptions& options, MapStore* store,
-                     const IngestProgress& progress, PlannedSession* planned) {
+void SettleAndNumber(const PlacedSession& placed, double scale, const IngestOptions& options,
+                     MapStore* store, const IngestProgress& progress, PlannedSession* planned) {
   const Reconstruction& reconstruction = *planned->reconstruction;
   const MapSnapshot& base = *planned->base;
   SessionPlan& plan = planned->plan;
@@ -229,6 +271,7 @@ void SettleAndNumber(const PlacedSession& placed, const IngestOptions& options, 
                               OthersThan(plan.replaced_session, base.Sessions())),
                    fmt::format("session '{}'", Excerpt(plan.session.name)));
   const PlacedSession settled = SettleSession(placed, plan.comparison, reconstruction);
+  plan.session.accuracy = AccuracyOf(reconstruction, settled, scale, plan, options, base);
   planned->landmark_ids = LinkSession(reconstruction, settled, plan, base, progress);
   planned->session = JoinLinked(settled, &planned->landmark_ids);
   plan.id_counts = CountNewIds(plan, planned->session, planned->landmark_ids);
@@ -286,7 +329,7 @@ PlannedSession PlanSession(const Reconstruction& reconstruction, const Sim3d& ec
   }
   WarnOfSharedPhotos(plan.session, planned.base->Sessions());
   FindCodebook(reconstruction, options, *planned.base, progress, &plan);
-  SettleAndNumber(placed, options, store, progress, &planned);
+  SettleAndNumber(placed, ecef_from_world.scale, options, store, progress, &planned);
   return planned;
 }
 

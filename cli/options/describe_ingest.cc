@@ -137,6 +137,12 @@ void DescribeIngest(IngestOptions* options, OptionList* list) {
             "Landmarks with a larger standard deviation of the position are dropped, meters");
   list->Add("max_reprojection_error_px", &options->max_reprojection_error_px,
             "Landmarks with a larger median reprojection error are dropped, pixels");
+  list->Add("earth_accuracy_m", &options->earth_accuracy_m,
+            "How far the session is from its true place on Earth, 68 % radius, meters; 0: as the "
+            "georegistration estimates it");
+  list->Add("earth_accuracy_rad", &options->earth_accuracy_rad,
+            "How far the session is from its true direction, 68 % radius, radians; counts if "
+            "earth_accuracy_m is set");
   list->AddSection("codebook",
                    "How descriptors are compressed; counts for the first session of a map only",
                    [&] { DescribeCodebook(&options->codebook, list); });

@@ -176,11 +176,12 @@ void DescribeCalibration(ScoreCalibration* options, OptionList* list) {
   list->Add("false_alarm_start", &options->false_alarm_start,
             "Score at which the rate of false alarms is 1");
   list->Add("position_accuracy_factor", &options->position_accuracy_factor,
-            "Factor of the position accuracy that the covariance predicts");
+            "Factor of the position accuracy that the matches predict");
   list->Add("rotation_accuracy_factor", &options->rotation_accuracy_factor,
-            "Factor of the rotation accuracy that the covariance predicts");
-  list->Add("map_accuracy_m", &options->map_accuracy_m,
-            "How far the map itself is off, 68 % radius, meters");
+            "Factor of the rotation accuracy that the matches predict");
+  list->Add(
+      "map_accuracy_m", &options->map_accuracy_m,
+      "How far a map is from its true place on Earth if it does not know, 68 % radius, meters");
 }
 
 void DescribeAnswer(AnswerOptions* options, OptionList* list) {

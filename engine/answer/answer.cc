@@ -6,11 +6,13 @@
 #include <utility>
 
 #include "core/check.h"
+#include "core/radius68.h"
 #include "engine/answer/view_recall.h"
 #include "engine/pose/evidence/evidence.h"
 #include "engine/prior/pose_share.h"
 #include "engine/query/build_query_context.h"
 #include "engine/refinement/bernoulli_divergence.h"
+#include "storage/map/session_accuracy.h"
 
 namespace cairn {
 namespace {
@@ -97,12 +99,6 @@ const PoseHypothesis* FindWinner(const std::vector<Contender>& by_score,
   return is_ambiguous ? nullptr : best.hypothesis;
 }
 
-// Returns the radius that holds 68 % of an isotropic Gaussian whose covariance has this trace.
-// 3.506 is the 0.68 quantile of chi-squared with three degrees of freedom.
-double Radius68(const Eigen::Matrix3d& covariance) {
-  return std::sqrt(3.506 * covariance.trace() / 3.0);
-}
-
 void FillMatches(const QueryContext& query, const std::vector<TileView>& tiles,
                  const PoseHypothesis& hypothesis, LocalizeResult* result) {
   std::vector<int> first_keypoint(query.num_cameras(), 0);
@@ -135,19 +131,33 @@ void FillMatches(const QueryContext& query, const std::vector<TileView>& tiles,
             });
 }
 
-void FillPose(const QueryContext& query, const Contender& winner,
-              const ScoreCalibration& calibration, double view_recall, LocalizeResult* result) {
+// Returns the accuracy of the map at the inliers of the winner: the root mean square over them.
+SessionAccuracy AccuracyOfMap(const std::vector<TileView>& tiles, const PoseHypothesis& winner,
+                              const ScoreCalibration& calibration) {
+  const SessionAccuracy unknown = {.on_earth_m = calibration.map_accuracy_m};
+  std::vector<SessionAccuracy> accuracies;
+  for (const int inlier : winner.estimate.inliers) {
+    const size_t tile_idx = (*winner.correspondences)[inlier].tile_idx;
+    accuracies.push_back(tiles[tile_idx].tile->accuracy().value_or(unknown));
+  }
+  return accuracies.empty() ? unknown : RootMeanSquare(accuracies);
+}
+
+void FillPose(const QueryContext& query, const std::vector<TileView>& tiles,
+              const Contender& winner, const ScoreCalibration& calibration, double view_recall,
+              LocalizeResult* result) {
   const PoseEstimate& estimate = winner.hypothesis->estimate;
   result->localized = true;
   result->anchor = query.region.origin;
   result->cam_from_anchor = estimate.cam_from_anchor;
   result->cam_from_ecef = estimate.cam_from_anchor * query.region.ecef_from_anchor.Inverse();
   result->position = GeodeticFromEcef(result->cam_from_ecef.Inverse().translation);
-  result->covariance = estimate.covariance;
-  result->rotation_accuracy_rad =
-      calibration.RotationAccuracyRad(Radius68(estimate.covariance.topLeftCorner<3, 3>()));
-  result->position_accuracy_m =
-      calibration.PositionAccuracyM(Radius68(estimate.covariance.bottomRightCorner<3, 3>()));
+  const SessionAccuracy map = AccuracyOfMap(tiles, *winner.hypothesis, calibration);
+  result->covariance = calibration.Calibrated(estimate.covariance, map.in_map_m);
+  result->rotation_accuracy_rad = Radius68(result->covariance.topLeftCorner<3, 3>());
+  result->position_accuracy_m = Radius68(result->covariance.bottomRightCorner<3, 3>());
+  result->map_accuracy_m = map.on_earth_m;
+  result->map_accuracy_rad = map.on_earth_rad;
   result->score = winner.score;
   result->confidence = RecallConfidence(view_recall) *
                        calibration.Confidence(winner.score, result->position_accuracy_m);
@@ -199,7 +209,7 @@ void ConcludeAnswer(const QueryContext& query, const std::vector<TileView>& tile
   }
   result->reason = NotLocalizedReason::kNone;
   FillPose(
-      query, answer, options.calibration,
+      query, tiles, answer, options.calibration,
       ViewRecall(query, tiles, refined.camera ? refined.camera->camera : query.camera, refined),
       result);
   result->camera = refined.camera;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/radius68.h"
 #include "core/require.h"
 
 namespace cairn {
@@ -14,9 +15,7 @@ constexpr double kCorrectM = 3.0;
 // Returns the share within `radius_m` of an isotropic 3-D Gaussian that has 68 % within
 // `radius68_m` (Maxwell's distribution).
 double ShareWithin(double radius_m, double radius68_m) {
-  // The square root of the 0.68 quantile of chi-squared, 3.506.
-  constexpr double kSigmasOfRadius68 = 1.8724;
-  const double sigmas = radius_m * kSigmasOfRadius68 / std::max(1e-9, radius68_m);
+  const double sigmas = radius_m * kRadius68PerSigma3d / std::max(1e-9, radius68_m);
   return std::erf(sigmas / std::numbers::sqrt2) -
          std::sqrt(2.0 * std::numbers::inv_pi) * sigmas * std::exp(-0.5 * sigmas * sigmas);
 }
@@ -45,12 +44,16 @@ double ScoreCalibration::FalseAlarmRate(double score) const {
   return std::min(1.0, std::exp(-false_alarm_slope * (score - false_alarm_start)));
 }
 
-double ScoreCalibration::PositionAccuracyM(double predicted_m) const {
-  return std::hypot(position_accuracy_factor * predicted_m, map_accuracy_m);
-}
-
-double ScoreCalibration::RotationAccuracyRad(double predicted_rad) const {
-  return rotation_accuracy_factor * predicted_rad;
+Eigen::Matrix<double, 6, 6> ScoreCalibration::Calibrated(
+    const Eigen::Matrix<double, 6, 6>& predicted, double in_map_accuracy_m) const {
+  Eigen::Matrix<double, 6, 1> factors;
+  factors << Eigen::Vector3d::Constant(rotation_accuracy_factor),
+      Eigen::Vector3d::Constant(position_accuracy_factor);
+  const Eigen::Matrix<double, 6, 6> calibrated =
+      factors.asDiagonal() * predicted * factors.asDiagonal();
+  const double radius_m = Radius68(calibrated.bottomRightCorner<3, 3>());
+  const double growth = in_map_accuracy_m / std::max(radius_m, 1e-9);
+  return (1.0 + growth * growth) * calibrated;
 }
 
 }  // namespace cairn

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -115,10 +116,18 @@ struct LocalizeResult {
   Geodetic position;  // Of the camera center.
   // Covariance of (rotation, translation) of the camera in the anchor frame, perturbed on the left:
   // anchor_from_cam = (Exp(rotation), translation + .) applied to the estimate; rad^2, rad m, m^2.
+  // Calibrated, and relative to the map: it holds the error of the pose among the landmarks, and
+  // how far parts of the map disagree, but not where the map stands on Earth.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
-  // Radius that contains the true position with 68 % probability.
+  // The radii of `covariance` that contain the truth with 68 % probability (core/radius68.h).
   double position_accuracy_m = 0.0;
   double rotation_accuracy_rad = 0.0;
+  // How far the map itself is from its true place and direction on Earth, 68 % radii.
+  double map_accuracy_m = 0.0;
+  double map_accuracy_rad = 0.0;
+  // The radii of the pose on Earth: the pose in the map, and the map on Earth.
+  double EarthAccuracyM() const { return std::hypot(position_accuracy_m, map_accuracy_m); }
+  double EarthAccuracyRad() const { return std::hypot(rotation_accuracy_rad, map_accuracy_rad); }
   // Measures how far the evidence is from chance: the logarithm of the likelihood ratio of the pose
   // against chance, minus the logarithm of the number of poses that the prior leaves. See
   // docs/math.

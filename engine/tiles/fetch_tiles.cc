@@ -8,11 +8,15 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <set>
+#include <span>
 #include <utility>
 
 #include "core/error.h"
 #include "core/parallel_for.h"
 #include "engine/prior/search_region.h"
+#include "storage/tile/tile_codec.h"
 
 namespace cairn {
 namespace {
@@ -175,11 +179,20 @@ class TileLoader {
   std::shared_ptr<const SearchableTile> Load(const TileRecord& record) {
     try {
       std::shared_ptr<const Codebook> codebook = snapshot_.LoadCodebook(record.codebook_id);
-      return MakeSearchableTile(snapshot_.LoadPayload(record.payload_id), std::move(codebook),
-                                index_options_);
+      LargeVector<uint8_t> payload = snapshot_.LoadPayload(record.payload_id);
+      const std::optional<SessionAccuracy> accuracy = AccuracyOf(payload);
+      return MakeSearchableTile(std::move(payload), std::move(codebook), index_options_, accuracy);
     } catch (const Error& error) {
       ThrowFor(record, error);
     }
+  }
+
+  // The mean over the tile's sessions; empty if the map does not know it.
+  std::optional<SessionAccuracy> AccuracyOf(std::span<const uint8_t> payload) const {
+    const std::set<SessionId> sessions = SessionsInPayload(payload);
+    const std::vector<SessionAccuracy> accuracies =
+        snapshot_.AccuraciesOf({sessions.begin(), sessions.end()});
+    return accuracies.empty() ? std::nullopt : std::optional(RootMeanSquare(accuracies));
   }
 
   // Throws the error with the name of the tile.

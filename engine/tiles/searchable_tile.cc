@@ -98,22 +98,34 @@ size_t SearchableTile::MemoryBytes() const {
          (reference_words_ ? reference_words_->MemoryBytes() : 0);
 }
 
-std::shared_ptr<const SearchableTile> MakeSearchableTile(LargeVector<uint8_t> payload,
-                                                         std::shared_ptr<const Codebook> codebook,
-                                                         const IndexOptions& options) {
+namespace {
+
+std::shared_ptr<SearchableTile> MakeFromPayload(LargeVector<uint8_t> payload,
+                                                std::shared_ptr<const Codebook> codebook,
+                                                const IndexOptions& options) {
   if (options.num_reference_words == 0 && TilePayload::IsSearchReady(payload)) {
     TilePayload parts(std::move(payload));
     if (SearchableTile::NeedsListsOnly(options)) {
-      return std::make_shared<const SearchableTile>(std::move(parts), std::move(codebook), options);
+      return std::make_shared<SearchableTile>(std::move(parts), std::move(codebook), options);
     }
     LargeVector<uint8_t> codes = parts.CodesInTileOrder(parts.Lists().members);
-    return std::make_shared<const SearchableTile>(std::move(parts), std::move(codebook), options,
-                                                  std::move(codes), BuildExtent::kFirstPart);
+    return std::make_shared<SearchableTile>(std::move(parts), std::move(codebook), options,
+                                            std::move(codes), BuildExtent::kFirstPart);
   }
   TileLists lists;
   Tile tile = DecodeTile(payload, {}, &lists);
-  return std::make_shared<const SearchableTile>(std::move(tile), std::move(codebook), options,
-                                                std::move(lists), BuildExtent::kFirstPart);
+  return std::make_shared<SearchableTile>(std::move(tile), std::move(codebook), options,
+                                          std::move(lists), BuildExtent::kFirstPart);
+}
+
+}  // namespace
+
+std::shared_ptr<const SearchableTile> MakeSearchableTile(
+    LargeVector<uint8_t> payload, std::shared_ptr<const Codebook> codebook,
+    const IndexOptions& options, const std::optional<SessionAccuracy>& accuracy) {
+  const auto tile = MakeFromPayload(std::move(payload), std::move(codebook), options);
+  tile->set_accuracy(accuracy);
+  return tile;
 }
 
 }  // namespace cairn

@@ -17,6 +17,7 @@
 #include "engine/tiles/descriptor_places.h"
 #include "engine/tiles/tile_content.h"
 #include "storage/codebook/codebook.h"
+#include "storage/map/session_accuracy.h"
 #include "storage/map/tile_cache.h"
 #include "storage/tile/tile.h"
 #include "storage/tile/tile_lists.h"
@@ -69,6 +70,11 @@ class SearchableTile : public CachedTile {
   // Needs both halves.
   const LandmarkSightings& sightings() const { return content_.sightings(); }
 
+  // The accuracy of the sessions in the tile; empty if the map does not know it. Set before the
+  // tile is shared.
+  const std::optional<SessionAccuracy>& accuracy() const { return accuracy_; }
+  void set_accuracy(const std::optional<SessionAccuracy>& accuracy) { accuracy_ = accuracy; }
+
   size_t MemoryBytes() const override;
 
  private:
@@ -82,14 +88,15 @@ class SearchableTile : public CachedTile {
   std::unique_ptr<const MatchingIndex> index_;
   std::optional<ProductWords> reference_words_;
   TileContent content_;
+  std::optional<SessionAccuracy> accuracy_;
 };
 
 // Makes a payload from LoadPayload searchable in the fastest way, with at least the first part of
-// its index. Throws Error(kMapDamaged) if the payload does not decode or belongs to another
-// codebook.
-std::shared_ptr<const SearchableTile> MakeSearchableTile(LargeVector<uint8_t> payload,
-                                                         std::shared_ptr<const Codebook> codebook,
-                                                         const IndexOptions& options);
+// its index. `accuracy` is that of the tile's sessions, if known. Throws Error(kMapDamaged) if the
+// payload does not decode or belongs to another codebook.
+std::shared_ptr<const SearchableTile> MakeSearchableTile(
+    LargeVector<uint8_t> payload, std::shared_ptr<const Codebook> codebook,
+    const IndexOptions& options, const std::optional<SessionAccuracy>& accuracy = {});
 
 // A tile in the anchor frame of one query.
 struct TileView {

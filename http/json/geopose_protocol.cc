@@ -249,8 +249,8 @@ std::string GeoPoseResponseJson(const LocalizeResult& result, const LocalizeRequ
   nlohmann::ordered_json json = {{"id", request.query.id}};
   json["timestamp"] = request.timestamp_ms.value_or(0);
   json["type"] = "geopose";
-  json["accuracy"] = {{"position", result.position_accuracy_m},
-                      {"orientation", result.rotation_accuracy_rad * kDegPerRad}};
+  json["accuracy"] = {{"position", result.EarthAccuracyM()},
+                      {"orientation", result.EarthAccuracyRad() * kDegPerRad}};
   json["geopose"] = GeoPoseJson(result, request.answer);
   return Dump(json);
 }

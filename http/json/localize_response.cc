@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/angles.h"
@@ -168,6 +169,8 @@ void AddPose(const LocalizeResult& result, const ResponseOptions& options, Json*
   (*json)["innerFrame"] = InnerFrameName(options.inner_frame);
   (*json)["accuracy"] = {{"position", result.position_accuracy_m},
                          {"orientation", result.rotation_accuracy_rad * kDegPerRad}};
+  (*json)["accuracyOnEarth"] = {{"position", result.EarthAccuracyM()},
+                                {"orientation", result.EarthAccuracyRad() * kDegPerRad}};
   if (options.with_covariance) {
     const Matrix6d wire =
         WireCovariance(result.covariance, EnuFromAnchor(geopose.position, result.anchor));
@@ -206,6 +209,11 @@ CameraEstimate ReadCameraEstimate(const JsonReader& json) {
   return estimate;
 }
 
+// Returns what a radius holds beside a smaller one.
+double Remainder(double radius, double part) {
+  return std::sqrt(std::max(0.0, radius * radius - part * part));
+}
+
 void ReadPose(const JsonReader& json, LocalizeResult* result) {
   const GeoPose geopose = ReadGeoPose(json.At("geopose"));
   const auto frame = InnerFrameFromName(json.At("innerFrame").String());
@@ -220,6 +228,12 @@ void ReadPose(const JsonReader& json, LocalizeResult* result) {
   const JsonReader accuracy = json.At("accuracy");
   result->position_accuracy_m = accuracy.At("position").Number();
   result->rotation_accuracy_rad = accuracy.At("orientation").Number() / kDegPerRad;
+  if (const auto on_earth = json.Find("accuracyOnEarth")) {  // Older servers do not send it.
+    result->map_accuracy_m =
+        Remainder(on_earth->At("position").Number(), result->position_accuracy_m);
+    result->map_accuracy_rad =
+        Remainder(on_earth->At("orientation").Number() / kDegPerRad, result->rotation_accuracy_rad);
+  }
   result->confidence = json.At("confidence").Number();
   result->score = json.At("score").Number();
   result->false_alarm_rate = json.At("falseAlarmRate").Number();

@@ -403,7 +403,8 @@ function describe(answer) {
   return [
     `${position.lat.toFixed(7)}°, ${position.lon.toFixed(7)}°, ${position.h.toFixed(2)} m`,
     `heading ${headingDeg(quaternion).toFixed(1)}°`,
-    `± ${answer.accuracy.position.toFixed(2)} m, ± ${answer.accuracy.orientation.toFixed(2)}°`,
+    `± ${answer.accuracy.position.toFixed(2)} m, ± ${answer.accuracy.orientation.toFixed(2)}° in the map`,
+    `± ${answer.accuracyOnEarth.position.toFixed(2)} m on Earth`,
     ...describeCamera(answer.camera),
     `${answer.inlierCount} inliers, confidence ${answer.confidence.toFixed(2)}`,
     prior,

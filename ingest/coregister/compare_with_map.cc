@@ -191,7 +191,8 @@ class MapInquiry {
         ++num_recognized;
         num_from_behind_ += IsFromBehind(results[i]) ? 1 : 0;
         pairs_.push_back(
-            {session_.cam_from_ecef[static_cast<size_t>(images[i])], results[i].cam_from_ecef});
+            {session_.cam_from_ecef[static_cast<size_t>(images[i])], results[i].cam_from_ecef,
+             results[i].position_accuracy_m});
         recognized_.push_back(images[i]);
       }
     }

@@ -6,6 +6,7 @@
 
 #include "core/check.h"
 #include "core/geodesy.h"
+#include "ingest/accuracy/in_map_accuracy.h"
 
 namespace cairn {
 namespace {
@@ -165,14 +166,18 @@ PlacementFit FitFrom(const Sim3d& start, const std::vector<PosePair>& pairs,
       moved.dot(EcefFromEnu(GeodeticFromEcef(middle)).rotation * Eigen::Vector3d::UnitZ());
   fit.turned_rad = RotationAngleRad(refined.motion.rotation, Eigen::Quaterniond::Identity());
   std::vector<double> residuals_m;
-  for (const Difference& difference : refined.differences) {
+  std::vector<PhotoDisagreement> photos;
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    const Difference& difference = refined.differences[i];
     const double residual_m = difference.PositionResidual(refined.x).norm();
     fit.agrees.push_back(residual_m <= options.max_residual_m &&
                          difference.RotationResidual(refined.x).norm() <= options.max_residual_rad);
     if (fit.agrees.back()) {
       residuals_m.push_back(residual_m);
+      photos.push_back({residual_m, pairs[i].accuracy_m});
     }
   }
+  fit.disagreement_m = UnpredictedRadius68(photos);
   fit.num_agreeing = static_cast<int>(residuals_m.size());
   fit.median_residual_m = residuals_m.empty() ? 0.0 : Median(std::move(residuals_m));
   return fit;

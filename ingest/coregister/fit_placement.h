@@ -12,6 +12,7 @@ namespace cairn {
 struct PosePair {
   Rigid3d cam_from_ecef;         // By the session.
   Rigid3d cam_from_ecef_in_map;  // By the map.
+  double accuracy_m = 0.0;       // Of the place by the map: a 68 % radius.
 };
 
 // The difference between the two placements of the cameras.
@@ -24,6 +25,9 @@ struct PlacementFit {
   int num_agreeing = 0;            // Cameras within the largest residuals after the motion.
   double median_residual_m = 0.0;  // Median distance of the agreeing cameras.
   std::vector<bool> agrees;        // Of each pair: whether its camera agrees.
+  // The radius that holds 68 % of the agreeing cameras' distances together with their accuracies,
+  // in quadrature: how far session and map disagree beside the errors of single poses.
+  double disagreement_m = 0.0;
 };
 
 struct PlacementFitOptions {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <unordered_map>
 #include <utility>
@@ -167,6 +168,30 @@ void RequireSpread(const SimilarityProblem& problem) {
   }
 }
 
+// Estimates the accuracy of the fit from the positions that agree with it. `matched` are those of
+// the problem.
+PlacementAccuracy AccuracyOf(const SimilarityProblem& problem,
+                             const std::vector<MatchedPosition>& matched,
+                             const Sim3d& enu_from_normalized) {
+  std::map<std::string, FittedPosition> by_name;
+  for (size_t i = 0; i < matched.size(); ++i) {
+    const SimilarityProblem::Position& position = problem.positions[i];
+    Eigen::Vector3d residual_m =
+        enu_from_normalized * position.center_in_world - position.center_in_enu;
+    if (position.height_accuracy_m >= kUnknownHeightM) {
+      residual_m.z() = 0.0;
+    }
+    if (residual_m.norm() <= 3.0 * kLossScaleSigmas * position.accuracy_m) {
+      by_name[matched[i].image_name] = {position.center_in_enu, residual_m, position.accuracy_m};
+    }
+  }
+  std::vector<FittedPosition> fitted;
+  for (const auto& [name, position] : by_name) {
+    fitted.push_back(position);
+  }
+  return EstimatePlacementAccuracy(fitted, problem.upright_sigma_rad);
+}
+
 // Whether the position would be within its limits with the other sign of a coordinate.
 bool HasLostSign(const MatchedPosition& matched, const Eigen::Vector3d& center_in_ecef) {
   const double limit_m = 3.0 * kLossScaleSigmas * matched.accuracy_m;
@@ -279,6 +304,7 @@ Georegistration Georegister(const Reconstruction& reconstruction,
   }
   const Sim3d enu_from_normalized = RefineSimilarity(problem, *start);
   Judge(problem, enu_from_normalized, options, &result);
+  result.accuracy = AccuracyOf(problem, matched, enu_from_normalized);
   const Sim3d ecef_from_normalized = ecef_from_enu * enu_from_normalized;
   result.ecef_from_world.scale = ecef_from_normalized.scale * normalized_from_world.scale;
   result.ecef_from_world.rotation = ecef_from_normalized.rotation;

@@ -11,6 +11,7 @@
 #include "core/geoid.h"
 #include "core/rigid3.h"
 #include "ingest/georegister/picture_up.h"
+#include "ingest/georegister/placement_accuracy.h"
 #include "ingest/sfm/reconstruction.h"
 
 namespace cairn {
@@ -90,6 +91,9 @@ struct Georegistration {
   int num_sign_errors = 0;
   // Sentences for the summary about faults of the positions; Georegister adds none.
   std::vector<std::string> notes;
+  // How far the placed reconstruction is from its true place; positions of neighboring names count
+  // as taken one after the other.
+  PlacementAccuracy accuracy;
 };
 
 // For each image of a reconstruction, how to turn upright the pixels in which its keypoints lie:

@@ -107,14 +107,20 @@ TileOptions OptionsFromJson(const Json& json) {
 }
 
 Json SessionJson(const SessionRecord& session) {
-  return {{"id", Value(session.id)},
-          {"name", session.name},
-          {"source", session.source},
-          {"recordedAt", session.recorded_at},
-          {"contentDigest", session.content_digest},
-          {"images", session.num_images},
-          {"landmarks", session.num_landmarks},
-          {"georefMedianResidualM", NumberJson(session.georef_median_residual_m)}};
+  Json json = {{"id", Value(session.id)},
+               {"name", session.name},
+               {"source", session.source},
+               {"recordedAt", session.recorded_at},
+               {"contentDigest", session.content_digest},
+               {"images", session.num_images},
+               {"landmarks", session.num_landmarks},
+               {"georefMedianResidualM", NumberJson(session.georef_median_residual_m)}};
+  if (session.accuracy) {
+    json["accuracy"] = {{"inMapM", NumberJson(session.accuracy->in_map_m)},
+                        {"onEarthM", NumberJson(session.accuracy->on_earth_m)},
+                        {"onEarthRad", NumberJson(session.accuracy->on_earth_rad)}};
+  }
+  return json;
 }
 
 SessionRecord SessionFromJson(const Json& json) {
@@ -127,6 +133,11 @@ SessionRecord SessionFromJson(const Json& json) {
   session.num_images = WholeFromJson<int64_t>(json.at("images"));
   session.num_landmarks = WholeFromJson<int64_t>(json.at("landmarks"));
   session.georef_median_residual_m = NumberFromJson(json.at("georefMedianResidualM"));
+  if (const auto accuracy = json.find("accuracy"); accuracy != json.end()) {
+    session.accuracy = {NumberFromJson(accuracy->at("inMapM")),
+                        NumberFromJson(accuracy->at("onEarthM")),
+                        NumberFromJson(accuracy->at("onEarthRad"))};
+  }
   return session;
 }
 

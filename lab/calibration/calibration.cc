@@ -12,16 +12,25 @@
 namespace cairn {
 namespace {
 
+double PositionAccuracyM(const CalibrationSample& sample, const ScoreCalibration& calibration) {
+  return std::hypot(calibration.position_accuracy_factor * sample.predicted_position_m,
+                    sample.map_accuracy_m);
+}
+
+double RotationAccuracyRad(const CalibrationSample& sample, const ScoreCalibration& calibration) {
+  return std::hypot(calibration.rotation_accuracy_factor * sample.predicted_rotation_rad,
+                    sample.map_accuracy_rad);
+}
+
 double ConfidenceOf(const CalibrationSample& sample, const ScoreCalibration& calibration) {
   return calibration.Confidence(sample.score,
-                                calibration.PositionAccuracyM(sample.predicted_position_m));
+                                calibration.position_accuracy_factor * sample.predicted_position_m);
 }
 
 constexpr int kMinSamples = 20;
 constexpr double kMinSlope = 0.1;
 constexpr double kCoverage = 0.68;
 constexpr double kMinFactor = 1e-6;
-constexpr double kMaxMapAccuracyM = 1.0;
 constexpr int kMaxBins = 10;
 constexpr int kMinSamplesPerBin = 10;
 
@@ -32,9 +41,10 @@ struct LogitObservation {
   double weight = 1.0;
 };
 
-// An error and its predicted radius.
+// An error, its predicted radius, and what the map adds.
 struct RadiusSample {
   double predicted = 0.0;
+  double by_map = 0.0;
   double error = 0.0;
 };
 
@@ -125,58 +135,18 @@ double FitOffset(const std::vector<LogitObservation>& observations, double slope
   return 0.5 * (low + high);
 }
 
-// Returns the smallest factor with which the radii, together with the map accuracy, cover at least
-// kCoverage of the errors. An error that the map accuracy alone covers needs no factor.
-double CoverageFactor(const std::vector<RadiusSample>& samples, double map_accuracy_m) {
+// Returns the smallest factor with which the radii cover at least kCoverage of the errors. An error
+// that the map's accuracy alone covers needs no factor.
+double CoverageFactor(const std::vector<RadiusSample>& samples) {
   std::vector<double> factors;
   for (const RadiusSample& sample : samples) {
-    const double sq_rest = sample.error * sample.error - map_accuracy_m * map_accuracy_m;
+    const double sq_rest = sample.error * sample.error - sample.by_map * sample.by_map;
     factors.push_back(std::sqrt(std::max(sq_rest, 0.0)) / sample.predicted);
   }
   const auto rank =
       static_cast<std::ptrdiff_t>(std::ceil(kCoverage * static_cast<double>(factors.size())) - 1.0);
   std::nth_element(factors.begin(), factors.begin() + rank, factors.end());
   return std::max(factors[rank], kMinFactor);
-}
-
-// Divides the samples into quarters by predicted radius and returns the sum of the quarters'
-// squared deviations from kCoverage.
-double CoverageUnevenness(const std::vector<RadiusSample>& by_predicted, double factor,
-                          double map_accuracy_m) {
-  constexpr size_t kNumParts = 4;
-  double sum = 0.0;
-  for (size_t part = 0; part < kNumParts; ++part) {
-    const size_t begin = by_predicted.size() * part / kNumParts;
-    const size_t end = by_predicted.size() * (part + 1) / kNumParts;
-    double share_within = 0.0;
-    for (size_t i = begin; i < end; ++i) {
-      const RadiusSample& sample = by_predicted[i];
-      const bool within = sample.error <= std::hypot(factor * sample.predicted, map_accuracy_m);
-      share_within += within ? 1.0 / static_cast<double>(end - begin) : 0.0;
-    }
-    sum += (share_within - kCoverage) * (share_within - kCoverage);
-  }
-  return sum;
-}
-
-// Returns the factor and the map accuracy for the positions.
-std::pair<double, double> FitPositionRadius(std::vector<RadiusSample> samples) {
-  constexpr double kStepM = 0.01;
-  std::sort(samples.begin(), samples.end(),
-            [](const auto& a, const auto& b) { return a.predicted < b.predicted; });
-  std::pair<double, double> best;
-  double least_unevenness = std::numeric_limits<double>::infinity();
-  for (int step = 0; step * kStepM <= kMaxMapAccuracyM; ++step) {
-    const double map_accuracy_m = step * kStepM;
-    const double factor = CoverageFactor(samples, map_accuracy_m);
-    const double unevenness = CoverageUnevenness(samples, factor, map_accuracy_m);
-    if (factor > kMinFactor && unevenness < least_unevenness) {
-      least_unevenness = unevenness;
-      best = {factor, map_accuracy_m};
-    }
-  }
-  return least_unevenness < std::numeric_limits<double>::infinity() ? best
-                                                                    : std::pair(kMinFactor, 0.0);
 }
 
 std::vector<ReliabilityBin> ReliabilityBins(const std::vector<CalibrationSample>& by_score,
@@ -207,17 +177,16 @@ std::vector<CalibrationSample> CalibrationSamples(const EvalReport& report,
   std::vector<CalibrationSample> samples;
   for (const EvalAnswer& answer : report.answers) {
     if (answer.result.localized) {
-      const double sq_position =
-          answer.result.position_accuracy_m * answer.result.position_accuracy_m -
-          used.map_accuracy_m * used.map_accuracy_m;
-      samples.push_back({.score = answer.result.score,
-                         .correct = IsWithin(answer, kCorrect),
-                         .position_error_m = answer.position_error_m,
-                         .rotation_error_rad = answer.rotation_error_rad,
-                         .predicted_position_m =
-                             std::sqrt(std::max(sq_position, 0.0)) / used.position_accuracy_factor,
-                         .predicted_rotation_rad =
-                             answer.result.rotation_accuracy_rad / used.rotation_accuracy_factor});
+      const LocalizeResult& result = answer.result;
+      samples.push_back(
+          {.score = result.score,
+           .correct = IsWithin(answer, kCorrect),
+           .position_error_m = answer.position_error_m,
+           .rotation_error_rad = answer.rotation_error_rad,
+           .predicted_position_m = result.position_accuracy_m / used.position_accuracy_factor,
+           .predicted_rotation_rad = result.rotation_accuracy_rad / used.rotation_accuracy_factor,
+           .map_accuracy_m = result.map_accuracy_m,
+           .map_accuracy_rad = result.map_accuracy_rad});
     }
   }
   return samples;
@@ -232,15 +201,15 @@ ScoreCalibration FitCalibration(const std::vector<CalibrationSample>& samples) {
   }
   std::vector<RadiusSample> positions, rotations;
   for (const CalibrationSample& sample : samples) {
-    positions.push_back({sample.predicted_position_m, sample.position_error_m});
-    rotations.push_back({sample.predicted_rotation_rad, sample.rotation_error_rad});
+    positions.push_back(
+        {sample.predicted_position_m, sample.map_accuracy_m, sample.position_error_m});
+    rotations.push_back(
+        {sample.predicted_rotation_rad, sample.map_accuracy_rad, sample.rotation_error_rad});
   }
-  const auto [position_factor, map_accuracy_m] = FitPositionRadius(std::move(positions));
   return {.confidence_slope = slope_and_offset[0],
           .confidence_offset = slope_and_offset[1],
-          .position_accuracy_factor = position_factor,
-          .rotation_accuracy_factor = CoverageFactor(rotations, 0.0),
-          .map_accuracy_m = map_accuracy_m};
+          .position_accuracy_factor = CoverageFactor(positions),
+          .rotation_accuracy_factor = CoverageFactor(rotations)};
 }
 
 CalibrationReport MeasureCalibration(const std::vector<CalibrationSample>& samples,
@@ -263,10 +232,8 @@ CalibrationReport MeasureCalibration(const std::vector<CalibrationSample>& sampl
   for (const CalibrationSample& sample : samples) {
     const double miss = ConfidenceOf(sample, calibration) - (sample.correct ? 1.0 : 0.0);
     report.brier_score += miss * miss / report.num_samples;
-    num_position_within +=
-        sample.position_error_m <= calibration.PositionAccuracyM(sample.predicted_position_m);
-    num_rotation_within +=
-        sample.rotation_error_rad <= calibration.RotationAccuracyRad(sample.predicted_rotation_rad);
+    num_position_within += sample.position_error_m <= PositionAccuracyM(sample, calibration);
+    num_rotation_within += sample.rotation_error_rad <= RotationAccuracyRad(sample, calibration);
   }
   report.position_coverage = WilsonInterval(num_position_within, report.num_samples);
   report.rotation_coverage = WilsonInterval(num_rotation_within, report.num_samples);

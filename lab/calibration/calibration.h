@@ -16,21 +16,21 @@ struct CalibrationSample {
   bool correct = false;  // Within 3 m and 10 degrees of the truth.
   double position_error_m = 0.0;
   double rotation_error_rad = 0.0;
-  // The radii that the covariance predicts before any calibration; positive.
+  // The radii that the matches predict before any calibration; positive.
   double predicted_position_m = 0.0;
   double predicted_rotation_rad = 0.0;
+  // What the accuracy of the map adds to the radii, in quadrature.
+  double map_accuracy_m = 0.0;
+  double map_accuracy_rad = 0.0;
 };
 
-// Returns a sample for each answer with a pose. `used` is the calibration of the localizer that
-// gave the answers; its effect on the radii is undone.
+// Returns a sample for each answer with a pose, with the radii on Earth. `used` is the calibration
+// of the localizer that gave the answers; its effect on the radii is undone.
 std::vector<CalibrationSample> CalibrationSamples(const EvalReport& report,
                                                   const ScoreCalibration& used);
 
 // Fits a logistic function of log(score) by maximum likelihood, and radii that hold 68 % of the
 // truths (wrong answers count as outside).
-//
-// Radii: for each map accuracy on a grid, finds the factor that the accuracy needs. Chooses the
-// pair whose coverage is most even from small to large predicted radii.
 //
 // Confidence: the likelihood includes one additional correct and one additional wrong answer at the
 // median score, so that samples without a wrong answer have a fit, too. A slope below 0.1 is set to

@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/geodesy.h"
 #include "core/parallel_for.h"
+#include "core/radius68.h"
 #include "core/require.h"
 #include "core/tile_id.h"
 #include "lab/city/cameras/simulated_mapping.h"
@@ -72,6 +73,9 @@ void Ingest(const CityWorldOptions& options, const SimulatedMapping& mapping,
   IngestOptions ingest = options.ingest;
   ingest.session_name = "tile " + chunk.tile_id.ToString();
   ingest.source = "simulated city";
+  if (ingest.earth_accuracy_m == 0.0) {
+    ingest.earth_accuracy_m = kRadius68PerSigma3d * options.mapping.noise.deformation_m;
+  }
   // Neighboring tiles share no landmarks: there is nothing to join.
   ingest.joining = SessionJoining::kApart;
   ingest.gate.max_lost_share = 1.0;

@@ -114,11 +114,10 @@ ExperimentOutcome Run(const ExperimentContext& context) {
   }
   outcome.figures = {figure};
   outcome.verdict = JudgeAll(verdicts);
-  outcome.sentence += fmt::format(
-      "Fitted to {}: slope {:.3f}, offset {:.3f}, factors {:.3f} and {:.3f}, map accuracy {:.2f} "
-      "m.",
-      fitted_to.city, fit.confidence_slope, fit.confidence_offset, fit.position_accuracy_factor,
-      fit.rotation_accuracy_factor, fit.map_accuracy_m);
+  outcome.sentence +=
+      fmt::format("Fitted to {}: slope {:.3f}, offset {:.3f}, factors {:.3f} and {:.3f}.",
+                  fitted_to.city, fit.confidence_slope, fit.confidence_offset,
+                  fit.position_accuracy_factor, fit.rotation_accuracy_factor);
   return outcome;
 }
 

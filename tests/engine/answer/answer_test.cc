@@ -59,9 +59,9 @@ TEST(ConcludeAnswer, TakesTheBestScore) {
   ASSERT_TRUE(result.localized);
   EXPECT_DOUBLE_EQ(result.score, ScoreOf({20, 0, 0}, 140.0));
   EXPECT_NEAR(result.cam_from_anchor.Inverse().translation.x(), 20.0, 1e-12);
-  // sqrt(3.506 * 0.01): the 68 % radius of an isotropic Gaussian with sigma 0.1 m.
-  EXPECT_NEAR(result.position_accuracy_m, AnswerOptions{}.calibration.PositionAccuracyM(0.18724),
-              1e-4);
+  // The 68 % radius of an isotropic Gaussian with sigma 0.1 m.
+  EXPECT_NEAR(result.position_accuracy_m,
+              AnswerOptions{}.calibration.position_accuracy_factor * 0.18724, 1e-4);
 }
 
 // Only the winner is refined, and what it is then decides whether it is good enough.
@@ -189,8 +189,13 @@ TEST(ConcludeAnswer, ScalesTheAccuraciesAsCalibrated) {
   options.calibration.map_accuracy_m = 0.25;
   const LocalizeResult result = Conclude({HypothesisAt({1, 0, 0}, 60.0)}, options);
   const double predicted = std::sqrt(3.506 * 0.01);
-  EXPECT_NEAR(result.position_accuracy_m, std::hypot(3.0 * predicted, 0.25), 1e-9);
-  EXPECT_NEAR(result.rotation_accuracy_rad, 2.0 * predicted, 1e-9);
+  EXPECT_NEAR(result.position_accuracy_m, 3.0 * predicted, 1e-4);
+  EXPECT_NEAR(result.rotation_accuracy_rad, 2.0 * predicted, 1e-4);
+  EXPECT_NEAR(result.covariance(0, 0), 4.0 * 0.01, 1e-12);
+  EXPECT_NEAR(result.covariance(5, 5), 9.0 * 0.01, 1e-12);
+  // Nobody knows how accurate the map is.
+  EXPECT_EQ(result.map_accuracy_m, 0.25);
+  EXPECT_NEAR(result.EarthAccuracyM(), std::hypot(3.0 * predicted, 0.25), 1e-4);
   EXPECT_DOUBLE_EQ(result.confidence,
                    RecallConfidence(1.0) *
                        options.calibration.Confidence(result.score, result.position_accuracy_m));

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "core/radius68.h"
 
 namespace cairn {
 namespace {
@@ -46,6 +47,23 @@ TEST(ScoreCalibration, FalseAlarmsFallWithTheScoreAndStayAProbability) {
     EXPECT_GT(rate, 0.0);
     last = rate;
   }
+}
+
+TEST(ScoreCalibration, ScalesTheCovarianceAndAddsTheMap) {
+  const Eigen::Matrix<double, 6, 6> root = Eigen::Matrix<double, 6, 6>::Random();
+  const Eigen::Matrix<double, 6, 6> predicted = root * root.transpose();
+  ScoreCalibration calibration;
+  calibration.rotation_accuracy_factor = 2.0;
+  calibration.position_accuracy_factor = 3.0;
+  const auto calibrated = calibration.Calibrated(predicted, 0.0);
+  EXPECT_NEAR(calibrated(0, 1), 4.0 * predicted(0, 1), 1e-12);
+  EXPECT_NEAR(calibrated(1, 4), 6.0 * predicted(1, 4), 1e-12);
+  EXPECT_NEAR(calibrated(3, 4), 9.0 * predicted(3, 4), 1e-12);
+  const double radius_m = Radius68(calibrated.bottomRightCorner<3, 3>());
+  const auto in_a_map = calibration.Calibrated(predicted, 0.5);
+  EXPECT_NEAR(Radius68(in_a_map.bottomRightCorner<3, 3>()), std::hypot(radius_m, 0.5), 1e-12);
+  // Rotations grow alike, and nothing turns.
+  EXPECT_NEAR(in_a_map(0, 4) / calibrated(0, 4), in_a_map(5, 5) / calibrated(5, 5), 1e-9);
 }
 
 TEST(ScoreCalibration, RefusesNonsense) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
@@ -21,6 +22,8 @@ LocalizeResult SomeResult() {
   result.covariance = root * root.transpose();
   result.position_accuracy_m = 0.31;
   result.rotation_accuracy_rad = 0.015;
+  result.map_accuracy_m = 0.4;
+  result.map_accuracy_rad = 0.002;
   result.score = 88.5;
   result.confidence = 0.97;
   result.false_alarm_rate = 1e-9;
@@ -69,6 +72,8 @@ TEST(LocalizeResponse, RoundTripsThroughTheWire) {
     EXPECT_LT((out.covariance - in.covariance).cwiseAbs().maxCoeff(), 1e-9);
     EXPECT_NEAR(out.rotation_accuracy_rad, in.rotation_accuracy_rad, 1e-12);
     EXPECT_EQ(out.position_accuracy_m, in.position_accuracy_m);
+    EXPECT_NEAR(out.map_accuracy_m, in.map_accuracy_m, 1e-12);
+    EXPECT_NEAR(out.map_accuracy_rad, in.map_accuracy_rad, 1e-12);
     EXPECT_EQ(out.score, in.score);
     EXPECT_EQ(out.confidence, in.confidence);
     EXPECT_EQ(out.false_alarm_rate, in.false_alarm_rate);
@@ -131,6 +136,17 @@ TEST(LocalizeResponse, CovarianceHasTheTranslationFirst) {
   for (int i = 0; i < 6; ++i) {
     EXPECT_NEAR(json["covariance"][7 * i].get<double>(), expected[i], 1e-9);
   }
+}
+
+TEST(LocalizeResponse, SaysHowAccurateThePoseIsInTheMapAndOnEarth) {
+  auto json = nlohmann::json::parse(LocalizeResponseJson(SomeResult(), SomeRequest(), {}));
+  EXPECT_EQ(json["accuracy"]["position"], 0.31);
+  EXPECT_NEAR(json["accuracyOnEarth"]["position"].get<double>(), std::hypot(0.31, 0.4), 1e-12);
+  // An answer of a server that knows nothing of it.
+  json.erase("accuracyOnEarth");
+  const LocalizeResult out = ParseLocalizeResponse(json.dump());
+  EXPECT_EQ(out.position_accuracy_m, 0.31);
+  EXPECT_EQ(out.map_accuracy_m, 0.0);
 }
 
 TEST(LocalizeResponse, ThinsMatchesEvenly) {

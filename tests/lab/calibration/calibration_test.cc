@@ -40,23 +40,24 @@ TEST(FitCalibration, RecoversTheTruth) {
   const ScoreCalibration fit = FitCalibration(MakeSamples(20'000, 2.5, -6.0, 1.7, 3));
   EXPECT_NEAR(fit.confidence_slope, 2.5, 0.15);
   EXPECT_NEAR(fit.confidence_offset, -6.0, 0.4);
-  EXPECT_NEAR(std::hypot(fit.position_accuracy_factor * 0.1, fit.map_accuracy_m), 0.17, 0.005);
+  EXPECT_NEAR(fit.position_accuracy_factor, 1.7, 0.05);
   EXPECT_NEAR(fit.rotation_accuracy_factor, 3.4, 0.08);
 }
 
-TEST(FitCalibration, FindsWhatTheMapAdds) {
+TEST(FitCalibration, LeavesOutWhatTheMapAdds) {
   std::vector<CalibrationSample> samples = MakeSamples(20'000, 2.5, -6.0, 1.7, 11);
-  // Independent of what the covariance predicts: 68 % of |normal| is below 0.9945.
+  // Independent of what the matches predict: 68 % of |normal| is below 0.9945.
   std::mt19937_64 generator(12);
   std::normal_distribution<double> map_error(0.0, 0.3 / 0.9945);
   for (CalibrationSample& sample : samples) {
     const double own = std::bernoulli_distribution(0.5)(generator) ? sample.position_error_m
                                                                    : -sample.position_error_m;
     sample.position_error_m = std::abs(own + map_error(generator));
+    sample.map_accuracy_m = 0.3;
   }
   const ScoreCalibration fit = FitCalibration(samples);
-  EXPECT_NEAR(fit.map_accuracy_m, 0.3, 0.03);
   EXPECT_NEAR(fit.position_accuracy_factor, 1.7, 0.12);
+  EXPECT_NEAR(MeasureCalibration(samples, fit).position_coverage.value, 0.68, 0.01);
 }
 
 TEST(FitCalibration, HoldsOnSamplesItHasNotSeen) {
@@ -131,20 +132,21 @@ TEST(CalibrationSamples, UndoesTheFactorsThatWereUsed) {
   EvalAnswer answer;
   answer.result.localized = true;
   answer.result.score = 12.0;
-  answer.result.position_accuracy_m = std::hypot(0.6, 0.2);
+  answer.result.position_accuracy_m = 0.6;
   answer.result.rotation_accuracy_rad = 0.02;
+  answer.result.map_accuracy_m = 0.3;
   answer.position_error_m = 0.5;
   answer.rotation_error_rad = 0.01;
   report.answers = {answer, EvalAnswer{}};  // The second has no pose.
   ScoreCalibration used;
   used.position_accuracy_factor = 3.0;
   used.rotation_accuracy_factor = 2.0;
-  used.map_accuracy_m = 0.2;
   const std::vector<CalibrationSample> samples = CalibrationSamples(report, used);
   ASSERT_EQ(samples.size(), 1u);
   EXPECT_TRUE(samples[0].correct);
   EXPECT_NEAR(samples[0].predicted_position_m, 0.2, 1e-12);
   EXPECT_NEAR(samples[0].predicted_rotation_rad, 0.01, 1e-12);
+  EXPECT_EQ(samples[0].map_accuracy_m, 0.3);
 }
 
 // Newcombe 1998, table I: 81 of 263 gives 0.2553 to 0.3662.
