@@ -144,8 +144,9 @@ Sim3d MotionOf(const MergeReport& report) {
   return IsJudged(report.comparison) ? report.comparison.fit.map_from_session : Sim3d();
 }
 
-PlacementAccuracy AccuracyOfMaps(const MergeSource& a, const MergeSource& b,
-                                 const AgreementOptions& options, const MapComparison& comparison) {
+PositionAccuracies AccuracyOfMaps(const MergeSource& a, const MergeSource& b,
+                                  const AgreementOptions& options,
+                                  const MapComparison& comparison) {
   double worst_of_b_m = 0.0;
   for (const SessionRecord& session : b.snapshot().Sessions()) {
     worst_of_b_m = std::max(worst_of_b_m, session.georef_median_residual_m);
@@ -162,7 +163,7 @@ void Meet(const MergeSource& a, const MapMergeOptions& options, MergeSource* b,
   }
   report->comparison = CompareMaps(a, *b, options.num_threads);
   const MapComparison& comparison = report->comparison;
-  const PlacementAccuracy accuracy = AccuracyOfMaps(a, *b, options.agreement, comparison);
+  const PositionAccuracies accuracy = AccuracyOfMaps(a, *b, options.agreement, comparison);
   RequireAgreement(comparison, options.agreement, accuracy, b->path());
   if (IsJudged(comparison)) {
     RequireNearMove(MotionOf(*report), *b, LimitsOf(comparison, options.agreement, accuracy));

@@ -8,6 +8,7 @@
 
 #include "core/angles.h"
 #include "core/error.h"
+#include "core/radius68.h"
 
 namespace cairn {
 namespace {
@@ -84,7 +85,7 @@ double MovedM(const PlacementFit& fit, const MotionLimits& limits) {
   return std::sqrt(level_sq_m + std::pow(raised_share * fit.raised_m, 2));
 }
 
-std::string WhyAllowed(const MotionLimits& limits, const PlacementAccuracy& accuracy) {
+std::string WhyAllowed(const MotionLimits& limits, const PositionAccuracies& accuracy) {
   return limits.follow_accuracy
              ? fmt::format(
                    ", since its positions are good to {:.1f} m and those of the map to "
@@ -104,7 +105,7 @@ constexpr const char* kStateAccuracy =
     "max_scale_change of --options)";
 
 void RequireSmallMotion(const MapComparison& comparison, const AgreementOptions& options,
-                        const PlacementAccuracy& accuracy, const std::string& newcomer) {
+                        const PositionAccuracies& accuracy, const std::string& newcomer) {
   const PlacementFit& fit = comparison.fit;
   const MotionLimits limits = LimitsOf(comparison, options, accuracy);
   if (IsSmall(fit, limits)) {
@@ -123,10 +124,10 @@ void RequireSmallMotion(const MapComparison& comparison, const AgreementOptions&
 
 }  // namespace
 
-PlacementAccuracy AccuracyOf(const MapComparison& comparison, double stated_m,
-                             double median_residual_m, const std::vector<SessionRecord>& map) {
+PositionAccuracies AccuracyOf(const MapComparison& comparison, double stated_m,
+                              double median_residual_m, const std::vector<SessionRecord>& map) {
   const std::vector<SessionId>& known = comparison.known_sessions;
-  PlacementAccuracy accuracy;
+  PositionAccuracies accuracy;
   // Without a statement, nobody says how the session was placed.
   accuracy.session_m = stated_m > 0.0 ? std::max(stated_m, median_residual_m) : 0.0;
   for (const SessionRecord& session : map) {
@@ -138,8 +139,7 @@ PlacementAccuracy AccuracyOf(const MapComparison& comparison, double stated_m,
 }
 
 MotionLimits LimitsOf(const MapComparison& comparison, const AgreementOptions& options,
-                      const PlacementAccuracy& accuracy) {
-  constexpr double kRadius68PerSigma = 1.51;  // Of two axes: sqrt(-2 ln 0.32).
+                      const PositionAccuracies& accuracy) {
   constexpr double kMaxSigmas = 3.4;
   constexpr double kMaxTurnedRad = 0.5;  // No receiver turns a street by more than this.
   MotionLimits limits = {options.max_moved_m, options.max_turned_rad, options.max_scale_change};
@@ -147,7 +147,7 @@ MotionLimits LimitsOf(const MapComparison& comparison, const AgreementOptions& o
     return limits;
   }
   const double off_m =
-      kMaxSigmas / kRadius68PerSigma * std::hypot(accuracy.session_m, accuracy.map_m);
+      kMaxSigmas / kRadius68PerSigma2d * std::hypot(accuracy.session_m, accuracy.map_m);
   const double turned_rad = std::min(kMaxTurnedRad, off_m / std::max(1.0, comparison.spread_m));
   limits.follow_accuracy = off_m > limits.moved_m;
   limits.moved_m = std::max(limits.moved_m, off_m);
@@ -157,7 +157,7 @@ MotionLimits LimitsOf(const MapComparison& comparison, const AgreementOptions& o
 }
 
 void RequireAgreement(const MapComparison& comparison, const AgreementOptions& options,
-                      const PlacementAccuracy& accuracy, const std::string& newcomer) {
+                      const PositionAccuracies& accuracy, const std::string& newcomer) {
   RequireRecognized(comparison, options, newcomer);
   RequireOneMotion(comparison, options, newcomer);
   if (IsJudged(comparison)) {

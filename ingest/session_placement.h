@@ -14,7 +14,7 @@
 namespace cairn {
 
 // How well the positions on Earth are known: radii that contain 68 % of them, meters; 0: unknown.
-struct PlacementAccuracy {
+struct PositionAccuracies {
   double session_m = 0.0;
   double map_m = 0.0;
 };
@@ -22,8 +22,8 @@ struct PlacementAccuracy {
 // The accuracy of a session's positions is what was stated or what the residuals of the
 // georegistration show, whichever is worse. The residuals tell that of the sessions of the map: the
 // worst of those with keyframes in the tiles of the session, or of all if there are none.
-PlacementAccuracy AccuracyOf(const MapComparison& comparison, double stated_m,
-                             double median_residual_m, const std::vector<SessionRecord>& map);
+PositionAccuracies AccuracyOf(const MapComparison& comparison, double stated_m,
+                              double median_residual_m, const std::vector<SessionRecord>& map);
 
 // The motion that a session may make to follow the map.
 struct MotionLimits {
@@ -38,14 +38,14 @@ struct MotionLimits {
 // accuracy exceed once in 300 times: 3.4 standard deviations of an axis. Errors of positions turn
 // and resize a session by the error over its spread.
 MotionLimits LimitsOf(const MapComparison& comparison, const AgreementOptions& options,
-                      const PlacementAccuracy& accuracy);
+                      const PositionAccuracies& accuracy);
 
 // Throws Error(kConflict), with the figures of the disagreement and what to do, if a session or
 // another map contradicts the map: the map recognizes none of its photos, or recognizes them
 // mirrored, elsewhere, turned, of another size or in places that fit no motion. `newcomer` names
 // it.
 void RequireAgreement(const MapComparison& comparison, const AgreementOptions& options,
-                      const PlacementAccuracy& accuracy, const std::string& newcomer);
+                      const PositionAccuracies& accuracy, const std::string& newcomer);
 
 // Throws Error(kConflict), with the figures and what to do, if the answers lost are more than two
 // and more than the options allow. `newcomer` names what the update adds.
