@@ -50,6 +50,9 @@ UpView ViewOf(const ReconImage& image, const std::optional<int>& orientation,
               const std::optional<PictureUp>& by_user, double trust) {
   UpView view;
   view.cam_from_world = image.cam_from_world.rotation;
+  if (image.down_in_cam) {
+    view.up_in_cam = -*image.down_in_cam;
+  }
   if (by_user) {
     view.stated = by_user;
     view.trust = kTrustInUser;

@@ -62,6 +62,7 @@ struct WalkOptions {
   double side_rad = 0.0;   // Of the views, from ahead.
   double swing_rad = 0.0;  // Views alternate so far to both sides.
   bool has_facades = true;
+  bool feels_gravity = false;
   std::function<PictureUp(int)> held = [](int) { return PictureUp::kTop; };
   uint64_t seed = 1;
 };
@@ -131,6 +132,9 @@ Walk MakeWalk(const WalkOptions& options) {
     ReconImage image;
     image.name = std::to_string(i);
     image.cam_from_world = CamFromTarget(cam_from_enu.back(), world_from_enu);
+    if (options.feels_gravity) {
+      image.down_in_cam = cam_from_enu.back().rotation * -Eigen::Vector3d::UnitZ();
+    }
     image.features.keypoints.resize(1);
     image.features.descriptors = DescriptorMatrix::Zero(1, 128);
     walk.reconstruction.images.push_back(std::move(image));
@@ -208,6 +212,14 @@ TEST(WhichWayIsUp, OrientationsOfPhotosTell) {
   EXPECT_THAT(OutcomesOf(walk, {}, orientations), Each("right"));
   EXPECT_THAT(OutcomesOf(walk, {.up = UpSource::kPhotos}, orientations), Each("right"));
   EXPECT_THAT(OutcomesOf(walk, {.up = UpSource::kPhotos}), Each("refused"));
+}
+
+TEST(WhichWayIsUp, GravityOfThePhotosTells) {
+  for (const PictureUp up :
+       {PictureUp::kTop, PictureUp::kLeft, PictureUp::kRight, PictureUp::kBottom}) {
+    EXPECT_THAT(OutcomesOf({.has_facades = false, .feels_gravity = true, .held = All(up)}),
+                Each("right"));
+  }
 }
 
 TEST(WhichWayIsUp, ADroneThatLooksDownIsRightOnABentFlight) {
