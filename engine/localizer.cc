@@ -276,10 +276,12 @@ std::vector<RankedPlace> Localizer::Impl::RankPlaces(const LocalizeQuery& query,
   const StopFunction should_stop = budget.StopAfter(options.tiles.deadline_share);
   const CataloguedPlaces places = catalog.IndexOf(snapshot, should_stop);
   const std::optional<QueryContext> context = MakeContext(query, snapshot, {});
-  counters->tiles_cut_short = !places.is_complete;
-  return places.index == nullptr || !context
-             ? std::vector<RankedPlace>()
-             : places.index->Rank(*context, options.places, should_stop);
+  std::vector<RankedPlace> ranked;
+  if (places.index != nullptr && context) {
+    ranked = places.index->Rank(*context, options.places, should_stop);
+  }
+  counters->tiles_cut_short = !places.is_complete || (should_stop && should_stop());
+  return ranked;
 }
 
 LocalizeResult Localizer::Impl::LocalizeAnywhere(const LocalizeQuery& query,
@@ -311,6 +313,11 @@ LocalizeResult Localizer::Impl::LocalizeAnywhere(const LocalizeQuery& query,
   result.counters.num_tiles_found = num_tiles;
   result.counters.tile_limit_hit = result.counters.num_tiles_searched < num_tiles;
   result.counters.tiles_cut_short |= without_place.counters.tiles_cut_short;
+  const bool found_too_little =
+      result.reason == Reason::kTooFewMatches || result.reason == Reason::kTooFewInliers;
+  if (found_too_little && (budget.DeadlinePassed() || result.counters.is_cut_short())) {
+    result.reason = Reason::kTimeout;
+  }
   if (!result.localized) {
     result.reason_text = ExplainMiss(query, result, options, &snapshot);
   }

@@ -82,6 +82,7 @@ IngestReport IngestAgain(const ArchivedSession& session, IngestOptions options, 
   options.now = manifest.recorded_at;
   options.joining = manifest.is_apart ? SessionJoining::kApart : SessionJoining::kJoin;
   options.georef_median_residual_m = manifest.georef_median_residual_m;
+  options.gate.max_lost_share = 1.0;  // The session was published once.
   if (numbering == Numbering::kAsBefore) {
     LeaveOutIdsBefore(manifest.first_ids, store);
   }

@@ -52,11 +52,11 @@ IngestReport IngestSession(const Reconstruction& reconstruction, const Sim3d& ec
   if (!planned.plan.is_unchanged) {
     tiles = BuildTiles(planned, options.num_threads, progress);
   }
+  const KeyframeAnswers answers = RequireKeyframes(
+      planned.plan, [&](size_t i) { return tiles[i]; }, *store, options.num_threads, progress);
   if (before_publish) {
     before_publish(planned);
   }
-  const KeyframeAnswers answers = RequireKeyframes(
-      planned.plan, [&](size_t i) { return tiles[i]; }, *store, options.num_threads, progress);
   IngestReport report = PublishSession(
       planned.plan, [&](size_t i) { return std::move(tiles[i]); }, store, options.patience,
       progress);

@@ -55,8 +55,9 @@ std::shared_ptr<const Codebook> RequireOneCodebook(const MergeSource& a, bool re
 }
 
 void RequireDistinctSessions(const MergeSource& a, const MergeSource& b, SessionJoining joining) {
+  const std::vector<SessionRecord> sessions_of_b = b.snapshot().Sessions();
   for (const SessionRecord& of_a : a.snapshot().Sessions()) {
-    for (const SessionRecord& of_b : b.snapshot().Sessions()) {
+    for (const SessionRecord& of_b : sessions_of_b) {
       if (of_a.name == of_b.name) {
         throw Error(ErrorCode::kConflict,
                     fmt::format("{} and {} both have a session '{}'; ingest it under another name "
@@ -69,8 +70,11 @@ void RequireDistinctSessions(const MergeSource& a, const MergeSource& b, Session
                                 "remove it from one of them, or keep both apart (--apart)",
                                 Excerpt(of_a.name), a.path(), Excerpt(of_b.name), b.path()));
       }
+      if (joining == SessionJoining::kApart) {
+        continue;
+      }
       const SharedPhotos shared = CountSharedPhotos(of_a, of_b);
-      if (joining == SessionJoining::kJoin && !AreMostlyNew(shared)) {
+      if (!AreMostlyNew(shared)) {
         throw Error(
             ErrorCode::kConflict,
             fmt::format("session '{}' of {} and session '{}' of {} share {} of the {} photos that "

@@ -241,7 +241,7 @@ void Judge(const SimilarityProblem& problem, const Sim3d& enu_from_normalized,
   result->max_residual_m =
       *std::max_element(result->residuals_m.begin(), result->residuals_m.end());
   const double median_sigmas = Median(residuals_sigmas);
-  if (median_sigmas <= options.max_median_residual_sigmas &&
+  if (result->num_inliers > 0 && median_sigmas <= options.max_median_residual_sigmas &&
       result->median_residual_m <= options.max_median_residual_m) {
     return;
   }

@@ -47,6 +47,7 @@ void Ingest(const CitySession& session, int session_idx, KeptMap* map) {
   IngestOptions options = map->ingest;
   options.session_name = fmt::format("session {:02}", session_idx);
   options.source = "simulated city";
+  options.gate.max_lost_share = 1.0;  // The experiment measures what is lost.
   options.recorded_at = session.recorded_at;
   const std::clock_t start = std::clock();
   map->last_report =

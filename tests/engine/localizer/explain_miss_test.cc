@@ -105,6 +105,7 @@ TEST_F(ExplainMissTest, EveryReasonHasASentence) {
 
 TEST_F(ExplainMissTest, AnswersWithoutAPoseHaveTheSentence) {
   LocalizeQuery query;
+  query.features.descriptors.resize(0, 128);
   const LocalizeResult featureless = map_->localizer().Localize(query);
   EXPECT_EQ(featureless.reason, NotLocalizedReason::kTooFewFeatures);
   EXPECT_THAT(featureless.reason_text, HasSubstr("shows 0 features, and a pose needs 6"));

@@ -50,7 +50,7 @@ TEST(LogPoseShare, IsTheDensityOfThePriorTimesTheVolume) {
   EXPECT_LT(ShareAt({40, 0, 0}, EstimateOf(-20.0)), ShareAt({0, 0, 0}, EstimateOf(-20.0)) - 2.0);
   SearchRegion anywhere = RegionOf(10.0);
   anywhere.has_prior = false;
-  anywhere.radius_m = 500.0;
+  anywhere.area_m2 = kPi * 250000.0;
   EXPECT_NEAR(LogPoseShare(anywhere, {400, 0, 0}, EstimateOf(-20.0)),
               -20.0 - std::log(kPi * 250000.0 * 5.0 * 2.0 * kPi), 1e-9);
 }

@@ -44,9 +44,10 @@ TEST(SearchRegion, APlaceIsADiscAndThePriorProbabilityThatOfTheWholeMap) {
   EXPECT_LT(GroundDistanceM(region.origin, center), 1e-3);
   EXPECT_DOUBLE_EQ(region.origin.h_m, 0.0);
   EXPECT_DOUBLE_EQ(region.radius_m, 75.0);
-  EXPECT_NEAR(LogPoseShare(RegionOfPlace(center, 75.0, 1), Eigen::Vector3d::Zero(), true) -
-                  LogPoseShare(region, Eigen::Vector3d::Zero(), true),
-              std::log(400.0), 1e-9);
+  EXPECT_NEAR(
+      LogPoseShare(RegionOfPlace(center, 75.0, 1), Eigen::Vector3d::Zero(), PoseEstimate()) -
+          LogPoseShare(region, Eigen::Vector3d::Zero(), PoseEstimate()),
+      std::log(400.0), 1e-9);
 }
 
 TEST(SearchRegion, BoundsHoldTheDisc) {

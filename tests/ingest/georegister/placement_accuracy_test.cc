@@ -14,13 +14,13 @@ namespace cairn {
 namespace {
 
 // The walk of one simulated session: its true places, and where its positions say they are.
-struct Walk {
+struct StatedWalk {
   std::vector<Eigen::Vector3d> truth, stated;
 };
 
 // A walk around a block with positions whose errors have three parts, as standard deviations per
 // axis: common to all, common to each of six stretches, and of each position.
-Walk MakeWalk(double common_m, double stretch_m, double own_m, uint64_t seed) {
+StatedWalk MakeStatedWalk(double common_m, double stretch_m, double own_m, uint64_t seed) {
   constexpr int kNumPositions = 60;
   std::mt19937_64 rng(seed);
   std::normal_distribution<double> normal;
@@ -30,7 +30,7 @@ Walk MakeWalk(double common_m, double stretch_m, double own_m, uint64_t seed) {
   };
   const Eigen::Vector3d common = draw(common_m);
   Eigen::Vector3d of_stretch;
-  Walk walk;
+  StatedWalk walk;
   for (int i = 0; i < kNumPositions; ++i) {
     if (i % 10 == 0) {
       of_stretch = draw(stretch_m);
@@ -53,7 +53,7 @@ Outcome Try(double common_m, double stretch_m, double own_m, double stated_m) {
   constexpr int kNumWalks = 200;
   Outcome outcome;
   for (int seed = 0; seed < kNumWalks; ++seed) {
-    const Walk walk = MakeWalk(common_m, stretch_m, own_m, seed);
+    const StatedWalk walk = MakeStatedWalk(common_m, stretch_m, own_m, seed);
     const auto num = static_cast<Eigen::Index>(walk.truth.size());
     Eigen::Matrix3Xd from(3, num), to(3, num);
     for (Eigen::Index i = 0; i < num; ++i) {

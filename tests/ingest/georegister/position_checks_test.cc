@@ -13,7 +13,7 @@ namespace {
 using ::testing::HasSubstr;
 
 // A walk to the north-east in Lund, at 36 to 38 m.
-std::vector<CameraPosition> Walk(int count = 12) {
+std::vector<CameraPosition> WalkInLund(int count = 12) {
   std::vector<CameraPosition> positions;
   for (int i = 0; i < count; ++i) {
     positions.push_back({std::to_string(i) + ".jpg",
@@ -35,7 +35,7 @@ std::string RefusalOf(std::vector<CameraPosition> positions,
 }
 
 TEST(CheckPositions, LeavesGoodOnesAlone) {
-  std::vector<CameraPosition> positions = Walk();
+  std::vector<CameraPosition> positions = WalkInLund();
   const PositionFindings findings = CheckPositions({}, &positions);
   EXPECT_EQ(positions.size(), 12u);
   EXPECT_EQ(findings.num_at_null_island, 0);
@@ -46,7 +46,7 @@ TEST(CheckPositions, LeavesGoodOnesAlone) {
 }
 
 TEST(CheckPositions, LeavesOutThoseAtNullIsland) {
-  std::vector<CameraPosition> positions = Walk();
+  std::vector<CameraPosition> positions = WalkInLund();
   positions[2].position = Geodetic::FromDegrees(0.0, 0.0, 0.0);
   positions[7].position = Geodetic::FromDegrees(1e-6, -1e-6, 30.0);
   EXPECT_EQ(CheckPositions({}, &positions).num_at_null_island, 2);
@@ -54,7 +54,7 @@ TEST(CheckPositions, LeavesOutThoseAtNullIsland) {
 }
 
 TEST(CheckPositions, AHeightOfZeroIsNoneFarFromTheOthers) {
-  std::vector<CameraPosition> positions = Walk();
+  std::vector<CameraPosition> positions = WalkInLund();
   for (size_t i = 0; i < positions.size(); i += 2) {
     positions[i].position.h_m = 0.0;
   }
@@ -66,7 +66,7 @@ TEST(CheckPositions, AHeightOfZeroIsNoneFarFromTheOthers) {
 }
 
 TEST(CheckPositions, AHeightOfZeroIsAHeightAtTheCoast) {
-  std::vector<CameraPosition> positions = Walk();
+  std::vector<CameraPosition> positions = WalkInLund();
   for (size_t i = 0; i < positions.size(); ++i) {
     positions[i].position.h_m = static_cast<double>(i % 4) - 2.0;
   }
@@ -74,7 +74,7 @@ TEST(CheckPositions, AHeightOfZeroIsAHeightAtTheCoast) {
 }
 
 TEST(CheckPositions, WithoutAnyHeightTheHeightHasToBeStated) {
-  std::vector<CameraPosition> positions = Walk();
+  std::vector<CameraPosition> positions = WalkInLund();
   for (CameraPosition& position : positions) {
     position.position.h_m = 0.0;
   }
@@ -87,7 +87,7 @@ TEST(CheckPositions, WithoutAnyHeightTheHeightHasToBeStated) {
 }
 
 TEST(CheckPositions, RefusesOnePositionForAll) {
-  std::vector<CameraPosition> positions = Walk();
+  std::vector<CameraPosition> positions = WalkInLund();
   for (CameraPosition& position : positions) {
     position.position = positions[0].position;
   }
@@ -95,7 +95,7 @@ TEST(CheckPositions, RefusesOnePositionForAll) {
 }
 
 TEST(CheckPositions, RefusesCoarseRoundingUnlessTheAccuracySaysSo) {
-  std::vector<CameraPosition> positions = Walk();
+  std::vector<CameraPosition> positions = WalkInLund();
   for (CameraPosition& position : positions) {
     position.position =
         Geodetic::FromDegrees(std::round(position.position.lat_deg() * 1e3) / 1e3,
