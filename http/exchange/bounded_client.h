@@ -56,7 +56,8 @@ class BoundedClient {
   // Never throws for what the server does.
   ClientResponse Send(ClientRequest request);
 
-  // Aborts the exchange under way.
+  // Aborts the exchange under way. If its connection is just being made, waits for that, at most
+  // `timeout_ms`.
   void Stop();
 
  private:

@@ -80,8 +80,8 @@ AddressRange ParseRange(std::string_view text) {
     const auto [end, error] =
         std::from_chars(digits.data(), digits.data() + digits.size(), num_bits);
     is_valid = is_valid && error == std::errc() && end == digits.data() + digits.size() &&
-               num_bits >= 0 && num_fixed_bits + num_bits <= 128;
-    range.num_bits = num_fixed_bits + num_bits;
+               num_bits >= 0 && num_bits <= 128 - num_fixed_bits;
+    range.num_bits = is_valid ? num_fixed_bits + num_bits : 128;
   }
   if (!is_valid) {
     throw Error(

@@ -101,7 +101,6 @@ class Connection {
   bool FindRequest();
   bool FindHead();
   void SkipEmptyLines();
-  void AskForBody();
   Transfer ReadSome();
   // Extends the deadline of the body after the arrival of so many bytes.
   void RewardBody(int64_t num_bytes);

@@ -44,6 +44,7 @@ FairGate::Turn::~Turn() {
 }
 
 void FairGate::Queue(Turn* turn) {
+  waiting_clients_.reserve(waiting_clients_.size() + 1);  // What may throw comes first.
   std::list<Turn*>& waiting = turn->client_->waiting;
   const auto earlier = std::find_if(waiting.rbegin(), waiting.rend(), [turn](const Turn* other) {
     return other->deadline_ <= turn->deadline_;
@@ -88,9 +89,9 @@ void FairGate::Admit(Clock::time_point now) {
       return;
     }
     Turn* const turn = client->waiting.front();
+    turn->running_ = running_.insert(running_.end(), {.client = client, .start = now});
     StopWaiting(Outcome::kEntered, turn);
     ++client->num_running;
-    turn->running_ = running_.insert(running_.end(), {.client = client, .start = now});
   }
 }
 
@@ -132,6 +133,9 @@ void FairGate::StopWaiting(Outcome outcome, Turn* turn) {
   turn->outcome_ = outcome;
   turn->is_waiting_ = false;
   turn->changed_.notify_one();
+  if (outcome != Outcome::kEntered && !client->waiting.empty()) {
+    client->waiting.front()->changed_.notify_one();  // It now waits for the end of patience.
+  }
 }
 
 void FairGate::ForgetIdleClients() {

@@ -22,7 +22,12 @@ LocalizerOptions MakeLocalizerOptions(const ServerOptions& options) {
 }
 
 int MaxWaiting(const ServerOptions& options) {
-  return options.max_waiting > 0 ? options.max_waiting : NumThreads(options) * 3 / 4;
+  if (options.max_waiting > 0) {
+    return options.max_waiting;
+  }
+  const int num_threads = NumThreads(options);
+  const int num_entered = 2 * NumCores();  // At most, see fair_gate.h.
+  return std::max(1, std::min(num_threads * 3 / 4, num_threads - num_entered - num_threads / 8));
 }
 
 [[noreturn]] void RefuseForLackOfTurns() {

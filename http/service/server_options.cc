@@ -36,7 +36,7 @@ int NumThreads(const ServerOptions& options) {
     return options.num_threads;
   }
   constexpr int kMinThreads = 64;  // Most threads wait in line.
-  return std::max(kMinThreads, 2 * NumCores());
+  return std::max(kMinThreads, 4 * NumCores());
 }
 
 }  // namespace cairn

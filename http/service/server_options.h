@@ -24,13 +24,13 @@ struct ServerOptions {
   int port = 8080;  // 0 picks a free port; see Server::port.
   // Separate port of kAdminHost for health and metrics; 0 picks a free port, -1 uses `port`.
   int admin_port = -1;
-  // Requests answered at once. 0 means 64, or twice the number of cores if that is more. At most as
-  // many queries compute at once as there are cores; the others wait in line. Open connections need
-  // no thread.
+  // Requests answered at once. 0 means 64, or four times the number of cores if that is more. At
+  // most as many queries compute at once as there are cores; the others wait in line. Open
+  // connections need no thread.
   int num_threads = 0;
   // Requests that wait for their turn at once. The others get 503; the client with most waiting
-  // requests loses one first. 0 means three quarters of the threads, which leaves threads to
-  // requests that need no turn.
+  // requests loses one first. 0 means at most three quarters of the threads, which leaves threads
+  // to requests that need no turn.
   int max_waiting = 0;
   // Threads that one query may use while cores are free. 0 means the number of cores. Replaces
   // localizer.num_threads.

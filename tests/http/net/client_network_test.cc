@@ -39,7 +39,7 @@ TEST(ForwardedClient, IsTheLastAddressThatIsNoFront) {
 TEST(TrustedFronts, RefusesWhatIsNoAddress) {
   EXPECT_TRUE(ParseTrustedFronts("").empty());
   for (const char* list : {"front.example", "10.0.0.0/33", "10.0.0.0/-1", "::1/129", "10.0.0.0/",
-                           "10.0.0.1,,10.0.0.2", "10.0.0.0/8x"}) {
+                           "10.0.0.1,,10.0.0.2", "10.0.0.0/8x", "10.0.0.0/2147483647"}) {
     EXPECT_THROW(ParseTrustedFronts(list), Error) << list;
   }
 }
