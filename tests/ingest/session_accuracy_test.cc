@@ -122,8 +122,8 @@ TEST_F(SessionsOfAStreet, LendAnswersTheirAccuracy) {
   LocalizeQuery query;
   query.camera = world.camera();
   query.features = world.Photograph(cam_from_enu, 99);
-  query.prior = PositionPrior{
-      GeodeticFromEcef(EcefFromEnu(world.options().origin) * cam_from_enu.Inverse().translation)};
+  query.prior.emplace().position =
+      GeodeticFromEcef(EcefFromEnu(world.options().origin) * cam_from_enu.Inverse().translation);
   const auto store =
       std::make_shared<const MapStore>(MapStore::Open(dir_.File("a.gpkg"), OpenMode::kReadOnly));
   const Localizer localizer(store, std::make_shared<TileCache>(kCacheBytes), {});
