@@ -55,7 +55,7 @@ std::vector<BadHttpRequest> BadRequests() {
       {"chunked", PostOf("Transfer-Encoding: chunked\r\n", "5\r\nhello\r\n0\r\n\r\n"), 411,
        "length_required"},
       {"no length", PostOf(""), 411, "length_required"},
-      {"too large", PostOf("Content-Length: 30000000\r\n"), 413, "payload_too_large"},
+      {"too large", PostOf("Content-Length: 40000000\r\n"), 413, "payload_too_large"},
       {"absurdly large", PostOf("Content-Length: 123456789012345678901234567890\r\n"), 413,
        "payload_too_large"},
       {"gzip", PostOf("Content-Encoding: gzip\r\nContent-Length: 3\r\n", "abc"), 415,

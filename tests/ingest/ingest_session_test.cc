@@ -364,8 +364,10 @@ TEST_F(IngestSessionTest, DropsLandmarksThatFitBadly) {
     reconstruction.landmarks[i].x_in_world += off;
   }
   const IngestReport clean = Ingest(world, SessionNamed("clean"));
+  IngestOptions options = SessionNamed("bad");
+  options.joining = SessionJoining::kApart;  // The photos are the same.
   const IngestReport bad =
-      IngestSession(reconstruction, world.EcefFromWorld(), SessionNamed("bad"), &store_, {});
+      IngestSession(reconstruction, world.EcefFromWorld(), options, &store_, {});
   EXPECT_GE(bad.num_landmarks_dropped, clean.num_landmarks_dropped + 45);
 }
 

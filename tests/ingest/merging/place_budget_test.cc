@@ -24,6 +24,10 @@ Tile TileOfSession(int64_t session_id, uint64_t first_landmark_id, int num_landm
 // A tile with keyframes and histories of `num_sessions` sessions, twice as large as TileOfSession.
 Tile TileOfSessions(int num_sessions) {
   Tile tile = TileOfSession(1, 1, /*num_landmarks=*/200);
+  const Tile one = TileOfSession(1, 1);
+  for (size_t k = 0; k < tile.num_keyframes(); ++k) {
+    tile.keyframes[k].cam_from_tile = one.keyframes[k].cam_from_tile;
+  }
   for (int i = 0; i < num_sessions; ++i) {
     tile.keyframes[static_cast<size_t>(i)].session_id = SessionId(i + 1);
   }
