@@ -78,6 +78,14 @@ CLI::Validator PositiveNumber() {
       "");
 }
 
+void AddCaOption(CLI::App* command, CLI::Option* server, std::string* ca_file) {
+  command
+      ->add_option("--ca", *ca_file,
+                   "Certificates to trust for an https URL, PEM. Default: those of the system")
+      ->type_name("FILE")
+      ->needs(server);
+}
+
 void AddSeedOption(CLI::App* command, uint64_t* seed, const std::string& description) {
   const auto check = [](std::string& text) {
     uint64_t value = 0;

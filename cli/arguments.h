@@ -12,6 +12,7 @@
 
 namespace CLI {
 class App;
+class Option;
 class Validator;
 }  // namespace CLI
 
@@ -24,6 +25,9 @@ CLI::Validator PositiveNumber();
 
 // Adds --seed, which accepts whole numbers from 0. CLI11 itself would turn "-1" into 2^64 - 1.
 void AddSeedOption(CLI::App* command, uint64_t* seed, const std::string& description);
+
+// Adds --ca, the certificates that a client of `server`, the option of a URL, trusts.
+void AddCaOption(CLI::App* command, CLI::Option* server, std::string* ca_file);
 
 // All functions below throw Error(kInvalidArgument), which names `option`.
 

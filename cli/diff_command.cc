@@ -162,7 +162,7 @@ void AddDiffCommand(CLI::App* app, Shell* shell) {
   CLI::Option* json = command->add_flag("--json", arguments->json, "Print JSON");
   command->add_flag("--geojson", arguments->geojson, "Print the squares of the tiles as GeoJSON")
       ->excludes(json);
-  command->footer("Examples:\n  cairn diff city.gpkg\n  cairn diff city.gpkg 3 5");
+  command->footer("Example:\n  cairn diff city.gpkg\n  cairn diff city.gpkg 3 5");
   command->callback(
       [shell, arguments] { shell->run = [arguments] { return RunDiff(*arguments); }; });
 }

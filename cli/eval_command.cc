@@ -49,6 +49,7 @@ struct EvalArguments {
   double focal_error_percent = 0.0;
   std::optional<double> focal_sigma_percent;
   std::string server_url;
+  std::string ca_file;
   SendAs send_as = SendAs::kFeatures;
   FeatureSource feature_source = FeatureSource::kModel;
   CairnOptions options;
@@ -92,8 +93,10 @@ Answerer MakeAnswerer(const EvalArguments& arguments, const OpenedMap& map) {
   if (arguments.server_url.empty()) {
     return [&map](const EvalQuery& query) { return map.localizer->Localize(query.query); };
   }
-  auto client = std::make_shared<LocalizeClient>(
-      ClientOptions{.url = arguments.server_url, .want_matches = false, .exif_prior = false});
+  auto client = std::make_shared<LocalizeClient>(ClientOptions{.url = arguments.server_url,
+                                                               .ca_file = arguments.ca_file,
+                                                               .want_matches = false,
+                                                               .exif_prior = false});
   if (arguments.send_as == SendAs::kFeatures) {
     return [client](const EvalQuery& query) { return client->LocalizeFeatures(query.query); };
   }
@@ -316,6 +319,7 @@ void AddTransportOptions(CLI::App* command, EvalArguments* arguments) {
                             ->add_option("--server", arguments->server_url,
                                          "Query this server instead of the map file")
                             ->type_name("URL");
+  AddCaOption(command, server, &arguments->ca_file);
   command->add_option("--send", arguments->send_as, "Data to send to the server")
       ->needs(server)
       ->transform(CLI::CheckedTransformer(kSendAs).description(""))

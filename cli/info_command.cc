@@ -105,8 +105,8 @@ void PrintText(const MapInfo& info, const std::optional<std::string>& codebook,
         "session      {}: {} images, {} landmarks read, recorded {}, ingested {}, georegistration "
         "residual {:.3f} m{}\n",
         Excerpt(session.name), session.num_images, session.num_landmarks,
-        Excerpt(session.recorded_at), Excerpt(session.created_at),
-        session.georef_median_residual_m, AccuracyText(session.accuracy));
+        Excerpt(session.recorded_at), Excerpt(session.created_at), session.georef_median_residual_m,
+        AccuracyText(session.accuracy));
   }
 }
 

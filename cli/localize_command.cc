@@ -42,6 +42,7 @@ namespace {
 struct LocalizeArguments {
   std::string map_path;
   std::string server_url;
+  std::string ca_file;
   std::string image_path;
   std::string rig_path;  // Empty for one camera.
   std::optional<std::string> camera;
@@ -129,6 +130,7 @@ LocalizeResult Answer(const LocalizeArguments& arguments, const Photo& photo,
     }
     // For a rig, the sizes of the cameras determine the orientation.
     return LocalizeClient(ClientOptions{.url = arguments.server_url,
+                                        .ca_file = arguments.ca_file,
                                         .image_orientation = others.empty()
                                                                  ? orientation
                                                                  : ImageOrientation::kAsSize,
@@ -305,8 +307,11 @@ void AddLocalizeCommand(CLI::App* app, Shell* shell) {
   auto arguments = std::make_shared<LocalizeArguments>();
   command->add_option("MAP", arguments->map_path,
                       "Map: a file or a postgresql:// URL; omit with --server");
-  command->add_option("--server", arguments->server_url, "Query this server instead of a map file")
-      ->type_name("URL");
+  auto* const server =
+      command
+          ->add_option("--server", arguments->server_url, "Query this server instead of a map file")
+          ->type_name("URL");
+  AddCaOption(command, server, &arguments->ca_file);
   AddOptionsFile(command, &arguments->options);
   AddQueryOptions(command, arguments.get());
   AddSeedOption(command, &arguments->options.localizer.seed,

@@ -13,8 +13,9 @@ void DescribeSift(SiftOptions* options, OptionList* list) {
 void DescribeServer(ServerOptions* options, OptionList* list) {
   list->Add("num_threads", &options->num_threads,
             "Requests answered at once; 0 is 64, or four times the cores if that is more");
-  list->Add("max_waiting", &options->max_waiting,
-            "Requests that wait for their turn at once; 0 is at most three quarters of the threads");
+  list->Add(
+      "max_waiting", &options->max_waiting,
+      "Requests that wait for their turn at once; 0 is at most three quarters of the threads");
   list->Add("threads_per_query", &options->threads_per_query,
             "Threads that one query may use while cores are free; 0 is as many as cores");
   list->Add("keep_alive_s", &options->keep_alive_s,

@@ -190,9 +190,8 @@ class MapInquiry {
       if (results[i].localized && results[i].confidence >= least_confidence) {
         ++num_recognized;
         num_from_behind_ += IsFromBehind(results[i]) ? 1 : 0;
-        pairs_.push_back(
-            {session_.cam_from_ecef[static_cast<size_t>(images[i])], results[i].cam_from_ecef,
-             results[i].position_accuracy_m});
+        pairs_.push_back({session_.cam_from_ecef[static_cast<size_t>(images[i])],
+                          results[i].cam_from_ecef, results[i].position_accuracy_m});
         recognized_.push_back(images[i]);
       }
     }

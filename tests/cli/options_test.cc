@@ -72,6 +72,8 @@ TEST(Options, EachIsWrittenWhereItIsRead) {
       changed.ingest.codebook.projected_dim = 24;
     } else if (list.options()[i].name == "matching.distance_filter") {
       changed.localizer.matching.distance_filter = DistanceFilter::kNone;
+    } else if (list.options()[i].name == "server.max_timeout_ms") {
+      changed.server.max_timeout_ms = 5000;  // The default is the largest value.
     } else {
       ChangeValue(&list.options()[i].value);
     }

@@ -36,7 +36,7 @@ struct RealPlace {
     const std::vector<CameraPosition> positions = positions_path.empty()
                                                       ? GpsPositions(reconstruction, 5.0)
                                                       : ReadCameraPositions(positions_path);
-    // Ten photos along a line do not tell which way is up, and their EXIF is not read here.
+    // Ten photos along a street do not tell which way is up, and their EXIF is not read here.
     return Georegister(reconstruction, positions, {.up = UpSource::kTop}).ecef_from_world;
   }
 };

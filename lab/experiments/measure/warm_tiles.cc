@@ -29,12 +29,22 @@ std::string IndexKey(const IndexOptions& index) {
                      lists.seed, index.other ? index.other->name() : "");
 }
 
+// A disc that holds the map, which must not be empty.
+SearchRegion RegionOfMap(const MapInfo& info) {
+  const GeoBox& bounds = *info.bounds;
+  const Geodetic middle = {0.5 * (bounds.south_rad + bounds.north_rad),
+                           0.5 * (bounds.west_rad + bounds.east_rad), 0.0};
+  const double radius_m = GroundDistanceM(middle, {bounds.south_rad, bounds.west_rad, 0.0});
+  return RegionOfPlace(middle, radius_m, info.num_tiles);
+}
+
 }  // namespace
 
 PreparedQuery PrepareQuery(const ExperimentWorld& world, const LocalizerOptions& options,
                            const EvalQuery& query, TileCache* cache) {
   const MapSnapshot snapshot = world.store->Snapshot();
-  const SearchRegion region = RegionOfPrior(query.query.prior.value(), options.prior);
+  const SearchRegion region = query.query.prior ? RegionOfPrior(*query.query.prior, options.prior)
+                                                : RegionOfMap(world.info);
   PreparedQuery prepared;
   prepared.context =
       BuildQueryContext(query.query, DescriptorCodec(snapshot.CurrentCodebook()), region);

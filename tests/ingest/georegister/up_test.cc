@@ -197,6 +197,10 @@ TEST(WhichWayIsUp, AStraightWalkThatSeesNothingOfTheGroundIsRefused) {
   EXPECT_THAT(OutcomesOf({.has_facades = false}), Each("refused"));
 }
 
+TEST(WhichWayIsUp, ACameraThatLooksAroundIsRarelyUpsideDown) {
+  EXPECT_THAT(OutcomesOf({.swing_rad = 1.0, .has_facades = false}), Each("right"));
+}
+
 TEST(WhichWayIsUp, TheUserMaySayIt) {
   const WalkOptions walk = {.has_facades = false, .held = All(PictureUp::kRight)};
   EXPECT_THAT(OutcomesOf(walk, {.up = UpSource::kRight}), Each("right"));
