@@ -28,7 +28,7 @@ foreach(room core fusion)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cairn
     COMPONENT fusion FILES_MATCHING PATTERN "*.h")
 endforeach()
-foreach(room storage engine ingest http eval)
+foreach(room storage engine ingest http eval mapping)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cairn
     COMPONENT development FILES_MATCHING PATTERN "*.h")
 endforeach()

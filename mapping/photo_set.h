@@ -1,0 +1,62 @@
+// What the reading of a folder of photos gives, and all later stages of mapping take.
+#ifndef CAIRN_MAPPING_PHOTO_SET_H_
+#define CAIRN_MAPPING_PHOTO_SET_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/features.h"
+#include "core/focal_length.h"
+#include "core/geodesy.h"
+
+namespace cairn {
+
+// SIFT descriptors are whole numbers up to 255: num_features x 128, row-major. A quarter of the
+// memory of a DescriptorMatrix.
+using ByteDescriptorMatrix =
+    Eigen::Matrix<uint8_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+enum class FocalSource {
+  kCalibration,  // The user gave the intrinsics; they stay.
+  kExif,         // Correct within about 5 %.
+  kGuess,        // Nobody knows.
+};
+
+// The camera of one or more photos.
+struct MappingCamera {
+  Camera camera;
+  // Of the camera before any adjustment. Without meaning if the source is kCalibration.
+  FocalPrior focal;
+  FocalSource source = FocalSource::kGuess;
+};
+
+struct MappingPhoto {
+  std::string name;  // Unique in the set.
+  int camera_idx = 0;
+  std::vector<Keypoint> keypoints;
+  ByteDescriptorMatrix descriptors;  // A row a keypoint.
+  // As ReconImage::gps and ReconImage::gps_accuracy_m.
+  std::optional<Geodetic> gps;
+  std::optional<double> gps_accuracy_m;
+  // The direction of gravity that the orientation of the photo hints at, a unit vector: correct
+  // within some 20 degrees if people hold cameras level.
+  std::optional<Eigen::Vector3d> down_in_cam_hint;
+  std::optional<double> time_s;  // Of any clock that the photos of the set share.
+};
+
+struct PhotoSet {
+  std::vector<MappingCamera> cameras;
+  std::vector<MappingPhoto> photos;
+
+  // Throws Error(kBadInput), naming the photo, if a camera index is out of range, keypoints and
+  // descriptors differ in number, descriptors are not 128-D, or two photos have one name.
+  void Validate() const;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_MAPPING_PHOTO_SET_H_
