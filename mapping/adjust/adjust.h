@@ -1,0 +1,95 @@
+// Bundle adjustment: poses, landmarks and cameras that explain all keypoints best.
+#ifndef CAIRN_MAPPING_ADJUST_ADJUST_H_
+#define CAIRN_MAPPING_ADJUST_ADJUST_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "ingest/sfm/reconstruction.h"
+
+namespace cairn {
+
+// What an adjustment may change of a camera that several images share. The principal point and
+// the ratio of fx to fy never change.
+enum class CameraFreedom {
+  kFixed,
+  kFocal,
+  // Also the two radial terms k1 and k2. A camera without them becomes RADIAL, or OPENCV if fx and
+  // fy differ. The models other than SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL and OPENCV keep
+  // their distortion: for them the freedom is kFocal.
+  kFocalAndDistortion,
+};
+
+// A known position of an image's camera.
+struct PositionPrior {
+  Eigen::Vector3d center_in_world = Eigen::Vector3d::Zero();
+  Eigen::Vector3d sigma_m = Eigen::Vector3d::Ones();  // Standard deviations along the world's axes.
+};
+
+// All optional. An empty vector stands for "none".
+struct AdjustPriors {
+  std::vector<std::optional<PositionPrior>> position_of_image;
+  // Relative standard deviation of the focal length about its value at the start; 0: no prior.
+  std::vector<double> focal_sigma_of_camera;
+  // Images whose pose is held, not 0: the rest of the model around the photos that a growth adds.
+  std::vector<uint8_t> image_is_fixed;
+};
+
+struct AdjustOptions {
+  // Scale of Cauchy's loss on the reprojection errors, in standard deviations of a keypoint
+  // (KeypointSigmaPx). As in TriangulatePoint.
+  double loss_scale_sigmas = 2.0;
+  // Scale of Cauchy's loss on position priors, in their standard deviations.
+  double position_loss_scale_sigmas = 2.0;
+  int max_iterations = 50;
+  // The solver stops when the cost falls by less than this share.
+  double min_relative_change = 1e-6;
+  // After each solution, observations whose error is above this many standard deviations leave.
+  // Of true observations with normal errors, 1 in 3,000 are above 4.
+  double max_error_sigmas = 4.0;
+  // Solutions at most. The last ones are needed only while observations leave.
+  int max_rounds = 3;
+  // Landmarks whose rays span less than this leave: their depths are anything.
+  double min_ray_angle_rad = 0.0;
+  // Threads that look for outliers. The result does not depend on them.
+  int num_threads = 1;
+
+  // Throws Error(kInvalidArgument) naming the field.
+  void Validate() const;
+};
+
+struct AdjustReport {
+  int num_rounds = 0;
+  int num_iterations = 0;
+  double initial_cost = 0.0;  // Of the first solution; half the sum of the robust squared errors.
+  double final_cost = 0.0;    // Of the last solution.
+  double rms_px = 0.0;        // Of the reprojection errors that stayed.
+  int64_t num_observations = 0;
+  int64_t num_observations_removed = 0;
+  int64_t num_landmarks_removed = 0;
+};
+
+// Changes the poses, the landmarks and, as `freedom_of_camera` (one for each camera) allows, the
+// cameras of `model`. The unknowns minimize the robust reprojection errors, in units of the
+// keypoints' standard deviations, plus the priors. docs/math/mapping.md has the residuals.
+//
+// Observations that do not fit leave `model`, and landmarks of fewer than two observations leave it
+// with them, so landmarks change their indices; their order stays. Images stay, even without an
+// observation; those keep their poses.
+//
+// Gauge: with three position priors or with two fixed images nothing else is held. Otherwise one
+// camera keeps its pose and the camera farthest from it keeps one coordinate of its center, unless
+// an image is fixed. The scale of the world is then that of the start.
+//
+// The same result on any number of threads. Linear in the number of observations, apart from the
+// factorization of the poses' system, which is sparse where the scene is long. Throws
+// Error(kInternal) if the solver fails.
+AdjustReport Adjust(std::span<const CameraFreedom> freedom_of_camera, const AdjustPriors& priors,
+                    const AdjustOptions& options, Reconstruction& model);
+
+}  // namespace cairn
+
+#endif  // CAIRN_MAPPING_ADJUST_ADJUST_H_

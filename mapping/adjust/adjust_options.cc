@@ -1,0 +1,22 @@
+#include <cmath>
+
+#include "core/require.h"
+#include "mapping/adjust/adjust.h"
+
+namespace cairn {
+
+void AdjustOptions::Validate() const {
+  RequireOption(loss_scale_sigmas > 0.0, "adjust.loss_scale_sigmas must be positive");
+  RequireOption(position_loss_scale_sigmas > 0.0,
+                "adjust.position_loss_scale_sigmas must be positive");
+  RequireOption(max_iterations >= 1, "adjust.max_iterations must be at least 1");
+  RequireOption(min_relative_change >= 0.0 && min_relative_change < 1.0,
+                "adjust.min_relative_change must be in [0, 1)");
+  RequireOption(max_error_sigmas > 0.0, "adjust.max_error_sigmas must be positive");
+  RequireOption(max_rounds >= 1, "adjust.max_rounds must be at least 1");
+  RequireOption(min_ray_angle_rad >= 0.0 && std::isfinite(min_ray_angle_rad),
+                "adjust.min_ray_angle_rad must be finite and not negative");
+  RequireOption(num_threads >= 1, "adjust.num_threads must be at least 1");
+}
+
+}  // namespace cairn
