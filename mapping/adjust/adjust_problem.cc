@@ -1,0 +1,219 @@
+#include "mapping/adjust/adjust_problem.h"
+
+#include <ceres/loss_function.h>
+#include <ceres/ordered_groups.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "core/error.h"
+#include "ingest/sfm/triangulate.h"
+#include "mapping/adjust/adjust_costs.h"
+
+namespace cairn {
+
+AdjustProblem::AdjustProblem(std::span<const CameraFreedom> freedom_of_camera,
+                             std::span<const AdjustableCamera> cameras, const AdjustPriors& priors,
+                             const AdjustOptions& options, const Reconstruction& model)
+    : freedom_of_camera_(freedom_of_camera),
+      cameras_(cameras),
+      priors_(priors),
+      options_(options),
+      model_(model),
+      num_observations_(model.images.size(), 0),
+      is_used_(model.landmarks.size(), 0) {
+  poses_at_ = kPointStride * model.landmarks.size();
+  cameras_at_ = poses_at_ + kPoseStride * model.images.size();
+  values_.resize(cameras_at_ + kCameraStride * model.cameras.size());
+  for (size_t i = 0; i < model.landmarks.size(); ++i) {
+    Eigen::Map<Eigen::Vector3d>{PointAt(i)} = model.landmarks[i].x_in_world;
+  }
+  for (size_t i = 0; i < model.images.size(); ++i) {
+    StorePose(model.images[i].cam_from_world, PoseAt(i));
+  }
+  for (size_t i = 0; i < cameras.size(); ++i) {
+    Eigen::Map<CameraUnknowns>{CameraAt(i)} = cameras[i].start();
+  }
+  AddObservations();
+  AddCameras();
+  AddPositions();
+  FixGauge();
+}
+
+bool AdjustProblem::IsFixed(size_t image) const {
+  return !priors_.image_is_fixed.empty() && priors_.image_is_fixed[image] != 0;
+}
+
+void AdjustProblem::AddObservations() {
+  auto* loss = new ceres::CauchyLoss(options_.loss_scale_sigmas);
+  for (size_t i = 0; i < model_.landmarks.size(); ++i) {
+    const auto& observations = model_.landmarks[i].observations;
+    const bool is_free =
+        std::any_of(observations.begin(), observations.end(),
+                    [&](const ReconObservation& seen) { return !IsFixed(seen.image_idx); });
+    if (!is_free) {
+      continue;
+    }
+    is_used_[i] = 1;
+    for (const ReconObservation& seen : observations) {
+      const ReconImage& image = model_.images[seen.image_idx];
+      const Keypoint& keypoint = image.features.keypoints[seen.keypoint_idx];
+      problem_.AddResidualBlock(new ReprojectionCost(&cameras_[image.camera_idx],
+                                                     Eigen::Vector2d(keypoint.x_px, keypoint.y_px),
+                                                     KeypointSigmaPx(keypoint.scale_px)),
+                                loss, PointAt(i), PoseAt(seen.image_idx),
+                                CameraAt(image.camera_idx));
+      ++num_observations_[seen.image_idx];
+    }
+  }
+  for (size_t i = 0; i < model_.images.size(); ++i) {
+    if (num_observations_[i] > 0) {
+      problem_.SetManifold(PoseAt(i), new PoseManifold());
+      if (IsFixed(i)) {
+        problem_.SetParameterBlockConstant(PoseAt(i));
+      }
+    }
+  }
+}
+
+void AdjustProblem::AddCameras() {
+  constexpr double kNothing = std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < cameras_.size(); ++i) {
+    if (!problem_.HasParameterBlock(CameraAt(i))) {
+      continue;
+    }
+    const CameraFreedom freedom = freedom_of_camera_[i];
+    if (freedom == CameraFreedom::kFixed) {
+      problem_.SetParameterBlockConstant(CameraAt(i));
+      continue;
+    }
+    const double focal_sigma =
+        priors_.focal_sigma_of_camera.empty() ? 0.0 : priors_.focal_sigma_of_camera[i];
+    const bool is_bent =
+        freedom == CameraFreedom::kFocalAndDistortion && cameras_[i].has_free_distortion();
+    if (!is_bent) {
+      problem_.SetManifold(CameraAt(i), new ceres::SubsetManifold(kCameraSize, {1, 2}));
+    }
+    const double distortion_sigma = is_bent ? options_.distortion_sigma : kNothing;
+    problem_.AddResidualBlock(
+        new CameraPriorCost(cameras_[i].start(), {focal_sigma > 0.0 ? focal_sigma : kNothing,
+                                                  distortion_sigma, distortion_sigma}),
+        nullptr, CameraAt(i));
+  }
+}
+
+void AdjustProblem::AddPositions() {
+  for (size_t i = 0; i < priors_.position_of_image.size(); ++i) {
+    const auto& position = priors_.position_of_image[i];
+    if (position && num_observations_[i] > 0 && !IsFixed(i)) {
+      problem_.AddResidualBlock(new PositionCost(position->center_in_world, position->sigma_m),
+                                new ceres::CauchyLoss(options_.position_loss_scale_sigmas),
+                                PoseAt(i));
+    }
+  }
+}
+
+void AdjustProblem::FixGauge() {
+  int num_positions = 0, num_fixed = 0;
+  size_t anchor = 0;
+  for (size_t i = 0; i < num_observations_.size(); ++i) {
+    if (num_observations_[i] == 0) {
+      continue;
+    }
+    num_fixed += IsFixed(i) ? 1 : 0;
+    num_positions += !priors_.position_of_image.empty() && priors_.position_of_image[i] ? 1 : 0;
+    const bool is_better = IsFixed(i) == IsFixed(anchor)
+                               ? num_observations_[i] > num_observations_[anchor]
+                               : IsFixed(i);
+    if (is_better) {
+      anchor = i;
+    }
+  }
+  if (num_fixed >= 2 || num_positions >= 3 || problem_.NumResidualBlocks() == 0) {
+    return;
+  }
+  problem_.SetParameterBlockConstant(PoseAt(anchor));
+  HoldScale(anchor);
+}
+
+void AdjustProblem::HoldScale(size_t anchor) {
+  const Eigen::Map<const Eigen::Vector3d> from(PoseAt(anchor) + 4);
+  size_t farthest = anchor;
+  Eigen::Vector3d baseline = Eigen::Vector3d::Zero();
+  for (size_t i = 0; i < num_observations_.size(); ++i) {
+    const Eigen::Vector3d to = Eigen::Map<const Eigen::Vector3d>(PoseAt(i) + 4) - from;
+    if (num_observations_[i] > 0 && to.squaredNorm() > baseline.squaredNorm()) {
+      farthest = i;
+      baseline = to;
+    }
+  }
+  if (farthest == anchor) {
+    return;
+  }
+  int axis = 0;
+  baseline.cwiseAbs().maxCoeff(&axis);
+  problem_.SetManifold(PoseAt(farthest), new PoseOnPlaneManifold(axis));
+}
+
+void AdjustProblem::StartFrom(std::span<const CameraUnknowns> unknowns) {
+  for (size_t i = 0; i < unknowns.size(); ++i) {
+    Eigen::Map<CameraUnknowns>{CameraAt(i)} = unknowns[i];
+  }
+}
+
+ceres::Solver::Summary AdjustProblem::Solve() {
+  ceres::Solver::Options options;
+  // One thread: Ceres adds up the sums of several threads in the order in which they end.
+  // Eigen's factorization: CHOLMOD's would call a BLAS that divides sums by the number of cores.
+  options.num_threads = 1;
+  options.linear_solver_type = ceres::SPARSE_SCHUR;
+  options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
+  options.max_num_iterations = options_.max_iterations;
+  options.function_tolerance = options_.min_relative_change;
+  options.logging_type = ceres::SILENT;
+  auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+  for (size_t i = 0; i < model_.landmarks.size(); ++i) {
+    if (is_used_[i] != 0) {
+      ordering->AddElementToGroup(PointAt(i), 0);
+    }
+  }
+  for (size_t i = 0; i < model_.images.size(); ++i) {
+    if (num_observations_[i] > 0) {
+      ordering->AddElementToGroup(PoseAt(i), 1);
+    }
+  }
+  for (size_t i = 0; i < cameras_.size(); ++i) {
+    if (problem_.HasParameterBlock(CameraAt(i))) {
+      ordering->AddElementToGroup(CameraAt(i), 1);
+    }
+  }
+  options.linear_solver_ordering = ordering;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem_, &summary);
+  if (!summary.IsSolutionUsable()) {
+    throw Error(ErrorCode::kInternal, fmt::format("the bundle adjustment of {} photos failed: {}",
+                                                  model_.images.size(), summary.message));
+  }
+  return summary;
+}
+
+void AdjustProblem::Store(std::span<CameraUnknowns> unknowns, Reconstruction* model) const {
+  for (size_t i = 0; i < model->landmarks.size(); ++i) {
+    if (is_used_[i] != 0) {
+      model->landmarks[i].x_in_world = Eigen::Map<const Eigen::Vector3d>(PointAt(i));
+    }
+  }
+  for (size_t i = 0; i < model->images.size(); ++i) {
+    if (num_observations_[i] > 0 && !IsFixed(i)) {
+      model->images[i].cam_from_world = LoadPose(PoseAt(i));
+    }
+  }
+  for (size_t i = 0; i < unknowns.size(); ++i) {
+    unknowns[i] = Eigen::Map<const CameraUnknowns>(CameraAt(i));
+  }
+}
+
+}  // namespace cairn

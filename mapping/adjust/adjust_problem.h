@@ -1,0 +1,68 @@
+// One least-squares problem over a reconstruction, solved by Ceres. Private to mapping/adjust.
+#ifndef CAIRN_MAPPING_ADJUST_ADJUST_PROBLEM_H_
+#define CAIRN_MAPPING_ADJUST_ADJUST_PROBLEM_H_
+
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
+#include <span>
+#include <vector>
+
+#include "ingest/sfm/reconstruction.h"
+#include "mapping/adjust/adjust.h"
+#include "mapping/adjust/adjustable_camera.h"
+
+namespace cairn {
+
+// All arguments must outlive the problem. Every observation of the model projects.
+class AdjustProblem {
+ public:
+  AdjustProblem(std::span<const CameraFreedom> freedom_of_camera,
+                std::span<const AdjustableCamera> cameras, const AdjustPriors& priors,
+                const AdjustOptions& options, const Reconstruction& model);
+
+  // Throws Error(kInternal) if the solver fails.
+  ceres::Solver::Summary Solve();
+
+  // Writes what was solved, and CameraUnknowns for each camera.
+  void Store(std::span<CameraUnknowns> unknowns, Reconstruction* model) const;
+
+  // The unknowns of the cameras to start from; AdjustableCamera::start() unless set.
+  void StartFrom(std::span<const CameraUnknowns> unknowns);
+
+ private:
+  double* PointAt(size_t landmark) { return values_.data() + kPointStride * landmark; }
+  double* PoseAt(size_t image) { return values_.data() + poses_at_ + kPoseStride * image; }
+  double* CameraAt(size_t camera) { return values_.data() + cameras_at_ + kCameraStride * camera; }
+  const double* PointAt(size_t i) const { return values_.data() + kPointStride * i; }
+  const double* PoseAt(size_t i) const { return values_.data() + poses_at_ + kPoseStride * i; }
+  const double* CameraAt(size_t i) const {
+    return values_.data() + cameras_at_ + kCameraStride * i;
+  }
+
+  bool IsFixed(size_t image) const;
+  void AddObservations();
+  void AddCameras();
+  void AddPositions();
+  void FixGauge();
+  void HoldScale(size_t anchor);
+
+  static constexpr size_t kPointStride = 3, kPoseStride = 7, kCameraStride = 3;
+
+  std::span<const CameraFreedom> freedom_of_camera_;
+  std::span<const AdjustableCamera> cameras_;
+  const AdjustPriors& priors_;
+  const AdjustOptions& options_;
+  const Reconstruction& model_;
+  // All unknowns: points, poses, cameras. Ceres orders blocks by their addresses, so that the order
+  // of the model decides the order of elimination.
+  std::vector<double> values_;
+  size_t poses_at_ = 0, cameras_at_ = 0;
+  std::vector<int> num_observations_;  // Of each image.
+  std::vector<uint8_t> is_used_;       // Of each landmark.
+  ceres::Problem problem_;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_MAPPING_ADJUST_ADJUST_PROBLEM_H_

@@ -1,0 +1,299 @@
+#include "mapping/adjust/adjust.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <map>
+#include <random>
+#include <string>
+
+#include "core/csv.h"
+#include "core/error.h"
+#include "core/file_bytes.h"
+#include "ingest/readers/colmap_reader.h"
+#include "support/test_data.h"
+
+namespace cairn {
+namespace {
+
+using Centers = Eigen::Matrix3Xd;
+
+// Cameras on an arc look at a cloud of points.
+struct Scene {
+  Reconstruction truth;
+  std::mt19937_64 rng{5};
+
+  double Noise(double sigma) { return std::normal_distribution<double>(0.0, sigma)(rng); }
+  Eigen::Vector3d Noise3(double sigma) { return {Noise(sigma), Noise(sigma), Noise(sigma)}; }
+};
+
+Rigid3d LookAtOrigin(const Eigen::Vector3d& center) {
+  Eigen::Matrix3d rotation;
+  rotation.row(2) = -center.normalized().transpose();
+  rotation.row(0) = Eigen::Vector3d::UnitY().cross(rotation.row(2)).normalized().transpose();
+  rotation.row(1) = rotation.row(2).cross(rotation.row(0));
+  return {rotation, -(rotation * center)};
+}
+
+Scene MakeScene(double pixel_sigma_px, const Camera& camera, int num_images = 10) {
+  Scene scene;
+  Reconstruction& model = scene.truth;
+  model.cameras = {camera};
+  for (int i = 0; i < num_images; ++i) {
+    const double angle = -0.6 + 1.2 * i / (num_images - 1);
+    ReconImage image;
+    image.name = std::to_string(i);
+    image.cam_from_world =
+        LookAtOrigin(Eigen::Vector3d(8.0 * std::sin(angle), 0.3 * (i % 3), -8.0 * std::cos(angle)));
+    model.images.push_back(image);
+  }
+  for (int i = 0; i < 200; ++i) {
+    ReconLandmark landmark;
+    landmark.x_in_world = scene.Noise3(1.5);
+    for (int j = 0; j < num_images; ++j) {
+      ReconImage& image = model.images[j];
+      const auto pixel = camera.Project(image.cam_from_world * landmark.x_in_world);
+      if (pixel && camera.Contains(*pixel)) {
+        landmark.observations.push_back({j, image.features.size()});
+        image.features.keypoints.push_back(
+            {static_cast<float>(pixel->x() + scene.Noise(pixel_sigma_px)),
+             static_cast<float>(pixel->y() + scene.Noise(pixel_sigma_px)), 2.0f, 0.0f});
+      }
+    }
+    model.landmarks.push_back(landmark);
+  }
+  for (ReconImage& image : model.images) {
+    image.features.descriptors.resize(image.features.size(), 0);
+  }
+  return scene;
+}
+
+Camera Pinhole() { return {CameraModel::kPinhole, 640, 480, {500.0, 500.0, 320.0, 240.0}}; }
+
+void Perturb(double angle_rad, double distance, Scene* scene, Reconstruction* model) {
+  for (ReconImage& image : model->images) {
+    const Eigen::Vector3d center =
+        image.cam_from_world.Inverse().translation + scene->Noise3(distance);
+    const Eigen::Quaterniond rotation =
+        ExpSo3(scene->Noise3(angle_rad)) * image.cam_from_world.rotation;
+    image.cam_from_world = {rotation, -(rotation * center)};
+  }
+  for (ReconLandmark& landmark : model->landmarks) {
+    landmark.x_in_world += scene->Noise3(distance);
+  }
+}
+
+Centers CentersOf(const Reconstruction& model) {
+  Centers centers(3, model.images.size());
+  for (size_t i = 0; i < model.images.size(); ++i) {
+    centers.col(i) = model.images[i].cam_from_world.Inverse().translation;
+  }
+  return centers;
+}
+
+// The distances of the columns after the similarity that fits best.
+Eigen::VectorXd ErrorsAligned(const Centers& found, const Centers& truth) {
+  const Eigen::Matrix4d fit = Eigen::umeyama(found, truth, /*with_scaling=*/true);
+  return ((fit.topLeftCorner<3, 3>() * found).colwise() + fit.topRightCorner<3, 1>() - truth)
+      .colwise()
+      .norm();
+}
+
+constexpr CameraFreedom kFixed[] = {CameraFreedom::kFixed};
+constexpr CameraFreedom kFocal[] = {CameraFreedom::kFocal};
+constexpr CameraFreedom kBent[] = {CameraFreedom::kFocalAndDistortion};
+
+TEST(Adjust, FindsTheSceneThatItsKeypointsShow) {
+  Scene scene = MakeScene(0.0, Pinhole());
+  Reconstruction model = scene.truth;
+  Perturb(0.01, 0.1, &scene, &model);
+  AdjustOptions options;
+  options.max_error_sigmas = 100.0;
+  options.min_relative_change = 1e-12;
+  const AdjustReport report = Adjust(kFixed, {}, options, model);
+  EXPECT_LT(ErrorsAligned(CentersOf(model), CentersOf(scene.truth)).maxCoeff(), 1e-4);
+  EXPECT_LT(report.rms_px, 1e-3);
+  EXPECT_LT(report.final_cost, 1e-6 * report.initial_cost);
+  EXPECT_EQ(report.num_observations_removed, 0);
+}
+
+TEST(Adjust, HoldsTheGauge) {
+  Scene scene = MakeScene(0.3, Pinhole());
+  Reconstruction model = scene.truth;
+  Adjust(kFixed, {}, {}, model);
+  const Eigen::Matrix4d fit =
+      Eigen::umeyama(CentersOf(model), CentersOf(scene.truth), /*with_scaling=*/true);
+  EXPECT_LT((fit - Eigen::Matrix4d::Identity()).norm(), 0.02);
+}
+
+TEST(Adjust, FindsTheFocalLengthAndTheDistortion) {
+  const Camera bent(CameraModel::kRadial, 640, 480, {500.0, 320.0, 240.0, -0.12, 0.03});
+  Scene scene = MakeScene(0.2, bent, 20);
+  Reconstruction model = scene.truth;
+  model.cameras = {Camera(CameraModel::kSimplePinhole, 640, 480, {525.0, 320.0, 240.0})};
+  AdjustOptions options;
+  options.max_error_sigmas = 100.0;
+  AdjustPriors priors;
+  priors.focal_sigma_of_camera = {0.05};
+  Adjust(kBent, priors, options, model);
+  const std::vector<double>& params = model.cameras[0].params();
+  ASSERT_EQ(model.cameras[0].model(), CameraModel::kRadial);
+  EXPECT_NEAR(params[0], 500.0, 3.0);
+  EXPECT_NEAR(params[3], -0.12, 0.02);
+}
+
+TEST(Adjust, HoldsTheFocalLengthThatIsFixed) {
+  Scene scene = MakeScene(0.2, Pinhole());
+  Reconstruction model = scene.truth;
+  Adjust(kFixed, {}, {}, model);
+  EXPECT_EQ(model.cameras[0].params(), Pinhole().params());
+}
+
+TEST(Adjust, RemovesObservationsThatDoNotFit) {
+  Scene scene = MakeScene(0.2, Pinhole());
+  int num_wrong = 0;
+  for (size_t i = 0; i < scene.truth.landmarks.size(); i += 10) {
+    const ReconObservation& seen = scene.truth.landmarks[i].observations[0];
+    scene.truth.images[seen.image_idx].features.keypoints[seen.keypoint_idx].x_px += 40.0f;
+    ++num_wrong;
+  }
+  Reconstruction model = scene.truth;
+  const AdjustReport report = Adjust(kFixed, {}, {}, model);
+  EXPECT_GE(report.num_observations_removed, num_wrong);
+  EXPECT_LT(report.num_observations_removed, num_wrong + 10);
+  EXPECT_LT(report.rms_px, 0.4);
+  EXPECT_LT(ErrorsAligned(CentersOf(model), CentersOf(scene.truth)).maxCoeff(), 0.02);
+  EXPECT_NO_THROW(model.Validate());
+}
+
+TEST(Adjust, RemovesLandmarksWithoutDepth) {
+  Scene scene = MakeScene(0.2, Pinhole());
+  Reconstruction model = scene.truth;
+  ReconLandmark far = model.landmarks[0];
+  far.observations.resize(1);
+  ReconLandmark near = model.landmarks[1];
+  near.observations.resize(2);  // Neighbors on the arc: 0.13 rad apart.
+  model.landmarks[0] = far;
+  model.landmarks[1] = near;
+  AdjustOptions options;
+  options.min_ray_angle_rad = 0.2;
+  options.max_error_sigmas = 100.0;
+  Adjust(kFixed, {}, options, model);
+  EXPECT_GT(model.landmarks.size(), 190u);
+  for (const ReconLandmark& landmark : model.landmarks) {
+    EXPECT_FALSE(landmark.observations.size() == 2 && landmark.observations.back().image_idx == 1);
+  }
+}
+
+TEST(Adjust, IsPlacedByItsPositions) {
+  Scene scene = MakeScene(0.2, Pinhole());
+  Reconstruction model = scene.truth;
+  AdjustPriors priors;
+  const Eigen::Vector3d shift(10.0, 20.0, -30.0);
+  for (const ReconImage& image : model.images) {
+    priors.position_of_image.push_back(
+        PositionPrior{1.1 * image.cam_from_world.Inverse().translation + shift + scene.Noise3(0.01),
+                      Eigen::Vector3d::Constant(0.01)});
+  }
+  priors.position_of_image[3]->center_in_world.x() += 50.0;  // A receiver that was lost.
+  priors.position_of_image[5] = std::nullopt;
+  AdjustOptions options;
+  options.position_loss_scale_sigmas = 100.0;
+  options.max_iterations = 200;
+  Adjust(kFixed, priors, options, model);
+  const Eigen::Vector3d expected =
+      1.1 * scene.truth.images[5].cam_from_world.Inverse().translation + shift;
+  EXPECT_LT((model.images[5].cam_from_world.Inverse().translation - expected).norm(), 0.5);
+}
+
+TEST(Adjust, HoldsFixedImages) {
+  Scene scene = MakeScene(0.2, Pinhole());
+  Reconstruction model = scene.truth;
+  Perturb(0.002, 0.02, &scene, &model);
+  const Reconstruction before = model;
+  AdjustPriors priors;
+  priors.image_is_fixed.assign(model.images.size(), 1);
+  priors.image_is_fixed[4] = 0;
+  Adjust(kFixed, priors, {}, model);
+  EXPECT_EQ(CentersOf(model).col(0), CentersOf(before).col(0));
+  EXPECT_NE(CentersOf(model).col(4), CentersOf(before).col(4));
+}
+
+TEST(Adjust, IsTheSameOnAnyNumberOfThreads) {
+  Scene scene = MakeScene(0.5, Pinhole());
+  Reconstruction one = scene.truth;
+  Perturb(0.01, 0.05, &scene, &one);
+  Reconstruction four = one;
+  AdjustOptions options;
+  Adjust(kFocal, {}, options, one);
+  options.num_threads = 4;
+  Adjust(kFocal, {}, options, four);
+  EXPECT_EQ(CentersOf(one), CentersOf(four));
+  EXPECT_EQ(one.cameras[0].params(), four.cameras[0].params());
+}
+
+TEST(Adjust, LeavesAModelWithoutLandmarks) {
+  Scene scene = MakeScene(0.2, Pinhole());
+  Reconstruction model = scene.truth;
+  model.landmarks.clear();
+  const AdjustReport report = Adjust(kFocal, {}, {}, model);
+  EXPECT_EQ(report.num_observations, 0);
+  EXPECT_EQ(CentersOf(model), CentersOf(scene.truth));
+}
+
+TEST(AdjustOptions, RefuseWhatMakesNoSense) {
+  AdjustOptions options;
+  options.max_error_sigmas = 0.0;
+  EXPECT_THROW(options.Validate(), Error);
+}
+
+// Image name -> center by the laser scan.
+std::map<std::string, Eigen::Vector3d> ReadTruth(const std::string& folder,
+                                                 const std::string& prefix) {
+  std::map<std::string, Eigen::Vector3d> truth;
+  const std::string text = ReadTextFile(
+      (testing::TestDataDir() / "facades_strecha" / folder / "truth.csv").string(), 1 << 20);
+  CsvReader reader(text);
+  while (reader.Next()) {
+    if (reader.cells().size() == 11 && reader.Number(8)) {
+      truth[prefix + reader.cells()[0]] = {*reader.Number(8), *reader.Number(9),
+                                           *reader.Number(10)};
+    }
+  }
+  return truth;
+}
+
+Eigen::VectorXd LaserErrors(const Reconstruction& model,
+                            const std::map<std::string, Eigen::Vector3d>& truth) {
+  Centers expected(3, model.images.size());
+  for (size_t i = 0; i < model.images.size(); ++i) {
+    expected.col(i) = truth.at(model.images[i].name);
+  }
+  return ErrorsAligned(CentersOf(model), expected);
+}
+
+Reconstruction ReadFacade(const std::string& folder) {
+  const auto path = testing::TestDataDir() / "facades_strecha" / folder;
+  return ReadColmap({path.string(), (path / "database.db").string(), {}});
+}
+
+// COLMAP's own result has 2.4 mm in the mean.
+TEST(Adjust, IsNearTheLaserScanOfTheFountain) {
+  CAIRN_SKIP_WITHOUT_DATA("facades_strecha/colmap_fountain-P11/images.bin");
+  Reconstruction model = ReadFacade("colmap_fountain-P11");
+  Scene noise;
+  Perturb(0.003, 0.02, &noise, &model);
+  const auto truth = ReadTruth("fountain-P11", "");
+  EXPECT_GT(LaserErrors(model, truth).mean(), 0.01);
+  AdjustOptions options;
+  options.max_rounds = 1;
+  const AdjustReport report = Adjust(kFixed, {}, options, model);
+  const Eigen::VectorXd errors = LaserErrors(model, truth);
+  EXPECT_LT(errors.mean(), 0.0026);
+  EXPECT_LT(errors.maxCoeff(), 0.004);
+  EXPECT_LT(report.rms_px, 0.6);
+}
+
+}  // namespace
+}  // namespace cairn
