@@ -4,15 +4,10 @@
 
 #include <vector>
 
+#include "ingest/sfm/tracks.h"
 #include "lab/known_poses/posed_features.h"
 
 namespace cairn {
-
-struct FeatureMatch {
-  int a_idx = 0;
-  int b_idx = 0;
-  float distance = 0.0f;  // Euclidean distance of the descriptors.
-};
 
 // Returns the mutually best matches that pass the ratio test, ordered by a_idx. Sorts the planes
 // through both camera centers by their angle about the baseline, so that each keypoint is compared

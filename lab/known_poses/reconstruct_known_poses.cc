@@ -8,11 +8,11 @@
 
 #include "core/parallel_for.h"
 #include "core/require.h"
+#include "ingest/sfm/tracks.h"
 #include "ingest/sfm/triangulate.h"
 #include "lab/known_poses/guided_matching.h"
 #include "lab/known_poses/neighbor_pairs.h"
 #include "lab/known_poses/posed_features.h"
-#include "lab/known_poses/tracks.h"
 
 namespace cairn {
 namespace {

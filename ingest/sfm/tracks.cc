@@ -1,4 +1,4 @@
-#include "lab/known_poses/tracks.h"
+#include "ingest/sfm/tracks.h"
 
 #include <algorithm>
 #include <cstdint>

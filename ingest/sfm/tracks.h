@@ -1,13 +1,19 @@
 // Joins pairwise matches to tracks. A track lists the observations of one point in many images.
-#ifndef CAIRN_LAB_KNOWN_POSES_TRACKS_H_
-#define CAIRN_LAB_KNOWN_POSES_TRACKS_H_
+#ifndef CAIRN_INGEST_SFM_TRACKS_H_
+#define CAIRN_INGEST_SFM_TRACKS_H_
 
 #include <vector>
 
 #include "ingest/sfm/reconstruction.h"
-#include "lab/known_poses/guided_matching.h"
 
 namespace cairn {
+
+// Two keypoints that may show one point.
+struct FeatureMatch {
+  int a_idx = 0;
+  int b_idx = 0;
+  float distance = 0.0f;  // Euclidean distance of the descriptors.
+};
 
 struct PairMatches {
   int a_image_idx = 0;
@@ -25,4 +31,4 @@ std::vector<std::vector<ReconObservation>> BuildTracks(const std::vector<PairMat
 
 }  // namespace cairn
 
-#endif  // CAIRN_LAB_KNOWN_POSES_TRACKS_H_
+#endif  // CAIRN_INGEST_SFM_TRACKS_H_
