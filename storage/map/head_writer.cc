@@ -16,6 +16,7 @@
 #include "storage/geometry/geo_box.h"
 #include "storage/geometry/geopackage.h"
 #include "storage/map/accuracy_table.h"
+#include "storage/map/index_extent.h"
 #include "storage/map/map_queries.h"
 #include "storage/map/utc_time.h"
 #include "storage/map/version_queries.h"
@@ -332,7 +333,9 @@ void HeadWriter::SetCurrentCodebook(CodebookId codebook_id) {
 
 void HeadWriter::AddVersion(const VersionNote& note) {
   if (!totals_.KnowsBounds()) {
-    totals_.SetBounds(queries::BoundsOfTiles(connection_));
+    const std::optional<GeoBox>& outer = totals_.totals().bounds;
+    totals_.SetBounds(outer ? BoundsWithin(connection_, *outer)
+                            : queries::BoundsOfTiles(connection_));
   }
   queries::InsertVersion(connection_, MapVersion(next_version_), note, totals_.totals());
   if (extents_) {

@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <string_view>
 
+#include "storage/map/index_extent.h"
+
 namespace cairn {
 namespace {
-
-// R*Trees round boxes outwards to floats, which lie 3e-5 degrees apart at 360.
-constexpr double kEdgeSlackDeg = 1e-4;
 
 bool Same(const GeometryEnvelope& a, const GeometryEnvelope& b) {
   return a.is_empty == b.is_empty && a.min_x == b.min_x && a.max_x == b.max_x &&
@@ -26,7 +25,7 @@ LayerExtent::LayerExtent(db::Connection* connection, const char* layer, const ch
   if (row.Bind(std::string_view(layer)).Step()) {
     extent_ = {row.Number(0), row.Number(1), row.Number(2), row.Number(3), false};
   } else {
-    gone_from_edge_.emplace_back();  // Write reads the index.
+    is_known_ = false;
   }
 }
 
@@ -48,27 +47,31 @@ void LayerExtent::Add(const GeometryEnvelope& envelope) {
 }
 
 void LayerExtent::Remove(const GeometryEnvelope& envelope) {
-  if (extent_.is_empty || envelope.is_empty || envelope.min_x <= extent_.min_x + kEdgeSlackDeg ||
-      envelope.max_x >= extent_.max_x - kEdgeSlackDeg ||
-      envelope.min_y <= extent_.min_y + kEdgeSlackDeg ||
-      envelope.max_y >= extent_.max_y - kEdgeSlackDeg) {
+  if (extent_.is_empty || envelope.is_empty || envelope.min_x <= extent_.min_x + kIndexSlackDeg ||
+      envelope.max_x >= extent_.max_x - kIndexSlackDeg ||
+      envelope.min_y <= extent_.min_y + kIndexSlackDeg ||
+      envelope.max_y >= extent_.max_y - kIndexSlackDeg) {
     gone_from_edge_.push_back(envelope);
   }
 }
 
 void LayerExtent::Write(db::Connection* connection) const {
-  if (!gone_from_edge_.empty()) {
+  GeometryEnvelope extent = extent_;
+  if (is_known_ && !gone_from_edge_.empty()) {
+    extent = IndexExtent(connection, index_, extent);
+  }
+  if (extent.is_empty || !is_known_) {
     connection->Execute(
         fmt::format("UPDATE gpkg_contents SET (min_x, min_y, max_x, max_y) = "
                     "(SELECT min(minx), min(miny), max(maxx), max(maxy) FROM {}) "
                     "WHERE table_name = '{}'",
                     index_, layer_));
-  } else if (!extent_.is_empty) {
+  } else {
     connection
         ->Prepare(
             "UPDATE gpkg_contents SET min_x = ?, max_x = ?, min_y = ?, max_y = ? "
             "WHERE table_name = ?")
-        .Bind(extent_.min_x, extent_.max_x, extent_.min_y, extent_.max_y, std::string_view(layer_))
+        .Bind(extent.min_x, extent.max_x, extent.min_y, extent.max_y, std::string_view(layer_))
         .Run();
   }
 }

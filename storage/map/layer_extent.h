@@ -20,13 +20,15 @@ class LayerExtent {
   void Add(const GeometryEnvelope& envelope);
   void Remove(const GeometryEnvelope& envelope);
 
-  // Writes the extent. Reads the whole index only if a geometry at the edge is gone.
+  // Writes the extent. Reads the edges of the index if a geometry there is gone, and the whole
+  // index if the file did not have the extent.
   void Write(db::Connection* connection) const;
 
  private:
   const char* layer_;
   const char* index_;
-  GeometryEnvelope extent_;
+  bool is_known_ = true;     // False if the file did not have the extent.
+  GeometryEnvelope extent_;  // Contains that of the layer, if known.
   std::vector<GeometryEnvelope> gone_from_edge_;
 };
 

@@ -12,7 +12,7 @@
 namespace cairn {
 
 // Starts from the totals of a version and follows additions and removals, so that the time to
-// publish an update does not grow with the map. Only the bounds may require a pass over all tiles.
+// publish an update does not grow with the map. Only the bounds may require a look at the tiles.
 class RunningTotals {
  public:
   explicit RunningTotals(const MapTotals& start) : totals_(start) {}
@@ -22,8 +22,8 @@ class RunningTotals {
   void AddTile(const TileRecord& tile);
   void RemoveTile(const TileRecord& tile);
 
-  // Returns false if the bounds require a pass over all tiles: an update removed a tile at their
-  // edge, or they span more than half of the globe.
+  // Returns false if the tiles have to be asked for the bounds: an update removed a tile at their
+  // edge, or they span more than half of the globe. The bounds then lie within totals().bounds.
   bool KnowsBounds() const { return !are_bounds_open_ && gone_from_edge_.empty(); }
   void SetBounds(const std::optional<GeoBox>& bounds);
 

@@ -18,6 +18,7 @@
 #include "support/map_place.h"
 #include "support/places.h"
 #include "support/raw_sql.h"
+#include "support/tile_builder.h"
 
 namespace cairn {
 namespace {
@@ -277,6 +278,35 @@ TEST_P(MapVersions, PruneRefusesWhatMakesNoSense) {
         PruneOptions{.keep = 1, .older_than = "2026-01-01T00:00:00Z"}}) {
     EXPECT_EQ(ErrorCodeOf([&] { Prune(options, &store()); }), ErrorCode::kInvalidArgument);
   }
+}
+
+// The tile in the middle is damaged, so an update that read it would end with an error.
+TEST_P(MapVersions, BoundsAreFoundFromTheTilesAtTheEdges) {
+  const TileId middle = testing::TileAt(49.2, 8.6), far = testing::TileAt(49.9, 9.9);
+  std::vector<TileId> others;
+  for (const double lat_deg : {49.0, 49.4}) {
+    for (const double lon_deg : {8.4, 8.8}) {
+      others.push_back(testing::TileAt(lat_deg, lon_deg));
+    }
+  }
+  const auto update = [&](bool add, std::vector<TileId> ids) {
+    MapUpdate change = store().BeginUpdate();
+    if (add) {
+      change.AddCodebook(testing::RandomCodebook());
+    }
+    for (const TileId& id : ids) {
+      add ? void(testing::AddTile(testing::RandomTile({.id = id}), &change))
+          : change.RemoveTile(id);
+    }
+    change.Publish();
+    const GeoBox box = *store().Snapshot().Info().bounds;
+    return std::vector<double>{box.south_rad, box.west_rad, box.north_rad, box.east_rad};
+  };
+  const std::vector<double> alone = update(true, others);
+  update(true, {middle, far});
+  testing::ExecuteRaw(
+      path_, fmt::format("UPDATE coverage SET tile_id = 5 WHERE tile_id = {}", middle.value()));
+  EXPECT_EQ(update(false, {far}), alone);
 }
 
 TEST_P(MapVersions, CompactingKeepsEveryVersion) {
