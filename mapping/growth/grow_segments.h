@@ -18,9 +18,9 @@ struct GrowthOptions {
   // A photo joins a segment with at least this many keypoints that see landmarks, and stays with as
   // many after triangulation and adjustment.
   int min_inliers = 20;
-  // A photo waits while its inliers are less than this share of those of its strongest two view with
-  // a photo that is not in the segment: the segment comes to it along strong links. A facade that
-  // repeats gives wrong photos at most a twentieth, right ones a tenth and more (decision 47).
+  // A photo waits while its inliers are less than this share of those of its strongest two view
+  // with a photo that is not in the segment: the segment comes to it along strong links. A facade
+  // that repeats gives wrong photos at most a twentieth, right ones a tenth and more (decision 47).
   double min_link_share = 0.1;
   // Photos of the segment whose two views must agree with the pose of a photo that joins; the
   // agreeing ones must also have more inliers than those that contradict.
@@ -57,7 +57,7 @@ enum class PhotoVerdict : uint8_t {
 const char* ExplainVerdict(PhotoVerdict verdict);
 
 struct Growth {
-  std::vector<Segment> segments;           // The one with the most photos first.
+  std::vector<Segment> segments;               // The one with the most photos first.
   std::vector<PhotoVerdict> verdict_of_photo;  // Of each photo of the set.
 };
 

@@ -169,6 +169,8 @@ std::optional<TwoView> FindTwoView(const PhotoSet& set, int a, int b,
       if (found && found->score > best_score) {
         best_score = found->score;
         best = MakeTwoView(rays, *found, matches);
+        best->focal_factor_a = factor_a;
+        best->focal_factor_b = factor_b;
       }
     }
   }

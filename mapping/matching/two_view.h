@@ -32,6 +32,10 @@ struct TwoView {
   // Standard deviations in the least certain direction.
   double rotation_sigma_rad = 0.0;
   double direction_sigma_rad = 0.0;  // Of the direction of the translation.
+  // The focal lengths under which the pose was found, relative to the cameras of the set: 1 unless
+  // they are guesses.
+  double focal_factor_a = 1.0;
+  double focal_factor_b = 1.0;
 };
 
 struct TwoViewOptions {

@@ -1,0 +1,368 @@
+#include "mapping/growth/grow_segments.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "core/focal_length.h"
+#include "core/parallel_for.h"
+#include "core/random.h"
+#include "core/require.h"
+#include "mapping/growth/draft.h"
+#include "mapping/growth/gps_check.h"
+#include "mapping/growth/localize_photo.h"
+#include "mapping/growth/view_graph.h"
+
+namespace cairn {
+namespace {
+
+// Seeds that are tried for a segment. The best ones fail where facades repeat or cameras turn.
+constexpr int kMaxSeedsTried = 30;
+// A photo that was refused is tried again once it sees this many times the landmarks.
+constexpr double kRetryGrowth = 1.2;
+// Focal lengths, relative to the guess, that a photo of a new camera is tried with.
+constexpr double kNewCameraFactors[] = {1.0, 0.8, 1.25, 0.64, 1.5625};
+
+// The pose that a photo would have in a draft, or the reason why it has none.
+struct Proposal {
+  int photo = 0;
+  int num_sights = 0;
+  PhotoVerdict verdict = PhotoVerdict::kTooFewInliers;
+  std::optional<LocalizedPhoto> pose;
+};
+
+// The landmarks that photos saw when they were refused.
+struct Refusals {
+  explicit Refusals(size_t num_photos) : since_adjustment(num_photos, 0), lost(num_photos, 0) {}
+
+  int Sights(int photo) const { return std::max(since_adjustment[photo], lost[photo]); }
+
+  std::vector<int> since_adjustment;  // An adjustment may change the verdict.
+  std::vector<int> lost;              // When they left the draft again.
+};
+
+class Grower {
+ public:
+  Grower(const PhotoSet& set, std::span<const TwoView> views, const GrowthOptions& options,
+         const GrowthProgress& progress)
+      : set_(set),
+        options_(options),
+        progress_(progress),
+        tracks_(set, views),
+        graph_(set, views, options),
+        verdicts_(set.photos.size(), PhotoVerdict::kNoTwoView) {
+    for (size_t i = 0; i < verdicts_.size(); ++i) {
+      if (!graph_.ViewsOf(static_cast<int>(i)).empty()) {
+        verdicts_[i] = PhotoVerdict::kNoSeed;
+      }
+    }
+    for (const MappingCamera& camera : set.cameras) {
+      cameras_.push_back(camera.camera);
+    }
+  }
+
+  Growth Run() {
+    Growth growth;
+    const std::vector<Seed> seeds = FindSeeds(graph_, static_cast<int>(set_.photos.size()));
+    while (std::optional<Draft> draft = Plant(seeds)) {
+      Grow(&*draft);
+      if (draft->num_photos() < options_.min_photos) {
+        continue;
+      }
+      growth.segments.push_back(draft->Finish());
+      for (const int photo : draft->photos()) {
+        verdicts_[photo] = PhotoVerdict::kInSegment;
+      }
+      num_in_segments_ += draft->num_photos();
+      KeepCameras(*draft, growth.segments.back().model.cameras);
+    }
+    std::stable_sort(growth.segments.begin(), growth.segments.end(),
+                     [](const Segment& p, const Segment& q) {
+                       return p.photo_of_image.size() > q.photo_of_image.size();
+                     });
+    growth.verdict_of_photo = verdicts_;
+    return growth;
+  }
+
+ private:
+  bool IsFree(int photo) const { return verdicts_[photo] != PhotoVerdict::kInSegment; }
+
+  uint64_t SeedOf(int photo, int num_photos) const {
+    return HashWord(options_.seed ^ HashWord(static_cast<uint64_t>(photo) << 32 |
+                                             static_cast<uint64_t>(num_photos)));
+  }
+
+  // What a segment found out about its cameras helps the next.
+  void KeepCameras(const Draft& draft, const std::vector<Camera>& cameras) {
+    for (size_t i = 0; i < cameras.size(); ++i) {
+      if (!draft.IsNewCamera(static_cast<int>(i))) {
+        cameras_[i] = cameras[i];
+      }
+    }
+  }
+
+  // A draft of three photos from the best seed that holds; nothing if none does. A seed that fails
+  // or whose segment stayed too small is not tried again.
+  std::optional<Draft> Plant(const std::vector<Seed>& seeds) {
+    int num_tried = 0;
+    for (; next_seed_ < seeds.size() && num_tried < kMaxSeedsTried; ++next_seed_) {
+      const Seed& seed = seeds[next_seed_];
+      const TwoView& base = graph_.View(seed.base_view);
+      if (IsFree(base.a) && IsFree(base.b) && IsFree(seed.third)) {
+        ++num_tried;
+        if (std::optional<Draft> draft = TrySeed(seed)) {
+          ++next_seed_;
+          return draft;
+        }
+      }
+    }
+    return std::nullopt;
+  }
+
+  std::optional<Draft> TrySeed(const Seed& seed) const {
+    const TwoView& base = graph_.View(seed.base_view);
+    Draft draft(set_, tracks_, cameras_, options_.num_threads);
+    ScaleGuess(base.a, base.focal_factor_a, &draft);
+    ScaleGuess(base.b, base.focal_factor_b, &draft);
+    draft.Add(base.a, Rigid3d());
+    draft.Add(base.b, base.b_from_a);
+    const std::vector<int> pair = {base.a, base.b};
+    draft.Triangulate(pair);
+    Proposal third = Localize(draft, seed.third);
+    if (!third.pose) {
+      return std::nullopt;
+    }
+    draft.SetCamera(set_.photos[seed.third].camera_idx, third.pose->camera);
+    draft.Add(seed.third, third.pose->cam_from_world);
+    const std::vector<int> all = {base.a, base.b, seed.third};
+    draft.Triangulate(all);
+    draft.AdjustAll();
+    draft.AdjustAll();
+    return Holds(draft) ? std::optional(std::move(draft)) : std::nullopt;
+  }
+
+  void ScaleGuess(int photo, double factor, Draft* draft) const {
+    const int camera = set_.photos[photo].camera_idx;
+    if (factor != 1.0 && draft->IsNewCamera(camera)) {
+      draft->SetCamera(camera, WithFocalScaled(set_.cameras[camera].camera, factor));
+    }
+  }
+
+  // True if all photos of a seed kept enough observations and agree with all two views.
+  bool Holds(const Draft& draft) const {
+    const std::vector<int> counts = draft.CountObservations();
+    return std::all_of(draft.photos().begin(), draft.photos().end(), [&](int photo) {
+      return counts[photo] >= options_.min_inliers &&
+             AskAbout(draft, photo, draft.PoseOf(photo)).num_witnesses >= 2;
+    });
+  }
+
+  Testimony AskAbout(const Draft& draft, int photo, const Rigid3d& cam_from_world) const {
+    return graph_.Ask(photo, cam_from_world, [&](int other) {
+      return other != photo && draft.Has(other) ? &draft.PoseOf(other) : nullptr;
+    });
+  }
+
+  // Localizes a photo, without the rules of acceptance.
+  Proposal Localize(const Draft& draft, int photo) const {
+    Proposal proposal;
+    proposal.photo = photo;
+    const std::vector<LandmarkSight> sights = draft.SightsOf(photo);
+    proposal.num_sights = static_cast<int>(sights.size());
+    const int camera_idx = set_.photos[photo].camera_idx;
+    const Camera& camera = draft.CameraOf(photo);
+    std::vector<Camera> cameras = {camera};
+    if (set_.cameras[camera_idx].source == FocalSource::kGuess && draft.IsNewCamera(camera_idx)) {
+      cameras.clear();
+      for (const double factor : kNewCameraFactors) {
+        cameras.push_back(WithFocalScaled(camera, factor));
+      }
+    }
+    proposal.pose =
+        LocalizePhoto(cameras, sights, options_.min_inliers, SeedOf(photo, draft.num_photos()));
+    return proposal;
+  }
+
+  // Localizes a photo and applies the rules of acceptance.
+  Proposal Propose(const Draft& draft, const GpsCheck& gps, int photo) const {
+    Proposal proposal = Localize(draft, photo);
+    if (!proposal.pose) {
+      return proposal;
+    }
+    const Testimony testimony = AskAbout(draft, photo, proposal.pose->cam_from_world);
+    if (proposal.pose->num_inliers < options_.min_link_share * StrongestLinkOutside(draft, photo)) {
+      proposal.verdict = PhotoVerdict::kWeakSupport;
+    } else if (testimony.num_witnesses < options_.min_witnesses ||
+               testimony.agreeing_inliers <= testimony.contradicting_inliers) {
+      proposal.verdict = PhotoVerdict::kContradicted;
+    } else if (gps.Contradicts(photo, proposal.pose->cam_from_world)) {
+      proposal.verdict = PhotoVerdict::kGpsContradicts;
+    } else {
+      proposal.verdict = PhotoVerdict::kInSegment;
+    }
+    return proposal;
+  }
+
+  int StrongestLinkOutside(const Draft& draft, int photo) const {
+    size_t strongest = 0;
+    for (const int view : graph_.ViewsOf(photo)) {
+      if (!draft.Has(graph_.OtherOf(view, photo))) {
+        strongest = std::max(strongest, graph_.View(view).inliers.size());
+      }
+    }
+    return static_cast<int>(strongest);
+  }
+
+  // Photos next to a draft that see enough landmarks and more than when they were refused.
+  std::vector<int> Candidates(const Draft& draft, const Refusals& refusals) const {
+    std::vector<int> candidates;
+    for (int photo = 0; photo < static_cast<int>(set_.photos.size()); ++photo) {
+      if (draft.Has(photo) || !IsFree(photo)) {
+        continue;
+      }
+      const bool is_neighbor =
+          std::any_of(graph_.ViewsOf(photo).begin(), graph_.ViewsOf(photo).end(),
+                      [&](int view) { return draft.Has(graph_.OtherOf(view, photo)); });
+      const int num_sights = is_neighbor ? static_cast<int>(draft.SightsOf(photo).size()) : 0;
+      if (num_sights >= options_.min_inliers &&
+          num_sights > kRetryGrowth * refusals.Sights(photo)) {
+        candidates.push_back(photo);
+      }
+    }
+    return candidates;
+  }
+
+  // One round: localizes all candidates at once and adds those that are accepted. Returns them.
+  std::vector<int> GrowOnce(Draft* draft, Refusals* refusals) {
+    const std::vector<int> candidates = Candidates(*draft, *refusals);
+    const GpsCheck gps(set_, *draft, options_.default_gps_accuracy_m);
+    std::vector<Proposal> proposals(candidates.size());
+    ParallelFor(static_cast<int>(candidates.size()), options_.num_threads,
+                [&](int i) { proposals[i] = Propose(*draft, gps, candidates[i]); });
+    std::vector<int> added;
+    for (const Proposal& proposal : proposals) {
+      verdicts_[proposal.photo] = proposal.verdict;
+      if (proposal.verdict != PhotoVerdict::kInSegment) {
+        refusals->since_adjustment[proposal.photo] = proposal.num_sights;
+        continue;
+      }
+      const int camera_idx = set_.photos[proposal.photo].camera_idx;
+      if (draft->IsNewCamera(camera_idx)) {
+        draft->SetCamera(camera_idx, proposal.pose->camera);
+      }
+      draft->Add(proposal.photo, proposal.pose->cam_from_world);
+      added.push_back(proposal.photo);
+      // Until the draft is finished, the photo is not taken.
+      verdicts_[proposal.photo] = PhotoVerdict::kLostSupport;
+    }
+    if (!added.empty()) {
+      draft->Triangulate(added);
+      draft->AdjustAround(added);
+      draft->Triangulate(added);
+      for (const int photo : RemoveWeak(draft, refusals)) {
+        std::erase(added, photo);
+      }
+    }
+    return added;
+  }
+
+  // Photos with too few observations leave. Returns them.
+  std::vector<int> RemoveWeak(Draft* draft, Refusals* refusals) const {
+    const std::vector<int> counts = draft->CountObservations();
+    std::vector<int> weak;
+    for (const int photo : draft->photos()) {
+      if (counts[photo] < options_.min_inliers) {
+        weak.push_back(photo);
+      }
+    }
+    draft->Remove(weak);
+    for (const int photo : weak) {
+      refusals->lost[photo] = static_cast<int>(draft->SightsOf(photo).size());
+    }
+    return weak;
+  }
+
+  void Grow(Draft* draft) {
+    Refusals refusals(set_.photos.size());
+    int num_at_adjustment = draft->num_photos();
+    bool is_final = false;
+    while (true) {
+      const std::vector<int> added = GrowOnce(draft, &refusals);
+      if (progress_) {
+        progress_(num_in_segments_ + draft->num_photos(), static_cast<int>(set_.photos.size()));
+      }
+      const bool is_due =
+          draft->num_photos() > (1.0 + options_.adjust_after_growth) * num_at_adjustment;
+      if (!added.empty() && !is_due) {
+        continue;
+      }
+      if (added.empty() && is_final) {
+        break;
+      }
+      draft->AdjustAll();
+      RemoveWeak(draft, &refusals);
+      std::fill(refusals.since_adjustment.begin(), refusals.since_adjustment.end(), 0);
+      num_at_adjustment = draft->num_photos();
+      // After an adjustment that followed a round without a new photo, one more round is tried.
+      is_final = added.empty();
+    }
+    draft->AdjustAll();
+    draft->AdjustAll();
+    RemoveWeak(draft, &refusals);
+  }
+
+  const PhotoSet& set_;
+  const GrowthOptions& options_;
+  const GrowthProgress& progress_;
+  TrackTable tracks_;
+  ViewGraph graph_;
+  std::vector<PhotoVerdict> verdicts_;
+  std::vector<Camera> cameras_;
+  size_t next_seed_ = 0;
+  int num_in_segments_ = 0;
+};
+
+}  // namespace
+
+void GrowthOptions::Validate() const {
+  RequireWithin("growth.min_inliers", min_inliers, 6, 10'000);
+  RequireWithin("growth.min_link_share", min_link_share, 0.0, 1.0);
+  RequireWithin("growth.min_witnesses", min_witnesses, 1, 100);
+  RequireWithin("growth.max_rotation_error_rad", max_rotation_error_rad, 1e-4, 1.0);
+  RequireWithin("growth.max_direction_error_rad", max_direction_error_rad, 1e-4, 1.5);
+  RequireWithin("growth.default_gps_accuracy_m", default_gps_accuracy_m, 0.01, 1e5);
+  RequireWithin("growth.adjust_after_growth", adjust_after_growth, 0.01, 10.0);
+  RequireWithin("growth.min_photos", min_photos, 3, 1000);
+  RequireWithin("growth.num_threads", num_threads, 1, 1024);
+}
+
+const char* ExplainVerdict(PhotoVerdict verdict) {
+  switch (verdict) {
+    case PhotoVerdict::kInSegment:
+      return "is in the map";
+    case PhotoVerdict::kNoTwoView:
+      return "no other photo shows enough of what it shows";
+    case PhotoVerdict::kNoSeed:
+      return "it shows what others show, but no three of them agree on where they were taken";
+    case PhotoVerdict::kTooFewInliers:
+      return "too little of what it shows is in the map";
+    case PhotoVerdict::kWeakSupport:
+      return "it shows much more of what photos outside of the map show";
+    case PhotoVerdict::kContradicted:
+      return "photos of the map that it was compared with contradict its place";
+    case PhotoVerdict::kGpsContradicts:
+      return "its GPS position contradicts its place";
+    case PhotoVerdict::kLostSupport:
+      return "what it shows did not fit the map after the adjustment";
+  }
+  return "";
+}
+
+Growth GrowSegments(const PhotoSet& set, std::span<const TwoView> views,
+                    const GrowthOptions& options, const GrowthProgress& progress) {
+  options.Validate();
+  set.Validate();
+  return Grower(set, views, options, progress).Run();
+}
+
+}  // namespace cairn

@@ -1,0 +1,151 @@
+#include "mapping/growth/localize_photo.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "core/random.h"
+#include "engine/pose/consensus.h"
+#include "engine/pose/least_squares/refine_pose.h"
+#include "engine/pose/sampling/ransac.h"
+#include "engine/pose/solvers/p3p.h"
+
+namespace cairn {
+namespace {
+
+struct SightRays {
+  std::vector<RayObservation> rays;  // In random order.
+  std::vector<int> sight_of_ray;
+};
+
+SightRays MakeSightRays(const Camera& camera, const std::vector<LandmarkSight>& sights,
+                        uint64_t seed) {
+  std::vector<int> order(sights.size());
+  std::iota(order.begin(), order.end(), 0);
+  Random random(seed);
+  for (int i = static_cast<int>(order.size()) - 1; i > 0; --i) {
+    std::swap(order[i], order[random.Index(i + 1)]);
+  }
+  SightRays result;
+  for (const int i : order) {
+    if (const auto ray = camera.Unproject(sights[i].pixel)) {
+      RayObservation observation;
+      observation.ray_in_cam = *ray;
+      observation.x_in_anchor = sights[i].x_in_world;
+      observation.threshold_rad = kMaxDraftSigmas * sights[i].sigma_px / camera.focal_px();
+      observation.keypoint_idx = sights[i].keypoint_idx;
+      result.rays.push_back(observation);
+      result.sight_of_ray.push_back(i);
+    }
+  }
+  return result;
+}
+
+// See LoRansac for the contract of the methods.
+class SightProblem {
+ public:
+  using Model = Eigen::Matrix<double, 3, 4>;  // cam_from_world.
+  static constexpr int kMaxModels = 4;
+
+  SightProblem(const Camera& camera, const std::vector<LandmarkSight>& sights,
+               const SightRays& rays)
+      : camera_(camera), sights_(sights), rays_(rays), consensus_(rays.rays) {}
+
+  int SampleModels(Random* random, std::array<Model, kMaxModels>* models) const {
+    const int count = static_cast<int>(rays_.rays.size());
+    std::array<int, 3> sample;
+    for (int i = 0; i < 3; ++i) {
+      do {
+        sample[i] = random->Index(count);
+      } while (std::find(sample.begin(), sample.begin() + i, sample[i]) != sample.begin() + i);
+    }
+    std::array<Eigen::Vector3d, 3> bearings, points;
+    for (int i = 0; i < 3; ++i) {
+      bearings[i] = rays_.rays[sample[i]].ray_in_cam;
+      points[i] = rays_.rays[sample[i]].x_in_anchor;
+    }
+    return SolveP3p(bearings, points, models);
+  }
+
+  double ScoreMinimal(const Model& model, double score_to_beat) {
+    return consensus_.Gain(model, 0.0, score_to_beat);
+  }
+
+  std::optional<std::pair<Model, double>> Optimize(const Model& model) {
+    constexpr int kRounds = 2;
+    Model best = model;
+    for (int round = 0; round < kRounds; ++round) {
+      const std::vector<PoseObservation> inliers = Observations(InliersOf(best));
+      if (inliers.size() < 4) {
+        return std::nullopt;
+      }
+      const Rigid3d pose(Eigen::Matrix3d(best.leftCols<3>()), Eigen::Vector3d(best.col(3)));
+      best = RefinePose(camera_, inliers, std::nullopt, pose, RefinePoseOptions())
+                 .cam_from_anchor.ToMatrix();
+    }
+    return std::pair(best, consensus_.Gain(best, 0.0, -1.0));
+  }
+
+  double InlierSampleProbability(const Model& model) {
+    return SampleProbabilityOfScore(static_cast<double>(InliersOf(model).size()));
+  }
+  double SampleProbabilityOfScore(double score) const {
+    return std::pow(score / static_cast<double>(rays_.rays.size()), 3);
+  }
+
+  // Indices of rays.
+  std::vector<int> InliersOf(const Model& model) {
+    std::vector<int> inliers;
+    for (const int best : consensus_.BestObservations(model, 0.0)) {
+      if (best >= 0) {
+        inliers.push_back(best);
+      }
+    }
+    return inliers;
+  }
+
+ private:
+  std::vector<PoseObservation> Observations(const std::vector<int>& inliers) const {
+    std::vector<PoseObservation> observations;
+    for (const int i : inliers) {
+      const LandmarkSight& sight = sights_[rays_.sight_of_ray[i]];
+      observations.push_back({sight.pixel, sight.x_in_world});
+    }
+    return observations;
+  }
+
+  const Camera& camera_;
+  const std::vector<LandmarkSight>& sights_;
+  const SightRays& rays_;
+  ConsensusSet consensus_;
+};
+
+}  // namespace
+
+std::optional<LocalizedPhoto> LocalizePhoto(std::span<const Camera> cameras,
+                                            const std::vector<LandmarkSight>& sights,
+                                            int min_inliers, uint64_t seed) {
+  std::optional<LocalizedPhoto> best;
+  for (const Camera& camera : cameras) {
+    const SightRays rays = MakeSightRays(camera, sights, seed);
+    if (static_cast<int>(rays.rays.size()) < min_inliers) {
+      continue;
+    }
+    SightProblem problem(camera, sights, rays);
+    const auto result = LoRansac(&problem, RansacOptions(), seed);
+    if (!result.model) {
+      continue;
+    }
+    const int num_inliers = static_cast<int>(problem.InliersOf(*result.model).size());
+    if (num_inliers >= min_inliers && (!best || num_inliers > best->num_inliers)) {
+      best = LocalizedPhoto{Rigid3d(Eigen::Matrix3d(result.model->leftCols<3>()),
+                                    Eigen::Vector3d(result.model->col(3))),
+                            camera, num_inliers};
+    }
+  }
+  return best;
+}
+
+}  // namespace cairn
