@@ -1,9 +1,13 @@
 #include "ingest/images/exif.h"
 
 #include <algorithm>
+#include <charconv>
+#include <chrono>
 #include <cmath>
+#include <string_view>
 
 #include "core/angles.h"
+#include "core/random.h"
 #include "ingest/images/image_header.h"
 #include "ingest/images/tiff_directory.h"
 
@@ -14,7 +18,10 @@ namespace {
 constexpr uint16_t kOrientationTag = 0x0112;
 constexpr uint16_t kExifDirectoryTag = 0x8769;
 constexpr uint16_t kGpsDirectoryTag = 0x8825;
-// A tag of the EXIF directory.
+constexpr uint16_t kMakeTag = 0x010f, kModelTag = 0x0110;
+// Tags of the EXIF directory.
+constexpr uint16_t kDateTimeOriginalTag = 0x9003;
+constexpr uint16_t kPixelWidthTag = 0xa002, kPixelHeightTag = 0xa003;
 constexpr uint16_t kFocalLengthIn35mmTag = 0xa405;
 // Tags of the GPS directory.
 constexpr uint16_t kLatitudeRefTag = 0x01, kLatitudeTag = 0x02;
@@ -65,6 +72,48 @@ void ReadGps(const TiffDirectory& gps, ExifInfo* info) {
   }
 }
 
+// Reads "2026:11:26 10:12:00"; blanks and zeros stand for an unknown time.
+std::optional<double> TimeOf(std::string_view text) {
+  constexpr size_t kAt[] = {0, 5, 8, 11, 14, 17}, kDigits[] = {4, 2, 2, 2, 2, 2};
+  constexpr std::string_view kForm = "0000:00:00 00:00:00";
+  if (text.size() < kForm.size()) {
+    return std::nullopt;
+  }
+  int values[6] = {};
+  for (size_t i = 0; i < kForm.size(); ++i) {
+    const bool is_digit = text[i] >= '0' && text[i] <= '9';
+    if (is_digit != (kForm[i] == '0')) {
+      return std::nullopt;
+    }
+  }
+  for (size_t i = 0; i < 6; ++i) {
+    std::from_chars(text.data() + kAt[i], text.data() + kAt[i] + kDigits[i], values[i]);
+  }
+  using std::chrono::day, std::chrono::month, std::chrono::year;
+  const std::chrono::year_month_day date{year(values[0]), month(static_cast<unsigned>(values[1])),
+                                         day(static_cast<unsigned>(values[2]))};
+  if (!date.ok()) {
+    return std::nullopt;
+  }
+  const auto days = std::chrono::sys_days(date).time_since_epoch().count();
+  return 86400.0 * static_cast<double>(days) + 3600.0 * values[3] + 60.0 * values[4] + values[5];
+}
+
+uint64_t HashOf(std::string_view make, std::string_view model) {
+  uint64_t hash = 0;
+  for (const std::string_view text : {make, model}) {
+    for (const char c : text) {
+      hash = HashWord(hash ^ static_cast<uint8_t>(c));
+    }
+  }
+  return hash;
+}
+
+int SideOf(const TiffDirectory& exif, uint16_t tag) {
+  const double side = exif.Number(tag).value_or(0.0);
+  return side >= 1.0 && side <= INT32_MAX ? static_cast<int>(side) : 0;
+}
+
 }  // namespace
 
 ExifInfo ReadExif(std::span<const uint8_t> image_bytes) {
@@ -76,8 +125,12 @@ ExifInfo ReadExif(std::span<const uint8_t> image_bytes) {
   ReadGps(first.Pointed(kGpsDirectoryTag), &info);
   const double orientation = first.Number(kOrientationTag).value_or(1.0);
   info.orientation = orientation >= 1.0 && orientation <= 8.0 ? static_cast<int>(orientation) : 1;
-  const std::optional<double> focal_35mm =
-      first.Pointed(kExifDirectoryTag).Number(kFocalLengthIn35mmTag);
+  info.camera_kind = HashOf(first.Text(kMakeTag), first.Text(kModelTag));
+  const TiffDirectory exif = first.Pointed(kExifDirectoryTag);
+  info.time_s = TimeOf(exif.Text(kDateTimeOriginalTag));
+  info.original_width_px = SideOf(exif, kPixelWidthTag);
+  info.original_height_px = SideOf(exif, kPixelHeightTag);
+  const std::optional<double> focal_35mm = exif.Number(kFocalLengthIn35mmTag);
   if (focal_35mm && *focal_35mm > 0.0) {
     info.focal_35mm = focal_35mm;
   }

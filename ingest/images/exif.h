@@ -25,6 +25,14 @@ struct ExifInfo {
   int orientation = 1;
   std::optional<double> focal_35mm;  // 35 mm equivalent focal length, millimeters.
   int width_px = 0, height_px = 0;   // Of the stored picture.
+  // The size that the camera gave the picture (PixelXDimension); 0 if not stated. Of a picture that
+  // was cropped later, another one than that of the stored picture.
+  int original_width_px = 0, original_height_px = 0;
+  // A hash of make and model: the same for photos of cameras of one kind. 0 without.
+  uint64_t camera_kind = 0;
+  // When the photo was taken (DateTimeOriginal), in seconds since 1970 by the clock of the camera,
+  // whose time zone is not known.
+  std::optional<double> time_s;
 };
 
 // Photos without EXIF, and photos whose EXIF is damaged, give the values that can be read. Takes

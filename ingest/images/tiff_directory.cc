@@ -141,6 +141,17 @@ char TiffDirectory::Letter(uint16_t tag) const {
   return letter >= 'a' && letter <= 'z' ? static_cast<char>(letter - 'a' + 'A') : letter;
 }
 
+std::string_view TiffDirectory::Text(uint16_t tag) const {
+  const std::optional<Entry> entry = Find(tag);
+  const std::optional<size_t> at =
+      entry && entry->type == kTiffAscii ? OffsetOf(*entry, 0, 1) : std::nullopt;
+  if (!at) {
+    return {};
+  }
+  const std::string_view text(reinterpret_cast<const char*>(tiff_.data()) + *at, entry->count);
+  return text.substr(0, text.find('\0'));
+}
+
 uint16_t TiffDirectory::Read16(size_t at) const {
   const uint8_t* bytes = tiff_.data() + at;
   return static_cast<uint16_t>(is_little_endian_ ? bytes[1] << 8 | bytes[0]

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 
 namespace cairn {
 
@@ -33,6 +34,9 @@ class TiffDirectory {
 
   // The first character of a text, in upper case; 0 if there is none.
   char Letter(uint16_t tag) const;
+
+  // A text up to its first zero byte, as a view of the structure; empty if there is none.
+  std::string_view Text(uint16_t tag) const;
 
  private:
   struct Entry {

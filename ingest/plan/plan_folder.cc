@@ -11,9 +11,9 @@
 
 #include "core/error.h"
 #include "core/file_bytes.h"
+#include "core/replace_file.h"
 #include "core/shared_folder.h"
 #include "ingest/plan/built_tile_codec.h"
-#include "ingest/plan/replace_file.h"
 #include "ingest/plan/shard_codec.h"
 #include "storage/bytes/content_digest.h"
 

@@ -74,6 +74,49 @@ void ExpectPlausible(const ExifInfo& exif) {
   EXPECT_GT(exif.gps_error_m.value_or(1.0), 0.0);
 }
 
+// A block whose EXIF directory is the second, at a place that both directories know.
+Bytes BlockWith(const testing::ExifDirectory& more_first, const testing::ExifDirectory& exif) {
+  const ExifWriter writer(true);
+  testing::ExifDirectory first = more_first;
+  first[0x8769] = writer.Long(0);
+  first[0x8769] = writer.Long(8 + testing::DirectoryBytes(first));
+  Bytes tiff = {'I', 'I', 42, 0, 8, 0, 0, 0};
+  testing::PutDirectory(first, 0, writer, &tiff);
+  testing::PutDirectory(exif, 0, writer, &tiff);
+  return tiff;
+}
+
+TEST(Exif, TimeIsSecondsSince1970) {
+  const auto time_of = [](const std::string& text) {
+    return ReadBlock(BlockWith({}, {{0x9003, ExifWriter::Text(text)}})).time_s;
+  };
+  EXPECT_EQ(time_of("1970:01:02 00:00:01"), 86401.0);
+  EXPECT_EQ(time_of("2026:11:26 10:12:30"), 1795687950.0);
+  EXPECT_FALSE(time_of("    :  :     :  :  "));
+  EXPECT_FALSE(time_of("0000:00:00 00:00:00"));
+  EXPECT_FALSE(time_of("2026"));
+  EXPECT_FALSE(ReadBlock(BlockWith({}, {})).time_s);
+}
+
+TEST(Exif, CamerasOfOneKindHaveOneHash) {
+  const auto kind_of = [](const std::string& make, const std::string& model) {
+    return ReadBlock(
+               BlockWith({{0x010f, ExifWriter::Text(make)}, {0x0110, ExifWriter::Text(model)}}, {}))
+        .camera_kind;
+  };
+  EXPECT_EQ(kind_of("Maker", "One"), kind_of("Maker", "One"));
+  EXPECT_NE(kind_of("Maker", "One"), kind_of("Maker", "Two"));
+  EXPECT_EQ(ReadBlock(BlockWith({}, {})).camera_kind, 0u);
+}
+
+TEST(Exif, TellsTheSizeBeforeACrop) {
+  const ExifWriter writer(true);
+  const ExifInfo exif =
+      ReadBlock(BlockWith({}, {{0xa002, writer.Long(4000)}, {0xa003, writer.Short(3000)}}));
+  EXPECT_EQ(exif.original_width_px, 4000);
+  EXPECT_EQ(exif.original_height_px, 3000);
+}
+
 TEST(Exif, BothByteOrdersAndFormatsAreRead) {
   for (const bool is_little_endian : {true, false}) {
     const Bytes block = ExifBlock(PhonePhoto(is_little_endian));

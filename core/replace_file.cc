@@ -1,4 +1,4 @@
-#include "ingest/plan/replace_file.h"
+#include "core/replace_file.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
-// Writes whole files so that nobody sees half of one; private to ingest/plan.
-#ifndef CAIRN_INGEST_PLAN_REPLACE_FILE_H_
-#define CAIRN_INGEST_PLAN_REPLACE_FILE_H_
+// Writes whole files so that nobody sees half of one.
+#ifndef CAIRN_CORE_REPLACE_FILE_H_
+#define CAIRN_CORE_REPLACE_FILE_H_
 
 #include <cstdint>
 #include <span>
@@ -19,4 +19,4 @@ void ReplaceFile(const std::string& path, std::span<const uint8_t> bytes);
 
 }  // namespace cairn
 
-#endif  // CAIRN_INGEST_PLAN_REPLACE_FILE_H_
+#endif  // CAIRN_CORE_REPLACE_FILE_H_

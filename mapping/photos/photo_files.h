@@ -1,0 +1,24 @@
+// Finds the photos in folders.
+#ifndef CAIRN_MAPPING_PHOTOS_PHOTO_FILES_H_
+#define CAIRN_MAPPING_PHOTOS_PHOTO_FILES_H_
+
+#include <string>
+#include <vector>
+
+namespace cairn {
+
+struct PhotoFile {
+  std::string name;  // Unique: the path below the folder, with '/'.
+  std::string path;
+};
+
+// All files in the folders and below whose name ends as that of a picture (.jpg, .png, .heic and
+// so on), in the order of their names. Hidden files and folders do not count, nor do links to
+// folders. A path may also be a file. With several paths, a name begins with the folder's own.
+// Throws Error(kNotFound) if a path does not exist, and Error(kBadInput), with what to do, if there
+// is no such file, or if two folders have one name.
+std::vector<PhotoFile> FindPhotoFiles(const std::vector<std::string>& paths);
+
+}  // namespace cairn
+
+#endif  // CAIRN_MAPPING_PHOTOS_PHOTO_FILES_H_

@@ -1,0 +1,185 @@
+#include "mapping/photos/read_photos.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include "core/error.h"
+#include "core/geoid.h"
+#include "core/parallel_for.h"
+#include "core/printable.h"
+#include "ingest/georegister/picture_up.h"
+#include "ingest/images/gray_image.h"
+#include "mapping/photos/group_cameras.h"
+#include "mapping/photos/photo_files.h"
+#include "mapping/photos/read_photo.h"
+#include "storage/bytes/content_digest.h"
+
+namespace cairn {
+namespace {
+
+constexpr size_t kMaxReasons = 3;  // In a message.
+
+// A photo after its file was read.
+struct FileResult {
+  std::string digest;  // Of the bytes; empty if the file cannot be read.
+  std::optional<ReadPhotoResult> photo;
+  std::string reason;  // Why there is no photo.
+  bool from_work = false;
+};
+
+std::span<const uint8_t> BytesOf(const std::string& text) {
+  return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
+}
+
+// What features depend on. The first number changes if the extractor does.
+std::string SiftKey(const SiftOptions& sift) {
+  return fmt::format("sift 1 {} {}", sift.max_features, sift.max_pixels);
+}
+
+FileResult ReadOne(const PhotoFile& file, const ReadPhotosOptions& options) {
+  FileResult result;
+  try {
+    const std::vector<uint8_t> bytes = ReadImageBytes(file.path);
+    result.digest = ContentDigest(bytes);
+    const std::string name = "photo-" + result.digest;
+    const std::string key = SiftKey(options.sift);
+    if (options.work != nullptr) {
+      if (const auto stored = options.work->Load(name, key)) {
+        result.photo = DecodeReadPhoto(*stored, options.work->PathOf(name));
+        result.from_work = true;
+        return result;
+      }
+    }
+    result.photo = ReadMappingPhoto(bytes, options.sift);
+    if (options.work != nullptr) {
+      options.work->Store(name, key, EncodeReadPhoto(*result.photo));
+    }
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kBadInput && error.code() != ErrorCode::kNotFound) {
+      throw;
+    }
+    result.reason = error.what();
+  }
+  return result;
+}
+
+std::vector<FileResult> ReadAll(const std::vector<PhotoFile>& files,
+                                const ReadPhotosOptions& options, const PhotosProgress& progress) {
+  std::vector<FileResult> results(files.size());
+  std::mutex mutex;
+  int num_done = 0;
+  ParallelFor(static_cast<int>(files.size()), options.num_threads, [&](int i) {
+    results[i] = ReadOne(files[i], options);
+    if (progress) {
+      const std::lock_guard<std::mutex> lock(mutex);
+      progress(++num_done, static_cast<int>(files.size()));
+    }
+  });
+  return results;
+}
+
+// Leaves out what has no photo and what is there twice.
+void LeaveOut(const std::vector<PhotoFile>& files, std::vector<FileResult>* results,
+              std::vector<LeftOutPhoto>* left_out) {
+  std::map<std::string, std::string> name_of_digest;
+  for (size_t i = 0; i < files.size(); ++i) {
+    FileResult& result = (*results)[i];
+    if (!result.photo) {
+      left_out->push_back({files[i].name, result.reason});
+      continue;
+    }
+    const auto [first, is_new] = name_of_digest.try_emplace(result.digest, files[i].name);
+    if (!is_new) {
+      left_out->push_back({files[i].name, "is the same file as " + first->second});
+      result.photo.reset();
+    }
+  }
+}
+
+[[noreturn]] void ThrowNoPhotos(const std::vector<LeftOutPhoto>& left_out) {
+  std::string reasons;
+  for (size_t i = 0; i < std::min(left_out.size(), kMaxReasons); ++i) {
+    reasons += fmt::format("; {}: {}", Excerpt(left_out[i].name), Excerpt(left_out[i].reason));
+  }
+  throw Error(ErrorCode::kBadInput,
+              fmt::format("none of the {} photos can be read{}", left_out.size(), reasons));
+}
+
+// Heights stay above sea level, as MappingPhoto wants them.
+std::optional<Geodetic> GpsOf(const ExifInfo& exif) {
+  if (!exif.gps || exif.height_reference == HeightReference::kMeanSeaLevel || !exif.has_altitude) {
+    return exif.gps;
+  }
+  Geodetic gps = *exif.gps;
+  gps.h_m -=
+      WithEllipsoidalHeight({gps.lat_rad, gps.lon_rad, 0.0}, HeightReference::kMeanSeaLevel).h_m;
+  return gps;
+}
+
+MappingPhoto PhotoOf(const std::string& name, int camera_idx, ReadPhotoResult read) {
+  MappingPhoto photo;
+  photo.name = name;
+  photo.camera_idx = camera_idx;
+  photo.keypoints = std::move(read.keypoints);
+  photo.descriptors = std::move(read.descriptors);
+  photo.gps = GpsOf(read.exif);
+  photo.gps_accuracy_m = read.exif.gps_error_m;
+  if (read.has_exif) {
+    photo.down_in_cam_hint = -UpInCam(FromExifOrientation(read.exif.orientation));
+  }
+  photo.time_s = read.exif.time_s;
+  return photo;
+}
+
+}  // namespace
+
+PhotoFolder ReadPhotos(const std::vector<std::string>& paths, const ReadPhotosOptions& options,
+                       const PhotosProgress& progress) {
+  options.sift.Validate();
+  const std::vector<PhotoFile> files = FindPhotoFiles(paths);
+  std::vector<FileResult> results = ReadAll(files, options, progress);
+  PhotoFolder folder;
+  LeaveOut(files, &results, &folder.left_out);
+  ContentHash hash;
+  hash.Add(BytesOf(SiftKey(options.sift)));
+  for (const Camera& camera : options.cameras) {
+    hash.Add(BytesOf(fmt::format("{} {} {} {}", CameraModelName(camera.model()), camera.width_px(),
+                                 camera.height_px(), fmt::join(camera.params(), " "))));
+  }
+  std::vector<PhotoLens> lenses;
+  for (const FileResult& result : results) {
+    if (result.photo) {
+      lenses.push_back({result.photo->exif, result.photo->has_exif, result.photo->width_px,
+                        result.photo->height_px});
+    }
+  }
+  if (lenses.empty()) {
+    ThrowNoPhotos(folder.left_out);
+  }
+  CameraGroups groups = GroupCameras(lenses, options.cameras);
+  folder.set.cameras = std::move(groups.cameras);
+  folder.notes = std::move(groups.notes);
+  for (size_t i = 0; i < files.size(); ++i) {
+    if (!results[i].photo) {
+      continue;
+    }
+    hash.Add(BytesOf(files[i].name + "\n" + results[i].digest + "\n"));
+    folder.num_from_work += results[i].from_work ? 1 : 0;
+    const size_t idx = folder.set.photos.size();
+    folder.orientation_of_photo.push_back(results[i].photo->has_exif
+                                              ? std::optional(results[i].photo->exif.orientation)
+                                              : std::nullopt);
+    folder.set.photos.push_back(
+        PhotoOf(files[i].name, groups.camera_of_photo[idx], std::move(*results[i].photo)));
+    results[i].photo.reset();
+  }
+  folder.digest = hash.Hex();
+  folder.set.Validate();
+  return folder;
+}
+
+}  // namespace cairn

@@ -1,0 +1,52 @@
+// Folders of photos become a PhotoSet: the first stage of mapping.
+#ifndef CAIRN_MAPPING_PHOTOS_READ_PHOTOS_H_
+#define CAIRN_MAPPING_PHOTOS_READ_PHOTOS_H_
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/camera.h"
+#include "ingest/features/sift_extractor.h"
+#include "mapping/photo_set.h"
+#include "mapping/work/work_folder.h"
+
+namespace cairn {
+
+struct ReadPhotosOptions {
+  std::vector<Camera> cameras = {};  // Known intrinsics; see GroupCameras.
+  SiftOptions sift = {};
+  // Keeps features, so that a second run need not extract them; null: none. Not owned.
+  const WorkFolder* work = nullptr;
+  int num_threads = 1;  // The result does not depend on it.
+};
+
+struct LeftOutPhoto {
+  std::string name;
+  std::string reason;  // For people.
+};
+
+struct PhotoFolder {
+  PhotoSet set;  // In the order of the names. Positions are those of the EXIF.
+  // Of each photo: how to turn its pixels upright; nothing without EXIF.
+  std::vector<std::optional<int>> orientation_of_photo;
+  std::vector<LeftOutPhoto> left_out;
+  std::vector<std::string> notes;  // For people.
+  // Names the content of all photos and the options: the same digest, the same set.
+  std::string digest;
+  int num_from_work = 0;  // Photos whose features the work folder had.
+};
+
+using PhotosProgress = std::function<void(int done, int total)>;
+
+// Photos that cannot be read or that are there twice are left out, each with a reason. `progress`
+// is called by one thread at a time. Throws as FindPhotoFiles; Error(kBadInput), with reasons, if
+// no photo can be read; Error(kIo) if the work folder cannot be written.
+PhotoFolder ReadPhotos(const std::vector<std::string>& paths, const ReadPhotosOptions& options,
+                       const PhotosProgress& progress = {});
+
+}  // namespace cairn
+
+#endif  // CAIRN_MAPPING_PHOTOS_READ_PHOTOS_H_

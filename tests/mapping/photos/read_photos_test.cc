@@ -1,0 +1,161 @@
+#include "mapping/photos/read_photos.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "core/error.h"
+#include "mapping/photos/photo_files.h"
+#include "support/temp_dir.h"
+#include "support/test_data.h"
+
+namespace cairn {
+namespace {
+
+namespace fs = std::filesystem;
+
+void Write(const fs::path& path, const std::string& bytes) {
+  fs::create_directories(path.parent_path());
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+// Soft discs at random places.
+std::string Picture(uint64_t seed, int num_discs = 150) {
+  constexpr int kSide = 200;
+  std::mt19937_64 rng(seed);
+  std::vector<double> pixels(kSide * kSide, 100.0);
+  for (int i = 0; i < num_discs; ++i) {
+    const double x = rng() % kSide, y = rng() % kSide;
+    const double radius = 2.0 + rng() % 6, height = (rng() % 2 == 0 ? 80.0 : -80.0);
+    for (int v = 0; v < kSide; ++v) {
+      for (int u = 0; u < kSide; ++u) {
+        const double sq = (std::pow(u - x, 2) + std::pow(v - y, 2)) / (radius * radius);
+        pixels[v * kSide + u] += height * std::exp(-sq);
+      }
+    }
+  }
+  std::string bytes = "P5\n200 200\n255\n";
+  for (const double pixel : pixels) {
+    bytes += static_cast<char>(std::clamp(pixel, 0.0, 255.0));
+  }
+  return bytes;
+}
+
+std::string ReasonFor(const PhotoFolder& folder, const std::string& name) {
+  for (const LeftOutPhoto& photo : folder.left_out) {
+    if (photo.name == name) {
+      return photo.reason;
+    }
+  }
+  return "";
+}
+
+TEST(ReadPhotos, LeavesOutWhatItCannotUseWithAReason) {
+  const testing::TempDir dir;
+  Write(dir.path() / "a.pgm", Picture(1));
+  Write(dir.path() / "b/c.pgm", Picture(2));
+  Write(dir.path() / "blank.pgm", Picture(3, 0));
+  Write(dir.path() / "copy.pgm", Picture(1));
+  Write(dir.path() / "cut.pgm", Picture(4).substr(0, 1000));
+  Write(dir.path() / "phone.heic", std::string("\0\0\0\x18"
+                                               "ftypheic0000",
+                                               16));
+  Write(dir.path() / "notes.txt", "no photo");
+  Write(dir.path() / ".thumbs/a.pgm", Picture(5));
+  const PhotoFolder folder = ReadPhotos({dir.path()}, {});
+  ASSERT_EQ(folder.set.photos.size(), 2u);
+  EXPECT_EQ(folder.set.photos[0].name, "a.pgm");
+  EXPECT_EQ(folder.set.photos[1].name, "b/c.pgm");
+  EXPECT_EQ(folder.set.cameras.size(), 1u);
+  EXPECT_GE(folder.set.photos[0].keypoints.size(), 20u);
+  EXPECT_FALSE(folder.orientation_of_photo[0]);
+  EXPECT_EQ(folder.left_out.size(), 4u);
+  EXPECT_NE(ReasonFor(folder, "blank.pgm").find("blank or blurred"), std::string::npos);
+  EXPECT_EQ(ReasonFor(folder, "copy.pgm"), "is the same file as a.pgm");
+  EXPECT_FALSE(ReasonFor(folder, "cut.pgm").empty());
+  EXPECT_NE(ReasonFor(folder, "phone.heic").find("JPEG"), std::string::npos);
+}
+
+TEST(ReadPhotos, TakesFeaturesFromTheWorkFolder) {
+  const testing::TempDir dir;
+  Write(dir.path() / "photos/a.pgm", Picture(1));
+  const WorkFolder work(dir.path() / "w");
+  ReadPhotosOptions options;
+  options.work = &work;
+  const PhotoFolder first = ReadPhotos({dir.path() / "photos"}, options);
+  const PhotoFolder second = ReadPhotos({dir.path() / "photos"}, options);
+  EXPECT_EQ(first.num_from_work, 0);
+  EXPECT_EQ(second.num_from_work, 1);
+  EXPECT_EQ(first.digest, second.digest);
+  const MappingPhoto& a = first.set.photos[0];
+  const MappingPhoto& b = second.set.photos[0];
+  ASSERT_EQ(a.keypoints.size(), b.keypoints.size());
+  EXPECT_EQ(a.keypoints.back().x_px, b.keypoints.back().x_px);
+  EXPECT_TRUE(a.descriptors == b.descriptors);
+  options.sift.max_features = 30;
+  const PhotoFolder third = ReadPhotos({dir.path() / "photos"}, options);
+  EXPECT_EQ(third.num_from_work, 0);
+  EXPECT_NE(third.digest, first.digest);
+}
+
+TEST(ReadPhotos, IsTheSameOnAnyNumberOfThreads) {
+  const testing::TempDir dir;
+  for (int i = 0; i < 6; ++i) {
+    Write(dir.path() / (std::to_string(i) + ".pgm"), Picture(i + 1));
+  }
+  const PhotoFolder one = ReadPhotos({dir.path()}, {});
+  const PhotoFolder four = ReadPhotos({dir.path()}, {.num_threads = 4});
+  EXPECT_EQ(one.digest, four.digest);
+  for (size_t i = 0; i < one.set.photos.size(); ++i) {
+    EXPECT_EQ(one.set.photos[i].name, four.set.photos[i].name);
+    EXPECT_TRUE(one.set.photos[i].descriptors == four.set.photos[i].descriptors);
+  }
+}
+
+TEST(ReadPhotos, RefusesAFolderWithoutAPhotoThatItCanRead) {
+  const testing::TempDir dir;
+  Write(dir.path() / "a.jpg", "not a photo");
+  try {
+    ReadPhotos({dir.path()}, {});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kBadInput);
+    EXPECT_NE(std::string(error.what()).find("a.jpg"), std::string::npos);
+  }
+}
+
+TEST(ReadPhotos, TakesThePositionsOfExif) {
+  CAIRN_SKIP_WITHOUT_DATA("street_berlin3/images/01.jpg");
+  const PhotoFolder folder =
+      ReadPhotos({(testing::TestDataDir() / "street_berlin3/images").string()},
+                 {.sift = {.max_features = 100, .max_pixels = 100'000}});
+  ASSERT_EQ(folder.set.photos.size(), 3u);
+  ASSERT_TRUE(folder.set.photos[0].gps);
+  EXPECT_NEAR(folder.set.photos[0].gps->lat_deg(), 52.5, 0.1);
+  EXPECT_EQ(folder.orientation_of_photo[0], 1);
+  EXPECT_TRUE(folder.set.photos[0].down_in_cam_hint);
+}
+
+TEST(FindPhotoFiles, NamesPhotosOfSeveralFoldersAfterThem) {
+  const testing::TempDir dir;
+  Write(dir.path() / "monday/1.jpg", "");
+  Write(dir.path() / "tuesday/1.JPG", "");
+  const auto files =
+      FindPhotoFiles({(dir.path() / "tuesday/").string(), (dir.path() / "monday").string()});
+  ASSERT_EQ(files.size(), 2u);
+  EXPECT_EQ(files[0].name, "monday/1.jpg");
+  EXPECT_EQ(files[1].name, "tuesday/1.JPG");
+}
+
+TEST(FindPhotoFiles, RefusesAFolderWithoutPhotos) {
+  const testing::TempDir dir;
+  EXPECT_THROW(FindPhotoFiles({dir.path().string()}), Error);
+  EXPECT_THROW(FindPhotoFiles({(dir.path() / "missing").string()}), Error);
+}
+
+}  // namespace
+}  // namespace cairn
