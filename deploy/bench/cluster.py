@@ -110,7 +110,9 @@ def haproxy_with(config):
         file = scratch / "haproxy.cfg"
         file.write_text(config)
         environment = {f"CAIRN{i}": f"{HOST}:{server}" for i, server in enumerate(server_ports, 1)}
-        return ["haproxy", "-db", "-q", "-f", file], dict(environment, FRONT_ADDRESS=f"{HOST}:{port}")
+        # All clients of the bench have one address.
+        return ["haproxy", "-db", "-q", "-f", file], dict(
+            environment, FRONT_ADDRESS=f"{HOST}:{port}", CLIENT_REQUESTS="1000000", CLIENT_CONNECTIONS="1000")
     return make_command
 
 
@@ -130,6 +132,8 @@ def nginx():
         config = (DEPLOY / "nginx" / "cairn.conf").read_text().replace("listen 8080", f"listen {HOST}:{port}")
         for shipped, server in zip((8081, 8082, 8083), server_ports):
             config = config.replace(f"{HOST}:{shipped}", f"{HOST}:{server}")
+        # All clients of the bench have one address.
+        config = config.replace("rate=20r/s", "rate=10000r/s").replace("limit_conn clients_open 100", "limit_conn clients_open 1000")
         folders = "".join(f"{kind}_temp_path {scratch}/{kind};" for kind in
                           ("client_body", "proxy", "fastcgi", "uwsgi", "scgi"))
         (scratch / "nginx.conf").write_text(
