@@ -6,6 +6,7 @@
 
 #include "core/check.h"
 #include "core/geodesy.h"
+#include "core/statistics.h"
 #include "ingest/accuracy/in_map_accuracy.h"
 
 namespace cairn {
@@ -19,12 +20,6 @@ constexpr double kRotationSigmaRad = 0.005;
 constexpr double kScaleSigma = 0.03;
 
 using Vector7d = Eigen::Matrix<double, 7, 1>;
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // One camera's difference, about the middle of all cameras.
 struct Difference {

@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/printable.h"
 #include "core/require.h"
+#include "core/statistics.h"
 #include "ingest/georegister/level_cameras.h"
 #include "ingest/georegister/similarity_problem.h"
 
@@ -33,12 +34,6 @@ Eigen::Vector3d Median3(std::vector<Eigen::Vector3d> points) {
     median[axis] = (*middle)[axis];
   }
   return median;
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 Eigen::Vector3d CenterInWorld(const ReconImage& image) {

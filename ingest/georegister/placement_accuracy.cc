@@ -6,6 +6,7 @@
 
 #include "core/check.h"
 #include "core/radius68.h"
+#include "core/statistics.h"
 
 namespace cairn {
 namespace {
@@ -22,9 +23,7 @@ double MedianSquaredAccuracy(const std::vector<FittedPosition>& positions) {
   for (const FittedPosition& position : positions) {
     squares.push_back(Squared(position.accuracy_m / kRadius68PerSigma3d));
   }
-  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
-  std::nth_element(squares.begin(), middle, squares.end());
-  return *middle;
+  return Median(std::move(squares));
 }
 
 // The variance of the positions per axis. The fit has taken as many degrees of freedom as it has

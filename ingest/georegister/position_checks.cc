@@ -7,6 +7,7 @@
 
 #include "core/angles.h"
 #include "core/error.h"
+#include "core/statistics.h"
 
 namespace cairn {
 namespace {
@@ -21,12 +22,6 @@ constexpr double kHeightErrorM = 15.0, kHeightSpreads = 3.0;
 // Steps of coordinates with so many decimals or fewer are coarser than GPS.
 constexpr int kMostRoundedDecimals = 4;
 constexpr double kMetersPerDeg = 111'000.0;
-
-double MedianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 void RequireDifferentPlaces(const std::vector<CameraPosition>& positions) {
   if (positions.size() < kFewestToJudge) {
@@ -70,7 +65,7 @@ void RequireFineSteps(double rounded_to_deg, const std::vector<CameraPosition>& 
   }
   // Standard deviation of rounding, of latitude and longitude together at the equator.
   const double error_m = rounded_to_deg * kMetersPerDeg / std::sqrt(6.0);
-  if (error_m <= MedianOf(accuracies_m)) {
+  if (error_m <= Median(accuracies_m)) {
     return;
   }
   throw Error(
@@ -78,7 +73,7 @@ void RequireFineSteps(double rounded_to_deg, const std::vector<CameraPosition>& 
       fmt::format("georegistration: all positions are rounded to {:g} degrees, which moves them by "
                   "{:.0f} m; the stated accuracy is {:.1f} m. Give positions with six decimals or "
                   "more, or state the accuracy that they have",
-                  rounded_to_deg, error_m, MedianOf(accuracies_m)));
+                  rounded_to_deg, error_m, Median(accuracies_m)));
 }
 
 // The positions that have no height: marked so, or 0 far from the others.
@@ -92,12 +87,12 @@ void MarkMissingHeights(std::vector<CameraPosition>* positions) {
   double is_far_m = 0.0;
   double middle_m = 0.0;
   if (!heights_m.empty()) {
-    middle_m = MedianOf(heights_m);
+    middle_m = Median(heights_m);
     std::vector<double> distances_m;
     for (const double height_m : heights_m) {
       distances_m.push_back(std::abs(height_m - middle_m));
     }
-    is_far_m = std::max(kHeightErrorM, kHeightSpreads * MedianOf(distances_m));
+    is_far_m = std::max(kHeightErrorM, kHeightSpreads * Median(distances_m));
   }
   for (CameraPosition& position : *positions) {
     if (position.position.h_m == 0.0 && (heights_m.empty() || std::abs(middle_m) > is_far_m)) {
@@ -124,7 +119,7 @@ void FillHeights(const std::optional<double>& default_height_m,
                             "with --georef",
                             positions->size()));
   }
-  const double height_m = default_height_m ? *default_height_m : MedianOf(heights_m);
+  const double height_m = default_height_m ? *default_height_m : Median(heights_m);
   for (CameraPosition& position : *positions) {
     if (!position.has_height) {
       position.position.h_m = height_m;

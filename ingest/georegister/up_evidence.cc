@@ -7,6 +7,7 @@
 
 #include "core/angles.h"
 #include "core/rotation_between.h"
+#include "core/statistics.h"
 
 namespace cairn {
 namespace {
@@ -54,12 +55,6 @@ double Normal(double x, double sigma) {
   return std::exp(-0.5 * ratio * ratio) / (sigma * std::sqrt(2.0 * kPi));
 }
 
-double MedianOfAll(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // Density on the sphere of directions that scatter by `sigma_rad` around one.
 double Around(double cosine, double sigma_rad) {
   const double concentration = 1.0 / (sigma_rad * sigma_rad);
@@ -94,7 +89,7 @@ UpEvidence::UpEvidence(const UpProblem& problem) : problem_(problem) {
     for (const Eigen::Vector3d& sight : problem_.sights_in_world) {
       lengths.push_back(sight.norm());
     }
-    median_sight_in_world_ = MedianOfAll(std::move(lengths));
+    median_sight_in_world_ = Median(std::move(lengths));
   }
 }
 
@@ -118,8 +113,8 @@ void UpEvidence::PreparePositions() {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
   line_in_world_ = solver.eigenvectors().col(2);
   constexpr double kMedianSqNormal3 = 2.366;  // Of a chi-squared variable of three dimensions.
-  const double excess = std::sqrt(std::max(1.0, MedianOfAll(sq_residuals) / kMedianSqNormal3));
-  const double floor_m = kShapeError * MedianOfAll(distances);
+  const double excess = std::sqrt(std::max(1.0, Median(sq_residuals) / kMedianSqNormal3));
+  const double floor_m = kShapeError * Median(distances);
   for (size_t i = 0; i < positions.size(); ++i) {
     positions[i].accuracy_m = std::max(excess * positions[i].accuracy_m, floor_m);
     positions[i].height_accuracy_m = std::max(excess * positions[i].height_accuracy_m, floor_m);
@@ -133,7 +128,7 @@ double UpEvidence::SharedPitch(const Eigen::Vector3d& up_in_world) const {
   for (const UpView& view : problem_.views) {
     pitches.push_back((view.cam_from_world * up_in_world).z());
   }
-  return std::clamp(MedianOfAll(std::move(pitches)), -kMaxSharedPitch, kMaxSharedPitch);
+  return std::clamp(Median(std::move(pitches)), -kMaxSharedPitch, kMaxSharedPitch);
 }
 
 UpEvidence::Densities UpEvidence::DensitiesOf(const UpView& view,

@@ -5,6 +5,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
+
+#include "core/statistics.h"
 
 namespace cairn {
 namespace {
@@ -147,9 +151,8 @@ std::optional<PointUncertainty> EstimateUncertainty(std::span<const PointView> v
     errors_px.push_back(
         (*view.camera->Project(view.cam_from_world * x_in_world) - view.pixel).norm());
   }
-  const auto median = errors_px.begin() + errors_px.size() / 2;
-  std::nth_element(errors_px.begin(), median, errors_px.end());
-  return PointUncertainty{disagreement * equations->hessian.inverse(), *median};
+  return PointUncertainty{disagreement * equations->hessian.inverse(),
+                          Median(std::move(errors_px))};
 }
 
 }  // namespace cairn

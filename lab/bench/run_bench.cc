@@ -18,6 +18,7 @@
 #include "core/error.h"
 #include "core/large_vector.h"
 #include "core/require.h"
+#include "core/statistics.h"
 #include "engine/index/kernels/byte_descriptors.h"
 #include "engine/localizer.h"
 #include "engine/tiles/searchable_tile.h"
@@ -113,12 +114,6 @@ class PayloadFile {
 
   std::FILE* file_;
 };
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Alternates loads and plain reads. As in a full cache, each tile is dropped when the next has been
 // loaded.

@@ -9,6 +9,7 @@
 
 #include "core/angles.h"
 #include "core/frames.h"
+#include "core/statistics.h"
 #include "ingest/features/sift_extractor.h"
 #include "ingest/georegister/georegister.h"
 #include "ingest/ingest_session.h"
@@ -19,11 +20,6 @@
 
 namespace cairn {
 namespace {
-
-double Median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
-}
 
 ColmapInput KittiInput() {
   const auto dir = testing::TestDataDir() / "kitti_vo_2x51";

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/statistics.h"
 #include "lab/city/geometry/city_region.h"
 
 namespace cairn {
@@ -59,12 +60,6 @@ class MappedCity {
   DescriptorModel model_;
   SimulatedMapping mapping_;
 };
-
-double Median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
-}
 
 void ExpectEqual(const MappedChunk& a, const MappedChunk& b) {
   ASSERT_EQ(a.reconstruction.images.size(), b.reconstruction.images.size());
