@@ -128,6 +128,7 @@ void CheckSizes(std::span<const CameraFreedom> freedom_of_camera, const AdjustPr
   CAIRN_CHECK(is_absent_or(priors.image_is_fixed.size(), model.images.size()), "a flag an image");
   CAIRN_CHECK(is_absent_or(priors.focal_sigma_of_camera.size(), model.cameras.size()),
               "a sigma a camera");
+  CAIRN_CHECK(is_absent_or(priors.camera_means.size(), model.cameras.size()), "a mean a camera");
 }
 
 }  // namespace

@@ -32,8 +32,11 @@ struct PositionPrior {
 // All optional. An empty vector stands for "none".
 struct AdjustPriors {
   std::vector<std::optional<PositionPrior>> position_of_image;
-  // Relative standard deviation of the focal length about its value at the start; 0: no prior.
+  // Relative standard deviation of the focal length; 0: no prior.
   std::vector<double> focal_sigma_of_camera;
+  // The cameras about which the priors of focal length and distortion hold; those at the start if
+  // empty. A model that is adjusted many times would drift away from its priors without them.
+  std::vector<Camera> camera_means;
   // Images whose pose is held, not 0: the rest of the model around the photos that a growth adds.
   std::vector<uint8_t> image_is_fixed;
 };

@@ -79,6 +79,16 @@ void AdjustProblem::AddObservations() {
   }
 }
 
+CameraUnknowns AdjustProblem::CameraMean(size_t camera) const {
+  if (priors_.camera_means.empty()) {
+    return cameras_[camera].start();
+  }
+  const Camera& mean = priors_.camera_means[camera];
+  CameraUnknowns unknowns = AdjustableCamera(mean).start();
+  unknowns[0] = std::log(mean.focal_px() / model_.cameras[camera].focal_px());
+  return unknowns;
+}
+
 void AdjustProblem::AddCameras() {
   constexpr double kNothing = std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < cameras_.size(); ++i) {
@@ -99,8 +109,8 @@ void AdjustProblem::AddCameras() {
     }
     const double distortion_sigma = is_bent ? options_.distortion_sigma : kNothing;
     problem_.AddResidualBlock(
-        new CameraPriorCost(cameras_[i].start(), {focal_sigma > 0.0 ? focal_sigma : kNothing,
-                                                  distortion_sigma, distortion_sigma}),
+        new CameraPriorCost(CameraMean(i), {focal_sigma > 0.0 ? focal_sigma : kNothing,
+                                            distortion_sigma, distortion_sigma}),
         nullptr, CameraAt(i));
   }
 }

@@ -43,6 +43,7 @@ class AdjustProblem {
   bool IsFixed(size_t image) const;
   void AddObservations();
   void AddCameras();
+  CameraUnknowns CameraMean(size_t camera) const;  // See AdjustPriors::camera_means.
   void AddPositions();
   void FixGauge();
   void HoldScale(size_t anchor);
