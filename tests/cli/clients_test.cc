@@ -1,10 +1,7 @@
 // Runs the clients that users have against a `cairn serve` of a rendered street.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <array>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -13,12 +10,14 @@
 #include <vector>
 
 #include "cli/demo/demo_world.h"
+#include "cli/npm_folder.h"
 #include "cli/run_cairn.h"
 #include "core/angles.h"
 #include "core/error.h"
 #include "eval/pictures/encode_png.h"
 #include "http/client.h"
 #include "http/json/inner_frame.h"
+#include "http/wire/base64.h"
 #include "ingest/images/orient_image.h"
 #include "support/exif_bytes.h"
 #include "support/temp_dir.h"
@@ -29,18 +28,6 @@ namespace {
 namespace fs = std::filesystem;
 using ::nlohmann::json;
 using ::testing::HasSubstr;
-
-// Output and exit code of a shell command.
-std::pair<std::string, int> RunShell(const std::string& command) {
-  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
-  std::string text;
-  std::array<char, 4096> buffer;
-  while (const size_t size = fread(buffer.data(), 1, buffer.size(), pipe)) {
-    text.append(buffer.data(), size);
-  }
-  const int status = pclose(pipe);
-  return {text, WIFEXITED(status) ? WEXITSTATUS(status) : -1};
-}
 
 class Clients : public ::testing::Test {
  protected:
@@ -72,28 +59,11 @@ class Clients : public ::testing::Test {
 
 class NpmClient : public Clients {
  protected:
-  // Installs the client once for a build; empty, or why it cannot be.
-  static std::string Install() {
-    if (RunShell("node --version && npm --version").second != 0) {
-      return "node and npm are not installed";
-    }
-    const fs::path source = fs::path(CAIRN_SOURCE_DIR) / "tests/cli/gpp_access";
-    fs::create_directories(Folder());
-    for (const auto& file : fs::directory_iterator(source)) {
-      fs::copy_file(file.path(), Folder() / file.path().filename(),
-                    fs::copy_options::overwrite_existing);
-    }
-    const auto [text, code] = RunShell("cd '" + Folder().string() +
-                                       "' && { test -d node_modules/@oarc/gpp-access || npm ci "
-                                       "--ignore-scripts --no-audit --no-fund; }");
-    return code == 0 ? "" : "npm cannot install @oarc/gpp-access: " + text.substr(0, 500);
-  }
-  static fs::path Folder() { return fs::path(CAIRN_BINARY_DIR) / "gpp_access_test"; }
-
-  json Ask(const json& request) {
+  // Writes the request to a file, runs the command of the folder with the name of the file, and
+  // returns what the command prints.
+  json Ask(const NpmFolder& folder, const std::string& command, const json& request) {
     std::ofstream(dir_.File("ask.json")) << request;
-    const auto [text, code] =
-        RunShell("cd '" + Folder().string() + "' && node ask.mjs '" + dir_.File("ask.json") + "'");
+    const auto [text, code] = folder.Run(command + " '" + dir_.File("ask.json") + "'");
     EXPECT_EQ(code, 0) << text;
     const json answer = json::parse(text, nullptr, false);
     EXPECT_TRUE(answer.is_object()) << text;
@@ -102,8 +72,9 @@ class NpmClient : public Clients {
 };
 
 TEST_F(NpmClient, OfGeoPoseProtocolIsAnswered) {
-  if (const std::string why_not = Install(); !why_not.empty()) {
-    GTEST_SKIP() << why_not;
+  const NpmFolder folder("gpp_access");
+  if (!folder.why_not().empty()) {
+    GTEST_SKIP() << folder.why_not();
   }
   BackgroundCairn server({"serve", world_.map_path, "--port", "0", "--log-level", "off"});
   const EvalQuery& query = world_.queries[1];
@@ -116,7 +87,7 @@ TEST_F(NpmClient, OfGeoPoseProtocolIsAnswered) {
               {"lat", prior.lat_deg()},
               {"lon", prior.lon_deg()},
               {"accuracy", 15}};
-  const json known = Ask(ask);
+  const json known = Ask(folder, "node ask.mjs", ask);
   ASSERT_TRUE(known.contains("geopose")) << known;
   EXPECT_EQ(known["id"], "asked-by-npm");
   EXPECT_LT(ErrorM(known["geopose"], query), 0.5);
@@ -126,15 +97,56 @@ TEST_F(NpmClient, OfGeoPoseProtocolIsAnswered) {
   json unknown = ask;
   unknown["modelParams"] = nullptr;
   unknown["size"] = {0, 0};
-  const json estimated = Ask(unknown);
+  const json estimated = Ask(folder, "node ask.mjs", unknown);
   ASSERT_TRUE(estimated.contains("geopose")) << estimated;
   EXPECT_LT(ErrorM(estimated["geopose"], query), 2.0);
 
   // Its GPS is read, although it spells the member in its own way: elsewhere there is no map.
   ask["lat"] = prior.lat_deg() + 1.0;
-  const json elsewhere = Ask(ask);
+  const json elsewhere = Ask(folder, "node ask.mjs", ask);
   ASSERT_TRUE(elsewhere.contains("error")) << elsewhere;
   EXPECT_THAT(elsewhere["error"].get<std::string>(), HasSubstr("NO_COVERAGE"));
+}
+
+TEST(OpenApi, HasNoWarningsOfSpectral) {
+  const NpmFolder folder("typescript");
+  if (!folder.why_not().empty()) {
+    GTEST_SKIP() << folder.why_not();
+  }
+  const auto [text, code] = folder.Run(
+      "npx spectral lint --ruleset .spectral.yaml --fail-severity warn "
+      "'" CAIRN_SOURCE_DIR "/http/openapi.json'");
+  EXPECT_EQ(code, 0) << text;
+}
+
+TEST_F(NpmClient, GeneratedFromTheDescriptionCompilesAndIsAnswered) {
+  const NpmFolder folder("typescript");
+  if (!folder.why_not().empty()) {
+    GTEST_SKIP() << folder.why_not();
+  }
+  const auto [text, code] = folder.Run("npx openapi-typescript '" CAIRN_SOURCE_DIR
+                                       "/http/openapi.json' -o schema.d.ts && npx tsc -p .");
+  ASSERT_EQ(code, 0) << text;
+  BackgroundCairn server({"serve", world_.map_path, "--port", "0", "--log-level", "off"});
+  const EvalQuery& query = world_.queries[1];
+  const Camera& camera = query.query.camera;
+  const Geodetic& prior = query.query.prior->position;
+  const std::vector<uint8_t> photo = EncodePng(world_.photos[1]);
+  const json found =
+      Ask(folder, "node run.mjs " + server.ReadLine(),
+          {{"camera",
+            {{"model", CameraModelName(camera.model())},
+             {"size", {camera.width_px(), camera.height_px()}},
+             {"modelParams", camera.params()}}},
+           {"image", {{"data", EncodeBase64(photo)}}},
+           {"prior", {{"position", {{"lat", prior.lat_deg()}, {"lon", prior.lon_deg()}}}}},
+           {"options", {{"timeoutMs", 60000}}}});
+  EXPECT_EQ(found["covered"], true);
+  EXPECT_GE(found["tilesListed"].get<int>(), 1);
+  EXPECT_EQ(found["firstTileHasLandmarks"], true);
+  EXPECT_EQ(found["codeOfRefusal"], "bad_input");
+  ASSERT_TRUE(found.contains("pose")) << found;
+  EXPECT_LT(ErrorM(found["pose"], query), 0.5);
 }
 
 // The picture as a camera that is held upright stores it: the sensor's landscape pixels, with an

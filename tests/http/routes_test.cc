@@ -199,6 +199,9 @@ TEST_F(HttpRoutes, OpenApiDescribesExactlyTheRoutesThereAre) {
   std::set<std::string> served;
   const Router router = MainRoutes(&service, /*with_admin=*/true);
   for (const Route& route : router.routes()) {
+    if (route.pattern.size() > 1 && route.pattern.ends_with('/')) {
+      continue;  // Leads to the path without the slash.
+    }
     std::string method = route.method;
     for (char& c : method) {
       c = static_cast<char>(std::tolower(c));
