@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <chrono>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string_view>
+#include <thread>
 #include <utility>
 
 #include "core/cell_name.h"
@@ -138,12 +140,31 @@ std::string Explanation(const ClientResponse& response) {
   return text;
 }
 
+// What a client can do that has no key, or a wrong one.
+std::string AdviceOnKey(int status, bool has_key) {
+  if (status != 401 || has_key) {
+    return "";
+  }
+  return "; give a key with --api-key-file or CAIRN_API_KEY";
+}
+
+// The text without the key, which a server may repeat.
+std::string WithoutKey(std::string text, const std::string& key) {
+  constexpr std::string_view kMask = "[API key]";
+  for (size_t at = 0; !key.empty() && (at = text.find(key, at)) != std::string::npos;) {
+    text.replace(at, key.size(), kMask);
+    at += kMask.size();
+  }
+  return text;
+}
+
 ErrorCode CodeOfStatus(int status) {
   switch (status) {
     case 404:
       return ErrorCode::kNotFound;
     case 409:
       return ErrorCode::kConflict;
+    case 429:
     case 503:
       return ErrorCode::kUnavailable;
     default:
@@ -166,12 +187,18 @@ struct LocalizeClient::Impl {
       : options(client_options),
         http({.url = client_options.url,
               .ca_file = client_options.ca_file,
-              .timeout_ms = client_options.timeout_ms}) {}
+              .api_key = client_options.api_key,
+              .allow_plain_key = client_options.allow_plain_key,
+              .timeout_ms = client_options.timeout_ms}) {
+    if (!options.wait) {
+      options.wait = [](std::chrono::seconds pause) { std::this_thread::sleep_for(pause); };
+    }
+  }
 
   // The server may close a silent connection just when the next request is on its way. An exchange
   // that fails at once is therefore repeated on a new connection. A front answers 502 if its server
   // died; the second exchange then meets another server. Every request can safely be repeated.
-  ClientResponse ResponseTo(const ClientRequest& request) {
+  ClientResponse SendTwice(const ClientRequest& request) {
     const auto start = std::chrono::steady_clock::now();
     ClientResponse response = http.Send(request);
     const auto elapsed = std::chrono::steady_clock::now() - start;
@@ -180,13 +207,31 @@ struct LocalizeClient::Impl {
     if (has_failed && elapsed < std::chrono::milliseconds(options.timeout_ms) / 2) {
       response = http.Send(request);
     }
+    return response;
+  }
+
+  // Returns the response with status 200. If there are too many requests, repeats the request when
+  // the server says, unless the timeout would be over by then.
+  ClientResponse ResponseTo(const ClientRequest& request) {
+    const auto end =
+        std::chrono::steady_clock::now() + std::chrono::milliseconds(options.timeout_ms);
+    ClientResponse response = SendTwice(request);
+    while (const auto pause = response.RetryAfter()) {
+      if (std::chrono::steady_clock::now() + *pause >= end) {
+        break;
+      }
+      options.wait(*pause);
+      response = SendTwice(request);
+    }
     if (response.status == 0) {
       throw Error(ErrorCode::kUnavailable,
                   fmt::format("no answer from {}: {}; is the server running?", options.url,
                               response.failure));
     }
     if (response.status != 200) {
-      throw Error(CodeOfStatus(response.status), Explanation(response));
+      throw Error(CodeOfStatus(response.status),
+                  WithoutKey(Explanation(response), options.api_key) +
+                      AdviceOnKey(response.status, !options.api_key.empty()));
     }
     return response;
   }

@@ -2,7 +2,9 @@
 #ifndef CAIRN_HTTP_CLIENT_H_
 #define CAIRN_HTTP_CLIENT_H_
 
+#include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -18,17 +20,21 @@ namespace cairn {
 struct ClientOptions {
   std::string url;           // "http://host:port" or "https://host:port".
   std::string ca_file = {};  // PEM file of the certificates to trust; empty: those of the system.
-  int timeout_ms = 30'000;   // For each exchange.
+  std::string api_key = {};  // As BoundedClientOptions::api_key.
+  bool allow_plain_key = false;  // As BoundedClientOptions::allow_plain_key.
+  int timeout_ms = 30'000;       // For each exchange.
   bool want_matches = true;
   ImageOrientation image_orientation = ImageOrientation::kAsSize;  // Used by LocalizeImages.
+  // Waits before a request is repeated. For tests; the default is std::this_thread::sleep_for.
+  std::function<void(std::chrono::seconds)> wait = {};
   bool exif_prior = true;  // Without a prior, the server takes the position in the image's EXIF.
 };
 
 // Use a client from one thread only. The client keeps its connection alive.
 class LocalizeClient {
  public:
-  // Throws Error(kInvalidArgument) if the URL is none of the two, and Error(kIo) if the file of
-  // certificates cannot be read.
+  // Throws Error(kInvalidArgument) if the URL is none of the two or the key may not go there, and
+  // Error(kIo) if the file of certificates cannot be read.
   explicit LocalizeClient(const ClientOptions& options);
   ~LocalizeClient();
 
@@ -38,7 +44,9 @@ class LocalizeClient {
   // client sends only the camera's size. The result has the fields that the wire carries: pose,
   // position, covariance, confidence, tiles, counters, times, matches. Both throw
   // Error(kUnavailable) if no server answers, and Error(kBadInput) with the server's explanation if
-  // the server refuses the request.
+  // the server refuses the request. If the key has used up its rate, they wait as long as the
+  // server says, within the timeout; after that, and if the key has used up its quota, they throw
+  // Error(kUnavailable).
   LocalizeResult LocalizeImages(const LocalizeQuery& query,
                                 const std::vector<std::vector<uint8_t>>& images);
   LocalizeResult LocalizeFeatures(const LocalizeQuery& query);

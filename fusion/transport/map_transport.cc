@@ -32,6 +32,9 @@ Answer Failed(const MapQuery& query) {
 // Statuses that ask the client to try again later, as opposed to never.
 bool IsOverload(int status) { return status == 408 || status == 429 || status >= 500; }
 
+// The key is missing, unknown, or has not the right. The operator may mend that.
+bool IsUnauthorized(int status) { return status == 401 || status == 403; }
+
 }  // namespace
 
 void MapTransportOptions::Validate() const {
@@ -52,6 +55,8 @@ struct MapTransport::Impl {
         on_answer(std::move(callback)),
         http({.url = transport_options.url,
               .ca_file = transport_options.ca_file,
+              .api_key = transport_options.api_key,
+              .allow_plain_key = transport_options.allow_plain_key,
               .timeout_ms = transport_options.timeout_ms,
               .max_body_bytes = transport_options.max_response_bytes}),
         random(transport_options.seed) {
@@ -139,7 +144,7 @@ struct MapTransport::Impl {
                   /*back_off=*/true);
     }
     if (response.status != 200) {
-      return Fail(query, &MapTransportCounters::num_refused, IsOverload(response.status));
+      return Refused(query, response);
     }
     if (std::string cell = response.Header(kCellHeader); IsCellName(cell)) {
       last_cell = std::move(cell);
@@ -167,6 +172,21 @@ struct MapTransport::Impl {
       is_connected = response.status != 0;
     }
     return response;
+  }
+
+  Answer Refused(const MapQuery& query, const ClientResponse& response) {
+    const bool is_unauthorized = IsUnauthorized(response.status);
+    if (is_unauthorized) {
+      Count(&MapTransportCounters::num_unauthorized);
+    }
+    Answer answer = Fail(query, &MapTransportCounters::num_refused,
+                         is_unauthorized || IsOverload(response.status));
+    if (const auto pause = response.RetryAfter()) {
+      const std::lock_guard lock(mutex);
+      const double pause_s = std::min(static_cast<double>(pause->count()), options.max_backoff_s);
+      closed_until = std::max(closed_until, options.now() + Seconds(pause_s));
+    }
+    return answer;
   }
 
   Answer Fail(const MapQuery& query, int64_t MapTransportCounters::*counter, bool back_off) {

@@ -21,6 +21,10 @@ namespace cairn::fusion {
 struct MapTransportOptions {
   std::string url;           // "http://host:port" or "https://host:port".
   std::string ca_file = {};  // PEM file of the certificates to trust; empty: those of the system.
+  // API key for the server; empty: none. It goes over plain http to this machine only, unless
+  // allow_plain_key is set: everybody on the way could read it.
+  std::string api_key = {};
+  bool allow_plain_key = false;
   // `global` is the east-north-up frame at this point. The point must not change in a session.
   Geodetic global_origin;
   // Limit on the whole exchange of a query. After it, the server counts as unreachable.
@@ -28,9 +32,9 @@ struct MapTransportOptions {
   int max_matches = 300;        // Most matches the server is asked for.
   int max_queued = 2;           // Queries that wait while one is under way; more are refused.
   double min_interval_s = 0.2;  // Shortest time between two accepted queries.
-  // Pause after a failure. It doubles with each consecutive failure, from first_backoff_s up to
-  // max_backoff_s. A random part of up to half of the pause is left out, so that the clients of a
-  // recovered server do not all return at once.
+  // Pause after a failure, which includes 401 and 403. It doubles with each consecutive failure,
+  // from first_backoff_s up to max_backoff_s. A random part of up to half of the pause is left out,
+  // so that the clients of a recovered server do not all return at once.
   double first_backoff_s = 0.5;
   double max_backoff_s = 30.0;
   size_t max_response_bytes = size_t{4} << 20;
@@ -57,6 +61,7 @@ struct MapTransportCounters {
   int64_t num_not_localized = 0;  // The server had no pose.
   int64_t num_unreachable = 0;    // No connection, or no complete response in time.
   int64_t num_refused = 0;        // A status other than 200.
+  int64_t num_unauthorized = 0;   // Of these, 401 and 403: the key is missing, unknown or too weak.
   int64_t num_garbled = 0;        // Not HTTP, too long, or status 200 without an answer.
   int64_t num_bad_queries = 0;    // Features that cannot be encoded; never sent.
   int64_t num_bytes_sent = 0;     // Total size of the request bodies.

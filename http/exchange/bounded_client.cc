@@ -7,10 +7,12 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstring>
 #include <optional>
 #include <string_view>
 
+#include "core/printable.h"
 #include "core/require.h"
 #include "http/exchange/channel.h"
 #include "http/exchange/response_guard.h"
@@ -133,6 +135,20 @@ class GuardedClient final : public httplib::ClientImpl {
 void BoundedClientOptions::Validate() const {
   RequireOption(timeout_ms > 0, "client.timeout_ms must be positive");
   RequireOption(max_body_bytes > 0, "client.max_body_bytes must be positive");
+  const ServerUrl server = ParseServerUrl(url);
+  RequireOption(server.is_secure || ca_file.empty(),
+                "client.ca_file needs a URL that begins with https://");
+  if (api_key.empty()) {
+    return;
+  }
+  RequireOption(
+      std::all_of(api_key.begin(), api_key.end(), [](char c) { return c > ' ' && c <= '~'; }),
+      "client.api_key has a blank or another character that no key has");
+  RequireOption(server.is_secure || allow_plain_key || IsLoopbackHost(server.host),
+                fmt::format("everybody on the way to {} could read the API key; use https://, or "
+                            "allow it for a network that you trust (client.allow_plain_key, "
+                            "--insecure-key)",
+                            Excerpt(url)));
 }
 
 std::string ClientResponse::Header(const std::string& name) const {
@@ -142,6 +158,18 @@ std::string ClientResponse::Header(const std::string& name) const {
   return found == headers.end() ? "" : found->second;
 }
 
+std::optional<std::chrono::seconds> ClientResponse::RetryAfter() const {
+  constexpr int kTooManyRequests = 429;
+  const std::string text = Header("Retry-After");
+  int seconds = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seconds);
+  if (status != kTooManyRequests || error != std::errc() || end != text.data() + text.size() ||
+      seconds < 0) {
+    return std::nullopt;
+  }
+  return std::chrono::seconds(std::max(seconds, 1));  // A server may say 0 for ever.
+}
+
 struct BoundedClient::Impl {
   explicit Impl(const BoundedClientOptions& client_options)
       : options(client_options), http(MakeClient(client_options)) {}
@@ -149,8 +177,6 @@ struct BoundedClient::Impl {
   static std::unique_ptr<GuardedClient> MakeClient(const BoundedClientOptions& options) {
     options.Validate();
     const ServerUrl url = ParseServerUrl(options.url);
-    RequireOption(url.is_secure || options.ca_file.empty(),
-                  "client.ca_file needs a URL that begins with https://");
     return std::make_unique<GuardedClient>(
         url, url.is_secure ? std::make_unique<const TlsContext>(options.ca_file) : nullptr);
   }
@@ -201,6 +227,9 @@ ClientResponse BoundedClient::Send(ClientRequest request) {
   message.method = std::move(request.method);
   message.path = std::move(request.path);
   message.headers.insert(request.headers.begin(), request.headers.end());
+  if (!impl_->options.api_key.empty()) {
+    message.headers.emplace("Authorization", "Bearer " + impl_->options.api_key);
+  }
   message.body = std::move(request.body);
   message.content_receiver = impl_->Receiver(&response.body, &is_too_long);
   const httplib::Result result = impl_->http->send(message);

@@ -1,5 +1,6 @@
 #include "http/exchange/server_url.h"
 
+#include <arpa/inet.h>
 #include <fmt/format.h>
 
 #include <charconv>
@@ -65,6 +66,16 @@ ServerUrl ParseServerUrl(const std::string& url) {
   throw Error(ErrorCode::kInvalidArgument,
               fmt::format("{} is not a server address; write http://host:port or https://host:port",
                           Excerpt(url)));
+}
+
+bool IsLoopbackHost(const std::string& host) {
+  in_addr ipv4{};
+  in6_addr ipv6{};
+  if (inet_pton(AF_INET, host.c_str(), &ipv4) == 1) {
+    return (ntohl(ipv4.s_addr) >> 24) == 127;
+  }
+  return host == "localhost" ||
+         (inet_pton(AF_INET6, host.c_str(), &ipv6) == 1 && IN6_IS_ADDR_LOOPBACK(&ipv6));
 }
 
 }  // namespace cairn

@@ -16,6 +16,10 @@ struct ServerUrl {
 // stands in brackets. Throws Error(kInvalidArgument) for anything else.
 ServerUrl ParseServerUrl(const std::string& url);
 
+// Returns true if what is sent to this host, a name or an address, does not leave the machine:
+// "localhost", 127.0.0.0/8 and ::1.
+bool IsLoopbackHost(const std::string& host);
+
 }  // namespace cairn
 
 #endif  // CAIRN_HTTP_EXCHANGE_SERVER_URL_H_

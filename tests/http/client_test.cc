@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 std::string MessageFor(const std::string& body) {
   const testing::CannedServer server([&](const httplib::Request&, httplib::Response& response) {
@@ -109,6 +111,52 @@ TEST(LocalizeClient, RefusesUrlsThatAreNone) {
   for (const char* url : {"", "http://", "localhost:8080", "ftp://h", "http://h/path"}) {
     EXPECT_THROW(LocalizeClient({.url = url}), Error) << url;
   }
+}
+
+// The error of a client with a key whose server answers so.
+Error ErrorFor(int status, const std::string& body, const std::string& key = "cairn_abc") {
+  const testing::CannedServer server([&](const httplib::Request&, httplib::Response& response) {
+    response.status = status;
+    response.set_header("Retry-After", "3600");
+    response.set_content(body, "application/problem+json");
+  });
+  try {
+    LocalizeClient({.url = server.url(), .api_key = key}).Get("/version");
+  } catch (const Error& error) {
+    return error;
+  }
+  return Error(ErrorCode::kInternal, "no error");
+}
+
+TEST(LocalizeClient, NeverRepeatsItsKey) {
+  const std::string echo =
+      R"({"detail":"unknown: cairn_abc","hint":"is cairn_abccairn_abc right?"})";
+  EXPECT_THAT(ErrorFor(401, echo).what(), HasSubstr("unknown: [API key]"));
+  EXPECT_THAT(ErrorFor(401, echo).what(), Not(HasSubstr("cairn_abc")));
+}
+
+TEST(LocalizeClient, SaysHowToGiveAKey) {
+  const std::string needed = R"({"detail":"this route needs an API key"})";
+  EXPECT_THAT(ErrorFor(401, needed, "").what(), HasSubstr("--api-key-file or CAIRN_API_KEY"));
+  EXPECT_THAT(ErrorFor(401, needed).what(), Not(HasSubstr("--api-key-file")));
+}
+
+TEST(LocalizeClient, WaitsForItsRateButNotForItsQuota) {
+  int num_requests = 0;
+  const testing::CannedServer server([&](const httplib::Request&, httplib::Response& response) {
+    response.status = ++num_requests < 3 ? 429 : 200;
+    response.set_header("Retry-After", "2");
+    response.set_content("fine", "text/plain");
+  });
+  std::vector<int64_t> pauses_s;
+  LocalizeClient client({.url = server.url(), .wait = [&](std::chrono::seconds pause) {
+                           pauses_s.push_back(pause.count());
+                         }});
+  EXPECT_EQ(client.Get("/version"), "fine");
+  EXPECT_THAT(pauses_s, ElementsAre(2, 2));
+  const Error quota = ErrorFor(429, R"({"detail":"as many as it may send a day"})");
+  EXPECT_EQ(quota.code(), ErrorCode::kUnavailable);
+  EXPECT_THAT(quota.what(), HasSubstr("a day"));
 }
 
 }  // namespace

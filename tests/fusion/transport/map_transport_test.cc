@@ -237,6 +237,55 @@ TEST(MapTransport, SendsTheCellThatTheLastAnswerNamed) {
   EXPECT_THAT(cells, ::testing::ElementsAre("", "32N-00388-04390", "32N-00388-04390"));
 }
 
+// The transport after one query to a server that answers so; `key` is its key.
+struct Refused {
+  std::string authorization;
+  MapTransportCounters counters;
+  SendStatus soon, later;  // Of the next queries, 20 s and 40 s later.
+};
+Refused SendTo(int status, const char* retry_after) {
+  Refused refused;
+  const CannedServer server([&](const httplib::Request& request, httplib::Response& response) {
+    refused.authorization = request.get_header_value("Authorization");
+    response.status = status;
+    response.set_header("Retry-After", retry_after);
+  });
+  ManualClock clock;
+  Answers answers;
+  MapTransportOptions options = OptionsFor(server.url(), &clock);
+  options.api_key = "cairn_abc";
+  MapTransport transport(options, answers.Collect());
+  EXPECT_EQ(transport.Send(SmallQuery(1)), SendStatus::kQueued);
+  answers.Wait(1);
+  refused.counters = transport.counters();
+  clock.Advance(20.0);
+  refused.soon = transport.Send(SmallQuery(2));
+  clock.Advance(20.0);
+  refused.later = transport.Send(SmallQuery(3));
+  return refused;
+}
+
+TEST(MapTransport, SendsItsKeyAndBacksOffIfTheServerDoesNotTakeIt) {
+  const Refused refused = SendTo(401, "");
+  EXPECT_EQ(refused.authorization, "Bearer cairn_abc");
+  EXPECT_EQ(refused.counters.num_unauthorized, 1);
+  EXPECT_EQ(refused.counters.num_refused, 1);
+}
+
+TEST(MapTransport, ReturnsWhenTheServerSays) {
+  const Refused refused = SendTo(429, "25");
+  EXPECT_EQ(refused.counters.num_unauthorized, 0);
+  EXPECT_EQ(refused.soon, SendStatus::kBackingOff);
+  EXPECT_EQ(refused.later, SendStatus::kQueued);
+}
+
+TEST(MapTransport, TakesItsKeyOverNoPlainNetwork) {
+  ManualClock clock;
+  MapTransportOptions options = OptionsFor("http://192.0.2.1:80", &clock);
+  options.api_key = "cairn_abc";
+  EXPECT_THROW(MapTransport(options, [](Answer) {}), Error);
+}
+
 TEST(MapTransport, SilenceOfTheServerIsATimeout) {
   std::latch done(1);
   const CannedServer server([&](const httplib::Request&, httplib::Response&) { done.wait(); });

@@ -6,6 +6,7 @@
 #include <functional>
 #include <latch>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -23,6 +24,7 @@ using testing::CannedServer;
 using testing::Connection;
 using ::testing::HasSubstr;
 using testing::HostileServer;
+using ::testing::Not;
 using testing::TlsCertificate;
 
 ClientResponse Ask(const std::string& url, int timeout_ms = 20'000,
@@ -189,6 +191,80 @@ TEST(BoundedClient, RefusesOptionsThatMakeNoSense) {
   EXPECT_THROW(BoundedClient({.url = "http://h", .max_body_bytes = 0}), Error);
   EXPECT_THROW(BoundedClient({.url = "http://h", .ca_file = "ca.pem"}), Error);
   EXPECT_THROW(BoundedClient({.url = "https://h", .ca_file = "/no/such/file"}), Error);
+}
+
+// What a client with this key and URL is refused with; empty if it is not.
+std::string RefusalOfKey(const std::string& url, const std::string& key, bool allow_plain = false) {
+  try {
+    BoundedClientOptions{.url = url, .api_key = key, .allow_plain_key = allow_plain}.Validate();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kInvalidArgument);
+    return error.what();
+  }
+  return "";
+}
+
+TEST(BoundedClient, SendsItsKeyWithEachRequest) {
+  const CannedServer server([](const httplib::Request& request, httplib::Response& response) {
+    response.set_content(request.get_header_value("Authorization"), "text/plain");
+  });
+  BoundedClient client({.url = server.url(), .api_key = "cairn_abc-_9"});
+  EXPECT_EQ(client.Send({.path = "/"}).body, "Bearer cairn_abc-_9");
+  EXPECT_EQ(client.Send({.path = "/"}).body, "Bearer cairn_abc-_9");
+}
+
+TEST(BoundedClient, TakesItsKeyNowhereElse) {
+  std::string heard = "nothing";
+  const CannedServer thief([&](const httplib::Request& request, httplib::Response&) {
+    heard = request.get_header_value("Authorization");
+  });
+  for (const int status : {301, 302, 307, 308}) {
+    const CannedServer server([&](const httplib::Request&, httplib::Response& response) {
+      response.set_redirect(thief.url() + "/v1/localize", status);
+    });
+    BoundedClient client({.url = server.url(), .api_key = "cairn_abc"});
+    EXPECT_EQ(client.Send({.path = "/"}).status, status);
+  }
+  EXPECT_EQ(heard, "nothing");
+}
+
+TEST(BoundedClient, SendsNoKeyThatOthersCanRead) {
+  EXPECT_EQ(RefusalOfKey("https://map.example", "cairn_abc"), "");
+  for (const char* here : {"http://127.0.0.1:80", "http://localhost:80", "http://[::1]:80"}) {
+    EXPECT_EQ(RefusalOfKey(here, "cairn_abc"), "") << here;
+  }
+  for (const char* there : {"http://map.example", "http://10.0.0.1:80", "http://[2001:db8::1]",
+                            "http://127.0.0.1.example", "http://localhost.example"}) {
+    const std::string refusal = RefusalOfKey(there, "cairn_abc");
+    EXPECT_THAT(refusal, HasSubstr("use https://")) << there;
+    EXPECT_THAT(refusal, Not(HasSubstr("cairn_abc")));
+    EXPECT_EQ(RefusalOfKey(there, "cairn_abc", /*allow_plain=*/true), "");
+    EXPECT_EQ(RefusalOfKey(there, ""), "") << "no key, no harm";
+  }
+}
+
+TEST(BoundedClient, RefusesKeysThatBreakAHeader) {
+  for (const char* key : {"two words", "a\r\nX: y", "a\n", "caf\xc3\xa9", "\x7f"}) {
+    const std::string refusal = RefusalOfKey("https://map.example", key);
+    EXPECT_THAT(refusal, HasSubstr("client.api_key"));
+    EXPECT_THAT(refusal, Not(HasSubstr(key)));
+  }
+}
+
+TEST(ClientResponse, SaysWhenToReturn) {
+  const auto pause = [](int status, const std::string& text) {
+    ClientResponse response;
+    response.status = status;
+    response.headers = {{"retry-after", text}};
+    return response.RetryAfter();
+  };
+  EXPECT_EQ(pause(429, "17"), std::chrono::seconds(17));
+  EXPECT_EQ(pause(429, "0"), std::chrono::seconds(1));
+  for (const char* text :
+       {"", "-1", "soon", "1.5", "99999999999", "Thu, 26 Nov 2026 09:00:00 GMT"}) {
+    EXPECT_EQ(pause(429, text), std::nullopt) << text;
+  }
+  EXPECT_EQ(pause(200, "17"), std::nullopt);
 }
 
 }  // namespace
