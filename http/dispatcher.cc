@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <chrono>
 #include <new>
 #include <optional>
 #include <string_view>
@@ -11,6 +12,8 @@
 #include "core/cell_name.h"
 #include "core/logging.h"
 #include "http/json/request_photos.h"
+#include "http/keys/presented_key.h"
+#include "http/net/url.h"
 
 namespace cairn {
 namespace {
@@ -26,14 +29,23 @@ HttpResponse ProblemResponse(const HttpError& error, const std::string& request_
   return response;
 }
 
-// The API carries no credentials, so pages of any origin may use it (WebXR clients do).
+// Pages of any origin may use the API (WebXR clients do). A browser sends no key of its own accord:
+// the page has to know it.
 void AddCommonHeaders(const std::string& request_id, HttpResponse* response) {
   response->headers.emplace_back("X-Request-Id", request_id);
   response->headers.emplace_back("X-Content-Type-Options", "nosniff");
   response->headers.emplace_back("Access-Control-Allow-Origin", "*");
   response->headers.emplace_back(
       "Access-Control-Expose-Headers",
-      fmt::format("ETag, X-Request-Id, {}, {}", kCellHeader, kPriorHeader));
+      fmt::format("ETag, Retry-After, WWW-Authenticate, X-Request-Id, {}, {}, {}", kCellHeader,
+                  kPriorHeader, kReasonHeader));
+}
+
+// Why there is no pose, or the code of a refusal.
+std::string_view ReasonOf(const HttpResponse& response, const char* problem) {
+  const auto found = std::find_if(response.headers.begin(), response.headers.end(),
+                                  [](const auto& header) { return header.first == kReasonHeader; });
+  return found == response.headers.end() ? problem : std::string_view(found->second);
 }
 
 // True for a list of header names, as a browser writes it.
@@ -48,20 +60,20 @@ bool IsListOfNames(std::string_view text) {
 // know, but proxies and tunnels on the way need theirs: Authorization, ngrok-skip-browser-warning.
 HttpResponse PreflightResponse(const std::string& allow, const HttpRequest& request) {
   const std::string& wanted = request.Header("access-control-request-headers");
-  return {
-      .status = 204,
-      .content_type = "",
-      .body = "",
-      .headers = {
-          {"Allow", allow},
-          {"Access-Control-Allow-Methods", allow},
-          {"Access-Control-Allow-Headers",
-           IsListOfNames(wanted)
-               ? wanted
-               : fmt::format("Accept, Authorization, Content-Type, If-None-Match, X-Request-Id, {}",
-                             kCellHeader)},
-          {"Access-Control-Max-Age", "86400"},
-          {"Vary", "Access-Control-Request-Headers"}}};
+  return {.status = 204,
+          .content_type = "",
+          .body = "",
+          .headers = {
+              {"Allow", allow},
+              {"Access-Control-Allow-Methods", allow},
+              {"Access-Control-Allow-Headers",
+               IsListOfNames(wanted)
+                   ? wanted
+                   : fmt::format("Accept, Authorization, Content-Type, If-None-Match, X-API-Key, "
+                                 "X-Request-Id, {}",
+                                 kCellHeader)},
+              {"Access-Control-Max-Age", "86400"},
+              {"Vary", "Access-Control-Request-Headers"}}};
 }
 
 }  // namespace
@@ -78,46 +90,105 @@ void Dispatcher::LogFailure(const HttpRequest& request, const std::string& route
                : fmt::format(" ({} failures before were not logged)", *num_left_out));
 }
 
-HttpResponse Dispatcher::Run(const HttpRequest& request, std::string* route_pattern) const {
+void Dispatcher::Admit(const Route& route, HttpRequest* request) const {
+  if (keys_ == nullptr || route.needs.empty()) {
+    return;
+  }
+  const KeyRing::Holder holder = keys_->Identify(PresentedKey(request->headers));
+  request->label = holder.key.label;
+  request->client = holder.client;
+  KeyRing::RequireRight(holder, route.needs);
+  const auto unix_time = std::chrono::system_clock::now().time_since_epoch();
+  keys_->Charge(holder,
+                {.steady = request->arrival,
+                 .unix_s = std::chrono::duration_cast<std::chrono::seconds>(unix_time).count()});
+}
+
+void Dispatcher::CheckHead(const RequestHead& head) {
+  const std::optional<Target> target = keys_ == nullptr ? std::nullopt : ParseTarget(head.target);
+  if (!target) {
+    return;
+  }
+  const Router::Match match = router_.Find(head.method, target->path);
+  if (match.route != nullptr && !match.route->needs.empty()) {
+    KeyRing::RequireRight(keys_->Identify(PresentedKey(head.headers)), match.route->needs);
+  }
+}
+
+HttpResponse Dispatcher::Run(HttpRequest* sent, Outcome* outcome) const {
+  const HttpRequest& request = *sent;
+  const auto refuse = [&](const HttpError& error) {
+    outcome->problem = InfoOf(error.problem()).name;
+    return ProblemResponse(error, request.request_id);
+  };
   try {
-    const Router::Match match = router_.Find(request);
+    const Router::Match match = router_.Find(request.method, request.path);
     if (match.route == nullptr) {
       return PreflightResponse(match.allow, request);
     }
-    *route_pattern = match.route->pattern;
+    outcome->route_pattern = match.route->pattern;
+    Admit(*match.route, sent);
     return match.route->handler(request, match.path_parameter);
   } catch (const HttpError& e) {
-    return ProblemResponse(e, request.request_id);
+    return refuse(e);
   } catch (const Error& e) {
     metrics_->CountError(e.code());
     const HttpError shown = PublicError(e);
     if (InfoOf(shown.problem()).status >= 500) {
-      LogFailure(request, *route_pattern, e.what());
+      LogFailure(request, outcome->route_pattern, e.what());
     }
-    return ProblemResponse(shown, request.request_id);
+    return refuse(shown);
   } catch (const std::bad_alloc&) {
     throw;  // The listener's response needs no memory.
   } catch (const std::exception& e) {
-    LogFailure(request, *route_pattern, e.what());
-    return ProblemResponse(PublicError(Error(ErrorCode::kInternal, e.what())), request.request_id);
+    LogFailure(request, outcome->route_pattern, e.what());
+    return refuse(PublicError(Error(ErrorCode::kInternal, e.what())));
   }
 }
 
-HttpResponse Dispatcher::Handle(const HttpRequest& request) {
-  std::string route_pattern;
-  HttpResponse response = Run(request, &route_pattern);
+HttpResponse Dispatcher::Handle(HttpRequest request) {
+  Outcome outcome;
+  HttpResponse response = Run(&request, &outcome);
   AddCommonHeaders(request.request_id, &response);
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - request.arrival;
-  metrics_->CountRequest(route_pattern, response.status, seconds.count());
+  metrics_->CountRequest(outcome.route_pattern, response.status, seconds.count());
+  if (!request.label.empty()) {
+    metrics_->CountClient(request.label, response.status);
+  }
+  if (access_log_ != nullptr) {
+    access_log_->Add({.time = std::chrono::system_clock::now(),
+                      .client = request.remote_address,
+                      .label = request.label,
+                      .method = request.method,
+                      .path = request.path,
+                      .status = response.status,
+                      .num_bytes = request.method == "HEAD" ? 0 : response.body.size(),
+                      .seconds = seconds.count(),
+                      .reason = ReasonOf(response, outcome.problem),
+                      .request_id = request.request_id});
+  }
   LogDebug("{} {} {} {} {:.1f} ms [{}]", request.remote_address, request.method, request.path,
            response.status, 1e3 * seconds.count(), request.request_id);
   return response;
 }
 
-HttpResponse Dispatcher::Refuse(const HttpError& error, const std::string& request_id) {
-  HttpResponse response = ProblemResponse(error, request_id);
-  AddCommonHeaders(request_id, &response);
+HttpResponse Dispatcher::Refuse(const HttpError& error, const RefusedRequest& request) {
+  HttpResponse response = ProblemResponse(error, request.request_id);
+  AddCommonHeaders(request.request_id, &response);
   metrics_->CountRequest("", response.status, 0.0);
+  if (access_log_ != nullptr) {
+    const std::string_view target = request.target;
+    access_log_->Add({.time = std::chrono::system_clock::now(),
+                      .client = request.remote_address,
+                      .label = "",
+                      .method = request.method,
+                      .path = target.substr(0, target.find('?')),
+                      .status = response.status,
+                      .num_bytes = response.body.size(),
+                      .seconds = 0.0,
+                      .reason = InfoOf(error.problem()).name,
+                      .request_id = request.request_id});
+  }
   return response;
 }
 

@@ -5,26 +5,41 @@
 #include <string>
 
 #include "core/log_limiter.h"
+#include "http/keys/key_ring.h"
 #include "http/net/listener.h"
 #include "http/router.h"
+#include "http/service/access_log.h"
 #include "http/service/metrics.h"
 
 namespace cairn {
 
-// Finds the route, runs its handler, counts the request, and adds the headers that all responses
-// have. Turns every exception except std::bad_alloc into a problem. Safe to call from any thread.
+// Finds the route, asks for a key that may use it, runs its handler, counts the request, and adds
+// the headers that all responses have. Turns every exception except std::bad_alloc into a problem.
+// Safe to call from any thread.
 class Dispatcher : public RequestHandler {
  public:
-  // `metrics` must outlive the dispatcher.
-  Dispatcher(Router router, Metrics* metrics) : router_(std::move(router)), metrics_(metrics) {}
+  // Without `keys`, all routes are open. What is not null must outlive the dispatcher.
+  Dispatcher(Router router, Metrics* metrics, KeyRing* keys = nullptr,
+             AccessLog* access_log = nullptr)
+      : router_(std::move(router)), metrics_(metrics), keys_(keys), access_log_(access_log) {}
 
   const Router& router() const { return router_; }
 
-  HttpResponse Handle(const HttpRequest& request) override;
-  HttpResponse Refuse(const HttpError& error, const std::string& request_id) override;
+  // Refuses an upload without a key that may use the route.
+  void CheckHead(const RequestHead& head) override;
+  HttpResponse Handle(HttpRequest request) override;
+  HttpResponse Refuse(const HttpError& error, const RefusedRequest& request) override;
 
  private:
-  HttpResponse Run(const HttpRequest& request, std::string* route_pattern) const;
+  // The outcome of a request, as metrics and logs see it.
+  struct Outcome {
+    std::string route_pattern;  // Empty if no route was found.
+    const char* problem = "";   // The code of a refusal.
+  };
+
+  HttpResponse Run(HttpRequest* request, Outcome* outcome) const;
+  // Lets the holder of a key use the route, and names the holder in the request.
+  void Admit(const Route& route, HttpRequest* request) const;
 
   // Logs a failure of the server, unless there are too many. The metrics count all of them.
   void LogFailure(const HttpRequest& request, const std::string& route_pattern,
@@ -33,6 +48,8 @@ class Dispatcher : public RequestHandler {
   mutable LogLimiter failures_;
   Router router_;
   Metrics* metrics_;
+  KeyRing* keys_;
+  AccessLog* access_log_;
 };
 
 }  // namespace cairn

@@ -32,11 +32,11 @@ std::optional<std::string> MatchPattern(std::string_view pattern, std::string_vi
 
 }  // namespace
 
-Router::Match Router::Find(const HttpRequest& request) const {
+Router::Match Router::Find(const std::string& sent_method, const std::string& path) const {
   Match match{.route = nullptr, .path_parameter = "", .allow = ""};
-  const std::string method = request.method == "HEAD" ? "GET" : request.method;
+  const std::string method = sent_method == "HEAD" ? "GET" : sent_method;
   for (const Route& route : routes_) {
-    const std::optional<std::string> parameter = MatchPattern(route.pattern, request.path);
+    const std::optional<std::string> parameter = MatchPattern(route.pattern, path);
     if (!parameter) {
       continue;
     }
@@ -49,13 +49,13 @@ Router::Match Router::Find(const HttpRequest& request) const {
   }
   if (match.allow.empty()) {
     throw HttpError(ProblemCode::kNotFound,
-                    fmt::format("this server has no '{}'", request.path.substr(0, 128)))
+                    fmt::format("this server has no '{}'", path.substr(0, 128)))
         .Hint("GET /openapi.json lists all paths");
   }
   match.allow += ", OPTIONS";
   if (match.route == nullptr && method != "OPTIONS") {
     throw HttpError(ProblemCode::kMethodNotAllowed,
-                    fmt::format("{} is not allowed for this path", request.method))
+                    fmt::format("{} is not allowed for this path", sent_method))
         .Header("Allow", match.allow)
         .Hint("allowed: " + match.allow);
   }

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "http/keys/key_rights.h"
 #include "http/net/message.h"
 
 namespace cairn {
@@ -18,6 +19,9 @@ using RouteHandler =
 struct Route {
   std::string method;   // "GET" also serves HEAD.
   std::string pattern;  // "/v1/tiles/{id}": at most one {...}, which matches one whole segment.
+  // On a server with API keys, a key with any of these rights opens the route. Without any, the
+  // route is open to all.
+  KeyRights needs = {};
   RouteHandler handler;
 };
 
@@ -34,7 +38,7 @@ class Router {
   };
 
   // Throws HttpError kNotFound, or kMethodNotAllowed with an Allow header.
-  Match Find(const HttpRequest& request) const;
+  Match Find(const std::string& method, const std::string& path) const;
 
  private:
   std::vector<Route> routes_;

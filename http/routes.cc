@@ -10,62 +10,72 @@ namespace {
 
 using Id = std::string;
 
+// The rights that open a route.
+constexpr KeyRights kOpen;
+constexpr KeyRights kQuery = KeyRight::kLocalize;
+constexpr KeyRights kLook = KeyRight::kLook;
+constexpr KeyRights kCopy = KeyRight::kCopy;
+// Clients that localize ask whether and how they can.
+constexpr KeyRights kQueryOrLook = KeyRight::kLocalize | KeyRight::kLook;
+
 void AddApi(LocalizeService* service, Router* router) {
-  router->Add({"POST", "/v1/localize", [=](const HttpRequest& request, const Id&) {
+  router->Add({"POST", "/v1/localize", kQuery, [=](const HttpRequest& request, const Id&) {
                  return HandleLocalize(request, service);
                }});
-  router->Add({"GET", "/v1/availability", [=](const HttpRequest& request, const Id&) {
+  router->Add({"GET", "/v1/availability", kQueryOrLook, [=](const HttpRequest& request, const Id&) {
                  return HandleAvailability(request, *service);
                }});
-  router->Add({"GET", "/v1/coverage", [=](const HttpRequest& request, const Id&) {
+  router->Add({"GET", "/v1/coverage", kLook, [=](const HttpRequest& request, const Id&) {
                  return HandleCoverage(request, service);
                }});
-  router->Add({"GET", "/v1/tiles", [=](const HttpRequest& request, const Id&) {
+  router->Add({"GET", "/v1/tiles", kLook, [=](const HttpRequest& request, const Id&) {
                  return HandleTiles(request, service);
                }});
-  router->Add({"GET", "/v1/versions", [=](const HttpRequest& request, const Id&) {
+  router->Add({"GET", "/v1/versions", kLook, [=](const HttpRequest& request, const Id&) {
                  return HandleVersions(request, service);
                }});
-  router->Add({"GET", "/v1/tiles/{id}", [=](const HttpRequest& request, const Id& id) {
+  router->Add({"GET", "/v1/tiles/{id}", kLook, [=](const HttpRequest& request, const Id& id) {
                  return HandleTile(request, id, *service);
                }});
-  router->Add({"GET", "/v1/tiles/{id}/payload", [=](const HttpRequest& request, const Id& id) {
-                 return HandleTilePayload(request, id, service);
-               }});
   router->Add(
-      {"GET", "/geopose", [](const HttpRequest&, const Id&) { return HandleGeoPoseStatus(); }});
-  router->Add({"POST", "/geopose", [=](const HttpRequest& request, const Id&) {
+      {"GET", "/v1/tiles/{id}/payload", kCopy, [=](const HttpRequest& request, const Id& id) {
+         return HandleTilePayload(request, id, service);
+       }});
+  router->Add({"GET", "/geopose", kQueryOrLook,
+               [](const HttpRequest&, const Id&) { return HandleGeoPoseStatus(); }});
+  router->Add({"POST", "/geopose", kQuery, [=](const HttpRequest& request, const Id&) {
                  return HandleGeoPose(request, service);
                }});
-  router->Add(
-      {"GET", "/version", [=](const HttpRequest&, const Id&) { return HandleVersion(*service); }});
+  router->Add({"GET", "/version", kQueryOrLook,
+               [=](const HttpRequest&, const Id&) { return HandleVersion(*service); }});
 }
 
 void AddPages(Router* router) {
-  router->Add({"GET", "/openapi.json", [](const HttpRequest& request, const Id&) {
+  router->Add({"GET", "/openapi.json", kOpen, [](const HttpRequest& request, const Id&) {
                  return Asset(request, http_web::k_openapi_json, "application/json");
                }});
-  router->Add({"GET", "/", [](const HttpRequest&, const Id&) { return Redirect("ui"); }});
-  router->Add({"GET", "/ui/", [](const HttpRequest&, const Id&) { return Redirect("../ui"); }});
-  router->Add({"GET", "/ui", [](const HttpRequest& request, const Id&) {
+  router->Add({"GET", "/", kOpen, [](const HttpRequest&, const Id&) { return Redirect("ui"); }});
+  router->Add(
+      {"GET", "/ui/", kOpen, [](const HttpRequest&, const Id&) { return Redirect("../ui"); }});
+  router->Add({"GET", "/ui", kOpen, [](const HttpRequest& request, const Id&) {
                  return Asset(request, http_web::k_index_html, "text/html; charset=utf-8");
                }});
-  router->Add({"GET", "/ui/app.js", [](const HttpRequest& request, const Id&) {
+  router->Add({"GET", "/ui/app.js", kOpen, [](const HttpRequest& request, const Id&) {
                  return Asset(request, http_web::k_app_js, "text/javascript; charset=utf-8");
                }});
-  router->Add({"GET", "/ui/style.css", [](const HttpRequest& request, const Id&) {
+  router->Add({"GET", "/ui/style.css", kOpen, [](const HttpRequest& request, const Id&) {
                  return Asset(request, http_web::k_style_css, "text/css; charset=utf-8");
                }});
 }
 
 void AddAdmin(LocalizeService* service, Router* router) {
-  router->Add(
-      {"GET", "/healthz", [=](const HttpRequest&, const Id&) { return HandleHealth(*service); }});
-  router->Add({"GET", "/livez", [](const HttpRequest&, const Id&) { return HandleLive(); }});
-  router->Add(
-      {"GET", "/readyz", [=](const HttpRequest&, const Id&) { return HandleReady(*service); }});
-  router->Add(
-      {"GET", "/metrics", [=](const HttpRequest&, const Id&) { return HandleMetrics(service); }});
+  router->Add({"GET", "/healthz", kLook,
+               [=](const HttpRequest&, const Id&) { return HandleHealth(*service); }});
+  router->Add({"GET", "/livez", kOpen, [](const HttpRequest&, const Id&) { return HandleLive(); }});
+  router->Add({"GET", "/readyz", kOpen,
+               [=](const HttpRequest&, const Id&) { return HandleReady(*service); }});
+  router->Add({"GET", "/metrics", kLook,
+               [=](const HttpRequest&, const Id&) { return HandleMetrics(service); }});
 }
 
 }  // namespace

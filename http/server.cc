@@ -6,11 +6,18 @@
 #include <optional>
 #include <stop_token>
 #include <thread>
+#include <vector>
 
+#include "core/error.h"
+#include "core/logging.h"
 #include "http/dispatcher.h"
+#include "http/exchange/server_url.h"
+#include "http/keys/key_file.h"
+#include "http/keys/key_ring.h"
 #include "http/net/client_network.h"
 #include "http/net/listener.h"
 #include "http/routes.h"
+#include "http/service/access_log.h"
 #include "http/service/localize_service.h"
 
 namespace cairn {
@@ -45,7 +52,10 @@ ServerOptions Validated(const ServerOptions& options) {
 }  // namespace
 
 struct Server::Impl {
+  const std::string host, api_keys_path;
   LocalizeService service;
+  std::optional<KeyRing> keys;
+  std::optional<AccessLog> access_log;
   Dispatcher main_dispatcher;
   Dispatcher admin_dispatcher;
   Listener main_listener;
@@ -53,9 +63,13 @@ struct Server::Impl {
   std::optional<MapWatcher> watcher;
 
   explicit Impl(const ServerOptions& options)
-      : service(options),
+      : host(options.host),
+        api_keys_path(options.api_keys_path),
+        service(options),
+        keys(ReadKeys(options.api_keys_path)),
         main_dispatcher(MainRoutes(&service, /*with_admin=*/options.admin_port < 0),
-                        &service.metrics()),
+                        &service.metrics(), keys ? &*keys : nullptr,
+                        StartAccessLog(options.access_log_path)),
         admin_dispatcher(AdminRoutes(&service), &service.metrics()),
         main_listener(MainListenerOptions(options), &main_dispatcher) {
     if (options.admin_port >= 0) {
@@ -63,6 +77,23 @@ struct Server::Impl {
           .host = kAdminHost, .port = options.admin_port, .num_threads = kAdminThreads};
       admin_listener.emplace(admin, &admin_dispatcher);
     }
+  }
+
+  // Null without a path.
+  AccessLog* StartAccessLog(const std::string& path) {
+    return path.empty() ? nullptr : &access_log.emplace(path);
+  }
+
+  void WarnIfOpen() const {
+    if (!keys && !IsLoopbackHost(host)) {
+      LogWarning(
+          "without --api-keys, everybody who reaches {} may localize, look at the map and copy it",
+          host);
+    }
+  }
+
+  static std::optional<KeyRing> ReadKeys(const std::string& path) {
+    return path.empty() ? std::nullopt : std::optional<KeyRing>(std::in_place, ReadKeyFile(path));
   }
 
   static ListenerOptions MainListenerOptions(const ServerOptions& options) {
@@ -81,6 +112,7 @@ Server::~Server() { Stop(); }
 
 void Server::Start() {
   impl_->main_listener.Start();
+  impl_->WarnIfOpen();
   if (impl_->admin_listener) {
     impl_->admin_listener->Start();
   }
@@ -104,6 +136,25 @@ void Server::Stop() {
 uint64_t Server::num_requests() const { return impl_->service.metrics().num_requests(); }
 
 void Server::ReloadMap() { impl_->service.maps().Reload(); }
+
+void Server::ReloadKeys() {
+  if (!impl_->keys) {
+    return;
+  }
+  try {
+    const std::vector<ApiKey> keys = ReadKeyFile(impl_->api_keys_path);
+    impl_->keys->Replace(keys);
+    LogInfo("{} API keys are valid now", keys.size());
+  } catch (const Error& error) {
+    LogError("{}; the API keys of before stay valid", error.what());
+  }
+}
+
+void Server::ReopenAccessLog() {
+  if (impl_->access_log) {
+    impl_->access_log->Reopen();
+  }
+}
 
 int Server::port() const { return impl_->main_listener.port(); }
 

@@ -12,7 +12,8 @@ namespace cairn {
 // Opens the map and serves it. Call Start and Stop from the same thread.
 class Server {
  public:
-  // Throws as MapStore::Open. Throws Error(kConflict) if a port is taken.
+  // Throws as MapStore::Open, ReadKeyFile and AccessLog. Throws Error(kConflict) if a port is
+  // taken.
   explicit Server(const ServerOptions& options);
   ~Server();  // Stops.
 
@@ -33,6 +34,13 @@ class Server {
   // new file within about a second without this call. Only a file that was overwritten in place
   // needs the call.
   void ReloadMap();
+
+  // Reads the file of API keys again. If it cannot be read, logs why and keeps the keys. Does
+  // nothing without such a file.
+  void ReloadKeys();
+
+  // Opens the access log again, because somebody has moved the file. Does nothing without one.
+  void ReopenAccessLog();
 
   int port() const;  // The ports bound; valid after Start.
   int admin_port() const;

@@ -23,6 +23,7 @@ void RequirePose(const LocalizeResult& result, const char* hint) {
   throw HttpError(ProblemCode::kNotLocalized,
                   fmt::format("no pose was found: {}: {}", NotLocalizedReasonName(result.reason),
                               result.reason_text))
+      .Header(kReasonHeader, NotLocalizedReasonName(result.reason))
       .Hint(hint);
 }
 
@@ -40,6 +41,14 @@ HttpResponse WithPriorSource(HttpResponse response, const LocalizeQuery& query) 
   return response;
 }
 
+// Says why there is no pose, also to fronts and logs that do not read the body.
+HttpResponse WithReason(HttpResponse response, const LocalizeResult& result) {
+  if (!result.localized) {
+    response.headers.emplace_back(kReasonHeader, NotLocalizedReasonName(result.reason));
+  }
+  return response;
+}
+
 // Names the cell of the pose, or else of the prior, so that the client can send the name with its
 // next query.
 HttpResponse WithCell(HttpResponse response, const LocalizeResult& result,
@@ -50,6 +59,12 @@ HttpResponse WithCell(HttpResponse response, const LocalizeResult& result,
     response.headers.emplace_back(kCellHeader, CellName(query.prior->position));
   }
   return response;
+}
+
+// Adds what the headers say of every answer.
+HttpResponse WithHeaders(HttpResponse response, const LocalizeResult& result,
+                         const LocalizeQuery& query) {
+  return WithPriorSource(WithCell(WithReason(std::move(response), result), result, query), query);
 }
 
 // The response to POST /v1/localize without its headers.
@@ -78,17 +93,15 @@ HttpResponse GeoPoseResponse(const LocalizeResult& result, const LocalizeRequest
 HttpResponse HandleLocalize(const HttpRequest& request, LocalizeService* service) {
   LocalizeRequest query;
   const LocalizeService::Answer answer = service->Localize(request, ParseLocalizeRequest, &query);
-  return WithPriorSource(WithCell(LocalizeResponse(answer, query, request.Header("accept")),
-                                  answer.result, query.query),
-                         query.query);
+  return WithHeaders(LocalizeResponse(answer, query, request.Header("accept")), answer.result,
+                     query.query);
 }
 
 HttpResponse HandleGeoPose(const HttpRequest& request, LocalizeService* service) {
   LocalizeRequest query;
   const LocalizeService::Answer answer = service->Localize(request, ParseGeoPoseRequest, &query);
-  return WithPriorSource(WithCell(GeoPoseResponse(answer.result, query, request.Header("accept")),
-                                  answer.result, query.query),
-                         query.query);
+  return WithHeaders(GeoPoseResponse(answer.result, query, request.Header("accept")), answer.result,
+                     query.query);
 }
 
 HttpResponse HandleGeoPoseStatus() { return HttpResponse::Json(R"({"status":"running"})"); }

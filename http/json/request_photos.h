@@ -19,6 +19,8 @@ std::optional<PositionPrior> PriorOfPhoto(const ExifInfo& exif);
 // The header of an answer that names the source of its prior, as PriorSourceName does; for clients
 // of formats that cannot express it. Absent without a prior.
 inline constexpr char kPriorHeader[] = "X-Cairn-Prior";
+// The header that names the reason of an answer without a pose.
+inline constexpr char kReasonHeader[] = "X-Cairn-Reason";
 
 // Reads the headers of the request's images, but no pixels. Settles how each image is turned
 // (LocalizeRequest::picture). Without a prior, takes the position in the EXIF of the first image as

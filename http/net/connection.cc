@@ -106,6 +106,9 @@ bool Connection::FindRequest() {
   }
   if (phase_ == Phase::kHead && FindHead()) {
     Enter(Phase::kBody, limits_->body_timeout);
+    if (limits_->check_head && in_.size() < request_.head.content_length) {
+      limits_->check_head(request_.head);
+    }
     if (request_.head.expects_continue && in_.size() < request_.head.content_length) {
       out_.head += "HTTP/1.1 100 Continue\r\n\r\n";
     }

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "http/net/request_head.h"
@@ -35,6 +36,9 @@ struct ConnectionLimits {
   // Proceed reads about this much in one call, so that a client that sends without a pause cannot
   // keep the event loop from its other connections. About 50 microseconds.
   int64_t max_bytes_a_pass = 256 * 1024;
+  // Looks at the head of a request whose body is still to come. Throws HttpError to refuse the
+  // request before its body is read. Runs in the event loop, so it must not block.
+  std::function<void(const RequestHead& head)> check_head = {};
 };
 
 struct ReceivedRequest {
@@ -90,6 +94,8 @@ class Connection {
   bool has_more() const { return is_readable_ || !in_.empty() || is_sending(); }
   size_t buffered_bytes() const;
   const Peer& peer() const { return peer_; }
+  // The head of the request that is being received; its method is empty before it has arrived.
+  const RequestHead& head() const { return request_.head; }
   Socket& socket() { return socket_; }
 
  private:

@@ -217,7 +217,7 @@ void EventLoop::Lend(Entry* entry) {
 }
 
 void EventLoop::Refuse(Entry* entry, const HttpError& error) {
-  entry->Respond(refuse_(error), /*keep_alive=*/false);
+  entry->Respond(refuse_(*entry, error), /*keep_alive=*/false);
   next_expiry_ = std::min(next_expiry_, DeadlineOf(*entry));
   // Proceed only sends and drains here, so it cannot refuse again.
   const Connection::Next next = entry->Proceed();

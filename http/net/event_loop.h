@@ -49,7 +49,8 @@ struct RequestJob {
 class EventLoop {
  public:
   // Makes the response to a request that is refused before it is complete. Must not block or throw.
-  using RefuseFunction = std::function<ResponseText(const HttpError& error)>;
+  using RefuseFunction =
+      std::function<ResponseText(const Connection& connection, const HttpError& error)>;
 
   // The loop hands out at most `max_answering` requests at a time. Throws Error(kIo) if the system
   // cannot provide the resources that the loop needs.

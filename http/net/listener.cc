@@ -59,23 +59,20 @@ bool IsUsableRequestId(std::string_view id) {
          });
 }
 
-// Sets the client's address, and its number, from the peer or from what a trusted front says.
-void SetClient(const Peer& peer, const TrustedFronts& fronts, HttpRequest* request) {
-  request->remote_address = peer.address;
-  request->client = peer.network;
+// Returns the client's address and number, from the peer or from what a trusted front says.
+Peer ClientOf(const Peer& peer, const RequestHead& head, const TrustedFronts& fronts) {
   if (fronts.empty()) {
-    return;
+    return peer;
   }
   std::string chain;  // Several headers are one list (RFC 9110 section 5.3).
-  const auto [begin, end] = request->headers.equal_range("x-forwarded-for");
-  for (auto it = begin; it != end; ++it) {
-    chain += "," + it->second;
+  for (const auto& [name, value] : head.headers) {
+    if (name == "x-forwarded-for") {
+      chain += "," + value;
+    }
   }
   const std::string address = ForwardedClient(peer.address, chain, fronts);
-  if (const std::optional<uint64_t> network = NetworkOfAddress(address)) {
-    request->remote_address = address;
-    request->client = *network;
-  }
+  const std::optional<uint64_t> network = NetworkOfAddress(address);
+  return network ? Peer{.address = address, .network = *network} : peer;
 }
 
 HttpRequest ToRequest(ReceivedRequest received, const Peer& peer, const TrustedFronts& fronts,
@@ -88,19 +85,19 @@ HttpRequest ToRequest(ReceivedRequest received, const Peer& peer, const TrustedF
   if (IsUsableRequestId(client_id)) {
     request_id = client_id;
   }
+  Peer client = ClientOf(peer, received.head, fronts);
   HttpRequest request{.method = std::move(received.head.method),
                       .path = std::move(target->path),
                       .query = std::move(target->query),
                       .headers = {},
                       .body = std::move(received.body),
-                      .remote_address = {},
-                      .client = 0,
+                      .remote_address = std::move(client.address),
+                      .client = client.network,
                       .request_id = std::move(request_id),
                       .arrival = received.arrival};
   for (auto& [name, value] : received.head.headers) {
     request.headers.emplace(std::move(name), std::move(value));
   }
-  SetClient(peer, fronts, &request);
   return request;
 }
 
@@ -135,8 +132,14 @@ struct Listener::Impl {
   Impl(const ListenerOptions& listener_options, RequestHandler* request_handler)
       : options(listener_options), handler(request_handler) {}
 
-  ResponseText Refusal(const HttpError& error) {
-    return SerializeResponse(handler->Refuse(error, request_ids.Next()), /*is_head=*/false,
+  ResponseText Refusal(const Connection& connection, const HttpError& error) {
+    const RequestHead& head = connection.head();
+    const RefusedRequest refused{
+        .request_id = request_ids.Next(),
+        .remote_address = ClientOf(connection.peer(), head, options.trusted_fronts).address,
+        .method = head.method,
+        .target = head.target};
+    return SerializeResponse(handler->Refuse(error, refused), /*is_head=*/false,
                              /*keep_alive=*/std::nullopt);
   }
 
@@ -153,16 +156,15 @@ struct Listener::Impl {
                           bool* keep_alive) {
     const bool is_head = received.head.method == "HEAD";
     try {
-      const HttpRequest request = ToRequest(std::move(received), connection.peer(),
-                                            options.trusted_fronts, request_ids.Next());
-      HttpResponse response = handler->Handle(request);
+      HttpResponse response = handler->Handle(ToRequest(
+          std::move(received), connection.peer(), options.trusted_fronts, request_ids.Next()));
       *keep_alive = *keep_alive && !closes_connections;
       return SerializeResponse(
           std::move(response), is_head,
           *keep_alive ? std::optional(options.connection.idle_timeout) : std::nullopt);
     } catch (const HttpError& error) {
       *keep_alive = false;
-      return Refusal(error);
+      return Refusal(connection, error);
     } catch (const std::bad_alloc&) {
       // The memory reserve covers this small response.
       *keep_alive = false;
@@ -190,9 +192,13 @@ void Listener::Start() {
   Socket listening = ListenOn(options.host, options.port);
   impl_->port = LocalPort(listening);
   Impl* const impl = impl_.get();
-  impl->loop.emplace(std::move(listening), options.connection, WithinOpenFiles(options.loop),
+  ConnectionLimits connection = options.connection;
+  connection.check_head = [impl](const RequestHead& head) { impl->handler->CheckHead(head); };
+  impl->loop.emplace(std::move(listening), connection, WithinOpenFiles(options.loop),
                      options.num_threads,
-                     [impl](const HttpError& error) { return impl->Refusal(error); });
+                     [impl](const Connection& refused, const HttpError& error) {
+                       return impl->Refusal(refused, error);
+                     });
   for (int i = 0; i < options.num_threads + 1; ++i) {  // One more thread waits for the sockets.
     impl->threads.emplace_back([impl] { impl->Work(); });
   }

@@ -23,14 +23,24 @@ struct ListenerOptions {
   LoopLimits loop = {};
 };
 
-// The application behind a listener. The listener calls it from many threads at once. The functions
-// throw nothing but std::bad_alloc, to which the listener responds with 503.
+// What is known of a request that is refused before it is complete.
+struct RefusedRequest {
+  std::string request_id;
+  std::string remote_address;  // As HttpRequest::remote_address.
+  std::string method;          // Empty, like the target, if the head is missing or malformed.
+  std::string target;          // As RequestHead::target.
+};
+
+// The application behind a listener. The listener calls it from many threads at once. `Handle` and
+// `Refuse` throw nothing but std::bad_alloc, to which the listener responds with 503.
 class RequestHandler {
  public:
   virtual ~RequestHandler() = default;
-  virtual HttpResponse Handle(const HttpRequest& request) = 0;
+  // Throws HttpError to refuse a request by its head, before its body is read. Must not block.
+  virtual void CheckHead(const RequestHead& /*head*/) {}
+  virtual HttpResponse Handle(HttpRequest request) = 0;
   // Makes the response to a request that is refused before it is complete. Must not block.
-  virtual HttpResponse Refuse(const HttpError& error, const std::string& request_id) = 0;
+  virtual HttpResponse Refuse(const HttpError& error, const RefusedRequest& request) = 0;
 };
 
 // A thread receives a request when the request is whole. The thread is free again when the response

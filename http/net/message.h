@@ -23,6 +23,9 @@ struct HttpRequest {
   // Equal for all requests of one client: of the address that a trusted front names, or else of the
   // other end of the connection (net/client_network.h).
   uint64_t client = 0;
+  // The label of the API key that the request has shown to be valid; `client` is then its number
+  // instead. Empty without such a key.
+  std::string label = {};
   std::string request_id;                         // The client's id if usable, else made here.
   std::chrono::steady_clock::time_point arrival;  // When its last byte had been read.
 

@@ -8,6 +8,7 @@ namespace cairn {
 namespace {
 
 constexpr double kFirstBoundSeconds = 0.25e-3;
+constexpr char kOtherLabels[] = "(other)";  // No label of a key has parentheses.
 
 void Describe(const char* name, const char* type, const char* help, std::string* text) {
   *text += fmt::format("# HELP {} {}\n# TYPE {} {}\n", name, help, name, type);
@@ -100,6 +101,13 @@ void Metrics::CountRequest(const std::string& route, int status, double seconds)
   request_seconds_[route].Add(seconds);
 }
 
+void Metrics::CountClient(const std::string& label, int status) {
+  const std::lock_guard lock(mutex_);
+  const bool is_new = !client_requests_.contains(label);
+  const bool is_full = client_requests_.size() >= kMaxLabels;
+  ++client_requests_[is_new && is_full ? kOtherLabels : label][status];
+}
+
 uint64_t Metrics::num_requests() const {
   const std::lock_guard lock(mutex_);
   uint64_t sum = 0;
@@ -143,19 +151,31 @@ void Metrics::RenderStore(std::string* text) const {
          static_cast<double>(num_stale_answers_), text);
 }
 
+void Metrics::RenderRequests(std::string* text) const {
+  Describe("cairn_http_requests_total", "counter", "Requests by route and status.", text);
+  for (const auto& [key, count] : requests_) {
+    *text += fmt::format("cairn_http_requests_total{{route=\"{}\",status=\"{}\"}} {}\n", key.first,
+                         key.second, count);
+  }
+  Describe("cairn_client_requests_total", "counter",
+           "Requests with a known API key, by the label of the key and status.", text);
+  for (const auto& [label, counts] : client_requests_) {
+    for (const auto& [status, count] : counts) {
+      *text += fmt::format("cairn_client_requests_total{{label=\"{}\",status=\"{}\"}} {}\n", label,
+                           status, count);
+    }
+  }
+  Describe("cairn_http_request_seconds", "histogram",
+           "Time from the last byte of a request to its response.", text);
+  for (const auto& [route, histogram] : request_seconds_) {
+    histogram.Render("cairn_http_request_seconds", fmt::format("route=\"{}\"", route), text);
+  }
+}
+
 std::string Metrics::Render(const ServerState& state) const {
   std::string text;
   const std::lock_guard lock(mutex_);
-  Describe("cairn_http_requests_total", "counter", "Requests by route and status.", &text);
-  for (const auto& [key, count] : requests_) {
-    text += fmt::format("cairn_http_requests_total{{route=\"{}\",status=\"{}\"}} {}\n", key.first,
-                        key.second, count);
-  }
-  Describe("cairn_http_request_seconds", "histogram",
-           "Time from the last byte of a request to its response.", &text);
-  for (const auto& [route, histogram] : request_seconds_) {
-    histogram.Render("cairn_http_request_seconds", fmt::format("route=\"{}\"", route), &text);
-  }
+  RenderRequests(&text);
   Describe("cairn_localize_total", "counter", "Queries by outcome.", &text);
   for (const auto& [outcome, count] : localize_outcomes_) {
     text += fmt::format("cairn_localize_total{{outcome=\"{}\"}} {}\n", outcome, count);

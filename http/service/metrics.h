@@ -55,6 +55,9 @@ class Metrics {
   // `route` is the pattern of the route, or empty for requests that reached no route. The client's
   // path would make the number of series unbounded.
   void CountRequest(const std::string& route, int status, double seconds);
+  // `label` is that of the request's API key. Labels beyond the first kMaxLabels share one series.
+  void CountClient(const std::string& label, int status);
+  static constexpr size_t kMaxLabels = 256;
   uint64_t num_requests() const;  // Counted so far.
   // Stages that did not run add nothing to the histograms. `is_stale` says that the answer is from
   // a map that may be out of date.
@@ -65,11 +68,13 @@ class Metrics {
   std::string Render(const ServerState& state) const;
 
  private:
+  void RenderRequests(std::string* text) const;
   void RenderStore(std::string* text) const;
 
   mutable std::mutex mutex_;
   std::map<std::pair<std::string, int>, uint64_t> requests_;
   std::map<std::string, DurationHistogram> request_seconds_;
+  std::map<std::string, std::map<int, uint64_t>> client_requests_;  // By label and status.
   std::map<std::string, uint64_t> localize_outcomes_;
   std::array<DurationHistogram, kNumStages> stage_seconds_;
   DurationHistogram extraction_seconds_;

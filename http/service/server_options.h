@@ -56,6 +56,12 @@ struct ServerOptions {
   // The fronts that may name their clients in X-Forwarded-For: addresses and networks such as
   // "10.0.0.0/8", separated by commas. The requests of other clients count for their own address.
   std::string trusted_fronts;
+  // File of the API keys that open the routes of the main port (docs/formats/api_keys_v1.md).
+  // Empty: everything is open. The admin port needs no key, because only this machine reaches it.
+  std::string api_keys_path;
+  // File to which a line is appended for each request to the main port (service/access_log.h).
+  // Empty: none.
+  std::string access_log_path;
   LocalizerOptions localizer;
   SiftOptions sift;  // Of the images of requests.
 

@@ -23,6 +23,9 @@ constexpr std::array kProblems = {
     ProblemInfo{kHeadersTooLarge, 431, "headers_too_large", "The header is too large"},
     ProblemInfo{kNotImplemented, 501, "not_implemented", "Unknown method"},
     ProblemInfo{kVersionNotSupported, 505, "version_not_supported", "Unsupported HTTP version"},
+    ProblemInfo{kUnauthorized, 401, "unauthorized", "An API key is needed"},
+    ProblemInfo{kForbidden, 403, "forbidden", "The API key does not allow this"},
+    ProblemInfo{kTooManyRequests, 429, "too_many_requests", "Too many requests"},
     ProblemInfo{kNotFound, 404, "not_found", "Not found"},
     ProblemInfo{kMethodNotAllowed, 405, "method_not_allowed", "Method not allowed"},
     ProblemInfo{kInvalidJson, 400, "invalid_json", "The body is not usable JSON"},
@@ -62,6 +65,7 @@ ErrorCode ErrorCodeOf(ProblemCode problem) {
     case kInternal:
       return ErrorCode::kInternal;
     case kUnavailable:
+    case kTooManyRequests:
       return ErrorCode::kUnavailable;
     default:
       return ErrorCode::kBadInput;

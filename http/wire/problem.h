@@ -26,6 +26,10 @@ enum class ProblemCode {
   kHeadersTooLarge,
   kNotImplemented,  // A method that HTTP does not define.
   kVersionNotSupported,
+  // Faults of the client's rights.
+  kUnauthorized,     // The API key is missing or unknown.
+  kForbidden,        // The key has not the right to this route.
+  kTooManyRequests,  // The key has used up its rate or quota.
   // Faults of the route.
   kNotFound,
   kMethodNotAllowed,

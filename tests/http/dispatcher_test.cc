@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "http/keys/key_ring.h"
 #include "http/router.h"
 #include "http/service/metrics.h"
 
@@ -52,6 +53,37 @@ TEST(Dispatcher, OtherFaultsOfTheServerAre500WithoutRetry) {
     EXPECT_EQ(response.status, 500) << response.body;
     EXPECT_THAT(response.headers, Not(Contains(Key("Retry-After"))));
   }
+}
+
+// The number by which the gate tells the clients of two requests apart.
+std::pair<std::string, std::string> ClientsOfTwoAddresses(const std::string& key_of_second) {
+  Router router;
+  router.Add({.method = "GET",
+              .pattern = "/who",
+              .needs = KeyRight::kLocalize,
+              .handler = [](const HttpRequest& request, const std::string&) {
+                return HttpResponse{.body = std::to_string(request.client)};
+              }});
+  Metrics metrics;
+  KeyRing keys({{.label = "a", .hash = HashOfSecret("key of a"), .may = KeyRight::kLocalize},
+                {.label = "b", .hash = HashOfSecret("key of b"), .may = KeyRight::kLocalize}});
+  Dispatcher dispatcher(std::move(router), &metrics, &keys);
+  const auto ask = [&](uint64_t network, const std::string& key) {
+    HttpRequest request;
+    request.method = "GET";
+    request.path = "/who";
+    request.headers = {{"x-api-key", key}};
+    request.client = network;
+    return dispatcher.Handle(std::move(request)).body;
+  };
+  return {ask(1, "key of a"), ask(2, key_of_second)};
+}
+
+TEST(Dispatcher, AKeyIsOneClientFromAllItsAddresses) {
+  const auto [first, same] = ClientsOfTwoAddresses("key of a");
+  EXPECT_EQ(first, same);
+  EXPECT_NE(first, "1");
+  EXPECT_NE(first, ClientsOfTwoAddresses("key of b").second);
 }
 
 }  // namespace

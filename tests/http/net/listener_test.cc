@@ -43,7 +43,7 @@ std::string Post(size_t num_bytes) {
 // Answers "/" at once, "/large" with kLargeBytes, and "/hold" when Release is called.
 class Handler : public RequestHandler {
  public:
-  HttpResponse Handle(const HttpRequest& request) override {
+  HttpResponse Handle(HttpRequest request) override {
     ++num_handled;
     HttpResponse response{.status = 200, .content_type = "text/plain", .body = "fine"};
     if (request.path == "/large") {
@@ -58,8 +58,16 @@ class Handler : public RequestHandler {
     }
     return response;
   }
-  HttpResponse Refuse(const HttpError& error, const std::string& /*request_id*/) override {
-    return {.status = InfoOf(error.problem()).status, .content_type = "text/plain", .body = "no"};
+  void CheckHead(const RequestHead& head) override {
+    if (head.target == "/forbidden") {
+      throw HttpError(ProblemCode::kForbidden, "not here");
+    }
+  }
+  HttpResponse Refuse(const HttpError& error, const RefusedRequest& request) override {
+    return {
+        .status = InfoOf(error.problem()).status,
+        .content_type = "text/plain",
+        .body = "no: " + request.method + " " + request.target + " from " + request.remote_address};
   }
 
   void Release() {
@@ -376,6 +384,16 @@ TEST_F(ListenerUnderAttack, ATrustedFrontNamesItsClients) {
   };
   EXPECT_THAT(who("127.0.0.1"), end_with("192.0.2.7"));
   EXPECT_THAT(who(kOtherClient), end_with(kOtherClient));
+}
+
+TEST_F(ListenerUnderAttack, ABodyIsNotReadIfTheHeadIsRefused) {
+  Start();
+  const auto client = Connect(
+      "POST /forbidden HTTP/1.1\r\nHost: h\r\nContent-Length: 1000000\r\n\r\nthe first part");
+  const std::string response = client->ReadAll();
+  EXPECT_THAT(response, StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(response, EndsWith("no: POST /forbidden from 127.0.0.1"));
+  EXPECT_EQ(handler_.num_handled, 0);
 }
 
 TEST_F(ListenerUnderAttack, ARequestThatArrivesInPiecesIsOneRequest) {

@@ -35,6 +35,20 @@ TEST(Metrics, StagesThatRanCountAndOthersDoNot) {
   EXPECT_THAT(text, HasSubstr("cairn_stage_seconds_count{stage=\"voting\"} 0"));
 }
 
+// Whoever makes many keys does not make as many series.
+TEST(Metrics, LabelsAreBounded) {
+  Metrics metrics;
+  for (size_t i = 0; i < Metrics::kMaxLabels + 10; ++i) {
+    metrics.CountClient("k" + std::to_string(i), 200);
+  }
+  metrics.CountClient("k0", 429);
+  const std::string text = metrics.Render({});
+  EXPECT_THAT(text, HasSubstr("cairn_client_requests_total{label=\"k0\",status=\"200\"} 1\n"));
+  EXPECT_THAT(text, HasSubstr("cairn_client_requests_total{label=\"k0\",status=\"429\"} 1\n"));
+  EXPECT_THAT(text,
+              HasSubstr("cairn_client_requests_total{label=\"(other)\",status=\"200\"} 10\n"));
+}
+
 TEST(Metrics, OnlyQueriesThatLoadedTilesFetched) {
   Metrics metrics;
   LocalizeResult warm;
