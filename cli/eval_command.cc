@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "cli/arguments.h"
+#include "cli/client_key.h"
 #include "cli/eval_queries.h"
 #include "cli/index_option.h"
 #include "cli/open_localizer.h"
@@ -50,6 +51,7 @@ struct EvalArguments {
   std::optional<double> focal_sigma_percent;
   std::string server_url;
   std::string ca_file;
+  ClientKeyArguments key;
   SendAs send_as = SendAs::kFeatures;
   FeatureSource feature_source = FeatureSource::kModel;
   CairnOptions options;
@@ -93,10 +95,13 @@ Answerer MakeAnswerer(const EvalArguments& arguments, const OpenedMap& map) {
   if (arguments.server_url.empty()) {
     return [&map](const EvalQuery& query) { return map.localizer->Localize(query.query); };
   }
-  auto client = std::make_shared<LocalizeClient>(ClientOptions{.url = arguments.server_url,
-                                                               .ca_file = arguments.ca_file,
-                                                               .want_matches = false,
-                                                               .exif_prior = false});
+  auto client =
+      std::make_shared<LocalizeClient>(ClientOptions{.url = arguments.server_url,
+                                                     .ca_file = arguments.ca_file,
+                                                     .api_key = arguments.key.Read(),
+                                                     .allow_plain_key = arguments.key.allow_plain,
+                                                     .want_matches = false,
+                                                     .exif_prior = false});
   if (arguments.send_as == SendAs::kFeatures) {
     return [client](const EvalQuery& query) { return client->LocalizeFeatures(query.query); };
   }
@@ -320,6 +325,7 @@ void AddTransportOptions(CLI::App* command, EvalArguments* arguments) {
                                          "Query this server instead of the map file")
                             ->type_name("URL");
   AddCaOption(command, server, &arguments->ca_file);
+  AddClientKeyOptions(command, server, &arguments->key);
   command->add_option("--send", arguments->send_as, "Data to send to the server")
       ->needs(server)
       ->transform(CLI::CheckedTransformer(kSendAs).description(""))

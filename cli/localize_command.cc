@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "cli/arguments.h"
+#include "cli/client_key.h"
 #include "cli/height_option.h"
 #include "cli/index_option.h"
 #include "cli/open_localizer.h"
@@ -43,6 +44,7 @@ struct LocalizeArguments {
   std::string map_path;
   std::string server_url;
   std::string ca_file;
+  ClientKeyArguments key;
   std::string image_path;
   std::string rig_path;  // Empty for one camera.
   std::optional<std::string> camera;
@@ -131,6 +133,8 @@ LocalizeResult Answer(const LocalizeArguments& arguments, const Photo& photo,
     // For a rig, the sizes of the cameras determine the orientation.
     return LocalizeClient(ClientOptions{.url = arguments.server_url,
                                         .ca_file = arguments.ca_file,
+                                        .api_key = arguments.key.Read(),
+                                        .allow_plain_key = arguments.key.allow_plain,
                                         .image_orientation = others.empty()
                                                                  ? orientation
                                                                  : ImageOrientation::kAsSize,
@@ -312,6 +316,7 @@ void AddLocalizeCommand(CLI::App* app, Shell* shell) {
           ->add_option("--server", arguments->server_url, "Query this server instead of a map file")
           ->type_name("URL");
   AddCaOption(command, server, &arguments->ca_file);
+  AddClientKeyOptions(command, server, &arguments->key);
   AddOptionsFile(command, &arguments->options);
   AddQueryOptions(command, arguments.get());
   AddSeedOption(command, &arguments->options.localizer.seed,

@@ -14,6 +14,7 @@ void AddVerbs(CLI::App* app, Shell* shell) {
   AddRemoveCommand(app, shell);
   AddRebuildCommand(app, shell);
   AddServeCommand(app, shell);
+  AddKeysCommand(app, shell);
   AddLocalizeCommand(app, shell);
   AddEvalCommand(app, shell);
   AddInfoCommand(app, shell);

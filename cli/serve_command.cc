@@ -1,4 +1,5 @@
-// `cairn serve`: answers queries over HTTP until SIGINT or SIGTERM. SIGHUP reopens the map.
+// `cairn serve`: answers queries over HTTP until SIGINT or SIGTERM. SIGHUP reopens the map and
+// reads the API keys again.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <malloc.h>
@@ -21,6 +22,7 @@
 #include <optional>
 #include <string>
 
+#include "cli/client_key.h"
 #include "cli/index_option.h"
 #include "cli/options_file.h"
 #include "cli/shell.h"
@@ -105,8 +107,8 @@ void AllowOpenFiles() {
 void ShareHeapsAmongThreads() { mallopt(M_ARENA_MAX, NumCores()); }
 
 // Serves until SIGINT or SIGTERM arrives, which it returns, or until `end`, when it returns
-// nothing. SIGHUP reopens the map. After every second with requests, returns freed memory to the
-// system, because glibc would keep it.
+// nothing. SIGHUP reopens the map and the access log and reads the keys again. After every second
+// with requests, returns freed memory to the system, because glibc would keep it.
 std::optional<int> ServeUntil(std::chrono::steady_clock::time_point end, const SignalQueue& signals,
                               Server* server) {
   using std::chrono::milliseconds;
@@ -119,6 +121,8 @@ std::optional<int> ServeUntil(std::chrono::steady_clock::time_point end, const S
     const std::optional<int> signal_number = signals.WaitFor(std::min(left, milliseconds(1000)));
     if (signal_number == SIGHUP) {
       server->ReloadMap();
+      server->ReloadKeys();
+      server->ReopenAccessLog();
     } else if (signal_number) {
       return signal_number;
     }
@@ -215,6 +219,23 @@ void AddFrontOption(CLI::App* command, ServerOptions* options) {
       ->type_name("ADDRESS,...");
 }
 
+void AddKeysOption(CLI::App* command, ServerOptions* options) {
+  command
+      ->add_option("--api-keys", options->api_keys_path,
+                   "File of the API keys that may use the server ('cairn keys' writes it). Without "
+                   "it, everybody may do everything")
+      ->type_name("FILE");
+  RefuseKeyOnCommandLine(command, "name a file with --api-keys");
+}
+
+void AddAccessLogOption(CLI::App* command, ServerOptions* options) {
+  command
+      ->add_option("--access-log", options->access_log_path,
+                   "File to which each request to the port adds a line of JSON: client, label of "
+                   "the key, path, status, bytes, time, reason. SIGHUP opens the file again")
+      ->type_name("FILE");
+}
+
 void AddDrainOption(CLI::App* command, ServerOptions* options) {
   command
       ->add_option("--drain-seconds", options->drain_s,
@@ -276,11 +297,14 @@ void AddServeCommand(CLI::App* app, Shell* shell) {
   AddDrainOption(command, &options->server);
   AddExifOption(command, &options->server);
   AddFrontOption(command, &options->server);
+  AddKeysOption(command, &options->server);
+  AddAccessLogOption(command, &options->server);
   AddIndexOption(command, &options->localizer.matching.index.kind);
   command->footer(
       "Prints the URL when the server is ready. SIGTERM and SIGINT stop the server after the\n"
       "running requests; with --drain-seconds, SIGTERM drains it first. A further signal ends the\n"
-      "drain, and one after that the process. SIGHUP reopens the map.\n"
+      "drain, and one after that the process. SIGHUP reopens the map and\n"
+      "reads the API keys again.\n"
       "Example:\n"
       "  cairn serve city.gpkg --port 8080");
   command->callback([shell, options] { shell->run = [options] { return RunServe(*options); }; });

@@ -31,6 +31,7 @@ void AddRebuildCommand(CLI::App* app, Shell* shell);
 void AddServeCommand(CLI::App* app, Shell* shell);
 void AddLocalizeCommand(CLI::App* app, Shell* shell);
 void AddEvalCommand(CLI::App* app, Shell* shell);
+void AddKeysCommand(CLI::App* app, Shell* shell);
 void AddInfoCommand(CLI::App* app, Shell* shell);
 void AddSqlCommand(CLI::App* app, Shell* shell);
 void AddCheckCommand(CLI::App* app, Shell* shell);

@@ -55,9 +55,10 @@ class Verbs : public ::testing::Test {
 
 TEST_F(Verbs, EveryVerbHasHelpWithAnExample) {
   for (const char* verb :
-       {"init", "ingest", "plan",    "build-tiles", "publish", "remove",  "serve",    "localize",
-        "eval", "info",   "sql",     "check",       "log",     "diff",    "rollback", "prune",
-        "copy", "merge",  "rebuild", "recode",      "extract", "compact", "options",  "demo"}) {
+       {"init",     "ingest",   "plan",    "build-tiles", "publish", "remove",  "serve",
+        "localize", "keys",     "eval",    "info",        "sql",     "check",   "log",
+        "diff",     "rollback", "prune",   "copy",        "merge",   "rebuild", "recode",
+        "extract",  "compact",  "options", "demo"}) {
     const Finished finished = RunCairn({verb, "--help"});
     EXPECT_EQ(finished.exit_code, 0) << verb;
     EXPECT_THAT(finished.out, HasSubstr(std::string("Example:\n  cairn ") + verb)) << verb;
