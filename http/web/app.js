@@ -13,10 +13,43 @@ const state = {
 };
 const METERS_PER_DEGREE = 111320;
 
+// --- API key -------------------------------------------------------------------------------------
+
+// The browser keeps the key until the tab is closed. It is sent to this server only.
+const KEY_NAME = "cairn-api-key";
+const keyForm = byId("key-form");
+keyForm.key.value = sessionStorage.getItem(KEY_NAME) ?? "";
+keyForm.hidden = keyForm.key.value === "";
+
+keyForm.addEventListener("submit", (event) => {
+  event.preventDefault();
+  const key = keyForm.key.value.trim();
+  if (key === "") sessionStorage.removeItem(KEY_NAME);
+  else sessionStorage.setItem(KEY_NAME, key);
+  refresh();
+});
+
+class ServerError extends Error {
+  constructor(response, body) {
+    super([body.detail || response.statusText, body.hint].filter(Boolean).join("\n"));
+    this.status = response.status;
+  }
+}
+
+// As fetch, with the key. Shows the field for the key if the server asks for one.
+async function fetchWithKey(path, options = {}) {
+  const key = sessionStorage.getItem(KEY_NAME);
+  // A header may hold visible ASCII only; the browser refuses the rest in its own words.
+  const headers = { ...options.headers, ...(key ? { Authorization: `Bearer ${key}` } : {}) };
+  const response = await fetch(path, { ...options, headers });
+  if (response.status === 401 || response.status === 403) keyForm.hidden = false;
+  return response;
+}
+
 async function getJson(path) {
-  const response = await fetch(path);
+  const response = await fetchWithKey(path);
   const body = await response.json();
-  if (!response.ok) throw new Error(body.detail || response.statusText);
+  if (!response.ok) throw new ServerError(response, body);
   return body;
 }
 
@@ -186,7 +219,8 @@ async function refresh() {
     if (coverage.truncated) byId("map-note").textContent = "Only the first 10,000 tiles are shown.";
     drawMap();
   } catch (error) {
-    status.textContent = `the server does not answer: ${error.message}`;
+    const isAnswer = error instanceof ServerError;
+    status.textContent = isAnswer ? error.message : `the server does not answer: ${error.message}`;
     status.className = "bad";
   }
 }
@@ -419,10 +453,10 @@ async function localize() {
   body.append("request", new Blob([JSON.stringify(requestFor())], { type: "application/json" }));
   body.append("image", await photoFile());
   const headers = state.cell ? { "X-Cairn-Cell": state.cell } : {};
-  const response = await fetch("v1/localize", { method: "POST", headers, body });
+  const response = await fetchWithKey("v1/localize", { method: "POST", headers, body });
   state.cell = response.headers.get("X-Cairn-Cell") ?? state.cell;
   const answer = await response.json();
-  if (!response.ok) throw new Error([answer.detail, answer.hint].filter(Boolean).join("\n"));
+  if (!response.ok) throw new ServerError(response, answer);
   return answer;
 }
 

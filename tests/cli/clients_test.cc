@@ -391,5 +391,25 @@ TEST_F(Page, LocalizesPhotosInABrowser) {
   EXPECT_THAT(seen["status"].get<std::string>(), HasSubstr("running"));
 }
 
+TEST_F(Page, AsksForTheKeyOfAServerThatWantsOne) {
+  if (const std::string why_not = WhyNoBrowser(); !why_not.empty()) {
+    GTEST_SKIP() << why_not;
+  }
+  const std::string keys = dir_.File("keys.json");
+  const Finished made =
+      RunCairn({"keys", "new", keys, "--label", "page", "--may", "localize,look"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  BackgroundCairn server(
+      {"serve", world_.map_path, "--port", "0", "--log-level", "off", "--api-keys", keys});
+  const json seen = Open({{"url", server.ReadLine()},
+                          {"key", made.out.substr(0, made.out.find('\n'))},
+                          {"visits", {{{"photo", query().image_path}}}}});
+  EXPECT_THAT(seen.value("before", ""), HasSubstr("this route needs an API key"));
+  EXPECT_THAT(seen.value("status", ""), HasSubstr("running"));
+  const std::vector<std::string> answers = seen.value("answers", std::vector<std::string>());
+  ASSERT_EQ(answers.size(), 1u) << seen;
+  EXPECT_LT(ShownErrorM(answers[0]), 2.0);
+}
+
 }  // namespace
 }  // namespace cairn::testing

@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 """Opens the page /ui in headless Chromium and asks it as a person does.
 
-open_page.py ASK.json reads {"url", "screenshot", "visits": [{"photo", "lat", "lon", "accuracy", "focal", "exif"}]}, all
+open_page.py ASK.json reads {"url", "key", "screenshot", "visits": [{"photo", "lat", "lon", "accuracy", "focal", "exif"}]}, all
 but the photo optional, fills in the form for each visit, presses the button, and prints one line of JSON:
-{"answers": [text under the photo, ...], "console": [what Chromium's console got], "status": text at the top}.
+{"answers": [text under the photo, ...], "console": [what Chromium's console got], "status": text at the top,
+"before": text at the top before the API key was typed}. A key is typed into the field that the page shows for it.
 """
 import json
 import sys
@@ -56,21 +57,35 @@ def ask(browser, visit):
     return browser.find_element(By.ID, "answer").text
 
 
+def status_of(browser):
+    return browser.find_element(By.ID, "status").text
+
+
+def type_key(browser, key):
+    field = browser.find_element(By.NAME, "key")
+    field.send_keys(key)
+    browser.find_element(By.CSS_SELECTOR, "#key-form button").click()
+    WebDriverWait(browser, TIMEOUT_S).until(lambda b: status_of(b).startswith("running"))
+
+
 def main():
     with open(sys.argv[1], encoding="utf-8") as file:
         todo = json.load(file)
     browser = open_browser()
     try:
         browser.get(todo["url"] + "/ui")
-        WebDriverWait(browser, TIMEOUT_S).until(
-            lambda b: b.find_element(By.ID, "status").text.startswith(("running", "no answer")))
+        WebDriverWait(browser, TIMEOUT_S).until(lambda b: not status_of(b).startswith("connecting"))
+        before = status_of(browser)
+        if todo.get("key"):
+            type_key(browser, todo["key"])
         answers = [ask(browser, visit) for visit in todo["visits"]]
         if todo.get("screenshot"):
             browser.save_screenshot(todo["screenshot"])
         print(json.dumps({
             "answers": answers,
             "console": [entry["message"] for entry in browser.get_log("browser")],
-            "status": browser.find_element(By.ID, "status").text,
+            "status": status_of(browser),
+            "before": before,
         }))
     finally:
         browser.quit()
