@@ -1,8 +1,11 @@
 #include "http/json/request_photos.h"
 
+#include <utility>
+
 #include "core/error.h"
 #include "core/geoid.h"
 #include "http/json/request_members.h"
+#include "ingest/images/photo_camera.h"
 
 namespace cairn {
 namespace {
@@ -27,6 +30,11 @@ Geodetic WithHeight(const ExifInfo& exif) {
   }
 }
 
+// Returns whether the request states nothing of the camera but its size.
+bool KnowsOnlyTheSize(const LocalizeQuery& query) {
+  return query.focal && query.focal->with_distortion;
+}
+
 }  // namespace
 
 std::optional<PositionPrior> PriorOfPhoto(const ExifInfo& exif) {
@@ -45,7 +53,8 @@ void ReadPhotos(bool takes_exif_prior, LocalizeRequest* request) {
   LocalizeQuery& query = request->query;
   const bool wants_prior = takes_exif_prior && request->exif_prior && !query.prior;
   for (size_t i = 0; i < request->images.size(); ++i) {
-    if (!request->picture && !(wants_prior && i == 0)) {
+    const bool wants_camera = i == 0 && KnowsOnlyTheSize(query);
+    if (!request->picture && !(wants_prior && i == 0) && !wants_camera) {
       continue;
     }
     const std::optional<ExifInfo> exif = TryReadExif(request->images[i]);
@@ -60,6 +69,12 @@ void ReadPhotos(bool takes_exif_prior, LocalizeRequest* request) {
     }
     if (wants_prior && i == 0) {
       query.prior = PriorOfPhoto(*exif);
+    }
+    if (wants_camera) {
+      PhotoCamera of_photo =
+          CameraOfPhoto(*exif, query.camera.width_px(), query.camera.height_px());
+      query.camera = std::move(of_photo.camera);
+      query.focal = of_photo.focal;
     }
   }
   request->picture.reset();

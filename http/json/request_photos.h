@@ -24,7 +24,9 @@ inline constexpr char kReasonHeader[] = "X-Cairn-Reason";
 
 // Reads the headers of the request's images, but no pixels. Settles how each image is turned
 // (LocalizeRequest::picture). Without a prior, takes the position in the EXIF of the first image as
-// the prior, unless the request or `takes_exif_prior` forbids it. Does nothing for images that do
+// the prior, unless the request or `takes_exif_prior` forbids it. If the request states only the
+// size of the camera, takes the focal length in the EXIF of the first image, if it has one
+// (CameraOfPhoto). Does nothing for images that do
 // not decode, which decoding reports, and for raw pixels. Takes time linear in the number of
 // segments or chunks of the images.
 void ReadPhotos(bool takes_exif_prior, LocalizeRequest* request);

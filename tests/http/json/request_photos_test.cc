@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "core/focal_length.h"
 #include "core/geoid.h"
 #include "support/exif_bytes.h"
 
@@ -81,6 +82,40 @@ TEST(ReadPhotos, TheRequestAndTheOperatorMayForbidIt) {
   LocalizeRequest request = RequestOf(InLund(), 480, 640);
   ReadPhotos(false, &request);
   EXPECT_FALSE(request.query.prior.has_value());
+}
+
+TEST(ReadPhotos, ACameraOfWhichOnlyTheSizeIsStatedHasTheFocalLengthOfTheExif) {
+  ExifContent exif = InLund();
+  exif.focal_35mm = 27;
+  LocalizeRequest request = RequestOf(exif, 480, 640);
+  request.query.camera = CameraOfUnknownFocal(480, 640);
+  request.query.focal = FocalPrior{.with_distortion = true};
+  request.picture.reset();
+  ReadPhotos(false, &request);
+  EXPECT_NEAR(request.query.camera.focal_px(), 27.0 / 36.0 * 640.0, 1e-6);
+  EXPECT_EQ(request.query.camera.width_px(), 480);
+  ASSERT_TRUE(request.query.focal.has_value());
+  EXPECT_LT(request.query.focal->log_sigma, FocalPrior().log_sigma);
+  EXPECT_FALSE(request.query.focal->with_distortion);
+}
+
+TEST(ReadPhotos, TheFocalLengthOfTheRequestStays) {
+  ExifContent exif = InLund();
+  exif.focal_35mm = 27;
+  LocalizeRequest request = RequestOf(exif, 480, 640);
+  request.query.focal = FocalPrior();  // Unknown, but the other parameters are known.
+  ReadPhotos(true, &request);
+  EXPECT_EQ(request.query.camera.focal_px(), 500.0);
+  EXPECT_EQ(request.query.focal->log_sigma, FocalPrior().log_sigma);
+}
+
+TEST(ReadPhotos, WithoutAFocalLengthTheCameraStaysUnknown) {
+  LocalizeRequest request = RequestOf(InLund(), 480, 640);
+  request.query.camera = CameraOfUnknownFocal(480, 640);
+  request.query.focal = FocalPrior{.with_distortion = true};
+  ReadPhotos(true, &request);
+  EXPECT_EQ(request.query.camera.focal_px(), CameraOfUnknownFocal(480, 640).focal_px());
+  EXPECT_TRUE(request.query.focal->with_distortion);
 }
 
 TEST(ReadPhotos, SettledOrientationsStay) {
