@@ -7,86 +7,17 @@
 
 #include "core/parallel_for.h"
 #include "ingest/sfm/triangulate.h"
+#include "mapping/growth/consistent_point.h"
 
 namespace cairn {
 namespace {
 
-// Observations with larger errors do not belong to a landmark; as in the adjustment.
-constexpr double kMaxErrorSigmas = 4.0;
-// Smallest angle between two rays of a landmark. Keypoints of 0.5 to 2 px at a focal length of
-// 1,000 px then place the landmark within 3 to 12 % of its distance.
-constexpr double kMinRayAngleRad = 0.0175;
-// Photos of one camera from which its distortion can be told apart from its focal length.
-constexpr int kMinImagesForDistortion = 5;
-// Pairs of a track's photos from which a landmark is tried if not all its observations agree.
-constexpr int kMaxTriedPairs = 10;
-
-double SqErrorSigmas(const PointView& view, const Eigen::Vector3d& x_in_world) {
-  const auto pixel = view.camera->Project(view.cam_from_world * x_in_world);
-  return pixel ? (*pixel - view.pixel).squaredNorm() / (view.sigma_px * view.sigma_px) : 1e12;
-}
-
-std::vector<int> AgreeingViews(const std::vector<PointView>& views,
-                               const Eigen::Vector3d& x_in_world) {
-  std::vector<int> agreeing;
-  for (int i = 0; i < static_cast<int>(views.size()); ++i) {
-    if (SqErrorSigmas(views[i], x_in_world) <= kMaxErrorSigmas * kMaxErrorSigmas) {
-      agreeing.push_back(i);
-    }
-  }
-  return agreeing;
-}
-
-std::vector<PointView> Selected(const std::vector<PointView>& views,
-                                const std::vector<int>& which) {
-  std::vector<PointView> selected;
-  for (const int i : which) {
-    selected.push_back(views[i]);
-  }
-  return selected;
-}
-
-bool HasParallax(const std::vector<PointView>& views, const Eigen::Vector3d& x_in_world) {
-  std::vector<Eigen::Vector3d> rays;
-  for (const PointView& view : views) {
-    rays.push_back((view.cam_from_world.Inverse().translation - x_in_world).normalized());
-  }
-  const double max_cosine = std::cos(kMinRayAngleRad);
-  for (size_t i = 0; i < rays.size(); ++i) {
-    for (size_t j = 0; j < i; ++j) {
-      if (rays[i].dot(rays[j]) < max_cosine) {
-        return true;
-      }
-    }
-  }
-  return false;
-}
-
-// The views that agree on the best point that all views, or a pair of them, give.
-std::vector<int> ConsistentViews(const std::vector<PointView>& views) {
-  std::vector<int> best;
-  const auto try_views = [&](const std::vector<PointView>& chosen) {
-    if (const auto x_in_world = TriangulatePoint(chosen)) {
-      std::vector<int> agreeing = AgreeingViews(views, *x_in_world);
-      if (agreeing.size() > best.size()) {
-        best = std::move(agreeing);
-      }
-    }
-  };
-  try_views(views);
-  const int count = static_cast<int>(views.size());
-  int num_tried = 0;
-  for (int gap = count - 1; gap >= 1; --gap) {
-    for (int i = 0; i + gap < count; ++i) {
-      if (count < 3 || 2 * static_cast<int>(best.size()) > count || num_tried == kMaxTriedPairs) {
-        return best;
-      }
-      try_views({views[i], views[i + gap]});
-      ++num_tried;
-    }
-  }
-  return best;
-}
+// Photos of one camera from which the focal length of EXIF can be improved and the distortion be
+// told apart from it. A few photos along one line determine neither.
+constexpr int kMinImagesToCalibrate = 10;
+// An adjusted focal length that leaves its prior by more standard deviations is not believed: along
+// a straight walk, small biases of keypoints bend it (Lund: 733 px instead of 996).
+constexpr double kMaxFocalSigmas = 2.0;
 
 }  // namespace
 
@@ -114,7 +45,8 @@ Draft::Draft(const PhotoSet& set, const TrackTable& tracks, std::vector<Camera> 
       tracks_(tracks),
       num_threads_(num_threads),
       image_of_photo_(set.photos.size(), -1),
-      landmark_of_track_(tracks.tracks.size(), -1) {
+      landmark_of_track_(tracks.tracks.size(), -1),
+      is_held_(cameras.size(), 0) {
   model_.cameras = std::move(cameras);
 }
 
@@ -230,25 +162,16 @@ std::optional<ReconLandmark> Draft::MakeLandmark(int track) const {
   if (observations.size() < 2) {
     return std::nullopt;
   }
-  const std::vector<PointView> views = ViewsOf(model_, {{}, observations});
-  std::vector<int> agreeing;
+  std::optional<Eigen::Vector3d> guess;
   if (landmark_of_track_[track] >= 0) {
-    agreeing = AgreeingViews(views, model_.landmarks[landmark_of_track_[track]].x_in_world);
+    guess = model_.landmarks[landmark_of_track_[track]].x_in_world;
   }
-  if (agreeing.size() < 2) {
-    agreeing = ConsistentViews(views);
-  }
-  if (agreeing.size() < 2) {
+  const auto point = TriangulateConsistent(ViewsOf(model_, {{}, observations}), guess);
+  if (!point) {
     return std::nullopt;
   }
-  const std::vector<PointView> chosen = Selected(views, agreeing);
-  const auto x_in_world = TriangulatePoint(chosen);
-  if (!x_in_world || AgreeingViews(chosen, *x_in_world).size() < chosen.size() ||
-      !HasParallax(chosen, *x_in_world)) {
-    return std::nullopt;
-  }
-  ReconLandmark landmark{*x_in_world, {}};
-  for (const int i : agreeing) {
+  ReconLandmark landmark{point->x_in_world, {}};
+  for (const int i : point->views) {
     landmark.observations.push_back(observations[i]);
   }
   return landmark;
@@ -343,19 +266,32 @@ void Draft::AdjustAround(std::span<const int> photos) {
   IndexLandmarks();
 }
 
-CameraFreedom Draft::FreedomOf(int camera_idx, int num_images) const {
-  switch (set_.cameras[camera_idx].source) {
-    case FocalSource::kCalibration:
-      return CameraFreedom::kFixed;
-    case FocalSource::kExif:
-    case FocalSource::kGuess:
-      return num_images >= kMinImagesForDistortion ? CameraFreedom::kFocalAndDistortion
-                                                   : CameraFreedom::kFocal;
+CameraFreedom Draft::FreedomOf(int camera_idx, int num_images, bool is_final) const {
+  const FocalSource source = set_.cameras[camera_idx].source;
+  if (source == FocalSource::kCalibration || num_images == 0 || is_held_[camera_idx]) {
+    return CameraFreedom::kFixed;
   }
-  return CameraFreedom::kFixed;
+  if (is_final && num_images >= kMinImagesToCalibrate) {
+    return CameraFreedom::kFocalAndDistortion;
+  }
+  return source == FocalSource::kGuess ? CameraFreedom::kFocal : CameraFreedom::kFixed;
 }
 
-AdjustReport Draft::AdjustAll() {
+bool Draft::HoldStrayCameras() {
+  bool has_strayed = false;
+  for (size_t i = 0; i < model_.cameras.size(); ++i) {
+    const MappingCamera& known = set_.cameras[i];
+    const double stray = std::abs(std::log(model_.cameras[i].focal_px() / known.camera.focal_px()));
+    if (known.source == FocalSource::kExif && stray > kMaxFocalSigmas * known.focal.log_sigma) {
+      model_.cameras[i] = known.camera;
+      is_held_[i] = 1;
+      has_strayed = true;
+    }
+  }
+  return has_strayed;
+}
+
+AdjustReport Draft::AdjustAll(bool is_final) {
   std::vector<int> num_images(model_.cameras.size(), 0);
   for (const ReconImage& image : model_.images) {
     ++num_images[image.camera_idx];
@@ -363,17 +299,19 @@ AdjustReport Draft::AdjustAll() {
   std::vector<CameraFreedom> freedom;
   AdjustPriors priors;
   for (size_t i = 0; i < model_.cameras.size(); ++i) {
-    freedom.push_back(num_images[i] > 0 ? FreedomOf(static_cast<int>(i), num_images[i])
-                                        : CameraFreedom::kFixed);
-    priors.focal_sigma_of_camera.push_back(set_.cameras[i].source == FocalSource::kCalibration
-                                               ? 0.0
-                                               : set_.cameras[i].focal.log_sigma);
+    const MappingCamera& known = set_.cameras[i];
+    freedom.push_back(FreedomOf(static_cast<int>(i), num_images[i], is_final));
+    priors.camera_means.push_back(known.camera);
+    priors.focal_sigma_of_camera.push_back(
+        known.source == FocalSource::kCalibration ? 0.0 : known.focal.log_sigma);
   }
   AdjustOptions options;
   options.num_threads = num_threads_;
-  options.min_ray_angle_rad = kMinRayAngleRad;
-  const AdjustReport report = Adjust(freedom, priors, options, model_);
+  AdjustReport report = Adjust(freedom, priors, options, model_);
   IndexLandmarks();
+  if (HoldStrayCameras()) {
+    return AdjustAll(is_final);
+  }
   Triangulate(photo_of_image_);
   return report;
 }

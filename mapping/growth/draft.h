@@ -55,8 +55,9 @@ class Draft {
   void Triangulate(std::span<const int> photos);
   // Adjusts the poses of these photos and the landmarks they see; the rest stays.
   void AdjustAround(std::span<const int> photos);
-  // Adjusts everything, cameras included, and triangulates what agrees only then.
-  AdjustReport AdjustAll();
+  // Adjusts everything and triangulates what agrees only then. Guessed focal lengths are always
+  // adjusted; those of EXIF, and distortions, only if `is_final` and enough photos have the camera.
+  AdjustReport AdjustAll(bool is_final = false);
 
   // The photos in the order of the set.
   Segment Finish() const;
@@ -66,7 +67,10 @@ class Draft {
   int TrackOf(const ReconLandmark& landmark) const;
   std::vector<int> TracksSeenBy(std::span<const int> photos) const;
   std::optional<ReconLandmark> MakeLandmark(int track) const;
-  CameraFreedom FreedomOf(int camera_idx, int num_images) const;
+  CameraFreedom FreedomOf(int camera_idx, int num_images, bool is_final) const;
+  // Puts cameras back to their EXIF that left it by far, and holds them there. True if there were
+  // any.
+  bool HoldStrayCameras();
   Reconstruction Surroundings(std::span<const int> photos, std::vector<int>* image_of_part,
                               std::vector<int>* landmark_of_part) const;
 
@@ -77,6 +81,7 @@ class Draft {
   std::vector<int> photo_of_image_;
   std::vector<int> image_of_photo_;     // -1: not in the draft.
   std::vector<int> landmark_of_track_;  // -1: none.
+  std::vector<uint8_t> is_held_;        // Of each camera.
 };
 
 }  // namespace cairn

@@ -306,8 +306,8 @@ class Grower {
       // After an adjustment that followed a round without a new photo, one more round is tried.
       is_final = added.empty();
     }
-    draft->AdjustAll();
-    draft->AdjustAll();
+    draft->AdjustAll(/*is_final=*/true);
+    draft->AdjustAll(/*is_final=*/true);
     RemoveWeak(draft, &refusals);
   }
 

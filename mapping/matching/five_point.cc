@@ -21,7 +21,8 @@ constexpr int kCubicOf[10][4] = {
     {0, 1, 4, 10}, {1, 2, 5, 11},    {2, 3, 6, 12},    {4, 5, 7, 13},    {5, 6, 8, 14},
     {7, 8, 9, 15}, {10, 11, 13, 16}, {11, 12, 14, 17}, {13, 14, 15, 18}, {16, 17, 18, 19}};
 
-Quadratic Times(const Linear& p, const Linear& q) {
+// Not inlined: thirty unrolled copies would take two minutes to compile.
+__attribute__((noinline)) Quadratic Times(const Linear& p, const Linear& q) {
   Quadratic product = Quadratic::Zero();
   for (int i = 0; i < 4; ++i) {
     for (int j = 0; j < 4; ++j) {
@@ -31,7 +32,7 @@ Quadratic Times(const Linear& p, const Linear& q) {
   return product;
 }
 
-Cubic Times(const Quadratic& p, const Linear& q) {
+__attribute__((noinline)) Cubic Times(const Quadratic& p, const Linear& q) {
   Cubic product = Cubic::Zero();
   for (int i = 0; i < 10; ++i) {
     for (int j = 0; j < 4; ++j) {
@@ -82,8 +83,10 @@ Eigen::Matrix<double, 9, 4> NullSpace(const std::array<Eigen::Vector3d, 5>& a,
       equations.block<3, 1>(3 * row, i) = b[i][row] * a[i];
     }
   }
-  const Eigen::HouseholderQR<Eigen::Matrix<double, 9, 5>> qr(equations);
-  const Eigen::Matrix<double, 9, 9> q = qr.householderQ();
+  // Sizes known only at run time: unrolled for 9 and 10, these decompositions take a minute to
+  // compile.
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr{Eigen::MatrixXd(equations)};
+  const Eigen::MatrixXd q = qr.householderQ();
   return q.rightCols<4>();
 }
 
@@ -97,20 +100,20 @@ int SolveFivePoint(const std::array<Eigen::Vector3d, 5>& a, const std::array<Eig
     e[i / 3][i % 3] = basis.row(i);
   }
   const Eigen::Matrix<double, 10, 20> constraints = Constraints(e);
-  const Eigen::PartialPivLU<Eigen::Matrix<double, 10, 10>> lu(constraints.leftCols<10>());
-  const Eigen::Matrix<double, 10, 10> reduced = lu.solve(constraints.rightCols<10>());
+  const Eigen::PartialPivLU<Eigen::MatrixXd> lu{Eigen::MatrixXd(constraints.leftCols<10>())};
+  const Eigen::MatrixXd reduced = lu.solve(Eigen::MatrixXd(constraints.rightCols<10>()));
   if (!reduced.allFinite()) {
     return 0;
   }
   // Row i: x times the i-th quadratic monomial.
-  Eigen::Matrix<double, 10, 10> action = Eigen::Matrix<double, 10, 10>::Zero();
+  Eigen::MatrixXd action = Eigen::MatrixXd::Zero(10, 10);
   constexpr int kCubicRows[6] = {0, 1, 2, 4, 5, 7};
   for (int i = 0; i < 6; ++i) {
     action.row(i) = -reduced.row(kCubicRows[i]);
   }
   action(6, 0) = action(7, 1) = action(8, 3) = action(9, 6) = 1.0;
 
-  const Eigen::EigenSolver<Eigen::Matrix<double, 10, 10>> solver(action);
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(action);
   if (solver.info() != Eigen::Success) {
     return 0;
   }

@@ -10,6 +10,8 @@
 #include <limits>
 #include <numeric>
 
+#include "core/angles.h"
+
 namespace cairn {
 namespace {
 
@@ -180,7 +182,9 @@ int RelativePoseProblem::SampleModels(Random* random, std::array<Model, kMaxMode
   std::array<int, 5> sample;
   for (int i = 0; i < 5; ++i) {
     do {
-      sample[i] = random->Index(static_cast<int>(matches_.size()));
+      // The square prefers the first matches: half of the draws are among the first quarter.
+      const double fraction = random->Fraction();
+      sample[i] = static_cast<int>(fraction * fraction * static_cast<double>(matches_.size()));
     } while (std::find(sample.begin(), sample.begin() + i, sample[i]) != sample.begin() + i);
   }
   std::array<Eigen::Vector3d, 5> a, b;
@@ -275,7 +279,7 @@ Rigid3d RelativePoseProblem::PoseOf(const Eigen::Matrix3d& essential,
   u.col(2) *= u.determinant() < 0.0 ? -1.0 : 1.0;
   v.col(2) *= v.determinant() < 0.0 ? -1.0 : 1.0;
   const Eigen::Matrix3d quarter =
-      Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+      Eigen::AngleAxisd(0.5 * kPi, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   Rigid3d best;
   int most_in_front = -1;
   for (const Eigen::Matrix3d& turn : {quarter, Eigen::Matrix3d(quarter.transpose())}) {

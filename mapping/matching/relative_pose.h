@@ -64,7 +64,8 @@ struct RotationFit {
 RotationFit FitRotation(std::span<const RayMatch> matches, std::span<const int> inliers,
                         const Eigen::Quaterniond& b_from_a);
 
-// See LoRansac for the contract of the methods. Keeps a reference to the matches. Not thread-safe.
+// See LoRansac for the contract of the methods. Samples prefer the first matches: those whose
+// descriptors are nearest should come first. Keeps a reference to the matches. Not thread-safe.
 class RelativePoseProblem {
  public:
   struct Model {

@@ -120,6 +120,8 @@ TwoView MakeTwoView(const PairRays& rays, const PairPose& found,
   for (const int i : found.inliers) {
     view.inliers.push_back(matches[rays.match_of_ray[i]]);
   }
+  std::sort(view.inliers.begin(), view.inliers.end(),
+            [](const FeatureMatch& p, const FeatureMatch& q) { return p.a_idx < q.a_idx; });
   return view;
 }
 
@@ -142,8 +144,11 @@ void TwoViewOptions::Validate() const {
 std::optional<TwoView> FindTwoView(const PhotoSet& set, int a, int b,
                                    const TwoViewOptions& options) {
   const MappingPhoto &photo_a = set.photos[a], &photo_b = set.photos[b];
-  const std::vector<FeatureMatch> matches =
+  std::vector<FeatureMatch> matches =
       MatchDescriptors(photo_a.descriptors, photo_b.descriptors, options.descriptors);
+  std::stable_sort(
+      matches.begin(), matches.end(),
+      [](const FeatureMatch& p, const FeatureMatch& q) { return p.distance < q.distance; });
   if (static_cast<int>(matches.size()) < options.min_inliers) {
     return std::nullopt;
   }

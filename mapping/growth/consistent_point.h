@@ -1,0 +1,32 @@
+// The point that the most views of a track agree on.
+#ifndef CAIRN_MAPPING_GROWTH_CONSISTENT_POINT_H_
+#define CAIRN_MAPPING_GROWTH_CONSISTENT_POINT_H_
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "ingest/sfm/triangulate.h"
+
+namespace cairn {
+
+// Smallest angle between two rays of a landmark, in standard deviations of the angle: its distance
+// is then known within a sixth. On a walk straight ahead, most of what the next photo sees is far
+// away; with a fixed angle of one degree, two thirds of Lund's photos found too few landmarks.
+inline constexpr double kMinRayAngleSigmas = 6.0;
+
+struct ConsistentPoint {
+  Eigen::Vector3d x_in_world;
+  std::vector<int> views;  // Those that agree, at least two, ascending.
+};
+
+// Triangulates a point from views of which some may be wrong: those agree whose reprojection error
+// is at most four standard deviations, as in the adjustment. Starts from the views that agree with
+// `guess`, if at least two do, else from all views, else from pairs of them, wide apart first.
+// Nothing if fewer than two views agree or their rays span less than kMinRayAngleSigmas.
+std::optional<ConsistentPoint> TriangulateConsistent(
+    const std::vector<PointView>& views, const std::optional<Eigen::Vector3d>& guess = {});
+
+}  // namespace cairn
+
+#endif  // CAIRN_MAPPING_GROWTH_CONSISTENT_POINT_H_
