@@ -2,12 +2,15 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "cli/codebook_hint.h"
 #include "cli/shell.h"
 #include "core/angles.h"
 #include "core/printable.h"
@@ -33,8 +36,24 @@ nlohmann::ordered_json BoundsJson(const MapInfo& info) {
           {"north", info.bounds->north_rad * kDegPerRad}};
 }
 
-// Whether the digest is that of the codebook that comes with Cairn.
-bool IsShipped(const std::string& codebook) { return codebook == DigestOf(*ShippedCodebook()); }
+// What is known of the codebook that codes new sessions.
+struct CodebookFacts {
+  std::string digest;
+  bool is_shipped = false;
+  std::optional<std::string> trained_on;  // The session, if known.
+  std::optional<std::string> hint;        // If another codebook would help.
+};
+
+nlohmann::ordered_json OrNull(const std::optional<std::string>& text) {
+  return text ? nlohmann::ordered_json(*text) : nlohmann::ordered_json(nullptr);
+}
+
+std::string OriginText(const CodebookFacts& codebook) {
+  return codebook.is_shipped ? " (shipped)"
+         : codebook.trained_on
+             ? fmt::format(" (trained on session {})", Excerpt(*codebook.trained_on))
+             : "";
+}
 
 nlohmann::ordered_json AccuracyJson(const std::optional<SessionAccuracy>& accuracy) {
   if (!accuracy) {
@@ -51,7 +70,7 @@ std::string AccuracyText(const std::optional<SessionAccuracy>& accuracy) {
                   : "";
 }
 
-void PrintJson(const MapInfo& info, const std::optional<std::string>& codebook,
+void PrintJson(const MapInfo& info, const std::optional<CodebookFacts>& codebook,
                const std::vector<SessionRecord>& sessions) {
   nlohmann::ordered_json json = {{"version", Value(info.version)},
                                  {"created", info.created_at},
@@ -65,8 +84,10 @@ void PrintJson(const MapInfo& info, const std::optional<std::string>& codebook,
                                  {"codebook", nullptr},
                                  {"sessions", nlohmann::ordered_json::array()}};
   if (codebook) {
-    json["codebook"] = *codebook;
-    json["codebookIsShipped"] = IsShipped(*codebook);
+    json["codebook"] = codebook->digest;
+    json["codebookIsShipped"] = codebook->is_shipped;
+    json["codebookTrainedOn"] = OrNull(codebook->trained_on);
+    json["codebookHint"] = OrNull(codebook->hint);
   }
   for (const SessionRecord& session : sessions) {
     json["sessions"].push_back({{"name", session.name},
@@ -81,7 +102,7 @@ void PrintJson(const MapInfo& info, const std::optional<std::string>& codebook,
   fmt::print("{}\n", json.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace));
 }
 
-void PrintText(const MapInfo& info, const std::optional<std::string>& codebook,
+void PrintText(const MapInfo& info, const std::optional<CodebookFacts>& codebook,
                const std::vector<SessionRecord>& sessions) {
   fmt::print("version      {}\n", Value(info.version));
   fmt::print("created      {}\n", Excerpt(info.created_at));
@@ -98,7 +119,10 @@ void PrintText(const MapInfo& info, const std::optional<std::string>& codebook,
                info.bounds->west_rad * kDegPerRad, info.bounds->east_rad * kDegPerRad);
   }
   if (codebook) {
-    fmt::print("codebook     {}{}\n", *codebook, IsShipped(*codebook) ? " (shipped)" : "");
+    fmt::print("codebook     {}{}\n", codebook->digest, OriginText(*codebook));
+    if (codebook->hint) {
+      fmt::print("hint         {}\n", *codebook->hint);
+    }
   }
   for (const SessionRecord& session : sessions) {
     fmt::print(
@@ -110,23 +134,36 @@ void PrintText(const MapInfo& info, const std::optional<std::string>& codebook,
   }
 }
 
-// Returns the digest of the current codebook, or nothing if the map has none.
-std::optional<std::string> CodebookDigest(const MapSnapshot& snapshot) {
+// Returns nothing if the map has no codebook.
+std::optional<CodebookFacts> FactsOfCodebook(const MapSnapshot& snapshot,
+                                             const std::vector<SessionRecord>& sessions,
+                                             const std::string& map_path) {
   const std::shared_ptr<const Codebook> codebook = snapshot.CurrentCodebook();
   if (codebook == nullptr) {
     return std::nullopt;
   }
-  return snapshot.CodebookDigest(codebook->id);
+  CodebookFacts facts;
+  facts.digest = snapshot.CodebookDigest(codebook->id);
+  facts.is_shipped = facts.digest == DigestOf(*ShippedCodebook());
+  facts.trained_on =
+      SessionThatTrained(snapshot.Versions(std::numeric_limits<int64_t>::max()), facts.is_shipped);
+  if (const SessionRecord* session =
+          SessionToTrainOn(sessions, facts.trained_on, facts.is_shipped)) {
+    facts.hint = RecodeHint(*session, map_path);
+  }
+  return facts;
 }
 
 ExitCode RunInfo(const InfoArguments& arguments) {
   const MapStore store = MapStore::Open(arguments.map_path, OpenMode::kReadOnly);
   const MapSnapshot snapshot = store.Snapshot();
-  const std::optional<std::string> codebook = CodebookDigest(snapshot);
+  const std::vector<SessionRecord> sessions = snapshot.Sessions();
+  const std::optional<CodebookFacts> codebook =
+      FactsOfCodebook(snapshot, sessions, arguments.map_path);
   if (arguments.json) {
-    PrintJson(snapshot.Info(), codebook, snapshot.Sessions());
+    PrintJson(snapshot.Info(), codebook, sessions);
   } else {
-    PrintText(snapshot.Info(), codebook, snapshot.Sessions());
+    PrintText(snapshot.Info(), codebook, sessions);
   }
   return ExitCode::kOk;
 }
