@@ -24,14 +24,14 @@ enum class CameraFreedom {
 };
 
 // A known position of an image's camera.
-struct PositionPrior {
+struct CenterPrior {
   Eigen::Vector3d center_in_world = Eigen::Vector3d::Zero();
   Eigen::Vector3d sigma_m = Eigen::Vector3d::Ones();  // Standard deviations along the world's axes.
 };
 
 // All optional. An empty vector stands for "none".
 struct AdjustPriors {
-  std::vector<std::optional<PositionPrior>> position_of_image;
+  std::vector<std::optional<CenterPrior>> position_of_image;
   // Relative standard deviation of the focal length; 0: no prior.
   std::vector<double> focal_sigma_of_camera;
   // The cameras about which the priors of focal length and distortion hold; those at the start if

@@ -193,8 +193,8 @@ TEST(Adjust, IsPlacedByItsPositions) {
   const Eigen::Vector3d shift(10.0, 20.0, -30.0);
   for (const ReconImage& image : model.images) {
     priors.position_of_image.push_back(
-        PositionPrior{1.1 * image.cam_from_world.Inverse().translation + shift + scene.Noise3(0.01),
-                      Eigen::Vector3d::Constant(0.01)});
+        CenterPrior{1.1 * image.cam_from_world.Inverse().translation + shift + scene.Noise3(0.01),
+                    Eigen::Vector3d::Constant(0.01)});
   }
   priors.position_of_image[3]->center_in_world.x() += 50.0;  // A receiver that was lost.
   priors.position_of_image[5] = std::nullopt;

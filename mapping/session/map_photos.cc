@@ -1,0 +1,330 @@
+#include "mapping/session/map_photos.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <span>
+#include <utility>
+
+#include "core/error.h"
+#include "mapping/session/photo_places.h"
+#include "mapping/session/stage_codec.h"
+#include "mapping/work/work_folder.h"
+
+namespace cairn {
+namespace {
+
+// Pairs whose two views are one file of the work folder: some seconds of work that a kill may cost.
+constexpr size_t kPairsPerFile = 256;
+
+double PeakMegabytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1e-3 * static_cast<double>(usage.ru_maxrss);
+}
+
+// Measures a stage and adds it to the report.
+class StageClock {
+ public:
+  StageClock(const char* name, std::vector<StageCost>* stages)
+      : name_(name), stages_(stages), start_(std::chrono::steady_clock::now()) {}
+
+  void End(bool from_work) {
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start_;
+    stages_->push_back({name_, taken.count(), PeakMegabytes(), from_work});
+  }
+
+ private:
+  const char* name_;
+  std::vector<StageCost>* stages_;
+  std::chrono::steady_clock::time_point start_;
+};
+
+// What results depend on beside the photos. The first number changes if a stage does.
+std::string KeyOf(const PhotoFolder& folder, const PhotoPlaces& places,
+                  const MappingOptions& options) {
+  std::string key = fmt::format("mapping 1 {}", folder.digest);
+  const PairOptions& p = options.pairs;
+  key += fmt::format(" pairs {} {} {} {} {} {}", p.max_partners, p.max_exhaustive, p.max_voters,
+                     p.neighbors_per_voter, p.max_distance_m, p.default_accuracy_m);
+  const TwoViewOptions& t = options.two_views;
+  key += fmt::format(" views {} {} {} {} {}", t.descriptors.max_ratio, t.descriptors.max_distance,
+                     t.min_inliers, t.max_iterations, t.seed);
+  const GrowthOptions& g = options.growth;
+  key += fmt::format(" growth {} {} {} {} {} {} {} {} {}", g.min_inliers, g.min_link_share,
+                     g.min_witnesses, g.max_rotation_error_rad, g.max_direction_error_rad,
+                     g.default_gps_accuracy_m, g.adjust_after_growth, g.min_photos, g.seed);
+  for (const auto& position : places.positions) {
+    key += position
+               ? fmt::format(" {} {} {} {}", position->position.lat_rad, position->position.lon_rad,
+                             position->position.h_m, position->accuracy_m)
+               : " -";
+  }
+  return key;
+}
+
+// The stages, with the work folder between them.
+class Mapper {
+ public:
+  Mapper(const MapPhotosInput& input, const MappingOptions& options,
+         const GeoregisterOptions& georegister, const MapProgress& progress)
+      : input_(input), options_(options), georegister_(georegister), progress_(progress) {
+    options_.pairs.num_threads = input.num_threads;
+    options_.two_views.num_threads = input.num_threads;
+    options_.growth.num_threads = input.num_threads;
+    options_.adjust.num_threads = input.num_threads;
+    if (!input.work_dir.empty()) {
+      work_ = std::make_unique<WorkFolder>(input.work_dir);
+    }
+  }
+
+  MappedPhotos Run() {
+    Read();
+    const Growth growth = Grow();
+    Place(growth);
+    return std::move(result_);
+  }
+
+ private:
+  void Report(const char* phase, int64_t done, int64_t total) const {
+    if (progress_) {
+      progress_(phase, done, total);
+    }
+  }
+  auto Reporter(const char* phase) const {
+    return [this, phase](int done, int total) { Report(phase, done, total); };
+  }
+
+  void Read();
+  std::vector<TwoView> Match();
+  std::vector<TwoView> MatchPart(std::span<const std::pair<int, int>> pairs, size_t first,
+                                 size_t total, bool* from_work);
+  Growth Grow();
+  void Place(const Growth& growth);
+  void Add(const PlacedSegment& placed);
+  void FillImages();
+  void ReportCameras();
+  void ReportLeftOut(const Growth& growth);
+
+  const MapPhotosInput& input_;
+  MappingOptions options_;
+  const GeoregisterOptions& georegister_;
+  const MapProgress& progress_;
+  std::unique_ptr<WorkFolder> work_;
+  PhotoFolder folder_;
+  PhotoPlaces places_;
+  std::string key_;
+  std::vector<int> photo_of_image_;  // Of the model.
+  MappedPhotos result_;
+};
+
+void Mapper::Read() {
+  StageClock clock("photos", &result_.stages);
+  folder_ = ReadPhotos(input_.paths,
+                       {.cameras = input_.cameras,
+                        .sift = options_.sift,
+                        .work = work_.get(),
+                        .num_threads = input_.num_threads},
+                       Reporter("photos"));
+  const int num_read = static_cast<int>(folder_.set.photos.size());
+  result_.num_photos = num_read + static_cast<int>(folder_.left_out.size());
+  result_.left_out = folder_.left_out;
+  result_.notes = folder_.notes;
+  if (num_read < options_.growth.min_photos) {
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("{} of {} photos can be read, and a map needs {} that show the same "
+                            "place from different places",
+                            num_read, result_.num_photos, options_.growth.min_photos));
+  }
+  places_ = FindPhotoPlaces(input_, &folder_, &result_.notes);
+  key_ = KeyOf(folder_, places_, options_);
+  clock.End(folder_.num_from_work == num_read);
+}
+
+std::vector<TwoView> Mapper::MatchPart(std::span<const std::pair<int, int>> pairs, size_t first,
+                                       size_t total, bool* from_work) {
+  const std::string name = fmt::format("views-{:05}", first / kPairsPerFile);
+  if (work_) {
+    if (const auto stored = work_->Load(name, key_)) {
+      return DecodeTwoViews(*stored, folder_.set, work_->PathOf(name));
+    }
+  }
+  *from_work = false;
+  std::vector<TwoView> views =
+      FindTwoViews(folder_.set, pairs, options_.two_views, [&](int done, int) {
+        Report("matching", static_cast<int64_t>(first) + done, static_cast<int64_t>(total));
+      });
+  if (work_) {
+    work_->Store(name, key_, EncodeTwoViews(views));
+  }
+  return views;
+}
+
+std::vector<TwoView> Mapper::Match() {
+  StageClock pairs_clock("pairs", &result_.stages);
+  const std::vector<std::pair<int, int>> pairs =
+      FindPairs(folder_.set, options_.pairs, Reporter("pairs"));
+  pairs_clock.End(false);
+  StageClock clock("matching", &result_.stages);
+  std::vector<TwoView> views;
+  bool from_work = work_ != nullptr;
+  for (size_t first = 0; first < pairs.size(); first += kPairsPerFile) {
+    const size_t count = std::min(kPairsPerFile, pairs.size() - first);
+    std::vector<TwoView> part =
+        MatchPart(std::span(pairs).subspan(first, count), first, pairs.size(), &from_work);
+    std::move(part.begin(), part.end(), std::back_inserter(views));
+  }
+  clock.End(from_work);
+  return views;
+}
+
+Growth Mapper::Grow() {
+  if (work_) {
+    StageClock clock("growth", &result_.stages);
+    if (const auto stored = work_->Load("segments", key_)) {
+      Growth growth = DecodeGrowth(*stored, folder_.set, work_->PathOf("segments"));
+      clock.End(true);
+      return growth;
+    }
+  }
+  const std::vector<TwoView> views = Match();
+  StageClock clock("growth", &result_.stages);
+  Growth growth = GrowSegments(folder_.set, views, options_.growth, Reporter("growth"));
+  if (work_) {
+    work_->Store("segments", key_, EncodeGrowth(growth));
+  }
+  clock.End(false);
+  return growth;
+}
+
+void Mapper::Place(const Growth& growth) {
+  if (growth.segments.empty()) {
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("no three of the {} photos show the same place from different places. "
+                            "Take a photo every two or three steps, not only turning on the spot",
+                            folder_.set.photos.size()));
+  }
+  StageClock clock("placement", &result_.stages);
+  result_.position_of_photo.resize(folder_.set.photos.size());
+  result_.center_of_photo.resize(folder_.set.photos.size());
+  for (size_t i = 0; i < growth.segments.size(); ++i) {
+    Report("placement", static_cast<int64_t>(i), static_cast<int64_t>(growth.segments.size()));
+    SegmentReport report;
+    report.num_photos = static_cast<int>(growth.segments[i].photo_of_image.size());
+    try {
+      const PlacedSegment placed =
+          PlaceSegment(folder_.set, places_, growth.segments[i], georegister_, options_.adjust);
+      report.georegistration = placed.georegistration;
+      report.adjustment = placed.adjustment;
+      Add(placed);
+    } catch (const Error& error) {
+      if (i == 0 || error.code() != ErrorCode::kBadInput) {
+        throw;
+      }
+      report.problem = error.what();
+      for (const int photo : growth.segments[i].photo_of_image) {
+        result_.left_out.push_back(
+            {folder_.set.photos[photo].name,
+             fmt::format("is in a part of {} photos that is not connected to the others and has "
+                         "no place of its own",
+                         report.num_photos)});
+      }
+    }
+    result_.segments.push_back(std::move(report));
+  }
+  Report("placement", static_cast<int64_t>(growth.segments.size()),
+         static_cast<int64_t>(growth.segments.size()));
+  ReportLeftOut(growth);
+  ReportCameras();
+  FillImages();
+  clock.End(false);
+}
+
+// Appends the segment to the model, in whose world it is moved.
+void Mapper::Add(const PlacedSegment& placed) {
+  Reconstruction& model = result_.model;
+  if (model.images.empty()) {
+    result_.ecef_from_world = placed.georegistration.ecef_from_world;
+    result_.georegistration = placed.georegistration;
+  }
+  const Sim3d world_from_segment =
+      Rigid3d(result_.ecef_from_world.rotation, result_.ecef_from_world.translation).Inverse() *
+      placed.georegistration.ecef_from_world;
+  const int first_camera = static_cast<int>(model.cameras.size());
+  const int first_image = static_cast<int>(model.images.size());
+  const Reconstruction& part = placed.segment.model;
+  model.cameras.insert(model.cameras.end(), part.cameras.begin(), part.cameras.end());
+  for (size_t i = 0; i < part.images.size(); ++i) {
+    ReconImage image = part.images[i];
+    image.camera_idx += first_camera;
+    image.cam_from_world = CamFromTarget(image.cam_from_world, world_from_segment);
+    const int photo = placed.segment.photo_of_image[i];
+    result_.center_of_photo[photo] = image.cam_from_world.Inverse().translation;
+    photo_of_image_.push_back(photo);
+    model.images.push_back(std::move(image));
+  }
+  for (ReconLandmark landmark : part.landmarks) {
+    landmark.x_in_world = world_from_segment * landmark.x_in_world;
+    for (ReconObservation& seen : landmark.observations) {
+      seen.image_idx += first_image;
+    }
+    model.landmarks.push_back(std::move(landmark));
+  }
+}
+
+// Gives the images of the model their descriptors, which the set then no longer has.
+void Mapper::FillImages() {
+  const Sim3d world_from_ecef = result_.ecef_from_world.Inverse();
+  for (size_t i = 0; i < folder_.set.photos.size(); ++i) {
+    if (const auto& position = places_.positions[i]) {
+      result_.position_of_photo[i] = world_from_ecef * EcefFromGeodetic(position->position);
+    }
+  }
+  for (size_t i = 0; i < result_.model.images.size(); ++i) {
+    MappingPhoto& photo = folder_.set.photos[photo_of_image_[i]];
+    result_.model.images[i].features.descriptors = photo.descriptors.cast<float>();
+    photo.descriptors.resize(0, photo.descriptors.cols());
+  }
+  result_.num_mapped = static_cast<int>(result_.model.images.size());
+  result_.model.Validate();
+}
+
+void Mapper::ReportCameras() {
+  const size_t num_cameras = folder_.set.cameras.size();
+  std::vector<int> num_photos(result_.model.cameras.size(), 0);
+  for (const ReconImage& image : result_.model.images) {
+    ++num_photos[image.camera_idx];
+  }
+  for (size_t i = 0; i < result_.model.cameras.size(); ++i) {
+    const MappingCamera& before = folder_.set.cameras[i % num_cameras];
+    if (num_photos[i] > 0) {
+      result_.cameras.push_back(
+          {result_.model.cameras[i], before.camera.focal_px(), before.source, num_photos[i]});
+    }
+  }
+}
+
+void Mapper::ReportLeftOut(const Growth& growth) {
+  for (size_t i = 0; i < growth.verdict_of_photo.size(); ++i) {
+    if (growth.verdict_of_photo[i] != PhotoVerdict::kInSegment) {
+      result_.left_out.push_back(
+          {folder_.set.photos[i].name, ExplainVerdict(growth.verdict_of_photo[i])});
+    }
+  }
+  std::sort(result_.left_out.begin(), result_.left_out.end(),
+            [](const LeftOutPhoto& a, const LeftOutPhoto& b) { return a.name < b.name; });
+}
+
+}  // namespace
+
+MappedPhotos MapPhotos(const MapPhotosInput& input, const MappingOptions& options,
+                       const GeoregisterOptions& georegister, const MapProgress& progress) {
+  options.Validate();
+  georegister.Validate();
+  return Mapper(input, options, georegister, progress).Run();
+}
+
+}  // namespace cairn

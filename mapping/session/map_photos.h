@@ -1,0 +1,104 @@
+// Folders of photos become a reconstruction on Earth: all of `cairn map` but the publication.
+#ifndef CAIRN_MAPPING_SESSION_MAP_PHOTOS_H_
+#define CAIRN_MAPPING_SESSION_MAP_PHOTOS_H_
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/geoid.h"
+#include "ingest/features/sift_extractor.h"
+#include "ingest/georegister/georegister.h"
+#include "mapping/adjust/adjust.h"
+#include "mapping/growth/grow_segments.h"
+#include "mapping/matching/two_view.h"
+#include "mapping/pairs/find_pairs.h"
+#include "mapping/photos/read_photos.h"
+#include "mapping/session/place_segment.h"
+
+namespace cairn {
+
+// The stages' own options. Their numbers of threads do not count.
+struct MappingOptions {
+  // As many features as COLMAP 3.8's models of facades_strecha have, with which the accuracy of
+  // this way is compared. The map keeps fewer.
+  SiftOptions sift = {.max_features = 4000};
+  PairOptions pairs;
+  TwoViewOptions two_views;
+  GrowthOptions growth;
+  AdjustOptions adjust;
+
+  // Throws Error(kInvalidArgument) naming the field.
+  void Validate() const;
+};
+
+struct MapPhotosInput {
+  std::vector<std::string> paths;  // Folders and files.
+  std::vector<Camera> cameras;     // Known intrinsics; see GroupCameras.
+  std::string positions_path;      // CSV as of ReadCameraPositions; empty: the photos' EXIF.
+  double gps_accuracy_m = 5.0;     // Of EXIF positions that state none: 68 % radius.
+  // Of the heights; unset: sea level for EXIF, the ellipsoid for a CSV.
+  std::optional<HeightReference> height;
+  std::optional<double> camera_height_m;  // Of positions without a height.
+  std::string work_dir;                   // Empty: nothing is kept.
+  int num_threads = 1;                    // The result does not depend on it.
+};
+
+struct StageCost {
+  std::string name;
+  double seconds = 0.0;
+  double peak_megabytes = 0.0;  // Of the process so far.
+  bool from_work = false;       // The work folder had the result, or all parts of it.
+};
+
+// A segment of the photos and what became of it.
+struct SegmentReport {
+  int num_photos = 0;
+  std::string problem;  // Why it is not in the model; empty if it is.
+  Georegistration georegistration;
+  AdjustReport adjustment;
+};
+
+// What was found out about a camera of the set.
+struct CameraReport {
+  Camera camera;  // As adjusted.
+  double focal_before_px = 0.0;
+  FocalSource source = FocalSource::kGuess;
+  int num_photos = 0;  // In the model.
+};
+
+struct MappedPhotos {
+  // All segments that have a place, in one frame: east-north-up at `ecef_from_world`'s origin.
+  Reconstruction model;
+  Sim3d ecef_from_world;
+  Georegistration georegistration;      // Of the largest segment.
+  std::vector<SegmentReport> segments;  // Largest first.
+  std::vector<CameraReport> cameras;
+  std::vector<LeftOutPhoto> left_out;
+  std::vector<std::string> notes;
+  std::vector<StageCost> stages;
+  int num_photos = 0;  // Files that were found.
+  int num_mapped = 0;  // Photos of the model.
+  // For pictures: where the positions are that were used, in the model's world, by photo of the
+  // set; and whether the photo is in the model.
+  std::vector<std::optional<Eigen::Vector3d>> position_of_photo;
+  std::vector<std::optional<Eigen::Vector3d>> center_of_photo;
+};
+
+// Receives the phase, the steps done and the total. One thread at a time.
+using MapProgress = std::function<void(const char* phase, int64_t done, int64_t total)>;
+
+// Reads photos, finds pairs, matches them, grows segments, places them on Earth. With a work
+// folder, a second run with the same input goes on where the first was killed, with the same
+// result. Throws Error(kBadInput), with what to do, if fewer than three photos can be read or have
+// a position, if no three photos show the same, or if the largest segment cannot be placed; what
+// ReadPhotos and WorkFolder throw.
+MappedPhotos MapPhotos(const MapPhotosInput& input, const MappingOptions& options,
+                       const GeoregisterOptions& georegister, const MapProgress& progress = {});
+
+}  // namespace cairn
+
+#endif  // CAIRN_MAPPING_SESSION_MAP_PHOTOS_H_

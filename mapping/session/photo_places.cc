@@ -1,0 +1,109 @@
+#include "mapping/session/photo_places.h"
+
+#include <fmt/format.h>
+
+#include <map>
+
+#include "core/error.h"
+#include "core/match_names.h"
+#include "core/printable.h"
+#include "ingest/georegister/position_checks.h"
+
+namespace cairn {
+namespace {
+
+constexpr size_t kMinPositions = 3;
+
+std::vector<CameraPosition> PositionsOfTable(const std::string& path, const PhotoSet& set) {
+  std::vector<CameraPosition> positions = ReadCameraPositions(path);
+  std::vector<std::string> wanted, known;
+  for (const CameraPosition& position : positions) {
+    wanted.push_back(position.image_name);
+  }
+  for (const MappingPhoto& photo : set.photos) {
+    known.push_back(photo.name);
+  }
+  const NameMatches matches = MatchNames(wanted, known);
+  std::vector<CameraPosition> named;
+  for (size_t i = 0; i < positions.size(); ++i) {
+    if (matches.known_of_wanted[i] >= 0) {
+      positions[i].image_name = known[matches.known_of_wanted[i]];
+      named.push_back(positions[i]);
+    }
+  }
+  if (named.empty()) {
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("{}: none of its names ({}) is that of a photo ({})", Printable(path),
+                            ExampleNames(wanted), ExampleNames(known)));
+  }
+  return named;
+}
+
+std::vector<CameraPosition> PositionsOfExif(const PhotoSet& set, double accuracy_m) {
+  std::vector<CameraPosition> positions;
+  for (const MappingPhoto& photo : set.photos) {
+    if (photo.gps) {
+      positions.push_back(
+          {photo.name, *photo.gps, photo.gps_accuracy_m.value_or(accuracy_m), true});
+    }
+  }
+  return positions;
+}
+
+void AddNotes(const PositionFindings& findings, size_t num_positions, size_t num_photos,
+              std::vector<std::string>* notes) {
+  if (num_positions < num_photos) {
+    notes->push_back(fmt::format("{} of {} photos have no position; the others place them",
+                                 num_photos - num_positions, num_photos));
+  }
+  if (findings.num_at_null_island > 0) {
+    notes->push_back(fmt::format("{} positions at 0, 0 are left out", findings.num_at_null_island));
+  }
+  if (findings.num_without_height > 0) {
+    notes->push_back(
+        fmt::format("{} positions have no height (0 stands for none); their heights do not count",
+                    findings.num_without_height));
+  }
+}
+
+}  // namespace
+
+PhotoPlaces FindPhotoPlaces(const MapPhotosInput& input, PhotoFolder* folder,
+                            std::vector<std::string>* notes) {
+  const bool has_table = !input.positions_path.empty();
+  PhotoSet& set = folder->set;
+  std::vector<CameraPosition> positions = has_table ? PositionsOfTable(input.positions_path, set)
+                                                    : PositionsOfExif(set, input.gps_accuracy_m);
+  if (positions.size() < kMinPositions) {
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("{} of {} photos have a position {}, so their place on Earth is "
+                            "unknown; give positions of three photos or more: --gps CSV",
+                            positions.size(), set.photos.size(),
+                            has_table ? "in the table" : "in their EXIF"));
+  }
+  const PositionFindings findings = CheckPositions(input.camera_height_m, &positions);
+  AddNotes(findings, positions.size(), set.photos.size(), notes);
+  MakeHeightsEllipsoidal(input.height.value_or(has_table ? HeightReference::kEllipsoid
+                                                         : HeightReference::kMeanSeaLevel),
+                         &positions);
+  std::map<std::string, CameraPosition> position_of_name;
+  for (const CameraPosition& position : positions) {
+    position_of_name.emplace(position.image_name, position);
+  }
+  PhotoPlaces places;
+  places.orientations = folder->orientation_of_photo;
+  for (MappingPhoto& photo : set.photos) {
+    const auto found = position_of_name.find(photo.name);
+    photo.gps.reset();
+    photo.gps_accuracy_m.reset();
+    places.positions.emplace_back();
+    if (found != position_of_name.end()) {
+      places.positions.back() = found->second;
+      photo.gps = found->second.position;
+      photo.gps_accuracy_m = found->second.accuracy_m;
+    }
+  }
+  return places;
+}
+
+}  // namespace cairn

@@ -1,0 +1,21 @@
+// Where the photos of a set were taken, by their EXIF or by a table.
+#ifndef CAIRN_MAPPING_SESSION_PHOTO_PLACES_H_
+#define CAIRN_MAPPING_SESSION_PHOTO_PLACES_H_
+
+#include <string>
+#include <vector>
+
+#include "mapping/photos/read_photos.h"
+#include "mapping/session/map_photos.h"
+
+namespace cairn {
+
+// Positions of a table replace those of the set, too, for the stages that compare distances. Adds
+// sentences to `notes`. Throws Error(kBadInput), with what to do, if fewer than three photos have a
+// position, and as ReadCameraPositions and CheckPositions do.
+PhotoPlaces FindPhotoPlaces(const MapPhotosInput& input, PhotoFolder* folder,
+                            std::vector<std::string>* notes);
+
+}  // namespace cairn
+
+#endif  // CAIRN_MAPPING_SESSION_PHOTO_PLACES_H_

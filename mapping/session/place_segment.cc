@@ -1,0 +1,111 @@
+#include "mapping/session/place_segment.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "core/error.h"
+#include "core/radius68.h"
+
+namespace cairn {
+namespace {
+
+constexpr int kMinPlaced = 3;
+// A position that says nothing about its height.
+constexpr double kUnknownHeightSigmaM = 1e6;
+
+std::vector<CameraPosition> PositionsOf(const PhotoPlaces& places, const Segment& segment) {
+  std::vector<CameraPosition> positions;
+  for (const int photo : segment.photo_of_image) {
+    if (places.positions[photo]) {
+      positions.push_back(*places.positions[photo]);
+    }
+  }
+  return positions;
+}
+
+Georegistration Register(const PhotoPlaces& places, const Segment& segment,
+                         const GeoregisterOptions& options) {
+  const std::vector<CameraPosition> positions = PositionsOf(places, segment);
+  if (static_cast<int>(positions.size()) < kMinPlaced) {
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("{} of its {} photos have a position on Earth, and {} are needed",
+                            positions.size(), segment.photo_of_image.size(), kMinPlaced));
+  }
+  ImageOrientations orientations;
+  for (const int photo : segment.photo_of_image) {
+    orientations.push_back(places.orientations[photo]);
+  }
+  return Georegister(segment.model, positions, options, orientations);
+}
+
+void Move(const Sim3d& target_from_world, Reconstruction* model) {
+  for (ReconImage& image : model->images) {
+    image.cam_from_world = CamFromTarget(image.cam_from_world, target_from_world);
+  }
+  for (ReconLandmark& landmark : model->landmarks) {
+    landmark.x_in_world = target_from_world * landmark.x_in_world;
+  }
+}
+
+// The middle of the cameras.
+Geodetic OriginOf(const Reconstruction& model, const Sim3d& ecef_from_world) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const ReconImage& image : model.images) {
+    sum += image.cam_from_world.Inverse().translation;
+  }
+  return GeodeticFromEcef(ecef_from_world * (sum / static_cast<double>(model.images.size())));
+}
+
+AdjustPriors PriorsOf(const PhotoSet& set, const PhotoPlaces& places, const Segment& segment,
+                      const Rigid3d& enu_from_ecef) {
+  AdjustPriors priors;
+  for (const int photo : segment.photo_of_image) {
+    std::optional<CenterPrior> prior;
+    if (const auto& position = places.positions[photo]) {
+      const double sigma_m = position->accuracy_m / kRadius68PerSigma2d;
+      prior = CenterPrior{
+          enu_from_ecef * EcefFromGeodetic(position->position),
+          {sigma_m, sigma_m, position->has_height ? position->accuracy_m : kUnknownHeightSigmaM}};
+    }
+    priors.position_of_image.push_back(prior);
+  }
+  for (const MappingCamera& camera : set.cameras) {
+    const bool is_known = camera.source == FocalSource::kCalibration;
+    priors.focal_sigma_of_camera.push_back(is_known ? 0.0 : camera.focal.log_sigma);
+    priors.camera_means.push_back(camera.camera);
+  }
+  return priors;
+}
+
+}  // namespace
+
+CameraFreedom FreedomOf(const MappingCamera& camera) {
+  return camera.source == FocalSource::kCalibration ? CameraFreedom::kFixed
+                                                    : CameraFreedom::kFocalAndDistortion;
+}
+
+PlacedSegment PlaceSegment(const PhotoSet& set, const PhotoPlaces& places, Segment segment,
+                           const GeoregisterOptions& options, const AdjustOptions& adjust) {
+  PlacedSegment placed;
+  const Sim3d ecef_from_world = Register(places, segment, options).ecef_from_world;
+  placed.origin = OriginOf(segment.model, ecef_from_world);
+  const Rigid3d enu_from_ecef = EcefFromEnu(placed.origin).Inverse();
+  Move(enu_from_ecef * ecef_from_world, &segment.model);
+  std::vector<CameraFreedom> freedom;
+  for (const MappingCamera& camera : set.cameras) {
+    freedom.push_back(FreedomOf(camera));
+  }
+  placed.adjustment =
+      Adjust(freedom, PriorsOf(set, places, segment, enu_from_ecef), adjust, segment.model);
+  // The adjustment may turn a straight walk about itself, which its positions do not tell; the
+  // cameras do.
+  placed.georegistration = Register(places, segment, options);
+  Move(enu_from_ecef * placed.georegistration.ecef_from_world, &segment.model);
+  const Rigid3d ecef_from_enu = EcefFromEnu(placed.origin);
+  placed.georegistration.ecef_from_world = {1.0, ecef_from_enu.rotation, ecef_from_enu.translation};
+  placed.segment = std::move(segment);
+  return placed;
+}
+
+}  // namespace cairn

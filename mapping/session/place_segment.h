@@ -1,0 +1,38 @@
+// Places a segment on Earth and adjusts it once more with the positions of its photos.
+#ifndef CAIRN_MAPPING_SESSION_PLACE_SEGMENT_H_
+#define CAIRN_MAPPING_SESSION_PLACE_SEGMENT_H_
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "ingest/georegister/georegister.h"
+#include "mapping/adjust/adjust.h"
+#include "mapping/photo_set.h"
+#include "mapping/segment.h"
+
+namespace cairn {
+
+// What is known of the photos of a set beside their content; a member for each photo.
+struct PhotoPlaces {
+  std::vector<std::optional<CameraPosition>> positions;  // Heights above the ellipsoid.
+  ImageOrientations orientations;
+};
+
+struct PlacedSegment {
+  Segment segment;  // World is east-north-up at `origin`, meters.
+  Geodetic origin;
+  Georegistration georegistration;  // Its ecef_from_world is of the new world.
+  AdjustReport adjustment;
+};
+
+// How much a camera of the set may change in an adjustment, and the prior of its focal length.
+CameraFreedom FreedomOf(const MappingCamera& camera);
+
+// Throws Error(kBadInput) as Georegister does, and if fewer than three photos have a position.
+PlacedSegment PlaceSegment(const PhotoSet& set, const PhotoPlaces& places, Segment segment,
+                           const GeoregisterOptions& options, const AdjustOptions& adjust);
+
+}  // namespace cairn
+
+#endif  // CAIRN_MAPPING_SESSION_PLACE_SEGMENT_H_

@@ -1,0 +1,217 @@
+#include "mapping/session/stage_codec.h"
+
+#include <array>
+#include <utility>
+
+#include "core/error.h"
+#include "storage/bytes/byte_io.h"
+
+namespace cairn {
+namespace {
+
+[[noreturn]] void ThrowDamaged(const std::string& what) {
+  throw Error(ErrorCode::kMapDamaged, what + ": does not fit the photos; remove the file");
+}
+
+void PutPose(const Rigid3d& pose, ByteWriter* writer) {
+  const Eigen::Quaterniond& q = pose.rotation;
+  const Eigen::Vector3d& t = pose.translation;
+  writer->PutArray(
+      std::span<const double>(std::array{q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()}));
+}
+
+// Without the constructor of Rigid3d, which normalizes and so may change the last bit.
+Rigid3d GetPose(ByteReader* reader) {
+  std::array<double, 7> numbers;
+  reader->GetArray(std::span<double>(numbers));
+  Rigid3d pose;
+  pose.rotation = Eigen::Quaterniond(numbers[0], numbers[1], numbers[2], numbers[3]);
+  pose.translation = {numbers[4], numbers[5], numbers[6]};
+  return pose;
+}
+
+int GetIndex(ByteReader* reader, size_t size, const std::string& what) {
+  const uint32_t index = reader->Get<uint32_t>();
+  if (index >= size) {
+    ThrowDamaged(what);
+  }
+  return static_cast<int>(index);
+}
+
+void PutIndex(int index, ByteWriter* writer) {
+  writer->Put<uint32_t>(static_cast<uint32_t>(index));
+}
+
+TwoView GetTwoView(const PhotoSet& set, ByteReader* reader, const std::string& what) {
+  TwoView view;
+  view.a = GetIndex(reader, set.photos.size(), what);
+  view.b = GetIndex(reader, set.photos.size(), what);
+  view.kind = reader->Get<uint8_t>() == 0 ? TwoViewKind::kGeneral : TwoViewKind::kRotationOnly;
+  view.b_from_a = GetPose(reader);
+  view.parallax_rad = reader->Get<double>();
+  view.rotation_sigma_rad = reader->Get<double>();
+  view.direction_sigma_rad = reader->Get<double>();
+  view.focal_factor_a = reader->Get<double>();
+  view.focal_factor_b = reader->Get<double>();
+  const uint32_t count = reader->Get<uint32_t>();
+  for (uint32_t i = 0; i < count; ++i) {
+    FeatureMatch match;
+    match.a_idx = GetIndex(reader, set.photos[view.a].keypoints.size(), what);
+    match.b_idx = GetIndex(reader, set.photos[view.b].keypoints.size(), what);
+    match.distance = reader->Get<float>();
+    view.inliers.push_back(match);
+  }
+  return view;
+}
+
+void PutCamera(const Camera& camera, ByteWriter* writer) {
+  writer->Put<uint8_t>(static_cast<uint8_t>(camera.model()));
+  PutIndex(camera.width_px(), writer);
+  PutIndex(camera.height_px(), writer);
+  writer->PutArray(std::span<const double>(camera.params()));
+}
+
+Camera GetCamera(ByteReader* reader) {
+  const CameraModel model = CameraModelFromColmapId(reader->Get<uint8_t>());
+  const uint32_t width_px = reader->Get<uint32_t>(), height_px = reader->Get<uint32_t>();
+  return Camera(model, static_cast<int>(width_px), static_cast<int>(height_px),
+                reader->GetVector<double>(static_cast<size_t>(NumCameraParams(model))));
+}
+
+void PutSegment(const Segment& segment, ByteWriter* writer) {
+  const Reconstruction& model = segment.model;
+  PutIndex(static_cast<int>(model.cameras.size()), writer);
+  for (const Camera& camera : model.cameras) {
+    PutCamera(camera, writer);
+  }
+  PutIndex(static_cast<int>(model.images.size()), writer);
+  for (size_t i = 0; i < model.images.size(); ++i) {
+    PutIndex(segment.photo_of_image[i], writer);
+    PutIndex(model.images[i].camera_idx, writer);
+    PutPose(model.images[i].cam_from_world, writer);
+  }
+  PutIndex(static_cast<int>(model.landmarks.size()), writer);
+  for (const ReconLandmark& landmark : model.landmarks) {
+    writer->PutArray(std::span<const double>(landmark.x_in_world.data(), 3));
+    PutIndex(static_cast<int>(landmark.observations.size()), writer);
+    for (const ReconObservation& seen : landmark.observations) {
+      PutIndex(seen.image_idx, writer);
+      PutIndex(seen.keypoint_idx, writer);
+    }
+  }
+}
+
+ReconImage ImageOf(const MappingPhoto& photo) {
+  ReconImage image;
+  image.name = photo.name;
+  image.features.keypoints = photo.keypoints;
+  image.features.descriptors.resize(static_cast<Eigen::Index>(photo.keypoints.size()), 0);
+  image.gps = photo.gps;
+  image.gps_accuracy_m = photo.gps_accuracy_m;
+  return image;
+}
+
+Segment GetSegment(const PhotoSet& set, ByteReader* reader, const std::string& what) {
+  Segment segment;
+  Reconstruction& model = segment.model;
+  const uint32_t num_cameras = reader->Get<uint32_t>();
+  for (uint32_t i = 0; i < num_cameras; ++i) {
+    model.cameras.push_back(GetCamera(reader));
+  }
+  const uint32_t num_images = reader->Get<uint32_t>();
+  for (uint32_t i = 0; i < num_images; ++i) {
+    const int photo = GetIndex(reader, set.photos.size(), what);
+    ReconImage image = ImageOf(set.photos[photo]);
+    image.camera_idx = GetIndex(reader, model.cameras.size(), what);
+    image.cam_from_world = GetPose(reader);
+    segment.photo_of_image.push_back(photo);
+    model.images.push_back(std::move(image));
+  }
+  const uint32_t num_landmarks = reader->Get<uint32_t>();
+  for (uint32_t i = 0; i < num_landmarks; ++i) {
+    ReconLandmark landmark;
+    reader->GetArray(std::span<double>(landmark.x_in_world.data(), 3));
+    const uint32_t count = reader->Get<uint32_t>();
+    for (uint32_t j = 0; j < count; ++j) {
+      ReconObservation seen;
+      seen.image_idx = GetIndex(reader, model.images.size(), what);
+      seen.keypoint_idx =
+          GetIndex(reader, model.images[seen.image_idx].features.keypoints.size(), what);
+      landmark.observations.push_back(seen);
+    }
+    model.landmarks.push_back(std::move(landmark));
+  }
+  return segment;
+}
+
+}  // namespace
+
+std::vector<uint8_t> EncodeTwoViews(std::span<const TwoView> views) {
+  std::vector<uint8_t> bytes;
+  ByteWriter writer(&bytes);
+  PutIndex(static_cast<int>(views.size()), &writer);
+  for (const TwoView& view : views) {
+    PutIndex(view.a, &writer);
+    PutIndex(view.b, &writer);
+    writer.Put<uint8_t>(view.kind == TwoViewKind::kGeneral ? 0 : 1);
+    PutPose(view.b_from_a, &writer);
+    for (const double value : {view.parallax_rad, view.rotation_sigma_rad, view.direction_sigma_rad,
+                               view.focal_factor_a, view.focal_factor_b}) {
+      writer.Put<double>(value);
+    }
+    PutIndex(static_cast<int>(view.inliers.size()), &writer);
+    for (const FeatureMatch& match : view.inliers) {
+      PutIndex(match.a_idx, &writer);
+      PutIndex(match.b_idx, &writer);
+      writer.Put<float>(match.distance);
+    }
+  }
+  return bytes;
+}
+
+std::vector<TwoView> DecodeTwoViews(std::span<const uint8_t> bytes, const PhotoSet& set,
+                                    const std::string& what) {
+  ByteReader reader(bytes, what);
+  const uint32_t count = reader.Get<uint32_t>();
+  std::vector<TwoView> views;
+  for (uint32_t i = 0; i < count; ++i) {
+    views.push_back(GetTwoView(set, &reader, what));
+  }
+  return views;
+}
+
+std::vector<uint8_t> EncodeGrowth(const Growth& growth) {
+  std::vector<uint8_t> bytes;
+  ByteWriter writer(&bytes);
+  PutIndex(static_cast<int>(growth.verdict_of_photo.size()), &writer);
+  for (const PhotoVerdict verdict : growth.verdict_of_photo) {
+    writer.Put<uint8_t>(static_cast<uint8_t>(verdict));
+  }
+  PutIndex(static_cast<int>(growth.segments.size()), &writer);
+  for (const Segment& segment : growth.segments) {
+    PutSegment(segment, &writer);
+  }
+  return bytes;
+}
+
+Growth DecodeGrowth(std::span<const uint8_t> bytes, const PhotoSet& set, const std::string& what) {
+  ByteReader reader(bytes, what);
+  if (reader.Get<uint32_t>() != set.photos.size()) {
+    ThrowDamaged(what);
+  }
+  Growth growth;
+  for (size_t i = 0; i < set.photos.size(); ++i) {
+    const uint8_t verdict = reader.Get<uint8_t>();
+    if (verdict > static_cast<uint8_t>(PhotoVerdict::kLostSupport)) {
+      ThrowDamaged(what);
+    }
+    growth.verdict_of_photo.push_back(static_cast<PhotoVerdict>(verdict));
+  }
+  const uint32_t num_segments = reader.Get<uint32_t>();
+  for (uint32_t i = 0; i < num_segments; ++i) {
+    growth.segments.push_back(GetSegment(set, &reader, what));
+  }
+  return growth;
+}
+
+}  // namespace cairn

@@ -1,0 +1,28 @@
+// The results of stages as bytes of the work folder: docs/formats/mapping_work_v1.md.
+#ifndef CAIRN_MAPPING_SESSION_STAGE_CODEC_H_
+#define CAIRN_MAPPING_SESSION_STAGE_CODEC_H_
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mapping/growth/grow_segments.h"
+#include "mapping/matching/two_view.h"
+#include "mapping/photo_set.h"
+
+namespace cairn {
+
+std::vector<uint8_t> EncodeTwoViews(std::span<const TwoView> views);
+// The decoders throw Error(kMapDamaged), beginning with `what`, if the bytes end too early or name
+// what the set does not have.
+std::vector<TwoView> DecodeTwoViews(std::span<const uint8_t> bytes, const PhotoSet& set,
+                                    const std::string& what);
+
+// Keypoints are those of the set, which the bytes do not repeat.
+std::vector<uint8_t> EncodeGrowth(const Growth& growth);
+Growth DecodeGrowth(std::span<const uint8_t> bytes, const PhotoSet& set, const std::string& what);
+
+}  // namespace cairn
+
+#endif  // CAIRN_MAPPING_SESSION_STAGE_CODEC_H_
