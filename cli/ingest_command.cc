@@ -3,13 +3,13 @@
 #include <memory>
 #include <string>
 
+#include "cli/ingest_placed.h"
 #include "cli/ingest_summary.h"
 #include "cli/session_archive.h"
 #include "cli/session_arguments.h"
 #include "cli/session_replacement.h"
 #include "cli/shell.h"
 #include "core/parallel_for.h"
-#include "ingest/ingest_session.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {
@@ -20,45 +20,18 @@ struct IngestArguments {
   std::string archive_path;  // Empty: no archive.
 };
 
-// Returns null without --archive.
-std::unique_ptr<SessionArchive> OpenArchive(const IngestArguments& arguments,
-                                            const MapStore& store) {
-  return arguments.archive_path.empty()
-             ? nullptr
-             : std::make_unique<SessionArchive>(arguments.archive_path,
-                                                SessionNameOf(arguments.session), store);
-}
-
-// Ingests the session and, unless `archive` is null, archives it.
-IngestReport Ingest(const PlacedReconstruction& session, CairnOptions options,
-                    SessionArchive* archive, Progress* progress, MapStore* store) {
-  options.ingest = session.options;
-  const Sim3d& ecef_from_world = session.georegistration.ecef_from_world;
-  const IngestReport report = IngestSession(
-      session.reconstruction, ecef_from_world, options.ingest, store,
-      [&](const char* phase, int64_t done, int64_t total) { progress->Update(phase, done, total); },
-      [&](const PlannedSession& planned) {
-        if (archive != nullptr) {
-          archive->Stage(planned, ecef_from_world, options);
-        }
-      });
-  if (archive != nullptr) {
-    archive->Commit();
-  }
-  return report;
-}
-
 ExitCode RunIngest(const IngestArguments& arguments, ProgressMode progress_mode) {
   RequirePositions(arguments.session);
   // Open the map and the archive first, so that an unwritable one fails before the long read.
   MapStore store = MapStore::Open(arguments.session.map_path, OpenMode::kReadWrite);
-  const std::unique_ptr<SessionArchive> archive = OpenArchive(arguments, store);
+  const std::unique_ptr<SessionArchive> archive =
+      OpenSessionArchive(arguments.archive_path, SessionNameOf(arguments.session), store);
   const PlacedReconstruction session = ReadSession(arguments.session);
   CheckReplacement(store.Snapshot(), session, HasSessionName(arguments.session));
   IngestReport report;
   {
     Progress progress(progress_mode);
-    report = Ingest(session, arguments.session.options, archive.get(), &progress, &store);
+    report = IngestPlaced(session, arguments.session.options, archive.get(), &progress, &store);
   }
   const auto print = arguments.session.json ? PrintIngestJson : PrintIngestText;
   print(session.options.session_name, session.georegistration, report);

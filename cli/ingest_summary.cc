@@ -77,24 +77,30 @@ void PrintJson(const nlohmann::ordered_json& json) {
   fmt::print("{}\n", json.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace));
 }
 
+nlohmann::ordered_json IngestJson(const std::string& session_name,
+                                  const Georegistration& georegistration,
+                                  const IngestReport& report) {
+  return {{"session", session_name},
+          {"replacedSession", report.replaced_session},
+          {"unchanged", report.is_unchanged},
+          {"georegistration", GeoregistrationJson(georegistration)},
+          {"codebook", CodebookName(report.codebook_origin)},
+          {"comparison", ComparisonJson(report.comparison)},
+          {"images", report.num_images},
+          {"landmarksRead", report.num_landmarks_read},
+          {"landmarksDropped", report.num_landmarks_dropped},
+          {"changes", ChangesJson(report.changes)},
+          {"keyframeAnswers", AnswersJson(report.keyframe_answers)},
+          {"tiles", report.num_tiles_written},
+          {"landmarks", report.num_landmarks_written},
+          {"descriptors", report.num_descriptors_written},
+          {"payloadBytes", report.num_payload_bytes},
+          {"mapVersion", Value(report.map_version)}};
+}
+
 void PrintIngestJson(const std::string& session_name, const Georegistration& georegistration,
                      const IngestReport& report) {
-  PrintJson({{"session", session_name},
-             {"replacedSession", report.replaced_session},
-             {"unchanged", report.is_unchanged},
-             {"georegistration", GeoregistrationJson(georegistration)},
-             {"codebook", CodebookName(report.codebook_origin)},
-             {"comparison", ComparisonJson(report.comparison)},
-             {"images", report.num_images},
-             {"landmarksRead", report.num_landmarks_read},
-             {"landmarksDropped", report.num_landmarks_dropped},
-             {"changes", ChangesJson(report.changes)},
-             {"keyframeAnswers", AnswersJson(report.keyframe_answers)},
-             {"tiles", report.num_tiles_written},
-             {"landmarks", report.num_landmarks_written},
-             {"descriptors", report.num_descriptors_written},
-             {"payloadBytes", report.num_payload_bytes},
-             {"mapVersion", Value(report.map_version)}});
+  PrintJson(IngestJson(session_name, georegistration, report));
 }
 
 void PrintGeoregistration(const Georegistration& georegistration) {

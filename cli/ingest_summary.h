@@ -17,6 +17,10 @@ void PrintIngestJson(const std::string& session_name, const Georegistration& geo
 void PrintIngestText(const std::string& session_name, const Georegistration& georegistration,
                      const IngestReport& report);
 
+nlohmann::ordered_json IngestJson(const std::string& session_name,
+                                  const Georegistration& georegistration,
+                                  const IngestReport& report);
+
 // The parts that `cairn plan` prints, too.
 nlohmann::ordered_json GeoregistrationJson(const Georegistration& georegistration);
 void PrintJson(const nlohmann::ordered_json& json);

@@ -7,6 +7,7 @@ namespace {
 
 void AddVerbs(CLI::App* app, Shell* shell) {
   AddInitCommand(app, shell);
+  AddMapCommand(app, shell);
   AddIngestCommand(app, shell);
   AddPlanCommand(app, shell);
   AddBuildTilesCommand(app, shell);

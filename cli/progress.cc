@@ -42,6 +42,8 @@ void Progress::Update(const std::string& phase, int64_t done, int64_t total) {
     EndLine();
     phase_ = phase;
     phase_complete_ = false;
+    phase_start_ = std::chrono::steady_clock::now();
+    phase_start_done_ = done;
   }
   const auto now = std::chrono::steady_clock::now();
   if (new_phase || complete || now - last_output_ >= MinInterval(mode_)) {
@@ -54,16 +56,29 @@ void Progress::Update(const std::string& phase, int64_t done, int64_t total) {
   }
 }
 
+std::string Progress::TimeLeft(int64_t done, int64_t total) const {
+  constexpr double kLeastSeconds = 10.0;
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - phase_start_;
+  if (done <= phase_start_done_ || done >= total || taken.count() < kLeastSeconds) {
+    return "";
+  }
+  const double left_s = taken.count() * static_cast<double>(total - done) /
+                        static_cast<double>(done - phase_start_done_);
+  return left_s < 100.0 ? fmt::format(", {:.0f} s left", left_s)
+                        : fmt::format(", {:.0f} min left", left_s / 60.0);
+}
+
 void Progress::Write(int64_t done, int64_t total) {
   switch (mode_) {
     case ProgressMode::kAuto:
     case ProgressMode::kBar:
-      fmt::print(stderr, "\r\033[K{:<14} [{}] {}/{}", phase_, Bar(done, total), done, total);
+      fmt::print(stderr, "\r\033[K{:<14} [{}] {}/{}{}", phase_, Bar(done, total), done, total,
+                 TimeLeft(done, total));
       std::fflush(stderr);
       line_open_ = true;
       break;
     case ProgressMode::kPlain:
-      fmt::print(stderr, "{}: {}/{}\n", phase_, done, total);
+      fmt::print(stderr, "{}: {}/{}{}\n", phase_, done, total, TimeLeft(done, total));
       break;
     case ProgressMode::kJson: {
       const nlohmann::ordered_json line = {{"phase", phase_}, {"done", done}, {"total", total}};

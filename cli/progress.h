@@ -10,8 +10,8 @@ namespace cairn {
 
 enum class ProgressMode {
   kAuto,   // A bar if stderr is a terminal, else plain lines.
-  kBar,    // One line, redrawn in place.
-  kPlain,  // Lines at the start and end of each phase and every ten seconds in between.
+  kBar,    // One line, redrawn in place, with the time left once ten seconds tell it.
+  kPlain,  // Lines at the start and end of each phase and every ten seconds in between, likewise.
   kJson,   // One JSON object per line: {"phase": "tiles", "done": 3, "total": 12}.
 };
 
@@ -29,6 +29,8 @@ class Progress {
 
  private:
   void Write(int64_t done, int64_t total);
+  // E.g. ", 40 s left"; empty while it is not known.
+  std::string TimeLeft(int64_t done, int64_t total) const;
   void EndLine();
 
   ProgressMode mode_;
@@ -36,6 +38,8 @@ class Progress {
   bool line_open_ = false;
   bool phase_complete_ = false;
   std::chrono::steady_clock::time_point last_output_;
+  std::chrono::steady_clock::time_point phase_start_;
+  int64_t phase_start_done_ = 0;  // Steps that were done when the phase began.
 };
 
 }  // namespace cairn

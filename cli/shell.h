@@ -22,6 +22,7 @@ struct Shell {
 // Each function adds its verb to `app`. If the command line selects the verb, `shell->run` becomes
 // its action.
 void AddInitCommand(CLI::App* app, Shell* shell);
+void AddMapCommand(CLI::App* app, Shell* shell);
 void AddIngestCommand(CLI::App* app, Shell* shell);
 void AddPlanCommand(CLI::App* app, Shell* shell);
 void AddBuildTilesCommand(CLI::App* app, Shell* shell);

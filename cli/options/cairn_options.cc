@@ -3,13 +3,6 @@
 namespace cairn {
 namespace {
 
-void DescribeSift(SiftOptions* options, OptionList* list) {
-  list->Add("max_features", &options->max_features,
-            "Most features of a photo; those of the largest scales are kept");
-  list->Add("max_pixels", &options->max_pixels,
-            "A photo with more pixels is reduced to so many before extraction");
-}
-
 void DescribeServer(ServerOptions* options, OptionList* list) {
   list->Add("num_threads", &options->num_threads,
             "Requests answered at once; 0 is 64, or four times the cores if that is more");
@@ -60,6 +53,13 @@ void DescribeNoise(PriorNoiseOptions* options, OptionList* list) {
 
 }  // namespace
 
+void DescribeSift(SiftOptions* options, OptionList* list) {
+  list->Add("max_features", &options->max_features,
+            "Most features of a photo; those of the largest scales are kept");
+  list->Add("max_pixels", &options->max_pixels,
+            "A photo with more pixels is reduced to so many before extraction");
+}
+
 OptionList Describe(CairnOptions* options) {
   OptionList list("The sections from prior to answer are the stages of a query");
   DescribeLocalizer(&options->localizer, &list);
@@ -69,8 +69,10 @@ OptionList Describe(CairnOptions* options) {
                   [&] { DescribeServer(&options->server, &list); });
   list.AddSection("ingest", "Which landmarks of a session enter the map; for ingest",
                   [&] { DescribeIngest(&options->ingest, &list); });
-  list.AddSection("georegister", "How camera positions place a model; for ingest and eval",
+  list.AddSection("georegister", "How camera positions place a model; for map, ingest and eval",
                   [&] { DescribeGeoregister(&options->georegister, &list); });
+  list.AddSection("mapping", "How photos become a model; for map",
+                  [&] { DescribeMapping(&options->mapping, &list); });
   list.AddSection("noise", "Noise that turns true poses into priors; for eval",
                   [&] { DescribeNoise(&options->noise, &list); });
   return list;
@@ -86,6 +88,7 @@ void CairnOptions::Validate() const {
   of_some_session.session_name = "session";
   of_some_session.Validate();
   georegister.Validate();
+  mapping.Validate();
   noise.Validate();
 }
 

@@ -10,6 +10,7 @@
 #include "ingest/features/sift_extractor.h"
 #include "ingest/georegister/georegister.h"
 #include "ingest/ingest_session.h"
+#include "mapping/session/map_photos.h"
 
 namespace cairn {
 
@@ -19,6 +20,7 @@ struct CairnOptions {
   ServerOptions server;  // Without the address and the map, which the command line names.
   IngestOptions ingest;  // Without the names of the session and its source.
   GeoregisterOptions georegister;
+  MappingOptions mapping;
   PriorNoiseOptions noise;  // Without the seed, which is that of the localizer.
 
   // Throws Error(kInvalidArgument) naming the option.
@@ -50,6 +52,8 @@ inline constexpr EnumName<UpSource> kUpSourceNames[] = {
 // The descriptions. Options that only tests set are left out. CairnOptions is the top level.
 void DescribeLocalizer(LocalizerOptions* options, OptionList* list);
 void DescribeIngest(IngestOptions* options, OptionList* list);
+void DescribeMapping(MappingOptions* options, OptionList* list);
+void DescribeSift(SiftOptions* options, OptionList* list);
 OptionList Describe(CairnOptions* options);
 
 }  // namespace cairn

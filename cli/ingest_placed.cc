@@ -1,0 +1,32 @@
+#include "cli/ingest_placed.h"
+
+#include "core/rigid3.h"
+#include "ingest/ingest_session.h"
+
+namespace cairn {
+
+std::unique_ptr<SessionArchive> OpenSessionArchive(const std::string& path,
+                                                   const std::string& session_name,
+                                                   const MapStore& store) {
+  return path.empty() ? nullptr : std::make_unique<SessionArchive>(path, session_name, store);
+}
+
+IngestReport IngestPlaced(const PlacedReconstruction& session, CairnOptions options,
+                          SessionArchive* archive, Progress* progress, MapStore* store) {
+  options.ingest = session.options;
+  const Sim3d& ecef_from_world = session.georegistration.ecef_from_world;
+  const IngestReport report = IngestSession(
+      session.reconstruction, ecef_from_world, options.ingest, store,
+      [&](const char* phase, int64_t done, int64_t total) { progress->Update(phase, done, total); },
+      [&](const PlannedSession& planned) {
+        if (archive != nullptr) {
+          archive->Stage(planned, ecef_from_world, options);
+        }
+      });
+  if (archive != nullptr) {
+    archive->Commit();
+  }
+  return report;
+}
+
+}  // namespace cairn

@@ -1,0 +1,135 @@
+#include "cli/map_summary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "cli/ingest_summary.h"
+#include "core/printable.h"
+
+namespace cairn {
+namespace {
+
+constexpr size_t kMaxNamesShown = 5;  // Of photos with one reason; JSON has all.
+
+const char* SourceName(FocalSource source) {
+  switch (source) {
+    case FocalSource::kCalibration:
+      return "given";
+    case FocalSource::kExif:
+      return "EXIF";
+    case FocalSource::kGuess:
+      break;
+  }
+  return "guess";
+}
+
+void PrintLeftOut(const std::vector<LeftOutPhoto>& left_out) {
+  std::map<std::string, std::vector<std::string>> names_of_reason;
+  for (const LeftOutPhoto& photo : left_out) {
+    names_of_reason[photo.reason].push_back(photo.name);
+  }
+  for (const auto& [reason, names] : names_of_reason) {
+    const size_t num_shown = std::min(names.size(), kMaxNamesShown);
+    std::string shown;
+    for (size_t i = 0; i < num_shown; ++i) {
+      shown += (i == 0 ? "" : ", ") + Excerpt(names[i]);
+    }
+    if (names.size() > num_shown) {
+      shown += fmt::format(" and {} others", names.size() - num_shown);
+    }
+    fmt::print("left out         {}: {}\n", shown, Excerpt(reason));
+  }
+}
+
+void PrintSegments(const MappedPhotos& mapped) {
+  for (const SegmentReport& segment : mapped.segments) {
+    if (!segment.problem.empty()) {
+      fmt::print("not connected    {} photos: {}\n", segment.num_photos, Excerpt(segment.problem));
+      continue;
+    }
+    fmt::print(
+        "segment          {} photos; {} sights of landmarks, {:.2f} px rms; placed by {} "
+        "positions, "
+        "{:.2f} m median\n",
+        segment.num_photos, segment.adjustment.num_observations, segment.adjustment.rms_px,
+        segment.georegistration.num_positions, segment.georegistration.median_residual_m);
+  }
+}
+
+void PrintCameras(const std::vector<CameraReport>& cameras) {
+  constexpr size_t kMaxCameras = 10;
+  for (size_t i = 0; i < std::min(cameras.size(), kMaxCameras); ++i) {
+    const CameraReport& camera = cameras[i];
+    fmt::print("camera           {} x {}, {} photos: focal length {:.1f} px ({}: {:.1f} px)\n",
+               camera.camera.width_px(), camera.camera.height_px(), camera.num_photos,
+               camera.camera.focal_px(), SourceName(camera.source), camera.focal_before_px);
+  }
+  if (cameras.size() > kMaxCameras) {
+    fmt::print("                 and {} other cameras\n", cameras.size() - kMaxCameras);
+  }
+}
+
+}  // namespace
+
+void PrintMappedPhotos(const MappedPhotos& mapped) {
+  fmt::print("photos           {} of {} in the map\n", mapped.num_mapped, mapped.num_photos);
+  PrintLeftOut(mapped.left_out);
+  PrintSegments(mapped);
+  PrintCameras(mapped.cameras);
+  fmt::print("scale            from the positions\n");
+  for (const std::string& note : mapped.notes) {
+    fmt::print("note             {}\n", note);
+  }
+  for (const StageCost& stage : mapped.stages) {
+    fmt::print("stage            {:<10} {:>8.1f} s, {:.0f} MB{}\n", stage.name, stage.seconds,
+               stage.peak_megabytes, stage.from_work ? ", from the work folder" : "");
+  }
+}
+
+nlohmann::ordered_json MappedPhotosJson(const MappedPhotos& mapped) {
+  nlohmann::ordered_json json = {{"found", mapped.num_photos},
+                                 {"mapped", mapped.num_mapped},
+                                 {"scale", "positions"},
+                                 {"notes", mapped.notes}};
+  json["leftOut"] = nlohmann::ordered_json::array();
+  for (const LeftOutPhoto& photo : mapped.left_out) {
+    json["leftOut"].push_back({{"name", photo.name}, {"reason", photo.reason}});
+  }
+  json["segments"] = nlohmann::ordered_json::array();
+  for (const SegmentReport& segment : mapped.segments) {
+    nlohmann::ordered_json entry = {{"photos", segment.num_photos}};
+    if (segment.problem.empty()) {
+      entry["observations"] = segment.adjustment.num_observations;
+      entry["rmsPx"] = segment.adjustment.rms_px;
+      entry["georegistration"] = GeoregistrationJson(segment.georegistration);
+    } else {
+      entry["problem"] = segment.problem;
+    }
+    json["segments"].push_back(entry);
+  }
+  json["cameras"] = nlohmann::ordered_json::array();
+  for (const CameraReport& camera : mapped.cameras) {
+    json["cameras"].push_back({{"model", CameraModelName(camera.camera.model())},
+                               {"widthPx", camera.camera.width_px()},
+                               {"heightPx", camera.camera.height_px()},
+                               {"params", camera.camera.params()},
+                               {"focalBeforePx", camera.focal_before_px},
+                               {"focalSource", SourceName(camera.source)},
+                               {"photos", camera.num_photos}});
+  }
+  json["stages"] = nlohmann::ordered_json::array();
+  for (const StageCost& stage : mapped.stages) {
+    json["stages"].push_back({{"name", stage.name},
+                              {"seconds", stage.seconds},
+                              {"peakMegabytes", stage.peak_megabytes},
+                              {"fromWork", stage.from_work}});
+  }
+  return json;
+}
+
+}  // namespace cairn
