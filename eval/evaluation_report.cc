@@ -155,7 +155,7 @@ std::string ReportAsCsv(const EvalReport& report) {
   for (const EvalAnswer& answer : report.answers) {
     const LocalizeResult& result = answer.result;
     text += fmt::format(
-        "{},{},{},{},{},{},{},{},{},{},{},{},{}", CsvText(answer.name), result.localized ? 1 : 0,
+        "{},{},{},{},{},{},{},{},{},{},{},{},{},{}", CsvText(answer.name), result.localized ? 1 : 0,
         result.localized ? "" : NotLocalizedReasonName(result.reason),
         CsvNumber(answer.position_error_m), CsvNumber(kDegPerRad * answer.rotation_error_rad),
         CsvNumber(result.score), CsvNumber(result.confidence), result.matches.size(),

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -193,6 +194,19 @@ TEST(Report, CsvQuotesNamesAndLeavesUnknownsEmpty) {
   EXPECT_THAT(
       csv, ::testing::HasSubstr(std::string("\nb,0,") +
                                 NotLocalizedReasonName(NotLocalizedReason::kNoCoverage) + ",,,"));
+}
+
+TEST(Report, CsvHasAValueOfEachColumn) {
+  EvalReport report = SmallReport();
+  report.answers[0].name = "a";  // Without a comma.
+  std::istringstream csv(ReportAsCsv(report));
+  std::string header, row;
+  std::getline(csv, header);
+  int num_rows = 0;
+  for (; std::getline(csv, row); ++num_rows) {
+    EXPECT_EQ(std::ranges::count(row, ','), std::ranges::count(header, ',')) << row;
+  }
+  EXPECT_EQ(num_rows, 2);
 }
 
 TEST(Report, TextSaysWhyQueriesFailed) {
