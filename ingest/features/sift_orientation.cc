@@ -82,8 +82,8 @@ Histogram DirectionsAround(const FloatImage& gaussian, const SiftExtremum& extre
       continue;
     }
     MeasureRow(gaussian.Row(row - 1) + first, gaussian.Row(row) + first,
-               gaussian.Row(row + 1) + first, window + first - left, falloff(dy), last - first + 1,
-               &gradients);
+               gaussian.Row(row + 1) + first, window + (first - left), falloff(dy),
+               last - first + 1, &gradients);
     AddRow(gradients, 0, last - first, bins_around.data());
   }
   Histogram histogram;
