@@ -4,13 +4,8 @@
 #include <cstddef>
 #include <utility>
 
-#include "core/error.h"
-
 namespace cairn::postgres {
 namespace {
-
-// Object ids of PostgreSQL's types, fixed for all time (pg_type.dat).
-constexpr Oid kBool = 16, kBytea = 17, kInt8 = 20, kInt4 = 23, kText = 25, kFloat8 = 701;
 
 std::string BigEndian(uint64_t value) {
   std::string bytes;
@@ -18,14 +13,6 @@ std::string BigEndian(uint64_t value) {
     bytes += static_cast<char>(value >> shift);
   }
   return bytes;
-}
-
-uint64_t ReadBigEndian(std::span<const uint8_t> bytes) {
-  uint64_t value = 0;
-  for (const uint8_t byte : bytes) {
-    value = value << 8 | byte;
-  }
-  return value;
 }
 
 // The WKB in a GeoPackage blob, behind the header and its envelope (OGC 12-128r17, clause 2.1.3).
@@ -80,62 +67,9 @@ bool PostgresCursor::Step() {
   return ++row_ < PQntuples(rows_.get());
 }
 
-std::span<const uint8_t> PostgresCursor::View(int column) const {
-  if (PQgetisnull(rows_.get(), row_, column) != 0) {
-    RefuseType(column);
-  }
-  return {reinterpret_cast<const uint8_t*>(PQgetvalue(rows_.get(), row_, column)),
-          static_cast<size_t>(PQgetlength(rows_.get(), row_, column))};
-}
-
-void PostgresCursor::RefuseType(int column) const {
-  throw Error(ErrorCode::kMapDamaged, connection_->name() + ": column " +
-                                          PQfname(rows_.get(), column) +
-                                          " holds a value of the wrong type");
-}
-
-int64_t PostgresCursor::Int64(int column) const {
-  const uint64_t value = ReadBigEndian(View(column));
-  switch (PQftype(rows_.get(), column)) {
-    case kInt8:
-    case kBool:
-      return static_cast<int64_t>(value);
-    case kInt4:
-      return static_cast<int32_t>(value);
-    default:
-      RefuseType(column);
-  }
-}
-
-double PostgresCursor::Double(int column) const {
-  if (PQftype(rows_.get(), column) != kFloat8) {
-    RefuseType(column);
-  }
-  return std::bit_cast<double>(ReadBigEndian(View(column)));
-}
-
-std::string PostgresCursor::Text(int column) const {
-  if (PQftype(rows_.get(), column) != kText) {
-    RefuseType(column);
-  }
-  const std::span<const uint8_t> text = View(column);
-  return {text.begin(), text.end()};
-}
-
 std::vector<uint8_t> PostgresCursor::Blob(int column) const {
-  const std::span<const uint8_t> bytes = BytesView(column);
+  const std::span<const uint8_t> bytes = Row().Bytes(column);
   return {bytes.begin(), bytes.end()};
-}
-
-std::span<const uint8_t> PostgresCursor::BytesView(int column) const {
-  if (PQftype(rows_.get(), column) != kBytea) {
-    RefuseType(column);
-  }
-  return View(column);
-}
-
-bool PostgresCursor::IsNull(int column) const {
-  return PQgetisnull(rows_.get(), row_, column) != 0;
 }
 
 }  // namespace cairn::postgres

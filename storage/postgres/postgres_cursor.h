@@ -10,11 +10,11 @@
 
 #include "storage/database/statement.h"
 #include "storage/postgres/postgres_connection.h"
+#include "storage/postgres/result_row.h"
 
 namespace cairn::postgres {
 
-// Runs at the first Step. The types of columns are int8, int4 and boolean (Int64), float8, text and
-// bytea. Reading NULL or any other type throws Error(kMapDamaged).
+// Runs at the first Step. Values are read as ResultRow reads them.
 class PostgresCursor : public db::Cursor {
  public:
   PostgresCursor(PostgresConnection* connection, std::string sql)
@@ -27,22 +27,21 @@ class PostgresCursor : public db::Cursor {
   void BindAt(int index, db::Geometry value) override;
   void BindAt(int index, std::nullptr_t null) override;
   bool Step() override;
-  int64_t Int64(int column) const override;
-  double Double(int column) const override;
-  double Number(int column) const override { return Double(column); }
-  std::string Text(int column) const override;
+  int64_t Int64(int column) const override { return Row().Int64(column); }
+  double Double(int column) const override { return Row().Double(column); }
+  double Number(int column) const override { return Row().Double(column); }
+  std::string Text(int column) const override { return Row().Text(column); }
   std::vector<uint8_t> Blob(int column) const override;
-  bool IsNull(int column) const override;
+  bool IsNull(int column) const override { return Row().IsNull(column); }
 
   // The bytes of a bytea column of the current row, valid until the next step.
-  std::span<const uint8_t> BytesView(int column) const;
+  std::span<const uint8_t> BytesView(int column) const { return Row().Bytes(column); }
 
  private:
   Parameter& At(int index);
   // Sets a parameter to `bytes`, which the cursor keeps.
   void Keep(int index, Oid type, std::string bytes);
-  std::span<const uint8_t> View(int column) const;
-  [[noreturn]] void RefuseType(int column) const;
+  ResultRow Row() const { return {rows_.get(), row_, &connection_->name()}; }
 
   PostgresConnection* connection_;
   std::string sql_;
