@@ -21,6 +21,7 @@ import csv
 import json
 import math
 import pathlib
+import shlex
 import shutil
 import sqlite3
 import subprocess
@@ -45,7 +46,8 @@ def parse_arguments():
     parser.add_argument("--work", required=True, type=pathlib.Path, help="scratch folder")
     parser.add_argument("--gps", type=pathlib.Path, help="positions for cairn; default: EXIF")
     parser.add_argument("--camera", help="intrinsics, as of cairn map --camera")
-    parser.add_argument("--cairn-options", nargs="*", default=[], help="more options of cairn map")
+    parser.add_argument("--cairn-options", default="", metavar="TEXT",
+                        help="more options of cairn map, e.g. --cairn-options='--work /tmp/w'")
     parser.add_argument("--features", type=int, default=4000, help="most features of a photo")
     parser.add_argument("--sequential", action="store_true", help="COLMAP matches neighbors only")
     parser.add_argument("--only", choices=["cairn", "colmap"], help="run only one of the two")
@@ -147,7 +149,7 @@ def map_by_cairn(arguments):
     options = arguments.work / "options.json"
     options.write_text(json.dumps({"mapping": {"sift": {"max_features": arguments.features}}}))
     command = [arguments.cairn, "map", path, arguments.photos, "--session", "photos",
-               "--options", options, "--json", *arguments.cairn_options]
+               "--options", options, "--json", *shlex.split(arguments.cairn_options)]
     if arguments.gps:
         command += ["--gps", arguments.gps]
     if arguments.camera:
