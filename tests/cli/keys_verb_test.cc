@@ -2,15 +2,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
 #include "cli/run_cairn.h"
 #include "eval/pictures/encode_png.h"
+#include "ingest/images/gray_image.h"
 #include "storage/map/map_store.h"
 #include "support/temp_dir.h"
 
@@ -106,10 +109,11 @@ TEST_F(Keys, AreRefusedInWords) {
 }
 
 TEST_F(Keys, StayOffTheCommandLine) {
-  for (const std::vector<std::string>& arguments :
-       {std::vector<std::string>{"localize", "--image", "x.jpg", "--server", "http://h:1"},
-        {"eval", "map.gpkg", "--server", "http://h:1"},
-        {"serve", "map.gpkg"}}) {
+  const std::vector<std::vector<std::string>> verbs = {
+      {"localize", "--image", "x.jpg", "--server", "http://h:1"},
+      {"eval", "map.gpkg", "--server", "http://h:1"},
+      {"serve", "map.gpkg"}};
+  for (const std::vector<std::string>& arguments : verbs) {
     for (const bool joined : {false, true}) {
       std::vector<std::string> with_key = arguments;
       with_key.emplace_back(joined ? "--api-key=cairn_abc" : "--api-key");
