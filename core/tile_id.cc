@@ -9,6 +9,7 @@
 #include <exception>
 
 #include "core/angles.h"
+#include "core/check.h"
 #include "core/error.h"
 #include "core/printable.h"
 
@@ -92,6 +93,14 @@ TileId TileId::Parse(std::string_view text) {
     throw refuse();
   }
   return FromValue(Pack(static_cast<int>(zone), text[2] == 'N', easting_idx, northing_idx));
+}
+
+TileId TileId::WithIndices(int easting_idx, int northing_idx) const {
+  CAIRN_CHECK(easting_idx >= 0 && northing_idx >= 0 &&
+                  easting_idx <= static_cast<int>(kIndexMask) &&
+                  northing_idx <= static_cast<int>(kIndexMask),
+              "an index has 26 bits");
+  return TileId(Pack(zone(), north(), easting_idx, northing_idx));
 }
 
 int TileId::zone() const { return static_cast<int>(value_ >> (2 * kIndexBits + 1)); }

@@ -35,6 +35,10 @@ class TileId {
   static TileId FromValue(uint64_t value);
   static TileId Parse(std::string_view text);
 
+  // Returns the square of the same zone and hemisphere with other indices, of [0, 2^26). The square
+  // need not lie on Earth, unlike those of the other factories, because that takes a projection.
+  TileId WithIndices(int easting_idx, int northing_idx) const;
+
   uint64_t value() const { return value_; }
   int zone() const;
   bool north() const;

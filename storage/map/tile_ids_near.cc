@@ -10,14 +10,12 @@
 namespace cairn {
 namespace {
 
-constexpr int kEastingShift = 26;  // As in core/tile_id.h.
 // The grid is turned by at most 6 degrees within a zone. A square's bounding box is therefore at
 // most 166 m wide, and no point of it is more than 16 m from the square. If the bounding box meets
 // the box, then
 // - every position in the square is within 166 m of the box, to the east and to the north,
 // - some position in the square is within 16 m of it. On the grid, the sides of the largest box
-// bend
-//   by at most 9 m more.
+//   bend by at most 9 m more.
 constexpr double kZoneMarginM = 170.0;
 constexpr double kSquareMarginM = 30.0;
 constexpr double kMaxLatRad = 1.4;  // 80 degrees; UPS begins at 84 and -80.
@@ -76,13 +74,11 @@ std::optional<std::vector<int64_t>> TileIdsNear(const GeoBox& box) {
   const std::array<TileId, 4> corners = *CornerTiles(box, kSquareMarginM);
   const IndexRange east = RangeOf(corners, [](const TileId& id) { return id.easting_idx(); });
   const IndexRange north = RangeOf(corners, [](const TileId& id) { return id.northing_idx(); });
-  const auto zone_bits =
-      static_cast<int64_t>(corners[0].value() >> (2 * kEastingShift) << (2 * kEastingShift));
   std::vector<int64_t> ids;
   ids.reserve((east.last - east.first + 1) * (north.last - north.first + 1));
-  for (int64_t e = east.first; e <= east.last; ++e) {
-    for (int64_t n = north.first; n <= north.last; ++n) {
-      ids.push_back(zone_bits | e << kEastingShift | n);
+  for (int e = east.first; e <= east.last; ++e) {
+    for (int n = north.first; n <= north.last; ++n) {
+      ids.push_back(static_cast<int64_t>(corners[0].WithIndices(e, n).value()));
     }
   }
   return ids;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 #include "core/error.h"
 
@@ -77,6 +78,15 @@ TEST(TileId, RefusesWhatIsNoTile) {
 TEST(TileId, ContainingRefusesPositionsOffTheEarth) {
   EXPECT_THROW(TileId::Containing(Geodetic::FromDegrees(95.0, 0.0, 0.0)), Error);
   EXPECT_THROW(TileId::Containing(Geodetic::FromDegrees(std::nan(""), 0.0, 0.0)), Error);
+}
+
+TEST(TileId, WithIndicesKeepsTheZone) {
+  for (const char* name : {"32N-03104-35120", "56S-00001-67108", "00N-13333-13334"}) {
+    const TileId id = TileId::Parse(name);
+    EXPECT_EQ(id.WithIndices(id.easting_idx(), id.northing_idx()), id);
+    EXPECT_EQ(id.WithIndices(7, 9).ToString().substr(0, 3), std::string(name).substr(0, 3));
+    EXPECT_EQ(id.WithIndices(7, 9).ToString().substr(3), "-00007-00009");
+  }
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ class PlaceCatalogTest : public ::testing::Test {
   Tile TileNumber(int i, uint64_t seed) const {
     const TileId first = TileId::Containing(Geodetic::FromDegrees(49.011, 8.416, 0.0));
     return testing::RandomTile(
-        {.id = TileId::FromValue(first.value() + (static_cast<uint64_t>(i) * kStep << 26)),
+        {.id = first.WithIndices(first.easting_idx() + i * kStep, first.northing_idx()),
          .codebook_id = codebook_id_,
          .seed = seed * 1000 + static_cast<uint64_t>(i)});
   }

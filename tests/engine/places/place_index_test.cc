@@ -18,7 +18,7 @@ constexpr int kNumTiles = 30;
 
 TileId TileNumber(int i) {
   const TileId first = TileId::Containing(Geodetic::FromDegrees(49.011, 8.416, 0.0));
-  return TileId::FromValue(first.value() + (static_cast<uint64_t>(i) << 26));
+  return first.WithIndices(first.easting_idx() + i, first.northing_idx());
 }
 
 // Tiles in a row from west to east, in two segments.

@@ -46,7 +46,7 @@ class FetchTilesTest : public ::testing::Test {
 
   static TileId TileInRow(int i) {
     const TileId first = TileId::Containing(Geodetic::FromDegrees(49.011, 8.416, 0.0));
-    return TileId::FromValue(first.value() + (static_cast<uint64_t>(i) << 26));
+    return first.WithIndices(first.easting_idx() + i, first.northing_idx());
   }
 
   // A disc about a point `east_m` of the anchor of the first tile.
