@@ -241,7 +241,7 @@ TEST(MapTransport, SendsTheCellThatTheLastAnswerNamed) {
 struct Refused {
   std::string authorization;
   MapTransportCounters counters;
-  SendStatus soon, later;  // Of the next queries, 20 s and 40 s later.
+  SendStatus at_once, soon, later;  // Of the next queries: without a pause, 20 s and 40 s later.
 };
 Refused SendTo(int status, const char* retry_after) {
   Refused refused;
@@ -258,6 +258,7 @@ Refused SendTo(int status, const char* retry_after) {
   EXPECT_EQ(transport.Send(SmallQuery(1)), SendStatus::kQueued);
   answers.Wait(1);
   refused.counters = transport.counters();
+  refused.at_once = transport.Send(SmallQuery(4));
   clock.Advance(20.0);
   refused.soon = transport.Send(SmallQuery(2));
   clock.Advance(20.0);
@@ -270,6 +271,8 @@ TEST(MapTransport, SendsItsKeyAndBacksOffIfTheServerDoesNotTakeIt) {
   EXPECT_EQ(refused.authorization, "Bearer cairn_abc");
   EXPECT_EQ(refused.counters.num_unauthorized, 1);
   EXPECT_EQ(refused.counters.num_refused, 1);
+  EXPECT_EQ(refused.at_once, SendStatus::kBackingOff);
+  EXPECT_EQ(refused.soon, SendStatus::kQueued);
 }
 
 TEST(MapTransport, ReturnsWhenTheServerSays) {
