@@ -28,8 +28,8 @@
 #include "eval/evaluation.h"
 #include "eval/stated_focal.h"
 #include "http/client.h"
-#include "ingest/features/sift_extractor.h"
-#include "ingest/images/gray_image.h"
+#include "core/features/sift/sift_extractor.h"
+#include "core/images/gray_image.h"
 
 namespace cairn {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "core/error.h"
 #include "core/file_bytes.h"
-#include "http/wire/json_reader.h"
-#include "http/wire/problem.h"
+#include "core/wire/json_reader.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

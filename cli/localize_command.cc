@@ -32,10 +32,10 @@
 #include "http/json/image_orientation.h"
 #include "http/json/localize_response.h"
 #include "http/json/request_photos.h"
-#include "ingest/features/sift_extractor.h"
-#include "ingest/images/exif.h"
-#include "ingest/images/orient_image.h"
-#include "ingest/images/photo_camera.h"
+#include "core/features/sift/sift_extractor.h"
+#include "core/images/exif.h"
+#include "core/images/orient_image.h"
+#include "core/images/photo_camera.h"
 
 namespace cairn {
 namespace {

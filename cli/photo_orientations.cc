@@ -9,10 +9,10 @@
 #include "core/error.h"
 #include "core/logging.h"
 #include "core/printable.h"
-#include "ingest/images/exif.h"
-#include "ingest/images/gray_image.h"
-#include "ingest/images/image_header.h"
-#include "ingest/images/orient_image.h"
+#include "core/images/exif.h"
+#include "core/images/gray_image.h"
+#include "core/images/image_header.h"
+#include "core/images/orient_image.h"
 
 namespace cairn {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "ingest/georegister/georegister.h"
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 
 namespace cairn {
 

@@ -9,7 +9,7 @@
 
 #include "core/error.h"
 #include "core/file_bytes.h"
-#include "http/wire/feature_codec.h"
+#include "core/wire/feature_codec.h"
 
 namespace cairn {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "ingest/georegister/georegister.h"
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 
 namespace CLI {
 class App;

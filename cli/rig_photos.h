@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/query/localize_query.h"
-#include "ingest/images/gray_image.h"
+#include "core/images/gray_image.h"
 
 namespace cairn {
 

@@ -80,7 +80,7 @@ if(CAIRN_WITH_POSTGRES)
 endif()
 set(CPACK_DEBIAN_FUSION_PACKAGE_DEPENDS
   "libeigen3-dev, libfmt-dev, libspdlog-dev, libgeographiclib-dev, proj-data")
-# For cairn::fusion_transport and cairn::fusion_frontend.
+# For cairn::fusion_transport and cairn::core_features_klt.
 set(CPACK_DEBIAN_FUSION_PACKAGE_RECOMMENDS
   "nlohmann-json3-dev, libcpp-httplib-dev, libopencv-core-dev, libopencv-imgproc-dev, \
 libopencv-video-dev")

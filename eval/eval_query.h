@@ -10,7 +10,7 @@
 #include "core/angles.h"
 #include "core/rigid3.h"
 #include "engine/query/localize_query.h"
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 
 namespace cairn {
 

@@ -13,8 +13,8 @@
 #include "core/file_bytes.h"
 #include "core/printable.h"
 #include "eval/eval_query.h"
-#include "http/wire/json_reader.h"
-#include "http/wire/problem.h"
+#include "core/wire/json_reader.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

@@ -15,10 +15,10 @@
 #include "http/exchange/bounded_client.h"
 #include "http/json/localize_response.h"
 #include "http/json/request_limits.h"
-#include "http/wire/feature_codec.h"
-#include "http/wire/json_reader.h"
-#include "http/wire/multipart.h"
-#include "http/wire/problem.h"
+#include "core/wire/feature_codec.h"
+#include "core/wire/json_reader.h"
+#include "core/wire/multipart.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "http/wire/problem.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

@@ -9,7 +9,7 @@
 #include "ingest/ingest_report.h"
 #include "ingest/plan_session.h"
 #include "ingest/session_plan.h"
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {

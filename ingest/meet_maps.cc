@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "core/geodesy.h"
 #include "ingest/coregister/keyframe_features.h"
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 #include "ingest/tiling/placed_session.h"
 
 namespace cairn {

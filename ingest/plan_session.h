@@ -7,7 +7,7 @@
 
 #include "core/rigid3.h"
 #include "ingest/session_plan.h"
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 #include "ingest/tiling/placed_session.h"
 #include "ingest/tiling/tile_shard.h"
 #include "storage/map/map_store.h"

@@ -7,7 +7,7 @@
 
 #include "core/rigid3.h"
 #include "ingest/ingest_options.h"
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 
 namespace cairn {
 

@@ -19,7 +19,7 @@
 #include "eval/pictures/pictures.h"
 #include "http/client.h"
 #include "http/server.h"
-#include "ingest/images/gray_image.h"
+#include "core/images/gray_image.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {

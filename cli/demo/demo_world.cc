@@ -6,7 +6,7 @@
 #include "core/error.h"
 #include "core/parallel_for.h"
 #include "eval/pictures/encode_png.h"
-#include "lab/known_poses/reconstruct_known_poses.h"
+#include "core/scene/reconstruct_known_poses.h"
 #include "lab/street/street_scene.h"
 #include "storage/map/map_store.h"
 

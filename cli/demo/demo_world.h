@@ -9,7 +9,7 @@
 
 #include "cli/progress.h"
 #include "eval/eval_query.h"
-#include "ingest/images/gray_image.h"
+#include "core/images/gray_image.h"
 #include "ingest/ingest_session.h"
 
 namespace cairn {

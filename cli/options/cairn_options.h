@@ -7,7 +7,7 @@
 #include "engine/localizer_options.h"
 #include "eval/eval_query.h"
 #include "http/service/server_options.h"
-#include "ingest/features/sift_extractor.h"
+#include "core/features/sift/sift_extractor.h"
 #include "ingest/georegister/georegister.h"
 #include "ingest/ingest_session.h"
 #include "mapping/session/map_photos.h"

@@ -17,7 +17,7 @@
 #include "core/file_bytes.h"
 #include "core/printable.h"
 #include "core/require.h"
-#include "http/wire/json_document.h"
+#include "core/wire/json_document.h"
 
 namespace cairn {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "ingest/images/gray_image.h"
+#include "core/images/gray_image.h"
 
 namespace cairn {
 

@@ -10,7 +10,7 @@
 #include "core/rigid3.h"
 #include "engine/query/localize_query.h"
 #include "engine/query/localize_result.h"
-#include "ingest/images/gray_image.h"
+#include "core/images/gray_image.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {

@@ -22,10 +22,10 @@
 
 #include "core/error.h"
 #include "fusion/client/fusion_client.h"
-#include "fusion/frontend/klt_tracker.h"
+#include "core/features/klt/klt_tracker.h"
 #include "fusion/transport/map_transport.h"
 #include "http/server.h"
-#include "ingest/features/sift_extractor.h"
+#include "core/features/sift/sift_extractor.h"
 #include "lab/street/street_scene.h"
 #include "phone_walk.h"
 #include "storage/codebook/descriptor_codec.h"

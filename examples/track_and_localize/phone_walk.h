@@ -8,7 +8,7 @@
 
 #include "core/rigid3.h"
 #include "fusion/filter/filter_state.h"
-#include "fusion/filter/imu.h"
+#include "core/inertial/imu.h"
 #include "lab/street/street_scene.h"
 
 namespace cairn {

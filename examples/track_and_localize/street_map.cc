@@ -5,7 +5,7 @@
 
 #include "core/parallel_for.h"
 #include "ingest/ingest_session.h"
-#include "lab/known_poses/reconstruct_known_poses.h"
+#include "core/scene/reconstruct_known_poses.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {

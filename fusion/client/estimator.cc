@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "fusion/client/estimate_at_head.h"
-#include "fusion/filter/imu_time.h"
+#include "core/inertial/imu_time.h"
 #include "fusion/tracks/finished_tracks.h"
 #include "fusion/tracks/point_update.h"
 #include "fusion/tracks/track_update.h"

@@ -17,7 +17,7 @@
 #include "fusion/client/map_answers.h"
 #include "fusion/client/steady_pose.h"
 #include "fusion/filter/filter_state.h"
-#include "fusion/filter/imu_buffer.h"
+#include "core/inertial/imu_buffer.h"
 #include "fusion/start/standstill_updates.h"
 #include "fusion/start/starter.h"
 #include "fusion/tracks/rotation_only.h"

@@ -6,7 +6,7 @@
 #include "core/rigid3.h"
 #include "fusion/client/steady_pose.h"
 #include "fusion/filter/filter_state.h"
-#include "fusion/filter/imu.h"
+#include "core/inertial/imu.h"
 #include "fusion/map_updates/map_update.h"
 #include "fusion/start/dynamic_start.h"
 #include "fusion/start/standstill.h"

@@ -6,9 +6,9 @@
 #include <cstdint>
 
 #include "fusion/filter/filter_state.h"
-#include "fusion/filter/imu.h"
-#include "fusion/filter/imu_buffer.h"
-#include "fusion/filter/imu_propagation.h"
+#include "core/inertial/imu.h"
+#include "core/inertial/imu_buffer.h"
+#include "core/inertial/imu_propagation.h"
 
 namespace cairn::fusion {
 

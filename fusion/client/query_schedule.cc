@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "fusion/filter/imu_time.h"
+#include "core/inertial/imu_time.h"
 
 namespace cairn::fusion {
 namespace {

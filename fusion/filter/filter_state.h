@@ -19,8 +19,8 @@
 #include <vector>
 
 #include "core/rigid3.h"
-#include "fusion/filter/imu.h"
-#include "fusion/filter/imu_propagation.h"
+#include "core/inertial/imu.h"
+#include "core/inertial/imu_propagation.h"
 #include "fusion/filter/measurement.h"
 #include "fusion/filter/point_chart.h"
 

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "fusion/filter/chi_square.h"
-#include "fusion/filter/imu_time.h"
+#include "core/inertial/imu_time.h"
 #include "fusion/tracks/track_update.h"
 
 namespace cairn::fusion {

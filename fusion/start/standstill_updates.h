@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "fusion/filter/filter_state.h"
-#include "fusion/filter/imu_buffer.h"
+#include "core/inertial/imu_buffer.h"
 #include "fusion/start/standstill.h"
 #include "fusion/tracks/track_table.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "fusion/filter/imu_time.h"
+#include "core/inertial/imu_time.h"
 
 namespace cairn::fusion {
 

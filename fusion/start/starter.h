@@ -9,8 +9,8 @@
 
 #include "core/camera.h"
 #include "fusion/filter/filter_state.h"
-#include "fusion/filter/imu.h"
-#include "fusion/filter/imu_buffer.h"
+#include "core/inertial/imu.h"
+#include "core/inertial/imu_buffer.h"
 #include "fusion/start/dynamic_start.h"
 #include "fusion/start/standstill.h"
 #include "fusion/tracks/track_table.h"

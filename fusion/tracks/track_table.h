@@ -10,17 +10,12 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "core/features/tracked_feature.h"
 
 namespace cairn::fusion {
 
 // Most features that the filter tracks at a time.
 inline constexpr int kMaxTrackedFeatures = 1024;
-
-// A feature seen in one frame. Features with the same id in different frames show the same point.
-struct TrackedFeature {
-  uint64_t track_id = 0;
-  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
-};
 
 // A sight that no update has used. The update that uses a sight must remove it from the table.
 struct Observation {

@@ -8,9 +8,9 @@
 #include "core/cell_name.h"
 #include "core/radius68.h"
 #include "core/tile_id.h"
-#include "http/wire/feature_codec.h"
-#include "http/wire/json_reader.h"
-#include "http/wire/multipart.h"
+#include "core/wire/feature_codec.h"
+#include "core/wire/json_reader.h"
+#include "core/wire/multipart.h"
 
 namespace cairn::fusion {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "http/net/gzip.h"
-#include "http/wire/fingerprint.h"
+#include "core/wire/fingerprint.h"
 
 namespace cairn {
 namespace {

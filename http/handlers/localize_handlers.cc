@@ -9,7 +9,7 @@
 #include "http/json/geopose_protocol.h"
 #include "http/json/localize_response.h"
 #include "http/json/request_photos.h"
-#include "http/wire/problem.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 

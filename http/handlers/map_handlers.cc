@@ -14,7 +14,7 @@
 #include "http/handlers/compact_response.h"
 #include "http/json/tile_square.h"
 #include "http/json/version_json.h"
-#include "http/wire/problem.h"
+#include "core/wire/problem.h"
 #include "storage/map/read_latest.h"
 
 namespace cairn {

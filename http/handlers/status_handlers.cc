@@ -7,7 +7,7 @@
 #include "core/angles.h"
 #include "core/logging.h"
 #include "http/handlers/compact_response.h"
-#include "http/wire/problem.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "engine/query/localize_query.h"
 #include "http/json/request_limits.h"
-#include "http/wire/json_reader.h"
+#include "core/wire/json_reader.h"
 
 namespace cairn {
 

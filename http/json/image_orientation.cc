@@ -2,8 +2,8 @@
 
 #include "core/check.h"
 #include "core/error.h"
-#include "ingest/images/exif.h"
-#include "ingest/images/orient_image.h"
+#include "core/images/exif.h"
+#include "core/images/orient_image.h"
 
 namespace cairn {
 

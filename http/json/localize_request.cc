@@ -11,9 +11,9 @@
 #include "http/json/request_members.h"
 #include "http/json/request_options.h"
 #include "http/json/stated_camera.h"
-#include "http/wire/feature_codec.h"
-#include "http/wire/multipart.h"
-#include "http/wire/problem.h"
+#include "core/wire/feature_codec.h"
+#include "core/wire/multipart.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

@@ -12,7 +12,7 @@
 #include "http/json/image_orientation.h"
 #include "http/json/inner_frame.h"
 #include "http/json/request_limits.h"
-#include "http/wire/json_reader.h"
+#include "core/wire/json_reader.h"
 
 namespace cairn {
 

@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "http/json/request_members.h"
 #include "http/json/stated_camera.h"
-#include "http/wire/json_reader.h"
+#include "core/wire/json_reader.h"
 
 namespace cairn {
 namespace {

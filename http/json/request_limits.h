@@ -1,4 +1,4 @@
-// The limits of requests. engine/query has the limits of a query's values, http/wire those of the
+// The limits of requests. engine/query has the limits of a query's values, core/wire those of the
 // binary features and of JSON.
 #ifndef CAIRN_HTTP_JSON_REQUEST_LIMITS_H_
 #define CAIRN_HTTP_JSON_REQUEST_LIMITS_H_

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "http/json/stated_camera.h"
-#include "http/wire/base64.h"
+#include "core/wire/base64.h"
 
 namespace cairn {
 namespace {

@@ -10,7 +10,7 @@
 #include "core/geodesy.h"
 #include "core/geoid.h"
 #include "engine/query/localize_query.h"
-#include "http/wire/json_reader.h"
+#include "core/wire/json_reader.h"
 
 namespace cairn {
 

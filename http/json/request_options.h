@@ -3,7 +3,7 @@
 #define CAIRN_HTTP_JSON_REQUEST_OPTIONS_H_
 
 #include "http/json/localize_request.h"
-#include "http/wire/json_reader.h"
+#include "core/wire/json_reader.h"
 
 namespace cairn {
 

@@ -5,7 +5,7 @@
 #include "core/error.h"
 #include "core/geoid.h"
 #include "http/json/request_members.h"
-#include "ingest/images/photo_camera.h"
+#include "core/images/photo_camera.h"
 
 namespace cairn {
 namespace {

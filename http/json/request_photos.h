@@ -6,7 +6,7 @@
 
 #include "engine/query/localize_query.h"
 #include "http/json/localize_request.h"
-#include "ingest/images/exif.h"
+#include "core/images/exif.h"
 
 namespace cairn {
 

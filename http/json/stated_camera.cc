@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "http/wire/problem.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

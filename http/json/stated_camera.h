@@ -6,7 +6,7 @@
 
 #include "core/camera.h"
 #include "core/focal_length.h"
-#include "http/wire/json_reader.h"
+#include "core/wire/json_reader.h"
 
 namespace cairn {
 

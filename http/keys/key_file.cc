@@ -22,7 +22,7 @@
 #include "core/logging.h"
 #include "core/printable.h"
 #include "core/require.h"
-#include "http/wire/json_reader.h"
+#include "core/wire/json_reader.h"
 
 namespace cairn {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <utility>
 
-#include "http/wire/problem.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

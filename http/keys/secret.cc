@@ -9,7 +9,7 @@
 #include <span>
 
 #include "core/error.h"
-#include "http/wire/base64.h"
+#include "core/wire/base64.h"
 
 namespace cairn {
 namespace {

@@ -9,7 +9,7 @@
 #include <cerrno>
 #include <utility>
 
-#include "http/wire/problem.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

@@ -16,7 +16,7 @@
 #include "http/net/connection.h"
 #include "http/net/connection_table.h"
 #include "http/net/lead.h"
-#include "http/wire/problem.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 

@@ -5,7 +5,7 @@
 #include <charconv>
 
 #include "core/error.h"
-#include "http/wire/multipart.h"
+#include "core/wire/multipart.h"
 
 namespace cairn {
 namespace {

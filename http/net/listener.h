@@ -9,7 +9,7 @@
 #include "http/net/connection.h"
 #include "http/net/event_loop.h"
 #include "http/net/message.h"
-#include "http/wire/problem.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 

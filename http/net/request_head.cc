@@ -6,7 +6,7 @@
 #include <array>
 #include <charconv>
 
-#include "http/wire/problem.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

@@ -5,8 +5,8 @@
 #include "core/features.h"
 #include "http/json/localize_request.h"
 #include "http/json/localize_response.h"
-#include "ingest/features/sift_extractor.h"
-#include "ingest/images/gray_image.h"
+#include "core/features/sift/sift_extractor.h"
+#include "core/images/gray_image.h"
 
 namespace cairn {
 

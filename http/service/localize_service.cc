@@ -8,7 +8,7 @@
 #include "engine/explain_miss.h"
 #include "http/json/request_photos.h"
 #include "http/service/image_features.h"
-#include "http/wire/problem.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

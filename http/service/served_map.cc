@@ -11,7 +11,7 @@
 
 #include "core/error.h"
 #include "core/logging.h"
-#include "http/wire/fingerprint.h"
+#include "core/wire/fingerprint.h"
 #include "storage/map/mount_point.h"
 
 namespace cairn {

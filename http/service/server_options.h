@@ -8,8 +8,8 @@
 
 #include "engine/localizer_options.h"
 #include "http/json/request_limits.h"
-#include "ingest/features/sift_extractor.h"
-#include "ingest/images/gray_image.h"
+#include "core/features/sift/sift_extractor.h"
+#include "core/images/gray_image.h"
 
 namespace cairn {
 

@@ -7,7 +7,7 @@
 #include "core/radius68.h"
 #include "engine/answer/score_calibration.h"
 #include "engine/pose/least_squares/refine_pose.h"
-#include "ingest/sfm/triangulate.h"
+#include "core/scene/triangulate.h"
 
 namespace cairn {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 #include "ingest/tiling/placed_session.h"
 
 namespace cairn {

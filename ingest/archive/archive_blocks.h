@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 #include "storage/bytes/byte_io.h"
 
 namespace cairn::archive {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/rigid3.h"
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {

@@ -6,7 +6,7 @@
 
 #include "core/rigid3.h"
 #include "ingest/coregister/fit_placement.h"
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 #include "ingest/tiling/placed_session.h"
 #include "storage/ids.h"
 #include "storage/map/map_store.h"

@@ -12,7 +12,7 @@
 #include "core/rigid3.h"
 #include "ingest/georegister/picture_up.h"
 #include "ingest/georegister/placement_accuracy.h"
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 
 namespace cairn {
 

@@ -8,7 +8,7 @@
 #include "ingest/georegister/georegister.h"
 #include "ingest/georegister/picture_up.h"
 #include "ingest/georegister/similarity_problem.h"
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 
 namespace cairn {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 #include "ingest/tiling/placed_session.h"
 #include "storage/codebook/descriptor_codec.h"
 #include "storage/ids.h"

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "ingest/quantize/train_codebook.h"
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 #include "storage/codebook/codebook.h"
 
 namespace cairn {

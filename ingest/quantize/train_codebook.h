@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 #include "storage/codebook/codebook.h"
 
 namespace cairn {

@@ -17,7 +17,7 @@
 #include "ingest/readers/colmap_database.h"
 #include "ingest/readers/colmap_model.h"
 #include "ingest/readers/descriptor_information.h"
-#include "ingest/sfm/triangulate.h"
+#include "core/scene/triangulate.h"
 
 namespace cairn {
 namespace {

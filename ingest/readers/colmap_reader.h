@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 
 namespace cairn {
 

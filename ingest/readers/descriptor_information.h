@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 
 namespace cairn {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/tile_id.h"
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 #include "ingest/summarize/appearance.h"
 #include "ingest/tiling/placed_session.h"
 #include "storage/codebook/descriptor_codec.h"

@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "core/geodesy.h"
 #include "core/printable.h"
-#include "ingest/sfm/triangulate.h"
+#include "core/scene/triangulate.h"
 #include "storage/tile/tile.h"
 
 namespace cairn {

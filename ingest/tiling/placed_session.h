@@ -10,7 +10,7 @@
 
 #include "core/rigid3.h"
 #include "core/tile_id.h"
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 
 namespace cairn {
 

@@ -7,7 +7,7 @@
 
 #include "core/large_vector.h"
 #include "core/tile_id.h"
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 #include "ingest/tiling/placed_session.h"
 #include "storage/ids.h"
 

@@ -15,7 +15,7 @@
 #include "core/require.h"
 #include "engine/index/inverted_lists.h"
 #include "ingest/quantize/train_codebook.h"
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 #include "lab/bench/bench_streets.h"
 #include "lab/bench/lane_index.h"
 #include "lab/descriptors/descriptor_model.h"

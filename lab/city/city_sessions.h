@@ -9,7 +9,7 @@
 
 #include "core/rigid3.h"
 #include "eval/eval_query.h"
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 #include "lab/city/cameras/simulated_mapping.h"
 #include "lab/city/city_world.h"
 #include "lab/city/geometry/city.h"

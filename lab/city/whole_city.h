@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 #include "lab/city/cameras/simulated_mapping.h"
 
 namespace cairn {

@@ -5,7 +5,7 @@
 
 #include "core/require.h"
 #include "ingest/quantize/train_codebook.h"
-#include "lab/known_poses/reconstruct_known_poses.h"
+#include "core/scene/reconstruct_known_poses.h"
 #include "lab/street/street_scene.h"
 
 namespace cairn {

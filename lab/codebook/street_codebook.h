@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 #include "storage/codebook/codebook.h"
 
 namespace cairn {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 
 namespace cairn {
 

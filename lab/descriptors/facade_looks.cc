@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "ingest/features/sift_extractor.h"
+#include "core/features/sift/sift_extractor.h"
 #include "lab/descriptors/real_looks.h"
 #include "storage/codebook/descriptor_codec.h"
 

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "ingest/features/sift_extractor.h"
+#include "core/features/sift/sift_extractor.h"
 #include "ingest/readers/colmap_reader.h"
 #include "lab/descriptors/descriptor_fit.h"
 #include "lab/descriptors/descriptor_plots.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/features.h"
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 #include "lab/street/street_scene.h"
 
 namespace cairn {

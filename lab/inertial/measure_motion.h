@@ -7,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-#include "fusion/filter/imu.h"
+#include "core/inertial/imu.h"
 #include "lab/inertial/motion.h"
 
 namespace cairn::fusion {

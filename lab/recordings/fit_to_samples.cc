@@ -4,7 +4,7 @@
 
 #include "core/error.h"
 #include "core/rotation_between.h"
-#include "fusion/filter/imu_buffer.h"
+#include "core/inertial/imu_buffer.h"
 #include "lab/recordings/simulate_recording.h"
 #include "lab/recordings/trajectory_interpolation.h"
 

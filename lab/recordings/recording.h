@@ -10,7 +10,7 @@
 #include "core/rigid3.h"
 #include "fusion/client/fusion_options.h"
 #include "fusion/client/fusion_types.h"
-#include "fusion/filter/imu.h"
+#include "core/inertial/imu.h"
 #include "fusion/start/standstill.h"
 
 namespace cairn::fusion {

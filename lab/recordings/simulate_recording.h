@@ -12,7 +12,7 @@
 #include "core/camera.h"
 #include "core/rigid3.h"
 #include "fusion/filter/filter_state.h"
-#include "fusion/filter/imu.h"
+#include "core/inertial/imu.h"
 #include "lab/recordings/recording.h"
 
 namespace cairn::fusion {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/error.h"
-#include "fusion/filter/imu_buffer.h"
-#include "fusion/filter/imu_propagation.h"
+#include "core/inertial/imu_buffer.h"
+#include "core/inertial/imu_propagation.h"
 #include "lab/recordings/simulate_recording.h"
 #include "lab/recordings/trajectory_interpolation.h"
 

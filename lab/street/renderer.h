@@ -11,7 +11,7 @@
 
 #include "core/camera.h"
 #include "core/rigid3.h"
-#include "ingest/images/gray_image.h"
+#include "core/images/gray_image.h"
 #include "lab/street/texture.h"
 
 namespace cairn {

@@ -12,9 +12,9 @@
 #include "core/camera.h"
 #include "core/geodesy.h"
 #include "core/rigid3.h"
-#include "ingest/images/gray_image.h"
-#include "lab/known_poses/reconstruct_known_poses.h"  // IWYU pragma: export
-#include "lab/known_poses/street_photo.h"
+#include "core/images/gray_image.h"
+#include "core/scene/reconstruct_known_poses.h"  // IWYU pragma: export
+#include "core/scene/street_photo.h"
 
 namespace cairn {
 

@@ -5,7 +5,7 @@
 
 #include "core/check.h"
 #include "core/parallel_for.h"
-#include "ingest/sfm/triangulate.h"
+#include "core/scene/triangulate.h"
 #include "mapping/adjust/adjust_problem.h"
 #include "mapping/adjust/adjustable_camera.h"
 

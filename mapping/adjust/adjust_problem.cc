@@ -10,7 +10,7 @@
 #include <memory>
 
 #include "core/error.h"
-#include "ingest/sfm/triangulate.h"
+#include "core/scene/triangulate.h"
 #include "mapping/adjust/adjust_costs.h"
 
 namespace cairn {

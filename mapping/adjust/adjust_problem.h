@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 #include "mapping/adjust/adjust.h"
 #include "mapping/adjust/adjustable_camera.h"
 

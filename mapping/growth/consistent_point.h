@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "ingest/sfm/triangulate.h"
+#include "core/scene/triangulate.h"
 
 namespace cairn {
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/parallel_for.h"
-#include "ingest/sfm/triangulate.h"
+#include "core/scene/triangulate.h"
 #include "mapping/growth/consistent_point.h"
 
 namespace cairn {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "ingest/sfm/tracks.h"
+#include "core/scene/tracks.h"
 #include "mapping/photo_set.h"
 
 namespace cairn {

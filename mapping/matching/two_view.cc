@@ -9,7 +9,7 @@
 #include "core/random.h"
 #include "core/require.h"
 #include "engine/pose/sampling/ransac.h"
-#include "ingest/sfm/triangulate.h"
+#include "core/scene/triangulate.h"
 #include "mapping/matching/relative_pose.h"
 
 namespace cairn {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/rigid3.h"
-#include "ingest/sfm/tracks.h"
+#include "core/scene/tracks.h"
 #include "mapping/matching/match_descriptors.h"
 #include "mapping/photo_set.h"
 

@@ -9,7 +9,7 @@
 #include <tuple>
 #include <utility>
 
-#include "ingest/images/photo_camera.h"
+#include "core/images/photo_camera.h"
 
 namespace cairn {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/camera.h"
-#include "ingest/images/exif.h"
+#include "core/images/exif.h"
 #include "mapping/photo_set.h"
 
 namespace cairn {

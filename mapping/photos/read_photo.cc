@@ -8,8 +8,8 @@
 
 #include "core/error.h"
 #include "core/features.h"
-#include "ingest/images/gray_image.h"
-#include "ingest/images/image_header.h"
+#include "core/images/gray_image.h"
+#include "core/images/image_header.h"
 #include "storage/bytes/byte_io.h"
 
 namespace cairn {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "ingest/features/sift_extractor.h"
-#include "ingest/images/exif.h"
+#include "core/features/sift/sift_extractor.h"
+#include "core/images/exif.h"
 #include "mapping/photo_set.h"
 
 namespace cairn {

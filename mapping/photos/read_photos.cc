@@ -12,7 +12,7 @@
 #include "core/parallel_for.h"
 #include "core/printable.h"
 #include "ingest/georegister/picture_up.h"
-#include "ingest/images/gray_image.h"
+#include "core/images/gray_image.h"
 #include "mapping/photos/group_cameras.h"
 #include "mapping/photos/photo_files.h"
 #include "mapping/photos/read_photo.h"

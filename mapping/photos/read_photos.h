@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/camera.h"
-#include "ingest/features/sift_extractor.h"
+#include "core/features/sift/sift_extractor.h"
 #include "mapping/photo_set.h"
 #include "mapping/work/work_folder.h"
 

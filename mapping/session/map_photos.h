@@ -10,7 +10,7 @@
 
 #include "core/camera.h"
 #include "core/geoid.h"
-#include "ingest/features/sift_extractor.h"
+#include "core/features/sift/sift_extractor.h"
 #include "ingest/georegister/georegister.h"
 #include "mapping/adjust/adjust.h"
 #include "mapping/growth/grow_segments.h"

@@ -17,8 +17,8 @@
 #include "eval/pictures/encode_png.h"
 #include "http/client.h"
 #include "http/json/inner_frame.h"
-#include "http/wire/base64.h"
-#include "ingest/images/orient_image.h"
+#include "core/wire/base64.h"
+#include "core/images/orient_image.h"
 #include "support/exif_bytes.h"
 #include "support/temp_dir.h"
 

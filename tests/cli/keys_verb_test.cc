@@ -13,7 +13,7 @@
 
 #include "cli/run_cairn.h"
 #include "eval/pictures/encode_png.h"
-#include "ingest/images/gray_image.h"
+#include "core/images/gray_image.h"
 #include "storage/map/map_store.h"
 #include "support/temp_dir.h"
 

@@ -10,7 +10,7 @@
 #include "core/error.h"
 #include "eval/pictures/encode_png.h"
 #include "eval/pictures/plan_view.h"
-#include "ingest/images/gray_image.h"
+#include "core/images/gray_image.h"
 #include "storage/map/map_store.h"
 #include "support/temp_dir.h"
 

@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "fusion/filter/imu_propagation.h"
+#include "core/inertial/imu_propagation.h"
 
 namespace cairn::fusion::testing {
 namespace {

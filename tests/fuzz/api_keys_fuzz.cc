@@ -4,7 +4,7 @@
 #include "http/keys/key_file.h"
 #include "http/keys/key_ring.h"
 #include "http/keys/presented_key.h"
-#include "http/wire/problem.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

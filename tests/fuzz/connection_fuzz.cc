@@ -8,7 +8,7 @@
 
 #include "fuzz/fuzz_target.h"
 #include "http/net/connection.h"
-#include "http/wire/problem.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

@@ -2,7 +2,7 @@
 #include "core/error.h"
 #include "fuzz/fuzz_target.h"
 #include "http/json/localize_request.h"
-#include "http/wire/multipart.h"
+#include "core/wire/multipart.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   constexpr std::string_view kType = "multipart/form-data; boundary=B";

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "fuzz/fuzz_target.h"
-#include "ingest/features/sift_extractor.h"
+#include "core/features/sift/sift_extractor.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace cairn;

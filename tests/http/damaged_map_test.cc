@@ -11,7 +11,7 @@
 #include "core/error.h"
 #include "http/plain_http.h"
 #include "http/server_fixture.h"
-#include "http/wire/feature_codec.h"
+#include "core/wire/feature_codec.h"
 
 namespace cairn {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "http/json/localize_request.h"
-#include "http/wire/base64.h"
-#include "http/wire/feature_codec.h"
+#include "core/wire/base64.h"
+#include "core/wire/feature_codec.h"
 
 namespace cairn {
 namespace {

@@ -13,8 +13,8 @@
 #include "http/client.h"
 #include "http/plain_http.h"
 #include "http/server_fixture.h"
-#include "http/wire/base64.h"
-#include "http/wire/feature_codec.h"
+#include "core/wire/base64.h"
+#include "core/wire/feature_codec.h"
 #include "storage/codebook/descriptor_codec.h"
 
 namespace cairn {

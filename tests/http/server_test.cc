@@ -13,7 +13,7 @@
 #include "http/raw_http.h"
 #include "http/raw_socket.h"
 #include "http/server_fixture.h"
-#include "http/wire/base64.h"
+#include "core/wire/base64.h"
 
 namespace cairn {
 namespace {

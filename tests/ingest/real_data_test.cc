@@ -10,7 +10,7 @@
 #include "core/angles.h"
 #include "core/frames.h"
 #include "core/statistics.h"
-#include "ingest/features/sift_extractor.h"
+#include "core/features/sift/sift_extractor.h"
 #include "ingest/georegister/georegister.h"
 #include "ingest/ingest_session.h"
 #include "ingest/readers/colmap_reader.h"

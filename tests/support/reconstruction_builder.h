@@ -22,7 +22,7 @@
 #include "core/features.h"
 #include "core/geodesy.h"
 #include "core/rigid3.h"
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 
 namespace cairn::testing {
 

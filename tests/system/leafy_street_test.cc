@@ -5,9 +5,9 @@
 
 #include "engine/localizer.h"
 #include "eval/evaluation.h"
-#include "ingest/features/sift_extractor.h"
+#include "core/features/sift/sift_extractor.h"
 #include "ingest/ingest_session.h"
-#include "lab/known_poses/reconstruct_known_poses.h"
+#include "core/scene/reconstruct_known_poses.h"
 #include "lab/street/street_scene.h"
 #include "storage/map/map_store.h"
 #include "storage/map/tile_cache.h"

@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "eval/reference_alignment.h"
-#include "ingest/features/sift_extractor.h"
+#include "core/features/sift/sift_extractor.h"
 #include "ingest/readers/colmap_reader.h"
 #include "support/test_data.h"
 

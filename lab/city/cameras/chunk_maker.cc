@@ -9,7 +9,7 @@
 #include "core/angles.h"
 #include "core/geodesy.h"
 #include "core/parallel_for.h"
-#include "ingest/sfm/triangulate.h"
+#include "core/scene/triangulate.h"
 #include "lab/city/cameras/camera_angles.h"
 #include "lab/city/cameras/clutter.h"
 #include "lab/city/cameras/mapping_streams.h"

@@ -5,7 +5,7 @@
 
 #include "core/angles.h"
 #include "core/require.h"
-#include "ingest/sfm/triangulate.h"
+#include "core/scene/triangulate.h"
 #include "lab/city/geometry/hashed_random.h"
 
 namespace cairn {

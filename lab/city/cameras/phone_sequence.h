@@ -9,7 +9,7 @@
 
 #include "core/camera.h"
 #include "core/rigid3.h"
-#include "fusion/filter/imu.h"
+#include "core/inertial/imu.h"
 #include "fusion/tracks/track_table.h"
 #include "lab/city/cameras/detector.h"
 #include "lab/city/geometry/city.h"

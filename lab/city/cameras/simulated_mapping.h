@@ -8,7 +8,7 @@
 
 #include "core/rigid3.h"
 #include "core/tile_id.h"
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 #include "lab/city/cameras/mapping_options.h"
 #include "lab/city/geometry/city.h"
 #include "lab/city/geometry/smooth_field.h"

@@ -3,7 +3,7 @@
 #include <random>
 #include <string>
 
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 #include "lab/descriptors/descriptor_model.h"
 
 namespace cairn {

@@ -12,8 +12,8 @@
 
 #include "core/rigid3.h"
 #include "fusion/client/fusion_types.h"
-#include "fusion/filter/imu.h"
-#include "fusion/filter/imu_propagation.h"
+#include "core/inertial/imu.h"
+#include "core/inertial/imu_propagation.h"
 #include "fusion/tracks/track_table.h"
 #include "lab/rivals/fusion/bundle_adjuster_options.h"
 #include "lab/rivals/fusion/marginal_prior.h"

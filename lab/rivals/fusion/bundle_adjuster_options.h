@@ -4,7 +4,7 @@
 
 #include "core/camera.h"
 #include "fusion/filter/filter_state.h"
-#include "fusion/filter/imu.h"
+#include "core/inertial/imu.h"
 #include "fusion/tracks/triangulate.h"
 
 namespace cairn::fusion {

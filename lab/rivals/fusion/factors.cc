@@ -1,6 +1,6 @@
 #include "lab/rivals/fusion/factors.h"
 
-#include "lab/rivals/fusion/so3_jacobians.h"
+#include "core/inertial/so3_jacobians.h"
 
 namespace cairn::fusion {
 namespace {

@@ -4,7 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <utility>
 
-#include "lab/rivals/fusion/so3_jacobians.h"
+#include "core/inertial/so3_jacobians.h"
 
 namespace cairn::fusion {
 namespace {

@@ -5,7 +5,7 @@
 #include "core/error.h"
 #include "fusion/client/estimator.h"
 #include "fusion/client/steady_pose.h"
-#include "fusion/filter/imu_buffer.h"
+#include "core/inertial/imu_buffer.h"
 #include "fusion/map_updates/alignment.h"
 #include "fusion/map_updates/map_update.h"
 #include "lab/rivals/fusion/bundle_adjuster.h"

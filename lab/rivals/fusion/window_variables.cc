@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "lab/rivals/fusion/so3_jacobians.h"
+#include "core/inertial/so3_jacobians.h"
 
 namespace cairn::fusion {
 namespace {

@@ -16,8 +16,8 @@
 
 #include "core/rigid3.h"
 #include "fusion/filter/filter_state.h"
-#include "fusion/filter/imu.h"
-#include "lab/rivals/fusion/preintegration.h"
+#include "core/inertial/imu.h"
+#include "core/inertial/preintegration.h"
 
 namespace cairn::fusion {
 

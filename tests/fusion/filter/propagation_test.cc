@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "fusion/filter/imu_buffer.h"
-#include "fusion/filter/imu_propagation.h"
+#include "core/inertial/imu_buffer.h"
+#include "core/inertial/imu_propagation.h"
 #include "support/numeric_jacobian.h"
 
 namespace cairn::fusion {

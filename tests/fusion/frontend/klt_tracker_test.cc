@@ -1,4 +1,4 @@
-#include "fusion/frontend/klt_tracker.h"
+#include "core/features/klt/klt_tracker.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -9,7 +9,7 @@
 #include "core/cell_name.h"
 #include "core/error.h"
 #include "core/tile_id.h"
-#include "http/wire/multipart.h"
+#include "core/wire/multipart.h"
 
 namespace cairn::fusion {
 namespace {

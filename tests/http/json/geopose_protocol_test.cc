@@ -11,8 +11,8 @@
 
 #include "core/angles.h"
 #include "core/geoid.h"
-#include "http/wire/base64.h"
-#include "http/wire/problem.h"
+#include "core/wire/base64.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

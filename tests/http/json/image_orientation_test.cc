@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "ingest/images/orient_image.h"
+#include "core/images/orient_image.h"
 
 namespace cairn {
 namespace {

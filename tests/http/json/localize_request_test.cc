@@ -5,9 +5,9 @@
 
 #include <string>
 
-#include "http/wire/base64.h"
-#include "http/wire/feature_codec.h"
-#include "http/wire/problem.h"
+#include "core/wire/base64.h"
+#include "core/wire/feature_codec.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

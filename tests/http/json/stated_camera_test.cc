@@ -8,7 +8,7 @@
 
 #include "http/json/geopose_protocol.h"
 #include "http/json/localize_request.h"
-#include "http/wire/problem.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

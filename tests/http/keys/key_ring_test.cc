@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "http/keys/presented_key.h"
-#include "http/wire/problem.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "http/wire/problem.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

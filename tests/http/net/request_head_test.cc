@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "http/wire/problem.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

@@ -12,7 +12,7 @@
 
 #include "core/parallel_for.h"
 #include "http/server_fixture.h"
-#include "http/wire/problem.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

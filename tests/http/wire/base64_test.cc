@@ -1,4 +1,4 @@
-#include "http/wire/base64.h"
+#include "core/wire/base64.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "http/wire/feature_codec.h"
+#include "core/wire/feature_codec.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-#include "http/wire/problem.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

@@ -1,4 +1,4 @@
-#include "http/wire/json_document.h"
+#include "core/wire/json_document.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -10,8 +10,8 @@
 #include <string>
 
 #include "core/file_bytes.h"
-#include "http/wire/json_reader.h"
-#include "http/wire/problem.h"
+#include "core/wire/json_reader.h"
+#include "core/wire/problem.h"
 #include "support/test_data.h"
 
 namespace cairn {

@@ -1,8 +1,8 @@
-#include "http/wire/multipart.h"
+#include "core/wire/multipart.h"
 
 #include <gtest/gtest.h>
 
-#include "http/wire/problem.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

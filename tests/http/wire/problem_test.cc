@@ -1,4 +1,4 @@
-#include "http/wire/problem.h"
+#include "core/wire/problem.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "ingest/features/gaussian_blur.h"
+#include "core/features/sift/gaussian_blur.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "ingest/features/scale_space.h"
+#include "core/features/sift/scale_space.h"
 
 namespace cairn {
 namespace {

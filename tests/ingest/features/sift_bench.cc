@@ -12,10 +12,10 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "ingest/features/sift_descriptor.h"
-#include "ingest/features/sift_extractor.h"
-#include "ingest/features/sift_orientation.h"
-#include "ingest/images/reduce_image.h"
+#include "core/features/sift/sift_descriptor.h"
+#include "core/features/sift/sift_extractor.h"
+#include "core/features/sift/sift_orientation.h"
+#include "core/images/reduce_image.h"
 
 namespace cairn {
 namespace {

@@ -1,5 +1,5 @@
 // Compares orientations and descriptors with classic SIFT in plain loops and double precision.
-#include "ingest/features/sift_descriptor.h"
+#include "core/features/sift/sift_descriptor.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/angles.h"
-#include "ingest/features/arc_tangent.h"
-#include "ingest/features/sift_orientation.h"
+#include "core/features/sift/arc_tangent.h"
+#include "core/features/sift/sift_orientation.h"
 
 namespace cairn {
 namespace {

@@ -1,4 +1,4 @@
-#include "ingest/features/sift_extractor.h"
+#include "core/features/sift/sift_extractor.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Tests the EXIF reader on whole, damaged, truncated and hostile blocks.
-#include "ingest/images/exif.h"
+#include "core/images/exif.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/error.h"
-#include "ingest/images/image_header.h"
-#include "ingest/images/tiff_directory.h"
+#include "core/images/image_header.h"
+#include "core/images/tiff_directory.h"
 #include "support/exif_bytes.h"
 
 namespace cairn {

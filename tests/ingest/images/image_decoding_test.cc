@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "core/error.h"
-#include "ingest/images/gray_image.h"
-#include "ingest/images/image_header.h"
-#include "ingest/images/orient_image.h"
+#include "core/images/gray_image.h"
+#include "core/images/image_header.h"
+#include "core/images/orient_image.h"
 #include "support/test_data.h"
 
 namespace cairn {

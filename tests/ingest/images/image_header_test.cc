@@ -1,4 +1,4 @@
-#include "ingest/images/image_header.h"
+#include "core/images/image_header.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 
 #include "core/error.h"
 #include "core/file_bytes.h"
-#include "ingest/images/exif.h"
-#include "ingest/images/gray_image.h"
+#include "core/images/exif.h"
+#include "core/images/gray_image.h"
 #include "support/temp_dir.h"
 #include "support/test_data.h"
 

@@ -1,4 +1,4 @@
-#include "ingest/sfm/reconstruction.h"
+#include "core/scene/reconstruction.h"
 
 #include <gtest/gtest.h>
 

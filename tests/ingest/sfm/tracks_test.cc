@@ -1,4 +1,4 @@
-#include "ingest/sfm/tracks.h"
+#include "core/scene/tracks.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

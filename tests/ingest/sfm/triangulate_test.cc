@@ -1,4 +1,4 @@
-#include "ingest/sfm/triangulate.h"
+#include "core/scene/triangulate.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "fusion/filter/imu_propagation.h"
+#include "core/inertial/imu_propagation.h"
 
 namespace cairn::fusion {
 namespace {

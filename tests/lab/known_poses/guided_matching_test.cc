@@ -1,4 +1,4 @@
-#include "lab/known_poses/guided_matching.h"
+#include "core/scene/guided_matching.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-#include "lab/known_poses/neighbor_pairs.h"
+#include "core/scene/neighbor_pairs.h"
 
 namespace cairn {
 namespace {

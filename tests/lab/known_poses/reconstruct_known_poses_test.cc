@@ -1,4 +1,4 @@
-#include "lab/known_poses/reconstruct_known_poses.h"
+#include "core/scene/reconstruct_known_poses.h"
 
 #include <gtest/gtest.h>
 

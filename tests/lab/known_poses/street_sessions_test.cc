@@ -8,7 +8,7 @@
 
 #include "eval/eval_query.h"
 #include "ingest/ingest_session.h"
-#include "lab/known_poses/reconstruct_known_poses.h"
+#include "core/scene/reconstruct_known_poses.h"
 #include "lab/street/street_scene.h"
 #include "support/recognized.h"
 #include "support/temp_dir.h"

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "fusion/filter/imu_buffer.h"
+#include "core/inertial/imu_buffer.h"
 #include "fusion/simulation.h"
 #include "lab/rivals/fusion/comparison.h"
 

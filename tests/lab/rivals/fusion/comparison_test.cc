@@ -11,7 +11,7 @@
 
 #include "core/error.h"
 #include "fusion/errors.h"
-#include "fusion/filter/imu_buffer.h"
+#include "core/inertial/imu_buffer.h"
 #include "fusion/start/standstill.h"
 #include "lab/recordings/room_recordings.h"
 #include "lab/recordings/trajectory_interpolation.h"

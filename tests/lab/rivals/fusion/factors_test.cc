@@ -6,7 +6,7 @@
 #include <random>
 
 #include "lab/rivals/fusion/marginal_prior.h"
-#include "lab/rivals/fusion/so3_jacobians.h"
+#include "core/inertial/so3_jacobians.h"
 #include "support/numeric_jacobian.h"
 
 namespace cairn::fusion {

@@ -1,0 +1,46 @@
+// Reads place and camera from a photo's EXIF.
+#ifndef CAIRN_CORE_IMAGES_EXIF_H_
+#define CAIRN_CORE_IMAGES_EXIF_H_
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "core/geodesy.h"
+#include "core/geoid.h"
+
+namespace cairn {
+
+struct ExifInfo {
+  // Height as in the file. Latitude and longitude 0 are those of a receiver without a fix; they
+  // count as no position.
+  std::optional<Geodetic> gps;
+  bool has_altitude = false;
+  // Reference of the height: sea level by default; since EXIF 3, a file may state the ellipsoid.
+  HeightReference height_reference = HeightReference::kMeanSeaLevel;
+  // Horizontal error of the position, meters (GPSHPositioningError, iPhones among others);
+  // positive.
+  std::optional<double> gps_error_m;
+  // The turn or reflection that makes the stored picture upright: 1 (none) to 8.
+  int orientation = 1;
+  std::optional<double> focal_35mm;  // 35 mm equivalent focal length, millimeters.
+  int width_px = 0, height_px = 0;   // Of the stored picture.
+  // The size that the camera gave the picture (PixelXDimension); 0 if not stated. Of a picture that
+  // was cropped later, another one than that of the stored picture.
+  int original_width_px = 0, original_height_px = 0;
+  // A hash of make and model: the same for photos of cameras of one kind. 0 without.
+  uint64_t camera_kind = 0;
+  // When the photo was taken (DateTimeOriginal), in seconds since 1970 by the clock of the camera,
+  // whose time zone is not known.
+  std::optional<double> time_s;
+};
+
+// Photos without EXIF, and photos whose EXIF is damaged, give the values that can be read. Takes
+// time linear in the length of the photo's header and of its EXIF, of which at most the first
+// TiffDirectory::kMaxBytes are read, and allocates nothing. Throws Error(kBadInput) if the bytes
+// are not an image.
+ExifInfo ReadExif(std::span<const uint8_t> image_bytes);
+
+}  // namespace cairn
+
+#endif  // CAIRN_CORE_IMAGES_EXIF_H_

@@ -1,0 +1,20 @@
+// Matches two images with known poses along their epipolar lines.
+#ifndef CAIRN_CORE_SCENE_GUIDED_MATCHING_H_
+#define CAIRN_CORE_SCENE_GUIDED_MATCHING_H_
+
+#include <vector>
+
+#include "core/scene/tracks.h"
+#include "core/scene/posed_features.h"
+
+namespace cairn {
+
+// Returns the mutually best matches that pass the ratio test, ordered by a_idx. Sorts the planes
+// through both camera centers by their angle about the baseline, so that each keypoint is compared
+// only with candidates on its own epipolar line. Takes O(n log n) time and a few dozen descriptor
+// distances per keypoint.
+std::vector<FeatureMatch> MatchAlongEpipolarLines(const PosedFeatures& a, const PosedFeatures& b);
+
+}  // namespace cairn
+
+#endif  // CAIRN_CORE_SCENE_GUIDED_MATCHING_H_

@@ -1,0 +1,158 @@
+#include "core/scene/triangulate.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "core/statistics.h"
+
+namespace cairn {
+namespace {
+
+constexpr int kMaxIterations = 30;
+// Scale of Cauchy's loss, in standard deviations of a pixel.
+constexpr double kLossScaleSigmas = 2.0;
+// Smallest ratio of the smallest to the largest eigenvalue of a solvable system. Rays that span an
+// angle of 1e-4 radians give 1e-8.
+constexpr double kMinConditioning = 1e-9;
+
+bool IsSolvable(const Eigen::Matrix3d& hessian) {
+  const Eigen::Vector3d eigenvalues =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(hessian, Eigen::EigenvaluesOnly).eigenvalues();
+  return eigenvalues[0] > kMinConditioning * eigenvalues[2];
+}
+
+// The point with the smallest sum of squared distances to all rays.
+std::optional<Eigen::Vector3d> NearestToRays(std::span<const PointView> views) {
+  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d rhs = Eigen::Vector3d::Zero();
+  for (const PointView& view : views) {
+    const auto ray_in_cam = view.camera->Unproject(view.pixel);
+    if (!ray_in_cam) {
+      return std::nullopt;
+    }
+    const Rigid3d world_from_cam = view.cam_from_world.Inverse();
+    const Eigen::Vector3d ray = world_from_cam.rotation * *ray_in_cam;
+    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
+    hessian += across;
+    rhs += across * world_from_cam.translation;
+  }
+  if (!IsSolvable(hessian)) {
+    return std::nullopt;
+  }
+  return hessian.ldlt().solve(rhs);
+}
+
+// Normal equations of the reprojection errors in units of their sigmas.
+struct NormalEquations {
+  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+  double cost = 0.0;
+};
+
+// Returns nothing if the point is not visible in a view. `robust` applies Cauchy's loss.
+std::optional<NormalEquations> Linearize(std::span<const PointView> views,
+                                         const Eigen::Vector3d& x_in_world, bool robust) {
+  constexpr double kSqLossScale = kLossScaleSigmas * kLossScaleSigmas;
+  NormalEquations equations;
+  for (const PointView& view : views) {
+    Eigen::Matrix<double, 2, 3> pixel_by_cam;
+    const auto pixel =
+        view.camera->ProjectWithJacobian(view.cam_from_world * x_in_world, &pixel_by_cam);
+    if (!pixel) {
+      return std::nullopt;
+    }
+    const Eigen::Vector2d residual = (*pixel - view.pixel) / view.sigma_px;
+    const Eigen::Matrix<double, 2, 3> jacobian =
+        pixel_by_cam * view.cam_from_world.rotation.toRotationMatrix() / view.sigma_px;
+    const double sq_residual = residual.squaredNorm();
+    const double weight = robust ? 1.0 / (1.0 + sq_residual / kSqLossScale) : 1.0;
+    equations.hessian += weight * jacobian.transpose() * jacobian;
+    equations.gradient += weight * jacobian.transpose() * residual;
+    equations.cost += robust ? kSqLossScale * std::log1p(sq_residual / kSqLossScale) : sq_residual;
+  }
+  return equations;
+}
+
+}  // namespace
+
+double KeypointSigmaPx(double scale_px) { return std::max(0.5, 0.2 * scale_px); }
+
+std::vector<PointView> ViewsOf(const Reconstruction& reconstruction,
+                               const ReconLandmark& landmark) {
+  std::vector<PointView> views;
+  views.reserve(landmark.observations.size());
+  for (const ReconObservation& observation : landmark.observations) {
+    const ReconImage& image = reconstruction.images[observation.image_idx];
+    const Keypoint& keypoint = image.features.keypoints[observation.keypoint_idx];
+    views.push_back({&reconstruction.cameras[image.camera_idx], image.cam_from_world,
+                     Eigen::Vector2d(keypoint.x_px, keypoint.y_px),
+                     KeypointSigmaPx(keypoint.scale_px)});
+  }
+  return views;
+}
+
+std::optional<Eigen::Vector3d> TriangulatePoint(std::span<const PointView> views) {
+  if (views.size() < 2) {
+    return std::nullopt;
+  }
+  std::optional<Eigen::Vector3d> x_in_world = NearestToRays(views);
+  if (!x_in_world) {
+    return std::nullopt;
+  }
+  auto equations = Linearize(views, *x_in_world, /*robust=*/true);
+  if (!equations) {
+    return std::nullopt;
+  }
+
+  double damping = 1e-4;
+  for (int i = 0; i < kMaxIterations && damping < 1e6; ++i) {
+    Eigen::Matrix3d damped = equations->hessian;
+    damped.diagonal() *= 1.0 + damping;
+    const Eigen::Vector3d step = -damped.ldlt().solve(equations->gradient);
+    if (!step.allFinite()) {
+      return std::nullopt;
+    }
+    const Eigen::Vector3d candidate = *x_in_world + step;
+    const auto candidate_equations = Linearize(views, candidate, /*robust=*/true);
+    if (!candidate_equations || candidate_equations->cost > equations->cost) {
+      damping *= 10.0;
+      continue;
+    }
+    const bool converged =
+        equations->cost - candidate_equations->cost < 1e-9 * (1e-12 + equations->cost);
+    x_in_world = candidate;
+    equations = candidate_equations;
+    damping *= 0.1;
+    if (converged) {
+      break;
+    }
+  }
+  return x_in_world;
+}
+
+double PointUncertainty::Sigma() const { return std::sqrt(covariance.trace() / 3.0); }
+
+std::optional<PointUncertainty> EstimateUncertainty(std::span<const PointView> views,
+                                                    const Eigen::Vector3d& x_in_world) {
+  const auto equations = Linearize(views, x_in_world, /*robust=*/false);
+  if (views.size() < 2 || !equations || !IsSolvable(equations->hessian)) {
+    return std::nullopt;
+  }
+  const double degrees_of_freedom = 2.0 * views.size() - 3.0;
+  const double disagreement = std::max(1.0, equations->cost / degrees_of_freedom);
+
+  std::vector<double> errors_px;
+  for (const PointView& view : views) {
+    errors_px.push_back(
+        (*view.camera->Project(view.cam_from_world * x_in_world) - view.pixel).norm());
+  }
+  return PointUncertainty{disagreement * equations->hessian.inverse(),
+                          Median(std::move(errors_px))};
+}
+
+}  // namespace cairn
