@@ -11,7 +11,7 @@
 #include "core/error.h"
 #include "core/logging.h"
 #include "core/printable.h"
-#include "storage/bytes/content_digest.h"
+#include "storage/tile/content_digest.h"
 
 namespace cairn {
 namespace {

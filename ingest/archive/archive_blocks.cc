@@ -10,7 +10,7 @@
 
 #include "core/error.h"
 #include "core/printable.h"
-#include "storage/bytes/checksum.h"
+#include "storage/tile/checksum.h"
 
 namespace cairn::archive {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/scene/reconstruction.h"
-#include "storage/bytes/byte_io.h"
+#include "storage/tile/byte_io.h"
 
 namespace cairn::archive {
 

@@ -9,8 +9,8 @@
 
 #include "core/error.h"
 #include "ingest/archive/archive_blocks.h"
-#include "storage/bytes/byte_io.h"
-#include "storage/bytes/checksum.h"
+#include "storage/tile/byte_io.h"
+#include "storage/tile/checksum.h"
 #include "storage/map/utc_time.h"
 
 namespace cairn {

@@ -6,8 +6,8 @@
 #include "core/check.h"
 #include "ingest/plan/image_row.h"
 #include "ingest/plan/require_input.h"
-#include "storage/bytes/byte_io.h"
-#include "storage/bytes/checksum.h"
+#include "storage/tile/byte_io.h"
+#include "storage/tile/checksum.h"
 
 namespace cairn {
 namespace {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "storage/bytes/byte_io.h"
+#include "storage/tile/byte_io.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {

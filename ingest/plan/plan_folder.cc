@@ -15,7 +15,7 @@
 #include "core/shared_folder.h"
 #include "ingest/plan/built_tile_codec.h"
 #include "ingest/plan/shard_codec.h"
-#include "storage/bytes/content_digest.h"
+#include "storage/tile/content_digest.h"
 
 namespace cairn {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "ingest/plan/image_row.h"
 #include "ingest/plan/require_input.h"
-#include "storage/bytes/byte_io.h"
+#include "storage/tile/byte_io.h"
 
 namespace cairn {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <string_view>
 
-#include "storage/sqlite/connection.h"
+#include "storage/database/sqlite/connection.h"
 
 namespace cairn {
 

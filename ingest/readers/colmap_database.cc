@@ -13,8 +13,8 @@
 #include "core/printable.h"
 #include "ingest/readers/colmap_columns.h"
 #include "ingest/readers/descriptor_information.h"
-#include "storage/sqlite/connection.h"
-#include "storage/sqlite/limit_values.h"
+#include "storage/database/sqlite/connection.h"
+#include "storage/database/sqlite/limit_values.h"
 
 namespace cairn {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "core/logging.h"
 #include "ingest/readers/colmap_columns.h"
-#include "storage/sqlite/connection.h"
+#include "storage/database/sqlite/connection.h"
 
 namespace cairn {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "lab/colmap/colmap_ids.h"
 #include "lab/colmap/write_colmap.h"
-#include "storage/sqlite/connection.h"
+#include "storage/database/sqlite/connection.h"
 
 namespace cairn {
 namespace {

@@ -10,7 +10,7 @@
 #include "core/features.h"
 #include "core/images/gray_image.h"
 #include "core/images/image_header.h"
-#include "storage/bytes/byte_io.h"
+#include "storage/tile/byte_io.h"
 
 namespace cairn {
 namespace {

@@ -16,7 +16,7 @@
 #include "mapping/photos/group_cameras.h"
 #include "mapping/photos/photo_files.h"
 #include "mapping/photos/read_photo.h"
-#include "storage/bytes/content_digest.h"
+#include "storage/tile/content_digest.h"
 
 namespace cairn {
 namespace {

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/error.h"
-#include "storage/bytes/byte_io.h"
+#include "storage/tile/byte_io.h"
 
 namespace cairn {
 namespace {

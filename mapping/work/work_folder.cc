@@ -15,8 +15,8 @@
 #include "core/file_bytes.h"
 #include "core/printable.h"
 #include "core/replace_file.h"
-#include "storage/bytes/byte_io.h"
-#include "storage/bytes/checksum.h"
+#include "storage/tile/byte_io.h"
+#include "storage/tile/checksum.h"
 
 namespace cairn {
 namespace {

@@ -6,8 +6,8 @@
 #include <span>
 
 #include "core/error.h"
-#include "storage/bytes/byte_io.h"
-#include "storage/bytes/checksum.h"
+#include "storage/tile/byte_io.h"
+#include "storage/tile/checksum.h"
 #include "storage/tile/tile_checks.h"
 
 namespace cairn {

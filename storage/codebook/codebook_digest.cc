@@ -1,6 +1,6 @@
 #include "storage/codebook/codebook_digest.h"
 
-#include "storage/bytes/content_digest.h"
+#include "storage/tile/content_digest.h"
 
 namespace cairn {
 

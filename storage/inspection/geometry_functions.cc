@@ -2,7 +2,7 @@
 #include <optional>
 #include <span>
 
-#include "storage/geometry/geopackage.h"
+#include "storage/inspection/geopackage.h"
 #include "storage/inspection/register.h"
 #include "storage/inspection/sqlite_api.h"
 

@@ -9,8 +9,8 @@
 
 #include "core/error.h"
 #include "core/require.h"
-#include "storage/map/map_file.h"
-#include "storage/map/postgres_backend.h"
+#include "storage/map/internal/map_file.h"
+#include "storage/map/internal/postgres_backend.h"
 #include "storage/map/utc_time.h"
 
 namespace cairn {

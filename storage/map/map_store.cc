@@ -7,13 +7,13 @@
 
 #include "core/error.h"
 #include "storage/database/transaction.h"
-#include "storage/map/id_counters.h"
-#include "storage/map/map_check.h"
-#include "storage/map/map_file.h"
-#include "storage/map/map_internal.h"
-#include "storage/map/open_map.h"
-#include "storage/map/postgres_backend.h"
-#include "storage/map/sqlite_backend.h"
+#include "storage/map/internal/id_counters.h"
+#include "storage/map/internal/map_check.h"
+#include "storage/map/internal/map_file.h"
+#include "storage/map/internal/map_internal.h"
+#include "storage/map/internal/open_map.h"
+#include "storage/map/internal/postgres_backend.h"
+#include "storage/map/internal/sqlite_backend.h"
 
 namespace cairn {
 namespace {

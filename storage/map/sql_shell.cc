@@ -15,10 +15,10 @@
 #include "core/printable.h"
 #include "core/require.h"
 #include "storage/inspection/register.h"
-#include "storage/map/map_file.h"
-#include "storage/map/postgres_backend.h"
-#include "storage/sqlite/connection.h"
-#include "storage/sqlite/error.h"
+#include "storage/map/internal/map_file.h"
+#include "storage/map/internal/postgres_backend.h"
+#include "storage/database/sqlite/connection.h"
+#include "storage/database/sqlite/error.h"
 
 namespace cairn {
 namespace {

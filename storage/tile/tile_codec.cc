@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/error.h"
-#include "storage/bytes/byte_io.h"
+#include "storage/tile/byte_io.h"
 #include "storage/tile/morton.h"
 #include "storage/tile/tile_checks.h"
 #include "storage/tile/tile_columns.h"

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "core/simd.h"
-#include "storage/bytes/byte_io.h"
-#include "storage/bytes/checksum.h"
+#include "storage/tile/byte_io.h"
+#include "storage/tile/checksum.h"
 #include "storage/tile/tile.h"
 #include "storage/tile/tile_checks.h"
 #include "storage/tile/tile_parts.h"

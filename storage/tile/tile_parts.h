@@ -12,7 +12,7 @@
 #include "core/error.h"
 #include "core/rigid3.h"
 #include "core/tile_id.h"
-#include "storage/bytes/byte_io.h"
+#include "storage/tile/byte_io.h"
 
 namespace cairn {
 

@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 #include "fuzz/fuzz_target.h"
-#include "storage/postgres/result_row.h"
+#include "storage/database/postgres/result_row.h"
 
 namespace cairn {
 namespace {

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <vector>
 
-#include "storage/bytes/checksum.h"
+#include "storage/tile/checksum.h"
 
 namespace cairn::testing {
 

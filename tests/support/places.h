@@ -14,7 +14,7 @@
 #include "support/street_map.h"
 #include "support/tile_builder.h"
 #ifdef CAIRN_WITH_POSTGRES
-#include "storage/postgres/server.h"
+#include "storage/database/postgres/server.h"
 #endif
 
 namespace cairn::testing {

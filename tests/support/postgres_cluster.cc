@@ -17,7 +17,7 @@
 #include <thread>
 
 #include "core/error.h"
-#include "storage/postgres/server.h"
+#include "storage/database/postgres/server.h"
 
 namespace cairn::testing {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "storage/inspection/register.h"
 #ifdef CAIRN_WITH_POSTGRES
-#include "storage/postgres/server.h"
+#include "storage/database/postgres/server.h"
 #endif
 
 namespace cairn::testing {

@@ -16,7 +16,7 @@
 #include "engine/tiles/fetch_tiles.h"
 #include "engine/tiles/searchable_tile.h"
 #include "lab/rivals/index/index_methods.h"
-#include "storage/bytes/checksum.h"
+#include "storage/tile/checksum.h"
 #include "storage/codebook/descriptor_codec.h"
 #include "storage/tile/tile_codec.h"
 #include "storage/tile/tile_payload.h"

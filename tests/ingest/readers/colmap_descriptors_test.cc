@@ -14,7 +14,7 @@
 #include "ingest/readers/colmap_fixture.h"
 #include "ingest/readers/colmap_reader.h"
 #include "lab/colmap/colmap_ids.h"
-#include "storage/sqlite/connection.h"
+#include "storage/database/sqlite/connection.h"
 #include "support/test_data.h"
 
 namespace cairn {

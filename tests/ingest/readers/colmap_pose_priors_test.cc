@@ -9,7 +9,7 @@
 #include "ingest/georegister/georegister.h"
 #include "ingest/readers/colmap_fixture.h"
 #include "lab/colmap/write_colmap.h"
-#include "storage/sqlite/connection.h"
+#include "storage/database/sqlite/connection.h"
 #include "support/map_builder.h"
 #include "support/raw_sql.h"
 #include "support/reconstruction_builder.h"

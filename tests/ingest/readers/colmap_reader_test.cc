@@ -13,7 +13,7 @@
 #include "ingest/readers/colmap_model.h"
 #include "lab/colmap/write_colmap.h"
 #include "storage/codebook/descriptor_codec.h"
-#include "storage/sqlite/connection.h"
+#include "storage/database/sqlite/connection.h"
 #include "support/map_builder.h"
 #include "support/raw_sql.h"
 #include "support/reconstruction_builder.h"

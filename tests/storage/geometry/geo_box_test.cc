@@ -1,4 +1,4 @@
-#include "storage/geometry/geo_box.h"
+#include "storage/inspection/geo_box.h"
 
 #include <gtest/gtest.h>
 

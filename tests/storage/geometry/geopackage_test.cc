@@ -1,4 +1,4 @@
-#include "storage/geometry/geopackage.h"
+#include "storage/inspection/geopackage.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

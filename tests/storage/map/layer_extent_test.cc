@@ -1,4 +1,4 @@
-#include "storage/map/layer_extent.h"
+#include "storage/map/internal/layer_extent.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

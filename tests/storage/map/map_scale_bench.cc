@@ -9,10 +9,10 @@
 #include <map>
 #include <string>
 
-#include "storage/map/map_file.h"
+#include "storage/map/internal/map_file.h"
 #include "storage/map/map_store.h"
-#include "storage/map/sqlite_database.h"
-#include "storage/map/version_queries.h"
+#include "storage/map/internal/sqlite_database.h"
+#include "storage/map/internal/version_queries.h"
 #include "support/map_builder.h"
 #include "support/temp_dir.h"
 #include "support/tile_builder.h"

@@ -1,6 +1,6 @@
 // Tests maps with foreign tables, views and triggers, and maps whose pages refer to each other in
 // circles.
-#include "storage/map/map_schema.h"
+#include "storage/map/internal/map_schema.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -11,8 +11,8 @@
 
 #include "core/error.h"
 #include "storage/map/map_store.h"
-#include "storage/sqlite/connection.h"
-#include "storage/sqlite/transaction.h"
+#include "storage/database/sqlite/connection.h"
+#include "storage/database/sqlite/transaction.h"
 #include "support/temp_dir.h"
 
 namespace cairn {

@@ -15,7 +15,7 @@
 
 #include "core/angles.h"
 #include "storage/map/map_store.h"
-#include "storage/postgres/server.h"
+#include "storage/database/postgres/server.h"
 #include "support/map_builder.h"
 #include "support/postgres_cluster.h"
 #include "support/tile_builder.h"

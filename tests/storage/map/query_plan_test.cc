@@ -4,10 +4,10 @@
 
 #include <string>
 
-#include "storage/map/map_file.h"
-#include "storage/map/map_queries.h"
-#include "storage/map/tile_pages.h"
-#include "storage/map/version_queries.h"
+#include "storage/map/internal/map_file.h"
+#include "storage/map/internal/map_queries.h"
+#include "storage/map/internal/tile_pages.h"
+#include "storage/map/internal/version_queries.h"
 #include "support/street_map.h"
 #include "support/temp_dir.h"
 

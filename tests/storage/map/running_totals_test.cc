@@ -1,4 +1,4 @@
-#include "storage/map/running_totals.h"
+#include "storage/map/internal/running_totals.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "storage/geometry/geo_box.h"
+#include "storage/inspection/geo_box.h"
 #include "support/map_builder.h"
 
 namespace cairn {

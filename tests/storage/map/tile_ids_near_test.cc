@@ -1,4 +1,4 @@
-#include "storage/map/tile_ids_near.h"
+#include "storage/map/internal/tile_ids_near.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 
 #include "core/angles.h"
 #include "core/tile_id.h"
-#include "storage/geometry/geo_box.h"
+#include "storage/inspection/geo_box.h"
 
 namespace cairn {
 namespace {

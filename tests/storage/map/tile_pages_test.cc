@@ -1,5 +1,5 @@
 // Tests the listing of tiles page by page.
-#include "storage/map/tile_pages.h"
+#include "storage/map/internal/tile_pages.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

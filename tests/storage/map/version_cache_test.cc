@@ -1,4 +1,4 @@
-#include "storage/map/version_cache.h"
+#include "storage/map/internal/version_cache.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

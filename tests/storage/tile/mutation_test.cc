@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "storage/bytes/checksum.h"
+#include "storage/tile/checksum.h"
 #include "storage/codebook/codebook.h"
 #include "storage/tile/tile_codec.h"
 #include "support/tile_builder.h"

@@ -1,0 +1,194 @@
+#include "storage/map/internal/as_of_queries.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "core/error.h"
+#include "storage/inspection/geo_box.h"
+#include "storage/map/internal/map_queries.h"
+#include "storage/map/internal/tile_pages.h"
+#include "storage/map/internal/version_queries.h"
+
+namespace cairn::as_of {
+namespace {
+
+TileId IdOf(const TileRecord& tile) { return tile.tile_id; }
+SessionId IdOf(const SessionRecord& session) { return session.id; }
+KeyframeId IdOf(const KeyframeRecord& keyframe) { return keyframe.id; }
+
+// Adds the rows of past(connection, version) that `keep` accepts to `records`, which were read from
+// the tables of the latest version when it was `latest` or before. Sorts by id and drops repeated
+// rows.
+template <typename Record, typename Past, typename Keep>
+void AddPastBefore(MapVersion latest, db::Connection* connection, MapVersion version,
+                   const Past& past, const Keep& keep, std::vector<Record>* records) {
+  if (latest == version) {
+    return;
+  }
+  if (latest < version) {
+    throw Error(ErrorCode::kUnavailable,
+                fmt::format("{}: the server has lost version {}; try again", connection->name(),
+                            Value(version)));
+  }
+  std::vector<Record> removed = past(connection, version);
+  std::copy_if(std::make_move_iterator(removed.begin()), std::make_move_iterator(removed.end()),
+               std::back_inserter(*records), keep);
+  RequireKept(connection, version);
+  std::stable_sort(records->begin(), records->end(),
+                   [](const Record& a, const Record& b) { return IdOf(a) < IdOf(b); });
+  records->erase(std::unique(records->begin(), records->end(),
+                             [](const Record& a, const Record& b) { return IdOf(a) == IdOf(b); }),
+                 records->end());
+}
+
+template <typename Record, typename Past, typename Keep>
+void AddPast(db::Connection* connection, MapVersion version, const Past& past, const Keep& keep,
+             std::vector<Record>* records) {
+  AddPastBefore(queries::LatestVersion(connection), connection, version, past, keep, records);
+}
+
+template <typename Record>
+std::optional<Record> FirstOf(std::vector<Record> records) {
+  return records.empty() ? std::nullopt : std::optional<Record>(std::move(records.front()));
+}
+
+template <typename Record>
+std::vector<Record> ListOf(std::optional<Record> record) {
+  std::vector<Record> list;
+  if (record) {
+    list.push_back(*std::move(record));
+  }
+  return list;
+}
+
+}  // namespace
+
+void RequireKept(db::Connection* connection, MapVersion version) {
+  if (!queries::HasVersion(connection, version)) {
+    throw Error(ErrorCode::kUnavailable,
+                fmt::format("{}: version {} was pruned while it was being read; try again",
+                            connection->name(), Value(version)));
+  }
+}
+
+MapInfo Info(db::Connection* connection, MapVersion version) {
+  try {
+    return queries::Info(connection, version);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::kNotFound) {
+      RequireKept(connection, version);
+    }
+    throw;
+  }
+}
+
+std::vector<TileRecord> FindTiles(db::Connection* connection, const GeoBox& box,
+                                  MapVersion version) {
+  std::vector<TileRecord> tiles = queries::FindTiles(connection, box, version);
+  AddPast(
+      connection, version, queries::PastTiles,
+      [&](const TileRecord& tile) { return BoxesMeet(tile.tile_id.Bounds(), box); }, &tiles);
+  return tiles;
+}
+
+std::vector<TileRecord> AllTiles(db::Connection* connection, int64_t limit, MapVersion version) {
+  std::vector<TileRecord> tiles = queries::AllTiles(connection, limit, version);
+  AddPast(
+      connection, version, queries::PastTiles, [](const TileRecord&) { return true; }, &tiles);
+  tiles.resize(std::min(tiles.size(), static_cast<size_t>(std::max<int64_t>(limit, 0))));
+  return tiles;
+}
+
+TilePage FindTilePage(db::Connection* connection, const TilePageRequest& request,
+                      MapVersion version) {
+  TilePage page = queries::FindTilePage(connection, request, version);
+  const auto is_in_page = [&](const TileRecord& tile) {
+    return (!request.after || *request.after < tile.tile_id) &&
+           (!page.resume_after || !(*page.resume_after < tile.tile_id)) &&
+           (!request.box || BoxesMeet(tile.tile_id.Bounds(), *request.box));
+  };
+  AddPast(connection, version, queries::PastTiles, is_in_page, &page.tiles);
+  if (page.tiles.size() > static_cast<size_t>(request.limit)) {
+    page.tiles.resize(request.limit);
+    page.resume_after = page.tiles.back().tile_id;
+  }
+  return page;
+}
+
+std::optional<TileRecord> FindTile(db::Connection* connection, TileId tile_id, MapVersion version) {
+  std::vector<TileRecord> tiles = ListOf(queries::FindTile(connection, tile_id, version));
+  AddPast(
+      connection, version, queries::PastTiles,
+      [&](const TileRecord& tile) { return tile.tile_id == tile_id; }, &tiles);
+  return FirstOf(std::move(tiles));
+}
+
+std::vector<TileRecord> TilesWithIds(db::Connection* connection, const std::vector<int64_t>& ids,
+                                     MapVersion version) {
+  queries::TilesAndLatest found = queries::TilesWithIds(connection, ids, version);
+  const auto is_wanted = [&](const TileRecord& tile) {
+    return std::binary_search(ids.begin(), ids.end(), static_cast<int64_t>(tile.tile_id.value()));
+  };
+  AddPastBefore(found.latest, connection, version, queries::PastTiles, is_wanted, &found.tiles);
+  return std::move(found.tiles);
+}
+
+LargeVector<uint8_t> LoadPayload(db::Connection* connection, PayloadId payload_id,
+                                 MapVersion version) {
+  try {
+    return queries::LoadPayload(connection, payload_id);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::kMapDamaged) {
+      RequireKept(connection, version);
+    }
+    throw;
+  }
+}
+
+CodebookId CurrentCodebookId(db::Connection* connection, MapVersion version) {
+  const CodebookId codebook_id = queries::CodebookOfVersion(connection, version);
+  RequireKept(connection, version);
+  return codebook_id;
+}
+
+std::vector<SessionRecord> Sessions(db::Connection* connection, MapVersion version) {
+  std::vector<SessionRecord> sessions = queries::Sessions(connection, version);
+  AddPast(
+      connection, version, queries::PastSessions, [](const SessionRecord&) { return true; },
+      &sessions);
+  return sessions;
+}
+
+std::optional<SessionRecord> FindSession(db::Connection* connection, const std::string& name,
+                                         MapVersion version) {
+  std::vector<SessionRecord> sessions = ListOf(queries::FindSession(connection, name, version));
+  AddPast(
+      connection, version, queries::PastSessions,
+      [&](const SessionRecord& session) { return session.name == name; }, &sessions);
+  return FirstOf(std::move(sessions));
+}
+
+std::vector<KeyframeRecord> KeyframesOfSession(db::Connection* connection, SessionId session_id,
+                                               MapVersion version) {
+  std::vector<KeyframeRecord> keyframes =
+      queries::KeyframesOfSession(connection, session_id, version);
+  AddPast(
+      connection, version, queries::PastKeyframes,
+      [&](const KeyframeRecord& keyframe) { return keyframe.session_id == session_id; },
+      &keyframes);
+  return keyframes;
+}
+
+std::vector<KeyframeRecord> KeyframesOfTile(db::Connection* connection, TileId tile_id,
+                                            MapVersion version) {
+  std::vector<KeyframeRecord> keyframes = queries::KeyframesOfTile(connection, tile_id, version);
+  AddPast(
+      connection, version, queries::PastKeyframes,
+      [&](const KeyframeRecord& keyframe) { return keyframe.tile_id == tile_id; }, &keyframes);
+  return keyframes;
+}
+
+}  // namespace cairn::as_of

@@ -1,9 +1,0 @@
-#include "storage/map/postgres_backend.h"
-
-namespace cairn {
-
-bool IsServerAddress(const std::string& path) {
-  return path.starts_with("postgresql://") || path.starts_with("postgres://");
-}
-
-}  // namespace cairn
