@@ -3,7 +3,7 @@
 // A loop is written plainly, or, where the compiler does not see the vectors in it, over Lanes; one
 // of the macros below compiles it for several instruction sets, and the loader takes the best that
 // the processor has. Intrinsics are for what the compiler cannot express; they live in
-// engine/index/kernels (see intrinsics.h there), beside a plain version that tests compare.
+// engine/index (see intrinsics.h there), beside a plain version that tests compare.
 #ifndef CAIRN_CORE_SIMD_H_
 #define CAIRN_CORE_SIMD_H_
 

@@ -4,8 +4,8 @@
 #include <map>
 
 #include "engine/find_candidates.h"
-#include "engine/focal/focal_refinement.h"
-#include "engine/focal/focal_search.h"
+#include "engine/pose/focal_refinement.h"
+#include "engine/pose/focal_search.h"
 #include "engine/pose/estimate_candidate_poses.h"
 #include "engine/query/build_query_context.h"
 #include "engine/refinement/match_keyframes.h"

@@ -5,8 +5,8 @@
 #include <tuple>
 #include <utility>
 
-#include "engine/focal/focal_refinement.h"
-#include "engine/focal/focal_search.h"
+#include "engine/pose/focal_refinement.h"
+#include "engine/pose/focal_search.h"
 #include "engine/pose/estimate_pose.h"
 
 namespace cairn {

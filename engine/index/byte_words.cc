@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/random.h"
-#include "engine/index/kernels/distance_kernels.h"
+#include "engine/index/distance_kernels.h"
 
 namespace cairn {
 namespace {

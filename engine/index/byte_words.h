@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "engine/index/kernels/blocked_rows.h"
-#include "engine/index/kernels/byte_descriptors.h"
+#include "engine/index/blocked_rows.h"
+#include "engine/index/byte_descriptors.h"
 
 namespace cairn {
 

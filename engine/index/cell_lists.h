@@ -14,9 +14,9 @@
 #include <span>
 #include <vector>
 
-#include "engine/index/kernels/blocked_rows.h"
-#include "engine/index/kernels/byte_descriptors.h"
-#include "engine/index/kernels/hit_collector.h"
+#include "engine/index/blocked_rows.h"
+#include "engine/index/byte_descriptors.h"
+#include "engine/index/hit_collector.h"
 #include "storage/tile/tile_lists.h"
 
 namespace cairn {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/index/kernels/byte_descriptors.h"
+#include "engine/index/byte_descriptors.h"
 #include "engine/index/matching_index.h"
 
 namespace cairn {

@@ -9,7 +9,7 @@
 
 #include "engine/index/byte_words.h"
 #include "engine/index/cell_lists.h"
-#include "engine/index/kernels/code_expansion.h"
+#include "engine/index/code_expansion.h"
 #include "engine/index/matching_index.h"
 #include "storage/tile/tile_lists.h"
 

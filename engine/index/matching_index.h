@@ -11,7 +11,7 @@
 
 #include "core/features.h"
 #include "engine/index/index_options.h"
-#include "engine/index/kernels/hit_collector.h"
+#include "engine/index/hit_collector.h"
 #include "storage/codebook/codebook.h"
 #include "storage/tile/tile_lists.h"
 

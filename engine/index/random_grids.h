@@ -16,7 +16,7 @@
 #include "engine/index/cell_hasher.h"
 #include "engine/index/cell_lists.h"
 #include "engine/index/hash_buckets.h"
-#include "engine/index/kernels/code_expansion.h"
+#include "engine/index/code_expansion.h"
 #include "engine/index/matching_index.h"
 #include "storage/codebook/codebook.h"
 

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/index/kernels/hit_collector.h"
+#include "engine/index/hit_collector.h"
 #include "engine/matching/matching_options.h"
 #include "engine/query/query_context.h"
 #include "engine/tiles/descriptor_places.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/index/kernels/distance_kernels.h"
+#include "engine/index/distance_kernels.h"
 
 namespace cairn {
 namespace {

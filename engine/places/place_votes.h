@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/geodesy.h"
-#include "engine/index/kernels/hit_collector.h"
+#include "engine/index/hit_collector.h"
 #include "engine/places/place_segment.h"
 #include "engine/query/query_context.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/pose/pose_options.h"
-#include "engine/pose/sampling/sequential_test.h"
+#include "engine/pose/sequential_test.h"
 
 namespace cairn {
 

@@ -8,10 +8,10 @@
 
 #include "core/angles.h"
 #include "core/frames.h"
-#include "engine/pose/evidence/evidence.h"
-#include "engine/pose/least_squares/refine_pose.h"
+#include "engine/pose/evidence.h"
+#include "engine/pose/refine_pose.h"
 #include "engine/pose/pose_ransac_problem.h"
-#include "engine/pose/sampling/ransac.h"
+#include "engine/pose/ransac.h"
 
 namespace cairn {
 namespace {

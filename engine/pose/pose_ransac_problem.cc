@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "engine/pose/solvers/gravity_two_point.h"
-#include "engine/pose/solvers/p3p.h"
+#include "engine/pose/gravity_two_point.h"
+#include "engine/pose/p3p.h"
 
 namespace cairn {
 namespace {

@@ -15,7 +15,7 @@
 
 #include "core/error.h"
 #include "core/parallel_for.h"
-#include "engine/prior/search_region.h"
+#include "engine/tiles/search_region.h"
 #include "storage/tile/tile_codec.h"
 
 namespace cairn {

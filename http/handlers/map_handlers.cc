@@ -10,7 +10,7 @@
 
 #include "core/angles.h"
 #include "core/cell_name.h"
-#include "engine/prior/search_region.h"
+#include "engine/tiles/search_region.h"
 #include "http/handlers/compact_response.h"
 #include "http/json/tile_square.h"
 #include "http/json/version_json.h"

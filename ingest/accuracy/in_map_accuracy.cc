@@ -6,7 +6,7 @@
 
 #include "core/radius68.h"
 #include "engine/answer/score_calibration.h"
-#include "engine/pose/least_squares/refine_pose.h"
+#include "engine/pose/refine_pose.h"
 #include "core/scene/triangulate.h"
 
 namespace cairn {

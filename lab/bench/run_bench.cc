@@ -19,7 +19,7 @@
 #include "core/large_vector.h"
 #include "core/require.h"
 #include "core/statistics.h"
-#include "engine/index/kernels/byte_descriptors.h"
+#include "engine/index/byte_descriptors.h"
 #include "engine/localizer.h"
 #include "engine/tiles/searchable_tile.h"
 #include "lab/bench/thread_cpu_clock.h"

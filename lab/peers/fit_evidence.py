@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Fits the engine's EvidenceModel (engine/pose/evidence/evidence_model.h) to inliers of answers.
+"""Fits the engine's EvidenceModel (engine/pose/evidence_model.h) to inliers of answers.
 
 Reads files of `cairn eval --matches-csv`. The --right files come from queries that show places of the map. The
 --chance files come from queries from elsewhere (`--elsewhere` or `--permute-descriptors`). Both must be made with

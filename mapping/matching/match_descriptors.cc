@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "core/simd.h"
-#include "engine/index/kernels/blocked_rows.h"
+#include "engine/index/blocked_rows.h"
 
 namespace cairn {
 namespace {

@@ -8,7 +8,7 @@
 #include "core/parallel_for.h"
 #include "core/random.h"
 #include "core/require.h"
-#include "engine/pose/sampling/ransac.h"
+#include "engine/pose/ransac.h"
 #include "core/scene/triangulate.h"
 #include "mapping/matching/relative_pose.h"
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/parallel_for.h"
-#include "engine/prior/search_region.h"
+#include "engine/tiles/search_region.h"
 #include "engine/query/build_query_context.h"
 #include "engine/query/localize_result.h"
 #include "engine/tiles/fetch_tiles.h"

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/parallel_for.h"
-#include "engine/index/kernels/byte_descriptors.h"
+#include "engine/index/byte_descriptors.h"
 #include "engine/index/product_words.h"
 #include "lab/experiments/runs/descriptor_looks.h"
 #include "lab/experiments/runs/runs.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/answer/view_recall.h"
-#include "engine/prior/pose_share.h"
+#include "engine/tiles/pose_share.h"
 #include "support/tile_builder.h"
 
 namespace cairn {

@@ -1,4 +1,4 @@
-#include "engine/index/kernels/blocked_rows.h"
+#include "engine/index/blocked_rows.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "engine/index/kernels/byte_scale.h"
-#include "engine/index/kernels/distance_kernels.h"
+#include "engine/index/byte_scale.h"
+#include "engine/index/distance_kernels.h"
 #include "support/tile_builder.h"
 
 namespace cairn {

@@ -1,4 +1,4 @@
-#include "engine/index/kernels/byte_descriptors.h"
+#include "engine/index/byte_descriptors.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

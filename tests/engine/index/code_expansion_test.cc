@@ -1,4 +1,4 @@
-#include "engine/index/kernels/code_expansion.h"
+#include "engine/index/code_expansion.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "engine/index/kernels/block_kernels.h"
+#include "engine/index/block_kernels.h"
 #include "support/tile_builder.h"
 
 namespace cairn {

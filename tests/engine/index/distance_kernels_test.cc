@@ -1,4 +1,4 @@
-#include "engine/index/kernels/distance_kernels.h"
+#include "engine/index/distance_kernels.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "engine/index/kernels/hit_collector.h"
+#include "engine/index/hit_collector.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

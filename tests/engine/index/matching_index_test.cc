@@ -22,7 +22,7 @@
 #include "core/large_vector.h"
 #include "engine/index/distance_statistics.h"
 #include "engine/index/inverted_lists.h"
-#include "engine/index/kernels/byte_descriptors.h"
+#include "engine/index/byte_descriptors.h"
 #include "engine/index/synthetic_descriptors.h"
 #include "lab/rivals/index/index_methods.h"
 #include "storage/codebook/descriptor_codec.h"

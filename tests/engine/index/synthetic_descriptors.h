@@ -17,7 +17,7 @@
 
 #include "core/features.h"
 #include "engine/index/distance_statistics.h"
-#include "engine/index/kernels/byte_descriptors.h"
+#include "engine/index/byte_descriptors.h"
 #include "storage/codebook/codebook.h"
 #include "storage/codebook/descriptor_codec.h"
 

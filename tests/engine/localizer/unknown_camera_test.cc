@@ -8,7 +8,7 @@
 
 #include "core/angles.h"
 #include "core/error.h"
-#include "engine/focal/focal_search.h"
+#include "engine/pose/focal_search.h"
 #include "engine/localizer/mapped_streets.h"
 
 namespace cairn {

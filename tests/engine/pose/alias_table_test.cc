@@ -1,4 +1,4 @@
-#include "engine/pose/sampling/alias_table.h"
+#include "engine/pose/alias_table.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

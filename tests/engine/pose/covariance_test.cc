@@ -4,7 +4,7 @@
 #include <Eigen/Cholesky>
 
 #include "engine/pose/estimate_pose.h"
-#include "engine/pose/least_squares/pose_residuals.h"
+#include "engine/pose/pose_residuals.h"
 #include "support/cameras.h"
 #include "support/pose_scene.h"
 

@@ -1,4 +1,4 @@
-#include "engine/pose/evidence/effective_inliers.h"
+#include "engine/pose/effective_inliers.h"
 
 #include <gtest/gtest.h>
 

@@ -18,9 +18,9 @@
 
 #include "core/angles.h"
 #include "engine/pose/estimate_pose.h"
-#include "engine/pose/evidence/evidence.h"
-#include "engine/pose/solvers/gravity_two_point.h"
-#include "engine/pose/solvers/p3p.h"
+#include "engine/pose/evidence.h"
+#include "engine/pose/gravity_two_point.h"
+#include "engine/pose/p3p.h"
 #include "support/pose_scene.h"
 
 namespace cairn {

@@ -1,4 +1,4 @@
-#include "engine/pose/evidence/evidence.h"
+#include "engine/pose/evidence.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/error.h"
-#include "engine/pose/evidence/effective_inliers.h"
-#include "engine/pose/evidence/landmark_density.h"
+#include "engine/pose/effective_inliers.h"
+#include "engine/pose/landmark_density.h"
 #include "support/pose_scene.h"
 
 namespace cairn {

@@ -1,4 +1,4 @@
-#include "engine/pose/solvers/gravity_two_point.h"
+#include "engine/pose/gravity_two_point.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine/pose/least_squares/normal_equations.h"
+#include "engine/pose/normal_equations.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine/pose/solvers/p3p.h"
+#include "engine/pose/p3p.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine/pose/least_squares/pose_residuals.h"
+#include "engine/pose/pose_residuals.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine/pose/sampling/ransac.h"
+#include "engine/pose/ransac.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine/pose/least_squares/refine_camera.h"
+#include "engine/pose/refine_camera.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 
 #include "core/angles.h"
 #include "engine/pose/estimate_pose.h"
-#include "engine/pose/evidence/evidence.h"
+#include "engine/pose/evidence.h"
 #include "engine/pose/scene_estimate.h"
 #include "support/pose_scene.h"
 

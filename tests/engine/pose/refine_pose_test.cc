@@ -1,11 +1,11 @@
-#include "engine/pose/least_squares/refine_pose.h"
+#include "engine/pose/refine_pose.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
 #include <random>
 
-#include "engine/pose/least_squares/pose_residuals.h"
+#include "engine/pose/pose_residuals.h"
 #include "support/cameras.h"
 #include "support/pose_scene.h"
 

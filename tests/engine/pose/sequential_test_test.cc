@@ -1,4 +1,4 @@
-#include "engine/pose/sampling/sequential_test.h"
+#include "engine/pose/sequential_test.h"
 
 #include <gtest/gtest.h>
 

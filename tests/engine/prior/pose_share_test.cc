@@ -1,4 +1,4 @@
-#include "engine/prior/pose_share.h"
+#include "engine/tiles/pose_share.h"
 
 #include <gtest/gtest.h>
 

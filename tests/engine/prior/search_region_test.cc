@@ -1,11 +1,11 @@
-#include "engine/prior/search_region.h"
+#include "engine/tiles/search_region.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "core/error.h"
-#include "engine/prior/pose_share.h"
+#include "engine/tiles/pose_share.h"
 
 namespace cairn {
 namespace {

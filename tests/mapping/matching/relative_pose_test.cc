@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "core/random.h"
-#include "engine/pose/sampling/ransac.h"
+#include "engine/pose/ransac.h"
 
 namespace cairn {
 namespace {
