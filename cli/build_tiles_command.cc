@@ -8,7 +8,7 @@
 
 #include "cli/ingest_summary.h"
 #include "cli/shell.h"
-#include "ingest/plan/run_plan.h"
+#include "ingest/maps/run_plan.h"
 
 namespace cairn {
 namespace {

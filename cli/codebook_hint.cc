@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "core/printable.h"
-#include "ingest/quantize/train_codebook.h"
+#include "ingest/codebook/train_codebook.h"
 
 namespace cairn {
 namespace {

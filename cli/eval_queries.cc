@@ -11,7 +11,7 @@
 #include "core/logging.h"
 #include "core/printable.h"
 #include "eval/reference_alignment.h"
-#include "ingest/readers/colmap_reader.h"
+#include "ingest/colmap/colmap_reader.h"
 
 namespace cairn {
 namespace {

@@ -14,7 +14,7 @@
 #include "cli/shell.h"
 #include "core/angles.h"
 #include "core/printable.h"
-#include "ingest/quantize/shipped_codebook.h"
+#include "ingest/codebook/shipped_codebook.h"
 #include "storage/codebook/codebook_digest.h"
 #include "storage/map/map_store.h"
 

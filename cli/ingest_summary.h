@@ -5,7 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "ingest/georegister/georegister.h"
+#include "ingest/place/georegister.h"
 #include "ingest/ingest_report.h"
 
 namespace cairn {

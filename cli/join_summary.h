@@ -5,8 +5,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "ingest/coregister/ask_keyframes.h"
-#include "ingest/coregister/compare_with_map.h"
+#include "ingest/place/ask_keyframes.h"
+#include "ingest/place/compare_with_map.h"
 #include "ingest/tile_changes.h"
 
 namespace cairn {

@@ -11,7 +11,7 @@
 #include "cli/shell.h"
 #include "core/parallel_for.h"
 #include "core/printable.h"
-#include "ingest/merge_maps.h"
+#include "ingest/maps/merge_maps.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "ingest/georegister/georegister.h"
+#include "ingest/place/georegister.h"
 #include "core/scene/reconstruction.h"
 
 namespace cairn {

@@ -14,7 +14,7 @@
 #include "cli/shell.h"
 #include "core/parallel_for.h"
 #include "core/printable.h"
-#include "ingest/plan/plan_folder.h"
+#include "ingest/maps/plan_folder.h"
 #include "ingest/plan_session.h"
 #include "storage/map/map_store.h"
 

@@ -7,7 +7,7 @@
 #include "cli/session_arguments.h"
 #include "cli/shell.h"
 #include "core/parallel_for.h"
-#include "ingest/plan/run_plan.h"
+#include "ingest/maps/run_plan.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {

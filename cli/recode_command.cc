@@ -7,8 +7,8 @@
 
 #include "cli/shell.h"
 #include "core/printable.h"
-#include "ingest/recode/load_codebook.h"
-#include "ingest/recode_map.h"
+#include "ingest/codebook/load_codebook.h"
+#include "ingest/maps/recode_map.h"
 #include "storage/codebook/codebook_digest.h"
 #include "storage/map/map_store.h"
 

@@ -11,7 +11,7 @@
 #include "cli/photo_orientations.h"
 #include "core/error.h"
 #include "core/printable.h"
-#include "ingest/georegister/position_checks.h"
+#include "ingest/place/position_checks.h"
 
 namespace cairn {
 namespace {

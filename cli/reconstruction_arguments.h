@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "ingest/georegister/georegister.h"
+#include "ingest/place/georegister.h"
 #include "core/scene/reconstruction.h"
 
 namespace CLI {

@@ -7,7 +7,7 @@
 
 #include "cli/shell.h"
 #include "core/printable.h"
-#include "ingest/remove_session.h"
+#include "ingest/maps/remove_session.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {

@@ -6,7 +6,7 @@
 
 #include "cli/options/cairn_options.h"
 #include "core/rigid3.h"
-#include "ingest/archive/archive_folder.h"
+#include "ingest/maps/archive_folder.h"
 #include "ingest/plan_session.h"
 #include "storage/map/map_store.h"
 

@@ -8,7 +8,7 @@
 #include "cli/choice_option.h"
 #include "cli/options_file.h"
 #include "core/error.h"
-#include "ingest/readers/colmap_reader.h"
+#include "ingest/colmap/colmap_reader.h"
 
 namespace cairn {
 namespace {

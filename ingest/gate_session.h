@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <functional>
 
-#include "ingest/coregister/ask_keyframes.h"
+#include "ingest/place/ask_keyframes.h"
 #include "ingest/session_plan.h"
 #include "ingest/session_tile_builder.h"
 #include "storage/map/map_store.h"

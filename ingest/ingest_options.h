@@ -5,13 +5,13 @@
 #include <chrono>
 #include <string>
 
-#include "ingest/merging/landmark_history.h"
-#include "ingest/merging/link_landmarks.h"
-#include "ingest/merging/merge_tiles.h"
-#include "ingest/merging/viewpoints.h"
-#include "ingest/quantize/train_codebook.h"
-#include "ingest/summarize/appearance.h"
-#include "ingest/summarize/landmark_selection.h"
+#include "ingest/tiles/landmark_history.h"
+#include "ingest/tiles/link_landmarks.h"
+#include "ingest/tiles/merge_tiles.h"
+#include "ingest/tiles/viewpoints.h"
+#include "ingest/codebook/train_codebook.h"
+#include "ingest/tiles/appearance.h"
+#include "ingest/tiles/landmark_selection.h"
 
 namespace cairn {
 
@@ -39,7 +39,7 @@ struct AgreementOptions {
   void Validate() const;
 };
 
-// What an update may take from the map. See AskKeyframes (ingest/coregister/ask_keyframes.h).
+// What an update may take from the map. See AskKeyframes (ingest/place/ask_keyframes.h).
 struct GateOptions {
   // Share of the map's keyframes, of those that are asked for, that may lose their answer. Normal
   // updates lose none or few, since places change; a misplaced session takes most.
@@ -63,7 +63,7 @@ struct UpkeepOptions {
 };
 
 // All options that change the content of a tile. A plan stores them (docs/formats/plan_v1.md), so a
-// new member needs a line in ingest/plan/plan_options.h, which does not compile without.
+// new member needs a line in ingest/maps/plan_options.h, which does not compile without.
 struct TileOptions {
   SessionJoining joining = SessionJoining::kJoin;
   LandmarkSelectionOptions selection;

@@ -4,12 +4,12 @@
 #include <optional>
 #include <set>
 
-#include "ingest/merging/admit_landmarks.h"
-#include "ingest/merging/merge_tiles.h"
-#include "ingest/merging/place_budget.h"
-#include "ingest/merging/viewpoints.h"
+#include "ingest/tiles/admit_landmarks.h"
+#include "ingest/tiles/merge_tiles.h"
+#include "ingest/tiles/place_budget.h"
+#include "ingest/tiles/viewpoints.h"
 #include "ingest/tile_upkeep.h"
-#include "ingest/tiling/tile_edit.h"
+#include "ingest/tiles/tile_edit.h"
 
 namespace cairn {
 namespace {

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "ingest/ingest_options.h"
-#include "ingest/merging/landmark_history.h"
-#include "ingest/summarize/appearance.h"
-#include "ingest/summarize/landmark_selection.h"
+#include "ingest/tiles/landmark_history.h"
+#include "ingest/tiles/appearance.h"
+#include "ingest/tiles/landmark_selection.h"
 #include "ingest/tile_changes.h"
 #include "storage/codebook/descriptor_codec.h"
 #include "storage/tile/tile.h"

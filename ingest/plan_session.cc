@@ -10,9 +10,9 @@
 
 #include "core/error.h"
 #include "core/printable.h"
-#include "ingest/accuracy/in_map_accuracy.h"
-#include "ingest/merging/link_landmarks.h"
-#include "ingest/quantize/choose_codebook.h"
+#include "ingest/place/in_map_accuracy.h"
+#include "ingest/tiles/link_landmarks.h"
+#include "ingest/codebook/choose_codebook.h"
 #include "ingest/scratch_map.h"
 #include "ingest/session_digest.h"
 #include "ingest/session_placement.h"

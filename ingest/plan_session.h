@@ -8,8 +8,8 @@
 #include "core/rigid3.h"
 #include "ingest/session_plan.h"
 #include "core/scene/reconstruction.h"
-#include "ingest/tiling/placed_session.h"
-#include "ingest/tiling/tile_shard.h"
+#include "ingest/tiles/placed_session.h"
+#include "ingest/tiles/tile_shard.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {

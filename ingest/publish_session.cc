@@ -9,7 +9,7 @@
 
 #include "core/error.h"
 #include "core/printable.h"
-#include "ingest/quantize/shipped_codebook.h"
+#include "ingest/codebook/shipped_codebook.h"
 #include "ingest/session_digest.h"
 #include "ingest/tile_names.h"
 #include "ingest/write_tile.h"

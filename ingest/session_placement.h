@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "ingest/coregister/ask_keyframes.h"
-#include "ingest/coregister/compare_with_map.h"
+#include "ingest/place/ask_keyframes.h"
+#include "ingest/place/compare_with_map.h"
 #include "ingest/ingest_options.h"
-#include "ingest/tiling/placed_session.h"
+#include "ingest/tiles/placed_session.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "core/tile_id.h"
-#include "ingest/coregister/compare_with_map.h"
+#include "ingest/place/compare_with_map.h"
 #include "ingest/ingest_options.h"
-#include "ingest/merging/landmark_history.h"
+#include "ingest/tiles/landmark_history.h"
 #include "storage/codebook/codebook.h"
 #include "storage/map/map_store.h"
 

@@ -1,6 +1,6 @@
 #include "ingest/session_tile_builder.h"
 
-#include "ingest/tiling/build_tile.h"
+#include "ingest/tiles/build_tile.h"
 
 namespace cairn {
 namespace {

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "ingest/session_plan.h"
-#include "ingest/summarize/appearance.h"
-#include "ingest/summarize/landmark_selection.h"
+#include "ingest/tiles/appearance.h"
+#include "ingest/tiles/landmark_selection.h"
 #include "ingest/tile_rewriter.h"
-#include "ingest/tiling/tile_shard.h"
+#include "ingest/tiles/tile_shard.h"
 #include "storage/codebook/descriptor_codec.h"
 
 namespace cairn {

@@ -5,8 +5,8 @@
 #include <span>
 #include <utility>
 
-#include "ingest/merging/place_budget.h"
-#include "ingest/tiling/tile_edit.h"
+#include "ingest/tiles/place_budget.h"
+#include "ingest/tiles/tile_edit.h"
 
 namespace cairn {
 namespace {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "ingest/ingest_options.h"
-#include "ingest/merging/landmark_history.h"
-#include "ingest/summarize/landmark_selection.h"
+#include "ingest/tiles/landmark_history.h"
+#include "ingest/tiles/landmark_selection.h"
 #include "storage/tile/tile.h"
 
 namespace cairn {

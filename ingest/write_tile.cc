@@ -1,7 +1,7 @@
 #include "ingest/write_tile.h"
 
 #include "engine/index/inverted_lists.h"
-#include "ingest/tiling/tile_edit.h"
+#include "ingest/tiles/tile_edit.h"
 #include "storage/map/describe_tile.h"
 #include "storage/tile/tile_codec.h"
 

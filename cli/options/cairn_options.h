@@ -8,7 +8,7 @@
 #include "eval/eval_query.h"
 #include "http/service/server_options.h"
 #include "core/features/sift/sift_extractor.h"
-#include "ingest/georegister/georegister.h"
+#include "ingest/place/georegister.h"
 #include "ingest/ingest_session.h"
 #include "mapping/session/map_photos.h"
 

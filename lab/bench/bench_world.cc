@@ -14,7 +14,7 @@
 #include "core/angles.h"
 #include "core/require.h"
 #include "engine/index/inverted_lists.h"
-#include "ingest/quantize/train_codebook.h"
+#include "ingest/codebook/train_codebook.h"
 #include "core/scene/reconstruction.h"
 #include "lab/bench/bench_streets.h"
 #include "lab/bench/lane_index.h"

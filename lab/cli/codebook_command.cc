@@ -56,7 +56,7 @@ void AddCodebookCommand(CLI::App* app, Shell* shell) {
   command->footer(
       "The defaults make the codebook that comes with Cairn. Equal options give equal bytes.\n"
       "Example:\n"
-      "  cairn-lab codebook --out ingest/quantize/shipped.codebook");
+      "  cairn-lab codebook --out ingest/codebook/shipped.codebook");
   command->callback([shell, arguments] {
     shell->run = [shell, arguments] { return RunCodebook(*arguments, shell->progress_mode); };
   });

@@ -21,7 +21,7 @@
 #include "lab/city/draw_city.h"
 #include "lab/city/whole_city.h"
 #include "lab/cli/lab_verbs.h"
-#include "lab/colmap/write_colmap.h"
+#include "ingest/colmap/write_colmap.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {

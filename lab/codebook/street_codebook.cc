@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/require.h"
-#include "ingest/quantize/train_codebook.h"
+#include "ingest/codebook/train_codebook.h"
 #include "core/scene/reconstruct_known_poses.h"
 #include "lab/street/street_scene.h"
 

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "core/features/sift/sift_extractor.h"
-#include "ingest/readers/colmap_reader.h"
+#include "ingest/colmap/colmap_reader.h"
 #include "lab/descriptors/descriptor_fit.h"
 #include "lab/descriptors/descriptor_plots.h"
 #include "storage/codebook/descriptor_codec.h"

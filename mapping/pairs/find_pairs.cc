@@ -12,7 +12,7 @@
 #include "core/require.h"
 #include "engine/index/distance_statistics.h"
 #include "engine/index/matching_index.h"
-#include "ingest/quantize/shipped_codebook.h"
+#include "ingest/codebook/shipped_codebook.h"
 #include "storage/codebook/descriptor_codec.h"
 
 namespace cairn {

@@ -11,7 +11,7 @@
 #include "core/geoid.h"
 #include "core/parallel_for.h"
 #include "core/printable.h"
-#include "ingest/georegister/picture_up.h"
+#include "ingest/place/picture_up.h"
 #include "core/images/gray_image.h"
 #include "mapping/photos/group_cameras.h"
 #include "mapping/photos/photo_files.h"

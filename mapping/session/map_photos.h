@@ -11,7 +11,7 @@
 #include "core/camera.h"
 #include "core/geoid.h"
 #include "core/features/sift/sift_extractor.h"
-#include "ingest/georegister/georegister.h"
+#include "ingest/place/georegister.h"
 #include "mapping/adjust/adjust.h"
 #include "mapping/growth/grow_segments.h"
 #include "mapping/matching/two_view.h"

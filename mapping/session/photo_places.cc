@@ -7,7 +7,7 @@
 #include "core/error.h"
 #include "core/match_names.h"
 #include "core/printable.h"
-#include "ingest/georegister/position_checks.h"
+#include "ingest/place/position_checks.h"
 
 namespace cairn {
 namespace {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "ingest/georegister/georegister.h"
+#include "ingest/place/georegister.h"
 #include "mapping/adjust/adjust.h"
 #include "mapping/photo_set.h"
 #include "mapping/segment.h"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "cli/run_cairn.h"
-#include "lab/colmap/write_colmap.h"
+#include "ingest/colmap/write_colmap.h"
 #include "storage/map/map_store.h"
 #include "storage/tile/tile_codec.h"
 #include "support/reconstruction_builder.h"

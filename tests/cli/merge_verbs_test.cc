@@ -9,8 +9,8 @@
 
 #include "cli/run_cairn.h"
 #include "ingest/ingest_session.h"
-#include "ingest/quantize/shipped_codebook.h"
-#include "lab/colmap/write_colmap.h"
+#include "ingest/codebook/shipped_codebook.h"
+#include "ingest/colmap/write_colmap.h"
 #include "storage/map/map_store.h"
 #include "support/reconstruction_builder.h"
 #include "support/temp_dir.h"

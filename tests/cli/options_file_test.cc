@@ -13,7 +13,7 @@
 #include "cli/run_cairn.h"
 #include "core/error.h"
 #include "http/client.h"
-#include "lab/colmap/write_colmap.h"
+#include "ingest/colmap/write_colmap.h"
 #include "storage/map/map_store.h"
 #include "support/reconstruction_builder.h"
 #include "support/temp_dir.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "cli/run_cairn.h"
-#include "lab/colmap/write_colmap.h"
+#include "ingest/colmap/write_colmap.h"
 #include "support/reconstruction_builder.h"
 #include "support/temp_dir.h"
 

@@ -19,7 +19,7 @@
 #include "core/geoid.h"
 #include "http/client.h"
 #include "ingest/ingest_session.h"
-#include "lab/colmap/write_colmap.h"
+#include "ingest/colmap/write_colmap.h"
 #include "storage/map/map_store.h"
 #include "support/reconstruction_builder.h"
 #include "support/temp_dir.h"

@@ -10,8 +10,8 @@
 #include "core/error.h"
 #include "fuzz/fuzz_target.h"
 #include "fuzz/seal.h"
-#include "ingest/archive/archive_blocks.h"
-#include "ingest/archive/archive_codec.h"
+#include "ingest/maps/archive_blocks.h"
+#include "ingest/maps/archive_codec.h"
 
 namespace cairn {
 namespace {

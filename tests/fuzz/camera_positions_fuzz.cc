@@ -2,7 +2,7 @@
 #include "core/error.h"
 #include "fuzz/fuzz_file.h"
 #include "fuzz/fuzz_target.h"
-#include "ingest/georegister/georegister.h"
+#include "ingest/place/georegister.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace cairn;

@@ -7,7 +7,7 @@
 #include "core/error.h"
 #include "fuzz/fuzz_file.h"
 #include "fuzz/fuzz_target.h"
-#include "ingest/readers/colmap_database.h"
+#include "ingest/colmap/colmap_database.h"
 
 namespace cairn {
 namespace {

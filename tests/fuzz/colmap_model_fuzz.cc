@@ -7,7 +7,7 @@
 #include "core/error.h"
 #include "fuzz/fuzz_file.h"
 #include "fuzz/fuzz_target.h"
-#include "ingest/readers/colmap_model.h"
+#include "ingest/colmap/colmap_model.h"
 
 namespace cairn {
 namespace {

@@ -5,9 +5,9 @@
 #include "core/error.h"
 #include "fuzz/fuzz_target.h"
 #include "fuzz/seal.h"
-#include "ingest/plan/built_tile_codec.h"
-#include "ingest/plan/plan_json.h"
-#include "ingest/plan/shard_codec.h"
+#include "ingest/maps/built_tile_codec.h"
+#include "ingest/maps/plan_json.h"
+#include "ingest/maps/shard_codec.h"
 
 namespace cairn {
 namespace {

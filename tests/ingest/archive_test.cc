@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "core/error.h"
-#include "ingest/archive/archive_codec.h"
-#include "ingest/archive/archive_folder.h"
-#include "ingest/archive/rebuild_plan.h"
+#include "ingest/maps/archive_codec.h"
+#include "ingest/maps/archive_folder.h"
+#include "ingest/maps/rebuild_plan.h"
 #include "ingest/session_digest.h"
 #include "support/map_builder.h"
 #include "support/reconstruction_builder.h"

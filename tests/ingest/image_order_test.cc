@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "ingest/ingest_session.h"
-#include "ingest/readers/colmap_reader.h"
-#include "lab/colmap/write_colmap.h"
+#include "ingest/colmap/colmap_reader.h"
+#include "ingest/colmap/write_colmap.h"
 #include "support/street_sessions.h"
 #include "support/temp_dir.h"
 

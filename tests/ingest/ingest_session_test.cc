@@ -13,7 +13,7 @@
 
 #include "core/error.h"
 #include "core/frames.h"
-#include "ingest/remove_session.h"
+#include "ingest/maps/remove_session.h"
 #include "storage/tile/tile_codec.h"
 #include "support/map_builder.h"
 #include "support/street_sessions.h"

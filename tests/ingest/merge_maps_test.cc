@@ -1,4 +1,4 @@
-#include "ingest/merge_maps.h"
+#include "ingest/maps/merge_maps.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "ingest/recode_map.h"
+#include "ingest/maps/recode_map.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 
 #include "core/error.h"
 #include "ingest/ingest_session.h"
-#include "ingest/quantize/shipped_codebook.h"
-#include "ingest/recode/load_codebook.h"
+#include "ingest/codebook/shipped_codebook.h"
+#include "ingest/codebook/load_codebook.h"
 #include "storage/codebook/codebook_digest.h"
 #include "storage/map/map_history.h"
 #include "support/map_builder.h"

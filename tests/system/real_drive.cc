@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "eval/reference_alignment.h"
 #include "core/features/sift/sift_extractor.h"
-#include "ingest/readers/colmap_reader.h"
+#include "ingest/colmap/colmap_reader.h"
 #include "support/test_data.h"
 
 namespace cairn::testing {

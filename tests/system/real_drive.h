@@ -14,7 +14,7 @@
 #include "eval/stated_focal.h"
 #include "http/client.h"
 #include "http/server.h"
-#include "ingest/georegister/georegister.h"
+#include "ingest/place/georegister.h"
 #include "ingest/ingest_session.h"
 #include "storage/map/map_store.h"
 #include "support/temp_dir.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "ingest/summarize/appearance.h"
+#include "ingest/tiles/appearance.h"
 #include "lab/experiments/runs/memory_sweep.h"
 
 namespace cairn {

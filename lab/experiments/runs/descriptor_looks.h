@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "core/features.h"
-#include "ingest/quantize/train_codebook.h"
+#include "ingest/codebook/train_codebook.h"
 #include "storage/codebook/codebook.h"
 
 namespace cairn {

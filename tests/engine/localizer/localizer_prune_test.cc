@@ -10,7 +10,7 @@
 #include "core/angles.h"
 #include "core/error.h"
 #include "engine/localizer/mapped_streets.h"
-#include "ingest/remove_session.h"
+#include "ingest/maps/remove_session.h"
 #include "storage/map/map_history.h"
 #include "support/map_builder.h"
 

@@ -1,4 +1,4 @@
-#include "ingest/coregister/fit_placement.h"
+#include "ingest/place/fit_placement.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "ingest/georegister/georegister.h"
+#include "ingest/place/georegister.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

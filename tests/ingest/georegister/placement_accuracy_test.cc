@@ -1,4 +1,4 @@
-#include "ingest/georegister/placement_accuracy.h"
+#include "ingest/place/placement_accuracy.h"
 
 #include <gtest/gtest.h>
 

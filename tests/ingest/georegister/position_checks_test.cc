@@ -1,4 +1,4 @@
-#include "ingest/georegister/position_checks.h"
+#include "ingest/place/position_checks.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

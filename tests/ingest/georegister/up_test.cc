@@ -12,7 +12,7 @@
 #include "core/angles.h"
 #include "core/error.h"
 #include "core/frames.h"
-#include "ingest/georegister/georegister.h"
+#include "ingest/place/georegister.h"
 #include "support/reconstruction_builder.h"
 
 namespace cairn {

@@ -1,4 +1,4 @@
-#include "ingest/merging/landmark_history.h"
+#include "ingest/tiles/landmark_history.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "ingest/merging/merge_tiles.h"
+#include "ingest/tiles/merge_tiles.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <set>
 #include <vector>
 
-#include "ingest/merging/admit_landmarks.h"
-#include "ingest/summarize/appearance.h"
-#include "ingest/tiling/tile_edit.h"
+#include "ingest/tiles/admit_landmarks.h"
+#include "ingest/tiles/appearance.h"
+#include "ingest/tiles/tile_edit.h"
 #include "support/tile_builder.h"
 
 namespace cairn {

@@ -1,4 +1,4 @@
-#include "ingest/merging/place_budget.h"
+#include "ingest/tiles/place_budget.h"
 
 #include <gtest/gtest.h>
 

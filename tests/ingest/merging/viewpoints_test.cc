@@ -1,4 +1,4 @@
-#include "ingest/merging/viewpoints.h"
+#include "ingest/tiles/viewpoints.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,10 +5,10 @@
 #include <string>
 
 #include "core/error.h"
-#include "ingest/plan/plan_fixture.h"
-#include "ingest/quantize/shipped_codebook.h"
-#include "ingest/quantize/train_codebook.h"
-#include "ingest/recode_map.h"
+#include "ingest/maps/plan_fixture.h"
+#include "ingest/codebook/shipped_codebook.h"
+#include "ingest/codebook/train_codebook.h"
+#include "ingest/maps/recode_map.h"
 
 namespace cairn {
 namespace {

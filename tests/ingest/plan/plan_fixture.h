@@ -9,8 +9,8 @@
 
 #include "core/error.h"
 #include "ingest/ingest_session.h"
-#include "ingest/plan/plan_folder.h"
-#include "ingest/plan/run_plan.h"
+#include "ingest/maps/plan_folder.h"
+#include "ingest/maps/run_plan.h"
 #include "ingest/plan_session.h"
 #include "storage/map/map_store.h"
 #include "support/map_place.h"

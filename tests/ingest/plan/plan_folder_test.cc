@@ -1,4 +1,4 @@
-#include "ingest/plan/plan_folder.h"
+#include "ingest/maps/plan_folder.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,9 +15,9 @@
 
 #include "core/error.h"
 #include "core/file_bytes.h"
-#include "ingest/plan/built_tile_codec.h"
-#include "ingest/plan/plan_fixture.h"
-#include "ingest/plan/run_plan.h"
+#include "ingest/maps/built_tile_codec.h"
+#include "ingest/maps/plan_fixture.h"
+#include "ingest/maps/run_plan.h"
 
 namespace cairn {
 namespace {

@@ -1,5 +1,5 @@
 // Plans that are built by tasks and published, against `IngestSession`.
-#include "ingest/plan/run_plan.h"
+#include "ingest/maps/run_plan.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,9 +13,9 @@
 
 #include "core/error.h"
 #include "ingest/ingest_session.h"
-#include "ingest/plan/plan_fixture.h"
-#include "ingest/plan/plan_folder.h"
-#include "ingest/remove_session.h"
+#include "ingest/maps/plan_fixture.h"
+#include "ingest/maps/plan_folder.h"
+#include "ingest/maps/remove_session.h"
 #include "support/reconstruction_builder.h"
 
 namespace cairn {

@@ -1,9 +1,9 @@
-#include "ingest/quantize/choose_codebook.h"
+#include "ingest/codebook/choose_codebook.h"
 
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "ingest/quantize/shipped_codebook.h"
+#include "ingest/codebook/shipped_codebook.h"
 #include "support/reconstruction_builder.h"
 
 namespace cairn {

@@ -1,4 +1,4 @@
-#include "ingest/quantize/train_codebook.h"
+#include "ingest/codebook/train_codebook.h"
 
 #include <gtest/gtest.h>
 #include <omp.h>

@@ -1,4 +1,4 @@
-#include "ingest/readers/colmap_descriptors.h"
+#include "ingest/colmap/colmap_descriptors.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "core/error.h"
-#include "ingest/readers/colmap_fixture.h"
-#include "ingest/readers/colmap_reader.h"
-#include "lab/colmap/colmap_ids.h"
+#include "ingest/colmap/colmap_fixture.h"
+#include "ingest/colmap/colmap_reader.h"
+#include "ingest/colmap/colmap_ids.h"
 #include "storage/database/sqlite/connection.h"
 #include "support/test_data.h"
 

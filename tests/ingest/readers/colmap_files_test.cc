@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "core/error.h"
-#include "ingest/readers/colmap_fixture.h"
-#include "ingest/readers/colmap_model.h"
+#include "ingest/colmap/colmap_fixture.h"
+#include "ingest/colmap/colmap_model.h"
 #include "support/raw_sql.h"
 
 namespace cairn {

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "core/error.h"
-#include "ingest/readers/colmap_reader.h"
-#include "lab/colmap/write_colmap.h"
+#include "ingest/colmap/colmap_reader.h"
+#include "ingest/colmap/write_colmap.h"
 #include "support/reconstruction_builder.h"
 #include "support/temp_dir.h"
 

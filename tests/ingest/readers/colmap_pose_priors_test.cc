@@ -1,4 +1,4 @@
-#include "ingest/readers/colmap_pose_priors.h"
+#include "ingest/colmap/colmap_pose_priors.h"
 
 #include <gmock/gmock.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "ingest/georegister/georegister.h"
-#include "ingest/readers/colmap_fixture.h"
-#include "lab/colmap/write_colmap.h"
+#include "ingest/place/georegister.h"
+#include "ingest/colmap/colmap_fixture.h"
+#include "ingest/colmap/write_colmap.h"
 #include "storage/database/sqlite/connection.h"
 #include "support/map_builder.h"
 #include "support/raw_sql.h"

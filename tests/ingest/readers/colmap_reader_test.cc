@@ -1,4 +1,4 @@
-#include "ingest/readers/colmap_reader.h"
+#include "ingest/colmap/colmap_reader.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,9 +9,9 @@
 #include <limits>
 
 #include "core/error.h"
-#include "ingest/readers/colmap_fixture.h"
-#include "ingest/readers/colmap_model.h"
-#include "lab/colmap/write_colmap.h"
+#include "ingest/colmap/colmap_fixture.h"
+#include "ingest/colmap/colmap_model.h"
+#include "ingest/colmap/write_colmap.h"
 #include "storage/codebook/descriptor_codec.h"
 #include "storage/database/sqlite/connection.h"
 #include "support/map_builder.h"

@@ -1,9 +1,9 @@
-#include "ingest/recode/transcoder.h"
+#include "ingest/codebook/transcoder.h"
 
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "ingest/quantize/train_codebook.h"
+#include "ingest/codebook/train_codebook.h"
 #include "support/reconstruction_builder.h"
 
 namespace cairn {

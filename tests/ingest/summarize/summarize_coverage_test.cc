@@ -6,7 +6,7 @@
 #include <random>
 #include <set>
 
-#include "ingest/summarize/landmark_coverage.h"
+#include "ingest/tiles/landmark_coverage.h"
 
 namespace cairn {
 namespace {

@@ -4,8 +4,8 @@
 #include <set>
 
 #include "core/error.h"
-#include "ingest/summarize/appearance.h"
-#include "ingest/summarize/landmark_selection.h"
+#include "ingest/tiles/appearance.h"
+#include "ingest/tiles/landmark_selection.h"
 
 namespace cairn {
 namespace {

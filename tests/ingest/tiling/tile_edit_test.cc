@@ -1,4 +1,4 @@
-#include "ingest/tiling/tile_edit.h"
+#include "ingest/tiles/tile_edit.h"
 
 #include <gtest/gtest.h>
 

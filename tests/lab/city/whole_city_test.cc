@@ -7,9 +7,9 @@
 #include <string>
 
 #include "core/error.h"
-#include "ingest/readers/colmap_reader.h"
+#include "ingest/colmap/colmap_reader.h"
 #include "lab/city/city_world.h"
-#include "lab/colmap/write_colmap.h"
+#include "ingest/colmap/write_colmap.h"
 #include "support/temp_dir.h"
 
 namespace cairn {

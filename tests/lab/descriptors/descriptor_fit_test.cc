@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "core/angles.h"
-#include "ingest/readers/colmap_reader.h"
+#include "ingest/colmap/colmap_reader.h"
 #include "lab/descriptors/descriptor_statistics.h"
 #include "support/test_data.h"
 

@@ -11,7 +11,7 @@
 #include "core/csv.h"
 #include "core/error.h"
 #include "core/file_bytes.h"
-#include "ingest/readers/colmap_reader.h"
+#include "ingest/colmap/colmap_reader.h"
 #include "support/test_data.h"
 
 namespace cairn {

@@ -1,0 +1,297 @@
+#include "ingest/place/compare_with_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "core/angles.h"
+#include "core/frames.h"
+#include "core/geodesy.h"
+#include "core/parallel_for.h"
+#include "engine/localizer.h"
+#include "ingest/tiles/near_view.h"
+#include "storage/map/tile_cache.h"
+#include "storage/tile/tile_codec.h"
+
+namespace cairn {
+namespace {
+
+constexpr size_t kCacheBytes = size_t{512} << 20;
+constexpr int kMaxExpected = 60;
+// Photos of elsewhere cost several times as much as photos that the map knows.
+constexpr int kMaxSought = 24;
+// Accuracy of the priors of expected photos; the engine searches 50 m around.
+constexpr double kExpectedAccuracyM = 15.0;
+// Of sought photos: the engine searches twice as far, which is kReachM.
+constexpr double kSoughtAccuracyM = 50.0;
+// New ground that resembles the map gets a weak answer now and then, so weak answers to sought
+// photos do not count.
+constexpr double kSureConfidence = 0.9;
+
+// The photos of the map, by tile; loads a tile when it is asked for first.
+class KnownViews {
+ public:
+  explicit KnownViews(const MapSnapshot& map) : map_(map) {}
+
+  // Returns whether a photo of the map's tile looks from about the same place into about the same
+  // direction.
+  bool Knows(TileId tile_id, const Rigid3d& cam_from_ecef) {
+    const double cos_near = std::cos(kNearViewRad);
+    const View view = ViewOf(cam_from_ecef.Inverse());
+    const std::vector<View>& known = ViewsOf(tile_id);
+    return std::any_of(known.begin(), known.end(), [&](const View& other) {
+      return (other.center_in_ecef - view.center_in_ecef).norm() <= kNearViewM &&
+             other.axis_in_ecef.dot(view.axis_in_ecef) >= cos_near;
+    });
+  }
+
+  // The sessions of the photos that were loaded.
+  std::vector<SessionId> Sessions() const { return {sessions_.begin(), sessions_.end()}; }
+
+ private:
+  struct View {
+    Eigen::Vector3d center_in_ecef, axis_in_ecef;
+  };
+
+  static View ViewOf(const Rigid3d& ecef_from_cam) {
+    return {ecef_from_cam.translation, ecef_from_cam.rotation * Eigen::Vector3d::UnitZ()};
+  }
+
+  const std::vector<View>& ViewsOf(TileId tile_id) {
+    const auto [entry, is_new] = views_of_tile_.try_emplace(tile_id);
+    const std::optional<TileRecord> record = is_new ? map_.FindTile(tile_id) : std::nullopt;
+    if (record) {
+      const Tile tile = DecodeTile(map_.LoadPayload(record->payload_id));
+      const Rigid3d ecef_from_tile = EcefFromEnu(tile_id.Anchor());
+      for (const TileKeyframe& keyframe : tile.keyframes) {
+        entry->second.push_back(ViewOf(ecef_from_tile * keyframe.cam_from_tile.Inverse()));
+        sessions_.insert(keyframe.session_id);
+      }
+    }
+    return entry->second;
+  }
+
+  const MapSnapshot& map_;
+  std::map<TileId, std::vector<View>> views_of_tile_;
+  std::set<SessionId> sessions_;
+};
+
+std::vector<int> EvenlyOf(const std::vector<int>& all, int count) {
+  if (static_cast<int>(all.size()) <= count) {
+    return all;
+  }
+  std::vector<int> some;
+  for (int i = 0; i < count; ++i) {
+    some.push_back(all[all.size() * static_cast<size_t>(i) / static_cast<size_t>(count)]);
+  }
+  return some;
+}
+
+// Each half is spread evenly, too.
+std::vector<int> EvenOnesFirst(const std::vector<int>& all) {
+  std::vector<int> ordered;
+  for (const size_t first : {0, 1}) {
+    for (size_t i = first; i < all.size(); i += 2) {
+      ordered.push_back(all[i]);
+    }
+  }
+  return ordered;
+}
+
+PhotosToAsk ChooseAmong(const PlacedSession& session, const MapSnapshot& map, KnownViews* known) {
+  std::vector<int> expected, others;
+  for (const auto& [tile_id, images_of_tile] : session.images_of_tile) {
+    for (const int image_idx : images_of_tile) {
+      const Rigid3d& cam_from_ecef = session.cam_from_ecef[static_cast<size_t>(image_idx)];
+      if (known->Knows(tile_id, cam_from_ecef)) {
+        expected.push_back(image_idx);
+      } else if (!map.FindTiles(
+                         BoxAround(GeodeticFromEcef(cam_from_ecef.Inverse().translation), kReachM))
+                      .empty()) {
+        others.push_back(image_idx);
+      }
+    }
+  }
+  return {EvenlyOf(expected, kMaxExpected), EvenOnesFirst(EvenlyOf(others, kMaxSought))};
+}
+
+LocalizeQuery QueryOf(const Reconstruction& reconstruction, const PlacedSession& session,
+                      int image_idx, double accuracy_m) {
+  const ReconImage& image = reconstruction.images[static_cast<size_t>(image_idx)];
+  const Rigid3d& cam_from_ecef = session.cam_from_ecef[static_cast<size_t>(image_idx)];
+  LocalizeQuery query;
+  query.id = image.name;
+  query.camera = reconstruction.cameras[static_cast<size_t>(image.camera_idx)];
+  query.features = image.features;
+  PositionPrior prior;
+  prior.position = GeodeticFromEcef(cam_from_ecef.Inverse().translation);
+  prior.accuracy_m = accuracy_m;
+  query.prior = prior;
+  query.down_in_cam =
+      (cam_from_ecef.rotation * (EcefFromEnu(prior.position).rotation * DownInEnu())).normalized();
+  return query;
+}
+
+// Facades have no back: a photo that recognizes more than half of its landmarks from the other side
+// shows them mirrored.
+bool IsFromBehind(const LocalizeResult& result) {
+  const auto num_behind = std::count_if(
+      result.matches.begin(), result.matches.end(),
+      [](const LocalizeMatch& match) { return match.traits.azimuth_rad > 0.5 * kPi; });
+  return 2 * num_behind > static_cast<int64_t>(result.matches.size());
+}
+
+double SpreadOf(const PlacedSession& session) {
+  std::vector<Eigen::Vector3d> centers;
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Rigid3d& cam_from_ecef : session.cam_from_ecef) {
+    centers.push_back(cam_from_ecef.Inverse().translation);
+    middle += centers.back();
+  }
+  middle /= static_cast<double>(std::max<size_t>(1, centers.size()));
+  double sum_sq_m = 0.0;
+  for (const Eigen::Vector3d& center : centers) {
+    sum_sq_m += (center - middle).squaredNorm();
+  }
+  return std::sqrt(sum_sq_m);
+}
+
+// Asks the map for photos and collects what it says.
+class MapInquiry {
+ public:
+  MapInquiry(const Reconstruction& reconstruction, const PlacedSession& session,
+             const MapStore& store, const MapSnapshot& map, int num_threads)
+      : reconstruction_(reconstruction),
+        session_(session),
+        map_(map),
+        num_threads_(num_threads),
+        codec_(map.CurrentCodebook()->CodecName()),
+        // The store outlives the localizer, which wants to share it.
+        localizer_(std::shared_ptr<const MapStore>(std::shared_ptr<const MapStore>(), &store),
+                   std::make_shared<TileCache>(kCacheBytes), LocalizerOptions()) {}
+
+  // Returns the number of photos that the map recognizes with this confidence.
+  int Ask(const std::vector<int>& images, double accuracy_m, double least_confidence) {
+    std::vector<LocalizeResult> results(images.size());
+    ParallelFor(static_cast<int>(images.size()), num_threads_, [&](int i) {
+      LocalizeQuery query =
+          QueryOf(reconstruction_, session_, images[static_cast<size_t>(i)], accuracy_m);
+      query.codec = codec_;
+      results[static_cast<size_t>(i)] = localizer_.LocalizeIn(map_, query);
+    });
+    int num_recognized = 0;
+    for (size_t i = 0; i < images.size(); ++i) {
+      asked_.push_back(images[i]);
+      if (results[i].localized && results[i].confidence >= least_confidence) {
+        ++num_recognized;
+        num_from_behind_ += IsFromBehind(results[i]) ? 1 : 0;
+        pairs_.push_back({session_.cam_from_ecef[static_cast<size_t>(images[i])],
+                          results[i].cam_from_ecef, results[i].position_accuracy_m});
+        recognized_.push_back(images[i]);
+      }
+    }
+    return num_recognized;
+  }
+
+  void Fit(KnownViews* known, MapComparison* comparison) const {
+    comparison->num_from_behind = num_from_behind_;
+    if (pairs_.empty()) {
+      return;
+    }
+    comparison->fit = FitPlacement(pairs_, PlacementFitOptions());
+    std::set<int> agreeing;
+    for (size_t i = 0; i < pairs_.size(); ++i) {
+      if (comparison->fit.agrees[i]) {
+        agreeing.insert(recognized_[i]);
+      }
+    }
+    comparison->num_expected_after = comparison->num_agreeing_after = 0;
+    for (const int image_idx : asked_) {
+      const Rigid3d moved = CamFromTarget(session_.cam_from_ecef[static_cast<size_t>(image_idx)],
+                                          comparison->fit.map_from_session);
+      if (known->Knows(TileId::Containing(GeodeticFromEcef(moved.Inverse().translation)), moved)) {
+        ++comparison->num_expected_after;
+        comparison->num_agreeing_after += agreeing.contains(image_idx) ? 1 : 0;
+      }
+    }
+  }
+
+ private:
+  const Reconstruction& reconstruction_;
+  const PlacedSession& session_;
+  const MapSnapshot& map_;
+  const int num_threads_;
+  const std::string codec_;
+  const Localizer localizer_;
+  std::vector<int> asked_, recognized_;  // Images; `recognized_` is parallel to `pairs_`.
+  std::vector<PosePair> pairs_;
+  int num_from_behind_ = 0;
+};
+
+bool IsDecided(const MapComparison& comparison) {
+  return IsJudged(comparison) && 2 * comparison.fit.num_agreeing >= comparison.num_expected;
+}
+
+}  // namespace
+
+bool IsJudged(const MapComparison& comparison) {
+  // So many photos do not agree by chance.
+  constexpr int kMany = 10;
+  const PlacementFit& fit = comparison.fit;
+  return fit.num_agreeing >= kLeastPhotosToJudge &&
+         (fit.num_agreeing >= kMany || fit.moved_m <= kNearViewM ||
+          2 * comparison.num_agreeing_after >= comparison.num_expected_after);
+}
+
+PhotosToAsk ChoosePhotos(const PlacedSession& session, const MapSnapshot& map) {
+  KnownViews known(map);
+  return ChooseAmong(session, map, &known);
+}
+
+std::vector<TileId> TilesToAsk(const PlacedSession& session, const MapSnapshot& map) {
+  std::set<TileId> tiles;
+  for (const Rigid3d& cam_from_ecef : session.cam_from_ecef) {
+    for (const TileRecord& tile :
+         map.FindTiles(BoxAround(GeodeticFromEcef(cam_from_ecef.Inverse().translation), kReachM))) {
+      tiles.insert(tile.tile_id);
+    }
+  }
+  return {tiles.begin(), tiles.end()};
+}
+
+MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedSession& session,
+                             const MapStore& store, const MapSnapshot& map, int num_threads) {
+  MapComparison comparison;
+  comparison.spread_m = SpreadOf(session);
+  KnownViews known(map);
+  const PhotosToAsk photos = ChooseAmong(session, map, &known);
+  comparison.num_expected = static_cast<int>(photos.expected.size());
+  if (photos.expected.empty() && photos.sought.empty()) {
+    comparison.known_sessions = known.Sessions();
+    return comparison;
+  }
+  MapInquiry inquiry(reconstruction, session, store, map, num_threads);
+  comparison.num_localized = inquiry.Ask(photos.expected, kExpectedAccuracyM, 0.0);
+  inquiry.Fit(&known, &comparison);
+  const auto middle = photos.sought.begin() + static_cast<std::ptrdiff_t>(std::min<size_t>(
+                                                  photos.sought.size(), kMaxSought / 2));
+  const std::vector<int> halves[] = {{photos.sought.begin(), middle},
+                                     {middle, photos.sought.end()}};
+  for (const std::vector<int>& half : halves) {
+    if (IsDecided(comparison) || (comparison.num_sought > 0 && comparison.num_found == 0)) {
+      break;
+    }
+    comparison.num_sought += static_cast<int>(half.size());
+    comparison.num_found += inquiry.Ask(half, kSoughtAccuracyM, kSureConfidence);
+    inquiry.Fit(&known, &comparison);
+  }
+  comparison.known_sessions = known.Sessions();
+  return comparison;
+}
+
+}  // namespace cairn

@@ -1,0 +1,77 @@
+// Compares the placement of a session with the map: the engine localizes photos of the session.
+#ifndef CAIRN_INGEST_PLACE_COMPARE_WITH_MAP_H_
+#define CAIRN_INGEST_PLACE_COMPARE_WITH_MAP_H_
+
+#include <vector>
+
+#include "core/rigid3.h"
+#include "ingest/place/fit_placement.h"
+#include "core/scene/reconstruction.h"
+#include "ingest/tiles/placed_session.h"
+#include "storage/ids.h"
+#include "storage/map/map_store.h"
+
+namespace cairn {
+
+// The result of the comparison. An *expected* photo stands near a photo of the map that looks the
+// same way (ingest/tiles/near_view.h), so the map should recognize it. A *sought* photo stands in
+// or near a tile of the map; the map recognizes it if the session is misplaced.
+struct MapComparison {
+  int num_expected = 0;   // Expected photos that were asked for.
+  int num_localized = 0;  // Of these, the photos that the map recognized.
+  int num_sought = 0;     // Sought photos that were asked for.
+  int num_found = 0;      // Of these, the photos that the map recognized for sure.
+  // Recognized photos that see what they recognize from the side opposite to that of the mapping
+  // photos, as a mirrored session or a session in a mirrored map does.
+  int num_from_behind = 0;
+  PlacementFit fit;  // Of the recognized photos; meaningful if there are any.
+  // After the motion of the fit: the asked photos that the map should recognize, and those of them
+  // that agree on the motion.
+  int num_expected_after = 0;
+  int num_agreeing_after = 0;
+  // Root of the sum of squared distances of the session's cameras from their middle, meters: an
+  // error of the positions turns the session by this error over the spread.
+  double spread_m = 0.0;
+  std::vector<SessionId> known_sessions;  // With keyframes in the tiles of the session; ascending.
+
+  int num_asked() const { return num_expected + num_sought; }
+  int num_recognized() const { return num_localized + num_found; }
+};
+
+// Fewer photos neither move a session nor contradict it.
+inline constexpr int kLeastPhotosToJudge = 3;
+
+// Returns whether enough photos agree on a motion to follow it. A motion by more than 8 m, of few
+// photos, also has to explain half of the photos that the map should recognize after it: facades
+// that repeat pretend motions that only some photos support. If not judged, and not refused, the
+// map cannot tell whether the session stands in the right place.
+bool IsJudged(const MapComparison& comparison);
+
+// A session that is misplaced by more is not found.
+inline constexpr double kReachM = 100.0;
+
+// The photos that CompareWithMap may ask for.
+struct PhotosToAsk {
+  std::vector<int> expected;  // At most 60, evenly over the expected photos.
+  // At most 24, evenly over the other photos within 100 m of a tile of the map, in the order in
+  // which they are asked for.
+  std::vector<int> sought;
+};
+PhotosToAsk ChoosePhotos(const PlacedSession& session, const MapSnapshot& map);
+
+// Localizes photos of the session by the features of the reconstruction: raw, or in the projected
+// space of the map's codebook. Asks for the expected photos first. If fewer than half of them agree
+// on one motion, asks for the sought photos, twelve of them first; the others only if the map
+// recognizes one. A session that is misplaced by more than 100 m is not found. `map` is a version
+// of `store`; later versions do not change the result. The result does not depend on `num_threads`.
+// Throws what the engine throws on a damaged map.
+MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedSession& session,
+                             const MapStore& store, const MapSnapshot& map, int num_threads);
+
+// The tiles of the map within 100 m of a camera of the session, ascending: all that CompareWithMap
+// reads.
+std::vector<TileId> TilesToAsk(const PlacedSession& session, const MapSnapshot& map);
+
+}  // namespace cairn
+
+#endif  // CAIRN_INGEST_PLACE_COMPARE_WITH_MAP_H_

@@ -1,0 +1,206 @@
+#include "ingest/place/level_cameras.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+
+#include "core/error.h"
+#include "ingest/place/find_up.h"
+#include "ingest/place/up_evidence.h"
+
+namespace cairn {
+namespace {
+
+// More add time and no certainty.
+constexpr size_t kMaxViews = 300, kMaxPositions = 300, kMaxSights = 3000;
+
+// Orientation 1 is also what programs write that do not know. If another one occurs in a session,
+// a sensor wrote them.
+constexpr double kTrustInSensor = 0.9, kTrustInOnes = 0.6, kTrustInUser = 0.999;
+
+// Log likelihoods that are worth a word.
+constexpr double kTelling = 1.0;
+
+std::optional<PictureUp> StatedByUser(UpSource source) {
+  switch (source) {
+    case UpSource::kTop:
+      return PictureUp::kTop;
+    case UpSource::kLeft:
+      return PictureUp::kLeft;
+    case UpSource::kRight:
+      return PictureUp::kRight;
+    case UpSource::kBottom:
+      return PictureUp::kBottom;
+    case UpSource::kDown:
+      return PictureUp::kBack;
+    default:
+      return std::nullopt;
+  }
+}
+
+double TrustInOrientations(const ImageOrientations& orientations) {
+  const bool has_sensor =
+      std::any_of(orientations.begin(), orientations.end(),
+                  [](const std::optional<int>& known) { return known.value_or(1) != 1; });
+  return has_sensor ? kTrustInSensor : kTrustInOnes;
+}
+
+UpView ViewOf(const ReconImage& image, const std::optional<int>& orientation,
+              const std::optional<PictureUp>& by_user, double trust) {
+  UpView view;
+  view.cam_from_world = image.cam_from_world.rotation;
+  if (image.down_in_cam) {
+    view.up_in_cam = -*image.down_in_cam;
+  }
+  if (by_user) {
+    view.stated = by_user;
+    view.trust = kTrustInUser;
+    return view;
+  }
+  if (orientation) {
+    view.stated = FromExifOrientation(*orientation);
+    view.trust = trust;
+  }
+  return view;
+}
+
+template <typename T>
+std::vector<T> Thinned(const std::vector<T>& values, size_t max_count) {
+  if (values.size() <= max_count) {
+    return values;
+  }
+  std::vector<T> thinned;
+  for (size_t i = 0; i < max_count; ++i) {
+    thinned.push_back(values[i * values.size() / max_count]);
+  }
+  return thinned;
+}
+
+std::vector<Eigen::Vector3d> SightsOf(const Reconstruction& reconstruction,
+                                      double normalized_per_world) {
+  std::vector<Eigen::Vector3d> centers;
+  for (const ReconImage& image : reconstruction.images) {
+    centers.push_back(image.cam_from_world.Inverse().translation);
+  }
+  std::vector<Eigen::Vector3d> sights;
+  const size_t num_landmarks = reconstruction.landmarks.size();
+  const size_t count = std::min(num_landmarks, kMaxSights);
+  for (size_t i = 0; i < count; ++i) {
+    const ReconLandmark& landmark = reconstruction.landmarks[i * num_landmarks / count];
+    if (!landmark.observations.empty()) {
+      const ReconObservation& seen = landmark.observations[i % landmark.observations.size()];
+      sights.push_back(normalized_per_world * (landmark.x_in_world - centers[seen.image_idx]));
+    }
+  }
+  return sights;
+}
+
+const char* WordsFor(PictureUp up) {
+  switch (up) {
+    case PictureUp::kTop:
+      return "the top of the stored pictures is up (--up top)";
+    case PictureUp::kLeft:
+      return "their left side is up, as in a phone held upright (--up left)";
+    case PictureUp::kRight:
+      return "their right side is up (--up right)";
+    case PictureUp::kBottom:
+      return "their bottom is up (--up bottom)";
+    case PictureUp::kBack:
+      break;
+  }
+  return "they look straight down (--up down)";
+}
+
+PictureUp MostFrequent(const HoldShares& shares) {
+  const auto best = std::max_element(shares.begin(), shares.end() - 1);
+  return kPictureUps[static_cast<size_t>(best - shares.begin())];
+}
+
+[[noreturn]] void ThrowAmbiguous(const UpChoice& choice, const GeoregisterOptions& options) {
+  throw Error(
+      ErrorCode::kBadInput,
+      fmt::format("georegistration: which way is up is not certain. Most likely, {}; {:.1f} times "
+                  "less likely, {} ({:.0f} times would do). The positions lie on a line, or are "
+                  "too rough to tell. Give the folder of the photos, whose EXIF may tell "
+                  "(--photos DIR), or say how the photos lie: --up top, left, right, bottom or "
+                  "down",
+                  WordsFor(MostFrequent(choice.score.shares)), choice.Odds(),
+                  WordsFor(MostFrequent(choice.next_score.shares)), options.least_up_odds));
+}
+
+// What makes the choice better than the next one.
+std::string SourceOf(const UpChoice& choice, bool by_user, bool has_gravity) {
+  std::string source;
+  const auto add = [&](const char* words) {
+    source += source.empty() ? "" : ", ";
+    source += words;
+  };
+  const UpScore& best = choice.score;
+  const UpScore& next = choice.next_score;
+  if (by_user) {
+    add("--up");
+  } else if (best.stated - next.stated > kTelling) {
+    add("EXIF orientations");
+  }
+  if (best.cameras - next.cameras > kTelling) {
+    add(has_gravity ? "gravity of the photos" : "the directions of the cameras");
+  }
+  if (best.positions - next.positions > kTelling) {
+    add("the bends of the walk");
+  }
+  if (best.ground - next.ground > kTelling) {
+    add("the ground below the cameras");
+  }
+  return source.empty() ? "how people hold cameras" : source;
+}
+
+void RequireOrientations(const ImageOrientations& orientations) {
+  if (std::none_of(orientations.begin(), orientations.end(),
+                   [](const std::optional<int>& known) { return known.has_value(); })) {
+    throw Error(ErrorCode::kBadInput,
+                "georegistration: --up photos needs photos whose EXIF has an orientation, and none "
+                "was found; name their folder with --photos DIR");
+  }
+}
+
+}  // namespace
+
+CameraHolds FindCameraHolds(const Reconstruction& reconstruction,
+                            const ImageOrientations& orientations,
+                            const std::vector<SimilarityProblem::Position>& positions,
+                            double normalized_per_world, const GeoregisterOptions& options) {
+  if (options.up == UpSource::kPhotos) {
+    RequireOrientations(orientations);
+  }
+  const std::optional<PictureUp> by_user = StatedByUser(options.up);
+  const double trust =
+      options.up == UpSource::kPhotos ? kTrustInUser : TrustInOrientations(orientations);
+  std::vector<UpView> views;
+  bool has_gravity = false;
+  for (size_t i = 0; i < reconstruction.images.size(); ++i) {
+    views.push_back(ViewOf(reconstruction.images[i],
+                           orientations.empty() ? std::nullopt : orientations[i], by_user, trust));
+    has_gravity = has_gravity || views.back().up_in_cam;
+  }
+  const UpEvidence evidence({.views = Thinned(views, kMaxViews),
+                             .positions = Thinned(positions, kMaxPositions),
+                             .sights_in_world = SightsOf(reconstruction, normalized_per_world),
+                             .roll_sigma_rad = options.upright_sigma_rad});
+  const UpChoice choice = FindUp(evidence);
+  const bool is_given = by_user || options.up == UpSource::kPhotos;
+  if (!is_given && choice.Odds() < options.least_up_odds) {
+    ThrowAmbiguous(choice, options);
+  }
+  CameraHolds holds;
+  holds.up_in_world = choice.up_in_world;
+  for (const UpView& view : views) {
+    holds.of_image.push_back(evidence.HoldOf(view, choice.up_in_world, choice.score.shares));
+    ++holds.report.num_images[static_cast<size_t>(holds.of_image.back())];
+  }
+  holds.report.source = SourceOf(choice, by_user.has_value(), has_gravity);
+  holds.report.odds = choice.Odds();
+  return holds;
+}
+
+}  // namespace cairn

@@ -1,0 +1,31 @@
+// The way in which each camera of a reconstruction was held. Private to georegister.
+#ifndef CAIRN_INGEST_PLACE_LEVEL_CAMERAS_H_
+#define CAIRN_INGEST_PLACE_LEVEL_CAMERAS_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "ingest/place/georegister.h"
+#include "ingest/place/picture_up.h"
+#include "ingest/place/similarity_problem.h"
+#include "core/scene/reconstruction.h"
+
+namespace cairn {
+
+struct CameraHolds {
+  Eigen::Vector3d up_in_world = Eigen::Vector3d::UnitZ();
+  std::vector<PictureUp> of_image;
+  UpReport report;
+};
+
+// Throws Error(kBadInput), with what to do, if two ways are about as likely, or if options.up asks
+// for orientations that no photo has. The centers of the positions are those of the reconstruction
+// times `normalized_per_world`, and moved.
+CameraHolds FindCameraHolds(const Reconstruction& reconstruction,
+                            const ImageOrientations& orientations,
+                            const std::vector<SimilarityProblem::Position>& positions,
+                            double normalized_per_world, const GeoregisterOptions& options);
+
+}  // namespace cairn
+
+#endif  // CAIRN_INGEST_PLACE_LEVEL_CAMERAS_H_

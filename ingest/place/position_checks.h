@@ -1,0 +1,31 @@
+// Finds camera positions that cannot be positions, by what they look like.
+#ifndef CAIRN_INGEST_PLACE_POSITION_CHECKS_H_
+#define CAIRN_INGEST_PLACE_POSITION_CHECKS_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ingest/place/georegister.h"
+
+namespace cairn {
+
+// What was found, for the summary.
+struct PositionFindings {
+  int num_at_null_island = 0;   // At 0, 0: left out.
+  int num_without_height = 0;   // These say nothing about heights.
+  double rounded_to_deg = 0.0;  // All coordinates are multiples of this; 0: they are not rounded.
+};
+
+// Looks at positions as they were read, before their heights are converted. Removes those at 0, 0.
+// A height of exactly 0 is none if the other heights are far from it. Positions without a height
+// get `default_height_m`, or else the median of the others and has_height false. Throws
+// Error(kBadInput), with what to do, if all positions are the same, if all heights are missing and
+// there is no default, or if the coordinates are rounded so coarsely that their accuracy cannot be
+// the stated one.
+PositionFindings CheckPositions(const std::optional<double>& default_height_m,
+                                std::vector<CameraPosition>* positions);
+
+}  // namespace cairn
+
+#endif  // CAIRN_INGEST_PLACE_POSITION_CHECKS_H_

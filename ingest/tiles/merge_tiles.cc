@@ -1,0 +1,232 @@
+#include "ingest/tiles/merge_tiles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include "core/check.h"
+#include "core/require.h"
+#include "ingest/tiles/landmark_history.h"
+#include "ingest/tiles/tile_edit.h"
+
+namespace cairn {
+namespace {
+
+// One descriptor of a landmark with its attributes; `code` is empty once it was averaged.
+struct Look {
+  Eigen::RowVectorXf descriptor;
+  std::vector<uint8_t> code;
+  double weight = 0.0;
+  std::optional<double> orientation_rad;
+  double log_size = 0.0;
+  double azimuth_rad = 0.0;
+};
+
+// Mean direction of two angles with weights.
+double MeanAngleRad(double a_rad, double a_weight, double b_rad, double b_weight) {
+  return std::atan2(a_weight * std::sin(a_rad) + b_weight * std::sin(b_rad),
+                    a_weight * std::cos(a_rad) + b_weight * std::cos(b_rad));
+}
+
+Look MeanLook(const Look& a, const Look& b) {
+  Look mean;
+  mean.weight = a.weight + b.weight;
+  const double a_share = a.weight / mean.weight, b_share = b.weight / mean.weight;
+  mean.descriptor =
+      static_cast<float>(a_share) * a.descriptor + static_cast<float>(b_share) * b.descriptor;
+  mean.log_size = a_share * a.log_size + b_share * b.log_size;
+  mean.azimuth_rad = MeanAngleRad(a.azimuth_rad, a_share, b.azimuth_rad, b_share);
+  mean.orientation_rad = a.orientation_rad ? a.orientation_rad : b.orientation_rad;
+  if (a.orientation_rad && b.orientation_rad) {
+    mean.orientation_rad = MeanAngleRad(*a.orientation_rad, a_share, *b.orientation_rad, b_share);
+  }
+  return mean;
+}
+
+class TileMerger {
+ public:
+  TileMerger(const Tile& known, const Tile& fresh, const DescriptorCodec& codec,
+             const AppearanceSummarizer& summarizer, const MergeOptions& options)
+      : known_(known), fresh_(fresh), codec_(codec), summarizer_(summarizer), options_(options) {
+    CAIRN_CHECK(known.id == fresh.id && known.codebook_id == fresh.codebook_id,
+                "only contents of one tile in one codebook can be merged");
+    const std::vector<float>& quantiles = codec.codebook().same_landmark_distance_quantiles;
+    const double median = quantiles.empty() ? 0.0 : quantiles[quantiles.size() / 2];
+    same_look_sq_distance_ = static_cast<float>(std::pow(options.same_look_share * median, 2));
+  }
+
+  Tile Merge() {
+    std::unordered_map<uint64_t, uint32_t> fresh_of_id;
+    for (uint32_t i = 0; i < fresh_.num_landmarks(); ++i) {
+      fresh_of_id.emplace(Value(fresh_.landmark_ids[i]), i);
+    }
+    merged_ = EmptyTile(known_.id, known_.codebook_id, known_.code_size);
+    new_idx_of_fresh_.resize(fresh_.num_landmarks());
+    std::vector<bool> is_merged(fresh_.num_landmarks(), false);
+    for (uint32_t i = 0; i < known_.num_landmarks(); ++i) {
+      const auto found = fresh_of_id.find(Value(known_.landmark_ids[i]));
+      if (found == fresh_of_id.end()) {
+        AppendLandmark(known_, i, &merged_);
+        continue;
+      }
+      is_merged[found->second] = true;
+      new_idx_of_fresh_[found->second] = i;
+      AppendMerged(i, found->second);
+    }
+    for (uint32_t j = 0; j < fresh_.num_landmarks(); ++j) {
+      if (is_merged[j]) {
+        continue;
+      }
+      new_idx_of_fresh_[j] = static_cast<uint32_t>(merged_.num_landmarks());
+      AppendLandmark(fresh_, j, &merged_);
+    }
+    AppendKeyframes();
+    return std::move(merged_);
+  }
+
+ private:
+  void AppendMerged(uint32_t known_idx, uint32_t fresh_idx) {
+    const double known_sigma_m = SigmaFromCode(known_.sigma_codes[known_idx]);
+    const double fresh_sigma_m = SigmaFromCode(fresh_.sigma_codes[fresh_idx]);
+    const double known_information = 1.0 / (known_sigma_m * known_sigma_m);
+    const double fresh_information = 1.0 / (fresh_sigma_m * fresh_sigma_m);
+    const double information = known_information + fresh_information;
+    const Eigen::Vector3d x_in_tile =
+        (known_information * known_.x_in_tile[known_idx].cast<double>() +
+         fresh_information * fresh_.x_in_tile[fresh_idx].cast<double>()) /
+        information;
+    merged_.landmark_ids.push_back(known_.landmark_ids[known_idx]);
+    merged_.x_in_tile.push_back(QuantizePosition(x_in_tile));
+    merged_.sigma_codes.push_back(
+        SigmaCode(std::max(options_.least_sigma_m, 1.0 / std::sqrt(information))));
+
+    const std::span<const LandmarkSighting> before = known_.SightingsOf(known_idx);
+    std::vector<LandmarkSighting> history(before.begin(), before.end());
+    for (const LandmarkSighting& sighting : fresh_.SightingsOf(fresh_idx)) {
+      AppendSighting(sighting, &history);
+    }
+    merged_.sightings.insert(merged_.sightings.end(), history.begin(), history.end());
+    merged_.sighting_begin.push_back(static_cast<uint32_t>(merged_.sightings.size()));
+
+    std::vector<Look> looks;
+    AppendLooks(known_, known_idx, options_.old_weight_share, &looks);
+    AppendLooks(fresh_, fresh_idx, 1.0, &looks);
+    Reduce(&looks);
+    for (const Look& look : looks) {
+      AppendLook(look);
+    }
+    merged_.descriptor_begin.push_back(static_cast<uint32_t>(merged_.num_descriptors()));
+  }
+
+  void AppendLooks(const Tile& tile, uint32_t landmark_idx, double weight_share,
+                   std::vector<Look>* looks) const {
+    const uint32_t begin = tile.descriptor_begin[landmark_idx];
+    const uint32_t end = tile.descriptor_begin[landmark_idx + 1];
+    const uint8_t* codes = tile.codes.data() + size_t{begin} * tile.code_size;
+    const DescriptorMatrix descriptors = codec_.Decode(codes, static_cast<int>(end - begin));
+    for (uint32_t d = begin; d < end; ++d) {
+      Look look;
+      look.descriptor = descriptors.row(d - begin);
+      const uint8_t* code = codes + size_t{d - begin} * tile.code_size;
+      look.code.assign(code, code + tile.code_size);
+      look.weight = weight_share * WeightFromCode(tile.weight_codes[d]);
+      if (tile.orientation_codes[d] != kNoOrientation) {
+        look.orientation_rad = OrientationFromCode(tile.orientation_codes[d]);
+      }
+      look.log_size = std::log(SizeFromCode(tile.size_codes[d]));
+      look.azimuth_rad = AzimuthFromCode(tile.azimuth_codes[d]);
+      looks->push_back(std::move(look));
+    }
+  }
+
+  // Averages looks that say the same, nearest first, then keeps the heaviest.
+  void Reduce(std::vector<Look>* looks) const {
+    while (looks->size() > 1) {
+      float least = std::numeric_limits<float>::max();
+      size_t a = 0, b = 0;
+      for (size_t i = 0; i < looks->size(); ++i) {
+        for (size_t j = i + 1; j < looks->size(); ++j) {
+          const float sq_distance = ((*looks)[i].descriptor - (*looks)[j].descriptor).squaredNorm();
+          if (sq_distance < least) {
+            least = sq_distance;
+            a = i;
+            b = j;
+          }
+        }
+      }
+      if (least > same_look_sq_distance_) {
+        break;
+      }
+      (*looks)[a] = MeanLook((*looks)[a], (*looks)[b]);
+      looks->erase(looks->begin() + static_cast<std::ptrdiff_t>(b));
+    }
+    double weight = 0.0;
+    for (const Look& look : *looks) {
+      weight += look.weight;
+    }
+    const int num_sights = std::max(1, static_cast<int>(std::lround(weight)));
+    const auto wanted = static_cast<size_t>(std::max(1, summarizer_.NumModes(num_sights)));
+    if (looks->size() > wanted) {
+      std::stable_sort(looks->begin(), looks->end(),
+                       [](const Look& x, const Look& y) { return x.weight > y.weight; });
+      looks->resize(wanted);
+    }
+  }
+
+  void AppendLook(const Look& look) {
+    std::vector<uint8_t> code = look.code;
+    if (code.empty()) {
+      const DescriptorMatrix row = look.descriptor;
+      code = codec_.Encode(row);
+    }
+    merged_.codes.insert(merged_.codes.end(), code.begin(), code.end());
+    merged_.orientation_codes.push_back(
+        look.orientation_rad ? OrientationCode(*look.orientation_rad) : kNoOrientation);
+    merged_.size_codes.push_back(SizeCode(std::exp(look.log_size)));
+    merged_.azimuth_codes.push_back(AzimuthCode(look.azimuth_rad));
+    merged_.weight_codes.push_back(WeightCode(look.weight));
+  }
+
+  void AppendKeyframes() {
+    merged_.keyframes = known_.keyframes;
+    merged_.keyframe_begin = known_.keyframe_begin;
+    merged_.keyframe_landmarks = known_.keyframe_landmarks;
+    for (size_t k = 0; k < fresh_.num_keyframes(); ++k) {
+      const auto begin = static_cast<std::ptrdiff_t>(merged_.keyframe_landmarks.size());
+      for (const uint32_t landmark_idx : fresh_.LandmarksOfKeyframe(k)) {
+        merged_.keyframe_landmarks.push_back(new_idx_of_fresh_[landmark_idx]);
+      }
+      std::sort(merged_.keyframe_landmarks.begin() + begin, merged_.keyframe_landmarks.end());
+      merged_.keyframes.push_back(fresh_.keyframes[k]);
+      merged_.keyframe_begin.push_back(static_cast<uint32_t>(merged_.keyframe_landmarks.size()));
+    }
+  }
+
+  const Tile& known_;
+  const Tile& fresh_;
+  const DescriptorCodec& codec_;
+  const AppearanceSummarizer& summarizer_;
+  const MergeOptions& options_;
+  float same_look_sq_distance_ = 0.0f;
+  std::vector<uint32_t> new_idx_of_fresh_;
+  Tile merged_;
+};
+
+}  // namespace
+
+void MergeOptions::Validate() const {
+  RequireOption(old_weight_share >= 0.0 && old_weight_share <= 1.0,
+                "merging.old_weight_share must be between 0 and 1");
+  RequireOption(same_look_share >= 0.0, "merging.same_look_share must not be negative");
+  RequireOption(least_sigma_m > 0.0, "merging.least_sigma_m must be positive");
+}
+
+Tile MergeTiles(const Tile& known, const Tile& fresh, const DescriptorCodec& codec,
+                const AppearanceSummarizer& summarizer, const MergeOptions& options) {
+  return TileMerger(known, fresh, codec, summarizer, options).Merge();
+}
+
+}  // namespace cairn
