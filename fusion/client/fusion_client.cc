@@ -5,9 +5,9 @@
 #include <mutex>
 #include <utility>
 
-#include "fusion/client/estimator.h"
+#include "fusion/estimator/estimator.h"
 #include "fusion/client/published.h"
-#include "fusion/client/steady_pose.h"
+#include "fusion/estimator/steady_pose.h"
 
 namespace cairn::fusion {
 namespace {

@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "fusion/client/fusion_options.h"
-#include "fusion/client/fusion_types.h"
+#include "fusion/estimator/fusion_options.h"
+#include "fusion/estimator/fusion_types.h"
 
 namespace cairn::fusion {
 

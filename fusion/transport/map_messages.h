@@ -12,7 +12,7 @@
 #include "core/camera.h"
 #include "core/features.h"
 #include "core/geodesy.h"
-#include "fusion/client/fusion_types.h"
+#include "fusion/estimator/fusion_types.h"
 
 namespace cairn::fusion {
 

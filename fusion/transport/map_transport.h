@@ -13,7 +13,7 @@
 #include <string>
 
 #include "core/geodesy.h"
-#include "fusion/client/fusion_types.h"
+#include "fusion/estimator/fusion_types.h"
 #include "fusion/transport/map_messages.h"
 
 namespace cairn::fusion {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/rigid3.h"
-#include "fusion/client/fusion_options.h"
-#include "fusion/client/fusion_types.h"
+#include "fusion/estimator/fusion_options.h"
+#include "fusion/estimator/fusion_types.h"
 #include "core/inertial/imu.h"
 #include "fusion/start/standstill.h"
 

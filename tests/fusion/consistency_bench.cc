@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/angles.h"
-#include "fusion/client/estimator.h"
+#include "fusion/estimator/estimator.h"
 #include "fusion/errors.h"
 #include "fusion/filter/chi_square.h"
 #include "fusion/simulation.h"

@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "core/angles.h"
-#include "fusion/client/estimator.h"
+#include "fusion/estimator/estimator.h"
 #include "fusion/errors.h"
 #include "fusion/simulation.h"
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/camera.h"
-#include "fusion/client/fusion_options.h"
-#include "fusion/client/fusion_types.h"
+#include "fusion/estimator/fusion_options.h"
+#include "fusion/estimator/fusion_types.h"
 #include "lab/inertial/figure_of_eight.h"
 
 namespace cairn::fusion::testing {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/rigid3.h"
-#include "fusion/client/fusion_types.h"
+#include "fusion/estimator/fusion_types.h"
 #include "core/inertial/imu.h"
 #include "core/inertial/imu_propagation.h"
 #include "fusion/tracks/track_table.h"

@@ -3,8 +3,8 @@
 #include <ctime>
 
 #include "core/error.h"
-#include "fusion/client/estimator.h"
-#include "fusion/client/steady_pose.h"
+#include "fusion/estimator/estimator.h"
+#include "fusion/estimator/steady_pose.h"
 #include "core/inertial/imu_buffer.h"
 #include "fusion/map_updates/alignment.h"
 #include "fusion/map_updates/map_update.h"

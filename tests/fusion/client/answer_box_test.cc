@@ -1,4 +1,4 @@
-#include "fusion/client/answer_box.h"
+#include "fusion/estimator/answer_box.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

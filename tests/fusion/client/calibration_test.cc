@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "fusion/client/estimator.h"
+#include "fusion/estimator/estimator.h"
 #include "fusion/errors.h"
 #include "fusion/filter/pose_covariance.h"
 #include "fusion/simulation.h"

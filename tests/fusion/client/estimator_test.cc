@@ -1,4 +1,4 @@
-#include "fusion/client/estimator.h"
+#include "fusion/estimator/estimator.h"
 
 #include <gtest/gtest.h>
 

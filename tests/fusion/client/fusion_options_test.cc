@@ -1,4 +1,4 @@
-#include "fusion/client/fusion_options.h"
+#include "fusion/estimator/fusion_options.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "fusion/client/head.h"
+#include "fusion/estimator/head.h"
 
 #include <gtest/gtest.h>
 

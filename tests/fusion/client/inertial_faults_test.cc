@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-#include "fusion/client/estimator.h"
+#include "fusion/estimator/estimator.h"
 #include "fusion/errors.h"
 #include "fusion/simulation.h"
 

@@ -1,4 +1,4 @@
-#include "fusion/client/query_schedule.h"
+#include "fusion/estimator/query_schedule.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

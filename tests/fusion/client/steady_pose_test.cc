@@ -1,4 +1,4 @@
-#include "fusion/client/steady_pose.h"
+#include "fusion/estimator/steady_pose.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "core/error.h"
-#include "fusion/client/estimator.h"
+#include "fusion/estimator/estimator.h"
 #include "fusion/simulation.h"
 #include "fusion/tracks/track_update.h"
 

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "fusion/client/estimator.h"
+#include "fusion/estimator/estimator.h"
 #include "fusion/errors.h"
 #include "fusion/simulation.h"
 

@@ -1,11 +1,11 @@
 // Holds the answers that wait for the next frame, and the reports on earlier answers.
-#ifndef CAIRN_FUSION_CLIENT_ANSWER_BOX_H_
-#define CAIRN_FUSION_CLIENT_ANSWER_BOX_H_
+#ifndef CAIRN_FUSION_ESTIMATOR_ANSWER_BOX_H_
+#define CAIRN_FUSION_ESTIMATOR_ANSWER_BOX_H_
 
 #include <deque>
 #include <vector>
 
-#include "fusion/client/fusion_types.h"
+#include "fusion/estimator/fusion_types.h"
 
 namespace cairn::fusion {
 
@@ -38,4 +38,4 @@ class AnswerBox {
 
 }  // namespace cairn::fusion
 
-#endif  // CAIRN_FUSION_CLIENT_ANSWER_BOX_H_
+#endif  // CAIRN_FUSION_ESTIMATOR_ANSWER_BOX_H_

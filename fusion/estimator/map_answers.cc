@@ -1,4 +1,4 @@
-#include "fusion/client/map_answers.h"
+#include "fusion/estimator/map_answers.h"
 
 #include <algorithm>
 #include <cmath>

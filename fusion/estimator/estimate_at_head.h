@@ -1,15 +1,15 @@
 // Makes the published estimate from the head.
-#ifndef CAIRN_FUSION_CLIENT_ESTIMATE_AT_HEAD_H_
-#define CAIRN_FUSION_CLIENT_ESTIMATE_AT_HEAD_H_
+#ifndef CAIRN_FUSION_ESTIMATOR_ESTIMATE_AT_HEAD_H_
+#define CAIRN_FUSION_ESTIMATOR_ESTIMATE_AT_HEAD_H_
 
 #include <cstdint>
 #include <optional>
 
 #include "core/rigid3.h"
-#include "fusion/client/fusion_types.h"
-#include "fusion/client/head.h"
-#include "fusion/client/local_slew.h"
-#include "fusion/client/steady_pose.h"
+#include "fusion/estimator/fusion_types.h"
+#include "fusion/estimator/head.h"
+#include "fusion/estimator/local_slew.h"
+#include "fusion/estimator/steady_pose.h"
 #include "fusion/filter/filter_state.h"
 
 namespace cairn::fusion {
@@ -37,4 +37,4 @@ Estimate EstimateAtHead(const FilterState& state, const Head& head, const LocalS
 
 }  // namespace cairn::fusion
 
-#endif  // CAIRN_FUSION_CLIENT_ESTIMATE_AT_HEAD_H_
+#endif  // CAIRN_FUSION_ESTIMATOR_ESTIMATE_AT_HEAD_H_

@@ -1,6 +1,6 @@
 // Propagates the state from the newest frame to the newest inertial sample.
-#ifndef CAIRN_FUSION_CLIENT_HEAD_H_
-#define CAIRN_FUSION_CLIENT_HEAD_H_
+#ifndef CAIRN_FUSION_ESTIMATOR_HEAD_H_
+#define CAIRN_FUSION_ESTIMATOR_HEAD_H_
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -47,4 +47,4 @@ class Head {
 
 }  // namespace cairn::fusion
 
-#endif  // CAIRN_FUSION_CLIENT_HEAD_H_
+#endif  // CAIRN_FUSION_ESTIMATOR_HEAD_H_

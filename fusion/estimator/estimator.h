@@ -1,6 +1,6 @@
 // The estimator: takes frames, inertial samples and answers, gives poses and queries.
-#ifndef CAIRN_FUSION_CLIENT_ESTIMATOR_H_
-#define CAIRN_FUSION_CLIENT_ESTIMATOR_H_
+#ifndef CAIRN_FUSION_ESTIMATOR_ESTIMATOR_H_
+#define CAIRN_FUSION_ESTIMATOR_ESTIMATOR_H_
 
 #include <cstdint>
 #include <deque>
@@ -9,13 +9,13 @@
 #include <utility>
 #include <vector>
 
-#include "fusion/client/estimate_at_head.h"
-#include "fusion/client/fusion_options.h"
-#include "fusion/client/fusion_types.h"
-#include "fusion/client/head.h"
-#include "fusion/client/local_slew.h"
-#include "fusion/client/map_answers.h"
-#include "fusion/client/steady_pose.h"
+#include "fusion/estimator/estimate_at_head.h"
+#include "fusion/estimator/fusion_options.h"
+#include "fusion/estimator/fusion_types.h"
+#include "fusion/estimator/head.h"
+#include "fusion/estimator/local_slew.h"
+#include "fusion/estimator/map_answers.h"
+#include "fusion/estimator/steady_pose.h"
 #include "fusion/filter/filter_state.h"
 #include "core/inertial/imu_buffer.h"
 #include "fusion/start/standstill_updates.h"
@@ -125,4 +125,4 @@ class Estimator {
 
 }  // namespace cairn::fusion
 
-#endif  // CAIRN_FUSION_CLIENT_ESTIMATOR_H_
+#endif  // CAIRN_FUSION_ESTIMATOR_ESTIMATOR_H_

@@ -1,6 +1,6 @@
 // Queries the map about frames and applies its answers to the filter.
-#ifndef CAIRN_FUSION_CLIENT_MAP_ANSWERS_H_
-#define CAIRN_FUSION_CLIENT_MAP_ANSWERS_H_
+#ifndef CAIRN_FUSION_ESTIMATOR_MAP_ANSWERS_H_
+#define CAIRN_FUSION_ESTIMATOR_MAP_ANSWERS_H_
 
 #include <cstdint>
 #include <optional>
@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "core/rigid3.h"
-#include "fusion/client/answer_box.h"
-#include "fusion/client/fusion_options.h"
-#include "fusion/client/fusion_types.h"
-#include "fusion/client/query_schedule.h"
+#include "fusion/estimator/answer_box.h"
+#include "fusion/estimator/fusion_options.h"
+#include "fusion/estimator/fusion_types.h"
+#include "fusion/estimator/query_schedule.h"
 #include "fusion/filter/filter_state.h"
 #include "fusion/map_updates/alignment_candidates.h"
 #include "fusion/map_updates/contradictions.h"
@@ -92,4 +92,4 @@ class MapAnswers {
 
 }  // namespace cairn::fusion
 
-#endif  // CAIRN_FUSION_CLIENT_MAP_ANSWERS_H_
+#endif  // CAIRN_FUSION_ESTIMATOR_MAP_ANSWERS_H_

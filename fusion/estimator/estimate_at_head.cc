@@ -1,4 +1,4 @@
-#include "fusion/client/estimate_at_head.h"
+#include "fusion/estimator/estimate_at_head.h"
 
 #include "fusion/filter/pose_covariance.h"
 #include "fusion/tracks/track_update.h"

@@ -1,10 +1,10 @@
 // All options of the client library.
-#ifndef CAIRN_FUSION_CLIENT_FUSION_OPTIONS_H_
-#define CAIRN_FUSION_CLIENT_FUSION_OPTIONS_H_
+#ifndef CAIRN_FUSION_ESTIMATOR_FUSION_OPTIONS_H_
+#define CAIRN_FUSION_ESTIMATOR_FUSION_OPTIONS_H_
 
 #include "core/camera.h"
 #include "core/rigid3.h"
-#include "fusion/client/steady_pose.h"
+#include "fusion/estimator/steady_pose.h"
 #include "fusion/filter/filter_state.h"
 #include "core/inertial/imu.h"
 #include "fusion/map_updates/map_update.h"
@@ -44,4 +44,4 @@ struct FusionOptions {
 
 }  // namespace cairn::fusion
 
-#endif  // CAIRN_FUSION_CLIENT_FUSION_OPTIONS_H_
+#endif  // CAIRN_FUSION_ESTIMATOR_FUSION_OPTIONS_H_

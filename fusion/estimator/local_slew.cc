@@ -1,4 +1,4 @@
-#include "fusion/client/local_slew.h"
+#include "fusion/estimator/local_slew.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // Inputs and outputs of the client library.
-#ifndef CAIRN_FUSION_CLIENT_FUSION_TYPES_H_
-#define CAIRN_FUSION_CLIENT_FUSION_TYPES_H_
+#ifndef CAIRN_FUSION_ESTIMATOR_FUSION_TYPES_H_
+#define CAIRN_FUSION_ESTIMATOR_FUSION_TYPES_H_
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -115,4 +115,4 @@ struct Estimate {
 
 }  // namespace cairn::fusion
 
-#endif  // CAIRN_FUSION_CLIENT_FUSION_TYPES_H_
+#endif  // CAIRN_FUSION_ESTIMATOR_FUSION_TYPES_H_

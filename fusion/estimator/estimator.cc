@@ -1,9 +1,9 @@
-#include "fusion/client/estimator.h"
+#include "fusion/estimator/estimator.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "fusion/client/estimate_at_head.h"
+#include "fusion/estimator/estimate_at_head.h"
 #include "core/inertial/imu_time.h"
 #include "fusion/tracks/finished_tracks.h"
 #include "fusion/tracks/point_update.h"

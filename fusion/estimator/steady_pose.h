@@ -1,6 +1,6 @@
 // Smooths the corrections of a pose.
-#ifndef CAIRN_FUSION_CLIENT_STEADY_POSE_H_
-#define CAIRN_FUSION_CLIENT_STEADY_POSE_H_
+#ifndef CAIRN_FUSION_ESTIMATOR_STEADY_POSE_H_
+#define CAIRN_FUSION_ESTIMATOR_STEADY_POSE_H_
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -59,4 +59,4 @@ class SteadyPose {
 
 }  // namespace cairn::fusion
 
-#endif  // CAIRN_FUSION_CLIENT_STEADY_POSE_H_
+#endif  // CAIRN_FUSION_ESTIMATOR_STEADY_POSE_H_

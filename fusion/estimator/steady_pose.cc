@@ -1,4 +1,4 @@
-#include "fusion/client/steady_pose.h"
+#include "fusion/estimator/steady_pose.h"
 
 #include <algorithm>
 #include <cmath>

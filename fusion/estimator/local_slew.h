@@ -1,6 +1,6 @@
 // Keeps the published `local` free of jumps.
-#ifndef CAIRN_FUSION_CLIENT_LOCAL_SLEW_H_
-#define CAIRN_FUSION_CLIENT_LOCAL_SLEW_H_
+#ifndef CAIRN_FUSION_ESTIMATOR_LOCAL_SLEW_H_
+#define CAIRN_FUSION_ESTIMATOR_LOCAL_SLEW_H_
 
 #include "core/rigid3.h"
 
@@ -35,4 +35,4 @@ class LocalSlew {
 
 }  // namespace cairn::fusion
 
-#endif  // CAIRN_FUSION_CLIENT_LOCAL_SLEW_H_
+#endif  // CAIRN_FUSION_ESTIMATOR_LOCAL_SLEW_H_

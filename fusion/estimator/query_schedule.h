@@ -1,12 +1,12 @@
 // Decides when the map is asked, and tracks the pending queries.
-#ifndef CAIRN_FUSION_CLIENT_QUERY_SCHEDULE_H_
-#define CAIRN_FUSION_CLIENT_QUERY_SCHEDULE_H_
+#ifndef CAIRN_FUSION_ESTIMATOR_QUERY_SCHEDULE_H_
+#define CAIRN_FUSION_ESTIMATOR_QUERY_SCHEDULE_H_
 
 #include <cstdint>
 #include <optional>
 #include <vector>
 
-#include "fusion/client/fusion_options.h"
+#include "fusion/estimator/fusion_options.h"
 
 namespace cairn::fusion {
 
@@ -55,4 +55,4 @@ class QuerySchedule {
 
 }  // namespace cairn::fusion
 
-#endif  // CAIRN_FUSION_CLIENT_QUERY_SCHEDULE_H_
+#endif  // CAIRN_FUSION_ESTIMATOR_QUERY_SCHEDULE_H_
