@@ -7,7 +7,7 @@
 #include "core/parallel_for.h"
 #include "eval/pictures/encode_png.h"
 #include "core/scene/reconstruct_known_poses.h"
-#include "lab/street/street_scene.h"
+#include "cli/demo/street/street_scene.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {

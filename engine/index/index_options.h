@@ -58,7 +58,7 @@ struct InvertedListsOptions {
 
 class MatchingIndex;
 
-// Makes an index of a kind that the engine does not know, for comparisons (lab/rivals/index).
+// Makes an index of a kind that the engine does not know, for comparisons (lab/rivals).
 class IndexFactory {
  public:
   virtual ~IndexFactory() = default;

@@ -24,7 +24,7 @@ enum class OutlierFilter {
 
 struct VotingOptions;
 
-// A filter that the engine does not know, for comparisons (lab/rivals/voting). Returns candidates,
+// A filter that the engine does not know, for comparisons (lab/rivals). Returns candidates,
 // best first, and sets the voting counters.
 using CandidateFilter = std::function<std::vector<PoseCandidate>(
     const std::vector<TileView>& tiles, const std::vector<Correspondence>& correspondences,

@@ -26,7 +26,7 @@
 #include "fusion/transport/map_transport.h"
 #include "http/server.h"
 #include "core/features/sift/sift_extractor.h"
-#include "lab/street/street_scene.h"
+#include "cli/demo/street/street_scene.h"
 #include "phone_walk.h"
 #include "storage/codebook/descriptor_codec.h"
 #include "storage/map/map_store.h"

@@ -9,7 +9,7 @@
 #include "core/rigid3.h"
 #include "fusion/filter/filter_state.h"
 #include "core/inertial/imu.h"
-#include "lab/street/street_scene.h"
+#include "cli/demo/street/street_scene.h"
 
 namespace cairn {
 

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "lab/street/street_scene.h"
+#include "cli/demo/street/street_scene.h"
 
 namespace cairn {
 

@@ -10,9 +10,9 @@
 #include "core/rigid3.h"
 #include "eval/eval_query.h"
 #include "core/scene/reconstruction.h"
-#include "lab/city/cameras/simulated_mapping.h"
+#include "lab/city/simulated_mapping.h"
 #include "lab/city/city_world.h"
-#include "lab/city/geometry/city.h"
+#include "lab/city/city.h"
 #include "lab/descriptors/descriptor_model.h"
 
 namespace cairn {

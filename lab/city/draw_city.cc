@@ -9,7 +9,7 @@
 #include "eval/pictures/label.h"
 #include "eval/pictures/plan_symbols.h"
 #include "eval/pictures/plan_view.h"
-#include "lab/city/geometry/city_region.h"
+#include "lab/city/city_region.h"
 
 namespace cairn {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "lab/city/cameras/phone_queries.h"
-#include "lab/city/cameras/simulated_mapping.h"
+#include "lab/city/phone_queries.h"
+#include "lab/city/simulated_mapping.h"
 
 namespace cairn {
 

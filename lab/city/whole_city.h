@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "core/scene/reconstruction.h"
-#include "lab/city/cameras/simulated_mapping.h"
+#include "lab/city/simulated_mapping.h"
 
 namespace cairn {
 

@@ -11,7 +11,7 @@
 #include "core/error.h"
 #include "core/printable.h"
 #include "lab/cli/lab_verbs.h"
-#include "lab/codebook/street_codebook.h"
+#include "lab/descriptors/street_codebook.h"
 #include "storage/codebook/codebook_digest.h"
 
 namespace cairn {

@@ -15,7 +15,7 @@
 #include "core/error.h"
 #include "lab/cli/lab_verbs.h"
 #include "lab/experiments/experiment_result.h"
-#include "lab/experiments/report/text_file.h"
+#include "lab/experiments/text_file.h"
 #include "lab/experiments/runs/experiment_list.h"
 
 namespace cairn {

@@ -16,7 +16,7 @@
 #include "core/angles.h"
 #include "core/error.h"
 #include "eval/pictures/picture_format.h"
-#include "lab/city/cameras/phone_sequence.h"
+#include "lab/city/phone_sequence.h"
 #include "lab/city/city_world.h"
 #include "lab/city/draw_city.h"
 #include "lab/city/whole_city.h"

@@ -10,7 +10,7 @@
 
 #include "core/features.h"
 #include "core/scene/reconstruction.h"
-#include "lab/street/street_scene.h"
+#include "cli/demo/street/street_scene.h"
 
 namespace cairn {
 

@@ -7,8 +7,8 @@
 #include "core/parallel_for.h"
 #include "lab/descriptors/look_collector.h"
 #include "lab/descriptors/real_looks.h"
-#include "lab/street/build_street.h"
-#include "lab/street/renderer.h"
+#include "cli/demo/street/build_street.h"
+#include "cli/demo/street/renderer.h"
 
 namespace cairn {
 namespace {

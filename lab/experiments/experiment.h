@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "lab/experiments/experiment_world.h"
-#include "lab/experiments/report/figure.h"
-#include "lab/experiments/report/result_table.h"
-#include "lab/experiments/report/verdict.h"
+#include "lab/experiments/figure.h"
+#include "lab/experiments/result_table.h"
+#include "lab/experiments/verdict.h"
 
 namespace cairn {
 

@@ -9,7 +9,7 @@
 
 #include "build_commit.h"
 #include "core/error.h"
-#include "lab/experiments/report/text_file.h"
+#include "lab/experiments/text_file.h"
 
 namespace cairn {
 namespace {

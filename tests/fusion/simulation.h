@@ -12,7 +12,7 @@
 #include "core/camera.h"
 #include "fusion/estimator/fusion_options.h"
 #include "fusion/estimator/fusion_types.h"
-#include "lab/inertial/figure_of_eight.h"
+#include "lab/recordings/figure_of_eight.h"
 
 namespace cairn::fusion::testing {
 

@@ -8,7 +8,7 @@
 #include "core/features/sift/sift_extractor.h"
 #include "ingest/ingest_session.h"
 #include "core/scene/reconstruct_known_poses.h"
-#include "lab/street/street_scene.h"
+#include "cli/demo/street/street_scene.h"
 #include "storage/map/map_store.h"
 #include "storage/map/tile_cache.h"
 #include "support/temp_dir.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "lab/city/city_world.h"
-#include "lab/city/geometry/city_options.h"
+#include "lab/city/city_options.h"
 #include "lab/recordings/recording.h"
 
 namespace cairn {

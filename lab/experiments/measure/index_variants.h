@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lab/experiments/experiment.h"
-#include "lab/rivals/index/index_methods.h"
+#include "lab/rivals/index_methods.h"
 
 namespace cairn {
 

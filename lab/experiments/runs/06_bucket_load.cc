@@ -14,7 +14,7 @@
 #include "engine/index/product_words.h"
 #include "lab/experiments/runs/descriptor_looks.h"
 #include "lab/experiments/runs/runs.h"
-#include "lab/rivals/index/index_methods.h"
+#include "lab/rivals/index_methods.h"
 #include "storage/codebook/descriptor_codec.h"
 
 namespace cairn {

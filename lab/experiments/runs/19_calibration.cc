@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/localizer_options.h"
-#include "lab/calibration/calibration.h"
+#include "lab/experiments/measure/calibration.h"
 #include "lab/experiments/measure/variants.h"
 #include "lab/experiments/runs/cities.h"
 #include "lab/experiments/runs/runs.h"

@@ -21,7 +21,7 @@
 #include "lab/experiments/measure/warm_tiles.h"
 #include "lab/experiments/runs/filters.h"
 #include "lab/experiments/runs/runs.h"
-#include "lab/rivals/voting/covisibility_filter.h"
+#include "lab/rivals/covisibility_filter.h"
 
 namespace cairn {
 namespace {

@@ -17,8 +17,8 @@
 #include "lab/city/city_sessions.h"
 #include "lab/experiments/measure/link_judge.h"
 #include "lab/experiments/measure/variants.h"
-#include "lab/experiments/report/figure.h"
-#include "lab/experiments/report/verdict.h"
+#include "lab/experiments/figure.h"
+#include "lab/experiments/verdict.h"
 #include "lab/experiments/runs/runs.h"
 #include "storage/tile/tile_codec.h"
 

@@ -3,7 +3,7 @@
 #define CAIRN_LAB_EXPERIMENTS_RUNS_FILTERS_H_
 
 #include "engine/voting/voting_options.h"
-#include "lab/rivals/voting/covisibility_filter.h"
+#include "lab/rivals/covisibility_filter.h"
 
 namespace cairn {
 

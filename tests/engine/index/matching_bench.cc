@@ -34,7 +34,7 @@
 #include "engine/index/synthetic_descriptors.h"
 #include "engine/matching/match_features.h"
 #include "engine/tiles/searchable_tile.h"
-#include "lab/rivals/index/index_methods.h"
+#include "lab/rivals/index_methods.h"
 #include "storage/tile/tile_codec.h"
 #include "support/tile_builder.h"
 

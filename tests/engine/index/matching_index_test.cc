@@ -24,7 +24,7 @@
 #include "engine/index/inverted_lists.h"
 #include "engine/index/byte_descriptors.h"
 #include "engine/index/synthetic_descriptors.h"
-#include "lab/rivals/index/index_methods.h"
+#include "lab/rivals/index_methods.h"
 #include "storage/codebook/descriptor_codec.h"
 
 namespace cairn {

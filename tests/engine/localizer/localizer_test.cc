@@ -14,8 +14,8 @@
 #include "core/angles.h"
 #include "core/error.h"
 #include "engine/localizer/mapped_streets.h"
-#include "lab/rivals/index/index_methods.h"
-#include "lab/rivals/voting/covisibility_filter.h"
+#include "lab/rivals/index_methods.h"
+#include "lab/rivals/covisibility_filter.h"
 #include "storage/codebook/descriptor_codec.h"
 
 namespace cairn {

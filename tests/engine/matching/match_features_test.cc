@@ -15,7 +15,7 @@
 #include "engine/index/synthetic_descriptors.h"
 #include "engine/matching/landmark_matches.h"
 #include "engine/tiles/simple_tile.h"
-#include "lab/rivals/index/index_methods.h"
+#include "lab/rivals/index_methods.h"
 
 namespace cairn {
 namespace {

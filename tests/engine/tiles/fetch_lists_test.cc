@@ -15,7 +15,7 @@
 #include "engine/index/inverted_lists.h"
 #include "engine/tiles/fetch_tiles.h"
 #include "engine/tiles/searchable_tile.h"
-#include "lab/rivals/index/index_methods.h"
+#include "lab/rivals/index_methods.h"
 #include "storage/tile/checksum.h"
 #include "storage/codebook/descriptor_codec.h"
 #include "storage/tile/tile_codec.h"

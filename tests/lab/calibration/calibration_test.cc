@@ -1,4 +1,4 @@
-#include "lab/calibration/calibration.h"
+#include "lab/experiments/measure/calibration.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "lab/city/geometry/city.h"
+#include "lab/city/city.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,10 +12,10 @@
 
 #include "core/error.h"
 #include "core/tile_id.h"
-#include "lab/city/geometry/city_options.h"
-#include "lab/city/geometry/city_region.h"
-#include "lab/city/geometry/city_surface.h"
-#include "lab/city/geometry/hashed_random.h"
+#include "lab/city/city_options.h"
+#include "lab/city/city_region.h"
+#include "lab/city/city_surface.h"
+#include "lab/city/hashed_random.h"
 
 namespace cairn {
 namespace {

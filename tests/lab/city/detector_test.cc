@@ -1,4 +1,4 @@
-#include "lab/city/cameras/detector.h"
+#include "lab/city/detector.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "lab/city/cameras/camera_angles.h"
+#include "lab/city/camera_angles.h"
 
 namespace cairn {
 namespace {

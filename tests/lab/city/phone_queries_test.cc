@@ -1,4 +1,4 @@
-#include "lab/city/cameras/phone_queries.h"
+#include "lab/city/phone_queries.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 
 #include "core/error.h"
 #include "core/frames.h"
-#include "lab/city/cameras/simulated_mapping.h"
+#include "lab/city/simulated_mapping.h"
 
 namespace cairn {
 namespace {

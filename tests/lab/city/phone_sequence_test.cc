@@ -1,4 +1,4 @@
-#include "lab/city/cameras/phone_sequence.h"
+#include "lab/city/phone_sequence.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

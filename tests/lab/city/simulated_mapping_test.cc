@@ -1,4 +1,4 @@
-#include "lab/city/cameras/simulated_mapping.h"
+#include "lab/city/simulated_mapping.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 
 #include "core/error.h"
 #include "core/statistics.h"
-#include "lab/city/geometry/city_region.h"
+#include "lab/city/city_region.h"
 
 namespace cairn {
 namespace {

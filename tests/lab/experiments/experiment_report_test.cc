@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "lab/experiments/experiment_result.h"
-#include "lab/experiments/report/text_file.h"
+#include "lab/experiments/text_file.h"
 #include "lab/experiments/runs/experiment_list.h"
 #include "support/temp_dir.h"
 

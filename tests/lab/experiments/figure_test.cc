@@ -1,4 +1,4 @@
-#include "lab/experiments/report/figure.h"
+#include "lab/experiments/figure.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "lab/experiments/report/text_file.h"
+#include "lab/experiments/text_file.h"
 #include "support/temp_dir.h"
 
 namespace cairn {

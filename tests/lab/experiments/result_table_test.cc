@@ -1,4 +1,4 @@
-#include "lab/experiments/report/result_table.h"
+#include "lab/experiments/result_table.h"
 
 #include <gtest/gtest.h>
 

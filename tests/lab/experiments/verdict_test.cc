@@ -1,4 +1,4 @@
-#include "lab/experiments/report/verdict.h"
+#include "lab/experiments/verdict.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "lab/inertial/figure_of_eight.h"
+#include "lab/recordings/figure_of_eight.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "lab/inertial/measure_motion.h"
+#include "lab/recordings/measure_motion.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "lab/street/street_scene.h"
+#include "cli/demo/street/street_scene.h"
 
 namespace cairn {
 namespace {

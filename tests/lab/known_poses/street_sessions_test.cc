@@ -9,7 +9,7 @@
 #include "eval/eval_query.h"
 #include "ingest/ingest_session.h"
 #include "core/scene/reconstruct_known_poses.h"
-#include "lab/street/street_scene.h"
+#include "cli/demo/street/street_scene.h"
 #include "support/recognized.h"
 #include "support/temp_dir.h"
 

@@ -1,4 +1,4 @@
-#include "lab/street/renderer.h"
+#include "cli/demo/street/renderer.h"
 
 #include <gtest/gtest.h>
 

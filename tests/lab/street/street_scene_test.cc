@@ -1,4 +1,4 @@
-#include "lab/street/street_scene.h"
+#include "cli/demo/street/street_scene.h"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "lab/inertial/figure_of_eight.h"
-#include "lab/inertial/measure_motion.h"
+#include "lab/recordings/figure_of_eight.h"
+#include "lab/recordings/measure_motion.h"
 #include "lab/recordings/simulate_recording.h"
 
 namespace cairn::fusion::testing {

@@ -1,4 +1,4 @@
-#include "lab/rivals/index/index_methods.h"
+#include "lab/rivals/index_methods.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "lab/rivals/voting/covisibility_filter.h"
+#include "lab/rivals/covisibility_filter.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
