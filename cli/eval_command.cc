@@ -22,14 +22,14 @@
 #include "cli/shell.h"
 #include "core/angles.h"
 #include "core/error.h"
+#include "core/features/sift/sift_extractor.h"
+#include "core/images/gray_image.h"
 #include "core/parallel_for.h"
 #include "core/printable.h"
 #include "eval/elsewhere.h"
 #include "eval/evaluation.h"
 #include "eval/stated_focal.h"
 #include "http/client.h"
-#include "core/features/sift/sift_extractor.h"
-#include "core/images/gray_image.h"
 
 namespace cairn {
 namespace {

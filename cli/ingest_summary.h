@@ -5,8 +5,8 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "ingest/place/georegister.h"
 #include "ingest/ingest_report.h"
+#include "ingest/place/georegister.h"
 
 namespace cairn {
 

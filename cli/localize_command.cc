@@ -23,19 +23,19 @@
 #include "cli/shell.h"
 #include "core/angles.h"
 #include "core/error.h"
+#include "core/features/sift/sift_extractor.h"
 #include "core/focal_length.h"
 #include "core/geodesy.h"
 #include "core/geoid.h"
+#include "core/images/exif.h"
+#include "core/images/orient_image.h"
+#include "core/images/photo_camera.h"
 #include "eval/pictures/picture_format.h"
 #include "eval/pictures/pictures.h"
 #include "http/client.h"
 #include "http/json/image_orientation.h"
 #include "http/json/localize_response.h"
 #include "http/json/request_photos.h"
-#include "core/features/sift/sift_extractor.h"
-#include "core/images/exif.h"
-#include "core/images/orient_image.h"
-#include "core/images/photo_camera.h"
 
 namespace cairn {
 namespace {

@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "core/error.h"
-#include "core/logging.h"
-#include "core/printable.h"
 #include "core/images/exif.h"
 #include "core/images/gray_image.h"
 #include "core/images/image_header.h"
 #include "core/images/orient_image.h"
+#include "core/logging.h"
+#include "core/printable.h"
 
 namespace cairn {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "ingest/place/georegister.h"
 #include "core/scene/reconstruction.h"
+#include "ingest/place/georegister.h"
 
 namespace cairn {
 

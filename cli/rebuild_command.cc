@@ -11,8 +11,8 @@
 #include "core/error.h"
 #include "core/parallel_for.h"
 #include "core/printable.h"
-#include "ingest/maps/rebuild_plan.h"
 #include "ingest/maps/archive_session.h"
+#include "ingest/maps/rebuild_plan.h"
 
 namespace cairn {
 namespace {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "ingest/place/georegister.h"
 #include "core/scene/reconstruction.h"
+#include "ingest/place/georegister.h"
 
 namespace CLI {
 class App;

@@ -6,9 +6,9 @@
 
 #include "core/error.h"
 #include "core/file_bytes.h"
-#include "http/json/request_members.h"
 #include "core/wire/json_reader.h"
 #include "core/wire/problem.h"
+#include "http/json/request_members.h"
 
 namespace cairn {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/query/localize_query.h"
 #include "core/images/gray_image.h"
+#include "engine/query/localize_query.h"
 
 namespace cairn {
 

@@ -12,9 +12,9 @@
 #include "cli/options/write_options.h"
 #include "core/error.h"
 #include "core/printable.h"
-#include "ingest/maps/archive_session.h"
 #include "ingest/codebook/choose_codebook.h"
 #include "ingest/codebook/shipped_codebook.h"
+#include "ingest/maps/archive_session.h"
 
 namespace cairn {
 namespace {

@@ -4,9 +4,9 @@
 #include <map>
 
 #include "engine/find_candidates.h"
+#include "engine/pose/estimate_candidate_poses.h"
 #include "engine/pose/focal_refinement.h"
 #include "engine/pose/focal_search.h"
-#include "engine/pose/estimate_candidate_poses.h"
 #include "engine/query/build_query_context.h"
 #include "engine/refinement/match_keyframes.h"
 

@@ -8,8 +8,8 @@
 #include "engine/matching/matching_options.h"
 #include "engine/places/places_options.h"
 #include "engine/pose/pose_options.h"
-#include "engine/tiles/prior_options.h"
 #include "engine/refinement/refinement_options.h"
+#include "engine/tiles/prior_options.h"
 #include "engine/tiles/tiles_options.h"
 #include "engine/voting/voting_options.h"
 

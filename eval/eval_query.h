@@ -9,8 +9,8 @@
 
 #include "core/angles.h"
 #include "core/rigid3.h"
-#include "engine/query/localize_query.h"
 #include "core/scene/reconstruction.h"
+#include "engine/query/localize_query.h"
 
 namespace cairn {
 

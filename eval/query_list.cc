@@ -12,9 +12,9 @@
 #include "core/error.h"
 #include "core/file_bytes.h"
 #include "core/printable.h"
-#include "eval/eval_query.h"
 #include "core/wire/json_reader.h"
 #include "core/wire/problem.h"
+#include "eval/eval_query.h"
 
 namespace cairn {
 namespace {

@@ -12,13 +12,13 @@
 
 #include "core/cell_name.h"
 #include "core/error.h"
-#include "http/exchange/bounded_client.h"
-#include "http/json/localize_response.h"
-#include "http/json/request_limits.h"
 #include "core/wire/feature_codec.h"
 #include "core/wire/json_reader.h"
 #include "core/wire/multipart.h"
 #include "core/wire/problem.h"
+#include "http/exchange/bounded_client.h"
+#include "http/json/localize_response.h"
+#include "http/json/request_limits.h"
 
 namespace cairn {
 namespace {

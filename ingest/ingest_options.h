@@ -5,13 +5,13 @@
 #include <chrono>
 #include <string>
 
+#include "ingest/codebook/train_codebook.h"
+#include "ingest/tiles/appearance.h"
 #include "ingest/tiles/landmark_history.h"
+#include "ingest/tiles/landmark_selection.h"
 #include "ingest/tiles/link_landmarks.h"
 #include "ingest/tiles/merge_tiles.h"
 #include "ingest/tiles/viewpoints.h"
-#include "ingest/codebook/train_codebook.h"
-#include "ingest/tiles/appearance.h"
-#include "ingest/tiles/landmark_selection.h"
 
 namespace cairn {
 

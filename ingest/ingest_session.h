@@ -5,11 +5,11 @@
 #include <functional>
 
 #include "core/rigid3.h"
+#include "core/scene/reconstruction.h"
 #include "ingest/ingest_options.h"
 #include "ingest/ingest_report.h"
 #include "ingest/plan_session.h"
 #include "ingest/session_plan.h"
-#include "core/scene/reconstruction.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {

@@ -4,12 +4,12 @@
 #include <optional>
 #include <set>
 
+#include "ingest/tile_upkeep.h"
 #include "ingest/tiles/admit_landmarks.h"
 #include "ingest/tiles/merge_tiles.h"
 #include "ingest/tiles/place_budget.h"
-#include "ingest/tiles/viewpoints.h"
-#include "ingest/tile_upkeep.h"
 #include "ingest/tiles/tile_edit.h"
+#include "ingest/tiles/viewpoints.h"
 
 namespace cairn {
 namespace {

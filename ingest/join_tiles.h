@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "ingest/ingest_options.h"
-#include "ingest/tiles/landmark_history.h"
-#include "ingest/tiles/appearance.h"
-#include "ingest/tiles/landmark_selection.h"
 #include "ingest/tile_changes.h"
+#include "ingest/tiles/appearance.h"
+#include "ingest/tiles/landmark_history.h"
+#include "ingest/tiles/landmark_selection.h"
 #include "storage/codebook/descriptor_codec.h"
 #include "storage/tile/tile.h"
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/rigid3.h"
-#include "ingest/session_plan.h"
 #include "core/scene/reconstruction.h"
+#include "ingest/session_plan.h"
 #include "ingest/tiles/placed_session.h"
 #include "ingest/tiles/tile_shard.h"
 #include "storage/map/map_store.h"

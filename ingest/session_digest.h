@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/rigid3.h"
-#include "ingest/ingest_options.h"
 #include "core/scene/reconstruction.h"
+#include "ingest/ingest_options.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "ingest/ingest_options.h"
 #include "ingest/place/ask_keyframes.h"
 #include "ingest/place/compare_with_map.h"
-#include "ingest/ingest_options.h"
 #include "ingest/tiles/placed_session.h"
 #include "storage/map/map_store.h"
 

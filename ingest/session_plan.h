@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/tile_id.h"
-#include "ingest/place/compare_with_map.h"
 #include "ingest/ingest_options.h"
+#include "ingest/place/compare_with_map.h"
 #include "ingest/tiles/landmark_history.h"
 #include "storage/codebook/codebook.h"
 #include "storage/map/map_store.h"

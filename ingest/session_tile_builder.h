@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "ingest/session_plan.h"
+#include "ingest/tile_rewriter.h"
 #include "ingest/tiles/appearance.h"
 #include "ingest/tiles/landmark_selection.h"
-#include "ingest/tile_rewriter.h"
 #include "ingest/tiles/tile_shard.h"
 #include "storage/codebook/descriptor_codec.h"
 

@@ -8,9 +8,9 @@
 
 #include "core/error.h"
 #include "ingest/join_tiles.h"
-#include "ingest/tiles/viewpoints.h"
 #include "ingest/tile_upkeep.h"
 #include "ingest/tiles/tile_edit.h"
+#include "ingest/tiles/viewpoints.h"
 #include "storage/tile/tile_codec.h"
 
 namespace cairn {

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "ingest/ingest_options.h"
-#include "ingest/tiles/landmark_history.h"
-#include "ingest/tiles/landmark_selection.h"
 #include "ingest/tile_changes.h"
 #include "ingest/tiles/build_tile.h"
+#include "ingest/tiles/landmark_history.h"
+#include "ingest/tiles/landmark_selection.h"
 #include "ingest/write_tile.h"
 #include "storage/map/map_store.h"
 #include "storage/tile/tile.h"

@@ -14,12 +14,12 @@
 #include "cli/shell.h"
 #include "core/angles.h"
 #include "core/error.h"
+#include "core/images/gray_image.h"
 #include "core/logging.h"
 #include "eval/evaluation.h"
 #include "eval/pictures/pictures.h"
 #include "http/client.h"
 #include "http/server.h"
-#include "core/images/gray_image.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {

@@ -3,11 +3,11 @@
 #include <fstream>
 #include <utility>
 
+#include "cli/demo/street/street_scene.h"
 #include "core/error.h"
 #include "core/parallel_for.h"
-#include "eval/pictures/encode_png.h"
 #include "core/scene/reconstruct_known_poses.h"
-#include "cli/demo/street/street_scene.h"
+#include "eval/pictures/encode_png.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "cli/progress.h"
-#include "eval/eval_query.h"
 #include "core/images/gray_image.h"
+#include "eval/eval_query.h"
 #include "ingest/ingest_session.h"
 
 namespace cairn {

@@ -4,12 +4,12 @@
 #define CAIRN_CLI_OPTIONS_CAIRN_OPTIONS_H_
 
 #include "cli/options/option_list.h"
+#include "core/features/sift/sift_extractor.h"
 #include "engine/localizer_options.h"
 #include "eval/eval_query.h"
 #include "http/service/server_options.h"
-#include "core/features/sift/sift_extractor.h"
-#include "ingest/place/georegister.h"
 #include "ingest/ingest_session.h"
+#include "ingest/place/georegister.h"
 #include "mapping/session/map_photos.h"
 
 namespace cairn {

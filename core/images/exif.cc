@@ -7,9 +7,9 @@
 #include <string_view>
 
 #include "core/angles.h"
-#include "core/random.h"
 #include "core/images/image_header.h"
 #include "core/images/tiff_directory.h"
+#include "core/random.h"
 
 namespace cairn {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "core/scene/tracks.h"
 #include "core/scene/posed_features.h"
+#include "core/scene/tracks.h"
 
 namespace cairn {
 

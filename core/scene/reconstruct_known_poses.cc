@@ -8,11 +8,11 @@
 
 #include "core/parallel_for.h"
 #include "core/require.h"
-#include "core/scene/tracks.h"
-#include "core/scene/triangulate.h"
 #include "core/scene/guided_matching.h"
 #include "core/scene/neighbor_pairs.h"
 #include "core/scene/posed_features.h"
+#include "core/scene/tracks.h"
+#include "core/scene/triangulate.h"
 
 namespace cairn {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "core/geodesy.h"
-#include "core/rigid3.h"
 #include "core/images/gray_image.h"
+#include "core/rigid3.h"
 
 namespace cairn {
 

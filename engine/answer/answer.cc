@@ -9,9 +9,9 @@
 #include "core/radius68.h"
 #include "engine/answer/view_recall.h"
 #include "engine/pose/evidence.h"
-#include "engine/tiles/pose_share.h"
 #include "engine/query/build_query_context.h"
 #include "engine/refinement/bernoulli_divergence.h"
+#include "engine/tiles/pose_share.h"
 #include "storage/map/session_accuracy.h"
 
 namespace cairn {

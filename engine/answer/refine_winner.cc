@@ -5,9 +5,9 @@
 #include <tuple>
 #include <utility>
 
+#include "engine/pose/estimate_pose.h"
 #include "engine/pose/focal_refinement.h"
 #include "engine/pose/focal_search.h"
-#include "engine/pose/estimate_pose.h"
 
 namespace cairn {
 namespace {

@@ -12,8 +12,8 @@
 
 #include "core/random.h"
 #include "core/simd.h"
-#include "engine/index/distance_statistics.h"
 #include "engine/index/byte_descriptors.h"
+#include "engine/index/distance_statistics.h"
 
 namespace cairn {
 namespace {

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/features.h"
-#include "engine/index/index_options.h"
 #include "engine/index/hit_collector.h"
+#include "engine/index/index_options.h"
 #include "storage/codebook/codebook.h"
 #include "storage/tile/tile_lists.h"
 

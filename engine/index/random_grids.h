@@ -15,8 +15,8 @@
 #include "core/features.h"
 #include "engine/index/cell_hasher.h"
 #include "engine/index/cell_lists.h"
-#include "engine/index/hash_buckets.h"
 #include "engine/index/code_expansion.h"
+#include "engine/index/hash_buckets.h"
 #include "engine/index/matching_index.h"
 #include "storage/codebook/codebook.h"
 

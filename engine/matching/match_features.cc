@@ -13,10 +13,10 @@
 
 #include "core/error.h"
 #include "core/large_vector.h"
-#include "engine/index/cell_lists.h"
-#include "engine/index/distance_statistics.h"
 #include "engine/index/byte_scale.h"
+#include "engine/index/cell_lists.h"
 #include "engine/index/code_expansion.h"
+#include "engine/index/distance_statistics.h"
 #include "engine/index/shared_visits.h"
 #include "engine/matching/landmark_ranking.h"
 #include "engine/tiles/descriptor_places.h"

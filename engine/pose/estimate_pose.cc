@@ -9,9 +9,9 @@
 #include "core/angles.h"
 #include "core/frames.h"
 #include "engine/pose/evidence.h"
-#include "engine/pose/refine_pose.h"
 #include "engine/pose/pose_ransac_problem.h"
 #include "engine/pose/ransac.h"
+#include "engine/pose/refine_pose.h"
 
 namespace cairn {
 namespace {

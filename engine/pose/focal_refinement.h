@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "engine/pose/refine_camera.h"
 #include "engine/pose/pose_options.h"
+#include "engine/pose/refine_camera.h"
 #include "engine/query/pose_candidate.h"
 #include "engine/query/query_context.h"
 

@@ -10,10 +10,10 @@
 
 #include "core/random.h"
 #include "core/rigid3.h"
-#include "engine/pose/consensus.h"
-#include "engine/pose/refine_pose.h"
-#include "engine/pose/pose_options.h"
 #include "engine/pose/alias_table.h"
+#include "engine/pose/consensus.h"
+#include "engine/pose/pose_options.h"
+#include "engine/pose/refine_pose.h"
 #include "engine/query/query_context.h"
 
 namespace cairn {

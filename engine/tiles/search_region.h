@@ -4,9 +4,9 @@
 
 #include <cstdint>
 
-#include "engine/tiles/prior_options.h"
 #include "engine/query/localize_query.h"
 #include "engine/query/query_context.h"
+#include "engine/tiles/prior_options.h"
 
 namespace cairn {
 

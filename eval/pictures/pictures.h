@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "core/geodesy.h"
+#include "core/images/gray_image.h"
 #include "core/rigid3.h"
 #include "engine/query/localize_query.h"
 #include "engine/query/localize_result.h"
-#include "core/images/gray_image.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {

@@ -20,13 +20,13 @@
 #include <utility>
 #include <vector>
 
+#include "cli/demo/street/street_scene.h"
 #include "core/error.h"
-#include "fusion/client/fusion_client.h"
 #include "core/features/klt/klt_tracker.h"
+#include "core/features/sift/sift_extractor.h"
+#include "fusion/client/fusion_client.h"
 #include "fusion/transport/map_transport.h"
 #include "http/server.h"
-#include "core/features/sift/sift_extractor.h"
-#include "cli/demo/street/street_scene.h"
 #include "phone_walk.h"
 #include "storage/codebook/descriptor_codec.h"
 #include "storage/map/map_store.h"

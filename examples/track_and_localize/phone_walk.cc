@@ -4,9 +4,9 @@
 #include <cmath>
 #include <random>
 
+#include "cli/demo/street/build_street.h"
 #include "lab/recordings/measure_motion.h"
 #include "lab/recordings/motion.h"
-#include "cli/demo/street/build_street.h"
 
 namespace cairn {
 namespace {

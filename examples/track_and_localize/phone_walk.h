@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "cli/demo/street/street_scene.h"
+#include "core/inertial/imu.h"
 #include "core/rigid3.h"
 #include "fusion/filter/filter_state.h"
-#include "core/inertial/imu.h"
-#include "cli/demo/street/street_scene.h"
 
 namespace cairn {
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "core/parallel_for.h"
-#include "ingest/ingest_session.h"
 #include "core/scene/reconstruct_known_poses.h"
+#include "ingest/ingest_session.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {

@@ -5,8 +5,8 @@
 #include <mutex>
 #include <utility>
 
-#include "fusion/estimator/estimator.h"
 #include "fusion/client/published.h"
+#include "fusion/estimator/estimator.h"
 #include "fusion/estimator/steady_pose.h"
 
 namespace cairn::fusion {

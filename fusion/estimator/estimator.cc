@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fusion/estimator/estimate_at_head.h"
 #include "core/inertial/imu_time.h"
+#include "fusion/estimator/estimate_at_head.h"
 #include "fusion/tracks/finished_tracks.h"
 #include "fusion/tracks/point_update.h"
 #include "fusion/tracks/track_update.h"

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/inertial/imu_buffer.h"
 #include "fusion/estimator/estimate_at_head.h"
 #include "fusion/estimator/fusion_options.h"
 #include "fusion/estimator/fusion_types.h"
@@ -17,7 +18,6 @@
 #include "fusion/estimator/map_answers.h"
 #include "fusion/estimator/steady_pose.h"
 #include "fusion/filter/filter_state.h"
-#include "core/inertial/imu_buffer.h"
 #include "fusion/start/standstill_updates.h"
 #include "fusion/start/starter.h"
 #include "fusion/tracks/rotation_only.h"

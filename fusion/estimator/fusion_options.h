@@ -3,10 +3,10 @@
 #define CAIRN_FUSION_ESTIMATOR_FUSION_OPTIONS_H_
 
 #include "core/camera.h"
+#include "core/inertial/imu.h"
 #include "core/rigid3.h"
 #include "fusion/estimator/steady_pose.h"
 #include "fusion/filter/filter_state.h"
-#include "core/inertial/imu.h"
 #include "fusion/map_updates/map_update.h"
 #include "fusion/start/dynamic_start.h"
 #include "fusion/start/standstill.h"

@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "core/rigid3.h"
 #include "core/inertial/imu.h"
 #include "core/inertial/imu_propagation.h"
+#include "core/rigid3.h"
 #include "fusion/filter/pose_covariance.h"
 #include "fusion/map_updates/map_match.h"
 #include "fusion/tracks/track_table.h"

@@ -5,10 +5,10 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-#include "fusion/filter/filter_state.h"
 #include "core/inertial/imu.h"
 #include "core/inertial/imu_buffer.h"
 #include "core/inertial/imu_propagation.h"
+#include "fusion/filter/filter_state.h"
 
 namespace cairn::fusion {
 

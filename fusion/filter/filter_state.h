@@ -18,9 +18,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/rigid3.h"
 #include "core/inertial/imu.h"
 #include "core/inertial/imu_propagation.h"
+#include "core/rigid3.h"
 #include "fusion/filter/measurement.h"
 #include "fusion/filter/point_chart.h"
 

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <optional>
 
-#include "fusion/filter/filter_state.h"
 #include "core/inertial/imu.h"
 #include "core/inertial/imu_buffer.h"
 #include "core/inertial/imu_propagation.h"
+#include "fusion/filter/filter_state.h"
 #include "fusion/tracks/track_table.h"
 
 namespace cairn::fusion {

@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "fusion/filter/chi_square.h"
 #include "core/inertial/imu_time.h"
+#include "fusion/filter/chi_square.h"
 #include "fusion/tracks/track_update.h"
 
 namespace cairn::fusion {

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "fusion/filter/filter_state.h"
 #include "core/inertial/imu_buffer.h"
+#include "fusion/filter/filter_state.h"
 #include "fusion/start/standstill.h"
 #include "fusion/tracks/track_table.h"
 

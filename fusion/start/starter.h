@@ -8,9 +8,9 @@
 #include <span>
 
 #include "core/camera.h"
-#include "fusion/filter/filter_state.h"
 #include "core/inertial/imu.h"
 #include "core/inertial/imu_buffer.h"
+#include "fusion/filter/filter_state.h"
 #include "fusion/start/dynamic_start.h"
 #include "fusion/start/standstill.h"
 #include "fusion/tracks/track_table.h"

@@ -4,8 +4,8 @@
 
 #include <utility>
 
-#include "http/net/gzip.h"
 #include "core/wire/fingerprint.h"
+#include "http/net/gzip.h"
 
 namespace cairn {
 namespace {

@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "core/cell_name.h"
+#include "core/wire/problem.h"
 #include "http/json/geopose_protocol.h"
 #include "http/json/localize_response.h"
 #include "http/json/request_photos.h"
-#include "core/wire/problem.h"
 
 namespace cairn {
 

@@ -10,11 +10,11 @@
 
 #include "core/angles.h"
 #include "core/cell_name.h"
+#include "core/wire/problem.h"
 #include "engine/tiles/search_region.h"
 #include "http/handlers/compact_response.h"
 #include "http/json/tile_square.h"
 #include "http/json/version_json.h"
-#include "core/wire/problem.h"
 #include "storage/map/read_latest.h"
 
 namespace cairn {

@@ -6,8 +6,8 @@
 
 #include "core/angles.h"
 #include "core/logging.h"
-#include "http/handlers/compact_response.h"
 #include "core/wire/problem.h"
+#include "http/handlers/compact_response.h"
 
 namespace cairn {
 namespace {

@@ -12,15 +12,15 @@
 
 #include "core/angles.h"
 #include "core/error.h"
-#include "http/json/geopose_readings.h"
-#include "http/json/image_orientation.h"
-#include "http/json/stated_camera.h"
-#include "core/wire/base64.h"
-#include "core/wire/multipart.h"
-#include "core/wire/problem.h"
 #include "core/images/exif.h"
 #include "core/images/orient_image.h"
 #include "core/images/photo_camera.h"
+#include "core/wire/base64.h"
+#include "core/wire/multipart.h"
+#include "core/wire/problem.h"
+#include "http/json/geopose_readings.h"
+#include "http/json/image_orientation.h"
+#include "http/json/stated_camera.h"
 
 namespace cairn {
 namespace {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "core/wire/json_reader.h"
 #include "engine/query/localize_query.h"
 #include "http/json/request_limits.h"
-#include "core/wire/json_reader.h"
 
 namespace cairn {
 

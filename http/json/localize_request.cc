@@ -8,12 +8,12 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "http/json/request_members.h"
-#include "http/json/request_options.h"
-#include "http/json/stated_camera.h"
 #include "core/wire/feature_codec.h"
 #include "core/wire/multipart.h"
 #include "core/wire/problem.h"
+#include "http/json/request_members.h"
+#include "http/json/request_options.h"
+#include "http/json/stated_camera.h"
 
 namespace cairn {
 namespace {

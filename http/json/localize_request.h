@@ -8,11 +8,11 @@
 #include <string_view>
 #include <vector>
 
+#include "core/wire/json_reader.h"
 #include "engine/query/localize_query.h"
 #include "http/json/image_orientation.h"
 #include "http/json/inner_frame.h"
 #include "http/json/request_limits.h"
-#include "core/wire/json_reader.h"
 
 namespace cairn {
 

@@ -7,9 +7,9 @@
 
 #include "core/angles.h"
 #include "core/error.h"
+#include "core/wire/json_reader.h"
 #include "http/json/request_members.h"
 #include "http/json/stated_camera.h"
-#include "core/wire/json_reader.h"
 
 namespace cairn {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "http/json/stated_camera.h"
 #include "core/wire/base64.h"
+#include "http/json/stated_camera.h"
 
 namespace cairn {
 namespace {

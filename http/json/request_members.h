@@ -9,8 +9,8 @@
 
 #include "core/geodesy.h"
 #include "core/geoid.h"
-#include "engine/query/localize_query.h"
 #include "core/wire/json_reader.h"
+#include "engine/query/localize_query.h"
 
 namespace cairn {
 

@@ -2,8 +2,8 @@
 #ifndef CAIRN_HTTP_JSON_REQUEST_OPTIONS_H_
 #define CAIRN_HTTP_JSON_REQUEST_OPTIONS_H_
 
-#include "http/json/localize_request.h"
 #include "core/wire/json_reader.h"
+#include "http/json/localize_request.h"
 
 namespace cairn {
 

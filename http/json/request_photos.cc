@@ -4,8 +4,8 @@
 
 #include "core/error.h"
 #include "core/geoid.h"
-#include "http/json/request_members.h"
 #include "core/images/photo_camera.h"
+#include "http/json/request_members.h"
 
 namespace cairn {
 namespace {

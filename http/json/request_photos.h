@@ -4,9 +4,9 @@
 
 #include <optional>
 
+#include "core/images/exif.h"
 #include "engine/query/localize_query.h"
 #include "http/json/localize_request.h"
-#include "core/images/exif.h"
 
 namespace cairn {
 

@@ -13,10 +13,10 @@
 #include <optional>
 #include <vector>
 
+#include "core/wire/problem.h"
 #include "http/net/connection.h"
 #include "http/net/connection_table.h"
 #include "http/net/lead.h"
-#include "core/wire/problem.h"
 
 namespace cairn {
 

@@ -5,11 +5,11 @@
 #include <memory>
 #include <string>
 
+#include "core/wire/problem.h"
 #include "http/net/client_network.h"
 #include "http/net/connection.h"
 #include "http/net/event_loop.h"
 #include "http/net/message.h"
-#include "core/wire/problem.h"
 
 namespace cairn {
 

@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "core/check.h"
-#include "core/wire/problem.h"
 #include "core/features/sift/sift_extractor.h"
 #include "core/images/image_header.h"
 #include "core/images/orient_image.h"
+#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

@@ -3,10 +3,10 @@
 #define CAIRN_HTTP_SERVICE_IMAGE_FEATURES_H_
 
 #include "core/features.h"
-#include "http/json/localize_request.h"
-#include "http/json/localize_response.h"
 #include "core/features/sift/sift_extractor.h"
 #include "core/images/gray_image.h"
+#include "http/json/localize_request.h"
+#include "http/json/localize_response.h"
 
 namespace cairn {
 

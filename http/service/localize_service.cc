@@ -5,10 +5,10 @@
 #include <algorithm>
 
 #include "core/parallel_for.h"
+#include "core/wire/problem.h"
 #include "engine/explain_miss.h"
 #include "http/json/request_photos.h"
 #include "http/service/image_features.h"
-#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

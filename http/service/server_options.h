@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <string>
 
-#include "engine/localizer_options.h"
-#include "http/json/request_limits.h"
 #include "core/features/sift/sift_extractor.h"
 #include "core/images/gray_image.h"
+#include "engine/localizer_options.h"
+#include "http/json/request_limits.h"
 
 namespace cairn {
 

@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "ingest/codebook/train_codebook.h"
 #include "core/scene/reconstruction.h"
+#include "ingest/codebook/train_codebook.h"
 #include "storage/codebook/codebook.h"
 
 namespace cairn {

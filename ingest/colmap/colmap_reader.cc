@@ -14,10 +14,10 @@
 #include "core/logging.h"
 #include "core/match_names.h"
 #include "core/printable.h"
+#include "core/scene/triangulate.h"
 #include "ingest/colmap/colmap_database.h"
 #include "ingest/colmap/colmap_model.h"
 #include "ingest/colmap/descriptor_information.h"
-#include "core/scene/triangulate.h"
 
 namespace cairn {
 namespace {

@@ -9,9 +9,9 @@
 
 #include "core/error.h"
 #include "ingest/maps/archive_blocks.h"
+#include "storage/map/utc_time.h"
 #include "storage/tile/byte_io.h"
 #include "storage/tile/checksum.h"
-#include "storage/map/utc_time.h"
 
 namespace cairn {
 namespace {

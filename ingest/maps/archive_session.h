@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "core/rigid3.h"
+#include "ingest/ingest_report.h"
 #include "ingest/maps/archive_folder.h"
 #include "ingest/maps/archived_session.h"
-#include "ingest/ingest_report.h"
 #include "ingest/plan_session.h"
 #include "storage/map/map_store.h"
 

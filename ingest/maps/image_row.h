@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "storage/tile/byte_io.h"
 #include "storage/map/map_store.h"
+#include "storage/tile/byte_io.h"
 
 namespace cairn {
 

@@ -8,8 +8,8 @@
 
 #include "core/error.h"
 #include "core/geodesy.h"
-#include "ingest/place/keyframe_features.h"
 #include "core/scene/reconstruction.h"
+#include "ingest/place/keyframe_features.h"
 #include "ingest/tiles/placed_session.h"
 
 namespace cairn {

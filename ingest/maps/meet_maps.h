@@ -5,8 +5,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "ingest/place/compare_with_map.h"
 #include "ingest/maps/merge_source.h"
+#include "ingest/place/compare_with_map.h"
 #include "ingest/tiles/link_landmarks.h"
 #include "storage/codebook/descriptor_codec.h"
 #include "storage/ids.h"

@@ -16,10 +16,10 @@
 #include "ingest/join_tiles.h"
 #include "ingest/maps/meet_maps.h"
 #include "ingest/maps/merge_source.h"
-#include "ingest/tiles/viewpoints.h"
 #include "ingest/session_digest.h"
 #include "ingest/session_placement.h"
 #include "ingest/tiles/tile_edit.h"
+#include "ingest/tiles/viewpoints.h"
 #include "ingest/write_tile.h"
 
 namespace cairn {

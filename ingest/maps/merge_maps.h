@@ -6,9 +6,9 @@
 #include <functional>
 #include <string>
 
+#include "ingest/ingest_options.h"
 #include "ingest/place/ask_keyframes.h"
 #include "ingest/place/compare_with_map.h"
-#include "ingest/ingest_options.h"
 #include "ingest/tile_changes.h"
 #include "storage/map/map_store.h"
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/rigid3.h"
-#include "ingest/maps/map_motion.h"
 #include "ingest/codebook/transcoder.h"
+#include "ingest/maps/map_motion.h"
 #include "ingest/tiles/renumber_tile.h"
 #include "storage/map/map_store.h"
 #include "storage/tile/tile.h"

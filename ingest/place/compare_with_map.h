@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/rigid3.h"
-#include "ingest/place/fit_placement.h"
 #include "core/scene/reconstruction.h"
+#include "ingest/place/fit_placement.h"
 #include "ingest/tiles/placed_session.h"
 #include "storage/ids.h"
 #include "storage/map/map_store.h"

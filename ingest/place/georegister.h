@@ -10,9 +10,9 @@
 #include "core/geodesy.h"
 #include "core/geoid.h"
 #include "core/rigid3.h"
+#include "core/scene/reconstruction.h"
 #include "ingest/place/picture_up.h"
 #include "ingest/place/placement_accuracy.h"
-#include "core/scene/reconstruction.h"
 
 namespace cairn {
 

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "core/radius68.h"
+#include "core/scene/triangulate.h"
 #include "engine/answer/score_calibration.h"
 #include "engine/pose/refine_pose.h"
-#include "core/scene/triangulate.h"
 
 namespace cairn {
 namespace {

@@ -5,10 +5,10 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "core/scene/reconstruction.h"
 #include "ingest/place/georegister.h"
 #include "ingest/place/picture_up.h"
 #include "ingest/place/similarity_problem.h"
-#include "core/scene/reconstruction.h"
 
 namespace cairn {
 

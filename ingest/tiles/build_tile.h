@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "core/tile_id.h"
 #include "core/scene/reconstruction.h"
+#include "core/tile_id.h"
 #include "ingest/tiles/appearance.h"
 #include "ingest/tiles/placed_session.h"
 #include "storage/codebook/descriptor_codec.h"

@@ -6,9 +6,9 @@
 #include <unordered_set>
 #include <vector>
 
-#include "ingest/tiles/viewpoint.h"
 #include "ingest/tiles/near_view.h"
 #include "ingest/tiles/tile_edit.h"
+#include "ingest/tiles/viewpoint.h"
 
 namespace cairn {
 namespace {

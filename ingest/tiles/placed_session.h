@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/rigid3.h"
-#include "core/tile_id.h"
 #include "core/scene/reconstruction.h"
+#include "core/tile_id.h"
 
 namespace cairn {
 

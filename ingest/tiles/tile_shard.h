@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/large_vector.h"
-#include "core/tile_id.h"
 #include "core/scene/reconstruction.h"
+#include "core/tile_id.h"
 #include "ingest/tiles/placed_session.h"
 #include "storage/ids.h"
 

@@ -8,8 +8,8 @@
 
 #include "core/check.h"
 #include "ingest/tiles/landmark_history.h"
-#include "ingest/tiles/viewpoint.h"
 #include "ingest/tiles/tile_edit.h"
+#include "ingest/tiles/viewpoint.h"
 
 namespace cairn {
 namespace {

@@ -13,9 +13,9 @@
 
 #include "core/angles.h"
 #include "core/require.h"
+#include "core/scene/reconstruction.h"
 #include "engine/index/inverted_lists.h"
 #include "ingest/codebook/train_codebook.h"
-#include "core/scene/reconstruction.h"
 #include "lab/bench/bench_streets.h"
 #include "lab/bench/lane_index.h"
 #include "lab/descriptors/descriptor_model.h"

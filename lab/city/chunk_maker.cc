@@ -12,9 +12,9 @@
 #include "core/scene/triangulate.h"
 #include "lab/city/camera_angles.h"
 #include "lab/city/clutter.h"
+#include "lab/city/hashed_random.h"
 #include "lab/city/mapping_streams.h"
 #include "lab/city/simulated_mapping.h"
-#include "lab/city/hashed_random.h"
 
 namespace cairn {
 namespace {

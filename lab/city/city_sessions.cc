@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "core/parallel_for.h"
-#include "lab/city/phone_queries.h"
 #include "lab/city/city_region.h"
 #include "lab/city/hashed_random.h"
+#include "lab/city/phone_queries.h"
 
 namespace cairn {
 namespace {

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "core/rigid3.h"
-#include "eval/eval_query.h"
 #include "core/scene/reconstruction.h"
-#include "lab/city/simulated_mapping.h"
-#include "lab/city/city_world.h"
+#include "eval/eval_query.h"
 #include "lab/city/city.h"
+#include "lab/city/city_world.h"
+#include "lab/city/simulated_mapping.h"
 #include "lab/descriptors/descriptor_model.h"
 
 namespace cairn {

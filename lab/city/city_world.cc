@@ -10,8 +10,8 @@
 #include "core/radius68.h"
 #include "core/require.h"
 #include "core/tile_id.h"
-#include "lab/city/simulated_mapping.h"
 #include "lab/city/city.h"
+#include "lab/city/simulated_mapping.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {

@@ -8,9 +8,9 @@
 
 #include "eval/eval_query.h"
 #include "ingest/ingest_session.h"
+#include "lab/city/city_options.h"
 #include "lab/city/mapping_options.h"
 #include "lab/city/phone_queries.h"
-#include "lab/city/city_options.h"
 #include "lab/descriptors/descriptor_model.h"
 
 namespace cairn {

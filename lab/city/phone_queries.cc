@@ -12,8 +12,8 @@
 #include "core/radius68.h"
 #include "core/require.h"
 #include "lab/city/camera_angles.h"
-#include "lab/city/clutter.h"
 #include "lab/city/city_region.h"
+#include "lab/city/clutter.h"
 #include "lab/city/hashed_random.h"
 #include "lab/city/smooth_field.h"
 

@@ -9,8 +9,8 @@
 
 #include "core/rigid3.h"
 #include "eval/eval_query.h"
-#include "lab/city/detector.h"
 #include "lab/city/city.h"
+#include "lab/city/detector.h"
 #include "lab/descriptors/descriptor_model.h"
 
 namespace cairn {

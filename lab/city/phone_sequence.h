@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "core/camera.h"
-#include "core/rigid3.h"
 #include "core/inertial/imu.h"
+#include "core/rigid3.h"
 #include "fusion/tracks/track_table.h"
-#include "lab/city/detector.h"
 #include "lab/city/city.h"
+#include "lab/city/detector.h"
 
 namespace cairn {
 

@@ -11,8 +11,8 @@
 #include "core/angles.h"
 #include "core/geodesy.h"
 #include "lab/city/camera_angles.h"
-#include "lab/city/mapping_streams.h"
 #include "lab/city/hashed_random.h"
+#include "lab/city/mapping_streams.h"
 
 namespace cairn {
 namespace {

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "core/rigid3.h"
-#include "core/tile_id.h"
 #include "core/scene/reconstruction.h"
-#include "lab/city/mapping_options.h"
+#include "core/tile_id.h"
 #include "lab/city/city.h"
+#include "lab/city/mapping_options.h"
 #include "lab/city/smooth_field.h"
 #include "lab/descriptors/descriptor_model.h"
 

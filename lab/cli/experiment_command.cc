@@ -15,8 +15,8 @@
 #include "core/error.h"
 #include "lab/cli/lab_verbs.h"
 #include "lab/experiments/experiment_result.h"
-#include "lab/experiments/text_file.h"
 #include "lab/experiments/runs/experiment_list.h"
+#include "lab/experiments/text_file.h"
 
 namespace cairn {
 namespace {

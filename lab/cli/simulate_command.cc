@@ -16,12 +16,12 @@
 #include "core/angles.h"
 #include "core/error.h"
 #include "eval/pictures/picture_format.h"
-#include "lab/city/phone_sequence.h"
+#include "ingest/colmap/write_colmap.h"
 #include "lab/city/city_world.h"
 #include "lab/city/draw_city.h"
+#include "lab/city/phone_sequence.h"
 #include "lab/city/whole_city.h"
 #include "lab/cli/lab_verbs.h"
-#include "ingest/colmap/write_colmap.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {

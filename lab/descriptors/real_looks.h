@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "cli/demo/street/street_scene.h"
 #include "core/features.h"
 #include "core/scene/reconstruction.h"
-#include "cli/demo/street/street_scene.h"
 
 namespace cairn {
 

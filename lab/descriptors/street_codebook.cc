@@ -3,10 +3,10 @@
 #include <utility>
 #include <vector>
 
-#include "core/require.h"
-#include "ingest/codebook/train_codebook.h"
-#include "core/scene/reconstruct_known_poses.h"
 #include "cli/demo/street/street_scene.h"
+#include "core/require.h"
+#include "core/scene/reconstruct_known_poses.h"
+#include "ingest/codebook/train_codebook.h"
 
 namespace cairn {
 namespace {

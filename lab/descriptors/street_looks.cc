@@ -4,11 +4,11 @@
 #include <optional>
 #include <utility>
 
+#include "cli/demo/street/build_street.h"
+#include "cli/demo/street/renderer.h"
 #include "core/parallel_for.h"
 #include "lab/descriptors/look_collector.h"
 #include "lab/descriptors/real_looks.h"
-#include "cli/demo/street/build_street.h"
-#include "cli/demo/street/renderer.h"
 
 namespace cairn {
 namespace {

@@ -12,8 +12,8 @@
 
 #include "eval/eval_query.h"
 #include "ingest/ingest_session.h"
-#include "lab/city/city_world.h"
 #include "lab/city/city_options.h"
+#include "lab/city/city_world.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {

@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "core/error.h"
-#include "core/rotation_between.h"
 #include "core/inertial/imu_buffer.h"
+#include "core/rotation_between.h"
 #include "lab/recordings/simulate_recording.h"
 #include "lab/recordings/trajectory_interpolation.h"
 

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "core/inertial/imu.h"
 #include "core/rigid3.h"
 #include "fusion/estimator/fusion_options.h"
 #include "fusion/estimator/fusion_types.h"
-#include "core/inertial/imu.h"
 #include "fusion/start/standstill.h"
 
 namespace cairn::fusion {

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "core/inertial/imu.h"
 #include "core/rigid3.h"
 #include "fusion/filter/filter_state.h"
-#include "core/inertial/imu.h"
 #include "lab/recordings/recording.h"
 
 namespace cairn::fusion {

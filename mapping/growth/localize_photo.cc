@@ -8,9 +8,9 @@
 
 #include "core/random.h"
 #include "engine/pose/consensus.h"
-#include "engine/pose/refine_pose.h"
-#include "engine/pose/ransac.h"
 #include "engine/pose/p3p.h"
+#include "engine/pose/ransac.h"
+#include "engine/pose/refine_pose.h"
 
 namespace cairn {
 namespace {

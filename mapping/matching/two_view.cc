@@ -8,8 +8,8 @@
 #include "core/parallel_for.h"
 #include "core/random.h"
 #include "core/require.h"
-#include "engine/pose/ransac.h"
 #include "core/scene/triangulate.h"
+#include "engine/pose/ransac.h"
 #include "mapping/matching/relative_pose.h"
 
 namespace cairn {

@@ -9,10 +9,10 @@
 
 #include "core/error.h"
 #include "core/geoid.h"
+#include "core/images/gray_image.h"
 #include "core/parallel_for.h"
 #include "core/printable.h"
 #include "ingest/place/picture_up.h"
-#include "core/images/gray_image.h"
 #include "mapping/photos/group_cameras.h"
 #include "mapping/photos/photo_files.h"
 #include "mapping/photos/read_photo.h"

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/camera.h"
-#include "core/geoid.h"
 #include "core/features/sift/sift_extractor.h"
+#include "core/geoid.h"
 #include "ingest/place/georegister.h"
 #include "mapping/adjust/adjust.h"
 #include "mapping/growth/grow_segments.h"

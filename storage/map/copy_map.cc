@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "core/error.h"
-#include "storage/tile/content_digest.h"
 #include "storage/database/transaction.h"
 #include "storage/inspection/geopackage.h"
 #include "storage/map/internal/accuracy_table.h"
 #include "storage/map/internal/id_counters.h"
 #include "storage/map/internal/layer_extent.h"
 #include "storage/map/internal/map_backend.h"
+#include "storage/tile/content_digest.h"
 
 namespace cairn {
 namespace {

@@ -3,15 +3,15 @@
 #include <utility>
 
 #include "core/error.h"
-#include "storage/tile/content_digest.h"
 #include "storage/inspection/geo_box.h"
 #include "storage/map/internal/accuracy_table.h"
 #include "storage/map/internal/as_of_queries.h"
 #include "storage/map/internal/map_internal.h"
 #include "storage/map/internal/map_queries.h"
-#include "storage/map/map_store.h"
 #include "storage/map/internal/tile_ids_near.h"
 #include "storage/map/internal/version_queries.h"
+#include "storage/map/map_store.h"
+#include "storage/tile/content_digest.h"
 
 namespace cairn {
 namespace {

@@ -14,11 +14,11 @@
 #include "core/error.h"
 #include "core/printable.h"
 #include "core/require.h"
+#include "storage/database/sqlite/connection.h"
+#include "storage/database/sqlite/error.h"
 #include "storage/inspection/register.h"
 #include "storage/map/internal/map_file.h"
 #include "storage/map/internal/postgres_backend.h"
-#include "storage/database/sqlite/connection.h"
-#include "storage/database/sqlite/error.h"
 
 namespace cairn {
 namespace {

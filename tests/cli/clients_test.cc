@@ -14,11 +14,11 @@
 #include "cli/run_cairn.h"
 #include "core/angles.h"
 #include "core/error.h"
+#include "core/images/orient_image.h"
+#include "core/wire/base64.h"
 #include "eval/pictures/encode_png.h"
 #include "http/client.h"
 #include "http/json/inner_frame.h"
-#include "core/wire/base64.h"
-#include "core/images/orient_image.h"
 #include "support/exif_bytes.h"
 #include "support/temp_dir.h"
 

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "cli/run_cairn.h"
-#include "eval/pictures/encode_png.h"
 #include "core/images/gray_image.h"
+#include "eval/pictures/encode_png.h"
 #include "storage/map/map_store.h"
 #include "support/temp_dir.h"
 

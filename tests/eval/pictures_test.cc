@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/images/gray_image.h"
 #include "eval/pictures/encode_png.h"
 #include "eval/pictures/plan_view.h"
-#include "core/images/gray_image.h"
 #include "storage/map/map_store.h"
 #include "support/temp_dir.h"
 

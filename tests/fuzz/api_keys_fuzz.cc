@@ -1,10 +1,10 @@
 // Files of API keys, and the headers that present one.
 #include "core/error.h"
+#include "core/wire/problem.h"
 #include "fuzz/fuzz_target.h"
 #include "http/keys/key_file.h"
 #include "http/keys/key_ring.h"
 #include "http/keys/presented_key.h"
-#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

@@ -1,6 +1,6 @@
 // Base64 in requests: decoded data must encode to the same text.
-#include "fuzz/fuzz_target.h"
 #include "core/wire/base64.h"
+#include "fuzz/fuzz_target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::string_view text = cairn::testing::AsText(data, size);

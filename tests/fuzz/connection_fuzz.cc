@@ -6,9 +6,9 @@
 #include <array>
 #include <string>
 
+#include "core/wire/problem.h"
 #include "fuzz/fuzz_target.h"
 #include "http/net/connection.h"
-#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

@@ -1,7 +1,7 @@
 // EXIF data of photos.
 #include "core/error.h"
-#include "fuzz/fuzz_target.h"
 #include "core/images/exif.h"
+#include "fuzz/fuzz_target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   try {

@@ -1,7 +1,7 @@
 // Features on the wire: decoded features must encode again.
 #include "core/error.h"
-#include "fuzz/fuzz_target.h"
 #include "core/wire/feature_codec.h"
+#include "fuzz/fuzz_target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   constexpr int kMaxFeatures = 100;

@@ -1,8 +1,8 @@
 // Images of every format, with their EXIF data.
 #include "core/error.h"
-#include "fuzz/fuzz_target.h"
 #include "core/images/exif.h"
 #include "core/images/gray_image.h"
+#include "fuzz/fuzz_target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   constexpr int64_t kMaxPixels = 100'000;

@@ -1,8 +1,8 @@
 // A multipart body with the boundary B, which is split and read as a request.
 #include "core/error.h"
+#include "core/wire/multipart.h"
 #include "fuzz/fuzz_target.h"
 #include "http/json/localize_request.h"
-#include "core/wire/multipart.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   constexpr std::string_view kType = "multipart/form-data; boundary=B";

@@ -2,8 +2,8 @@
 // byte the largest number of features.
 #include <cmath>
 
-#include "fuzz/fuzz_target.h"
 #include "core/features/sift/sift_extractor.h"
+#include "fuzz/fuzz_target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace cairn;

@@ -9,9 +9,9 @@
 #include <string>
 
 #include "core/error.h"
+#include "core/wire/feature_codec.h"
 #include "http/plain_http.h"
 #include "http/server_fixture.h"
-#include "core/wire/feature_codec.h"
 
 namespace cairn {
 namespace {

@@ -10,11 +10,11 @@
 
 #include "core/cell_name.h"
 #include "core/error.h"
+#include "core/wire/base64.h"
+#include "core/wire/feature_codec.h"
 #include "http/client.h"
 #include "http/plain_http.h"
 #include "http/server_fixture.h"
-#include "core/wire/base64.h"
-#include "core/wire/feature_codec.h"
 #include "storage/codebook/descriptor_codec.h"
 
 namespace cairn {

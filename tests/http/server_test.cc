@@ -9,11 +9,11 @@
 
 #include "core/cell_name.h"
 #include "core/error.h"
+#include "core/wire/base64.h"
 #include "http/plain_http.h"
 #include "http/raw_http.h"
 #include "http/raw_socket.h"
 #include "http/server_fixture.h"
-#include "core/wire/base64.h"
 
 namespace cairn {
 namespace {

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "ingest/ingest_session.h"
 #include "ingest/colmap/colmap_reader.h"
 #include "ingest/colmap/write_colmap.h"
+#include "ingest/ingest_session.h"
 #include "support/street_sessions.h"
 #include "support/temp_dir.h"
 

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "eval/eval_query.h"
-#include "ingest/place/georegister.h"
-#include "ingest/ingest_session.h"
 #include "ingest/colmap/colmap_reader.h"
+#include "ingest/ingest_session.h"
+#include "ingest/place/georegister.h"
 #include "support/recognized.h"
 #include "support/temp_dir.h"
 #include "support/test_data.h"

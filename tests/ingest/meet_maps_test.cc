@@ -5,11 +5,11 @@
 #include <algorithm>
 
 #include "core/error.h"
-#include "ingest/place/keyframe_features.h"
+#include "ingest/codebook/load_codebook.h"
 #include "ingest/ingest_session.h"
 #include "ingest/maps/merge_maps.h"
-#include "ingest/codebook/load_codebook.h"
 #include "ingest/maps/recode_map.h"
+#include "ingest/place/keyframe_features.h"
 #include "storage/tile/tile_codec.h"
 #include "support/reconstruction_builder.h"
 #include "support/temp_dir.h"

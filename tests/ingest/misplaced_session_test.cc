@@ -8,9 +8,9 @@
 
 #include "core/angles.h"
 #include "core/error.h"
-#include "ingest/place/georegister.h"
-#include "ingest/ingest_session.h"
 #include "ingest/colmap/colmap_reader.h"
+#include "ingest/ingest_session.h"
+#include "ingest/place/georegister.h"
 #include "support/street_sessions.h"
 #include "support/temp_dir.h"
 #include "support/test_data.h"

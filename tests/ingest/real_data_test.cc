@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "core/angles.h"
+#include "core/features/sift/sift_extractor.h"
 #include "core/frames.h"
 #include "core/statistics.h"
-#include "core/features/sift/sift_extractor.h"
-#include "ingest/place/georegister.h"
-#include "ingest/ingest_session.h"
 #include "ingest/colmap/colmap_reader.h"
+#include "ingest/ingest_session.h"
+#include "ingest/place/georegister.h"
 #include "storage/codebook/descriptor_codec.h"
 #include "support/temp_dir.h"
 #include "support/test_data.h"

@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "core/error.h"
-#include "ingest/maps/archive_folder.h"
-#include "ingest/maps/rebuild_plan.h"
-#include "ingest/maps/archive_session.h"
-#include "ingest/place/georegister.h"
-#include "ingest/ingest_session.h"
 #include "ingest/colmap/colmap_reader.h"
+#include "ingest/ingest_session.h"
+#include "ingest/maps/archive_folder.h"
+#include "ingest/maps/archive_session.h"
+#include "ingest/maps/rebuild_plan.h"
 #include "ingest/maps/remove_session.h"
+#include "ingest/place/georegister.h"
 #include "support/map_builder.h"
 #include "support/places.h"
 #include "support/reconstruction_builder.h"

@@ -7,9 +7,9 @@
 #include <fstream>
 
 #include "core/error.h"
-#include "ingest/ingest_session.h"
-#include "ingest/codebook/shipped_codebook.h"
 #include "ingest/codebook/load_codebook.h"
+#include "ingest/codebook/shipped_codebook.h"
+#include "ingest/ingest_session.h"
 #include "storage/codebook/codebook_digest.h"
 #include "storage/map/map_history.h"
 #include "support/map_builder.h"

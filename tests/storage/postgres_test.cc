@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "core/error.h"
+#include "storage/database/postgres/address.h"
 #include "storage/map/copy_map.h"
 #include "storage/map/map_store.h"
-#include "storage/database/postgres/address.h"
 #include "storage/tile/tile_codec.h"
 #include "support/cut_wire.h"
 #include "support/map_builder.h"

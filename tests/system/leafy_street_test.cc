@@ -3,12 +3,12 @@
 
 #include <memory>
 
+#include "cli/demo/street/street_scene.h"
+#include "core/features/sift/sift_extractor.h"
+#include "core/scene/reconstruct_known_poses.h"
 #include "engine/localizer.h"
 #include "eval/evaluation.h"
-#include "core/features/sift/sift_extractor.h"
 #include "ingest/ingest_session.h"
-#include "core/scene/reconstruct_known_poses.h"
-#include "cli/demo/street/street_scene.h"
 #include "storage/map/map_store.h"
 #include "storage/map/tile_cache.h"
 #include "support/temp_dir.h"

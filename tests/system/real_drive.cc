@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "core/error.h"
-#include "eval/reference_alignment.h"
 #include "core/features/sift/sift_extractor.h"
+#include "eval/reference_alignment.h"
 #include "ingest/colmap/colmap_reader.h"
 #include "support/test_data.h"
 

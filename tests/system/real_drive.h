@@ -14,8 +14,8 @@
 #include "eval/stated_focal.h"
 #include "http/client.h"
 #include "http/server.h"
-#include "ingest/place/georegister.h"
 #include "ingest/ingest_session.h"
+#include "ingest/place/georegister.h"
 #include "storage/map/map_store.h"
 #include "support/temp_dir.h"
 

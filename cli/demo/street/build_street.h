@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "core/rigid3.h"
 #include "cli/demo/street/renderer.h"
 #include "cli/demo/street/street_scene.h"
+#include "core/rigid3.h"
 
 namespace cairn {
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
-#include "core/angles.h"
 #include "cli/demo/street/paint_parts.h"
+#include "core/angles.h"
 
 namespace cairn {
 namespace {

@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "core/camera.h"
-#include "core/rigid3.h"
-#include "core/images/gray_image.h"
 #include "cli/demo/street/texture.h"
+#include "core/camera.h"
+#include "core/images/gray_image.h"
+#include "core/rigid3.h"
 
 namespace cairn {
 

@@ -10,11 +10,11 @@
 #include <random>
 #include <utility>
 
+#include "cli/demo/street/build_street.h"
+#include "cli/demo/street/renderer.h"
 #include "core/angles.h"
 #include "core/parallel_for.h"
 #include "core/require.h"
-#include "cli/demo/street/build_street.h"
-#include "cli/demo/street/renderer.h"
 
 namespace cairn {
 namespace {

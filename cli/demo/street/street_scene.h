@@ -11,8 +11,8 @@
 
 #include "core/camera.h"
 #include "core/geodesy.h"
-#include "core/rigid3.h"
 #include "core/images/gray_image.h"
+#include "core/rigid3.h"
 #include "core/scene/reconstruct_known_poses.h"  // IWYU pragma: export
 #include "core/scene/street_photo.h"
 

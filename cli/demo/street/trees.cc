@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "core/angles.h"
 #include "cli/demo/street/canvas.h"
 #include "cli/demo/street/paint.h"
+#include "core/angles.h"
 
 namespace cairn {
 namespace {

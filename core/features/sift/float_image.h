@@ -4,8 +4,8 @@
 
 #include <cstddef>
 
-#include "core/large_vector.h"
 #include "core/images/gray_image.h"
+#include "core/large_vector.h"
 
 namespace cairn {
 

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "core/stop_function.h"
 #include "core/features/sift/float_image.h"
+#include "core/stop_function.h"
 
 namespace cairn {
 

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "core/simd.h"
 #include "core/features/sift/arc_tangent.h"
+#include "core/simd.h"
 
 namespace cairn {
 namespace {

@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "core/error.h"
-#include "core/require.h"
 #include "core/features/sift/scale_space.h"
 #include "core/features/sift/sift_descriptor.h"
 #include "core/features/sift/sift_detector.h"
 #include "core/features/sift/sift_orientation.h"
 #include "core/images/reduce_image.h"
+#include "core/require.h"
 
 namespace cairn {
 namespace {

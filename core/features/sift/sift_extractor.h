@@ -5,8 +5,8 @@
 #include <cstdint>
 
 #include "core/features.h"
-#include "core/stop_function.h"
 #include "core/images/gray_image.h"
+#include "core/stop_function.h"
 
 namespace cairn {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/angles.h"
-#include "core/simd.h"
 #include "core/features/sift/arc_tangent.h"
+#include "core/simd.h"
 
 namespace cairn {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "lab/city/city_world.h"
 #include "lab/city/city_options.h"
+#include "lab/city/city_world.h"
 #include "lab/recordings/recording.h"
 
 namespace cairn {

@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "core/parallel_for.h"
-#include "engine/tiles/search_region.h"
 #include "engine/query/build_query_context.h"
 #include "engine/query/localize_result.h"
 #include "engine/tiles/fetch_tiles.h"
+#include "engine/tiles/search_region.h"
 #include "storage/codebook/descriptor_codec.h"
 
 namespace cairn {

@@ -15,11 +15,11 @@
 
 #include "eval/evaluation_compare.h"
 #include "lab/city/city_sessions.h"
+#include "lab/experiments/figure.h"
 #include "lab/experiments/measure/link_judge.h"
 #include "lab/experiments/measure/variants.h"
-#include "lab/experiments/figure.h"
-#include "lab/experiments/verdict.h"
 #include "lab/experiments/runs/runs.h"
+#include "lab/experiments/verdict.h"
 #include "storage/tile/tile_codec.h"
 
 namespace cairn {

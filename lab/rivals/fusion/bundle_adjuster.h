@@ -10,10 +10,10 @@
 #include <span>
 #include <vector>
 
-#include "core/rigid3.h"
-#include "fusion/estimator/fusion_types.h"
 #include "core/inertial/imu.h"
 #include "core/inertial/imu_propagation.h"
+#include "core/rigid3.h"
+#include "fusion/estimator/fusion_types.h"
 #include "fusion/tracks/track_table.h"
 #include "lab/rivals/fusion/bundle_adjuster_options.h"
 #include "lab/rivals/fusion/marginal_prior.h"

@@ -3,8 +3,8 @@
 #define CAIRN_LAB_RIVALS_FUSION_BUNDLE_ADJUSTER_OPTIONS_H_
 
 #include "core/camera.h"
-#include "fusion/filter/filter_state.h"
 #include "core/inertial/imu.h"
+#include "fusion/filter/filter_state.h"
 #include "fusion/tracks/triangulate.h"
 
 namespace cairn::fusion {

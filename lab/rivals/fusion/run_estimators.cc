@@ -3,9 +3,9 @@
 #include <ctime>
 
 #include "core/error.h"
+#include "core/inertial/imu_buffer.h"
 #include "fusion/estimator/estimator.h"
 #include "fusion/estimator/steady_pose.h"
-#include "core/inertial/imu_buffer.h"
 #include "fusion/map_updates/alignment.h"
 #include "fusion/map_updates/map_update.h"
 #include "lab/rivals/fusion/bundle_adjuster.h"

@@ -14,10 +14,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/rigid3.h"
-#include "fusion/filter/filter_state.h"
 #include "core/inertial/imu.h"
 #include "core/inertial/preintegration.h"
+#include "core/rigid3.h"
+#include "fusion/filter/filter_state.h"
 
 namespace cairn::fusion {
 

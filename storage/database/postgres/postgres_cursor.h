@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "storage/database/statement.h"
 #include "storage/database/postgres/postgres_connection.h"
 #include "storage/database/postgres/result_row.h"
+#include "storage/database/statement.h"
 
 namespace cairn::postgres {
 

@@ -12,14 +12,14 @@
 
 #include "core/angles.h"
 #include "core/error.h"
-#include "storage/tile/content_digest.h"
 #include "storage/inspection/geo_box.h"
 #include "storage/inspection/geopackage.h"
 #include "storage/map/internal/accuracy_table.h"
 #include "storage/map/internal/index_extent.h"
 #include "storage/map/internal/map_queries.h"
-#include "storage/map/utc_time.h"
 #include "storage/map/internal/version_queries.h"
+#include "storage/map/utc_time.h"
+#include "storage/tile/content_digest.h"
 #include "storage/tile/tile_codec.h"
 
 namespace cairn {

@@ -8,8 +8,8 @@
 
 #include "storage/database/connection.h"
 #include "storage/map/internal/layer_extent.h"
-#include "storage/map/map_store.h"
 #include "storage/map/internal/running_totals.h"
+#include "storage/map/map_store.h"
 
 namespace cairn {
 

@@ -10,8 +10,8 @@
 
 #include "core/error.h"
 #include "storage/database/connection.h"
-#include "storage/map/map_store.h"
 #include "storage/map/internal/version_queries.h"
+#include "storage/map/map_store.h"
 
 namespace cairn {
 

@@ -11,11 +11,11 @@
 #include "core/angles.h"
 #include "core/error.h"
 #include "core/geodesy.h"
-#include "storage/tile/content_digest.h"
 #include "storage/map/describe_tile.h"
 #include "storage/map/internal/map_check.h"
 #include "storage/map/internal/map_queries.h"
 #include "storage/map/internal/version_queries.h"
+#include "storage/tile/content_digest.h"
 #include "storage/tile/tile_codec.h"
 
 namespace cairn {

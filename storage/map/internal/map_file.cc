@@ -16,13 +16,13 @@
 #include <system_error>
 
 #include "core/error.h"
+#include "storage/database/sqlite/error.h"
+#include "storage/database/sqlite/transaction.h"
 #include "storage/inspection/register.h"
 #include "storage/map/internal/head_writer.h"
 #include "storage/map/internal/map_schema.h"
 #include "storage/map/internal/sqlite_database.h"
 #include "storage/map/internal/unfinished_file.h"
-#include "storage/database/sqlite/error.h"
-#include "storage/database/sqlite/transaction.h"
 
 namespace cairn {
 namespace {

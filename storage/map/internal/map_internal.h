@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "storage/map/internal/head_writer.h"
-#include "storage/map/map_store.h"
 #include "storage/map/internal/open_map.h"
+#include "storage/map/map_store.h"
 
 namespace cairn {
 

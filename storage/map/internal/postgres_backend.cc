@@ -9,13 +9,13 @@
 
 #include "core/error.h"
 #include "core/parallel_for.h"
-#include "storage/map/internal/head_writer.h"
-#include "storage/map/internal/map_file.h"
-#include "storage/map/utc_time.h"
-#include "storage/map/internal/version_queries.h"
 #include "storage/database/postgres/connection_pool.h"
 #include "storage/database/postgres/head_watcher.h"
 #include "storage/database/postgres/schema.h"
+#include "storage/map/internal/head_writer.h"
+#include "storage/map/internal/map_file.h"
+#include "storage/map/internal/version_queries.h"
+#include "storage/map/utc_time.h"
 
 namespace cairn {
 namespace {

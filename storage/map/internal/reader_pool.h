@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "storage/database/connection.h"
-#include "storage/map/pinned_file.h"
 #include "storage/database/sqlite/connection.h"
+#include "storage/map/pinned_file.h"
 
 namespace cairn {
 

@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "core/error.h"
+#include "storage/database/sqlite/transaction.h"
 #include "storage/map/internal/map_file.h"
 #include "storage/map/internal/map_schema.h"
 #include "storage/map/internal/sqlite_database.h"
-#include "storage/database/sqlite/transaction.h"
 
 namespace cairn {
 namespace {

@@ -1,0 +1,414 @@
+#include "engine/matching/match_features.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <random>
+#include <utility>
+
+#include "core/angles.h"
+#include "core/error.h"
+#include "engine/landmark_matches.h"
+#include "engine/simple_tile.h"
+#include "engine/synthetic_descriptors.h"
+#include "lab/rivals/index_methods.h"
+
+namespace cairn {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using testing::kDistanceTolerance;
+using testing::LandmarkIds;
+using testing::Match;
+using testing::SimpleDescriptor;
+using testing::SimpleLandmark;
+using testing::SimpleQuery;
+using testing::SimpleTile;
+using testing::SimpleView;
+
+MatchingOptions NoTerms() { return {.orientation_weight = 0.0, .position_weight = 0.0}; }
+
+TEST(MatchFeatures, ReturnsTheNearestLandmarksNearestFirst) {
+  const std::vector<TileView> tiles = {SimpleView(
+      SimpleTile({{1, {{0.9f}}}, {2, {{0.1f}}}, {3, {{0.5f}}}, {4, {{0.3f}}}, {5, {{0.7f}}}}))};
+  MatchingOptions options;
+  options.max_neighbors = 3;
+  const auto matches = Match(SimpleQuery({{0.0f}}), tiles, options);
+  EXPECT_THAT(LandmarkIds(tiles, matches), ElementsAre(2, 4, 3));
+  EXPECT_NEAR(matches[2].sq_distance, 0.25f, kDistanceTolerance);
+}
+
+TEST(MatchFeatures, OrdersByKeypointAndFillsEveryField) {
+  const Rigid3d anchor_from_tile(Eigen::Quaterniond::Identity(), {100.0, 200.0, 3.0});
+  const std::vector<TileView> tiles = {
+      SimpleView(SimpleTile({{1, {{0.2f}}, {1.0, 2.0, 3.0}}, {2, {{1.2f}}, {4.0, 5.0, 6.0}}}),
+                 anchor_from_tile)};
+  MatchingOptions options;
+  options.max_neighbors = 1;
+  const auto matches = Match(SimpleQuery({{1.2f}, {0.2f}}), tiles, options);
+  ASSERT_EQ(matches.size(), 2u);
+  EXPECT_EQ(matches[0].keypoint_idx, 0);
+  EXPECT_EQ(matches[0].landmark_idx, 1u);
+  EXPECT_EQ(matches[0].tile_idx, 0);
+  EXPECT_EQ(matches[0].x_in_anchor, Eigen::Vector3d(104.0, 205.0, 9.0));
+  EXPECT_NEAR(matches[0].sigma_m, 0.05, 0.0025);
+  EXPECT_NEAR(matches[0].size_m, 0.1, 0.01);  // Half a step of the codes, as below.
+  EXPECT_NEAR(matches[0].azimuth_rad, 1.0, 0.1);
+  EXPECT_EQ(matches[1].keypoint_idx, 1);
+  EXPECT_EQ(matches[1].landmark_idx, 0u);
+}
+
+TEST(MatchFeatures, ALandmarkCountsOnceByItsNearestDescriptor) {
+  const std::vector<TileView> tiles = {
+      SimpleView(SimpleTile({{1, {{0.6f}, {0.1f}, {0.4f}}}, {2, {{0.3f}, {0.3f}}}}))};
+  const auto matches = Match(SimpleQuery({{0.0f}}), tiles, NoTerms());
+  EXPECT_THAT(LandmarkIds(tiles, matches), ElementsAre(1, 2));
+  EXPECT_NEAR(matches[0].sq_distance, 0.01f, kDistanceTolerance);
+}
+
+TEST(MatchFeatures, ALandmarkInSeveralTilesCountsOnceByItsNearestCopy) {
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile({{7, {{0.5f}}}, {8, {{0.2f}}}})),
+                                       SimpleView(SimpleTile({{6, {{0.3f}}}, {7, {{0.1f}}}})),
+                                       SimpleView(SimpleTile({{7, {{0.4f}}}}))};
+  const auto matches = Match(SimpleQuery({{0.0f}}), tiles, NoTerms());
+  EXPECT_THAT(LandmarkIds(tiles, matches), ElementsAre(7, 8, 6));
+  EXPECT_EQ(matches[0].tile_idx, 1);
+}
+
+TEST(MatchFeatures, EvictedLandmarkReturnsByANearerCopy) {
+  MatchingOptions options = NoTerms();
+  options.max_neighbors = 1;
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.5f}}}, {2, {{0.3f}}}})),
+                                       SimpleView(SimpleTile({{1, {{0.1f}}}}))};
+  EXPECT_THAT(LandmarkIds(tiles, Match(SimpleQuery({{0.0f}}), tiles, options)), ElementsAre(1));
+}
+
+TEST(MatchFeatures, EqualDistancesAreOrderedByLandmark) {
+  const std::vector<TileView> tiles = {
+      SimpleView(SimpleTile({{9, {{0.2f}}}, {4, {{0.2f}}}, {6, {{0.2f}}}}))};
+  MatchingOptions options = NoTerms();
+  options.max_neighbors = 2;
+  EXPECT_THAT(LandmarkIds(tiles, Match(SimpleQuery({{0.0f}}), tiles, options)), ElementsAre(4, 6));
+}
+
+TEST(MatchFeatures, NothingBeyondTheThresholdMatches) {
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.4f}}}, {2, {{0.6f}}}}))};
+  MatchingOptions options;
+  options.distance_quantile = 0.25;  // Distance 0.5.
+  EXPECT_THAT(LandmarkIds(tiles, Match(SimpleQuery({{0.0f}}), tiles, options)), ElementsAre(1));
+}
+
+TEST(MatchFeatures, WithoutAThresholdTheNearestMatchHoweverFar) {
+  const std::vector<TileView> tiles = {
+      SimpleView(SimpleTile({{1, {{0.9f}}}, {2, {{1.5f}}}, {3, {{1.1f}}}}))};
+  MatchingOptions options;
+  options.distance_quantile = 0.05;  // Distance 0.1.
+  options.max_neighbors = 2;
+  EXPECT_THAT(Match(SimpleQuery({{0.0f}}), tiles, options), IsEmpty());
+  options.distance_filter = DistanceFilter::kNone;
+  EXPECT_THAT(LandmarkIds(tiles, Match(SimpleQuery({{0.0f}}), tiles, options)), ElementsAre(1, 3));
+}
+
+TEST(MatchFeatures, WithoutAThresholdALandmarkOfManyDescriptorsHidesNoOther) {
+  SimpleLandmark crowded = {1, {}};
+  crowded.descriptors.resize(60, {0.2f});
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile({crowded, {2, {{0.9f}}}}))};
+  MatchingOptions options;
+  options.distance_filter = DistanceFilter::kNone;
+  EXPECT_THAT(LandmarkIds(tiles, Match(SimpleQuery({{0.0f}}), tiles, options)), ElementsAre(1, 2));
+}
+
+// A dense cloud of landmarks about 0.15 and a single one at 1.2.
+std::vector<TileView> UnevenTile() {
+  std::vector<SimpleLandmark> landmarks;
+  for (uint64_t id = 1; id <= 20; ++id) {
+    landmarks.push_back({id, {{id % 2 == 0 ? 0.1f : 0.2f}}});
+  }
+  landmarks.push_back({21, {{1.2f}}});
+  IndexOptions index = testing::ExhaustiveGrids();
+  index.num_reference_words = 100;
+  return {SimpleView(SimpleTile(landmarks), Rigid3d(), index)};
+}
+
+TEST(MatchFeatures, WordRatioComparesWithTheNearestWord) {
+  // As many words as descriptors: every descriptor is a word.
+  const std::vector<TileView> tiles = UnevenTile();
+  MatchingOptions options;
+  options.max_neighbors = 64;
+  options.index.num_reference_words = 100;
+  options.distance_filter = DistanceFilter::kWordRatio;
+  options.max_word_ratio = 1.1;
+  // Words at 0.4 from 0.6 and 0.6 from 1.2.
+  EXPECT_EQ(Match(SimpleQuery({{0.6f}}), tiles, options).size(), 10u);  // Those at 0.2.
+  options.max_word_ratio = 1.3;
+  EXPECT_EQ(Match(SimpleQuery({{0.6f}}), tiles, options).size(), 20u);
+  options.max_word_ratio = 0.9;
+  EXPECT_THAT(Match(SimpleQuery({{0.6f}}), tiles, options), IsEmpty());
+}
+
+TEST(MatchFeatures, EveryKindOfIndexGivesTheSameMatches) {
+  const Tile tile =
+      SimpleTile({{1, {{0.9f}, {0.3f}}}, {2, {{0.1f}}}, {3, {{0.5f}}}, {4, {{1.4f}}}});
+  const QueryContext query = SimpleQuery({{0.0f}, {1.0f}});
+  MatchingOptions options;
+  options.max_neighbors = 2;
+  for (const IndexMethod method :
+       {IndexMethod::kRandomGrids, IndexMethod::kInvertedLists, IndexMethod::kInvertedMultiIndex,
+        IndexMethod::kKdTree, IndexMethod::kExhaustive}) {
+    const IndexOptions index =
+        MakeIndexOptions(method, {.grids = testing::ExhaustiveGrids().grids});
+    const std::vector<TileView> tiles = {SimpleView(tile, Rigid3d(), index)};
+    EXPECT_THAT(LandmarkIds(tiles, Match(query, tiles, options)), ElementsAre(2, 1, 1, 4))
+        << IndexMethodName(method);
+  }
+}
+
+// Landmarks at random places with random descriptors; some are in several tiles.
+std::vector<SimpleLandmark> RandomLandmarks(std::mt19937_64* random, int count) {
+  const auto uniform = [random](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(*random);
+  };
+  std::vector<SimpleLandmark> landmarks;
+  for (int i = 0; i < count; ++i) {
+    SimpleLandmark landmark = {.id = (*random)() % 300,
+                               .x_in_tile = {uniform(-70, 70), uniform(-70, 70), 0.0}};
+    for (uint64_t j = 0; j < 1 + (*random)() % 4; ++j) {
+      landmark.descriptors.push_back({0.1f * static_cast<float>((*random)() % 16), std::nullopt});
+      if ((*random)() % 5 != 0) {
+        landmark.descriptors.back().orientation_rad = uniform(-kPi, kPi);
+      }
+    }
+    landmarks.push_back(landmark);
+  }
+  return landmarks;
+}
+
+// Hits wait in rings and bounds fall while the search runs; nothing may get lost on the way.
+TEST(MatchFeatures, KeepsTheBestOfAllHitsOfAllTiles) {
+  std::mt19937_64 random(1);
+  std::vector<TileView> tiles;
+  for (int tile = 0; tile < 3; ++tile) {
+    tiles.push_back(SimpleView(SimpleTile(RandomLandmarks(&random, 150))));
+  }
+  QueryContext query = SimpleQuery({{0.0f, 1.0}, {0.7f, -2.0}, {1.5f, std::nullopt}, {0.3f, 3.0}});
+  query.region.has_prior = true;
+  query.region.prior_sigma_m = 10.0;
+  const MatchingOptions options = {.max_neighbors = 5,
+                                   .orientation_weight = 0.2,
+                                   .position_weight = 0.1,
+                                   .viewing_distance_m = 20.0};
+  const auto matches = Match(query, tiles, options);
+
+  using Ranked = std::pair<float, uint64_t>;
+  std::vector<Ranked> expected;
+  for (int keypoint = 0; keypoint < query.num_keypoints(); ++keypoint) {
+    std::map<uint64_t, float> best_of_landmark;
+    for (const TileView& view : tiles) {
+      const TileLandmarks& tile = view.tile->landmarks();
+      const DescriptorPlaces places(tile, {});
+      std::vector<DescriptorHit> hits;
+      ByteDescriptors(view.tile->codebook(), view.tile->codes())
+          .RangeSearch(query.descriptors.row(keypoint), 1.8, &hits);
+      for (const DescriptorHit& hit : hits) {
+        const uint32_t landmark = places.landmark(hit.descriptor_idx);
+        double sq_distance = hit.sq_distance;
+        const uint8_t code = tile.orientation_codes[hit.descriptor_idx];
+        if (code != kNoOrientation && query.gravity_orientations_rad[keypoint]) {
+          sq_distance += 0.2 * (2.0 - 2.0 * std::cos(OrientationFromCode(code) -
+                                                     *query.gravity_orientations_rad[keypoint]));
+        }
+        const double excess =
+            std::max(0.0, tile.x_in_tile[landmark].head<2>().cast<double>().norm() - 20.0) / 10.0;
+        sq_distance += 0.1 * excess * excess;
+        const auto [entry, is_new] = best_of_landmark.try_emplace(
+            Value(tile.landmark_ids[landmark]), static_cast<float>(sq_distance));
+        entry->second = std::min(entry->second, static_cast<float>(sq_distance));
+      }
+    }
+    std::vector<Ranked> ranked;
+    for (const auto& [id, sq_distance] : best_of_landmark) {
+      ranked.emplace_back(sq_distance, id);
+    }
+    std::sort(ranked.begin(), ranked.end());
+    expected.insert(expected.end(), ranked.begin(), ranked.begin() + 5);
+  }
+  ASSERT_EQ(matches.size(), expected.size());
+  for (size_t i = 0; i < matches.size(); ++i) {
+    EXPECT_NEAR(matches[i].sq_distance, expected[i].first, 1e-4);
+  }
+  EXPECT_EQ(LandmarkIds(tiles, matches).front(), expected.front().second);
+}
+
+TEST(MatchFeatures, PriorTermsDoNotMoveTheThreshold) {
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.4f, 0.0}}}}))};
+  MatchingOptions options;
+  options.distance_quantile = 0.25;
+  options.orientation_weight = 100.0;
+  const auto matches = Match(SimpleQuery({{0.0f, kPi}}), tiles, options);
+  ASSERT_EQ(matches.size(), 1u);
+  EXPECT_NEAR(matches[0].sq_distance, 0.16f + 400.0f, 0.1f);
+}
+
+TEST(MatchFeatures, FewerLandmarksThanNeighborsGiveAllOfThem) {
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.4f}}}, {2, {{0.6f}}}}))};
+  MatchingOptions options;
+  options.max_neighbors = 64;
+  EXPECT_EQ(Match(SimpleQuery({{0.0f}}), tiles, options).size(), 2u);
+}
+
+TEST(MatchFeatures, EmptyTilesAndNoTilesGiveNoMatches) {
+  EXPECT_THAT(Match(SimpleQuery({{0.0f}}), {}), IsEmpty());
+  EXPECT_THAT(Match(SimpleQuery({{0.0f}}), {SimpleView(SimpleTile({}))}), IsEmpty());
+  EXPECT_THAT(Match(SimpleQuery({}), {SimpleView(SimpleTile({{1, {{0.4f}}}}))}), IsEmpty());
+}
+
+TEST(MatchFeatures, OrientationTermPrefersTheAlignedLandmark) {
+  const std::vector<TileView> tiles = {
+      SimpleView(SimpleTile({{1, {{0.3f, 2.0}}}, {2, {{0.4f, 0.0}}}, {3, {{0.5f}}}}))};
+  MatchingOptions options;
+  options.orientation_weight = 0.2;
+  const auto matches = Match(SimpleQuery({{0.0f, 0.0}}), tiles, options);
+  // 0.16 + 0, 0.25 without an orientation, 0.09 + 0.2 (2 - 2 cos 2).
+  EXPECT_THAT(LandmarkIds(tiles, matches), ElementsAre(2, 3, 1));
+  EXPECT_NEAR(matches[2].sq_distance, 0.09 + 0.2 * (2.0 - 2.0 * std::cos(2.0)), kDistanceTolerance);
+}
+
+TEST(MatchFeatures, OrientationsWrapAround) {
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.0f, kPi - 0.05}}}}))};
+  MatchingOptions options;
+  options.orientation_weight = 1.0;
+  options.max_orientation_difference_rad = 0.2;
+  const auto matches = Match(SimpleQuery({{0.0f, -kPi + 0.05}}), tiles, options);
+  ASSERT_EQ(matches.size(), 1u);
+  EXPECT_LT(matches[0].sq_distance, 0.025f);  // 0.1 rad, and half a step of the codes.
+}
+
+TEST(MatchFeatures, HardFilterRejectsOtherOrientationsAndPassesUnknownOnes) {
+  const std::vector<TileView> tiles = {SimpleView(
+      SimpleTile({{1, {{0.1f, 1.2}}}, {2, {{0.2f, 0.8}}}, {3, {{0.3f}}}, {4, {{0.4f, -2.0}}}}))};
+  MatchingOptions options = NoTerms();
+  options.max_orientation_difference_rad = 1.0;
+  EXPECT_THAT(LandmarkIds(tiles, Match(SimpleQuery({{0.0f, 0.0}}), tiles, options)),
+              ElementsAre(2, 3));
+  EXPECT_THAT(LandmarkIds(tiles, Match(SimpleQuery({{0.0f}}), tiles, options)),
+              ElementsAre(1, 2, 3, 4));
+}
+
+TEST(MatchFeatures, HardFilterOffAcceptsOppositeOrientations) {
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.0f, kPi}}}}))};
+  EXPECT_EQ(Match(SimpleQuery({{0.0f, 0.0}}), tiles).size(), 1u);
+}
+
+TEST(MatchFeatures, PositionTermPrefersLandmarksInView) {
+  const std::vector<TileView> tiles = {
+      SimpleView(SimpleTile({{1, {{0.3f}}, {80.0, 0.0, 0.0}}, {2, {{0.4f}}, {40.0, 0.0, 0.0}}}))};
+  QueryContext query = SimpleQuery({{0.0f}});
+  query.region.prior_xy_in_anchor = {0.0, 0.0};
+  query.region.prior_sigma_m = 10.0;
+  MatchingOptions options{.position_weight = 0.02, .viewing_distance_m = 50.0};
+  EXPECT_THAT(LandmarkIds(tiles, Match(query, tiles, options)), ElementsAre(1, 2));
+  query.region.has_prior = true;
+  const auto matches = Match(query, tiles, options);
+  EXPECT_THAT(LandmarkIds(tiles, matches), ElementsAre(2, 1));
+  EXPECT_NEAR(matches[0].sq_distance, 0.16, kDistanceTolerance);
+  EXPECT_NEAR(matches[1].sq_distance, 0.09 + 0.02 * 9.0, kDistanceTolerance);
+}
+
+TEST(MatchFeatures, HardPositionFilterRejectsLandmarksOutOfView) {
+  const std::vector<TileView> tiles = {
+      SimpleView(SimpleTile({{1, {{0.3f}}, {80.0, 0.0, 0.0}}, {2, {{0.4f}}, {65.0, 0.0, 9.0}}}))};
+  QueryContext query = SimpleQuery({{0.0f}});
+  query.region.prior_sigma_m = 10.0;
+  MatchingOptions options = NoTerms();
+  options.viewing_distance_m = 50.0;
+  options.max_position_excess_sigmas = 2.0;
+  EXPECT_THAT(LandmarkIds(tiles, Match(query, tiles, options)), ElementsAre(1, 2));
+  query.region.has_prior = true;
+  const auto matches = Match(query, tiles, options);
+  EXPECT_THAT(LandmarkIds(tiles, matches), ElementsAre(2));
+  EXPECT_NEAR(matches[0].sq_distance, 0.16, kDistanceTolerance);  // No term without a weight.
+}
+
+TEST(MatchFeatures, SetsTheCounters) {
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.1f}}}, {2, {{0.3f}}}})),
+                                       SimpleView(SimpleTile({{3, {{1.5f}, {1.5f}}}}))};
+  MatchingOptions options;
+  options.distance_quantile = 0.25;
+  StageCounters counters;
+  MatchFeatures(SimpleQuery({{0.0f}, {1.5f}, {0.9f}}), tiles, options, &counters);
+  EXPECT_EQ(counters.num_distances, 3 * 4);
+  EXPECT_EQ(counters.num_matches, 3);
+  EXPECT_EQ(counters.num_matched_keypoints, 2);
+}
+
+TEST(MatchFeatures, ThreadsChangeNothing) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> anywhere(-1.5f, 1.5f);
+  std::vector<TileView> tiles;
+  for (uint64_t tile = 0; tile < 3; ++tile) {
+    std::vector<SimpleLandmark> landmarks;
+    for (uint64_t i = 0; i < 500; ++i) {
+      landmarks.push_back({300 * tile + i + 1, {{anywhere(random)}, {anywhere(random)}}});
+    }
+    tiles.push_back(SimpleView(SimpleTile(landmarks)));
+  }
+  std::vector<SimpleDescriptor> keypoints(1000);
+  for (SimpleDescriptor& keypoint : keypoints) {
+    keypoint = {anywhere(random)};
+  }
+  const QueryContext query = SimpleQuery(keypoints);
+  StageCounters expected_counters;
+  const auto expected = MatchFeatures(query, tiles, {}, &expected_counters);
+  ASSERT_GT(expected.size(), 1000u);
+  for (const int num_threads : {2, 3, 7}) {
+    SharedWorkers workers(num_threads);
+    StageCounters counters;
+    const auto matches = MatchFeatures(query, tiles, {}, &counters, &workers);
+    EXPECT_EQ(counters.num_distances, expected_counters.num_distances);
+    ASSERT_EQ(matches.size(), expected.size());
+    for (size_t i = 0; i < matches.size(); ++i) {
+      EXPECT_EQ(matches[i].keypoint_idx, expected[i].keypoint_idx);
+      EXPECT_EQ(matches[i].tile_idx, expected[i].tile_idx);
+      EXPECT_EQ(matches[i].landmark_idx, expected[i].landmark_idx);
+      EXPECT_EQ(matches[i].sq_distance, expected[i].sq_distance);
+    }
+  }
+}
+
+TEST(MatchFeatures, GoesOnWithWhatItHasWhenToldToStop) {
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.1f}}}})),
+                                       SimpleView(SimpleTile({{2, {{0.2f}}}}))};
+  const QueryContext query = SimpleQuery({{0.0f}});
+  // The landmarks found, stopping at the n-th question.
+  const auto match = [&](int n, StageCounters* counters) {
+    int num_questions = 0;
+    return MatchFeatures(query, tiles, {}, counters, nullptr, [&] { return ++num_questions >= n; })
+        .size();
+  };
+  StageCounters counters;
+  EXPECT_EQ(match(1, &counters), 0u);
+  EXPECT_EQ(counters.num_distances, 0);
+  EXPECT_TRUE(counters.matching_cut_short);
+  counters = {};
+  EXPECT_EQ(match(3, &counters), 1u);  // Asked before each tile and in it.
+  EXPECT_TRUE(counters.matching_cut_short);
+  counters = {};
+  EXPECT_EQ(match(1'000, &counters), 2u);
+  EXPECT_FALSE(counters.matching_cut_short);
+}
+
+TEST(MatchFeatures, RefuseTilesOfDifferentCodebooks) {
+  Tile other = SimpleTile({{1, {{0.1f}}}});
+  other.codebook_id = CodebookId{2};
+  EXPECT_THROW(
+      Match(SimpleQuery({{0.0f}}), {SimpleView(SimpleTile({})), SimpleView(std::move(other))}),
+      Error);
+}
+
+}  // namespace
+}  // namespace cairn

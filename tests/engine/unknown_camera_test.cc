@@ -1,0 +1,142 @@
+// Tests the whole engine with uncalibrated cameras.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "core/angles.h"
+#include "core/error.h"
+#include "engine/mapped_streets.h"
+#include "engine/pose/focal_search.h"
+
+namespace cairn {
+namespace {
+
+using testing::ExpectPose;
+using testing::QueryAt;
+using testing::QueryPose;
+
+class UnknownCamera : public testing::OneStreetTest {
+ protected:
+  // A query whose camera is said to have `factor` times its focal length.
+  static LocalizeQuery Asked(double factor, std::optional<double> log_sigma) {
+    LocalizeQuery query = QueryAt(*world_, Truth());
+    query.camera = WithFocalScaled(query.camera, factor);
+    if (log_sigma) {
+      query.focal = FocalPrior{.log_sigma = *log_sigma};
+    }
+    return query;
+  }
+  static LocalizeQuery Withheld() {
+    LocalizeQuery query = QueryAt(*world_, Truth());
+    query.camera = CameraOfUnknownFocal(query.camera.width_px(), query.camera.height_px());
+    query.focal = FocalPrior{.with_distortion = true};
+    return query;
+  }
+  static Rigid3d Truth() { return QueryPose(20.0); }
+  static void ExpectCamera(const LocalizeResult& result) {
+    ASSERT_TRUE(result.camera);
+    const double focal_px = world_->camera().focal_px();
+    EXPECT_NEAR(result.camera->camera.focal_px(), focal_px, 0.01 * focal_px);
+    EXPECT_LT(result.camera->focal_sigma_px, 0.01 * focal_px);
+  }
+};
+
+TEST_F(UnknownCamera, IsEstimatedWithThePose) {
+  const LocalizeResult result = map_->localizer().Localize(Withheld());
+  ExpectPose(result, *world_, Truth(), 0.1, 0.2 * kRadPerDeg);
+  ExpectCamera(result);
+  EXPECT_FALSE(result.camera->focal_disagrees);
+  EXPECT_NEAR(result.camera->assumed_focal_px, 0.85 * 640, 1e-9);
+  for (const LocalizeMatch& match : result.matches) {
+    const auto pixel = result.camera->camera.Project(result.cam_from_anchor * match.x_in_anchor);
+    ASSERT_TRUE(pixel);
+    EXPECT_NEAR((*pixel - match.pixel).norm(), match.traits.error_px, 1e-9);
+  }
+}
+
+TEST_F(UnknownCamera, NeedsNoGravity) {
+  LocalizeQuery query = Withheld();
+  query.down_in_cam.reset();
+  const LocalizeResult result = map_->localizer().Localize(query);
+  ExpectPose(result, *world_, Truth(), 0.1, 0.2 * kRadPerDeg);
+  ExpectCamera(result);
+}
+
+TEST_F(UnknownCamera, MayHaveAnUncertainFocalLength) {
+  for (const double factor : {0.8, 0.95, 1.05, 1.25}) {
+    const LocalizeResult result = map_->localizer().Localize(Asked(factor, 0.15));
+    ExpectPose(result, *world_, Truth(), 0.1, 0.2 * kRadPerDeg);
+    ExpectCamera(result);
+    EXPECT_FALSE(result.camera->focal_disagrees);
+  }
+}
+
+TEST_F(UnknownCamera, ContradictsAFocalLengthThatIsWrong) {
+  for (const double factor : {0.9, 0.95, 1.05, 1.1}) {
+    const LocalizeResult result = map_->localizer().Localize(Asked(factor, std::nullopt));
+    ExpectPose(result, *world_, Truth(), 0.2, 0.3 * kRadPerDeg);
+    ExpectCamera(result);
+    EXPECT_TRUE(result.camera->focal_disagrees);
+  }
+}
+
+TEST_F(UnknownCamera, LeavesAFocalLengthThatIsRight) {
+  const LocalizeResult result = map_->localizer().Localize(Asked(1.0, std::nullopt));
+  ExpectPose(result, *world_, Truth(), 0.05, 0.1 * kRadPerDeg);
+  EXPECT_FALSE(result.camera);
+}
+
+TEST_F(UnknownCamera, IsTheSameOnAnyNumberOfThreads) {
+  LocalizerOptions options;
+  options.num_threads = 4;
+  const LocalizeResult one = map_->localizer().Localize(Withheld());
+  const LocalizeResult four = map_->WithOptions(options).Localize(Withheld());
+  EXPECT_EQ(one.cam_from_anchor.ToMatrix(), four.cam_from_anchor.ToMatrix());
+}
+
+TEST_F(UnknownCamera, IsNoCameraOfARig) {
+  LocalizeQuery query = Withheld();
+  query.other_cameras.push_back({world_->camera(), Rigid3d(), {}});
+  EXPECT_THROW(map_->localizer().Localize(query), Error);
+}
+
+// Tries everything that `search` wants, each with its score by `score_of`.
+template <typename ScoreOf>
+std::vector<double> Tried(FocalSearch search, const ScoreOf& score_of) {
+  std::vector<double> tried;
+  while (const auto factor = search.Next()) {
+    tried.push_back(*factor);
+    search.Report(score_of(*factor));
+  }
+  return tried;
+}
+
+TEST(FocalSearch, TriesOnlyWhatIsStatedIfThatIsCertain) {
+  EXPECT_EQ(Tried(FocalSearch({.log_sigma = 0.01}, 25.0), [](double) { return 0.0; }),
+            std::vector<double>{1.0});
+}
+
+TEST(FocalSearch, CoversThePriorLikeliestFirst) {
+  const std::vector<double> tried =
+      Tried(FocalSearch({.log_sigma = 0.25}, 25.0), [](double) { return 1.0; });
+  EXPECT_EQ(tried.front(), 1.0);
+  EXPECT_NEAR(*std::min_element(tried.begin(), tried.end()), std::exp(-0.75), 1e-9);
+  EXPECT_NEAR(*std::max_element(tried.begin(), tried.end()), std::exp(0.75), 1e-9);
+  for (size_t i = 1; i < tried.size(); ++i) {
+    EXPECT_GE(std::abs(std::log(tried[i])), std::abs(std::log(tried[i - 1])) - 1e-9);
+  }
+}
+
+TEST(FocalSearch, FollowsTheScoreUphill) {
+  const std::vector<double> tried =
+      Tried(FocalSearch({.log_sigma = 0.25}, 25.0),
+            [](double factor) { return 40.0 - 20.0 * std::abs(std::log(factor) + 0.45); });
+  EXPECT_EQ(tried.size(), 5u);  // The middle and four below.
+  EXPECT_NEAR(tried.back(), std::exp(-0.6), 1e-9);
+}
+
+}  // namespace
+}  // namespace cairn

@@ -1,0 +1,63 @@
+#include "mapping/session/stage_codec.h"
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "mapping/street_segment.h"
+
+namespace cairn {
+namespace {
+
+Growth GrowthOf(const testing::StreetSegment& street) {
+  Growth growth;
+  growth.segments = {street.segment};
+  growth.verdict_of_photo.assign(street.set.photos.size(), PhotoVerdict::kInSegment);
+  growth.verdict_of_photo[0] = PhotoVerdict::kLostSupport;
+  return growth;
+}
+
+TEST(StageCodec, KeepsEveryBitOfAGrowth) {
+  const testing::StreetSegment street = testing::MakeStreetSegment(1.0);
+  const std::vector<uint8_t> bytes = EncodeGrowth(GrowthOf(street));
+  const Growth decoded = DecodeGrowth(bytes, street.set, "segments");
+  ASSERT_EQ(decoded.segments.size(), 1u);
+  const Reconstruction& model = decoded.segments[0].model;
+  EXPECT_EQ(model.images.size(), street.segment.model.images.size());
+  EXPECT_EQ(model.images[3].cam_from_world.translation,
+            street.segment.model.images[3].cam_from_world.translation);
+  EXPECT_EQ(model.images[3].name, street.segment.model.images[3].name);
+  EXPECT_EQ(decoded.verdict_of_photo[0], PhotoVerdict::kLostSupport);
+  EXPECT_EQ(EncodeGrowth(decoded), bytes);
+}
+
+TEST(StageCodec, KeepsEveryBitOfTwoViews) {
+  const testing::StreetSegment street = testing::MakeStreetSegment(1.0);
+  TwoView view;
+  view.a = 1;
+  view.b = 2;
+  view.b_from_a = {Eigen::Quaterniond(0.9, 0.1, 0.2, 0.3), Eigen::Vector3d(0.1, 0.2, 0.3)};
+  view.inliers = {{3, 4, 0.5f}, {5, 6, 0.25f}};
+  view.parallax_rad = 0.1;
+  view.focal_factor_b = 1.25;
+  const std::vector<uint8_t> bytes = EncodeTwoViews({&view, 1});
+  const std::vector<TwoView> decoded = DecodeTwoViews(bytes, street.set, "views");
+  ASSERT_EQ(decoded.size(), 1u);
+  EXPECT_EQ(decoded[0].inliers[1].b_idx, 6);
+  EXPECT_EQ(decoded[0].focal_factor_b, 1.25);
+  EXPECT_EQ(EncodeTwoViews(decoded), bytes);
+}
+
+TEST(StageCodec, RefusesBytesThatDoNotFitThePhotos) {
+  testing::StreetSegment street = testing::MakeStreetSegment(1.0);
+  const std::vector<uint8_t> bytes = EncodeGrowth(GrowthOf(street));
+  for (size_t cut = 0; cut < bytes.size(); cut += 1 + bytes.size() / 50) {
+    EXPECT_THROW(DecodeGrowth({bytes.data(), cut}, street.set, "segments"), Error) << cut;
+  }
+  street.set.photos.back().keypoints.resize(3);
+  EXPECT_THROW(DecodeGrowth(bytes, street.set, "segments"), Error);
+  street.set.photos.pop_back();
+  EXPECT_THROW(DecodeGrowth(bytes, street.set, "segments"), Error);
+}
+
+}  // namespace
+}  // namespace cairn
