@@ -8,12 +8,13 @@
 #include <utility>
 #include <vector>
 
+#include "core/least_squares.h"
 #include "core/statistics.h"
 
 namespace cairn {
 namespace {
 
-constexpr int kMaxIterations = 30;
+constexpr int kMaxSteps = 30;
 // Scale of Cauchy's loss, in standard deviations of a pixel.
 constexpr double kLossScaleSigmas = 2.0;
 // Smallest ratio of the smallest to the largest eigenvalue of a solvable system. Rays that span an
@@ -47,18 +48,12 @@ std::optional<Eigen::Vector3d> NearestToRays(std::span<const PointView> views) {
   return hessian.ldlt().solve(rhs);
 }
 
-// Normal equations of the reprojection errors in units of their sigmas.
-struct NormalEquations {
-  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-  double cost = 0.0;
-};
-
-// Returns nothing if the point is not visible in a view. `robust` applies Cauchy's loss.
-std::optional<NormalEquations> Linearize(std::span<const PointView> views,
+// Normal equations of the reprojection errors in units of their sigmas. Returns nothing if the
+// point is not visible in a view. `robust` applies Cauchy's loss.
+std::optional<NormalSystem<3>> Linearize(std::span<const PointView> views,
                                          const Eigen::Vector3d& x_in_world, bool robust) {
   constexpr double kSqLossScale = kLossScaleSigmas * kLossScaleSigmas;
-  NormalEquations equations;
+  NormalSystem<3> equations;
   for (const PointView& view : views) {
     Eigen::Matrix<double, 2, 3> pixel_by_cam;
     const auto pixel =
@@ -71,7 +66,7 @@ std::optional<NormalEquations> Linearize(std::span<const PointView> views,
         pixel_by_cam * view.cam_from_world.rotation.toRotationMatrix() / view.sigma_px;
     const double sq_residual = residual.squaredNorm();
     const double weight = robust ? 1.0 / (1.0 + sq_residual / kSqLossScale) : 1.0;
-    equations.hessian += weight * jacobian.transpose() * jacobian;
+    equations.normal += weight * jacobian.transpose() * jacobian;
     equations.gradient += weight * jacobian.transpose() * residual;
     equations.cost += robust ? kSqLossScale * std::log1p(sq_residual / kSqLossScale) : sq_residual;
   }
@@ -100,39 +95,17 @@ std::optional<Eigen::Vector3d> TriangulatePoint(std::span<const PointView> views
   if (views.size() < 2) {
     return std::nullopt;
   }
-  std::optional<Eigen::Vector3d> x_in_world = NearestToRays(views);
+  const std::optional<Eigen::Vector3d> x_in_world = NearestToRays(views);
   if (!x_in_world) {
     return std::nullopt;
   }
-  auto equations = Linearize(views, *x_in_world, /*robust=*/true);
-  if (!equations) {
-    return std::nullopt;
-  }
-
-  double damping = 1e-4;
-  for (int i = 0; i < kMaxIterations && damping < 1e6; ++i) {
-    Eigen::Matrix3d damped = equations->hessian;
-    damped.diagonal() *= 1.0 + damping;
-    const Eigen::Vector3d step = -damped.ldlt().solve(equations->gradient);
-    if (!step.allFinite()) {
-      return std::nullopt;
-    }
-    const Eigen::Vector3d candidate = *x_in_world + step;
-    const auto candidate_equations = Linearize(views, candidate, /*robust=*/true);
-    if (!candidate_equations || candidate_equations->cost > equations->cost) {
-      damping *= 10.0;
-      continue;
-    }
-    const bool converged =
-        equations->cost - candidate_equations->cost < 1e-9 * (1e-12 + equations->cost);
-    x_in_world = candidate;
-    equations = candidate_equations;
-    damping *= 0.1;
-    if (converged) {
-      break;
-    }
-  }
-  return x_in_world;
+  const auto minimum = MinimizeLeastSquares<3>(
+      *x_in_world, [&](const Eigen::Vector3d& x) { return Linearize(views, x, /*robust=*/true); },
+      [](const Eigen::Vector3d& x, const Eigen::Vector3d& step) {
+        return Eigen::Vector3d(x + step);
+      },
+      {.max_steps = kMaxSteps, .min_decrease = 1e-9});
+  return minimum ? std::optional(minimum->state) : std::nullopt;
 }
 
 double PointUncertainty::Sigma() const { return std::sqrt(covariance.trace() / 3.0); }
@@ -140,7 +113,7 @@ double PointUncertainty::Sigma() const { return std::sqrt(covariance.trace() / 3
 std::optional<PointUncertainty> EstimateUncertainty(std::span<const PointView> views,
                                                     const Eigen::Vector3d& x_in_world) {
   const auto equations = Linearize(views, x_in_world, /*robust=*/false);
-  if (views.size() < 2 || !equations || !IsSolvable(equations->hessian)) {
+  if (views.size() < 2 || !equations || !IsSolvable(equations->normal)) {
     return std::nullopt;
   }
   const double degrees_of_freedom = 2.0 * views.size() - 3.0;
@@ -151,7 +124,7 @@ std::optional<PointUncertainty> EstimateUncertainty(std::span<const PointView> v
     errors_px.push_back(
         (*view.camera->Project(view.cam_from_world * x_in_world) - view.pixel).norm());
   }
-  return PointUncertainty{disagreement * equations->hessian.inverse(),
+  return PointUncertainty{disagreement * equations->normal.inverse(),
                           Median(std::move(errors_px))};
 }
 

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/least_squares.h"
 #include "engine/pose/m_estimate.h"
 #include "engine/pose/normal_equations.h"
 #include "engine/pose/pose_residuals.h"
@@ -32,11 +33,7 @@ struct State {
   double radial = 0.0;     // 0 without distortion, whatever the camera's coefficient.
 };
 
-struct Linearization {
-  Matrix8d normal = Matrix8d::Zero();    // Sum of w J'J and the priors.
-  Vector8d gradient = Vector8d::Zero();  // Sum of w J'r and the priors.
-  double cost = 0.0;
-};
+using Linearization = NormalSystem<kNumParams>;
 
 // The parts of the covariance at one state. Residuals are in standard deviations.
 struct Spread {
@@ -195,30 +192,13 @@ State Moved(const State& state, const Vector8d& step) {
   return moved;
 }
 
-State Minimize(const Problem& problem, State state) {
-  constexpr double kMaxDamping = 1e6;
-  constexpr int kMaxIterations = 20;
-  Linearization system = problem.Linearize(state);
-  double damping = 1e-4;  // Relative to the diagonal of the normal matrix.
-  for (int i = 0; i < kMaxIterations && damping < kMaxDamping; ++i) {
-    Matrix8d damped = system.normal;
-    damped.diagonal() *= 1.0 + damping;
-    damped.diagonal().array() += 1e-9;
-    const State moved = Moved(state, -damped.ldlt().solve(system.gradient));
-    const Linearization moved_system = problem.Linearize(moved);
-    if (!(moved_system.cost < system.cost)) {
-      damping *= 10.0;
-      continue;
-    }
-    const double decrease = system.cost - moved_system.cost;
-    state = moved;
-    system = moved_system;
-    damping = std::max(1e-9, damping * 0.1);
-    if (decrease < problem.options.min_relative_decrease * system.cost) {
-      break;
-    }
-  }
-  return state;
+State Minimize(const Problem& problem, const State& state) {
+  const auto linearize = [&](const State& at) { return std::optional(problem.Linearize(at)); };
+  const MinimizeOptions options = {.max_steps = 20,
+                                   .min_damping = 1e-9,
+                                   .diagonal_floor = 1e-9,
+                                   .min_decrease = problem.options.min_relative_decrease};
+  return MinimizeLeastSquares<kNumParams>(state, linearize, Moved, options)->state;
 }
 
 // Compares the prior with the observations. The prior has variance v about 0; prior and

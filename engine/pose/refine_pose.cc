@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/least_squares.h"
 #include "engine/pose/m_estimate.h"
 #include "engine/pose/normal_equations.h"
 #include "engine/pose/pose_residuals.h"
@@ -12,13 +13,6 @@ namespace cairn {
 namespace {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
-
-// The normal equations at one pose.
-struct Linearization {
-  Matrix6d normal = Matrix6d::Zero();          // Sum of w J'J, with the gravity prior.
-  PoseTangent gradient = PoseTangent::Zero();  // Sum of w J'r, with the gravity prior.
-  double cost = 0.0;
-};
 
 // The parts of the covariance at one pose. Residuals are in standard deviations.
 struct Spread {
@@ -62,12 +56,13 @@ struct Problem {
     return num_others;
   }
 
-  Linearization Linearize(const Rigid3d& anchor_from_cam) const {
+  // With the gravity prior.
+  NormalSystem<6> Linearize(const Rigid3d& anchor_from_cam) const {
     NormalEquations equations(Weights());
     const int num_gross = ForEachProjected(
         anchor_from_cam, [&](const auto&... projected) { equations.Add(projected...); });
     const NormalEquations::Sums sums = equations.Finish();
-    Linearization system = {sums.normal, sums.gradient, sums.cost};
+    NormalSystem<6> system = {sums.normal, sums.gradient, sums.cost};
     const double sq_scale = kCauchyScale * kCauchyScale;
     system.cost += 0.5 * num_gross * sq_scale * std::log1p(kGrossError * kGrossError / sq_scale);
     if (gravity) {
@@ -121,33 +116,21 @@ RefinedPose RefinePose(const Camera& camera, const std::vector<PoseObservation>&
                        const std::optional<GravityPrior>& gravity,
                        const Rigid3d& initial_cam_from_anchor, const RefinePoseOptions& options,
                        std::span<const QueryRigCamera> other_cameras) {
-  constexpr double kMaxDamping = 1e6;
   const Problem problem{camera, observations, gravity, options, other_cameras};
-  Rigid3d anchor_from_cam = initial_cam_from_anchor.Inverse();
-  Linearization system = problem.Linearize(anchor_from_cam);
+  const auto minimum =
+      *MinimizeLeastSquares<6>(initial_cam_from_anchor.Inverse(),
+                               [&](const Rigid3d& anchor_from_cam) {
+                                 return std::optional(problem.Linearize(anchor_from_cam));
+                               },
+                               PerturbPose,
+                               {.max_steps = options.max_iterations,
+                                .min_damping = 1e-9,
+                                .diagonal_floor = 1e-9,
+                                .min_decrease = options.min_relative_decrease});
   RefinedPose refined;
-  double damping = 1e-4;  // Relative to the diagonal of the normal matrix.
-  for (int i = 0; i < options.max_iterations && damping < kMaxDamping; ++i) {
-    Matrix6d damped = system.normal;
-    damped.diagonal() *= 1.0 + damping;
-    damped.diagonal().array() += 1e-9;
-    const Rigid3d moved = PerturbPose(anchor_from_cam, -damped.ldlt().solve(system.gradient));
-    const Linearization moved_system = problem.Linearize(moved);
-    if (!(moved_system.cost < system.cost)) {
-      damping *= 10.0;
-      continue;
-    }
-    const double decrease = system.cost - moved_system.cost;
-    anchor_from_cam = moved;
-    system = moved_system;
-    damping = std::max(1e-9, damping * 0.1);
-    ++refined.num_iterations;
-    if (decrease < options.min_relative_decrease * system.cost) {
-      break;
-    }
-  }
-  refined.cam_from_anchor = anchor_from_cam.Inverse();
-  refined.cost = system.cost;
+  refined.cam_from_anchor = minimum.state.Inverse();
+  refined.cost = minimum.system.cost;
+  refined.num_iterations = minimum.num_steps;
   return refined;
 }
 

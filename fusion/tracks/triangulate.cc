@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/least_squares.h"
 #include "core/require.h"
 
 namespace cairn::fusion {
@@ -15,7 +16,7 @@ namespace {
 // A lower limit leaves out far points that tell the rotation. The value was measured with
 // cairn_fusion_consistency; see docs/math/fusion.md.
 constexpr double kMaxRelativeDepthSigma = 0.12;
-constexpr int kMaxIterations = 5;
+constexpr int kMaxSteps = 5;
 
 // Returns the inverse depth, along the last sight's ray, of the point that the other views see
 // nearest to their own rays. Let d be that ray and t the last view's center, both in the frame of
@@ -41,40 +42,35 @@ std::optional<double> InitialInverseDepth(std::span<const Sight> sights) {
 // A point, as normalized image coordinates (a, b) and inverse depth c in one view.
 class InverseDepth {
  public:
-  InverseDepth(const Sight& sight, double inverse_depth) : view_(*sight.view) {
-    params_ << sight.ray_in_cam.hnormalized(), inverse_depth;
-  }
-  Eigen::Vector3d Point() const { return PointAt(params_); }
-  Eigen::Vector3d PointAt(const Eigen::Vector3d& params) const {
-    return view_.center_in_local + view_.cam_from_local_rotation.transpose() *
-                                       Eigen::Vector3d(params[0], params[1], 1.0) / params[2];
+  InverseDepth(const CameraView& view, const Eigen::Vector3d& params)
+      : view_(&view), params_(params) {}
+  Eigen::Vector3d Point() const {
+    return view_->center_in_local + view_->cam_from_local_rotation.transpose() *
+                                        Eigen::Vector3d(params_[0], params_[1], 1.0) / params_[2];
   }
   // d point / d params.
   Eigen::Matrix3d Jacobian() const {
     Eigen::Matrix3d by_params = Eigen::Matrix3d::Identity() / params_[2];
     by_params.col(2) = -Eigen::Vector3d(params_[0], params_[1], 1.0) / (params_[2] * params_[2]);
-    return view_.cam_from_local_rotation.transpose() * by_params;
+    return view_->cam_from_local_rotation.transpose() * by_params;
   }
-  const Eigen::Vector3d& params() const { return params_; }
-  void set_params(const Eigen::Vector3d& params) { params_ = params; }
+  double inverse_depth() const { return params_[2]; }
+  InverseDepth Moved(const Eigen::Vector3d& step) const { return {*view_, params_ + step}; }
 
  private:
-  const CameraView& view_;
+  const CameraView* view_;
   Eigen::Vector3d params_;
-};
-
-struct NormalEquations {
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-  double cost = 0.0;
 };
 
 // Residuals are in pixels. The prior is weighted to match: its sigma_m counts as much as
 // `sigma_px`.
-std::optional<NormalEquations> Linearize(const Camera& camera, std::span<const Sight> sights,
+std::optional<NormalSystem<3>> Linearize(const Camera& camera, std::span<const Sight> sights,
                                          double sigma_px, const std::optional<PlanePrior>& prior,
                                          const InverseDepth& point) {
-  NormalEquations equations;
+  if (!(point.inverse_depth() > 0.0)) {
+    return std::nullopt;
+  }
+  NormalSystem<3> equations;
   const Eigen::Vector3d x_in_local = point.Point();
   const Eigen::Matrix3d by_params = point.Jacobian();
   for (const Sight& sight : sights) {
@@ -82,7 +78,7 @@ std::optional<NormalEquations> Linearize(const Camera& camera, std::span<const S
     if (!predicted) {
       return std::nullopt;
     }
-    const Eigen::Vector2d residual = sight.pixel - predicted->pixel;
+    const Eigen::Vector2d residual = predicted->pixel - sight.pixel;
     const Eigen::Matrix<double, 2, 3> jacobian = predicted->by_local * by_params;
     equations.normal.noalias() += jacobian.transpose() * jacobian;
     equations.gradient.noalias() += jacobian.transpose() * residual;
@@ -90,7 +86,7 @@ std::optional<NormalEquations> Linearize(const Camera& camera, std::span<const S
   }
   if (prior) {
     const Eigen::Vector3d normal = sigma_px / prior->sigma_m * prior->normal_in_local;
-    const double residual = normal.dot(prior->x_in_local - x_in_local);
+    const double residual = normal.dot(x_in_local - prior->x_in_local);
     const Eigen::RowVector3d jacobian = normal.transpose() * by_params;
     equations.normal.noalias() += jacobian.transpose() * jacobian;
     equations.gradient.noalias() += residual * jacobian.transpose();
@@ -100,7 +96,7 @@ std::optional<NormalEquations> Linearize(const Camera& camera, std::span<const S
 }
 
 bool WithinLimits(std::span<const Sight> sights, const InverseDepth& point,
-                  const NormalEquations& equations, double sigma_px,
+                  const NormalSystem<3>& equations, double sigma_px,
                   const TriangulateOptions& options) {
   const Eigen::Vector3d x_in_local = point.Point();
   for (const Sight& sight : sights) {
@@ -109,7 +105,7 @@ bool WithinLimits(std::span<const Sight> sights, const InverseDepth& point,
       return false;
     }
   }
-  const double inverse_depth = point.params()[2];
+  const double inverse_depth = point.inverse_depth();
   const double sq_sigma =
       sigma_px * sigma_px * equations.normal.ldlt().solve(Eigen::Vector3d::UnitZ())[2];
   return sq_sigma < std::pow(kMaxRelativeDepthSigma * inverse_depth, 2);
@@ -134,36 +130,23 @@ std::optional<Eigen::Vector3d> Triangulate(const Camera& camera, std::span<const
   if (!inverse_depth) {
     return std::nullopt;
   }
-  InverseDepth point(sights.back(), std::clamp(*inverse_depth, 1.0 / options.max_depth_m,
-                                               1.0 / options.min_depth_m));
-  auto equations = Linearize(camera, sights, sigma_px, prior, point);
-  double damping = 1e-6;
-  bool converged = false;
-  for (int i = 0; equations; ++i) {
-    Eigen::Matrix3d damped = equations->normal;
-    damped.diagonal() *= 1.0 + damping;
-    const Eigen::Vector3d step = damped.ldlt().solve(equations->gradient);
-    // The decrease of the cost that the step predicts.
-    converged = step.dot(equations->gradient) < 1e-4 * equations->cost + 1e-12;
-    if (converged || i == kMaxIterations) {
-      break;
-    }
-    const Eigen::Vector3d old_params = point.params();
-    point.set_params(old_params + step);
-    const auto moved =
-        point.params()[2] > 0.0 ? Linearize(camera, sights, sigma_px, prior, point) : std::nullopt;
-    if (moved && moved->cost <= equations->cost) {
-      equations = moved;
-      damping *= 0.1;
-    } else {
-      point.set_params(old_params);
-      damping = std::max(1e-4, damping) * 10.0;
-    }
-  }
-  if (!converged || !WithinLimits(sights, point, *equations, sigma_px, options)) {
+  const Sight& last = sights.back();
+  Eigen::Vector3d params;
+  params << last.ray_in_cam.hnormalized(),
+      std::clamp(*inverse_depth, 1.0 / options.max_depth_m, 1.0 / options.min_depth_m);
+  const auto minimum = MinimizeLeastSquares<3>(
+      InverseDepth(*last.view, params),
+      [&](const InverseDepth& point) { return Linearize(camera, sights, sigma_px, prior, point); },
+      [](const InverseDepth& point, const Eigen::Vector3d& step) { return point.Moved(step); },
+      {.max_steps = kMaxSteps,
+       .initial_damping = 1e-6,
+       .min_damping_after_failure = 1e-4,
+       .min_predicted_decrease = 1e-4});
+  if (!minimum || !minimum->has_converged ||
+      !WithinLimits(sights, minimum->state, minimum->system, sigma_px, options)) {
     return std::nullopt;
   }
-  return point.Point();
+  return minimum->state.Point();
 }
 
 }  // namespace cairn::fusion
