@@ -13,7 +13,7 @@
 #include "core/random.h"
 #include "core/simd.h"
 #include "engine/index/byte_descriptors.h"
-#include "engine/index/distance_statistics.h"
+#include "storage/codebook/distance_statistics.h"
 
 namespace cairn {
 namespace {

@@ -10,7 +10,7 @@
 #include <tuple>
 
 #include "core/angles.h"
-#include "engine/index/distance_statistics.h"
+#include "storage/codebook/distance_statistics.h"
 
 namespace cairn {
 namespace {

@@ -16,10 +16,10 @@
 #include "engine/index/byte_scale.h"
 #include "engine/index/cell_lists.h"
 #include "engine/index/code_expansion.h"
-#include "engine/index/distance_statistics.h"
 #include "engine/index/shared_visits.h"
 #include "engine/matching/landmark_ranking.h"
 #include "engine/tiles/descriptor_places.h"
+#include "storage/codebook/distance_statistics.h"
 
 namespace cairn {
 namespace {

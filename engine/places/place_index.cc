@@ -1,6 +1,6 @@
 #include "engine/places/place_index.h"
 
-#include "engine/index/distance_statistics.h"
+#include "storage/codebook/distance_statistics.h"
 
 namespace cairn {
 

@@ -7,8 +7,8 @@
 
 #include "core/check.h"
 #include "core/error.h"
-#include "engine/index/distance_statistics.h"
 #include "engine/query/level_frame.h"
+#include "storage/codebook/distance_statistics.h"
 
 namespace cairn {
 

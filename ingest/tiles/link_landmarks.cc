@@ -15,6 +15,7 @@
 #include "core/frames.h"
 #include "core/geodesy.h"
 #include "core/require.h"
+#include "storage/codebook/distance_statistics.h"
 
 namespace cairn {
 namespace {
@@ -30,7 +31,7 @@ struct SessionLook {
 // Largest distance at which positions are compared, meters; farther landmarks are linked by
 // nothing.
 constexpr double kMaxGateM = 3.0;
-constexpr double kCellM = 1.0;
+constexpr double kCellM = kMaxGateM;  // So a search visits 27 cells.
 // Known landmarks closer than this are one thing that the map holds twice.
 constexpr float kSameThingM = 0.15f;
 constexpr double kReferenceFocalPx = 500.0;
@@ -97,12 +98,8 @@ class LinkProposer {
         grid_(known),
         known_descriptors_(
             codec.Decode(known.codes.data(), static_cast<int>(known.num_descriptors()))) {
-    const std::vector<float>& quantiles = codec.codebook().same_landmark_distance_quantiles;
-    const auto last = static_cast<double>(quantiles.size()) - 1.0;
-    // Quantile i of 19 is that of 0.05 (i + 1).
-    const auto at = std::clamp(std::lround(options.max_distance_quantile * 20.0 - 1.0), 0L,
-                               std::lround(std::max(last, 0.0)));
-    const float distance = quantiles.empty() ? 0.0f : quantiles[static_cast<size_t>(at)];
+    const auto distance =
+        static_cast<float>(SameLandmarkDistance(codec.codebook(), options.max_distance_quantile));
     max_sq_distance_ = distance * distance;
     GatherLooks(codec);
   }

@@ -11,6 +11,7 @@
 #include "core/require.h"
 #include "ingest/tiles/landmark_history.h"
 #include "ingest/tiles/tile_edit.h"
+#include "storage/codebook/distance_statistics.h"
 
 namespace cairn {
 namespace {
@@ -53,8 +54,7 @@ class TileMerger {
       : known_(known), fresh_(fresh), codec_(codec), summarizer_(summarizer), options_(options) {
     CAIRN_CHECK(known.id == fresh.id && known.codebook_id == fresh.codebook_id,
                 "only contents of one tile in one codebook can be merged");
-    const std::vector<float>& quantiles = codec.codebook().same_landmark_distance_quantiles;
-    const double median = quantiles.empty() ? 0.0 : quantiles[quantiles.size() / 2];
+    const double median = SameLandmarkDistance(codec.codebook(), 0.5);
     same_look_sq_distance_ = static_cast<float>(std::pow(options.same_look_share * median, 2));
   }
 

@@ -24,14 +24,14 @@
 #include "engine/tiles/searchable_tile.h"
 #include "lab/bench/thread_cpu_clock.h"
 #include "storage/codebook/descriptor_codec.h"
-#include "storage/map/tile_cache.h"
+#include "storage/codebook/distance_statistics.h"
 #include "storage/tile/tile_codec.h"
 
 namespace cairn {
 namespace {
 
 constexpr size_t kMedianQuantile = 9;  // Codebook quantiles are 0.05, 0.10, ...
-constexpr size_t kThresholdQuantile = 17;
+constexpr double kThresholdQuantile = 0.9;
 
 class Stopwatch {
  public:
@@ -79,8 +79,8 @@ class OneCore {
 // Measures a query with an empty cache, which loads every tile.
 void MeasureColdQuery(const std::shared_ptr<const MapStore>& store, const EvalQuery& query,
                       const RunBenchOptions& options, BenchFigures* figures) {
-  const auto cache = std::make_shared<TileCache>(options.cache_bytes);
-  const LocalizeResult result = Localizer(store, cache, options.localizer).Localize(query.query);
+  const LocalizeResult result =
+      Localizer(store, options.localizer, options.cache_bytes).Localize(query.query);
   figures->cold_tile_seconds =
       result.times.seconds[static_cast<int>(Stage::kTiles)] /
       static_cast<double>(std::max<int64_t>(1, result.counters.num_tiles_loaded));
@@ -159,9 +159,9 @@ void MeasureExhaustiveSearch(const MapSnapshot& snapshot, const EvalQuery& query
   if (!codebook) {
     throw Error(ErrorCode::kBadInput, "the map is empty");
   }
-  figures->same_landmark_distance = codebook->same_landmark_distance_quantiles[kMedianQuantile];
+  figures->same_landmark_distance = SameLandmarkDistance(*codebook, 0.5);
   figures->other_landmark_distance = codebook->other_landmark_distance_quantiles[kMedianQuantile];
-  const double max_distance = codebook->same_landmark_distance_quantiles[kThresholdQuantile];
+  const double max_distance = SameLandmarkDistance(*codebook, kThresholdQuantile);
   const DescriptorMatrix queries = DescriptorCodec(codebook).ProjectFeatures(query.query.features);
   std::array<double, 3> seconds{};
   for (const TileRecord& record : snapshot.AllTiles(std::numeric_limits<int64_t>::max())) {
@@ -207,12 +207,11 @@ BenchFigures RunBench(std::shared_ptr<const MapStore> store, const std::vector<E
   }
   MeasureColdQuery(store, queries.front(), options, &figures);
 
-  const auto cache = std::make_shared<TileCache>(options.cache_bytes);
-  const Localizer localizer(std::move(store), cache, options.localizer);
+  const Localizer localizer(std::move(store), options.localizer, options.cache_bytes);
   for (const EvalQuery& query : queries) {  // Fills the cache.
     localizer.Localize(query.query);
   }
-  const TileCacheStats stats = cache->Stats();
+  const CacheStats stats = localizer.cache()->Stats();
   figures.cached_bytes_per_tile = static_cast<double>(stats.bytes) /
                                   static_cast<double>(std::max<size_t>(1, stats.num_entries));
   std::vector<EvalQuery> repeated;

@@ -25,10 +25,10 @@
 #include <utility>
 #include <vector>
 
-#include "engine/index/distance_statistics.h"
 #include "engine/index/matching_index.h"
 #include "engine/real_sift.h"
 #include "engine/synthetic_descriptors.h"
+#include "storage/codebook/distance_statistics.h"
 
 namespace cairn {
 namespace {

@@ -21,11 +21,11 @@
 #include "core/error.h"
 #include "core/large_vector.h"
 #include "engine/index/byte_descriptors.h"
-#include "engine/index/distance_statistics.h"
 #include "engine/index/inverted_lists.h"
 #include "engine/synthetic_descriptors.h"
 #include "lab/rivals/index_methods.h"
 #include "storage/codebook/descriptor_codec.h"
+#include "storage/codebook/distance_statistics.h"
 
 namespace cairn {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/error.h"
-#include "engine/index/distance_statistics.h"
 #include "engine/tiles/tiles_options.h"
+#include "storage/codebook/distance_statistics.h"
 #include "support/refused_options.h"
 
 namespace cairn {

@@ -9,10 +9,10 @@
 #include <tuple>
 #include <utility>
 
-#include "engine/index/distance_statistics.h"
 #include "engine/index/shared_visits.h"
 #include "engine/real_sift.h"
 #include "engine/synthetic_descriptors.h"
+#include "storage/codebook/distance_statistics.h"
 #include "support/test_data.h"
 
 namespace cairn {

@@ -17,9 +17,9 @@
 
 #include "core/features.h"
 #include "engine/index/byte_descriptors.h"
-#include "engine/index/distance_statistics.h"
 #include "storage/codebook/codebook.h"
 #include "storage/codebook/descriptor_codec.h"
+#include "storage/codebook/distance_statistics.h"
 
 namespace cairn::testing {
 

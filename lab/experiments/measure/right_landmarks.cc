@@ -7,8 +7,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "engine/index/distance_statistics.h"
 #include "storage/codebook/descriptor_codec.h"
+#include "storage/codebook/distance_statistics.h"
 #include "storage/tile/tile.h"
 
 namespace cairn {

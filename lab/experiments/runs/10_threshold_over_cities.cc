@@ -6,11 +6,11 @@
 #include <utility>
 #include <vector>
 
-#include "engine/index/distance_statistics.h"
 #include "lab/experiments/measure/index_variants.h"
 #include "lab/experiments/measure/variants.h"
 #include "lab/experiments/runs/cities.h"
 #include "lab/experiments/runs/runs.h"
+#include "storage/codebook/distance_statistics.h"
 
 namespace cairn {
 namespace {

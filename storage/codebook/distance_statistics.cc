@@ -1,4 +1,4 @@
-#include "engine/index/distance_statistics.h"
+#include "storage/codebook/distance_statistics.h"
 
 #include <fmt/format.h>
 

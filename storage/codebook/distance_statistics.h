@@ -1,6 +1,6 @@
 // Statistics of a codebook on the distances between descriptors of the same landmark.
-#ifndef CAIRN_ENGINE_INDEX_DISTANCE_STATISTICS_H_
-#define CAIRN_ENGINE_INDEX_DISTANCE_STATISTICS_H_
+#ifndef CAIRN_STORAGE_CODEBOOK_DISTANCE_STATISTICS_H_
+#define CAIRN_STORAGE_CODEBOOK_DISTANCE_STATISTICS_H_
 
 #include "storage/codebook/codebook.h"
 
@@ -14,4 +14,4 @@ double SameLandmarkDistance(const Codebook& codebook, double quantile);
 
 }  // namespace cairn
 
-#endif  // CAIRN_ENGINE_INDEX_DISTANCE_STATISTICS_H_
+#endif  // CAIRN_STORAGE_CODEBOOK_DISTANCE_STATISTICS_H_
