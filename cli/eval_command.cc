@@ -17,7 +17,6 @@
 #include "cli/client_key.h"
 #include "cli/eval_queries.h"
 #include "cli/index_option.h"
-#include "cli/open_localizer.h"
 #include "cli/options_file.h"
 #include "cli/shell.h"
 #include "core/angles.h"
@@ -26,6 +25,7 @@
 #include "core/images/gray_image.h"
 #include "core/parallel_for.h"
 #include "core/printable.h"
+#include "engine/localizer.h"
 #include "eval/elsewhere.h"
 #include "eval/evaluation.h"
 #include "eval/stated_focal.h"
@@ -91,9 +91,9 @@ void ExtractFeatures(const EvalArguments& arguments, Progress* progress,
   }
 }
 
-Answerer MakeAnswerer(const EvalArguments& arguments, const OpenedMap& map) {
+Answerer MakeAnswerer(const EvalArguments& arguments, const Localizer& localizer) {
   if (arguments.server_url.empty()) {
-    return [&map](const EvalQuery& query) { return map.localizer->Localize(query.query); };
+    return [&localizer](const EvalQuery& query) { return localizer.Localize(query.query); };
   }
   auto client =
       std::make_shared<LocalizeClient>(ClientOptions{.url = arguments.server_url,
@@ -111,7 +111,7 @@ Answerer MakeAnswerer(const EvalArguments& arguments, const OpenedMap& map) {
 }
 
 // Runs all queries. The results are parallel to the queries.
-std::vector<LocalizeResult> AnswerAll(const EvalArguments& arguments, const OpenedMap& map,
+std::vector<LocalizeResult> AnswerAll(const EvalArguments& arguments, const Localizer& localizer,
                                       const std::vector<EvalQuery>& queries, Progress* progress) {
   const auto num_queries = static_cast<int64_t>(queries.size());
   std::vector<LocalizeResult> results(queries.size());
@@ -119,7 +119,7 @@ std::vector<LocalizeResult> AnswerAll(const EvalArguments& arguments, const Open
   std::mutex progress_mutex;
   int64_t num_done = 0;
   ParallelFor(arguments.num_threads, arguments.num_threads, [&](int /*worker*/) {
-    const Answerer answer = MakeAnswerer(arguments, map);
+    const Answerer answer = MakeAnswerer(arguments, localizer);
     for (int64_t i = next_query++; i < num_queries; i = next_query++) {
       results[i] = answer(queries[i]);
       const std::lock_guard lock(progress_mutex);
@@ -171,11 +171,11 @@ PriorNoiseOptions NoiseOf(const EvalArguments& arguments) {
 
 // Loads the queries and gives them the priors, gravity and focal lengths that the arguments state.
 std::vector<EvalQuery> PrepareQueries(const EvalArguments& arguments,
-                                      const PriorNoiseOptions& noise, const OpenedMap& map) {
+                                      const PriorNoiseOptions& noise, const Localizer& localizer) {
   std::vector<EvalQuery> queries =
-      LoadEvalQueries(arguments.queries, arguments.options.georegister, map.store->Snapshot());
+      LoadEvalQueries(arguments.queries, arguments.options.georegister, localizer.map().Snapshot());
   if (arguments.elsewhere) {
-    PlaceElsewhere(KeyframePlaces(map.store->Snapshot()), noise.seed, &queries);
+    PlaceElsewhere(KeyframePlaces(localizer.map().Snapshot()), noise.seed, &queries);
   }
   if (!arguments.given_priors) {
     AddNoisyPriors(noise, &queries);
@@ -202,8 +202,8 @@ void WriteReports(const EvalArguments& arguments, const std::vector<EvalQuery>& 
 
 ExitCode RunEval(const EvalArguments& arguments, ProgressMode progress_mode) {
   const PriorNoiseOptions noise = NoiseOf(arguments);
-  const OpenedMap map = OpenLocalizer(arguments.map_path, arguments.options.localizer);
-  std::vector<EvalQuery> queries = PrepareQueries(arguments, noise, map);
+  const Localizer localizer = Localizer::Open(arguments.map_path, arguments.options.localizer);
+  std::vector<EvalQuery> queries = PrepareQueries(arguments, noise, localizer);
   std::vector<LocalizeResult> results;
   {
     Progress progress(progress_mode);
@@ -211,14 +211,14 @@ ExitCode RunEval(const EvalArguments& arguments, ProgressMode progress_mode) {
     if (arguments.permute_descriptors) {
       PermuteDescriptors(noise.seed, &queries);
     }
-    results = AnswerAll(arguments, map, queries, &progress);
+    results = AnswerAll(arguments, localizer, queries, &progress);
   }
   const EvalReport report = Evaluate(
       queries, [&](const EvalQuery& query) { return results[&query - queries.data()]; }, {});
   const bool is_chance = arguments.elsewhere || arguments.permute_descriptors;
   fmt::print("{}",
              is_chance ? ElsewhereAsText(MeasureElsewhere(report.answers)) : ReportAsText(report));
-  PrintMapSize(map.store->Snapshot());
+  PrintMapSize(localizer.map().Snapshot());
   WriteReports(arguments, queries, report);
   return ExitCode::kOk;
 }

@@ -17,7 +17,6 @@
 #include "cli/client_key.h"
 #include "cli/height_option.h"
 #include "cli/index_option.h"
-#include "cli/open_localizer.h"
 #include "cli/options_file.h"
 #include "cli/rig_photos.h"
 #include "cli/shell.h"
@@ -30,6 +29,7 @@
 #include "core/images/exif.h"
 #include "core/images/orient_image.h"
 #include "core/images/photo_camera.h"
+#include "engine/localizer.h"
 #include "eval/pictures/picture_format.h"
 #include "eval/pictures/pictures.h"
 #include "http/client.h"
@@ -141,12 +141,12 @@ LocalizeResult Answer(const LocalizeArguments& arguments, const Photo& photo,
                                         .exif_prior = arguments.exif_prior})
         .LocalizeImages(*query, images);
   }
-  const OpenedMap map = OpenLocalizer(arguments.map_path, arguments.options.localizer);
+  const Localizer localizer = Localizer::Open(arguments.map_path, arguments.options.localizer);
   query->features = ExtractSift(photo.image, arguments.options.sift);
   for (size_t i = 0; i < others.size(); ++i) {
     query->other_cameras[i].features = ExtractSift(others[i].photo.image, arguments.options.sift);
   }
-  return map.localizer->Localize(*query);
+  return localizer.Localize(*query);
 }
 
 void PrintPose(const LocalizeResult& result) {

@@ -338,13 +338,24 @@ LocalizeResult Localizer::Impl::Localize(const LocalizeQuery& query, const MapSn
                              });
 }
 
-Localizer::Localizer(std::shared_ptr<const MapStore> store, std::shared_ptr<TileCache> cache,
-                     const LocalizerOptions& options) {
-  options.Validate();
-  impl_.reset(
-      new Impl{std::move(store), std::move(cache), options, SharedWorkers(options.num_threads)});
+Localizer Localizer::Open(const std::string& path_or_url, const LocalizerOptions& options,
+                          size_t cache_bytes) {
+  return {std::make_shared<const MapStore>(MapStore::Open(path_or_url, OpenMode::kReadOnly)),
+          options, cache_bytes};
 }
 
+Localizer::Localizer(std::shared_ptr<const MapStore> map, const LocalizerOptions& options,
+                     size_t cache_bytes)
+    : Localizer(std::move(map), options, std::make_shared<TileCache>(cache_bytes)) {}
+
+Localizer::Localizer(std::shared_ptr<const MapStore> map, const LocalizerOptions& options,
+                     std::shared_ptr<TileCache> cache) {
+  options.Validate();
+  impl_.reset(
+      new Impl{std::move(map), std::move(cache), options, SharedWorkers(options.num_threads)});
+}
+
+Localizer::Localizer(Localizer&&) noexcept = default;
 Localizer::~Localizer() = default;
 
 LocalizeResult Localizer::Localize(const LocalizeQuery& query) const {
@@ -358,5 +369,7 @@ LocalizeResult Localizer::LocalizeIn(const MapSnapshot& map, const LocalizeQuery
 }
 
 const LocalizerOptions& Localizer::options() const { return impl_->options; }
+const MapStore& Localizer::map() const { return *impl_->store; }
+const std::shared_ptr<TileCache>& Localizer::cache() const { return impl_->cache; }
 
 }  // namespace cairn

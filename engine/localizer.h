@@ -2,25 +2,36 @@
 #ifndef CAIRN_ENGINE_LOCALIZER_H_
 #define CAIRN_ENGINE_LOCALIZER_H_
 
+#include <cstddef>
 #include <memory>
+#include <string>
 
 #include "engine/localizer_options.h"
 #include "engine/query/localize_query.h"
 #include "engine/query/localize_result.h"
+#include "engine/tiles/tile_cache.h"
 #include "storage/map/map_store.h"
-#include "storage/map/tile_cache.h"
 
 namespace cairn {
 
-// Answers queries against one map. Safe to call from any thread. Each call pins the map version
-// that is current when the call starts.
+// Answers queries against one map, whose tiles it keeps in memory. Safe to call from any thread.
+// Each call pins the map version that is current when the call starts.
 class Localizer {
  public:
-  // Other objects may share `store` and `cache`. The cache identifies tiles by the digest of their
-  // payload only, so it must hold only tiles that were made with the same options.matching.index.
-  // Validates the options.
-  Localizer(std::shared_ptr<const MapStore> store, std::shared_ptr<TileCache> cache,
-            const LocalizerOptions& options);
+  // Opens a map file, or a map on a PostgreSQL server by its URL, read-only. Throws as
+  // MapStore::Open and LocalizerOptions::Validate.
+  static Localizer Open(const std::string& path_or_url, const LocalizerOptions& options = {},
+                        size_t cache_bytes = kDefaultCacheBytes);
+
+  // Answers against an open map. Throws as LocalizerOptions::Validate, and Error(kInvalidArgument)
+  // if `cache_bytes` is 0.
+  Localizer(std::shared_ptr<const MapStore> map, const LocalizerOptions& options,
+            size_t cache_bytes = kDefaultCacheBytes);
+  // Shares the tiles of another localizer, of which only the options may differ, but not
+  // options.matching.index: the cache knows tiles by the digests of their payloads.
+  Localizer(std::shared_ptr<const MapStore> map, const LocalizerOptions& options,
+            std::shared_ptr<TileCache> cache);
+  Localizer(Localizer&&) noexcept;
   ~Localizer();
 
   // If the query has no answer, the result states the reason. Throws Error(kBadInput) for an
@@ -33,6 +44,8 @@ class Localizer {
   LocalizeResult LocalizeIn(const MapSnapshot& map, const LocalizeQuery& query) const;
 
   const LocalizerOptions& options() const;
+  const MapStore& map() const;
+  const std::shared_ptr<TileCache>& cache() const;
 
  private:
   struct Impl;

@@ -163,12 +163,11 @@ class TileLoader {
   bool IsCached(const TileRecord& record) const { return cache_->Peek(record.digest) != nullptr; }
 
   std::shared_ptr<const SearchableTile> Get(const TileRecord& record) {
-    const auto load = [&]() -> std::shared_ptr<const CachedTile> {
+    const auto load = [&] {
       ++num_loaded_;
       return Load(record);
     };
-    auto tile =
-        std::static_pointer_cast<const SearchableTile>(cache_->GetOrLoad(record.digest, load));
+    auto tile = cache_->GetOrLoad(record.digest, load);
     if (tile->id() != record.tile_id) {  // A damaged map may name the digest of another tile.
       ThrowFor(record, Error(ErrorCode::kMapDamaged, "holds tile " + tile->id().ToString()));
     }

@@ -9,9 +9,9 @@
 #include "engine/query/localize_result.h"
 #include "engine/query/query_context.h"
 #include "engine/tiles/searchable_tile.h"
+#include "engine/tiles/tile_cache.h"
 #include "engine/tiles/tiles_options.h"
 #include "storage/map/map_store.h"
-#include "storage/map/tile_cache.h"
 
 namespace cairn {
 

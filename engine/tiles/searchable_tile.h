@@ -18,7 +18,6 @@
 #include "engine/tiles/tile_content.h"
 #include "storage/codebook/codebook.h"
 #include "storage/map/session_accuracy.h"
-#include "storage/map/tile_cache.h"
 #include "storage/tile/tile.h"
 #include "storage/tile/tile_lists.h"
 #include "storage/tile/tile_payload.h"
@@ -26,7 +25,7 @@
 namespace cairn {
 
 // Queries share tiles through the cache. Safe to use from any thread.
-class SearchableTile : public CachedTile {
+class SearchableTile {
  public:
   // Builds the index or its first part. `tile` must be consistent (as DecodeTile returns it).
   // `lists` are the tile's lists, if any. Throws Error(kMapDamaged) if `codebook` is not the
@@ -75,7 +74,7 @@ class SearchableTile : public CachedTile {
   const std::optional<SessionAccuracy>& accuracy() const { return accuracy_; }
   void set_accuracy(const std::optional<SessionAccuracy>& accuracy) { accuracy_ = accuracy; }
 
-  size_t MemoryBytes() const override;
+  size_t MemoryBytes() const;
 
  private:
   SearchableTile(TilePayload&& payload, std::shared_ptr<const Codebook> codebook,

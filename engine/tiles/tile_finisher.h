@@ -12,9 +12,9 @@
 #include "core/shared_workers.h"
 #include "engine/index/index_options.h"
 #include "engine/query/query_context.h"
+#include "engine/tiles/tile_cache.h"
 #include "engine/tiles/tiles_options.h"
 #include "storage/map/map_store.h"
-#include "storage/map/tile_cache.h"
 
 namespace cairn {
 

@@ -69,7 +69,7 @@ HttpResponse HandleReady(const LocalizeService& service) {
 HttpResponse HandleHealth(const LocalizeService& service) {
   const std::shared_ptr<const ServedMap> map = service.map();
   const MapVersion version = RequireReadableMap(*map);
-  const TileCacheStats cache = map->cache->Stats();
+  const CacheStats cache = map->localizer->cache()->Stats();
   const std::string problem = ProblemOf(service, *map);
   Json json = {
       {"status", problem.empty() ? "ok" : "degraded"},
@@ -84,7 +84,7 @@ HttpResponse HandleHealth(const LocalizeService& service) {
 
 HttpResponse HandleMetrics(LocalizeService* service) {
   const std::shared_ptr<const ServedMap> map = service->map();
-  const ServerState state{.cache = map->cache->Stats(),
+  const ServerState state{.cache = map->localizer->cache()->Stats(),
                           .head = HeadOf(*map, service),
                           .is_degraded = !service->maps().Problem().empty(),
                           .is_draining = service->is_draining(),

@@ -27,7 +27,7 @@ void Single(const char* name, const char* type, const char* help, double value, 
   *text += fmt::format("{} {}\n", name, value);
 }
 
-void RenderCache(const TileCacheStats& cache, std::string* text) {
+void RenderCache(const CacheStats& cache, std::string* text) {
   Single("cairn_tile_cache_hits_total", "counter", "Tiles found in the cache.",
          static_cast<double>(cache.num_hits), text);
   Single("cairn_tile_cache_misses_total", "counter", "Tiles loaded from the map.",

@@ -11,9 +11,9 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/loading_cache.h"
 #include "engine/query/localize_result.h"
 #include "http/json/localize_response.h"
-#include "storage/map/tile_cache.h"
 
 namespace cairn {
 
@@ -36,7 +36,7 @@ class DurationHistogram {
 
 // The state of the server at the time of a scrape.
 struct ServerState {
-  TileCacheStats cache;
+  CacheStats cache;
   // The latest version of the map.
   struct Head {
     MapVersion version{};

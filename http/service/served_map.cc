@@ -52,23 +52,25 @@ std::string ServedMap::TileTag(const TileRecord& tile) const {
 }
 
 ServedMaps::ServedMaps(const ServedMapOptions& options)
-    : options_(options),
-      current_(Open(OpenMode::kServing, std::make_shared<TileCache>(options.cache_bytes))) {
+    : options_(options), current_(Open(OpenMode::kServing)) {
   if (current_->is_mounted_alone) {
     SetProblem(kMountedAlone, kMountTheFolder);
   }
 }
 
+std::shared_ptr<ServedMap> ServedMaps::Open(OpenMode mode) const {
+  return Open(mode, std::make_shared<TileCache>(options_.cache_bytes));
+}
+
 std::shared_ptr<ServedMap> ServedMaps::Open(OpenMode mode, std::shared_ptr<TileCache> cache) const {
   const std::filesystem::file_time_type written_at = WriteTime(options_.path);
   auto store = std::make_shared<const MapStore>(MapStore::Open(options_.path, mode));
-  auto localizer = std::make_unique<Localizer>(store, cache, options_.localizer);
+  auto localizer = std::make_unique<Localizer>(store, options_.localizer, std::move(cache));
   const MapSnapshot snapshot = store->Snapshot();
   const MapInfo info = snapshot.Info();
   snapshot.CurrentCodebook();  // Throws if it is damaged.
   return std::make_shared<ServedMap>(
       ServedMap{.store = store,
-                .cache = std::move(cache),
                 .localizer = std::move(localizer),
                 .created_at = info.created_at,
                 .version_when_opened = info.version,
@@ -135,8 +137,8 @@ void ServedMaps::ReplaceCurrent(std::shared_ptr<const ServedMap> next) {
   current_.swap(next);
   lock.unlock();
   // Running queries hold the tiles that they use.
-  if (next->cache != Current()->cache) {
-    next->cache->Clear();
+  if (next->localizer->cache() != Current()->localizer->cache()) {
+    next->localizer->cache()->Clear();
   }
   replaced_.push_back(std::move(next));
 }
@@ -145,8 +147,7 @@ void ServedMaps::ReplaceCurrent(std::shared_ptr<const ServedMap> next) {
 // the connections have different files open. While the old map is open, the new one is therefore
 // read without log and index.
 void ServedMaps::TakeReplacement() {
-  std::shared_ptr<ServedMap> next =
-      Open(OpenMode::kImmutable, std::make_shared<TileCache>(options_.cache_bytes));
+  std::shared_ptr<ServedMap> next = Open(OpenMode::kImmutable);
   const std::shared_ptr<const ServedMap> old = Current();
   if (!old->is_stand_in) {
     replaced_log_ = old->log;
@@ -158,8 +159,7 @@ void ServedMaps::TakeReplacement() {
 }
 
 void ServedMaps::TakeOverwritten() {
-  std::shared_ptr<ServedMap> next =
-      Open(OpenMode::kServing, std::make_shared<TileCache>(options_.cache_bytes));
+  std::shared_ptr<ServedMap> next = Open(OpenMode::kServing);
   const std::shared_ptr<const ServedMap> old = Current();
   // An open map sees its own updates; reopening is not needed.
   const bool is_same = next->created_at == old->created_at &&
@@ -175,7 +175,7 @@ void ServedMaps::TakeOverwritten() {
 void ServedMaps::FollowMountedFile(const ServedMap& current) {
   if (WriteTime(options_.path) != current.written_at) {
     LogInfo("{} has changed: opening it again", options_.path);
-    ReplaceCurrent(Open(OpenMode::kServing, std::make_shared<TileCache>(options_.cache_bytes)));
+    ReplaceCurrent(Open(OpenMode::kServing));
   }
   SetProblem(kMountedAlone, kMountTheFolder);
 }
@@ -189,7 +189,7 @@ void ServedMaps::TakePlaceOfStandIn() {
         "visible",
         fmt::format("remove {} and its -shm file before any program writes to the map", log_path));
   }
-  std::shared_ptr<ServedMap> next = Open(OpenMode::kServing, stand_in->cache);
+  std::shared_ptr<ServedMap> next = Open(OpenMode::kServing, stand_in->localizer->cache());
   if (next->created_at != stand_in->created_at ||
       stand_in->store->FileState() != MapFileState::kInPlace) {
     return;  // The file is being replaced again; the next check sees it.

@@ -12,7 +12,6 @@
 #include "engine/localizer.h"
 #include "storage/map/map_store.h"
 #include "storage/map/pinned_file.h"
-#include "storage/map/tile_cache.h"
 
 namespace cairn {
 
@@ -20,7 +19,6 @@ namespace cairn {
 // replaced it.
 struct ServedMap {
   std::shared_ptr<const MapStore> store;
-  std::shared_ptr<TileCache> cache;  // Of this map only.
   std::unique_ptr<Localizer> localizer;
   std::string created_at;
   MapVersion version_when_opened{};
@@ -41,7 +39,7 @@ struct ServedMap {
 
 struct ServedMapOptions {
   std::string path;
-  size_t cache_bytes = size_t{1} << 30;
+  size_t cache_bytes = kDefaultCacheBytes;
   LocalizerOptions localizer = {};
 };
 
@@ -65,6 +63,8 @@ class ServedMaps {
   std::string Problem() const;
 
  private:
+  std::shared_ptr<ServedMap> Open(OpenMode mode) const;
+  // With the tiles that are in memory already.
   std::shared_ptr<ServedMap> Open(OpenMode mode, std::shared_ptr<TileCache> cache) const;
   void Look(bool is_forced);
   // Releases replaced maps that no query holds any more. Returns true if none is left.

@@ -16,7 +16,6 @@
 #include "ingest/place/fit_placement.h"
 #include "ingest/place/keyframe_features.h"
 #include "storage/codebook/descriptor_codec.h"
-#include "storage/map/tile_cache.h"
 #include "storage/tile/tile_codec.h"
 
 namespace cairn {
@@ -119,8 +118,7 @@ std::vector<char> AreRight(const std::vector<LocalizeQuery>& queries,
   // The store outlives the localizer, which wants to share it.
   const std::shared_ptr<const MapStore> shared(std::shared_ptr<const MapStore>(), map.store);
   const std::string codec = map.version->CurrentCodebook()->CodecName();
-  const Localizer localizer(shared, std::make_shared<TileCache>(kGateCacheBytes),
-                            LocalizerOptions());
+  const Localizer localizer(shared, LocalizerOptions(), kGateCacheBytes);
   std::vector<char> are_right(queries.size());
   ParallelFor(static_cast<int>(queries.size()), num_threads, [&](int i) {
     const auto idx = static_cast<size_t>(i);

@@ -15,7 +15,6 @@
 #include "core/parallel_for.h"
 #include "engine/localizer.h"
 #include "ingest/tiles/near_view.h"
-#include "storage/map/tile_cache.h"
 #include "storage/tile/tile_codec.h"
 
 namespace cairn {
@@ -173,7 +172,7 @@ class MapInquiry {
         codec_(map.CurrentCodebook()->CodecName()),
         // The store outlives the localizer, which wants to share it.
         localizer_(std::shared_ptr<const MapStore>(std::shared_ptr<const MapStore>(), &store),
-                   std::make_shared<TileCache>(kCacheBytes), LocalizerOptions()) {}
+                   LocalizerOptions(), kCacheBytes) {}
 
   // Returns the number of photos that the map recognizes with this confidence.
   int Ask(const std::vector<int>& images, double accuracy_m, double least_confidence) {

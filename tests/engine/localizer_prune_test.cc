@@ -51,7 +51,7 @@ class LocalizerPrune : public ::testing::Test {
 
 // The query has found its tiles in the old version, and waits for a payload, when the payload goes.
 TEST_F(LocalizerPrune, AQueryWhosePayloadIsGoneIsAnsweredFromTheLatestVersion) {
-  const Localizer localizer(store(), cache_, {});
+  const Localizer localizer(store(), {}, cache_);
   const LocalizeResult before = map_.localizer().Localize(query_);
   ASSERT_TRUE(before.localized);
   const MapSnapshot old = map_.store().Snapshot();
@@ -59,7 +59,7 @@ TEST_F(LocalizerPrune, AQueryWhosePayloadIsGoneIsAnsweredFromTheLatestVersion) {
   ASSERT_TRUE(record);
 
   std::latch is_loading(1), is_pruned(1);
-  const auto load = [&]() -> std::shared_ptr<const CachedTile> {
+  const auto load = [&]() -> std::shared_ptr<const SearchableTile> {
     is_loading.count_down();
     is_pruned.wait();
     old.LoadPayload(record->payload_id);
@@ -85,7 +85,7 @@ TEST_F(LocalizerPrune, AQueryWhosePayloadIsGoneIsAnsweredFromTheLatestVersion) {
 }
 
 TEST_F(LocalizerPrune, APrunedVersionThatWasAskedForIsUnavailable) {
-  const Localizer localizer(store(), cache_, {});
+  const Localizer localizer(store(), {}, cache_);
   const MapSnapshot old = map_.store().Snapshot();
   EXPECT_TRUE(map_.localizer().LocalizeIn(old, query_).localized);
   ReplaceAndPrune();

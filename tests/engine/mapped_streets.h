@@ -22,7 +22,7 @@ class MappedStreets {
   explicit MappedStreets(const std::vector<StreetWorld>& worlds,
                          const LocalizerOptions& options = {})
       : store_(std::make_shared<MapStore>(MapStore::Create(dir_.File("map.gpkg")))),
-        localizer_(store_, std::make_shared<TileCache>(size_t{1} << 28), options) {
+        localizer_(store_, options, size_t{1} << 28) {
     for (const StreetWorld& world : worlds) {
       Add(world);
     }
@@ -40,7 +40,7 @@ class MappedStreets {
   const Localizer& localizer() const { return localizer_; }
   // Returns another localizer on the same map, with its own cache.
   Localizer WithOptions(const LocalizerOptions& options) const {
-    return {store_, std::make_shared<TileCache>(size_t{1} << 28), options};
+    return {store_, options, size_t{1} << 28};
   }
 
  private:

@@ -25,10 +25,7 @@ using ::testing::HasSubstr;
 class HttpLocalize : public testing::ServerFixture {
  protected:
   static LocalizeResult LocalizeHere(const LocalizeQuery& query) {
-    const auto store =
-        std::make_shared<const MapStore>(MapStore::Open(map_path(), OpenMode::kReadOnly));
-    const auto cache = std::make_shared<TileCache>(size_t{64} << 20);
-    return Localizer(store, cache, LocalizerOptions{}).Localize(query);
+    return Localizer::Open(map_path(), {}, size_t{64} << 20).Localize(query);
   }
 
   static void ExpectNearTruth(const LocalizeResult& result, double x_m) {

@@ -95,11 +95,11 @@ TEST_F(ServedMapFiles, UpdatesOfTheNewMapAreSeenWhenTheOldOneIsLeft) {
   maps.Refresh();
   maps.Refresh();
   EXPECT_TRUE(maps.Current()->is_stand_in);
-  const std::shared_ptr<TileCache> cache = maps.Current()->cache;
+  const std::shared_ptr<TileCache> cache = maps.Current()->localizer->cache();
   old.reset();
   maps.Refresh();
   EXPECT_FALSE(maps.Current()->is_stand_in);
-  EXPECT_EQ(maps.Current()->cache, cache);
+  EXPECT_EQ(maps.Current()->localizer->cache(), cache);
   MapStore writer = MapStore::Open(path_, OpenMode::kReadWrite);
   AddSession("wednesday", &writer);
   EXPECT_EQ(Sessions(*maps.Current()), "tuesday wednesday ");

@@ -126,7 +126,7 @@ TEST_F(SessionsOfAStreet, LendAnswersTheirAccuracy) {
       GeodeticFromEcef(EcefFromEnu(world.options().origin) * cam_from_enu.Inverse().translation);
   const auto store =
       std::make_shared<const MapStore>(MapStore::Open(dir_.File("a.gpkg"), OpenMode::kReadOnly));
-  const Localizer localizer(store, std::make_shared<TileCache>(kCacheBytes), {});
+  const Localizer localizer(store, {}, kCacheBytes);
   const LocalizeResult result = localizer.Localize(query);
   ASSERT_TRUE(result.localized);
   EXPECT_NEAR(result.map_accuracy_m, 0.5, 1e-9);
@@ -166,9 +166,7 @@ EvalReport AskHalfOf(const ColmapInput& input, const std::string& positions_path
     query.reference_frame = ReferenceFrame::kMap;
   }
   AddNoisyPriors({}, &queries);
-  const Localizer localizer(
-      std::make_shared<const MapStore>(MapStore::Open(dir.File("half.gpkg"), OpenMode::kReadOnly)),
-      std::make_shared<TileCache>(kCacheBytes), {});
+  const Localizer localizer = Localizer::Open(dir.File("half.gpkg"), {}, kCacheBytes);
   return Evaluate(queries, [&](const EvalQuery& query) { return localizer.Localize(query.query); },
                   {});
 }

@@ -60,7 +60,7 @@ TEST_F(QuickWorld, CanBeLocalizedIn) {
     const std::string path = Path(CityCharacterName(character));
     const std::vector<EvalQuery> queries = Build(options, path);
     const auto store = std::make_shared<const MapStore>(MapStore::Open(path, OpenMode::kReadOnly));
-    const Localizer localizer(store, std::make_shared<TileCache>(size_t{1} << 30), {});
+    const Localizer localizer(store, {}, size_t{1} << 30);
     const EvalReport report = Evaluate(
         queries, [&](const EvalQuery& query) { return localizer.Localize(query.query); }, {});
     int num_right = 0;

@@ -9,14 +9,13 @@
 #include "engine/localizer.h"
 #include "eval/eval_query.h"
 #include "storage/map/map_store.h"
-#include "storage/map/tile_cache.h"
 
 namespace cairn::testing {
 
 // Returns which photos the map recognizes within 3 m and 10 degrees.
 inline std::vector<bool> Recognized(const std::vector<EvalQuery>& queries, const MapStore& store) {
   const std::shared_ptr<const MapStore> shared(std::shared_ptr<const MapStore>(), &store);
-  const Localizer localizer(shared, std::make_shared<TileCache>(size_t{256} << 20), {});
+  const Localizer localizer(shared, {}, size_t{256} << 20);
   std::vector<bool> recognized;
   for (const EvalQuery& query : queries) {
     const LocalizeResult result = localizer.Localize(query.query);

@@ -10,7 +10,6 @@
 #include "eval/evaluation.h"
 #include "ingest/ingest_session.h"
 #include "storage/map/map_store.h"
-#include "storage/map/tile_cache.h"
 #include "support/temp_dir.h"
 
 namespace cairn::testing {
@@ -60,9 +59,7 @@ std::vector<EvalQuery> Queries(const StreetScene& scene, const std::vector<Rigid
 }
 
 int NumRight(const std::string& map_path, const std::vector<EvalQuery>& queries) {
-  const Localizer localizer(
-      std::make_shared<const MapStore>(MapStore::Open(map_path, OpenMode::kReadOnly)),
-      std::make_shared<TileCache>(size_t{1} << 28), {});
+  const Localizer localizer = Localizer::Open(map_path, {}, size_t{1} << 28);
   const EvalReport report = Evaluate(
       queries, [&](const EvalQuery& query) { return localizer.Localize(query.query); }, {});
   int num_right = 0;

@@ -99,8 +99,7 @@ RealDrive::RealDrive(const RealDriveInput& input) {
   }
   AddNoisyPriors(PriorNoiseOptions{}, &queries_);
 
-  localizer_ = std::make_unique<Localizer>(store, std::make_shared<TileCache>(size_t{1} << 28),
-                                           LocalizerOptions{});
+  localizer_ = std::make_unique<Localizer>(store, LocalizerOptions{}, size_t{1} << 28);
   ServerOptions server_options;
   server_options.map_path = store->path();
   server_options.port = 0;

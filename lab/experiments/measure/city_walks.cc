@@ -14,7 +14,6 @@
 #include "lab/city/phone_sequence.h"
 #include "lab/recordings/simulate_recording.h"
 #include "storage/map/map_store.h"
-#include "storage/map/tile_cache.h"
 
 namespace cairn {
 namespace {
@@ -52,9 +51,7 @@ std::vector<PhonePlace> PlacesOf(const PhoneSequence& walk, const City& city,
 
 std::vector<LocalizeResult> LocalizeWalk(const std::string& map_path,
                                          const std::vector<EvalQuery>& queries, int num_threads) {
-  const auto store =
-      std::make_shared<const MapStore>(MapStore::Open(map_path, OpenMode::kReadOnly));
-  const Localizer localizer(store, std::make_shared<TileCache>(kWalkCacheBytes), {});
+  const Localizer localizer = Localizer::Open(map_path, {}, kWalkCacheBytes);
   std::vector<LocalizeResult> results(queries.size());
   ParallelFor(static_cast<int>(queries.size()), num_threads, [&](int i) {
     const auto at = static_cast<size_t>(i);

@@ -23,7 +23,7 @@ MeasuredVariant Measure(const ExperimentWorld& world, const Variant& variant,
                         std::shared_ptr<TileCache> tiles, int num_threads) {
   MeasuredVariant measured;
   measured.variant = variant;
-  const Localizer localizer(world.store, std::move(tiles), variant.options);
+  const Localizer localizer(world.store, variant.options, std::move(tiles));
   const int num_queries = static_cast<int>(world.queries.size());
   std::vector<LocalizeResult> results(num_queries);
   measured.cpu_seconds.resize(num_queries);

@@ -9,8 +9,8 @@
 #include "engine/localizer_options.h"
 #include "engine/query/query_context.h"
 #include "engine/tiles/searchable_tile.h"
+#include "engine/tiles/tile_cache.h"
 #include "lab/experiments/experiment_world.h"
-#include "storage/map/tile_cache.h"
 
 namespace cairn {
 

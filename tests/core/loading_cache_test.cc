@@ -1,4 +1,4 @@
-#include "storage/map/tile_cache.h"
+#include "core/loading_cache.h"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@
 // The reference count of a shared exception lives in libstdc++, where the sanitizer cannot see that
 // the last release comes after all reads.
 extern "C" const char* __tsan_default_suppressions() {
-  return "race:TileCache_WaitingThreadsGetTheFailure_Test";
+  return "race:LoadingCache_WaitingThreadsGetTheFailure_Test";
 }
 #endif
 
@@ -26,14 +26,16 @@ namespace {
 
 using testing::ErrorCodeOf;
 
-class FakeTile : public CachedTile {
+class FakeTile {
  public:
   explicit FakeTile(size_t bytes) : bytes_(bytes) {}
-  size_t MemoryBytes() const override { return bytes_; }
+  size_t MemoryBytes() const { return bytes_; }
 
  private:
   size_t bytes_;
 };
+
+using TileCache = LoadingCache<FakeTile>;
 
 TileCache::Loader LoaderOf(size_t bytes, int* num_loads = nullptr) {
   return [bytes, num_loads] {
@@ -44,14 +46,14 @@ TileCache::Loader LoaderOf(size_t bytes, int* num_loads = nullptr) {
   };
 }
 
-TEST(TileCache, LoadsOnceAndThenHits) {
+TEST(LoadingCache, LoadsOnceAndThenHits) {
   TileCache cache(100);
   int num_loads = 0;
   const auto first = cache.GetOrLoad("1", LoaderOf(10, &num_loads));
   const auto second = cache.GetOrLoad("1", LoaderOf(10, &num_loads));
   EXPECT_EQ(first, second);
   EXPECT_EQ(num_loads, 1);
-  const TileCacheStats stats = cache.Stats();
+  const CacheStats stats = cache.Stats();
   EXPECT_EQ(stats.num_hits, 1u);
   EXPECT_EQ(stats.num_misses, 1u);
   EXPECT_EQ(stats.num_entries, 1u);
@@ -59,7 +61,7 @@ TEST(TileCache, LoadsOnceAndThenHits) {
   EXPECT_EQ(stats.max_bytes, 100u);
 }
 
-TEST(TileCache, EvictsTheLeastRecentlyUsed) {
+TEST(LoadingCache, EvictsTheLeastRecentlyUsed) {
   TileCache cache(100);
   cache.GetOrLoad("1", LoaderOf(40));
   cache.GetOrLoad("2", LoaderOf(40));
@@ -72,7 +74,7 @@ TEST(TileCache, EvictsTheLeastRecentlyUsed) {
   EXPECT_EQ(cache.Stats().bytes, 80u);
 }
 
-TEST(TileCache, ALargeTileEvictsAsManyAsItMust) {
+TEST(LoadingCache, ALargeTileEvictsAsManyAsItMust) {
   TileCache cache(100);
   for (int i = 1; i <= 10; ++i) {
     cache.GetOrLoad(std::to_string(i), LoaderOf(10));
@@ -82,7 +84,7 @@ TEST(TileCache, ALargeTileEvictsAsManyAsItMust) {
   EXPECT_EQ(cache.Stats().num_evictions, 10u);
 }
 
-TEST(TileCache, ATileAboveTheBoundIsHandedOutButNotKept) {
+TEST(LoadingCache, ATileAboveTheBoundIsHandedOutButNotKept) {
   TileCache cache(100);
   cache.GetOrLoad("1", LoaderOf(60));
   EXPECT_NE(cache.GetOrLoad("2", LoaderOf(101)), nullptr);
@@ -91,7 +93,7 @@ TEST(TileCache, ATileAboveTheBoundIsHandedOutButNotKept) {
   EXPECT_EQ(cache.Stats().bytes, 60u);
 }
 
-TEST(TileCache, EvictedTilesLiveWhileTheyAreHeld) {
+TEST(LoadingCache, EvictedTilesLiveWhileTheyAreHeld) {
   TileCache cache(50);
   const auto held = cache.GetOrLoad("1", LoaderOf(50));
   cache.GetOrLoad("2", LoaderOf(50));
@@ -100,9 +102,9 @@ TEST(TileCache, EvictedTilesLiveWhileTheyAreHeld) {
   EXPECT_EQ(held.use_count(), 1);
 }
 
-TEST(TileCache, FailedLoadsAreNotKept) {
+TEST(LoadingCache, FailedLoadsAreNotKept) {
   TileCache cache(100);
-  const auto fail = []() -> std::shared_ptr<const CachedTile> {
+  const auto fail = []() -> std::shared_ptr<const FakeTile> {
     throw Error(ErrorCode::kMapDamaged, "broken");
   };
   EXPECT_EQ(ErrorCodeOf([&] { cache.GetOrLoad("1", fail); }), ErrorCode::kMapDamaged);
@@ -113,7 +115,7 @@ TEST(TileCache, FailedLoadsAreNotKept) {
   EXPECT_EQ(num_loads, 1);
 }
 
-TEST(TileCache, ClearForgetsTilesAndKeepsTheCounters) {
+TEST(LoadingCache, ClearForgetsTilesAndKeepsTheCounters) {
   TileCache cache(100);
   cache.GetOrLoad("1", LoaderOf(10));
   cache.Clear();
@@ -122,17 +124,17 @@ TEST(TileCache, ClearForgetsTilesAndKeepsTheCounters) {
   EXPECT_EQ(cache.Stats().num_misses, 1u);
 }
 
-TEST(TileCache, NeedsASize) {
+TEST(LoadingCache, NeedsASize) {
   EXPECT_EQ(ErrorCodeOf([] { TileCache cache(0); }), ErrorCode::kInvalidArgument);
 }
 
-TEST(TileCache, ThreadsThatAskForOneTileShareOneLoad) {
+TEST(LoadingCache, ThreadsThatAskForOneTileShareOneLoad) {
   constexpr int kNumThreads = 8;
   TileCache cache(100);
   std::atomic<int> num_loads = 0;
   std::latch loading(1);
   std::latch may_finish(1);
-  std::vector<std::shared_ptr<const CachedTile>> results(kNumThreads);
+  std::vector<std::shared_ptr<const FakeTile>> results(kNumThreads);
   std::vector<std::thread> threads;
   threads.emplace_back([&] {
     results[0] = cache.GetOrLoad("1", [&] {
@@ -167,11 +169,11 @@ TEST(TileCache, ThreadsThatAskForOneTileShareOneLoad) {
   }
 }
 
-TEST(TileCache, WaitingThreadsGetTheFailure) {
+TEST(LoadingCache, WaitingThreadsGetTheFailure) {
   TileCache cache(100);
   std::latch loading(1);
   std::latch may_finish(1);
-  const auto fail = [&]() -> std::shared_ptr<const CachedTile> {
+  const auto fail = [&]() -> std::shared_ptr<const FakeTile> {
     loading.count_down();
     may_finish.wait();
     throw Error(ErrorCode::kMapDamaged, "broken");
@@ -192,7 +194,7 @@ TEST(TileCache, WaitingThreadsGetTheFailure) {
   EXPECT_EQ(second_code, ErrorCode::kMapDamaged);
 }
 
-TEST(TileCache, DifferentTilesLoadInParallel) {
+TEST(LoadingCache, DifferentTilesLoadInParallel) {
   TileCache cache(100);
   std::barrier both_loading(2);  // Neither load can end before the other has begun.
   const auto load = [&] {
@@ -205,7 +207,7 @@ TEST(TileCache, DifferentTilesLoadInParallel) {
   EXPECT_EQ(cache.Stats().num_entries, 2u);
 }
 
-TEST(TileCache, StaysWithinItsBoundUnderManyThreads) {
+TEST(LoadingCache, StaysWithinItsBoundUnderManyThreads) {
   constexpr int kNumThreads = 4;
   constexpr int kNumRounds = 2000;
   TileCache cache(500);
@@ -223,7 +225,7 @@ TEST(TileCache, StaysWithinItsBoundUnderManyThreads) {
   for (std::thread& thread : threads) {
     thread.join();
   }
-  const TileCacheStats stats = cache.Stats();
+  const CacheStats stats = cache.Stats();
   EXPECT_EQ(stats.num_hits + stats.num_misses, uint64_t{kNumThreads * kNumRounds});
   EXPECT_GE(stats.num_misses, stats.num_evictions);
 }
