@@ -32,7 +32,7 @@ class CsvReader {
 
   const std::vector<std::string>& cells() const { return cells_; }
   // The number in a cell of the record; nothing if the cell has none or not only a number. May be
-  // infinite or NaN. The decimal mark may be a comma if the separator is none.
+  // infinite or NaN. The decimal mark may be a comma if the separator is another character.
   std::optional<double> Number(size_t cell_idx) const;
   int64_t line() const { return first_line_; }  // On which the record begins, from 1.
   char separator() const { return separator_; }

@@ -32,7 +32,7 @@ void WriteAll(int fd, std::span<const uint8_t> bytes, const std::string& path) {
   }
 }
 
-// A file under a name that no other process takes; it is gone with the object unless renamed.
+// A file under a name that no other process takes; it is deleted with the object unless renamed.
 class UnfinishedFile {
  public:
   explicit UnfinishedFile(const std::string& path) {

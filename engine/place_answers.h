@@ -17,7 +17,7 @@ class PlaceAnswers {
 
   bool empty() const { return answers_.empty(); }
 
-  // Adds the answer of a place with so many votes (RankedPlace::score). Places are added in the
+  // Adds the answer of a place with this many votes (RankedPlace::score). Places are added in the
   // order of their votes.
   void Add(double num_votes, LocalizeResult answer);
 

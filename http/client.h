@@ -33,7 +33,7 @@ struct ClientOptions {
 // Use a client from one thread only. The client keeps its connection alive.
 class LocalizeClient {
  public:
-  // Throws Error(kInvalidArgument) if the URL is none of the two or the key may not go there, and
+  // Throws Error(kInvalidArgument) if the URL has another scheme or the key may not go there, and
   // Error(kIo) if the file of certificates cannot be read.
   explicit LocalizeClient(const ClientOptions& options);
   ~LocalizeClient();

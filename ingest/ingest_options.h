@@ -54,7 +54,7 @@ struct UpkeepOptions {
   MergeOptions merging;
   ViewpointOptions viewpoints;
   PersistenceOptions persistence;
-  // A session adds landmarks of its own until each of its photos sees so many, known and new
+  // A session adds landmarks of its own until each of its photos sees this many, known and new
   // together. A photo on new ground adds all of its landmarks; see AdmitLandmarks.
   int enough_landmarks = 250;
   double least_existence = 0.1;  // Landmarks that exist with a smaller probability go.

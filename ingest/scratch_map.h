@@ -1,4 +1,4 @@
-// A map of its own that is gone with the object. Private to ingest.
+// A temporary map, deleted with the object. Private to ingest.
 #ifndef CAIRN_INGEST_SCRATCH_MAP_H_
 #define CAIRN_INGEST_SCRATCH_MAP_H_
 

@@ -167,7 +167,7 @@ void RequireAgreement(const MapComparison& comparison, const AgreementOptions& o
 
 void RequireAnswers(const KeyframeAnswers& answers, const GateOptions& options,
                     const std::string& newcomer) {
-  constexpr int kFew = 2;  // Chance takes so many.
+  constexpr int kFew = 2;  // As many answers may get lost by chance.
   if (answers.num_lost > kFew &&
       answers.num_lost > options.max_lost_share * static_cast<double>(answers.num_asked)) {
     throw Error(

@@ -48,8 +48,8 @@ struct SessionPlan {
 
   std::shared_ptr<const Codebook> codebook;  // With its id in the map.
   bool adds_codebook = false;                // The map has none.
-  IdCounts id_counts;                        // What was reserved
-  FirstIds first_ids;                        // from where on.
+  IdCounts id_counts;                        // Number of ids reserved, of each kind.
+  FirstIds first_ids;                        // First id of each kind.
 
   TileOptions options;
   GateOptions gate;

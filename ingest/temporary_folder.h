@@ -1,4 +1,4 @@
-// A folder beside the temporary files that is gone with the object. Private to ingest.
+// A folder beside the temporary files, deleted with the object. Private to ingest.
 #ifndef CAIRN_INGEST_TEMPORARY_FOLDER_H_
 #define CAIRN_INGEST_TEMPORARY_FOLDER_H_
 

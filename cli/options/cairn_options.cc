@@ -31,7 +31,7 @@ void DescribeGeoregister(GeoregisterOptions* options, OptionList* list) {
             "side of the stored pictures at which up is, or down for photos that look straight "
             "down");
   list->Add("least_up_odds", &options->least_up_odds,
-            "For auto: a direction that is less than so many times as likely as the next one is "
+            "For auto: a direction that is less than this many times as likely as the next one is "
             "refused");
   list->Add("upright_sigma_rad", &options->upright_sigma_rad,
             "Standard deviation of the roll of photos, radians; 0 drops the assumption that photos "
@@ -57,7 +57,7 @@ void DescribeSift(SiftOptions* options, OptionList* list) {
   list->Add("max_features", &options->max_features,
             "Most features of a photo; those of the largest scales are kept");
   list->Add("max_pixels", &options->max_pixels,
-            "A photo with more pixels is reduced to so many before extraction");
+            "A photo with more pixels is reduced to this many before extraction");
 }
 
 OptionList Describe(CairnOptions* options) {

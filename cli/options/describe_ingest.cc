@@ -104,7 +104,7 @@ void DescribeLinking(LinkOptions* options, OptionList* list) {
 
 void DescribeUpkeep(UpkeepOptions* options, OptionList* list) {
   list->Add("enough_landmarks", &options->enough_landmarks,
-            "A session adds landmarks until each of its photos sees so many");
+            "A session adds landmarks until each of its photos sees this many");
   list->Add("least_existence", &options->least_existence,
             "Landmarks that exist with a smaller probability go");
   list->AddSection("linking", "When a landmark of a session is one of the map",

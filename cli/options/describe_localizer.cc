@@ -26,7 +26,7 @@ constexpr EnumName<RefinementMode> kRefinementModeNames[] = {
 
 void DescribePrior(PriorOptions* options, OptionList* list) {
   list->Add("search_sigmas", &options->search_sigmas,
-            "The search reaches so many standard deviations of the prior");
+            "Search radius, in standard deviations of the prior");
   list->Add("min_radius_m", &options->min_radius_m, "Smallest search radius, meters");
   list->Add("max_radius_m", &options->max_radius_m, "Largest search radius, meters");
 }
@@ -47,8 +47,9 @@ void DescribePlaces(PlacesOptions* options, OptionList* list) {
 
 void DescribeTiles(TilesOptions* options, OptionList* list) {
   list->Add("max_tiles", &options->max_tiles, "Most tiles of a query, nearest to the prior first");
-  list->Add("height_margin_m", &options->height_margin_m,
-            "A camera may be so much below the lowest or above the highest keyframe, meters");
+  list->Add(
+      "height_margin_m", &options->height_margin_m,
+      "Height by which a camera may be below the lowest or above the highest keyframe, meters");
   list->Add("deadline_share", &options->deadline_share,
             "Share of the time until the deadline for tiles that are not in the cache");
 }

@@ -22,7 +22,7 @@
 namespace cairn {
 namespace {
 
-// A file with every option has a tenth of it.
+// A file with every option is about a tenth of this.
 constexpr size_t kMaxOptionsBytes = size_t{64} << 10;
 
 // Above it a JSON number does not hold every integer.
@@ -68,7 +68,7 @@ std::string_view LastPart(std::string_view name) {
   return name.substr(name.find_last_of('.') + 1);  // All of it without a dot.
 }
 
-// How little a name is another: by all of it, or by its last part in another section.
+// Edit distance of two names, or of their last parts plus 1 if they are in different sections.
 size_t Unlikeness(std::string_view a, std::string_view b) {
   return std::min(EditDistance(a, b), EditDistance(LastPart(a), LastPart(b)) + 1);
 }

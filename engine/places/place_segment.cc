@@ -8,7 +8,7 @@
 namespace cairn {
 namespace {
 
-// Lists of 128 descriptors, but at least so many lists that the probes leave most of them out, and
+// Lists of 128 descriptors, but at least enough lists that the probes leave most of them out, and
 // at most as many as a tile has by default.
 int NumListsFor(size_t num_descriptors) {
   constexpr size_t kDescriptorsPerList = 128, kMinLists = 16, kMaxLists = 1024;

@@ -10,12 +10,12 @@ struct PlacesOptions {
   // Descriptors of a tile in the index, at most. A photo shows a few per cent of what is around it,
   // so a map loses places with each half of its descriptors.
   int max_descriptors_per_tile = 16'384;
-  // Bound on the memory of the index. In a map of so many tiles that the bound is exceeded, each
-  // tile has fewer descriptors: half as many, a quarter, and so on.
+  // Bound on the memory of the index. If the tiles of a map exceed the bound, each tile has fewer
+  // descriptors: half as many, a quarter, and so on.
   uint64_t max_bytes = uint64_t{512} << 20;
   // Neighbors of a keypoint's descriptor in the index that vote, 1 to 64.
   int max_neighbors = 10;
-  // The best so many places are searched, 1 to 1000.
+  // Number of places that are searched, the best first; 1 to 1000.
   int max_places = 8;
   // Distance around the middle of a place within which the camera is sought, meters.
   double radius_m = 75.0;

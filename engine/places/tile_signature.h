@@ -41,7 +41,7 @@ struct TileSignature {
   }
 };
 
-// Takes at most so many descriptors, of landmarks that are spread evenly over the tile's order of
+// Takes at most this many descriptors, of landmarks that are spread evenly over the tile's order of
 // landmarks, which is a curve through its space. A shorter signature is a prefix of a longer one.
 // Landmarks that many keyframes saw tell no more than others: of those, too many are large things
 // that are seen from afar, and a phone sees things nearby. Linear in the tile's size.

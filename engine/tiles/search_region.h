@@ -13,8 +13,8 @@ namespace cairn {
 // Returns the region around the prior of a query, with heights unbounded.
 SearchRegion RegionOfPrior(const PositionPrior& prior, const PriorOptions& options);
 
-// Returns the region around a place of a map with so many tiles, with heights unbounded. The camera
-// may be in any of the tiles.
+// Returns the region around a place of a map with `num_tiles` tiles, with heights unbounded. The
+// camera may be in any of the tiles.
 SearchRegion RegionOfPlace(const Geodetic& center, double radius_m, int64_t num_tiles);
 
 // Returns the latitude-longitude box around the region's disc.

@@ -108,7 +108,7 @@ class Connection {
   bool FindHead();
   void SkipEmptyLines();
   Transfer ReadSome();
-  // Extends the deadline of the body after the arrival of so many bytes.
+  // Extends the deadline of the body after `num_bytes` more have arrived.
   void RewardBody(int64_t num_bytes);
   Transfer SendSome();
   void FinishResponse();

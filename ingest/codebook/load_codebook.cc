@@ -20,7 +20,7 @@ constexpr std::string_view kMagic = "CCBK";
 // The largest codebook has 4096 x 512 floats in its projection; no larger file is read.
 constexpr size_t kMaxBytes = size_t{16} << 20;
 
-// The first bytes of a file, or nothing if it is none.
+// The first bytes of a file; empty if it is not a file.
 std::vector<uint8_t> ReadStart(const std::string& path, size_t max_bytes) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) {

@@ -156,7 +156,7 @@ std::string FindProblem(const ArchiveManifest& manifest) {
     return "the session has no name";
   }
   if (!IsSessionDigest(manifest.session.content_digest)) {
-    return "the content digest is none";
+    return "the content digest is malformed";
   }
   if (!HasTimes(manifest)) {
     return "a time is not like 2026-01-31T12:00:00Z";

@@ -54,7 +54,7 @@ Json ValueJson(const T& value) {
 template <typename T>
 T WholeFromJson(const Json& json) {
   if (!json.is_number_integer() && !json.is_number_unsigned()) {
-    Refuse("a whole number is none");
+    Refuse("expected a whole number");
   }
   const auto value = json.get<T>();
   if (Json(value) != json) {

@@ -10,7 +10,7 @@
 namespace cairn {
 
 // The removal is exact for some content only. Keyframes of the session and landmarks that no other
-// session has seen are gone without a trace. Landmarks that others have seen, too, lose the
+// session has seen are removed without a trace. Landmarks that others have seen, too, lose the
 // session's sightings; its share in their positions and descriptors cannot be told apart and stays.
 // A tile in which only this session has keyframes left goes as a whole; an earlier version of the
 // map still has it.

@@ -132,7 +132,7 @@ void AddLevelCameras(const Reconstruction& reconstruction, const ImageOrientatio
   *report = holds.report;
 }
 
-// Positions farther away than so many times the median distance do not count for the spread.
+// Positions farther away than this many times the median distance do not count for the spread.
 constexpr double kMaxMedianDistances = 6.0;
 
 void RequireSpread(const SimilarityProblem& problem) {

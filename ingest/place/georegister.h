@@ -55,7 +55,7 @@ enum class UpSource {
 
 struct GeoregisterOptions {
   UpSource up = UpSource::kAuto;
-  // With kAuto, a direction that is less than so many times as likely as the next one is refused.
+  // With kAuto, a direction is refused unless it is this many times as likely as the next.
   // A map on its side answers with wrong poses, and a refusal costs one option.
   double least_up_odds = 20.0;
   // Standard deviation in radians of the prior that photos are held level, each in one of the ways

@@ -16,10 +16,10 @@ namespace {
 constexpr double kNullIslandDeg = 1e-4;
 // Fewer positions may agree by chance.
 constexpr size_t kFewestToJudge = 3;
-// A height of 0 is none if the others are farther from 0 than GPS heights err, and than three times
-// as far as they differ from each other.
+// A height of 0 is taken as missing if the others are farther from 0 than GPS heights err, and than
+// three times as far as they differ from each other.
 constexpr double kHeightErrorM = 15.0, kHeightSpreads = 3.0;
-// Steps of coordinates with so many decimals or fewer are coarser than GPS.
+// Steps of coordinates with this many decimals or fewer are coarser than GPS.
 constexpr int kMostRoundedDecimals = 4;
 constexpr double kMetersPerDeg = 111'000.0;
 

@@ -18,8 +18,8 @@ struct PositionFindings {
 };
 
 // Looks at positions as they were read, before their heights are converted. Removes those at 0, 0.
-// A height of exactly 0 is none if the other heights are far from it. Positions without a height
-// get `default_height_m`, or else the median of the others and has_height false. Throws
+// A height of exactly 0 is taken as missing if the other heights are far from it. Positions without
+// a height get `default_height_m`, or else the median of the others and has_height false. Throws
 // Error(kBadInput), with what to do, if all positions are the same, if all heights are missing and
 // there is no default, or if the coordinates are rounded so coarsely that their accuracy cannot be
 // the stated one.

@@ -13,7 +13,7 @@ namespace cairn {
 namespace {
 
 // Photos of one walk are alike: the tenth forward view says no more than the first nine. So all
-// photos of a session count as so many independent ones.
+// photos of a session count as this many independent ones.
 constexpr double kIndependentViews = 10.0;
 
 // Sine of the pitch of photos that people take: normal about a pitch that the photos of a session
@@ -22,9 +22,9 @@ constexpr double kPitchSigma = 0.2, kWildPitchShare = 0.2;
 constexpr double kSharedPitchSigma = 0.25, kMaxSharedPitch = 0.5;
 // Rolls beyond the standard deviation of a careful hand.
 constexpr double kWildRollShare = 0.1, kWildRollFactor = 3.0;
-// A camera that looks straight down errs by so much.
+// The error of a camera that is meant to look straight down.
 constexpr double kDownSigmaRad = 0.2;
-// An accelerometer in a moving hand errs by so much, and is of no use in the given share of photos.
+// The error of an accelerometer in a moving hand, and the share of photos in which it is useless.
 constexpr double kGravitySigmaRad = 0.1, kBadGravityShare = 0.1;
 
 // The prior of a session's holds: Dirichlet with these means, in the order of PictureUp, at last
@@ -39,9 +39,9 @@ constexpr int kShareRounds = 6;
 // better than that do not make a bend of it significant.
 constexpr double kShapeError = 0.01;
 
-// A sight goes far below if it ends so much below the camera, and so steeply that errors of up do
-// not matter. People hold a camera at 1 to 2 m over the ground. On real walks, up to 0.1 % of the
-// sights go far below with the true up, and 4 to 45 % with an up that is turned by 90 or 180
+// A sight goes far below if it ends this far below the camera, and steeply enough that errors of up
+// do not matter. People hold a camera at 1 to 2 m over the ground. On real walks, up to 0.1 % of
+// the sights go far below with the true up, and 4 to 45 % with an up that is turned by 90 or 180
 // degrees (docs/math/localization.md).
 constexpr double kFarBelowM = 3.0, kSteepSine = 0.17;
 constexpr double kFewFarBelow = 0.01, kManyFarBelow = 0.04;

@@ -18,8 +18,8 @@ enum class AppearanceKind {
 
 struct AppearanceOptions {
   AppearanceKind kind = AppearanceKind::kKMeans;  // Best in the paper.
-  // If positive, every landmark gets so many descriptors (or all, if it has fewer), and ratio,
-  // min_count and max_count do not count.
+  // If positive, every landmark gets this many descriptors (or all, if it has fewer); ratio,
+  // min_count and max_count are ignored.
   int count = 0;
   double ratio = 0.25;  // Of the landmark's descriptors (paper: 25 %), at least min_count.
   int min_count = 1;

@@ -27,8 +27,8 @@ struct LandmarkSelectionOptions {
 
   // All below are for kCoverage only.
 
-  // If positive, the budget is so many landmarks (paper: 200k) whatever descriptors they have, and
-  // max_descriptors does not count.
+  // If positive, the budget is this many landmarks (paper: 200k), however many descriptors they
+  // have; max_descriptors is ignored.
   int64_t max_landmarks = 0;
   int min_landmarks_per_keyframe = 200;  // Paper; localizing takes a few dozen matches.
   // Cost of each landmark that a keyframe lacks, in observations. Above the observations of the

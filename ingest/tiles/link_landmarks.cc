@@ -28,8 +28,7 @@ struct SessionLook {
   Eigen::Index row = 0;  // Of the projected descriptors.
 };
 
-// Largest distance at which positions are compared, meters; farther landmarks are linked by
-// nothing.
+// Largest distance at which positions are compared, meters; farther landmarks are never linked.
 constexpr double kMaxGateM = 3.0;
 constexpr double kCellM = kMaxGateM;  // So a search visits 27 cells.
 // Known landmarks closer than this are one thing that the map holds twice.

@@ -72,7 +72,7 @@ TEST_F(LocalizerOnOneStreet, RefinesWhenToldTo) {
   EXPECT_GT(map_->WithOptions(options).Localize(query).counters.num_refined_keyframes, 0);
 }
 
-// Without keyframes ranked by matches those are left that see what the best poses explain.
+// If no keyframe ranks by matches, the keyframes that see the inliers of the best poses are used.
 TEST_F(LocalizerOnOneStreet, RefinesWhereItsBestPosesAre) {
   const Rigid3d cam_from_enu = QueryPose(20.0);
   const LocalizeQuery query = QueryAt(*world_, cam_from_enu);

@@ -15,7 +15,7 @@
 namespace cairn::queries {
 namespace {
 
-// The bounds of so many tiles are computed in about 40 ms.
+// The bounds of this many tiles are computed in about 40 ms.
 constexpr int64_t kMinExamined = 5000;
 
 constexpr std::string_view kIdsInBoxSql =
