@@ -12,6 +12,8 @@ get_property(cairn_libraries GLOBAL PROPERTY CAIRN_LIBRARIES)
 list(FILTER cairn_libraries EXCLUDE REGEX "^cairn_(cli|lab)(_|$)")
 set(cairn_fusion_libraries ${cairn_libraries})
 list(FILTER cairn_fusion_libraries INCLUDE REGEX "^cairn_(core|fusion|wire)(_|$)")
+# Photos and scenes are for servers: a device gets the images of its camera decoded.
+list(FILTER cairn_fusion_libraries EXCLUDE REGEX "^cairn_core_(images|features_sift|scene)$")
 set(cairn_server_libraries ${cairn_libraries})
 list(REMOVE_ITEM cairn_server_libraries ${cairn_fusion_libraries})
 install(TARGETS ${cairn_fusion_libraries} EXPORT cairnFusionTargets
