@@ -304,7 +304,7 @@ class SimulatedMapping::ChunkMaker {
   }
 
   const SimulatedMapping& mapping_;
-  const MappingOptions& options_;
+  const SimulatedMappingOptions& options_;
   Camera camera_;
   int num_threads_;
   CityBox box_;

@@ -17,7 +17,7 @@ namespace cairn {
 
 struct CityWorldOptions {
   CityOptions city;
-  MappingOptions mapping;
+  SimulatedMappingOptions mapping;
   PhoneQueryOptions queries;
   DescriptorModelOptions descriptors;
   IngestOptions ingest;  // session_name is set for each tile.

@@ -28,7 +28,7 @@ void MappingNoise::Validate() const {
   RequireWithin("mapping.noise.gps_m", gps_m, 0.0, 1000.0);
 }
 
-void MappingOptions::Validate() const {
+void SimulatedMappingOptions::Validate() const {
   RequireWithin("mapping.num_passes", num_passes, 1, 1000);
   RequireWithin("mapping.years", years, 0.0, 100.0);
   RequireWithin("mapping.keyframe_spacing_m", keyframe_spacing_m, 0.2, 100.0);
@@ -44,11 +44,11 @@ void MappingOptions::Validate() const {
   noise.Validate();
 }
 
-double MappingOptions::TimeYears(int pass) const {
+double SimulatedMappingOptions::TimeYears(int pass) const {
   return num_passes == 1 ? 0.0 : years * pass / (num_passes - 1);
 }
 
-uint32_t MappingOptions::AppearanceMode(int pass) const {
+uint32_t SimulatedMappingOptions::AppearanceMode(int pass) const {
   return static_cast<uint32_t>(pass % num_appearance_modes);
 }
 

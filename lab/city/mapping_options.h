@@ -40,7 +40,7 @@ struct MappingNoise {
   void Validate() const;
 };
 
-struct MappingOptions {
+struct SimulatedMappingOptions {
   int num_passes = 4;               // [1, 1000]
   double years = 2.0;               // From the first pass to the last, [0, 100].
   double keyframe_spacing_m = 5.0;  // Between panoramas of a pass, [0.2, 100].

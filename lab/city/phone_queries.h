@@ -52,7 +52,7 @@ struct PhoneQueryOptions {
   // exists in the city.
   double unmapped_share = 0.5;
   double time_years = 2.5;       // After the first mapping pass, [0, 200].
-  int num_appearance_modes = 4;  // Same as in MappingOptions; each query has one mode.
+  int num_appearance_modes = 4;  // Same as in SimulatedMappingOptions; each query has one mode.
   int image_width_px = 720;      // [64, 8192]
   int image_height_px = 960;     // [64, 8192]
   double focal_px = 760.0;       // [20, 20000]

@@ -28,7 +28,7 @@ constexpr double kSearchBoxM = 300.0;
 }  // namespace
 
 SimulatedMapping::SimulatedMapping(const City& city, const DescriptorModel& model,
-                                   const MappingOptions& options)
+                                   const SimulatedMappingOptions& options)
     : city_(city),
       model_(model),
       options_((options.Validate(), options)),

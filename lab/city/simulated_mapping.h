@@ -36,7 +36,7 @@ struct MappedChunk {
   // is another landmark of the city and the same thing here.
   std::vector<uint64_t> things;
   // Parallel to it: the thing, and the direction and scale from which the landmark is seen, as
-  // coarsely as matching can connect (MappingOptions::track_view_rad, track_octaves).
+  // coarsely as matching can connect (SimulatedMappingOptions::track_view_rad, track_octaves).
   std::vector<uint64_t> views;
   // True poses, parallel to reconstruction.images.
   std::vector<Rigid3d> cam_from_site;
@@ -48,12 +48,13 @@ struct MappedChunk {
 // object.
 class SimulatedMapping {
  public:
-  // Throws the Error(kInvalidArgument) of MappingOptions::Validate.
-  SimulatedMapping(const City& city, const DescriptorModel& model, const MappingOptions& options);
+  // Throws the Error(kInvalidArgument) of SimulatedMappingOptions::Validate.
+  SimulatedMapping(const City& city, const DescriptorModel& model,
+                   const SimulatedMappingOptions& options);
 
   const City& city() const { return city_; }
   const DescriptorModel& model() const { return model_; }
-  const MappingOptions& options() const { return options_; }
+  const SimulatedMappingOptions& options() const { return options_; }
   Sim3d EcefFromWorld() const;
 
   // The tiles that contain keyframes, from the center outward.
@@ -76,7 +77,7 @@ class SimulatedMapping {
 
   const City& city_;
   const DescriptorModel& model_;
-  MappingOptions options_;
+  SimulatedMappingOptions options_;
   SmoothField deformation_;
   std::vector<SmoothField> drift_;  // One per pass.
 };

@@ -63,7 +63,7 @@ TEST(PhoneQueries, StandOnTheSidewalkAndLookAcross) {
 TEST(PhoneQueries, HaveTheShareOfMappedKeypointsThatIsAskedFor) {
   const City city(SmallTownOptions());
   const DescriptorModel model({});
-  MappingOptions mapping_options;
+  SimulatedMappingOptions mapping_options;
   const SimulatedMapping mapping(city, model, mapping_options);
   std::unordered_set<uint64_t> mapped;
   for (const TileId tile_id : mapping.Tiles()) {

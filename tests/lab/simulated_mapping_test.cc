@@ -20,11 +20,12 @@ namespace {
 
 class MappedCity {
  public:
-  explicit MappedCity(CityCharacter character, const MappingOptions& options = QuickMapping())
+  explicit MappedCity(CityCharacter character,
+                      const SimulatedMappingOptions& options = QuickMapping())
       : city_(Options(character)), model_({}), mapping_(city_, model_, options) {}
 
-  static MappingOptions QuickMapping() {
-    MappingOptions options;
+  static SimulatedMappingOptions QuickMapping() {
+    SimulatedMappingOptions options;
     options.num_passes = 2;
     options.detector.max_keypoints = 250;
     options.min_observations = 3;
@@ -127,7 +128,7 @@ TEST(SimulatedMapping, TilesOfASquareAcrossAZoneBorderBelongToBothZones) {
 }
 
 TEST(SimulatedMapping, WithoutNoiseLandmarksAreWhereTheyAre) {
-  MappingOptions options = MappedCity::QuickMapping();
+  SimulatedMappingOptions options = MappedCity::QuickMapping();
   options.noise = {.camera_position_m = 0.0,
                    .camera_rotation_rad = 0.0,
                    .pass_drift_m = 0.0,
@@ -150,7 +151,7 @@ TEST(SimulatedMapping, WithoutNoiseLandmarksAreWhereTheyAre) {
 }
 
 TEST(SimulatedMapping, ErrorsAreAsLargeAsAskedFor) {
-  MappingOptions options = MappedCity::QuickMapping();
+  SimulatedMappingOptions options = MappedCity::QuickMapping();
   options.noise.camera_position_m = 0.1;
   options.noise.pass_drift_m = 0.0;
   options.noise.deformation_m = 0.0;
@@ -172,7 +173,7 @@ TEST(SimulatedMapping, ErrorsAreAsLargeAsAskedFor) {
 }
 
 TEST(SimulatedMapping, DeformationMovesCamerasAndLandmarksTogether) {
-  MappingOptions options = MappedCity::QuickMapping();
+  SimulatedMappingOptions options = MappedCity::QuickMapping();
   options.noise = {.camera_position_m = 0.0,
                    .camera_rotation_rad = 0.0,
                    .pass_drift_m = 0.0,
@@ -203,7 +204,7 @@ TEST(SimulatedMapping, DeformationMovesCamerasAndLandmarksTogether) {
 }
 
 TEST(SimulatedMapping, KeypointsAreNoisyAsAskedFor) {
-  MappingOptions options = MappedCity::QuickMapping();
+  SimulatedMappingOptions options = MappedCity::QuickMapping();
   options.noise.wrong_observation_share = 0.0;
   options.detector.position_noise = 1.0;
   options.detector.max_scale_px = 2.0;  // Small keypoints: half a pixel an axis.
@@ -234,7 +235,7 @@ TEST(SimulatedMapping, KeypointsAreNoisyAsAskedFor) {
 }
 
 TEST(SimulatedMapping, ClutterIsAsMuchAsAskedForAndInNoTrack) {
-  MappingOptions options = MappedCity::QuickMapping();
+  SimulatedMappingOptions options = MappedCity::QuickMapping();
   const MappedCity plain(CityCharacter::kOldTown, options);
   options.clutter_ratio = 1.5;
   const MappedCity cluttered(CityCharacter::kOldTown, options);
@@ -249,7 +250,7 @@ TEST(SimulatedMapping, ClutterIsAsMuchAsAskedForAndInNoTrack) {
 }
 
 TEST(SimulatedMapping, OneThingBecomesSeveralLandmarksWhereMatchingFails) {
-  MappingOptions options = MappedCity::QuickMapping();
+  SimulatedMappingOptions options = MappedCity::QuickMapping();
   options.track_view_rad = 7.0;
   options.track_octaves = 20.0;
   options.pass_join_share = 1.0;
@@ -266,7 +267,7 @@ TEST(SimulatedMapping, OneThingBecomesSeveralLandmarksWhereMatchingFails) {
 }
 
 TEST(SimulatedMapping, TheMapForgetsWhatEachPassAloneSaw) {
-  MappingOptions options = MappedCity::QuickMapping();
+  SimulatedMappingOptions options = MappedCity::QuickMapping();
   options.years = 10.0;
   const MappedCity mapped(CityCharacter::kGrid, options);
   const MappedChunk chunk = mapped.Center();
