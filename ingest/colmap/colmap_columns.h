@@ -1,4 +1,5 @@
-// Tells which columns a COLMAP database has, which depends on COLMAP's version. Private to readers.
+// Tells which columns a COLMAP database has, which depends on COLMAP's version. Private to
+// ingest/colmap.
 #ifndef CAIRN_INGEST_COLMAP_COLMAP_COLUMNS_H_
 #define CAIRN_INGEST_COLMAP_COLMAP_COLUMNS_H_
 

@@ -1,4 +1,4 @@
-// Refuses descriptors that do not tell landmarks apart. Private to readers.
+// Refuses descriptors that do not tell landmarks apart. Private to ingest/colmap.
 #ifndef CAIRN_INGEST_COLMAP_DESCRIPTOR_INFORMATION_H_
 #define CAIRN_INGEST_COLMAP_DESCRIPTOR_INFORMATION_H_
 

@@ -1,4 +1,4 @@
-// Reads a model file from front to back with little memory. Private to readers.
+// Reads a model file from front to back with little memory. Private to ingest/colmap.
 #ifndef CAIRN_INGEST_COLMAP_MODEL_BYTES_H_
 #define CAIRN_INGEST_COLMAP_MODEL_BYTES_H_
 

@@ -1,5 +1,4 @@
-// The gate before a publication: does the new version still know the photos of the map? Private to
-// ingest.
+// The gate before a publication: does the new version still know the photos of the map?
 #ifndef CAIRN_INGEST_PLACE_ASK_KEYFRAMES_H_
 #define CAIRN_INGEST_PLACE_ASK_KEYFRAMES_H_
 

@@ -1,4 +1,4 @@
-// Decides which way is up in a reconstruction. Private to georegister.
+// Decides which way is up in a reconstruction. Private to ingest/place.
 #ifndef CAIRN_INGEST_PLACE_FIND_UP_H_
 #define CAIRN_INGEST_PLACE_FIND_UP_H_
 

@@ -1,4 +1,4 @@
-// The way in which each camera of a reconstruction was held. Private to georegister.
+// The way in which each camera of a reconstruction was held. Private to ingest/place.
 #ifndef CAIRN_INGEST_PLACE_LEVEL_CAMERAS_H_
 #define CAIRN_INGEST_PLACE_LEVEL_CAMERAS_H_
 

@@ -1,5 +1,5 @@
 // The least-squares problem of georegistration, with minimal solutions as a start. Private to
-// georegister.
+// ingest/place.
 #ifndef CAIRN_INGEST_PLACE_SIMILARITY_PROBLEM_H_
 #define CAIRN_INGEST_PLACE_SIMILARITY_PROBLEM_H_
 

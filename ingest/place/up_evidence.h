@@ -1,5 +1,5 @@
 // How well a direction explains, as up, all that is known about a reconstruction. Private to
-// georegister. docs/math/localization.md has the formulas.
+// ingest/place. docs/math/localization.md has the formulas.
 #ifndef CAIRN_INGEST_PLACE_UP_EVIDENCE_H_
 #define CAIRN_INGEST_PLACE_UP_EVIDENCE_H_
 

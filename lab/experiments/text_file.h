@@ -1,4 +1,4 @@
-// Reads and writes whole text files. Private to experiments.
+// Reads and writes whole text files. Private to lab.
 #ifndef CAIRN_LAB_EXPERIMENTS_TEXT_FILE_H_
 #define CAIRN_LAB_EXPERIMENTS_TEXT_FILE_H_
 

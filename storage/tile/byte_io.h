@@ -1,4 +1,5 @@
-// Little-endian writing and bounds-checked reading of byte strings. Private to storage.
+// Little-endian writing and bounds-checked reading of byte strings. Private to
+// storage, ingest and mapping.
 #ifndef CAIRN_STORAGE_TILE_BYTE_IO_H_
 #define CAIRN_STORAGE_TILE_BYTE_IO_H_
 

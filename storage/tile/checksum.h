@@ -1,4 +1,4 @@
-// The checksum of storage's byte formats. Private to storage.
+// The checksum of storage's byte formats. Private to storage, ingest and mapping.
 #ifndef CAIRN_STORAGE_TILE_CHECKSUM_H_
 #define CAIRN_STORAGE_TILE_CHECKSUM_H_
 

@@ -1,4 +1,4 @@
-// Names bytes by their content; private to storage and ingest.
+// Names bytes by their content. Private to storage, ingest and mapping.
 #ifndef CAIRN_STORAGE_TILE_CONTENT_DIGEST_H_
 #define CAIRN_STORAGE_TILE_CONTENT_DIGEST_H_
 
