@@ -1,4 +1,6 @@
-// Localizes a query: calls the stages prior, tiles, matching, voting, pose, refinement in order.
+// Localizes a query: calls the stages prior and tiles (both in engine/tiles), matching, voting,
+// pose, refinement and answer in order. A query without a rough position goes through engine/places
+// first.
 #ifndef CAIRN_ENGINE_LOCALIZER_H_
 #define CAIRN_ENGINE_LOCALIZER_H_
 
