@@ -82,7 +82,7 @@ void PrintGeoJson(const std::vector<TileChange>& changes) {
   fmt::print("{}\n", Json({{"type", "FeatureCollection"}, {"features", features}}).dump(2));
 }
 
-void PrintJson(const DiffArguments& arguments, const std::vector<TileChange>& changes) {
+void PrintChangesAsJson(const DiffArguments& arguments, const std::vector<TileChange>& changes) {
   const DiffSums sums = SumUp(changes);
   Json tiles = Json::array();
   for (const TileChange& change : changes) {
@@ -139,7 +139,7 @@ ExitCode RunDiff(DiffArguments arguments) {
   if (arguments.geojson) {
     PrintGeoJson(changes);
   } else if (arguments.json) {
-    PrintJson(arguments, changes);
+    PrintChangesAsJson(arguments, changes);
   } else {
     PrintText(arguments, changes);
   }

@@ -70,8 +70,8 @@ std::string AccuracyText(const std::optional<SessionAccuracy>& accuracy) {
                   : "";
 }
 
-void PrintJson(const MapInfo& info, const std::optional<CodebookFacts>& codebook,
-               const std::vector<SessionRecord>& sessions) {
+void PrintInfoAsJson(const MapInfo& info, const std::optional<CodebookFacts>& codebook,
+                     const std::vector<SessionRecord>& sessions) {
   nlohmann::ordered_json json = {{"version", Value(info.version)},
                                  {"created", info.created_at},
                                  {"fileBytes", info.file_bytes},
@@ -161,7 +161,7 @@ ExitCode RunInfo(const InfoArguments& arguments) {
   const std::optional<CodebookFacts> codebook =
       FactsOfCodebook(snapshot, sessions, arguments.map_path);
   if (arguments.json) {
-    PrintJson(snapshot.Info(), codebook, sessions);
+    PrintInfoAsJson(snapshot.Info(), codebook, sessions);
   } else {
     PrintText(snapshot.Info(), codebook, sessions);
   }

@@ -24,7 +24,7 @@ struct LogArguments {
   bool json = false;
 };
 
-void PrintJson(const std::vector<VersionRecord>& versions) {
+void PrintVersionsAsJson(const std::vector<VersionRecord>& versions) {
   auto json = nlohmann::ordered_json::array();
   for (const VersionRecord& version : versions) {
     nlohmann::ordered_json one = VersionJson(version);
@@ -50,7 +50,7 @@ ExitCode RunLog(const LogArguments& arguments) {
   const std::vector<VersionRecord> versions =
       MapStore::Open(arguments.map_path, OpenMode::kReadOnly).Snapshot().Versions(arguments.limit);
   if (arguments.json) {
-    PrintJson(versions);
+    PrintVersionsAsJson(versions);
   } else {
     PrintText(versions);
   }
