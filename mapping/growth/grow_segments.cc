@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/error.h"
 #include "core/focal_length.h"
 #include "core/parallel_for.h"
 #include "core/random.h"
@@ -136,8 +137,15 @@ class Grower {
     draft.Add(seed.third, third.pose->cam_from_world);
     const std::vector<int> all = {base.a, base.b, seed.third};
     draft.Triangulate(all);
-    draft.AdjustAll();
-    draft.AdjustAll();
+    try {
+      draft.AdjustAll();
+      draft.AdjustAll();
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::kInternal) {
+        throw;
+      }
+      return std::nullopt;  // The solver failed; another seed may do.
+    }
     return Holds(draft) ? std::optional(std::move(draft)) : std::nullopt;
   }
 
