@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <memory>
 #include <span>
 #include <utility>
@@ -104,6 +105,8 @@ class Mapper {
                                  size_t total, bool* from_work);
   Growth Grow();
   void Place(const Growth& growth);
+  void PlaceOne(const Segment& segment);
+  void LeaveOut(const Segment& segment, const std::string& problem, const std::string& reason);
   void Add(const PlacedSegment& placed);
   void FillImages();
   void ReportCameras();
@@ -210,30 +213,23 @@ void Mapper::Place(const Growth& growth) {
   StageClock clock("placement", &result_.stages);
   result_.position_of_photo.resize(folder_.set.photos.size());
   result_.center_of_photo.resize(folder_.set.photos.size());
+  std::exception_ptr first_problem;
   for (size_t i = 0; i < growth.segments.size(); ++i) {
     Report("placement", static_cast<int64_t>(i), static_cast<int64_t>(growth.segments.size()));
-    SegmentReport report;
-    report.num_photos = static_cast<int>(growth.segments[i].photo_of_image.size());
     try {
-      const PlacedSegment placed =
-          PlaceSegment(folder_.set, places_, growth.segments[i], georegister_, options_.adjust);
-      report.georegistration = placed.georegistration;
-      report.adjustment = placed.adjustment;
-      Add(placed);
+      PlaceOne(growth.segments[i]);
     } catch (const Error& error) {
-      if (i == 0 || error.code() != ErrorCode::kBadInput) {
+      if (error.code() != ErrorCode::kBadInput && error.code() != ErrorCode::kInternal) {
         throw;
       }
-      report.problem = error.what();
-      for (const int photo : growth.segments[i].photo_of_image) {
-        result_.left_out.push_back(
-            {folder_.set.photos[photo].name,
-             fmt::format("is in a part of {} photos that is not connected to the others and has "
-                         "no place of its own",
-                         report.num_photos)});
+      if (!first_problem) {
+        first_problem = std::current_exception();
       }
+      LeaveOut(growth.segments[i], error.what(), "has no place of its own");
     }
-    result_.segments.push_back(std::move(report));
+  }
+  if (result_.model.images.empty()) {
+    std::rethrow_exception(first_problem);
   }
   Report("placement", static_cast<int64_t>(growth.segments.size()),
          static_cast<int64_t>(growth.segments.size()));
@@ -241,6 +237,32 @@ void Mapper::Place(const Growth& growth) {
   ReportCameras();
   FillImages();
   clock.End(false);
+}
+
+void Mapper::PlaceOne(const Segment& segment) {
+  const PlacedSegment placed =
+      PlaceSegment(folder_.set, places_, segment, georegister_, options_.adjust);
+  Add(placed);
+  SegmentReport report;
+  report.num_photos = static_cast<int>(segment.photo_of_image.size());
+  report.georegistration = placed.georegistration;
+  report.adjustment = placed.adjustment;
+  result_.segments.push_back(std::move(report));
+}
+
+// `problem` is of the segment, `reason` completes a sentence about each of its photos.
+void Mapper::LeaveOut(const Segment& segment, const std::string& problem,
+                      const std::string& reason) {
+  SegmentReport report;
+  report.num_photos = static_cast<int>(segment.photo_of_image.size());
+  report.problem = problem;
+  for (const int photo : segment.photo_of_image) {
+    result_.left_out.push_back(
+        {folder_.set.photos[photo].name,
+         fmt::format("is in a part of {} photos that is not connected to the others and {}",
+                     report.num_photos, reason)});
+  }
+  result_.segments.push_back(std::move(report));
 }
 
 // Appends the segment to the model, in whose world it is moved.

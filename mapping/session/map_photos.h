@@ -74,7 +74,7 @@ struct MappedPhotos {
   // All segments that have a place, in one frame: east-north-up at `ecef_from_world`'s origin.
   Reconstruction model;
   Sim3d ecef_from_world;
-  Georegistration georegistration;      // Of the largest segment.
+  Georegistration georegistration;      // Of the largest placed segment.
   std::vector<SegmentReport> segments;  // Largest first.
   std::vector<CameraReport> cameras;
   std::vector<LeftOutPhoto> left_out;
@@ -94,8 +94,8 @@ using MapProgress = std::function<void(const char* phase, int64_t done, int64_t 
 // Reads photos, finds pairs, matches them, grows segments, places them on Earth. With a work
 // folder, a second run with the same input goes on where the first was killed, with the same
 // result. Throws Error(kBadInput), with what to do, if fewer than three photos can be read or have
-// a position, if no three photos show the same, or if the largest segment cannot be placed; what
-// ReadPhotos and WorkFolder throw.
+// a position, if no three photos show the same, or if no segment can be placed, then for the reason
+// of the largest one; what ReadPhotos and WorkFolder throw.
 MappedPhotos MapPhotos(const MapPhotosInput& input, const MappingOptions& options,
                        const GeoregisterOptions& georegister, const MapProgress& progress = {});
 
