@@ -34,12 +34,16 @@ struct Proposal {
 
 // The landmarks that photos saw when they were refused.
 struct Refusals {
-  explicit Refusals(size_t num_photos) : since_adjustment(num_photos, 0), lost(num_photos, 0) {}
+  explicit Refusals(size_t num_photos)
+      : since_adjustment(num_photos, 0), joined(num_photos, 0), lost(num_photos, 0) {}
 
   int Sights(int photo) const { return std::max(since_adjustment[photo], lost[photo]); }
 
   std::vector<int> since_adjustment;  // An adjustment may change the verdict.
-  std::vector<int> lost;              // When they left the draft again.
+  std::vector<int> joined;            // When they last joined the draft.
+  // The most that they saw when they joined the draft or left it again. It only grows, so that no
+  // photo joins and leaves for ever.
+  std::vector<int> lost;
 };
 
 class Grower {
@@ -259,6 +263,7 @@ class Grower {
         draft->SetCamera(camera_idx, proposal.pose->camera);
       }
       draft->Add(proposal.photo, proposal.pose->cam_from_world);
+      refusals->joined[proposal.photo] = proposal.num_sights;
       added.push_back(proposal.photo);
       // Until the draft is finished, the photo is not taken.
       verdicts_[proposal.photo] = PhotoVerdict::kLostSupport;
@@ -285,7 +290,8 @@ class Grower {
     }
     draft->Remove(weak);
     for (const int photo : weak) {
-      refusals->lost[photo] = static_cast<int>(draft->SightsOf(photo).size());
+      refusals->lost[photo] = std::max({refusals->lost[photo], refusals->joined[photo],
+                                        static_cast<int>(draft->SightsOf(photo).size())});
     }
     return weak;
   }
