@@ -265,6 +265,15 @@ void Mapper::LeaveOut(const Segment& segment, const std::string& problem,
   result_.segments.push_back(std::move(report));
 }
 
+// `all` states the worst of its segments: the session has one accuracy for all of them.
+void TakeWorst(const Georegistration& segment, Georegistration* all) {
+  const auto take = [](double of_segment, double* worst) { *worst = std::max(*worst, of_segment); };
+  take(segment.accuracy.position_m, &all->accuracy.position_m);
+  take(segment.accuracy.rotation_rad, &all->accuracy.rotation_rad);
+  take(segment.stated_accuracy_m, &all->stated_accuracy_m);
+  take(segment.median_residual_m, &all->median_residual_m);
+}
+
 // Appends the segment to the model, in whose world it is moved.
 void Mapper::Add(const PlacedSegment& placed) {
   Reconstruction& model = result_.model;
@@ -272,6 +281,7 @@ void Mapper::Add(const PlacedSegment& placed) {
     result_.ecef_from_world = placed.georegistration.ecef_from_world;
     result_.georegistration = placed.georegistration;
   }
+  TakeWorst(placed.georegistration, &result_.georegistration);
   const Sim3d world_from_segment =
       Rigid3d(result_.ecef_from_world.rotation, result_.ecef_from_world.translation).Inverse() *
       placed.georegistration.ecef_from_world;

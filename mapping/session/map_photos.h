@@ -74,7 +74,9 @@ struct MappedPhotos {
   // All segments that have a place, in one frame: east-north-up at `ecef_from_world`'s origin.
   Reconstruction model;
   Sim3d ecef_from_world;
-  Georegistration georegistration;      // Of the largest placed segment.
+  // Of the largest placed segment; but `accuracy`, `stated_accuracy_m` and `median_residual_m` are
+  // the worst of the placed segments.
+  Georegistration georegistration;
   std::vector<SegmentReport> segments;  // Largest first.
   std::vector<CameraReport> cameras;
   std::vector<LeftOutPhoto> left_out;
