@@ -96,6 +96,9 @@ void Draft::Add(int photo, const Rigid3d& cam_from_world) {
 }
 
 void Draft::Remove(std::span<const int> photos) {
+  if (photos.empty()) {
+    return;
+  }
   for (const int photo : photos) {
     image_of_photo_[photo] = -1;
   }
