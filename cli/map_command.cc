@@ -1,5 +1,6 @@
 // `cairn map`: folders of photos become a session of a map.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -59,6 +60,17 @@ std::string SessionName(const MapArguments& arguments) {
       std::filesystem::absolute(arguments.input.paths.front()).lexically_normal();
   const std::string name = (path.has_filename() ? path : path.parent_path()).filename().string();
   return name.empty() ? "session" : name;
+}
+
+// Whether the map has sessions, other than one that is replaced, that the new one may join.
+bool HasOthersToJoin(const std::optional<MapStore>& map, const MapArguments& arguments) {
+  if (!map || arguments.session.apart) {
+    return false;
+  }
+  const std::vector<SessionRecord> sessions = map->Snapshot().Sessions();
+  const std::string name = SessionName(arguments);
+  return std::any_of(sessions.begin(), sessions.end(),
+                     [&](const SessionRecord& session) { return session.name != name; });
 }
 
 // Moves the model out of `mapped`.
@@ -129,6 +141,7 @@ ExitCode RunMap(MapArguments arguments, ProgressMode progress_mode) {
   arguments.input.num_threads = options.ingest.num_threads;
   // Before the long work, so that a map that cannot be written fails at once.
   std::optional<MapStore> map = OpenMap(arguments.session.map_path);
+  arguments.input.one_segment = HasOthersToJoin(map, arguments);
   MappedPhotos mapped;
   PlacedReconstruction session;
   IngestReport report;

@@ -242,6 +242,13 @@ void Mapper::Place(const Growth& growth) {
 void Mapper::PlaceOne(const Segment& segment) {
   const PlacedSegment placed =
       PlaceSegment(folder_.set, places_, segment, georegister_, options_.adjust);
+  if (input_.one_segment && !result_.model.images.empty()) {
+    LeaveOut(segment,
+             "has a place of its own, but a session joins the map as one piece; map these photos "
+             "alone, with a --session of their own",
+             "needs a --session of its own: map these photos alone");
+    return;
+  }
   Add(placed);
   SegmentReport report;
   report.num_photos = static_cast<int>(segment.photo_of_image.size());

@@ -43,8 +43,11 @@ struct MapPhotosInput {
   // Of the heights; unset: sea level for EXIF, the ellipsoid for a CSV.
   std::optional<HeightReference> height;
   std::optional<double> camera_height_m;  // Of positions without a height.
-  std::string work_dir;                   // Empty: nothing is kept.
-  int num_threads = 1;                    // The result does not depend on it.
+  // Only the largest segment that has a place becomes part of the model. For a session that joins a
+  // map: the map moves a session as one piece, but segments are placed apart from each other.
+  bool one_segment = false;
+  std::string work_dir;  // Empty: nothing is kept.
+  int num_threads = 1;   // The result does not depend on it.
 };
 
 struct StageCost {
@@ -71,7 +74,8 @@ struct CameraReport {
 };
 
 struct MappedPhotos {
-  // All segments that have a place, in one frame: east-north-up at `ecef_from_world`'s origin.
+  // All segments that have a place, or the largest (MapPhotosInput::one_segment), in one frame:
+  // east-north-up at `ecef_from_world`'s origin.
   Reconstruction model;
   Sim3d ecef_from_world;
   // Of the largest placed segment; but `accuracy`, `stated_accuracy_m` and `median_residual_m` are
