@@ -16,7 +16,8 @@ namespace cairn {
 class GpsCheck {
  public:
   // Fits a similarity to the positions, with outliers left out. Checks nothing if the positions do
-  // not determine one: fewer than kMinPositions, or a spread of less than twice their accuracy.
+  // not determine one: fewer than kMinPositions, or a spread of less than twice the
+  // median of their accuracies.
   GpsCheck(const PhotoSet& set, const Draft& draft, double default_accuracy_m);
 
   // True if the photo has a position and the pose is farther from it than three standard
