@@ -54,7 +54,7 @@ GpsCheck::GpsCheck(const PhotoSet& set, const Draft& draft, double default_accur
   std::vector<CenterPair> pairs;
   for (const int photo : draft.photos()) {
     const MappingPhoto& source = set.photos[photo];
-    if (source.gps) {
+    if (source.gps && source.gps_has_height) {
       pairs.push_back({draft.PoseOf(photo).Inverse().translation, EcefFromGeodetic(*source.gps),
                        source.gps_accuracy_m.value_or(default_accuracy_m)});
     }
@@ -86,7 +86,7 @@ GpsCheck::GpsCheck(const PhotoSet& set, const Draft& draft, double default_accur
 
 bool GpsCheck::Contradicts(int photo, const Rigid3d& cam_from_world) const {
   const MappingPhoto& source = set_.photos[photo];
-  if (!ecef_from_world_ || !source.gps) {
+  if (!ecef_from_world_ || !source.gps || !source.gps_has_height) {
     return false;
   }
   const double accuracy_m = source.gps_accuracy_m.value_or(default_accuracy_m_);

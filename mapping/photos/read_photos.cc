@@ -128,6 +128,7 @@ MappingPhoto PhotoOf(const std::string& name, int camera_idx, ReadPhotoResult re
   photo.descriptors = std::move(read.descriptors);
   photo.gps = GpsOf(read.exif);
   photo.gps_accuracy_m = read.exif.gps_error_m;
+  photo.gps_has_height = read.exif.has_altitude;
   if (read.has_exif) {
     photo.down_in_cam_hint = -UpInCam(FromExifOrientation(read.exif.orientation));
   }

@@ -43,8 +43,8 @@ std::vector<CameraPosition> PositionsOfExif(const PhotoSet& set, double accuracy
   std::vector<CameraPosition> positions;
   for (const MappingPhoto& photo : set.photos) {
     if (photo.gps) {
-      positions.push_back(
-          {photo.name, *photo.gps, photo.gps_accuracy_m.value_or(accuracy_m), true});
+      positions.push_back({photo.name, *photo.gps, photo.gps_accuracy_m.value_or(accuracy_m),
+                           photo.gps_has_height});
     }
   }
   return positions;
@@ -101,6 +101,7 @@ PhotoPlaces FindPhotoPlaces(const MapPhotosInput& input, PhotoFolder* folder,
       places.positions.back() = found->second;
       photo.gps = found->second.position;
       photo.gps_accuracy_m = found->second.accuracy_m;
+      photo.gps_has_height = found->second.has_height;
     }
   }
   return places;
