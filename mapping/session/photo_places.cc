@@ -94,14 +94,18 @@ PhotoPlaces FindPhotoPlaces(const MapPhotosInput& input, PhotoFolder* folder,
   places.orientations = folder->orientation_of_photo;
   for (MappingPhoto& photo : set.photos) {
     const auto found = position_of_name.find(photo.name);
-    photo.gps.reset();
-    photo.gps_accuracy_m.reset();
     places.positions.emplace_back();
-    if (found != position_of_name.end()) {
-      places.positions.back() = found->second;
-      photo.gps = found->second.position;
+    photo.gps.reset();
+    if (found == position_of_name.end()) {
+      photo.gps_accuracy_m.reset();
+      continue;
+    }
+    places.positions.back() = found->second;
+    photo.gps = found->second.position;
+    photo.gps_has_height = found->second.has_height;
+    // An EXIF that states no accuracy leaves it to the options of the stages.
+    if (has_table) {
       photo.gps_accuracy_m = found->second.accuracy_m;
-      photo.gps_has_height = found->second.has_height;
     }
   }
   return places;
