@@ -50,6 +50,16 @@ std::vector<CameraPosition> PositionsOfExif(const PhotoSet& set, double accuracy
   return positions;
 }
 
+void RequireEnough(size_t num_positions, size_t num_photos, bool has_table) {
+  if (num_positions < kMinPositions) {
+    throw Error(
+        ErrorCode::kBadInput,
+        fmt::format("{} of {} photos have a position {}, so their place on Earth is "
+                    "unknown; give positions of three photos or more: --gps CSV",
+                    num_positions, num_photos, has_table ? "in the table" : "in their EXIF"));
+  }
+}
+
 void AddNotes(const PositionFindings& findings, size_t num_positions, size_t num_photos,
               std::vector<std::string>* notes) {
   if (num_positions < num_photos) {
@@ -74,14 +84,9 @@ PhotoPlaces FindPhotoPlaces(const MapPhotosInput& input, PhotoFolder* folder,
   PhotoSet& set = folder->set;
   std::vector<CameraPosition> positions = has_table ? PositionsOfTable(input.positions_path, set)
                                                     : PositionsOfExif(set, input.gps_accuracy_m);
-  if (positions.size() < kMinPositions) {
-    throw Error(ErrorCode::kBadInput,
-                fmt::format("{} of {} photos have a position {}, so their place on Earth is "
-                            "unknown; give positions of three photos or more: --gps CSV",
-                            positions.size(), set.photos.size(),
-                            has_table ? "in the table" : "in their EXIF"));
-  }
+  RequireEnough(positions.size(), set.photos.size(), has_table);
   const PositionFindings findings = CheckPositions(input.camera_height_m, &positions);
+  RequireEnough(positions.size(), set.photos.size(), has_table);  // Without those at 0, 0.
   AddNotes(findings, positions.size(), set.photos.size(), notes);
   MakeHeightsEllipsoidal(input.height.value_or(has_table ? HeightReference::kEllipsoid
                                                          : HeightReference::kMeanSeaLevel),
