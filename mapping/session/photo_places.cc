@@ -25,9 +25,18 @@ std::vector<CameraPosition> PositionsOfTable(const std::string& path, const Phot
   }
   const NameMatches matches = MatchNames(wanted, known);
   std::vector<CameraPosition> named;
+  std::map<std::string, std::string> wanted_of_known;
   for (size_t i = 0; i < positions.size(); ++i) {
     if (matches.known_of_wanted[i] >= 0) {
-      positions[i].image_name = known[matches.known_of_wanted[i]];
+      const std::string& name = known[matches.known_of_wanted[i]];
+      const auto [first, is_new] = wanted_of_known.try_emplace(name, wanted[i]);
+      if (!is_new) {
+        throw Error(ErrorCode::kBadInput,
+                    fmt::format("{}: two rows, {} and {}, are positions of the photo {}; leave one",
+                                Printable(path), Excerpt(first->second), Excerpt(wanted[i]),
+                                Excerpt(name)));
+      }
+      positions[i].image_name = name;
       named.push_back(positions[i]);
     }
   }
