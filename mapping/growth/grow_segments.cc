@@ -1,6 +1,7 @@
 #include "mapping/growth/grow_segments.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <utility>
 
@@ -17,8 +18,8 @@
 namespace cairn {
 namespace {
 
-// Seeds that are tried for a segment. The best ones fail where facades repeat or cameras turn.
-constexpr int kMaxSeedsTried = 30;
+// Seeds of a photo that are tried. The best ones fail where facades repeat or cameras turn.
+constexpr int kMaxSeedsOfPhoto = 10;
 // A photo that was refused is tried again once it sees this many times the landmarks.
 constexpr double kRetryGrowth = 1.2;
 // Focal lengths, relative to the guess, that a photo of a new camera is tried with.
@@ -55,7 +56,8 @@ class Grower {
         progress_(progress),
         tracks_(set, views),
         graph_(set, views, options),
-        verdicts_(set.photos.size(), PhotoVerdict::kNoTwoView) {
+        verdicts_(set.photos.size(), PhotoVerdict::kNoTwoView),
+        num_seeds_tried_(set.photos.size(), 0) {
     for (size_t i = 0; i < verdicts_.size(); ++i) {
       if (!graph_.ViewsOf(static_cast<int>(i)).empty()) {
         verdicts_[i] = PhotoVerdict::kNoSeed;
@@ -109,16 +111,20 @@ class Grower {
   // A draft of three photos from the best seed that holds; nothing if none does. A seed that fails
   // or whose segment stayed too small is not tried again.
   std::optional<Draft> Plant(const std::vector<Seed>& seeds) {
-    int num_tried = 0;
-    for (; next_seed_ < seeds.size() && num_tried < kMaxSeedsTried; ++next_seed_) {
-      const Seed& seed = seeds[next_seed_];
+    while (next_seed_ < seeds.size()) {
+      const Seed& seed = seeds[next_seed_++];
       const TwoView& base = graph_.View(seed.base_view);
-      if (IsFree(base.a) && IsFree(base.b) && IsFree(seed.third)) {
-        ++num_tried;
-        if (std::optional<Draft> draft = TrySeed(seed)) {
-          ++next_seed_;
-          return draft;
-        }
+      const std::array<int, 3> photos = {base.a, base.b, seed.third};
+      if (!std::all_of(photos.begin(), photos.end(), [&](int photo) {
+            return IsFree(photo) && num_seeds_tried_[photo] < kMaxSeedsOfPhoto;
+          })) {
+        continue;
+      }
+      for (const int photo : photos) {
+        ++num_seeds_tried_[photo];
+      }
+      if (std::optional<Draft> draft = TrySeed(seed)) {
+        return draft;
       }
     }
     return std::nullopt;
@@ -333,6 +339,7 @@ class Grower {
   std::vector<PhotoVerdict> verdicts_;
   std::vector<Camera> cameras_;
   size_t next_seed_ = 0;
+  std::vector<int> num_seeds_tried_;  // Of each photo.
   int num_in_segments_ = 0;
 };
 
