@@ -14,6 +14,7 @@
 #include "mapping/session/photo_places.h"
 #include "mapping/session/stage_codec.h"
 #include "mapping/work/work_folder.h"
+#include "storage/tile/content_digest.h"
 
 namespace cairn {
 namespace {
@@ -44,27 +45,38 @@ class StageClock {
   std::chrono::steady_clock::time_point start_;
 };
 
-// What results depend on beside the photos. The first number changes if a stage does.
-std::string KeyOf(const PhotoFolder& folder, const PhotoPlaces& places,
-                  const MappingOptions& options) {
-  std::string key = fmt::format("mapping 1 {}", folder.digest);
+// The work folder keeps each key with its file, so a long text becomes its digest.
+std::string DigestOf(const std::string& text) {
+  return ContentDigest({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+}
+
+// What two views depend on. The first number changes if a stage does.
+std::string ViewsKeyOf(const PhotoFolder& folder, const PhotoPlaces& places,
+                       const MappingOptions& options) {
+  std::string key = fmt::format("mapping 2 {}", folder.digest);
   const PairOptions& p = options.pairs;
   key += fmt::format(" pairs {} {} {} {} {} {}", p.max_partners, p.max_exhaustive, p.max_voters,
                      p.neighbors_per_voter, p.max_distance_m, p.default_accuracy_m);
   const TwoViewOptions& t = options.two_views;
   key += fmt::format(" views {} {} {} {} {}", t.descriptors.max_ratio, t.descriptors.max_distance,
                      t.min_inliers, t.max_iterations, t.seed);
-  const GrowthOptions& g = options.growth;
-  key += fmt::format(" growth {} {} {} {} {} {} {} {} {}", g.min_inliers, g.min_link_share,
-                     g.min_witnesses, g.max_rotation_error_rad, g.max_direction_error_rad,
-                     g.default_gps_accuracy_m, g.adjust_after_growth, g.min_photos, g.seed);
-  for (const auto& position : places.positions) {
-    key += position
-               ? fmt::format(" {} {} {} {}", position->position.lat_rad, position->position.lon_rad,
-                             position->position.h_m, position->accuracy_m)
-               : " -";
+  for (size_t i = 0; i < places.positions.size(); ++i) {
+    const auto& position = places.positions[i];
+    key += position ? fmt::format(" {} {} {} {} {} {}", position->position.lat_rad,
+                                  position->position.lon_rad, position->position.h_m,
+                                  position->accuracy_m, position->has_height,
+                                  folder.set.photos[i].gps_accuracy_m.value_or(0.0))
+                    : " -";
   }
-  return key;
+  return DigestOf(key);
+}
+
+// What segments depend on.
+std::string SegmentsKeyOf(const std::string& views_key, const GrowthOptions& g) {
+  return DigestOf(fmt::format("{} growth {} {} {} {} {} {} {} {} {}", views_key, g.min_inliers,
+                              g.min_link_share, g.min_witnesses, g.max_rotation_error_rad,
+                              g.max_direction_error_rad, g.default_gps_accuracy_m,
+                              g.adjust_after_growth, g.min_photos, g.seed));
 }
 
 // The stages, with the work folder between them.
@@ -119,7 +131,7 @@ class Mapper {
   std::unique_ptr<WorkFolder> work_;
   PhotoFolder folder_;
   PhotoPlaces places_;
-  std::string key_;
+  std::string views_key_, segments_key_;
   std::vector<int> photo_of_image_;  // Of the model.
   MappedPhotos result_;
 };
@@ -143,7 +155,8 @@ void Mapper::Read() {
                             num_read, result_.num_photos, options_.growth.min_photos));
   }
   places_ = FindPhotoPlaces(input_, &folder_, &result_.notes);
-  key_ = KeyOf(folder_, places_, options_);
+  views_key_ = ViewsKeyOf(folder_, places_, options_);
+  segments_key_ = SegmentsKeyOf(views_key_, options_.growth);
   clock.End(folder_.num_from_work == num_read);
 }
 
@@ -151,7 +164,7 @@ std::vector<TwoView> Mapper::MatchPart(std::span<const std::pair<int, int>> pair
                                        size_t total, bool* from_work) {
   const std::string name = fmt::format("views-{:05}", first / kPairsPerFile);
   if (work_) {
-    if (const auto stored = work_->Load(name, key_)) {
+    if (const auto stored = work_->Load(name, views_key_)) {
       return DecodeTwoViews(*stored, folder_.set, work_->PathOf(name));
     }
   }
@@ -161,7 +174,7 @@ std::vector<TwoView> Mapper::MatchPart(std::span<const std::pair<int, int>> pair
         Report("matching", static_cast<int64_t>(first) + done, static_cast<int64_t>(total));
       });
   if (work_) {
-    work_->Store(name, key_, EncodeTwoViews(views));
+    work_->Store(name, views_key_, EncodeTwoViews(views));
   }
   return views;
 }
@@ -187,7 +200,7 @@ std::vector<TwoView> Mapper::Match() {
 Growth Mapper::Grow() {
   if (work_) {
     StageClock clock("growth", &result_.stages);
-    if (const auto stored = work_->Load("segments", key_)) {
+    if (const auto stored = work_->Load("segments", segments_key_)) {
       Growth growth = DecodeGrowth(*stored, folder_.set, work_->PathOf("segments"));
       clock.End(true);
       return growth;
@@ -197,7 +210,7 @@ Growth Mapper::Grow() {
   StageClock clock("growth", &result_.stages);
   Growth growth = GrowSegments(folder_.set, views, options_.growth, Reporter("growth"));
   if (work_) {
-    work_->Store("segments", key_, EncodeGrowth(growth));
+    work_->Store("segments", segments_key_, EncodeGrowth(growth));
   }
   clock.End(false);
   return growth;
