@@ -133,6 +133,15 @@ IngestReport Publish(const MapArguments& arguments, const PlacedReconstruction& 
   return report;
 }
 
+// Before the publication, so that a session that is refused has its picture, too.
+void WriteReport(const std::string& work_dir, const MappedPhotos& mapped) {
+  if (!work_dir.empty()) {
+    const std::string svg = ReportSvg(mapped);
+    ReplaceFile(work_dir + "/report.svg",
+                {reinterpret_cast<const uint8_t*>(svg.data()), svg.size()});
+  }
+}
+
 ExitCode RunMap(MapArguments arguments, ProgressMode progress_mode) {
   for (const std::string& camera : arguments.cameras) {
     arguments.input.cameras.push_back(ParseCamera("--camera", camera));
@@ -151,13 +160,9 @@ ExitCode RunMap(MapArguments arguments, ProgressMode progress_mode) {
                        [&](const char* phase, int64_t done, int64_t total) {
                          progress.Update(phase, done, total);
                        });
+    WriteReport(arguments.input.work_dir, mapped);
     session = SessionOf(arguments, &mapped);
     report = Publish(arguments, session, &map, &progress);
-  }
-  if (!arguments.input.work_dir.empty()) {
-    const std::string svg = ReportSvg(mapped);
-    ReplaceFile(arguments.input.work_dir + "/report.svg",
-                {reinterpret_cast<const uint8_t*>(svg.data()), svg.size()});
   }
   PrintMapped(arguments, mapped, session, report);
   return ExitCode::kOk;
