@@ -112,6 +112,17 @@ TEST_F(MapVerb, SaysWhenPhotosShowNothingInCommon) {
                 "no three of the 4 photos show the same place");
 }
 
+TEST_F(MapVerb, RefusesAMapInAFolderThatIsNotThere) {
+  AddPhoto("1.pgm", 1);
+  const Finished finished = RunCairn({"map", dir_.File("none/town.gpkg"), dir_.File("photos")});
+  EXPECT_NE(finished.exit_code, 0);
+  EXPECT_THAT(finished.err, HasSubstr("the map cannot be made in"));
+}
+
+TEST_F(MapVerb, RefusesATimeBeforeItReadsPhotos) {
+  ExpectRefused(Map({"--recorded", "monday"}), "2026-01-31T12:00:00Z");
+}
+
 TEST_F(MapVerb, RefusesAFolderThatIsNotThere) { ExpectRefused(Map(), "there is no such folder"); }
 
 }  // namespace
