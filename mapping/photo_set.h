@@ -43,10 +43,6 @@ struct MappingPhoto {
   std::optional<Geodetic> gps;
   std::optional<double> gps_accuracy_m;
   bool gps_has_height = true;  // If false, `gps` has some height near that of the others, or 0.
-  // The direction of gravity that the orientation of the photo hints at, a unit vector: correct
-  // within some 20 degrees if people hold cameras level.
-  std::optional<Eigen::Vector3d> down_in_cam_hint;
-  std::optional<double> time_s;  // Of any clock that the photos of the set share.
 };
 
 struct PhotoSet {

@@ -12,7 +12,6 @@
 #include "core/images/gray_image.h"
 #include "core/parallel_for.h"
 #include "core/printable.h"
-#include "ingest/place/picture_up.h"
 #include "mapping/photos/group_cameras.h"
 #include "mapping/photos/photo_files.h"
 #include "mapping/photos/read_photo.h"
@@ -148,10 +147,6 @@ MappingPhoto PhotoOf(const std::string& name, int camera_idx, ReadPhotoResult re
   photo.gps = GpsOf(read.exif);
   photo.gps_accuracy_m = read.exif.gps_error_m;
   photo.gps_has_height = read.exif.has_altitude;
-  if (read.has_exif) {
-    photo.down_in_cam_hint = -UpInCam(FromExifOrientation(read.exif.orientation));
-  }
-  photo.time_s = read.exif.time_s;
   return photo;
 }
 
