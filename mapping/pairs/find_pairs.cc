@@ -10,10 +10,10 @@
 
 #include "core/parallel_for.h"
 #include "core/require.h"
-#include "storage/codebook/distance_statistics.h"
 #include "engine/index/matching_index.h"
 #include "ingest/codebook/shipped_codebook.h"
 #include "storage/codebook/descriptor_codec.h"
+#include "storage/codebook/distance_statistics.h"
 
 namespace cairn {
 namespace {
