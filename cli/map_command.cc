@@ -1,5 +1,11 @@
 // `cairn map`: folders of photos become a session of a map.
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -21,8 +27,10 @@
 #include "cli/shell.h"
 #include "core/error.h"
 #include "core/parallel_for.h"
+#include "core/printable.h"
 #include "core/replace_file.h"
 #include "ingest/ingest_session.h"
+#include "ingest/maps/archive_folder.h"
 #include "mapping/session/map_photos.h"
 #include "mapping/session/report_svg.h"
 #include "storage/map/map_store.h"
@@ -59,6 +67,17 @@ std::string SessionName(const MapArguments& arguments) {
       std::filesystem::absolute(arguments.input.paths.front()).lexically_normal();
   const std::string name = (path.has_filename() ? path : path.parent_path()).filename().string();
   return name.empty() ? "session" : name;
+}
+
+// Whether the map has sessions, other than one that is replaced, that the new one may join.
+bool HasOthersToJoin(const std::optional<MapStore>& map, const MapArguments& arguments) {
+  if (!map || arguments.session.apart) {
+    return false;
+  }
+  const std::vector<SessionRecord> sessions = map->Snapshot().Sessions();
+  const std::string name = SessionName(arguments);
+  return std::any_of(sessions.begin(), sessions.end(),
+                     [&](const SessionRecord& session) { return session.name != name; });
 }
 
 // Moves the model out of `mapped`.
@@ -121,6 +140,42 @@ IngestReport Publish(const MapArguments& arguments, const PlacedReconstruction& 
   return report;
 }
 
+// Throws Error(kIo) unless the map, a file that does not exist, can be made.
+void RequireFolderOf(const std::string& map_path) {
+  if (map_path.find("://") != std::string::npos) {
+    return;  // A database.
+  }
+  std::string folder = std::filesystem::path(map_path).parent_path().string();
+  folder = folder.empty() ? "." : folder;
+  if (access(folder.c_str(), W_OK | X_OK) != 0) {
+    throw Error(ErrorCode::kIo,
+                fmt::format("{}: the map cannot be made in {}: {}", Printable(map_path),
+                            Printable(folder), std::strerror(errno)));
+  }
+}
+
+// Finds before the long work what would refuse its result.
+void CheckEarly(const MapArguments& arguments, bool has_map) {
+  IngestOptions options = arguments.session.options.ingest;
+  options.session_name = SessionName(arguments);
+  options.Validate();
+  if (!has_map) {
+    RequireFolderOf(arguments.session.map_path);
+  }
+  if (!arguments.archive_path.empty()) {
+    const ArchiveFolder archive(arguments.archive_path, ArchiveFolder::Use::kIngest);
+  }
+}
+
+// Before the publication, so that a session that is refused has its picture, too.
+void WriteReport(const std::string& work_dir, const MappedPhotos& mapped) {
+  if (!work_dir.empty()) {
+    const std::string svg = ReportSvg(mapped);
+    ReplaceFile(work_dir + "/report.svg",
+                {reinterpret_cast<const uint8_t*>(svg.data()), svg.size()});
+  }
+}
+
 ExitCode RunMap(MapArguments arguments, ProgressMode progress_mode) {
   for (const std::string& camera : arguments.cameras) {
     arguments.input.cameras.push_back(ParseCamera("--camera", camera));
@@ -129,6 +184,8 @@ ExitCode RunMap(MapArguments arguments, ProgressMode progress_mode) {
   arguments.input.num_threads = options.ingest.num_threads;
   // Before the long work, so that a map that cannot be written fails at once.
   std::optional<MapStore> map = OpenMap(arguments.session.map_path);
+  CheckEarly(arguments, map.has_value());
+  arguments.input.one_segment = HasOthersToJoin(map, arguments);
   MappedPhotos mapped;
   PlacedReconstruction session;
   IngestReport report;
@@ -138,13 +195,9 @@ ExitCode RunMap(MapArguments arguments, ProgressMode progress_mode) {
                        [&](const char* phase, int64_t done, int64_t total) {
                          progress.Update(phase, done, total);
                        });
+    WriteReport(arguments.input.work_dir, mapped);
     session = SessionOf(arguments, &mapped);
     report = Publish(arguments, session, &map, &progress);
-  }
-  if (!arguments.input.work_dir.empty()) {
-    const std::string svg = ReportSvg(mapped);
-    ReplaceFile(arguments.input.work_dir + "/report.svg",
-                {reinterpret_cast<const uint8_t*>(svg.data()), svg.size()});
   }
   PrintMapped(arguments, mapped, session, report);
   return ExitCode::kOk;
@@ -210,7 +263,7 @@ void AddSessionOptions(CLI::App* command, MapArguments* arguments) {
   command
       ->add_option("--threads", options.num_threads,
                    "Threads; the result does not depend on them. Default: all cores")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1, 1024));
   command->add_flag("--json", arguments->session.json, "Print the summary as JSON");
 }
 

@@ -15,6 +15,8 @@ namespace cairn {
 namespace {
 
 constexpr size_t kMaxNamesShown = 5;  // Of photos with one reason; JSON has all.
+// A reason says at its end what to do.
+constexpr size_t kMaxReasonBytes = 400;
 
 const char* SourceName(FocalSource source) {
   switch (source) {
@@ -42,14 +44,15 @@ void PrintLeftOut(const std::vector<LeftOutPhoto>& left_out) {
     if (names.size() > num_shown) {
       shown += fmt::format(" and {} others", names.size() - num_shown);
     }
-    fmt::print("left out         {}: {}\n", shown, Excerpt(reason));
+    fmt::print("left out         {}: {}\n", shown, Excerpt(reason, kMaxReasonBytes));
   }
 }
 
 void PrintSegments(const MappedPhotos& mapped) {
   for (const SegmentReport& segment : mapped.segments) {
     if (!segment.problem.empty()) {
-      fmt::print("not connected    {} photos: {}\n", segment.num_photos, Excerpt(segment.problem));
+      fmt::print("not in the map   {} photos: {}\n", segment.num_photos,
+                 Excerpt(segment.problem, kMaxReasonBytes));
       continue;
     }
     fmt::print(

@@ -42,10 +42,7 @@ struct MappingPhoto {
   // As ReconImage::gps and ReconImage::gps_accuracy_m.
   std::optional<Geodetic> gps;
   std::optional<double> gps_accuracy_m;
-  // The direction of gravity that the orientation of the photo hints at, a unit vector: correct
-  // within some 20 degrees if people hold cameras level.
-  std::optional<Eigen::Vector3d> down_in_cam_hint;
-  std::optional<double> time_s;  // Of any clock that the photos of the set share.
+  bool gps_has_height = true;  // If false, `gps` has some height near that of the others, or 0.
 };
 
 struct PhotoSet {

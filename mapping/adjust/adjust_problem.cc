@@ -135,15 +135,19 @@ void AdjustProblem::FixGauge() {
     }
     num_fixed += IsFixed(i) ? 1 : 0;
     num_positions += !priors_.position_of_image.empty() && priors_.position_of_image[i] ? 1 : 0;
-    const bool is_better = IsFixed(i) == IsFixed(anchor)
-                               ? num_observations_[i] > num_observations_[anchor]
-                               : IsFixed(i);
+    const bool is_better =
+        num_observations_[anchor] == 0 ||
+        (IsFixed(i) == IsFixed(anchor) ? num_observations_[i] > num_observations_[anchor]
+                                       : IsFixed(i));
     if (is_better) {
       anchor = i;
     }
   }
   if (num_fixed >= 2 || num_positions >= 3 || problem_.NumResidualBlocks() == 0) {
     return;
+  }
+  if (num_observations_[anchor] == 0) {
+    return;  // No image has observations, so the problem knows no pose.
   }
   problem_.SetParameterBlockConstant(PoseAt(anchor));
   HoldScale(anchor);

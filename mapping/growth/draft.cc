@@ -7,14 +7,12 @@
 
 #include "core/parallel_for.h"
 #include "core/scene/triangulate.h"
+#include "mapping/growth/camera_freedom.h"
 #include "mapping/growth/consistent_point.h"
 
 namespace cairn {
 namespace {
 
-// Photos of one camera from which the focal length of EXIF can be improved and the distortion be
-// told apart from it. A few photos along one line determine neither.
-constexpr int kMinImagesToCalibrate = 10;
 // An adjusted focal length that leaves its prior by more standard deviations is not believed: along
 // a straight walk, small biases of keypoints bend it (Lund: 733 px instead of 996).
 constexpr double kMaxFocalSigmas = 2.0;
@@ -96,6 +94,9 @@ void Draft::Add(int photo, const Rigid3d& cam_from_world) {
 }
 
 void Draft::Remove(std::span<const int> photos) {
+  if (photos.empty()) {
+    return;
+  }
   for (const int photo : photos) {
     image_of_photo_[photo] = -1;
   }
@@ -266,17 +267,6 @@ void Draft::AdjustAround(std::span<const int> photos) {
   IndexLandmarks();
 }
 
-CameraFreedom Draft::FreedomOf(int camera_idx, int num_images, bool is_final) const {
-  const FocalSource source = set_.cameras[camera_idx].source;
-  if (source == FocalSource::kCalibration || num_images == 0 || is_held_[camera_idx]) {
-    return CameraFreedom::kFixed;
-  }
-  if (is_final && num_images >= kMinImagesToCalibrate) {
-    return CameraFreedom::kFocalAndDistortion;
-  }
-  return source == FocalSource::kGuess ? CameraFreedom::kFocal : CameraFreedom::kFixed;
-}
-
 bool Draft::HoldStrayCameras() {
   bool has_strayed = false;
   for (size_t i = 0; i < model_.cameras.size(); ++i) {
@@ -300,7 +290,8 @@ AdjustReport Draft::AdjustAll(bool is_final) {
   AdjustPriors priors;
   for (size_t i = 0; i < model_.cameras.size(); ++i) {
     const MappingCamera& known = set_.cameras[i];
-    freedom.push_back(FreedomOf(static_cast<int>(i), num_images[i], is_final));
+    freedom.push_back(is_held_[i] ? CameraFreedom::kFixed
+                                  : FreedomOf(known, num_images[i], is_final));
     priors.camera_means.push_back(known.camera);
     priors.focal_sigma_of_camera.push_back(
         known.source == FocalSource::kCalibration ? 0.0 : known.focal.log_sigma);

@@ -67,7 +67,6 @@ class Draft {
   int TrackOf(const ReconLandmark& landmark) const;
   std::vector<int> TracksSeenBy(std::span<const int> photos) const;
   std::optional<ReconLandmark> MakeLandmark(int track) const;
-  CameraFreedom FreedomOf(int camera_idx, int num_images, bool is_final) const;
   // Puts cameras back to their EXIF that left it by far, and holds them there. True if there were
   // any.
   bool HoldStrayCameras();

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/geodesy.h"
+#include "core/statistics.h"
 
 namespace cairn {
 namespace {
@@ -12,6 +13,7 @@ namespace {
 struct CenterPair {
   Eigen::Vector3d in_world;
   Eigen::Vector3d in_ecef;
+  double accuracy_m = 0.0;
 };
 
 Sim3d FitSimilarity(const std::vector<CenterPair>& pairs) {
@@ -35,9 +37,7 @@ std::vector<CenterPair> WithoutOutliers(const std::vector<CenterPair>& pairs, co
   for (const CenterPair& pair : pairs) {
     errors.push_back((fit * pair.in_world - pair.in_ecef).norm());
   }
-  std::vector<double> sorted = errors;
-  std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
-  const double limit = 3.0 * sorted[sorted.size() / 2];
+  const double limit = 3.0 * Median(errors);
   std::vector<CenterPair> kept;
   for (size_t i = 0; i < pairs.size(); ++i) {
     if (errors[i] <= limit) {
@@ -52,13 +52,11 @@ std::vector<CenterPair> WithoutOutliers(const std::vector<CenterPair>& pairs, co
 GpsCheck::GpsCheck(const PhotoSet& set, const Draft& draft, double default_accuracy_m)
     : set_(set), default_accuracy_m_(default_accuracy_m) {
   std::vector<CenterPair> pairs;
-  double accuracy_m = 0.0;
   for (const int photo : draft.photos()) {
-    if (set.photos[photo].gps) {
-      pairs.push_back(
-          {draft.PoseOf(photo).Inverse().translation, EcefFromGeodetic(*set.photos[photo].gps)});
-      accuracy_m =
-          std::max(accuracy_m, set.photos[photo].gps_accuracy_m.value_or(default_accuracy_m));
+    const MappingPhoto& source = set.photos[photo];
+    if (source.gps && source.gps_has_height) {
+      pairs.push_back({draft.PoseOf(photo).Inverse().translation, EcefFromGeodetic(*source.gps),
+                       source.gps_accuracy_m.value_or(default_accuracy_m)});
     }
   }
   if (static_cast<int>(pairs.size()) < kMinPositions) {
@@ -72,21 +70,23 @@ GpsCheck::GpsCheck(const PhotoSet& set, const Draft& draft, double default_accur
     middle_in_ecef_ += pair.in_ecef / static_cast<double>(kept.size());
   }
   const Sim3d fit = FitSimilarity(kept);
+  std::vector<double> accuracies_m;
   for (const CenterPair& pair : kept) {
+    accuracies_m.push_back(pair.accuracy_m);
     spread_m_ += (pair.in_ecef - middle_in_ecef_).squaredNorm() / static_cast<double>(kept.size());
     fit_sigma_m_ +=
         (fit * pair.in_world - pair.in_ecef).squaredNorm() / static_cast<double>(kept.size());
   }
   spread_m_ = std::sqrt(spread_m_);
   fit_sigma_m_ = std::sqrt(fit_sigma_m_);
-  if (spread_m_ >= 2.0 * accuracy_m && fit.scale > 0.0) {
+  if (spread_m_ >= 2.0 * Median(accuracies_m) && fit.scale > 0.0) {
     ecef_from_world_ = fit;
   }
 }
 
 bool GpsCheck::Contradicts(int photo, const Rigid3d& cam_from_world) const {
   const MappingPhoto& source = set_.photos[photo];
-  if (!ecef_from_world_ || !source.gps) {
+  if (!ecef_from_world_ || !source.gps || !source.gps_has_height) {
     return false;
   }
   const double accuracy_m = source.gps_accuracy_m.value_or(default_accuracy_m_);

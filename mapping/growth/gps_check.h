@@ -12,15 +12,17 @@
 
 namespace cairn {
 
-// Where a draft is on Earth, by the positions of its photos.
+// Where a draft is on Earth, by the positions of its photos. Positions without a height do not
+// count.
 class GpsCheck {
  public:
   // Fits a similarity to the positions, with outliers left out. Checks nothing if the positions do
-  // not determine one: fewer than kMinPositions, or a spread of less than twice their accuracy.
+  // not determine one: fewer than kMinPositions, or a spread of less than twice the median of their
+  // accuracies.
   GpsCheck(const PhotoSet& set, const Draft& draft, double default_accuracy_m);
 
-  // True if the photo has a position and the pose is farther from it than three standard
-  // deviations: of the position, of the fit, and of the fit's turn at this distance.
+  // True if the photo has a position with a height and the pose is farther from it than three
+  // standard deviations: of the position, of the fit, and of the fit's turn at this distance.
   bool Contradicts(int photo, const Rigid3d& cam_from_world) const;
 
   static constexpr int kMinPositions = 4;

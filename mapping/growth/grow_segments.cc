@@ -1,9 +1,11 @@
 #include "mapping/growth/grow_segments.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <utility>
 
+#include "core/error.h"
 #include "core/focal_length.h"
 #include "core/parallel_for.h"
 #include "core/random.h"
@@ -16,8 +18,8 @@
 namespace cairn {
 namespace {
 
-// Seeds that are tried for a segment. The best ones fail where facades repeat or cameras turn.
-constexpr int kMaxSeedsTried = 30;
+// Seeds of a photo that are tried. The best ones fail where facades repeat or cameras turn.
+constexpr int kMaxSeedsOfPhoto = 10;
 // A photo that was refused is tried again once it sees this many times the landmarks.
 constexpr double kRetryGrowth = 1.2;
 // Focal lengths, relative to the guess, that a photo of a new camera is tried with.
@@ -33,12 +35,16 @@ struct Proposal {
 
 // The landmarks that photos saw when they were refused.
 struct Refusals {
-  explicit Refusals(size_t num_photos) : since_adjustment(num_photos, 0), lost(num_photos, 0) {}
+  explicit Refusals(size_t num_photos)
+      : since_adjustment(num_photos, 0), joined(num_photos, 0), lost(num_photos, 0) {}
 
   int Sights(int photo) const { return std::max(since_adjustment[photo], lost[photo]); }
 
   std::vector<int> since_adjustment;  // An adjustment may change the verdict.
-  std::vector<int> lost;              // When they left the draft again.
+  std::vector<int> joined;            // When they last joined the draft.
+  // The most that they saw when they joined the draft or left it again. It only grows, so that no
+  // photo joins and leaves for ever.
+  std::vector<int> lost;
 };
 
 class Grower {
@@ -50,7 +56,8 @@ class Grower {
         progress_(progress),
         tracks_(set, views),
         graph_(set, views, options),
-        verdicts_(set.photos.size(), PhotoVerdict::kNoTwoView) {
+        verdicts_(set.photos.size(), PhotoVerdict::kNoTwoView),
+        num_seeds_tried_(set.photos.size(), 0) {
     for (size_t i = 0; i < verdicts_.size(); ++i) {
       if (!graph_.ViewsOf(static_cast<int>(i)).empty()) {
         verdicts_[i] = PhotoVerdict::kNoSeed;
@@ -104,16 +111,20 @@ class Grower {
   // A draft of three photos from the best seed that holds; nothing if none does. A seed that fails
   // or whose segment stayed too small is not tried again.
   std::optional<Draft> Plant(const std::vector<Seed>& seeds) {
-    int num_tried = 0;
-    for (; next_seed_ < seeds.size() && num_tried < kMaxSeedsTried; ++next_seed_) {
-      const Seed& seed = seeds[next_seed_];
+    while (next_seed_ < seeds.size()) {
+      const Seed& seed = seeds[next_seed_++];
       const TwoView& base = graph_.View(seed.base_view);
-      if (IsFree(base.a) && IsFree(base.b) && IsFree(seed.third)) {
-        ++num_tried;
-        if (std::optional<Draft> draft = TrySeed(seed)) {
-          ++next_seed_;
-          return draft;
-        }
+      const std::array<int, 3> photos = {base.a, base.b, seed.third};
+      if (!std::all_of(photos.begin(), photos.end(), [&](int photo) {
+            return IsFree(photo) && num_seeds_tried_[photo] < kMaxSeedsOfPhoto;
+          })) {
+        continue;
+      }
+      for (const int photo : photos) {
+        ++num_seeds_tried_[photo];
+      }
+      if (std::optional<Draft> draft = TrySeed(seed)) {
+        return draft;
       }
     }
     return std::nullopt;
@@ -136,8 +147,15 @@ class Grower {
     draft.Add(seed.third, third.pose->cam_from_world);
     const std::vector<int> all = {base.a, base.b, seed.third};
     draft.Triangulate(all);
-    draft.AdjustAll();
-    draft.AdjustAll();
+    try {
+      draft.AdjustAll();
+      draft.AdjustAll();
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::kInternal) {
+        throw;
+      }
+      return std::nullopt;  // The solver failed; another seed may do.
+    }
     return Holds(draft) ? std::optional(std::move(draft)) : std::nullopt;
   }
 
@@ -251,6 +269,7 @@ class Grower {
         draft->SetCamera(camera_idx, proposal.pose->camera);
       }
       draft->Add(proposal.photo, proposal.pose->cam_from_world);
+      refusals->joined[proposal.photo] = proposal.num_sights;
       added.push_back(proposal.photo);
       // Until the draft is finished, the photo is not taken.
       verdicts_[proposal.photo] = PhotoVerdict::kLostSupport;
@@ -277,7 +296,8 @@ class Grower {
     }
     draft->Remove(weak);
     for (const int photo : weak) {
-      refusals->lost[photo] = static_cast<int>(draft->SightsOf(photo).size());
+      refusals->lost[photo] = std::max({refusals->lost[photo], refusals->joined[photo],
+                                        static_cast<int>(draft->SightsOf(photo).size())});
     }
     return weak;
   }
@@ -319,6 +339,7 @@ class Grower {
   std::vector<PhotoVerdict> verdicts_;
   std::vector<Camera> cameras_;
   size_t next_seed_ = 0;
+  std::vector<int> num_seeds_tried_;  // Of each photo.
   int num_in_segments_ = 0;
 };
 

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <utility>
 
 #include "core/focal_length.h"
 #include "core/parallel_for.h"
 #include "core/random.h"
 #include "core/require.h"
 #include "core/scene/triangulate.h"
+#include "core/statistics.h"
 #include "engine/pose/ransac.h"
 #include "mapping/matching/relative_pose.h"
 
@@ -66,9 +68,7 @@ double MedianParallaxRad(std::span<const RayMatch> rays, std::span<const int> in
     const Eigen::Vector3d turned = b_from_a * rays[i].a;
     angles.push_back(std::atan2(turned.cross(rays[i].b).norm(), turned.dot(rays[i].b)));
   }
-  const auto middle = angles.begin() + angles.size() / 2;
-  std::nth_element(angles.begin(), middle, angles.end());
-  return *middle;
+  return Median(std::move(angles));
 }
 
 struct PairPose {

@@ -12,7 +12,6 @@
 #include "core/images/gray_image.h"
 #include "core/parallel_for.h"
 #include "core/printable.h"
-#include "ingest/place/picture_up.h"
 #include "mapping/photos/group_cameras.h"
 #include "mapping/photos/photo_files.h"
 #include "mapping/photos/read_photo.h"
@@ -40,29 +39,48 @@ std::string SiftKey(const SiftOptions& sift) {
   return fmt::format("sift 1 {} {}", sift.max_features, sift.max_pixels);
 }
 
+// Nothing, and the reason in `result`, if the file cannot be read.
+std::optional<std::vector<uint8_t>> BytesOfFile(const std::string& path, FileResult* result) {
+  try {
+    return ReadImageBytes(path);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kBadInput && error.code() != ErrorCode::kNotFound &&
+        error.code() != ErrorCode::kIo) {
+      throw;
+    }
+    result->reason = error.what();
+    return std::nullopt;
+  }
+}
+
+// Errors of the work folder are not the photo's, and end the reading.
 FileResult ReadOne(const PhotoFile& file, const ReadPhotosOptions& options) {
   FileResult result;
+  const std::optional<std::vector<uint8_t>> bytes = BytesOfFile(file.path, &result);
+  if (!bytes) {
+    return result;
+  }
+  result.digest = ContentDigest(*bytes);
+  const std::string name = "photo-" + result.digest;
+  const std::string key = SiftKey(options.sift);
+  if (options.work != nullptr) {
+    if (const auto stored = options.work->Load(name, key)) {
+      result.photo = DecodeReadPhoto(*stored, options.work->PathOf(name));
+      result.from_work = true;
+      return result;
+    }
+  }
   try {
-    const std::vector<uint8_t> bytes = ReadImageBytes(file.path);
-    result.digest = ContentDigest(bytes);
-    const std::string name = "photo-" + result.digest;
-    const std::string key = SiftKey(options.sift);
-    if (options.work != nullptr) {
-      if (const auto stored = options.work->Load(name, key)) {
-        result.photo = DecodeReadPhoto(*stored, options.work->PathOf(name));
-        result.from_work = true;
-        return result;
-      }
-    }
-    result.photo = ReadMappingPhoto(bytes, options.sift);
-    if (options.work != nullptr) {
-      options.work->Store(name, key, EncodeReadPhoto(*result.photo));
-    }
+    result.photo = ReadMappingPhoto(*bytes, options.sift);
   } catch (const Error& error) {
-    if (error.code() != ErrorCode::kBadInput && error.code() != ErrorCode::kNotFound) {
+    if (error.code() != ErrorCode::kBadInput) {
       throw;
     }
     result.reason = error.what();
+    return result;
+  }
+  if (options.work != nullptr) {
+    options.work->Store(name, key, EncodeReadPhoto(*result.photo));
   }
   return result;
 }
@@ -128,10 +146,7 @@ MappingPhoto PhotoOf(const std::string& name, int camera_idx, ReadPhotoResult re
   photo.descriptors = std::move(read.descriptors);
   photo.gps = GpsOf(read.exif);
   photo.gps_accuracy_m = read.exif.gps_error_m;
-  if (read.has_exif) {
-    photo.down_in_cam_hint = -UpInCam(FromExifOrientation(read.exif.orientation));
-  }
-  photo.time_s = read.exif.time_s;
+  photo.gps_has_height = read.exif.has_altitude;
   return photo;
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <memory>
 #include <span>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "mapping/session/photo_places.h"
 #include "mapping/session/stage_codec.h"
 #include "mapping/work/work_folder.h"
+#include "storage/tile/content_digest.h"
 
 namespace cairn {
 namespace {
@@ -43,27 +45,38 @@ class StageClock {
   std::chrono::steady_clock::time_point start_;
 };
 
-// What results depend on beside the photos. The first number changes if a stage does.
-std::string KeyOf(const PhotoFolder& folder, const PhotoPlaces& places,
-                  const MappingOptions& options) {
-  std::string key = fmt::format("mapping 1 {}", folder.digest);
+// The work folder keeps each key with its file, so a long text becomes its digest.
+std::string DigestOf(const std::string& text) {
+  return ContentDigest({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+}
+
+// What two views depend on. The first number changes if a stage does.
+std::string ViewsKeyOf(const PhotoFolder& folder, const PhotoPlaces& places,
+                       const MappingOptions& options) {
+  std::string key = fmt::format("mapping 2 {}", folder.digest);
   const PairOptions& p = options.pairs;
   key += fmt::format(" pairs {} {} {} {} {} {}", p.max_partners, p.max_exhaustive, p.max_voters,
                      p.neighbors_per_voter, p.max_distance_m, p.default_accuracy_m);
   const TwoViewOptions& t = options.two_views;
   key += fmt::format(" views {} {} {} {} {}", t.descriptors.max_ratio, t.descriptors.max_distance,
                      t.min_inliers, t.max_iterations, t.seed);
-  const GrowthOptions& g = options.growth;
-  key += fmt::format(" growth {} {} {} {} {} {} {} {} {}", g.min_inliers, g.min_link_share,
-                     g.min_witnesses, g.max_rotation_error_rad, g.max_direction_error_rad,
-                     g.default_gps_accuracy_m, g.adjust_after_growth, g.min_photos, g.seed);
-  for (const auto& position : places.positions) {
-    key += position
-               ? fmt::format(" {} {} {} {}", position->position.lat_rad, position->position.lon_rad,
-                             position->position.h_m, position->accuracy_m)
-               : " -";
+  for (size_t i = 0; i < places.positions.size(); ++i) {
+    const auto& position = places.positions[i];
+    key += position ? fmt::format(" {} {} {} {} {} {}", position->position.lat_rad,
+                                  position->position.lon_rad, position->position.h_m,
+                                  position->accuracy_m, position->has_height,
+                                  folder.set.photos[i].gps_accuracy_m.value_or(0.0))
+                    : " -";
   }
-  return key;
+  return DigestOf(key);
+}
+
+// What segments depend on.
+std::string SegmentsKeyOf(const std::string& views_key, const GrowthOptions& g) {
+  return DigestOf(fmt::format("{} growth {} {} {} {} {} {} {} {} {}", views_key, g.min_inliers,
+                              g.min_link_share, g.min_witnesses, g.max_rotation_error_rad,
+                              g.max_direction_error_rad, g.default_gps_accuracy_m,
+                              g.adjust_after_growth, g.min_photos, g.seed));
 }
 
 // The stages, with the work folder between them.
@@ -104,6 +117,8 @@ class Mapper {
                                  size_t total, bool* from_work);
   Growth Grow();
   void Place(const Growth& growth);
+  void PlaceOne(const Segment& segment);
+  void LeaveOut(const Segment& segment, const std::string& problem, const std::string& reason);
   void Add(const PlacedSegment& placed);
   void FillImages();
   void ReportCameras();
@@ -116,7 +131,7 @@ class Mapper {
   std::unique_ptr<WorkFolder> work_;
   PhotoFolder folder_;
   PhotoPlaces places_;
-  std::string key_;
+  std::string views_key_, segments_key_;
   std::vector<int> photo_of_image_;  // Of the model.
   MappedPhotos result_;
 };
@@ -140,7 +155,8 @@ void Mapper::Read() {
                             num_read, result_.num_photos, options_.growth.min_photos));
   }
   places_ = FindPhotoPlaces(input_, &folder_, &result_.notes);
-  key_ = KeyOf(folder_, places_, options_);
+  views_key_ = ViewsKeyOf(folder_, places_, options_);
+  segments_key_ = SegmentsKeyOf(views_key_, options_.growth);
   clock.End(folder_.num_from_work == num_read);
 }
 
@@ -148,7 +164,7 @@ std::vector<TwoView> Mapper::MatchPart(std::span<const std::pair<int, int>> pair
                                        size_t total, bool* from_work) {
   const std::string name = fmt::format("views-{:05}", first / kPairsPerFile);
   if (work_) {
-    if (const auto stored = work_->Load(name, key_)) {
+    if (const auto stored = work_->Load(name, views_key_)) {
       return DecodeTwoViews(*stored, folder_.set, work_->PathOf(name));
     }
   }
@@ -158,7 +174,7 @@ std::vector<TwoView> Mapper::MatchPart(std::span<const std::pair<int, int>> pair
         Report("matching", static_cast<int64_t>(first) + done, static_cast<int64_t>(total));
       });
   if (work_) {
-    work_->Store(name, key_, EncodeTwoViews(views));
+    work_->Store(name, views_key_, EncodeTwoViews(views));
   }
   return views;
 }
@@ -184,7 +200,7 @@ std::vector<TwoView> Mapper::Match() {
 Growth Mapper::Grow() {
   if (work_) {
     StageClock clock("growth", &result_.stages);
-    if (const auto stored = work_->Load("segments", key_)) {
+    if (const auto stored = work_->Load("segments", segments_key_)) {
       Growth growth = DecodeGrowth(*stored, folder_.set, work_->PathOf("segments"));
       clock.End(true);
       return growth;
@@ -194,7 +210,7 @@ Growth Mapper::Grow() {
   StageClock clock("growth", &result_.stages);
   Growth growth = GrowSegments(folder_.set, views, options_.growth, Reporter("growth"));
   if (work_) {
-    work_->Store("segments", key_, EncodeGrowth(growth));
+    work_->Store("segments", segments_key_, EncodeGrowth(growth));
   }
   clock.End(false);
   return growth;
@@ -210,30 +226,23 @@ void Mapper::Place(const Growth& growth) {
   StageClock clock("placement", &result_.stages);
   result_.position_of_photo.resize(folder_.set.photos.size());
   result_.center_of_photo.resize(folder_.set.photos.size());
+  std::exception_ptr first_problem;
   for (size_t i = 0; i < growth.segments.size(); ++i) {
     Report("placement", static_cast<int64_t>(i), static_cast<int64_t>(growth.segments.size()));
-    SegmentReport report;
-    report.num_photos = static_cast<int>(growth.segments[i].photo_of_image.size());
     try {
-      const PlacedSegment placed =
-          PlaceSegment(folder_.set, places_, growth.segments[i], georegister_, options_.adjust);
-      report.georegistration = placed.georegistration;
-      report.adjustment = placed.adjustment;
-      Add(placed);
+      PlaceOne(growth.segments[i]);
     } catch (const Error& error) {
-      if (i == 0 || error.code() != ErrorCode::kBadInput) {
+      if (error.code() != ErrorCode::kBadInput && error.code() != ErrorCode::kInternal) {
         throw;
       }
-      report.problem = error.what();
-      for (const int photo : growth.segments[i].photo_of_image) {
-        result_.left_out.push_back(
-            {folder_.set.photos[photo].name,
-             fmt::format("is in a part of {} photos that is not connected to the others and has "
-                         "no place of its own",
-                         report.num_photos)});
+      if (!first_problem) {
+        first_problem = std::current_exception();
       }
+      LeaveOut(growth.segments[i], error.what(), "has no place of its own");
     }
-    result_.segments.push_back(std::move(report));
+  }
+  if (result_.model.images.empty()) {
+    std::rethrow_exception(first_problem);
   }
   Report("placement", static_cast<int64_t>(growth.segments.size()),
          static_cast<int64_t>(growth.segments.size()));
@@ -243,6 +252,48 @@ void Mapper::Place(const Growth& growth) {
   clock.End(false);
 }
 
+void Mapper::PlaceOne(const Segment& segment) {
+  const PlacedSegment placed =
+      PlaceSegment(folder_.set, places_, segment, georegister_, options_.adjust);
+  if (input_.one_segment && !result_.model.images.empty()) {
+    LeaveOut(segment,
+             "has a place of its own, but a session joins the map as one piece; map these photos "
+             "alone, with a --session of their own",
+             "needs a --session of its own: map these photos alone");
+    return;
+  }
+  Add(placed);
+  SegmentReport report;
+  report.num_photos = static_cast<int>(segment.photo_of_image.size());
+  report.georegistration = placed.georegistration;
+  report.adjustment = placed.adjustment;
+  result_.segments.push_back(std::move(report));
+}
+
+// `problem` is of the segment, `reason` completes a sentence about each of its photos.
+void Mapper::LeaveOut(const Segment& segment, const std::string& problem,
+                      const std::string& reason) {
+  SegmentReport report;
+  report.num_photos = static_cast<int>(segment.photo_of_image.size());
+  report.problem = problem;
+  for (const int photo : segment.photo_of_image) {
+    result_.left_out.push_back(
+        {folder_.set.photos[photo].name,
+         fmt::format("is in a part of {} photos that is not connected to the others and {}",
+                     report.num_photos, reason)});
+  }
+  result_.segments.push_back(std::move(report));
+}
+
+// `all` states the worst of its segments: the session has one accuracy for all of them.
+void TakeWorst(const Georegistration& segment, Georegistration* all) {
+  const auto take = [](double of_segment, double* worst) { *worst = std::max(*worst, of_segment); };
+  take(segment.accuracy.position_m, &all->accuracy.position_m);
+  take(segment.accuracy.rotation_rad, &all->accuracy.rotation_rad);
+  take(segment.stated_accuracy_m, &all->stated_accuracy_m);
+  take(segment.median_residual_m, &all->median_residual_m);
+}
+
 // Appends the segment to the model, in whose world it is moved.
 void Mapper::Add(const PlacedSegment& placed) {
   Reconstruction& model = result_.model;
@@ -250,6 +301,7 @@ void Mapper::Add(const PlacedSegment& placed) {
     result_.ecef_from_world = placed.georegistration.ecef_from_world;
     result_.georegistration = placed.georegistration;
   }
+  TakeWorst(placed.georegistration, &result_.georegistration);
   const Sim3d world_from_segment =
       Rigid3d(result_.ecef_from_world.rotation, result_.ecef_from_world.translation).Inverse() *
       placed.georegistration.ecef_from_world;

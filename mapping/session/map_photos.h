@@ -43,8 +43,11 @@ struct MapPhotosInput {
   // Of the heights; unset: sea level for EXIF, the ellipsoid for a CSV.
   std::optional<HeightReference> height;
   std::optional<double> camera_height_m;  // Of positions without a height.
-  std::string work_dir;                   // Empty: nothing is kept.
-  int num_threads = 1;                    // The result does not depend on it.
+  // Only the largest segment that has a place becomes part of the model. For a session that joins a
+  // map: the map moves a session as one piece, but segments are placed apart from each other.
+  bool one_segment = false;
+  std::string work_dir;  // Empty: nothing is kept.
+  int num_threads = 1;   // The result does not depend on it.
 };
 
 struct StageCost {
@@ -71,10 +74,13 @@ struct CameraReport {
 };
 
 struct MappedPhotos {
-  // All segments that have a place, in one frame: east-north-up at `ecef_from_world`'s origin.
+  // All segments that have a place, or the largest (MapPhotosInput::one_segment), in one frame:
+  // east-north-up at `ecef_from_world`'s origin.
   Reconstruction model;
   Sim3d ecef_from_world;
-  Georegistration georegistration;      // Of the largest segment.
+  // Of the largest placed segment; but `accuracy`, `stated_accuracy_m` and `median_residual_m` are
+  // the worst of the placed segments.
+  Georegistration georegistration;
   std::vector<SegmentReport> segments;  // Largest first.
   std::vector<CameraReport> cameras;
   std::vector<LeftOutPhoto> left_out;
@@ -94,8 +100,8 @@ using MapProgress = std::function<void(const char* phase, int64_t done, int64_t 
 // Reads photos, finds pairs, matches them, grows segments, places them on Earth. With a work
 // folder, a second run with the same input goes on where the first was killed, with the same
 // result. Throws Error(kBadInput), with what to do, if fewer than three photos can be read or have
-// a position, if no three photos show the same, or if the largest segment cannot be placed; what
-// ReadPhotos and WorkFolder throw.
+// a position, if no three photos show the same, or if no segment can be placed, then for the reason
+// of the largest one; what ReadPhotos and WorkFolder throw.
 MappedPhotos MapPhotos(const MapPhotosInput& input, const MappingOptions& options,
                        const GeoregisterOptions& georegister, const MapProgress& progress = {});
 

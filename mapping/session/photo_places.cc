@@ -25,9 +25,18 @@ std::vector<CameraPosition> PositionsOfTable(const std::string& path, const Phot
   }
   const NameMatches matches = MatchNames(wanted, known);
   std::vector<CameraPosition> named;
+  std::map<std::string, std::string> wanted_of_known;
   for (size_t i = 0; i < positions.size(); ++i) {
     if (matches.known_of_wanted[i] >= 0) {
-      positions[i].image_name = known[matches.known_of_wanted[i]];
+      const std::string& name = known[matches.known_of_wanted[i]];
+      const auto [first, is_new] = wanted_of_known.try_emplace(name, wanted[i]);
+      if (!is_new) {
+        throw Error(ErrorCode::kBadInput,
+                    fmt::format("{}: two rows, {} and {}, are positions of the photo {}; leave one",
+                                Printable(path), Excerpt(first->second), Excerpt(wanted[i]),
+                                Excerpt(name)));
+      }
+      positions[i].image_name = name;
       named.push_back(positions[i]);
     }
   }
@@ -43,11 +52,21 @@ std::vector<CameraPosition> PositionsOfExif(const PhotoSet& set, double accuracy
   std::vector<CameraPosition> positions;
   for (const MappingPhoto& photo : set.photos) {
     if (photo.gps) {
-      positions.push_back(
-          {photo.name, *photo.gps, photo.gps_accuracy_m.value_or(accuracy_m), true});
+      positions.push_back({photo.name, *photo.gps, photo.gps_accuracy_m.value_or(accuracy_m),
+                           photo.gps_has_height});
     }
   }
   return positions;
+}
+
+void RequireEnough(size_t num_positions, size_t num_photos, bool has_table) {
+  if (num_positions < kMinPositions) {
+    throw Error(
+        ErrorCode::kBadInput,
+        fmt::format("{} of {} photos have a position {}, so their place on Earth is "
+                    "unknown; give positions of three photos or more: --gps CSV",
+                    num_positions, num_photos, has_table ? "in the table" : "in their EXIF"));
+  }
 }
 
 void AddNotes(const PositionFindings& findings, size_t num_positions, size_t num_photos,
@@ -74,14 +93,9 @@ PhotoPlaces FindPhotoPlaces(const MapPhotosInput& input, PhotoFolder* folder,
   PhotoSet& set = folder->set;
   std::vector<CameraPosition> positions = has_table ? PositionsOfTable(input.positions_path, set)
                                                     : PositionsOfExif(set, input.gps_accuracy_m);
-  if (positions.size() < kMinPositions) {
-    throw Error(ErrorCode::kBadInput,
-                fmt::format("{} of {} photos have a position {}, so their place on Earth is "
-                            "unknown; give positions of three photos or more: --gps CSV",
-                            positions.size(), set.photos.size(),
-                            has_table ? "in the table" : "in their EXIF"));
-  }
+  RequireEnough(positions.size(), set.photos.size(), has_table);
   const PositionFindings findings = CheckPositions(input.camera_height_m, &positions);
+  RequireEnough(positions.size(), set.photos.size(), has_table);  // Without those at 0, 0.
   AddNotes(findings, positions.size(), set.photos.size(), notes);
   MakeHeightsEllipsoidal(input.height.value_or(has_table ? HeightReference::kEllipsoid
                                                          : HeightReference::kMeanSeaLevel),
@@ -94,12 +108,17 @@ PhotoPlaces FindPhotoPlaces(const MapPhotosInput& input, PhotoFolder* folder,
   places.orientations = folder->orientation_of_photo;
   for (MappingPhoto& photo : set.photos) {
     const auto found = position_of_name.find(photo.name);
-    photo.gps.reset();
-    photo.gps_accuracy_m.reset();
     places.positions.emplace_back();
-    if (found != position_of_name.end()) {
-      places.positions.back() = found->second;
-      photo.gps = found->second.position;
+    photo.gps.reset();
+    if (found == position_of_name.end()) {
+      photo.gps_accuracy_m.reset();
+      continue;
+    }
+    places.positions.back() = found->second;
+    photo.gps = found->second.position;
+    photo.gps_has_height = found->second.has_height;
+    // An EXIF that states no accuracy leaves it to the options of the stages.
+    if (has_table) {
       photo.gps_accuracy_m = found->second.accuracy_m;
     }
   }

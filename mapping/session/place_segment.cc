@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/radius68.h"
+#include "mapping/growth/camera_freedom.h"
 
 namespace cairn {
 namespace {
@@ -78,12 +79,22 @@ AdjustPriors PriorsOf(const PhotoSet& set, const PhotoPlaces& places, const Segm
   return priors;
 }
 
-}  // namespace
-
-CameraFreedom FreedomOf(const MappingCamera& camera) {
-  return camera.source == FocalSource::kCalibration ? CameraFreedom::kFixed
-                                                    : CameraFreedom::kFocalAndDistortion;
+// For each camera of the set.
+std::vector<CameraFreedom> FreedomsOf(const PhotoSet& set, const Reconstruction& model) {
+  std::vector<int> num_photos(set.cameras.size(), 0);
+  for (const ReconImage& image : model.images) {
+    ++num_photos[image.camera_idx];
+  }
+  std::vector<CameraFreedom> freedom;
+  for (size_t i = 0; i < set.cameras.size(); ++i) {
+    freedom.push_back(HasFocalOfExif(set.cameras[i], model.cameras[i])
+                          ? CameraFreedom::kFixed
+                          : FreedomOf(set.cameras[i], num_photos[i], /*is_final=*/true));
+  }
+  return freedom;
 }
+
+}  // namespace
 
 PlacedSegment PlaceSegment(const PhotoSet& set, const PhotoPlaces& places, Segment segment,
                            const GeoregisterOptions& options, const AdjustOptions& adjust) {
@@ -92,10 +103,7 @@ PlacedSegment PlaceSegment(const PhotoSet& set, const PhotoPlaces& places, Segme
   placed.origin = OriginOf(segment.model, ecef_from_world);
   const Rigid3d enu_from_ecef = EcefFromEnu(placed.origin).Inverse();
   Move(enu_from_ecef * ecef_from_world, &segment.model);
-  std::vector<CameraFreedom> freedom;
-  for (const MappingCamera& camera : set.cameras) {
-    freedom.push_back(FreedomOf(camera));
-  }
+  const std::vector<CameraFreedom> freedom = FreedomsOf(set, segment.model);
   placed.adjustment =
       Adjust(freedom, PriorsOf(set, places, segment, enu_from_ecef), adjust, segment.model);
   // The adjustment may turn a straight walk about itself, which its positions do not tell; the

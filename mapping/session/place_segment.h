@@ -26,10 +26,9 @@ struct PlacedSegment {
   AdjustReport adjustment;
 };
 
-// How much a camera of the set may change in an adjustment, and the prior of its focal length.
-CameraFreedom FreedomOf(const MappingCamera& camera);
-
-// Throws Error(kBadInput) as Georegister does, and if fewer than three photos have a position.
+// Cameras are as free as in the last adjustment of the growth (FreedomOf); a focal length of EXIF
+// that the growth held stays. Throws Error(kBadInput) as Georegister does, and if fewer than three
+// photos have a position.
 PlacedSegment PlaceSegment(const PhotoSet& set, const PhotoPlaces& places, Segment segment,
                            const GeoregisterOptions& options, const AdjustOptions& adjust);
 

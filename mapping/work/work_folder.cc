@@ -5,10 +5,12 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <string_view>
 #include <system_error>
 
 #include "core/error.h"
@@ -31,11 +33,23 @@ constexpr uint64_t kMaxBytes = uint64_t{1} << 33;
   throw Error(ErrorCode::kIo, fmt::format("{}: {}", Printable(path), reason));
 }
 
+// How the names of the files begin that a run writes: the stages' results, and the report. People
+// may keep other files in the folder.
+constexpr std::array<std::string_view, 4> kOwnPrefixes = {"photo-", "views-", "segments.",
+                                                          "report.svg."};
+
+bool IsOwnUnfinished(const fs::path& path) {
+  const std::string name = path.filename().string();
+  return path.extension() == kUnfinishedSuffix &&
+         std::any_of(kOwnPrefixes.begin(), kOwnPrefixes.end(),
+                     [&](std::string_view prefix) { return name.starts_with(prefix); });
+}
+
 void RemoveUnfinished(const std::string& path) {
   std::error_code error;
   fs::directory_iterator entry(path, error), end;
   for (; !error && entry != end; entry.increment(error)) {
-    if (entry->path().extension() == kUnfinishedSuffix) {
+    if (IsOwnUnfinished(entry->path())) {
       std::error_code ignored;
       fs::remove(entry->path(), ignored);
     }

@@ -15,9 +15,9 @@ namespace cairn {
 // called from several threads with different names.
 class WorkFolder {
  public:
-  // Makes the folder, locks it against other processes until the object is gone, and removes what a
-  // killed process left unfinished. Throws Error(kConflict) if another process uses the folder,
-  // and Error(kIo).
+  // Makes the folder, locks it against other processes until the object is gone, and removes the
+  // unfinished results that a killed process left. Throws Error(kConflict) if another process uses
+  // the folder, and Error(kIo).
   explicit WorkFolder(const std::string& path);
   ~WorkFolder();
   WorkFolder(const WorkFolder&) = delete;
@@ -27,7 +27,9 @@ class WorkFolder {
   // stored for another key, or if they are damaged: the stage then runs again.
   std::optional<std::vector<uint8_t>> Load(const std::string& name, const std::string& key) const;
 
-  // `name` has no '/'. Replaces what was stored under it. Throws Error(kIo), e.g. on a full disk.
+  // `name` has no '/', and is `segments` or begins with `photo-` or `views-`: unfinished files of
+  // other names are not removed. Replaces what was stored under it. Throws Error(kIo), e.g. on a
+  // full disk.
   void Store(const std::string& name, const std::string& key, std::span<const uint8_t> bytes) const;
 
   std::string PathOf(const std::string& name) const { return path_ + "/" + name; }

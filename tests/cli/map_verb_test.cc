@@ -86,6 +86,22 @@ TEST_F(MapVerb, RefusesATableOfOtherPhotos) {
   ExpectRefused(Map({"--gps", dir_.File("gps.csv")}), "none of its names");
 }
 
+TEST_F(MapVerb, RefusesTwoPositionsOfOnePhoto) {
+  for (int i = 1; i <= 3; ++i) {
+    AddPhoto(std::to_string(i) + ".pgm", i);
+  }
+  AddPositions("1.pgm,49,8,100\n2.pgm,49.1,8,100\n3.pgm,49,8.1,100\n2.pgm,49.2,8,100\n");
+  ExpectRefused(Map({"--gps", dir_.File("gps.csv")}), "2.pgm");
+}
+
+TEST_F(MapVerb, CountsNoPositionAtZero) {
+  for (int i = 1; i <= 3; ++i) {
+    AddPhoto(std::to_string(i) + ".pgm", i);
+  }
+  AddPositions("1.pgm,49.00012,8.00013,100\n2.pgm,49.10017,8.00011,100\n3.pgm,0,0,100\n");
+  ExpectRefused(Map({"--gps", dir_.File("gps.csv")}), "2 of 3 photos have a position");
+}
+
 TEST_F(MapVerb, SaysWhenPhotosShowNothingInCommon) {
   for (int i = 1; i <= 4; ++i) {
     AddPhoto(std::to_string(i) + ".pgm", i);
@@ -94,6 +110,17 @@ TEST_F(MapVerb, SaysWhenPhotosShowNothingInCommon) {
       "1.pgm,49,8,100\n2.pgm,49.0001,8,100\n3.pgm,49,8.0001,100\n4.pgm,49.0001,8.0001,1\n");
   ExpectRefused(Map({"--gps", dir_.File("gps.csv"), "--work", dir_.File("w")}),
                 "no three of the 4 photos show the same place");
+}
+
+TEST_F(MapVerb, RefusesAMapInAFolderThatIsNotThere) {
+  AddPhoto("1.pgm", 1);
+  const Finished finished = RunCairn({"map", dir_.File("none/town.gpkg"), dir_.File("photos")});
+  EXPECT_NE(finished.exit_code, 0);
+  EXPECT_THAT(finished.err, HasSubstr("the map cannot be made in"));
+}
+
+TEST_F(MapVerb, RefusesATimeBeforeItReadsPhotos) {
+  ExpectRefused(Map({"--recorded", "monday"}), "2026-01-31T12:00:00Z");
 }
 
 TEST_F(MapVerb, RefusesAFolderThatIsNotThere) { ExpectRefused(Map(), "there is no such folder"); }

@@ -242,6 +242,18 @@ TEST(Adjust, LeavesAModelWithoutLandmarks) {
   EXPECT_EQ(CentersOf(model), CentersOf(scene.truth));
 }
 
+TEST(Adjust, HoldsTheGaugeWithoutObservationsInTheFirstImage) {
+  Scene scene = MakeScene(0.2, Pinhole());
+  Reconstruction model = scene.truth;
+  for (ReconLandmark& landmark : model.landmarks) {
+    std::erase_if(landmark.observations,
+                  [](const ReconObservation& seen) { return seen.image_idx == 0; });
+  }
+  const AdjustReport report = Adjust(kFixed, {}, {}, model);
+  EXPECT_GT(report.num_observations, 0);
+  EXPECT_EQ(CentersOf(model).col(0), CentersOf(scene.truth).col(0));
+}
+
 TEST(AdjustOptions, RefuseWhatMakesNoSense) {
   AdjustOptions options;
   options.max_error_sigmas = 0.0;

@@ -47,6 +47,15 @@ TEST(PlaceSegment, DoesNotBendAStreetToPoorPositions) {
   EXPECT_LT(error.colwise().norm().maxCoeff(), 0.1);
 }
 
+TEST(PlaceSegment, KeepsAFocalLengthOfExifThatTheGrowthHeld) {
+  testing::StreetSegment street = testing::MakeStreetSegment(0.05);
+  MappingCamera& known = street.set.cameras[0];
+  known.source = FocalSource::kExif;
+  known.focal.log_sigma = 0.05;
+  const PlacedSegment placed = PlaceSegment(street.set, street.places, street.segment, {}, {});
+  EXPECT_EQ(placed.segment.model.cameras[0].params(), known.camera.params());
+}
+
 TEST(PlaceSegment, SaysHowManyPositionsItNeeds) {
   testing::StreetSegment street = testing::MakeStreetSegment(0.05);
   for (size_t i = 2; i < street.places.positions.size(); ++i) {

@@ -137,7 +137,6 @@ TEST(ReadPhotos, TakesThePositionsOfExif) {
   ASSERT_TRUE(folder.set.photos[0].gps);
   EXPECT_NEAR(folder.set.photos[0].gps->lat_deg(), 52.5, 0.1);
   EXPECT_EQ(folder.orientation_of_photo[0], 1);
-  EXPECT_TRUE(folder.set.photos[0].down_in_cam_hint);
 }
 
 TEST(FindPhotoFiles, NamesPhotosOfSeveralFoldersAfterThem) {

@@ -67,10 +67,18 @@ TEST(WorkFolder, IsForOneRunAtATime) {
 
 TEST(WorkFolder, RemovesWhatAKilledRunLeft) {
   const testing::TempDir dir;
-  const auto left = dir.path() / "pairs.0123.part";
+  const auto left = dir.path() / "views-00000.0123.part";
   std::ofstream(left) << "half";
   const WorkFolder folder(dir.path());
   EXPECT_FALSE(std::filesystem::exists(left));
+}
+
+TEST(WorkFolder, KeepsUnfinishedFilesOfOthers) {
+  const testing::TempDir dir;
+  const auto download = dir.path() / "holiday.zip.part";
+  std::ofstream(download) << "half";
+  const WorkFolder folder(dir.path());
+  EXPECT_TRUE(std::filesystem::exists(download));
 }
 
 }  // namespace

@@ -1,0 +1,35 @@
+// How much a camera of a set may change in an adjustment.
+#ifndef CAIRN_MAPPING_GROWTH_CAMERA_FREEDOM_H_
+#define CAIRN_MAPPING_GROWTH_CAMERA_FREEDOM_H_
+
+#include "mapping/adjust/adjust.h"
+#include "mapping/photo_set.h"
+
+namespace cairn {
+
+// Photos of one camera from which the focal length of EXIF can be improved and the distortion be
+// told apart from it. A few photos along one line determine neither.
+inline constexpr int kMinPhotosToCalibrate = 10;
+
+// The freedom of a camera that `num_photos` photos of the adjusted model have. Given intrinsics
+// stay. A guessed focal length is always adjusted; that of EXIF, and the distortion, only if
+// `is_final` and kMinPhotosToCalibrate photos have the camera.
+inline CameraFreedom FreedomOf(const MappingCamera& camera, int num_photos, bool is_final) {
+  if (camera.source == FocalSource::kCalibration || num_photos == 0) {
+    return CameraFreedom::kFixed;
+  }
+  if (is_final && num_photos >= kMinPhotosToCalibrate) {
+    return CameraFreedom::kFocalAndDistortion;
+  }
+  return camera.source == FocalSource::kGuess ? CameraFreedom::kFocal : CameraFreedom::kFixed;
+}
+
+// True if the growth of a segment put the camera back to the focal length of its EXIF and held it,
+// or never adjusted it: an adjustment does not return to the same number.
+inline bool HasFocalOfExif(const MappingCamera& known, const Camera& grown) {
+  return known.source == FocalSource::kExif && grown.focal_px() == known.camera.focal_px();
+}
+
+}  // namespace cairn
+
+#endif  // CAIRN_MAPPING_GROWTH_CAMERA_FREEDOM_H_
