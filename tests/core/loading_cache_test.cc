@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "support/map_builder.h"
+#include "support/expect_error.h"
 
 #ifdef __SANITIZE_THREAD__
 // The reference count of a shared exception lives in libstdc++, where the sanitizer cannot see that

@@ -15,31 +15,9 @@
 #include "storage/map/map_store.h"
 #include "storage/tile/tile.h"
 #include "storage/tile/tile_codec.h"
+#include "support/expect_error.h"
 
 namespace cairn::testing {
-
-// Returns the code of the cairn::Error that `action` throws, or nullopt if it throws none.
-template <typename Action>
-std::optional<ErrorCode> ErrorCodeOf(const Action& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.code();
-  }
-  return std::nullopt;
-}
-
-// Expects an error of that code whose message has `text`.
-inline void ExpectError(const std::function<void()>& action, ErrorCode code,
-                        const std::string& text) {
-  try {
-    action();
-    ADD_FAILURE() << "no error; expected: " << text;
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), code) << error.what();
-    EXPECT_THAT(error.what(), ::testing::HasSubstr(text));
-  }
-}
 
 inline TileId TileAt(double lat_deg, double lon_deg) {
   return TileId::Containing(Geodetic::FromDegrees(lat_deg, lon_deg, 0.0));
