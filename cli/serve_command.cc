@@ -219,11 +219,22 @@ void AddFrontOption(CLI::App* command, ServerOptions* options) {
       ->type_name("ADDRESS,...");
 }
 
+// A variable of the shell that is not set must not open the server.
+CLI::Validator NotEmpty() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        return text.empty() ? std::string("the name of the file is empty") : std::string();
+      },
+      "");
+}
+
 void AddKeysOption(CLI::App* command, ServerOptions* options) {
   command
-      ->add_option("--api-keys", options->api_keys_path,
-                   "File of the API keys that may use the server ('cairn keys' writes it). Without "
-                   "it, everybody may do everything")
+      ->add_option_function<std::string>(
+          "--api-keys", [options](const std::string& path) { options->api_keys_path = path; },
+          "File of the API keys that may use the server ('cairn keys' writes it). Without "
+          "it, everybody may do everything")
+      ->check(NotEmpty())
       ->type_name("FILE");
   RefuseKeyOnCommandLine(command, "name a file with --api-keys");
 }

@@ -185,6 +185,33 @@ TEST_F(ApiKeys, AreNeededFromTheBeginning) {
   EXPECT_THROW(Server{options}, Error);
 }
 
+TEST_F(ApiKeys, AreNotTurnedOffByAnEmptyPath) {
+  ServerOptions options = Options();
+  options.api_keys_path = "";
+  try {
+    Server server(options);
+    ADD_FAILURE() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kInvalidArgument);
+    EXPECT_THAT(error.what(), HasSubstr("server.api_keys_path is empty"));
+  }
+}
+
+// On loopback, a front may make the server open to others.
+TEST_F(ApiKeys, AreMissedIfAFrontPassesRequestsOn) {
+  const auto log_of = [](const ServerOptions& options) {
+    ::testing::internal::CaptureStderr();
+    Server(options).Start();
+    return ::testing::internal::GetCapturedStderr();
+  };
+  ServerOptions options = Options();
+  EXPECT_THAT(log_of(options), Not(HasSubstr("without --api-keys")));
+  options.trusted_fronts = "127.0.0.1";
+  EXPECT_THAT(log_of(options), HasSubstr("without --api-keys"));
+  options.api_keys_path = path_;
+  EXPECT_THAT(log_of(options), Not(HasSubstr("without --api-keys")));
+}
+
 TEST_F(ApiKeys, AreCountedByTheirLabels) {
   StatusOf("/v1/tiles", "viewer");
   StatusOf("/v1/tiles", "app");
