@@ -105,14 +105,18 @@ void Dispatcher::Admit(const Route& route, HttpRequest* request) const {
 }
 
 void Dispatcher::CheckHead(const RequestHead& head) {
-  const std::optional<Target> target = keys_ == nullptr ? std::nullopt : ParseTarget(head.target);
-  if (!target) {
+  if (keys_ == nullptr || head.content_length == 0) {
     return;
   }
-  const Router::Match match = router_.Find(head.method, target->path);
-  if (match.route != nullptr && !match.route->needs.empty()) {
-    KeyRing::RequireRight(keys_->Identify(PresentedKey(head.headers)), match.route->needs);
+  const std::optional<Target> target = ParseTarget(head.target);
+  if (!target) {
+    throw HttpError(ProblemCode::kBadRequest, "the target has a malformed percent escape");
   }
+  const Router::Match match = router_.Find(head.method, target->path);
+  if (match.route == nullptr || match.route->needs.empty()) {
+    throw HttpError(ProblemCode::kPayloadTooLarge, "this route takes no body");
+  }
+  KeyRing::RequireRight(keys_->Identify(PresentedKey(head.headers)), match.route->needs);
 }
 
 HttpResponse Dispatcher::Run(HttpRequest* sent, Outcome* outcome) const {

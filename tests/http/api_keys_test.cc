@@ -155,6 +155,15 @@ TEST_F(ApiKeys, AreLookedAtBeforeABodyIsRead) {
       "Expect: 100-continue\r\n";
   EXPECT_EQ(Exchange(head + "\r\n").status, 401);
   EXPECT_EQ(Exchange(head + "X-API-Key: viewer-secret\r\n\r\n").status, 403);
+  const auto status_of = [&](const std::string& request_line) {
+    return Exchange(request_line + " HTTP/1.1\r\nHost: h\r\nContent-Length: 20000000\r\n\r\n")
+        .status;
+  };
+  EXPECT_EQ(status_of("POST /v1/localize?x=%zz"), 400);
+  EXPECT_EQ(status_of("POST /nowhere"), 404);
+  EXPECT_EQ(status_of("POST /livez"), 405);
+  EXPECT_EQ(status_of("GET /livez"), 413);
+  EXPECT_EQ(status_of("OPTIONS /v1/localize"), 413);
   testing::RawSocket invited(guarded_->port());
   invited.Send(head + "X-API-Key: app-secret\r\n\r\n");
   EXPECT_THAT(invited.ReadResponse(), StartsWith("HTTP/1.1 100 Continue"));
