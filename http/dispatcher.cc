@@ -76,6 +76,13 @@ HttpResponse PreflightResponse(const std::string& allow, const HttpRequest& requ
               {"Vary", "Access-Control-Request-Headers"}}};
 }
 
+// For an instant of a moment ago.
+KeyRing::Now TimeOfUse(std::chrono::steady_clock::time_point steady) {
+  const auto unix_time = std::chrono::system_clock::now().time_since_epoch();
+  return {.steady = steady,
+          .unix_s = std::chrono::duration_cast<std::chrono::seconds>(unix_time).count()};
+}
+
 }  // namespace
 
 void Dispatcher::LogFailure(const HttpRequest& request, const std::string& route_pattern,
@@ -98,10 +105,7 @@ void Dispatcher::Admit(const Route& route, HttpRequest* request) const {
   request->label = holder.key.label;
   request->client = holder.client;
   KeyRing::RequireRight(holder, route.needs);
-  const auto unix_time = std::chrono::system_clock::now().time_since_epoch();
-  keys_->Charge(holder,
-                {.steady = request->arrival,
-                 .unix_s = std::chrono::duration_cast<std::chrono::seconds>(unix_time).count()});
+  keys_->Charge(holder, TimeOfUse(request->arrival));
 }
 
 void Dispatcher::CheckHead(const RequestHead& head) {
@@ -116,7 +120,9 @@ void Dispatcher::CheckHead(const RequestHead& head) {
   if (match.route == nullptr || match.route->needs.empty()) {
     throw HttpError(ProblemCode::kPayloadTooLarge, "this route takes no body");
   }
-  KeyRing::RequireRight(keys_->Identify(PresentedKey(head.headers)), match.route->needs);
+  const KeyRing::Holder holder = keys_->Identify(PresentedKey(head.headers));
+  KeyRing::RequireRight(holder, match.route->needs);
+  keys_->CheckUse(holder, TimeOfUse(std::chrono::steady_clock::now()));
 }
 
 HttpResponse Dispatcher::Run(HttpRequest* sent, Outcome* outcome) const {

@@ -25,8 +25,8 @@ class Dispatcher : public RequestHandler {
 
   const Router& router() const { return router_; }
 
-  // On a server with keys, refuses an upload unless its route exists and its key may use the route.
-  // What is open to all takes no upload.
+  // On a server with keys, refuses an upload unless its route exists and its key may use the route
+  // now. What is open to all takes no upload.
   void CheckHead(const RequestHead& head) override;
   HttpResponse Handle(HttpRequest request) override;
   HttpResponse Refuse(const HttpError& error, const RefusedRequest& request) override;

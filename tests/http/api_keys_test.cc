@@ -169,6 +169,30 @@ TEST_F(ApiKeys, AreLookedAtBeforeABodyIsRead) {
   EXPECT_THAT(invited.ReadResponse(), StartsWith("HTTP/1.1 100 Continue"));
 }
 
+TEST_F(ApiKeys, AreRefusedBeforeABodyIsReadIfTheyAreUsedUp) {
+  ApiKey slow = Named("slow", KeyRight::kLocalize);
+  slow.rate_per_s = 0.001;
+  slow.burst = 1;
+  ApiKey daily = Named("daily", KeyRight::kLocalize);
+  daily.quota_per_day = 1;
+  Write({slow, daily});
+  guarded_->ReloadKeys();
+  for (const std::string label : {"slow", "daily"}) {
+    const std::string header = "X-API-Key: " + label + "-secret";
+    const std::string upload =
+        "POST /v1/localize HTTP/1.1\r\nHost: h\r\nContent-Length: 20000000\r\n"
+        "Expect: 100-continue\r\n" +
+        header + "\r\n\r\n";
+    testing::RawSocket invited(guarded_->port());
+    invited.Send(upload);
+    EXPECT_THAT(invited.ReadResponse(), StartsWith("HTTP/1.1 100 Continue")) << label;
+    EXPECT_EQ(Request("POST", "/v1/localize", header).status, 415) << "a head alone does not count";
+    const Reply refused = Exchange(upload);
+    EXPECT_EQ(refused.status, 429) << label;
+    EXPECT_THAT(refused.head, HasSubstr("Retry-After: "));
+  }
+}
+
 TEST_F(ApiKeys, AreReadAgain) {
   Write({Named("new", KeyRight::kLook)});
   EXPECT_EQ(StatusOf("/v1/tiles", "viewer"), 200) << "not before the server is told";
