@@ -182,15 +182,31 @@ HttpResponse Dispatcher::Handle(HttpRequest request) {
   return response;
 }
 
+std::string Dispatcher::LabelOf(const HttpError& error, const RefusedRequest& request) const {
+  if (keys_ == nullptr || (error.problem() != ProblemCode::kForbidden &&
+                           error.problem() != ProblemCode::kTooManyRequests)) {
+    return "";
+  }
+  try {
+    return keys_->Identify(PresentedKey(request.headers)).key.label;
+  } catch (const HttpError&) {
+    return "";  // The key has been removed since.
+  }
+}
+
 HttpResponse Dispatcher::Refuse(const HttpError& error, const RefusedRequest& request) {
   HttpResponse response = ProblemResponse(error, request.request_id);
   AddCommonHeaders(request.request_id, &response);
   metrics_->CountRequest("", response.status, 0.0);
+  const std::string label = LabelOf(error, request);
+  if (!label.empty()) {
+    metrics_->CountClient(label, response.status);
+  }
   if (access_log_ != nullptr) {
     const std::string_view target = request.target;
     access_log_->Add({.time = std::chrono::system_clock::now(),
                       .client = request.remote_address,
-                      .label = "",
+                      .label = label,
                       .method = request.method,
                       .path = target.substr(0, target.find('?')),
                       .status = response.status,

@@ -39,6 +39,8 @@ class Dispatcher : public RequestHandler {
   };
 
   HttpResponse Run(HttpRequest* request, Outcome* outcome) const;
+  // The label of the key that was known and refused by the head, or empty.
+  std::string LabelOf(const HttpError& error, const RefusedRequest& request) const;
   // Lets the holder of a key use the route, and names the holder in the request.
   void Admit(const Route& route, HttpRequest* request) const;
 

@@ -134,7 +134,8 @@ struct Listener::Impl {
         .request_id = request_ids.Next(),
         .remote_address = ClientOf(peer, head, options.trusted_fronts).address,
         .method = head.method,
-        .target = head.target};
+        .target = head.target,
+        .headers = head.headers};
     return SerializeResponse(handler->Refuse(error, refused), /*is_head=*/false,
                              /*keep_alive=*/std::nullopt);
   }

@@ -254,6 +254,15 @@ TEST_F(ApiKeys, AreCountedByTheirLabels) {
   EXPECT_THAT(metrics, Not(HasSubstr("secret")));
 }
 
+TEST_F(ApiKeys, AreCountedByTheirLabelsIfTheHeadIsRefused) {
+  const Reply refused = Exchange(
+      "POST /v1/localize HTTP/1.1\r\nHost: h\r\nContent-Length: 20000000\r\n"
+      "X-API-Key: viewer-secret\r\n\r\n");
+  EXPECT_EQ(refused.status, 403);
+  EXPECT_THAT(Request("GET", "/metrics", "X-API-Key: viewer-secret").body,
+              HasSubstr("cairn_client_requests_total{label=\"viewer\",status=\"403\"} 1"));
+}
+
 // The lines of a server's access log.
 class AccessLines : public ApiKeys {
  protected:
@@ -283,8 +292,11 @@ TEST_F(AccessLines, TellWhoAskedForWhat) {
   Request("GET", "/metrics", "X-API-Key: app-secret");
   Exchange("POST /v1/localize?secret=abc HTTP/1.1\r\nHost: h\r\nContent-Length: 20000000\r\n\r\n");
   Exchange("no HTTP\r\n\r\n");
+  Exchange(
+      "POST /v1/localize HTTP/1.1\r\nHost: h\r\nContent-Length: 20000000\r\n"
+      "X-API-Key: viewer-secret\r\n\r\n");
   const std::vector<nlohmann::json> lines = Lines();
-  ASSERT_EQ(lines.size(), 5u);
+  ASSERT_EQ(lines.size(), 6u);
   EXPECT_EQ(lines[0]["label"], "viewer");
   EXPECT_EQ(lines[0]["path"], "/v1/tiles");
   EXPECT_EQ(lines[0]["status"], 200);
@@ -300,6 +312,8 @@ TEST_F(AccessLines, TellWhoAskedForWhat) {
   EXPECT_EQ(lines[3]["status"], 401);
   EXPECT_EQ(lines[4]["reason"], "bad_request");
   EXPECT_EQ(lines[4]["client"], "127.0.0.1");
+  EXPECT_EQ(lines[5]["label"], "viewer");
+  EXPECT_EQ(lines[5]["reason"], "forbidden");
   for (const nlohmann::json& line : lines) {
     EXPECT_THAT(line.dump(), Not(HasSubstr("secret")));
   }
