@@ -22,6 +22,8 @@ namespace {
 
 // Holds the lines of a second at 10,000 requests a second.
 constexpr size_t kMaxPendingBytes = size_t{4} << 20;
+// Longer than all paths of the API. JSON may need six bytes for one of them.
+constexpr size_t kMaxPathBytes = 256;
 // How long a pipe may be full before its lines are lost.
 constexpr int kPipePatienceMs = 1000;
 
@@ -41,7 +43,7 @@ std::string AccessLine(const AccessRecord& record) {
   nlohmann::ordered_json json = {{"time", TimeText(record.time)}, {"client", record.client}};
   json["label"] = record.label.empty() ? nlohmann::ordered_json() : record.label;
   json["method"] = record.method;
-  json["path"] = record.path;
+  json["path"] = record.path.substr(0, kMaxPathBytes);
   json["status"] = record.status;
   json["bytes"] = record.num_bytes;
   json["ms"] = std::round(1e4 * record.seconds) / 10.0;

@@ -73,6 +73,12 @@ TEST(AccessLog, NobodyWritesLinesOfTheirOwn) {
   EXPECT_EQ(json::parse(line).size(), 10u);
 }
 
+TEST(AccessLog, ALongPathIsCut) {
+  const std::string path = "/" + std::string(4000, 'x');
+  EXPECT_EQ(json::parse(AccessLine(RecordOf(path)))["path"], path.substr(0, 256));
+  EXPECT_LT(AccessLine(RecordOf(std::string(4000, '\x01'))).size(), 2000u);
+}
+
 TEST(AccessLog, AppendsEveryLineInOrder) {
   const testing::TempDir dir;
   const std::string path = dir.File("access.log");
