@@ -4,6 +4,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <poll.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -33,6 +34,13 @@ std::string TimeText(std::chrono::system_clock::time_point time) {
   return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z",
                      fmt::gmtime(std::chrono::system_clock::to_time_t(whole)),
                      floor<milliseconds>(time - whole).count());
+}
+
+bool AreSameFile(int a, int b) {
+  struct stat of_a {
+  }, of_b{};
+  return fstat(a, &of_a) == 0 && fstat(b, &of_b) == 0 && of_a.st_dev == of_b.st_dev &&
+         of_a.st_ino == of_b.st_ino;
 }
 
 int64_t NumLines(std::string_view text) { return std::count(text.begin(), text.end(), '\n'); }
@@ -139,8 +147,8 @@ void AccessLog::OpenAgain() {
              std::strerror(errno));
     return;
   }
+  is_within_line_ = is_within_line_ && AreSameFile(fd, fd_);
   close(std::exchange(fd_, fd));
-  is_within_line_ = false;
 }
 
 void AccessLog::Write(std::string_view lines) {

@@ -3,10 +3,12 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -203,6 +205,31 @@ TEST(AccessLog, SaysWhenLinesAreWrittenAgain) {
     EXPECT_THAT(own_log.ReadLine(), HasSubstr("is written again; 1 lines were lost"));
   }
   EXPECT_THAT(LogText(link), HasSubstr("/written"));
+}
+
+// A limit of the size of files breaks a line in the middle. Nobody has moved the file.
+TEST(AccessLog, ABrokenLineEndsAlsoIfTheSameFileIsOpenedAgain) {
+  const testing::TempDir dir;
+  const std::string path = dir.File("access.log");
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  std::signal(SIGXFSZ, SIG_IGN);
+  {
+    const OwnLog own_log;
+    AccessLog log(path);
+    const rlimit small{.rlim_cur = 100, .rlim_max = before.rlim_max};
+    EXPECT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+    log.Add(RecordOf("/broken"));
+    EXPECT_THAT(own_log.ReadLine(), HasSubstr("cannot be written: File too large"));
+    EXPECT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
+    log.Reopen();
+    log.Add(RecordOf("/whole"));
+    EXPECT_THAT(own_log.ReadLine(), HasSubstr("is written again; 1 lines were lost"));
+  }
+  std::signal(SIGXFSZ, SIG_DFL);
+  const std::string text = LogText(path);
+  ASSERT_EQ(CountLines(text), 2) << text;
+  EXPECT_EQ(json::parse(text.substr(text.find('\n')))["path"], "/whole");
 }
 
 // What a reader does not take is lost; nobody waits for it, and its end ends nothing else.
