@@ -107,7 +107,7 @@ void AllowOpenFiles() {
 void ShareHeapsAmongThreads() { mallopt(M_ARENA_MAX, NumCores()); }
 
 // Serves until SIGINT or SIGTERM arrives, which it returns, or until `end`, when it returns
-// nothing. SIGHUP reopens the map and the access log and reads the keys again. After every second
+// nothing. SIGHUP reads the keys again and reopens the map and the access log. After every second
 // with requests, returns freed memory to the system, because glibc would keep it.
 std::optional<int> ServeUntil(std::chrono::steady_clock::time_point end, const SignalQueue& signals,
                               Server* server) {
@@ -120,8 +120,8 @@ std::optional<int> ServeUntil(std::chrono::steady_clock::time_point end, const S
     }
     const std::optional<int> signal_number = signals.WaitFor(std::min(left, milliseconds(1000)));
     if (signal_number == SIGHUP) {
+      server->ReloadKeys();  // First: a removed key must not wait for a slow map.
       server->ReloadMap();
-      server->ReloadKeys();
       server->ReopenAccessLog();
     } else if (signal_number) {
       return signal_number;

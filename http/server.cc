@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <exception>
 #include <mutex>
 #include <optional>
 #include <stop_token>
@@ -151,7 +152,7 @@ void Server::ReloadKeys() {
     const std::vector<ApiKey> keys = ReadKeyFile(*impl_->api_keys_path);
     impl_->keys->Replace(keys);
     LogInfo("{} API keys are valid now", keys.size());
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     LogError("{}; the API keys of before stay valid", error.what());
   }
 }
