@@ -215,9 +215,17 @@ std::string KeysAsText(const std::vector<ApiKey>& keys) {
 }
 
 std::vector<ApiKey> ReadKeyFile(const std::string& path) {
-  const std::string text = ReadTextFile(path, kMaxFileBytes);
   struct stat info {};
-  if (stat(path.c_str(), &info) == 0 && S_ISREG(info.st_mode) && (info.st_mode & kTooOpen) != 0) {
+  const bool exists = stat(path.c_str(), &info) == 0;
+  if (exists && !S_ISREG(info.st_mode)) {
+    throw Error(
+        ErrorCode::kBadInput,
+        fmt::format("{}: is no regular file; a pipe, as <(...) is one, cannot be read again "
+                    "after SIGHUP",
+                    path));
+  }
+  const std::string text = ReadTextFile(path, kMaxFileBytes);
+  if (exists && (info.st_mode & kTooOpen) != 0) {
     LogWarning(
         "{}: the mode of the file of API keys is {:04o}: others may read or change it; 'chmod 600' "
         "mends that",

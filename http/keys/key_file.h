@@ -43,6 +43,7 @@ std::vector<ApiKey> ParseKeys(std::string_view text);
 std::string KeysAsText(const std::vector<ApiKey>& keys);
 
 // Reads a file. Throws as ReadTextFile, and Error(kBadInput) that names the file and the member.
+// Refuses what is no regular file: a pipe without a writer would hold up the caller.
 // Logs a warning if others than the owner and its group may read the file, or others than the owner
 // may write to it.
 std::vector<ApiKey> ReadKeyFile(const std::string& path);

@@ -162,6 +162,21 @@ TEST(KeyFile, StaysAsItWasIfAChangeFails) {
   EXPECT_EQ(TextOfFile(path), "{ not JSON");
 }
 
+// A pipe without a writer would stop the thread that waits for signals.
+TEST(KeyFile, IsNoPipe) {
+  const TempDir dir;
+  const std::string path = dir.File("pipe");
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  try {
+    ReadKeyFile(path);
+    ADD_FAILURE() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kBadInput);
+    EXPECT_THAT(error.what(), HasSubstr(path + ": is no regular file"));
+  }
+  EXPECT_THROW(ChangeKeyFile(path, [](std::vector<ApiKey>*) {}), Error);
+}
+
 TEST(KeyFile, ChangesBehindALink) {
   const TempDir dir;
   const std::string path = dir.File("keys.json"), link = dir.File("link.json");
