@@ -116,13 +116,17 @@ int OpenLocked(const std::string& path) {
     if (fd < 0) {
       ThrowFileError(path, "open the file of keys", errno);
     }
+    const int error = flock(fd, LOCK_EX) == 0 ? 0 : errno;
     struct stat locked {
     }, current{};
-    if (flock(fd, LOCK_EX) == 0 && fstat(fd, &locked) == 0 && stat(path.c_str(), &current) == 0 &&
+    if (error == 0 && fstat(fd, &locked) == 0 && stat(path.c_str(), &current) == 0 &&
         locked.st_ino == current.st_ino && locked.st_dev == current.st_dev) {
       return fd;
     }
     close(fd);
+    if (error != 0 && error != EINTR) {
+      ThrowFileError(path, "lock the file of keys", error);
+    }
   }
 }
 
