@@ -149,6 +149,17 @@ void ReplaceFile(const std::string& path, const struct stat& old, const std::str
   }
 }
 
+// `mode` is that from before the change.
+void WarnIfOthersLost(const std::string& path, mode_t mode) {
+  if ((mode & S_IRWXO) != 0) {
+    LogWarning(
+        "{}: its mode was {:04o} and is {:04o} now; a server that runs as another user needs "
+        "'chgrp' "
+        "and 'chmod 640' to read it",
+        path, mode & 07777, mode & (kForOwner | kForGroup));
+  }
+}
+
 // The file itself if `path` is a link to it.
 std::string ResolvedPath(const std::string& path) {
   char resolved[PATH_MAX];
@@ -259,6 +270,7 @@ void ChangeKeyFile(const std::string& path,
     }
     change(&keys);
     ReplaceFile(resolved, info, KeysAsText(keys));
+    WarnIfOthersLost(path, info.st_mode);
   } catch (...) {
     if (!existed && info.st_size == 0) {
       unlink(resolved.c_str());

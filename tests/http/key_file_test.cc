@@ -143,8 +143,9 @@ TEST(KeyFile, KeepsItsModeWithoutTheRightsOfOthers) {
   ASSERT_EQ(chmod(path.c_str(), 0664), 0);
   ::testing::internal::CaptureStderr();
   ChangeKeyFile(path, [](std::vector<ApiKey>* keys) { keys->push_back(NamedKey("first")); });
-  EXPECT_THAT(::testing::internal::GetCapturedStderr(),
-              HasSubstr("mode of the file of API keys is 0664"));
+  const std::string log = ::testing::internal::GetCapturedStderr();
+  EXPECT_THAT(log, HasSubstr("mode of the file of API keys is 0664"));
+  EXPECT_THAT(log, HasSubstr("its mode was 0664 and is 0640 now"));
   EXPECT_EQ(ModeOf(path), 0640u);
   ::testing::internal::CaptureStderr();
   ReadKeyFile(path);
