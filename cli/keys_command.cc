@@ -137,9 +137,9 @@ void AddNew(CLI::App* keys, Shell* shell, const std::shared_ptr<KeyArguments>& a
                    "Requests a day, from midnight to midnight UTC. Default: no limit")
       ->type_name("N");
   command->footer(
-      "Example:\n  cairn keys new keys.json --label acme-app --may localize --rate 5 --quota "
-      "100000 "
-      "> acme.key");
+      "Example, whose file only its owner can read:\n"
+      "  (umask 077 && cairn keys new keys.json --label acme-app --rate 5 --quota 100000 > "
+      "acme.key)");
   command->callback(
       [shell, arguments] { shell->run = [arguments] { return RunNewKey(*arguments); }; });
 }

@@ -107,7 +107,7 @@ void AllowOpenFiles() {
 void ShareHeapsAmongThreads() { mallopt(M_ARENA_MAX, NumCores()); }
 
 // Serves until SIGINT or SIGTERM arrives, which it returns, or until `end`, when it returns
-// nothing. SIGHUP reopens the map and the access log and reads the keys again. After every second
+// nothing. SIGHUP reads the keys again and reopens the map and the access log. After every second
 // with requests, returns freed memory to the system, because glibc would keep it.
 std::optional<int> ServeUntil(std::chrono::steady_clock::time_point end, const SignalQueue& signals,
                               Server* server) {
@@ -120,8 +120,8 @@ std::optional<int> ServeUntil(std::chrono::steady_clock::time_point end, const S
     }
     const std::optional<int> signal_number = signals.WaitFor(std::min(left, milliseconds(1000)));
     if (signal_number == SIGHUP) {
+      server->ReloadKeys();  // First: a removed key must not wait for a slow map.
       server->ReloadMap();
-      server->ReloadKeys();
       server->ReopenAccessLog();
     } else if (signal_number) {
       return signal_number;
@@ -219,11 +219,22 @@ void AddFrontOption(CLI::App* command, ServerOptions* options) {
       ->type_name("ADDRESS,...");
 }
 
+// A variable of the shell that is not set must not open the server.
+CLI::Validator NotEmpty() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        return text.empty() ? std::string("the name of the file is empty") : std::string();
+      },
+      "");
+}
+
 void AddKeysOption(CLI::App* command, ServerOptions* options) {
   command
-      ->add_option("--api-keys", options->api_keys_path,
-                   "File of the API keys that may use the server ('cairn keys' writes it). Without "
-                   "it, everybody may do everything")
+      ->add_option_function<std::string>(
+          "--api-keys", [options](const std::string& path) { options->api_keys_path = path; },
+          "File of the API keys that may use the server ('cairn keys' writes it). Without "
+          "it, everybody may do everything")
+      ->check(NotEmpty())
       ->type_name("FILE");
   RefuseKeyOnCommandLine(command, "name a file with --api-keys");
 }

@@ -76,6 +76,13 @@ HttpResponse PreflightResponse(const std::string& allow, const HttpRequest& requ
               {"Vary", "Access-Control-Request-Headers"}}};
 }
 
+// For an instant of a moment ago.
+KeyRing::Now TimeOfUse(std::chrono::steady_clock::time_point steady) {
+  const auto unix_time = std::chrono::system_clock::now().time_since_epoch();
+  return {.steady = steady,
+          .unix_s = std::chrono::duration_cast<std::chrono::seconds>(unix_time).count()};
+}
+
 }  // namespace
 
 void Dispatcher::LogFailure(const HttpRequest& request, const std::string& route_pattern,
@@ -98,21 +105,24 @@ void Dispatcher::Admit(const Route& route, HttpRequest* request) const {
   request->label = holder.key.label;
   request->client = holder.client;
   KeyRing::RequireRight(holder, route.needs);
-  const auto unix_time = std::chrono::system_clock::now().time_since_epoch();
-  keys_->Charge(holder,
-                {.steady = request->arrival,
-                 .unix_s = std::chrono::duration_cast<std::chrono::seconds>(unix_time).count()});
+  keys_->Charge(holder, TimeOfUse(request->arrival));
 }
 
 void Dispatcher::CheckHead(const RequestHead& head) {
-  const std::optional<Target> target = keys_ == nullptr ? std::nullopt : ParseTarget(head.target);
-  if (!target) {
+  if (keys_ == nullptr || head.content_length == 0) {
     return;
   }
-  const Router::Match match = router_.Find(head.method, target->path);
-  if (match.route != nullptr && !match.route->needs.empty()) {
-    KeyRing::RequireRight(keys_->Identify(PresentedKey(head.headers)), match.route->needs);
+  const std::optional<Target> target = ParseTarget(head.target);
+  if (!target) {
+    throw HttpError(ProblemCode::kBadRequest, "the target has a malformed percent escape");
   }
+  const Router::Match match = router_.Find(head.method, target->path);
+  if (match.route == nullptr || match.route->needs.empty()) {
+    throw HttpError(ProblemCode::kPayloadTooLarge, "this route takes no body");
+  }
+  const KeyRing::Holder holder = keys_->Identify(PresentedKey(head.headers));
+  KeyRing::RequireRight(holder, match.route->needs);
+  keys_->CheckUse(holder, TimeOfUse(std::chrono::steady_clock::now()));
 }
 
 HttpResponse Dispatcher::Run(HttpRequest* sent, Outcome* outcome) const {
@@ -172,15 +182,31 @@ HttpResponse Dispatcher::Handle(HttpRequest request) {
   return response;
 }
 
+std::string Dispatcher::LabelOf(const HttpError& error, const RefusedRequest& request) const {
+  if (keys_ == nullptr || (error.problem() != ProblemCode::kForbidden &&
+                           error.problem() != ProblemCode::kTooManyRequests)) {
+    return "";
+  }
+  try {
+    return keys_->Identify(PresentedKey(request.headers)).key.label;
+  } catch (const HttpError&) {
+    return "";  // The key has been removed since.
+  }
+}
+
 HttpResponse Dispatcher::Refuse(const HttpError& error, const RefusedRequest& request) {
   HttpResponse response = ProblemResponse(error, request.request_id);
   AddCommonHeaders(request.request_id, &response);
   metrics_->CountRequest("", response.status, 0.0);
+  const std::string label = LabelOf(error, request);
+  if (!label.empty()) {
+    metrics_->CountClient(label, response.status);
+  }
   if (access_log_ != nullptr) {
     const std::string_view target = request.target;
     access_log_->Add({.time = std::chrono::system_clock::now(),
                       .client = request.remote_address,
-                      .label = "",
+                      .label = label,
                       .method = request.method,
                       .path = target.substr(0, target.find('?')),
                       .status = response.status,

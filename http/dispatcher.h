@@ -25,7 +25,8 @@ class Dispatcher : public RequestHandler {
 
   const Router& router() const { return router_; }
 
-  // Refuses an upload without a key that may use the route.
+  // On a server with keys, refuses an upload unless its route exists and its key may use the route
+  // now. What is open to all takes no upload.
   void CheckHead(const RequestHead& head) override;
   HttpResponse Handle(HttpRequest request) override;
   HttpResponse Refuse(const HttpError& error, const RefusedRequest& request) override;
@@ -38,6 +39,8 @@ class Dispatcher : public RequestHandler {
   };
 
   HttpResponse Run(HttpRequest* request, Outcome* outcome) const;
+  // The label of the key that was known and refused by the head, or empty.
+  std::string LabelOf(const HttpError& error, const RefusedRequest& request) const;
   // Lets the holder of a key use the route, and names the holder in the request.
   void Admit(const Route& route, HttpRequest* request) const;
 

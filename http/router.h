@@ -16,12 +16,18 @@ namespace cairn {
 using RouteHandler =
     std::function<HttpResponse(const HttpRequest& request, const std::string& path_parameter)>;
 
+// On a server with API keys, a key with any of these rights opens a route. Without any, the route
+// is open to all. There is no default, so that nobody opens a route by saying nothing.
+class RouteNeeds : public KeyRights {
+ public:
+  constexpr RouteNeeds(KeyRights rights) : KeyRights(rights) {}  // NOLINT: the same set.
+  constexpr RouteNeeds(KeyRight right) : KeyRights(right) {}     // NOLINT: a set.
+};
+
 struct Route {
   std::string method;   // "GET" also serves HEAD.
   std::string pattern;  // "/v1/tiles/{id}": at most one {...}, which matches one whole segment.
-  // On a server with API keys, a key with any of these rights opens the route. Without any, the
-  // route is open to all.
-  KeyRights needs = {};
+  RouteNeeds needs;
   RouteHandler handler;
 };
 

@@ -1,10 +1,14 @@
 #include "http/server.h"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <condition_variable>
+#include <exception>
 #include <mutex>
 #include <optional>
 #include <stop_token>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -52,7 +56,8 @@ ServerOptions Validated(const ServerOptions& options) {
 }  // namespace
 
 struct Server::Impl {
-  const std::string host, api_keys_path;
+  const std::string host, trusted_fronts;
+  const std::optional<std::string> api_keys_path;
   LocalizeService service;
   std::optional<KeyRing> keys;
   std::optional<AccessLog> access_log;
@@ -64,6 +69,7 @@ struct Server::Impl {
 
   explicit Impl(const ServerOptions& options)
       : host(options.host),
+        trusted_fronts(options.trusted_fronts),
         api_keys_path(options.api_keys_path),
         service(options),
         keys(ReadKeys(options.api_keys_path)),
@@ -84,16 +90,17 @@ struct Server::Impl {
     return path.empty() ? nullptr : &access_log.emplace(path);
   }
 
+  // A server on loopback is open to others too if a front passes on their requests.
   void WarnIfOpen() const {
-    if (!keys && !IsLoopbackHost(host)) {
+    if (!keys && (!IsLoopbackHost(host) || !trusted_fronts.empty())) {
       LogWarning(
           "without --api-keys, everybody who reaches {} may localize, look at the map and copy it",
-          host);
+          trusted_fronts.empty() ? host : fmt::format("{} or its fronts", host));
     }
   }
 
-  static std::optional<KeyRing> ReadKeys(const std::string& path) {
-    return path.empty() ? std::nullopt : std::optional<KeyRing>(std::in_place, ReadKeyFile(path));
+  static std::optional<KeyRing> ReadKeys(const std::optional<std::string>& path) {
+    return path ? std::optional<KeyRing>(std::in_place, ReadKeyFile(*path)) : std::nullopt;
   }
 
   static ListenerOptions MainListenerOptions(const ServerOptions& options) {
@@ -142,10 +149,10 @@ void Server::ReloadKeys() {
     return;
   }
   try {
-    const std::vector<ApiKey> keys = ReadKeyFile(impl_->api_keys_path);
+    const std::vector<ApiKey> keys = ReadKeyFile(*impl_->api_keys_path);
     impl_->keys->Replace(keys);
     LogInfo("{} API keys are valid now", keys.size());
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     LogError("{}; the API keys of before stay valid", error.what());
   }
 }

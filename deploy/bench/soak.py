@@ -8,8 +8,8 @@ answer: the photos of a query list (docs/formats/query_list_v1.md; `cairn demo` 
 twice: without a key, and with the key of an attacker who may localize and look and has no rate. Attackers come from
 127.0.0.2 and further addresses. A hostile server meets `cairn localize --server` now and then.
 
-Prints a table, and fails unless all honest queries were answered and the memory of the server stayed within 64 MB of what
-it was before the attacks.
+Prints a table, and fails unless every attack reached the server, all honest queries were answered, and the memory of the
+server stayed within 64 MB of what it was before the attacks.
 """
 
 import argparse
@@ -112,24 +112,32 @@ def png_with_exif(num_bytes):
 # --- Attacks ---------------------------------------------------------------------------------------
 
 class Attacker:
-    """Repeats `step(connect, key)` in threads. A step that fails is repeated."""
+    """Repeats `step(connect, key)` in threads. A step that fails is repeated. Counts the steps that reached the server."""
 
     def __init__(self, name, step, num_threads, pause_s=0.0):
         self.name, self.step, self.num_threads, self.pause_s = name, step, num_threads, pause_s
         self.num_steps = 0
+        self.lock = threading.Lock()
 
     def start(self, port, address, key, end):
-        def connect():
-            connection = socket.create_connection(("127.0.0.1", port), source_address=(address, 0), timeout=30)
-            return connection
-
         def run():
+            num_connections = 0
+
+            def connect():
+                nonlocal num_connections
+                connection = socket.create_connection(("127.0.0.1", port), source_address=(address, 0), timeout=30)
+                num_connections += 1
+                return connection
+
             while time.monotonic() < end:
-                self.num_steps += 1
+                num_connections = 0
                 try:
                     self.step(connect, key)
                 except OSError:
                     time.sleep(0.05)
+                if num_connections > 0:
+                    with self.lock:
+                        self.num_steps += 1
                 time.sleep(self.pause_s)
 
         for _ in range(self.num_threads):
@@ -341,6 +349,9 @@ def soak(arguments, folder):
             print(f"| {without.name} | {without.num_steps} | {with_key.num_steps} |")
         print(f"\nMemory of the server, MB: {before} before, {max(seen)} at most, {after} after. "
               f"{len(outcomes)} visits of a hostile server ended with {sorted(set(outcomes))}.")
+        idle = [attack.name for attack, _ in running if attack.num_steps == 0]
+        if idle:
+            sys.exit(f"soak: these attacks never reached the server: {', '.join(idle)}")
         is_alive = server.poll() is None
         if not is_alive or answered < len(times) or after > before + MAX_GROWTH_MB or set(outcomes) - {7}:
             sys.exit("soak: the server does not hold")

@@ -116,13 +116,17 @@ int OpenLocked(const std::string& path) {
     if (fd < 0) {
       ThrowFileError(path, "open the file of keys", errno);
     }
+    const int error = flock(fd, LOCK_EX) == 0 ? 0 : errno;
     struct stat locked {
     }, current{};
-    if (flock(fd, LOCK_EX) == 0 && fstat(fd, &locked) == 0 && stat(path.c_str(), &current) == 0 &&
+    if (error == 0 && fstat(fd, &locked) == 0 && stat(path.c_str(), &current) == 0 &&
         locked.st_ino == current.st_ino && locked.st_dev == current.st_dev) {
       return fd;
     }
     close(fd);
+    if (error != 0 && error != EINTR) {
+      ThrowFileError(path, "lock the file of keys", error);
+    }
   }
 }
 
@@ -142,6 +146,17 @@ void ReplaceFile(const std::string& path, const struct stat& old, const std::str
     const int error = errno;
     unlink(temporary.c_str());
     ThrowFileError(path, "write the file of keys", error);
+  }
+}
+
+// `mode` is that from before the change.
+void WarnIfOthersLost(const std::string& path, mode_t mode) {
+  if ((mode & S_IRWXO) != 0) {
+    LogWarning(
+        "{}: its mode was {:04o} and is {:04o} now; a server that runs as another user needs "
+        "'chgrp' "
+        "and 'chmod 640' to read it",
+        path, mode & 07777, mode & (kForOwner | kForGroup));
   }
 }
 
@@ -215,9 +230,17 @@ std::string KeysAsText(const std::vector<ApiKey>& keys) {
 }
 
 std::vector<ApiKey> ReadKeyFile(const std::string& path) {
-  const std::string text = ReadTextFile(path, kMaxFileBytes);
   struct stat info {};
-  if (stat(path.c_str(), &info) == 0 && S_ISREG(info.st_mode) && (info.st_mode & kTooOpen) != 0) {
+  const bool exists = stat(path.c_str(), &info) == 0;
+  if (exists && !S_ISREG(info.st_mode)) {
+    throw Error(
+        ErrorCode::kBadInput,
+        fmt::format("{}: is no regular file; a pipe, as <(...) is one, cannot be read again "
+                    "after SIGHUP",
+                    path));
+  }
+  const std::string text = ReadTextFile(path, kMaxFileBytes);
+  if (exists && (info.st_mode & kTooOpen) != 0) {
     LogWarning(
         "{}: the mode of the file of API keys is {:04o}: others may read or change it; 'chmod 600' "
         "mends that",
@@ -247,6 +270,7 @@ void ChangeKeyFile(const std::string& path,
     }
     change(&keys);
     ReplaceFile(resolved, info, KeysAsText(keys));
+    WarnIfOthersLost(path, info.st_mode);
   } catch (...) {
     if (!existed && info.st_size == 0) {
       unlink(resolved.c_str());

@@ -43,14 +43,16 @@ std::vector<ApiKey> ParseKeys(std::string_view text);
 std::string KeysAsText(const std::vector<ApiKey>& keys);
 
 // Reads a file. Throws as ReadTextFile, and Error(kBadInput) that names the file and the member.
+// Refuses what is no regular file: a pipe without a writer would hold up the caller.
 // Logs a warning if others than the owner and its group may read the file, or others than the owner
 // may write to it.
 std::vector<ApiKey> ReadKeyFile(const std::string& path);
 
 // Lets `change` change the keys of a file and writes the file anew, in one step, so that a server
 // never reads half of it. A missing file counts as one without keys, and a new one may be read by
-// its owner only. Calls at the same time wait for each other. Throws as ReadKeyFile and as
-// `change`, and then leaves the file as it was; throws Error(kIo) if the file cannot be written.
+// its owner only. Logs a warning if the change takes rights of others. Calls at the same time wait
+// for each other. Throws as ReadKeyFile and as `change`, and then leaves the file as it was; throws
+// Error(kIo) if the file cannot be written.
 void ChangeKeyFile(const std::string& path,
                    const std::function<void(std::vector<ApiKey>* keys)>& change);
 

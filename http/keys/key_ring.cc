@@ -103,9 +103,18 @@ void KeyRing::RequireRight(const Holder& holder, KeyRights needed) {
 }
 
 void KeyRing::Charge(const Holder& holder, const Now& now) {
-  const ApiKey& key = holder.key;
   const std::lock_guard lock(mutex_);
-  Use& use = uses_[key.label];
+  Use& use = uses_[holder.key.label];
+  use = Charged(holder.key, now, use);
+}
+
+void KeyRing::CheckUse(const Holder& holder, const Now& now) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = uses_.find(holder.key.label);
+  Charged(holder.key, now, found == uses_.end() ? Use() : found->second);
+}
+
+KeyRing::Use KeyRing::Charged(const ApiKey& key, const Now& now, Use use) {
   if (const int64_t day = now.unix_s / kSecondsPerDay; day != use.day) {
     use.day = day;
     use.num_requests = 0;
@@ -119,6 +128,7 @@ void KeyRing::Charge(const Holder& holder, const Now& now) {
     TakeToken(key, now, &use);
   }
   ++use.num_requests;
+  return use;
 }
 
 void KeyRing::TakeToken(const ApiKey& key, const Now& now, Use* use) {

@@ -51,6 +51,9 @@ class KeyRing {
   // rate or its quota; such a request does not count.
   void Charge(const Holder& holder, const Now& now);
 
+  // Throws as Charge, and counts nothing.
+  void CheckUse(const Holder& holder, const Now& now) const;
+
  private:
   struct Table {
     KeyHash salt;
@@ -66,6 +69,8 @@ class KeyRing {
 
   static std::shared_ptr<const Table> MakeTable(const std::vector<ApiKey>& keys);
   static const ApiKey* FindKey(const Table& table, std::string_view secret);
+  // The use after one more request. Throws as Charge.
+  static Use Charged(const ApiKey& key, const Now& now, Use use);
   static void TakeToken(const ApiKey& key, const Now& now, Use* use);
 
   mutable std::mutex mutex_;

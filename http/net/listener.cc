@@ -75,20 +75,17 @@ Peer ClientOf(const Peer& peer, const RequestHead& head, const TrustedFronts& fr
   return network ? Peer{.address = address, .network = *network} : peer;
 }
 
-HttpRequest ToRequest(ReceivedRequest received, const Peer& peer, const TrustedFronts& fronts,
-                      std::string request_id) {
-  std::optional<Target> target = ParseTarget(received.head.target);
-  if (!target) {
-    throw HttpError(ProblemCode::kBadRequest, "the target has a malformed percent escape");
-  }
+// `target` is that of the head.
+HttpRequest ToRequest(ReceivedRequest received, Target target, const Peer& peer,
+                      const TrustedFronts& fronts, std::string request_id) {
   const std::string_view client_id = received.head.Header("x-request-id");
   if (IsUsableRequestId(client_id)) {
     request_id = client_id;
   }
   Peer client = ClientOf(peer, received.head, fronts);
   HttpRequest request{.method = std::move(received.head.method),
-                      .path = std::move(target->path),
-                      .query = std::move(target->query),
+                      .path = std::move(target.path),
+                      .query = std::move(target.query),
                       .headers = {},
                       .body = std::move(received.body),
                       .remote_address = std::move(client.address),
@@ -132,13 +129,13 @@ struct Listener::Impl {
   Impl(const ListenerOptions& listener_options, RequestHandler* request_handler)
       : options(listener_options), handler(request_handler) {}
 
-  ResponseText Refusal(const Connection& connection, const HttpError& error) {
-    const RequestHead& head = connection.head();
+  ResponseText Refusal(const Peer& peer, const RequestHead& head, const HttpError& error) {
     const RefusedRequest refused{
         .request_id = request_ids.Next(),
-        .remote_address = ClientOf(connection.peer(), head, options.trusted_fronts).address,
+        .remote_address = ClientOf(peer, head, options.trusted_fronts).address,
         .method = head.method,
-        .target = head.target};
+        .target = head.target,
+        .headers = head.headers};
     return SerializeResponse(handler->Refuse(error, refused), /*is_head=*/false,
                              /*keep_alive=*/std::nullopt);
   }
@@ -156,15 +153,20 @@ struct Listener::Impl {
                           bool* keep_alive) {
     const bool is_head = received.head.method == "HEAD";
     try {
-      HttpResponse response = handler->Handle(ToRequest(
-          std::move(received), connection.peer(), options.trusted_fronts, request_ids.Next()));
+      std::optional<Target> target = ParseTarget(received.head.target);
+      if (!target) {
+        *keep_alive = false;
+        return Refusal(
+            connection.peer(), received.head,
+            HttpError(ProblemCode::kBadRequest, "the target has a malformed percent escape"));
+      }
+      HttpResponse response =
+          handler->Handle(ToRequest(std::move(received), std::move(*target), connection.peer(),
+                                    options.trusted_fronts, request_ids.Next()));
       *keep_alive = *keep_alive && !closes_connections;
       return SerializeResponse(
           std::move(response), is_head,
           *keep_alive ? std::optional(options.connection.idle_timeout) : std::nullopt);
-    } catch (const HttpError& error) {
-      *keep_alive = false;
-      return Refusal(connection, error);
     } catch (const std::bad_alloc&) {
       // The memory reserve covers this small response.
       *keep_alive = false;
@@ -197,7 +199,7 @@ void Listener::Start() {
   impl->loop.emplace(std::move(listening), connection, WithinOpenFiles(options.loop),
                      options.num_threads,
                      [impl](const Connection& refused, const HttpError& error) {
-                       return impl->Refusal(refused, error);
+                       return impl->Refusal(refused.peer(), refused.head(), error);
                      });
   for (int i = 0; i < options.num_threads + 1; ++i) {  // One more thread waits for the sockets.
     impl->threads.emplace_back([impl] { impl->Work(); });

@@ -4,6 +4,8 @@
 
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "core/wire/problem.h"
 #include "http/net/client_network.h"
@@ -29,6 +31,7 @@ struct RefusedRequest {
   std::string remote_address;  // As HttpRequest::remote_address.
   std::string method;          // Empty, like the target, if the head is missing or malformed.
   std::string target;          // As RequestHead::target.
+  std::vector<std::pair<std::string, std::string>> headers = {};  // As RequestHead::headers.
 };
 
 // The application behind a listener. The listener calls it from many threads at once. `Handle` and

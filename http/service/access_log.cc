@@ -4,6 +4,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <poll.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -22,6 +23,8 @@ namespace {
 
 // Holds the lines of a second at 10,000 requests a second.
 constexpr size_t kMaxPendingBytes = size_t{4} << 20;
+// Longer than all paths of the API. JSON may need six bytes for one of them.
+constexpr size_t kMaxPathBytes = 256;
 // How long a pipe may be full before its lines are lost.
 constexpr int kPipePatienceMs = 1000;
 
@@ -33,6 +36,13 @@ std::string TimeText(std::chrono::system_clock::time_point time) {
                      floor<milliseconds>(time - whole).count());
 }
 
+bool AreSameFile(int a, int b) {
+  struct stat of_a {
+  }, of_b{};
+  return fstat(a, &of_a) == 0 && fstat(b, &of_b) == 0 && of_a.st_dev == of_b.st_dev &&
+         of_a.st_ino == of_b.st_ino;
+}
+
 int64_t NumLines(std::string_view text) { return std::count(text.begin(), text.end(), '\n'); }
 
 }  // namespace
@@ -41,7 +51,7 @@ std::string AccessLine(const AccessRecord& record) {
   nlohmann::ordered_json json = {{"time", TimeText(record.time)}, {"client", record.client}};
   json["label"] = record.label.empty() ? nlohmann::ordered_json() : record.label;
   json["method"] = record.method;
-  json["path"] = record.path;
+  json["path"] = record.path.substr(0, kMaxPathBytes);
   json["status"] = record.status;
   json["bytes"] = record.num_bytes;
   json["ms"] = std::round(1e4 * record.seconds) / 10.0;
@@ -137,8 +147,8 @@ void AccessLog::OpenAgain() {
              std::strerror(errno));
     return;
   }
+  is_within_line_ = is_within_line_ && AreSameFile(fd, fd_);
   close(std::exchange(fd_, fd));
-  is_within_line_ = false;
 }
 
 void AccessLog::Write(std::string_view lines) {

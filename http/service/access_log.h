@@ -19,7 +19,8 @@ struct AccessRecord {
   std::string_view client;                     // Address, as HttpRequest::remote_address.
   std::string_view label;                      // Of the API key; empty without one.
   std::string_view method;                     // Empty, like the path, if no head arrived.
-  std::string_view path;                       // Without the query, which may hold secrets.
+  // Without the query, which may hold secrets. A line has its first 256 bytes.
+  std::string_view path;
   int status = 0;
   size_t num_bytes = 0;     // Of the answer's body.
   double seconds = 0.0;     // From the last byte of the request to the answer.

@@ -27,6 +27,7 @@ void ServerOptions::Validate() const {
   RequireOption(default_timeout_ms >= 1, "server.default_timeout_ms must be positive");
   RequireWithin("server.max_timeout_ms", max_timeout_ms, 1, kMaxTimeoutMs);
   ParseTrustedFronts(trusted_fronts);
+  RequireOption(!api_keys_path || !api_keys_path->empty(), "server.api_keys_path is empty");
   localizer.Validate();
   sift.Validate();
 }

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "core/features/sift/sift_extractor.h"
@@ -57,8 +58,9 @@ struct ServerOptions {
   // "10.0.0.0/8", separated by commas. The requests of other clients count for their own address.
   std::string trusted_fronts;
   // File of the API keys that open the routes of the main port (docs/formats/api_keys_v1.md).
-  // Empty: everything is open. The admin port needs no key, because only this machine reaches it.
-  std::string api_keys_path;
+  // Nothing: everything is open. An empty path is refused, because it may be that of a variable
+  // that is not set. The admin port needs no key, because only this machine reaches it.
+  std::optional<std::string> api_keys_path;
   // File to which a line is appended for each request to the main port (service/access_log.h).
   // Empty: none.
   std::string access_log_path;

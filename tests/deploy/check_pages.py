@@ -130,8 +130,8 @@ def follow_operations(folder):
     internet = commands_of("operations.md", "Before the open internet")[0]
     internet = internet.replace("# From another machine", wait + "# From another machine")
     output = run(internet, folder, "docs/operations.md, before the open internet")
-    for expected in ("401", "308", "404", "429", "MemoryMax="):
-        if expected not in output:
+    for expected in (r"^401$", r"^308$", r"^404$", r"^ *\d+ 429$", r"^MemoryMax="):  # The limit's line has a count.
+        if not re.search(expected, output, re.M):
             sys.exit(f"failed: no {expected} in\n{output}")
     print("docs/operations.md: followed")
 

@@ -155,9 +155,42 @@ TEST_F(ApiKeys, AreLookedAtBeforeABodyIsRead) {
       "Expect: 100-continue\r\n";
   EXPECT_EQ(Exchange(head + "\r\n").status, 401);
   EXPECT_EQ(Exchange(head + "X-API-Key: viewer-secret\r\n\r\n").status, 403);
+  const auto status_of = [&](const std::string& request_line) {
+    return Exchange(request_line + " HTTP/1.1\r\nHost: h\r\nContent-Length: 20000000\r\n\r\n")
+        .status;
+  };
+  EXPECT_EQ(status_of("POST /v1/localize?x=%zz"), 400);
+  EXPECT_EQ(status_of("POST /nowhere"), 404);
+  EXPECT_EQ(status_of("POST /livez"), 405);
+  EXPECT_EQ(status_of("GET /livez"), 413);
+  EXPECT_EQ(status_of("OPTIONS /v1/localize"), 413);
   testing::RawSocket invited(guarded_->port());
   invited.Send(head + "X-API-Key: app-secret\r\n\r\n");
   EXPECT_THAT(invited.ReadResponse(), StartsWith("HTTP/1.1 100 Continue"));
+}
+
+TEST_F(ApiKeys, AreRefusedBeforeABodyIsReadIfTheyAreUsedUp) {
+  ApiKey slow = Named("slow", KeyRight::kLocalize);
+  slow.rate_per_s = 0.001;
+  slow.burst = 1;
+  ApiKey daily = Named("daily", KeyRight::kLocalize);
+  daily.quota_per_day = 1;
+  Write({slow, daily});
+  guarded_->ReloadKeys();
+  for (const std::string label : {"slow", "daily"}) {
+    const std::string header = "X-API-Key: " + label + "-secret";
+    const std::string upload =
+        "POST /v1/localize HTTP/1.1\r\nHost: h\r\nContent-Length: 20000000\r\n"
+        "Expect: 100-continue\r\n" +
+        header + "\r\n\r\n";
+    testing::RawSocket invited(guarded_->port());
+    invited.Send(upload);
+    EXPECT_THAT(invited.ReadResponse(), StartsWith("HTTP/1.1 100 Continue")) << label;
+    EXPECT_EQ(Request("POST", "/v1/localize", header).status, 415) << "a head alone does not count";
+    const Reply refused = Exchange(upload);
+    EXPECT_EQ(refused.status, 429) << label;
+    EXPECT_THAT(refused.head, HasSubstr("Retry-After: "));
+  }
 }
 
 TEST_F(ApiKeys, AreReadAgain) {
@@ -185,6 +218,33 @@ TEST_F(ApiKeys, AreNeededFromTheBeginning) {
   EXPECT_THROW(Server{options}, Error);
 }
 
+TEST_F(ApiKeys, AreNotTurnedOffByAnEmptyPath) {
+  ServerOptions options = Options();
+  options.api_keys_path = "";
+  try {
+    Server server(options);
+    ADD_FAILURE() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kInvalidArgument);
+    EXPECT_THAT(error.what(), HasSubstr("server.api_keys_path is empty"));
+  }
+}
+
+// On loopback, a front may make the server open to others.
+TEST_F(ApiKeys, AreMissedIfAFrontPassesRequestsOn) {
+  const auto log_of = [](const ServerOptions& options) {
+    ::testing::internal::CaptureStderr();
+    Server(options).Start();
+    return ::testing::internal::GetCapturedStderr();
+  };
+  ServerOptions options = Options();
+  EXPECT_THAT(log_of(options), Not(HasSubstr("without --api-keys")));
+  options.trusted_fronts = "127.0.0.1";
+  EXPECT_THAT(log_of(options), HasSubstr("without --api-keys"));
+  options.api_keys_path = path_;
+  EXPECT_THAT(log_of(options), Not(HasSubstr("without --api-keys")));
+}
+
 TEST_F(ApiKeys, AreCountedByTheirLabels) {
   StatusOf("/v1/tiles", "viewer");
   StatusOf("/v1/tiles", "app");
@@ -192,6 +252,15 @@ TEST_F(ApiKeys, AreCountedByTheirLabels) {
   EXPECT_THAT(metrics, HasSubstr("cairn_client_requests_total{label=\"viewer\",status=\"200\"} 1"));
   EXPECT_THAT(metrics, HasSubstr("cairn_client_requests_total{label=\"app\",status=\"403\"} 1"));
   EXPECT_THAT(metrics, Not(HasSubstr("secret")));
+}
+
+TEST_F(ApiKeys, AreCountedByTheirLabelsIfTheHeadIsRefused) {
+  const Reply refused = Exchange(
+      "POST /v1/localize HTTP/1.1\r\nHost: h\r\nContent-Length: 20000000\r\n"
+      "X-API-Key: viewer-secret\r\n\r\n");
+  EXPECT_EQ(refused.status, 403);
+  EXPECT_THAT(Request("GET", "/metrics", "X-API-Key: viewer-secret").body,
+              HasSubstr("cairn_client_requests_total{label=\"viewer\",status=\"403\"} 1"));
 }
 
 // The lines of a server's access log.
@@ -223,8 +292,11 @@ TEST_F(AccessLines, TellWhoAskedForWhat) {
   Request("GET", "/metrics", "X-API-Key: app-secret");
   Exchange("POST /v1/localize?secret=abc HTTP/1.1\r\nHost: h\r\nContent-Length: 20000000\r\n\r\n");
   Exchange("no HTTP\r\n\r\n");
+  Exchange(
+      "POST /v1/localize HTTP/1.1\r\nHost: h\r\nContent-Length: 20000000\r\n"
+      "X-API-Key: viewer-secret\r\n\r\n");
   const std::vector<nlohmann::json> lines = Lines();
-  ASSERT_EQ(lines.size(), 5u);
+  ASSERT_EQ(lines.size(), 6u);
   EXPECT_EQ(lines[0]["label"], "viewer");
   EXPECT_EQ(lines[0]["path"], "/v1/tiles");
   EXPECT_EQ(lines[0]["status"], 200);
@@ -240,6 +312,8 @@ TEST_F(AccessLines, TellWhoAskedForWhat) {
   EXPECT_EQ(lines[3]["status"], 401);
   EXPECT_EQ(lines[4]["reason"], "bad_request");
   EXPECT_EQ(lines[4]["client"], "127.0.0.1");
+  EXPECT_EQ(lines[5]["label"], "viewer");
+  EXPECT_EQ(lines[5]["reason"], "forbidden");
   for (const nlohmann::json& line : lines) {
     EXPECT_THAT(line.dump(), Not(HasSubstr("secret")));
   }

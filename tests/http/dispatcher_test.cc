@@ -26,6 +26,7 @@ HttpResponse ResponseToError(ErrorCode code) {
   Router router;
   router.Add({.method = "GET",
               .pattern = "/v1/tiles/{id}",
+              .needs = KeyRights(),
               .handler = [code](const HttpRequest&, const std::string&) -> HttpResponse {
                 throw Error(code, "/maps/lund.gpkg: version 7 was pruned");
               }});

@@ -143,8 +143,9 @@ TEST(KeyFile, KeepsItsModeWithoutTheRightsOfOthers) {
   ASSERT_EQ(chmod(path.c_str(), 0664), 0);
   ::testing::internal::CaptureStderr();
   ChangeKeyFile(path, [](std::vector<ApiKey>* keys) { keys->push_back(NamedKey("first")); });
-  EXPECT_THAT(::testing::internal::GetCapturedStderr(),
-              HasSubstr("mode of the file of API keys is 0664"));
+  const std::string log = ::testing::internal::GetCapturedStderr();
+  EXPECT_THAT(log, HasSubstr("mode of the file of API keys is 0664"));
+  EXPECT_THAT(log, HasSubstr("its mode was 0664 and is 0640 now"));
   EXPECT_EQ(ModeOf(path), 0640u);
   ::testing::internal::CaptureStderr();
   ReadKeyFile(path);
@@ -160,6 +161,21 @@ TEST(KeyFile, StaysAsItWasIfAChangeFails) {
   std::ofstream(path) << "{ not JSON";
   EXPECT_THROW(ChangeKeyFile(path, [](std::vector<ApiKey>*) {}), Error);
   EXPECT_EQ(TextOfFile(path), "{ not JSON");
+}
+
+// A pipe without a writer would stop the thread that waits for signals.
+TEST(KeyFile, IsNoPipe) {
+  const TempDir dir;
+  const std::string path = dir.File("pipe");
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  try {
+    ReadKeyFile(path);
+    ADD_FAILURE() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kBadInput);
+    EXPECT_THAT(error.what(), HasSubstr(path + ": is no regular file"));
+  }
+  EXPECT_THROW(ChangeKeyFile(path, [](std::vector<ApiKey>*) {}), Error);
 }
 
 TEST(KeyFile, ChangesBehindALink) {

@@ -109,6 +109,23 @@ TEST(KeyRing, KeepsTheRateAndSaysWhenToReturn) {
       << "a long pause earns no more than the burst";
 }
 
+TEST(KeyRing, CountsNothingWhereItOnlyChecks) {
+  ApiKey key = KeyOf("a");
+  key.rate_per_s = 0.5;
+  key.burst = 1;
+  KeyRing ring({key});
+  const auto check = [&ring](double seconds) {
+    return KeyRefusalOf([&] { ring.CheckUse(ring.Identify("secret of a"), At(seconds)); });
+  };
+  EXPECT_EQ(check(0).status, 200);
+  EXPECT_EQ(check(0).status, 200);
+  EXPECT_EQ(Use(&ring, "secret of a", 0).status, 200);
+  KeyRefusal refusal = check(0.5);
+  EXPECT_EQ(refusal.status, 429);
+  EXPECT_EQ(refusal.headers["Retry-After"], "2");
+  EXPECT_EQ(check(2.0).status, 200);
+}
+
 TEST(KeyRing, KeepsTheQuotaOfTheDay) {
   ApiKey key = KeyOf("a");
   key.quota_per_day = 2;

@@ -396,6 +396,17 @@ TEST_F(ListenerUnderAttack, ABodyIsNotReadIfTheHeadIsRefused) {
   EXPECT_EQ(handler_.num_handled, 0);
 }
 
+TEST_F(ListenerUnderAttack, AMalformedTargetIsRefusedWithItsMethodAndPath) {
+  options_.trusted_fronts = ParseTrustedFronts("127.0.0.1");
+  Start();
+  const auto client =
+      Connect("GET /a%zz HTTP/1.1\r\nHost: h\r\nX-Forwarded-For: 192.0.2.7\r\n\r\n");
+  const std::string response = client->ReadAll();
+  EXPECT_THAT(response, StartsWith("HTTP/1.1 400"));
+  EXPECT_THAT(response, EndsWith("no: GET /a%zz from 192.0.2.7"));
+  EXPECT_EQ(handler_.num_handled, 0);
+}
+
 TEST_F(ListenerUnderAttack, ARequestThatArrivesInPiecesIsOneRequest) {
   Start();
   const auto client = Connect("");
