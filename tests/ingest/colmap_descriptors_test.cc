@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "core/error.h"
-#include "ingest/colmap/colmap_fixture.h"
 #include "ingest/colmap/colmap_ids.h"
 #include "ingest/colmap/colmap_reader.h"
+#include "ingest/colmap_fixture.h"
 #include "storage/database/sqlite/connection.h"
 #include "support/test_data.h"
 

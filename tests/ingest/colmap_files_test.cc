@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "core/error.h"
-#include "ingest/colmap/colmap_fixture.h"
 #include "ingest/colmap/colmap_model.h"
+#include "ingest/colmap_fixture.h"
 #include "support/raw_sql.h"
 
 namespace cairn {

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "ingest/colmap/colmap_fixture.h"
 #include "ingest/colmap/write_colmap.h"
+#include "ingest/colmap_fixture.h"
 #include "ingest/place/georegister.h"
 #include "storage/database/sqlite/connection.h"
 #include "support/map_builder.h"

@@ -9,9 +9,9 @@
 #include <limits>
 
 #include "core/error.h"
-#include "ingest/colmap/colmap_fixture.h"
 #include "ingest/colmap/colmap_model.h"
 #include "ingest/colmap/write_colmap.h"
+#include "ingest/colmap_fixture.h"
 #include "storage/codebook/descriptor_codec.h"
 #include "storage/database/sqlite/connection.h"
 #include "support/map_builder.h"

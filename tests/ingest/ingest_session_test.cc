@@ -36,10 +36,10 @@ std::vector<Tile> DecodeAll(const MapStore& store) {
 }
 
 // What a tile holds apart from the ids, which a map never gives out twice.
-using TileContent = std::tuple<TileId, std::vector<uint8_t>, std::vector<uint8_t>,
-                               std::vector<uint32_t>, std::vector<uint32_t>>;
-std::vector<TileContent> ContentsOf(const MapStore& store) {
-  std::vector<TileContent> contents;
+using StoredTile = std::tuple<TileId, std::vector<uint8_t>, std::vector<uint8_t>,
+                              std::vector<uint32_t>, std::vector<uint32_t>>;
+std::vector<StoredTile> ContentsOf(const MapStore& store) {
+  std::vector<StoredTile> contents;
   for (const Tile& tile : DecodeAll(store)) {
     contents.emplace_back(tile.id, tile.codes, tile.orientation_codes, tile.descriptor_begin,
                           tile.keyframe_landmarks);
@@ -197,7 +197,7 @@ TEST_F(IngestSessionTest, ALandmarkKeepsItsIdInEveryTile) {
 TEST_F(IngestSessionTest, IngestingAgainReplacesTheSession) {
   const testing::StreetWorld world(ShortStreet());
   const IngestReport first = Ingest(world, SessionNamed("same"));
-  const std::vector<TileContent> contents = ContentsOf(store_);
+  const std::vector<StoredTile> contents = ContentsOf(store_);
   IngestOptions recorded = SessionNamed("same");
   recorded.recorded_at = "2020-01-01T00:00:00Z";
   const IngestReport second = Ingest(world, recorded);
@@ -224,7 +224,7 @@ TEST_F(IngestSessionTest, ReplacingEmptiesTilesTheNewSessionDoesNotReach) {
 TEST_F(IngestSessionTest, SessionsShareTilesAndOneCanBeRemoved) {
   const testing::StreetWorld world(ShortStreet());
   Ingest(world, SessionNamed("monday"));
-  const std::vector<TileContent> alone = ContentsOf(store_);
+  const std::vector<StoredTile> alone = ContentsOf(store_);
   const int64_t num_alone = store_.Snapshot().Info().num_landmarks;
   testing::StreetWorldOptions other_day = ShortStreet();
   other_day.view_seed = 77;

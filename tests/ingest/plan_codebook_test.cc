@@ -7,8 +7,8 @@
 #include "core/error.h"
 #include "ingest/codebook/shipped_codebook.h"
 #include "ingest/codebook/train_codebook.h"
-#include "ingest/maps/plan_fixture.h"
 #include "ingest/maps/recode_map.h"
+#include "ingest/plan_fixture.h"
 
 namespace cairn {
 namespace {

@@ -16,8 +16,8 @@
 #include "core/error.h"
 #include "core/file_bytes.h"
 #include "ingest/maps/built_tile_codec.h"
-#include "ingest/maps/plan_fixture.h"
 #include "ingest/maps/run_plan.h"
+#include "ingest/plan_fixture.h"
 
 namespace cairn {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "ingest/maps/plan_fixture.h"
+#include "ingest/plan_fixture.h"
 #include "ingest/session_placement.h"
 #include "support/map_place.h"
 

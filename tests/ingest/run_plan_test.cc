@@ -13,9 +13,9 @@
 
 #include "core/error.h"
 #include "ingest/ingest_session.h"
-#include "ingest/maps/plan_fixture.h"
 #include "ingest/maps/plan_folder.h"
 #include "ingest/maps/remove_session.h"
+#include "ingest/plan_fixture.h"
 #include "support/reconstruction_builder.h"
 
 namespace cairn {
