@@ -125,8 +125,10 @@ def follow_operations(folder):
         "fullchain.pem -days 2 -subj /CN=city.example.org -addext subjectAltName=DNS:city.example.org", folder,
         "a certificate")
     os.environ["CURL_CA_BUNDLE"] = str(folder / "fullchain.pem")
-    # Curl repeats what gets 503, until the servers are ready.
-    wait = "curl --silent --output /dev/null --retry 30 --retry-connrefused https://city.example.org/version\n"
+    # Until each server is ready, and the front has found each of them. Curl repeats what gets 503.
+    curl = "curl --silent --output /dev/null --retry 30 --retry-connrefused"
+    wait = (f"for port in 8081 8082 8083; do {curl} http://127.0.0.1:$port/readyz; done\n"
+            f"for i in 1 2 3 4 5 6; do {curl} https://city.example.org/version; done\n")
     internet = commands_of("operations.md", "Before the open internet")[0]
     internet = internet.replace("# From another machine", wait + "# From another machine")
     output = run(internet, folder, "docs/operations.md, before the open internet")
