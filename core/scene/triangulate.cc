@@ -124,8 +124,7 @@ std::optional<PointUncertainty> EstimateUncertainty(std::span<const PointView> v
     errors_px.push_back(
         (*view.camera->Project(view.cam_from_world * x_in_world) - view.pixel).norm());
   }
-  return PointUncertainty{disagreement * equations->normal.inverse(),
-                          Median(std::move(errors_px))};
+  return PointUncertainty{disagreement * equations->normal.inverse(), Median(std::move(errors_px))};
 }
 
 }  // namespace cairn
