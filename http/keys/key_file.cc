@@ -130,8 +130,9 @@ int OpenLocked(const std::string& path) {
   }
 }
 
-// Writes a file beside `path`, with its owner, and renames it.
-void ReplaceFile(const std::string& path, const struct stat& old, const std::string& text) {
+// Writes a file beside `path`, with its owner, and renames it. (ReplaceFile of core keeps no
+// owner.)
+void ReplaceKeepingOwner(const std::string& path, const struct stat& old, const std::string& text) {
   std::string temporary = path + ".XXXXXX";
   Descriptor file(mkstemp(temporary.data()));
   if (file.fd() < 0) {
@@ -269,7 +270,7 @@ void ChangeKeyFile(const std::string& path,
       keys = ReadKeyFile(resolved);
     }
     change(&keys);
-    ReplaceFile(resolved, info, KeysAsText(keys));
+    ReplaceKeepingOwner(resolved, info, KeysAsText(keys));
     WarnIfOthersLost(path, info.st_mode);
   } catch (...) {
     if (!existed && info.st_size == 0) {

@@ -12,7 +12,7 @@ namespace cairn {
 
 // Smallest angle between two rays of a landmark, in standard deviations of the angle: its distance
 // is then known within a sixth. On a walk straight ahead, most of what the next photo sees is far
-// away; with a fixed angle of one degree, two thirds of Lund's photos found too few landmarks.
+// away, where a fixed angle of one degree would leave few landmarks.
 inline constexpr double kMinRayAngleSigmas = 6.0;
 
 struct ConsistentPoint {

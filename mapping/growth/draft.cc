@@ -14,7 +14,7 @@ namespace cairn {
 namespace {
 
 // An adjusted focal length that leaves its prior by more standard deviations is not believed: along
-// a straight walk, small biases of keypoints bend it (Lund: 733 px instead of 996).
+// a straight walk, small biases of keypoints bend it.
 constexpr double kMaxFocalSigmas = 2.0;
 
 }  // namespace
