@@ -55,7 +55,8 @@ QueryContext FindCamera(const QueryContext& stated, const LocalizeQuery& query,
   const auto vote = [&](double factor, const QueryContext& scaled) {
     EstimateCandidatePoses(scaled, matches,
                            FindCandidates(scaled, tiles, *matches, options, budget, counters),
-                           options.pose, options.seed, budget, &hypotheses, counters);
+                           options.pose, options.refinement.good_evidence, options.seed, budget,
+                           &hypotheses, counters);
     voted[factor] = hypotheses;
     const double evidence = JudgeGuess(scaled, hypotheses, prior, options.pose, &best);
     hypotheses.DropPoses();

@@ -119,8 +119,9 @@ struct Search {
 
   void Estimate(const QueryContext& context, const SharedMatches& matches,
                 const std::vector<PoseCandidate>& candidates) {
-    EstimateCandidatePoses(context, matches, candidates, options.pose, options.seed, budget,
-                           &hypotheses, counters);
+    EstimateCandidatePoses(context, matches, candidates, options.pose,
+                           options.refinement.good_evidence, options.seed, budget, &hypotheses,
+                           counters);
   }
 
   void Refine(const QueryContext& context, const SharedMatches& matches) {

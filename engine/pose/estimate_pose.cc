@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -35,6 +36,38 @@ bool IsFarFromRay(const QueryContext& query, int keypoint_idx, const Eigen::Vect
          ray.cross(to_point).squaredNorm() > max_sine * max_sine * to_point.squaredNorm();
 }
 
+// The reprojection error of a correspondence under the true camera.
+struct MatchError {
+  double ratio = std::numeric_limits<double>::infinity();  // Squared error over squared threshold.
+  double sq_error_px = 0.0;
+
+  bool IsInlier() const { return ratio < 1.0; }
+};
+
+// Returns the error under a pose; an infinite ratio if the landmark does not project near the
+// keypoint.
+MatchError ErrorOf(const QueryContext& query, const Correspondence& correspondence,
+                   const Eigen::Matrix<double, 3, 4>& cam_from_anchor, const PoseOptions& options) {
+  const int keypoint_idx = correspondence.keypoint_idx;
+  const Camera& camera = query.CameraOf(keypoint_idx);
+  const double max_error_px = options.MaxErrorPx(camera.focal_px());
+  const Eigen::Vector3d x_in_first = cam_from_anchor * correspondence.x_in_anchor.homogeneous();
+  if (IsFarFromRay(query, keypoint_idx, x_in_first, max_error_px)) {
+    return {};
+  }
+  const Eigen::Vector3d x_in_cam = query.InCameraOf(keypoint_idx, x_in_first);
+  const auto projected = camera.Project(x_in_cam);
+  if (!projected) {
+    return {};
+  }
+  // Widened by the landmark's uncertainty, as in ConsensusSet.
+  const double landmark_px = std::min(
+      3.0 * camera.focal_px() * correspondence.sigma_m / x_in_cam.norm(), 1.7320508 * max_error_px);
+  const double sq_threshold_px = max_error_px * max_error_px + landmark_px * landmark_px;
+  const double sq_error_px = (*projected - PixelOf(query, correspondence)).squaredNorm();
+  return {sq_error_px / sq_threshold_px, sq_error_px};
+}
+
 // The best inlier of each keypoint under the true camera, in ascending order of keypoint.
 struct InlierSet {
   std::vector<int> indices;  // Into the correspondences.
@@ -46,43 +79,22 @@ InlierSet GatherInliers(const QueryContext& query,
                         const Rigid3d& cam_from_anchor, const PoseOptions& options) {
   struct Best {
     int index = -1;
-    double ratio = 1.0;  // Squared error over squared threshold.
-    double sq_error_px = 0.0;
+    MatchError error = {.ratio = 1.0};
   };
   std::vector<Best> best(query.keypoints.size());
   const Eigen::Matrix<double, 3, 4> cam_from_anchor_matrix = cam_from_anchor.ToMatrix();
   for (size_t i = 0; i < correspondences.size(); ++i) {
-    const Correspondence& correspondence = correspondences[i];
-    const int keypoint_idx = correspondence.keypoint_idx;
-    const Camera& camera = query.CameraOf(keypoint_idx);
-    const Eigen::Vector3d x_in_first =
-        cam_from_anchor_matrix * correspondence.x_in_anchor.homogeneous();
-    if (IsFarFromRay(query, keypoint_idx, x_in_first, options.MaxErrorPx(camera.focal_px()))) {
-      continue;
-    }
-    const Eigen::Vector3d x_in_cam = query.InCameraOf(keypoint_idx, x_in_first);
-    const auto projected = camera.Project(x_in_cam);
-    if (!projected) {
-      continue;
-    }
-    const double max_error_px = options.MaxErrorPx(camera.focal_px());
-    // Widened by the landmark's uncertainty, as in ConsensusSet.
-    const double landmark_px =
-        std::min(3.0 * camera.focal_px() * correspondence.sigma_m / x_in_cam.norm(),
-                 1.7320508 * max_error_px);
-    const double sq_threshold_px = max_error_px * max_error_px + landmark_px * landmark_px;
-    const double sq_error_px = (*projected - PixelOf(query, correspondence)).squaredNorm();
-    const double ratio = sq_error_px / sq_threshold_px;
-    Best& entry = best[correspondence.keypoint_idx];
-    if (ratio < entry.ratio) {
-      entry = {static_cast<int>(i), ratio, sq_error_px};
+    const MatchError error = ErrorOf(query, correspondences[i], cam_from_anchor_matrix, options);
+    Best& entry = best[correspondences[i].keypoint_idx];
+    if (error.ratio < entry.error.ratio) {
+      entry = {static_cast<int>(i), error};
     }
   }
   InlierSet inliers;
   for (const Best& entry : best) {
     if (entry.index >= 0) {
       inliers.indices.push_back(entry.index);
-      inliers.sum_sq_error_px += entry.sq_error_px;
+      inliers.sum_sq_error_px += entry.error.sq_error_px;
     }
   }
   return inliers;
@@ -171,6 +183,18 @@ std::optional<PoseEstimate> EstimatePose(const QueryContext& query,
   estimate.consensus = ransac.score;
   estimate.num_iterations = ransac.num_iterations;
   return RefineEstimate(query, correspondences, std::move(estimate), options);
+}
+
+std::vector<int> Unexplained(const QueryContext& query,
+                             const std::vector<Correspondence>& correspondences,
+                             const std::vector<int>& subset, const Rigid3d& cam_from_anchor,
+                             const PoseOptions& options) {
+  const Eigen::Matrix<double, 3, 4> cam_from_anchor_matrix = cam_from_anchor.ToMatrix();
+  std::vector<int> unexplained;
+  std::copy_if(subset.begin(), subset.end(), std::back_inserter(unexplained), [&](int index) {
+    return !ErrorOf(query, correspondences[index], cam_from_anchor_matrix, options).IsInlier();
+  });
+  return unexplained;
 }
 
 std::optional<PoseEstimate> RefineEstimate(const QueryContext& query,

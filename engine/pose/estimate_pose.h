@@ -22,6 +22,13 @@ std::optional<PoseEstimate> EstimatePose(const QueryContext& query,
                                          const std::vector<int>& subset, const PoseOptions& options,
                                          uint64_t seed, double min_consensus = 0.0);
 
+// Returns those of `subset` that are no inliers of a pose, in the same order. Poses that are far
+// apart share few inliers, so the rivals of a pose are found among these.
+std::vector<int> Unexplained(const QueryContext& query,
+                             const std::vector<Correspondence>& correspondences,
+                             const std::vector<int>& subset, const Rigid3d& cam_from_anchor,
+                             const PoseOptions& options);
+
 // Refines the pose of `estimate` on its inliers among `correspondences`, which may differ from
 // those it was estimated from. Returns the pose with the covariance and the evidence of these
 // inliers; nothing if they are fewer than options.min_inliers.
