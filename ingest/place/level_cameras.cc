@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "core/error.h"
@@ -19,8 +20,8 @@ constexpr size_t kMaxViews = 300, kMaxPositions = 300, kMaxSights = 3000;
 // a sensor wrote them.
 constexpr double kTrustInSensor = 0.9, kTrustInOnes = 0.6, kTrustInUser = 0.999;
 
-// Log likelihoods that are worth a word.
-constexpr double kTelling = 1.0;
+// Log likelihoods that are worth a word, and beyond which a figure says no more.
+constexpr double kTelling = 1.0, kMaxWordedLogOdds = 20.0;
 
 std::optional<PictureUp> StatedByUser(UpSource source) {
   switch (source) {
@@ -117,7 +118,10 @@ PictureUp MostFrequent(const HoldShares& shares) {
   return kPictureUps[static_cast<size_t>(best - shares.begin())];
 }
 
-[[noreturn]] void ThrowAmbiguous(const UpChoice& choice, const GeoregisterOptions& options) {
+void RequireOdds(const UpChoice& choice, const GeoregisterOptions& options) {
+  if (choice.Odds() >= options.least_up_odds) {
+    return;
+  }
   throw Error(
       ErrorCode::kBadInput,
       fmt::format("georegistration: which way is up is not certain. Most likely, {}; {:.1f} times "
@@ -127,6 +131,46 @@ PictureUp MostFrequent(const HoldShares& shares) {
                   "down",
                   WordsFor(MostFrequent(choice.score.shares)), choice.Odds(),
                   WordsFor(MostFrequent(choice.next_score.shares)), options.least_up_odds));
+}
+
+// Few programs mirror photos: of so many models, one is expected to show the mirror image.
+constexpr double kModelsPerMirror = 1000.0;
+
+// The problem as it would be had a program mirrored the pixels, and with them the model: all of the
+// world with the other sign of x, seen by cameras with the other sign of x. EXIF orientations and
+// gravity are those of the camera, which mirrors nothing.
+UpProblem MirroredBack(UpProblem problem) {
+  for (UpView& view : problem.views) {
+    Eigen::Quaterniond& q = view.cam_from_world;
+    q = Eigen::Quaterniond(q.w(), q.x(), -q.y(), -q.z());
+  }
+  for (SimilarityProblem::Position& position : problem.positions) {
+    position.center_in_world.x() *= -1.0;
+  }
+  for (Eigen::Vector3d& sight : problem.sights_in_world) {
+    sight.x() *= -1.0;
+  }
+  return problem;
+}
+
+// A mirrored walk with bends fits its positions only upside down, and its mirror image upright. A
+// straight walk fits both ways, and passes. Returns how many times better the mirror image explains
+// all that is known.
+double RequireNoMirror(const UpProblem& problem, const UpChoice& choice) {
+  const UpChoice mirrored = FindUp(UpEvidence(MirroredBack(problem)));
+  const double odds =
+      std::exp(std::min(mirrored.score.Total() - choice.score.Total(), kMaxWordedLogOdds));
+  if (odds > kModelsPerMirror) {
+    throw Error(
+        ErrorCode::kBadInput,
+        fmt::format("georegistration: the model looks mirrored. Its mirror image, with the cameras "
+                    "upright, explains the positions {:.0f} times better than the model itself "
+                    "({:.0f} times would do). Check whether the program that wrote the photos or "
+                    "their keypoints mirrors images. If it does not, say how the photos lie: --up "
+                    "top, left, right, bottom or down",
+                    odds, kModelsPerMirror));
+  }
+  return odds;
 }
 
 // What makes the choice better than the next one.
@@ -183,14 +227,17 @@ CameraHolds FindCameraHolds(const Reconstruction& reconstruction,
                            orientations.empty() ? std::nullopt : orientations[i], by_user, trust));
     has_gravity = has_gravity || views.back().up_in_cam;
   }
-  const UpEvidence evidence({.views = Thinned(views, kMaxViews),
+  const UpProblem problem = {.views = Thinned(views, kMaxViews),
                              .positions = Thinned(positions, kMaxPositions),
                              .sights_in_world = SightsOf(reconstruction, normalized_per_world),
-                             .roll_sigma_rad = options.upright_sigma_rad});
+                             .roll_sigma_rad = options.upright_sigma_rad};
+  const UpEvidence evidence(problem);
   const UpChoice choice = FindUp(evidence);
   const bool is_given = by_user || options.up == UpSource::kPhotos;
-  if (!is_given && choice.Odds() < options.least_up_odds) {
-    ThrowAmbiguous(choice, options);
+  double mirror_odds = 0.0;
+  if (!is_given) {
+    mirror_odds = RequireNoMirror(problem, choice);
+    RequireOdds(choice, options);
   }
   CameraHolds holds;
   holds.up_in_world = choice.up_in_world;
@@ -199,6 +246,12 @@ CameraHolds FindCameraHolds(const Reconstruction& reconstruction,
     ++holds.report.num_images[static_cast<size_t>(holds.of_image.back())];
   }
   holds.report.source = SourceOf(choice, by_user.has_value(), has_gravity);
+  if (mirror_odds >= options.least_up_odds) {
+    holds.report.source += fmt::format(
+        "; but a mirrored model, held upright, would be {:.0f} times as likely, if models were "
+        "mirrored as often as not: check which way is up, and that letters are not mirrored",
+        mirror_odds);
+  }
   holds.report.odds = choice.Odds();
   return holds;
 }

@@ -18,9 +18,10 @@ struct CameraHolds {
   UpReport report;
 };
 
-// Throws Error(kBadInput), with what to do, if two ways are about as likely, or if options.up asks
-// for orientations that no photo has. The centers of the positions are those of the reconstruction
-// times `normalized_per_world`, and moved.
+// Throws Error(kBadInput), with what to do, if two ways are about as likely, if the positions fit
+// the mirror image of the reconstruction and not the reconstruction, or if options.up asks for
+// orientations that no photo has. A way that options.up states is not doubted. The centers of the
+// positions are those of the reconstruction times `normalized_per_world`, and moved.
 CameraHolds FindCameraHolds(const Reconstruction& reconstruction,
                             const ImageOrientations& orientations,
                             const std::vector<SimilarityProblem::Position>& positions,

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "ingest/plan_fixture.h"
 #include "ingest/session_placement.h"
@@ -61,6 +62,48 @@ TEST_P(PublicationGate, AsksForPlans) {
   const std::string path = Plan(Street(2, 9.0), Beside("copy"), "copy", &store);
   Build(path);
   EXPECT_EQ(Publish(path, &store).keyframe_answers.num_asked, 12);
+}
+
+// A budget for a tile that leaves the map too few landmarks for its own photos.
+IngestOptions TooSmallFor(const std::string& name) {
+  IngestOptions options = PlanOptionsFor(name);
+  options.selection.max_descriptors = 40;
+  return options;
+}
+
+std::vector<std::string> DigestsOf(const MapStore& store) {
+  std::vector<std::string> digests;
+  for (const TileRecord& tile : store.Snapshot().AllTiles(99)) {
+    digests.push_back(tile.digest);
+  }
+  return digests;
+}
+
+TEST_P(PublicationGate, RefusesASessionWithTheFigureAndLeavesTheMapAsItIs) {
+  MapStore store = MakeMap("map");
+  const MapVersion version = store.Snapshot().version();
+  const std::vector<std::string> digests = DigestsOf(store);
+  const Failure failure = FailureOf([&] { Ingest(Street(2), TooSmallFor("small"), &store); });
+  EXPECT_EQ(failure.code, ErrorCode::kConflict);
+  EXPECT_THAT(failure.message, ::testing::ContainsRegex(
+                                   "session 'small' was not published: with it, the map no longer "
+                                   "localizes [0-9]+ of 12 of its own keyframes near by"));
+  EXPECT_EQ(store.Snapshot().version(), version);
+  EXPECT_EQ(DigestsOf(store), digests);
+  IngestOptions forced = TooSmallFor("small");
+  forced.gate.max_lost_share = 1.0;
+  EXPECT_GT(Ingest(Street(2), forced, &store).map_version, version);
+  EXPECT_NE(DigestsOf(store), digests);
+}
+
+TEST_P(PublicationGate, RefusesAPlanUnlessItIsForced) {
+  MapStore store = MakeMap("map");
+  const MapVersion version = store.Snapshot().version();
+  const std::string path = Plan(Street(2), TooSmallFor("small"), "small", &store);
+  Build(path);
+  EXPECT_THAT(FailureOf([&] { Publish(path, &store); }).message, HasSubstr("no longer localizes"));
+  EXPECT_EQ(store.Snapshot().version(), version);
+  EXPECT_GT(Publish(path, &store, /*num_tasks=*/0, /*force=*/true).map_version, version);
 }
 
 TEST_P(PublicationGate, LetsASessionMoveThatReplacesItself) {

@@ -63,6 +63,7 @@ struct WalkOptions {
   double swing_rad = 0.0;  // Views alternate so far to both sides.
   bool has_facades = true;
   bool feels_gravity = false;
+  bool is_mirrored = false;  // By a program that wrote the photos.
   std::function<PictureUp(int)> held = [](int) { return PictureUp::kTop; };
   uint64_t seed = 1;
 };
@@ -101,6 +102,20 @@ void AddSights(const WalkOptions& options, const std::vector<Rigid3d>& cam_from_
       }
     }
   }
+}
+
+// What COLMAP makes of the same photos with left and right exchanged.
+void Mirror(Walk* walk) {
+  for (ReconImage& image : walk->reconstruction.images) {
+    Rigid3d& pose = image.cam_from_world;
+    const Eigen::Quaterniond& q = pose.rotation;
+    pose.rotation = Eigen::Quaterniond(q.w(), q.x(), -q.y(), -q.z());
+    pose.translation.x() *= -1.0;
+  }
+  for (ReconLandmark& landmark : walk->reconstruction.landmarks) {
+    landmark.x_in_world.x() *= -1.0;
+  }
+  walk->up_in_world.x() *= -1.0;
 }
 
 Walk MakeWalk(const WalkOptions& options) {
@@ -146,26 +161,49 @@ Walk MakeWalk(const WalkOptions& options) {
                               std::max(0.05, 1.5 * sigma_m)});
   }
   AddSights(options, cam_from_enu, world_from_enu, &rng, &walk.reconstruction);
+  if (options.is_mirrored) {
+    Mirror(&walk);
+  }
   return walk;
 }
 
-// "right", "wrong" or "refused" for each of three seeds.
+// "right", "wrong", "refused" or "refused as mirrored".
+std::string OutcomeOf(const WalkOptions& options, const GeoregisterOptions& georegister = {},
+                      const ImageOrientations& orientations = {}) {
+  constexpr double kMaxTiltDeg = 20.0;
+  const Walk walk = MakeWalk(options);
+  try {
+    const Georegistration found =
+        Georegister(walk.reconstruction, walk.positions, georegister, orientations);
+    return walk.TiltDeg(found) < kMaxTiltDeg ? "right" : "wrong";
+  } catch (const Error& e) {
+    EXPECT_THAT(e.what(), HasSubstr("--up"));
+    return std::string(e.what()).find("mirrored") == std::string::npos ? "refused"
+                                                                       : "refused as mirrored";
+  }
+}
+
+// For each of three seeds.
 std::vector<std::string> OutcomesOf(WalkOptions options, const GeoregisterOptions& georegister = {},
                                     const ImageOrientations& orientations = {}) {
-  constexpr double kMaxTiltDeg = 20.0;
   std::vector<std::string> outcomes;
   for (options.seed = 1; options.seed <= 3; ++options.seed) {
-    const Walk walk = MakeWalk(options);
-    try {
-      const Georegistration found =
-          Georegister(walk.reconstruction, walk.positions, georegister, orientations);
-      outcomes.push_back(walk.TiltDeg(found) < kMaxTiltDeg ? "right" : "wrong");
-    } catch (const Error& e) {
-      EXPECT_THAT(e.what(), HasSubstr("--up"));
-      outcomes.push_back("refused");
-    }
+    outcomes.push_back(OutcomeOf(options, georegister, orientations));
   }
   return outcomes;
+}
+
+// What cameras write that know how they were held.
+ImageOrientations ExifOf(const WalkOptions& options) {
+  ImageOrientations orientations;
+  for (int i = 0; i < options.num_photos; ++i) {
+    const PictureUp up = options.held(i);
+    orientations.emplace_back(up == PictureUp::kLeft     ? 6
+                              : up == PictureUp::kRight  ? 8
+                              : up == PictureUp::kBottom ? 3
+                                                         : 1);
+  }
+  return orientations;
 }
 
 std::function<PictureUp(int)> All(PictureUp up) {
@@ -209,10 +247,7 @@ TEST(WhichWayIsUp, TheUserMaySayIt) {
 
 TEST(WhichWayIsUp, OrientationsOfPhotosTell) {
   const WalkOptions walk = {.has_facades = false, .held = TopOrLeft};
-  ImageOrientations orientations;
-  for (int i = 0; i < walk.num_photos; ++i) {
-    orientations.emplace_back(i % 2 == 0 ? 1 : 6);
-  }
+  const ImageOrientations orientations = ExifOf(walk);
   EXPECT_THAT(OutcomesOf(walk, {}, orientations), Each("right"));
   EXPECT_THAT(OutcomesOf(walk, {.up = UpSource::kPhotos}, orientations), Each("right"));
   EXPECT_THAT(OutcomesOf(walk, {.up = UpSource::kPhotos}), Each("refused"));
@@ -237,6 +272,44 @@ TEST(WhichWayIsUp, TheReportSaysHowThePhotosWereHeld) {
   EXPECT_THAT(up.num_images, ::testing::ElementsAre(14, 13, 0, 0, 0));
   EXPECT_THAT(up.source, HasSubstr("ground"));
   EXPECT_GT(up.odds, 20.0);
+}
+
+TEST(WhichWayIsUp, NoneOfASweepOfWalksIsWrong) {
+  int num_right = 0, num_walks = 0;
+  for (const double bend_rad : {0.0, 0.3, 0.8}) {
+    for (const double pitch_rad : {-0.3, -1.5}) {
+      for (const PictureUp up : {PictureUp::kTop, PictureUp::kLeft, PictureUp::kBottom}) {
+        WalkOptions walk = {.bend_rad = bend_rad, .num_photos = 15, .pitch_rad = pitch_rad};
+        walk.held = [up](int i) { return i % 4 == 0 ? PictureUp::kTop : up; };
+        walk.seed = ++num_walks;
+        const bool has_exif = num_walks % 2 == 0;
+        const std::string outcome =
+            OutcomeOf(walk, {}, has_exif ? ExifOf(walk) : ImageOrientations());
+        EXPECT_THAT(outcome, ::testing::AnyOf("right", "refused"))
+            << "bend " << bend_rad << ", pitch " << pitch_rad << ", held " << static_cast<int>(up)
+            << ", EXIF " << has_exif;
+        num_right += outcome == "right";
+      }
+    }
+  }
+  EXPECT_GE(num_right, num_walks / 3);
+}
+
+TEST(WhichWayIsUp, AMirroredWalkWithABendIsRefused) {
+  EXPECT_THAT(OutcomesOf({.bend_rad = 0.8, .is_mirrored = true}), Each("refused as mirrored"));
+}
+
+// Upside down, the mirror image of a photo in portrait format is in portrait format again, so only
+// the ground speaks against it.
+TEST(WhichWayIsUp, AMirroredWalkInPortraitFormatIsSaidToLookMirrored) {
+  const Walk walk = MakeWalk({.bend_rad = 0.8, .is_mirrored = true, .held = All(PictureUp::kLeft)});
+  EXPECT_THAT(Georegister(walk.reconstruction, walk.positions, {}).up.source,
+              HasSubstr("a mirrored model, held upright, would be"));
+}
+
+TEST(WhichWayIsUp, PositionsOnALineTellNothingOfMirrors) {
+  EXPECT_THAT(OutcomesOf({.is_mirrored = true}), Each(Ne("refused as mirrored")));
+  EXPECT_THAT(OutcomesOf({.held = All(PictureUp::kBottom)}), Each(Ne("refused as mirrored")));
 }
 
 }  // namespace
