@@ -31,7 +31,12 @@ ExitCode RunIngest(const IngestArguments& arguments, ProgressMode progress_mode)
   IngestReport report;
   {
     Progress progress(progress_mode);
-    report = IngestPlaced(session, arguments.session.options, archive.get(), &progress, &store);
+    report = IngestPlaced(
+        session, arguments.session.options, archive.get(),
+        [&](const char* phase, int64_t done, int64_t total) {
+          progress.Update(phase, done, total);
+        },
+        &store);
   }
   const auto print = arguments.session.json ? PrintIngestJson : PrintIngestText;
   print(session.options.session_name, session.georegistration, report);

@@ -12,17 +12,16 @@ std::unique_ptr<SessionArchive> OpenSessionArchive(const std::string& path,
 }
 
 IngestReport IngestPlaced(const PlacedReconstruction& session, CairnOptions options,
-                          SessionArchive* archive, Progress* progress, MapStore* store) {
+                          SessionArchive* archive, const IngestProgress& progress,
+                          MapStore* store) {
   options.ingest = session.options;
   const Sim3d& ecef_from_world = session.georegistration.ecef_from_world;
-  const IngestReport report = IngestSession(
-      session.reconstruction, ecef_from_world, options.ingest, store,
-      [&](const char* phase, int64_t done, int64_t total) { progress->Update(phase, done, total); },
-      [&](const PlannedSession& planned) {
-        if (archive != nullptr) {
-          archive->Stage(planned, ecef_from_world, options);
-        }
-      });
+  const IngestReport report = IngestSession(session.reconstruction, ecef_from_world, options.ingest,
+                                            store, progress, [&](const PlannedSession& planned) {
+                                              if (archive != nullptr) {
+                                                archive->Stage(planned, ecef_from_world, options);
+                                              }
+                                            });
   if (archive != nullptr) {
     archive->Commit();
   }

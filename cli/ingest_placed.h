@@ -6,10 +6,10 @@
 #include <string>
 
 #include "cli/options/cairn_options.h"
-#include "cli/progress.h"
 #include "cli/session_archive.h"
 #include "cli/session_arguments.h"
 #include "ingest/ingest_report.h"
+#include "ingest/session_plan.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {
@@ -21,7 +21,7 @@ std::unique_ptr<SessionArchive> OpenSessionArchive(const std::string& path,
 
 // Ingests the session with its own options and, unless `archive` is null, archives it.
 IngestReport IngestPlaced(const PlacedReconstruction& session, CairnOptions options,
-                          SessionArchive* archive, Progress* progress, MapStore* store);
+                          SessionArchive* archive, const IngestProgress& progress, MapStore* store);
 
 }  // namespace cairn
 

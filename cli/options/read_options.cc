@@ -198,16 +198,20 @@ class OptionsReader {
 
 }  // namespace
 
-void ReadOptions(std::string_view json, CairnOptions* options) {
-  CairnOptions read = *options;
-  OptionList list = Describe(&read);
+void ReadOptions(std::string_view json, OptionList* list) {
   JsonDocument document;
   try {
     document = ParseJson(json, kLimits);
   } catch (const Error& error) {  // Of a kind that is for answers of the server.
     throw Error(ErrorCode::kBadInput, error.what());
   }
-  OptionsReader(document, &list).ReadSection(0, "");
+  OptionsReader(document, list).ReadSection(0, "");
+}
+
+void ReadOptions(std::string_view json, CairnOptions* options) {
+  CairnOptions read = *options;
+  OptionList list = Describe(&read);
+  ReadOptions(json, &list);
   read.Validate();
   *options = std::move(read);
 }

@@ -17,6 +17,10 @@ namespace cairn {
 // its value is of another type or makes no sense.
 void ReadOptions(std::string_view json, CairnOptions* options);
 
+// The same for what any list describes, of which some options may be set if it throws. Values that
+// make no sense are for the caller to find.
+void ReadOptions(std::string_view json, OptionList* list);
+
 // The same with a file of at most 64 KiB, which the messages name; throws as ReadTextFile, too.
 void ReadOptionsFile(const std::string& path, CairnOptions* options);
 
