@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <atomic>
 #include <charconv>
 #include <chrono>
 #include <nlohmann/json.hpp>
@@ -182,6 +183,7 @@ struct LocalizeClient::Impl {
   ClientOptions options;
   BoundedClient http;
   std::string last_cell;  // That the server named last; empty before.
+  std::atomic<bool> is_stopped = false;
 
   explicit Impl(const ClientOptions& client_options)
       : options(client_options),
@@ -203,7 +205,7 @@ struct LocalizeClient::Impl {
     ClientResponse response = http.Send(request);
     const auto elapsed = std::chrono::steady_clock::now() - start;
     const bool has_failed =
-        (response.status == 0 && !response.is_garbled) || response.status == 502;
+        !is_stopped && ((response.status == 0 && !response.is_garbled) || response.status == 502);
     if (has_failed && elapsed < std::chrono::milliseconds(options.timeout_ms) / 2) {
       response = http.Send(request);
     }
@@ -215,6 +217,7 @@ struct LocalizeClient::Impl {
   ClientResponse ResponseTo(const ClientRequest& request) {
     const auto end =
         std::chrono::steady_clock::now() + std::chrono::milliseconds(options.timeout_ms);
+    is_stopped = false;
     ClientResponse response = SendTwice(request);
     while (const auto pause = response.RetryAfter()) {
       if (std::chrono::steady_clock::now() + *pause >= end) {
@@ -294,6 +297,11 @@ LocalizeResult LocalizeClient::LocalizeFeatures(const LocalizeQuery& query) {
 
 std::string LocalizeClient::Get(const std::string& path) {
   return impl_->ResponseTo({.path = path}).body;
+}
+
+void LocalizeClient::Stop() {
+  impl_->is_stopped = true;
+  impl_->http.Stop();
 }
 
 }  // namespace cairn

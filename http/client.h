@@ -30,7 +30,7 @@ struct ClientOptions {
   bool exif_prior = true;  // Without a prior, the server takes the position in the image's EXIF.
 };
 
-// Use a client from one thread only. The client keeps its connection alive.
+// Use a client from one thread only, apart from Stop. The client keeps its connection alive.
 class LocalizeClient {
  public:
   // Throws Error(kInvalidArgument) if the URL has another scheme or the key may not go there, and
@@ -53,6 +53,9 @@ class LocalizeClient {
 
   // Returns the body of a GET, for scripts and tests. Throws as above.
   std::string Get(const std::string& path);
+
+  // Aborts the exchange under way, which throws Error(kUnavailable); see BoundedClient::Stop.
+  void Stop();
 
  private:
   struct Impl;
