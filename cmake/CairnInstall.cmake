@@ -52,8 +52,8 @@ install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md
               ${PROJECT_SOURCE_DIR}/CHANGELOG.md
   DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
 
-# cpack --config build/release/CPackConfig.cmake makes cairn_*.deb, libcairn-dev_*.deb and
-# libcairn-fusion-dev_*.deb.
+# cpack --config build/release/CPackConfig.cmake makes cairn_*.deb, libcairn-dev_*.deb,
+# libcairn-fusion-dev_*.deb and python3-cairn_*.deb.
 set(CPACK_PACKAGE_NAME cairn)
 set(CPACK_PACKAGE_VENDOR "The Cairn authors")
 set(CPACK_PACKAGE_CONTACT "The Cairn authors <cairn@localhost>")
@@ -62,6 +62,9 @@ set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
 set(CPACK_GENERATOR DEB)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_ALL runtime development fusion)
+if(CAIRN_WITH_PYTHON)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME cairn)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libcairn-dev)
 set(CPACK_DEBIAN_FUSION_PACKAGE_NAME libcairn-fusion-dev)
@@ -86,6 +89,14 @@ set(CPACK_DEBIAN_FUSION_PACKAGE_DEPENDS
 set(CPACK_DEBIAN_FUSION_PACKAGE_RECOMMENDS
   "nlohmann-json3-dev, libcpp-httplib-dev, libopencv-core-dev, libopencv-imgproc-dev, \
 libopencv-video-dev")
+# The module fits one minor version of Python, the one it is built for.
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-cairn)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+math(EXPR cairn_next_python "${Python3_VERSION_MINOR} + 1")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+  "python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${cairn_next_python}), python3-numpy, \
+proj-data")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_STRIP_FILES ON)
 include(CPack)

@@ -1,0 +1,193 @@
+// cairn.init, cairn.ingest and cairn.map: what the verbs of these names do.
+#include "python/building.h"
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+
+#include "cli/ingest_placed.h"
+#include "cli/ingest_summary.h"
+#include "cli/map_session.h"
+#include "cli/map_summary.h"
+#include "cli/session_arguments.h"
+#include "cli/session_replacement.h"
+#include "core/parallel_for.h"
+#include "python/arguments.h"
+#include "python/camera.h"
+#include "python/docs.h"
+#include "python/interruptible.h"
+#include "storage/map/map_store.h"
+
+namespace cairn::python {
+namespace {
+
+// What a session became.
+struct Summary {
+  std::string session;
+  MapVersion map_version{};
+  bool is_unchanged = false;
+  nlohmann::ordered_json details;
+};
+
+void Init(const py::object& path_argument) {
+  const std::string path = PathOf("path", path_argument);
+  const py::gil_scoped_release release;
+  MapStore::Create(path);
+}
+
+std::optional<HeightReference> HeightOf(py::handle value) {
+  if (value.is_none()) {
+    return std::nullopt;
+  }
+  const auto reference = HeightReferenceFromName(TextOf("height", value));
+  if (!reference) {
+    RefuseArgument("height", "must be 'ellipsoid' or 'msl'");
+  }
+  return reference;
+}
+
+// The keywords that ingest and map share.
+void ReadSessionKeywords(const py::kwargs& keywords, SessionArguments* arguments) {
+  arguments->options = OptionsOf(keywords["options"]);
+  IngestOptions& options = arguments->options.ingest;
+  options.session_name =
+      keywords["session"].is_none() ? "" : TextOf("session", keywords["session"]);
+  options.recorded_at =
+      keywords["recorded_at"].is_none() ? "" : TextOf("recorded_at", keywords["recorded_at"]);
+  options.num_threads = ThreadsOf("threads", keywords["threads"]);
+  arguments->apart = FlagOf("apart", keywords["apart"]);
+  arguments->force = FlagOf("force", keywords["force"]);
+  arguments->wait_s = NumberOf("wait_s", keywords["wait_s"], 0.0, 86400.0);
+}
+
+std::optional<double> CameraHeightOf(py::handle value) {
+  if (value.is_none()) {
+    return std::nullopt;
+  }
+  return NumberOf("camera_height_m", value, -12'000.0, 12'000.0);
+}
+
+SessionArguments IngestArgumentsOf(const py::object& path, const py::kwargs& keywords) {
+  SessionArguments arguments;
+  arguments.map_path = PathOf("path", path);
+  ReadSessionKeywords(keywords, &arguments);
+  ReconstructionArguments& reconstruction = arguments.reconstruction;
+  reconstruction.model_dir = PathOf("model", keywords["model"]);
+  reconstruction.database_path = PathOf("database", keywords["database"]);
+  reconstruction.use_gps = FlagOf("gps", keywords["gps"]);
+  reconstruction.georef_path = PathOrEmpty("georef", keywords["georef"]);
+  reconstruction.gps_accuracy_m = PositiveOf("gps_accuracy_m", keywords["gps_accuracy_m"]);
+  reconstruction.height = HeightOf(keywords["height"]);
+  reconstruction.camera_height_m = CameraHeightOf(keywords["camera_height_m"]);
+  reconstruction.photo_dir = PathOrEmpty("photos", keywords["photos"]);
+  arguments.image_list_path = PathOrEmpty("images", keywords["images"]);
+  if (reconstruction.use_gps && !reconstruction.georef_path.empty()) {
+    RefuseArgument("georef", "is another source of positions than gps=True; give one of them");
+  }
+  if (!reconstruction.HasPositions()) {
+    RefuseArgument("georef",
+                   "the position of the model on Earth is unknown; give georef or "
+                   "gps=True");
+  }
+  return arguments;
+}
+
+Summary SummaryOf(const PlacedReconstruction& session, const IngestReport& report) {
+  const std::string& name = session.options.session_name;
+  return {name, report.map_version, report.is_unchanged,
+          IngestJson(name, session.georegistration, report)};
+}
+
+Summary Ingest(const py::object& path, const py::kwargs& keywords) {
+  const SessionArguments arguments = IngestArgumentsOf(path, keywords);
+  const std::string archive_path = PathOrEmpty("archive", keywords["archive"]);
+  Summary summary;
+  RunInterruptibly(keywords["progress"], [&](const WorkProgress& report) {
+    MapStore store = MapStore::Open(arguments.map_path, OpenMode::kReadWrite);
+    const std::unique_ptr<SessionArchive> archive =
+        OpenSessionArchive(archive_path, SessionNameOf(arguments), store);
+    const PlacedReconstruction session = ReadSession(arguments);
+    CheckReplacement(store.Snapshot(), session, HasSessionName(arguments));
+    summary =
+        SummaryOf(session, IngestPlaced(session, arguments.options, archive.get(), report, &store));
+  });
+  return summary;
+}
+
+void AddPhotos(const py::object& photos, std::vector<std::string>* paths) {
+  if (IsPath(photos)) {
+    paths->push_back(PathOf("photos", photos));
+    return;
+  }
+  if (!py::isinstance<py::iterable>(photos)) {
+    RefuseArgument("photos", "must be a folder, or a sequence of folders and files");
+  }
+  for (const py::handle photo : photos) {
+    paths->push_back(PathOf("photos", photo));
+  }
+  if (paths->empty()) {
+    RefuseArgument("photos", "is empty");
+  }
+}
+
+MapSessionArguments MapArgumentsOf(const py::object& path, const py::object& photos,
+                                   const py::kwargs& keywords) {
+  MapSessionArguments arguments;
+  arguments.session.map_path = PathOf("path", path);
+  ReadSessionKeywords(keywords, &arguments.session);
+  MapPhotosInput& input = arguments.input;
+  AddPhotos(photos, &input.paths);
+  input.positions_path = PathOrEmpty("gps", keywords["gps"]);
+  input.gps_accuracy_m = PositiveOf("gps_accuracy_m", keywords["gps_accuracy_m"]);
+  input.height = HeightOf(keywords["height"]);
+  input.camera_height_m = CameraHeightOf(keywords["camera_height_m"]);
+  input.work_dir = PathOrEmpty("work", keywords["work"]);
+  if (!py::isinstance<py::iterable>(keywords["cameras"])) {
+    RefuseArgument("cameras", "must be a sequence of cairn.Camera");
+  }
+  for (const py::handle camera : keywords["cameras"]) {
+    const std::optional<StatedCamera> stated = CameraOf("cameras", camera);
+    if (!stated || stated->focal) {
+      RefuseArgument("cameras", "must be calibrated, without a focal_sigma");
+    }
+    input.cameras.push_back(stated->camera);
+  }
+  arguments.archive_path = PathOrEmpty("archive", keywords["archive"]);
+  return arguments;
+}
+
+Summary Map(const py::object& path, const py::object& photos, const py::kwargs& keywords) {
+  const MapSessionArguments arguments = MapArgumentsOf(path, photos, keywords);
+  Summary summary;
+  RunInterruptibly(keywords["progress"], [&](const WorkProgress& report) {
+    const MapSessionResult result = MakeMapSession(arguments, report);
+    summary = SummaryOf(result.session, result.report);
+    summary.details = {{"photos", MappedPhotosJson(result.mapped)}, {"ingest", summary.details}};
+  });
+  return summary;
+}
+
+py::object DetailsOf(const Summary& summary) {
+  return py::module_::import("json").attr("loads")(
+      summary.details.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+}  // namespace
+
+void BindBuilding(py::module_* module) {
+  using py::arg;
+  py::class_<Summary>(*module, "Summary", docs::kSummary)
+      .def_readonly("session", &Summary::session, "Name of the session.")
+      .def_property_readonly(
+          "map_version", [](const Summary& summary) { return Value(summary.map_version); },
+          "The version that has the session.")
+      .def_readonly("unchanged", &Summary::is_unchanged,
+                    "Whether the map had exactly this session already.")
+      .def_property_readonly("details", &DetailsOf, "All that the verb prints with --json.");
+  module->def("init", &Init, arg("path"), docs::kInit);
+  module->def("_ingest", &Ingest, arg("path"));
+  module->def("_map", &Map, arg("path"), arg("photos"));
+}
+
+}  // namespace cairn::python
