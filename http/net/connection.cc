@@ -22,9 +22,11 @@ constexpr size_t kReceiveBytes = 64 * 1024;
 constexpr size_t kIdleBytes = 4096;
 // Bytes of empty lines before a request. Clients send one such line at most.
 constexpr size_t kMaxEmptyBytes = 16;
-// Bytes discarded at most after the last response. Closing a socket with unread data resets the
-// connection, and the peer could not read the response.
+// Bytes discarded at most after the last response, unless a body may be longer. Closing a socket
+// with unread data resets the connection, and the peer could not read the response.
 constexpr size_t kMaxDrainBytes = size_t{8} << 20;
+// How long a peer may be silent meanwhile. One that goes on sending, as clients do that look for a
+// response only after their upload, may do so for the time of a body.
 constexpr milliseconds kDrainTime{1000};
 // The stated idle time passes at the client's end a little later than here, and a request that the
 // client sends in the last moment is still on its way.
@@ -193,13 +195,13 @@ Connection::Transfer Connection::ReadSome() {
   // A short read empties the socket; the next edge is still to come.
   is_readable_ = peer_has_finished_ || received == static_cast<ssize_t>(chunk.size());
   budget_bytes_ -= received;
-  if (phase_ == Phase::kDraining) {
-    num_drained_ += static_cast<size_t>(received);
-  } else {
+  if (phase_ != Phase::kDraining) {
     in_.append(chunk.data(), static_cast<size_t>(received));
   }
   if (phase_ == Phase::kBody) {
     RewardBody(received);
+  } else if (phase_ == Phase::kDraining) {
+    RewardDraining(received);
   }
   return Transfer::kDone;
 }
@@ -208,6 +210,14 @@ void Connection::RewardBody(int64_t num_bytes) {
   // In nanoseconds, because a body may come in segments of one byte.
   const std::chrono::nanoseconds earned(1'000'000'000 * num_bytes / limits_->min_body_bytes_per_s);
   deadline_ = std::min(deadline_ + earned, steady_clock::now() + limits_->body_timeout);
+}
+
+void Connection::RewardDraining(int64_t num_bytes) {
+  num_drained_ += static_cast<size_t>(num_bytes);
+  const std::chrono::nanoseconds earned(1'000'000'000 * num_bytes / limits_->min_body_bytes_per_s);
+  const steady_clock::time_point now = steady_clock::now();
+  deadline_ =
+      std::min({deadline_ + earned, now + kDrainTime, waiting_since_ + limits_->body_timeout});
 }
 
 Connection::Transfer Connection::SendSome() {
@@ -250,7 +260,7 @@ void Connection::FinishResponse() {
 }
 
 Connection::Next Connection::Drain() {
-  while (num_drained_ < kMaxDrainBytes) {
+  while (num_drained_ < std::max(kMaxDrainBytes, limits_->max_body_bytes)) {
     const Transfer received = ReadSome();
     if (received == Transfer::kBlocked) {
       return Next::kWait;

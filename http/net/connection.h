@@ -110,6 +110,8 @@ class Connection {
   Transfer ReadSome();
   // Extends the deadline of the body after `num_bytes` more have arrived.
   void RewardBody(int64_t num_bytes);
+  // Counts bytes that arrived after the last response, and gives the peer more time for others.
+  void RewardDraining(int64_t num_bytes);
   Transfer SendSome();
   void FinishResponse();
   Next Drain();

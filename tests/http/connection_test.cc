@@ -99,6 +99,22 @@ TEST_F(ConnectionTest, DiscardingReadsOnlyItsShareToo) {
   EXPECT_EQ(connection_->Proceed(), Next::kWait);
 }
 
+// A client that looks for a response only after its upload would otherwise find a reset connection.
+TEST_F(ConnectionTest, ARefusedUploadIsTakenToItsEnd) {
+  constexpr size_t kUploadBytes = size_t{12} << 20;
+  limits_.max_body_bytes = kUploadBytes;
+  connection_->Respond({.head = "HTTP/1.1 401 Unauthorized\r\n\r\n", .body = ""},
+                       /*keep_alive=*/false);
+  const auto first_deadline = connection_->deadline();
+  const std::string part(64 * 1024, 'x');
+  for (size_t sent = 0; sent + part.size() < kUploadBytes; sent += part.size()) {
+    ASSERT_EQ(Receive(part), Next::kWait) << "after " << sent << " bytes";
+  }
+  EXPECT_GT(connection_->deadline(), first_deadline);
+  EXPECT_LE(connection_->deadline() - first_deadline, limits_.body_timeout);
+  EXPECT_EQ(Receive(part), Next::kClose);
+}
+
 TEST_F(ConnectionTest, OneEmptyLineBeforeARequestIsSkipped) {
   EXPECT_EQ(Receive("\r\n"), Next::kWait);
   EXPECT_EQ(Receive("GET / HTTP/1.1\r\nHost: h\r\n\r\n"), Next::kRequest);
