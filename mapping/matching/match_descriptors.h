@@ -2,8 +2,10 @@
 #ifndef CAIRN_MAPPING_MATCHING_MATCH_DESCRIPTORS_H_
 #define CAIRN_MAPPING_MATCHING_MATCH_DESCRIPTORS_H_
 
+#include <span>
 #include <vector>
 
+#include "core/features.h"
 #include "core/scene/tracks.h"
 #include "mapping/photo_set.h"
 
@@ -17,12 +19,20 @@ struct DescriptorMatchOptions {
   double max_distance = 0.7;
 };
 
-// Returns the mutually nearest descriptors that pass the ratio test, ordered by a_idx. Compares
-// RootSIFT (Arandjelovic and Zisserman 2012) in steps of 1/512, with integers, so the result is the
-// same on every processor. The descriptors are raw SIFT. `distance` is that of the unit vectors.
-// Takes about 2.5 ns a pair of descriptors.
-std::vector<FeatureMatch> MatchDescriptors(const ByteDescriptorMatrix& a,
-                                           const ByteDescriptorMatrix& b,
+// What is matched of a photo. `keypoints` may be empty; then none count as one place.
+struct DescribedPhoto {
+  const ByteDescriptorMatrix& descriptors;  // Raw SIFT.
+  std::span<const Keypoint> keypoints = {};
+};
+
+// Returns the mutually nearest descriptors that pass the ratio test, ordered by a_idx, without
+// those that photo a shows twice: what a facade repeats says nothing about where photo b was taken.
+// The second smallest distance is that to a keypoint at another place, more than 10 px from the
+// nearest (Mishkin, Matas, Perdoch 2015): SIFT describes a corner several times. Compares RootSIFT
+// (Arandjelovic and Zisserman 2012) in steps of 1/512, with integers, so the result is the same on
+// every processor. `distance` is that of the unit vectors. Takes about 3 ns a pair of descriptors.
+std::vector<FeatureMatch> MatchDescriptors(const DescribedPhoto& photo_a,
+                                           const DescribedPhoto& photo_b,
                                            const DescriptorMatchOptions& options);
 
 }  // namespace cairn

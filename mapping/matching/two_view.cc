@@ -145,7 +145,8 @@ std::optional<TwoView> FindTwoView(const PhotoSet& set, int a, int b,
                                    const TwoViewOptions& options) {
   const MappingPhoto &photo_a = set.photos[a], &photo_b = set.photos[b];
   std::vector<FeatureMatch> matches =
-      MatchDescriptors(photo_a.descriptors, photo_b.descriptors, options.descriptors);
+      MatchDescriptors({photo_a.descriptors, photo_a.keypoints},
+                       {photo_b.descriptors, photo_b.keypoints}, options.descriptors);
   std::stable_sort(
       matches.begin(), matches.end(),
       [](const FeatureMatch& p, const FeatureMatch& q) { return p.distance < q.distance; });

@@ -53,7 +53,7 @@ std::string DigestOf(const std::string& text) {
 // What two views depend on. The first number changes if a stage does.
 std::string ViewsKeyOf(const PhotoFolder& folder, const PhotoPlaces& places,
                        const MappingOptions& options) {
-  std::string key = fmt::format("mapping 2 {}", folder.digest);
+  std::string key = fmt::format("mapping 3 {}", folder.digest);
   const PairOptions& p = options.pairs;
   key += fmt::format(" pairs {} {} {} {} {} {}", p.max_partners, p.max_exhaustive, p.max_voters,
                      p.neighbors_per_voter, p.max_distance_m, p.default_accuracy_m);

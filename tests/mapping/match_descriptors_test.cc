@@ -37,7 +37,7 @@ TEST(MatchDescriptors, FindsDisturbedCopiesAndNothingElse) {
   ByteDescriptorMatrix b(90, 128);
   b.topRows(40) = RandomDescriptors(40, 2);
   b.bottomRows(50) = Disturbed(a.topRows(50), 8, 3);
-  const auto matches = MatchDescriptors(a, b, {});
+  const auto matches = MatchDescriptors({a}, {b}, {});
   ASSERT_EQ(matches.size(), 50u);
   for (int i = 0; i < 50; ++i) {
     EXPECT_EQ(matches[i].a_idx, i);
@@ -54,15 +54,33 @@ TEST(MatchDescriptors, LeavesOutWhatOccursTwice) {
   const ByteDescriptorMatrix a = RandomDescriptors(30, 1);
   ByteDescriptorMatrix b(60, 128);
   b << Disturbed(a, 8, 2), Disturbed(a, 8, 2);
-  EXPECT_TRUE(MatchDescriptors(a, b, {}).empty());
-  EXPECT_TRUE(MatchDescriptors(b, a, {}).size() <= 30u);  // At most one of each twin.
+  EXPECT_TRUE(MatchDescriptors({a}, {b}, {}).empty());
+  EXPECT_TRUE(MatchDescriptors({b}, {a}, {}).empty());
+}
+
+// SIFT describes a corner at several scales and orientations: twins at one place are no copies.
+TEST(MatchDescriptors, KeepsWhatIsDescribedTwiceAtOnePlace) {
+  const ByteDescriptorMatrix a = RandomDescriptors(30, 1);
+  ByteDescriptorMatrix b(60, 128);
+  b << Disturbed(a, 8, 2), Disturbed(a, 8, 2);
+  std::vector<Keypoint> of_a, near_by, apart;
+  for (int i = 0; i < 60; ++i) {
+    const float x_px = 40.0f * static_cast<float>(i % 30);
+    near_by.push_back({x_px, i < 30 ? 100.0f : 104.0f, 2.0f, 0.0f});
+    apart.push_back({x_px, i < 30 ? 100.0f : 300.0f, 2.0f, 0.0f});
+  }
+  of_a.assign(apart.begin(), apart.begin() + 30);
+  EXPECT_EQ(MatchDescriptors({a, of_a}, {b, near_by}, {}).size(), 30u);
+  EXPECT_EQ(MatchDescriptors({b, near_by}, {a, of_a}, {}).size(), 30u);
+  EXPECT_TRUE(MatchDescriptors({a, of_a}, {b, apart}, {}).empty());
+  EXPECT_TRUE(MatchDescriptors({b, apart}, {a, of_a}, {}).empty());
 }
 
 TEST(MatchDescriptors, TakesPhotosWithoutFeatures) {
   const ByteDescriptorMatrix a = RandomDescriptors(3, 1);
-  EXPECT_TRUE(MatchDescriptors(a, ByteDescriptorMatrix(0, 128), {}).empty());
-  EXPECT_TRUE(MatchDescriptors(ByteDescriptorMatrix(0, 0), a, {}).empty());
-  EXPECT_EQ(MatchDescriptors(a.topRows(1), a, {}).size(), 1u);
+  EXPECT_TRUE(MatchDescriptors({a}, {ByteDescriptorMatrix(0, 128)}, {}).empty());
+  EXPECT_TRUE(MatchDescriptors({ByteDescriptorMatrix(0, 0)}, {a}, {}).empty());
+  EXPECT_EQ(MatchDescriptors({a.topRows(1)}, {a}, {}).size(), 1u);
 }
 
 }  // namespace
