@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/error.h"
 #include "core/parallel_for.h"
 #include "core/scene/triangulate.h"
 #include "mapping/growth/camera_freedom.h"
@@ -16,6 +17,29 @@ namespace {
 // An adjusted focal length that leaves its prior by more standard deviations is not believed: along
 // a straight walk, small biases of keypoints bend it.
 constexpr double kMaxFocalSigmas = 2.0;
+
+// False if the solver fails; the model is then what it was.
+bool TryAdjust(const std::vector<CameraFreedom>& freedom, const AdjustPriors& priors,
+               const AdjustOptions& options, Reconstruction* model) {
+  std::vector<Rigid3d> poses;
+  for (const ReconImage& image : model->images) {
+    poses.push_back(image.cam_from_world);
+  }
+  const std::vector<ReconLandmark> landmarks = model->landmarks;
+  try {
+    Adjust(freedom, priors, options, *model);
+    return true;
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kInternal) {
+      throw;
+    }
+    for (size_t i = 0; i < poses.size(); ++i) {
+      model->images[i].cam_from_world = poses[i];
+    }
+    model->landmarks = landmarks;
+    return false;
+  }
+}
 
 }  // namespace
 
@@ -228,11 +252,11 @@ Reconstruction Draft::Surroundings(std::span<const int> photos, std::vector<int>
   return part;
 }
 
-void Draft::AdjustAround(std::span<const int> photos) {
+bool Draft::AdjustAround(std::span<const int> photos) {
   std::vector<int> image_of_part, landmark_of_part;
   Reconstruction part = Surroundings(photos, &image_of_part, &landmark_of_part);
   if (part.images.size() < 2) {
-    return;
+    return true;
   }
   std::vector<uint8_t> is_free(model_.images.size(), 0);
   for (const int photo : photos) {
@@ -247,8 +271,9 @@ void Draft::AdjustAround(std::span<const int> photos) {
   options.max_iterations = 10;
   options.max_rounds = 1;
   options.num_threads = num_threads_;
-  Adjust(freedom, priors, options, part);
-
+  if (!TryAdjust(freedom, priors, options, &part)) {
+    return false;
+  }
   for (size_t i = 0; i < image_of_part.size(); ++i) {
     model_.images[image_of_part[i]].cam_from_world = part.images[i].cam_from_world;
   }
@@ -265,6 +290,7 @@ void Draft::AdjustAround(std::span<const int> photos) {
   std::erase_if(model_.landmarks,
                 [](const ReconLandmark& landmark) { return landmark.observations.size() < 2; });
   IndexLandmarks();
+  return true;
 }
 
 bool Draft::HoldStrayCameras() {
@@ -281,7 +307,7 @@ bool Draft::HoldStrayCameras() {
   return has_strayed;
 }
 
-AdjustReport Draft::AdjustAll(bool is_final) {
+bool Draft::AdjustAll(bool is_final) {
   std::vector<int> num_images(model_.cameras.size(), 0);
   for (const ReconImage& image : model_.images) {
     ++num_images[image.camera_idx];
@@ -298,13 +324,15 @@ AdjustReport Draft::AdjustAll(bool is_final) {
   }
   AdjustOptions options;
   options.num_threads = num_threads_;
-  AdjustReport report = Adjust(freedom, priors, options, model_);
+  if (!TryAdjust(freedom, priors, options, &model_)) {
+    return false;
+  }
   IndexLandmarks();
   if (HoldStrayCameras()) {
     return AdjustAll(is_final);
   }
   Triangulate(photo_of_image_);
-  return report;
+  return true;
 }
 
 Segment Draft::Finish() const {

@@ -53,11 +53,13 @@ class Draft {
   void Remove(std::span<const int> photos);
   // Observes and triangulates the tracks that these photos see.
   void Triangulate(std::span<const int> photos);
-  // Adjusts the poses of these photos and the landmarks they see; the rest stays.
-  void AdjustAround(std::span<const int> photos);
+  // Adjusts the poses of these photos and the landmarks they see; the rest stays. False, and
+  // nothing changes, if the solver fails.
+  bool AdjustAround(std::span<const int> photos);
   // Adjusts everything and triangulates what agrees only then. Guessed focal lengths are always
   // adjusted; those of EXIF, and distortions, only if `is_final` and enough photos have the camera.
-  AdjustReport AdjustAll(bool is_final = false);
+  // False, and nothing changes, if the solver fails.
+  bool AdjustAll(bool is_final = false);
 
   // The photos in the order of the set.
   Segment Finish() const;

@@ -3,26 +3,49 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/geodesy.h"
+#include "core/radius68.h"
+#include "core/random.h"
 #include "core/statistics.h"
 
 namespace cairn {
 namespace {
 
-struct CenterPair {
+// A position counts for the fit up to this many standard deviations, and is contradicted beyond the
+// second number: of normal errors, 1 in 500 without the drift, 1 in 5,000 with it.
+constexpr double kMaxFitSigmas = 3.0;
+constexpr double kMaxSigmas = 3.5;
+// The fit must know scale and turn of a draft as well as this (as georegistration asks).
+constexpr double kMaxTurnRad = 0.25;
+// What a draft that was never adjusted with positions bends: KITTI's second drive with a guessed
+// focal length was 0.9 m off within 50 m. The repetitions of facades that matter are meters.
+constexpr double kDriftM = 2.0;
+constexpr double kDriftShare = 0.02;  // Of the distance from the middle.
+// Fewer positions than this are fitted all together: of few, three always fit by chance.
+constexpr int kMinForConsensus = 10;
+constexpr int kNumSamples = 200;
+// The noise is told by this quantile of the errors: more photos than this are at the right copy.
+constexpr double kNoiseQuantile = 0.3;
+constexpr double kNoiseQuantileSigmas = 0.8446;  // Of a normal error in the plane.
+// Positions that state no accuracy are believed to err this share of the default at least.
+constexpr double kLeastNoiseOfUnstated = 1.0 / 3.0;
+
+struct Fix {
   Eigen::Vector3d in_world;
-  Eigen::Vector3d in_ecef;
-  double accuracy_m = 0.0;
+  Eigen::Vector3d in_enu;
+  double sigma_m = 0.0;  // As stated, an axis.
+  bool is_stated = false;
 };
 
-Sim3d FitSimilarity(const std::vector<CenterPair>& pairs) {
-  Eigen::Matrix3Xd world(3, pairs.size()), ecef(3, pairs.size());
-  for (size_t i = 0; i < pairs.size(); ++i) {
-    world.col(i) = pairs[i].in_world;
-    ecef.col(i) = pairs[i].in_ecef;
+Sim3d FitSimilarity(const std::vector<Fix>& fixes) {
+  Eigen::Matrix3Xd world(3, fixes.size()), enu(3, fixes.size());
+  for (size_t i = 0; i < fixes.size(); ++i) {
+    world.col(i) = fixes[i].in_world;
+    enu.col(i) = fixes[i].in_enu;
   }
-  const Eigen::Matrix4d fit = Eigen::umeyama(world, ecef, true);
+  const Eigen::Matrix4d fit = Eigen::umeyama(world, enu, true);
   Sim3d similarity;
   similarity.scale = std::cbrt(fit.topLeftCorner<3, 3>().determinant());
   similarity.rotation =
@@ -31,71 +54,135 @@ Sim3d FitSimilarity(const std::vector<CenterPair>& pairs) {
   return similarity;
 }
 
-// Leaves out what is farther off than three times the median.
-std::vector<CenterPair> WithoutOutliers(const std::vector<CenterPair>& pairs, const Sim3d& fit) {
+bool IsFit(const Sim3d& fit) { return fit.scale > 0.0 && std::isfinite(fit.translation.sum()); }
+
+std::vector<double> ErrorsInSigmas(const std::vector<Fix>& fixes, const Sim3d& enu_from_world) {
   std::vector<double> errors;
-  for (const CenterPair& pair : pairs) {
-    errors.push_back((fit * pair.in_world - pair.in_ecef).norm());
+  for (const Fix& fix : fixes) {
+    const Eigen::Vector3d error = enu_from_world * fix.in_world - fix.in_enu;
+    errors.push_back(error.head<2>().norm() / fix.sigma_m);
   }
-  const double limit = 3.0 * Median(errors);
-  std::vector<CenterPair> kept;
-  for (size_t i = 0; i < pairs.size(); ++i) {
-    if (errors[i] <= limit) {
-      kept.push_back(pairs[i]);
+  return errors;
+}
+
+// The similarity with the least median of errors, by that of all fixes and those of random triples.
+Sim3d FitHalf(const std::vector<Fix>& fixes, uint64_t seed) {
+  Sim3d best = FitSimilarity(fixes);
+  if (static_cast<int>(fixes.size()) < kMinForConsensus) {
+    return best;
+  }
+  double least =
+      IsFit(best) ? Median(ErrorsInSigmas(fixes, best)) : std::numeric_limits<double>::infinity();
+  Random random(seed);
+  const int count = static_cast<int>(fixes.size());
+  for (int i = 0; i < kNumSamples; ++i) {
+    const int p = random.Index(count), q = random.Index(count), r = random.Index(count);
+    if (p == q || q == r || p == r) {
+      continue;
+    }
+    const Sim3d fit = FitSimilarity({fixes[p], fixes[q], fixes[r]});
+    if (!IsFit(fit)) {
+      continue;
+    }
+    const double median = Median(ErrorsInSigmas(fixes, fit));
+    if (median < least) {
+      least = median;
+      best = fit;
     }
   }
-  return kept;
+  return best;
+}
+
+double QuantileNoise(std::vector<double> errors) {
+  const auto at =
+      errors.begin() + static_cast<std::ptrdiff_t>(kNoiseQuantile * (errors.size() - 1));
+  std::nth_element(errors.begin(), at, errors.end());
+  return *at / kNoiseQuantileSigmas;
+}
+
+double NoiseOf(const Fix& fix, double of_stated, double of_unstated) {
+  return fix.is_stated ? of_stated : of_unstated;
+}
+
+std::vector<Fix> FixesOf(const PhotoSet& set, const Draft& draft, double default_accuracy_m) {
+  std::vector<Fix> fixes;
+  for (const int photo : draft.photos()) {
+    const MappingPhoto& source = set.photos[photo];
+    if (source.gps && source.gps_has_height) {
+      fixes.push_back({draft.PoseOf(photo).Inverse().translation, EcefFromGeodetic(*source.gps),
+                       source.gps_accuracy_m.value_or(default_accuracy_m) / kRadius68PerSigma2d,
+                       source.gps_accuracy_m.has_value()});
+    }
+  }
+  return fixes;
 }
 
 }  // namespace
 
-GpsCheck::GpsCheck(const PhotoSet& set, const Draft& draft, double default_accuracy_m)
+GpsCheck::GpsCheck(const PhotoSet& set, const Draft& draft, double default_accuracy_m,
+                   uint64_t seed)
     : set_(set), default_accuracy_m_(default_accuracy_m) {
-  std::vector<CenterPair> pairs;
-  for (const int photo : draft.photos()) {
-    const MappingPhoto& source = set.photos[photo];
-    if (source.gps && source.gps_has_height) {
-      pairs.push_back({draft.PoseOf(photo).Inverse().translation, EcefFromGeodetic(*source.gps),
-                       source.gps_accuracy_m.value_or(default_accuracy_m)});
+  std::vector<Fix> fixes = FixesOf(set, draft, default_accuracy_m);  // In ECEF at first.
+  if (static_cast<int>(fixes.size()) < kMinPositions) {
+    return;
+  }
+  enu_from_ecef_ = EcefFromEnu(GeodeticFromEcef(fixes.front().in_enu)).Inverse();
+  for (Fix& fix : fixes) {
+    fix.in_enu = enu_from_ecef_ * fix.in_enu;
+  }
+  Sim3d fit = FitHalf(fixes, seed);
+  std::vector<Fix> kept;
+  for (int round = 0; round < 3 && IsFit(fit); ++round) {
+    const std::vector<double> errors = ErrorsInSigmas(fixes, fit);
+    const double noise = QuantileNoise(errors);
+    noise_of_stated_ = std::max(1.0, noise);
+    noise_of_unstated_ = static_cast<int>(fixes.size()) < kMinForConsensus
+                             ? noise_of_stated_
+                             : std::max(kLeastNoiseOfUnstated, noise);
+    kept.clear();
+    for (size_t i = 0; i < fixes.size(); ++i) {
+      if (errors[i] <= kMaxFitSigmas * NoiseOf(fixes[i], noise_of_stated_, noise_of_unstated_)) {
+        kept.push_back(fixes[i]);
+      }
     }
+    if (static_cast<int>(kept.size()) < kMinPositions) {
+      return;
+    }
+    fit = FitSimilarity(kept);
   }
-  if (static_cast<int>(pairs.size()) < kMinPositions) {
-    return;
+  const double count = static_cast<double>(kept.size());
+  std::vector<double> sigmas_m;
+  for (const Fix& fix : kept) {
+    middle_in_enu_ += fix.in_enu.head<2>() / count;
+    sigmas_m.push_back(fix.sigma_m * NoiseOf(fix, noise_of_stated_, noise_of_unstated_));
   }
-  const std::vector<CenterPair> kept = WithoutOutliers(pairs, FitSimilarity(pairs));
-  if (static_cast<int>(kept.size()) < kMinPositions) {
-    return;
-  }
-  for (const CenterPair& pair : kept) {
-    middle_in_ecef_ += pair.in_ecef / static_cast<double>(kept.size());
-  }
-  const Sim3d fit = FitSimilarity(kept);
-  std::vector<double> accuracies_m;
-  for (const CenterPair& pair : kept) {
-    accuracies_m.push_back(pair.accuracy_m);
-    spread_m_ += (pair.in_ecef - middle_in_ecef_).squaredNorm() / static_cast<double>(kept.size());
-    fit_sigma_m_ +=
-        (fit * pair.in_world - pair.in_ecef).squaredNorm() / static_cast<double>(kept.size());
+  for (const Fix& fix : kept) {
+    spread_m_ += (fix.in_enu.head<2>() - middle_in_enu_).squaredNorm() / count;
   }
   spread_m_ = std::sqrt(spread_m_);
-  fit_sigma_m_ = std::sqrt(fit_sigma_m_);
-  if (spread_m_ >= 2.0 * Median(accuracies_m) && fit.scale > 0.0) {
-    ecef_from_world_ = fit;
+  fit_sigma_m_ = Median(sigmas_m) / std::sqrt(count);
+  if (IsFit(fit) && fit_sigma_m_ <= kMaxTurnRad * spread_m_) {
+    enu_from_world_ = fit;
   }
+}
+
+double GpsCheck::SigmaOf(const MappingPhoto& photo) const {
+  const double stated_m = photo.gps_accuracy_m.value_or(default_accuracy_m_) / kRadius68PerSigma2d;
+  return stated_m * (photo.gps_accuracy_m ? noise_of_stated_ : noise_of_unstated_);
 }
 
 bool GpsCheck::Contradicts(int photo, const Rigid3d& cam_from_world) const {
   const MappingPhoto& source = set_.photos[photo];
-  if (!ecef_from_world_ || !source.gps || !source.gps_has_height) {
+  if (!enu_from_world_ || !source.gps || !source.gps_has_height) {
     return false;
   }
-  const double accuracy_m = source.gps_accuracy_m.value_or(default_accuracy_m_);
-  const Eigen::Vector3d in_ecef = *ecef_from_world_ * cam_from_world.Inverse().translation;
-  // A line of photos does not determine its turn about itself; positions along it determine the
-  // rest within the error of one over the spread.
-  const double reach = 1.0 + (in_ecef - middle_in_ecef_).norm() / spread_m_;
-  const double sigma_m = std::hypot(accuracy_m, reach * std::max(fit_sigma_m_, accuracy_m));
-  return (in_ecef - EcefFromGeodetic(*source.gps)).norm() > 3.0 * sigma_m;
+  const Eigen::Vector3d found = *enu_from_world_ * cam_from_world.Inverse().translation;
+  const Eigen::Vector3d stated = enu_from_ecef_ * EcefFromGeodetic(*source.gps);
+  // The error of a fitted line: that of its middle, and that of its turn and scale.
+  const double distance_m = (found.head<2>() - middle_in_enu_).norm();
+  const double fit_sigma_m = fit_sigma_m_ * std::hypot(1.0, distance_m / spread_m_);
+  return (found - stated).head<2>().norm() >
+         kMaxSigmas * std::hypot(SigmaOf(source), fit_sigma_m) + kDriftM + kDriftShare * distance_m;
 }
 
 }  // namespace cairn

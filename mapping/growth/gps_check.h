@@ -3,6 +3,7 @@
 #define CAIRN_MAPPING_GROWTH_GPS_CHECK_H_
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -12,27 +13,35 @@
 
 namespace cairn {
 
-// Where a draft is on Earth, by the positions of its photos. Positions without a height do not
-// count.
+// Where a draft is on Earth, by the positions of its photos. A facade that repeats puts photos at
+// the wrong copy, and all photos that show it agree; their positions do not. Positions without a
+// height do not count.
 class GpsCheck {
  public:
-  // Fits a similarity to the positions, with outliers left out. Checks nothing if the positions do
-  // not determine one: fewer than kMinPositions, or a spread of less than twice the median of their
-  // accuracies.
-  GpsCheck(const PhotoSet& set, const Draft& draft, double default_accuracy_m);
+  // Fits a similarity to the positions of at least half of the photos. Checks nothing if the
+  // positions do not determine one: fewer than kMinPositions, or a spread too small for their
+  // errors. Deterministic by seed.
+  GpsCheck(const PhotoSet& set, const Draft& draft, double default_accuracy_m, uint64_t seed);
 
-  // True if the photo has a position with a height and the pose is farther from it than three
-  // standard deviations: of the position, of the fit, and of the fit's turn at this distance.
+  // True if the photo has a position with a height and the pose is farther from it, horizontally,
+  // than 3.5 standard deviations of the position and of the fit there, plus the drift that a
+  // draft may have.
   bool Contradicts(int photo, const Rigid3d& cam_from_world) const;
 
   static constexpr int kMinPositions = 4;
 
  private:
+  double SigmaOf(const MappingPhoto& photo) const;
+
   const PhotoSet& set_;
   double default_accuracy_m_;
-  std::optional<Sim3d> ecef_from_world_;
-  Eigen::Vector3d middle_in_ecef_ = Eigen::Vector3d::Zero();
-  double fit_sigma_m_ = 0.0;  // Root mean square distance of the positions from the fit.
+  std::optional<Sim3d> enu_from_world_;
+  Rigid3d enu_from_ecef_;
+  Eigen::Vector2d middle_in_enu_ = Eigen::Vector2d::Zero();
+  // How many times the stated accuracy the positions err. Those that state none may do better than
+  // the default.
+  double noise_of_stated_ = 1.0, noise_of_unstated_ = 1.0;
+  double fit_sigma_m_ = 0.0;  // Of the fit in the middle.
   double spread_m_ = 0.0;     // Root mean square distance of the positions from their middle.
 };
 

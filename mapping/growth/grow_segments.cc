@@ -5,11 +5,9 @@
 #include <optional>
 #include <utility>
 
-#include "core/error.h"
 #include "core/focal_length.h"
 #include "core/parallel_for.h"
 #include "core/random.h"
-#include "core/require.h"
 #include "mapping/growth/draft.h"
 #include "mapping/growth/gps_check.h"
 #include "mapping/growth/localize_photo.h"
@@ -147,16 +145,9 @@ class Grower {
     draft.Add(seed.third, third.pose->cam_from_world);
     const std::vector<int> all = {base.a, base.b, seed.third};
     draft.Triangulate(all);
-    try {
-      draft.AdjustAll();
-      draft.AdjustAll();
-    } catch (const Error& error) {
-      if (error.code() != ErrorCode::kInternal) {
-        throw;
-      }
-      return std::nullopt;  // The solver failed; another seed may do.
-    }
-    return Holds(draft) ? std::optional(std::move(draft)) : std::nullopt;
+    const bool is_adjusted = draft.AdjustAll() && draft.AdjustAll();
+    // If the solver fails, another seed may do.
+    return is_adjusted && Holds(draft) ? std::optional(std::move(draft)) : std::nullopt;
   }
 
   void ScaleGuess(int photo, double factor, Draft* draft) const {
@@ -253,7 +244,7 @@ class Grower {
   // One round: localizes all candidates at once and adds those that are accepted. Returns them.
   std::vector<int> GrowOnce(Draft* draft, Refusals* refusals) {
     const std::vector<int> candidates = Candidates(*draft, *refusals);
-    const GpsCheck gps(set_, *draft, options_.default_gps_accuracy_m);
+    const GpsCheck gps = MakeGpsCheck(*draft);
     std::vector<Proposal> proposals(candidates.size());
     ParallelFor(static_cast<int>(candidates.size()), options_.num_threads,
                 [&](int i) { proposals[i] = Propose(*draft, gps, candidates[i]); });
@@ -276,13 +267,29 @@ class Grower {
     }
     if (!added.empty()) {
       draft->Triangulate(added);
-      draft->AdjustAround(added);
+      if (!draft->AdjustAround(added)) {
+        Remove(added, draft, refusals);
+        return {};
+      }
       draft->Triangulate(added);
       for (const int photo : RemoveWeak(draft, refusals)) {
         std::erase(added, photo);
       }
     }
     return added;
+  }
+
+  GpsCheck MakeGpsCheck(const Draft& draft) const {
+    return GpsCheck(set_, draft, options_.default_gps_accuracy_m, options_.seed);
+  }
+
+  // Photos leave the draft. They may join again once they see more.
+  static void Remove(const std::vector<int>& photos, Draft* draft, Refusals* refusals) {
+    draft->Remove(photos);
+    for (const int photo : photos) {
+      refusals->lost[photo] = std::max({refusals->lost[photo], refusals->joined[photo],
+                                        static_cast<int>(draft->SightsOf(photo).size())});
+    }
   }
 
   // Photos with too few observations leave. Returns them.
@@ -294,20 +301,46 @@ class Grower {
         weak.push_back(photo);
       }
     }
-    draft->Remove(weak);
-    for (const int photo : weak) {
-      refusals->lost[photo] = std::max({refusals->lost[photo], refusals->joined[photo],
-                                        static_cast<int>(draft->SightsOf(photo).size())});
-    }
+    Remove(weak, draft, refusals);
     return weak;
+  }
+
+  // Photos whose positions contradict the rest leave: a segment that was too small for positions
+  // took them, and the photos around them show the same repetition. True if there were any.
+  bool RemoveContradicted(Draft* draft, Refusals* refusals) {
+    const GpsCheck gps = MakeGpsCheck(*draft);
+    std::vector<int> contradicted;
+    for (const int photo : draft->photos()) {
+      if (gps.Contradicts(photo, draft->PoseOf(photo))) {
+        contradicted.push_back(photo);
+        verdicts_[photo] = PhotoVerdict::kGpsContradicts;
+      }
+    }
+    Remove(contradicted, draft, refusals);
+    return !contradicted.empty();
+  }
+
+  // Adjusts the whole draft. If the solver fails, the photos of `since` leave it, and it stays as
+  // it was before them; without such photos it stays as it is.
+  void AdjustAll(const std::vector<int>& since, Draft* draft, Refusals* refusals) {
+    if (!draft->AdjustAll()) {
+      Remove(since, draft, refusals);
+    }
+    RemoveWeak(draft, refusals);
+    while (RemoveContradicted(draft, refusals)) {
+      draft->AdjustAll();
+      RemoveWeak(draft, refusals);
+    }
   }
 
   void Grow(Draft* draft) {
     Refusals refusals(set_.photos.size());
     int num_at_adjustment = draft->num_photos();
+    std::vector<int> since_adjustment;  // Photos that joined.
     bool is_final = false;
     while (true) {
       const std::vector<int> added = GrowOnce(draft, &refusals);
+      since_adjustment.insert(since_adjustment.end(), added.begin(), added.end());
       if (progress_) {
         progress_(num_in_segments_ + draft->num_photos(), static_cast<int>(set_.photos.size()));
       }
@@ -319,16 +352,21 @@ class Grower {
       if (added.empty() && is_final) {
         break;
       }
-      draft->AdjustAll();
-      RemoveWeak(draft, &refusals);
+      AdjustAll(since_adjustment, draft, &refusals);
+      since_adjustment.clear();
       std::fill(refusals.since_adjustment.begin(), refusals.since_adjustment.end(), 0);
       num_at_adjustment = draft->num_photos();
       // After an adjustment that followed a round without a new photo, one more round is tried.
       is_final = added.empty();
     }
-    draft->AdjustAll(/*is_final=*/true);
-    draft->AdjustAll(/*is_final=*/true);
+    for (int round = 0; round < 2; ++round) {
+      draft->AdjustAll(/*is_final=*/true);
+    }
     RemoveWeak(draft, &refusals);
+    while (RemoveContradicted(draft, &refusals)) {
+      draft->AdjustAll(/*is_final=*/true);
+      RemoveWeak(draft, &refusals);
+    }
   }
 
   const PhotoSet& set_;
@@ -344,40 +382,6 @@ class Grower {
 };
 
 }  // namespace
-
-void GrowthOptions::Validate() const {
-  RequireWithin("growth.min_inliers", min_inliers, 6, 10'000);
-  RequireWithin("growth.min_link_share", min_link_share, 0.0, 1.0);
-  RequireWithin("growth.min_witnesses", min_witnesses, 1, 100);
-  RequireWithin("growth.max_rotation_error_rad", max_rotation_error_rad, 1e-4, 1.0);
-  RequireWithin("growth.max_direction_error_rad", max_direction_error_rad, 1e-4, 1.5);
-  RequireWithin("growth.default_gps_accuracy_m", default_gps_accuracy_m, 0.01, 1e5);
-  RequireWithin("growth.adjust_after_growth", adjust_after_growth, 0.01, 10.0);
-  RequireWithin("growth.min_photos", min_photos, 3, 1000);
-  RequireWithin("growth.num_threads", num_threads, 1, 1024);
-}
-
-const char* ExplainVerdict(PhotoVerdict verdict) {
-  switch (verdict) {
-    case PhotoVerdict::kInSegment:
-      return "is in the map";
-    case PhotoVerdict::kNoTwoView:
-      return "no other photo shows enough of what it shows";
-    case PhotoVerdict::kNoSeed:
-      return "it shows what others show, but no three of them agree on where they were taken";
-    case PhotoVerdict::kTooFewInliers:
-      return "too little of what it shows is in the map";
-    case PhotoVerdict::kWeakSupport:
-      return "it shows much more of what photos outside of the map show";
-    case PhotoVerdict::kContradicted:
-      return "photos of the map that it was compared with contradict its place";
-    case PhotoVerdict::kGpsContradicts:
-      return "its GPS position contradicts its place";
-    case PhotoVerdict::kLostSupport:
-      return "what it shows did not fit the map after the adjustment";
-  }
-  return "";
-}
 
 Growth GrowSegments(const PhotoSet& set, std::span<const TwoView> views,
                     const GrowthOptions& options, const GrowthProgress& progress) {

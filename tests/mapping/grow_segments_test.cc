@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
 
 #include "mapping/pairs/find_pairs.h"
 #include "support/street_photos.h"
@@ -73,6 +74,49 @@ TEST(GrowSegments, PhotosOfTwoPlacesBecomeTwoSegments) {
       EXPECT_EQ(photo < static_cast<int>(first.photos.size()), is_first);
     }
   }
+}
+
+// A street of which nine tenths repeat every 12 m: each photo shows several copies. Photos may be
+// left out, but none may stand at another copy.
+TEST(GrowSegments, PutsNoPhotoAtAnotherCopyOfAFacade) {
+  for (const uint64_t seed : {1, 4}) {
+    testing::StreetWorldOptions options = SmallStreet();
+    options.repeat_period_m = 12.0;
+    options.unique_ratio = 0.1;
+    options.seed = seed;
+    const Reconstruction street = testing::StreetWorld(options).Reconstruct();
+    const Growth growth = Grow(testing::PhotosOf(street));
+    EXPECT_FALSE(growth.segments.empty());
+    for (const Segment& segment : growth.segments) {
+      EXPECT_LT(testing::WorstError(street, segment.model, segment.photo_of_image), 0.2 * 1.0);
+    }
+  }
+}
+
+// No photo shows two copies, so that only the positions tell them apart.
+TEST(GrowSegments, PositionsTellCopiesOfAFacadeApart) {
+  testing::StreetWorldOptions options = SmallStreet();
+  options.length_m = 48.0;
+  options.repeat_period_m = 30.0;
+  options.unique_ratio = 0.1;
+  options.max_view_distance_m = 24.0;
+  const Reconstruction street = testing::StreetWorld(options).Reconstruct();
+  PhotoSet set = testing::PhotosOf(street);
+  std::mt19937_64 rng(5);
+  std::normal_distribution<double> noise(0.0, 2.0);
+  for (size_t i = 0; i < set.photos.size(); ++i) {
+    const Eigen::Vector3d x_in_ecef = EcefFromGeodetic(*street.images[i].gps) +
+                                      Eigen::Vector3d(noise(rng), noise(rng), noise(rng));
+    set.photos[i].gps = GeodeticFromEcef(x_in_ecef);
+    set.photos[i].gps_accuracy_m = 3.0;
+  }
+  const Growth growth = Grow(set);
+  size_t num_photos = 0;
+  for (const Segment& segment : growth.segments) {
+    num_photos += segment.photo_of_image.size();
+    EXPECT_LT(testing::WorstError(street, segment.model, segment.photo_of_image), 0.2 * 1.0);
+  }
+  EXPECT_GE(2 * num_photos, set.photos.size());
 }
 
 TEST(GrowSegments, SaysWhyAPhotoIsNotInTheMap) {

@@ -1,0 +1,105 @@
+#include "mapping/growth/gps_check.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "mapping/growth/draft.h"
+
+namespace cairn {
+namespace {
+
+constexpr double kStepM = 3.0;
+constexpr double kAccuracyM = 5.0;  // 3.3 m an axis.
+
+// A walk of photos without keypoints, with noisy positions.
+PhotoSet Walk(int num_photos, uint64_t seed) {
+  const Rigid3d ecef_from_enu = EcefFromEnu(Geodetic::FromDegrees(47.0, 8.0, 400.0));
+  std::mt19937_64 rng(seed);
+  std::normal_distribution<double> noise(0.0, kAccuracyM / 1.51);
+  PhotoSet set;
+  set.cameras.push_back({Camera(CameraModel::kPinhole, 640, 480, {400.0, 400.0, 320.0, 240.0}),
+                         {},
+                         FocalSource::kCalibration});
+  for (int i = 0; i < num_photos; ++i) {
+    MappingPhoto photo;
+    photo.name = std::to_string(i);
+    photo.descriptors.resize(0, 128);
+    photo.gps = GeodeticFromEcef(
+        ecef_from_enu * Eigen::Vector3d(kStepM * i + noise(rng), noise(rng), 2.0 * noise(rng)));
+    photo.gps_accuracy_m = kAccuracyM;
+    set.photos.push_back(photo);
+  }
+  return set;
+}
+
+// Where the model has a photo, in units of half a meter.
+Rigid3d PoseAt(double x_m) { return {Eigen::Quaterniond::Identity(), {-2.0 * x_m, 0.0, 0.0}}; }
+
+int CountContradicted(const PhotoSet& set, const Draft& draft) {
+  const GpsCheck gps(set, draft, 15.0, 1);
+  int count = 0;
+  for (const int photo : draft.photos()) {
+    count += gps.Contradicts(photo, draft.PoseOf(photo)) ? 1 : 0;
+  }
+  return count;
+}
+
+TEST(GpsCheck, BelievesAWalkInItsPlace) {
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    const PhotoSet set = Walk(30, seed);
+    const TrackTable tracks(set, {});
+    Draft draft(set, tracks, {set.cameras[0].camera}, 1);
+    for (int i = 0; i < 30; ++i) {
+      draft.Add(i, PoseAt(kStepM * i));
+    }
+    EXPECT_EQ(CountContradicted(set, draft), 0) << seed;
+  }
+}
+
+// The last ten photos show a facade that repeats after 30 m, and stand where its first copy is.
+TEST(GpsCheck, ContradictsPhotosAtAnotherCopy) {
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    const PhotoSet set = Walk(30, seed);
+    const TrackTable tracks(set, {});
+    Draft draft(set, tracks, {set.cameras[0].camera}, 1);
+    for (int i = 0; i < 30; ++i) {
+      draft.Add(i, PoseAt(kStepM * (i < 20 ? i : i - 10)));
+    }
+    const GpsCheck gps(set, draft, 15.0, 1);
+    for (int i = 0; i < 30; ++i) {
+      EXPECT_EQ(gps.Contradicts(i, draft.PoseOf(i)), i >= 20) << seed << ": " << i;
+    }
+  }
+}
+
+// Receivers that claim too much do not cost photos.
+TEST(GpsCheck, SeesThatAllPositionsErrMoreThanTheyState) {
+  PhotoSet set = Walk(30, 7);
+  for (MappingPhoto& photo : set.photos) {
+    photo.gps_accuracy_m = kAccuracyM / 4.0;
+  }
+  const TrackTable tracks(set, {});
+  Draft draft(set, tracks, {set.cameras[0].camera}, 1);
+  for (int i = 0; i < 30; ++i) {
+    draft.Add(i, PoseAt(kStepM * i));
+  }
+  EXPECT_EQ(CountContradicted(set, draft), 0);
+}
+
+TEST(GpsCheck, FindsThePositionThatIsFarOff) {
+  PhotoSet set = Walk(30, 9);
+  set.photos[11].gps->lat_rad += 1.6e-5;  // 100 m.
+  const TrackTable tracks(set, {});
+  Draft draft(set, tracks, {set.cameras[0].camera}, 1);
+  for (int i = 0; i < 30; ++i) {
+    draft.Add(i, PoseAt(kStepM * i));
+  }
+  const GpsCheck gps(set, draft, 15.0, 1);
+  for (int i = 0; i < 30; ++i) {
+    EXPECT_EQ(gps.Contradicts(i, draft.PoseOf(i)), i == 11) << i;
+  }
+}
+
+}  // namespace
+}  // namespace cairn
