@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <limits>
 #include <utility>
 
 #include "core/error.h"
@@ -58,16 +59,18 @@ Geodetic OriginOf(const Reconstruction& model, const Sim3d& ecef_from_world) {
   return GeodeticFromEcef(ecef_from_world * (sum / static_cast<double>(model.images.size())));
 }
 
+// The positions count as if their accuracy were `slack` times as large.
 AdjustPriors PriorsOf(const PhotoSet& set, const PhotoPlaces& places, const Segment& segment,
-                      const Rigid3d& enu_from_ecef) {
+                      const Rigid3d& enu_from_ecef, double slack) {
   AdjustPriors priors;
   for (const int photo : segment.photo_of_image) {
     std::optional<CenterPrior> prior;
     if (const auto& position = places.positions[photo]) {
-      const double sigma_m = position->accuracy_m / kRadius68PerSigma2d;
-      prior = CenterPrior{
-          enu_from_ecef * EcefFromGeodetic(position->position),
-          {sigma_m, sigma_m, position->has_height ? position->accuracy_m : kUnknownHeightSigmaM}};
+      const double accuracy_m = slack * position->accuracy_m;
+      const double sigma_m = accuracy_m / kRadius68PerSigma2d;
+      prior =
+          CenterPrior{enu_from_ecef * EcefFromGeodetic(position->position),
+                      {sigma_m, sigma_m, position->has_height ? accuracy_m : kUnknownHeightSigmaM}};
     }
     priors.position_of_image.push_back(prior);
   }
@@ -99,13 +102,22 @@ std::vector<CameraFreedom> FreedomsOf(const PhotoSet& set, const Reconstruction&
 PlacedSegment PlaceSegment(const PhotoSet& set, const PhotoPlaces& places, Segment segment,
                            const GeoregisterOptions& options, const AdjustOptions& adjust) {
   PlacedSegment placed;
-  const Sim3d ecef_from_world = Register(places, segment, options).ecef_from_world;
-  placed.origin = OriginOf(segment.model, ecef_from_world);
+  // A segment bends as it grows, by more than good positions err. The adjustment straightens it, so
+  // only then its residuals tell whether it belongs there.
+  GeoregisterOptions bent = options;
+  bent.max_median_residual_sigmas = std::numeric_limits<double>::max();
+  const Georegistration start = Register(places, segment, bent);
+  placed.origin = OriginOf(segment.model, start.ecef_from_world);
   const Rigid3d enu_from_ecef = EcefFromEnu(placed.origin).Inverse();
-  Move(enu_from_ecef * ecef_from_world, &segment.model);
+  Move(enu_from_ecef * start.ecef_from_world, &segment.model);
   const std::vector<CameraFreedom> freedom = FreedomsOf(set, segment.model);
+  // The loss would take positions far beyond their accuracy for outliers.
+  const double slack = start.median_residual_m / start.stated_accuracy_m;
+  if (slack > 1.0) {
+    Adjust(freedom, PriorsOf(set, places, segment, enu_from_ecef, slack), adjust, segment.model);
+  }
   placed.adjustment =
-      Adjust(freedom, PriorsOf(set, places, segment, enu_from_ecef), adjust, segment.model);
+      Adjust(freedom, PriorsOf(set, places, segment, enu_from_ecef, 1.0), adjust, segment.model);
   // The adjustment may turn a straight walk about itself, which its positions do not tell; the
   // cameras do.
   placed.georegistration = Register(places, segment, options);

@@ -47,6 +47,37 @@ TEST(PlaceSegment, DoesNotBendAStreetToPoorPositions) {
   EXPECT_LT(error.colwise().norm().maxCoeff(), 0.1);
 }
 
+// The Earth's positions are better than what a growing segment keeps of its shape.
+TEST(PlaceSegment, StraightensABentStreetByGoodPositions) {
+  testing::StreetSegment street = testing::MakeStreetSegment(0.03);
+  const Sim3d enu_from_world = street.world.options().world_from_enu.Inverse();
+  const auto bend = [&](const Eigen::Vector3d& x_in_world) {
+    Eigen::Vector3d x_in_enu = enu_from_world * x_in_world;
+    x_in_enu.y() += 6e-4 * x_in_enu.x() * x_in_enu.x();  // 1.2 m at the end.
+    return Eigen::Vector3d(street.world.options().world_from_enu * x_in_enu);
+  };
+  for (ReconImage& image : street.segment.model.images) {
+    const Eigen::Vector3d center = bend(image.cam_from_world.Inverse().translation);
+    image.cam_from_world.translation = -(image.cam_from_world.rotation * center);
+  }
+  for (ReconLandmark& landmark : street.segment.model.landmarks) {
+    landmark.x_in_world = bend(landmark.x_in_world);
+  }
+  const PlacedSegment placed = PlaceSegment(street.set, street.places, street.segment, {}, {});
+  EXPECT_LT(LargestError(street, placed), 0.15);
+  EXPECT_LT(placed.adjustment.rms_px, 1.0);
+}
+
+// Positions of other photos: no bending makes the street fit them.
+TEST(PlaceSegment, RefusesPositionsThatTheStreetDoesNotFit) {
+  testing::StreetSegment street = testing::MakeStreetSegment(0.03);
+  auto& positions = street.places.positions;
+  for (size_t i = 0; i + 1 < positions.size(); i += 2) {
+    std::swap(positions[i]->position, positions[i + 1]->position);  // 3 m off, each.
+  }
+  EXPECT_THROW(PlaceSegment(street.set, street.places, street.segment, {}, {}), Error);
+}
+
 TEST(PlaceSegment, KeepsAFocalLengthOfExifThatTheGrowthHeld) {
   testing::StreetSegment street = testing::MakeStreetSegment(0.05);
   MappingCamera& known = street.set.cameras[0];
