@@ -52,6 +52,7 @@ class Server {
       throw;
     }
     is_busy_ = false;
+    answer.localize_seconds = answer.result.times.total_seconds;
     return answer;
   }
 

@@ -90,7 +90,7 @@ inline constexpr char kReason[] =
 
 inline constexpr char kStages[] =
     "Time of each stage, seconds: decode, extract, prior, tiles, matching, voting, pose,\n"
-    "refinement, and total.";
+    "refinement, and total, which is all that the map or the server took.";
 
 inline constexpr char kMap[] = R"(Map(path_or_url, cache_mb=1024, options=None)
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <utility>
 
 #include "core/error.h"
@@ -61,7 +62,10 @@ PythonResult OpenedMap::Answer(const StatedQuery& stated) const {
   PythonResult answer;
   LentQuery lent;
   FillQuery(stated, sift, descriptor_type, &lent);
+  const auto start = std::chrono::steady_clock::now();
   answer.result = localizer.Localize(lent.query);
+  answer.localize_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   answer.decode_seconds = lent.decode_seconds;
   answer.extract_seconds = lent.extract_seconds;
   return answer;

@@ -63,8 +63,7 @@ py::dict StagesOf(const PythonResult& answer) {
   for (int stage = 0; stage < kNumStages; ++stage) {
     stages[StageName(static_cast<Stage>(stage))] = answer.result.times.seconds[stage];
   }
-  stages["total"] =
-      answer.result.times.total_seconds + answer.decode_seconds + answer.extract_seconds;
+  stages["total"] = answer.decode_seconds + answer.extract_seconds + answer.localize_seconds;
   return stages;
 }
 

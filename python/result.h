@@ -11,6 +11,7 @@ struct PythonResult {
   LocalizeResult result;
   double decode_seconds = 0.0;
   double extract_seconds = 0.0;
+  double localize_seconds = 0.0;  // Of the localizer or of the server, with all of its stages.
 };
 
 void BindResult(py::module_* module);

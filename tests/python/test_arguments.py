@@ -1,7 +1,10 @@
 """What makes no sense is refused by an error that names the argument."""
 
 import pathlib
+import struct
+import tempfile
 import unittest
+import zlib
 
 import numpy as np
 
@@ -86,6 +89,38 @@ class Images(unittest.TestCase):
             cairn.extract(pathlib.Path("/nowhere/a.jpg"))
         with expect_error(self, "bad_input"):
             cairn.extract(b"no image")
+
+
+def with_exif(png, orientation, focal_35mm):
+    """A PNG with an EXIF block that states how it was held and its focal length."""
+    def directory(*entries):
+        return struct.pack("<H", len(entries)) + b"".join(entries) + struct.pack("<I", 0)
+
+    def short(tag, value):
+        return struct.pack("<HHIHH", tag, 3, 1, value, 0)
+
+    first = directory(short(0x112, orientation), struct.pack("<HHII", 0x8769, 4, 1, 8 + 30))
+    tiff = b"II*\0" + struct.pack("<I", 8) + first + directory(short(0xA405, focal_35mm))
+    chunk = b"eXIf" + tiff
+    begin = 8 + 25  # Signature and header.
+    return (png[:begin] + struct.pack(">I", len(tiff)) + chunk
+            + struct.pack(">I", zlib.crc32(chunk)) + png[begin:])
+
+
+class Exif(unittest.TestCase):
+    def test_says_how_the_photo_was_held_and_its_focal_length(self):
+        png = (street.files(with_photos=True) / "photos" / "walk_000.png").read_bytes()
+        photo = with_exif(png, orientation=6, focal_35mm=26)
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "turned.png"
+            path.write_bytes(photo)
+            camera = cairn.Camera.from_exif(path)
+        self.assertEqual(camera.size, (360, 480))
+        self.assertEqual(camera.focal_sigma, 0.05)
+        self.assertAlmostEqual(camera.params[0], 26 / 36 * 480, delta=0.01)
+        self.assertEqual(cairn.extract(photo).size, (360, 480))
+        stored = cairn.Camera("PINHOLE", (480, 360), [320, 320, 240, 180])
+        self.assertEqual(cairn.extract(photo, stored).size, (480, 360))
 
 
 class Queries(unittest.TestCase):

@@ -88,6 +88,11 @@ class Localize(unittest.TestCase):
         with expect_error(self, "invalid_argument", "surf", "sift"):
             MAP.localize(features, FIRST.camera)
 
+    def test_a_rig_is_one_query(self):
+        result = localize(MAP, rig=[(FIRST.features(), FIRST.camera, np.eye(4))])
+        self.assertTrue(result.localized)
+        self.assertEqual(set(result.inliers.camera), {0, 1})
+
     def test_a_time_limit_ends_the_search(self):
         self.assertIsNotNone(localize(MAP, timeout_ms=10_000))
 
