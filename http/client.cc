@@ -232,9 +232,10 @@ struct LocalizeClient::Impl {
                               response.failure));
     }
     if (response.status != 200) {
-      throw Error(CodeOfStatus(response.status),
-                  WithoutKey(Explanation(response), options.api_key) +
-                      AdviceOnKey(response.status, !options.api_key.empty()));
+      throw ServerRefusal(CodeOfStatus(response.status),
+                          WithoutKey(Explanation(response), options.api_key) +
+                              AdviceOnKey(response.status, !options.api_key.empty()),
+                          response.status);
     }
     return response;
   }

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "core/error.h"
 #include "engine/query/localize_query.h"
 #include "engine/query/localize_result.h"
 #include "http/json/image_orientation.h"
@@ -28,6 +29,17 @@ struct ClientOptions {
   // Waits before a request is repeated. For tests; the default is std::this_thread::sleep_for.
   std::function<void(std::chrono::seconds)> wait = {};
   bool exif_prior = true;  // Without a prior, the server takes the position in the image's EXIF.
+};
+
+// Thrown if the server answers with another status than 200.
+class ServerRefusal : public Error {
+ public:
+  ServerRefusal(ErrorCode code, const std::string& message, int status)
+      : Error(code, message), status_(status) {}
+  int status() const { return status_; }  // Of HTTP.
+
+ private:
+  int status_;
 };
 
 // Use a client from one thread only, apart from Stop. The client keeps its connection alive.

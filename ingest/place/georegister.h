@@ -26,8 +26,16 @@ struct CameraPosition {
 
 // Reads a CSV (core/csv.h) with a header and the columns image, lat_deg, lon_deg, h_m and
 // optionally accuracy_m, in any order. Throws Error(kBadInput) that names file, line and column,
-// and if there is no position.
-std::vector<CameraPosition> ReadCameraPositions(const std::string& path);
+// and if there is no position. Rows without an accuracy get the default.
+std::vector<CameraPosition> ReadCameraPositions(const std::string& path,
+                                                double default_accuracy_m = 5.0);
+
+// Reads such a table and gives the positions the names of the photos that MatchNames finds for
+// them; leaves out the others. Throws as ReadCameraPositions, and Error(kBadInput) if two rows are
+// of one photo, and, with names of both, if no row is of a photo.
+std::vector<CameraPosition> ReadPositionsOfPhotos(const std::string& path,
+                                                  const std::vector<std::string>& photo_names,
+                                                  double default_accuracy_m = 5.0);
 
 // Gives the positions the names of the images that MatchNames (core/match_names.h) finds for them.
 // Throws Error(kBadInput), with names of both, if it finds none for all of them, or cannot decide.

@@ -5,8 +5,6 @@
 #include <map>
 
 #include "core/error.h"
-#include "core/match_names.h"
-#include "core/printable.h"
 #include "ingest/place/position_checks.h"
 
 namespace cairn {
@@ -15,37 +13,11 @@ namespace {
 constexpr size_t kMinPositions = 3;
 
 std::vector<CameraPosition> PositionsOfTable(const std::string& path, const PhotoSet& set) {
-  std::vector<CameraPosition> positions = ReadCameraPositions(path);
-  std::vector<std::string> wanted, known;
-  for (const CameraPosition& position : positions) {
-    wanted.push_back(position.image_name);
-  }
+  std::vector<std::string> names;
   for (const MappingPhoto& photo : set.photos) {
-    known.push_back(photo.name);
+    names.push_back(photo.name);
   }
-  const NameMatches matches = MatchNames(wanted, known);
-  std::vector<CameraPosition> named;
-  std::map<std::string, std::string> wanted_of_known;
-  for (size_t i = 0; i < positions.size(); ++i) {
-    if (matches.known_of_wanted[i] >= 0) {
-      const std::string& name = known[matches.known_of_wanted[i]];
-      const auto [first, is_new] = wanted_of_known.try_emplace(name, wanted[i]);
-      if (!is_new) {
-        throw Error(ErrorCode::kBadInput,
-                    fmt::format("{}: two rows, {} and {}, are positions of the photo {}; leave one",
-                                Printable(path), Excerpt(first->second), Excerpt(wanted[i]),
-                                Excerpt(name)));
-      }
-      positions[i].image_name = name;
-      named.push_back(positions[i]);
-    }
-  }
-  if (named.empty()) {
-    throw Error(ErrorCode::kBadInput,
-                fmt::format("{}: none of its names ({}) is that of a photo ({})", Printable(path),
-                            ExampleNames(wanted), ExampleNames(known)));
-  }
-  return named;
+  return ReadPositionsOfPhotos(path, names);
 }
 
 std::vector<CameraPosition> PositionsOfExif(const PhotoSet& set, double accuracy_m) {

@@ -1,0 +1,143 @@
+#include "ingest/place/control_points.h"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "core/error.h"
+#include "core/match_names.h"
+#include "core/printable.h"
+#include "core/scene/triangulate.h"
+#include "ingest/place/position_table.h"
+
+namespace cairn {
+namespace {
+
+bool IsSamePlace(const Geodetic& a, const Geodetic& b) {
+  return a.lat_rad == b.lat_rad && a.lon_rad == b.lon_rad && a.h_m == b.h_m;
+}
+
+// For each name that sights use, the index of the image; -1 if the reconstruction has none.
+std::map<std::string, int> ImagesOfSights(const Reconstruction& reconstruction,
+                                          const std::vector<ControlPoint>& points) {
+  std::map<std::string, int> image_of_name;
+  for (const ControlPoint& point : points) {
+    for (const ControlSight& sight : point.sights) {
+      image_of_name.emplace(sight.image_name, -1);
+    }
+  }
+  std::vector<std::string> wanted, known;
+  for (const auto& [name, image_idx] : image_of_name) {
+    wanted.push_back(name);
+  }
+  for (const ReconImage& image : reconstruction.images) {
+    known.push_back(image.name);
+  }
+  const NameMatches matches = MatchNames(wanted, known);
+  bool has_match = false;
+  for (size_t i = 0; i < wanted.size(); ++i) {
+    image_of_name[wanted[i]] = matches.known_of_wanted[i];
+    has_match = has_match || matches.known_of_wanted[i] >= 0;
+  }
+  if (!has_match) {
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("none of the photos that show control points is in the model: the "
+                            "photos are {}, the images of the model are {}",
+                            ExampleNames(wanted), ExampleNames(known)));
+  }
+  return image_of_name;
+}
+
+std::vector<PointView> ViewsOfPoint(const Reconstruction& reconstruction, const ControlPoint& point,
+                                    const std::map<std::string, int>& image_of_name) {
+  std::vector<PointView> views;
+  for (const ControlSight& sight : point.sights) {
+    const int image_idx = image_of_name.at(sight.image_name);
+    if (image_idx >= 0) {
+      const ReconImage& image = reconstruction.images[static_cast<size_t>(image_idx)];
+      views.push_back({&reconstruction.cameras[static_cast<size_t>(image.camera_idx)],
+                       image.cam_from_world, sight.pixel, 1.0});
+    }
+  }
+  return views;
+}
+
+}  // namespace
+
+std::vector<ControlPoint> ReadControlPoints(const std::string& path) {
+  const ControlPoint defaults;
+  PositionTable table(path, {"point", "lat_deg", "lon_deg", "h_m", "image", "x_px", "y_px"});
+  std::vector<ControlPoint> points;
+  std::map<std::string, size_t> point_of_name;
+  while (table.NextRow()) {
+    const std::string& name = table.Text("point");
+    const Geodetic position = table.Position(name);
+    const auto [entry, is_new] = point_of_name.emplace(name, points.size());
+    if (is_new) {
+      points.push_back({.name = name,
+                        .position = position,
+                        .accuracy_m = table.AccuracyOr(defaults.accuracy_m),
+                        .sights = {}});
+    }
+    ControlPoint& point = points[entry->second];
+    if (!IsSamePlace(point.position, position)) {
+      table.Throw(
+          fmt::format("the point {} has another position in an earlier line", Excerpt(name)));
+    }
+    point.sights.push_back(
+        {.image_name = table.Text("image"), .pixel = {table.Number("x_px"), table.Number("y_px")}});
+  }
+  if (points.empty()) {
+    throw Error(ErrorCode::kBadInput, fmt::format("{}: there is no point below the header", path));
+  }
+  return points;
+}
+
+void MakeHeightsEllipsoidal(HeightReference reference, std::vector<ControlPoint>* points) {
+  for (ControlPoint& point : *points) {
+    point.position = WithEllipsoidalHeight(point.position, reference);
+  }
+}
+
+Georegistration GeoregisterByControl(const Reconstruction& reconstruction,
+                                     const std::vector<ControlPoint>& points,
+                                     const GeoregisterOptions& options) {
+  const std::map<std::string, int> image_of_name = ImagesOfSights(reconstruction, points);
+  // Georegister fits cameras to positions, so each point becomes a camera that stands there.
+  Reconstruction cameras_at_points;
+  cameras_at_points.cameras.emplace_back();
+  std::vector<CameraPosition> positions;
+  std::vector<std::string> notes;
+  for (const ControlPoint& point : points) {
+    const std::vector<PointView> views = ViewsOfPoint(reconstruction, point, image_of_name);
+    const std::optional<Eigen::Vector3d> x_in_world = TriangulatePoint(views);
+    if (!x_in_world) {
+      notes.push_back(fmt::format(
+          "the control point {} does not count: {}", Excerpt(point.name),
+          views.size() < 2
+              ? fmt::format("{} photos of the model show it, and two are needed", views.size())
+              : "the rays of its photos do not meet"));
+      continue;
+    }
+    ReconImage& image = cameras_at_points.images.emplace_back();
+    image.name = point.name;
+    image.cam_from_world = Rigid3d(Eigen::Quaterniond::Identity(), -*x_in_world);
+    positions.push_back({point.name, point.position, point.accuracy_m});
+  }
+  GeoregisterOptions by_points = options;
+  by_points.up = UpSource::kPositions;  // The points themselves; nothing is known of cameras.
+  by_points.upright_sigma_rad = 0.0;
+  try {
+    Georegistration result = Georegister(cameras_at_points, positions, by_points);
+    result.up.source = "the control points";
+    result.notes = std::move(notes);
+    return result;
+  } catch (const Error& error) {
+    throw Error(error.code(), fmt::format("control points: {}{}{}", error.what(),
+                                          notes.empty() ? "" : "; ", fmt::join(notes, "; ")));
+  }
+}
+
+}  // namespace cairn

@@ -1,0 +1,46 @@
+// Reads CSV files of positions. Private to ingest/place.
+#ifndef CAIRN_INGEST_PLACE_POSITION_TABLE_H_
+#define CAIRN_INGEST_PLACE_POSITION_TABLE_H_
+
+#include <initializer_list>
+#include <map>
+#include <string>
+
+#include "core/csv.h"
+#include "core/geodesy.h"
+
+namespace cairn {
+
+// One file with a header. Its errors name the file, the line and the column.
+class PositionTable {
+ public:
+  // Throws Error(kBadInput) if a column of `required` is missing; the message lists these and
+  // `accuracy_m`, which is optional.
+  PositionTable(const std::string& path, std::initializer_list<const char*> required);
+  PositionTable(const PositionTable&) = delete;  // rows_ views text_.
+
+  bool NextRow();  // Moves to the next row; false after the last.
+
+  bool Has(const char* name) const { return column_of_name_.contains(name); }
+  const std::string& Text(const char* name) const { return rows_.cells()[ColumnOf(name)]; }
+  double Number(const char* name) const;  // Finite.
+
+  // The columns lat_deg, lon_deg and h_m; `what` names the thing that is there.
+  Geodetic Position(const std::string& what) const;
+  double AccuracyOr(double default_m) const;  // accuracy_m, which must be positive.
+
+  [[noreturn]] void Throw(const std::string& what) const;
+
+ private:
+  size_t ColumnOf(const char* name) const { return column_of_name_.find(name)->second; }
+
+  std::string path_;
+  std::string text_;
+  CsvReader rows_;
+  std::map<std::string, size_t, std::less<>> column_of_name_;
+  size_t num_columns_ = 0;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_INGEST_PLACE_POSITION_TABLE_H_
