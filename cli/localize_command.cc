@@ -8,118 +8,40 @@
 #include <cstdint>
 #include <memory>
 #include <numeric>
-#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "cli/arguments.h"
-#include "cli/client_key.h"
 #include "cli/height_option.h"
 #include "cli/index_option.h"
+#include "cli/localize_arguments.h"
 #include "cli/options_file.h"
 #include "cli/rig_photos.h"
 #include "cli/shell.h"
 #include "core/angles.h"
 #include "core/error.h"
 #include "core/features/sift/sift_extractor.h"
-#include "core/focal_length.h"
 #include "core/geodesy.h"
 #include "core/geoid.h"
-#include "core/images/exif.h"
-#include "core/images/orient_image.h"
-#include "core/images/photo_camera.h"
 #include "engine/localizer.h"
 #include "eval/pictures/picture_format.h"
 #include "eval/pictures/pictures.h"
-#include "http/client.h"
-#include "http/json/image_orientation.h"
 #include "http/json/localize_response.h"
-#include "http/json/request_photos.h"
 
 namespace cairn {
 namespace {
 
-struct LocalizeArguments {
-  std::string map_path;
-  std::string server_url;
-  std::string ca_file;
-  ClientKeyArguments key;
-  std::string image_path;
-  std::string rig_path;  // Empty for one camera.
-  std::optional<std::string> camera;
-  std::optional<double> focal_sigma_percent;
-  std::optional<std::string> prior;
-  std::optional<HeightReference> prior_height;
-  double accuracy_m = 15.0;
-  bool exif_prior = true;
-  std::optional<std::string> gravity;
-  std::string picture_path;
-  CairnOptions options;
-  bool json = false;
-};
-
-// Turns the photo to match the size in --camera; without --camera, turns it upright according to
-// its EXIF. Returns the orientation used.
-ImageOrientation TurnPhoto(const std::optional<Camera>& camera, const ExifInfo& exif,
-                           GrayImage* photo) {
-  const PictureHeader header{photo->picture_width_px(), photo->picture_height_px(),
-                             exif.orientation};
-  const int orientation = camera ? OrientationToApply(header, ImageOrientation::kAsSize,
-                                                      camera->width_px(), camera->height_px())
-                                 : exif.orientation;
-  *photo = OrientImage(std::move(*photo), orientation);
-  return orientation == 1 ? ImageOrientation::kStored : ImageOrientation::kUpright;
-}
-
-// The prior of the command line, else that of the photo.
-std::optional<PositionPrior> MakePrior(const LocalizeArguments& arguments, const ExifInfo& exif) {
-  if (!arguments.prior) {
-    return arguments.exif_prior ? PriorOfPhoto(exif) : std::nullopt;
-  }
-  PositionPrior prior;
-  prior.position =
-      WithEllipsoidalHeight(ParseGeodetic("--prior", *arguments.prior),
-                            arguments.prior_height.value_or(HeightReference::kEllipsoid));
-  prior.accuracy_m = arguments.accuracy_m;
-  return prior;
-}
-
-LocalizeQuery MakeQuery(const LocalizeArguments& arguments, const std::optional<Camera>& camera,
-                        const ExifInfo& exif, const GrayImage& photo) {
-  LocalizeQuery query;
-  query.id = arguments.image_path;
-  const int width_px = photo.picture_width_px(), height_px = photo.picture_height_px();
-  if (camera) {
-    query.camera = *camera;
-  } else {
-    PhotoCamera of_photo = CameraOfPhoto(exif, width_px, height_px);
-    query.camera = std::move(of_photo.camera);
-    query.focal = of_photo.focal;
-  }
-  if (arguments.focal_sigma_percent) {
-    query.focal = FocalPrior{.log_sigma = 0.01 * *arguments.focal_sigma_percent};
-  }
-  if (query.focal && !arguments.rig_path.empty()) {
-    if (query.focal->with_distortion) {
+// A rig needs the focal length of its first camera.
+void SettleFocalOfRig(const LocalizeArguments& arguments, LocalizeQuery* query) {
+  if (query->focal && !arguments.rig_path.empty()) {
+    if (query->focal->with_distortion) {
       throw Error(ErrorCode::kInvalidArgument,
                   fmt::format("{} does not state its focal length, but a rig needs it; "
                               "give --camera MODEL,width,height,param,...",
                               arguments.image_path));
     }
-    query.focal.reset();
+    query->focal.reset();
   }
-  if (query.camera.width_px() != width_px || query.camera.height_px() != height_px) {
-    throw Error(
-        ErrorCode::kBadInput,
-        fmt::format("{} has {} x {} pixels, but --camera states {} x {}", arguments.image_path,
-                    width_px, height_px, query.camera.width_px(), query.camera.height_px()));
-  }
-  query.prior = MakePrior(arguments, exif);
-  if (arguments.gravity) {
-    query.down_in_cam = ParseDirection("--gravity", *arguments.gravity);
-  }
-  return query;
 }
 
 LocalizeResult Answer(const LocalizeArguments& arguments, const Photo& photo,
@@ -131,14 +53,8 @@ LocalizeResult Answer(const LocalizeArguments& arguments, const Photo& photo,
       images.push_back(other.photo.bytes);
     }
     // For a rig, the sizes of the cameras determine the orientation.
-    return LocalizeClient(ClientOptions{.url = arguments.server_url,
-                                        .ca_file = arguments.ca_file,
-                                        .api_key = arguments.key.Read(),
-                                        .allow_plain_key = arguments.key.allow_plain,
-                                        .image_orientation = others.empty()
-                                                                 ? orientation
-                                                                 : ImageOrientation::kAsSize,
-                                        .exif_prior = arguments.exif_prior})
+    return LocalizeClient(
+               ClientOptionsOf(arguments, others.empty() ? orientation : ImageOrientation::kAsSize))
         .LocalizeImages(*query, images);
   }
   const Localizer localizer = Localizer::Open(arguments.map_path, arguments.options.localizer);
@@ -219,21 +135,13 @@ void PrintText(const LocalizeQuery& query, const LocalizeResult& result) {
   fmt::print("\n");
 }
 
-ExitCode RunLocalize(const LocalizeArguments& arguments) {
-  if (arguments.map_path.empty() == arguments.server_url.empty()) {
-    throw Error(ErrorCode::kInvalidArgument, "give either a MAP or --server URL");
-  }
+ExitCode RunLocalizePhoto(const LocalizeArguments& arguments) {
   if (!arguments.picture_path.empty()) {
     RequirePictureFormat("--picture", arguments.picture_path);
   }
-  Photo photo = ReadPhoto(arguments.image_path);
-  const ExifInfo exif = ReadExif(photo.bytes);
-  std::optional<Camera> camera;
-  if (arguments.camera) {
-    camera = ParseCamera("--camera", *arguments.camera);
-  }
-  const ImageOrientation orientation = TurnPhoto(camera, exif, &photo.image);
-  LocalizeQuery query = MakeQuery(arguments, camera, exif, photo.image);
+  auto [photo, orientation, query] =
+      ReadPhotoQuery(arguments.image_path, QueryOptionsOf(arguments));
+  SettleFocalOfRig(arguments, &query);
   std::vector<RigPhoto> others;
   if (!arguments.rig_path.empty()) {
     others = ReadRigPhotos(arguments.rig_path);
@@ -256,9 +164,24 @@ ExitCode RunLocalize(const LocalizeArguments& arguments) {
   return result.localized ? ExitCode::kOk : ExitCode::kNotLocalized;
 }
 
+ExitCode RunLocalize(const LocalizeArguments& arguments, ProgressMode progress_mode) {
+  const auto require = [](bool holds, const char* message) {
+    if (!holds) {
+      throw Error(ErrorCode::kInvalidArgument, message);
+    }
+  };
+  const bool has_image = !arguments.image_path.empty();
+  const bool has_images = !arguments.batch.images.empty();
+  require(arguments.map_path.empty() != arguments.server_url.empty(),
+          "give either a MAP or --server URL");
+  require(has_image != has_images, "give either --image FILE or, for many photos, --images");
+  require(!arguments.height || arguments.prior || !arguments.batch.gps_path.empty(),
+          "--height is that of --prior or --gps");
+  return has_images ? RunLocalizeBatch(arguments, progress_mode) : RunLocalizePhoto(arguments);
+}
+
 void AddQueryOptions(CLI::App* command, LocalizeArguments* arguments) {
   command->add_option("--image", arguments->image_path, "Photo (JPEG, PNG or binary PNM)")
-      ->required()
       ->type_name("FILE");
   command
       ->add_option("--camera", arguments->camera,
@@ -279,19 +202,17 @@ void AddQueryOptions(CLI::App* command, LocalizeArguments* arguments) {
           "JSON file of the photos that the rig's other cameras took at the same instant, like rig "
           "in docs/http.md but with file paths as image. The answer is the pose of --image")
       ->type_name("FILE.json");
-  CLI::Option* prior =
-      command
-          ->add_option("--prior", arguments->prior,
-                       "Approximate position, degrees and meters. Default: the position in the "
-                       "photo's EXIF, if there is one")
-          ->type_name("lat,lon,h");
-  AddHeightOption(command, &arguments->prior_height,
-                  "Reference of the height in --prior: the WGS84 ellipsoid or mean sea "
-                  "level (EGM96). Default: ellipsoid")
-      ->needs(prior);
   command
-      ->add_option("--accuracy", arguments->accuracy_m, "Accuracy of --prior: 68 % radius, meters")
-      ->needs(prior)
+      ->add_option("--prior", arguments->prior,
+                   "Approximate position, degrees and meters. Default: the position in the photo's "
+                   "EXIF, if there is one")
+      ->type_name("lat,lon,h");
+  AddHeightOption(command, &arguments->height,
+                  "Reference of the heights in --prior and --gps: the WGS84 ellipsoid or mean sea "
+                  "level (EGM96). Default: ellipsoid");
+  command
+      ->add_option("--accuracy", arguments->accuracy_m,
+                   "Accuracy of --prior, and of rows of --gps that state none: 68 % radius, meters")
       ->check(PositiveNumber())
       ->type_name("M")
       ->capture_default_str();
@@ -306,8 +227,40 @@ void AddQueryOptions(CLI::App* command, LocalizeArguments* arguments) {
 
 }  // namespace
 
+PhotoQueryOptions QueryOptionsOf(const LocalizeArguments& arguments) {
+  PhotoQueryOptions options;
+  if (arguments.camera) {
+    options.camera = ParseCamera("--camera", *arguments.camera);
+  }
+  if (arguments.focal_sigma_percent) {
+    options.focal_log_sigma = 0.01 * *arguments.focal_sigma_percent;
+  }
+  if (arguments.prior) {
+    options.prior.emplace();
+    options.prior->position =
+        WithEllipsoidalHeight(ParseGeodetic("--prior", *arguments.prior),
+                              arguments.height.value_or(HeightReference::kEllipsoid));
+    options.prior->accuracy_m = arguments.accuracy_m;
+  }
+  options.exif_prior = arguments.exif_prior;
+  if (arguments.gravity) {
+    options.down_in_cam = ParseDirection("--gravity", *arguments.gravity);
+  }
+  return options;
+}
+
+ClientOptions ClientOptionsOf(const LocalizeArguments& arguments, ImageOrientation orientation) {
+  return {.url = arguments.server_url,
+          .ca_file = arguments.ca_file,
+          .api_key = arguments.key.Read(),
+          .allow_plain_key = arguments.key.allow_plain,
+          .image_orientation = orientation,
+          .exif_prior = arguments.exif_prior};
+}
+
 void AddLocalizeCommand(CLI::App* app, Shell* shell) {
-  CLI::App* command = app->add_subcommand("localize", "Compute where a photo was taken");
+  CLI::App* command =
+      app->add_subcommand("localize", "Compute where a photo, or each of many, was taken");
   auto arguments = std::make_shared<LocalizeArguments>();
   command->add_option("MAP", arguments->map_path,
                       "Map: a file or a postgresql:// URL; omit with --server");
@@ -319,10 +272,12 @@ void AddLocalizeCommand(CLI::App* app, Shell* shell) {
   AddClientKeyOptions(command, server, &arguments->key);
   AddOptionsFile(command, &arguments->options);
   AddQueryOptions(command, arguments.get());
+  AddBatchOptions(command, &arguments->batch);
   AddSeedOption(command, &arguments->options.localizer.seed,
                 "Random seed (no effect with --server)");
   AddIndexOption(command, &arguments->options.localizer.matching.index.kind);
-  command->add_flag("--json", arguments->json, "Print the answer as JSON, like the server");
+  command->add_flag("--json", arguments->json,
+                    "Print the answer as JSON, like the server; with --images the summary");
   command
       ->add_option("--picture", arguments->picture_path, "Write a picture of the matched keypoints")
       ->type_name("FILE.png");
@@ -330,9 +285,11 @@ void AddLocalizeCommand(CLI::App* app, Shell* shell) {
       "The exit code is 3 if no pose was found.\n"
       "Example:\n"
       "  cairn localize city.gpkg --image photo.jpg --prior 47.3769,8.5417,408 --accuracy 15 \\\n"
-      "    --gravity 0,1,0");
-  command->callback(
-      [shell, arguments] { shell->run = [arguments] { return RunLocalize(*arguments); }; });
+      "    --gravity 0,1,0\n"
+      "  cairn localize city.gpkg --images photos/ --output poses.csv");
+  command->callback([shell, arguments] {
+    shell->run = [shell, arguments] { return RunLocalize(*arguments, shell->progress_mode); };
+  });
 }
 
 }  // namespace cairn

@@ -30,6 +30,7 @@ void AddVerbs(CLI::App* app, Shell* shell) {
   AddMergeCommand(app, shell);
   AddRecodeCommand(app, shell);
   AddExtractCommand(app, shell);
+  AddExportCommand(app, shell);
   AddCompactCommand(app, shell);
   AddDemoCommand(app, shell);
 }

@@ -11,6 +11,7 @@
 #include "cli/photo_orientations.h"
 #include "core/error.h"
 #include "core/printable.h"
+#include "ingest/place/control_points.h"
 #include "ingest/place/position_checks.h"
 
 namespace cairn {
@@ -59,7 +60,8 @@ std::vector<CameraPosition> GpsOfDatabase(const Reconstruction& reconstruction,
     throw Error(ErrorCode::kBadInput,
                 fmt::format("{}: none of the {} images has a GPS position here, so the place of "
                             "the model on Earth is unknown. Photos without GPS need known "
-                            "positions of three images or more: --georef CSV",
+                            "positions of three images or more: --georef CSV; or control points: "
+                            "--control CSV; or a model that stands on Earth already: --frame",
                             arguments.database_path, reconstruction.images.size()));
   }
   return positions;
@@ -74,6 +76,44 @@ std::vector<CameraPosition> PositionsOfTable(const Reconstruction& reconstructio
     throw Error(error.code(), fmt::format("{}: {}", arguments.georef_path, error.what()));
   }
   return positions;
+}
+
+// The model stands on Earth already.
+Georegistration PlaceByFrame(const Reconstruction& reconstruction,
+                             const WorldFrameArguments& frame) {
+  if (frame.frame == FrameChoice::kEnu && frame.origin.empty()) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "--frame enu needs --origin LAT,LON,H, the place of the model's origin");
+  }
+  Georegistration result;
+  result.ecef_from_world = WorldFrameOf(frame, FrameChoice::kEcef, nullptr).ecef_from_world;
+  for (const ReconImage& image : reconstruction.images) {
+    const Eigen::Vector3d center = image.cam_from_world.Inverse().translation;
+    const Geodetic position = GeodeticFromEcef(result.ecef_from_world * center);
+    if (position.h_m < Geodetic::kMinHeightM || position.h_m > Geodetic::kMaxHeightM) {
+      throw Error(ErrorCode::kBadInput,
+                  fmt::format("the model does not stand in the stated frame: {} would be {:.0f} km "
+                              "above the ellipsoid",
+                              Excerpt(image.name), 1e-3 * position.h_m));
+    }
+  }
+  result.up.source = "--frame";
+  return result;
+}
+
+Georegistration PlaceByControl(const Reconstruction& reconstruction,
+                               const ReconstructionArguments& arguments,
+                               const GeoregisterOptions& options) {
+  std::vector<ControlPoint> points = ReadControlPoints(arguments.control_path);
+  MakeHeightsEllipsoidal(arguments.height.value_or(HeightReference::kEllipsoid), &points);
+  Georegistration result = GeoregisterByControl(reconstruction, points, options);
+  const int num_outliers = result.num_positions - result.num_inliers;
+  if (num_outliers > 0) {
+    result.notes.push_back(fmt::format(
+        "{} control points disagree and do not count; {} is {:.2f} m from where the photos say",
+        num_outliers, Excerpt(result.worst_image), result.max_residual_m));
+  }
+  return result;
 }
 
 }  // namespace
@@ -96,6 +136,16 @@ void AddReconstructionOptions(CLI::App* command, ReconstructionArguments* argume
   CLI::Option* gps = command->add_flag("--gps", arguments->use_gps,
                                        "Take camera positions from the GPS priors in the database");
   georef->excludes(gps);
+  CLI::Option* control =
+      command
+          ->add_option("--control", arguments->control_path,
+                       "CSV of surveyed points that photos show, a row for each photo: point,"
+                       "lat_deg,lon_deg,h_m,image,x_px,y_px[,accuracy_m]; see --height")
+          ->type_name("CSV")
+          ->excludes(georef)
+          ->excludes(gps);
+  AddModelFrameOptions(command, &arguments->frame);
+  command->get_option("--frame")->excludes(georef)->excludes(gps)->excludes(control);
   command
       ->add_option("--gps-accuracy", arguments->gps_accuracy_m,
                    "Accuracy of the GPS priors: 68 % radius, meters")
@@ -103,10 +153,10 @@ void AddReconstructionOptions(CLI::App* command, ReconstructionArguments* argume
       ->check(PositiveNumber())
       ->type_name("M")
       ->capture_default_str();
-  AddHeightOption(command, &arguments->height,
-                  "Reference of the heights of --georef or --gps: the WGS84 ellipsoid or "
-                  "mean sea level (EGM96). Default: ellipsoid for --georef; msl for --gps, as in "
-                  "EXIF");
+  AddHeightOption(
+      command, &arguments->height,
+      "Reference of the heights of --georef, --control or --gps: the WGS84 ellipsoid or "
+      "mean sea level (EGM96). Default: ellipsoid; msl for --gps, as in EXIF");
   command
       ->add_option("--camera-height", arguments->camera_height_m,
                    "Height of the cameras whose positions have none, with the reference of "
@@ -118,6 +168,12 @@ void AddReconstructionOptions(CLI::App* command, ReconstructionArguments* argume
 Georegistration GeoregisterByArguments(const Reconstruction& reconstruction,
                                        const ReconstructionArguments& arguments,
                                        const GeoregisterOptions& options) {
+  if (arguments.frame.frame) {
+    return PlaceByFrame(reconstruction, arguments.frame);
+  }
+  if (!arguments.control_path.empty()) {
+    return PlaceByControl(reconstruction, arguments, options);
+  }
   std::vector<CameraPosition> positions = arguments.use_gps
                                               ? GpsOfDatabase(reconstruction, arguments)
                                               : PositionsOfTable(reconstruction, arguments);

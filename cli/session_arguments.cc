@@ -124,8 +124,10 @@ std::string SessionNameOf(const SessionArguments& arguments) {
 
 void RequirePositions(const SessionArguments& arguments) {
   if (!arguments.reconstruction.HasPositions()) {
-    throw Error(ErrorCode::kInvalidArgument,
-                "the position of the model on Earth is unknown; give --georef CSV or --gps");
+    throw Error(
+        ErrorCode::kInvalidArgument,
+        "the position of the model on Earth is unknown; give --gps, --georef CSV, --control CSV "
+        "or, if it stands on Earth already, --frame");
   }
 }
 

@@ -45,6 +45,7 @@ void AddCopyCommand(CLI::App* app, Shell* shell);
 void AddMergeCommand(CLI::App* app, Shell* shell);
 void AddRecodeCommand(CLI::App* app, Shell* shell);
 void AddExtractCommand(CLI::App* app, Shell* shell);
+void AddExportCommand(CLI::App* app, Shell* shell);
 void AddCompactCommand(CLI::App* app, Shell* shell);
 void AddDemoCommand(CLI::App* app, Shell* shell);
 

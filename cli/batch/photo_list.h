@@ -1,0 +1,39 @@
+// The photos of a folder or of a list, with what is known of each.
+#ifndef CAIRN_CLI_BATCH_PHOTO_LIST_H_
+#define CAIRN_CLI_BATCH_PHOTO_LIST_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/geoid.h"
+#include "engine/query/localize_query.h"
+
+namespace cairn {
+
+struct ListedPhoto {
+  std::string name;  // As results call it.
+  std::string path;
+  std::optional<Camera> camera = {};
+  std::optional<PositionPrior> prior = {};
+};
+
+// Reads the photos of a folder (FindPhotoFiles), or those of a list: a text file with a photo a
+// line, in its order. A line is the name of a photo, or hloc's `name MODEL width height param...`
+// with COLMAP's models. A name is a path below `image_dir`; if that is empty, below the folder of
+// the list. Blank lines and lines that begin with '#' do not count. Does not look whether the
+// photos of a list are there.
+//
+// Throws as FindPhotoFiles; Error(kBadInput), with file and line, for a camera that is none and for
+// a name that comes twice, and if the list is empty.
+std::vector<ListedPhoto> ReadPhotoList(const std::string& path, const std::string& image_dir);
+
+// Gives the photos the positions of a table (ReadPositionsOfPhotos) as priors. A photo without a
+// row keeps its prior. Positions at 0, 0 do not count.
+void AddTablePriors(const std::string& table_path, HeightReference height,
+                    double default_accuracy_m, std::vector<ListedPhoto>* photos);
+
+}  // namespace cairn
+
+#endif  // CAIRN_CLI_BATCH_PHOTO_LIST_H_

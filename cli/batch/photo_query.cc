@@ -1,0 +1,73 @@
+#include "cli/batch/photo_query.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "core/error.h"
+#include "core/images/exif.h"
+#include "core/images/orient_image.h"
+#include "core/images/photo_camera.h"
+#include "core/printable.h"
+#include "http/json/request_photos.h"
+
+namespace cairn {
+namespace {
+
+// The EXIF orientation by which the picture is turned: to the size of the camera, else upright.
+int OrientationFor(const ExifInfo& exif, const std::optional<Camera>& camera) {
+  if (!camera) {
+    return exif.orientation;
+  }
+  return OrientationToApply({exif.width_px, exif.height_px, exif.orientation},
+                            ImageOrientation::kAsSize, camera->width_px(), camera->height_px());
+}
+
+void SetCamera(const PhotoQueryOptions& options, const ExifInfo& exif, int width_px, int height_px,
+               LocalizeQuery* query) {
+  if (options.camera) {
+    query->camera = *options.camera;
+  } else {
+    PhotoCamera of_photo = CameraOfPhoto(exif, width_px, height_px);
+    query->camera = std::move(of_photo.camera);
+    query->focal = of_photo.focal;
+  }
+  if (options.focal_log_sigma) {
+    query->focal = FocalPrior{.log_sigma = *options.focal_log_sigma};
+  }
+  if (query->camera.width_px() != width_px || query->camera.height_px() != height_px) {
+    throw Error(
+        ErrorCode::kBadInput,
+        fmt::format("{} has {} x {} pixels, but its camera states {} x {}", Printable(query->id),
+                    width_px, height_px, query->camera.width_px(), query->camera.height_px()));
+  }
+}
+
+}  // namespace
+
+PhotoQuery ReadPhotoQuery(const std::string& path, const PhotoQueryOptions& options) {
+  PhotoQuery result;
+  if (options.with_pixels) {
+    result.photo = ReadPhoto(path);
+  } else {
+    result.photo.bytes = ReadImageBytes(path);
+  }
+  const ExifInfo exif = ReadExif(result.photo.bytes);
+  const int orientation = OrientationFor(exif, options.camera);
+  if (options.with_pixels) {
+    result.photo.image = OrientImage(std::move(result.photo.image), orientation);
+  }
+  result.orientation = orientation == 1 ? ImageOrientation::kStored : ImageOrientation::kUpright;
+  result.query.id = path;
+  const bool swaps = SwapsSides(orientation);
+  SetCamera(options, exif, swaps ? exif.height_px : exif.width_px,
+            swaps ? exif.width_px : exif.height_px, &result.query);
+  result.query.prior = options.prior;
+  if (!options.prior && options.exif_prior) {
+    result.query.prior = PriorOfPhoto(exif);
+  }
+  result.query.down_in_cam = options.down_in_cam;
+  return result;
+}
+
+}  // namespace cairn
