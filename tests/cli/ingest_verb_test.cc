@@ -40,9 +40,9 @@ class IngestVerb : public ::testing::Test {
   }
 
   // Ingests a visit of a street, whose name is that of the session.
-  Finished Ingest(const std::string& map, const std::string& session,
-                  const StreetWorldOptions& street,
-                  const std::vector<std::string>& more = {}) const {
+  Finished TryIngest(const std::string& map, const std::string& session,
+                     const StreetWorldOptions& street,
+                     const std::vector<std::string>& more = {}) const {
     const std::string folder = dir_.File(session);
     if (std::filesystem::create_directory(folder)) {
       const Reconstruction reconstruction = StreetWorld(street).Reconstruct();
@@ -53,7 +53,13 @@ class IngestVerb : public ::testing::Test {
                                           folder,   "--database", folder + "/database.db",
                                           "--gps",  "--session",  session};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    Finished finished = RunCairn(arguments);
+    return RunCairn(arguments);
+  }
+
+  Finished Ingest(const std::string& map, const std::string& session,
+                  const StreetWorldOptions& street,
+                  const std::vector<std::string>& more = {}) const {
+    Finished finished = TryIngest(map, session, street, more);
     EXPECT_EQ(finished.exit_code, 0) << finished.err;
     return finished;
   }
@@ -162,6 +168,23 @@ TEST_F(IngestVerb, SaysThatTooFewPhotosCannotBeJudged) {
   foreign.keyframe_step_m = 5.0;  // Nine photos.
   EXPECT_THAT(Ingest(map, "tuesday", foreign).out,
               HasSubstr("too few photos agree to judge whether the placement fits the map"));
+}
+
+TEST_F(IngestVerb, RefusesToPublishWhatTakesTheAnswersOfTheMapUnlessItIsForced) {
+  const std::string map = NewMap("map.gpkg");
+  Ingest(map, "monday", Visit(2));
+  const std::vector<std::string> digests = DigestsOf(map);
+  const std::string log = RunCairn({"log", map, "--json"}).out;
+  const std::vector<std::string> budget = {"--max-descriptors", "40"};
+  const Finished refused = TryIngest(map, "tuesday", Visit(3), budget);
+  EXPECT_EQ(refused.exit_code, 4);
+  EXPECT_THAT(refused.err,
+              ContainsRegex("the map no longer localizes [0-9]+ of 1[2-6] of its own"));
+  EXPECT_THAT(refused.err, HasSubstr("--force"));
+  EXPECT_EQ(DigestsOf(map), digests);
+  EXPECT_EQ(RunCairn({"log", map, "--json"}).out, log);
+  Ingest(map, "tuesday", Visit(3), {"--max-descriptors", "40", "--force"});
+  EXPECT_NE(DigestsOf(map), digests);
 }
 
 TEST_F(IngestVerb, EveryAlternativeOfThePaperMakesAnotherMap) {

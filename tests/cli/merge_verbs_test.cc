@@ -175,5 +175,26 @@ TEST_F(MergeVerbs, IngestAndPlanTakeTheShippedCodebookOnRequest) {
   EXPECT_EQ(CodebookOf(planned), CodebookOf(ingested));
 }
 
+TEST_F(MergeVerbs, InfoSaysWhenAMapHasOutgrownItsCodebook) {
+  const auto hint = [&] {
+    return Json::parse(RunCairn({"info", a_, "--json"}).out)["codebookHint"];
+  };
+  EXPECT_TRUE(hint().is_null());
+  EXPECT_THAT(RunCairn({"info", a_}).out, HasSubstr("(trained on session monday)"));
+  StreetWorldOptions options;
+  options.num_landmarks = 2400;
+  const StreetWorld avenue(options);
+  Sim3d ecef_from_world = avenue.EcefFromWorld();
+  ecef_from_world.translation += Eigen::Vector3d(0.0, 1500.0, 0.0);
+  {
+    MapStore store = MapStore::Open(a_, OpenMode::kReadWrite);
+    IngestSession(avenue.Reconstruct(), ecef_from_world, {.session_name = "avenue"}, &store, {});
+  }
+  EXPECT_THAT(hint().get<std::string>(), HasSubstr("session avenue has "));
+  EXPECT_THAT(RunCairn({"info", a_}).out, HasSubstr("cairn recode " + a_ + " --codebook"));
+  EXPECT_EQ(RunCairn({"recode", a_, "--codebook", b_}).exit_code, 0);
+  EXPECT_TRUE(hint().is_null()) << "nothing is known of a codebook that a user chose";
+}
+
 }  // namespace
 }  // namespace cairn::testing

@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
 """Runs deploy/slurm on a Slurm cluster of one node that the script starts: plan, 20 tasks of which one fails,
-no publication; then that task again, and the publication. Wrong numbers of tasks leave no job. The exit code is 77 if Slurm is not installed.
+no publication; then that task again, and the publication. Wrong numbers of tasks leave no job. The exit code is 77 if
+Slurm is not installed, or cannot run here: containers may lack a cgroup file system, a name for the user or one for the host.
 
 Usage: check_slurm.py BUILD_FOLDER
 """
 
+import ctypes
 import getpass
 import os
 import pathlib
 import shutil
+import signal
 import socket
 import subprocess
 import sys
@@ -52,6 +55,37 @@ PartitionName=all Nodes=node Default=YES State=UP
 """
 
 
+# What slurmd and slurmctld say of cgroups that are not there.
+CGROUP_WORDS = ("cgroup",)
+
+
+class CannotRunError(Exception):
+    """Slurm cannot run here, whatever Cairn does."""
+
+
+def die_with_parent():
+    """Ends a started program when this script ends, however it ends."""
+    ctypes.CDLL(None).prctl(1, signal.SIGTERM)  # PR_SET_PDEATHSIG
+
+
+def why_not():
+    """Returns why Slurm cannot run here, or nothing."""
+    for program in ("munged", "slurmctld", "slurmd", "sbatch"):
+        if shutil.which(program, path=PATH) is None:
+            return f"{program} is not installed (scripts/install-dependencies --tests)"
+    try:
+        getpass.getuser()
+    except (KeyError, OSError):
+        return "the user has no name"
+    for name in (HOST, "127.0.0.1"):
+        try:
+            # As Slurm asks. With no other network interface than loopback, no name has an address.
+            socket.getaddrinfo(name, 6817, socket.AF_INET, socket.SOCK_STREAM, flags=socket.AI_ADDRCONFIG)
+        except OSError as error:
+            return f"{name} has no address here, as Slurm asks for it ({error.strerror})"
+    return None
+
+
 def free_port():
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
@@ -74,6 +108,14 @@ class Cluster:
         key.write_bytes(os.urandom(1024))
         key.chmod(0o400)
         self.processes = []
+        try:
+            self.start_all(key)
+        except BaseException:
+            self.close()
+            raise
+
+    def start_all(self, key):
+        folder = self.folder
         self.start("munged", "--foreground", "--force", f"--key-file={key}", f"--socket={folder}/munge.socket",
                    f"--pid-file={folder}/munged.pid", f"--log-file={folder}/munged.log",
                    f"--seed-file={folder}/munged.seed")
@@ -83,9 +125,9 @@ class Cluster:
         self.wait_until(lambda: "idle" in self.ask("sinfo", "--noheader", "--format=%T"), "an idle node")
 
     def start(self, *command):
-        log = open(self.folder / f"{command[0]}.out", "w", encoding="utf-8")
-        self.processes.append(subprocess.Popen(command, env=self.environment, stdout=log,
-                                               stderr=subprocess.STDOUT))
+        with open(self.folder / f"{command[0]}.out", "w", encoding="utf-8") as log:
+            self.processes.append(subprocess.Popen(command, env=self.environment, stdout=log,
+                                                   stderr=subprocess.STDOUT, preexec_fn=die_with_parent))
 
     def ask(self, *command):
         return subprocess.run(command, env=self.environment, capture_output=True, text=True).stdout
@@ -98,8 +140,18 @@ class Cluster:
         while not condition():
             if time.monotonic() - begin > seconds or any(p.poll() is not None for p in self.processes):
                 logs = "\n".join(path.read_text() for path in sorted(self.folder.glob("*.out")))
+                self.require_cgroups()
                 sys.exit(f"failed: no {what} within {seconds} s\n{self.ask('squeue')}\n{logs}")
             time.sleep(0.05)
+
+    def require_cgroups(self):
+        """Tells a program that ended for lack of cgroups from one that failed."""
+        for process, name in zip(self.processes, ("munged", "slurmctld", "slurmd")):
+            log = (self.folder / f"{name}.out").read_text()
+            complaints = [line for line in log.splitlines()
+                          if "error" in line and any(word in line for word in CGROUP_WORDS)]
+            if process.poll() is not None and complaints:
+                raise CannotRunError(f"{name} found no cgroup file system: {complaints[0]}")
 
     def wait_for_jobs(self):
         """Returns when no job waits or runs."""
@@ -110,10 +162,19 @@ class Cluster:
         return {field.split("=", 1)[1] for field in fields if field.startswith("JobState=")}
 
     def close(self):
+        """Ends the jobs, and then the programs."""
+        try:
+            subprocess.run(("scancel", "--user", getpass.getuser()), env=self.environment, timeout=10,
+                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        except subprocess.TimeoutExpired:
+            pass  # The controller has gone, and started nothing since.
         for process in reversed(self.processes):
             process.terminate()
-        for process in self.processes:
-            process.wait(timeout=60)
+            try:
+                process.wait(timeout=20)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
 
 
 def make_program(world, folder):
@@ -171,11 +232,7 @@ def check(cluster, world, scratch):
           f"run again, the map is that of ingest")
 
 
-def main():
-    for program in ("munged", "slurmctld", "slurmd", "sbatch"):
-        if shutil.which(program, path=PATH) is None:
-            print(f"skipped: {program} is not installed (scripts/install-dependencies --tests)")
-            return SKIPPED
+def run_all():
     with tempfile.TemporaryDirectory() as folder:
         scratch = pathlib.Path(folder)
         world = World(sys.argv[1], scratch)
@@ -186,6 +243,18 @@ def main():
             check(cluster, world, scratch)
         finally:
             cluster.close()
+
+
+def main():
+    reason = why_not()
+    if reason:
+        print(f"skipped: {reason}")
+        return SKIPPED
+    try:
+        run_all()
+    except CannotRunError as error:
+        print(f"skipped: {error}")
+        return SKIPPED
     return 0
 
 

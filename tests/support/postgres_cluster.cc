@@ -75,6 +75,15 @@ pid_t Spawn(const std::vector<std::string>& arguments, const std::string& log) {
   return pid;
 }
 
+// Whether the process still runs. A zombie does not: it has let go of its memory.
+bool IsRunning(pid_t process) {
+  std::ifstream stat("/proc/" + std::to_string(process) + "/stat");
+  std::string text;
+  std::getline(stat, text);
+  const size_t name_end = text.rfind(')');
+  return name_end != std::string::npos && name_end + 2 < text.size() && text[name_end + 2] != 'Z';
+}
+
 // Returns a port of 127.0.0.1 that was free just now.
 int FreePort() {
   const int listener = socket(AF_INET, SOCK_STREAM, 0);
@@ -193,11 +202,20 @@ void PostgresCluster::Kill() {
   if (server_ < 0) {
     return;
   }
-  for (const pid_t process : Processes()) {
+  kill(server_, SIGSTOP);  // A server that still runs starts further processes meanwhile.
+  waitpid(server_, nullptr, WUNTRACED);
+  const std::vector<pid_t> processes = Processes();
+  for (const pid_t process : processes) {
     kill(process, SIGKILL);
   }
   waitpid(server_, nullptr, 0);
   server_ = -1;
+  // The next server refuses to start as long as one of these holds the shared memory.
+  for (const pid_t process : processes) {
+    while (IsRunning(process)) {
+      std::this_thread::yield();
+    }
+  }
   fs::remove(folder_ + "/data/postmaster.pid");
 }
 
