@@ -118,6 +118,21 @@ class Evaluate(Building):
         self.assertEqual(len(report.to_csv().splitlines()), 5)
         self.assertIn("4", str(report))
 
+    def test_draws_itself_on_any_axes(self):
+        calls = {}
+
+        class Axes:
+            def __getattr__(self, name):
+                return lambda *arguments, **keywords: calls.setdefault(name, arguments)
+
+        axes = Axes()
+        report = cairn.evaluate(street.map_path(), street.files() / "queries.json")
+        self.assertIs(report.plot(axes), axes)
+        errors, shares = calls["step"]
+        np.testing.assert_array_equal(errors, np.sort(report.position_error_m))
+        np.testing.assert_allclose(shares, [0.25, 0.5, 0.75, 1.0])
+        self.assertIn("4 of 4", calls["set_title"][0])
+
     def test_names_what_is_missing(self):
         with expect_error(self, "invalid_argument", "queries"):
             cairn.evaluate(street.map_path())

@@ -1,5 +1,9 @@
 """The examples of examples/python run as they stand."""
 
+import csv
+import importlib.util
+import json
+import math
 import os
 import pathlib
 import re
@@ -20,6 +24,27 @@ def run(name, *arguments):
     return done.stdout
 
 
+def write_queries(folder, scratch):
+    """A query list of the photos. The true positions are near those of the receiver; all photos
+    look the same way (make_street.cc)."""
+    azimuth = 0.35 + 0.5 * math.pi - 0.1
+    half = 0.5 * (azimuth - 0.5 * math.pi)  # A turn about up of the camera that looks north.
+    s = math.sqrt(0.5)
+    north = {"x": -s * math.cos(half), "y": -s * math.sin(half), "z": s * math.sin(half),
+             "w": s * math.cos(half)}
+    with open(folder / "positions.csv") as positions:
+        queries = [{"name": row["image"], "image": str(folder / "photos" / row["image"]),
+                    "camera": {"model": "PINHOLE", "size": [480, 360],
+                               "modelParams": [320, 320, 240, 180]},
+                    "reference": {"position": {"lat": float(row["lat_deg"]),
+                                               "lon": float(row["lon_deg"]),
+                                               "h": float(row["h_m"])}, "quaternion": north}}
+                   for row in csv.DictReader(positions)]
+    path = scratch / "queries.json"
+    path.write_text(json.dumps({"format": "cairn query list", "version": 1, "queries": queries}))
+    return path
+
+
 class Examples(unittest.TestCase):
     def test_map_and_evaluate(self):
         folder = street.files(with_photos=True)
@@ -30,6 +55,18 @@ class Examples(unittest.TestCase):
         errors = [float(error) for error in re.findall(r"walk_\d+\.png\s+([0-9.]+) m", out)]
         self.assertGreaterEqual(len(errors), 8)
         self.assertLess(sorted(errors)[len(errors) // 2], 0.1)
+
+    def test_map_and_evaluate_with_true_poses(self):
+        folder = street.files(with_photos=True)
+        with tempfile.TemporaryDirectory() as scratch:
+            plot = pathlib.Path(scratch) / "errors.png"
+            out = run("map_and_evaluate.py", pathlib.Path(scratch) / "town.gpkg",
+                      folder / "photos", "--gps", folder / "positions.csv",
+                      "--queries", write_queries(folder, pathlib.Path(scratch)),
+                      *(["--plot", plot] if importlib.util.find_spec("matplotlib") else []))
+            self.assertEqual(plot.exists(), importlib.util.find_spec("matplotlib") is not None)
+        localized = int(re.search(r"(\d+) of 10 queries localized", out)[1])
+        self.assertGreaterEqual(localized, 8)
 
     def test_ask_server_takes_20_lines(self):
         lines = (EXAMPLES / "ask_server.py").read_text().splitlines()
