@@ -26,6 +26,9 @@ constexpr double kDriftShare = 0.02;  // Of the distance from the middle.
 // Fewer positions than this are fitted all together: of few, three always fit by chance.
 constexpr int kMinForConsensus = 10;
 constexpr int kNumSamples = 200;
+// Of two copies, one has at least half of the photos. The fit to them has the least such quantile
+// of errors; the median would reach into the other copy if both have as many.
+constexpr double kFitQuantile = 0.45;
 // The noise is told by this quantile of the errors: more photos than this are at the right copy.
 constexpr double kNoiseQuantile = 0.3;
 constexpr double kNoiseQuantileSigmas = 0.8446;  // Of a normal error in the plane.
@@ -65,7 +68,15 @@ std::vector<double> ErrorsInSigmas(const std::vector<Fix>& fixes, const Sim3d& e
   return errors;
 }
 
-// The similarity with the least median of errors, by that of all fixes and those of random triples.
+double QuantileOf(std::vector<double> errors, double quantile) {
+  const auto at = errors.begin() +
+                  static_cast<std::ptrdiff_t>(quantile * static_cast<double>(errors.size() - 1));
+  std::nth_element(errors.begin(), at, errors.end());
+  return *at;
+}
+
+// The similarity with the least quantile of errors, by that of all fixes and those of random
+// triples.
 Sim3d FitHalf(const std::vector<Fix>& fixes, uint64_t seed) {
   Sim3d best = FitSimilarity(fixes);
   if (static_cast<int>(fixes.size()) < kMinForConsensus) {
@@ -84,20 +95,13 @@ Sim3d FitHalf(const std::vector<Fix>& fixes, uint64_t seed) {
     if (!IsFit(fit)) {
       continue;
     }
-    const double median = Median(ErrorsInSigmas(fixes, fit));
-    if (median < least) {
-      least = median;
+    const double error = QuantileOf(ErrorsInSigmas(fixes, fit), kFitQuantile);
+    if (error < least) {
+      least = error;
       best = fit;
     }
   }
   return best;
-}
-
-double QuantileNoise(std::vector<double> errors) {
-  const auto at =
-      errors.begin() + static_cast<std::ptrdiff_t>(kNoiseQuantile * (errors.size() - 1));
-  std::nth_element(errors.begin(), at, errors.end());
-  return *at / kNoiseQuantileSigmas;
 }
 
 double NoiseOf(const Fix& fix, double of_stated, double of_unstated) {
@@ -134,7 +138,7 @@ GpsCheck::GpsCheck(const PhotoSet& set, const Draft& draft, double default_accur
   std::vector<Fix> kept;
   for (int round = 0; round < 3 && IsFit(fit); ++round) {
     const std::vector<double> errors = ErrorsInSigmas(fixes, fit);
-    const double noise = QuantileNoise(errors);
+    const double noise = QuantileOf(errors, kNoiseQuantile) / kNoiseQuantileSigmas;
     noise_of_stated_ = std::max(1.0, noise);
     noise_of_unstated_ = static_cast<int>(fixes.size()) < kMinForConsensus
                              ? noise_of_stated_

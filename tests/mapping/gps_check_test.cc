@@ -57,21 +57,25 @@ TEST(GpsCheck, BelievesAWalkInItsPlace) {
   }
 }
 
-// The last ten photos show a facade that repeats after 30 m, and stand where its first copy is.
-TEST(GpsCheck, ContradictsPhotosAtAnotherCopy) {
-  for (uint64_t seed = 1; seed <= 20; ++seed) {
+// The last photos show a facade that repeats after 30 m, and stand where its first copy is.
+class GpsCheckOfCopies : public ::testing::TestWithParam<int> {};
+
+TEST_P(GpsCheckOfCopies, ContradictsThoseWithFewerPhotos) {
+  const int num_at_first = GetParam();
+  for (uint64_t seed = 1; seed <= 10; ++seed) {
     const PhotoSet set = Walk(30, seed);
     const TrackTable tracks(set, {});
     Draft draft(set, tracks, {set.cameras[0].camera}, 1);
     for (int i = 0; i < 30; ++i) {
-      draft.Add(i, PoseAt(kStepM * (i < 20 ? i : i - 10)));
+      draft.Add(i, PoseAt(kStepM * (i < num_at_first ? i : i - 10)));
     }
     const GpsCheck gps(set, draft, 15.0, 1);
     for (int i = 0; i < 30; ++i) {
-      EXPECT_EQ(gps.Contradicts(i, draft.PoseOf(i)), i >= 20) << seed << ": " << i;
+      EXPECT_EQ(gps.Contradicts(i, draft.PoseOf(i)), i >= num_at_first) << seed << ": " << i;
     }
   }
 }
+INSTANTIATE_TEST_SUITE_P(Shares, GpsCheckOfCopies, ::testing::Values(20, 17));
 
 // Receivers that claim too much do not cost photos.
 TEST(GpsCheck, SeesThatAllPositionsErrMoreThanTheyState) {
