@@ -11,16 +11,12 @@
 #include "engine/answer/answer.h"
 #include "engine/answer/refine_winner.h"
 #include "engine/explain_miss.h"
-#include "engine/find_camera.h"
-#include "engine/find_candidates.h"
-#include "engine/matching/match_features.h"
 #include "engine/place_answers.h"
 #include "engine/places/place_catalog.h"
-#include "engine/pose/estimate_candidate_poses.h"
-#include "engine/pose/focal_search.h"
 #include "engine/query/build_query_context.h"
 #include "engine/query/query_budget.h"
-#include "engine/refinement/match_keyframes.h"
+#include "engine/search.h"
+#include "engine/stage_runner.h"
 #include "engine/tiles/fetch_tiles.h"
 #include "engine/tiles/search_region.h"
 #include "engine/tiles/tile_finisher.h"
@@ -32,38 +28,6 @@ namespace cairn {
 namespace {
 
 using Reason = NotLocalizedReason;
-
-double SecondsSince(QueryBudget::Clock::time_point start) {
-  return std::chrono::duration<double>(QueryBudget::Clock::now() - start).count();
-}
-
-// Runs stages and measures their times, until a stage returns a reason why there is no answer, or
-// the deadline passes.
-class StageRunner {
- public:
-  StageRunner(const QueryBudget& budget, LocalizeResult* result)
-      : budget_(budget), result_(*result) {
-    result_.reason = NotLocalizedReason::kNone;
-  }
-
-  template <typename Work>
-  void Run(Stage stage, const Work& work) {
-    if (result_.reason != NotLocalizedReason::kNone) {
-      return;
-    }
-    if (budget_.DeadlinePassed()) {
-      result_.reason = NotLocalizedReason::kTimeout;
-      return;
-    }
-    const QueryBudget::Clock::time_point start = QueryBudget::Clock::now();
-    result_.reason = work();
-    result_.times.seconds[static_cast<size_t>(stage)] = SecondsSince(start);
-  }
-
- private:
-  const QueryBudget& budget_;
-  LocalizeResult& result_;
-};
 
 LocalizeResult EmptyResult(const LocalizeQuery& query) {
   LocalizeResult result;
@@ -83,10 +47,6 @@ std::optional<QueryContext> MakeContext(const LocalizeQuery& query, const MapSna
   return BuildQueryContext(query, DescriptorCodec(codebook), region);
 }
 
-bool CameraIsUncertain(const LocalizeQuery& query) {
-  return query.focal && query.focal->log_sigma > kMaxTrustedFocalLogSigma;
-}
-
 std::vector<TileId> IdsOf(const std::vector<TileView>& tiles) {
   std::vector<TileId> ids;
   for (const TileView& view : tiles) {
@@ -95,73 +55,23 @@ std::vector<TileId> IdsOf(const std::vector<TileView>& tiles) {
   return ids;
 }
 
-// The stages that may run again without gravity, with their shared input and the hypotheses they
-// have found.
-struct Search {
-  const LocalizerOptions& options;
-  const QueryBudget& budget;
-  StageCounters* counters;
-  std::vector<TileView> tiles;
-  PoseHypotheses hypotheses;
-
-  // Returns null if too few keypoints have a match.
-  SharedMatches Match(const QueryContext& context) {
-    auto matches = std::make_shared<const std::vector<Correspondence>>(
-        MatchFeatures(context, tiles, options.matching, counters, budget.workers,
-                      budget.StopAfter(options.matching.deadline_share)));
-    return counters->num_matched_keypoints < options.pose.min_inliers ? nullptr
-                                                                      : std::move(matches);
-  }
-
-  std::vector<PoseCandidate> Vote(const QueryContext& context, const SharedMatches& matches) {
-    return FindCandidates(context, tiles, *matches, options, budget, counters);
-  }
-
-  void Estimate(const QueryContext& context, const SharedMatches& matches,
-                const std::vector<PoseCandidate>& candidates) {
-    EstimateCandidatePoses(context, matches, candidates, options.pose,
-                           options.refinement.good_evidence, options.seed, budget, &hypotheses,
-                           counters);
-  }
-
-  void Refine(const QueryContext& context, const SharedMatches& matches) {
-    if (NeedsRefinement(hypotheses, options.refinement)) {
-      MatchKeyframes(context, tiles, *matches, options.refinement, options.matching, options.pose,
-                     options.seed, budget, &hypotheses, counters);
-    }
-  }
-
-  // Runs the stages from matching on again without gravity. Keeps the hypotheses found so far.
-  void TryWithoutGravity(const QueryContext& context) {
-    if (const SharedMatches matches = Match(context)) {
-      Estimate(context, matches, Vote(context, matches));
-      Refine(context, matches);
-    }
-  }
-
-  bool DoubtsGravity(const QueryContext& context) const {
-    return !budget.DeadlinePassed() &&
-           cairn::DoubtsGravity(context, hypotheses, options.refinement, options.pose);
-  }
-};
-
 // Picks the winner, refines it in the context in which it was found, and fills the result.
 void Conclude(const LocalizeQuery& query, const std::optional<QueryContext>& context,
-              const std::optional<QueryContext>& without_gravity, const Search& search,
+              const Search& search, const QueryBudget& budget, const LocalizerOptions& options,
               LocalizeResult* result) {
-  if (!search.hypotheses.empty()) {
+  if (!search.hypotheses().empty()) {
     const auto refine = [&](const PoseHypothesis& winner) {
-      const bool without = without_gravity && !winner.used_gravity;
-      return RefineWinner(without ? *without_gravity : *context, query, search.hypotheses, winner,
-                          search.options.pose);
+      return RefineWinner(search.ContextOf(winner, *context), query, search.tiles(),
+                          search.hypotheses(), winner, options.pose,
+                          options.refinement.good_evidence);
     };
-    ConcludeAnswer(*context, search.tiles, search.hypotheses.all(), search.options.answer, refine,
+    ConcludeAnswer(*context, search.tiles(), search.hypotheses().all(), options.answer, refine,
                    result);
   }
   // With more time, the stages might have found enough.
   const bool found_too_little =
       result->reason == Reason::kTooFewMatches || result->reason == Reason::kTooFewInliers;
-  if (found_too_little && (search.budget.DeadlinePassed() || result->counters.is_cut_short())) {
+  if (found_too_little && (budget.DeadlinePassed() || result->counters.is_cut_short())) {
     result->reason = Reason::kTimeout;
   }
 }
@@ -190,12 +100,13 @@ struct Localizer::Impl {
                                       const QueryBudget& budget, StageCounters* counters);
   // The stages that read the map, prior and tiles.
   void ReadVersion(const MapSnapshot& snapshot, const LocalizeQuery& query,
-                   const SearchRegion* place, StageRunner* stages, Search* search,
-                   std::optional<QueryContext>* context, LocalizeResult* result);
+                   const SearchRegion* place, const QueryBudget& budget, StageRunner* stages,
+                   Search* search, std::optional<QueryContext>* context, LocalizeResult* result);
 };
 
 void Localizer::Impl::ReadVersion(const MapSnapshot& snapshot, const LocalizeQuery& query,
-                                  const SearchRegion* place, StageRunner* stages, Search* search,
+                                  const SearchRegion* place, const QueryBudget& budget,
+                                  StageRunner* stages, Search* search,
                                   std::optional<QueryContext>* context, LocalizeResult* result) {
   result->map_version = snapshot.version();
   result->map_is_stale = snapshot.is_stale();
@@ -206,11 +117,11 @@ void Localizer::Impl::ReadVersion(const MapSnapshot& snapshot, const LocalizeQue
     return !*context ? Reason::kNoCoverage : has_few ? Reason::kTooFewFeatures : Reason::kNone;
   });
   stages->Run(Stage::kTiles, [&] {
-    search->tiles = FetchTiles(snapshot, cache.get(), options.tiles, options.matching.index,
-                               &(*context)->region, &result->counters,
-                               search->budget.StopAfter(options.tiles.deadline_share));
-    result->tiles = IdsOf(search->tiles);
-    return search->tiles.empty() ? Reason::kNoCoverage : Reason::kNone;
+    search->set_tiles(FetchTiles(snapshot, cache.get(), options.tiles, options.matching.index,
+                                 &(*context)->region, &result->counters,
+                                 budget.StopAfter(options.tiles.deadline_share)));
+    result->tiles = IdsOf(search->tiles());
+    return search->tiles().empty() ? Reason::kNoCoverage : Reason::kNone;
   });
   if (result->reason == Reason::kNoCoverage) {
     result->reason_text = ExplainMiss(query, *result, options, &snapshot);
@@ -222,44 +133,20 @@ LocalizeResult Localizer::Impl::LocalizeNear(const LocalizeQuery& query, const M
   const QueryBudget::Clock::time_point start = QueryBudget::Clock::now();
   const QueryBudget budget{&workers, query.deadline};
   LocalizeResult result = EmptyResult(query);
-  Search search{options, budget, &result.counters, {}, {}};
-  std::optional<QueryContext> context, without_gravity;
-  SharedMatches matches;
-  std::vector<PoseCandidate> candidates;
-
+  Search search(options, budget, &result.counters);
+  std::optional<QueryContext> context;
   StageRunner stages(budget, &result);
   if (pinned != nullptr) {
-    ReadVersion(*pinned, query, place, &stages, &search, &context, &result);
+    ReadVersion(*pinned, query, place, budget, &stages, &search, &context, &result);
   } else {
     ReadLatest(*store, query.deadline, [&](const MapSnapshot& snapshot) {
-      ReadVersion(snapshot, query, place, &stages, &search, &context, &result);
+      ReadVersion(snapshot, query, place, budget, &stages, &search, &context, &result);
     });
   }
-  stages.Run(Stage::kMatching, [&] {
-    matches = search.Match(*context);
-    return matches == nullptr ? Reason::kTooFewMatches : Reason::kNone;
-  });
-  stages.Run(Stage::kVoting, [&] {
-    if (CameraIsUncertain(query)) {
-      context =
-          FindCamera(*context, query, search.tiles, matches, options, budget, &result.counters);
-    }
-    candidates = search.Vote(*context, matches);
-    return Reason::kNone;
-  });
-  stages.Run(Stage::kPose, [&] {
-    search.Estimate(*context, matches, candidates);
-    return Reason::kNone;
-  });
-  stages.Run(Stage::kRefinement, [&] {
-    search.Refine(*context, matches);
-    if (search.DoubtsGravity(*context)) {
-      without_gravity = WithoutGravity(*context);
-      search.TryWithoutGravity(*without_gravity);
-    }
-    return search.hypotheses.empty() ? Reason::kTooFewInliers : Reason::kNone;
-  });
-  Conclude(query, context, without_gravity, search, &result);
+  if (stages.is_running()) {
+    search.Run(query, &stages, &*context);
+  }
+  Conclude(query, context, search, budget, options, &result);
   if (!result.localized && result.reason_text.empty()) {
     result.reason_text = ExplainMiss(query, result, options, nullptr);
   }

@@ -17,12 +17,6 @@
 namespace cairn {
 namespace {
 
-bool AreFarApart(const Rigid3d& a, const Rigid3d& b, const AnswerOptions& options) {
-  return (a.Inverse().translation - b.Inverse().translation).norm() >
-             options.ambiguous_distance_m ||
-         RotationAngleRad(a.rotation, b.rotation) > options.ambiguous_rotation_rad;
-}
-
 // A hypothesis with its score.
 struct Contender {
   const PoseHypothesis* hypothesis = nullptr;
@@ -182,6 +176,12 @@ NotLocalizedReason ReasonOfWeakness(const QueryContext& query, const Contender& 
 }
 
 }  // namespace
+
+bool AreFarApart(const Rigid3d& a, const Rigid3d& b, const AnswerOptions& options) {
+  return (a.Inverse().translation - b.Inverse().translation).norm() >
+             options.ambiguous_distance_m ||
+         RotationAngleRad(a.rotation, b.rotation) > options.ambiguous_rotation_rad;
+}
 
 void ConcludeAnswer(const QueryContext& query, const std::vector<TileView>& tiles,
                     const std::vector<PoseHypothesis>& hypotheses, const AnswerOptions& options,

@@ -6,6 +6,7 @@
 #include <functional>
 #include <vector>
 
+#include "core/rigid3.h"
 #include "engine/answer/answer_options.h"
 #include "engine/pose/pose_hypotheses.h"
 #include "engine/query/localize_result.h"
@@ -13,6 +14,9 @@
 #include "engine/tiles/searchable_tile.h"
 
 namespace cairn {
+
+// Returns true if two poses, each cam_from_anchor, cannot both be the answer.
+bool AreFarApart(const Rigid3d& a, const Rigid3d& b, const AnswerOptions& options);
 
 // Picks the hypothesis with the highest score, or a hypothesis with about as high a score that
 // explains clearly more keypoints. Passes the winner to `refine` and fills the result with the

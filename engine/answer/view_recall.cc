@@ -5,40 +5,10 @@
 #include <cstdint>
 #include <unordered_map>
 
+#include "engine/refinement/near_keyframes.h"
+
 namespace cairn {
 namespace {
-
-struct NearKeyframe {
-  double sq_distance = 0.0;
-  int tile_idx = 0;
-  uint32_t keyframe_idx = 0;
-};
-
-// Returns the keyframes nearest to the pose among those that look about the same way, nearest
-// first.
-std::vector<NearKeyframe> NearKeyframes(const std::vector<TileView>& tiles,
-                                        const Rigid3d& anchor_from_cam) {
-  constexpr size_t kMaxKeyframes = 5;
-  constexpr double kMinCosine = 0.5;  // 60 degrees between the viewing directions.
-  std::vector<NearKeyframe> near;
-  for (int t = 0; t < static_cast<int>(tiles.size()); ++t) {
-    const Rigid3d tile_from_cam = tiles[t].anchor_from_tile.Inverse() * anchor_from_cam;
-    const Eigen::Vector3d view_in_tile = tile_from_cam.rotation * Eigen::Vector3d::UnitZ();
-    const auto keyframes = tiles[t].tile->covisibility().keyframes;
-    for (uint32_t k = 0; k < keyframes.size(); ++k) {
-      const Rigid3d& cam_from_tile = keyframes[k].cam_from_tile;
-      if ((cam_from_tile.rotation * view_in_tile).z() > kMinCosine) {
-        near.push_back({(cam_from_tile * tile_from_cam.translation).squaredNorm(), t, k});
-      }
-    }
-  }
-  const size_t count = std::min(near.size(), kMaxKeyframes);
-  std::partial_sort(
-      near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count), near.end(),
-      [](const NearKeyframe& a, const NearKeyframe& b) { return a.sq_distance < b.sq_distance; });
-  near.resize(count);
-  return near;
-}
 
 // Returns how well a landmark is expected to match that is seen along `from_query` and was mapped
 // along `from_keyframe`, both in one frame: 1 from the same place, falling with the change of scale
@@ -99,13 +69,14 @@ double RecallConfidence(double view_recall) {
 
 double ViewRecall(const QueryContext& query, const std::vector<TileView>& tiles,
                   const Camera& camera, const PoseHypothesis& hypothesis) {
+  constexpr int kMaxKeyframes = 5;
   const Rigid3d& cam_from_anchor = hypothesis.estimate.cam_from_anchor;
   const Rigid3d anchor_from_cam = cam_from_anchor.Inverse();
   const View view(query, camera, cam_from_anchor);
   const std::unordered_map<uint64_t, double> right = RightByLandmark(tiles, hypothesis);
   const auto num_keypoints = static_cast<double>(query.num_keypoints());
   double num_expected = 0.0, num_found = 0.0;  // Sums over the keyframes.
-  for (const NearKeyframe& near : NearKeyframes(tiles, anchor_from_cam)) {
+  for (const KeyframeRef& near : NearKeyframes(tiles, anchor_from_cam, kMaxKeyframes)) {
     const TileView& tile_view = tiles[near.tile_idx];
     const TileCovisibility& covisibility = tile_view.tile->covisibility();
     const TileLandmarks& landmarks = tile_view.tile->landmarks();

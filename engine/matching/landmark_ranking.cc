@@ -39,9 +39,10 @@ const std::array<LandmarkRanking::Direction, 256>& LandmarkRanking::CodeDirectio
 }
 
 LandmarkRanking::LandmarkRanking(const QueryContext& query, const Codebook& codebook,
-                                 const MatchingOptions& options)
+                                 const MatchingOptions& options, std::span<const int> order)
     : query_(query),
       options_(options),
+      order_(order),
       keypoint_directions_(query.num_keypoints()),
       neighbors_(size_t{1} * query.num_keypoints() * options.max_neighbors),
       num_neighbors_(query.num_keypoints(), 0),
@@ -62,16 +63,16 @@ LandmarkRanking::LandmarkRanking(const QueryContext& query, const Codebook& code
         kChordTolerance;
   }
   for (int i = 0; i < query.num_keypoints(); ++i) {
-    if (const std::optional<float> angle_rad = query.gravity_orientations_rad[i]) {
+    if (const std::optional<float> angle_rad = query.gravity_orientations_rad[KeypointAt(i)]) {
       keypoint_directions_[i] = {std::cos(*angle_rad), std::sin(*angle_rad), 1.0f};
     }
   }
 }
 
-double LandmarkRanking::MaxUsefulDistance(uint32_t keypoint_idx) const {
+double LandmarkRanking::MaxUsefulDistance(uint32_t rank) const {
   // Distances are rounded to floats; a hit one rounding step beyond still counts.
   constexpr double kRounding = 1.0 + 1e-6;
-  return kRounding * std::sqrt(static_cast<double>(MaxUsefulSqDistance(keypoint_idx)));
+  return kRounding * std::sqrt(static_cast<double>(MaxUsefulSqDistance(rank)));
 }
 
 bool LandmarkRanking::IsCloser(const Neighbor& a, const Neighbor& b) {
@@ -90,10 +91,10 @@ float LandmarkRanking::SqPositionExcess(const Eigen::Vector2f& x_from_prior) con
   return excess * excess;
 }
 
-void LandmarkRanking::Insert(uint32_t keypoint_idx, const Neighbor& neighbor) {
-  const std::span<Neighbor> row(neighbors_.data() + size_t{keypoint_idx} * options_.max_neighbors,
+void LandmarkRanking::Insert(uint32_t rank, const Neighbor& neighbor) {
+  const std::span<Neighbor> row(neighbors_.data() + size_t{rank} * options_.max_neighbors,
                                 options_.max_neighbors);
-  int& count = num_neighbors_[keypoint_idx];
+  int& count = num_neighbors_[rank];
   // The neighbor replaces the entry of its landmark, else takes a free entry, else replaces the
   // last.
   int place = 0;
@@ -113,18 +114,18 @@ void LandmarkRanking::Insert(uint32_t keypoint_idx, const Neighbor& neighbor) {
   }
   row[place] = neighbor;
   if (count == options_.max_neighbors) {
-    max_useful_sq_distances_[keypoint_idx] = row.back().sq_distance;
+    max_useful_sq_distances_[rank] = row.back().sq_distance;
   }
 }
 
 LandmarkRanking::TileHits::TileHits(LandmarkRanking* ranking, const TileView& view,
                                     const DescriptorPlaces& places, int tile_idx,
-                                    uint32_t first_keypoint)
+                                    uint32_t first_rank)
     : ranking_(*ranking),
       tile_(view.tile->landmarks()),
       places_(places),
       tile_idx_(tile_idx),
-      first_keypoint_(first_keypoint) {
+      first_rank_(first_rank) {
   const Rigid3d& anchor_from_tile = view.anchor_from_tile;
   prior_from_tile_ = anchor_from_tile.rotation.toRotationMatrix().topRows<2>().cast<float>();
   tile_in_prior_ =
@@ -147,14 +148,14 @@ LandmarkRanking::TileHits::TileHits(LandmarkRanking* ranking, const TileView& vi
 
 float LandmarkRanking::TileHits::Take(const HitRun& run) {
   TakeLast();
-  const uint32_t keypoint_idx = first_keypoint_ + run.query_idx;
+  const uint32_t rank = first_rank_ + run.query_idx;
   last_.resize(std::max(last_.size(), run.hits.size()));
   num_last_ = run.hits.size();
   for (size_t i = 0; i < num_last_; ++i) {
     places_.Prefetch(run.hits[i].row);
-    last_[i] = {keypoint_idx, run.hits[i].row, run.SqDistance(i)};
+    last_[i] = {rank, run.hits[i].row, run.SqDistance(i)};
   }
-  return ranking_.MaxUsefulSqDistance(keypoint_idx);
+  return ranking_.MaxUsefulSqDistance(rank);
 }
 
 void LandmarkRanking::TileHits::TakeLast() {
@@ -169,9 +170,9 @@ size_t LandmarkRanking::TileHits::Keep() {
   // The lower bound of the position term comes from coarser numbers; rounding must not make it
   // larger than the term.
   constexpr float kRounding = 1.0f + 1e-5f;
-  const uint32_t keypoint_idx = last_.front().keypoint_idx;
-  const float max_sq_distance = kRounding * ranking_.MaxUsefulSqDistance(keypoint_idx);
-  const Direction direction = ranking_.keypoint_directions_[keypoint_idx];
+  const uint32_t rank = last_.front().rank;
+  const float max_sq_distance = kRounding * ranking_.MaxUsefulSqDistance(rank);
+  const Direction direction = ranking_.keypoint_directions_[rank];
   const std::array<Direction, 256>& code_directions = CodeDirections();
   size_t num_kept = 0;
   for (size_t i = 0; i < num_last_; ++i) {
@@ -201,7 +202,7 @@ void LandmarkRanking::TileHits::QueueHit(const Hit& hit) {
 }
 
 void LandmarkRanking::TileHits::QueueCandidate(const Hit& hit) {
-  if (hit.sq_distance > ranking_.MaxUsefulSqDistance(hit.keypoint_idx)) {
+  if (hit.sq_distance > ranking_.MaxUsefulSqDistance(hit.rank)) {
     return;
   }
   const uint32_t landmark_idx = places_.landmark(hit.place);
@@ -211,8 +212,7 @@ void LandmarkRanking::TileHits::QueueCandidate(const Hit& hit) {
   if (num_candidates_ >= kAhead) {
     Rank(&place);
   }
-  place = {hit.keypoint_idx,
-           {hit.sq_distance, tile_idx_, landmark_idx, places_.descriptor(hit.place), {}}};
+  place = {hit.rank, {hit.sq_distance, tile_idx_, landmark_idx, places_.descriptor(hit.place), {}}};
   ++num_candidates_;
 }
 
@@ -227,7 +227,7 @@ void LandmarkRanking::TileHits::Rank(Candidate* candidate) {
     }
     neighbor.sq_distance += ranking_.position_factor_ * sq_excess;
   }
-  ranking_.Insert(candidate->keypoint_idx, neighbor);
+  ranking_.Insert(candidate->rank, neighbor);
 }
 
 void LandmarkRanking::TileHits::Flush() {
@@ -242,10 +242,9 @@ void LandmarkRanking::TileHits::Flush() {
   num_candidates_ = 0;
 }
 
-void LandmarkRanking::PrefetchNeighbors(int keypoint_idx,
-                                        const std::vector<TileView>& tiles) const {
-  for (int i = 0; i < num_neighbors_[keypoint_idx]; ++i) {
-    const Neighbor& neighbor = neighbors_[size_t{1} * keypoint_idx * options_.max_neighbors + i];
+void LandmarkRanking::PrefetchNeighbors(int rank, const std::vector<TileView>& tiles) const {
+  for (int i = 0; i < num_neighbors_[rank]; ++i) {
+    const Neighbor& neighbor = neighbors_[size_t{1} * rank * options_.max_neighbors + i];
     const TileLandmarks& tile = tiles[neighbor.tile_idx].tile->landmarks();
     __builtin_prefetch(&tile.x_in_tile[neighbor.landmark_idx]);
     __builtin_prefetch(&tile.sigma_codes[neighbor.landmark_idx]);
@@ -255,13 +254,13 @@ void LandmarkRanking::PrefetchNeighbors(int keypoint_idx,
   }
 }
 
-float LandmarkRanking::DescriptorSqDistance(int keypoint_idx, const Neighbor& neighbor,
+float LandmarkRanking::DescriptorSqDistance(int rank, const Neighbor& neighbor,
                                             const TileView& view) const {
   const TileLandmarks& tile = view.tile->landmarks();
   float sq_distance =
       neighbor.sq_distance -
       orientation_factor_ *
-          SqChord(keypoint_directions_[keypoint_idx],
+          SqChord(keypoint_directions_[rank],
                   CodeDirections()[tile.orientation_codes[neighbor.descriptor_idx]]);
   if (uses_position_) {
     const Eigen::Vector3d x_in_anchor =
@@ -273,32 +272,46 @@ float LandmarkRanking::DescriptorSqDistance(int keypoint_idx, const Neighbor& ne
   return std::max(0.0f, sq_distance);
 }
 
+Correspondence LandmarkRanking::MakeCorrespondence(int rank, const Neighbor& neighbor,
+                                                   const TileView& view) const {
+  const TileLandmarks& tile = view.tile->landmarks();
+  return {
+      .keypoint_idx = KeypointAt(rank),
+      .tile_idx = neighbor.tile_idx,
+      .landmark_idx = neighbor.landmark_idx,
+      .x_in_anchor = view.anchor_from_tile * tile.x_in_tile[neighbor.landmark_idx].cast<double>(),
+      .sq_distance = neighbor.sq_distance,
+      .sigma_m = static_cast<float>(SigmaFromCode(tile.sigma_codes[neighbor.landmark_idx])),
+      .azimuth_rad =
+          static_cast<float>(AzimuthFromCode(tile.azimuth_codes[neighbor.descriptor_idx])),
+      .size_m = static_cast<float>(SizeFromCode(tile.size_codes[neighbor.descriptor_idx])),
+      .descriptor_sq_distance = DescriptorSqDistance(rank, neighbor, view),
+      .orientation_rad = OrientationOf(tile.orientation_codes[neighbor.descriptor_idx])};
+}
+
 std::vector<Correspondence> LandmarkRanking::Correspondences(
     const std::vector<TileView>& tiles) const {
   constexpr int kAhead = 4;  // Number of keypoints ahead whose landmarks are prefetched.
+  std::vector<int> ranks;    // In order of keypoint.
+  if (!order_.empty()) {
+    ranks.resize(order_.size());
+    for (size_t rank = 0; rank < order_.size(); ++rank) {
+      ranks[order_[rank]] = static_cast<int>(rank);
+    }
+  }
+  const auto rank_of = [&](int keypoint_idx) {
+    return ranks.empty() ? keypoint_idx : ranks[keypoint_idx];
+  };
   std::vector<Correspondence> correspondences;
   correspondences.reserve(std::accumulate(num_neighbors_.begin(), num_neighbors_.end(), size_t{0}));
   for (int keypoint_idx = 0; keypoint_idx < query_.num_keypoints(); ++keypoint_idx) {
     if (keypoint_idx + kAhead < query_.num_keypoints()) {
-      PrefetchNeighbors(keypoint_idx + kAhead, tiles);
+      PrefetchNeighbors(rank_of(keypoint_idx + kAhead), tiles);
     }
-    for (int i = 0; i < num_neighbors_[keypoint_idx]; ++i) {
-      const Neighbor& neighbor = neighbors_[size_t{1} * keypoint_idx * options_.max_neighbors + i];
-      const TileView& view = tiles[neighbor.tile_idx];
-      const TileLandmarks& tile = view.tile->landmarks();
-      correspondences.push_back(
-          {.keypoint_idx = keypoint_idx,
-           .tile_idx = neighbor.tile_idx,
-           .landmark_idx = neighbor.landmark_idx,
-           .x_in_anchor =
-               view.anchor_from_tile * tile.x_in_tile[neighbor.landmark_idx].cast<double>(),
-           .sq_distance = neighbor.sq_distance,
-           .sigma_m = static_cast<float>(SigmaFromCode(tile.sigma_codes[neighbor.landmark_idx])),
-           .azimuth_rad =
-               static_cast<float>(AzimuthFromCode(tile.azimuth_codes[neighbor.descriptor_idx])),
-           .size_m = static_cast<float>(SizeFromCode(tile.size_codes[neighbor.descriptor_idx])),
-           .descriptor_sq_distance = DescriptorSqDistance(keypoint_idx, neighbor, view),
-           .orientation_rad = OrientationOf(tile.orientation_codes[neighbor.descriptor_idx])});
+    const int rank = rank_of(keypoint_idx);
+    for (int i = 0; i < num_neighbors_[rank]; ++i) {
+      const Neighbor& neighbor = neighbors_[size_t{1} * rank * options_.max_neighbors + i];
+      correspondences.push_back(MakeCorrespondence(rank, neighbor, tiles[neighbor.tile_idx]));
     }
   }
   return correspondences;

@@ -27,19 +27,18 @@ class LandmarkRanking {
  public:
   class TileHits;  // Adds hits.
 
-  // `query` and `options` must outlive the ranking.
+  // Knows keypoints by their rank in `order`, a permutation of the query's keypoints; if empty, by
+  // their index. The arguments must outlive the ranking.
   LandmarkRanking(const QueryContext& query, const Codebook& codebook,
-                  const MatchingOptions& options);
+                  const MatchingOptions& options, std::span<const int> order = {});
 
   // Returns the distance, in projected space, beyond which a descriptor can no longer become a
   // correspondence of the keypoint, whatever its landmark. Infinity while the keypoint has fewer
   // than max_neighbors neighbors.
-  double MaxUsefulDistance(uint32_t keypoint_idx) const;
+  double MaxUsefulDistance(uint32_t rank) const;
 
   // The square of MaxUsefulDistance.
-  float MaxUsefulSqDistance(uint32_t keypoint_idx) const {
-    return max_useful_sq_distances_[keypoint_idx];
-  }
+  float MaxUsefulSqDistance(uint32_t rank) const { return max_useful_sq_distances_[rank]; }
 
   // Returns the correspondences, ordered by keypoint, then distance. `tiles` must be the tiles
   // whose hits were added.
@@ -76,22 +75,25 @@ class LandmarkRanking {
   // Returns the square of e / prior sigma, where e is how far a landmark is out of view; see
   // MatchingOptions::position_weight. x_from_prior is horizontal, meters.
   float SqPositionExcess(const Eigen::Vector2f& x_from_prior) const;
-  void Insert(uint32_t keypoint_idx, const Neighbor& neighbor);
+  int KeypointAt(int rank) const { return order_.empty() ? rank : order_[rank]; }
+  void Insert(uint32_t rank, const Neighbor& neighbor);
   // Returns the squared distance of the descriptors alone, up to rounding.
-  float DescriptorSqDistance(int keypoint_idx, const Neighbor& neighbor,
-                             const TileView& view) const;
+  float DescriptorSqDistance(int rank, const Neighbor& neighbor, const TileView& view) const;
   // Prefetches the data of a keypoint's landmarks that Correspondences reads. The landmarks are
   // scattered over the tiles.
-  void PrefetchNeighbors(int keypoint_idx, const std::vector<TileView>& tiles) const;
+  void PrefetchNeighbors(int rank, const std::vector<TileView>& tiles) const;
+  Correspondence MakeCorrespondence(int rank, const Neighbor& neighbor, const TileView& view) const;
 
   const QueryContext& query_;
   const MatchingOptions& options_;
+  const std::span<const int> order_;
   float orientation_factor_ = 0.0f;  // Factor of the squared chord.
   float position_factor_ = 0.0f;     // Factor of the squared excess.
   // Bounds of the hard filters.
   float max_sq_chord_ = 4.0f;
   float max_sq_excess_ = std::numeric_limits<float>::infinity();
   bool uses_position_ = false;  // True if the region has a prior and an option uses it.
+  // The arrays below are in order of rank.
   std::vector<Direction> keypoint_directions_;
   std::vector<Neighbor> neighbors_;  // num_keypoints x max_neighbors, each row sorted by IsCloser.
   std::vector<int> num_neighbors_;   // Number of used entries in each row.
@@ -107,10 +109,10 @@ class LandmarkRanking {
 // Use each object from one thread.
 class LandmarkRanking::TileHits : public HitReceiver {
  public:
-  // The hits belong to the tile_idx-th tile of the query and to the keypoints from `first_keypoint`
-  // on; their rows are places in `places`. All arguments must outlive the object.
+  // The hits belong to the tile_idx-th tile of the query and to the keypoints of rank `first_rank`
+  // and after; their rows are places in `places`. All arguments must outlive the object.
   TileHits(LandmarkRanking* ranking, const TileView& view, const DescriptorPlaces& places,
-           int tile_idx, uint32_t first_keypoint = 0);
+           int tile_idx, uint32_t first_rank = 0);
 
   float Take(const HitRun& run) override;
   // Adds the hits that are still queued. Call after the last hit.
@@ -120,12 +122,12 @@ class LandmarkRanking::TileHits : public HitReceiver {
   static constexpr size_t kAhead = 16;  // Length of each queue.
 
   struct Hit {
-    uint32_t keypoint_idx = 0;
+    uint32_t rank = 0;  // Of the keypoint.
     uint32_t place = 0;
     float sq_distance = 0.0f;  // With the orientation term.
   };
   struct Candidate {
-    uint32_t keypoint_idx = 0;
+    uint32_t rank = 0;
     Neighbor neighbor;
   };
 
@@ -147,7 +149,7 @@ class LandmarkRanking::TileHits : public HitReceiver {
   const TileLandmarks& tile_;
   const DescriptorPlaces& places_;
   const int tile_idx_;
-  const uint32_t first_keypoint_;
+  const uint32_t first_rank_;
   // Maps a point of the tile to its horizontal offset from the prior; floats resolve a millimeter.
   Eigen::Matrix<float, 2, 3> prior_from_tile_;
   Eigen::Vector2f tile_in_prior_;

@@ -13,6 +13,7 @@
 
 #include "core/error.h"
 #include "core/large_vector.h"
+#include "core/random.h"
 #include "engine/index/byte_scale.h"
 #include "engine/index/cell_lists.h"
 #include "engine/index/code_expansion.h"
@@ -85,23 +86,22 @@ std::vector<double> MaxDistances(const DescriptorMatrix& queries, const Searchab
   return std::vector<double>(queries.rows(), std::numeric_limits<double>::infinity());
 }
 
-// Consecutive keypoints of a query.
+// Keypoints of a query with consecutive ranks.
 struct KeypointRange {
   int begin = 0;
   int end = 0;
   int size() const { return end - begin; }
 };
 
-// Splits the keypoints into about equal ranges, at most one per thread. Short ranges do not pay:
-// loading a list of descriptors into the cache costs the same however few keypoints are compared
-// with it.
-std::vector<KeypointRange> SplitKeypoints(int num_keypoints, int num_threads) {
+// Splits a range into about equal ones, at most one per thread. Short ranges do not pay: loading a
+// list of descriptors into the cache costs the same however few keypoints are compared with it.
+std::vector<KeypointRange> SplitKeypoints(const KeypointRange& all, int num_threads) {
   constexpr int kMinRangeSize = 128;
-  const int count = std::clamp(num_keypoints / kMinRangeSize, 1, num_threads);
+  const int count = std::clamp(all.size() / kMinRangeSize, 1, num_threads);
   std::vector<KeypointRange> ranges;
   for (int i = 0; i < count; ++i) {
-    ranges.push_back({static_cast<int>(int64_t{num_keypoints} * i / count),
-                      static_cast<int>(int64_t{num_keypoints} * (i + 1) / count)});
+    ranges.push_back({all.begin + static_cast<int>(int64_t{all.size()} * i / count),
+                      all.begin + static_cast<int>(int64_t{all.size()} * (i + 1) / count)});
   }
   return ranges;
 }
@@ -159,16 +159,36 @@ void SearchAll(const CodeWords& words, const ByteScale& scale, std::span<const u
 
 }  // namespace
 
-std::vector<Correspondence> MatchFeatures(const QueryContext& query,
-                                          const std::vector<TileView>& tiles,
-                                          const MatchingOptions& options, StageCounters* counters,
-                                          SharedWorkers* workers, const StopFunction& should_stop) {
-  if (tiles.empty()) {
-    return {};
+std::vector<int> KeypointsByValue(const QueryContext& query) {
+  constexpr uint64_t kSeed = 1;
+  std::vector<int> order(query.num_keypoints());
+  Random random(kSeed);
+  for (int i = 0; i < query.num_keypoints(); ++i) {  // A random permutation.
+    const int j = random.Index(i + 1);
+    order[i] = order[j];
+    order[j] = i;
   }
-  LandmarkRanking ranking(query, CommonCodebook(tiles), options);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return query.keypoints[a].scale_px > query.keypoints[b].scale_px;
+  });
+  return order;
+}
+
+FeatureMatcher::FeatureMatcher(const QueryContext& query, const std::vector<TileView>& tiles,
+                               const MatchingOptions& options)
+    : query_(query),
+      tiles_(tiles),
+      options_(options),
+      order_(KeypointsByValue(query)),
+      descriptors_(query.descriptors(order_, Eigen::all)),
+      ranking_(query, CommonCodebook(tiles), options, order_) {}
+
+std::vector<Correspondence> FeatureMatcher::MatchUpTo(int num_keypoints, StageCounters* counters,
+                                                      SharedWorkers* workers,
+                                                      const StopFunction& should_stop) {
   const std::vector<KeypointRange> ranges =
-      SplitKeypoints(query.num_keypoints(), workers != nullptr ? workers->NumFree() : 1);
+      SplitKeypoints({num_matched_, num_keypoints}, workers != nullptr ? workers->NumFree() : 1);
+  num_matched_ = num_keypoints;
   std::vector<int64_t> num_distances(ranges.size(), 0);
   std::atomic<bool> was_stopped = false;
   const StopFunction stop_all = [&] {
@@ -178,25 +198,33 @@ std::vector<Correspondence> MatchFeatures(const QueryContext& query,
     return was_stopped.load();
   };
   ForEachStep(workers, static_cast<int>(ranges.size()), [&](int i) {
-    const DescriptorMatrix queries =
-        query.descriptors.middleRows(ranges[i].begin, ranges[i].size());
+    const DescriptorMatrix queries = descriptors_.middleRows(ranges[i].begin, ranges[i].size());
     SharedVisits shared_visits;
-    for (size_t tile_idx = 0; tile_idx < tiles.size(); ++tile_idx) {
+    for (size_t tile_idx = 0; tile_idx < tiles_.size(); ++tile_idx) {
       if (stop_all()) {
         return;
       }
       num_distances[i] +=
-          SearchTile(queries, ranges[i], tiles[tile_idx], static_cast<int>(tile_idx), options,
-                     stop_all, &shared_visits, &ranking);
+          SearchTile(queries, ranges[i], tiles_[tile_idx], static_cast<int>(tile_idx), options_,
+                     stop_all, &shared_visits, &ranking_);
     }
   });
   counters->matching_cut_short |= was_stopped;
   counters->num_distances +=
       std::accumulate(num_distances.begin(), num_distances.end(), int64_t{0});
-  std::vector<Correspondence> correspondences = ranking.Correspondences(tiles);
+  std::vector<Correspondence> correspondences = ranking_.Correspondences(tiles_);
   counters->num_matches = static_cast<int64_t>(correspondences.size());
-  counters->num_matched_keypoints = ranking.NumMatchedKeypoints();
+  counters->num_matched_keypoints = ranking_.NumMatchedKeypoints();
   return correspondences;
+}
+
+std::vector<Correspondence> MatchFeatures(const QueryContext& query,
+                                          const std::vector<TileView>& tiles,
+                                          const MatchingOptions& options, StageCounters* counters,
+                                          SharedWorkers* workers, const StopFunction& should_stop) {
+  return tiles.empty() ? std::vector<Correspondence>()
+                       : FeatureMatcher(query, tiles, options)
+                             .MatchUpTo(query.num_keypoints(), counters, workers, should_stop);
 }
 
 std::vector<Correspondence> MatchAgainstKeyframes(const QueryContext& query,

@@ -6,6 +6,7 @@
 
 #include "core/shared_workers.h"
 #include "core/stop_function.h"
+#include "engine/matching/landmark_ranking.h"
 #include "engine/matching/matching_options.h"
 #include "engine/query/localize_result.h"
 #include "engine/query/query_context.h"
@@ -25,6 +26,37 @@ std::vector<Correspondence> MatchFeatures(const QueryContext& query,
                                           const MatchingOptions& options, StageCounters* counters,
                                           SharedWorkers* workers = nullptr,
                                           const StopFunction& should_stop = {});
+
+// Returns the keypoints in the order in which they are worth matching: the largest first. Large
+// features are more often seen again, and from farther away. Equals are in an order that has
+// nothing to do with their places in the image.
+std::vector<int> KeypointsByValue(const QueryContext& query);
+
+// Does the same in rounds. A round matches more keypoints, and no match is computed twice. After a
+// round over all keypoints, the correspondences are those of MatchFeatures.
+class FeatureMatcher {
+ public:
+  // There must be a tile. The arguments must outlive the matcher. Throws as MatchFeatures.
+  FeatureMatcher(const QueryContext& query, const std::vector<TileView>& tiles,
+                 const MatchingOptions& options);
+  FeatureMatcher(const FeatureMatcher&) = delete;  // The ranking refers to the order.
+  FeatureMatcher& operator=(const FeatureMatcher&) = delete;
+
+  // Matches the keypoints that are worth most, so that `num_keypoints` of them have been matched.
+  // Returns the correspondences of all of these in the order of MatchFeatures. Sets the matching
+  // counters.
+  std::vector<Correspondence> MatchUpTo(int num_keypoints, StageCounters* counters,
+                                        SharedWorkers* workers, const StopFunction& should_stop);
+
+ private:
+  const QueryContext& query_;
+  const std::vector<TileView>& tiles_;
+  const MatchingOptions& options_;
+  const std::vector<int> order_;
+  const DescriptorMatrix descriptors_;  // In this order.
+  LandmarkRanking ranking_;
+  int num_matched_ = 0;  // The first ones in this order have been matched.
+};
 
 // Matches all keypoints against only the landmarks that the given keyframes saw, for the refinement
 // stage. The search is exhaustive, with the absolute threshold at `distance_quantile` whatever the

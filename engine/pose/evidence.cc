@@ -41,9 +41,11 @@ std::vector<double> LikelihoodRatios(const QueryContext& query,
     const auto traits = TraitsOf(query, match, cam_from_anchor);
     double ratio = 0.0;
     if (traits) {
-      const double by_chance =
-          densities[query.CameraIdxOf(match.keypoint_idx)].At(PixelOf(query, match)) *
-          num_matches[match.keypoint_idx];
+      const double density =
+          match.search_area_sq_px > 0.0f
+              ? 1.0 / match.search_area_sq_px
+              : densities[query.CameraIdxOf(match.keypoint_idx)].At(PixelOf(query, match));
+      const double by_chance = density * num_matches[match.keypoint_idx];
       ratio = std::exp(std::min(
           kMaxLogRatio, LogErrorDensity(*traits) + LogTraitRatio(*traits) - std::log(by_chance)));
     }

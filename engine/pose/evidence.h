@@ -25,8 +25,9 @@ struct PoseEvidence {
 // them is a chance to agree with the pose.
 //
 // Under "chance", the landmark of a match falls anywhere in the image, with the density
-// LandmarkDensity. Under "right", a share p of the keypoints has a right match, whose error and
-// traits follow kEvidenceModel. The logarithm is
+// LandmarkDensity; or, if the match was sought given a pose, anywhere in the area of the search
+// (Correspondence::search_area_sq_px), so that it says less. Under "right", a share p of the
+// keypoints has a right match, whose error and traits follow kEvidenceModel. The logarithm is
 //   max over p of   sum over keypoints of log(1 - p + p r),
 // where r is the likelihood ratio of the keypoint's inlier divided by the number of its matches, or
 // 0 without an inlier. Neighboring inliers are not independent, so the logarithm is multiplied by

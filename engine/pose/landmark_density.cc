@@ -15,7 +15,11 @@ LandmarkDensity::LandmarkDensity(const QueryContext& query,
   const size_t stride = (correspondences.size() + kMaxSamples - 1) / kMaxSamples;
   std::array<double, kSide * kSide> counts{};
   double num_samples = 0.0;
-  for (size_t i = 0; i < correspondences.size(); i += stride, num_samples += 1.0) {
+  for (size_t i = 0; i < correspondences.size(); i += stride) {
+    if (correspondences[i].search_area_sq_px > 0.0f) {
+      continue;
+    }
+    num_samples += 1.0;
     const auto pixel = camera.Project(own_from_anchor * correspondences[i].x_in_anchor);
     if (pixel && camera.Contains(*pixel)) {
       counts[CellOf(*pixel)] += 1.0;

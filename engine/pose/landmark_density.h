@@ -17,8 +17,9 @@ namespace cairn {
 // image, the density there is high.
 class LandmarkDensity {
  public:
-  // Uses the landmarks of at most 1,000 correspondences, at even intervals. `camera_idx` is 0 for
-  // the query's own camera, i for other_cameras[i - 1].
+  // Uses the landmarks of at most 1,000 correspondences, at even intervals, but not of those that
+  // were sought given a pose. `camera_idx` is 0 for the query's own camera, i for other_cameras[i -
+  // 1].
   LandmarkDensity(const QueryContext& query, const std::vector<Correspondence>& correspondences,
                   const Rigid3d& cam_from_anchor, int camera_idx);
 

@@ -97,6 +97,9 @@ struct Correspondence {
   float size_m = 0.0f;                   // Physical size of the matched keypoint.
   float descriptor_sq_distance = 0.0f;   // Of the descriptors alone.
   std::optional<float> orientation_rad;  // Gravity-rectified orientation of the matched descriptor.
+  // The area of the image in which the keypoint of the landmark was sought, given a pose, square
+  // pixels; 0 if no pose was given and the landmark may lie anywhere.
+  float search_area_sq_px = 0.0f;
 };
 
 }  // namespace cairn

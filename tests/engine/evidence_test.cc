@@ -147,6 +147,19 @@ TEST(WeighEvidence, ChanceReachesNothing) {
   EXPECT_LE(num_high, 4);
 }
 
+// A match that was sought where the pose predicts it says less than one found anywhere.
+TEST(WeighEvidence, WhatThePosePredictsSaysLess) {
+  const PoseScene scene = AllRight();
+  PoseScene predicted = scene;
+  for (Correspondence& match : predicted.correspondences) {
+    match.search_area_sq_px = 100.0f;
+  }
+  const double found = Weigh(scene, FirstIndices(60)).log_ratio;
+  const double sought = Weigh(predicted, FirstIndices(60)).log_ratio;
+  EXPECT_GT(sought, 0.0);
+  EXPECT_LT(sought, 0.7 * found);
+}
+
 TEST(WeighEvidence, CrowdedInliersAreNotIndependent) {
   const PoseScene spread = AllRight();
   PoseScene crowded = spread;

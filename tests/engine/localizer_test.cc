@@ -39,6 +39,22 @@ TEST_F(LocalizerOnOneStreet, FindsPosesBetweenTheKeyframes) {
   }
 }
 
+// Who asks for refinement in any case gets all keypoints searched.
+TEST_F(LocalizerOnOneStreet, ASureQuerySearchesAFewOfItsKeypoints) {
+  const Rigid3d cam_from_enu = QueryPose(20.0);
+  const LocalizeQuery query = QueryAt(*world_, cam_from_enu);
+  ASSERT_GT(query.num_features(), 256);
+  LocalizerOptions all_options;
+  all_options.refinement.mode = RefinementMode::kAlways;
+  const LocalizeResult few = localizer().Localize(query);
+  const LocalizeResult all = map_->WithOptions(all_options).Localize(query);
+  ExpectPose(few, *world_, cam_from_enu, 0.05, 0.1 * kRadPerDeg);
+  ExpectPose(all, *world_, cam_from_enu, 0.05, 0.1 * kRadPerDeg);
+  EXPECT_LT(few.counters.num_matches, all.counters.num_matches / 2);
+  // The pose predicts the others.
+  EXPECT_GT(few.matches.size(), 0.9 * all.matches.size());
+}
+
 TEST_F(LocalizerOnOneStreet, WorksWithEveryAlternative) {
   std::vector<LocalizerOptions> alternatives;
   for (const IndexMethod method : {IndexMethod::kInvertedLists, IndexMethod::kInvertedMultiIndex,
@@ -93,6 +109,7 @@ TEST_F(LocalizerOnOneStreet, RefinesTheAnswerOnAllMatches) {
   const Rigid3d cam_from_enu = QueryPose(20.0);
   const LocalizeQuery query = QueryAt(*world_, cam_from_enu);
   LocalizerOptions options;
+  options.refinement.good_evidence = 1e6;  // A sure pose would predict all of its matches.
   options.refinement.mode = RefinementMode::kNever;
   const LocalizeResult plain = map_->WithOptions(options).Localize(query);
   options.refinement.mode = RefinementMode::kAlways;

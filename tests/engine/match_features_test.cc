@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <random>
 #include <utility>
@@ -378,6 +379,55 @@ TEST(MatchFeatures, ThreadsChangeNothing) {
       EXPECT_EQ(matches[i].sq_distance, expected[i].sq_distance);
     }
   }
+}
+
+// The largest keypoints come first, and the last round ends where one round over all would have.
+TEST(FeatureMatcher, ARoundAddsToTheMatchesOfTheLast) {
+  constexpr int kNumKeypoints = 300, kFirst = 100;
+  std::mt19937 random(2);
+  std::uniform_real_distribution<float> anywhere(0.0f, 1.5f);
+  std::vector<SimpleLandmark> landmarks;
+  for (uint64_t i = 0; i < 400; ++i) {
+    landmarks.push_back({i + 1, {{anywhere(random)}}});
+  }
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile(landmarks))};
+  std::vector<SimpleDescriptor> descriptors(kNumKeypoints);
+  for (SimpleDescriptor& descriptor : descriptors) {
+    descriptor = {anywhere(random)};
+  }
+  QueryContext query = SimpleQuery(descriptors);
+  for (Keypoint& keypoint : query.keypoints) {
+    keypoint.scale_px = 1.0f + 10.0f * anywhere(random);
+  }
+  std::vector<float> scales;
+  for (const Keypoint& keypoint : query.keypoints) {
+    scales.push_back(keypoint.scale_px);
+  }
+  std::nth_element(scales.begin(), scales.end() - kFirst, scales.end());
+  const float least_px = *(scales.end() - kFirst);
+  StageCounters all_counters, counters;
+  const auto all = MatchFeatures(query, tiles, {}, &all_counters);
+  const auto expect_same = [](const std::vector<Correspondence>& a,
+                              const std::vector<Correspondence>& b) {
+    ASSERT_EQ(a.size(), b.size());
+    for (size_t i = 0; i < a.size(); ++i) {
+      EXPECT_EQ(a[i].keypoint_idx, b[i].keypoint_idx);
+      EXPECT_EQ(a[i].landmark_idx, b[i].landmark_idx);
+      EXPECT_EQ(a[i].sq_distance, b[i].sq_distance);
+    }
+  };
+  std::vector<Correspondence> of_large;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(of_large), [&](const auto& match) {
+    return query.keypoints[match.keypoint_idx].scale_px >= least_px;
+  });
+  ASSERT_GT(of_large.size(), 0u);
+  const MatchingOptions options;
+  FeatureMatcher matcher(query, tiles, options);
+  expect_same(matcher.MatchUpTo(kFirst, &counters, nullptr, {}), of_large);
+  EXPECT_LT(counters.num_distances, all_counters.num_distances);
+  expect_same(matcher.MatchUpTo(kNumKeypoints, &counters, nullptr, {}), all);
+  EXPECT_EQ(counters.num_distances, all_counters.num_distances);
+  EXPECT_EQ(counters.num_matched_keypoints, all_counters.num_matched_keypoints);
 }
 
 TEST(MatchFeatures, GoesOnWithWhatItHasWhenToldToStop) {

@@ -1,0 +1,144 @@
+#include "engine/search.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "engine/find_camera.h"
+#include "engine/find_candidates.h"
+#include "engine/pose/estimate_candidate_poses.h"
+#include "engine/pose/focal_search.h"
+#include "engine/query/build_query_context.h"
+#include "engine/refinement/match_keyframes.h"
+#include "engine/rounds.h"
+
+namespace cairn {
+namespace {
+
+using Reason = NotLocalizedReason;
+
+bool CameraIsUncertain(const LocalizeQuery& query) {
+  return query.focal && query.focal->log_sigma > kMaxTrustedFocalLogSigma;
+}
+
+}  // namespace
+
+SharedMatches Search::Match(int num_keypoints, FeatureMatcher* matcher) {
+  auto matches = std::make_shared<const std::vector<Correspondence>>(
+      matcher->MatchUpTo(num_keypoints, counters_, budget_.workers, stop_matching_));
+  return counters_->num_matched_keypoints < options_.pose.min_inliers ? nullptr
+                                                                      : std::move(matches);
+}
+
+void Search::Vote(const QueryContext& context, const SharedMatches& matches) {
+  candidates_ = FindCandidates(context, tiles_, *matches, options_, budget_, counters_);
+}
+
+void Search::Estimate(const QueryContext& context, const SharedMatches& matches) {
+  EstimateCandidatePoses(context, matches, candidates_, options_.pose,
+                         options_.refinement.good_evidence, options_.seed, budget_, &hypotheses_,
+                         counters_);
+}
+
+void Search::Refine(const QueryContext& context, const SharedMatches& matches) {
+  if (NeedsRefinement(hypotheses_, options_.refinement)) {
+    MatchKeyframes(context, tiles_, *matches, options_.refinement, options_.matching, options_.pose,
+                   options_.seed, budget_, &hypotheses_, counters_);
+  }
+}
+
+void Search::TryWithoutGravity() {
+  FeatureMatcher matcher(*without_gravity_, tiles_, options_.matching);
+  stop_matching_ = budget_.StopAfter(options_.matching.deadline_share);
+  if (const SharedMatches matches = Match(without_gravity_->num_keypoints(), &matcher)) {
+    Vote(*without_gravity_, matches);
+    Estimate(*without_gravity_, matches);
+    Refine(*without_gravity_, matches);
+  }
+}
+
+void Search::TryRound(int num_keypoints, StageRunner* stages, const QueryContext& context) {
+  SharedMatches matches;
+  hypotheses_ = {};
+  candidates_ = {};
+  stages->Run(Stage::kMatching, [&] {
+    matches = Match(num_keypoints, &*matcher_);
+    return Reason::kNone;
+  });
+  if (matches == nullptr) {
+    return;
+  }
+  stages->Run(Stage::kVoting, [&] {
+    Vote(context, matches);
+    return Reason::kNone;
+  });
+  stages->Run(Stage::kPose, [&] {
+    Estimate(context, matches);
+    return Reason::kNone;
+  });
+}
+
+bool Search::AnswerEarly(StageRunner* stages, const QueryContext& context) {
+  // An answer with less would be refined, or sought again without gravity.
+  const double sure_evidence =
+      std::max(options_.refinement.good_evidence, options_.refinement.min_trusted_evidence);
+  int num_keypoints = FirstRound(context.num_keypoints());
+  while (num_keypoints < context.num_keypoints() && stages->is_running()) {
+    TryRound(num_keypoints, stages, context);
+    if (IsBeyondDoubt(hypotheses_, sure_evidence, options_.answer)) {
+      return true;
+    }
+    num_keypoints = NextRound(num_keypoints, context.num_keypoints(), hypotheses_, sure_evidence);
+  }
+  return false;
+}
+
+void Search::SearchAll(const LocalizeQuery& query, StageRunner* stages, QueryContext* context) {
+  SharedMatches matches;
+  stages->Run(Stage::kMatching, [&] {
+    matches = Match(context->num_keypoints(), &*matcher_);
+    return matches == nullptr ? Reason::kTooFewMatches : Reason::kNone;
+  });
+  stages->Run(Stage::kVoting, [&] {
+    if (CameraIsUncertain(query)) {
+      *context = FindCamera(*context, query, tiles_, matches, options_, budget_, counters_);
+    }
+    Vote(*context, matches);
+    return Reason::kNone;
+  });
+  stages->Run(Stage::kPose, [&] {
+    Estimate(*context, matches);
+    return Reason::kNone;
+  });
+  stages->Run(Stage::kRefinement, [&] {
+    Refine(*context, matches);
+    if (!budget_.DeadlinePassed() &&
+        DoubtsGravity(*context, hypotheses_, options_.refinement, options_.pose)) {
+      without_gravity_ = WithoutGravity(*context);
+      TryWithoutGravity();
+    }
+    return hypotheses_.empty() ? Reason::kTooFewInliers : Reason::kNone;
+  });
+}
+
+void Search::Run(const LocalizeQuery& query, StageRunner* stages, QueryContext* context) {
+  stages->Run(Stage::kMatching, [&] {
+    matcher_.emplace(*context, tiles_, options_.matching);
+    stop_matching_ = budget_.StopAfter(options_.matching.deadline_share);
+    return Reason::kNone;
+  });
+  // Whoever asks for refinement whatever the evidence wants all of it.
+  const bool may_be_early =
+      options_.refinement.mode == RefinementMode::kWhenWeak && !CameraIsUncertain(query);
+  if (!stages->is_running() || (may_be_early && AnswerEarly(stages, *context))) {
+    return;
+  }
+  // If the time ends before all keypoints have given a pose, the answer is that of the last round.
+  PoseHypotheses of_last_round = std::exchange(hypotheses_, {});
+  SearchAll(query, stages, context);
+  if (hypotheses_.empty() && budget_.DeadlinePassed()) {
+    hypotheses_ = std::move(of_last_round);
+  }
+}
+
+}  // namespace cairn

@@ -1,0 +1,73 @@
+// The stages of a query from matching to refinement.
+#ifndef CAIRN_ENGINE_SEARCH_H_
+#define CAIRN_ENGINE_SEARCH_H_
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "engine/localizer_options.h"
+#include "engine/matching/match_features.h"
+#include "engine/pose/pose_hypotheses.h"
+#include "engine/query/localize_query.h"
+#include "engine/query/query_budget.h"
+#include "engine/query/query_context.h"
+#include "engine/stage_runner.h"
+#include "engine/tiles/searchable_tile.h"
+
+namespace cairn {
+
+// Searches tiles for the pose of one query, with its keypoints in rounds (engine/rounds.h): after a
+// round that leaves no doubt, the search ends. Without such a round, the hypotheses are those of
+// all keypoints, as if there were no rounds. Keeps references to its arguments. Use from one
+// thread.
+class Search {
+ public:
+  Search(const LocalizerOptions& options, const QueryBudget& budget, StageCounters* counters)
+      : options_(options), budget_(budget), counters_(counters) {}
+
+  void set_tiles(std::vector<TileView> tiles) { tiles_ = std::move(tiles); }
+  const std::vector<TileView>& tiles() const { return tiles_; }
+
+  // Runs the stages until one of them fails. If the focal length of the query is uncertain,
+  // `context` gets the camera that is found. There must be tiles.
+  void Run(const LocalizeQuery& query, StageRunner* stages, QueryContext* context);
+
+  const PoseHypotheses& hypotheses() const { return hypotheses_; }
+  // The context in which a hypothesis was found, given that of the query.
+  const QueryContext& ContextOf(const PoseHypothesis& hypothesis,
+                                const QueryContext& context) const {
+    return without_gravity_ && !hypothesis.used_gravity ? *without_gravity_ : context;
+  }
+
+ private:
+  // Matches and tries to answer in rounds, until a round leaves no doubt. Returns false if all
+  // keypoints are needed.
+  bool AnswerEarly(StageRunner* stages, const QueryContext& context);
+  // Finds hypotheses from the matches of some keypoints.
+  void TryRound(int num_keypoints, StageRunner* stages, const QueryContext& context);
+  // Runs the stages on all keypoints.
+  void SearchAll(const LocalizeQuery& query, StageRunner* stages, QueryContext* context);
+
+  // Returns null if too few keypoints have a match.
+  SharedMatches Match(int num_keypoints, FeatureMatcher* matcher);
+  void Vote(const QueryContext& context, const SharedMatches& matches);
+  void Estimate(const QueryContext& context, const SharedMatches& matches);
+  void Refine(const QueryContext& context, const SharedMatches& matches);
+  // Runs the stages from matching on again without gravity. Keeps the hypotheses found so far.
+  void TryWithoutGravity();
+
+  const LocalizerOptions& options_;
+  const QueryBudget& budget_;
+  StageCounters* counters_;
+  std::vector<TileView> tiles_;
+  std::optional<FeatureMatcher> matcher_;
+  StopFunction stop_matching_;
+  std::vector<PoseCandidate> candidates_;
+  PoseHypotheses hypotheses_;
+  std::optional<QueryContext> without_gravity_;
+};
+
+}  // namespace cairn
+
+#endif  // CAIRN_ENGINE_SEARCH_H_
