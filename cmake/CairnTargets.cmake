@@ -3,11 +3,11 @@
 # The static library of a room, `cairn_NAME`. Its headers are visible to others only through the
 # target: each room has an include root of its own that holds nothing but a link to its folder, so an
 # #include against the arrows of docs/architecture.md does not compile.
-# ROOM names the folder when a room has several targets (default: NAME). APART: the sources of the
-# folder use the same names for parts that correspond, so that the release preset compiles each alone
-# (elsewhere it compiles a folder's sources together).
+# ROOM names the folder when a room has several targets (default: NAME). APART: sources that use the
+# same names as others of the folder for parts that correspond. The release preset compiles each of
+# them alone, and the others of the folder together.
 function(cairn_library)
-  cmake_parse_arguments(ARG "APART" "NAME;ROOM" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "NAME;ROOM" "SOURCES;APART;PUBLIC;PRIVATE" ${ARGN})
   if(NOT ARG_ROOM)
     set(ARG_ROOM ${ARG_NAME})
   endif()
@@ -27,9 +27,7 @@ function(cairn_library)
   if(NOT OpenMP::OpenMP_CXX IN_LIST ARG_PRIVATE)  # Whose flag the precompiled headers lack.
     target_precompile_headers(${target} REUSE_FROM cairn_library_headers)
   endif()
-  if(ARG_APART)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
-  endif()
+  set_source_files_properties(${ARG_APART} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   set_property(GLOBAL APPEND PROPERTY CAIRN_LIBRARIES ${target})
 endfunction()
 

@@ -28,7 +28,7 @@ std::vector<IngestVariant> MakeVariants(const std::vector<double>& budgets) {
   return variants;
 }
 
-ExperimentOutcome Run(const ExperimentContext& context) {
+ExperimentOutcome RunObsVsIlp(const ExperimentContext& context) {
   const ExperimentWorldOptions world = MemoryWorld(context);
   const auto budgets =
       context.Pick<std::vector<double>>({1'000, 4'000}, {4'000, 8'000, 16'000, 32'000, 64'000});
@@ -64,7 +64,7 @@ Experiment ObsVsIlpExperiment() {
       "holds if the difference of average precision, in the mean over equal budgets of "
       "descriptors, is positive by a paired interval; does not hold if the difference is negative.",
       "9 min",
-      Run};
+      RunObsVsIlp};
 }
 
 }  // namespace cairn

@@ -10,7 +10,7 @@ IngestVariant Make(const std::string& method, AppearanceKind kind, double knob,
   return FixedCountVariant(method, kind, static_cast<int>(knob), context);
 }
 
-ExperimentOutcome Run(const ExperimentContext& context) {
+ExperimentOutcome RunFixedDescriptors(const ExperimentContext& context) {
   return CompareKinds(context, "02_fixed_descriptors", "A fixed number of descriptors",
                       "descriptors", context.Pick<std::vector<double>>({1, 3}, {1, 2, 4}), Make);
 }
@@ -27,7 +27,7 @@ Experiment FixedDescriptorsExperiment() {
           "k-medoids and than a random choice, each by a paired interval; does not hold if k-means "
           "is worse than one of them.",
           "8 min",
-          Run};
+          RunFixedDescriptors};
 }
 
 }  // namespace cairn

@@ -5,7 +5,7 @@
 namespace cairn {
 namespace {
 
-ExperimentOutcome Run(const ExperimentContext& context) {
+ExperimentOutcome RunDescriptorRatio(const ExperimentContext& context) {
   return CompareKinds(context, "03_descriptor_ratio", "A ratio of the descriptors", "ratio",
                       context.Pick<std::vector<double>>({0.1, 0.5}, {0.1, 0.25, 0.5}),
                       RatioVariant);
@@ -23,7 +23,7 @@ Experiment DescriptorRatioExperiment() {
           "k-medoids and than a random choice, each by a paired interval; does not hold if k-means "
           "is worse than one of them.",
           "8 min",
-          Run};
+          RunDescriptorRatio};
 }
 
 }  // namespace cairn

@@ -29,7 +29,7 @@ const MeasuredIngest& NearestInSize(const std::vector<MeasuredIngest>& measured,
   return *nearest;
 }
 
-ExperimentOutcome Run(const ExperimentContext& context) {
+ExperimentOutcome RunFixedVsRatio(const ExperimentContext& context) {
   std::vector<IngestVariant> variants;
   for (const int count : context.Pick<std::vector<int>>({1, 3}, {1, 2, 3, 4})) {
     variants.push_back(FixedCountVariant(kFixed, AppearanceKind::kKMeans, count, context));
@@ -74,7 +74,7 @@ Experiment FixedVsRatioExperiment() {
           "the nearest size, by paired intervals; does not hold if the whole interval of one ratio "
           "is outside.",
           "7 min",
-          Run};
+          RunFixedVsRatio};
 }
 
 }  // namespace cairn

@@ -143,7 +143,7 @@ Figure MakeFigure(const std::vector<Case>& cases) {
   return figure;
 }
 
-ExperimentOutcome Run(const ExperimentContext& context) {
+ExperimentOutcome RunDimensionAndQuantization(const ExperimentContext& context) {
   const int num_landmarks = context.Pick(3'000, 30'000);
   const int num_queries = context.Pick(200, 1'000);
   const DescriptorLooks looks(context.seed);
@@ -196,7 +196,7 @@ Experiment DimensionAndQuantizationExperiment() {
           "quantization to 8 bytes changes recall by at most 0.02; does not hold if an interval "
           "contradicts one of these conditions.",
           "4 min",
-          Run};
+          RunDimensionAndQuantization};
 }
 
 }  // namespace cairn

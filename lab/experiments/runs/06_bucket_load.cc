@@ -124,7 +124,7 @@ void FillOutcome(const std::vector<int>& sizes, const std::vector<Repeat>& repea
   outcome->figures = {figure};
 }
 
-ExperimentOutcome Run(const ExperimentContext& context) {
+ExperimentOutcome RunBucketLoad(const ExperimentContext& context) {
   const auto sizes =
       context.Pick<std::vector<int>>({5'000, 20'000}, {50'000, 100'000, 200'000, 500'000});
   const int num_repeats = context.Pick(2, 4);
@@ -182,7 +182,7 @@ Experiment BucketLoadExperiment() {
       "descriptors and is more than ten times that of the mean filled bucket, by intervals over "
       "repeats; does not hold if an interval contradicts one of these conditions.",
       "1 min",
-      Run};
+      RunBucketLoad};
 }
 
 }  // namespace cairn

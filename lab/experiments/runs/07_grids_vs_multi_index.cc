@@ -85,7 +85,7 @@ ResultTable MakeTable(const std::vector<MeasuredMatching>& matching,
   return table;
 }
 
-ExperimentOutcome Run(const ExperimentContext& context) {
+ExperimentOutcome RunGridsVsMultiIndex(const ExperimentContext& context) {
   const auto world = context.worlds->Get(StandardWorld(context), context.progress);
   const std::vector<Variant> variants = MakeVariants(context);
   const auto matching = MeasureMatching(*world, variants, context);
@@ -131,7 +131,7 @@ Experiment GridsVsMultiIndexExperiment() {
           "holds if random grids (with orientation) reach a higher average precision than the "
           "inverted multi-index, by a paired interval; does not hold if they reach a lower one.",
           "12 min",
-          Run};
+          RunGridsVsMultiIndex};
 }
 
 }  // namespace cairn

@@ -58,7 +58,7 @@ ResultTable MakeTable(const std::vector<MeasuredMatching>& matching,
   return table;
 }
 
-ExperimentOutcome Run(const ExperimentContext& context) {
+ExperimentOutcome RunPriors(const ExperimentContext& context) {
   const auto world = context.worlds->Get(StandardWorld(context), context.progress);
   const std::vector<Variant> variants = MakeVariants(context.size);
   const auto matching = MeasureMatching(*world, variants, context);
@@ -105,7 +105,7 @@ Experiment PriorsExperiment() {
           "holds if both terms together improve the average precision of random grids and of the "
           "inverted multi-index, each by a paired interval; does not hold if one index gets worse.",
           "3 min",
-          Run};
+          RunPriors};
 }
 
 }  // namespace cairn

@@ -11,7 +11,7 @@ constexpr const char* kRange = "range search";
 constexpr const char* kPlain = "plain kNN";
 constexpr int kPaperNeighbors = 4;
 
-ExperimentOutcome Run(const ExperimentContext& context) {
+ExperimentOutcome RunNeighbors(const ExperimentContext& context) {
   const auto world = context.worlds->Get(StandardWorld(context), context.progress);
   const std::vector<int> neighbors =
       context.Pick<std::vector<int>>({1, 4, 8}, {1, 2, 4, 8, 16, 32});
@@ -59,7 +59,7 @@ Experiment NeighborsExperiment() {
           "k, at the largest k, and without the threshold, each by a paired interval; does not "
           "hold if it is lower than one of these.",
           "1 min",
-          Run};
+          RunNeighbors};
 }
 
 }  // namespace cairn

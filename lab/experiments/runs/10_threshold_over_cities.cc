@@ -49,7 +49,7 @@ double BestThreshold(const std::vector<std::vector<MeasuredVariant>>& cities,
   return quantiles[best];
 }
 
-ExperimentOutcome Run(const ExperimentContext& context) {
+ExperimentOutcome RunThresholdOverCities(const ExperimentContext& context) {
   const auto quantiles = context.Pick<std::vector<double>>({0.5, 0.9}, {0.5, 0.7, 0.9, 0.95});
   std::vector<std::vector<MeasuredVariant>> cities;
   std::vector<MeasuredVariant> all;
@@ -97,7 +97,7 @@ Experiment ThresholdOverCitiesExperiment() {
           "each city's own best, by the upper end of the paired interval; does not hold if the "
           "whole interval of one city is above 0.02.",
           "3 min",
-          Run};
+          RunThresholdOverCities};
 }
 
 }  // namespace cairn

@@ -34,7 +34,7 @@ std::vector<Variant> MakeVariants(const ExperimentContext& context) {
   return variants;
 }
 
-ExperimentOutcome Run(const ExperimentContext& context) {
+ExperimentOutcome RunRatioTest(const ExperimentContext& context) {
   const auto world = context.worlds->Get(StandardWorld(context), context.progress);
   const auto measured = MeasureVariants(*world, MakeVariants(context), context);
   const MeasuredVariant& absolute = BestOf(measured, kAbsolute);
@@ -67,7 +67,7 @@ Experiment RatioTestExperiment() {
           "holds if the absolute threshold reaches a higher average precision than the ratio test, "
           "by a paired interval; does not hold if it reaches a lower one.",
           "1 min",
-          Run};
+          RunRatioTest};
 }
 
 }  // namespace cairn

@@ -34,7 +34,7 @@ Interval ExtraLoss(const std::vector<MeasuredVariant>& measured, int few, int ma
                         AccuracyMeasure::kAveragePrecision);
 }
 
-ExperimentOutcome Run(const ExperimentContext& context) {
+ExperimentOutcome RunRansacIterations(const ExperimentContext& context) {
   const auto world = context.worlds->Get(StandardWorld(context), context.progress);
   const auto iterations = context.Pick<std::vector<int>>({10, 300}, {10, 30, 100, 300, 1000});
   const auto measured = MeasureVariants(*world, MakeVariants(iterations), context);
@@ -70,7 +70,7 @@ Experiment RansacIterationsExperiment() {
       "holds if a cut from the most to few iterations costs covisibility filtering more average "
       "precision than voting, by a paired interval; does not hold if the cut costs less.",
       "1 min",
-      Run};
+      RunRansacIterations};
 }
 
 }  // namespace cairn

@@ -26,7 +26,7 @@ std::vector<Variant> MakeVariants(const std::vector<int>& neighbors) {
   return variants;
 }
 
-ExperimentOutcome Run(const ExperimentContext& context) {
+ExperimentOutcome RunVotingVsCovisibility(const ExperimentContext& context) {
   const auto world = context.worlds->Get(StandardWorld(context), context.progress);
   const auto neighbors = context.Pick<std::vector<int>>({1, 4, 8}, {1, 2, 4, 8, 16, 32});
   const auto measured = MeasureVariants(*world, MakeVariants(neighbors), context);
@@ -64,7 +64,7 @@ Experiment VotingVsCovisibilityExperiment() {
       "and at the largest k, each by a paired interval; does not hold if it has a lower one at "
       "either k.",
       "1 min",
-      Run};
+      RunVotingVsCovisibility};
 }
 
 }  // namespace cairn

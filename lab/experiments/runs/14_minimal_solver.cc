@@ -37,7 +37,7 @@ Interval MeanGain(const std::vector<MeasuredVariant>& measured,
   return MeanPairedDifference(pairs, AccuracyMeasure::kAveragePrecision);
 }
 
-ExperimentOutcome Run(const ExperimentContext& context) {
+ExperimentOutcome RunMinimalSolver(const ExperimentContext& context) {
   const auto thresholds_px =
       context.Pick<std::vector<double>>({4.0, 16.0}, {1.0, 2.0, 4.0, 8.0, 12.0, 16.0, 24.0});
   const auto world = context.worlds->Get(StandardWorld(context), context.progress);
@@ -79,7 +79,7 @@ Experiment MinimalSolverExperiment() {
       "holds if the two-point solver has a higher average precision than P3P in the mean over "
       "thresholds, by a paired interval; does not hold if it has a lower one.",
       "1 min",
-      Run};
+      RunMinimalSolver};
 }
 
 }  // namespace cairn

@@ -31,7 +31,7 @@ std::vector<Variant> MakeVariants(const std::vector<int>& candidates) {
   return variants;
 }
 
-ExperimentOutcome Run(const ExperimentContext& context) {
+ExperimentOutcome RunRefinement(const ExperimentContext& context) {
   const auto world = context.worlds->Get(StandardWorld(context), context.progress);
   const auto candidates = context.Pick<std::vector<int>>({1, 8}, {1, 2, 4, 8, 16});
   const auto measured = MeasureVariants(*world, MakeVariants(candidates), context);
@@ -68,7 +68,7 @@ Experiment RefinementExperiment() {
           "most candidates, each by a paired interval; does not hold if refinement reduces it with "
           "one of these numbers.",
           "1 min",
-          Run};
+          RunRefinement};
 }
 
 }  // namespace cairn

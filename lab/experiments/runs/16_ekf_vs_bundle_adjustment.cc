@@ -66,7 +66,7 @@ Verdict Judge(const FusionScene& scene, std::string* sentence) {
                    JudgeGreater(speed, kMuchFaster)});
 }
 
-ExperimentOutcome Run(const ExperimentContext& context) {
+ExperimentOutcome RunEkfVsBundleAdjustment(const ExperimentContext& context) {
   const std::vector<FusionScene> scenes = RunFusionScenes(context, fusion::PaperVariants(), false);
   ExperimentOutcome outcome;
   outcome.parameters = FusionParameters(context);
@@ -92,7 +92,7 @@ Experiment EkfVsBundleAdjustmentExperiment() {
       "bundle adjustment takes more than ten times as long. Does not hold if an interval "
       "contradicts one condition in one scene.",
       "6 min",
-      Run};
+      RunEkfVsBundleAdjustment};
 }
 
 }  // namespace cairn

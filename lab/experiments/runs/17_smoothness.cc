@@ -56,7 +56,7 @@ Verdict Judge(const FusionScene& scene, std::string* sentence) {
   return JudgeSmaller(shown, 1.0);
 }
 
-ExperimentOutcome Run(const ExperimentContext& context) {
+ExperimentOutcome RunSmoothness(const ExperimentContext& context) {
   const std::vector<FusionScene> scenes = RunFusionScenes(context, fusion::PaperVariants(), true);
   ExperimentOutcome outcome;
   outcome.parameters = FusionParameters(context);
@@ -82,7 +82,7 @@ Experiment SmoothnessExperiment() {
       "bundle adjustment; does not hold if it changes more in one scene. The verdict does not use "
       "the filter's own estimate and the smoothed bundle adjustments, which are also stated.",
       "6 min",
-      Run};
+      RunSmoothness};
 }
 
 }  // namespace cairn

@@ -51,7 +51,7 @@ void AddRow(const std::string& city, const ExperimentWorld& world, const Measure
   table->AddRow(std::move(row));
 }
 
-ExperimentOutcome Run(const ExperimentContext& context) {
+ExperimentOutcome RunFourCities(const ExperimentContext& context) {
   ExperimentOutcome outcome;
   outcome.table = MakeTable();
   Figure figure{"18_four_cities", "Four cities at one setting", "city", "share of queries"};
@@ -90,7 +90,7 @@ Experiment FourCitiesExperiment() {
       "holds if in every city more than half of all queries are answered within 3 m and 10°, by "
       "the interval of the recall; does not hold if the whole interval of one city is below half.",
       "2 min",
-      Run};
+      RunFourCities};
 }
 
 }  // namespace cairn

@@ -83,7 +83,7 @@ Verdict JudgeCity(const CalibrationReport& report) {
                        : Verdict::kDoesNotHold});
 }
 
-ExperimentOutcome Run(const ExperimentContext& context) {
+ExperimentOutcome RunCalibration(const ExperimentContext& context) {
   ExperimentOutcome outcome;
   outcome.table = MakeTable();
   const std::vector<CitySamples> cities = MeasureCities(context, &outcome);
@@ -133,7 +133,7 @@ Experiment CalibrationExperiment() {
           "both coverages are between 0.58 and 0.78; does not hold if one of these values is "
           "outside its limits by its whole interval.",
           "8 min",
-          Run};
+          RunCalibration};
 }
 
 }  // namespace cairn

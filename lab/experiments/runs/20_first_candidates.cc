@@ -207,7 +207,7 @@ void Judge(const std::vector<Ranking>& few_right, ExperimentOutcome* outcome) {
       IntervalText(first_five));
 }
 
-ExperimentOutcome Run(const ExperimentContext& context) {
+ExperimentOutcome RunFirstCandidates(const ExperimentContext& context) {
   const auto world = context.worlds->Get(StandardWorld(context), context.progress);
   const auto shares =
       context.Pick<std::vector<double>>({kFewRight}, {0.0075, 0.01, kFewRight, 0.02, 0.03, 0.1});
@@ -256,7 +256,7 @@ Experiment FirstCandidatesExperiment() {
           "solvable if its right matches alone, or a candidate of some filter, give the pose. "
           "Right matches beyond the given share are left out at random.",
           "2 min",
-          Run};
+          RunFirstCandidates};
 }
 
 }  // namespace cairn

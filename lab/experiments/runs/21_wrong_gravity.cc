@@ -37,7 +37,7 @@ MeasuredVariant Measure(const ExperimentWorld& world, const std::string& method,
   return MeasureVariants(world, {{method, x, LocalizerOptions()}}, context).front();
 }
 
-ExperimentOutcome Run(const ExperimentContext& context) {
+ExperimentOutcome RunWrongGravity(const ExperimentContext& context) {
   const auto world = context.worlds->Get(StandardWorld(context), context.progress);
   const auto errors_deg = context.Pick<std::vector<double>>(
       {kPhoneErrorDeg, 10.0}, {0.25, kPhoneErrorDeg, 2.0, 3.0, 5.0, 10.0, 20.0, 40.0});
@@ -87,7 +87,7 @@ Experiment WrongGravityExperiment() {
           "holds if the paired interval of the difference is above -0.05 at every error; does not "
           "hold if it is below -0.05 at one error.",
           "3 min",
-          Run};
+          RunWrongGravity};
 }
 
 }  // namespace cairn

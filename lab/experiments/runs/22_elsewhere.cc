@@ -74,7 +74,7 @@ Figure ShareOverConfidence(const std::vector<EvalAnswer>& answers) {
   return figure;
 }
 
-ExperimentOutcome Run(const ExperimentContext& context) {
+ExperimentOutcome RunElsewhere(const ExperimentContext& context) {
   ExperimentOutcome outcome;
   outcome.table = ResultTable({{"map"},
                                {"queries"},
@@ -128,7 +128,7 @@ Experiment ElsewhereExperiment() {
           "holds if at most 0.2 % of the queries get an answer with a confidence above 0.5 and no "
           "query gets one with a confidence above 0.9.",
           "8 min",
-          Run};
+          RunElsewhere};
 }
 
 }  // namespace cairn

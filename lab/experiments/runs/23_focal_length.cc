@@ -53,7 +53,7 @@ std::vector<MeasuredVariant> MeasureAll(const ExperimentWorld& world,
   return measured;
 }
 
-ExperimentOutcome Run(const ExperimentContext& context) {
+ExperimentOutcome RunFocalLength(const ExperimentContext& context) {
   const auto world = context.worlds->Get(StandardWorld(context), context.progress);
   const auto errors_percent =
       context.Pick<std::vector<double>>({0.0, 10.0}, {0.0, 2.0, 5.0, 10.0, 20.0});
@@ -99,7 +99,7 @@ Experiment FocalLengthExperiment() {
           "precision, for an unknown camera and at every error; does not hold if one interval is "
           "below.",
           "6 min",
-          Run};
+          RunFocalLength};
 }
 
 }  // namespace cairn

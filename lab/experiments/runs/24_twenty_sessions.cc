@@ -317,7 +317,7 @@ Figure PrecisionOverSessions(const LivingMapRun& run) {
   return figure;
 }
 
-ExperimentOutcome Run(const ExperimentContext& context) {
+ExperimentOutcome RunTwentySessions(const ExperimentContext& context) {
   ExperimentOutcome outcome;
   std::vector<Column> columns = {{"map"},       {"seed"},        {"session"},   {"payload_bytes"},
                                  {"landmarks"}, {"descriptors"}, {"keyframes"}, {"merged"},
@@ -384,7 +384,7 @@ Experiment TwentySessionsExperiment() {
       "under the same budget and falls by at most 0.02 where nothing has changed, at most 0.5 % of "
       "the links are false and at least 80 % are found.",
       "10 min",
-      Run};
+      RunTwentySessions};
 }
 
 }  // namespace cairn
