@@ -7,6 +7,7 @@
 #include <string>
 
 #include "cli/ingest_summary.h"
+#include "cli/json_output.h"
 #include "cli/shell.h"
 #include "ingest/maps/run_plan.h"
 
@@ -54,7 +55,7 @@ void AddBuildTilesCommand(CLI::App* app, Shell* shell) {
   command->add_option("--count", arguments->share.count, "Number of tasks")->required();
   command->add_option("--threads", arguments->share.num_threads, "Threads that build tiles")
       ->capture_default_str();
-  command->add_flag("--json", arguments->json, "Print the summary as JSON");
+  AddJsonFlag(command, &arguments->json);
   command->footer(
       "The task needs no map. It may be repeated and may be killed.\n"
       "Example:\n"

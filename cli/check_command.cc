@@ -3,8 +3,10 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 
+#include "cli/json_output.h"
 #include "cli/shell.h"
 #include "core/error.h"
 #include "core/printable.h"
@@ -12,6 +14,11 @@
 
 namespace cairn {
 namespace {
+
+struct CheckArguments {
+  std::string map_path;
+  bool json = false;
+};
 
 constexpr size_t kMaxProblemBytes = 1000;
 
@@ -22,26 +29,53 @@ std::string EarlierContents(int64_t num_contents) {
              : "";
 }
 
-ExitCode RunCheck(const std::string& map_path, ProgressMode progress_mode) {
-  const MapStore store = MapStore::Open(map_path, OpenMode::kReadOnly);
+// What --json prints, whether or not there are problems.
+void PrintCheckAsJson(const MapStore& store, const CheckReport& report) {
+  const MapSnapshot snapshot = store.Snapshot();
+  nlohmann::ordered_json problems = nlohmann::ordered_json::array();
+  for (const std::string& problem : report.problems) {
+    problems.push_back(Excerpt(problem, kMaxProblemBytes));
+  }
+  PrintJson({{"version", Value(snapshot.version())},
+             {"contentsOfTilesChecked", report.num_tiles_checked},
+             {"sound", report.problems.empty()},
+             {"problems", std::move(problems)}});
+}
+
+void PrintProblems(const CheckReport& report) {
+  for (const std::string& problem : report.problems) {
+    fmt::print("{}\n", Excerpt(problem, kMaxProblemBytes));
+  }
+}
+
+void PrintSound(const CheckArguments& arguments, const MapStore& store, const CheckReport& report) {
+  const int64_t num_tiles = store.Snapshot().Info().num_tiles;
+  fmt::print("{}: {} tiles{}, no problems\n", Printable(arguments.map_path), num_tiles,
+             EarlierContents(report.num_tiles_checked - num_tiles));
+}
+
+ExitCode RunCheck(const CheckArguments& arguments, ProgressMode progress_mode) {
+  const MapStore store = MapStore::Open(arguments.map_path, OpenMode::kReadOnly);
   CheckReport report;
   {
     Progress progress(progress_mode);
     report =
         store.Check([&](int64_t done, int64_t total) { progress.Update("check", done, total); });
   }
-  for (const std::string& problem : report.problems) {
-    fmt::print("{}\n", Excerpt(problem, kMaxProblemBytes));
+  if (arguments.json) {
+    PrintCheckAsJson(store, report);
+  } else {
+    PrintProblems(report);
   }
   if (!report.problems.empty()) {
     throw Error(ErrorCode::kMapDamaged,
                 fmt::format("{}: {} problems found; restore the file from a copy or ingest the "
                             "sessions into a new map",
-                            map_path, report.problems.size()));
+                            arguments.map_path, report.problems.size()));
   }
-  const int64_t num_tiles = store.Snapshot().Info().num_tiles;
-  fmt::print("{}: {} tiles{}, no problems\n", Printable(map_path), num_tiles,
-             EarlierContents(report.num_tiles_checked - num_tiles));
+  if (!arguments.json) {
+    PrintSound(arguments, store, report);
+  }
   return ExitCode::kOk;
 }
 
@@ -49,11 +83,12 @@ ExitCode RunCheck(const std::string& map_path, ProgressMode progress_mode) {
 
 void AddCheckCommand(CLI::App* app, Shell* shell) {
   CLI::App* command = app->add_subcommand("check", "Check every page and tile of a map for damage");
-  auto map_path = std::make_shared<std::string>();
-  command->add_option("MAP", *map_path, "Map: a file or a postgresql:// URL")->required();
+  auto arguments = std::make_shared<CheckArguments>();
+  command->add_option("MAP", arguments->map_path, "Map: a file or a postgresql:// URL")->required();
+  AddJsonFlag(command, &arguments->json);
   command->footer("Example:\n  cairn check city.gpkg");
-  command->callback([shell, map_path] {
-    shell->run = [shell, map_path] { return RunCheck(*map_path, shell->progress_mode); };
+  command->callback([shell, arguments] {
+    shell->run = [shell, arguments] { return RunCheck(*arguments, shell->progress_mode); };
   });
 }
 

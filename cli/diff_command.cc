@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/json_output.h"
 #include "cli/shell.h"
 #include "core/error.h"
 #include "http/json/tile_square.h"
@@ -159,7 +160,7 @@ void AddDiffCommand(CLI::App* app, Shell* shell) {
       ->check(CLI::PositiveNumber);
   command->add_option("TO", arguments->to, "Later version. Default: the latest")
       ->check(CLI::PositiveNumber);
-  CLI::Option* json = command->add_flag("--json", arguments->json, "Print JSON");
+  CLI::Option* json = AddJsonFlag(command, &arguments->json);
   command->add_flag("--geojson", arguments->geojson, "Print the squares of the tiles as GeoJSON")
       ->excludes(json);
   command->footer("Example:\n  cairn diff city.gpkg\n  cairn diff city.gpkg 3 5");

@@ -4,9 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
-#include <fstream>
 #include <functional>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -14,11 +12,13 @@
 #include <vector>
 
 #include "cli/arguments.h"
+#include "cli/choice_option.h"
 #include "cli/client_key.h"
 #include "cli/eval_queries.h"
 #include "cli/index_option.h"
 #include "cli/options_file.h"
 #include "cli/shell.h"
+#include "cli/whole_file.h"
 #include "core/angles.h"
 #include "core/error.h"
 #include "core/features/sift/sift_extractor.h"
@@ -28,6 +28,7 @@
 #include "engine/localizer.h"
 #include "eval/elsewhere.h"
 #include "eval/evaluation.h"
+#include "eval/report/report_page.h"
 #include "eval/stated_focal.h"
 #include "http/client.h"
 
@@ -58,6 +59,7 @@ struct EvalArguments {
   std::string json_path;
   std::string csv_path;
   std::string matches_path;
+  std::string report_dir;
   int num_threads = 1;
 };
 
@@ -129,14 +131,6 @@ std::vector<LocalizeResult> AnswerAll(const EvalArguments& arguments, const Loca
   return results;
 }
 
-void WriteTextFile(const std::string& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  if (!file.flush()) {
-    throw Error(ErrorCode::kIo, path + ": cannot write");
-  }
-}
-
 void PrintMapSize(const MapSnapshot& map) {
   const MapInfo info = map.Info();
   if (info.num_tiles == 0) {
@@ -187,21 +181,35 @@ std::vector<EvalQuery> PrepareQueries(const EvalArguments& arguments,
   return queries;
 }
 
-void WriteReports(const EvalArguments& arguments, const std::vector<EvalQuery>& queries,
-                  const EvalReport& report) {
+void WriteReportFolder(const EvalArguments& arguments, const MapSnapshot& map,
+                       const std::vector<EvalQuery>& queries, const EvalReport& report) {
+  const std::string folder = arguments.report_dir + "/";
+  WriteWholeFile(folder + "report.json", ReportAsJson(report));
+  WriteWholeFile(folder + "answers.csv", ReportAsCsv(report));
+  WriteWholeFile(folder + "index.html", MakeReportPage(arguments.map_path, map, queries, report));
+}
+
+void WriteReports(const EvalArguments& arguments, const MapSnapshot& map,
+                  const std::vector<EvalQuery>& queries, const EvalReport& report) {
+  if (!arguments.report_dir.empty()) {
+    WriteReportFolder(arguments, map, queries, report);
+  }
   if (!arguments.json_path.empty()) {
-    WriteTextFile(arguments.json_path, ReportAsJson(report));
+    WriteWholeFile(arguments.json_path, ReportAsJson(report));
   }
   if (!arguments.csv_path.empty()) {
-    WriteTextFile(arguments.csv_path, ReportAsCsv(report));
+    WriteWholeFile(arguments.csv_path, ReportAsCsv(report));
   }
   if (!arguments.matches_path.empty()) {
-    WriteTextFile(arguments.matches_path, MatchesAsCsv(queries, report));
+    WriteWholeFile(arguments.matches_path, MatchesAsCsv(queries, report));
   }
 }
 
 ExitCode RunEval(const EvalArguments& arguments, ProgressMode progress_mode) {
   const PriorNoiseOptions noise = NoiseOf(arguments);
+  if (!arguments.report_dir.empty()) {
+    MakeFolders(arguments.report_dir);  // Before the work begins.
+  }
   const Localizer localizer = Localizer::Open(arguments.map_path, arguments.options.localizer);
   std::vector<EvalQuery> queries = PrepareQueries(arguments, noise, localizer);
   std::vector<LocalizeResult> results;
@@ -219,12 +227,12 @@ ExitCode RunEval(const EvalArguments& arguments, ProgressMode progress_mode) {
   fmt::print("{}",
              is_chance ? ElsewhereAsText(MeasureElsewhere(report.answers)) : ReportAsText(report));
   PrintMapSize(localizer.map().Snapshot());
-  WriteReports(arguments, queries, report);
+  WriteReports(arguments, localizer.map().Snapshot(), queries, report);
   return ExitCode::kOk;
 }
 
 void AddQuerySourceOptions(CLI::App* command, EvalQueryArguments* arguments) {
-  static const std::map<std::string, ReferenceSource> kSources = {
+  static constexpr EnumName<ReferenceSource> kSources[] = {
       {"auto", ReferenceSource::kAuto},
       {"map", ReferenceSource::kMap},
       {"positions", ReferenceSource::kPositions}};
@@ -234,12 +242,9 @@ void AddQuerySourceOptions(CLI::App* command, EvalQueryArguments* arguments) {
                           ->type_name("FILE");
   AddReconstructionOptions(command, &arguments->reconstruction);
   command->get_option("--model")->excludes(list);
-  command
-      ->add_option(
-          "--align-to", arguments->reference_source,
-          "Reference that places the model: the images shared with the map, or the positions")
-      ->transform(CLI::CheckedTransformer(kSources).description(""))
-      ->type_name("auto|map|positions");
+  AddChoiceOption(
+      command, "--align-to", NamedChoice(&arguments->reference_source, kSources),
+      "Reference that places the model: the images shared with the map, or the positions");
   command
       ->add_option("--images", arguments->image_list_path,
                    "File with the images of the model to query, one name per line. Default: all "
@@ -316,9 +321,9 @@ void AddFocalOptions(CLI::App* command, EvalArguments* arguments) {
 }
 
 void AddTransportOptions(CLI::App* command, EvalArguments* arguments) {
-  static const std::map<std::string, SendAs> kSendAs = {{"image", SendAs::kImage},
-                                                        {"features", SendAs::kFeatures}};
-  static const std::map<std::string, FeatureSource> kFeatureSources = {
+  static constexpr EnumName<SendAs> kSendAs[] = {{"image", SendAs::kImage},
+                                                 {"features", SendAs::kFeatures}};
+  static constexpr EnumName<FeatureSource> kFeatureSources[] = {
       {"model", FeatureSource::kModel}, {"extract", FeatureSource::kExtract}};
   CLI::Option* server = command
                             ->add_option("--server", arguments->server_url,
@@ -326,15 +331,11 @@ void AddTransportOptions(CLI::App* command, EvalArguments* arguments) {
                             ->type_name("URL");
   AddCaOption(command, server, &arguments->ca_file);
   AddClientKeyOptions(command, server, &arguments->key);
-  command->add_option("--send", arguments->send_as, "Data to send to the server")
-      ->needs(server)
-      ->transform(CLI::CheckedTransformer(kSendAs).description(""))
-      ->type_name("image|features");
-  command
-      ->add_option("--features", arguments->feature_source,
-                   "Use the model's features, or extract new ones from the photos")
-      ->transform(CLI::CheckedTransformer(kFeatureSources).description(""))
-      ->type_name("model|extract");
+  AddChoiceOption(command, "--send", NamedChoice(&arguments->send_as, kSendAs),
+                  "Data to send to the server")
+      ->needs(server);
+  AddChoiceOption(command, "--features", NamedChoice(&arguments->feature_source, kFeatureSources),
+                  "Use the model's features, or extract new ones from the photos");
   command->add_option("--threads", arguments->num_threads, "Queries run in parallel")
       ->check(CLI::Range(1, 256))
       ->type_name("N")
@@ -354,6 +355,12 @@ void AddEvalCommand(CLI::App* app, Shell* shell) {
   AddFocalOptions(command, arguments.get());
   AddTransportOptions(command, arguments.get());
   AddIndexOption(command, &arguments->options.localizer.matching.index.kind);
+  command
+      ->add_option(
+          "--report", arguments->report_dir,
+          "Write a page for a browser to this folder: the map in plan, curves, calibration, "
+          "times, and the worst photos with their matches")
+      ->type_name("DIR");
   command->add_option("--json", arguments->json_path, "Write the report as JSON")
       ->type_name("FILE");
   command->add_option("--csv", arguments->csv_path, "Write a CSV with one line per answer")

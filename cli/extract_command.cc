@@ -3,11 +3,13 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "cli/arguments.h"
 #include "cli/geojson_region.h"
+#include "cli/json_output.h"
 #include "cli/shell.h"
 #include "core/printable.h"
 #include "storage/map/extract_map.h"
@@ -21,6 +23,7 @@ struct ExtractArguments {
   std::string box;
   std::string geojson_path;
   std::string out_path;
+  bool json = false;
 };
 
 GeoRegion RegionOf(const ExtractArguments& arguments) {
@@ -35,6 +38,12 @@ ExitCode RunExtract(const ExtractArguments& arguments) {
   const GeoRegion region = RegionOf(arguments);
   const MapStore store = MapStore::Open(arguments.map_path, OpenMode::kReadOnly);
   const MapTotals totals = ExtractMap(store, region, arguments.out_path);
+  if (arguments.json) {
+    nlohmann::ordered_json json = {{"map", arguments.out_path}};
+    json.update(TotalsJson(totals));
+    PrintJson(json);
+    return ExitCode::kOk;
+  }
   fmt::print("{}: {} sessions, {} tiles, {} landmarks, {:.1f} kB\n", Printable(arguments.out_path),
              totals.num_sessions, totals.num_tiles, totals.num_landmarks,
              1e-3 * static_cast<double>(totals.payload_bytes));
@@ -52,6 +61,7 @@ void AddExtractCommand(CLI::App* app, Shell* shell) {
   region->add_option("--geojson", arguments->geojson_path, "GeoJSON file of polygons");
   region->require_option(1);
   command->add_option("--out", arguments->out_path, "Map file to create")->required();
+  AddJsonFlag(command, &arguments->json);
   command->footer(
       "Example:\n  cairn extract city.gpkg --bbox 49.01,8.40,49.02,8.42 --out center.gpkg");
   command->callback(

@@ -1,18 +1,19 @@
 #include "cli/height_option.h"
 
-#include <CLI/CLI.hpp>
-#include <map>
+#include "cli/choice_option.h"
 
 namespace cairn {
 
 CLI::Option* AddHeightOption(CLI::App* command, std::optional<HeightReference>* height,
                              const std::string& help) {
-  static const std::map<std::string, HeightReference> kReferences = {
-      {HeightReferenceName(HeightReference::kEllipsoid), HeightReference::kEllipsoid},
-      {HeightReferenceName(HeightReference::kMeanSeaLevel), HeightReference::kMeanSeaLevel}};
-  return command->add_option("--height", *height, help)
-      ->transform(CLI::CheckedTransformer(kReferences).description(""))
-      ->type_name("ellipsoid|msl");
+  const std::string ellipsoid = HeightReferenceName(HeightReference::kEllipsoid);
+  const std::string sea_level = HeightReferenceName(HeightReference::kMeanSeaLevel);
+  return AddWordOption(
+      command, "--height", {ellipsoid, sea_level},
+      [height, ellipsoid](const std::string& word) {
+        *height = word == ellipsoid ? HeightReference::kEllipsoid : HeightReference::kMeanSeaLevel;
+      },
+      help);
 }
 
 }  // namespace cairn

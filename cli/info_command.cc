@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "cli/codebook_hint.h"
+#include "cli/json_output.h"
 #include "cli/shell.h"
 #include "core/angles.h"
 #include "core/printable.h"
@@ -99,7 +100,7 @@ void PrintInfoAsJson(const MapInfo& info, const std::optional<CodebookFacts>& co
                                 {"georefMedianResidualM", session.georef_median_residual_m},
                                 {"accuracy", AccuracyJson(session.accuracy)}});
   }
-  fmt::print("{}\n", json.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace));
+  PrintJson(json);
 }
 
 void PrintText(const MapInfo& info, const std::optional<CodebookFacts>& codebook,
@@ -174,7 +175,7 @@ void AddInfoCommand(CLI::App* app, Shell* shell) {
   CLI::App* command = app->add_subcommand("info", "Show the contents of a map");
   auto arguments = std::make_shared<InfoArguments>();
   command->add_option("MAP", arguments->map_path, "Map: a file or a postgresql:// URL")->required();
-  command->add_flag("--json", arguments->json, "Print JSON");
+  AddJsonFlag(command, &arguments->json);
   command->footer("Example:\n  cairn info city.gpkg");
   command->callback(
       [shell, arguments] { shell->run = [arguments] { return RunInfo(*arguments); }; });

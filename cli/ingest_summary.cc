@@ -7,6 +7,7 @@
 #include <string>
 
 #include "cli/join_summary.h"
+#include "cli/json_output.h"
 #include "core/printable.h"
 
 namespace cairn {
@@ -71,10 +72,6 @@ nlohmann::ordered_json GeoregistrationJson(const Georegistration& georegistratio
           {"maxResidualM", georegistration.max_residual_m},
           {"notes", georegistration.notes},
           {"up", UpJson(georegistration.up)}};
-}
-
-void PrintJson(const nlohmann::ordered_json& json) {
-  fmt::print("{}\n", json.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace));
 }
 
 nlohmann::ordered_json IngestJson(const std::string& session_name,

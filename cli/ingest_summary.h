@@ -23,7 +23,6 @@ nlohmann::ordered_json IngestJson(const std::string& session_name,
 
 // The parts that `cairn plan` prints, too.
 nlohmann::ordered_json GeoregistrationJson(const Georegistration& georegistration);
-void PrintJson(const nlohmann::ordered_json& json);
 void PrintGeoregistration(const Georegistration& georegistration);
 
 }  // namespace cairn

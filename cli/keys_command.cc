@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "cli/arguments.h"
+#include "cli/json_output.h"
 #include "cli/shell.h"
 #include "core/error.h"
 #include "core/printable.h"
@@ -23,6 +25,7 @@ struct KeyArguments {
   std::string path;
   ApiKey key;
   std::string may = "localize";
+  bool json = false;
 };
 
 KeyRights ParseRights(const std::string& text) {
@@ -74,8 +77,26 @@ ExitCode RunNewKey(const KeyArguments& arguments) {
   return ExitCode::kOk;
 }
 
+void PrintKeysAsJson(const std::vector<ApiKey>& keys) {
+  using Json = nlohmann::ordered_json;
+  const auto or_null = [](const auto& value) { return value ? Json(*value) : Json(nullptr); };
+  Json json = Json::array();
+  for (const ApiKey& key : keys) {
+    json.push_back({{"label", key.label},
+                    {"ratePerS", or_null(key.rate_per_s)},
+                    {"burst", key.rate_per_s ? Json(key.Burst()) : Json(nullptr)},
+                    {"quotaPerDay", or_null(key.quota_per_day)},
+                    {"may", NamesOf(key.may, ",")}});
+  }
+  PrintJson(json);
+}
+
 ExitCode RunListKeys(const KeyArguments& arguments) {
   const std::vector<ApiKey> keys = ReadKeyFile(arguments.path);
+  if (arguments.json) {
+    PrintKeysAsJson(keys);
+    return ExitCode::kOk;
+  }
   size_t width = 5;
   for (const ApiKey& key : keys) {
     width = std::max(width, key.label.size());
@@ -154,6 +175,7 @@ void AddKeysCommand(CLI::App* app, Shell* shell) {
   CLI::App* list =
       keys->add_subcommand("list", "List the labels of the keys, and what they may do");
   AddFile(list, arguments.get());
+  AddJsonFlag(list, &arguments->json);
   list->footer("Example:\n  cairn keys list keys.json");
   list->callback(
       [shell, arguments] { shell->run = [arguments] { return RunListKeys(*arguments); }; });

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cli/arguments.h"
+#include "cli/json_output.h"
 #include "cli/shell.h"
 #include "core/printable.h"
 #include "http/json/version_json.h"
@@ -31,7 +32,7 @@ void PrintVersionsAsJson(const std::vector<VersionRecord>& versions) {
     one["author"] = version.author;
     json.push_back(std::move(one));
   }
-  fmt::print("{}\n", json.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace));
+  PrintJson(json);
 }
 
 void PrintText(const std::vector<VersionRecord>& versions) {
@@ -65,7 +66,7 @@ void AddLogCommand(CLI::App* app, Shell* shell) {
   command->add_option("MAP", arguments->map_path, "Map: a file or a postgresql:// URL")->required();
   command->add_option("--limit", arguments->limit, "Largest number of versions to list")
       ->check(PositiveNumber());
-  command->add_flag("--json", arguments->json, "Print JSON");
+  AddJsonFlag(command, &arguments->json);
   command->footer("Example:\n  cairn log city.gpkg");
   command->callback(
       [shell, arguments] { shell->run = [arguments] { return RunLog(*arguments); }; });

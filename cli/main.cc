@@ -42,6 +42,6 @@ int main(int argc, char** argv) {
   return cairn::RunProgram(
       {"cairn",
        "Cairn, a visual positioning system: computes six-degree-of-freedom poses from photos.",
-       cairn::AddVerbs},
+       cairn::AddVerbs, cairn::ThisBuild()},
       argc, argv);
 }

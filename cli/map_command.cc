@@ -9,6 +9,7 @@
 #include "cli/arguments.h"
 #include "cli/height_option.h"
 #include "cli/ingest_summary.h"
+#include "cli/json_output.h"
 #include "cli/map_session.h"
 #include "cli/map_summary.h"
 #include "cli/options_file.h"
@@ -112,7 +113,7 @@ void AddSessionOptions(CLI::App* command, MapArguments* arguments) {
       ->add_option("--threads", options.num_threads,
                    "Threads; the result does not depend on them. Default: all cores")
       ->check(CLI::Range(1, 1024));
-  command->add_flag("--json", arguments->session.json, "Print the summary as JSON");
+  AddJsonFlag(command, &arguments->session.json);
 }
 
 }  // namespace

@@ -3,9 +3,11 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "cli/join_summary.h"
+#include "cli/json_output.h"
 #include "cli/options_file.h"
 #include "cli/session_arguments.h"
 #include "cli/shell.h"
@@ -24,6 +26,7 @@ struct MergeArguments {
   bool apart = false;
   bool recode = false;
   bool force = false;
+  bool json = false;
   CairnOptions options;
 };
 
@@ -44,15 +47,17 @@ MapMergeOptions MergeOptionsOf(const MergeArguments& arguments) {
   return options;
 }
 
-ExitCode RunMerge(const MergeArguments& arguments, ProgressMode progress_mode) {
-  const MapStore a = MapStore::Open(arguments.a_path, OpenMode::kReadOnly);
-  const MapStore b = MapStore::Open(arguments.b_path, OpenMode::kReadOnly);
-  MergeReport report;
-  {
-    Progress progress(progress_mode);
-    report = MergeMaps(a, b, arguments.out_path, MergeOptionsOf(arguments),
-                       [&](int64_t done, int64_t total) { progress.Update("merge", done, total); });
-  }
+void PrintMergeAsJson(const MergeArguments& arguments, const MergeReport& report) {
+  nlohmann::ordered_json json = {{"map", arguments.out_path}};
+  json.update(TotalsJson(report.totals));
+  json["tilesOfBoth"] = report.num_tiles_of_both;
+  json["comparison"] = arguments.apart ? nullptr : ComparisonJson(report.comparison);
+  json["changes"] = arguments.apart ? nullptr : ChangesJson(report.changes);
+  json["keyframeAnswers"] = AnswersJson(report.keyframe_answers);
+  PrintJson(json);
+}
+
+void PrintMerge(const MergeArguments& arguments, const MergeReport& report) {
   fmt::print("{}: {} sessions, {} tiles ({} of them in both maps), {} landmarks, {:.1f} kB\n",
              Printable(arguments.out_path), report.totals.num_sessions, report.totals.num_tiles,
              report.num_tiles_of_both, report.totals.num_landmarks,
@@ -66,6 +71,19 @@ ExitCode RunMerge(const MergeArguments& arguments, ProgressMode progress_mode) {
                1e-3 * static_cast<double>(report.changes.num_bytes_after));
   }
   PrintAnswers(report.keyframe_answers);
+}
+
+ExitCode RunMerge(const MergeArguments& arguments, ProgressMode progress_mode) {
+  const MapStore a = MapStore::Open(arguments.a_path, OpenMode::kReadOnly);
+  const MapStore b = MapStore::Open(arguments.b_path, OpenMode::kReadOnly);
+  MergeReport report;
+  {
+    Progress progress(progress_mode);
+    report = MergeMaps(a, b, arguments.out_path, MergeOptionsOf(arguments),
+                       [&](int64_t done, int64_t total) { progress.Update("merge", done, total); });
+  }
+  const auto print = arguments.json ? PrintMergeAsJson : PrintMerge;
+  print(arguments, report);
   return ExitCode::kOk;
 }
 
@@ -87,6 +105,7 @@ void AddMergeCommand(CLI::App* app, Shell* shell) {
       ->add_option("--max-descriptors", arguments->options.ingest.selection.max_descriptors,
                    "Maximum number of descriptors of a tile that both maps have")
       ->capture_default_str();
+  AddJsonFlag(command, &arguments->json);
   command->footer(
       "B joins A as its sessions would in an ingest: keyframes of B are localized in A, B moves "
       "to\n"

@@ -9,6 +9,7 @@
 
 #include "cli/ingest_summary.h"
 #include "cli/join_summary.h"
+#include "cli/json_output.h"
 #include "cli/session_arguments.h"
 #include "cli/session_replacement.h"
 #include "cli/shell.h"

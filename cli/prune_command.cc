@@ -3,8 +3,10 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 
+#include "cli/json_output.h"
 #include "cli/shell.h"
 #include "storage/map/map_history.h"
 #include "storage/map/map_store.h"
@@ -15,6 +17,7 @@ namespace {
 struct PruneArguments {
   std::string map_path;
   PruneOptions options;
+  bool json = false;
 };
 
 // Completes a date such as "2026-01-31", which stands for the beginning of the day, UTC.
@@ -31,6 +34,12 @@ ExitCode RunPrune(const PruneArguments& arguments) {
   options.Validate();
   MapStore store = MapStore::Open(arguments.map_path, OpenMode::kReadWrite);
   const PruneReport report = Prune(options, &store);
+  if (arguments.json) {
+    PrintJson({{"mapVersion", Value(report.version)},
+               {"versionsDeleted", report.num_versions_gone},
+               {"payloadBytesDeleted", report.num_payload_bytes_gone}});
+    return ExitCode::kOk;
+  }
   fmt::print("deleted {} versions and {:.1f} kB of tiles; the map is now version {}\n",
              report.num_versions_gone, 1e-3 * static_cast<double>(report.num_payload_bytes_gone),
              Value(report.version));
@@ -47,6 +56,7 @@ void AddPruneCommand(CLI::App* app, Shell* shell) {
                       "Number of versions to keep, counting the version that records the pruning");
   command->add_option("--older-than", arguments->options.older_than,
                       "Delete versions before this time: 2026-01-31 or 2026-01-31T12:00:00Z, UTC");
+  AddJsonFlag(command, &arguments->json);
   command->footer(
       "The file keeps its size; cairn compact shrinks it.\n\n"
       "Example:\n  cairn prune city.gpkg --keep 10");

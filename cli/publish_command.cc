@@ -4,6 +4,7 @@
 #include <string>
 
 #include "cli/ingest_summary.h"
+#include "cli/json_output.h"
 #include "cli/session_arguments.h"
 #include "cli/shell.h"
 #include "core/parallel_for.h"
@@ -65,7 +66,7 @@ void AddPublishCommand(CLI::App* app, Shell* shell) {
       ->type_name("N");
   AddWaitOption(command, &arguments->wait_s);
   AddForceFlag(command, &arguments->force);
-  command->add_flag("--json", arguments->json, "Print the summary as JSON");
+  AddJsonFlag(command, &arguments->json);
   command->footer(
       "Removes shards and results from the folder once they are published.\n"
       "Example:\n"

@@ -3,9 +3,11 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "cli/json_output.h"
 #include "cli/session_archive.h"
 #include "cli/shell.h"
 #include "core/error.h"
@@ -22,6 +24,7 @@ struct RebuildArguments {
   std::string archive_path;
   std::vector<std::string> without;
   int num_threads = NumCores();
+  bool json = false;
 };
 
 void IngestFile(const ArchiveFile& file, const RebuildArguments& arguments, MapStore* store,
@@ -41,6 +44,28 @@ void IngestFile(const ArchiveFile& file, const RebuildArguments& arguments, MapS
   }
 }
 
+void PrintRebuildAsJson(const RebuildArguments& arguments, const std::vector<ArchiveFile>& plan,
+                        const MapInfo& info) {
+  nlohmann::ordered_json json = {{"map", arguments.map_path},
+                                 {"mapVersion", Value(info.version)},
+                                 {"ingested", nlohmann::ordered_json::array()}};
+  for (const ArchiveFile& file : plan) {
+    json["ingested"].push_back(file.manifest.session.name);
+  }
+  json.update(TotalsJson(info));
+  PrintJson(json);
+}
+
+void PrintRebuild(const RebuildArguments& arguments, const std::vector<ArchiveFile>& plan,
+                  const MapInfo& info) {
+  for (const ArchiveFile& file : plan) {
+    fmt::print("session      {}\n", Excerpt(file.manifest.session.name));
+  }
+  fmt::print("{}: version {}, {} sessions, {} tiles, {} landmarks, {:.1f} kB\n",
+             Printable(arguments.map_path), Value(info.version), info.num_sessions, info.num_tiles,
+             info.num_landmarks, 1e-3 * static_cast<double>(info.payload_bytes));
+}
+
 ExitCode RunRebuild(const RebuildArguments& arguments, ProgressMode progress_mode) {
   const ArchiveFolder archive(arguments.archive_path, ArchiveFolder::Use::kRebuild);
   const std::vector<ArchiveFile> plan = PlanRebuild(archive, arguments.without);
@@ -52,12 +77,8 @@ ExitCode RunRebuild(const RebuildArguments& arguments, ProgressMode progress_mod
     }
     info = store->Snapshot().Info();
   });
-  for (const ArchiveFile& file : plan) {
-    fmt::print("session      {}\n", Excerpt(file.manifest.session.name));
-  }
-  fmt::print("{}: version {}, {} sessions, {} tiles, {} landmarks, {:.1f} kB\n",
-             Printable(arguments.map_path), Value(info.version), info.num_sessions, info.num_tiles,
-             info.num_landmarks, 1e-3 * static_cast<double>(info.payload_bytes));
+  const auto print = arguments.json ? PrintRebuildAsJson : PrintRebuild;
+  print(arguments, plan, info);
   return ExitCode::kOk;
 }
 
@@ -86,6 +107,7 @@ void AddRebuildCommand(CLI::App* app, Shell* shell) {
                    "Threads that build tiles; the result does not depend on them. Default: all "
                    "cores")
       ->check(CLI::PositiveNumber);
+  AddJsonFlag(command, &arguments->json);
   command->footer(
       "Example:\n  cairn rebuild without_monday.gpkg --archive sessions --without monday");
   command->callback([shell, arguments] {

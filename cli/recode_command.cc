@@ -3,8 +3,10 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 
+#include "cli/json_output.h"
 #include "cli/shell.h"
 #include "core/printable.h"
 #include "ingest/codebook/load_codebook.h"
@@ -18,6 +20,7 @@ namespace {
 struct RecodeArguments {
   std::string map_path;
   std::string codebook;
+  bool json = false;
 };
 
 ExitCode RunRecode(const RecodeArguments& arguments, ProgressMode progress_mode) {
@@ -29,6 +32,15 @@ ExitCode RunRecode(const RecodeArguments& arguments, ProgressMode progress_mode)
     report = RecodeMap(*codebook, &store, [&](int64_t done, int64_t total) {
       progress.Update("recode", done, total);
     });
+  }
+  if (arguments.json) {
+    PrintJson({{"mapVersion", Value(report.map_version)},
+               {"codebook", DigestOf(*codebook)},
+               {"tiles", report.num_tiles},
+               {"descriptors", report.num_descriptors},
+               {"payloadBytesBefore", report.num_bytes_before},
+               {"payloadBytes", report.num_bytes_after}});
+    return ExitCode::kOk;
   }
   fmt::print(
       "{}: version {}, {} descriptors in {} tiles coded with codebook {}; {:.1f} kB before, {:.1f} "
@@ -52,6 +64,7 @@ void AddRecodeCommand(CLI::App* app, Shell* shell) {
                    "cairn-lab codebook")
       ->required()
       ->type_name("shipped|MAP|FILE");
+  AddJsonFlag(command, &arguments->json);
   command->footer(
       "Recoding loses a little of each descriptor. cairn rollback undoes it without loss. An "
       "empty\n"

@@ -3,8 +3,10 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 
+#include "cli/json_output.h"
 #include "cli/shell.h"
 #include "core/printable.h"
 #include "ingest/maps/remove_session.h"
@@ -16,11 +18,19 @@ namespace {
 struct RemoveArguments {
   std::string map_path;
   std::string session_name;
+  bool json = false;
 };
 
-ExitCode RunRemove(const RemoveArguments& arguments) {
-  MapStore store = MapStore::Open(arguments.map_path, OpenMode::kReadWrite);
-  const RemovalReport report = RemoveSession(arguments.session_name, &store);
+void PrintRemovalAsJson(const RemoveArguments& arguments, const RemovalReport& report) {
+  PrintJson({{"session", arguments.session_name},
+             {"mapVersion", Value(report.map_version)},
+             {"landmarksRemoved", report.num_landmarks_removed},
+             {"landmarksShared", report.num_landmarks_shared},
+             {"tilesRewritten", report.num_tiles_rewritten},
+             {"tilesRemoved", report.num_tiles_removed}});
+}
+
+void PrintRemoval(const RemoveArguments& arguments, const RemovalReport& report) {
   fmt::print("removed session {}; the map now has version {}\n", Excerpt(arguments.session_name),
              Value(report.map_version));
   fmt::print(
@@ -38,6 +48,13 @@ ExitCode RunRemove(const RemoveArguments& arguments) {
         "earlier version back.\n",
         report.num_tiles_removed);
   }
+}
+
+ExitCode RunRemove(const RemoveArguments& arguments) {
+  MapStore store = MapStore::Open(arguments.map_path, OpenMode::kReadWrite);
+  const RemovalReport report = RemoveSession(arguments.session_name, &store);
+  const auto print = arguments.json ? PrintRemovalAsJson : PrintRemoval;
+  print(arguments, report);
   return ExitCode::kOk;
 }
 
@@ -51,6 +68,7 @@ void AddRemoveCommand(CLI::App* app, Shell* shell) {
       ->add_option("SESSION", arguments->session_name,
                    "Name of the session, as listed by cairn info")
       ->required();
+  AddJsonFlag(command, &arguments->json);
   command->footer("Example:\n  cairn remove city.gpkg monday");
   command->callback(
       [shell, arguments] { shell->run = [arguments] { return RunRemove(*arguments); }; });

@@ -8,13 +8,15 @@
 #include <cstdio>
 #include <exception>
 #include <iostream>
-#include <map>
 #include <new>
 #include <string>
 #include <system_error>
 
+#include "cli/choice_option.h"
 #include "cli/exit_codes.h"
+#include "cli/help_command.h"
 #include "cli/shell.h"
+#include "cli/usage_message.h"
 #include "core/error.h"
 #include "core/logging.h"
 #include "core/printable.h"
@@ -30,22 +32,19 @@ extern "C" void ExitOnInterrupt(int /*signal*/) {
 }
 
 void AddGlobalOptions(CLI::App* app, Shell* shell, LogLevel* log_level) {
-  static const std::map<std::string, ProgressMode> kProgressModes = {
-      {"auto", ProgressMode::kAuto},
-      {"bar", ProgressMode::kBar},
-      {"plain", ProgressMode::kPlain},
-      {"json", ProgressMode::kJson}};
-  static const std::map<std::string, LogLevel> kLogLevels = {{"debug", LogLevel::kDebug},
-                                                             {"info", LogLevel::kInfo},
-                                                             {"warning", LogLevel::kWarning},
-                                                             {"error", LogLevel::kError},
-                                                             {"off", LogLevel::kOff}};
-  app->add_option("--progress", shell->progress_mode, "Style of the progress on stderr")
-      ->transform(CLI::CheckedTransformer(kProgressModes).description(""))
-      ->type_name("auto|bar|plain|json");
-  app->add_option("--log-level", *log_level, "Minimum severity of messages logged to stderr")
-      ->transform(CLI::CheckedTransformer(kLogLevels).description(""))
-      ->type_name("debug|info|warning|error|off");
+  static constexpr EnumName<ProgressMode> kProgressModes[] = {{"auto", ProgressMode::kAuto},
+                                                              {"bar", ProgressMode::kBar},
+                                                              {"plain", ProgressMode::kPlain},
+                                                              {"json", ProgressMode::kJson}};
+  static constexpr EnumName<LogLevel> kLogLevels[] = {{"debug", LogLevel::kDebug},
+                                                      {"info", LogLevel::kInfo},
+                                                      {"warning", LogLevel::kWarning},
+                                                      {"error", LogLevel::kError},
+                                                      {"off", LogLevel::kOff}};
+  AddChoiceOption(app, "--progress", NamedChoice(&shell->progress_mode, kProgressModes),
+                  "Style of the progress on stderr");
+  AddChoiceOption(app, "--log-level", NamedChoice(log_level, kLogLevels),
+                  "Minimum severity of messages logged to stderr");
 }
 
 ExitCode Report(const Program& program, ExitCode exit_code, const std::string& message) {
@@ -53,36 +52,13 @@ ExitCode Report(const Program& program, ExitCode exit_code, const std::string& m
   return exit_code;
 }
 
-// For command lines without a verb: the first word that is neither a global option nor a verb;
-// empty if there is none.
-std::string FirstUnknown(const CLI::App& app, int argc, char** argv) {
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    if (!word.starts_with("-")) {
-      return fmt::format("there is no verb '{}'", Excerpt(word));
-    }
-    const std::string name = word.substr(0, word.find('='));
-    const CLI::Option* option = app.get_option_no_throw(name);
-    if (option == nullptr) {
-      return fmt::format("there is no option '{}'", Excerpt(name));
-    }
-    i += option->get_expected_min() > 0 && name == word ? 1 : 0;
-  }
-  return "";
-}
-
-// Describes the fault of the command line and refers to the help.
-std::string UsageMessage(const Program& program, const CLI::App& app, const CLI::ParseError& error,
-                         int argc, char** argv) {
-  constexpr size_t kMaxBytes = 500;
-  const auto verbs = app.get_subcommands();
-  if (!verbs.empty()) {
-    return fmt::format("{}\nRun '{} {} --help' for help.", Excerpt(error.what(), kMaxBytes),
-                       program.name, verbs.front()->get_name());
-  }
-  const std::string unknown = FirstUnknown(app, argc, argv);
-  return fmt::format("{}\nRun '{} --help' for help.",
-                     unknown.empty() ? Excerpt(error.what(), kMaxBytes) : unknown, program.name);
+// Several lines: the version, and what the program was built from.
+std::string VersionText(const Program& program) {
+  const ProgramBuild& build = program.build;
+  const std::string date = build.date.empty() ? "" : fmt::format(" of {}", build.date);
+  return fmt::format("{} {}\ncommit     {}{}\ncompiler   {}\nlibraries  {}", program.name,
+                     build.version, build.commit.empty() ? "unknown" : build.commit, date,
+                     build.compiler, build.libraries);
 }
 
 // Throws Error(kIo) unless all output has been written.
@@ -95,16 +71,20 @@ void FlushOutput() {
 
 ExitCode ParseAndRun(const Program& program, int argc, char** argv) {
   CLI::App app(program.description, program.name);
-  app.set_version_flag("--version", std::string(program.name) + " " CAIRN_VERSION);
+  app.set_version_flag("--version", VersionText(program));
   app.require_subcommand(1);
   app.fallthrough();
   app.footer(
       "Exit codes: 0 ok, 1 internal, 2 usage, 3 not localized, 4 bad input, 5 map damaged, 6 I/O,\n"
       "7 server unreachable, 130 interrupted.");
   Shell shell;
+  shell.commit = program.build.commit;
+  shell.program_path = argv[0];
   LogLevel log_level = LogLevel::kInfo;
   AddGlobalOptions(&app, &shell, &log_level);
   program.add_verbs(&app, &shell);
+  AddHelpCommand(&app, &shell);
+  AddWriteManualCommand(&app, &shell, program.build);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {
@@ -112,7 +92,7 @@ ExitCode ParseAndRun(const Program& program, int argc, char** argv) {
     FlushOutput();
     return ExitCode::kOk;
   } catch (const CLI::ParseError& error) {
-    return Report(program, ExitCode::kUsage, UsageMessage(program, app, error, argc, argv));
+    return Report(program, ExitCode::kUsage, UsageMessage(app, error, argc, argv));
   }
   SetLogLevel(log_level);
   const ExitCode exit_code = shell.run();

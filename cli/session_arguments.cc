@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "cli/choice_option.h"
+#include "cli/json_output.h"
 #include "cli/options_file.h"
 #include "core/error.h"
 #include "ingest/colmap/colmap_reader.h"
@@ -102,7 +103,7 @@ void AddSessionArguments(CLI::App* command, SessionArguments* arguments) {
       "Do not compare the session with the map, and keep its landmarks beside those of the map");
   AddForceFlag(command, &arguments->force);
   AddWaitOption(command, &arguments->wait_s);
-  command->add_flag("--json", arguments->json, "Print the summary as JSON");
+  AddJsonFlag(command, &arguments->json);
 }
 
 bool HasSessionName(const SessionArguments& arguments) {

@@ -3,6 +3,7 @@
 #define CAIRN_CLI_SHELL_H_
 
 #include <functional>
+#include <string>
 
 #include "cli/exit_codes.h"
 #include "cli/progress.h"
@@ -17,6 +18,8 @@ namespace cairn {
 struct Shell {
   ProgressMode progress_mode = ProgressMode::kAuto;
   std::function<ExitCode()> run;  // Throws Error.
+  std::string commit;             // That the program was built from; empty if it is unknown.
+  std::string program_path;       // As the command line named the program.
 };
 
 // Each function adds its verb to `app`. If the command line selects the verb, `shell->run` becomes

@@ -8,7 +8,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <stop_token>
@@ -16,6 +15,7 @@
 #include <thread>
 
 #include "cli/arguments.h"
+#include "cli/choice_option.h"
 #include "cli/row_printer.h"
 #include "cli/shell.h"
 #include "core/error.h"
@@ -86,15 +86,14 @@ ExitCode RunSqlCommand(const SqlArguments& arguments) {
 }  // namespace
 
 void AddSqlCommand(CLI::App* app, Shell* shell) {
-  static const std::map<std::string, RowFormat> kFormats = {
+  static constexpr EnumName<RowFormat> kFormats[] = {
       {"table", RowFormat::kTable}, {"csv", RowFormat::kCsv}, {"json", RowFormat::kJson}};
   CLI::App* command = app->add_subcommand("sql", "Query a map with SQL (read-only)");
   auto arguments = std::make_shared<SqlArguments>();
   command->add_option("MAP", arguments->map_path, "Map file")->required();
   command->add_option("QUERY", arguments->query, "SQL statements. Default: read from stdin");
-  command->add_option("--format", arguments->format, "Output format of the rows")
-      ->transform(CLI::CheckedTransformer(kFormats).description(""))
-      ->type_name("table|csv|json");
+  AddChoiceOption(command, "--format", NamedChoice(&arguments->format, kFormats),
+                  "Output format of the rows");
   command
       ->add_option("--timeout", arguments->options.timeout_s,
                    "Time limit of the statements and of their output, seconds")

@@ -20,7 +20,8 @@ function(cairn_library)
   add_library(cairn::${ARG_NAME} ALIAS ${target})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${ARG_NAME})
   target_include_directories(${target} PUBLIC
-    $<BUILD_INTERFACE:${include_root}> $<INSTALL_INTERFACE:include/cairn>)
+    $<BUILD_INTERFACE:${include_root}> $<INSTALL_INTERFACE:include>)
+  target_compile_features(${target} PUBLIC cxx_std_20)
   target_link_libraries(${target}
     PUBLIC ${ARG_PUBLIC}
     PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:cairn_compiler_options>)
@@ -117,4 +118,22 @@ function(cairn_embed)
   add_dependencies(${ARG_TARGET} ${ARG_TARGET}_generate)
   target_include_directories(${ARG_TARGET} INTERFACE
     $<BUILD_INTERFACE:${CMAKE_BINARY_DIR}/generated/${ARG_TARGET}>)
+endfunction()
+
+# cairn_manual(cairn)
+#
+# Man pages and bash completion of a program, which writes them itself (cli/help_command.h), in
+# ${CMAKE_BINARY_DIR}/manual/<program>/, each time it is linked. CairnInstall.cmake installs them.
+find_program(GZIP_PROGRAM gzip)
+function(cairn_manual program)
+  set(folder ${CMAKE_BINARY_DIR}/manual/${program})
+  set(compress)
+  if(GZIP_PROGRAM)  # As man pages are installed. -n: without the time, so that builds are equal.
+    set(compress COMMAND ${GZIP_PROGRAM} -9 -n -r ${folder}/man1)
+  endif()
+  add_custom_command(TARGET ${program} POST_BUILD
+    COMMAND ${CMAKE_COMMAND} -E rm -rf ${folder}
+    COMMAND ${program} write-manual ${folder}
+    ${compress}
+    VERBATIM)
 endfunction()

@@ -129,13 +129,34 @@ void PrintWorld(const DemoWorld& world) {
       1e-3 * static_cast<double>(world.ingest.num_payload_bytes), world.queries.size());
 }
 
-ExitCode RunDemo(const DemoArguments& arguments, ProgressMode progress_mode) {
+// The program as any folder can call it: the demo's script does not run where its caller stands.
+std::string ProgramName(const std::string& path) {
+  return path.find('/') == std::string::npos
+             ? path
+             : std::filesystem::absolute(path).lexically_normal().string();
+}
+
+// Quotes a word for the shell if it has to be.
+std::string ShellWord(const std::string& word) {
+  constexpr const char* kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-+:@%";
+  if (word.find_first_not_of(kPlain) == std::string::npos) {
+    return word;
+  }
+  std::string quoted = "'";
+  for (const char letter : word) {
+    quoted += letter == '\'' ? "'\\''" : std::string(1, letter);
+  }
+  return quoted + "'";
+}
+
+ExitCode RunDemo(const DemoArguments& arguments, const Shell& shell) {
   const std::filesystem::path output_dir = arguments.output_dir;
   Answers from_images;
   Answers from_features;
   DemoWorld world;
   {
-    Progress progress(progress_mode);
+    Progress progress(shell.progress_mode);
     world = MakeDemoWorld({output_dir, arguments.quick, arguments.seed}, &progress);
     ServerOptions server_options;
     server_options.map_path = world.map_path;
@@ -158,9 +179,11 @@ ExitCode RunDemo(const DemoArguments& arguments, ProgressMode progress_mode) {
   PrintSummary("sent images:", from_images.report);
   PrintSummary("sent features:", from_features.report);
   fmt::print(
-      "\nPictures, photos and the map are in {0}/. To look at the map, run\n"
-      "  cairn serve {0}/street.gpkg\n",
-      arguments.output_dir);
+      "\nPictures, photos and the map are in {}/. To ask the map in a browser, run\n"
+      "  {} serve {}\n"
+      "and open http://localhost:8080/ui.\n",
+      arguments.output_dir, ShellWord(ProgramName(shell.program_path)),
+      ShellWord(std::filesystem::absolute(world.map_path).lexically_normal().string()));
   const int num_right = std::min(CountRight(from_images.report), CountRight(from_features.report));
   if (num_right < kMinShareRight * from_images.report.num_queries) {
     throw Error(ErrorCode::kInternal,
@@ -187,7 +210,7 @@ void AddDemoCommand(CLI::App* app, Shell* shell) {
       "Example:\n"
       "  cairn demo --output demo-output");
   command->callback([shell, arguments] {
-    shell->run = [shell, arguments] { return RunDemo(*arguments, shell->progress_mode); };
+    shell->run = [shell, arguments] { return RunDemo(*arguments, *shell); };
   });
 }
 

@@ -7,12 +7,12 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numeric>
 #include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "cli/options/nearest_name.h"
 #include "core/error.h"
 #include "core/file_bytes.h"
 #include "core/printable.h"
@@ -47,21 +47,6 @@ const char* KindName(JsonValue::Kind kind) {
       return "an object";
   }
   return "";
-}
-
-// Insertions, deletions and replacements of a character that turn `a` into `b` (Levenshtein).
-size_t EditDistance(std::string_view a, std::string_view b) {
-  std::vector<size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), size_t{0});
-  for (size_t i = 0; i < a.size(); ++i) {
-    size_t diagonal = std::exchange(row[0], i + 1);
-    for (size_t j = 0; j < b.size(); ++j) {
-      const size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, diagonal + 1});
-    }
-  }
-  return row[b.size()];
 }
 
 std::string_view LastPart(std::string_view name) {

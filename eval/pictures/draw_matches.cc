@@ -150,10 +150,8 @@ void DrawMatchLegend(bool localized, const cv::Rect& area, cv::Mat* picture) {
   }
 }
 
-}  // namespace
-
-void DrawMatches(const std::string& path, const GrayImage& photo, const LocalizeQuery& query,
-                 const LocalizeResult& result) {
+cv::Mat PictureOfMatches(const GrayImage& photo, const LocalizeQuery& query,
+                         const LocalizeResult& result) {
   CAIRN_CHECK(photo.width_px > 0 && photo.height_px > 0, "an empty photo");
   const double zoom = std::min(3.0, std::max(1.0, kMinPictureWidthPx / photo.width_px));
   cv::Mat on_photo = PalePhoto(photo, zoom);
@@ -175,7 +173,19 @@ void DrawMatches(const std::string& path, const GrayImage& photo, const Localize
     DrawDistanceBar(scale, side, &picture);
   }
   DrawMatchLegend(result.localized, side, &picture);
-  WritePicture(path, picture);
+  return picture;
+}
+
+}  // namespace
+
+void DrawMatches(const std::string& path, const GrayImage& photo, const LocalizeQuery& query,
+                 const LocalizeResult& result) {
+  WritePicture(path, PictureOfMatches(photo, query, result));
+}
+
+std::vector<uint8_t> MatchesAsJpeg(const GrayImage& photo, const LocalizeQuery& query,
+                                   const LocalizeResult& result) {
+  return EncodePicture(".jpg", PictureOfMatches(photo, query, result));
 }
 
 }  // namespace cairn

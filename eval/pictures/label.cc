@@ -2,17 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "core/error.h"
+#include "core/images/encode_image.h"
+#include "eval/pictures/picture_format.h"
 
 namespace cairn {
 namespace {
 
 constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
+constexpr int kJpegQuality = 90;           // Text stays crisp.
 constexpr double kCapitalHeightPx = 21.0;  // Of OpenCV's font at scale 1.
 
 double FontScale(double height_px) { return height_px / kCapitalHeightPx; }
@@ -70,14 +73,24 @@ void DrawColorBar(const cv::Rect& bar, const std::vector<std::string>& labels, d
   }
 }
 
-void WritePicture(const std::string& path, const cv::Mat& image) {
-  bool written = false;
-  try {
-    written = cv::imwrite(path, image);
-  } catch (const cv::Exception&) {
-    // Only the path can be wrong; OpenCV's message is meant for its developers.
+std::vector<uint8_t> EncodePicture(const std::string& extension, const cv::Mat& image) {
+  const PictureRows rows = {.width_px = image.cols,
+                            .height_px = image.rows,
+                            .num_channels = image.channels(),
+                            .pixels = image.data,
+                            .row_bytes = image.step[0]};
+  if (extension == ".png") {
+    return EncodePng(rows);
   }
-  if (!written) {
+  return extension == ".ppm" ? EncodePnm(rows) : EncodeJpeg(rows, kJpegQuality);
+}
+
+void WritePicture(const std::string& path, const cv::Mat& image) {
+  const std::vector<uint8_t> bytes = EncodePicture(PictureExtension(path), image);
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+  if (!file.flush()) {
     throw Error(ErrorCode::kIo, path + ": cannot write the picture");
   }
 }

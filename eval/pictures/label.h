@@ -2,6 +2,7 @@
 #ifndef CAIRN_EVAL_PICTURES_LABEL_H_
 #define CAIRN_EVAL_PICTURES_LABEL_H_
 
+#include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <opencv2/core/types.hpp>
 #include <string>
@@ -29,7 +30,11 @@ cv::Scalar ColorOf(double share);
 void DrawColorBar(const cv::Rect& bar, const std::vector<std::string>& labels, double height_px,
                   cv::Mat* image);
 
-// The extension selects the format. Throws Error(kIo) if the file cannot be written.
+// Encodes a CV_8UC3 picture in the format of an extension that PictureExtension returns.
+std::vector<uint8_t> EncodePicture(const std::string& extension, const cv::Mat& image);
+
+// The extension selects the format. Throws Error(kIo) if the file cannot be written, and as
+// PictureExtension.
 void WritePicture(const std::string& path, const cv::Mat& image);
 
 }  // namespace cairn

@@ -10,6 +10,10 @@ namespace cairn {
 // `option`, unless the path's extension belongs to a supported picture format.
 void RequirePictureFormat(const std::string& option, const std::string& path);
 
+// The extension of a path in lower case: ".png", ".jpg", ".jpeg" or ".ppm". Throws Error(kIo),
+// which names the path, if it is none of these.
+std::string PictureExtension(const std::string& path);
+
 }  // namespace cairn
 
 #endif  // CAIRN_EVAL_PICTURES_PICTURE_FORMAT_H_

@@ -2,6 +2,7 @@
 #ifndef CAIRN_EVAL_PICTURES_PICTURES_H_
 #define CAIRN_EVAL_PICTURES_PICTURES_H_
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,6 +20,10 @@ namespace cairn {
 // a caption with the result. The extension selects the format. Throws Error(kIo).
 void DrawMatches(const std::string& path, const GrayImage& photo, const LocalizeQuery& query,
                  const LocalizeResult& result);
+
+// The same picture as the bytes of a JPEG file.
+std::vector<uint8_t> MatchesAsJpeg(const GrayImage& photo, const LocalizeQuery& query,
+                                   const LocalizeResult& result);
 
 // One pose on the top view.
 struct TopViewPose {

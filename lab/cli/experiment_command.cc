@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "cli/arguments.h"
+#include "cli/choice_option.h"
 #include "core/error.h"
 #include "lab/cli/lab_verbs.h"
 #include "lab/experiments/experiment_result.h"
@@ -96,7 +97,7 @@ std::vector<Experiment> Chosen(const std::vector<std::string>& names) {
   return chosen;
 }
 
-ExitCode Run(const ExperimentArguments& arguments, ProgressMode progress_mode) {
+ExitCode Run(const ExperimentArguments& arguments, const Shell& shell) {
   const std::vector<Experiment> chosen = Chosen(arguments.names);
   const std::filesystem::path out(arguments.out_folder);
   MakeFolder(out);
@@ -112,11 +113,12 @@ ExitCode Run(const ExperimentArguments& arguments, ProgressMode progress_mode) {
     bool figures_drawn = true;
     ExperimentResult result;
     {
-      Progress progress(progress_mode);
+      Progress progress(shell.progress_mode);
       context.progress = [&](const std::string& phase, int done, int total) {
         progress.Update(experiment.name + ": " + phase, done, total);
       };
-      result = RunExperiment(experiment, context, out.string(), &figures_drawn);
+      result = RunExperiment(experiment, context, shell.commit.empty() ? "unknown" : shell.commit,
+                             out.string(), &figures_drawn);
     }
     fmt::print("{}: {}\n{}\n", result.name, VerdictName(result.verdict), result.sentence);
     if (!figures_drawn) {
@@ -128,7 +130,7 @@ ExitCode Run(const ExperimentArguments& arguments, ProgressMode progress_mode) {
   return ExitCode::kOk;
 }
 
-ExitCode RunExperimentCommand(const ExperimentArguments& arguments, ProgressMode progress_mode) {
+ExitCode RunExperimentCommand(const ExperimentArguments& arguments, const Shell& shell) {
   if (arguments.num_threads < 1 || arguments.num_queries < 0) {
     throw Error(ErrorCode::kInvalidArgument,
                 "--threads must be at least 1, and --queries must not be negative");
@@ -139,7 +141,7 @@ ExitCode RunExperimentCommand(const ExperimentArguments& arguments, ProgressMode
   if (arguments.names.size() == 1 && arguments.names.front() == "report") {
     return Report(arguments);
   }
-  return Run(arguments, progress_mode);
+  return Run(arguments, shell);
 }
 
 }  // namespace
@@ -153,11 +155,11 @@ void AddExperimentCommand(CLI::App* app, Shell* shell) {
                    "Names or numbers of experiments; or list, all or report")
       ->required()
       ->type_name("list|all|report|NAME...");
-  command
-      ->add_option("--size", arguments->size,
-                   "quick: seconds, but the figures mean little; full: minutes per experiment")
-      ->capture_default_str()
-      ->type_name("quick|full");
+  AddWordOption(
+      command, "--size", {"quick", "full"},
+      [arguments](const std::string& word) { arguments->size = word; },
+      "quick: seconds, but the figures mean little; full: minutes per experiment")
+      ->default_str(arguments->size);
   command->add_option("--out", arguments->out_folder, "Folder for results and worlds")
       ->capture_default_str();
   command->add_option("--to", arguments->report_path, "Page to write with report")
@@ -182,9 +184,7 @@ void AddExperimentCommand(CLI::App* app, Shell* shell) {
       "  cairn-lab experiment all --size full --out results\n"
       "  cairn-lab experiment report --out results --to docs/experiments.md");
   command->callback([shell, arguments] {
-    shell->run = [shell, arguments] {
-      return RunExperimentCommand(*arguments, shell->progress_mode);
-    };
+    shell->run = [shell, arguments] { return RunExperimentCommand(*arguments, *shell); };
   });
 }
 

@@ -18,6 +18,6 @@ void AddVerbs(CLI::App* app, Shell* shell) {
 int main(int argc, char** argv) {
   return cairn::RunProgram(
       {"cairn-lab", "Cairn's laboratory: simulated cities, experiments and benchmarks.",
-       cairn::AddVerbs},
+       cairn::AddVerbs, cairn::ThisBuild()},
       argc, argv);
 }

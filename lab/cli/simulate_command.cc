@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "cli/arguments.h"
+#include "cli/choice_option.h"
 #include "cli/query_features.h"
 #include "core/angles.h"
 #include "core/error.h"
@@ -215,12 +216,16 @@ void AddOutputOptions(CLI::App* command, SimulateArguments* arguments) {
 }
 
 void AddCityOptions(CLI::App* command, SimulateArguments* arguments) {
-  command->add_option("--character", arguments->character, "Kind and place of the city")
-      ->type_name("old-town|grid|suburb|high-rise")
-      ->capture_default_str();
-  command->add_option("--size", arguments->size, "Preset for the options below")
-      ->type_name("quick|medium|paper")
-      ->capture_default_str();
+  AddWordOption(
+      command, "--character", {"old-town", "grid", "suburb", "high-rise"},
+      [arguments](const std::string& word) { arguments->character = word; },
+      "Kind and place of the city")
+      ->default_str(arguments->character);
+  AddWordOption(
+      command, "--size", {"quick", "medium", "paper"},
+      [arguments](const std::string& word) { arguments->size = word; },
+      "Preset for the options below")
+      ->default_str(arguments->size);
   command
       ->add_option("--center", arguments->center,
                    "Center of the city: degrees and ellipsoidal meters")

@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "build_commit.h"
 #include "core/error.h"
 #include "lab/experiments/text_file.h"
 
@@ -68,8 +67,6 @@ ResultTable TableFromJson(const Json& json, const std::string& what) {
 
 }  // namespace
 
-std::string BuildCommit() { return CAIRN_BUILD_COMMIT; }
-
 std::string ResultAsJson(const ExperimentResult& result) {
   Json parameters = Json::array();
   for (const auto& [name, value] : result.parameters) {
@@ -106,14 +103,15 @@ ExperimentResult ResultFromJson(const std::string& text, const std::string& what
 }
 
 ExperimentResult RunExperiment(const Experiment& experiment, const ExperimentContext& context,
-                               const std::string& folder, bool* figures_drawn) {
+                               const std::string& commit, const std::string& folder,
+                               bool* figures_drawn) {
   const auto start = std::chrono::steady_clock::now();
   ExperimentOutcome outcome = experiment.run(context);
   ExperimentResult result;
   result.name = experiment.name;
   result.size = context.size;
   result.seed = context.seed;
-  result.commit = BuildCommit();
+  result.commit = commit;
   result.parameters = std::move(outcome.parameters);
   result.table = std::move(outcome.table);
   result.verdict = outcome.verdict;

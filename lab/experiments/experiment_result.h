@@ -23,10 +23,6 @@ struct ExperimentResult {
   std::string sentence;
 };
 
-// Returns the commit that this library was built from, followed by "-dirty" if files had been
-// changed.
-std::string BuildCommit();
-
 std::string ResultAsJson(const ExperimentResult& result);
 // Inverse of ResultAsJson. Throws Error(kBadInput) that names `what` if the text is not such a
 // JSON.
@@ -34,9 +30,10 @@ ExperimentResult ResultFromJson(const std::string& text, const std::string& what
 
 // Runs the experiment and writes <name>.csv, <name>.json and, for each figure, <figure>.gp,
 // <figure>.svg and <figure>.png to `folder`, which must exist. Sets `*figures_drawn` to false if
-// gnuplot is not installed.
+// gnuplot is not installed. `commit` is the one that the program was built from.
 ExperimentResult RunExperiment(const Experiment& experiment, const ExperimentContext& context,
-                               const std::string& folder, bool* figures_drawn);
+                               const std::string& commit, const std::string& folder,
+                               bool* figures_drawn);
 
 // Reads the results of the given experiments from the folder, in their order. Leaves out
 // experiments without results.

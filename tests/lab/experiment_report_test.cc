@@ -51,7 +51,8 @@ ExperimentResult RunSmall(const testing::TempDir& folder) {
   context.size = ExperimentSize::kFull;
   context.seed = 7;
   bool figures_drawn = false;
-  return RunExperiment(SmallExperiment(), context, folder.path().string(), &figures_drawn);
+  return RunExperiment(SmallExperiment(), context, "0123456789", folder.path().string(),
+                       &figures_drawn);
 }
 
 TEST(RunExperiment, WritesCsvJsonAndScript) {
