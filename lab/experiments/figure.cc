@@ -6,9 +6,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <filesystem>
+#include <limits>
+#include <utility>
 
 #include "lab/experiments/text_file.h"
 
@@ -41,12 +44,42 @@ std::string XTics(const Figure& figure) {
                      static_cast<double>(figure.x_names.size()) - 0.5);
 }
 
-std::string DataBlock(size_t series_idx, const FigureSeries& series) {
+// The smallest and the largest x of a figure.
+std::pair<double, double> RangeOfX(const Figure& figure) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const FigureSeries& series : figure.series) {
+    for (const FigurePoint& point : series.points) {
+      if (std::isfinite(point.x) && (point.x > 0.0 || !figure.log_x)) {
+        low = std::min(low, point.x);
+        high = std::max(high, point.x);
+      }
+    }
+  }
+  return {low, high};
+}
+
+// Where a point is drawn: the intervals of several series at one x would hide each other, so each
+// series stands a little beside the next, by a hundredth of the axis or a twelfth of a name's
+// place.
+double DrawnX(const Figure& figure, size_t series_idx, double x) {
+  const double steps =
+      static_cast<double>(series_idx) - 0.5 * (static_cast<double>(figure.series.size()) - 1.0);
+  const auto [low, high] = RangeOfX(figure);
+  if (!figure.x_names.empty()) {
+    return x + steps / 12.0;
+  }
+  if (!(high > low)) {
+    return x;
+  }
+  return figure.log_x ? x * std::pow(high / low, 0.01 * steps) : x + 0.01 * steps * (high - low);
+}
+
+std::string DataBlock(const Figure& figure, size_t series_idx) {
   std::string block = fmt::format("$series{} << EOD\n", series_idx);
-  for (const FigurePoint& point : series.points) {
+  for (const FigurePoint& point : figure.series[series_idx].points) {
     if (std::isfinite(point.x) && std::isfinite(point.y.value)) {
-      block += fmt::format("{:.6g} {:.6g} {:.6g} {:.6g}\n", point.x, point.y.value, point.y.low,
-                           point.y.high);
+      block += fmt::format("{:.6g} {:.6g} {:.6g} {:.6g}\n", DrawnX(figure, series_idx, point.x),
+                           point.y.value, point.y.low, point.y.high);
     }
   }
   return block + "EOD\n";
@@ -88,20 +121,20 @@ bool RunGnuplot(const std::string& script, const std::string& folder) {
 
 std::string GnuplotScript(const Figure& figure) {
   std::string script = fmt::format(
-      "# Draws {0}.svg and {0}.png. Bars are 95 % bootstrap intervals.\n"
+      "# Draws {0}.svg and {0}.png. Bars are 95 % bootstrap intervals. Series stand side by side.\n"
       "set encoding utf8\n"
       "set termoption noenhanced\n"
       "set title {1}\n"
       "set xlabel {2}\n"
       "set ylabel {3}\n"
       "set grid\n"
-      "set key outside below\n",
+      "set key tmargin center horizontal\n",  // Below, it would cover the names of the axis.
       figure.name, Quoted(figure.title), Quoted(figure.x_label), Quoted(figure.y_label));
   script += figure.log_x ? "set logscale x\n" : "";
   script += figure.log_y ? "set logscale y\n" : "";
   script += XTics(figure);
   for (size_t i = 0; i < figure.series.size(); ++i) {
-    script += DataBlock(i, figure.series[i]);
+    script += DataBlock(figure, i);
   }
   const std::string plot = PlotCommand(figure);
   script += fmt::format(

@@ -26,22 +26,23 @@ Figure SmallFigure() {
 }
 
 TEST(GnuplotScript, HoldsDataAndDrawsBothPictures) {
-  EXPECT_EQ(GnuplotScript(SmallFigure()),
-            R"(# Draws 09_neighbors.svg and 09_neighbors.png. Bars are 95 % bootstrap intervals.
+  EXPECT_EQ(
+      GnuplotScript(SmallFigure()),
+      R"(# Draws 09_neighbors.svg and 09_neighbors.png. Bars are 95 % bootstrap intervals. Series stand side by side.
 set encoding utf8
 set termoption noenhanced
 set title "Neighbors of a \"keypoint\""
 set xlabel "k"
 set ylabel "average precision"
 set grid
-set key outside below
+set key tmargin center horizontal
 set logscale x
 $series0 << EOD
-1 0.5 0.4 0.6
-4 0.75 0.7 0.8
+0.993092 0.5 0.4 0.6
+3.97237 0.75 0.7 0.8
 EOD
 $series1 << EOD
-1 0.25 0.125 0.375
+1.00696 0.25 0.125 0.375
 EOD
 set terminal svg noenhanced size 720,480 font "sans,12" background "white"
 set output "09_neighbors.svg"
