@@ -3,15 +3,16 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <system_error>
 
+#include "cli/choice_option.h"
 #include "cli/exports/export_geojson.h"
 #include "cli/exports/export_points.h"
+#include "cli/json_output.h"
 #include "cli/shell.h"
 #include "cli/world_frame_option.h"
 #include "core/error.h"
@@ -130,16 +131,15 @@ ExitCode RunExport(const ExportArguments& arguments, ProgressMode progress_mode)
          "tiles");
   }
   if (arguments.json) {
-    fmt::print("{}\n", json.dump());
+    PrintJson(json);
   }
   return ExitCode::kOk;
 }
 
 void AddPointOptions(CLI::App* command, ExportArguments* arguments) {
-  static const std::map<std::string, PointColor> kColors = {
-      {"session", PointColor::kSession},
-      {"height", PointColor::kHeight},
-      {"uncertainty", PointColor::kUncertainty}};
+  static constexpr EnumName<PointColor> kColors[] = {{"session", PointColor::kSession},
+                                                     {"height", PointColor::kHeight},
+                                                     {"uncertainty", PointColor::kUncertainty}};
   auto* const colmap = command
                            ->add_option("--colmap", arguments->colmap_dir,
                                         "Folder for a COLMAP model: cameras, images, points3D")
@@ -148,12 +148,9 @@ void AddPointOptions(CLI::App* command, ExportArguments* arguments) {
       ->needs(colmap);
   command->add_option("--ply", arguments->ply_path, "PLY file for the landmarks")
       ->type_name("FILE");
-  command
-      ->add_option("--color", arguments->color,
-                   "Color of the points: by the oldest session that saw them, by the height over "
-                   "the cameras, or by the standard deviation of their position")
-      ->transform(CLI::CheckedTransformer(kColors).description(""))
-      ->type_name("session|height|uncertainty");
+  AddChoiceOption(command, "--color", NamedChoice(&arguments->color, kColors),
+                  "Color of the points: by the oldest session that saw them, by the height over "
+                  "the cameras, or by the standard deviation of their position");
   AddWorldFrameOptions(command, "Frame of the model and of the points", FrameChoice::kEnu,
                        &arguments->frame);
 }
@@ -176,7 +173,7 @@ void AddExportCommand(CLI::App* app, Shell* shell) {
       ->add_option("--session", arguments->session,
                    "Only the photos of this session, and the landmarks that it saw")
       ->type_name("NAME");
-  command->add_flag("--json", arguments->json, "Print the summary as JSON");
+  AddJsonFlag(command, &arguments->json);
   command->footer(
       "Example:\n  cairn export city.gpkg --colmap model/ --ply city.ply --color height");
   command->callback([shell, arguments] {

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <map>
 
 #include "cli/arguments.h"
+#include "cli/choice_option.h"
 #include "core/error.h"
 
 namespace cairn {
@@ -14,11 +14,12 @@ namespace {
 
 CLI::Option* AddFrameOption(CLI::App* command, const std::string& description,
                             WorldFrameArguments* arguments) {
-  static const std::map<std::string, FrameChoice> kFrames = {{"ecef", FrameChoice::kEcef},
-                                                             {"enu", FrameChoice::kEnu}};
-  return command->add_option("--frame", arguments->frame, description)
-      ->transform(CLI::CheckedTransformer(kFrames).description(""))
-      ->type_name("ecef|enu");
+  return AddWordOption(
+      command, "--frame", {"ecef", "enu"},
+      [arguments](const std::string& word) {
+        arguments->frame = word == "ecef" ? FrameChoice::kEcef : FrameChoice::kEnu;
+      },
+      description);
 }
 
 CLI::Option* AddOriginOption(CLI::App* command, const std::string& by_default,

@@ -16,6 +16,28 @@ list(FILTER cairn_fusion_libraries INCLUDE REGEX "^cairn_(core|fusion|wire)(_|$)
 list(FILTER cairn_fusion_libraries EXCLUDE REGEX "^cairn_core_(images|features_sift|scene)$")
 set(cairn_server_libraries ${cairn_libraries})
 list(REMOVE_ITEM cairn_server_libraries ${cairn_fusion_libraries})
+# A build that made only some targets, as scripts/demo does, installs the components that it has. The
+# others say what builds them.
+function(cairn_require_built component)
+  set(files)
+  foreach(target ${ARGN})
+    list(APPEND files $<TARGET_FILE:${target}>)
+  endforeach()
+  install(CODE "
+    foreach(file ${files})
+      if(NOT EXISTS \"\${file}\")
+        message(FATAL_ERROR \"\${file} is not built. 'scripts/build release' builds all; after \"
+          \"scripts/demo, 'cmake --install ${PROJECT_BINARY_DIR} --component runtime' installs the \"
+          \"program alone.\")
+      endif()
+    endforeach()" COMPONENT ${component})
+endfunction()
+cairn_require_built(runtime cairn cairn_sqlite)
+cairn_require_built(lab cairn-lab)
+cairn_require_built(fusion ${cairn_fusion_libraries})
+cairn_require_built(development ${cairn_server_libraries})
+add_dependencies(cairn cairn_sqlite)  # So that who builds `cairn` can install it.
+
 install(TARGETS ${cairn_fusion_libraries} EXPORT cairnFusionTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/cairn COMPONENT fusion)
 install(EXPORT cairnFusionTargets NAMESPACE cairn:: DESTINATION ${cairn_config_dir}
@@ -25,15 +47,55 @@ install(TARGETS ${cairn_server_libraries} EXPORT cairnTargets
 install(EXPORT cairnTargets NAMESPACE cairn:: DESTINATION ${cairn_config_dir}
   COMPONENT development)
 
-# Headers lie in one folder per room, as the sources include them.
-foreach(room core fusion)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cairn
-    COMPONENT fusion FILES_MATCHING PATTERN "*.h")
-endforeach()
-foreach(room storage engine ingest http eval mapping)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cairn
-    COMPONENT development FILES_MATCHING PATTERN "*.h")
-endforeach()
+# Headers lie in one folder per room below cairn/, and include each other so.
+function(cairn_install_headers component)
+  list(JOIN ARGN "," rooms)
+  set(stage ${PROJECT_BINARY_DIR}/installed_headers/${component})
+  install(CODE "execute_process(COMMAND ${CMAKE_COMMAND} -DSOURCE_DIR=${PROJECT_SOURCE_DIR}
+    -DSTAGE_DIR=${stage} -DROOMS=${rooms} -P ${PROJECT_SOURCE_DIR}/cmake/StageHeaders.cmake
+    COMMAND_ERROR_IS_FATAL ANY)" COMPONENT ${component})
+  install(DIRECTORY ${stage}/cairn DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT ${component})
+endfunction()
+cairn_install_headers(fusion core fusion)
+cairn_install_headers(development storage engine ingest http eval mapping)
+
+# pkg-config, for projects without CMake. The archives are static, so Libs has all that they need.
+function(cairn_pkg_config file component)
+  # The archives refer to each other, and pkg-config keeps no groups of libraries. A linker script of
+  # the name of an archive is such a group.
+  set(archives ${PC_TARGETS})
+  list(TRANSFORM archives PREPEND "lib")
+  list(TRANSFORM archives APPEND ".a")
+  list(JOIN archives " " archives)
+  string(REPLACE "-" "_" PC_LIBRARY ${file}_all)
+  file(WRITE ${PROJECT_BINARY_DIR}/lib${PC_LIBRARY}.a "GROUP ( ${archives} )\n")
+  install(FILES ${PROJECT_BINARY_DIR}/lib${PC_LIBRARY}.a DESTINATION ${CMAKE_INSTALL_LIBDIR}/cairn
+    COMPONENT ${component})
+  # From the folder of the file, so that the prefix may be any.
+  file(RELATIVE_PATH PC_PREFIX /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+  configure_file(${PROJECT_SOURCE_DIR}/cmake/cairn.pc.in ${PROJECT_BINARY_DIR}/${file}.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/${file}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
+    COMPONENT ${component})
+endfunction()
+set(PC_NAME "Cairn fusion")
+set(PC_DESCRIPTION "Tracks a device and asks a Cairn server where it is")
+set(PC_TARGETS ${cairn_fusion_libraries})
+list(FILTER PC_TARGETS EXCLUDE REGEX "klt$")  # That needs OpenCV.
+set(PC_REQUIRES "eigen3 fmt spdlog geographiclib nlohmann_json cpp-httplib openssl")
+set(PC_CFLAGS "")
+set(PC_SYSTEM_LIBS "-lpthread -lstdc++ -lm")
+cairn_pkg_config(cairn-fusion fusion)
+set(PC_NAME "Cairn")
+set(PC_DESCRIPTION "Maps of places, and the camera poses of photos in them")
+set(PC_TARGETS ${cairn_server_libraries})
+set(PC_REQUIRES "cairn-fusion sqlite3 libzstd libxxhash libjpeg libpng zlib")
+if(CAIRN_WITH_POSTGRES)
+  string(APPEND PC_REQUIRES " libpq")
+endif()
+set(PC_CFLAGS "-I${OpenCV_INCLUDE_DIR}")
+set(PC_SYSTEM_LIBS "-lceres -lglog -lgflags -lspqr -lcholmod -lcxsparse -lfaiss -lopenblas -lgomp \
+-lopencv_calib3d -lopencv_video -lopencv_imgproc -lopencv_core -lstdc++ -lm")
+cairn_pkg_config(cairn development)
 
 configure_package_config_file(
   ${PROJECT_SOURCE_DIR}/cmake/cairnConfig.cmake.in ${PROJECT_BINARY_DIR}/cairnConfig.cmake
@@ -45,58 +107,23 @@ install(FILES
   ${PROJECT_SOURCE_DIR}/cmake/FindOpenCV.cmake
   DESTINATION ${cairn_config_dir} COMPONENT fusion)
 
-# The binary, and the extension that lets the sqlite3 shell look into maps.
+# The program with its manual, the extension that lets the sqlite3 shell look into maps, and the unit
+# of the server.
 install(TARGETS cairn RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
 install(TARGETS cairn_sqlite LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/cairn COMPONENT runtime)
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md
-              ${PROJECT_SOURCE_DIR}/CHANGELOG.md
-  DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
+install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/cairn COMPONENT runtime)
+install(FILES ${PROJECT_SOURCE_DIR}/deploy/systemd/cairn@.service
+  DESTINATION lib/systemd/system COMPONENT runtime)
+install(TARGETS cairn-lab RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT lab)
+foreach(program_component cairn:runtime cairn-lab:lab)
+  string(REPLACE ":" ";" program_component ${program_component})
+  list(GET program_component 0 program)
+  list(GET program_component 1 component)
+  install(DIRECTORY ${PROJECT_BINARY_DIR}/manual/${program}/man1
+    DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT ${component})
+  install(DIRECTORY ${PROJECT_BINARY_DIR}/manual/${program}/completions
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion COMPONENT ${component})
+endforeach()
 
-# cpack --config build/release/CPackConfig.cmake makes cairn_*.deb, libcairn-dev_*.deb,
-# libcairn-fusion-dev_*.deb and python3-cairn_*.deb.
-set(CPACK_PACKAGE_NAME cairn)
-set(CPACK_PACKAGE_VENDOR "The Cairn authors")
-set(CPACK_PACKAGE_CONTACT "The Cairn authors <cairn@localhost>")
-set(CPACK_PACKAGE_DESCRIPTION_SUMMARY ${PROJECT_DESCRIPTION})
-set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
-set(CPACK_GENERATOR DEB)
-set(CPACK_DEB_COMPONENT_INSTALL ON)
-set(CPACK_COMPONENTS_ALL runtime development fusion)
-if(CAIRN_WITH_PYTHON)
-  list(APPEND CPACK_COMPONENTS_ALL python)
-endif()
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME cairn)
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libcairn-dev)
-set(CPACK_DEBIAN_FUSION_PACKAGE_NAME libcairn-fusion-dev)
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION science)
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_FUSION_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS "proj-data")  # The geoid; OpenCV's GDAL brings it anyway.
-# Static libraries have no shared dependencies to compute; their users link these.
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-  "libcairn-fusion-dev (= ${PROJECT_VERSION}), libsqlite3-dev, nlohmann-json3-dev, libzstd-dev, \
-libxxhash-dev, libcpp-httplib-dev, libjpeg62-turbo-dev, libpng-dev, libceres-dev, libfaiss-dev, \
-libopenblas-dev, \
-libopencv-core-dev, libopencv-imgproc-dev, libopencv-imgcodecs-dev, libopencv-calib3d-dev, \
-libopencv-video-dev")
-if(CAIRN_WITH_POSTGRES)
-  string(APPEND CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS ", libpq-dev")
-endif()
-set(CPACK_DEBIAN_FUSION_PACKAGE_DEPENDS
-  "libeigen3-dev, libfmt-dev, libspdlog-dev, libgeographiclib-dev, proj-data")
-# For cairn::fusion_transport and cairn::core_features_klt.
-set(CPACK_DEBIAN_FUSION_PACKAGE_RECOMMENDS
-  "nlohmann-json3-dev, libcpp-httplib-dev, libopencv-core-dev, libopencv-imgproc-dev, \
-libopencv-video-dev")
-# The module fits one minor version of Python, the one it is built for.
-set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-cairn)
-set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
-set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
-math(EXPR cairn_next_python "${Python3_VERSION_MINOR} + 1")
-set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
-  "python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${cairn_next_python}), python3-numpy, \
-proj-data")
-set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-set(CPACK_STRIP_FILES ON)
-include(CPack)
+include(CairnPackages)

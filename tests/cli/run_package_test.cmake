@@ -1,4 +1,4 @@
-# Packs the build tree and inspects the Debian package of the binary:
+# Packs the build tree and inspects the Debian packages:
 # cmake -DBUILD_DIR=... -DSCRATCH_DIR=... -P run_package_test.cmake
 function(run output)
   execute_process(COMMAND ${ARGN} OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)
@@ -15,13 +15,25 @@ file(REMOVE_RECURSE ${SCRATCH_DIR})
 run(ignored ${CMAKE_CPACK_COMMAND} --config ${BUILD_DIR}/CPackConfig.cmake -G DEB -B ${SCRATCH_DIR})
 file(GLOB runtime ${SCRATCH_DIR}/cairn_*.deb)
 file(GLOB development ${SCRATCH_DIR}/libcairn-dev_*.deb)
+file(GLOB fusion ${SCRATCH_DIR}/libcairn-fusion-dev_*.deb)
+file(GLOB lab ${SCRATCH_DIR}/cairn-lab_*.deb)
+
 run(info dpkg-deb --info ${runtime})
 expect("${info}" "Depends: [^\n]*libsqlite3-0")
+expect("${info}" "Depends: [^\n]*adduser")
+expect("${info}" "postinst")
+if(info MATCHES "imgcodecs|libatlas")
+  message(FATAL_ERROR "the server needs no such library:\n${info}")
+endif()
 run(contents dpkg-deb --contents ${runtime})
-expect("${contents}" "/usr/bin/cairn")
+foreach(file /usr/bin/cairn /systemd/system/cairn@.service /usr/share/man/man1/cairn-localize.1.gz
+    /usr/share/bash-completion/completions/cairn /usr/share/doc/cairn/copyright)
+  expect("${contents}" "${file}")
+endforeach()
+
 run(contents dpkg-deb --contents ${development})
 expect("${contents}" "/usr/include/cairn/engine/localizer.h")
-file(GLOB fusion ${SCRATCH_DIR}/libcairn-fusion-dev_*.deb)
+expect("${contents}" "/pkgconfig/cairn.pc")
 run(contents dpkg-deb --contents ${fusion})
 expect("${contents}" "/cmake/cairn/cairnConfig.cmake")
 expect("${contents}" "/usr/include/cairn/fusion/client/fusion_client.h")
@@ -33,5 +45,18 @@ if(python)  # Not built without pybind11.
   run(contents dpkg-deb --contents ${python})
   expect("${contents}" "/usr/lib/python3/dist-packages/cairn/__init__.py")
   expect("${contents}" "/usr/lib/python3/dist-packages/cairn/_cairn.*[.]so")
+endif()
+run(contents dpkg-deb --contents ${lab})
+expect("${contents}" "/usr/bin/cairn-lab")
+expect("${contents}" "/usr/share/man/man1/cairn-lab-bench.1.gz")
+
+find_program(LINTIAN lintian)
+if(LINTIAN)
+  # As root of a container, too; that is not what it checks.
+  execute_process(COMMAND ${LINTIAN} --allow-root --tag-display-limit 0 --fail-on error
+    ${runtime} ${development} ${fusion} ${lab} ${python} RESULT_VARIABLE failed OUTPUT_VARIABLE text)
+  if(failed)
+    message(FATAL_ERROR "lintian:\n${text}")
+  endif()
 endif()
 file(REMOVE_RECURSE ${SCRATCH_DIR})

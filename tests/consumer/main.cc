@@ -1,10 +1,10 @@
 // Queries an empty map through the installed headers and libraries. The answer must be "no
 // coverage".
-#include <cstdio>
+#include <cairn/core/geodesy.h>
+#include <cairn/engine/localizer.h>
+#include <cairn/storage/map/map_store.h>
 
-#include "core/geodesy.h"
-#include "engine/localizer.h"
-#include "storage/map/map_store.h"
+#include <cstdio>
 
 int main(int argc, char** argv) {
   if (argc != 2) {

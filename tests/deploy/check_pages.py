@@ -17,11 +17,13 @@ SKIPPED = 77
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 ADDRESS = "10.0.0.5"  # Of the only machine, in the range that the page admits.
 
-# Packages are there, and the package of Cairn brings its program.
+# Packages are there, and the package of Cairn brings its program, its unit and its user.
 APT_GET = """#!/bin/sh
 for name; do
   case $name in
-    *cairn_*.deb) cp "$CAIRN" /usr/bin/cairn ;;
+    *cairn_*.deb)
+      cp "$CAIRN" /usr/bin/cairn && cp deploy/systemd/cairn@.service /lib/systemd/system/ \\
+        && sh deploy/debian/postinst configure || exit 1 ;;
     install|--yes) ;;
     *) dpkg --status "$name" > /dev/null || exit 1 ;;
   esac

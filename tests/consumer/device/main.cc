@@ -1,12 +1,12 @@
 // Uses the installed headers and libraries to simulate a device that stands in front of a wall for
 // two seconds. Tracking must start.
+#include <cairn/fusion/client/fusion_client.h>
+#include <cairn/fusion/transport/map_transport.h>
+
 #include <cstdint>
 #include <cstdio>
 #include <utility>
 #include <vector>
-
-#include "fusion/client/fusion_client.h"
-#include "fusion/transport/map_transport.h"
 
 namespace fusion = cairn::fusion;
 

@@ -1,0 +1,60 @@
+#!/usr/bin/env python3
+"""Compares the shared libraries of a program with docs/dependencies.md: check_libraries.py PROGRAM PAGE
+
+Fails if the program loads a library whose package the section "What the program loads" does not name, if
+the section names a package that it does not load, or if the packages are more than the section allows.
+Exits with 77, which ctest takes for skipped, where there is no dpkg.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+
+MAX_PACKAGES = 60
+
+
+def packages_of(program):
+    """The Debian packages of all libraries that the loader maps for the program."""
+    text = subprocess.run(["ldd", program], check=True, capture_output=True, text=True).stdout
+    paths = set(re.findall(r"(?:=> |^\s+)(/\S+)", text, re.M))
+    packages = set()
+    for path in paths:
+        # dpkg knows files by the path that their package has, which /lib -> /usr/lib may hide.
+        real = os.path.realpath(path)
+        names = {real, real.removeprefix("/usr"), path}
+        for name in sorted(names):
+            found = subprocess.run(["dpkg", "-S", name], capture_output=True, text=True)
+            if found.returncode == 0:
+                packages.add(found.stdout.split(":")[0])
+                break
+        else:
+            sys.exit(f"{path} belongs to no package")
+    return packages
+
+
+def packages_on_page(page):
+    """The packages in the first column of the tables of the section."""
+    with open(page, encoding="utf-8") as file:
+        section = file.read().split("## What the program loads")[1].split("\n## ")[0]
+    rows = [line.split("|")[1] for line in section.splitlines() if line.startswith("| `")]
+    return {name for row in rows for name in re.findall(r"`([^`]+)`", row)}
+
+
+def main():
+    program, page = sys.argv[1:]
+    if not shutil.which("dpkg"):
+        sys.exit(77)
+    loaded, named = packages_of(program), packages_on_page(page)
+    problems = [f"{package} is loaded, but not on the page" for package in sorted(loaded - named)]
+    problems += [f"{package} is on the page, but not loaded" for package in sorted(named - loaded)]
+    if len(loaded) > MAX_PACKAGES:
+        problems.append(f"{len(loaded)} packages, at most {MAX_PACKAGES}")
+    for problem in problems:
+        print(problem, file=sys.stderr)
+    sys.exit(f"check_libraries: {len(problems)} problems" if problems else 0)
+
+
+if __name__ == "__main__":
+    main()
