@@ -24,7 +24,7 @@ struct ModelInfo {
 };
 
 // In the order of COLMAP's ids.
-constexpr std::array<ModelInfo, 11> kModels = {{
+constexpr std::array<ModelInfo, 12> kModels = {{
     {CameraModel::kSimplePinhole, "SIMPLE_PINHOLE", 3, 1, false},
     {CameraModel::kPinhole, "PINHOLE", 4, 2, false},
     {CameraModel::kSimpleRadial, "SIMPLE_RADIAL", 4, 1, false},
@@ -36,16 +36,12 @@ constexpr std::array<ModelInfo, 11> kModels = {{
     {CameraModel::kSimpleRadialFisheye, "SIMPLE_RADIAL_FISHEYE", 4, 1, true},
     {CameraModel::kRadialFisheye, "RADIAL_FISHEYE", 5, 1, true},
     {CameraModel::kThinPrismFisheye, "THIN_PRISM_FISHEYE", 12, 2, true},
+    {CameraModel::kRadTanThinPrismFisheye, "RAD_TAN_THIN_PRISM_FISHEYE", 16, 2, true},
 }};
 
 // COLMAP's later models, which are not supported.
-constexpr std::array<const char*, 7> kUnsupported = {"RAD_TAN_THIN_PRISM_FISHEYE",
-                                                     "SIMPLE_DIVISION",
-                                                     "DIVISION",
-                                                     "SIMPLE_FISHEYE",
-                                                     "FISHEYE",
-                                                     "EUCM",
-                                                     "EQUIRECTANGULAR"};
+constexpr std::array<const char*, 6> kUnsupported = {
+    "SIMPLE_DIVISION", "DIVISION", "SIMPLE_FISHEYE", "FISHEYE", "EUCM", "EQUIRECTANGULAR"};
 
 const ModelInfo& Info(CameraModel model) { return kModels[static_cast<size_t>(model)]; }
 
@@ -95,6 +91,13 @@ LensCoefficients CoefficientsOf(CameraModel model, const double* k) {
       lens.numerator = {k[0], k[1], k[4], k[5]};
       lens.p1 = k[2], lens.p2 = k[3];
       lens.s1 = k[6], lens.s2 = k[7];
+      break;
+    case CameraModel::kRadTanThinPrismFisheye:
+      lens.numerator = {k[0], k[1], k[2], k[3], k[4], k[5]};
+      lens.p1 = k[7], lens.p2 = k[6];  // The other way round than in the older models.
+      lens.s1 = k[8], lens.s3 = k[9];
+      lens.s2 = k[10], lens.s4 = k[11];
+      lens.skews_scaled_point = true;
       break;
   }
   return lens;

@@ -23,6 +23,7 @@ namespace cairn {
 //   SIMPLE_RADIAL_FISHEYE  f, cx, cy, k
 //   RADIAL_FISHEYE         f, cx, cy, k1, k2
 //   THIN_PRISM_FISHEYE     fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, sx1, sy1
+//   RAD_TAN_THIN_PRISM_FISHEYE  fx, fy, cx, cy, k0, ..., k5, p0, p1, s0, s1, s2, s3
 enum class CameraModel {
   kSimplePinhole = 0,
   kPinhole = 1,
@@ -35,6 +36,7 @@ enum class CameraModel {
   kSimpleRadialFisheye = 8,
   kRadialFisheye = 9,
   kThinPrismFisheye = 10,
+  kRadTanThinPrismFisheye = 11,  // Project Aria's Fisheye624.
 };
 
 // Returns COLMAP's name of a model, e.g. "SIMPLE_RADIAL".

@@ -23,6 +23,26 @@ Eigen::Matrix2d ScaleJacobian(const Eigen::Vector2d& point, double factor, doubl
   return factor * Eigen::Matrix2d::Identity() + 2.0 * by_square * point * point.transpose();
 }
 
+// Newton's method for forward(point, &jacobian) == target. Returns nothing where the function turns
+// over.
+template <typename Forward>
+std::optional<Eigen::Vector2d> Invert(const Forward& forward, const Eigen::Vector2d& target,
+                                      Eigen::Vector2d point) {
+  for (int i = 0; i < 50; ++i) {
+    Eigen::Matrix2d jacobian;
+    const Eigen::Vector2d excess = forward(point, &jacobian) - target;
+    if (!(jacobian.determinant() > 0.0)) {
+      return std::nullopt;
+    }
+    const Eigen::Vector2d step = jacobian.inverse() * excess;
+    point -= step;
+    if (step.squaredNorm() < 1e-24) {
+      break;
+    }
+  }
+  return point;
+}
+
 }  // namespace
 
 Lens::Lens(const LensCoefficients& coefficients) : k_(coefficients) {
@@ -32,7 +52,8 @@ Lens::Lens(const LensCoefficients& coefficients) : k_(coefficients) {
   const auto is_set = [](double value) { return value != 0.0; };
   has_radial_ = std::any_of(k_.numerator.begin(), k_.numerator.end(), is_set) ||
                 std::any_of(k_.denominator.begin(), k_.denominator.end(), is_set);
-  has_asymmetric_ = is_set(k_.p1) || is_set(k_.p2) || is_set(k_.s1) || is_set(k_.s2);
+  has_asymmetric_ = is_set(k_.p1) || is_set(k_.p2) || is_set(k_.s1) || is_set(k_.s2) ||
+                    is_set(k_.s3) || is_set(k_.s4);
   max_sq_radius_ = FindMaxSqRadius();
 }
 
@@ -59,8 +80,13 @@ Lens::Scale Lens::RadialScale(double q) const {
   }
   const auto& n = k_.numerator;
   const auto& d = k_.denominator;
-  const double numerator = 1.0 + q * (n[0] + q * (n[1] + q * (n[2] + q * n[3])));
-  const double numerator_by_q = n[0] + q * (2.0 * n[1] + q * (3.0 * n[2] + q * 4.0 * n[3]));
+  double numerator = 0.0, numerator_by_q = 0.0;
+  for (size_t i = n.size(); i-- > 0;) {
+    numerator_by_q = numerator_by_q * q + numerator;
+    numerator = numerator * q + n[i];
+  }
+  numerator_by_q = numerator_by_q * q + numerator;
+  numerator = numerator * q + 1.0;
   const double denominator = 1.0 + q * (d[0] + q * (d[1] + q * d[2]));
   const double denominator_by_q = d[0] + q * (2.0 * d[1] + q * 3.0 * d[2]);
   const double factor = numerator / denominator;
@@ -102,20 +128,37 @@ double Lens::FindMaxSqRadius() const {
   return max_q;
 }
 
+Eigen::Vector2d Lens::SkewAt(const Eigen::Vector2d& point, Eigen::Matrix2d* jacobian) const {
+  const double a = point.x(), b = point.y();
+  const double r = point.squaredNorm();
+  if (jacobian != nullptr) {
+    const double cross = 2.0 * k_.p1 * a + 2.0 * k_.p2 * b;
+    const double prism_x = 2.0 * (k_.s1 + 2.0 * k_.s3 * r);
+    const double prism_y = 2.0 * (k_.s2 + 2.0 * k_.s4 * r);
+    *jacobian << 2.0 * k_.p1 * b + 6.0 * k_.p2 * a + prism_x * a, cross + prism_x * b,
+        cross + prism_y * a, 6.0 * k_.p1 * b + 2.0 * k_.p2 * a + prism_y * b;
+  }
+  return {2.0 * k_.p1 * a * b + k_.p2 * (r + 2.0 * a * a) + r * (k_.s1 + k_.s3 * r),
+          2.0 * k_.p2 * a * b + k_.p1 * (r + 2.0 * b * b) + r * (k_.s2 + k_.s4 * r)};
+}
+
 Eigen::Vector2d Lens::Bend(const Eigen::Vector2d& projected, Eigen::Matrix2d* jacobian) const {
-  const double u = projected.x(), v = projected.y();
-  const double q = projected.squaredNorm();
-  const Scale radial = RadialScale(q);
+  const Scale radial = RadialScale(projected.squaredNorm());
+  const Eigen::Vector2d scaled = radial.factor * projected;
   if (jacobian != nullptr) {
     *jacobian = ScaleJacobian(projected, radial.factor, radial.by_square);
-    const double cross = 2.0 * k_.p1 * u + 2.0 * k_.p2 * v;
-    (*jacobian)(0, 0) += 2.0 * k_.p1 * v + 6.0 * k_.p2 * u + 2.0 * k_.s1 * u;
-    (*jacobian)(0, 1) += cross + 2.0 * k_.s1 * v;
-    (*jacobian)(1, 0) += cross + 2.0 * k_.s2 * u;
-    (*jacobian)(1, 1) += 6.0 * k_.p1 * v + 2.0 * k_.p2 * u + 2.0 * k_.s2 * v;
   }
-  return {u * radial.factor + 2.0 * k_.p1 * u * v + k_.p2 * (q + 2.0 * u * u) + k_.s1 * q,
-          v * radial.factor + 2.0 * k_.p2 * u * v + k_.p1 * (q + 2.0 * v * v) + k_.s2 * q};
+  if (!has_asymmetric_) {
+    return scaled;
+  }
+  const bool of_scaled = k_.skews_scaled_point;
+  Eigen::Matrix2d skew_jacobian;
+  const Eigen::Vector2d skew =
+      SkewAt(of_scaled ? scaled : projected, jacobian == nullptr ? nullptr : &skew_jacobian);
+  if (jacobian != nullptr) {
+    *jacobian += of_scaled ? Eigen::Matrix2d(skew_jacobian * *jacobian) : skew_jacobian;
+  }
+  return scaled + skew;
 }
 
 std::optional<Eigen::Vector2d> Lens::Distort(const Eigen::Vector2d& normalized,
@@ -155,25 +198,28 @@ double Lens::StraightenRadius(double distorted_radius) const {
   return radius;
 }
 
+Eigen::Vector2d Lens::StraightenRadially(const Eigen::Vector2d& scaled) const {
+  const double radius = scaled.norm();
+  return has_radial_ && radius > 1e-8 ? scaled * (StraightenRadius(radius) / radius) : scaled;
+}
+
 std::optional<Eigen::Vector2d> Lens::Straighten(const Eigen::Vector2d& distorted) const {
-  Eigen::Vector2d projected = distorted;
-  const double distorted_radius = distorted.norm();
-  if (has_radial_ && distorted_radius > 1e-8) {
-    projected *= StraightenRadius(distorted_radius) / distorted_radius;
+  if (!has_asymmetric_) {
+    return StraightenRadially(distorted);
   }
-  for (int i = 0; has_asymmetric_ && i < 50; ++i) {
-    Eigen::Matrix2d jacobian;
-    const Eigen::Vector2d excess = Bend(projected, &jacobian) - distorted;
-    if (!(jacobian.determinant() > 0.0)) {
-      return std::nullopt;
-    }
-    const Eigen::Vector2d step = jacobian.inverse() * excess;
-    projected -= step;
-    if (step.squaredNorm() < 1e-24) {
-      break;
-    }
+  if (k_.skews_scaled_point) {
+    const std::optional<Eigen::Vector2d> scaled = Invert(
+        [&](const Eigen::Vector2d& point, Eigen::Matrix2d* jacobian) {
+          const Eigen::Vector2d skew = SkewAt(point, jacobian);
+          *jacobian += Eigen::Matrix2d::Identity();
+          return Eigen::Vector2d(point + skew);
+        },
+        distorted, distorted);
+    return scaled ? std::optional(StraightenRadially(*scaled)) : std::nullopt;
   }
-  return projected;
+  return Invert([&](const Eigen::Vector2d& point,
+                    Eigen::Matrix2d* jacobian) { return Bend(point, jacobian); },
+                distorted, StraightenRadially(distorted));
 }
 
 std::optional<Eigen::Vector2d> Lens::Unproject(const Eigen::Vector2d& projected) const {

@@ -18,18 +18,20 @@ enum class LensProjection {
 
 // With (u, v) the point after the projection and q = u^2 + v^2:
 //
-//   radial = (1 + n0 q + n1 q^2 + n2 q^3 + n3 q^4) / (1 + d0 q + d1 q^2 + d2 q^3)
-//   x = u radial + 2 p1 u v + p2 (q + 2 u^2) + s1 q
-//   y = v radial + 2 p2 u v + p1 (q + 2 v^2) + s2 q
+//   radial = (1 + n0 q + n1 q^2 + ... + n5 q^6) / (1 + d0 q + d1 q^2 + d2 q^3)
+//   x = u radial + 2 p1 a b + p2 (r + 2 a^2) + s1 r + s3 r^2
+//   y = v radial + 2 p2 a b + p1 (r + 2 b^2) + s2 r + s4 r^2
 //
-// In each of COLMAP's models (core/camera.h), some of these coefficients are zero.
+// where (a, b) is (u, v), or (u radial, v radial) with `skews_scaled_point`, and r = a^2 + b^2. In
+// each of COLMAP's models (core/camera.h), some of these coefficients are zero.
 struct LensCoefficients {
   LensProjection projection = LensProjection::kPerspective;
-  std::array<double, 4> numerator = {};
+  std::array<double, 6> numerator = {};
   std::array<double, 3> denominator = {};
-  double p1 = 0.0, p2 = 0.0;  // Tangential.
-  double s1 = 0.0, s2 = 0.0;  // Thin prism.
-  double omega_rad = 0.0;     // Only for kFov; its magnitude is below pi.
+  double p1 = 0.0, p2 = 0.0;                      // Tangential.
+  double s1 = 0.0, s2 = 0.0, s3 = 0.0, s4 = 0.0;  // Thin prism.
+  bool skews_scaled_point = false;  // Tangential and prism terms take the radially scaled point.
+  double omega_rad = 0.0;           // Only for kFov; its magnitude is below pi.
 };
 
 // Immutable; safe to use from any thread.
@@ -56,14 +58,17 @@ class Lens {
   Scale RadialScale(double sq_radius) const;
   // Maps the projected point to the distorted point.
   Eigen::Vector2d Bend(const Eigen::Vector2d& projected, Eigen::Matrix2d* jacobian) const;
+  // The tangential and prism terms at a point.
+  Eigen::Vector2d SkewAt(const Eigen::Vector2d& point, Eigen::Matrix2d* jacobian) const;
   std::optional<Eigen::Vector2d> Straighten(const Eigen::Vector2d& distorted) const;
+  Eigen::Vector2d StraightenRadially(const Eigen::Vector2d& scaled) const;
   double StraightenRadius(double distorted_radius) const;
   std::optional<Eigen::Vector2d> Unproject(const Eigen::Vector2d& projected) const;
   double FindMaxSqRadius() const;
 
   LensCoefficients k_;
   bool has_radial_ = false;      // True if a coefficient of `radial` is not zero.
-  bool has_asymmetric_ = false;  // True if p1, p2, s1 or s2 is not zero.
+  bool has_asymmetric_ = false;  // True if a tangential or prism coefficient is not zero.
   double max_sq_radius_ = 0.0;   // Limit on the projected point.
 };
 

@@ -123,10 +123,9 @@ std::vector<double> ReadParams(ModelFile* file, int num_params) {
 // Returns the number of parameters of a model that COLMAP has and Cairn does not support. Returns
 // -1 for all others.
 int NumParamsOfUnsupported(int colmap_id) {
-  // RAD_TAN_THIN_PRISM_FISHEYE, SIMPLE_DIVISION, DIVISION, SIMPLE_FISHEYE, FISHEYE, EUCM and
-  // EQUIRECTANGULAR.
-  constexpr int kFirstId = 11;
-  constexpr std::array<int, 7> kNumParams = {16, 4, 5, 3, 4, 6, 2};
+  // SIMPLE_DIVISION, DIVISION, SIMPLE_FISHEYE, FISHEYE, EUCM and EQUIRECTANGULAR.
+  constexpr int kFirstId = 12;
+  constexpr std::array<int, 6> kNumParams = {4, 5, 3, 4, 6, 2};
   const int64_t idx = int64_t{colmap_id} - kFirstId;
   return idx >= 0 && idx < std::ssize(kNumParams) ? kNumParams[static_cast<size_t>(idx)] : -1;
 }

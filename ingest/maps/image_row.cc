@@ -39,7 +39,7 @@ void PutCamera(const Camera& camera, ByteWriter* writer) {
 
 Camera GetCamera(ByteReader* reader) {
   const auto model_id = reader->Get<uint32_t>();
-  RequireInput(model_id <= static_cast<uint32_t>(CameraModel::kThinPrismFisheye),
+  RequireInput(model_id <= static_cast<uint32_t>(CameraModel::kRadTanThinPrismFisheye),
                "the camera of an image is of an unknown model");
   const auto model = static_cast<CameraModel>(model_id);
   const auto width_px = reader->Get<int32_t>();

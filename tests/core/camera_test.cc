@@ -28,6 +28,9 @@ std::vector<Camera> AllModels() {
       Camera(CameraModel::kRadialFisheye, 640, 480, {300, 320, 240, 0.03, -0.01}),
       Camera(CameraModel::kThinPrismFisheye, 640, 480,
              {300, 301, 320, 240, 0.03, -0.01, 1e-3, -2e-3, 2e-3, -1e-4, 3e-3, -4e-3}),
+      Camera(CameraModel::kRadTanThinPrismFisheye, 640, 480,
+             {300, 301, 320, 240, 0.03, -0.01, 4e-3, -2e-3, 3e-4, -2e-5, 1e-3, -2e-3, 3e-3, -1e-3,
+              -4e-3, 5e-4}),
   };
 }
 
@@ -65,6 +68,17 @@ Eigen::Vector2d ByTheFormula(const Camera& camera, double u, double v) {
       const double db = b * radial + 2 * p[7] * a * b + p[6] * (t2 + 2 * b * b) + p[11] * t2;
       return {p[0] * (a + da) + p[2], p[1] * (b + db) + p[3]};
     }
+    case CameraModel::kRadTanThinPrismFisheye: {
+      const double t2 = theta * theta;
+      double radial = 1.0;
+      for (int i = 0; i < 6; ++i) {
+        radial += p[4 + i] * std::pow(t2, i + 1);
+      }
+      const double x = a * radial, y = b * radial, r2 = x * x + y * y;
+      const double dx = 2 * p[11] * x * y + p[10] * (r2 + 2 * x * x) + p[12] * r2 + p[13] * r2 * r2;
+      const double dy = 2 * p[10] * x * y + p[11] * (r2 + 2 * y * y) + p[14] * r2 + p[15] * r2 * r2;
+      return {p[0] * (x + dx) + p[2], p[1] * (y + dy) + p[3]};
+    }
     default:
       return *camera.Project({u, v, 1.0});  // Tested by hand below, and older than this function.
   }
@@ -96,6 +110,10 @@ TEST(Camera, ModelsAgreeWhereOneContainsTheOther) {
       Camera(CameraModel::kOpenCv, 640, 480, {500, 510, 321, 242, -0.1, 0.02, 1e-3, -2e-3}));
   expect_same(Camera(CameraModel::kThinPrismFisheye, 640, 480,
                      {300, 301, 320, 240, 0.03, -0.01, 0, 0, 2e-3, -1e-4, 0, 0}),
+              Camera(CameraModel::kOpenCvFisheye, 640, 480,
+                     {300, 301, 320, 240, 0.03, -0.01, 2e-3, -1e-4}));
+  expect_same(Camera(CameraModel::kRadTanThinPrismFisheye, 640, 480,
+                     {300, 301, 320, 240, 0.03, -0.01, 2e-3, -1e-4, 0, 0, 0, 0, 0, 0, 0, 0}),
               Camera(CameraModel::kOpenCvFisheye, 640, 480,
                      {300, 301, 320, 240, 0.03, -0.01, 2e-3, -1e-4}));
   expect_same(Camera(CameraModel::kFov, 640, 480, {500, 510, 320, 240, 2e-6}),
@@ -198,11 +216,11 @@ TEST(Camera, ModelsOfColmapThatAreNotKnownAreRefusedByName) {
     }
     return "";
   };
-  const std::string by_name = message_of([] { CameraModelFromName("RAD_TAN_THIN_PRISM_FISHEYE"); });
+  const std::string by_name = message_of([] { CameraModelFromName("SIMPLE_DIVISION"); });
+  EXPECT_NE(by_name.find("'SIMPLE_DIVISION'"), std::string::npos);
   EXPECT_NE(by_name.find("RAD_TAN_THIN_PRISM_FISHEYE"), std::string::npos);
-  EXPECT_NE(by_name.find("THIN_PRISM_FISHEYE"), std::string::npos);
-  const std::string by_id = message_of([] { CameraModelFromColmapId(11); });
-  EXPECT_NE(by_id.find("RAD_TAN_THIN_PRISM_FISHEYE"), std::string::npos);
+  const std::string by_id = message_of([] { CameraModelFromColmapId(12); });
+  EXPECT_NE(by_id.find("SIMPLE_DIVISION"), std::string::npos);
   EXPECT_NE(message_of([] { CameraModelFromColmapId(17); }).find("EQUIRECTANGULAR"),
             std::string::npos);
   EXPECT_NE(message_of([] { CameraModelFromColmapId(-1); }).find("-1"), std::string::npos);

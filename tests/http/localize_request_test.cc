@@ -229,7 +229,7 @@ std::vector<BadRequest> BadCameras() {
   using enum ProblemCode;
   return {
       {"model",
-       R"({"camera":{"model":"RAD_TAN_THIN_PRISM_FISHEYE","size":[1,1],"modelParams":[]}})",
+       R"({"camera":{"model":"SIMPLE_DIVISION","size":[1,1],"modelParams":[]}})",
        kInvalidField, "/camera/model"},
       {"model type", R"({"camera":{"model":4,"size":[1,1],"modelParams":[]}})", kInvalidField,
        "/camera/model"},

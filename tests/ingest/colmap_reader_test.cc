@@ -242,12 +242,12 @@ TEST_F(ColmapReader, RigsAndFramesOfColmap312ChangeNothing) {
 TEST_F(ColmapReader, RefusesAnUnknownCameraModel) {
   const ColmapInput input = Write(TinyModel());
   std::string bytes = ReadAll(dir_.File("cameras.bin"));
-  bytes[12] = 11;
+  bytes[12] = 16;
   WriteAll(dir_.File("cameras.bin"), bytes);
   const auto [code, message] = ErrorOf([&] { ReadColmap(input); });
   EXPECT_EQ(code, ErrorCode::kBadInput);
   EXPECT_THAT(message, HasSubstr("cameras.bin"));
-  EXPECT_THAT(message, HasSubstr("RAD_TAN_THIN_PRISM_FISHEYE"));
+  EXPECT_THAT(message, HasSubstr("EUCM) is not supported"));
 }
 
 TEST_F(ColmapReader, SaysWhereAMissingModelWasExpected) {
