@@ -2,7 +2,7 @@
 #ifndef CAIRN_MAPPING_GROWTH_CAMERA_FREEDOM_H_
 #define CAIRN_MAPPING_GROWTH_CAMERA_FREEDOM_H_
 
-#include "mapping/adjust/adjust.h"
+#include "core/adjust/adjust.h"
 #include "mapping/photo_set.h"
 
 namespace cairn {

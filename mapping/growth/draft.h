@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "mapping/adjust/adjust.h"
+#include "core/adjust/adjust.h"
 #include "mapping/growth/localize_photo.h"
 #include "mapping/matching/two_view.h"
 #include "mapping/photo_set.h"

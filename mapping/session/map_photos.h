@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "core/adjust/adjust.h"
 #include "core/camera.h"
 #include "core/features/sift/sift_extractor.h"
 #include "core/geoid.h"
 #include "ingest/place/georegister.h"
-#include "mapping/adjust/adjust.h"
 #include "mapping/growth/grow_segments.h"
 #include "mapping/matching/two_view.h"
 #include "mapping/pairs/find_pairs.h"

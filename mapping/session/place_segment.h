@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "core/adjust/adjust.h"
 #include "ingest/place/georegister.h"
-#include "mapping/adjust/adjust.h"
 #include "mapping/photo_set.h"
 #include "mapping/segment.h"
 

@@ -1,4 +1,4 @@
-#include "mapping/adjust/adjust_costs.h"
+#include "core/adjust/adjust_costs.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "mapping/adjust/adjustable_camera.h"
+#include "core/adjust/adjustable_camera.h"
 #include "support/numeric_jacobian.h"
 
 namespace cairn {

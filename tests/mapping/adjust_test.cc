@@ -1,4 +1,4 @@
-#include "mapping/adjust/adjust.h"
+#include "core/adjust/adjust.h"
 
 #include <gtest/gtest.h>
 
@@ -218,6 +218,33 @@ TEST(Adjust, HoldsFixedImages) {
   Adjust(kFixed, priors, {}, model);
   EXPECT_EQ(CentersOf(model).col(0), CentersOf(before).col(0));
   EXPECT_NE(CentersOf(model).col(4), CentersOf(before).col(4));
+}
+
+// Landmarks of another model hold the frame, and one sight of each is enough.
+TEST(Adjust, FollowsFixedLandmarks) {
+  Scene scene = MakeScene(0.0, Pinhole());
+  Reconstruction model = scene.truth;
+  Perturb(0.01, 0.05, &scene, &model);
+  AdjustPriors priors;
+  for (size_t i = 0; i < model.landmarks.size(); ++i) {
+    const bool is_fixed = i % 4 == 0;
+    priors.landmark_is_fixed.push_back(is_fixed ? 1 : 0);
+    if (is_fixed) {
+      model.landmarks[i].x_in_world = scene.truth.landmarks[i].x_in_world;
+    }
+  }
+  model.landmarks[0].observations.resize(1);
+  // A wrong link.
+  model.landmarks[4].x_in_world += Eigen::Vector3d(0.0, 1.0, 0.0);
+  Adjust(kFixed, priors, {}, model);
+  EXPECT_EQ(model.landmarks[0].observations.size(), 1U);
+  EXPECT_EQ(model.landmarks[0].x_in_world, scene.truth.landmarks[0].x_in_world);
+  for (size_t i = 0; i < model.images.size(); ++i) {
+    const Rigid3d truth = scene.truth.images[i].cam_from_world.Inverse();
+    const Rigid3d found = model.images[i].cam_from_world.Inverse();
+    EXPECT_LT((found.translation - truth.translation).norm(), 1e-4);
+    EXPECT_LT(RotationAngleRad(found.rotation, truth.rotation), 1e-4);
+  }
 }
 
 TEST(Adjust, IsTheSameOnAnyNumberOfThreads) {

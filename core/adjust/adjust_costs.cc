@@ -1,4 +1,4 @@
-#include "mapping/adjust/adjust_costs.h"
+#include "core/adjust/adjust_costs.h"
 
 #include <Eigen/Geometry>
 #include <cmath>

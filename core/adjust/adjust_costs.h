@@ -1,15 +1,15 @@
 // The residuals of the adjustment, with analytic Jacobians, and the manifold of poses. Private to
-// mapping/adjust; docs/math/mapping.md derives them.
-#ifndef CAIRN_MAPPING_ADJUST_ADJUST_COSTS_H_
-#define CAIRN_MAPPING_ADJUST_ADJUST_COSTS_H_
+// core/adjust; docs/math/mapping.md derives them.
+#ifndef CAIRN_CORE_ADJUST_ADJUST_COSTS_H_
+#define CAIRN_CORE_ADJUST_ADJUST_COSTS_H_
 
 #include <ceres/manifold.h>
 #include <ceres/sized_cost_function.h>
 
 #include <Eigen/Core>
 
+#include "core/adjust/adjustable_camera.h"
 #include "core/rigid3.h"
-#include "mapping/adjust/adjustable_camera.h"
 
 namespace cairn {
 
@@ -95,4 +95,4 @@ class CameraPriorCost : public ceres::SizedCostFunction<kCameraSize, kCameraSize
 
 }  // namespace cairn
 
-#endif  // CAIRN_MAPPING_ADJUST_ADJUST_COSTS_H_
+#endif  // CAIRN_CORE_ADJUST_ADJUST_COSTS_H_

@@ -1,6 +1,6 @@
-// One least-squares problem over a reconstruction, solved by Ceres. Private to mapping/adjust.
-#ifndef CAIRN_MAPPING_ADJUST_ADJUST_PROBLEM_H_
-#define CAIRN_MAPPING_ADJUST_ADJUST_PROBLEM_H_
+// One least-squares problem over a reconstruction, solved by Ceres. Private to core/adjust.
+#ifndef CAIRN_CORE_ADJUST_ADJUST_PROBLEM_H_
+#define CAIRN_CORE_ADJUST_ADJUST_PROBLEM_H_
 
 #include <ceres/problem.h>
 #include <ceres/solver.h>
@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
+#include "core/adjust/adjust.h"
+#include "core/adjust/adjustable_camera.h"
 #include "core/scene/reconstruction.h"
-#include "mapping/adjust/adjust.h"
-#include "mapping/adjust/adjustable_camera.h"
 
 namespace cairn {
 
@@ -41,6 +41,7 @@ class AdjustProblem {
   }
 
   bool IsFixed(size_t image) const;
+  bool IsLandmarkFixed(size_t landmark) const;
   void AddObservations();
   void AddCameras();
   CameraUnknowns CameraMean(size_t camera) const;  // See AdjustPriors::camera_means.
@@ -61,9 +62,10 @@ class AdjustProblem {
   size_t poses_at_ = 0, cameras_at_ = 0;
   std::vector<int> num_observations_;  // Of each image.
   std::vector<uint8_t> is_used_;       // Of each landmark.
+  int num_fixed_landmarks_ = 0;        // Of those used.
   ceres::Problem problem_;
 };
 
 }  // namespace cairn
 
-#endif  // CAIRN_MAPPING_ADJUST_ADJUST_PROBLEM_H_
+#endif  // CAIRN_CORE_ADJUST_ADJUST_PROBLEM_H_

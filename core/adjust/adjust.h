@@ -1,6 +1,6 @@
 // Bundle adjustment: poses, landmarks and cameras that explain all keypoints best.
-#ifndef CAIRN_MAPPING_ADJUST_ADJUST_H_
-#define CAIRN_MAPPING_ADJUST_ADJUST_H_
+#ifndef CAIRN_CORE_ADJUST_ADJUST_H_
+#define CAIRN_CORE_ADJUST_ADJUST_H_
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -39,6 +39,9 @@ struct AdjustPriors {
   std::vector<Camera> camera_means;
   // Images whose pose is held, not 0: the rest of the model around the photos that a growth adds.
   std::vector<uint8_t> image_is_fixed;
+  // Landmarks whose position is held, not 0: those of another model, which stays. One observation
+  // that fits keeps them.
+  std::vector<uint8_t> landmark_is_fixed;
 };
 
 struct AdjustOptions {
@@ -87,9 +90,9 @@ struct AdjustReport {
 // with them, so landmarks change their indices; their order stays. Images stay, even without an
 // observation; those keep their poses.
 //
-// Gauge: with three position priors or with two fixed images nothing else is held. Otherwise one
-// camera keeps its pose and the camera farthest from it keeps one coordinate of its center, unless
-// an image is fixed. The scale of the world is then that of the start.
+// Gauge: with three position priors, two fixed images or three fixed landmarks nothing else is
+// held. Otherwise one camera keeps its pose and the camera farthest from it keeps one coordinate of
+// its center, unless an image is fixed. The scale of the world is then that of the start.
 //
 // The same result on any number of threads. Linear in the number of observations, apart from the
 // factorization of the poses' system, which is sparse where the scene is long. Throws
@@ -99,4 +102,4 @@ AdjustReport Adjust(std::span<const CameraFreedom> freedom_of_camera, const Adju
 
 }  // namespace cairn
 
-#endif  // CAIRN_MAPPING_ADJUST_ADJUST_H_
+#endif  // CAIRN_CORE_ADJUST_ADJUST_H_

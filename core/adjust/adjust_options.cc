@@ -1,7 +1,7 @@
 #include <cmath>
 
+#include "core/adjust/adjust.h"
 #include "core/require.h"
-#include "mapping/adjust/adjust.h"
 
 namespace cairn {
 

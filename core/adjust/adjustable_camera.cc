@@ -1,4 +1,4 @@
-#include "mapping/adjust/adjustable_camera.h"
+#include "core/adjust/adjustable_camera.h"
 
 #include <cmath>
 #include <optional>

@@ -1,13 +1,13 @@
-#include "mapping/adjust/adjust.h"
+#include "core/adjust/adjust.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "core/adjust/adjust_problem.h"
+#include "core/adjust/adjustable_camera.h"
 #include "core/check.h"
 #include "core/parallel_for.h"
 #include "core/scene/triangulate.h"
-#include "mapping/adjust/adjust_problem.h"
-#include "mapping/adjust/adjustable_camera.h"
 
 namespace cairn {
 namespace {
@@ -55,9 +55,10 @@ double RayAngleRad(const Reconstruction& model, const ReconLandmark& landmark) {
 }
 
 // Removes the observations of a landmark that do not project or, above `max_error_sigmas`, do not
-// fit. Removes all if fewer than two would stay, or if the rays span too little.
+// fit. Removes all if fewer than two would stay, or if the rays span too little, unless its
+// position is fixed.
 Kept KeepFitting(const Cameras& cameras, const Reconstruction& model, double max_error_sigmas,
-                 double min_ray_angle_rad, ReconLandmark* landmark) {
+                 double min_ray_angle_rad, bool is_fixed, ReconLandmark* landmark) {
   Kept kept;
   const auto fits = [&](const ReconObservation& seen) {
     const ReconImage& image = model.images[seen.image_idx];
@@ -80,8 +81,9 @@ Kept KeepFitting(const Cameras& cameras, const Reconstruction& model, double max
   std::vector<ReconObservation>& observations = landmark->observations;
   observations.erase(std::stable_partition(observations.begin(), observations.end(), fits),
                      observations.end());
-  if (observations.size() < 2 ||
-      (min_ray_angle_rad > 0.0 && RayAngleRad(model, *landmark) < min_ray_angle_rad)) {
+  if (!is_fixed &&
+      (observations.size() < 2 ||
+       (min_ray_angle_rad > 0.0 && RayAngleRad(model, *landmark) < min_ray_angle_rad))) {
     observations.clear();
     kept.sum_sq_px = 0.0;
   }
@@ -90,10 +92,10 @@ Kept KeepFitting(const Cameras& cameras, const Reconstruction& model, double max
   return kept;
 }
 
-// KeepFitting for all landmarks; those without observations leave the model. Sums are added up in
-// the order of the landmarks.
+// KeepFitting for all landmarks; those without observations leave the model and `is_fixed`. Sums
+// are added up in the order of the landmarks.
 Kept RemoveOutliers(const Cameras& cameras, double max_error_sigmas, double min_ray_angle_rad,
-                    int num_threads, Reconstruction* model) {
+                    int num_threads, Reconstruction* model, std::vector<uint8_t>* is_fixed) {
   const int num_landmarks = static_cast<int>(model->landmarks.size());
   const int num_steps = (num_landmarks + kLandmarksPerStep - 1) / kLandmarksPerStep;
   std::vector<Kept> kept_of_step(num_steps);
@@ -102,12 +104,22 @@ Kept RemoveOutliers(const Cameras& cameras, double max_error_sigmas, double min_
     const int end = std::min(num_landmarks, (step + 1) * kLandmarksPerStep);
     for (int i = step * kLandmarksPerStep; i < end; ++i) {
       const Kept of_landmark =
-          KeepFitting(cameras, *model, max_error_sigmas, min_ray_angle_rad, &model->landmarks[i]);
+          KeepFitting(cameras, *model, max_error_sigmas, min_ray_angle_rad,
+                      !is_fixed->empty() && (*is_fixed)[i] != 0, &model->landmarks[i]);
       kept.sum_sq_px += of_landmark.sum_sq_px;
       kept.num_observations += of_landmark.num_observations;
       kept.num_removed += of_landmark.num_removed;
     }
   });
+  if (!is_fixed->empty()) {
+    size_t kept_flags = 0;
+    for (int i = 0; i < num_landmarks; ++i) {
+      if (!model->landmarks[i].observations.empty()) {
+        (*is_fixed)[kept_flags++] = (*is_fixed)[i];
+      }
+    }
+    is_fixed->resize(kept_flags);
+  }
   std::erase_if(model->landmarks,
                 [](const ReconLandmark& landmark) { return landmark.observations.empty(); });
   Kept all;
@@ -129,20 +141,25 @@ void CheckSizes(std::span<const CameraFreedom> freedom_of_camera, const AdjustPr
   CAIRN_CHECK(is_absent_or(priors.focal_sigma_of_camera.size(), model.cameras.size()),
               "a sigma a camera");
   CAIRN_CHECK(is_absent_or(priors.camera_means.size(), model.cameras.size()), "a mean a camera");
+  CAIRN_CHECK(is_absent_or(priors.landmark_is_fixed.size(), model.landmarks.size()),
+              "a flag a landmark");
 }
 
 }  // namespace
 
-AdjustReport Adjust(std::span<const CameraFreedom> freedom_of_camera, const AdjustPriors& priors,
-                    const AdjustOptions& options, Reconstruction& model) {
+AdjustReport Adjust(std::span<const CameraFreedom> freedom_of_camera,
+                    const AdjustPriors& given_priors, const AdjustOptions& options,
+                    Reconstruction& model) {
   options.Validate();
-  CheckSizes(freedom_of_camera, priors, model);
+  CheckSizes(freedom_of_camera, given_priors, model);
+  AdjustPriors priors = given_priors;  // Flags of landmarks go as landmarks do.
   constexpr double kAnyError = 1e300;
   const size_t num_landmarks = model.landmarks.size();
   Cameras cameras = CamerasOf(model);
   AdjustReport report;
   // The solver starts where every observation projects.
-  Kept kept = RemoveOutliers(cameras, kAnyError, 0.0, options.num_threads, &model);
+  Kept kept = RemoveOutliers(cameras, kAnyError, 0.0, options.num_threads, &model,
+                             &priors.landmark_is_fixed);
   report.num_observations_removed = kept.num_removed;
   for (int round = 0; round < options.max_rounds && kept.num_observations > 0; ++round) {
     AdjustProblem problem(freedom_of_camera, cameras.adjustable, priors, options, model);
@@ -154,7 +171,7 @@ AdjustReport Adjust(std::span<const CameraFreedom> freedom_of_camera, const Adju
     report.initial_cost = round == 0 ? summary.initial_cost : report.initial_cost;
     report.final_cost = summary.final_cost;
     kept = RemoveOutliers(cameras, options.max_error_sigmas, options.min_ray_angle_rad,
-                          options.num_threads, &model);
+                          options.num_threads, &model, &priors.landmark_is_fixed);
     report.num_observations_removed += kept.num_removed;
     if (kept.num_removed == 0) {
       break;

@@ -1,6 +1,6 @@
-// A camera whose focal length and radial distortion are unknowns. Private to mapping/adjust.
-#ifndef CAIRN_MAPPING_ADJUST_ADJUSTABLE_CAMERA_H_
-#define CAIRN_MAPPING_ADJUST_ADJUSTABLE_CAMERA_H_
+// A camera whose focal length and radial distortion are unknowns. Private to core/adjust.
+#ifndef CAIRN_CORE_ADJUST_ADJUSTABLE_CAMERA_H_
+#define CAIRN_CORE_ADJUST_ADJUSTABLE_CAMERA_H_
 
 #include <Eigen/Core>
 
@@ -45,4 +45,4 @@ class AdjustableCamera {
 
 }  // namespace cairn
 
-#endif  // CAIRN_MAPPING_ADJUST_ADJUSTABLE_CAMERA_H_
+#endif  // CAIRN_CORE_ADJUST_ADJUSTABLE_CAMERA_H_

@@ -1,4 +1,4 @@
-#include "mapping/adjust/adjust_problem.h"
+#include "core/adjust/adjust_problem.h"
 
 #include <ceres/loss_function.h>
 #include <ceres/ordered_groups.h>
@@ -9,9 +9,9 @@
 #include <limits>
 #include <memory>
 
+#include "core/adjust/adjust_costs.h"
 #include "core/error.h"
 #include "core/scene/triangulate.h"
-#include "mapping/adjust/adjust_costs.h"
 
 namespace cairn {
 
@@ -47,6 +47,10 @@ bool AdjustProblem::IsFixed(size_t image) const {
   return !priors_.image_is_fixed.empty() && priors_.image_is_fixed[image] != 0;
 }
 
+bool AdjustProblem::IsLandmarkFixed(size_t landmark) const {
+  return !priors_.landmark_is_fixed.empty() && priors_.landmark_is_fixed[landmark] != 0;
+}
+
 void AdjustProblem::AddObservations() {
   auto* loss = new ceres::CauchyLoss(options_.loss_scale_sigmas);
   for (size_t i = 0; i < model_.landmarks.size(); ++i) {
@@ -67,6 +71,10 @@ void AdjustProblem::AddObservations() {
                                 loss, PointAt(i), PoseAt(seen.image_idx),
                                 CameraAt(image.camera_idx));
       ++num_observations_[seen.image_idx];
+    }
+    if (IsLandmarkFixed(i)) {
+      problem_.SetParameterBlockConstant(PointAt(i));
+      ++num_fixed_landmarks_;
     }
   }
   for (size_t i = 0; i < model_.images.size(); ++i) {
@@ -143,7 +151,8 @@ void AdjustProblem::FixGauge() {
       anchor = i;
     }
   }
-  if (num_fixed >= 2 || num_positions >= 3 || problem_.NumResidualBlocks() == 0) {
+  if (num_fixed >= 2 || num_positions >= 3 || num_fixed_landmarks_ >= 3 ||
+      problem_.NumResidualBlocks() == 0) {
     return;
   }
   if (num_observations_[anchor] == 0) {
