@@ -15,11 +15,14 @@ IngestReport IngestPlaced(const PlacedReconstruction& session, CairnOptions opti
                           SessionArchive* archive, const IngestProgress& progress,
                           MapStore* store) {
   options.ingest = session.options;
+  // What a map took once belongs to it, also if a rebuild leaves out what anchored it.
+  CairnOptions archived = options;
+  archived.ingest.agreement.unanchored = Unanchored::kAccept;
   const Sim3d& ecef_from_world = session.georegistration.ecef_from_world;
   const IngestReport report = IngestSession(session.reconstruction, ecef_from_world, options.ingest,
                                             store, progress, [&](const PlannedSession& planned) {
                                               if (archive != nullptr) {
-                                                archive->Stage(planned, ecef_from_world, options);
+                                                archive->Stage(planned, ecef_from_world, archived);
                                               }
                                             });
   if (archive != nullptr) {

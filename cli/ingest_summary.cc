@@ -83,6 +83,7 @@ nlohmann::ordered_json IngestJson(const std::string& session_name,
           {"georegistration", GeoregistrationJson(georegistration)},
           {"codebook", CodebookName(report.codebook_origin)},
           {"comparison", ComparisonJson(report.comparison)},
+          {"adjustment", AdjustmentJson(report.adjustment)},
           {"images", report.num_images},
           {"landmarksRead", report.num_landmarks_read},
           {"landmarksDropped", report.num_landmarks_dropped},
@@ -127,6 +128,7 @@ void PrintIngestText(const std::string& session_name, const Georegistration& geo
   }
   fmt::print("codebook         {}\n", CodebookName(report.codebook_origin));
   PrintComparison(report.comparison, "photos");
+  PrintAdjustment(report.adjustment);
   fmt::print("landmarks        {} read, {} dropped as uncertain\n", report.num_landmarks_read,
              report.num_landmarks_dropped);
   const TileChanges& changes = report.changes;

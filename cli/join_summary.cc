@@ -8,6 +8,38 @@
 
 namespace cairn {
 
+namespace {
+
+void PrintAnchoring(const MapComparison& comparison) {
+  const AnchorEvidence& anchoring = comparison.anchoring;
+  if (anchoring.num_answers == 0) {
+    return;
+  }
+  fmt::print(
+      "anchored         {}: {} of {} answers agree, in {} places over {:.1f} m (needed: {} places, "
+      "{:.1f} m); the largest other group stands in {}\n",
+      IsAnchored(anchoring) ? "yes" : "no", anchoring.winner.num_frames, anchoring.num_answers,
+      anchoring.winner.num_places, anchoring.winner.extent_m, PlacesNeeded(anchoring),
+      ExtentNeededM(anchoring), anchoring.rival.num_places);
+  if (!comparison.bending.is_none()) {
+    const DriftField& shift = comparison.bending.shift();
+    fmt::print("bending          {:.3f} m at most; a drift of {:.2f} m over about {:.0f} m\n",
+               comparison.largest_bend_m, shift.amplitude(), shift.wave_m());
+  }
+}
+
+}  // namespace
+
+void PrintAdjustment(const JointAdjustment& adjustment) {
+  if (adjustment.num_shared > 0) {
+    fmt::print(
+        "adjustment       {} landmarks shared with the map, which stay; {} sights, {:.2f} px rms; "
+        "cameras moved by {:.3f} m at most\n",
+        adjustment.num_shared, adjustment.num_observations, adjustment.rms_px,
+        adjustment.largest_move_m);
+  }
+}
+
 void PrintComparison(const MapComparison& comparison, const char* queries) {
   if (comparison.num_asked() == 0) {
     return;
@@ -26,6 +58,7 @@ void PrintComparison(const MapComparison& comparison, const char* queries) {
         comparison.fit.scale, comparison.fit.median_residual_m);
   }
   fmt::print("\n");
+  PrintAnchoring(comparison);
   if (!IsJudged(comparison)) {
     fmt::print(
         "                 too few {} agree to judge whether the placement fits the map (at least "
@@ -51,17 +84,31 @@ void PrintChanges(const TileChanges& changes) {
 }
 
 nlohmann::ordered_json ComparisonJson(const MapComparison& comparison) {
-  return {{"photosExpected", comparison.num_expected},
-          {"photosRecognized", comparison.num_localized},
-          {"photosSought", comparison.num_sought},
-          {"photosFound", comparison.num_found},
-          {"photosAgreeing", comparison.fit.num_agreeing},
-          {"judged", IsJudged(comparison)},
-          {"movedM", comparison.fit.moved_m},
-          {"raisedM", comparison.fit.raised_m},
-          {"turnedDeg", comparison.fit.turned_rad * kDegPerRad},
-          {"scale", comparison.fit.scale},
-          {"medianResidualM", comparison.fit.median_residual_m}};
+  nlohmann::ordered_json json = {{"photosExpected", comparison.num_expected},
+                                 {"photosRecognized", comparison.num_localized},
+                                 {"photosSought", comparison.num_sought},
+                                 {"photosFound", comparison.num_found},
+                                 {"photosAgreeing", comparison.fit.num_agreeing},
+                                 {"judged", IsJudged(comparison)},
+                                 {"movedM", comparison.fit.moved_m},
+                                 {"raisedM", comparison.fit.raised_m},
+                                 {"turnedDeg", comparison.fit.turned_rad * kDegPerRad},
+                                 {"scale", comparison.fit.scale},
+                                 {"medianResidualM", comparison.fit.median_residual_m}};
+  if (comparison.anchoring.num_answers > 0) {  // Plans do not store it.
+    json["anchored"] = IsAnchored(comparison.anchoring);
+    json["anchoredPlaces"] = comparison.anchoring.winner.num_places;
+    json["rivalPlaces"] = comparison.anchoring.rival.num_places;
+    json["largestBendM"] = comparison.largest_bend_m;
+  }
+  return json;
+}
+
+nlohmann::ordered_json AdjustmentJson(const JointAdjustment& adjustment) {
+  return {{"sharedLandmarks", adjustment.num_shared},
+          {"sights", adjustment.num_observations},
+          {"rmsPx", adjustment.rms_px},
+          {"largestMoveM", adjustment.largest_move_m}};
 }
 
 nlohmann::ordered_json AnswersJson(const KeyframeAnswers& answers) {

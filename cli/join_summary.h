@@ -5,6 +5,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "ingest/adjust_session.h"
 #include "ingest/place/ask_keyframes.h"
 #include "ingest/place/compare_with_map.h"
 #include "ingest/tile_changes.h"
@@ -16,6 +17,9 @@ namespace cairn {
 // asked for: "photos" or "keyframes".
 void PrintComparison(const MapComparison& comparison, const char* queries);
 
+// Prints the adjustment of a session with the landmarks of the map; nothing if there was none.
+void PrintAdjustment(const JointAdjustment& adjustment);
+
 // Prints how many keyframes of the map were asked before the publication, and how many lost their
 // answer; nothing if there were none.
 void PrintAnswers(const KeyframeAnswers& answers);
@@ -24,6 +28,7 @@ void PrintAnswers(const KeyframeAnswers& answers);
 void PrintChanges(const TileChanges& changes);
 
 nlohmann::ordered_json ComparisonJson(const MapComparison& comparison);
+nlohmann::ordered_json AdjustmentJson(const JointAdjustment& adjustment);
 nlohmann::ordered_json AnswersJson(const KeyframeAnswers& answers);
 nlohmann::ordered_json ChangesJson(const TileChanges& changes);
 

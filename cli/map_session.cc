@@ -71,6 +71,10 @@ PlacedReconstruction SessionOf(const MapSessionArguments& arguments, MappedPhoto
   options.session_name = SessionName(arguments);
   options.source = arguments.input.paths.front();
   options.joining = arguments.session.apart ? SessionJoining::kApart : SessionJoining::kJoin;
+  if (!arguments.session.apart) {
+    options.agreement.unanchored = Unanchored::kRefuse;
+  }
+  options.fitting = SessionFitting::kAdjust;
   options.georef_median_residual_m = session.georegistration.median_residual_m;
   if (options.agreement.position_accuracy_m == 0.0) {
     options.agreement.position_accuracy_m = session.georegistration.stated_accuracy_m;

@@ -21,6 +21,19 @@ enum class SessionJoining {
   kApart,  // The session's landmarks stand beside those of the map; nothing is compared.
 };
 
+// What becomes of a session that is not anchored in the map (IsAnchored,
+// ingest/anchor/consistent_frames.h).
+enum class Unanchored {
+  kAccept,  // It is taken as it is if nothing contradicts it.
+  kRefuse,  // It is refused if the map knows the place where it stands.
+};
+
+// How closely a session that is anchored in the map follows it.
+enum class SessionFitting {
+  kBend,    // By a smooth drift.
+  kAdjust,  // Then by a bundle adjustment in which the landmarks of the map stay.
+};
+
 // How far a session may contradict the map. See MapComparison and LimitsOf
 // (ingest/session_placement.h).
 struct AgreementOptions {
@@ -35,6 +48,7 @@ struct AgreementOptions {
   // photos.
   double min_recognized_share = 0.1;
   int min_expected = 10;
+  Unanchored unanchored = Unanchored::kAccept;
 
   void Validate() const;
 };
@@ -82,6 +96,7 @@ struct IngestOptions : TileOptions {
   CodebookOptions codebook;  // Used only by the first session of a map.
   AgreementOptions agreement;
   GateOptions gate;
+  SessionFitting fitting = SessionFitting::kBend;
   // Landmarks with a larger standard deviation of the position are dropped, meters.
   double max_sigma_m = 2.0;
   // Landmarks with a larger median reprojection error are dropped, pixels.

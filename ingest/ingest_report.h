@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "ingest/adjust_session.h"
 #include "ingest/place/ask_keyframes.h"
 #include "ingest/place/compare_with_map.h"
 #include "ingest/tile_changes.h"
@@ -26,7 +27,8 @@ struct IngestReport {
   // The map holds exactly this session under this name already; nothing was done.
   bool is_unchanged = false;
   CodebookOrigin codebook_origin = CodebookOrigin::kMap;
-  MapComparison comparison;  // What the map said about the session; empty if it was kept apart.
+  MapComparison comparison;    // What the map said about the session; empty if it was kept apart.
+  JointAdjustment adjustment;  // With the landmarks of the map; see SessionFitting::kAdjust.
   KeyframeAnswers keyframe_answers;  // Of keyframes that the map had before; see ask_keyframes.h.
   int64_t num_images = 0;
   int64_t num_landmarks_read = 0;

@@ -6,9 +6,11 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <unordered_map>
 #include <utility>
 
 #include "core/error.h"
+#include "core/geodesy.h"
 #include "core/printable.h"
 #include "ingest/codebook/choose_codebook.h"
 #include "ingest/place/in_map_accuracy.h"
@@ -109,12 +111,13 @@ MapComparison Compare(const Reconstruction& reconstruction, const PlacedSession&
   if (options.joining == SessionJoining::kApart) {
     return {};
   }
+  const ComparisonOptions how = {.position_accuracy_m = options.agreement.position_accuracy_m,
+                                 .num_threads = options.num_threads};
   if (replaced == SessionId{}) {
-    return CompareWithMap(reconstruction, session, store, base, options.num_threads);
+    return CompareWithMap(reconstruction, session, store, base, how);
   }
   const ScratchMap others = MapWithoutSession(TilesToAsk(session, base), replaced, base);
-  return CompareWithMap(reconstruction, session, others.store(), others.store().Snapshot(),
-                        options.num_threads);
+  return CompareWithMap(reconstruction, session, others.store(), others.store().Snapshot(), how);
 }
 
 // Links of all landmarks of the session to those of the map, tile by tile.
@@ -137,6 +140,44 @@ std::vector<LandmarkId> LinkSession(const Reconstruction& reconstruction,
     }
   }
   return ResolveLinks(reconstruction, session, std::move(proposals));
+}
+
+// Where the map has the landmarks that `ids` name; empty for 0.
+std::vector<std::optional<Eigen::Vector3d>> KnownPlaces(const PlacedSession& session,
+                                                        const std::vector<LandmarkId>& ids,
+                                                        SessionId replaced,
+                                                        const MapSnapshot& base) {
+  std::unordered_map<LandmarkId, Eigen::Vector3d> place_of_id;
+  for (const auto& [tile_id, images] : session.images_of_tile) {
+    if (const std::optional<Tile> known = LoadWithoutSession(tile_id, replaced, base)) {
+      const Rigid3d ecef_from_tile = EcefFromEnu(tile_id.Anchor());
+      for (size_t i = 0; i < known->num_landmarks(); ++i) {
+        place_of_id.emplace(known->landmark_ids[i],
+                            ecef_from_tile * known->x_in_tile[i].cast<double>());
+      }
+    }
+  }
+  std::vector<std::optional<Eigen::Vector3d>> places;
+  for (const LandmarkId id : ids) {
+    const auto found = place_of_id.find(id);
+    places.push_back(found == place_of_id.end() ? std::nullopt : std::optional(found->second));
+  }
+  return places;
+}
+
+// Adjusts the session with the landmarks that it shares with the map.
+void AdjustToMap(const Reconstruction& reconstruction, const IngestOptions& options,
+                 const MapSnapshot& base, const IngestProgress& progress, SessionPlan* plan,
+                 PlacedSession* session) {
+  if (options.fitting != SessionFitting::kAdjust || !IsAnchored(plan->comparison.anchoring)) {
+    return;
+  }
+  const std::vector<LandmarkId> ids = LinkSession(reconstruction, *session, *plan, base, progress);
+  ReportProgress(progress, "adjustment", 0, 1);
+  plan->adjustment =
+      AdjustSession(reconstruction, KnownPlaces(*session, ids, plan->replaced_session, base),
+                    options.num_threads, session);
+  AssignTiles(reconstruction, session);
 }
 
 IdCounts CountNewIds(const SessionPlan& plan, const PlacedSession& session,
@@ -270,7 +311,8 @@ void SettleAndNumber(const PlacedSession& placed, double scale, const IngestOpti
                               options.georef_median_residual_m,
                               OthersThan(plan.replaced_session, base.Sessions())),
                    fmt::format("session '{}'", Excerpt(plan.session.name)));
-  const PlacedSession settled = SettleSession(placed, plan.comparison, reconstruction);
+  PlacedSession settled = SettleSession(placed, reconstruction, &plan.comparison);
+  AdjustToMap(reconstruction, options, base, progress, &plan, &settled);
   plan.session.accuracy = AccuracyOf(reconstruction, settled, scale, plan, options, base);
   planned->landmark_ids = LinkSession(reconstruction, settled, plan, base, progress);
   planned->session = JoinLinked(settled, &planned->landmark_ids);

@@ -136,6 +136,7 @@ IngestReport ReportOf(const SessionPlan& plan) {
   report.is_unchanged = plan.is_unchanged;
   report.codebook_origin = OriginOf(plan);
   report.comparison = plan.comparison;
+  report.adjustment = plan.adjustment;
   report.num_images = plan.session.num_images;
   report.num_landmarks_read = plan.session.num_landmarks;
   report.num_landmarks_dropped = plan.num_landmarks_dropped;

@@ -142,6 +142,10 @@ std::string DigestOf(const Sim3d& ecef_from_world, const IngestOptions& options)
   hasher.Add(options.upkeep.enough_landmarks);
   hasher.Add(options.upkeep.least_existence);
   AddUpkeep(options.upkeep, &hasher);
+  // Sessions of before that there was a choice keep their digests.
+  if (options.fitting != SessionFitting::kBend) {
+    hasher.Add(options.fitting);
+  }
   return hasher.Hex().substr(16);
 }
 

@@ -29,13 +29,41 @@ bool IsSure(const MapComparison& comparison) {
   constexpr int kLeastPhotos = 5;
   constexpr double kLeastShare = 0.8, kMaxResidualM = 0.3;
   const PlacementFit& fit = comparison.fit;
-  return fit.num_agreeing >= kLeastPhotos &&
-         fit.num_agreeing >= kLeastShare * comparison.num_recognized() &&
-         fit.median_residual_m <= kMaxResidualM;
+  const bool are_most = fit.num_agreeing >= kLeastPhotos &&
+                        fit.num_agreeing >= kLeastShare * comparison.num_recognized();
+  const bool are_anchored =
+      IsAnchored(comparison.anchoring) && comparison.anchoring.winner.num_places >= kIslandPlaces;
+  return (are_most || are_anchored) && fit.median_residual_m <= kMaxResidualM;
 }
 
 constexpr const char* kMirrored =
     "Check whether the program that wrote its keypoints, or those of the map, mirrors images";
+
+// Returns the largest motion of a camera.
+double BendSession(const Bending& bending, PlacedSession* session) {
+  if (bending.is_none()) {
+    return 0.0;
+  }
+  double largest_m = 0.0;
+  std::vector<Eigen::Vector3d> sum(session->landmarks.size(), Eigen::Vector3d::Zero());
+  std::vector<int> num_views(session->landmarks.size(), 0);
+  for (size_t i = 0; i < session->cam_from_ecef.size(); ++i) {
+    const Rigid3d before = session->cam_from_ecef[i];
+    const Rigid3d ecef_from_cam = bending.Bend(before).Inverse();
+    largest_m =
+        std::max(largest_m, (ecef_from_cam.translation - before.Inverse().translation).norm());
+    for (const PlacedObservation& seen : session->observations_of_image[i]) {
+      sum[seen.landmark_idx] +=
+          ecef_from_cam * (before * session->landmarks[seen.landmark_idx].x_in_ecef);
+      ++num_views[seen.landmark_idx];
+    }
+    session->cam_from_ecef[i] = ecef_from_cam.Inverse();
+  }
+  for (size_t i = 0; i < sum.size(); ++i) {
+    session->landmarks[i].x_in_ecef = sum[i] / static_cast<double>(num_views[i]);
+  }
+  return largest_m;
+}
 
 bool IsFromBehind(const MapComparison& comparison) {
   return comparison.num_from_behind >= kLeastPhotosToJudge &&
@@ -67,7 +95,7 @@ void RequireOneMotion(const MapComparison& comparison, const AgreementOptions& o
   // A few sure answers to photos of new ground contradict nothing.
   const bool is_known = comparison.num_localized >= kLeastPhotosToJudge ||
                         2 * num_recognized >= comparison.num_asked();
-  if (is_known && num_recognized >= kLeastPhotosToJudge &&
+  if (is_known && num_recognized >= kLeastPhotosToJudge && !IsAnchored(comparison.anchoring) &&
       comparison.fit.num_agreeing < options.min_agreeing_share * num_recognized) {
     Refuse(newcomer,
            fmt::format("the map recognizes {} of {} photos, but only {} of them in places "
@@ -76,6 +104,34 @@ void RequireOneMotion(const MapComparison& comparison, const AgreementOptions& o
                        MirrorNote(comparison)),
            IsFromBehind(comparison) ? kMirrored : kCorrect);
   }
+}
+
+// Whether the map knows the place where a session stands: it recognizes some photos, or should
+// recognize many.
+bool IsOnKnownGround(const MapComparison& comparison, const AgreementOptions& options) {
+  return comparison.num_recognized() >= kLeastPhotosToJudge ||
+         comparison.num_expected >=
+             std::clamp((comparison.anchoring.session.num_frames + 1) / 2, 1, options.min_expected);
+}
+
+void RequireAnchored(const MapComparison& comparison, const AgreementOptions& options,
+                     const std::string& newcomer) {
+  const AnchorEvidence& anchoring = comparison.anchoring;
+  if (!IsOnKnownGround(comparison, options) || IsAnchored(anchoring)) {
+    return;
+  }
+  throw Error(
+      ErrorCode::kConflict,
+      fmt::format(
+          "{} is not anchored: the map recognizes {} of {} photos, of which {} agree with each "
+          "other, in {} places over {:.1f} m (needed: {} places, {:.1f} m, a fifth of those "
+          "recognized); the largest group that agrees on another place stands in {}{}. It was "
+          "placed by nothing. Take more photos of what the map shows, or keep it apart from what "
+          "the map knows, where its positions say (--apart)",
+          newcomer, anchoring.num_answers, comparison.num_asked(), anchoring.winner.num_frames,
+          anchoring.winner.num_places, anchoring.winner.extent_m, PlacesNeeded(anchoring),
+          ExtentNeededM(anchoring), anchoring.rival.num_places,
+          anchoring.rival_is_apart ? ", far from the others" : ""));
 }
 
 double MovedM(const PlacementFit& fit, const MotionLimits& limits) {
@@ -160,6 +216,9 @@ void RequireAgreement(const MapComparison& comparison, const AgreementOptions& o
                       const PositionAccuracies& accuracy, const std::string& newcomer) {
   RequireRecognized(comparison, options, newcomer);
   RequireOneMotion(comparison, options, newcomer);
+  if (options.unanchored == Unanchored::kRefuse) {
+    RequireAnchored(comparison, options, newcomer);
+  }
   if (IsJudged(comparison)) {
     RequireSmallMotion(comparison, options, accuracy, newcomer);
   }
@@ -180,18 +239,19 @@ void RequireAnswers(const KeyframeAnswers& answers, const GateOptions& options,
   }
 }
 
-PlacedSession SettleSession(PlacedSession session, const MapComparison& comparison,
-                            const Reconstruction& reconstruction) {
-  if (!IsJudged(comparison)) {
+PlacedSession SettleSession(PlacedSession session, const Reconstruction& reconstruction,
+                            MapComparison* comparison) {
+  if (!IsJudged(*comparison)) {
     return session;
   }
-  const Sim3d& map_from_session = comparison.fit.map_from_session;
+  const Sim3d& map_from_session = comparison->fit.map_from_session;
   for (Rigid3d& cam_from_ecef : session.cam_from_ecef) {
     cam_from_ecef = CamFromTarget(cam_from_ecef, map_from_session);
   }
   for (PlacedLandmark& landmark : session.landmarks) {
     landmark.x_in_ecef = map_from_session * landmark.x_in_ecef;
   }
+  comparison->largest_bend_m = BendSession(comparison->bending, &session);
   AssignTiles(reconstruction, &session);
   return session;
 }

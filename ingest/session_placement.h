@@ -42,8 +42,8 @@ MotionLimits LimitsOf(const MapComparison& comparison, const AgreementOptions& o
 
 // Throws Error(kConflict), with the figures of the disagreement and what to do, if a session or
 // another map contradicts the map: the map recognizes none of its photos, or recognizes them
-// mirrored, elsewhere, turned, of another size or in places that fit no motion. `newcomer` names
-// it.
+// mirrored, elsewhere, turned, of another size or in places that fit no motion; or if
+// it is not anchored, as AgreementOptions::unanchored asks for. `newcomer` names it.
 void RequireAgreement(const MapComparison& comparison, const AgreementOptions& options,
                       const PositionAccuracies& accuracy, const std::string& newcomer);
 
@@ -52,9 +52,10 @@ void RequireAgreement(const MapComparison& comparison, const AgreementOptions& o
 void RequireAnswers(const KeyframeAnswers& answers, const GateOptions& options,
                     const std::string& newcomer);
 
-// The session moved to where the map sees it, or as it is if the map recognizes too few photos.
-PlacedSession SettleSession(PlacedSession session, const MapComparison& comparison,
-                            const Reconstruction& reconstruction);
+// The session moved to where the map sees it and bent as it says, or as it is if the map recognizes
+// too few photos. Landmarks move with the cameras that see them. Writes how far the session bends.
+PlacedSession SettleSession(PlacedSession session, const Reconstruction& reconstruction,
+                            MapComparison* comparison);
 
 }  // namespace cairn
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/tile_id.h"
+#include "ingest/adjust_session.h"
 #include "ingest/ingest_options.h"
 #include "ingest/place/compare_with_map.h"
 #include "ingest/tiles/landmark_history.h"
@@ -17,7 +18,7 @@
 
 namespace cairn {
 
-// Phases "codebook", "comparison", "links", "shards", "tiles", "answers",
+// Phases "codebook", "comparison", "links", "adjustment", "shards", "tiles", "answers",
 // "publish"; done of total.
 using IngestProgress = std::function<void(const char* phase, int64_t done, int64_t total)>;
 
@@ -58,6 +59,7 @@ struct SessionPlan {
 
   // For the report.
   MapComparison comparison;
+  JointAdjustment adjustment;
   int64_t num_landmarks_dropped = 0;
 };
 

@@ -11,6 +11,12 @@ constexpr EnumName<ProjectionKind> kProjectionNames[] = {
     {"principal_components", ProjectionKind::kPrincipalComponents},
     {"likelihood_ratio", ProjectionKind::kLikelihoodRatio}};
 
+constexpr EnumName<Unanchored> kUnanchoredNames[] = {{"accept", Unanchored::kAccept},
+                                                     {"refuse", Unanchored::kRefuse}};
+
+constexpr EnumName<SessionFitting> kFittingNames[] = {{"bend", SessionFitting::kBend},
+                                                      {"adjust", SessionFitting::kAdjust}};
+
 void DescribeCodebook(CodebookOptions* options, OptionList* list) {
   list->Add(
       "source", &options->source, kCodebookSourceNames,
@@ -74,6 +80,9 @@ void DescribeAgreement(AgreementOptions* options, OptionList* list) {
             "Smallest share of the photos that the map should recognize and does");
   list->Add("min_expected", &options->min_expected,
             "With fewer photos that the map should recognize, min_recognized_share does not count");
+  list->Add("unanchored", &options->unanchored, kUnanchoredNames,
+            "What becomes of a session that is not anchored in the map: it is taken as it is, or "
+            "refused where the map knows the place, as cairn map does");
 }
 
 void DescribeGate(GateOptions* options, OptionList* list) {
@@ -143,6 +152,9 @@ void DescribeIngest(IngestOptions* options, OptionList* list) {
   list->Add("earth_accuracy_rad", &options->earth_accuracy_rad,
             "How far the session is from its true direction, 68 % radius, radians; counts if "
             "earth_accuracy_m is set");
+  list->Add("fitting", &options->fitting, kFittingNames,
+            "How an anchored session follows the map: bent by a smooth drift, or also adjusted "
+            "with the landmarks of the map held; cairn map adjusts");
   list->AddSection("codebook",
                    "How descriptors are compressed; counts for the first session of a map only",
                    [&] { DescribeCodebook(&options->codebook, list); });

@@ -127,7 +127,8 @@ MapComparison CompareMaps(const MergeSource& a, const MergeSource& b, int num_th
               .features;
     }
   }
-  return CompareWithMap(view.reconstruction, view.session, a.store(), a.snapshot(), num_threads);
+  return CompareWithMap(view.reconstruction, view.session, a.store(), a.snapshot(),
+                        {.may_bend = false, .num_threads = num_threads});
 }
 
 std::unordered_map<LandmarkId, LandmarkId> LinkMaps(const MergeSource& a, const MergeSource& b,

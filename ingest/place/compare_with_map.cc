@@ -13,7 +13,10 @@
 #include "core/frames.h"
 #include "core/geodesy.h"
 #include "core/parallel_for.h"
+#include "core/radius68.h"
+#include "core/statistics.h"
 #include "engine/localizer.h"
+#include "ingest/place/in_map_accuracy.h"
 #include "ingest/tiles/near_view.h"
 #include "storage/tile/tile_codec.h"
 
@@ -160,15 +163,66 @@ double SpreadOf(const PlacedSession& session) {
   return std::sqrt(sum_sq_m);
 }
 
+// The residuals of the fit after the bending: what each photo tells that the others do not.
+void FitBending(const std::vector<PosePair>& agreeing, MapComparison* comparison) {
+  std::vector<PosePair> moved = agreeing;
+  for (PosePair& pair : moved) {
+    pair.cam_from_ecef = CamFromTarget(pair.cam_from_ecef, comparison->fit.map_from_session);
+  }
+  comparison->bending = Bending::Fit(moved);
+  std::vector<double> residuals_m;
+  std::vector<PhotoDisagreement> photos;
+  for (size_t i = 0; i < comparison->bending.shift().surprises().size(); ++i) {
+    residuals_m.push_back(comparison->bending.shift().surprises()[i].norm());
+    photos.push_back({residuals_m.back(), moved[i].accuracy_m});
+  }
+  if (!residuals_m.empty()) {
+    comparison->fit.disagreement_m = UnpredictedRadius68(photos);
+    comparison->fit.median_residual_m = Median(std::move(residuals_m));
+  }
+}
+
+// Fills in the fit, the anchoring and the bending.
+void FitPairs(const std::vector<PosePair>& pairs, const ComparisonOptions& how,
+              MapComparison* comparison) {
+  ConsistencyOptions options;
+  options.scale_sigma =
+      std::max(options.scale_sigma,
+               how.position_accuracy_m / kRadius68PerSigma2d / std::max(1.0, comparison->spread_m));
+  const ConsistentFrames consistent = FindConsistentFrames(pairs, options);
+  AnchorEvidence& anchoring = comparison->anchoring;
+  anchoring.num_answers = static_cast<int>(pairs.size());
+  anchoring.winner = consistent.winner;
+  anchoring.rival = consistent.rival;
+  anchoring.rival_is_apart = consistent.rival_is_apart;
+  comparison->bending = Bending();
+  if (consistent.winner.num_frames < kLeastPhotosToJudge) {
+    comparison->fit = FitPlacement(pairs, PlacementFitOptions());
+    return;
+  }
+  std::vector<PosePair> agreeing;
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    if (consistent.agrees[i]) {
+      agreeing.push_back(pairs[i]);
+    }
+  }
+  comparison->fit = FitPlacement(agreeing, PlacementFitOptions());
+  comparison->fit.agrees = consistent.agrees;
+  comparison->fit.num_agreeing = consistent.winner.num_frames;
+  if (how.may_bend && IsAnchored(anchoring) && anchoring.winner.num_places >= kIslandPlaces) {
+    FitBending(agreeing, comparison);
+  }
+}
+
 // Asks the map for photos and collects what it says.
 class MapInquiry {
  public:
   MapInquiry(const Reconstruction& reconstruction, const PlacedSession& session,
-             const MapStore& store, const MapSnapshot& map, int num_threads)
+             const MapStore& store, const MapSnapshot& map, const ComparisonOptions& options)
       : reconstruction_(reconstruction),
         session_(session),
         map_(map),
-        num_threads_(num_threads),
+        options_(options),
         codec_(map.CurrentCodebook()->CodecName()),
         // The store outlives the localizer, which wants to share it.
         localizer_(std::shared_ptr<const MapStore>(std::shared_ptr<const MapStore>(), &store),
@@ -177,7 +231,7 @@ class MapInquiry {
   // Returns the number of photos that the map recognizes with this confidence.
   int Ask(const std::vector<int>& images, double accuracy_m, double least_confidence) {
     std::vector<LocalizeResult> results(images.size());
-    ParallelFor(static_cast<int>(images.size()), num_threads_, [&](int i) {
+    ParallelFor(static_cast<int>(images.size()), options_.num_threads, [&](int i) {
       LocalizeQuery query =
           QueryOf(reconstruction_, session_, images[static_cast<size_t>(i)], accuracy_m);
       query.codec = codec_;
@@ -190,7 +244,8 @@ class MapInquiry {
         ++num_recognized;
         num_from_behind_ += IsFromBehind(results[i]) ? 1 : 0;
         pairs_.push_back({session_.cam_from_ecef[static_cast<size_t>(images[i])],
-                          results[i].cam_from_ecef, results[i].position_accuracy_m});
+                          results[i].cam_from_ecef, results[i].position_accuracy_m,
+                          results[i].rotation_accuracy_rad});
         recognized_.push_back(images[i]);
       }
     }
@@ -202,7 +257,7 @@ class MapInquiry {
     if (pairs_.empty()) {
       return;
     }
-    comparison->fit = FitPlacement(pairs_, PlacementFitOptions());
+    FitPairs(pairs_, options_, comparison);
     std::set<int> agreeing;
     for (size_t i = 0; i < pairs_.size(); ++i) {
       if (comparison->fit.agrees[i]) {
@@ -224,7 +279,7 @@ class MapInquiry {
   const Reconstruction& reconstruction_;
   const PlacedSession& session_;
   const MapSnapshot& map_;
-  const int num_threads_;
+  const ComparisonOptions& options_;
   const std::string codec_;
   const Localizer localizer_;
   std::vector<int> asked_, recognized_;  // Images; `recognized_` is parallel to `pairs_`.
@@ -264,9 +319,13 @@ std::vector<TileId> TilesToAsk(const PlacedSession& session, const MapSnapshot& 
 }
 
 MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedSession& session,
-                             const MapStore& store, const MapSnapshot& map, int num_threads) {
+                             const MapStore& store, const MapSnapshot& map,
+                             const ComparisonOptions& options) {
   MapComparison comparison;
   comparison.spread_m = SpreadOf(session);
+  comparison.anchoring.session = {static_cast<int>(session.cam_from_ecef.size()),
+                                  CountPlaces(session.cam_from_ecef, 2 * kIslandPlaces),
+                                  ExtentM(session.cam_from_ecef)};
   KnownViews known(map);
   const PhotosToAsk photos = ChooseAmong(session, map, &known);
   comparison.num_expected = static_cast<int>(photos.expected.size());
@@ -274,7 +333,7 @@ MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedS
     comparison.known_sessions = known.Sessions();
     return comparison;
   }
-  MapInquiry inquiry(reconstruction, session, store, map, num_threads);
+  MapInquiry inquiry(reconstruction, session, store, map, options);
   comparison.num_localized = inquiry.Ask(photos.expected, kExpectedAccuracyM, 0.0);
   inquiry.Fit(&known, &comparison);
   const auto middle = photos.sought.begin() + static_cast<std::ptrdiff_t>(std::min<size_t>(

@@ -6,6 +6,8 @@
 
 #include "core/rigid3.h"
 #include "core/scene/reconstruction.h"
+#include "ingest/anchor/bending.h"
+#include "ingest/anchor/consistent_frames.h"
 #include "ingest/place/fit_placement.h"
 #include "ingest/tiles/placed_session.h"
 #include "storage/ids.h"
@@ -24,7 +26,14 @@ struct MapComparison {
   // Recognized photos that see what they recognize from the side opposite to that of the mapping
   // photos, as a mirrored session or a session in a mirrored map does.
   int num_from_behind = 0;
-  PlacementFit fit;  // Of the recognized photos; meaningful if there are any.
+  // Of the recognized photos; meaningful if there are any. If three are consistent with each other
+  // (FindConsistentFrames), these agree, the motion is theirs, and the residuals are those that
+  // stay after `bending`.
+  PlacementFit fit;
+  AnchorEvidence anchoring;
+  // How the session bends after the motion; none unless it is anchored in ten places.
+  Bending bending;
+  double largest_bend_m = 0.0;  // Of all photos of the session. Filled in once it has settled.
   // After the motion of the fit: the asked photos that the map should recognize, and those of them
   // that agree on the motion.
   int num_expected_after = 0;
@@ -59,14 +68,24 @@ struct PhotosToAsk {
 };
 PhotosToAsk ChoosePhotos(const PlacedSession& session, const MapSnapshot& map);
 
+// What CompareWithMap has to know of the session beside its content.
+struct ComparisonOptions {
+  // Radius that contains 68 % of the positions that placed the session; 0: unknown. Positions that
+  // err leave the size of a short walk uncertain.
+  double position_accuracy_m = 0.0;
+  bool may_bend = true;
+  int num_threads = 1;  // The result does not depend on it.
+};
+
 // Localizes photos of the session by the features of the reconstruction: raw, or in the projected
 // space of the map's codebook. Asks for the expected photos first. If fewer than half of them agree
 // on one motion, asks for the sought photos, twelve of them first; the others only if the map
 // recognizes one. A session that is misplaced by more than 100 m is not found. `map` is a version
-// of `store`; later versions do not change the result. The result does not depend on `num_threads`.
-// Throws what the engine throws on a damaged map.
+// of `store`; later versions do not change the result. Throws what the engine throws on a damaged
+// map.
 MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedSession& session,
-                             const MapStore& store, const MapSnapshot& map, int num_threads);
+                             const MapStore& store, const MapSnapshot& map,
+                             const ComparisonOptions& options);
 
 // The tiles of the map within 100 m of a camera of the session, ascending: all that CompareWithMap
 // reads.

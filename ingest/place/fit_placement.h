@@ -5,15 +5,9 @@
 #include <vector>
 
 #include "core/rigid3.h"
+#include "ingest/anchor/pose_pair.h"
 
 namespace cairn {
-
-// One camera, placed by its session and by the map.
-struct PosePair {
-  Rigid3d cam_from_ecef;         // By the session.
-  Rigid3d cam_from_ecef_in_map;  // By the map.
-  double accuracy_m = 0.0;       // Of the place by the map: a 68 % radius.
-};
 
 // The difference between the two placements of the cameras.
 struct PlacementFit {

@@ -1,0 +1,400 @@
+#include "ingest/anchor/consistent_frames.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <utility>
+
+#include "core/radius68.h"
+#include "core/statistics.h"
+
+namespace cairn {
+namespace {
+
+constexpr double kOnePlaceM = 0.3;  // A walker takes 0.2 s.
+constexpr double kWindowM = 60.0;
+
+// A frame's two poses, and the variances of their difference.
+struct Frame {
+  Rigid3d ecef_from_cam, in_map;
+  double var_m2 = 0.0, var_rad2 = 0.0;
+};
+
+// The session is made `scale` times as large, about the first frame.
+std::vector<Frame> FramesOf(const std::vector<PosePair>& pairs, const ConsistencyOptions& options,
+                            double scale) {
+  const Eigen::Vector3d fixed = pairs.front().cam_from_ecef.Inverse().translation;
+  std::vector<Frame> frames;
+  for (const PosePair& pair : pairs) {
+    const Rigid3d ecef_from_cam = pair.cam_from_ecef.Inverse();
+    frames.push_back(
+        {{ecef_from_cam.rotation, fixed + scale * (ecef_from_cam.translation - fixed)},
+         pair.cam_from_ecef_in_map.Inverse(),
+         std::pow(options.position_sigma_m, 2) + std::pow(pair.accuracy_m / kRadius68PerSigma3d, 2),
+         std::pow(options.rotation_sigma_rad, 2) +
+             std::pow(pair.accuracy_rad / kRadius68PerSigma3d, 2)});
+  }
+  return frames;
+}
+
+bool AreNear(const Frame& a, const Frame& b) {
+  return (a.ecef_from_cam.translation - b.ecef_from_cam.translation).norm() <= kWindowM;
+}
+
+// The squared difference of b's position as a sees it, in standard deviations, if the session is
+// `scale` times as large.
+double PositionChiSq(const Frame& a, const Frame& b, const ConsistencyOptions& options,
+                     double scale) {
+  const Eigen::Vector3d by_session =
+      scale * (a.ecef_from_cam.rotation.conjugate() *
+               (b.ecef_from_cam.translation - a.ecef_from_cam.translation));
+  const Eigen::Vector3d by_map =
+      a.in_map.rotation.conjugate() * (b.in_map.translation - a.in_map.translation);
+  const Eigen::Vector3d difference = by_map - by_session;
+  const double distance_m = by_session.norm();
+  const double var_m2 = a.var_m2 + b.var_m2 + std::pow(options.drift_share * distance_m, 2);
+  const double along_m =
+      distance_m > 0.0 ? difference.dot(by_session) / distance_m : difference.norm();
+  const double across_sq_m2 = std::max(0.0, difference.squaredNorm() - along_m * along_m);
+  return along_m * along_m / (var_m2 + std::pow(options.scale_sigma * distance_m, 2)) +
+         across_sq_m2 / (var_m2 + a.var_rad2 * distance_m * distance_m);
+}
+
+bool AreConsistent(const Frame& a, const Frame& b, const ConsistencyOptions& options,
+                   double scale = 1.0) {
+  const double turned_rad =
+      RotationAngleRad(a.ecef_from_cam.rotation.conjugate() * b.ecef_from_cam.rotation,
+                       a.in_map.rotation.conjugate() * b.in_map.rotation);
+  const double chi_sq = turned_rad * turned_rad / (a.var_rad2 + b.var_rad2);
+  return chi_sq <= options.max_chi_sq && chi_sq + std::min(PositionChiSq(a, b, options, scale),
+                                                           PositionChiSq(b, a, options, scale)) <=
+                                             options.max_chi_sq;
+}
+
+// A set of frames, a bit each.
+class Bits {
+ public:
+  explicit Bits(size_t size) : words_((size + 63) / 64, 0) {}
+  void Set(size_t i) { words_[i / 64] |= uint64_t{1} << (i % 64); }
+  void Clear(size_t i) { words_[i / 64] &= ~(uint64_t{1} << (i % 64)); }
+  bool Has(size_t i) const { return (words_[i / 64] >> (i % 64) & 1) != 0; }
+  void Add(const Bits& other) {
+    for (size_t w = 0; w < words_.size(); ++w) {
+      words_[w] |= other.words_[w];
+    }
+  }
+  void Remove(const Bits& other) {
+    for (size_t w = 0; w < words_.size(); ++w) {
+      words_[w] &= ~other.words_[w];
+    }
+  }
+  int CountShared(const Bits& other) const {
+    int count = 0;
+    for (size_t w = 0; w < words_.size(); ++w) {
+      count += std::popcount(words_[w] & other.words_[w]);
+    }
+    return count;
+  }
+
+ private:
+  std::vector<uint64_t> words_;
+};
+
+int PlacesAmong(std::span<const Eigen::Vector3d> centers, int limit) {
+  std::vector<Eigen::Vector3d> places;
+  for (const Eigen::Vector3d& center : centers) {
+    const bool is_new = std::none_of(places.begin(), places.end(), [&](const auto& place) {
+      return (center - place).norm() <= kOnePlaceM;
+    });
+    if (is_new) {
+      places.push_back(center);
+      if (static_cast<int>(places.size()) == limit) {
+        break;
+      }
+    }
+  }
+  return static_cast<int>(places.size());
+}
+
+double ExtentOf(std::span<const Eigen::Vector3d> centers) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& center : centers) {
+    box.extend(center);
+  }
+  return box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
+}
+
+std::vector<Eigen::Vector3d> CentersOf(const std::vector<Frame>& frames,
+                                       const std::vector<size_t>& set) {
+  std::vector<Eigen::Vector3d> centers;
+  for (const size_t i : set) {
+    centers.push_back(frames[i].ecef_from_cam.translation);
+  }
+  return centers;
+}
+
+FrameSet Weigh(const std::vector<Frame>& frames, const std::vector<size_t>& set) {
+  const std::vector<Eigen::Vector3d> centers = CentersOf(frames, set);
+  const int num_frames = static_cast<int>(set.size());
+  return {num_frames, PlacesAmong(centers, num_frames), ExtentOf(centers)};
+}
+
+// Which frames contradict each other, and which confirm each other: both within a window.
+struct Relations {
+  std::vector<Bits> confirms;     // Row i has the frames that frame i confirms, not i itself.
+  std::vector<Bits> contradicts;  // Row i has the frames that frame i contradicts.
+};
+
+Relations RelationsOf(const std::vector<Frame>& frames, const ConsistencyOptions& options) {
+  Relations relations = {std::vector<Bits>(frames.size(), Bits(frames.size())),
+                         std::vector<Bits>(frames.size(), Bits(frames.size()))};
+  for (size_t i = 0; i < frames.size(); ++i) {
+    for (size_t j = 0; j < i; ++j) {
+      if (!AreNear(frames[i], frames[j])) {
+        continue;
+      }
+      std::vector<Bits>& rows =
+          AreConsistent(frames[i], frames[j], options) ? relations.confirms : relations.contradicts;
+      rows[i].Set(j);
+      rows[j].Set(i);
+    }
+  }
+  return relations;
+}
+
+// A chain of frames, each confirmed by others near by and contradicted by none of the chain. Adds,
+// one after the other, the frame that most of the frames which may still follow confirm.
+std::vector<size_t> ChainFrom(size_t start, Bits allowed, const Relations& relations) {
+  std::vector<size_t> chain = {start};
+  Bits reached = relations.confirms[start];
+  allowed.Clear(start);
+  allowed.Remove(relations.contradicts[start]);
+  while (true) {
+    size_t best = relations.confirms.size();
+    int most = -1;
+    for (size_t i = 0; i < relations.confirms.size(); ++i) {
+      if (allowed.Has(i) && reached.Has(i)) {
+        const int count = relations.confirms[i].CountShared(allowed);
+        if (count > most) {
+          best = i;
+          most = count;
+        }
+      }
+    }
+    if (best == relations.confirms.size()) {
+      return chain;
+    }
+    chain.push_back(best);
+    reached.Add(relations.confirms[best]);
+    allowed.Clear(best);
+    allowed.Remove(relations.contradicts[best]);
+  }
+}
+
+// The chain of most places, then of most frames, then of the earliest start, among allowed frames.
+std::vector<size_t> LargestChain(const std::vector<Frame>& frames, const Bits& allowed,
+                                 const Relations& relations) {
+  std::vector<size_t> largest;
+  int most_places = 0;
+  Bits tried(frames.size());  // A frame of a chain hardly starts a larger one.
+  for (size_t start = 0; start < frames.size(); ++start) {
+    if (!allowed.Has(start) || tried.Has(start)) {
+      continue;
+    }
+    std::vector<size_t> chain = ChainFrom(start, allowed, relations);
+    for (const size_t i : chain) {
+      tried.Set(i);
+    }
+    const int num_places = Weigh(frames, chain).num_places;
+    if (num_places > most_places || (num_places == most_places && chain.size() > largest.size())) {
+      most_places = num_places;
+      largest = std::move(chain);
+    }
+  }
+  return largest;
+}
+
+// The frames that more of the chain confirm than contradict. Those of the chain are among them.
+std::vector<size_t> FollowersOf(const std::vector<size_t>& chain, const Bits& allowed,
+                                const Relations& relations) {
+  Bits members(relations.confirms.size());
+  for (const size_t i : chain) {
+    members.Set(i);
+  }
+  std::vector<size_t> followers;
+  for (size_t i = 0; i < relations.confirms.size(); ++i) {
+    if (allowed.Has(i) && (members.Has(i) || relations.confirms[i].CountShared(members) >
+                                                 relations.contradicts[i].CountShared(members))) {
+      followers.push_back(i);
+    }
+  }
+  return followers;
+}
+
+bool IsNearAny(const Frame& frame, const std::vector<Frame>& frames,
+               const std::vector<size_t>& set) {
+  return std::any_of(set.begin(), set.end(), [&](size_t i) { return AreNear(frame, frames[i]); });
+}
+
+// The size of the session by the map, by the frames of a set over half of its extent.
+double ScaleBy(const std::vector<Frame>& frames, const std::vector<size_t>& set) {
+  const double least_m = 0.5 * Weigh(frames, set).extent_m;
+  std::vector<double> scales;
+  for (const size_t i : set) {
+    for (const size_t j : set) {
+      const double by_session_m =
+          (frames[i].ecef_from_cam.translation - frames[j].ecef_from_cam.translation).norm();
+      if (i < j && by_session_m >= least_m && by_session_m > 0.0) {
+        scales.push_back((frames[i].in_map.translation - frames[j].in_map.translation).norm() /
+                         by_session_m);
+      }
+    }
+  }
+  return scales.empty() ? 1.0 : Median(std::move(scales));
+}
+
+// Whether most pairs of a frame of the island and one of the winner are consistent. The winner
+// tells the size of the session.
+bool IsIslandOf(const std::vector<Frame>& frames, const std::vector<size_t>& island,
+                const std::vector<size_t>& winner, ConsistencyOptions options) {
+  const double scale = ScaleBy(frames, winner);
+  options.scale_sigma = std::min(
+      options.scale_sigma, options.drift_share + options.position_sigma_m /
+                                                     std::max(1.0, Weigh(frames, winner).extent_m));
+  int64_t num_consistent = 0;
+  for (const size_t i : island) {
+    for (const size_t j : winner) {
+      num_consistent += AreConsistent(frames[i], frames[j], options, scale) ? 1 : 0;
+    }
+  }
+  return 2 * num_consistent > static_cast<int64_t>(island.size() * winner.size());
+}
+
+// Chains are found from the largest on, until those left are too small to matter.
+class ChainSearch {
+ public:
+  ChainSearch(const std::vector<Frame>& frames, const ConsistencyOptions& options)
+      : frames_(frames),
+        options_(options),
+        relations_(RelationsOf(frames, options)),
+        left_(frames.size()) {
+    for (size_t i = 0; i < frames.size(); ++i) {
+      left_.Set(i);
+    }
+  }
+
+  ConsistentFrames Run() {
+    std::vector<size_t> winner = TakeChain();
+    result_.agrees.assign(frames_.size(), false);
+    Accept(winner);
+    std::vector<size_t> all = winner;
+    for (std::vector<size_t> chain = TakeChain(); chain.size() > 2; chain = TakeChain()) {
+      if (Settle(chain, winner)) {
+        all.insert(all.end(), chain.begin(), chain.end());
+      }
+    }
+    std::sort(all.begin(), all.end());
+    result_.winner = Weigh(frames_, all);
+    return std::move(result_);
+  }
+
+ private:
+  std::vector<size_t> TakeChain() {
+    const std::vector<size_t> chain = LargestChain(frames_, left_, relations_);
+    std::vector<size_t> followers = FollowersOf(chain, left_, relations_);
+    for (const size_t i : followers) {
+      left_.Clear(i);
+    }
+    return followers;
+  }
+
+  void Accept(const std::vector<size_t>& chain) {
+    for (const size_t i : chain) {
+      result_.agrees[i] = true;
+    }
+  }
+
+  // Returns whether the chain is an island that counts; else it may be a rival.
+  bool Settle(const std::vector<size_t>& chain, const std::vector<size_t>& winner) {
+    const FrameSet weight = Weigh(frames_, chain);
+    const auto num_near = std::count_if(chain.begin(), chain.end(), [&](size_t i) {
+      return IsNearAny(frames_[i], frames_, winner);
+    });
+    const bool is_apart = 2 * num_near < static_cast<int64_t>(chain.size());
+    if (is_apart && IsIslandOf(frames_, chain, winner, options_)) {
+      if (weight.num_places >= kIslandPlaces) {
+        Accept(chain);
+      }
+      return weight.num_places >= kIslandPlaces;
+    }
+    if (weight.num_places > result_.rival.num_places) {
+      result_.rival = weight;
+    }
+    result_.rival_is_apart |= is_apart && 2 * weight.num_places >= kIslandPlaces;
+    return false;
+  }
+
+  const std::vector<Frame>& frames_;
+  const ConsistencyOptions& options_;
+  const Relations relations_;
+  Bits left_;
+  ConsistentFrames result_;
+};
+
+std::vector<Eigen::Vector3d> CentersOf(const std::vector<Rigid3d>& cam_from_ecef) {
+  std::vector<Eigen::Vector3d> centers;
+  for (const Rigid3d& pose : cam_from_ecef) {
+    centers.push_back(pose.Inverse().translation);
+  }
+  return centers;
+}
+
+}  // namespace
+
+ConsistentFrames FindConsistentFrames(const std::vector<PosePair>& pairs,
+                                      const ConsistencyOptions& options) {
+  if (pairs.empty()) {
+    return {};
+  }
+  const std::vector<Frame> frames = FramesOf(pairs, options, 1.0);
+  ConsistentFrames result = ChainSearch(frames, options).Run();
+  if (2 * result.winner.num_frames < static_cast<int>(pairs.size())) {
+    std::vector<size_t> all(frames.size());
+    std::iota(all.begin(), all.end(), 0);
+    const std::vector<Frame> resized = FramesOf(pairs, options, ScaleBy(frames, all));
+    ConsistentFrames other = ChainSearch(resized, options).Run();
+    if (other.winner.num_places > result.winner.num_places) {
+      result = std::move(other);
+    }
+  }
+  return result;
+}
+
+int CountPlaces(const std::vector<Rigid3d>& cam_from_ecef, int limit) {
+  return PlacesAmong(CentersOf(cam_from_ecef), limit);
+}
+
+double ExtentM(const std::vector<Rigid3d>& cam_from_ecef) {
+  return ExtentOf(CentersOf(cam_from_ecef));
+}
+
+int PlacesNeeded(const AnchorEvidence& evidence) {
+  constexpr int kLeastPlaces = 3;
+  return std::min(kIslandPlaces, std::max(kLeastPlaces, (evidence.session.num_places + 1) / 2));
+}
+
+double ExtentNeededM(const AnchorEvidence& evidence) {
+  return std::min(10.0, 0.5 * evidence.session.extent_m);
+}
+
+bool IsAnchored(const AnchorEvidence& evidence) {
+  return evidence.winner.num_places >= PlacesNeeded(evidence) &&
+         evidence.winner.extent_m >= ExtentNeededM(evidence) &&
+         5 * evidence.winner.num_frames >= evidence.num_answers &&
+         2 * evidence.rival.num_places < evidence.winner.num_places && !evidence.rival_is_apart;
+}
+
+}  // namespace cairn
