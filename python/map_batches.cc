@@ -111,15 +111,15 @@ class ManyResults {
     if (ahead_.empty()) {
       throw py::stop_iteration();
     }
-    const Entry next = ahead_.front();
-    for (bool is_done = false; !is_done;) {
-      {
-        const py::gil_scoped_release release;
-        is_done = pool_.get()->WaitFor(*next.job);
-      }
-      ThrowOnSignal();
-    }
+    // Other threads of Python may come for the following ones while this one waits.
+    const Entry next = std::move(ahead_.front());
     ahead_.pop_front();
+    try {
+      WaitFor(*next.job);
+    } catch (...) {
+      ahead_.push_front(next);  // A thread still looks at what it owns.
+      throw;
+    }
     if (next.job->failure) {
       std::rethrow_exception(next.job->failure);
     }
@@ -131,6 +131,16 @@ class ManyResults {
     std::shared_ptr<Job> job = std::make_shared<Job>();
     std::vector<py::object> owners;
   };
+
+  void WaitFor(const Job& job) {
+    for (bool is_done = false; !is_done;) {
+      {
+        const py::gil_scoped_release release;
+        is_done = pool_.get()->WaitFor(job);
+      }
+      ThrowOnSignal();
+    }
+  }
 
   // An item that is no query fails when its turn comes.
   void TakeOne() {

@@ -157,6 +157,17 @@ class LocalizeMany(unittest.TestCase):
         with self.assertRaises(KeyError):
             list(MAP.localize_many(queries(), threads=1))
 
+    def test_threads_may_share_an_iterator(self):
+        elsewhere = cairn.Query(FIRST.features(), FIRST.camera, prior=(10.0, 10.0))
+        results = MAP.localize_many([FIRST.query(), elsewhere] * 12, threads=2)
+        taken = []
+        threads = [threading.Thread(target=lambda: taken.extend(results)) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(sorted(result.localized for result in taken), [False] * 12 + [True] * 12)
+
     def test_other_threads_of_python_run_meanwhile(self):
         ticks = []
         done = threading.Event()
