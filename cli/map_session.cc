@@ -37,14 +37,16 @@ std::optional<MapStore> OpenMapIfThere(const std::string& path) {
   }
 }
 
-// A name that replaces nothing by accident is that of the folder.
+// A name that replaces nothing by accident is that of the folder; of several, the first by
+// alphabet, so that their order in the command does not matter.
 std::string SessionName(const MapSessionArguments& arguments) {
   const IngestOptions& options = arguments.session.options.ingest;
   if (!options.session_name.empty()) {
     return options.session_name;
   }
+  const std::vector<std::string>& paths = arguments.input.paths;
   const std::filesystem::path path =
-      std::filesystem::absolute(arguments.input.paths.front()).lexically_normal();
+      std::filesystem::absolute(*std::min_element(paths.begin(), paths.end())).lexically_normal();
   const std::string name = (path.has_filename() ? path : path.parent_path()).filename().string();
   return name.empty() ? "session" : name;
 }

@@ -49,7 +49,8 @@ struct ExportedPoints {
 // Reads one tile after the other, and collects landmarks, which may be in several tiles, in unnamed
 // files beside the output. Takes the memory of one tile, of the cameras, and of 1/64 of the map's
 // landmarks, but at least of a million. Throws Error(kIo), Error(kMapDamaged), and Error(kBadInput)
-// if ids of keyframes exceed COLMAP's 32 bits.
+// if ids of keyframes exceed COLMAP's 32 bits or COLMAP's models cannot hold the name of a keyframe
+// (ingest/colmap/colmap_model_writer.h).
 ExportedPoints ExportPoints(const MapSnapshot& map, const ExportPointsOptions& options);
 
 }  // namespace cairn

@@ -4,6 +4,9 @@
 
 #include <string_view>
 
+#include "core/error.h"
+#include "core/printable.h"
+
 namespace cairn {
 namespace {
 
@@ -130,6 +133,10 @@ void ColmapModelWriter::AddCamera(uint32_t id, const Camera& camera) {
 void ColmapModelWriter::AddImage(uint32_t id, const std::string& name, uint32_t camera_id,
                                  const Rigid3d& cam_from_world,
                                  std::span<const ColmapKeypoint> keypoints) {
+  if (name.find_first_of(std::string_view("\0\r\n", 3)) != std::string::npos) {
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("COLMAP models cannot hold the image name {}", Excerpt(name)));
+  }
   images_.file.Write(is_binary() ? BinaryImage(id, name, camera_id, cam_from_world, keypoints)
                                  : TextImage(id, name, camera_id, cam_from_world, keypoints));
   ++images_.num_records;

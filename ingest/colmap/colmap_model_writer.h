@@ -35,6 +35,8 @@ class ColmapModelWriter {
   ColmapModelWriter(const std::string& dir, ColmapModelFormat format);
 
   void AddCamera(uint32_t id, const Camera& camera);
+  // Throws Error(kBadInput) if the name has a line break or a zero byte, which the files cannot
+  // hold.
   void AddImage(uint32_t id, const std::string& name, uint32_t camera_id,
                 const Rigid3d& cam_from_world, std::span<const ColmapKeypoint> keypoints);
   void AddPoint(uint64_t id, const Eigen::Vector3d& x_in_world, const std::array<uint8_t, 3>& rgb,

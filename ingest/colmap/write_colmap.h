@@ -11,7 +11,8 @@ namespace cairn {
 enum class ColmapModelFormat { kBinary, kText };
 
 // Writes cameras, images and points3D to the folder `dir`, which must exist. COLMAP's ids are the
-// indices plus a constant that differs between cameras, images and points. Throws Error(kIo).
+// indices plus a constant that differs between cameras, images and points. Throws Error(kIo), and
+// Error(kBadInput) if the name of an image has a line break or a zero byte.
 void WriteColmapModel(const Reconstruction& reconstruction, const std::string& dir,
                       ColmapModelFormat format);
 

@@ -64,6 +64,16 @@ std::vector<PointView> ViewsOfPoint(const Reconstruction& reconstruction, const 
   return views;
 }
 
+// Where the rays of the views meet; nothing if they pass each other.
+std::optional<Eigen::Vector3d> MeetingPoint(const std::vector<PointView>& views) {
+  // Clicks err by some pixels, the pixel of another point by more.
+  constexpr double kMaxErrorPx = 20.0;
+  const std::optional<Eigen::Vector3d> x_in_world = TriangulatePoint(views);
+  const std::optional<PointUncertainty> uncertainty =
+      x_in_world ? EstimateUncertainty(views, *x_in_world) : std::nullopt;
+  return uncertainty && uncertainty->median_error_px <= kMaxErrorPx ? x_in_world : std::nullopt;
+}
+
 }  // namespace
 
 std::vector<ControlPoint> ReadControlPoints(const std::string& path) {
@@ -112,7 +122,7 @@ Georegistration GeoregisterByControl(const Reconstruction& reconstruction,
   std::vector<std::string> notes;
   for (const ControlPoint& point : points) {
     const std::vector<PointView> views = ViewsOfPoint(reconstruction, point, image_of_name);
-    const std::optional<Eigen::Vector3d> x_in_world = TriangulatePoint(views);
+    const std::optional<Eigen::Vector3d> x_in_world = MeetingPoint(views);
     if (!x_in_world) {
       notes.push_back(fmt::format(
           "the control point {} does not count: {}", Excerpt(point.name),

@@ -36,8 +36,8 @@ void MakeHeightsEllipsoidal(HeightReference reference, std::vector<ControlPoint>
 // Triangulates each point from the photos that show it, and fits the similarity of Georegister to
 // the points; the residuals and names of the result are those of the points. Names of photos match
 // as those of positions do. Points that fewer than two photos of the reconstruction show, or whose
-// rays do not meet, do not count and are noted. Throws as Georegister, which needs three points
-// that are not on a line.
+// rays do not meet (half of the photos miss by more than 20 pixels), do not count and are noted.
+// Throws as Georegister, which needs three points that are not on a line.
 Georegistration GeoregisterByControl(const Reconstruction& reconstruction,
                                      const std::vector<ControlPoint>& points,
                                      const GeoregisterOptions& options);

@@ -44,6 +44,19 @@ class ColmapFiles : public testing::ColmapTest {
   }
 };
 
+TEST_F(ColmapFiles, ImageNamesThatAModelCannotHoldAreNotWritten) {
+  Reconstruction street = StreetReconstruction();
+  for (const std::string& name :
+       {std::string("a\nb.jpg"), std::string("a\rb.jpg"), std::string("a\0b.jpg", 7)}) {
+    street.images.front().name = name;
+    for (const bool binary : {false, true}) {
+      const auto [code, message] = ErrorOf([&] { Write(street, binary); });
+      EXPECT_EQ(code, ErrorCode::kBadInput);
+      EXPECT_THAT(message, HasSubstr("COLMAP models cannot hold the image name"));
+    }
+  }
+}
+
 TEST_F(ColmapFiles, TextModelsMayHaveAByteOrderMarkAndLinesOfWindows) {
   const Reconstruction written = StreetReconstruction();
   const ColmapInput input = Write(written, /*binary=*/false);

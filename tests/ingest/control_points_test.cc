@@ -74,11 +74,17 @@ TEST(ControlPoints, AWrongPointDoesNotCount) {
 TEST(ControlPoints, SaysWhichPointsDoNotCountAndWhy) {
   const StreetWorld world;
   const Reconstruction street = world.Reconstruct();
-  std::vector<ControlPoint> points = PointsOf(world, street, kSpread);
+  std::vector<Eigen::Vector3d> spread = kSpread;
+  spread.emplace_back(42.0, -8.0, 2.0);
+  std::vector<ControlPoint> points = PointsOf(world, street, spread);
   points[3].sights.resize(1);
+  ASSERT_GT(points[4].sights.size(), 2u);
+  points[4].sights.resize(2);
+  points[4].sights[1].pixel.y() += 300.0;
   const Georegistration result = GeoregisterByControl(street, points, {});
   EXPECT_EQ(result.num_positions, 3);
-  EXPECT_THAT(result.notes, ElementsAre(HasSubstr("p4 does not count: 1 photos")));
+  EXPECT_THAT(result.notes, ElementsAre(HasSubstr("p4 does not count: 1 photos"),
+                                        HasSubstr("p5 does not count: the rays")));
   points[2].sights.clear();
   ExpectError([&] { GeoregisterByControl(street, points, {}); }, ErrorCode::kBadInput,
               "at least 3 are needed; the control point p3");
