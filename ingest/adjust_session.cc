@@ -4,6 +4,7 @@
 #include <span>
 
 #include "core/adjust/adjust.h"
+#include "core/error.h"
 #include "core/geodesy.h"
 #include "core/parallel_for.h"
 #include "core/scene/triangulate.h"
@@ -11,7 +12,7 @@
 namespace cairn {
 namespace {
 
-constexpr int kLeastShared = 20;
+constexpr int kLeastKnownLandmarks = 20;
 
 // The session as placed, without descriptors, in a frame of short coordinates.
 Reconstruction ModelOf(const Reconstruction& reconstruction, const PlacedSession& session,
@@ -32,6 +33,20 @@ Reconstruction ModelOf(const Reconstruction& reconstruction, const PlacedSession
                                reconstruction.landmarks[landmark.recon_idx].observations});
   }
   return model;
+}
+
+// Nothing if the solver fails.
+std::optional<AdjustReport> AdjustIfSolved(const AdjustPriors& priors, const AdjustOptions& options,
+                                           Reconstruction* model) {
+  const std::vector<CameraFreedom> freedoms(model->cameras.size(), CameraFreedom::kFixed);
+  try {
+    return Adjust(freedoms, priors, options, *model);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kInternal) {
+      throw;
+    }
+    return std::nullopt;
+  }
 }
 
 // Where the landmark stands by the adjusted cameras; where they carry it if its rays do not tell.
@@ -60,7 +75,7 @@ JointAdjustment AdjustSession(const Reconstruction& reconstruction,
     priors.landmark_is_fixed.push_back(known ? 1 : 0);
     joint.num_shared += known ? 1 : 0;
   }
-  if (joint.num_shared < kLeastShared) {
+  if (joint.num_shared < kLeastKnownLandmarks) {
     return {};
   }
   const Rigid3d enu_from_ecef =
@@ -69,10 +84,12 @@ JointAdjustment AdjustSession(const Reconstruction& reconstruction,
   Reconstruction model = before;
   AdjustOptions options;
   options.num_threads = num_threads;
-  const std::vector<CameraFreedom> freedoms(model.cameras.size(), CameraFreedom::kFixed);
-  const AdjustReport report = Adjust(freedoms, priors, options, model);
-  joint.num_observations = report.num_observations;
-  joint.rms_px = report.rms_px;
+  const std::optional<AdjustReport> report = AdjustIfSolved(priors, options, &model);
+  if (!report) {
+    return {};
+  }
+  joint.num_observations = report->num_observations;
+  joint.rms_px = report->rms_px;
   const Rigid3d ecef_from_enu = enu_from_ecef.Inverse();
   for (size_t i = 0; i < model.images.size(); ++i) {
     const Eigen::Vector3d moved_m = model.images[i].cam_from_world.Inverse().translation -

@@ -169,7 +169,8 @@ std::vector<std::optional<Eigen::Vector3d>> KnownPlaces(const PlacedSession& ses
 void AdjustToMap(const Reconstruction& reconstruction, const IngestOptions& options,
                  const MapSnapshot& base, const IngestProgress& progress, SessionPlan* plan,
                  PlacedSession* session) {
-  if (options.fitting != SessionFitting::kAdjust || !IsAnchored(plan->comparison.anchoring)) {
+  if (options.fitting != SessionFitting::kAdjust || !IsAnchored(plan->comparison.anchoring) ||
+      !IsJudged(plan->comparison)) {
     return;
   }
   const std::vector<LandmarkId> ids = LinkSession(reconstruction, *session, *plan, base, progress);

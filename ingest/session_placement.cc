@@ -66,8 +66,11 @@ double BendSession(const Bending& bending, PlacedSession* session) {
 }
 
 bool IsFromBehind(const MapComparison& comparison) {
-  return comparison.num_from_behind >= kLeastPhotosToJudge &&
-         2 * comparison.num_from_behind > comparison.num_recognized();
+  const auto are_most = [](int num_from_behind, int num_photos) {
+    return num_from_behind >= kLeastPhotosToJudge && 2 * num_from_behind > num_photos;
+  };
+  return are_most(comparison.num_from_behind, comparison.num_recognized()) ||
+         are_most(comparison.num_agreeing_from_behind, comparison.fit.num_agreeing);
 }
 
 std::string MirrorNote(const MapComparison& comparison) {
@@ -95,7 +98,9 @@ void RequireOneMotion(const MapComparison& comparison, const AgreementOptions& o
   // A few sure answers to photos of new ground contradict nothing.
   const bool is_known = comparison.num_localized >= kLeastPhotosToJudge ||
                         2 * num_recognized >= comparison.num_asked();
-  if (is_known && num_recognized >= kLeastPhotosToJudge && !IsAnchored(comparison.anchoring) &&
+  const bool is_placed =
+      IsAnchored(comparison.anchoring) && IsJudged(comparison) && !IsFromBehind(comparison);
+  if (is_known && num_recognized >= kLeastPhotosToJudge && !is_placed &&
       comparison.fit.num_agreeing < options.min_agreeing_share * num_recognized) {
     Refuse(newcomer,
            fmt::format("the map recognizes {} of {} photos, but only {} of them in places "
@@ -114,24 +119,38 @@ bool IsOnKnownGround(const MapComparison& comparison, const AgreementOptions& op
              std::clamp((comparison.anchoring.session.num_frames + 1) / 2, 1, options.min_expected);
 }
 
+// Why a session is not anchored, or is and cannot be judged.
+std::string WhyNotAnchored(const MapComparison& comparison) {
+  const AnchorEvidence& anchoring = comparison.anchoring;
+  if (IsAnchored(anchoring)) {
+    return fmt::format(
+        "{} photos agree that it stands {:.2f} m away, but of {} photos that the map should then "
+        "recognize, {} agree (needed: half)",
+        comparison.fit.num_agreeing, comparison.fit.moved_m, comparison.num_expected_after,
+        comparison.num_agreeing_after);
+  }
+  return fmt::format(
+      "the map recognizes {} of {} photos, of which {} agree with each other, in {} places over "
+      "{:.1f} m (needed: {} places, {:.1f} m, a fifth of those recognized); the largest group that "
+      "agrees on another place stands in {}{}",
+      anchoring.num_answers, comparison.num_asked(), anchoring.winner.num_frames,
+      anchoring.winner.num_places, anchoring.winner.extent_m, PlacesNeeded(anchoring),
+      ExtentNeededM(anchoring), anchoring.rival.num_places,
+      anchoring.rival_is_apart ? ", far from the others" : "");
+}
+
 void RequireAnchored(const MapComparison& comparison, const AgreementOptions& options,
                      const std::string& newcomer) {
-  const AnchorEvidence& anchoring = comparison.anchoring;
-  if (!IsOnKnownGround(comparison, options) || IsAnchored(anchoring)) {
+  if (!IsOnKnownGround(comparison, options) ||
+      (IsAnchored(comparison.anchoring) && IsJudged(comparison))) {
     return;
   }
   throw Error(
       ErrorCode::kConflict,
-      fmt::format(
-          "{} is not anchored: the map recognizes {} of {} photos, of which {} agree with each "
-          "other, in {} places over {:.1f} m (needed: {} places, {:.1f} m, a fifth of those "
-          "recognized); the largest group that agrees on another place stands in {}{}. It was "
-          "placed by nothing. Take more photos of what the map shows, or keep it apart from what "
-          "the map knows, where its positions say (--apart)",
-          newcomer, anchoring.num_answers, comparison.num_asked(), anchoring.winner.num_frames,
-          anchoring.winner.num_places, anchoring.winner.extent_m, PlacesNeeded(anchoring),
-          ExtentNeededM(anchoring), anchoring.rival.num_places,
-          anchoring.rival_is_apart ? ", far from the others" : ""));
+      fmt::format("{} is not anchored: {}. It was placed by nothing. Take more photos of what the "
+                  "map shows, or keep it apart from what the map knows, where its positions say "
+                  "(--apart)",
+                  newcomer, WhyNotAnchored(comparison)));
 }
 
 double MovedM(const PlacementFit& fit, const MotionLimits& limits) {

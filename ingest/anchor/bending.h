@@ -10,7 +10,8 @@
 
 namespace cairn {
 
-// A field of vectors over places in space; zero far from all that is known. docs/math/bending.md.
+// A field of vectors over places in space; zero far from all that is known.
+// docs/math/mapping_sessions.md.
 class DriftField {
  public:
   DriftField() = default;  // Zero everywhere.

@@ -242,7 +242,7 @@ class MapInquiry {
       asked_.push_back(images[i]);
       if (results[i].localized && results[i].confidence >= least_confidence) {
         ++num_recognized;
-        num_from_behind_ += IsFromBehind(results[i]) ? 1 : 0;
+        is_from_behind_.push_back(IsFromBehind(results[i]));
         pairs_.push_back({session_.cam_from_ecef[static_cast<size_t>(images[i])],
                           results[i].cam_from_ecef, results[i].position_accuracy_m,
                           results[i].rotation_accuracy_rad});
@@ -253,15 +253,18 @@ class MapInquiry {
   }
 
   void Fit(KnownViews* known, MapComparison* comparison) const {
-    comparison->num_from_behind = num_from_behind_;
+    comparison->num_from_behind =
+        static_cast<int>(std::count(is_from_behind_.begin(), is_from_behind_.end(), true));
     if (pairs_.empty()) {
       return;
     }
     FitPairs(pairs_, options_, comparison);
     std::set<int> agreeing;
+    comparison->num_agreeing_from_behind = 0;
     for (size_t i = 0; i < pairs_.size(); ++i) {
       if (comparison->fit.agrees[i]) {
         agreeing.insert(recognized_[i]);
+        comparison->num_agreeing_from_behind += is_from_behind_[i] ? 1 : 0;
       }
     }
     comparison->num_expected_after = comparison->num_agreeing_after = 0;
@@ -282,9 +285,11 @@ class MapInquiry {
   const ComparisonOptions& options_;
   const std::string codec_;
   const Localizer localizer_;
-  std::vector<int> asked_, recognized_;  // Images; `recognized_` is parallel to `pairs_`.
+  std::vector<int> asked_;
+  // Of the recognized photos, in parallel.
+  std::vector<int> recognized_;
   std::vector<PosePair> pairs_;
-  int num_from_behind_ = 0;
+  std::vector<bool> is_from_behind_;
 };
 
 bool IsDecided(const MapComparison& comparison) {

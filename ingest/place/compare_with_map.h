@@ -26,6 +26,7 @@ struct MapComparison {
   // Recognized photos that see what they recognize from the side opposite to that of the mapping
   // photos, as a mirrored session or a session in a mirrored map does.
   int num_from_behind = 0;
+  int num_agreeing_from_behind = 0;  // Of the photos that agree.
   // Of the recognized photos; meaningful if there are any. If three are consistent with each other
   // (FindConsistentFrames), these agree, the motion is theirs, and the residuals are those that
   // stay after `bending`.

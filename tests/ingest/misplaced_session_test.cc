@@ -11,6 +11,7 @@
 #include "ingest/colmap/colmap_reader.h"
 #include "ingest/ingest_session.h"
 #include "ingest/place/georegister.h"
+#include "support/expect_error.h"
 #include "support/street_sessions.h"
 #include "support/temp_dir.h"
 #include "support/test_data.h"
@@ -129,6 +130,17 @@ TEST_F(MisplacedSession, TakesNothingFromTheMapIfItCannotBeJudged) {
   EXPECT_EQ(report.changes.num_keyframes_replaced, 0);
   EXPECT_GT(report.keyframe_answers.num_asked, 10);
   EXPECT_EQ(report.keyframe_answers.num_lost, 0);
+}
+
+TEST_F(MisplacedSession, IsRefusedWhereTheMapKnowsThePlaceIfItHasToBeAnchored) {
+  testing::StreetWorldOptions another = OnWednesday();
+  another.seed = 9;
+  another.length_m = 18.0;
+  const testing::StreetWorld street(another);
+  IngestOptions few = SessionNamed("few");
+  few.agreement.unanchored = Unanchored::kRefuse;
+  testing::ExpectError([&] { Ingest(street, street.EcefFromWorld(), few); }, ErrorCode::kConflict,
+                       "session 'few' is not anchored: the map recognizes 0 of 7 photos");
 }
 
 // A drive of which every third frame is the map and every third one the session.

@@ -169,6 +169,33 @@ TEST_F(SessionDisagreement, AMirroredStreetIsRefused) {
   }
 }
 
+// Of a long street, more photos agree with each other, and positions of phones allow more motion.
+TEST(MirroredSession, IsRefusedHoweverInaccurateItsPositions) {
+  testing::StreetWorldOptions forth = ShortStreet();
+  forth.length_m = 150.0;
+  forth.num_landmarks = 2600;
+  testing::StreetWorldOptions back = forth;
+  back.view_seed = 5;
+  back.heading_rad = kPi;
+  const testing::TempDir dir;
+  MapStore store = MapStore::Create(dir.File("map.gpkg"));
+  const testing::StreetWorld monday(forth), evening(back);
+  IngestSession(monday.Reconstruct(), monday.EcefFromWorld(), SessionNamed("forth"), &store, {});
+  IngestSession(evening.Reconstruct(), evening.EcefFromWorld(), SessionNamed("back"), &store, {});
+  forth.view_seed = 77;
+  const testing::StreetWorld tuesday(forth);
+  IngestOptions phone = SessionNamed("mirrored");
+  phone.agreement.position_accuracy_m = 15.0;
+  for (const Eigen::Vector3d& normal_in_enu :
+       {Eigen::Vector3d::UnitX().eval(), Eigen::Vector3d::UnitY().eval()}) {
+    EXPECT_EQ(ErrorCodeOf([&] {
+                IngestSession(Mirrored(tuesday.Reconstruct(), tuesday, normal_in_enu),
+                              tuesday.EcefFromWorld(), phone, &store, {});
+              }),
+              ErrorCode::kConflict);
+  }
+}
+
 TEST_F(SessionDisagreement, AFewForeignPhotosAreAcceptedAndNotJudged) {
   testing::StreetWorldOptions another = OnTuesday();
   another.seed = 9;
