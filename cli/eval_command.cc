@@ -102,7 +102,7 @@ Answerer MakeAnswerer(const EvalArguments& arguments, const Localizer& localizer
                                                      .ca_file = arguments.ca_file,
                                                      .api_key = arguments.key.Read(),
                                                      .allow_plain_key = arguments.key.allow_plain,
-                                                     .want_matches = false,
+                                                     .want_matches = !arguments.report_dir.empty(),
                                                      .exif_prior = false});
   if (arguments.send_as == SendAs::kFeatures) {
     return [client](const EvalQuery& query) { return client->LocalizeFeatures(query.query); };
@@ -360,6 +360,7 @@ void AddEvalCommand(CLI::App* app, Shell* shell) {
           "--report", arguments->report_dir,
           "Write a page for a browser to this folder: the map in plan, curves, calibration, "
           "times, and the worst photos with their matches")
+      ->excludes("--elsewhere", "--permute-descriptors")
       ->type_name("DIR");
   command->add_option("--json", arguments->json_path, "Write the report as JSON")
       ->type_name("FILE");

@@ -19,7 +19,7 @@ namespace cairn {
 namespace {
 
 constexpr size_t kNumWorst = 10;
-// Rows of the table; answers.csv has all.
+// Rows of the table, beside those of the worst; answers.csv has all.
 constexpr size_t kMaxRows = 2000;
 
 // "0.034 m", or a dash if there is no such number.
@@ -157,10 +157,13 @@ std::string Table(const EvalReport& report) {
       "<table class=\"all\"><thead><tr><th>query</th><th>answer</th><td>error, m</td><td>error, "
       "°</td><td>stated, m</td><td>stated, °</td><td>confidence</td><td>inliers</td><td>ms</td>"
       "</tr></thead>\n";
-  for (size_t i = 0; i < std::min(report.answers.size(), kMaxRows); ++i) {
+  for (size_t i = 0; i < report.answers.size(); ++i) {
     const EvalAnswer& answer = report.answers[i];
     const LocalizeResult& result = answer.result;
     const bool has_picture = std::find(order.begin(), end_of_worst, i) != end_of_worst;
+    if (i >= kMaxRows && !has_picture) {
+      continue;
+    }
     const std::string name = HtmlText(answer.name);
     const auto if_localized = [&](double value, int digits) {
       return result.localized ? Number(value, digits, "") : "–";
@@ -180,8 +183,9 @@ std::string Table(const EvalReport& report) {
   }
   table += "</table>\n";
   if (report.answers.size() > kMaxRows) {
-    table += fmt::format("<p class=\"note\">The first {} of {} queries; answers.csv has all.</p>\n",
-                         kMaxRows, report.answers.size());
+    table += fmt::format(
+        "<p class=\"note\">The first {} of {} queries and the worst; answers.csv has all.</p>\n",
+        kMaxRows, report.answers.size());
   }
   return table;
 }

@@ -197,6 +197,14 @@ TEST_F(ExitCode, EvalWithoutQueriesIsUsage) {
   ExpectFailure(RunCairn({"eval", EmptyMap()}), 2, "--queries");
 }
 
+TEST_F(ExitCode, ReportOfQueriesOfElsewhereIsUsage) {
+  for (const char* option : {"--elsewhere", "--permute-descriptors"}) {
+    ExpectFailure(
+        RunCairn({"eval", EmptyMap(), "--queries", "q.json", option, "--report", "report"}), 2,
+        option);
+  }
+}
+
 TEST_F(ExitCode, WritingSqlIsBadInput) {
   const std::string map = EmptyMap();
   ExpectFailure(RunCairn({"sql", map, "DELETE FROM cairn_sessions"}), 4, "");

@@ -82,6 +82,24 @@ TEST_F(ReportPage, LinksLeadToPlacesOnThePage) {
   }
 }
 
+TEST_F(ReportPage, RowsOfTheWorstFollowTheFirstTwoThousand) {
+  const Localizer localizer = Localizer::Open(map_path_);
+  queries_.front().query.features = {};  // 2,000 copies of them would take memory.
+  queries_.resize(2003, queries_.front());
+  report_ = Evaluate(queries_, [](const EvalQuery&) { return LocalizeResult{}; }, {});
+  LocalizeResult wrong;
+  wrong.localized = true;
+  wrong.cam_from_ecef = queries_.back().cam_from_ecef;
+  report_.answers.back().result = wrong;
+  report_.answers.back().position_error_m = 50.0;
+  report_.answers.back().rotation_error_rad = 0.0;
+  const std::string page = MakeReportPage("map", localizer.map().Snapshot(), queries_, report_);
+  EXPECT_THAT(page, HasSubstr("<figure id=\"w2002\""));
+  EXPECT_THAT(page, HasSubstr("<tr id=\"q2002\""));
+  EXPECT_THAT(page, Not(HasSubstr("<tr id=\"q2001\"")));
+  EXPECT_THAT(page, HasSubstr("The first 2000 of 2003 queries and the worst"));
+}
+
 TEST_F(ReportPage, ShowsPlanCurvesCalibrationTimesAndTheTenWorst) {
   const std::string page = Page();
   EXPECT_THAT(page, HasSubstr("Version 2 of the map"));
