@@ -36,7 +36,7 @@ option(CAIRN_WITH_POSTGRES "Read and write maps on PostgreSQL servers" ${LIBPQ_F
 # interpreter.
 set(PYBIND11_NOPYTHON ON)
 # Debian's numpy is for Debian's interpreter, whatever other one comes first in PATH.
-if(EXISTS /usr/bin/python3 AND NOT DEFINED Python3_EXECUTABLE)
+if(PROJECT_IS_TOP_LEVEL AND EXISTS /usr/bin/python3 AND NOT DEFINED Python3_EXECUTABLE)
   set(Python3_EXECUTABLE /usr/bin/python3 CACHE FILEPATH "The interpreter to build for")
 endif()
 find_package(pybind11 2.10 CONFIG QUIET)

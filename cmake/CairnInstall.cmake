@@ -12,26 +12,10 @@ get_property(cairn_libraries GLOBAL PROPERTY CAIRN_LIBRARIES)
 list(FILTER cairn_libraries EXCLUDE REGEX "^cairn_(cli|lab)(_|$)")
 set(cairn_fusion_libraries ${cairn_libraries})
 list(FILTER cairn_fusion_libraries INCLUDE REGEX "^cairn_(core|fusion|wire)(_|$)")
-# Photos and scenes are for servers: a device gets the images of its camera decoded.
-list(FILTER cairn_fusion_libraries EXCLUDE REGEX "^cairn_core_(images|features_sift|scene)$")
+# Photos, scenes and adjustments are for servers: a device gets the images of its camera decoded.
+list(FILTER cairn_fusion_libraries EXCLUDE REGEX "^cairn_core_(adjust|images|features_sift|scene)$")
 set(cairn_server_libraries ${cairn_libraries})
 list(REMOVE_ITEM cairn_server_libraries ${cairn_fusion_libraries})
-# A build that made only some targets, as scripts/demo does, installs the components that it has. The
-# others say what builds them.
-function(cairn_require_built component)
-  set(files)
-  foreach(target ${ARGN})
-    list(APPEND files $<TARGET_FILE:${target}>)
-  endforeach()
-  install(CODE "
-    foreach(file ${files})
-      if(NOT EXISTS \"\${file}\")
-        message(FATAL_ERROR \"\${file} is not built. 'scripts/build release' builds all; after \"
-          \"scripts/demo, 'cmake --install ${PROJECT_BINARY_DIR} --component runtime' installs the \"
-          \"program alone.\")
-      endif()
-    endforeach()" COMPONENT ${component})
-endfunction()
 cairn_require_built(runtime cairn cairn_sqlite)
 cairn_require_built(lab cairn-lab)
 cairn_require_built(fusion ${cairn_fusion_libraries})
@@ -51,9 +35,10 @@ install(EXPORT cairnTargets NAMESPACE cairn:: DESTINATION ${cairn_config_dir}
 function(cairn_install_headers component)
   list(JOIN ARGN "," rooms)
   set(stage ${PROJECT_BINARY_DIR}/installed_headers/${component})
-  install(CODE "execute_process(COMMAND ${CMAKE_COMMAND} -DSOURCE_DIR=${PROJECT_SOURCE_DIR}
-    -DSTAGE_DIR=${stage} -DROOMS=${rooms} -P ${PROJECT_SOURCE_DIR}/cmake/StageHeaders.cmake
-    COMMAND_ERROR_IS_FATAL ANY)" COMPONENT ${component})
+  install(CODE "execute_process(COMMAND \"${CMAKE_COMMAND}\"
+    \"-DSOURCE_DIR=${PROJECT_SOURCE_DIR}\" \"-DSTAGE_DIR=${stage}\" \"-DROOMS=${rooms}\"
+    -P \"${PROJECT_SOURCE_DIR}/cmake/StageHeaders.cmake\" COMMAND_ERROR_IS_FATAL ANY)"
+    COMPONENT ${component})
   install(DIRECTORY ${stage}/cairn DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT ${component})
 endfunction()
 cairn_install_headers(fusion core fusion)

@@ -58,11 +58,11 @@ if(CAIRN_WITH_POSTGRES)
   string(APPEND CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS ", libpq-dev")
 endif()
 set(CPACK_DEBIAN_FUSION_PACKAGE_DEPENDS
-  "libeigen3-dev, libfmt-dev, libspdlog-dev, libgeographiclib-dev, proj-data")
-# For cairn::fusion_transport and cairn::core_features_klt.
+  "libeigen3-dev, libfmt-dev, libspdlog-dev, libgeographiclib-dev, proj-data, nlohmann-json3-dev, \
+libcpp-httplib-dev, libssl-dev")
+# For cairn::core_features_klt.
 set(CPACK_DEBIAN_FUSION_PACKAGE_RECOMMENDS
-  "nlohmann-json3-dev, libcpp-httplib-dev, libopencv-core-dev, libopencv-imgproc-dev, \
-libopencv-video-dev")
+  "libopencv-core-dev, libopencv-imgproc-dev, libopencv-video-dev")
 if(CAIRN_WITH_PYTHON)
   cairn_package(python python3-cairn python "Visual positioning: Python module"
     "Opens maps of Cairn, localizes photos in them, makes maps, and asks servers, with\nnumpy arrays in and out.")

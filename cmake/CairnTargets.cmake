@@ -123,10 +123,10 @@ endfunction()
 # cairn_manual(cairn)
 #
 # Man pages and bash completion of a program, which writes them itself (cli/help_command.h), in
-# ${CMAKE_BINARY_DIR}/manual/<program>/, each time it is linked. CairnInstall.cmake installs them.
+# ${PROJECT_BINARY_DIR}/manual/<program>/, each time it is linked. CairnInstall.cmake installs them.
 find_program(GZIP_PROGRAM gzip)
 function(cairn_manual program)
-  set(folder ${CMAKE_BINARY_DIR}/manual/${program})
+  set(folder ${PROJECT_BINARY_DIR}/manual/${program})
   set(compress)
   if(GZIP_PROGRAM)  # As man pages are installed. -n: without the time, so that builds are equal.
     set(compress COMMAND ${GZIP_PROGRAM} -9 -n -r ${folder}/man1)
@@ -136,4 +136,24 @@ function(cairn_manual program)
     COMMAND ${program} write-manual ${folder}
     ${compress}
     VERBATIM)
+endfunction()
+
+# cairn_require_built(runtime cairn cairn_sqlite)
+#
+# A build that made only some targets, as scripts/demo does, installs the components that it has. The
+# others say what builds them. Call this before the first install() of the component.
+function(cairn_require_built component)
+  set(files)
+  foreach(target ${ARGN})
+    list(APPEND files "$<TARGET_FILE:${target}>")
+  endforeach()
+  list(JOIN files "\" \"" files)  # Folders may have a space in their name.
+  install(CODE "
+    foreach(file \"${files}\")
+      if(NOT EXISTS \"\${file}\")
+        message(FATAL_ERROR \"\${file} is not built. 'scripts/build release' builds all; after \"
+          \"scripts/demo, 'cmake --install ${PROJECT_BINARY_DIR} --component runtime' installs the \"
+          \"program alone.\")
+      endif()
+    endforeach()" COMPONENT ${component})
 endfunction()

@@ -7,7 +7,7 @@ endfunction()
 file(REMOVE_RECURSE ${SCRATCH_DIR})
 run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${SCRATCH_DIR}/prefix --component fusion)
 file(GLOB_RECURSE of_servers ${SCRATCH_DIR}/prefix/*engine* ${SCRATCH_DIR}/prefix/*storage*
-  ${SCRATCH_DIR}/prefix/*rival*)
+  ${SCRATCH_DIR}/prefix/*libcairn_core_adjust* ${SCRATCH_DIR}/prefix/*rival*)
 if(of_servers)
   message(FATAL_ERROR "of no use to a device: ${of_servers}")
 endif()
