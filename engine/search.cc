@@ -59,7 +59,6 @@ void Search::TryWithoutGravity() {
 
 void Search::TryRound(int num_keypoints, StageRunner* stages, const QueryContext& context) {
   SharedMatches matches;
-  hypotheses_ = {};
   candidates_ = {};
   stages->Run(Stage::kMatching, [&] {
     matches = Match(num_keypoints, &*matcher_);
@@ -84,9 +83,14 @@ bool Search::AnswerEarly(StageRunner* stages, const QueryContext& context) {
       std::max(options_.refinement.good_evidence, options_.refinement.min_trusted_evidence);
   int num_keypoints = FirstRound(context.num_keypoints());
   while (num_keypoints < context.num_keypoints() && stages->is_running()) {
+    PoseHypotheses of_last_round = std::exchange(hypotheses_, {});
     TryRound(num_keypoints, stages, context);
     if (IsBeyondDoubt(hypotheses_, sure_evidence, options_.answer)) {
       return true;
+    }
+    if (hypotheses_.empty() && budget_.DeadlinePassed()) {
+      hypotheses_ = std::move(of_last_round);
+      return false;
     }
     num_keypoints = NextRound(num_keypoints, context.num_keypoints(), hypotheses_, sure_evidence);
   }

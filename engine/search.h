@@ -42,9 +42,10 @@ class Search {
 
  private:
   // Matches and tries to answer in rounds, until a round leaves no doubt. Returns false if all
-  // keypoints are needed.
+  // keypoints are needed or the deadline passes; the hypotheses are then those of the last round
+  // that ended.
   bool AnswerEarly(StageRunner* stages, const QueryContext& context);
-  // Finds hypotheses from the matches of some keypoints.
+  // Finds hypotheses from the matches of some keypoints. There must be none yet.
   void TryRound(int num_keypoints, StageRunner* stages, const QueryContext& context);
   // Runs the stages on all keypoints.
   void SearchAll(const LocalizeQuery& query, StageRunner* stages, QueryContext* context);

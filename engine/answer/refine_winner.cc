@@ -112,10 +112,12 @@ PoseHypothesis RefineWinner(const QueryContext& query, const LocalizeQuery& stat
   }
   refined.estimate =
       RefineOnLikelyInliers(query, *refined.correspondences, std::move(refined.estimate), options);
+  // The floor comes last: the camera is judged by two evidences of the same matches.
+  refined = RefinedWithCamera(query, stated, std::move(refined), options);
   if (is_sure) {
     refined.estimate.evidence = std::max(refined.estimate.evidence, found_evidence);
   }
-  return RefinedWithCamera(query, stated, std::move(refined), options);
+  return refined;
 }
 
 }  // namespace cairn

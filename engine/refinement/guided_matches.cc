@@ -27,6 +27,7 @@ class KeypointGrid {
  public:
   KeypointGrid(const QueryContext &query, int camera_idx)
       : query_(query),
+        cell_px_(CellPxOf(query.CameraAt(camera_idx))),
         num_x_(CellOf(query.CameraAt(camera_idx).width_px()) + 1),
         num_y_(CellOf(query.CameraAt(camera_idx).height_px()) + 1),
         cells_(static_cast<size_t>(num_x_) * num_y_) {
@@ -55,15 +56,20 @@ class KeypointGrid {
   }
 
  private:
-  static int CellOf(double px) {
-    constexpr double kCellPx = 16.0;
-    return static_cast<int>(std::max(0.0, px) / kCellPx);
+  // The image of a query may be as large as a camera allows; the larger cells bound the memory.
+  static double CellPxOf(const Camera &camera) {
+    constexpr double kMinCellPx = 16.0, kMaxCellsPerSide = 256.0;
+    return std::max(kMinCellPx, std::max(camera.width_px(), camera.height_px()) / kMaxCellsPerSide);
+  }
+  int CellOf(double px) const {
+    return static_cast<int>(std::min(double{Camera::kMaxSidePx}, std::max(0.0, px)) / cell_px_);
   }
   int ClampedX(double x_px) const { return std::min(CellOf(x_px), num_x_ - 1); }
   int ClampedY(double y_px) const { return std::min(CellOf(y_px), num_y_ - 1); }
   size_t IndexOf(int x, int y) const { return static_cast<size_t>(y) * num_x_ + x; }
 
   const QueryContext &query_;
+  double cell_px_;  // Stands before num_x_ and num_y_, which need it.
   int num_x_, num_y_;
   std::vector<std::vector<int>> cells_;
 };

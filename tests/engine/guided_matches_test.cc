@@ -48,7 +48,7 @@ class GuidedMatchesTest : public ::testing::Test {
     return GuidedMatches(query, tiles, estimate, PoseOptions());
   }
 
-  const Camera camera_;
+  Camera camera_;
 
  private:
   std::vector<testing::SimpleLandmark> landmarks_;
@@ -87,6 +87,20 @@ TEST_F(GuidedMatchesTest, SearchesAsFarAsThePoseIsUncertain) {
   const std::vector<Correspondence> matches = Matches(0.5);
   ASSERT_EQ(matches.size(), 1u);
   EXPECT_GT(matches[0].search_area_sq_px, kPi * 40.0 * 40.0);
+}
+
+// Cells of a fixed size would take a gigabyte.
+TEST_F(GuidedMatchesTest, WorksInTheLargestImage) {
+  constexpr int kSidePx = Camera::kMaxSidePx;
+  camera_ = Camera(CameraModel::kPinhole, kSidePx, kSidePx, {5e4, 5e4, 5e4, 5e4});
+  const Eigen::Vector2d left = AddLandmark(-9.0, 0.5f), right = AddLandmark(9.0, 1.5f);
+  AddKeypoint(right + Eigen::Vector2d(1.0, 0.0), 1.5f);
+  AddKeypoint(left, 0.5f);
+  AddKeypoint({1e11, 1e11}, 0.5f);  // Outside of the image.
+  const std::vector<Correspondence> matches = Matches();
+  ASSERT_EQ(matches.size(), 2u);
+  EXPECT_EQ(matches[0].landmark_idx, 1u);
+  EXPECT_EQ(matches[1].landmark_idx, 0u);
 }
 
 TEST_F(GuidedMatchesTest, ALandmarkOutOfViewHasNoMatch) {
