@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <string>
 #include <unordered_map>
 #include <utility>
 
@@ -213,6 +214,14 @@ void FindFaults(const std::vector<MatchedPosition>& matched, Georegistration* re
   }
 }
 
+std::string DescribeLimits(const GeoregisterOptions& options) {
+  if (!std::isfinite(options.max_median_residual_sigmas)) {
+    return fmt::format("the limit is {:.2f} m", options.max_median_residual_m);
+  }
+  return fmt::format("the limits are {:.2f} m and {:.1f}", options.max_median_residual_m,
+                     options.max_median_residual_sigmas);
+}
+
 // Computes the residuals and refuses a bad fit.
 void Judge(const SimilarityProblem& problem, const Sim3d& enu_from_normalized,
            const GeoregisterOptions& options, Georegistration* result) {
@@ -240,15 +249,13 @@ void Judge(const SimilarityProblem& problem, const Sim3d& enu_from_normalized,
       result->median_residual_m <= options.max_median_residual_m) {
     return;
   }
-  throw Error(
-      ErrorCode::kBadInput,
-      fmt::format("georegistration: the fit to {} positions is bad: {} inliers, median "
-                  "residual {:.2f} m ({:.1f} times the stated accuracy; the limits are {:.2f} m "
-                  "and {:.1f}), largest {:.2f} m; check that positions and images belong "
-                  "together, or state a larger accuracy",
-                  result->num_positions, result->num_inliers, result->median_residual_m,
-                  median_sigmas, options.max_median_residual_m, options.max_median_residual_sigmas,
-                  result->max_residual_m));
+  throw Error(ErrorCode::kBadInput,
+              fmt::format("georegistration: the fit to {} positions is bad: {} inliers, median "
+                          "residual {:.2f} m ({:.1f} times the stated accuracy; {}), largest "
+                          "{:.2f} m; check that positions and images belong together, or state a "
+                          "larger accuracy",
+                          result->num_positions, result->num_inliers, result->median_residual_m,
+                          median_sigmas, DescribeLimits(options), result->max_residual_m));
 }
 
 }  // namespace

@@ -58,7 +58,8 @@ class Draft {
   bool AdjustAround(std::span<const int> photos);
   // Adjusts everything and triangulates what agrees only then. Guessed focal lengths are always
   // adjusted; those of EXIF, and distortions, only if `is_final` and enough photos have the camera.
-  // False, and nothing changes, if the solver fails.
+  // False if the solver fails; nothing changes then, unless a focal length that strayed had been
+  // reset.
   bool AdjustAll(bool is_final = false);
 
   // The photos in the order of the set.

@@ -1,5 +1,6 @@
 #include "mapping/growth/gps_check.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -82,8 +83,8 @@ Sim3d FitHalf(const std::vector<Fix>& fixes, uint64_t seed) {
   if (static_cast<int>(fixes.size()) < kMinForConsensus) {
     return best;
   }
-  double least =
-      IsFit(best) ? Median(ErrorsInSigmas(fixes, best)) : std::numeric_limits<double>::infinity();
+  double least = IsFit(best) ? QuantileOf(ErrorsInSigmas(fixes, best), kFitQuantile)
+                             : std::numeric_limits<double>::infinity();
   Random random(seed);
   const int count = static_cast<int>(fixes.size());
   for (int i = 0; i < kNumSamples; ++i) {
@@ -121,6 +122,24 @@ std::vector<Fix> FixesOf(const PhotoSet& set, const Draft& draft, double default
   return fixes;
 }
 
+// The mean and the principal axis of the photos. Sets their root mean square distance from it.
+Eigen::ParametrizedLine<double, 3> FitLine(const std::vector<Fix>& fixes,
+                                           const Sim3d& enu_from_world, double* across_m) {
+  const double count = static_cast<double>(fixes.size());
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Fix& fix : fixes) {
+    mean += enu_from_world * fix.in_world / count;
+  }
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const Fix& fix : fixes) {
+    const Eigen::Vector3d offset = enu_from_world * fix.in_world - mean;
+    scatter += offset * offset.transpose() / count;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);  // Ascending.
+  *across_m = std::sqrt(std::max(0.0, solver.eigenvalues().head<2>().sum()));
+  return {mean, solver.eigenvectors().col(2)};
+}
+
 }  // namespace
 
 GpsCheck::GpsCheck(const PhotoSet& set, const Draft& draft, double default_accuracy_m,
@@ -154,6 +173,9 @@ GpsCheck::GpsCheck(const PhotoSet& set, const Draft& draft, double default_accur
     }
     fit = FitSimilarity(kept);
   }
+  if (kept.empty()) {
+    return;  // There is no fit: the positions are all the same.
+  }
   const double count = static_cast<double>(kept.size());
   std::vector<double> sigmas_m;
   for (const Fix& fix : kept) {
@@ -167,12 +189,19 @@ GpsCheck::GpsCheck(const PhotoSet& set, const Draft& draft, double default_accur
   fit_sigma_m_ = Median(sigmas_m) / std::sqrt(count);
   if (IsFit(fit) && fit_sigma_m_ <= kMaxTurnRad * spread_m_) {
     enu_from_world_ = fit;
+    line_in_enu_ = FitLine(kept, fit, &across_m_);
   }
 }
 
 double GpsCheck::SigmaOf(const MappingPhoto& photo) const {
   const double stated_m = photo.gps_accuracy_m.value_or(default_accuracy_m_) / kRadius68PerSigma2d;
   return stated_m * (photo.gps_accuracy_m ? noise_of_stated_ : noise_of_unstated_);
+}
+
+double GpsCheck::TurnErrorM(const Eigen::Vector3d& x_in_enu) const {
+  constexpr double kHalfTurn = 2.0;  // Moves a point by twice its distance from the line.
+  const double turn = kMaxSigmas * fit_sigma_m_ / std::max(1e-9, across_m_);
+  return line_in_enu_.distance(x_in_enu) * std::min(kHalfTurn, turn);
 }
 
 bool GpsCheck::Contradicts(int photo, const Rigid3d& cam_from_world) const {
@@ -185,8 +214,9 @@ bool GpsCheck::Contradicts(int photo, const Rigid3d& cam_from_world) const {
   // The error of a fitted line: that of its middle, and that of its turn and scale.
   const double distance_m = (found.head<2>() - middle_in_enu_).norm();
   const double fit_sigma_m = fit_sigma_m_ * std::hypot(1.0, distance_m / spread_m_);
-  return (found - stated).head<2>().norm() >
-         kMaxSigmas * std::hypot(SigmaOf(source), fit_sigma_m) + kDriftM + kDriftShare * distance_m;
+  const double limit_m = kMaxSigmas * std::hypot(SigmaOf(source), fit_sigma_m) + kDriftM +
+                         kDriftShare * distance_m + TurnErrorM(found);
+  return (found - stated).head<2>().norm() > limit_m;
 }
 
 }  // namespace cairn

@@ -3,6 +3,7 @@
 #define CAIRN_MAPPING_GROWTH_GPS_CHECK_H_
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -25,13 +26,16 @@ class GpsCheck {
 
   // True if the photo has a position with a height and the pose is farther from it, horizontally,
   // than 3.5 standard deviations of the position and of the fit there, plus the drift that a
-  // draft may have.
+  // draft may have. Positions along a line do not tell the fit's turn about it, so a pose beside
+  // the line may be off by 3.5 standard deviations of that turn more.
   bool Contradicts(int photo, const Rigid3d& cam_from_world) const;
 
   static constexpr int kMinPositions = 4;
 
  private:
   double SigmaOf(const MappingPhoto& photo) const;
+  // How far the fit may err at a point because it may turn about the line of its photos.
+  double TurnErrorM(const Eigen::Vector3d& x_in_enu) const;
 
   const PhotoSet& set_;
   double default_accuracy_m_;
@@ -43,6 +47,10 @@ class GpsCheck {
   double noise_of_stated_ = 1.0, noise_of_unstated_ = 1.0;
   double fit_sigma_m_ = 0.0;  // Of the fit in the middle.
   double spread_m_ = 0.0;     // Root mean square distance of the positions from their middle.
+  // The line that fits the fitted photos best, and their root mean square distance from it.
+  Eigen::ParametrizedLine<double, 3> line_in_enu_{Eigen::Vector3d::Zero(),
+                                                  Eigen::Vector3d::UnitX()};
+  double across_m_ = 0.0;
 };
 
 }  // namespace cairn

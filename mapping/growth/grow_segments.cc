@@ -320,8 +320,7 @@ class Grower {
     return !contradicted.empty();
   }
 
-  // Adjusts the whole draft. If the solver fails, the photos of `since` leave it, and it stays as
-  // it was before them; without such photos it stays as it is.
+  // Adjusts the whole draft. If the solver fails, the photos of `since` leave it.
   void AdjustAll(const std::vector<int>& since, Draft* draft, Refusals* refusals) {
     if (!draft->AdjustAll()) {
       Remove(since, draft, refusals);

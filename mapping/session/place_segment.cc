@@ -105,7 +105,7 @@ PlacedSegment PlaceSegment(const PhotoSet& set, const PhotoPlaces& places, Segme
   // A segment bends as it grows, by more than good positions err. The adjustment straightens it, so
   // only then its residuals tell whether it belongs there.
   GeoregisterOptions bent = options;
-  bent.max_median_residual_sigmas = std::numeric_limits<double>::max();
+  bent.max_median_residual_sigmas = std::numeric_limits<double>::infinity();
   const Georegistration start = Register(places, segment, bent);
   placed.origin = OriginOf(segment.model, start.ecef_from_world);
   const Rigid3d enu_from_ecef = EcefFromEnu(placed.origin).Inverse();

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <limits>
 #include <random>
 
 #include "core/angles.h"
@@ -148,6 +149,15 @@ TEST(Georegister, RefusesPositionsThatDoNotBelongToTheImages) {
   const std::string message = RefusalOf(reconstruction, positions);
   EXPECT_THAT(message, HasSubstr("21 positions is bad"));
   EXPECT_THAT(message, HasSubstr("median residual"));
+}
+
+TEST(Georegister, ARefusalNamesNoLimitThatIsNotFinite) {
+  const Reconstruction reconstruction = testing::StreetWorld().Reconstruct();
+  GeoregisterOptions options;
+  options.max_median_residual_sigmas = std::numeric_limits<double>::infinity();
+  options.max_median_residual_m = 0.01;
+  EXPECT_THAT(RefusalOf(reconstruction, NoisyPositions(reconstruction, 0.1), options),
+              HasSubstr("; the limit is 0.01 m), largest"));
 }
 
 TEST(Georegister, RefusesNumbersThatAreNotFinite) {

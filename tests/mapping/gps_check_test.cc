@@ -34,7 +34,9 @@ PhotoSet Walk(int num_photos, uint64_t seed) {
 }
 
 // Where the model has a photo, in units of half a meter.
-Rigid3d PoseAt(double x_m) { return {Eigen::Quaterniond::Identity(), {-2.0 * x_m, 0.0, 0.0}}; }
+Rigid3d PoseAt(double x_m, double y_m = 0.0) {
+  return {Eigen::Quaterniond::Identity(), {-2.0 * x_m, -2.0 * y_m, 0.0}};
+}
 
 int CountContradicted(const PhotoSet& set, const Draft& draft) {
   const GpsCheck gps(set, draft, 15.0, 1);
@@ -89,6 +91,39 @@ TEST(GpsCheck, SeesThatAllPositionsErrMoreThanTheyState) {
     draft.Add(i, PoseAt(kStepM * i));
   }
   EXPECT_EQ(CountContradicted(set, draft), 0);
+}
+
+TEST(GpsCheck, ChecksNothingIfAllPositionsAreTheSame) {
+  PhotoSet set = Walk(4, 1);
+  const TrackTable tracks(set, {});
+  Draft draft(set, tracks, {set.cameras[0].camera}, 1);
+  for (int i = 0; i < 4; ++i) {
+    set.photos[i].gps = set.photos[0].gps;
+    draft.Add(i, PoseAt(kStepM * i));
+  }
+  EXPECT_EQ(CountContradicted(set, draft), 0);
+}
+
+// The positions err to the other side of the walk, so the fit is upside down: it puts a photo on
+// one sidewalk at the other.
+TEST(GpsCheck, BelievesAPhotoBesideAStraightWalk) {
+  constexpr double kBesideM = 8.0;
+  const Rigid3d ecef_from_enu = EcefFromEnu(Geodetic::FromDegrees(47.0, 8.0, 400.0));
+  const auto gps_at = [&](double x_m, double y_m) {
+    return GeodeticFromEcef(ecef_from_enu * Eigen::Vector3d(x_m, y_m, 0.0));
+  };
+  PhotoSet set = Walk(31, 1);
+  const TrackTable tracks(set, {});
+  Draft draft(set, tracks, {set.cameras[0].camera}, 1);
+  for (int i = 0; i < 30; ++i) {
+    const double side = i % 2 == 0 ? 1.0 : -1.0;
+    set.photos[i].gps = gps_at(kStepM * i, -0.5 * side);
+    draft.Add(i, PoseAt(kStepM * i, 0.1 * side));
+  }
+  set.photos[30].gps = gps_at(45.0, kBesideM);
+  const GpsCheck gps(set, draft, 15.0, 1);
+  EXPECT_FALSE(gps.Contradicts(30, PoseAt(45.0, kBesideM)));
+  EXPECT_TRUE(gps.Contradicts(30, PoseAt(0.0, kBesideM)));
 }
 
 TEST(GpsCheck, FindsThePositionThatIsFarOff) {
