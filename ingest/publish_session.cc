@@ -177,11 +177,12 @@ IngestReport PublishSession(const SessionPlan& plan,
     StoreTile(built, &update);
     CountTile(built.tile, &report);
   }
+  // The last report: one that throws must not find the map changed.
+  ReportProgress(progress, "publish", num_tiles, num_tiles);
   report.map_version = update.Publish(
       {.kind = report.replaced_session ? VersionKind::kReplace : VersionKind::kIngest,
        .session = plan.session.name,
        .summary = SummaryOf(report)});
-  ReportProgress(progress, "publish", num_tiles, num_tiles);
   return report;
 }
 

@@ -78,11 +78,13 @@ class RowQueue {
 
 // Whether an error says something about the photo, and not about the map or the server.
 bool IsOfPhoto(const Error& error) {
-  constexpr int kUnauthorized = 401, kForbidden = 403, kNoSuchPath = 404, kTooMany = 429;
+  constexpr int kFirstRefusal = 400, kUnauthorized = 401, kForbidden = 403, kNoSuchPath = 404,
+                kTooMany = 429, kFirstOfFronts = 502;
   if (const auto* refusal = dynamic_cast<const ServerRefusal*>(&error)) {
     const int status = refusal->status();
-    return status != kUnauthorized && status != kForbidden && status != kNoSuchPath &&
-           status != kTooMany && error.code() != ErrorCode::kUnavailable;
+    return status >= kFirstRefusal && status < kFirstOfFronts && status != kUnauthorized &&
+           status != kForbidden && status != kNoSuchPath && status != kTooMany &&
+           error.code() != ErrorCode::kUnavailable;
   }
   return error.code() != ErrorCode::kUnavailable && error.code() != ErrorCode::kMapDamaged &&
          error.code() != ErrorCode::kConflict;
@@ -97,13 +99,16 @@ std::string RowOfPhoto(const ListedPhoto& listed, const LocalizePhotosOptions& o
   if (listed.prior) {
     query.prior = listed.prior;
   }
+  bool is_read = false;
   try {
     PhotoQuery photo = ReadPhotoQuery(listed.path, query);
+    is_read = true;
     photo.query.id = listed.name;
     const LocalizeResult result = answer(&photo);
     return AnswerRow(listed.name, photo.query, result, options.frame);
   } catch (const Error& error) {
-    if (!IsOfPhoto(error)) {
+    // Once the photo is read, the file that cannot be read is the map.
+    if (!IsOfPhoto(error) || (is_read && error.code() == ErrorCode::kIo)) {
       throw;
     }
     return FailureRow(listed.name, error.what());

@@ -30,8 +30,9 @@ struct LocalizePhotosOptions {
 
 // Appends the rows that `results` lacks, in the order of the photos. A photo that cannot be read or
 // asked gets a row that says why. Throws what would fail for all other photos, too: Error
-// kUnavailable, kMapDamaged and kConflict, a server that does not accept the client
-// (ServerRefusal), and Error(kIo) if the file cannot be written; rows that were complete are kept.
+// kUnavailable, kMapDamaged and kConflict, a server that does not accept the client, or a front
+// without its server (ServerRefusal), and Error(kIo) if the map cannot be read or the file cannot
+// be written; rows that were complete are kept.
 void LocalizePhotos(const std::vector<ListedPhoto>& photos, const LocalizePhotosOptions& options,
                     ResultFile* results);
 

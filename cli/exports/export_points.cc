@@ -15,6 +15,7 @@
 
 #include "cli/exports/spill_files.h"
 #include "core/error.h"
+#include "core/printable.h"
 #include "core/replace_file.h"
 #include "ingest/colmap/colmap_model_writer.h"
 #include "storage/tile/tile.h"
@@ -277,12 +278,22 @@ class PointExport {
     return static_cast<uint32_t>(Value(id));
   }
 
+  // Throws Error(kBadInput) if the model cannot hold the name.
   std::string ImageName(const KeyframeRecord& keyframe) const {
     const auto session = name_of_session_.find(keyframe.session_id);
     const bool is_alone = name_of_session_.size() <= 1 || options_.session;
-    return is_alone || session == name_of_session_.end()
-               ? keyframe.image_name
-               : session->second + "/" + keyframe.image_name;
+    const std::string name = is_alone || session == name_of_session_.end()
+                                 ? keyframe.image_name
+                                 : session->second + "/" + keyframe.image_name;
+    // COLMAP's reader splits lines at blanks.
+    if (options_.colmap_format == ColmapModelFormat::kText &&
+        name.find_first_of(" \t\r\n\v\f") != std::string::npos) {
+      throw Error(ErrorCode::kBadInput,
+                  fmt::format("COLMAP's text models cannot hold the name '{}', which has a blank; "
+                              "leave out --text",
+                              Excerpt(name)));
+    }
+    return name;
   }
 
   Rgb ColorOf(const SpilledLandmark& landmark) const {

@@ -137,6 +137,24 @@ TEST_F(ExportVerb, TextAndBinaryModelsAreTheSame) {
   EXPECT_THAT(a.images[0].name, ::testing::AnyOf(StartsWith("monday/"), StartsWith("tuesday/")));
 }
 
+TEST_F(ExportVerb, TextModelsRefuseBlanksInNames) {
+  const std::string map = File("blank.gpkg");
+  const auto make_map = [&map] {
+    const StreetWorld world({.length_m = 200.0, .keyframe_step_m = 5.0});
+    Reconstruction street = world.Reconstruct();
+    street.images[0].name = "my photo.jpg";
+    IngestOptions ingest;
+    ingest.session_name = "monday";
+    MapStore store = MapStore::Create(map);
+    IngestSession(street, world.EcefFromWorld(), ingest, &store, {});
+  };
+  ASSERT_EQ(RunInChild(make_map), 0);
+  const Finished refused = RunCairn({"export", map, "--colmap", File("blank_text"), "--text"});
+  EXPECT_NE(refused.exit_code, 0);
+  EXPECT_THAT(refused.err, HasSubstr("'my photo.jpg', which has a blank"));
+  EXPECT_EQ(RunCairn({"export", map, "--colmap", File("blank")}).exit_code, 0);
+}
+
 TEST_F(ExportVerb, EachLandmarkIsAPointOnce) {
   ASSERT_EQ(Export({"--ply", File("all.ply"), "--frame", "ecef"}).exit_code, 0);
   const MapStore store = MapStore::Open(MapPath(), OpenMode::kReadOnly);

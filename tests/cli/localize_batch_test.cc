@@ -218,7 +218,12 @@ TEST_F(LocalizeBatch, WhatFailsForAllPhotosEndsTheRun) {
     return results.num_rows();
   };
   EXPECT_THROW(run_with(Error(ErrorCode::kMapDamaged, "damaged")), Error);
+  EXPECT_THROW(run_with(Error(ErrorCode::kIo, "the disk fails")), Error);
   EXPECT_THROW(run_with(ServerRefusal(ErrorCode::kBadInput, "no key", 401)), ServerRefusal);
+  for (const int status : {302, 502, 504}) {
+    EXPECT_THROW(run_with(ServerRefusal(ErrorCode::kInternal, "the front", status)), ServerRefusal)
+        << status;
+  }
   EXPECT_EQ(run_with(ServerRefusal(ErrorCode::kBadInput, "bad image", 400)), 3);
 }
 
