@@ -15,8 +15,8 @@ py::array RequireArray(const std::string& argument, py::handle value) {
                    fmt::format("must be a numpy array, not {}", Py_TYPE(value.ptr())->tp_name));
   }
   const auto array = py::reinterpret_borrow<py::array>(value);
-  // Numpy writes '=' for this machine's order and '|' where there is none.
-  if (array.dtype().byteorder() == '<' || array.dtype().byteorder() == '>') {
+  // Not by `byteorder`, which may name this machine's order: '<' of h5py's arrays.
+  if (!array.dtype().attr("isnative").cast<bool>()) {
     RefuseArgument(argument, fmt::format("{} has another byte order than this machine; pass "
                                          "{}.astype({}.dtype.newbyteorder('='))",
                                          DescribeArray(array), argument, argument));

@@ -178,7 +178,9 @@ py::object DetailsOf(const Summary& summary) {
 void BindBuilding(py::module_* module) {
   using py::arg;
   py::class_<Summary>(*module, "Summary", docs::kSummary)
-      .def_readonly("session", &Summary::session, "Name of the session.")
+      .def_property_readonly(
+          "session", [](const Summary& summary) { return TextOut(summary.session); },
+          "Name of the session.")
       .def_property_readonly(
           "map_version", [](const Summary& summary) { return Value(summary.map_version); },
           "The version that has the session.")

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/images/orient_image.h"
 #include "http/client.h"
 #include "http/exchange/server_url.h"
 #include "python/arguments.h"
@@ -42,23 +43,23 @@ class Server {
       report("wait", 0, 0);
     }
     const std::lock_guard lock(mutex_, std::adopt_lock);
-    is_stopped_ = false;
-    is_busy_ = true;
+    SetTurn(&stated);
     PythonResult answer;
     try {
       answer.result = stated.sight.features ? AskWithFeatures(stated) : AskWithImages(stated);
     } catch (...) {
-      is_busy_ = false;
+      SetTurn(nullptr);
       throw;
     }
-    is_busy_ = false;
+    SetTurn(nullptr);
     answer.localize_seconds = answer.result.times.total_seconds;
     return answer;
   }
 
-  // Aborts the exchange under way.
-  void Stop() {
-    if (is_busy_) {
+  // Aborts the exchange under way if it is that of this query, and not of another thread's.
+  void Stop(const StatedQuery& stated) {
+    const std::lock_guard lock(turn_mutex_);
+    if (turn_ == &stated) {
       is_stopped_ = true;
       LocalizeClient* const active = active_;
       if (active != nullptr) {
@@ -68,6 +69,13 @@ class Server {
   }
 
  private:
+  // Of the query whose exchange begins, or null at its end.
+  void SetTurn(const StatedQuery* stated) {
+    const std::lock_guard lock(turn_mutex_);
+    turn_ = stated;
+    is_stopped_ = false;
+  }
+
   // The clients differ in the pictures that they mean.
   LocalizeClient* ClientOf(ImageOrientation orientation) {
     std::unique_ptr<LocalizeClient>& client = clients_[orientation];
@@ -117,7 +125,8 @@ class Server {
   std::timed_mutex mutex_;  // Of clients_ and of the exchange.
   std::map<ImageOrientation, std::unique_ptr<LocalizeClient>> clients_;
   std::atomic<LocalizeClient*> active_ = nullptr;
-  std::atomic<bool> is_busy_ = false;
+  std::mutex turn_mutex_;
+  const StatedQuery* turn_ = nullptr;  // The query under way.
   std::atomic<bool> is_stopped_ = false;
 };
 
@@ -134,15 +143,13 @@ class PythonClient {
                         const py::object& exif_prior) const {
     server_.guard().Require("client: this cairn.Client");
     const PythonQuery query =
-        py::isinstance<PythonQuery>(image)
-            ? image.cast<PythonQuery>()
-            : MakeQuery(image, camera, prior, accuracy_m, gravity, rig, timeout_ms, exif_prior);
+        QueryOfCall(image, camera, prior, accuracy_m, gravity, rig, timeout_ms, exif_prior);
     const std::shared_ptr<Server> server = server_.get();
     PythonResult answer;
     RunInterruptibly(
         py::none(),
         [&](const WorkProgress& report) { answer = server->Answer(query.stated, report); },
-        [&] { server->Stop(); });
+        [&] { server->Stop(query.stated); });
     return answer;
   }
 

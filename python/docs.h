@@ -134,6 +134,7 @@ taken from the iterable as the work goes on. Ctrl-C stops at once.
 
 queries: an iterable of Query, or of images or Features that need no further arguments. An item
     that is no query or cannot be read raises when its turn comes; the iterator goes on after it.
+    What the iterable itself raises comes after the results before it.
 threads: 0 means all cores.)";
 
 inline constexpr char kLandmarks[] = R"(landmarks(where) -> structured array
@@ -191,7 +192,8 @@ inline constexpr char kClientLocalize[] =
          timeout_ms=None, exif_prior=True) -> Result
 
 As Map.localize, by the server. Files and pixels are sent as they are; Features are sent without
-loss. Ctrl-C stops at once. Raises cairn.Error with code 'unavailable' if no server answers.)";
+loss. Ctrl-C stops at once, or when the connection that is just being made stands or fails. Raises
+cairn.Error with code 'unavailable' if no server answers.)";
 
 inline constexpr char kFusionQuery[] = "A question to the map about one frame.";
 

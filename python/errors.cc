@@ -40,4 +40,13 @@ void RefuseArgument(const std::string& argument, const std::string& problem) {
   throw Error(ErrorCode::kInvalidArgument, argument + ": " + problem);
 }
 
+py::str TextOut(std::string_view text) {
+  PyObject* const decoded =
+      PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "surrogateescape");
+  if (decoded == nullptr) {
+    throw py::error_already_set();
+  }
+  return py::reinterpret_steal<py::str>(decoded);
+}
+
 }  // namespace cairn::python

@@ -5,6 +5,7 @@
 #include <pybind11/pybind11.h>
 
 #include <string>
+#include <string_view>
 
 namespace cairn::python {
 
@@ -16,6 +17,10 @@ void BindErrors(py::module_* module);
 
 // Throws Error(kInvalidArgument) "<argument>: <problem>".
 [[noreturn]] void RefuseArgument(const std::string& argument, const std::string& problem);
+
+// A name from a map or from the disk for Python. Bytes that are not UTF-8 become what os.fsencode
+// turns back into them.
+py::str TextOut(std::string_view text);
 
 }  // namespace cairn::python
 

@@ -140,9 +140,9 @@ void BindAnswers(py::class_<EvalReport>* report) {
       ->def_property_readonly(
           "names",
           [](const EvalReport& self) {
-            std::vector<std::string> names;
+            py::list names;
             for (const EvalAnswer& answer : self.answers) {
-              names.push_back(answer.name);
+              names.append(TextOut(answer.name));
             }
             return names;
           },

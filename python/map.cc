@@ -42,18 +42,8 @@ PythonResult LocalizeImage(const PythonMap& map, const py::object& image, const 
                            const py::object& prior, const py::object& accuracy_m,
                            const py::object& gravity, const py::object& rig,
                            const py::object& timeout_ms, const py::object& exif_prior) {
-  if (!py::isinstance<PythonQuery>(image)) {
-    return Localize(
-        map, MakeQuery(image, camera, prior, accuracy_m, gravity, rig, timeout_ms, exif_prior));
-  }
-  for (const auto& [name, value] :
-       {std::pair("camera", camera), std::pair("prior", prior), std::pair("gravity", gravity),
-        std::pair("rig", rig), std::pair("timeout_ms", timeout_ms)}) {
-    if (!value.is_none()) {
-      RefuseArgument(name, "is part of the cairn.Query already");
-    }
-  }
-  return Localize(map, image.cast<const PythonQuery&>());
+  return Localize(
+      map, QueryOfCall(image, camera, prior, accuracy_m, gravity, rig, timeout_ms, exif_prior));
 }
 
 }  // namespace
@@ -94,11 +84,13 @@ void BindMap(py::module_* module) {
            docs::kLocalize)
       .def("close", &PythonMap::Close, docs::kMapClose)
       .def_property_readonly("closed", &PythonMap::is_closed, "Whether close() was called.")
-      .def_property_readonly("path", &PythonMap::path, "The path or URL.")
+      .def_property_readonly(
+          "path", [](const PythonMap& self) { return TextOut(self.path()); }, "The path or URL.")
       .def("__enter__", [](py::object self) { return self; })
       .def("__exit__", [](PythonMap& self, const py::args& /*exception*/) { self.Close(); })
       .def("__repr__", [](const PythonMap& self) {
-        return fmt::format("<cairn.Map {}{}>", self.path(), self.is_closed() ? ", closed" : "");
+        return TextOut(
+            fmt::format("<cairn.Map {}{}>", self.path(), self.is_closed() ? ", closed" : ""));
       });
   BindMapContent(&map);
   BindMapBatches(module, &map);

@@ -1,4 +1,5 @@
 // Map.localize_many: queries on several threads, their results in order.
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <exception>
@@ -29,18 +30,16 @@ struct Job {
 class AnswerPool {
  public:
   AnswerPool(std::shared_ptr<const OpenedMap> map, int num_threads) : map_(std::move(map)) {
-    for (int i = 0; i < num_threads; ++i) {
-      threads_.emplace_back([this] { Work(); });
+    try {
+      for (int i = 0; i < num_threads; ++i) {
+        threads_.emplace_back([this] { Work(); });
+      }
+    } catch (...) {
+      End();  // The threads that were made would wait for jobs, and their joins for them.
+      throw;
     }
   }
-  ~AnswerPool() {
-    {
-      const std::lock_guard lock(mutex_);
-      is_ending_ = true;
-      waiting_.clear();
-    }
-    changed_.notify_all();
-  }  // The threads are joined, each after the job at hand.
+  ~AnswerPool() { End(); }  // The threads are joined, each after the job at hand.
 
   void Add(std::shared_ptr<Job> job) {
     {
@@ -57,6 +56,15 @@ class AnswerPool {
   }
 
  private:
+  void End() {
+    {
+      const std::lock_guard lock(mutex_);
+      is_ending_ = true;
+      waiting_.clear();
+    }
+    changed_.notify_all();
+  }
+
   void Work() {
     for (;;) {
       std::shared_ptr<Job> job;
@@ -105,9 +113,9 @@ class ManyResults {
 
   PythonResult Next() {
     pool_.guard().Require("queries: this iterator of Map.localize_many");
-    while (ahead_.size() < max_ahead_ && !is_exhausted_) {
-      TakeOne();
-    }
+    do {
+      TakeAhead();
+    } while (ahead_.empty() && !is_exhausted_);
     if (ahead_.empty()) {
       throw py::stop_iteration();
     }
@@ -142,13 +150,42 @@ class ManyResults {
     }
   }
 
-  // An item that is no query fails when its turn comes.
+  // One thread at a time runs the iterable, which may be a generator. Other threads wait only if
+  // nothing is ahead.
+  void TakeAhead() {
+    while (taker_ != std::thread::id() && ahead_.empty()) {
+      if (taker_ == std::this_thread::get_id()) {
+        RefuseArgument("queries", "waits for a result of the query that it is to give");
+      }
+      {
+        const py::gil_scoped_release release;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+      ThrowOnSignal();
+    }
+    if (taker_ != std::thread::id()) {
+      return;
+    }
+    taker_ = std::this_thread::get_id();
+    try {
+      // No more than one filling, though other threads may take results meanwhile.
+      for (size_t i = 0; i < max_ahead_ && ahead_.size() < max_ahead_ && !is_exhausted_; ++i) {
+        TakeOne();
+      }
+    } catch (...) {
+      taker_ = {};
+      throw;
+    }
+    taker_ = {};
+  }
+
+  // An item that is no query fails when its turn comes, and so does an iterable that raises.
   void TakeOne() {
     const auto item = py::reinterpret_steal<py::object>(PyIter_Next(queries_.ptr()));
     if (!item) {
       is_exhausted_ = true;
       if (PyErr_Occurred() != nullptr) {
-        throw py::error_already_set();
+        AddFailureOfIterable(py::error_already_set());
       }
       return;
     }
@@ -165,12 +202,24 @@ class ManyResults {
     ahead_.push_back(std::move(entry));
   }
 
+  // Ctrl-C, which is no Exception of Python, does not wait for the results before it.
+  void AddFailureOfIterable(const py::error_already_set& error) {
+    if (!error.matches(PyExc_Exception)) {
+      throw py::error_already_set(error);
+    }
+    Entry entry;
+    entry.job->failure = std::make_exception_ptr(error);
+    entry.job->is_done = true;
+    ahead_.push_back(std::move(entry));
+  }
+
   // Destroyed from below: no thread of the pool looks at what the entries own, because the pool is
   // reset before.
   AtHome<AnswerPool> pool_;
   py::iterator queries_;
   std::deque<Entry> ahead_;
   size_t max_ahead_;
+  std::thread::id taker_;  // That runs the iterable, if one does.
   bool is_exhausted_ = false;
 };
 

@@ -54,7 +54,11 @@ py::array_t<Row> ArrayOfRows(const std::vector<Row>& rows) {
 // Adds a field of names to an array of rows.
 py::object WithNames(const py::array& rows, const char* field,
                      const std::vector<std::string>& names) {
-  return py::module_::import("cairn._support").attr("with_names")(rows, field, names);
+  py::list texts;
+  for (const std::string& name : names) {
+    texts.append(TextOut(name));
+  }
+  return py::module_::import("cairn._support").attr("with_names")(rows, field, texts);
 }
 
 std::array<double, 4> BoundsDeg(const GeoBox& box) {
@@ -101,6 +105,14 @@ void AddLandmarks(const Tile& tile, const std::optional<GeoBox>& box,
   }
 }
 
+// Whether the argument is a name or number, and not a box. Each array of numpy has `__index__`.
+bool IsTile(py::handle where) {
+  if (py::isinstance<py::array>(where)) {
+    return py::reinterpret_borrow<py::array>(where).ndim() == 0;
+  }
+  return py::isinstance<py::str>(where) || PyIndex_Check(where.ptr()) != 0;
+}
+
 // A tile by its name or number.
 TileId TileOf(py::handle where) {
   try {
@@ -120,7 +132,7 @@ py::array Landmarks(const PythonMap& map, const py::object& where) {
   const auto opened = map.Require();
   std::optional<GeoBox> box;
   std::optional<TileId> tile_id;
-  if (py::isinstance<py::str>(where) || PyIndex_Check(where.ptr()) != 0) {
+  if (IsTile(where)) {
     tile_id = TileOf(where);
   } else {
     box = BoxOf("where", where);
@@ -242,8 +254,9 @@ py::list Sessions(const PythonMap& map) {
   const py::object session = py::module_::import("cairn._support").attr("Session");
   py::list sessions;
   for (const SessionRecord& record : map.Require()->localizer.map().Snapshot().Sessions()) {
-    sessions.append(session(Value(record.id), record.name, record.source, record.recorded_at,
-                            record.created_at, record.num_images, record.num_landmarks));
+    sessions.append(session(Value(record.id), TextOut(record.name), TextOut(record.source),
+                            record.recorded_at, record.created_at, record.num_images,
+                            record.num_landmarks));
   }
   return sessions;
 }

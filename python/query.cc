@@ -21,7 +21,9 @@ double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-RigSight RigSightOf(const std::string& argument, py::handle value) {
+// Adds to `owners` what the result refers to: the image, which the item may let go of.
+RigSight RigSightOf(const std::string& argument, py::handle value,
+                    std::vector<py::object>* owners) {
   if (!py::isinstance<py::sequence>(value) || py::isinstance<py::str>(value) ||
       py::len(value) != 3) {
     RefuseArgument(argument, "must be (image, camera, cam_from_first)");
@@ -31,7 +33,9 @@ RigSight RigSightOf(const std::string& argument, py::handle value) {
   if (!camera || camera->focal) {
     RefuseArgument(argument + "[1]", "a rig needs cameras without a focal_sigma");
   }
-  return {SightOf(argument + "[0]", parts[0]), camera->camera, PoseOf(argument + "[2]", parts[2])};
+  const py::object image = parts[0];
+  owners->push_back(image);
+  return {SightOf(argument + "[0]", image), camera->camera, PoseOf(argument + "[2]", parts[2])};
 }
 
 // The other cameras of a rig.
@@ -40,8 +44,8 @@ void AddRig(const py::object& rig, PythonQuery* query) {
     RefuseArgument("rig", "must be a sequence of (image, camera, cam_from_first)");
   }
   for (const py::handle item : rig) {
-    query->stated.rig.push_back(RigSightOf(fmt::format("rig[{}]", query->stated.rig.size()), item));
-    query->owners.push_back(py::reinterpret_borrow<py::object>(item));
+    query->stated.rig.push_back(
+        RigSightOf(fmt::format("rig[{}]", query->stated.rig.size()), item, &query->owners));
   }
 }
 
@@ -152,6 +156,23 @@ PythonQuery MakeQuery(const py::object& image, const py::object& camera, const p
     stated.timeout_ms = static_cast<int>(IntegerOf("timeout_ms", timeout_ms, 1, 3'600'000));
   }
   return query;
+}
+
+PythonQuery QueryOfCall(const py::object& image, const py::object& camera, const py::object& prior,
+                        const py::object& accuracy_m, const py::object& gravity,
+                        const py::object& rig, const py::object& timeout_ms,
+                        const py::object& exif_prior) {
+  if (!py::isinstance<PythonQuery>(image)) {
+    return MakeQuery(image, camera, prior, accuracy_m, gravity, rig, timeout_ms, exif_prior);
+  }
+  for (const auto& [name, value] :
+       {std::pair("camera", camera), std::pair("prior", prior), std::pair("gravity", gravity),
+        std::pair("rig", rig), std::pair("timeout_ms", timeout_ms)}) {
+    if (!value.is_none()) {
+      RefuseArgument(name, "is part of the cairn.Query already");
+    }
+  }
+  return image.cast<PythonQuery>();
 }
 
 PythonQuery QueryOf(const std::string& argument, const py::object& value) {

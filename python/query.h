@@ -46,6 +46,13 @@ PythonQuery MakeQuery(const py::object& image, const py::object& camera, const p
                       const py::object& rig, const py::object& timeout_ms,
                       const py::object& exif_prior);
 
+// The query of a call of `localize`: as MakeQuery, or a cairn.Query as `image`, which no other
+// argument may accompany.
+PythonQuery QueryOfCall(const py::object& image, const py::object& camera, const py::object& prior,
+                        const py::object& accuracy_m, const py::object& gravity,
+                        const py::object& rig, const py::object& timeout_ms,
+                        const py::object& exif_prior);
+
 // A cairn.Query, or the image of one without further arguments.
 PythonQuery QueryOf(const std::string& argument, const py::object& value);
 

@@ -48,7 +48,8 @@ def ingest(
     apart, force, wait_s, archive: as --apart, --force, --wait, --archive.
     threads: 0 means all cores. The result does not depend on it.
     progress: called with (phase, done, total) on the calling thread. If it raises, or at Ctrl-C,
-        the work ends at its next step, and the map is as before.
+        the work ends at its next step, and the map is as before unless the session was just being
+        published.
     """
     return _cairn._ingest(
         path, model=model, database=database, gps=gps, georef=georef,

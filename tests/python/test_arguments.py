@@ -2,6 +2,7 @@
 
 import pathlib
 import struct
+import sys
 import tempfile
 import unittest
 import zlib
@@ -42,6 +43,12 @@ class Arrays(unittest.TestCase):
     def test_byte_orders(self):
         self.refuse("keypoints", ">f8", "byte order", keypoints=KEYPOINTS.astype(">f8"))
         self.refuse("descriptors", ">f4", "byte order", descriptors=DESCRIPTORS.astype(">f4"))
+
+    def test_the_byte_order_of_the_machine_by_its_name(self):
+        order = "<" if sys.byteorder == "little" else ">"
+        descriptors = DESCRIPTORS.view(np.dtype("f4").newbyteorder(order))
+        features = cairn.Features(KEYPOINTS, descriptors)
+        np.testing.assert_array_equal(features.descriptors, DESCRIPTORS)
 
     def test_values(self):
         self.refuse("keypoints", keypoints=KEYPOINTS * np.nan)
@@ -164,6 +171,8 @@ class Queries(unittest.TestCase):
     def test_a_query_has_its_arguments_already(self):
         with expect_error(self, "invalid_argument", "prior"):
             self.map.localize(self.first.query(), prior=(1, 2))
+        with expect_error(self, "invalid_argument", "prior"):
+            cairn.Client("http://127.0.0.1:1").localize(self.first.query(), prior=(1, 2))
 
     def test_batches(self):
         for threads in (-1, 2.5, 5000):

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import unittest
+import weakref
 
 import numpy as np
 
@@ -93,6 +94,17 @@ class Localize(unittest.TestCase):
         self.assertTrue(result.localized)
         self.assertEqual(set(result.inliers.camera), {0, 1})
 
+    def test_a_rig_keeps_its_images(self):
+        pixels = np.zeros((FIRST.size[1], FIRST.size[0]), np.uint8)
+        kept = weakref.ref(pixels)
+        item = [pixels, FIRST.camera, np.eye(4)]
+        query = cairn.Query(FIRST.features(), FIRST.camera, prior=FIRST.prior,
+                            gravity=FIRST.gravity, rig=[item])
+        item[0] = None
+        del pixels
+        self.assertIsNotNone(kept())
+        MAP.localize(query)
+
     def test_a_time_limit_ends_the_search(self):
         self.assertIsNotNone(localize(MAP, timeout_ms=10_000))
 
@@ -149,13 +161,24 @@ class LocalizeMany(unittest.TestCase):
         next(MAP.localize_many(queries(), threads=2))
         self.assertLess(len(taken), 10)
 
-    def test_an_iterable_that_raises_ends_it(self):
+    def test_an_iterable_that_raises_ends_it_after_the_results_before(self):
         def queries():
             yield FIRST.query()
             raise KeyError("mine")
 
+        results = MAP.localize_many(queries(), threads=1)
+        self.assertTrue(next(results).localized)
         with self.assertRaises(KeyError):
-            list(MAP.localize_many(queries(), threads=1))
+            next(results)
+        self.assertEqual(list(results), [])
+
+    def test_a_generator_cannot_wait_for_itself(self):
+        def queries():
+            yield next(results)
+
+        results = MAP.localize_many(queries(), threads=1)
+        with expect_error(self, "invalid_argument", "queries"):
+            next(results)
 
     def test_threads_may_share_an_iterator(self):
         elsewhere = cairn.Query(FIRST.features(), FIRST.camera, prior=(10.0, 10.0))
@@ -167,6 +190,21 @@ class LocalizeMany(unittest.TestCase):
         for thread in threads:
             thread.join()
         self.assertEqual(sorted(result.localized for result in taken), [False] * 12 + [True] * 12)
+
+    def test_threads_may_share_an_iterator_over_a_generator(self):
+        def queries():
+            for _ in range(24):
+                threading.Event().wait(1e-3)  # Lets the other threads come meanwhile.
+                yield FIRST.query()
+
+        results = MAP.localize_many(queries(), threads=2)
+        taken = []
+        threads = [threading.Thread(target=lambda: taken.extend(results)) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual([result.localized for result in taken], [True] * 24)
 
     def test_other_threads_of_python_run_meanwhile(self):
         ticks = []
@@ -196,6 +234,7 @@ class Content(unittest.TestCase):
         west, south, east, top = MAP.bounds
         half = MAP.landmarks((west, float(np.median(landmarks["lat_deg"])), east, top))
         self.assertLessEqual(abs(len(half) - north.sum()), 2)
+        self.assertEqual(len(MAP.landmarks(np.array(MAP.bounds))), len(landmarks))
         self.assertTrue((np.linalg.norm(landmarks["ecef"], axis=1) > 6.3e6).all())
         self.assertTrue((landmarks["sigma_m"] > 0).all())
 
