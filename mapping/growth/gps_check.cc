@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/geodesy.h"
 #include "core/radius68.h"
@@ -186,7 +187,7 @@ GpsCheck::GpsCheck(const PhotoSet& set, const Draft& draft, double default_accur
     spread_m_ += (fix.in_enu.head<2>() - middle_in_enu_).squaredNorm() / count;
   }
   spread_m_ = std::sqrt(spread_m_);
-  fit_sigma_m_ = Median(sigmas_m) / std::sqrt(count);
+  fit_sigma_m_ = Median(std::move(sigmas_m)) / std::sqrt(count);
   if (IsFit(fit) && fit_sigma_m_ <= kMaxTurnRad * spread_m_) {
     enu_from_world_ = fit;
     line_in_enu_ = FitLine(kept, fit, &across_m_);
