@@ -25,14 +25,14 @@ constexpr double kMaxSizeFactor = 2.5;
 // Finds the keypoints of one camera near a pixel.
 class KeypointGrid {
  public:
-  KeypointGrid(const QueryContext &query, int camera_idx)
+  KeypointGrid(const QueryContext& query, int camera_idx)
       : query_(query),
         cell_px_(CellPxOf(query.CameraAt(camera_idx))),
         num_x_(CellOf(query.CameraAt(camera_idx).width_px()) + 1),
         num_y_(CellOf(query.CameraAt(camera_idx).height_px()) + 1),
         cells_(static_cast<size_t>(num_x_) * num_y_) {
     for (int i = 0; i < query.num_keypoints(); ++i) {
-      const Keypoint &keypoint = query.keypoints[i];
+      const Keypoint& keypoint = query.keypoints[i];
       if (query.CameraIdxOf(i) == camera_idx) {
         cells_[IndexOf(ClampedX(keypoint.x_px), ClampedY(keypoint.y_px))].push_back(i);
       }
@@ -41,7 +41,7 @@ class KeypointGrid {
 
   // Calls visit(keypoint_idx) for each keypoint within the radius.
   template <typename Visit>
-  void ForEachWithin(const Eigen::Vector2d &pixel, double radius_px, const Visit &visit) const {
+  void ForEachWithin(const Eigen::Vector2d& pixel, double radius_px, const Visit& visit) const {
     const int last_x = ClampedX(pixel.x() + radius_px), last_y = ClampedY(pixel.y() + radius_px);
     for (int y = ClampedY(pixel.y() - radius_px); y <= last_y; ++y) {
       for (int x = ClampedX(pixel.x() - radius_px); x <= last_x; ++x) {
@@ -57,7 +57,7 @@ class KeypointGrid {
 
  private:
   // The image of a query may be as large as a camera allows; the larger cells bound the memory.
-  static double CellPxOf(const Camera &camera) {
+  static double CellPxOf(const Camera& camera) {
     constexpr double kMinCellPx = 16.0, kMaxCellsPerSide = 256.0;
     return std::max(kMinCellPx, std::max(camera.width_px(), camera.height_px()) / kMaxCellsPerSide);
   }
@@ -68,7 +68,7 @@ class KeypointGrid {
   int ClampedY(double y_px) const { return std::min(CellOf(y_px), num_y_ - 1); }
   size_t IndexOf(int x, int y) const { return static_cast<size_t>(y) * num_x_ + x; }
 
-  const QueryContext &query_;
+  const QueryContext& query_;
   double cell_px_;  // Stands before num_x_ and num_y_, which need it.
   int num_x_, num_y_;
   std::vector<std::vector<int>> cells_;
@@ -84,8 +84,8 @@ struct Prediction {
 // Predicts the images of landmarks in one camera under a pose.
 class Predictor {
  public:
-  Predictor(const QueryContext &query, int camera_idx, const PoseEstimate &estimate,
-            const PoseOptions &options)
+  Predictor(const QueryContext& query, int camera_idx, const PoseEstimate& estimate,
+            const PoseOptions& options)
       : camera_(query.CameraAt(camera_idx)),
         own_from_anchor_(query.OwnFromFirst(camera_idx) * estimate.cam_from_anchor),
         center_in_anchor_(estimate.cam_from_anchor.Inverse().translation),
@@ -93,7 +93,7 @@ class Predictor {
         max_error_px_(options.MaxErrorPx(camera_.focal_px())) {}
 
   // Returns nothing if the landmark is not in view.
-  std::optional<Prediction> Predict(const Eigen::Vector3d &x_in_anchor, double sigma_m) const {
+  std::optional<Prediction> Predict(const Eigen::Vector3d& x_in_anchor, double sigma_m) const {
     const Eigen::Vector3d x_in_own = own_from_anchor_ * x_in_anchor;
     Eigen::Matrix<double, 2, 3> of_point;
     const auto pixel = camera_.ProjectWithJacobian(x_in_own, &of_point);
@@ -120,18 +120,18 @@ class Predictor {
   }
 
  private:
-  const Camera &camera_;
+  const Camera& camera_;
   const Rigid3d own_from_anchor_;
   const Eigen::Vector3d center_in_anchor_;
   const Eigen::Matrix<double, 6, 6> pose_covariance_;
   const double max_error_px_;
 };
 
-float SqDistance(const Codebook &codebook, const float *descriptor, const uint8_t *code) {
+float SqDistance(const Codebook& codebook, const float* descriptor, const uint8_t* code) {
   const int dim = codebook.subspace_dim();
   float sum = 0.0f;
   for (int s = 0; s < codebook.num_subspaces; ++s) {
-    const float *word = codebook.words.data() + (size_t{Codebook::kNumWords} * s + code[s]) * dim;
+    const float* word = codebook.words.data() + (size_t{Codebook::kNumWords} * s + code[s]) * dim;
     for (int i = 0; i < dim; ++i) {
       const float difference = descriptor[s * dim + i] - word[i];
       sum += difference * difference;
@@ -152,8 +152,8 @@ struct Nearest {
 // Compares the keypoints of one camera with landmarks.
 class GuidedSearch {
  public:
-  GuidedSearch(const QueryContext &query, const std::vector<TileView> &tiles, int camera_idx,
-               const PoseEstimate &estimate, const PoseOptions &options)
+  GuidedSearch(const QueryContext& query, const std::vector<TileView>& tiles, int camera_idx,
+               const PoseEstimate& estimate, const PoseOptions& options)
       : query_(query),
         tiles_(tiles),
         grid_(query, camera_idx),
@@ -161,8 +161,8 @@ class GuidedSearch {
         nearest_(query.num_keypoints()) {}
 
   // Compares with the landmarks of a keyframe that were not compared before.
-  void Add(const KeyframeRef &keyframe) {
-    const SearchableTile &tile = *tiles_[keyframe.tile_idx].tile;
+  void Add(const KeyframeRef& keyframe) {
+    const SearchableTile& tile = *tiles_[keyframe.tile_idx].tile;
     const double max_distance = SameLandmarkDistance(tile.codebook(), kMaxDistanceQuantile);
     for (const uint32_t landmark_idx :
          tile.covisibility().LandmarksOfKeyframe(keyframe.keyframe_idx)) {
@@ -174,7 +174,7 @@ class GuidedSearch {
   }
 
   // Appends the match of each keypoint that has one, in order of keypoint.
-  void Take(std::vector<Correspondence> *matches) const {
+  void Take(std::vector<Correspondence>* matches) const {
     for (int i = 0; i < query_.num_keypoints(); ++i) {
       if (nearest_[i].tile_idx >= 0) {
         matches->push_back(MatchOf(i));
@@ -184,13 +184,13 @@ class GuidedSearch {
 
  private:
   Eigen::Vector3d InAnchor(int tile_idx, uint32_t landmark_idx) const {
-    const TileView &view = tiles_[tile_idx];
+    const TileView& view = tiles_[tile_idx];
     return view.anchor_from_tile * view.tile->landmarks().x_in_tile[landmark_idx].cast<double>();
   }
 
   void AddLandmark(int tile_idx, uint32_t landmark_idx, float max_sq_distance) {
-    const SearchableTile &tile = *tiles_[tile_idx].tile;
-    const TileLandmarks &landmarks = tile.landmarks();
+    const SearchableTile& tile = *tiles_[tile_idx].tile;
+    const TileLandmarks& landmarks = tile.landmarks();
     const auto predicted = predictor_.Predict(InAnchor(tile_idx, landmark_idx),
                                               SigmaFromCode(landmarks.sigma_codes[landmark_idx]));
     if (!predicted) {
@@ -206,7 +206,7 @@ class GuidedSearch {
     for (uint32_t i = landmarks.descriptor_begin[landmark_idx];
          i < landmarks.descriptor_begin[landmark_idx + 1]; ++i) {
       const double predicted_px = predicted->px_per_m * SizeFromCode(landmarks.size_codes[i]);
-      const uint8_t *code = tile.codes().data() + size_t{i} * tile.codebook().num_subspaces;
+      const uint8_t* code = tile.codes().data() + size_t{i} * tile.codebook().num_subspaces;
       for (const int keypoint_idx : near_) {
         const double scale_px = query_.keypoints[keypoint_idx].scale_px;
         if (scale_px > kMaxSizeFactor * predicted_px || predicted_px > kMaxSizeFactor * scale_px) {
@@ -222,8 +222,8 @@ class GuidedSearch {
   }
 
   Correspondence MatchOf(int keypoint_idx) const {
-    const Nearest &nearest = nearest_[keypoint_idx];
-    const TileLandmarks &landmarks = tiles_[nearest.tile_idx].tile->landmarks();
+    const Nearest& nearest = nearest_[keypoint_idx];
+    const TileLandmarks& landmarks = tiles_[nearest.tile_idx].tile->landmarks();
     const uint32_t descriptor_idx = nearest.descriptor_idx;
     const uint8_t orientation = landmarks.orientation_codes[descriptor_idx];
     return {
@@ -243,8 +243,8 @@ class GuidedSearch {
         .search_area_sq_px = nearest.search_area_sq_px};
   }
 
-  const QueryContext &query_;
-  const std::vector<TileView> &tiles_;
+  const QueryContext& query_;
+  const std::vector<TileView>& tiles_;
   const KeypointGrid grid_;
   const Predictor predictor_;
   std::vector<Nearest> nearest_;       // Per keypoint.
@@ -254,23 +254,23 @@ class GuidedSearch {
 
 }  // namespace
 
-std::vector<Correspondence> GuidedMatches(const QueryContext &query,
-                                          const std::vector<TileView> &tiles,
-                                          const PoseEstimate &estimate,
-                                          const PoseOptions &options) {
+std::vector<Correspondence> GuidedMatches(const QueryContext& query,
+                                          const std::vector<TileView>& tiles,
+                                          const PoseEstimate& estimate,
+                                          const PoseOptions& options) {
   constexpr int kMaxKeyframes = 16;
   const std::vector<KeyframeRef> keyframes =
       NearKeyframes(tiles, estimate.cam_from_anchor.Inverse(), kMaxKeyframes);
   std::vector<Correspondence> matches;
   for (int camera_idx = 0; camera_idx < query.num_cameras(); ++camera_idx) {
     GuidedSearch search(query, tiles, camera_idx, estimate, options);
-    for (const KeyframeRef &keyframe : keyframes) {
+    for (const KeyframeRef& keyframe : keyframes) {
       search.Add(keyframe);
     }
     search.Take(&matches);
   }
   std::stable_sort(matches.begin(), matches.end(),
-                   [](const Correspondence &a, const Correspondence &b) {
+                   [](const Correspondence& a, const Correspondence& b) {
                      return a.keypoint_idx < b.keypoint_idx;
                    });
   return matches;

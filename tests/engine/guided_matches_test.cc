@@ -58,17 +58,19 @@ class GuidedMatchesTest : public ::testing::Test {
 
 TEST_F(GuidedMatchesTest, ComparesALandmarkWithTheKeypointsWhereItShouldBe) {
   const Eigen::Vector2d left = AddLandmark(-2.0, 0.5f), right = AddLandmark(2.0, 1.5f);
-  AddKeypoint(right, 0.5f);  // The descriptor of the left landmark at the wrong place.
+  AddKeypoint(right, -0.6f);  // Fits the left landmark only, which is elsewhere.
   AddKeypoint(left + Eigen::Vector2d(1.0, 0.0), 0.7f);
-  AddKeypoint(left + Eigen::Vector2d(-1.0, 1.0), 1.4f);  // Not the nearest descriptor.
+  AddKeypoint(left + Eigen::Vector2d(-1.0, 1.0), 1.4f);  // Fits the right landmark better.
   AddKeypoint(right + Eigen::Vector2d(0.0, 1.0), 1.4f);
   const std::vector<Correspondence> matches = Matches();
-  ASSERT_EQ(matches.size(), 2u);
+  ASSERT_EQ(matches.size(), 3u);
   EXPECT_EQ(matches[0].keypoint_idx, 1);
   EXPECT_EQ(matches[0].landmark_idx, 0u);
   EXPECT_NEAR(matches[0].descriptor_sq_distance, 0.04f, 1e-5f);
-  EXPECT_EQ(matches[1].keypoint_idx, 3);
-  EXPECT_EQ(matches[1].landmark_idx, 1u);
+  EXPECT_EQ(matches[1].keypoint_idx, 2);
+  EXPECT_EQ(matches[1].landmark_idx, 0u);
+  EXPECT_EQ(matches[2].keypoint_idx, 3);
+  EXPECT_EQ(matches[2].landmark_idx, 1u);
 }
 
 TEST_F(GuidedMatchesTest, LeavesKeypointsOfAnotherSize) {

@@ -228,8 +228,7 @@ std::vector<BadRequest> BadDocuments() {
 std::vector<BadRequest> BadCameras() {
   using enum ProblemCode;
   return {
-      {"model",
-       R"({"camera":{"model":"SIMPLE_DIVISION","size":[1,1],"modelParams":[]}})",
+      {"model", R"({"camera":{"model":"SIMPLE_DIVISION","size":[1,1],"modelParams":[]}})",
        kInvalidField, "/camera/model"},
       {"model type", R"({"camera":{"model":4,"size":[1,1],"modelParams":[]}})", kInvalidField,
        "/camera/model"},
