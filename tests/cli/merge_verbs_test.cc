@@ -188,7 +188,9 @@ TEST_F(MergeVerbs, InfoSaysWhenAMapHasOutgrownItsCodebook) {
   ecef_from_world.translation += Eigen::Vector3d(0.0, 1500.0, 0.0);
   {
     MapStore store = MapStore::Open(a_, OpenMode::kReadWrite);
-    IngestSession(avenue.Reconstruct(), ecef_from_world, {.session_name = "avenue"}, &store, {});
+    IngestOptions ingest;
+    ingest.session_name = "avenue";
+    IngestSession(avenue.Reconstruct(), ecef_from_world, ingest, &store, {});
   }
   EXPECT_THAT(hint().get<std::string>(), HasSubstr("session avenue has "));
   EXPECT_THAT(RunCairn({"info", a_}).out, HasSubstr("cairn recode " + a_ + " --codebook"));
