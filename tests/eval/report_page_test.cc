@@ -26,8 +26,8 @@ class ReportPage : public ::testing::Test {
  protected:
   ReportPage() {
     StreetWorldOptions world_options;
-    world_options.length_m = 24.0;
-    world_options.num_landmarks = 300;
+    world_options.length_m = 36.0;
+    world_options.num_landmarks = 450;
     const StreetWorld world(world_options);
     MapStore::Create(map_path_);
     MapStore store = MapStore::Open(map_path_, OpenMode::kReadWrite);
@@ -35,7 +35,7 @@ class ReportPage : public ::testing::Test {
     options.session_name = "monday";
     IngestSession(world.Reconstruct(), world.EcefFromWorld(), options, &store, {});
     queries_ = QueriesFromReconstruction(world.Reconstruct(), world.EcefFromWorld(), "");
-    queries_.resize(std::min<size_t>(queries_.size(), 12));
+    queries_.resize(12);
     AddNoisyPriors({}, &queries_);
   }
 
