@@ -198,10 +198,10 @@ TEST_F(ExitCode, EvalWithoutQueriesIsUsage) {
 }
 
 TEST_F(ExitCode, ReportOfQueriesOfElsewhereIsUsage) {
+  const std::string map = EmptyMap();
   for (const char* option : {"--elsewhere", "--permute-descriptors"}) {
-    ExpectFailure(
-        RunCairn({"eval", EmptyMap(), "--queries", "q.json", option, "--report", "report"}), 2,
-        option);
+    ExpectFailure(RunCairn({"eval", map, "--queries", "q.json", option, "--report", "report"}), 2,
+                  option);
   }
 }
 
