@@ -46,15 +46,15 @@ cairn_install_headers(development storage engine ingest http eval mapping)
 
 # pkg-config, for projects without CMake. The archives are static, so Libs has all that they need.
 function(cairn_pkg_config file component)
-  # The archives refer to each other, and pkg-config keeps no groups of libraries. A linker script of
-  # the name of an archive is such a group.
+  # The archives refer to each other, and pkg-config keeps no groups of libraries. A linker script is
+  # such a group. It has no name of an archive, which lintian would unpack.
   set(archives ${PC_TARGETS})
   list(TRANSFORM archives PREPEND "lib")
   list(TRANSFORM archives APPEND ".a")
   list(JOIN archives " " archives)
-  string(REPLACE "-" "_" PC_LIBRARY ${file}_all)
-  file(WRITE ${PROJECT_BINARY_DIR}/lib${PC_LIBRARY}.a "GROUP ( ${archives} )\n")
-  install(FILES ${PROJECT_BINARY_DIR}/lib${PC_LIBRARY}.a DESTINATION ${CMAKE_INSTALL_LIBDIR}/cairn
+  set(PC_ARCHIVES ${file}.ld)
+  file(WRITE ${PROJECT_BINARY_DIR}/${PC_ARCHIVES} "GROUP ( ${archives} )\n")
+  install(FILES ${PROJECT_BINARY_DIR}/${PC_ARCHIVES} DESTINATION ${CMAKE_INSTALL_LIBDIR}/cairn
     COMPONENT ${component})
   # From the folder of the file, so that the prefix may be any.
   file(RELATIVE_PATH PC_PREFIX /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
