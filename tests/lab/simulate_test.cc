@@ -63,7 +63,7 @@ TEST_F(Simulate, EvalSearchesWithTheIndexThatIsChosen) {
   const Finished refused = RunCairn({"eval", dir_.File("map.gpkg"), "--queries",
                                      dir_.File("queries.json"), "--index", "nonsense"});
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_THAT(refused.err, HasSubstr("not in {random_grids,inverted_lists}"));
+  EXPECT_THAT(refused.err, HasSubstr("is not one of random_grids, inverted_lists"));
 }
 
 TEST_F(Simulate, TheSameSeedMakesTheSameQueries) {
