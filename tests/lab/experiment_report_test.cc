@@ -101,7 +101,7 @@ TEST(Report, SaysWhenResultsAreOfSeveralBuilds) {
   const testing::TempDir folder;
   const ExperimentResult result = RunSmall(folder);
   ExperimentResult other = result;
-  other.commit = "0123456789";
+  other.commit = "fedcba9876";
   EXPECT_THAT(ReportAsMarkdown({SmallExperiment()}, {result, other}, "images"),
               HasSubstr("from 2 builds"));
   EXPECT_THAT(ReportAsMarkdown({SmallExperiment()}, {result, result}, "images"),
