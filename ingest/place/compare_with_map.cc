@@ -196,7 +196,8 @@ void FitPairs(const std::vector<PosePair>& pairs, const ComparisonOptions& how,
   anchoring.rival = consistent.rival;
   anchoring.rival_is_apart = consistent.rival_is_apart;
   comparison->bending = Bending();
-  if (consistent.winner.num_frames < kLeastPhotosToJudge) {
+  // A chain of a session that is not anchored proves nothing; one motion has to explain its photos.
+  if (!IsAnchored(anchoring)) {
     comparison->fit = FitPlacement(pairs, PlacementFitOptions());
     return;
   }
@@ -209,7 +210,7 @@ void FitPairs(const std::vector<PosePair>& pairs, const ComparisonOptions& how,
   comparison->fit = FitPlacement(agreeing, PlacementFitOptions());
   comparison->fit.agrees = consistent.agrees;
   comparison->fit.num_agreeing = consistent.winner.num_frames;
-  if (how.may_bend && IsAnchored(anchoring) && anchoring.winner.num_places >= kIslandPlaces) {
+  if (how.may_bend && anchoring.winner.num_places >= kIslandPlaces) {
     FitBending(agreeing, comparison);
   }
 }

@@ -27,9 +27,9 @@ struct MapComparison {
   // photos, as a mirrored session or a session in a mirrored map does.
   int num_from_behind = 0;
   int num_agreeing_from_behind = 0;  // Of the photos that agree.
-  // Of the recognized photos; meaningful if there are any. If three are consistent with each other
-  // (FindConsistentFrames), these agree, the motion is theirs, and the residuals are those that
-  // stay after `bending`.
+  // Of the recognized photos; meaningful if there are any. If the session is anchored, the photos
+  // that agree are those that are consistent with each other (FindConsistentFrames), the motion is
+  // theirs, and the residuals are those that stay after `bending`.
   PlacementFit fit;
   AnchorEvidence anchoring;
   // How the session bends after the motion; none unless it is anchored in ten places.
