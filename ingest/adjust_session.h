@@ -23,9 +23,8 @@ struct JointAdjustment {
 // as they are. A landmark whose place in `known_in_ecef` (parallel to the session's landmarks) is
 // set stands there and does not move: so the session bends to the map in all that its photos tell.
 // Does nothing if fewer than 20 landmarks are known: a few say less than the poses that were
-// answered. If the solver
-// fails, the session stays as it was. Deterministic. Linear in the observations, apart from a
-// sparse factorization.
+// answered. If the solver fails, the session stays as it was. Deterministic. Takes linear time in
+// the observations, apart from a sparse factorization.
 JointAdjustment AdjustSession(const Reconstruction& reconstruction,
                               const std::vector<std::optional<Eigen::Vector3d>>& known_in_ecef,
                               int num_threads, PlacedSession* session);

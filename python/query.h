@@ -33,8 +33,8 @@ struct StatedQuery {
   std::optional<int> timeout_ms;
 };
 
-// cairn.Query: the arguments of a query, checked. Lives in Python, which it keeps alive what it
-// shows.
+// cairn.Query: the checked arguments of a query. `owners` are the objects of Python whose bytes and
+// pixels the query refers to.
 struct PythonQuery {
   StatedQuery stated;
   std::vector<py::object> owners;

@@ -47,18 +47,10 @@ GrayImage GrayOf(const PixelView& pixels) {
   return image;
 }
 
-// The EXIF orientation to apply; 1 leaves the picture as it is.
-int TurnOf(const ExifInfo& exif, const Camera* camera) {
-  return camera == nullptr ? exif.orientation
-                           : OrientationToApply({exif.width_px, exif.height_px, exif.orientation},
-                                                ImageOrientation::kAsSize, camera->width_px(),
-                                                camera->height_px());
-}
-
 Picture Decode(std::span<const uint8_t> bytes, const Camera* camera) {
   Picture picture;
   picture.exif = ReadExif(bytes);
-  const int turn = TurnOf(picture.exif, camera);
+  const int turn = OrientationForCamera(picture.exif, camera);
   picture.image = OrientImage(DecodeGrayImage(bytes), turn);
   picture.is_turned = turn != 1;
   return picture;
@@ -107,7 +99,9 @@ std::vector<uint8_t> EncodedImage(const Sight& sight) {
   return bytes;
 }
 
-bool WantsTurn(const ExifInfo& exif, const Camera* camera) { return TurnOf(exif, camera) != 1; }
+bool WantsTurn(const ExifInfo& exif, const Camera* camera) {
+  return OrientationForCamera(exif, camera) != 1;
+}
 
 Picture ReadPicture(const Sight& sight, const Camera* camera) {
   if (sight.pixels.data != nullptr) {

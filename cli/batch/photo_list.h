@@ -25,7 +25,7 @@ struct ListedPhoto {
 // the list. Blank lines and lines that begin with '#' do not count. Does not look whether the
 // photos of a list are there.
 //
-// Throws as FindPhotoFiles; Error(kBadInput), with file and line, for a camera that is none and for
+// Throws as FindPhotoFiles; Error(kBadInput), with file and line, for a malformed camera and for
 // a name that comes twice, and if the list is empty.
 std::vector<ListedPhoto> ReadPhotoList(const std::string& path, const std::string& image_dir);
 

@@ -14,15 +14,6 @@
 namespace cairn {
 namespace {
 
-// The EXIF orientation by which the picture is turned: to the size of the camera, else upright.
-int OrientationFor(const ExifInfo& exif, const std::optional<Camera>& camera) {
-  if (!camera) {
-    return exif.orientation;
-  }
-  return OrientationToApply({exif.width_px, exif.height_px, exif.orientation},
-                            ImageOrientation::kAsSize, camera->width_px(), camera->height_px());
-}
-
 void SetCamera(const PhotoQueryOptions& options, const ExifInfo& exif, int width_px, int height_px,
                LocalizeQuery* query) {
   if (options.camera) {
@@ -53,7 +44,7 @@ PhotoQuery ReadPhotoQuery(const std::string& path, const PhotoQueryOptions& opti
     result.photo.bytes = ReadImageBytes(path);
   }
   const ExifInfo exif = ReadExif(result.photo.bytes);
-  const int orientation = OrientationFor(exif, options.camera);
+  const int orientation = OrientationForCamera(exif, options.camera ? &*options.camera : nullptr);
   if (options.with_pixels) {
     result.photo.image = OrientImage(std::move(result.photo.image), orientation);
   }

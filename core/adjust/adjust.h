@@ -39,8 +39,8 @@ struct AdjustPriors {
   std::vector<Camera> camera_means;
   // Images whose pose is held, not 0: the rest of the model around the photos that a growth adds.
   std::vector<uint8_t> image_is_fixed;
-  // Landmarks whose position is held, not 0: those of another model, which stays. One observation
-  // that fits keeps them.
+  // Nonzero for a landmark whose position is held, since it belongs to a model that stays. One
+  // observation that fits keeps such a landmark.
   std::vector<uint8_t> landmark_is_fixed;
 };
 

@@ -47,4 +47,11 @@ int OrientationToApply(const PictureHeader& header, ImageOrientation meant, int 
                                                                         : 1;
 }
 
+int OrientationForCamera(const ExifInfo& exif, const Camera* camera) {
+  return camera == nullptr ? exif.orientation
+                           : OrientationToApply({exif.width_px, exif.height_px, exif.orientation},
+                                                ImageOrientation::kAsSize, camera->width_px(),
+                                                camera->height_px());
+}
+
 }  // namespace cairn

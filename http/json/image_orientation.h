@@ -7,6 +7,9 @@
 #include <span>
 #include <string_view>
 
+#include "core/camera.h"
+#include "core/images/exif.h"
+
 namespace cairn {
 
 // A photo file stores pixels as the sensor read them; its EXIF states how to turn them upright.
@@ -34,6 +37,10 @@ std::optional<PictureHeader> ReadPictureHeader(std::span<const uint8_t> image_by
 // picture unchanged.
 int OrientationToApply(const PictureHeader& header, ImageOrientation meant, int stated_width_px,
                        int stated_height_px);
+
+// The same for a picture whose header is read: to the size of the camera, or upright if `camera` is
+// null.
+int OrientationForCamera(const ExifInfo& exif, const Camera* camera);
 
 }  // namespace cairn
 
