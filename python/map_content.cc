@@ -202,7 +202,7 @@ py::object Tiles(const PythonMap& map, const py::object& bbox) {
   return WithNames(ArrayOfRows(rows), "name", names);
 }
 
-// A number as SQLite writes it; text that is none stays text.
+// A number as SQLite writes it; text that is no number stays text.
 py::object ValueOfCell(const SqlCell& cell) {
   if (cell.is_null) {
     return py::none();

@@ -16,8 +16,8 @@ namespace {
 // Puts rows, which come in any order, into the order of the photos. Safe to use from any thread.
 class RowQueue {
  public:
-  // A thread may be so many photos ahead of the first one that is not finished; more than that is
-  // memory for rows, and work that is lost if the process dies.
+  // A thread may be this many photos ahead of the first unfinished one. Rows of photos ahead take
+  // memory, and their work is lost if the process dies.
   static constexpr int64_t kMaxAhead = 64;
 
   RowQueue(int64_t num_photos, const std::function<void(int64_t, int64_t)>& progress,

@@ -133,7 +133,7 @@ void RequireOdds(const UpChoice& choice, const GeoregisterOptions& options) {
                   WordsFor(MostFrequent(choice.next_score.shares)), options.least_up_odds));
 }
 
-// Few programs mirror photos: of so many models, one is expected to show the mirror image.
+// Few programs mirror photos: one model of this many is expected to show the mirror image.
 constexpr double kModelsPerMirror = 1000.0;
 
 // The problem as it would be had a program mirrored the pixels, and with them the model: all of the
