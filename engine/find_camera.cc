@@ -1,7 +1,7 @@
 #include "engine/find_camera.h"
 
 #include <algorithm>
-#include <map>
+#include <cmath>
 
 #include "engine/find_candidates.h"
 #include "engine/pose/estimate_candidate_poses.h"
@@ -13,74 +13,86 @@
 namespace cairn {
 namespace {
 
-struct BestGuess {
-  Camera camera;
-  double evidence = 0.0;
-};
-
-// Refines the best poses of a guess together with the camera. Returns the largest evidence, and
-// keeps the camera in `best` if it is the best of all guesses.
-double JudgeGuess(const QueryContext& query, const PoseHypotheses& hypotheses,
-                  const CameraPrior& prior, const PoseOptions& options, BestGuess* best) {
+// Refines the best poses of a guess together with the camera. Adds the cameras to `found`.
+// `best_evidence` is the largest evidence of any guess so far.
+void JudgeGuess(const QueryContext& query, const PoseHypotheses& hypotheses,
+                const CameraPrior& prior, const PoseOptions& options, double* best_evidence,
+                std::vector<FoundCamera>* found) {
   constexpr int kNumRefined = 2;
-  double evidence = 0.0;
   for (const PoseHypothesis* pose : hypotheses.Best(kNumRefined)) {
-    if (pose->estimate.evidence < kMinShareOfBest * best->evidence) {
+    if (pose->estimate.evidence < kMinShareOfBest * *best_evidence) {
       continue;
     }
     const auto refined =
         RefineWithCamera(query, *pose->correspondences, pose->estimate, prior, options);
-    if (!refined) {
-      continue;
-    }
-    evidence = std::max(evidence, refined->estimate.evidence);
-    if (refined->estimate.evidence > best->evidence) {
-      *best = {refined->camera.camera, refined->estimate.evidence};
+    if (refined) {
+      *best_evidence = std::max(*best_evidence, refined->estimate.evidence);
+      found->push_back(
+          {refined->camera.camera, refined->camera.focal_log_sigma, refined->estimate.evidence});
     }
   }
-  return evidence;
+}
+
+bool FocalLengthsDiffer(const FoundCamera& a, const FoundCamera& b) {
+  constexpr double kMaxSigmas = 3.0;
+  return std::abs(std::log(a.camera.focal_px() / b.camera.focal_px())) >
+         kMaxSigmas * std::hypot(a.focal_log_sigma, b.focal_log_sigma);
+}
+
+// Returns the camera with the most evidence, or the prior's if none has any.
+FoundCamera BestOf(const std::vector<FoundCamera>& found, const CameraPrior& prior) {
+  FoundCamera best{prior.camera, prior.focal.log_sigma};
+  for (const FoundCamera& camera : found) {
+    if (camera.evidence > best.evidence) {
+      best = camera;
+    }
+  }
+  for (const FoundCamera& camera : found) {
+    if (FocalLengthsDiffer(camera, best)) {
+      best.rival_evidence = std::max(best.rival_evidence, camera.evidence);
+    }
+  }
+  return best;
 }
 
 }  // namespace
 
-QueryContext FindCamera(const QueryContext& stated, const LocalizeQuery& query,
-                        const std::vector<TileView>& tiles, const SharedMatches& matches,
-                        const LocalizerOptions& options, const QueryBudget& budget,
-                        StageCounters* counters) {
-  const CameraPrior prior = CameraPriorOf(query);
-  BestGuess best{prior.camera};
-  std::map<double, PoseHypotheses> voted;  // By factor.
-  PoseHypotheses hypotheses;               // Hands on the consensus of the best pose so far.
-  // Returns the evidence of the guess.
-  const auto vote = [&](double factor, const QueryContext& scaled) {
-    EstimateCandidatePoses(scaled, matches,
-                           FindCandidates(scaled, tiles, *matches, options, budget, counters),
-                           options.pose, options.refinement.good_evidence, options.seed, budget,
-                           &hypotheses, counters);
-    voted[factor] = hypotheses;
-    const double evidence = JudgeGuess(scaled, hypotheses, prior, options.pose, &best);
-    hypotheses.DropPoses();
-    return evidence;
-  };
-  const auto match_keyframes = [&](double factor, const QueryContext& scaled) {
-    PoseHypotheses& of_guess = voted[factor];
-    MatchKeyframes(scaled, tiles, *matches, options.refinement, options.matching, options.pose,
-                   options.seed, budget, &of_guess, counters);
-    return JudgeGuess(scaled, of_guess, prior, options.pose, &best);
-  };
-  const auto try_guesses = [&](const auto& evidence_of) {
-    FocalSearch search(prior.focal, options.refinement.good_evidence);
-    while (const auto factor = budget.DeadlinePassed() ? std::nullopt : search.Next()) {
-      search.Report(
-          evidence_of(*factor, WithCamera(stated, WithFocalScaled(prior.camera, *factor))));
+bool FoundCamera::IsCertain(double min_evidence) const {
+  return evidence >= min_evidence && rival_evidence < kMinShareOfBest * evidence &&
+         focal_log_sigma <= kMaxTrustedFocalLogSigma;
+}
+
+FoundCamera FindCamera(const QueryContext& query, const LocalizeQuery& stated,
+                       const std::vector<TileView>& tiles, const SharedMatches& matches,
+                       const LocalizerOptions& options, bool may_refine, const QueryBudget& budget,
+                       StageCounters* counters) {
+  const CameraPrior prior = CameraPriorOf(stated);
+  const std::vector<double> guesses = FocalGuesses(prior.focal);
+  std::vector<PoseHypotheses> of_guess(guesses.size());
+  double best_evidence = 0.0;
+  std::vector<FoundCamera> found;
+  const auto try_guesses = [&](const auto& find_poses) {
+    for (size_t i = 0; i < guesses.size() && !budget.DeadlinePassed(); ++i) {
+      const QueryContext guess = WithCamera(query, WithFocalScaled(prior.camera, guesses[i]));
+      find_poses(guess, &of_guess[i]);
+      JudgeGuess(guess, of_guess[i], prior, options.pose, &best_evidence, &found);
     }
   };
-  try_guesses(vote);
-  if (options.refinement.mode != RefinementMode::kNever &&
-      best.evidence < options.refinement.good_evidence) {
-    try_guesses(match_keyframes);
+  PoseHypotheses voted;  // Hands on the consensus of the best pose so far.
+  try_guesses([&](const QueryContext& guess, PoseHypotheses* hypotheses) {
+    EstimateCandidatePoses(
+        guess, matches, FindCandidates(guess, tiles, *matches, options, budget, counters),
+        options.pose, options.refinement.good_evidence, options.seed, budget, &voted, counters);
+    *hypotheses = voted;
+    voted.DropPoses();
+  });
+  if (may_refine && best_evidence < options.refinement.good_evidence) {
+    try_guesses([&](const QueryContext& guess, PoseHypotheses* hypotheses) {
+      MatchKeyframes(guess, tiles, *matches, options.refinement, options.matching, options.pose,
+                     options.seed, budget, hypotheses, counters);
+    });
   }
-  return WithCamera(stated, best.camera);
+  return BestOf(found, prior);
 }
 
 }  // namespace cairn

@@ -11,14 +11,30 @@
 
 namespace cairn {
 
-// Tries several focal lengths (FocalSearch), voting and estimating poses with each. If no pose is
-// good, tries them again with the stage `refinement`, as a known camera would be. Returns the
-// query's context with the camera of the best pose. `stated` is the context with the camera that
-// the query states.
-QueryContext FindCamera(const QueryContext& stated, const LocalizeQuery& query,
-                        const std::vector<TileView>& tiles, const SharedMatches& matches,
-                        const LocalizerOptions& options, const QueryBudget& budget,
-                        StageCounters* counters);
+// The camera with which a query explains most.
+struct FoundCamera {
+  Camera camera;
+  double focal_log_sigma = 0.0;  // Standard deviation of the logarithm of its focal length.
+  double evidence = 0.0;         // Of its best pose; 0 if there is none.
+  // The largest evidence of a pose with another camera, whose focal length differs by more than
+  // three standard deviations.
+  double rival_evidence = 0.0;
+
+  // Returns true if the camera is known from now on: its pose has at least `min_evidence`, no rival
+  // has a share of that (kMinShareOfBest), and the focal length is certain enough for pose
+  // estimation (kMaxTrustedFocalLogSigma).
+  bool IsCertain(double min_evidence) const;
+};
+
+// Tries all guesses of the focal length (FocalGuesses), voting and estimating poses with each, and
+// refines the poses together with the camera. If `may_refine` is set and no pose is good, tries
+// them again with the stage `refinement`, as a known camera would be. Returns the camera of the
+// best pose, or the stated one if there is no pose. `query` is the context with any camera of the
+// query's size; `stated` holds what the client knows about the camera.
+FoundCamera FindCamera(const QueryContext& query, const LocalizeQuery& stated,
+                       const std::vector<TileView>& tiles, const SharedMatches& matches,
+                       const LocalizerOptions& options, bool may_refine, const QueryBudget& budget,
+                       StageCounters* counters);
 
 }  // namespace cairn
 

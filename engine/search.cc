@@ -57,7 +57,24 @@ void Search::TryWithoutGravity() {
   }
 }
 
-void Search::TryRound(int num_keypoints, StageRunner* stages, const QueryContext& context) {
+double Search::SureEvidence() const {
+  // An answer with less would be refined, or sought again without gravity.
+  return std::max(options_.refinement.good_evidence, options_.refinement.min_trusted_evidence);
+}
+
+void Search::FindCameraIfUncertain(const LocalizeQuery& query, const SharedMatches& matches,
+                                   bool may_refine, QueryContext* context) {
+  if (camera_is_certain_) {
+    return;
+  }
+  const FoundCamera found =
+      FindCamera(*context, query, tiles_, matches, options_, may_refine, budget_, counters_);
+  *context = WithCamera(std::move(*context), found.camera);
+  camera_is_certain_ = found.IsCertain(options_.refinement.min_trusted_evidence);
+}
+
+void Search::TryRound(int num_keypoints, const LocalizeQuery& query, StageRunner* stages,
+                      QueryContext* context) {
   SharedMatches matches;
   candidates_ = {};
   stages->Run(Stage::kMatching, [&] {
@@ -68,31 +85,29 @@ void Search::TryRound(int num_keypoints, StageRunner* stages, const QueryContext
     return;
   }
   stages->Run(Stage::kVoting, [&] {
-    Vote(context, matches);
+    FindCameraIfUncertain(query, matches, /*may_refine=*/false, context);
+    Vote(*context, matches);
     return Reason::kNone;
   });
   stages->Run(Stage::kPose, [&] {
-    Estimate(context, matches);
+    Estimate(*context, matches);
     return Reason::kNone;
   });
 }
 
-bool Search::AnswerEarly(StageRunner* stages, const QueryContext& context) {
-  // An answer with less would be refined, or sought again without gravity.
-  const double sure_evidence =
-      std::max(options_.refinement.good_evidence, options_.refinement.min_trusted_evidence);
-  int num_keypoints = FirstRound(context.num_keypoints());
-  while (num_keypoints < context.num_keypoints() && stages->is_running()) {
+bool Search::AnswerEarly(const LocalizeQuery& query, StageRunner* stages, QueryContext* context) {
+  int num_keypoints = FirstRound(context->num_keypoints());
+  while (num_keypoints < context->num_keypoints() && stages->is_running()) {
     PoseHypotheses of_last_round = std::exchange(hypotheses_, {});
-    TryRound(num_keypoints, stages, context);
-    if (IsBeyondDoubt(hypotheses_, sure_evidence, options_.answer)) {
+    TryRound(num_keypoints, query, stages, context);
+    if (camera_is_certain_ && IsBeyondDoubt(hypotheses_, SureEvidence(), options_.answer)) {
       return true;
     }
     if (hypotheses_.empty() && budget_.DeadlinePassed()) {
       hypotheses_ = std::move(of_last_round);
       return false;
     }
-    num_keypoints = NextRound(num_keypoints, context.num_keypoints(), hypotheses_, sure_evidence);
+    num_keypoints = NextRound(num_keypoints, context->num_keypoints(), hypotheses_, SureEvidence());
   }
   return false;
 }
@@ -104,9 +119,8 @@ void Search::SearchAll(const LocalizeQuery& query, StageRunner* stages, QueryCon
     return matches == nullptr ? Reason::kTooFewMatches : Reason::kNone;
   });
   stages->Run(Stage::kVoting, [&] {
-    if (CameraIsUncertain(query)) {
-      *context = FindCamera(*context, query, tiles_, matches, options_, budget_, counters_);
-    }
+    FindCameraIfUncertain(query, matches, options_.refinement.mode != RefinementMode::kNever,
+                          context);
     Vote(*context, matches);
     return Reason::kNone;
   });
@@ -126,15 +140,15 @@ void Search::SearchAll(const LocalizeQuery& query, StageRunner* stages, QueryCon
 }
 
 void Search::Run(const LocalizeQuery& query, StageRunner* stages, QueryContext* context) {
+  camera_is_certain_ = !CameraIsUncertain(query);
   stages->Run(Stage::kMatching, [&] {
     matcher_.emplace(*context, tiles_, options_.matching);
     stop_matching_ = budget_.StopAfter(options_.matching.deadline_share);
     return Reason::kNone;
   });
   // Whoever asks for refinement whatever the evidence wants all of it.
-  const bool may_be_early =
-      options_.refinement.mode == RefinementMode::kWhenWeak && !CameraIsUncertain(query);
-  if (!stages->is_running() || (may_be_early && AnswerEarly(stages, *context))) {
+  const bool may_be_early = options_.refinement.mode == RefinementMode::kWhenWeak;
+  if (!stages->is_running() || (may_be_early && AnswerEarly(query, stages, context))) {
     return;
   }
   // If the time ends before all keypoints have given a pose, the answer is that of the last round.

@@ -30,7 +30,8 @@ class Search {
   const std::vector<TileView>& tiles() const { return tiles_; }
 
   // Runs the stages until one of them fails. If the focal length of the query is uncertain,
-  // `context` gets the camera that is found. There must be tiles.
+  // `context` gets the camera that is found: that of the first round in which it is certain, or
+  // else that of all keypoints. There must be tiles.
   void Run(const LocalizeQuery& query, StageRunner* stages, QueryContext* context);
 
   const PoseHypotheses& hypotheses() const { return hypotheses_; }
@@ -44,12 +45,18 @@ class Search {
   // Matches and tries to answer in rounds, until a round leaves no doubt. Returns false if all
   // keypoints are needed or the deadline passes; the hypotheses are then those of the last round
   // that ended.
-  bool AnswerEarly(StageRunner* stages, const QueryContext& context);
+  bool AnswerEarly(const LocalizeQuery& query, StageRunner* stages, QueryContext* context);
   // Finds hypotheses from the matches of some keypoints. There must be none yet.
-  void TryRound(int num_keypoints, StageRunner* stages, const QueryContext& context);
+  void TryRound(int num_keypoints, const LocalizeQuery& query, StageRunner* stages,
+                QueryContext* context);
   // Runs the stages on all keypoints.
   void SearchAll(const LocalizeQuery& query, StageRunner* stages, QueryContext* context);
 
+  // The evidence of a pose that leaves no doubt.
+  double SureEvidence() const;
+  // Gives `context` the best camera for the matches, unless the camera is certain.
+  void FindCameraIfUncertain(const LocalizeQuery& query, const SharedMatches& matches,
+                             bool may_refine, QueryContext* context);
   // Returns null if too few keypoints have a match.
   SharedMatches Match(int num_keypoints, FeatureMatcher* matcher);
   void Vote(const QueryContext& context, const SharedMatches& matches);
@@ -64,6 +71,7 @@ class Search {
   std::vector<TileView> tiles_;
   std::optional<FeatureMatcher> matcher_;
   StopFunction stop_matching_;
+  bool camera_is_certain_ = true;
   std::vector<PoseCandidate> candidates_;
   PoseHypotheses hypotheses_;
   std::optional<QueryContext> without_gravity_;

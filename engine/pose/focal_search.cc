@@ -14,35 +14,19 @@ CameraPrior CameraPriorOf(const LocalizeQuery& query) {
   return prior;
 }
 
-FocalSearch::FocalSearch(const FocalPrior& prior, double good_score) : good_score_(good_score) {
+std::vector<double> FocalGuesses(const FocalPrior& prior) {
   constexpr double kMaxLogStep = 0.15;
   const double reach = 3.0 * prior.log_sigma;
   const int num_steps = prior.log_sigma > kMaxTrustedFocalLogSigma
                             ? static_cast<int>(std::ceil(reach / kMaxLogStep))
                             : 0;
-  for (int i = -num_steps; i <= num_steps; ++i) {
-    factors_.push_back(i == 0 ? 1.0 : std::exp(reach * i / num_steps));
+  std::vector<double> factors = {1.0};
+  for (int i = 1; i <= num_steps; ++i) {
+    const double factor = std::exp(reach * i / num_steps);
+    factors.insert(factors.end(), {1.0 / factor, factor});
   }
-  scores_.resize(factors_.size());
+  return factors;
 }
-
-std::optional<double> FocalSearch::Next() {
-  const auto size = static_cast<int>(factors_.size());
-  const auto best = std::max_element(scores_.begin(), scores_.end()) - scores_.begin();
-  const bool is_good = scores_[best] >= good_score_;
-  const auto middle = is_good ? static_cast<int>(best) : size / 2;
-  for (int distance = 0; distance < (is_good ? 2 : size); ++distance) {
-    for (const int i : {middle - distance, middle + distance}) {
-      if (i >= 0 && i < size && !scores_[i]) {
-        current_ = i;
-        return factors_[i];
-      }
-    }
-  }
-  return std::nullopt;
-}
-
-void FocalSearch::Report(double score) { scores_[current_] = score; }
 
 double LogCameraShare(const CameraPrior& prior, const RefinedCamera& refined) {
   constexpr double kFreedom = 3.0;

@@ -3,7 +3,6 @@
 #ifndef CAIRN_ENGINE_POSE_FOCAL_SEARCH_H_
 #define CAIRN_ENGINE_POSE_FOCAL_SEARCH_H_
 
-#include <optional>
 #include <vector>
 
 #include "engine/pose/refine_camera.h"
@@ -22,27 +21,15 @@ inline constexpr double kMaxTrustedFocalLogSigma = 0.03;
 // Returns what a query states about its camera. The query must not be a rig's.
 CameraPrior CameraPriorOf(const LocalizeQuery& query);
 
-// Chooses factors of the prior's focal length, up to three standard deviations on either side, so
-// close together that RefineWithCamera reaches the focal lengths in between.
+// Returns factors of the prior's focal length to try, likeliest first: up to three standard
+// deviations on either side, so close together that RefineWithCamera reaches the focal lengths in
+// between. Only 1 if the prior is certain (kMaxTrustedFocalLogSigma).
 //
-// The search tries the likeliest factors first until one leads to a good score. A wrong focal
-// length may have a fair score, too, so the search then tries the neighbors of the best factor
-// until both of its neighbors are worse.
-class FocalSearch {
- public:
-  FocalSearch(const FocalPrior& prior, double good_score);
-
-  // Returns the next factor to try; nothing if the search is complete.
-  std::optional<double> Next();
-  // Reports the score of the factor that Next returned last.
-  void Report(double score);
-
- private:
-  std::vector<double> factors_;                // Ascending.
-  std::vector<std::optional<double>> scores_;  // Parallel to factors_.
-  double good_score_;
-  int current_ = 0;
-};
+// All of them are to be tried. A wrong focal length has its own best pose, which trades the focal
+// length for the distance and may explain hundreds of keypoints. RefineWithCamera does not leave
+// such a pose, and guesses on both of its sides may lead to it, so neither says that the search has
+// passed the right one.
+std::vector<double> FocalGuesses(const FocalPrior& prior);
 
 // Returns the logarithm of the share of the prior's focal lengths that the refined camera stands
 // for: the prior's density at its focal length times the width that the inliers leave, as

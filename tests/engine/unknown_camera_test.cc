@@ -8,6 +8,7 @@
 
 #include "core/angles.h"
 #include "core/error.h"
+#include "engine/find_camera.h"
 #include "engine/mapped_streets.h"
 #include "engine/pose/focal_search.h"
 
@@ -103,39 +104,29 @@ TEST_F(UnknownCamera, IsNoCameraOfARig) {
   EXPECT_THROW(map_->localizer().Localize(query), Error);
 }
 
-// Tries everything that `search` wants, each with its score by `score_of`.
-template <typename ScoreOf>
-std::vector<double> Tried(FocalSearch search, const ScoreOf& score_of) {
-  std::vector<double> tried;
-  while (const auto factor = search.Next()) {
-    tried.push_back(*factor);
-    search.Report(score_of(*factor));
-  }
-  return tried;
+TEST(FocalGuesses, AreOnlyWhatIsStatedIfThatIsCertain) {
+  EXPECT_EQ(FocalGuesses({.log_sigma = 0.01}), std::vector<double>{1.0});
 }
 
-TEST(FocalSearch, TriesOnlyWhatIsStatedIfThatIsCertain) {
-  EXPECT_EQ(Tried(FocalSearch({.log_sigma = 0.01}, 25.0), [](double) { return 0.0; }),
-            std::vector<double>{1.0});
-}
-
-TEST(FocalSearch, CoversThePriorLikeliestFirst) {
-  const std::vector<double> tried =
-      Tried(FocalSearch({.log_sigma = 0.25}, 25.0), [](double) { return 1.0; });
-  EXPECT_EQ(tried.front(), 1.0);
-  EXPECT_NEAR(*std::min_element(tried.begin(), tried.end()), std::exp(-0.75), 1e-9);
-  EXPECT_NEAR(*std::max_element(tried.begin(), tried.end()), std::exp(0.75), 1e-9);
-  for (size_t i = 1; i < tried.size(); ++i) {
-    EXPECT_GE(std::abs(std::log(tried[i])), std::abs(std::log(tried[i - 1])) - 1e-9);
+TEST(FocalGuesses, CoverThePriorLikeliestFirst) {
+  const std::vector<double> guesses = FocalGuesses({.log_sigma = 0.25});
+  EXPECT_EQ(guesses.front(), 1.0);
+  EXPECT_NEAR(*std::min_element(guesses.begin(), guesses.end()), std::exp(-0.75), 1e-9);
+  EXPECT_NEAR(*std::max_element(guesses.begin(), guesses.end()), std::exp(0.75), 1e-9);
+  for (size_t i = 1; i < guesses.size(); ++i) {
+    EXPECT_GE(std::abs(std::log(guesses[i])), std::abs(std::log(guesses[i - 1])) - 1e-9);
   }
 }
 
-TEST(FocalSearch, FollowsTheScoreUphill) {
-  const std::vector<double> tried =
-      Tried(FocalSearch({.log_sigma = 0.25}, 25.0),
-            [](double factor) { return 40.0 - 20.0 * std::abs(std::log(factor) + 0.45); });
-  EXPECT_EQ(tried.size(), 5u);  // The middle and four below.
-  EXPECT_NEAR(tried.back(), std::exp(-0.6), 1e-9);
+TEST(FoundCamera, IsCertainWithEvidenceAndWithoutARival) {
+  FoundCamera found{Camera(), 0.01, 100.0, 40.0};
+  EXPECT_TRUE(found.IsCertain(90.0));
+  EXPECT_FALSE(found.IsCertain(110.0));
+  found.rival_evidence = 60.0;
+  EXPECT_FALSE(found.IsCertain(90.0));
+  found.rival_evidence = 0.0;
+  found.focal_log_sigma = 0.05;
+  EXPECT_FALSE(found.IsCertain(90.0));
 }
 
 }  // namespace
