@@ -32,13 +32,15 @@ function(cairn_library)
   set_property(GLOBAL APPEND PROPERTY CAIRN_LIBRARIES ${target})
 endfunction()
 
-# cairn_test(NAME storage SOURCES a_test.cc DEPENDS cairn::storage)
+# cairn_test(NAME storage SOURCES a_test.cc DEPENDS cairn::storage WHOLE Suite...)
 #
 # One test binary a room, `cairn_NAME_test`; every TEST in it is a ctest of its own. Tests may
-# include anything their DEPENDS offer, and tests/support/. ON_SERVER: tests whose names end in
-# /OnServer are one ctest, because each process that uses PostgreSQL starts a server of its own.
+# include anything their DEPENDS offer, and tests/support/. WHOLE: suites whose tests share what is
+# costly to make, such as a map, and leave it as it is; each is one ctest, `Suite`, so that a process
+# makes it once. ON_SERVER: tests whose names end in /OnServer are one ctest, because each process
+# that uses PostgreSQL starts a server of its own.
 function(cairn_test)
-  cmake_parse_arguments(ARG "ON_SERVER" "NAME;TIMEOUT" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "ON_SERVER" "NAME;TIMEOUT" "SOURCES;DEPENDS;WHOLE" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 600)
   endif()
@@ -53,13 +55,22 @@ function(cairn_test)
   if(NOT OpenMP::OpenMP_CXX IN_LIST ARG_DEPENDS)
     target_precompile_headers(${target} REUSE_FROM cairn_test_headers)
   endif()
-  set(filter)
+  set(not_alone)
   if(ARG_ON_SERVER AND CAIRN_WITH_POSTGRES)
-    set(filter TEST_FILTER "-*/OnServer")
+    list(APPEND not_alone */OnServer)
     add_test(NAME ${target}.OnServer COMMAND ${target} --gtest_filter=*/OnServer)
     set_tests_properties(${target}.OnServer PROPERTIES TIMEOUT 1800)
   endif()
-  gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60 ${filter} PROPERTIES TIMEOUT ${ARG_TIMEOUT})
+  foreach(suite ${ARG_WHOLE})
+    list(APPEND not_alone ${suite}.*)
+    add_test(NAME ${suite} COMMAND ${target} --gtest_filter=${suite}.*)
+    # Skipped if the end of the output says that no test passed and that all were skipped.
+    set_tests_properties(${suite} PROPERTIES TIMEOUT ${ARG_TIMEOUT} SKIP_REGULAR_EXPRESSION
+      "PASSED  \\] 0 tests\\.(\n\\[  SKIPPED \\] [^\n]*)+\n*$")
+  endforeach()
+  list(JOIN not_alone ":" not_alone)
+  gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60 TEST_FILTER "-${not_alone}"
+    PROPERTIES TIMEOUT ${ARG_TIMEOUT})
 endfunction()
 
 # cairn_fuzz_target(NAME base64 DEPENDS cairn::http)

@@ -31,11 +31,15 @@ using ::testing::HasSubstr;
 
 class Clients : public ::testing::Test {
  protected:
-  Clients()
-      : world_([this] {
-          Progress silent(ProgressMode::kPlain);
-          return MakeDemoWorld({.output_dir = dir_.path(), .quick = true}, &silent);
-        }()) {}
+  // Made once a process, since mapping a street takes seconds. No test changes the map.
+  static DemoWorld& World() {
+    static const TempDir dir;
+    static DemoWorld world = [] {
+      Progress silent(ProgressMode::kPlain);
+      return MakeDemoWorld({.output_dir = dir.path(), .quick = true}, &silent);
+    }();
+    return world;
+  }
 
   // Height, latitude and longitude of an answer against the truth.
   static double ErrorM(const json& geopose, const EvalQuery& query) {
@@ -54,7 +58,7 @@ class Clients : public ::testing::Test {
   }
 
   TempDir dir_;
-  DemoWorld world_;
+  DemoWorld& world_ = World();
 };
 
 class NpmClient : public Clients {
