@@ -1,6 +1,7 @@
 #include "engine/localizer.h"
 
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "core/shared_workers.h"
 #include "engine/answer/answer.h"
 #include "engine/answer/refine_winner.h"
+#include "engine/empty_result.h"
 #include "engine/explain_miss.h"
 #include "engine/place_answers.h"
 #include "engine/places/place_catalog.h"
@@ -29,18 +31,10 @@ namespace {
 
 using Reason = NotLocalizedReason;
 
-LocalizeResult EmptyResult(const LocalizeQuery& query) {
-  LocalizeResult result;
-  result.counters.num_keypoints = query.num_features();
-  result.counters.used_prior = query.prior.has_value();
-  result.counters.used_gravity = query.down_in_cam.has_value();
-  return result;
-}
-
-// Returns nothing if the map is empty.
-std::optional<QueryContext> MakeContext(const LocalizeQuery& query, const MapSnapshot& snapshot,
+// Returns nothing if the map is empty, so that `codebook` is null.
+std::optional<QueryContext> MakeContext(const LocalizeQuery& query,
+                                        const std::shared_ptr<const Codebook>& codebook,
                                         const SearchRegion& region) {
-  const auto codebook = snapshot.CurrentCodebook();
   if (codebook == nullptr) {
     return std::nullopt;
   }
@@ -55,103 +49,111 @@ std::vector<TileId> IdsOf(const std::vector<TileView>& tiles) {
   return ids;
 }
 
+// A version of a map.
+struct VersionToRead {
+  const MapTiles& tiles;
+  const MapSnapshot* snapshot = nullptr;  // Null if the tiles are not those of a map on disk.
+};
+
+// With more time, the stages might have found enough.
+bool FoundTooLittleInTime(const LocalizeResult& result, const QueryBudget& budget) {
+  const bool found_too_little =
+      result.reason == Reason::kTooFewMatches || result.reason == Reason::kTooFewInliers;
+  return found_too_little && (budget.DeadlinePassed() || result.counters.is_cut_short());
+}
+
+void NoteTiles(const FetchedTiles& fetched, LocalizeResult* result) {
+  result->tiles = IdsOf(fetched.views);
+  StageCounters& counters = result->counters;
+  counters.num_tiles_found = fetched.num_found;
+  counters.num_tiles_searched = std::ssize(fetched.views);
+  counters.num_tiles_loaded = fetched.num_loaded;
+  counters.num_descriptors = fetched.num_descriptors;
+  counters.tile_limit_hit = fetched.limit_hit;
+  counters.tiles_cut_short = !fetched.is_complete;
+}
+
 // Picks the winner, refines it in the context in which it was found, and fills the result.
-void Conclude(const LocalizeQuery& query, const std::optional<QueryContext>& context,
-              const Search& search, const QueryBudget& budget, const LocalizerOptions& options,
+void Conclude(const LocalizeQuery& query, const Search& search, const LocalizerOptions& options,
               LocalizeResult* result) {
   if (!search.hypotheses().empty()) {
     const auto refine = [&](const PoseHypothesis& winner) {
-      return RefineWinner(search.ContextOf(winner, *context), query, search.tiles(),
-                          search.hypotheses(), winner, options.pose,
-                          options.refinement.good_evidence);
+      return RefineWinner(search.ContextOf(winner), query, search.tiles(), search.hypotheses(),
+                          winner, options.pose, options.refinement.good_evidence);
     };
-    ConcludeAnswer(*context, search.tiles(), search.hypotheses().all(), options.answer, refine,
-                   result);
-  }
-  // With more time, the stages might have found enough.
-  const bool found_too_little =
-      result->reason == Reason::kTooFewMatches || result->reason == Reason::kTooFewInliers;
-  if (found_too_little && (budget.DeadlinePassed() || result->counters.is_cut_short())) {
-    result->reason = Reason::kTimeout;
+    ConcludeAnswer(search.context(), search.tiles(), search.hypotheses().all(), options.answer,
+                   refine, result);
   }
 }
 
 }  // namespace
 
 struct Localizer::Impl {
-  std::shared_ptr<const MapStore> store;
+  std::shared_ptr<const MapStore> store;  // Null if there are `tiles`.
+  const MapTiles* tiles;
   std::shared_ptr<TileCache> cache;
   LocalizerOptions options;
   SharedWorkers workers;
-  TileFinisher finisher{store.get(), cache.get(), &options.tiles, &options.matching.index,
-                        &workers};
+  TileFinisher finisher{[this](const auto& read) { ReadLatestTiles(read); }, cache.get(),
+                        &options.tiles, &workers};
 
   PlaceCatalog catalog{&options.places};
 
+  void ReadLatestTiles(const std::function<void(const MapTiles&)>& read) const {
+    if (tiles != nullptr) {
+      read(*tiles);
+    } else {
+      read(SnapshotTiles(store->Snapshot()));
+    }
+  }
   // `pinned`: the version to read; null: the latest.
   LocalizeResult Localize(const LocalizeQuery& query, const MapSnapshot* pinned);
-  // `pinned`: as above. `place`: the region to search; null: that of the query's prior.
-  LocalizeResult LocalizeNear(const LocalizeQuery& query, const MapSnapshot* pinned,
+  LocalizeResult LocalizeInTiles(const LocalizeQuery& query);
+  // `place`: the region to search; null: that of the query's prior.
+  LocalizeResult LocalizeNear(const LocalizeQuery& query, const VersionToRead& version,
                               const SearchRegion* place);
   // Searches the places of the map that look most like the photo.
   LocalizeResult LocalizeAnywhere(const LocalizeQuery& query, const MapSnapshot& snapshot);
   // Returns those places, best first.
   std::vector<RankedPlace> RankPlaces(const LocalizeQuery& query, const MapSnapshot& snapshot,
                                       const QueryBudget& budget, StageCounters* counters);
-  // The stages that read the map, prior and tiles.
-  void ReadVersion(const MapSnapshot& snapshot, const LocalizeQuery& query,
-                   const SearchRegion* place, const QueryBudget& budget, StageRunner* stages,
-                   Search* search, std::optional<QueryContext>* context, LocalizeResult* result);
 };
 
-void Localizer::Impl::ReadVersion(const MapSnapshot& snapshot, const LocalizeQuery& query,
-                                  const SearchRegion* place, const QueryBudget& budget,
-                                  StageRunner* stages, Search* search,
-                                  std::optional<QueryContext>* context, LocalizeResult* result) {
-  result->map_version = snapshot.version();
-  result->map_is_stale = snapshot.is_stale();
-  stages->Run(Stage::kPrior, [&] {
-    *context = MakeContext(query, snapshot,
-                           place != nullptr ? *place : RegionOfPrior(*query.prior, options.prior));
-    const bool has_few = query.num_features() < options.pose.min_inliers;
-    return !*context ? Reason::kNoCoverage : has_few ? Reason::kTooFewFeatures : Reason::kNone;
-  });
-  stages->Run(Stage::kTiles, [&] {
-    search->set_tiles(FetchTiles(snapshot, cache.get(), options.tiles, options.matching.index,
-                                 &(*context)->region, &result->counters,
-                                 budget.StopAfter(options.tiles.deadline_share)));
-    result->tiles = IdsOf(search->tiles());
-    return search->tiles().empty() ? Reason::kNoCoverage : Reason::kNone;
-  });
-  if (result->reason == Reason::kNoCoverage) {
-    result->reason_text = ExplainMiss(query, *result, options, &snapshot);
-  }
-}
-
-LocalizeResult Localizer::Impl::LocalizeNear(const LocalizeQuery& query, const MapSnapshot* pinned,
+LocalizeResult Localizer::Impl::LocalizeNear(const LocalizeQuery& query,
+                                             const VersionToRead& version,
                                              const SearchRegion* place) {
   const QueryBudget::Clock::time_point start = QueryBudget::Clock::now();
   const QueryBudget budget{&workers, query.deadline};
-  LocalizeResult result = EmptyResult(query);
-  Search search(options, budget, &result.counters);
-  std::optional<QueryContext> context;
+  LocalizeResult result = EmptyResult(query, version.snapshot);
   StageRunner stages(budget, &result);
-  if (pinned != nullptr) {
-    ReadVersion(*pinned, query, place, budget, &stages, &search, &context, &result);
-  } else {
-    ReadLatest(*store, query.deadline, [&](const MapSnapshot& snapshot) {
-      ReadVersion(snapshot, query, place, budget, &stages, &search, &context, &result);
-    });
+  std::optional<QueryContext> context;
+  stages.Run(Stage::kPrior, [&] {
+    context = MakeContext(query, version.tiles.CurrentCodebook(),
+                          place != nullptr ? *place : RegionOfPrior(*query.prior, options.prior));
+    const bool has_few = query.num_features() < options.pose.min_inliers;
+    return !context ? Reason::kNoCoverage : has_few ? Reason::kTooFewFeatures : Reason::kNone;
+  });
+  FetchedTiles fetched;
+  stages.Run(Stage::kTiles, [&] {
+    fetched = FetchTiles(version.tiles, context->region, options.tiles, cache.get(),
+                         budget.StopAfter(options.tiles.deadline_share));
+    return fetched.views.empty() ? Reason::kNoCoverage : Reason::kNone;
+  });
+  NoteTiles(fetched, &result);
+  if (!fetched.is_complete) {
+    finisher.Add(fetched.region);
   }
   if (stages.is_running()) {
-    search.Run(query, &stages, &*context);
+    Search search(options, budget, WithRegion(*std::move(context), fetched.region),
+                  std::move(fetched.views), &result.counters);
+    search.Run(query, &stages);
+    Conclude(query, search, options, &result);
   }
-  Conclude(query, context, search, budget, options, &result);
-  if (!result.localized && result.reason_text.empty()) {
-    result.reason_text = ExplainMiss(query, result, options, nullptr);
+  if (FoundTooLittleInTime(result, budget)) {
+    result.reason = Reason::kTimeout;
   }
-  if (result.counters.tiles_cut_short) {
-    finisher.Add(context->region);
+  if (!result.localized) {
+    result.reason_text = ExplainMiss(query, result, options, version.snapshot);
   }
   result.times.total_seconds = SecondsSince(start);
   return result;
@@ -163,7 +165,7 @@ std::vector<RankedPlace> Localizer::Impl::RankPlaces(const LocalizeQuery& query,
                                                      StageCounters* counters) {
   const StopFunction should_stop = budget.StopAfter(options.tiles.deadline_share);
   const CataloguedPlaces places = catalog.IndexOf(snapshot, should_stop);
-  const std::optional<QueryContext> context = MakeContext(query, snapshot, {});
+  const std::optional<QueryContext> context = MakeContext(query, snapshot.CurrentCodebook(), {});
   std::vector<RankedPlace> ranked;
   if (places.index != nullptr && context) {
     ranked = places.index->Rank(*context, options.places, should_stop);
@@ -176,9 +178,7 @@ LocalizeResult Localizer::Impl::LocalizeAnywhere(const LocalizeQuery& query,
                                                  const MapSnapshot& snapshot) {
   const QueryBudget::Clock::time_point start = QueryBudget::Clock::now();
   const QueryBudget budget{&workers, query.deadline};
-  LocalizeResult without_place = EmptyResult(query);
-  without_place.map_version = snapshot.version();
-  without_place.map_is_stale = snapshot.is_stale();
+  LocalizeResult without_place = EmptyResult(query, &snapshot);
   const int64_t num_tiles = snapshot.Info().num_tiles;
   std::vector<RankedPlace> ranked;
   StageRunner(budget, &without_place).Run(Stage::kPrior, [&] {
@@ -189,21 +189,20 @@ LocalizeResult Localizer::Impl::LocalizeAnywhere(const LocalizeQuery& query,
            : ranked.empty() ? Reason::kTooFewMatches
                             : Reason::kNone;
   });
+  const SnapshotTiles map(snapshot);
   PlaceAnswers answers(&options);
   for (const RankedPlace& place : ranked) {
     if (answers.AreEnough(place.score)) {
       break;
     }
     const SearchRegion region = RegionOfPlace(place.center, options.places.radius_m, num_tiles);
-    answers.Add(place.score, LocalizeNear(query, &snapshot, &region));
+    answers.Add(place.score, LocalizeNear(query, {map, &snapshot}, &region));
   }
   LocalizeResult result = answers.empty() ? without_place : answers.Best();
   result.counters.num_tiles_found = num_tiles;
   result.counters.tile_limit_hit = result.counters.num_tiles_searched < num_tiles;
   result.counters.tiles_cut_short |= without_place.counters.tiles_cut_short;
-  const bool found_too_little =
-      result.reason == Reason::kTooFewMatches || result.reason == Reason::kTooFewInliers;
-  if (found_too_little && (budget.DeadlinePassed() || result.counters.is_cut_short())) {
+  if (FoundTooLittleInTime(result, budget)) {
     result.reason = Reason::kTimeout;
   }
   if (!result.localized) {
@@ -217,13 +216,20 @@ LocalizeResult Localizer::Impl::LocalizeAnywhere(const LocalizeQuery& query,
 
 LocalizeResult Localizer::Impl::Localize(const LocalizeQuery& query, const MapSnapshot* pinned) {
   query.Validate();
-  if (query.prior) {
-    return LocalizeNear(query, pinned, nullptr);
+  const auto localize_in = [&](const MapSnapshot& snapshot) {
+    return query.prior ? LocalizeNear(query, {SnapshotTiles(snapshot), &snapshot}, nullptr)
+                       : LocalizeAnywhere(query, snapshot);
+  };
+  return pinned != nullptr ? localize_in(*pinned) : ReadLatest(*store, query.deadline, localize_in);
+}
+
+LocalizeResult Localizer::Impl::LocalizeInTiles(const LocalizeQuery& query) {
+  query.Validate();
+  if (!query.prior) {
+    throw Error(ErrorCode::kBadInput,
+                "prior: tiles that are not those of a map are searched near a position only");
   }
-  return pinned != nullptr ? LocalizeAnywhere(query, *pinned)
-                           : ReadLatest(*store, query.deadline, [&](const MapSnapshot& snapshot) {
-                               return LocalizeAnywhere(query, snapshot);
-                             });
+  return LocalizeNear(query, {*tiles}, nullptr);
 }
 
 Localizer Localizer::Open(const std::string& path_or_url, const LocalizerOptions& options,
@@ -234,13 +240,25 @@ Localizer Localizer::Open(const std::string& path_or_url, const LocalizerOptions
 
 Localizer::Localizer(std::shared_ptr<const MapStore> map, const LocalizerOptions& options,
                      size_t cache_bytes)
-    : Localizer(std::move(map), options, std::make_shared<TileCache>(cache_bytes)) {}
+    : Localizer(std::move(map), options,
+                std::make_shared<TileCache>(cache_bytes, options.matching.index)) {}
 
 Localizer::Localizer(std::shared_ptr<const MapStore> map, const LocalizerOptions& options,
                      std::shared_ptr<TileCache> cache) {
   options.Validate();
-  impl_.reset(
-      new Impl{std::move(map), std::move(cache), options, SharedWorkers(options.num_threads)});
+  if (!cache->IndexesAs(options.matching.index)) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "matching.index differs from that of the shared cache; use a cache of its own");
+  }
+  impl_.reset(new Impl{std::move(map), nullptr, std::move(cache), options,
+                       SharedWorkers(options.num_threads)});
+}
+
+Localizer::Localizer(const MapTiles& tiles, const LocalizerOptions& options, size_t cache_bytes) {
+  options.Validate();
+  impl_.reset(new Impl{nullptr, &tiles,
+                       std::make_shared<TileCache>(cache_bytes, options.matching.index), options,
+                       SharedWorkers(options.num_threads)});
 }
 
 Localizer::Localizer(Localizer&&) noexcept = default;
@@ -248,7 +266,7 @@ Localizer::~Localizer() = default;
 
 LocalizeResult Localizer::Localize(const LocalizeQuery& query) const {
   const SharedWorkers::Caller caller(&impl_->workers);
-  return impl_->Localize(query, nullptr);
+  return impl_->tiles != nullptr ? impl_->LocalizeInTiles(query) : impl_->Localize(query, nullptr);
 }
 
 LocalizeResult Localizer::LocalizeIn(const MapSnapshot& map, const LocalizeQuery& query) const {

@@ -11,6 +11,7 @@
 #include "engine/localizer_options.h"
 #include "engine/query/localize_query.h"
 #include "engine/query/localize_result.h"
+#include "engine/tiles/map_tiles.h"
 #include "engine/tiles/tile_cache.h"
 #include "storage/map/map_store.h"
 
@@ -29,10 +30,14 @@ class Localizer {
   // if `cache_bytes` is 0.
   Localizer(std::shared_ptr<const MapStore> map, const LocalizerOptions& options,
             size_t cache_bytes = kDefaultCacheBytes);
-  // Shares the tiles of another localizer, of which only the options may differ, but not
-  // options.matching.index: the cache knows tiles by the digests of their payloads.
+  // Shares the cache of another localizer. Throws Error(kInvalidArgument) if the cache does not
+  // index tiles as options.matching.index says.
   Localizer(std::shared_ptr<const MapStore> map, const LocalizerOptions& options,
             std::shared_ptr<TileCache> cache);
+  // Answers against tiles that need not be those of a map on disk. Queries need a prior. `tiles`
+  // must outlive the localizer.
+  Localizer(const MapTiles& tiles, const LocalizerOptions& options,
+            size_t cache_bytes = kDefaultCacheBytes);
   Localizer(Localizer&&) noexcept;
   ~Localizer();
 
@@ -46,7 +51,7 @@ class Localizer {
   LocalizeResult LocalizeIn(const MapSnapshot& map, const LocalizeQuery& query) const;
 
   const LocalizerOptions& options() const;
-  const MapStore& map() const;
+  const MapStore& map() const;  // Of a localizer with a map.
   const std::shared_ptr<TileCache>& cache() const;
 
  private:

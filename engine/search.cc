@@ -26,7 +26,7 @@ bool CameraIsUncertain(const LocalizeQuery& query) {
 SharedMatches Search::Match(int num_keypoints, FeatureMatcher* matcher) {
   auto matches = std::make_shared<const std::vector<Correspondence>>(
       matcher->MatchUpTo(num_keypoints, counters_, budget_.workers, stop_matching_));
-  return counters_->num_matched_keypoints < options_.pose.min_inliers ? nullptr
+  return matcher->num_matched_keypoints() < options_.pose.min_inliers ? nullptr
                                                                       : std::move(matches);
 }
 
@@ -63,18 +63,17 @@ double Search::SureEvidence() const {
 }
 
 void Search::FindCameraIfUncertain(const LocalizeQuery& query, const SharedMatches& matches,
-                                   bool may_refine, QueryContext* context) {
+                                   bool may_refine) {
   if (camera_is_certain_) {
     return;
   }
   const FoundCamera found =
-      FindCamera(*context, query, tiles_, matches, options_, may_refine, budget_, counters_);
-  *context = WithCamera(std::move(*context), found.camera);
+      FindCamera(context(), query, tiles_, matches, options_, may_refine, budget_, counters_);
+  with_camera_ = WithCamera(stated_, found.camera);
   camera_is_certain_ = found.IsCertain(options_.refinement.min_trusted_evidence);
 }
 
-void Search::TryRound(int num_keypoints, const LocalizeQuery& query, StageRunner* stages,
-                      QueryContext* context) {
+void Search::TryRound(int num_keypoints, const LocalizeQuery& query, StageRunner* stages) {
   SharedMatches matches;
   candidates_ = {};
   stages->Run(Stage::kMatching, [&] {
@@ -85,21 +84,21 @@ void Search::TryRound(int num_keypoints, const LocalizeQuery& query, StageRunner
     return;
   }
   stages->Run(Stage::kVoting, [&] {
-    FindCameraIfUncertain(query, matches, /*may_refine=*/false, context);
-    Vote(*context, matches);
+    FindCameraIfUncertain(query, matches, /*may_refine=*/false);
+    Vote(context(), matches);
     return Reason::kNone;
   });
   stages->Run(Stage::kPose, [&] {
-    Estimate(*context, matches);
+    Estimate(context(), matches);
     return Reason::kNone;
   });
 }
 
-bool Search::AnswerEarly(const LocalizeQuery& query, StageRunner* stages, QueryContext* context) {
-  int num_keypoints = FirstRound(context->num_keypoints());
-  while (num_keypoints < context->num_keypoints() && stages->is_running()) {
+bool Search::AnswerEarly(const LocalizeQuery& query, StageRunner* stages) {
+  int num_keypoints = FirstRound(stated_.num_keypoints());
+  while (num_keypoints < stated_.num_keypoints() && stages->is_running()) {
     PoseHypotheses of_last_round = std::exchange(hypotheses_, {});
-    TryRound(num_keypoints, query, stages, context);
+    TryRound(num_keypoints, query, stages);
     if (camera_is_certain_ && IsBeyondDoubt(hypotheses_, SureEvidence(), options_.answer)) {
       return true;
     }
@@ -107,53 +106,52 @@ bool Search::AnswerEarly(const LocalizeQuery& query, StageRunner* stages, QueryC
       hypotheses_ = std::move(of_last_round);
       return false;
     }
-    num_keypoints = NextRound(num_keypoints, context->num_keypoints(), hypotheses_, SureEvidence());
+    num_keypoints = NextRound(num_keypoints, stated_.num_keypoints(), hypotheses_, SureEvidence());
   }
   return false;
 }
 
-void Search::SearchAll(const LocalizeQuery& query, StageRunner* stages, QueryContext* context) {
+void Search::SearchAll(const LocalizeQuery& query, StageRunner* stages) {
   SharedMatches matches;
   stages->Run(Stage::kMatching, [&] {
-    matches = Match(context->num_keypoints(), &*matcher_);
+    matches = Match(stated_.num_keypoints(), &*matcher_);
     return matches == nullptr ? Reason::kTooFewMatches : Reason::kNone;
   });
   stages->Run(Stage::kVoting, [&] {
-    FindCameraIfUncertain(query, matches, options_.refinement.mode != RefinementMode::kNever,
-                          context);
-    Vote(*context, matches);
+    FindCameraIfUncertain(query, matches, options_.refinement.mode != RefinementMode::kNever);
+    Vote(context(), matches);
     return Reason::kNone;
   });
   stages->Run(Stage::kPose, [&] {
-    Estimate(*context, matches);
+    Estimate(context(), matches);
     return Reason::kNone;
   });
   stages->Run(Stage::kRefinement, [&] {
-    Refine(*context, matches);
+    Refine(context(), matches);
     if (!budget_.DeadlinePassed() &&
-        DoubtsGravity(*context, hypotheses_, options_.refinement, options_.pose)) {
-      without_gravity_ = WithoutGravity(*context);
+        DoubtsGravity(context(), hypotheses_, options_.refinement, options_.pose)) {
+      without_gravity_ = WithoutGravity(context());
       TryWithoutGravity();
     }
     return hypotheses_.empty() ? Reason::kTooFewInliers : Reason::kNone;
   });
 }
 
-void Search::Run(const LocalizeQuery& query, StageRunner* stages, QueryContext* context) {
+void Search::Run(const LocalizeQuery& query, StageRunner* stages) {
   camera_is_certain_ = !CameraIsUncertain(query);
   stages->Run(Stage::kMatching, [&] {
-    matcher_.emplace(*context, tiles_, options_.matching);
+    matcher_.emplace(stated_, tiles_, options_.matching);
     stop_matching_ = budget_.StopAfter(options_.matching.deadline_share);
     return Reason::kNone;
   });
   // Whoever asks for refinement whatever the evidence wants all of it.
   const bool may_be_early = options_.refinement.mode == RefinementMode::kWhenWeak;
-  if (!stages->is_running() || (may_be_early && AnswerEarly(query, stages, context))) {
+  if (!stages->is_running() || (may_be_early && AnswerEarly(query, stages))) {
     return;
   }
   // If the time ends before all keypoints have given a pose, the answer is that of the last round.
   PoseHypotheses of_last_round = std::exchange(hypotheses_, {});
-  SearchAll(query, stages, context);
+  SearchAll(query, stages);
   if (hypotheses_.empty() && budget_.DeadlinePassed()) {
     hypotheses_ = std::move(of_last_round);
   }

@@ -23,40 +23,46 @@ namespace cairn {
 // thread.
 class Search {
  public:
-  Search(const LocalizerOptions& options, const QueryBudget& budget, StageCounters* counters)
-      : options_(options), budget_(budget), counters_(counters) {}
+  // There must be tiles.
+  Search(const LocalizerOptions& options, const QueryBudget& budget, QueryContext context,
+         std::vector<TileView> tiles, StageCounters* counters)
+      : options_(options),
+        budget_(budget),
+        stated_(std::move(context)),
+        tiles_(std::move(tiles)),
+        counters_(counters) {}
+  Search(const Search&) = delete;  // The matcher refers to members.
+  Search& operator=(const Search&) = delete;
 
-  void set_tiles(std::vector<TileView> tiles) { tiles_ = std::move(tiles); }
   const std::vector<TileView>& tiles() const { return tiles_; }
 
-  // Runs the stages until one of them fails. If the focal length of the query is uncertain,
-  // `context` gets the camera that is found: that of the first round in which it is certain, or
-  // else that of all keypoints. There must be tiles.
-  void Run(const LocalizeQuery& query, StageRunner* stages, QueryContext* context);
+  // Runs the stages until one of them fails.
+  void Run(const LocalizeQuery& query, StageRunner* stages);
 
   const PoseHypotheses& hypotheses() const { return hypotheses_; }
-  // The context in which a hypothesis was found, given that of the query.
-  const QueryContext& ContextOf(const PoseHypothesis& hypothesis,
-                                const QueryContext& context) const {
-    return without_gravity_ && !hypothesis.used_gravity ? *without_gravity_ : context;
+  // The context of the query. If its focal length is uncertain, with the camera that Run has found:
+  // that of the first round in which it is certain, or else that of all keypoints.
+  const QueryContext& context() const { return with_camera_ ? *with_camera_ : stated_; }
+  // The context in which a hypothesis was found.
+  const QueryContext& ContextOf(const PoseHypothesis& hypothesis) const {
+    return without_gravity_ && !hypothesis.used_gravity ? *without_gravity_ : context();
   }
 
  private:
   // Matches and tries to answer in rounds, until a round leaves no doubt. Returns false if all
   // keypoints are needed or the deadline passes; the hypotheses are then those of the last round
   // that ended.
-  bool AnswerEarly(const LocalizeQuery& query, StageRunner* stages, QueryContext* context);
+  bool AnswerEarly(const LocalizeQuery& query, StageRunner* stages);
   // Finds hypotheses from the matches of some keypoints. There must be none yet.
-  void TryRound(int num_keypoints, const LocalizeQuery& query, StageRunner* stages,
-                QueryContext* context);
+  void TryRound(int num_keypoints, const LocalizeQuery& query, StageRunner* stages);
   // Runs the stages on all keypoints.
-  void SearchAll(const LocalizeQuery& query, StageRunner* stages, QueryContext* context);
+  void SearchAll(const LocalizeQuery& query, StageRunner* stages);
 
   // The evidence of a pose that leaves no doubt.
   double SureEvidence() const;
-  // Gives `context` the best camera for the matches, unless the camera is certain.
+  // Finds the best camera for the matches, unless the camera is certain.
   void FindCameraIfUncertain(const LocalizeQuery& query, const SharedMatches& matches,
-                             bool may_refine, QueryContext* context);
+                             bool may_refine);
   // Returns null if too few keypoints have a match.
   SharedMatches Match(int num_keypoints, FeatureMatcher* matcher);
   void Vote(const QueryContext& context, const SharedMatches& matches);
@@ -67,13 +73,15 @@ class Search {
 
   const LocalizerOptions& options_;
   const QueryBudget& budget_;
+  const QueryContext stated_;
+  const std::vector<TileView> tiles_;
   StageCounters* counters_;
-  std::vector<TileView> tiles_;
   std::optional<FeatureMatcher> matcher_;
   StopFunction stop_matching_;
   bool camera_is_certain_ = true;
   std::vector<PoseCandidate> candidates_;
   PoseHypotheses hypotheses_;
+  std::optional<QueryContext> with_camera_;
   std::optional<QueryContext> without_gravity_;
 };
 

@@ -48,6 +48,9 @@ class FeatureMatcher {
   std::vector<Correspondence> MatchUpTo(int num_keypoints, StageCounters* counters,
                                         SharedWorkers* workers, const StopFunction& should_stop);
 
+  // Returns the number of keypoints that have a match so far.
+  int64_t num_matched_keypoints() const { return ranking_.NumMatchedKeypoints(); }
+
  private:
   const QueryContext& query_;
   const std::vector<TileView>& tiles_;

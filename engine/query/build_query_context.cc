@@ -96,6 +96,11 @@ QueryContext BuildQueryContext(const LocalizeQuery& query, const DescriptorCodec
   return context;
 }
 
+QueryContext WithRegion(QueryContext context, const SearchRegion& region) {
+  context.region = region;
+  return context;
+}
+
 QueryContext WithCamera(QueryContext context, const Camera& camera) {
   CAIRN_CHECK(!context.is_rig(), "the camera of a rig cannot be replaced");
   context.camera = camera;

@@ -14,6 +14,9 @@ namespace cairn {
 QueryContext BuildQueryContext(const LocalizeQuery& query, const DescriptorCodec& codec,
                                const SearchRegion& region);
 
+// Returns the context of the same query in another region of the same anchor.
+QueryContext WithRegion(QueryContext context, const SearchRegion& region);
+
 // Returns the context of the same query as if another camera of the same image size had taken it.
 // The query must not be a rig's.
 QueryContext WithCamera(QueryContext context, const Camera& camera);

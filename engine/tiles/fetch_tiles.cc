@@ -8,15 +8,11 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
-#include <optional>
-#include <set>
-#include <span>
 #include <utility>
 
 #include "core/error.h"
 #include "core/parallel_for.h"
 #include "engine/tiles/search_region.h"
-#include "storage/tile/tile_codec.h"
 
 namespace cairn {
 namespace {
@@ -49,10 +45,10 @@ double DistanceToPolygon(const Eigen::Vector2d& point,
 
 // Returns the tiles whose square intersects the region's disc, nearest first; equally near tiles
 // are ordered by tile id.
-std::vector<TileRecord> TilesInDisc(const MapSnapshot& snapshot, const SearchRegion& region) {
+std::vector<TileRecord> TilesInDisc(const MapTiles& map, const SearchRegion& region) {
   const Rigid3d anchor_from_ecef = region.ecef_from_anchor.Inverse();
   std::vector<std::pair<double, TileRecord>> tiles_by_distance;
-  for (TileRecord& tile : snapshot.FindTiles(RegionBounds(region))) {
+  for (TileRecord& tile : map.FindTiles(RegionBounds(region))) {
     const double distance_m = DistanceToPolygon(region.prior_xy_in_anchor,
                                                 SquareInAnchor(tile.tile_id, anchor_from_ecef));
     if (distance_m <= region.radius_m) {
@@ -68,22 +64,9 @@ std::vector<TileRecord> TilesInDisc(const MapSnapshot& snapshot, const SearchReg
   return tiles;
 }
 
-// Returns the tiles to search, and counts the tiles found.
-std::vector<TileRecord> SelectTiles(const MapSnapshot& snapshot, const SearchRegion& region,
-                                    int max_tiles, StageCounters* counters) {
-  std::vector<TileRecord> tiles = TilesInDisc(snapshot, region);
-  counters->num_tiles_found = static_cast<int64_t>(tiles.size());
-  if (tiles.size() > static_cast<size_t>(max_tiles)) {
-    tiles.resize(max_tiles);
-  }
-  counters->num_tiles_searched = static_cast<int64_t>(tiles.size());
-  counters->tile_limit_hit = counters->num_tiles_searched < counters->num_tiles_found;
-  return tiles;
-}
-
 // Queries are projected with the current codebook, so tiles of another codebook cannot be matched.
-void RequireCurrentCodebook(const MapSnapshot& snapshot, const std::vector<TileRecord>& tiles) {
-  const std::shared_ptr<const Codebook> current = snapshot.CurrentCodebook();
+void RequireCodebook(const std::shared_ptr<const Codebook>& current,
+                     const std::vector<TileRecord>& tiles) {
   for (const TileRecord& tile : tiles) {
     if (current == nullptr || tile.codebook_id != current->id) {
       throw Error(ErrorCode::kMapDamaged,
@@ -132,8 +115,9 @@ void CompleteIndices(const TilePointers& tiles, const StopFunction& should_stop)
 // Gets the tiles of a query from the cache and loads missing ones.
 class TileLoader {
  public:
-  TileLoader(const MapSnapshot& snapshot, TileCache* cache, const IndexOptions& index_options)
-      : snapshot_(snapshot), cache_(cache), index_options_(index_options) {}
+  // `codebook` is that of all tiles.
+  TileLoader(const MapTiles& map, std::shared_ptr<const Codebook> codebook, TileCache* cache)
+      : map_(map), codebook_(std::move(codebook)), cache_(cache) {}
 
   // Returns the tiles of the records, in order. Loads missing tiles in parallel, one thread each.
   // Throws the first error in order.
@@ -177,21 +161,12 @@ class TileLoader {
   // Fetches and decodes a tile and builds the first part of its index.
   std::shared_ptr<const SearchableTile> Load(const TileRecord& record) {
     try {
-      std::shared_ptr<const Codebook> codebook = snapshot_.LoadCodebook(record.codebook_id);
-      LargeVector<uint8_t> payload = snapshot_.LoadPayload(record.payload_id);
-      const std::optional<SessionAccuracy> accuracy = AccuracyOf(payload);
-      return MakeSearchableTile(std::move(payload), std::move(codebook), index_options_, accuracy);
+      StoredTile stored = map_.LoadTile(record);
+      return MakeSearchableTile(std::move(stored.payload), codebook_, cache_->index_options(),
+                                stored.accuracy);
     } catch (const Error& error) {
       ThrowFor(record, error);
     }
-  }
-
-  // The mean over the tile's sessions; empty if the map does not know it.
-  std::optional<SessionAccuracy> AccuracyOf(std::span<const uint8_t> payload) const {
-    const std::set<SessionId> sessions = SessionsInPayload(payload);
-    const std::vector<SessionAccuracy> accuracies =
-        snapshot_.AccuraciesOf({sessions.begin(), sessions.end()});
-    return accuracies.empty() ? std::nullopt : std::optional(RootMeanSquare(accuracies));
   }
 
   // Throws the error with the name of the tile.
@@ -203,9 +178,9 @@ class TileLoader {
                             is_absent ? "" : "; run `cairn check` to find all damage"));
   }
 
-  const MapSnapshot& snapshot_;
+  const MapTiles& map_;
+  const std::shared_ptr<const Codebook> codebook_;
   TileCache* cache_;
-  const IndexOptions& index_options_;
   std::atomic<int64_t> num_loaded_ = 0;
 };
 
@@ -242,30 +217,35 @@ void NarrowHeights(const std::pair<double, double>& band, SearchRegion* region) 
 
 }  // namespace
 
-std::vector<TileView> FetchTiles(const MapSnapshot& snapshot, TileCache* cache,
-                                 const TilesOptions& options, const IndexOptions& index_options,
-                                 SearchRegion* region, StageCounters* counters,
-                                 const StopFunction& should_stop) {
-  const std::vector<TileRecord> records =
-      SelectTiles(snapshot, *region, options.max_tiles, counters);
-  RequireCurrentCodebook(snapshot, records);
-  const Rigid3d anchor_from_ecef = region->ecef_from_anchor.Inverse();
-  std::vector<TileView> views;
-  TileLoader loader(snapshot, cache, index_options);
+FetchedTiles FetchTiles(const MapTiles& map, const SearchRegion& region,
+                        const TilesOptions& options, TileCache* cache,
+                        const StopFunction& should_stop) {
+  FetchedTiles fetched;
+  fetched.region = region;
+  std::vector<TileRecord> records = TilesInDisc(map, region);
+  fetched.num_found = std::ssize(records);
+  fetched.limit_hit = fetched.num_found > options.max_tiles;
+  if (fetched.limit_hit) {
+    records.resize(static_cast<size_t>(options.max_tiles));
+  }
+  if (records.empty()) {
+    return fetched;
+  }
+  const std::shared_ptr<const Codebook> codebook = map.CurrentCodebook();
+  RequireCodebook(codebook, records);
+  const Rigid3d anchor_from_ecef = region.ecef_from_anchor.Inverse();
+  TileLoader loader(map, codebook, cache);
   for (std::shared_ptr<const SearchableTile>& tile : loader.Get(records, should_stop)) {
-    counters->tiles_cut_short |= !IsComplete(tile);
+    fetched.is_complete = fetched.is_complete && IsComplete(tile);
     if (tile != nullptr) {
-      counters->num_descriptors += static_cast<int64_t>(tile->num_descriptors());
+      fetched.num_descriptors += static_cast<int64_t>(tile->num_descriptors());
       const Rigid3d anchor_from_tile = anchor_from_ecef * tile->ecef_from_tile();
-      views.push_back({std::move(tile), anchor_from_tile});
+      fetched.views.push_back({std::move(tile), anchor_from_tile});
     }
   }
-  counters->num_tiles_searched = static_cast<int64_t>(views.size());
-  counters->num_tiles_loaded += loader.num_loaded();
-  if (!records.empty()) {
-    NarrowHeights(HeightBand(records, anchor_from_ecef, options.height_margin_m), region);
-  }
-  return views;
+  fetched.num_loaded = loader.num_loaded();
+  NarrowHeights(HeightBand(records, anchor_from_ecef, options.height_margin_m), &fetched.region);
+  return fetched;
 }
 
 }  // namespace cairn

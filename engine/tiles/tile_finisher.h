@@ -5,16 +5,16 @@
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
+#include <functional>
 #include <mutex>
 #include <stop_token>
 #include <thread>
 
 #include "core/shared_workers.h"
-#include "engine/index/index_options.h"
 #include "engine/query/query_context.h"
+#include "engine/tiles/map_tiles.h"
 #include "engine/tiles/tile_cache.h"
 #include "engine/tiles/tiles_options.h"
-#include "storage/map/map_store.h"
 
 namespace cairn {
 
@@ -26,10 +26,13 @@ class TileFinisher {
   // it.
   static constexpr size_t kMaxWaiting = 64;
 
+  // Calls its argument with the latest tiles of a map.
+  using ReadLatestTiles = std::function<void(const std::function<void(const MapTiles&)>& read)>;
+
   // Loads as FetchTiles does with these arguments, which must outlive the object. While it loads,
   // the thread counts as a caller of `workers`.
-  TileFinisher(const MapStore* store, TileCache* cache, const TilesOptions* options,
-               const IndexOptions* index_options, SharedWorkers* workers);
+  TileFinisher(ReadLatestTiles read_latest, TileCache* cache, const TilesOptions* options,
+               SharedWorkers* workers);
 
   // Queues the loading of a region's tiles and the completion of their indices, after earlier
   // calls. Does not wait.
@@ -37,12 +40,11 @@ class TileFinisher {
 
  private:
   void Work(std::stop_token stop);
-  void Load(SearchRegion region, const std::stop_token& stop);
+  void Load(const SearchRegion& region, const std::stop_token& stop);
 
-  const MapStore* store_;
+  const ReadLatestTiles read_latest_;
   TileCache* cache_;
   const TilesOptions* options_;
-  const IndexOptions* index_options_;
   SharedWorkers* workers_;
   std::mutex mutex_;  // Guards the next three members.
   std::condition_variable_any has_regions_;

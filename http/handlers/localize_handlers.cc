@@ -68,22 +68,20 @@ HttpResponse WithHeaders(HttpResponse response, const LocalizeResult& result,
 }
 
 // The response to POST /v1/localize without its headers.
-HttpResponse LocalizeResponse(const LocalizeService::Answer& answer, const LocalizeRequest& query,
-                              const std::string& accept) {
+HttpResponse LocalizeResponse(const LocalizeService::Answer& answer, const std::string& accept) {
   if (WantsOgcGeoPose(accept)) {
     RequirePose(answer.result, "ask for application/json to get more details");
-    return OgcGeoPose(answer.result, query);
+    return OgcGeoPose(answer.result, answer.request);
   }
-  return HttpResponse::Json(LocalizeResponseJson(answer.result, query, answer.times));
+  return HttpResponse::Json(LocalizeResponseJson(answer.result, answer.request, answer.times));
 }
 
-HttpResponse GeoPoseResponse(const LocalizeResult& result, const LocalizeRequest& query,
-                             const std::string& accept) {
-  RequirePose(result, "use POST /v1/localize to get more details");
+HttpResponse GeoPoseResponse(const LocalizeService::Answer& answer, const std::string& accept) {
+  RequirePose(answer.result, "use POST /v1/localize to get more details");
   if (WantsOgcGeoPose(accept)) {
-    return OgcGeoPose(result, query);
+    return OgcGeoPose(answer.result, answer.request);
   }
-  HttpResponse response = HttpResponse::Json(GeoPoseResponseJson(result, query));
+  HttpResponse response = HttpResponse::Json(GeoPoseResponseJson(answer.result, answer.request));
   response.content_type = GeoPoseContentType(accept);
   return response;
 }
@@ -91,17 +89,15 @@ HttpResponse GeoPoseResponse(const LocalizeResult& result, const LocalizeRequest
 }  // namespace
 
 HttpResponse HandleLocalize(const HttpRequest& request, LocalizeService* service) {
-  LocalizeRequest query;
-  const LocalizeService::Answer answer = service->Localize(request, ParseLocalizeRequest, &query);
-  return WithHeaders(LocalizeResponse(answer, query, request.Header("accept")), answer.result,
-                     query.query);
+  const LocalizeService::Answer answer = service->Localize(request, ParseLocalizeRequest);
+  return WithHeaders(LocalizeResponse(answer, request.Header("accept")), answer.result,
+                     answer.request.query);
 }
 
 HttpResponse HandleGeoPose(const HttpRequest& request, LocalizeService* service) {
-  LocalizeRequest query;
-  const LocalizeService::Answer answer = service->Localize(request, ParseGeoPoseRequest, &query);
-  return WithHeaders(GeoPoseResponse(answer.result, query, request.Header("accept")), answer.result,
-                     query.query);
+  const LocalizeService::Answer answer = service->Localize(request, ParseGeoPoseRequest);
+  return WithHeaders(GeoPoseResponse(answer, request.Header("accept")), answer.result,
+                     answer.request.query);
 }
 
 HttpResponse HandleGeoPoseStatus() { return HttpResponse::Json(R"({"status":"running"})"); }

@@ -6,9 +6,10 @@
 
 #include "core/parallel_for.h"
 #include "core/wire/problem.h"
-#include "engine/explain_miss.h"
+#include "engine/empty_result.h"
 #include "http/json/request_photos.h"
 #include "http/service/image_features.h"
+#include "storage/map/read_latest.h"
 
 namespace cairn {
 namespace {
@@ -36,8 +37,8 @@ int MaxWaiting(const ServerOptions& options) {
 }
 
 // Throws unless the features fit the map's codebook.
-void CheckCodec(const ServedMap& map, const LocalizeQuery& query) {
-  const std::shared_ptr<const Codebook> codebook = map.store->Snapshot().CurrentCodebook();
+void CheckCodec(const MapSnapshot& map, const LocalizeQuery& query) {
+  const std::shared_ptr<const Codebook> codebook = map.CurrentCodebook();
   if (codebook == nullptr) {
     return;  // An empty map covers no query, whatever the features.
   }
@@ -67,13 +68,8 @@ void CheckCodec(const ServedMap& map, const LocalizeQuery& query) {
   }
 }
 
-LocalizeResult LateResult(const ServedMap& map, const LocalizeQuery& query) {
-  LocalizeResult late;
-  late.reason = NotLocalizedReason::kTimeout;
-  late.map_version = map.store->Snapshot().version();
-  late.counters.num_keypoints = query.num_features();
-  late.reason_text = ExplainMiss(query, late, map.localizer->options(), nullptr);
-  return late;
+LocalizeResult LateAnswer(const ServedMap& map, const LocalizeQuery& query) {
+  return LateResult(query, map.localizer->options(), map.store->Snapshot());
 }
 
 }  // namespace
@@ -85,14 +81,15 @@ LocalizeService::LocalizeService(const ServerOptions& options)
              .localizer = MakeLocalizerOptions(options)}),
       gate_({.num_slots = NumCores(), .max_waiting = MaxWaiting(options)}) {}
 
-void LocalizeService::Read(const ServedMap& map, const HttpRequest& http, BodyParser* parse,
-                           LocalizeRequest* request) const {
-  *request = parse(http.Header("content-type"), http.body, request_limits());
-  request->timeout_ms = std::min(request->timeout_ms, options_.max_timeout_ms);
-  request->query.deadline = http.arrival + milliseconds(request->timeout_ms);
-  if (!request->has_images()) {
-    CheckCodec(map, request->query);
+LocalizeRequest LocalizeService::Read(const ServedMap& map, const HttpRequest& http,
+                                      BodyParser& parse) const {
+  LocalizeRequest request = parse(http.Header("content-type"), http.body, request_limits());
+  request.timeout_ms = std::min(request.timeout_ms, options_.max_timeout_ms);
+  request.query.deadline = http.arrival + milliseconds(request.timeout_ms);
+  if (!request.has_images()) {  // Refuse it before it waits for its turn.
+    CheckCodec(map.store->Snapshot(), request.query);
   }
+  return request;
 }
 
 bool LocalizeService::ExtractInTime(LocalizeRequest* request, ServerTimes* times) const {
@@ -126,42 +123,44 @@ std::unique_ptr<FairGate::Turn> LocalizeService::WaitForTurn(const HttpRequest& 
 // A request has one turn. During the turn its JSON is parsed (if long), its photos' EXIF is read,
 // its image becomes features, and the features become an answer.
 LocalizeService::Answer LocalizeService::AnswerInTurn(const ServedMap& map, const HttpRequest& http,
-                                                      BodyParser* parse, LocalizeRequest* request) {
+                                                      BodyParser& parse) {
   Answer answer;
+  LocalizeRequest& request = answer.request;
   const bool reads_in_turn = IsLongJson(http.Header("content-type"), http.body);
   if (!reads_in_turn) {
-    Read(map, http, parse, request);
+    request = Read(map, http, parse);
   }
   const int timeout_ms =
       reads_in_turn ? std::min(PeekTimeoutMs(http.body, request_limits()), options_.max_timeout_ms)
-                    : request->timeout_ms;
+                    : request.timeout_ms;
   const FairGate::Turn turn(&gate_, http.client, http.arrival + milliseconds(timeout_ms));
   if (turn.outcome() == FairGate::Outcome::kRefused) {
     RefuseForLackOfTurns();
   }
   if (turn.outcome() == FairGate::Outcome::kLate) {
-    answer.result = LateResult(map, request->query);
+    answer.result = LateAnswer(map, request.query);
     return answer;
   }
   if (reads_in_turn) {
-    Read(map, http, parse, request);
+    request = Read(map, http, parse);
   }
-  if (request->has_images()) {
-    ReadPhotos(options_.exif_prior, request);
-    if (!ExtractInTime(request, &answer.times)) {
-      answer.result = LateResult(map, request->query);
+  if (request.has_images()) {
+    ReadPhotos(options_.exif_prior, &request);
+    if (!ExtractInTime(&request, &answer.times)) {
+      answer.result = LateAnswer(map, request.query);
       return answer;
     }
-    CheckCodec(map, request->query);
   }
-  answer.result = map.localizer->Localize(request->query);
+  answer.result = ReadLatest(*map.store, request.query.deadline, [&](const MapSnapshot& version) {
+    CheckCodec(version, request.query);
+    return map.localizer->LocalizeIn(version, request.query);
+  });
   return answer;
 }
 
-LocalizeService::Answer LocalizeService::Localize(const HttpRequest& http, BodyParser* parse,
-                                                  LocalizeRequest* request) {
+LocalizeService::Answer LocalizeService::Localize(const HttpRequest& http, BodyParser& parse) {
   const std::shared_ptr<const ServedMap> map = maps_.Current();
-  Answer answer = AnswerInTurn(*map, http, parse, request);
+  Answer answer = AnswerInTurn(*map, http, parse);
   const bool is_stale = answer.result.map_is_stale || !maps_.Problem().empty();
   metrics_.CountLocalize(answer.result, answer.times, is_stale);
   return answer;

@@ -23,6 +23,7 @@ namespace cairn {
 class LocalizeService {
  public:
   struct Answer {
+    LocalizeRequest request;  // Without what no parser has read because the turn did not come.
     LocalizeResult result;
     ServerTimes times;
   };
@@ -42,14 +43,15 @@ class LocalizeService {
   Metrics& metrics() { return metrics_; }
   const Metrics& metrics() const { return metrics_; }
 
-  // Answers one request: reads the body into `request` with `parse`, sets the query's deadline (the
+  // Answers one request: reads the body with `parse`, sets the query's deadline (the
   // client's timeout counts from the end of the upload), waits for its turn if there are more
   // requests than cores, extracts features if there is an image, checks that the features have the
   // map's codec, and localizes. Returns kTimeout if the turn does not come in time. A long JSON
-  // body is parsed during the turn; if the turn does not come, the body is not parsed and `request`
-  // stays unchanged. Throws as `parse` and as Localizer::Localize; throws HttpError kInvalidImage,
-  // kImageTooLarge, kWrongCodec, and kUnavailable if too many requests wait.
-  Answer Localize(const HttpRequest& http, BodyParser* parse, LocalizeRequest* request);
+  // body is parsed during the turn; if the turn does not come, the body is not parsed. The codec is
+  // checked in the version of the map that answers. Throws as `parse` and as Localizer::Localize;
+  // throws HttpError kInvalidImage, kImageTooLarge, kWrongCodec, and kUnavailable if too many
+  // requests wait.
+  Answer Localize(const HttpRequest& http, BodyParser& parse);
 
   // Waits for the turn of a request that is no query but takes as much time: lists and payloads.
   // Throws HttpError kUnavailable if too many requests wait, or if the turn does not come within
@@ -72,10 +74,8 @@ class LocalizeService {
   // first. Throws HttpError kUnavailable if BeginStop was called.
   bool ExtractInTime(LocalizeRequest* request, ServerTimes* times) const;
   // Parses the body. Throws unless the features have the map's codec.
-  void Read(const ServedMap& map, const HttpRequest& http, BodyParser* parse,
-            LocalizeRequest* request) const;
-  Answer AnswerInTurn(const ServedMap& map, const HttpRequest& http, BodyParser* parse,
-                      LocalizeRequest* request);
+  LocalizeRequest Read(const ServedMap& map, const HttpRequest& http, BodyParser& parse) const;
+  Answer AnswerInTurn(const ServedMap& map, const HttpRequest& http, BodyParser& parse);
 
   const ServerOptions options_;
   ServedMaps maps_;

@@ -59,7 +59,8 @@ ServedMaps::ServedMaps(const ServedMapOptions& options)
 }
 
 std::shared_ptr<ServedMap> ServedMaps::Open(OpenMode mode) const {
-  return Open(mode, std::make_shared<TileCache>(options_.cache_bytes));
+  return Open(mode,
+              std::make_shared<TileCache>(options_.cache_bytes, options_.localizer.matching.index));
 }
 
 std::shared_ptr<ServedMap> ServedMaps::Open(OpenMode mode, std::shared_ptr<TileCache> cache) const {

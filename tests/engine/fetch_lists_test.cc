@@ -219,11 +219,10 @@ TEST_F(FetchListsTest, WhatMatchingNeedsIsDecodedIfThereIsTime) {
                  WithDamage(sound, OffsetOfColumn(sound, kDescriptorCounts)));
   update.Publish();
   const auto fetch = [&](const StopFunction& should_stop) {
-    TileCache cache(1 << 26);
+    TileCache cache(1 << 26, options_);
     SearchRegion region;
     region.ecef_from_anchor = EcefFromEnu(tile_.id.Anchor());
-    StageCounters counters;
-    return FetchTiles(store.Snapshot(), &cache, {}, options_, &region, &counters, should_stop);
+    return FetchTiles(SnapshotTiles(store.Snapshot()), region, {}, &cache, should_stop).views;
   };
   EXPECT_EQ(ErrorCodeOf([&] { fetch({}); }), ErrorCode::kMapDamaged);
   const std::vector<TileView> hasty = fetch([] { return true; });

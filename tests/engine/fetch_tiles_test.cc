@@ -64,9 +64,9 @@ class FetchTilesTest : public ::testing::Test {
 
   std::vector<TileView> Fetch(SearchRegion* region, const TilesOptions& options = {},
                               const StopFunction& should_stop = {}) {
-    counters_ = StageCounters();
-    return FetchTiles(store_.Snapshot(), &cache_, options, IndexOptions(), region, &counters_,
-                      should_stop);
+    fetched_ = FetchTiles(SnapshotTiles(store_.Snapshot()), *region, options, &cache_, should_stop);
+    *region = fetched_.region;
+    return fetched_.views;
   }
 
   static std::vector<TileId> Ids(const std::vector<TileView>& views) {
@@ -90,7 +90,7 @@ class FetchTilesTest : public ::testing::Test {
   testing::TempDir dir_;
   MapStore store_;
   TileCache cache_;
-  StageCounters counters_;
+  FetchedTiles fetched_;
 };
 
 TEST_F(FetchTilesTest, ReturnsTilesThatMeetTheDiscNearestFirst) {
@@ -109,41 +109,41 @@ TEST_F(FetchTilesTest, ReturnsTilesThatMeetTheDiscNearestFirst) {
 TEST_F(FetchTilesTest, RespectsTheLimitAndSaysSo) {
   SearchRegion region = Disc(60.0, 200.0);
   EXPECT_EQ(Ids(Fetch(&region, {.max_tiles = 2})), (std::vector{TileInRow(0), TileInRow(1)}));
-  EXPECT_EQ(counters_.num_tiles_found, 3);
-  EXPECT_EQ(counters_.num_tiles_searched, 2);
-  EXPECT_TRUE(counters_.tile_limit_hit);
+  EXPECT_EQ(fetched_.num_found, 3);
+  EXPECT_EQ(std::ssize(fetched_.views), 2);
+  EXPECT_TRUE(fetched_.limit_hit);
   Fetch(&region, {.max_tiles = 3});
-  EXPECT_FALSE(counters_.tile_limit_hit);
+  EXPECT_FALSE(fetched_.limit_hit);
 }
 
 TEST_F(FetchTilesTest, FarFromTheMapFindsNothingAndLeavesTheHeightsOpen) {
   SearchRegion region = Disc(5000.0, 100.0);
   const double min_z_m = region.min_z_m;
   EXPECT_THAT(Fetch(&region), IsEmpty());
-  EXPECT_EQ(counters_.num_tiles_found, 0);
+  EXPECT_EQ(fetched_.num_found, 0);
   EXPECT_EQ(region.min_z_m, min_z_m);
 }
 
 TEST_F(FetchTilesTest, LoadsEachTileOnceAndCountsDescriptors) {
   SearchRegion region = Disc(0.0, 50.0);
   const auto first = Fetch(&region);
-  EXPECT_EQ(counters_.num_tiles_loaded, 1);
-  EXPECT_EQ(counters_.num_descriptors, static_cast<int64_t>(first[0].tile->num_descriptors()));
+  EXPECT_EQ(fetched_.num_loaded, 1);
+  EXPECT_EQ(fetched_.num_descriptors, static_cast<int64_t>(first[0].tile->num_descriptors()));
   const auto again = Fetch(&region);
-  EXPECT_EQ(counters_.num_tiles_loaded, 0);
+  EXPECT_EQ(fetched_.num_loaded, 0);
   EXPECT_EQ(again[0].tile, first[0].tile);
 }
 
 TEST_F(FetchTilesTest, LoadsSeveralMissingTilesOnceEachInOrder) {
   SearchRegion region = Disc(0.0, 1'000.0);
   const auto first = Fetch(&region);
-  EXPECT_EQ(counters_.num_tiles_loaded, kNumTiles);
+  EXPECT_EQ(fetched_.num_loaded, kNumTiles);
   ASSERT_EQ(first.size(), size_t{kNumTiles});
   for (int i = 0; i < kNumTiles; ++i) {
     EXPECT_EQ(first[i].tile->id(), TileInRow(i));
   }
   Fetch(&region);
-  EXPECT_EQ(counters_.num_tiles_loaded, 0);
+  EXPECT_EQ(fetched_.num_loaded, 0);
 }
 
 TEST_F(FetchTilesTest, ToldToStopItTakesTheNearestTileWithAFirstPartOfItsIndex) {
@@ -152,10 +152,10 @@ TEST_F(FetchTilesTest, ToldToStopItTakesTheNearestTileWithAFirstPartOfItsIndex) 
   const auto cut = Fetch(&region, {}, stop);
   ASSERT_THAT(Ids(cut), ElementsAre(TileInRow(0)));
   EXPECT_FALSE(cut[0].tile->index().is_complete());
-  EXPECT_TRUE(counters_.tiles_cut_short);
-  EXPECT_EQ(counters_.num_tiles_found, 3);
-  EXPECT_EQ(counters_.num_tiles_searched, 1);
-  EXPECT_FALSE(counters_.tile_limit_hit);
+  EXPECT_FALSE(fetched_.is_complete);
+  EXPECT_EQ(fetched_.num_found, 3);
+  EXPECT_EQ(std::ssize(fetched_.views), 1);
+  EXPECT_FALSE(fetched_.limit_hit);
 
   const auto whole = Fetch(&region);
   ASSERT_EQ(whole.size(), 3u);
@@ -163,32 +163,31 @@ TEST_F(FetchTilesTest, ToldToStopItTakesTheNearestTileWithAFirstPartOfItsIndex) 
   for (const TileView& view : whole) {
     EXPECT_TRUE(view.tile->index().is_complete());
   }
-  EXPECT_FALSE(counters_.tiles_cut_short);
-  EXPECT_EQ(counters_.num_tiles_loaded, 2);
+  EXPECT_TRUE(fetched_.is_complete);
+  EXPECT_EQ(fetched_.num_loaded, 2);
 
   // What is in the cache costs no time.
   EXPECT_EQ(Fetch(&region, {}, stop).size(), 3u);
-  EXPECT_FALSE(counters_.tiles_cut_short);
+  EXPECT_TRUE(fetched_.is_complete);
 }
 
 TEST_F(FetchTilesTest, AQueryIsServedWhileAnotherBuildsTheIndex) {
   std::latch is_building(1), may_go_on(1);
   std::vector<TileView> paused;
   std::jthread builder([&] {
-    SearchRegion region = Disc(0.0, 50.0);
-    StageCounters counters;
     // Pauses when the first part stands.
     const auto pause = [&] {
       is_building.count_down();
       may_go_on.wait();
       return true;
     };
-    paused = FetchTiles(store_.Snapshot(), &cache_, {}, IndexOptions(), &region, &counters, pause);
+    paused =
+        FetchTiles(SnapshotTiles(store_.Snapshot()), Disc(0.0, 50.0), {}, &cache_, pause).views;
   });
   is_building.wait();
   SearchRegion region = Disc(0.0, 50.0);
   const auto hasty = Fetch(&region, {}, [] { return true; });
-  EXPECT_TRUE(counters_.tiles_cut_short);
+  EXPECT_FALSE(fetched_.is_complete);
   ASSERT_EQ(hasty.size(), 1u);
   std::vector<DescriptorHit> some, all;
   const DescriptorMatrix queries = DescriptorCodec(store_.Snapshot().CurrentCodebook())
@@ -196,8 +195,8 @@ TEST_F(FetchTilesTest, AQueryIsServedWhileAnotherBuildsTheIndex) {
   hasty[0].tile->index().RangeSearch(queries, 10.0, &some);
   EXPECT_GE(some.size(), 100u);
   const auto patient = Fetch(&region);
-  EXPECT_FALSE(counters_.tiles_cut_short);
-  EXPECT_EQ(counters_.num_tiles_loaded, 0);
+  EXPECT_TRUE(fetched_.is_complete);
+  EXPECT_EQ(fetched_.num_loaded, 0);
   EXPECT_TRUE(patient[0].tile->index().is_complete());
   patient[0].tile->index().RangeSearch(queries, 10.0, &all);
   EXPECT_GT(all.size(), some.size());
@@ -214,9 +213,11 @@ class TileFinisherTest : public FetchTilesTest {
   }
 
   TilesOptions options_;
-  IndexOptions index_options_;
+  const TileFinisher::ReadLatestTiles read_latest_ = [this](const auto& read) {
+    read(SnapshotTiles(store_.Snapshot()));
+  };
   SharedWorkers workers_{2};
-  TileFinisher finisher_{&store_, &cache_, &options_, &index_options_, &workers_};
+  TileFinisher finisher_{read_latest_, &cache_, &options_, &workers_};
 };
 
 TEST_F(TileFinisherTest, LoadsTilesThatWereLeftOutAndCompletesIndices) {
@@ -225,8 +226,8 @@ TEST_F(TileFinisherTest, LoadsTilesThatWereLeftOutAndCompletesIndices) {
   ASSERT_THAT(Ids(few), ElementsAre(TileInRow(0)));
   ASSERT_FALSE(few[0].tile->index().is_complete());
   finisher_.Add(region);
-  while (FetchLittle(region).size() < 3 || counters_.tiles_cut_short) {
-    EXPECT_EQ(counters_.num_tiles_loaded, 0);
+  while (FetchLittle(region).size() < 3 || !fetched_.is_complete) {
+    EXPECT_EQ(fetched_.num_loaded, 0);
     std::this_thread::yield();
   }
   EXPECT_TRUE(few[0].tile->index().is_complete());
@@ -237,13 +238,13 @@ TEST_F(TileFinisherTest, GoesOnAfterARegionThatCannotBeLoaded) {
   DamageTile(1);
   finisher_.Add(damaged);
   finisher_.Add(sound);
-  while (FetchLittle(sound).empty() || counters_.tiles_cut_short) {
+  while (FetchLittle(sound).empty() || !fetched_.is_complete) {
     std::this_thread::yield();
   }
 }
 
 TEST_F(TileFinisherTest, EndsWithoutWorkAndWithWorkLeft) {
-  const TileFinisher idle(&store_, &cache_, &options_, &index_options_, &workers_);
+  const TileFinisher idle(read_latest_, &cache_, &options_, &workers_);
   for (size_t i = 0; i < 2 * TileFinisher::kMaxWaiting; ++i) {
     finisher_.Add(Disc(0.0, 50.0));
   }

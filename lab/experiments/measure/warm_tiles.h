@@ -3,7 +3,6 @@
 #define CAIRN_LAB_EXPERIMENTS_MEASURE_WARM_TILES_H_
 
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "engine/localizer_options.h"
@@ -27,7 +26,6 @@ class WarmTiles {
  private:
   const ExperimentWorld& world_;
   int num_threads_;
-  std::string key_;  // Key of the index of last_.
   std::shared_ptr<TileCache> last_;
 };
 
