@@ -7,6 +7,7 @@
 
 #include "core/angles.h"
 #include "core/error.h"
+#include "core/keypoint_shape.h"
 
 namespace cairn {
 
@@ -18,20 +19,24 @@ void ValidateFeatures(const FeatureSet& features, const char* what) {
   for (int i = 0; i < features.size(); ++i) {
     const Keypoint& keypoint = features.keypoints[i];
     const bool finite = std::isfinite(keypoint.x_px) && std::isfinite(keypoint.y_px) &&
-                        std::isfinite(keypoint.scale_px) && std::isfinite(keypoint.orientation_rad);
+                        std::isfinite(keypoint.scale_px) && !std::isinf(keypoint.orientation_rad);
     if (!finite || !features.descriptors.row(i).allFinite()) {
       throw Error(ErrorCode::kBadInput,
                   fmt::format("{}: feature {} holds a number that is not finite", what, i));
     }
-    if (keypoint.scale_px <= 0.0f) {
-      throw Error(ErrorCode::kBadInput, fmt::format("{}: keypoint {} has scale {}; it must be > 0",
-                                                    what, i, keypoint.scale_px));
+    if (keypoint.scale_px < 0.0f) {
+      throw Error(ErrorCode::kBadInput,
+                  fmt::format("{}: keypoint {} has scale {}; it must be > 0, or 0 if it is unknown",
+                              what, i, keypoint.scale_px));
     }
   }
 }
 
 std::optional<double> GravityRectifiedOrientationRad(const Camera& camera, const Keypoint& keypoint,
                                                      const Eigen::Vector3d& down_in_cam) {
+  if (!HasOrientation(keypoint)) {
+    return std::nullopt;
+  }
   const auto ray_in_cam = camera.Unproject({keypoint.x_px, keypoint.y_px});
   if (!ray_in_cam) {
     return std::nullopt;

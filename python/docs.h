@@ -30,7 +30,8 @@ inline constexpr char kFeatures[] = R"(Features(keypoints, descriptors, type='si
 The features of one picture. They are copied once, here; queries use them without a copy.
 
 keypoints: float32 or float64, (N, 2) for x, y in pixels, or (N, 4) with the scale in pixels and
-    the orientation in radians. (0.5, 0.5) is the middle of the first pixel.
+    the orientation in radians; 0 and NaN say that they are unknown, as they are without these
+    columns. (0.5, 0.5) is the middle of the first pixel.
 descriptors: float32 or uint8, (N, D).
 type: the extractor, which must be that of the map ('sift': SIFT as COLMAP writes it, values up to
     255), or Map.codec for descriptors that were projected for that map.

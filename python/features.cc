@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/keypoint_shape.h"
 #include "python/arguments.h"
 #include "python/arrays.h"
 #include "python/camera.h"
@@ -23,8 +24,7 @@ std::vector<Keypoint> KeypointsOf(const py::array& array) {
   std::vector<Keypoint> keypoints(static_cast<size_t>(array.shape(0)));
   const T* row = static_cast<const T*>(array.data());
   for (Keypoint& keypoint : keypoints) {
-    keypoint.x_px = static_cast<float>(row[0]);
-    keypoint.y_px = static_cast<float>(row[1]);
+    keypoint = KeypointWithoutShape(static_cast<float>(row[0]), static_cast<float>(row[1]));
     if (num_columns == 4) {
       keypoint.scale_px = static_cast<float>(row[2]);
       keypoint.orientation_rad = static_cast<float>(row[3]);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/angles.h"
+#include "core/keypoint_shape.h"
 
 namespace cairn {
 namespace {
@@ -104,10 +105,13 @@ class PairGeometry {
         std::max(depth_a, depth_b) > kMaxDepthM) {
       return false;
     }
-    const double size_a =
-        a_.features->keypoints[ray_a.idx].scale_px * depth_a / a_.camera->focal_px();
-    const double size_b =
-        b_.features->keypoints[ray_b.idx].scale_px * depth_b / b_.camera->focal_px();
+    const Keypoint& keypoint_a = a_.features->keypoints[ray_a.idx];
+    const Keypoint& keypoint_b = b_.features->keypoints[ray_b.idx];
+    if (!HasScale(keypoint_a) || !HasScale(keypoint_b)) {
+      return true;
+    }
+    const double size_a = keypoint_a.scale_px * depth_a / a_.camera->focal_px();
+    const double size_b = keypoint_b.scale_px * depth_b / b_.camera->focal_px();
     return size_a <= kMaxSizeRatio * size_b && size_b <= kMaxSizeRatio * size_a;
   }
 

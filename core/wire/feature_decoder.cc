@@ -20,13 +20,18 @@ namespace {
       .Hint("the format is docs/formats/features_v1.md");
 }
 
-Keypoint Expand(const CompactKeypoint& compact, double width_px, double height_px) {
-  return {
-      .x_px = static_cast<float>(compact.x * width_px / kPositionSteps),
-      .y_px = static_cast<float>(compact.y * height_px / kPositionSteps),
-      .scale_px = static_cast<float>(kMinScalePx * std::exp2(compact.scale / kScaleStepsPerOctave)),
-      .orientation_rad =
-          static_cast<float>(WrapAngleRad(compact.orientation * kOrientationStepRad))};
+Keypoint Expand(const CompactKeypoint& compact, const GeometryLayout& layout, double width_px,
+                double height_px) {
+  return {.x_px = static_cast<float>(compact.x * width_px / kPositionSteps),
+          .y_px = static_cast<float>(compact.y * height_px / kPositionSteps),
+          .scale_px = layout.has_scale
+                          ? static_cast<float>(kMinScalePx *
+                                               std::exp2(compact.scale / kScaleStepsPerOctave))
+                          : kUnknownScalePx,
+          .orientation_rad =
+              layout.has_orientation
+                  ? static_cast<float>(WrapAngleRad(compact.orientation * kOrientationStepRad))
+                  : kUnknownOrientationRad};
 }
 
 // Bounds-checked views of the parts of a blob.
@@ -45,7 +50,7 @@ void CheckEncodings(const Header& header) {
   if (header.descriptor_encoding > 3) {
     RefuseBlob(fmt::format("unknown descriptor encoding {}", header.descriptor_encoding));
   }
-  if (header.geometry_encoding > 1) {
+  if (header.geometry_encoding > GeometryLayout::kLast) {
     RefuseBlob(fmt::format("unknown geometry encoding {}", header.geometry_encoding));
   }
 }
@@ -98,7 +103,7 @@ Layout ReadLayout(std::span<const uint8_t> blob, int max_features) {
   const size_t count = header.count;
   const size_t table_bytes = TableBytes(descriptor_encoding, header.dim);
   const size_t geometry_bytes =
-      count * GeometryBytes(static_cast<GeometryEncoding>(header.geometry_encoding));
+      count * GeometryLayout::FromCode(header.geometry_encoding).NumBytes();
   const size_t descriptor_bytes = count * header.dim * BytesPerDimension(descriptor_encoding);
   const size_t expected =
       kHeaderBytes + header.codec_length + table_bytes + geometry_bytes + descriptor_bytes;
@@ -121,23 +126,52 @@ Layout ReadLayout(std::span<const uint8_t> blob, int max_features) {
   return layout;
 }
 
+// Copies the bytes of a value and moves on to the next.
+template <typename T>
+T Take(const uint8_t** bytes) {
+  T value;
+  std::memcpy(&value, *bytes, sizeof(T));
+  *bytes += sizeof(T);
+  return value;
+}
+
+Keypoint TakeCompact(const GeometryLayout& layout, const Header& header, const uint8_t** bytes) {
+  CompactKeypoint compact{};
+  compact.x = Take<uint16_t>(bytes);
+  compact.y = Take<uint16_t>(bytes);
+  if (layout.has_orientation) {
+    compact.orientation = Take<uint8_t>(bytes);
+  }
+  if (layout.has_scale) {
+    compact.scale = Take<uint8_t>(bytes);
+  }
+  return Expand(compact, layout, header.width_px, header.height_px);
+}
+
+// A scale that is there must be positive, and an orientation a number.
+bool IsWhole(const Keypoint& keypoint, const GeometryLayout& layout) {
+  return (!layout.has_scale || HasScale(keypoint)) &&
+         (!layout.has_orientation || HasOrientation(keypoint));
+}
+
 std::vector<Keypoint> ReadKeypoints(const Layout& layout) {
   const Header& header = layout.header;
+  const GeometryLayout geometry = GeometryLayout::FromCode(header.geometry_encoding);
   std::vector<Keypoint> keypoints(header.count);
-  if (header.geometry_encoding == static_cast<uint8_t>(GeometryEncoding::kCompact)) {
-    for (uint32_t i = 0; i < header.count; ++i) {
-      CompactKeypoint compact;
-      std::memcpy(&compact, layout.geometry + i * sizeof(compact), sizeof(compact));
-      keypoints[i] = Expand(compact, header.width_px, header.height_px);
-    }
-    return keypoints;
-  }
+  const uint8_t* bytes = layout.geometry;
   for (uint32_t i = 0; i < header.count; ++i) {
-    float values[4];
-    std::memcpy(values, layout.geometry + i * sizeof(values), sizeof(values));
-    keypoints[i] = {values[0], values[1], values[2], values[3]};
-    if (!IsUsable(keypoints[i], static_cast<float>(header.width_px),
-                  static_cast<float>(header.height_px))) {
+    Keypoint& keypoint = keypoints[i];
+    if (geometry.encoding == GeometryEncoding::kCompact) {
+      keypoint = TakeCompact(geometry, header, &bytes);
+      continue;
+    }
+    keypoint.x_px = Take<float>(&bytes);
+    keypoint.y_px = Take<float>(&bytes);
+    keypoint.scale_px = geometry.has_scale ? Take<float>(&bytes) : kUnknownScalePx;
+    keypoint.orientation_rad =
+        geometry.has_orientation ? Take<float>(&bytes) : kUnknownOrientationRad;
+    if (!IsWhole(keypoint, geometry) || !IsUsable(keypoint, static_cast<float>(header.width_px),
+                                                  static_cast<float>(header.height_px))) {
       RefuseBlob(
           fmt::format("keypoint {} lies outside the image, is not finite, "
                       "or its scale is not positive",

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <span>
 #include <utility>
@@ -18,10 +17,11 @@ using namespace feature_layout;
 namespace {
 
 CompactKeypoint Compact(const Keypoint& keypoint, double width_px, double height_px) {
+  const double orientation_rad = HasOrientation(keypoint) ? keypoint.orientation_rad : 0.0;
   const auto position = [](double value, double size) {
     return static_cast<uint16_t>(std::lround(std::clamp(value / size, 0.0, 1.0) * kPositionSteps));
   };
-  const double turns = keypoint.orientation_rad / kOrientationStepRad;
+  const double turns = orientation_rad / kOrientationStepRad;
   const double octaves = std::log2(std::max<double>(keypoint.scale_px, kMinScalePx) / kMinScalePx);
   return {
       .x = position(keypoint.x_px, width_px),
@@ -119,9 +119,45 @@ void CheckEncodable(const WireFeatures& wire) {
     if (!IsUsable(wire.features.keypoints[i], wire.width_px, wire.height_px)) {
       throw Error(ErrorCode::kBadInput,
                   fmt::format("keypoint {} lies outside the image of {} x {} pixels or its "
-                              "scale is not positive",
+                              "scale is out of range",
                               i, wire.width_px, wire.height_px));
     }
+  }
+}
+
+// A blob has the scales of all keypoints or of none, and so with orientations.
+bool AllOrNone(const std::vector<Keypoint>& keypoints, bool (*has)(const Keypoint&),
+               const char* what) {
+  const auto count = std::count_if(keypoints.begin(), keypoints.end(), has);
+  if (count != 0 && count != std::ssize(keypoints)) {
+    throw Error(ErrorCode::kBadInput, fmt::format("{} of {} keypoints have {}; a request has "
+                                                  "those of all keypoints or of none",
+                                                  count, keypoints.size(), what));
+  }
+  return count > 0 || keypoints.empty();
+}
+
+void AppendKeypoint(const Keypoint& keypoint, const GeometryLayout& layout,
+                    const WireFeatures& wire, Writer* writer) {
+  if (layout.encoding == GeometryEncoding::kCompact) {
+    const CompactKeypoint compact = Compact(keypoint, wire.width_px, wire.height_px);
+    writer->Append(compact.x);
+    writer->Append(compact.y);
+    if (layout.has_orientation) {
+      writer->Append(compact.orientation);
+    }
+    if (layout.has_scale) {
+      writer->Append(compact.scale);
+    }
+    return;
+  }
+  writer->Append(keypoint.x_px);
+  writer->Append(keypoint.y_px);
+  if (layout.has_scale) {
+    writer->Append(keypoint.scale_px);
+  }
+  if (layout.has_orientation) {
+    writer->Append(keypoint.orientation_rad);
   }
 }
 
@@ -138,11 +174,14 @@ std::vector<uint8_t> EncodeFeatures(const WireFeatures& wire, const FeatureEncod
   CheckEncodable(wire);
   const FeatureSet& features = wire.features;
   const size_t dim = features.descriptors.cols();
+  const GeometryLayout geometry = {encoding.geometry,
+                                   AllOrNone(features.keypoints, HasScale, "scales"),
+                                   AllOrNone(features.keypoints, HasOrientation, "orientations")};
   Header header{.magic = {kMagic[0], kMagic[1], kMagic[2], kMagic[3]},
                 .version = kVersion,
                 .space = features.space == DescriptorSpace::kProjected,
                 .descriptor_encoding = static_cast<uint8_t>(encoding.descriptors),
-                .geometry_encoding = static_cast<uint8_t>(encoding.geometry),
+                .geometry_encoding = geometry.Code(),
                 .codec_length = static_cast<uint8_t>(wire.codec.size()),
                 .dim = static_cast<uint16_t>(dim),
                 .count = static_cast<uint32_t>(features.size()),
@@ -150,20 +189,15 @@ std::vector<uint8_t> EncodeFeatures(const WireFeatures& wire, const FeatureEncod
                 .height_px = static_cast<uint32_t>(wire.height_px)};
   const size_t table_bytes = TableBytes(encoding.descriptors, dim);
   Writer writer(kHeaderBytes + wire.codec.size() + table_bytes +
-                features.size() * (GeometryBytes(encoding.geometry) +
-                                   dim * BytesPerDimension(encoding.descriptors)));
+                features.size() *
+                    (geometry.NumBytes() + dim * BytesPerDimension(encoding.descriptors)));
   writer.Append(header);
   writer.Append(wire.codec.data(), wire.codec.size());
   if (table_bytes > 0) {
     writer.Append(MakeTable(features.descriptors).data(), table_bytes);
   }
   for (const Keypoint& keypoint : features.keypoints) {
-    if (encoding.geometry == GeometryEncoding::kCompact) {
-      writer.Append(Compact(keypoint, wire.width_px, wire.height_px));
-    } else {
-      writer.Append(
-          std::array{keypoint.x_px, keypoint.y_px, keypoint.scale_px, keypoint.orientation_rad});
-    }
+    AppendKeypoint(keypoint, geometry, wire, &writer);
   }
   AppendDescriptors(features.descriptors, encoding.descriptors, &writer);
   return writer.Take();

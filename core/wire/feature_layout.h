@@ -10,6 +10,7 @@
 #include "core/angles.h"
 #include "core/camera.h"
 #include "core/features.h"
+#include "core/keypoint_shape.h"
 #include "core/wire/feature_codec.h"
 
 namespace cairn::feature_layout {
@@ -55,9 +56,30 @@ struct ScaledDimension {
   float step;
 };
 
-inline size_t GeometryBytes(GeometryEncoding encoding) {
-  return encoding == GeometryEncoding::kCompact ? sizeof(CompactKeypoint) : sizeof(Keypoint);
-}
+// The byte `geometry encoding` of a header: a GeometryEncoding, and what the records leave out.
+struct GeometryLayout {
+  static constexpr uint8_t kWithoutScale = 2;
+  static constexpr uint8_t kWithoutOrientation = 4;
+  static constexpr uint8_t kLast = 7;
+
+  GeometryEncoding encoding = GeometryEncoding::kFloat32;
+  bool has_scale = true;
+  bool has_orientation = true;
+
+  static GeometryLayout FromCode(uint8_t code) {
+    return {static_cast<GeometryEncoding>(code & 1), (code & kWithoutScale) == 0,
+            (code & kWithoutOrientation) == 0};
+  }
+  uint8_t Code() const {
+    return static_cast<uint8_t>(static_cast<uint8_t>(encoding) | (has_scale ? 0 : kWithoutScale) |
+                                (has_orientation ? 0 : kWithoutOrientation));
+  }
+  size_t NumBytes() const {
+    const size_t num_optional = (has_scale ? 1 : 0) + (has_orientation ? 1 : 0);
+    return encoding == GeometryEncoding::kCompact ? 2 * sizeof(uint16_t) + num_optional
+                                                  : (2 + num_optional) * sizeof(float);
+  }
+};
 
 inline size_t BytesPerDimension(DescriptorEncoding encoding) {
   switch (encoding) {
@@ -74,14 +96,15 @@ inline size_t TableBytes(DescriptorEncoding encoding, size_t dim) {
   return encoding == DescriptorEncoding::kUint8Scaled ? dim * sizeof(ScaledDimension) : 0;
 }
 
-// True if the keypoint lies in the image or near its border and has a positive scale.
+// True if the keypoint lies in the image or near its border, and its scale and orientation are
+// unknown or in range.
 inline bool IsUsable(const Keypoint& keypoint, float width_px, float height_px) {
   const auto inside = [](float value, float size) {
     return value >= -kOutsideTolerancePx && value <= size + kOutsideTolerancePx;
   };
   return inside(keypoint.x_px, width_px) && inside(keypoint.y_px, height_px) &&
-         keypoint.scale_px > 0.0f && keypoint.scale_px <= Camera::kMaxSidePx &&
-         std::isfinite(keypoint.orientation_rad);
+         keypoint.scale_px >= 0.0f && keypoint.scale_px <= Camera::kMaxSidePx &&
+         !std::isinf(keypoint.orientation_rad);
 }
 
 }  // namespace cairn::feature_layout

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include "core/angles.h"
 #include "core/features.h"
 #include "core/frames.h"
+#include "core/keypoint_shape.h"
 #include "engine/pose/effective_inliers.h"
 #include "engine/pose/evidence_model.h"
 #include "engine/pose/landmark_density.h"
@@ -124,8 +126,9 @@ double LogTraitRatio(const InlierTraits& traits) {
       traits.orientation_rad < 0.0
           ? 0.0
           : model.orientation_offset + model.orientation.LogRatio(traits.orientation_rad);
-  return model.offset - model.distance_weight * traits.sq_distance +
-         model.size.LogRatio(traits.log_size) + of_orientation +
+  const double of_size =
+      std::isnan(traits.log_size) ? -model.size_offset : model.size.LogRatio(traits.log_size);
+  return model.offset - model.distance_weight * traits.sq_distance + of_size + of_orientation +
          model.azimuth.LogRatio(traits.azimuth_rad);
 }
 
@@ -149,9 +152,9 @@ std::optional<InlierTraits> TraitsOf(const QueryContext& query, const Correspond
     traits.sq_distance = match.descriptor_sq_distance /
                          (query.same_landmark_distance * query.same_landmark_distance);
   }
-  if (match.size_m > 0.0f) {
-    traits.log_size = std::log(keypoint.scale_px / (px_per_m * match.size_m));
-  }
+  traits.log_size = match.size_m > 0.0f && HasScale(keypoint)
+                        ? std::log(keypoint.scale_px / (px_per_m * match.size_m))
+                        : std::numeric_limits<double>::quiet_NaN();
   traits.orientation_rad = -1.0;
   if (match.orientation_rad) {
     const auto angle_rad =

@@ -33,6 +33,10 @@ struct EvidenceModel {
   double distance_weight = 2.8;
   // Deviation: logarithm of the keypoint's scale over the scale predicted by the landmark's size.
   TraitModel size = {4.4, 0.49};
+  // Part of `offset`, left out if one of the sizes is unknown. exp(size_offset) times the size's
+  // likelihood ratio is 1 on average over pairs of keypoints that have nothing to do with each
+  // other: 1.08 to 1.19 for SIFT of four sets of photos.
+  double size_offset = 1.1;
   // Deviation: difference of the gravity-rectified orientations, radians, with the gravity of the
   // pose.
   TraitModel orientation = {1.35, 0.162};

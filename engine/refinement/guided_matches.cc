@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/angles.h"
+#include "core/keypoint_shape.h"
 #include "engine/refinement/near_keyframes.h"
 #include "storage/codebook/distance_statistics.h"
 #include "storage/tile/tile.h"
@@ -21,6 +22,13 @@ constexpr double kMaxDistanceQuantile = 0.95;
 // A keypoint's scale is within this factor of the predicted one, as
 // VotingOptions assumes.
 constexpr double kMaxSizeFactor = 2.5;
+
+// `predicted_px` is 0 if the landmark has no size.
+bool HasAboutSize(const Keypoint& keypoint, double predicted_px) {
+  return !HasScale(keypoint) || predicted_px == 0.0 ||
+         (keypoint.scale_px <= kMaxSizeFactor * predicted_px &&
+          predicted_px <= kMaxSizeFactor * keypoint.scale_px);
+}
 
 // Finds the keypoints of one camera near a pixel.
 class KeypointGrid {
@@ -208,8 +216,7 @@ class GuidedSearch {
       const double predicted_px = predicted->px_per_m * SizeFromCode(landmarks.size_codes[i]);
       const uint8_t* code = tile.codes().data() + size_t{i} * tile.codebook().num_subspaces;
       for (const int keypoint_idx : near_) {
-        const double scale_px = query_.keypoints[keypoint_idx].scale_px;
-        if (scale_px > kMaxSizeFactor * predicted_px || predicted_px > kMaxSizeFactor * scale_px) {
+        if (!HasAboutSize(query_.keypoints[keypoint_idx], predicted_px)) {
           continue;
         }
         const float sq_distance =

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/keypoint_shape.h"
+
 namespace cairn {
 namespace {
 
@@ -56,9 +58,9 @@ std::vector<VoteRay> MakeVoteRays(const QueryContext& query,
     ray.view_azimuth = {std::cos(match.azimuth_rad), std::sin(match.azimuth_rad)};
     ray.min_distance_m = kMinDistanceM;
     ray.max_distance_m = options.max_distance_m;
-    const float scale_px = query.keypoints[match.keypoint_idx].scale_px;
-    if (options.max_distance_factor > 0.0 && match.size_m > 0.0f && scale_px > 0.0f) {
-      ClipToSize(match.size_m * query.CameraOf(match.keypoint_idx).focal_px() / scale_px,
+    const Keypoint& keypoint = query.keypoints[match.keypoint_idx];
+    if (options.max_distance_factor > 0.0 && match.size_m > 0.0f && HasScale(keypoint)) {
+      ClipToSize(match.size_m * query.CameraOf(match.keypoint_idx).focal_px() / keypoint.scale_px,
                  options.max_distance_factor, &ray);
     }
     ClipToHeights(query.region, &ray);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/keypoint_shape.h"
 #include "core/logging.h"
 #include "core/printable.h"
 #include "ingest/colmap/colmap_columns.h"
@@ -22,7 +23,6 @@ namespace {
 constexpr int kBusyTimeoutMs = 2000;
 constexpr float kDescriptorUnit = 512.0f;
 // Keypoints without a scale in the database count as small.
-constexpr float kDefaultScalePx = 1.0f;
 constexpr float kMinScalePx = 0.01f;
 constexpr int64_t kMaxKeypoints = 2'000'000;
 constexpr int kMaxBlobBytes = 2'000'000 * kColmapDim;
@@ -82,11 +82,14 @@ void CheckSize(const MatrixBlob& matrix, int64_t element_bytes, const char* tabl
 
 // `row` has `cols` floats: x, y; or x, y, scale, orientation; or x, y, a11, a12, a21, a22.
 Keypoint ToKeypoint(const float* row, int64_t cols) {
-  Keypoint keypoint{row[0], row[1], kDefaultScalePx, 0.0f};
+  if (cols == 2) {
+    return KeypointWithoutShape(row[0], row[1]);
+  }
+  Keypoint keypoint{row[0], row[1], 0.0f, 0.0f};
   if (cols == 4) {
     keypoint.scale_px = row[2];
     keypoint.orientation_rad = row[3];
-  } else if (cols == 6) {
+  } else {
     keypoint.scale_px = 0.5f * (std::hypot(row[2], row[4]) + std::hypot(row[3], row[5]));
     keypoint.orientation_rad = std::atan2(row[4], row[2]);
   }

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/keypoint_shape.h"
 #include "ingest/colmap/colmap_ids.h"
 #include "ingest/colmap/write_colmap.h"
 #include "storage/database/sqlite/connection.h"
@@ -69,13 +70,16 @@ std::span<const uint8_t> BytesOf(const std::vector<Value>& values) {
 }
 
 std::vector<float> KeypointRow(const Keypoint& keypoint, int num_columns) {
-  const float c = keypoint.scale_px * std::cos(keypoint.orientation_rad);
-  const float s = keypoint.scale_px * std::sin(keypoint.orientation_rad);
+  // Of a keypoint without shape, COLMAP assumes this scale and orientation, too.
+  const float scale_px = HasScale(keypoint) ? keypoint.scale_px : 1.0f;
+  const float orientation_rad = HasOrientation(keypoint) ? keypoint.orientation_rad : 0.0f;
+  const float c = scale_px * std::cos(orientation_rad);
+  const float s = scale_px * std::sin(orientation_rad);
   if (num_columns == 6) {
     return {keypoint.x_px, keypoint.y_px, c, -s, s, c};
   }
   if (num_columns == 4) {
-    return {keypoint.x_px, keypoint.y_px, keypoint.scale_px, keypoint.orientation_rad};
+    return {keypoint.x_px, keypoint.y_px, scale_px, orientation_rad};
   }
   return {keypoint.x_px, keypoint.y_px};
 }

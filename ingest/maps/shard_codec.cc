@@ -95,11 +95,13 @@ std::vector<PlacedObservation> GetObservations(size_t count, size_t num_landmark
 std::vector<Keypoint> GetKeypoints(size_t count, ByteReader* reader) {
   RequireInput(count <= reader->remaining() / (4 * sizeof(float)), "ends before its keypoints");
   const std::vector<float> values = reader->GetVector<float>(4 * count);
-  RequireInput(std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); }),
-               "a keypoint is not finite");
   std::vector<Keypoint> keypoints;
   for (size_t i = 0; i < values.size(); i += 4) {
-    keypoints.push_back({values[i], values[i + 1], values[i + 2], values[i + 3]});
+    const Keypoint keypoint = {values[i], values[i + 1], values[i + 2], values[i + 3]};
+    RequireInput(std::isfinite(keypoint.x_px) && std::isfinite(keypoint.y_px) &&
+                     std::isfinite(keypoint.scale_px) && !std::isinf(keypoint.orientation_rad),
+                 "a keypoint is not finite");
+    keypoints.push_back(keypoint);
   }
   return keypoints;
 }

@@ -6,6 +6,7 @@
 
 #include "core/frames.h"
 #include "core/geodesy.h"
+#include "core/keypoint_shape.h"
 #include "core/rigid3.h"
 
 namespace cairn {
@@ -26,8 +27,8 @@ uint32_t NearestDescriptor(const Tile& tile, uint32_t landmark_idx, double azimu
   return nearest;
 }
 
-// The direction of a keypoint in the image whose gravity-rectified orientation a tile has; 0 where
-// the tile has none.
+// The direction of a keypoint in the image whose gravity-rectified orientation a tile has; unknown
+// where the tile has none.
 double ImageOrientationRad(const Camera& camera, const Eigen::Vector2d& pixel, uint8_t code,
                            const Eigen::Vector3d& down_in_cam) {
   const Keypoint along_x = {static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), 1.0f,
@@ -35,7 +36,7 @@ double ImageOrientationRad(const Camera& camera, const Eigen::Vector2d& pixel, u
   const std::optional<double> rectified_rad =
       GravityRectifiedOrientationRad(camera, along_x, down_in_cam);
   return code == kNoOrientation || !rectified_rad
-             ? 0.0
+             ? kUnknownOrientationRad
              : WrapAngleRad(OrientationFromCode(code) - *rectified_rad);
 }
 

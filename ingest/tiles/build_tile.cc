@@ -8,6 +8,7 @@
 #include "core/check.h"
 #include "core/frames.h"
 #include "core/geodesy.h"
+#include "core/keypoint_shape.h"
 #include "ingest/tiles/tile_edit.h"
 
 namespace cairn {
@@ -42,6 +43,7 @@ struct ModeMeans {
   CircularMean orientation;
   CircularMean azimuth;
   double sum_log_size = 0.0;
+  int num_sizes = 0;  // Members that have a size.
   int num_members = 0;
 };
 
@@ -151,8 +153,11 @@ class TileBuilder {
       mode->orientation.Add(*orientation_rad);
     }
     mode->azimuth.Add(std::atan2(to_camera.y(), to_camera.x()));
-    const double size_m = keypoint.scale_px / camera.focal_px() * to_camera.norm();
-    mode->sum_log_size += std::log(std::max(size_m, 1e-6));
+    if (HasScale(keypoint)) {
+      const double size_m = keypoint.scale_px / camera.focal_px() * to_camera.norm();
+      mode->sum_log_size += std::log(std::max(size_m, 1e-6));
+      ++mode->num_sizes;
+    }
     ++mode->num_members;
   }
 
@@ -160,7 +165,8 @@ class TileBuilder {
     const auto orientation_rad = mode.orientation.AngleRad();
     tile_.orientation_codes.push_back(orientation_rad ? OrientationCode(*orientation_rad)
                                                       : kNoOrientation);
-    tile_.size_codes.push_back(SizeCode(std::exp(mode.sum_log_size / mode.num_members)));
+    tile_.size_codes.push_back(
+        SizeCode(mode.num_sizes > 0 ? std::exp(mode.sum_log_size / mode.num_sizes) : 0.0));
     tile_.azimuth_codes.push_back(AzimuthCode(mode.azimuth.AngleRad().value_or(0.0)));
     tile_.weight_codes.push_back(WeightCode(mode.num_members));
   }

@@ -14,6 +14,7 @@
 #include "core/check.h"
 #include "core/frames.h"
 #include "core/geodesy.h"
+#include "core/keypoint_shape.h"
 #include "core/require.h"
 #include "storage/codebook/distance_statistics.h"
 
@@ -152,7 +153,7 @@ class LinkProposer {
   // Direction, physical size and orientation of a look, as tiles have them.
   struct Attributes {
     double azimuth_rad = 0.0;
-    double log2_size = 0.0;
+    std::optional<double> log2_size;
     std::optional<double> orientation_rad;
   };
 
@@ -162,9 +163,15 @@ class LinkProposer {
     const Keypoint& keypoint = image.features.keypoints[look.keypoint_idx];
     const Rigid3d cam_from_tile = session_.cam_from_ecef[look.image_idx] * ecef_from_tile_;
     const Eigen::Vector3d to_camera = cam_from_tile.Inverse().translation - x_in_tile;
-    const double size_m = keypoint.scale_px / camera.focal_px() * to_camera.norm();
-    return {std::atan2(to_camera.y(), to_camera.x()), std::log2(std::max(size_m, 1e-6)),
-            GravityRectifiedOrientationRad(camera, keypoint, down_in_cam_.at(look.image_idx))};
+    Attributes attributes;
+    attributes.azimuth_rad = std::atan2(to_camera.y(), to_camera.x());
+    if (HasScale(keypoint)) {
+      const double size_m = keypoint.scale_px / camera.focal_px() * to_camera.norm();
+      attributes.log2_size = std::log2(std::max(size_m, 1e-6));
+    }
+    attributes.orientation_rad =
+        GravityRectifiedOrientationRad(camera, keypoint, down_in_cam_.at(look.image_idx));
+    return attributes;
   }
 
   bool IsComparable(const Attributes& look, uint32_t descriptor_idx) const {
@@ -172,8 +179,9 @@ class LinkProposer {
         options_.max_azimuth_rad) {
       return false;
     }
-    const double log2_size = std::log2(SizeFromCode(known_.size_codes[descriptor_idx]));
-    if (std::abs(look.log2_size - log2_size) > options_.max_log2_size) {
+    const double known_size_m = SizeFromCode(known_.size_codes[descriptor_idx]);
+    if (look.log2_size && known_size_m > 0.0 &&
+        std::abs(*look.log2_size - std::log2(known_size_m)) > options_.max_log2_size) {
       return false;
     }
     const uint8_t orientation_code = known_.orientation_codes[descriptor_idx];

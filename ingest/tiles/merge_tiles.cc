@@ -22,7 +22,7 @@ struct Look {
   std::vector<uint8_t> code;
   double weight = 0.0;
   std::optional<double> orientation_rad;
-  double log_size = 0.0;
+  std::optional<double> log_size;
   double azimuth_rad = 0.0;
 };
 
@@ -38,7 +38,10 @@ Look MeanLook(const Look& a, const Look& b) {
   const double a_share = a.weight / mean.weight, b_share = b.weight / mean.weight;
   mean.descriptor =
       static_cast<float>(a_share) * a.descriptor + static_cast<float>(b_share) * b.descriptor;
-  mean.log_size = a_share * a.log_size + b_share * b.log_size;
+  mean.log_size = a.log_size ? a.log_size : b.log_size;
+  if (a.log_size && b.log_size) {
+    mean.log_size = a_share * *a.log_size + b_share * *b.log_size;
+  }
   mean.azimuth_rad = MeanAngleRad(a.azimuth_rad, a_share, b.azimuth_rad, b_share);
   mean.orientation_rad = a.orientation_rad ? a.orientation_rad : b.orientation_rad;
   if (a.orientation_rad && b.orientation_rad) {
@@ -136,7 +139,9 @@ class TileMerger {
       if (tile.orientation_codes[d] != kNoOrientation) {
         look.orientation_rad = OrientationFromCode(tile.orientation_codes[d]);
       }
-      look.log_size = std::log(SizeFromCode(tile.size_codes[d]));
+      if (const double size_m = SizeFromCode(tile.size_codes[d]); size_m > 0.0) {
+        look.log_size = std::log(size_m);
+      }
       look.azimuth_rad = AzimuthFromCode(tile.azimuth_codes[d]);
       looks->push_back(std::move(look));
     }
@@ -185,7 +190,7 @@ class TileMerger {
     merged_.codes.insert(merged_.codes.end(), code.begin(), code.end());
     merged_.orientation_codes.push_back(
         look.orientation_rad ? OrientationCode(*look.orientation_rad) : kNoOrientation);
-    merged_.size_codes.push_back(SizeCode(std::exp(look.log_size)));
+    merged_.size_codes.push_back(SizeCode(look.log_size ? std::exp(*look.log_size) : 0.0));
     merged_.azimuth_codes.push_back(AzimuthCode(look.azimuth_rad));
     merged_.weight_codes.push_back(WeightCode(look.weight));
   }

@@ -112,7 +112,7 @@ class UnseenLandmarks {
  private:
   struct Look {
     Eigen::Vector2d to_camera;  // Horizontal direction, unit.
-    double size_m = 0.0;
+    double size_m = 0.0;        // 0: unknown.
   };
   struct Unseen {
     uint32_t landmark = 0;
@@ -135,12 +135,14 @@ class UnseenLandmarks {
   bool IsLookable(const Unseen& unseen, const Eigen::Vector3d& to_camera, double focal_px) const {
     const double px_per_m = focal_px / to_camera.norm();
     const double least_cos = cos_angle_ * to_camera.head<2>().norm();
-    return std::any_of(looks_.begin() + unseen.first_look, looks_.begin() + unseen.end_look,
-                       [&](const Look& look) {
-                         const double size_px = look.size_m * px_per_m;
-                         return size_px >= kMinKeypointPx && size_px <= kMaxKeypointPx &&
-                                look.to_camera.dot(to_camera.head<2>()) >= least_cos;
-                       });
+    return std::any_of(
+        looks_.begin() + unseen.first_look, looks_.begin() + unseen.end_look,
+        [&](const Look& look) {
+          const double size_px = look.size_m * px_per_m;
+          const bool has_size_seen =
+              look.size_m == 0.0 || (size_px >= kMinKeypointPx && size_px <= kMaxKeypointPx);
+          return has_size_seen && look.to_camera.dot(to_camera.head<2>()) >= least_cos;
+        });
   }
 
   double cos_angle_;

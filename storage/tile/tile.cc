@@ -171,8 +171,14 @@ uint8_t AzimuthCode(double azimuth_rad) { return RoundedAngle(azimuth_rad, kAzim
 
 double AzimuthFromCode(uint8_t code) { return AngleFromSteps(code); }
 
-uint8_t SizeCode(double size_m) { return LogCode(size_m, kSizeCodeStep); }
-double SizeFromCode(uint8_t code) { return FromLogCode(code); }
+// Writers use only the multiples of kSizeCodeStep for sizes.
+constexpr uint8_t kUnknownSizeCode = 255;
+static_assert(kUnknownSizeCode % kSizeCodeStep != 0);
+
+uint8_t SizeCode(double size_m) {
+  return size_m <= 0.0 ? kUnknownSizeCode : LogCode(size_m, kSizeCodeStep);
+}
+double SizeFromCode(uint8_t code) { return code == kUnknownSizeCode ? 0.0 : FromLogCode(code); }
 uint8_t SigmaCode(double sigma_m) { return LogCode(sigma_m, 1); }
 double SigmaFromCode(uint8_t code) { return FromLogCode(code); }
 

@@ -7,6 +7,7 @@
 
 #include "core/angles.h"
 #include "core/error.h"
+#include "core/keypoint_shape.h"
 #include "core/rigid3.h"
 
 namespace cairn {
@@ -28,9 +29,25 @@ TEST(Features, RefusesWhatIsNot) {
   FeatureSet not_finite = TwoFeatures();
   not_finite.descriptors(1, 5) = std::numeric_limits<float>::infinity();
   EXPECT_THROW(ValidateFeatures(not_finite, "q"), Error);
-  FeatureSet no_scale = TwoFeatures();
-  no_scale.keypoints[0].scale_px = 0.0f;
-  EXPECT_THROW(ValidateFeatures(no_scale, "q"), Error);
+  FeatureSet negative = TwoFeatures();
+  negative.keypoints[0].scale_px = -1.0f;
+  EXPECT_THROW(ValidateFeatures(negative, "q"), Error);
+  FeatureSet endless = TwoFeatures();
+  endless.keypoints[0].orientation_rad = std::numeric_limits<float>::infinity();
+  EXPECT_THROW(ValidateFeatures(endless, "q"), Error);
+}
+
+TEST(Features, MayHaveNeitherSizeNorOrientation) {
+  FeatureSet points = TwoFeatures();
+  points.keypoints[1] = KeypointWithoutShape(3.0f, 4.0f);
+  EXPECT_NO_THROW(ValidateFeatures(points, "q"));
+  EXPECT_TRUE(HasScale(points.keypoints[0]) && HasOrientation(points.keypoints[0]));
+  EXPECT_FALSE(HasScale(points.keypoints[1]) || HasOrientation(points.keypoints[1]));
+}
+
+TEST(GravityRectifiedOrientation, OfAKeypointWithoutOrientationIsUnknown) {
+  EXPECT_FALSE(GravityRectifiedOrientationRad(Camera(), KeypointWithoutShape(320.0f, 240.0f),
+                                              {0.0, 1.0, 0.0}));
 }
 
 TEST(GravityRectifiedOrientation, IsZeroForAKeypointThatPointsDown) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/keypoint_shape.h"
 #include "engine/pose/effective_inliers.h"
 #include "engine/pose/landmark_density.h"
 #include "support/pose_scene.h"
@@ -107,6 +108,26 @@ TEST(WeighEvidence, AMatchWithoutOrientationSaysLess) {
   const double with_orientation = LogTraitRatio(traits);
   traits.orientation_rad = -1.0;
   EXPECT_LT(LogTraitRatio(traits), with_orientation);
+}
+
+TEST(WeighEvidence, AMatchWithoutSizeSaysLessThanOneThatFits) {
+  InlierTraits traits;
+  const double fits = LogTraitRatio(traits);
+  traits.log_size = 2.0;
+  const double contradicts = LogTraitRatio(traits);
+  traits.log_size = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_LT(LogTraitRatio(traits), fits);
+  EXPECT_GT(LogTraitRatio(traits), contradicts);
+}
+
+TEST(WeighEvidence, KeypointsWithoutShapeStillSpeakForThePose) {
+  PoseScene scene = AllRight();
+  const double whole = Weigh(scene, FirstIndices(60)).log_ratio;
+  for (Keypoint& keypoint : scene.query.keypoints) {
+    keypoint = KeypointWithoutShape(keypoint.x_px, keypoint.y_px);
+  }
+  const double without = Weigh(scene, FirstIndices(60)).log_ratio;
+  EXPECT_GT(without, 0.3 * whole);
 }
 
 // An inlier whose descriptor, size and direction are all off does not pull a good pose down.

@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 
+#include "core/keypoint_shape.h"
 #include "core/wire/problem.h"
 
 namespace cairn {
@@ -115,6 +116,55 @@ TEST(FeatureCodec, CompactGeometryIsWithinItsStatedSteps) {
   }
 }
 
+// What a blob leaves out takes no bytes and is unknown to the reader.
+TEST(FeatureCodec, SizesAndOrientationsMayBeLeftOut) {
+  for (const GeometryEncoding geometry : {GeometryEncoding::kFloat32, GeometryEncoding::kCompact}) {
+    const size_t bytes_each = geometry == GeometryEncoding::kFloat32 ? 4 : 1;
+    const WireFeatures whole = RandomFeatures(50, 16, DescriptorSpace::kProjected, false);
+    const size_t whole_size =
+        EncodeFeatures(whole, {geometry, DescriptorEncoding::kFloat16}).size();
+    for (const bool has_scale : {false, true}) {
+      for (const bool has_orientation : {false, true}) {
+        WireFeatures wire = whole;
+        for (Keypoint& keypoint : wire.features.keypoints) {
+          keypoint.scale_px = has_scale ? keypoint.scale_px : kUnknownScalePx;
+          keypoint.orientation_rad =
+              has_orientation ? keypoint.orientation_rad : kUnknownOrientationRad;
+        }
+        const std::vector<uint8_t> blob =
+            EncodeFeatures(wire, {geometry, DescriptorEncoding::kFloat16});
+        EXPECT_EQ(blob.size(), whole_size - 50 * bytes_each * (!has_scale + !has_orientation));
+        const WireFeatures decoded = DecodeFeatures(blob, kMaxFeatures);
+        for (int i = 0; i < 50; ++i) {
+          const Keypoint& in = wire.features.keypoints[i];
+          const Keypoint& out = decoded.features.keypoints[i];
+          EXPECT_NEAR(out.x_px, in.x_px, 0.01);
+          EXPECT_NEAR(out.y_px, in.y_px, 0.01);
+          EXPECT_EQ(HasScale(out), has_scale);
+          EXPECT_EQ(HasOrientation(out), has_orientation);
+          EXPECT_NEAR(out.scale_px, in.scale_px, 0.02 * in.scale_px);
+          EXPECT_TRUE(!has_orientation ||
+                      std::abs(WrapAngleRad(out.orientation_rad - in.orientation_rad)) < 0.0124);
+        }
+      }
+    }
+  }
+}
+
+TEST(FeatureCodec, RefusesUnknownShapesThatTheHeaderDoesNotAnnounce) {
+  WireFeatures wire = RandomFeatures(3, 4, DescriptorSpace::kProjected, false);
+  const std::vector<uint8_t> good = EncodeFeatures(wire, LosslessEncoding(wire.features));
+  const size_t first = 24 + wire.codec.size();
+  for (const auto& [offset, value] :
+       {std::pair(first + 8, kUnknownScalePx), std::pair(first + 12, kUnknownOrientationRad)}) {
+    std::vector<uint8_t> bad = good;
+    std::memcpy(bad.data() + offset, &value, sizeof(value));
+    EXPECT_EQ(ProblemOf(bad), ProblemCode::kInvalidFeatures);
+  }
+  wire.features.keypoints[1].scale_px = kUnknownScalePx;  // The others have one.
+  EXPECT_THROW(EncodeFeatures(wire, LosslessEncoding(wire.features)), Error);
+}
+
 TEST(FeatureCodec, NoFeaturesRoundTrip) {
   WireFeatures wire = RandomFeatures(0, 128, DescriptorSpace::kRaw, true);
   wire.codec.clear();
@@ -155,7 +205,7 @@ TEST(FeatureCodec, RefusesBadHeaders) {
   const WireFeatures wire = RandomFeatures(2, 4, DescriptorSpace::kProjected, false);
   const std::vector<uint8_t> good =
       EncodeFeatures(wire, {GeometryEncoding::kFloat32, DescriptorEncoding::kFloat32});
-  const std::pair<size_t, uint8_t> changes[] = {{0, 'X'}, {4, 2},  {6, 2},  {7, 4},   {8, 2},
+  const std::pair<size_t, uint8_t> changes[] = {{0, 'X'}, {4, 2},  {6, 2},  {7, 4},   {8, 8},
                                                 {9, 65},  {10, 0}, {16, 0}, {24, ' '}};
   for (const auto& [offset, value] : changes) {
     std::vector<uint8_t> bad = good;

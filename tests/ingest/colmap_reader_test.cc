@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "core/keypoint_shape.h"
 #include "ingest/colmap/colmap_model.h"
 #include "ingest/colmap/write_colmap.h"
 #include "ingest/colmap_fixture.h"
@@ -114,7 +115,8 @@ TEST_F(ColmapReader, ReadsKeypointsOfFourAndTwoColumns) {
   std::filesystem::remove(dir_.File("database.db"));
   const Reconstruction two = ReadColmap(Write(written, true, {.keypoint_columns = 2}));
   EXPECT_FLOAT_EQ(two.images[0].features.keypoints[0].x_px, expected.x_px);
-  EXPECT_FLOAT_EQ(two.images[0].features.keypoints[0].scale_px, 1.0f);
+  EXPECT_FALSE(HasScale(two.images[0].features.keypoints[0]));
+  EXPECT_FALSE(HasOrientation(two.images[0].features.keypoints[0]));
 }
 
 TEST_F(ColmapReader, ImagesThatAreAViewWithoutEndAreRefused) {

