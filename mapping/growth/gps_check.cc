@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "core/geodesy.h"
@@ -19,6 +20,9 @@ namespace {
 // second number: of normal errors, 1 in 500 without the drift, 1 in 5,000 with it.
 constexpr double kMaxFitSigmas = 3.0;
 constexpr double kMaxSigmas = 3.5;
+// Two views that contradict are rare, and so are positions that err by this much (1 in 20): both at
+// once are a copy.
+constexpr double kMaxSigmasOfDoubted = 2.5;
 // The fit must know scale and turn of a draft as well as this (as georegistration asks).
 constexpr double kMaxTurnRad = 0.25;
 // What a draft that was never adjusted with positions bends: KITTI's second drive with a guessed
@@ -37,7 +41,16 @@ constexpr double kNoiseQuantileSigmas = 0.8446;  // Of a normal error in the pla
 // Positions that state no accuracy are believed to err this share of the default at least.
 constexpr double kLeastNoiseOfUnstated = 1.0 / 3.0;
 
+// Photos before and after a step whose mean errors are compared. More would average over the bends
+// of a draft, and fewer do not tell a step from noise.
+constexpr int kMaxStepPhotos = 6;
+constexpr int kMinStepPhotos = 3;
+// A step is no chance beyond this many of its standard deviations: each photo is asked, and the
+// errors of a receiver are not all independent.
+constexpr double kMaxStepSigmas = 4.5;
+
 struct Fix {
+  int photo = 0;
   Eigen::Vector3d in_world;
   Eigen::Vector3d in_enu;
   double sigma_m = 0.0;  // As stated, an axis.
@@ -115,7 +128,8 @@ std::vector<Fix> FixesOf(const PhotoSet& set, const Draft& draft, double default
   for (const int photo : draft.photos()) {
     const MappingPhoto& source = set.photos[photo];
     if (source.gps && source.gps_has_height) {
-      fixes.push_back({draft.PoseOf(photo).Inverse().translation, EcefFromGeodetic(*source.gps),
+      fixes.push_back({photo, draft.PoseOf(photo).Inverse().translation,
+                       EcefFromGeodetic(*source.gps),
                        source.gps_accuracy_m.value_or(default_accuracy_m) / kRadius68PerSigma2d,
                        source.gps_accuracy_m.has_value()});
     }
@@ -191,7 +205,62 @@ GpsCheck::GpsCheck(const PhotoSet& set, const Draft& draft, double default_accur
   if (IsFit(fit) && fit_sigma_m_ <= kMaxTurnRad * spread_m_) {
     enu_from_world_ = fit;
     line_in_enu_ = FitLine(kept, fit, &across_m_);
+    for (const Fix& fix : fixes) {
+      misses_.push_back({fix.photo, (fit * fix.in_world - fix.in_enu).head<2>(),
+                         fix.sigma_m * NoiseOf(fix, 1.0, noise_of_unstated_)});
+    }
+    std::sort(misses_.begin(), misses_.end(),
+              [](const Miss& p, const Miss& q) { return p.photo < q.photo; });
   }
+}
+
+double GpsCheck::NoiseOfRow() const {
+  std::vector<double> changes;
+  for (size_t i = 1; i < misses_.size(); ++i) {
+    changes.push_back((misses_[i].error_m - misses_[i - 1].error_m).norm());
+  }
+  // The median of a difference in the plane, and what chance adds to that of a few: one standard
+  // deviation of the median.
+  constexpr double kMedianSigmas = 1.1774 * std::numbers::sqrt2;
+  const double chance = 1.0 + 1.2 / std::sqrt(static_cast<double>(changes.size()));
+  return Median(std::move(changes)) / (kMedianSigmas * chance);
+}
+
+std::vector<int> GpsCheck::BeyondStep() const {
+  const int count = static_cast<int>(misses_.size());
+  if (count < 2 * kMinStepPhotos) {
+    return {};
+  }
+  const double noise_m = NoiseOfRow();
+  int worst = -1;
+  double most = 1.0;
+  for (int i = kMinStepPhotos; i + kMinStepPhotos <= count; ++i) {
+    const int num_before = std::min(i, kMaxStepPhotos);
+    const int num_after = std::min(count - i, kMaxStepPhotos);
+    Eigen::Vector2d step_m = Eigen::Vector2d::Zero();
+    double sq_sigma_m = 0.0;
+    const auto add = [&](int first, int number, double sign) {
+      for (int k = first; k < first + number; ++k) {
+        step_m += sign / number * misses_[k].error_m;
+        sq_sigma_m += std::pow(std::max(noise_m, misses_[k].sigma_m) / number, 2);
+      }
+    };
+    add(i - num_before, num_before, -1.0);
+    add(i, num_after, 1.0);
+    const double share = step_m.norm() / (kMaxStepSigmas * std::sqrt(sq_sigma_m) + kDriftM);
+    if (share > most) {
+      most = share;
+      worst = i;
+    }
+  }
+  std::vector<int> photos;
+  if (worst >= 0) {
+    const bool is_before = 2 * worst < count;
+    for (int i = is_before ? 0 : worst; i < (is_before ? worst : count); ++i) {
+      photos.push_back(misses_[i].photo);
+    }
+  }
+  return photos;
 }
 
 double GpsCheck::SigmaOf(const MappingPhoto& photo) const {
@@ -205,7 +274,7 @@ double GpsCheck::TurnErrorM(const Eigen::Vector3d& x_in_enu) const {
   return line_in_enu_.distance(x_in_enu) * std::min(kHalfTurn, turn);
 }
 
-bool GpsCheck::Contradicts(int photo, const Rigid3d& cam_from_world) const {
+bool GpsCheck::Contradicts(int photo, const Rigid3d& cam_from_world, bool is_doubted) const {
   const MappingPhoto& source = set_.photos[photo];
   if (!enu_from_world_ || !source.gps || !source.gps_has_height) {
     return false;
@@ -215,7 +284,8 @@ bool GpsCheck::Contradicts(int photo, const Rigid3d& cam_from_world) const {
   // The error of a fitted line: that of its middle, and that of its turn and scale.
   const double distance_m = (found.head<2>() - middle_in_enu_).norm();
   const double fit_sigma_m = fit_sigma_m_ * std::hypot(1.0, distance_m / spread_m_);
-  const double limit_m = kMaxSigmas * std::hypot(SigmaOf(source), fit_sigma_m) + kDriftM +
+  const double max_sigmas = is_doubted ? kMaxSigmasOfDoubted : kMaxSigmas;
+  const double limit_m = max_sigmas * std::hypot(SigmaOf(source), fit_sigma_m) + kDriftM +
                          kDriftShare * distance_m + TurnErrorM(found);
   return (found - stated).head<2>().norm() > limit_m;
 }

@@ -28,11 +28,27 @@ class GpsCheck {
   // than 3.5 standard deviations of the position and of the fit there, plus the drift that a
   // draft may have. Positions along a line do not tell the fit's turn about it, so a pose beside
   // the line may be off by 3.5 standard deviations of that turn more.
-  bool Contradicts(int photo, const Rigid3d& cam_from_world) const;
+  // `is_doubted`: two views of the photo contradict the pose, too; then 2.5 instead of 3.5.
+  bool Contradicts(int photo, const Rigid3d& cam_from_world, bool is_doubted = false) const;
+
+  // The photos, in the order of the set, on the smaller side of the largest step in the errors of
+  // the positions, if that step is more than chance and drift make: ascending, or none. One photo
+  // after the other, walks have errors that are random or change slowly, and a copy of a facade
+  // moves all photos from one on by the same vector, which may be too short for Contradicts().
+  std::vector<int> BeyondStep() const;
 
   static constexpr int kMinPositions = 4;
 
  private:
+  // How far the fit has a photo from its position.
+  struct Miss {
+    int photo = 0;
+    Eigen::Vector2d error_m;
+    double sigma_m = 0.0;  // Of the position, an axis.
+  };
+
+  // The noise an axis that photos in a row show, whatever steps there are between some of them.
+  double NoiseOfRow() const;
   double SigmaOf(const MappingPhoto& photo) const;
   // How far the fit may err at a point because it may turn about the line of its photos.
   double TurnErrorM(const Eigen::Vector3d& x_in_enu) const;
@@ -51,6 +67,7 @@ class GpsCheck {
   Eigen::ParametrizedLine<double, 3> line_in_enu_{Eigen::Vector3d::Zero(),
                                                   Eigen::Vector3d::UnitX()};
   double across_m_ = 0.0;
+  std::vector<Miss> misses_;  // Of the draft's photos that have a position, by photo.
 };
 
 }  // namespace cairn

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "mapping/growth/draft.h"
@@ -137,6 +138,35 @@ TEST(GpsCheck, FindsThePositionThatIsFarOff) {
   const GpsCheck gps(set, draft, 15.0, 1);
   for (int i = 0; i < 30; ++i) {
     EXPECT_EQ(gps.Contradicts(i, draft.PoseOf(i)), i == 11) << i;
+  }
+}
+
+// A copy that is 17 m off: too little for many a photo with 5 m of accuracy, too much for a row.
+TEST(GpsCheck, FindsTheStepOfARowOfPhotos) {
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    const PhotoSet set = Walk(30, seed);
+    const TrackTable tracks(set, {});
+    Draft draft(set, tracks, {set.cameras[0].camera}, 1);
+    for (int i = 0; i < 30; ++i) {
+      draft.Add(i, PoseAt(kStepM * i - (i >= 20 ? 17.0 : 0.0)));
+    }
+    const std::vector<int> beyond = GpsCheck(set, draft, 15.0, 1).BeyondStep();
+    ASSERT_FALSE(beyond.empty()) << seed;
+    EXPECT_NEAR(beyond.front(), 20, 2) << seed;
+    EXPECT_EQ(beyond.back(), 29) << seed;
+  }
+}
+
+// Noise, a bias that changes slowly, and the bend of a draft are no steps.
+TEST(GpsCheck, FindsNoStepInAWalkThatBends) {
+  for (uint64_t seed = 1; seed <= 50; ++seed) {
+    const PhotoSet set = Walk(40, seed);
+    const TrackTable tracks(set, {});
+    Draft draft(set, tracks, {set.cameras[0].camera}, 1);
+    for (int i = 0; i < 40; ++i) {
+      draft.Add(i, PoseAt(kStepM * i, 4.0 * std::sin(0.1 * i)));
+    }
+    EXPECT_TRUE(GpsCheck(set, draft, 15.0, 1).BeyondStep().empty()) << seed;
   }
 }
 
