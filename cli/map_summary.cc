@@ -25,6 +25,7 @@ const char* SourceName(FocalSource source) {
     case FocalSource::kExif:
       return "EXIF";
     case FocalSource::kGuess:
+    case FocalSource::kPhotos:
       break;
   }
   return "guess";

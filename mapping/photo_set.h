@@ -24,6 +24,7 @@ enum class FocalSource {
   kCalibration,  // The user gave the intrinsics; they stay.
   kExif,         // Correct within about 5 %.
   kGuess,        // Nobody knows.
+  kPhotos,       // Nobody knew; the two views of the set told it (CalibrateGuesses).
 };
 
 // The camera of one or more photos.

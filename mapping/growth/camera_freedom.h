@@ -12,8 +12,10 @@ namespace cairn {
 inline constexpr int kMinPhotosToCalibrate = 10;
 
 // The freedom of a camera that `num_photos` photos of the adjusted model have. Given intrinsics
-// stay. A guessed focal length is always adjusted; that of EXIF, and the distortion, only if
-// `is_final` and kMinPhotosToCalibrate photos have the camera.
+// stay. That of EXIF is adjusted only if `is_final` and kMinPhotosToCalibrate photos have the
+// camera, then with the distortion. A focal length that is a guess, or told by the photos, is
+// always adjusted, and if `is_final` with the distortion: photos that nobody knows anything about
+// were taken by many cameras, and what bends one picture would bend the scene.
 inline CameraFreedom FreedomOf(const MappingCamera& camera, int num_photos, bool is_final) {
   if (camera.source == FocalSource::kCalibration || num_photos == 0) {
     return CameraFreedom::kFixed;
@@ -21,7 +23,10 @@ inline CameraFreedom FreedomOf(const MappingCamera& camera, int num_photos, bool
   if (is_final && num_photos >= kMinPhotosToCalibrate) {
     return CameraFreedom::kFocalAndDistortion;
   }
-  return camera.source == FocalSource::kGuess ? CameraFreedom::kFocal : CameraFreedom::kFixed;
+  if (camera.source == FocalSource::kExif) {
+    return CameraFreedom::kFixed;
+  }
+  return is_final ? CameraFreedom::kFocalAndDistortion : CameraFreedom::kFocal;
 }
 
 // True if the growth of a segment put the camera back to the focal length of its EXIF and held it,

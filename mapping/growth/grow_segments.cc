@@ -7,10 +7,9 @@
 
 #include "core/focal_length.h"
 #include "core/parallel_for.h"
-#include "core/random.h"
 #include "mapping/growth/draft.h"
 #include "mapping/growth/gps_check.h"
-#include "mapping/growth/localize_photo.h"
+#include "mapping/growth/propose_photo.h"
 #include "mapping/growth/view_graph.h"
 
 namespace cairn {
@@ -20,17 +19,6 @@ namespace {
 constexpr int kMaxSeedsOfPhoto = 10;
 // A photo that was refused is tried again once it sees this many times the landmarks.
 constexpr double kRetryGrowth = 1.2;
-// Focal lengths, relative to the guess, that a photo of a new camera is tried with.
-constexpr double kNewCameraFactors[] = {1.0, 0.8, 1.25, 0.64, 1.5625};
-
-// The pose that a photo would have in a draft, or the reason why it has none.
-struct Proposal {
-  int photo = 0;
-  int num_sights = 0;
-  PhotoVerdict verdict = PhotoVerdict::kTooFewInliers;
-  std::optional<LocalizedPhoto> pose;
-};
-
 // The landmarks that photos saw when they were refused.
 struct Refusals {
   explicit Refusals(size_t num_photos)
@@ -54,6 +42,7 @@ class Grower {
         progress_(progress),
         tracks_(set, views),
         graph_(set, views, options),
+        proposer_(set, graph_, options),
         verdicts_(set.photos.size(), PhotoVerdict::kNoTwoView),
         num_seeds_tried_(set.photos.size(), 0) {
     for (size_t i = 0; i < verdicts_.size(); ++i) {
@@ -91,11 +80,6 @@ class Grower {
 
  private:
   bool IsFree(int photo) const { return verdicts_[photo] != PhotoVerdict::kInSegment; }
-
-  uint64_t SeedOf(int photo, int num_photos) const {
-    return HashWord(options_.seed ^ HashWord(static_cast<uint64_t>(photo) << 32 |
-                                             static_cast<uint64_t>(num_photos)));
-  }
 
   // What a segment found out about its cameras helps the next.
   void KeepCameras(const Draft& draft, const std::vector<Camera>& cameras) {
@@ -137,7 +121,7 @@ class Grower {
     draft.Add(base.b, base.b_from_a);
     const std::vector<int> pair = {base.a, base.b};
     draft.Triangulate(pair);
-    Proposal third = Localize(draft, seed.third);
+    Proposal third = proposer_.Localize(draft, seed.third);
     if (!third.pose) {
       return std::nullopt;
     }
@@ -162,64 +146,9 @@ class Grower {
     const std::vector<int> counts = draft.CountObservations();
     return std::all_of(draft.photos().begin(), draft.photos().end(), [&](int photo) {
       return counts[photo] >= options_.min_inliers &&
-             AskAbout(draft, photo, draft.PoseOf(photo)).num_witnesses >= 2;
+             proposer_.AskAbout(draft, photo, {draft.PoseOf(photo), draft.CameraOf(photo)})
+                     .num_witnesses >= 2;
     });
-  }
-
-  Testimony AskAbout(const Draft& draft, int photo, const Rigid3d& cam_from_world) const {
-    return graph_.Ask(photo, cam_from_world, [&](int other) {
-      return other != photo && draft.Has(other) ? &draft.PoseOf(other) : nullptr;
-    });
-  }
-
-  // Localizes a photo, without the rules of acceptance.
-  Proposal Localize(const Draft& draft, int photo) const {
-    Proposal proposal;
-    proposal.photo = photo;
-    const std::vector<LandmarkSight> sights = draft.SightsOf(photo);
-    proposal.num_sights = static_cast<int>(sights.size());
-    const int camera_idx = set_.photos[photo].camera_idx;
-    const Camera& camera = draft.CameraOf(photo);
-    std::vector<Camera> cameras = {camera};
-    if (set_.cameras[camera_idx].source == FocalSource::kGuess && draft.IsNewCamera(camera_idx)) {
-      cameras.clear();
-      for (const double factor : kNewCameraFactors) {
-        cameras.push_back(WithFocalScaled(camera, factor));
-      }
-    }
-    proposal.pose =
-        LocalizePhoto(cameras, sights, options_.min_inliers, SeedOf(photo, draft.num_photos()));
-    return proposal;
-  }
-
-  // Localizes a photo and applies the rules of acceptance.
-  Proposal Propose(const Draft& draft, const GpsCheck& gps, int photo) const {
-    Proposal proposal = Localize(draft, photo);
-    if (!proposal.pose) {
-      return proposal;
-    }
-    const Testimony testimony = AskAbout(draft, photo, proposal.pose->cam_from_world);
-    if (proposal.pose->num_inliers < options_.min_link_share * StrongestLinkOutside(draft, photo)) {
-      proposal.verdict = PhotoVerdict::kWeakSupport;
-    } else if (testimony.num_witnesses < options_.min_witnesses ||
-               testimony.agreeing_inliers <= testimony.contradicting_inliers) {
-      proposal.verdict = PhotoVerdict::kContradicted;
-    } else if (gps.Contradicts(photo, proposal.pose->cam_from_world)) {
-      proposal.verdict = PhotoVerdict::kGpsContradicts;
-    } else {
-      proposal.verdict = PhotoVerdict::kInSegment;
-    }
-    return proposal;
-  }
-
-  int StrongestLinkOutside(const Draft& draft, int photo) const {
-    size_t strongest = 0;
-    for (const int view : graph_.ViewsOf(photo)) {
-      if (!draft.Has(graph_.OtherOf(view, photo))) {
-        strongest = std::max(strongest, graph_.View(view).inliers.size());
-      }
-    }
-    return static_cast<int>(strongest);
   }
 
   // Photos next to a draft that see enough landmarks and more than when they were refused.
@@ -242,12 +171,13 @@ class Grower {
   }
 
   // One round: localizes all candidates at once and adds those that are accepted. Returns them.
-  std::vector<int> GrowOnce(Draft* draft, Refusals* refusals) {
+  std::vector<int> GrowOnce(Draft* draft, Refusals* refusals, bool is_last_resort) {
     const std::vector<int> candidates = Candidates(*draft, *refusals);
     const GpsCheck gps = MakeGpsCheck(*draft);
     std::vector<Proposal> proposals(candidates.size());
-    ParallelFor(static_cast<int>(candidates.size()), options_.num_threads,
-                [&](int i) { proposals[i] = Propose(*draft, gps, candidates[i]); });
+    ParallelFor(static_cast<int>(candidates.size()), options_.num_threads, [&](int i) {
+      proposals[i] = proposer_.Propose(*draft, gps, candidates[i], is_last_resort);
+    });
     std::vector<int> added;
     for (const Proposal& proposal : proposals) {
       verdicts_[proposal.photo] = proposal.verdict;
@@ -311,23 +241,31 @@ class Grower {
     const GpsCheck gps = MakeGpsCheck(*draft);
     std::vector<int> contradicted;
     for (const int photo : draft->photos()) {
-      if (gps.Contradicts(photo, draft->PoseOf(photo))) {
+      const Rigid3d& cam_from_world = draft->PoseOf(photo);
+      const Testimony testimony =
+          proposer_.AskAbout(*draft, photo, {cam_from_world, draft->CameraOf(photo)});
+      if (proposer_.IsElsewhere(gps, testimony, photo, cam_from_world)) {
         contradicted.push_back(photo);
-        verdicts_[photo] = PhotoVerdict::kGpsContradicts;
       }
+    }
+    if (contradicted.empty()) {
+      contradicted = gps.BeyondStep();
+    }
+    for (const int photo : contradicted) {
+      verdicts_[photo] = PhotoVerdict::kGpsContradicts;
     }
     Remove(contradicted, draft, refusals);
     return !contradicted.empty();
   }
 
   // Adjusts the whole draft. If the solver fails, the photos of `since` leave it.
-  void AdjustAll(const std::vector<int>& since, Draft* draft, Refusals* refusals) {
-    if (!draft->AdjustAll()) {
+  void AdjustAll(const std::vector<int>& since, bool is_final, Draft* draft, Refusals* refusals) {
+    if (!draft->AdjustAll(is_final)) {
       Remove(since, draft, refusals);
     }
     RemoveWeak(draft, refusals);
     while (RemoveContradicted(draft, refusals)) {
-      draft->AdjustAll();
+      draft->AdjustAll(is_final);
       RemoveWeak(draft, refusals);
     }
   }
@@ -338,7 +276,7 @@ class Grower {
     std::vector<int> since_adjustment;  // Photos that joined.
     bool is_final = false;
     while (true) {
-      const std::vector<int> added = GrowOnce(draft, &refusals);
+      const std::vector<int> added = GrowOnce(draft, &refusals, is_final);
       since_adjustment.insert(since_adjustment.end(), added.begin(), added.end());
       if (progress_) {
         progress_(num_in_segments_ + draft->num_photos(), static_cast<int>(set_.photos.size()));
@@ -346,12 +284,13 @@ class Grower {
       const bool is_due =
           draft->num_photos() > (1.0 + options_.adjust_after_growth) * num_at_adjustment;
       if (!added.empty() && !is_due) {
+        is_final = false;
         continue;
       }
       if (added.empty() && is_final) {
         break;
       }
-      AdjustAll(since_adjustment, draft, &refusals);
+      AdjustAll(since_adjustment, /*is_final=*/added.empty(), draft, &refusals);
       since_adjustment.clear();
       std::fill(refusals.since_adjustment.begin(), refusals.since_adjustment.end(), 0);
       num_at_adjustment = draft->num_photos();
@@ -373,6 +312,7 @@ class Grower {
   const GrowthProgress& progress_;
   TrackTable tracks_;
   ViewGraph graph_;
+  Proposer proposer_;
   std::vector<PhotoVerdict> verdicts_;
   std::vector<Camera> cameras_;
   size_t next_seed_ = 0;

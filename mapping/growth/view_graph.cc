@@ -2,6 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+
+#include "mapping/growth/localize_photo.h"
+#include "mapping/matching/pair_rays.h"
+#include "mapping/matching/relative_pose.h"
 
 namespace cairn {
 namespace {
@@ -11,6 +16,12 @@ constexpr double kMaxDirectionSigmaRad = 0.1;
 // Views under a guessed focal length may differ by this factor more. If the guess is off by a
 // sixth, a turn of 20 degrees is off by 3 degrees.
 constexpr double kGuessTolerance = 2.5;
+// The same for a focal length that the photos told, whose error is less than half of that.
+constexpr double kPhotosTolerance = 1.5;
+
+// Of the inliers of a right view, whose errors were found under other focal lengths, some leave; a
+// wrong pose keeps those whose epipolar lines happen to point the right way.
+constexpr double kMinShareThatFits = 0.7;
 
 double AngleBetween(const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
   return std::atan2(p.cross(q).norm(), p.dot(q));
@@ -49,6 +60,23 @@ struct Spoke {
   int view;
 };
 
+bool IsUncertain(const PhotoSet& set, int photo) {
+  const FocalSource source = set.cameras[set.photos[photo].camera_idx].source;
+  return source == FocalSource::kGuess || source == FocalSource::kPhotos;
+}
+
+// True if most inliers of a view fit the poses as well as those of a draft do (kMaxDraftSigmas).
+bool MostInliersFit(const PhotoSet& set, const TwoView& view, const Posed& a, const Posed& b) {
+  constexpr double kSlack = kMaxDraftSigmas / kMaxEpipolarSigmas;
+  Rigid3d b_from_a = b.cam_from_world * a.cam_from_world.Inverse();
+  b_from_a.translation.normalize();
+  const PairRays rays = MakePairRays({set.photos[view.a], a.camera, kSlack},
+                                     {set.photos[view.b], b.camera, kSlack}, view.inliers);
+  const auto num_fit = RelativePoseProblem(rays.rays, 0).InliersOf(b_from_a).size();
+  return static_cast<double>(num_fit) >
+         kMinShareThatFits * static_cast<double>(view.inliers.size());
+}
+
 }  // namespace
 
 ViewErrors CompareWithView(const TwoView& view, const Rigid3d& a_from_world,
@@ -77,10 +105,13 @@ int ViewGraph::Find(int photo, int other) const {
 }
 
 ViewTolerances ViewGraph::TolerancesOf(const TwoView& view) const {
-  const auto is_guess = [&](int photo) {
-    return set_.cameras[set_.photos[photo].camera_idx].source == FocalSource::kGuess;
+  const auto factor_of = [&](int photo) {
+    const FocalSource source = set_.cameras[set_.photos[photo].camera_idx].source;
+    return source == FocalSource::kGuess    ? kGuessTolerance
+           : source == FocalSource::kPhotos ? kPhotosTolerance
+                                            : 1.0;
   };
-  const double factor = is_guess(view.a) || is_guess(view.b) ? kGuessTolerance : 1.0;
+  const double factor = std::max(factor_of(view.a), factor_of(view.b));
   return {factor * std::max(options_.max_rotation_error_rad, 3.0 * view.rotation_sigma_rad),
           factor * std::max(options_.max_direction_error_rad, 3.0 * view.direction_sigma_rad)};
 }
@@ -89,21 +120,24 @@ bool ViewGraph::CanTestify(const TwoView& view) const {
   return view.kind == TwoViewKind::kGeneral && view.direction_sigma_rad <= kMaxDirectionSigmaRad;
 }
 
-Testimony ViewGraph::Ask(int photo, const Rigid3d& photo_from_world,
-                         const std::function<const Rigid3d*(int photo)>& pose_of) const {
+bool ViewGraph::IsGuessed(const TwoView& view) const {
+  return IsUncertain(set_, view.a) || IsUncertain(set_, view.b);
+}
+
+Testimony ViewGraph::Ask(int photo, const Posed& posed,
+                         const std::function<std::optional<Posed>(int photo)>& posed_of) const {
   Testimony testimony;
   for (const int i : views_of_photo_[photo]) {
     const TwoView& view = views_[i];
-    const Rigid3d* other_from_world = pose_of(OtherOf(i, photo));
-    if (other_from_world == nullptr || !CanTestify(view)) {
+    if (!CanTestify(view)) {
+      continue;
+    }
+    const std::optional<Posed> other = posed_of(OtherOf(i, photo));
+    if (!other) {
       continue;
     }
     const bool is_first = view.a == photo;
-    const ViewErrors errors = CompareWithView(view, is_first ? photo_from_world : *other_from_world,
-                                              is_first ? *other_from_world : photo_from_world);
-    const ViewTolerances tolerances = TolerancesOf(view);
-    if (errors.rotation_rad <= tolerances.rotation_rad &&
-        errors.direction_rad <= tolerances.direction_rad) {
+    if (Agrees(view, is_first ? posed : *other, is_first ? *other : posed)) {
       ++testimony.num_witnesses;
       testimony.agreeing_inliers += static_cast<int>(view.inliers.size());
     } else {
@@ -111,6 +145,16 @@ Testimony ViewGraph::Ask(int photo, const Rigid3d& photo_from_world,
     }
   }
   return testimony;
+}
+
+bool ViewGraph::Agrees(const TwoView& view, const Posed& a, const Posed& b) const {
+  if (IsGuessed(view)) {
+    return MostInliersFit(set_, view, a, b);
+  }
+  const ViewErrors errors = CompareWithView(view, a.cam_from_world, b.cam_from_world);
+  const ViewTolerances tolerances = TolerancesOf(view);
+  return errors.rotation_rad <= tolerances.rotation_rad &&
+         errors.direction_rad <= tolerances.direction_rad;
 }
 
 std::vector<Seed> FindSeeds(const ViewGraph& graph, int num_photos) {

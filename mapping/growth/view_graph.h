@@ -3,9 +3,11 @@
 #define CAIRN_MAPPING_GROWTH_VIEW_GRAPH_H_
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "core/camera.h"
 #include "core/rigid3.h"
 #include "mapping/growth/grow_segments.h"
 #include "mapping/matching/two_view.h"
@@ -35,6 +37,12 @@ struct Testimony {
   int contradicting_inliers = 0;
 };
 
+// A photo's pose and camera, which must outlive it.
+struct Posed {
+  const Rigid3d& cam_from_world;
+  const Camera& camera;
+};
+
 // Keeps references to its arguments. Immutable.
 class ViewGraph {
  public:
@@ -53,12 +61,19 @@ class ViewGraph {
   ViewTolerances TolerancesOf(const TwoView& view) const;
   // True if the view knows its direction well enough to tell a wrong pose.
   bool CanTestify(const TwoView& view) const;
+  // True if a focal length of the view is or was a guess.
+  bool IsGuessed(const TwoView& view) const;
 
-  // Asks the views of `photo` with photos that have a pose (not null).
-  Testimony Ask(int photo, const Rigid3d& photo_from_world,
-                const std::function<const Rigid3d*(int photo)>& pose_of) const;
+  // Asks the views of `photo` with photos that have a pose. A view agrees if rotation and direction
+  // do, within its tolerances. Where a focal length was a guess, both were found under a camera
+  // that has changed since; then a view agrees if most of its inliers fit the poses under these
+  // cameras.
+  Testimony Ask(int photo, const Posed& posed,
+                const std::function<std::optional<Posed>(int photo)>& posed_of) const;
 
  private:
+  bool Agrees(const TwoView& view, const Posed& a, const Posed& b) const;
+
   const PhotoSet& set_;
   std::span<const TwoView> views_;
   const GrowthOptions& options_;

@@ -128,6 +128,7 @@ std::optional<RefinedRelativePose> RefineRelativePose(std::span<const RayMatch> 
       break;
     }
   }
+  refined.cost = equations.cost;
   Eigen::Matrix<double, 5, 5> floored = equations.normal;
   floored.diagonal().array() +=
       1e-2;  // A direction that nothing determines is uncertain by 10 rad.

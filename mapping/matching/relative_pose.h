@@ -46,6 +46,7 @@ struct RefinedRelativePose {
   // the translation.
   double rotation_sigma_rad = 0.0;
   double direction_sigma_rad = 0.0;
+  double cost = 0.0;  // Half the sum of the robust squared errors.
 };
 
 // Minimizes the robust Sampson errors (Cauchy, at two standard deviations) of the matches `inliers`

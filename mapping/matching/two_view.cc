@@ -9,9 +9,9 @@
 #include "core/parallel_for.h"
 #include "core/random.h"
 #include "core/require.h"
-#include "core/scene/triangulate.h"
 #include "core/statistics.h"
 #include "engine/pose/ransac.h"
+#include "mapping/matching/pair_rays.h"
 #include "mapping/matching/relative_pose.h"
 
 namespace cairn {
@@ -20,46 +20,12 @@ namespace {
 // A rotation that explains this share of the inliers leaves no translation to be found.
 constexpr double kMaxExplainedByRotation = 0.8;
 // A guessed focal length is tried multiplied by these. With 0.85 times the long side, they cover
-// lenses from 21 to 43 mm (as for 35 mm film), each within a sixth.
-constexpr double kGuessFactors[] = {1.0, 0.7, 1.4};
-// An error of the focal length of a sixth moves a ray, relative to its neighbors, by some pixels.
+// lenses from 15 to 97 mm (as for 35 mm film), each within a quarter: strangers zoom, and crop.
+constexpr double kGuessFactors[] = {1.0, 0.63, 1.6, 2.5};
+// An error of the focal length of a quarter moves a ray, relative to its neighbors, by some pixels.
 constexpr double kGuessSigmaFactor = 2.0;
-
-struct PairRays {
-  std::vector<RayMatch> rays;
-  std::vector<int> match_of_ray;
-};
-
-// One photo's way from keypoints to rays.
-struct RaySource {
-  const MappingPhoto& photo;
-  Camera camera;
-  double sigma_factor = 1.0;
-
-  std::optional<Eigen::Vector3d> RayOf(int keypoint_idx) const {
-    const Keypoint& keypoint = photo.keypoints[keypoint_idx];
-    return camera.Unproject({keypoint.x_px, keypoint.y_px});
-  }
-  double SigmaRad(int keypoint_idx) const {
-    return sigma_factor * KeypointSigmaPx(photo.keypoints[keypoint_idx].scale_px) /
-           camera.focal_px();
-  }
-};
-
-PairRays MakeRays(const RaySource& a, const RaySource& b,
-                  const std::vector<FeatureMatch>& matches) {
-  PairRays result;
-  for (size_t i = 0; i < matches.size(); ++i) {
-    const auto ray_a = a.RayOf(matches[i].a_idx);
-    const auto ray_b = b.RayOf(matches[i].b_idx);
-    if (ray_a && ray_b) {
-      result.rays.push_back(
-          {*ray_a, *ray_b, a.SigmaRad(matches[i].a_idx), b.SigmaRad(matches[i].b_idx)});
-      result.match_of_ray.push_back(static_cast<int>(i));
-    }
-  }
-  return result;
-}
+// What remains is the distortion, and half of that error.
+constexpr double kPhotosSigmaFactor = 1.5;
 
 double MedianParallaxRad(std::span<const RayMatch> rays, std::span<const int> inliers,
                          const Eigen::Quaterniond& b_from_a) {
@@ -77,15 +43,18 @@ struct PairPose {
   double score = 0.0;
 };
 
+// Nothing if no pose has more than `score_to_beat`.
 std::optional<PairPose> FindPairPose(std::span<const RayMatch> rays, const TwoViewOptions& options,
-                                     uint64_t seed) {
+                                     double score_to_beat, uint64_t seed) {
   if (static_cast<int>(rays.size()) < options.min_inliers) {
     return std::nullopt;
   }
   RelativePoseProblem problem(rays, seed);
-  const auto result =
-      LoRansac(&problem,
-               RansacOptions{.min_iterations = 30, .max_iterations = options.max_iterations}, seed);
+  const auto result = LoRansac(&problem,
+                               RansacOptions{.min_iterations = 30,
+                                             .max_iterations = options.max_iterations,
+                                             .min_score = score_to_beat},
+                               seed);
   if (!result.model) {
     return std::nullopt;
   }
@@ -157,7 +126,9 @@ std::optional<TwoView> FindTwoView(const PhotoSet& set, int a, int b,
   const MappingCamera& camera_b = set.cameras[photo_b.camera_idx];
   const bool same_camera = photo_a.camera_idx == photo_b.camera_idx;
   const auto sigma_factor = [](const MappingCamera& camera) {
-    return camera.source == FocalSource::kGuess ? kGuessSigmaFactor : 1.0;
+    return camera.source == FocalSource::kGuess    ? kGuessSigmaFactor
+           : camera.source == FocalSource::kPhotos ? kPhotosSigmaFactor
+                                                   : 1.0;
   };
   const uint64_t seed =
       HashWord(options.seed ^ HashWord(static_cast<uint64_t>(a) << 32 | static_cast<uint64_t>(b)));
@@ -170,8 +141,8 @@ std::optional<TwoView> FindTwoView(const PhotoSet& set, int a, int b,
                                sigma_factor(camera_a)};
       const RaySource source_b{photo_b, WithFocalScaled(camera_b.camera, factor_b),
                                sigma_factor(camera_b)};
-      const PairRays rays = MakeRays(source_a, source_b, matches);
-      const auto found = FindPairPose(rays.rays, options, seed);
+      const PairRays rays = MakePairRays(source_a, source_b, matches);
+      const auto found = FindPairPose(rays.rays, options, best_score, seed);
       if (found && found->score > best_score) {
         best_score = found->score;
         best = MakeTwoView(rays, *found, matches);

@@ -11,10 +11,11 @@
 #include <utility>
 
 #include "core/error.h"
+#include "mapping/matching/calibrate_guesses.h"
 #include "mapping/session/photo_places.h"
 #include "mapping/session/stage_codec.h"
+#include "mapping/session/stage_keys.h"
 #include "mapping/work/work_folder.h"
-#include "storage/tile/content_digest.h"
 
 namespace cairn {
 namespace {
@@ -45,40 +46,6 @@ class StageClock {
   std::chrono::steady_clock::time_point start_;
 };
 
-// The work folder keeps each key with its file, so a long text becomes its digest.
-std::string DigestOf(const std::string& text) {
-  return ContentDigest({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
-}
-
-// What two views depend on. The first number changes if a stage does.
-std::string ViewsKeyOf(const PhotoFolder& folder, const PhotoPlaces& places,
-                       const MappingOptions& options) {
-  std::string key = fmt::format("mapping 3 {}", folder.digest);
-  const PairOptions& p = options.pairs;
-  key += fmt::format(" pairs {} {} {} {} {} {}", p.max_partners, p.max_exhaustive, p.max_voters,
-                     p.neighbors_per_voter, p.max_distance_m, p.default_accuracy_m);
-  const TwoViewOptions& t = options.two_views;
-  key += fmt::format(" views {} {} {} {} {}", t.descriptors.max_ratio, t.descriptors.max_distance,
-                     t.min_inliers, t.max_iterations, t.seed);
-  for (size_t i = 0; i < places.positions.size(); ++i) {
-    const auto& position = places.positions[i];
-    key += position ? fmt::format(" {} {} {} {} {} {}", position->position.lat_rad,
-                                  position->position.lon_rad, position->position.h_m,
-                                  position->accuracy_m, position->has_height,
-                                  folder.set.photos[i].gps_accuracy_m.value_or(0.0))
-                    : " -";
-  }
-  return DigestOf(key);
-}
-
-// What segments depend on.
-std::string SegmentsKeyOf(const std::string& views_key, const GrowthOptions& g) {
-  return DigestOf(fmt::format("{} growth {} {} {} {} {} {} {} {} {}", views_key, g.min_inliers,
-                              g.min_link_share, g.min_witnesses, g.max_rotation_error_rad,
-                              g.max_direction_error_rad, g.default_gps_accuracy_m,
-                              g.adjust_after_growth, g.min_photos, g.seed));
-}
-
 // The stages, with the work folder between them.
 class Mapper {
  public:
@@ -96,6 +63,7 @@ class Mapper {
 
   MappedPhotos Run() {
     Read();
+    Calibrate();
     const Growth growth = Grow();
     Place(growth);
     return std::move(result_);
@@ -112,9 +80,13 @@ class Mapper {
   }
 
   void Read();
-  std::vector<TwoView> Match();
-  std::vector<TwoView> MatchPart(std::span<const std::pair<int, int>> pairs, size_t first,
-                                 size_t total, bool* from_work);
+  void Calibrate();
+  void FindPairsOnce();
+  std::vector<TwoView> Match(const char* stage, const std::string& file,
+                             std::span<const std::pair<int, int>> pairs);
+  std::vector<TwoView> MatchPart(const char* stage, const std::string& name,
+                                 std::span<const std::pair<int, int>> pairs, int64_t first,
+                                 int64_t total, bool* from_work);
   Growth Grow();
   void Place(const Growth& growth);
   void PlaceOne(const Segment& segment);
@@ -132,6 +104,8 @@ class Mapper {
   PhotoFolder folder_;
   PhotoPlaces places_;
   std::string views_key_, segments_key_;
+  std::vector<MappingCamera> cameras_as_read_;  // Those of the set before Calibrate().
+  std::optional<std::vector<std::pair<int, int>>> pairs_;
   std::vector<int> photo_of_image_;  // Of the model.
   MappedPhotos result_;
 };
@@ -160,9 +134,9 @@ void Mapper::Read() {
   clock.End(folder_.num_from_work == num_read);
 }
 
-std::vector<TwoView> Mapper::MatchPart(std::span<const std::pair<int, int>> pairs, size_t first,
-                                       size_t total, bool* from_work) {
-  const std::string name = fmt::format("views-{:05}", first / kPairsPerFile);
+std::vector<TwoView> Mapper::MatchPart(const char* stage, const std::string& name,
+                                       std::span<const std::pair<int, int>> pairs, int64_t first,
+                                       int64_t total, bool* from_work) {
   if (work_) {
     if (const auto stored = work_->Load(name, views_key_)) {
       return DecodeTwoViews(*stored, folder_.set, work_->PathOf(name));
@@ -170,31 +144,58 @@ std::vector<TwoView> Mapper::MatchPart(std::span<const std::pair<int, int>> pair
   }
   *from_work = false;
   std::vector<TwoView> views =
-      FindTwoViews(folder_.set, pairs, options_.two_views, [&](int done, int) {
-        Report("matching", static_cast<int64_t>(first) + done, static_cast<int64_t>(total));
-      });
+      FindTwoViews(folder_.set, pairs, options_.two_views,
+                   [&](int done, int) { Report(stage, first + done, total); });
   if (work_) {
     work_->Store(name, views_key_, EncodeTwoViews(views));
   }
   return views;
 }
 
-std::vector<TwoView> Mapper::Match() {
-  StageClock pairs_clock("pairs", &result_.stages);
-  const std::vector<std::pair<int, int>> pairs =
-      FindPairs(folder_.set, options_.pairs, Reporter("pairs"));
-  pairs_clock.End(false);
-  StageClock clock("matching", &result_.stages);
+// Files of the work folder are `file` and a number.
+std::vector<TwoView> Mapper::Match(const char* stage, const std::string& file,
+                                   std::span<const std::pair<int, int>> pairs) {
+  StageClock clock(stage, &result_.stages);
   std::vector<TwoView> views;
   bool from_work = work_ != nullptr;
   for (size_t first = 0; first < pairs.size(); first += kPairsPerFile) {
     const size_t count = std::min(kPairsPerFile, pairs.size() - first);
-    std::vector<TwoView> part =
-        MatchPart(std::span(pairs).subspan(first, count), first, pairs.size(), &from_work);
+    std::vector<TwoView> part = MatchPart(
+        stage, fmt::format("{}-{:05}", file, first / kPairsPerFile), pairs.subspan(first, count),
+        static_cast<int64_t>(first), static_cast<int64_t>(pairs.size()), &from_work);
     std::move(part.begin(), part.end(), std::back_inserter(views));
   }
   clock.End(from_work);
   return views;
+}
+
+void Mapper::FindPairsOnce() {
+  if (!pairs_) {
+    StageClock clock("pairs", &result_.stages);
+    pairs_ = FindPairs(folder_.set, options_.pairs, Reporter("pairs"));
+    clock.End(false);
+  }
+}
+
+// Finds focal lengths that nobody knows, before the pairs are matched with them.
+void Mapper::Calibrate() {
+  cameras_as_read_ = folder_.set.cameras;
+  if (!HasGuesses(folder_.set)) {
+    return;
+  }
+  if (work_) {
+    if (const auto stored = work_->Load("cameras", views_key_)) {
+      folder_.set.cameras = DecodeCameras(*stored, folder_.set, work_->PathOf("cameras"));
+      return;
+    }
+  }
+  FindPairsOnce();
+  const std::vector<TwoView> views =
+      Match("calibration", "focal", PairsForCalibration(folder_.set, *pairs_));
+  folder_.set.cameras = CalibrateGuesses(folder_.set, views, input_.num_threads);
+  if (work_) {
+    work_->Store("cameras", views_key_, EncodeCameras(folder_.set.cameras));
+  }
 }
 
 Growth Mapper::Grow() {
@@ -206,7 +207,8 @@ Growth Mapper::Grow() {
       return growth;
     }
   }
-  const std::vector<TwoView> views = Match();
+  FindPairsOnce();
+  const std::vector<TwoView> views = Match("matching", "views", *pairs_);
   StageClock clock("growth", &result_.stages);
   Growth growth = GrowSegments(folder_.set, views, options_.growth, Reporter("growth"));
   if (work_) {
@@ -351,7 +353,7 @@ void Mapper::ReportCameras() {
     ++num_photos[image.camera_idx];
   }
   for (size_t i = 0; i < result_.model.cameras.size(); ++i) {
-    const MappingCamera& before = folder_.set.cameras[i % num_cameras];
+    const MappingCamera& before = cameras_as_read_[i % num_cameras];
     if (num_photos[i] > 0) {
       result_.cameras.push_back(
           {result_.model.cameras[i], before.camera.focal_px(), before.source, num_photos[i]});

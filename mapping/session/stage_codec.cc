@@ -180,6 +180,42 @@ std::vector<TwoView> DecodeTwoViews(std::span<const uint8_t> bytes, const PhotoS
   return views;
 }
 
+std::vector<uint8_t> EncodeCameras(std::span<const MappingCamera> cameras) {
+  std::vector<uint8_t> bytes;
+  ByteWriter writer(&bytes);
+  PutIndex(static_cast<int>(cameras.size()), &writer);
+  for (const MappingCamera& camera : cameras) {
+    PutCamera(camera.camera, &writer);
+    writer.Put<double>(camera.focal.log_sigma);
+    writer.Put<uint8_t>(camera.focal.with_distortion ? 1 : 0);
+    writer.Put<uint8_t>(static_cast<uint8_t>(camera.source));
+  }
+  return bytes;
+}
+
+std::vector<MappingCamera> DecodeCameras(std::span<const uint8_t> bytes, const PhotoSet& set,
+                                         const std::string& what) {
+  ByteReader reader(bytes, what);
+  if (reader.Get<uint32_t>() != set.cameras.size()) {
+    ThrowDamaged(what);
+  }
+  std::vector<MappingCamera> cameras;
+  for (const MappingCamera& known : set.cameras) {
+    MappingCamera camera{GetCamera(&reader), {}, FocalSource::kGuess};
+    camera.focal.log_sigma = reader.Get<double>();
+    camera.focal.with_distortion = reader.Get<uint8_t>() != 0;
+    const uint8_t source = reader.Get<uint8_t>();
+    if (source > static_cast<uint8_t>(FocalSource::kPhotos) ||
+        camera.camera.width_px() != known.camera.width_px() ||
+        camera.camera.height_px() != known.camera.height_px()) {
+      ThrowDamaged(what);
+    }
+    camera.source = static_cast<FocalSource>(source);
+    cameras.push_back(std::move(camera));
+  }
+  return cameras;
+}
+
 std::vector<uint8_t> EncodeGrowth(const Growth& growth) {
   std::vector<uint8_t> bytes;
   ByteWriter writer(&bytes);

@@ -19,6 +19,10 @@ std::vector<uint8_t> EncodeTwoViews(std::span<const TwoView> views);
 std::vector<TwoView> DecodeTwoViews(std::span<const uint8_t> bytes, const PhotoSet& set,
                                     const std::string& what);
 
+std::vector<uint8_t> EncodeCameras(std::span<const MappingCamera> cameras);
+std::vector<MappingCamera> DecodeCameras(std::span<const uint8_t> bytes, const PhotoSet& set,
+                                         const std::string& what);
+
 // Keypoints are those of the set, which the bytes do not repeat.
 std::vector<uint8_t> EncodeGrowth(const Growth& growth);
 Growth DecodeGrowth(std::span<const uint8_t> bytes, const PhotoSet& set, const std::string& what);

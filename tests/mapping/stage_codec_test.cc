@@ -47,6 +47,26 @@ TEST(StageCodec, KeepsEveryBitOfTwoViews) {
   EXPECT_EQ(EncodeTwoViews(decoded), bytes);
 }
 
+TEST(StageCodec, KeepsEveryBitOfCameras) {
+  testing::StreetSegment street = testing::MakeStreetSegment(1.0);
+  std::vector<MappingCamera> cameras = street.set.cameras;
+  cameras[0].source = FocalSource::kPhotos;
+  cameras[0].focal.log_sigma = 0.07;
+  const std::vector<uint8_t> bytes = EncodeCameras(cameras);
+  const std::vector<MappingCamera> decoded = DecodeCameras(bytes, street.set, "cameras");
+  ASSERT_EQ(decoded.size(), cameras.size());
+  EXPECT_EQ(decoded[0].source, FocalSource::kPhotos);
+  EXPECT_EQ(decoded[0].focal.log_sigma, 0.07);
+  EXPECT_EQ(decoded[0].camera.params(), cameras[0].camera.params());
+  EXPECT_EQ(EncodeCameras(decoded), bytes);
+  std::vector<uint8_t> damaged = bytes;
+  damaged.back() = 9;  // A source that there is not.
+  EXPECT_THROW(DecodeCameras(damaged, street.set, "cameras"), Error);
+  EXPECT_THROW(DecodeCameras({bytes.data(), bytes.size() - 1}, street.set, "cameras"), Error);
+  street.set.cameras.push_back(cameras[0]);
+  EXPECT_THROW(DecodeCameras(bytes, street.set, "cameras"), Error);
+}
+
 TEST(StageCodec, RefusesBytesThatDoNotFitThePhotos) {
   testing::StreetSegment street = testing::MakeStreetSegment(1.0);
   const std::vector<uint8_t> bytes = EncodeGrowth(GrowthOf(street));

@@ -1,0 +1,151 @@
+#include "mapping/growth/propose_photo.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "core/focal_length.h"
+#include "core/random.h"
+
+namespace cairn {
+namespace {
+
+// Focal lengths, relative to the known one, that a photo of a new camera is tried with beside it.
+constexpr double kGuessedFactors[] = {0.8, 1.25, 0.64, 1.5625, 1.95, 2.44, 3.05};
+constexpr double kToldFactors[] = {0.87, 1.15};
+
+std::span<const double> FactorsOfNew(FocalSource source) {
+  switch (source) {
+    case FocalSource::kGuess:
+      return kGuessedFactors;
+    case FocalSource::kPhotos:
+      return kToldFactors;
+    case FocalSource::kCalibration:
+    case FocalSource::kExif:
+      break;
+  }
+  return {};
+}
+
+// SIFT still matches most of what two photos show if their directions differ by less (Mikolajczyk
+// and Schmid 2005), and if one shows it less than this many times as large.
+constexpr double kAlikeAngleRad = 0.35;
+constexpr double kAlikeScale = 2.0;
+// The two views that agree have this many times the inliers of those that contradict.
+constexpr double kBeyondDoubt = 4.0;
+
+// True if two cameras see most of the points, from nearly the same direction and as large.
+bool LooksAlike(const Rigid3d& p_from_world, const Camera& camera_p, const Rigid3d& q_from_world,
+                const Camera& camera_q, const std::vector<Eigen::Vector3d>& points_in_world) {
+  const Eigen::Vector3d p = p_from_world.Inverse().translation;
+  const Eigen::Vector3d q = q_from_world.Inverse().translation;
+  size_t num_alike = 0;
+  for (const Eigen::Vector3d& x : points_in_world) {
+    const auto pixel = camera_q.Project(q_from_world * x);
+    if (!pixel || !camera_q.Contains(*pixel)) {
+      continue;
+    }
+    const Eigen::Vector3d from_p = x - p, from_q = x - q;
+    const double angle = std::atan2(from_p.cross(from_q).norm(), from_p.dot(from_q));
+    const double scale =
+        camera_p.focal_px() * from_q.norm() / (camera_q.focal_px() * from_p.norm());
+    num_alike += angle < kAlikeAngleRad && scale < kAlikeScale && scale > 1.0 / kAlikeScale ? 1 : 0;
+  }
+  return 2 * num_alike > points_in_world.size();
+}
+
+}  // namespace
+
+Testimony Proposer::AskAbout(const Draft& draft, int photo, const Posed& posed) const {
+  return graph_.Ask(photo, posed, [&](int other) {
+    return other != photo && draft.Has(other)
+               ? std::optional<Posed>({draft.PoseOf(other), draft.CameraOf(other)})
+               : std::nullopt;
+  });
+}
+
+bool Proposer::IsElsewhere(const GpsCheck& gps, const Testimony& testimony, int photo,
+                           const Rigid3d& cam_from_world) const {
+  const bool is_doubted =
+      kBeyondDoubt * testimony.contradicting_inliers > testimony.agreeing_inliers;
+  return gps.Contradicts(photo, cam_from_world, is_doubted);
+}
+
+Proposal Proposer::Localize(const Draft& draft, int photo) const {
+  Proposal proposal;
+  proposal.photo = photo;
+  const std::vector<LandmarkSight> sights = draft.SightsOf(photo);
+  proposal.num_sights = static_cast<int>(sights.size());
+  const int camera_idx = set_.photos[photo].camera_idx;
+  const Camera& camera = draft.CameraOf(photo);
+  std::vector<Camera> cameras = {camera};
+  if (draft.IsNewCamera(camera_idx)) {
+    for (const double factor : FactorsOfNew(set_.cameras[camera_idx].source)) {
+      cameras.push_back(WithFocalScaled(camera, factor));
+    }
+  }
+  proposal.pose =
+      LocalizePhoto(cameras, sights, options_.min_inliers, SeedOf(photo, draft.num_photos()));
+  return proposal;
+}
+
+Proposal Proposer::Propose(const Draft& draft, const GpsCheck& gps, int photo,
+                           bool is_last_resort) const {
+  Proposal proposal = Localize(draft, photo);
+  if (!proposal.pose) {
+    return proposal;
+  }
+  const Testimony testimony =
+      AskAbout(draft, photo, {proposal.pose->cam_from_world, proposal.pose->camera});
+  if (proposal.pose->num_inliers < options_.min_link_share * StrongestLinkOutside(draft, photo) &&
+      !(is_last_resort && IsBeyondDoubt(testimony) &&
+        !LooksLikeOneOf(draft, photo, *proposal.pose))) {
+    proposal.verdict = PhotoVerdict::kWeakSupport;
+  } else if (testimony.num_witnesses < options_.min_witnesses ||
+             testimony.agreeing_inliers <= testimony.contradicting_inliers) {
+    proposal.verdict = PhotoVerdict::kContradicted;
+  } else if (IsElsewhere(gps, testimony, photo, proposal.pose->cam_from_world)) {
+    proposal.verdict = PhotoVerdict::kGpsContradicts;
+  } else {
+    proposal.verdict = PhotoVerdict::kInSegment;
+  }
+  return proposal;
+}
+
+bool Proposer::IsBeyondDoubt(const Testimony& testimony) const {
+  return testimony.num_witnesses > options_.min_witnesses &&
+         testimony.agreeing_inliers >= kBeyondDoubt * testimony.contradicting_inliers;
+}
+
+bool Proposer::LooksLikeOneOf(const Draft& draft, int photo, const LocalizedPhoto& pose) const {
+  const std::vector<LandmarkSight> sights = draft.SightsOf(photo);
+  std::vector<Eigen::Vector3d> seen;
+  for (const LandmarkSight& sight : sights) {
+    const auto pixel = pose.camera.Project(pose.cam_from_world * sight.x_in_world);
+    if (pixel && (*pixel - sight.pixel).norm() <= kMaxDraftSigmas * sight.sigma_px) {
+      seen.push_back(sight.x_in_world);
+    }
+  }
+  return std::any_of(draft.photos().begin(), draft.photos().end(), [&](int other) {
+    return LooksAlike(pose.cam_from_world, pose.camera, draft.PoseOf(other), draft.CameraOf(other),
+                      seen);
+  });
+}
+
+int Proposer::StrongestLinkOutside(const Draft& draft, int photo) const {
+  size_t strongest = 0;
+  for (const int view : graph_.ViewsOf(photo)) {
+    if (!draft.Has(graph_.OtherOf(view, photo))) {
+      strongest = std::max(strongest, graph_.View(view).inliers.size());
+    }
+  }
+  return static_cast<int>(strongest);
+}
+
+uint64_t Proposer::SeedOf(int photo, int num_photos) const {
+  return HashWord(options_.seed ^
+                  HashWord(static_cast<uint64_t>(photo) << 32 | static_cast<uint64_t>(num_photos)));
+}
+
+}  // namespace cairn
