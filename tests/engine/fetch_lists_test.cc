@@ -13,9 +13,9 @@
 #include "core/error.h"
 #include "core/large_vector.h"
 #include "engine/index/inverted_lists.h"
+#include "engine/index_under_test.h"
 #include "engine/tiles/fetch_tiles.h"
 #include "engine/tiles/searchable_tile.h"
-#include "lab/rivals/index_methods.h"
 #include "storage/codebook/descriptor_codec.h"
 #include "storage/tile/checksum.h"
 #include "storage/tile/tile_codec.h"
@@ -131,8 +131,7 @@ TEST_F(FetchListsTest, APayloadIsSearchedAsItsTileIs) {
 // Its codes are put into the order of the tile first.
 TEST_F(FetchListsTest, APayloadWithAnotherIndexIsSearchedAsItsTileIs) {
   const std::vector<uint8_t> bytes = EncodeTile(tile_, lists_);
-  for (const IndexMethod method : {IndexMethod::kRandomGrids, IndexMethod::kKdTree}) {
-    const IndexOptions other = MakeIndexOptions(method);
+  for (const IndexOptions& other : {IndexOptions(), testing::OtherIndex()}) {
     options_.kind = other.kind;
     options_.other = other.other;
     const auto from_payload =

@@ -14,8 +14,6 @@
 #include "core/angles.h"
 #include "core/error.h"
 #include "engine/mapped_streets.h"
-#include "lab/rivals/covisibility_filter.h"
-#include "lab/rivals/index_methods.h"
 #include "storage/codebook/descriptor_codec.h"
 
 namespace cairn {
@@ -57,12 +55,10 @@ TEST_F(LocalizerOnOneStreet, ASureQuerySearchesAFewOfItsKeypoints) {
 
 TEST_F(LocalizerOnOneStreet, WorksWithEveryAlternative) {
   std::vector<LocalizerOptions> alternatives;
-  for (const IndexMethod method : {IndexMethod::kInvertedLists, IndexMethod::kInvertedMultiIndex,
-                                   IndexMethod::kKdTree, IndexMethod::kExhaustive}) {
-    alternatives.emplace_back().matching.index = MakeIndexOptions(method);
+  for (const IndexKind kind : {IndexKind::kInvertedLists, IndexKind::kExhaustive}) {
+    alternatives.emplace_back().matching.index.kind = kind;
   }
   alternatives.emplace_back().voting.filter = OutlierFilter::kVoting3d;
-  alternatives.emplace_back().voting = WithCovisibility({});
   alternatives.emplace_back().matching.distance_filter = DistanceFilter::kNone;
   LocalizerOptions& word_ratio = alternatives.emplace_back();
   word_ratio.matching.distance_filter = DistanceFilter::kWordRatio;

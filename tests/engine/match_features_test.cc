@@ -13,10 +13,10 @@
 
 #include "core/angles.h"
 #include "core/error.h"
+#include "engine/index_under_test.h"
 #include "engine/landmark_matches.h"
 #include "engine/simple_tile.h"
 #include "engine/synthetic_descriptors.h"
-#include "lab/rivals/index_methods.h"
 
 namespace cairn {
 namespace {
@@ -158,14 +158,14 @@ TEST(MatchFeatures, EveryKindOfIndexGivesTheSameMatches) {
   const QueryContext query = SimpleQuery({{0.0f}, {1.0f}});
   MatchingOptions options;
   options.max_neighbors = 2;
-  for (const IndexMethod method :
-       {IndexMethod::kRandomGrids, IndexMethod::kInvertedLists, IndexMethod::kInvertedMultiIndex,
-        IndexMethod::kKdTree, IndexMethod::kExhaustive}) {
-    const IndexOptions index =
-        MakeIndexOptions(method, {.grids = testing::ExhaustiveGrids().grids});
+  IndexOptions lists, exhaustive;
+  lists.kind = IndexKind::kInvertedLists;
+  exhaustive.kind = IndexKind::kExhaustive;
+  for (const IndexOptions& index :
+       {testing::ExhaustiveGrids(), lists, exhaustive, testing::OtherIndex()}) {
     const std::vector<TileView> tiles = {SimpleView(tile, Rigid3d(), index)};
     EXPECT_THAT(LandmarkIds(tiles, Match(query, tiles, options)), ElementsAre(2, 1, 1, 4))
-        << IndexMethodName(method);
+        << static_cast<int>(index.kind);
   }
 }
 

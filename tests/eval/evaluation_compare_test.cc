@@ -5,8 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "lab/experiments/measure/evaluation_size.h"
-
 namespace cairn {
 namespace {
 
@@ -100,25 +98,6 @@ TEST(MeanPairedDifference, IsTheMeanOverPairs) {
   EXPECT_DOUBLE_EQ(mean.value, 0.25);
   EXPECT_DOUBLE_EQ(mean.low, one.low / 2.0);
   EXPECT_DOUBLE_EQ(mean.high, one.high / 2.0);
-}
-
-TEST(MapSizes, AreRatiosOfWhatTheMapHolds) {
-  MapInfo info;
-  info.num_tiles = 2;
-  info.num_landmarks = 100;
-  info.num_descriptors = 250;
-  info.payload_bytes = 5000;
-  info.file_bytes = 6000;
-  const MapSizes sizes = MeasureMapSizes(info);
-  EXPECT_DOUBLE_EQ(sizes.bytes_per_tile, 2500.0);
-  EXPECT_DOUBLE_EQ(sizes.bytes_per_landmark, 50.0);
-  EXPECT_DOUBLE_EQ(sizes.bytes_per_descriptor, 20.0);
-  EXPECT_DOUBLE_EQ(sizes.descriptors_per_landmark, 2.5);
-  EXPECT_DOUBLE_EQ(sizes.file_overhead, 0.2);
-}
-
-TEST(MapSizes, OfAnEmptyMapAreZero) {
-  EXPECT_DOUBLE_EQ(MeasureMapSizes({}).bytes_per_landmark, 0.0);
 }
 
 }  // namespace
